@@ -1,0 +1,135 @@
+#include "bytes.h"
+#include "crc32.h"
+#include "rg_blob.h"
+
+static const uint8_t kMagic[8] = {'R', 'A', 'Y', 'G', 'R', 'I', 'D', 0};
+
+/* Magic, version, sizes, and the CRC over header and section table. */
+static rg_status check_header(const uint8_t* bytes, uint32_t num_bytes) {
+  if (num_bytes < RG_HEADER_SIZE) return RG_ERR_TRUNCATED;
+  for (uint32_t i = 0; i < sizeof(kMagic); ++i)
+    if (bytes[i] != kMagic[i]) return RG_ERR_MAGIC;
+  if (rg_load_u16(bytes + 8) != RG_FORMAT_MAJOR) return RG_ERR_VERSION;
+
+  const uint32_t total_size = rg_load_u32(bytes + 12);
+  const uint32_t num_sections = rg_load_u16(bytes + 16);
+  if (total_size > num_bytes) return RG_ERR_TRUNCATED;
+  if (total_size % 4 != 0 || rg_load_u16(bytes + 18) != RG_HEADER_SIZE ||
+      num_sections == 0 || num_sections > RG_MAX_SECTIONS)
+    return RG_ERR_HEADER;
+  const uint32_t table_size = num_sections * RG_SECTION_ENTRY_SIZE;
+  if (RG_HEADER_SIZE + table_size > total_size) return RG_ERR_HEADER;
+
+  const uint32_t crc = rg_crc32(rg_crc32(0, bytes, RG_HEADER_SIZE - 4),
+                                bytes + RG_HEADER_SIZE, table_size);
+  if (crc != rg_load_u32(bytes + 28)) return RG_ERR_HEADER_CRC;
+  if ((rg_load_u32(bytes + 20) | rg_load_u32(bytes + 24)) != 0)
+    return RG_ERR_RESERVED;
+  return RG_OK;
+}
+
+/* The sections tile the blob, in the order of the table, and are undamaged. */
+static rg_status check_section_table(const uint8_t* bytes) {
+  const uint32_t total_size = rg_load_u32(bytes + 12);
+  const uint32_t num_sections = rg_load_u16(bytes + 16);
+  uint32_t end = RG_HEADER_SIZE + num_sections * RG_SECTION_ENTRY_SIZE;
+  for (uint32_t i = 0; i < num_sections; ++i) {
+    const uint8_t* entry = bytes + RG_HEADER_SIZE + i * RG_SECTION_ENTRY_SIZE;
+    const uint32_t offset = rg_load_u32(entry + 4);
+    const uint32_t size = rg_load_u32(entry + 8);
+    if (offset != end || size == 0 || size % 4 != 0 ||
+        size > total_size - offset)
+      return RG_ERR_SECTION_TABLE;
+    end = offset + size;
+  }
+  if (end != total_size) return RG_ERR_SECTION_TABLE;
+
+  for (uint32_t i = 0; i < num_sections; ++i) {
+    const uint8_t* entry = bytes + RG_HEADER_SIZE + i * RG_SECTION_ENTRY_SIZE;
+    const uint8_t* section = bytes + rg_load_u32(entry + 4);
+    if (rg_crc32(0, section, rg_load_u32(entry + 8)) != rg_load_u32(entry + 12))
+      return RG_ERR_SECTION_CRC;
+  }
+  return RG_OK;
+}
+
+/* Notes where the section lies; a repeated remap table is a further one, which
+ * this version does not use. */
+static rg_status find_section(const uint8_t* entry, rg_blob* blob) {
+  const uint32_t type = rg_load_u16(entry);
+  const uint32_t flags = rg_load_u16(entry + 2);
+  const uint32_t offset = rg_load_u32(entry + 4);
+  if (flags > RG_SECTION_CRITICAL) return RG_ERR_SECTION_FLAGS;
+
+  uint32_t* found = 0;
+  if (type == RG_SECTION_CAMERA) found = &blob->camera;
+  if (type == RG_SECTION_CENTRAL_GRID) found = &blob->grid;
+  if (type == RG_SECTION_REMAP) found = &blob->remap;
+  if (type == RG_SECTION_QUALITY) found = &blob->quality;
+  if (!found) return flags != 0 ? RG_ERR_SECTION_UNKNOWN : RG_OK;
+
+  const uint32_t must_be_critical =
+      type == RG_SECTION_CAMERA || type == RG_SECTION_CENTRAL_GRID;
+  if (flags != must_be_critical) return RG_ERR_SECTION_FLAGS;
+  if (*found == 0)
+    *found = offset;
+  else if (type != RG_SECTION_REMAP)
+    return RG_ERR_SECTION_DUPLICATE;
+  return RG_OK;
+}
+
+static rg_status check_section(const uint8_t* bytes, const uint8_t* entry,
+                               const rg_blob* blob) {
+  const uint32_t type = rg_load_u16(entry);
+  const uint8_t* section = bytes + rg_load_u32(entry + 4);
+  const uint32_t size = rg_load_u32(entry + 8);
+  const uint8_t* camera = bytes + blob->camera;
+  if (type == RG_SECTION_CENTRAL_GRID)
+    return rg_check_grid(section, size, camera);
+  if (type == RG_SECTION_REMAP) return rg_check_remap(section, size, camera);
+  if (type == RG_SECTION_QUALITY) return rg_check_quality(section, size);
+  return RG_OK;
+}
+
+static rg_status find_and_check_sections(rg_blob* blob) {
+  const uint8_t* table = blob->bytes + RG_HEADER_SIZE;
+  const uint8_t* table_end =
+      table + rg_load_u16(blob->bytes + 16) * RG_SECTION_ENTRY_SIZE;
+  uint32_t camera_size = 0;
+  for (const uint8_t* entry = table; entry < table_end;
+       entry += RG_SECTION_ENTRY_SIZE) {
+    const rg_status status = find_section(entry, blob);
+    if (status != RG_OK) return status;
+    if (rg_load_u16(entry) == RG_SECTION_CAMERA)
+      camera_size = rg_load_u32(entry + 8);
+  }
+  if (blob->camera == 0 || blob->grid == 0) return RG_ERR_SECTION_MISSING;
+
+  rg_status status = rg_check_camera(blob->bytes + blob->camera, camera_size);
+  for (const uint8_t* entry = table; status == RG_OK && entry < table_end;
+       entry += RG_SECTION_ENTRY_SIZE)
+    status = check_section(blob->bytes, entry, blob);
+  return status;
+}
+
+rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {
+  if (!bytes || !blob) return RG_ERR_ARGUMENT;
+  if ((uintptr_t)bytes % 4 != 0) return RG_ERR_MISALIGNED;
+
+  const uint8_t* const p = (const uint8_t*)bytes;
+  rg_status status = check_header(p, num_bytes);
+  if (status == RG_OK) status = check_section_table(p);
+  if (status != RG_OK) return status;
+
+  rg_blob found = {p, rg_load_u32(p + 12), 0, 0, 0, 0};
+  status = find_and_check_sections(&found);
+  if (status != RG_OK) return status;
+  /* Field by field: copied whole, some compilers would call memcpy. */
+  blob->bytes = found.bytes;
+  blob->size = found.size;
+  blob->camera = found.camera;
+  blob->grid = found.grid;
+  blob->remap = found.remap;
+  blob->quality = found.quality;
+  return RG_OK;
+}

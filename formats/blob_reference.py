@@ -1,0 +1,911 @@
+#!/usr/bin/env python3
+"""A slow, independent reader and writer of raygrid blobs, version 1.
+
+Written from SPEC.md alone, for comparison with the implementation in C. Section names in the
+docstrings ("Header", "Central grid", ...) are those of SPEC.md. Everything is plain integers,
+except un-projection, which is in double precision.
+"""
+
+import argparse
+import csv
+import dataclasses
+import math
+import struct
+import sys
+import zlib
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+Pair = tuple[int, int]
+
+MAGIC = b"RAYGRID\0"
+MAJOR = 1
+MINOR = 0
+MAX_SECTIONS = 16
+
+HEADER = struct.Struct("<8sHHIHHIII")
+ENTRY = struct.Struct("<HHIII")
+CAMERA = struct.Struct("<HHI32s32s")
+GRID = struct.Struct("<4i2H2I2H2I")
+REMAP = struct.Struct("<4H2BH4i6i2I2i3I")
+QUALITY = struct.Struct("<10I")
+CRC_COVERED_HEADER = 28
+
+TYPE_CAMERA = 1
+TYPE_GRID = 2
+TYPE_REMAP = 3
+TYPE_QUALITY = 4
+CRITICAL = 1
+FLAGS_OF_TYPE = {TYPE_CAMERA: CRITICAL, TYPE_GRID: CRITICAL, TYPE_REMAP: 0, TYPE_QUALITY: 0}
+REQUIRED_TYPES = (TYPE_CAMERA, TYPE_GRID)
+SINGLE_TYPES = (TYPE_CAMERA, TYPE_GRID, TYPE_QUALITY)
+
+MAX_IMAGE_SIDE = 16384
+MAX_REMAP_SIDE = 8192
+TEXT_SIZE = 32
+HALF_PIXEL_Q16 = 1 << 15
+CONTROL_POINT_COUNTS = range(4, 1028)
+CHART_STEREOGRAPHIC = 1
+FRACTION_BITS = 29
+CONTROL_POINT_LIMIT = 0x7F000000
+LAST_FRACTION = 1 - 2.0**-32
+BLOCK_LOG2S = (3, 4, 5)
+MAX_RESIDUAL_SHIFT = 10
+VERTEX_LIMIT_Q12 = 1 << 25
+SEGMENT = 8
+
+EXIT_FAILURE = 1
+EXIT_INVALID = 8
+
+
+class BlobError(Exception):
+    """A fault; `status` is the identifier of rg_status.h."""
+
+    def __init__(self, status: str, message: str) -> None:
+        super().__init__(f"{status} {message}")
+        self.status = status
+        self.message = message
+
+
+def require(condition: bool, status: str, message: str) -> None:
+    """Raise the fault unless the condition holds."""
+    if not condition:
+        raise BlobError(status, message)
+
+
+# The data of a blob
+
+
+class Header(NamedTuple):
+    """Header: the fields in the order of the bytes."""
+
+    magic: bytes
+    major: int
+    minor: int
+    total_size: int
+    section_count: int
+    header_size: int
+    reserved_20: int
+    reserved_24: int
+    header_crc: int
+
+
+class Entry(NamedTuple):
+    """Header: one entry of the section table."""
+
+    type: int
+    flags: int
+    offset: int
+    size: int
+    crc: int
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Camera (type 1)."""
+
+    width: int
+    height: int
+    name: str
+    serial: str
+
+
+@dataclass(frozen=True)
+class CentralGrid:
+    """Central grid (type 2); `control_points` row by row from the top, (a, b) in q29."""
+
+    x0: int
+    y0: int
+    x1: int
+    y1: int
+    columns: int
+    rows: int
+    control_points: tuple[Pair, ...]
+
+    @property
+    def scale_x(self) -> int:
+        """Central grid: scale_x, q32 cells per pixel."""
+        return grid_scale(self.columns, self.x0, self.x1)
+
+    @property
+    def scale_y(self) -> int:
+        """Central grid: scale_y, q32 cells per pixel."""
+        return grid_scale(self.rows, self.y0, self.y1)
+
+
+@dataclass(frozen=True)
+class Remap:
+    """Remap (type 3); `vertices` are the residuals, `empty_blocks` the bits of the mask."""
+
+    width: int
+    height: int
+    block_log2: int
+    residual_shift: int
+    min_x: int
+    min_y: int
+    max_x: int
+    max_y: int
+    origin: Pair
+    column_step: Pair
+    row_step: Pair
+    fx: int
+    fy: int
+    cx: int
+    cy: int
+    bound_upx: int
+    max_error_upx: int
+    vertices: tuple[Pair, ...]
+    empty_blocks: tuple[bool, ...]
+
+    @property
+    def columns(self) -> int:
+        """Remap: vertices across."""
+        return ceil_divide(self.width, 1 << self.block_log2) + 1
+
+    @property
+    def rows(self) -> int:
+        """Remap: vertices down."""
+        return ceil_divide(self.height, 1 << self.block_log2) + 1
+
+
+@dataclass(frozen=True)
+class Quality:
+    """Quality (type 4); FFFFFFFFh where a value is not known."""
+
+    training_median_upx: int
+    training_rms_upx: int
+    training_max_upx: int
+    training_count: int
+    held_out_median_upx: int
+    held_out_rms_upx: int
+    held_out_max_upx: int
+    held_out_count: int
+    packing_error_npx: int
+    packing_error_prad: int
+
+
+@dataclass(frozen=True)
+class Blob:
+    """What a version-1.0 reader takes from a blob; `remap` is the first remap section."""
+
+    camera: Camera
+    grid: CentralGrid
+    remap: Remap | None = None
+    quality: Quality | None = None
+
+
+def ceil_divide(a: int, b: int) -> int:
+    """The smallest integer not below a / b."""
+    return -(-a // b)
+
+
+def grid_scale(count: int, low: int, high: int) -> int:
+    """Central grid: q32 cells per pixel of an axis from its control points and its area."""
+    require(low < high, "RG_ERR_AREA", "the calibrated area is empty")
+    return ((count - 3) << 48) // (high - low)
+
+
+def mask_size(blocks: int) -> int:
+    """Remap: bytes of the empty-block mask, padded to a multiple of 4."""
+    return ceil_divide(blocks, 32) * 4
+
+
+def block_count(remap: Remap) -> int:
+    """Remap: bits of the empty-block mask that have a block."""
+    return (remap.columns - 1) * (remap.rows - 1)
+
+
+# Reading: header and section table
+
+
+def read_header(data: bytes) -> Header:
+    """Duties, "A reader": from the magic to the section count."""
+    require(len(data) >= HEADER.size, "RG_ERR_TRUNCATED", f"{len(data)} bytes hold no header")
+    header = Header(*HEADER.unpack_from(data))
+    require(header.magic == MAGIC, "RG_ERR_MAGIC", f"magic is {header.magic.hex(' ')}")
+    require(header.major == MAJOR, "RG_ERR_VERSION", f"major version is {header.major}")
+    check_total_size(header.total_size, len(data))
+    require(header.header_size == HEADER.size, "RG_ERR_HEADER",
+            f"header_size is {header.header_size}")
+    check_section_count(header)
+    return header
+
+
+def check_total_size(total_size: int, given: int) -> None:
+    """Header: total_size against the bytes given, which may be more."""
+    require(total_size <= given, "RG_ERR_TRUNCATED",
+            f"total_size is {total_size}, but {given} bytes are given")
+    require(total_size % 4 == 0, "RG_ERR_HEADER",
+            f"total_size {total_size} is not a multiple of 4")
+
+
+def check_section_count(header: Header) -> None:
+    """Header: section_count in its limits, and the table within total_size."""
+    count = header.section_count
+    require(1 <= count <= MAX_SECTIONS, "RG_ERR_HEADER", f"section_count is {count}")
+    require(table_end(count) <= header.total_size, "RG_ERR_HEADER",
+            f"total_size {header.total_size} cannot hold a table of {count} sections")
+
+
+def table_end(section_count: int) -> int:
+    """Header: the offset of the first byte after the section table."""
+    return HEADER.size + section_count * ENTRY.size
+
+
+def header_crc(data: bytes, section_count: int) -> int:
+    """Header: CRC over bytes 0 to 27, continued over the section table."""
+    crc = zlib.crc32(data[:CRC_COVERED_HEADER])
+    return zlib.crc32(data[HEADER.size:table_end(section_count)], crc)
+
+
+def read_table(data: bytes, header: Header) -> list[Entry]:
+    """Duties, "A reader": from header_crc to the duplicate and missing sections."""
+    crc = header_crc(data, header.section_count)
+    require(crc == header.header_crc, "RG_ERR_HEADER_CRC",
+            f"header_crc is {header.header_crc:08x}, not {crc:08x}")
+    require(header.reserved_20 == 0 and header.reserved_24 == 0, "RG_ERR_RESERVED",
+            "a reserved field of the header is not 0")
+    table_bytes = data[HEADER.size:table_end(header.section_count)]
+    table = [Entry(*fields) for fields in ENTRY.iter_unpack(table_bytes)]
+    check_tiling(table, header.total_size)
+    check_section_crcs(data, table)
+    check_flags(table)
+    check_occurrence([entry.type for entry in table])
+    return table
+
+
+def check_tiling(table: list[Entry], total_size: int) -> None:
+    """Header: the sections tile the rest of the blob, in the order of the table."""
+    position = table_end(len(table))
+    for index, entry in enumerate(table):
+        require(entry.offset == position, "RG_ERR_SECTION_TABLE",
+                f"section {index} starts at {entry.offset}, not at {position}")
+        require(entry.size > 0 and entry.size % 4 == 0, "RG_ERR_SECTION_TABLE",
+                f"section {index} has a size of {entry.size}")
+        position += entry.size
+        require(position <= total_size, "RG_ERR_SECTION_TABLE",
+                f"section {index} ends at {position}, beyond total_size {total_size}")
+    require(position == total_size, "RG_ERR_SECTION_TABLE",
+            f"the last section ends at {position}, not at total_size {total_size}")
+
+
+def section_bytes(data: bytes, entry: Entry) -> bytes:
+    """The bytes of one section."""
+    return data[entry.offset:entry.offset + entry.size]
+
+
+def check_section_crcs(data: bytes, table: list[Entry]) -> None:
+    """Header: CRC over each section's bytes."""
+    for index, entry in enumerate(table):
+        crc = zlib.crc32(section_bytes(data, entry))
+        require(crc == entry.crc, "RG_ERR_SECTION_CRC",
+                f"the crc of section {index} is {entry.crc:08x}, not {crc:08x}")
+
+
+def check_flags(table: list[Entry]) -> None:
+    """Header: flags of each section, and no unknown section that is critical."""
+    for index, entry in enumerate(table):
+        require(entry.flags & ~CRITICAL == 0, "RG_ERR_SECTION_FLAGS",
+                f"section {index} has flags {entry.flags:#x}")
+        if entry.type in FLAGS_OF_TYPE:
+            require(entry.flags == FLAGS_OF_TYPE[entry.type], "RG_ERR_SECTION_FLAGS",
+                    f"section {index} of type {entry.type} has flags {entry.flags:#x}")
+        else:
+            require(entry.flags != CRITICAL, "RG_ERR_SECTION_UNKNOWN",
+                    f"section {index} is critical and of unknown type {entry.type}")
+
+
+def check_occurrence(types: list[int]) -> None:
+    """Header: how often each type may stand."""
+    for single in SINGLE_TYPES:
+        require(types.count(single) <= 1, "RG_ERR_SECTION_DUPLICATE",
+                f"there are {types.count(single)} sections of type {single}")
+    for required in REQUIRED_TYPES:
+        require(required in types, "RG_ERR_SECTION_MISSING",
+                f"there is no section of type {required}")
+
+
+# Reading: sections
+
+
+def parse(data: bytes) -> Blob:
+    """Duties, "A reader": check everything in the order given there, then hand out the blob."""
+    table = read_table(data, read_header(data))
+    camera = read_camera(first_section(data, table, TYPE_CAMERA))
+    grid = read_grid(first_section(data, table, TYPE_GRID), camera)
+    remaps = [read_remap(section, camera) for section in sections(data, table, TYPE_REMAP)]
+    qualities = [read_quality(section) for section in sections(data, table, TYPE_QUALITY)]
+    return Blob(camera, grid, next(iter(remaps), None), next(iter(qualities), None))
+
+
+def sections(data: bytes, table: list[Entry], wanted: int) -> Iterator[bytes]:
+    """The sections of a type, in the order of the table."""
+    return (section_bytes(data, entry) for entry in table if entry.type == wanted)
+
+
+def first_section(data: bytes, table: list[Entry], wanted: int) -> bytes:
+    """The first section of a type that is present."""
+    return next(sections(data, table, wanted))
+
+
+def unpack_fields(layout: struct.Struct, section: bytes, what: str) -> tuple:
+    """Sections: the fields at the start of a section, which may be longer than they are."""
+    require(len(section) >= layout.size, "RG_ERR_SECTION_SIZE",
+            f"the {what} section has {len(section)} bytes, fewer than {layout.size}")
+    return layout.unpack_from(section)
+
+
+def check_data_offset(data_offset: int, layout: struct.Struct, what: str) -> None:
+    """Sections: data_offset is a multiple of 4 and at least the size of the fields."""
+    require(data_offset % 4 == 0 and data_offset >= layout.size, "RG_ERR_DATA_OFFSET",
+            f"data_offset of the {what} is {data_offset}")
+
+
+def array_bytes(section: bytes, data_offset: int, size: int, what: str) -> bytes:
+    """Sections: the arrays, which fill the section exactly from data_offset to its end."""
+    require(len(section) == data_offset + size, "RG_ERR_SECTION_SIZE",
+            f"the {what} section has {len(section)} bytes, not {data_offset} + {size}")
+    return section[data_offset:]
+
+
+def read_camera(section: bytes) -> Camera:
+    """Camera (type 1)."""
+    width, height, reserved, name, serial = unpack_fields(CAMERA, section, "camera")
+    for side in (width, height):
+        require(1 <= side <= MAX_IMAGE_SIDE, "RG_ERR_IMAGE_SIZE",
+                f"the image has {width} x {height} pixels")
+    require(reserved == 0, "RG_ERR_RESERVED", "the reserved field of the camera is not 0")
+    return Camera(width, height, read_text(name, "name"), read_text(serial, "serial"))
+
+
+def read_text(field: bytes, what: str) -> str:
+    """Camera: UTF-8 and then zeros, at least one."""
+    text, zero, padding = field.partition(b"\0")
+    require(zero != b"" and not any(padding), "RG_ERR_TEXT", f"{what} is not padded with zeros")
+    try:
+        return text.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise BlobError("RG_ERR_TEXT", f"{what} is not UTF-8") from error
+
+
+def read_grid(section: bytes, camera: Camera) -> CentralGrid:
+    """Central grid (type 2)."""
+    fields = unpack_fields(GRID, section, "grid")
+    grid = CentralGrid(*fields[:6], control_points=())
+    scale_x, scale_y, chart, fraction_bits, data_offset, reserved = fields[6:]
+    check_area(grid.x0, grid.x1, camera.width, "x")
+    check_area(grid.y0, grid.y1, camera.height, "y")
+    check_grid_size(grid)
+    check_grid_scale(grid, scale_x, scale_y)
+    require(chart == CHART_STEREOGRAPHIC and fraction_bits == FRACTION_BITS,
+            "RG_ERR_GRID_CHART", f"chart is {chart}, fraction_bits {fraction_bits}")
+    check_data_offset(data_offset, GRID, "grid")
+    require(reserved == 0, "RG_ERR_RESERVED", "the reserved field of the grid is not 0")
+    array = array_bytes(section, data_offset, 8 * grid.columns * grid.rows, "grid")
+    return dataclasses.replace(grid, control_points=read_control_points(array))
+
+
+def check_area(low: int, high: int, side: int, axis: str) -> None:
+    """Central grid: -1/2 <= low < high <= side - 1/2, in q16."""
+    require(-HALF_PIXEL_Q16 <= low < high <= (side << 16) - HALF_PIXEL_Q16, "RG_ERR_AREA",
+            f"the area reaches in {axis} from {low / 65536} to {high / 65536} of {side} px")
+
+
+def check_grid_size(grid: CentralGrid) -> None:
+    """Central grid: limits of columns and rows."""
+    for count in (grid.columns, grid.rows):
+        require(count in CONTROL_POINT_COUNTS, "RG_ERR_GRID_SIZE",
+                f"there are {grid.columns} x {grid.rows} control points")
+
+
+def check_grid_scale(grid: CentralGrid, scale_x: int, scale_y: int) -> None:
+    """Central grid: scale_x and scale_y as stored are what area and size give."""
+    require((scale_x, scale_y) == (grid.scale_x, grid.scale_y), "RG_ERR_GRID_SCALE",
+            f"the scales are {scale_x}, {scale_y}, not {grid.scale_x}, {grid.scale_y}")
+
+
+def read_control_points(array: bytes) -> tuple[Pair, ...]:
+    """Central grid: control points, each coordinate of magnitude at most 7F000000h."""
+    points = tuple(struct.iter_unpack("<ii", array))
+    for index, (a, b) in enumerate(points):
+        require(max(abs(a), abs(b)) <= CONTROL_POINT_LIMIT, "RG_ERR_CONTROL_POINT",
+                f"control point {index} is ({a}, {b})")
+    return points
+
+
+def read_remap(section: bytes, camera: Camera) -> Remap:
+    """Remap (type 3)."""
+    fields = unpack_fields(REMAP, section, "remap")
+    width, height, columns, rows, block_log2, residual_shift, reserved = fields[:7]
+    remap = Remap(width, height, block_log2, residual_shift, *fields[7:11], fields[11:13],
+                  fields[13:15], fields[15:17], *fields[17:23], vertices=(), empty_blocks=())
+    data_offset = fields[23]
+    check_remap_size(remap, camera)
+    check_remap_blocks(remap, columns, rows)
+    require(residual_shift <= MAX_RESIDUAL_SHIFT, "RG_ERR_REMAP_SHIFT",
+            f"residual_shift is {residual_shift}")
+    require(reserved == 0, "RG_ERR_RESERVED", "the reserved field of the remap is not 0")
+    check_source_range(remap.min_x, remap.max_x, camera.width, "x")
+    check_source_range(remap.min_y, remap.max_y, camera.height, "y")
+    require(remap.fx != 0 and remap.fy != 0, "RG_ERR_REMAP_CAMERA", "fx or fy is 0")
+    check_data_offset(data_offset, REMAP, "remap")
+    return read_remap_arrays(section, data_offset, remap)
+
+
+def check_remap_size(remap: Remap, camera: Camera) -> None:
+    """Remap: limits of the sizes of source and output."""
+    for side in (remap.width, remap.height):
+        require(1 <= side <= MAX_REMAP_SIDE, "RG_ERR_REMAP_SIZE",
+                f"the output has {remap.width} x {remap.height} pixels")
+    require(max(camera.width, camera.height) <= MAX_REMAP_SIDE, "RG_ERR_REMAP_SIZE",
+            f"the source has {camera.width} x {camera.height} pixels")
+
+
+def check_remap_blocks(remap: Remap, columns: int, rows: int) -> None:
+    """Remap: block_log2, and columns and rows as stored are what the output's size gives."""
+    require(remap.block_log2 in BLOCK_LOG2S, "RG_ERR_REMAP_BLOCK",
+            f"block_log2 is {remap.block_log2}")
+    require((columns, rows) == (remap.columns, remap.rows), "RG_ERR_REMAP_BLOCK",
+            f"there are {columns} x {rows} vertices, not {remap.columns} x {remap.rows}")
+
+
+def check_source_range(low: int, high: int, side: int, axis: str) -> None:
+    """Remap: 0 <= low <= high <= side - 1, in q12."""
+    require(0 <= low <= high <= (side - 1) << 12, "RG_ERR_REMAP_SOURCE",
+            f"the source reaches in {axis} from {low / 4096} to {high / 4096} of {side} px")
+
+
+def read_remap_arrays(section: bytes, data_offset: int, remap: Remap) -> Remap:
+    """Remap: the vertices and the empty-block mask."""
+    blocks = block_count(remap)
+    vertices_size = 4 * remap.columns * remap.rows
+    array = array_bytes(section, data_offset, vertices_size + mask_size(blocks), "remap")
+    full = dataclasses.replace(
+        remap, vertices=tuple(struct.iter_unpack("<hh", array[:vertices_size])))
+    check_vertices(full)
+    return dataclasses.replace(full, empty_blocks=read_mask(array[vertices_size:], blocks))
+
+
+def check_vertices(remap: Remap) -> None:
+    """Remap: every source position lies strictly between -2^25 and 2^25."""
+    for index, position in enumerate(vertex_positions(remap)):
+        require(max(map(abs, position)) < VERTEX_LIMIT_Q12, "RG_ERR_REMAP_VERTEX",
+                f"vertex {index} lies at {position[0] / 4096}, {position[1] / 4096} px")
+
+
+def read_mask(mask: bytes, blocks: int) -> tuple[bool, ...]:
+    """Remap: bit k of the mask is bit k mod 8 of byte floor(k / 8); the padding is zero."""
+    bits = [bool(byte >> bit & 1) for byte in mask for bit in range(8)]
+    require(not any(bits[blocks:]), "RG_ERR_RESERVED", "the padding of the mask is not 0")
+    return tuple(bits[:blocks])
+
+
+def read_quality(section: bytes) -> Quality:
+    """Quality (type 4)."""
+    return Quality(*unpack_fields(QUALITY, section, "quality"))
+
+
+# Un-projection
+
+
+def unproject(blob: Blob, x_px: float, y_px: float) -> tuple[float, float, float] | None:
+    """Central grid, "Meaning": the direction of a pixel, None outside the area."""
+    grid = blob.grid
+    across = locate(x_px, grid.x0, grid.x1, grid.scale_x, grid.columns)
+    down = locate(y_px, grid.y0, grid.y1, grid.scale_y, grid.rows)
+    if across is None or down is None:
+        return None
+    return direction(*chart_position(grid, across, down))
+
+
+def locate(value: float, low: int, high: int, scale: int, count: int) -> tuple[int, float] | None:
+    """Central grid, "Meaning": the cell i and the fraction t in it, along one axis."""
+    if not low / 65536 <= value <= high / 65536:
+        return None
+    u = (value - low / 65536) * (scale / 2**32)
+    cell = math.floor(u)
+    if cell == count - 3:
+        return cell - 1, LAST_FRACTION
+    return cell, u - cell
+
+
+def basis(t: float) -> tuple[float, float, float, float]:
+    """Central grid, "Meaning": B_0 to B_3."""
+    return ((1 - t)**3 / 6,
+            (3 * t**3 - 6 * t**2 + 4) / 6,
+            (-3 * t**3 + 3 * t**2 + 3 * t + 1) / 6,
+            t**3 / 6)
+
+
+def chart_position(grid: CentralGrid, across: tuple[int, float],
+                   down: tuple[int, float]) -> tuple[float, float]:
+    """Central grid, "Meaning": (a, b) of the B-spline surface."""
+    (i, t), (j, s) = across, down
+    a = b = 0.0
+    for m, weight_down in enumerate(basis(s)):
+        for n, weight_across in enumerate(basis(t)):
+            point = grid.control_points[(j + m) * grid.columns + i + n]
+            a += weight_down * weight_across * point[0]
+            b += weight_down * weight_across * point[1]
+    return a / 2**FRACTION_BITS, b / 2**FRACTION_BITS
+
+
+def direction(a: float, b: float) -> tuple[float, float, float]:
+    """Central grid, "Meaning": the inverse of the stereographic projection."""
+    square = a * a + b * b
+    return 2 * a / (1 + square), 2 * b / (1 + square), (1 - square) / (1 + square)
+
+
+# Remapping
+
+
+def fit(value: int, bits: int) -> int:
+    """Remap arithmetic: the value, asserted to fit a two's complement integer of so many bits."""
+    assert -(1 << bits - 1) <= value < 1 << bits - 1, f"{value} does not fit {bits} bits"
+    return value
+
+
+def rounded(v: int, n: int) -> int:
+    """Remap arithmetic: round(v, n)."""
+    return fit(fit(v, 32) + (1 << n - 1), 32) >> n
+
+
+def wrap32(value: int) -> int:
+    """Remap: the two's complement number of 32 bits that is congruent modulo 2^32."""
+    return (value + (1 << 31)) % (1 << 32) - (1 << 31)
+
+
+def vertex_positions(remap: Remap) -> list[Pair]:
+    """Remap: source positions of all vertices, q12, row by row."""
+    return [(vertex_coordinate(remap, index, 0), vertex_coordinate(remap, index, 1))
+            for index in range(len(remap.vertices))]
+
+
+def vertex_coordinate(remap: Remap, index: int, axis: int) -> int:
+    """Remap: origin + i column_step + j row_step + residual 2^residual_shift, modulo 2^32."""
+    j, i = divmod(index, remap.columns)
+    return wrap32(remap.origin[axis] + i * remap.column_step[axis] + j * remap.row_step[axis]
+                  + (remap.vertices[index][axis] << remap.residual_shift))
+
+
+def remap_grey(blob: Blob, source: bytes, border: int) -> bytes:
+    """Remap arithmetic: the whole output of a source image of 8 bits a pixel."""
+    remap = blob.remap
+    if remap is None:
+        raise BlobError("RG_ERR_NO_REMAP", "the blob has no remap")
+    require(0 <= border <= 255, "RG_ERR_ARGUMENT", f"the border value is {border}")
+    image = image_rows(source, blob.camera)
+    positions = vertex_positions(remap)
+    output = bytearray([border]) * (remap.width * remap.height)
+    for block, empty in enumerate(remap.empty_blocks):
+        if not empty:
+            for index, position in block_positions(remap, positions, block):
+                if in_source(remap, position):
+                    output[index] = sample(image, *position)
+    return bytes(output)
+
+
+def image_rows(source: bytes, camera: Camera) -> list[bytes]:
+    """The rows of a source image without gaps between them."""
+    require(len(source) == camera.width * camera.height, "RG_ERR_FRAME_SIZE",
+            f"{len(source)} bytes are not a frame of {camera.width} x {camera.height}")
+    return [source[start:start + camera.width] for start in range(0, len(source), camera.width)]
+
+
+def block_positions(remap: Remap, positions: list[Pair],
+                    block: int) -> Iterator[tuple[int, Pair]]:
+    """Remap arithmetic: index in the output and source position of each pixel of a block."""
+    log2 = remap.block_log2
+    block_row, block_column = divmod(block, remap.columns - 1)
+    corners = block_corners(remap, positions, block_row, block_column)
+    x_start, y_start = block_column << log2, block_row << log2
+    for y in range(y_start, min(y_start + (1 << log2), remap.height)):
+        (left_x, right_x), (left_y, right_y) = row_ends(corners, y - y_start, log2)
+        for x in range(x_start, min(x_start + (1 << log2), remap.width)):
+            yield y * remap.width + x, (pixel_position(left_x, right_x, x - x_start, log2),
+                                        pixel_position(left_y, right_y, x - x_start, log2))
+
+
+def block_corners(remap: Remap, positions: list[Pair], row: int, column: int) -> list[Pair]:
+    """Remap arithmetic: P00, P10, P01, P11."""
+    top = row * remap.columns + column
+    bottom = top + remap.columns
+    return [positions[top], positions[top + 1], positions[bottom], positions[bottom + 1]]
+
+
+def row_ends(corners: list[Pair], r: int, log2: int) -> list[Pair]:
+    """Remap arithmetic: (left, right) of row r, for x and for y."""
+    return [(row_end(p00, p01, r, log2), row_end(p10, p11, r, log2))
+            for p00, p10, p01, p11 in zip(*corners)]
+
+
+def row_end(top: int, bottom: int, r: int, log2: int) -> int:
+    """Remap arithmetic: left or right."""
+    return fit(top + rounded(fit(bottom - top, 32) * r, log2), 32)
+
+
+def pixel_position(left: int, right: int, offset: int, log2: int) -> int:
+    """Remap arithmetic: p of the pixel that is `offset` pixels from its block's first column."""
+    width = fit(right - left, 32)
+    step = rounded(width, log2)
+    s, k = divmod(offset, SEGMENT)
+    return fit(left + rounded(width * SEGMENT * s, log2) + fit(k * step, 32), 32)
+
+
+def in_source(remap: Remap, position: Pair) -> bool:
+    """Remap arithmetic: whether the position lies in the source rectangle."""
+    x, y = position
+    return remap.min_x <= x <= remap.max_x and remap.min_y <= y <= remap.max_y
+
+
+def sample(image: list[bytes], x: int, y: int) -> int:
+    """Remap arithmetic: the value at a position of the source rectangle."""
+    c, r = (x + 16) >> 12, y >> 12
+    wx, wy = ((x + 16) >> 5) & 127, fit((y & 4095) << 3, 16)
+    h0 = blend_row(image[r], c, wx)
+    h1 = blend_row(image[r + 1], c, wx) if wy else 0
+    v = fit(h0 + ((fit(fit(h1 - h0, 16) * wy, 32) + 16384) >> 15), 16)
+    output = fit(v + 64, 16) >> 7
+    assert 0 <= output <= 255, f"{output} does not fit a pixel"
+    return output
+
+
+def blend_row(row: bytes, c: int, wx: int) -> int:
+    """Remap arithmetic: h0 or h1; a neighbour of weight zero is not read."""
+    neighbour = row[c + 1] * wx if wx else 0
+    return fit(row[c] * (128 - wx) + neighbour, 16)
+
+
+# Writing
+
+
+def serialize(blob: Blob) -> bytes:
+    """Duties, "A writer": a blob of version 1.0, opened with the reader before it is returned.
+
+    The sequences in the blob must be tuples, as `parse` makes them.
+    """
+    try:
+        data = assemble(list(packed_sections(blob)))
+    except struct.error as error:
+        raise BlobError("RG_ERR_ARGUMENT", f"a value does not fit its field: {error}") from error
+    require(parse(data) == blob, "RG_ERR_ARGUMENT", "the blob does not read back as given")
+    return data
+
+
+def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
+    """Type and bytes of each section, camera and grid first."""
+    yield TYPE_CAMERA, pack_camera(blob.camera)
+    yield TYPE_GRID, pack_grid(blob.grid)
+    if blob.remap is not None:
+        yield TYPE_REMAP, pack_remap(blob.remap)
+    if blob.quality is not None:
+        yield TYPE_QUALITY, QUALITY.pack(*dataclasses.astuple(blob.quality))
+
+
+def assemble(packed: list[tuple[int, bytes]]) -> bytes:
+    """Header: the header, the section table and the sections that tile the rest."""
+    table = b""
+    position = table_end(len(packed))
+    for kind, section in packed:
+        table += ENTRY.pack(kind, FLAGS_OF_TYPE[kind], position, len(section),
+                            zlib.crc32(section))
+        position += len(section)
+    fields = (MAGIC, MAJOR, MINOR, position, len(packed), HEADER.size, 0, 0)
+    crc = header_crc(HEADER.pack(*fields, 0) + table, len(packed))
+    return HEADER.pack(*fields, crc) + table + b"".join(section for _, section in packed)
+
+
+def pack_camera(camera: Camera) -> bytes:
+    """Camera (type 1)."""
+    return CAMERA.pack(camera.width, camera.height, 0,
+                       pack_text(camera.name), pack_text(camera.serial))
+
+
+def pack_text(text: str) -> bytes:
+    """Camera: UTF-8 and then zeros, at least one."""
+    try:
+        field = text.encode("utf-8")
+    except UnicodeEncodeError as error:
+        raise BlobError("RG_ERR_TEXT", f"{text!r} is not Unicode text") from error
+    require(len(field) < TEXT_SIZE, "RG_ERR_TEXT", f"{text!r} is longer than 31 bytes")
+    return field.ljust(TEXT_SIZE, b"\0")
+
+
+def pack_grid(grid: CentralGrid) -> bytes:
+    """Central grid (type 2)."""
+    fields = GRID.pack(grid.x0, grid.y0, grid.x1, grid.y1, grid.columns, grid.rows,
+                       grid.scale_x, grid.scale_y, CHART_STEREOGRAPHIC, FRACTION_BITS,
+                       GRID.size, 0)
+    return fields + pack_pairs("<ii", grid.control_points)
+
+
+def pack_remap(remap: Remap) -> bytes:
+    """Remap (type 3)."""
+    fields = REMAP.pack(remap.width, remap.height, remap.columns, remap.rows,
+                        remap.block_log2, remap.residual_shift, 0,
+                        remap.min_x, remap.min_y, remap.max_x, remap.max_y,
+                        *remap.origin, *remap.column_step, *remap.row_step,
+                        remap.fx, remap.fy, remap.cx, remap.cy,
+                        remap.bound_upx, remap.max_error_upx, REMAP.size)
+    return fields + pack_pairs("<hh", remap.vertices) + pack_mask(remap.empty_blocks)
+
+
+def pack_pairs(layout: str, pairs: Iterable[Pair]) -> bytes:
+    """Control points or residuals, one after the other."""
+    return b"".join(struct.pack(layout, *pair) for pair in pairs)
+
+
+def pack_mask(empty_blocks: tuple[bool, ...]) -> bytes:
+    """Remap: the empty-block mask, padded with zero bits."""
+    mask = bytearray(mask_size(len(empty_blocks)))
+    for k, empty in enumerate(empty_blocks):
+        mask[k // 8] |= empty << k % 8
+    return bytes(mask)
+
+
+# Command line
+
+
+def field_lines(title: str, record: object) -> Iterator[str]:
+    """A dataclass as text, one field a line; arrays are only counted."""
+    yield f"{title}:"
+    for field in dataclasses.fields(record):
+        value = getattr(record, field.name)
+        if field.name in ("control_points", "vertices"):
+            value = f"{len(value)} pairs"
+        elif field.name == "empty_blocks":
+            value = f"{sum(value)} of {len(value)}"
+        yield f"  {field.name}: {value}"
+
+
+def derived_lines(record: object, names: tuple[str, ...]) -> Iterator[str]:
+    """Fields of a section that follow from its others, as text."""
+    return (f"  {name}: {getattr(record, name)}" for name in names)
+
+
+def inspect_lines(data: bytes) -> Iterator[str]:
+    """All fields of a blob as text."""
+    blob = parse(data)
+    header = read_header(data)
+    yield f"version: {header.major}.{header.minor}"
+    yield f"total_size: {header.total_size}"
+    yield f"header_crc: {header.header_crc:08x}"
+    for entry in read_table(data, header):
+        yield (f"section: type {entry.type}, flags {entry.flags}, offset {entry.offset}, "
+               f"size {entry.size}, crc {entry.crc:08x}")
+    yield from field_lines("camera", blob.camera)
+    yield from field_lines("grid", blob.grid)
+    yield from derived_lines(blob.grid, ("scale_x", "scale_y"))
+    if blob.remap is not None:
+        yield from field_lines("remap", blob.remap)
+        yield from derived_lines(blob.remap, ("columns", "rows"))
+    if blob.quality is not None:
+        yield from field_lines("quality", blob.quality)
+
+
+def hexdump_lines(data: bytes) -> Iterator[str]:
+    """A hex dump of 16 bytes a line."""
+    for offset in range(0, len(data), 16):
+        yield f"{offset:08x}  {data[offset:offset + 16].hex(' ')}"
+
+
+def run_inspect(arguments: argparse.Namespace) -> int:
+    """Print the fields of a blob."""
+    print("\n".join(inspect_lines(arguments.file.read_bytes())))
+    return 0
+
+
+def run_hexdump(arguments: argparse.Namespace) -> int:
+    """Print the bytes of a file."""
+    print("\n".join(hexdump_lines(arguments.file.read_bytes())))
+    return 0
+
+
+def run_check(arguments: argparse.Namespace) -> int:
+    """Print a status for each file."""
+    result = 0
+    for path in arguments.files:
+        try:
+            parse(path.read_bytes())
+            print(f"{path}: RG_OK")
+        except BlobError as error:
+            print(f"{path}: {error}")
+            result = EXIT_INVALID
+    return result
+
+
+def csv_pixels(lines: Iterable[str]) -> Iterator[tuple[float, float]]:
+    """Text files: the columns x and y of a CSV; `#` starts a comment."""
+    contents = (line.partition("#")[0].strip() for line in lines)
+    reader = csv.DictReader(line for line in contents if line)
+    for row in reader:
+        try:
+            yield float(row["x"]), float(row["y"])
+        except (KeyError, TypeError) as error:
+            raise ValueError("the CSV needs the columns x and y") from error
+
+
+def run_unproject(arguments: argparse.Namespace) -> int:
+    """Print the direction of each pixel that standard input lists."""
+    blob = parse(arguments.file.read_bytes())
+    print("x,y,dx,dy,dz")
+    for x, y in csv_pixels(sys.stdin):
+        ray = unproject(blob, x, y)
+        tail = ["", "", ""] if ray is None else [f"{value:.17g}" for value in ray]
+        print(",".join([f"{x:.17g}", f"{y:.17g}", *tail]))
+    return 0
+
+
+def run_remap(arguments: argparse.Namespace) -> int:
+    """Remap one frame of raw bytes."""
+    blob = parse(arguments.file.read_bytes())
+    output = remap_grey(blob, arguments.input.read_bytes(), arguments.border)
+    arguments.output.write_bytes(output)
+    return 0
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """The command line's syntax."""
+    parser = argparse.ArgumentParser(description="Reference reader of raygrid blobs.")
+    commands = parser.add_subparsers(dest="command", required=True)
+    for name, run, summary in (
+            ("inspect", run_inspect, "print the fields"),
+            ("check", run_check, "print a status for each file; exit 8 if one is refused"),
+            ("unproject", run_unproject, "directions of the pixels of a CSV on standard input"),
+            ("remap", run_remap, "remap a frame of width * height bytes"),
+            ("hexdump", run_hexdump, "print the bytes")):
+        command = commands.add_parser(name, help=summary, description=summary)
+        command.set_defaults(run=run)
+        add_arguments(command, name)
+    return parser
+
+
+def add_arguments(command: argparse.ArgumentParser, name: str) -> None:
+    """The arguments of one command."""
+    if name == "check":
+        command.add_argument("files", type=Path, nargs="+", metavar="FILE")
+        return
+    command.add_argument("file", type=Path, metavar="FILE")
+    if name == "remap":
+        command.add_argument("input", type=Path, metavar="IN.raw")
+        command.add_argument("output", type=Path, metavar="OUT.raw")
+        command.add_argument("--border", type=int, default=0, metavar="N", help="0 to 255")
+
+
+def main() -> int:
+    """Run one command."""
+    arguments = build_parser().parse_args()
+    try:
+        return arguments.run(arguments)
+    except BlobError as error:
+        print(f"{arguments.file}: {error}", file=sys.stderr)
+        return EXIT_INVALID
+    except (OSError, ValueError) as error:
+        print(f"blob_reference.py: {error}", file=sys.stderr)
+        return EXIT_FAILURE
+
+
+if __name__ == "__main__":
+    sys.exit(main())

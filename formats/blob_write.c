@@ -1,0 +1,208 @@
+#include <string.h>
+
+#include "bytes.h"
+#include "crc32.h"
+#include "rg_blob.h"
+
+static uint32_t grid_size(const rg_grid_section* grid) {
+  return RG_GRID_FIELDS_SIZE + 8 * (uint32_t)grid->columns * grid->rows;
+}
+
+static uint32_t mask_size(const rg_remap_section* remap) {
+  const uint32_t num_blocks =
+      (uint32_t)(remap->columns - 1) * (uint32_t)(remap->rows - 1);
+  return (num_blocks + 31) / 32 * 4;
+}
+
+static uint32_t remap_size(const rg_remap_section* remap) {
+  return RG_REMAP_FIELDS_SIZE + 4 * (uint32_t)remap->columns * remap->rows +
+         mask_size(remap);
+}
+
+static uint32_t num_sections(const rg_blob_contents* contents) {
+  return 2u + (contents->remap != 0) + (contents->quality != 0);
+}
+
+uint32_t rg_blob_size(const rg_blob_contents* contents) {
+  uint32_t size =
+      RG_HEADER_SIZE + RG_SECTION_ENTRY_SIZE * num_sections(contents);
+  size += RG_CAMERA_SIZE + grid_size(contents->grid);
+  if (contents->remap) size += remap_size(contents->remap);
+  if (contents->quality) size += RG_QUALITY_SIZE;
+  return size;
+}
+
+uint32_t rg_grid_scale_q32(uint32_t cells, uint32_t span_q16) {
+  return (uint32_t)(((uint64_t)cells << 48) / span_q16);
+}
+
+static void write_camera(const rg_camera_section* camera, uint8_t* section) {
+  rg_store_u16(section, camera->width);
+  rg_store_u16(section + 2, camera->height);
+  rg_store_u32(section + 4, 0);
+  memcpy(section + 8, camera->name, RG_TEXT_SIZE);
+  memcpy(section + 40, camera->serial, RG_TEXT_SIZE);
+}
+
+static void write_grid(const rg_grid_section* grid, const int32_t* points,
+                       uint8_t* section) {
+  rg_store_i32(section, grid->x0_q16);
+  rg_store_i32(section + 4, grid->y0_q16);
+  rg_store_i32(section + 8, grid->x1_q16);
+  rg_store_i32(section + 12, grid->y1_q16);
+  rg_store_u16(section + 16, grid->columns);
+  rg_store_u16(section + 18, grid->rows);
+  rg_store_u32(section + 20, grid->scale_x_q32);
+  rg_store_u32(section + 24, grid->scale_y_q32);
+  rg_store_u16(section + 28, RG_CHART_STEREOGRAPHIC);
+  rg_store_u16(section + 30, RG_CONTROL_POINT_BITS);
+  rg_store_u32(section + 32, RG_GRID_FIELDS_SIZE);
+  rg_store_u32(section + 36, 0);
+  const uint32_t count = 2 * (uint32_t)grid->columns * grid->rows;
+  for (uint32_t i = 0; i < count; ++i)
+    rg_store_i32(section + RG_GRID_FIELDS_SIZE + 4 * i, points[i]);
+}
+
+static void write_remap(const rg_remap_section* remap, const int16_t* residuals,
+                        uint8_t* section) {
+  rg_store_u16(section, remap->width);
+  rg_store_u16(section + 2, remap->height);
+  rg_store_u16(section + 4, remap->columns);
+  rg_store_u16(section + 6, remap->rows);
+  section[8] = remap->block_log2;
+  section[9] = remap->residual_shift;
+  rg_store_u16(section + 10, 0);
+  rg_store_i32(section + 12, remap->min_x_q12);
+  rg_store_i32(section + 16, remap->min_y_q12);
+  rg_store_i32(section + 20, remap->max_x_q12);
+  rg_store_i32(section + 24, remap->max_y_q12);
+  rg_store_i32(section + 28, remap->origin_x_q12);
+  rg_store_i32(section + 32, remap->origin_y_q12);
+  rg_store_i32(section + 36, remap->column_step_x_q12);
+  rg_store_i32(section + 40, remap->column_step_y_q12);
+  rg_store_i32(section + 44, remap->row_step_x_q12);
+  rg_store_i32(section + 48, remap->row_step_y_q12);
+  rg_store_u32(section + 52, remap->fx_q16);
+  rg_store_u32(section + 56, remap->fy_q16);
+  rg_store_i32(section + 60, remap->cx_q16);
+  rg_store_i32(section + 64, remap->cy_q16);
+  rg_store_u32(section + 68, remap->bound_upx);
+  rg_store_u32(section + 72, remap->max_error_upx);
+  rg_store_u32(section + 76, RG_REMAP_FIELDS_SIZE);
+  uint8_t* data = section + RG_REMAP_FIELDS_SIZE;
+  const uint32_t count = 2 * (uint32_t)remap->columns * remap->rows;
+  for (uint32_t i = 0; i < count; ++i)
+    rg_store_u16(data + 2 * i, (uint16_t)residuals[i]);
+  memcpy(data + 2 * count, remap->empty_blocks, mask_size(remap));
+}
+
+static void write_quality(const rg_quality_section* quality, uint8_t* section) {
+  const uint32_t figures[RG_QUALITY_SIZE / 4] = {
+      quality->training_median_upx, quality->training_rms_upx,
+      quality->training_max_upx,    quality->training_count,
+      quality->held_out_median_upx, quality->held_out_rms_upx,
+      quality->held_out_max_upx,    quality->held_out_count,
+      quality->packing_error_npx,   quality->packing_error_prad};
+  for (uint32_t i = 0; i < RG_QUALITY_SIZE / 4; ++i)
+    rg_store_u32(section + 4 * i, figures[i]);
+}
+
+typedef struct section_writer {
+  uint8_t* bytes;
+  uint8_t* entry;
+  uint32_t end;
+} section_writer;
+
+/* Reserves the next section and writes its entry, but for the CRC. */
+static uint8_t* begin_section(section_writer* writer, uint16_t type,
+                              uint16_t flags, uint32_t size) {
+  rg_store_u16(writer->entry, type);
+  rg_store_u16(writer->entry + 2, flags);
+  rg_store_u32(writer->entry + 4, writer->end);
+  rg_store_u32(writer->entry + 8, size);
+  uint8_t* section = writer->bytes + writer->end;
+  writer->entry += RG_SECTION_ENTRY_SIZE;
+  writer->end += size;
+  return section;
+}
+
+static void write_sections(const rg_blob_contents* contents,
+                           section_writer* writer) {
+  write_camera(contents->camera,
+               begin_section(writer, RG_SECTION_CAMERA, RG_SECTION_CRITICAL,
+                             RG_CAMERA_SIZE));
+  write_grid(contents->grid, contents->control_points_q29,
+             begin_section(writer, RG_SECTION_CENTRAL_GRID, RG_SECTION_CRITICAL,
+                           grid_size(contents->grid)));
+  if (contents->remap)
+    write_remap(contents->remap, contents->residuals,
+                begin_section(writer, RG_SECTION_REMAP, 0,
+                              remap_size(contents->remap)));
+  if (contents->quality)
+    write_quality(
+        contents->quality,
+        begin_section(writer, RG_SECTION_QUALITY, 0, RG_QUALITY_SIZE));
+}
+
+static void write_header(uint8_t* bytes, uint32_t size, uint32_t sections) {
+  memcpy(bytes, "RAYGRID", 8);
+  rg_store_u16(bytes + 8, RG_FORMAT_MAJOR);
+  rg_store_u16(bytes + 10, RG_FORMAT_MINOR);
+  rg_store_u32(bytes + 12, size);
+  rg_store_u16(bytes + 16, (uint16_t)sections);
+  rg_store_u16(bytes + 18, RG_HEADER_SIZE);
+  rg_store_u32(bytes + 20, 0);
+  rg_store_u32(bytes + 24, 0);
+}
+
+/* Sections first, for their CRCs are part of the table that the header's CRC
+ * covers. */
+static void write_crcs(uint8_t* bytes, uint32_t sections) {
+  uint8_t* table = bytes + RG_HEADER_SIZE;
+  for (uint32_t i = 0; i < sections; ++i) {
+    uint8_t* entry = table + i * RG_SECTION_ENTRY_SIZE;
+    const uint8_t* section = bytes + rg_load_u32(entry + 4);
+    rg_store_u32(entry + 12, rg_crc32(0, section, rg_load_u32(entry + 8)));
+  }
+  const uint32_t crc = rg_crc32(0, bytes, RG_HEADER_SIZE - 4);
+  rg_store_u32(bytes + 28,
+               rg_crc32(crc, table, sections * RG_SECTION_ENTRY_SIZE));
+}
+
+/* What would make the sizes themselves meaningless. */
+static rg_status check_counts(const rg_blob_contents* contents) {
+  if (contents->grid->columns > RG_MAX_GRID_SIZE ||
+      contents->grid->rows > RG_MAX_GRID_SIZE)
+    return RG_ERR_GRID_SIZE;
+  const rg_remap_section* remap = contents->remap;
+  if (remap && (remap->columns < 2 || remap->rows < 2 ||
+                remap->columns > RG_MAX_REMAP_SIZE / 8 + 1 ||
+                remap->rows > RG_MAX_REMAP_SIZE / 8 + 1))
+    return RG_ERR_REMAP_BLOCK;
+  return RG_OK;
+}
+
+rg_status rg_blob_write(const rg_blob_contents* contents, void* buffer,
+                        uint32_t buffer_size) {
+  if (!contents || !buffer || !contents->camera || !contents->grid ||
+      !contents->control_points_q29 ||
+      (contents->remap &&
+       (!contents->residuals || !contents->remap->empty_blocks)))
+    return RG_ERR_ARGUMENT;
+  if ((uintptr_t)buffer % 4 != 0) return RG_ERR_MISALIGNED;
+  const rg_status status = check_counts(contents);
+  if (status != RG_OK) return status;
+  const uint32_t size = rg_blob_size(contents);
+  if (size > buffer_size) return RG_ERR_BUFFER_TOO_SMALL;
+
+  uint8_t* const bytes = (uint8_t*)buffer;
+  const uint32_t sections = num_sections(contents);
+  write_header(bytes, size, sections);
+  section_writer writer = {bytes, bytes + RG_HEADER_SIZE,
+                           RG_HEADER_SIZE + RG_SECTION_ENTRY_SIZE * sections};
+  write_sections(contents, &writer);
+  write_crcs(bytes, sections);
+
+  rg_blob blob;
+  return rg_blob_open(bytes, size, &blob);
+}

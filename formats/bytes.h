@@ -1,0 +1,59 @@
+/* Little-endian loads and stores. Every blob field is aligned to its size, so
+ * on little-endian machines a load is one instruction. */
+#ifndef RAYGRID_BYTES_H
+#define RAYGRID_BYTES_H
+
+#include <stdint.h>
+
+#if defined(__GNUC__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+
+/* p must be a multiple of 2. */
+static inline uint16_t rg_load_u16(const uint8_t* p) {
+  uint16_t value;
+  __builtin_memcpy(&value, __builtin_assume_aligned(p, 2), 2);
+  return value;
+}
+
+/* p must be a multiple of 4. */
+static inline uint32_t rg_load_u32(const uint8_t* p) {
+  uint32_t value;
+  __builtin_memcpy(&value, __builtin_assume_aligned(p, 4), 4);
+  return value;
+}
+
+#else
+
+static inline uint16_t rg_load_u16(const uint8_t* p) {
+  return (uint16_t)(p[0] | (p[1] << 8));
+}
+
+static inline uint32_t rg_load_u32(const uint8_t* p) {
+  return p[0] | ((uint32_t)p[1] << 8) | ((uint32_t)p[2] << 16) |
+         ((uint32_t)p[3] << 24);
+}
+
+#endif
+
+static inline int16_t rg_load_i16(const uint8_t* p) {
+  return (int16_t)rg_load_u16(p);
+}
+
+static inline int32_t rg_load_i32(const uint8_t* p) {
+  return (int32_t)rg_load_u32(p);
+}
+
+static inline void rg_store_u16(uint8_t* p, uint16_t value) {
+  p[0] = (uint8_t)value;
+  p[1] = (uint8_t)(value >> 8);
+}
+
+static inline void rg_store_u32(uint8_t* p, uint32_t value) {
+  rg_store_u16(p, (uint16_t)value);
+  rg_store_u16(p + 2, (uint16_t)(value >> 16));
+}
+
+static inline void rg_store_i32(uint8_t* p, int32_t value) {
+  rg_store_u32(p, (uint32_t)value);
+}
+
+#endif /* RAYGRID_BYTES_H */

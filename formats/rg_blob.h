@@ -1,0 +1,158 @@
+/* The calibration blob: what the host writes and the board reads in place.
+ * Byte by byte in SPEC.md; the field names here are the names there.
+ *
+ * C99, no allocation, no floating point. Bytes from outside are validated once
+ * by rg_blob_open(); everything after that may rely on them. */
+#ifndef RAYGRID_RG_BLOB_H
+#define RAYGRID_RG_BLOB_H
+
+#include <stdint.h>
+
+#include "rg_status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define RG_FORMAT_MAJOR 1
+#define RG_FORMAT_MINOR 0
+
+#define RG_HEADER_SIZE 32u
+#define RG_SECTION_ENTRY_SIZE 16u
+#define RG_MAX_SECTIONS 16u
+#define RG_SECTION_CRITICAL 1u /* flag: a reader that does not know it stops */
+
+enum rg_section_type {
+  RG_SECTION_CAMERA = 1,
+  RG_SECTION_CENTRAL_GRID = 2,
+  RG_SECTION_REMAP = 3,
+  RG_SECTION_QUALITY = 4
+};
+
+/* Sizes of the fields in front of each section's arrays. */
+#define RG_CAMERA_SIZE 72u
+#define RG_GRID_FIELDS_SIZE 40u
+#define RG_REMAP_FIELDS_SIZE 80u
+#define RG_QUALITY_SIZE 40u
+
+#define RG_TEXT_SIZE 32u /* name and serial, zero-padded */
+#define RG_MAX_IMAGE_SIZE 16384u
+#define RG_MAX_REMAP_SIZE 8192u
+#define RG_MIN_GRID_SIZE 4u
+#define RG_MAX_GRID_SIZE 1027u
+#define RG_CHART_STEREOGRAPHIC 1u
+#define RG_CONTROL_POINT_BITS 29u           /* fraction bits */
+#define RG_CONTROL_POINT_LIMIT 0x7f000000   /* 3.96875 in q29 */
+#define RG_VERTEX_LIMIT_Q12 (INT32_C(1) << 25) /* 8192 px */
+#define RG_MAX_RESIDUAL_SHIFT 10u
+#define RG_UNKNOWN_FIGURE 0xffffffffu
+
+/* Identity of the camera. */
+typedef struct rg_camera_section {
+  uint16_t width, height; /* pixels, 1 to RG_MAX_IMAGE_SIZE */
+  const char* name;       /* RG_TEXT_SIZE bytes: UTF-8, then at least one zero */
+  const char* serial;     /* likewise; both point into the blob */
+} rg_camera_section;
+
+/* Central model: control points of a uniform cubic B-spline over the area,
+ * in stereographic coordinates of the direction. */
+typedef struct rg_grid_section {
+  int32_t x0_q16, y0_q16, x1_q16, y1_q16; /* calibrated area, inclusive */
+  uint16_t columns, rows;                 /* control points: cells + 3 */
+  uint32_t scale_x_q32, scale_y_q32;      /* cells per pixel */
+  const uint8_t* control_points; /* row-major pairs of i32 q29; in the blob,
+                                    little-endian */
+} rg_grid_section;
+
+/* Undistortion: source positions at the corners of square output blocks. */
+typedef struct rg_remap_section {
+  uint16_t width, height;              /* output, pixels */
+  uint16_t columns, rows;              /* vertices: blocks + 1 */
+  uint8_t block_log2;                  /* blocks of 8, 16 or 32 px */
+  uint8_t residual_shift;              /* residuals are q(12 - shift) */
+  int32_t min_x_q12, min_y_q12;        /* source positions outside these are */
+  int32_t max_x_q12, max_y_q12;        /* border */
+  int32_t origin_x_q12, origin_y_q12;  /* vertex (i, j) = origin + i column_step
+                                          + j row_step + residual << shift */
+  int32_t column_step_x_q12, column_step_y_q12;
+  int32_t row_step_x_q12, row_step_y_q12;
+  uint32_t fx_q16, fy_q16; /* the virtual pinhole camera of the output */
+  int32_t cx_q16, cy_q16;
+  uint32_t bound_upx;      /* geometric error asked for, micropixels */
+  uint32_t max_error_upx;  /* and measured over all output pixels */
+  const uint8_t* vertices; /* row-major pairs of i16 residuals */
+  const uint8_t* empty_blocks; /* a bit a block, row-major, LSB first; 1: no
+                                  pixel of it has a source */
+} rg_remap_section;
+
+/* What is known of the calibration. RG_UNKNOWN_FIGURE where not measured. */
+typedef struct rg_quality_section {
+  uint32_t training_median_upx, training_rms_upx, training_max_upx;
+  uint32_t training_count;
+  uint32_t held_out_median_upx, held_out_rms_upx, held_out_max_upx;
+  uint32_t held_out_count;
+  uint32_t packing_error_npx;  /* worst un-projection error that packing added,
+                                  nanopixels */
+  uint32_t packing_error_prad; /* the same in picoradians */
+} rg_quality_section;
+
+/* A validated blob. Offsets are from the first byte; 0 means absent. */
+typedef struct rg_blob {
+  const uint8_t* bytes;
+  uint32_t size;
+  uint32_t camera, grid, remap, quality;
+} rg_blob;
+
+/* Validates num_bytes bytes and finds the sections.
+ *
+ * bytes  multiple of 4, read in place and kept: must outlive *blob. Bytes
+ *        after the blob's own end are not looked at.
+ *
+ * Nothing outside bytes[0, num_bytes) is read, whatever they hold. Every
+ * status from RG_ERR_MISALIGNED to RG_ERR_DATA_OFFSET names one fault. */
+rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob);
+
+/* Sections of a blob that rg_blob_open() accepted. The optional quality section
+ * must be present (blob->quality not 0). */
+void rg_blob_camera(const rg_blob* blob, rg_camera_section* camera);
+void rg_blob_grid(const rg_blob* blob, rg_grid_section* grid);
+void rg_blob_quality(const rg_blob* blob, rg_quality_section* quality);
+
+/* The fields of a remap section that was accepted, from its first byte. */
+void rg_read_remap(const uint8_t* section, rg_remap_section* remap);
+
+/* Checks the fields and arrays of one section's bytes; for rg_blob_open(). */
+rg_status rg_check_camera(const uint8_t* section, uint32_t size);
+rg_status rg_check_grid(const uint8_t* section, uint32_t size,
+                        const uint8_t* camera);
+rg_status rg_check_remap(const uint8_t* section, uint32_t size,
+                         const uint8_t* camera);
+rg_status rg_check_quality(const uint8_t* section, uint32_t size);
+
+/* ---- Writing, on the host ------------------------------------------------ */
+
+typedef struct rg_blob_contents {
+  const rg_camera_section* camera;
+  const rg_grid_section* grid;       /* control_points: columns * rows pairs */
+  const int32_t* control_points_q29; /* in host order, instead of the former */
+  const rg_remap_section* remap;     /* NULL: none */
+  const int16_t* residuals;          /* columns * rows pairs, host order */
+  const rg_quality_section* quality; /* NULL: none */
+} rg_blob_contents;
+
+/* Bytes that rg_blob_write() will need. */
+uint32_t rg_blob_size(const rg_blob_contents* contents);
+
+/* Writes the blob into buffer (multiple of 4) and opens it again: whatever
+ * rg_blob_open() would refuse is refused here, with the same status. */
+rg_status rg_blob_write(const rg_blob_contents* contents, void* buffer,
+                        uint32_t buffer_size);
+
+/* Cells per pixel as the format wants them: floor(cells 2^48 / span_q16). */
+uint32_t rg_grid_scale_q32(uint32_t cells, uint32_t span_q16);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* RAYGRID_RG_BLOB_H */

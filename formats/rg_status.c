@@ -1,0 +1,77 @@
+#include "rg_status.h"
+
+const char* rg_status_text(rg_status status) {
+  switch (status) {
+    case RG_OK:
+      return "done";
+    case RG_ERR_ARGUMENT:
+      return "invalid argument";
+    case RG_ERR_MISALIGNED:
+      return "blob does not start at a multiple of 4 bytes";
+    case RG_ERR_BUFFER_TOO_SMALL:
+      return "buffer too small for the blob";
+    case RG_ERR_TRUNCATED:
+      return "blob is truncated";
+    case RG_ERR_MAGIC:
+      return "not a raygrid blob";
+    case RG_ERR_VERSION:
+      return "unsupported format version";
+    case RG_ERR_HEADER:
+      return "header size, total size or section count out of range";
+    case RG_ERR_HEADER_CRC:
+      return "header or section table is damaged (CRC)";
+    case RG_ERR_SECTION_TABLE:
+      return "section table does not tile the blob";
+    case RG_ERR_SECTION_FLAGS:
+      return "section flags are wrong";
+    case RG_ERR_SECTION_CRC:
+      return "a section is damaged (CRC)";
+    case RG_ERR_SECTION_UNKNOWN:
+      return "unknown critical section";
+    case RG_ERR_SECTION_DUPLICATE:
+      return "a section stands twice";
+    case RG_ERR_SECTION_MISSING:
+      return "camera or grid section is missing";
+    case RG_ERR_SECTION_SIZE:
+      return "section size contradicts its contents";
+    case RG_ERR_RESERVED:
+      return "a reserved field is not zero";
+    case RG_ERR_IMAGE_SIZE:
+      return "image size out of range";
+    case RG_ERR_TEXT:
+      return "name or serial is not zero-padded text";
+    case RG_ERR_AREA:
+      return "calibrated area is empty or outside the image";
+    case RG_ERR_GRID_SIZE:
+      return "number of control points out of range";
+    case RG_ERR_GRID_SCALE:
+      return "grid scale contradicts area and grid size";
+    case RG_ERR_GRID_CHART:
+      return "unknown chart or number format of the grid";
+    case RG_ERR_CONTROL_POINT:
+      return "control point out of range";
+    case RG_ERR_REMAP_SIZE:
+      return "remap size out of range";
+    case RG_ERR_REMAP_BLOCK:
+      return "remap block size or vertex counts out of range";
+    case RG_ERR_REMAP_SHIFT:
+      return "remap residual shift out of range";
+    case RG_ERR_REMAP_SOURCE:
+      return "remap source rectangle is empty or outside the image";
+    case RG_ERR_REMAP_CAMERA:
+      return "focal length of the remap's virtual camera is not positive";
+    case RG_ERR_REMAP_VERTEX:
+      return "remap vertex out of range";
+    case RG_ERR_DATA_OFFSET:
+      return "data offset of a section out of range";
+    case RG_ERR_OUTSIDE_AREA:
+      return "pixel lies outside the calibrated area";
+    case RG_ERR_NO_REMAP:
+      return "blob has no remap table";
+    case RG_ERR_FRAME_SIZE:
+      return "frame size or stride does not fit the blob";
+    case RG_ERR_ROWS:
+      return "rows beyond the end of the output";
+  }
+  return "unknown status";
+}

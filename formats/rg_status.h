@@ -1,0 +1,63 @@
+/* Every status the raygrid C libraries return: 0 is success, errors are
+ * negative. A call that fails leaves its outputs untouched. */
+#ifndef RAYGRID_RG_STATUS_H
+#define RAYGRID_RG_STATUS_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum rg_status {
+  RG_OK = 0,
+
+  /* The call itself. */
+  RG_ERR_ARGUMENT = -1,         /* a null pointer or an impossible value */
+  RG_ERR_MISALIGNED = -2,       /* the blob does not start at a multiple of 4 */
+  RG_ERR_BUFFER_TOO_SMALL = -3, /* the writer's buffer cannot hold the blob */
+
+  /* Header and section table (formats/SPEC.md, "Header"). */
+  RG_ERR_TRUNCATED = -10,         /* fewer bytes than the header announces */
+  RG_ERR_MAGIC = -11,             /* not a raygrid blob */
+  RG_ERR_VERSION = -12,           /* a major version this reader does not know */
+  RG_ERR_HEADER = -13,            /* header size, total size or section count */
+  RG_ERR_HEADER_CRC = -14,        /* header or section table damaged */
+  RG_ERR_SECTION_TABLE = -15,     /* sections overlap, leave gaps, or run out */
+  RG_ERR_SECTION_FLAGS = -16,     /* flags unknown, or wrong for the type */
+  RG_ERR_SECTION_CRC = -17,       /* a section's bytes are damaged */
+  RG_ERR_SECTION_UNKNOWN = -18,   /* a critical section of unknown type */
+  RG_ERR_SECTION_DUPLICATE = -19, /* a section that may stand once stands twice */
+  RG_ERR_SECTION_MISSING = -20,   /* no camera section, or no grid section */
+  RG_ERR_SECTION_SIZE = -21,      /* a section's size contradicts its counts */
+  RG_ERR_RESERVED = -22,          /* a reserved field or padding is not zero */
+
+  /* Fields of the sections (formats/SPEC.md, "Sections"). */
+  RG_ERR_IMAGE_SIZE = -30,    /* image width or height */
+  RG_ERR_TEXT = -31,          /* name or serial not padded with zeros */
+  RG_ERR_AREA = -32,          /* calibrated area empty or outside the image */
+  RG_ERR_GRID_SIZE = -33,     /* number of control points */
+  RG_ERR_GRID_SCALE = -34,    /* cells per pixel contradict area and size */
+  RG_ERR_GRID_CHART = -35,    /* unknown chart or fraction bits */
+  RG_ERR_CONTROL_POINT = -36, /* a control point beyond the chart's limit */
+  RG_ERR_REMAP_SIZE = -37,    /* output size, or source too large to remap */
+  RG_ERR_REMAP_BLOCK = -38,   /* block size, or vertex counts contradict it */
+  RG_ERR_REMAP_SHIFT = -39,   /* residual shift */
+  RG_ERR_REMAP_SOURCE = -40,  /* source rectangle empty or outside the image */
+  RG_ERR_REMAP_CAMERA = -41,  /* focal length of the virtual camera */
+  RG_ERR_REMAP_VERTEX = -42,  /* a vertex farther than 8192 px from the origin */
+  RG_ERR_DATA_OFFSET = -43,   /* the array does not start after the fields */
+
+  /* Use of an open camera. */
+  RG_ERR_OUTSIDE_AREA = -50, /* pixel outside the calibrated area */
+  RG_ERR_NO_REMAP = -51,     /* the blob has no remap table */
+  RG_ERR_FRAME_SIZE = -52,   /* frame size or stride does not fit the blob */
+  RG_ERR_ROWS = -53          /* rows beyond the output's last */
+} rg_status;
+
+/* The status as a short English text, for messages; never NULL. */
+const char* rg_status_text(rg_status status);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* RAYGRID_RG_STATUS_H */

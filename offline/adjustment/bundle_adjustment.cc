@@ -1,0 +1,254 @@
+#include "adjustment/bundle_adjustment.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "adjustment/normal_equations.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kInitialLambda = 1e-4;
+constexpr double kMinLambda = 1e-9, kMaxLambda = 1e8;
+
+AdjustmentState Updated(const AdjustmentState& state,
+                        const AdjustmentStep& step) {
+  AdjustmentState updated = state;
+  if (step.camera.size() > 0)
+    updated.camera->SetParameters(state.camera->Parameters() + step.camera);
+  for (Eigen::Index i = 0; i < step.points.size() / 3; ++i)
+    updated.points[i] += step.points.segment<3>(3 * i);
+  for (size_t i = 0; i < step.poses.size(); ++i)
+    updated.camera_from_pattern[i] =
+        UpdatedPose(state.camera_from_pattern[i], step.poses[i]);
+  return updated;
+}
+
+double PriorCost(const GaussianPrior& prior, const AdjustmentState& state,
+                 const AdjustmentOptions& options) {
+  double cost = 0;
+  if (!options.fix_camera && prior.camera_mean.size() > 0) {
+    const Eigen::VectorXd difference =
+        state.camera->Parameters() - prior.camera_mean;
+    cost += prior.camera_weight / 2 *
+                difference.dot(prior.camera_precision * difference) +
+            prior.orientation_weight / 2 *
+                (prior.orientation.transpose() * difference).squaredNorm();
+  }
+  if (!options.fix_points)
+    for (size_t i = 0; i < prior.points_mean.size(); ++i)
+      cost += prior.points_weight / 2 *
+              (state.points[i] - prior.points_mean[i]).squaredNorm();
+  return cost;
+}
+
+NormalEquations BuildEquations(const std::vector<View>& views,
+                               const GaussianPrior& prior,
+                               const AdjustmentOptions& options,
+                               const AdjustmentState& state) {
+  NormalEquations equations(
+      state.camera->NumParameters(), static_cast<int>(state.points.size()),
+      static_cast<int>(views.size()), options.fix_camera, options.fix_points,
+      options.num_threads);
+  equations.AddResiduals(LinearizeResiduals(state, views, options.num_threads),
+                         options.huber_px);
+  equations.AddPrior(prior, state);
+  return equations;
+}
+
+double TotalCost(const std::vector<Residual>& residuals, double huber_px) {
+  return CompareCosts(residuals, residuals, huber_px).first;
+}
+
+// Tries damped steps until one lowers the cost. Returns the relative decrease,
+// 0 if none was found.
+double TakeStep(const std::vector<View>& views, const GaussianPrior& prior,
+                const AdjustmentOptions& options, double* lambda,
+                AdjustmentState* state, std::vector<Residual>* residuals) {
+  const NormalEquations equations =
+      BuildEquations(views, prior, options, *state);
+  const double prior_cost = PriorCost(prior, *state, options);
+  for (; *lambda < kMaxLambda; *lambda *= 10) {
+    AdjustmentStep step;
+    if (!equations.Solve(*lambda, &step)) continue;
+    AdjustmentState next = Updated(*state, step);
+    std::vector<Residual> next_residuals =
+        ComputeResiduals(next, views, options.num_threads);
+    const ComparableCosts costs =
+        CompareCosts(*residuals, next_residuals, options.huber_px);
+    const double before = costs.first + prior_cost;
+    const double after = costs.second + PriorCost(prior, next, options);
+    if (!(after < before) || costs.num_common == 0) continue;
+    *state = std::move(next);
+    *residuals = std::move(next_residuals);
+    *lambda = std::max(*lambda / 10, kMinLambda);
+    return (before - after) / before;
+  }
+  return 0;
+}
+
+// ---- Evidence approximation ------------------------------------------------
+
+// A group of parameters under the prior: how many of them there are, their
+// squared distance from its mean (in K's metric), and the trace of K times
+// their covariance in units of the residuals' variance.
+struct PriorGroup {
+  double count = 0, squared_distance = 0, trace = 0;
+
+  // The number of parameters that the observations determine.
+  double NumDetermined(double weight) const {
+    return std::clamp(count - weight * trace, 1e-3 * count, count);
+  }
+};
+
+PriorGroup CameraGroup(const GaussianPrior& prior, const AdjustmentState& state,
+                       const Eigen::MatrixXd& samples) {
+  const Eigen::VectorXd difference =
+      state.camera->Parameters() - prior.camera_mean;
+  const Eigen::MatrixXd camera_samples = samples.topRows(difference.size());
+  PriorGroup group;
+  group.count = prior.camera_rank;
+  group.squared_distance = difference.dot(prior.camera_precision * difference);
+  group.trace =
+      camera_samples.cwiseProduct(prior.camera_precision * camera_samples)
+          .sum() /
+      static_cast<double>(samples.cols());
+  return group;
+}
+
+PriorGroup PointsGroup(const GaussianPrior& prior, const AdjustmentState& state,
+                       const Eigen::MatrixXd& samples) {
+  const Eigen::Index size = 3 * static_cast<Eigen::Index>(state.points.size());
+  PriorGroup group;
+  group.count = static_cast<double>(size);
+  for (size_t i = 0; i < state.points.size(); ++i)
+    group.squared_distance +=
+        (state.points[i] - prior.points_mean[i]).squaredNorm();
+  group.trace = samples.bottomRows(size).squaredNorm() /
+                static_cast<double>(samples.cols());
+  return group;
+}
+
+// The variance of a residual's coordinate, with the loss's weights.
+double ResidualVariance(const std::vector<Residual>& residuals, double huber_px,
+                        double num_parameters) {
+  double sum = 0, count = 0;
+  for (const Residual& residual : residuals) {
+    if (!residual.valid) continue;
+    const double norm = residual.error_px.norm();
+    const double weight = HuberWeight(norm, huber_px);
+    sum += weight * norm * norm;
+    count += 2 * weight;
+  }
+  return sum / std::max(count - num_parameters, 0.1 * count + 1);
+}
+
+constexpr double kNegligiblePx = 1e-3;   // smaller departures are no matter
+constexpr double kStableChange = 0.05;   // of a weight's logarithm
+constexpr double kFewDetermined = 0.02;  // part of a group
+
+// Sets a weight to what the evidence makes of it; the variance of the group's
+// parameters is taken for no smaller than smallest_variance. Returns how much
+// the weight's logarithm changed.
+double UpdateWeight(const PriorGroup& group, double residual_variance,
+                    double smallest_variance, double* weight) {
+  const double variance =
+      group.squared_distance / group.NumDetermined(*weight);
+  const double updated =
+      residual_variance / std::max(variance, smallest_variance);
+  const double change = std::abs(std::log(updated / *weight));
+  *weight = updated;
+  return change;
+}
+
+// A point's displacement that moves its image by one pixel, squared, on the
+// average over the views.
+double SquaredMetresPerPixel(const std::vector<LinearizedResidual>& residuals) {
+  double sum = 0;
+  int count = 0;
+  for (const LinearizedResidual& r : residuals) {
+    if (!r.residual.valid) continue;
+    sum += r.by_point.squaredNorm() / 2;
+    ++count;
+  }
+  return count > 0 ? count / sum : 1;
+}
+
+}  // namespace
+
+AdjustmentSummary AdjustBundle(const std::vector<View>& views,
+                               const GaussianPrior& prior,
+                               const AdjustmentOptions& options,
+                               AdjustmentState* state) {
+  AdjustmentSummary summary;
+  summary.residuals = ComputeResiduals(*state, views, options.num_threads);
+  summary.initial_cost = TotalCost(summary.residuals, options.huber_px);
+  double lambda = kInitialLambda;
+  while (summary.num_iterations < options.max_iterations &&
+         !summary.converged) {
+    ++summary.num_iterations;
+    const double decrease = TakeStep(views, prior, options, &lambda, state,
+                                     &summary.residuals);
+    summary.converged = decrease < options.relative_tolerance;
+  }
+  summary.final_cost = TotalCost(summary.residuals, options.huber_px);
+  return summary;
+}
+
+AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
+                                         const AdjustmentOptions& options,
+                                         GaussianPrior* prior,
+                                         AdjustmentState* state) {
+  constexpr int kMaxRounds = 12, kTraceSamples = 64;
+  const double square_metres_per_pixel = SquaredMetresPerPixel(
+      LinearizeResiduals(*state, views, options.num_threads));
+  // A first guess: residuals, second differences and points all scatter alike.
+  if (prior->camera_weight == 0) prior->camera_weight = 1;
+  if (prior->points_weight == 0)
+    prior->points_weight = 1 / square_metres_per_pixel;
+  AdjustmentOptions rough = options;
+  rough.relative_tolerance = 1e-4;
+  rough.max_iterations = 10;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const AdjustmentSummary summary = AdjustBundle(views, *prior, rough, state);
+    const NormalEquations equations =
+        BuildEquations(views, *prior, rough, *state);
+    Eigen::MatrixXd samples;
+    if (!equations.CovarianceSamples(kTraceSamples, &samples)) break;
+
+    const PriorGroup camera = CameraGroup(*prior, *state, samples);
+    const double num_camera =
+        state->camera->NumParameters() - prior->camera_rank +
+        camera.NumDetermined(prior->camera_weight);
+    double num_points = 0;
+    PriorGroup points;
+    if (!rough.fix_points) {
+      points = PointsGroup(*prior, *state, samples);
+      num_points = points.NumDetermined(prior->points_weight);
+    }
+    const double variance = ResidualVariance(
+        summary.residuals, options.huber_px,
+        num_camera + num_points + 6.0 * static_cast<double>(views.size()));
+    const double camera_change = UpdateWeight(
+        camera, variance, kNegligiblePx * kNegligiblePx, &prior->camera_weight);
+    if (!rough.fix_points && num_points < kFewDetermined * points.count) {
+      // The board is as nominal as these observations can tell.
+      state->points = prior->points_mean;
+      rough.fix_points = true;
+      continue;
+    }
+    const double points_change =
+        rough.fix_points
+            ? 0
+            : UpdateWeight(
+                  points, variance,
+                  kNegligiblePx * kNegligiblePx * square_metres_per_pixel,
+                  &prior->points_weight);
+    if (std::max(camera_change, points_change) < kStableChange) break;
+  }
+  AdjustmentOptions final_options = options;
+  final_options.fix_points = rough.fix_points;
+  return AdjustBundle(views, *prior, final_options, state);
+}
+
+}  // namespace raygrid

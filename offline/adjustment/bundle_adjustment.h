@@ -1,0 +1,50 @@
+#ifndef RAYGRID_ADJUSTMENT_BUNDLE_ADJUSTMENT_H
+#define RAYGRID_ADJUSTMENT_BUNDLE_ADJUSTMENT_H
+
+#include <vector>
+
+#include "adjustment/adjustment_state.h"
+#include "adjustment/gaussian_prior.h"
+#include "adjustment/reprojection_error.h"
+
+namespace raygrid {
+
+struct AdjustmentOptions {
+  bool fix_camera = false;
+  bool fix_points = false;
+  double huber_px = 1;  ///< paper, "Bundle Adjustment"
+  int max_iterations = 50;
+  /// Converged when a step lowers the cost by less than this part of it.
+  double relative_tolerance = 1e-7;
+  int num_threads = 0;
+};
+
+struct AdjustmentSummary {
+  bool converged = false;
+  int num_iterations = 0;
+  double initial_cost = 0, final_cost = 0;  ///< each over its valid residuals
+  std::vector<Residual> residuals;          ///< of the final state
+};
+
+/// Levenberg-Marquardt on the reprojection error over the camera's parameters,
+/// the poses of all views and the pattern's points (paper, "Bundle
+/// Adjustment"), with a prior. Improves *state in place.
+AdjustmentSummary AdjustBundle(const std::vector<View>& views,
+                               const GaussianPrior& prior,
+                               const AdjustmentOptions& options,
+                               AdjustmentState* state);
+
+/// Finds how strong the prior should be, from the data alone: alternates
+/// adjustment with the evidence approximation (D. MacKay, "Bayesian
+/// Interpolation", 1992, eq. 4.8), which weighs the prior by how far the
+/// adjusted parameters depart from its mean and by how many of them the
+/// observations determine. Starts with the prior's weights where they are not
+/// zero; changes them and *state.
+AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
+                                         const AdjustmentOptions& options,
+                                         GaussianPrior* prior,
+                                         AdjustmentState* state);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_ADJUSTMENT_BUNDLE_ADJUSTMENT_H

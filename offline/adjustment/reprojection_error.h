@@ -1,0 +1,58 @@
+#ifndef RAYGRID_ADJUSTMENT_REPROJECTION_ERROR_H
+#define RAYGRID_ADJUSTMENT_REPROJECTION_ERROR_H
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "adjustment/adjustment_state.h"
+
+namespace raygrid {
+
+/// How far beyond the calibrated area a residual may still be formed during
+/// adjustment: the area is spanned by features, whose projections scatter
+/// around its edge.
+constexpr double kAdjustmentMarginPx = 3;
+
+/// A residual r = projection - observation (paper, "Bundle Adjustment"), or
+/// none, where the point does not project into the area.
+struct Residual {
+  bool valid = false;
+  Eigen::Vector2d error_px = Eigen::Vector2d::Zero();
+};
+
+/// A residual with its derivatives by everything it depends on.
+struct LinearizedResidual {
+  Residual residual;
+  int view = 0, point = 0;
+  Eigen::Matrix<double, 2, 6> by_pose;  ///< by the update of UpdatedPose()
+  Eigen::Matrix<double, 2, 3> by_point;
+  LinearizedProjection projection;  ///< derivatives by the camera's parameters
+};
+
+/// All residuals, view by view. Same result for any number of threads.
+std::vector<Residual> ComputeResiduals(const AdjustmentState& state,
+                                       const std::vector<View>& views,
+                                       int num_threads);
+std::vector<LinearizedResidual> LinearizeResiduals(
+    const AdjustmentState& state, const std::vector<View>& views,
+    int num_threads);
+
+/// Huber's loss of a residual of this norm, and its weight
+/// d loss / d(norm^2 / 2).
+double HuberLoss(double norm_px, double huber_px);
+double HuberWeight(double norm_px, double huber_px);
+
+/// Sums of the losses of two states over the residuals that are valid in both
+/// (paper, "Bundle Adjustment"): anything else would favour a state that loses
+/// residuals over one that gains some.
+struct ComparableCosts {
+  double first = 0, second = 0;
+  int num_common = 0;
+};
+ComparableCosts CompareCosts(const std::vector<Residual>& first,
+                             const std::vector<Residual>& second,
+                             double huber_px);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_ADJUSTMENT_REPROJECTION_ERROR_H

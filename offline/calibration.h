@@ -1,0 +1,41 @@
+#ifndef RAYGRID_CALIBRATION_H
+#define RAYGRID_CALIBRATION_H
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "dataset/dataset.h"
+#include "evaluation/calibration_result.h"
+
+namespace raygrid {
+
+/// Told the stage and how much of the whole is done, 0 to 1.
+using Progress = std::function<void(const std::string& stage, double done)>;
+
+struct CalibrationOptions {
+  std::string model = "central-generic";  ///< or "opencv"
+  double cell_px = 0;                     ///< 0: chosen by held-out error
+  bool flat_board = false;  ///< keep the pattern's points as they are given
+  std::vector<std::string> hold_out;  ///< images not to calibrate with
+  int num_threads = 0;
+  Progress progress;
+};
+
+/// From features to a camera: parametric start, bundle adjustment, grid,
+/// held-out evaluation. Throws Error: kTooFew, kInitialization.
+CalibrationResult Calibrate(const Dataset& dataset, const Pattern& pattern,
+                            const CalibrationOptions& options);
+
+/// Each image localised with the camera and the pattern as they are.
+struct Evaluation {
+  std::vector<FeatureResidual> residuals;
+  std::vector<RejectedImage> rejected_images;
+  int outside_area = 0;  ///< features that the camera is not calibrated for
+};
+Evaluation EvaluateCamera(const CameraModel& camera, const Dataset& dataset,
+                          const Pattern& pattern, int num_threads);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CALIBRATION_H

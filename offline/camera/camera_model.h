@@ -1,0 +1,78 @@
+#ifndef RAYGRID_CAMERA_CAMERA_MODEL_H
+#define RAYGRID_CAMERA_CAMERA_MODEL_H
+
+#include <Eigen/Core>
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera/area.h"
+
+namespace raygrid {
+
+/// A projection and its derivatives. A grid model's projection depends on the
+/// few parameters around it, so that these come with their indices.
+struct LinearizedProjection {
+  static constexpr int kMaxParameters = 32;
+
+  Eigen::Vector2d pixel;
+  Eigen::Matrix<double, 2, 3> by_point;  ///< d pixel / d point
+  int num_parameters = 0;
+  std::array<int, kMaxParameters> parameter_index;
+  Eigen::Matrix<double, 2, kMaxParameters> by_parameter;
+};
+
+/// A central camera: every calibrated pixel looks along one direction, from the
+/// origin. Camera axes are x right, y down, z forward.
+///
+/// Outside its calibrated area a camera answers "nothing", never a guess.
+class CameraModel {
+ public:
+  virtual ~CameraModel() = default;
+
+  /// As in camera.yaml: "central-generic", "opencv".
+  virtual std::string Name() const = 0;
+  virtual std::unique_ptr<CameraModel> Clone() const = 0;
+
+  const ImageSize& image_size() const { return image_size_; }
+  const Area& area() const { return area_; }
+
+  /// Unit direction that a pixel of the area looks along.
+  virtual std::optional<Eigen::Vector3d> Unproject(
+      const Eigen::Vector2d& pixel) const = 0;
+
+  /// Where a point, or a direction of any length, is seen; nothing if that is
+  /// not within the area widened by margin_px. A start, near the result, saves
+  /// time.
+  virtual std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point,
+                                                 const Eigen::Vector2d* start,
+                                                 double margin_px) const = 0;
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point) const {
+    return Project(point, nullptr, 0);
+  }
+
+  /// Project() with derivatives by the point and by the parameters.
+  virtual bool Linearize(const Eigen::Vector3d& point,
+                         const Eigen::Vector2d* start, double margin_px,
+                         LinearizedProjection* projection) const = 0;
+
+  virtual Eigen::VectorXd Parameters() const = 0;
+  virtual void SetParameters(const Eigen::VectorXd& parameters) = 0;
+  int NumParameters() const { return static_cast<int>(Parameters().size()); }
+
+ protected:
+  CameraModel(const ImageSize& image_size, const Area& area)
+      : image_size_(image_size), area_(area) {}
+  CameraModel(const CameraModel&) = default;
+  CameraModel& operator=(const CameraModel&) = default;
+
+ private:
+  ImageSize image_size_;
+  Area area_;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CAMERA_CAMERA_MODEL_H

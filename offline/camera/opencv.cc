@@ -1,0 +1,147 @@
+#include "camera/opencv.h"
+
+#include <ceres/jet.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace raygrid {
+namespace {
+
+using Model = OpenCvModel;
+
+// From normalised coordinates to pixels; the equations of the header.
+template <typename T>
+Eigen::Matrix<T, 2, 1> Distort(const T& x, const T& y, const T* p) {
+  const T r2 = x * x + y * y;
+  const T g =
+      (1.0 + r2 * (p[Model::kK1] + r2 * (p[Model::kK2] + r2 * p[Model::kK3]))) /
+      (1.0 + r2 * (p[Model::kK4] + r2 * (p[Model::kK5] + r2 * p[Model::kK6])));
+  const T& p1 = p[Model::kP1];
+  const T& p2 = p[Model::kP2];
+  const T xd = x * g + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x);
+  const T yd = y * g + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y;
+  return {p[Model::kFx] * xd + p[Model::kCx],
+          p[Model::kFy] * yd + p[Model::kCy]};
+}
+
+// The radius up to which r g(r) grows and its denominator is positive.
+double FindMaxRadius(const Model::ParameterArray& p) {
+  constexpr double kStep = 0.01, kLargest = 20;  // tan 87 degrees
+  double previous = 0;
+  for (double r = kStep; r < kLargest; r += kStep) {
+    const double r2 = r * r;
+    const double denominator =
+        1 + r2 * (p[Model::kK4] + r2 * (p[Model::kK5] + r2 * p[Model::kK6]));
+    const double numerator =
+        1 + r2 * (p[Model::kK1] + r2 * (p[Model::kK2] + r2 * p[Model::kK3]));
+    const double distorted = r * numerator / denominator;
+    if (denominator <= 0 || distorted <= previous) return r - kStep;
+    previous = distorted;
+  }
+  return kLargest;
+}
+
+// Newton's method on the distortion, from the undistorted position.
+std::optional<Eigen::Vector2d> Undistort(const Eigen::Vector2d& pixel,
+                                         const Model::ParameterArray& p,
+                                         double max_radius) {
+  using Jet = ceres::Jet<double, 2>;
+  std::array<Jet, Model::kCount> constants;
+  for (int k = 0; k < Model::kCount; ++k) constants[k] = Jet(p[k]);
+  Eigen::Vector2d at((pixel.x() - p[Model::kCx]) / p[Model::kFx],
+                     (pixel.y() - p[Model::kCy]) / p[Model::kFy]);
+  if (at.norm() > 0.9 * max_radius) at *= 0.9 * max_radius / at.norm();
+  for (int iteration = 0; iteration < 50; ++iteration) {
+    const auto value =
+        Distort(Jet(at.x(), 0), Jet(at.y(), 1), constants.data());
+    Eigen::Matrix2d derivative;
+    derivative << value[0].v.transpose(), value[1].v.transpose();
+    const Eigen::Vector2d error =
+        pixel - Eigen::Vector2d(value[0].a, value[1].a);
+    if (error.norm() < 1e-10) return at;
+    Eigen::Vector2d step = derivative.inverse() * error;
+    if (!step.allFinite()) return std::nullopt;
+    // Stay where the model is invertible.
+    while ((at + step).norm() > max_radius && step.norm() > 1e-12) step /= 2;
+    at += step;
+    if (step.norm() < 1e-15)
+      return error.norm() < 1e-7 ? std::optional(at) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+const std::array<const char*, OpenCvModel::kCount>&
+OpenCvModel::ParameterNames() {
+  static const std::array<const char*, kCount> names = {
+      "fx", "fy", "cx", "cy", "k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"};
+  return names;
+}
+
+OpenCvModel::OpenCvModel(const ImageSize& image_size, const Area& area,
+                         const ParameterArray& parameters)
+    : CameraModel(image_size, area),
+      parameters_(parameters),
+      max_radius_(FindMaxRadius(parameters)) {}
+
+std::optional<Eigen::Vector3d> OpenCvModel::Unproject(
+    const Eigen::Vector2d& pixel) const {
+  if (!area().Contains(pixel)) return std::nullopt;
+  const auto undistorted = Undistort(pixel, parameters_, max_radius_);
+  if (!undistorted) return std::nullopt;
+  return undistorted->homogeneous().normalized();
+}
+
+std::optional<Eigen::Vector2d> OpenCvModel::Project(
+    const Eigen::Vector3d& point, const Eigen::Vector2d* /*start*/,
+    double margin_px) const {
+  if (!(point.z() > 0) ||
+      point.head<2>().norm() > max_radius_ * point.z())
+    return std::nullopt;
+  const Eigen::Vector2d pixel = Distort(
+      point.x() / point.z(), point.y() / point.z(), parameters_.data());
+  if (!area().Contains(pixel, margin_px)) return std::nullopt;
+  return pixel;
+}
+
+bool OpenCvModel::Linearize(const Eigen::Vector3d& point,
+                            const Eigen::Vector2d* start, double margin_px,
+                            LinearizedProjection* projection) const {
+  const auto pixel = Project(point, start, margin_px);
+  if (!pixel) return false;
+  using Jet = ceres::Jet<double, kCount + 3>;
+  std::array<Jet, kCount> parameters;
+  for (int k = 0; k < kCount; ++k) parameters[k] = Jet(parameters_[k], k);
+  const Jet x(point.x(), kCount), y(point.y(), kCount + 1),
+      z(point.z(), kCount + 2);
+  const Eigen::Matrix<Jet, 2, 1> value =
+      Distort<Jet>(x / z, y / z, parameters.data());
+  projection->pixel = *pixel;
+  projection->num_parameters = kCount;
+  for (int k = 0; k < kCount; ++k) projection->parameter_index[k] = k;
+  for (int row = 0; row < 2; ++row) {
+    projection->by_parameter.row(row).head<kCount>() =
+        value[row].v.head<kCount>().transpose();
+    projection->by_point.row(row) = value[row].v.tail<3>().transpose();
+  }
+  return true;
+}
+
+Eigen::VectorXd OpenCvModel::Parameters() const {
+  return Eigen::Map<const Eigen::VectorXd>(parameters_.data(), kCount);
+}
+
+void OpenCvModel::SetParameters(const Eigen::VectorXd& parameters) {
+  Eigen::Map<Eigen::VectorXd>(parameters_.data(), kCount) = parameters;
+  max_radius_ = FindMaxRadius(parameters_);
+}
+
+OpenCvModel OpenCvModel::WithArea(const Area& area) const {
+  return OpenCvModel(image_size(), area, parameters_);
+}
+
+}  // namespace raygrid

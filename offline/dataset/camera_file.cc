@@ -1,0 +1,174 @@
+#include "dataset/camera_file.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+#include <vector>
+
+#include "camera/central_generic.h"
+#include "camera/opencv.h"
+#include "dataset/error.h"
+#include "dataset/files.h"
+
+namespace raygrid {
+namespace {
+
+std::shared_ptr<CameraModel> ParseCentralGeneric(const YAML::Node& root,
+                                                 const ImageSize& size,
+                                                 const Area& area) {
+  const YAML::Node grid = root["grid"];
+  const int columns = grid["columns"].as<int>();
+  const int rows = grid["rows"].as<int>();
+  if (grid["chart"].as<std::string>() != "stereographic")
+    throw InputError("grid: unknown chart");
+  if (columns < 4 || rows < 4 || columns > 1027 || rows > 1027)
+    throw InputError("grid: columns and rows must be 4 to 1027");
+  const YAML::Node points = root["control_points"];
+  if (static_cast<int>(points.size()) != columns * rows)
+    throw InputError(fmt::format("control_points: {} where {} x {} are needed",
+                                 points.size(), columns, rows));
+  BSplineSurface surface(area, columns, rows);
+  int index = 0;
+  for (const YAML::Node& point : points) {
+    const auto value = point.as<std::vector<double>>();
+    if (value.size() != 2 || !std::isfinite(value[0] + value[1]))
+      throw InputError("control_points: not a pair of finite numbers");
+    surface.points()[index++] = {value[0], value[1]};
+  }
+  return std::make_shared<CentralGeneric>(size, std::move(surface));
+}
+
+std::shared_ptr<CameraModel> ParseOpenCv(const YAML::Node& root,
+                                         const ImageSize& size,
+                                         const Area& area) {
+  OpenCvModel::ParameterArray parameters;
+  for (int k = 0; k < OpenCvModel::kCount; ++k) {
+    const char* name = OpenCvModel::ParameterNames()[k];
+    parameters[k] = root["parameters"][name].as<double>();
+    if (!std::isfinite(parameters[k]))
+      throw InputError(fmt::format("parameters: {} is not finite", name));
+  }
+  return std::make_shared<OpenCvModel>(size, area, parameters);
+}
+
+std::optional<ErrorFigures> ParseFigures(const YAML::Node& node) {
+  if (!node) return std::nullopt;
+  return ErrorFigures{node["median_px"].as<double>(),
+                      node["rms_px"].as<double>(), node["max_px"].as<double>(),
+                      node["count"].as<int>()};
+}
+
+// Throws what yaml-cpp throws, and InputError without the file's name.
+CameraFile Parse(const YAML::Node& root) {
+  if (!root.IsMap() || !root["raygrid_camera"])
+    throw InputError("not a camera (no 'raygrid_camera: 1')");
+  if (root["raygrid_camera"].as<int>() != 1)
+    throw InputError("unknown version of camera.yaml");
+  const auto size = root["image_size"].as<std::vector<int>>();
+  const auto rectangle = root["area"].as<std::vector<double>>();
+  if (size.size() != 2 || size[0] < 1 || size[1] < 1)
+    throw InputError("image_size: not two positive integers");
+  if (rectangle.size() != 4 || !(rectangle[0] < rectangle[2]) ||
+      !(rectangle[1] < rectangle[3]) || !(rectangle[0] >= -0.5) ||
+      !(rectangle[1] >= -0.5) || !(rectangle[2] <= size[0] - 0.5) ||
+      !(rectangle[3] <= size[1] - 0.5))
+    throw InputError("area: not x0, y0, x1, y1 of a rectangle in the image");
+  const Area area = {rectangle[0], rectangle[1], rectangle[2], rectangle[3]};
+  const ImageSize image_size = {size[0], size[1]};
+
+  CameraFile file;
+  const std::string model = root["model"].as<std::string>();
+  if (model == "central-generic")
+    file.camera = ParseCentralGeneric(root, image_size, area);
+  else if (model == "opencv")
+    file.camera = ParseOpenCv(root, image_size, area);
+  else
+    throw InputError("unknown model '" + model + "'");
+  if (root["name"]) file.name = root["name"].as<std::string>();
+  if (root["serial"]) file.serial = root["serial"].as<std::string>();
+  if (root["quality"]) {
+    file.training = ParseFigures(root["quality"]["training"]);
+    file.held_out = ParseFigures(root["quality"]["held_out"]);
+  }
+  return file;
+}
+
+void EmitFigures(const char* name, const std::optional<ErrorFigures>& figures,
+                 YAML::Emitter* out) {
+  if (!figures) return;
+  *out << YAML::Key << name << YAML::Value << YAML::Flow << YAML::BeginMap
+       << YAML::Key << "median_px" << YAML::Value
+       << fmt::format("{:.6f}", figures->median_px) << YAML::Key << "rms_px"
+       << YAML::Value << fmt::format("{:.6f}", figures->rms_px) << YAML::Key
+       << "max_px" << YAML::Value << fmt::format("{:.6f}", figures->max_px)
+       << YAML::Key << "count" << YAML::Value << figures->count << YAML::EndMap;
+}
+
+void EmitModel(const CameraModel& camera, YAML::Emitter* out) {
+  if (const auto* generic = dynamic_cast<const CentralGeneric*>(&camera)) {
+    *out << YAML::Key << "grid" << YAML::Value << YAML::Flow << YAML::BeginMap
+         << YAML::Key << "columns" << YAML::Value
+         << generic->surface().columns() << YAML::Key << "rows" << YAML::Value
+         << generic->surface().rows() << YAML::Key << "chart" << YAML::Value
+         << "stereographic" << YAML::EndMap;
+    *out << YAML::Key << "control_points" << YAML::Value << YAML::BeginSeq;
+    for (const Eigen::Vector2d& point : generic->surface().points())
+      *out << YAML::Flow << YAML::BeginSeq << fmt::format("{:.12f}", point.x())
+           << fmt::format("{:.12f}", point.y()) << YAML::EndSeq;
+    *out << YAML::EndSeq;
+  } else {
+    const Eigen::VectorXd parameters = camera.Parameters();
+    *out << YAML::Key << "parameters" << YAML::Value << YAML::BeginMap;
+    for (int k = 0; k < OpenCvModel::kCount; ++k)
+      *out << YAML::Key << OpenCvModel::ParameterNames()[k] << YAML::Value
+           << fmt::format("{:.12g}", parameters[k]);
+    *out << YAML::EndMap;
+  }
+}
+
+}  // namespace
+
+CameraFile ReadCameraFile(const std::string& path) {
+  const std::string text = ReadFile(path);
+  try {
+    return Parse(YAML::Load(text));
+  } catch (const YAML::Exception& error) {
+    throw InputError(fmt::format("{}, line {}: {}", path, error.mark.line + 1,
+                                 error.msg));
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", path, error.what()));
+  }
+}
+
+std::string FormatCameraFile(const CameraFile& file) {
+  const CameraModel& camera = *file.camera;
+  const Area& area = camera.area();
+  YAML::Emitter out;
+  out << YAML::BeginMap << YAML::Key << "raygrid_camera" << YAML::Value << 1
+      << YAML::Key << "model" << YAML::Value << camera.Name();
+  if (!file.name.empty())
+    out << YAML::Key << "name" << YAML::Value << YAML::DoubleQuoted
+        << file.name << YAML::Auto;
+  if (!file.serial.empty())
+    out << YAML::Key << "serial" << YAML::Value << YAML::DoubleQuoted
+        << file.serial << YAML::Auto;
+  out << YAML::Key << "image_size" << YAML::Value << YAML::Flow
+      << YAML::BeginSeq << camera.image_size().width
+      << camera.image_size().height << YAML::EndSeq;
+  out << YAML::Key << "area" << YAML::Value << YAML::Flow << YAML::BeginSeq;
+  for (const double edge : {area.x0, area.y0, area.x1, area.y1})
+    out << fmt::format("{:.17g}", edge);
+  out << YAML::EndSeq;
+  EmitModel(camera, &out);
+  if (file.training || file.held_out) {
+    out << YAML::Key << "quality" << YAML::Value << YAML::BeginMap;
+    EmitFigures("training", file.training, &out);
+    EmitFigures("held_out", file.held_out, &out);
+    out << YAML::EndMap;
+  }
+  out << YAML::EndMap;
+  return std::string(out.c_str()) + "\n";
+}
+
+}  // namespace raygrid

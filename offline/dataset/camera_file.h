@@ -1,0 +1,31 @@
+#ifndef RAYGRID_DATASET_CAMERA_FILE_H
+#define RAYGRID_DATASET_CAMERA_FILE_H
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "camera/camera_model.h"
+
+namespace raygrid {
+
+/// Residual norms over a set of features.
+struct ErrorFigures {
+  double median_px = 0, rms_px = 0, max_px = 0;
+  int count = 0;
+};
+
+/// camera.yaml: a camera and what is known of it.
+struct CameraFile {
+  std::shared_ptr<const CameraModel> camera;
+  std::string name, serial;
+  std::optional<ErrorFigures> training, held_out;
+};
+
+/// Throws InputError.
+CameraFile ReadCameraFile(const std::string& path);
+std::string FormatCameraFile(const CameraFile& file);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_DATASET_CAMERA_FILE_H

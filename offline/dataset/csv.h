@@ -1,0 +1,43 @@
+#ifndef RAYGRID_DATASET_CSV_H
+#define RAYGRID_DATASET_CSV_H
+
+#include <string>
+#include <vector>
+
+namespace raygrid {
+
+/// A CSV text with a header line. Fields are trimmed; '#' starts a comment;
+/// empty lines are skipped. Numbers are read without regard to the locale.
+class CsvTable {
+ public:
+  /// name is used in errors. Throws InputError if a required column is missing
+  /// or a line has another number of fields than the header.
+  CsvTable(const std::string& name, const std::string& text,
+           const std::vector<std::string>& required_columns);
+
+  size_t num_rows() const { return rows_.size(); }
+  bool HasColumn(const std::string& column) const;
+  const std::string& Text(size_t row, const std::string& column) const;
+
+  /// Finite number or integer; throws InputError naming file, line and column.
+  double Number(size_t row, const std::string& column) const;
+  int Integer(size_t row, const std::string& column) const;
+
+  /// "file, line 7": for further errors about a row.
+  std::string Place(size_t row) const;
+
+ private:
+  struct Row {
+    int line;
+    std::vector<std::string> fields;
+  };
+  int ColumnIndex(const std::string& column) const;
+
+  std::string name_;
+  std::vector<std::string> header_;
+  std::vector<Row> rows_;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_DATASET_CSV_H

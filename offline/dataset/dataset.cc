@@ -1,0 +1,119 @@
+#include "dataset/dataset.h"
+
+#include <fmt/format.h>
+
+#include <set>
+#include <tuple>
+
+#include "dataset/csv.h"
+#include "dataset/error.h"
+#include "dataset/files.h"
+
+namespace raygrid {
+namespace {
+
+using FeatureKey = std::tuple<std::string, std::string, int, int, int>;
+
+// The dataset's images by name, in the order in which they first appear.
+class ImageIndex {
+ public:
+  ImageFeatures& Get(Dataset* dataset, const std::string& camera,
+                     const std::string& image) {
+    const auto [entry, is_new] =
+        index_.try_emplace({camera, image}, dataset->images.size());
+    if (is_new) dataset->images.push_back({image, {}});
+    return dataset->images[entry->second];
+  }
+
+ private:
+  std::map<std::pair<std::string, std::string>, size_t> index_;
+};
+
+}  // namespace
+
+size_t Dataset::num_features() const {
+  size_t count = 0;
+  for (const ImageFeatures& image : images) count += image.features.size();
+  return count;
+}
+
+std::map<std::string, Dataset> ReadFeatures(const std::string& path) {
+  const CsvTable table(path, ReadFile(path),
+                       {"image", "board", "column", "row", "x", "y"});
+  const bool has_camera = table.HasColumn("camera");
+  std::map<std::string, Dataset> datasets;
+  ImageIndex index;
+  std::set<FeatureKey> seen;
+  for (size_t i = 0; i < table.num_rows(); ++i) {
+    const std::string camera = has_camera ? table.Text(i, "camera") : "";
+    const std::string image = table.Text(i, "image");
+    const Feature feature = {table.Integer(i, "board"),
+                             table.Integer(i, "column"),
+                             table.Integer(i, "row"),
+                             {table.Number(i, "x"), table.Number(i, "y")}};
+    if (!seen.emplace(camera, image, feature.board, feature.column, feature.row)
+             .second)
+      throw InputError(table.Place(i) +
+                       ": this feature was given before for the same image; "
+                       "remove one of the lines");
+    index.Get(&datasets[camera], camera, image).features.push_back(feature);
+  }
+  if (datasets.empty())
+    throw InputError(path + ": holds no features; detect some first");
+  return datasets;
+}
+
+std::string FormatFeatures(const Dataset& dataset) {
+  std::string text = "image,board,column,row,x,y\n";
+  for (const ImageFeatures& image : dataset.images)
+    for (const Feature& feature : image.features)
+      text += fmt::format("{},{},{},{},{:.5f},{:.5f}\n", image.image,
+                          feature.board, feature.column, feature.row,
+                          feature.pixel.x(), feature.pixel.y());
+  return text;
+}
+
+void RequireConsistent(const std::string& name, const Dataset& dataset,
+                       const Pattern& pattern) {
+  const Area image = {-0.5, -0.5, dataset.image_size.width - 0.5,
+                      dataset.image_size.height - 0.5};
+  for (const ImageFeatures& features : dataset.images) {
+    for (const Feature& feature : features.features) {
+      const std::string place = fmt::format("{}, image {}, feature ({}, {})",
+                                            name, features.image,
+                                            feature.column, feature.row);
+      const Board* board = pattern.FindBoard(feature.board);
+      if (!board)
+        throw InputError(fmt::format(
+            "{}: board {} is not in the pattern; pass the pattern that was "
+            "detected with",
+            place, feature.board));
+      if (feature.column < 0 || feature.column >= board->columns ||
+          feature.row < 0 || feature.row >= board->rows)
+        throw InputError(fmt::format(
+            "{}: the board has only {} x {} features; pass the pattern that "
+            "was detected with",
+            place, board->columns, board->rows));
+      if (!image.Contains(feature.pixel))
+        throw InputError(fmt::format(
+            "{}: ({}, {}) lies outside the {} x {} image; check --image-size",
+            place, feature.pixel.x(), feature.pixel.y(),
+            dataset.image_size.width, dataset.image_size.height));
+    }
+  }
+}
+
+std::string FormatPoses(const std::vector<BoardPose>& poses) {
+  std::string text = "image,board,qw,qx,qy,qz,tx,ty,tz\n";
+  for (const BoardPose& pose : poses) {
+    Eigen::Quaterniond q = pose.camera_from_board.rotation;
+    if (q.w() < 0) q.coeffs() = -q.coeffs();
+    const Eigen::Vector3d& t = pose.camera_from_board.translation;
+    text += fmt::format(
+        "{},{},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f}\n", pose.image,
+        pose.board, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z());
+  }
+  return text;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,58 @@
+#ifndef RAYGRID_DATASET_DATASET_H
+#define RAYGRID_DATASET_DATASET_H
+
+#include <Eigen/Core>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "camera/area.h"
+#include "camera/pose.h"
+#include "dataset/pattern.h"
+
+namespace raygrid {
+
+/// A feature point of a board, seen in an image.
+struct Feature {
+  int board = 0;  ///< id in the pattern
+  int column = 0, row = 0;
+  Eigen::Vector2d pixel;
+};
+
+struct ImageFeatures {
+  std::string image;
+  std::vector<Feature> features;
+};
+
+/// What one camera saw.
+struct Dataset {
+  ImageSize image_size;
+  std::vector<ImageFeatures> images;
+
+  size_t num_features() const;
+};
+
+/// features.csv by camera name ("" where the file has no such column). Images
+/// keep the file's order. Throws InputError for malformed files, non-finite
+/// positions, and features stated twice.
+std::map<std::string, Dataset> ReadFeatures(const std::string& path);
+std::string FormatFeatures(const Dataset& dataset);
+
+/// Throws InputError where a feature is not on the pattern, or not in the
+/// image.
+void RequireConsistent(const std::string& name, const Dataset& dataset,
+                       const Pattern& pattern);
+
+/// Where a board stood in an image.
+struct BoardPose {
+  std::string image;
+  int board = 0;
+  Pose camera_from_board;
+};
+
+/// poses.csv.
+std::string FormatPoses(const std::vector<BoardPose>& poses);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_DATASET_DATASET_H

@@ -1,0 +1,41 @@
+#ifndef RAYGRID_DATASET_ERROR_H
+#define RAYGRID_DATASET_ERROR_H
+
+#include <stdexcept>
+#include <string>
+
+namespace raygrid {
+
+/// Exit codes of the programs.
+enum class ExitCode {
+  kDone = 0,
+  kUsage = 1,
+  kInput = 2,           ///< an input cannot be read or is malformed
+  kTooFew = 3,          ///< too few features or images
+  kInitialization = 4,  ///< no starting point was found
+  kNotConverged = 5,
+  kQuality = 6,  ///< a quality gate failed
+  kOutput = 7,   ///< an output cannot be written
+  kBlob = 8      ///< a blob is corrupt, unsupported or does not match
+};
+
+/// What stops a command: one line that says what, where, and what to do.
+class Error : public std::runtime_error {
+ public:
+  Error(ExitCode code, const std::string& message)
+      : std::runtime_error(message), code_(code) {}
+  ExitCode code() const { return code_; }
+
+ private:
+  ExitCode code_;
+};
+
+class InputError : public Error {
+ public:
+  explicit InputError(const std::string& message)
+      : Error(ExitCode::kInput, message) {}
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_DATASET_ERROR_H

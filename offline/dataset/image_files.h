@@ -1,0 +1,33 @@
+#ifndef RAYGRID_DATASET_IMAGE_FILES_H
+#define RAYGRID_DATASET_IMAGE_FILES_H
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "camera/area.h"
+
+namespace raygrid {
+
+/// 8-bit image; rows without padding, channels interleaved (1: grey, 3: BGR).
+struct Image {
+  ImageSize size;
+  int channels = 1;
+  std::vector<uint8_t> pixels;
+
+  size_t stride() const { return static_cast<size_t>(size.width) * channels; }
+};
+
+/// Reads PNG, JPEG, TIFF, BMP, PGM and what else OpenCV reads; without the
+/// camera's rotation tag. Throws InputError.
+Image ReadImage(const std::string& path, bool grey);
+
+std::string EncodePng(const Image& image);
+
+/// The image files among paths, and in those that are folders; each folder in
+/// alphabetical order. Throws InputError if there is none.
+std::vector<std::string> FindImages(const std::vector<std::string>& paths);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_DATASET_IMAGE_FILES_H

@@ -1,0 +1,52 @@
+#ifndef RAYGRID_EVALUATION_CALIBRATION_RESULT_H
+#define RAYGRID_EVALUATION_CALIBRATION_RESULT_H
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dataset/camera_file.h"
+#include "dataset/dataset.h"
+#include "evaluation/residual_statistics.h"
+#include "evaluation/verdict.h"
+
+namespace raygrid {
+
+/// An image that was not used.
+struct RejectedImage {
+  std::string image, reason;
+};
+
+/// A grid resolution that was tried, and its held-out error.
+struct CellCandidate {
+  double cell_px = 0;
+  double loss = 0;       ///< mean Huber loss, px^2
+  double median_px = 0;
+};
+
+/// What a calibration found.
+struct CalibrationResult {
+  CameraFile camera;
+  Pattern pattern;  ///< points where they were found to be
+  Dataset features;  ///< those used
+  std::vector<BoardPose> poses;
+  std::vector<FeatureResidual> training;
+  /// Of the images in hold_out, or else by cross-validation: each image
+  /// localised with a camera calibrated without it.
+  std::vector<FeatureResidual> held_out;
+  bool cross_validated = false;
+  std::vector<RejectedImage> rejected_images;
+  std::vector<FeatureResidual> rejected_features;
+  std::vector<CellCandidate> cell_candidates;
+  double cell_px = 0;  ///< of the grid; 0 for a parametric model
+  int num_parameters = 0;
+  bool converged = false;
+  std::optional<double> bias_kl;
+  Verdict verdict;
+  std::map<std::string, double> seconds;  ///< by stage
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EVALUATION_CALIBRATION_RESULT_H

@@ -1,0 +1,107 @@
+#include "evaluation/residual_statistics.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace raygrid {
+namespace {
+
+constexpr int kCells = 50, kBins = 8;
+constexpr size_t kMinResiduals = 5;
+constexpr double kHistogramExtent = 2.5;
+// Mean norm of a two-dimensional standard normal variable: sqrt(pi / 2).
+constexpr double kNormalMeanNorm = 1.2533141373155003;
+
+int BinOf(double value) {
+  const double position =
+      (value + kHistogramExtent) / (2 * kHistogramExtent) * kBins;
+  return std::clamp(static_cast<int>(std::floor(position)), 0, kBins - 1);
+}
+
+// Probabilities of the bins under a standard normal variable; the outermost
+// ones take the tails.
+std::array<double, kBins> NormalBins() {
+  std::array<double, kBins> bins;
+  const auto cumulative = [](double x) {
+    return 0.5 * std::erfc(-x / std::sqrt(2.0));
+  };
+  for (int i = 0; i < kBins; ++i) {
+    const double width = 2 * kHistogramExtent / kBins;
+    const double left = -kHistogramExtent + i * width;
+    bins[i] = (i + 1 == kBins ? 1 : cumulative(left + width)) -
+              (i == 0 ? 0 : cumulative(left));
+  }
+  return bins;
+}
+
+double DivergenceFromNormal(const std::vector<Eigen::Vector2d>& errors) {
+  double mean_norm = 0;
+  for (const Eigen::Vector2d& error : errors)
+    mean_norm += error.norm() / static_cast<double>(errors.size());
+  if (!(mean_norm > 0)) return 0;
+  std::array<std::array<double, kBins>, kBins> histogram = {};
+  for (const Eigen::Vector2d& error : errors) {
+    const Eigen::Vector2d scaled = error * (kNormalMeanNorm / mean_norm);
+    histogram[BinOf(scaled.y())][BinOf(scaled.x())] +=
+        1.0 / static_cast<double>(errors.size());
+  }
+  const std::array<double, kBins> normal = NormalBins();
+  double divergence = 0;
+  for (int j = 0; j < kBins; ++j)
+    for (int i = 0; i < kBins; ++i)
+      if (histogram[j][i] > 0)
+        divergence +=
+            histogram[j][i] * std::log(histogram[j][i] / (normal[j] * normal[i]));
+  return divergence;
+}
+
+}  // namespace
+
+double Quantile(std::vector<double> values, double p) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const double position = p * static_cast<double>(values.size() - 1);
+  const size_t low = static_cast<size_t>(position);
+  const size_t high = std::min(low + 1, values.size() - 1);
+  return values[low] +
+         (position - static_cast<double>(low)) * (values[high] - values[low]);
+}
+
+ErrorFigures ComputeErrorFigures(
+    const std::vector<FeatureResidual>& residuals) {
+  std::vector<double> norms;
+  double sum = 0;
+  for (const FeatureResidual& residual : residuals) {
+    norms.push_back(residual.error_px.norm());
+    sum += residual.error_px.squaredNorm();
+  }
+  if (norms.empty()) return {};
+  const double largest = *std::max_element(norms.begin(), norms.end());
+  const double rms = std::sqrt(sum / static_cast<double>(norms.size()));
+  const int count = static_cast<int>(norms.size());
+  return {Quantile(std::move(norms), 0.5), rms, largest, count};
+}
+
+std::optional<double> ComputeBias(
+    const std::vector<FeatureResidual>& residuals, const Area& area) {
+  std::vector<std::vector<Eigen::Vector2d>> cells(kCells * kCells);
+  for (const FeatureResidual& residual : residuals) {
+    const auto cell_of = [](double position, double start, double extent) {
+      return std::clamp(
+          static_cast<int>((position - start) / extent * kCells), 0,
+          kCells - 1);
+    };
+    const int column = cell_of(residual.pixel.x(), area.x0, area.width());
+    const int row = cell_of(residual.pixel.y(), area.y0, area.height());
+    cells[row * kCells + column].push_back(residual.error_px);
+  }
+  std::vector<double> divergences;
+  for (const auto& errors : cells)
+    if (errors.size() >= kMinResiduals)
+      divergences.push_back(DivergenceFromNormal(errors));
+  if (divergences.empty()) return std::nullopt;
+  return Quantile(std::move(divergences), 0.5);
+}
+
+}  // namespace raygrid

@@ -1,0 +1,37 @@
+#ifndef RAYGRID_EVALUATION_RESIDUAL_STATISTICS_H
+#define RAYGRID_EVALUATION_RESIDUAL_STATISTICS_H
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dataset/camera_file.h"
+
+namespace raygrid {
+
+/// A feature, where the calibrated camera projects it, and where it belongs.
+struct FeatureResidual {
+  std::string image;
+  int board = 0, column = 0, row = 0;
+  Eigen::Vector2d pixel;     ///< observed
+  Eigen::Vector2d error_px;  ///< projected - observed
+};
+
+/// The p-quantile (0 to 1) of values, which are reordered; linear between
+/// order statistics. 0 for none.
+double Quantile(std::vector<double> values, double p);
+
+ErrorFigures ComputeErrorFigures(const std::vector<FeatureResidual>& residuals);
+
+/// How far the residuals of a place are from pure noise: the median, over a
+/// 50 x 50 grid of the area, of the Kullback-Leibler divergence of a cell's
+/// normalised residuals (8 x 8 histogram) from a standard normal distribution
+/// (paper, "Camera Model Validation"). Cells with fewer than 5 residuals do
+/// not count; nothing if none has as many.
+std::optional<double> ComputeBias(const std::vector<FeatureResidual>& residuals,
+                                  const Area& area);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EVALUATION_RESIDUAL_STATISTICS_H

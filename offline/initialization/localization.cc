@@ -1,0 +1,125 @@
+#include "initialization/localization.h"
+
+#include <ceres/ceres.h>
+#include <ceres/rotation.h>
+
+#include <cmath>
+#include <opencv2/calib3d.hpp>
+
+namespace raygrid {
+namespace {
+
+// A match seen as a ray, and how a direction near it moves its pixel.
+struct Sight {
+  Eigen::Vector3d point;
+  Eigen::Vector3d ray;
+  Eigen::Matrix<double, 2, 3> pixel_by_ray;
+};
+
+std::vector<Sight> FormSights(const CameraModel& camera,
+                              const std::vector<PointOnPixel>& matches) {
+  std::vector<Sight> sights;
+  for (const PointOnPixel& match : matches) {
+    const auto ray = camera.Unproject(match.pixel);
+    LinearizedProjection projection;
+    if (ray && camera.Linearize(*ray, &match.pixel, 1, &projection))
+      sights.push_back({match.point, *ray, projection.by_point});
+  }
+  return sights;
+}
+
+// Rotation that turns the rays' mean forward, so that even a board seen at a
+// right angle to the axis has a perspective image.
+Eigen::Quaterniond FacingRotation(const std::vector<Sight>& sights) {
+  Eigen::Vector3d mean(0, 0, 0);
+  for (const Sight& sight : sights) mean += sight.ray;
+  return Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ());
+}
+
+std::optional<Pose> PoseFromPerspective(const std::vector<Sight>& sights) {
+  const Eigen::Quaterniond facing = FacingRotation(sights);
+  std::vector<cv::Point3d> points;
+  std::vector<cv::Point2d> pixels;
+  for (const Sight& sight : sights) {
+    const Eigen::Vector3d ray = facing * sight.ray;
+    if (ray.z() < 0.1) continue;
+    points.emplace_back(sight.point.x(), sight.point.y(), sight.point.z());
+    pixels.emplace_back(ray.x() / ray.z(), ray.y() / ray.z());
+  }
+  if (points.size() < 4) return std::nullopt;
+  cv::Mat rotation, translation;
+  try {
+    if (!cv::solvePnP(points, pixels, cv::Mat::eye(3, 3, CV_64F), cv::noArray(),
+                      rotation, translation, false, cv::SOLVEPNP_SQPNP))
+      return std::nullopt;
+  } catch (const cv::Exception&) {
+    return std::nullopt;
+  }
+  const Eigen::Vector3d r(rotation.ptr<double>());
+  const Eigen::Vector3d t(translation.ptr<double>());
+  if (!r.allFinite() || !t.allFinite()) return std::nullopt;
+  const Eigen::AngleAxisd board_rotation(
+      r.norm(), r.norm() > 0 ? Eigen::Vector3d(r.normalized())
+                             : Eigen::Vector3d::UnitX());
+  return Pose{facing.inverse() * Eigen::Quaterniond(board_rotation),
+              facing.inverse() * t};
+}
+
+// Reprojection error to first order in the angle between ray and point: the
+// Jacobian by_ray is blind to lengths.
+struct SightError {
+  const Sight& sight;
+
+  template <typename T>
+  bool operator()(const T* rotation, const T* translation, T* error) const {
+    const T point[3] = {T(sight.point.x()), T(sight.point.y()),
+                        T(sight.point.z())};
+    T rotated[3];
+    ceres::AngleAxisRotatePoint(rotation, point, rotated);
+    Eigen::Matrix<T, 3, 1> direction(rotated[0] + translation[0],
+                                     rotated[1] + translation[1],
+                                     rotated[2] + translation[2]);
+    direction /= direction.norm();
+    const Eigen::Matrix<T, 2, 1> pixels =
+        sight.pixel_by_ray.cast<T>() * direction;
+    error[0] = pixels[0];
+    error[1] = pixels[1];
+    return true;
+  }
+};
+
+std::optional<Pose> Refine(const std::vector<Sight>& sights, const Pose& start) {
+  const Eigen::AngleAxisd angle_axis(start.rotation);
+  Eigen::Vector3d rotation = angle_axis.angle() * angle_axis.axis();
+  Eigen::Vector3d translation = start.translation;
+  ceres::Problem problem;
+  for (const Sight& sight : sights)
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<SightError, 2, 3, 3>(
+            new SightError{sight}),
+        new ceres::HuberLoss(1), rotation.data(), translation.data());
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.max_num_iterations = 50;
+  options.function_tolerance = 1e-12;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  if (!summary.IsSolutionUsable() || !rotation.allFinite() ||
+      !translation.allFinite())
+    return std::nullopt;
+  return Pose{RotationFromVector(rotation), translation};
+}
+
+}  // namespace
+
+std::optional<Pose> Localize(const CameraModel& camera,
+                             const std::vector<PointOnPixel>& matches) {
+  const std::vector<Sight> sights = FormSights(camera, matches);
+  if (sights.size() < 4) return std::nullopt;
+  const auto start = PoseFromPerspective(sights);
+  if (!start) return std::nullopt;
+  return Refine(sights, *start);
+}
+
+}  // namespace raygrid

@@ -1,0 +1,20 @@
+#ifndef RAYGRID_INITIALIZATION_PARAMETRIC_START_H
+#define RAYGRID_INITIALIZATION_PARAMETRIC_START_H
+
+#include <optional>
+
+#include "camera/opencv.h"
+#include "dataset/dataset.h"
+
+namespace raygrid {
+
+/// A first camera from planar boards (Z. Zhang, "A flexible new technique for
+/// camera calibration", 2000, as OpenCV implements it), with radial and
+/// tangential distortion, over a sample of the images. Its area is the whole
+/// image. Nothing if that fails: few images, or a lens far from a pinhole.
+std::optional<OpenCvModel> StartFromPlanarBoards(const Dataset& dataset,
+                                                 const Pattern& pattern);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_INITIALIZATION_PARAMETRIC_START_H

@@ -1,0 +1,96 @@
+#include "packing/blob_camera.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "bytes.h"
+#include "dataset/error.h"
+
+namespace raygrid {
+namespace {
+
+[[noreturn]] void Refuse(const std::string& name, rg_status status) {
+  throw Error(ExitCode::kBlob,
+              fmt::format("{}: {}; pack it again from camera.yaml", name,
+                          rg_status_text(status)));
+}
+
+// One channel of interleaved pixels.
+std::vector<uint8_t> Channel(const Image& image, int channel) {
+  std::vector<uint8_t> plane;
+  for (size_t i = channel; i < image.pixels.size(); i += image.channels)
+    plane.push_back(image.pixels[i]);
+  return plane;
+}
+
+}  // namespace
+
+BlobCamera::BlobCamera(const std::string& name, const std::string& bytes)
+    : words_((bytes.size() + 3) / 4 + 1) {
+  std::memcpy(words_.data(), bytes.data(), bytes.size());
+  const uint32_t size = static_cast<uint32_t>(bytes.size());
+  rg_status status = rg_blob_open(words_.data(), size, &blob_);
+  if (status == RG_OK) status = rg_camera_open(&camera_, words_.data(), size);
+  if (status != RG_OK) Refuse(name, status);
+}
+
+std::optional<Eigen::Vector3d> BlobCamera::Unproject(
+    const Eigen::Vector2d& pixel) const {
+  const Eigen::Vector2d q16 = pixel * 65536;
+  if (!(q16.cwiseAbs().maxCoeff() < 2e9)) return std::nullopt;
+  rg_ray ray;
+  const rg_pixel position = {static_cast<int32_t>(std::lround(q16.x())),
+                             static_cast<int32_t>(std::lround(q16.y()))};
+  if (rg_unproject(&camera_, position, &ray) != RG_OK) return std::nullopt;
+  return Eigen::Vector3d(ray.x_q30, ray.y_q30, ray.z_q30) / (1 << 30);
+}
+
+CentralGeneric BlobCamera::ToModel() const {
+  rg_grid_section grid;
+  rg_blob_grid(&blob_, &grid);
+  const Area area = {grid.x0_q16 / 65536.0, grid.y0_q16 / 65536.0,
+                     grid.x1_q16 / 65536.0, grid.y1_q16 / 65536.0};
+  BSplineSurface surface(area, grid.columns, grid.rows);
+  for (int k = 0; k < surface.num_points(); ++k)
+    for (int c = 0; c < 2; ++c)
+      surface.points()[k][c] =
+          std::ldexp(rg_load_i32(grid.control_points + 8 * k + 4 * c),
+                     -static_cast<int>(RG_CONTROL_POINT_BITS));
+  return CentralGeneric(image_size(), std::move(surface));
+}
+
+Image BlobCamera::Undistort(const Image& image, uint8_t border) const {
+  uint16_t width = 0, height = 0;
+  rg_status status = rg_remap_size(&camera_, &width, &height);
+  if (status != RG_OK) Refuse("blob", status);
+  Image result;
+  result.size = {width, height};
+  result.channels = image.channels;
+  result.pixels.resize(static_cast<size_t>(width) * height * image.channels);
+  std::vector<uint8_t> plane(static_cast<size_t>(width) * height);
+  for (int channel = 0; channel < image.channels; ++channel) {
+    const std::vector<uint8_t> source = Channel(image, channel);
+    const rg_frame frame = {source.data(),
+                            static_cast<uint32_t>(image.size.width),
+                            static_cast<uint16_t>(image.size.width),
+                            static_cast<uint16_t>(image.size.height)};
+    const rg_band band = {plane.data(), width, 0, height, border};
+    status = rg_remap_grey(&camera_, &frame, &band);
+    if (status != RG_OK) Refuse("image", status);
+    for (size_t i = 0; i < plane.size(); ++i)
+      result.pixels[i * image.channels + channel] = plane[i];
+  }
+  return result;
+}
+
+bool IsBlob(const std::string& path, const std::string& bytes) {
+  const std::string extension = ".raygrid";
+  return bytes.compare(0, 7, "RAYGRID") == 0 ||
+         (path.size() >= extension.size() &&
+          path.compare(path.size() - extension.size(), extension.size(),
+                       extension) == 0);
+}
+
+}  // namespace raygrid

@@ -1,0 +1,50 @@
+#ifndef RAYGRID_PACKING_BLOB_CAMERA_H
+#define RAYGRID_PACKING_BLOB_CAMERA_H
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera/central_generic.h"
+#include "dataset/image_files.h"
+#include "raygrid.h"
+#include "rg_blob.h"
+
+namespace raygrid {
+
+/// A blob in memory, opened by the runtime.
+class BlobCamera {
+ public:
+  /// Throws Error(kBlob) if the runtime refuses the bytes; name is for errors.
+  BlobCamera(const std::string& name, const std::string& bytes);
+
+  const rg_camera& camera() const { return camera_; }
+  const rg_blob& blob() const { return blob_; }
+  ImageSize image_size() const { return {camera_.width, camera_.height}; }
+  bool has_remap() const { return blob_.remap != 0; }
+
+  /// By the runtime, in fixed point.
+  std::optional<Eigen::Vector3d> Unproject(const Eigen::Vector2d& pixel) const;
+
+  /// The control grid in double precision, for what the runtime does not do.
+  CentralGeneric ToModel() const;
+
+  /// Undistorts an image by the runtime's remap, each channel on its own; the
+  /// image must have image_size().
+  Image Undistort(const Image& image, uint8_t border) const;
+
+ private:
+  std::vector<uint32_t> words_;
+  rg_camera camera_ = {};
+  rg_blob blob_ = {};
+};
+
+/// True if the file's name or first bytes are those of a blob.
+bool IsBlob(const std::string& path, const std::string& bytes);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_PACKING_BLOB_CAMERA_H

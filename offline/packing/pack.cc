@@ -1,0 +1,251 @@
+#include "packing/pack.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "camera/central_generic.h"
+#include "dataset/error.h"
+#include "dataset/parallel_for.h"
+#include "packing/remap_fitting.h"
+#include "raygrid.h"
+#include "rg_blob.h"
+
+namespace raygrid {
+namespace {
+
+[[noreturn]] void FailFormat(const std::string& what) {
+  throw Error(ExitCode::kUsage, "this camera does not fit a blob: " + what);
+}
+
+int32_t Q16(double value) {
+  return static_cast<int32_t>(std::lround(value * 65536));
+}
+
+// The area inside camera's that the format can say.
+Area RepresentableArea(const Area& area) {
+  constexpr double kUnit = 65536;
+  return {std::ceil(area.x0 * kUnit) / kUnit, std::ceil(area.y0 * kUnit) / kUnit,
+          std::floor(area.x1 * kUnit) / kUnit,
+          std::floor(area.y1 * kUnit) / kUnit};
+}
+
+// The worst angle-times-focal-length between a model and its grid.
+double FitError(const CameraModel& model, const CentralGeneric& grid) {
+  double worst = 0;
+  const Area& area = grid.area();
+  for (int j = 0; j <= 60; ++j) {
+    for (int i = 0; i <= 80; ++i) {
+      const Eigen::Vector2d pixel(area.x0 + area.width() * i / 80,
+                                  area.y0 + area.height() * j / 60);
+      const auto ray = model.Unproject(pixel);
+      if (!ray) continue;
+      const auto image = grid.Project(*ray, &pixel, 5);
+      worst = std::max(worst, image ? (*image - pixel).norm() : INFINITY);
+    }
+  }
+  return worst;
+}
+
+// The camera as a grid over a representable area.
+CentralGeneric AsGrid(const CameraModel& camera) {
+  const Area area = RepresentableArea(camera.area());
+  const auto* grid = dynamic_cast<const CentralGeneric*>(&camera);
+  if (grid && area.x0 == camera.area().x0 && area.y0 == camera.area().y0 &&
+      area.x1 == camera.area().x1 && area.y1 == camera.area().y1)
+    return *grid;
+  double error = INFINITY;
+  for (double cells = 2; cells <= 128; cells *= std::sqrt(2.0)) {
+    const double cell_px = std::max(area.width(), area.height()) / cells;
+    CentralGeneric fit =
+        FitCentralGeneric(camera, area, NumControlPoints(area.width(), cell_px),
+                          NumControlPoints(area.height(), cell_px));
+    error = FitError(camera, fit);
+    if (error <= kMaxPackingErrorPx / 2) return fit;
+  }
+  throw Error(ExitCode::kQuality,
+              fmt::format("no grid follows this {} camera closer than {:.4f} "
+                          "px; is it valid over its whole area?",
+                          camera.Name(), error));
+}
+
+struct GridSection {
+  rg_grid_section section = {};
+  std::vector<int32_t> control_points;
+};
+
+GridSection QuantizeGrid(const CentralGeneric& camera) {
+  GridSection grid;
+  rg_grid_section& s = grid.section;
+  const Area& area = camera.area();
+  s.x0_q16 = Q16(area.x0);
+  s.y0_q16 = Q16(area.y0);
+  s.x1_q16 = Q16(area.x1);
+  s.y1_q16 = Q16(area.y1);
+  s.columns = static_cast<uint16_t>(camera.surface().columns());
+  s.rows = static_cast<uint16_t>(camera.surface().rows());
+  if (camera.surface().cell_width() <= 1.01 ||
+      camera.surface().cell_height() <= 1.01)
+    FailFormat("its cells are not larger than a pixel");
+  s.scale_x_q32 = rg_grid_scale_q32(s.columns - 3u, s.x1_q16 - s.x0_q16);
+  s.scale_y_q32 = rg_grid_scale_q32(s.rows - 3u, s.y1_q16 - s.y0_q16);
+  for (const Eigen::Vector2d& point : camera.surface().points()) {
+    for (int c = 0; c < 2; ++c) {
+      const double value = std::ldexp(point[c], RG_CONTROL_POINT_BITS);
+      if (!(std::abs(value) <= RG_CONTROL_POINT_LIMIT))
+        FailFormat("it looks farther back than 151 degrees from its axis");
+      grid.control_points.push_back(static_cast<int32_t>(std::lround(value)));
+    }
+  }
+  return grid;
+}
+
+// A zero-padded text of RG_TEXT_SIZE bytes.
+std::string PaddedText(const char* what, const std::string& text) {
+  if (text.size() >= RG_TEXT_SIZE || text.find('\0') != std::string::npos)
+    throw Error(ExitCode::kUsage,
+                fmt::format("{} '{}': at most {} bytes", what, text,
+                            RG_TEXT_SIZE - 1));
+  std::string padded = text;
+  padded.resize(RG_TEXT_SIZE, '\0');
+  return padded;
+}
+
+// A figure in its integer unit, rounded up; unknown if there is none.
+uint32_t Figure(std::optional<double> value, double unit) {
+  if (!value) return RG_UNKNOWN_FIGURE;
+  return static_cast<uint32_t>(
+      std::min(std::ceil(*value / unit), RG_UNKNOWN_FIGURE - 1.0));
+}
+
+rg_quality_section QualityOf(const CameraFile& file, double error_px,
+                             double error_rad) {
+  const auto figure = [](const std::optional<ErrorFigures>& figures,
+                         double ErrorFigures::*member) {
+    return Figure(figures ? std::optional((*figures).*member) : std::nullopt,
+                  1e-6);
+  };
+  rg_quality_section quality = {};
+  quality.training_median_upx = figure(file.training, &ErrorFigures::median_px);
+  quality.training_rms_upx = figure(file.training, &ErrorFigures::rms_px);
+  quality.training_max_upx = figure(file.training, &ErrorFigures::max_px);
+  quality.training_count = file.training ? file.training->count : 0;
+  quality.held_out_median_upx = figure(file.held_out, &ErrorFigures::median_px);
+  quality.held_out_rms_upx = figure(file.held_out, &ErrorFigures::rms_px);
+  quality.held_out_max_upx = figure(file.held_out, &ErrorFigures::max_px);
+  quality.held_out_count = file.held_out ? file.held_out->count : 0;
+  quality.packing_error_npx = Figure(error_px, 1e-9);
+  quality.packing_error_prad = Figure(error_rad, 1e-12);
+  return quality;
+}
+
+struct UnprojectionError {
+  double px = 0, rad = 0;
+};
+
+// The runtime against the camera, at every pixel of the blob's area.
+UnprojectionError MeasureUnprojection(const CameraModel& camera,
+                                      const rg_camera& packed,
+                                      int num_threads) {
+  const int first_row = static_cast<int>(std::ceil(packed.y0_q16 / 65536.0));
+  const int last_row = static_cast<int>(std::floor(packed.y1_q16 / 65536.0));
+  const int num_rows = last_row - first_row + 1;
+  std::vector<UnprojectionError> worst(std::max(num_rows, 0));
+  ParallelFor(num_rows, num_threads, [&](int row) {
+    const int y = first_row + row;
+    const int first = static_cast<int>(std::ceil(packed.x0_q16 / 65536.0));
+    const int last = static_cast<int>(std::floor(packed.x1_q16 / 65536.0));
+    for (int x = first; x <= last; ++x) {
+      const Eigen::Vector2d pixel(x, y);
+      const auto exact = camera.Unproject(pixel);
+      LinearizedProjection projection;
+      rg_ray ray;
+      if (!exact || !camera.Linearize(*exact, &pixel, 1, &projection) ||
+          rg_unproject(&packed, {x * 65536, y * 65536}, &ray) != RG_OK)
+        continue;
+      const Eigen::Vector3d direction =
+          Eigen::Vector3d(ray.x_q30, ray.y_q30, ray.z_q30) / (1 << 30);
+      worst[row].rad = std::max(worst[row].rad, direction.cross(*exact).norm());
+      worst[row].px =
+          std::max(worst[row].px, (projection.by_point * direction).norm());
+    }
+  });
+  UnprojectionError total;
+  for (const UnprojectionError& error : worst) {
+    total.px = std::max(total.px, error.px);
+    total.rad = std::max(total.rad, error.rad);
+  }
+  return total;
+}
+
+std::string WriteBlob(const rg_blob_contents& contents) {
+  const uint32_t size = rg_blob_size(&contents);
+  std::vector<uint32_t> words((size + 3) / 4);
+  const rg_status status = rg_blob_write(&contents, words.data(), size);
+  if (status != RG_OK) FailFormat(rg_status_text(status));
+  return std::string(reinterpret_cast<const char*>(words.data()), size);
+}
+
+UnprojectionError MeasureBlob(const CameraModel& camera,
+                              const std::string& blob, int num_threads) {
+  std::vector<uint32_t> words((blob.size() + 3) / 4);
+  std::memcpy(words.data(), blob.data(), blob.size());
+  rg_camera packed;
+  const rg_status status = rg_camera_open(&packed, words.data(),
+                                          static_cast<uint32_t>(blob.size()));
+  if (status != RG_OK) FailFormat(rg_status_text(status));
+  return MeasureUnprojection(camera, packed, num_threads);
+}
+
+}  // namespace
+
+PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
+  const CameraModel& camera = *file.camera;
+  if (camera.image_size().width > static_cast<int>(RG_MAX_IMAGE_SIZE) ||
+      camera.image_size().height > static_cast<int>(RG_MAX_IMAGE_SIZE))
+    FailFormat(fmt::format("images are at most {} px wide and high",
+                           RG_MAX_IMAGE_SIZE));
+  const GridSection grid = QuantizeGrid(AsGrid(camera));
+  const std::string name = PaddedText("name", file.name);
+  const std::string serial = PaddedText("serial", file.serial);
+  const rg_camera_section identity = {
+      static_cast<uint16_t>(camera.image_size().width),
+      static_cast<uint16_t>(camera.image_size().height), name.data(),
+      serial.data()};
+  rg_blob_contents contents = {};
+  contents.camera = &identity;
+  contents.grid = &grid.section;
+  contents.control_points_q29 = grid.control_points.data();
+
+  PackedCamera packed;
+  RemapTable remap;
+  if (options.remap) {
+    remap = FitRemapTable(camera, *options.remap, options.max_error_px,
+                          options.num_threads);
+    remap.section.empty_blocks = remap.empty_blocks.data();
+    contents.remap = &remap.section;
+    contents.residuals = remap.residuals.data();
+    packed.remap_error_px = remap.max_error_px;
+    packed.block_size = 1 << remap.section.block_log2;
+  }
+
+  // Once to measure, once more with the figures.
+  const UnprojectionError error = MeasureBlob(
+      camera, WriteBlob(contents), NumThreads(options.num_threads));
+  packed.unproject_error_px = error.px;
+  packed.unproject_error_rad = error.rad;
+  if (error.px > kMaxPackingErrorPx)
+    throw Error(ExitCode::kQuality,
+                fmt::format("packing would add {:.4f} px to un-projection, more "
+                            "than {}",
+                            error.px, kMaxPackingErrorPx));
+  const rg_quality_section quality = QualityOf(file, error.px, error.rad);
+  contents.quality = &quality;
+  packed.blob = WriteBlob(contents);
+  return packed;
+}
+
+}  // namespace raygrid

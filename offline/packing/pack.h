@@ -1,0 +1,39 @@
+#ifndef RAYGRID_PACKING_PACK_H
+#define RAYGRID_PACKING_PACK_H
+
+#include <optional>
+#include <string>
+
+#include "dataset/camera_file.h"
+#include "packing/virtual_camera.h"
+
+namespace raygrid {
+
+struct PackOptions {
+  std::optional<VirtualCamera> remap;  ///< none: a blob without remap table
+  double max_error_px = 0.05;          ///< geometric error of the remap
+  int num_threads = 0;
+};
+
+/// A blob and the errors that packing added.
+struct PackedCamera {
+  std::string blob;
+  double unproject_error_px = 0;   ///< over the pixels of the area
+  double unproject_error_rad = 0;
+  std::optional<double> remap_error_px;
+  int block_size = 0;
+};
+
+/// Packs a camera of any model; one that is not central-generic is fitted with
+/// the coarsest grid that follows it to kMaxPackingErrorPx. The errors are
+/// measured with the runtime's own arithmetic on the finished blob, and stored
+/// in it. Throws Error(kQuality) if the bounds cannot be kept, Error(kUsage)
+/// for a camera that the format cannot hold.
+PackedCamera PackCamera(const CameraFile& file, const PackOptions& options);
+
+/// Un-projection error that a blob may add.
+constexpr double kMaxPackingErrorPx = 0.002;
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_PACKING_PACK_H

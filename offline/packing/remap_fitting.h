@@ -1,0 +1,33 @@
+#ifndef RAYGRID_PACKING_REMAP_FITTING_H
+#define RAYGRID_PACKING_REMAP_FITTING_H
+
+#include <cstdint>
+#include <vector>
+
+#include "camera/camera_model.h"
+#include "packing/virtual_camera.h"
+#include "rg_blob.h"
+
+namespace raygrid {
+
+/// A remap section and the arrays it points to.
+struct RemapTable {
+  rg_remap_section section = {};
+  std::vector<int16_t> residuals;
+  std::vector<uint8_t> empty_blocks;
+  double max_error_px = 0;  ///< over all output pixels, in the board's integers
+};
+
+/// The table with the largest blocks whose geometric error is at most
+/// max_error_px: the vertices are fitted to the exact positions of all pixels
+/// by least squares, quantised, and then measured with the arithmetic of the
+/// runtime. Source positions outside the calibrated area become border. Throws
+/// Error(kQuality) if not even blocks of 8 keep the bound, Error(kUsage) if the
+/// images are too large for the format or the virtual camera sees nothing.
+RemapTable FitRemapTable(const CameraModel& camera,
+                         const VirtualCamera& virtual_camera,
+                         double max_error_px, int num_threads);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_PACKING_REMAP_FITTING_H

@@ -1,0 +1,86 @@
+#include "simulation/simulated_camera.h"
+
+#include <Eigen/LU>
+#include <cmath>
+
+namespace raygrid {
+namespace {
+
+constexpr double kBumpMarginPx = 50;
+
+Area Widened(const Area& area) {
+  return {area.x0 - kBumpMarginPx, area.y0 - kBumpMarginPx,
+          area.x1 + kBumpMarginPx, area.y1 + kBumpMarginPx};
+}
+
+}  // namespace
+
+SimulatedCamera::SimulatedCamera(const OpenCvModel& lens,
+                                 std::vector<LensBump> bumps)
+    : CameraModel(lens.image_size(), lens.area()),
+      lens_(lens.WithArea(Widened(lens.area()))),
+      bumps_(std::move(bumps)) {}
+
+Eigen::Vector2d SimulatedCamera::Bend(const Eigen::Vector2d& pixel,
+                                      Eigen::Matrix2d* derivative) const {
+  Eigen::Vector2d bent = pixel;
+  *derivative = Eigen::Matrix2d::Identity();
+  for (const LensBump& bump : bumps_) {
+    const Eigen::Vector2d offset = pixel - bump.center;
+    const double r2 = bump.radius_px * bump.radius_px;
+    const Eigen::Vector2d shift =
+        bump.displacement_px * std::exp(-offset.squaredNorm() / (2 * r2));
+    bent += shift;
+    *derivative -= shift * offset.transpose() / r2;
+  }
+  return bent;
+}
+
+std::optional<Eigen::Vector3d> SimulatedCamera::Unproject(
+    const Eigen::Vector2d& pixel) const {
+  if (!area().Contains(pixel)) return std::nullopt;
+  Eigen::Vector2d unbent = pixel;
+  for (int iteration = 0; iteration < 50; ++iteration) {
+    Eigen::Matrix2d derivative;
+    const Eigen::Vector2d error = pixel - Bend(unbent, &derivative);
+    unbent += derivative.inverse() * error;
+    if (error.norm() < 1e-12) break;
+  }
+  return lens_.Unproject(unbent);
+}
+
+std::optional<Eigen::Vector2d> SimulatedCamera::Project(
+    const Eigen::Vector3d& point, const Eigen::Vector2d* /*start*/,
+    double margin_px) const {
+  const auto straight = lens_.Project(point);
+  if (!straight) return std::nullopt;
+  Eigen::Matrix2d derivative;
+  const Eigen::Vector2d pixel = Bend(*straight, &derivative);
+  if (!area().Contains(pixel, margin_px)) return std::nullopt;
+  return pixel;
+}
+
+bool SimulatedCamera::Linearize(const Eigen::Vector3d& point,
+                                const Eigen::Vector2d* start, double margin_px,
+                                LinearizedProjection* projection) const {
+  if (!lens_.Linearize(point, start, 0, projection)) return false;
+  Eigen::Matrix2d derivative;
+  projection->pixel = Bend(projection->pixel, &derivative);
+  projection->by_point = derivative * projection->by_point;
+  projection->num_parameters = 0;
+  return area().Contains(projection->pixel, margin_px);
+}
+
+SimulatedCamera ExampleSimulatedCamera() {
+  const ImageSize size = {640, 480};
+  const OpenCvModel::ParameterArray parameters = {
+      530, 532, 322.3, 237.1, -0.28, 0.09, 0, 0, 0, 0, 7e-4, -4e-4};
+  return SimulatedCamera(OpenCvModel(size, WholeImage(size), parameters),
+                         {{{150, 120}, {0.9, -0.5}, 90},
+                          {{480, 340}, {-0.7, 1.3}, 110},
+                          {{330, 60}, {0.4, 0.8}, 70},
+                          {{90, 400}, {-1.0, -0.6}, 100},
+                          {{560, 130}, {0.8, 0.4}, 80}});
+}
+
+}  // namespace raygrid

@@ -1,0 +1,57 @@
+/* Fixed-point products with rounding. Every product rounds half up (adds half
+ * an LSB and shifts arithmetically): truncation would bias the result. */
+#ifndef RAYGRID_FIXED_POINT_H
+#define RAYGRID_FIXED_POINT_H
+
+#include "wide_multiply.h"
+
+#if defined(__ARM_FEATURE_DSP) && defined(__GNUC__) && !defined(__aarch64__)
+#define RG_HAVE_SMMULR 1
+#else
+#define RG_HAVE_SMMULR 0
+#endif
+
+/* (a b + 2^31) >> 32 */
+static inline int32_t rg_multiply_high(int32_t a, int32_t b) {
+#if RG_HAVE_SMMULR
+  int32_t result;
+  __asm__("smmulr %0, %1, %2" : "=r"(result) : "r"(a), "r"(b));
+  return result;
+#elif RG_MULTIPLY_IN_PARTS
+  uint32_t low;
+  const int32_t high = rg_multiply_signed(a, b, &low);
+  return high + (int32_t)(low >> 31);
+#else
+  return (int32_t)(((int64_t)a * b + INT64_C(0x80000000)) >> 32);
+#endif
+}
+
+/* sum + ((a b + 2^31) >> 32) */
+static inline int32_t rg_multiply_high_add(int32_t sum, int32_t a, int32_t b) {
+#if RG_HAVE_SMMULR
+  int32_t result;
+  __asm__("smmlar %0, %1, %2, %3" : "=r"(result) : "r"(a), "r"(b), "r"(sum));
+  return result;
+#else
+  return sum + rg_multiply_high(a, b);
+#endif
+}
+
+/* (a b + 2^31) >> 32, unsigned */
+static inline uint32_t rg_multiply_high_unsigned(uint32_t a, uint32_t b) {
+  uint32_t low;
+  const uint32_t high = rg_multiply_unsigned(a, b, &low);
+  return high + (low >> 31);
+}
+
+/* (a b + 2^(shift - 1)) >> shift for 1 <= shift <= 31; the result must fit. */
+static inline int32_t rg_multiply_shift(int32_t a, int32_t b, int shift) {
+  uint32_t low;
+  const int32_t high = rg_multiply_signed(a, b, &low);
+  const uint32_t rounded = low + (UINT32_C(1) << (shift - 1));
+  const uint32_t carry = rounded < low;
+  return (int32_t)((((uint32_t)high + carry) << (32 - shift)) |
+                   (rounded >> shift));
+}
+
+#endif /* RAYGRID_FIXED_POINT_H */

@@ -1,0 +1,111 @@
+/* raygrid on the board: from pixels to rays, and from frames to undistorted
+ * frames. C99, integers only, no allocation, no globals, no library calls.
+ *
+ *   rg_camera camera;
+ *   if (rg_camera_open(&camera, blob, blob_size) != RG_OK) ...;
+ *   rg_pixel pixel = {RG_PIXEL(320), RG_PIXEL(240)};
+ *   rg_ray ray;
+ *   if (rg_unproject(&camera, pixel, &ray) == RG_OK) ...;
+ *
+ * Conventions: pixel (0, 0) is the centre of the top-left pixel; camera axes
+ * are x right, y down, z forward. A name's suffix _qN says that the integer
+ * holds the value times 2^N. */
+#ifndef RAYGRID_RAYGRID_H
+#define RAYGRID_RAYGRID_H
+
+#include <stdint.h>
+
+#include "rg_status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define RAYGRID_VERSION_MAJOR 0
+#define RAYGRID_VERSION_MINOR 1
+#define RAYGRID_VERSION_PATCH 0
+
+/* A whole number of pixels in q16. */
+#define RG_PIXEL(n) ((int32_t)((n) * 65536))
+
+/* An open camera: at most 64 bytes, owned by the caller, only read after
+ * opening, so threads and interrupt handlers may share it. The fields are not
+ * for use outside the library. */
+typedef struct rg_camera {
+  const uint8_t* control_points; /* i32 q29 pairs in the blob */
+  const uint8_t* remap;          /* the remap section in the blob, or NULL */
+  int32_t x0_q16, y0_q16, x1_q16, y1_q16;
+  uint32_t scale_x_q32, scale_y_q32;
+  uint16_t columns, rows;
+  uint16_t width, height;
+} rg_camera;
+
+typedef struct rg_pixel {
+  int32_t x_q16, y_q16;
+} rg_pixel;
+
+/* A direction in camera axes. */
+typedef struct rg_ray {
+  int32_t x_q30, y_q30, z_q30;
+} rg_ray;
+
+/* Validates a blob and prepares a camera that reads it in place.
+ *
+ * bytes   multiple of 4; must stay where it is while the camera is in use.
+ * RG_OK, or the first fault found (rg_status.h); the camera is then untouched.
+ * Cost: one pass over the blob for its CRCs, one over its values. */
+rg_status rg_camera_open(rg_camera* camera, const void* bytes,
+                         uint32_t num_bytes);
+
+/* Turns an image position into the direction it looks at: the cubic B-spline
+ * surface of the paper's central model (section "Camera Model") in
+ * stereographic coordinates.
+ *
+ * ray   unit length within 4e-8; written only when RG_OK is returned.
+ *
+ * RG_OK                done
+ * RG_ERR_OUTSIDE_AREA  pixel lies outside the calibrated area
+ *
+ * No loop depends on the data; cost per core in runtime/README.md. */
+rg_status rg_unproject(const rg_camera* camera, rg_pixel pixel, rg_ray* ray);
+
+/* rg_unproject() for num_pixels pixels. Rays outside the area become (0, 0, 0).
+ * Returns how many pixels lay inside. */
+uint32_t rg_unproject_batch(const rg_camera* camera, const rg_pixel* pixels,
+                            rg_ray* rays, uint32_t num_pixels);
+
+/* An 8-bit grey image (libcamera R8, V4L2 GREY). */
+typedef struct rg_frame {
+  const uint8_t* data; /* first row */
+  uint32_t stride;     /* bytes from one row to the next, at least width */
+  uint16_t width, height;
+} rg_frame;
+
+/* Rows [first_row, first_row + num_rows) of the undistorted image. */
+typedef struct rg_band {
+  uint8_t* data; /* where first_row goes */
+  uint32_t stride;
+  uint16_t first_row, num_rows;
+  uint8_t border; /* value where the camera sees nothing, or is uncalibrated */
+} rg_band;
+
+/* Size of the undistorted image; RG_ERR_NO_REMAP if the blob has no table. */
+rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
+                        uint16_t* height);
+
+/* Undistorts rows of a grey frame (formats/SPEC.md, "Remap arithmetic": every
+ * target gives the same bits). Bands may be asked for in any order and, into
+ * different memory, by several threads. The frame and the band must not
+ * overlap.
+ *
+ * RG_ERR_NO_REMAP    the blob has no remap table
+ * RG_ERR_FRAME_SIZE  frame is not the camera's image, or a stride is too small
+ * RG_ERR_ROWS        the band ends below the output */
+rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
+                        const rg_band* band);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* RAYGRID_RAYGRID_H */

@@ -1,0 +1,107 @@
+/* Undistortion of grey frames: formats/SPEC.md, "Remap arithmetic". */
+#include "bytes.h"
+#include "raygrid.h"
+#include "remap_table.h"
+
+/* What every block of a band needs. */
+typedef struct remap_job {
+  rg_remap_section table;
+  const rg_frame* frame;
+  uint8_t border;
+} remap_job;
+
+static int is_inside(const rg_remap_section* table, rg_position p) {
+  return p.x_q12 >= table->min_x_q12 && p.x_q12 <= table->max_x_q12 &&
+         p.y_q12 >= table->min_y_q12 && p.y_q12 <= table->max_y_q12;
+}
+
+/* Bilinear: 7-bit weights across in 16 bits, then down with a rounding
+ * multiply-high of 15 bits. p must be inside the source rectangle. */
+static uint8_t fetch(const rg_frame* frame, rg_position p) {
+  const int32_t x_q12 = p.x_q12 + 16; /* rounds the weight to 7 bits */
+  const uint32_t column = (uint32_t)x_q12 >> 12;
+  const uint32_t row = (uint32_t)p.y_q12 >> 12;
+  const int32_t wx_q7 = (x_q12 >> 5) & 127;
+  const int32_t wy_q15 = (p.y_q12 & 4095) << 3;
+  /* A neighbour beyond the last column or row has weight zero. */
+  const uint32_t right = column + 1 < frame->width;
+  const uint32_t below = row + 1 < frame->height ? frame->stride : 0;
+
+  const uint8_t* pixel = frame->data + row * frame->stride + column;
+  const int32_t upper_q7 = pixel[0] * (128 - wx_q7) + pixel[right] * wx_q7;
+  pixel += below;
+  const int32_t lower_q7 = pixel[0] * (128 - wx_q7) + pixel[right] * wx_q7;
+  const int32_t value_q7 =
+      upper_q7 + (((lower_q7 - upper_q7) * wy_q15 + 0x4000) >> 15);
+  return (uint8_t)((value_q7 + 64) >> 7);
+}
+
+/* Eight pixels, or fewer at the right edge: positions in equal steps. */
+static void remap_segment(const remap_job* job, rg_position start, rg_position step,
+                          uint32_t num_pixels, uint8_t* out) {
+  for (uint32_t k = 0; k < num_pixels; ++k) {
+    out[k] = is_inside(&job->table, start) ? fetch(job->frame, start)
+                                           : job->border;
+    start.x_q12 += step.x_q12;
+    start.y_q12 += step.y_q12;
+  }
+}
+
+/* Row r of block (i, j): num_pixels of them. */
+static void remap_block_row(const remap_job* job, uint32_t i, uint32_t j,
+                            uint32_t r, uint32_t num_pixels, uint8_t* out) {
+  rg_block_row row;
+  rg_remap_block_row(&job->table, i, j, r, &row);
+  for (uint32_t k = 0; k < num_pixels; k += RG_SEGMENT_SIZE) {
+    const uint32_t rest = num_pixels - k;
+    remap_segment(job, rg_remap_segment(&job->table, &row, k), row.step,
+                  rest < RG_SEGMENT_SIZE ? rest : RG_SEGMENT_SIZE, out + k);
+  }
+}
+
+static void fill(uint8_t* out, uint32_t num_pixels, uint8_t value) {
+  /* volatile: or the compiler would turn the loop into a call of memset. */
+  for (volatile uint8_t* p = out; p < out + num_pixels; ++p) *p = value;
+}
+
+static void remap_row(const remap_job* job, uint32_t y, uint8_t* out) {
+  const rg_remap_section* table = &job->table;
+  const uint32_t block_size = UINT32_C(1) << table->block_log2;
+  const uint32_t j = y >> table->block_log2;
+  uint32_t block = j * (table->columns - 1u);
+  for (uint32_t x = 0, i = 0; x < table->width; x += block_size, ++i, ++block) {
+    const uint32_t rest = table->width - x;
+    const uint32_t num_pixels = rest < block_size ? rest : block_size;
+    if ((table->empty_blocks[block >> 3] >> (block & 7)) & 1)
+      fill(out + x, num_pixels, job->border);
+    else
+      remap_block_row(job, i, j, y & (block_size - 1), num_pixels, out + x);
+  }
+}
+
+rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
+                        uint16_t* height) {
+  if (!camera->remap) return RG_ERR_NO_REMAP;
+  *width = rg_load_u16(camera->remap);
+  *height = rg_load_u16(camera->remap + 2);
+  return RG_OK;
+}
+
+rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
+                        const rg_band* band) {
+  if (!camera->remap) return RG_ERR_NO_REMAP;
+  remap_job job;
+  rg_read_remap(camera->remap, &job.table);
+  job.frame = frame;
+  job.border = band->border;
+  if (frame->width != camera->width || frame->height != camera->height ||
+      frame->stride < frame->width || band->stride < job.table.width)
+    return RG_ERR_FRAME_SIZE;
+  const uint32_t end_row = (uint32_t)band->first_row + band->num_rows;
+  if (end_row > job.table.height) return RG_ERR_ROWS;
+
+  uint8_t* out = band->data;
+  for (uint32_t y = band->first_row; y < end_row; ++y, out += band->stride)
+    remap_row(&job, y, out);
+  return RG_OK;
+}

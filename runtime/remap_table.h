@@ -1,0 +1,37 @@
+/* Where the pixels of a block's row come from: formats/SPEC.md, "Remap
+ * arithmetic". All positions are q12 source pixels. */
+#ifndef RAYGRID_REMAP_TABLE_H
+#define RAYGRID_REMAP_TABLE_H
+
+#include "rg_blob.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct rg_position {
+  int32_t x_q12, y_q12;
+} rg_position;
+
+/* A row of a block. Its pixels lie in segments of RG_SEGMENT_SIZE; from one to
+ * the next inside a segment is step. */
+typedef struct rg_block_row {
+  rg_position left, right;
+  rg_position step;
+} rg_block_row;
+
+#define RG_SEGMENT_SIZE 8u
+
+/* Row r (0 to block size - 1) of block (i, j). */
+void rg_remap_block_row(const rg_remap_section* table, uint32_t i, uint32_t j,
+                        uint32_t r, rg_block_row* row);
+
+/* Source position of the segment that begins at pixel k of the row. */
+rg_position rg_remap_segment(const rg_remap_section* table,
+                             const rg_block_row* row, uint32_t k);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* RAYGRID_REMAP_TABLE_H */

@@ -1,0 +1,5 @@
+include(${CMAKE_CURRENT_LIST_DIR}/bare_metal.cmake)
+set(CMAKE_SYSTEM_PROCESSOR cortex-m33)
+set(CMAKE_C_COMPILER arm-none-eabi-gcc)
+raygrid_bare_metal("-mcpu=cortex-m33 -mfloat-abi=hard" 0x10000000 0x400000 0x38000000 0x200000)
+set(CMAKE_CROSSCOMPILING_EMULATOR qemu-system-arm;-M;mps2-an505;${RAYGRID_SEMIHOSTING})

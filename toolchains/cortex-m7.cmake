@@ -1,0 +1,5 @@
+include(${CMAKE_CURRENT_LIST_DIR}/bare_metal.cmake)
+set(CMAKE_SYSTEM_PROCESSOR cortex-m7)
+set(CMAKE_C_COMPILER arm-none-eabi-gcc)
+raygrid_bare_metal("-mcpu=cortex-m7 -mfloat-abi=hard" 0x0 0x400000 0x20000000 0x400000)
+set(CMAKE_CROSSCOMPILING_EMULATOR qemu-system-arm;-M;mps2-an500;${RAYGRID_SEMIHOSTING})

@@ -1,0 +1,5 @@
+include(${CMAKE_CURRENT_LIST_DIR}/bare_metal.cmake)
+set(CMAKE_SYSTEM_PROCESSOR rv32)
+set(CMAKE_C_COMPILER riscv64-unknown-elf-gcc)
+raygrid_bare_metal("-march=rv32imac -mabi=ilp32" 0x80000000 0x400000 0x80400000 0x400000)
+set(CMAKE_CROSSCOMPILING_EMULATOR qemu-system-riscv32;-M;virt;-bios;none;${RAYGRID_SEMIHOSTING})

@@ -1,0 +1,48 @@
+#include "camera_input.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "dataset/error.h"
+#include "dataset/files.h"
+
+namespace raygrid {
+
+CameraInput ReadCamera(const std::string& path) {
+  const std::string bytes = ReadFile(path);
+  CameraInput input;
+  if (!IsBlob(path, bytes)) {
+    input.file = ReadCameraFile(path);
+    return input;
+  }
+  input.blob.emplace(path, bytes);
+  input.file.camera = input.blob->ToModel().Clone();
+  rg_camera_section identity;
+  rg_blob_camera(&input.blob->blob(), &identity);
+  input.file.name = identity.name;
+  input.file.serial = identity.serial;
+  return input;
+}
+
+ImageSize ParseImageSize(const std::string& option, const std::string& text) {
+  ImageSize size;
+  char end;
+  if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &end) !=
+          2 ||
+      size.width < 1 || size.height < 1)
+    throw Error(ExitCode::kUsage,
+                fmt::format("{} {}: expected WIDTHxHEIGHT, as 640x480", option,
+                            text));
+  return size;
+}
+
+void PrintOrWrite(const std::string& path, const std::string& text) {
+  if (!path.empty())
+    WriteFile(path, text);
+  else if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() ||
+           std::fflush(stdout) != 0)
+    throw Error(ExitCode::kOutput, "standard output cannot be written");
+}
+
+}  // namespace raygrid

@@ -1,0 +1,28 @@
+#ifndef RAYGRID_TOOLS_CAMERA_INPUT_H
+#define RAYGRID_TOOLS_CAMERA_INPUT_H
+
+#include <optional>
+#include <string>
+
+#include "dataset/camera_file.h"
+#include "packing/blob_camera.h"
+
+namespace raygrid {
+
+/// A camera.yaml, or a blob.
+struct CameraInput {
+  CameraFile file;                 ///< a blob's grid in double precision
+  std::optional<BlobCamera> blob;  ///< if it was one
+};
+
+CameraInput ReadCamera(const std::string& path);
+
+/// "640x480"; throws Error(kUsage) naming the option.
+ImageSize ParseImageSize(const std::string& option, const std::string& text);
+
+/// Prints text, or writes it to a file if one is named.
+void PrintOrWrite(const std::string& path, const std::string& text);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_TOOLS_CAMERA_INPUT_H

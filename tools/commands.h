@@ -1,0 +1,38 @@
+/// One function a command: declares its options and what to run when it is
+/// chosen. Arguments -> one library call -> exit code.
+#ifndef RAYGRID_TOOLS_COMMANDS_H
+#define RAYGRID_TOOLS_COMMANDS_H
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <string>
+
+namespace raygrid {
+
+/// Options of every command.
+struct CommonOptions {
+  int threads = 0;
+  uint64_t seed = 0;
+  bool quiet = false;
+  bool json = false;
+};
+
+/// A command with the common options and an example in its help.
+CLI::App* AddCommand(CLI::App* app, const std::string& name,
+                     const std::string& description, const std::string& example,
+                     CommonOptions* common);
+
+void AddCalibrate(CLI::App* app, CommonOptions* common);
+void AddDetect(CLI::App* app, CommonOptions* common);
+void AddEvaluate(CLI::App* app, CommonOptions* common);
+void AddInspect(CLI::App* app, CommonOptions* common);
+void AddPack(CLI::App* app, CommonOptions* common);
+void AddPattern(CLI::App* app, CommonOptions* common);
+void AddProject(CLI::App* app, CommonOptions* common);
+void AddSimulate(CLI::App* app, CommonOptions* common);
+void AddUndistort(CLI::App* app, CommonOptions* common);
+void AddUnproject(CLI::App* app, CommonOptions* common);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_TOOLS_COMMANDS_H

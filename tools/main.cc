@@ -1,0 +1,79 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "commands.h"
+#include "dataset/error.h"
+
+namespace raygrid {
+
+CLI::App* AddCommand(CLI::App* app, const std::string& name,
+                     const std::string& description, const std::string& example,
+                     CommonOptions* common) {
+  CLI::App* command = app->add_subcommand(name, description);
+  command->footer("Example:\n  " + example);
+  command
+      ->add_option("--threads", common->threads, "threads; 0 means all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command->add_option("--seed", common->seed, "seed of random choices")
+      ->capture_default_str();
+  command->add_flag("--quiet", common->quiet, "print errors only");
+  command->add_flag("--json", common->json, "print the result as JSON");
+  return command;
+}
+
+namespace {
+
+int Fail(ExitCode code, const std::string& message) {
+  fmt::print(stderr, "raygrid: {}\n", message);
+  return static_cast<int>(code);
+}
+
+int Run(int argc, char** argv) {
+  CLI::App app("Camera calibration with generic models, and blobs for the "
+               "board that undistorts");
+  app.name("raygrid");
+  app.set_version_flag("--version", "raygrid " RAYGRID_VERSION);
+  app.require_subcommand(1);
+  app.footer("raygrid COMMAND --help explains a command.");
+  CommonOptions common;
+  AddPattern(&app, &common);
+  AddDetect(&app, &common);
+  AddCalibrate(&app, &common);
+  AddEvaluate(&app, &common);
+  AddPack(&app, &common);
+  AddInspect(&app, &common);
+  AddUndistort(&app, &common);
+  AddUnproject(&app, &common);
+  AddProject(&app, &common);
+  AddSimulate(&app, &common);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    return Fail(ExitCode::kUsage, std::string(error.what()) +
+                                      "; see raygrid --help, or raygrid "
+                                      "COMMAND --help");
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace raygrid
+
+int main(int argc, char** argv) {
+  try {
+    return raygrid::Run(argc, argv);
+  } catch (const raygrid::Error& error) {
+    return raygrid::Fail(error.code(), error.what());
+  } catch (const std::bad_alloc&) {
+    return raygrid::Fail(raygrid::ExitCode::kInput,
+                         "not enough memory for this input");
+  } catch (const std::exception& error) {
+    return raygrid::Fail(raygrid::ExitCode::kInput, error.what());
+  }
+}

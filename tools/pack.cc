@@ -1,0 +1,101 @@
+#include "packing/pack.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "camera_input.h"
+#include "commands.h"
+#include "dataset/error.h"
+#include "dataset/files.h"
+
+namespace raygrid {
+namespace {
+
+struct Arguments {
+  std::string camera, output, remap, name, serial;
+  double max_error_px = 0.05;
+};
+
+// "640x480" or "640x480,hfov=90".
+VirtualCamera ParseRemap(const CameraModel& camera, const std::string& text) {
+  const size_t comma = text.find(',');
+  double hfov_deg = 0;
+  char end;
+  if (comma != std::string::npos &&
+      std::sscanf(text.c_str() + comma, ",hfov=%lf%c", &hfov_deg, &end) != 1)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--remap {}: expected WIDTHxHEIGHT or "
+                            "WIDTHxHEIGHT,hfov=DEGREES",
+                            text));
+  return MakeVirtualCamera(
+      camera, ParseImageSize("--remap", text.substr(0, comma)), hfov_deg);
+}
+
+void Print(const Arguments& arguments, const PackedCamera& packed, bool json) {
+  if (json) {
+    nlohmann::ordered_json result = {
+        {"bytes", packed.blob.size()},
+        {"unproject_error_px", packed.unproject_error_px},
+        {"unproject_error_rad", packed.unproject_error_rad}};
+    if (packed.remap_error_px) {
+      result["remap_error_px"] = *packed.remap_error_px;
+      result["block_size"] = packed.block_size;
+    }
+    fmt::print("{}\n", result.dump(2));
+    return;
+  }
+  fmt::print("{}: {} bytes; un-projection within {:.2g} px, {:.2g} rad of {}",
+             arguments.output, packed.blob.size(), packed.unproject_error_px,
+             packed.unproject_error_rad, arguments.camera);
+  if (packed.remap_error_px)
+    fmt::print("; remap within {:.3f} px in blocks of {} px",
+               *packed.remap_error_px, packed.block_size);
+  fmt::print("\n");
+}
+
+void Run(const Arguments& arguments, const CommonOptions& common) {
+  CameraInput input = ReadCamera(arguments.camera);
+  if (input.blob)
+    throw Error(ExitCode::kUsage,
+                arguments.camera + ": is a blob already; pack a camera.yaml");
+  if (!arguments.name.empty()) input.file.name = arguments.name;
+  if (!arguments.serial.empty()) input.file.serial = arguments.serial;
+  PackOptions options;
+  if (!arguments.remap.empty())
+    options.remap = ParseRemap(*input.file.camera, arguments.remap);
+  options.max_error_px = arguments.max_error_px;
+  options.num_threads = common.threads;
+  const PackedCamera packed = PackCamera(input.file, options);
+  WriteFile(arguments.output, packed.blob);
+  if (!common.quiet || common.json) Print(arguments, packed, common.json);
+}
+
+}  // namespace
+
+void AddPack(CLI::App* app, CommonOptions* common) {
+  CLI::App* command = AddCommand(
+      app, "pack", "Packs a camera into a blob for the board.",
+      "raygrid pack camera.yaml -o front.raygrid --remap 640x480,hfov=80 "
+      "--serial 0042",
+      common);
+  auto arguments = std::make_shared<Arguments>();
+  command->add_option("camera", arguments->camera, "camera.yaml")->required();
+  command->add_option("-o,--output", arguments->output, "blob to write")
+      ->required();
+  command->add_option("--remap", arguments->remap,
+                      "add an undistortion table: WxH or WxH,hfov=DEGREES");
+  command
+      ->add_option("--max-error-px", arguments->max_error_px,
+                   "geometric error that the table may have")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--name", arguments->name, "camera's name in the blob");
+  command->add_option("--serial", arguments->serial,
+                      "camera's serial number in the blob");
+  command->callback([arguments, common] { Run(*arguments, *common); });
+}
+
+}  // namespace raygrid
