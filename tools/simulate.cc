@@ -26,7 +26,7 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
   SimulationOptions options = arguments.simulation;
   options.seed = common.seed;
   const SimulatedCamera camera = ExampleSimulatedCamera();
-  const Pattern pattern = ChessboardPattern(24, 16, 0.02);
+  const Pattern pattern = ChessboardPattern(30, 24, 0.02);
   if (options.features_per_image > pattern.boards[0].num_points())
     throw Error(ExitCode::kUsage,
                 fmt::format("--features-per-image: the board has {}",
@@ -74,7 +74,7 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
   command
       ->add_option("--features-per-image", simulation.features_per_image,
                    "features in each")
-      ->check(CLI::Range(1, 384))
+      ->check(CLI::Range(1, 720))
       ->capture_default_str();
   command
       ->add_option("--noise-px", simulation.noise_px,

@@ -47,8 +47,8 @@ NormalEquations BuildEquations(const std::vector<View>& views,
                                const AdjustmentOptions& options,
                                const AdjustmentState& state) {
   NormalEquations equations(
-      state.camera->NumParameters(), static_cast<int>(state.points.size()),
-      static_cast<int>(views.size()), options.fix_camera, options.fix_points,
+      {state.camera->NumParameters(), static_cast<int>(state.points.size()),
+       static_cast<int>(views.size()), options.fix_camera, options.fix_points},
       options.num_threads);
   equations.AddResiduals(LinearizeResiduals(state, views, options.num_threads),
                          options.huber_px);
@@ -102,30 +102,28 @@ struct PriorGroup {
 };
 
 PriorGroup CameraGroup(const GaussianPrior& prior, const AdjustmentState& state,
-                       const Eigen::MatrixXd& samples) {
+                       const CovarianceSamples& samples) {
   const Eigen::VectorXd difference =
       state.camera->Parameters() - prior.camera_mean;
-  const Eigen::MatrixXd camera_samples = samples.topRows(difference.size());
   PriorGroup group;
   group.count = prior.camera_rank;
   group.squared_distance = difference.dot(prior.camera_precision * difference);
   group.trace =
-      camera_samples.cwiseProduct(prior.camera_precision * camera_samples)
+      samples.camera.cwiseProduct(prior.camera_precision * samples.camera)
           .sum() /
-      static_cast<double>(samples.cols());
+      static_cast<double>(samples.camera.cols());
   return group;
 }
 
 PriorGroup PointsGroup(const GaussianPrior& prior, const AdjustmentState& state,
-                       const Eigen::MatrixXd& samples) {
-  const Eigen::Index size = 3 * static_cast<Eigen::Index>(state.points.size());
+                       const CovarianceSamples& samples) {
   PriorGroup group;
-  group.count = static_cast<double>(size);
+  group.count = 3.0 * static_cast<double>(state.points.size());
   for (size_t i = 0; i < state.points.size(); ++i)
     group.squared_distance +=
         (state.points[i] - prior.points_mean[i]).squaredNorm();
-  group.trace = samples.bottomRows(size).squaredNorm() /
-                static_cast<double>(samples.cols());
+  group.trace = samples.points.squaredNorm() /
+                static_cast<double>(samples.points.cols());
   return group;
 }
 
@@ -213,8 +211,8 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
     const AdjustmentSummary summary = AdjustBundle(views, *prior, rough, state);
     const NormalEquations equations =
         BuildEquations(views, *prior, rough, *state);
-    Eigen::MatrixXd samples;
-    if (!equations.CovarianceSamples(kTraceSamples, &samples)) break;
+    CovarianceSamples samples;
+    if (!equations.SampleCovariance(kTraceSamples, &samples)) break;
 
     const PriorGroup camera = CameraGroup(*prior, *state, samples);
     const double num_camera =

@@ -44,6 +44,10 @@ class DifferenceRows {
   int num_rows_ = 0;
 };
 
+// The distance over which departures from the parametric lens are correlated,
+// as a part of the longer side.
+constexpr double kRangePart = 0.5;
+
 // How many pixels a unit of the chart is, around each control point.
 std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
   std::vector<double> scales;
@@ -68,27 +72,36 @@ GaussianPrior SmoothnessPrior(const CentralGeneric& base) {
   const BSplineSurface& surface = base.surface();
   const int columns = surface.columns(), rows = surface.rows();
   DifferenceRows differences(PixelsPerChartUnit(surface));
+  // In cells; (cell kappa)^2 and its square weigh slopes and values.
+  const double kappa =
+      std::sqrt(8.0) / (kRangePart * std::max(surface.area().width(),
+                                              surface.area().height())) *
+      std::sqrt(surface.cell_width() * surface.cell_height());
+  const double slope_factor = std::sqrt(2.0) * kappa;
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {
       const int k = j * columns + i;
-      if (i > 0 && i + 1 < columns)
+      const bool right = i + 1 < columns, below = j + 1 < rows;
+      if (i > 0 && right)
         differences.Add({{k - 1, 1}, {k, -2}, {k + 1, 1}}, 1);
-      if (j > 0 && j + 1 < rows)
+      if (j > 0 && below)
         differences.Add({{k - columns, 1}, {k, -2}, {k + columns, 1}}, 1);
-      if (i + 1 < columns && j + 1 < rows)
+      if (right && below)
         differences.Add({{k, 1},
                          {k + 1, -1},
                          {k + columns, -1},
                          {k + columns + 1, 1}},
                         std::sqrt(2));
+      if (right) differences.Add({{k, -1}, {k + 1, 1}}, slope_factor);
+      if (below) differences.Add({{k, -1}, {k + columns, 1}}, slope_factor);
+      differences.Add({{k, 1}}, kappa * kappa);
     }
   }
 
   GaussianPrior prior;
   prior.camera_mean = base.Parameters();
   prior.camera_precision = differences.Precision();
-  // An affine displacement, 3 numbers a coordinate, has no second differences.
-  prior.camera_rank = 2 * (surface.num_points() - 3);
+  prior.camera_rank = 2 * surface.num_points();
   prior.orientation.resize(2 * surface.num_points(), 3);
   for (int k = 0; k < surface.num_points(); ++k)
     prior.orientation.middleRows<2>(2 * k) =

@@ -9,16 +9,20 @@
 namespace raygrid {
 namespace {
 
-// The columns of a residual's Jacobian by camera and points, gathered.
+// The columns of a residual's Jacobian in the dense system, gathered.
 struct GatheredJacobian {
-  static constexpr int kMax = LinearizedProjection::kMaxParameters + 3;
+  static constexpr int kMax = LinearizedProjection::kMaxParameters + 6;
   int count = 0;
   std::array<int, kMax> column;
   Eigen::Matrix<double, 2, kMax> value;
 
-  void Add(int index, const Eigen::Vector2d& derivative) {
-    column[count] = index;
-    value.col(count++) = derivative;
+  // Columns must ascend from call to call.
+  template <typename Derived>
+  void Add(int first_column, const Eigen::MatrixBase<Derived>& derivative) {
+    for (int k = 0; k < derivative.cols(); ++k) {
+      column[count] = first_column + k;
+      value.col(count++) = derivative.col(k);
+    }
   }
 };
 
@@ -45,20 +49,23 @@ void SubtractProduct(const Eigen::MatrixXd& factor, int num_threads,
 
 }  // namespace
 
-NormalEquations::NormalEquations(int num_camera_parameters, int num_points,
-                                 int num_views, bool fix_camera,
-                                 bool fix_points, int num_threads)
-    : num_camera_(fix_camera ? 0 : num_camera_parameters),
-      num_point_parameters_(fix_points ? 0 : 3 * num_points),
-      fix_camera_(fix_camera),
-      fix_points_(fix_points),
-      num_threads_(num_threads) {
-  const int size = num_camera_ + num_point_parameters_;
+NormalEquations::NormalEquations(const Sizes& sizes, int num_threads)
+    : sizes_(sizes),
+      num_threads_(num_threads),
+      num_camera_(sizes.fix_camera ? 0 : sizes.num_camera_parameters),
+      eliminate_points_(!sizes.fix_points &&
+                        3 * sizes.num_points > 6 * sizes.num_views),
+      block_size_(eliminate_points_ ? 3 : 6) {
+  const int num_blocks = eliminate_points_ ? sizes.num_points : sizes.num_views;
+  const int num_kept = eliminate_points_
+                           ? 6 * sizes.num_views
+                           : (sizes.fix_points ? 0 : 3 * sizes.num_points);
+  const int size = num_camera_ + num_kept;
   a_.setZero(size, size);
   gradient_.setZero(size);
-  v_.assign(num_views, Matrix6d::Zero());
-  pose_gradient_.assign(num_views, Eigen::Matrix<double, 6, 1>::Zero());
-  w_.assign(num_views, Eigen::MatrixXd::Zero(size, 6));
+  v_.assign(num_blocks, Block::Zero(block_size_, block_size_));
+  block_gradient_.assign(num_blocks, BlockVector::Zero(block_size_));
+  w_.assign(num_blocks, Eigen::MatrixXd::Zero(size, block_size_));
 }
 
 void NormalEquations::AddResiduals(
@@ -68,23 +75,29 @@ void NormalEquations::AddResiduals(
     const Eigen::Vector2d& error = r.residual.error_px;
     const double weight = HuberWeight(error.norm(), huber_px);
     GatheredJacobian jacobian;
-    if (!fix_camera_)
+    if (!sizes_.fix_camera)
       for (int k = 0; k < r.projection.num_parameters; ++k)
         jacobian.Add(r.projection.parameter_index[k],
                      r.projection.by_parameter.col(k));
-    if (!fix_points_)
-      for (int k = 0; k < 3; ++k)
-        jacobian.Add(num_camera_ + 3 * r.point + k, r.by_point.col(k));
+    if (eliminate_points_)
+      jacobian.Add(num_camera_ + 6 * r.view, r.by_pose);
+    else if (!sizes_.fix_points)
+      jacobian.Add(num_camera_ + 3 * r.point, r.by_point);
 
-    const Eigen::Matrix<double, 6, 2> pose_t = weight * r.by_pose.transpose();
-    v_[r.view].noalias() += pose_t * r.by_pose;
-    pose_gradient_[r.view].noalias() += pose_t * error;
+    Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, 6> by_block(2, block_size_);
+    if (eliminate_points_)
+      by_block = r.by_point;
+    else
+      by_block = r.by_pose;
+    const int block = eliminate_points_ ? r.point : r.view;
+    v_[block].noalias() += weight * by_block.transpose() * by_block;
+    block_gradient_[block].noalias() += weight * by_block.transpose() * error;
     for (int i = 0; i < jacobian.count; ++i) {
       const Eigen::Vector2d weighted = weight * jacobian.value.col(i);
       const int row = jacobian.column[i];
       gradient_[row] += weighted.dot(error);
-      w_[r.view].row(row).noalias() += weighted.transpose() * r.by_pose;
-      for (int j = 0; j <= i; ++j)  // columns ascend
+      w_[block].row(row).noalias() += weighted.transpose() * by_block;
+      for (int j = 0; j <= i; ++j)
         a_(row, jacobian.column[j]) += weighted.dot(jacobian.value.col(j));
     }
   }
@@ -92,7 +105,7 @@ void NormalEquations::AddResiduals(
 
 void NormalEquations::AddPrior(const GaussianPrior& prior,
                                const AdjustmentState& state) {
-  if (!fix_camera_ && prior.camera_mean.size() == num_camera_) {
+  if (!sizes_.fix_camera) {
     const Eigen::VectorXd difference =
         state.camera->Parameters() - prior.camera_mean;
     gradient_.head(num_camera_) +=
@@ -110,75 +123,100 @@ void NormalEquations::AddPrior(const GaussianPrior& prior,
         .selfadjointView<Eigen::Lower>()
         .rankUpdate(g, prior.orientation_weight);
   }
-  if (fix_points_) return;
-  for (size_t i = 0; i < prior.points_mean.size(); ++i) {
-    const Eigen::Index first = num_camera_ + 3 * static_cast<Eigen::Index>(i);
-    gradient_.segment<3>(first) +=
+  if (sizes_.fix_points) return;
+  for (int i = 0; i < sizes_.num_points; ++i) {
+    const Eigen::Vector3d gradient =
         prior.points_weight * (state.points[i] - prior.points_mean[i]);
-    for (int k = 0; k < 3; ++k) a_(first + k, first + k) += prior.points_weight;
+    if (eliminate_points_) {
+      block_gradient_[i] += gradient;
+      v_[i].diagonal().array() += prior.points_weight;
+    } else {
+      const int first = num_camera_ + 3 * i;
+      gradient_.segment<3>(first) += gradient;
+      a_.diagonal().segment<3>(first).array() += prior.points_weight;
+    }
   }
 }
 
-bool NormalEquations::Reduce(double lambda, Eigen::MatrixXd* reduced,
-                             Eigen::VectorXd* right, Eigen::MatrixXd* weighted,
-                             std::vector<Eigen::LLT<Matrix6d>>* factors) const {
-  const int size = static_cast<int>(a_.rows());
-  const int num_views = static_cast<int>(v_.size());
-  weighted->resize(size, 6 * num_views);
-  factors->resize(num_views);
-  *right = -gradient_;
-  for (int i = 0; i < num_views; ++i) {
-    Matrix6d v = v_[i];
-    v.diagonal() += lambda * v.diagonal();
+bool NormalEquations::Reduce(double lambda, Reduced* reduced) const {
+  const int num_blocks = static_cast<int>(v_.size());
+  Eigen::MatrixXd weighted(a_.rows(), block_size_ * num_blocks);
+  reduced->blocks.resize(num_blocks);
+  for (int i = 0; i < num_blocks; ++i) {
+    Block v = v_[i];
+    v.diagonal() *= 1 + lambda;
     v.diagonal().array() += kDampingFloor;
-    (*factors)[i].compute(v);
-    if ((*factors)[i].info() != Eigen::Success) return false;
+    reduced->blocks[i].compute(v);
+    if (reduced->blocks[i].info() != Eigen::Success) return false;
     // W L^-T = (L^-1 W^T)^T
-    weighted->middleCols<6>(6 * i) =
-        (*factors)[i].matrixL().solve(w_[i].transpose()).transpose();
-    right->noalias() += w_[i] * (*factors)[i].solve(pose_gradient_[i]);
+    weighted.middleCols(block_size_ * i, block_size_) =
+        reduced->blocks[i].matrixL().solve(w_[i].transpose()).transpose();
   }
-  *reduced = a_;
-  reduced->diagonal() += lambda * a_.diagonal();
-  reduced->diagonal().array() += kDampingFloor;
-  SubtractProduct(*weighted, num_threads_, reduced);
-  return true;
+  Eigen::MatrixXd matrix = a_;
+  matrix.diagonal() *= 1 + lambda;
+  matrix.diagonal().array() += kDampingFloor;
+  SubtractProduct(weighted, num_threads_, &matrix);
+  reduced->dense.compute(matrix);
+  return reduced->dense.info() == Eigen::Success;
+}
+
+Eigen::MatrixXd NormalEquations::Eliminated(
+    const Reduced& reduced, const Eigen::MatrixXd& dense) const {
+  Eigen::MatrixXd eliminated(block_size_ * static_cast<int>(v_.size()),
+                             dense.cols());
+  for (size_t i = 0; i < v_.size(); ++i)
+    eliminated.middleRows(block_size_ * static_cast<int>(i), block_size_) =
+        -reduced.blocks[i].solve(w_[i].transpose() * dense);
+  return eliminated;
 }
 
 bool NormalEquations::Solve(double lambda, AdjustmentStep* step) const {
-  Eigen::MatrixXd reduced, weighted;
-  Eigen::VectorXd right;
-  std::vector<Eigen::LLT<Matrix6d>> factors;
-  if (!Reduce(lambda, &reduced, &right, &weighted, &factors)) return false;
-  Eigen::VectorXd solution(right.size());
-  if (right.size() > 0) {
-    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(reduced);
-    if (llt.info() != Eigen::Success) return false;
-    solution = llt.solve(right);
-  }
-  step->camera = solution.head(num_camera_);
-  step->points = solution.tail(num_point_parameters_);
-  step->poses.resize(v_.size());
+  Reduced reduced;
+  if (!Reduce(lambda, &reduced)) return false;
+  Eigen::VectorXd right = -gradient_;
   for (size_t i = 0; i < v_.size(); ++i)
-    step->poses[i] =
-        factors[i].solve(-pose_gradient_[i] - w_[i].transpose() * solution);
-  return solution.allFinite();
+    right += w_[i] * reduced.blocks[i].solve(block_gradient_[i]);
+  const Eigen::VectorXd dense = reduced.dense.solve(right);
+  Eigen::VectorXd eliminated = Eliminated(reduced, dense);
+  for (size_t i = 0; i < v_.size(); ++i)
+    eliminated.segment(block_size_ * static_cast<int>(i), block_size_) -=
+        reduced.blocks[i].solve(block_gradient_[i]);
+
+  const Eigen::VectorXd kept = dense.tail(dense.size() - num_camera_);
+  const Eigen::VectorXd& poses = eliminate_points_ ? kept : eliminated;
+  step->camera = dense.head(num_camera_);
+  step->points = eliminate_points_ ? eliminated : kept;
+  step->poses.resize(sizes_.num_views);
+  for (int i = 0; i < sizes_.num_views; ++i)
+    step->poses[i] = poses.segment<6>(6 * i);
+  return dense.allFinite() && eliminated.allFinite();
 }
 
-bool NormalEquations::CovarianceSamples(int num_samples,
-                                        Eigen::MatrixXd* samples) const {
-  Eigen::MatrixXd reduced, weighted;
-  Eigen::VectorXd right;
-  std::vector<Eigen::LLT<Matrix6d>> factors;
-  if (!Reduce(0, &reduced, &right, &weighted, &factors)) return false;
-  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(reduced);
-  if (llt.info() != Eigen::Success) return false;
+bool NormalEquations::SampleCovariance(int num_samples,
+                                       CovarianceSamples* samples) const {
+  Reduced reduced;
+  if (!Reduce(0, &reduced)) return false;
   std::mt19937 random_bits(1);  // the standard fixes its sequence
-  samples->resize(reduced.rows(), num_samples);
-  for (Eigen::Index i = 0; i < samples->size(); ++i)
-    samples->data()[i] = random_bits() & 1 ? 1 : -1;
-  llt.matrixU().solveInPlace(*samples);
-  return samples->allFinite();
+  const auto fill_with_signs = [&random_bits](Eigen::MatrixXd* matrix) {
+    for (Eigen::Index i = 0; i < matrix->size(); ++i)
+      matrix->data()[i] = random_bits() & 1 ? 1 : -1;
+  };
+  Eigen::MatrixXd dense(a_.rows(), num_samples);
+  fill_with_signs(&dense);
+  reduced.dense.matrixU().solveInPlace(dense);
+  samples->camera = dense.topRows(num_camera_);
+  samples->points = dense.bottomRows(dense.rows() - num_camera_);
+  if (eliminate_points_) {
+    Eigen::MatrixXd own(3 * sizes_.num_points, num_samples);
+    fill_with_signs(&own);
+    for (int i = 0; i < sizes_.num_points; ++i) {
+      Eigen::MatrixXd rows = own.middleRows<3>(3 * i);
+      reduced.blocks[i].matrixU().solveInPlace(rows);
+      own.middleRows<3>(3 * i) = rows;
+    }
+    samples->points = Eliminated(reduced, dense) + own;
+  }
+  return dense.allFinite();
 }
 
 }  // namespace raygrid

@@ -1,6 +1,7 @@
 #ifndef RAYGRID_ADJUSTMENT_NORMAL_EQUATIONS_H
 #define RAYGRID_ADJUSTMENT_NORMAL_EQUATIONS_H
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <vector>
 
@@ -16,17 +17,24 @@ struct AdjustmentStep {
   std::vector<Eigen::Matrix<double, 6, 1>> poses;
 };
 
+/// Random parameters that scatter as the adjusted ones do.
+struct CovarianceSamples {
+  Eigen::MatrixXd camera, points;  ///< a column a sample
+};
+
 /// The Gauss-Newton equations H x = -g of bundle adjustment, in the blocks
-///   [ A   W ] [ camera and points ]
-///   [ W^T V ] [ poses             ]
-/// V is block-diagonal, for a residual belongs to one view, so the poses are
-/// eliminated (Schur complement) and a dense system over camera and points is
-/// left.
+///   [ A   W ] [ camera and kept group ]
+///   [ W^T V ] [ eliminated group      ]
+/// The groups are poses (6 numbers each) and points (3 each). A residual belongs
+/// to one pose and one point, so V is block-diagonal for either; the larger
+/// group is eliminated (Schur complement) and a dense system is left.
 class NormalEquations {
  public:
-  /// fix_camera, fix_points: those parameters get no equations.
-  NormalEquations(int num_camera_parameters, int num_points, int num_views,
-                  bool fix_camera, bool fix_points, int num_threads);
+  struct Sizes {
+    int num_camera_parameters = 0, num_points = 0, num_views = 0;
+    bool fix_camera = false, fix_points = false;  ///< these get no equations
+  };
+  NormalEquations(const Sizes& sizes, int num_threads);
 
   void AddResiduals(const std::vector<LinearizedResidual>& residuals,
                     double huber_px);
@@ -36,30 +44,36 @@ class NormalEquations {
   /// False if the system is not positive definite.
   bool Solve(double lambda, AdjustmentStep* step) const;
 
-  /// Columns that scatter with the covariance of the adjusted camera parameters,
-  /// then points, in units of the residuals' variance: with z of random signs
-  /// and L L^T the reduced system, L^-T z. Their mean quadratic form with a
+  /// Samples with the parameters' covariance in units of the residuals'
+  /// variance: H^-1/2 z with z of random signs. Their mean quadratic form with a
   /// matrix estimates its trace with the covariance (Hutchinson, 1989), at a
   /// fraction of an inverse's cost. False if the system is singular.
-  bool CovarianceSamples(int num_samples, Eigen::MatrixXd* samples) const;
-
-  int num_camera() const { return num_camera_; }
+  bool SampleCovariance(int num_samples, CovarianceSamples* samples) const;
 
  private:
-  using Matrix6d = Eigen::Matrix<double, 6, 6>;
+  using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+  using BlockVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
 
-  // A - sum W V^-1 W^T with damping; *weighted = W L^-T of each V = L L^T.
-  bool Reduce(double lambda, Eigen::MatrixXd* reduced, Eigen::VectorXd* right,
-              Eigen::MatrixXd* weighted,
-              std::vector<Eigen::LLT<Matrix6d>>* factors) const;
+  // A - sum W V^-1 W^T, factored.
+  struct Reduced {
+    std::vector<Eigen::LLT<Block>> blocks;
+    Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> dense;
+  };
+  bool Reduce(double lambda, Reduced* reduced) const;
 
-  int num_camera_, num_point_parameters_;
-  bool fix_camera_, fix_points_;
+  // The parameters of the dense system, then the eliminated ones' for it.
+  Eigen::MatrixXd Eliminated(const Reduced& reduced,
+                             const Eigen::MatrixXd& dense) const;
+
+  Sizes sizes_;
   int num_threads_;
+  int num_camera_;         // adjusted camera parameters
+  bool eliminate_points_;  // or else the poses
+  int block_size_;
   Eigen::MatrixXd a_;  // lower triangle
   Eigen::VectorXd gradient_;
-  std::vector<Matrix6d> v_;
-  std::vector<Eigen::Matrix<double, 6, 1>> pose_gradient_;
+  std::vector<Block> v_;
+  std::vector<BlockVector> block_gradient_;
   std::vector<Eigen::MatrixXd> w_;
 };
 

@@ -60,13 +60,13 @@ Pose RandomPose(const CameraModel& camera, const Board& board, Random* random) {
       left && right ? std::acos(left->dot(*right)) : M_PI / 2;
   const double extent_m = board.columns * board.square_m;
   const double distance_m =
-      extent_m / angle_of_view * random->Uniform(1.0, 3.0);
+      extent_m / angle_of_view * random->Uniform(0.6, 2.0);
 
   const Eigen::Quaterniond facing =
       Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray);
   const double direction = random->Uniform(0, 2 * M_PI);
   const Eigen::AngleAxisd tilt(
-      random->Uniform(0, M_PI / 4),
+      random->Uniform(0, M_PI / 3),
       Eigen::Vector3d(std::cos(direction), std::sin(direction), 0));
   const Eigen::AngleAxisd turn(random->Uniform(0, 2 * M_PI),
                                Eigen::Vector3d::UnitZ());

@@ -25,8 +25,9 @@ struct SimulatedObservations {
 };
 
 /// Exact or noisy observations of the pattern's first board, held all over the
-/// field of view at distances from which it fills the image to a third to
-/// fully, tilted by up to 45 degrees. Reproducible on any machine.
+/// field of view, partly beyond its edge, at distances from which it is
+/// half as wide as the image to nearly twice as wide, tilted by up to 60
+/// degrees. Reproducible on any machine.
 SimulatedObservations SimulateObservations(const CameraModel& camera,
                                            const Pattern& pattern,
                                            const SimulationOptions& options);
