@@ -381,13 +381,10 @@ def read_camera(section: bytes) -> Camera:
 
 
 def read_text(field: bytes, what: str) -> str:
-    """Camera: UTF-8 and then zeros, at least one."""
+    """Camera: text and then zeros, at least one; not refused where it is not UTF-8."""
     text, zero, padding = field.partition(b"\0")
     require(zero != b"" and not any(padding), "RG_ERR_TEXT", f"{what} is not padded with zeros")
-    try:
-        return text.decode("utf-8")
-    except UnicodeDecodeError as error:
-        raise BlobError("RG_ERR_TEXT", f"{what} is not UTF-8") from error
+    return text.decode("utf-8", errors="replace")
 
 
 def read_grid(section: bytes, camera: Camera) -> CentralGrid:

@@ -15,9 +15,11 @@ static int is_padded_text(const uint8_t* text) {
 /* The section's arrays start behind its fields and fill it to the end. */
 static rg_status check_extent(uint32_t size, uint32_t data_offset,
                               uint32_t fields_size, uint32_t data_size) {
-  if (data_offset < fields_size || data_offset > size || data_offset % 4 != 0)
+  if (data_offset < fields_size || data_offset % 4 != 0)
     return RG_ERR_DATA_OFFSET;
-  return size - data_offset == data_size ? RG_OK : RG_ERR_SECTION_SIZE;
+  if (data_offset > size || size - data_offset != data_size)
+    return RG_ERR_SECTION_SIZE;
+  return RG_OK;
 }
 
 rg_status rg_check_camera(const uint8_t* section, uint32_t size) {
@@ -65,7 +67,8 @@ static int are_control_points_in_range(const uint8_t* data, uint32_t count) {
   return 1;
 }
 
-static void load_grid(const uint8_t* section, rg_grid_section* grid) {
+/* All but the control points, whose offset may not be checked yet. */
+static void load_grid_fields(const uint8_t* section, rg_grid_section* grid) {
   grid->x0_q16 = rg_load_i32(section);
   grid->y0_q16 = rg_load_i32(section + 4);
   grid->x1_q16 = rg_load_i32(section + 8);
@@ -74,7 +77,6 @@ static void load_grid(const uint8_t* section, rg_grid_section* grid) {
   grid->rows = rg_load_u16(section + 18);
   grid->scale_x_q32 = rg_load_u32(section + 20);
   grid->scale_y_q32 = rg_load_u32(section + 24);
-  grid->control_points = section + rg_load_u32(section + 32);
 }
 
 rg_status rg_check_grid(const uint8_t* section, uint32_t size,
@@ -84,33 +86,34 @@ rg_status rg_check_grid(const uint8_t* section, uint32_t size,
   if (rg_load_u16(section + 28) != RG_CHART_STEREOGRAPHIC ||
       rg_load_u16(section + 30) != RG_CONTROL_POINT_BITS)
     return RG_ERR_GRID_CHART;
-  const uint32_t columns = rg_load_u16(section + 16);
-  const uint32_t rows = rg_load_u16(section + 18);
-  if (columns < RG_MIN_GRID_SIZE || columns > RG_MAX_GRID_SIZE ||
-      rows < RG_MIN_GRID_SIZE || rows > RG_MAX_GRID_SIZE)
-    return RG_ERR_GRID_SIZE;
-  const rg_status status =
-      check_extent(size, rg_load_u32(section + 32), RG_GRID_FIELDS_SIZE,
-                   8 * columns * rows);
-  if (status != RG_OK) return status;
-
   rg_grid_section grid;
-  load_grid(section, &grid);
+  load_grid_fields(section, &grid);
+  if (grid.columns < RG_MIN_GRID_SIZE || grid.columns > RG_MAX_GRID_SIZE ||
+      grid.rows < RG_MIN_GRID_SIZE || grid.rows > RG_MAX_GRID_SIZE)
+    return RG_ERR_GRID_SIZE;
   if (!is_interval_on_image(grid.x0_q16, grid.x1_q16, rg_load_u16(camera)) ||
       !is_interval_on_image(grid.y0_q16, grid.y1_q16, rg_load_u16(camera + 2)))
     return RG_ERR_AREA;
-  if (!is_grid_scale(grid.scale_x_q32, columns - 3,
+  if (!is_grid_scale(grid.scale_x_q32, grid.columns - 3u,
                      (uint32_t)(grid.x1_q16 - grid.x0_q16)) ||
-      !is_grid_scale(grid.scale_y_q32, rows - 3,
+      !is_grid_scale(grid.scale_y_q32, grid.rows - 3u,
                      (uint32_t)(grid.y1_q16 - grid.y0_q16)))
     return RG_ERR_GRID_SCALE;
-  if (!are_control_points_in_range(grid.control_points, 2 * columns * rows))
+
+  const uint32_t data_offset = rg_load_u32(section + 32);
+  const uint32_t count = 2u * grid.columns * grid.rows;
+  const rg_status status =
+      check_extent(size, data_offset, RG_GRID_FIELDS_SIZE, 4 * count);
+  if (status != RG_OK) return status;
+  if (!are_control_points_in_range(section + data_offset, count))
     return RG_ERR_CONTROL_POINT;
   return RG_OK;
 }
 
 void rg_blob_grid(const rg_blob* blob, rg_grid_section* grid) {
-  load_grid(blob->bytes + blob->grid, grid);
+  const uint8_t* section = blob->bytes + blob->grid;
+  load_grid_fields(section, grid);
+  grid->control_points = section + rg_load_u32(section + 32);
 }
 
 void rg_read_remap(const uint8_t* section, rg_remap_section* remap) {
@@ -199,19 +202,21 @@ rg_status rg_check_remap(const uint8_t* section, uint32_t size,
   if (rg_load_u16(section + 4) != columns || rg_load_u16(section + 6) != rows)
     return RG_ERR_REMAP_BLOCK;
   if (section[9] > RG_MAX_RESIDUAL_SHIFT) return RG_ERR_REMAP_SHIFT;
+  if (!is_source_interval(rg_load_i32(section + 12), rg_load_i32(section + 20),
+                          source_width) ||
+      !is_source_interval(rg_load_i32(section + 16), rg_load_i32(section + 24),
+                          source_height))
+    return RG_ERR_REMAP_SOURCE;
+  if (rg_load_u32(section + 52) == 0 || rg_load_u32(section + 56) == 0)
+    return RG_ERR_REMAP_CAMERA;
 
   const uint32_t num_blocks = (columns - 1) * (rows - 1);
   const rg_status status =
       check_extent(size, rg_load_u32(section + 76), RG_REMAP_FIELDS_SIZE,
                    4 * columns * rows + (num_blocks + 31) / 32 * 4);
   if (status != RG_OK) return status;
-
   rg_remap_section remap;
   rg_read_remap(section, &remap);
-  if (!is_source_interval(remap.min_x_q12, remap.max_x_q12, source_width) ||
-      !is_source_interval(remap.min_y_q12, remap.max_y_q12, source_height))
-    return RG_ERR_REMAP_SOURCE;
-  if (remap.fx_q16 == 0 || remap.fy_q16 == 0) return RG_ERR_REMAP_CAMERA;
   if (!are_vertices_in_range(&remap)) return RG_ERR_REMAP_VERTEX;
   if (!is_mask_padded(remap.empty_blocks, num_blocks)) return RG_ERR_RESERVED;
   return RG_OK;

@@ -139,9 +139,8 @@ static void write_sections(const rg_blob_contents* contents,
                 begin_section(writer, RG_SECTION_REMAP, 0,
                               remap_size(contents->remap)));
   if (contents->quality)
-    write_quality(
-        contents->quality,
-        begin_section(writer, RG_SECTION_QUALITY, 0, RG_QUALITY_SIZE));
+    write_quality(contents->quality, begin_section(writer, RG_SECTION_QUALITY,
+                                                   0, RG_QUALITY_SIZE));
 }
 
 static void write_header(uint8_t* bytes, uint32_t size, uint32_t sections) {

@@ -20,7 +20,8 @@ extern "C" {
 #define RG_HEADER_SIZE 32u
 #define RG_SECTION_ENTRY_SIZE 16u
 #define RG_MAX_SECTIONS 16u
-#define RG_SECTION_CRITICAL 1u /* flag: a reader that does not know it stops */
+#define RG_SECTION_CRITICAL 1u /* flag: a reader that does not know it stops \
+                                */
 
 enum rg_section_type {
   RG_SECTION_CAMERA = 1,
@@ -41,8 +42,8 @@ enum rg_section_type {
 #define RG_MIN_GRID_SIZE 4u
 #define RG_MAX_GRID_SIZE 1027u
 #define RG_CHART_STEREOGRAPHIC 1u
-#define RG_CONTROL_POINT_BITS 29u           /* fraction bits */
-#define RG_CONTROL_POINT_LIMIT 0x7f000000   /* 3.96875 in q29 */
+#define RG_CONTROL_POINT_BITS 29u              /* fraction bits */
+#define RG_CONTROL_POINT_LIMIT 0x7f000000      /* 3.96875 in q29 */
 #define RG_VERTEX_LIMIT_Q12 (INT32_C(1) << 25) /* 8192 px */
 #define RG_MAX_RESIDUAL_SHIFT 10u
 #define RG_UNKNOWN_FIGURE 0xffffffffu
@@ -50,8 +51,8 @@ enum rg_section_type {
 /* Identity of the camera. */
 typedef struct rg_camera_section {
   uint16_t width, height; /* pixels, 1 to RG_MAX_IMAGE_SIZE */
-  const char* name;       /* RG_TEXT_SIZE bytes: UTF-8, then at least one zero */
-  const char* serial;     /* likewise; both point into the blob */
+  const char* name;   /* RG_TEXT_SIZE bytes: UTF-8, then at least one zero */
+  const char* serial; /* likewise; both point into the blob */
 } rg_camera_section;
 
 /* Central model: control points of a uniform cubic B-spline over the area,
@@ -66,21 +67,21 @@ typedef struct rg_grid_section {
 
 /* Undistortion: source positions at the corners of square output blocks. */
 typedef struct rg_remap_section {
-  uint16_t width, height;              /* output, pixels */
-  uint16_t columns, rows;              /* vertices: blocks + 1 */
-  uint8_t block_log2;                  /* blocks of 8, 16 or 32 px */
-  uint8_t residual_shift;              /* residuals are q(12 - shift) */
-  int32_t min_x_q12, min_y_q12;        /* source positions outside these are */
-  int32_t max_x_q12, max_y_q12;        /* border */
-  int32_t origin_x_q12, origin_y_q12;  /* vertex (i, j) = origin + i column_step
-                                          + j row_step + residual << shift */
+  uint16_t width, height;             /* output, pixels */
+  uint16_t columns, rows;             /* vertices: blocks + 1 */
+  uint8_t block_log2;                 /* blocks of 8, 16 or 32 px */
+  uint8_t residual_shift;             /* residuals are q(12 - shift) */
+  int32_t min_x_q12, min_y_q12;       /* source positions outside these are */
+  int32_t max_x_q12, max_y_q12;       /* border */
+  int32_t origin_x_q12, origin_y_q12; /* vertex (i, j) = origin + i column_step
+                                         + j row_step + residual << shift */
   int32_t column_step_x_q12, column_step_y_q12;
   int32_t row_step_x_q12, row_step_y_q12;
   uint32_t fx_q16, fy_q16; /* the virtual pinhole camera of the output */
   int32_t cx_q16, cy_q16;
-  uint32_t bound_upx;      /* geometric error asked for, micropixels */
-  uint32_t max_error_upx;  /* and measured over all output pixels */
-  const uint8_t* vertices; /* row-major pairs of i16 residuals */
+  uint32_t bound_upx;          /* geometric error asked for, micropixels */
+  uint32_t max_error_upx;      /* and measured over all output pixels */
+  const uint8_t* vertices;     /* row-major pairs of i16 residuals */
   const uint8_t* empty_blocks; /* a bit a block, row-major, LSB first; 1: no
                                   pixel of it has a source */
 } rg_remap_section;

@@ -16,19 +16,20 @@ typedef enum rg_status {
   RG_ERR_BUFFER_TOO_SMALL = -3, /* the writer's buffer cannot hold the blob */
 
   /* Header and section table (formats/SPEC.md, "Header"). */
-  RG_ERR_TRUNCATED = -10,         /* fewer bytes than the header announces */
-  RG_ERR_MAGIC = -11,             /* not a raygrid blob */
-  RG_ERR_VERSION = -12,           /* a major version this reader does not know */
-  RG_ERR_HEADER = -13,            /* header size, total size or section count */
-  RG_ERR_HEADER_CRC = -14,        /* header or section table damaged */
-  RG_ERR_SECTION_TABLE = -15,     /* sections overlap, leave gaps, or run out */
-  RG_ERR_SECTION_FLAGS = -16,     /* flags unknown, or wrong for the type */
-  RG_ERR_SECTION_CRC = -17,       /* a section's bytes are damaged */
-  RG_ERR_SECTION_UNKNOWN = -18,   /* a critical section of unknown type */
-  RG_ERR_SECTION_DUPLICATE = -19, /* a section that may stand once stands twice */
-  RG_ERR_SECTION_MISSING = -20,   /* no camera section, or no grid section */
-  RG_ERR_SECTION_SIZE = -21,      /* a section's size contradicts its counts */
-  RG_ERR_RESERVED = -22,          /* a reserved field or padding is not zero */
+  RG_ERR_TRUNCATED = -10,       /* fewer bytes than the header announces */
+  RG_ERR_MAGIC = -11,           /* not a raygrid blob */
+  RG_ERR_VERSION = -12,         /* a major version this reader does not know */
+  RG_ERR_HEADER = -13,          /* header size, total size or section count */
+  RG_ERR_HEADER_CRC = -14,      /* header or section table damaged */
+  RG_ERR_SECTION_TABLE = -15,   /* sections overlap, leave gaps, or run out */
+  RG_ERR_SECTION_FLAGS = -16,   /* flags unknown, or wrong for the type */
+  RG_ERR_SECTION_CRC = -17,     /* a section's bytes are damaged */
+  RG_ERR_SECTION_UNKNOWN = -18, /* a critical section of unknown type */
+  RG_ERR_SECTION_DUPLICATE =
+      -19,                      /* a section that may stand once stands twice */
+  RG_ERR_SECTION_MISSING = -20, /* no camera section, or no grid section */
+  RG_ERR_SECTION_SIZE = -21,    /* a section's size contradicts its counts */
+  RG_ERR_RESERVED = -22,        /* a reserved field or padding is not zero */
 
   /* Fields of the sections (formats/SPEC.md, "Sections"). */
   RG_ERR_IMAGE_SIZE = -30,    /* image width or height */
@@ -43,8 +44,9 @@ typedef enum rg_status {
   RG_ERR_REMAP_SHIFT = -39,   /* residual shift */
   RG_ERR_REMAP_SOURCE = -40,  /* source rectangle empty or outside the image */
   RG_ERR_REMAP_CAMERA = -41,  /* focal length of the virtual camera */
-  RG_ERR_REMAP_VERTEX = -42,  /* a vertex farther than 8192 px from the origin */
-  RG_ERR_DATA_OFFSET = -43,   /* the array does not start after the fields */
+  RG_ERR_REMAP_VERTEX =
+      -42, /* a vertex farther than 8192 px from pixel (0, 0) */
+  RG_ERR_DATA_OFFSET = -43, /* the array does not start after the fields */
 
   /* Use of an open camera. */
   RG_ERR_OUTSIDE_AREA = -50, /* pixel outside the calibrated area */

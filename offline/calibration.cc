@@ -21,7 +21,7 @@ namespace raygrid {
 namespace {
 
 constexpr int kMinImages = 3;
-constexpr size_t kMinFeatures = 8;          // in a view
+constexpr size_t kMinFeatures = 8;           // in a view
 constexpr double kMaxStartErrorPart = 0.05;  // of the image's width
 constexpr int kMaxGridParameters = 2600;     // tried by --cell-px auto
 
@@ -123,10 +123,9 @@ Area FeatureArea(const Problem& problem) {
     }
   }
   constexpr double kUnit = 65536;
-  return {std::floor(area.x0 * kUnit) / kUnit,
-          std::floor(area.y0 * kUnit) / kUnit,
-          std::ceil(area.x1 * kUnit) / kUnit,
-          std::ceil(area.y1 * kUnit) / kUnit};
+  return {
+      std::floor(area.x0 * kUnit) / kUnit, std::floor(area.y0 * kUnit) / kUnit,
+      std::ceil(area.x1 * kUnit) / kUnit, std::ceil(area.y1 * kUnit) / kUnit};
 }
 
 double RmsOf(const std::vector<Residual>& residuals) {
@@ -140,8 +139,8 @@ double RmsOf(const std::vector<Residual>& residuals) {
   return count > 0 ? std::sqrt(sum / count) : INFINITY;
 }
 
-std::vector<PointOnPixel> MatchesOf(const View& view,
-                                    const std::vector<Eigen::Vector3d>& points) {
+std::vector<PointOnPixel> MatchesOf(
+    const View& view, const std::vector<Eigen::Vector3d>& points) {
   std::vector<PointOnPixel> matches;
   for (const Observation& observation : view.observations)
     matches.push_back({points[observation.point], observation.pixel});
@@ -215,9 +214,9 @@ AdjustmentSummary AdjustGrid(const Problem& problem, const CameraModel& lens,
                              double cell_px, const AdjustmentOptions& options,
                              AdjustmentState* state) {
   const Area area = FeatureArea(problem);
-  const CentralGeneric base = FitCentralGeneric(
-      lens, area, NumControlPoints(area.width(), cell_px),
-      NumControlPoints(area.height(), cell_px));
+  const CentralGeneric base =
+      FitCentralGeneric(lens, area, NumControlPoints(area.width(), cell_px),
+                        NumControlPoints(area.height(), cell_px));
   GaussianPrior prior = SmoothnessPrior(base);
   state->camera = base.Clone();
   return AdjustInTwoSteps(problem, options, &prior, state);
@@ -303,8 +302,8 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
                          &adjusted->state);
   };
   adjust();
-  adjusted->rejected_features = RemoveOutliers(
-      pattern, adjusted->summary.residuals, &adjusted->problem);
+  adjusted->rejected_features =
+      RemoveOutliers(pattern, adjusted->summary.residuals, &adjusted->problem);
   if (!adjusted->rejected_features.empty()) adjust();
   const Area area = FeatureArea(adjusted->problem);
   if (const auto* camera =
@@ -407,22 +406,21 @@ std::vector<Trial> CrossValidate(const Dataset& dataset, const Pattern& pattern,
   std::vector<Evaluation> evaluations(num_folds * num_cells);
   int num_done = 0;
   std::mutex mutex;
-  ParallelFor(num_folds * num_cells, NumThreads(options.num_threads),
-              [&](int i) {
-                const int fold = i / num_cells;
-                Adjusted adjusted = starts[fold];
-                AdjustModel(pattern, options.model, cells[i % num_cells],
-                            serial, &adjusted);
-                AlignBoards(pattern, &adjusted);
-                evaluations[i] = EvaluateCamera(
-                    *adjusted.state.camera, splits[fold].test,
-                    AdjustedPattern(pattern, adjusted), 1);
-                const std::lock_guard<std::mutex> lock(mutex);
-                if (options.progress)
-                  options.progress("cross-validation",
-                                   0.1 + 0.7 * ++num_done /
-                                             (num_folds * num_cells));
-              });
+  ParallelFor(
+      num_folds * num_cells, NumThreads(options.num_threads), [&](int i) {
+        const int fold = i / num_cells;
+        Adjusted adjusted = starts[fold];
+        AdjustModel(pattern, options.model, cells[i % num_cells], serial,
+                    &adjusted);
+        AlignBoards(pattern, &adjusted);
+        evaluations[i] =
+            EvaluateCamera(*adjusted.state.camera, splits[fold].test,
+                           AdjustedPattern(pattern, adjusted), 1);
+        const std::lock_guard<std::mutex> lock(mutex);
+        if (options.progress)
+          options.progress("cross-validation",
+                           0.1 + 0.7 * ++num_done / (num_folds * num_cells));
+      });
 
   std::vector<Trial> trials(num_cells);
   for (int i = 0; i < num_folds * num_cells; ++i) {
@@ -441,8 +439,8 @@ CellCandidate Summarize(const Trial& trial) {
   std::vector<double> norms;
   for (const FeatureResidual& residual : trial.held_out) {
     norms.push_back(residual.error_px.norm());
-    candidate.loss += HuberLoss(norms.back(), 1) /
-                      static_cast<double>(trial.held_out.size());
+    candidate.loss +=
+        HuberLoss(norms.back(), 1) / static_cast<double>(trial.held_out.size());
   }
   candidate.median_px = Quantile(norms, 0.5);
   return candidate;
@@ -538,9 +536,9 @@ void RequireHeldOutImagesExist(const Dataset& dataset,
   for (const std::string& name : hold_out)
     if (std::none_of(dataset.images.begin(), dataset.images.end(),
                      [&](const auto& image) { return image.image == name; }))
-      throw Error(ExitCode::kUsage,
-                  fmt::format("--hold-out {}: no features of such an image",
-                              name));
+      throw Error(
+          ExitCode::kUsage,
+          fmt::format("--hold-out {}: no features of such an image", name));
 }
 
 }  // namespace
@@ -601,9 +599,9 @@ CalibrationResult Calibrate(const Dataset& dataset, const Pattern& pattern,
 
   const bool is_grid = options.model != "opencv";
   const bool choose_cell = is_grid && options.cell_px <= 0;
-  const std::vector<double> cells =
-      choose_cell ? CellCandidates(split.training)
-                  : std::vector<double>{options.cell_px};
+  const std::vector<double> cells = choose_cell
+                                        ? CellCandidates(split.training)
+                                        : std::vector<double>{options.cell_px};
   result.cell_px = is_grid ? cells.front() : 0;
   const Stopwatch validation_time;
   report("cross-validation", 0.1);

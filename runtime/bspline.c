@@ -15,8 +15,8 @@ void rg_bspline_weights(uint32_t t_q32, int32_t weights_q31[4]) {
   const int32_t w2 = (int32_t)sixth_q31 + 3 * a + 3 * b - 3 * c;
   weights_q31[0] = w0;
   /* The second takes what rounding left, so that the sum is exact. */
-  weights_q31[1] = (int32_t)(0x80000000u - (uint32_t)w0 - (uint32_t)w2 -
-                             (uint32_t)c);
+  weights_q31[1] =
+      (int32_t)(0x80000000u - (uint32_t)w0 - (uint32_t)w2 - (uint32_t)c);
   weights_q31[2] = w2;
   weights_q31[3] = c;
 }

@@ -26,7 +26,7 @@ extern "C" {
 #define RAYGRID_VERSION_PATCH 0
 
 /* A whole number of pixels in q16. */
-#define RG_PIXEL(n) ((int32_t)((n) * 65536))
+#define RG_PIXEL(n) ((int32_t)((n)*65536))
 
 /* An open camera: at most 64 bytes, owned by the caller, only read after
  * opening, so threads and interrupt handlers may share it. The fields are not

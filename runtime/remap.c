@@ -37,11 +37,11 @@ static uint8_t fetch(const rg_frame* frame, rg_position p) {
 }
 
 /* Eight pixels, or fewer at the right edge: positions in equal steps. */
-static void remap_segment(const remap_job* job, rg_position start, rg_position step,
-                          uint32_t num_pixels, uint8_t* out) {
+static void remap_segment(const remap_job* job, rg_position start,
+                          rg_position step, uint32_t num_pixels, uint8_t* out) {
   for (uint32_t k = 0; k < num_pixels; ++k) {
-    out[k] = is_inside(&job->table, start) ? fetch(job->frame, start)
-                                           : job->border;
+    out[k] =
+        is_inside(&job->table, start) ? fetch(job->frame, start) : job->border;
     start.x_q12 += step.x_q12;
     start.y_q12 += step.y_q12;
   }

@@ -52,8 +52,9 @@ static chart_point interpolate(const rg_camera* camera, cell_position x,
   return sum;
 }
 
-/* 1 / (1 + s) in q30, for s_q26 <= 2^31. Newton's iteration r <- r + r (1 - d r)
- * on 1 + s scaled to d in [1/2, 1): relative error 1/17, 4e-3, 1.2e-5, 2^-32. */
+/* 1 / (1 + s) in q30, for s_q26 <= 2^31. Newton's iteration r <- r + r (1 - d
+ * r) on 1 + s scaled to d in [1/2, 1): relative error 1/17, 4e-3, 1.2e-5,
+ * 2^-32. */
 static int32_t reciprocal_of_one_plus(uint32_t s_q26) {
   uint32_t d_q32 = s_q26 + (UINT32_C(1) << 26);
   int doublings = 0; /* at most 5, as 1 + s >= 1 */
@@ -90,12 +91,10 @@ rg_status rg_unproject(const rg_camera* camera, rg_pixel pixel, rg_ray* ray) {
   if (pixel.x_q16 < camera->x0_q16 || pixel.x_q16 > camera->x1_q16 ||
       pixel.y_q16 < camera->y0_q16 || pixel.y_q16 > camera->y1_q16)
     return RG_ERR_OUTSIDE_AREA;
-  const cell_position x =
-      find_cell((uint32_t)(pixel.x_q16 - camera->x0_q16), camera->scale_x_q32,
-                camera->columns - 3u);
-  const cell_position y =
-      find_cell((uint32_t)(pixel.y_q16 - camera->y0_q16), camera->scale_y_q32,
-                camera->rows - 3u);
+  const cell_position x = find_cell((uint32_t)(pixel.x_q16 - camera->x0_q16),
+                                    camera->scale_x_q32, camera->columns - 3u);
+  const cell_position y = find_cell((uint32_t)(pixel.y_q16 - camera->y0_q16),
+                                    camera->scale_y_q32, camera->rows - 3u);
   direction_of(interpolate(camera, x, y), ray);
   return RG_OK;
 }

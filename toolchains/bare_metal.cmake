@@ -2,7 +2,6 @@
 # semihosting for output and files, the memories of QEMU's boards.
 set(CMAKE_SYSTEM_NAME Generic)
 set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
-set(CMAKE_EXECUTABLE_SUFFIX .elf)
 function(raygrid_bare_metal cpu_flags flash flash_size ram ram_size)
   set(CMAKE_C_FLAGS_INIT
     "${cpu_flags} --specs=picolibc.specs -ffunction-sections -fdata-sections" PARENT_SCOPE)

@@ -39,9 +39,9 @@ double ParseCellPx(const std::string& text) {
   char* end;
   const double value = std::strtod(text.c_str(), &end);
   if (*end != 0 || !(value >= 2) || value > 1e5)
-    throw Error(ExitCode::kUsage,
-                fmt::format("--cell-px {}: expected auto, or 2 or more pixels",
-                            text));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("--cell-px {}: expected auto, or 2 or more pixels", text));
   return value;
 }
 
@@ -63,11 +63,11 @@ Dataset GatherFeatures(const Arguments& arguments, const CommonOptions& common,
                        const std::vector<std::string>& paths,
                        const Pattern& pattern, ProgressBar* bar) {
   const Dataset dataset =
-      paths.empty() ? LoadFeatures(arguments)
-                    : DetectFeatures(paths, pattern, common.threads,
-                                     [bar](double done) {
-                                       bar->Show("detection", 0.2 * done);
-                                     });
+      paths.empty()
+          ? LoadFeatures(arguments)
+          : DetectFeatures(paths, pattern, common.threads, [bar](double done) {
+              bar->Show("detection", 0.2 * done);
+            });
   RequireConsistent(
       arguments.features.empty() ? "detected features" : arguments.features,
       dataset, pattern);
@@ -108,10 +108,10 @@ PackedCamera Pack(const CameraFile& file, int num_threads) {
 
 void PrintSummary(const Arguments& arguments, const CalibrationResult& result) {
   const auto print = [](const char* name, const ErrorFigures& figures) {
-    fmt::print("  {:<9} median {:.4f} px, RMS {:.4f} px, largest {:.3f} px, {} "
-               "features\n",
-               name, figures.median_px, figures.rms_px, figures.max_px,
-               figures.count);
+    fmt::print(
+        "  {:<9} median {:.4f} px, RMS {:.4f} px, largest {:.3f} px, {} "
+        "features\n",
+        name, figures.median_px, figures.rms_px, figures.max_px, figures.count);
   };
   fmt::print("{}: {} parameters, {} images", result.camera.camera->Name(),
              result.num_parameters, result.features.images.size());
@@ -170,15 +170,16 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
   files.Add((folder / "camera.yaml").string(), FormatCameraFile(result.camera));
   files.Add((folder / "camera.raygrid").string(), packed.blob);
   files.Add((folder / "pattern.yaml").string(), FormatPattern(result.pattern));
-  files.Add((folder / "features.csv").string(), FormatFeatures(result.features));
+  files.Add((folder / "features.csv").string(),
+            FormatFeatures(result.features));
   files.Add((folder / "poses.csv").string(), FormatPoses(result.poses));
   files.Add((folder / "result.json").string(), json);
-  files.Add((folder / "report.html").string(),
-            FormatHtmlReport(
-                result,
-                {packed.blob.size(), packed.unproject_error_px,
-                 packed.remap_error_px},
-                ExampleImage(paths, result, arguments, packed.blob)));
+  files.Add(
+      (folder / "report.html").string(),
+      FormatHtmlReport(result,
+                       {packed.blob.size(), packed.unproject_error_px,
+                        packed.remap_error_px},
+                       ExampleImage(paths, result, arguments, packed.blob)));
   files.Commit();
   if (common.json)
     fmt::print("{}", json);

@@ -31,9 +31,9 @@ ImageSize ParseImageSize(const std::string& option, const std::string& text) {
   if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &end) !=
           2 ||
       size.width < 1 || size.height < 1)
-    throw Error(ExitCode::kUsage,
-                fmt::format("{} {}: expected WIDTHxHEIGHT, as 640x480", option,
-                            text));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("{} {}: expected WIDTHxHEIGHT, as 640x480", option, text));
   return size;
 }
 

@@ -23,10 +23,9 @@ void AddOverlays(const Arguments& arguments,
   for (size_t i = 0; i < paths.size(); ++i) {
     const std::filesystem::path name =
         std::filesystem::path(paths[i]).stem().string() + ".png";
-    files->Add(
-        (std::filesystem::path(arguments.overlay) / name).string(),
-        EncodePng(DrawFeatures(ReadImage(paths[i], true),
-                               dataset.images[i].features)));
+    files->Add((std::filesystem::path(arguments.overlay) / name).string(),
+               EncodePng(DrawFeatures(ReadImage(paths[i], true),
+                                      dataset.images[i].features)));
   }
 }
 
@@ -36,8 +35,9 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
   Dataset dataset;
   {
     ProgressBar bar(common.quiet);
-    dataset = DetectFeatures(paths, pattern, common.threads,
-                             [&bar](double done) { bar.Show("detection", done); });
+    dataset =
+        DetectFeatures(paths, pattern, common.threads,
+                       [&bar](double done) { bar.Show("detection", done); });
   }
   size_t num_images = 0;
   for (const ImageFeatures& image : dataset.images)

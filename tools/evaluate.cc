@@ -36,10 +36,11 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
                 "no image could be localised; are features and pattern those "
                 "of this camera?");
   if (common.json) {
-    nlohmann::ordered_json json = {
-        {"median_px", figures.median_px}, {"rms_px", figures.rms_px},
-        {"max_px", figures.max_px},       {"count", figures.count},
-        {"outside_area", evaluation.outside_area}};
+    nlohmann::ordered_json json = {{"median_px", figures.median_px},
+                                   {"rms_px", figures.rms_px},
+                                   {"max_px", figures.max_px},
+                                   {"count", figures.count},
+                                   {"outside_area", evaluation.outside_area}};
     json["rejected"] = nlohmann::ordered_json::array();
     for (const RejectedImage& image : evaluation.rejected_images)
       json["rejected"].push_back(
@@ -47,9 +48,10 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
     fmt::print("{}\n", json.dump(2));
     return;
   }
-  fmt::print("median {:.4f} px, RMS {:.4f} px, largest {:.3f} px over {} "
-             "features",
-             figures.median_px, figures.rms_px, figures.max_px, figures.count);
+  fmt::print(
+      "median {:.4f} px, RMS {:.4f} px, largest {:.3f} px over {} "
+      "features",
+      figures.median_px, figures.rms_px, figures.max_px, figures.count);
   if (evaluation.outside_area > 0)
     fmt::print("; {} outside the calibrated area", evaluation.outside_area);
   fmt::print("\n");

@@ -12,17 +12,18 @@ namespace raygrid {
 namespace {
 
 std::string Pixels(uint32_t upx) {
-  return upx == RG_UNKNOWN_FIGURE ? "unknown" : fmt::format("{:.4f} px", upx * 1e-6);
+  return upx == RG_UNKNOWN_FIGURE ? "unknown"
+                                  : fmt::format("{:.4f} px", upx * 1e-6);
 }
 
 void InspectRemap(const uint8_t* section) {
   rg_remap_section remap;
   rg_read_remap(section, &remap);
-  fmt::print("remap: {} x {} px, focal length {:.3f} px, centre ({:.3f}, "
-             "{:.3f}), blocks of {} px, {} x {} vertices\n",
-             remap.width, remap.height, remap.fx_q16 / 65536.0,
-             remap.cx_q16 / 65536.0, remap.cy_q16 / 65536.0,
-             1 << remap.block_log2, remap.columns, remap.rows);
+  fmt::print(
+      "remap: {} x {} px, focal length {:.3f} px, centre ({:.3f}, "
+      "{:.3f}), blocks of {} px, {} x {} vertices\n",
+      remap.width, remap.height, remap.fx_q16 / 65536.0, remap.cx_q16 / 65536.0,
+      remap.cy_q16 / 65536.0, 1 << remap.block_log2, remap.columns, remap.rows);
   fmt::print("remap geometry error: {} (asked for {})\n",
              Pixels(remap.max_error_upx), Pixels(remap.bound_upx));
 }
@@ -39,7 +40,8 @@ void InspectQuality(const rg_blob& blob) {
              Pixels(quality.held_out_rms_upx), Pixels(quality.held_out_max_upx),
              quality.held_out_count);
   fmt::print("un-projection error added by packing: {:.3g} px, {:.3g} rad\n",
-             quality.packing_error_npx * 1e-9, quality.packing_error_prad * 1e-12);
+             quality.packing_error_npx * 1e-9,
+             quality.packing_error_prad * 1e-12);
 }
 
 void InspectBlob(const BlobCamera& camera) {
@@ -51,21 +53,23 @@ void InspectBlob(const BlobCamera& camera) {
   fmt::print("raygrid blob, {} bytes, valid\n", blob.size);
   fmt::print("camera: '{}', serial '{}', {} x {} px\n", identity.name,
              identity.serial, identity.width, identity.height);
-  fmt::print("central grid: {} x {} control points, area x {:.3f} to {:.3f}, "
-             "y {:.3f} to {:.3f}\n",
-             grid.columns, grid.rows, grid.x0_q16 / 65536.0,
-             grid.x1_q16 / 65536.0, grid.y0_q16 / 65536.0,
-             grid.y1_q16 / 65536.0);
+  fmt::print(
+      "central grid: {} x {} control points, area x {:.3f} to {:.3f}, "
+      "y {:.3f} to {:.3f}\n",
+      grid.columns, grid.rows, grid.x0_q16 / 65536.0, grid.x1_q16 / 65536.0,
+      grid.y0_q16 / 65536.0, grid.y1_q16 / 65536.0);
   if (blob.remap) InspectRemap(blob.bytes + blob.remap);
   if (blob.quality) InspectQuality(blob);
 }
 
-void PrintFigures(const char* name, const std::optional<ErrorFigures>& figures) {
+void PrintFigures(const char* name,
+                  const std::optional<ErrorFigures>& figures) {
   if (figures)
-    fmt::print("{} error: median {:.4f} px, RMS {:.4f} px, largest {:.3f} px, "
-               "{} features\n",
-               name, figures->median_px, figures->rms_px, figures->max_px,
-               figures->count);
+    fmt::print(
+        "{} error: median {:.4f} px, RMS {:.4f} px, largest {:.3f} px, "
+        "{} features\n",
+        name, figures->median_px, figures->rms_px, figures->max_px,
+        figures->count);
 }
 
 void InspectCamera(const CameraFile& file) {

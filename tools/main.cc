@@ -33,8 +33,9 @@ int Fail(ExitCode code, const std::string& message) {
 }
 
 int Run(int argc, char** argv) {
-  CLI::App app("Camera calibration with generic models, and blobs for the "
-               "board that undistorts");
+  CLI::App app(
+      "Camera calibration with generic models, and blobs for the "
+      "board that undistorts");
   app.name("raygrid");
   app.set_version_flag("--version", "raygrid " RAYGRID_VERSION);
   app.require_subcommand(1);

@@ -29,9 +29,10 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
             ChessboardPng(sheet, arguments.dpi));
   files.Commit();
   if (!common.quiet)
-    fmt::print("pattern.yaml, pattern.pdf, pattern.svg and pattern.png in {}; "
-               "print at 100 % and check the ruler\n",
-               arguments.output);
+    fmt::print(
+        "pattern.yaml, pattern.pdf, pattern.svg and pattern.png in {}; "
+        "print at 100 % and check the ruler\n",
+        arguments.output);
 }
 
 }  // namespace
@@ -41,7 +42,8 @@ void AddPattern(CLI::App* app, CommonOptions* common) {
   pattern->require_subcommand(1);
   CLI::App* command = AddCommand(
       pattern, "chessboard", "A chessboard, with a ruler to check the print.",
-      "raygrid pattern chessboard --columns 9 --rows 6 --square-mm 25 -o board/",
+      "raygrid pattern chessboard --columns 9 --rows 6 --square-mm 25 -o "
+      "board/",
       common);
   auto arguments = std::make_shared<Arguments>();
   command->add_option("--columns", arguments->columns, "inner corners across")

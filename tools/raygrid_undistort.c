@@ -64,25 +64,38 @@ static int has_suffix(const char* text, const char* suffix) {
   return n >= m && strcmp(text + n - m, suffix) == 0;
 }
 
-/* Beside the target first, so that no half frame is ever seen under its name. */
-static int write_frame(const char* path, const uint8_t* pixels, uint32_t width,
-                       uint32_t height) {
-  char temporary[1024];
-  if (snprintf(temporary, sizeof(temporary), "%s.part", path) >=
-      (int)sizeof(temporary))
-    return 0;
-  FILE* file = fopen(temporary, "wb");
+static int write_pixels(const char* path, int as_pgm, const uint8_t* pixels,
+                        uint32_t width, uint32_t height) {
+  FILE* file = fopen(path, "wb");
   if (!file) return 0;
   int good = 1;
-  if (has_suffix(path, ".pgm"))
+  if (as_pgm)
     good = fprintf(file, "P5\n%lu %lu\n255\n", (unsigned long)width,
                    (unsigned long)height) > 0;
   const size_t num_pixels = (size_t)width * height;
   good = good && fwrite(pixels, 1, num_pixels, file) == num_pixels;
-  good = fclose(file) == 0 && good;
-  remove(path); /* semihosting does not rename over a file */
-  good = good && rename(temporary, path) == 0;
-  if (!good) remove(temporary);
+  return fclose(file) == 0 && good;
+}
+
+/* Beside the target first, so that no half frame is ever seen under its name;
+ * semihosting cannot rename. */
+static int write_frame(const char* path, const uint8_t* pixels, uint32_t width,
+                       uint32_t height) {
+  char written[1024];
+#if defined(__unix__)
+  const char* const suffix = ".part";
+#else
+  const char* const suffix = "";
+#endif
+  if (snprintf(written, sizeof(written), "%s%s", path, suffix) >=
+      (int)sizeof(written))
+    return 0;
+  int good =
+      write_pixels(written, has_suffix(path, ".pgm"), pixels, width, height);
+#if defined(__unix__)
+  good = good && rename(written, path) == 0;
+#endif
+  if (!good) remove(written);
   return good;
 }
 
@@ -93,8 +106,7 @@ static int undistort(const rg_camera* camera, const uint8_t* pixels,
   if (status != RG_OK) return fail(BLOB, "blob", rg_status_text(status));
   uint8_t* out = (uint8_t*)malloc((size_t)width * height);
   if (!out) return fail(INPUT, "output", "not enough memory");
-  const rg_frame frame = {pixels, camera->width, camera->width,
-                          camera->height};
+  const rg_frame frame = {pixels, camera->width, camera->width, camera->height};
   const rg_band band = {out, width, 0, height, 0};
   int code = DONE;
   status = rg_remap_grey(camera, &frame, &band);

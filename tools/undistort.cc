@@ -15,7 +15,7 @@ namespace raygrid {
 namespace {
 
 struct Arguments {
-  std::string camera, output, size;
+  std::string camera, output, size, frames;
   std::string rectify = "pinhole";
   std::vector<std::string> images;
   double hfov_deg = 0;
@@ -23,7 +23,8 @@ struct Arguments {
 };
 
 // The blob itself, if it has a table and no other one is asked for.
-BlobCamera PrepareBlob(const Arguments& arguments, const CommonOptions& common) {
+BlobCamera PrepareBlob(const Arguments& arguments,
+                       const CommonOptions& common) {
   CameraInput input = ReadCamera(arguments.camera);
   if (input.blob && input.blob->has_remap() && arguments.size.empty() &&
       arguments.hfov_deg == 0)
@@ -48,6 +49,17 @@ void RequireSize(const std::string& path, const ImageSize& size,
                             expected.height));
 }
 
+// The image as a board gets it from a grey camera: bytes, row by row.
+void AddRawFrame(const Arguments& arguments, const std::string& path,
+                 OutputFiles* files) {
+  const Image grey = ReadImage(path, true);
+  const std::filesystem::path target =
+      std::filesystem::path(arguments.frames) /
+      (std::filesystem::path(path).stem().string() + ".raw");
+  files->Add(target.string(),
+             std::string(grey.pixels.begin(), grey.pixels.end()));
+}
+
 void Run(const Arguments& arguments, const CommonOptions& common) {
   if (arguments.rectify != "pinhole")
     throw Error(ExitCode::kUsage, "--rectify: this version knows pinhole");
@@ -62,7 +74,10 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
     const std::filesystem::path path =
         std::filesystem::path(arguments.output) /
         (std::filesystem::path(paths[i]).stem().string() + ".png");
-    WriteFile(path.string(), EncodePng(result));
+    OutputFiles files;
+    files.Add(path.string(), EncodePng(result));
+    if (!arguments.frames.empty()) AddRawFrame(arguments, paths[i], &files);
+    files.Commit();
     bar.Show("undistortion", static_cast<double>(i + 1) / paths.size());
   }
   if (!common.quiet)
@@ -88,7 +103,11 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
   command->add_option("--hfov", arguments->hfov_deg,
                       "horizontal field of view in degrees (default: as sharp "
                       "in the middle as the image)");
-  command->add_option("--rectify", arguments->rectify, "virtual camera: pinhole")
+  command->add_option("--frames", arguments->frames,
+                      "folder for the images as raw grey frames, which "
+                      "raygrid-undistort takes");
+  command
+      ->add_option("--rectify", arguments->rectify, "virtual camera: pinhole")
       ->capture_default_str();
   command
       ->add_option("--max-error-px", arguments->max_error_px,

@@ -43,7 +43,8 @@ void AddUnproject(CLI::App* app, CommonOptions* common) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("camera", arguments->camera, "camera.yaml or a blob")
       ->required();
-  command->add_option("--pixels", arguments->pixels, "CSV with x,y")->required();
+  command->add_option("--pixels", arguments->pixels, "CSV with x,y")
+      ->required();
   command->add_option("-o,--output", arguments->output,
                       "CSV to write (default: print)");
   command->callback([arguments] { Run(*arguments); });

@@ -122,8 +122,8 @@ PriorGroup PointsGroup(const GaussianPrior& prior, const AdjustmentState& state,
   for (size_t i = 0; i < state.points.size(); ++i)
     group.squared_distance +=
         (state.points[i] - prior.points_mean[i]).squaredNorm();
-  group.trace = samples.points.squaredNorm() /
-                static_cast<double>(samples.points.cols());
+  group.trace =
+      samples.points.squaredNorm() / static_cast<double>(samples.points.cols());
   return group;
 }
 
@@ -150,8 +150,7 @@ constexpr double kFewDetermined = 0.02;  // part of a group
 // the weight's logarithm changed.
 double UpdateWeight(const PriorGroup& group, double residual_variance,
                     double smallest_variance, double* weight) {
-  const double variance =
-      group.squared_distance / group.NumDetermined(*weight);
+  const double variance = group.squared_distance / group.NumDetermined(*weight);
   const double updated =
       residual_variance / std::max(variance, smallest_variance);
   const double change = std::abs(std::log(updated / *weight));
@@ -185,8 +184,8 @@ AdjustmentSummary AdjustBundle(const std::vector<View>& views,
   while (summary.num_iterations < options.max_iterations &&
          !summary.converged) {
     ++summary.num_iterations;
-    const double decrease = TakeStep(views, prior, options, &lambda, state,
-                                     &summary.residuals);
+    const double decrease =
+        TakeStep(views, prior, options, &lambda, state, &summary.residuals);
     summary.converged = decrease < options.relative_tolerance;
   }
   summary.final_cost = TotalCost(summary.residuals, options.huber_px);
@@ -215,9 +214,9 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
     if (!equations.SampleCovariance(kTraceSamples, &samples)) break;
 
     const PriorGroup camera = CameraGroup(*prior, *state, samples);
-    const double num_camera =
-        state->camera->NumParameters() - prior->camera_rank +
-        camera.NumDetermined(prior->camera_weight);
+    const double num_camera = state->camera->NumParameters() -
+                              prior->camera_rank +
+                              camera.NumDetermined(prior->camera_weight);
     double num_points = 0;
     PriorGroup points;
     if (!rough.fix_points) {
@@ -236,12 +235,11 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
       continue;
     }
     const double points_change =
-        rough.fix_points
-            ? 0
-            : UpdateWeight(
-                  points, variance,
-                  kNegligiblePx * kNegligiblePx * square_metres_per_pixel,
-                  &prior->points_weight);
+        rough.fix_points ? 0
+                         : UpdateWeight(points, variance,
+                                        kNegligiblePx * kNegligiblePx *
+                                            square_metres_per_pixel,
+                                        &prior->points_weight);
     if (std::max(camera_change, points_change) < kStableChange) break;
   }
   AdjustmentOptions final_options = options;

@@ -24,9 +24,8 @@ class DifferenceRows {
   void Add(const std::vector<Term>& terms, double factor) {
     for (int coordinate = 0; coordinate < 2; ++coordinate) {
       for (const Term& term : terms)
-        triplets_.emplace_back(
-            num_rows_, 2 * term.point + coordinate,
-            factor * term.factor * scale_[term.point]);
+        triplets_.emplace_back(num_rows_, 2 * term.point + coordinate,
+                               factor * term.factor * scale_[term.point]);
       ++num_rows_;
     }
   }
@@ -55,7 +54,8 @@ std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
     for (int i = 0; i < surface.columns(); ++i) {
       const Area& area = surface.area();
       const Eigen::Vector2d pixel(
-          std::clamp(area.x0 + (i - 1) * surface.cell_width(), area.x0, area.x1),
+          std::clamp(area.x0 + (i - 1) * surface.cell_width(), area.x0,
+                     area.x1),
           std::clamp(area.y0 + (j - 1) * surface.cell_height(), area.y0,
                      area.y1));
       Eigen::Matrix2d derivative;
@@ -74,24 +74,21 @@ GaussianPrior SmoothnessPrior(const CentralGeneric& base) {
   DifferenceRows differences(PixelsPerChartUnit(surface));
   // In cells; (cell kappa)^2 and its square weigh slopes and values.
   const double kappa =
-      std::sqrt(8.0) / (kRangePart * std::max(surface.area().width(),
-                                              surface.area().height())) *
+      std::sqrt(8.0) /
+      (kRangePart * std::max(surface.area().width(), surface.area().height())) *
       std::sqrt(surface.cell_width() * surface.cell_height());
   const double slope_factor = std::sqrt(2.0) * kappa;
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {
       const int k = j * columns + i;
       const bool right = i + 1 < columns, below = j + 1 < rows;
-      if (i > 0 && right)
-        differences.Add({{k - 1, 1}, {k, -2}, {k + 1, 1}}, 1);
+      if (i > 0 && right) differences.Add({{k - 1, 1}, {k, -2}, {k + 1, 1}}, 1);
       if (j > 0 && below)
         differences.Add({{k - columns, 1}, {k, -2}, {k + columns, 1}}, 1);
       if (right && below)
-        differences.Add({{k, 1},
-                         {k + 1, -1},
-                         {k + columns, -1},
-                         {k + columns + 1, 1}},
-                        std::sqrt(2));
+        differences.Add(
+            {{k, 1}, {k + 1, -1}, {k + columns, -1}, {k + columns + 1, 1}},
+            std::sqrt(2));
       if (right) differences.Add({{k, -1}, {k + 1, 1}}, slope_factor);
       if (below) differences.Add({{k, -1}, {k + columns, 1}}, slope_factor);
       differences.Add({{k, 1}}, kappa * kappa);
@@ -122,8 +119,8 @@ GaussianPrior DistortionPrior(const OpenCvModel& lens, const Area& area) {
   double radius = 0;  // of the farthest corner
   for (const double x : {area.x0, area.x1})
     for (const double y : {area.y0, area.y1})
-      radius = std::max(radius,
-                        (Eigen::Vector2d(x, y) - center).norm() / focal_px);
+      radius =
+          std::max(radius, (Eigen::Vector2d(x, y) - center).norm() / focal_px);
 
   std::vector<Eigen::Triplet<double>> diagonal;
   const auto add = [&](int parameter, int order) {

@@ -37,8 +37,8 @@ struct GaussianPrior {
 GaussianPrior SmoothnessPrior(const CentralGeneric& base);
 
 /// Distortion coefficients around zero, each in the pixels that it moves the
-/// corner of an area by: high orders that the observations say little about stay
-/// small, where they would otherwise fold the image beyond the outermost
+/// corner of an area by: high orders that the observations say little about
+/// stay small, where they would otherwise fold the image beyond the outermost
 /// features. Focal lengths and centre are free.
 GaussianPrior DistortionPrior(const OpenCvModel& lens, const Area& area);
 

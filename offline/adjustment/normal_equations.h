@@ -25,9 +25,9 @@ struct CovarianceSamples {
 /// The Gauss-Newton equations H x = -g of bundle adjustment, in the blocks
 ///   [ A   W ] [ camera and kept group ]
 ///   [ W^T V ] [ eliminated group      ]
-/// The groups are poses (6 numbers each) and points (3 each). A residual belongs
-/// to one pose and one point, so V is block-diagonal for either; the larger
-/// group is eliminated (Schur complement) and a dense system is left.
+/// The groups are poses (6 numbers each) and points (3 each). A residual
+/// belongs to one pose and one point, so V is block-diagonal for either; the
+/// larger group is eliminated (Schur complement) and a dense system is left.
 class NormalEquations {
  public:
   struct Sizes {
@@ -45,8 +45,8 @@ class NormalEquations {
   bool Solve(double lambda, AdjustmentStep* step) const;
 
   /// Samples with the parameters' covariance in units of the residuals'
-  /// variance: H^-1/2 z with z of random signs. Their mean quadratic form with a
-  /// matrix estimates its trace with the covariance (Hutchinson, 1989), at a
+  /// variance: H^-1/2 z with z of random signs. Their mean quadratic form with
+  /// a matrix estimates its trace with the covariance (Hutchinson, 1989), at a
   /// fraction of an inverse's cost. False if the system is singular.
   bool SampleCovariance(int num_samples, CovarianceSamples* samples) const;
 

@@ -11,9 +11,9 @@ namespace raygrid {
 
 /// The 16 control points around a position and their weights there.
 struct SplineSupport {
-  int column = 0, row = 0;             ///< of the top-left one
-  std::array<double, 4> wx, wy;        ///< sum to 1
-  std::array<double, 4> dwx, dwy;      ///< their derivatives per pixel
+  int column = 0, row = 0;         ///< of the top-left one
+  std::array<double, 4> wx, wy;    ///< sum to 1
+  std::array<double, 4> dwx, dwy;  ///< their derivatives per pixel
 };
 
 /// Uniform cubic B-spline surface over an area of the image, with values in the

@@ -78,9 +78,8 @@ std::optional<SurfaceSolution> Solve(const BSplineSurface& surface,
                                      const Eigen::Vector2d* start,
                                      double margin_px) {
   if (!target.allFinite()) return std::nullopt;
-  std::optional<SurfaceSolution> solution =
-      SolveFrom(surface, target, start ? *start : surface.area().center(),
-                margin_px);
+  std::optional<SurfaceSolution> solution = SolveFrom(
+      surface, target, start ? *start : surface.area().center(), margin_px);
   if (!solution)
     solution = SolveFrom(surface, target, NearestControlPoint(surface, target),
                          margin_px);

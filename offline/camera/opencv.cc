@@ -99,11 +99,10 @@ std::optional<Eigen::Vector3d> OpenCvModel::Unproject(
 std::optional<Eigen::Vector2d> OpenCvModel::Project(
     const Eigen::Vector3d& point, const Eigen::Vector2d* /*start*/,
     double margin_px) const {
-  if (!(point.z() > 0) ||
-      point.head<2>().norm() > max_radius_ * point.z())
+  if (!(point.z() > 0) || point.head<2>().norm() > max_radius_ * point.z())
     return std::nullopt;
-  const Eigen::Vector2d pixel = Distort(
-      point.x() / point.z(), point.y() / point.z(), parameters_.data());
+  const Eigen::Vector2d pixel =
+      Distort(point.x() / point.z(), point.y() / point.z(), parameters_.data());
   if (!area().Contains(pixel, margin_px)) return std::nullopt;
   return pixel;
 }

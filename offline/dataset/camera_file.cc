@@ -134,8 +134,8 @@ CameraFile ReadCameraFile(const std::string& path) {
   try {
     return Parse(YAML::Load(text));
   } catch (const YAML::Exception& error) {
-    throw InputError(fmt::format("{}, line {}: {}", path, error.mark.line + 1,
-                                 error.msg));
+    throw InputError(
+        fmt::format("{}, line {}: {}", path, error.mark.line + 1, error.msg));
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", path, error.what()));
   }
@@ -148,8 +148,8 @@ std::string FormatCameraFile(const CameraFile& file) {
   out << YAML::BeginMap << YAML::Key << "raygrid_camera" << YAML::Value << 1
       << YAML::Key << "model" << YAML::Value << camera.Name();
   if (!file.name.empty())
-    out << YAML::Key << "name" << YAML::Value << YAML::DoubleQuoted
-        << file.name << YAML::Auto;
+    out << YAML::Key << "name" << YAML::Value << YAML::DoubleQuoted << file.name
+        << YAML::Auto;
   if (!file.serial.empty())
     out << YAML::Key << "serial" << YAML::Value << YAML::DoubleQuoted
         << file.serial << YAML::Auto;

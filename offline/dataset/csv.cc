@@ -60,14 +60,15 @@ CsvTable::CsvTable(const std::string& name, const std::string& text,
   }
   for (const std::string& column : required_columns)
     if (!HasColumn(column))
-      throw InputError(fmt::format(
-          "{}: no column '{}' in the header; expected {}", name_, column,
-          fmt::join(required_columns, ",")));
+      throw InputError(
+          fmt::format("{}: no column '{}' in the header; expected {}", name_,
+                      column, fmt::join(required_columns, ",")));
 }
 
 int CsvTable::ColumnIndex(const std::string& column) const {
   const auto found = std::find(header_.begin(), header_.end(), column);
-  return found == header_.end() ? -1 : static_cast<int>(found - header_.begin());
+  return found == header_.end() ? -1
+                                : static_cast<int>(found - header_.begin());
 }
 
 bool CsvTable::HasColumn(const std::string& column) const {

@@ -79,9 +79,9 @@ void RequireConsistent(const std::string& name, const Dataset& dataset,
                       dataset.image_size.height - 0.5};
   for (const ImageFeatures& features : dataset.images) {
     for (const Feature& feature : features.features) {
-      const std::string place = fmt::format("{}, image {}, feature ({}, {})",
-                                            name, features.image,
-                                            feature.column, feature.row);
+      const std::string place =
+          fmt::format("{}, image {}, feature ({}, {})", name, features.image,
+                      feature.column, feature.row);
       const Board* board = pattern.FindBoard(feature.board);
       if (!board)
         throw InputError(fmt::format(

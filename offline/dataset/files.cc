@@ -76,8 +76,7 @@ void OutputFiles::Add(const std::string& path, std::string contents) {
 
 void OutputFiles::Commit() {
   const auto remove_temporaries = [this] {
-    for (const File& file : files_)
-      unlink(TemporaryName(file.path).c_str());
+    for (const File& file : files_) unlink(TemporaryName(file.path).c_str());
   };
   for (const File& file : files_) {
     MakeFolderOf(file.path);

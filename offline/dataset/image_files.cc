@@ -1,10 +1,15 @@
 #include "dataset/image_files.h"
 
 #include <fmt/format.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
+#include <cstring>
 #include <filesystem>
+#include <mutex>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 
@@ -16,9 +21,58 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Catches what the image libraries print to standard error while they decode:
+// for some damage that is all they do about it.
+class DecoderMessages {
+ public:
+  DecoderMessages() : lock_(Mutex()) {
+    std::fflush(stderr);
+    saved_ = dup(STDERR_FILENO);
+    file_ = memfd_create("decoder-messages", MFD_CLOEXEC);
+    if (saved_ >= 0 && file_ >= 0) dup2(file_, STDERR_FILENO);
+  }
+  ~DecoderMessages() {
+    if (saved_ >= 0) close(saved_);
+    if (file_ >= 0) close(file_);
+  }
+  DecoderMessages(const DecoderMessages&) = delete;
+  DecoderMessages& operator=(const DecoderMessages&) = delete;
+
+  // Standard error is itself again; true if a library spoke of damage.
+  bool Stop() {
+    std::fflush(stderr);
+    if (saved_ < 0 || file_ < 0) return false;
+    dup2(saved_, STDERR_FILENO);
+    char text[4096] = {};
+    if (pread(file_, text, sizeof(text) - 1, 0) <= 0) return false;
+    for (const char* damage : {"Premature end", "Corrupt", "corrupt",
+                               "extraneous bytes", "Not enough data"})
+      if (std::strstr(text, damage)) return true;
+    return false;
+  }
+
+ private:
+  static std::mutex& Mutex() {
+    static std::mutex mutex;
+    return mutex;
+  }
+  std::lock_guard<std::mutex> lock_;
+  int saved_, file_;
+};
+
+// A JPEG file without an end-of-image mark was cut; the decoder would fill up
+// what is missing with grey and say nothing.
+bool IsCutJpeg(const std::string& bytes) {
+  constexpr size_t kMaxTrailingBytes = 4096;
+  if (bytes.compare(0, 2, "\xff\xd8") != 0) return false;
+  const size_t end = bytes.rfind("\xff\xd9");
+  return end == std::string::npos || end + kMaxTrailingBytes < bytes.size();
+}
+
 bool HasImageExtension(const fs::path& path) {
-  static const std::set<std::string> extensions = {
-      ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".webp"};
+  static const std::set<std::string> extensions = {".png", ".jpg",  ".jpeg",
+                                                   ".tif", ".tiff", ".bmp",
+                                                   ".pgm", ".ppm",  ".webp"};
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
@@ -29,7 +83,8 @@ std::vector<std::string> ImagesInFolder(const std::string& folder) {
   std::vector<std::string> images;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error))
-    if (HasImageExtension(entry.path())) images.push_back(entry.path().string());
+    if (HasImageExtension(entry.path()))
+      images.push_back(entry.path().string());
   if (error)
     throw InputError(
         fmt::format("{}: cannot be read ({})", folder, error.message()));
@@ -42,18 +97,21 @@ std::vector<std::string> ImagesInFolder(const std::string& folder) {
 Image ReadImage(const std::string& path, bool grey) {
   const std::string bytes = ReadFile(path);
   cv::Mat decoded;
-  if (!bytes.empty()) {
+  bool is_damaged = IsCutJpeg(bytes);
+  if (!bytes.empty() && !is_damaged) {
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U,
                           const_cast<char*>(bytes.data()));
+    DecoderMessages messages;
     try {
-      decoded = cv::imdecode(
-          encoded, (grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR) |
-                       cv::IMREAD_IGNORE_ORIENTATION);
+      decoded = cv::imdecode(encoded,
+                             (grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR) |
+                                 cv::IMREAD_IGNORE_ORIENTATION);
     } catch (const cv::Exception&) {
       decoded.release();
     }
+    is_damaged = messages.Stop();
   }
-  if (decoded.empty())
+  if (decoded.empty() || is_damaged)
     throw InputError(path +
                      ": not an image, or damaged; remove it or replace it");
   Image image;
@@ -82,8 +140,9 @@ std::vector<std::string> FindImages(const std::vector<std::string>& paths) {
     }
     const std::vector<std::string> found = ImagesInFolder(path);
     if (found.empty())
-      throw InputError(path + ": no images in this folder (png, jpg, tif, bmp, "
-                              "pgm); name another");
+      throw InputError(path +
+                       ": no images in this folder (png, jpg, tif, bmp, "
+                       "pgm); name another");
     images.insert(images.end(), found.begin(), found.end());
   }
   return images;

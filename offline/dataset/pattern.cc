@@ -56,9 +56,9 @@ Board ParseBoard(const std::string& place, const YAML::Node& node) {
     if (std::min(board.columns, board.rows) < 2 ||
         std::max(board.columns, board.rows) > kMaxFeaturesAlongSide ||
         !(board.square_m > 0) || !std::isfinite(board.square_m))
-      throw InputError(fmt::format(
-          "{}: columns and rows must be 2 to {}, square_m positive", place,
-          kMaxFeaturesAlongSide));
+      throw InputError(
+          fmt::format("{}: columns and rows must be 2 to {}, square_m positive",
+                      place, kMaxFeaturesAlongSide));
     board.points = board.NominalPoints();
   }
   if (node[points_key]) board.points = ParsePoints(place, node[points_key]);
@@ -132,7 +132,8 @@ std::string FormatPattern(const Pattern& pattern) {
     for (const Eigen::Vector3d& point : pattern.boards[i].points) {
       YAML::Node xyz(YAML::NodeType::Sequence);
       xyz.SetStyle(YAML::EmitterStyle::Flow);
-      for (int k = 0; k < 3; ++k) xyz.push_back(fmt::format("{:.9f}", point[k]));
+      for (int k = 0; k < 3; ++k)
+        xyz.push_back(fmt::format("{:.9f}", point[k]));
       points.push_back(xyz);
     }
     YAML::Node board = root["boards"][i];

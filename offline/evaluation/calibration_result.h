@@ -21,14 +21,14 @@ struct RejectedImage {
 /// A grid resolution that was tried, and its held-out error.
 struct CellCandidate {
   double cell_px = 0;
-  double loss = 0;       ///< mean Huber loss, px^2
+  double loss = 0;  ///< mean Huber loss, px^2
   double median_px = 0;
 };
 
 /// What a calibration found.
 struct CalibrationResult {
   CameraFile camera;
-  Pattern pattern;  ///< points where they were found to be
+  Pattern pattern;   ///< points where they were found to be
   Dataset features;  ///< those used
   std::vector<BoardPose> poses;
   std::vector<FeatureResidual> training;

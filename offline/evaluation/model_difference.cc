@@ -32,7 +32,8 @@ std::vector<RayPair> SampleRays(const CameraModel& first,
   return pairs;
 }
 
-Eigen::Vector2d ErrorPx(const RayPair& pair, const Eigen::Quaterniond& rotation) {
+Eigen::Vector2d ErrorPx(const RayPair& pair,
+                        const Eigen::Quaterniond& rotation) {
   return pair.pixel_by_ray * (rotation * pair.second);
 }
 
@@ -44,10 +45,10 @@ Eigen::Quaterniond WeightedRotation(const std::vector<RayPair>& pairs,
     product += weights[i] * pairs[i].first * pairs[i].second.transpose();
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(
       product, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d sign(1, 1,
-                       (svd.matrixU() * svd.matrixV().transpose()).determinant());
-  return Eigen::Quaterniond(Eigen::Matrix3d(
-      svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose()));
+  Eigen::Vector3d sign(
+      1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant());
+  return Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * sign.asDiagonal() *
+                                            svd.matrixV().transpose()));
 }
 
 }  // namespace

@@ -51,8 +51,8 @@ double DivergenceFromNormal(const std::vector<Eigen::Vector2d>& errors) {
   for (int j = 0; j < kBins; ++j)
     for (int i = 0; i < kBins; ++i)
       if (histogram[j][i] > 0)
-        divergence +=
-            histogram[j][i] * std::log(histogram[j][i] / (normal[j] * normal[i]));
+        divergence += histogram[j][i] *
+                      std::log(histogram[j][i] / (normal[j] * normal[i]));
   return divergence;
 }
 
@@ -83,14 +83,13 @@ ErrorFigures ComputeErrorFigures(
   return {Quantile(std::move(norms), 0.5), rms, largest, count};
 }
 
-std::optional<double> ComputeBias(
-    const std::vector<FeatureResidual>& residuals, const Area& area) {
+std::optional<double> ComputeBias(const std::vector<FeatureResidual>& residuals,
+                                  const Area& area) {
   std::vector<std::vector<Eigen::Vector2d>> cells(kCells * kCells);
   for (const FeatureResidual& residual : residuals) {
     const auto cell_of = [](double position, double start, double extent) {
-      return std::clamp(
-          static_cast<int>((position - start) / extent * kCells), 0,
-          kCells - 1);
+      return std::clamp(static_cast<int>((position - start) / extent * kCells),
+                        0, kCells - 1);
     };
     const int column = cell_of(residual.pixel.x(), area.x0, area.width());
     const int row = cell_of(residual.pixel.y(), area.y0, area.height());

@@ -6,8 +6,8 @@ namespace raygrid {
 namespace {
 
 constexpr int kEnoughImages = 10;
-constexpr double kEnoughArea = 0.5;         // part of the image
-constexpr double kGoodMedianPx = 0.3;       // corners of a sharp chessboard
+constexpr double kEnoughArea = 0.5;    // part of the image
+constexpr double kGoodMedianPx = 0.3;  // corners of a sharp chessboard
 constexpr double kUsableMedianPx = 2;
 constexpr double kOverfitRatio = 1.5;
 

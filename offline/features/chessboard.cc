@@ -43,11 +43,11 @@ class Corners {
     for (int row = 0; row < rows_; ++row) {
       for (int column = 0; column < columns_; ++column) {
         if (column > 0)
-          spacing = std::min(
-              spacing, cv::norm(at(column, row) - at(column - 1, row)));
+          spacing = std::min(spacing,
+                             cv::norm(at(column, row) - at(column - 1, row)));
         if (row > 0)
-          spacing =
-              std::min(spacing, cv::norm(at(column, row) - at(column, row - 1)));
+          spacing = std::min(spacing,
+                             cv::norm(at(column, row) - at(column, row - 1)));
       }
     }
     return spacing;
@@ -123,8 +123,9 @@ Image DrawFeatures(const Image& grey, const std::vector<Feature>& features) {
   cv::cvtColor(View(grey), color, cv::COLOR_GRAY2BGR);
   constexpr int kShift = 4;
   for (const Feature& feature : features) {
-    const cv::Point center(static_cast<int>(std::lround(feature.pixel.x() * 16)),
-                           static_cast<int>(std::lround(feature.pixel.y() * 16)));
+    const cv::Point center(
+        static_cast<int>(std::lround(feature.pixel.x() * 16)),
+        static_cast<int>(std::lround(feature.pixel.y() * 16)));
     const bool is_first = feature.column == 0 && feature.row == 0;
     cv::circle(color, center, (is_first ? 6 : 3) << kShift,
                is_first ? cv::Scalar(0, 0, 255) : cv::Scalar(0, 200, 0), 1,

@@ -88,7 +88,8 @@ struct SightError {
   }
 };
 
-std::optional<Pose> Refine(const std::vector<Sight>& sights, const Pose& start) {
+std::optional<Pose> Refine(const std::vector<Sight>& sights,
+                           const Pose& start) {
   const Eigen::AngleAxisd angle_axis(start.rotation);
   Eigen::Vector3d rotation = angle_axis.angle() * angle_axis.axis();
   Eigen::Vector3d translation = start.translation;

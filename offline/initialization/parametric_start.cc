@@ -70,10 +70,18 @@ std::optional<OpenCvModel> StartFromPlanarBoards(const Dataset& dataset,
     return std::nullopt;
   }
   const double* k = distortion.ptr<double>();
-  const OpenCvModel::ParameterArray parameters = {
-      matrix.at<double>(0, 0), matrix.at<double>(1, 1),
-      matrix.at<double>(0, 2), matrix.at<double>(1, 2),
-      k[0], k[1], k[4], 0, 0, 0, k[2], k[3]};
+  const OpenCvModel::ParameterArray parameters = {matrix.at<double>(0, 0),
+                                                  matrix.at<double>(1, 1),
+                                                  matrix.at<double>(0, 2),
+                                                  matrix.at<double>(1, 2),
+                                                  k[0],
+                                                  k[1],
+                                                  k[4],
+                                                  0,
+                                                  0,
+                                                  0,
+                                                  k[2],
+                                                  k[3]};
   for (const double value : parameters)
     if (!std::isfinite(value)) return std::nullopt;
   if (!(rms < kMaxRmsPart * size.width) || parameters[0] <= 0 ||

@@ -28,9 +28,9 @@ int32_t Q16(double value) {
 // The area inside camera's that the format can say.
 Area RepresentableArea(const Area& area) {
   constexpr double kUnit = 65536;
-  return {std::ceil(area.x0 * kUnit) / kUnit, std::ceil(area.y0 * kUnit) / kUnit,
-          std::floor(area.x1 * kUnit) / kUnit,
-          std::floor(area.y1 * kUnit) / kUnit};
+  return {
+      std::ceil(area.x0 * kUnit) / kUnit, std::ceil(area.y0 * kUnit) / kUnit,
+      std::floor(area.x1 * kUnit) / kUnit, std::floor(area.y1 * kUnit) / kUnit};
 }
 
 // The worst angle-times-focal-length between a model and its grid.
@@ -106,9 +106,8 @@ GridSection QuantizeGrid(const CentralGeneric& camera) {
 // A zero-padded text of RG_TEXT_SIZE bytes.
 std::string PaddedText(const char* what, const std::string& text) {
   if (text.size() >= RG_TEXT_SIZE || text.find('\0') != std::string::npos)
-    throw Error(ExitCode::kUsage,
-                fmt::format("{} '{}': at most {} bytes", what, text,
-                            RG_TEXT_SIZE - 1));
+    throw Error(ExitCode::kUsage, fmt::format("{} '{}': at most {} bytes", what,
+                                              text, RG_TEXT_SIZE - 1));
   std::string padded = text;
   padded.resize(RG_TEXT_SIZE, '\0');
   return padded;
@@ -194,8 +193,8 @@ UnprojectionError MeasureBlob(const CameraModel& camera,
   std::vector<uint32_t> words((blob.size() + 3) / 4);
   std::memcpy(words.data(), blob.data(), blob.size());
   rg_camera packed;
-  const rg_status status = rg_camera_open(&packed, words.data(),
-                                          static_cast<uint32_t>(blob.size()));
+  const rg_status status =
+      rg_camera_open(&packed, words.data(), static_cast<uint32_t>(blob.size()));
   if (status != RG_OK) FailFormat(rg_status_text(status));
   return MeasureUnprojection(camera, packed, num_threads);
 }
@@ -233,15 +232,16 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   }
 
   // Once to measure, once more with the figures.
-  const UnprojectionError error = MeasureBlob(
-      camera, WriteBlob(contents), NumThreads(options.num_threads));
+  const UnprojectionError error =
+      MeasureBlob(camera, WriteBlob(contents), NumThreads(options.num_threads));
   packed.unproject_error_px = error.px;
   packed.unproject_error_rad = error.rad;
   if (error.px > kMaxPackingErrorPx)
-    throw Error(ExitCode::kQuality,
-                fmt::format("packing would add {:.4f} px to un-projection, more "
-                            "than {}",
-                            error.px, kMaxPackingErrorPx));
+    throw Error(
+        ExitCode::kQuality,
+        fmt::format("packing would add {:.4f} px to un-projection, more "
+                    "than {}",
+                    error.px, kMaxPackingErrorPx));
   const rg_quality_section quality = QualityOf(file, error.px, error.rad);
   contents.quality = &quality;
   packed.blob = WriteBlob(contents);

@@ -48,10 +48,10 @@ ExactMap ComputeExactMap(const CameraModel& camera,
   ParallelFor(map.height, num_threads, [&](int y) {
     const Eigen::Vector2d* start = nullptr;
     for (int x = 0; x < map.width; ++x) {
-      Eigen::Vector2d& source = map.sources[static_cast<size_t>(y) * map.width + x];
-      const auto pixel =
-          camera.Project(virtual_camera.Direction(Eigen::Vector2d(x, y)), start,
-                         kFitMarginPx);
+      Eigen::Vector2d& source =
+          map.sources[static_cast<size_t>(y) * map.width + x];
+      const auto pixel = camera.Project(
+          virtual_camera.Direction(Eigen::Vector2d(x, y)), start, kFitMarginPx);
       start = pixel ? &source : nullptr;
       if (pixel) source = *pixel;
     }
@@ -78,7 +78,8 @@ Blocks CutBlocks(const ExactMap& map, const Area& rectangle, int size_log2) {
   for (int y = 0; y < map.height; ++y)
     for (int x = 0; x < map.width; ++x)
       if (map.IsValid(x, y) && rectangle.Contains(map.at(x, y)))
-        blocks.used[(y >> size_log2) * blocks.columns + (x >> size_log2)] = true;
+        blocks.used[(y >> size_log2) * blocks.columns + (x >> size_log2)] =
+            true;
   return blocks;
 }
 
@@ -172,8 +173,8 @@ std::vector<bool> NeededVertices(const Blocks& blocks) {
 
 // q12 rounding of affine part and residuals with the smallest shift that lets
 // all residuals fit; false if none does.
-bool Quantize(const Blocks& blocks, const std::vector<Eigen::Vector2d>& vertices,
-              RemapTable* table) {
+bool Quantize(const Blocks& blocks,
+              const std::vector<Eigen::Vector2d>& vertices, RemapTable* table) {
   const Eigen::Matrix<double, 3, 2> affine = FitAffine(blocks, vertices);
   const auto q12 = [](double value) {
     return static_cast<int32_t>(std::lround(value * kQ12));
@@ -192,13 +193,12 @@ bool Quantize(const Blocks& blocks, const std::vector<Eigen::Vector2d>& vertices
   for (int j = 0; j <= blocks.rows; ++j) {
     for (int i = 0; i <= blocks.columns; ++i) {
       const int k = blocks.VertexIndex(i, j);
-      const double base[2] = {
-          static_cast<double>(s.origin_x_q12) +
-              static_cast<double>(i) * s.column_step_x_q12 +
-              static_cast<double>(j) * s.row_step_x_q12,
-          static_cast<double>(s.origin_y_q12) +
-              static_cast<double>(i) * s.column_step_y_q12 +
-              static_cast<double>(j) * s.row_step_y_q12};
+      const double base[2] = {static_cast<double>(s.origin_x_q12) +
+                                  static_cast<double>(i) * s.column_step_x_q12 +
+                                  static_cast<double>(j) * s.row_step_x_q12,
+                              static_cast<double>(s.origin_y_q12) +
+                                  static_cast<double>(i) * s.column_step_y_q12 +
+                                  static_cast<double>(j) * s.row_step_y_q12};
       for (int c = 0; c < 2; ++c) {
         constexpr double kLimit = RG_VERTEX_LIMIT_Q12 - 4096;
         const double target =
@@ -215,8 +215,8 @@ bool Quantize(const Blocks& blocks, const std::vector<Eigen::Vector2d>& vertices
   s.residual_shift = static_cast<uint8_t>(shift);
   table->residuals.clear();
   for (const double residual : residuals_q12)
-    table->residuals.push_back(static_cast<int16_t>(std::clamp<long>(
-        std::lround(residual / (1 << shift)), -32768, 32767)));
+    table->residuals.push_back(static_cast<int16_t>(
+        std::clamp<long>(std::lround(residual / (1 << shift)), -32768, 32767)));
   return true;
 }
 
@@ -235,8 +235,10 @@ void FillFields(const CameraModel& camera, const VirtualCamera& virtual_camera,
   s.max_y_q12 = static_cast<int32_t>(std::floor(rectangle.y1 * kQ12));
   s.fx_q16 = s.fy_q16 =
       static_cast<uint32_t>(std::lround(virtual_camera.focal_px * 65536));
-  s.cx_q16 = static_cast<int32_t>(std::lround(virtual_camera.center.x() * 65536));
-  s.cy_q16 = static_cast<int32_t>(std::lround(virtual_camera.center.y() * 65536));
+  s.cx_q16 =
+      static_cast<int32_t>(std::lround(virtual_camera.center.x() * 65536));
+  s.cy_q16 =
+      static_cast<int32_t>(std::lround(virtual_camera.center.y() * 65536));
   table->empty_blocks.assign((blocks.used.size() + 31) / 32 * 4, 0);
   for (size_t k = 0; k < blocks.used.size(); ++k)
     if (!blocks.used[k]) table->empty_blocks[k / 8] |= 1u << (k % 8);
@@ -251,7 +253,6 @@ std::vector<uint8_t> VertexBytes(const std::vector<int16_t>& residuals) {
   }
   return bytes;
 }
-
 
 // What is wrong about an output pixel: the distance of its position from the
 // exact one; for a pixel without exact position, how far inside the rectangle
@@ -294,9 +295,12 @@ double MeasureError(const ExactMap& map, const Area& rectangle,
         const rg_position start =
             rg_remap_segment(&section, &row, in_block - in_segment);
         const Eigen::Vector2d position(
-            (start.x_q12 + static_cast<int>(in_segment) * row.step.x_q12) / kQ12,
-            (start.y_q12 + static_cast<int>(in_segment) * row.step.y_q12) / kQ12);
-        worst[y] = std::max(worst[y], PixelError(map, rectangle, x, y, position));
+            (start.x_q12 + static_cast<int>(in_segment) * row.step.x_q12) /
+                kQ12,
+            (start.y_q12 + static_cast<int>(in_segment) * row.step.y_q12) /
+                kQ12);
+        worst[y] =
+            std::max(worst[y], PixelError(map, rectangle, x, y, position));
       }
     }
   });

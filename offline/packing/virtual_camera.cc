@@ -41,8 +41,8 @@ VirtualCamera MakeVirtualCamera(const CameraModel& camera, ImageSize size,
   result.size = size;
   result.center = {(size.width - 1) / 2.0, (size.height - 1) / 2.0};
   if (hfov_deg == 0) {
-    result.focal_px = CentralFocalLength(camera) * size.width /
-                      camera.image_size().width;
+    result.focal_px =
+        CentralFocalLength(camera) * size.width / camera.image_size().width;
   } else if (hfov_deg > 0 && hfov_deg <= kMaxFieldOfViewDeg) {
     result.focal_px = size.width / 2.0 / std::tan(hfov_deg * M_PI / 360);
   } else {

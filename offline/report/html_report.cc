@@ -29,11 +29,16 @@ rect.training { fill: #4a90d9; } rect.held { fill: #d98e4a; } svg text { fill: c
 std::string Escape(const std::string& text) {
   std::string escaped;
   for (const char c : text) {
-    if (c == '<') escaped += "&lt;";
-    else if (c == '>') escaped += "&gt;";
-    else if (c == '&') escaped += "&amp;";
-    else if (c == '"') escaped += "&quot;";
-    else escaped += c;
+    if (c == '<')
+      escaped += "&lt;";
+    else if (c == '>')
+      escaped += "&gt;";
+    else if (c == '&')
+      escaped += "&amp;";
+    else if (c == '"')
+      escaped += "&quot;";
+    else
+      escaped += c;
   }
   return escaped;
 }
@@ -56,14 +61,15 @@ std::string Base64(const std::string& bytes) {
 std::string Figure(const Image& image, const std::string& caption) {
   return fmt::format(
       "<figure><img alt=\"{0}\" width=\"{1}\" height=\"{2}\" "
-      "src=\"data:image/png;base64,{3}\"><figcaption>{0}</figcaption></figure>\n",
+      "src=\"data:image/png;base64,{3}\"><figcaption>{0}</figcaption></"
+      "figure>\n",
       Escape(caption), image.size.width, image.size.height,
       Base64(EncodePng(image)));
 }
 
 std::string VerdictSection(const Verdict& verdict) {
-  std::string html = fmt::format("<div class=\"verdict {0}\"><h2>Verdict: {0}</h2>\n",
-                                 verdict.word);
+  std::string html = fmt::format(
+      "<div class=\"verdict {0}\"><h2>Verdict: {0}</h2>\n", verdict.word);
   if (!verdict.reasons.empty()) html += "<ul>\n";
   for (const std::string& reason : verdict.reasons)
     html += fmt::format("<li>{}</li>\n", Escape(reason));
@@ -73,7 +79,8 @@ std::string VerdictSection(const Verdict& verdict) {
 
 std::string FiguresRow(const std::string& name, const ErrorFigures& figures) {
   return fmt::format(
-      "<tr><td>{}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.3f}</td><td>{}</td></tr>\n",
+      "<tr><td>{}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.3f}</td><td>{}</"
+      "td></tr>\n",
       name, figures.median_px, figures.rms_px, figures.max_px, figures.count);
 }
 
@@ -104,16 +111,16 @@ std::string ModelTable(const CalibrationResult& result,
     row("cells", fmt::format("at most {:.1f} px", result.cell_px));
   row("image", fmt::format("{} &times; {} px", camera.image_size().width,
                            camera.image_size().height));
-  row("calibrated area",
-      fmt::format("x {:.1f} to {:.1f}, y {:.1f} to {:.1f}", area.x0, area.x1,
-                  area.y0, area.y1));
+  row("calibrated area", fmt::format("x {:.1f} to {:.1f}, y {:.1f} to {:.1f}",
+                                     area.x0, area.x1, area.y0, area.y1));
   row("images used", std::to_string(result.features.images.size()));
   if (result.bias_kl) row("bias (KL)", fmt::format("{:.3f}", *result.bias_kl));
   row("blob", fmt::format("{} bytes", packing.blob_bytes));
   row("un-projection error added by packing",
       fmt::format("{:.2g} px", packing.unproject_error_px));
   if (packing.remap_error_px)
-    row("remap geometry error", fmt::format("{:.3f} px", *packing.remap_error_px));
+    row("remap geometry error",
+        fmt::format("{:.3f} px", *packing.remap_error_px));
   return html + "</table></div>\n";
 }
 
@@ -124,10 +131,11 @@ std::string CandidateTable(const CalibrationResult& result) {
       "<tr><th>cell px</th><th>held-out median px</th><th>held-out loss "
       "px&sup2;</th></tr>\n";
   for (const CellCandidate& candidate : result.cell_candidates)
-    html += fmt::format("<tr><td>{:.1f}{}</td><td>{:.4f}</td><td>{:.5f}</td></tr>\n",
-                        candidate.cell_px,
-                        candidate.cell_px == result.cell_px ? " (chosen)" : "",
-                        candidate.median_px, candidate.loss);
+    html += fmt::format(
+        "<tr><td>{:.1f}{}</td><td>{:.4f}</td><td>{:.5f}</td></tr>\n",
+        candidate.cell_px,
+        candidate.cell_px == result.cell_px ? " (chosen)" : "",
+        candidate.median_px, candidate.loss);
   return html + "</table></div>\n";
 }
 
@@ -143,7 +151,8 @@ std::string BarChart(const std::string& title, const std::string& css_class,
     largest = std::max(largest, Quantile(values, 0.5));
   const int height = static_cast<int>(norms.size()) * 16 + 4;
   std::string html = fmt::format(
-      "<h3>{}</h3>\n<div class=\"scroll\"><svg width=\"620\" height=\"{}\" role=\"img\" "
+      "<h3>{}</h3>\n<div class=\"scroll\"><svg width=\"620\" height=\"{}\" "
+      "role=\"img\" "
       "aria-label=\"{}\">\n",
       title, height, title);
   int y = 2;
@@ -151,7 +160,8 @@ std::string BarChart(const std::string& title, const std::string& css_class,
     const double median = Quantile(values, 0.5);
     html += fmt::format(
         "<text x=\"0\" y=\"{}\">{}</text><rect class=\"{}\" x=\"170\" y=\"{}\" "
-        "width=\"{:.1f}\" height=\"12\"/><text x=\"{:.1f}\" y=\"{}\">{:.3f}</text>\n",
+        "width=\"{:.1f}\" height=\"12\"/><text x=\"{:.1f}\" "
+        "y=\"{}\">{:.3f}</text>\n",
         y + 10, Escape(image), css_class, y, 380 * median / largest,
         176 + 380 * median / largest, y + 10, median);
     y += 16;
@@ -185,7 +195,8 @@ std::string PicturesSection(const CalibrationResult& result) {
   const Area& area = camera.area();
   const double full_scale =
       std::max(3 * result.camera.training->median_px, 1e-6);
-  std::string html = "<h2>Coverage and residuals</h2>\n<div class=\"pictures\">\n";
+  std::string html =
+      "<h2>Coverage and residuals</h2>\n<div class=\"pictures\">\n";
   html += Figure(CoveragePicture(result.training, size, area),
                  "Coverage: features used; lighter: the calibrated area");
   html += Figure(DirectionPicture(result.training, size, area),
@@ -205,7 +216,8 @@ std::string FormatHtmlReport(const CalibrationResult& result,
                              const std::optional<BeforeAfter>& example) {
   std::string html = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, "
+      "initial-scale=1\">\n"
       "<title>raygrid calibration</title>\n<style>{}</style></head>\n<body>\n"
       "<h1>Camera calibration{}</h1>\n",
       kStyle,

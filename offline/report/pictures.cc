@@ -20,9 +20,9 @@ Image ToImage(const cv::Mat& picture) {
 
 cv::Vec3b HueColor(double angle_rad) {
   const double degrees = angle_rad * 180 / M_PI;
-  const uint8_t hue =
-      static_cast<uint8_t>(std::lround((degrees < 0 ? degrees + 360 : degrees) / 2)) %
-      180;
+  const uint8_t hue = static_cast<uint8_t>(std::lround(
+                          (degrees < 0 ? degrees + 360 : degrees) / 2)) %
+                      180;
   const cv::Mat hsv(1, 1, CV_8UC3, cv::Scalar(hue, 220, 230));
   cv::Mat bgr;
   cv::cvtColor(hsv, bgr, cv::COLOR_HSV2BGR);
@@ -85,9 +85,10 @@ Image CoveragePicture(const std::vector<FeatureResidual>& residuals,
 
 Image DirectionPicture(const std::vector<FeatureResidual>& residuals,
                        const ImageSize& size, const Area& area) {
-  return VoronoiPicture(residuals, size, area, [](const Eigen::Vector2d& error) {
-    return HueColor(std::atan2(error.y(), error.x()));
-  });
+  return VoronoiPicture(residuals, size, area,
+                        [](const Eigen::Vector2d& error) {
+                          return HueColor(std::atan2(error.y(), error.x()));
+                        });
 }
 
 Image MagnitudePicture(const std::vector<FeatureResidual>& residuals,
@@ -105,7 +106,8 @@ Image DirectionLegend(int size_px) {
   for (int y = 0; y < size_px; ++y)
     for (int x = 0; x < size_px; ++x)
       if (std::hypot(x - center, y - center) <= center)
-        picture.at<cv::Vec3b>(y, x) = HueColor(std::atan2(y - center, x - center));
+        picture.at<cv::Vec3b>(y, x) =
+            HueColor(std::atan2(y - center, x - center));
   return ToImage(picture);
 }
 

@@ -46,9 +46,8 @@ Pose RandomPose(const CameraModel& camera, const Board& board, Random* random) {
   const Area& area = camera.area();
   Eigen::Vector3d ray;
   for (;;) {
-    const auto direction =
-        camera.Unproject({random->Uniform(area.x0, area.x1),
-                          random->Uniform(area.y0, area.y1)});
+    const auto direction = camera.Unproject(
+        {random->Uniform(area.x0, area.x1), random->Uniform(area.y0, area.y1)});
     if (direction) {
       ray = *direction;
       break;

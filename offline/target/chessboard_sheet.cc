@@ -50,11 +50,11 @@ void DrawRuler(const ChessboardSheet& sheet, cairo_t* cr) {
   cairo_stroke(cr);
   cairo_set_font_size(cr, 3);
   cairo_move_to(cr, left, y + 3.5);
-  cairo_show_text(cr, fmt::format("{} mm - squares {:g} mm, {} x {} inner "
-                                  "corners - print at 100 %",
-                                  length_mm, sheet.square_mm, sheet.columns,
-                                  sheet.rows)
-                          .c_str());
+  cairo_show_text(
+      cr, fmt::format("{} mm - squares {:g} mm, {} x {} inner "
+                      "corners - print at 100 %",
+                      length_mm, sheet.square_mm, sheet.columns, sheet.rows)
+              .c_str());
 }
 
 // In user units of a millimetre.
@@ -124,12 +124,13 @@ ChessboardSheet PlanChessboardSheet(int columns, int rows, double square_mm,
   if (Fits(sheet)) return sheet;
   std::swap(sheet.page.width_mm, sheet.page.height_mm);
   if (Fits(sheet)) return sheet;
-  throw Error(ExitCode::kUsage,
-              fmt::format("a board of {:g} x {:g} mm does not fit a page of "
-                          "{:g} x {:g} mm with margins; take smaller squares or "
-                          "a larger --page",
-                          BoardWidth(sheet), BoardHeight(sheet), page.width_mm,
-                          page.height_mm));
+  throw Error(
+      ExitCode::kUsage,
+      fmt::format("a board of {:g} x {:g} mm does not fit a page of "
+                  "{:g} x {:g} mm with margins; take smaller squares or "
+                  "a larger --page",
+                  BoardWidth(sheet), BoardHeight(sheet), page.width_mm,
+                  page.height_mm));
 }
 
 std::string ChessboardYaml(const ChessboardSheet& sheet) {
@@ -137,7 +138,8 @@ std::string ChessboardYaml(const ChessboardSheet& sheet) {
       "raygrid_pattern: 1\n"
       "boards:\n"
       "  - {{id: 0, kind: chessboard, columns: {}, rows: {}, square_m: {:g}}}\n"
-      "page: {{width_m: {:g}, height_m: {:g}, first_feature_m: [{:g}, {:g}]}}\n",
+      "page: {{width_m: {:g}, height_m: {:g}, first_feature_m: [{:g}, "
+      "{:g}]}}\n",
       sheet.columns, sheet.rows, sheet.square_mm / 1000,
       sheet.page.width_mm / 1000, sheet.page.height_mm / 1000,
       (BoardLeft(sheet) + sheet.square_mm) / 1000,
@@ -176,9 +178,8 @@ std::string ChessboardPng(const ChessboardSheet& sheet, double dpi) {
                 fmt::format("--dpi {:g}: the picture would have {:g} x {:g} "
                             "pixels; 1 to 32767 are possible",
                             dpi, width, height));
-  cairo_surface_t* surface =
-      cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(width),
-                                 static_cast<int>(height));
+  cairo_surface_t* surface = cairo_image_surface_create(
+      CAIRO_FORMAT_RGB24, static_cast<int>(width), static_cast<int>(height));
   DrawOn(sheet, pixels_per_mm, surface);
   std::string png;
   const cairo_status_t status =

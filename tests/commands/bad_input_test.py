@@ -1,0 +1,209 @@
+#!/usr/bin/env python3
+"""Bad input gets its exit code and one line, and leaves nothing half-written."""
+import os
+import random
+import tempfile
+
+from command_test import CommandTest, PATTERN, main, programs, read, run, write
+
+
+def features(num_images, edit=lambda line: line):
+    """A features file of a board seen by a pinhole, with some noise."""
+    random.seed(1)
+    lines = ["image,board,column,row,x,y"]
+    for image in range(num_images):
+        for row in range(6):
+            for column in range(9):
+                depth = 1 + 0.05 * image * column / 9 + 0.03 * (image % 3) * row / 6
+                x = 100 + 45 * column / depth + 3 * image + random.gauss(0, 0.05)
+                y = 80 + 45 * row / depth + 2 * image + random.gauss(0, 0.05)
+                lines.append(f"im{image}.png,0,{column},{row},{x:.4f},{y:.4f}")
+    return "\n".join(edit(line) for line in lines) + "\n"
+
+
+def pgm(width, height):
+    return b"P5\n%d %d\n255\n" % (width, height) + bytes(
+        (x * y) % 251 for y in range(height) for x in range(width))
+
+
+class BadInput(CommandTest):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.folder = cls.temporary.name
+        cls.pattern = write(cls.path("pattern.yaml"), PATTERN)
+        result = run("simulate", "--images", 12, "--features-per-image", 80, "-o",
+                     cls.path("sim"))
+        assert result.returncode == 0, result.stderr
+        result = run("pack", cls.path("sim/true_camera.yaml"), "-o", cls.path("good.raygrid"),
+                     "--remap", "640x480")
+        assert result.returncode == 0, result.stderr
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temporary.cleanup()
+
+    @classmethod
+    def path(cls, name):
+        return os.path.join(cls.folder, name)
+
+    def calibrate(self, *arguments, pattern=None):
+        self.out = self.path("out-" + self.id())
+        result = run("calibrate", *arguments, "--pattern", pattern or self.pattern, "-o", self.out)
+        self.assert_nothing_in(self.out)
+        return result
+
+    def calibrate_features(self, text, size="640x480"):
+        path = write(self.path(self.id() + ".csv"), text)
+        return self.calibrate("--features", path, "--image-size", size)
+
+    def test_image_that_is_text(self):
+        write(self.path("text/a.png"), "this is no image\n")
+        self.assert_refused(self.calibrate(self.path("text")), 2, "a.png", "not an image")
+
+    def test_truncated_image(self):
+        board = self.path("board")
+        self.assert_done(run("pattern", "chessboard", "--columns", 9, "--rows", 6, "--square-mm",
+                             20, "--dpi", 50, "-o", board))
+        png = read(os.path.join(board, "pattern.png"))
+        write(self.path("short/a.png"), png[:len(png) // 2])
+        self.assert_refused(self.calibrate(self.path("short")), 2, "a.png", "damaged")
+
+    def test_truncated_photograph(self):
+        whole = os.path.join(programs.photographs, "left/left01.jpg")
+        if not os.path.exists(whole):
+            self.skipTest("no photographs; tools/fetch_photographs fetches them")
+        photo = read(whole)
+        write(self.path("half/a.jpg"), photo[:len(photo) // 2])
+        self.assert_refused(self.calibrate(self.path("half")), 2, "a.jpg", "damaged")
+
+    def test_empty_folder(self):
+        os.makedirs(self.path("empty"), exist_ok=True)
+        self.assert_refused(self.calibrate(self.path("empty")), 2, "no images")
+
+    def test_missing_folder(self):
+        self.assert_refused(self.calibrate(self.path("nowhere")), 2, "nowhere")
+
+    def test_images_of_two_sizes(self):
+        write(self.path("sizes/a.pgm"), pgm(64, 48))
+        write(self.path("sizes/b.pgm"), pgm(48, 64))
+        self.assert_refused(self.calibrate(self.path("sizes")), 2, "b.pgm", "64 x 48")
+
+    def test_no_board_in_the_images(self):
+        write(self.path("blank/a.pgm"), pgm(64, 48))
+        self.assert_refused(self.calibrate(self.path("blank")), 3, "columns")
+
+    def test_board_size_that_does_not_match(self):
+        small = write(self.path("small.yaml"), PATTERN.replace("columns: 9", "columns: 5"))
+        path = write(self.path("nine.csv"), features(8))
+        result = self.calibrate("--features", path, "--image-size", "640x480", pattern=small)
+        self.assert_refused(result, 2, "5 x 6")
+
+    def test_one_image_only(self):
+        self.assert_refused(self.calibrate_features(features(1)), 3, "images")
+
+    def test_too_few_features(self):
+        text = "\n".join(features(8).splitlines()[:6]) + "\n"
+        self.assert_refused(self.calibrate_features(text), 3)
+
+    def test_feature_that_is_not_a_number(self):
+        for bad in ("nan", "inf", "twelve", ""):
+            lines = features(8).splitlines()
+            lines[7] = lines[7].rsplit(",", 1)[0] + "," + bad
+            self.assert_refused(self.calibrate_features("\n".join(lines) + "\n"), 2, "line 8")
+
+    def test_feature_outside_the_image(self):
+        self.assert_refused(self.calibrate_features(features(8), size="300x200"), 2,
+                            "300 x 200", "--image-size")
+
+    def test_feature_given_twice(self):
+        text = features(8)
+        self.assert_refused(self.calibrate_features(text + text.splitlines()[1] + "\n"), 2, "line")
+
+    def test_features_without_a_column(self):
+        self.assert_refused(self.calibrate_features("image,board,column,x,y\na,0,0,1,1\n"), 2,
+                            "'row'")
+
+    def test_empty_features(self):
+        self.assert_refused(self.calibrate_features(""), 2)
+
+    def test_pattern_that_is_no_yaml(self):
+        bad = write(self.path("bad.yaml"), "raygrid_pattern: 1\nboards: [\n")
+        self.assert_refused(self.calibrate(self.folder, pattern=bad), 2, "bad.yaml", "line")
+
+    def test_output_that_cannot_be_a_folder(self):
+        blocker = write(self.path("blocker"), "a file")
+        path = write(self.path("fine.csv"), features(8))
+        result = run("calibrate", "--features", path, "--image-size", "640x480", "--pattern",
+                     self.pattern, "-o", os.path.join(blocker, "out"))
+        self.assert_refused(result, 7, "cannot be written")
+
+    def test_full_disk(self):
+        if not os.path.exists("/dev/full"):
+            self.skipTest("no /dev/full")
+        result = run("unproject", self.path("good.raygrid"), "--pixels",
+                     write(self.path("px.csv"), "x,y\n1,1\n"), "-o", "/dev/full/rays.csv")
+        self.assert_refused(result, 7)
+
+    def test_unknown_option_and_missing_argument(self):
+        self.assert_refused(run("calibrate", "--no-such"), 1)
+        self.assert_refused(run("pack"), 1)
+        self.assert_refused(run(), 1)
+
+    def test_truncated_blob(self):
+        good = read(self.path("good.raygrid"))
+        for size in (0, 10, 31, 32, 100, len(good) // 2, len(good) - 1):
+            bad = write(self.path("cut.raygrid"), good[:size])
+            self.assert_refused(run("inspect", bad), 8, "cut.raygrid")
+
+    def test_flipped_bits_in_a_blob(self):
+        good = read(self.path("good.raygrid"))
+        random.seed(2)
+        for _ in range(40):
+            bad = bytearray(good)
+            bad[random.randrange(len(bad))] ^= 1 << random.randrange(8)
+            path = write(self.path("flipped.raygrid"), bytes(bad))
+            self.assert_refused(run("inspect", path), 8, "flipped.raygrid")
+            frame = write(self.path("frame.raw"), bytes(640 * 480))
+            result = run(path, frame, self.path("never.raw"), program=programs.undistort)
+            self.assert_refused(result, 8, "flipped.raygrid")
+            self.assertFalse(os.path.exists(self.path("never.raw")))
+
+    def test_frame_of_the_wrong_size(self):
+        frame = write(self.path("small.raw"), bytes(640 * 479))
+        result = run(self.path("good.raygrid"), frame, self.path("never.raw"),
+                     program=programs.undistort)
+        self.assert_refused(result, 2, "small.raw")
+
+    def test_image_of_another_mode(self):
+        image = write(self.path("mode/a.pgm"), pgm(320, 240))
+        result = run("undistort", self.path("good.raygrid"), image, "-o", self.path("mode-out"))
+        self.assert_refused(result, 8, "640 x 480")
+
+    def test_damaged_camera_file(self):
+        text = read(self.path("sim/true_camera.yaml")).decode()
+        for old, new in (("raygrid_camera: 1", "raygrid_camera: 2"), ("columns:", "colums:"),
+                         ("model: central-generic", "model: other"), ("area: [", "area: [700, ")):
+            bad = write(self.path("bad_camera.yaml"), text.replace(old, new, 1))
+            self.assert_refused(run("inspect", bad), 2, "bad_camera.yaml")
+
+    def test_pixel_that_is_not_a_number(self):
+        path = write(self.path("bad_px.csv"), "x,y\n1,2\nnan,3\n")
+        result = run("unproject", self.path("good.raygrid"), "--pixels", path)
+        self.assert_refused(result, 2, "line 3")
+
+    def test_field_of_view_that_no_pinhole_has(self):
+        for hfov in ("180", "-10", "nan"):
+            result = run("pack", self.path("sim/true_camera.yaml"), "-o", self.path("x.raygrid"),
+                         "--remap", "640x480,hfov=" + hfov)
+            self.assert_refused(result, 1)
+            self.assertFalse(os.path.exists(self.path("x.raygrid")))
+
+    def test_bound_that_cannot_be_kept(self):
+        result = run("pack", self.path("sim/true_camera.yaml"), "-o", self.path("x.raygrid"),
+                     "--remap", "640x480", "--max-error-px", "0.0001")
+        self.assert_refused(result, 6, "--max-error-px")
+
+
+if __name__ == "__main__":
+    main(__name__)

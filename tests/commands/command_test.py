@@ -1,0 +1,60 @@
+"""What the command tests share: running a program, and a few files to run it on."""
+import argparse
+import os
+import subprocess
+import unittest
+
+programs = argparse.Namespace()
+
+PATTERN = """raygrid_pattern: 1
+boards:
+  - {id: 0, kind: chessboard, columns: 9, rows: 6, square_m: 0.025}
+"""
+
+
+def main(module):
+    """Reads where the programs are, and runs the module's tests."""
+    parser = argparse.ArgumentParser()
+    for name in ("raygrid", "undistort", "reference", "photographs"):
+        parser.add_argument("--" + name, required=True)
+    _, rest = parser.parse_known_args(namespace=programs)
+    unittest.main(module=module, argv=[module] + rest, verbosity=2)
+
+
+def run(*arguments, program=None):
+    """Runs raygrid, or another program, without a terminal."""
+    command = [program or programs.raygrid, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL,
+                          timeout=300, check=False)
+
+
+def write(path, contents):
+    mode = "wb" if isinstance(contents, bytes) else "w"
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    with open(path, mode) as file:
+        file.write(contents)
+    return path
+
+
+def read(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+class CommandTest(unittest.TestCase):
+    """Checks of a finished run."""
+
+    def assert_done(self, result):
+        self.assertEqual(result.returncode, 0, result.stderr)
+
+    def assert_refused(self, result, code, *words):
+        """One line on stderr that says what is wrong, and the code that goes with it."""
+        self.assertEqual(result.returncode, code, result.stdout + result.stderr)
+        lines = result.stderr.strip().splitlines()
+        self.assertEqual(len(lines), 1, result.stderr)
+        for word in words:
+            self.assertIn(word, lines[0])
+
+    def assert_nothing_in(self, folder):
+        left = os.listdir(folder) if os.path.isdir(folder) else []
+        self.assertEqual(left, [])

@@ -1,0 +1,147 @@
+#!/usr/bin/env python3
+"""The commands together, on simulated truth and on real photographs."""
+import csv
+import io
+import json
+import math
+import os
+import tempfile
+
+from command_test import CommandTest, PATTERN, main, programs, read, run, write
+
+
+def rows(text):
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+class MainJob(CommandTest):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.folder = cls.temporary.name
+        for arguments in (
+                ("simulate", "--images", 20, "--features-per-image", 120, "-o", cls.path("sim")),
+                ("calibrate", "--features", cls.path("sim/features.csv"), "--image-size",
+                 "640x480", "--pattern", cls.path("sim/pattern.yaml"), "--cell-px", 80, "-o",
+                 cls.path("out"), "--name", "front", "--serial", "42")):
+            result = run(*arguments)
+            assert result.returncode == 0, result.stderr
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temporary.cleanup()
+
+    @classmethod
+    def path(cls, name):
+        return os.path.join(cls.folder, name)
+
+    def test_calibrate_writes_all_files(self):
+        expected = {"camera.yaml", "camera.raygrid", "pattern.yaml", "features.csv", "poses.csv",
+                    "result.json", "report.html"}
+        self.assertEqual(set(os.listdir(self.path("out"))), expected)
+        result = json.loads(read(self.path("out/result.json")))
+        self.assertEqual(result["status"], "converged")
+        self.assertEqual(result["features"]["used"], 2400)
+        self.assertLess(abs(result["training"]["rms_px"] - 0.05 * math.sqrt(2)), 0.02)
+
+    def test_same_output_with_any_number_of_threads(self):
+        for threads in (1, 3):
+            result = run("calibrate", "--features", self.path("sim/features.csv"), "--image-size",
+                         "640x480", "--pattern", self.path("sim/pattern.yaml"), "--cell-px", 80,
+                         "--name", "front", "--serial", "42", "--threads", threads, "-o",
+                         self.path("again"))
+            self.assert_done(result)
+            for name in ("camera.yaml", "camera.raygrid", "pattern.yaml", "features.csv",
+                         "poses.csv", "report.html"):
+                self.assertEqual(read(self.path("again/" + name)), read(self.path("out/" + name)),
+                                 name)
+
+    def test_evaluate_agrees_with_training(self):
+        result = run("evaluate", self.path("out/camera.yaml"), "--features",
+                     self.path("sim/features.csv"), "--pattern", self.path("out/pattern.yaml"),
+                     "--json")
+        self.assert_done(result)
+        evaluated = json.loads(result.stdout)
+        trained = json.loads(read(self.path("out/result.json")))["training"]
+        self.assertAlmostEqual(evaluated["rms_px"], trained["rms_px"], delta=0.002)
+
+    def test_blob_and_camera_unproject_alike_and_project_back(self):
+        pixels = [(x, y) for x in range(0, 640, 53) for y in range(0, 480, 47)]
+        path = write(self.path("px.csv"), "x,y\n" + "\n".join(f"{x},{y}" for x, y in pixels))
+        exact = rows(run("unproject", self.path("out/camera.yaml"), "--pixels", path).stdout)
+        fixed = rows(run("unproject", self.path("out/camera.raygrid"), "--pixels", path).stdout)
+        self.assertEqual(len(exact), len(pixels))
+        inside = [(a, b) for a, b in zip(exact, fixed) if a["dx"]]
+        self.assertGreater(len(inside), 100)
+        for a, b in inside:
+            for key in ("dx", "dy", "dz"):
+                self.assertAlmostEqual(float(a[key]), float(b[key]), delta=1e-6)
+        points = write(self.path("xyz.csv"), "x,y,z\n" + "\n".join(
+            ",".join(str(2.5 * float(a[k])) for k in ("dx", "dy", "dz")) for a, _ in inside))
+        back = rows(run("project", self.path("out/camera.yaml"), "--points", points).stdout)
+        for (a, _), pixel in zip(inside, back):
+            if pixel["valid"] == "1":
+                self.assertAlmostEqual(float(pixel["u"]), float(a["x"]), delta=1e-5)
+                self.assertAlmostEqual(float(pixel["v"]), float(a["y"]), delta=1e-5)
+
+    def test_independent_reader_agrees_with_the_runtime(self):
+        blob = self.path("out/camera.raygrid")
+        frame = write(self.path("frame.raw"), bytes(
+            (3 * x + 5 * y + ((x // 7) ^ (y // 9)) * 11) & 255
+            for y in range(480) for x in range(640)))
+        result = run(blob, frame, self.path("c.raw"), program=programs.undistort)
+        self.assert_done(result)
+        result = run(programs.reference, "remap", blob, frame, self.path("python.raw"),
+                     program="python3")
+        self.assert_done(result)
+        self.assertEqual(read(self.path("c.raw")), read(self.path("python.raw")))
+
+    def test_inspect_says_what_a_blob_holds(self):
+        result = run("inspect", self.path("out/camera.raygrid"))
+        self.assert_done(result)
+        for words in ("'front'", "'42'", "640 x 480", "un-projection error", "held-out error"):
+            self.assertIn(words, result.stdout)
+
+    def test_opencv_model_goes_the_same_way(self):
+        result = run("calibrate", "--features", self.path("sim/features.csv"), "--image-size",
+                     "640x480", "--pattern", self.path("sim/pattern.yaml"), "--model", "opencv",
+                     "-o", self.path("opencv"))
+        self.assert_done(result)
+        self.assert_done(run("inspect", self.path("opencv/camera.raygrid")))
+
+    def test_pattern_chessboard(self):
+        result = run("pattern", "chessboard", "--columns", 9, "--rows", 6, "--square-mm", 25, "-o",
+                     self.path("board"))
+        self.assert_done(result)
+        self.assertEqual(read(self.path("board/pattern.pdf"))[:5], b"%PDF-")
+        self.assert_done(run("inspect", self.path("board/pattern.yaml")))
+
+    def test_every_command_has_help_with_an_example(self):
+        for command in ("detect", "calibrate", "evaluate", "pack", "inspect", "undistort",
+                        "unproject", "project", "simulate"):
+            result = run(command, "--help")
+            self.assert_done(result)
+            self.assertIn("raygrid " + command, result.stdout)
+
+    def test_photographs(self):
+        left = os.path.join(programs.photographs, "left")
+        if not os.path.isdir(left):
+            self.skipTest("no photographs; tools/fetch_photographs fetches them")
+        pattern = write(self.path("photo_pattern.yaml"), PATTERN)
+        result = run("detect", left, "--pattern", pattern, "-o", self.path("photo.csv"),
+                     "--overlay", self.path("overlay"))
+        self.assert_done(result)
+        self.assertEqual(len(rows(read(self.path("photo.csv")).decode())), 13 * 54)
+        result = run("calibrate", left, "--pattern", pattern, "--hold-out",
+                     "left04.jpg,left08.jpg,left13.jpg", "-o", self.path("photo"))
+        self.assert_done(result)
+        figures = json.loads(read(self.path("photo/result.json")))
+        self.assertLess(figures["held_out"]["median_px"], 0.15)
+        result = run("undistort", self.path("photo/camera.raygrid"), left, "-o",
+                     self.path("flat"))
+        self.assert_done(result)
+        self.assertEqual(len(os.listdir(self.path("flat"))), 13)
+
+
+if __name__ == "__main__":
+    main(__name__)

@@ -1,0 +1,446 @@
+#!/usr/bin/env python3
+"""Write golden_blobs.h and the hex dump of SPEC.md with blob_reference.py.
+
+With --check, compare what would be written with what is there instead.
+"""
+
+import argparse
+import dataclasses
+import math
+import sys
+import zlib
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "formats"))
+import blob_reference as reference  # noqa: E402
+
+SPEC_PATH = ROOT / "formats" / "SPEC.md"
+HEADER_PATH = ROOT / "tests" / "golden" / "golden_blobs.h"
+
+Point = tuple[float, float]
+Ray = tuple[float, float, float]
+
+UNKNOWN = 0xFFFFFFFF
+Q12, Q16, Q29, Q30 = 1 << 12, 1 << 16, 1 << 29, 1 << 30
+BORDER = 7
+FRAME_SEED = 2025
+CHART_POINTS = ((0, 0), (1, -1), (0.25, 0.5), (-0.5, 0.125), (1, 0), (-1, 1),
+                (1.5, -2), (0, 3), (-3.5, 0.75), (2.5, 3.25),
+                (3.96875, 3.96875), (-3.96875, 3.96875))
+
+
+class Lcg:
+    """The generator of pseudo-random numbers that the C tests have too."""
+
+    def __init__(self, seed: int) -> None:
+        self.state = seed
+
+    def next(self) -> int:
+        """32 bits, of which the upper ones are the better."""
+        self.state = (self.state * 1664525 + 1013904223) % (1 << 32)
+        return self.state
+
+    def below(self, limit: int) -> int:
+        """A number from 0 to limit - 1."""
+        return self.next() * limit >> 32
+
+
+# Lenses
+
+
+@dataclass(frozen=True)
+class Lens:
+    """radius = focal / k tan(k theta) around the centre: k = 1 is a pinhole,
+    0.5 stereographic, 0 would be equidistant. The sensor is turned by roll."""
+
+    centre: Point
+    focal: float
+    k: float
+    roll: float
+
+    def chart(self, x: float, y: float) -> Point:
+        """tan(theta / 2) (cos phi, sin phi) of a pixel's direction."""
+        x, y = rotate((x - self.centre[0], y - self.centre[1]), self.roll)
+        radius = math.hypot(x, y)
+        theta = math.atan(self.k * radius / self.focal) / self.k
+        scale = math.tan(theta / 2) / radius
+        return x * scale, y * scale
+
+    def project(self, ray: Ray) -> Point:
+        """The pixel that looks along a direction."""
+        across = math.hypot(ray[0], ray[1])
+        theta = math.atan2(across, ray[2])
+        scale = self.focal / self.k * math.tan(self.k * theta) / across
+        x, y = rotate((ray[0] * scale, ray[1] * scale), -self.roll)
+        return x + self.centre[0], y + self.centre[1]
+
+
+def rotate(point: Point, angle: float) -> Point:
+    """The point turned around the origin."""
+    c, s = math.cos(angle), math.sin(angle)
+    return c * point[0] - s * point[1], s * point[0] + c * point[1]
+
+
+def make_grid(lens: Lens, area: tuple[float, float, float, float],
+              cells: tuple[int, int]) -> reference.CentralGrid:
+    """A grid whose surface is the lens's chart to third order."""
+    x0, y0, x1, y1 = area
+    columns, rows = cells[0] + 3, cells[1] + 3
+    step_x, step_y = (x1 - x0) / cells[0], (y1 - y0) / cells[1]
+    points = tuple(
+        control_point(lens, (x0 + i * step_x, y0 + j * step_y), step_x, step_y)
+        for j in range(-1, rows - 1) for i in range(-1, columns - 1))
+    corners = (round(value * Q16) for value in area)
+    return reference.CentralGrid(*corners, columns, rows, points)
+
+
+def control_point(lens: Lens, pixel: Point, step_x: float,
+                  step_y: float) -> reference.Pair:
+    """The value there less a sixth of the second differences, q29."""
+    x, y = pixel
+    around = [lens.chart(*neighbour) for neighbour in (
+        (x - step_x, y), (x + step_x, y), (x, y - step_y), (x, y + step_y))]
+    middle = lens.chart(x, y)
+    a, b = (middle[axis] - (sum(point[axis] for point in around)
+                            - 4 * middle[axis]) / 6 for axis in (0, 1))
+    return round(a * Q29), round(b * Q29)
+
+
+def project(blob: reference.Blob, lens: Lens, ray: Ray) -> Point:
+    """The pixel that the blob's grid sees a direction in.
+
+    The lens, corrected by what the grid's pixels differ from it; beyond the
+    area by what the nearest pixel of the area does.
+    """
+    target = lens.project(ray)
+    x, y = target
+    for _ in range(12):
+        nearest = clamp_to_area(blob.grid, x, y)
+        seen = lens.project(reference.unproject(blob, *nearest))
+        x = target[0] + nearest[0] - seen[0]
+        y = target[1] + nearest[1] - seen[1]
+    return x, y
+
+
+def clamp_to_area(grid: reference.CentralGrid, x: float, y: float) -> Point:
+    """The nearest pixel of the calibrated area."""
+    return (min(max(x, grid.x0 / Q16), grid.x1 / Q16),
+            min(max(y, grid.y0 / Q16), grid.y1 / Q16))
+
+
+# Remap tables
+
+
+@dataclass(frozen=True)
+class View:
+    """What a remap table is asked for."""
+
+    width: int
+    height: int
+    block_log2: int
+    residual_shift: int
+    focal: float
+    bound_upx: int
+
+    def ray(self, u: float, v: float) -> Ray:
+        """Where the output pixel (u, v) looks."""
+        return ((u - (self.width - 1) / 2) / self.focal,
+                (v - (self.height - 1) / 2) / self.focal, 1.0)
+
+
+def make_remap(blob: reference.Blob, lens: Lens, view: View) -> reference.Remap:
+    """The table that undistorts the blob's camera to the view."""
+    remap = empty_remap(blob, view)
+    block = 1 << view.block_log2
+    exact = [project(blob, lens, view.ray(block * i, block * j))
+             for j in range(remap.rows) for i in range(remap.columns)]
+    remap = with_vertices(remap, exact)
+    remap = dataclasses.replace(remap, empty_blocks=find_empty_blocks(remap))
+    return dataclasses.replace(
+        remap, max_error_upx=measure_error(blob, lens, view, remap))
+
+
+def empty_remap(blob: reference.Blob, view: View) -> reference.Remap:
+    """The fields that the view gives; the source is the calibrated area."""
+    grid = blob.grid
+    return reference.Remap(
+        view.width, view.height, view.block_log2, view.residual_shift,
+        min_x=-(-grid.x0 // 16), min_y=-(-grid.y0 // 16),
+        max_x=grid.x1 // 16, max_y=grid.y1 // 16,
+        origin=(0, 0), column_step=(0, 0), row_step=(0, 0),
+        fx=round(view.focal * Q16), fy=round(view.focal * Q16),
+        cx=(view.width - 1) * Q16 // 2, cy=(view.height - 1) * Q16 // 2,
+        bound_upx=view.bound_upx, max_error_upx=UNKNOWN, vertices=(),
+        empty_blocks=())
+
+
+def with_vertices(remap: reference.Remap,
+                  exact: list[Point]) -> reference.Remap:
+    """Steps from edge to edge, residuals what they leave."""
+    axes = [affine_fit(remap, [point[axis] * Q12 for point in exact])
+            for axis in (0, 1)]
+    return dataclasses.replace(
+        remap, vertices=tuple(zip(*(axis[3] for axis in axes))),
+        origin=(axes[0][0], axes[1][0]),
+        column_step=(axes[0][1], axes[1][1]),
+        row_step=(axes[0][2], axes[1][2]))
+
+
+def affine_fit(remap: reference.Remap,
+               values: list[float]) -> tuple[int, int, int, list[int]]:
+    """Origin, column step, row step and residuals of one coordinate."""
+    columns, rows = remap.columns, remap.rows
+    left, right = values[::columns], values[columns - 1::columns]
+    top, bottom = values[:columns], values[-columns:]
+    across = round((sum(right) - sum(left)) / rows / (columns - 1))
+    down = round((sum(bottom) - sum(top)) / columns / (rows - 1))
+    plane = [i * across + j * down
+             for j in range(rows) for i in range(columns)]
+    origin = round((sum(values) - sum(plane)) / len(values))
+    unit = 1 << remap.residual_shift
+    return origin, across, down, [
+        round((value - origin - base) / unit)
+        for value, base in zip(values, plane)]
+
+
+def block_sources(remap: reference.Remap,
+                  block: int) -> list[tuple[int, reference.Pair]]:
+    """Index and source position of the pixels of a block that have one."""
+    positions = reference.vertex_positions(remap)
+    return [(index, position) for index, position
+            in reference.block_positions(remap, positions, block)
+            if reference.in_source(remap, position)]
+
+
+def find_empty_blocks(remap: reference.Remap) -> tuple[bool, ...]:
+    """The blocks of which no pixel has a source."""
+    return tuple(not block_sources(remap, block)
+                 for block in range(reference.block_count(remap)))
+
+
+def measure_error(blob: reference.Blob, lens: Lens, view: View,
+                  remap: reference.Remap) -> int:
+    """max_error_upx."""
+    worst = 0.0
+    for block in range(reference.block_count(remap)):
+        for index, (x, y) in block_sources(remap, block):
+            v, u = divmod(index, remap.width)
+            exact = project(blob, lens, view.ray(u, v))
+            worst = max(worst, math.dist((x / Q12, y / Q12), exact))
+    return math.ceil(worst * 1e6)
+
+
+# The blobs
+
+
+def make_blob(camera: reference.Camera, lens: Lens,
+              area: tuple[float, float, float, float], cells: tuple[int, int],
+              view: View, quality: reference.Quality) -> reference.Blob:
+    """A whole camera."""
+    blob = reference.Blob(camera, make_grid(lens, area, cells))
+    return dataclasses.replace(blob, remap=make_remap(blob, lens, view),
+                               quality=quality)
+
+
+def make_example() -> reference.Blob:
+    """The worked example of SPEC.md: 60 degrees across, nearly a pinhole."""
+    lens = Lens(centre=(31.7, 23.6), focal=55.0, k=0.95, roll=0.0)
+    view = View(16, 8, block_log2=3, residual_shift=0, focal=28.0,
+                bound_upx=100000)
+    return make_blob(
+        reference.Camera(64, 48, "example", "0001"), lens,
+        (0.0, 0.0, 63.0, 47.0), (1, 1), view,
+        reference.Quality(*[UNKNOWN] * 8, packing_error_npx=EXAMPLE_NPX,
+                          packing_error_prad=EXAMPLE_PRAD))
+
+
+# Measured: runtime/ against blob_reference.py, all pixels of the example.
+EXAMPLE_NPX = 1000
+EXAMPLE_PRAD = 20000
+
+
+def make_lens() -> reference.Blob:
+    """150 degrees across the diagonal, on a sensor that is turned by 170, seen
+    by a pinhole that reaches beyond the calibrated area."""
+    lens = Lens(centre=(81.3, 57.9), focal=72.0, k=0.25,
+                roll=math.radians(170))
+    view = View(120, 90, block_log2=4, residual_shift=3, focal=24.0,
+                bound_upx=4000000)
+    return make_blob(
+        reference.Camera(160, 120, "Weitwinkel \u00df", "L-150/7"), lens,
+        (2.5, 1.25, 157.0, 118.5), (6, 5), view,
+        reference.Quality(31000, 42000, 350000, 12345, 33000, 45000, 410000,
+                          6789, 1100, 25000))
+
+
+# Expected results
+
+
+def golden_pixels(grid: reference.CentralGrid) -> list[reference.Pair]:
+    """Corners, edges, cell borders and others of the area, q16."""
+    xs = (grid.x0, (grid.x0 + grid.x1) // 2, grid.x1)
+    ys = (grid.y0, (grid.y0 + grid.y1) // 2, grid.y1)
+    pixels = [(x, y) for y in ys for x in xs]
+    pixels += [(grid.x1 - 1, grid.y1 - 1), (grid.x0 + 1, grid.y0 + 1)]
+    for cell in range(1, 5):
+        x = grid.x0 + cell * (grid.x1 - grid.x0) // (grid.columns - 3)
+        y = grid.y0 + cell * (grid.y1 - grid.y0) // (grid.rows - 3)
+        pixels += [(x, y), (x - 1, y + 1), (x + 1, y - 1)]
+    lcg = Lcg(1)
+    pixels += [(grid.x0 + lcg.below(grid.x1 - grid.x0 + 1),
+                grid.y0 + lcg.below(grid.y1 - grid.y0 + 1))
+               for _ in range(60 - len(pixels))]
+    return pixels
+
+
+def ray_q30(ray: Ray) -> list[int]:
+    """A direction as the tables hold it."""
+    return [round(value * Q30) for value in ray]
+
+
+def pixel_lines(blob: reference.Blob) -> Iterator[str]:
+    """Entries of a table of pixels and their rays."""
+    for x, y in golden_pixels(blob.grid):
+        ray = reference.unproject(blob, x / Q16, y / Q16)
+        yield table_line((x, y), ray_q30(ray))
+
+
+def chart_lines() -> Iterator[str]:
+    """Entries of a table of chart positions and their rays."""
+    for a, b in CHART_POINTS:
+        ray = reference.direction(a, b)
+        yield table_line((round(a * Q29), round(b * Q29)), ray_q30(ray))
+
+
+def table_line(pair: Iterable[int], ray: Iterable[int]) -> str:
+    """One entry."""
+    return (f"    {{{', '.join(map(str, pair))},"
+            f" {{{', '.join(map(str, ray))}}}}},")
+
+
+def make_frame(width: int, height: int) -> bytes:
+    """The test image: a gradient and noise."""
+    lcg = Lcg(FRAME_SEED)
+    return bytes((2 * x + y + (lcg.next() >> 27)) % 256
+                 for y in range(height) for x in range(width))
+
+
+def remap_crc(blob: reference.Blob) -> int:
+    """CRC of the test image, undistorted."""
+    frame = make_frame(blob.camera.width, blob.camera.height)
+    return zlib.crc32(reference.remap_grey(blob, frame, BORDER))
+
+
+# Output
+
+
+def byte_lines(data: bytes) -> Iterator[str]:
+    """Bytes of a C array."""
+    for start in range(0, len(data), 12):
+        row = ", ".join(f"0x{byte:02x}" for byte in data[start:start + 12])
+        yield f"    {row},"
+
+
+def blob_lines(name: str, data: bytes) -> Iterator[str]:
+    """A blob as a C array that may be used in place."""
+    yield f"static const uint8_t {name}[{len(data)}] GOLDEN_ALIGNED = {{"
+    yield from byte_lines(data)
+    yield "};"
+    yield ""
+
+
+def header_lines(example: reference.Blob,
+                 lens: reference.Blob) -> Iterator[str]:
+    """golden_blobs.h."""
+    yield from PREAMBLE.splitlines()
+    yield f"#define GOLDEN_FRAME_SEED {FRAME_SEED}u"
+    yield f"#define GOLDEN_BORDER {BORDER}u"
+    yield f"#define GOLDEN_EXAMPLE_REMAP_CRC 0x{remap_crc(example):08x}u"
+    yield f"#define GOLDEN_LENS_REMAP_CRC 0x{remap_crc(lens):08x}u"
+    yield ""
+    yield "/* The worked example of formats/SPEC.md. */"
+    yield from blob_lines("kExampleBlob", reference.serialize(example))
+    yield "/* A wide lens on a turned sensor. */"
+    yield from blob_lines("kLensBlob", reference.serialize(lens))
+    yield "/* q16 pixels of kLensBlob. */"
+    yield "static const golden_ray kLensRays[] = {"
+    yield from pixel_lines(lens)
+    yield "};"
+    yield ""
+    yield "/* q29 chart positions, up to the limit. */"
+    yield "static const golden_ray kChartRays[] = {"
+    yield from chart_lines()
+    yield "};"
+    yield ""
+    yield "#endif /* RAYGRID_GOLDEN_BLOBS_H */"
+
+
+PREAMBLE = """\
+/* Generated by tests/golden/make_golden.py from formats/blob_reference.py; not
+ * for editing. */
+#ifndef RAYGRID_GOLDEN_BLOBS_H
+#define RAYGRID_GOLDEN_BLOBS_H
+
+#include <stdint.h>
+
+#define GOLDEN_ALIGNED __attribute__((aligned(4)))
+
+/* A position and its direction, computed in double precision and rounded. */
+typedef struct golden_ray {
+  int32_t x, y;
+  int32_t ray_q30[3];
+} golden_ray;
+
+/* Test image: state = seed; pixel by pixel, row by row,
+ *   state = 1664525 state + 1013904223, value = 2 x + y + (state >> 27)
+ * and the CRC-32 of the images undistorted from it. */
+"""
+
+
+def spec_with_dump(spec: str, data: bytes) -> str:
+    """SPEC.md with the hex dump of its worked example."""
+    head, title, example = spec.partition("## Worked example")
+    before, _, after = example.split("```", 2)
+    dump = "\n".join(reference.hexdump_lines(data))
+    return f"{head}{title}{before}```\n{dump}\n```{after}"
+
+
+def expected_files() -> dict[Path, str]:
+    """What the two files should hold."""
+    example, lens = make_example(), make_lens()
+    spec = SPEC_PATH.read_text(encoding="utf-8")
+    return {
+        HEADER_PATH: "\n".join(header_lines(example, lens)) + "\n",
+        SPEC_PATH: spec_with_dump(spec, reference.serialize(example)),
+    }
+
+
+def check(path: Path, text: str) -> bool:
+    """Whether the file holds the text."""
+    same = path.exists() and path.read_text(encoding="utf-8") == text
+    if not same:
+        print(f"{path} is not what make_golden.py would write")
+    return same
+
+
+def write(path: Path, text: str) -> bool:
+    """Make the file hold the text."""
+    path.write_text(text, encoding="utf-8")
+    return True
+
+
+def main() -> int:
+    """Write or compare."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--check", action="store_true",
+                        help="compare only; exit 1 where a file differs")
+    handle: Callable = check if parser.parse_args().check else write
+    results = [handle(path, text) for path, text in expected_files().items()]
+    return 0 if all(results) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

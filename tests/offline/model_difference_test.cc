@@ -1,0 +1,115 @@
+#include "evaluation/model_difference.h"
+
+#include "simulation/simulated_camera.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+// A camera turned in its housing.
+class RotatedCamera : public CameraModel {
+ public:
+  RotatedCamera(const CameraModel& camera, const Eigen::Quaterniond& rotation)
+      : CameraModel(camera.image_size(), camera.area()),
+        camera_(camera.Clone()),
+        rotation_(rotation) {}
+
+  std::string Name() const override { return "rotated"; }
+  std::unique_ptr<CameraModel> Clone() const override {
+    return std::make_unique<RotatedCamera>(*camera_, rotation_);
+  }
+  std::optional<Eigen::Vector3d> Unproject(
+      const Eigen::Vector2d& pixel) const override {
+    const auto ray = camera_->Unproject(pixel);
+    if (!ray) return std::nullopt;
+    return Eigen::Vector3d(rotation_ * *ray);
+  }
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point,
+                                         const Eigen::Vector2d* start,
+                                         double margin_px) const override {
+    return camera_->Project(rotation_.inverse() * point, start, margin_px);
+  }
+  bool Linearize(const Eigen::Vector3d& point, const Eigen::Vector2d* start,
+                 double margin_px,
+                 LinearizedProjection* projection) const override {
+    if (!camera_->Linearize(rotation_.inverse() * point, start, margin_px,
+                            projection))
+      return false;
+    projection->by_point *= rotation_.inverse().toRotationMatrix();
+    return true;
+  }
+  Eigen::VectorXd Parameters() const override { return {}; }
+  void SetParameters(const Eigen::VectorXd&) override {}
+
+ private:
+  std::unique_ptr<CameraModel> camera_;
+  Eigen::Quaterniond rotation_;
+};
+
+const Eigen::Quaterniond kRotation = RotationFromVector({0.03, -0.07, 0.2});
+
+TEST(CompareModels, FindsNoDifferenceOfACameraFromItself) {
+  const CentralGeneric camera = FittedGrid(ExampleSimulatedCamera(), 40);
+  const ModelDifference difference = CompareModels(camera, camera, 8);
+  EXPECT_EQ(difference.pixels.size(), 80u * 60u);
+  EXPECT_LT(difference.max_px, 1e-9);
+}
+
+TEST(CompareModels, TakesOutARotation) {
+  const SimulatedCamera camera = ExampleSimulatedCamera();
+  const ModelDifference difference =
+      CompareModels(camera, RotatedCamera(camera, kRotation), 8);
+  EXPECT_GT(difference.pixels.size(), 4000u);
+  EXPECT_LT(difference.max_px, 1e-8);
+  EXPECT_LT(difference.first_from_second.angularDistance(kRotation.inverse()),
+            1e-10);
+}
+
+TEST(CompareModels, TakesOutTheRotationOfAFittedGrid) {
+  const SimulatedCamera camera = ExampleSimulatedCamera();
+  const CentralGeneric fitted =
+      FittedGrid(RotatedCamera(camera, kRotation), 20);
+  const ModelDifference difference = CompareModels(camera, fitted, 8);
+  EXPECT_LT(difference.max_px, 2e-3);
+  EXPECT_LT(difference.first_from_second.angularDistance(kRotation.inverse()),
+            1e-6);
+}
+
+TEST(CompareModels, ShowsALocalDeformationWhereItIs) {
+  const OpenCvModel lens = ExampleLens();
+  const Eigen::Vector2d center(200, 300), shift(0.6, -0.3);
+  const SimulatedCamera bumped(lens, {{center, shift, 40}});
+  const ModelDifference difference = CompareModels(lens, bumped, 4);
+  EXPECT_LT(difference.median_px, 0.02);
+  EXPECT_NEAR(difference.max_px, shift.norm(), 0.03);
+  for (size_t i = 0; i < difference.pixels.size(); ++i)
+    if ((difference.pixels[i] - center).norm() < 4)
+      EXPECT_LT((difference.error_px[i] + shift).norm(), 0.03);
+}
+
+TEST(CompareModels, ShowsAnotherFocalLength) {
+  const OpenCvModel lens = ExampleLens();
+  OpenCvModel longer = lens;
+  Eigen::VectorXd parameters = lens.Parameters();
+  parameters.head<2>() *= 1.01;
+  longer.SetParameters(parameters);
+  const ModelDifference difference = CompareModels(lens, longer, 8);
+  EXPECT_GT(difference.max_px, 3);  // 1 % of 400 px
+  EXPECT_LT(difference.max_px, 5);
+  EXPECT_LE(difference.median_px, difference.p99_px);
+  EXPECT_LE(difference.p99_px, difference.max_px);
+}
+
+TEST(CompareModels, ComparesOnlyWhereBothAreCalibrated) {
+  const OpenCvModel lens = ExampleLens();
+  const OpenCvModel inner = lens.WithArea({100, 100, 300, 200});
+  for (const auto& difference :
+       {CompareModels(lens, inner, 5), CompareModels(inner, lens, 5)}) {
+    EXPECT_FALSE(difference.pixels.empty());
+    for (const Eigen::Vector2d& pixel : difference.pixels)
+      EXPECT_TRUE(inner.area().Contains(pixel));
+  }
+}
+
+}  // namespace
+}  // namespace raygrid

@@ -1,0 +1,110 @@
+#include "camera/opencv.h"
+
+#include <opencv2/calib3d.hpp>
+
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+using Model = OpenCvModel;
+
+// What OpenCV makes of the same parameters.
+Eigen::Vector2d ProjectByOpenCv(const Eigen::VectorXd& p,
+                                const Eigen::Vector3d& point) {
+  const cv::Matx33d matrix(p[Model::kFx], 0, p[Model::kCx],  //
+                           0, p[Model::kFy], p[Model::kCy],  //
+                           0, 0, 1);
+  const std::vector<double> distortion = {
+      p[Model::kK1], p[Model::kK2], p[Model::kP1], p[Model::kP2],
+      p[Model::kK3], p[Model::kK4], p[Model::kK5], p[Model::kK6]};
+  const std::vector<cv::Point3d> points = {{point.x(), point.y(), point.z()}};
+  std::vector<cv::Point2d> pixels;
+  cv::projectPoints(points, cv::Vec3d(0, 0, 0), cv::Vec3d(0, 0, 0), matrix,
+                    distortion, pixels);
+  return {pixels[0].x, pixels[0].y};
+}
+
+// Barrel distortion that folds at r = 1 / sqrt(-3 k1).
+Model FoldingLens(double k1) {
+  const ImageSize size = {640, 480};
+  return Model(size, WholeImage(size),
+               {300, 300, 320, 240, k1, 0, 0, 0, 0, 0, 0, 0});
+}
+
+TEST(OpenCvModel, ProjectionInvertsUnprojection) {
+  ExpectRoundTrip(ExampleLens(), 1e-6);
+}
+
+TEST(OpenCvModel, AgreesWithOpenCv) {
+  const Model lens = ExampleLens();
+  TestRandom random(1);
+  int num_seen = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector3d point(random.Uniform(-1, 1), random.Uniform(-1, 1),
+                                random.Uniform(0.5, 3));
+    const auto pixel = lens.Project(point);
+    if (!pixel) continue;
+    ++num_seen;
+    EXPECT_LT((*pixel - ProjectByOpenCv(lens.Parameters(), point)).norm(),
+              1e-9);
+  }
+  EXPECT_GT(num_seen, 300);
+}
+
+TEST(OpenCvModel, DerivativeByPointIsThatOfProjection) {
+  ExpectDerivativeByPoint(ExampleLens(), 1e-6);
+}
+
+TEST(OpenCvModel, DerivativeByParametersIsThatOfProjection) {
+  ExpectDerivativeByParameter(ExampleLens(), 1e-5, 1e-6);
+}
+
+TEST(OpenCvModel, ProjectsNothingFromBehind) {
+  const Model lens = ExampleLens();
+  EXPECT_TRUE(lens.Project({0, 0, 1}));
+  EXPECT_FALSE(lens.Project({0, 0, -1}));
+  EXPECT_FALSE(lens.Project({0.1, 0.1, -1}));
+  EXPECT_FALSE(lens.Project({0.1, 0.1, 0}));
+  EXPECT_FALSE(lens.Project({0, 0, 0}));
+  EXPECT_FALSE(lens.Project({NAN, 0, 1}));
+}
+
+TEST(OpenCvModel, ProjectsNothingBeyondItsFold) {
+  const Model lens = FoldingLens(-0.5);
+  const double fold = 1 / std::sqrt(1.5);
+  EXPECT_TRUE(lens.Project({fold - 0.02, 0, 1}));
+  // These would land within the image, where others are seen.
+  EXPECT_FALSE(lens.Project({fold + 0.02, 0, 1}));
+  EXPECT_FALSE(lens.Project({0, -1.2, 1}));
+  EXPECT_FALSE(lens.Project({1.4, 0, 1}));
+}
+
+TEST(OpenCvModel, UnprojectsNothingThatNoDirectionReaches) {
+  const Model lens = FoldingLens(-0.5);
+  // The fold is 300 * 2/3 * 0.816 = 163 px from the centre.
+  EXPECT_TRUE(lens.Unproject({320 + 155, 240}));
+  EXPECT_FALSE(lens.Unproject({320 + 170, 240}));
+  EXPECT_FALSE(lens.Unproject({0, 0}));
+}
+
+TEST(OpenCvModel, FoldMovesWithTheParameters) {
+  Model lens = FoldingLens(-0.5);
+  lens.SetParameters(FoldingLens(0).Parameters());
+  EXPECT_TRUE(lens.Project({0.9, 0, 1}));
+}
+
+TEST(OpenCvModel, SeesNothingOutsideItsArea) {
+  const Model lens = ExampleLens().WithArea({100, 100, 300, 200});
+  EXPECT_FALSE(lens.Unproject({99.9, 150}));
+  EXPECT_FALSE(lens.Unproject({150, 200.1}));
+  const Eigen::Vector3d ray = *ExampleLens().Unproject({302, 150});
+  EXPECT_FALSE(lens.Project(ray));
+  EXPECT_FALSE(lens.Project(ray, nullptr, 1.9));
+  EXPECT_TRUE(lens.Project(ray, nullptr, 2.1));
+  LinearizedProjection linear;
+  EXPECT_FALSE(lens.Linearize(ray, nullptr, 0, &linear));
+}
+
+}  // namespace
+}  // namespace raygrid

@@ -1,0 +1,219 @@
+#ifndef RAYGRID_TESTS_OFFLINE_SUPPORT_H
+#define RAYGRID_TESTS_OFFLINE_SUPPORT_H
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "camera/central_generic.h"
+#include "camera/opencv.h"
+#include "camera/pose.h"
+#include "dataset/error.h"
+
+namespace raygrid {
+
+/// Numbers with a fixed seed, the same with every standard library.
+class TestRandom {
+ public:
+  explicit TestRandom(unsigned seed) : engine_(seed) {}
+
+  double Uniform(double low, double high) {
+    return low + (high - low) * (engine_() / 4294967296.0);
+  }
+  double Normal() {
+    return std::sqrt(-2 * std::log(1 - Uniform(0, 1))) *
+           std::cos(Uniform(0, 2 * M_PI));
+  }
+  template <int N>
+  Eigen::Matrix<double, N, 1> NormalVector() {
+    Eigen::Matrix<double, N, 1> vector;
+    for (int k = 0; k < N; ++k) vector[k] = Normal();
+    return vector;
+  }
+  Eigen::Vector2d PixelIn(const Area& area) {
+    const double x = Uniform(area.x0, area.x1);
+    return {x, Uniform(area.y0, area.y1)};
+  }
+  int Index(int count) { return static_cast<int>(Uniform(0, count)); }
+
+ private:
+  std::mt19937 engine_;
+};
+
+/// Derivative of a vector function by central differences.
+template <typename Function>
+Eigen::MatrixXd CentralDifference(const Function& function,
+                                  const Eigen::VectorXd& at, double step) {
+  Eigen::MatrixXd derivative;
+  for (Eigen::Index k = 0; k < at.size(); ++k) {
+    const Eigen::VectorXd offset = step * Eigen::VectorXd::Unit(at.size(), k);
+    const Eigen::VectorXd difference =
+        (function(Eigen::VectorXd(at + offset)) -
+         function(Eigen::VectorXd(at - offset))) /
+        (2 * step);
+    if (k == 0) derivative.resize(difference.size(), at.size());
+    derivative.col(k) = difference;
+  }
+  return derivative;
+}
+
+/// The largest difference of two matrices, over the size of the second.
+template <typename A, typename B>
+double RelativeDifference(const A& a, const B& b) {
+  return (a - b).cwiseAbs().maxCoeff() / (1e-12 + b.cwiseAbs().maxCoeff());
+}
+
+/// Every coefficient at work.
+inline OpenCvModel ExampleLens() {
+  const ImageSize size = {640, 480};
+  return OpenCvModel(size, WholeImage(size),
+                     {510, 515, 322, 236, 0.21, -0.12, 0.03, 0.45, 0.05, 0.01,
+                      1e-3, -8e-4});
+}
+
+/// A nearly stereographic fisheye: 100 degrees off axis at the sides, which a
+/// wave along the image makes a little uneven.
+inline CentralGeneric ExampleFisheye() {
+  const ImageSize size = {800, 800};
+  BSplineSurface surface(WholeImage(size), 19, 19);
+  const double unit = std::tan(50 * M_PI / 180) / (surface.area().width() / 2);
+  for (int k = 0; k < surface.num_points(); ++k) {
+    const Eigen::Vector2d pixel((k % 19 - 1) * surface.cell_width(),
+                                (k / 19 - 1) * surface.cell_height());
+    const Eigen::Vector2d wave(std::sin(pixel.y() / 90),
+                               std::cos(pixel.x() / 110));
+    surface.points()[k] = unit * (pixel - surface.area().center() + 4 * wave);
+  }
+  return CentralGeneric(size, surface);
+}
+
+/// The grid nearest to a model over its area.
+inline CentralGeneric FittedGrid(const CameraModel& model, double cell_px) {
+  const Area& area = model.area();
+  return FitCentralGeneric(model, area, NumControlPoints(area.width(), cell_px),
+                           NumControlPoints(area.height(), cell_px));
+}
+
+/// Expects that Project() inverts Unproject() at random pixels.
+inline void ExpectRoundTrip(const CameraModel& camera, double tolerance_px) {
+  TestRandom random(11);
+  for (int i = 0; i < 2000; ++i) {
+    const Eigen::Vector2d pixel = random.PixelIn(camera.area());
+    const auto ray = camera.Unproject(pixel);
+    ASSERT_TRUE(ray) << pixel.transpose();
+    EXPECT_NEAR(ray->norm(), 1, 1e-12);
+    const auto projection = camera.Project(*ray * random.Uniform(0.1, 10));
+    ASSERT_TRUE(projection) << pixel.transpose();
+    EXPECT_LT((*projection - pixel).norm(), tolerance_px) << pixel.transpose();
+  }
+}
+
+/// Expects Linearize()'s derivative by the point to be Project()'s.
+inline void ExpectDerivativeByPoint(const CameraModel& camera,
+                                    double tolerance) {
+  TestRandom random(12);
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Vector2d pixel = random.PixelIn(camera.area());
+    const Eigen::Vector3d point =
+        random.Uniform(0.5, 3) * camera.Unproject(pixel).value();
+    LinearizedProjection linear;
+    ASSERT_TRUE(camera.Linearize(point, nullptr, 3, &linear));
+    EXPECT_LT((linear.pixel - pixel).norm(), 1e-6);
+    const auto project = [&](const Eigen::VectorXd& p) -> Eigen::VectorXd {
+      return camera.Project(p, nullptr, 3).value();
+    };
+    EXPECT_LT(RelativeDifference(linear.by_point,
+                                 CentralDifference(project, point, 1e-5)),
+              tolerance);
+  }
+}
+
+/// A projection's derivative by all parameters.
+inline Eigen::MatrixXd DenseByParameter(const LinearizedProjection& linear,
+                                        int num_parameters) {
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(2, num_parameters);
+  for (int k = 0; k < linear.num_parameters; ++k)
+    dense.col(linear.parameter_index[k]) += linear.by_parameter.col(k);
+  return dense;
+}
+
+/// Likewise by every parameter, of a camera rebuilt with it changed.
+inline void ExpectDerivativeByParameter(const CameraModel& camera, double step,
+                                        double tolerance) {
+  TestRandom random(13);
+  for (int i = 0; i < 10; ++i) {
+    const Eigen::Vector2d pixel = random.PixelIn(camera.area());
+    const Eigen::Vector3d point = camera.Unproject(pixel).value();
+    LinearizedProjection linear;
+    ASSERT_TRUE(camera.Linearize(point, nullptr, 3, &linear));
+    const auto project = [&](const Eigen::VectorXd& p) -> Eigen::VectorXd {
+      const std::unique_ptr<CameraModel> changed = camera.Clone();
+      changed->SetParameters(p);
+      return changed->Project(point, &pixel, 3).value();
+    };
+    EXPECT_LT(
+        RelativeDifference(DenseByParameter(linear, camera.NumParameters()),
+                           CentralDifference(project, camera.Parameters(),
+                                             step)),
+        tolerance);
+  }
+}
+
+/// Expects an Error with this code, and a message with these words.
+template <typename Function>
+void ExpectError(ExitCode code, const std::vector<std::string>& words,
+                 const Function& function) {
+  try {
+    function();
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(static_cast<int>(error.code()), static_cast<int>(code))
+        << error.what();
+    for (const std::string& word : words)
+      EXPECT_NE(std::string(error.what()).find(word), std::string::npos)
+          << "'" << word << "' is not in: " << error.what();
+  }
+}
+
+/// A folder that lives as long as the test.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name =
+        (std::filesystem::temp_directory_path() / "raygrid-XXXXXX").string();
+    if (mkdtemp(name.data())) path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  std::string operator/(const std::string& name) const {
+    return (std::filesystem::path(path_) / name).string();
+  }
+  /// How many entries it has.
+  int Count() const {
+    int count = 0;
+    for ([[maybe_unused]] const auto& entry :
+         std::filesystem::directory_iterator(path_))
+      ++count;
+    return count;
+  }
+
+ private:
+  std::string path_;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_TESTS_OFFLINE_SUPPORT_H

@@ -1,0 +1,35 @@
+# The target raygrid_cmocka: from Debian's source package where
+# RAYGRID_CMOCKA_SOURCE names it (tests/run does, for every target alike), else
+# the machine's own library.
+set(RAYGRID_CMOCKA_SOURCE "" CACHE PATH "Folder of CMocka's sources")
+
+if(RAYGRID_CMOCKA_SOURCE)
+  add_library(raygrid_cmocka STATIC ${RAYGRID_CMOCKA_SOURCE}/src/cmocka.c)
+  target_include_directories(raygrid_cmocka SYSTEM PUBLIC ${RAYGRID_CMOCKA_SOURCE}/include)
+  set_target_properties(raygrid_cmocka PROPERTIES C_EXTENSIONS ON)
+  foreach(have STDDEF_H SETJMP_H STDIO_H STRING_H STDLIB_H INTTYPES_H STDINT_H SNPRINTF
+               VSNPRINTF SIGNAL_H STRSIGNAL)
+    target_compile_definitions(raygrid_cmocka PRIVATE HAVE_${have}=1)
+  endforeach()
+  if(NOT CMAKE_SYSTEM_NAME STREQUAL "Generic")
+    target_compile_definitions(raygrid_cmocka PRIVATE
+      HAVE_MALLOC_H=1 HAVE_TIME_H=1 HAVE_STRUCT_TIMESPEC=1)
+  endif()
+  target_compile_definitions(raygrid_cmocka PUBLIC _UINTPTR_T=1 _UINTPTR_T_DEFINED=1)
+  target_compile_options(raygrid_cmocka PRIVATE -w)
+else()
+  find_package(PkgConfig REQUIRED)
+  pkg_check_modules(CMOCKA REQUIRED IMPORTED_TARGET cmocka)
+  add_library(raygrid_cmocka INTERFACE)
+  target_link_libraries(raygrid_cmocka INTERFACE PkgConfig::CMOCKA)
+endif()
+
+# A test program of one C file, run through the target's emulator by ctest.
+function(raygrid_c_test name)
+  add_executable(${name} ${ARGN})
+  set_target_properties(${name} PROPERTIES C_EXTENSIONS ON)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/golden)
+  target_link_libraries(${name} PRIVATE raygrid_runtime raygrid_cmocka raygrid_warnings)
+  add_test(NAME ${name} COMMAND ${name})
+  set_tests_properties(${name} PROPERTIES TIMEOUT 120)
+endfunction()
