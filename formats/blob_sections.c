@@ -155,23 +155,22 @@ static int is_within(uint32_t value, int32_t limit) {
   return value + (uint32_t)limit - 1 < 2 * (uint32_t)limit - 1;
 }
 
-static int are_vertices_in_range(const rg_remap_section* remap) {
-  const uint8_t* residual = remap->vertices;
-  uint32_t row_x = (uint32_t)remap->origin_x_q12;
-  uint32_t row_y = (uint32_t)remap->origin_y_q12;
-  for (uint32_t j = 0; j < remap->rows; ++j) {
-    uint32_t x = row_x, y = row_y; /* modulo 2^32, as the spec says */
-    for (uint32_t i = 0; i < remap->columns; ++i, residual += 4) {
-      const uint32_t dx = (uint32_t)rg_load_i16(residual);
-      const uint32_t dy = (uint32_t)rg_load_i16(residual + 2);
-      if (!is_within(x + (dx << remap->residual_shift), RG_VERTEX_LIMIT_Q12) ||
-          !is_within(y + (dy << remap->residual_shift), RG_VERTEX_LIMIT_Q12))
-        return 0;
-      x += (uint32_t)remap->column_step_x_q12;
-      y += (uint32_t)remap->column_step_y_q12;
+/* One coordinate of all vertices, 0 for x and 1 for y: the second of every pair
+ * lies behind the first. Sums are modulo 2^32, as the spec says. */
+static int are_vertices_in_range(const uint8_t* section, uint32_t coordinate) {
+  const uint8_t* const fields = section + 4 * coordinate;
+  const uint8_t* residual =
+      section + rg_load_u32(section + 76) + 2 * coordinate;
+  uint32_t row_start = rg_load_u32(fields + 28);
+  for (uint32_t rows = rg_load_u16(section + 6); rows > 0; --rows) {
+    uint32_t affine = row_start;
+    for (uint32_t columns = rg_load_u16(section + 4); columns > 0; --columns) {
+      const uint32_t offset = (uint32_t)rg_load_i16(residual) << section[9];
+      if (!is_within(affine + offset, RG_VERTEX_LIMIT_Q12)) return 0;
+      affine += rg_load_u32(fields + 36);
+      residual += 4;
     }
-    row_x += (uint32_t)remap->row_step_x_q12;
-    row_y += (uint32_t)remap->row_step_y_q12;
+    row_start += rg_load_u32(fields + 44);
   }
   return 1;
 }
@@ -215,11 +214,11 @@ rg_status rg_check_remap(const uint8_t* section, uint32_t size,
       check_extent(size, rg_load_u32(section + 76), RG_REMAP_FIELDS_SIZE,
                    4 * columns * rows + (num_blocks + 31) / 32 * 4);
   if (status != RG_OK) return status;
-  rg_remap_section remap;
-  rg_read_remap(section, &remap);
-  if (!are_vertices_in_range(&remap)) return RG_ERR_REMAP_VERTEX;
-  if (!is_mask_padded(remap.empty_blocks, num_blocks)) return RG_ERR_RESERVED;
-  return RG_OK;
+  if (!are_vertices_in_range(section, 0) || !are_vertices_in_range(section, 1))
+    return RG_ERR_REMAP_VERTEX;
+  const uint8_t* const mask =
+      section + rg_load_u32(section + 76) + 4 * columns * rows;
+  return is_mask_padded(mask, num_blocks) ? RG_OK : RG_ERR_RESERVED;
 }
 
 rg_status rg_check_quality(const uint8_t* section, uint32_t size) {

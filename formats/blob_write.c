@@ -14,7 +14,7 @@ static uint32_t mask_size(const rg_remap_section* remap) {
   return (num_blocks + 31) / 32 * 4;
 }
 
-static uint32_t remap_size(const rg_remap_section* remap) {
+uint32_t rg_remap_section_size(const rg_remap_section* remap) {
   return RG_REMAP_FIELDS_SIZE + 4 * (uint32_t)remap->columns * remap->rows +
          mask_size(remap);
 }
@@ -27,7 +27,7 @@ uint32_t rg_blob_size(const rg_blob_contents* contents) {
   uint32_t size =
       RG_HEADER_SIZE + RG_SECTION_ENTRY_SIZE * num_sections(contents);
   size += RG_CAMERA_SIZE + grid_size(contents->grid);
-  if (contents->remap) size += remap_size(contents->remap);
+  if (contents->remap) size += rg_remap_section_size(contents->remap);
   if (contents->quality) size += RG_QUALITY_SIZE;
   return size;
 }
@@ -63,8 +63,8 @@ static void write_grid(const rg_grid_section* grid, const int32_t* points,
     rg_store_i32(section + RG_GRID_FIELDS_SIZE + 4 * i, points[i]);
 }
 
-static void write_remap(const rg_remap_section* remap, const int16_t* residuals,
-                        uint8_t* section) {
+void rg_write_remap(const rg_remap_section* remap, const int16_t* residuals,
+                    uint8_t* section) {
   rg_store_u16(section, remap->width);
   rg_store_u16(section + 2, remap->height);
   rg_store_u16(section + 4, remap->columns);
@@ -135,9 +135,9 @@ static void write_sections(const rg_blob_contents* contents,
              begin_section(writer, RG_SECTION_CENTRAL_GRID, RG_SECTION_CRITICAL,
                            grid_size(contents->grid)));
   if (contents->remap)
-    write_remap(contents->remap, contents->residuals,
-                begin_section(writer, RG_SECTION_REMAP, 0,
-                              remap_size(contents->remap)));
+    rg_write_remap(contents->remap, contents->residuals,
+                   begin_section(writer, RG_SECTION_REMAP, 0,
+                                 rg_remap_section_size(contents->remap)));
   if (contents->quality)
     write_quality(contents->quality, begin_section(writer, RG_SECTION_QUALITY,
                                                    0, RG_QUALITY_SIZE));

@@ -20,8 +20,9 @@ extern "C" {
 #define RG_HEADER_SIZE 32u
 #define RG_SECTION_ENTRY_SIZE 16u
 #define RG_MAX_SECTIONS 16u
-#define RG_SECTION_CRITICAL 1u /* flag: a reader that does not know it stops \
-                                */
+#define RG_SECTION_CRITICAL                        \
+  1u /* flag: a reader that does not know it stops \
+      */
 
 enum rg_section_type {
   RG_SECTION_CAMERA = 1,
@@ -148,6 +149,12 @@ uint32_t rg_blob_size(const rg_blob_contents* contents);
  * rg_blob_open() would refuse is refused here, with the same status. */
 rg_status rg_blob_write(const rg_blob_contents* contents, void* buffer,
                         uint32_t buffer_size);
+
+/* One remap section alone: its size, and its bytes into section (multiple of 4,
+ * as large as that). */
+uint32_t rg_remap_section_size(const rg_remap_section* remap);
+void rg_write_remap(const rg_remap_section* remap, const int16_t* residuals,
+                    uint8_t* section);
 
 /* Cells per pixel as the format wants them: floor(cells 2^48 / span_q16). */
 uint32_t rg_grid_scale_q32(uint32_t cells, uint32_t span_q16);

@@ -12,7 +12,7 @@ void rg_bspline_weights(uint32_t t_q32, int32_t weights_q31[4]) {
   const int32_t c = (int32_t)rg_multiply_high_unsigned(t3_q32, sixth_q31);
 
   const int32_t w0 = (int32_t)sixth_q31 - 3 * a + 3 * b - c;
-  const int32_t w2 = (int32_t)sixth_q31 + 3 * a + 3 * b - 3 * c;
+  const int32_t w2 = (int32_t)sixth_q31 + 3 * a + 3 * (b - c);
   weights_q31[0] = w0;
   /* The second takes what rounding left, so that the sum is exact. */
   weights_q31[1] =

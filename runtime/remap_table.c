@@ -7,43 +7,43 @@ static int32_t round_shift(int32_t value, int shift) {
   return (value + (INT32_C(1) << (shift - 1))) >> shift;
 }
 
-static rg_position vertex(const rg_remap_section* table, uint32_t i,
-                          uint32_t j) {
-  const uint8_t* residual = table->vertices + 4 * (j * table->columns + i);
-  const uint32_t dx = (uint32_t)rg_load_i16(residual);
-  const uint32_t dy = (uint32_t)rg_load_i16(residual + 2);
-  const uint32_t x =
-      (uint32_t)table->origin_x_q12 + i * (uint32_t)table->column_step_x_q12 +
-      j * (uint32_t)table->row_step_x_q12 + (dx << table->residual_shift);
-  const uint32_t y =
-      (uint32_t)table->origin_y_q12 + i * (uint32_t)table->column_step_y_q12 +
-      j * (uint32_t)table->row_step_y_q12 + (dy << table->residual_shift);
-  const rg_position p = {(int32_t)x, (int32_t)y};
-  return p;
-}
-
 /* from + (to - from) k / 2^shift. |to - from| < 2^26 and k < 32, so the product
  * fits. */
-static rg_position between(rg_position from, rg_position to, int32_t k,
-                           int shift) {
-  const rg_position p = {
-      from.x_q12 + round_shift((to.x_q12 - from.x_q12) * k, shift),
-      from.y_q12 + round_shift((to.y_q12 - from.y_q12) * k, shift)};
-  return p;
+static int32_t between(int32_t from, int32_t to, int32_t k, int shift) {
+  return from + round_shift((to - from) * k, shift);
 }
 
-void rg_remap_block_row(const rg_remap_section* table, uint32_t i, uint32_t j,
+/* One coordinate, 0 for x and 1 for y, of a vertex. In the section, the second
+ * coordinate of every pair lies behind the first. */
+static int32_t vertex(const uint8_t* section, uint32_t i, uint32_t j,
+                      uint32_t coordinate) {
+  const uint8_t* const fields = section + 4 * coordinate;
+  const uint32_t index = j * rg_load_u16(section + 4) + i;
+  const uint8_t* const residual =
+      section + rg_load_u32(section + 76) + 4 * index + 2 * coordinate;
+  const uint32_t shift = section[9];
+  return (int32_t)(rg_load_u32(fields + 28) + i * rg_load_u32(fields + 36) +
+                   j * rg_load_u32(fields + 44) +
+                   ((uint32_t)rg_load_i16(residual) << shift));
+}
+
+void rg_remap_block_row(const uint8_t* section, uint32_t i, uint32_t j,
                         uint32_t r, rg_block_row* row) {
-  const int shift = table->block_log2;
-  const int32_t k = (int32_t)r;
-  row->left = between(vertex(table, i, j), vertex(table, i, j + 1), k, shift);
-  row->right =
-      between(vertex(table, i + 1, j), vertex(table, i + 1, j + 1), k, shift);
-  row->step.x_q12 = round_shift(row->right.x_q12 - row->left.x_q12, shift);
-  row->step.y_q12 = round_shift(row->right.y_q12 - row->left.y_q12, shift);
+  const int shift = section[8];
+  for (uint32_t c = 0; c < 2; ++c) {
+    rg_position* side = &row->left; /* then right */
+    for (uint32_t k = i; k <= i + 1; ++k, side = &row->right)
+      side->q12[c] = between(vertex(section, k, j, c),
+                             vertex(section, k, j + 1, c), (int32_t)r, shift);
+    row->step.q12[c] = round_shift(row->right.q12[c] - row->left.q12[c], shift);
+  }
 }
 
-rg_position rg_remap_segment(const rg_remap_section* table,
-                             const rg_block_row* row, uint32_t k) {
-  return between(row->left, row->right, (int32_t)k, table->block_log2);
+rg_position rg_remap_segment(const uint8_t* section, const rg_block_row* row,
+                             uint32_t k) {
+  rg_position start;
+  for (int c = 0; c < 2; ++c)
+    start.q12[c] =
+        between(row->left.q12[c], row->right.q12[c], (int32_t)k, section[8]);
+  return start;
 }

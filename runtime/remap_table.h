@@ -3,14 +3,15 @@
 #ifndef RAYGRID_REMAP_TABLE_H
 #define RAYGRID_REMAP_TABLE_H
 
-#include "rg_blob.h"
+#include <stdint.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
+/* x, y */
 typedef struct rg_position {
-  int32_t x_q12, y_q12;
+  int32_t q12[2];
 } rg_position;
 
 /* A row of a block. Its pixels lie in segments of RG_SEGMENT_SIZE; from one to
@@ -22,13 +23,14 @@ typedef struct rg_block_row {
 
 #define RG_SEGMENT_SIZE 8u
 
-/* Row r (0 to block size - 1) of block (i, j). */
-void rg_remap_block_row(const rg_remap_section* table, uint32_t i, uint32_t j,
+/* Row r (0 to block size - 1) of block (i, j) of a remap section, which must be
+ * one that rg_blob_open() accepted. */
+void rg_remap_block_row(const uint8_t* section, uint32_t i, uint32_t j,
                         uint32_t r, rg_block_row* row);
 
 /* Source position of the segment that begins at pixel k of the row. */
-rg_position rg_remap_segment(const rg_remap_section* table,
-                             const rg_block_row* row, uint32_t k);
+rg_position rg_remap_segment(const uint8_t* section, const rg_block_row* row,
+                             uint32_t k);
 
 #ifdef __cplusplus
 }

@@ -31,9 +31,10 @@ double PriorCost(const GaussianPrior& prior, const AdjustmentState& state,
     const Eigen::VectorXd difference =
         state.camera->Parameters() - prior.camera_mean;
     cost += prior.camera_weight / 2 *
-                difference.dot(prior.camera_precision * difference) +
-            prior.orientation_weight / 2 *
-                (prior.orientation.transpose() * difference).squaredNorm();
+            difference.dot(prior.camera_precision * difference);
+    if (prior.orientation.cols() > 0)
+      cost += prior.orientation_weight / 2 *
+              (prior.orientation.transpose() * difference).squaredNorm();
   }
   if (!options.fix_points)
     for (size_t i = 0; i < prior.points_mean.size(); ++i)

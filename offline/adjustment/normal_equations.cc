@@ -105,7 +105,7 @@ void NormalEquations::AddResiduals(
 
 void NormalEquations::AddPrior(const GaussianPrior& prior,
                                const AdjustmentState& state) {
-  if (!sizes_.fix_camera) {
+  if (!sizes_.fix_camera && prior.camera_mean.size() > 0) {
     const Eigen::VectorXd difference =
         state.camera->Parameters() - prior.camera_mean;
     gradient_.head(num_camera_) +=
@@ -117,13 +117,15 @@ void NormalEquations::AddPrior(const GaussianPrior& prior,
         if (it.row() >= it.col())
           a_(it.row(), it.col()) += prior.camera_weight * it.value();
     const Eigen::MatrixXd& g = prior.orientation;
-    gradient_.head(num_camera_) +=
-        prior.orientation_weight * (g * (g.transpose() * difference));
-    a_.topLeftCorner(num_camera_, num_camera_)
-        .selfadjointView<Eigen::Lower>()
-        .rankUpdate(g, prior.orientation_weight);
+    if (g.cols() > 0) {
+      gradient_.head(num_camera_) +=
+          prior.orientation_weight * (g * (g.transpose() * difference));
+      a_.topLeftCorner(num_camera_, num_camera_)
+          .selfadjointView<Eigen::Lower>()
+          .rankUpdate(g, prior.orientation_weight);
+    }
   }
-  if (sizes_.fix_points) return;
+  if (sizes_.fix_points || prior.points_mean.empty()) return;
   for (int i = 0; i < sizes_.num_points; ++i) {
     const Eigen::Vector3d gradient =
         prior.points_weight * (state.points[i] - prior.points_mean[i]);

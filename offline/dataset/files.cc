@@ -80,6 +80,10 @@ void OutputFiles::Commit() {
   };
   for (const File& file : files_) {
     MakeFolderOf(file.path);
+    std::error_code ignored;
+    if (fs::is_directory(file.path, ignored)) Fail(file.path, EISDIR);
+  }
+  for (const File& file : files_) {
     const int error = WriteWhole(TemporaryName(file.path), file.contents);
     if (error == 0) continue;
     remove_temporaries();

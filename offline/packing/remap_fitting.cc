@@ -244,14 +244,14 @@ void FillFields(const CameraModel& camera, const VirtualCamera& virtual_camera,
     if (!blocks.used[k]) table->empty_blocks[k / 8] |= 1u << (k % 8);
 }
 
-// Little-endian vertices, as the runtime's arithmetic reads them.
-std::vector<uint8_t> VertexBytes(const std::vector<int16_t>& residuals) {
-  std::vector<uint8_t> bytes;
-  for (const int16_t residual : residuals) {
-    bytes.push_back(static_cast<uint8_t>(residual & 0xff));
-    bytes.push_back(static_cast<uint8_t>((residual >> 8) & 0xff));
-  }
-  return bytes;
+// The section as a board will read it.
+std::vector<uint32_t> SectionWords(const RemapTable& table) {
+  rg_remap_section section = table.section;
+  section.empty_blocks = table.empty_blocks.data();
+  std::vector<uint32_t> words(rg_remap_section_size(&section) / 4);
+  rg_write_remap(&section, table.residuals.data(),
+                 reinterpret_cast<uint8_t*>(words.data()));
+  return words;
 }
 
 // What is wrong about an output pixel: the distance of its position from the
@@ -275,29 +275,25 @@ double PixelError(const ExactMap& map, const Area& rectangle, int x, int y,
 double MeasureError(const ExactMap& map, const Area& rectangle,
                     const Blocks& blocks, const RemapTable& table,
                     int num_threads) {
-  const std::vector<uint8_t> bytes = VertexBytes(table.residuals);
-  std::vector<uint16_t> aligned((bytes.size() + 1) / 2);
-  std::copy(bytes.begin(), bytes.end(),
-            reinterpret_cast<uint8_t*>(aligned.data()));
-  rg_remap_section section = table.section;
-  section.vertices = reinterpret_cast<const uint8_t*>(aligned.data());
+  const std::vector<uint32_t> words = SectionWords(table);
+  const auto* section = reinterpret_cast<const uint8_t*>(words.data());
   std::vector<double> worst(map.height, 0);
   ParallelFor(map.height, num_threads, [&](int y) {
     for (int i = 0; i < blocks.columns; ++i) {
       const int j = y >> blocks.size_log2;
       if (!blocks.used[j * blocks.columns + i]) continue;
       rg_block_row row;
-      rg_remap_block_row(&section, i, j, y & (blocks.size() - 1), &row);
+      rg_remap_block_row(section, i, j, y & (blocks.size() - 1), &row);
       const int x0 = i << blocks.size_log2;
       for (int x = x0; x < std::min(x0 + blocks.size(), map.width); ++x) {
         const uint32_t in_block = x - x0;
         const uint32_t in_segment = in_block % RG_SEGMENT_SIZE;
         const rg_position start =
-            rg_remap_segment(&section, &row, in_block - in_segment);
+            rg_remap_segment(section, &row, in_block - in_segment);
         const Eigen::Vector2d position(
-            (start.x_q12 + static_cast<int>(in_segment) * row.step.x_q12) /
+            (start.q12[0] + static_cast<int>(in_segment) * row.step.q12[0]) /
                 kQ12,
-            (start.y_q12 + static_cast<int>(in_segment) * row.step.y_q12) /
+            (start.q12[1] + static_cast<int>(in_segment) * row.step.q12[1]) /
                 kQ12);
         worst[y] =
             std::max(worst[y], PixelError(map, rectangle, x, y, position));

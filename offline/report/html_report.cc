@@ -21,7 +21,7 @@ figure { margin: 0; } figcaption { font-size: .9rem; opacity: .8; }
 .pictures img { width: 100%; height: auto; border-radius: 4px; }
 .verdict { border-left: .5rem solid; padding: .2rem 1rem; }
 .pass { border-color: var(--pass); } .warn { border-color: var(--warn); } .fail { border-color: var(--fail); }
-.scroll { overflow-x: auto; }
+.scroll { overflow-x: auto; } .pictures .legend img { width: 8rem; }
 rect.training { fill: #4a90d9; } rect.held { fill: #d98e4a; } svg text { fill: currentColor; font-size: 11px; }
 @media print { h2 { break-after: avoid; } figure { break-inside: avoid; } }
 )";
@@ -58,13 +58,14 @@ std::string Base64(const std::string& bytes) {
   return text;
 }
 
-std::string Figure(const Image& image, const std::string& caption) {
+std::string Figure(const Image& image, const std::string& caption,
+                   const std::string& css_class = "picture") {
   return fmt::format(
-      "<figure><img alt=\"{0}\" width=\"{1}\" height=\"{2}\" "
+      "<figure class=\"{4}\"><img alt=\"{0}\" width=\"{1}\" height=\"{2}\" "
       "src=\"data:image/png;base64,{3}\"><figcaption>{0}</figcaption></"
       "figure>\n",
       Escape(caption), image.size.width, image.size.height,
-      Base64(EncodePng(image)));
+      Base64(EncodePng(image)), css_class);
 }
 
 std::string VerdictSection(const Verdict& verdict) {
@@ -205,7 +206,7 @@ std::string PicturesSection(const CalibrationResult& result) {
                  fmt::format("Magnitude of the nearest residual: black 0, "
                              "bright {:.2f} px and more",
                              full_scale));
-  html += Figure(DirectionLegend(160), "Colours of the directions");
+  html += Figure(DirectionLegend(160), "Colours of the directions", "legend");
   return html + "</div>\n";
 }
 

@@ -103,10 +103,10 @@ Page ParsePage(const std::string& name) {
   if (name == "A3") return {297, 420};
   if (name == "letter") return {215.9, 279.4};
   Page page;
-  char end = 0;
-  if (std::sscanf(name.c_str(), "%lfx%lfm%c", &page.width_mm, &page.height_mm,
-                  &end) == 3 &&
-      end == 'm' && page.width_mm > 0 && page.height_mm > 0 &&
+  int length = 0;
+  if (std::sscanf(name.c_str(), "%lfx%lfmm%n", &page.width_mm,
+                  &page.height_mm, &length) == 2 &&
+      length == static_cast<int>(name.size()) && page.width_mm > 0 && page.height_mm > 0 &&
       std::max(page.width_mm, page.height_mm) <= 5000)
     return page;
   throw Error(ExitCode::kUsage,

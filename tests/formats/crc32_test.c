@@ -1,11 +1,6 @@
 #include "crc32.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "unit_test.h"
 
 static const uint8_t kDigits[9] = {'1', '2', '3', '4', '5', '6', '7', '8', '9'};
 

@@ -6,7 +6,9 @@
 namespace raygrid {
 namespace {
 
-CentralGeneric ExampleGrid() { return FittedGrid(ExampleSimulatedCamera(), 40); }
+CentralGeneric ExampleGrid() {
+  return FittedGrid(ExampleSimulatedCamera(), 40);
+}
 
 TEST(CentralGeneric, ProjectionInvertsUnprojection) {
   ExpectRoundTrip(ExampleGrid(), 1e-6);
@@ -106,8 +108,8 @@ TEST(FitCentralGeneric, FollowsASmoothModelTheCloserTheFinerTheCells) {
     const Eigen::Vector2d pixel = random.PixelIn(truth.area());
     const Eigen::Vector3d ray = *truth.Unproject(pixel);
     for (int g = 0; g < 2; ++g)
-      worst[g] = std::max(
-          worst[g], (*grids[g].Project(ray, &pixel, 3) - pixel).norm());
+      worst[g] = std::max(worst[g],
+                          (*grids[g].Project(ray, &pixel, 3) - pixel).norm());
   }
   EXPECT_LT(worst[0], 0.2);
   EXPECT_LT(worst[1], 1e-3);

@@ -63,9 +63,9 @@ void ForEachFeature(const SimulatedObservations& simulated,
   for (size_t i = 0; i < simulated.dataset.images.size(); ++i)
     for (const Feature& feature : simulated.dataset.images[i].features)
       use(camera
-              .Project(simulated.poses[i].camera_from_board *
-                       board.points[board.PointIndex(feature.column,
-                                                     feature.row)])
+              .Project(
+                  simulated.poses[i].camera_from_board *
+                  board.points[board.PointIndex(feature.column, feature.row)])
               .value(),
           feature.pixel);
 }
@@ -114,7 +114,8 @@ TEST(SimulateObservations, BendLiftsTheBoardsEdges) {
   SimulationOptions options = FewImages();
   options.board_bend_m = 0.003;
   double largest = 0;
-  for (const Eigen::Vector3d& p : Simulate(options).true_pattern.boards[0].points)
+  for (const Eigen::Vector3d& p :
+       Simulate(options).true_pattern.boards[0].points)
     largest = std::max(largest, p.z());
   EXPECT_NEAR(largest, 0.0045, 1e-9);  // in the corners: 1 + 1/2 of it
 }

@@ -58,11 +58,10 @@ TEST(Stereographic, RotationDerivativeIsThatOfARotatedDirection) {
     const auto rotated = [&](const Eigen::VectorXd& r) -> Eigen::VectorXd {
       return ToChart(RotationFromVector(r) * direction);
     };
-    EXPECT_LT(
-        RelativeDifference(
-            ChartRotationDerivative(ToChart(direction)),
-            CentralDifference(rotated, Eigen::Vector3d::Zero(), 1e-6)),
-        1e-7);
+    EXPECT_LT(RelativeDifference(
+                  ChartRotationDerivative(ToChart(direction)),
+                  CentralDifference(rotated, Eigen::Vector3d::Zero(), 1e-6)),
+              1e-7);
   }
 }
 

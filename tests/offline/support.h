@@ -54,13 +54,14 @@ Eigen::MatrixXd CentralDifference(const Function& function,
                                   const Eigen::VectorXd& at, double step) {
   Eigen::MatrixXd derivative;
   for (Eigen::Index k = 0; k < at.size(); ++k) {
-    const Eigen::VectorXd offset = step * Eigen::VectorXd::Unit(at.size(), k);
-    const Eigen::VectorXd difference =
-        (function(Eigen::VectorXd(at + offset)) -
-         function(Eigen::VectorXd(at - offset))) /
-        (2 * step);
-    if (k == 0) derivative.resize(difference.size(), at.size());
-    derivative.col(k) = difference;
+    Eigen::VectorXd forward = at, backward = at;
+    forward[k] += step;
+    backward[k] -= step;
+    const Eigen::VectorXd ahead = function(forward);
+    const Eigen::VectorXd behind = function(backward);
+    if (k == 0) derivative.resize(ahead.size(), at.size());
+    for (Eigen::Index i = 0; i < ahead.size(); ++i)
+      derivative(i, k) = (ahead[i] - behind[i]) / (2 * step);
   }
   return derivative;
 }
@@ -74,9 +75,9 @@ double RelativeDifference(const A& a, const B& b) {
 /// Every coefficient at work.
 inline OpenCvModel ExampleLens() {
   const ImageSize size = {640, 480};
-  return OpenCvModel(size, WholeImage(size),
-                     {510, 515, 322, 236, 0.21, -0.12, 0.03, 0.45, 0.05, 0.01,
-                      1e-3, -8e-4});
+  return OpenCvModel(
+      size, WholeImage(size),
+      {510, 515, 322, 236, 0.21, -0.12, 0.03, 0.45, 0.05, 0.01, 1e-3, -8e-4});
 }
 
 /// A nearly stereographic fisheye: 100 degrees off axis at the sides, which a
@@ -159,11 +160,10 @@ inline void ExpectDerivativeByParameter(const CameraModel& camera, double step,
       changed->SetParameters(p);
       return changed->Project(point, &pixel, 3).value();
     };
-    EXPECT_LT(
-        RelativeDifference(DenseByParameter(linear, camera.NumParameters()),
-                           CentralDifference(project, camera.Parameters(),
-                                             step)),
-        tolerance);
+    EXPECT_LT(RelativeDifference(
+                  DenseByParameter(linear, camera.NumParameters()),
+                  CentralDifference(project, camera.Parameters(), step)),
+              tolerance);
   }
 }
 

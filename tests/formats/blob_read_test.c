@@ -1,0 +1,570 @@
+#include <string.h>
+
+#include "blob_edit.h"
+#include "bytes.h"
+#include "golden_blobs.h"
+#include "rg_blob.h"
+#include "unit_test.h"
+
+/* Where things stand in kExampleBlob. */
+#define ENTRY(k) (32u + 16u * (k))
+#define CAMERA 96u
+#define GRID 168u
+#define CONTROL_POINTS (GRID + 40u)
+#define REMAP 336u
+#define VERTICES (REMAP + 80u)
+#define MASK (VERTICES + 24u)
+#define QUALITY 444u
+#define SIZE ((uint32_t)sizeof(kExampleBlob))
+
+static uint8_t edited[2048] __attribute__((aligned(16)));
+
+/* A value that one field of kExampleBlob must not have. */
+typedef struct field_fault {
+  const char* what;
+  uint32_t offset, num_bytes, value;
+  rg_status status;
+} field_fault;
+
+static const field_fault kFieldFaults[] = {
+    {"magic, first byte", 0, 1, 'r', RG_ERR_MAGIC},
+    {"magic, last byte", 7, 1, ' ', RG_ERR_MAGIC},
+    {"major version 0", 8, 2, 0, RG_ERR_VERSION},
+    {"major version 2", 8, 2, 2, RG_ERR_VERSION},
+    {"more bytes announced than given", 12, 4, 488, RG_ERR_TRUNCATED},
+    {"most bytes announced", 12, 4, 0xfffffffc, RG_ERR_TRUNCATED},
+    {"odd total size", 12, 4, 482, RG_ERR_HEADER},
+    {"total size ends in the table", 12, 4, 92, RG_ERR_HEADER},
+    {"no section", 16, 2, 0, RG_ERR_HEADER},
+    {"17 sections", 16, 2, 17, RG_ERR_HEADER},
+    {"header size", 18, 2, 36, RG_ERR_HEADER},
+    {"first reserved field of the header", 20, 4, 1, RG_ERR_RESERVED},
+    {"second reserved field of the header", 24, 4, 1u << 31, RG_ERR_RESERVED},
+
+    {"bytes after the last section", 16, 2, 3, RG_ERR_SECTION_TABLE},
+    {"last section beyond the end", 12, 4, 480, RG_ERR_SECTION_TABLE},
+    {"gap before a section", ENTRY(0) + 4, 4, 100, RG_ERR_SECTION_TABLE},
+    {"section over the table", ENTRY(0) + 4, 4, 92, RG_ERR_SECTION_TABLE},
+    {"section offset of 4 GB", ENTRY(1) + 4, 4, 0xfffffff8,
+     RG_ERR_SECTION_TABLE},
+    {"empty section", ENTRY(1) + 8, 4, 0, RG_ERR_SECTION_TABLE},
+    {"odd section size", ENTRY(3) + 8, 4, 38, RG_ERR_SECTION_TABLE},
+    {"section too short", ENTRY(3) + 8, 4, 36, RG_ERR_SECTION_TABLE},
+    {"section too long", ENTRY(3) + 8, 4, 44, RG_ERR_SECTION_TABLE},
+    {"section of 4 GB", ENTRY(2) + 8, 4, 0xfffffffc, RG_ERR_SECTION_TABLE},
+    {"unknown flag", ENTRY(0) + 2, 2, 3, RG_ERR_SECTION_FLAGS},
+    {"camera not critical", ENTRY(0) + 2, 2, 0, RG_ERR_SECTION_FLAGS},
+    {"grid not critical", ENTRY(1) + 2, 2, 0, RG_ERR_SECTION_FLAGS},
+    {"remap critical", ENTRY(2) + 2, 2, 1, RG_ERR_SECTION_FLAGS},
+    {"quality critical", ENTRY(3) + 2, 2, 1, RG_ERR_SECTION_FLAGS},
+    {"unknown critical section", ENTRY(0), 2, 5, RG_ERR_SECTION_UNKNOWN},
+    {"two cameras", ENTRY(1), 2, 1, RG_ERR_SECTION_DUPLICATE},
+    {"two grids", ENTRY(0), 2, 2, RG_ERR_SECTION_DUPLICATE},
+    {"two qualities", ENTRY(2), 2, 4, RG_ERR_SECTION_DUPLICATE},
+    {"no camera", ENTRY(0), 4, 9, RG_ERR_SECTION_MISSING},
+    {"no grid", ENTRY(1), 4, 9, RG_ERR_SECTION_MISSING},
+
+    {"image width 0", CAMERA, 2, 0, RG_ERR_IMAGE_SIZE},
+    {"image width 16385", CAMERA, 2, 16385, RG_ERR_IMAGE_SIZE},
+    {"image height 0", CAMERA + 2, 2, 0, RG_ERR_IMAGE_SIZE},
+    {"image height 65535", CAMERA + 2, 2, 65535, RG_ERR_IMAGE_SIZE},
+    {"reserved field of the camera", CAMERA + 4, 4, 256, RG_ERR_RESERVED},
+    {"name of 32 bytes", CAMERA + 39, 1, 'x', RG_ERR_TEXT},
+    {"name goes on after a zero", CAMERA + 20, 1, 'x', RG_ERR_TEXT},
+    {"serial of 32 bytes", CAMERA + 71, 1, 'x', RG_ERR_TEXT},
+    {"serial goes on after a zero", CAMERA + 45, 1, 'x', RG_ERR_TEXT},
+
+    {"area starts left of the image", GRID, 4, (uint32_t)-32769, RG_ERR_AREA},
+    {"area starts above the image", GRID + 4, 4, (uint32_t)-32769, RG_ERR_AREA},
+    {"area ends right of the image", GRID + 8, 4, 63 * 65536 + 32769,
+     RG_ERR_AREA},
+    {"area ends below the image", GRID + 12, 4, 47 * 65536 + 32769,
+     RG_ERR_AREA},
+    {"area without width", GRID, 4, 63 * 65536, RG_ERR_AREA},
+    {"area without height", GRID + 12, 4, 0, RG_ERR_AREA},
+    {"image smaller than the area", CAMERA, 2, 63, RG_ERR_AREA},
+    {"3 columns", GRID + 16, 2, 3, RG_ERR_GRID_SIZE},
+    {"1028 columns", GRID + 16, 2, 1028, RG_ERR_GRID_SIZE},
+    {"no row", GRID + 18, 2, 0, RG_ERR_GRID_SIZE},
+    {"65535 rows", GRID + 18, 2, 65535, RG_ERR_GRID_SIZE},
+    {"columns against the scale", GRID + 16, 2, 5, RG_ERR_GRID_SCALE},
+    {"area against the scale", GRID + 8, 4, 62 * 65536, RG_ERR_GRID_SCALE},
+    {"horizontal scale 1 too low", GRID + 20, 4, 68174083, RG_ERR_GRID_SCALE},
+    {"horizontal scale 1 too high", GRID + 20, 4, 68174085, RG_ERR_GRID_SCALE},
+    {"vertical scale 1 too low", GRID + 24, 4, 91382281, RG_ERR_GRID_SCALE},
+    {"vertical scale 1 too high", GRID + 24, 4, 91382283, RG_ERR_GRID_SCALE},
+    {"unknown chart", GRID + 28, 2, 2, RG_ERR_GRID_CHART},
+    {"unknown fraction bits", GRID + 30, 2, 30, RG_ERR_GRID_CHART},
+    {"control points in the fields", GRID + 32, 4, 36, RG_ERR_DATA_OFFSET},
+    {"control points at an odd place", GRID + 32, 4, 42, RG_ERR_DATA_OFFSET},
+    {"control points end too late", GRID + 32, 4, 44, RG_ERR_SECTION_SIZE},
+    {"control points beyond the section", GRID + 32, 4, 172,
+     RG_ERR_SECTION_SIZE},
+    {"control points so far that the end wraps", GRID + 32, 4, 0xfffffffc,
+     RG_ERR_SECTION_SIZE},
+    {"reserved field of the grid", GRID + 36, 4, 1, RG_ERR_RESERVED},
+    {"first control point too high", CONTROL_POINTS, 4, 0x7f000001,
+     RG_ERR_CONTROL_POINT},
+    {"last control point too low", REMAP - 4, 4, 0x80ffffff,
+     RG_ERR_CONTROL_POINT},
+    {"lowest number as control point", CONTROL_POINTS + 64, 4, 0x80000000,
+     RG_ERR_CONTROL_POINT},
+
+    {"output width 0", REMAP, 2, 0, RG_ERR_REMAP_SIZE},
+    {"output width 8193", REMAP, 2, 8193, RG_ERR_REMAP_SIZE},
+    {"output height 0", REMAP + 2, 2, 0, RG_ERR_REMAP_SIZE},
+    {"output height 8193", REMAP + 2, 2, 8193, RG_ERR_REMAP_SIZE},
+    {"source wider than 8192", CAMERA, 2, 8193, RG_ERR_REMAP_SIZE},
+    {"source higher than 8192", CAMERA + 2, 2, 8193, RG_ERR_REMAP_SIZE},
+    {"width against the vertices", REMAP, 2, 17, RG_ERR_REMAP_BLOCK},
+    {"height against the vertices", REMAP + 2, 2, 9, RG_ERR_REMAP_BLOCK},
+    {"a column of vertices too few", REMAP + 4, 2, 2, RG_ERR_REMAP_BLOCK},
+    {"a row of vertices too many", REMAP + 6, 2, 3, RG_ERR_REMAP_BLOCK},
+    {"blocks of 4", REMAP + 8, 1, 2, RG_ERR_REMAP_BLOCK},
+    {"blocks of 64", REMAP + 8, 1, 6, RG_ERR_REMAP_BLOCK},
+    {"blocks of 16 against the vertices", REMAP + 8, 1, 4, RG_ERR_REMAP_BLOCK},
+    {"residual shift 11", REMAP + 9, 1, 11, RG_ERR_REMAP_SHIFT},
+    {"reserved field of the remap", REMAP + 10, 2, 1, RG_ERR_RESERVED},
+    {"source from column -1", REMAP + 12, 4, (uint32_t)-1, RG_ERR_REMAP_SOURCE},
+    {"source from row -1", REMAP + 16, 4, (uint32_t)-1, RG_ERR_REMAP_SOURCE},
+    {"source beyond the last column", REMAP + 20, 4, 63 * 4096 + 1,
+     RG_ERR_REMAP_SOURCE},
+    {"source beyond the last row", REMAP + 24, 4, 47 * 4096 + 1,
+     RG_ERR_REMAP_SOURCE},
+    {"source without width", REMAP + 12, 4, 63 * 4096 + 1, RG_ERR_REMAP_SOURCE},
+    {"source without height", REMAP + 16, 4, 47 * 4096 + 1,
+     RG_ERR_REMAP_SOURCE},
+    {"horizontal focal length 0", REMAP + 52, 4, 0, RG_ERR_REMAP_CAMERA},
+    {"vertical focal length 0", REMAP + 56, 4, 0, RG_ERR_REMAP_CAMERA},
+    {"vertices in the fields", REMAP + 76, 4, 76, RG_ERR_DATA_OFFSET},
+    {"vertices at an odd place", REMAP + 76, 4, 82, RG_ERR_DATA_OFFSET},
+    {"vertices end too late", REMAP + 76, 4, 84, RG_ERR_SECTION_SIZE},
+    {"vertices beyond the section", REMAP + 76, 4, 0xfffffffc,
+     RG_ERR_SECTION_SIZE},
+    {"vertices right of 8192", REMAP + 28, 4, 1u << 25, RG_ERR_REMAP_VERTEX},
+    {"vertices above -8192", REMAP + 32, 4, 0xfe000000, RG_ERR_REMAP_VERTEX},
+    {"last vertex too far right", REMAP + 36, 4, 1u << 24, RG_ERR_REMAP_VERTEX},
+    {"last vertex too far down", REMAP + 48, 4, 1u << 25, RG_ERR_REMAP_VERTEX},
+    {"first padding bit of the mask", MASK, 1, 1u << 2, RG_ERR_RESERVED},
+    {"last padding bit of the mask", MASK + 3, 1, 1u << 7, RG_ERR_RESERVED},
+};
+
+/* The same, but values that are still allowed. */
+static const field_fault kAllowedFields[] = {
+    {"a higher minor version", 10, 2, 65535, RG_OK},
+    {"largest image", CAMERA, 4, 8192u << 16 | 8192u, RG_OK},
+    {"empty serial", CAMERA + 40, 4, 0, RG_OK},
+    {"name of 7 bytes that are not UTF-8", CAMERA + 8, 4, 0xffc0ff80, RG_OK},
+    {"control point at the upper limit", CONTROL_POINTS, 4, 0x7f000000, RG_OK},
+    {"control point at the lower limit", CONTROL_POINTS, 4, 0x81000000, RG_OK},
+    {"source of one column", REMAP + 12, 4, 63 * 4096, RG_OK},
+    {"residual shift 10", REMAP + 9, 1, 10, RG_OK},
+    {"virtual camera of any centre", REMAP + 60, 4, 0x80000000, RG_OK},
+    {"all blocks empty", MASK, 1, 3, RG_OK},
+    {"any figure", QUALITY + 12, 4, 0, RG_OK},
+};
+
+static void store(uint8_t* p, uint32_t num_bytes, uint32_t value) {
+  for (uint32_t i = 0; i < num_bytes; ++i) p[i] = (uint8_t)(value >> 8 * i);
+}
+
+static void check_field(const field_fault* fault) {
+  memcpy(edited, kExampleBlob, SIZE);
+  store(edited + fault->offset, fault->num_bytes, fault->value);
+  repair_crcs(edited, SIZE);
+  const rg_status status = open_copy(edited, SIZE);
+  if (status != fault->status) print_error("%s\n", fault->what);
+  assert_int_equal(status, fault->status);
+}
+
+static void each_fault_has_its_own_status(void** state) {
+  (void)state;
+  for (size_t i = 0; i < sizeof(kFieldFaults) / sizeof(kFieldFaults[0]); ++i)
+    check_field(&kFieldFaults[i]);
+}
+
+static void values_at_the_limits_are_accepted(void** state) {
+  (void)state;
+  for (size_t i = 0; i < sizeof(kAllowedFields) / sizeof(kAllowedFields[0]);
+       ++i)
+    check_field(&kAllowedFields[i]);
+}
+
+static void golden_blobs_open(void** state) {
+  (void)state;
+  rg_blob blob;
+  assert_int_equal(rg_blob_open(kExampleBlob, SIZE, &blob), RG_OK);
+  assert_ptr_equal(blob.bytes, kExampleBlob);
+  assert_int_equal(blob.size, SIZE);
+  assert_int_equal(blob.camera, CAMERA);
+  assert_int_equal(blob.grid, GRID);
+  assert_int_equal(blob.remap, REMAP);
+  assert_int_equal(blob.quality, QUALITY);
+  assert_int_equal(rg_blob_open(kLensBlob, sizeof(kLensBlob), &blob), RG_OK);
+}
+
+static void camera_is_read(void** state) {
+  (void)state;
+  rg_blob blob;
+  rg_camera_section camera;
+  assert_int_equal(rg_blob_open(kLensBlob, sizeof(kLensBlob), &blob), RG_OK);
+  rg_blob_camera(&blob, &camera);
+  assert_int_equal(camera.width, 160);
+  assert_int_equal(camera.height, 120);
+  assert_string_equal(camera.name, "Weitwinkel \xc3\x9f");
+  assert_string_equal(camera.serial, "L-150/7");
+}
+
+static void grid_is_read(void** state) {
+  (void)state;
+  rg_blob blob;
+  rg_grid_section grid;
+  assert_int_equal(rg_blob_open(kLensBlob, sizeof(kLensBlob), &blob), RG_OK);
+  rg_blob_grid(&blob, &grid);
+  assert_int_equal(grid.x0_q16, 163840);
+  assert_int_equal(grid.y0_q16, 81920);
+  assert_int_equal(grid.x1_q16, 10289152);
+  assert_int_equal(grid.y1_q16, 7766016);
+  assert_int_equal(grid.columns, 9);
+  assert_int_equal(grid.rows, 8);
+  assert_int_equal(grid.scale_x_q32, 166794846);
+  assert_int_equal(grid.scale_y_q32, 183154255);
+  assert_ptr_equal(grid.control_points, kLensBlob + blob.grid + 40);
+}
+
+static void remap_is_read(void** state) {
+  (void)state;
+  rg_remap_section remap;
+  rg_read_remap(kExampleBlob + REMAP, &remap);
+  assert_int_equal(remap.width, 16);
+  assert_int_equal(remap.height, 8);
+  assert_int_equal(remap.columns, 3);
+  assert_int_equal(remap.rows, 2);
+  assert_int_equal(remap.block_log2, 3);
+  assert_int_equal(remap.residual_shift, 0);
+  assert_int_equal(remap.max_x_q12, 63 * 4096);
+  assert_int_equal(remap.max_y_q12, 47 * 4096);
+  assert_int_equal(remap.fx_q16, 28 * 65536);
+  assert_int_equal(remap.fy_q16, 28 * 65536);
+  assert_int_equal(remap.cx_q16, 15 * 32768);
+  assert_int_equal(remap.cy_q16, 7 * 32768);
+  assert_int_equal(remap.bound_upx, 100000);
+  assert_ptr_equal(remap.vertices, kExampleBlob + VERTICES);
+  assert_ptr_equal(remap.empty_blocks, kExampleBlob + MASK);
+}
+
+/* Each field of 4 bytes gets a value of its own. */
+static void remap_fields_are_not_confused(void** state) {
+  (void)state;
+  memcpy(edited, kExampleBlob, SIZE);
+  for (uint32_t i = 12; i < 76; i += 4) rg_store_u32(edited + REMAP + i, i);
+  rg_remap_section remap;
+  rg_read_remap(edited + REMAP, &remap);
+  const uint32_t fields[16] = {(uint32_t)remap.min_x_q12,
+                               (uint32_t)remap.min_y_q12,
+                               (uint32_t)remap.max_x_q12,
+                               (uint32_t)remap.max_y_q12,
+                               (uint32_t)remap.origin_x_q12,
+                               (uint32_t)remap.origin_y_q12,
+                               (uint32_t)remap.column_step_x_q12,
+                               (uint32_t)remap.column_step_y_q12,
+                               (uint32_t)remap.row_step_x_q12,
+                               (uint32_t)remap.row_step_y_q12,
+                               remap.fx_q16,
+                               remap.fy_q16,
+                               (uint32_t)remap.cx_q16,
+                               (uint32_t)remap.cy_q16,
+                               remap.bound_upx,
+                               remap.max_error_upx};
+  for (uint32_t i = 0; i < 16; ++i) assert_int_equal(fields[i], 12 + 4 * i);
+}
+
+static void quality_is_read(void** state) {
+  (void)state;
+  rg_blob blob;
+  rg_quality_section quality;
+  assert_int_equal(rg_blob_open(kLensBlob, sizeof(kLensBlob), &blob), RG_OK);
+  rg_blob_quality(&blob, &quality);
+  assert_int_equal(quality.training_median_upx, 31000);
+  assert_int_equal(quality.training_rms_upx, 42000);
+  assert_int_equal(quality.training_max_upx, 350000);
+  assert_int_equal(quality.training_count, 12345);
+  assert_int_equal(quality.held_out_median_upx, 33000);
+  assert_int_equal(quality.held_out_rms_upx, 45000);
+  assert_int_equal(quality.held_out_max_upx, 410000);
+  assert_int_equal(quality.held_out_count, 6789);
+  assert_int_equal(quality.packing_error_npx, 1729);
+  assert_int_equal(quality.packing_error_prad, 21835);
+}
+
+static void truncated_blob_is_refused(void** state) {
+  (void)state;
+  for (uint32_t size = 0; size < SIZE; ++size)
+    assert_int_equal(open_copy(kExampleBlob, size), RG_ERR_TRUNCATED);
+  for (uint32_t size = 0; size < sizeof(kLensBlob); ++size)
+    assert_int_equal(open_copy(kLensBlob, size), RG_ERR_TRUNCATED);
+}
+
+static void bytes_after_the_blob_are_ignored(void** state) {
+  (void)state;
+  memcpy(edited, kExampleBlob, SIZE);
+  memset(edited + SIZE, 0xa5, 7);
+  assert_int_equal(open_copy(edited, SIZE + 7), RG_OK);
+}
+
+static void flip_each_bit(const uint8_t* golden, uint32_t size) {
+  memcpy(edited, golden, size);
+  rg_blob blob;
+  for (uint32_t bit = 0; bit < 8 * size; ++bit) {
+    edited[bit / 8] ^= (uint8_t)(1u << bit % 8);
+    assert_int_not_equal(rg_blob_open(edited, size, &blob), RG_OK);
+    edited[bit / 8] ^= (uint8_t)(1u << bit % 8);
+  }
+}
+
+static void every_flipped_bit_is_refused(void** state) {
+  (void)state;
+  flip_each_bit(kExampleBlob, SIZE);
+  flip_each_bit(kLensBlob, sizeof(kLensBlob));
+}
+
+static void every_lost_byte_is_refused(void** state) {
+  (void)state;
+  memcpy(edited, kExampleBlob, SIZE);
+  rg_blob blob;
+  for (uint32_t i = 0; i < SIZE; ++i) {
+    edited[i] = kExampleBlob[i] == 0xff ? 0 : 0xff;
+    assert_int_not_equal(rg_blob_open(edited, SIZE, &blob), RG_OK);
+    edited[i] = kExampleBlob[i];
+  }
+}
+
+static void damaged_table_is_a_header_crc_fault(void** state) {
+  (void)state;
+  for (uint32_t i = 20; i < CAMERA; ++i) {
+    memcpy(edited, kExampleBlob, SIZE);
+    edited[i] ^= 0x10;
+    assert_int_equal(open_copy(edited, SIZE), RG_ERR_HEADER_CRC);
+  }
+}
+
+static void damaged_section_is_a_section_crc_fault(void** state) {
+  (void)state;
+  for (uint32_t i = CAMERA; i < SIZE; ++i) {
+    memcpy(edited, kExampleBlob, SIZE);
+    edited[i] ^= 0x80;
+    assert_int_equal(open_copy(edited, SIZE), RG_ERR_SECTION_CRC);
+  }
+}
+
+static void misaligned_address_is_refused(void** state) {
+  (void)state;
+  rg_blob blob;
+  for (uint32_t shift = 1; shift < 16; ++shift) {
+    memcpy(edited + shift, kExampleBlob, SIZE);
+    const rg_status expected = shift % 4 == 0 ? RG_OK : RG_ERR_MISALIGNED;
+    assert_int_equal(rg_blob_open(edited + shift, SIZE, &blob), expected);
+  }
+}
+
+static void null_is_refused(void** state) {
+  (void)state;
+  rg_blob blob;
+  assert_int_equal(rg_blob_open(NULL, SIZE, &blob), RG_ERR_ARGUMENT);
+  assert_int_equal(rg_blob_open(kExampleBlob, SIZE, NULL), RG_ERR_ARGUMENT);
+}
+
+static void output_is_untouched_on_failure(void** state) {
+  (void)state;
+  rg_blob blob, untouched;
+  memset(&blob, 0x5a, sizeof(blob));
+  memset(&untouched, 0x5a, sizeof(untouched));
+  for (size_t i = 0; i < sizeof(kFieldFaults) / sizeof(kFieldFaults[0]); ++i) {
+    memcpy(edited, kExampleBlob, SIZE);
+    store(edited + kFieldFaults[i].offset, kFieldFaults[i].num_bytes,
+          kFieldFaults[i].value);
+    repair_crcs(edited, SIZE);
+    assert_int_not_equal(rg_blob_open(edited, SIZE, &blob), RG_OK);
+    assert_memory_equal(&blob, &untouched, sizeof(blob));
+  }
+}
+
+/* The sections of kExampleBlob, and one that no version knows. */
+static uint32_t take_sections(blob_section sections[5]) {
+  static const uint8_t unknown[4] = {1, 2, 3, 4};
+  for (uint32_t k = 0; k < 4; ++k) sections[k] = section_of(kExampleBlob, k);
+  const blob_section last = {9, 0, unknown, sizeof(unknown)};
+  sections[4] = last;
+  return 5;
+}
+
+static void sections_put_together_give_the_example(void** state) {
+  (void)state;
+  blob_section sections[5];
+  take_sections(sections);
+  assert_int_equal(assemble_blob(sections, 4, edited), SIZE);
+  assert_memory_equal(edited, kExampleBlob, SIZE);
+}
+
+static void unknown_optional_section_is_skipped(void** state) {
+  (void)state;
+  blob_section sections[5];
+  const uint32_t count = take_sections(sections);
+  assert_int_equal(open_copy(edited, assemble_blob(sections, count, edited)),
+                   RG_OK);
+}
+
+static void unknown_critical_section_is_refused(void** state) {
+  (void)state;
+  blob_section sections[5];
+  const uint32_t count = take_sections(sections);
+  sections[4].flags = RG_SECTION_CRITICAL;
+  assert_int_equal(open_copy(edited, assemble_blob(sections, count, edited)),
+                   RG_ERR_SECTION_UNKNOWN);
+}
+
+static void sections_may_stand_in_any_order(void** state) {
+  (void)state;
+  blob_section sections[5], reversed[5];
+  const uint32_t count = take_sections(sections);
+  for (uint32_t k = 0; k < count; ++k) reversed[k] = sections[count - 1 - k];
+  const uint32_t size = assemble_blob(reversed, count, edited);
+  rg_blob blob;
+  assert_int_equal(rg_blob_open(edited, size, &blob), RG_OK);
+  assert_memory_equal(edited + blob.camera, kExampleBlob + CAMERA, 72);
+  assert_memory_equal(edited + blob.quality, kExampleBlob + QUALITY, 40);
+}
+
+static void first_of_two_remaps_is_used(void** state) {
+  (void)state;
+  blob_section sections[5];
+  const uint32_t count = take_sections(sections);
+  sections[4] = sections[2];
+  const uint32_t size = assemble_blob(sections, count, edited);
+  rg_blob blob;
+  assert_int_equal(rg_blob_open(edited, size, &blob), RG_OK);
+  assert_int_equal(blob.remap, REMAP + RG_SECTION_ENTRY_SIZE);
+}
+
+static void fault_in_the_second_remap_is_refused(void** state) {
+  (void)state;
+  static uint8_t second[108];
+  blob_section sections[5];
+  const uint32_t count = take_sections(sections);
+  assert_int_equal(sections[2].size, sizeof(second));
+  memcpy(second, sections[2].bytes, sizeof(second));
+  second[9] = 11;
+  sections[4] = sections[2];
+  sections[4].bytes = second;
+  assert_int_equal(open_copy(edited, assemble_blob(sections, count, edited)),
+                   RG_ERR_REMAP_SHIFT);
+}
+
+static void camera_and_grid_suffice(void** state) {
+  (void)state;
+  blob_section sections[5];
+  take_sections(sections);
+  const uint32_t size = assemble_blob(sections, 2, edited);
+  rg_blob blob;
+  assert_int_equal(rg_blob_open(edited, size, &blob), RG_OK);
+  assert_int_equal(blob.remap, 0);
+  assert_int_equal(blob.quality, 0);
+}
+
+/* The section stands last, so that reading on would leave the blob. */
+static rg_status open_with_short_section(uint32_t k, uint32_t size) {
+  blob_section sections[5];
+  take_sections(sections);
+  const blob_section last = sections[3];
+  sections[3] = sections[k];
+  if (k != 3) sections[k] = last;
+  sections[3].size = size;
+  return open_copy(edited, assemble_blob(sections, 4, edited));
+}
+
+static void section_shorter_than_its_fields_is_refused(void** state) {
+  (void)state;
+  const uint32_t fields_size[4] = {72, 40, 80, 40};
+  for (uint32_t k = 0; k < 4; ++k)
+    for (uint32_t size = 4; size < fields_size[k]; size += 4)
+      assert_int_equal(open_with_short_section(k, size), RG_ERR_SECTION_SIZE);
+}
+
+/* Sections of a later minor version: 8 bytes more of fields. */
+static uint32_t assemble_longer_sections(void) {
+  static uint8_t longer[4][192];
+  const uint32_t fields_size[4] = {72, 40, 80, 40};
+  blob_section sections[5];
+  take_sections(sections);
+  for (uint32_t k = 0; k < 4; ++k) {
+    const uint32_t n = fields_size[k];
+    memcpy(longer[k], sections[k].bytes, n);
+    memset(longer[k] + n, 0xee, 8);
+    memcpy(longer[k] + n + 8, sections[k].bytes + n, sections[k].size - n);
+    sections[k].bytes = longer[k];
+    sections[k].size += 8;
+  }
+  rg_store_u32(longer[1] + 32, 48);
+  rg_store_u32(longer[2] + 76, 88);
+  return assemble_blob(sections, 4, edited);
+}
+
+static void longer_sections_are_read(void** state) {
+  (void)state;
+  const uint32_t size = assemble_longer_sections();
+  rg_blob blob;
+  assert_int_equal(rg_blob_open(edited, size, &blob), RG_OK);
+  rg_grid_section grid;
+  rg_blob_grid(&blob, &grid);
+  assert_memory_equal(grid.control_points, kExampleBlob + CONTROL_POINTS, 128);
+  rg_remap_section remap;
+  rg_read_remap(edited + blob.remap, &remap);
+  assert_memory_equal(remap.vertices, kExampleBlob + VERTICES, 24);
+}
+
+static void array_with_bytes_left_over_is_refused(void** state) {
+  (void)state;
+  static uint8_t longer[2][192];
+  blob_section sections[5];
+  for (uint32_t k = 1; k <= 2; ++k) {
+    take_sections(sections);
+    memcpy(longer[k - 1], sections[k].bytes, sections[k].size);
+    sections[k].bytes = longer[k - 1];
+    sections[k].size += 4;
+    assert_int_equal(open_copy(edited, assemble_blob(sections, 4, edited)),
+                     RG_ERR_SECTION_SIZE);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(golden_blobs_open),
+      cmocka_unit_test(camera_is_read),
+      cmocka_unit_test(grid_is_read),
+      cmocka_unit_test(remap_is_read),
+      cmocka_unit_test(remap_fields_are_not_confused),
+      cmocka_unit_test(quality_is_read),
+      cmocka_unit_test(each_fault_has_its_own_status),
+      cmocka_unit_test(values_at_the_limits_are_accepted),
+      cmocka_unit_test(truncated_blob_is_refused),
+      cmocka_unit_test(bytes_after_the_blob_are_ignored),
+      cmocka_unit_test(every_flipped_bit_is_refused),
+      cmocka_unit_test(every_lost_byte_is_refused),
+      cmocka_unit_test(damaged_table_is_a_header_crc_fault),
+      cmocka_unit_test(damaged_section_is_a_section_crc_fault),
+      cmocka_unit_test(misaligned_address_is_refused),
+      cmocka_unit_test(null_is_refused),
+      cmocka_unit_test(output_is_untouched_on_failure),
+      cmocka_unit_test(sections_put_together_give_the_example),
+      cmocka_unit_test(unknown_optional_section_is_skipped),
+      cmocka_unit_test(unknown_critical_section_is_refused),
+      cmocka_unit_test(sections_may_stand_in_any_order),
+      cmocka_unit_test(first_of_two_remaps_is_used),
+      cmocka_unit_test(fault_in_the_second_remap_is_refused),
+      cmocka_unit_test(camera_and_grid_suffice),
+      cmocka_unit_test(section_shorter_than_its_fields_is_refused),
+      cmocka_unit_test(longer_sections_are_read),
+      cmocka_unit_test(array_with_bytes_left_over_is_refused),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

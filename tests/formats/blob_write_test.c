@@ -1,0 +1,223 @@
+#include <string.h>
+
+#include "bytes.h"
+#include "golden_blobs.h"
+#include "rg_blob.h"
+#include "unit_test.h"
+
+#define SIZE ((uint32_t)sizeof(kExampleBlob))
+
+static uint8_t written[2048] __attribute__((aligned(4)));
+
+/* What a golden blob holds, for altering and writing. */
+typedef struct camera_parts {
+  rg_camera_section camera;
+  rg_grid_section grid;
+  int32_t control_points[256];
+  rg_remap_section remap;
+  int16_t residuals[256];
+  rg_quality_section quality;
+  rg_blob_contents contents;
+} camera_parts;
+
+static camera_parts parts;
+
+static void copy_arrays(void) {
+  const uint32_t num_points = 2u * parts.grid.columns * parts.grid.rows;
+  for (uint32_t i = 0; i < num_points; ++i)
+    parts.control_points[i] = rg_load_i32(parts.grid.control_points + 4 * i);
+  const uint32_t num_residuals = 2u * parts.remap.columns * parts.remap.rows;
+  for (uint32_t i = 0; i < num_residuals; ++i)
+    parts.residuals[i] = rg_load_i16(parts.remap.vertices + 2 * i);
+}
+
+static void take_apart(const uint8_t* bytes, uint32_t size) {
+  rg_blob blob;
+  assert_int_equal(rg_blob_open(bytes, size, &blob), RG_OK);
+  rg_blob_camera(&blob, &parts.camera);
+  rg_blob_grid(&blob, &parts.grid);
+  rg_read_remap(bytes + blob.remap, &parts.remap);
+  rg_blob_quality(&blob, &parts.quality);
+  copy_arrays();
+  const rg_blob_contents contents = {&parts.camera,        &parts.grid,
+                                     parts.control_points, &parts.remap,
+                                     parts.residuals,      &parts.quality};
+  parts.contents = contents;
+}
+
+static int take_example_apart(void** state) {
+  (void)state;
+  take_apart(kExampleBlob, SIZE);
+  return 0;
+}
+
+static rg_status write_parts(void) {
+  return rg_blob_write(&parts.contents, written, sizeof(written));
+}
+
+static void example_is_written_byte_for_byte(void** state) {
+  (void)state;
+  assert_int_equal(rg_blob_size(&parts.contents), SIZE);
+  memset(written, 0xa5, sizeof(written));
+  assert_int_equal(write_parts(), RG_OK);
+  assert_memory_equal(written, kExampleBlob, SIZE);
+  assert_int_equal(written[SIZE], 0xa5);
+}
+
+static void lens_is_written_byte_for_byte(void** state) {
+  (void)state;
+  take_apart(kLensBlob, sizeof(kLensBlob));
+  assert_int_equal(rg_blob_size(&parts.contents), sizeof(kLensBlob));
+  assert_int_equal(write_parts(), RG_OK);
+  assert_memory_equal(written, kLensBlob, sizeof(kLensBlob));
+}
+
+static void optional_sections_may_be_left_out(void** state) {
+  (void)state;
+  parts.contents.remap = NULL;
+  parts.contents.quality = NULL;
+  assert_int_equal(write_parts(), RG_OK);
+  rg_blob blob;
+  assert_int_equal(rg_blob_open(written, rg_blob_size(&parts.contents), &blob),
+                   RG_OK);
+  assert_int_equal(blob.remap, 0);
+  assert_int_equal(blob.quality, 0);
+}
+
+static void too_small_buffer_is_left_alone(void** state) {
+  (void)state;
+  memset(written, 0xa5, sizeof(written));
+  assert_int_equal(rg_blob_write(&parts.contents, written, SIZE - 1),
+                   RG_ERR_BUFFER_TOO_SMALL);
+  for (uint32_t i = 0; i < SIZE; ++i) assert_int_equal(written[i], 0xa5);
+}
+
+static void buffer_of_the_exact_size_suffices(void** state) {
+  (void)state;
+  assert_int_equal(rg_blob_write(&parts.contents, written, SIZE), RG_OK);
+}
+
+static void misaligned_buffer_is_refused(void** state) {
+  (void)state;
+  assert_int_equal(rg_blob_write(&parts.contents, written + 2, 1024),
+                   RG_ERR_MISALIGNED);
+}
+
+static void missing_parts_are_refused(void** state) {
+  (void)state;
+  assert_int_equal(rg_blob_write(NULL, written, 1024), RG_ERR_ARGUMENT);
+  assert_int_equal(rg_blob_write(&parts.contents, NULL, 1024), RG_ERR_ARGUMENT);
+  parts.contents.residuals = NULL;
+  assert_int_equal(write_parts(), RG_ERR_ARGUMENT);
+  take_example_apart(state);
+  parts.remap.empty_blocks = NULL;
+  assert_int_equal(write_parts(), RG_ERR_ARGUMENT);
+  take_example_apart(state);
+  parts.contents.control_points_q29 = NULL;
+  assert_int_equal(write_parts(), RG_ERR_ARGUMENT);
+  parts.contents.grid = NULL;
+  assert_int_equal(write_parts(), RG_ERR_ARGUMENT);
+  take_example_apart(state);
+  parts.contents.camera = NULL;
+  assert_int_equal(write_parts(), RG_ERR_ARGUMENT);
+}
+
+static void image_without_width_is_refused(void** state) {
+  (void)state;
+  parts.camera.width = 0;
+  assert_int_equal(write_parts(), RG_ERR_IMAGE_SIZE);
+}
+
+static void name_of_32_bytes_is_refused(void** state) {
+  (void)state;
+  parts.camera.name = "12345678901234567890123456789012";
+  assert_int_equal(write_parts(), RG_ERR_TEXT);
+}
+
+static void area_outside_the_image_is_refused(void** state) {
+  (void)state;
+  parts.grid.x1_q16 = 64 * 65536;
+  assert_int_equal(write_parts(), RG_ERR_AREA);
+}
+
+static void unusable_grid_size_is_refused(void** state) {
+  (void)state;
+  parts.grid.rows = 3;
+  assert_int_equal(write_parts(), RG_ERR_GRID_SIZE);
+  parts.grid.rows = 1028;
+  assert_int_equal(write_parts(), RG_ERR_GRID_SIZE);
+}
+
+static void wrong_scale_is_refused(void** state) {
+  (void)state;
+  --parts.grid.scale_y_q32;
+  assert_int_equal(write_parts(), RG_ERR_GRID_SCALE);
+}
+
+static void control_point_beyond_the_limit_is_refused(void** state) {
+  (void)state;
+  parts.control_points[31] = -0x7f000001;
+  assert_int_equal(write_parts(), RG_ERR_CONTROL_POINT);
+}
+
+static void unusable_remap_is_refused(void** state) {
+  (void)state;
+  parts.remap.rows = 1;
+  assert_int_equal(write_parts(), RG_ERR_REMAP_BLOCK);
+  parts.remap.rows = 1026;
+  assert_int_equal(write_parts(), RG_ERR_REMAP_BLOCK);
+  take_example_apart(state);
+  parts.remap.height = 0;
+  assert_int_equal(write_parts(), RG_ERR_REMAP_SIZE);
+  take_example_apart(state);
+  parts.remap.residual_shift = 11;
+  assert_int_equal(write_parts(), RG_ERR_REMAP_SHIFT);
+  take_example_apart(state);
+  parts.remap.max_x_q12 = 64 * 4096;
+  assert_int_equal(write_parts(), RG_ERR_REMAP_SOURCE);
+}
+
+static void unusable_remap_values_are_refused(void** state) {
+  (void)state;
+  parts.remap.fy_q16 = 0;
+  assert_int_equal(write_parts(), RG_ERR_REMAP_CAMERA);
+  take_example_apart(state);
+  parts.remap.origin_y_q12 = 1 << 25;
+  assert_int_equal(write_parts(), RG_ERR_REMAP_VERTEX);
+  take_example_apart(state);
+  static const uint8_t padded_with_a_one[4] = {0, 0, 1, 0};
+  parts.remap.empty_blocks = padded_with_a_one;
+  assert_int_equal(write_parts(), RG_ERR_RESERVED);
+}
+
+static void grid_scale_is_rounded_down(void** state) {
+  (void)state;
+  assert_int_equal(rg_grid_scale_q32(1, 63u << 16), 68174084);
+  assert_int_equal(rg_grid_scale_q32(1, 47u << 16), 91382282);
+  assert_int_equal(rg_grid_scale_q32(3, 3u << 20), 1u << 28);
+  assert_int_equal(rg_grid_scale_q32(1024, 0x3fffffff), 268435456);
+}
+
+#define TEST(name) cmocka_unit_test_setup(name, take_example_apart)
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      TEST(example_is_written_byte_for_byte),
+      TEST(lens_is_written_byte_for_byte),
+      TEST(optional_sections_may_be_left_out),
+      TEST(too_small_buffer_is_left_alone),
+      TEST(buffer_of_the_exact_size_suffices),
+      TEST(misaligned_buffer_is_refused),
+      TEST(missing_parts_are_refused),
+      TEST(image_without_width_is_refused),
+      TEST(name_of_32_bytes_is_refused),
+      TEST(area_outside_the_image_is_refused),
+      TEST(unusable_grid_size_is_refused),
+      TEST(wrong_scale_is_refused),
+      TEST(control_point_beyond_the_limit_is_refused),
+      TEST(unusable_remap_is_refused),
+      TEST(unusable_remap_values_are_refused),
+      TEST(grid_scale_is_rounded_down),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,154 @@
+// What a calibration finds against the truth that it was simulated with.
+
+#include <cstdio>
+
+#include "calibration.h"
+#include "evaluation/model_difference.h"
+#include "simulation/simulated_camera.h"
+#include "simulation/simulated_observations.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+Pattern TestBoard() { return ChessboardPattern(30, 24, 0.02); }
+
+SimulatedObservations Simulate(int num_images, double bend_m = 0) {
+  SimulationOptions options;
+  options.num_images = num_images;
+  options.board_bend_m = bend_m;
+  return SimulateObservations(ExampleSimulatedCamera(), TestBoard(), options);
+}
+
+// One image held out saves the time of cross-validation.
+CalibrationResult CalibrateWithCells(const Dataset& dataset, double cell_px) {
+  CalibrationOptions options;
+  options.cell_px = cell_px;
+  options.hold_out = {dataset.images.back().image};
+  return Calibrate(dataset, TestBoard(), options);
+}
+
+ModelDifference Truth(const char* what, const CalibrationResult& result) {
+  const ModelDifference difference =
+      CompareModels(ExampleSimulatedCamera(), *result.camera.camera, 4);
+  std::printf(
+      "%s: ray error median %.4f px, RMS %.4f, 99 %% %.4f, max %.4f; training "
+      "median %.4f px\n",
+      what, difference.median_px, difference.rms_px, difference.p99_px,
+      difference.max_px, result.camera.training->median_px);
+  return difference;
+}
+
+TEST(Accuracy, HundredImagesGiveTheTrueRays) {
+  const CalibrationResult result =
+      CalibrateWithCells(Simulate(100).dataset, 40);
+  EXPECT_TRUE(result.converged);
+  const ModelDifference difference = Truth("100 images", result);
+  EXPECT_GT(difference.pixels.size(), 15000u);
+  EXPECT_LE(difference.median_px, 0.0070);
+  EXPECT_LE(difference.max_px, 0.15);
+}
+
+// Root mean square distance of corresponding points.
+double RmsDistance(const std::vector<Eigen::Vector3d>& a,
+                   const std::vector<Eigen::Vector3d>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+// The points moved by the similarity that brings them nearest to others.
+std::vector<Eigen::Vector3d> SimilarityAligned(
+    const std::vector<Eigen::Vector3d>& points,
+    const std::vector<Eigen::Vector3d>& to) {
+  Eigen::Matrix3Xd from(3, points.size()), target(3, points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    from.col(i) = points[i];
+    target.col(i) = to[i];
+  }
+  const Eigen::Matrix4d similarity = Eigen::umeyama(from, target, true);
+  std::vector<Eigen::Vector3d> aligned;
+  for (const Eigen::Vector3d& point : points)
+    aligned.push_back((similarity * point.homogeneous()).head<3>());
+  return aligned;
+}
+
+TEST(Accuracy, BentBoardIsRecovered) {
+  const SimulatedObservations simulated = Simulate(60, 0.003);
+  const CalibrationResult result = CalibrateWithCells(simulated.dataset, 40);
+  const std::vector<Eigen::Vector3d>& found = result.pattern.boards[0].points;
+  const std::vector<Eigen::Vector3d>& truth =
+      simulated.true_pattern.boards[0].points;
+  const double flat = RmsDistance(
+      SimilarityAligned(TestBoard().boards[0].points, truth), truth);
+  const double error = RmsDistance(SimilarityAligned(found, truth), truth);
+  std::printf("bent board: %.1f um RMS from flat, found to %.1f um\n",
+              1e6 * flat, 1e6 * error);
+  EXPECT_GT(flat, 300e-6);
+  EXPECT_LT(error, 0.03 * flat);
+  EXPECT_LT(Truth("bent board", result).median_px, 0.012);
+}
+
+// Median error of images that were not calibrated with, without noise.
+double HeldOutOnTruth(const CalibrationResult& result) {
+  SimulationOptions options;
+  options.num_images = 30;
+  options.noise_px = 0;
+  options.seed = 77;
+  const SimulatedObservations test =
+      SimulateObservations(ExampleSimulatedCamera(), TestBoard(), options);
+  const Evaluation evaluation =
+      EvaluateCamera(*result.camera.camera, test.dataset, result.pattern, 0);
+  EXPECT_GT(evaluation.residuals.size(), 5000u);
+  return ComputeErrorFigures(evaluation.residuals).median_px;
+}
+
+TEST(Accuracy, FineGridIsNoWorseThanACoarseOneOnFewImages) {
+  const Dataset dataset = Simulate(7).dataset;  // one of them held out
+  const double fine = HeldOutOnTruth(CalibrateWithCells(dataset, 20));
+  const double coarse = HeldOutOnTruth(CalibrateWithCells(dataset, 80));
+  std::printf("6 images: held-out median %.4f px with 20 px, %.4f with 80 px\n",
+              fine, coarse);
+  EXPECT_LE(fine, 1.2 * coarse);
+}
+
+// Moves a part of the features by 10 to 30 px; returns how many.
+int Displace(double part, Dataset* dataset) {
+  TestRandom random(5);
+  int count = 0;
+  for (ImageFeatures& image : dataset->images) {
+    for (Feature& feature : image.features) {
+      if (random.Uniform(0, 1) >= part) continue;
+      const double angle = random.Uniform(0, 2 * M_PI);
+      const Eigen::Vector2d moved =
+          feature.pixel + random.Uniform(10, 30) *
+                              Eigen::Vector2d(std::cos(angle), std::sin(angle));
+      if (!WholeImage(dataset->image_size).Contains(moved)) continue;
+      feature.pixel = moved;
+      ++count;
+    }
+  }
+  return count;
+}
+
+TEST(Accuracy, DisplacedFeaturesAreRejectedAndDoLittleHarm) {
+  Dataset dataset = Simulate(60).dataset;
+  const ModelDifference clean =
+      Truth("without outliers", CalibrateWithCells(dataset, 40));
+  const int num_displaced = Displace(0.02, &dataset);
+  ASSERT_GT(num_displaced, 200);
+  const CalibrationResult result = CalibrateWithCells(dataset, 40);
+  const ModelDifference difference = Truth("2 % outliers", result);
+  int num_rejected = 0;
+  for (const FeatureResidual& feature : result.rejected_features)
+    num_rejected += feature.error_px.norm() > 5;
+  std::printf("%d displaced, %zu rejected, %d of these by more than 5 px\n",
+              num_displaced, result.rejected_features.size(), num_rejected);
+  // All but those of the image held out, about one in sixty.
+  EXPECT_GT(num_rejected, 0.95 * num_displaced);
+  EXPECT_LE(result.rejected_features.size(), 1.1 * num_displaced);
+  EXPECT_LT(difference.median_px, 1.3 * clean.median_px);
+}
+
+}  // namespace
+}  // namespace raygrid

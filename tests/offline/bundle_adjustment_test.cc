@@ -1,0 +1,269 @@
+// Ceres is the oracle: it solves the same problem, stated independently.
+
+#include "adjustment/bundle_adjustment.h"
+
+#include <ceres/ceres.h>
+#include <ceres/rotation.h>
+
+#include "small_problem.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+// The rational model as OpenCV documents it; c as in OpenCvModel.
+struct ReprojectionCost {
+  Eigen::Vector2d pixel;
+
+  template <typename T>
+  bool operator()(const T* c, const T* pose, const T* point, T* error) const {
+    T p[3];
+    ceres::AngleAxisRotatePoint(pose, point, p);
+    const T x = (p[0] + pose[3]) / (p[2] + pose[5]);
+    const T y = (p[1] + pose[4]) / (p[2] + pose[5]);
+    const T r2 = x * x + y * y, r4 = r2 * r2, r6 = r4 * r2;
+    const T radial = (T(1) + c[4] * r2 + c[5] * r4 + c[6] * r6) /
+                     (T(1) + c[7] * r2 + c[8] * r4 + c[9] * r6);
+    const T p1 = c[10], p2 = c[11];
+    const T xd = x * radial + T(2) * p1 * x * y + p2 * (r2 + T(2) * x * x);
+    const T yd = y * radial + p1 * (r2 + T(2) * y * y) + T(2) * p2 * x * y;
+    error[0] = c[0] * xd + c[2] - pixel.x();
+    error[1] = c[1] * yd + c[3] - pixel.y();
+    return true;
+  }
+};
+
+// weight * (x - mean), coordinate by coordinate.
+template <int N>
+struct PriorCost {
+  Eigen::Matrix<double, N, 1> mean, weight;
+
+  template <typename T>
+  bool operator()(const T* x, T* error) const {
+    for (int k = 0; k < N; ++k) error[k] = weight[k] * (x[k] - mean[k]);
+    return true;
+  }
+};
+
+template <int N>
+ceres::CostFunction* NewPriorCost(const Eigen::Matrix<double, N, 1>& mean,
+                                  const Eigen::Matrix<double, N, 1>& weight) {
+  return new ceres::AutoDiffCostFunction<PriorCost<N>, N, N>(
+      new PriorCost<N>{mean, weight});
+}
+
+struct Solution {
+  double cost = 0;
+  Eigen::VectorXd camera;
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Pose> poses;
+};
+
+using PoseParameters = Eigen::Matrix<double, 6, 1>;
+
+std::vector<PoseParameters> ToParameters(const std::vector<Pose>& poses) {
+  std::vector<PoseParameters> parameters;
+  for (const Pose& pose : poses) {
+    const Eigen::AngleAxisd rotation(pose.rotation);
+    parameters.emplace_back();
+    parameters.back() << rotation.angle() * rotation.axis(), pose.translation;
+  }
+  return parameters;
+}
+
+void AddPriorBlocks(const GaussianPrior& prior, double* camera,
+                    std::vector<Eigen::Vector3d>* points,
+                    ceres::Problem* problem) {
+  using CameraVector = Eigen::Matrix<double, OpenCvModel::kCount, 1>;
+  const Eigen::MatrixXd precision = prior.camera_precision;
+  problem->AddResidualBlock(
+      NewPriorCost<OpenCvModel::kCount>(
+          CameraVector(prior.camera_mean),
+          CameraVector(
+              (prior.camera_weight * precision.diagonal()).cwiseSqrt())),
+      nullptr, camera);
+  for (size_t i = 0; i < points->size(); ++i)
+    problem->AddResidualBlock(
+        NewPriorCost<3>(
+            prior.points_mean[i],
+            Eigen::Vector3d::Constant(std::sqrt(prior.points_weight))),
+        nullptr, (*points)[i].data());
+}
+
+Solution SolveByCeres(const std::vector<View>& views,
+                      const GaussianPrior& prior, bool fix_points,
+                      const AdjustmentState& start) {
+  Solution solution;
+  solution.camera = start.camera->Parameters();
+  solution.points = start.points;
+  std::vector<PoseParameters> poses = ToParameters(start.camera_from_pattern);
+  ceres::Problem problem;
+  for (size_t v = 0; v < views.size(); ++v)
+    for (const Observation& o : views[v].observations)
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<ReprojectionCost, 2,
+                                          OpenCvModel::kCount, 6, 3>(
+              new ReprojectionCost{o.pixel}),
+          new ceres::HuberLoss(1), solution.camera.data(), poses[v].data(),
+          solution.points[o.point].data());
+  AddPriorBlocks(prior, solution.camera.data(), &solution.points, &problem);
+  if (fix_points)
+    for (Eigen::Vector3d& point : solution.points)
+      problem.SetParameterBlockConstant(point.data());
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_SCHUR;
+  options.max_num_iterations = 300;
+  options.function_tolerance = 1e-15;
+  options.parameter_tolerance = 1e-14;
+  options.gradient_tolerance = 1e-14;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  solution.cost = summary.final_cost;
+  for (const PoseParameters& pose : poses)
+    solution.poses.push_back(
+        {RotationFromVector(pose.head<3>()), pose.tail<3>()});
+  return solution;
+}
+
+double CostOfPrior(const GaussianPrior& prior, const AdjustmentState& state) {
+  const Eigen::VectorXd d = state.camera->Parameters() - prior.camera_mean;
+  double cost = prior.camera_weight / 2 * d.dot(prior.camera_precision * d);
+  for (size_t i = 0; i < state.points.size(); ++i)
+    cost += prior.points_weight / 2 *
+            (state.points[i] - prior.points_mean[i]).squaredNorm();
+  return cost;
+}
+
+AdjustmentOptions Thorough(bool fix_points) {
+  AdjustmentOptions options;
+  options.fix_points = fix_points;
+  options.max_iterations = 200;
+  options.relative_tolerance = 1e-13;
+  options.num_threads = 1;
+  return options;
+}
+
+// Noise, and a few observations in the linear part of the loss.
+SmallProblem NoisyProblem(const SmallProblemSizes& sizes) {
+  SmallProblem problem = MakeSmallProblem(sizes);
+  for (View& view : problem.views)
+    view.observations[3].pixel += Eigen::Vector2d(4, -6);
+  return problem;
+}
+
+void ExpectSameSolution(const Solution& expected,
+                        const AdjustmentState& state) {
+  const Eigen::VectorXd camera = state.camera->Parameters();
+  EXPECT_LT((camera - expected.camera).head<4>().norm(), 1e-2);
+  EXPECT_LT((camera - expected.camera).tail<8>().norm(), 1e-3);
+  for (size_t i = 0; i < state.points.size(); ++i)
+    EXPECT_LT((state.points[i] - expected.points[i]).norm(), 1e-5);
+  for (size_t v = 0; v < expected.poses.size(); ++v) {
+    const Pose& pose = state.camera_from_pattern[v];
+    EXPECT_LT(pose.rotation.angularDistance(expected.poses[v].rotation), 1e-4);
+    EXPECT_LT((pose.translation - expected.poses[v].translation).norm(), 1e-4);
+  }
+}
+
+void ExpectCeresSolution(const SmallProblemSizes& sizes, bool fix_points) {
+  const SmallProblem problem = NoisyProblem(sizes);
+  const GaussianPrior prior = PriorOf(problem);
+  const AdjustmentState start = Disturbed(problem.state, !fix_points);
+  const Solution expected =
+      SolveByCeres(problem.views, prior, fix_points, start);
+  AdjustmentState state = start;
+  const AdjustmentSummary summary =
+      AdjustBundle(problem.views, prior, Thorough(fix_points), &state);
+  EXPECT_TRUE(summary.converged);
+  EXPECT_LT(summary.final_cost, summary.initial_cost / 10);
+  EXPECT_NEAR(summary.final_cost + CostOfPrior(prior, state), expected.cost,
+              1e-6 * expected.cost);
+  ExpectSameSolution(expected, state);
+}
+
+TEST(AdjustBundle, FindsCeresSolutionWithFixedPoints) {
+  ExpectCeresSolution({10, 40, 0.3}, true);
+}
+
+TEST(AdjustBundle, FindsCeresSolutionWithFreePoints) {
+  ExpectCeresSolution({10, 40, 0.3}, false);  // points eliminated
+  ExpectCeresSolution({14, 25, 0.3}, false);  // poses eliminated
+}
+
+TEST(AdjustBundle, FindsTheTruthWithoutNoise) {
+  const SmallProblem problem = MakeSmallProblem({10, 40, 0});
+  AdjustmentState state = Disturbed(problem.state, true);
+  AdjustBundle(problem.views, PriorOf(problem), Thorough(false), &state);
+  for (const Residual& r : ComputeResiduals(state, problem.views, 1))
+    EXPECT_LT(r.error_px.norm(), 1e-5);
+  EXPECT_LT((state.camera->Parameters() - problem.state.camera->Parameters())
+                .cwiseAbs()
+                .maxCoeff(),
+            1e-3);
+}
+
+TEST(AdjustBundle, LeavesWhatIsFixed) {
+  const SmallProblem problem = MakeSmallProblem({6, 30, 0.3});
+  const AdjustmentState start = Disturbed(problem.state, true);
+  AdjustmentOptions options = Thorough(true);
+  options.fix_camera = true;
+  AdjustmentState state = start;
+  const AdjustmentSummary summary =
+      AdjustBundle(problem.views, PriorOf(problem), options, &state);
+  EXPECT_LT(summary.final_cost, summary.initial_cost);
+  EXPECT_EQ(state.camera->Parameters(), start.camera->Parameters());
+  EXPECT_EQ(state.points, start.points);
+}
+
+TEST(AdjustBundle, WorksWithoutAnyPrior) {
+  const SmallProblem problem = MakeSmallProblem({10, 40, 0.3});
+  AdjustmentState state = Disturbed(problem.state, true);
+  const AdjustmentSummary summary =
+      AdjustBundle(problem.views, GaussianPrior(), Thorough(false), &state);
+  // About 0.09 px^2 a residual.
+  EXPECT_LT(summary.final_cost, 0.1 * 10 * 40);
+}
+
+TEST(AdjustBundle, ReportsTheResidualsOfItsFinalState) {
+  const SmallProblem problem = NoisyProblem({6, 30, 0.3});
+  AdjustmentState state = Disturbed(problem.state, false);
+  const AdjustmentSummary summary =
+      AdjustBundle(problem.views, PriorOf(problem), Thorough(true), &state);
+  const auto residuals = ComputeResiduals(state, problem.views, 1);
+  double cost = 0;
+  ASSERT_EQ(summary.residuals.size(), residuals.size());
+  for (size_t i = 0; i < residuals.size(); ++i) {
+    EXPECT_EQ(summary.residuals[i].error_px, residuals[i].error_px);
+    cost += HuberLoss(residuals[i].error_px.norm(), 1);
+  }
+  EXPECT_NEAR(summary.final_cost, cost, 1e-9 * cost);
+}
+
+// How strong the learned priors are for points that lie off their nominal
+// places by this much.
+double LearnedPointsWeight(double deviation_m) {
+  SmallProblem problem = MakeSmallProblem({20, 60, 0.1});
+  GaussianPrior prior = PriorOf(problem);
+  prior.points_weight = 0;
+  TestRandom random(31);
+  for (Eigen::Vector3d& p : prior.points_mean)
+    p += deviation_m * random.NormalVector<3>();
+  AdjustmentOptions options = Thorough(false);
+  options.relative_tolerance = 1e-7;
+  AdjustWithLearnedPrior(problem.views, options, &prior, &problem.state);
+  return prior.points_weight;
+}
+
+TEST(AdjustWithLearnedPrior, FindsHowFarPointsLieFromNominal) {
+  // The ratio of the variances of a residual's and a point's coordinate.
+  for (const double deviation_m : {0.001, 0.003}) {
+    const double expected = 0.1 * 0.1 / (deviation_m * deviation_m);
+    const double learned = LearnedPointsWeight(deviation_m);
+    EXPECT_GT(learned, 0.6 * expected);
+    EXPECT_LT(learned, 1.6 * expected);
+  }
+}
+
+}  // namespace
+}  // namespace raygrid

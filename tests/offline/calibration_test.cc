@@ -1,0 +1,195 @@
+// How a calibration behaves; how accurate it is, accuracy_test.cc says.
+
+#include "calibration.h"
+
+#include <set>
+
+#include "simulation/simulated_camera.h"
+#include "simulation/simulated_observations.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+Pattern TestBoard() { return ChessboardPattern(14, 10, 0.03); }
+
+Dataset Simulate(int num_images) {
+  SimulationOptions options;
+  options.num_images = num_images;
+  options.features_per_image = 80;
+  return SimulateObservations(ExampleSimulatedCamera(), TestBoard(), options)
+      .dataset;
+}
+
+CalibrationOptions Coarse() {
+  CalibrationOptions options;
+  options.cell_px = 160;
+  options.num_threads = 2;
+  return options;
+}
+
+CalibrationOptions HoldingOut(const std::vector<std::string>& images) {
+  CalibrationOptions options = Coarse();
+  options.hold_out = images;
+  return options;
+}
+
+std::set<std::string> ImagesOf(const std::vector<FeatureResidual>& residuals) {
+  std::set<std::string> images;
+  for (const FeatureResidual& residual : residuals)
+    images.insert(residual.image);
+  return images;
+}
+
+TEST(Calibrate, NeedsThreeImages) {
+  ExpectError(ExitCode::kTooFew, {"2 images"},
+              [] { Calibrate(Simulate(2), TestBoard(), Coarse()); });
+  ExpectError(ExitCode::kTooFew, {},
+              [] { Calibrate(Dataset(), TestBoard(), Coarse()); });
+}
+
+TEST(Calibrate, ImagesWithFewFeaturesAreRejectedByName) {
+  Dataset dataset = Simulate(6);
+  dataset.images[2].features.resize(7);
+  const CalibrationResult result =
+      Calibrate(dataset, TestBoard(), HoldingOut({dataset.images[5].image}));
+  ASSERT_EQ(result.rejected_images.size(), 1u);
+  EXPECT_EQ(result.rejected_images[0].image, dataset.images[2].image);
+  EXPECT_EQ(result.features.images.size(), 4u);
+  EXPECT_EQ(ImagesOf(result.training).count(dataset.images[2].image), 0u);
+}
+
+TEST(Calibrate, RefusesUnknownModelsAndHeldOutImages) {
+  CalibrationOptions options = Coarse();
+  options.model = "pinhole";
+  ExpectError(ExitCode::kUsage, {"pinhole"},
+              [&] { Calibrate(Simulate(4), TestBoard(), options); });
+  ExpectError(ExitCode::kUsage, {"nowhere.png"}, [] {
+    Calibrate(Simulate(4), TestBoard(), HoldingOut({"nowhere.png"}));
+  });
+}
+
+TEST(Calibrate, FeaturesWithoutABoardHaveNoStart) {
+  Dataset dataset = Simulate(5);
+  TestRandom random(1);
+  for (ImageFeatures& image : dataset.images)
+    for (Feature& feature : image.features)
+      feature.pixel = random.PixelIn({0, 0, 639, 479});
+  ExpectError(ExitCode::kInitialization, {},
+              [&] { Calibrate(dataset, TestBoard(), Coarse()); });
+}
+
+TEST(Calibrate, HeldOutImagesAreNotCalibratedWith) {
+  const Dataset dataset = Simulate(10);
+  const std::vector<std::string> names = {dataset.images[1].image,
+                                          dataset.images[7].image};
+  const CalibrationResult result =
+      Calibrate(dataset, TestBoard(), HoldingOut(names));
+  EXPECT_EQ(ImagesOf(result.held_out),
+            std::set<std::string>(names.begin(), names.end()));
+  EXPECT_EQ(ImagesOf(result.training).size(), 8u);
+  for (const std::string& name : names)
+    EXPECT_EQ(ImagesOf(result.training).count(name), 0u);
+  EXPECT_FALSE(result.cross_validated);
+
+  // Nor does it matter what is in them.
+  Dataset other = dataset;
+  for (Feature& feature : other.images[1].features) feature.pixel.x() += 0.5;
+  EXPECT_EQ(FormatCameraFile({result.camera.camera, "", "", {}, {}}),
+            FormatCameraFile(
+                {Calibrate(other, TestBoard(), HoldingOut(names)).camera.camera,
+                 "",
+                 "",
+                 {},
+                 {}}));
+}
+
+TEST(Calibrate, CrossValidationTestsEveryImage) {
+  const Dataset dataset = Simulate(10);
+  CalibrationOptions options = Coarse();
+  options.model = "opencv";
+  options.flat_board = true;
+  const CalibrationResult result = Calibrate(dataset, TestBoard(), options);
+  EXPECT_TRUE(result.cross_validated);
+  EXPECT_EQ(ImagesOf(result.held_out).size(), 10u);
+  EXPECT_EQ(result.camera.camera->Name(), "opencv");
+  EXPECT_GE(result.camera.held_out->median_px,
+            result.camera.training->median_px);
+}
+
+TEST(Calibrate, FlatBoardStaysAsItIs) {
+  const Dataset dataset = Simulate(8);
+  CalibrationOptions options = HoldingOut({dataset.images[0].image});
+  options.flat_board = true;
+  const CalibrationResult result = Calibrate(dataset, TestBoard(), options);
+  const auto nominal = TestBoard().boards[0].points;
+  for (size_t i = 0; i < nominal.size(); ++i)
+    EXPECT_LT((result.pattern.boards[0].points[i] - nominal[i]).norm(), 1e-12);
+}
+
+TEST(Calibrate, GivesTheSameBytesWithAnyNumberOfThreads) {
+  const Dataset dataset = Simulate(12);
+  std::string cameras[2], patterns[2], poses[2];
+  for (int k = 0; k < 2; ++k) {
+    CalibrationOptions options;
+    options.cell_px = 80;
+    options.num_threads = k + 1;
+    const CalibrationResult result = Calibrate(dataset, TestBoard(), options);
+    cameras[k] = FormatCameraFile(result.camera);
+    patterns[k] = FormatPattern(result.pattern);
+    poses[k] = FormatPoses(result.poses);
+  }
+  EXPECT_EQ(cameras[0], cameras[1]);
+  EXPECT_EQ(patterns[0], patterns[1]);
+  EXPECT_EQ(poses[0], poses[1]);
+}
+
+TEST(Calibrate, ProgressGrowsFromZeroToOne) {
+  const Dataset dataset = Simulate(9);
+  CalibrationOptions options = Coarse();
+  std::vector<double> done;
+  options.progress = [&](const std::string&, double d) { done.push_back(d); };
+  Calibrate(dataset, TestBoard(), options);
+  EXPECT_EQ(done.front(), 0);
+  EXPECT_EQ(done.back(), 1);
+  EXPECT_TRUE(std::is_sorted(done.begin(), done.end()));
+}
+
+TEST(Calibrate, AreaIsThatOfTheFeatures) {
+  const Dataset dataset = Simulate(8);
+  const CalibrationResult result =
+      Calibrate(dataset, TestBoard(), HoldingOut({dataset.images[7].image}));
+  const Area& area = result.camera.camera->area();
+  for (const ImageFeatures& image : result.features.images)
+    for (const Feature& feature : image.features)
+      EXPECT_TRUE(area.Contains(feature.pixel));
+  EXPECT_LT(area.width(), 640);
+  EXPECT_GT(area.width(), 500);
+}
+
+TEST(EvaluateCamera, FindsTheNoiseOfATrueCamera) {
+  const Dataset dataset = Simulate(10);
+  const Evaluation evaluation =
+      EvaluateCamera(ExampleSimulatedCamera(), dataset, TestBoard(), 2);
+  EXPECT_TRUE(evaluation.rejected_images.empty());
+  EXPECT_EQ(evaluation.residuals.size() + evaluation.outside_area, 800u);
+  const ErrorFigures figures = ComputeErrorFigures(evaluation.residuals);
+  EXPECT_NEAR(figures.rms_px, 0.05 * std::sqrt(2.0), 0.007);
+}
+
+TEST(EvaluateCamera, CountsFeaturesOutsideTheArea) {
+  const Dataset dataset = Simulate(10);
+  const CentralGeneric inner =
+      FitCentralGeneric(ExampleSimulatedCamera(), {100, 100, 500, 400}, 13, 11);
+  const Evaluation evaluation = EvaluateCamera(inner, dataset, TestBoard(), 1);
+  int inside = 0;
+  for (const ImageFeatures& image : dataset.images)
+    for (const Feature& feature : image.features)
+      inside += inner.area().Contains(feature.pixel);
+  EXPECT_GT(evaluation.outside_area, 50);
+  EXPECT_LE(evaluation.residuals.size(), static_cast<size_t>(inside));
+  EXPECT_GE(evaluation.residuals.size(), 0.95 * inside);
+}
+
+}  // namespace
+}  // namespace raygrid

@@ -1,0 +1,149 @@
+#include "dataset/camera_file.h"
+
+#include "dataset/files.h"
+#include "simulation/simulated_camera.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+CameraFile GenericFile() {
+  CameraFile file;
+  file.camera = std::make_shared<CentralGeneric>(FitCentralGeneric(
+      ExampleSimulatedCamera(), {1.0 / 3, 2, 630.1, 470}, 7, 6));
+  file.name = "left: \"front\" # 2 \\ é";
+  file.serial = "0042";
+  file.training = {0.1, 0.12, 0.9, 3000};
+  file.held_out = {0.11, 0.13, 1.9, 2900};
+  return file;
+}
+
+CameraFile OpenCvFile() {
+  CameraFile file;
+  file.camera = std::make_shared<OpenCvModel>(ExampleLens());
+  return file;
+}
+
+CameraFile Read(const std::string& text) {
+  const TemporaryFolder folder;
+  WriteFile(folder / "camera.yaml", text);
+  return ReadCameraFile(folder / "camera.yaml");
+}
+
+void ExpectRefused(const std::string& text) {
+  ExpectError(ExitCode::kInput, {"camera.yaml"}, [&] { Read(text); });
+}
+
+// The text with one part of it replaced.
+std::string Replaced(std::string text, const std::string& from,
+                     const std::string& to) {
+  const size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+TEST(CameraFile, RoundTripKeepsTheCamera) {
+  for (const CameraFile& file : {GenericFile(), OpenCvFile()}) {
+    const CameraFile read = Read(FormatCameraFile(file));
+    EXPECT_EQ(read.camera->Name(), file.camera->Name());
+    EXPECT_EQ(read.camera->image_size(), file.camera->image_size());
+    EXPECT_EQ(read.camera->area().x0, file.camera->area().x0);
+    EXPECT_EQ(read.camera->area().y0, file.camera->area().y0);
+    EXPECT_EQ(read.camera->area().x1, file.camera->area().x1);
+    EXPECT_EQ(read.camera->area().y1, file.camera->area().y1);
+    const Eigen::VectorXd written = file.camera->Parameters();
+    ASSERT_EQ(read.camera->NumParameters(), written.size());
+    EXPECT_LT(((read.camera->Parameters() - written).array() /
+               written.array().abs().max(1))
+                  .abs()
+                  .maxCoeff(),
+              1e-11);
+  }
+}
+
+TEST(CameraFile, RoundTripKeepsWhatIsKnownOfTheCamera) {
+  const CameraFile file = GenericFile();
+  const CameraFile read = Read(FormatCameraFile(file));
+  EXPECT_EQ(read.name, file.name);
+  EXPECT_EQ(read.serial, file.serial);
+  ASSERT_TRUE(read.training && read.held_out);
+  EXPECT_DOUBLE_EQ(read.training->rms_px, 0.12);
+  EXPECT_DOUBLE_EQ(read.held_out->max_px, 1.9);
+  EXPECT_EQ(read.held_out->count, 2900);
+  EXPECT_FALSE(Read(FormatCameraFile(OpenCvFile())).training);
+}
+
+TEST(CameraFile, FormatOfWhatWasReadIsTheSame) {
+  for (const CameraFile& file : {GenericFile(), OpenCvFile()}) {
+    const std::string text = FormatCameraFile(file);
+    EXPECT_EQ(FormatCameraFile(Read(text)), text);
+  }
+}
+
+TEST(CameraFile, NumbersThatAreNotFiniteAreRefused) {
+  const std::string generic = FormatCameraFile(GenericFile());
+  const size_t point = generic.find("- [") + 3;
+  const size_t length = generic.find(',', point) - point;
+  for (const char* bad : {".nan", ".inf", "-.inf", "word", "''"}) {
+    ExpectRefused(std::string(generic).replace(point, length, bad));
+    ExpectRefused(Replaced(FormatCameraFile(OpenCvFile()), "fx: 510",
+                           "fx: " + std::string(bad)));
+    ExpectRefused(Replaced(generic, "630.1", bad));
+  }
+}
+
+TEST(CameraFile, WrongCountsAreRefused) {
+  const std::string generic = FormatCameraFile(GenericFile());
+  ExpectRefused(Replaced(generic, "columns: 7", "columns: 8"));
+  ExpectRefused(Replaced(generic, "rows: 6", "rows: 5"));
+  ExpectRefused(Replaced(generic, "columns: 7", "columns: 3"));
+  ExpectRefused(Replaced(generic, "columns: 7", "columns: 1000000"));
+  const size_t point = generic.find("- [");
+  const size_t end = generic.find('\n', point);
+  ExpectRefused(std::string(generic).erase(point, end - point));
+  ExpectRefused(std::string(generic).replace(point, end - point, "- [0.5]"));
+  ExpectRefused(
+      std::string(generic).replace(point, end - point, "- [0.5, 1, 2]"));
+  ExpectRefused(Replaced(generic, "[640, 480]", "[640]"));
+  ExpectRefused(Replaced(generic, "[640, 480]", "[640, -480]"));
+}
+
+TEST(CameraFile, AreasOutsideTheImageAreRefused) {
+  const std::string generic = FormatCameraFile(GenericFile());
+  ExpectRefused(Replaced(generic, "[640, 480]", "[600, 480]"));
+  const std::string lens = FormatCameraFile(OpenCvFile());
+  ExpectRefused(Replaced(lens, "[0, 0, 639, 479]", "[-1, 0, 639, 479]"));
+  ExpectRefused(Replaced(lens, "[0, 0, 639, 479]", "[100, 0, 50, 479]"));
+  ExpectRefused(Replaced(lens, "[0, 0, 639, 479]", "[0, 0, 639]"));
+}
+
+TEST(CameraFile, OtherDocumentsAreRefused) {
+  const std::string generic = FormatCameraFile(GenericFile());
+  ExpectRefused("");
+  ExpectRefused("text");
+  ExpectRefused("[");
+  ExpectRefused("raygrid_camera: 1\n");
+  ExpectRefused("raygrid_camera: 1\nmodel: opencv\n");
+  ExpectRefused(Replaced(generic, "raygrid_camera: 1", "raygrid_camera: 2"));
+  ExpectRefused(Replaced(generic, "central-generic", "pinhole"));
+  ExpectRefused(Replaced(generic, "stereographic", "mercator"));
+  ExpectRefused(Replaced(FormatCameraFile(OpenCvFile()), "k6:", "k7:"));
+  ExpectError(ExitCode::kInput, {"nowhere.yaml"},
+              [] { ReadCameraFile("nowhere.yaml"); });
+}
+
+TEST(CameraFile, EveryTruncationIsReadOrRefusedButNoCrash) {
+  const std::string text = FormatCameraFile(GenericFile());
+  for (size_t size = 0; size < text.size(); size += 37) {
+    try {
+      Read(text.substr(0, size));
+      ADD_FAILURE() << "read with " << size << " bytes";
+    } catch (const InputError&) {
+      if (size > text.find("quality")) break;
+    }
+    if (size > text.find("quality")) break;
+  }
+}
+
+}  // namespace
+}  // namespace raygrid

@@ -1,0 +1,186 @@
+#include "dataset/dataset.h"
+
+#include <locale.h>
+
+#include "dataset/csv.h"
+#include "dataset/files.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+const char kHeader[] = "image,board,column,row,x,y\n";
+
+std::map<std::string, Dataset> Read(const std::string& text) {
+  const TemporaryFolder folder;
+  WriteFile(folder / "features.csv", text);
+  return ReadFeatures(folder / "features.csv");
+}
+
+// The file is named, and what else is expected in the message.
+void ExpectRefused(const std::string& text, std::vector<std::string> words) {
+  words.push_back("features.csv");
+  ExpectError(ExitCode::kInput, words, [&] { Read(text); });
+}
+
+TEST(ReadFeatures, ReadsImagesInTheFilesOrder) {
+  const Dataset dataset = Read(std::string(kHeader) +
+                               "b.png,0,1,2,3.5,4.25\n"
+                               "a.png,0,0,0,1e1,-0.5\n"
+                               "b.png,7,1,3,5,6\n")
+                              .at("");
+  ASSERT_EQ(dataset.images.size(), 2u);
+  EXPECT_EQ(dataset.num_features(), 3u);
+  EXPECT_EQ(dataset.images[0].image, "b.png");
+  ASSERT_EQ(dataset.images[0].features.size(), 2u);
+  const Feature& feature = dataset.images[0].features[0];
+  EXPECT_EQ(feature.column, 1);
+  EXPECT_EQ(feature.row, 2);
+  EXPECT_EQ(feature.pixel, Eigen::Vector2d(3.5, 4.25));
+  EXPECT_EQ(dataset.images[0].features[1].board, 7);
+  EXPECT_EQ(dataset.images[1].features[0].pixel, Eigen::Vector2d(10, -0.5));
+}
+
+TEST(ReadFeatures, AcceptsCommentsExtraColumnsSpacesAndCarriageReturns) {
+  const Dataset dataset = Read(
+                              "# found by hand\r\n"
+                              "\r\n"
+                              "row, column,note,image,x,y,board\r\n"
+                              "  2 ,1,blurred,a.png, 3.5 ,4,0  # doubtful\r\n"
+                              "\r\n"
+                              "3,1,,a.png,5,6,0")
+                              .at("");
+  ASSERT_EQ(dataset.num_features(), 2u);
+  EXPECT_EQ(dataset.images[0].features[0].row, 2);
+  EXPECT_EQ(dataset.images[0].features[0].pixel, Eigen::Vector2d(3.5, 4));
+}
+
+TEST(ReadFeatures, SeparatesCameras) {
+  const auto datasets = Read(
+      "camera,image,board,column,row,x,y\n"
+      "left,1.png,0,0,0,1,2\n"
+      "right,1.png,0,0,0,3,4\n");
+  ASSERT_EQ(datasets.size(), 2u);
+  EXPECT_EQ(datasets.at("right").images[0].features[0].pixel.x(), 3);
+}
+
+TEST(ReadFeatures, RefusesWhatIsNoFiniteNumberNamingTheLine) {
+  for (const char* bad :
+       {"nan", "NaN", "inf", "-inf", "", "1,5", "1.5px", "0x10", "1e999"}) {
+    const std::string text = std::string(kHeader) + "a.png,0,0,0,1,2\n" +
+                             "a.png,0,0,1," + bad + ",2\n";
+    ExpectRefused(text, {"line 3"});
+  }
+}
+
+TEST(ReadFeatures, RefusesWhatIsNoIntegerNamingTheLineAndColumn) {
+  for (const char* bad : {"1.5", "x", "", "99999999999"})
+    ExpectRefused(std::string(kHeader) + "a.png,0," + bad + ",0,1,2\n",
+                  {"line 2", "column"});
+}
+
+TEST(ReadFeatures, RefusesMissingColumns) {
+  ExpectRefused("image,board,column,row,x\na.png,0,0,0,1\n", {"'y'"});
+  ExpectRefused("", {"'image'"});
+}
+
+TEST(ReadFeatures, RefusesLinesWithAnotherNumberOfFields) {
+  ExpectRefused(std::string(kHeader) + "a.png,0,0,0,1\n", {"line 2"});
+  ExpectRefused(std::string(kHeader) + "\na.png,0,0,0,1,2,3\n", {"line 3"});
+}
+
+TEST(ReadFeatures, RefusesFeaturesStatedTwice) {
+  ExpectRefused(std::string(kHeader) +
+                    "a.png,0,3,4,1,2\n"
+                    "b.png,0,3,4,1,2\n"
+                    "a.png,0,3,4,1.5,2\n",
+                {"line 4"});
+}
+
+TEST(ReadFeatures, RefusesFilesWithoutFeatures) {
+  ExpectRefused(kHeader, {"no features"});
+  ExpectError(ExitCode::kInput, {"nowhere.csv"},
+              [] { ReadFeatures("nowhere.csv"); });
+}
+
+TEST(ReadFeatures, InvertsFormatFeatures) {
+  Dataset dataset;
+  TestRandom random(1);
+  for (const char* image : {"z.png", "a.png"}) {
+    dataset.images.push_back({image, {}});
+    for (int i = 0; i < 50; ++i)
+      dataset.images.back().features.push_back(
+          {i % 3, i, 2 * i, random.PixelIn({0, 0, 640, 480})});
+  }
+  const Dataset read = Read(FormatFeatures(dataset)).at("");
+  ASSERT_EQ(read.images.size(), 2u);
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_EQ(read.images[k].image, dataset.images[k].image);
+    ASSERT_EQ(read.images[k].features.size(), 50u);
+    for (int i = 0; i < 50; ++i)
+      EXPECT_LT((read.images[k].features[i].pixel -
+                 dataset.images[k].features[i].pixel)
+                    .cwiseAbs()
+                    .maxCoeff(),
+                5.1e-6);
+  }
+}
+
+// A locale with decimal commas for the time of a test.
+class CommaLocale {
+ public:
+  CommaLocale() : is_set_(false) {
+    for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "de_DE", "fr_FR"})
+      is_set_ = is_set_ || setlocale(LC_ALL, name);
+  }
+  ~CommaLocale() { setlocale(LC_ALL, "C"); }
+  bool is_set() const { return is_set_; }
+
+ private:
+  bool is_set_;
+};
+
+TEST(ReadFeatures, DoesNotDependOnTheLocale) {
+  const CommaLocale locale;
+  if (!locale.is_set()) GTEST_SKIP() << "no locale with decimal commas here";
+  const Dataset dataset =
+      Read(std::string(kHeader) + "a.png,0,0,0,1.5,2.25\n").at("");
+  EXPECT_EQ(dataset.images[0].features[0].pixel, Eigen::Vector2d(1.5, 2.25));
+  EXPECT_NE(FormatFeatures(dataset).find("1.50000,2.25000"), std::string::npos);
+}
+
+Dataset OneFeature(const Feature& feature) {
+  return {{640, 480}, {{"a.png", {feature}}}};
+}
+
+TEST(RequireConsistent, AcceptsFeaturesOfThePatternInTheImage) {
+  const Pattern pattern = ChessboardPattern(9, 6, 0.02);
+  EXPECT_NO_THROW(
+      RequireConsistent("f", OneFeature({0, 8, 5, {-0.5, 479.4}}), pattern));
+}
+
+TEST(RequireConsistent, RefusesForeignFeatures) {
+  const Pattern pattern = ChessboardPattern(9, 6, 0.02);
+  for (const Feature& feature :
+       {Feature{1, 0, 0, {1, 1}}, Feature{0, 9, 0, {1, 1}},
+        Feature{0, 0, 6, {1, 1}}, Feature{0, -1, 0, {1, 1}},
+        Feature{0, 0, 0, {640, 1}}, Feature{0, 0, 0, {1, -0.6}}})
+    ExpectError(ExitCode::kInput, {"f.csv", "a.png"}, [&] {
+      RequireConsistent("f.csv", OneFeature(feature), pattern);
+    });
+}
+
+TEST(FormatPoses, WritesUnitQuaternionsWithPositiveRealPart) {
+  const Pose pose = {Eigen::Quaterniond(-0.5, 0.5, -0.5, 0.5), {1, 2, 3}};
+  const CsvTable table(
+      "poses", FormatPoses({{"a.png", 4, pose}}),
+      {"image", "board", "qw", "qx", "qy", "qz", "tx", "ty", "tz"});
+  ASSERT_EQ(table.num_rows(), 1u);
+  EXPECT_EQ(table.Integer(0, "board"), 4);
+  EXPECT_EQ(table.Number(0, "qw"), 0.5);
+  EXPECT_EQ(table.Number(0, "qx"), -0.5);
+  EXPECT_EQ(table.Number(0, "tz"), 3);
+}
+
+}  // namespace
+}  // namespace raygrid

@@ -1,0 +1,72 @@
+#include "adjustment/metric_scale.h"
+
+#include "adjustment/reprojection_error.h"
+#include "small_problem.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+// The board scaled, turned and moved, and all poses such that every point is
+// seen where it was.
+AdjustmentState Moved(const AdjustmentState& state) {
+  const double scale = 1.7;
+  const Eigen::Quaterniond rotation = RotationFromVector({0.3, -0.5, 0.2});
+  const Eigen::Vector3d shift(0.4, -0.2, 0.6);
+  AdjustmentState moved = state;
+  for (Eigen::Vector3d& point : moved.points)
+    point = scale * (rotation * point) + shift;
+  for (Pose& pose : moved.camera_from_pattern) {
+    const Eigen::Quaterniond turned = pose.rotation * rotation.inverse();
+    pose = {turned, scale * pose.translation - turned * shift};
+  }
+  return moved;
+}
+
+TEST(AlignToNominal, RestoresAScaledAndMovedBoard) {
+  const SmallProblem problem = MakeSmallProblem({5, 20, 0});
+  AdjustmentState state = Moved(problem.state);
+  AlignToNominal(0, problem.state.points, {0, 1, 2, 3, 4}, &state);
+  for (size_t i = 0; i < state.points.size(); ++i)
+    EXPECT_LT((state.points[i] - problem.state.points[i]).norm(), 1e-12);
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    const Pose& found = state.camera_from_pattern[v];
+    const Pose& truth = problem.state.camera_from_pattern[v];
+    EXPECT_LT((found.translation - truth.translation).norm(), 1e-11);
+    EXPECT_LT(found.rotation.angularDistance(truth.rotation), 1e-7);
+  }
+}
+
+TEST(AlignToNominal, ChangesNoReprojection) {
+  const SmallProblem problem = MakeSmallProblem({5, 20, 0.5});
+  TestRandom random(3);
+  AdjustmentState state = Moved(problem.state);
+  for (Eigen::Vector3d& p : state.points) p += 0.002 * random.NormalVector<3>();
+  const auto before = ComputeResiduals(state, problem.views, 1);
+  AlignToNominal(0, problem.state.points, {0, 1, 2, 3, 4}, &state);
+  const auto after = ComputeResiduals(state, problem.views, 1);
+  for (size_t i = 0; i < before.size(); ++i)
+    EXPECT_LT((before[i].error_px - after[i].error_px).norm(), 1e-8);
+}
+
+TEST(AlignToNominal, LeavesOtherBoardsAndTheirViewsAlone) {
+  const SmallProblem problem = MakeSmallProblem({4, 20, 0});
+  const AdjustmentState moved = Moved(problem.state);
+  AdjustmentState state = moved;
+  const std::vector<Eigen::Vector3d> nominal(problem.state.points.begin() + 10,
+                                             problem.state.points.end());
+  AlignToNominal(10, nominal, {2}, &state);
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(state.points[i], moved.points[i]);
+  for (int i = 10; i < 20; ++i)
+    EXPECT_LT((state.points[i] - problem.state.points[i]).norm(), 1e-12);
+  for (const int v : {0, 1, 3})
+    EXPECT_EQ(state.camera_from_pattern[v].translation,
+              moved.camera_from_pattern[v].translation);
+  EXPECT_LT((state.camera_from_pattern[2].translation -
+             problem.state.camera_from_pattern[2].translation)
+                .norm(),
+            1e-11);
+}
+
+}  // namespace
+}  // namespace raygrid

@@ -1,0 +1,297 @@
+#include <cstdio>
+#include <functional>
+
+#include "packing/blob_camera.h"
+#include "packing/pack.h"
+#include "packing/virtual_camera.h"
+#include "simulation/simulated_camera.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+// Fitted once for all tests.
+const CameraFile& GenericFile() {
+  static const CameraFile* const file = [] {
+    auto* made = new CameraFile;
+    made->camera = std::make_shared<CentralGeneric>(
+        FittedGrid(ExampleSimulatedCamera(), 40));
+    made->name = "front";
+    made->serial = "0042";
+    made->training = {0.1, 0.12, 0.9, 3000};
+    return made;
+  }();
+  return *file;
+}
+
+VirtualCamera Virtual() {
+  return MakeVirtualCamera(*GenericFile().camera, {640, 480}, 0);
+}
+
+PackOptions WithRemap(double max_error_px = 0.05) {
+  PackOptions options;
+  options.remap = Virtual();
+  options.max_error_px = max_error_px;
+  return options;
+}
+
+const PackedCamera& Packed() {
+  static const PackedCamera* const packed =
+      new PackedCamera(PackCamera(GenericFile(), WithRemap()));
+  return *packed;
+}
+
+const BlobCamera& Opened() {
+  static const BlobCamera* const camera =
+      new BlobCamera("packed", Packed().blob);
+  return *camera;
+}
+
+TEST(PackCamera, IsSmallAndExact) {
+  EXPECT_LE(Packed().blob.size(), 24000u);
+  EXPECT_LE(Packed().unproject_error_px, 0.002);
+  EXPECT_LE(Packed().unproject_error_rad, 1e-6);
+  EXPECT_GT(Packed().unproject_error_rad, 0);
+  ASSERT_TRUE(Packed().remap_error_px);
+  EXPECT_LE(*Packed().remap_error_px, 0.05);
+  std::printf(
+      "blob %zu bytes, blocks of %d, %.2g px, %.2g rad, remap %.3f px\n",
+      Packed().blob.size(), Packed().block_size, Packed().unproject_error_px,
+      Packed().unproject_error_rad, *Packed().remap_error_px);
+}
+
+TEST(PackCamera, GivesTheSameBytesEachTime) {
+  PackOptions options = WithRemap();
+  options.num_threads = 1;
+  EXPECT_EQ(PackCamera(GenericFile(), options).blob, Packed().blob);
+}
+
+TEST(PackCamera, WithoutRemapIsSmaller) {
+  const PackedCamera packed = PackCamera(GenericFile(), PackOptions());
+  EXPECT_FALSE(packed.remap_error_px);
+  EXPECT_LT(packed.blob.size(), Packed().blob.size());
+  EXPECT_FALSE(BlobCamera("packed", packed.blob).has_remap());
+}
+
+TEST(PackCamera, TighterBoundTakesSmallerBlocksAndIsKept) {
+  const PackedCamera packed = PackCamera(GenericFile(), WithRemap(0.012));
+  EXPECT_LE(*packed.remap_error_px, 0.012);
+  EXPECT_LT(packed.block_size, Packed().block_size);
+  EXPECT_GT(packed.blob.size(), Packed().blob.size());
+}
+
+TEST(PackCamera, BoundThatCannotBeKeptIsAnError) {
+  ExpectError(ExitCode::kQuality, {"--max-error-px"},
+              [] { PackCamera(GenericFile(), WithRemap(1e-4)); });
+}
+
+TEST(PackCamera, TooLongNamesAreRefused) {
+  CameraFile file = GenericFile();
+  file.name = std::string(31, 'x');
+  EXPECT_NO_THROW(PackCamera(file, PackOptions()));
+  file.name += 'x';
+  ExpectError(ExitCode::kUsage, {"name"},
+              [&] { PackCamera(file, PackOptions()); });
+}
+
+TEST(PackCamera, ParametricCamerasPackToo) {
+  CameraFile file;
+  const OpenCvModel lens = ExampleLens();
+  file.camera = std::make_shared<OpenCvModel>(lens);
+  PackOptions options = WithRemap();
+  const PackedCamera packed = PackCamera(file, options);
+  EXPECT_LE(packed.unproject_error_px, kMaxPackingErrorPx);
+  const BlobCamera blob("packed", packed.blob);
+  TestRandom random(2);
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Vector2d pixel = random.PixelIn({1, 1, 638, 478});
+    EXPECT_LT(blob.Unproject(pixel)->cross(*lens.Unproject(pixel)).norm(),
+              1e-5);
+  }
+}
+
+TEST(PackCamera, CamerasWithoutRaysInTheirAreaAreRefused) {
+  // Most of the area lies beyond this lens's fold.
+  const ImageSize size = {640, 480};
+  CameraFile file;
+  file.camera = std::make_shared<OpenCvModel>(
+      size, WholeImage(size),
+      OpenCvModel::ParameterArray{300, 300, 320, 240, -0.5, 0, 0, 0, 0, 0, 0,
+                                  0});
+  EXPECT_THROW(PackCamera(file, PackOptions()), Error);
+}
+
+TEST(PackCamera, PacksAFisheye) {
+  CameraFile file;
+  file.camera = std::make_shared<CentralGeneric>(ExampleFisheye());
+  PackOptions options;
+  options.remap = MakeVirtualCamera(*file.camera, {640, 480}, 120);
+  const PackedCamera packed = PackCamera(file, options);
+  EXPECT_LE(packed.unproject_error_px, kMaxPackingErrorPx);
+  EXPECT_LE(*packed.remap_error_px, options.max_error_px);
+}
+
+TEST(BlobCamera, UnprojectsAsTheCamera) {
+  TestRandom random(1);
+  for (int i = 0; i < 2000; ++i) {
+    const Eigen::Vector2d pixel =
+        (random.PixelIn({0.5, 0.5, 638.5, 478.5}) * 65536).array().round() /
+        65536;
+    const auto ray = Opened().Unproject(pixel);
+    ASSERT_TRUE(ray);
+    EXPECT_LT(ray->cross(*GenericFile().camera->Unproject(pixel)).norm(), 1e-6);
+    EXPECT_NEAR(ray->norm(), 1, 1e-6);
+  }
+}
+
+TEST(BlobCamera, SeesNothingOutsideTheArea) {
+  EXPECT_EQ(Opened().image_size(), (ImageSize{640, 480}));
+  for (const Eigen::Vector2d& pixel :
+       {Eigen::Vector2d(-1, 5), Eigen::Vector2d(5, -1), Eigen::Vector2d(640, 5),
+        Eigen::Vector2d(5, 480), Eigen::Vector2d(1e6, 5),
+        Eigen::Vector2d(NAN, 5)})
+    EXPECT_FALSE(Opened().Unproject(pixel)) << pixel.transpose();
+}
+
+TEST(BlobCamera, ToModelIsTheCamera) {
+  const CentralGeneric model = Opened().ToModel();
+  EXPECT_EQ(model.image_size(), GenericFile().camera->image_size());
+  EXPECT_LT((model.Parameters() - GenericFile().camera->Parameters())
+                .cwiseAbs()
+                .maxCoeff(),
+            std::ldexp(1, -29));
+}
+
+TEST(BlobCamera, RefusesDamagedBlobsByName) {
+  for (size_t i = 0; i < Packed().blob.size(); i += 997) {
+    std::string damaged = Packed().blob;
+    damaged[i] ^= 0x10;
+    ExpectError(ExitCode::kBlob, {"d.raygrid"},
+                [&] { BlobCamera("d.raygrid", damaged); });
+  }
+  for (const size_t size : {size_t{0}, size_t{3}, Packed().blob.size() - 1})
+    ExpectError(ExitCode::kBlob, {"d.raygrid"}, [&] {
+      BlobCamera("d.raygrid", Packed().blob.substr(0, size));
+    });
+}
+
+TEST(IsBlob, KnowsNamesAndContents) {
+  EXPECT_TRUE(IsBlob("x", Packed().blob));
+  EXPECT_TRUE(IsBlob("x.raygrid", ""));
+  EXPECT_FALSE(IsBlob("camera.yaml", "raygrid_camera: 1"));
+  EXPECT_FALSE(IsBlob("x", ""));
+}
+
+// Where an undistorted pixel comes from; nothing near the area's edge.
+std::optional<Eigen::Vector2d> Source(const VirtualCamera& virtual_camera,
+                                      int x, int y) {
+  const auto source = GenericFile().camera->Project(
+      virtual_camera.Direction(Eigen::Vector2d(x, y)));
+  if (!source || !GenericFile().camera->area().Contains(*source, -0.5))
+    return std::nullopt;
+  return source;
+}
+
+Image Made(int channels, const std::function<double(int, int, int)>& value) {
+  Image image;
+  image.size = {640, 480};
+  image.channels = channels;
+  for (int y = 0; y < 480; ++y)
+    for (int x = 0; x < 640; ++x)
+      for (int c = 0; c < channels; ++c)
+        image.pixels.push_back(
+            static_cast<uint8_t>(std::lround(value(x, y, c))));
+  return image;
+}
+
+TEST(BlobCamera, ConstantImageStaysConstantInside) {
+  const Image undistorted =
+      Opened().Undistort(Made(1, [](int, int, int) { return 201; }), 7);
+  ASSERT_EQ(undistorted.pixels.size(), 640u * 480u);
+  int num_inside = 0;
+  for (int y = 0; y < 480; ++y) {
+    for (int x = 0; x < 640; ++x) {
+      const int value = undistorted.pixels[640 * y + x];
+      EXPECT_TRUE(value == 201 || value == 7) << value;
+      if (!Source(Virtual(), x, y)) continue;
+      ++num_inside;
+      EXPECT_EQ(value, 201) << x << ' ' << y;
+    }
+  }
+  EXPECT_GT(num_inside, 200000);
+}
+
+double Waves(int x, int y, int c) {
+  return 128 + 60 * std::sin(x / (9.0 + c)) +
+         60 * std::cos(y / 11.0 + x / 30.0);
+}
+
+double Bilinear(const Image& image, const Eigen::Vector2d& at, int channel) {
+  const int x = static_cast<int>(at.x()), y = static_cast<int>(at.y());
+  const double u = at.x() - x, v = at.y() - y;
+  const auto pixel = [&](int i, int j) {
+    return image.pixels[(j * image.size.width + i) * image.channels + channel];
+  };
+  return (1 - v) * ((1 - u) * pixel(x, y) + u * pixel(x + 1, y)) +
+         v * ((1 - u) * pixel(x, y + 1) + u * pixel(x + 1, y + 1));
+}
+
+TEST(BlobCamera, UndistortsSmoothImagesToTwoGreyLevels) {
+  const Image image = Made(3, Waves);
+  const Image undistorted = Opened().Undistort(image, 0);
+  ASSERT_EQ(undistorted.channels, 3);
+  double worst = 0;
+  for (int y = 0; y < 480; ++y) {
+    for (int x = 0; x < 640; ++x) {
+      const auto source = Source(Virtual(), x, y);
+      if (!source) continue;
+      for (int c = 0; c < 3; ++c)
+        worst =
+            std::max(worst, std::abs(undistorted.pixels[3 * (640 * y + x) + c] -
+                                     Bilinear(image, *source, c)));
+    }
+  }
+  EXPECT_LE(worst, 2);
+  EXPECT_GT(worst, 0.1);  // the board computes in integers
+}
+
+TEST(BlobCamera, UndistortRefusesImagesOfAnotherSize) {
+  Image image;
+  image.size = {320, 240};
+  image.pixels.resize(320 * 240);
+  ExpectError(ExitCode::kBlob, {}, [&] { Opened().Undistort(image, 0); });
+}
+
+TEST(BlobCamera, UndistortNeedsARemap) {
+  const BlobCamera blob("p", PackCamera(GenericFile(), PackOptions()).blob);
+  ExpectError(ExitCode::kBlob, {}, [&] {
+    blob.Undistort(Made(1, [](int, int, int) { return 0; }), 0);
+  });
+}
+
+TEST(VirtualCamera, HasTheFieldOfViewAskedFor) {
+  for (const double hfov : {1.0, 60.0, 90.0, 120.0, 170.0}) {
+    const VirtualCamera camera =
+        MakeVirtualCamera(*GenericFile().camera, {800, 600}, hfov);
+    EXPECT_NEAR(camera.HorizontalFieldOfViewDeg(), hfov, 1e-9);
+    EXPECT_EQ(camera.size, (ImageSize{800, 600}));
+  }
+}
+
+TEST(VirtualCamera, IsByDefaultAsSharpAsTheImagesMiddle) {
+  const auto focal_px = [](ImageSize size) {
+    return MakeVirtualCamera(*GenericFile().camera, size, 0).focal_px;
+  };
+  EXPECT_NEAR(focal_px({0, 0}), 531, 10);
+  EXPECT_NEAR(focal_px({320, 240}), focal_px({640, 480}) / 2, 1e-9);
+}
+
+TEST(VirtualCamera, RefusesFieldsOfViewThatNoPinholeHas) {
+  for (const double hfov : {-10.0, 171.0, 180.0, 360.0, double{NAN}})
+    ExpectError(ExitCode::kUsage, {"field of view"}, [&] {
+      MakeVirtualCamera(*GenericFile().camera, {640, 480}, hfov);
+    });
+}
+
+}  // namespace
+}  // namespace raygrid

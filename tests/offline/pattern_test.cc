@@ -1,0 +1,142 @@
+#include "dataset/pattern.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+std::string WithBoards(const std::string& boards) {
+  return "raygrid_pattern: 1\nboards:\n" + boards;
+}
+
+std::string Chessboard(const std::string& columns, const std::string& rows,
+                       const std::string& square_m) {
+  return WithBoards("  - {id: 0, kind: chessboard, columns: " + columns +
+                    ", rows: " + rows + ", square_m: " + square_m + "}\n");
+}
+
+void ExpectRefused(const std::string& yaml, std::vector<std::string> words) {
+  words.push_back("p.yaml");
+  ExpectError(ExitCode::kInput, words, [&] { ParsePattern("p.yaml", yaml); });
+}
+
+TEST(Pattern, PointsLieRowByRowOnTheLattice) {
+  const Pattern pattern = ChessboardPattern(4, 3, 0.025);
+  ASSERT_EQ(pattern.boards.size(), 1u);
+  const Board& board = pattern.boards[0];
+  ASSERT_EQ(board.points.size(), 12u);
+  EXPECT_EQ(board.points[board.PointIndex(2, 1)],
+            Eigen::Vector3d(0.05, 0.025, 0));
+}
+
+TEST(Pattern, GivenPointsReplaceTheLattice) {
+  const Pattern pattern = ParsePattern(
+      "p", WithBoards("  - {id: 3, kind: chessboard, columns: 2, rows: 2, "
+                      "square_m: 0.1, points: [[0, 0, 0], [0.1, 0, 0.001], "
+                      "[0, 0.1, 0], [0.11, 0.1, 0]]}\n"));
+  const Board& board = *pattern.FindBoard(3);
+  EXPECT_EQ(board.points[1], Eigen::Vector3d(0.1, 0, 0.001));
+  EXPECT_EQ(board.NominalPoints()[1], Eigen::Vector3d(0.1, 0, 0));
+}
+
+TEST(Pattern, ListsOfPointsAreBoardsOfOneRow) {
+  const Pattern pattern =
+      ParsePattern("p", WithBoards("  - {id: 0, kind: points, xyz: [[0, 0, 0], "
+                                   "[0.1, 0, 0], [0, 0.1, 0.2]]}\n"));
+  EXPECT_EQ(pattern.boards[0].columns, 3);
+  EXPECT_EQ(pattern.boards[0].rows, 1);
+  EXPECT_EQ(pattern.boards[0].NominalPoints()[2], Eigen::Vector3d(0, 0.1, 0.2));
+}
+
+TEST(Pattern, FindsBoardsById) {
+  const Pattern pattern = ChessboardPattern(4, 3, 0.025);
+  EXPECT_EQ(pattern.FindBoard(0), &pattern.boards[0]);
+  EXPECT_EQ(pattern.FindBoard(1), nullptr);
+}
+
+TEST(Pattern, MalformedYamlIsRefusedWithItsLine) {
+  ExpectRefused("raygrid_pattern: 1\nboards: [{id: 0\nx", {"line"});
+  ExpectRefused("a: b: c", {"line 1"});
+}
+
+TEST(Pattern, OtherDocumentsAreRefused) {
+  ExpectRefused("", {"raygrid_pattern"});
+  ExpectRefused("just text", {"raygrid_pattern"});
+  ExpectRefused("[1, 2]", {"raygrid_pattern"});
+  ExpectRefused("boards: []", {"raygrid_pattern"});
+  ExpectRefused("raygrid_pattern: 2\nboards: []", {"version"});
+  ExpectRefused("raygrid_pattern: 1", {"boards"});
+  ExpectRefused("raygrid_pattern: 1\nboards: []", {"boards"});
+  ExpectRefused("raygrid_pattern: 1\nboards: [5]", {"board 1"});
+}
+
+TEST(Pattern, MissingKeysAreNamed) {
+  const std::string keys[5] = {"id: 0", "kind: chessboard", "columns: 4",
+                               "rows: 3", "square_m: 0.02"};
+  for (const std::string& missing : keys) {
+    std::string board = "  -";
+    std::string lead = " ";
+    for (const std::string& key : keys)
+      if (key != missing) {
+        board += lead + key + "\n";
+        lead = "    ";
+      }
+    ExpectRefused(
+        WithBoards(board),
+        {"board 1", "'" + missing.substr(0, missing.find(':')) + "'"});
+  }
+}
+
+TEST(Pattern, BadSizesAreRefused) {
+  for (const char* bad : {"1", "0", "-4", "1001", "4.5", "many", "1e9"}) {
+    ExpectRefused(Chessboard(bad, "6", "0.02"), {"columns"});
+    ExpectRefused(Chessboard("9", bad, "0.02"), {"rows"});
+  }
+  for (const char* bad : {"0", "-0.02", ".nan", ".inf", "wide"})
+    ExpectRefused(Chessboard("9", "6", bad), {"square_m"});
+}
+
+TEST(Pattern, WrongPointsAreRefused) {
+  const std::string start =
+      "  - {id: 0, kind: chessboard, columns: 2, rows: 2, square_m: 0.1, "
+      "points: ";
+  for (const char* points : {"[[0, 0, 0]]", "[[0, 0], [0, 0], [0, 0], [0, 0]]",
+                             "[[0, 0, .nan], [0, 0, 0], [0, 0, 0], [0, 0, 0]]",
+                             "[[a, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]]"})
+    ExpectRefused(WithBoards(start + points + "}\n"), {});
+  ExpectRefused(WithBoards("  - {id: 0, kind: points}\n"), {});
+}
+
+TEST(Pattern, BoardsNeedDifferentIds) {
+  ExpectRefused(Chessboard("9", "6", "0.02") +
+                    "  - {id: 0, kind: chessboard, columns: 4, rows: 3, "
+                    "square_m: 0.02}\n",
+                {"board 2", "twice"});
+}
+
+TEST(Pattern, FormatKeepsUnknownKeysAndPoints) {
+  Pattern pattern = ParsePattern(
+      "p",
+      "raygrid_pattern: 1\nmaker: someone\npage: {width_m: 0.3}\nboards:\n"
+      "  - {id: 0, kind: chessboard, columns: 3, rows: 2, square_m: 0.1, "
+      "glued_to: aluminium}\n");
+  TestRandom random(1);
+  for (Eigen::Vector3d& p : pattern.boards[0].points)
+    p += 0.001 * random.NormalVector<3>();
+  const std::string text = FormatPattern(pattern);
+  const YAML::Node root = YAML::Load(text);
+  EXPECT_EQ(root["maker"].as<std::string>(), "someone");
+  EXPECT_EQ(root["page"]["width_m"].as<double>(), 0.3);
+  EXPECT_EQ(root["boards"][0]["glued_to"].as<std::string>(), "aluminium");
+  const Pattern read = ParsePattern("again", text);
+  for (int i = 0; i < 6; ++i)
+    EXPECT_LT((read.boards[0].points[i] - pattern.boards[0].points[i])
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-9);
+}
+
+}  // namespace
+}  // namespace raygrid

@@ -1,0 +1,115 @@
+// Held-out error on photographs, if they lie beside the project.
+
+#include <cstdio>
+#include <filesystem>
+#include <opencv2/calib3d.hpp>
+
+#include "calibration.h"
+#include "dataset/csv.h"
+#include "dataset/files.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+struct RealData {
+  Dataset training, test;
+  Pattern pattern;
+};
+
+std::string Folder() {
+  return std::string(RAYGRID_REAL_DATA) + "/stereo_left/";
+}
+
+bool IsThere() {
+  for (const char* name : {"features.csv", "split.csv", "pattern.yaml"})
+    if (!std::filesystem::exists(Folder() + name)) return false;
+  return true;
+}
+
+RealData ReadRealData() {
+  RealData data;
+  data.pattern = ReadPattern(Folder() + "pattern.yaml");
+  const std::string split_path = Folder() + "split.csv";
+  const CsvTable split(split_path, ReadFile(split_path), {"image", "part"});
+  std::map<std::string, std::string> part;
+  for (size_t i = 0; i < split.num_rows(); ++i)
+    part[split.Text(i, "image")] = split.Text(i, "part");
+  data.training.image_size = data.test.image_size = {640, 480};
+  for (const ImageFeatures& image :
+       ReadFeatures(Folder() + "features.csv").at("").images)
+    (part.at(image.image) == "test" ? data.test : data.training)
+        .images.push_back(image);
+  return data;
+}
+
+// By OpenCV alone, with a flat board.
+OpenCvModel CalibrateByOpenCv(const RealData& data, int flags) {
+  std::vector<std::vector<cv::Point3f>> points;
+  std::vector<std::vector<cv::Point2f>> pixels;
+  for (const ImageFeatures& image : data.training.images) {
+    points.emplace_back();
+    pixels.emplace_back();
+    const Board& board = data.pattern.boards[0];
+    for (const Feature& f : image.features) {
+      points.back().emplace_back(f.column * board.square_m,
+                                 f.row * board.square_m, 0);
+      pixels.back().emplace_back(f.pixel.x(), f.pixel.y());
+    }
+  }
+  cv::Matx33d k;
+  cv::Mat d;
+  std::vector<cv::Mat> rotations, translations;
+  cv::calibrateCamera(points, pixels, cv::Size(640, 480), k, d, rotations,
+                      translations, flags);
+  // k1 k2 p1 p2 k3 k4 k5 k6
+  std::array<double, 8> c = {};
+  for (size_t i = 0; i < c.size() && i < d.total(); ++i) c[i] = d.at<double>(i);
+  const ImageSize size = {640, 480};
+  return OpenCvModel(size, WholeImage(size),
+                     {k(0, 0), k(1, 1), k(0, 2), k(1, 2), c[0], c[1], c[4],
+                      c[5], c[6], c[7], c[2], c[3]});
+}
+
+ErrorFigures HeldOut(const char* what, const CameraModel& camera,
+                     const Pattern& pattern, const RealData& data) {
+  const Evaluation evaluation = EvaluateCamera(camera, data.test, pattern, 0);
+  const ErrorFigures figures = ComputeErrorFigures(evaluation.residuals);
+  std::printf(
+      "held out, %-26s median %.4f px, RMS %.4f, max %.3f, %d features, %d "
+      "outside the area\n",
+      what, figures.median_px, figures.rms_px, figures.max_px, figures.count,
+      evaluation.outside_area);
+  return figures;
+}
+
+ErrorFigures HeldOutOfModel(const std::string& model, const RealData& data) {
+  CalibrationOptions options;
+  options.model = model;
+  const CalibrationResult result =
+      Calibrate(data.training, data.pattern, options);
+  return HeldOut(model.c_str(), *result.camera.camera, result.pattern, data);
+}
+
+TEST(RealData, GenericCameraHasTheLeastHeldOutError) {
+  if (!IsThere())
+    GTEST_SKIP() << "no real data in " << Folder()
+                 << "; name their folder with -DRAYGRID_REAL_DATA";
+  const RealData data = ReadRealData();
+  ASSERT_GE(data.test.images.size(), 3u);
+  const ErrorFigures central = HeldOutOfModel("central-generic", data);
+  const ErrorFigures opencv = HeldOutOfModel("opencv", data);
+  const ErrorFigures plain = HeldOut(
+      "cv::calibrateCamera", CalibrateByOpenCv(data, 0), data.pattern, data);
+  const ErrorFigures rational = HeldOut(
+      "cv::calibrateCamera rational",
+      CalibrateByOpenCv(data, cv::CALIB_RATIONAL_MODEL), data.pattern, data);
+  EXPECT_LE(central.median_px, 1.02 * opencv.median_px);
+  EXPECT_LE(central.median_px,
+            0.8 * std::min(plain.median_px, rational.median_px));
+  // Nor by leaving out what is hard to explain.
+  EXPECT_GE(central.count, 0.9 * plain.count);
+}
+
+}  // namespace
+}  // namespace raygrid

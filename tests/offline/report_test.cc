@@ -1,0 +1,196 @@
+#include <nlohmann/json.hpp>
+
+#include "report/html_report.h"
+#include "report/pictures.h"
+#include "report/result_json.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+// Names that would break out of HTML, if they could.
+const char kNastyName[] = "<script>a&\"b\".png";
+
+CalibrationResult ExampleResult() {
+  CalibrationResult result;
+  result.camera.camera = std::make_shared<OpenCvModel>(ExampleLens());
+  result.camera.name = kNastyName;
+  TestRandom random(1);
+  for (int i = 0; i < 60; ++i)
+    result.training.push_back({i % 2 ? kNastyName : "b.png", 0, i, 0,
+                               random.PixelIn({0, 0, 639, 479}),
+                               0.1 * random.NormalVector<2>()});
+  result.held_out = result.training;
+  result.camera.training = ComputeErrorFigures(result.training);
+  result.camera.held_out = ComputeErrorFigures(result.held_out);
+  result.features.images = {{"b.png", {{}, {}}}, {kNastyName, {{}}}};
+  result.rejected_images = {{kNastyName, "only <3 features"}};
+  result.rejected_features = {{kNastyName, 0, 3, 4, {10, 20}, {3, 4}}};
+  result.cell_candidates = {{80, 0.02, 0.1}, {40, 0.01, 0.09}};
+  result.cell_px = 40;
+  result.num_parameters = 12;
+  result.converged = true;
+  result.bias_kl = 0.25;
+  result.verdict = {"warn", {"only 2 images; take 10 or more"}};
+  result.seconds["start"] = 0.5;
+  return result;
+}
+
+std::string ExampleReport() {
+  BeforeAfter example;
+  example.name = kNastyName;
+  example.before.size = example.after.size = {4, 3};
+  example.before.pixels = example.after.pixels = std::vector<uint8_t>(12, 99);
+  PackingFigures packing;
+  packing.blob_bytes = 12345;
+  packing.unproject_error_px = 1e-4;
+  packing.remap_error_px = 0.04;
+  return FormatHtmlReport(ExampleResult(), packing, example);
+}
+
+bool Has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(HtmlReport, RefersToNothingOutside) {
+  const std::string html = ExampleReport();
+  for (const char* reference :
+       {"http", "//cdn", "@import", "<link", "<script", "url("})
+    EXPECT_FALSE(Has(html, reference)) << reference;
+  EXPECT_TRUE(Has(html, "src=\"data:image/png;base64,"));
+}
+
+TEST(HtmlReport, EscapesNames) {
+  const std::string html = ExampleReport();
+  EXPECT_FALSE(Has(html, kNastyName));
+  EXPECT_TRUE(Has(html, "&lt;script&gt;a&amp;&quot;b&quot;.png"));
+  EXPECT_TRUE(Has(html, "only &lt;3 features"));
+}
+
+TEST(HtmlReport, GivesTheVerdictBeforeTheNumbers) {
+  const std::string html = ExampleReport();
+  const size_t verdict = html.find("Verdict: warn");
+  ASSERT_NE(verdict, std::string::npos);
+  EXPECT_LT(verdict, html.find("only 2 images"));
+  EXPECT_LT(html.find("only 2 images"), html.find("Reprojection error"));
+  EXPECT_TRUE(Has(html, "12345 bytes"));
+  EXPECT_TRUE(Has(html, "40.0 (chosen)"));
+}
+
+// Decodes base64 of a report's first picture.
+std::string FirstPicture(const std::string& html) {
+  const std::string digits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  unsigned bits = 0;
+  int count = 0;
+  for (size_t i = html.find("base64,") + 7; html[i] != '"'; ++i) {
+    if (html[i] == '=') continue;
+    bits = bits << 6 | static_cast<unsigned>(digits.find(html[i]));
+    if ((count += 6) < 8) continue;
+    count -= 8;
+    bytes += static_cast<char>(bits >> count & 255);
+  }
+  return bytes;
+}
+
+TEST(HtmlReport, PicturesAreWholePngs) {
+  const CalibrationResult result = ExampleResult();
+  EXPECT_EQ(FirstPicture(ExampleReport()),
+            EncodePng(CoveragePicture(result.training, {640, 480},
+                                      result.camera.camera->area())));
+}
+
+TEST(HtmlReport, WorksWithoutHeldOutImagesAndExample) {
+  CalibrationResult result = ExampleResult();
+  result.held_out.clear();
+  result.camera.held_out.reset();
+  result.cell_candidates.clear();
+  const std::string html =
+      FormatHtmlReport(result, PackingFigures(), std::nullopt);
+  EXPECT_FALSE(Has(html, "held out ("));
+  EXPECT_FALSE(Has(html, "nan"));
+  EXPECT_TRUE(Has(html, "</html>"));
+}
+
+TEST(ResultJson, HoldsTheFigures) {
+  const auto json =
+      nlohmann::json::parse(FormatResultJson(ExampleResult(), 42, 1000000));
+  EXPECT_EQ(json["status"], "converged");
+  EXPECT_EQ(json["model"], "opencv");
+  EXPECT_EQ(json["image_size"], (std::vector<int>{640, 480}));
+  EXPECT_EQ(json["images"]["used"], 2);
+  EXPECT_EQ(json["features"]["used"], 3);
+  EXPECT_EQ(json["features"]["rejected"], 1);
+  EXPECT_EQ(json["images"]["rejected"][0]["image"], kNastyName);
+  EXPECT_EQ(json["training"]["count"], 60);
+  EXPECT_EQ(json["held_out"]["by"], "images held out");
+  EXPECT_EQ(json["cell_candidates"].size(), 2u);
+  EXPECT_EQ(json["bias_kl"], 0.25);
+  EXPECT_EQ(json["verdict"], "warn");
+  EXPECT_EQ(json["seed"], 42);
+}
+
+void ExpectNoNull(const nlohmann::json& json) {
+  EXPECT_FALSE(json.is_null());
+  EXPECT_TRUE(!json.is_number() || std::isfinite(json.get<double>()));
+  if (json.is_structured())
+    for (const auto& item : json) ExpectNoNull(item);
+}
+
+TEST(ResultJson, HasNoNumberThatIsNotFinite) {
+  // JSON has no NaN; the library would write null.
+  ExpectNoNull(nlohmann::json::parse(FormatResultJson(ExampleResult(), 1, 2)));
+  CalibrationResult bare = ExampleResult();
+  bare.training.clear();
+  bare.held_out.clear();
+  bare.camera.training = ComputeErrorFigures({});
+  bare.camera.held_out.reset();
+  bare.bias_kl.reset();
+  bare.cell_candidates.clear();
+  const std::string text = FormatResultJson(bare, 1, 2);
+  ExpectNoNull(nlohmann::json::parse(text));
+  EXPECT_FALSE(Has(text, "bias"));
+}
+
+TEST(Pictures, HaveTheImagesSize) {
+  const CalibrationResult result = ExampleResult();
+  const ImageSize size = {640, 480};
+  const Area area = {10, 10, 600, 400};
+  for (const Image& picture :
+       {CoveragePicture(result.training, size, area),
+        DirectionPicture(result.training, size, area),
+        MagnitudePicture(result.training, size, area, 0.3),
+        DirectionPicture({}, size, area)}) {
+    EXPECT_EQ(picture.size, size);
+    EXPECT_EQ(picture.pixels.size(), 640u * 480u * picture.channels);
+  }
+}
+
+std::vector<uint8_t> PixelOf(const Image& image, int x, int y) {
+  const auto at = image.pixels.begin() + 3 * (image.size.width * y + x);
+  return {at, at + 3};
+}
+
+TEST(Pictures, DirectionIsThatOfTheNearestResidual) {
+  const std::vector<FeatureResidual> residuals = {
+      {"a", 0, 0, 0, {100, 200}, {1, 0}}, {"a", 0, 0, 0, {500, 200}, {0, 3}}};
+  const Image picture =
+      DirectionPicture(residuals, {640, 480}, {0, 0, 639, 479});
+  const Image legend = DirectionLegend(101);
+  EXPECT_EQ(PixelOf(picture, 50, 400), PixelOf(legend, 95, 50));
+  EXPECT_EQ(PixelOf(picture, 600, 10), PixelOf(legend, 50, 95));
+  EXPECT_NE(PixelOf(picture, 50, 400), PixelOf(picture, 600, 10));
+}
+
+TEST(Pictures, FeaturesOnTheImagesEdgeAreDrawnToo) {
+  const std::vector<FeatureResidual> residuals = {
+      {"a", 0, 0, 0, {-0.5, -0.5}, {1, 0}},
+      {"a", 0, 0, 0, {639.49, 479.49}, {0, 0}}};
+  const Image picture =
+      MagnitudePicture(residuals, {640, 480}, {-0.5, -0.5, 639.5, 479.5}, 1);
+  EXPECT_NE(PixelOf(picture, 0, 0), PixelOf(picture, 639, 479));
+}
+
+}  // namespace
+}  // namespace raygrid

@@ -1,0 +1,82 @@
+#ifndef RAYGRID_TESTS_OFFLINE_SMALL_PROBLEM_H
+#define RAYGRID_TESTS_OFFLINE_SMALL_PROBLEM_H
+
+#include <vector>
+
+#include "adjustment/adjustment_state.h"
+#include "adjustment/gaussian_prior.h"
+#include "support.h"
+
+namespace raygrid {
+
+/// Views of a board with known truth.
+struct SmallProblem {
+  std::vector<View> views;
+  AdjustmentState state;  ///< true
+};
+
+struct SmallProblemSizes {
+  int num_views = 0, num_points = 0;
+  double noise_px = 0;
+};
+
+/// A board in front of ExampleLens(), every point in every view. The lens's
+/// area reaches beyond the image, so that noise and steps lose no residual.
+inline SmallProblem MakeSmallProblem(const SmallProblemSizes& sizes) {
+  TestRandom random(21);
+  SmallProblem problem;
+  problem.state.camera = ExampleLens().WithArea({-200, -200, 840, 680}).Clone();
+  for (int i = 0; i < sizes.num_points; ++i)
+    problem.state.points.emplace_back(random.Uniform(-0.3, 0.3),
+                                      random.Uniform(-0.2, 0.2),
+                                      random.Uniform(-0.005, 0.005));
+  for (int v = 0; v < sizes.num_views; ++v) {
+    const Pose pose = {
+        RotationFromVector({random.Uniform(-0.7, 0.7),
+                            random.Uniform(-0.7, 0.7), random.Uniform(-2, 2)}),
+        {random.Uniform(-0.15, 0.15), random.Uniform(-0.1, 0.1),
+         random.Uniform(0.7, 1.0)}};
+    View view;
+    for (int i = 0; i < sizes.num_points; ++i)
+      view.observations.push_back(
+          {i, problem.state.camera->Project(pose * problem.state.points[i])
+                      .value() +
+                  sizes.noise_px * random.NormalVector<2>()});
+    problem.views.push_back(view);
+    problem.state.camera_from_pattern.push_back(pose);
+  }
+  return problem;
+}
+
+/// Every part of the prior at work, around the true state.
+inline GaussianPrior PriorOf(const SmallProblem& problem) {
+  GaussianPrior prior =
+      DistortionPrior(dynamic_cast<const OpenCvModel&>(*problem.state.camera),
+                      WholeImage({640, 480}));
+  prior.camera_mean = problem.state.camera->Parameters();
+  prior.camera_weight = 0.5;
+  prior.points_mean = problem.state.points;
+  prior.points_weight = 1e6;
+  return prior;
+}
+
+/// A state to start from, away from the truth.
+inline AdjustmentState Disturbed(const AdjustmentState& truth,
+                                 bool move_points) {
+  TestRandom random(22);
+  AdjustmentState state = truth;
+  Eigen::VectorXd parameters = truth.camera->Parameters();
+  parameters.head<4>() += 5 * random.NormalVector<4>();
+  parameters.tail<8>() += 0.01 * random.NormalVector<8>();
+  state.camera->SetParameters(parameters);
+  for (Pose& pose : state.camera_from_pattern)
+    pose = UpdatedPose(pose, 0.01 * random.NormalVector<6>());
+  if (move_points)
+    for (Eigen::Vector3d& p : state.points)
+      p += 0.001 * random.NormalVector<3>();
+  return state;
+}
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_TESTS_OFFLINE_SMALL_PROBLEM_H

@@ -1,0 +1,224 @@
+#include <stdio.h>
+#include <string.h>
+
+#include "blob_edit.h"
+#include "crc32.h"
+#include "golden_blobs.h"
+#include "raygrid.h"
+#include "test_frame.h"
+#include "unit_test.h"
+
+/* kLensBlob's image and output. */
+#define SOURCE_WIDTH 160u
+#define SOURCE_HEIGHT 120u
+#define WIDTH 120u
+#define HEIGHT 90u
+
+#define PADDING 13u
+#define GUARD 0xc3
+#define MARGIN 64u
+
+static rg_camera lens;
+static uint8_t source[(SOURCE_WIDTH + PADDING) * SOURCE_HEIGHT];
+static uint8_t whole[WIDTH * HEIGHT];
+static uint8_t output[2 * MARGIN + (WIDTH + PADDING) * HEIGHT];
+
+static rg_frame make_source(uint32_t stride) {
+  memset(source, GUARD, sizeof(source));
+  make_test_frame(source, stride, SOURCE_WIDTH, SOURCE_HEIGHT);
+  const rg_frame frame = {source, stride, SOURCE_WIDTH, SOURCE_HEIGHT};
+  return frame;
+}
+
+static rg_status remap_rows(const rg_frame* frame, uint32_t first_row,
+                            uint32_t num_rows, uint8_t* data) {
+  const rg_band band = {data, WIDTH, (uint16_t)first_row, (uint16_t)num_rows,
+                        GOLDEN_BORDER};
+  return rg_remap_grey(&lens, frame, &band);
+}
+
+/* Every test starts from the whole frame. */
+static int remap_whole_frame(void** state) {
+  (void)state;
+  memset(output, GUARD, sizeof(output));
+  const rg_status opened = rg_camera_open(&lens, kLensBlob, sizeof(kLensBlob));
+  if (opened != RG_OK) return -1;
+  const rg_frame frame = make_source(SOURCE_WIDTH);
+  return remap_rows(&frame, 0, HEIGHT, whole) == RG_OK ? 0 : -1;
+}
+
+static void check_guards(const uint8_t* begin, const uint8_t* end) {
+  for (; begin < end; ++begin) assert_int_equal(*begin, GUARD);
+}
+
+static void frame_is_the_golden_one(void** state) {
+  (void)state;
+  const uint32_t crc = rg_crc32(0, whole, sizeof(whole));
+  printf("remap CRC %08lx\n", (unsigned long)crc);
+  assert_int_equal(crc, GOLDEN_LENS_REMAP_CRC);
+}
+
+static void example_is_the_golden_one(void** state) {
+  (void)state;
+  rg_camera example;
+  assert_int_equal(rg_camera_open(&example, kExampleBlob, sizeof(kExampleBlob)),
+                   RG_OK);
+  make_test_frame(source, 64, 64, 48);
+  const rg_frame frame = {source, 64, 64, 48};
+  const rg_band band = {output, 16, 0, 8, GOLDEN_BORDER};
+  assert_int_equal(rg_remap_grey(&example, &frame, &band), RG_OK);
+  assert_int_equal(rg_crc32(0, output, 16 * 8), GOLDEN_EXAMPLE_REMAP_CRC);
+  check_guards(output + 16 * 8, output + sizeof(output));
+}
+
+static void bands_of_any_height_make_the_frame(void** state) {
+  (void)state;
+  const rg_frame frame = make_source(SOURCE_WIDTH);
+  for (uint32_t height = 1; height <= HEIGHT; ++height) {
+    memset(output, GUARD, sizeof(output));
+    for (uint32_t row = 0; row < HEIGHT; row += height) {
+      const uint32_t rest = HEIGHT - row;
+      assert_int_equal(remap_rows(&frame, row, rest < height ? rest : height,
+                                  output + row * WIDTH),
+                       RG_OK);
+    }
+    assert_memory_equal(output, whole, sizeof(whole));
+  }
+}
+
+static void bands_may_come_in_any_order(void** state) {
+  (void)state;
+  const rg_frame frame = make_source(SOURCE_WIDTH);
+  for (uint32_t k = 0; k < HEIGHT; ++k) {
+    const uint32_t row = k * 37 % HEIGHT;
+    assert_int_equal(remap_rows(&frame, row, 1, output + row * WIDTH), RG_OK);
+  }
+  assert_memory_equal(output, whole, sizeof(whole));
+}
+
+static void band_writes_only_its_rows(void** state) {
+  (void)state;
+  const rg_frame frame = make_source(SOURCE_WIDTH);
+  uint8_t* band = output + MARGIN;
+  assert_int_equal(remap_rows(&frame, 30, 11, band), RG_OK);
+  check_guards(output, band);
+  assert_memory_equal(band, whole + 30 * WIDTH, 11 * WIDTH);
+  check_guards(band + 11 * WIDTH, output + sizeof(output));
+}
+
+static void padding_between_rows_is_untouched(void** state) {
+  (void)state;
+  const rg_frame frame = make_source(SOURCE_WIDTH + PADDING);
+  const uint32_t stride = WIDTH + PADDING;
+  const rg_band band = {output + MARGIN, stride, 0, HEIGHT, GOLDEN_BORDER};
+  assert_int_equal(rg_remap_grey(&lens, &frame, &band), RG_OK);
+  check_guards(output, output + MARGIN);
+  for (uint32_t y = 0; y < HEIGHT; ++y) {
+    const uint8_t* row = output + MARGIN + y * stride;
+    assert_memory_equal(row, whole + y * WIDTH, WIDTH);
+    check_guards(row + WIDTH, row + stride);
+  }
+  check_guards(output + MARGIN + HEIGHT * stride, output + sizeof(output));
+}
+
+static void band_without_rows_writes_nothing(void** state) {
+  (void)state;
+  const rg_frame frame = make_source(SOURCE_WIDTH);
+  assert_int_equal(remap_rows(&frame, HEIGHT, 0, output), RG_OK);
+  check_guards(output, output + sizeof(output));
+}
+
+/* A source of ones shows the border wherever the output is not 1. */
+static void border_value_is_the_callers(void** state) {
+  (void)state;
+  memset(source, 1, sizeof(source));
+  const rg_frame frame = {source, SOURCE_WIDTH, SOURCE_WIDTH, SOURCE_HEIGHT};
+  const rg_band band = {output, WIDTH, 0, HEIGHT, 200};
+  assert_int_equal(rg_remap_grey(&lens, &frame, &band), RG_OK);
+  uint32_t num_border = 0;
+  for (uint32_t i = 0; i < WIDTH * HEIGHT; ++i) {
+    assert_true(output[i] == 1 || output[i] == 200);
+    num_border += output[i] == 200;
+  }
+  assert_int_equal(num_border, GOLDEN_LENS_BORDER_PIXELS);
+}
+
+static void check_frame(uint32_t width, uint32_t height, uint32_t stride,
+                        rg_status expected) {
+  const rg_frame frame = {source, stride, (uint16_t)width, (uint16_t)height};
+  assert_int_equal(remap_rows(&frame, 0, HEIGHT, output), expected);
+}
+
+static void wrong_frame_size_is_refused(void** state) {
+  (void)state;
+  check_frame(SOURCE_WIDTH - 1, SOURCE_HEIGHT, SOURCE_WIDTH, RG_ERR_FRAME_SIZE);
+  check_frame(SOURCE_WIDTH + 1, SOURCE_HEIGHT, SOURCE_WIDTH + 1,
+              RG_ERR_FRAME_SIZE);
+  check_frame(SOURCE_WIDTH, SOURCE_HEIGHT - 1, SOURCE_WIDTH, RG_ERR_FRAME_SIZE);
+  check_frame(SOURCE_WIDTH, SOURCE_HEIGHT + 1, SOURCE_WIDTH, RG_ERR_FRAME_SIZE);
+  check_guards(output, output + sizeof(output));
+}
+
+static void stride_below_the_width_is_refused(void** state) {
+  (void)state;
+  check_frame(SOURCE_WIDTH, SOURCE_HEIGHT, SOURCE_WIDTH - 1, RG_ERR_FRAME_SIZE);
+  const rg_frame frame = make_source(SOURCE_WIDTH);
+  const rg_band band = {output, WIDTH - 1, 0, HEIGHT, GOLDEN_BORDER};
+  assert_int_equal(rg_remap_grey(&lens, &frame, &band), RG_ERR_FRAME_SIZE);
+  check_guards(output, output + sizeof(output));
+}
+
+static void rows_below_the_output_are_refused(void** state) {
+  (void)state;
+  const rg_frame frame = make_source(SOURCE_WIDTH);
+  assert_int_equal(remap_rows(&frame, 0, HEIGHT + 1, output), RG_ERR_ROWS);
+  assert_int_equal(remap_rows(&frame, HEIGHT - 1, 2, output), RG_ERR_ROWS);
+  assert_int_equal(remap_rows(&frame, 65535, 1, output), RG_ERR_ROWS);
+  assert_int_equal(remap_rows(&frame, 65535, 65535, output), RG_ERR_ROWS);
+  check_guards(output, output + sizeof(output));
+}
+
+static void size_of_the_output_is_told(void** state) {
+  (void)state;
+  uint16_t width, height;
+  assert_int_equal(rg_remap_size(&lens, &width, &height), RG_OK);
+  assert_int_equal(width, WIDTH);
+  assert_int_equal(height, HEIGHT);
+}
+
+static void blob_without_remap_says_so(void** state) {
+  (void)state;
+  static uint8_t blob[sizeof(kLensBlob)] __attribute__((aligned(4)));
+  const blob_section sections[2] = {section_of(kLensBlob, 0),
+                                    section_of(kLensBlob, 1)};
+  const uint32_t size = assemble_blob(sections, 2, blob);
+  assert_int_equal(rg_camera_open(&lens, blob, size), RG_OK);
+  uint16_t width = 1, height = 2;
+  assert_int_equal(rg_remap_size(&lens, &width, &height), RG_ERR_NO_REMAP);
+  assert_int_equal(width, 1);
+  assert_int_equal(height, 2);
+  const rg_frame frame = make_source(SOURCE_WIDTH);
+  assert_int_equal(remap_rows(&frame, 0, HEIGHT, output), RG_ERR_NO_REMAP);
+  check_guards(output, output + sizeof(output));
+}
+
+#define TEST(name) cmocka_unit_test_setup(name, remap_whole_frame)
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      TEST(frame_is_the_golden_one),
+      TEST(example_is_the_golden_one),
+      TEST(bands_of_any_height_make_the_frame),
+      TEST(bands_may_come_in_any_order),
+      TEST(band_writes_only_its_rows),
+      TEST(padding_between_rows_is_untouched),
+      TEST(band_without_rows_writes_nothing),
+      TEST(border_value_is_the_callers),
+      TEST(wrong_frame_size_is_refused),
+      TEST(stride_below_the_width_is_refused),
+      TEST(rows_below_the_output_are_refused),
+      TEST(size_of_the_output_is_told),
+      TEST(blob_without_remap_says_so),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

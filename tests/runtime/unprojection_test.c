@@ -1,0 +1,211 @@
+#include <stdio.h>
+#include <string.h>
+
+#include "blob_edit.h"
+#include "bytes.h"
+#include "crc32.h"
+#include "golden_blobs.h"
+#include "raygrid.h"
+#include "test_frame.h"
+#include "unit_test.h"
+
+#define NUM_GOLDEN (sizeof(kLensRays) / sizeof(kLensRays[0]))
+#define NUM_CHART_RAYS (sizeof(kChartRays) / sizeof(kChartRays[0]))
+#define NUM_RANDOM 2000u
+
+/* Worst difference from the golden rays in a coordinate, q30: 107 would be
+ * 1e-7 rad. */
+#define MAX_ERROR_Q30 40
+
+/* The rays of the NUM_RANDOM pixels, the same on every target. */
+#define RAYS_CRC 0x759536edu
+
+static rg_camera lens;
+static rg_pixel pixels[NUM_RANDOM];
+static rg_ray rays[NUM_RANDOM];
+
+/* Random pixels of the area, and about as many around it. */
+static void make_pixels(void) {
+  uint32_t random = 11;
+  for (uint32_t i = 0; i < NUM_RANDOM; ++i) {
+    pixels[i].x_q16 = (int32_t)(next_random(&random) >> 8) - RG_PIXEL(40);
+    pixels[i].y_q16 = (int32_t)(next_random(&random) >> 8) - RG_PIXEL(40);
+  }
+}
+
+static int open_lens(void** state) {
+  (void)state;
+  make_pixels();
+  return rg_camera_open(&lens, kLensBlob, sizeof(kLensBlob)) == RG_OK ? 0 : -1;
+}
+
+static int32_t distance(int32_t a, int32_t b) { return a > b ? a - b : b - a; }
+
+static int32_t ray_error(const rg_ray* ray, const int32_t expected_q30[3]) {
+  const int32_t x = distance(ray->x_q30, expected_q30[0]);
+  const int32_t y = distance(ray->y_q30, expected_q30[1]);
+  const int32_t z = distance(ray->z_q30, expected_q30[2]);
+  const int32_t xy = x > y ? x : y;
+  return xy > z ? xy : z;
+}
+
+static void rays_are_the_golden_ones(void** state) {
+  (void)state;
+  int32_t worst = 0;
+  for (size_t i = 0; i < NUM_GOLDEN; ++i) {
+    const rg_pixel pixel = {kLensRays[i].x, kLensRays[i].y};
+    rg_ray ray;
+    assert_int_equal(rg_unproject(&lens, pixel, &ray), RG_OK);
+    const int32_t error = ray_error(&ray, kLensRays[i].ray_q30);
+    if (error > worst) worst = error;
+  }
+  print_message("worst error %d LSB\n", (int)worst);
+  assert_true(worst <= MAX_ERROR_Q30);
+}
+
+/* The ray of a camera whose control points are all the same. */
+static rg_ray ray_at_chart_position(int32_t a_q29, int32_t b_q29) {
+  static uint8_t blob[sizeof(kExampleBlob)] __attribute__((aligned(4)));
+  memcpy(blob, kExampleBlob, sizeof(blob));
+  const uint32_t first = (uint32_t)(section_of(blob, 1).bytes + 40 - blob);
+  for (uint32_t i = 0; i < 16; ++i) {
+    rg_store_i32(blob + first + 8 * i, a_q29);
+    rg_store_i32(blob + first + 8 * i + 4, b_q29);
+  }
+  repair_crcs(blob, sizeof(blob));
+  rg_camera camera;
+  assert_int_equal(rg_camera_open(&camera, blob, sizeof(blob)), RG_OK);
+  const rg_pixel pixel = {RG_PIXEL(20), RG_PIXEL(30)};
+  rg_ray ray = {0, 0, 0};
+  assert_int_equal(rg_unproject(&camera, pixel, &ray), RG_OK);
+  return ray;
+}
+
+static void rays_are_right_up_to_the_limit_of_the_chart(void** state) {
+  (void)state;
+  int32_t worst = 0;
+  for (size_t i = 0; i < NUM_CHART_RAYS; ++i) {
+    const golden_ray* golden = &kChartRays[i];
+    const rg_ray ray = ray_at_chart_position(golden->x, golden->y);
+    const int32_t error = ray_error(&ray, golden->ray_q30);
+    if (error > worst) worst = error;
+  }
+  print_message("worst error %d LSB\n", (int)worst);
+  assert_true(worst <= MAX_ERROR_Q30);
+}
+
+static void check_norm(const rg_ray* ray) {
+  const int64_t square_q60 = (int64_t)ray->x_q30 * ray->x_q30 +
+                             (int64_t)ray->y_q30 * ray->y_q30 +
+                             (int64_t)ray->z_q30 * ray->z_q30;
+  const int64_t excess_q60 = square_q60 - (INT64_C(1) << 60);
+  const int64_t limit_q60 = (INT64_C(1) << 60) / 25000000 * 2; /* 2 x 4e-8 */
+  assert_true(excess_q60 <= limit_q60 && excess_q60 >= -limit_q60);
+}
+
+static void rays_have_unit_length(void** state) {
+  (void)state;
+  uint32_t num_inside = 0;
+  for (uint32_t i = 0; i < NUM_RANDOM; ++i) {
+    if (rg_unproject(&lens, pixels[i], &rays[i]) != RG_OK) continue;
+    check_norm(&rays[i]);
+    ++num_inside;
+  }
+  assert_in_range(num_inside, 100, NUM_RANDOM - 100);
+}
+
+/* Within the limit of control points. */
+static int32_t random_coordinate(uint32_t* state) {
+  return (int32_t)(((int64_t)(int32_t)next_random(state) * 0x7f000000) >> 31);
+}
+
+static void backward_rays_have_unit_length(void** state) {
+  (void)state;
+  uint32_t random = 5;
+  for (int i = 0; i < 200; ++i) {
+    const int32_t a = random_coordinate(&random);
+    const int32_t b = random_coordinate(&random);
+    const rg_ray ray = ray_at_chart_position(a, b);
+    check_norm(&ray);
+  }
+}
+
+static void check_pixel(int32_t x_q16, int32_t y_q16, rg_status expected) {
+  const rg_pixel pixel = {x_q16, y_q16};
+  rg_ray ray = {1, 2, 3};
+  assert_int_equal(rg_unproject(&lens, pixel, &ray), expected);
+  const int is_untouched = ray.x_q30 == 1 && ray.y_q30 == 2 && ray.z_q30 == 3;
+  assert_int_equal(is_untouched, expected != RG_OK);
+}
+
+static void edges_belong_to_the_area(void** state) {
+  (void)state;
+  const int32_t x0 = 163840, y0 = 81920, x1 = 10289152, y1 = 7766016;
+  check_pixel(x0, y0, RG_OK);
+  check_pixel(x1, y0, RG_OK);
+  check_pixel(x0, y1, RG_OK);
+  check_pixel(x1, y1, RG_OK);
+  check_pixel(x0 - 1, y0, RG_ERR_OUTSIDE_AREA);
+  check_pixel(x0, y0 - 1, RG_ERR_OUTSIDE_AREA);
+  check_pixel(x1 + 1, y1, RG_ERR_OUTSIDE_AREA);
+  check_pixel(x1, y1 + 1, RG_ERR_OUTSIDE_AREA);
+}
+
+static void far_away_pixels_lie_outside(void** state) {
+  (void)state;
+  check_pixel(INT32_MIN, RG_PIXEL(60), RG_ERR_OUTSIDE_AREA);
+  check_pixel(INT32_MAX, RG_PIXEL(60), RG_ERR_OUTSIDE_AREA);
+  check_pixel(RG_PIXEL(80), INT32_MIN, RG_ERR_OUTSIDE_AREA);
+  check_pixel(RG_PIXEL(80), INT32_MAX, RG_ERR_OUTSIDE_AREA);
+}
+
+static void batch_equals_single_calls(void** state) {
+  (void)state;
+  memset(rays, 0xff, sizeof(rays));
+  const uint32_t num_inside =
+      rg_unproject_batch(&lens, pixels, rays, NUM_RANDOM);
+  uint32_t num_singles = 0;
+  for (uint32_t i = 0; i < NUM_RANDOM; ++i) {
+    rg_ray ray = {0, 0, 0};
+    num_singles += rg_unproject(&lens, pixels[i], &ray) == RG_OK;
+    assert_memory_equal(&rays[i], &ray, sizeof(ray));
+  }
+  assert_int_equal(num_inside, num_singles);
+}
+
+static void empty_batch_writes_nothing(void** state) {
+  (void)state;
+  rays[0].x_q30 = 77;
+  assert_int_equal(rg_unproject_batch(&lens, pixels, rays, 0), 0);
+  assert_int_equal(rays[0].x_q30, 77);
+}
+
+static void rays_have_the_same_bits_on_every_target(void** state) {
+  (void)state;
+  rg_unproject_batch(&lens, pixels, rays, NUM_RANDOM);
+  uint32_t crc = 0;
+  for (uint32_t i = 0; i < NUM_RANDOM; ++i) {
+    uint8_t bytes[12];
+    rg_store_i32(bytes, rays[i].x_q30);
+    rg_store_i32(bytes + 4, rays[i].y_q30);
+    rg_store_i32(bytes + 8, rays[i].z_q30);
+    crc = rg_crc32(crc, bytes, sizeof(bytes));
+  }
+  printf("rays CRC %08lx\n", (unsigned long)crc);
+  assert_int_equal(crc, RAYS_CRC);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(rays_are_the_golden_ones),
+      cmocka_unit_test(rays_are_right_up_to_the_limit_of_the_chart),
+      cmocka_unit_test(rays_have_unit_length),
+      cmocka_unit_test(backward_rays_have_unit_length),
+      cmocka_unit_test(edges_belong_to_the_area),
+      cmocka_unit_test(far_away_pixels_lie_outside),
+      cmocka_unit_test(batch_equals_single_calls),
+      cmocka_unit_test(empty_batch_writes_nothing),
+      cmocka_unit_test(rays_have_the_same_bits_on_every_target),
+  };
+  return cmocka_run_group_tests(tests, open_lens, NULL);
+}
