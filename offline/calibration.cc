@@ -261,6 +261,25 @@ struct Adjusted {
   std::vector<FeatureResidual> rejected_features;
 };
 
+// A lens beyond the parametric model shows in features that it gives no
+// direction to, or whose points it does not project.
+constexpr double kMaxUnexplainedPart = 0.05;
+void RequireParametricLens(const Adjusted& adjusted) {
+  size_t index = 0, unexplained = 0;
+  for (const View& view : adjusted.problem.views)
+    for (const Observation& observation : view.observations)
+      unexplained += !adjusted.summary.residuals[index++].valid ||
+                     !adjusted.state.camera->Unproject(observation.pixel);
+  if (static_cast<double>(unexplained) >
+      kMaxUnexplainedPart * static_cast<double>(index))
+    throw Error(
+        ExitCode::kInitialization,
+        fmt::format("the starting lens explains only {} of {} features; this "
+                    "version starts from pinhole-like lenses, up to about 120 "
+                    "degrees of view",
+                    index - unexplained, index));
+}
+
 // Start and parametric adjustment; throws Error where that is impossible.
 Adjusted AdjustStart(const Dataset& dataset, const Pattern& pattern,
                      const AdjustmentOptions& options) {
@@ -286,6 +305,7 @@ Adjusted AdjustStart(const Dataset& dataset, const Pattern& pattern,
   require_images();
   adjusted.summary = AdjustParametric(
       adjusted.problem, WithFixedPoints(options), &adjusted.state);
+  RequireParametricLens(adjusted);
   return adjusted;
 }
 

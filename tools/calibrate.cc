@@ -106,6 +106,17 @@ PackedCamera Pack(const CameraFile& file, int num_threads) {
   return PackCamera(file, options);
 }
 
+std::string Report(const std::vector<std::string>& paths,
+                   const CalibrationResult& result, const Arguments& arguments,
+                   const std::optional<PackedCamera>& packed) {
+  if (!packed) return FormatHtmlReport(result, std::nullopt, std::nullopt);
+  return FormatHtmlReport(
+      result,
+      PackingFigures{packed->blob.size(), packed->unproject_error_px,
+                     packed->remap_error_px},
+      ExampleImage(paths, result, arguments, packed->blob));
+}
+
 void PrintSummary(const Arguments& arguments, const CalibrationResult& result) {
   const auto print = [](const char* name, const ErrorFigures& figures) {
     fmt::print(
@@ -151,7 +162,8 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
   RequireWritableFolder(arguments.output);
 
   CalibrationResult result;
-  PackedCamera packed;
+  std::optional<PackedCamera> packed;
+  std::optional<Error> not_packed;  // the other files are worth having even so
   {
     ProgressBar bar(common.quiet);
     const Dataset dataset =
@@ -160,7 +172,11 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
     result.camera.name = arguments.name;
     result.camera.serial = arguments.serial;
     bar.Show("packing", 0.9);
-    packed = Pack(result.camera, common.threads);
+    try {
+      packed = Pack(result.camera, common.threads);
+    } catch (const Error& error) {
+      not_packed = error;
+    }
   }
 
   const std::string json =
@@ -168,23 +184,20 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
   const std::filesystem::path folder = arguments.output;
   OutputFiles files;
   files.Add((folder / "camera.yaml").string(), FormatCameraFile(result.camera));
-  files.Add((folder / "camera.raygrid").string(), packed.blob);
+  if (packed) files.Add((folder / "camera.raygrid").string(), packed->blob);
   files.Add((folder / "pattern.yaml").string(), FormatPattern(result.pattern));
   files.Add((folder / "features.csv").string(),
             FormatFeatures(result.features));
   files.Add((folder / "poses.csv").string(), FormatPoses(result.poses));
   files.Add((folder / "result.json").string(), json);
-  files.Add(
-      (folder / "report.html").string(),
-      FormatHtmlReport(result,
-                       {packed.blob.size(), packed.unproject_error_px,
-                        packed.remap_error_px},
-                       ExampleImage(paths, result, arguments, packed.blob)));
+  files.Add((folder / "report.html").string(),
+            Report(paths, result, arguments, packed));
   files.Commit();
   if (common.json)
     fmt::print("{}", json);
   else if (!common.quiet)
     PrintSummary(arguments, result);
+  if (not_packed) throw *not_packed;
   if (!result.converged)
     throw Error(ExitCode::kNotConverged,
                 "the adjustment did not converge; the files hold its last "

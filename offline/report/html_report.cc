@@ -99,7 +99,7 @@ std::string ErrorTable(const CalibrationResult& result) {
 }
 
 std::string ModelTable(const CalibrationResult& result,
-                       const PackingFigures& packing) {
+                       const std::optional<PackingFigures>& packing) {
   const CameraModel& camera = *result.camera.camera;
   const Area& area = camera.area();
   std::string html = "<h2>Camera</h2>\n<div class=\"scroll\"><table>\n";
@@ -116,12 +116,14 @@ std::string ModelTable(const CalibrationResult& result,
                                      area.x0, area.x1, area.y0, area.y1));
   row("images used", std::to_string(result.features.images.size()));
   if (result.bias_kl) row("bias (KL)", fmt::format("{:.3f}", *result.bias_kl));
-  row("blob", fmt::format("{} bytes", packing.blob_bytes));
-  row("un-projection error added by packing",
-      fmt::format("{:.2g} px", packing.unproject_error_px));
-  if (packing.remap_error_px)
+  if (packing) {
+    row("blob", fmt::format("{} bytes", packing->blob_bytes));
+    row("un-projection error added by packing",
+        fmt::format("{:.2g} px", packing->unproject_error_px));
+  }
+  if (packing && packing->remap_error_px)
     row("remap geometry error",
-        fmt::format("{:.3f} px", *packing.remap_error_px));
+        fmt::format("{:.3f} px", *packing->remap_error_px));
   return html + "</table></div>\n";
 }
 
@@ -213,7 +215,7 @@ std::string PicturesSection(const CalibrationResult& result) {
 }  // namespace
 
 std::string FormatHtmlReport(const CalibrationResult& result,
-                             const PackingFigures& packing,
+                             const std::optional<PackingFigures>& packing,
                              const std::optional<BeforeAfter>& example) {
   std::string html = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"

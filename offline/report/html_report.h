@@ -25,7 +25,7 @@ struct PackingFigures {
 /// report.html: one file without references to others, for light and dark
 /// screens and for paper. Verdict first, then numbers and pictures.
 std::string FormatHtmlReport(const CalibrationResult& result,
-                             const PackingFigures& packing,
+                             const std::optional<PackingFigures>& packing,
                              const std::optional<BeforeAfter>& example);
 
 }  // namespace raygrid

@@ -71,6 +71,7 @@ static const field_fault kFieldFaults[] = {
     {"reserved field of the camera", CAMERA + 4, 4, 256, RG_ERR_RESERVED},
     {"name of 32 bytes", CAMERA + 39, 1, 'x', RG_ERR_TEXT},
     {"name goes on after a zero", CAMERA + 20, 1, 'x', RG_ERR_TEXT},
+    {"name starts with a zero", CAMERA + 8, 1, 0, RG_ERR_TEXT},
     {"serial of 32 bytes", CAMERA + 71, 1, 'x', RG_ERR_TEXT},
     {"serial goes on after a zero", CAMERA + 45, 1, 'x', RG_ERR_TEXT},
 
@@ -423,6 +424,47 @@ static void unknown_critical_section_is_refused(void** state) {
                    RG_ERR_SECTION_UNKNOWN);
 }
 
+static void unknown_flag_of_an_unknown_section_is_refused(void** state) {
+  (void)state;
+  blob_section sections[5];
+  const uint32_t count = take_sections(sections);
+  sections[4].flags = 2;
+  assert_int_equal(open_copy(edited, assemble_blob(sections, count, edited)),
+                   RG_ERR_SECTION_FLAGS);
+}
+
+static void empty_section_is_refused(void** state) {
+  (void)state;
+  blob_section sections[5];
+  const uint32_t count = take_sections(sections);
+  sections[4].size = 0;
+  assert_int_equal(open_copy(edited, assemble_blob(sections, count, edited)),
+                   RG_ERR_SECTION_TABLE);
+}
+
+/* The first section ends in the table once its end has wrapped around. */
+static void sections_that_wrap_around_are_refused(void** state) {
+  (void)state;
+  memcpy(edited, kExampleBlob, SIZE);
+  rg_store_u32(edited + ENTRY(0) + 8, (uint32_t)-32);
+  rg_store_u32(edited + ENTRY(1) + 4, CAMERA - 32);
+  rg_store_u32(edited + ENTRY(1) + 8, REMAP - CAMERA + 32);
+  repair_crcs(edited, SIZE);
+  assert_int_equal(open_copy(edited, SIZE), RG_ERR_SECTION_TABLE);
+}
+
+/* 4 x 19 control points, placed so that their end wraps to the section's. */
+static void array_that_wraps_around_is_refused(void** state) {
+  (void)state;
+  const uint32_t data_size = 8 * 4 * 19;
+  memcpy(edited, kExampleBlob, SIZE);
+  rg_store_u16(edited + GRID + 18, 19);
+  rg_store_u32(edited + GRID + 24, rg_grid_scale_q32(16, 47u << 16));
+  rg_store_u32(edited + GRID + 32, REMAP - GRID - data_size);
+  repair_crcs(edited, SIZE);
+  assert_int_equal(open_copy(edited, SIZE), RG_ERR_SECTION_SIZE);
+}
+
 static void sections_may_stand_in_any_order(void** state) {
   (void)state;
   blob_section sections[5], reversed[5];
@@ -558,6 +600,10 @@ int main(void) {
       cmocka_unit_test(sections_put_together_give_the_example),
       cmocka_unit_test(unknown_optional_section_is_skipped),
       cmocka_unit_test(unknown_critical_section_is_refused),
+      cmocka_unit_test(unknown_flag_of_an_unknown_section_is_refused),
+      cmocka_unit_test(empty_section_is_refused),
+      cmocka_unit_test(sections_that_wrap_around_are_refused),
+      cmocka_unit_test(array_that_wraps_around_is_refused),
       cmocka_unit_test(sections_may_stand_in_any_order),
       cmocka_unit_test(first_of_two_remaps_is_used),
       cmocka_unit_test(fault_in_the_second_remap_is_refused),

@@ -154,6 +154,37 @@ static void wrong_scale_is_refused(void** state) {
   assert_int_equal(write_parts(), RG_ERR_GRID_SCALE);
 }
 
+static void scale_without_remainder_has_one_value(void** state) {
+  (void)state;
+  parts.grid.x1_q16 = 32 << 16;
+  parts.grid.scale_x_q32 = 1u << 27;
+  assert_int_equal(write_parts(), RG_OK);
+  --parts.grid.scale_x_q32;
+  assert_int_equal(write_parts(), RG_ERR_GRID_SCALE);
+  parts.grid.scale_x_q32 += 2;
+  assert_int_equal(write_parts(), RG_ERR_GRID_SCALE);
+}
+
+static rg_status write_all_vertices_at(int32_t x_q12, int32_t y_q12) {
+  memset(parts.residuals, 0, sizeof(parts.residuals));
+  parts.remap.origin_x_q12 = x_q12;
+  parts.remap.origin_y_q12 = y_q12;
+  parts.remap.column_step_x_q12 = parts.remap.column_step_y_q12 = 0;
+  parts.remap.row_step_x_q12 = parts.remap.row_step_y_q12 = 0;
+  return write_parts();
+}
+
+static void vertices_reach_almost_to_8192(void** state) {
+  (void)state;
+  const int32_t limit = 1 << 25;
+  assert_int_equal(write_all_vertices_at(limit - 1, 1 - limit), RG_OK);
+  assert_int_equal(write_all_vertices_at(1 - limit, limit - 1), RG_OK);
+  assert_int_equal(write_all_vertices_at(limit, 0), RG_ERR_REMAP_VERTEX);
+  assert_int_equal(write_all_vertices_at(-limit, 0), RG_ERR_REMAP_VERTEX);
+  assert_int_equal(write_all_vertices_at(0, limit), RG_ERR_REMAP_VERTEX);
+  assert_int_equal(write_all_vertices_at(0, -limit), RG_ERR_REMAP_VERTEX);
+}
+
 static void control_point_beyond_the_limit_is_refused(void** state) {
   (void)state;
   parts.control_points[31] = -0x7f000001;
@@ -214,6 +245,8 @@ int main(void) {
       TEST(area_outside_the_image_is_refused),
       TEST(unusable_grid_size_is_refused),
       TEST(wrong_scale_is_refused),
+      TEST(scale_without_remainder_has_one_value),
+      TEST(vertices_reach_almost_to_8192),
       TEST(control_point_beyond_the_limit_is_refused),
       TEST(unusable_remap_is_refused),
       TEST(unusable_remap_values_are_refused),

@@ -92,11 +92,14 @@ TEST(Localize, WithstandsGrossOutliers) {
           20 * Eigen::Vector2d(std::cos(angle), std::sin(angle));
     }
     const auto found = Localize(camera, matches);
-    ExpectPose(found, pose, 0.01);
-    // The board's centre, on a pixel of about 1/500 rad.
-    EXPECT_LT((found->translation.normalized() - pose.translation.normalized())
-                  .norm(),
-              0.2 / 500);
+    ASSERT_TRUE(found);
+    // In pixels, since how well the tilt of a frontal board can be told varies.
+    // Least squares would be off by several.
+    for (const Eigen::Vector3d& point : BoardPoints())
+      EXPECT_LT(
+          (*camera.Project(*found * point) - *camera.Project(pose * point))
+              .norm(),
+          0.5);
   }
 }
 

@@ -23,7 +23,9 @@ CalibrationResult ExampleResult() {
   result.held_out = result.training;
   result.camera.training = ComputeErrorFigures(result.training);
   result.camera.held_out = ComputeErrorFigures(result.held_out);
-  result.features.images = {{"b.png", {{}, {}}}, {kNastyName, {{}}}};
+  const Feature feature = {0, 0, 0, {1, 1}};
+  result.features.images = {{"b.png", {feature, feature}},
+                            {kNastyName, {feature}}};
   result.rejected_images = {{kNastyName, "only <3 features"}};
   result.rejected_features = {{kNastyName, 0, 3, 4, {10, 20}, {3, 4}}};
   result.cell_candidates = {{80, 0.02, 0.1}, {40, 0.01, 0.09}};

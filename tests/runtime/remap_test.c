@@ -1,4 +1,5 @@
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "blob_edit.h"
@@ -202,6 +203,111 @@ static void blob_without_remap_says_so(void** state) {
   check_guards(output, output + sizeof(output));
 }
 
+/* ---- Tables that move the image: output (u, v) is source (u, v) + shift ---
+ */
+
+#define MOVED_WIDTH 64u
+#define MOVED_HEIGHT 48u
+
+static const uint8_t kNoBlocks[8] = {0};
+static const uint8_t kThirdBlock[8] = {4};
+
+static rg_remap_section moving_table(uint32_t block_log2, int32_t x_q12,
+                                     int32_t y_q12, const uint8_t* empty) {
+  const rg_remap_section table = {
+      .width = MOVED_WIDTH,
+      .height = MOVED_HEIGHT,
+      .columns = (uint16_t)(((MOVED_WIDTH - 1) >> block_log2) + 2),
+      .rows = (uint16_t)(((MOVED_HEIGHT - 1) >> block_log2) + 2),
+      .block_log2 = (uint8_t)block_log2,
+      .max_x_q12 = (MOVED_WIDTH - 1) * 4096,
+      .max_y_q12 = (MOVED_HEIGHT - 1) * 4096,
+      .origin_x_q12 = x_q12,
+      .origin_y_q12 = y_q12,
+      .column_step_x_q12 = 4096 << block_log2,
+      .row_step_y_q12 = 4096 << block_log2,
+      .fx_q16 = 1,
+      .fy_q16 = 1,
+      .empty_blocks = empty};
+  return table;
+}
+
+/* The example's camera with another table. */
+static void open_with_table(const rg_remap_section* table, rg_camera* camera) {
+  static uint8_t bytes[1024] __attribute__((aligned(4)));
+  static const int16_t residuals[2 * 9 * 7];
+  static const int32_t control_points[2 * 4 * 4];
+  rg_blob blob;
+  rg_camera_section identity;
+  rg_grid_section grid;
+  assert_int_equal(rg_blob_open(kExampleBlob, sizeof(kExampleBlob), &blob),
+                   RG_OK);
+  rg_blob_camera(&blob, &identity);
+  rg_blob_grid(&blob, &grid);
+  const rg_blob_contents contents = {&identity, &grid,     control_points,
+                                     table,     residuals, NULL};
+  assert_int_equal(rg_blob_write(&contents, bytes, sizeof(bytes)), RG_OK);
+  assert_int_equal(rg_camera_open(camera, bytes, rg_blob_size(&contents)),
+                   RG_OK);
+}
+
+/* From a source of exactly its size into output; the source goes to source. */
+static void move_image(const rg_remap_section* table) {
+  rg_camera camera;
+  open_with_table(table, &camera);
+  make_test_frame(source, MOVED_WIDTH, MOVED_WIDTH, MOVED_HEIGHT);
+  uint8_t* exact = malloc(MOVED_WIDTH * MOVED_HEIGHT);
+  assert_non_null(exact);
+  memcpy(exact, source, MOVED_WIDTH * MOVED_HEIGHT);
+  const rg_frame frame = {exact, MOVED_WIDTH, MOVED_WIDTH, MOVED_HEIGHT};
+  const rg_band band = {output, MOVED_WIDTH, 0, MOVED_HEIGHT, GOLDEN_BORDER};
+  assert_int_equal(rg_remap_grey(&camera, &frame, &band), RG_OK);
+  free(exact);
+}
+
+static void table_without_motion_copies_the_frame(void** state) {
+  (void)state;
+  for (uint32_t block_log2 = 3; block_log2 <= 5; ++block_log2) {
+    const rg_remap_section table = moving_table(block_log2, 0, 0, kNoBlocks);
+    memset(output, GUARD, sizeof(output));
+    move_image(&table);
+    assert_memory_equal(output, source, MOVED_WIDTH * MOVED_HEIGHT);
+  }
+}
+
+/* Between pixel i and the next one; the border where there is none. */
+static uint8_t middle(uint32_t i, uint32_t next, int exists) {
+  return exists ? (uint8_t)((source[i] + source[next] + 1) >> 1)
+                : GOLDEN_BORDER;
+}
+
+static void half_a_pixel_to_the_right_averages_neighbours(void** state) {
+  (void)state;
+  const rg_remap_section table = moving_table(4, 2048, 0, kNoBlocks);
+  move_image(&table);
+  for (uint32_t i = 0; i < MOVED_WIDTH * MOVED_HEIGHT; ++i)
+    assert_int_equal(output[i], middle(i, i + 1, (i + 1) % MOVED_WIDTH != 0));
+}
+
+static void half_a_pixel_down_averages_neighbours(void** state) {
+  (void)state;
+  const rg_remap_section table = moving_table(5, 0, 2048, kNoBlocks);
+  move_image(&table);
+  for (uint32_t i = 0; i < MOVED_WIDTH * MOVED_HEIGHT; ++i)
+    assert_int_equal(output[i], middle(i, i + MOVED_WIDTH,
+                                       i / MOVED_WIDTH + 1 < MOVED_HEIGHT));
+}
+
+static void empty_block_is_believed(void** state) {
+  (void)state;
+  const rg_remap_section table = moving_table(3, 0, 0, kThirdBlock);
+  move_image(&table);
+  for (uint32_t i = 0; i < MOVED_WIDTH * MOVED_HEIGHT; ++i) {
+    const int is_empty = i % MOVED_WIDTH / 8 == 2 && i / MOVED_WIDTH < 8;
+    assert_int_equal(output[i], is_empty ? GOLDEN_BORDER : source[i]);
+  }
+}
+
 #define TEST(name) cmocka_unit_test_setup(name, remap_whole_frame)
 
 int main(void) {
@@ -219,6 +325,10 @@ int main(void) {
       TEST(rows_below_the_output_are_refused),
       TEST(size_of_the_output_is_told),
       TEST(blob_without_remap_says_so),
+      TEST(table_without_motion_copies_the_frame),
+      TEST(half_a_pixel_to_the_right_averages_neighbours),
+      TEST(half_a_pixel_down_averages_neighbours),
+      TEST(empty_block_is_believed),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -151,6 +151,28 @@ static void edges_belong_to_the_area(void** state) {
   check_pixel(x1, y1 + 1, RG_ERR_OUTSIDE_AREA);
 }
 
+/* A cell of 32 x 32 px, of which the far edge is exactly one cell away. */
+static void far_edge_continues_the_last_cell(void** state) {
+  (void)state;
+  static uint8_t blob[sizeof(kExampleBlob)] __attribute__((aligned(4)));
+  memcpy(blob, kExampleBlob, sizeof(blob));
+  uint8_t* grid = blob + (section_of(blob, 1).bytes - blob);
+  rg_store_i32(grid + 8, RG_PIXEL(32));
+  rg_store_i32(grid + 12, RG_PIXEL(32));
+  rg_store_u32(grid + 20, 1u << 27);
+  rg_store_u32(grid + 24, 1u << 27);
+  repair_crcs(blob, sizeof(blob));
+  rg_camera camera;
+  assert_int_equal(rg_camera_open(&camera, blob, sizeof(blob)), RG_OK);
+  const rg_pixel corner = {RG_PIXEL(32), RG_PIXEL(32)};
+  const rg_pixel beside = {RG_PIXEL(32) - 1, RG_PIXEL(32) - 1};
+  rg_ray ray, near_ray;
+  assert_int_equal(rg_unproject(&camera, corner, &ray), RG_OK);
+  assert_int_equal(rg_unproject(&camera, beside, &near_ray), RG_OK);
+  const int32_t near_q30[3] = {near_ray.x_q30, near_ray.y_q30, near_ray.z_q30};
+  assert_in_range(ray_error(&ray, near_q30), 1, 2000); /* 2e-6 rad */
+}
+
 static void far_away_pixels_lie_outside(void** state) {
   (void)state;
   check_pixel(INT32_MIN, RG_PIXEL(60), RG_ERR_OUTSIDE_AREA);
@@ -202,6 +224,7 @@ int main(void) {
       cmocka_unit_test(rays_have_unit_length),
       cmocka_unit_test(backward_rays_have_unit_length),
       cmocka_unit_test(edges_belong_to_the_area),
+      cmocka_unit_test(far_edge_continues_the_last_cell),
       cmocka_unit_test(far_away_pixels_lie_outside),
       cmocka_unit_test(batch_equals_single_calls),
       cmocka_unit_test(empty_batch_writes_nothing),
