@@ -1,4 +1,6 @@
 /* Undistortion of grey frames: formats/SPEC.md, "Remap arithmetic". */
+#include <stddef.h>
+
 #include "bytes.h"
 #include "raygrid.h"
 #include "remap_table.h"
@@ -28,7 +30,7 @@ static uint8_t fetch(const rg_frame* frame, rg_position p) {
   const uint32_t right = column + 1 < frame->width;
   const uint32_t below = row + 1 < frame->height ? frame->stride : 0;
 
-  const uint8_t* pixel = frame->data + row * frame->stride + column;
+  const uint8_t* pixel = frame->data + (size_t)row * frame->stride + column;
   const int32_t upper_q7 = pixel[0] * (128 - wx_q7) + pixel[right] * wx_q7;
   pixel += below;
   const int32_t lower_q7 = pixel[0] * (128 - wx_q7) + pixel[right] * wx_q7;

@@ -58,9 +58,17 @@ static chart_point interpolate(const rg_camera* camera, cell_position x,
 static int32_t reciprocal_of_one_plus(uint32_t s_q26) {
   uint32_t d_q32 = s_q26 + (UINT32_C(1) << 26);
   int doublings = 0; /* at most 5, as 1 + s >= 1 */
-  if (d_q32 < UINT32_C(1) << 28) d_q32 <<= 4, doublings += 4;
-  if (d_q32 < UINT32_C(1) << 30) d_q32 <<= 2, doublings += 2;
-  if (d_q32 < UINT32_C(1) << 31) d_q32 <<= 1, doublings += 1;
+  if (d_q32 < UINT32_C(1) << 28) {
+    d_q32 <<= 4;
+    doublings = 4;
+  } else if (d_q32 < UINT32_C(1) << 30) {
+    d_q32 <<= 2;
+    doublings = 2;
+  }
+  if (d_q32 < UINT32_C(1) << 31) {
+    d_q32 <<= 1;
+    ++doublings;
+  }
 
   /* 48/17 - 32/17 d */
   int32_t r_q30 = (int32_t)(UINT32_C(3031741621) -

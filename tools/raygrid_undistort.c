@@ -140,17 +140,17 @@ int main(int argc, char** argv) {
     return fail(BLOB, argv[1], rg_status_text(status));
   }
   uint8_t* frame = read_file(argv[2], &frame_size);
-  int code;
-  const uint8_t* pixels = NULL;
-  if (frame)
-    pixels = find_pixels(frame, frame_size, camera.width, camera.height);
-  if (!frame)
-    code = fail(INPUT, argv[2], "cannot be read");
-  else if (!pixels)
-    code = fail(INPUT, argv[2],
-                "is not a grey frame of the size that the blob is for");
-  else
-    code = undistort(&camera, pixels, argv[3]);
+  int code = INPUT;
+  if (!frame) {
+    fail(INPUT, argv[2], "cannot be read");
+  } else {
+    const uint8_t* pixels =
+        find_pixels(frame, frame_size, camera.width, camera.height);
+    code = pixels ? undistort(&camera, pixels, argv[3])
+                  : fail(INPUT, argv[2],
+                         "is not a grey frame of the size that the blob is "
+                         "for");
+  }
   free(frame);
   free(blob);
   return code;

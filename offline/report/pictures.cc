@@ -18,24 +18,32 @@ Image ToImage(const cv::Mat& picture) {
   return image;
 }
 
+// 180 hues around the circle.
 cv::Vec3b HueColor(double angle_rad) {
-  const double degrees = angle_rad * 180 / M_PI;
-  const uint8_t hue = static_cast<uint8_t>(std::lround(
-                          (degrees < 0 ? degrees + 360 : degrees) / 2)) %
-                      180;
-  const cv::Mat hsv(1, 1, CV_8UC3, cv::Scalar(hue, 220, 230));
-  cv::Mat bgr;
-  cv::cvtColor(hsv, bgr, cv::COLOR_HSV2BGR);
-  return bgr.at<cv::Vec3b>(0, 0);
+  static const cv::Mat table = [] {
+    cv::Mat hsv(1, 180, CV_8UC3), bgr;
+    for (int hue = 0; hue < 180; ++hue)
+      hsv.at<cv::Vec3b>(0, hue) =
+          cv::Vec3b(static_cast<uint8_t>(hue), 220, 230);
+    cv::cvtColor(hsv, bgr, cv::COLOR_HSV2BGR);
+    return bgr;
+  }();
+  const double half_degrees = angle_rad * 90 / M_PI;
+  const int hue = static_cast<int>(std::lround(half_degrees + 180)) % 180;
+  return table.at<cv::Vec3b>(0, hue);
 }
 
-// The colours of a perceptually even scale, by OpenCV.
+// A perceptually even scale from dark to bright.
 cv::Vec3b MagnitudeColor(double part) {
-  const cv::Mat grey(1, 1, CV_8U,
-                     cv::Scalar(std::clamp(std::lround(255 * part), 0L, 255L)));
-  cv::Mat bgr;
-  cv::applyColorMap(grey, bgr, cv::COLORMAP_INFERNO);
-  return bgr.at<cv::Vec3b>(0, 0);
+  static const cv::Mat table = [] {
+    cv::Mat grey(1, 256, CV_8U), bgr;
+    for (int i = 0; i < 256; ++i)
+      grey.at<uint8_t>(0, i) = static_cast<uint8_t>(i);
+    cv::applyColorMap(grey, bgr, cv::COLORMAP_INFERNO);
+    return bgr;
+  }();
+  return table.at<cv::Vec3b>(
+      0, static_cast<int>(std::clamp(std::lround(255 * part), 0L, 255L)));
 }
 
 cv::Point NearestPixel(const Eigen::Vector2d& position, const ImageSize& size) {

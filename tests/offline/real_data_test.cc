@@ -36,8 +36,8 @@ RealData ReadRealData() {
   for (size_t i = 0; i < split.num_rows(); ++i)
     part[split.Text(i, "image")] = split.Text(i, "part");
   data.training.image_size = data.test.image_size = {640, 480};
-  for (const ImageFeatures& image :
-       ReadFeatures(Folder() + "features.csv").at("").images)
+  const auto datasets = ReadFeatures(Folder() + "features.csv");
+  for (const ImageFeatures& image : datasets.at("").images)
     (part.at(image.image) == "test" ? data.test : data.training)
         .images.push_back(image);
   return data;
