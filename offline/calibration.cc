@@ -463,6 +463,7 @@ CellCandidate Summarize(const Trial& trial) {
         HuberLoss(norms.back(), 1) / static_cast<double>(trial.held_out.size());
   }
   candidate.median_px = Quantile(norms, 0.5);
+  if (norms.empty()) candidate.loss = INFINITY;  // nothing could be localised
   return candidate;
 }
 

@@ -43,9 +43,37 @@ class DifferenceRows {
   int num_rows_ = 0;
 };
 
-// The distance over which departures from the parametric lens are correlated,
-// as a part of the longer side.
+// A Matern field in the plane (Lindgren, Rue, Lindstrom, "An explicit link
+// between Gaussian fields and Gaussian Markov random fields", 2011): precision
+// (kappa^2 - Laplacian)^kOrder, smoothness kOrder - 1, and correlation over
+// sqrt(8 (kOrder - 1)) / kappa, given as a part of the longer side.
+constexpr int kOrder = 3;
 constexpr double kRangePart = 0.5;
+
+double Binomial(int n, int k) {
+  return k == 0 ? 1 : Binomial(n - 1, k - 1) * n / k;
+}
+
+// Differences of an order between neighbours: 1; -1 1; 1 -2 1; ...
+double DifferenceFactor(int order, int index) {
+  return Binomial(order, index) * ((order - index) % 2 == 0 ? 1 : -1);
+}
+
+// The mixed differences of these orders, wherever they fit in the grid.
+void AddDerivative(const BSplineSurface& surface, int x_order, int y_order,
+                   double factor, DifferenceRows* differences) {
+  for (int j = 0; j + y_order < surface.rows(); ++j) {
+    for (int i = 0; i + x_order < surface.columns(); ++i) {
+      std::vector<Term> terms;
+      for (int y = 0; y <= y_order; ++y)
+        for (int x = 0; x <= x_order; ++x)
+          terms.push_back(
+              {(j + y) * surface.columns() + i + x,
+               DifferenceFactor(x_order, x) * DifferenceFactor(y_order, y)});
+      differences->Add(terms, factor);
+    }
+  }
+}
 
 // How many pixels a unit of the chart is, around each control point.
 std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
@@ -70,30 +98,19 @@ std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
 
 GaussianPrior SmoothnessPrior(const CentralGeneric& base) {
   const BSplineSurface& surface = base.surface();
-  const int columns = surface.columns(), rows = surface.rows();
   DifferenceRows differences(PixelsPerChartUnit(surface));
-  // In cells; (cell kappa)^2 and its square weigh slopes and values.
-  const double kappa =
-      std::sqrt(8.0) /
-      (kRangePart * std::max(surface.area().width(), surface.area().height())) *
+  const double range_px =
+      kRangePart * std::max(surface.area().width(), surface.area().height());
+  const double cell_px =
       std::sqrt(surface.cell_width() * surface.cell_height());
-  const double slope_factor = std::sqrt(2.0) * kappa;
-  for (int j = 0; j < rows; ++j) {
-    for (int i = 0; i < columns; ++i) {
-      const int k = j * columns + i;
-      const bool right = i + 1 < columns, below = j + 1 < rows;
-      if (i > 0 && right) differences.Add({{k - 1, 1}, {k, -2}, {k + 1, 1}}, 1);
-      if (j > 0 && below)
-        differences.Add({{k - columns, 1}, {k, -2}, {k + columns, 1}}, 1);
-      if (right && below)
-        differences.Add(
-            {{k, 1}, {k + 1, -1}, {k + columns, -1}, {k + columns + 1, 1}},
-            std::sqrt(2));
-      if (right) differences.Add({{k, -1}, {k + 1, 1}}, slope_factor);
-      if (below) differences.Add({{k, -1}, {k + columns, 1}}, slope_factor);
-      differences.Add({{k, 1}}, kappa * kappa);
-    }
-  }
+  const double kappa = std::sqrt(8.0 * (kOrder - 1)) / range_px * cell_px;
+  for (int order = 0; order <= kOrder; ++order)
+    for (int y_order = 0; y_order <= order; ++y_order)
+      AddDerivative(
+          surface, order - y_order, y_order,
+          std::sqrt(Binomial(kOrder, order) * Binomial(order, y_order)) *
+              std::pow(kappa, kOrder - order),
+          &differences);
 
   GaussianPrior prior;
   prior.camera_mean = base.Parameters();

@@ -134,8 +134,12 @@ CameraFile ReadCameraFile(const std::string& path) {
   try {
     return Parse(YAML::Load(text));
   } catch (const YAML::Exception& error) {
-    throw InputError(
-        fmt::format("{}, line {}: {}", path, error.mark.line + 1, error.msg));
+    // Where a key is missing there is no place to name.
+    const std::string place =
+        error.mark.is_null()
+            ? path
+            : fmt::format("{}, line {}", path, error.mark.line + 1);
+    throw InputError(place + ": " + error.msg);
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", path, error.what()));
   }

@@ -21,6 +21,12 @@ class BlobCamera {
   /// Throws Error(kBlob) if the runtime refuses the bytes; name is for errors.
   BlobCamera(const std::string& name, const std::string& bytes);
 
+  // The runtime's camera points into words_, which a move keeps in place.
+  BlobCamera(BlobCamera&&) = default;
+  BlobCamera& operator=(BlobCamera&&) = default;
+  BlobCamera(const BlobCamera&) = delete;
+  BlobCamera& operator=(const BlobCamera&) = delete;
+
   const rg_camera& camera() const { return camera_; }
   const rg_blob& blob() const { return blob_; }
   ImageSize image_size() const { return {camera_.width, camera_.height}; }

@@ -104,10 +104,10 @@ Page ParsePage(const std::string& name) {
   if (name == "letter") return {215.9, 279.4};
   Page page;
   int length = 0;
-  if (std::sscanf(name.c_str(), "%lfx%lfmm%n", &page.width_mm,
-                  &page.height_mm, &length) == 2 &&
-      length == static_cast<int>(name.size()) && page.width_mm > 0 && page.height_mm > 0 &&
-      std::max(page.width_mm, page.height_mm) <= 5000)
+  if (std::sscanf(name.c_str(), "%lfx%lfmm%n", &page.width_mm, &page.height_mm,
+                  &length) == 2 &&
+      length == static_cast<int>(name.size()) && page.width_mm > 0 &&
+      page.height_mm > 0 && std::max(page.width_mm, page.height_mm) <= 5000)
     return page;
   throw Error(ExitCode::kUsage,
               fmt::format("--page {}: use A4, A3, letter or WxHmm", name));
@@ -168,8 +168,7 @@ std::string ChessboardSvg(const ChessboardSheet& sheet) {
   Finish(surface);
   // Cairo numbers all surfaces of a process; nothing refers to this one.
   const size_t id = svg.find(" id=\"surface");
-  if (id != std::string::npos)
-    svg.erase(id, svg.find('"', id + 5) + 1 - id);
+  if (id != std::string::npos) svg.erase(id, svg.find('"', id + 5) + 1 - id);
   return svg;
 }
 
