@@ -158,6 +158,7 @@ bool NormalEquations::Reduce(double lambda, Reduced* reduced) const {
   matrix.diagonal() *= 1 + lambda;
   matrix.diagonal().array() += kDampingFloor;
   SubtractProduct(weighted, num_threads_, &matrix);
+  if (matrix.size() == 0) return true;  // camera and points are fixed
   reduced->dense.compute(matrix);
   return reduced->dense.info() == Eigen::Success;
 }
@@ -178,7 +179,8 @@ bool NormalEquations::Solve(double lambda, AdjustmentStep* step) const {
   Eigen::VectorXd right = -gradient_;
   for (size_t i = 0; i < v_.size(); ++i)
     right += w_[i] * reduced.blocks[i].solve(block_gradient_[i]);
-  const Eigen::VectorXd dense = reduced.dense.solve(right);
+  Eigen::VectorXd dense = right;
+  if (right.size() > 0) dense = reduced.dense.solve(right);
   Eigen::VectorXd eliminated = Eliminated(reduced, dense);
   for (size_t i = 0; i < v_.size(); ++i)
     eliminated.segment(block_size_ * static_cast<int>(i), block_size_) -=
