@@ -150,23 +150,25 @@ bool NormalEquations::Reduce(double lambda, Reduced* reduced) const {
     v.diagonal().array() += kDampingFloor;
     reduced->blocks[i].compute(v);
     if (reduced->blocks[i].info() != Eigen::Success) return false;
+    if (a_.size() == 0) continue;  // camera and points are fixed
     // W L^-T = (L^-1 W^T)^T
     weighted.middleCols(block_size_ * i, block_size_) =
         reduced->blocks[i].matrixL().solve(w_[i].transpose()).transpose();
   }
+  if (a_.size() == 0) return true;
   Eigen::MatrixXd matrix = a_;
   matrix.diagonal() *= 1 + lambda;
   matrix.diagonal().array() += kDampingFloor;
   SubtractProduct(weighted, num_threads_, &matrix);
-  if (matrix.size() == 0) return true;  // camera and points are fixed
   reduced->dense.compute(matrix);
   return reduced->dense.info() == Eigen::Success;
 }
 
 Eigen::MatrixXd NormalEquations::Eliminated(
     const Reduced& reduced, const Eigen::MatrixXd& dense) const {
-  Eigen::MatrixXd eliminated(block_size_ * static_cast<int>(v_.size()),
-                             dense.cols());
+  Eigen::MatrixXd eliminated = Eigen::MatrixXd::Zero(
+      block_size_ * static_cast<int>(v_.size()), dense.cols());
+  if (a_.size() == 0) return eliminated;
   for (size_t i = 0; i < v_.size(); ++i)
     eliminated.middleRows(block_size_ * static_cast<int>(i), block_size_) =
         -reduced.blocks[i].solve(w_[i].transpose() * dense);
@@ -176,11 +178,12 @@ Eigen::MatrixXd NormalEquations::Eliminated(
 bool NormalEquations::Solve(double lambda, AdjustmentStep* step) const {
   Reduced reduced;
   if (!Reduce(lambda, &reduced)) return false;
-  Eigen::VectorXd right = -gradient_;
-  for (size_t i = 0; i < v_.size(); ++i)
-    right += w_[i] * reduced.blocks[i].solve(block_gradient_[i]);
-  Eigen::VectorXd dense = right;
-  if (right.size() > 0) dense = reduced.dense.solve(right);
+  Eigen::VectorXd dense = -gradient_;
+  if (dense.size() > 0) {
+    for (size_t i = 0; i < v_.size(); ++i)
+      dense += w_[i] * reduced.blocks[i].solve(block_gradient_[i]);
+    reduced.dense.solveInPlace(dense);
+  }
   Eigen::VectorXd eliminated = Eliminated(reduced, dense);
   for (size_t i = 0; i < v_.size(); ++i)
     eliminated.segment(block_size_ * static_cast<int>(i), block_size_) -=
