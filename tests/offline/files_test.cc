@@ -14,8 +14,7 @@ namespace fs = std::filesystem;
 TEST(Files, ReadFileInvertsWriteFile) {
   const TemporaryFolder folder;
   std::string bytes;
-  for (unsigned i = 0; i < 100000; ++i)
-    bytes += static_cast<char>(i * i % 256);
+  for (unsigned i = 0; i < 100000; ++i) bytes += static_cast<char>(i * i % 256);
   WriteFile(folder / "new/deep/file", bytes);
   EXPECT_EQ(ReadFile(folder / "new/deep/file"), bytes);
   WriteFile(folder / "new/deep/file", "");
