@@ -2,7 +2,6 @@
 """Bad input gets its exit code and one line, and leaves nothing half-written."""
 import os
 import random
-import tempfile
 
 from command_test import CommandTest, PATTERN, main, programs, read, run, write
 
@@ -29,8 +28,7 @@ def pgm(width, height):
 class BadInput(CommandTest):
     @classmethod
     def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.folder = cls.temporary.name
+        super().setUpClass()
         cls.pattern = write(cls.path("pattern.yaml"), PATTERN)
         result = run("simulate", "--images", 12, "--features-per-image", 80, "-o",
                      cls.path("sim"))
@@ -38,14 +36,6 @@ class BadInput(CommandTest):
         result = run("pack", cls.path("sim/true_camera.yaml"), "-o", cls.path("good.raygrid"),
                      "--remap", "640x480")
         assert result.returncode == 0, result.stderr
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
-
-    @classmethod
-    def path(cls, name):
-        return os.path.join(cls.folder, name)
 
     def calibrate(self, *arguments, pattern=None):
         self.out = self.path("out-" + self.id())

@@ -2,6 +2,7 @@
 import argparse
 import os
 import subprocess
+import tempfile
 import unittest
 
 programs = argparse.Namespace()
@@ -42,7 +43,17 @@ def read(path):
 
 
 class CommandTest(unittest.TestCase):
-    """Checks of a finished run."""
+    """A folder of its own for each class of tests, and checks of a finished run."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.temporary.cleanup)
+        cls.folder = cls.temporary.name
+
+    @classmethod
+    def path(cls, name):
+        return os.path.join(cls.folder, name)
 
     def assert_done(self, result):
         self.assertEqual(result.returncode, 0, result.stderr)

@@ -5,7 +5,6 @@ import io
 import json
 import math
 import os
-import tempfile
 
 from command_test import CommandTest, PATTERN, main, programs, read, run, write
 
@@ -17,8 +16,7 @@ def rows(text):
 class MainJob(CommandTest):
     @classmethod
     def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.folder = cls.temporary.name
+        super().setUpClass()
         for arguments in (
                 ("simulate", "--images", 20, "--features-per-image", 120, "-o", cls.path("sim")),
                 ("calibrate", "--features", cls.path("sim/features.csv"), "--image-size",
@@ -26,14 +24,6 @@ class MainJob(CommandTest):
                  cls.path("out"), "--name", "front", "--serial", "42")):
             result = run(*arguments)
             assert result.returncode == 0, result.stderr
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
-
-    @classmethod
-    def path(cls, name):
-        return os.path.join(cls.folder, name)
 
     def test_calibrate_writes_all_files(self):
         expected = {"camera.yaml", "camera.raygrid", "pattern.yaml", "features.csv", "poses.csv",
