@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "dataset/error.h"
 #include "dataset/files.h"
@@ -24,6 +25,86 @@ T Value(const std::string& place, const YAML::Node& node, const char* key) {
   } catch (const YAML::Exception&) {
     throw InputError(
         fmt::format("{}: '{}' has a value of the wrong kind", place, key));
+  }
+}
+
+template <typename T>
+T OptionalValue(const std::string& place, const YAML::Node& node,
+                const char* key, T otherwise) {
+  return node[key] ? Value<T>(place, node, key) : otherwise;
+}
+
+BoardTag ParseTag(const std::string& place, const YAML::Node& node) {
+  BoardTag tag;
+  tag.family = OptionalValue<std::string>(place, node, "family", tag.family);
+  tag.id = Value<int>(place, node, "id");
+  tag.column = Value<int>(place, node, "column");
+  tag.row = Value<int>(place, node, "row");
+  tag.squares = Value<int>(place, node, "squares");
+  if (tag.family != "tag36h11")
+    throw InputError(
+        fmt::format("{}: tag family '{}'; use tag36h11", place, tag.family));
+  return tag;
+}
+
+void ParseStar(const std::string& place, const YAML::Node& node, Board* board) {
+  board->segments = OptionalValue<int>(place, node, "segments", 16);
+  if (board->segments < 4 || board->segments > 64 || board->segments % 2 != 0)
+    throw InputError(
+        fmt::format("{}: 'segments' must be an even number, 4 to 64", place));
+  if (!node["tags"].IsSequence() || node["tags"].size() == 0)
+    throw InputError(fmt::format(
+        "{}: 'tags' is no list with a tag; a star board needs one", place));
+  for (const YAML::Node& item : node["tags"]) {
+    const BoardTag tag = ParseTag(place, item);
+    if (tag.squares < 1 || tag.column < -1 || tag.row < -1 ||
+        tag.column + tag.squares > board->columns ||
+        tag.row + tag.squares > board->rows)
+      throw InputError(
+          fmt::format("{}: tag {} lies outside the board", place, tag.id));
+    board->tags.push_back(tag);
+  }
+}
+
+void ParseCharuco(const std::string& place, const YAML::Node& node,
+                  Board* board) {
+  board->marker_m = Value<double>(place, node, "marker_m");
+  board->dictionary = Value<std::string>(place, node, "dictionary");
+  board->is_legacy = OptionalValue<bool>(place, node, "legacy", false);
+  board->first_marker = OptionalValue<int>(place, node, "first_marker", 0);
+  if (!(board->marker_m > 0 && board->marker_m < board->square_m))
+    throw InputError(
+        fmt::format("{}: 'marker_m' must lie between 0 and square_m", place));
+}
+
+void ParseAprilGrid(const std::string& place, const YAML::Node& node,
+                    Board* board) {
+  board->tag_family =
+      OptionalValue<std::string>(place, node, "tag_family", "tag36h11");
+  board->spacing_ratio = Value<double>(place, node, "spacing_ratio");
+  board->first_marker = OptionalValue<int>(place, node, "first_marker", 0);
+  if (!(board->spacing_ratio > 0 && board->spacing_ratio < 10))
+    throw InputError(
+        fmt::format("{}: 'spacing_ratio' must be positive", place));
+  if (board->columns % 2 != 0 || board->rows % 2 != 0)
+    throw InputError(fmt::format(
+        "{}: an AprilGrid has two features across and two down for each tag; "
+        "columns and rows must be even",
+        place));
+}
+
+// Two boards with one tag could not be told apart.
+void RequireDistinctTags(const std::string& name, const Pattern& pattern) {
+  std::map<int, int> board_of_tag;
+  for (const Board& board : pattern.boards) {
+    for (const BoardTag& tag : board.tags) {
+      const auto [place, is_new] = board_of_tag.emplace(tag.id, board.id);
+      if (!is_new)
+        throw InputError(fmt::format(
+            "{}: tag {} is on board {} and on board {}; give each board tags "
+            "of its own",
+            name, tag.id, place->second, board.id));
+    }
   }
 }
 
@@ -59,6 +140,9 @@ Board ParseBoard(const std::string& place, const YAML::Node& node) {
       throw InputError(
           fmt::format("{}: columns and rows must be 2 to {}, square_m positive",
                       place, kMaxFeaturesAlongSide));
+    if (board.kind == "star") ParseStar(place, node, &board);
+    if (board.kind == "charuco") ParseCharuco(place, node, &board);
+    if (board.kind == "aprilgrid") ParseAprilGrid(place, node, &board);
     board.points = board.NominalPoints();
   }
   if (node[points_key]) board.points = ParsePoints(place, node[points_key]);
@@ -69,6 +153,12 @@ Board ParseBoard(const std::string& place, const YAML::Node& node) {
   return board;
 }
 
+// Where a column or a row of features lies.
+double Place(const Board& board, int index) {
+  if (board.kind != "aprilgrid") return index * board.square_m;
+  return board.square_m * (index / 2 * (1 + board.spacing_ratio) + index % 2);
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector3d> Board::NominalPoints() const {
@@ -76,8 +166,15 @@ std::vector<Eigen::Vector3d> Board::NominalPoints() const {
   std::vector<Eigen::Vector3d> nominal;
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column)
-      nominal.emplace_back(column * square_m, row * square_m, 0);
+      nominal.emplace_back(Place(*this, column), Place(*this, row), 0);
   return nominal;
+}
+
+bool Board::HasFeature(int column, int row) const {
+  return std::none_of(tags.begin(), tags.end(), [&](const BoardTag& tag) {
+    return column >= tag.column && column <= tag.column + tag.squares &&
+           row >= tag.row && row <= tag.row + tag.squares;
+  });
 }
 
 const Board* Pattern::FindBoard(int id) const {
@@ -115,6 +212,7 @@ Pattern ParsePattern(const std::string& name, const std::string& yaml) {
             fmt::format("{}: id {} stands twice", place, board.id));
       pattern.boards.push_back(std::move(board));
     }
+    RequireDistinctTags(name, pattern);
   } catch (const YAML::Exception& error) {
     throw InputError(fmt::format("{}: {}", name, error.what()));
   }

@@ -7,12 +7,31 @@
 
 namespace raygrid {
 
+/// An AprilTag on a star board. Its area, white margin included, is squares
+/// wide; its top-left corner lies at feature position (column, row).
+struct BoardTag {
+  std::string family = "tag36h11";
+  int id = 0;
+  int column = 0, row = 0;
+  int squares = 0;
+};
+
 /// A calibration target: columns x rows feature points.
 struct Board {
   int id = 0;
-  std::string kind;
+  std::string kind;  ///< "star", "chessboard", "charuco", "aprilgrid", "points"
   int columns = 0, rows = 0;
-  double square_m = 0;
+  double square_m = 0;  ///< between features; AprilGrid: a tag's black square
+
+  int segments = 0;            ///< star: black and white ones, counted together
+  std::vector<BoardTag> tags;  ///< star
+  double marker_m = 0;         ///< ChArUco: side of a marker's black square
+  std::string dictionary;      ///< ChArUco: as OpenCV names it
+  bool is_legacy = false;    ///< ChArUco: markers as OpenCV put them before 4.6
+  std::string tag_family;    ///< AprilGrid
+  double spacing_ratio = 0;  ///< AprilGrid: gap between tags / square_m
+  int first_marker = 0;      ///< ChArUco, AprilGrid: the lowest marker number
+
   /// Where the features are, row by row: nominal, or as a calibration found
   /// them.
   std::vector<Eigen::Vector3d> points;
@@ -20,7 +39,10 @@ struct Board {
   int num_points() const { return columns * rows; }
   /// column and row within the board.
   int PointIndex(int column, int row) const { return row * columns + column; }
-  /// On the lattice: (column, row) square_m, z = 0.
+  /// False for positions on or inside a tag of a star board.
+  bool HasFeature(int column, int row) const;
+  /// In the plane z = 0: (column, row) square_m, but for AprilGrids, whose
+  /// features are the corners of the tags' black squares.
   std::vector<Eigen::Vector3d> NominalPoints() const;
 };
 

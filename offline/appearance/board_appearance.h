@@ -1,0 +1,71 @@
+/// What a board looks like: where the ink is. The printed page, the rendered
+/// image and the template that is matched are all made from this.
+#ifndef RAYGRID_APPEARANCE_BOARD_APPEARANCE_H
+#define RAYGRID_APPEARANCE_BOARD_APPEARANCE_H
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "appearance/marker_bits.h"
+#include "camera/area.h"
+#include "dataset/pattern.h"
+
+namespace raygrid {
+
+using Polygon = std::vector<Eigen::Vector2d>;
+
+/// Polygons of one colour that do not overlap; layers are painted in order.
+struct InkLayer {
+  bool is_black = true;
+  std::vector<Polygon> polygons;
+};
+
+/// A marker on a board: bits.size x bits.size cells, the first at corner.
+struct PlacedMarker {
+  int id = 0;
+  Eigen::Vector2d corner;  ///< of the outermost cell, metres
+  double cell_m = 0;
+  MarkerBits bits;
+
+  double side_m() const { return bits.size * cell_m; }
+};
+
+/// Ink on white, in the board's plane: metres, x along the columns, y down the
+/// rows, feature (0, 0) of star boards, chessboards and AprilGrids at the
+/// origin.
+///
+/// Stars (paper, "Calibration Pattern"): around every lattice point a star
+/// fills its square, clipped to the rectangle one square beyond the outermost
+/// features. Segment k spans the angles 2 pi k / n to 2 pi (k + 1) / n, counted
+/// from up counter-clockwise as seen on the page; even segments are black.
+class BoardAppearance {
+ public:
+  /// Throws InputError: kinds that cannot be drawn, unknown dictionaries and
+  /// markers.
+  explicit BoardAppearance(const Board& board);
+
+  /// The smallest rectangle that holds all ink; around it is white paper.
+  const Area& extent_m() const { return extent_m_; }
+  const std::vector<PlacedMarker>& markers() const { return markers_; }
+
+  bool IsBlack(const Eigen::Vector2d& point_m) const;
+
+  std::vector<InkLayer> Layers() const;
+
+ private:
+  bool IsBlackBesideMarkers(const Eigen::Vector2d& point_m) const;
+  void AddStars(InkLayer* layer) const;
+  void AddSquares(InkLayer* layer) const;
+
+  Board board_;
+  Area extent_m_;
+  std::vector<PlacedMarker> markers_;
+};
+
+/// Whether segment of a star is black at an offset from the star's centre, in
+/// any unit.
+bool IsBlackInStar(int segments, double right, double down);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_APPEARANCE_BOARD_APPEARANCE_H

@@ -1,0 +1,71 @@
+#include "appearance/marker_bits.h"
+
+#include <apriltag/apriltag.h>
+#include <apriltag/tag36h11.h>
+#include <fmt/format.h>
+
+#include <memory>
+#include <opencv2/aruco/dictionary.hpp>
+
+#include "dataset/error.h"
+
+namespace raygrid {
+
+MarkerBits AprilTagBits(int id) {
+  const std::unique_ptr<apriltag_family_t, decltype(&tag36h11_destroy)> family(
+      tag36h11_create(), &tag36h11_destroy);
+  if (id < 0 || id >= static_cast<int>(family->ncodes))
+    throw InputError(fmt::format("tag {}: family tag36h11 has 0 to {}", id,
+                                 family->ncodes - 1));
+  const std::unique_ptr<image_u8_t, decltype(&image_u8_destroy)> image(
+      apriltag_to_image(family.get(), id), &image_u8_destroy);
+  MarkerBits bits;
+  bits.size = image->width;
+  for (int row = 0; row < bits.size; ++row)
+    for (int column = 0; column < bits.size; ++column)
+      bits.is_black.push_back(image->buf[row * image->stride + column] < 128);
+  return bits;
+}
+
+namespace {
+
+const char* const kDictionaryNames[] = {
+    "DICT_4X4_50",        "DICT_4X4_100", "DICT_4X4_250", "DICT_4X4_1000",
+    "DICT_5X5_50",        "DICT_5X5_100", "DICT_5X5_250", "DICT_5X5_1000",
+    "DICT_6X6_50",        "DICT_6X6_100", "DICT_6X6_250", "DICT_6X6_1000",
+    "DICT_7X7_50",        "DICT_7X7_100", "DICT_7X7_250", "DICT_7X7_1000",
+    "DICT_ARUCO_ORIGINAL"};
+
+int DictionaryNumber(const std::string& name) {
+  int number = 0;
+  for (const char* known : kDictionaryNames) {
+    if (name == known) return number;
+    ++number;
+  }
+  throw InputError(fmt::format(
+      "dictionary '{}' is not known; OpenCV's names are DICT_4X4_50 to "
+      "DICT_7X7_1000 and DICT_ARUCO_ORIGINAL",
+      name));
+}
+
+}  // namespace
+
+MarkerBits ArucoBits(const std::string& dictionary, int id) {
+  const cv::Ptr<cv::aruco::Dictionary> markers =
+      cv::aruco::getPredefinedDictionary(DictionaryNumber(dictionary));
+  if (id < 0 || id >= markers->bytesList.rows)
+    throw InputError(fmt::format("marker {}: {} has 0 to {}", id, dictionary,
+                                 markers->bytesList.rows - 1));
+  const cv::Mat inner = cv::aruco::Dictionary::getBitsFromByteList(
+      markers->bytesList.row(id), markers->markerSize);
+  MarkerBits bits;
+  bits.size = markers->markerSize + 2;
+  bits.is_black.assign(bits.size * bits.size, true);
+  for (int row = 0; row < inner.rows; ++row)
+    for (int column = 0; column < inner.cols; ++column)
+      bits.is_black[(row + 1) * bits.size + column + 1] =
+          inner.at<uint8_t>(row, column) == 0;
+  return bits;
+}
+
+}  // namespace raygrid
