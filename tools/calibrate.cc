@@ -58,16 +58,25 @@ Dataset LoadFeatures(const Arguments& arguments) {
   return dataset;
 }
 
+// Images that cannot be used are named, and the others are gone on with.
+Dataset Detect(const std::vector<std::string>& paths, const Pattern& pattern,
+               const CommonOptions& common, ProgressBar* bar) {
+  const DetectionCache cache(DetectionCache::DefaultFolder());
+  FolderDetection detection = DetectFeatures(
+      paths, pattern, {}, &cache, common.threads,
+      [bar](double done) { bar->Show("detection", 0.2 * done); });
+  for (const SkippedImage& skipped : detection.skipped)
+    fmt::print(stderr, "raygrid: skipped {}: {}\n", skipped.path,
+               skipped.reason);
+  return std::move(detection.dataset);
+}
+
 // Either detected in images or read.
 Dataset GatherFeatures(const Arguments& arguments, const CommonOptions& common,
                        const std::vector<std::string>& paths,
                        const Pattern& pattern, ProgressBar* bar) {
-  const Dataset dataset =
-      paths.empty()
-          ? LoadFeatures(arguments)
-          : DetectFeatures(paths, pattern, common.threads, [bar](double done) {
-              bar->Show("detection", 0.2 * done);
-            });
+  const Dataset dataset = paths.empty() ? LoadFeatures(arguments)
+                                        : Detect(paths, pattern, common, bar);
   RequireConsistent(
       arguments.features.empty() ? "detected features" : arguments.features,
       dataset, pattern);

@@ -1,63 +1,173 @@
 #include <fmt/format.h>
 
+#include <chrono>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "features/detection_pictures.h"
 #include "features/feature_detection.h"
 #include "progress_bar.h"
 
 namespace raygrid {
 namespace {
 
+namespace fs = std::filesystem;
+
 struct Arguments {
   std::vector<std::string> images;
   std::string pattern, output, overlay;
+  std::string cache = DetectionCache::DefaultFolder();
+  bool no_cache = false;
+  DetectionOptions detection;
 };
 
-void AddOverlays(const Arguments& arguments,
-                 const std::vector<std::string>& paths, const Dataset& dataset,
-                 OutputFiles* files) {
-  for (size_t i = 0; i < paths.size(); ++i) {
-    const std::filesystem::path name =
-        std::filesystem::path(paths[i]).stem().string() + ".png";
-    files->Add((std::filesystem::path(arguments.overlay) / name).string(),
-               EncodePng(DrawFeatures(ReadImage(paths[i], true),
-                                      dataset.images[i].features)));
+const std::map<std::string, Refinement> kRefinements = {
+    {"intensities", Refinement::kIntensities},
+    {"gradients-xy", Refinement::kGradientsXY},
+    {"gradient-magnitude", Refinement::kGradientMagnitude},
+    {"corner-subpix", Refinement::kCornerSubpix},
+    {"none", Refinement::kNone}};
+
+FolderDetection Detect(const Arguments& arguments,
+                       const CommonOptions& common) {
+  const Pattern pattern = ReadPattern(arguments.pattern);
+  const std::vector<std::string> paths = FindImages(arguments.images);
+  const DetectionCache cache(arguments.no_cache ? "" : arguments.cache);
+  ProgressBar bar(common.quiet);
+  return DetectFeatures(paths, pattern, arguments.detection,
+                        arguments.no_cache ? nullptr : &cache, common.threads,
+                        [&bar](double done) { bar.Show("detection", done); });
+}
+
+void WarnOfSkipped(const FolderDetection& found) {
+  for (const SkippedImage& skipped : found.skipped)
+    fmt::print(stderr, "raygrid: {}: skipped: {}\n", skipped.path,
+               skipped.reason);
+}
+
+int NumWithFeatures(const FolderDetection& found) {
+  int count = 0;
+  for (const ImageDetection& image : found.images)
+    count += !image.features.empty();
+  return count;
+}
+
+size_t NumRejected(const FolderDetection& found) {
+  size_t count = 0;
+  for (const ImageDetection& image : found.images)
+    count += image.rejected.size();
+  return count;
+}
+
+// What images without a board say, and how many say it.
+std::string WhatWasSeen(const FolderDetection& found) {
+  std::map<std::string, int> times;
+  for (const ImageDetection& image : found.images) {
+    for (const std::string& remark : image.remarks) ++times[remark];
+    if (!image.rejected.empty())
+      ++times["features rejected: " + image.rejected[0].reason];
   }
+  std::string seen;
+  for (const auto& [remark, count] : times)
+    seen += fmt::format("; {} ({} images)", remark, count);
+  return seen;
+}
+
+void RequireFeatures(const FolderDetection& found, const Arguments& arguments) {
+  if (NumWithFeatures(found) > 0) return;
+  throw Error(
+      ExitCode::kTooFew,
+      fmt::format("no board found in any of {} images{}; check kind, "
+                  "columns and rows (feature points) in {}",
+                  found.images.size(), WhatWasSeen(found), arguments.pattern));
+}
+
+// "a.jpg" and "a.png" may both be there.
+std::string OverlayName(const std::string& path) {
+  const fs::path name = fs::path(path).filename();
+  return name.extension() == ".png" ? name.string() : name.string() + ".png";
+}
+
+void AddOverlays(const Arguments& arguments, const FolderDetection& found,
+                 OutputFiles* files) {
+  const fs::path folder = arguments.overlay;
+  for (size_t i = 0; i < found.paths.size(); ++i)
+    files->Add(
+        (folder / OverlayName(found.paths[i])).string(),
+        EncodePng(DrawDetection(MakeGreyImage(ReadGreyLevels(found.paths[i])),
+                                found.images[i])));
+  files->Add((folder / "coverage.png").string(),
+             EncodePng(DrawCoverage(found.dataset)));
+}
+
+std::string FormatJson(const FolderDetection& found, double seconds) {
+  nlohmann::ordered_json json;
+  json["images"] = found.images.size() + found.skipped.size();
+  json["with_features"] = NumWithFeatures(found);
+  json["features"] = found.dataset.num_features();
+  json["rejected"] = NumRejected(found);
+  json["skipped"] = nlohmann::ordered_json::array();
+  for (const SkippedImage& skipped : found.skipped)
+    json["skipped"].push_back(
+        {{"image", fs::path(skipped.path).filename().string()},
+         {"reason", skipped.reason}});
+  json["seconds"] = seconds;
+  return json.dump(2, ' ', false,
+                   nlohmann::ordered_json::error_handler_t::replace);
 }
 
 void Run(const Arguments& arguments, const CommonOptions& common) {
-  const Pattern pattern = ReadPattern(arguments.pattern);
-  const std::vector<std::string> paths = FindImages(arguments.images);
-  Dataset dataset;
-  {
-    ProgressBar bar(common.quiet);
-    dataset =
-        DetectFeatures(paths, pattern, common.threads,
-                       [&bar](double done) { bar.Show("detection", done); });
+  const auto start = std::chrono::steady_clock::now();
+  const FolderDetection found = Detect(arguments, common);
+  WarnOfSkipped(found);
+  OutputFiles overlays;
+  if (!arguments.overlay.empty()) {
+    AddOverlays(arguments, found, &overlays);
+    overlays.Commit();  // they show why nothing was found, too
   }
-  size_t num_images = 0;
-  for (const ImageFeatures& image : dataset.images)
-    num_images += !image.features.empty();
-  if (num_images == 0)
-    throw Error(ExitCode::kTooFew,
-                fmt::format("no board found in any of {} images; check columns "
-                            "and rows (inner corners) in {}",
-                            paths.size(), arguments.pattern));
-  OutputFiles files;
-  files.Add(arguments.output, FormatFeatures(dataset));
-  if (!arguments.overlay.empty())
-    AddOverlays(arguments, paths, dataset, &files);
-  files.Commit();
+  RequireFeatures(found, arguments);
+  WriteFile(arguments.output, FormatFeatures(found.dataset));
+  const std::chrono::duration<double> seconds =
+      std::chrono::steady_clock::now() - start;
   if (common.json)
-    fmt::print("{{\"images\": {}, \"with_features\": {}, \"features\": {}}}\n",
-               paths.size(), num_images, dataset.num_features());
+    fmt::print("{}\n", FormatJson(found, seconds.count()));
   else if (!common.quiet)
-    fmt::print("{} features in {} of {} images: {}\n", dataset.num_features(),
-               num_images, paths.size(), arguments.output);
+    fmt::print("{} features in {} of {} images ({} rejected): {}\n",
+               found.dataset.num_features(), NumWithFeatures(found),
+               found.images.size(), NumRejected(found), arguments.output);
+}
+
+void AddDetectionOptions(CLI::App* command, Arguments* arguments) {
+  command
+      ->add_option("--refinement", arguments->detection.refinement,
+                   "how features get sub-pixel accurate: symmetry of "
+                   "intensities, gradients-xy or gradient-magnitude; "
+                   "corner-subpix; none")
+      ->transform(CLI::CheckedTransformer(kRefinements, CLI::ignore_case)
+                      .description(""))
+      ->type_name("NAME")
+      ->default_str("intensities");
+  command
+      ->add_option("--window", arguments->detection.window_px,
+                   "side of the refinement's window in pixels, odd, 5 to 101")
+      ->check([](const std::string& text) {
+        int value = 0;
+        return CLI::detail::lexical_cast(text, value) && value >= 5 &&
+                       value <= 101 && value % 2 == 1
+                   ? std::string()
+                   : text + " is not an odd number from 5 to 101";
+      })
+      ->capture_default_str();
+  command->add_option("--cache", arguments->cache,
+                      "folder that remembers what images showed (default: "
+                      "raygrid in $XDG_CACHE_HOME or ~/.cache)");
+  command->add_flag("--no-cache", arguments->no_cache,
+                    "detect every image anew, and remember nothing");
 }
 
 }  // namespace
@@ -76,7 +186,9 @@ void AddDetect(CLI::App* app, CommonOptions* common) {
   command->add_option("-o,--output", arguments->output, "features.csv to write")
       ->required();
   command->add_option("--overlay", arguments->overlay,
-                      "folder for images with the features drawn on them");
+                      "folder for images with the features drawn on them, and "
+                      "for coverage.png");
+  AddDetectionOptions(command, arguments.get());
   command->callback([arguments, common] { Run(*arguments, *common); });
 }
 

@@ -1,64 +1,270 @@
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <optional>
 
 #include "commands.h"
+#include "dataset/error.h"
 #include "dataset/files.h"
-#include "target/chessboard_sheet.h"
+#include "target/board_on_screen.h"
+#include "target/board_sheet.h"
+#include "target/star_boards.h"
 
 namespace raygrid {
 namespace {
 
-struct Arguments {
-  int columns = 0, rows = 0;
-  double square_mm = 0, dpi = 300;
-  std::string page = "A4", output;
+constexpr double kPrintDpi = 300;
+
+/// Options of all targets.
+struct OutputOptions {
+  std::string page = "A4", screen, output;
+  std::optional<double> dpi;
+  double measured_x_mm = 0, measured_y_mm = 0;
 };
 
-void Run(const Arguments& arguments, const CommonOptions& common) {
-  const ChessboardSheet sheet =
-      PlanChessboardSheet(arguments.columns, arguments.rows,
-                          arguments.square_mm, ParsePage(arguments.page));
-  const std::filesystem::path folder = arguments.output;
+using MakeBoards = std::function<std::vector<Board>()>;
+
+// "pattern.svg", or "pattern_1.svg" where there are several.
+std::string FileName(const std::vector<Board>& boards, const Board& board,
+                     const std::string& extension) {
+  return boards.size() == 1 ? "pattern." + extension
+                            : fmt::format("pattern_{}.{}", board.id, extension);
+}
+
+ImageSize ParseScreen(const std::string& text) {
+  ImageSize size;
+  int length = 0;
+  if (std::sscanf(text.c_str(), "%5dx%5d%n", &size.width, &size.height,
+                  &length) == 2 &&
+      length == static_cast<int>(text.size()) && size.width > 0 &&
+      size.height > 0)
+    return size;
+  throw Error(ExitCode::kUsage,
+              fmt::format("--screen {}: use WIDTHxHEIGHT in pixels", text));
+}
+
+void WriteForScreen(const std::vector<Board>& boards,
+                    const OutputOptions& options, bool is_quiet) {
+  ScreenBoards plan = PlanScreenBoards(boards, ParseScreen(options.screen));
+  if (options.dpi) plan = WithPixelPitch(plan, *options.dpi);
+  const std::filesystem::path folder = options.output;
   OutputFiles files;
-  files.Add((folder / "pattern.yaml").string(), ChessboardYaml(sheet));
-  files.Add((folder / "pattern.pdf").string(), ChessboardPdf(sheet));
-  files.Add((folder / "pattern.svg").string(), ChessboardSvg(sheet));
-  files.Add((folder / "pattern.png").string(),
-            ChessboardPng(sheet, arguments.dpi));
+  files.Add((folder / "pattern.yaml").string(), ScreenYaml(plan));
+  for (const Board& board : plan.boards)
+    files.Add((folder / FileName(boards, board, "png")).string(),
+              ScreenPng(plan, board));
   files.Commit();
-  if (!common.quiet)
+  if (!is_quiet)
     fmt::print(
-        "pattern.yaml, pattern.pdf, pattern.svg and pattern.png in {}; "
-        "print at 100 % and check the ruler\n",
-        arguments.output);
+        "pattern.yaml and {} picture(s) in {}; show one pixel for pixel: "
+        "squares are {} pixels wide, {:.4f} mm in pattern.yaml\n",
+        plan.boards.size(), options.output, plan.square_px,
+        1000 * plan.boards[0].square_m);
+}
+
+void WriteForPrint(const std::vector<Board>& boards,
+                   const OutputOptions& options, bool is_quiet) {
+  const BoardSheets sheets = PlanBoardSheets(boards, ParsePage(options.page));
+  PrintScale scale;
+  if (options.measured_x_mm != 0)
+    scale = MeasuredScale(sheets, options.measured_x_mm, options.measured_y_mm);
+  const std::filesystem::path folder = options.output;
+  OutputFiles files;
+  files.Add((folder / "pattern.yaml").string(), SheetsYaml(sheets, scale));
+  files.Add((folder / "pattern.pdf").string(), SheetsPdf(sheets));
+  for (const Board& board : sheets.boards) {
+    files.Add((folder / FileName(boards, board, "svg")).string(),
+              SheetSvg(sheets, board));
+    files.Add((folder / FileName(boards, board, "png")).string(),
+              SheetPng(sheets, board, options.dpi.value_or(kPrintDpi)));
+  }
+  files.Commit();
+  if (!is_quiet)
+    fmt::print(
+        "pattern.yaml, and {} page(s) as PDF, SVG and PNG, in {}; print at "
+        "100 % and check that both rulers are {} mm long\n",
+        sheets.boards.size(), options.output, sheets.ruler_mm);
+}
+
+void AddOutputOptions(CLI::App* command, OutputOptions* options) {
+  command->add_option("--page", options->page, "A4, A3, letter or WxHmm")
+      ->capture_default_str();
+  command->add_option("--dpi", options->dpi,
+                      "resolution of the PNG, 300 if not given; of the screen");
+  CLI::Option* const screen = command->add_option(
+      "--screen", options->screen,
+      "WIDTHxHEIGHT in pixels: only a PNG for this monitor. Lengths are as "
+      "its --dpi says, or as given: measure them on the screen");
+  CLI::Option* const x = command->add_option(
+      "--measured-x-mm", options->measured_x_mm,
+      "how long the ruler below the board really is on the print. All other "
+      "options as before: pattern.yaml then holds the board as printed");
+  CLI::Option* const y =
+      command->add_option("--measured-y-mm", options->measured_y_mm,
+                          "likewise the ruler beside the board");
+  x->needs(y)->excludes(screen)->check(CLI::PositiveNumber);
+  y->needs(x)->check(CLI::PositiveNumber);
+  command->add_option("-o,--output", options->output, "folder to write to")
+      ->required();
+}
+
+// To be called when the options of the board itself are there.
+void Finish(CLI::App* command, const MakeBoards& make_boards,
+            CommonOptions* common) {
+  const auto options = std::make_shared<OutputOptions>();
+  AddOutputOptions(command, options.get());
+  command->callback([options, make_boards, common] {
+    if (options->screen.empty())
+      WriteForPrint(make_boards(), *options, common->quiet);
+    else
+      WriteForScreen(make_boards(), *options, common->quiet);
+  });
+}
+
+void AddSize(CLI::App* command, const std::string& what, int* columns,
+             int* rows, double* square_mm) {
+  command->add_option("--columns", *columns, what + " across")->required();
+  command->add_option("--rows", *rows, what + " down")->required();
+  command->add_option("--square-mm", *square_mm, "side of a square")
+      ->required();
+}
+
+void AddStar(CLI::App* pattern, CommonOptions* common) {
+  CLI::App* command = AddCommand(
+      pattern, "star",
+      "Stars around every feature, and an AprilTag: for generic models. "
+      "16 segments suit most cameras, fewer suit blurred or small images.",
+      "raygrid pattern star --columns 16 --rows 23 --square-mm 11 -o board/",
+      common);
+  const auto options = std::make_shared<StarBoardOptions>();
+  AddSize(command, "features", &options->columns, &options->rows,
+          &options->square_mm);
+  command
+      ->add_option("--segments", options->segments,
+                   "of a star, black and white: even, 4 to 32")
+      ->capture_default_str();
+  command
+      ->add_option("--tag-id", options->tag_id,
+                   "number of the first tag (tag36h11)")
+      ->capture_default_str();
+  command
+      ->add_option("--tags", options->num_tags,
+                   "tags on each board: more help if parts are seen only")
+      ->capture_default_str();
+  command
+      ->add_option("--tag-squares", options->tag_squares,
+                   "side of a tag in squares; default: about 40 mm")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--boards", options->num_boards,
+                   "boards with different tags, to be seen together")
+      ->capture_default_str();
+  Finish(
+      command, [options] { return StarBoards(*options); }, common);
+}
+
+void AddChessboard(CLI::App* pattern, CommonOptions* common) {
+  CLI::App* command = AddCommand(
+      pattern, "chessboard", "A chessboard, with rulers to check the print.",
+      "raygrid pattern chessboard --columns 9 --rows 6 --square-mm 25 -o "
+      "board/",
+      common);
+  const auto board = std::make_shared<Board>();
+  const auto square_mm = std::make_shared<double>();
+  AddSize(command, "inner corners", &board->columns, &board->rows,
+          square_mm.get());
+  const auto make_boards = [board, square_mm] {
+    board->kind = "chessboard";
+    board->square_m = *square_mm / 1000;
+    return std::vector<Board>{*board};
+  };
+  Finish(command, make_boards, common);
+}
+
+void AddCharuco(CLI::App* pattern, CommonOptions* common) {
+  CLI::App* command =
+      AddCommand(pattern, "charuco", "A ChArUco board as OpenCV draws it.",
+                 "raygrid pattern charuco --columns 8 --rows 5 --square-mm 28 "
+                 "--marker-mm 21 -o board/",
+                 common);
+  const auto board = std::make_shared<Board>();
+  const auto square_mm = std::make_shared<double>();
+  const auto marker_mm = std::make_shared<double>();
+  board->dictionary = "DICT_4X4_50";
+  AddSize(command, "inner corners", &board->columns, &board->rows,
+          square_mm.get());
+  command
+      ->add_option("--marker-mm", *marker_mm, "side of a marker's black square")
+      ->required();
+  command
+      ->add_option("--dictionary", board->dictionary,
+                   "of the markers, as OpenCV names it")
+      ->capture_default_str();
+  command
+      ->add_option("--first-marker", board->first_marker,
+                   "number of the first marker")
+      ->capture_default_str();
+  command->add_flag("--legacy", board->is_legacy,
+                    "markers where OpenCV put them before 4.6");
+  const auto make_boards = [board, square_mm, marker_mm] {
+    board->kind = "charuco";
+    board->square_m = *square_mm / 1000;
+    board->marker_m = *marker_mm / 1000;
+    return std::vector<Board>{*board};
+  };
+  Finish(command, make_boards, common);
+}
+
+void AddAprilGrid(CLI::App* pattern, CommonOptions* common) {
+  CLI::App* command = AddCommand(
+      pattern, "aprilgrid", "An AprilGrid as Kalibr draws it (tag36h11).",
+      "raygrid pattern aprilgrid --tag-columns 6 --tag-rows 6 --tag-mm 24 -o "
+      "board/",
+      common);
+  const auto board = std::make_shared<Board>();
+  const auto tag_mm = std::make_shared<double>();
+  board->tag_family = "tag36h11";
+  board->spacing_ratio = 0.3;
+  command->add_option("--tag-columns", board->columns, "tags across")
+      ->required()
+      ->check(CLI::Range(1, 500));
+  command->add_option("--tag-rows", board->rows, "tags down")
+      ->required()
+      ->check(CLI::Range(1, 500));
+  command->add_option("--tag-mm", *tag_mm, "side of a tag's black square")
+      ->required();
+  command
+      ->add_option("--spacing-ratio", board->spacing_ratio,
+                   "gap between tags / side of a tag")
+      ->capture_default_str();
+  command
+      ->add_option("--first-marker", board->first_marker,
+                   "number of the first tag, at the bottom left")
+      ->capture_default_str();
+  const auto make_boards = [board, tag_mm] {
+    Board made = *board;
+    made.kind = "aprilgrid";
+    made.columns *= 2;  // features: two for each tag
+    made.rows *= 2;
+    made.square_m = *tag_mm / 1000;
+    return std::vector<Board>{made};
+  };
+  Finish(command, make_boards, common);
 }
 
 }  // namespace
 
 void AddPattern(CLI::App* app, CommonOptions* common) {
-  CLI::App* pattern = app->add_subcommand("pattern", "Makes targets to print.");
+  CLI::App* pattern = app->add_subcommand(
+      "pattern", "Makes targets to print, or to show on a monitor.");
   pattern->require_subcommand(1);
-  CLI::App* command = AddCommand(
-      pattern, "chessboard", "A chessboard, with a ruler to check the print.",
-      "raygrid pattern chessboard --columns 9 --rows 6 --square-mm 25 -o "
-      "board/",
-      common);
-  auto arguments = std::make_shared<Arguments>();
-  command->add_option("--columns", arguments->columns, "inner corners across")
-      ->required();
-  command->add_option("--rows", arguments->rows, "inner corners down")
-      ->required();
-  command->add_option("--square-mm", arguments->square_mm, "side of a square")
-      ->required();
-  command->add_option("--page", arguments->page, "A4, A3, letter or WxHmm")
-      ->capture_default_str();
-  command->add_option("--dpi", arguments->dpi, "resolution of the PNG")
-      ->capture_default_str();
-  command->add_option("-o,--output", arguments->output, "folder to write to")
-      ->required();
-  command->callback([arguments, common] { Run(*arguments, *common); });
+  AddStar(pattern, common);
+  AddChessboard(pattern, common);
+  AddCharuco(pattern, common);
+  AddAprilGrid(pattern, common);
 }
 
 }  // namespace raygrid

@@ -2,13 +2,20 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "camera/central_generic.h"
+#include "camera_input.h"
 #include "commands.h"
 #include "dataset/camera_file.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/parallel_for.h"
+#include "progress_bar.h"
+#include "simulation/board_bend.h"
+#include "simulation/image_rendering.h"
 #include "simulation/simulated_camera.h"
+#include "simulation/simulated_lenses.h"
 #include "simulation/simulated_observations.h"
 
 namespace raygrid {
@@ -16,23 +23,61 @@ namespace {
 
 struct Arguments {
   SimulationOptions simulation;
-  std::string output;
+  ImagingOptions imaging;
+  PoseOptions poses;
+  std::string pattern, lens = "example", camera, size = "640x480", output;
+  bool render = false;
+  double max_tilt_deg = 50;
+  int bits = 8;
 };
 
 // Fine enough that the grid follows the simulated lens to 1e-5 px.
 constexpr double kTruthCellPx = 8;
+// Between boards that hang side by side.
+constexpr double kGapSquares = 2;
 
-void Run(const Arguments& arguments, const CommonOptions& common) {
-  SimulationOptions options = arguments.simulation;
-  options.seed = common.seed;
-  const SimulatedCamera camera = ExampleSimulatedCamera();
-  const Pattern pattern = ChessboardPattern(30, 24, 0.02);
-  if (options.features_per_image > pattern.boards[0].num_points())
-    throw Error(ExitCode::kUsage,
-                fmt::format("--features-per-image: the board has {}",
-                            pattern.boards[0].num_points()));
-  const SimulatedObservations observations =
-      SimulateObservations(camera, pattern, options);
+// A camera whose lines meet in a point, and, if they do not, the lines.
+struct TrueCamera {
+  std::shared_ptr<const CameraModel> central;
+  LineOfPixel line_of_pixel;
+
+  PixelRays Rays(int num_threads) const {
+    return line_of_pixel
+               ? PixelRays(central->image_size(), line_of_pixel, num_threads)
+               : PixelRays(*central, num_threads);
+  }
+  std::vector<Feature> Features(const Board& board, const Pose& pose) const {
+    return line_of_pixel ? VisibleFeatures(line_of_pixel, *central, board, pose)
+                         : VisibleFeatures(*central, board, pose);
+  }
+};
+
+TrueCamera MakeCamera(const Arguments& arguments) {
+  TrueCamera camera;
+  if (!arguments.camera.empty()) {
+    camera.central = ReadCamera(arguments.camera).file.camera;
+    return camera;
+  }
+  const ImageSize size = ParseImageSize("--size", arguments.size);
+  if (arguments.lens == "noncentral") {
+    const MovingPupilLens lens = NonCentralLens(size);
+    camera.central = lens.lens().Clone();
+    camera.line_of_pixel = [lens](const Eigen::Vector2d& pixel) {
+      return lens.Line(pixel);
+    };
+  } else {
+    camera.central = SimulatedLens(arguments.lens, size);
+  }
+  return camera;
+}
+
+Pattern MakePattern(const Arguments& arguments) {
+  return arguments.pattern.empty() ? ChessboardPattern(30, 24, 0.02)
+                                   : ReadPattern(arguments.pattern);
+}
+
+// As camera.yaml; the central part of a camera that is not central.
+std::string FormatTruth(const CameraModel& camera) {
   CameraFile truth;
   truth.name = "simulated";
   truth.camera =
@@ -40,22 +85,202 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
                         NumControlPoints(camera.area().width(), kTruthCellPx),
                         NumControlPoints(camera.area().height(), kTruthCellPx))
           .Clone();
-  const std::filesystem::path folder = arguments.output;
+  return FormatCameraFile(truth);
+}
+
+void AddTruth(const std::filesystem::path& folder,
+              const SimulatedObservations& observations,
+              const CameraModel& camera, OutputFiles* files) {
+  files->Add((folder / "features.csv").string(),
+             FormatFeatures(observations.dataset));
+  files->Add((folder / "pattern.yaml").string(),
+             observations.true_pattern.yaml);
+  files->Add((folder / "true_pattern.yaml").string(),
+             FormatPattern(observations.true_pattern));
+  files->Add((folder / "true_camera.yaml").string(), FormatTruth(camera));
+  files->Add((folder / "true_poses.csv").string(),
+             FormatPoses(observations.poses));
+}
+
+// Boards side by side in one plane, the first at the origin.
+struct Arrangement {
+  std::vector<Eigen::Vector3d> corners_m;  // where each board's origin is
+  Eigen::Vector3d center_m;
+};
+
+Arrangement SideBySide(const Pattern& pattern) {
+  Arrangement arrangement;
+  double x_m = 0, height_m = 0;
+  for (const Board& board : pattern.boards) {
+    arrangement.corners_m.emplace_back(x_m, 0, 0);
+    const Eigen::Vector3d last = board.NominalPoints().back();
+    x_m += last.x() + (2 + kGapSquares) * board.square_m;
+    height_m = std::max(height_m, last.y());
+  }
+  const double gap_m = (2 + kGapSquares) * pattern.boards.back().square_m;
+  arrangement.center_m = {(x_m - gap_m) / 2, height_m / 2, 0};
+  return arrangement;
+}
+
+// The boards' images; fills in what they show.
+class Photographer {
+ public:
+  Photographer(const Arguments& arguments, const CommonOptions& common)
+      : arguments_(arguments),
+        common_(common),
+        camera_(MakeCamera(arguments)),
+        rays_(camera_.Rays(NumThreads(common.threads))) {
+    Pattern& pattern = truth_.true_pattern;
+    pattern = MakePattern(arguments);
+    truth_.dataset.image_size = camera_.central->image_size();
+    const double bend_m = arguments.simulation.board_bend_m;
+    for (Board& board : pattern.boards) {
+      surfaces_.emplace_back(board, bend_m);
+      board.points = board.NominalPoints();
+      board = BentBoard(board, bend_m);
+    }
+    arrangement_ = SideBySide(pattern);
+  }
+
+  void TakeAll() {
+    const std::filesystem::path folder = arguments_.output;
+    RequireWritableFolder(folder.string());
+    ProgressBar progress(common_.quiet);
+    const int count = arguments_.simulation.num_images;
+    const std::vector<Pose> poses =
+        RandomPoses(*camera_.central, arrangement_.center_m,
+                    truth_.true_pattern.boards[0].square_m, count,
+                    arguments_.poses, common_.seed);
+    for (int i = 0; i < count; ++i) {
+      progress.Show("rendering", static_cast<double>(i) / count);
+      const std::string name = fmt::format("sim{:04d}.png", i);
+      WriteFile((folder / name).string(), Take(i, name, poses[i]));
+    }
+    OutputFiles files;
+    AddTruth(folder, truth_, *camera_.central, &files);
+    files.Commit();
+  }
+
+  const SimulatedObservations& truth() const { return truth_; }
+
+ private:
+  // The PNG file of one image.
+  std::string Take(int index, const std::string& name, const Pose& pose) {
+    std::vector<PlacedBoard> placed;
+    ImageFeatures seen = {name, {}};
+    for (size_t b = 0; b < surfaces_.size(); ++b) {
+      const Board& board = truth_.true_pattern.boards[b];
+      const Pose board_pose = {pose.rotation, pose * arrangement_.corners_m[b]};
+      placed.push_back({&surfaces_[b], board_pose});
+      const auto features = camera_.Features(board, board_pose);
+      seen.features.insert(seen.features.end(), features.begin(),
+                           features.end());
+      truth_.poses.push_back({name, board.id, board_pose});
+    }
+    truth_.dataset.images.push_back(std::move(seen));
+    ImagingOptions imaging = arguments_.imaging;
+    imaging.seed = common_.seed * 1000003 + index;
+    const RenderedImage exact =
+        RenderImage(rays_, placed, imaging, NumThreads(common_.threads));
+    return arguments_.bits == 16
+               ? EncodePng(AddNoiseAndQuantize16(exact, imaging))
+               : EncodePng(AddNoiseAndQuantize(exact, imaging));
+  }
+
+  const Arguments& arguments_;
+  const CommonOptions& common_;
+  TrueCamera camera_;
+  PixelRays rays_;
+  std::vector<BoardSurface> surfaces_;
+  Arrangement arrangement_;
+  SimulatedObservations truth_;
+};
+
+SimulatedObservations Observe(const Arguments& arguments,
+                              const CommonOptions& common) {
+  SimulationOptions options = arguments.simulation;
+  options.seed = common.seed;
+  const TrueCamera camera = MakeCamera(arguments);
+  if (camera.line_of_pixel)
+    throw Error(ExitCode::kUsage,
+                "--lens noncentral: made for images; add --render");
+  const Pattern pattern = MakePattern(arguments);
+  if (options.features_per_image > pattern.boards[0].num_points())
+    throw Error(ExitCode::kUsage,
+                fmt::format("--features-per-image: the board has {}",
+                            pattern.boards[0].num_points()));
+  const SimulatedObservations observations =
+      SimulateObservations(*camera.central, pattern, options);
   OutputFiles files;
-  files.Add((folder / "features.csv").string(),
-            FormatFeatures(observations.dataset));
-  files.Add((folder / "pattern.yaml").string(), pattern.yaml);
-  files.Add((folder / "true_pattern.yaml").string(),
-            FormatPattern(observations.true_pattern));
-  files.Add((folder / "true_camera.yaml").string(), FormatCameraFile(truth));
-  files.Add((folder / "true_poses.csv").string(),
-            FormatPoses(observations.poses));
+  AddTruth(arguments.output, observations, *camera.central, &files);
   files.Commit();
+  return observations;
+}
+
+SimulatedObservations Render(const Arguments& arguments,
+                             const CommonOptions& common) {
+  Photographer photographer(arguments, common);
+  photographer.TakeAll();
+  return photographer.truth();
+}
+
+void Run(Arguments arguments, const CommonOptions& common) {
+  arguments.poses.max_tilt_rad = arguments.max_tilt_deg * M_PI / 180;
+  const SimulatedObservations observations =
+      arguments.render ? Render(arguments, common) : Observe(arguments, common);
+  const ImageSize& size = observations.dataset.image_size;
   if (!common.quiet)
     fmt::print("{} features in {} images of {} x {} px: {}\n",
                observations.dataset.num_features(),
-               observations.dataset.images.size(), camera.image_size().width,
-               camera.image_size().height, arguments.output);
+               observations.dataset.images.size(), size.width, size.height,
+               arguments.output);
+}
+
+void AddImagingOptions(CLI::App* command, Arguments* arguments) {
+  ImagingOptions& imaging = arguments->imaging;
+  const auto add = [command](const char* name, double& value,
+                             const char* description, double low, double high) {
+    command->add_option(name, value, description)
+        ->check(CLI::Range(low, high))
+        ->capture_default_str();
+  };
+  command->add_flag("--render", arguments->render,
+                    "images too: their exact features in features.csv");
+  add("--blur-px", imaging.blur_px, "the lens's blur, standard deviation", 0,
+      50);
+  add("--read-noise", imaging.read_noise, "standard deviation, grey levels", 0,
+      255);
+  add("--shot-noise", imaging.shot_noise, "variance per grey level", 0, 255);
+  add("--vignetting", imaging.vignetting, "part of the light lost in corners",
+      0, 0.99);
+  add("--gamma", imaging.gamma, "of the stored levels", 0.1, 10);
+  add("--exposure", imaging.exposure, "multiplies all levels", 0.01, 100);
+  add("--max-tilt-deg", arguments->max_tilt_deg, "of rendered boards", 0, 80);
+  add("--min-square-px", arguments->poses.min_square_px,
+      "a square's width in rendered images, at least", 1, 1000);
+  add("--max-square-px", arguments->poses.max_square_px, "at most", 1, 1000);
+  command
+      ->add_option("--samples-per-pixel", imaging.samples_per_pixel,
+                   "along each axis")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command->add_option("--bits", arguments->bits, "8 or 16, of the images")
+      ->check(CLI::IsMember({8, 16}))
+      ->capture_default_str();
+}
+
+void AddCameraOptions(CLI::App* command, Arguments* arguments) {
+  command->add_option("--pattern", arguments->pattern,
+                      "pattern.yaml (default: a chessboard); several boards "
+                      "are rendered side by side");
+  command
+      ->add_option("--lens", arguments->lens,
+                   "pinhole, example, wide, fisheye, fisheye190, noncentral")
+      ->capture_default_str();
+  command->add_option("--camera", arguments->camera,
+                      "camera.yaml or blob, instead of --lens");
+  command->add_option("--size", arguments->size, "of images, WxH")
+      ->capture_default_str();
 }
 
 }  // namespace
@@ -64,7 +289,7 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
       app, "simulate",
       "Observations of a known camera whose lens has local bumps, with the "
-      "truth beside them.",
+      "truth beside them; or images of boards.",
       "raygrid simulate --noise-px 0.05 -o simulated/", common);
   auto arguments = std::make_shared<Arguments>();
   SimulationOptions& simulation = arguments->simulation;
@@ -73,12 +298,12 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
       ->capture_default_str();
   command
       ->add_option("--features-per-image", simulation.features_per_image,
-                   "features in each")
+                   "features in each, without --render")
       ->check(CLI::Range(1, 720))
       ->capture_default_str();
   command
       ->add_option("--noise-px", simulation.noise_px,
-                   "standard deviation of each coordinate")
+                   "standard deviation of each coordinate, without --render")
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
   command
@@ -87,6 +312,8 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
       ->each([arguments](const std::string& text) {
         arguments->simulation.board_bend_m = std::stod(text) / 1000;
       });
+  AddCameraOptions(command, arguments.get());
+  AddImagingOptions(command, arguments.get());
   command->add_option("-o,--output", arguments->output, "folder to write to")
       ->required();
   command->callback([arguments, common] { Run(*arguments, *common); });

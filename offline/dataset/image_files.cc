@@ -92,10 +92,8 @@ std::vector<std::string> ImagesInFolder(const std::string& folder) {
   return images;
 }
 
-}  // namespace
-
-Image ReadImage(const std::string& path, bool grey) {
-  const std::string bytes = ReadFile(path);
+// As OpenCV has it, but never a damaged image; flags are cv::imdecode()'s.
+cv::Mat Decode(const std::string& name, const std::string& bytes, int flags) {
   cv::Mat decoded;
   bool is_damaged = IsCutJpeg(bytes);
   if (!bytes.empty() && !is_damaged) {
@@ -103,22 +101,61 @@ Image ReadImage(const std::string& path, bool grey) {
                           const_cast<char*>(bytes.data()));
     DecoderMessages messages;
     try {
-      decoded = cv::imdecode(encoded,
-                             (grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR) |
-                                 cv::IMREAD_IGNORE_ORIENTATION);
+      decoded = cv::imdecode(encoded, flags | cv::IMREAD_IGNORE_ORIENTATION);
     } catch (const cv::Exception&) {
       decoded.release();
     }
     is_damaged = messages.Stop();
   }
   if (decoded.empty() || is_damaged)
-    throw InputError(path +
+    throw InputError(name +
                      ": not an image, or damaged; remove it or replace it");
+  return decoded;
+}
+
+// The largest value that a camera can have meant by 16 bits of which it used
+// no more than this.
+double FullScale(double brightest) {
+  for (const int bits : {8, 10, 12, 14})
+    if (brightest < 1 << bits) return (1 << bits) - 1;
+  return 65535;
+}
+
+double FullScale(const cv::Mat& image) {
+  if (image.depth() == CV_8U) return 255;
+  double brightest = 0;
+  cv::minMaxIdx(image, nullptr, &brightest);
+  return FullScale(brightest);
+}
+
+}  // namespace
+
+Image ReadImage(const std::string& path, bool grey) {
+  const cv::Mat decoded = Decode(
+      path, ReadFile(path), grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR);
   Image image;
   image.size = {decoded.cols, decoded.rows};
   image.channels = decoded.channels();
   image.pixels.assign(decoded.datastart, decoded.dataend);
   return image;
+}
+
+GreyLevels DecodeGreyLevels(const std::string& name, const std::string& bytes) {
+  const cv::Mat decoded =
+      Decode(name, bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+  if (decoded.depth() != CV_8U && decoded.depth() != CV_16U)
+    throw InputError(name +
+                     ": pixels of neither 8 nor 16 bits; convert it to PNG");
+  GreyLevels grey;
+  grey.size = {decoded.cols, decoded.rows};
+  grey.levels.resize(decoded.total());
+  cv::Mat levels(decoded.size(), CV_32F, grey.levels.data());
+  decoded.convertTo(levels, CV_32F, 255 / FullScale(decoded));
+  return grey;
+}
+
+GreyLevels ReadGreyLevels(const std::string& path) {
+  return DecodeGreyLevels(path, ReadFile(path));
 }
 
 std::string EncodePng(const Image& image) {

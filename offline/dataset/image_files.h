@@ -22,6 +22,19 @@ struct Image {
 /// camera's rotation tag. Throws InputError.
 Image ReadImage(const std::string& path, bool grey);
 
+/// A photograph in shades of grey, as finely as the file has them.
+struct GreyLevels {
+  ImageSize size;
+  std::vector<float> levels;  ///< row by row; 0 to 255, whatever the file has
+};
+
+/// Reads files of 8 or 16 bits, grey or in colour. Cameras put values of 10, 12
+/// or 14 bits into 16: the brightest pixel tells which bits are in use. Throws
+/// InputError.
+GreyLevels ReadGreyLevels(const std::string& path);
+/// The same from a file's bytes; name is used in errors.
+GreyLevels DecodeGreyLevels(const std::string& name, const std::string& bytes);
+
 std::string EncodePng(const Image& image);
 
 /// The image files among paths, and in those that are folders; each folder in

@@ -1,16 +1,23 @@
+#include "features/chessboard.h"
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
-
-#include "features/feature_detection.h"
+#include <optional>
 
 namespace raygrid {
 namespace {
 
-cv::Mat View(const Image& grey) {
-  return cv::Mat(grey.size.height, grey.size.width, CV_8UC1,
-                 const_cast<uint8_t*>(grey.pixels.data()));
+constexpr double kMinSpacingPx = 5;
+// Larger images are searched at a size near this first; corners of their
+// squares are blurred over several pixels anyway.
+constexpr double kSearchPixels = 1.5e6;
+
+double Cross(const cv::Point2f& a, const cv::Point2f& b) {
+  return a.x * b.y - a.y * b.x;
 }
 
 // Corners in the order of the board, row by row.
@@ -22,20 +29,34 @@ class Corners {
   const cv::Point2f& at(int column, int row) const {
     return pixels_[row * columns_ + column];
   }
-  std::vector<cv::Point2f>& pixels() { return pixels_; }
 
-  // Columns to rows must turn clockwise in the image, as on the board.
+  cv::Point2f AlongColumns() const { return at(columns_ - 1, 0) - at(0, 0); }
+  // Columns to rows turn clockwise on the board.
   bool IsMirrored() const {
-    const cv::Point2f u = at(columns_ - 1, 0) - at(0, 0);
-    const cv::Point2f v = at(0, rows_ - 1) - at(0, 0);
-    return u.x * v.y - u.y * v.x < 0;
+    return Cross(AlongColumns(), at(0, rows_ - 1) - at(0, 0)) < 0;
   }
-  void MirrorColumns() {
+
+  Corners Mirrored() const {
+    Corners mirrored = *this;
     for (int row = 0; row < rows_; ++row)
-      std::reverse(pixels_.begin() + row * columns_,
-                   pixels_.begin() + (row + 1) * columns_);
+      std::reverse(mirrored.pixels_.begin() + row * columns_,
+                   mirrored.pixels_.begin() + (row + 1) * columns_);
+    return mirrored;
   }
-  void TurnAround() { std::reverse(pixels_.begin(), pixels_.end()); }
+  Corners TurnedAround() const {
+    Corners turned = *this;
+    std::reverse(turned.pixels_.begin(), turned.pixels_.end());
+    return turned;
+  }
+  // By a quarter; for boards of as many rows as columns.
+  Corners Turned() const {
+    Corners turned = *this;
+    for (int row = 0; row < rows_; ++row)
+      for (int column = 0; column < columns_; ++column)
+        turned.pixels_[row * columns_ + column] =
+            at(row, columns_ - 1 - column);
+    return turned;
+  }
 
   // The smallest distance between neighbours.
   double Spacing() const {
@@ -53,22 +74,22 @@ class Corners {
     return spacing;
   }
 
-  // Mean brightness of the squares of even or odd column + row.
-  double Brightness(const cv::Mat& image, int parity) const {
-    double sum = 0;
-    int count = 0;
+  // How much brighter squares of odd column + row are than the others, as they
+  // are on the board.
+  double Contrast(const cv::Mat& image) const {
+    double sum[2] = {0, 0};
+    int count[2] = {0, 0};
     for (int row = 0; row + 1 < rows_; ++row) {
       for (int column = 0; column + 1 < columns_; ++column) {
-        if ((row + column) % 2 != parity) continue;
         const cv::Point2f center =
             (at(column, row) + at(column + 1, row) + at(column, row + 1) +
              at(column + 1, row + 1)) *
             0.25f;
-        sum += image.at<uint8_t>(cv::Point(center));
-        ++count;
+        sum[(row + column) % 2] += image.at<uint8_t>(cv::Point(center));
+        ++count[(row + column) % 2];
       }
     }
-    return sum / std::max(count, 1);
+    return count[1] == 0 ? 0 : sum[1] / count[1] - sum[0] / count[0];
   }
 
  private:
@@ -76,66 +97,137 @@ class Corners {
   int columns_, rows_;
 };
 
-constexpr double kMinSpacingPx = 5;
+using Points = std::vector<cv::Point2f>;
 
-// Half the window of the sub-pixel refinement: it should stay between the
-// neighbouring corners, whatever the perspective.
-int HalfWindow(double spacing_px) {
-  return std::clamp(static_cast<int>(0.4 * spacing_px), 2, 11);
+bool FindQuickly(const cv::Mat& image, cv::Size size, Points* found) {
+  return cv::findChessboardCorners(image, size, *found,
+                                   cv::CALIB_CB_ADAPTIVE_THRESH |
+                                       cv::CALIB_CB_NORMALIZE_IMAGE |
+                                       cv::CALIB_CB_FAST_CHECK);
+}
+
+bool FindThoroughly(const cv::Mat& image, cv::Size size, Points* found) {
+  return cv::findChessboardCornersSB(
+      image, size, *found,
+      cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_EXHAUSTIVE);
+}
+
+// Within a tenth of a pixel of the shrunk image, lest enlarging makes the error
+// more than the refinement can take.
+void Sharpen(const cv::Mat& image, Points* found) {
+  constexpr int kHalfWindowPx = 4;
+  cv::cornerSubPix(
+      image, *found, cv::Size(kHalfWindowPx, kHalfWindowPx), cv::Size(-1, -1),
+      cv::TermCriteria(cv::TermCriteria::EPS + cv::TermCriteria::COUNT, 50,
+                       0.01));
+}
+
+// Positions in an image of which each pixel was shrink x shrink.
+void Enlarge(int shrink, Points* points) {
+  for (cv::Point2f& p : *points) {
+    p.x = p.x * shrink + (shrink - 1) / 2.0f;
+    p.y = p.y * shrink + (shrink - 1) / 2.0f;
+  }
+}
+
+int Shrinkage(const cv::Mat& image) {
+  return std::max(1, static_cast<int>(std::round(std::sqrt(
+                         static_cast<double>(image.total()) / kSearchPixels))));
+}
+
+bool FindCorners(const cv::Mat& image, cv::Size size, Points* found) {
+  try {
+    const int shrink = Shrinkage(image);
+    if (shrink == 1)
+      return FindQuickly(image, size, found) ||
+             FindThoroughly(image, size, found);
+    cv::Mat small;
+    cv::resize(image(cv::Rect(0, 0, image.cols / shrink * shrink,
+                              image.rows / shrink * shrink)),
+               small, cv::Size(image.cols / shrink, image.rows / shrink), 0, 0,
+               cv::INTER_AREA);
+    if (FindQuickly(small, size, found) || FindThoroughly(small, size, found)) {
+      Sharpen(small, found);
+      Enlarge(shrink, found);
+      return true;
+    }
+    return FindQuickly(image, size, found);
+  } catch (const cv::Exception&) {
+    return false;  // boards and images too small for OpenCV
+  }
+}
+
+// All ways to number the corners of an image that is not mirrored.
+std::vector<Corners> Numberings(Corners corners, bool is_square) {
+  if (corners.IsMirrored()) corners = corners.Mirrored();
+  std::vector<Corners> numberings = {corners, corners.TurnedAround()};
+  if (is_square) {
+    numberings.push_back(corners.Turned());
+    numberings.push_back(corners.Turned().TurnedAround());
+  }
+  return numberings;
+}
+
+// The most upright numbering whose colours are right.
+std::optional<Corners> Upright(const std::vector<Corners>& numberings,
+                               const cv::Mat& image) {
+  const auto uprightness = [](const Corners& corners) {
+    const cv::Point2f along = corners.AlongColumns();
+    return along.x / cv::norm(along);
+  };
+  std::optional<Corners> best;
+  for (const Corners& corners : numberings)
+    if (corners.Contrast(image) > 0 &&
+        (!best || uprightness(corners) > uprightness(*best)))
+      best = corners;
+  return best;
+}
+
+bool IsOdd(int value) { return value % 2 != 0; }
+
+// Numbers the corners as on the board.
+Corners Number(const Corners& found, const Board& board, const cv::Mat& image,
+               std::vector<std::string>* remarks) {
+  std::vector<Corners> numberings =
+      Numberings(found, board.columns == board.rows);
+  if (const auto upright = Upright(numberings, image)) return *upright;
+  // With both sides odd, mirroring swaps the colours; with both even nothing
+  // does but swapped ink.
+  const bool is_mirrored = IsOdd(board.columns) && IsOdd(board.rows);
+  if (is_mirrored)
+    for (Corners& corners : numberings) corners = corners.Mirrored();
+  remarks->push_back(fmt::format(
+      is_mirrored ? "board {} is mirrored, or its colours are swapped"
+                  : "the colours of board {} are swapped",
+      board.id));
+  return Upright(numberings, is_mirrored ? image : cv::Mat(255 - image))
+      .value_or(numberings[0]);
 }
 
 }  // namespace
 
-std::vector<Feature> DetectChessboard(const Image& grey, const Board& board) {
-  const cv::Mat image = View(grey);
-  std::vector<cv::Point2f> found;
-  if (!cv::findChessboardCorners(
-          image, cv::Size(board.columns, board.rows), found,
-          cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE |
-              cv::CALIB_CB_FAST_CHECK))
-    return {};
-  Corners corners(std::move(found), board.columns, board.rows);
-  const double spacing = corners.Spacing();
-  if (spacing < kMinSpacingPx) return {};
-  const int half = HalfWindow(spacing);
-  cv::cornerSubPix(
-      image, corners.pixels(), cv::Size(half, half), cv::Size(-1, -1),
-      cv::TermCriteria(cv::TermCriteria::EPS + cv::TermCriteria::COUNT, 100,
-                       1e-4));
-
-  if (corners.IsMirrored()) corners.MirrorColumns();
-  // The square right below the first corner is dark.
-  if (corners.Brightness(image, 0) > corners.Brightness(image, 1))
-    corners.TurnAround();
-
-  std::vector<Feature> features;
+ImageDetection LocateChessboard(const GreyImage& image, const Board& board) {
+  const cv::Mat grey(image.size.height, image.size.width, CV_8U,
+                     const_cast<uint8_t*>(image.bytes.data()));
+  ImageDetection located;
+  Points found;
+  if (!FindCorners(grey, cv::Size(board.columns, board.rows), &found))
+    return located;
+  const Corners corners(std::move(found), board.columns, board.rows);
+  if (corners.Spacing() < kMinSpacingPx) {
+    located.remarks.push_back(
+        fmt::format("board {} is too small: its corners are {:.1f} px apart",
+                    board.id, corners.Spacing()));
+    return located;
+  }
+  const Corners numbered = Number(corners, board, grey, &located.remarks);
   for (int row = 0; row < board.rows; ++row) {
     for (int column = 0; column < board.columns; ++column) {
-      const cv::Point2f& p = corners.at(column, row);
-      features.push_back({board.id, column, row, {p.x, p.y}});
+      const cv::Point2f& p = numbered.at(column, row);
+      located.features.push_back({board.id, column, row, {p.x, p.y}});
     }
   }
-  return features;
-}
-
-Image DrawFeatures(const Image& grey, const std::vector<Feature>& features) {
-  cv::Mat color;
-  cv::cvtColor(View(grey), color, cv::COLOR_GRAY2BGR);
-  constexpr int kShift = 4;
-  for (const Feature& feature : features) {
-    const cv::Point center(
-        static_cast<int>(std::lround(feature.pixel.x() * 16)),
-        static_cast<int>(std::lround(feature.pixel.y() * 16)));
-    const bool is_first = feature.column == 0 && feature.row == 0;
-    cv::circle(color, center, (is_first ? 6 : 3) << kShift,
-               is_first ? cv::Scalar(0, 0, 255) : cv::Scalar(0, 200, 0), 1,
-               cv::LINE_AA, kShift);
-  }
-  Image drawn;
-  drawn.size = grey.size;
-  drawn.channels = 3;
-  drawn.pixels.assign(color.datastart, color.dataend);
-  return drawn;
+  return located;
 }
 
 }  // namespace raygrid

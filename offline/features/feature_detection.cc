@@ -2,62 +2,299 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <map>
 #include <mutex>
+#include <optional>
+#include <tuple>
 
 #include "dataset/error.h"
+#include "dataset/files.h"
 #include "dataset/parallel_for.h"
+#include "features/aprilgrid.h"
+#include "features/charuco.h"
+#include "features/chessboard.h"
+#include "features/feature_refinement.h"
+#include "features/star_detection.h"
 
 namespace raygrid {
 namespace {
 
-void RequireDetectable(const Pattern& pattern) {
-  for (const Board& board : pattern.boards)
-    if (board.kind != "chessboard")
-      throw InputError(fmt::format(
-          "board {}: this version detects chessboards, not '{}'; pass "
-          "--features with features found elsewhere",
-          board.id, board.kind));
+namespace fs = std::filesystem;
+
+using Locate = std::function<ImageDetection(const GreyImage&)>;
+
+Locate MakeLocate(const Board& board) {
+  if (board.kind == "chessboard")
+    return [board](const GreyImage& image) {
+      return LocateChessboard(image, board);
+    };
+  if (board.kind == "charuco")
+    return [locator = std::make_shared<CharucoLocator>(board)](
+               const GreyImage& image) { return locator->Locate(image); };
+  if (board.kind == "aprilgrid")
+    return [locator = std::make_shared<AprilGridLocator>(board)](
+               const GreyImage& image) { return locator->Locate(image); };
+  throw InputError(fmt::format(
+      "board {}: boards of kind '{}' cannot be detected; pass --features with "
+      "features found elsewhere",
+      board.id, board.kind));
 }
 
-void RequireOneSize(const std::vector<std::string>& paths,
-                    const std::vector<ImageSize>& sizes) {
-  for (size_t i = 1; i < sizes.size(); ++i)
-    if (sizes[i] != sizes[0])
-      throw InputError(fmt::format(
-          "{}: {} x {} pixels where {} has {} x {}; calibrate one camera mode "
-          "at a time",
-          paths[i], sizes[i].width, sizes[i].height, paths[0], sizes[0].width,
-          sizes[0].height));
+void Append(ImageDetection part, ImageDetection* whole) {
+  const auto append = [](auto&& from, auto* to) {
+    to->insert(to->end(), from.begin(), from.end());
+  };
+  append(part.features, &whole->features);
+  append(part.rejected, &whole->rejected);
+  append(part.remarks, &whole->remarks);
+}
+
+bool IsBefore(const Feature& a, const Feature& b) {
+  return std::tie(a.board, a.row, a.column) <
+         std::tie(b.board, b.row, b.column);
+}
+
+void RequireInRange(const DetectionOptions& options) {
+  if (options.window_px < 5 || options.window_px > 101 ||
+      options.window_px % 2 == 0)
+    throw InputError(
+        fmt::format("a window of {} px; use an odd number from 5 to 101",
+                    options.window_px));
 }
 
 }  // namespace
 
-Dataset DetectFeatures(const std::vector<std::string>& image_paths,
-                       const Pattern& pattern, int num_threads,
-                       const std::function<void(double)>& progress) {
-  RequireDetectable(pattern);
+GreyImage MakeGreyImage(GreyLevels grey) {
+  GreyImage image;
+  image.size = grey.size;
+  image.bytes.reserve(grey.levels.size());
+  for (const float level : grey.levels)
+    image.bytes.push_back(static_cast<uint8_t>(std::lround(level)));
+  image.levels = std::move(grey.levels);
+  return image;
+}
+
+GreyImage MakeGreyImage(const Image& image) {
+  GreyLevels grey;
+  grey.size = image.size;
+  const size_t count = image.pixels.size() / image.channels;
+  grey.levels.resize(count);
+  for (size_t i = 0; i < count; ++i) {
+    const uint8_t* pixel = &image.pixels[i * image.channels];
+    grey.levels[i] =
+        image.channels == 1
+            ? pixel[0]
+            : 0.114f * pixel[0] + 0.587f * pixel[1] + 0.299f * pixel[2];
+  }
+  return MakeGreyImage(std::move(grey));
+}
+
+struct PatternDetector::Data {
+  struct SingleBoard {
+    Locate locate;
+    std::unique_ptr<FeatureRefiner> refiner;
+  };
+  std::unique_ptr<StarDetector> stars;
+  std::vector<SingleBoard> boards;
+};
+
+PatternDetector::PatternDetector(const Pattern& pattern,
+                                 const DetectionOptions& options)
+    : data_(std::make_unique<Data>()) {
+  RequireInRange(options);
+  Pattern stars;
+  for (const Board& board : pattern.boards) {
+    if (board.kind == "star") {
+      stars.boards.push_back(board);
+      continue;
+    }
+    data_->boards.push_back(
+        {MakeLocate(board), std::make_unique<FeatureRefiner>(board, options)});
+  }
+  if (!stars.boards.empty())
+    data_->stars = std::make_unique<StarDetector>(stars, options);
+}
+
+PatternDetector::~PatternDetector() = default;
+
+ImageDetection PatternDetector::Detect(const GreyImage& image) const {
+  // No board is as small, and libraries are not made for such images.
+  constexpr int kMinSidePx = 32;
+  if (std::min(image.size.width, image.size.height) < kMinSidePx) return {};
+  ImageDetection detection;
+  if (data_->stars) detection = data_->stars->Detect(image);
+  for (const Data::SingleBoard& board : data_->boards) {
+    ImageDetection located = board.locate(image);
+    if (!located.features.empty())
+      Append(board.refiner->Refine(image, located.features), &detection);
+    located.features.clear();
+    Append(std::move(located), &detection);
+  }
+  std::stable_sort(detection.features.begin(), detection.features.end(),
+                   IsBefore);
+  return detection;
+}
+
+namespace {
+
+// One image of a folder: seen, or the reason why not.
+struct Outcome {
+  std::optional<SeenImage> seen;
+  std::string failure;
+};
+
+class ImageReader {
+ public:
+  ImageReader(const Pattern& pattern, const DetectionOptions& options,
+              const DetectionCache* cache)
+      : pattern_(pattern),
+        options_(options),
+        detector_(pattern, options),
+        cache_(cache) {}
+
+  Outcome Read(const std::string& path) const {
+    try {
+      return {See(path, ReadFile(path)), ""};
+    } catch (const InputError& error) {
+      return {std::nullopt, error.what()};
+    }
+  }
+
+ private:
+  SeenImage See(const std::string& path, const std::string& bytes) const {
+    std::string key;
+    if (cache_) {
+      key = DetectionCache::Key(bytes, pattern_, options_);
+      if (const auto seen = cache_->Find(key)) return *seen;
+    }
+    const GreyImage image = MakeGreyImage(DecodeGreyLevels(path, bytes));
+    const SeenImage seen = {image.size, detector_.Detect(image)};
+    if (cache_) cache_->Store(key, seen);
+    return seen;
+  }
+
+  const Pattern& pattern_;
+  const DetectionOptions& options_;
+  PatternDetector detector_;
+  const DetectionCache* cache_;
+};
+
+std::string FileName(const std::string& path) {
+  return fs::path(path).filename().string();
+}
+
+// Images are told apart by their names in all files.
+void RequireDistinctNames(const std::vector<std::string>& paths) {
+  std::map<std::string, std::string> path_of_name;
+  for (const std::string& path : paths) {
+    const auto [place, is_new] = path_of_name.emplace(FileName(path), path);
+    if (!is_new)
+      throw InputError(
+          fmt::format("{} and {} have one name; rename one, or give only one",
+                      place->second, path));
+  }
+}
+
+// The size that more images have than any other. Throws if there is none.
+ImageSize CommonSize(const std::vector<std::string>& paths,
+                     const std::vector<Outcome>& outcomes) {
+  std::map<std::pair<int, int>, int> count;
+  int first = -1;
+  for (size_t i = 0; i < paths.size(); ++i) {
+    if (!outcomes[i].seen) continue;
+    ++count[{outcomes[i].seen->size.width, outcomes[i].seen->size.height}];
+    if (first < 0) first = static_cast<int>(i);
+  }
+  if (first < 0)
+    throw InputError(paths.size() == 1
+                         ? outcomes[0].failure
+                         : fmt::format("{} (nor can any of the other {} images "
+                                       "be read)",
+                                       outcomes[0].failure, paths.size() - 1));
+  const auto most = std::max_element(
+      count.begin(), count.end(),
+      [](const auto& a, const auto& b) { return a.second < b.second; });
+  for (const auto& [size, number] : count) {
+    if (number < most->second || size == most->first) continue;
+    const ImageSize here = outcomes[first].seen->size;
+    for (size_t i = first; i < paths.size(); ++i)
+      if (outcomes[i].seen && outcomes[i].seen->size != here)
+        throw InputError(fmt::format(
+            "{}: {} x {} pixels where {} has {} x {}; calibrate one camera "
+            "mode at a time",
+            paths[i], outcomes[i].seen->size.width,
+            outcomes[i].seen->size.height, paths[first], here.width,
+            here.height));
+  }
+  return {most->first.first, most->first.second};
+}
+
+// The reason without the path that it starts with.
+std::string WithoutPath(const std::string& failure, const std::string& path) {
+  const std::string start = path + ": ";
+  return failure.compare(0, start.size(), start) == 0
+             ? failure.substr(start.size())
+             : failure;
+}
+
+FolderDetection Collect(const std::vector<std::string>& paths,
+                        std::vector<Outcome> outcomes) {
+  FolderDetection folder;
+  if (paths.empty()) return folder;
+  const ImageSize size = CommonSize(paths, outcomes);
+  folder.dataset.image_size = size;
+  for (size_t i = 0; i < paths.size(); ++i) {
+    std::optional<SeenImage>& seen = outcomes[i].seen;
+    if (!seen) {
+      folder.skipped.push_back(
+          {paths[i], WithoutPath(outcomes[i].failure, paths[i])});
+    } else if (seen->size != size) {
+      folder.skipped.push_back(
+          {paths[i],
+           fmt::format("{} x {} pixels where most images have {} x {}",
+                       seen->size.width, seen->size.height, size.width,
+                       size.height)});
+    } else {
+      folder.dataset.images.push_back(
+          {FileName(paths[i]), seen->detection.features});
+      folder.paths.push_back(paths[i]);
+      folder.images.push_back(std::move(seen->detection));
+    }
+  }
+  return folder;
+}
+
+}  // namespace
+
+FolderDetection DetectFeatures(const std::vector<std::string>& image_paths,
+                               const Pattern& pattern,
+                               const DetectionOptions& options,
+                               const DetectionCache* cache, int num_threads,
+                               const std::function<void(double)>& progress) {
+  const ImageReader reader(pattern, options, cache);
+  RequireDistinctNames(image_paths);
   const int count = static_cast<int>(image_paths.size());
-  std::vector<ImageSize> sizes(count);
-  Dataset dataset;
-  dataset.images.resize(count);
+  std::vector<Outcome> outcomes(count);
   std::mutex mutex;
   int num_done = 0;
   ParallelFor(count, NumThreads(num_threads), [&](int i) {
-    const Image image = ReadImage(image_paths[i], true);
-    sizes[i] = image.size;
-    ImageFeatures& result = dataset.images[i];
-    result.image = std::filesystem::path(image_paths[i]).filename().string();
-    for (const Board& board : pattern.boards) {
-      const std::vector<Feature> found = DetectChessboard(image, board);
-      result.features.insert(result.features.end(), found.begin(), found.end());
-    }
+    outcomes[i] = reader.Read(image_paths[i]);
     const std::lock_guard<std::mutex> lock(mutex);
     if (progress) progress(static_cast<double>(++num_done) / count);
   });
-  RequireOneSize(image_paths, sizes);
-  if (!sizes.empty()) dataset.image_size = sizes[0];
-  return dataset;
+  if (cache) cache->Trim();
+  return Collect(image_paths, std::move(outcomes));
+}
+
+Dataset DetectFeatures(const std::vector<std::string>& image_paths,
+                       const Pattern& pattern, int num_threads,
+                       const std::function<void(double)>& progress) {
+  return DetectFeatures(image_paths, pattern, {}, nullptr, num_threads,
+                        progress)
+      .dataset;
 }
 
 }  // namespace raygrid

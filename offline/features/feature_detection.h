@@ -2,29 +2,59 @@
 #define RAYGRID_FEATURES_FEATURE_DETECTION_H
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "dataset/dataset.h"
-#include "dataset/image_files.h"
+#include "features/detection.h"
+#include "features/detection_cache.h"
 
 namespace raygrid {
 
-/// The inner corners of a whole chessboard, to sub-pixel accuracy; empty if it
-/// is not found. Which end of the board is the first follows from its colours
-/// where the board has an even and an odd side; it then is the same in all
-/// images.
-std::vector<Feature> DetectChessboard(const Image& grey, const Board& board);
+GreyImage MakeGreyImage(GreyLevels grey);
+
+/// Finds all boards of a pattern in images; one serves all threads.
+class PatternDetector {
+ public:
+  /// Throws InputError: kinds of boards that cannot be detected, options out of
+  /// range.
+  PatternDetector(const Pattern& pattern, const DetectionOptions& options);
+  ~PatternDetector();
+
+  ImageDetection Detect(const GreyImage& image) const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+struct SkippedImage {
+  std::string path;
+  std::string reason;
+};
+
+/// What a folder of images shows.
+struct FolderDetection {
+  Dataset dataset;                     ///< without the images that were skipped
+  std::vector<std::string> paths;      ///< of the dataset's images
+  std::vector<ImageDetection> images;  ///< likewise
+  std::vector<SkippedImage> skipped;   ///< damaged, or of another size
+};
 
 /// Detects the pattern in all images; told how much is done. Images without a
-/// board have no features. Throws InputError: unreadable image, images of
-/// different sizes, kinds of board that this version cannot detect.
+/// board have no features. Without a cache, pass nullptr. The size of most
+/// images is the size of all. Throws InputError: no image that can be read, no
+/// size that most images have, several of one name; and as PatternDetector.
+FolderDetection DetectFeatures(const std::vector<std::string>& image_paths,
+                               const Pattern& pattern,
+                               const DetectionOptions& options,
+                               const DetectionCache* cache, int num_threads,
+                               const std::function<void(double)>& progress);
+
+/// The same with default options, without a cache.
 Dataset DetectFeatures(const std::vector<std::string>& image_paths,
                        const Pattern& pattern, int num_threads,
                        const std::function<void(double)>& progress);
-
-/// The image with the detected features drawn on it.
-Image DrawFeatures(const Image& grey, const std::vector<Feature>& features);
 
 }  // namespace raygrid
 

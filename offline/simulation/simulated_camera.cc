@@ -17,8 +17,14 @@ Area Widened(const Area& area) {
 
 SimulatedCamera::SimulatedCamera(const OpenCvModel& lens,
                                  std::vector<LensBump> bumps)
-    : CameraModel(lens.image_size(), lens.area()),
-      lens_(lens.WithArea(Widened(lens.area()))),
+    : SimulatedCamera(
+          std::make_shared<OpenCvModel>(lens.WithArea(Widened(lens.area()))),
+          lens.area(), std::move(bumps)) {}
+
+SimulatedCamera::SimulatedCamera(std::shared_ptr<const CameraModel> lens,
+                                 const Area& area, std::vector<LensBump> bumps)
+    : CameraModel(lens->image_size(), area),
+      lens_(std::move(lens)),
       bumps_(std::move(bumps)) {}
 
 Eigen::Vector2d SimulatedCamera::Bend(const Eigen::Vector2d& pixel,
@@ -46,13 +52,13 @@ std::optional<Eigen::Vector3d> SimulatedCamera::Unproject(
     unbent += derivative.inverse() * error;
     if (error.norm() < 1e-12) break;
   }
-  return lens_.Unproject(unbent);
+  return lens_->Unproject(unbent);
 }
 
 std::optional<Eigen::Vector2d> SimulatedCamera::Project(
     const Eigen::Vector3d& point, const Eigen::Vector2d* /*start*/,
     double margin_px) const {
-  const auto straight = lens_.Project(point);
+  const auto straight = lens_->Project(point);
   if (!straight) return std::nullopt;
   Eigen::Matrix2d derivative;
   const Eigen::Vector2d pixel = Bend(*straight, &derivative);
@@ -63,7 +69,7 @@ std::optional<Eigen::Vector2d> SimulatedCamera::Project(
 bool SimulatedCamera::Linearize(const Eigen::Vector3d& point,
                                 const Eigen::Vector2d* start, double margin_px,
                                 LinearizedProjection* projection) const {
-  if (!lens_.Linearize(point, start, 0, projection)) return false;
+  if (!lens_->Linearize(point, start, 0, projection)) return false;
   Eigen::Matrix2d derivative;
   projection->pixel = Bend(projection->pixel, &derivative);
   projection->by_point = derivative * projection->by_point;

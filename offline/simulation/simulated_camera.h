@@ -1,6 +1,7 @@
 #ifndef RAYGRID_SIMULATION_SIMULATED_CAMERA_H
 #define RAYGRID_SIMULATION_SIMULATED_CAMERA_H
 
+#include <memory>
 #include <vector>
 
 #include "camera/opencv.h"
@@ -15,13 +16,16 @@ struct LensBump {
   double radius_px = 1;
 };
 
-/// A known lens: a parametric model, then bumps. Ground truth for tests; its
+/// A known lens: a model without bumps, then bumps. Ground truth for tests; its
 /// parameters cannot be adjusted.
 class SimulatedCamera : public CameraModel {
  public:
   /// |displacement| / radius must stay well below 1 in total, or the image
   /// would fold.
   SimulatedCamera(const OpenCvModel& lens, std::vector<LensBump> bumps);
+  /// A lens that is defined wherever the bumps fetch the area's pixels from.
+  SimulatedCamera(std::shared_ptr<const CameraModel> lens, const Area& area,
+                  std::vector<LensBump> bumps);
 
   std::string Name() const override { return "simulated"; }
   std::unique_ptr<CameraModel> Clone() const override {
@@ -44,7 +48,7 @@ class SimulatedCamera : public CameraModel {
   Eigen::Vector2d Bend(const Eigen::Vector2d& pixel,
                        Eigen::Matrix2d* derivative) const;
 
-  OpenCvModel lens_;  // over an area wide enough for the bumps
+  std::shared_ptr<const CameraModel> lens_;
   std::vector<LensBump> bumps_;
 };
 

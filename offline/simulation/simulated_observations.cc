@@ -2,57 +2,49 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <cmath>
-#include <numeric>
-#include <random>
+
+#include "camera/stereographic.h"
+#include "simulation/board_bend.h"
+#include "simulation/random.h"
 
 namespace raygrid {
 namespace {
 
-// Uniform and normal numbers that do not depend on the standard library's
-// implementation.
-class Random {
- public:
-  explicit Random(uint64_t seed) : engine_(seed) {}
-
-  double Uniform(double low, double high) {
-    return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
+// The direction of a random pixel of the area.
+Eigen::Vector3d RandomRay(const CameraModel& camera, const Area& area,
+                          Random* random) {
+  for (;;) {
+    const double x = random->Uniform(area.x0, area.x1);
+    const double y = random->Uniform(area.y0, area.y1);
+    const auto direction = camera.Unproject({x, y});
+    if (direction) return *direction;
   }
-  // Box and Muller.
-  double Normal() {
-    const double radius = std::sqrt(-2 * std::log(1 - Uniform(0, 1)));
-    return radius * std::cos(Uniform(0, 2 * M_PI));
-  }
-  int Index(int count) { return static_cast<int>(Uniform(0, count)); }
+}
 
- private:
-  std::mt19937_64 engine_;
-};
-
-Board BentBoard(const Board& board, double bend_m) {
-  Board bent = board;
-  const double cx = (board.columns - 1) * board.square_m / 2;
-  const double cy = (board.rows - 1) * board.square_m / 2;
-  for (Eigen::Vector3d& point : bent.points) {
-    const double x = (point.x() - cx) / cx, y = (point.y() - cy) / cy;
-    point.z() += bend_m * (x * x + 0.5 * y * y);
-  }
-  return bent;
+// A board at the end of ray whose front looks to the camera, tilted and turned
+// at random around its centre.
+Pose RandomlyTilted(const Eigen::Vector3d& ray, double distance_m,
+                    double max_tilt_rad, const Eigen::Vector3d& center_m,
+                    Random* random) {
+  const Eigen::Quaterniond facing =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray);
+  const double direction = random->Uniform(0, 2 * M_PI);
+  const Eigen::AngleAxisd tilt(
+      random->Uniform(0, max_tilt_rad),
+      Eigen::Vector3d(std::cos(direction), std::sin(direction), 0));
+  const Eigen::AngleAxisd turn(random->Uniform(0, 2 * M_PI),
+                               Eigen::Vector3d::UnitZ());
+  const Eigen::Quaterniond rotation = facing * tilt * turn;
+  return {rotation, ray * distance_m - rotation * center_m};
 }
 
 // The board's centre looks out of a random pixel, at a random distance, tilt
 // and turn.
 Pose RandomPose(const CameraModel& camera, const Board& board, Random* random) {
   const Area& area = camera.area();
-  Eigen::Vector3d ray;
-  for (;;) {
-    const auto direction = camera.Unproject(
-        {random->Uniform(area.x0, area.x1), random->Uniform(area.y0, area.y1)});
-    if (direction) {
-      ray = *direction;
-      break;
-    }
-  }
+  const Eigen::Vector3d ray = RandomRay(camera, area, random);
   const auto left = camera.Unproject({area.x0, area.center().y()});
   const auto right = camera.Unproject({area.x1, area.center().y()});
   const double angle_of_view =
@@ -60,29 +52,36 @@ Pose RandomPose(const CameraModel& camera, const Board& board, Random* random) {
   const double extent_m = board.columns * board.square_m;
   const double distance_m =
       extent_m / angle_of_view * random->Uniform(0.6, 2.0);
-
-  const Eigen::Quaterniond facing =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray);
-  const double direction = random->Uniform(0, 2 * M_PI);
-  const Eigen::AngleAxisd tilt(
-      random->Uniform(0, M_PI / 3),
-      Eigen::Vector3d(std::cos(direction), std::sin(direction), 0));
-  const Eigen::AngleAxisd turn(random->Uniform(0, 2 * M_PI),
-                               Eigen::Vector3d::UnitZ());
-  const Eigen::Quaterniond rotation = facing * tilt * turn;
   const Eigen::Vector3d center((board.columns - 1) * board.square_m / 2,
                                (board.rows - 1) * board.square_m / 2, 0);
-  return {rotation, ray * distance_m - rotation * center};
+  return RandomlyTilted(ray, distance_m, M_PI / 3, center, random);
 }
 
-std::vector<Feature> VisibleFeatures(const CameraModel& camera,
-                                     const Board& board, const Pose& pose) {
+// Pixels per radian around a ray, in the direction where they are fewest.
+double Magnification(const CameraModel& camera, const Eigen::Vector3d& ray) {
+  LinearizedProjection projection;
+  if (!camera.Linearize(ray, nullptr, 1, &projection)) return 0;
+  const Eigen::Matrix2d square =
+      projection.by_point * projection.by_point.transpose();
+  const double mean = square.trace() / 2;
+  const double root =
+      std::sqrt(std::max(0.0, mean * mean - square.determinant()));
+  return std::sqrt(std::max(0.0, mean - root));
+}
+
+// Calls project(point) for each feature that there is.
+template <typename Projection>
+std::vector<Feature> FeaturesSeen(const Board& board, const Pose& pose,
+                                  const ImageSize& size,
+                                  const Projection& project) {
   std::vector<Feature> features;
   for (int row = 0; row < board.rows; ++row) {
     for (int column = 0; column < board.columns; ++column) {
-      const auto pixel =
-          camera.Project(pose * board.points[board.PointIndex(column, row)]);
-      if (pixel) features.push_back({board.id, column, row, *pixel});
+      if (!board.HasFeature(column, row)) continue;
+      const std::optional<Eigen::Vector2d> pixel =
+          project(pose * board.points[board.PointIndex(column, row)]);
+      if (pixel && WholeImage(size).Contains(*pixel))
+        features.push_back({board.id, column, row, *pixel});
     }
   }
   return features;
@@ -95,7 +94,86 @@ void Thin(size_t count, Random* random, std::vector<Feature>* features) {
                     random->Index(static_cast<int>(features->size())));
 }
 
+// The angle between a pixel's line and the point, in the chart; zero where the
+// line goes through it.
+std::optional<Eigen::Vector2d> LineError(const LineOfPixel& line_of_pixel,
+                                         const Eigen::Vector2d& pixel,
+                                         const Eigen::Vector3d& point) {
+  const auto line = line_of_pixel(pixel);
+  if (!line) return std::nullopt;
+  return ToChart(point - line->origin) - ToChart(line->direction);
+}
+
+// Its derivative by the pixel.
+std::optional<Eigen::Matrix2d> LineErrorDerivative(
+    const LineOfPixel& line_of_pixel, const Eigen::Vector2d& pixel,
+    const Eigen::Vector3d& point) {
+  constexpr double kStepPx = 0.01;
+  Eigen::Matrix2d derivative;
+  for (int k = 0; k < 2; ++k) {
+    const Eigen::Vector2d step = kStepPx * Eigen::Vector2d::Unit(k);
+    const auto ahead = LineError(line_of_pixel, pixel + step, point);
+    const auto behind = LineError(line_of_pixel, pixel - step, point);
+    if (!ahead || !behind) return std::nullopt;
+    derivative.col(k) = (*ahead - *behind) / (2 * kStepPx);
+  }
+  return derivative;
+}
+
 }  // namespace
+
+std::vector<Feature> VisibleFeatures(const CameraModel& camera,
+                                     const Board& board, const Pose& pose) {
+  return FeaturesSeen(
+      board, pose, camera.image_size(),
+      [&](const Eigen::Vector3d& point) { return camera.Project(point); });
+}
+
+std::vector<Feature> VisibleFeatures(const LineOfPixel& line_of_pixel,
+                                     const CameraModel& central,
+                                     const Board& board, const Pose& pose) {
+  return FeaturesSeen(
+      board, pose, central.image_size(), [&](const Eigen::Vector3d& point) {
+        auto pixel = central.Project(point);
+        if (pixel) pixel = ProjectThroughLines(line_of_pixel, point, *pixel);
+        return pixel;
+      });
+}
+
+std::optional<Eigen::Vector2d> ProjectThroughLines(
+    const LineOfPixel& line_of_pixel, const Eigen::Vector3d& point,
+    const Eigen::Vector2d& start) {
+  Eigen::Vector2d pixel = start;
+  for (int iteration = 0; iteration < 30; ++iteration) {
+    const auto error = LineError(line_of_pixel, pixel, point);
+    const auto derivative = LineErrorDerivative(line_of_pixel, pixel, point);
+    if (!error || !derivative) return std::nullopt;
+    const Eigen::Vector2d step = derivative->inverse() * *error;
+    if (!step.allFinite()) return std::nullopt;
+    pixel -= step;
+    if (step.norm() < 1e-9) return pixel;
+  }
+  return std::nullopt;
+}
+
+std::vector<Pose> RandomPoses(const CameraModel& camera,
+                              const Eigen::Vector3d& center_m, double square_m,
+                              int count, const PoseOptions& options,
+                              uint64_t seed) {
+  Random random(seed);
+  std::vector<Pose> poses;
+  const Area image = WholeImage(camera.image_size());
+  while (static_cast<int>(poses.size()) < count) {
+    const Eigen::Vector3d ray = RandomRay(camera, image, &random);
+    const double magnification = Magnification(camera, ray);
+    if (!(magnification > 0)) continue;
+    const double square_px =
+        random.Uniform(options.min_square_px, options.max_square_px);
+    poses.push_back(RandomlyTilted(ray, square_m * magnification / square_px,
+                                   options.max_tilt_rad, center_m, &random));
+  }
+  return poses;
+}
 
 SimulatedObservations SimulateObservations(const CameraModel& camera,
                                            const Pattern& pattern,

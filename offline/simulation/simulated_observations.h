@@ -6,6 +6,7 @@
 
 #include "camera/camera_model.h"
 #include "dataset/dataset.h"
+#include "simulation/image_rendering.h"
 
 namespace raygrid {
 
@@ -31,6 +32,34 @@ struct SimulatedObservations {
 SimulatedObservations SimulateObservations(const CameraModel& camera,
                                            const Pattern& pattern,
                                            const SimulationOptions& options);
+
+/// Features of a board, bent or not, that are seen within the image, exactly.
+std::vector<Feature> VisibleFeatures(const CameraModel& camera,
+                                     const Board& board, const Pose& pose);
+/// Likewise for a camera whose lines do not meet in a point; central is near to
+/// it and gives the starts.
+std::vector<Feature> VisibleFeatures(const LineOfPixel& line_of_pixel,
+                                     const CameraModel& central,
+                                     const Board& board, const Pose& pose);
+
+/// The pixel whose observation line goes through a point, by Newton's method.
+std::optional<Eigen::Vector2d> ProjectThroughLines(
+    const LineOfPixel& line_of_pixel, const Eigen::Vector3d& point,
+    const Eigen::Vector2d& start);
+
+/// Where boards are held to be photographed.
+struct PoseOptions {
+  /// Width of a square in the image, where the board is not tilted.
+  double min_square_px = 12, max_square_px = 30;
+  double max_tilt_rad = 50 * M_PI / 180;
+};
+
+/// Poses of a board whose point center_m looks out of a random pixel of the
+/// image; with any turn in the board's plane. Reproducible on any machine.
+std::vector<Pose> RandomPoses(const CameraModel& camera,
+                              const Eigen::Vector3d& center_m, double square_m,
+                              int count, const PoseOptions& options,
+                              uint64_t seed);
 
 }  // namespace raygrid
 

@@ -13,11 +13,16 @@ boards:
 """
 
 
+cache = tempfile.TemporaryDirectory()
+
+
 def main(module):
     """Reads where the programs are, and runs the module's tests."""
     parser = argparse.ArgumentParser()
     for name in ("raygrid", "undistort", "reference", "photographs"):
         parser.add_argument("--" + name, required=True)
+    # Nothing that other versions of the programs remember.
+    os.environ["XDG_CACHE_HOME"] = cache.name
     _, rest = parser.parse_known_args(namespace=programs)
     unittest.main(module=module, argv=[module] + rest, verbosity=2)
 

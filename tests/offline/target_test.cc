@@ -1,44 +1,230 @@
+#include <apriltag/apriltag.h>
+#include <apriltag/tag36h11.h>
+
+#include <cstdlib>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "appearance/board_appearance.h"
+#include "dataset/files.h"
 #include "dataset/pattern.h"
 #include "support.h"
-#include "target/chessboard_sheet.h"
+#include "target/board_on_screen.h"
+#include "target/board_sheet.h"
+#include "target/star_boards.h"
 
 namespace raygrid {
 namespace {
 
-ChessboardSheet A4Sheet() {
-  return PlanChessboardSheet(9, 6, 25, ParsePage("A4"));
+Board Chessboard(int columns, int rows, double square_mm) {
+  Board board;
+  board.kind = "chessboard";
+  board.columns = columns;
+  board.rows = rows;
+  board.square_m = square_mm / 1000;
+  return board;
 }
 
-TEST(ChessboardSheet, YamlIsThePattern) {
-  const Pattern pattern = ParsePattern("sheet", ChessboardYaml(A4Sheet()));
-  ASSERT_EQ(pattern.boards.size(), 1u);
-  EXPECT_EQ(pattern.boards[0].kind, "chessboard");
-  EXPECT_EQ(pattern.boards[0].columns, 9);
-  EXPECT_EQ(pattern.boards[0].rows, 6);
-  EXPECT_DOUBLE_EQ(pattern.boards[0].square_m, 0.025);
+Board Charuco(int columns, int rows, double square_mm) {
+  Board board = Chessboard(columns, rows, square_mm);
+  board.kind = "charuco";
+  board.marker_m = 0.75 * board.square_m;
+  board.dictionary = "DICT_4X4_50";
+  return board;
 }
 
-TEST(ChessboardSheet, PageIsTurnedOnlyIfNeeded) {
+Board AprilGrid(int tag_columns, int tag_rows, double tag_mm) {
+  Board board = Chessboard(2 * tag_columns, 2 * tag_rows, tag_mm);
+  board.kind = "aprilgrid";
+  board.tag_family = "tag36h11";
+  board.spacing_ratio = 0.3;
+  return board;
+}
+
+StarBoardOptions Stars(int columns, int rows, double square_mm) {
+  StarBoardOptions options;
+  options.columns = columns;
+  options.rows = rows;
+  options.square_mm = square_mm;
+  return options;
+}
+
+BoardSheets ChessboardSheet(int columns, int rows, double square_mm) {
+  return PlanBoardSheets({Chessboard(columns, rows, square_mm)},
+                         ParsePage("A4"));
+}
+
+BoardSheets A4Sheet() { return ChessboardSheet(9, 6, 25); }
+
+TEST(BoardSheets, ChessboardsYamlIsThePattern) {
+  const std::string yaml = SheetsYaml(A4Sheet());
+  EXPECT_NE(yaml.find("  - {id: 0, kind: chessboard, columns: 9, rows: 6, "
+                      "square_m: 0.025}\n"),
+            std::string::npos)
+      << yaml;
+  EXPECT_EQ(ParsePattern("sheet", yaml).boards[0].num_points(), 54);
+}
+
+TEST(BoardSheets, YamlKeepsAllThatABoardIs) {
+  StarBoardOptions stars = Stars(12, 9, 9.3);
+  stars.segments = 10;
+  stars.num_tags = 2;
+  stars.tag_id = 20;
+  stars.num_boards = 3;
+  stars.tag_squares = 3;
+  const BoardSheets sheets = PlanBoardSheets(StarBoards(stars), {200, 200});
+  const Pattern pattern = ParsePattern("sheet", SheetsYaml(sheets));
+  ASSERT_EQ(pattern.boards.size(), 3u);
+  for (int b = 0; b < 3; ++b) {
+    const Board& board = pattern.boards[b];
+    EXPECT_EQ(board.id, b);
+    EXPECT_EQ(board.segments, 10);
+    EXPECT_NEAR(board.square_m, 0.0093, 1e-12);
+    ASSERT_EQ(board.tags.size(), 2u);
+    for (int k = 0; k < 2; ++k) {
+      EXPECT_EQ(board.tags[k].id, 20 + 2 * b + k);
+      EXPECT_EQ(board.tags[k].column, sheets.boards[b].tags[k].column);
+      EXPECT_EQ(board.tags[k].row, sheets.boards[b].tags[k].row);
+      EXPECT_EQ(board.tags[k].squares, 3);
+    }
+  }
+}
+
+TEST(BoardSheets, YamlKeepsMarkers) {
+  Board charuco = Charuco(8, 5, 20);
+  charuco.is_legacy = true;
+  charuco.first_marker = 3;
+  Board board =
+      ParsePattern("c", SheetsYaml(PlanBoardSheets({charuco}, {300, 300})))
+          .boards[0];
+  EXPECT_NEAR(board.marker_m, 0.015, 1e-12);
+  EXPECT_EQ(board.dictionary, "DICT_4X4_50");
+  EXPECT_TRUE(board.is_legacy);
+  EXPECT_EQ(board.first_marker, 3);
+  board =
+      ParsePattern(
+          "a", SheetsYaml(PlanBoardSheets({AprilGrid(6, 5, 24)}, {300, 300})))
+          .boards[0];
+  EXPECT_EQ(board.columns, 12);
+  EXPECT_EQ(board.spacing_ratio, 0.3);
+  EXPECT_EQ(board.tag_family, "tag36h11");
+}
+
+TEST(BoardSheets, MeasuredPrintsHaveTheirOwnLattice) {
+  const BoardSheets sheets =
+      PlanBoardSheets({Charuco(6, 4, 20)}, ParsePage("A4"));
+  ASSERT_EQ(sheets.ruler_mm, 200);
+  Board board =
+      ParsePattern("m", SheetsYaml(sheets, MeasuredScale(sheets, 198, 199)))
+          .boards[0];
+  EXPECT_NEAR(board.square_m, 0.01985, 1e-9);
+  EXPECT_NEAR(board.marker_m, 0.75 * 0.01985, 1e-9);
+  EXPECT_LT((board.points[board.PointIndex(5, 3)] -
+             Eigen::Vector3d(5 * 0.0198, 3 * 0.0199, 0))
+                .norm(),
+            1e-8);
+  const std::string uniform =
+      SheetsYaml(sheets, MeasuredScale(sheets, 198, 198));
+  EXPECT_EQ(uniform.find("points"), std::string::npos);
+  EXPECT_NEAR(ParsePattern("m", uniform).boards[0].square_m, 0.0198, 1e-12);
+}
+
+TEST(BoardSheets, RulersInOtherUnitsAreRefused) {
+  for (const double length : {-200.0, 0.0, 20.0, 0.2, 401.0, double{NAN}}) {
+    ExpectError(ExitCode::kUsage, {"150 mm", "--measured"},
+                [&] { MeasuredScale(A4Sheet(), length, 150); });
+    ExpectError(ExitCode::kUsage, {"150 mm", "--measured"},
+                [&] { MeasuredScale(A4Sheet(), 150, length); });
+  }
+}
+
+TEST(BoardSheets, PageIsTurnedOnlyIfNeeded) {
   EXPECT_EQ(A4Sheet().page.width_mm, 297);
-  EXPECT_EQ(PlanChessboardSheet(6, 8, 25, ParsePage("A4")).page.width_mm, 210);
+  EXPECT_EQ(ChessboardSheet(6, 8, 25).page.width_mm, 210);
 }
 
-TEST(ChessboardSheet, TooLargeBoardsAreRefused) {
+TEST(BoardSheets, TooLargeBoardsAreRefused) {
   for (const double square_mm : {29.5, 100.0, 1e9})
-    ExpectError(ExitCode::kUsage, {"does not fit"},
-                [&] { PlanChessboardSheet(9, 6, square_mm, ParsePage("A4")); });
+    ExpectError(ExitCode::kUsage, {"does not fit", "--square-mm 27.2"},
+                [&] { ChessboardSheet(9, 6, square_mm); });
+  EXPECT_EQ(ChessboardSheet(9, 6, 27.2).page.width_mm, 297);
+  ExpectError(ExitCode::kUsage, {"16 x 22 features", "--square-mm 11.5"}, [&] {
+    PlanBoardSheets(StarBoards(Stars(16, 23, 12)), {220, 297});
+  });
+  ExpectError(ExitCode::kUsage, {"--tag-mm", "tags"},
+              [&] { PlanBoardSheets({AprilGrid(6, 6, 88)}, ParsePage("A4")); });
+  ExpectError(ExitCode::kUsage, {"larger --page"}, [&] {
+    PlanBoardSheets({Chessboard(2, 2, 1)}, {9, 9});
+  });
 }
 
-TEST(ChessboardSheet, ImpossibleBoardsAreRefused) {
+TEST(BoardSheets, ImpossibleBoardsAreRefused) {
   for (const double square_mm : {0.0, -5.0, double{NAN}, double{INFINITY}})
     ExpectError(ExitCode::kUsage, {},
-                [&] { PlanChessboardSheet(9, 6, square_mm, ParsePage("A4")); });
+                [&] { ChessboardSheet(9, 6, square_mm); });
   for (const int count : {1, 0, -3, 1001}) {
-    ExpectError(ExitCode::kUsage, {},
-                [&] { PlanChessboardSheet(count, 6, 1, ParsePage("A4")); });
-    ExpectError(ExitCode::kUsage, {},
-                [&] { PlanChessboardSheet(9, count, 1, ParsePage("A4")); });
+    ExpectError(ExitCode::kUsage, {}, [&] { ChessboardSheet(count, 6, 1); });
+    ExpectError(ExitCode::kUsage, {}, [&] { ChessboardSheet(9, count, 1); });
   }
+  Board board = Charuco(9, 6, 20);
+  board.dictionary = "DICT_3X3";
+  ExpectError(ExitCode::kUsage, {"DICT_3X3"},
+              [&] { PlanBoardSheets({board}, ParsePage("A4")); });
+  StarBoardOptions stars = Stars(9, 6, 10);
+  stars.tag_id = 587;
+  ExpectError(ExitCode::kUsage, {"586"},
+              [&] { PlanBoardSheets(StarBoards(stars), ParsePage("A4")); });
+}
+
+TEST(StarBoards, AuthorsPatternIsTheDefault) {
+  const std::vector<Board> boards = StarBoards(Stars(16, 23, 11.4));
+  ASSERT_EQ(boards.size(), 1u);
+  EXPECT_EQ(boards[0].segments, 16);
+  ASSERT_EQ(boards[0].tags.size(), 1u);
+  EXPECT_EQ(boards[0].tags[0].column, 5);
+  EXPECT_EQ(boards[0].tags[0].row, 9);
+  EXPECT_EQ(boards[0].tags[0].squares, 4);
+}
+
+TEST(StarBoards, TagsAreReadableAndLeaveFeatures) {
+  EXPECT_EQ(DefaultTagSquares(40, 40, 5), 8);
+  EXPECT_EQ(DefaultTagSquares(16, 23, 15), 3);
+  EXPECT_EQ(DefaultTagSquares(16, 23, 60), 2);
+  EXPECT_EQ(DefaultTagSquares(9, 9, 1e-9), 4);
+}
+
+TEST(StarBoards, TagsStandApart) {
+  for (const int num_tags : {2, 3, 4, 5, 6, 9}) {
+    StarBoardOptions options = Stars(30, 24, 10);
+    options.num_tags = num_tags;
+    const Board board = StarBoards(options)[0];
+    ASSERT_EQ(board.tags.size(), static_cast<size_t>(num_tags));
+    for (int i = 0; i < num_tags; ++i)
+      for (int j = 0; j < i; ++j) {
+        const BoardTag &a = board.tags[i], &b = board.tags[j];
+        EXPECT_GT(
+            std::max(std::abs(a.column - b.column), std::abs(a.row - b.row)),
+            a.squares);
+      }
+  }
+}
+
+TEST(StarBoards, ImpossibleBoardsAreRefused) {
+  const auto expect_refused = [](void (*change)(StarBoardOptions*),
+                                 const char* word) {
+    StarBoardOptions options = Stars(16, 12, 10);
+    change(&options);
+    ExpectError(ExitCode::kUsage, {word}, [&] { StarBoards(options); });
+  };
+  expect_refused([](StarBoardOptions* o) { o->segments = 7; }, "--segments");
+  expect_refused([](StarBoardOptions* o) { o->segments = 34; }, "--segments");
+  expect_refused([](StarBoardOptions* o) { o->num_boards = 0; }, "--boards");
+  expect_refused([](StarBoardOptions* o) { o->num_tags = 0; }, "--tags");
+  expect_refused([](StarBoardOptions* o) { o->num_tags = 30; }, "--tags");
+  expect_refused([](StarBoardOptions* o) { o->tag_squares = 11; },
+                 "--tag-squares");
+  expect_refused([](StarBoardOptions* o) { o->tag_id = -1; }, "--tag-id");
+  expect_refused([](StarBoardOptions* o) { o->columns = 2; }, "--columns");
 }
 
 TEST(ParsePage, KnowsNamesAndMillimetres) {
@@ -60,24 +246,248 @@ bool StartsWith(const std::string& text, const std::string& start) {
   return text.compare(0, start.size(), start) == 0;
 }
 
-TEST(ChessboardSheet, PagesAreOfTheirFormat) {
-  EXPECT_TRUE(StartsWith(ChessboardPdf(A4Sheet()), "%PDF-"));
-  EXPECT_TRUE(StartsWith(ChessboardSvg(A4Sheet()), "<?xml"));
-  EXPECT_NE(ChessboardSvg(A4Sheet()).find("width=\"297mm\""),
-            std::string::npos);
-  EXPECT_TRUE(StartsWith(ChessboardPng(A4Sheet(), 50), "\x89PNG\r\n"));
+TEST(BoardSheets, PagesAreOfTheirFormat) {
+  const BoardSheets sheets = A4Sheet();
+  EXPECT_TRUE(StartsWith(SheetsPdf(sheets), "%PDF-"));
+  const std::string svg = SheetSvg(sheets, sheets.boards[0]);
+  EXPECT_TRUE(StartsWith(svg, "<?xml"));
+  EXPECT_NE(svg.find("width=\"297mm\""), std::string::npos);
+  EXPECT_NE(svg.find("viewBox=\"0 0 297 210\""), std::string::npos);
+  EXPECT_TRUE(
+      StartsWith(SheetPng(sheets, sheets.boards[0], 50), "\x89PNG\r\n"));
 }
 
-TEST(ChessboardSheet, PagesAreTheSameEachTime) {
-  EXPECT_TRUE(ChessboardPdf(A4Sheet()) == ChessboardPdf(A4Sheet()));
-  EXPECT_TRUE(ChessboardSvg(A4Sheet()) == ChessboardSvg(A4Sheet()));
-  EXPECT_TRUE(ChessboardPng(A4Sheet(), 50) == ChessboardPng(A4Sheet(), 50));
+TEST(BoardSheets, PagesAreTheSameEachTime) {
+  StarBoardOptions options = Stars(9, 12, 10);
+  options.num_boards = 2;
+  const BoardSheets sheets =
+      PlanBoardSheets(StarBoards(options), ParsePage("A4"));
+  const Board& board = sheets.boards[1];
+  EXPECT_TRUE(SheetsPdf(sheets) == SheetsPdf(sheets));
+  EXPECT_TRUE(SheetSvg(sheets, board) == SheetSvg(sheets, board));
+  EXPECT_TRUE(SheetPng(sheets, board, 50) == SheetPng(sheets, board, 50));
+  EXPECT_FALSE(SheetSvg(sheets, board) == SheetSvg(sheets, sheets.boards[0]));
 }
 
-TEST(ChessboardSheet, ImpossibleResolutionsAreRefused) {
+TEST(BoardSheets, ImpossibleResolutionsAreRefused) {
+  const BoardSheets sheets = A4Sheet();
   for (const double dpi : {0.0, -100.0, 1e6, double{NAN}})
     ExpectError(ExitCode::kUsage, {"--dpi"},
-                [&] { ChessboardPng(A4Sheet(), dpi); });
+                [&] { SheetPng(sheets, sheets.boards[0], dpi); });
+}
+
+// The vertices of the first path that is filled black.
+std::vector<Eigen::Vector2d> InkVertices(const std::string& svg) {
+  size_t at = svg.find("fill:rgb(0%,0%,0%)");
+  at = svg.find(" d=\"", at) + 4;
+  const std::string path = svg.substr(at, svg.find('"', at) - at);
+  std::vector<Eigen::Vector2d> vertices;
+  for (size_t i = 0; i < path.size(); ++i)
+    if (path[i] == 'L' ||
+        (path[i] == 'M' && path.find('L', i) < path.find('M', i + 1))) {
+      Eigen::Vector2d p;
+      std::sscanf(path.c_str() + i + 1, "%lf %lf", &p.x(), &p.y());
+      vertices.push_back(p);
+    }
+  return vertices;
+}
+
+TEST(BoardSheets, SvgIsInMillimetres) {
+  const BoardSheets sheets = ChessboardSheet(7, 5, 12.3);
+  const auto vertices = InkVertices(SheetSvg(sheets, sheets.boards[0]));
+  EXPECT_EQ(vertices.size(), 4u * 24);
+  for (const Eigen::Vector2d& p : vertices) {
+    const Eigen::Vector2d square =
+        (p - Eigen::Vector2d(sheets.board_mm.x0, sheets.board_mm.y0)) / 12.3;
+    EXPECT_LT((square - square.array().round().matrix()).cwiseAbs().maxCoeff(),
+              0.002 / 12.3);
+  }
+}
+
+cv::Mat Rasterised(const std::string& pdf, int dpi) {
+  const TemporaryFolder folder;
+  WriteFile(folder / "a.pdf", pdf);
+  const std::string command = "pdftoppm -gray -singlefile -r " +
+                              std::to_string(dpi) + " '" + (folder / "a.pdf") +
+                              "' '" + (folder / "a") + "' 2>/dev/null";
+  if (std::system(command.c_str()) != 0) return {};
+  return cv::imread(folder / "a.pgm", cv::IMREAD_GRAYSCALE);
+}
+
+// The ink rectangle as it ought to be, one sample for each pixel.
+struct ExpectedInk {
+  ExpectedInk(const BoardSheets& sheets, int dpi)
+      : appearance(sheets.boards[0]), pixel_m(0.0254 / dpi) {
+    const Area& mm = sheets.board_mm;
+    const double px = dpi / 25.4;
+    rect = cv::Rect(
+        cv::Point(std::floor(mm.x0 * px) - 3, std::floor(mm.y0 * px) - 3),
+        cv::Point(std::ceil(mm.x1 * px) + 3, std::ceil(mm.y1 * px) + 3));
+    origin_m =
+        Eigen::Vector2d(mm.x0, mm.y0) / 1000 -
+        Eigen::Vector2d(appearance.extent_m().x0, appearance.extent_m().y0);
+    image.create(rect.size(), CV_8U);
+    for (int y = 0; y < rect.height; ++y)
+      for (int x = 0; x < rect.width; ++x)
+        image.at<uint8_t>(y, x) = IsBlackAt(x, y) ? 0 : 255;
+  }
+  bool IsBlackAt(double x, double y) const {
+    const Eigen::Vector2d pixel(rect.x + x + 0.5, rect.y + y + 0.5);
+    return appearance.IsBlack(pixel * pixel_m - origin_m);
+  }
+  // Whether the colour changes within a pixel's distance.
+  bool IsNearEdge(int x, int y) const {
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx)
+        if (IsBlackAt(x + dx, y + dy) != IsBlackAt(x, y)) return true;
+    return false;
+  }
+
+  BoardAppearance appearance;
+  double pixel_m;
+  Eigen::Vector2d origin_m;
+  cv::Rect rect;
+  cv::Mat image;
+};
+
+// How far one picture of a region is shifted from another, by least squares.
+Eigen::Vector2d ShiftPx(const cv::Mat& seen, const cv::Mat& expected) {
+  cv::Mat a, b, gx, gy;
+  seen.convertTo(a, CV_32F);
+  expected.convertTo(b, CV_32F);
+  cv::GaussianBlur(a, a, {9, 9}, 1.5);
+  cv::GaussianBlur(b, b, {9, 9}, 1.5);
+  cv::Sobel(b, gx, CV_32F, 1, 0, 3, 1 / 8.);
+  cv::Sobel(b, gy, CV_32F, 0, 1, 3, 1 / 8.);
+  const cv::Mat d = b - a;
+  Eigen::Matrix2d h;
+  h << gx.dot(gx), gx.dot(gy), gx.dot(gy), gy.dot(gy);
+  return h.inverse() * Eigen::Vector2d(gx.dot(d), gy.dot(d));
+}
+
+void ExpectInkInPlace(const Board& board) {
+  constexpr int kDpi = 600;
+  // 2400 pixels: no rounding of the page's size.
+  const BoardSheets sheets = PlanBoardSheets({board}, {101.6, 101.6});
+  const cv::Mat page = Rasterised(SheetsPdf(sheets), kDpi);
+  if (page.empty()) GTEST_SKIP() << "no pdftoppm";
+  ASSERT_EQ(page.size(), cv::Size(2400, 2400));
+  const ExpectedInk expected(sheets, kDpi);
+  const cv::Mat seen = page(expected.rect);
+  int num_wrong = 0;
+  for (int y = 0; y < seen.rows; ++y)
+    for (int x = 0; x < seen.cols; ++x)
+      if ((seen.at<uint8_t>(y, x) < 128) !=
+          (expected.image.at<uint8_t>(y, x) < 128))
+        num_wrong += !expected.IsNearEdge(x, y);
+  EXPECT_EQ(num_wrong, 0);
+  double worst_mm = 0;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) {
+      const cv::Rect region(column * seen.cols / 3, row * seen.rows / 3,
+                            seen.cols / 3, seen.rows / 3);
+      const Eigen::Vector2d shift_px =
+          ShiftPx(seen(region), expected.image(region));
+      worst_mm =
+          std::max(worst_mm, shift_px.cwiseAbs().maxCoeff() * 25.4 / kDpi);
+    }
+  EXPECT_LT(worst_mm, 0.02);
+  ::testing::Test::RecordProperty("worst_shift_um",
+                                  std::to_string(1000 * worst_mm));
+}
+
+TEST(PrintedInk, OfStarsIsInPlace) {
+  ExpectInkInPlace(StarBoards(Stars(9, 9, 7.77))[0]);
+}
+TEST(PrintedInk, OfSixSegmentsIsInPlace) {
+  StarBoardOptions options = Stars(6, 6, 11);
+  options.segments = 6;
+  ExpectInkInPlace(StarBoards(options)[0]);
+}
+TEST(PrintedInk, OfCharucoIsInPlace) { ExpectInkInPlace(Charuco(6, 5, 11.3)); }
+TEST(PrintedInk, OfAprilGridsIsInPlace) {
+  ExpectInkInPlace(AprilGrid(3, 3, 19.3));
+}
+
+struct SeenTag {
+  int id;
+  Eigen::Vector2d corners_px[4];
+};
+
+std::vector<SeenTag> SeenTags(const std::string& png) {
+  const std::vector<uint8_t> bytes(png.begin(), png.end());
+  cv::Mat image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+  apriltag_family_t* family = tag36h11_create();
+  apriltag_detector_t* detector = apriltag_detector_create();
+  apriltag_detector_add_family(detector, family);
+  image_u8_t view = {image.cols, image.rows, static_cast<int>(image.step),
+                     image.data};
+  zarray_t* found = apriltag_detector_detect(detector, &view);
+  std::vector<SeenTag> tags;
+  for (int i = 0; i < zarray_size(found); ++i) {
+    apriltag_detection_t* detection;
+    zarray_get(found, i, &detection);
+    SeenTag tag;
+    tag.id = detection->id;
+    for (int k = 0; k < 4; ++k)
+      tag.corners_px[k] = {detection->p[k][0], detection->p[k][1]};
+    tags.push_back(tag);
+  }
+  apriltag_detections_destroy(found);
+  apriltag_detector_destroy(detector);
+  tag36h11_destroy(family);
+  return tags;
+}
+
+TEST(BoardSheets, TagsAreSeenWhereTheyStand) {
+  StarBoardOptions options = Stars(16, 23, 11.4);
+  options.tag_id = 42;
+  const BoardSheets sheets =
+      PlanBoardSheets(StarBoards(options), ParsePage("A4"));
+  constexpr double kDpi = 150;
+  const auto seen = SeenTags(SheetPng(sheets, sheets.boards[0], kDpi));
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_EQ(seen[0].id, 42);
+  const BoardTag& tag = sheets.boards[0].tags[0];
+  const double cell_mm = tag.squares * 11.4 / 10;
+  // Black from the second cell to the ninth; bottom left first.
+  const double left = sheets.board_mm.x0 + (1 + tag.column) * 11.4 + cell_mm;
+  const double top = sheets.board_mm.y0 + (1 + tag.row) * 11.4 + cell_mm;
+  const double side = 8 * cell_mm;
+  const Eigen::Vector2d corners_mm[4] = {{left, top + side},
+                                         {left + side, top + side},
+                                         {left + side, top},
+                                         {left, top}};
+  for (int k = 0; k < 4; ++k)
+    EXPECT_LT((seen[0].corners_px[k] - corners_mm[k] * kDpi / 25.4).norm(), 1)
+        << seen[0].corners_px[k].transpose();
+}
+
+TEST(ScreenBoards, SquaresAreWholePixels) {
+  const ScreenBoards plan =
+      PlanScreenBoards(StarBoards(Stars(16, 9, 10)), {1920, 1080});
+  EXPECT_EQ(plan.square_px, 98);
+  const std::string png = ScreenPng(plan, plan.boards[0]);
+  const std::vector<uint8_t> bytes(png.begin(), png.end());
+  const cv::Mat image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+  EXPECT_EQ(image.size(), cv::Size(1920, 1080));
+  EXPECT_NEAR(image.at<uint8_t>(2, 2), 128, 1);
+  EXPECT_EQ(SeenTags(png).size(), 1u);
+}
+
+TEST(ScreenBoards, LengthsFollowThePixelPitch) {
+  const ScreenBoards plan = WithPixelPitch(
+      PlanScreenBoards({Charuco(8, 5, 10)}, {1920, 1080}), 101.6);
+  const Pattern pattern = ParsePattern("screen", ScreenYaml(plan));
+  EXPECT_NEAR(pattern.boards[0].square_m, plan.square_px * 0.00025, 1e-9);
+  EXPECT_NEAR(pattern.boards[0].marker_m, 0.75 * plan.square_px * 0.00025,
+              1e-9);
+}
+
+TEST(ScreenBoards, TooSmallScreensAreRefused) {
+  ExpectError(ExitCode::kUsage, {"--screen"}, [&] {
+    PlanScreenBoards({Chessboard(300, 200, 10)}, {640, 480});
+  });
 }
 
 }  // namespace

@@ -1,0 +1,26 @@
+#ifndef RAYGRID_FEATURES_APRILGRID_H
+#define RAYGRID_FEATURES_APRILGRID_H
+
+#include <memory>
+
+#include "features/detection.h"
+
+namespace raygrid {
+
+/// Finds the corners of an AprilGrid's tags, approximately. Tags as Kalibr
+/// prints them: tag36h11 with a black border of two cells.
+class AprilGridLocator {
+ public:
+  explicit AprilGridLocator(const Board& board);
+  ~AprilGridLocator();
+
+  ImageDetection Locate(const GreyImage& image) const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_FEATURES_APRILGRID_H

@@ -1,0 +1,146 @@
+#include "features/charuco.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <opencv2/aruco.hpp>
+#include <optional>
+
+#include "features/seen_markers.h"
+
+namespace raygrid {
+namespace {
+
+// In squares: corners touch markers whose centre is 0.71 away; the next ones
+// are at 1.58.
+constexpr double kAdjacentDistance = 1;
+constexpr double kNearDistance = 2.3;
+constexpr int kMaxNearMarkers = 4;
+
+cv::Mat InnerBits(const MarkerBits& bits) {
+  cv::Mat inner(bits.size - 2, bits.size - 2, CV_8U);
+  for (int row = 0; row < inner.rows; ++row)
+    for (int column = 0; column < inner.cols; ++column)
+      inner.at<uint8_t>(row, column) = !bits.at(column + 1, row + 1);
+  return inner;
+}
+
+// Of the board's markers only, in their order: others cannot be mistaken for
+// them.
+cv::Ptr<cv::aruco::Dictionary> MakeDictionary(
+    const std::vector<PlacedMarker>& markers) {
+  auto dictionary = cv::makePtr<cv::aruco::Dictionary>();
+  dictionary->markerSize = markers[0].bits.size - 2;
+  const int num_bits = dictionary->markerSize * dictionary->markerSize;
+  int least_distance = num_bits;
+  for (const PlacedMarker& marker : markers) {
+    const cv::Mat bits = InnerBits(marker.bits);
+    if (!dictionary->bytesList.empty())
+      for (int id = 0; id < dictionary->bytesList.rows; ++id)
+        least_distance = std::min(least_distance,
+                                  dictionary->getDistanceToId(bits, id, true));
+    dictionary->bytesList.push_back(
+        cv::aruco::Dictionary::getByteListFromBits(bits));
+  }
+  dictionary->maxCorrectionBits = std::max(0, (least_distance - 1) / 2);
+  return dictionary;
+}
+
+Board WithOtherLayout(Board board) {
+  board.is_legacy = !board.is_legacy;
+  return board;
+}
+
+// The layouts differ only where the number of rows of squares is even.
+bool HasTwoLayouts(const Board& board) { return (board.rows + 1) % 2 == 0; }
+
+}  // namespace
+
+struct CharucoLocator::Data {
+  explicit Data(const Board& b)
+      : board(b),
+        markers(BoardAppearance(b).markers()),
+        other_markers(BoardAppearance(WithOtherLayout(b)).markers()),
+        dictionary(MakeDictionary(markers)) {}
+
+  Board board;
+  std::vector<PlacedMarker> markers, other_markers;
+  cv::Ptr<cv::aruco::Dictionary> dictionary;
+
+  std::vector<SeenMarker> FindMarkers(const GreyImage& image) const;
+  std::optional<Feature> LocateCorner(const MarkerConstellation& markers,
+                                      int column, int row) const;
+  double pitch_m() const { return M_SQRT2 * board.square_m; }
+};
+
+std::vector<SeenMarker> CharucoLocator::Data::FindMarkers(
+    const GreyImage& image) const {
+  const cv::Mat grey(image.size.height, image.size.width, CV_8U,
+                     const_cast<uint8_t*>(image.bytes.data()));
+  std::vector<std::vector<cv::Point2f>> corners;
+  std::vector<int> ids;
+  try {
+    cv::aruco::detectMarkers(grey, dictionary, corners, ids);
+  } catch (const cv::Exception&) {
+    return {};  // images too small to hold a marker
+  }
+  std::vector<SeenMarker> seen;
+  for (size_t i = 0; i < ids.size(); ++i) {
+    SeenMarker marker;
+    marker.index = ids[i];
+    for (int k = 0; k < 4; ++k)
+      marker.corners_px[k] = {corners[i][k].x, corners[i][k].y};
+    seen.push_back(marker);
+  }
+  return seen;
+}
+
+std::optional<Feature> CharucoLocator::Data::LocateCorner(
+    const MarkerConstellation& constellation, int column, int row) const {
+  const Eigen::Vector2d corner_m(column * board.square_m, row * board.square_m);
+  const std::vector<SeenMarker> near = constellation.Nearest(
+      corner_m, kNearDistance * board.square_m, kMaxNearMarkers);
+  if (near.empty() || constellation.Distance(near[0], corner_m) >
+                          kAdjacentDistance * board.square_m)
+    return std::nullopt;
+  const Eigen::Vector2d pixel =
+      (constellation.ImageFromBoard(near) * corner_m.homogeneous())
+          .hnormalized();
+  return Feature{board.id, column, row, pixel};
+}
+
+CharucoLocator::CharucoLocator(const Board& board)
+    : data_(std::make_unique<Data>(board)) {}
+CharucoLocator::~CharucoLocator() = default;
+
+ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
+  const Board& board = data_->board;
+  const std::vector<SeenMarker> seen = data_->FindMarkers(image);
+  ImageDetection located;
+  MarkerConstellation markers(data_->markers, data_->pitch_m(), seen);
+  if (HasTwoLayouts(board)) {
+    const MarkerConstellation other(data_->other_markers, data_->pitch_m(),
+                                    seen);
+    if (other.Agreement() > std::max(0, markers.Agreement())) {
+      markers = other;
+      located.remarks.push_back(fmt::format(
+          "board {}: its markers lie as in {}; set 'legacy: {}' in the pattern",
+          board.id, board.is_legacy ? "OpenCV 4.6 and later" : "OpenCV < 4.6",
+          !board.is_legacy));
+    }
+  }
+  const int num_seen = markers.size();
+  markers = markers.Consistent();
+  if (num_seen > 0 && markers.size() == 0)
+    located.remarks.push_back(fmt::format(
+        "board {}: {} markers that do not fit together", board.id, num_seen));
+  const Area inside = WholeImage(image.size);
+  for (int row = 0; row < board.rows; ++row)
+    for (int column = 0; column < board.columns; ++column)
+      if (const auto corner = data_->LocateCorner(markers, column, row))
+        if (inside.Contains(corner->pixel)) located.features.push_back(*corner);
+  return located;
+}
+
+}  // namespace raygrid

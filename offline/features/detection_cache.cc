@@ -1,0 +1,189 @@
+#include "features/detection_cache.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+
+#include "dataset/error.h"
+#include "dataset/files.h"
+
+namespace raygrid {
+namespace {
+
+namespace fs = std::filesystem;
+
+// To be raised when the same image shows something else than before.
+constexpr int kDetectorVersion = 1;
+constexpr const char* kExtension = ".detection";
+
+__extension__ using Uint128 = unsigned __int128;
+
+// FNV-1a of 128 bits. Parts are told apart: "ab", "c" is not "a", "bc".
+class Hash {
+ public:
+  void Add(const std::string& part) {
+    AddBytes(part);
+    AddBytes(fmt::format(" {} ", part.size()));
+  }
+  std::string Text() const {
+    return fmt::format("{:016x}{:016x}", static_cast<uint64_t>(state_ >> 64),
+                       static_cast<uint64_t>(state_));
+  }
+
+ private:
+  void AddBytes(const std::string& bytes) {
+    constexpr Uint128 kPrime = (Uint128{1} << 88) + 0x13b;
+    for (const unsigned char byte : bytes) state_ = (state_ ^ byte) * kPrime;
+  }
+  Uint128 state_ = (Uint128{0x6c62272e07bb0142} << 64) + 0x62b821756295c58d;
+};
+
+// Of an entry under its key, so that one under another's name is not taken.
+std::string Checksum(const std::string& key, const std::string& entry) {
+  Hash hash;
+  hash.Add(key);
+  hash.Add(entry);
+  return hash.Text();
+}
+
+std::string FormatFeature(const char* word, const Feature& f) {
+  return fmt::format("{} {} {} {} {:.17g} {:.17g}", word, f.board, f.column,
+                     f.row, f.pixel.x(), f.pixel.y());
+}
+
+std::string OnOneLine(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+std::string FormatEntry(const SeenImage& seen) {
+  std::string entry =
+      fmt::format("size {} {}\n", seen.size.width, seen.size.height);
+  for (const Feature& feature : seen.detection.features)
+    entry += FormatFeature("feature", feature) + "\n";
+  for (const RejectedFeature& rejected : seen.detection.rejected)
+    entry += FormatFeature("rejected", rejected.feature) + " " +
+             OnOneLine(rejected.reason) + "\n";
+  for (const std::string& remark : seen.detection.remarks)
+    entry += "remark " + OnOneLine(remark) + "\n";
+  return entry;
+}
+
+// The rest of a line, behind the space.
+std::string Rest(std::istringstream* line) {
+  std::string rest;
+  line->get();
+  std::getline(*line, rest);
+  return rest;
+}
+
+Feature ParseFeature(std::istringstream* line) {
+  Feature feature;
+  std::string x, y;  // streams do not read all that is printed, such as "inf"
+  *line >> feature.board >> feature.column >> feature.row >> x >> y;
+  feature.pixel = {std::strtod(x.c_str(), nullptr),
+                   std::strtod(y.c_str(), nullptr)};
+  return feature;
+}
+
+// Of text whose checksum is right.
+SeenImage ParseEntry(const std::string& entry) {
+  SeenImage seen;
+  std::istringstream lines(entry);
+  for (std::string text; std::getline(lines, text);) {
+    std::istringstream line(text);
+    std::string word;
+    line >> word;
+    if (word == "size") line >> seen.size.width >> seen.size.height;
+    if (word == "feature")
+      seen.detection.features.push_back(ParseFeature(&line));
+    if (word == "rejected") {
+      const Feature feature = ParseFeature(&line);
+      seen.detection.rejected.push_back({feature, Rest(&line)});
+    }
+    if (word == "remark") seen.detection.remarks.push_back(Rest(&line));
+  }
+  return seen;
+}
+
+struct AgedFile {
+  fs::file_time_type time;
+  fs::path path;
+  bool operator<(const AgedFile& other) const { return time < other.time; }
+};
+
+}  // namespace
+
+std::string DetectionCache::DefaultFolder() {
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  // The specification has relative paths ignored.
+  if (cache && fs::path(cache).is_absolute())
+    return (fs::path(cache) / "raygrid").string();
+  const char* home = std::getenv("HOME");
+  if (!home || !fs::path(home).is_absolute()) return "";
+  return (fs::path(home) / ".cache" / "raygrid").string();
+}
+
+std::string DetectionCache::Key(const std::string& image_bytes,
+                                const Pattern& pattern,
+                                const DetectionOptions& options) {
+  Hash hash;
+  hash.Add(RAYGRID_VERSION);
+  hash.Add(fmt::format("{} {} {}", kDetectorVersion,
+                       static_cast<int>(options.refinement),
+                       options.window_px));
+  hash.Add(pattern.yaml);
+  hash.Add(image_bytes);
+  return hash.Text();
+}
+
+std::optional<SeenImage> DetectionCache::Find(const std::string& key) const {
+  std::error_code error;
+  if (folder_.empty() || !fs::exists(Path(key), error)) return std::nullopt;
+  try {
+    const std::string text = ReadFile(Path(key));
+    const size_t end = text.find('\n');
+    if (end == std::string::npos) return std::nullopt;
+    const std::string entry = text.substr(end + 1);
+    if (text.substr(0, end) != Checksum(key, entry)) return std::nullopt;
+    return ParseEntry(entry);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+void DetectionCache::Store(const std::string& key,
+                           const SeenImage& seen) const {
+  if (folder_.empty()) return;
+  const std::string entry = FormatEntry(seen);
+  try {
+    WriteFile(Path(key), Checksum(key, entry) + "\n" + entry);
+  } catch (const Error&) {
+    // The image will be detected again.
+  }
+}
+
+void DetectionCache::Trim(int max_files) const {
+  std::error_code error;
+  std::vector<AgedFile> files;
+  for (fs::directory_iterator i(folder_, error), end; !error && i != end;
+       i.increment(error)) {
+    if (i->path().extension() != kExtension) continue;
+    const fs::file_time_type time = fs::last_write_time(i->path(), error);
+    if (!error) files.push_back({time, i->path()});
+    error.clear();
+  }
+  if (static_cast<int>(files.size()) <= max_files) return;
+  std::sort(files.begin(), files.end());
+  files.resize(files.size() - max_files);
+  for (const AgedFile& file : files) fs::remove(file.path, error);
+}
+
+std::string DetectionCache::Path(const std::string& key) const {
+  return (fs::path(folder_) / (key + kExtension)).string();
+}
+
+}  // namespace raygrid

@@ -1,0 +1,211 @@
+#include "features/feature_refinement.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "features/feature_lattice.h"
+#include "features/symmetry_refinement.h"
+
+namespace raygrid {
+namespace {
+
+constexpr int kSamplesPerPixel = 8;
+constexpr int kReach = 3;  // neighbours that tell the mapping
+constexpr int kMaxDegree = 3;
+
+// Bounds of what is plausible.
+constexpr double kMinSpacingPx = 5;
+constexpr double kMaxMovePx = 2;
+constexpr double kMaxAsymmetry = 0.5;  // of the contrast
+constexpr double kMinContrast = 3;     // grey levels
+
+// How far a feature may lie from where its neighbours say.
+struct Tolerance {
+  double px, squares;
+};
+constexpr Tolerance kApproximate = {2, 0.1}, kRefined = {0.25, 0.03};
+
+// The least distance between neighbouring features.
+double SpacingPx(const LocalMapping& mapping) {
+  return std::min(mapping.linear.col(0).norm(), mapping.linear.col(1).norm());
+}
+
+void Reject(const Board& board, int column, int row, const std::string& reason,
+            FeatureLattice* lattice, ImageDetection* detection) {
+  detection->rejected.push_back(
+      {{board.id, column, row, lattice->at(column, row)}, reason});
+  lattice->Remove(column, row);
+}
+
+// How far a feature lies from where its neighbours say, over what is tolerated;
+// 0 where they say nothing.
+double RelativeDeviation(const FeatureLattice& lattice, int column, int row,
+                         const Tolerance& tolerance) {
+  LocalMapping predicted;
+  const auto around = lattice.Around(column, row, 2, false);
+  if (around.size() < 4 || !FitLocalMapping(around, kMaxDegree, &predicted))
+    return 0;
+  const double tolerance_px =
+      tolerance.px + tolerance.squares * SpacingPx(predicted);
+  // Fewer neighbours, on one side only, predict less well.
+  const double slack = around.size() >= 12 ? 1 : around.size() >= 8 ? 2 : 4;
+  return (lattice.at(column, row) - predicted.center).norm() /
+         (tolerance_px * slack);
+}
+
+// Removes the worst outlier, until there is none.
+void RejectOutliers(const Board& board, const Tolerance& tolerance,
+                    FeatureLattice* lattice, ImageDetection* detection) {
+  for (;;) {
+    double worst = 1;
+    int worst_column = -1, worst_row = -1;
+    for (const Feature& f : lattice->Features()) {
+      const double deviation =
+          RelativeDeviation(*lattice, f.column, f.row, tolerance);
+      if (deviation <= worst) continue;
+      worst = deviation;
+      worst_column = f.column;
+      worst_row = f.row;
+    }
+    if (worst_column < 0) return;
+    Reject(board, worst_column, worst_row, "not in line with its neighbours",
+           lattice, detection);
+  }
+}
+
+// Where a feature's neighbours say that it is.
+bool Predicted(const FeatureLattice& lattice, const Feature& feature,
+               LocalMapping* mapping) {
+  return FitLocalMapping(
+             lattice.Around(feature.column, feature.row, kReach, false),
+             kMaxDegree, mapping) > 0;
+}
+
+void RejectLonely(const Board& board, FeatureLattice* lattice,
+                  ImageDetection* detection) {
+  for (const Feature& f : lattice->Features()) {
+    const int c = f.column, r = f.row;
+    const int neighbours = lattice->Has(c - 1, r) + lattice->Has(c + 1, r) +
+                           lattice->Has(c, r - 1) + lattice->Has(c, r + 1);
+    if (neighbours < 1) Reject(board, c, r, "alone", lattice, detection);
+  }
+}
+
+}  // namespace
+
+struct FeatureRefiner::Data {
+  Board board;
+  DetectionOptions options;
+  std::vector<SymmetryMask> masks;
+  SymmetrySamples samples;
+
+  std::string RefineOne(const SymmetryImage& image, const Feature& feature,
+                        double max_move_px, const FeatureLattice& lattice,
+                        Eigen::Vector2d* pixel) const;
+  void RefineBySymmetry(const GreyImage& image, FeatureLattice* lattice,
+                        ImageDetection* detection) const;
+  void RefineByCorners(const GreyImage& image, FeatureLattice* lattice) const;
+};
+
+FeatureRefiner::FeatureRefiner(const Board& board,
+                               const DetectionOptions& options)
+    : data_(
+          new Data{board, options, SymmetryMask::OfBoard(board),
+                   MakeSymmetrySamples(options.window_px, kSamplesPerPixel)}) {}
+FeatureRefiner::~FeatureRefiner() = default;
+
+// Empty, or the reason to reject the feature.
+std::string FeatureRefiner::Data::RefineOne(const SymmetryImage& image,
+                                            const Feature& feature,
+                                            double max_move_px,
+                                            const FeatureLattice& lattice,
+                                            Eigen::Vector2d* pixel) const {
+  LocalMapping start;
+  const int degree =
+      FitLocalMapping(lattice.Around(feature.column, feature.row, kReach, true),
+                      kMaxDegree, &start);
+  if (degree == 0) return "too few neighbours";
+  if (SpacingPx(start) < kMinSpacingPx) return "too small";
+  start.center = feature.pixel;
+  const auto refine = [&](const LocalMapping& from) {
+    return RefineSymmetry(
+        image, samples, masks[board.PointIndex(feature.column, feature.row)],
+        from, ReflectionInvertsColors(board), degree > 1, max_move_px);
+  };
+  SymmetryResult result = refine(start);
+  LocalMapping predicted;
+  if (!result.is_converged && Predicted(lattice, feature, &predicted))
+    result = refine(predicted);
+  if (!result.is_converged) return "no centre of symmetry near";
+  if (result.contrast < kMinContrast) return "no contrast";
+  if (result.rms > kMaxAsymmetry * result.contrast) return "not symmetric";
+  *pixel = result.mapping.center;
+  return {};
+}
+
+void FeatureRefiner::Data::RefineBySymmetry(const GreyImage& image,
+                                            FeatureLattice* lattice,
+                                            ImageDetection* detection) const {
+  const SymmetryImage symmetry_image =
+      MakeSymmetryImage(image, options.refinement);
+  // Once to make the neighbours accurate, once with the curvature they tell.
+  for (const double max_move_px : {kMaxMovePx, kMaxMovePx / 4}) {
+    FeatureLattice refined = *lattice;
+    for (const Feature& feature : lattice->Features()) {
+      Eigen::Vector2d pixel;
+      const std::string reason =
+          RefineOne(symmetry_image, feature, max_move_px, *lattice, &pixel);
+      if (reason.empty())
+        refined.Set(feature.column, feature.row, pixel);
+      else
+        Reject(board, feature.column, feature.row, reason, &refined, detection);
+    }
+    *lattice = refined;
+    RejectOutliers(board, kRefined, lattice, detection);
+  }
+}
+
+void FeatureRefiner::Data::RefineByCorners(const GreyImage& image,
+                                           FeatureLattice* lattice) const {
+  const cv::Mat view(image.size.height, image.size.width, CV_8U,
+                     const_cast<uint8_t*>(image.bytes.data()));
+  const int half = options.window_px / 2;
+  for (const Feature& f : lattice->Features()) {
+    std::vector<cv::Point2f> corner = {
+        {static_cast<float>(f.pixel.x()), static_cast<float>(f.pixel.y())}};
+    cv::cornerSubPix(
+        view, corner, cv::Size(half, half), cv::Size(-1, -1),
+        cv::TermCriteria(cv::TermCriteria::EPS + cv::TermCriteria::COUNT, 100,
+                         1e-4));
+    lattice->Set(f.column, f.row, {corner[0].x, corner[0].y});
+  }
+}
+
+ImageDetection FeatureRefiner::Refine(
+    const GreyImage& image, const std::vector<Feature>& approximate) const {
+  ImageDetection detection;
+  FeatureLattice lattice(data_->board);
+  for (const Feature& feature : approximate)
+    lattice.Set(feature.column, feature.row, feature.pixel);
+  RejectOutliers(data_->board, kApproximate, &lattice, &detection);
+  switch (data_->options.refinement) {
+    case Refinement::kNone:
+      break;
+    case Refinement::kCornerSubpix:
+      data_->RefineByCorners(image, &lattice);
+      break;
+    default:
+      data_->RefineBySymmetry(image, &lattice, &detection);
+  }
+  if (data_->options.refinement != Refinement::kNone)
+    RejectOutliers(data_->board, kRefined, &lattice, &detection);
+  RejectLonely(data_->board, &lattice, &detection);
+  detection.features = lattice.Features();
+  return detection;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,31 @@
+#ifndef RAYGRID_FEATURES_FEATURE_REFINEMENT_H
+#define RAYGRID_FEATURES_FEATURE_REFINEMENT_H
+
+#include <memory>
+#include <vector>
+
+#include "features/detection.h"
+#include "features/local_mapping.h"
+
+namespace raygrid {
+
+/// Brings approximate features (within 2 px or a tenth of a square) of one
+/// board to the accuracy of the options; every kind of board whose features are
+/// point-symmetric: star, chessboard, charuco, aprilgrid. What fails a check is
+/// among the rejected.
+class FeatureRefiner {
+ public:
+  FeatureRefiner(const Board& board, const DetectionOptions& options);
+  ~FeatureRefiner();
+
+  ImageDetection Refine(const GreyImage& image,
+                        const std::vector<Feature>& approximate) const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_FEATURES_FEATURE_REFINEMENT_H

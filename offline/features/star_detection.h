@@ -1,0 +1,27 @@
+#ifndef RAYGRID_FEATURES_STAR_DETECTION_H
+#define RAYGRID_FEATURES_STAR_DETECTION_H
+
+#include <memory>
+
+#include "features/detection.h"
+
+namespace raygrid {
+
+/// Finds the star boards of a pattern in images (paper's supplement, "Feature
+/// detection"): AprilTags, local mappings from pattern to image, growth
+/// outwards, one star at a time. One detector serves all threads.
+class StarDetector {
+ public:
+  StarDetector(const Pattern& pattern, const DetectionOptions& options);
+  ~StarDetector();
+
+  ImageDetection Detect(const GreyImage& image) const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_FEATURES_STAR_DETECTION_H

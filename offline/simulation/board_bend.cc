@@ -1,0 +1,21 @@
+#include "simulation/board_bend.h"
+
+namespace raygrid {
+
+BoardBend::BoardBend(const Board& board, double bend_m) {
+  // The last feature is opposite the first, which is the origin.
+  center_m_ = board.NominalPoints().back().head<2>() / 2;
+  by_x2_ = bend_m / (center_m_.x() * center_m_.x());
+  by_y2_ = bend_m / (2 * center_m_.y() * center_m_.y());
+}
+
+Board BentBoard(const Board& board, double bend_m) {
+  if (bend_m == 0) return board;
+  Board bent = board;
+  const BoardBend bend(board, bend_m);
+  for (Eigen::Vector3d& point : bent.points)
+    point.z() += bend.Height(point.x(), point.y());
+  return bent;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,75 @@
+#ifndef RAYGRID_SIMULATION_FISHEYE_LENS_H
+#define RAYGRID_SIMULATION_FISHEYE_LENS_H
+
+#include <cmath>
+#include <memory>
+
+#include "camera/camera_model.h"
+#include "simulation/board_surface.h"
+
+namespace raygrid {
+
+/// A fisheye: a direction at the angle theta from the z axis is seen at the
+/// distance r = f (theta + k1 theta^3 + k2 theta^5) from (cx, cy).
+struct FisheyeParameters {
+  double f_px = 0, cx = 0, cy = 0;
+  double k1 = 0, k2 = 0;
+  /// Beyond it the lens sees nothing; up to it, r must grow.
+  double max_theta = 100 * M_PI / 180;
+
+  double Radius(double theta) const {
+    const double t2 = theta * theta;
+    return f_px * theta * (1 + t2 * (k1 + t2 * k2));
+  }
+  double RadiusDerivative(double theta) const {
+    const double t2 = theta * theta;
+    return f_px * (1 + t2 * (3 * k1 + t2 * 5 * k2));
+  }
+};
+
+/// Ground truth; its parameters cannot be adjusted.
+class FisheyeLens : public CameraModel {
+ public:
+  FisheyeLens(const ImageSize& size, const Area& area,
+              const FisheyeParameters& parameters)
+      : CameraModel(size, area), parameters_(parameters) {}
+
+  std::string Name() const override { return "fisheye"; }
+  std::unique_ptr<CameraModel> Clone() const override {
+    return std::make_unique<FisheyeLens>(*this);
+  }
+  std::optional<Eigen::Vector3d> Unproject(
+      const Eigen::Vector2d& pixel) const override;
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point,
+                                         const Eigen::Vector2d* start,
+                                         double margin_px) const override;
+  using CameraModel::Project;
+  bool Linearize(const Eigen::Vector3d& point, const Eigen::Vector2d* start,
+                 double margin_px,
+                 LinearizedProjection* projection) const override;
+  Eigen::VectorXd Parameters() const override { return {}; }
+  void SetParameters(const Eigen::VectorXd&) override {}
+
+ private:
+  FisheyeParameters parameters_;
+};
+
+/// A lens whose entrance pupil moves forward as theta^2, the angle from the
+/// axis: its observation lines do not meet in a point.
+class MovingPupilLens {
+ public:
+  /// shift_m: how far the pupil has moved at 1 radian.
+  MovingPupilLens(const CameraModel& lens, double shift_m)
+      : lens_(lens.Clone()), shift_m_(shift_m) {}
+
+  const CameraModel& lens() const { return *lens_; }
+  std::optional<ObservationLine> Line(const Eigen::Vector2d& pixel) const;
+
+ private:
+  std::shared_ptr<const CameraModel> lens_;
+  double shift_m_;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_SIMULATION_FISHEYE_LENS_H

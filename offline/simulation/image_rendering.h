@@ -1,0 +1,98 @@
+/// Images of boards as a camera sees them: anti-aliased, blurred by the lens,
+/// vignetted, noisy. The ground truth of everything that reads images.
+#ifndef RAYGRID_SIMULATION_IMAGE_RENDERING_H
+#define RAYGRID_SIMULATION_IMAGE_RENDERING_H
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera/camera_model.h"
+#include "camera/pose.h"
+#include "dataset/image_files.h"
+#include "simulation/board_surface.h"
+
+namespace raygrid {
+
+/// The observation line of a pixel, if it has one; directions of unit length.
+using LineOfPixel =
+    std::function<std::optional<ObservationLine>(const Eigen::Vector2d& pixel)>;
+
+/// The observation lines of all corners of pixels: made once per camera, used
+/// for many images.
+class PixelRays {
+ public:
+  /// Up to a pixel beyond the camera's area its directions are extrapolated:
+  /// areas end at the outermost pixels' centres, images at their corners.
+  PixelRays(const CameraModel& camera, int num_threads);
+  /// For cameras whose lines do not meet in a point.
+  PixelRays(const ImageSize& size, const LineOfPixel& line_of_pixel,
+            int num_threads);
+
+  const ImageSize& size() const { return size_; }
+  /// Of pixel corner (column - 0.5, row - 0.5); its direction is NaN if there
+  /// is none.
+  const ObservationLine& Line(int column, int row) const {
+    return lines_[static_cast<size_t>(row) * (size_.width + 1) + column];
+  }
+
+ private:
+  ImageSize size_;
+  std::vector<ObservationLine> lines_;
+};
+
+/// How light becomes numbers. Grey levels are of 255, before gamma.
+struct ImagingOptions {
+  double blur_px = 0.7;  ///< standard deviation of the lens's Gaussian
+  double black_level = 30, white_level = 220;  ///< ink and paper, image centre
+  double background_level = 120;
+  double exposure = 1;    ///< multiplies all levels; beyond 255 they saturate
+  double vignetting = 0;  ///< part of the light that is lost in the corners
+  double read_noise = 0;  ///< standard deviation, grey levels
+  double shot_noise = 0;  ///< variance per grey level
+  double gamma = 1;       ///< stored = 255 (level / 255)^(1 / gamma)
+  int samples_per_pixel = 8;  ///< along each axis
+  uint64_t seed = 0;          ///< of the noise
+};
+
+struct PlacedBoard {
+  const BoardSurface* surface = nullptr;
+  Pose camera_from_board;
+};
+
+/// Grey levels without noise, row by row: vignetted and exposed, linear, not
+/// clipped.
+struct RenderedImage {
+  ImageSize size;
+  std::vector<float> levels;
+
+  float at(int column, int row) const {
+    return levels[static_cast<size_t>(row) * size.width + column];
+  }
+};
+
+/// Boards hide those behind them; pixels without observation lines show the
+/// background. What the blur brings in across the image's edge is taken to be
+/// as at the edge.
+RenderedImage RenderImage(const PixelRays& rays,
+                          const std::vector<PlacedBoard>& boards,
+                          const ImagingOptions& options, int num_threads);
+
+/// Noise, saturation, gamma, rounding.
+Image AddNoiseAndQuantize(const RenderedImage& image,
+                          const ImagingOptions& options);
+
+/// 16-bit grey.
+struct Image16 {
+  ImageSize size;
+  std::vector<uint16_t> pixels;
+};
+Image16 AddNoiseAndQuantize16(const RenderedImage& image,
+                              const ImagingOptions& options);
+std::string EncodePng(const Image16& image);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_SIMULATION_IMAGE_RENDERING_H

@@ -1,0 +1,72 @@
+/// How much of a small patch of a board is ink, exact where at most one edge
+/// crosses it. Rendering asks this hundreds of times per pixel.
+#ifndef RAYGRID_SIMULATION_INK_MAP_H
+#define RAYGRID_SIMULATION_INK_MAP_H
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "appearance/board_appearance.h"
+
+namespace raygrid {
+
+/// A parallelogram in the board's plane, around any centre.
+class Footprint {
+ public:
+  /// The columns are its sides, metres.
+  explicit Footprint(const Eigen::Matrix2d& sides_m) : sides_m_(sides_m) {}
+
+  const Eigen::Matrix2d& sides_m() const { return sides_m_; }
+  double radius_m() const {
+    return (sides_m_.col(0).norm() + sides_m_.col(1).norm()) / 2;
+  }
+  /// How much of it, 0 to 1, lies where normal . point > 0, its centre being
+  /// at normal . center = distance.
+  double Beyond(const Eigen::Vector2d& normal, double distance_m) const;
+
+ private:
+  Eigen::Matrix2d sides_m_;
+};
+
+/// A grid over the board. Its cells know their colour, or the only edge of ink
+/// near them, or that there are several; then the patch is divided.
+class InkMap {
+ public:
+  explicit InkMap(const BoardAppearance& appearance);
+
+  /// The part of the patch around center_m, 0 to 1, that is ink.
+  double InkFraction(const Eigen::Vector2d& center_m,
+                     const Footprint& footprint) const;
+
+ private:
+  // Black where normal . point > offset, if it is one of the upper half of
+  // edges_; white there if it is one of the lower half.
+  struct Edge {
+    Eigen::Vector2d normal;
+    double offset;
+  };
+  enum : int32_t { kWhite = -1, kBlack = -2, kSeveral = -3, kEmpty = -4 };
+
+  void AddEdge(const Eigen::Vector2d& a, const Eigen::Vector2d& b);
+  void MarkCell(int column, int row, int32_t edge);
+  void ColourCells();
+  int32_t Colour(const Eigen::Vector2d& point_m) const;
+  Eigen::Vector2d CellCenter(int column, int row) const;
+  int32_t CellAt(const Eigen::Vector2d& point_m) const;
+  double InkOfPart(const Eigen::Vector2d& center_m, const Footprint& part,
+                   int32_t cell) const;
+  double InkOfParts(const Eigen::Vector2d& center_m, const Footprint& footprint,
+                    int parts_along_side) const;
+
+  BoardAppearance appearance_;
+  Eigen::Vector2d corner_m_;  // of the first cell
+  double cell_m_ = 0;
+  int columns_ = 0, rows_ = 0;
+  std::vector<Edge> edges_;
+  std::vector<int32_t> cells_;  // an edge, or one of the enumeration
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_SIMULATION_INK_MAP_H

@@ -1,0 +1,99 @@
+#include "simulation/simulated_lenses.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "dataset/error.h"
+#include "simulation/simulated_camera.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kDegree = M_PI / 180;
+constexpr double kPupilShiftM = 0.002;
+
+Area WithMargin(const ImageSize& size, double margin_px) {
+  return {-margin_px, -margin_px, size.width - 1 + margin_px,
+          size.height - 1 + margin_px};
+}
+
+// Bumps of up to 1.5 px in an image 640 px wide.
+std::vector<LensBump> Bumps(const ImageSize& size) {
+  std::vector<LensBump> bumps = {{{0.23, 0.25}, {0.9, -0.5}, 90},
+                                 {{0.75, 0.71}, {-0.7, 1.3}, 110},
+                                 {{0.52, 0.12}, {0.4, 0.8}, 70},
+                                 {{0.14, 0.83}, {-1.0, -0.6}, 100},
+                                 {{0.88, 0.27}, {0.8, 0.4}, 80}};
+  const double scale = size.width / 640.0;
+  for (LensBump& bump : bumps) {
+    bump.center = bump.center.cwiseProduct(
+        Eigen::Vector2d(size.width - 1, size.height - 1));
+    bump.displacement_px *= scale;
+    bump.radius_px *= scale;
+  }
+  return bumps;
+}
+
+FisheyeLens Fisheye(const ImageSize& size, double view_angle,
+                    double margin_px) {
+  FisheyeParameters parameters;
+  parameters.cx = (size.width - 1) / 2.0 + 0.004 * size.width;
+  parameters.cy = (size.height - 1) / 2.0 - 0.003 * size.width;
+  parameters.k1 = -0.03;
+  parameters.k2 = 0.002;
+  parameters.f_px = 1;
+  parameters.f_px = size.width / 2.0 / parameters.Radius(view_angle / 2);
+  return FisheyeLens(size, WithMargin(size, margin_px), parameters);
+}
+
+OpenCvModel Parametric(const ImageSize& size, double f_of_width, double k1,
+                       double k2, double k4) {
+  const double f_px = f_of_width * size.width;
+  return OpenCvModel(
+      size, WithMargin(size, 1),
+      {f_px, 1.002 * f_px, size.width * 0.503 - 0.5, size.height * 0.495 - 0.5,
+       k1, k2, 0, k4, 0, 0, 2e-4, -1e-4});
+}
+
+std::unique_ptr<CameraModel> WithBumps(std::shared_ptr<const CameraModel> lens,
+                                       const ImageSize& size) {
+  return std::make_unique<SimulatedCamera>(std::move(lens), WithMargin(size, 1),
+                                           Bumps(size));
+}
+
+}  // namespace
+
+std::unique_ptr<CameraModel> SimulatedLens(const std::string& name,
+                                           const ImageSize& size) {
+  if (name == "pinhole")
+    return Parametric(size, 0.785, -0.01, 0.002, 0).Clone();
+  if (name == "wide") {
+    const OpenCvModel lens = Parametric(size, 0.52, -0.02, 0.005, 0.18);
+    return std::make_unique<SimulatedCamera>(lens, Bumps(size));
+  }
+  if (name == "fisheye") {
+    // Wider than the image by more than any bump moves a pixel.
+    const double margin_px = 1 + 0.01 * size.width;
+    return WithBumps(
+        std::make_shared<FisheyeLens>(Fisheye(size, 145 * kDegree, margin_px)),
+        size);
+  }
+  if (name == "fisheye190") return Fisheye(size, 190 * kDegree, 1).Clone();
+  if (name == "example") {
+    const SimulatedCamera example = ExampleSimulatedCamera();
+    if (size != example.image_size())
+      throw InputError("lens example: its images are 640x480");
+    return example.Clone();
+  }
+  throw InputError(
+      fmt::format("lens '{}' is not known; use pinhole, example, wide, "
+                  "fisheye, fisheye190 or noncentral",
+                  name));
+}
+
+MovingPupilLens NonCentralLens(const ImageSize& size) {
+  return MovingPupilLens(*SimulatedLens("fisheye", size), kPupilShiftM);
+}
+
+}  // namespace raygrid

@@ -1,0 +1,27 @@
+#ifndef RAYGRID_SIMULATION_SIMULATED_LENSES_H
+#define RAYGRID_SIMULATION_SIMULATED_LENSES_H
+
+#include <memory>
+#include <string>
+
+#include "camera/camera_model.h"
+#include "simulation/fisheye_lens.h"
+
+namespace raygrid {
+
+/// Known lenses by name, over the image and one pixel around it:
+///   pinhole     65 degrees across the image's width, next to no distortion
+///   example     ExampleSimulatedCamera(), over 640 x 480 px alone
+///   wide        100 degrees, barrel distortion, local bumps
+///   fisheye     145 degrees, local bumps
+///   fisheye190  190 degrees
+/// Throws InputError for other names and for sizes a lens does not have.
+std::unique_ptr<CameraModel> SimulatedLens(const std::string& name,
+                                           const ImageSize& size);
+
+/// "noncentral": the fisheye, whose pupil moves by 2 mm theta^2.
+MovingPupilLens NonCentralLens(const ImageSize& size);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_SIMULATION_SIMULATED_LENSES_H

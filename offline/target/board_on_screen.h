@@ -1,0 +1,34 @@
+#ifndef RAYGRID_TARGET_BOARD_ON_SCREEN_H
+#define RAYGRID_TARGET_BOARD_ON_SCREEN_H
+
+#include <string>
+#include <vector>
+
+#include "camera/area.h"
+#include "dataset/pattern.h"
+
+namespace raygrid {
+
+/// Boards of one size to show on a monitor, one at a time: as large as fits
+/// with a whole number of pixels per square, in the middle of mid-grey, which
+/// keeps the exposure where it is.
+struct ScreenBoards {
+  std::vector<Board> boards;
+  ImageSize screen;
+  int square_px = 0;
+  double left_px = 0, top_px = 0;  ///< the ink's top-left corner
+};
+
+/// Throws Error(kUsage) for boards that cannot be or do not fit the screen.
+ScreenBoards PlanScreenBoards(std::vector<Board> boards,
+                              const ImageSize& screen);
+
+/// The boards with their lengths on a monitor of this pixel pitch.
+ScreenBoards WithPixelPitch(ScreenBoards boards, double pixels_per_inch);
+
+std::string ScreenYaml(const ScreenBoards& boards);
+std::string ScreenPng(const ScreenBoards& boards, const Board& board);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_TARGET_BOARD_ON_SCREEN_H
