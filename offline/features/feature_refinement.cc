@@ -108,7 +108,8 @@ struct FeatureRefiner::Data {
                         Eigen::Vector2d* pixel) const;
   void RefineBySymmetry(const GreyImage& image, FeatureLattice* lattice,
                         ImageDetection* detection) const;
-  void RefineByCorners(const GreyImage& image, FeatureLattice* lattice) const;
+  void RefineByCorners(const GreyImage& image, FeatureLattice* lattice,
+                       ImageDetection* detection) const;
 };
 
 FeatureRefiner::FeatureRefiner(const Board& board,
@@ -170,7 +171,8 @@ void FeatureRefiner::Data::RefineBySymmetry(const GreyImage& image,
 }
 
 void FeatureRefiner::Data::RefineByCorners(const GreyImage& image,
-                                           FeatureLattice* lattice) const {
+                                           FeatureLattice* lattice,
+                                           ImageDetection* detection) const {
   const cv::Mat view(image.size.height, image.size.width, CV_8U,
                      const_cast<uint8_t*>(image.bytes.data()));
   const int half = options.window_px / 2;
@@ -181,7 +183,11 @@ void FeatureRefiner::Data::RefineByCorners(const GreyImage& image,
         view, corner, cv::Size(half, half), cv::Size(-1, -1),
         cv::TermCriteria(cv::TermCriteria::EPS + cv::TermCriteria::COUNT, 100,
                          1e-4));
-    lattice->Set(f.column, f.row, {corner[0].x, corner[0].y});
+    const Eigen::Vector2d pixel(corner[0].x, corner[0].y);
+    if ((pixel - f.pixel).norm() > kMaxMovePx)
+      Reject(board, f.column, f.row, "no corner near", lattice, detection);
+    else
+      lattice->Set(f.column, f.row, pixel);
   }
 }
 
@@ -196,7 +202,7 @@ ImageDetection FeatureRefiner::Refine(
     case Refinement::kNone:
       break;
     case Refinement::kCornerSubpix:
-      data_->RefineByCorners(image, &lattice);
+      data_->RefineByCorners(image, &lattice, &detection);
       break;
     default:
       data_->RefineBySymmetry(image, &lattice, &detection);

@@ -1,5 +1,6 @@
 #include "features/symmetry_mask.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "appearance/board_appearance.h"
@@ -7,9 +8,16 @@
 namespace raygrid {
 namespace {
 
-// How near blur may reach, in squares.
-constexpr double kMarginSquares = 0.15;
 constexpr double kCellSquares = 2 * SymmetryMask::kReach / SymmetryMask::kCells;
+
+// How near to what is not symmetric blur may reach, in squares; half of the
+// white around markers at most, or the edges beside them would be lost.
+double MarginSquares(const Board& board) {
+  constexpr double kMargin = 0.15;
+  if (board.kind != "charuco") return kMargin;
+  const double white = (board.square_m - board.marker_m) / 2 / board.square_m;
+  return std::min(kMargin, std::max(0.57 * white, 1.1 * kCellSquares));
+}
 
 // Off the lattice of cells, so that no sample falls on the edge of a segment.
 Eigen::Vector2d CellOffset(int i, int j) {
@@ -35,13 +43,12 @@ std::vector<char> AsymmetricCells(const BoardAppearance& appearance,
 }
 
 // Whether a cell within the margin is set.
-bool IsNear(const std::vector<char>& cells, int i, int j) {
+bool IsNear(const std::vector<char>& cells, double margin, int i, int j) {
   constexpr int n = SymmetryMask::kCells;
-  const int reach = static_cast<int>(kMarginSquares / kCellSquares);
+  const int reach = static_cast<int>(margin / kCellSquares);
   for (int y = std::max(j - reach, 0); y <= std::min(j + reach, n - 1); ++y)
     for (int x = std::max(i - reach, 0); x <= std::min(i + reach, n - 1); ++x)
-      if (cells[y * n + x] &&
-          std::hypot(x - i, y - j) * kCellSquares < kMarginSquares)
+      if (cells[y * n + x] && std::hypot(x - i, y - j) * kCellSquares < margin)
         return true;
   return false;
 }
@@ -50,14 +57,15 @@ bool IsNear(const std::vector<char>& cells, int i, int j) {
 
 std::vector<SymmetryMask> SymmetryMask::OfBoard(const Board& board) {
   const BoardAppearance appearance(board);
+  const double margin = MarginSquares(board);
   std::vector<SymmetryMask> masks(board.num_points());
   for (int feature = 0; feature < board.num_points(); ++feature) {
     const std::vector<char> cells = AsymmetricCells(appearance, board, feature);
     for (int j = 0; j < kCells; ++j)
       for (int i = 0; i < kCells; ++i)
         masks[feature].cells_[j * kCells + i] =
-            !IsNear(cells, i, j) &&
-            !IsNear(cells, kCells - 1 - i, kCells - 1 - j);
+            !IsNear(cells, margin, i, j) &&
+            !IsNear(cells, margin, kCells - 1 - i, kCells - 1 - j);
   }
   return masks;
 }
