@@ -1,8 +1,5 @@
 #include "features/feature_refinement.h"
 
-#include <fmt/format.h>
-
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -29,11 +26,6 @@ struct Tolerance {
 };
 constexpr Tolerance kApproximate = {2, 0.1}, kRefined = {0.25, 0.03};
 
-// The least distance between neighbouring features.
-double SpacingPx(const LocalMapping& mapping) {
-  return std::min(mapping.linear.col(0).norm(), mapping.linear.col(1).norm());
-}
-
 void Reject(const Board& board, int column, int row, const std::string& reason,
             FeatureLattice* lattice, ImageDetection* detection) {
   detection->rejected.push_back(
@@ -50,7 +42,7 @@ double RelativeDeviation(const FeatureLattice& lattice, int column, int row,
   if (around.size() < 4 || !FitLocalMapping(around, kMaxDegree, &predicted))
     return 0;
   const double tolerance_px =
-      tolerance.px + tolerance.squares * SpacingPx(predicted);
+      tolerance.px + tolerance.squares * predicted.SpacingPx();
   // Fewer neighbours, on one side only, predict less well.
   const double slack = around.size() >= 12 ? 1 : around.size() >= 8 ? 2 : 4;
   return (lattice.at(column, row) - predicted.center).norm() /
@@ -130,7 +122,7 @@ std::string FeatureRefiner::Data::RefineOne(const SymmetryImage& image,
       FitLocalMapping(lattice.Around(feature.column, feature.row, kReach, true),
                       kMaxDegree, &start);
   if (degree == 0) return "too few neighbours";
-  if (SpacingPx(start) < kMinSpacingPx) return "too small";
+  if (start.SpacingPx() < kMinSpacingPx) return "too small";
   start.center = feature.pixel;
   const auto refine = [&](const LocalMapping& from) {
     return RefineSymmetry(

@@ -1,6 +1,7 @@
 #include "features/local_mapping.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 namespace raygrid {
@@ -61,6 +62,10 @@ Eigen::Matrix<double, LocalMapping::kNumMonomials, 1> CurvatureMonomials(
 Eigen::Vector2d LocalMapping::operator()(const Eigen::Vector2d& offset) const {
   return center + linear * offset / (1 + perspective.dot(offset)) +
          curvature * CurvatureMonomials(offset);
+}
+
+double LocalMapping::SpacingPx() const {
+  return std::min(linear.col(0).norm(), linear.col(1).norm());
 }
 
 int FitLocalMapping(const std::vector<Correspondence>& correspondences,

@@ -22,6 +22,9 @@ struct LocalMapping {
       Eigen::Matrix<double, 2, kNumMonomials>::Zero();
 
   Eigen::Vector2d operator()(const Eigen::Vector2d& offset) const;
+
+  /// A square's width or height in the image, the smaller one.
+  double SpacingPx() const;
 };
 
 /// m(s).

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -21,10 +20,6 @@ constexpr double kMinSpacingPx = 6;
 // The sure ones first: they tell where the others must be.
 constexpr double kMinCorrelations[] = {0.7, 0.5, 0.35};
 constexpr int kMinFeatures = 5;  // on a board, or it is not believed
-
-double SpacingPx(const LocalMapping& mapping) {
-  return std::min(mapping.linear.col(0).norm(), mapping.linear.col(1).norm());
-}
 
 // The corners of a tag's black square, clockwise from the top left, in squares.
 std::array<Eigen::Vector2d, 4> CornersOnBoard(const BoardTag& tag) {
@@ -205,7 +200,7 @@ class Growth {
     const auto refuse = [&](const char* reason) {
       attempts_[{row, column}] = {mapping.center, reason};
     };
-    const double spacing_px = SpacingPx(mapping);
+    const double spacing_px = mapping.SpacingPx();
     if (!IsInside(image_.size, mapping.center, 0) ||
         !IsWhollyVisible(image_.size, mapping))
       return;  // nothing to be seen

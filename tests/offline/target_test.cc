@@ -370,7 +370,7 @@ void ExpectInkInPlace(const Board& board) {
   // 2400 pixels: no rounding of the page's size.
   const BoardSheets sheets = PlanBoardSheets({board}, {101.6, 101.6});
   const cv::Mat page = Rasterised(SheetsPdf(sheets), kDpi);
-  if (page.empty()) GTEST_SKIP() << "no pdftoppm";
+  if (page.empty()) GTEST_SKIP() << "no pdftoppm; install poppler-utils";
   ASSERT_EQ(page.size(), cv::Size(2400, 2400));
   const ExpectedInk expected(sheets, kDpi);
   const cv::Mat seen = page(expected.rect);
