@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-constexpr int kSamplesPerPixel = 8;
+constexpr int kRoughSamplesPerPixel = 1, kSamplesPerPixel = 8;
 constexpr int kReach = 3;  // neighbours that tell the mapping
 constexpr int kMaxDegree = 3;
 
@@ -89,15 +89,23 @@ void RejectLonely(const Board& board, FeatureLattice* lattice,
 
 }  // namespace
 
+// All features once, each with what its neighbours tell before.
+struct Round {
+  const SymmetrySamples* samples;
+  double max_move_px;
+};
+
 struct FeatureRefiner::Data {
   Board board;
   DetectionOptions options;
   std::vector<SymmetryMask> masks;
-  SymmetrySamples samples;
+  SymmetrySamples rough_samples, samples;
 
-  std::string RefineOne(const SymmetryImage& image, const Feature& feature,
-                        double max_move_px, const FeatureLattice& lattice,
+  std::string RefineOne(const GreyImage& image, const Feature& feature,
+                        const Round& round, const FeatureLattice& lattice,
                         Eigen::Vector2d* pixel) const;
+  void RefineOnce(const GreyImage& image, const Round& round,
+                  FeatureLattice* lattice, ImageDetection* detection) const;
   void RefineBySymmetry(const GreyImage& image, FeatureLattice* lattice,
                         ImageDetection* detection) const;
   void RefineByCorners(const GreyImage& image, FeatureLattice* lattice,
@@ -108,13 +116,14 @@ FeatureRefiner::FeatureRefiner(const Board& board,
                                const DetectionOptions& options)
     : data_(
           new Data{board, options, SymmetryMask::OfBoard(board),
+                   MakeSymmetrySamples(options.window_px, kRoughSamplesPerPixel),
                    MakeSymmetrySamples(options.window_px, kSamplesPerPixel)}) {}
 FeatureRefiner::~FeatureRefiner() = default;
 
 // Empty, or the reason to reject the feature.
-std::string FeatureRefiner::Data::RefineOne(const SymmetryImage& image,
+std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
                                             const Feature& feature,
-                                            double max_move_px,
+                                            const Round& round,
                                             const FeatureLattice& lattice,
                                             Eigen::Vector2d* pixel) const {
   LocalMapping start;
@@ -124,10 +133,15 @@ std::string FeatureRefiner::Data::RefineOne(const SymmetryImage& image,
   if (degree == 0) return "too few neighbours";
   if (start.SpacingPx() < kMinSpacingPx) return "too small";
   start.center = feature.pixel;
+  SymmetryOptions symmetry;
+  symmetry.refinement = options.refinement;
+  symmetry.inverts_colors = ReflectionInvertsColors(board);
+  symmetry.center_only = degree > 1;
+  symmetry.max_move_px = round.max_move_px;
   const auto refine = [&](const LocalMapping& from) {
     return RefineSymmetry(
-        image, samples, masks[board.PointIndex(feature.column, feature.row)],
-        from, ReflectionInvertsColors(board), degree > 1, max_move_px);
+        image, *round.samples,
+        masks[board.PointIndex(feature.column, feature.row)], from, symmetry);
   };
   SymmetryResult result = refine(start);
   LocalMapping predicted;
@@ -140,26 +154,30 @@ std::string FeatureRefiner::Data::RefineOne(const SymmetryImage& image,
   return {};
 }
 
+void FeatureRefiner::Data::RefineOnce(const GreyImage& image,
+                                      const Round& round,
+                                      FeatureLattice* lattice,
+                                      ImageDetection* detection) const {
+  FeatureLattice refined = *lattice;
+  for (const Feature& feature : lattice->Features()) {
+    Eigen::Vector2d pixel;
+    const std::string reason =
+        RefineOne(image, feature, round, *lattice, &pixel);
+    if (reason.empty())
+      refined.Set(feature.column, feature.row, pixel);
+    else
+      Reject(board, feature.column, feature.row, reason, &refined, detection);
+  }
+  *lattice = refined;
+  RejectOutliers(board, kRefined, lattice, detection);
+}
+
+// Roughly, to make the neighbours accurate; then with the curvature they tell.
 void FeatureRefiner::Data::RefineBySymmetry(const GreyImage& image,
                                             FeatureLattice* lattice,
                                             ImageDetection* detection) const {
-  const SymmetryImage symmetry_image =
-      MakeSymmetryImage(image, options.refinement);
-  // Once to make the neighbours accurate, once with the curvature they tell.
-  for (const double max_move_px : {kMaxMovePx, kMaxMovePx / 4}) {
-    FeatureLattice refined = *lattice;
-    for (const Feature& feature : lattice->Features()) {
-      Eigen::Vector2d pixel;
-      const std::string reason =
-          RefineOne(symmetry_image, feature, max_move_px, *lattice, &pixel);
-      if (reason.empty())
-        refined.Set(feature.column, feature.row, pixel);
-      else
-        Reject(board, feature.column, feature.row, reason, &refined, detection);
-    }
-    *lattice = refined;
-    RejectOutliers(board, kRefined, lattice, detection);
-  }
+  RefineOnce(image, {&rough_samples, kMaxMovePx}, lattice, detection);
+  RefineOnce(image, {&samples, kMaxMovePx / 4}, lattice, detection);
 }
 
 void FeatureRefiner::Data::RefineByCorners(const GreyImage& image,
@@ -195,12 +213,11 @@ ImageDetection FeatureRefiner::Refine(
       break;
     case Refinement::kCornerSubpix:
       data_->RefineByCorners(image, &lattice, &detection);
+      RejectOutliers(data_->board, kRefined, &lattice, &detection);
       break;
     default:
       data_->RefineBySymmetry(image, &lattice, &detection);
   }
-  if (data_->options.refinement != Refinement::kNone)
-    RejectOutliers(data_->board, kRefined, &lattice, &detection);
   RejectLonely(data_->board, &lattice, &detection);
   detection.features = lattice.Features();
   return detection;

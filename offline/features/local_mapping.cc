@@ -7,46 +7,61 @@
 namespace raygrid {
 namespace {
 
-constexpr int kMaxTerms = 3 + LocalMapping::kNumMonomials;
+constexpr int NumTerms(int degree) { return (degree + 1) * (degree + 2) / 2; }
 
-int NumTerms(int degree) { return (degree + 1) * (degree + 2) / 2; }
-
-// (1, u, v, m(s)).
-Eigen::Matrix<double, kMaxTerms, 1> Monomials(const Eigen::Vector2d& offset) {
-  Eigen::Matrix<double, kMaxTerms, 1> monomials;
-  monomials << 1, offset, CurvatureMonomials(offset);
+// (1, u, v, m(s)), as far as the degree.
+template <int kTerms>
+Eigen::Matrix<double, kTerms, 1> Monomials(const Eigen::Vector2d& offset) {
+  Eigen::Matrix<double, kTerms, 1> monomials;
+  monomials << 1, offset, CurvatureMonomials(offset).head<kTerms - 3>();
   return monomials;
 }
 
 // Weighted least squares; false if the normal equations are near singular.
+template <int kDegree>
 bool FitPolynomial(const std::vector<Correspondence>& correspondences,
-                   int degree, LocalMapping* mapping) {
-  const int terms = NumTerms(degree);
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(terms, terms);
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(terms, 2);
+                   LocalMapping* mapping) {
+  constexpr int kTerms = NumTerms(kDegree);
+  using Normal = Eigen::Matrix<double, kTerms, kTerms>;
+  using Solution = Eigen::Matrix<double, kTerms, 2>;
+  Normal normal = Normal::Zero();
+  Solution right = Solution::Zero();
   // Near the origin of the pixels too, for the sake of precision.
   const Eigen::Vector2d origin = correspondences.front().pixel;
   for (const Correspondence& c : correspondences) {
-    const Eigen::VectorXd m = Monomials(c.offset).head(terms);
-    normal += c.weight * m * m.transpose();
-    right += c.weight * m * (c.pixel - origin).transpose();
+    const auto m = Monomials<kTerms>(c.offset);
+    const Eigen::Matrix<double, kTerms, 1> weighted = c.weight * m;
+    normal.noalias() += weighted * m.transpose();
+    right.noalias() += weighted * (c.pixel - origin).transpose();
   }
-  const Eigen::VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::Matrix<double, kTerms, 1> scale =
+      normal.diagonal().cwiseSqrt().cwiseInverse();
   if (!scale.allFinite()) return false;
-  normal = scale.asDiagonal() * normal * scale.asDiagonal();
-  const Eigen::LDLT<Eigen::MatrixXd> ldlt(normal);
+  normal = (scale.asDiagonal() * normal * scale.asDiagonal()).eval();
+  const Eigen::LDLT<Normal> ldlt(normal);
   constexpr double kMinPivot = 1e-4;
   if (ldlt.info() != Eigen::Success || ldlt.vectorD().minCoeff() < kMinPivot)
     return false;
-  const Eigen::MatrixXd solution =
-      scale.asDiagonal() * ldlt.solve(scale.asDiagonal() * right);
+  const Solution scaled = scale.asDiagonal() * right;
+  const Solution solution = scale.asDiagonal() * ldlt.solve(scaled);
   *mapping = LocalMapping();
   mapping->center = origin + solution.row(0).transpose();
-  mapping->linear = solution.middleRows<2>(1).transpose();
-  if (terms > 3)
-    mapping->curvature.leftCols(terms - 3) =
-        solution.bottomRows(terms - 3).transpose();
+  mapping->linear = solution.template middleRows<2>(1).transpose();
+  mapping->curvature.leftCols(kTerms - 3) =
+      solution.bottomRows(kTerms - 3).transpose();
   return true;
+}
+
+bool FitPolynomial(const std::vector<Correspondence>& correspondences,
+                   int degree, LocalMapping* mapping) {
+  switch (degree) {
+    case 3:
+      return FitPolynomial<3>(correspondences, mapping);
+    case 2:
+      return FitPolynomial<2>(correspondences, mapping);
+    default:
+      return FitPolynomial<1>(correspondences, mapping);
+  }
 }
 
 }  // namespace

@@ -9,32 +9,25 @@
 
 namespace raygrid {
 
-/// The images in which symmetry is sought: intensities, the magnitude of the
-/// gradient, or its two components. All enlarged twice by a long filter, so
-/// that bilinear interpolation between their values errs four times less than
-/// between the photograph's: value (2x, 2y) lies at pixel (x, y).
-struct SymmetryImage {
-  static constexpr int kEnlargement = 2;
-
-  ImageSize size;  ///< enlarged
-  std::vector<std::vector<float>> channels;
-  /// What point reflection of the pattern does to the channels, and what it
-  /// does where it inverts the colours: it keeps the values (1) or turns their
-  /// sign (-1), about an unknown middle if has_middle.
-  float reflection = 1, inverted_reflection = -1;
-  bool has_middle = true;
-};
-
-SymmetryImage MakeSymmetryImage(const GreyImage& image, Refinement refinement);
-
 /// Offsets in the window, in pixels, of one of each mirrored pair: several
 /// random ones in every pixel, the same for all features (paper, "Feature
 /// Extraction": randomness spares us the artefacts of bilinear interpolation on
 /// a lattice).
 struct SymmetrySamples {
+  int window_px = 0;
   std::vector<float> x, y;
 };
 SymmetrySamples MakeSymmetrySamples(int window_px, int samples_per_pixel);
+
+struct SymmetryOptions {
+  Refinement refinement = Refinement::kIntensities;
+  /// Point reflection keeps the colours of stars of 4, 8, 12 ... segments, and
+  /// inverts those of 6, 10, 14 ...
+  bool inverts_colors = false;
+  /// The centre alone, where the rest of the mapping is known well.
+  bool center_only = false;
+  double max_move_px = 2;
+};
 
 struct SymmetryResult {
   bool is_converged = false;
@@ -45,18 +38,15 @@ struct SymmetryResult {
 
 /// Minimises C_sym(H) = sum_i (I(x(s_i)) -+ I(x(-s_i)))^2 over the homography's
 /// eight parameters by Levenberg and Marquardt's method (paper, eq. of
-/// C_sym), with the curvature fixed; or over its centre alone, where the rest
-/// is known better from the neighbours. Point reflection keeps the colours of
-/// stars of 4, 8, 12 ... segments, and inverts those of 6, 10, 14 ...:
-/// inverts_colors.
+/// C_sym), with the curvature fixed; or over its centre alone.
 ///
 /// Not converged: too few samples in the image and on symmetric ground, or
 /// moved by more than max_move_px.
-SymmetryResult RefineSymmetry(const SymmetryImage& image,
+SymmetryResult RefineSymmetry(const GreyImage& image,
                               const SymmetrySamples& samples,
                               const SymmetryMask& mask,
-                              const LocalMapping& start, bool inverts_colors,
-                              bool center_only, double max_move_px);
+                              const LocalMapping& start,
+                              const SymmetryOptions& options);
 
 }  // namespace raygrid
 

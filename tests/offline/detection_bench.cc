@@ -9,7 +9,6 @@
 
 #include "dataset/parallel_for.h"
 #include "features/star_detection.h"
-#include "features/symmetry_refinement.h"
 #include "features/tag_detection.h"
 #include "simulation/image_rendering.h"
 #include "simulation/simulated_lenses.h"
@@ -78,13 +77,10 @@ void CornerSubpix(const GreyImage& image,
 void TimeParts(const GreyImage& image, const StarDetector& detector) {
   const std::vector<Feature> features = detector.Detect(image).features;
   const double tags_ms = MedianMs([&] { DetectTags(image); });
-  const double enlarging_ms =
-      MedianMs([&] { MakeSymmetryImage(image, Refinement::kIntensities); });
   const double all_ms = MedianMs([&] { detector.Detect(image); });
   const double subpix_ms = MedianMs([&] { CornerSubpix(image, features); });
   std::printf("features                %8zu\n", features.size());
   std::printf("DetectTags              %8.2f ms\n", tags_ms);
-  std::printf("MakeSymmetryImage       %8.2f ms\n", enlarging_ms);
   std::printf("StarDetector::Detect    %8.2f ms\n", all_ms);
   std::printf("  per feature           %8.4f ms\n", all_ms / features.size());
   std::printf("cv::cornerSubPix        %8.2f ms\n", subpix_ms);
