@@ -27,18 +27,18 @@ struct SampledLanes {
   FloatLanes value, dx, dy;
 };
 
-/// At x and y, neither of them negative, nor beyond the last but one value of
-/// the rows, each of the stated width.
-inline SampledLanes Bilinear(const float* rows, int width, FloatLanes x,
-                             FloatLanes y) {
+/// At x and y, neither of them negative, from the value with index origin on;
+/// rows have the stated width. Reads the values right of and below each place.
+inline SampledLanes Bilinear(const float* values, int width, int origin,
+                             FloatLanes x, FloatLanes y) {
   const auto ix = __builtin_convertvector(x, IntLanes);
   const auto iy = __builtin_convertvector(y, IntLanes);
   const FloatLanes fx = x - __builtin_convertvector(ix, FloatLanes);
   const FloatLanes fy = y - __builtin_convertvector(iy, FloatLanes);
-  const float *p0 = rows + (iy[0] * width + ix[0]),
-              *p1 = rows + (iy[1] * width + ix[1]),
-              *p2 = rows + (iy[2] * width + ix[2]),
-              *p3 = rows + (iy[3] * width + ix[3]);
+  const float *p0 = values + (origin + iy[0] * width + ix[0]),
+              *p1 = values + (origin + iy[1] * width + ix[1]),
+              *p2 = values + (origin + iy[2] * width + ix[2]),
+              *p3 = values + (origin + iy[3] * width + ix[3]);
   const auto at = [&](int k) {
     return FloatLanes{p0[k], p1[k], p2[k], p3[k]};
   };

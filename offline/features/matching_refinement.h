@@ -1,6 +1,7 @@
 #ifndef RAYGRID_FEATURES_MATCHING_REFINEMENT_H
 #define RAYGRID_FEATURES_MATCHING_REFINEMENT_H
 
+#include <cstdint>
 #include <vector>
 
 #include "features/detection.h"
@@ -16,7 +17,7 @@ class StarTexture {
   explicit StarTexture(int segments);
 
   /// Offset in squares from a star's centre.
-  float Ink(float u, float v) const {
+  int Ink(float u, float v) const {
     const int i = static_cast<int>((u + kShift) * kTexels) & (kTexels - 1);
     const int j = static_cast<int>((v + kShift) * kTexels) & (kTexels - 1);
     return texels_[j * kTexels + i];
@@ -25,7 +26,7 @@ class StarTexture {
  private:
   static constexpr int kTexels = 128;
   static constexpr float kShift = 64.5f;  // keeps the argument positive
-  std::vector<float> texels_;
+  std::vector<uint8_t> texels_;
 };
 
 struct MatchingResult {
@@ -39,7 +40,8 @@ struct MatchingResult {
 /// each pixel of the window) over the image to where
 ///   C_match(x, f, b) = sum_i (f p_i(x) + b - q_i)^2
 /// is least (paper's supplement, "Feature detection"): p_i the image, q_i the
-/// rendering. The first place is the best of all within search_px.
+/// rendering. The first place is the best near start; if there is no star at
+/// all, then the best within search_px.
 ///
 /// Not converged: moved by more than search_px, window leaves the image or the
 /// symmetric ground so far that little remains.

@@ -198,8 +198,8 @@ class Problem {
     FloatLanes sum = {};
     for (size_t i = 0; i < pairs_.size(); i += kLanes) {
       const Places at = PlacesOf(p, i);
-      sum += Bilinear(channel, patch_.side(), at.ax, at.ay).value +
-             Bilinear(channel, patch_.side(), at.bx, at.by).value;
+      sum += Bilinear(channel, patch_.side(), 0, at.ax, at.ay).value +
+             Bilinear(channel, patch_.side(), 0, at.bx, at.by).value;
     }
     return SumOf(sum) / static_cast<float>(pairs_.size());
   }
@@ -211,8 +211,8 @@ class Problem {
     const float sign = reflection_.sign;
     for (size_t i = 0; i < pairs_.size(); i += kLanes) {
       const Places at = PlacesOf(p, i);
-      const SampledLanes a = Bilinear(channel, patch_.side(), at.ax, at.ay);
-      SampledLanes b = Bilinear(channel, patch_.side(), at.bx, at.by);
+      const SampledLanes a = Bilinear(channel, patch_.side(), 0, at.ax, at.ay);
+      SampledLanes b = Bilinear(channel, patch_.side(), 0, at.bx, at.by);
       const FloatLanes residual = a.value - sign * b.value - twice_middle;
       b.dx *= sign;
       b.dy *= sign;
