@@ -36,6 +36,7 @@ struct GreyImage {
 };
 
 GreyImage MakeGreyImage(const Image& image);
+GreyImage MakeGreyImage(GreyLevels grey);
 
 struct RejectedFeature {
   Feature feature;

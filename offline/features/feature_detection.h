@@ -11,8 +11,6 @@
 
 namespace raygrid {
 
-GreyImage MakeGreyImage(GreyLevels grey);
-
 /// Finds all boards of a pattern in images; one serves all threads.
 class PatternDetector {
  public:

@@ -101,6 +101,9 @@ struct FeatureRefiner::Data {
   std::vector<SymmetryMask> masks;
   SymmetrySamples rough_samples, samples;
 
+  SymmetryResult Symmetry(const GreyImage& image, const Feature& feature,
+                          const LocalMapping& start, bool center_only,
+                          const Round& round) const;
   std::string RefineOne(const GreyImage& image, const Feature& feature,
                         const Round& round, const FeatureLattice& lattice,
                         Eigen::Vector2d* pixel) const;
@@ -114,11 +117,26 @@ struct FeatureRefiner::Data {
 
 FeatureRefiner::FeatureRefiner(const Board& board,
                                const DetectionOptions& options)
-    : data_(
-          new Data{board, options, SymmetryMask::OfBoard(board),
-                   MakeSymmetrySamples(options.window_px, kRoughSamplesPerPixel),
-                   MakeSymmetrySamples(options.window_px, kSamplesPerPixel)}) {}
+    : data_(new Data{
+          board, options, SymmetryMask::OfBoard(board),
+          MakeSymmetrySamples(options.window_px, kRoughSamplesPerPixel),
+          MakeSymmetrySamples(options.window_px, kSamplesPerPixel)}) {}
 FeatureRefiner::~FeatureRefiner() = default;
+
+SymmetryResult FeatureRefiner::Data::Symmetry(const GreyImage& image,
+                                              const Feature& feature,
+                                              const LocalMapping& start,
+                                              bool center_only,
+                                              const Round& round) const {
+  SymmetryOptions symmetry;
+  symmetry.refinement = options.refinement;
+  symmetry.inverts_colors = ReflectionInvertsColors(board);
+  symmetry.center_only = center_only;
+  symmetry.max_move_px = round.max_move_px;
+  return RefineSymmetry(image, *round.samples,
+                        masks[board.PointIndex(feature.column, feature.row)],
+                        start, symmetry);
+}
 
 // Empty, or the reason to reject the feature.
 std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
@@ -133,20 +151,10 @@ std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
   if (degree == 0) return "too few neighbours";
   if (start.SpacingPx() < kMinSpacingPx) return "too small";
   start.center = feature.pixel;
-  SymmetryOptions symmetry;
-  symmetry.refinement = options.refinement;
-  symmetry.inverts_colors = ReflectionInvertsColors(board);
-  symmetry.center_only = degree > 1;
-  symmetry.max_move_px = round.max_move_px;
-  const auto refine = [&](const LocalMapping& from) {
-    return RefineSymmetry(
-        image, *round.samples,
-        masks[board.PointIndex(feature.column, feature.row)], from, symmetry);
-  };
-  SymmetryResult result = refine(start);
+  SymmetryResult result = Symmetry(image, feature, start, degree > 1, round);
   LocalMapping predicted;
   if (!result.is_converged && Predicted(lattice, feature, &predicted))
-    result = refine(predicted);
+    result = Symmetry(image, feature, predicted, degree > 1, round);
   if (!result.is_converged) return "no centre of symmetry near";
   if (result.contrast < kMinContrast) return "no contrast";
   if (result.rms > kMaxAsymmetry * result.contrast) return "not symmetric";
@@ -221,6 +229,23 @@ ImageDetection FeatureRefiner::Refine(
   RejectLonely(data_->board, &lattice, &detection);
   detection.features = lattice.Features();
   return detection;
+}
+
+std::vector<Feature> FeatureRefiner::RefineWith(
+    const GreyImage& image, std::vector<Feature> features,
+    const TellMapping& tell_mapping) const {
+  if (data_->options.refinement == Refinement::kNone ||
+      data_->options.refinement == Refinement::kCornerSubpix)
+    return features;
+  const Round round = {&data_->samples, kMaxMovePx / 4};
+  for (Feature& feature : features) {
+    const auto mapping = tell_mapping(feature);
+    if (!mapping) continue;
+    const SymmetryResult result =
+        data_->Symmetry(image, feature, *mapping, true, round);
+    if (result.is_converged) feature.pixel = result.mapping.center;
+  }
+  return features;
 }
 
 }  // namespace raygrid

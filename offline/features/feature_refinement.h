@@ -1,7 +1,9 @@
 #ifndef RAYGRID_FEATURES_FEATURE_REFINEMENT_H
 #define RAYGRID_FEATURES_FEATURE_REFINEMENT_H
 
+#include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "features/detection.h"
@@ -20,6 +22,15 @@ class FeatureRefiner {
 
   ImageDetection Refine(const GreyImage& image,
                         const std::vector<Feature>& approximate) const;
+
+  /// Refined ones once more, with mappings known from elsewhere. Those without
+  /// one, and those found to be nowhere near, stay as they are; all of them
+  /// where the options' refinement does not go by symmetry.
+  using TellMapping =
+      std::function<std::optional<LocalMapping>(const Feature&)>;
+  std::vector<Feature> RefineWith(const GreyImage& image,
+                                  std::vector<Feature> features,
+                                  const TellMapping& tell_mapping) const;
 
  private:
   struct Data;

@@ -39,9 +39,7 @@ inline SampledLanes Bilinear(const float* values, int width, int origin,
               *p1 = values + (origin + iy[1] * width + ix[1]),
               *p2 = values + (origin + iy[2] * width + ix[2]),
               *p3 = values + (origin + iy[3] * width + ix[3]);
-  const auto at = [&](int k) {
-    return FloatLanes{p0[k], p1[k], p2[k], p3[k]};
-  };
+  const auto at = [&](int k) { return FloatLanes{p0[k], p1[k], p2[k], p3[k]}; };
   const FloatLanes corner = at(0), below = at(width);
   const FloatLanes top = at(1) - corner, bottom = at(width + 1) - below;
   const FloatLanes left = corner + fx * top, right = below + fx * bottom;

@@ -14,9 +14,9 @@ namespace {
 
 constexpr int kSupersampling = 4;  // along each axis
 constexpr size_t kMinSamples = 40;
-constexpr double kMaxShiftPx = 1.5;   // after the search
-constexpr double kNearPx = 2;         // searched first
-constexpr double kSurely = 0.7;       // a star, with this correlation
+constexpr double kMaxShiftPx = 1.5;    // after the search
+constexpr double kNearPx = 2;          // searched first
+constexpr double kSurely = 0.7;        // a star, with this correlation
 constexpr double kConvergedPx = 0.03;  // symmetry goes on from there
 
 // Offsets from the centre, and how white the rendering is there.
@@ -128,9 +128,9 @@ Eigen::Vector2d BestShift(const GreyImage& image, const Rendering& rendering,
   Moments moments;
   std::vector<int> indices;
   for (size_t i = 0; i < samples.size(); ++i) {
-    indices.push_back(
-        static_cast<int>(start.y() + samples.y[i] + 0.5) * image.size.width +
-        static_cast<int>(start.x() + samples.x[i] + 0.5));
+    indices.push_back(static_cast<int>(start.y() + samples.y[i] + 0.5) *
+                          image.size.width +
+                      static_cast<int>(start.x() + samples.x[i] + 0.5));
     moments.q += samples.white[i];
     moments.qq += samples.white[i] * samples.white[i];
   }
@@ -288,8 +288,8 @@ MatchingResult MatchStar(const GreyImage& image, const StarTexture& texture,
   const Rendering rendering =
       Render(texture, mask, start, PlacesInWindow(window_px));
   if (rendering.size() < kMinSamples) return result;
-  result = MatchWithin(image, rendering, start.center,
-                       std::min(search_px, kNearPx));
+  result =
+      MatchWithin(image, rendering, start.center, std::min(search_px, kNearPx));
   if (search_px <= kNearPx ||
       (result.is_converged && result.correlation >= kSurely))
     return result;

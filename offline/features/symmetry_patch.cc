@@ -23,10 +23,9 @@ void CopySquare(const GreyImage& image, const Eigen::Vector2i& first, int side,
   const int width = image.size.width, height = image.size.height;
   const bool is_inside = first.x() >= 0 && first.x() + side <= width;
   for (int y = 0; y < side; ++y, square += side) {
-    const float* row =
-        &image.levels[static_cast<size_t>(
-                          std::clamp(first.y() + y, 0, height - 1)) *
-                      width];
+    const float* row = &image.levels[static_cast<size_t>(std::clamp(
+                                         first.y() + y, 0, height - 1)) *
+                                     width];
     if (is_inside)
       std::copy(row + first.x(), row + first.x() + side, square);
     else
@@ -54,8 +53,7 @@ void HalfwayRow(const float* row, int width, float* out) {
   const float *a0 = at(0), *a1 = at(-1), *a2 = at(-2), *a3 = at(-3);
   const float *b0 = at(1), *b1 = at(2), *b2 = at(3), *b3 = at(4);
   for (int x = 0; x < width; ++x)
-    out[x] =
-        Halfway(a0[x], a1[x], a2[x], a3[x], b0[x], b1[x], b2[x], b3[x]);
+    out[x] = Halfway(a0[x], a1[x], a2[x], a3[x], b0[x], b1[x], b2[x], b3[x]);
 }
 
 // A square of 2 * count values to a side, from one of count + 2 * kTaps - 1.

@@ -65,10 +65,10 @@ class PairMaker {
     const float uu = u * u, uv = u * v, vv = v * v;
     const float even_x = w_(0, 0) * uu + w_(0, 1) * uv + w_(0, 2) * vv;
     const float even_y = w_(1, 0) * uu + w_(1, 1) * uv + w_(1, 2) * vv;
-    const float odd_x = u * (w_(0, 3) * uu + w_(0, 4) * uv + w_(0, 5) * vv) +
-                        w_(0, 6) * v * vv;
-    const float odd_y = u * (w_(1, 3) * uu + w_(1, 4) * uv + w_(1, 5) * vv) +
-                        w_(1, 6) * v * vv;
+    const float odd_x =
+        u * (w_(0, 3) * uu + w_(0, 4) * uv + w_(0, 5) * vv) + w_(0, 6) * v * vv;
+    const float odd_y =
+        u * (w_(1, 3) * uu + w_(1, 4) * uv + w_(1, 5) * vv) + w_(1, 6) * v * vv;
     const float nx = linear_(0, 0) * u + linear_(0, 1) * v;
     const float ny = linear_(1, 0) * u + linear_(1, 1) * v;
     const float d = perspective_.x() * u + perspective_.y() * v;

@@ -1,0 +1,33 @@
+#include "features/detection.h"
+
+#include <cmath>
+#include <utility>
+
+namespace raygrid {
+
+GreyImage MakeGreyImage(GreyLevels grey) {
+  GreyImage image;
+  image.size = grey.size;
+  image.bytes.reserve(grey.levels.size());
+  for (const float level : grey.levels)
+    image.bytes.push_back(static_cast<uint8_t>(std::lround(level)));
+  image.levels = std::move(grey.levels);
+  return image;
+}
+
+GreyImage MakeGreyImage(const Image& image) {
+  GreyLevels grey;
+  grey.size = image.size;
+  const size_t count = image.pixels.size() / image.channels;
+  grey.levels.resize(count);
+  for (size_t i = 0; i < count; ++i) {
+    const uint8_t* pixel = &image.pixels[i * image.channels];
+    grey.levels[i] =
+        image.channels == 1
+            ? pixel[0]
+            : 0.114f * pixel[0] + 0.587f * pixel[1] + 0.299f * pixel[2];
+  }
+  return MakeGreyImage(std::move(grey));
+}
+
+}  // namespace raygrid

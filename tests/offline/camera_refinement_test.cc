@@ -1,0 +1,132 @@
+#include "features/camera_refinement.h"
+
+#include <cstdio>
+
+#include "features/feature_refinement.h"
+#include "features/star_detection.h"
+#include "simulation/image_rendering.h"
+#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_observations.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+constexpr ImageSize kSize = {640, 480};
+
+Pattern StarPattern() {
+  return ParsePattern(
+      "pattern",
+      "raygrid_pattern: 1\n"
+      "boards:\n"
+      "  - {id: 0, kind: star, columns: 16, rows: 15, square_m: 0.012, "
+      "segments: 16, tags: [{family: tag36h11, id: 0, column: 6, row: 5, "
+      "squares: 4}]}\n");
+}
+
+// Turned, and in the corner of the image, where a lens curves most.
+Pose PoseInACorner(const CameraModel& camera, const Board& board,
+                   double distance_m) {
+  Pose pose;
+  const Eigen::Vector3d direction = *camera.Unproject({450, 330});
+  pose.rotation =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), direction) *
+      Eigen::AngleAxisd(0.4, Eigen::Vector3d(0.5, 1, 0.8).normalized());
+  pose.translation = distance_m * direction -
+                     pose.rotation * Eigen::Vector3d(board.points.back() / 2);
+  return pose;
+}
+
+double MaxDifference(const LocalMapping& mapping, const CameraModel& camera,
+                     const Pose& pose, const Board& board, int index) {
+  double largest = 0;
+  const Eigen::Matrix2d inverse = mapping.linear.inverse();
+  for (int y = -10; y <= 10; y += 5) {
+    for (int x = -10; x <= 10; x += 5) {
+      const Eigen::Vector2d s = inverse * Eigen::Vector2d(x, y);
+      Eigen::Vector3d point = board.points[index];
+      point.head<2>() += board.square_m * s;
+      const auto pixel = camera.Project(pose * point);
+      if (pixel) largest = std::max(largest, (mapping(s) - *pixel).norm());
+    }
+  }
+  return largest;
+}
+
+TEST(MappingThroughCamera, FollowsTheLensInTheWindow) {
+  const Pattern pattern = StarPattern();
+  const Board& board = pattern.boards[0];
+  for (const std::string lens : {"pinhole", "wide", "fisheye"}) {
+    const auto camera = SimulatedLens(lens, kSize);
+    const Pose pose = PoseInACorner(*camera, board, 0.25);
+    int count = 0;
+    for (const Feature& feature : VisibleFeatures(*camera, board, pose)) {
+      const auto mapping =
+          MappingThroughCamera(*camera, pose, board, feature, 21);
+      if (!mapping) continue;
+      ++count;
+      EXPECT_LT(MaxDifference(*mapping, *camera, pose, board,
+                              board.PointIndex(feature.column, feature.row)),
+                0.01)
+          << lens;
+    }
+    EXPECT_GT(count, 100) << lens;
+  }
+}
+
+TEST(MappingThroughCamera, TellsNothingWhereTheCameraDoesNot) {
+  const Pattern pattern = StarPattern();
+  const auto camera = SimulatedLens("pinhole", kSize);
+  Pose behind;
+  behind.translation = {0, 0, -1};
+  EXPECT_FALSE(MappingThroughCamera(*camera, behind, pattern.boards[0],
+                                    {0, 3, 3, {100, 100}}, 21));
+}
+
+double RmsPx(const std::vector<Feature>& features,
+             const std::vector<Feature>& truth) {
+  double sum = 0;
+  int count = 0;
+  for (const Feature& feature : features) {
+    for (const Feature& exact : truth) {
+      if (exact.column != feature.column || exact.row != feature.row) continue;
+      sum += (feature.pixel - exact.pixel).squaredNorm();
+      ++count;
+    }
+  }
+  return std::sqrt(sum / count / 2);
+}
+
+TEST(FeatureRefiner, IsMoreAccurateWithWhatTheCameraTells) {
+  const Pattern pattern = StarPattern();
+  const Board& board = pattern.boards[0];
+  const BoardSurface surface(board);
+  for (const std::string lens : {"wide", "fisheye"}) {
+    const auto camera = SimulatedLens(lens, kSize);
+    const Pose pose = PoseInACorner(*camera, board, 0.25);
+    ImagingOptions imaging;
+    imaging.read_noise = 2;
+    const GreyImage image = MakeGreyImage(AddNoiseAndQuantize(
+        RenderImage(PixelRays(*camera, 2), {{&surface, pose}}, imaging, 2),
+        imaging));
+    const std::vector<Feature> found =
+        StarDetector(pattern, {}).Detect(image).features;
+    const FeatureRefiner refiner(board, {});
+    const auto tell = [&](const Feature& feature) {
+      return MappingThroughCamera(*camera, pose, board, feature, 21);
+    };
+    const std::vector<Feature> refined = refiner.RefineWith(image, found, tell);
+    const auto truth = VisibleFeatures(*camera, board, pose);
+    const double before = RmsPx(found, truth), after = RmsPx(refined, truth);
+    std::printf(
+        "%s, %zu features: RMS %.5f px by neighbours, %.5f px by the "
+        "camera\n",
+        lens.c_str(), found.size(), before, after);
+    EXPECT_GT(found.size(), 100u);
+    EXPECT_LT(after, 0.004) << lens;
+    EXPECT_LT(after, before) << lens;
+  }
+}
+
+}  // namespace
+}  // namespace raygrid
