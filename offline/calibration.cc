@@ -354,6 +354,18 @@ Pattern AdjustedPattern(const Pattern& pattern, const Adjusted& adjusted) {
   return result;
 }
 
+// Each view's pose with the camera and the points as they are.
+std::vector<std::optional<Pose>> LocalizeViews(const CameraModel& camera,
+                                               const Problem& problem,
+                                               int num_threads) {
+  const int num_views = static_cast<int>(problem.views.size());
+  std::vector<std::optional<Pose>> poses(num_views);
+  ParallelFor(num_views, NumThreads(num_threads), [&](int v) {
+    poses[v] = Localize(camera, MatchesOf(problem.views[v], problem.nominal));
+  });
+  return poses;
+}
+
 // ---- Held-out error --------------------------------------------------------
 
 // Images whose turn it is in a fold are tested, the others trained with.
@@ -544,6 +556,47 @@ CalibrationFigures FiguresOf(const CalibrationResult& result) {
           result.camera.held_out};
 }
 
+// ---- Features measured again -----------------------------------------------
+
+// Both have the same features.
+double RmsMovePx(const Dataset& before, const Dataset& after) {
+  double sum = 0;
+  size_t count = 0;
+  for (size_t i = 0; i < before.images.size(); ++i) {
+    const auto& b = before.images[i].features;
+    const auto& a = after.images[i].features;
+    for (size_t k = 0; k < b.size(); ++k, ++count)
+      sum += (a[k].pixel - b[k].pixel).squaredNorm();
+  }
+  return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0;
+}
+
+// Through a first camera of medium resolution: what bends the mapping within a
+// window is mostly the lens's distortion.
+Dataset MeasureFeaturesAgain(const Dataset& dataset, const Pattern& pattern,
+                             const CalibrationOptions& options,
+                             const AdjustmentOptions& adjustment,
+                             Adjusted first) {
+  constexpr size_t kMediumCandidate = 2;
+  const std::vector<double> cells = CellCandidates(dataset);
+  const double cell_px =
+      options.cell_px > 0 ? options.cell_px
+                          : cells[std::min(kMediumCandidate, cells.size() - 1)];
+  AdjustModel(pattern, options.model, cell_px, adjustment, &first);
+  AlignBoards(pattern, &first);
+  const Pattern adjusted_pattern = AdjustedPattern(pattern, first);
+  std::vector<RejectedImage> rejected;
+  const Problem problem = BuildProblem(dataset, adjusted_pattern, &rejected);
+  const std::vector<std::optional<Pose>> poses =
+      LocalizeViews(*first.state.camera, problem, adjustment.num_threads);
+  std::vector<BoardPose> known;
+  for (size_t v = 0; v < poses.size(); ++v)
+    if (poses[v])
+      known.push_back(
+          {problem.images[v], pattern.boards[problem.boards[v]].id, *poses[v]});
+  return options.measure_again(*first.state.camera, adjusted_pattern, known);
+}
+
 void RequireKnownModel(const std::string& model) {
   if (model != "central-generic" && model != "opencv")
     throw Error(ExitCode::kUsage,
@@ -569,12 +622,9 @@ Evaluation EvaluateCamera(const CameraModel& camera, const Dataset& dataset,
   Evaluation evaluation;
   const Problem problem =
       BuildProblem(dataset, pattern, &evaluation.rejected_images);
-  const int num_views = static_cast<int>(problem.views.size());
-  std::vector<std::optional<Pose>> poses(num_views);
-  ParallelFor(num_views, NumThreads(num_threads), [&](int v) {
-    poses[v] = Localize(camera, MatchesOf(problem.views[v], problem.nominal));
-  });
-  for (int v = 0; v < num_views; ++v) {
+  const std::vector<std::optional<Pose>> poses =
+      LocalizeViews(camera, problem, num_threads);
+  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     if (!poses[v]) {
       evaluation.rejected_images.push_back(
           {problem.images[v], "could not be localised"});
@@ -597,17 +647,20 @@ Evaluation EvaluateCamera(const CameraModel& camera, const Dataset& dataset,
   return evaluation;
 }
 
-CalibrationResult Calibrate(const Dataset& dataset, const Pattern& pattern,
+CalibrationResult Calibrate(const Dataset& measured, const Pattern& pattern,
                             const CalibrationOptions& options) {
   RequireKnownModel(options.model);
-  RequireHeldOutImagesExist(dataset, options.hold_out);
+  RequireHeldOutImagesExist(measured, options.hold_out);
   const auto report = [&options](const std::string& stage, double done) {
     if (options.progress) options.progress(stage, done);
   };
-  const Split split = SplitImages(dataset, [&](size_t i) {
-    return std::count(options.hold_out.begin(), options.hold_out.end(),
-                      dataset.images[i].image) > 0;
-  });
+  const auto split_images = [&options](const Dataset& dataset) {
+    return SplitImages(dataset, [&](size_t i) {
+      return std::count(options.hold_out.begin(), options.hold_out.end(),
+                        dataset.images[i].image) > 0;
+    });
+  };
+  Split split = split_images(measured);
   AdjustmentOptions adjustment;
   adjustment.num_threads = NumThreads(options.num_threads);
   adjustment.fix_points = options.flat_board;
@@ -617,6 +670,17 @@ CalibrationResult Calibrate(const Dataset& dataset, const Pattern& pattern,
   const Stopwatch start_time;
   Adjusted adjusted = AdjustStart(split.training, pattern, adjustment);
   result.seconds["start"] = start_time.Seconds();
+
+  if (options.measure_again) {
+    report("measuring again", 0.05);
+    const Stopwatch again_time;
+    const Dataset again =
+        MeasureFeaturesAgain(measured, pattern, options, adjustment, adjusted);
+    result.measured_again_rms_px = RmsMovePx(measured, again);
+    split = split_images(again);
+    adjusted = AdjustStart(split.training, pattern, adjustment);
+    result.seconds["measuring_again"] = again_time.Seconds();
+  }
 
   const bool is_grid = options.model != "opencv";
   const bool choose_cell = is_grid && options.cell_px <= 0;

@@ -13,17 +13,23 @@ namespace raygrid {
 /// Told the stage and how much of the whole is done, 0 to 1.
 using Progress = std::function<void(const std::string& stage, double done)>;
 
+/// Measures the features of a dataset once more, through a first camera: its
+/// model, the pattern as it was found to be, where the boards stood.
+using MeasureAgain = std::function<Dataset(
+    const CameraModel&, const Pattern&, const std::vector<BoardPose>&)>;
+
 struct CalibrationOptions {
   std::string model = "central-generic";  ///< or "opencv"
   double cell_px = 0;                     ///< 0: chosen by held-out error
   bool flat_board = false;  ///< keep the pattern's points as they are given
   std::vector<std::string> hold_out;  ///< images not to calibrate with
+  MeasureAgain measure_again;  ///< without: features stay as they are
   int num_threads = 0;
   Progress progress;
 };
 
-/// From features to a camera: parametric start, bundle adjustment, grid,
-/// held-out evaluation. Throws Error: kTooFew, kInitialization.
+/// From features to a camera: parametric start, features measured again,
+/// bundle adjustment, grid, held-out evaluation. Throws Error: kTooFew, kInitialization.
 CalibrationResult Calibrate(const Dataset& dataset, const Pattern& pattern,
                             const CalibrationOptions& options);
 

@@ -10,6 +10,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_files.h"
+#include "features/camera_refinement.h"
 #include "features/feature_detection.h"
 #include "packing/blob_camera.h"
 #include "packing/pack.h"
@@ -25,7 +26,13 @@ struct Arguments {
   std::string features, image_size, pattern, output, name, serial;
   std::string model = "central-generic", cell_px = "auto";
   std::vector<std::string> hold_out;
-  bool flat_board = false;
+  bool flat_board = false, measure_once = false;
+};
+
+// What is calibrated with, and the images that it was measured in, if any.
+struct Measurements {
+  Dataset dataset;
+  std::vector<std::string> paths;  // of the dataset's images
 };
 
 int64_t PeakMemoryBytes() {
@@ -45,7 +52,7 @@ double ParseCellPx(const std::string& text) {
   return value;
 }
 
-Dataset LoadFeatures(const Arguments& arguments) {
+Measurements LoadFeatures(const Arguments& arguments) {
   if (arguments.image_size.empty())
     throw Error(ExitCode::kUsage, "--features needs --image-size WxH");
   auto datasets = ReadFeatures(arguments.features);
@@ -55,12 +62,13 @@ Dataset LoadFeatures(const Arguments& arguments) {
                      "split the file by camera");
   Dataset dataset = std::move(datasets.begin()->second);
   dataset.image_size = ParseImageSize("--image-size", arguments.image_size);
-  return dataset;
+  return {dataset, {}};
 }
 
 // Images that cannot be used are named, and the others are gone on with.
-Dataset Detect(const std::vector<std::string>& paths, const Pattern& pattern,
-               const CommonOptions& common, ProgressBar* bar) {
+Measurements Detect(const std::vector<std::string>& paths,
+                    const Pattern& pattern, const CommonOptions& common,
+                    ProgressBar* bar) {
   const DetectionCache cache(DetectionCache::DefaultFolder());
   FolderDetection detection = DetectFeatures(
       paths, pattern, {}, &cache, common.threads,
@@ -68,15 +76,18 @@ Dataset Detect(const std::vector<std::string>& paths, const Pattern& pattern,
   for (const SkippedImage& skipped : detection.skipped)
     fmt::print(stderr, "raygrid: skipped {}: {}\n", skipped.path,
                skipped.reason);
-  return std::move(detection.dataset);
+  return {std::move(detection.dataset), std::move(detection.paths)};
 }
 
 // Either detected in images or read.
-Dataset GatherFeatures(const Arguments& arguments, const CommonOptions& common,
-                       const std::vector<std::string>& paths,
-                       const Pattern& pattern, ProgressBar* bar) {
-  const Dataset dataset = paths.empty() ? LoadFeatures(arguments)
-                                        : Detect(paths, pattern, common, bar);
+Measurements GatherFeatures(const Arguments& arguments,
+                            const CommonOptions& common,
+                            const std::vector<std::string>& paths,
+                            const Pattern& pattern, ProgressBar* bar) {
+  Measurements measurements = paths.empty()
+                                  ? LoadFeatures(arguments)
+                                  : Detect(paths, pattern, common, bar);
+  const Dataset& dataset = measurements.dataset;
   RequireConsistent(
       arguments.features.empty() ? "detected features" : arguments.features,
       dataset, pattern);
@@ -85,7 +96,7 @@ Dataset GatherFeatures(const Arguments& arguments, const CommonOptions& common,
                 fmt::format("no board found in any of {} images; check columns "
                             "and rows (inner corners) in {}",
                             paths.size(), arguments.pattern));
-  return dataset;
+  return measurements;
 }
 
 // The first held-out image, or else the first one used.
@@ -137,6 +148,11 @@ void PrintSummary(const Arguments& arguments, const CalibrationResult& result) {
              result.num_parameters, result.features.images.size());
   if (result.cell_px > 0) fmt::print(", cells of {:.0f} px", result.cell_px);
   fmt::print("\n");
+  if (result.measured_again_rms_px)
+    fmt::print(
+        "  features measured again through a first camera: moved by "
+        "{:.4f} px (RMS)\n",
+        *result.measured_again_rms_px);
   print("training", *result.camera.training);
   if (result.camera.held_out) print("held out", *result.camera.held_out);
   fmt::print("  verdict: {}\n", result.verdict.word);
@@ -147,7 +163,7 @@ void PrintSummary(const Arguments& arguments, const CalibrationResult& result) {
 
 CalibrationResult CalibrateWithProgress(const Arguments& arguments,
                                         const CommonOptions& common,
-                                        const Dataset& dataset,
+                                        const Measurements& measurements,
                                         const Pattern& pattern,
                                         ProgressBar* bar) {
   CalibrationOptions options;
@@ -159,7 +175,15 @@ CalibrationResult CalibrateWithProgress(const Arguments& arguments,
   options.progress = [bar](const std::string& stage, double done) {
     bar->Show(stage, 0.2 + 0.7 * done);
   };
-  return Calibrate(dataset, pattern, options);
+  if (!measurements.paths.empty() && !arguments.measure_once)
+    options.measure_again = [&](const CameraModel& camera,
+                                const Pattern& found_pattern,
+                                const std::vector<BoardPose>& poses) {
+      return RefineThroughCamera(measurements.paths, measurements.dataset,
+                                 {&camera, &found_pattern, poses}, {},
+                                 common.threads, nullptr);
+    };
+  return Calibrate(measurements.dataset, pattern, options);
 }
 
 void Run(const Arguments& arguments, const CommonOptions& common) {
@@ -175,9 +199,10 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
   std::optional<Error> not_packed;  // the other files are worth having even so
   {
     ProgressBar bar(common.quiet);
-    const Dataset dataset =
+    const Measurements measurements =
         GatherFeatures(arguments, common, paths, pattern, &bar);
-    result = CalibrateWithProgress(arguments, common, dataset, pattern, &bar);
+    result =
+        CalibrateWithProgress(arguments, common, measurements, pattern, &bar);
     result.camera.name = arguments.name;
     result.camera.serial = arguments.serial;
     bar.Show("packing", 0.9);
@@ -241,6 +266,9 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
       ->delimiter(',');
   command->add_flag("--flat-board", arguments->flat_board,
                     "trust the pattern's points as they are given");
+  command->add_flag("--measure-once", arguments->measure_once,
+                    "keep the features as detected; otherwise they are "
+                    "measured again through a first camera");
   command->add_option("--name", arguments->name, "camera's name");
   command->add_option("--serial", arguments->serial, "camera's serial number");
   command->add_option("-o,--output", arguments->output, "folder to write to")

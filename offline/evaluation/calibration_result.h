@@ -31,6 +31,8 @@ struct CalibrationResult {
   Pattern pattern;   ///< points where they were found to be
   Dataset features;  ///< those used
   std::vector<BoardPose> poses;
+  /// How far features moved when measured again through a first camera.
+  std::optional<double> measured_again_rms_px;
   std::vector<FeatureResidual> training;
   /// Of the images in hold_out, or else by cross-validation: each image
   /// localised with a camera calibrated without it.

@@ -35,6 +35,8 @@ std::string FormatResultJson(const CalibrationResult& result, uint64_t seed,
                     {"rejected", rejected}};
   json["features"] = {{"used", result.features.num_features()},
                       {"rejected", result.rejected_features.size()}};
+  if (result.measured_again_rms_px)
+    json["features"]["measured_again_rms_px"] = *result.measured_again_rms_px;
   json["training"] = FiguresJson(*result.camera.training);
   if (result.camera.held_out) {
     json["held_out"] = FiguresJson(*result.camera.held_out);

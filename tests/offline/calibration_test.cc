@@ -144,6 +144,35 @@ TEST(Calibrate, GivesTheSameBytesWithAnyNumberOfThreads) {
   EXPECT_EQ(poses[0], poses[1]);
 }
 
+TEST(Calibrate, GoesOnWithTheFeaturesMeasuredAgain) {
+  SimulationOptions exact;
+  exact.num_images = 6;
+  exact.features_per_image = 80;
+  exact.noise_px = 0;
+  const Dataset truth =
+      SimulateObservations(ExampleSimulatedCamera(), TestBoard(), exact)
+          .dataset;
+  const Dataset noisy = Simulate(6);
+  const std::string held_out = noisy.images[4].image;
+  CalibrationOptions options = HoldingOut({held_out});
+  const CalibrationResult once = Calibrate(noisy, TestBoard(), options);
+  int num_calls = 0;
+  options.measure_again = [&](const CameraModel& camera, const Pattern& pattern,
+                              const std::vector<BoardPose>& poses) {
+    ++num_calls;
+    EXPECT_EQ(camera.Name(), "central-generic");
+    EXPECT_EQ(pattern.boards[0].points.size(), 140u);
+    EXPECT_EQ(poses.size(), 6u);  // also of the image held out
+    return truth;
+  };
+  const CalibrationResult again = Calibrate(noisy, TestBoard(), options);
+  EXPECT_EQ(num_calls, 1);
+  EXPECT_FALSE(once.measured_again_rms_px);
+  EXPECT_NEAR(*again.measured_again_rms_px, 0.05 * std::sqrt(2), 0.005);
+  EXPECT_LT(again.camera.training->rms_px, 0.5 * once.camera.training->rms_px);
+  EXPECT_LT(again.camera.held_out->rms_px, 0.5 * once.camera.held_out->rms_px);
+}
+
 TEST(Calibrate, ProgressGrowsFromZeroToOne) {
   const Dataset dataset = Simulate(9);
   CalibrationOptions options = Coarse();
