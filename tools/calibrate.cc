@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "calibration.h"
+#include "calibration/calibration.h"
 #include "camera_input.h"
 #include "commands.h"
 #include "dataset/error.h"

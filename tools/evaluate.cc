@@ -3,7 +3,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "calibration.h"
+#include "calibration/camera_evaluation.h"
 #include "camera_input.h"
 #include "commands.h"
 #include "dataset/error.h"

@@ -16,27 +16,32 @@ struct Observation {
   Eigen::Vector2d pixel;
 };
 
-/// The observations of one board in one image.
+/// What one camera saw of a board that stood at one of the poses.
 struct View {
   std::vector<Observation> observations;
+  int camera = 0, pose = 0;
 };
 
-/// What bundle adjustment changes. Copies are deep.
+/// What bundle adjustment changes. A single camera is a rig of one. Copies are
+/// deep.
 struct AdjustmentState {
-  std::unique_ptr<CameraModel> camera;
-  std::vector<Pose> camera_from_pattern;  ///< one a view
-  std::vector<Eigen::Vector3d> points;    ///< in the pattern's frame
+  std::vector<std::unique_ptr<CameraModel>> cameras;
+  std::vector<Pose> camera_from_rig;    ///< the first stays as it is
+  std::vector<Pose> rig_from_pattern;   ///< shared by the cameras of an instant
+  std::vector<Eigen::Vector3d> points;  ///< in the pattern's frame
 
   AdjustmentState() = default;
   AdjustmentState(AdjustmentState&&) = default;
   AdjustmentState& operator=(AdjustmentState&&) = default;
   AdjustmentState(const AdjustmentState& other) { *this = other; }
-  AdjustmentState& operator=(const AdjustmentState& other) {
-    camera = other.camera ? other.camera->Clone() : nullptr;
-    camera_from_pattern = other.camera_from_pattern;
-    points = other.points;
-    return *this;
-  }
+  AdjustmentState& operator=(const AdjustmentState& other);
+
+  /// One camera, which is the rig.
+  void SetCamera(const CameraModel& camera);
+  const CameraModel& camera() const { return *cameras.front(); }
+
+  Pose CameraFromPattern(const View& view) const;
+  int NumCameraParameters() const;  ///< of all cameras together
 };
 
 }  // namespace raygrid

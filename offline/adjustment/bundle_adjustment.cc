@@ -14,28 +14,26 @@ constexpr double kMinLambda = 1e-9, kMaxLambda = 1e8;
 AdjustmentState Updated(const AdjustmentState& state,
                         const AdjustmentStep& step) {
   AdjustmentState updated = state;
-  if (step.camera.size() > 0)
-    updated.camera->SetParameters(state.camera->Parameters() + step.camera);
+  for (size_t c = 0; c < step.cameras.size(); ++c)
+    updated.cameras[c]->SetParameters(state.cameras[c]->Parameters() +
+                                      step.cameras[c]);
+  for (size_t c = 0; c < step.camera_poses.size(); ++c)
+    updated.camera_from_rig[c + 1] =
+        UpdatedPose(state.camera_from_rig[c + 1], step.camera_poses[c]);
   for (Eigen::Index i = 0; i < step.points.size() / 3; ++i)
     updated.points[i] += step.points.segment<3>(3 * i);
   for (size_t i = 0; i < step.poses.size(); ++i)
-    updated.camera_from_pattern[i] =
-        UpdatedPose(state.camera_from_pattern[i], step.poses[i]);
+    updated.rig_from_pattern[i] =
+        UpdatedPose(state.rig_from_pattern[i], step.poses[i]);
   return updated;
 }
 
 double PriorCost(const GaussianPrior& prior, const AdjustmentState& state,
                  const AdjustmentOptions& options) {
   double cost = 0;
-  if (!options.fix_camera && prior.camera_mean.size() > 0) {
-    const Eigen::VectorXd difference =
-        state.camera->Parameters() - prior.camera_mean;
-    cost += prior.camera_weight / 2 *
-            difference.dot(prior.camera_precision * difference);
-    if (prior.orientation.cols() > 0)
-      cost += prior.orientation_weight / 2 *
-              (prior.orientation.transpose() * difference).squaredNorm();
-  }
+  if (!options.fix_cameras)
+    for (size_t c = 0; c < prior.cameras.size(); ++c)
+      cost += prior.cameras[c].Cost(state.cameras[c]->Parameters());
   if (!options.fix_points)
     for (size_t i = 0; i < prior.points_mean.size(); ++i)
       cost += prior.points_weight / 2 *
@@ -48,8 +46,7 @@ NormalEquations BuildEquations(const std::vector<View>& views,
                                const AdjustmentOptions& options,
                                const AdjustmentState& state) {
   NormalEquations equations(
-      {state.camera->NumParameters(), static_cast<int>(state.points.size()),
-       static_cast<int>(views.size()), options.fix_camera, options.fix_points},
+      NormalEquations::SizesOf(state, options.fix_cameras, options.fix_points),
       options.num_threads);
   equations.AddResiduals(LinearizeResiduals(state, views, options.num_threads),
                          options.huber_px);
@@ -102,17 +99,15 @@ struct PriorGroup {
   }
 };
 
-PriorGroup CameraGroup(const GaussianPrior& prior, const AdjustmentState& state,
-                       const CovarianceSamples& samples) {
-  const Eigen::VectorXd difference =
-      state.camera->Parameters() - prior.camera_mean;
+PriorGroup CameraGroup(const CameraPrior& prior,
+                       const Eigen::VectorXd& parameters,
+                       const Eigen::MatrixXd& samples) {
+  const Eigen::VectorXd difference = parameters - prior.mean;
   PriorGroup group;
-  group.count = prior.camera_rank;
-  group.squared_distance = difference.dot(prior.camera_precision * difference);
-  group.trace =
-      samples.camera.cwiseProduct(prior.camera_precision * samples.camera)
-          .sum() /
-      static_cast<double>(samples.camera.cols());
+  group.count = prior.rank;
+  group.squared_distance = difference.dot(prior.precision * difference);
+  group.trace = samples.cwiseProduct(prior.precision * samples).sum() /
+                static_cast<double>(samples.cols());
   return group;
 }
 
@@ -201,7 +196,8 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
   const double square_metres_per_pixel = SquaredMetresPerPixel(
       LinearizeResiduals(*state, views, options.num_threads));
   // A first guess: residuals, second differences and points all scatter alike.
-  if (prior->camera_weight == 0) prior->camera_weight = 1;
+  for (CameraPrior& camera : prior->cameras)
+    if (camera.weight == 0) camera.weight = 1;
   if (prior->points_weight == 0)
     prior->points_weight = 1 / square_metres_per_pixel;
   AdjustmentOptions rough = options;
@@ -214,10 +210,15 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
     CovarianceSamples samples;
     if (!equations.SampleCovariance(kTraceSamples, &samples)) break;
 
-    const PriorGroup camera = CameraGroup(*prior, *state, samples);
-    const double num_camera = state->camera->NumParameters() -
-                              prior->camera_rank +
-                              camera.NumDetermined(prior->camera_weight);
+    std::vector<PriorGroup> cameras;
+    double num_camera = 0;
+    for (size_t c = 0; c < prior->cameras.size(); ++c) {
+      const CameraPrior& camera = prior->cameras[c];
+      cameras.push_back(CameraGroup(camera, state->cameras[c]->Parameters(),
+                                    samples.cameras[c]));
+      num_camera += state->cameras[c]->NumParameters() - camera.rank +
+                    cameras.back().NumDetermined(camera.weight);
+    }
     double num_points = 0;
     PriorGroup points;
     if (!rough.fix_points) {
@@ -226,9 +227,14 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
     }
     const double variance = ResidualVariance(
         summary.residuals, options.huber_px,
-        num_camera + num_points + 6.0 * static_cast<double>(views.size()));
-    const double camera_change = UpdateWeight(
-        camera, variance, kNegligiblePx * kNegligiblePx, &prior->camera_weight);
+        num_camera + num_points +
+            6.0 * static_cast<double>(state->rig_from_pattern.size()));
+    double camera_change = 0;
+    for (size_t c = 0; c < cameras.size(); ++c)
+      camera_change =
+          std::max(camera_change, UpdateWeight(cameras[c], variance,
+                                               kNegligiblePx * kNegligiblePx,
+                                               &prior->cameras[c].weight));
     if (!rough.fix_points && num_points < kFewDetermined * points.count) {
       // The board is as nominal as these observations can tell.
       state->points = prior->points_mean;

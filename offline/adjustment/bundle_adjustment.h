@@ -10,7 +10,7 @@
 namespace raygrid {
 
 struct AdjustmentOptions {
-  bool fix_camera = false;
+  bool fix_cameras = false;
   bool fix_points = false;
   double huber_px = 1;  ///< paper, "Bundle Adjustment"
   int max_iterations = 50;

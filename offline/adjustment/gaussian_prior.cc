@@ -96,7 +96,16 @@ std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
 
 }  // namespace
 
-GaussianPrior SmoothnessPrior(const CentralGeneric& base) {
+double CameraPrior::Cost(const Eigen::VectorXd& parameters) const {
+  const Eigen::VectorXd difference = parameters - mean;
+  double cost = weight / 2 * difference.dot(precision * difference);
+  if (orientation.cols() > 0)
+    cost += orientation_weight / 2 *
+            (orientation.transpose() * difference).squaredNorm();
+  return cost;
+}
+
+CameraPrior SmoothnessPrior(const CentralGeneric& base) {
   const BSplineSurface& surface = base.surface();
   DifferenceRows differences(PixelsPerChartUnit(surface));
   const double range_px =
@@ -112,10 +121,10 @@ GaussianPrior SmoothnessPrior(const CentralGeneric& base) {
               std::pow(kappa, kOrder - order),
           &differences);
 
-  GaussianPrior prior;
-  prior.camera_mean = base.Parameters();
-  prior.camera_precision = differences.Precision();
-  prior.camera_rank = 2 * surface.num_points();
+  CameraPrior prior;
+  prior.mean = base.Parameters();
+  prior.precision = differences.Precision();
+  prior.rank = 2 * surface.num_points();
   prior.orientation.resize(2 * surface.num_points(), 3);
   for (int k = 0; k < surface.num_points(); ++k)
     prior.orientation.middleRows<2>(2 * k) =
@@ -128,7 +137,7 @@ GaussianPrior SmoothnessPrior(const CentralGeneric& base) {
   return prior;
 }
 
-GaussianPrior DistortionPrior(const OpenCvModel& lens, const Area& area) {
+CameraPrior DistortionPrior(const OpenCvModel& lens, const Area& area) {
   using Lens = OpenCvModel;
   const Eigen::VectorXd parameters = lens.Parameters();
   const double focal_px = parameters[Lens::kFx];
@@ -151,11 +160,11 @@ GaussianPrior DistortionPrior(const OpenCvModel& lens, const Area& area) {
   add(Lens::kP1, 2);
   add(Lens::kP2, 2);
 
-  GaussianPrior prior;
-  prior.camera_mean = Eigen::VectorXd::Zero(Lens::kCount);
-  prior.camera_precision.resize(Lens::kCount, Lens::kCount);
-  prior.camera_precision.setFromTriplets(diagonal.begin(), diagonal.end());
-  prior.camera_rank = static_cast<int>(diagonal.size());
+  CameraPrior prior;
+  prior.mean = Eigen::VectorXd::Zero(Lens::kCount);
+  prior.precision.resize(Lens::kCount, Lens::kCount);
+  prior.precision.setFromTriplets(diagonal.begin(), diagonal.end());
+  prior.rank = static_cast<int>(diagonal.size());
   prior.orientation = Eigen::MatrixXd::Zero(Lens::kCount, 0);
   return prior;
 }

@@ -10,21 +10,26 @@
 
 namespace raygrid {
 
-/// What is believed of the parameters before the observations: the camera's lie
-/// around a parametric lens, with smooth differences; the pattern's points
-/// around their nominal places. Costs, beside the residuals':
-///   camera_weight / 2 (c - c0)^T K (c - c0)
-///   + orientation_weight / 2 |G^T (c - c0)|^2
-///   + points_weight / 2 sum |p - p0|^2
-struct GaussianPrior {
-  Eigen::VectorXd camera_mean;
-  Eigen::SparseMatrix<double> camera_precision;  ///< K
-  int camera_rank = 0;                           ///< of K
-  double camera_weight = 0;
+/// What is believed of a camera's parameters before the observations: that they
+/// lie around a parametric lens, with smooth differences. Costs, beside the
+/// residuals':
+///   weight / 2 (c - c0)^T K (c - c0) + orientation_weight / 2 |G^T (c - c0)|^2
+struct CameraPrior {
+  Eigen::VectorXd mean;
+  Eigen::SparseMatrix<double> precision;  ///< K
+  int rank = 0;                           ///< of K
+  double weight = 0;
 
   Eigen::MatrixXd orientation;  ///< G, three columns; may be empty
   double orientation_weight = 0;
 
+  double Cost(const Eigen::VectorXd& parameters) const;
+};
+
+/// Priors of all cameras, or of none; and of the pattern's points around their
+/// nominal places, which costs points_weight / 2 sum |p - p0|^2.
+struct GaussianPrior {
+  std::vector<CameraPrior> cameras;
   std::vector<Eigen::Vector3d> points_mean;
   double points_weight = 0;
 };
@@ -34,13 +39,13 @@ struct GaussianPrior {
 /// separates the two. Keeps nodes that few observations determine near where
 /// their neighbours and the parametric lens would have them. Also holds the
 /// camera's orientation, which no observation can see, to base's.
-GaussianPrior SmoothnessPrior(const CentralGeneric& base);
+CameraPrior SmoothnessPrior(const CentralGeneric& base);
 
 /// Distortion coefficients around zero, each in the pixels that it moves the
 /// corner of an area by: high orders that the observations say little about
 /// stay small, where they would otherwise fold the image beyond the outermost
 /// features. Focal lengths and centre are free.
-GaussianPrior DistortionPrior(const OpenCvModel& lens, const Area& area);
+CameraPrior DistortionPrior(const OpenCvModel& lens, const Area& area);
 
 }  // namespace raygrid
 

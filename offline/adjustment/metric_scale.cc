@@ -5,8 +5,8 @@
 
 namespace raygrid {
 
-void AlignToNominal(int first, const std::vector<Eigen::Vector3d>& nominal,
-                    const std::vector<int>& views, AdjustmentState* state) {
+double AlignToNominal(int first, const std::vector<Eigen::Vector3d>& nominal,
+                      const std::vector<int>& poses, AdjustmentState* state) {
   const Eigen::Index count = static_cast<Eigen::Index>(nominal.size());
   Eigen::Matrix3Xd from(3, count), to(3, count);
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -22,11 +22,12 @@ void AlignToNominal(int first, const std::vector<Eigen::Vector3d>& nominal,
   for (Eigen::Index i = 0; i < count; ++i)
     state->points[first + i] = s * (r * state->points[first + i]) + t;
   // s (Q p + u) = Q R^-1 (s R p + t) + s u - Q R^-1 t
-  for (const int view : views) {
-    Pose& pose = state->camera_from_pattern[view];
+  for (const int index : poses) {
+    Pose& pose = state->rig_from_pattern[index];
     pose.rotation = (pose.rotation * r.inverse()).normalized();
     pose.translation = s * pose.translation - pose.rotation * t;
   }
+  return s;
 }
 
 }  // namespace raygrid

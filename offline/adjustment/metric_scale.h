@@ -9,10 +9,11 @@ namespace raygrid {
 
 /// Neither scale nor frame of a free pattern can be observed. Brings points
 /// [first, first + nominal.size()), a board, to its nominal points by the best
-/// similarity (Umeyama, 1991), and the poses of the board's views with it, so
-/// that no reprojection changes.
-void AlignToNominal(int first, const std::vector<Eigen::Vector3d>& nominal,
-                    const std::vector<int>& views, AdjustmentState* state);
+/// similarity (Umeyama, 1991), and the board's poses with it, so that no
+/// reprojection of a single camera changes. Returns its scale, by which the
+/// translations of a rig's cameras would have to grow too.
+double AlignToNominal(int first, const std::vector<Eigen::Vector3d>& nominal,
+                      const std::vector<int>& poses, AdjustmentState* state);
 
 }  // namespace raygrid
 

@@ -11,7 +11,7 @@ namespace {
 
 // The columns of a residual's Jacobian in the dense system, gathered.
 struct GatheredJacobian {
-  static constexpr int kMax = LinearizedProjection::kMaxParameters + 6;
+  static constexpr int kMax = LinearizedProjection::kMaxParameters + 12;
   int count = 0;
   std::array<int, kMax> column;
   Eigen::Matrix<double, 2, kMax> value;
@@ -23,6 +23,15 @@ struct GatheredJacobian {
       column[count] = first_column + k;
       value.col(count++) = derivative.col(k);
     }
+  }
+
+  void AddCamera(int first_column, const LinearizedProjection& projection) {
+    for (int k = 0; k < projection.num_nodes; ++k)
+      Add(first_column + projection.node_parameter[k],
+          projection.node_weight[k] *
+              projection.by_node.leftCols(projection.num_per_node));
+    Add(first_column + projection.first_global,
+        projection.by_global.leftCols(projection.num_global));
   }
 };
 
@@ -49,16 +58,36 @@ void SubtractProduct(const Eigen::MatrixXd& factor, int num_threads,
 
 }  // namespace
 
+NormalEquations::Sizes NormalEquations::SizesOf(const AdjustmentState& state,
+                                                bool fix_cameras,
+                                                bool fix_points) {
+  Sizes sizes;
+  for (const auto& camera : state.cameras)
+    sizes.num_camera_parameters.push_back(camera->NumParameters());
+  sizes.num_points = static_cast<int>(state.points.size());
+  sizes.num_poses = static_cast<int>(state.rig_from_pattern.size());
+  sizes.fix_cameras = fix_cameras;
+  sizes.fix_points = fix_points;
+  return sizes;
+}
+
 NormalEquations::NormalEquations(const Sizes& sizes, int num_threads)
     : sizes_(sizes),
       num_threads_(num_threads),
-      num_camera_(sizes.fix_camera ? 0 : sizes.num_camera_parameters),
+      first_parameter_{0},
       eliminate_points_(!sizes.fix_points &&
-                        3 * sizes.num_points > 6 * sizes.num_views),
+                        3 * sizes.num_points > 6 * sizes.num_poses),
       block_size_(eliminate_points_ ? 3 : 6) {
-  const int num_blocks = eliminate_points_ ? sizes.num_points : sizes.num_views;
+  if (!sizes.fix_cameras)
+    for (const int count : sizes.num_camera_parameters)
+      first_parameter_.push_back(first_parameter_.back() + count);
+  num_camera_ = first_parameter_.back();
+  if (!sizes.fix_cameras)
+    num_camera_ +=
+        6 * (static_cast<int>(sizes.num_camera_parameters.size()) - 1);
+  const int num_blocks = eliminate_points_ ? sizes.num_points : sizes.num_poses;
   const int num_kept = eliminate_points_
-                           ? 6 * sizes.num_views
+                           ? 6 * sizes.num_poses
                            : (sizes.fix_points ? 0 : 3 * sizes.num_points);
   const int size = num_camera_ + num_kept;
   a_.setZero(size, size);
@@ -75,12 +104,14 @@ void NormalEquations::AddResiduals(
     const Eigen::Vector2d& error = r.residual.error_px;
     const double weight = HuberWeight(error.norm(), huber_px);
     GatheredJacobian jacobian;
-    if (!sizes_.fix_camera)
-      for (int k = 0; k < r.projection.num_parameters; ++k)
-        jacobian.Add(r.projection.parameter_index[k],
-                     r.projection.by_parameter.col(k));
+    if (!sizes_.fix_cameras) {
+      jacobian.AddCamera(first_parameter_[r.camera], r.projection);
+      if (r.camera > 0)
+        jacobian.Add(first_parameter_.back() + 6 * (r.camera - 1),
+                     r.by_camera_pose);
+    }
     if (eliminate_points_)
-      jacobian.Add(num_camera_ + 6 * r.view, r.by_pose);
+      jacobian.Add(num_camera_ + 6 * r.pose, r.by_pose);
     else if (!sizes_.fix_points)
       jacobian.Add(num_camera_ + 3 * r.point, r.by_point);
 
@@ -89,7 +120,7 @@ void NormalEquations::AddResiduals(
       by_block = r.by_point;
     else
       by_block = r.by_pose;
-    const int block = eliminate_points_ ? r.point : r.view;
+    const int block = eliminate_points_ ? r.point : r.pose;
     v_[block].noalias() += weight * by_block.transpose() * by_block;
     block_gradient_[block].noalias() += weight * by_block.transpose() * error;
     for (int i = 0; i < jacobian.count; ++i) {
@@ -103,28 +134,32 @@ void NormalEquations::AddResiduals(
   }
 }
 
+void NormalEquations::AddCameraPrior(const CameraPrior& prior, int first,
+                                     const Eigen::VectorXd& parameters) {
+  const Eigen::VectorXd difference = parameters - prior.mean;
+  const Eigen::Index count = difference.size();
+  gradient_.segment(first, count) +=
+      prior.weight * (prior.precision * difference);
+  for (int k = 0; k < prior.precision.outerSize(); ++k)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(prior.precision, k); it;
+         ++it)
+      if (it.row() >= it.col())
+        a_(first + it.row(), first + it.col()) += prior.weight * it.value();
+  const Eigen::MatrixXd& g = prior.orientation;
+  if (g.cols() == 0) return;
+  gradient_.segment(first, count) +=
+      prior.orientation_weight * (g * (g.transpose() * difference));
+  a_.block(first, first, count, count)
+      .selfadjointView<Eigen::Lower>()
+      .rankUpdate(g, prior.orientation_weight);
+}
+
 void NormalEquations::AddPrior(const GaussianPrior& prior,
                                const AdjustmentState& state) {
-  if (!sizes_.fix_camera && prior.camera_mean.size() > 0) {
-    const Eigen::VectorXd difference =
-        state.camera->Parameters() - prior.camera_mean;
-    gradient_.head(num_camera_) +=
-        prior.camera_weight * (prior.camera_precision * difference);
-    for (int k = 0; k < prior.camera_precision.outerSize(); ++k)
-      for (Eigen::SparseMatrix<double>::InnerIterator it(prior.camera_precision,
-                                                         k);
-           it; ++it)
-        if (it.row() >= it.col())
-          a_(it.row(), it.col()) += prior.camera_weight * it.value();
-    const Eigen::MatrixXd& g = prior.orientation;
-    if (g.cols() > 0) {
-      gradient_.head(num_camera_) +=
-          prior.orientation_weight * (g * (g.transpose() * difference));
-      a_.topLeftCorner(num_camera_, num_camera_)
-          .selfadjointView<Eigen::Lower>()
-          .rankUpdate(g, prior.orientation_weight);
-    }
-  }
+  if (!sizes_.fix_cameras)
+    for (size_t c = 0; c < prior.cameras.size(); ++c)
+      AddCameraPrior(prior.cameras[c], first_parameter_[c],
+                     state.cameras[c]->Parameters());
   if (sizes_.fix_points || prior.points_mean.empty()) return;
   for (int i = 0; i < sizes_.num_points; ++i) {
     const Eigen::Vector3d gradient =
@@ -191,10 +226,14 @@ bool NormalEquations::Solve(double lambda, AdjustmentStep* step) const {
 
   const Eigen::VectorXd kept = dense.tail(dense.size() - num_camera_);
   const Eigen::VectorXd& poses = eliminate_points_ ? kept : eliminated;
-  step->camera = dense.head(num_camera_);
+  for (size_t c = 0; c + 1 < first_parameter_.size(); ++c)
+    step->cameras.push_back(dense.segment(
+        first_parameter_[c], first_parameter_[c + 1] - first_parameter_[c]));
+  for (int first = first_parameter_.back(); first < num_camera_; first += 6)
+    step->camera_poses.push_back(dense.segment<6>(first));
   step->points = eliminate_points_ ? eliminated : kept;
-  step->poses.resize(sizes_.num_views);
-  for (int i = 0; i < sizes_.num_views; ++i)
+  step->poses.resize(sizes_.num_poses);
+  for (int i = 0; i < sizes_.num_poses; ++i)
     step->poses[i] = poses.segment<6>(6 * i);
   return dense.allFinite() && eliminated.allFinite();
 }
@@ -211,7 +250,9 @@ bool NormalEquations::SampleCovariance(int num_samples,
   Eigen::MatrixXd dense(a_.rows(), num_samples);
   fill_with_signs(&dense);
   reduced.dense.matrixU().solveInPlace(dense);
-  samples->camera = dense.topRows(num_camera_);
+  for (size_t c = 0; c + 1 < first_parameter_.size(); ++c)
+    samples->cameras.push_back(dense.middleRows(
+        first_parameter_[c], first_parameter_[c + 1] - first_parameter_[c]));
   samples->points = dense.bottomRows(dense.rows() - num_camera_);
   if (eliminate_points_) {
     Eigen::MatrixXd own(3 * sizes_.num_points, num_samples);

@@ -12,28 +12,34 @@ namespace raygrid {
 
 /// A step of all parameters.
 struct AdjustmentStep {
-  Eigen::VectorXd camera;
+  std::vector<Eigen::VectorXd> cameras;  ///< none if they are fixed
+  std::vector<Eigen::Matrix<double, 6, 1>> camera_poses;  ///< but the first's
   Eigen::VectorXd points;  ///< three numbers a point
   std::vector<Eigen::Matrix<double, 6, 1>> poses;
 };
 
 /// Random parameters that scatter as the adjusted ones do.
 struct CovarianceSamples {
-  Eigen::MatrixXd camera, points;  ///< a column a sample
+  std::vector<Eigen::MatrixXd> cameras;  ///< a column a sample
+  Eigen::MatrixXd points;                ///< likewise
 };
 
 /// The Gauss-Newton equations H x = -g of bundle adjustment, in the blocks
-///   [ A   W ] [ camera and kept group ]
-///   [ W^T V ] [ eliminated group      ]
-/// The groups are poses (6 numbers each) and points (3 each). A residual
+///   [ A   W ] [ cameras, their poses in the rig, and kept group ]
+///   [ W^T V ] [ eliminated group                                ]
+/// The groups are rig poses (6 numbers each) and points (3 each). A residual
 /// belongs to one pose and one point, so V is block-diagonal for either; the
 /// larger group is eliminated (Schur complement) and a dense system is left.
 class NormalEquations {
  public:
   struct Sizes {
-    int num_camera_parameters = 0, num_points = 0, num_views = 0;
-    bool fix_camera = false, fix_points = false;  ///< these get no equations
+    std::vector<int> num_camera_parameters;  ///< of each camera
+    int num_points = 0, num_poses = 0;
+    /// These get no equations; cameras are fixed with their poses in the rig.
+    bool fix_cameras = false, fix_points = false;
   };
+  static Sizes SizesOf(const AdjustmentState& state, bool fix_cameras,
+                       bool fix_points);
   NormalEquations(const Sizes& sizes, int num_threads);
 
   void AddResiduals(const std::vector<LinearizedResidual>& residuals,
@@ -52,6 +58,9 @@ class NormalEquations {
 
  private:
   using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+  void AddCameraPrior(const CameraPrior& prior, int first,
+                      const Eigen::VectorXd& parameters);
+
   using BlockVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
 
   // A - sum W V^-1 W^T, factored.
@@ -67,8 +76,9 @@ class NormalEquations {
 
   Sizes sizes_;
   int num_threads_;
-  int num_camera_;         // adjusted camera parameters
-  bool eliminate_points_;  // or else the poses
+  std::vector<int> first_parameter_;  // of each camera; and their end
+  int num_camera_;                    // so many, and their poses in the rig
+  bool eliminate_points_;             // or else the poses
   int block_size_;
   Eigen::MatrixXd a_;  // lower triangle
   Eigen::VectorXd gradient_;

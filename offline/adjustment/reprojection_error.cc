@@ -13,28 +13,38 @@ std::vector<int> FirstObservations(const std::vector<View>& views) {
   return first;
 }
 
-LinearizedResidual Linearize(const AdjustmentState& state, int view,
+// d(exp(w) R p + t + v) = -[R p]x w + v
+Eigen::Matrix<double, 3, 6> UpdateDerivative(const Eigen::Vector3d& rotated) {
+  Eigen::Matrix<double, 3, 6> derivative;
+  derivative << 0, rotated.z(), -rotated.y(), 1, 0, 0,  //
+      -rotated.z(), 0, rotated.x(), 0, 1, 0,            //
+      rotated.y(), -rotated.x(), 0, 0, 0, 1;
+  return derivative;
+}
+
+LinearizedResidual Linearize(const AdjustmentState& state, const View& view,
                              const Observation& observation) {
   LinearizedResidual result;
-  result.view = view;
+  result.camera = view.camera;
+  result.pose = view.pose;
   result.point = observation.point;
-  const Pose& pose = state.camera_from_pattern[view];
+  const Pose& pose = state.rig_from_pattern[view.pose];
+  const Pose& camera_pose = state.camera_from_rig[view.camera];
   const Eigen::Vector3d rotated =
       pose.rotation * state.points[observation.point];
-  const Eigen::Vector3d in_camera = rotated + pose.translation;
-  if (!state.camera->Linearize(in_camera, &observation.pixel,
-                               kAdjustmentMarginPx, &result.projection))
+  const Eigen::Vector3d rotated_to_camera =
+      camera_pose.rotation * (rotated + pose.translation);
+  if (!state.cameras[view.camera]->Linearize(
+          rotated_to_camera + camera_pose.translation, &observation.pixel,
+          kAdjustmentMarginPx, &result.projection))
     return result;
   result.residual = {true, result.projection.pixel - observation.pixel};
-
-  // d(exp(w) R p + t + v) = -[R p]x w + v
-  Eigen::Matrix3d minus_cross;
-  minus_cross << 0, rotated.z(), -rotated.y(), -rotated.z(), 0, rotated.x(),
-      rotated.y(), -rotated.x(), 0;
-  result.by_pose << result.projection.by_point * minus_cross,
-      result.projection.by_point;
-  result.by_point =
-      result.projection.by_point * pose.rotation.toRotationMatrix();
+  const Eigen::Matrix<double, 2, 3>& by_point = result.projection.by_point;
+  const Eigen::Matrix<double, 2, 3> by_rig_point =
+      by_point * camera_pose.rotation.toRotationMatrix();
+  result.by_camera_pose = by_point * UpdateDerivative(rotated_to_camera);
+  result.by_pose = by_rig_point * UpdateDerivative(rotated);
+  result.by_point = by_rig_point * pose.rotation.toRotationMatrix();
   return result;
 }
 
@@ -46,11 +56,13 @@ std::vector<Residual> ComputeResiduals(const AdjustmentState& state,
   const std::vector<int> first = FirstObservations(views);
   std::vector<Residual> residuals(first.back());
   ParallelFor(static_cast<int>(views.size()), num_threads, [&](int v) {
+    const CameraModel& camera = *state.cameras[views[v].camera];
+    const Pose pose = state.CameraFromPattern(views[v]);
     for (size_t i = 0; i < views[v].observations.size(); ++i) {
       const Observation& observation = views[v].observations[i];
-      const auto pixel = state.camera->Project(
-          state.camera_from_pattern[v] * state.points[observation.point],
-          &observation.pixel, kAdjustmentMarginPx);
+      const auto pixel =
+          camera.Project(pose * state.points[observation.point],
+                         &observation.pixel, kAdjustmentMarginPx);
       if (pixel) residuals[first[v] + i] = {true, *pixel - observation.pixel};
     }
   });
@@ -64,7 +76,8 @@ std::vector<LinearizedResidual> LinearizeResiduals(
   std::vector<LinearizedResidual> residuals(first.back());
   ParallelFor(static_cast<int>(views.size()), num_threads, [&](int v) {
     for (size_t i = 0; i < views[v].observations.size(); ++i)
-      residuals[first[v] + i] = Linearize(state, v, views[v].observations[i]);
+      residuals[first[v] + i] =
+          Linearize(state, views[v], views[v].observations[i]);
   });
   return residuals;
 }

@@ -23,8 +23,9 @@ struct Residual {
 /// A residual with its derivatives by everything it depends on.
 struct LinearizedResidual {
   Residual residual;
-  int view = 0, point = 0;
-  Eigen::Matrix<double, 2, 6> by_pose;  ///< by the update of UpdatedPose()
+  int camera = 0, pose = 0, point = 0;
+  /// By the updates of UpdatedPose() of camera_from_rig and rig_from_pattern.
+  Eigen::Matrix<double, 2, 6> by_camera_pose, by_pose;
   Eigen::Matrix<double, 2, 3> by_point;
   LinearizedProjection projection;  ///< derivatives by the camera's parameters
 };

@@ -12,16 +12,24 @@
 
 namespace raygrid {
 
-/// A projection and its derivatives. A grid model's projection depends on the
-/// few parameters around it, so that these come with their indices.
+/// A projection and its derivatives. It depends on the nodes (control points)
+/// of a spline around it, all of which act alike but for their weights, and on
+/// parameters that act everywhere.
 struct LinearizedProjection {
-  static constexpr int kMaxParameters = 32;
+  static constexpr int kMaxNodes = 16, kMaxPerNode = 5, kMaxGlobal = 20;
+  static constexpr int kMaxParameters = kMaxNodes * kMaxPerNode + kMaxGlobal;
 
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, 3> by_point;  ///< d pixel / d point
-  int num_parameters = 0;
-  std::array<int, kMaxParameters> parameter_index;
-  Eigen::Matrix<double, 2, kMaxParameters> by_parameter;
+
+  int num_nodes = 0, num_per_node = 0;
+  std::array<int, kMaxNodes> node_parameter;  ///< the first one of each node
+  std::array<double, kMaxNodes> node_weight;
+  /// d pixel / d a node's parameters, for a node of weight 1.
+  Eigen::Matrix<double, 2, kMaxPerNode> by_node;
+
+  int num_global = 0, first_global = 0;
+  Eigen::Matrix<double, 2, kMaxGlobal> by_global;
 };
 
 /// A central camera: every calibrated pixel looks along one direction, from the

@@ -116,14 +116,14 @@ bool CentralGeneric::Linearize(const Eigen::Vector3d& point,
   projection->by_point = inverse * ToChartDerivative(point);
 
   const SplineSupport support = surface_.Support(solution->pixel);
-  projection->num_parameters = 32;
+  projection->num_nodes = 16;
+  projection->num_per_node = 2;
+  projection->by_node.leftCols<2>() = -inverse;
   for (int k = 0; k < 16; ++k) {
     const int index =
         (support.row + k / 4) * surface_.columns() + support.column + k % 4;
-    const double weight = support.wy[k / 4] * support.wx[k % 4];
-    projection->parameter_index[2 * k] = 2 * index;
-    projection->parameter_index[2 * k + 1] = 2 * index + 1;
-    projection->by_parameter.middleCols<2>(2 * k) = -weight * inverse;
+    projection->node_parameter[k] = 2 * index;
+    projection->node_weight[k] = support.wy[k / 4] * support.wx[k % 4];
   }
   return true;
 }

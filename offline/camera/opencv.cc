@@ -120,10 +120,9 @@ bool OpenCvModel::Linearize(const Eigen::Vector3d& point,
   const Eigen::Matrix<Jet, 2, 1> value =
       Distort<Jet>(x / z, y / z, parameters.data());
   projection->pixel = *pixel;
-  projection->num_parameters = kCount;
-  for (int k = 0; k < kCount; ++k) projection->parameter_index[k] = k;
+  projection->num_global = kCount;
   for (int row = 0; row < 2; ++row) {
-    projection->by_parameter.row(row).head<kCount>() =
+    projection->by_global.row(row).head<kCount>() =
         value[row].v.head<kCount>().transpose();
     projection->by_point.row(row) = value[row].v.tail<3>().transpose();
   }

@@ -14,6 +14,16 @@ struct Pose {
   Eigen::Vector3d operator*(const Eigen::Vector3d& point) const {
     return rotation * point + translation;
   }
+  /// c_from_a = c_from_b * b_from_a.
+  Pose operator*(const Pose& b_from_a) const {
+    return {(rotation * b_from_a.rotation).normalized(),
+            rotation * b_from_a.translation + translation};
+  }
+  /// a_from_b.
+  Pose Inverse() const {
+    const Eigen::Quaterniond back = rotation.conjugate();
+    return {back, -(back * translation)};
+  }
 };
 
 /// Rotation by an axis-angle vector.

@@ -47,7 +47,6 @@ bool FisheyeLens::Linearize(const Eigen::Vector3d& point,
   const auto pixel = Project(point, start, margin_px);
   if (!pixel) return false;
   projection->pixel = *pixel;
-  projection->num_parameters = 0;
   const double across = point.head<2>().norm(), z = point.z();
   const double norm2 = point.squaredNorm();
   projection->by_point.setZero();

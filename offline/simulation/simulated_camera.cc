@@ -73,7 +73,6 @@ bool SimulatedCamera::Linearize(const Eigen::Vector3d& point,
   Eigen::Matrix2d derivative;
   projection->pixel = Bend(projection->pixel, &derivative);
   projection->by_point = derivative * projection->by_point;
-  projection->num_parameters = 0;
   return area().Contains(projection->pixel, margin_px);
 }
 

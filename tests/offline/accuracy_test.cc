@@ -2,7 +2,8 @@
 
 #include <cstdio>
 
-#include "calibration.h"
+#include "calibration/calibration.h"
+#include "calibration/camera_evaluation.h"
 #include "evaluation/model_difference.h"
 #include "simulation/simulated_camera.h"
 #include "simulation/simulated_observations.h"

@@ -75,12 +75,12 @@ void AddPriorBlocks(const GaussianPrior& prior, double* camera,
                     std::vector<Eigen::Vector3d>* points,
                     ceres::Problem* problem) {
   using CameraVector = Eigen::Matrix<double, OpenCvModel::kCount, 1>;
-  const Eigen::MatrixXd precision = prior.camera_precision;
+  const Eigen::MatrixXd precision = prior.cameras[0].precision;
   problem->AddResidualBlock(
       NewPriorCost<OpenCvModel::kCount>(
-          CameraVector(prior.camera_mean),
+          CameraVector(prior.cameras[0].mean),
           CameraVector(
-              (prior.camera_weight * precision.diagonal()).cwiseSqrt())),
+              (prior.cameras[0].weight * precision.diagonal()).cwiseSqrt())),
       nullptr, camera);
   for (size_t i = 0; i < points->size(); ++i)
     problem->AddResidualBlock(
@@ -94,9 +94,9 @@ Solution SolveByCeres(const std::vector<View>& views,
                       const GaussianPrior& prior, bool fix_points,
                       const AdjustmentState& start) {
   Solution solution;
-  solution.camera = start.camera->Parameters();
+  solution.camera = start.camera().Parameters();
   solution.points = start.points;
-  std::vector<PoseParameters> poses = ToParameters(start.camera_from_pattern);
+  std::vector<PoseParameters> poses = ToParameters(start.rig_from_pattern);
   ceres::Problem problem;
   for (size_t v = 0; v < views.size(); ++v)
     for (const Observation& o : views[v].observations)
@@ -127,8 +127,9 @@ Solution SolveByCeres(const std::vector<View>& views,
 }
 
 double CostOfPrior(const GaussianPrior& prior, const AdjustmentState& state) {
-  const Eigen::VectorXd d = state.camera->Parameters() - prior.camera_mean;
-  double cost = prior.camera_weight / 2 * d.dot(prior.camera_precision * d);
+  const Eigen::VectorXd d = state.camera().Parameters() - prior.cameras[0].mean;
+  double cost =
+      prior.cameras[0].weight / 2 * d.dot(prior.cameras[0].precision * d);
   for (size_t i = 0; i < state.points.size(); ++i)
     cost += prior.points_weight / 2 *
             (state.points[i] - prior.points_mean[i]).squaredNorm();
@@ -154,13 +155,13 @@ SmallProblem NoisyProblem(const SmallProblemSizes& sizes) {
 
 void ExpectSameSolution(const Solution& expected,
                         const AdjustmentState& state) {
-  const Eigen::VectorXd camera = state.camera->Parameters();
+  const Eigen::VectorXd camera = state.camera().Parameters();
   EXPECT_LT((camera - expected.camera).head<4>().norm(), 1e-2);
   EXPECT_LT((camera - expected.camera).tail<8>().norm(), 1e-3);
   for (size_t i = 0; i < state.points.size(); ++i)
     EXPECT_LT((state.points[i] - expected.points[i]).norm(), 1e-5);
   for (size_t v = 0; v < expected.poses.size(); ++v) {
-    const Pose& pose = state.camera_from_pattern[v];
+    const Pose& pose = state.rig_from_pattern[v];
     EXPECT_LT(pose.rotation.angularDistance(expected.poses[v].rotation), 1e-4);
     EXPECT_LT((pose.translation - expected.poses[v].translation).norm(), 1e-4);
   }
@@ -197,7 +198,7 @@ TEST(AdjustBundle, FindsTheTruthWithoutNoise) {
   AdjustBundle(problem.views, PriorOf(problem), Thorough(false), &state);
   for (const Residual& r : ComputeResiduals(state, problem.views, 1))
     EXPECT_LT(r.error_px.norm(), 1e-5);
-  EXPECT_LT((state.camera->Parameters() - problem.state.camera->Parameters())
+  EXPECT_LT((state.camera().Parameters() - problem.state.camera().Parameters())
                 .cwiseAbs()
                 .maxCoeff(),
             1e-3);
@@ -207,12 +208,12 @@ TEST(AdjustBundle, LeavesWhatIsFixed) {
   const SmallProblem problem = MakeSmallProblem({6, 30, 0.3});
   const AdjustmentState start = Disturbed(problem.state, true);
   AdjustmentOptions options = Thorough(true);
-  options.fix_camera = true;
+  options.fix_cameras = true;
   AdjustmentState state = start;
   const AdjustmentSummary summary =
       AdjustBundle(problem.views, PriorOf(problem), options, &state);
   EXPECT_LT(summary.final_cost, summary.initial_cost);
-  EXPECT_EQ(state.camera->Parameters(), start.camera->Parameters());
+  EXPECT_EQ(state.camera().Parameters(), start.camera().Parameters());
   EXPECT_EQ(state.points, start.points);
 }
 

@@ -1,6 +1,7 @@
 // How a calibration behaves; how accurate it is, accuracy_test.cc says.
 
-#include "calibration.h"
+#include "calibration/calibration.h"
+#include "calibration/camera_evaluation.h"
 
 #include <set>
 

@@ -16,7 +16,7 @@ AdjustmentState Moved(const AdjustmentState& state) {
   AdjustmentState moved = state;
   for (Eigen::Vector3d& point : moved.points)
     point = scale * (rotation * point) + shift;
-  for (Pose& pose : moved.camera_from_pattern) {
+  for (Pose& pose : moved.rig_from_pattern) {
     const Eigen::Quaterniond turned = pose.rotation * rotation.inverse();
     pose = {turned, scale * pose.translation - turned * shift};
   }
@@ -30,8 +30,8 @@ TEST(AlignToNominal, RestoresAScaledAndMovedBoard) {
   for (size_t i = 0; i < state.points.size(); ++i)
     EXPECT_LT((state.points[i] - problem.state.points[i]).norm(), 1e-12);
   for (size_t v = 0; v < problem.views.size(); ++v) {
-    const Pose& found = state.camera_from_pattern[v];
-    const Pose& truth = problem.state.camera_from_pattern[v];
+    const Pose& found = state.rig_from_pattern[v];
+    const Pose& truth = problem.state.rig_from_pattern[v];
     EXPECT_LT((found.translation - truth.translation).norm(), 1e-11);
     EXPECT_LT(found.rotation.angularDistance(truth.rotation), 1e-7);
   }
@@ -60,10 +60,10 @@ TEST(AlignToNominal, LeavesOtherBoardsAndTheirViewsAlone) {
   for (int i = 10; i < 20; ++i)
     EXPECT_LT((state.points[i] - problem.state.points[i]).norm(), 1e-12);
   for (const int v : {0, 1, 3})
-    EXPECT_EQ(state.camera_from_pattern[v].translation,
-              moved.camera_from_pattern[v].translation);
-  EXPECT_LT((state.camera_from_pattern[2].translation -
-             problem.state.camera_from_pattern[2].translation)
+    EXPECT_EQ(state.rig_from_pattern[v].translation,
+              moved.rig_from_pattern[v].translation);
+  EXPECT_LT((state.rig_from_pattern[2].translation -
+             problem.state.rig_from_pattern[2].translation)
                 .norm(),
             1e-11);
 }

@@ -8,19 +8,24 @@
 namespace raygrid {
 namespace {
 
-// Which parameters there are, in the order camera, points, poses.
+// Which parameters there are: cameras, their poses in the rig, points, poses.
 struct Layout {
-  int num_camera = 0, num_points = 0, num_views = 0;
+  int num_cameras = 0, num_points = 0, num_poses = 0;
 
-  Layout(const SmallProblem& problem, bool fix_camera, bool fix_points)
-      : num_camera(fix_camera ? 0 : OpenCvModel::kCount),
+  Layout(const SmallProblem& problem, bool fix_cameras, bool fix_points)
+      : num_cameras(
+            fix_cameras ? 0 : static_cast<int>(problem.state.cameras.size())),
         num_points(fix_points ? 0
                               : static_cast<int>(problem.state.points.size())),
-        num_views(static_cast<int>(problem.views.size())) {}
+        num_poses(static_cast<int>(problem.state.rig_from_pattern.size())) {}
 
-  int Point(int i) const { return num_camera + 3 * i; }
-  int View(int i) const { return Point(num_points) + 6 * i; }
-  int Size() const { return View(num_views); }
+  int Camera(int c) const { return OpenCvModel::kCount * c; }
+  int CameraPose(int c) const { return Camera(num_cameras) + 6 * (c - 1); }
+  int Point(int i) const {
+    return CameraPose(std::max(1, num_cameras)) + 3 * i;
+  }
+  int Pose(int i) const { return Point(num_points) + 6 * i; }
+  int Size() const { return Pose(num_poses); }
 };
 
 // H and g of all parameters at once.
@@ -32,25 +37,29 @@ struct DenseEquations {
 Eigen::MatrixXd DenseJacobian(const LinearizedResidual& r,
                               const Layout& layout) {
   Eigen::MatrixXd row = Eigen::MatrixXd::Zero(2, layout.Size());
-  if (layout.num_camera > 0)
-    row.leftCols(layout.num_camera) =
-        DenseByParameter(r.projection, layout.num_camera);
+  if (layout.num_cameras > 0)
+    row.middleCols<OpenCvModel::kCount>(layout.Camera(r.camera)) =
+        DenseByParameter(r.projection, OpenCvModel::kCount);
+  if (layout.num_cameras > 0 && r.camera > 0)
+    row.middleCols<6>(layout.CameraPose(r.camera)) = r.by_camera_pose;
   if (layout.num_points > 0)
     row.middleCols<3>(layout.Point(r.point)) = r.by_point;
-  row.middleCols<6>(layout.View(r.view)) = r.by_pose;
+  row.middleCols<6>(layout.Pose(r.pose)) = r.by_pose;
   return row;
 }
 
 void AddDensePrior(const GaussianPrior& prior, const AdjustmentState& state,
                    const Layout& layout, DenseEquations* dense) {
-  const int n = layout.num_camera;
-  if (n > 0) {
+  constexpr int n = OpenCvModel::kCount;
+  for (int c = 0; c < layout.num_cameras; ++c) {
+    const CameraPrior& camera = prior.cameras[c];
     const Eigen::MatrixXd k =
-        prior.camera_weight * Eigen::MatrixXd(prior.camera_precision) +
-        prior.orientation_weight * prior.orientation *
-            prior.orientation.transpose();
-    dense->h.topLeftCorner(n, n) += k;
-    dense->g.head(n) += k * (state.camera->Parameters() - prior.camera_mean);
+        camera.weight * Eigen::MatrixXd(camera.precision) +
+        camera.orientation_weight * camera.orientation *
+            camera.orientation.transpose();
+    dense->h.block<n, n>(layout.Camera(c), layout.Camera(c)) += k;
+    dense->g.segment<n>(layout.Camera(c)) +=
+        k * (state.cameras[c]->Parameters() - camera.mean);
   }
   for (int i = 0; i < layout.num_points; ++i) {
     dense->h.diagonal().segment<3>(layout.Point(i)).array() +=
@@ -77,12 +86,10 @@ DenseEquations BuildDense(const std::vector<View>& views,
 
 NormalEquations BuildSparse(const std::vector<View>& views,
                             const AdjustmentState& state,
-                            const GaussianPrior& prior, bool fix_camera,
+                            const GaussianPrior& prior, bool fix_cameras,
                             bool fix_points, int num_threads = 1) {
   NormalEquations equations(
-      {OpenCvModel::kCount, static_cast<int>(state.points.size()),
-       static_cast<int>(views.size()), fix_camera, fix_points},
-      num_threads);
+      NormalEquations::SizesOf(state, fix_cameras, fix_points), num_threads);
   equations.AddResiduals(LinearizeResiduals(state, views, 1), 1);
   equations.AddPrior(prior, state);
   return equations;
@@ -91,24 +98,27 @@ NormalEquations BuildSparse(const std::vector<View>& views,
 // In the dense order.
 Eigen::VectorXd Stacked(const AdjustmentStep& step, const Layout& layout) {
   Eigen::VectorXd stacked(layout.Size());
-  stacked.head(layout.num_camera) = step.camera;
+  for (int c = 0; c < layout.num_cameras; ++c)
+    stacked.segment<OpenCvModel::kCount>(layout.Camera(c)) = step.cameras[c];
+  for (int c = 1; c < layout.num_cameras; ++c)
+    stacked.segment<6>(layout.CameraPose(c)) = step.camera_poses[c - 1];
   stacked.segment(layout.Point(0), 3 * layout.num_points) = step.points;
-  for (int i = 0; i < layout.num_views; ++i)
-    stacked.segment<6>(layout.View(i)) = step.poses[i];
+  for (int i = 0; i < layout.num_poses; ++i)
+    stacked.segment<6>(layout.Pose(i)) = step.poses[i];
   return stacked;
 }
 
 // Every parameter's step compared in units of its own uncertainty.
-void ExpectDenseSolution(int num_views, int num_points, bool fix_camera,
+void ExpectDenseSolution(const SmallProblemSizes& sizes, bool fix_camera,
                          bool fix_points) {
-  const SmallProblem problem = MakeSmallProblem({num_views, num_points, 0.4});
+  const SmallProblem problem = MakeSmallProblem(sizes);
   const AdjustmentState state = Disturbed(problem.state, !fix_points);
   GaussianPrior prior = PriorOf(problem);
   TestRandom random(4);
-  prior.orientation.resize(OpenCvModel::kCount, 3);
-  for (int k = 0; k < prior.orientation.size(); ++k)
-    prior.orientation.data()[k] = random.Normal();
-  prior.orientation_weight = 2;
+  prior.cameras[0].orientation.resize(OpenCvModel::kCount, 3);
+  for (int k = 0; k < prior.cameras[0].orientation.size(); ++k)
+    prior.cameras[0].orientation.data()[k] = random.Normal();
+  prior.cameras[0].orientation_weight = 2;
   const Layout layout(problem, fix_camera, fix_points);
   for (const double lambda : {1e-4, 1.0}) {
     DenseEquations dense = BuildDense(problem.views, state, prior, layout);
@@ -128,20 +138,27 @@ void ExpectDenseSolution(int num_views, int num_points, bool fix_camera,
 }
 
 TEST(NormalEquations, EliminatingPointsSolvesTheWholeSystem) {
-  ExpectDenseSolution(4, 30, false, false);  // 90 > 24
+  ExpectDenseSolution({4, 30, 0.4}, false, false);  // 90 > 24
 }
 
 TEST(NormalEquations, EliminatingPosesSolvesTheWholeSystem) {
-  ExpectDenseSolution(12, 20, false, false);  // 60 < 72
+  ExpectDenseSolution({12, 20, 0.4}, false, false);  // 60 < 72
 }
 
 TEST(NormalEquations, FixedPointsAreNotInTheSystem) {
-  ExpectDenseSolution(6, 30, false, true);
+  ExpectDenseSolution({6, 30, 0.4}, false, true);
 }
 
 TEST(NormalEquations, FixedCameraIsNotInTheSystem) {
-  ExpectDenseSolution(4, 30, true, false);
-  ExpectDenseSolution(12, 20, true, false);
+  ExpectDenseSolution({4, 30, 0.4}, true, false);
+  ExpectDenseSolution({12, 20, 0.4}, true, false);
+}
+
+TEST(NormalEquations, CamerasOfARigShareTheirPoses) {
+  ExpectDenseSolution({4, 30, 0.4, 3}, false, false);
+  ExpectDenseSolution({12, 20, 0.4, 2}, false, false);
+  ExpectDenseSolution({6, 30, 0.4, 2}, false, true);
+  ExpectDenseSolution({6, 30, 0.4, 2}, true, false);
 }
 
 TEST(NormalEquations, SolutionDoesNotDependOnTheNumberOfThreads) {
@@ -153,7 +170,7 @@ TEST(NormalEquations, SolutionDoesNotDependOnTheNumberOfThreads) {
                   .Solve(1e-3, &one));
   ASSERT_TRUE(BuildSparse(problem.views, state, prior, false, false, 3)
                   .Solve(1e-3, &three));
-  EXPECT_EQ(one.camera, three.camera);
+  EXPECT_EQ(one.cameras, three.cameras);
   EXPECT_EQ(one.points, three.points);
   EXPECT_EQ(one.poses, three.poses);
 }
@@ -171,12 +188,13 @@ TEST(NormalEquations, ResidualsThatAreNotValidDoNotCount) {
   AdjustmentStep steps[2];
   int k = 0;
   for (const auto& residuals : {all, some}) {
-    NormalEquations equations({OpenCvModel::kCount, 30, 5, false, false}, 1);
+    NormalEquations equations(
+        NormalEquations::SizesOf(problem.state, false, false), 1);
     equations.AddResiduals(residuals, 1);
     equations.AddPrior(prior, problem.state);
     ASSERT_TRUE(equations.Solve(1e-3, &steps[k++]));
   }
-  EXPECT_EQ(steps[0].camera, steps[1].camera);
+  EXPECT_EQ(steps[0].cameras, steps[1].cameras);
 }
 
 // Expects the traces of K times the covariance that the evidence approximation
@@ -191,13 +209,14 @@ void ExpectTraces(int num_views, int num_points) {
   constexpr int kNumSamples = 3000;
   ASSERT_TRUE(BuildSparse(problem.views, problem.state, prior, false, false)
                   .SampleCovariance(kNumSamples, &samples));
-  const int n = layout.num_camera;
+  constexpr int n = OpenCvModel::kCount;
   const double camera_trace =
-      (prior.camera_precision * covariance.topLeftCorner(n, n)).trace();
+      (prior.cameras[0].precision * covariance.topLeftCorner(n, n)).trace();
   const double points_trace =
       covariance.diagonal().segment(n, 3 * num_points).sum();
   EXPECT_NEAR(
-      samples.camera.cwiseProduct(prior.camera_precision * samples.camera)
+      samples.cameras[0]
+              .cwiseProduct(prior.cameras[0].precision * samples.cameras[0])
               .sum() /
           kNumSamples,
       camera_trace, 0.1 * camera_trace);

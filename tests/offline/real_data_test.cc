@@ -4,7 +4,8 @@
 #include <filesystem>
 #include <opencv2/calib3d.hpp>
 
-#include "calibration.h"
+#include "calibration/calibration.h"
+#include "calibration/camera_evaluation.h"
 #include "dataset/csv.h"
 #include "dataset/files.h"
 #include "support.h"

@@ -9,7 +9,7 @@ namespace {
 
 SmallProblem GridProblem() {
   SmallProblem problem = MakeSmallProblem({4, 30, 0.3});
-  problem.state.camera = FittedGrid(*problem.state.camera, 60).Clone();
+  problem.state.SetCamera(FittedGrid(problem.state.camera(), 60));
   return problem;
 }
 
@@ -27,10 +27,12 @@ struct Single {
 
 Single Extract(const SmallProblem& problem, size_t view, size_t observation) {
   Single single;
-  single.state.camera = problem.state.camera->Clone();
+  single.state = problem.state;
   const Observation& seen = problem.views[view].observations[observation];
   single.state.points = {problem.state.points[seen.point]};
-  single.state.camera_from_pattern = {problem.state.camera_from_pattern[view]};
+  single.state.rig_from_pattern = {
+      problem.state.rig_from_pattern[problem.views[view].pose]};
+  single.view.camera = problem.views[view].camera;
   single.view.observations = {{0, seen.pixel}};
   return single;
 }
@@ -44,7 +46,13 @@ void ExpectDerivatives(const Single& single) {
       1e-9);
   const auto by_pose = [&](const Eigen::VectorXd& update) {
     AdjustmentState changed = single.state;
-    Pose& pose = changed.camera_from_pattern[0];
+    Pose& pose = changed.rig_from_pattern[0];
+    pose = UpdatedPose(pose, update);
+    return ResidualOf(changed, single.view);
+  };
+  const auto by_camera_pose = [&](const Eigen::VectorXd& update) {
+    AdjustmentState changed = single.state;
+    Pose& pose = changed.camera_from_rig[single.view.camera];
     pose = UpdatedPose(pose, update);
     return ResidualOf(changed, single.view);
   };
@@ -57,6 +65,9 @@ void ExpectDerivatives(const Single& single) {
   EXPECT_LT(RelativeDifference(linear.by_pose,
                                CentralDifference(by_pose, zero, 1e-6)),
             1e-5);
+  EXPECT_LT(RelativeDifference(linear.by_camera_pose,
+                               CentralDifference(by_camera_pose, zero, 1e-6)),
+            1e-5);
   EXPECT_LT(RelativeDifference(
                 linear.by_point,
                 CentralDifference(by_point, single.state.points[0], 1e-6)),
@@ -65,7 +76,8 @@ void ExpectDerivatives(const Single& single) {
 
 TEST(ReprojectionError, DerivativesAreThoseOfTheResiduals) {
   for (const SmallProblem& problem :
-       {MakeSmallProblem({4, 30, 0.3}), GridProblem()})
+       {MakeSmallProblem({4, 30, 0.3}), MakeSmallProblem({3, 30, 0.3, 2}),
+        GridProblem()})
     for (size_t view = 0; view < problem.views.size(); ++view)
       for (size_t i = 0; i < 10; ++i)
         ExpectDerivatives(Extract(problem, view, i));
@@ -96,7 +108,7 @@ TEST(ReprojectionError, DoesNotDependOnTheNumberOfThreads) {
 
 TEST(ReprojectionError, PointsThatAreNotSeenHaveNone) {
   SmallProblem problem = MakeSmallProblem({2, 20, 0});
-  problem.state.camera_from_pattern[0].translation.z() -= 10;  // behind
+  problem.state.rig_from_pattern[0].translation.z() -= 10;  // behind
   const auto residuals = ComputeResiduals(problem.state, problem.views, 1);
   const auto linear = LinearizeResiduals(problem.state, problem.views, 1);
   for (size_t i = 0; i < residuals.size(); ++i) {

@@ -18,6 +18,7 @@ struct SmallProblem {
 struct SmallProblemSizes {
   int num_views = 0, num_points = 0;
   double noise_px = 0;
+  int num_cameras = 1;
 };
 
 /// A board in front of ExampleLens(), every point in every view. The lens's
@@ -25,7 +26,13 @@ struct SmallProblemSizes {
 inline SmallProblem MakeSmallProblem(const SmallProblemSizes& sizes) {
   TestRandom random(21);
   SmallProblem problem;
-  problem.state.camera = ExampleLens().WithArea({-200, -200, 840, 680}).Clone();
+  const OpenCvModel lens = ExampleLens().WithArea({-200, -200, 840, 680});
+  problem.state.SetCamera(lens);
+  for (int c = 1; c < sizes.num_cameras; ++c) {
+    problem.state.cameras.push_back(lens.Clone());
+    problem.state.camera_from_rig.push_back(
+        {RotationFromVector({0.1 * c, -0.05, 0.2}), {-0.1 * c, 0.02, 0.01}});
+  }
   for (int i = 0; i < sizes.num_points; ++i)
     problem.state.points.emplace_back(random.Uniform(-0.3, 0.3),
                                       random.Uniform(-0.2, 0.2),
@@ -36,25 +43,33 @@ inline SmallProblem MakeSmallProblem(const SmallProblemSizes& sizes) {
                             random.Uniform(-0.7, 0.7), random.Uniform(-2, 2)}),
         {random.Uniform(-0.15, 0.15), random.Uniform(-0.1, 0.1),
          random.Uniform(0.7, 1.0)}};
-    View view;
-    for (int i = 0; i < sizes.num_points; ++i)
-      view.observations.push_back(
-          {i, problem.state.camera->Project(pose * problem.state.points[i])
-                      .value() +
-                  sizes.noise_px * random.NormalVector<2>()});
-    problem.views.push_back(view);
-    problem.state.camera_from_pattern.push_back(pose);
+    problem.state.rig_from_pattern.push_back(pose);
+    for (int c = 0; c < sizes.num_cameras; ++c) {
+      View view;
+      view.camera = c;
+      view.pose = v;
+      for (int i = 0; i < sizes.num_points; ++i)
+        view.observations.push_back(
+            {i, problem.state.cameras[c]
+                        ->Project(problem.state.CameraFromPattern(view) *
+                                  problem.state.points[i])
+                        .value() +
+                    sizes.noise_px * random.NormalVector<2>()});
+      problem.views.push_back(view);
+    }
   }
   return problem;
 }
 
 /// Every part of the prior at work, around the true state.
 inline GaussianPrior PriorOf(const SmallProblem& problem) {
-  GaussianPrior prior =
-      DistortionPrior(dynamic_cast<const OpenCvModel&>(*problem.state.camera),
-                      WholeImage({640, 480}));
-  prior.camera_mean = problem.state.camera->Parameters();
-  prior.camera_weight = 0.5;
+  GaussianPrior prior;
+  for (const auto& camera : problem.state.cameras) {
+    prior.cameras.push_back(DistortionPrior(
+        dynamic_cast<const OpenCvModel&>(*camera), WholeImage({640, 480})));
+    prior.cameras.back().mean = camera->Parameters();
+    prior.cameras.back().weight = 0.5;
+  }
   prior.points_mean = problem.state.points;
   prior.points_weight = 1e6;
   return prior;
@@ -65,11 +80,16 @@ inline AdjustmentState Disturbed(const AdjustmentState& truth,
                                  bool move_points) {
   TestRandom random(22);
   AdjustmentState state = truth;
-  Eigen::VectorXd parameters = truth.camera->Parameters();
-  parameters.head<4>() += 5 * random.NormalVector<4>();
-  parameters.tail<8>() += 0.01 * random.NormalVector<8>();
-  state.camera->SetParameters(parameters);
-  for (Pose& pose : state.camera_from_pattern)
+  for (auto& camera : state.cameras) {
+    Eigen::VectorXd parameters = camera->Parameters();
+    parameters.head<4>() += 5 * random.NormalVector<4>();
+    parameters.tail<8>() += 0.01 * random.NormalVector<8>();
+    camera->SetParameters(parameters);
+  }
+  for (size_t c = 1; c < state.camera_from_rig.size(); ++c)
+    state.camera_from_rig[c] =
+        UpdatedPose(state.camera_from_rig[c], 0.01 * random.NormalVector<6>());
+  for (Pose& pose : state.rig_from_pattern)
     pose = UpdatedPose(pose, 0.01 * random.NormalVector<6>());
   if (move_points)
     for (Eigen::Vector3d& p : state.points)

@@ -141,8 +141,11 @@ inline void ExpectDerivativeByPoint(const CameraModel& camera,
 inline Eigen::MatrixXd DenseByParameter(const LinearizedProjection& linear,
                                         int num_parameters) {
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(2, num_parameters);
-  for (int k = 0; k < linear.num_parameters; ++k)
-    dense.col(linear.parameter_index[k]) += linear.by_parameter.col(k);
+  for (int k = 0; k < linear.num_nodes; ++k)
+    dense.middleCols(linear.node_parameter[k], linear.num_per_node) +=
+        linear.node_weight[k] * linear.by_node.leftCols(linear.num_per_node);
+  dense.middleCols(linear.first_global, linear.num_global) +=
+      linear.by_global.leftCols(linear.num_global);
   return dense;
 }
 

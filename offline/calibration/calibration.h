@@ -1,5 +1,5 @@
-#ifndef RAYGRID_CALIBRATION_H
-#define RAYGRID_CALIBRATION_H
+#ifndef RAYGRID_CALIBRATION_CALIBRATION_H
+#define RAYGRID_CALIBRATION_CALIBRATION_H
 
 #include <functional>
 #include <string>
@@ -15,33 +15,25 @@ using Progress = std::function<void(const std::string& stage, double done)>;
 
 /// Measures the features of a dataset once more, through a first camera: its
 /// model, the pattern as it was found to be, where the boards stood.
-using MeasureAgain = std::function<Dataset(
-    const CameraModel&, const Pattern&, const std::vector<BoardPose>&)>;
+using MeasureAgain = std::function<Dataset(const CameraModel&, const Pattern&,
+                                           const std::vector<BoardPose>&)>;
 
 struct CalibrationOptions {
   std::string model = "central-generic";  ///< or "opencv"
   double cell_px = 0;                     ///< 0: chosen by held-out error
   bool flat_board = false;  ///< keep the pattern's points as they are given
   std::vector<std::string> hold_out;  ///< images not to calibrate with
-  MeasureAgain measure_again;  ///< without: features stay as they are
+  MeasureAgain measure_again;         ///< without: features stay as they are
   int num_threads = 0;
   Progress progress;
 };
 
 /// From features to a camera: parametric start, features measured again,
-/// bundle adjustment, grid, held-out evaluation. Throws Error: kTooFew, kInitialization.
+/// bundle adjustment, grid, held-out evaluation. Throws Error: kTooFew,
+/// kInitialization.
 CalibrationResult Calibrate(const Dataset& dataset, const Pattern& pattern,
                             const CalibrationOptions& options);
 
-/// Each image localised with the camera and the pattern as they are.
-struct Evaluation {
-  std::vector<FeatureResidual> residuals;
-  std::vector<RejectedImage> rejected_images;
-  int outside_area = 0;  ///< features that the camera is not calibrated for
-};
-Evaluation EvaluateCamera(const CameraModel& camera, const Dataset& dataset,
-                          const Pattern& pattern, int num_threads);
-
 }  // namespace raygrid
 
-#endif  // RAYGRID_CALIBRATION_H
+#endif  // RAYGRID_CALIBRATION_CALIBRATION_H

@@ -1,0 +1,32 @@
+#include "adjustment/adjustment_state.h"
+
+namespace raygrid {
+
+AdjustmentState& AdjustmentState::operator=(const AdjustmentState& other) {
+  if (this == &other) return *this;
+  cameras.clear();
+  for (const auto& camera : other.cameras) cameras.push_back(camera->Clone());
+  camera_from_rig = other.camera_from_rig;
+  rig_from_pattern = other.rig_from_pattern;
+  points = other.points;
+  return *this;
+}
+
+void AdjustmentState::SetCamera(const CameraModel& camera) {
+  std::unique_ptr<CameraModel> copy = camera.Clone();
+  cameras.clear();
+  cameras.push_back(std::move(copy));
+  camera_from_rig = {Pose()};
+}
+
+Pose AdjustmentState::CameraFromPattern(const View& view) const {
+  return camera_from_rig[view.camera] * rig_from_pattern[view.pose];
+}
+
+int AdjustmentState::NumCameraParameters() const {
+  int count = 0;
+  for (const auto& camera : cameras) count += camera->NumParameters();
+  return count;
+}
+
+}  // namespace raygrid

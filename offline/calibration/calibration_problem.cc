@@ -1,0 +1,133 @@
+#include "calibration/calibration_problem.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "dataset/parallel_for.h"
+
+namespace raygrid {
+namespace {
+
+CalibrationProblem EmptyProblem(const std::vector<Dataset>& cameras,
+                                const Pattern& pattern) {
+  CalibrationProblem problem;
+  for (const Dataset& dataset : cameras)
+    problem.image_sizes.push_back(dataset.image_size);
+  for (const Board& board : pattern.boards) {
+    problem.first_points.push_back(static_cast<int>(problem.nominal.size()));
+    problem.nominal.insert(problem.nominal.end(), board.points.begin(),
+                           board.points.end());
+  }
+  return problem;
+}
+
+std::vector<Observation> ObservationsOf(const Board& board, int first_point,
+                                        const ImageFeatures& image) {
+  std::vector<Observation> observations;
+  for (const Feature& feature : image.features)
+    if (feature.board == board.id)
+      observations.push_back(
+          {first_point + board.PointIndex(feature.column, feature.row),
+           feature.pixel});
+  return observations;
+}
+
+}  // namespace
+
+Feature CalibrationProblem::FeatureOf(const Pattern& pattern, int view,
+                                      const Observation& observation) const {
+  const Board& board = pattern.boards[boards[view]];
+  const int index = observation.point - first_points[boards[view]];
+  return {board.id, index % board.columns, index / board.columns,
+          observation.pixel};
+}
+
+CalibrationProblem BuildProblem(const std::vector<Dataset>& cameras,
+                                const Pattern& pattern,
+                                std::vector<RejectedImage>* rejected) {
+  CalibrationProblem problem = EmptyProblem(cameras, pattern);
+  std::map<std::pair<std::string, size_t>, int> pose_of;
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    for (const ImageFeatures& image : cameras[c].images) {
+      bool used = false;
+      for (size_t b = 0; b < pattern.boards.size(); ++b) {
+        View view;
+        view.observations =
+            ObservationsOf(pattern.boards[b], problem.first_points[b], image);
+        if (view.observations.size() < kMinViewFeatures) continue;
+        view.camera = static_cast<int>(c);
+        view.pose = pose_of.emplace(std::pair(image.image, b), pose_of.size())
+                        .first->second;
+        problem.views.push_back(std::move(view));
+        problem.images.push_back(image.image);
+        problem.boards.push_back(static_cast<int>(b));
+        used = true;
+      }
+      if (!used)
+        rejected->push_back({image.image, fmt::format("only {} features",
+                                                      image.features.size())});
+    }
+  }
+  problem.num_poses = static_cast<int>(pose_of.size());
+  return problem;
+}
+
+void RemoveViews(const std::vector<bool>& remove, CalibrationProblem* problem) {
+  size_t kept = 0;
+  for (size_t v = 0; v < problem->views.size(); ++v) {
+    if (remove[v]) continue;
+    if (kept != v) problem->views[kept] = std::move(problem->views[v]);
+    problem->images[kept] = problem->images[v];
+    problem->boards[kept] = problem->boards[v];
+    ++kept;
+  }
+  problem->views.resize(kept);
+  problem->images.resize(kept);
+  problem->boards.resize(kept);
+  std::map<int, int> new_pose;
+  for (View& view : problem->views)
+    view.pose = new_pose.emplace(view.pose, new_pose.size()).first->second;
+  problem->num_poses = static_cast<int>(new_pose.size());
+}
+
+Area FeatureArea(const CalibrationProblem& problem, int camera) {
+  Area area = {1e9, 1e9, -1e9, -1e9};
+  for (const View& view : problem.views) {
+    if (view.camera != camera) continue;
+    for (const Observation& observation : view.observations) {
+      const Eigen::Vector2d& p = observation.pixel;
+      area = {std::min(area.x0, p.x()), std::min(area.y0, p.y()),
+              std::max(area.x1, p.x()), std::max(area.y1, p.y())};
+    }
+  }
+  constexpr double kUnit = 65536;
+  return {
+      std::floor(area.x0 * kUnit) / kUnit, std::floor(area.y0 * kUnit) / kUnit,
+      std::ceil(area.x1 * kUnit) / kUnit, std::ceil(area.y1 * kUnit) / kUnit};
+}
+
+std::vector<PointOnPixel> MatchesOf(
+    const View& view, const std::vector<Eigen::Vector3d>& points) {
+  std::vector<PointOnPixel> matches;
+  for (const Observation& observation : view.observations)
+    matches.push_back({points[observation.point], observation.pixel});
+  return matches;
+}
+
+std::vector<std::optional<Pose>> LocalizeViews(
+    const CameraModel& camera, int camera_index,
+    const CalibrationProblem& problem, int num_threads) {
+  const int num_views = static_cast<int>(problem.views.size());
+  std::vector<std::optional<Pose>> poses(num_views);
+  ParallelFor(num_views, NumThreads(num_threads), [&](int v) {
+    if (problem.views[v].camera == camera_index)
+      poses[v] = Localize(camera, MatchesOf(problem.views[v], problem.nominal));
+  });
+  return poses;
+}
+
+}  // namespace raygrid

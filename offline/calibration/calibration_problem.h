@@ -1,0 +1,57 @@
+#ifndef RAYGRID_CALIBRATION_CALIBRATION_PROBLEM_H
+#define RAYGRID_CALIBRATION_CALIBRATION_PROBLEM_H
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adjustment/adjustment_state.h"
+#include "dataset/dataset.h"
+#include "evaluation/calibration_result.h"
+#include "initialization/localization.h"
+
+namespace raygrid {
+
+/// The observations as adjustment wants them, and what they came from.
+struct CalibrationProblem {
+  std::vector<ImageSize> image_sizes;  ///< of each camera
+  std::vector<View> views;
+  std::vector<std::string> images;  ///< of each view
+  std::vector<int> boards;          ///< index in the pattern, of each view
+  int num_poses = 0;                ///< of one board at one instant each
+  std::vector<int> first_points;    ///< of each board
+  std::vector<Eigen::Vector3d> nominal;
+
+  /// What a view's observation was made of.
+  Feature FeatureOf(const Pattern& pattern, int view,
+                    const Observation& observation) const;
+};
+
+/// Fewer of one board in one image are not used.
+constexpr size_t kMinViewFeatures = 8;
+
+/// One view for each board in each image of each camera. Images of one name are
+/// one instant: their views of a board share its pose.
+CalibrationProblem BuildProblem(const std::vector<Dataset>& cameras,
+                                const Pattern& pattern,
+                                std::vector<RejectedImage>* rejected);
+
+/// Removes views, and poses that none is left of.
+void RemoveViews(const std::vector<bool>& remove, CalibrationProblem* problem);
+
+/// The rectangle of a camera's features, rounded outwards to what a blob can
+/// say.
+Area FeatureArea(const CalibrationProblem& problem, int camera);
+
+std::vector<PointOnPixel> MatchesOf(const View& view,
+                                    const std::vector<Eigen::Vector3d>& points);
+
+/// camera_from_pattern of each view of a camera, with the nominal points;
+/// nothing for other cameras' views.
+std::vector<std::optional<Pose>> LocalizeViews(
+    const CameraModel& camera, int camera_index,
+    const CalibrationProblem& problem, int num_threads);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CALIBRATION_CALIBRATION_PROBLEM_H

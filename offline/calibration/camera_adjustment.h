@@ -1,0 +1,39 @@
+#ifndef RAYGRID_CALIBRATION_CAMERA_ADJUSTMENT_H
+#define RAYGRID_CALIBRATION_CAMERA_ADJUSTMENT_H
+
+#include <string>
+#include <vector>
+
+#include "adjustment/bundle_adjustment.h"
+#include "calibration/calibration_problem.h"
+
+namespace raygrid {
+
+/// A calibration without its figures.
+struct Adjusted {
+  CalibrationProblem problem;
+  AdjustmentState state;
+  AdjustmentSummary summary;
+  std::vector<RejectedImage> rejected_images;
+  std::vector<FeatureResidual> rejected_features;
+};
+
+/// A starting lens from nothing but the observations, adjusted. Throws Error:
+/// kTooFew, kInitialization.
+Adjusted AdjustStart(const Dataset& dataset, const Pattern& pattern,
+                     const AdjustmentOptions& options);
+
+/// On to the model asked for: adjusted, outliers removed, once more.
+void AdjustModel(const Pattern& pattern, const std::string& model,
+                 double cell_px, const AdjustmentOptions& options,
+                 Adjusted* adjusted);
+
+/// Brings boards whose points were free to where they are nominally.
+void AlignBoards(const Pattern& pattern, Adjusted* adjusted);
+
+/// The pattern with its points where they were found to be.
+Pattern AdjustedPattern(const Pattern& pattern, const Adjusted& adjusted);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CALIBRATION_CAMERA_ADJUSTMENT_H
