@@ -11,6 +11,7 @@
 #include "dataset/files.h"
 #include "target/board_on_screen.h"
 #include "target/board_sheet.h"
+#include "target/marker_boards.h"
 #include "target/star_boards.h"
 
 namespace raygrid {
@@ -124,6 +125,13 @@ void Finish(CLI::App* command, const MakeBoards& make_boards,
   });
 }
 
+void AddNumBoards(CLI::App* command, int* num_boards) {
+  command
+      ->add_option("--boards", *num_boards,
+                   "boards with different markers, to be seen together")
+      ->capture_default_str();
+}
+
 void AddSize(CLI::App* command, const std::string& what, int* columns,
              int* rows, double* square_mm) {
   command->add_option("--columns", *columns, what + " across")->required();
@@ -158,10 +166,7 @@ void AddStar(CLI::App* pattern, CommonOptions* common) {
       ->add_option("--tag-squares", options->tag_squares,
                    "side of a tag in squares; default: about 40 mm")
       ->check(CLI::PositiveNumber);
-  command
-      ->add_option("--boards", options->num_boards,
-                   "boards with different tags, to be seen together")
-      ->capture_default_str();
+  AddNumBoards(command, &options->num_boards);
   Finish(
       command, [options] { return StarBoards(*options); }, common);
 }
@@ -209,11 +214,13 @@ void AddCharuco(CLI::App* pattern, CommonOptions* common) {
       ->capture_default_str();
   command->add_flag("--legacy", board->is_legacy,
                     "markers where OpenCV put them before 4.6");
-  const auto make_boards = [board, square_mm, marker_mm] {
+  const auto num_boards = std::make_shared<int>(1);
+  AddNumBoards(command, num_boards.get());
+  const auto make_boards = [board, square_mm, marker_mm, num_boards] {
     board->kind = "charuco";
     board->square_m = *square_mm / 1000;
     board->marker_m = *marker_mm / 1000;
-    return std::vector<Board>{*board};
+    return MarkerBoards(*board, *num_boards);
   };
   Finish(command, make_boards, common);
 }
@@ -244,13 +251,15 @@ void AddAprilGrid(CLI::App* pattern, CommonOptions* common) {
       ->add_option("--first-marker", board->first_marker,
                    "number of the first tag, at the bottom left")
       ->capture_default_str();
-  const auto make_boards = [board, tag_mm] {
+  const auto num_boards = std::make_shared<int>(1);
+  AddNumBoards(command, num_boards.get());
+  const auto make_boards = [board, tag_mm, num_boards] {
     Board made = *board;
     made.kind = "aprilgrid";
     made.columns *= 2;  // features: two for each tag
     made.rows *= 2;
     made.square_m = *tag_mm / 1000;
-    return std::vector<Board>{made};
+    return MarkerBoards(made, *num_boards);
   };
   Finish(command, make_boards, common);
 }

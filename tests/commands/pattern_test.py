@@ -45,6 +45,20 @@ class PatternCommand(CommandTest):
         pdf = read(os.path.join(folder, "pattern.pdf"))
         self.assertIn(b"/Count 3", pdf)
 
+    def test_several_boards_have_markers_of_their_own(self):
+        folder = self.pattern("charuco", "--columns", 6, "--rows", 4, "--square-mm", 25,
+                              "--marker-mm", 18, "--boards", 2, "--dpi", 50)
+        yaml = self.yaml(folder)  # 7 x 5 squares: 17 markers
+        self.assertEqual(yaml.count("kind: charuco"), 2)
+        self.assertIn("id: 1, kind: charuco, columns: 6, rows: 4, square_m: 0.025, marker_m: "
+                      "0.018, dictionary: DICT_4X4_50, first_marker: 17}", yaml)
+        self.assertIn("pattern_1.svg", os.listdir(folder))
+        folder = self.pattern("aprilgrid", "--tag-columns", 4, "--tag-rows", 3, "--tag-mm", 30,
+                              "--first-marker", 5, "--boards", 3, "--dpi", 50)
+        for first in (5, 17, 29):
+            self.assertIn(f"first_marker: {first}}}", self.yaml(folder))
+        self.assertIn(b"/Count 3", read(os.path.join(folder, "pattern.pdf")))
+
     def test_boards_of_other_makers(self):
         folder = self.pattern("charuco", "--columns", 8, "--rows", 5, "--square-mm", 28,
                               "--marker-mm", 21, "--legacy", "--dpi", 50)
@@ -87,6 +101,12 @@ class PatternCommand(CommandTest):
                      words=["200 mm"])
         self.refused("charuco", *size, 8, "--marker-mm", 9, words=["marker_m"])
         self.refused("charuco", *size, 8, "--marker-mm", 6, "--dictionary", "X", words=["'X'"])
+        self.refused("charuco", *size, 8, "--marker-mm", 6, "--dictionary", "DICT_4X4_250",
+                     "--boards", 2, words=["204 markers each", "DICT_4X4_250", "--boards"])
+        self.refused("aprilgrid", "--tag-columns", 20, "--tag-rows", 20, "--tag-mm", 5,
+                     "--boards", 2, words=["586", "--boards"])
+        self.refused("aprilgrid", "--tag-columns", 2, "--tag-rows", 2, "--tag-mm", 5,
+                     "--boards", 0, words=["--boards"])
         self.refused("aprilgrid", "--tag-columns", 0, "--tag-rows", 5, "--tag-mm", 24,
                      words=["--tag-columns"])
 

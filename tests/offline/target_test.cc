@@ -4,13 +4,18 @@
 #include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <set>
 
 #include "appearance/board_appearance.h"
 #include "dataset/files.h"
 #include "dataset/pattern.h"
+#include "features/feature_detection.h"
+#include "simulation/image_rendering.h"
+#include "simulation/simulated_lenses.h"
 #include "support.h"
 #include "target/board_on_screen.h"
 #include "target/board_sheet.h"
+#include "target/marker_boards.h"
 #include "target/star_boards.h"
 
 namespace raygrid {
@@ -207,6 +212,73 @@ TEST(StarBoards, TagsStandApart) {
             a.squares);
       }
   }
+}
+
+TEST(MarkerBoards, EachHasMarkersOfItsOwn) {
+  for (Board first : {Charuco(6, 4, 20), AprilGrid(4, 3, 24)}) {
+    first.first_marker = 2;
+    std::set<int> ids;
+    size_t num_markers = 0;
+    int id = 0;
+    for (const Board& board : MarkerBoards(first, 2)) {
+      EXPECT_EQ(board.id, id++);
+      const BoardAppearance appearance(board);
+      for (const PlacedMarker& marker : appearance.markers()) {
+        ids.insert(marker.id);
+        ++num_markers;
+      }
+    }
+    EXPECT_EQ(id, 2);
+    EXPECT_EQ(ids.size(), num_markers);
+    EXPECT_EQ(*ids.begin(), 2);
+    EXPECT_EQ(*ids.rbegin(), 1 + static_cast<int>(num_markers));
+  }
+}
+
+TEST(MarkerBoards, TooFewMarkersAreRefused) {
+  ExpectError(ExitCode::kUsage, {"--dictionary", "--boards", "0 to 49"},
+              [] { MarkerBoards(Charuco(6, 4, 20), 3); });
+  ExpectError(ExitCode::kUsage, {"--boards", "0 to 586"},
+              [] { MarkerBoards(AprilGrid(10, 10, 20), 6); });
+  ExpectError(ExitCode::kUsage, {"--boards"},
+              [] { MarkerBoards(AprilGrid(2, 2, 20), 0); });
+}
+
+// Two boards side by side, a camera before them.
+ImageDetection SeenTogether(const std::vector<Board>& boards) {
+  const auto camera = SimulatedLens("pinhole", {640, 480});
+  const BoardSurface left(boards[0]), right(boards[1]);
+  const double width_m = left.paper_m().width();
+  const auto pose = [&](double x_m) {
+    const Eigen::Vector2d middle = left.paper_m().center();
+    return Pose{Eigen::Quaterniond::Identity(),
+                {x_m - middle.x(), -middle.y(), 1.75 * width_m}};
+  };
+  const RenderedImage image =
+      RenderImage(PixelRays(*camera, 1),
+                  {{&left, pose(-width_m / 2)}, {&right, pose(width_m / 2)}},
+                  ImagingOptions(), 1);
+  return PatternDetector(Pattern{boards, ""}, {})
+      .Detect(MakeGreyImage(AddNoiseAndQuantize(image, ImagingOptions())));
+}
+
+void ExpectToldApart(const Board& first) {
+  std::vector<Board> boards = MarkerBoards(first, 2);
+  for (Board& board : boards) board.points = board.NominalPoints();
+  int count[2] = {0, 0};
+  for (const Feature& feature : SeenTogether(boards).features)
+    ++count[feature.board];
+  EXPECT_EQ(count[0], first.num_points());
+  EXPECT_EQ(count[1], first.num_points());
+}
+
+TEST(MarkerBoards, AreToldApartInAnImage) {
+  Board charuco = Charuco(6, 4, 20);
+  ExpectToldApart(charuco);
+  charuco.dictionary = "DICT_4X4_1000";
+  charuco.first_marker = 500;
+  ExpectToldApart(charuco);
+  ExpectToldApart(AprilGrid(4, 3, 24));
 }
 
 TEST(StarBoards, ImpossibleBoardsAreRefused) {
