@@ -481,6 +481,65 @@ TEST(PrintedInk, OfAprilGridsIsInPlace) {
   ExpectInkInPlace(AprilGrid(3, 3, 19.3));
 }
 
+// On the page, as pattern.yaml says.
+Eigen::Vector2d FirstFeatureMm(const std::string& yaml) {
+  const std::string key = "first_feature_m: [";
+  Eigen::Vector2d place(NAN, NAN);
+  std::sscanf(yaml.c_str() + yaml.find(key) + key.size(), "%lf, %lf",
+              &place.x(), &place.y());
+  return 1000 * place;
+}
+
+// Nothing is fitted: pixels are lengths on the page.
+void ExpectFeaturesInPlace(const Board& drawn) {
+  constexpr int kDpi = 600;
+  const BoardSheets sheets = PlanBoardSheets({drawn}, {101.6, 101.6});
+  const std::string yaml = SheetsYaml(sheets);
+  const Pattern pattern = ParsePattern("sheet", yaml);
+  const Board& board = pattern.boards[0];
+  const cv::Mat page = Rasterised(SheetsPdf(sheets), kDpi);
+  if (page.empty()) GTEST_SKIP() << "no pdftoppm; install poppler-utils";
+  Image image = {{page.cols, page.rows}, 1, {page.datastart, page.dataend}};
+  const ImageDetection seen =
+      PatternDetector(pattern, {}).Detect(MakeGreyImage(image));
+  size_t num_features = 0;
+  for (int row = 0; row < board.rows; ++row)
+    for (int column = 0; column < board.columns; ++column)
+      num_features += board.HasFeature(column, row);
+  EXPECT_EQ(seen.features.size(), num_features);
+  EXPECT_TRUE(seen.rejected.empty());
+  const Eigen::Vector2d first_mm = FirstFeatureMm(yaml);
+  double worst_mm = 0;
+  for (const Feature& feature : seen.features) {
+    const Eigen::Vector2d seen_mm =
+        (feature.pixel + Eigen::Vector2d(0.5, 0.5)) * 25.4 / kDpi;
+    const Eigen::Vector3d& point =
+        board.points[board.PointIndex(feature.column, feature.row)];
+    worst_mm = std::max(worst_mm,
+                        (seen_mm - first_mm - 1000 * point.head<2>()).norm());
+  }
+  EXPECT_LT(worst_mm, 0.02);
+  std::printf("%s: %zu features, at most %.4f mm off\n", board.kind.c_str(),
+              seen.features.size(), worst_mm);
+  ::testing::Test::RecordProperty("worst_um", std::to_string(1000 * worst_mm));
+}
+
+TEST(PrintedFeatures, OfStarsAreDetectedInPlace) {
+  ExpectFeaturesInPlace(StarBoards(Stars(10, 9, 7.3))[0]);
+}
+
+TEST(PrintedFeatures, OfChessboardsAreDetectedInPlace) {
+  ExpectFeaturesInPlace(Chessboard(8, 5, 8.3));
+}
+
+TEST(PrintedFeatures, OfCharucoAreDetectedInPlace) {
+  ExpectFeaturesInPlace(Charuco(7, 4, 9.1));
+}
+
+TEST(PrintedFeatures, OfAprilGridsAreDetectedInPlace) {
+  ExpectFeaturesInPlace(AprilGrid(4, 4, 14.7));
+}
+
 struct SeenTag {
   int id;
   Eigen::Vector2d corners_px[4];
