@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "commands.h"
@@ -47,18 +48,32 @@ ImageSize ParseScreen(const std::string& text) {
               fmt::format("--screen {}: use WIDTHxHEIGHT in pixels", text));
 }
 
+// The boards as pattern.yaml has them, and whatever else there is to tell.
+std::string FormatJson(const std::string& yaml, nlohmann::ordered_json json) {
+  for (const Board& board : ParsePattern("pattern.yaml", yaml).boards)
+    json["boards"].push_back({{"id", board.id},
+                              {"kind", board.kind},
+                              {"columns", board.columns},
+                              {"rows", board.rows},
+                              {"square_m", board.square_m}});
+  return json.dump(2);
+}
+
 void WriteForScreen(const std::vector<Board>& boards,
-                    const OutputOptions& options, bool is_quiet) {
+                    const OutputOptions& options, const CommonOptions& common) {
   ScreenBoards plan = PlanScreenBoards(boards, ParseScreen(options.screen));
   if (options.dpi) plan = WithPixelPitch(plan, *options.dpi);
   const std::filesystem::path folder = options.output;
   OutputFiles files;
-  files.Add((folder / "pattern.yaml").string(), ScreenYaml(plan));
+  const std::string yaml = ScreenYaml(plan);
+  files.Add((folder / "pattern.yaml").string(), yaml);
   for (const Board& board : plan.boards)
     files.Add((folder / FileName(boards, board, "png")).string(),
               ScreenPng(plan, board));
   files.Commit();
-  if (!is_quiet)
+  if (common.json)
+    fmt::print("{}\n", FormatJson(yaml, {{"square_px", plan.square_px}}));
+  else if (!common.quiet)
     fmt::print(
         "pattern.yaml and {} picture(s) in {}; show one pixel for pixel: "
         "squares are {} pixels wide, {:.4f} mm in pattern.yaml\n",
@@ -67,14 +82,15 @@ void WriteForScreen(const std::vector<Board>& boards,
 }
 
 void WriteForPrint(const std::vector<Board>& boards,
-                   const OutputOptions& options, bool is_quiet) {
+                   const OutputOptions& options, const CommonOptions& common) {
   const BoardSheets sheets = PlanBoardSheets(boards, ParsePage(options.page));
   PrintScale scale;
   if (options.measured_x_mm != 0)
     scale = MeasuredScale(sheets, options.measured_x_mm, options.measured_y_mm);
   const std::filesystem::path folder = options.output;
   OutputFiles files;
-  files.Add((folder / "pattern.yaml").string(), SheetsYaml(sheets, scale));
+  const std::string yaml = SheetsYaml(sheets, scale);
+  files.Add((folder / "pattern.yaml").string(), yaml);
   files.Add((folder / "pattern.pdf").string(), SheetsPdf(sheets));
   for (const Board& board : sheets.boards) {
     files.Add((folder / FileName(boards, board, "svg")).string(),
@@ -83,7 +99,9 @@ void WriteForPrint(const std::vector<Board>& boards,
               SheetPng(sheets, board, options.dpi.value_or(kPrintDpi)));
   }
   files.Commit();
-  if (!is_quiet)
+  if (common.json)
+    fmt::print("{}\n", FormatJson(yaml, {{"ruler_mm", sheets.ruler_mm}}));
+  else if (!common.quiet)
     fmt::print(
         "pattern.yaml, and {} page(s) as PDF, SVG and PNG, in {}; print at "
         "100 % and check that both rulers are {} mm long\n",
@@ -119,9 +137,9 @@ void Finish(CLI::App* command, const MakeBoards& make_boards,
   AddOutputOptions(command, options.get());
   command->callback([options, make_boards, common] {
     if (options->screen.empty())
-      WriteForPrint(make_boards(), *options, common->quiet);
+      WriteForPrint(make_boards(), *options, *common);
     else
-      WriteForScreen(make_boards(), *options, common->quiet);
+      WriteForScreen(make_boards(), *options, *common);
   });
 }
 

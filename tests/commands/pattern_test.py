@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Targets to print and to show: the pattern command."""
+import json
 import os
 import struct
 
@@ -88,6 +89,16 @@ class PatternCommand(CommandTest):
         png = read(os.path.join(folder, "pattern.png"))
         self.assertEqual(struct.unpack(">II", png[16:24]), (800, 600))
         self.assertIn("square_m: 0.011,", self.yaml(folder))  # 44 pixels of 0.25 mm
+
+    def test_json_says_what_was_made(self):
+        size = ("--columns", 9, "--rows", 6, "--square-mm", 25, "--dpi", 50, "--json", "-o")
+        result = run("pattern", "chessboard", *size, self.path("json"))
+        self.assert_done(result)
+        self.assertEqual(json.loads(result.stdout), {"ruler_mm": 150, "boards": [
+            {"id": 0, "kind": "chessboard", "columns": 9, "rows": 6, "square_m": 0.025}]})
+        result = run("pattern", "chessboard", "--screen", "800x600", *size, self.path("json"))
+        self.assert_done(result)
+        self.assertEqual(json.loads(result.stdout)["square_px"], 72)
 
     def test_wrong_usage(self):
         size = ("--columns", 16, "--rows", 23, "--square-mm")
