@@ -44,7 +44,7 @@ bool IsText(const ExperimentResult& result, size_t column) {
 std::string FormatExperimentText(const ExperimentResult& result) {
   std::string text;
   for (const Condition& condition : result.conditions)
-    text += fmt::format("{:<9} {}\n", condition.name, condition.value);
+    text += fmt::format("{:<10} {}\n", condition.name, condition.value);
   text += "\n";
   const Lines lines = TextTable(result);
   const std::vector<size_t> widths = Widths(lines);

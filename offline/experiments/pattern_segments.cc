@@ -21,6 +21,9 @@ ExperimentResult ComparePatternSegments(const ExperimentOptions& options) {
 
   ExperimentResult result;
   result.conditions = LocalizationConditions(options);
+  result.conditions.push_back(
+      {"chessboard", "squares as wide as a star's: twice those of 4 segments"});
+  result.conditions.push_back({"left out", "deltilles, on another lattice"});
   result.columns = LocalizationColumns();
   result.columns.insert(result.columns.begin(), {"pattern", "segments"});
   Chart& chart = result.chart;

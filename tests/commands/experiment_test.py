@@ -69,10 +69,9 @@ class Experiment(CommandTest):
             self.assertLess(medians[4], 0.2)
 
     def test_number_of_threads_changes_nothing(self):
-        self.assertEqual(self.experiment("feature-refinement", 1),
-                         self.experiment("feature-refinement", 2))
-        self.assertEqual(self.experiment("feature-refinement", 3),
-                         self.experiment("feature-refinement", 2))
+        for name in ("pattern-segments", "feature-refinement"):
+            with self.subTest(name):
+                self.assertEqual(self.experiment(name, 1), self.experiment(name, 2))
 
     def test_seed_and_noise_change_the_result(self):
         rows, _ = self.experiment("feature-refinement")
