@@ -18,58 +18,62 @@ constexpr NamedRefinement kRefinements[] = {
 
 constexpr int kSegments = 16;
 
-std::vector<DetectionOptions> AllWays() {
+std::vector<DetectedBoard> AllBoards() {
   std::vector<DetectionOptions> ways;
   for (const NamedRefinement& refinement : kRefinements) {
     ways.emplace_back();
     ways.back().refinement = refinement.refinement;
   }
-  return ways;
+  return {{ExperimentStarBoard(kSegments), ways},
+          {ExperimentChessboard(), ways}};
+}
+
+Chart EmptyChart(const ExperimentOptions& options) {
+  Chart chart;
+  chart.title = "Error of localisation by refinement";
+  chart.note = LocalizationNote(options);
+  chart.x_label = "refinement";
+  chart.y_label = "error in an axis, mean of both, px";
+  chart.is_logarithmic = true;
+  for (const NamedRefinement& refinement : kRefinements)
+    chart.ticks.push_back({double(chart.ticks.size()), refinement.name});
+  return chart;
+}
+
+// errors: one for each refinement.
+void AddBoard(const std::string& kind, const LocalizationError* errors,
+              ExperimentResult* result) {
+  ChartSeries rms = {"RMS, " + kind, {}, false};
+  ChartSeries median = {"median, " + kind, {}, false};
+  double place = 0;
+  for (const NamedRefinement& refinement : kRefinements) {
+    result->rows.push_back(
+        LocalizationCells({kind, std::string(refinement.name)}, *errors));
+    rms.points.push_back({place, errors->rms_px.mean()});
+    median.points.push_back({place, errors->median_px.mean()});
+    ++place;
+    ++errors;
+  }
+  result->chart.series.push_back(std::move(rms));
+  result->chart.series.push_back(std::move(median));
 }
 
 }  // namespace
 
 ExperimentResult CompareFeatureRefinements(const ExperimentOptions& options) {
-  const std::vector<DetectedBoard> boards = {
-      {ExperimentStarBoard(kSegments), AllWays()},
-      {ExperimentChessboard(), AllWays()}};
+  const std::vector<DetectedBoard> boards = AllBoards();
   const std::vector<LocalizationError> errors =
       MeasureLocalization(boards, options);
-
   ExperimentResult result;
   result.conditions = LocalizationConditions(options);
   result.conditions.push_back(
       {"stars", std::to_string(kSegments) + " segments"});
-  result.columns = LocalizationColumns();
-  result.columns.insert(result.columns.begin(), {"pattern", "refinement"});
-  Chart& chart = result.chart;
-  chart = {"Error of localisation by refinement",
-           LocalizationNote(options),
-           "refinement",
-           "error in an axis, mean of both, px",
-           {},
-           true,
-           {}};
-  for (const NamedRefinement& refinement : kRefinements)
-    chart.ticks.push_back(
-        {static_cast<double>(chart.ticks.size()), refinement.name});
-  size_t i = 0;
-  for (const DetectedBoard& detected : boards) {
-    const std::string& kind = detected.board.kind;
-    ChartSeries rms = {"RMS, " + kind, {}, false};
-    ChartSeries median = {"median, " + kind, {}, false};
-    double place = 0;
-    for (const NamedRefinement& refinement : kRefinements) {
-      std::vector<Cell> row = LocalizationCells(errors[i]);
-      row.insert(row.begin(), {Cell(kind), Cell(refinement.name)});
-      result.rows.push_back(std::move(row));
-      rms.points.push_back({place, errors[i].rms_px.mean()});
-      median.points.push_back({place, errors[i].median_px.mean()});
-      ++place;
-      ++i;
-    }
-    chart.series.push_back(std::move(rms));
-    chart.series.push_back(std::move(median));
+  result.columns = LocalizationColumns({"pattern", "refinement"});
+  result.chart = EmptyChart(options);
+  const LocalizationError* of_board = errors.data();
+  for (const DetectedBoard& board : boards) {
+    AddBoard(board.board.kind, of_board, &result);
+    of_board += board.ways.size();
   }
   return result;
 }

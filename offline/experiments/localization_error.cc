@@ -257,15 +257,22 @@ std::string LocalizationNote(const ExperimentOptions& options) {
       imaging.read_noise, imaging.white_level - imaging.black_level);
 }
 
-std::vector<std::string> LocalizationColumns() {
-  return {"visible",     "found",    "compared", "median_x_px",
-          "median_y_px", "rms_x_px", "rms_y_px", "largest_px"};
+std::vector<std::string> LocalizationColumns(std::vector<std::string> first) {
+  for (const char* name : {"visible", "found", "compared", "median_x_px",
+                           "median_y_px", "rms_x_px", "rms_y_px", "largest_px"})
+    first.push_back(name);
+  return first;
 }
 
-std::vector<Cell> LocalizationCells(const LocalizationError& error) {
-  return {error.num_visible,   error.num_found,     error.num_compared,
-          error.median_px.x(), error.median_px.y(), error.rms_px.x(),
-          error.rms_px.y(),    error.largest_px};
+std::vector<Cell> LocalizationCells(std::vector<Cell> first,
+                                    const LocalizationError& error) {
+  for (const int count :
+       {error.num_visible, error.num_found, error.num_compared})
+    first.push_back(count);
+  for (const double px : {error.median_px.x(), error.median_px.y(),
+                          error.rms_px.x(), error.rms_px.y(), error.largest_px})
+    first.push_back(px);
+  return first;
 }
 
 }  // namespace raygrid

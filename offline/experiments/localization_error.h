@@ -43,9 +43,10 @@ std::vector<Condition> LocalizationConditions(const ExperimentOptions& options);
 /// The same on a line.
 std::string LocalizationNote(const ExperimentOptions& options);
 
-/// Columns of a table, and their cells.
-std::vector<std::string> LocalizationColumns();
-std::vector<Cell> LocalizationCells(const LocalizationError& error);
+/// Columns of a table after the first ones, and their cells.
+std::vector<std::string> LocalizationColumns(std::vector<std::string> first);
+std::vector<Cell> LocalizationCells(std::vector<Cell> first,
+                                    const LocalizationError& error);
 
 }  // namespace raygrid
 
