@@ -25,6 +25,7 @@ CLI::App* AddCommand(CLI::App* app, const std::string& name,
 void AddCalibrate(CLI::App* app, CommonOptions* common);
 void AddDetect(CLI::App* app, CommonOptions* common);
 void AddEvaluate(CLI::App* app, CommonOptions* common);
+void AddExperiment(CLI::App* app, CommonOptions* common);
 void AddInspect(CLI::App* app, CommonOptions* common);
 void AddPack(CLI::App* app, CommonOptions* common);
 void AddPattern(CLI::App* app, CommonOptions* common);

@@ -51,6 +51,7 @@ int Run(int argc, char** argv) {
   AddUnproject(&app, &common);
   AddProject(&app, &common);
   AddSimulate(&app, &common);
+  AddExperiment(&app, &common);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

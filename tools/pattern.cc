@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "commands.h"
@@ -11,6 +12,7 @@
 #include "dataset/files.h"
 #include "target/board_on_screen.h"
 #include "target/board_sheet.h"
+#include "target/marker_boards.h"
 #include "target/star_boards.h"
 
 namespace raygrid {
@@ -46,18 +48,32 @@ ImageSize ParseScreen(const std::string& text) {
               fmt::format("--screen {}: use WIDTHxHEIGHT in pixels", text));
 }
 
+// The boards as pattern.yaml has them, and whatever else there is to tell.
+std::string FormatJson(const std::string& yaml, nlohmann::ordered_json json) {
+  for (const Board& board : ParsePattern("pattern.yaml", yaml).boards)
+    json["boards"].push_back({{"id", board.id},
+                              {"kind", board.kind},
+                              {"columns", board.columns},
+                              {"rows", board.rows},
+                              {"square_m", board.square_m}});
+  return json.dump(2);
+}
+
 void WriteForScreen(const std::vector<Board>& boards,
-                    const OutputOptions& options, bool is_quiet) {
+                    const OutputOptions& options, const CommonOptions& common) {
   ScreenBoards plan = PlanScreenBoards(boards, ParseScreen(options.screen));
   if (options.dpi) plan = WithPixelPitch(plan, *options.dpi);
   const std::filesystem::path folder = options.output;
   OutputFiles files;
-  files.Add((folder / "pattern.yaml").string(), ScreenYaml(plan));
+  const std::string yaml = ScreenYaml(plan);
+  files.Add((folder / "pattern.yaml").string(), yaml);
   for (const Board& board : plan.boards)
     files.Add((folder / FileName(boards, board, "png")).string(),
               ScreenPng(plan, board));
   files.Commit();
-  if (!is_quiet)
+  if (common.json)
+    fmt::print("{}\n", FormatJson(yaml, {{"square_px", plan.square_px}}));
+  else if (!common.quiet)
     fmt::print(
         "pattern.yaml and {} picture(s) in {}; show one pixel for pixel: "
         "squares are {} pixels wide, {:.4f} mm in pattern.yaml\n",
@@ -66,14 +82,15 @@ void WriteForScreen(const std::vector<Board>& boards,
 }
 
 void WriteForPrint(const std::vector<Board>& boards,
-                   const OutputOptions& options, bool is_quiet) {
+                   const OutputOptions& options, const CommonOptions& common) {
   const BoardSheets sheets = PlanBoardSheets(boards, ParsePage(options.page));
   PrintScale scale;
   if (options.measured_x_mm != 0)
     scale = MeasuredScale(sheets, options.measured_x_mm, options.measured_y_mm);
   const std::filesystem::path folder = options.output;
   OutputFiles files;
-  files.Add((folder / "pattern.yaml").string(), SheetsYaml(sheets, scale));
+  const std::string yaml = SheetsYaml(sheets, scale);
+  files.Add((folder / "pattern.yaml").string(), yaml);
   files.Add((folder / "pattern.pdf").string(), SheetsPdf(sheets));
   for (const Board& board : sheets.boards) {
     files.Add((folder / FileName(boards, board, "svg")).string(),
@@ -82,7 +99,9 @@ void WriteForPrint(const std::vector<Board>& boards,
               SheetPng(sheets, board, options.dpi.value_or(kPrintDpi)));
   }
   files.Commit();
-  if (!is_quiet)
+  if (common.json)
+    fmt::print("{}\n", FormatJson(yaml, {{"ruler_mm", sheets.ruler_mm}}));
+  else if (!common.quiet)
     fmt::print(
         "pattern.yaml, and {} page(s) as PDF, SVG and PNG, in {}; print at "
         "100 % and check that both rulers are {} mm long\n",
@@ -118,10 +137,17 @@ void Finish(CLI::App* command, const MakeBoards& make_boards,
   AddOutputOptions(command, options.get());
   command->callback([options, make_boards, common] {
     if (options->screen.empty())
-      WriteForPrint(make_boards(), *options, common->quiet);
+      WriteForPrint(make_boards(), *options, *common);
     else
-      WriteForScreen(make_boards(), *options, common->quiet);
+      WriteForScreen(make_boards(), *options, *common);
   });
+}
+
+void AddNumBoards(CLI::App* command, int* num_boards) {
+  command
+      ->add_option("--boards", *num_boards,
+                   "boards with different markers, to be seen together")
+      ->capture_default_str();
 }
 
 void AddSize(CLI::App* command, const std::string& what, int* columns,
@@ -158,10 +184,7 @@ void AddStar(CLI::App* pattern, CommonOptions* common) {
       ->add_option("--tag-squares", options->tag_squares,
                    "side of a tag in squares; default: about 40 mm")
       ->check(CLI::PositiveNumber);
-  command
-      ->add_option("--boards", options->num_boards,
-                   "boards with different tags, to be seen together")
-      ->capture_default_str();
+  AddNumBoards(command, &options->num_boards);
   Finish(
       command, [options] { return StarBoards(*options); }, common);
 }
@@ -209,11 +232,13 @@ void AddCharuco(CLI::App* pattern, CommonOptions* common) {
       ->capture_default_str();
   command->add_flag("--legacy", board->is_legacy,
                     "markers where OpenCV put them before 4.6");
-  const auto make_boards = [board, square_mm, marker_mm] {
+  const auto num_boards = std::make_shared<int>(1);
+  AddNumBoards(command, num_boards.get());
+  const auto make_boards = [board, square_mm, marker_mm, num_boards] {
     board->kind = "charuco";
     board->square_m = *square_mm / 1000;
     board->marker_m = *marker_mm / 1000;
-    return std::vector<Board>{*board};
+    return MarkerBoards(*board, *num_boards);
   };
   Finish(command, make_boards, common);
 }
@@ -244,13 +269,15 @@ void AddAprilGrid(CLI::App* pattern, CommonOptions* common) {
       ->add_option("--first-marker", board->first_marker,
                    "number of the first tag, at the bottom left")
       ->capture_default_str();
-  const auto make_boards = [board, tag_mm] {
+  const auto num_boards = std::make_shared<int>(1);
+  AddNumBoards(command, num_boards.get());
+  const auto make_boards = [board, tag_mm, num_boards] {
     Board made = *board;
     made.kind = "aprilgrid";
     made.columns *= 2;  // features: two for each tag
     made.rows *= 2;
     made.square_m = *tag_mm / 1000;
-    return std::vector<Board>{made};
+    return MarkerBoards(made, *num_boards);
   };
   Finish(command, make_boards, common);
 }

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "camera/central_generic.h"
@@ -14,6 +16,7 @@
 #include "progress_bar.h"
 #include "simulation/board_bend.h"
 #include "simulation/image_rendering.h"
+#include "simulation/observation_lines.h"
 #include "simulation/simulated_camera.h"
 #include "simulation/simulated_lenses.h"
 #include "simulation/simulated_observations.h"
@@ -27,12 +30,13 @@ struct Arguments {
   PoseOptions poses;
   std::string pattern, lens = "example", camera, size = "640x480", output;
   bool render = false;
-  double max_tilt_deg = 50;
+  double max_tilt_deg = 50, board_bend_mm = 0;
+  std::optional<int> features_per_image;
   int bits = 8;
 };
 
-// Fine enough that the grid follows the simulated lens to 1e-5 px.
-constexpr double kTruthCellPx = 8;
+// Across the image: as fine as the lenses' bumps, which scale with it, need.
+constexpr double kTruthCells = 80;
 // Between boards that hang side by side.
 constexpr double kGapSquares = 2;
 
@@ -40,6 +44,7 @@ constexpr double kGapSquares = 2;
 struct TrueCamera {
   std::shared_ptr<const CameraModel> central;
   LineOfPixel line_of_pixel;
+  bool is_from_file = false;
 
   PixelRays Rays(int num_threads) const {
     return line_of_pixel
@@ -56,6 +61,7 @@ TrueCamera MakeCamera(const Arguments& arguments) {
   TrueCamera camera;
   if (!arguments.camera.empty()) {
     camera.central = ReadCamera(arguments.camera).file.camera;
+    camera.is_from_file = true;
     return camera;
   }
   const ImageSize size = ParseImageSize("--size", arguments.size);
@@ -76,30 +82,43 @@ Pattern MakePattern(const Arguments& arguments) {
                                    : ReadPattern(arguments.pattern);
 }
 
-// As camera.yaml; the central part of a camera that is not central.
-std::string FormatTruth(const CameraModel& camera) {
+// A camera that was read as it is, a lens as a fine grid over the image.
+std::shared_ptr<const CameraModel> Writable(const TrueCamera& camera) {
+  if (camera.is_from_file) return camera.central;
+  const Area image = WholeImage(camera.central->image_size());
+  const double cell_px = image.width() / kTruthCells;
+  return FitCentralGeneric(*camera.central, image,
+                           NumControlPoints(image.width(), cell_px),
+                           NumControlPoints(image.height(), cell_px))
+      .Clone();
+}
+
+// As camera.yaml.
+std::string FormatTruth(const TrueCamera& camera) {
   CameraFile truth;
+  truth.camera = Writable(camera);
   truth.name = "simulated";
-  truth.camera =
-      FitCentralGeneric(camera, camera.area(),
-                        NumControlPoints(camera.area().width(), kTruthCellPx),
-                        NumControlPoints(camera.area().height(), kTruthCellPx))
-          .Clone();
-  return FormatCameraFile(truth);
+  if (!camera.line_of_pixel) return FormatCameraFile(truth);
+  truth.name = "simulated, central part only";
+  return "# Not the whole truth: the directions alone, as if all lines met in "
+         "a point.\n# The exact lines are in true_lines.csv.\n" +
+         FormatCameraFile(truth);
 }
 
 void AddTruth(const std::filesystem::path& folder,
               const SimulatedObservations& observations,
-              const CameraModel& camera, OutputFiles* files) {
-  files->Add((folder / "features.csv").string(),
-             FormatFeatures(observations.dataset));
-  files->Add((folder / "pattern.yaml").string(),
-             observations.true_pattern.yaml);
-  files->Add((folder / "true_pattern.yaml").string(),
-             FormatPattern(observations.true_pattern));
-  files->Add((folder / "true_camera.yaml").string(), FormatTruth(camera));
-  files->Add((folder / "true_poses.csv").string(),
-             FormatPoses(observations.poses));
+              const TrueCamera& camera, OutputFiles* files) {
+  const auto add = [&](const char* name, std::string contents) {
+    files->Add((folder / name).string(), std::move(contents));
+  };
+  add("features.csv", FormatFeatures(observations.dataset));
+  add("pattern.yaml", observations.true_pattern.yaml);
+  add("true_pattern.yaml", FormatPattern(observations.true_pattern));
+  add("true_camera.yaml", FormatTruth(camera));
+  if (camera.line_of_pixel)
+    add("true_lines.csv", FormatObservationLines(camera.central->image_size(),
+                                                 camera.line_of_pixel));
+  add("true_poses.csv", FormatPoses(observations.poses));
 }
 
 // Boards side by side in one plane, the first at the origin.
@@ -157,7 +176,7 @@ class Photographer {
       WriteFile((folder / name).string(), Take(i, name, poses[i]));
     }
     OutputFiles files;
-    AddTruth(folder, truth_, *camera_.central, &files);
+    AddTruth(folder, truth_, camera_, &files);
     files.Commit();
   }
 
@@ -196,23 +215,34 @@ class Photographer {
   SimulatedObservations truth_;
 };
 
+int NumFeatures(const Board& board) {
+  int count = 0;
+  for (int row = 0; row < board.rows; ++row)
+    for (int column = 0; column < board.columns; ++column)
+      count += board.HasFeature(column, row);
+  return count;
+}
+
 SimulatedObservations Observe(const Arguments& arguments,
                               const CommonOptions& common) {
+  const TrueCamera camera = MakeCamera(arguments);
+  const Pattern pattern = MakePattern(arguments);
+  const int num_features = NumFeatures(pattern.boards[0]);
   SimulationOptions options = arguments.simulation;
   options.seed = common.seed;
-  const TrueCamera camera = MakeCamera(arguments);
-  if (camera.line_of_pixel)
-    throw Error(ExitCode::kUsage,
-                "--lens noncentral: made for images; add --render");
-  const Pattern pattern = MakePattern(arguments);
-  if (options.features_per_image > pattern.boards[0].num_points())
-    throw Error(ExitCode::kUsage,
-                fmt::format("--features-per-image: the board has {}",
-                            pattern.boards[0].num_points()));
+  options.features_per_image = arguments.features_per_image.value_or(
+      std::min(options.features_per_image, num_features));
+  if (options.features_per_image > num_features)
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("--features-per-image: the board has {}", num_features));
   const SimulatedObservations observations =
-      SimulateObservations(*camera.central, pattern, options);
+      camera.line_of_pixel
+          ? SimulateObservations(camera.line_of_pixel, *camera.central, pattern,
+                                 options)
+          : SimulateObservations(*camera.central, pattern, options);
   OutputFiles files;
-  AddTruth(arguments.output, observations, *camera.central, &files);
+  AddTruth(arguments.output, observations, camera, &files);
   files.Commit();
   return observations;
 }
@@ -224,12 +254,26 @@ SimulatedObservations Render(const Arguments& arguments,
   return photographer.truth();
 }
 
+std::string FormatJson(const SimulatedObservations& observations) {
+  const ImageSize& size = observations.dataset.image_size;
+  nlohmann::ordered_json json;
+  json["images"] = observations.dataset.images.size();
+  json["image_size"] = {size.width, size.height};
+  json["features"] = observations.dataset.num_features();
+  return json.dump(2);
+}
+
 void Run(Arguments arguments, const CommonOptions& common) {
   arguments.poses.max_tilt_rad = arguments.max_tilt_deg * M_PI / 180;
+  arguments.simulation.board_bend_m = arguments.board_bend_mm / 1000;
+  if (arguments.poses.min_square_px > arguments.poses.max_square_px)
+    throw Error(ExitCode::kUsage, "--min-square-px exceeds --max-square-px");
   const SimulatedObservations observations =
       arguments.render ? Render(arguments, common) : Observe(arguments, common);
   const ImageSize& size = observations.dataset.image_size;
-  if (!common.quiet)
+  if (common.json)
+    fmt::print("{}\n", FormatJson(observations));
+  else if (!common.quiet)
     fmt::print("{} features in {} images of {} x {} px: {}\n",
                observations.dataset.num_features(),
                observations.dataset.images.size(), size.width, size.height,
@@ -272,7 +316,8 @@ void AddImagingOptions(CLI::App* command, Arguments* arguments) {
 void AddCameraOptions(CLI::App* command, Arguments* arguments) {
   command->add_option("--pattern", arguments->pattern,
                       "pattern.yaml (default: a chessboard); several boards "
-                      "are rendered side by side");
+                      "are rendered side by side; without --render the first "
+                      "is observed");
   command
       ->add_option("--lens", arguments->lens,
                    "pinhole, example, wide, fisheye, fisheye190, noncentral")
@@ -288,8 +333,15 @@ void AddCameraOptions(CLI::App* command, Arguments* arguments) {
 void AddSimulate(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
       app, "simulate",
-      "Observations of a known camera whose lens has local bumps, with the "
-      "truth beside them; or images of boards.",
+      "Observations of a known camera, or images of boards, with the truth "
+      "beside them:\n"
+      "  features.csv       what is seen; exact with --render\n"
+      "  pattern.yaml       the boards as they ought to be\n"
+      "  true_pattern.yaml  as they are, bent\n"
+      "  true_camera.yaml   of --lens noncentral the directions alone\n"
+      "  true_lines.csv     --lens noncentral: the exact lines of 33 x 25 "
+      "pixels as x,y,dx,dy,dz,ox,oy,oz: unit direction, point in metres\n"
+      "  true_poses.csv     camera_from_board",
       "raygrid simulate --noise-px 0.05 -o simulated/", common);
   auto arguments = std::make_shared<Arguments>();
   SimulationOptions& simulation = arguments->simulation;
@@ -297,21 +349,20 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   command
-      ->add_option("--features-per-image", simulation.features_per_image,
-                   "features in each, without --render")
-      ->check(CLI::Range(1, 720))
-      ->capture_default_str();
+      ->add_option("--features-per-image", arguments->features_per_image,
+                   "features in each, without --render (default: 240, or all "
+                   "that the board has)")
+      ->check(CLI::Range(1, 1000000));
   command
       ->add_option("--noise-px", simulation.noise_px,
                    "standard deviation of each coordinate, without --render")
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
   command
-      ->add_option("--board-bend-mm",
+      ->add_option("--board-bend-mm", arguments->board_bend_mm,
                    "how far the board's edges are bent out of its plane")
-      ->each([arguments](const std::string& text) {
-        arguments->simulation.board_bend_m = std::stod(text) / 1000;
-      });
+      ->check(CLI::Range(-1000.0, 1000.0))
+      ->capture_default_str();
   AddCameraOptions(command, arguments.get());
   AddImagingOptions(command, arguments.get());
   command->add_option("-o,--output", arguments->output, "folder to write to")

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "camera/stereographic.h"
+#include "dataset/error.h"
 #include "simulation/board_bend.h"
 #include "simulation/random.h"
 
@@ -120,6 +121,44 @@ std::optional<Eigen::Matrix2d> LineErrorDerivative(
   return derivative;
 }
 
+// Images of the first board; see(board, pose) tells its features.
+template <typename See>
+SimulatedObservations Simulate(const CameraModel& camera,
+                               const Pattern& pattern,
+                               const SimulationOptions& options,
+                               const See& see) {
+  constexpr int kMaxTries = 10000;  // for an image
+  Random random(options.seed);
+  SimulatedObservations result;
+  result.dataset.image_size = camera.image_size();
+  result.true_pattern = pattern;
+  Board& board = result.true_pattern.boards.front();
+  board = BentBoard(board, options.board_bend_m);
+
+  int num_tries = 0;
+  while (static_cast<int>(result.dataset.images.size()) < options.num_images) {
+    if (++num_tries > kMaxTries)
+      throw Error(ExitCode::kTooFew,
+                  fmt::format("{} poses at random, and none shows {} features; "
+                              "ask for fewer",
+                              kMaxTries, options.features_per_image));
+    const Pose pose = RandomPose(camera, board, &random);
+    std::vector<Feature> features = see(board, pose);
+    if (static_cast<int>(features.size()) < options.features_per_image)
+      continue;
+    num_tries = 0;
+    Thin(options.features_per_image, &random, &features);
+    for (Feature& feature : features)
+      for (int k = 0; k < 2; ++k)
+        feature.pixel[k] += options.noise_px * random.Normal();
+    const std::string name =
+        fmt::format("sim{:04d}.png", result.dataset.images.size());
+    result.dataset.images.push_back({name, std::move(features)});
+    result.poses.push_back({name, board.id, pose});
+  }
+  return result;
+}
+
 }  // namespace
 
 std::vector<Feature> VisibleFeatures(const CameraModel& camera,
@@ -178,28 +217,20 @@ std::vector<Pose> RandomPoses(const CameraModel& camera,
 SimulatedObservations SimulateObservations(const CameraModel& camera,
                                            const Pattern& pattern,
                                            const SimulationOptions& options) {
-  Random random(options.seed);
-  SimulatedObservations result;
-  result.dataset.image_size = camera.image_size();
-  result.true_pattern = pattern;
-  Board& board = result.true_pattern.boards.front();
-  board = BentBoard(board, options.board_bend_m);
+  return Simulate(camera, pattern, options,
+                  [&](const Board& board, const Pose& pose) {
+                    return VisibleFeatures(camera, board, pose);
+                  });
+}
 
-  while (static_cast<int>(result.dataset.images.size()) < options.num_images) {
-    const Pose pose = RandomPose(camera, board, &random);
-    std::vector<Feature> features = VisibleFeatures(camera, board, pose);
-    if (static_cast<int>(features.size()) < options.features_per_image)
-      continue;
-    Thin(options.features_per_image, &random, &features);
-    for (Feature& feature : features)
-      for (int k = 0; k < 2; ++k)
-        feature.pixel[k] += options.noise_px * random.Normal();
-    const std::string name =
-        fmt::format("sim{:04d}.png", result.dataset.images.size());
-    result.dataset.images.push_back({name, std::move(features)});
-    result.poses.push_back({name, board.id, pose});
-  }
-  return result;
+SimulatedObservations SimulateObservations(const LineOfPixel& line_of_pixel,
+                                           const CameraModel& central,
+                                           const Pattern& pattern,
+                                           const SimulationOptions& options) {
+  return Simulate(central, pattern, options,
+                  [&](const Board& board, const Pose& pose) {
+                    return VisibleFeatures(line_of_pixel, central, board, pose);
+                  });
 }
 
 }  // namespace raygrid

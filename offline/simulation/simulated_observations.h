@@ -28,8 +28,15 @@ struct SimulatedObservations {
 /// Exact or noisy observations of the pattern's first board, held all over the
 /// field of view, partly beyond its edge, at distances from which it is
 /// half as wide as the image to nearly twice as wide, tilted by up to 60
-/// degrees. Reproducible on any machine.
+/// degrees. Reproducible on any machine. Throws Error(kTooFew) if images of so
+/// many features hardly occur.
 SimulatedObservations SimulateObservations(const CameraModel& camera,
+                                           const Pattern& pattern,
+                                           const SimulationOptions& options);
+/// Likewise for a camera whose lines do not meet in a point; central is near to
+/// it.
+SimulatedObservations SimulateObservations(const LineOfPixel& line_of_pixel,
+                                           const CameraModel& central,
                                            const Pattern& pattern,
                                            const SimulationOptions& options);
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Targets to print and to show: the pattern command."""
+import json
 import os
 import struct
 
@@ -45,6 +46,20 @@ class PatternCommand(CommandTest):
         pdf = read(os.path.join(folder, "pattern.pdf"))
         self.assertIn(b"/Count 3", pdf)
 
+    def test_several_boards_have_markers_of_their_own(self):
+        folder = self.pattern("charuco", "--columns", 6, "--rows", 4, "--square-mm", 25,
+                              "--marker-mm", 18, "--boards", 2, "--dpi", 50)
+        yaml = self.yaml(folder)  # 7 x 5 squares: 17 markers
+        self.assertEqual(yaml.count("kind: charuco"), 2)
+        self.assertIn("id: 1, kind: charuco, columns: 6, rows: 4, square_m: 0.025, marker_m: "
+                      "0.018, dictionary: DICT_4X4_50, first_marker: 17}", yaml)
+        self.assertIn("pattern_1.svg", os.listdir(folder))
+        folder = self.pattern("aprilgrid", "--tag-columns", 4, "--tag-rows", 3, "--tag-mm", 30,
+                              "--first-marker", 5, "--boards", 3, "--dpi", 50)
+        for first in (5, 17, 29):
+            self.assertIn(f"first_marker: {first}}}", self.yaml(folder))
+        self.assertIn(b"/Count 3", read(os.path.join(folder, "pattern.pdf")))
+
     def test_boards_of_other_makers(self):
         folder = self.pattern("charuco", "--columns", 8, "--rows", 5, "--square-mm", 28,
                               "--marker-mm", 21, "--legacy", "--dpi", 50)
@@ -75,6 +90,16 @@ class PatternCommand(CommandTest):
         self.assertEqual(struct.unpack(">II", png[16:24]), (800, 600))
         self.assertIn("square_m: 0.011,", self.yaml(folder))  # 44 pixels of 0.25 mm
 
+    def test_json_says_what_was_made(self):
+        size = ("--columns", 9, "--rows", 6, "--square-mm", 25, "--dpi", 50, "--json", "-o")
+        result = run("pattern", "chessboard", *size, self.path("json"))
+        self.assert_done(result)
+        self.assertEqual(json.loads(result.stdout), {"ruler_mm": 150, "boards": [
+            {"id": 0, "kind": "chessboard", "columns": 9, "rows": 6, "square_m": 0.025}]})
+        result = run("pattern", "chessboard", "--screen", "800x600", *size, self.path("json"))
+        self.assert_done(result)
+        self.assertEqual(json.loads(result.stdout)["square_px"], 72)
+
     def test_wrong_usage(self):
         size = ("--columns", 16, "--rows", 23, "--square-mm")
         self.refused("star", *size, 12, words=["does not fit", "--square-mm 11.4"])
@@ -87,6 +112,12 @@ class PatternCommand(CommandTest):
                      words=["200 mm"])
         self.refused("charuco", *size, 8, "--marker-mm", 9, words=["marker_m"])
         self.refused("charuco", *size, 8, "--marker-mm", 6, "--dictionary", "X", words=["'X'"])
+        self.refused("charuco", *size, 8, "--marker-mm", 6, "--dictionary", "DICT_4X4_250",
+                     "--boards", 2, words=["204 markers each", "DICT_4X4_250", "--boards"])
+        self.refused("aprilgrid", "--tag-columns", 20, "--tag-rows", 20, "--tag-mm", 5,
+                     "--boards", 2, words=["586", "--boards"])
+        self.refused("aprilgrid", "--tag-columns", 2, "--tag-rows", 2, "--tag-mm", 5,
+                     "--boards", 0, words=["--boards"])
         self.refused("aprilgrid", "--tag-columns", 0, "--tag-rows", 5, "--tag-mm", 24,
                      words=["--tag-columns"])
 

@@ -293,6 +293,45 @@ TEST(ProjectThroughLines, FindsThePixelWhoseLineGoesThroughThePoint) {
   }
 }
 
+TEST(SimulateObservations, OfANonCentralLensLieOnItsLines) {
+  const MovingPupilLens lens = NonCentralLens(kSize);
+  const LineOfPixel line_of_pixel = [&lens](const Eigen::Vector2d& p) {
+    return lens.Line(p);
+  };
+  SimulationOptions options;
+  options.num_images = 3;
+  options.features_per_image = 40;
+  options.noise_px = 0;
+  const SimulatedObservations seen = SimulateObservations(
+      line_of_pixel, lens.lens(), ChessboardPattern(10, 8, 0.02), options);
+  const Board& board = seen.true_pattern.boards[0];
+  ASSERT_EQ(seen.dataset.num_features(), 120u);
+  double largest_m = 0, farthest_from_center_m = 0;
+  for (size_t i = 0; i < seen.poses.size(); ++i) {
+    for (const Feature& f : seen.dataset.images[i].features) {
+      const ObservationLine line = lens.Line(f.pixel).value();
+      const Eigen::Vector3d point =
+          seen.poses[i].camera_from_board *
+          board.points[board.PointIndex(f.column, f.row)];
+      largest_m = std::max(largest_m,
+                           (point - line.origin).cross(line.direction).norm());
+      farthest_from_center_m =
+          std::max(farthest_from_center_m, point.cross(line.direction).norm());
+    }
+  }
+  EXPECT_LT(largest_m, 1e-9);
+  EXPECT_GT(farthest_from_center_m, 1e-4);  // the lens is not central
+}
+
+TEST(SimulateObservations, ImagesThatHardlyOccurAreRefused) {
+  const Pattern pattern = ChessboardPattern(10, 8, 0.02);
+  SimulationOptions options;
+  options.features_per_image = 81;  // one more than there are
+  ExpectError(ExitCode::kTooFew, {"81 features"}, [&] {
+    SimulateObservations(*SimulatedLens("pinhole", kSize), pattern, options);
+  });
+}
+
 TEST(RandomPoses, BoardsLookOutOfAllTheImageAtTheSizesAskedFor) {
   const auto camera = SimulatedLens("fisheye190", kSize);
   const Board board = StarBoard();

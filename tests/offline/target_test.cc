@@ -4,13 +4,18 @@
 #include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <set>
 
 #include "appearance/board_appearance.h"
 #include "dataset/files.h"
 #include "dataset/pattern.h"
+#include "features/feature_detection.h"
+#include "simulation/image_rendering.h"
+#include "simulation/simulated_lenses.h"
 #include "support.h"
 #include "target/board_on_screen.h"
 #include "target/board_sheet.h"
+#include "target/marker_boards.h"
 #include "target/star_boards.h"
 
 namespace raygrid {
@@ -207,6 +212,73 @@ TEST(StarBoards, TagsStandApart) {
             a.squares);
       }
   }
+}
+
+TEST(MarkerBoards, EachHasMarkersOfItsOwn) {
+  for (Board first : {Charuco(6, 4, 20), AprilGrid(4, 3, 24)}) {
+    first.first_marker = 2;
+    std::set<int> ids;
+    size_t num_markers = 0;
+    int id = 0;
+    for (const Board& board : MarkerBoards(first, 2)) {
+      EXPECT_EQ(board.id, id++);
+      const BoardAppearance appearance(board);
+      for (const PlacedMarker& marker : appearance.markers()) {
+        ids.insert(marker.id);
+        ++num_markers;
+      }
+    }
+    EXPECT_EQ(id, 2);
+    EXPECT_EQ(ids.size(), num_markers);
+    EXPECT_EQ(*ids.begin(), 2);
+    EXPECT_EQ(*ids.rbegin(), 1 + static_cast<int>(num_markers));
+  }
+}
+
+TEST(MarkerBoards, TooFewMarkersAreRefused) {
+  ExpectError(ExitCode::kUsage, {"--dictionary", "--boards", "0 to 49"},
+              [] { MarkerBoards(Charuco(6, 4, 20), 3); });
+  ExpectError(ExitCode::kUsage, {"--boards", "0 to 586"},
+              [] { MarkerBoards(AprilGrid(10, 10, 20), 6); });
+  ExpectError(ExitCode::kUsage, {"--boards"},
+              [] { MarkerBoards(AprilGrid(2, 2, 20), 0); });
+}
+
+// Two boards side by side, a camera before them.
+ImageDetection SeenTogether(const std::vector<Board>& boards) {
+  const auto camera = SimulatedLens("pinhole", {640, 480});
+  const BoardSurface left(boards[0]), right(boards[1]);
+  const double width_m = left.paper_m().width();
+  const auto pose = [&](double x_m) {
+    const Eigen::Vector2d middle = left.paper_m().center();
+    return Pose{Eigen::Quaterniond::Identity(),
+                {x_m - middle.x(), -middle.y(), 1.75 * width_m}};
+  };
+  const RenderedImage image =
+      RenderImage(PixelRays(*camera, 1),
+                  {{&left, pose(-width_m / 2)}, {&right, pose(width_m / 2)}},
+                  ImagingOptions(), 1);
+  return PatternDetector(Pattern{boards, ""}, {})
+      .Detect(MakeGreyImage(AddNoiseAndQuantize(image, ImagingOptions())));
+}
+
+void ExpectToldApart(const Board& first) {
+  std::vector<Board> boards = MarkerBoards(first, 2);
+  for (Board& board : boards) board.points = board.NominalPoints();
+  int count[2] = {0, 0};
+  for (const Feature& feature : SeenTogether(boards).features)
+    ++count[feature.board];
+  EXPECT_EQ(count[0], first.num_points());
+  EXPECT_EQ(count[1], first.num_points());
+}
+
+TEST(MarkerBoards, AreToldApartInAnImage) {
+  Board charuco = Charuco(6, 4, 20);
+  ExpectToldApart(charuco);
+  charuco.dictionary = "DICT_4X4_1000";
+  charuco.first_marker = 500;
+  ExpectToldApart(charuco);
+  ExpectToldApart(AprilGrid(4, 3, 24));
 }
 
 TEST(StarBoards, ImpossibleBoardsAreRefused) {
@@ -407,6 +479,65 @@ TEST(PrintedInk, OfSixSegmentsIsInPlace) {
 TEST(PrintedInk, OfCharucoIsInPlace) { ExpectInkInPlace(Charuco(6, 5, 11.3)); }
 TEST(PrintedInk, OfAprilGridsIsInPlace) {
   ExpectInkInPlace(AprilGrid(3, 3, 19.3));
+}
+
+// On the page, as pattern.yaml says.
+Eigen::Vector2d FirstFeatureMm(const std::string& yaml) {
+  const std::string key = "first_feature_m: [";
+  Eigen::Vector2d place(NAN, NAN);
+  std::sscanf(yaml.c_str() + yaml.find(key) + key.size(), "%lf, %lf",
+              &place.x(), &place.y());
+  return 1000 * place;
+}
+
+// Nothing is fitted: pixels are lengths on the page.
+void ExpectFeaturesInPlace(const Board& drawn) {
+  constexpr int kDpi = 600;
+  const BoardSheets sheets = PlanBoardSheets({drawn}, {101.6, 101.6});
+  const std::string yaml = SheetsYaml(sheets);
+  const Pattern pattern = ParsePattern("sheet", yaml);
+  const Board& board = pattern.boards[0];
+  const cv::Mat page = Rasterised(SheetsPdf(sheets), kDpi);
+  if (page.empty()) GTEST_SKIP() << "no pdftoppm; install poppler-utils";
+  Image image = {{page.cols, page.rows}, 1, {page.datastart, page.dataend}};
+  const ImageDetection seen =
+      PatternDetector(pattern, {}).Detect(MakeGreyImage(image));
+  size_t num_features = 0;
+  for (int row = 0; row < board.rows; ++row)
+    for (int column = 0; column < board.columns; ++column)
+      num_features += board.HasFeature(column, row);
+  EXPECT_EQ(seen.features.size(), num_features);
+  EXPECT_TRUE(seen.rejected.empty());
+  const Eigen::Vector2d first_mm = FirstFeatureMm(yaml);
+  double worst_mm = 0;
+  for (const Feature& feature : seen.features) {
+    const Eigen::Vector2d seen_mm =
+        (feature.pixel + Eigen::Vector2d(0.5, 0.5)) * 25.4 / kDpi;
+    const Eigen::Vector3d& point =
+        board.points[board.PointIndex(feature.column, feature.row)];
+    worst_mm = std::max(worst_mm,
+                        (seen_mm - first_mm - 1000 * point.head<2>()).norm());
+  }
+  EXPECT_LT(worst_mm, 0.02);
+  std::printf("%s: %zu features, at most %.4f mm off\n", board.kind.c_str(),
+              seen.features.size(), worst_mm);
+  ::testing::Test::RecordProperty("worst_um", std::to_string(1000 * worst_mm));
+}
+
+TEST(PrintedFeatures, OfStarsAreDetectedInPlace) {
+  ExpectFeaturesInPlace(StarBoards(Stars(10, 9, 7.3))[0]);
+}
+
+TEST(PrintedFeatures, OfChessboardsAreDetectedInPlace) {
+  ExpectFeaturesInPlace(Chessboard(8, 5, 8.3));
+}
+
+TEST(PrintedFeatures, OfCharucoAreDetectedInPlace) {
+  ExpectFeaturesInPlace(Charuco(7, 4, 9.1));
+}
+
+TEST(PrintedFeatures, OfAprilGridsAreDetectedInPlace) {
+  ExpectFeaturesInPlace(AprilGrid(4, 4, 14.7));
 }
 
 struct SeenTag {

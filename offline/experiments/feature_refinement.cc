@@ -1,0 +1,81 @@
+#include "experiments/experiment.h"
+#include "experiments/localization_error.h"
+
+namespace raygrid {
+namespace {
+
+struct NamedRefinement {
+  const char* name;
+  Refinement refinement;
+};
+
+constexpr NamedRefinement kRefinements[] = {
+    {"intensities", Refinement::kIntensities},
+    {"gradients-xy", Refinement::kGradientsXY},
+    {"gradient-magnitude", Refinement::kGradientMagnitude},
+    {"corner-subpix", Refinement::kCornerSubpix},
+    {"none", Refinement::kNone}};
+
+constexpr int kSegments = 16;
+
+std::vector<DetectedBoard> AllBoards() {
+  std::vector<DetectionOptions> ways;
+  for (const NamedRefinement& refinement : kRefinements) {
+    ways.emplace_back();
+    ways.back().refinement = refinement.refinement;
+  }
+  return {{ExperimentStarBoard(kSegments), ways},
+          {ExperimentChessboard(), ways}};
+}
+
+Chart EmptyChart(const ExperimentOptions& options) {
+  Chart chart;
+  chart.title = "Error of localisation by refinement";
+  chart.note = LocalizationNote(options);
+  chart.x_label = "refinement";
+  chart.y_label = "error in an axis, mean of both, px";
+  chart.is_logarithmic = true;
+  for (const NamedRefinement& refinement : kRefinements)
+    chart.ticks.push_back({double(chart.ticks.size()), refinement.name});
+  return chart;
+}
+
+// errors: one for each refinement.
+void AddBoard(const std::string& kind, const LocalizationError* errors,
+              ExperimentResult* result) {
+  ChartSeries rms = {"RMS, " + kind, {}, false};
+  ChartSeries median = {"median, " + kind, {}, false};
+  double place = 0;
+  for (const NamedRefinement& refinement : kRefinements) {
+    result->rows.push_back(
+        LocalizationCells({kind, std::string(refinement.name)}, *errors));
+    rms.points.push_back({place, errors->rms_px.mean()});
+    median.points.push_back({place, errors->median_px.mean()});
+    ++place;
+    ++errors;
+  }
+  result->chart.series.push_back(std::move(rms));
+  result->chart.series.push_back(std::move(median));
+}
+
+}  // namespace
+
+ExperimentResult CompareFeatureRefinements(const ExperimentOptions& options) {
+  const std::vector<DetectedBoard> boards = AllBoards();
+  const std::vector<LocalizationError> errors =
+      MeasureLocalization(boards, options);
+  ExperimentResult result;
+  result.conditions = LocalizationConditions(options);
+  result.conditions.push_back(
+      {"stars", std::to_string(kSegments) + " segments"});
+  result.columns = LocalizationColumns({"pattern", "refinement"});
+  result.chart = EmptyChart(options);
+  const LocalizationError* of_board = errors.data();
+  for (const DetectedBoard& board : boards) {
+    AddBoard(board.board.kind, of_board, &result);
+    of_board += board.ways.size();
+  }
+  return result;
+}
+
+}  // namespace raygrid

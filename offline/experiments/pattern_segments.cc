@@ -1,0 +1,69 @@
+#include "experiments/experiment.h"
+#include "experiments/localization_error.h"
+
+namespace raygrid {
+namespace {
+
+// The paper's numbers. Its deltilles, on a triangular lattice, are no kind of
+// board here; stars of 6 segments stand for them.
+constexpr int kSegments[] = {4, 6, 8, 12, 16, 20, 24, 28, 32};
+constexpr int kChessboardSegments = 4;  // that meet in a corner
+
+std::vector<DetectedBoard> AllBoards() {
+  std::vector<DetectedBoard> boards;
+  for (const int segments : kSegments)
+    boards.push_back({ExperimentStarBoard(segments), {{}}});
+  boards.push_back({ExperimentChessboard(), {{}}});
+  return boards;
+}
+
+int Segments(const Board& board) {
+  return board.kind == "star" ? board.segments : kChessboardSegments;
+}
+
+Chart EmptyChart(const ExperimentOptions& options) {
+  Chart chart;
+  chart.title = "Error of localisation by the number of star segments";
+  chart.note = LocalizationNote(options);
+  chart.x_label = "star segments, black and white";
+  chart.y_label = "error in an axis, mean of both, px";
+  for (const int segments : kSegments)
+    chart.ticks.push_back({double(segments), std::to_string(segments)});
+  chart.series = {{"RMS, stars", {}, true},
+                  {"median, stars", {}, true},
+                  {"RMS, chessboard", {}, false},
+                  {"median, chessboard", {}, false}};
+  return chart;
+}
+
+void AddToChart(const Board& board, const LocalizationError& error,
+                Chart* chart) {
+  const size_t series = board.kind == "star" ? 0 : 2;
+  const double x = Segments(board);
+  chart->series[series].points.push_back({x, error.rms_px.mean()});
+  chart->series[series + 1].points.push_back({x, error.median_px.mean()});
+}
+
+}  // namespace
+
+ExperimentResult ComparePatternSegments(const ExperimentOptions& options) {
+  const std::vector<DetectedBoard> boards = AllBoards();
+  const std::vector<LocalizationError> errors =
+      MeasureLocalization(boards, options);
+  ExperimentResult result;
+  result.conditions = LocalizationConditions(options);
+  result.conditions.push_back(
+      {"chessboard", "squares as wide as a star's: twice those of 4 segments"});
+  result.conditions.push_back({"left out", "deltilles, on another lattice"});
+  result.columns = LocalizationColumns({"pattern", "segments"});
+  result.chart = EmptyChart(options);
+  for (size_t i = 0; i < boards.size(); ++i) {
+    const Board& board = boards[i].board;
+    result.rows.push_back(
+        LocalizationCells({board.kind, Segments(board)}, errors[i]));
+    AddToChart(board, errors[i], &result.chart);
+  }
+  return result;
+}
+
+}  // namespace raygrid

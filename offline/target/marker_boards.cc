@@ -1,0 +1,41 @@
+#include "target/marker_boards.h"
+
+#include <fmt/format.h>
+
+#include "appearance/board_appearance.h"
+#include "dataset/error.h"
+#include "target/board_yaml.h"
+
+namespace raygrid {
+namespace {
+
+std::string MoreMarkers(const Board& board) {
+  return board.kind == "charuco" ? "take a larger --dictionary, " : "take ";
+}
+
+}  // namespace
+
+std::vector<Board> MarkerBoards(Board board, int num_boards) {
+  if (num_boards < 1 || num_boards > 100)
+    throw Error(ExitCode::kUsage, "--boards must be 1 to 100");
+  RequirePossibleBoards({board});
+  const int num_markers =
+      static_cast<int>(BoardAppearance(board).markers().size());
+  std::vector<Board> boards;
+  for (board.id = 0; board.id < num_boards; ++board.id) {
+    boards.push_back(board);
+    board.first_marker += num_markers;
+  }
+  try {
+    RequirePossibleBoards({boards.back()});
+  } catch (const Error& error) {
+    throw Error(ExitCode::kUsage,
+                fmt::format("{} boards of {} markers each: {}; {}fewer "
+                            "--boards, or a lower --first-marker",
+                            num_boards, num_markers, error.what(),
+                            MoreMarkers(boards.back())));
+  }
+  return boards;
+}
+
+}  // namespace raygrid

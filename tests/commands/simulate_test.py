@@ -1,0 +1,187 @@
+#!/usr/bin/env python3
+"""The simulate command: images and observations agree with the truth beside them."""
+import csv
+import json
+import math
+import os
+
+from command_test import CommandTest, main, read, run, write
+
+OPENCV_CAMERA = """raygrid_camera: 1
+model: opencv
+image_size: [320, 240]
+area: [0, 0, 319, 239]
+parameters: {fx: 260, fy: 261, cx: 161, cy: 118, k1: -0.1, k2: 0.02, k3: 0, k4: 0, k5: 0,
+             k6: 0, p1: 0.001, p2: -0.001}
+"""
+
+
+def table(path):
+    lines = [line for line in read(path).decode().splitlines() if not line.startswith("#")]
+    return list(csv.DictReader(lines))
+
+
+def rotated(pose, point):
+    """A point of a board in the camera's coordinates, by its row of poses.csv."""
+    w, *v = (float(pose[key]) for key in ("qw", "qx", "qy", "qz"))
+    def cross(a, b):
+        return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    t = [2 * c for c in cross(v, point)]
+    u = cross(v, t)
+    return [point[k] + w * t[k] + u[k] + float(pose["t" + "xyz"[k]]) for k in range(3)]
+
+
+class Simulate(CommandTest):
+    def simulate(self, *options, images=2):
+        folder = self.path(self.id())
+        result = run("simulate", "--images", images, *options, "-o", folder)
+        self.assert_done(result)
+        self.assertEqual(result.stderr, "")
+        return folder
+
+    def render(self, *options):
+        return self.simulate("--render", "--min-square-px", 14, "--max-square-px", 18,
+                             "--max-tilt-deg", 20, *options)
+
+    def board(self, kind, *size):
+        folder = self.path(kind)
+        self.assert_done(run("pattern", kind, *size, "--dpi", 50, "-o", folder))
+        return os.path.join(folder, "pattern.yaml")
+
+    def chessboard(self):
+        return self.board("chessboard", "--columns", 8, "--rows", 5, "--square-mm", 20)
+
+    def assert_projections(self, folder, square_m, height=lambda x, y: 0, tolerance=5e-5):
+        """features.csv is what true_camera.yaml makes of the poses and the board."""
+        poses = {(row["image"], row["board"]): row
+                 for row in table(os.path.join(folder, "true_poses.csv"))}
+        features = table(os.path.join(folder, "features.csv"))
+        self.assertGreater(len(features), 10)
+        points = []
+        for feature in features:
+            x, y = int(feature["column"]) * square_m, int(feature["row"]) * square_m
+            points.append(rotated(poses[feature["image"], feature["board"]], [x, y, height(x, y)]))
+        path = write(self.path("points.csv"), "x,y,z\n" + "\n".join(
+            ",".join(f"{c:.12f}" for c in point) for point in points))
+        out = self.path("pixels.csv")
+        self.assert_done(run("project", os.path.join(folder, "true_camera.yaml"), "--points", path,
+                             "-o", out))
+        for feature, pixel in zip(features, table(out)):
+            self.assertEqual(pixel["valid"], "1")
+            self.assertAlmostEqual(float(feature["x"]), float(pixel["u"]), delta=tolerance)
+            self.assertAlmostEqual(float(feature["y"]), float(pixel["v"]), delta=tolerance)
+
+    def assert_detected(self, folder):
+        """What the images show is where features.csv says."""
+        found = self.path("found.csv")
+        self.assert_done(run("detect", folder, "--pattern", os.path.join(folder, "pattern.yaml"),
+                             "--no-cache", "-o", found))
+        def places(path):
+            return {tuple(row[key] for key in ("image", "board", "column", "row")):
+                    (float(row["x"]), float(row["y"])) for row in table(path)}
+        truth = places(os.path.join(folder, "features.csv"))
+        seen = places(found)
+        self.assertGreater(len(seen), 20)
+        for key, place in seen.items():
+            self.assertLess(math.dist(place, truth[key]), 0.1, key)
+
+    def test_every_lens(self):
+        for lens in ("pinhole", "wide", "fisheye", "fisheye190"):
+            with self.subTest(lens):
+                folder = self.render("--size", "320x240", "--lens", lens, "--pattern",
+                                     self.chessboard())
+                self.assert_projections(folder, 0.02)
+                self.assertNotIn("true_lines.csv", os.listdir(folder))
+
+    def test_parametric_camera_from_a_file(self):
+        camera = write(self.path("opencv.yaml"), OPENCV_CAMERA)
+        folder = self.render("--camera", camera, "--pattern", self.chessboard())
+        self.assert_projections(folder, 0.02, tolerance=1e-5)
+        self.assertIn(b"model: opencv", read(os.path.join(folder, "true_camera.yaml")))
+
+    def test_simulated_camera_from_a_file(self):
+        first = self.simulate("--size", "320x240", "--lens", "wide")
+        camera = write(self.path("generic.yaml"), read(os.path.join(first, "true_camera.yaml")))
+        folder = self.render("--camera", camera, "--pattern", self.chessboard())
+        self.assert_projections(folder, 0.02, tolerance=1e-5)
+
+    def test_every_kind_of_board(self):
+        for kind, size in (
+                ("star", ("--columns", 8, "--rows", 7, "--square-mm", 15, "--tag-squares", 3)),
+                ("chessboard", ("--columns", 8, "--rows", 5, "--square-mm", 20)),
+                ("charuco", ("--columns", 6, "--rows", 4, "--square-mm", 20, "--marker-mm", 15,
+                             "--boards", 2)),
+                ("aprilgrid", ("--tag-columns", 3, "--tag-rows", 3, "--tag-mm", 20))):
+            with self.subTest(kind):
+                folder = self.simulate(
+                    "--render", "--lens", "pinhole", "--min-square-px", 30, "--max-square-px", 34,
+                    "--max-tilt-deg", 20, "--pattern", self.board(kind, *size), "--read-noise", 1,
+                    "--shot-noise", 0.02, "--vignetting", 0.3, "--gamma", 2.2, images=4)
+                self.assert_detected(folder)
+
+    def test_bent_board(self):
+        folder = self.render("--size", "320x240", "--lens", "pinhole", "--pattern",
+                             self.chessboard(), "--board-bend-mm", 3)
+        self.assert_projections(folder, 0.02, lambda x, y: 0.003 * (
+            ((x - 0.07) / 0.07) ** 2 + ((y - 0.04) / 0.04) ** 2 / 2))
+        true_pattern = read(os.path.join(folder, "true_pattern.yaml")).decode()
+        self.assertIn("0.004500000", true_pattern)  # at the corners
+        self.assertNotIn("points", read(os.path.join(folder, "pattern.yaml")).decode())
+
+    def test_non_central_lens_has_its_exact_lines_beside_it(self):
+        for options in ((), ("--render", "--pattern", self.chessboard())):
+            folder = self.simulate("--lens", "noncentral", "--size", "320x240", *options)
+            camera = read(os.path.join(folder, "true_camera.yaml")).decode()
+            self.assertTrue(camera.startswith("# Not the whole truth"))
+            self.assertIn("central part only", camera)
+            lines = table(os.path.join(folder, "true_lines.csv"))
+            self.assertEqual(len(lines), 33 * 25)
+            self.assertEqual((float(lines[-1]["x"]), float(lines[-1]["y"])), (319, 239))
+            for line in lines:
+                dx, dy, dz = (float(line["d" + k]) for k in "xyz")
+                self.assertAlmostEqual(math.hypot(dx, dy, dz), 1, delta=1e-12)
+                theta = math.atan2(math.hypot(dx, dy), dz)
+                self.assertAlmostEqual(float(line["oz"]), 0.002 * theta ** 2, delta=1e-12)
+                self.assertEqual((float(line["ox"]), float(line["oy"])), (0, 0))
+            pixels = write(self.path("px.csv"), "x,y\n" + "\n".join(
+                f"{line['x']},{line['y']}" for line in lines))
+            rays = self.path("rays.csv")
+            self.assert_done(run("unproject", os.path.join(folder, "true_camera.yaml"), "--pixels",
+                                 pixels, "-o", rays))
+            for line, ray in zip(lines, table(rays)):
+                for key in ("dx", "dy", "dz"):
+                    self.assertAlmostEqual(float(line[key]), float(ray[key]), delta=1e-6)
+
+    def test_fewer_features_than_usual(self):
+        star = self.board("star", "--columns", 16, "--rows", 15, "--square-mm", 10)
+        folder = self.simulate("--pattern", star)  # 240 places, 25 of them at the tag
+        self.assertEqual(len(table(os.path.join(folder, "features.csv"))), 2 * 215)
+
+    def test_json(self):
+        result = run("simulate", "--images", 2, "--json", "-o", self.path("json"))
+        self.assert_done(result)
+        self.assertEqual(json.loads(result.stdout),
+                         {"images": 2, "image_size": [640, 480], "features": 480})
+
+    def test_number_of_threads_changes_nothing(self):
+        outputs = []
+        for threads in (1, 3):
+            folder = self.render("--size", "320x240", "--lens", "wide", "--read-noise", 2,
+                                 "--threads", threads)
+            outputs.append({name: read(os.path.join(folder, name)) for name in os.listdir(folder)})
+        self.assertEqual(outputs[0], outputs[1])
+        self.assertEqual(len(outputs[0]), 7)
+
+    def test_wrong_usage(self):
+        folder = self.path("refused")
+        for options, code, word in ((("--board-bend-mm", "abc"), 1, "--board-bend-mm"),
+                                    (("--features-per-image", 721), 1, "720"),
+                                    (("--min-square-px", 40), 1, "--max-square-px"),
+                                    (("--lens", "zoom"), 2, "zoom")):
+            with self.subTest(options):
+                self.assert_refused(run("simulate", *options, "-o", folder), code, word)
+        self.assert_nothing_in(folder)
+
+
+if __name__ == "__main__":
+    main(__name__)

@@ -1,0 +1,110 @@
+#include "experiments/experiment.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "camera_input.h"
+#include "commands.h"
+#include "dataset/error.h"
+#include "dataset/files.h"
+#include "experiments/experiment_files.h"
+#include "progress_bar.h"
+
+namespace raygrid {
+namespace {
+
+struct Arguments {
+  std::string name, size = "640x480", output;
+  bool list = false;
+  ExperimentOptions options;
+};
+
+std::string ListOfExperiments() {
+  std::string list;
+  for (const Experiment& experiment : Experiments())
+    list += fmt::format("  {:<20} {}\n", experiment.name, experiment.summary);
+  return list;
+}
+
+const Experiment& FindExperiment(const std::string& name) {
+  for (const Experiment& experiment : Experiments())
+    if (experiment.name == name) return experiment;
+  throw Error(
+      ExitCode::kUsage,
+      fmt::format("experiment {}: not known; see raygrid experiment --list",
+                  name));
+}
+
+void WriteResult(const Experiment& experiment, const ExperimentResult& result,
+                 const std::string& folder) {
+  const std::string base =
+      (std::filesystem::path(folder) / experiment.name).string();
+  OutputFiles files;
+  files.Add(base + ".csv", FormatExperimentCsv(result));
+  files.Add(base + ".json", FormatExperimentJson(experiment.name, result));
+  files.Add(base + ".svg", ChartSvg(result.chart));
+  files.Commit();
+}
+
+void Run(const Arguments& arguments, const CommonOptions& common) {
+  if (arguments.list) {
+    fmt::print("{}", ListOfExperiments());
+    return;
+  }
+  if (arguments.name.empty() || arguments.output.empty())
+    throw Error(ExitCode::kUsage,
+                "experiment: give a name and -o FOLDER, or --list");
+  const Experiment& experiment = FindExperiment(arguments.name);
+  ExperimentOptions options = arguments.options;
+  options.size = ParseImageSize("--size", arguments.size);
+  options.seed = common.seed;
+  options.num_threads = common.threads;
+  RequireWritableFolder(arguments.output);
+  const ExperimentResult result = [&] {
+    ProgressBar bar(common.quiet);
+    options.progress = [&](double done) { bar.Show(experiment.name, done); };
+    return experiment.run(options);
+  }();
+  WriteResult(experiment, result, arguments.output);
+  if (common.json)
+    fmt::print("{}", FormatExperimentJson(experiment.name, result));
+  else if (!common.quiet)
+    fmt::print("{}\n{}.csv, .json and .svg: {}\n", FormatExperimentText(result),
+               experiment.name, arguments.output);
+}
+
+}  // namespace
+
+void AddExperiment(CLI::App* app, CommonOptions* common) {
+  CLI::App* command = AddCommand(
+      app, "experiment",
+      "Repeats one of the paper's experiments on rendered images, whose truth "
+      "is known; writes its table as NAME.csv and NAME.json, and NAME.svg.\n" +
+          ListOfExperiments(),
+      "raygrid experiment pattern-segments -o results/", common);
+  auto arguments = std::make_shared<Arguments>();
+  ExperimentOptions& options = arguments->options;
+  command->add_option("name", arguments->name, "which experiment");
+  command->add_flag("--list", arguments->list, "print what there is");
+  command->add_option("-o,--output", arguments->output, "folder to write to");
+  command->add_option("--images", options.num_images, "number of images")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command->add_option("--size", arguments->size, "of images, WxH")
+      ->capture_default_str();
+  command
+      ->add_option("--blur-px", options.blur_px,
+                   "the lens's blur, standard deviation")
+      ->check(CLI::Range(0.0, 50.0))
+      ->capture_default_str();
+  command
+      ->add_option("--read-noise", options.read_noise,
+                   "standard deviation, grey levels")
+      ->check(CLI::Range(0.0, 255.0))
+      ->capture_default_str();
+  command->callback([arguments, common] { Run(*arguments, *common); });
+}
+
+}  // namespace raygrid
