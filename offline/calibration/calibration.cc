@@ -6,9 +6,10 @@
 #include <chrono>
 #include <cmath>
 
-#include "calibration/camera_adjustment.h"
 #include "calibration/camera_evaluation.h"
 #include "calibration/cross_validation.h"
+#include "calibration/model_adjustment.h"
+#include "calibration/starting_camera.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
 

@@ -4,8 +4,9 @@
 #include <cmath>
 #include <mutex>
 
-#include "calibration/camera_adjustment.h"
 #include "calibration/camera_evaluation.h"
+#include "calibration/model_adjustment.h"
+#include "calibration/starting_camera.h"
 #include "camera/central_generic.h"
 #include "dataset/parallel_for.h"
 

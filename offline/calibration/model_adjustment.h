@@ -1,5 +1,5 @@
-#ifndef RAYGRID_CALIBRATION_CAMERA_ADJUSTMENT_H
-#define RAYGRID_CALIBRATION_CAMERA_ADJUSTMENT_H
+#ifndef RAYGRID_CALIBRATION_MODEL_ADJUSTMENT_H
+#define RAYGRID_CALIBRATION_MODEL_ADJUSTMENT_H
 
 #include <string>
 #include <vector>
@@ -18,10 +18,10 @@ struct Adjusted {
   std::vector<FeatureResidual> rejected_features;
 };
 
-/// A starting lens from nothing but the observations, adjusted. Throws Error:
-/// kTooFew, kInitialization.
-Adjusted AdjustStart(const Dataset& dataset, const Pattern& pattern,
-                     const AdjustmentOptions& options);
+/// A parametric camera from where the state is.
+AdjustmentSummary AdjustParametric(const CalibrationProblem& problem,
+                                   const AdjustmentOptions& options,
+                                   AdjustmentState* state);
 
 /// On to the model asked for: adjusted, outliers removed, once more.
 void AdjustModel(const Pattern& pattern, const std::string& model,
@@ -36,4 +36,4 @@ Pattern AdjustedPattern(const Pattern& pattern, const Adjusted& adjusted);
 
 }  // namespace raygrid
 
-#endif  // RAYGRID_CALIBRATION_CAMERA_ADJUSTMENT_H
+#endif  // RAYGRID_CALIBRATION_MODEL_ADJUSTMENT_H
