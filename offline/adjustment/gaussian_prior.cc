@@ -98,7 +98,9 @@ std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
 
 double CameraPrior::Cost(const Eigen::VectorXd& parameters) const {
   const Eigen::VectorXd difference = parameters - mean;
-  double cost = weight / 2 * difference.dot(precision * difference);
+  double cost = 0;
+  for (const PriorGroup& group : groups)
+    cost += group.weight / 2 * group.SquaredDistance(difference);
   if (orientation.cols() > 0)
     cost += orientation_weight / 2 *
             (orientation.transpose() * difference).squaredNorm();
@@ -123,8 +125,7 @@ CameraPrior SmoothnessPrior(const CentralGeneric& base) {
 
   CameraPrior prior;
   prior.mean = base.Parameters();
-  prior.precision = differences.Precision();
-  prior.rank = 2 * surface.num_points();
+  prior.groups = {{differences.Precision(), 2 * surface.num_points(), 0}};
   prior.orientation.resize(2 * surface.num_points(), 3);
   for (int k = 0; k < surface.num_points(); ++k)
     prior.orientation.middleRows<2>(2 * k) =
@@ -162,9 +163,9 @@ CameraPrior DistortionPrior(const OpenCvModel& lens, const Area& area) {
 
   CameraPrior prior;
   prior.mean = Eigen::VectorXd::Zero(Lens::kCount);
-  prior.precision.resize(Lens::kCount, Lens::kCount);
-  prior.precision.setFromTriplets(diagonal.begin(), diagonal.end());
-  prior.rank = static_cast<int>(diagonal.size());
+  Eigen::SparseMatrix<double> precision(Lens::kCount, Lens::kCount);
+  precision.setFromTriplets(diagonal.begin(), diagonal.end());
+  prior.groups = {{precision, static_cast<int>(diagonal.size()), 0}};
   prior.orientation = Eigen::MatrixXd::Zero(Lens::kCount, 0);
   return prior;
 }

@@ -10,15 +10,26 @@
 
 namespace raygrid {
 
+/// Parameters of a camera that scatter alike: K is zero for all others.
+struct PriorGroup {
+  Eigen::SparseMatrix<double> precision;  ///< K, over all parameters
+  int rank = 0;                           ///< of K
+  double weight = 0;
+
+  /// (c - c0)^T K (c - c0), without the weight.
+  double SquaredDistance(const Eigen::VectorXd& difference) const {
+    return difference.dot(precision * difference);
+  }
+};
+
 /// What is believed of a camera's parameters before the observations: that they
 /// lie around a parametric lens, with smooth differences. Costs, beside the
 /// residuals':
-///   weight / 2 (c - c0)^T K (c - c0) + orientation_weight / 2 |G^T (c - c0)|^2
+///   sum over groups of weight / 2 (c - c0)^T K (c - c0)
+///   + orientation_weight / 2 |G^T (c - c0)|^2
 struct CameraPrior {
   Eigen::VectorXd mean;
-  Eigen::SparseMatrix<double> precision;  ///< K
-  int rank = 0;                           ///< of K
-  double weight = 0;
+  std::vector<PriorGroup> groups;
 
   Eigen::MatrixXd orientation;  ///< G, three columns; may be empty
   double orientation_weight = 0;
