@@ -83,7 +83,7 @@ AdjustmentSummary AdjustParametric(const CalibrationProblem& problem,
                                    AdjustmentState* state) {
   GaussianPrior prior;
   prior.cameras = {
-      DistortionPrior(dynamic_cast<const OpenCvModel&>(state->camera()),
+      DistortionPrior(dynamic_cast<const ParametricModel&>(state->camera()),
                       FeatureArea(problem, 0))};
   return AdjustInTwoSteps(problem, options, &prior, state);
 }
