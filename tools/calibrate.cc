@@ -253,7 +253,10 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
                       "WxH, with --features");
   command->add_option("--pattern", arguments->pattern, "pattern.yaml")
       ->required();
-  command->add_option("--model", arguments->model, "central-generic or opencv")
+  command
+      ->add_option("--model", arguments->model,
+                   "central-generic, central-radial, thin-prism-fisheye or "
+                   "opencv")
       ->capture_default_str();
   command
       ->add_option("--cell-px", arguments->cell_px,

@@ -5,7 +5,7 @@
 
 #include "adjustment/metric_scale.h"
 #include "camera/central_generic.h"
-#include "camera/opencv.h"
+#include "camera/model_fitting.h"
 #include "evaluation/residual_statistics.h"
 
 namespace raygrid {
@@ -93,8 +93,13 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
                  Adjusted* adjusted) {
   const std::unique_ptr<CameraModel> lens = adjusted->state.camera().Clone();
   const auto adjust = [&] {
+    if (IsParametricModel(model))
+      adjusted->state.cameras[0] =
+          FitParametricModel(model, *lens, FeatureArea(adjusted->problem, 0),
+                             false)
+              .model;
     adjusted->summary =
-        model == "opencv"
+        IsParametricModel(model)
             ? AdjustParametric(adjusted->problem, options, &adjusted->state)
             : AdjustGrid(adjusted->problem, *lens, cell_px, options,
                          &adjusted->state);
@@ -105,8 +110,8 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
   if (!adjusted->rejected_features.empty()) adjust();
   const Area area = FeatureArea(adjusted->problem, 0);
   if (const auto* camera =
-          dynamic_cast<const OpenCvModel*>(&adjusted->state.camera()))
-    adjusted->state.cameras[0] = camera->WithArea(area).Clone();
+          dynamic_cast<const ParametricModel*>(&adjusted->state.camera()))
+    adjusted->state.cameras[0] = camera->OverArea(area);
 }
 
 void AlignBoards(const Pattern& pattern, Adjusted* adjusted) {

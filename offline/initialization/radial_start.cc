@@ -12,11 +12,17 @@ namespace {
 constexpr size_t kMaxViews = 20;
 constexpr int kNumCoefficients = 4;  // of G
 
-double Median(std::vector<double> values) {
+double QuantileOf(std::vector<double> values, double part) {
   if (values.empty()) return 0;
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  const auto at =
+      values.begin() +
+      static_cast<int>(part * (static_cast<double>(values.size()) - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+double Median(const std::vector<double>& values) {
+  return QuantileOf(values, 0.5);
 }
 
 // Weights for the next round of reweighted least squares: outliers, far beyond
@@ -298,16 +304,22 @@ std::optional<RadialSolution> SolveFromView(
   return solution;
 }
 
-double CostOf(const std::vector<CylindricalView>& views,
+// The outermost radius seen, but for outliers.
+double FarthestRadius(const std::vector<CylindricalView>& views) {
+  std::vector<double> radii;
+  for (const CylindricalView& view : views)
+    radii.insert(radii.end(), view.r.begin(), view.r.end());
+  return QuantileOf(radii, 0.98);
+}
+
+double CostOf(const std::vector<CylindricalView>& views, double farthest,
               const RadialSolution& solution) {
   double cost = 0;
   for (size_t v = 0; v < views.size(); ++v)
     cost += SumOfAbsolute(AngleErrors(views[v], solution.signs[v],
                                       solution.forward[v], solution.g));
   // In parts of the field of view, lest a narrow one be the best.
-  double largest = 0, farthest = 0;
-  for (const CylindricalView& view : views)
-    for (const double r : view.r) farthest = std::max(farthest, r);
+  double largest = 0;
   for (double r = 0; r <= farthest; r += farthest / 20) {
     const double theta = std::atan2(r, Polynomial(solution.g, r));
     if (r > 0 && theta <= largest) return INFINITY;  // it folds
@@ -374,17 +386,15 @@ std::optional<ThinPrismFisheye> StartFromRadialLines(const Dataset& dataset,
   const Eigen::Vector2d center = FindCenter(planar, size);
 
   std::vector<CylindricalView> views;
-  double farthest = 0;
-  for (const PlanarView& view : planar) {
+  for (const PlanarView& view : planar)
     views.push_back(ToCylindrical(view, center, unit_px));
-    for (const double r : views.back().r) farthest = std::max(farthest, r);
-  }
+  const double farthest = FarthestRadius(views);
   std::optional<RadialSolution> best;
   double best_cost = INFINITY;
   for (size_t first = 0; first < views.size(); ++first) {
     const auto solution = SolveFromView(views, first);
     if (!solution) continue;
-    const double cost = CostOf(views, *solution);
+    const double cost = CostOf(views, farthest, *solution);
     if (cost >= best_cost) continue;
     best = solution;
     best_cost = cost;
