@@ -15,8 +15,9 @@ struct PlanarView {
   std::vector<Eigen::Vector2d> pixels;
 };
 
-/// Views of enough features, each thinned to a number that is quick, evenly in
-/// its order; and of the views, no more than max_views, evenly.
+/// Views of enough features, without gross outliers, each thinned to a number
+/// that is quick, evenly in its order; and of the views, no more than max_views,
+/// evenly.
 std::vector<PlanarView> SamplePlanarViews(const Dataset& dataset,
                                           const Pattern& pattern,
                                           size_t max_views);

@@ -287,17 +287,25 @@ bool ChooseSigns(const std::vector<CylindricalView>& views,
   return changed;
 }
 
-// From one view, of few coefficients, to all.
+// How many coefficients G has, for one view and for all: more than a lens asks
+// for do harm.
+struct Degrees {
+  int first, all;
+};
+constexpr Degrees kDegrees[] = {{1, 1}, {1, 2}, {1, 3}, {2, 3}, {2, 4}};
+
+// From one view to all.
 std::optional<RadialSolution> SolveFromView(
-    const std::vector<CylindricalView>& views, size_t first) {
-  constexpr int kFewCoefficients = 2, kMaxRounds = 10;
+    const std::vector<CylindricalView>& views, size_t first,
+    const Degrees& degrees) {
+  constexpr int kMaxRounds = 10;
   RadialSolution solution;
   solution.signs.assign(views.size(), 0);
   solution.signs[first] = 1;
-  if (!SolveForwards(views, kFewCoefficients, &solution)) return std::nullopt;
+  if (!SolveForwards(views, degrees.first, &solution)) return std::nullopt;
   for (int round = 0; round < kMaxRounds; ++round) {
     if (!ChooseSigns(views, &solution) && round > 1) break;
-    if (!SolveForwards(views, round == 0 ? kFewCoefficients : kNumCoefficients,
+    if (!SolveForwards(views, round == 0 ? degrees.first : degrees.all,
                        &solution))
       return std::nullopt;
   }
@@ -312,20 +320,32 @@ double FarthestRadius(const std::vector<CylindricalView>& views) {
   return QuantileOf(radii, 0.98);
 }
 
+// d theta / d r of pixels.
+double AnglePerRadius(const Coefficients& g, double r) {
+  double slope = 0;  // of G, over r
+  for (int k = kNumCoefficients; k-- > 1;) slope = slope * r * r + 2 * k * g[k];
+  const double along = Polynomial(g, r);
+  return (along - r * r * slope) / (r * r + along * along);
+}
+
+// Sum of absolute errors of radii, of which outliers have a limited share.
 double CostOf(const std::vector<CylindricalView>& views, double farthest,
               const RadialSolution& solution) {
+  constexpr double kCap = 0.05;
+  for (double part = 0; part <= 1; part += 0.05)
+    if (!(AnglePerRadius(solution.g, part * farthest) > 0))
+      return INFINITY;  // it folds
   double cost = 0;
-  for (size_t v = 0; v < views.size(); ++v)
-    cost += SumOfAbsolute(AngleErrors(views[v], solution.signs[v],
-                                      solution.forward[v], solution.g));
-  // In parts of the field of view, lest a narrow one be the best.
-  double largest = 0;
-  for (double r = 0; r <= farthest; r += farthest / 20) {
-    const double theta = std::atan2(r, Polynomial(solution.g, r));
-    if (r > 0 && theta <= largest) return INFINITY;  // it folds
-    largest = theta;
+  for (size_t v = 0; v < views.size(); ++v) {
+    for (size_t i = 0; i < views[v].r.size(); ++i) {
+      const double error =
+          AngleError(views[v], i, solution.signs[v], solution.forward[v],
+                     solution.g) /
+          AnglePerRadius(solution.g, std::min(views[v].r[i], farthest));
+      cost += std::min(std::abs(error), kCap);
+    }
   }
-  return cost / largest;
+  return cost;
 }
 
 // ---- Step 4 ----------------------------------------------------------------
@@ -392,12 +412,14 @@ std::optional<ThinPrismFisheye> StartFromRadialLines(const Dataset& dataset,
   std::optional<RadialSolution> best;
   double best_cost = INFINITY;
   for (size_t first = 0; first < views.size(); ++first) {
-    const auto solution = SolveFromView(views, first);
-    if (!solution) continue;
-    const double cost = CostOf(views, farthest, *solution);
-    if (cost >= best_cost) continue;
-    best = solution;
-    best_cost = cost;
+    for (const Degrees& degrees : kDegrees) {
+      const auto solution = SolveFromView(views, first, degrees);
+      if (!solution) continue;
+      const double cost = CostOf(views, farthest, *solution);
+      if (cost >= best_cost) continue;
+      best = solution;
+      best_cost = cost;
+    }
   }
   if (!best) return std::nullopt;
   return ToLens(best->g, farthest, unit_px, center, size);
