@@ -49,13 +49,32 @@ std::optional<PixelwiseModel> GrowBestModel(
   return best;
 }
 
-std::vector<SurfaceSample> ChartSamples(const PixelwiseModel& model,
-                                        const PixelLattice& lattice) {
-  std::vector<SurfaceSample> samples;
-  for (int i = 0; i < lattice.size(); ++i)
-    if (model.directions[i])
-      samples.push_back({lattice.Pixel(i), ToChart(*model.directions[i])});
-  return samples;
+// Chart coordinates at the pixels of a lattice.
+using ChartValues = std::vector<std::optional<Eigen::Vector2d>>;
+
+ChartValues ChartOf(const PixelwiseModel& model) {
+  ChartValues chart;
+  for (const auto& direction : model.directions) {
+    chart.emplace_back();
+    if (direction) chart.back() = ToChart(*direction);
+  }
+  return chart;
+}
+
+// Least-squares coefficients of functions of the pixel.
+template <int N, typename Functions>
+Eigen::Matrix<double, N, 2> FitFunctions(const PixelLattice& lattice,
+                                         const ChartValues& chart,
+                                         const Functions& functions) {
+  Eigen::Matrix<double, N, N> normal = Eigen::Matrix<double, N, N>::Zero();
+  Eigen::Matrix<double, N, 2> right = Eigen::Matrix<double, N, 2>::Zero();
+  for (int i = 0; i < lattice.size(); ++i) {
+    if (!chart[i]) continue;
+    const Eigen::Matrix<double, N, 1> values = functions(lattice.Pixel(i));
+    normal += values * values.transpose();
+    right += values * chart[i]->transpose();
+  }
+  return normal.ldlt().solve(right);
 }
 
 // Turns camera axes.
@@ -77,16 +96,13 @@ void TurnMeanForward(PixelwiseModel* model) {
 // x right and y down: about z, until the chart's linear part by the pixel has
 // no rotation. False if the image is mirrored.
 bool TurnUpright(const PixelLattice& lattice, PixelwiseModel* model) {
-  const auto samples = ChartSamples(*model, lattice);
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
-  for (const SurfaceSample& sample : samples) {
-    const Eigen::Vector3d pixel = sample.pixel.homogeneous();
-    normal += pixel * pixel.transpose();
-    right += pixel * sample.value.transpose();
-  }
   const Eigen::Matrix2d linear =
-      normal.ldlt().solve(right).topRows<2>().transpose();
+      FitFunctions<3>(lattice, ChartOf(*model),
+                      [](const Eigen::Vector2d& pixel) -> Eigen::Vector3d {
+                        return pixel.homogeneous();
+                      })
+          .topRows<2>()
+          .transpose();
   if (!(linear.determinant() > 0)) return false;
   const double angle =
       std::atan2(linear(1, 0) - linear(0, 1), linear(0, 0) + linear(1, 1));
@@ -105,23 +121,63 @@ Cubic CubicMonomials(const Eigen::Vector2d& pixel, const Area& area) {
   return monomials;
 }
 
-// Values where there are none: of the cubic polynomial through all others.
-void AddUnseen(const PixelwiseModel& model, const PixelLattice& lattice,
-               const Area& area, std::vector<SurfaceSample>* samples) {
-  Eigen::Matrix<double, 10, 10> normal = Eigen::Matrix<double, 10, 10>::Zero();
-  Eigen::Matrix<double, 10, 2> right = Eigen::Matrix<double, 10, 2>::Zero();
-  for (const SurfaceSample& sample : *samples) {
-    const Cubic monomials = CubicMonomials(sample.pixel, area);
-    normal += monomials * monomials.transpose();
-    right += monomials * sample.value.transpose();
+// The mean of the neighbours that have values.
+std::optional<Eigen::Vector2d> MeanAround(const ChartValues& values,
+                                          const PixelLattice& lattice,
+                                          int index) {
+  const int x = index % lattice.columns, y = index / lattice.columns;
+  Eigen::Vector2d sum(0, 0);
+  int count = 0;
+  for (int j = std::max(0, y - 1); j <= std::min(lattice.rows - 1, y + 1);
+       ++j) {
+    for (int i = std::max(0, x - 1); i <= std::min(lattice.columns - 1, x + 1);
+         ++i) {
+      const auto& value = values[j * lattice.columns + i];
+      if (!value) continue;
+      sum += *value;
+      ++count;
+    }
   }
-  const Eigen::Matrix<double, 10, 2> coefficients = normal.ldlt().solve(right);
+  if (count == 0) return std::nullopt;
+  return sum / count;
+}
+
+// Gives values to what has none, ring by ring. There is one at least.
+void FillFromNeighbours(const PixelLattice& lattice, ChartValues* values) {
+  for (bool complete = false; !complete;) {
+    complete = true;
+    const ChartValues before = *values;
+    for (int i = 0; i < lattice.size(); ++i) {
+      if (before[i]) continue;
+      (*values)[i] = MeanAround(before, lattice, i);
+      complete = false;
+    }
+  }
+}
+
+// The chart at all pixels of an area: where no view was, the cubic polynomial
+// through all others, and how the neighbours differ from it.
+std::vector<SurfaceSample> CompleteSamples(const ChartValues& seen,
+                                           const PixelLattice& lattice,
+                                           const Area& area) {
+  const auto monomials = [&area](const Eigen::Vector2d& pixel) {
+    return CubicMonomials(pixel, area);
+  };
+  const Eigen::Matrix<double, 10, 2> coefficients =
+      FitFunctions<10>(lattice, seen, monomials);
+  ChartValues difference = seen;
+  for (int i = 0; i < lattice.size(); ++i)
+    if (difference[i])
+      *difference[i] -= coefficients.transpose() * monomials(lattice.Pixel(i));
+  FillFromNeighbours(lattice, &difference);
+  std::vector<SurfaceSample> samples;
   for (int i = 0; i < lattice.size(); ++i) {
     const Eigen::Vector2d pixel = lattice.Pixel(i);
-    if (!model.directions[i] && area.Contains(pixel))
-      samples->push_back(
-          {pixel, coefficients.transpose() * CubicMonomials(pixel, area)});
+    if (area.Contains(pixel, lattice.step_px))
+      samples.push_back({pixel, coefficients.transpose() * monomials(pixel) +
+                                    *difference[i]});
   }
+  return samples;
 }
 
 double MedianReprojectionError(const CentralGeneric& camera,
@@ -162,8 +218,8 @@ std::optional<GenericStart> StartFromThreeViews(
   const Area area = AreaOfFeatures(dataset);
   const double cell_px =
       std::max(area.width(), area.height()) / options.cells_along;
-  std::vector<SurfaceSample> samples = ChartSamples(*model, lattice);
-  AddUnseen(*model, lattice, area, &samples);
+  const std::vector<SurfaceSample> samples =
+      CompleteSamples(ChartOf(*model), lattice, area);
   GenericStart start = {
       CentralGeneric(
           dataset.image_size,
