@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "camera/stereographic.h"
+#include "initialization/chart_adjustment.h"
 #include "initialization/dense_matches.h"
 #include "initialization/pixelwise_model.h"
 #include "initialization/triplet_selection.h"
@@ -15,6 +16,7 @@ namespace {
 
 // Triplets that a model is grown from; the best model is taken.
 constexpr int kNumGrown = 3;
+constexpr size_t kMaxAdjustedFeatures = 60;  // of a view
 
 Area AreaOfFeatures(const Dataset& dataset) {
   Area area = {INFINITY, INFINITY, -INFINITY, -INFINITY};
@@ -180,21 +182,64 @@ std::vector<SurfaceSample> CompleteSamples(const ChartValues& seen,
   return samples;
 }
 
-double MedianReprojectionError(const CentralGeneric& camera,
-                               const std::vector<StartingView>& views,
-                               const Dataset& dataset, const Pattern& pattern) {
-  std::vector<double> errors;
-  for (const StartingView& view : views) {
-    const Board& board = pattern.boards[view.board];
+// The features of the localised views, count of each at most; a pose each.
+std::vector<ChartObservation> ObservationsOf(
+    const std::vector<StartingView>& views, const Dataset& dataset,
+    const Pattern& pattern, size_t max_count) {
+  std::vector<ChartObservation> observations;
+  for (size_t v = 0; v < views.size(); ++v) {
+    const Board& board = pattern.boards[views[v].board];
     const std::vector<Eigen::Vector3d> nominal = board.NominalPoints();
-    for (const Feature& feature : dataset.images[view.image].features) {
-      if (feature.board != board.id) continue;
-      const Eigen::Vector3d& point =
-          nominal[board.PointIndex(feature.column, feature.row)];
-      const auto pixel =
-          camera.Project(view.camera_from_board * point, &feature.pixel, 10);
-      errors.push_back(pixel ? (*pixel - feature.pixel).norm() : INFINITY);
-    }
+    std::vector<ChartObservation> all;
+    for (const Feature& feature : dataset.images[views[v].image].features)
+      if (feature.board == board.id)
+        all.push_back({static_cast<int>(v),
+                       nominal[board.PointIndex(feature.column, feature.row)],
+                       feature.pixel});
+    const size_t count = std::min(max_count, all.size());
+    for (size_t i = 0; i < count; ++i)
+      observations.push_back(all[i * all.size() / count]);
+  }
+  return observations;
+}
+
+BSplineSurface FitGrid(const PixelwiseModel& model, const PixelLattice& lattice,
+                       const Area& area, int cells_along) {
+  const double cell_px = std::max(area.width(), area.height()) / cells_along;
+  return FitSurface(area, NumControlPoints(area.width(), cell_px),
+                    NumControlPoints(area.height(), cell_px),
+                    CompleteSamples(ChartOf(model), lattice, area));
+}
+
+// The grid and the views of a model, adjusted.
+GenericStart AdjustedStart(const PixelwiseModel& model,
+                           const std::vector<DenseView>& dense,
+                           const PixelLattice& lattice, const Dataset& dataset,
+                           const Pattern& pattern, int cells_along) {
+  std::vector<StartingView> views;
+  std::vector<Pose> poses;
+  for (size_t v = 0; v < dense.size(); ++v) {
+    if (!model.camera_from_board[v]) continue;
+    poses.push_back(*model.camera_from_board[v]);
+    views.push_back({dense[v].image, dense[v].board, poses.back()});
+  }
+  BSplineSurface surface =
+      FitGrid(model, lattice, AreaOfFeatures(dataset), cells_along);
+  AdjustInChart(ObservationsOf(views, dataset, pattern, kMaxAdjustedFeatures),
+                &surface, &poses);
+  for (size_t v = 0; v < views.size(); ++v)
+    views[v].camera_from_board = poses[v];
+  return {CentralGeneric(dataset.image_size, surface), views, 0};
+}
+
+double MedianReprojectionError(const GenericStart& start,
+                               const std::vector<ChartObservation>& features) {
+  std::vector<double> errors;
+  for (const ChartObservation& feature : features) {
+    const Pose& pose = start.views[feature.pose].camera_from_board;
+    const auto pixel =
+        start.camera.Project(pose * feature.point, &feature.pixel, 10);
+    errors.push_back(pixel ? (*pixel - feature.pixel).norm() : INFINITY);
   }
   if (errors.empty()) return INFINITY;
   std::nth_element(errors.begin(), errors.begin() + errors.size() / 2,
@@ -214,25 +259,10 @@ std::optional<GenericStart> StartFromThreeViews(
   if (!model) return std::nullopt;
   TurnMeanForward(&*model);
   if (!TurnUpright(lattice, &*model)) return std::nullopt;
-
-  const Area area = AreaOfFeatures(dataset);
-  const double cell_px =
-      std::max(area.width(), area.height()) / options.cells_along;
-  const std::vector<SurfaceSample> samples =
-      CompleteSamples(ChartOf(*model), lattice, area);
-  GenericStart start = {
-      CentralGeneric(
-          dataset.image_size,
-          FitSurface(area, NumControlPoints(area.width(), cell_px),
-                     NumControlPoints(area.height(), cell_px), samples)),
-      {},
-      0};
-  for (size_t v = 0; v < dense.size(); ++v)
-    if (model->camera_from_board[v])
-      start.views.push_back(
-          {dense[v].image, dense[v].board, *model->camera_from_board[v]});
-  start.median_error_px =
-      MedianReprojectionError(start.camera, start.views, dataset, pattern);
+  GenericStart start = AdjustedStart(*model, dense, lattice, dataset, pattern,
+                                     options.cells_along);
+  start.median_error_px = MedianReprojectionError(
+      start, ObservationsOf(start.views, dataset, pattern, SIZE_MAX));
   return start;
 }
 

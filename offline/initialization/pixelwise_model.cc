@@ -19,7 +19,7 @@ constexpr int kHomographyRounds = 3;
 constexpr int kPoseIterations = 15;
 // How much of a view must have directions; the more, the sooner it is added.
 constexpr double kOverlapParts[] = {0.7, 0.5, 0.3};
-constexpr int kAveragingRounds = 5;
+constexpr int kAveragingRounds = 3;
 // Beyond this a view is not explained by the directions that others gave.
 constexpr double kMaxErrorPx = 8;
 
