@@ -23,6 +23,7 @@ CLI::App* AddCommand(CLI::App* app, const std::string& name,
                      CommonOptions* common);
 
 void AddCalibrate(CLI::App* app, CommonOptions* common);
+void AddCompare(CLI::App* app, CommonOptions* common);
 void AddDetect(CLI::App* app, CommonOptions* common);
 void AddEvaluate(CLI::App* app, CommonOptions* common);
 void AddExperiment(CLI::App* app, CommonOptions* common);

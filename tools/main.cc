@@ -44,6 +44,7 @@ int Run(int argc, char** argv) {
   AddPattern(&app, &common);
   AddDetect(&app, &common);
   AddCalibrate(&app, &common);
+  AddCompare(&app, &common);
   AddEvaluate(&app, &common);
   AddPack(&app, &common);
   AddInspect(&app, &common);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera/noncentral_generic.h"
 #include "camera/stereographic.h"
 
 namespace raygrid {
@@ -15,29 +16,40 @@ struct Term {
   double factor;
 };
 
+// Those parameters of each control point, out of per_point, that make a field.
+struct FieldParameters {
+  int per_point, first, count;
+};
+
 class DifferenceRows {
  public:
-  explicit DifferenceRows(const std::vector<double>& pixels_per_chart_unit)
-      : scale_(pixels_per_chart_unit) {}
+  // pixels_per_unit: of the field at each control point.
+  DifferenceRows(const FieldParameters& field,
+                 const std::vector<double>& pixels_per_unit)
+      : field_(field), scale_(pixels_per_unit) {}
 
   // One row for each coordinate.
   void Add(const std::vector<Term>& terms, double factor) {
-    for (int coordinate = 0; coordinate < 2; ++coordinate) {
+    for (int coordinate = 0; coordinate < field_.count; ++coordinate) {
       for (const Term& term : terms)
-        triplets_.emplace_back(num_rows_, 2 * term.point + coordinate,
-                               factor * term.factor * scale_[term.point]);
+        triplets_.emplace_back(
+            num_rows_,
+            field_.per_point * term.point + field_.first + coordinate,
+            factor * term.factor * scale_[term.point]);
       ++num_rows_;
     }
   }
 
   // D^T D
   Eigen::SparseMatrix<double> Precision() const {
-    Eigen::SparseMatrix<double> rows(num_rows_, 2 * scale_.size());
+    Eigen::SparseMatrix<double> rows(num_rows_,
+                                     field_.per_point * scale_.size());
     rows.setFromTriplets(triplets_.begin(), triplets_.end());
     return rows.transpose() * rows;
   }
 
  private:
+  FieldParameters field_;
   std::vector<double> scale_;
   std::vector<Eigen::Triplet<double>> triplets_;
   int num_rows_ = 0;
@@ -75,6 +87,25 @@ void AddDerivative(const BSplineSurface& surface, int x_order, int y_order,
   }
 }
 
+PriorGroup SmoothField(const BSplineSurface& surface,
+                       const FieldParameters& field,
+                       const std::vector<double>& pixels_per_unit) {
+  DifferenceRows differences(field, pixels_per_unit);
+  const double range_px =
+      kRangePart * std::max(surface.area().width(), surface.area().height());
+  const double cell_px =
+      std::sqrt(surface.cell_width() * surface.cell_height());
+  const double kappa = std::sqrt(8.0 * (kOrder - 1)) / range_px * cell_px;
+  for (int order = 0; order <= kOrder; ++order)
+    for (int y_order = 0; y_order <= order; ++y_order)
+      AddDerivative(
+          surface, order - y_order, y_order,
+          std::sqrt(Binomial(kOrder, order) * Binomial(order, y_order)) *
+              std::pow(kappa, kOrder - order),
+          &differences);
+  return {differences.Precision(), field.count * surface.num_points(), 0};
+}
+
 // How many pixels a unit of the chart is, around each control point.
 std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
   std::vector<double> scales;
@@ -94,11 +125,31 @@ std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
   return scales;
 }
 
+// Of directions that are the first two of a control point's parameters; without
+// the mean.
+CameraPrior DirectionsPrior(const BSplineSurface& base, int per_point) {
+  const std::vector<double> pixels = PixelsPerChartUnit(base);
+  CameraPrior prior;
+  prior.groups = {SmoothField(base, {per_point, 0, 2}, pixels)};
+  prior.orientation.setZero(per_point * base.num_points(), 3);
+  for (int k = 0; k < base.num_points(); ++k)
+    prior.orientation.middleRows<2>(per_point * k) =
+        ChartRotationDerivative(base.points()[k]);
+  prior.orientation /= std::sqrt(base.num_points());
+  // As firm as the observations, which have no say in it, are in everything
+  // else.
+  const double middle = pixels[base.num_points() / 2];
+  prior.orientation_weight = middle * middle;
+  return prior;
+}
+
 }  // namespace
 
 double CameraPrior::Cost(const Eigen::VectorXd& parameters) const {
   const Eigen::VectorXd difference = parameters - mean;
-  double cost = weight / 2 * difference.dot(precision * difference);
+  double cost = 0;
+  for (const PriorGroup& group : groups)
+    cost += group.weight / 2 * group.SquaredDistance(difference);
   if (orientation.cols() > 0)
     cost += orientation_weight / 2 *
             (orientation.transpose() * difference).squaredNorm();
@@ -106,34 +157,24 @@ double CameraPrior::Cost(const Eigen::VectorXd& parameters) const {
 }
 
 CameraPrior SmoothnessPrior(const CentralGeneric& base) {
-  const BSplineSurface& surface = base.surface();
-  DifferenceRows differences(PixelsPerChartUnit(surface));
-  const double range_px =
-      kRangePart * std::max(surface.area().width(), surface.area().height());
-  const double cell_px =
-      std::sqrt(surface.cell_width() * surface.cell_height());
-  const double kappa = std::sqrt(8.0 * (kOrder - 1)) / range_px * cell_px;
-  for (int order = 0; order <= kOrder; ++order)
-    for (int y_order = 0; y_order <= order; ++y_order)
-      AddDerivative(
-          surface, order - y_order, y_order,
-          std::sqrt(Binomial(kOrder, order) * Binomial(order, y_order)) *
-              std::pow(kappa, kOrder - order),
-          &differences);
-
-  CameraPrior prior;
+  CameraPrior prior = DirectionsPrior(base.surface(), 2);
   prior.mean = base.Parameters();
-  prior.precision = differences.Precision();
-  prior.rank = 2 * surface.num_points();
-  prior.orientation.resize(2 * surface.num_points(), 3);
-  for (int k = 0; k < surface.num_points(); ++k)
-    prior.orientation.middleRows<2>(2 * k) =
-        ChartRotationDerivative(surface.points()[k]);
-  prior.orientation /= std::sqrt(surface.num_points());
-  // As firm as the observations, which have no say in it, are in everything
-  // else.
-  const double pixels = PixelsPerChartUnit(surface)[surface.num_points() / 2];
-  prior.orientation_weight = pixels * pixels;
+  return prior;
+}
+
+CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m) {
+  constexpr int kPerNode = NonCentralGeneric::kPerNode;
+  const BSplineSurface& surface = base.surface();
+  CameraPrior prior = DirectionsPrior(surface, kPerNode);
+  prior.mean = NonCentralGeneric(base).Parameters();
+  const int middle = surface.num_points() / 2;
+  const double chart_per_radian =
+      (1 + surface.points()[middle].squaredNorm()) / 2;
+  const std::vector<double> pixels_per_metre(
+      surface.num_points(),
+      PixelsPerChartUnit(surface)[middle] * chart_per_radian / distance_m);
+  prior.groups.push_back(
+      SmoothField(surface, {kPerNode, 2, 3}, pixels_per_metre));
   return prior;
 }
 
@@ -162,9 +203,9 @@ CameraPrior DistortionPrior(const OpenCvModel& lens, const Area& area) {
 
   CameraPrior prior;
   prior.mean = Eigen::VectorXd::Zero(Lens::kCount);
-  prior.precision.resize(Lens::kCount, Lens::kCount);
-  prior.precision.setFromTriplets(diagonal.begin(), diagonal.end());
-  prior.rank = static_cast<int>(diagonal.size());
+  Eigen::SparseMatrix<double> precision(Lens::kCount, Lens::kCount);
+  precision.setFromTriplets(diagonal.begin(), diagonal.end());
+  prior.groups = {{precision, static_cast<int>(diagonal.size()), 0}};
   prior.orientation = Eigen::MatrixXd::Zero(Lens::kCount, 0);
   return prior;
 }

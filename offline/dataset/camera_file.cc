@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "camera/central_generic.h"
+#include "camera/noncentral_generic.h"
 #include "camera/opencv.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
@@ -14,9 +15,11 @@
 namespace raygrid {
 namespace {
 
-std::shared_ptr<CameraModel> ParseCentralGeneric(const YAML::Node& root,
-                                                 const ImageSize& size,
-                                                 const Area& area) {
+// A surface of directions; of what else each control point has,
+// numbers_per_point in all, others gets the rest.
+BSplineSurface ParseGrid(const YAML::Node& root, const Area& area,
+                         size_t numbers_per_point,
+                         std::vector<std::vector<double>>* others) {
   const YAML::Node grid = root["grid"];
   const int columns = grid["columns"].as<int>();
   const int rows = grid["rows"].as<int>();
@@ -32,11 +35,36 @@ std::shared_ptr<CameraModel> ParseCentralGeneric(const YAML::Node& root,
   int index = 0;
   for (const YAML::Node& point : points) {
     const auto value = point.as<std::vector<double>>();
-    if (value.size() != 2 || !std::isfinite(value[0] + value[1]))
-      throw InputError("control_points: not a pair of finite numbers");
+    if (value.size() != numbers_per_point ||
+        !std::all_of(value.begin(), value.end(),
+                     [](double number) { return std::isfinite(number); }))
+      throw InputError(fmt::format("control_points: not {} finite numbers each",
+                                   numbers_per_point));
     surface.points()[index++] = {value[0], value[1]};
+    others->emplace_back(value.begin() + 2, value.end());
   }
-  return std::make_shared<CentralGeneric>(size, std::move(surface));
+  return surface;
+}
+
+std::shared_ptr<CameraModel> ParseCentralGeneric(const YAML::Node& root,
+                                                 const ImageSize& size,
+                                                 const Area& area) {
+  std::vector<std::vector<double>> none;
+  return std::make_shared<CentralGeneric>(size,
+                                          ParseGrid(root, area, 2, &none));
+}
+
+std::shared_ptr<CameraModel> ParseNonCentralGeneric(const YAML::Node& root,
+                                                    const ImageSize& size,
+                                                    const Area& area) {
+  std::vector<std::vector<double>> others;
+  BSplineSurface directions =
+      ParseGrid(root, area, NonCentralGeneric::kPerNode, &others);
+  std::vector<Eigen::Vector3d> points;
+  for (const std::vector<double>& point : others)
+    points.emplace_back(point[0], point[1], point[2]);
+  return std::make_shared<NonCentralGeneric>(size, std::move(directions),
+                                             std::move(points));
 }
 
 std::shared_ptr<CameraModel> ParseOpenCv(const YAML::Node& root,
@@ -81,6 +109,8 @@ CameraFile Parse(const YAML::Node& root) {
   const std::string model = root["model"].as<std::string>();
   if (model == "central-generic")
     file.camera = ParseCentralGeneric(root, image_size, area);
+  else if (model == "noncentral-generic")
+    file.camera = ParseNonCentralGeneric(root, image_size, area);
   else if (model == "opencv")
     file.camera = ParseOpenCv(root, image_size, area);
   else
@@ -105,18 +135,30 @@ void EmitFigures(const char* name, const std::optional<ErrorFigures>& figures,
        << YAML::Key << "count" << YAML::Value << figures->count << YAML::EndMap;
 }
 
+// The camera's parameters, as many at each control point.
+void EmitGrid(const BSplineSurface& surface, const Eigen::VectorXd& parameters,
+              YAML::Emitter* out) {
+  *out << YAML::Key << "grid" << YAML::Value << YAML::Flow << YAML::BeginMap
+       << YAML::Key << "columns" << YAML::Value << surface.columns()
+       << YAML::Key << "rows" << YAML::Value << surface.rows() << YAML::Key
+       << "chart" << YAML::Value << "stereographic" << YAML::EndMap;
+  *out << YAML::Key << "control_points" << YAML::Value << YAML::BeginSeq;
+  const Eigen::Index per_point = parameters.size() / surface.num_points();
+  for (Eigen::Index first = 0; first < parameters.size(); first += per_point) {
+    *out << YAML::Flow << YAML::BeginSeq;
+    for (Eigen::Index k = first; k < first + per_point; ++k)
+      *out << fmt::format("{:.12f}", parameters[k]);
+    *out << YAML::EndSeq;
+  }
+  *out << YAML::EndSeq;
+}
+
 void EmitModel(const CameraModel& camera, YAML::Emitter* out) {
   if (const auto* generic = dynamic_cast<const CentralGeneric*>(&camera)) {
-    *out << YAML::Key << "grid" << YAML::Value << YAML::Flow << YAML::BeginMap
-         << YAML::Key << "columns" << YAML::Value
-         << generic->surface().columns() << YAML::Key << "rows" << YAML::Value
-         << generic->surface().rows() << YAML::Key << "chart" << YAML::Value
-         << "stereographic" << YAML::EndMap;
-    *out << YAML::Key << "control_points" << YAML::Value << YAML::BeginSeq;
-    for (const Eigen::Vector2d& point : generic->surface().points())
-      *out << YAML::Flow << YAML::BeginSeq << fmt::format("{:.12f}", point.x())
-           << fmt::format("{:.12f}", point.y()) << YAML::EndSeq;
-    *out << YAML::EndSeq;
+    EmitGrid(generic->surface(), camera.Parameters(), out);
+  } else if (const auto* lines =
+                 dynamic_cast<const NonCentralGeneric*>(&camera)) {
+    EmitGrid(lines->directions(), camera.Parameters(), out);
   } else {
     const Eigen::VectorXd parameters = camera.Parameters();
     *out << YAML::Key << "parameters" << YAML::Value << YAML::BeginMap;

@@ -9,10 +9,11 @@
 namespace raygrid {
 namespace {
 
-// A match seen as a ray, and how a direction near it moves its pixel.
+// A match seen along a line, and how a direction near the line's, from its
+// origin, moves its pixel.
 struct Sight {
   Eigen::Vector3d point;
-  Eigen::Vector3d ray;
+  Eigen::Vector3d origin, ray;
   Eigen::Matrix<double, 2, 3> pixel_by_ray;
 };
 
@@ -20,10 +21,15 @@ std::vector<Sight> FormSights(const CameraModel& camera,
                               const std::vector<PointOnPixel>& matches) {
   std::vector<Sight> sights;
   for (const PointOnPixel& match : matches) {
-    const auto ray = camera.Unproject(match.pixel);
+    // Linearised at a metre's distance, which matters little: what pixels per
+    // radian depend on distance by is how fast origins move from pixel to
+    // pixel.
+    const auto line = camera.Line(match.pixel);
     LinearizedProjection projection;
-    if (ray && camera.Linearize(*ray, &match.pixel, 1, &projection))
-      sights.push_back({match.point, *ray, projection.by_point});
+    if (line && camera.Linearize(line->origin + line->direction, &match.pixel,
+                                 1, &projection))
+      sights.push_back(
+          {match.point, line->origin, line->direction, projection.by_point});
   }
   return sights;
 }
@@ -79,6 +85,7 @@ struct SightError {
     Eigen::Matrix<T, 3, 1> direction(rotated[0] + translation[0],
                                      rotated[1] + translation[1],
                                      rotated[2] + translation[2]);
+    direction -= sight.origin.cast<T>();
     direction /= direction.norm();
     const Eigen::Matrix<T, 2, 1> pixels =
         sight.pixel_by_ray.cast<T>() * direction;

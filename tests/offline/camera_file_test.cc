@@ -18,6 +18,13 @@ CameraFile GenericFile() {
   return file;
 }
 
+CameraFile NonCentralFile() {
+  CameraFile file;
+  file.camera = std::make_shared<NonCentralGeneric>(FitNonCentralGeneric(
+      *SimulatedLens("glass", {640, 480}), {1.0 / 3, 2, 630.1, 470}, 7, 6));
+  return file;
+}
+
 CameraFile OpenCvFile() {
   CameraFile file;
   file.camera = std::make_shared<OpenCvModel>(ExampleLens());
@@ -43,7 +50,8 @@ std::string Replaced(std::string text, const std::string& from,
 }
 
 TEST(CameraFile, RoundTripKeepsTheCamera) {
-  for (const CameraFile& file : {GenericFile(), OpenCvFile()}) {
+  for (const CameraFile& file :
+       {GenericFile(), NonCentralFile(), OpenCvFile()}) {
     const CameraFile read = Read(FormatCameraFile(file));
     EXPECT_EQ(read.camera->Name(), file.camera->Name());
     EXPECT_EQ(read.camera->image_size(), file.camera->image_size());
@@ -74,7 +82,8 @@ TEST(CameraFile, RoundTripKeepsWhatIsKnownOfTheCamera) {
 }
 
 TEST(CameraFile, FormatOfWhatWasReadIsTheSame) {
-  for (const CameraFile& file : {GenericFile(), OpenCvFile()}) {
+  for (const CameraFile& file :
+       {GenericFile(), NonCentralFile(), OpenCvFile()}) {
     const std::string text = FormatCameraFile(file);
     EXPECT_EQ(FormatCameraFile(Read(text)), text);
   }
@@ -104,6 +113,9 @@ TEST(CameraFile, WrongCountsAreRefused) {
   ExpectRefused(std::string(generic).replace(point, end - point, "- [0.5]"));
   ExpectRefused(
       std::string(generic).replace(point, end - point, "- [0.5, 1, 2]"));
+  ExpectRefused(Replaced(generic, "central-generic", "noncentral-generic"));
+  ExpectRefused(Replaced(FormatCameraFile(NonCentralFile()),
+                         "noncentral-generic", "central-generic"));
   ExpectRefused(Replaced(generic, "[640, 480]", "[640]"));
   ExpectRefused(Replaced(generic, "[640, 480]", "[640, -480]"));
 }
