@@ -1,0 +1,40 @@
+#ifndef RAYGRID_FEATURES_CORNER_GROWTH_H
+#define RAYGRID_FEATURES_CORNER_GROWTH_H
+
+#include <vector>
+
+#include "features/corner_matching.h"
+#include "features/detection.h"
+#include "features/feature_lattice.h"
+
+namespace raygrid {
+
+/// Finds the features of a board that has squares, approximately: each where
+/// the image looks like the drawing, near where its neighbours say.
+class CornerGrowth {
+ public:
+  explicit CornerGrowth(const Board& board);
+
+  /// Looks for one feature.
+  bool Find(const GreyImage& image, int column, int row,
+            const LocalMapping& prediction, double search_squares,
+            double min_correlation, FeatureLattice* lattice) const;
+  /// Looks for all others, outwards from those that are found.
+  void Grow(const GreyImage& image, double min_correlation,
+            FeatureLattice* lattice) const;
+
+ private:
+  bool Sweep(const GreyImage& image, double min_correlation,
+             std::vector<int>* tried_with, FeatureLattice* lattice) const;
+
+  Board board_;
+  std::vector<DrawnPatch> patches_;  // by place
+};
+
+/// Where a feature must be, as its neighbours have it.
+bool PredictFeature(const FeatureLattice& lattice, int column, int row,
+                    LocalMapping* prediction);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_FEATURES_CORNER_GROWTH_H

@@ -1,0 +1,45 @@
+#ifndef RAYGRID_FEATURES_CORNER_MATCHING_H
+#define RAYGRID_FEATURES_CORNER_MATCHING_H
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+#include "features/detection.h"
+#include "features/local_mapping.h"
+
+namespace raygrid {
+
+/// What surrounds a place on a board, half a square to each side: how bright it
+/// is, sampled row by row.
+class DrawnPatch {
+ public:
+  static constexpr int kSamples = 12;  // along each axis
+
+  /// is_black tells the ink at an offset in squares.
+  explicit DrawnPatch(
+      const std::function<bool(const Eigen::Vector2d& offset)>& is_black);
+
+  /// In squares.
+  static const std::vector<Eigen::Vector2d>& Offsets();
+  /// 0 (ink) to 1.
+  const std::vector<float>& levels() const { return levels_; }
+
+ private:
+  std::vector<float> levels_;
+};
+
+struct PatchMatch {
+  double correlation = -1;  ///< of drawing and image
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+};
+
+/// The place within search_px of a prediction where the image is most like a
+/// patch, to a quarter of a pixel. What lies outside the image is not compared;
+/// if that is nearly half of the patch or more, nothing is found.
+PatchMatch FindPatch(const GreyImage& image, const DrawnPatch& patch,
+                     const LocalMapping& prediction, double search_px);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_FEATURES_CORNER_MATCHING_H
