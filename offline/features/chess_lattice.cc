@@ -13,7 +13,8 @@ namespace {
 
 constexpr int kMaxSaddles = 3000;
 constexpr int kMaxSeeds = 400;
-constexpr double kMinCorrelation = 0.72;
+// What is cut off by the image's edge may be the corner of a single square.
+constexpr PatchCriterion kCriterion = {0.72, 0.9};
 constexpr int kMinCorners = 6;
 
 // Saddles are sought in the image at a size near this first: there, noise and
@@ -78,9 +79,9 @@ class SeedFinder {
                  saddle.IsDarkBetween(right, down) == is_dark;
         });
         if (!opposite.empty())
-          return Seed{{origin.pixel, beside->pixel, below->pixel,
-                       opposite[0]->pixel},
-                      is_dark};
+          return Seed{
+              {origin.pixel, beside->pixel, below->pixel, opposite[0]->pixel},
+              is_dark};
       }
     }
     return std::nullopt;
@@ -150,10 +151,10 @@ void ChessLatticeFinder::Find(
       mapping.linear.col(1) = k % 2 == 0 ? p[2] - p[0] : p[3] - p[1];
       constexpr double kSearchSquares = 0.1;
       if (!growth_.Find(image, column + k % 2, row + k / 2, mapping,
-                        kSearchSquares, kMinCorrelation, &lattice))
+                        kSearchSquares, kCriterion, &lattice))
         return lattice;
     }
-    growth_.Grow(image, kMinCorrelation, &lattice);
+    growth_.Grow(image, kCriterion, &lattice);
     return lattice;
   };
   for (const double scale : Scales(image.size)) {

@@ -79,9 +79,11 @@ bool EndsTowards(const GreyImage& image, const FeatureLattice& lattice,
                ((offset.x() > 0) == (offset.y() > 0)) == is_dark;
       });
       constexpr double kSearchSquares = 0.12, kMinCorrelation = 0.72;
+      constexpr double kMinVisible = 0.9;
       const double correlation =
           FindPatch(image, end, prediction,
-                    std::max(1.0, kSearchSquares * prediction.SpacingPx()))
+                    std::max(1.0, kSearchSquares * prediction.SpacingPx()),
+                    kMinVisible)
               .correlation;
       if (correlation <= -1) continue;
       ++num_seen;
@@ -102,13 +104,11 @@ struct Numbering {
   std::array<int, 2> Of(const Board& board, int column, int row) const {
     const int i = column - place.left, j = row - place.top;
     const int last_column = board.columns - 1, last_row = board.rows - 1;
-    const std::array<int, 2> upright = quarter_turns == 0 ? std::array{i, j}
-                                       : quarter_turns == 1
-                                           ? std::array{j, last_row - i}
-                                       : quarter_turns == 2
-                                           ? std::array{last_column - i,
-                                                        last_row - j}
-                                           : std::array{last_column - j, i};
+    const std::array<int, 2> upright =
+        quarter_turns == 0   ? std::array{i, j}
+        : quarter_turns == 1 ? std::array{j, last_row - i}
+        : quarter_turns == 2 ? std::array{last_column - i, last_row - j}
+                             : std::array{last_column - j, i};
     if (is_mirrored) return {last_column - upright[0], upright[1]};
     return upright;
   }
@@ -279,7 +279,7 @@ ImageDetection ChessboardLocator::Locate(const GreyImage& image) const {
     }
     if (remark.empty())  // else the drawing is not as seen
       for (const double min_correlation : {0.7, 0.6})
-        data_->growth.Grow(image, min_correlation, &lattice);
+        data_->growth.Grow(image, {min_correlation}, &lattice);
     else
       located.remarks.push_back(remark);
     located.features = lattice.Features();

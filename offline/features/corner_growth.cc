@@ -46,13 +46,14 @@ CornerGrowth::CornerGrowth(const Board& board) : board_(board) {
 
 bool CornerGrowth::Find(const GreyImage& image, int column, int row,
                         const LocalMapping& prediction, double search_squares,
-                        double min_correlation, FeatureLattice* lattice) const {
+                        const PatchCriterion& criterion,
+                        FeatureLattice* lattice) const {
   const double spacing_px = prediction.SpacingPx();
   if (!(spacing_px >= kMinSpacingPx)) return false;
-  const PatchMatch match =
-      FindPatch(image, patches_[board_.PointIndex(column, row)], prediction,
-                std::max(1.0, search_squares * spacing_px));
-  if (match.correlation < min_correlation ||
+  const PatchMatch match = FindPatch(
+      image, patches_[board_.PointIndex(column, row)], prediction,
+      std::max(1.0, search_squares * spacing_px), criterion.min_visible);
+  if (match.correlation < criterion.min_correlation ||
       !WholeImage(image.size).Contains(match.pixel) ||
       IsTaken(*lattice, column, row, match.pixel, prediction))
     return false;
@@ -60,16 +61,17 @@ bool CornerGrowth::Find(const GreyImage& image, int column, int row,
   return true;
 }
 
-void CornerGrowth::Grow(const GreyImage& image, double min_correlation,
+void CornerGrowth::Grow(const GreyImage& image, const PatchCriterion& criterion,
                         FeatureLattice* lattice) const {
   std::vector<int> tried_with(board_.num_points(), 0);
-  while (Sweep(image, min_correlation, &tried_with, lattice)) {
+  while (Sweep(image, criterion, &tried_with, lattice)) {
   }
 }
 
 // One pass over the places beside found ones, those with the most neighbours
 // first, and not again before they have more; false if nothing was found.
-bool CornerGrowth::Sweep(const GreyImage& image, double min_correlation,
+bool CornerGrowth::Sweep(const GreyImage& image,
+                         const PatchCriterion& criterion,
                          std::vector<int>* tried_with,
                          FeatureLattice* lattice) const {
   std::vector<std::array<int, 3>> candidates;
@@ -89,7 +91,7 @@ bool CornerGrowth::Sweep(const GreyImage& image, double min_correlation,
     LocalMapping prediction;
     if (PredictFeature(*lattice, column, row, &prediction))
       is_any_found |= Find(image, column, row, prediction, search_squares,
-                           min_correlation, lattice);
+                           criterion, lattice);
   }
   return is_any_found;
 }

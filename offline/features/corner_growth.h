@@ -18,13 +18,13 @@ class CornerGrowth {
   /// Looks for one feature.
   bool Find(const GreyImage& image, int column, int row,
             const LocalMapping& prediction, double search_squares,
-            double min_correlation, FeatureLattice* lattice) const;
+            const PatchCriterion& criterion, FeatureLattice* lattice) const;
   /// Looks for all others, outwards from those that are found.
-  void Grow(const GreyImage& image, double min_correlation,
+  void Grow(const GreyImage& image, const PatchCriterion& criterion,
             FeatureLattice* lattice) const;
 
  private:
-  bool Sweep(const GreyImage& image, double min_correlation,
+  bool Sweep(const GreyImage& image, const PatchCriterion& criterion,
              std::vector<int>* tried_with, FeatureLattice* lattice) const;
 
   Board board_;

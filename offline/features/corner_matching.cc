@@ -6,8 +6,7 @@
 namespace raygrid {
 namespace {
 
-constexpr double kMinVisible = 0.55;  // part of a patch
-constexpr double kMinContrast = 1;    // standard deviation, grey levels
+constexpr double kMinContrast = 1;  // standard deviation, grey levels
 constexpr double kFinestStepPx = 0.25;
 constexpr double kStepSquares = 0.06;
 
@@ -28,8 +27,8 @@ float Interpolated(const GreyImage& image, float x, float y) {
 class Overlay {
  public:
   Overlay(const GreyImage& image, const DrawnPatch& patch,
-          const LocalMapping& mapping)
-      : image_(image), patch_(patch) {
+          const LocalMapping& mapping, double min_visible)
+      : image_(image), patch_(patch), min_visible_(min_visible) {
     for (const Eigen::Vector2d& offset : DrawnPatch::Offsets())
       places_.push_back(mapping(offset).cast<float>());
   }
@@ -51,7 +50,7 @@ class Overlay {
       sum_qq += q * q;
       sum_pq += p * q;
     }
-    if (count < kMinVisible * kNumSamples) return -1;
+    if (count < min_visible_ * kNumSamples) return -1;
     const double var_p = sum_pp / count - sum_p * sum_p / count / count;
     const double var_q = sum_qq / count - sum_q * sum_q / count / count;
     if (var_p < kMinContrast * kMinContrast || var_q < 1e-3) return -1;
@@ -62,6 +61,7 @@ class Overlay {
  private:
   const GreyImage& image_;
   const DrawnPatch& patch_;
+  double min_visible_;
   std::vector<Eigen::Vector2f> places_;
 };
 
@@ -95,8 +95,9 @@ DrawnPatch::DrawnPatch(
 }
 
 PatchMatch FindPatch(const GreyImage& image, const DrawnPatch& patch,
-                     const LocalMapping& prediction, double search_px) {
-  const Overlay overlay(image, patch, prediction);
+                     const LocalMapping& prediction, double search_px,
+                     double min_visible) {
+  const Overlay overlay(image, patch, prediction, min_visible);
   Eigen::Vector2d best_shift = Eigen::Vector2d::Zero();
   double best = overlay.Correlation(best_shift);
   const auto try_shift = [&](const Eigen::Vector2d& shift) {

@@ -34,11 +34,18 @@ struct PatchMatch {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
 };
 
+/// How like a drawing the image must be.
+struct PatchCriterion {
+  double min_correlation = 0.7;
+  /// Part of the patch that lies in the image; only that is compared.
+  double min_visible = 0.55;
+};
+
 /// The place within search_px of a prediction where the image is most like a
-/// patch, to a quarter of a pixel. What lies outside the image is not compared;
-/// if that is nearly half of the patch or more, nothing is found.
+/// patch, to a quarter of a pixel.
 PatchMatch FindPatch(const GreyImage& image, const DrawnPatch& patch,
-                     const LocalMapping& prediction, double search_px);
+                     const LocalMapping& prediction, double search_px,
+                     double min_visible);
 
 }  // namespace raygrid
 

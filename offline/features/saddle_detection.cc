@@ -113,10 +113,9 @@ std::vector<Saddle> FindSaddles(const GreyImage& image, double scale,
       saddles.push_back(saddle);
     }
   }
-  std::stable_sort(saddles.begin(), saddles.end(),
-                   [](const Saddle& a, const Saddle& b) {
-                     return a.strength > b.strength;
-                   });
+  std::stable_sort(
+      saddles.begin(), saddles.end(),
+      [](const Saddle& a, const Saddle& b) { return a.strength > b.strength; });
   if (static_cast<int>(saddles.size()) > max_count) saddles.resize(max_count);
   return saddles;
 }
