@@ -74,7 +74,7 @@ bool EndsTowards(const GreyImage& image, const FeatureLattice& lattice,
           !PredictFeature(lattice, beyond_column, beyond_row, &prediction))
         continue;
       const bool is_dark = IsEven(beyond_column + beyond_row);
-      const DrawnPatch end([&](const Eigen::Vector2d& offset) {
+      const DrawnPatch end(0.5, [&](const Eigen::Vector2d& offset) {
         return offset.x() * to_column + offset.y() * to_row < 0 &&
                ((offset.x() > 0) == (offset.y() > 0)) == is_dark;
       });

@@ -10,6 +10,15 @@ namespace {
 
 constexpr double kMinSpacingPx = 5;
 
+// As far as corners of black squares can be told from each other. An AprilGrid
+// is like a chessboard as far as the tags' borders and the black squares
+// between them go: what the tags say may be turned.
+double PatchReach(const Board& board) {
+  constexpr double kHalfSquare = 0.5, kTagBorder = 0.2;
+  return board.kind == "aprilgrid" ? std::min(kTagBorder, board.spacing_ratio)
+                                   : kHalfSquare;
+}
+
 // Whether another feature was found at a place.
 bool IsTaken(const FeatureLattice& lattice, int column, int row,
              const Eigen::Vector2d& pixel, const LocalMapping& prediction) {
@@ -39,9 +48,10 @@ bool PredictFeature(const FeatureLattice& lattice, int column, int row,
 CornerGrowth::CornerGrowth(const Board& board) : board_(board) {
   const BoardAppearance appearance(board);
   for (const Eigen::Vector3d& point : board.NominalPoints())
-    patches_.emplace_back([&](const Eigen::Vector2d& offset) {
-      return appearance.IsBlack(point.head<2>() + board.square_m * offset);
-    });
+    patches_.emplace_back(
+        PatchReach(board), [&](const Eigen::Vector2d& offset) {
+          return appearance.IsBlack(point.head<2>() + board.square_m * offset);
+        });
 }
 
 bool CornerGrowth::Find(const GreyImage& image, int column, int row,

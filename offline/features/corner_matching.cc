@@ -29,7 +29,7 @@ class Overlay {
   Overlay(const GreyImage& image, const DrawnPatch& patch,
           const LocalMapping& mapping, double min_visible)
       : image_(image), patch_(patch), min_visible_(min_visible) {
-    for (const Eigen::Vector2d& offset : DrawnPatch::Offsets())
+    for (const Eigen::Vector2d& offset : patch.Offsets())
       places_.push_back(mapping(offset).cast<float>());
   }
 
@@ -67,31 +67,30 @@ class Overlay {
 
 }  // namespace
 
-const std::vector<Eigen::Vector2d>& DrawnPatch::Offsets() {
-  static const std::vector<Eigen::Vector2d> offsets = [] {
-    std::vector<Eigen::Vector2d> made;
-    for (int j = 0; j < kSamples; ++j)
-      for (int i = 0; i < kSamples; ++i)
-        made.emplace_back((i + 0.5) / kSamples - 0.5,
-                          (j + 0.5) / kSamples - 0.5);
-    return made;
-  }();
-  return offsets;
-}
-
 DrawnPatch::DrawnPatch(
-    const std::function<bool(const Eigen::Vector2d& offset)>& is_black) {
+    double reach,
+    const std::function<bool(const Eigen::Vector2d& offset)>& is_black)
+    : reach_(reach) {
   // Each sample is the mean over its cell.
   constexpr int kParts = 3;
-  constexpr double kPart = 1.0 / kSamples / kParts;
+  const double part = 2 * reach / kSamples / kParts;
   for (const Eigen::Vector2d& offset : Offsets()) {
     int white = 0;
     for (int j = 0; j < kParts; ++j)
       for (int i = 0; i < kParts; ++i)
         white += !is_black(
-            offset + kPart * Eigen::Vector2d(i - kParts / 2, j - kParts / 2));
+            offset + part * Eigen::Vector2d(i - kParts / 2, j - kParts / 2));
     levels_.push_back(static_cast<float>(white) / (kParts * kParts));
   }
+}
+
+std::vector<Eigen::Vector2d> DrawnPatch::Offsets() const {
+  std::vector<Eigen::Vector2d> offsets;
+  for (int j = 0; j < kSamples; ++j)
+    for (int i = 0; i < kSamples; ++i)
+      offsets.push_back(reach_ * Eigen::Vector2d((2 * i + 1.0) / kSamples - 1,
+                                                 (2 * j + 1.0) / kSamples - 1));
+  return offsets;
 }
 
 PatchMatch FindPatch(const GreyImage& image, const DrawnPatch& patch,

@@ -10,22 +10,23 @@
 
 namespace raygrid {
 
-/// What surrounds a place on a board, half a square to each side: how bright it
-/// is, sampled row by row.
+/// What surrounds a place on a board, to each side as far as it reaches: how
+/// bright it is, sampled row by row.
 class DrawnPatch {
  public:
   static constexpr int kSamples = 12;  // along each axis
 
-  /// is_black tells the ink at an offset in squares.
-  explicit DrawnPatch(
+  /// is_black tells the ink at an offset. All in squares.
+  DrawnPatch(
+      double reach,
       const std::function<bool(const Eigen::Vector2d& offset)>& is_black);
 
-  /// In squares.
-  static const std::vector<Eigen::Vector2d>& Offsets();
+  std::vector<Eigen::Vector2d> Offsets() const;
   /// 0 (ink) to 1.
   const std::vector<float>& levels() const { return levels_; }
 
  private:
+  double reach_;
   std::vector<float> levels_;
 };
 

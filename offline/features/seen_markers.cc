@@ -66,6 +66,21 @@ std::vector<SeenMarker> MarkerConstellation::Nearest(
   return nearest;
 }
 
+LocalMapping MarkerConstellation::MappingAt(
+    const Eigen::Vector2d& point_m, double square_m,
+    const std::vector<SeenMarker>& markers) const {
+  const Eigen::Matrix3d homography = ImageFromBoard(markers);
+  const Eigen::Vector3d origin = homography * point_m.homogeneous();
+  const double unit = square_m / origin.z();
+  LocalMapping mapping;
+  mapping.center = origin.hnormalized();
+  mapping.perspective = unit * homography.block<1, 2>(2, 0).transpose();
+  mapping.linear = unit * homography.topLeftCorner<2, 2>() -
+                   mapping.center * mapping.perspective.transpose();
+  return mapping;
+}
+
+// Where the board's plane is in the image.
 Eigen::Matrix3d MarkerConstellation::ImageFromBoard(
     const std::vector<SeenMarker>& markers) const {
   std::vector<cv::Point2d> board, image;
