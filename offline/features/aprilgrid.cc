@@ -15,38 +15,57 @@ namespace {
 
 // Black squares touch the corners of the tags, and blur joins them to one shape
 // that is no square. Where white has grown into black by some pixels, they are
-// apart.
-constexpr int kMaxGrowthPx = 3;
+// apart. Cells of few pixels are told from each other only when enlarged.
+struct Preparation {
+  int scale;
+  int growth_px;  // of the enlarged image
+};
+constexpr Preparation kPreparations[] = {{1, 0}, {2, 1}, {1, 1},
+                                         {2, 2}, {1, 2}, {1, 3}};
+constexpr double kMaxPixelsToEnlarge = 2.5e6;
 
 constexpr double kMinCorrelations[] = {0.7, 0.6};
 
-cv::Mat WithWhiteGrown(const cv::Mat& image, int growth_px) {
+cv::Mat Prepared(const cv::Mat& image, const Preparation& preparation) {
+  cv::Mat prepared = image;
+  if (preparation.scale > 1)
+    cv::resize(image, prepared, cv::Size(), preparation.scale,
+               preparation.scale, cv::INTER_CUBIC);
+  if (preparation.growth_px == 0) return prepared;
+  const int side = 2 * preparation.growth_px + 1;
   cv::Mat grown;
-  const int side = 2 * growth_px + 1;
-  cv::dilate(image, grown, cv::Mat::ones(side, side, CV_8U));
+  cv::dilate(prepared, grown, cv::Mat::ones(side, side, CV_8U));
   return grown;
 }
 
-// The corners before white had grown.
-void UndoGrowth(int growth_px, DetectedTag* tag) {
+// The corners in the image as it was.
+void Undo(const Preparation& preparation, DetectedTag* tag) {
   const std::array<Eigen::Vector2d, 4> c = tag->corners;
-  for (int k = 0; k < 4; ++k)
-    tag->corners[k] += growth_px * ((c[k] - c[(k + 1) % 4]).normalized() +
-                                    (c[k] - c[(k + 3) % 4]).normalized());
+  for (int k = 0; k < 4; ++k) {
+    const Eigen::Vector2d outwards = (c[k] - c[(k + 1) % 4]).normalized() +
+                                     (c[k] - c[(k + 3) % 4]).normalized();
+    tag->corners[k] =
+        ((c[k] + preparation.growth_px * outwards).array() + 0.5) /
+            preparation.scale -
+        0.5;
+  }
 }
 
 std::vector<DetectedTag> FindTags(const GreyImage& image) {
   const cv::Mat grey(image.size.height, image.size.width, CV_8U,
                      const_cast<uint8_t*>(image.bytes.data()));
   const TagDetector detector(TagFamily::k36h11WideBorder, {});
-  std::vector<DetectedTag> found = detector.Detect(grey);
-  for (int growth_px = 1; growth_px <= kMaxGrowthPx; ++growth_px) {
+  std::vector<DetectedTag> found;
+  for (const Preparation& preparation : kPreparations) {
+    if (preparation.scale > 1 &&
+        static_cast<double>(grey.total()) > kMaxPixelsToEnlarge)
+      continue;
     const size_t num_before = found.size();
-    for (DetectedTag& tag : detector.Detect(WithWhiteGrown(grey, growth_px))) {
+    for (DetectedTag& tag : detector.Detect(Prepared(grey, preparation))) {
       if (std::any_of(found.begin(), found.begin() + num_before,
                       [&](const DetectedTag& f) { return f.id == tag.id; }))
         continue;
-      UndoGrowth(growth_px, &tag);
+      Undo(preparation, &tag);
       found.push_back(tag);
     }
   }
