@@ -52,8 +52,7 @@ void Undo(const Preparation& preparation, DetectedTag* tag) {
 }
 
 std::vector<DetectedTag> FindTags(const GreyImage& image) {
-  const cv::Mat grey(image.size.height, image.size.width, CV_8U,
-                     const_cast<uint8_t*>(image.bytes.data()));
+  const cv::Mat grey = ReadableImage(image);
   const TagDetector detector(TagFamily::k36h11WideBorder, {});
   std::vector<DetectedTag> found;
   for (const Preparation& preparation : kPreparations) {

@@ -80,12 +80,10 @@ struct CharucoLocator::Data {
 
 std::vector<SeenMarker> CharucoLocator::Data::FindMarkers(
     const GreyImage& image) const {
-  const cv::Mat grey(image.size.height, image.size.width, CV_8U,
-                     const_cast<uint8_t*>(image.bytes.data()));
   std::vector<std::vector<cv::Point2f>> corners;
   std::vector<int> ids;
   try {
-    cv::aruco::detectMarkers(grey, dictionary, corners, ids);
+    cv::aruco::detectMarkers(ReadableImage(image), dictionary, corners, ids);
   } catch (const cv::Exception&) {
     return {};  // images too small to hold a marker
   }

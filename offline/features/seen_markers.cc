@@ -20,6 +20,28 @@ constexpr double kTolerancePerDistance = 0.12;
 
 }  // namespace
 
+cv::Mat ReadableImage(const GreyImage& image) {
+  std::vector<float> levels = image.levels;
+  const auto quantile = [&](double part) {
+    const auto at =
+        levels.begin() +
+        static_cast<ptrdiff_t>(part * static_cast<double>(levels.size() - 1));
+    std::nth_element(levels.begin(), at, levels.end());
+    return static_cast<double>(*at);
+  };
+  constexpr double kOutliers = 0.01, kReadableRange = 120;
+  const double dark = quantile(kOutliers), bright = quantile(1 - kOutliers);
+  const double gain = kReadableRange / std::max(1.0, bright - dark);
+  if (gain <= 1)
+    return cv::Mat(image.size.height, image.size.width, CV_8U,
+                   const_cast<uint8_t*>(image.bytes.data()));
+  cv::Mat readable;
+  cv::Mat(image.size.height, image.size.width, CV_32F,
+          const_cast<float*>(image.levels.data()))
+      .convertTo(readable, CV_8U, gain, 60 - gain * dark);
+  return readable;
+}
+
 Eigen::Vector2d SeenMarker::center_px() const {
   return (corners_px[0] + corners_px[1] + corners_px[2] + corners_px[3]) / 4;
 }

@@ -5,9 +5,11 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <opencv2/core/mat.hpp>
 #include <vector>
 
 #include "appearance/board_appearance.h"
+#include "features/detection.h"
 #include "features/local_mapping.h"
 
 namespace raygrid {
@@ -19,6 +21,10 @@ struct SeenMarker {
 
   Eigen::Vector2d center_px() const;
 };
+
+/// The image as libraries that read markers want it: dark ones made as bright
+/// as others.
+cv::Mat ReadableImage(const GreyImage& image);
 
 /// Markers in an image together with where they are on the board.
 class MarkerConstellation {
