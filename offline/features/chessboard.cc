@@ -30,30 +30,56 @@ struct Rectangle {
   }
 };
 
-// What of the lattice is believed: no outermost row or column of a single
-// corner.
-Rectangle SeenPart(const FeatureLattice& lattice, const Board& canvas) {
-  Rectangle part = {0, 0, canvas.columns - 1, canvas.rows - 1};
-  const auto num_in = [&](const Rectangle& r) {
-    int count = 0;
-    for (int row = r.top; row <= r.bottom; ++row)
-      for (int column = r.left; column <= r.right; ++column)
-        count += lattice.Has(column, row);
-    return count;
-  };
-  constexpr int kMin = 2;
-  for (bool is_changed = true; is_changed && part.rows() > 0;) {
-    const Rectangle before = part;
-    if (num_in({part.left, part.top, part.left, part.bottom}) < kMin)
-      ++part.left;
-    if (num_in({part.right, part.top, part.right, part.bottom}) < kMin)
-      --part.right;
-    if (num_in({part.left, part.top, part.right, part.top}) < kMin) ++part.top;
-    if (num_in({part.left, part.bottom, part.right, part.bottom}) < kMin)
-      --part.bottom;
-    is_changed = before < part || part < before;
+Rectangle Bounds(const FeatureLattice& lattice) {
+  Rectangle bounds;
+  for (const Feature& f : lattice.Features()) {
+    if (bounds.columns() < 1) bounds = {f.column, f.row, f.column, f.row};
+    bounds.left = std::min(bounds.left, f.column);
+    bounds.top = std::min(bounds.top, f.row);
+    bounds.right = std::max(bounds.right, f.column);
+    bounds.bottom = std::max(bounds.bottom, f.row);
   }
-  return part;
+  return bounds;
+}
+
+// Whether a row or column of places is that of a board: most of its corners
+// that the image would show are found.
+bool IsWellFilled(const GreyImage& image, const FeatureLattice& lattice,
+                  const Rectangle& line) {
+  constexpr int kMinFound = 2;
+  int num_found = 0, num_missing = 0;
+  for (int row = line.top; row <= line.bottom; ++row) {
+    for (int column = line.left; column <= line.right; ++column) {
+      LocalMapping prediction;
+      if (lattice.Has(column, row))
+        ++num_found;
+      else if (PredictFeature(lattice, column, row, &prediction))
+        num_missing += WholeImage(image.size)
+                           .Contains(prediction.center,
+                                     -prediction.linear.cwiseAbs().maxCoeff());
+    }
+  }
+  return num_found >= kMinFound && num_found > num_missing;
+}
+
+// What of the lattice is believed: a few squares beyond a board's edge may
+// happen to look like its own.
+Rectangle SeenPart(const GreyImage& image, const FeatureLattice& lattice) {
+  Rectangle part = Bounds(lattice);
+  for (;;) {
+    if (part.columns() < 1 || part.rows() < 1) return part;
+    const auto [left, top, right, bottom] = part;
+    if (!IsWellFilled(image, lattice, {left, top, left, bottom}))
+      ++part.left;
+    else if (!IsWellFilled(image, lattice, {right, top, right, bottom}))
+      --part.right;
+    else if (!IsWellFilled(image, lattice, {left, top, right, top}))
+      ++part.top;
+    else if (!IsWellFilled(image, lattice, {left, bottom, right, bottom}))
+      --part.bottom;
+    else
+      return part;
+  }
 }
 
 // Whether the squares beyond the outermost corners are seen to be the last
@@ -262,7 +288,7 @@ ImageDetection ChessboardLocator::Locate(const GreyImage& image) const {
   std::string in_vain;
   int most_in_vain = 0;
   const auto is_wanted = [&](const FeatureLattice& seen) {
-    const Rectangle part = SeenPart(seen, data_->finder.canvas());
+    const Rectangle part = SeenPart(image, seen);
     std::string remark;
     const auto numbering = data_->Number(image, seen, part, &remark);
     if (!numbering) {
