@@ -9,6 +9,8 @@ namespace raygrid {
 namespace {
 
 constexpr double kMinSpacingPx = 5;
+constexpr double kNear = 0.4;          // of the patches' reach
+constexpr double kMinNearReachPx = 5;  // more than blur
 
 // As far as corners of black squares can be told from each other. An AprilGrid
 // is like a chessboard as far as the tags' borders and the black squares
@@ -47,11 +49,13 @@ bool PredictFeature(const FeatureLattice& lattice, int column, int row,
 
 CornerGrowth::CornerGrowth(const Board& board) : board_(board) {
   const BoardAppearance appearance(board);
-  for (const Eigen::Vector3d& point : board.NominalPoints())
-    patches_.emplace_back(
-        PatchReach(board), [&](const Eigen::Vector2d& offset) {
-          return appearance.IsBlack(point.head<2>() + board.square_m * offset);
-        });
+  for (const Eigen::Vector3d& point : board.NominalPoints()) {
+    const auto is_black = [&](const Eigen::Vector2d& offset) {
+      return appearance.IsBlack(point.head<2>() + board.square_m * offset);
+    };
+    patches_.emplace_back(PatchReach(board), is_black);
+    near_patches_.emplace_back(kNear * PatchReach(board), is_black);
+  }
 }
 
 bool CornerGrowth::Find(const GreyImage& image, int column, int row,
@@ -60,13 +64,22 @@ bool CornerGrowth::Find(const GreyImage& image, int column, int row,
                         FeatureLattice* lattice) const {
   const double spacing_px = prediction.SpacingPx();
   if (!(spacing_px >= kMinSpacingPx)) return false;
-  const PatchMatch match = FindPatch(
-      image, patches_[board_.PointIndex(column, row)], prediction,
-      std::max(1.0, search_squares * spacing_px), criterion.min_visible);
+  const int index = board_.PointIndex(column, row);
+  PatchMatch match = FindPatch(image, patches_[index], prediction,
+                               std::max(1.0, search_squares * spacing_px),
+                               criterion.min_visible);
   if (match.correlation < criterion.min_correlation ||
       !WholeImage(image.size).Contains(match.pixel) ||
       IsTaken(*lattice, column, row, match.pixel, prediction))
     return false;
+  const double near_px = kNear * PatchReach(board_) * spacing_px;
+  if (near_px > kMinNearReachPx) {
+    LocalMapping moved = prediction;
+    moved.center = match.pixel;
+    const PatchMatch nearer = FindPatch(image, near_patches_[index], moved,
+                                        near_px / 2, criterion.min_visible);
+    if (nearer.correlation > criterion.min_correlation) match = nearer;
+  }
   lattice->Set(column, row, match.pixel);
   return true;
 }

@@ -28,7 +28,9 @@ class CornerGrowth {
              std::vector<int>* tried_with, FeatureLattice* lattice) const;
 
   Board board_;
-  std::vector<DrawnPatch> patches_;  // by place
+  // By place. The near ones tell more exactly where a corner is if the
+  // neighbours predict the squares' shape badly.
+  std::vector<DrawnPatch> patches_, near_patches_;
 };
 
 /// Where a feature must be, as its neighbours have it.
