@@ -82,6 +82,44 @@ Rectangle SeenPart(const GreyImage& image, const FeatureLattice& lattice) {
   }
 }
 
+// A place one square beyond an outermost corner, where the outermost squares
+// end if it is the board's.
+struct Beyond {
+  LocalMapping mapping;  // as predicted
+  int to_column = 0, to_row = 0;
+  bool is_dark = false;  // right below it, if there were a corner
+
+  bool IsOutside(const Eigen::Vector2d& offset) const {
+    return offset.x() * to_column + offset.y() * to_row > 0;
+  }
+  bool IsBlack(const Eigen::Vector2d& offset) const {
+    return !IsOutside(offset) &&
+           ((offset.x() > 0) == (offset.y() > 0)) == is_dark;
+  }
+};
+
+// Whether the paper around a board is as bright as its white squares: what
+// covers the board is not.
+bool IsPaperOutside(const GreyImage& image, const Beyond& place) {
+  double black = 0, white = 0;
+  std::vector<double> outside;
+  for (const double x : {-0.3, 0.3}) {
+    for (const double y : {-0.3, 0.3}) {
+      const Eigen::Vector2d offset(x, y);
+      const auto level = MeanLevel(image, place.mapping, offset);
+      if (!level) return false;
+      if (place.IsOutside(offset))
+        outside.push_back(*level);
+      else
+        (place.IsBlack(offset) ? black : white) = *level;
+    }
+  }
+  constexpr double kTolerance = 0.25;
+  return std::all_of(outside.begin(), outside.end(), [&](double level) {
+    return std::fabs(level - white) < kTolerance * (white - black);
+  });
+}
+
 // Whether the squares beyond the outermost corners are seen to be the last
 // ones, with paper around them.
 bool EndsTowards(const GreyImage& image, const FeatureLattice& lattice,
@@ -95,25 +133,25 @@ bool EndsTowards(const GreyImage& image, const FeatureLattice& lattice,
                                                 : row == part.bottom;
       if (!is_outermost || !lattice.Has(column, row)) continue;
       const int beyond_column = column + to_column, beyond_row = row + to_row;
-      LocalMapping prediction;
+      Beyond place = {
+          {}, to_column, to_row, IsEven(beyond_column + beyond_row)};
       if (!lattice.IsOnBoard(beyond_column, beyond_row) ||
-          !PredictFeature(lattice, beyond_column, beyond_row, &prediction))
+          !PredictFeature(lattice, beyond_column, beyond_row, &place.mapping))
         continue;
-      const bool is_dark = IsEven(beyond_column + beyond_row);
       const DrawnPatch end(0.5, [&](const Eigen::Vector2d& offset) {
-        return offset.x() * to_column + offset.y() * to_row < 0 &&
-               ((offset.x() > 0) == (offset.y() > 0)) == is_dark;
+        return place.IsBlack(offset);
       });
       constexpr double kSearchSquares = 0.12, kMinCorrelation = 0.72;
       constexpr double kMinVisible = 0.9;
-      const double correlation =
-          FindPatch(image, end, prediction,
-                    std::max(1.0, kSearchSquares * prediction.SpacingPx()),
-                    kMinVisible)
-              .correlation;
-      if (correlation <= -1) continue;
+      const PatchMatch match =
+          FindPatch(image, end, place.mapping,
+                    std::max(1.0, kSearchSquares * place.mapping.SpacingPx()),
+                    kMinVisible);
+      if (match.correlation <= -1) continue;
       ++num_seen;
-      num_ends += correlation > kMinCorrelation;
+      place.mapping.center = match.pixel;
+      num_ends +=
+          match.correlation > kMinCorrelation && IsPaperOutside(image, place);
     }
   }
   constexpr int kMinEnds = 2;

@@ -93,6 +93,22 @@ std::vector<Eigen::Vector2d> DrawnPatch::Offsets() const {
   return offsets;
 }
 
+std::optional<double> MeanLevel(const GreyImage& image,
+                                const LocalMapping& mapping,
+                                const Eigen::Vector2d& offset) {
+  constexpr double kReach = 0.1;  // squares
+  double sum = 0;
+  for (const double dx : {-kReach, 0.0, kReach}) {
+    for (const double dy : {-kReach, 0.0, kReach}) {
+      const Eigen::Vector2d at = mapping(offset + Eigen::Vector2d(dx, dy));
+      if (!WholeImage(image.size).Contains(at)) return std::nullopt;
+      sum += Interpolated(image, static_cast<float>(at.x()),
+                          static_cast<float>(at.y()));
+    }
+  }
+  return sum / 9;
+}
+
 PatchMatch FindPatch(const GreyImage& image, const DrawnPatch& patch,
                      const LocalMapping& prediction, double search_px,
                      double min_visible) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "features/detection.h"
@@ -34,6 +35,12 @@ struct PatchMatch {
   double correlation = -1;  ///< of drawing and image
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
 };
+
+/// The mean level of an image around an offset of a mapping; nothing outside
+/// the image.
+std::optional<double> MeanLevel(const GreyImage& image,
+                                const LocalMapping& mapping,
+                                const Eigen::Vector2d& offset);
 
 /// How like a drawing the image must be.
 struct PatchCriterion {
