@@ -160,7 +160,7 @@ ImageDetection AprilGridLocator::Locate(const GreyImage& image) const {
   located.features = lattice.Features();
   if (seen.size() > 0 && fitting.size() == 0)
     located.remarks.push_back(
-        fmt::format("board {}: {} tags that do not fit together",
+        fmt::format("board {}: {} tags seen, none confirmed by another",
                     data_->board.id, seen.size()));
   if (seen.size() == 0 && !tags.empty())
     located.remarks.push_back(

@@ -149,8 +149,9 @@ ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
   const int num_seen = markers.size();
   markers = markers.Consistent();
   if (num_seen > 0 && markers.size() == 0)
-    located.remarks.push_back(fmt::format(
-        "board {}: {} markers that do not fit together", board.id, num_seen));
+    located.remarks.push_back(
+        fmt::format("board {}: {} markers seen, none confirmed by another",
+                    board.id, num_seen));
   located.features =
       data_
           ->FindCorners(image, markers,

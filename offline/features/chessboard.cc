@@ -114,7 +114,7 @@ bool IsPaperOutside(const GreyImage& image, const Beyond& place) {
         (place.IsBlack(offset) ? black : white) = *level;
     }
   }
-  constexpr double kTolerance = 0.25;
+  constexpr double kTolerance = 0.15;  // of the contrast
   return std::all_of(outside.begin(), outside.end(), [&](double level) {
     return std::fabs(level - white) < kTolerance * (white - black);
   });
