@@ -262,7 +262,8 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
       ->required();
   command
       ->add_option("--model", arguments->model,
-                   "central-generic, noncentral-generic or opencv")
+                   "central-generic, noncentral-generic, central-radial, "
+                   "thin-prism-fisheye or opencv")
       ->capture_default_str();
   command
       ->add_option("--cell-px", arguments->cell_px,

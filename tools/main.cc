@@ -46,6 +46,7 @@ int Run(int argc, char** argv) {
   AddCalibrate(&app, &common);
   AddCompare(&app, &common);
   AddEvaluate(&app, &common);
+  AddFit(&app, &common);
   AddPack(&app, &common);
   AddInspect(&app, &common);
   AddUndistort(&app, &common);

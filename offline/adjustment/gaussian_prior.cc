@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera/central_radial.h"
 #include "camera/noncentral_generic.h"
+#include "camera/opencv.h"
 #include "camera/stereographic.h"
+#include "camera/thin_prism_fisheye.h"
 
 namespace raygrid {
 namespace {
@@ -178,35 +181,99 @@ CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m) {
   return prior;
 }
 
-CameraPrior DistortionPrior(const OpenCvModel& lens, const Area& area) {
-  using Lens = OpenCvModel;
-  const Eigen::VectorXd parameters = lens.Parameters();
-  const double focal_px = parameters[Lens::kFx];
-  const Eigen::Vector2d center(parameters[Lens::kCx], parameters[Lens::kCy]);
-  double radius = 0;  // of the farthest corner
+namespace {
+
+struct Coefficient {
+  int parameter;
+  int order;  // of the displacement in the radius
+};
+
+// The farthest corner's distance from the centre, in focal lengths.
+double CornerRadius(const Area& area, const Eigen::Vector2d& center,
+                    double focal_px) {
+  double radius = 0;
   for (const double x : {area.x0, area.x1})
     for (const double y : {area.y0, area.y1})
       radius =
           std::max(radius, (Eigen::Vector2d(x, y) - center).norm() / focal_px);
+  return radius;
+}
 
-  std::vector<Eigen::Triplet<double>> diagonal;
-  const auto add = [&](int parameter, int order) {
-    const double moved_px = focal_px * std::pow(radius, order);
-    diagonal.emplace_back(parameter, parameter, moved_px * moved_px);
-  };
-  for (int k = 0; k < 3; ++k) {
-    add(Lens::kK1 + k, 2 * k + 3);
-    add(Lens::kK4 + k, 2 * k + 3);
+PriorGroup CoefficientGroup(const std::vector<Coefficient>& coefficients,
+                            double focal_px, double radius,
+                            int num_parameters) {
+  PriorGroup group;
+  group.precision.resize(num_parameters, num_parameters);
+  group.rank = static_cast<int>(coefficients.size());
+  for (const Coefficient& coefficient : coefficients) {
+    const double moved_px = focal_px * std::pow(radius, coefficient.order);
+    group.precision.insert(coefficient.parameter, coefficient.parameter) =
+        moved_px * moved_px;
   }
-  add(Lens::kP1, 2);
-  add(Lens::kP2, 2);
+  return group;
+}
 
+// A Matern field over the angle, of the pixels that the factor moves by.
+PriorGroup RadialGroup(const CentralRadial& lens) {
+  const int count = static_cast<int>(lens.spline().size());
+  const double kappa = std::sqrt(8.0 * (kOrder - 1)) /
+                       (kRangePart * lens.max_angle_rad()) * lens.cell_rad();
+  std::vector<Eigen::Triplet<double>> triplets;
+  int num_rows = 0;
+  for (int order = 0; order <= kOrder; ++order) {
+    const double factor =
+        std::sqrt(Binomial(kOrder, order)) * std::pow(kappa, kOrder - order);
+    for (int first = 0; first + order < count; ++first, ++num_rows)
+      for (int k = 0; k <= order; ++k)
+        triplets.emplace_back(num_rows, first + k,
+                              factor * DifferenceFactor(order, k) *
+                                  lens.others()[CentralRadial::kFx] *
+                                  (first + k + 1) * lens.cell_rad());
+  }
+  const int num_parameters = lens.NumParameters();
+  Eigen::SparseMatrix<double> rows(num_rows, num_parameters);
+  rows.setFromTriplets(triplets.begin(), triplets.end());
+  return {rows.transpose() * rows, count, 0};
+}
+
+}  // namespace
+
+CameraPrior DistortionPrior(const ParametricModel& lens, const Area& area) {
+  const Eigen::VectorXd parameters = lens.Parameters();
+  const int num_parameters = lens.NumParameters();
   CameraPrior prior;
-  prior.mean = Eigen::VectorXd::Zero(Lens::kCount);
-  Eigen::SparseMatrix<double> precision(Lens::kCount, Lens::kCount);
-  precision.setFromTriplets(diagonal.begin(), diagonal.end());
-  prior.groups = {{precision, static_cast<int>(diagonal.size()), 0}};
-  prior.orientation = Eigen::MatrixXd::Zero(Lens::kCount, 0);
+  prior.mean = Eigen::VectorXd::Zero(num_parameters);
+  prior.orientation = Eigen::MatrixXd::Zero(num_parameters, 0);
+
+  int first = 0;  // of the parameters that act everywhere
+  std::vector<Coefficient> coefficients;
+  if (const auto* radial = dynamic_cast<const CentralRadial*>(&lens)) {
+    using Lens = CentralRadial;
+    first = static_cast<int>(radial->spline().size());
+    prior.mean.head(first) = parameters.head(first);
+    prior.groups.push_back(RadialGroup(*radial));
+    for (const int k : {Lens::kP1, Lens::kP2, Lens::kSx1, Lens::kSy1})
+      coefficients.push_back({first + k, 2});
+  } else if (dynamic_cast<const ThinPrismFisheye*>(&lens)) {
+    using Lens = ThinPrismFisheye;
+    for (int k = 0; k < 4; ++k)
+      coefficients.push_back({Lens::kK1 + k, 2 * k + 3});
+    for (const int k : {Lens::kP1, Lens::kP2, Lens::kSx1, Lens::kSy1})
+      coefficients.push_back({k, 2});
+  } else {
+    using Lens = OpenCvModel;
+    for (int k = 0; k < 3; ++k) {
+      coefficients.push_back({Lens::kK1 + k, 2 * k + 3});
+      coefficients.push_back({Lens::kK4 + k, 2 * k + 3});
+    }
+    for (const int k : {Lens::kP1, Lens::kP2}) coefficients.push_back({k, 2});
+  }
+  // All models begin with fx, fy, cx, cy.
+  const double focal_px = parameters[first];
+  const double radius =
+      CornerRadius(area, parameters.segment<2>(first + 2), focal_px);
+  prior.groups.push_back(
+      CoefficientGroup(coefficients, focal_px, radius, num_parameters));
   return prior;
 }
 

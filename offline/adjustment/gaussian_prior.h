@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "camera/central_generic.h"
-#include "camera/opencv.h"
+#include "camera/parametric_model.h"
 
 namespace raygrid {
 
@@ -64,8 +64,9 @@ CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m);
 /// Distortion coefficients around zero, each in the pixels that it moves the
 /// corner of an area by: high orders that the observations say little about
 /// stay small, where they would otherwise fold the image beyond the outermost
-/// features. Focal lengths and centre are free.
-CameraPrior DistortionPrior(const OpenCvModel& lens, const Area& area);
+/// features. Focal lengths and centre are free. A radial spline scatters
+/// smoothly around where it is, as a group of its own.
+CameraPrior DistortionPrior(const ParametricModel& lens, const Area& area);
 
 }  // namespace raygrid
 

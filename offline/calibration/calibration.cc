@@ -10,6 +10,7 @@
 #include "calibration/cross_validation.h"
 #include "calibration/model_adjustment.h"
 #include "calibration/starting_camera.h"
+#include "camera/model_fitting.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
 
@@ -137,10 +138,11 @@ Dataset MeasureFeaturesAgain(const Dataset& dataset, const Pattern& pattern,
 
 void RequireKnownModel(const std::string& model) {
   if (model != "central-generic" && model != "noncentral-generic" &&
-      model != "opencv")
+      !IsParametricModel(model))
     throw Error(ExitCode::kUsage,
                 fmt::format("unknown model '{}'; this version calibrates "
-                            "central-generic, noncentral-generic and opencv",
+                            "central-generic, noncentral-generic, "
+                            "central-radial, thin-prism-fisheye and opencv",
                             model));
 }
 
@@ -191,7 +193,7 @@ CalibrationResult Calibrate(const Dataset& measured, const Pattern& pattern,
     result.seconds["measuring_again"] = again_time.Seconds();
   }
 
-  const bool is_grid = options.model != "opencv";
+  const bool is_grid = !IsParametricModel(options.model);
   const bool choose_cell = is_grid && options.cell_px <= 0;
   const std::vector<double> cells =
       choose_cell ? CellCandidates(split.training, options.model)

@@ -4,8 +4,8 @@
 #include <set>
 
 #include "adjustment/metric_scale.h"
+#include "camera/model_fitting.h"
 #include "camera/noncentral_generic.h"
-#include "camera/opencv.h"
 #include "evaluation/line_spread.h"
 #include "evaluation/residual_statistics.h"
 
@@ -87,7 +87,13 @@ AdjustmentSummary Adjust(const std::string& model,
                          const CameraModel& lens, double cell_px,
                          const AdjustmentOptions& options,
                          AdjustmentState* state) {
-  if (model == "opencv") return AdjustParametric(problem, options, state);
+  if (IsParametricModel(model)) {
+    state->cameras[0] = lens.Clone();
+    if (lens.Name() != model)
+      state->cameras[0] =
+          FitParametricModel(model, lens, FeatureArea(problem, 0), false).model;
+    return AdjustParametric(problem, options, state);
+  }
   if (model == "noncentral-generic")
     return AdjustLines(problem, lens, cell_px, options, state);
   return AdjustGrid(problem, lens, cell_px, options, state);
@@ -140,7 +146,7 @@ AdjustmentSummary AdjustParametric(const CalibrationProblem& problem,
                                    AdjustmentState* state) {
   GaussianPrior prior;
   prior.cameras = {
-      DistortionPrior(dynamic_cast<const OpenCvModel&>(state->camera()),
+      DistortionPrior(dynamic_cast<const ParametricModel&>(state->camera()),
                       FeatureArea(problem, 0))};
   return AdjustInTwoSteps(problem, options, &prior, state);
 }
@@ -154,13 +160,15 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
                                options, &adjusted->state);
   };
   adjust();
-  adjusted->rejected_features =
+  const std::vector<FeatureResidual> removed =
       RemoveOutliers(pattern, adjusted->summary.residuals, &adjusted->problem);
-  if (!adjusted->rejected_features.empty()) adjust();
+  adjusted->rejected_features.insert(adjusted->rejected_features.end(),
+                                     removed.begin(), removed.end());
+  if (!removed.empty()) adjust();
   const Area area = FeatureArea(adjusted->problem, 0);
   if (const auto* camera =
-          dynamic_cast<const OpenCvModel*>(&adjusted->state.camera()))
-    adjusted->state.cameras[0] = camera->WithArea(area).Clone();
+          dynamic_cast<const ParametricModel*>(&adjusted->state.camera()))
+    adjusted->state.cameras[0] = camera->OverArea(area);
   CenterLines(&adjusted->state);
 }
 

@@ -7,8 +7,10 @@
 #include <cmath>
 #include <vector>
 
+#include "camera/central_radial.h"
 #include "camera/noncentral_generic.h"
 #include "camera/opencv.h"
+#include "camera/thin_prism_fisheye.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 
@@ -67,17 +69,47 @@ std::shared_ptr<CameraModel> ParseNonCentralGeneric(const YAML::Node& root,
                                              std::move(points));
 }
 
-std::shared_ptr<CameraModel> ParseOpenCv(const YAML::Node& root,
-                                         const ImageSize& size,
-                                         const Area& area) {
-  OpenCvModel::ParameterArray parameters;
-  for (int k = 0; k < OpenCvModel::kCount; ++k) {
-    const char* name = OpenCvModel::ParameterNames()[k];
-    parameters[k] = root["parameters"][name].as<double>();
+// The named parameters of a model, into its own.
+void ParseParameters(const YAML::Node& root,
+                     const std::vector<std::string>& names,
+                     double* parameters) {
+  for (size_t k = 0; k < names.size(); ++k) {
+    parameters[k] = root["parameters"][names[k]].as<double>();
     if (!std::isfinite(parameters[k]))
-      throw InputError(fmt::format("parameters: {} is not finite", name));
+      throw InputError(fmt::format("parameters: {} is not finite", names[k]));
   }
-  return std::make_shared<OpenCvModel>(size, area, parameters);
+}
+
+template <typename Model>
+std::shared_ptr<CameraModel> ParseLens(const YAML::Node& root,
+                                       const ImageSize& size,
+                                       const Area& area) {
+  typename Model::ParameterArray parameters = {};
+  ParseParameters(root, Model(size, area, parameters).ParameterNames(),
+                  parameters.data());
+  return std::make_shared<Model>(size, area, parameters);
+}
+
+std::shared_ptr<CameraModel> ParseCentralRadial(const YAML::Node& root,
+                                                const ImageSize& size,
+                                                const Area& area) {
+  const YAML::Node radial = root["radial"];
+  const double max_angle_rad = radial["max_angle_rad"].as<double>();
+  const auto spline = radial["spline"].as<std::vector<double>>();
+  if (!(max_angle_rad > 0) || !(max_angle_rad <= 3.1))
+    throw InputError("radial: max_angle_rad must be in (0, 3.1]");
+  if (spline.size() < 3 || spline.size() > 1000)
+    throw InputError("radial: spline must have 3 to 1000 numbers");
+  for (const double value : spline)
+    if (!std::isfinite(value))
+      throw InputError("radial: a number of spline is not finite");
+  CentralRadial::OtherParameters others = {};
+  ParseParameters(
+      root,
+      CentralRadial(size, area, max_angle_rad, spline, others).ParameterNames(),
+      others.data());
+  return std::make_shared<CentralRadial>(size, area, max_angle_rad, spline,
+                                         others);
 }
 
 std::optional<ErrorFigures> ParseFigures(const YAML::Node& node) {
@@ -112,7 +144,11 @@ CameraFile Parse(const YAML::Node& root) {
   else if (model == "noncentral-generic")
     file.camera = ParseNonCentralGeneric(root, image_size, area);
   else if (model == "opencv")
-    file.camera = ParseOpenCv(root, image_size, area);
+    file.camera = ParseLens<OpenCvModel>(root, image_size, area);
+  else if (model == "thin-prism-fisheye")
+    file.camera = ParseLens<ThinPrismFisheye>(root, image_size, area);
+  else if (model == "central-radial")
+    file.camera = ParseCentralRadial(root, image_size, area);
   else
     throw InputError("unknown model '" + model + "'");
   if (root["name"]) file.name = root["name"].as<std::string>();
@@ -133,6 +169,26 @@ void EmitFigures(const char* name, const std::optional<ErrorFigures>& figures,
        << YAML::Value << fmt::format("{:.6f}", figures->rms_px) << YAML::Key
        << "max_px" << YAML::Value << fmt::format("{:.6f}", figures->max_px)
        << YAML::Key << "count" << YAML::Value << figures->count << YAML::EndMap;
+}
+
+void EmitParameters(const ParametricModel& lens, YAML::Emitter* out) {
+  const auto number = [](double value) {
+    return fmt::format("{:.12g}", value);
+  };
+  if (const auto* radial = dynamic_cast<const CentralRadial*>(&lens)) {
+    *out << YAML::Key << "radial" << YAML::Value << YAML::BeginMap << YAML::Key
+         << "max_angle_rad" << YAML::Value
+         << fmt::format("{:.17g}", radial->max_angle_rad()) << YAML::Key
+         << "spline" << YAML::Value << YAML::Flow << YAML::BeginSeq;
+    for (const double value : radial->spline()) *out << number(value);
+    *out << YAML::EndSeq << YAML::EndMap;
+  }
+  const std::vector<std::string>& names = lens.ParameterNames();
+  const Eigen::VectorXd named = lens.Parameters().tail(names.size());
+  *out << YAML::Key << "parameters" << YAML::Value << YAML::BeginMap;
+  for (size_t k = 0; k < names.size(); ++k)
+    *out << YAML::Key << names[k] << YAML::Value << number(named[k]);
+  *out << YAML::EndMap;
 }
 
 // The camera's parameters, as many at each control point.
@@ -160,12 +216,7 @@ void EmitModel(const CameraModel& camera, YAML::Emitter* out) {
                  dynamic_cast<const NonCentralGeneric*>(&camera)) {
     EmitGrid(lines->directions(), camera.Parameters(), out);
   } else {
-    const Eigen::VectorXd parameters = camera.Parameters();
-    *out << YAML::Key << "parameters" << YAML::Value << YAML::BeginMap;
-    for (int k = 0; k < OpenCvModel::kCount; ++k)
-      *out << YAML::Key << OpenCvModel::ParameterNames()[k] << YAML::Value
-           << fmt::format("{:.12g}", parameters[k]);
-    *out << YAML::EndMap;
+    EmitParameters(dynamic_cast<const ParametricModel&>(camera), out);
   }
 }
 

@@ -3,11 +3,14 @@
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 
 namespace raygrid {
 namespace {
+
+constexpr size_t kMinSights = 4;
 
 // A match seen along a line, and how a direction near the line's, from its
 // origin, moves its pixel.
@@ -119,15 +122,54 @@ std::optional<Pose> Refine(const std::vector<Sight>& sights,
   return Pose{RotationFromVector(rotation), translation};
 }
 
+// Reprojection errors of a pose, to first order as above.
+std::vector<double> ErrorsPx(const std::vector<Sight>& sights,
+                             const Pose& pose) {
+  std::vector<double> errors;
+  for (const Sight& sight : sights) {
+    const Eigen::Vector3d seen = pose * sight.point - sight.origin;
+    const Eigen::Vector3d direction = seen.normalized();
+    errors.push_back(direction.dot(sight.ray) > 0
+                         ? (sight.pixel_by_ray * direction).norm()
+                         : INFINITY);
+  }
+  return errors;
+}
+
+// The sights that a pose does not leave far from where most are.
+std::vector<Sight> Consistent(const std::vector<Sight>& sights,
+                              const Pose& pose) {
+  constexpr double kTimesMedian = 6, kAlwaysPx = 3;
+  const std::vector<double> errors = ErrorsPx(sights, pose);
+  std::vector<double> sorted = errors;
+  std::sort(sorted.begin(), sorted.end());
+  const double limit_px =
+      std::max(kAlwaysPx, kTimesMedian * sorted[sorted.size() / 2]);
+  std::vector<Sight> consistent;
+  for (size_t i = 0; i < sights.size(); ++i)
+    if (errors[i] <= limit_px) consistent.push_back(sights[i]);
+  return consistent;
+}
+
 }  // namespace
 
 std::optional<Pose> Localize(const CameraModel& camera,
                              const std::vector<PointOnPixel>& matches) {
-  const std::vector<Sight> sights = FormSights(camera, matches);
-  if (sights.size() < 4) return std::nullopt;
-  const auto start = PoseFromPerspective(sights);
-  if (!start) return std::nullopt;
-  return Refine(sights, *start);
+  constexpr int kMaxRounds = 5;
+  std::vector<Sight> sights = FormSights(camera, matches);
+  std::optional<Pose> pose;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    if (sights.size() < kMinSights) return pose;
+    const auto start = PoseFromPerspective(sights);
+    if (!start) return pose;
+    const auto refined = Refine(sights, *start);
+    if (!refined) return pose;
+    pose = refined;
+    std::vector<Sight> consistent = Consistent(sights, *pose);
+    if (consistent.size() == sights.size()) break;
+    sights = std::move(consistent);
+  }
+  return pose;
 }
 
 }  // namespace raygrid

@@ -1,5 +1,7 @@
 #include "dataset/camera_file.h"
 
+#include "camera/central_radial.h"
+#include "camera/thin_prism_fisheye.h"
 #include "dataset/files.h"
 #include "simulation/simulated_camera.h"
 #include "support.h"
@@ -31,6 +33,25 @@ CameraFile OpenCvFile() {
   return file;
 }
 
+CameraFile FisheyeFile() {
+  CameraFile file;
+  file.camera = std::make_shared<ThinPrismFisheye>(
+      ImageSize{640, 480}, Area{1, 2, 630, 470},
+      ThinPrismFisheye::ParameterArray{200, 201, 322, 236, 0.01, 0.02, -0.003,
+                                       1e-4, 1e-3, -8e-4, 2e-5, 3e-4});
+  return file;
+}
+
+CameraFile RadialFile() {
+  CameraFile file;
+  file.camera = std::make_shared<CentralRadial>(
+      ImageSize{640, 480}, Area{1, 2, 630, 470}, 1.7,
+      std::vector<double>{0.01, 0.02, 1.0 / 30, 0.04},
+      CentralRadial::OtherParameters{200, 201, 322, 236, 1e-3, -8e-4, 2e-5,
+                                     3e-4});
+  return file;
+}
+
 CameraFile Read(const std::string& text) {
   const TemporaryFolder folder;
   WriteFile(folder / "camera.yaml", text);
@@ -51,7 +72,8 @@ std::string Replaced(std::string text, const std::string& from,
 
 TEST(CameraFile, RoundTripKeepsTheCamera) {
   for (const CameraFile& file :
-       {GenericFile(), NonCentralFile(), OpenCvFile()}) {
+       {GenericFile(), NonCentralFile(), OpenCvFile(), FisheyeFile(),
+        RadialFile()}) {
     const CameraFile read = Read(FormatCameraFile(file));
     EXPECT_EQ(read.camera->Name(), file.camera->Name());
     EXPECT_EQ(read.camera->image_size(), file.camera->image_size());
@@ -83,7 +105,8 @@ TEST(CameraFile, RoundTripKeepsWhatIsKnownOfTheCamera) {
 
 TEST(CameraFile, FormatOfWhatWasReadIsTheSame) {
   for (const CameraFile& file :
-       {GenericFile(), NonCentralFile(), OpenCvFile()}) {
+       {GenericFile(), NonCentralFile(), OpenCvFile(), FisheyeFile(),
+        RadialFile()}) {
     const std::string text = FormatCameraFile(file);
     EXPECT_EQ(FormatCameraFile(Read(text)), text);
   }
@@ -99,6 +122,16 @@ TEST(CameraFile, NumbersThatAreNotFiniteAreRefused) {
                            "fx: " + std::string(bad)));
     ExpectRefused(Replaced(generic, "630.1", bad));
   }
+}
+
+TEST(CameraFile, SplinesThatAreNoneAreRefused) {
+  const std::string radial = FormatCameraFile(RadialFile());
+  for (const char* bad : {"-1", "0", "3.2", ".nan", "word"})
+    ExpectRefused(Replaced(radial, "max_angle_rad: 1.7",
+                           std::string("max_angle_rad: ") + bad));
+  ExpectRefused(Replaced(radial, "0.02", ".nan"));
+  ExpectRefused(Replaced(radial, "[0.01, 0.02, ", "["));
+  ExpectRefused(Replaced(radial, "sx1", "sx2"));
 }
 
 TEST(CameraFile, WrongCountsAreRefused) {
