@@ -172,6 +172,8 @@ class Simulate(CommandTest):
                         "--pattern", os.path.join(folder, "true_pattern.yaml"), "--json")
         self.assert_done(evaluated)
         self.assertLess(json.loads(evaluated.stdout)["max_px"], 1e-3)
+        self.assert_refused(run("fit", camera, "--model", "opencv", "-o", self.path("fit.yaml")),
+                            1, "noncentral")
         itself = run("compare", camera, camera, "--distance", 0.4, "--json")
         self.assert_done(itself)
         self.assertLess(json.loads(itself.stdout)["max_px"], 1e-6)
