@@ -53,7 +53,7 @@ Comparison Compare(const Arguments& arguments) {
         fmt::format("{} and {}: no pixel that both are calibrated for",
                     arguments.first, arguments.second));
   comparison.angle_rad =
-      comparison.difference.first_from_second.angularDistance(
+      comparison.difference.first_from_second.rotation.angularDistance(
           Eigen::Quaterniond::Identity());
   return comparison;
 }

@@ -50,7 +50,7 @@ Fit FitCamera(const Arguments& arguments) {
 
 std::string FormatJson(const Fit& fit) {
   const ModelDifference& d = fit.difference;
-  const Eigen::Quaterniond& q = d.first_from_second;
+  const Eigen::Quaterniond& q = d.first_from_second.rotation;
   const nlohmann::ordered_json json = {
       {"model", fit.file.camera->Name()},
       {"median_px", d.median_px},
@@ -82,7 +82,8 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
       "{:.4f} px at {} places, after a rotation of {:.5f} rad\n",
       fit.file.camera->Name(), d.median_px, d.rms_px, d.p99_px, d.max_px,
       d.pixels.size(),
-      d.first_from_second.angularDistance(Eigen::Quaterniond::Identity()));
+      d.first_from_second.rotation.angularDistance(
+          Eigen::Quaterniond::Identity()));
   if (fit.num_places > d.pixels.size())
     fmt::print("no direction at {} of {} places\n",
                fit.num_places - d.pixels.size(), fit.num_places);
