@@ -12,7 +12,8 @@ constexpr double kEnoughArea = 0.5;    // part of the image
 constexpr double kGoodMedianPx = 0.3;  // corners of a sharp chessboard
 constexpr double kUsableMedianPx = 2;
 constexpr double kOverfitRatio = 1.5;
-constexpr double kSystematicPart = 0.5;  // of the squared residuals
+// Of the squared residuals; five standard errors where there are fewest pairs.
+constexpr double kSystematicPart = 0.25;
 
 }  // namespace
 
@@ -48,9 +49,9 @@ Verdict JudgeCalibration(const CalibrationFigures& figures) {
         figures.held_out ? *figures.held_out : figures.training;
     warn(fmt::format(
         "neighbouring features err alike (correlation {:.2f}): about {:.2f} px "
-        "are the model's errors, not the features'; try smaller cells or "
-        "another model, noncentral-generic if the lines may not meet in a "
-        "point, as behind glass",
+        "are not noise, but the model's error or the detector's; try smaller "
+        "cells, or noncentral-generic if lines may not meet in a point, as "
+        "behind glass",
         *figures.neighbor_correlation,
         errors.rms_px * std::sqrt(*figures.neighbor_correlation)));
   }
