@@ -111,6 +111,10 @@ FeatureRefiner::FeatureRefiner(const Board& board,
                    MakeSymmetrySamples(options.window_px, kSamplesPerPixel)}) {}
 FeatureRefiner::~FeatureRefiner() = default;
 
+const std::vector<SymmetryMask>& FeatureRefiner::masks() const {
+  return data_->masks;
+}
+
 // Empty, or the reason to reject the feature.
 std::string FeatureRefiner::Data::RefineOne(const SymmetryImage& image,
                                             const Feature& feature,
