@@ -6,14 +6,17 @@
 #include <utility>
 
 #include "features/loose_lattice.h"
+#include "features/star_growth.h"
 
 namespace raygrid {
 namespace {
 
-constexpr double kMaxByChance = 1e-5;
+constexpr double kMaxByChance = 1e-4;
 // Of another placement, where there is doubt.
 constexpr double kMaxRivalByChance = 1e-2;
-constexpr double kMaxAstray = 0.03;  // of the stars, where the board has none
+// Of the stars, where the board has none: beside tags and along the edges half
+// stars are seen.
+constexpr double kMaxAstray = 0.2;
 constexpr double kMaxWrongFrame = 0.1;
 constexpr int kMinFrameCells = 4;   // of each colour
 constexpr double kMinContrast = 8;  // grey levels
@@ -46,6 +49,12 @@ class CellReader {
              int degree)
       : image_(image), lattice_(lattice), reach_(reach), degree_(degree) {}
 
+  // That a place on the lattice is seen there.
+  void Add(const Eigen::Vector2d& place, const Eigen::Vector2d& pixel) {
+    known_.push_back({place, pixel, 1});
+    mappings_.clear();
+  }
+
   // The mean grey level of a cell's inner half; nothing if it is not seen, or
   // if no stars tell where it is. Lengths in squares.
   std::optional<double> Read(const LatticePlacement& placement,
@@ -71,20 +80,27 @@ class CellReader {
 
  private:
   const std::optional<LocalMapping>& MappingAt(int column, int row) {
-    const auto known = mappings_.find({column, row});
-    if (known != mappings_.end()) return known->second;
+    const auto made_before = mappings_.find({column, row});
+    if (made_before != mappings_.end()) return made_before->second;
     std::optional<LocalMapping>& made = mappings_[{column, row}];
+    if (!lattice_.IsOnBoard(column, row)) return made;
+    std::vector<Correspondence> around =
+        lattice_.Around(column, row, reach_, true);
+    for (const Correspondence& known : known_) {
+      const Eigen::Vector2d offset =
+          known.offset - Eigen::Vector2d(column, row);
+      around.push_back(
+          {offset, known.pixel, 1 / (1 + 0.5 * offset.squaredNorm())});
+    }
     LocalMapping mapping;
-    if (lattice_.IsOnBoard(column, row) &&
-        FitLocalMapping(lattice_.Around(column, row, reach_, true), degree_,
-                        &mapping) > 0)
-      made = mapping;
+    if (FitLocalMapping(around, degree_, &mapping) > 0) made = mapping;
     return made;
   }
 
   const GreyImage& image_;
   const FeatureLattice& lattice_;
   int reach_, degree_;
+  std::vector<Correspondence> known_;  // offsets from the place (0, 0)
   std::map<std::pair<int, int>, std::optional<LocalMapping>> mappings_;
 };
 
@@ -151,11 +167,9 @@ double ChanceOf(const SeenCells& seen) {
 class Identification {
  public:
   Identification(const GreyImage& image, const FeatureLattice& lattice,
+                 const std::vector<DetectedTag>& detected,
                  const std::vector<const TaggedBoard*>& boards)
-      : image_(image),
-        lattice_(lattice),
-        boards_(boards),
-        stars_(lattice.Features()) {
+      : detected_(detected), boards_(boards), stars_(lattice.Features()) {
     int tag_squares = 0;
     for (const TaggedBoard* board : boards)
       for (const BoardTag& tag : board->board.tags)
@@ -172,7 +186,7 @@ class Identification {
       for (int k = 0; k < num_turns; ++k)
         TryTurn(static_cast<int>(b), 4 / num_turns * k);
     }
-    if (best_chance_ * num_tried_ > kMaxByChance ||
+    if (num_tags_seen_ == 0 || best_chance_ * num_tags_seen_ > kMaxByChance ||
         rival_chance_ < kMaxRivalByChance)
       return std::nullopt;
     return best_;
@@ -191,8 +205,9 @@ class Identification {
       low = low.min(p);
       high = high.max(p);
     }
-    for (int row = -low.y(); row + high.y() < board.rows; ++row) {
-      for (int column = -low.x(); column + high.x() < board.columns; ++column) {
+    for (int row = -low.y() - 1; row + high.y() <= board.rows; ++row) {
+      for (int column = -low.x() - 1; column + high.x() <= board.columns;
+           ++column) {
         placement.column = column;
         placement.row = row;
         if (Fits(placement)) Weigh(placement);
@@ -207,22 +222,63 @@ class Identification {
     int num_astray = 0;
     for (const Feature& star : stars_) {
       const Eigen::Vector2i p = placement.OnBoard(star.column, star.row);
-      if (!board.HasFeature(p.x(), p.y()) && ++num_astray > max_astray)
+      const bool is_on_board = p.x() >= 0 && p.y() >= 0 &&
+                               p.x() < board.columns && p.y() < board.rows;
+      if ((!is_on_board || !board.HasFeature(p.x(), p.y())) &&
+          ++num_astray > max_astray)
         return false;
     }
     return true;
   }
 
-  void Weigh(const LatticePlacement& placement) {
+  // The corners of detected tags that the placement puts among stars that are
+  // beside them in the image: they tell how the lattice goes on there.
+  std::vector<Correspondence> CornersBesideStars(
+      const LatticePlacement& placement) const {
+    constexpr double kReachSquares = 3;
+    std::vector<Correspondence> corners;
+    for (const SeenTag& seen :
+         SeenTagsOf(boards_[placement.board]->board, detected_)) {
+      const auto& c = seen.corners;
+      const Eigen::Vector2d middle = (c[0] + c[1] + c[2] + c[3]) / 4;
+      const Feature& star = *std::min_element(
+          stars_.begin(), stars_.end(),
+          [&](const Feature& s, const Feature& t) {
+            return (s.pixel - middle).norm() < (t.pixel - middle).norm();
+          });
+      const auto on_board = CornersOnBoard(seen.tag);
+      const Eigen::Vector2d offset =
+          (on_board[0] + on_board[2]) / 2 -
+          placement.OnBoard(star.column, star.row).cast<double>();
+      if (offset.cwiseAbs().maxCoeff() > seen.tag.squares / 2.0 + kReachSquares)
+        continue;
+      for (int k = 0; k < 4; ++k)
+        corners.push_back({placement.OnLattice(on_board[k]), c[k]});
+    }
+    return corners;
+  }
+
+  double ChanceWith(const LatticePlacement& placement,
+                    CellReader* reader) const {
     const TaggedBoard& tagged = *boards_[placement.board];
+    SeenCells seen;
+    for (const PlacedMarker& tag : tagged.tags)
+      ReadTag(placement, tag, tagged.board.square_m, reader, &seen);
+    return ChanceOf(seen);
+  }
+
+  void Weigh(const LatticePlacement& placement) {
+    const auto corners = CornersBesideStars(placement);
     double chance = 1;
     for (CellReader& reader : readers_) {
-      SeenCells seen;
-      for (const PlacedMarker& tag : tagged.tags)
-        ReadTag(placement, tag, tagged.board.square_m, &reader, &seen);
-      chance = std::min(chance, ChanceOf(seen));
+      chance = std::min(chance, ChanceWith(placement, &reader));
+      if (corners.empty()) continue;
+      CellReader with_corners = reader;
+      for (const Correspondence& corner : corners)
+        with_corners.Add(corner.offset, corner.pixel);
+      chance = std::min(chance, ChanceWith(placement, &with_corners));
     }
-    num_tried_ += 1;
+    num_tags_seen_ += chance < 1;
     if (chance < best_chance_) {
       rival_chance_ = best_chance_;
       best_chance_ = chance;
@@ -232,14 +288,13 @@ class Identification {
     }
   }
 
-  const GreyImage& image_;
-  const FeatureLattice& lattice_;
+  const std::vector<DetectedTag>& detected_;
   const std::vector<const TaggedBoard*>& boards_;
   std::vector<CellReader> readers_;
   std::vector<Feature> stars_;
   LatticePlacement best_;
   double best_chance_ = 1, rival_chance_ = 1;
-  int num_tried_ = 0;
+  int num_tags_seen_ = 0;
 };
 
 }  // namespace
@@ -259,8 +314,10 @@ Eigen::Vector2d LatticePlacement::OnLattice(
 
 std::optional<LatticePlacement> IdentifyBoard(
     const GreyImage& image, const FeatureLattice& lattice,
+    const std::vector<DetectedTag>& detected,
     const std::vector<const TaggedBoard*>& boards) {
-  return Identification(image, lattice, boards).Run();
+  if (lattice.num_found() == 0) return std::nullopt;
+  return Identification(image, lattice, detected, boards).Run();
 }
 
 }  // namespace raygrid

@@ -7,6 +7,7 @@
 #include "appearance/board_appearance.h"
 #include "features/detection.h"
 #include "features/feature_lattice.h"
+#include "features/tag_detection.h"
 
 namespace raygrid {
 
@@ -34,10 +35,12 @@ struct TaggedBoard {
 ///   - its stars lie where the board has some,
 ///   - the tags' white margins and black borders are as they must be,
 ///   - the cells of their codes that are seen would agree as well by chance
-///     once in 100,000 times, all placements counted,
+///     once in 10,000 times, all placements with a tag there counted,
 ///   - no other placement agrees nearly as well.
+/// Detected tags help to see where cells are.
 std::optional<LatticePlacement> IdentifyBoard(
     const GreyImage& image, const FeatureLattice& lattice,
+    const std::vector<DetectedTag>& detected,
     const std::vector<const TaggedBoard*>& boards);
 
 }  // namespace raygrid

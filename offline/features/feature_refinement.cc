@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "features/feature_lattice.h"
+#include "features/image_noise.h"
 #include "features/symmetry_refinement.h"
 
 namespace raygrid {
@@ -17,7 +18,7 @@ constexpr int kMaxDegree = 3;
 // Bounds of what is plausible.
 constexpr double kMinSpacingPx = 5;
 constexpr double kMaxMovePx = 2;
-constexpr double kMaxAsymmetry = 0.5;  // of the contrast
+constexpr double kMaxAsymmetry = 0.4;  // of the contrast
 constexpr double kMinContrast = 3;     // grey levels
 
 // How far a feature may lie from where its neighbours say.
@@ -96,7 +97,8 @@ struct FeatureRefiner::Data {
   SymmetrySamples samples;
 
   std::string RefineOne(const SymmetryImage& image, const Feature& feature,
-                        double max_move_px, const FeatureLattice& lattice,
+                        double max_move_px, double noise,
+                        const FeatureLattice& lattice,
                         Eigen::Vector2d* pixel) const;
   void RefineBySymmetry(const GreyImage& image, FeatureLattice* lattice,
                         ImageDetection* detection) const;
@@ -118,7 +120,7 @@ const std::vector<SymmetryMask>& FeatureRefiner::masks() const {
 // Empty, or the reason to reject the feature.
 std::string FeatureRefiner::Data::RefineOne(const SymmetryImage& image,
                                             const Feature& feature,
-                                            double max_move_px,
+                                            double max_move_px, double noise,
                                             const FeatureLattice& lattice,
                                             Eigen::Vector2d* pixel) const {
   LocalMapping start;
@@ -139,7 +141,11 @@ std::string FeatureRefiner::Data::RefineOne(const SymmetryImage& image,
     result = refine(predicted);
   if (!result.is_converged) return "no centre of symmetry near";
   if (result.contrast < kMinContrast) return "no contrast";
-  if (result.rms > kMaxAsymmetry * result.contrast) return "not symmetric";
+  // Noise is in each value, and in both values of a difference.
+  const double noise2 = noise * noise;
+  if (std::pow(result.rms, 2) - 2 * noise2 >
+      std::pow(kMaxAsymmetry, 2) * (std::pow(result.contrast, 2) - noise2))
+    return "not symmetric";
   *pixel = result.mapping.center;
   return {};
 }
@@ -149,13 +155,14 @@ void FeatureRefiner::Data::RefineBySymmetry(const GreyImage& image,
                                             ImageDetection* detection) const {
   const SymmetryImage symmetry_image =
       MakeSymmetryImage(image, options.refinement);
+  const double noise = NoiseOf(image);
   // Once to make the neighbours accurate, once with the curvature they tell.
   for (const double max_move_px : {kMaxMovePx, kMaxMovePx / 4}) {
     FeatureLattice refined = *lattice;
     for (const Feature& feature : lattice->Features()) {
       Eigen::Vector2d pixel;
-      const std::string reason =
-          RefineOne(symmetry_image, feature, max_move_px, *lattice, &pixel);
+      const std::string reason = RefineOne(symmetry_image, feature, max_move_px,
+                                           noise, *lattice, &pixel);
       if (reason.empty())
         refined.Set(feature.column, feature.row, pixel);
       else

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 namespace raygrid {
 namespace {
@@ -23,12 +24,7 @@ Board LooseBoard(int segments, int side) {
 }
 
 // The columns are the offsets to the stars to the right and below.
-struct Basis {
-  Eigen::Matrix2d linear;
-  int support = 0;  // candidates where neighbours must be
-
-  double Area() const { return linear.determinant(); }
-};
+using Basis = Eigen::Matrix2d;
 
 double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -54,8 +50,8 @@ std::vector<Eigen::Vector2d> OffsetsAround(
   return offsets;
 }
 
-int Support(const Eigen::Matrix2d& linear,
-            const std::vector<Eigen::Vector2d>& offsets) {
+// How many of the eight neighbours are candidates too.
+int Support(const Basis& linear, const std::vector<Eigen::Vector2d>& offsets) {
   constexpr double kTolerance = 0.2;
   const double tolerance_px =
       kTolerance * std::min(linear.col(0).norm(), linear.col(1).norm());
@@ -77,37 +73,32 @@ int Support(const Eigen::Matrix2d& linear,
 std::vector<Basis> BasesOf(const std::vector<Eigen::Vector2d>& offsets) {
   constexpr double kMinSine = 0.4, kMaxStretch = 5;
   constexpr int kMinSupport = 4;
-  constexpr size_t kMaxBases = 10;
   const size_t count = std::min(kNumNearest, offsets.size());
   std::vector<Basis> bases;
   for (size_t i = 0; i < count; ++i) {
     for (size_t j = 0; j < count; ++j) {
       const Eigen::Vector2d &a = offsets[i], &b = offsets[j];
       // One of the four quarter turns of a basis is enough.
-      if (a.x() < std::abs(a.y())) continue;
+      if (a.x() <= std::abs(b.x())) continue;
       const double product = a.norm() * b.norm();
       if (Cross(a, b) < kMinSine * product ||
           a.norm() > kMaxStretch * b.norm() ||
           b.norm() > kMaxStretch * a.norm())
         continue;
       Basis basis;
-      basis.linear << a, b;
-      basis.support = Support(basis.linear, offsets);
-      if (basis.support >= kMinSupport) bases.push_back(basis);
+      basis << a, b;
+      if (Support(basis, offsets) >= kMinSupport) bases.push_back(basis);
     }
   }
-  std::stable_sort(
-      bases.begin(), bases.end(),
-      [](const Basis& a, const Basis& b) { return a.support > b.support; });
-  if (bases.size() > kMaxBases) bases.resize(kMaxBases);
-  std::stable_sort(
-      bases.begin(), bases.end(),
-      [](const Basis& a, const Basis& b) { return a.Area() < b.Area(); });
+  std::stable_sort(bases.begin(), bases.end(),
+                   [](const Basis& a, const Basis& b) {
+                     return a.determinant() < b.determinant();
+                   });
   return bases;
 }
 
-Eigen::Matrix2d QuarterTurned(const Eigen::Matrix2d& linear) {
-  Eigen::Matrix2d turned;
+Basis QuarterTurned(const Basis& linear) {
+  Basis turned;
   turned << linear.col(1), -linear.col(0);
   return turned;
 }
@@ -130,14 +121,13 @@ LooseLatticeFinder::LooseLatticeFinder(int segments, int max_side,
       masks_(SymmetryMask::OfBoard(LooseBoard(segments, 1))),
       options_(options) {}
 
-// Where a star and its four neighbours look like stars.
-std::optional<LocalMapping> LooseLatticeFinder::MappingAround(
+// The basis with which a star and its four neighbours look most like stars.
+std::optional<LooseLatticeFinder::Seed> LooseLatticeFinder::SeedAt(
     const GreyImage& image, const std::vector<StarCandidate>& candidates,
     const Eigen::Vector2d& center) const {
-  constexpr double kClearlyBetter = 0.1;
+  constexpr double kClearlyBetter = 0.3;
   constexpr double kMinTotal = 3 * kMinCorrelation;
-  double best_total = kMinTotal - kClearlyBetter;
-  std::optional<LocalMapping> best;
+  std::optional<Seed> best;
   const auto correlation = [&](const LocalMapping& mapping, double search_px) {
     const MatchingResult match = MatchStar(image, texture_, masks_[0], mapping,
                                            options_.window_px, search_px);
@@ -147,17 +137,16 @@ std::optional<LocalMapping> LooseLatticeFinder::MappingAround(
   for (const Basis& basis : BasesOf(OffsetsAround(candidates, center))) {
     LocalMapping mapping;
     mapping.center = center;
-    mapping.linear = basis.linear;
+    mapping.linear = basis;
     for (int turn = 0; turn < num_turns; ++turn) {
       double total = correlation(mapping, 1);
       if (total >= kMinCorrelation) {
+        const double search_px = std::max(2.0, 0.15 * mapping.SpacingPx());
         for (const Eigen::Vector2d& offset :
              {Eigen::Vector2d(1, 0), {-1, 0}, {0, 1}, {0, -1}})
-          total += correlation(Shifted(mapping, offset), 2);
-        if (total > best_total + kClearlyBetter) {
-          best_total = total;
-          best = mapping;
-        }
+          total += correlation(Shifted(mapping, offset), search_px);
+        if (total > (best ? best->total + kClearlyBetter : kMinTotal))
+          best = Seed{mapping, total};
       }
       mapping.linear = QuarterTurned(mapping.linear);
     }
@@ -165,24 +154,52 @@ std::optional<LocalMapping> LooseLatticeFinder::MappingAround(
   return best;
 }
 
+// Some, the best first; removes the candidates that were tried.
+std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::FindSeeds(
+    const GreyImage& image, std::vector<StarCandidate>* candidates) const {
+  constexpr size_t kEnough = 4;
+  const std::vector<StarCandidate> all = *candidates;
+  std::vector<Seed> seeds;
+  // Not in order: the corners of squares may all have less scatter than the
+  // stars.
+  std::mt19937 random(1);
+  for (int trial = 0;
+       trial < kMaxTrials && !candidates->empty() && seeds.size() < kEnough;
+       ++trial) {
+    const auto chosen = candidates->begin() + random() % candidates->size();
+    const auto seed = SeedAt(image, all, chosen->pixel);
+    if (seed) seeds.push_back(*seed);
+    candidates->erase(chosen);
+  }
+  std::stable_sort(
+      seeds.begin(), seeds.end(),
+      [](const Seed& a, const Seed& b) { return a.total > b.total; });
+  return seeds;
+}
+
+FeatureLattice LooseLatticeFinder::GrowFrom(const GreyImage& image,
+                                            const Seed& seed) const {
+  // Half stars along the board's edges are less like stars than those beside.
+  constexpr double kAlike = 0.6;
+  const int middle = board_.columns / 2;
+  StarGrowth growth(image, board_, texture_, masks_, options_, {});
+  growth.RequireAlike(kAlike);
+  for (int row = -1; row <= 1; ++row)
+    for (int column = -1; column <= 1; ++column)
+      growth.Try(middle + column, middle + row,
+                 Shifted(seed.mapping, Eigen::Vector2d(column, row)), 0.2,
+                 kMinCorrelation);
+  growth.Grow();
+  return growth.lattice();
+}
+
 std::optional<FeatureLattice> LooseLatticeFinder::Find(
     const GreyImage& image, std::vector<StarCandidate>* candidates) const {
-  const int middle = board_.columns / 2;
-  for (int trial = 0; trial < kMaxTrials && !candidates->empty(); ++trial) {
-    const Eigen::Vector2d center = candidates->front().pixel;
-    const auto mapping = MappingAround(image, *candidates, center);
-    candidates->erase(candidates->begin());
-    if (!mapping) continue;
-    StarGrowth growth(image, board_, texture_, masks_, options_, {});
-    for (int row = -1; row <= 1; ++row)
-      for (int column = -1; column <= 1; ++column)
-        growth.Try(middle + column, middle + row,
-                   Shifted(*mapping, Eigen::Vector2d(column, row)), 0.2,
-                   kMinCorrelation);
-    growth.Grow(kMinCorrelation);
-    if (growth.lattice().num_found() < kMinStars) continue;
-    RemoveExplained(growth.lattice(), candidates);
-    return growth.lattice();
+  for (const Seed& seed : FindSeeds(image, candidates)) {
+    const FeatureLattice lattice = GrowFrom(image, seed);
+    if (lattice.num_found() < kMinStars) continue;
+    RemoveExplained(lattice, candidates);
+    return lattice;
   }
   return std::nullopt;
 }

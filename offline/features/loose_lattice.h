@@ -22,7 +22,7 @@ class LooseLatticeFinder {
   LooseLatticeFinder(int segments, int max_side,
                      const DetectionOptions& options);
 
-  /// The lattice around one of the candidates, the surest first; its places
+  /// The lattice around the surest of some of the candidates; its places
   /// count from anywhere, right and down as on a board that is turned by some
   /// quarter turns. Candidates on it and those tried in vain are removed.
   std::optional<FeatureLattice> Find(
@@ -36,9 +36,16 @@ class LooseLatticeFinder {
   std::vector<SymmetryMask> masks_;  // one for all
   DetectionOptions options_;
 
-  std::optional<LocalMapping> MappingAround(
-      const GreyImage& image, const std::vector<StarCandidate>& candidates,
-      const Eigen::Vector2d& center) const;
+  struct Seed {
+    LocalMapping mapping;
+    double total = 0;  // of correlations
+  };
+  std::optional<Seed> SeedAt(const GreyImage& image,
+                             const std::vector<StarCandidate>& candidates,
+                             const Eigen::Vector2d& center) const;
+  std::vector<Seed> FindSeeds(const GreyImage& image,
+                              std::vector<StarCandidate>* candidates) const;
+  FeatureLattice GrowFrom(const GreyImage& image, const Seed& seed) const;
 };
 
 /// Removes candidates on the stars of a lattice or near to them.

@@ -16,6 +16,7 @@ constexpr int kNumScales = 3;  // each half as large as the one before
 constexpr double kMaxScatter = 0.35;
 // Edges must point at the place from several sides.
 constexpr double kMinIsotropy = 0.25;
+constexpr size_t kMaxCandidates = 3000;
 constexpr double kMinGradient = 2;  // RMS, grey levels a pixel
 
 // Products of gradients, and what of them is scattered around each pixel.
@@ -123,6 +124,24 @@ void FindAtScale(const cv::Mat& image, double scale,
   }
 }
 
+// Without those that are found at another scale with less scatter.
+std::vector<StarCandidate> Distinct(std::vector<StarCandidate> candidates) {
+  constexpr double kSamePx = 3;
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const StarCandidate& a, const StarCandidate& b) {
+                     return a.scatter < b.scatter;
+                   });
+  if (candidates.size() > kMaxCandidates) candidates.resize(kMaxCandidates);
+  std::vector<StarCandidate> distinct;
+  for (const StarCandidate& candidate : candidates)
+    if (std::none_of(distinct.begin(), distinct.end(),
+                     [&](const StarCandidate& other) {
+                       return (other.pixel - candidate.pixel).norm() < kSamePx;
+                     }))
+      distinct.push_back(candidate);
+  return distinct;
+}
+
 }  // namespace
 
 std::vector<StarCandidate> FindStarCandidates(const GreyImage& image) {
@@ -139,11 +158,7 @@ std::vector<StarCandidate> FindStarCandidates(const GreyImage& image) {
     scaled = half;
     scale *= 2;
   }
-  std::stable_sort(found.begin(), found.end(),
-                   [](const StarCandidate& a, const StarCandidate& b) {
-                     return a.scatter < b.scatter;
-                   });
-  return found;
+  return Distinct(std::move(found));
 }
 
 }  // namespace raygrid

@@ -46,13 +46,15 @@ class Search {
 
   void Run() {
     GrowFromTags(DetectTags(image_, TagSearch::kQuick));
-    if (IsComplete() || !SeesOtherStars()) return;
-    if (!IsQuickSearchThorough(image_.size)) {
-      GrowFromTags(DetectTags(image_, TagSearch::kThorough));
-      if (!IsComplete() || !SeesOtherStars()) return;
-    }
+    if (IsComplete()) return;
+    candidates_ = FindStarCandidates(image_);
+    for (const auto& growth : growths_)
+      if (growth && growth->IsSound())
+        RemoveExplained(growth->lattice(), &candidates_);
     for (const auto& [segments, finder] : finders_)
       GrowFromLooseLattices(segments, *finder);
+    if (SeesOtherStars() && !IsQuickSearchThorough(image_.size))
+      GrowFromTags(DetectTags(image_, TagSearch::kThorough));
   }
 
   const std::vector<DetectedTag>& tags() const { return tags_; }
@@ -61,13 +63,22 @@ class Search {
 
  private:
   bool IsFound(size_t board) const {
-    return growths_[board] &&
-           growths_[board]->lattice().num_found() >= kMinStarsOnBoard;
+    return growths_[board] && growths_[board]->IsSound();
   }
   bool IsComplete() const {
     for (size_t b = 0; b < boards_.size(); ++b)
       if (!IsFound(b)) return false;
     return true;
+  }
+  // Whether there may be more than what is found.
+  bool SeesOtherStars() const {
+    return !IsComplete() && candidates_.size() >= kMinCandidates;
+  }
+  // The one with more stars is right.
+  void Put(size_t board, std::unique_ptr<StarGrowth> growth) {
+    if (!growths_[board] ||
+        growth->lattice().num_found() > growths_[board]->lattice().num_found())
+      growths_[board] = std::move(growth);
   }
 
   std::unique_ptr<StarGrowth> MakeGrowth(size_t b,
@@ -83,18 +94,10 @@ class Search {
       if (IsFound(b)) continue;
       std::vector<SeenTag> seen = SeenTagsOf(boards_[b]->board(), tags_);
       if (seen.empty()) continue;
-      growths_[b] = MakeGrowth(b, std::move(seen));
-      growths_[b]->Grow();
+      auto growth = MakeGrowth(b, std::move(seen));
+      growth->Grow();
+      Put(b, std::move(growth));
     }
-  }
-
-  // Whether there may be more than what is found.
-  bool SeesOtherStars() {
-    if (!has_candidates_) candidates_ = FindStarCandidates(image_);
-    has_candidates_ = true;
-    for (size_t b = 0; b < boards_.size(); ++b)
-      if (IsFound(b)) RemoveExplained(growths_[b]->lattice(), &candidates_);
-    return candidates_.size() >= kMinCandidates;
   }
 
   void GrowFromLooseLattices(int segments, const LooseLatticeFinder& finder) {
@@ -106,10 +109,10 @@ class Search {
         missing.push_back(b);
         tagged.push_back(&boards_[b]->tagged);
       }
-      if (missing.empty() || candidates_.size() < kMinCandidates) return;
+      if (missing.empty() || !SeesOtherStars()) return;
       const auto lattice = finder.Find(image_, &candidates_);
       if (!lattice) return;
-      const auto placement = IdentifyBoard(image_, *lattice, tagged);
+      const auto placement = IdentifyBoard(image_, *lattice, tags_, tagged);
       if (placement)
         GrowFromLattice(missing[placement->board], *lattice, *placement);
     }
@@ -118,15 +121,16 @@ class Search {
   void GrowFromLattice(size_t b, const FeatureLattice& lattice,
                        const LatticePlacement& placement) {
     const Board& board = boards_[b]->board();
-    growths_[b] = MakeGrowth(b, {});
+    auto growth = MakeGrowth(b, {});
     for (const Feature& star : lattice.Features()) {
       const Eigen::Vector2i place = placement.OnBoard(star.column, star.row);
-      if (growths_[b]->lattice().IsOnBoard(place.x(), place.y()) &&
+      if (growth->lattice().IsOnBoard(place.x(), place.y()) &&
           board.HasFeature(place.x(), place.y()))
-        growths_[b]->Set(place.x(), place.y(), star.pixel);
+        growth->Set(place.x(), place.y(), star.pixel);
     }
-    growths_[b]->Grow();
-    RemoveExplained(growths_[b]->lattice(), &candidates_);
+    growth->Grow();
+    RemoveExplained(growth->lattice(), &candidates_);
+    Put(b, std::move(growth));
   }
 
   const GreyImage& image_;
@@ -136,7 +140,6 @@ class Search {
   std::vector<DetectedTag> tags_;
   std::vector<std::unique_ptr<StarGrowth>> growths_;  // by board
   std::vector<StarCandidate> candidates_;
-  bool has_candidates_ = false;
 };
 
 void Append(const std::vector<RejectedFeature>& from,

@@ -10,14 +10,6 @@ namespace {
 
 constexpr double kMinSpacingPx = 6;
 
-// The corners of a tag's black square, clockwise from the top left, in squares.
-std::array<Eigen::Vector2d, 4> CornersOnBoard(const BoardTag& tag) {
-  const double cell = tag.squares / 10.0;
-  const double x0 = tag.column + cell, x1 = tag.column + tag.squares - cell;
-  const double y0 = tag.row + cell, y1 = tag.row + tag.squares - cell;
-  return {Eigen::Vector2d(x0, y0), {x1, y0}, {x1, y1}, {x0, y1}};
-}
-
 // From four correspondences.
 std::optional<Eigen::Matrix3d> Homography(
     const std::array<Eigen::Vector2d, 4>& from,
@@ -74,6 +66,13 @@ bool IsWhollyVisible(const ImageSize& size, const LocalMapping& mapping) {
 
 }  // namespace
 
+std::array<Eigen::Vector2d, 4> CornersOnBoard(const BoardTag& tag) {
+  const double cell = tag.squares / 10.0;
+  const double x0 = tag.column + cell, x1 = tag.column + tag.squares - cell;
+  const double y0 = tag.row + cell, y1 = tag.row + tag.squares - cell;
+  return {Eigen::Vector2d(x0, y0), {x1, y0}, {x1, y1}, {x0, y1}};
+}
+
 std::vector<SeenTag> SeenTagsOf(const Board& board,
                                 const std::vector<DetectedTag>& detected) {
   std::vector<SeenTag> seen;
@@ -99,18 +98,24 @@ StarGrowth::StarGrowth(const GreyImage& image, const Board& board,
       options_(options),
       tags_(std::move(tags)),
       lattice_(board),
+      correlations_(board.num_points(), 0),
       tried_with_(board.num_points(), 0) {}
 
-void StarGrowth::Grow(double least_correlation) {
+void StarGrowth::Grow() {
   // The sure ones first: they tell where the others must be.
-  for (const double correlation : {0.7, 0.5, 0.35}) {
-    const double min_correlation = std::max(correlation, least_correlation);
+  for (const double min_correlation : {0.7, 0.5, 0.35}) {
     std::fill(tried_with_.begin(), tried_with_.end(), 0);
     if (lattice_.num_found() < kMinStarsOnBoard)
       for (const SeenTag& seen : tags_) TryAround(seen, min_correlation);
     while (Sweep(min_correlation)) {
     }
   }
+}
+
+bool StarGrowth::IsSound() const {
+  constexpr double kMaxInVain = 0.25;
+  return lattice_.num_found() >= kMinStarsOnBoard &&
+         Rejected().size() <= kMaxInVain * lattice_.num_found();
 }
 
 std::vector<RejectedFeature> StarGrowth::Rejected() const {
@@ -209,11 +214,28 @@ bool StarGrowth::Try(int column, int row, const LocalMapping& mapping,
       MatchStar(image_, texture_, mask, mapping, options_.window_px, search_px);
   if (!match.is_converged)
     return refuse(match.factor < 0 ? "colours inverted" : "no star");
-  if (match.correlation < min_correlation) return refuse("unlike a star");
+  if (match.correlation <
+      std::max(min_correlation, alike_ * CorrelationAround(column, row)))
+    return refuse("unlike a star");
   if (IsTaken(column, row, match.center, spacing_px))
     return refuse("another star's place");
   lattice_.Set(column, row, match.center);
+  correlations_[board_.PointIndex(column, row)] = match.correlation;
   return true;
+}
+
+// The mean of the neighbours'; 0 if there are none.
+double StarGrowth::CorrelationAround(int column, int row) const {
+  double sum = 0;
+  int count = 0;
+  for (int r = row - 1; r <= row + 1; ++r) {
+    for (int c = column - 1; c <= column + 1; ++c) {
+      if (!lattice_.Has(c, r)) continue;
+      sum += correlations_[board_.PointIndex(c, r)];
+      ++count;
+    }
+  }
+  return sum / std::max(1, count);
 }
 
 // Whether another star was found there.

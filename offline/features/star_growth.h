@@ -26,6 +26,10 @@ struct SeenTag {
   Eigen::Matrix3d homography;  ///< from squares to pixels
 };
 
+/// The corners of a tag's black square, clockwise from the top left, in
+/// squares.
+std::array<Eigen::Vector2d, 4> CornersOnBoard(const BoardTag& tag);
+
 /// The tags of a board among those detected.
 std::vector<SeenTag> SeenTagsOf(const Board& board,
                                 const std::vector<DetectedTag>& detected);
@@ -42,13 +46,20 @@ class StarGrowth {
   void Set(int column, int row, const Eigen::Vector2d& pixel) {
     lattice_.Set(column, row, pixel);
   }
+  /// Stars must correlate with their rendering at least this part as much as
+  /// their neighbours do.
+  void RequireAlike(double part) { alike_ = part; }
   /// Looks for a star within a part of a square around where it would be;
   /// whether it is found.
   bool Try(int column, int row, const LocalMapping& mapping,
            double search_squares, double min_correlation);
   /// Looks around the tags if too few are known, then beside each star, until
-  /// there are no more that correlate as much with their rendering.
-  void Grow(double least_correlation = 0.35);
+  /// there are no more.
+  void Grow();
+
+  /// Whether there are enough stars, and few places where one was sought in
+  /// vain.
+  bool IsSound() const;
 
   const FeatureLattice& lattice() const { return lattice_; }
   /// Where stars were sought in vain, and why.
@@ -59,6 +70,7 @@ class StarGrowth {
   bool Sweep(double min_correlation);
   bool HasDirectNeighbour(int column, int row) const;
   bool Predict(int column, int row, LocalMapping* mapping) const;
+  double CorrelationAround(int column, int row) const;
   bool IsTaken(int column, int row, const Eigen::Vector2d& pixel,
                double spacing_px) const;
 
@@ -69,7 +81,9 @@ class StarGrowth {
   const DetectionOptions& options_;
   std::vector<SeenTag> tags_;
   FeatureLattice lattice_;
-  std::vector<int> tried_with_;  // how many neighbours, by place
+  double alike_ = 0;
+  std::vector<double> correlations_;  // by place
+  std::vector<int> tried_with_;       // how many neighbours, by place
   // By row and column: where a star was sought in vain, and why.
   std::map<std::pair<int, int>, std::pair<Eigen::Vector2d, std::string>>
       attempts_;

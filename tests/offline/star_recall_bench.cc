@@ -2,9 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <atomic>
-#include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <map>
 #include <mutex>
 #include <opencv2/core.hpp>
@@ -49,18 +50,18 @@ struct Target {
 };
 
 // Boards side by side, as raygrid simulate puts them.
-Target MakeTarget(const StarBoardOptions& options) {
+Target MakeTarget(const StarBoardOptions &options) {
   constexpr double kGapSquares = 4;
   Target target;
   target.pattern.boards = StarBoards(options);
   double x_m = 0;
-  for (Board& board : target.pattern.boards) {
+  for (Board &board : target.pattern.boards) {
     board.points = board.NominalPoints();
     target.surfaces.emplace_back(board);
     target.corners_m.emplace_back(x_m, 0, 0);
     x_m += board.points.back().x() + kGapSquares * board.square_m;
   }
-  const Board& last = target.pattern.boards.back();
+  const Board &last = target.pattern.boards.back();
   target.center_m = {(x_m - kGapSquares * last.square_m) / 2,
                      last.points.back().y() / 2, 0};
   target.detector =
@@ -92,9 +93,9 @@ std::vector<Target> MakeTargets() {
 
 std::vector<Camera> MakeCameras(int num_threads) {
   std::vector<Camera> cameras;
-  for (const char* lens :
+  for (const char *lens :
        {"pinhole", "example", "wide", "fisheye", "fisheye190"}) {
-    for (const ImageSize& size : {ImageSize{640, 480}, ImageSize{1280, 800}}) {
+    for (const ImageSize &size : {ImageSize{640, 480}, ImageSize{1280, 800}}) {
       if (std::string(lens) == "example" && size.width != 640) continue;
       Camera camera;
       camera.lens = lens;
@@ -106,7 +107,7 @@ std::vector<Camera> MakeCameras(int num_threads) {
   return cameras;
 }
 
-ImagingOptions RandomImaging(Random* random) {
+ImagingOptions RandomImaging(Random *random) {
   ImagingOptions imaging;
   imaging.blur_px = random->Uniform(0.5, 1.5);
   imaging.read_noise = random->Uniform(1, 4);
@@ -115,7 +116,7 @@ ImagingOptions RandomImaging(Random* random) {
   imaging.samples_per_pixel = 4;
   const double light = random->Uniform(0, 1);
   if (light < 0.15) imaging.exposure = random->Uniform(0.2, 0.5);
-  if (light > 0.85) imaging.exposure = random->Uniform(1.3, 2.5);
+  if (light > 0.85) imaging.exposure = random->Uniform(1.2, 1.8);
   imaging.seed = static_cast<uint64_t>(random->Uniform(0, 1e15));
   return imaging;
 }
@@ -124,16 +125,30 @@ enum class TagView { kNone, kPartly, kWholly };
 
 using FeatureKey = std::tuple<int, int, int>;  // board, row, column
 
+struct Count {
+  int visible = 0, found = 0;
+
+  void Add(const Count &other) {
+    visible += other.visible;
+    found += other.found;
+  }
+  double Percent() const {
+    return visible == 0 ? 100 : 100.0 * found / visible;
+  }
+};
+
 // What is to be found in an image, and what was.
 struct Outcome {
-  TagView tag = TagView::kNone;
-  int num_visible = 0, num_found = 0, num_features = 0, num_wrong = 0;
+  TagView tag = TagView::kNone;  // that is seen best
+  Count stars;
+  std::array<Count, 3> stars_by_tag;  // of their own board
+  int num_features = 0, num_wrong = 0;
   double sum_of_squares = 0, largest = 0, ms = 0;
 };
 
 struct Scene {
-  const Camera* camera;
-  const Target* target;
+  const Camera *camera;
+  const Target *target;
   Pose pose;
   ImagingOptions imaging;
 
@@ -150,7 +165,7 @@ struct Scene {
     return pixel;
   }
   bool IsToBeFound(size_t board, int column, int row) const;
-  TagView ViewOf(size_t board, const BoardTag& tag) const;
+  TagView ViewOf(size_t board, const BoardTag &tag) const;
 };
 
 // Whether a star's square is wholly seen and not too small.
@@ -170,7 +185,7 @@ bool Scene::IsToBeFound(size_t board, int column, int row) const {
 }
 
 // Of its black square.
-TagView Scene::ViewOf(size_t board, const BoardTag& tag) const {
+TagView Scene::ViewOf(size_t board, const BoardTag &tag) const {
   const double cell = tag.squares / 10.0;
   constexpr int kNumSteps = 8;
   int num_seen = 0;
@@ -184,8 +199,8 @@ TagView Scene::ViewOf(size_t board, const BoardTag& tag) const {
                                                        : TagView::kPartly;
 }
 
-Scene MakeScene(const std::vector<Camera>& cameras,
-                const std::vector<Target>& targets, uint64_t seed, int index) {
+Scene MakeScene(const std::vector<Camera> &cameras,
+                const std::vector<Target> &targets, uint64_t seed, int index) {
   Random random(seed * 1000003 + index);
   Scene scene;
   scene.camera = &cameras[index % cameras.size()];
@@ -198,7 +213,7 @@ Scene MakeScene(const std::vector<Camera>& cameras,
   return scene;
 }
 
-Image Photograph(const Scene& scene) {
+Image Photograph(const Scene &scene) {
   std::vector<PlacedBoard> placed;
   for (size_t b = 0; b < scene.target->surfaces.size(); ++b)
     placed.push_back({&scene.target->surfaces[b], scene.PoseOf(b)});
@@ -207,26 +222,28 @@ Image Photograph(const Scene& scene) {
       scene.imaging);
 }
 
-void AddError(double error, Outcome* outcome) {
+void AddError(double error, Outcome *outcome) {
   ++outcome->num_features;
   outcome->num_wrong += error > kMaxErrorPx;
   outcome->largest = std::max(outcome->largest, error);
   outcome->sum_of_squares += error * error;
 }
 
-Outcome Compare(const Scene& scene, const std::vector<Feature>& found) {
+Outcome Compare(const Scene &scene, const std::vector<Feature> &found) {
   Outcome outcome;
   std::map<FeatureKey, Eigen::Vector2d> truth;
-  const auto& boards = scene.target->pattern.boards;
+  const auto &boards = scene.target->pattern.boards;
+  std::vector<TagView> views(boards.size(), TagView::kNone);
   for (size_t b = 0; b < boards.size(); ++b) {
-    for (const BoardTag& tag : boards[b].tags)
-      outcome.tag = std::max(outcome.tag, scene.ViewOf(b, tag));
-    for (const Feature& f :
+    for (const BoardTag &tag : boards[b].tags)
+      views[b] = std::max(views[b], scene.ViewOf(b, tag));
+    outcome.tag = std::max(outcome.tag, views[b]);
+    for (const Feature &f :
          VisibleFeatures(*scene.camera->model, boards[b], scene.PoseOf(b)))
       truth[{f.board, f.row, f.column}] = f.pixel;
   }
   std::set<FeatureKey> has;
-  for (const Feature& f : found) {
+  for (const Feature &f : found) {
     const FeatureKey key(f.board, f.row, f.column);
     has.insert(key);
     const auto place = truth.find(key);
@@ -235,24 +252,31 @@ Outcome Compare(const Scene& scene, const std::vector<Feature>& found) {
         place == truth.end() ? kNotThere : (f.pixel - place->second).norm(),
         &outcome);
   }
-  for (const auto& [key, pixel] : truth) {
+  for (const auto &[key, pixel] : truth) {
     const auto [board, row, column] = key;
     if (!scene.IsToBeFound(board, column, row)) continue;
-    ++outcome.num_visible;
-    outcome.num_found += has.count(key);
+    const Count star = {1, static_cast<int>(has.count(key))};
+    outcome.stars.Add(star);
+    outcome.stars_by_tag[static_cast<int>(views[board])].Add(star);
   }
   return outcome;
 }
 
-Outcome Measure(const Scene& scene, const std::string& save) {
+// What this thread has computed, whatever else the machine does.
+double ThreadMs() {
+  timespec time;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) +
+         1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+Outcome Measure(const Scene &scene, const std::string &save) {
   const Image image = Photograph(scene);
   if (!save.empty()) WriteFile(save, EncodePng(image));
   const GreyImage grey = MakeGreyImage(image);
-  const auto start = std::chrono::steady_clock::now();
+  const double start_ms = ThreadMs();
   const ImageDetection detection = scene.target->detector->Detect(grey);
-  const double ms = std::chrono::duration<double, std::milli>(
-                        std::chrono::steady_clock::now() - start)
-                        .count();
+  const double ms = ThreadMs() - start_ms;
   Outcome outcome = Compare(scene, detection.features);
   outcome.ms = ms;
   return outcome;
@@ -261,17 +285,18 @@ Outcome Measure(const Scene& scene, const std::string& save) {
 // Sums over images.
 struct Summary {
   int num_images = 0;
-  int num_by_tag[3] = {0, 0, 0};
-  int num_visible[3] = {0, 0, 0}, num_found[3] = {0, 0, 0};
+  std::array<int, 3> num_by_tag = {0, 0, 0};
+  Count stars, stars_in_images_with_tag;
+  std::array<Count, 3> stars_by_tag;
   int num_features = 0, num_wrong = 0;
   double sum_of_squares = 0, largest = 0, ms = 0, longest_ms = 0;
 
-  void Add(const Outcome& o) {
-    const int tag = static_cast<int>(o.tag);
+  void Add(const Outcome &o) {
     ++num_images;
-    ++num_by_tag[tag];
-    num_visible[tag] += o.num_visible;
-    num_found[tag] += o.num_found;
+    ++num_by_tag[static_cast<int>(o.tag)];
+    stars.Add(o.stars);
+    if (o.tag == TagView::kWholly) stars_in_images_with_tag.Add(o.stars);
+    for (int k = 0; k < 3; ++k) stars_by_tag[k].Add(o.stars_by_tag[k]);
     num_features += o.num_features;
     num_wrong += o.num_wrong;
     sum_of_squares += o.sum_of_squares;
@@ -279,45 +304,43 @@ struct Summary {
     ms += o.ms;
     longest_ms = std::max(longest_ms, o.ms);
   }
-  void Print(const std::string& name) const {
-    const auto percent = [](int part, int whole) {
-      return whole == 0 ? 100.0 : 100.0 * part / whole;
-    };
-    const int visible = num_visible[0] + num_visible[1] + num_visible[2];
-    const int found = num_found[0] + num_found[1] + num_found[2];
-    std::printf(
-        "%-10s %6d %6d %6d %6d %8d %7.2f %8d %7.2f %7.2f %8.4f %7.3f %6d %6.0f "
-        "%6.0f\n",
-        name.c_str(), num_images, num_by_tag[2], num_by_tag[1], num_by_tag[0],
-        visible, percent(found, visible), num_visible[2],
-        percent(num_found[2], num_visible[2]),
-        percent(num_found[1], num_visible[1]),
-        std::sqrt(sum_of_squares / std::max(1, num_features)), largest,
-        num_wrong, ms / std::max(1, num_images), longest_ms);
+  void Print(const std::string &name) const {
+    std::printf("%-10s %6d %5d %5d %5d ", name.c_str(), num_images,
+                num_by_tag[2], num_by_tag[1], num_by_tag[0]);
+    for (const Count &count : {stars, stars_in_images_with_tag, stars_by_tag[2],
+                               stars_by_tag[1], stars_by_tag[0]})
+      std::printf("%7d %6.2f ", count.visible, count.Percent());
+    std::printf("%7.4f %7.3f %5d %5.0f %5.0f\n",
+                std::sqrt(sum_of_squares / std::max(1, num_features)), largest,
+                num_wrong, ms / std::max(1, num_images), longest_ms);
   }
 };
 
 void PrintHead() {
-  std::printf("%-10s %6s %6s %6s %6s %8s %7s %8s %7s %7s %8s %7s %6s %6s %6s\n",
-              "", "images", "tag", "part", "none", "stars", "found", "stars",
-              "found", "found", "RMS", "largest", "wrong", "mean", "most");
-  std::printf("%-10s %6s %6s %6s %6s %8s %7s %8s %7s %7s %8s %7s %6s %6s %6s\n",
-              "lens", "", "wholly", "of it", "", "in all", "%", "tag", "%",
-              "part %", "px", "px", ">.5px", "ms", "ms");
+  std::printf(
+      "Stars wholly seen, more than %.0f px wide, and %% of them found: in all "
+      "images, in those\nwhere a tag is wholly seen, and on boards of which a "
+      "tag is seen wholly, partly, not.\n\n"
+      "%-10s %6s %17s %14s %14s %14s %14s %14s %15s %5s %11s\n"
+      "%-10s %6s %5s %5s %5s %14s %14s %14s %14s %14s %7s %7s %5s %5s %5s\n",
+      kMinStarPx, "", "", "images whose tags", "all images", "tag in image",
+      "tag wholly", "tag partly", "no tag", "error, px", "", "ms", "lens",
+      "images", "whole", "part", "none", "", "", "", "", "", "RMS", "largest",
+      "> 0.5", "mean", "most");
 }
 
-void PrintOne(int index, const Scene& scene, const Outcome& o) {
+void PrintOne(int index, const Scene &scene, const Outcome &o) {
   std::printf(
       "%4d %-10s %4d px, %d board(s), tag %d: %3d of %3d, largest %.3f, wrong "
       "%d, %.0f ms; exposure %.2f, blur %.1f\n",
       index, scene.camera->lens.c_str(),
       scene.camera->model->image_size().width,
       static_cast<int>(scene.target->surfaces.size()), static_cast<int>(o.tag),
-      o.num_found, o.num_visible, o.largest, o.num_wrong, o.ms,
+      o.stars.found, o.stars.visible, o.largest, o.num_wrong, o.ms,
       scene.imaging.exposure, scene.imaging.blur_px);
 }
 
-void Run(const Arguments& arguments) {
+void Run(const Arguments &arguments) {
   const std::vector<Camera> cameras = MakeCameras(arguments.threads);
   const std::vector<Target> targets = MakeTargets();
   std::vector<Outcome> outcomes(arguments.num_images);
@@ -340,19 +363,19 @@ void Run(const Arguments& arguments) {
   for (int i = 0; i < arguments.num_images; ++i) {
     summaries[scene(i).camera->lens].Add(outcomes[i]);
     total.Add(outcomes[i]);
-    const Outcome& o = outcomes[i];
-    if (arguments.list && (o.num_found < o.num_visible || o.num_wrong > 0))
+    const Outcome &o = outcomes[i];
+    if (arguments.list && (o.stars.found < o.stars.visible || o.num_wrong > 0))
       PrintOne(i, scene(i), o);
   }
   PrintHead();
-  for (const auto& [lens, summary] : summaries) summary.Print(lens);
+  for (const auto &[lens, summary] : summaries) summary.Print(lens);
   total.Print("all");
 }
 
 }  // namespace
 }  // namespace raygrid
 
-int main(int argc, char** argv) {
+int main(int argc, char **argv) {
   raygrid::Arguments arguments;
   CLI::App app("Recall and accuracy of star detection in rendered images.");
   app.add_option("--images", arguments.num_images, "number of images")
