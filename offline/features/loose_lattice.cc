@@ -178,12 +178,11 @@ std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::FindSeeds(
 }
 
 FeatureLattice LooseLatticeFinder::GrowFrom(const GreyImage& image,
-                                            const Seed& seed) const {
-  // Half stars along the board's edges are less like stars than those beside.
-  constexpr double kAlike = 0.6;
+                                            const Seed& seed,
+                                            double alike) const {
   const int middle = board_.columns / 2;
   StarGrowth growth(image, board_, texture_, masks_, options_, {});
-  growth.RequireAlike(kAlike);
+  growth.RequireAlike(alike);
   for (int row = -1; row <= 1; ++row)
     for (int column = -1; column <= 1; ++column)
       growth.Try(middle + column, middle + row,
@@ -193,15 +192,19 @@ FeatureLattice LooseLatticeFinder::GrowFrom(const GreyImage& image,
   return growth.lattice();
 }
 
-std::optional<FeatureLattice> LooseLatticeFinder::Find(
+std::vector<FeatureLattice> LooseLatticeFinder::Find(
     const GreyImage& image, std::vector<StarCandidate>* candidates) const {
+  // Half stars along the board's edges are less like stars than those beside;
+  // so are stars where the image gets coarse.
+  constexpr double kAlike = 0.6, kLessAlike = 0.5;
   for (const Seed& seed : FindSeeds(image, candidates)) {
-    const FeatureLattice lattice = GrowFrom(image, seed);
-    if (lattice.num_found() < kMinStars) continue;
-    RemoveExplained(lattice, candidates);
-    return lattice;
+    std::vector<FeatureLattice> lattices = {GrowFrom(image, seed, kAlike),
+                                            GrowFrom(image, seed, kLessAlike)};
+    if (lattices[1].num_found() < kMinStars) continue;
+    RemoveExplained(lattices[1], candidates);
+    return lattices;
   }
-  return std::nullopt;
+  return {};
 }
 
 void RemoveExplained(const FeatureLattice& lattice,

@@ -22,13 +22,12 @@ class LooseLatticeFinder {
   LooseLatticeFinder(int segments, int max_side,
                      const DetectionOptions& options);
 
-  /// The lattice around the surest of some of the candidates; its places
-  /// count from anywhere, right and down as on a board that is turned by some
-  /// quarter turns. Candidates on it and those tried in vain are removed.
-  std::optional<FeatureLattice> Find(
+  /// The lattice around the surest of some of the candidates, first without,
+  /// then with doubtful stars; nothing if there is none. Its places count from
+  /// anywhere, right and down as on a board that is turned by some quarter
+  /// turns. Candidates on it and those that were tried are removed.
+  std::vector<FeatureLattice> Find(
       const GreyImage& image, std::vector<StarCandidate>* candidates) const;
-
-  const StarTexture& texture() const { return texture_; }
 
  private:
   Board board_;  // large enough wherever the first star is
@@ -45,7 +44,8 @@ class LooseLatticeFinder {
                              const Eigen::Vector2d& center) const;
   std::vector<Seed> FindSeeds(const GreyImage& image,
                               std::vector<StarCandidate>* candidates) const;
-  FeatureLattice GrowFrom(const GreyImage& image, const Seed& seed) const;
+  FeatureLattice GrowFrom(const GreyImage& image, const Seed& seed,
+                          double alike) const;
 };
 
 /// Removes candidates on the stars of a lattice or near to them.

@@ -17,7 +17,7 @@ namespace {
 
 // Fewer places that look like stars are no board.
 constexpr size_t kMinCandidates = 8;
-constexpr int kMaxLooseLattices = 4;
+constexpr int kMaxLooseLattices = 3;
 
 struct StarBoard {
   StarBoard(const Board& board, const DetectionOptions& options)
@@ -110,11 +110,14 @@ class Search {
         tagged.push_back(&boards_[b]->tagged);
       }
       if (missing.empty() || !SeesOtherStars()) return;
-      const auto lattice = finder.Find(image_, &candidates_);
-      if (!lattice) return;
-      const auto placement = IdentifyBoard(image_, *lattice, tags_, tagged);
-      if (placement)
-        GrowFromLattice(missing[placement->board], *lattice, *placement);
+      const auto lattices = finder.Find(image_, &candidates_);
+      if (lattices.empty()) return;
+      for (const FeatureLattice& lattice : lattices) {
+        const auto placement = IdentifyBoard(image_, lattice, tags_, tagged);
+        if (!placement) continue;
+        GrowFromLattice(missing[placement->board], lattice, *placement);
+        break;
+      }
     }
   }
 
