@@ -8,7 +8,10 @@
 namespace raygrid {
 namespace {
 
-constexpr double kMinSpacingPx = 6;
+// Narrower segments run together in most lenses.
+double MinSpacingPx(const Board& board) {
+  return std::clamp(board.segments / 2.0, 6.0, 12.0);
+}
 
 // From four correspondences.
 std::optional<Eigen::Matrix3d> Homography(
@@ -106,7 +109,7 @@ void StarGrowth::Grow() {
   for (const double min_correlation : {0.7, 0.5, 0.35}) {
     std::fill(tried_with_.begin(), tried_with_.end(), 0);
     if (lattice_.num_found() < kMinStarsOnBoard)
-      for (const SeenTag& seen : tags_) TryAround(seen, min_correlation);
+      for (const SeenTag& seen : tags_) StartBeside(seen, min_correlation);
     while (Sweep(min_correlation)) {
     }
   }
@@ -128,10 +131,14 @@ std::vector<RejectedFeature> StarGrowth::Rejected() const {
   return rejected;
 }
 
-// The stars around a tag: one square away from it.
-void StarGrowth::TryAround(const SeenTag& seen, double min_correlation) {
+// The surest of the stars around a tag, one square away from it: the others,
+// which a homography may miss behind a fisheye, are found beside it.
+void StarGrowth::StartBeside(const SeenTag& seen, double min_correlation) {
   constexpr double kSearchSquares = 0.3;
   const BoardTag& tag = seen.tag;
+  double best_correlation = 0;
+  std::pair<int, int> best;  // column, row
+  Eigen::Vector2d best_pixel;
   for (int row = tag.row - 1; row <= tag.row + tag.squares + 1; ++row) {
     for (int column = tag.column - 1; column <= tag.column + tag.squares + 1;
          ++column) {
@@ -140,9 +147,21 @@ void StarGrowth::TryAround(const SeenTag& seen, double min_correlation) {
         continue;
       const auto mapping =
           MappingAt(seen.homography, Eigen::Vector2d(column, row));
-      if (mapping) Try(column, row, *mapping, kSearchSquares, min_correlation);
+      if (!mapping ||
+          !Try(column, row, *mapping, kSearchSquares, min_correlation))
+        continue;
+      const double correlation = correlations_[board_.PointIndex(column, row)];
+      if (correlation > best_correlation) {
+        best_correlation = correlation;
+        best = {column, row};
+        best_pixel = lattice_.at(column, row);
+      }
+      lattice_.Remove(column, row);
     }
   }
+  if (best_correlation == 0) return;
+  lattice_.Set(best.first, best.second, best_pixel);
+  correlations_[board_.PointIndex(best.first, best.second)] = best_correlation;
 }
 
 // One pass over the places beside found ones, those with the most neighbours
@@ -178,20 +197,39 @@ bool StarGrowth::HasDirectNeighbour(int column, int row) const {
 bool StarGrowth::Predict(int column, int row, LocalMapping* mapping) const {
   std::vector<Correspondence> around = lattice_.Around(column, row, 2, false);
   if (around.size() < 6) around = lattice_.Around(column, row, 3, false);
-  constexpr size_t kEnough = 8;
-  constexpr double kTagReachSquares = 6, kTagWeight = 0.05;
-  if (around.size() < kEnough) {
-    for (const SeenTag& seen : tags_) {
-      const auto corners = CornersOnBoard(seen.tag);
-      for (int k = 0; k < 4; ++k) {
-        const Eigen::Vector2d offset =
-            corners[k] - Eigen::Vector2d(column, row);
-        if (offset.norm() < kTagReachSquares)
-          around.push_back({offset, seen.corners[k], kTagWeight});
-      }
-    }
-  }
+  constexpr size_t kEnoughWithoutTag = 4;
+  if (around.size() < kEnoughWithoutTag &&
+      PredictFromTag(column, row, around, mapping))
+    return true;
   return FitLocalMapping(around, 2, mapping);
+}
+
+// What the homography of the nearest tag says, moved as the nearest star is.
+bool StarGrowth::PredictFromTag(int column, int row,
+                                const std::vector<Correspondence>& around,
+                                LocalMapping* mapping) const {
+  const Eigen::Vector2d place(column, row);
+  double least_distance = 6;  // squares
+  bool is_predicted = false;
+  for (const SeenTag& seen : tags_) {
+    const double half = seen.tag.squares / 2.0;
+    const Eigen::Vector2d middle(seen.tag.column + half, seen.tag.row + half);
+    const double distance = (middle - place).norm();
+    const auto predicted = MappingAt(seen.homography, place);
+    if (distance > least_distance || !predicted || around.empty()) continue;
+    const Correspondence& star =
+        *std::min_element(around.begin(), around.end(),
+                          [](const Correspondence& a, const Correspondence& b) {
+                            return a.offset.norm() < b.offset.norm();
+                          });
+    const auto at_star = MappingAt(seen.homography, place + star.offset);
+    if (!at_star) continue;
+    *mapping = *predicted;
+    mapping->center += star.pixel - at_star->center;
+    least_distance = distance;
+    is_predicted = true;
+  }
+  return is_predicted;
 }
 
 bool StarGrowth::Try(int column, int row, const LocalMapping& mapping,
@@ -204,7 +242,7 @@ bool StarGrowth::Try(int column, int row, const LocalMapping& mapping,
   if (!IsInside(image_.size, mapping.center, 0) ||
       !IsWhollyVisible(image_.size, mapping))
     return false;  // nothing to be seen
-  if (spacing_px < kMinSpacingPx) return refuse("too small");
+  if (spacing_px < MinSpacingPx(board_)) return refuse("too small");
   constexpr double kMaxSearchPx = 9;
   const double search_px =
       std::clamp(search_squares * spacing_px, 1.0, kMaxSearchPx);

@@ -66,10 +66,13 @@ class StarGrowth {
   std::vector<RejectedFeature> Rejected() const;
 
  private:
-  void TryAround(const SeenTag& seen, double min_correlation);
+  void StartBeside(const SeenTag& seen, double min_correlation);
   bool Sweep(double min_correlation);
   bool HasDirectNeighbour(int column, int row) const;
   bool Predict(int column, int row, LocalMapping* mapping) const;
+  bool PredictFromTag(int column, int row,
+                      const std::vector<Correspondence>& around,
+                      LocalMapping* mapping) const;
   double CorrelationAround(int column, int row) const;
   bool IsTaken(int column, int row, const Eigen::Vector2d& pixel,
                double spacing_px) const;
