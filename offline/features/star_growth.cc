@@ -8,10 +8,9 @@
 namespace raygrid {
 namespace {
 
-// Narrower segments run together in most lenses.
-double MinSpacingPx(const Board& board) {
-  return std::clamp(board.segments / 2.0, 6.0, 12.0);
-}
+// In stars that are smaller the segments run together, and rows of them are
+// mistaken for each other.
+constexpr double kMinSpacingPx = 8;
 
 // From four correspondences.
 std::optional<Eigen::Matrix3d> Homography(
@@ -242,7 +241,7 @@ bool StarGrowth::Try(int column, int row, const LocalMapping& mapping,
   if (!IsInside(image_.size, mapping.center, 0) ||
       !IsWhollyVisible(image_.size, mapping))
     return false;  // nothing to be seen
-  if (spacing_px < MinSpacingPx(board_)) return refuse("too small");
+  if (spacing_px < kMinSpacingPx) return refuse("too small");
   constexpr double kMaxSearchPx = 9;
   const double search_px =
       std::clamp(search_squares * spacing_px, 1.0, kMaxSearchPx);

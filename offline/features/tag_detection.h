@@ -56,7 +56,7 @@ class TagDetector {
 };
 
 /// kQuick leaves out every second row and column of large images, and with
-/// them tags less than 50 px wide.
+/// them tags less than about 20 px wide.
 enum class TagSearch { kQuick, kThorough };
 
 /// All tags of tag36h11 with one wrong bit at most and wholly in the image.
