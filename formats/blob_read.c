@@ -66,6 +66,7 @@ static rg_status find_section(const uint8_t* entry, rg_blob* blob) {
   if (type == RG_SECTION_CENTRAL_GRID) found = &blob->grid;
   if (type == RG_SECTION_REMAP) found = &blob->remap;
   if (type == RG_SECTION_QUALITY) found = &blob->quality;
+  if (type == RG_SECTION_START) found = &blob->start;
   if (!found) return flags != 0 ? RG_ERR_SECTION_UNKNOWN : RG_OK;
 
   const uint32_t must_be_critical =
@@ -88,6 +89,7 @@ static rg_status check_section(const uint8_t* bytes, const uint8_t* entry,
     return rg_check_grid(section, size, camera);
   if (type == RG_SECTION_REMAP) return rg_check_remap(section, size, camera);
   if (type == RG_SECTION_QUALITY) return rg_check_quality(section, size);
+  if (type == RG_SECTION_START) return rg_check_start(section, size);
   return RG_OK;
 }
 
@@ -121,7 +123,7 @@ rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {
   if (status == RG_OK) status = check_section_table(p);
   if (status != RG_OK) return status;
 
-  rg_blob found = {p, rg_load_u32(p + 12), 0, 0, 0, 0};
+  rg_blob found = {p, rg_load_u32(p + 12), 0, 0, 0, 0, 0};
   status = find_and_check_sections(&found);
   if (status != RG_OK) return status;
   /* Field by field: copied whole, some compilers would call memcpy. */
@@ -131,5 +133,6 @@ rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {
   blob->grid = found.grid;
   blob->remap = found.remap;
   blob->quality = found.quality;
+  blob->start = found.start;
   return RG_OK;
 }

@@ -22,7 +22,7 @@ Pair = tuple[int, int]
 
 MAGIC = b"RAYGRID\0"
 MAJOR = 1
-MINOR = 0
+MINOR = 1
 MAX_SECTIONS = 16
 
 HEADER = struct.Struct("<8sHHIHHIII")
@@ -31,16 +31,19 @@ CAMERA = struct.Struct("<HHI32s32s")
 GRID = struct.Struct("<4i2H2I2H2I")
 REMAP = struct.Struct("<4H2BH4i6i2I2i3I")
 QUALITY = struct.Struct("<10I")
+START = struct.Struct("<4i2H2IiI")
 CRC_COVERED_HEADER = 28
 
 TYPE_CAMERA = 1
 TYPE_GRID = 2
 TYPE_REMAP = 3
 TYPE_QUALITY = 4
+TYPE_START = 9
 CRITICAL = 1
-FLAGS_OF_TYPE = {TYPE_CAMERA: CRITICAL, TYPE_GRID: CRITICAL, TYPE_REMAP: 0, TYPE_QUALITY: 0}
+FLAGS_OF_TYPE = {TYPE_CAMERA: CRITICAL, TYPE_GRID: CRITICAL, TYPE_REMAP: 0, TYPE_QUALITY: 0,
+                 TYPE_START: 0}
 REQUIRED_TYPES = (TYPE_CAMERA, TYPE_GRID)
-SINGLE_TYPES = (TYPE_CAMERA, TYPE_GRID, TYPE_QUALITY)
+SINGLE_TYPES = (TYPE_CAMERA, TYPE_GRID, TYPE_QUALITY, TYPE_START)
 
 MAX_IMAGE_SIDE = 16384
 MAX_REMAP_SIDE = 8192
@@ -55,6 +58,9 @@ BLOCK_LOG2S = (3, 4, 5)
 MAX_RESIDUAL_SHIFT = 10
 VERTEX_LIMIT_Q12 = 1 << 25
 SEGMENT = 8
+CHART_LIMIT_Q28 = 1 << 30
+START_COUNTS = range(2, 66)
+NO_VERTEX = -32768
 
 EXIT_FAILURE = 1
 EXIT_INVALID = 8
@@ -187,13 +193,34 @@ class Quality:
 
 
 @dataclass(frozen=True)
+class ProjectionStart:
+    """Projection start (type 9); `vertices` row by row, (x, y) in q1 px."""
+
+    a0: int
+    b0: int
+    a1: int
+    b1: int
+    columns: int
+    rows: int
+    cos_limit: int
+    vertices: tuple[Pair, ...]
+
+    @property
+    def scales(self) -> Pair:
+        """Projection start: scale_a and scale_b, q20 cells per chart unit."""
+        return (((self.columns - 1) << 48) // (self.a1 - self.a0),
+                ((self.rows - 1) << 48) // (self.b1 - self.b0))
+
+
+@dataclass(frozen=True)
 class Blob:
-    """What a version-1.0 reader takes from a blob; `remap` is the first remap section."""
+    """What this reader takes from a blob; `remap` is the first remap section."""
 
     camera: Camera
     grid: CentralGrid
     remap: Remap | None = None
     quality: Quality | None = None
+    start: ProjectionStart | None = None
 
 
 def ceil_divide(a: int, b: int) -> int:
@@ -337,7 +364,9 @@ def parse(data: bytes) -> Blob:
     grid = read_grid(first_section(data, table, TYPE_GRID), camera)
     remaps = [read_remap(section, camera) for section in sections(data, table, TYPE_REMAP)]
     qualities = [read_quality(section) for section in sections(data, table, TYPE_QUALITY)]
-    return Blob(camera, grid, next(iter(remaps), None), next(iter(qualities), None))
+    starts = [read_start(section) for section in sections(data, table, TYPE_START)]
+    return Blob(camera, grid, next(iter(remaps), None), next(iter(qualities), None),
+                next(iter(starts), None))
 
 
 def sections(data: bytes, table: list[Entry], wanted: int) -> Iterator[bytes]:
@@ -502,6 +531,25 @@ def read_mask(mask: bytes, blocks: int) -> tuple[bool, ...]:
 def read_quality(section: bytes) -> Quality:
     """Quality (type 4)."""
     return Quality(*unpack_fields(QUALITY, section, "quality"))
+
+
+def read_start(section: bytes) -> ProjectionStart:
+    """Projection start (type 9)."""
+    fields = unpack_fields(START, section, "projection start")
+    start = ProjectionStart(*fields[:6], fields[8], vertices=())
+    scales, data_offset = fields[6:8], fields[9]
+    for low, high in ((start.a0, start.a1), (start.b0, start.b1)):
+        require(-CHART_LIMIT_Q28 <= low < high <= CHART_LIMIT_Q28, "RG_ERR_START_CHART",
+                f"the start reaches from {low} to {high}")
+    require(start.columns in START_COUNTS and start.rows in START_COUNTS
+            and start.scales == scales, "RG_ERR_START_GRID",
+            f"the start has {start.columns} x {start.rows} vertices, scales {scales}")
+    require(-CHART_LIMIT_Q28 <= start.cos_limit < CHART_LIMIT_Q28, "RG_ERR_START_CHART",
+            f"cos_limit is {start.cos_limit}")
+    check_data_offset(data_offset, START, "projection start")
+    array = array_bytes(section, data_offset, 4 * start.columns * start.rows,
+                        "projection start")
+    return dataclasses.replace(start, vertices=tuple(struct.iter_unpack("<hh", array)))
 
 
 # Un-projection
@@ -679,7 +727,7 @@ def blend_row(row: bytes, c: int, wx: int) -> int:
 
 
 def serialize(blob: Blob) -> bytes:
-    """Duties, "A writer": a blob of version 1.0, opened with the reader before it is returned.
+    """Duties, "A writer": a blob, opened with the reader before it is returned.
 
     The sequences in the blob must be tuples, as `parse` makes them.
     """
@@ -699,6 +747,13 @@ def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
         yield TYPE_REMAP, pack_remap(blob.remap)
     if blob.quality is not None:
         yield TYPE_QUALITY, QUALITY.pack(*dataclasses.astuple(blob.quality))
+    if blob.start is not None:
+        yield TYPE_START, pack_start(blob.start)
+
+
+def minor_version(packed: list[tuple[int, bytes]]) -> int:
+    """Duties, "A writer": the minor version whose fields it uses."""
+    return MINOR if any(kind > TYPE_QUALITY for kind, _ in packed) else 0
 
 
 def assemble(packed: list[tuple[int, bytes]]) -> bytes:
@@ -709,7 +764,7 @@ def assemble(packed: list[tuple[int, bytes]]) -> bytes:
         table += ENTRY.pack(kind, FLAGS_OF_TYPE[kind], position, len(section),
                             zlib.crc32(section))
         position += len(section)
-    fields = (MAGIC, MAJOR, MINOR, position, len(packed), HEADER.size, 0, 0)
+    fields = (MAGIC, MAJOR, minor_version(packed), position, len(packed), HEADER.size, 0, 0)
     crc = header_crc(HEADER.pack(*fields, 0) + table, len(packed))
     return HEADER.pack(*fields, crc) + table + b"".join(section for _, section in packed)
 
@@ -747,6 +802,13 @@ def pack_remap(remap: Remap) -> bytes:
                         remap.fx, remap.fy, remap.cx, remap.cy,
                         remap.bound_upx, remap.max_error_upx, REMAP.size)
     return fields + pack_pairs("<hh", remap.vertices) + pack_mask(remap.empty_blocks)
+
+
+def pack_start(start: ProjectionStart) -> bytes:
+    """Projection start (type 9)."""
+    fields = START.pack(start.a0, start.b0, start.a1, start.b1, start.columns, start.rows,
+                        *start.scales, start.cos_limit, START.size)
+    return fields + pack_pairs("<hh", start.vertices)
 
 
 def pack_pairs(layout: str, pairs: Iterable[Pair]) -> bytes:
@@ -800,6 +862,8 @@ def inspect_lines(data: bytes) -> Iterator[str]:
         yield from derived_lines(blob.remap, ("columns", "rows"))
     if blob.quality is not None:
         yield from field_lines("quality", blob.quality)
+    if blob.start is not None:
+        yield from field_lines("projection start", blob.start)
 
 
 def hexdump_lines(data: bytes) -> Iterator[str]:

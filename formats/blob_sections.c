@@ -239,3 +239,43 @@ void rg_blob_quality(const rg_blob* blob, rg_quality_section* quality) {
   quality->packing_error_npx = rg_load_u32(section + 32);
   quality->packing_error_prad = rg_load_u32(section + 36);
 }
+
+/* A rectangle within the chart's limits. */
+static int is_chart_interval(int32_t min_q28, int32_t max_q28) {
+  return min_q28 >= -RG_CHART_LIMIT_Q28 && min_q28 < max_q28 &&
+         max_q28 <= RG_CHART_LIMIT_Q28;
+}
+
+rg_status rg_check_start(const uint8_t* section, uint32_t size) {
+  if (size < RG_START_FIELDS_SIZE) return RG_ERR_SECTION_SIZE;
+  for (uint32_t c = 0; c < 2; ++c) {
+    const int32_t min_q28 = rg_load_i32(section + 4 * c);
+    const int32_t max_q28 = rg_load_i32(section + 8 + 4 * c);
+    if (!is_chart_interval(min_q28, max_q28)) return RG_ERR_START_CHART;
+    const uint32_t num_vertices = rg_load_u16(section + 16 + 2 * c);
+    if (num_vertices < RG_MIN_START_SIZE || num_vertices > RG_MAX_START_SIZE ||
+        !is_grid_scale(rg_load_u32(section + 20 + 4 * c), num_vertices - 1,
+                       (uint32_t)max_q28 - (uint32_t)min_q28))
+      return RG_ERR_START_GRID;
+  }
+  if (!is_chart_interval(rg_load_i32(section + 28), RG_CHART_LIMIT_Q28))
+    return RG_ERR_START_CHART;
+  /* Any vertex is a start: projection checks what it finds. */
+  return check_extent(
+      size, rg_load_u32(section + 32), RG_START_FIELDS_SIZE,
+      4u * rg_load_u16(section + 16) * rg_load_u16(section + 18));
+}
+
+void rg_blob_start(const rg_blob* blob, rg_start_section* start) {
+  const uint8_t* section = blob->bytes + blob->start;
+  start->a0_q28 = rg_load_i32(section);
+  start->b0_q28 = rg_load_i32(section + 4);
+  start->a1_q28 = rg_load_i32(section + 8);
+  start->b1_q28 = rg_load_i32(section + 12);
+  start->columns = rg_load_u16(section + 16);
+  start->rows = rg_load_u16(section + 18);
+  start->scale_a_q20 = rg_load_u32(section + 20);
+  start->scale_b_q20 = rg_load_u32(section + 24);
+  start->cos_limit_q30 = rg_load_i32(section + 28);
+  start->vertices = section + rg_load_u32(section + 32);
+}

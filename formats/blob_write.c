@@ -19,8 +19,13 @@ uint32_t rg_remap_section_size(const rg_remap_section* remap) {
          mask_size(remap);
 }
 
+static uint32_t start_size(const rg_start_section* start) {
+  return RG_START_FIELDS_SIZE + 4 * (uint32_t)start->columns * start->rows;
+}
+
 static uint32_t num_sections(const rg_blob_contents* contents) {
-  return 2u + (contents->remap != 0) + (contents->quality != 0);
+  return 2u + (contents->remap != 0) + (contents->quality != 0) +
+         (contents->start != 0);
 }
 
 uint32_t rg_blob_size(const rg_blob_contents* contents) {
@@ -29,11 +34,12 @@ uint32_t rg_blob_size(const rg_blob_contents* contents) {
   size += RG_CAMERA_SIZE + grid_size(contents->grid);
   if (contents->remap) size += rg_remap_section_size(contents->remap);
   if (contents->quality) size += RG_QUALITY_SIZE;
+  if (contents->start) size += start_size(contents->start);
   return size;
 }
 
-uint32_t rg_grid_scale_q32(uint32_t cells, uint32_t span_q16) {
-  return (uint32_t)(((uint64_t)cells << 48) / span_q16);
+uint32_t rg_grid_scale_q32(uint32_t cells, uint32_t span) {
+  return (uint32_t)(((uint64_t)cells << 48) / span);
 }
 
 static void write_camera(const rg_camera_section* camera, uint8_t* section) {
@@ -107,6 +113,23 @@ static void write_quality(const rg_quality_section* quality, uint8_t* section) {
     rg_store_u32(section + 4 * i, figures[i]);
 }
 
+static void write_start(const rg_start_section* start, const int16_t* vertices,
+                        uint8_t* section) {
+  rg_store_i32(section, start->a0_q28);
+  rg_store_i32(section + 4, start->b0_q28);
+  rg_store_i32(section + 8, start->a1_q28);
+  rg_store_i32(section + 12, start->b1_q28);
+  rg_store_u16(section + 16, start->columns);
+  rg_store_u16(section + 18, start->rows);
+  rg_store_u32(section + 20, start->scale_a_q20);
+  rg_store_u32(section + 24, start->scale_b_q20);
+  rg_store_i32(section + 28, start->cos_limit_q30);
+  rg_store_u32(section + 32, RG_START_FIELDS_SIZE);
+  const uint32_t count = 2 * (uint32_t)start->columns * start->rows;
+  for (uint32_t i = 0; i < count; ++i)
+    rg_store_u16(section + RG_START_FIELDS_SIZE + 2 * i, (uint16_t)vertices[i]);
+}
+
 typedef struct section_writer {
   uint8_t* bytes;
   uint8_t* entry;
@@ -141,12 +164,22 @@ static void write_sections(const rg_blob_contents* contents,
   if (contents->quality)
     write_quality(contents->quality, begin_section(writer, RG_SECTION_QUALITY,
                                                    0, RG_QUALITY_SIZE));
+  if (contents->start)
+    write_start(contents->start, contents->start_vertices,
+                begin_section(writer, RG_SECTION_START, 0,
+                              start_size(contents->start)));
 }
 
-static void write_header(uint8_t* bytes, uint32_t size, uint32_t sections) {
+/* The lowest minor version that has what the blob uses. */
+static uint16_t minor_version(const rg_blob_contents* contents) {
+  return contents->start ? 1 : 0;
+}
+
+static void write_header(uint8_t* bytes, uint16_t minor, uint32_t size,
+                         uint32_t sections) {
   memcpy(bytes, "RAYGRID", 8);
   rg_store_u16(bytes + 8, RG_FORMAT_MAJOR);
-  rg_store_u16(bytes + 10, RG_FORMAT_MINOR);
+  rg_store_u16(bytes + 10, minor);
   rg_store_u32(bytes + 12, size);
   rg_store_u16(bytes + 16, (uint16_t)sections);
   rg_store_u16(bytes + 18, RG_HEADER_SIZE);
@@ -178,6 +211,9 @@ static rg_status check_counts(const rg_blob_contents* contents) {
                 remap->columns > RG_MAX_REMAP_SIZE / 8 + 1 ||
                 remap->rows > RG_MAX_REMAP_SIZE / 8 + 1))
     return RG_ERR_REMAP_BLOCK;
+  if (contents->start && (contents->start->columns > RG_MAX_START_SIZE ||
+                          contents->start->rows > RG_MAX_START_SIZE))
+    return RG_ERR_START_GRID;
   return RG_OK;
 }
 
@@ -186,7 +222,8 @@ rg_status rg_blob_write(const rg_blob_contents* contents, void* buffer,
   if (!contents || !buffer || !contents->camera || !contents->grid ||
       !contents->control_points_q29 ||
       (contents->remap &&
-       (!contents->residuals || !contents->remap->empty_blocks)))
+       (!contents->residuals || !contents->remap->empty_blocks)) ||
+      (contents->start && !contents->start_vertices))
     return RG_ERR_ARGUMENT;
   if ((uintptr_t)buffer % 4 != 0) return RG_ERR_MISALIGNED;
   const rg_status status = check_counts(contents);
@@ -196,7 +233,7 @@ rg_status rg_blob_write(const rg_blob_contents* contents, void* buffer,
 
   uint8_t* const bytes = (uint8_t*)buffer;
   const uint32_t sections = num_sections(contents);
-  write_header(bytes, size, sections);
+  write_header(bytes, minor_version(contents), size, sections);
   section_writer writer = {bytes, bytes + RG_HEADER_SIZE,
                            RG_HEADER_SIZE + RG_SECTION_ENTRY_SIZE * sections};
   write_sections(contents, &writer);

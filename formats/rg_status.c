@@ -64,6 +64,10 @@ const char* rg_status_text(rg_status status) {
       return "remap vertex out of range";
     case RG_ERR_DATA_OFFSET:
       return "data offset of a section out of range";
+    case RG_ERR_START_CHART:
+      return "chart rectangle of the projection start out of range";
+    case RG_ERR_START_GRID:
+      return "vertices or scale of the projection start out of range";
     case RG_ERR_OUTSIDE_AREA:
       return "pixel lies outside the calibrated area";
     case RG_ERR_NO_REMAP:
@@ -72,6 +76,8 @@ const char* rg_status_text(rg_status status) {
       return "frame size or stride does not fit the blob";
     case RG_ERR_ROWS:
       return "rows beyond the end of the output";
+    case RG_ERR_NOT_SEEN:
+      return "no pixel of the calibrated area sees this direction";
   }
   return "unknown status";
 }

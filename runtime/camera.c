@@ -17,6 +17,7 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
   rg_blob_grid(&blob, &grid);
   camera->control_points = grid.control_points;
   camera->remap = blob.remap ? blob.bytes + blob.remap : 0;
+  camera->start = blob.start ? blob.bytes + blob.start : 0;
   camera->x0_q16 = grid.x0_q16;
   camera->y0_q16 = grid.y0_q16;
   camera->x1_q16 = grid.x1_q16;

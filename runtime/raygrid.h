@@ -34,6 +34,7 @@ extern "C" {
 typedef struct rg_camera {
   const uint8_t* control_points; /* i32 q29 pairs in the blob */
   const uint8_t* remap;          /* the remap section in the blob, or NULL */
+  const uint8_t* start;          /* the projection start section, or NULL */
   int32_t x0_q16, y0_q16, x1_q16, y1_q16;
   uint32_t scale_x_q32, scale_y_q32;
   uint16_t columns, rows;
@@ -73,6 +74,30 @@ rg_status rg_unproject(const rg_camera* camera, rg_pixel pixel, rg_ray* ray);
  * Returns how many pixels lay inside. */
 uint32_t rg_unproject_batch(const rg_camera* camera, const rg_pixel* pixels,
                             rg_ray* rays, uint32_t num_pixels);
+
+/* Turns a direction into the image position that sees it: rg_unproject() the
+ * other way round, by Newton's method on the spline surface: two steps where
+ * the blob has a projection start, more without one, never more than twelve.
+ *
+ * direction  camera axes, any length but zero: also a 3-D point, in any unit
+ *            and number format that its three coordinates share.
+ * pixel      within 0.002 px of the surface's exact inverse; written only when
+ *            RG_OK is returned.
+ *
+ * RG_OK                done
+ * RG_ERR_NOT_SEEN      no pixel of the calibrated area looks there
+ *
+ * Where the surface folds, one of the pixels that look there. */
+rg_status rg_project(const rg_camera* camera, const rg_ray* direction,
+                     rg_pixel* pixel);
+
+/* rg_project() for num_points directions or points. Pixels of those not seen
+ * become RG_NO_PIXEL twice. Returns how many are seen. */
+uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
+                          rg_pixel* pixels, uint32_t num_points);
+
+/* A coordinate that no pixel has. */
+#define RG_NO_PIXEL INT32_MIN
 
 /* An 8-bit grey image (libcamera R8, V4L2 GREY). */
 typedef struct rg_frame {

@@ -14,7 +14,8 @@ import tempfile
 
 # Sources that do not go on a board.
 HOST_ONLY = ("blob_write", "rg_status")
-ENTRY_POINTS = ("rg_camera_open", "rg_unproject", "rg_unproject_batch", "rg_remap_grey")
+ENTRY_POINTS = ("rg_camera_open", "rg_unproject", "rg_unproject_batch", "rg_project_batch",
+                "rg_remap_grey")
 
 
 def parse_arguments():

@@ -51,8 +51,8 @@ static const field_fault kFieldFaults[] = {
     {"two cameras", ENTRY(1), 2, 1, RG_ERR_SECTION_DUPLICATE},
     {"two grids", ENTRY(0), 2, 2, RG_ERR_SECTION_DUPLICATE},
     {"two qualities", ENTRY(2), 2, 4, RG_ERR_SECTION_DUPLICATE},
-    {"no camera", ENTRY(0), 4, 9, RG_ERR_SECTION_MISSING},
-    {"no grid", ENTRY(1), 4, 9, RG_ERR_SECTION_MISSING},
+    {"no camera", ENTRY(0), 4, 99, RG_ERR_SECTION_MISSING},
+    {"no grid", ENTRY(1), 4, 99, RG_ERR_SECTION_MISSING},
 
     {"image width 0", CAMERA, 2, 0, RG_ERR_IMAGE_SIZE},
     {"image width 16385", CAMERA, 2, 16385, RG_ERR_IMAGE_SIZE},

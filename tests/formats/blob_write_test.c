@@ -7,16 +7,18 @@
 
 #define SIZE ((uint32_t)sizeof(kExampleBlob))
 
-static uint8_t written[2048] __attribute__((aligned(4)));
+static uint8_t written[4096] __attribute__((aligned(4)));
 
 /* What a golden blob holds, for altering and writing. */
 typedef struct camera_parts {
   rg_camera_section camera;
   rg_grid_section grid;
-  int32_t control_points[256];
+  int32_t control_points[2 * 19 * 15];
   rg_remap_section remap;
   int16_t residuals[256];
   rg_quality_section quality;
+  rg_start_section start;
+  int16_t start_vertices[512];
   rg_blob_contents contents;
 } camera_parts;
 
@@ -31,18 +33,33 @@ static void copy_arrays(void) {
     parts.residuals[i] = rg_load_i16(parts.remap.vertices + 2 * i);
 }
 
+static void take_start(const rg_blob* blob) {
+  rg_blob_start(blob, &parts.start);
+  const uint32_t count = 2u * parts.start.columns * parts.start.rows;
+  for (uint32_t i = 0; i < count; ++i)
+    parts.start_vertices[i] = rg_load_i16(parts.start.vertices + 2 * i);
+  parts.contents.start = &parts.start;
+  parts.contents.start_vertices = parts.start_vertices;
+}
+
 static void take_apart(const uint8_t* bytes, uint32_t size) {
   rg_blob blob;
   assert_int_equal(rg_blob_open(bytes, size, &blob), RG_OK);
   rg_blob_camera(&blob, &parts.camera);
   rg_blob_grid(&blob, &parts.grid);
-  rg_read_remap(bytes + blob.remap, &parts.remap);
-  rg_blob_quality(&blob, &parts.quality);
+  memset(&parts.remap, 0, sizeof(parts.remap));
+  if (blob.remap) rg_read_remap(bytes + blob.remap, &parts.remap);
+  if (blob.quality) rg_blob_quality(&blob, &parts.quality);
   copy_arrays();
-  const rg_blob_contents contents = {&parts.camera,        &parts.grid,
-                                     parts.control_points, &parts.remap,
-                                     parts.residuals,      &parts.quality};
+  const rg_blob_contents contents = {
+      .camera = &parts.camera,
+      .grid = &parts.grid,
+      .control_points_q29 = parts.control_points,
+      .remap = blob.remap ? &parts.remap : NULL,
+      .residuals = parts.residuals,
+      .quality = blob.quality ? &parts.quality : NULL};
   parts.contents = contents;
+  if (blob.start) take_start(&blob);
 }
 
 static int take_example_apart(void** state) {
@@ -70,6 +87,14 @@ static void lens_is_written_byte_for_byte(void** state) {
   assert_int_equal(rg_blob_size(&parts.contents), sizeof(kLensBlob));
   assert_int_equal(write_parts(), RG_OK);
   assert_memory_equal(written, kLensBlob, sizeof(kLensBlob));
+}
+
+static void wide_camera_is_written_byte_for_byte(void** state) {
+  (void)state;
+  take_apart(kWideBlob, sizeof(kWideBlob));
+  assert_int_equal(rg_blob_size(&parts.contents), sizeof(kWideBlob));
+  assert_int_equal(write_parts(), RG_OK);
+  assert_memory_equal(written, kWideBlob, sizeof(kWideBlob));
 }
 
 static void optional_sections_may_be_left_out(void** state) {
@@ -235,6 +260,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       TEST(example_is_written_byte_for_byte),
       TEST(lens_is_written_byte_for_byte),
+      TEST(wide_camera_is_written_byte_for_byte),
       TEST(optional_sections_may_be_left_out),
       TEST(too_small_buffer_is_left_alone),
       TEST(buffer_of_the_exact_size_suffices),

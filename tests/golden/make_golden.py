@@ -24,7 +24,7 @@ Point = tuple[float, float]
 Ray = tuple[float, float, float]
 
 UNKNOWN = 0xFFFFFFFF
-Q12, Q16, Q29, Q30 = 1 << 12, 1 << 16, 1 << 29, 1 << 30
+Q12, Q16, Q28, Q29, Q30 = 1 << 12, 1 << 16, 1 << 28, 1 << 29, 1 << 30
 BORDER = 7
 FRAME_SEED = 2025
 CHART_POINTS = ((0, 0), (1, -1), (0.25, 0.5), (-0.5, 0.125), (1, 0), (-1, 1),
@@ -271,6 +271,85 @@ def make_lens() -> reference.Blob:
                           6789, 1729, 21835))
 
 
+def make_wide() -> reference.Blob:
+    """220 degrees across, off centre, with a projection start."""
+    lens = WIDE_LENS
+    camera = reference.Camera(320, 240, "wide", "")
+    grid = make_grid(lens, (0.0, 0.0, 319.0, 239.0), (16, 12))
+    blob = reference.Blob(camera, grid)
+    return dataclasses.replace(blob, start=make_start(blob, lens, (13, 11)))
+
+
+# 1.92 rad or 110 degrees at the middle of the left and right edge.
+WIDE_LENS = Lens(centre=(158.2, 121.4), focal=74.0, k=0.25,
+                 roll=math.radians(-3))
+
+
+def make_start(blob: reference.Blob, lens: Lens,
+               cells: tuple[int, int]) -> reference.ProjectionStart:
+    """A projection start for the blob's grid, from the lens."""
+    charts = [chart_of(reference.unproject(blob, x, y))
+              for x, y in area_samples(blob.grid)]
+    corners = []
+    for axis in (0, 1):
+        values = [chart[axis] for chart in charts]
+        margin = 0.01 * (max(values) - min(values))
+        corners.append((round((min(values) - margin) * Q28),
+                        round((max(values) + margin) * Q28)))
+    (a0, a1), (b0, b1) = corners
+    start = reference.ProjectionStart(a0, b0, a1, b1, cells[0] + 1,
+                                      cells[1] + 1, cos_limit(charts), ())
+    live = {cell for chart in charts for cell in cells_around(start, chart)}
+    return dataclasses.replace(start, vertices=tuple(
+        start_vertex(start, lens, live, i, j)
+        for j in range(start.rows) for i in range(start.columns)))
+
+
+def cos_limit(charts: list[Point]) -> int:
+    """A little beyond the widest of the directions."""
+    cosine = min((1 - a * a - b * b) / (1 + a * a + b * b) for a, b in charts)
+    return math.floor((cosine * abs(cosine) - 1e-3) * Q30)
+
+
+def area_samples(grid: reference.CentralGrid) -> Iterator[Point]:
+    """Pixels of the area: its edge at every quarter, its inside more coarsely."""
+    x0, y0, x1, y1 = (value / Q16 for value in (grid.x0, grid.y0, grid.x1, grid.y1))
+    for k in range(0, 4 * int(x1 - x0) + 1):
+        yield from ((x0 + k / 4, y0), (x0 + k / 4, y1))
+    for k in range(0, 4 * int(y1 - y0) + 1):
+        yield from ((x0, y0 + k / 4), (x1, y0 + k / 4))
+    for j in range(61):
+        for i in range(81):
+            yield x0 + (x1 - x0) * i / 80, y0 + (y1 - y0) * j / 60
+
+
+def chart_of(ray: Ray) -> Point:
+    """Stereographic coordinates of a direction."""
+    scale = 1 / (math.hypot(*ray) + ray[2])
+    return ray[0] * scale, ray[1] * scale
+
+
+def cells_around(start: reference.ProjectionStart,
+                 chart: Point) -> Iterator[reference.Pair]:
+    """The cells within a twentieth of a cell of a chart position."""
+    u = (chart[0] * Q28 - start.a0) / (start.a1 - start.a0) * (start.columns - 1)
+    v = (chart[1] * Q28 - start.b0) / (start.b1 - start.b0) * (start.rows - 1)
+    for du in (-0.05, 0.05):
+        for dv in (-0.05, 0.05):
+            yield math.floor(u + du), math.floor(v + dv)
+
+
+def start_vertex(start: reference.ProjectionStart, lens: Lens,
+                 live: set[reference.Pair], i: int, j: int) -> reference.Pair:
+    """Where the lens sees the vertex, if one of its cells is live."""
+    if not any((i - di, j - dj) in live for di in (0, 1) for dj in (0, 1)):
+        return reference.NO_VERTEX, 0
+    a = (start.a0 + (start.a1 - start.a0) * i / (start.columns - 1)) / Q28
+    b = (start.b0 + (start.b1 - start.b0) * j / (start.rows - 1)) / Q28
+    x, y = lens.project(reference.direction(a, b))
+    return round(2 * x), round(2 * y)
+
+
 # Expected results
 
 
@@ -301,6 +380,49 @@ def pixel_lines(blob: reference.Blob) -> Iterator[str]:
     for x, y in golden_pixels(blob.grid):
         ray = reference.unproject(blob, x / Q16, y / Q16)
         yield table_line((x, y), ray_q30(ray))
+
+
+def project_exactly(blob: reference.Blob, lens: Lens,
+                    ray: Ray) -> Point | None:
+    """The pixel of the area that looks along a direction, in double precision:
+    the lens corrected by what the grid differs from it."""
+    if angle_of(ray) > WIDE_LIMIT:
+        return None
+    x, y = project(blob, lens, ray)
+    grid = blob.grid
+    outside = max(grid.x0 / Q16 - x, x - grid.x1 / Q16,
+                  grid.y0 / Q16 - y, y - grid.y1 / Q16)
+    assert abs(outside) > 0.01, "too near to the edge to be told"
+    return None if outside > 0 else (x, y)
+
+
+WIDE_LIMIT = 2.7  # rad; no pixel of make_wide() sees farther
+
+
+def angle_of(ray: Ray) -> float:
+    """From the z axis."""
+    return math.atan2(math.hypot(ray[0], ray[1]), ray[2])
+
+
+def random_directions(count: int) -> Iterator[tuple[int, int, int]]:
+    """Integer vectors of all directions and many lengths."""
+    lcg = Lcg(17)
+    for k in range(count):
+        shift = k % 28
+        yield tuple((lcg.next() - (1 << 31)) >> shift for _ in range(3))
+
+
+def projection_lines(blob: reference.Blob, lens: Lens) -> Iterator[str]:
+    """Entries of a table of directions and their pixels."""
+    for vector in random_directions(400):
+        if not any(vector):
+            continue
+        pixel = project_exactly(blob, lens, vector)
+        x, y = (round(value * Q16) for value in pixel) if pixel else (UNSEEN, UNSEEN)
+        yield table_line((x, y), list(vector))
+
+
+UNSEEN = "INT32_MIN"
 
 
 def chart_lines() -> Iterator[str]:
@@ -353,8 +475,8 @@ def blob_lines(name: str, data: bytes) -> Iterator[str]:
     yield ""
 
 
-def header_lines(example: reference.Blob,
-                 lens: reference.Blob) -> Iterator[str]:
+def header_lines(example: reference.Blob, lens: reference.Blob,
+                 wide: reference.Blob) -> Iterator[str]:
     """golden_blobs.h."""
     yield from PREAMBLE.splitlines()
     yield "/* clang-format off */"
@@ -371,6 +493,13 @@ def header_lines(example: reference.Blob,
     yield "/* q16 pixels of kLensBlob. */"
     yield "static const golden_ray kLensRays[] = {"
     yield from pixel_lines(lens)
+    yield "};"
+    yield ""
+    yield "/* 220 degrees, with a projection start: version 1.1. */"
+    yield from blob_lines("kWideBlob", reference.serialize(wide))
+    yield "/* q16 pixels of kWideBlob, or INT32_MIN, of directions of any length. */"
+    yield "static const golden_ray kWideProjections[] = {"
+    yield from projection_lines(wide, WIDE_LENS)
     yield "};"
     yield ""
     yield "/* q29 chart positions, up to the limit. */"
@@ -413,10 +542,10 @@ def spec_with_dump(spec: str, data: bytes) -> str:
 
 def expected_files() -> dict[Path, str]:
     """What the two files should hold."""
-    example, lens = make_example(), make_lens()
+    example, lens, wide = make_example(), make_lens(), make_wide()
     spec = SPEC_PATH.read_text(encoding="utf-8")
     return {
-        HEADER_PATH: "\n".join(header_lines(example, lens)) + "\n",
+        HEADER_PATH: "\n".join(header_lines(example, lens, wide)) + "\n",
         SPEC_PATH: spec_with_dump(spec, reference.serialize(example)),
     }
 
