@@ -118,6 +118,24 @@ typedef struct rg_band {
 rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
                         uint16_t* height);
 
+/* Moves an image position to where it lies in the undistorted image, whether
+ * that is inside it or not.
+ *
+ * undistorted  within 0.001 px up to 85 degrees from the z axis; written only
+ *              when RG_OK is returned.
+ *
+ * RG_OK                done
+ * RG_ERR_NO_REMAP      the blob has no remap table, and so no virtual camera
+ * RG_ERR_OUTSIDE_AREA  pixel lies outside the calibrated area
+ * RG_ERR_NOT_SEEN      it looks backwards, or 16384 px away or more */
+rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
+                             rg_pixel* undistorted);
+
+/* rg_undistort_point() for num_points pixels. Points of those that have none
+ * become RG_NO_PIXEL twice. Returns how many have one. */
+uint32_t rg_undistort_points(const rg_camera* camera, const rg_pixel* pixels,
+                             rg_pixel* undistorted, uint32_t num_points);
+
 /* Undistorts rows of a grey frame (formats/SPEC.md, "Remap arithmetic": every
  * target gives the same bits). Bands may be asked for in any order and, into
  * different memory, by several threads. The frame and the band must not

@@ -425,6 +425,19 @@ def projection_lines(blob: reference.Blob, lens: Lens) -> Iterator[str]:
 UNSEEN = "INT32_MIN"
 
 
+def undistorted_lines(blob: reference.Blob) -> Iterator[str]:
+    """Where the pixels of pixel_lines() lie in the undistorted image."""
+    for x, y in golden_pixels(blob.grid):
+        ray = reference.unproject(blob, x / Q16, y / Q16)
+        scaled = [blob.remap.fx * ray[0], blob.remap.fy * ray[1]]
+        centre = (blob.remap.cx, blob.remap.cy)
+        point = ([round(a / ray[2]) + c for a, c in zip(scaled, centre)]
+                 if ray[2] > 1e-3 else [1 << 30])
+        if max(map(abs, point)) >= 1 << 30:
+            point = [UNSEEN, UNSEEN]
+        yield f"    {{{point[0]}, {point[1]}}},"
+
+
 def chart_lines() -> Iterator[str]:
     """Entries of a table of chart positions and their rays."""
     for a, b in CHART_POINTS:
@@ -493,6 +506,11 @@ def header_lines(example: reference.Blob, lens: reference.Blob,
     yield "/* q16 pixels of kLensBlob. */"
     yield "static const golden_ray kLensRays[] = {"
     yield from pixel_lines(lens)
+    yield "};"
+    yield ""
+    yield "/* The same pixels in the undistorted image, q16, or INT32_MIN. */"
+    yield "static const int32_t kLensUndistorted[][2] = {"
+    yield from undistorted_lines(lens)
     yield "};"
     yield ""
     yield "/* 220 degrees, with a projection start: version 1.1. */"
