@@ -53,8 +53,7 @@ static rg_status check_section_table(const uint8_t* bytes) {
   return RG_OK;
 }
 
-/* Notes where the section lies; a repeated remap table is a further one, which
- * this version does not use. */
+/* Notes where the section lies; of remap tables, the first. */
 static rg_status find_section(const uint8_t* entry, rg_blob* blob) {
   const uint32_t type = rg_load_u16(entry);
   const uint32_t flags = rg_load_u16(entry + 2);
@@ -112,6 +111,17 @@ static rg_status find_and_check_sections(rg_blob* blob) {
        entry += RG_SECTION_ENTRY_SIZE)
     status = check_section(blob->bytes, entry, blob);
   return status;
+}
+
+const uint8_t* rg_find_section(const uint8_t* bytes, uint32_t type,
+                               uint32_t index) {
+  const uint8_t* entry = bytes + RG_HEADER_SIZE;
+  const uint8_t* const end =
+      entry + rg_load_u16(bytes + 16) * RG_SECTION_ENTRY_SIZE;
+  for (; entry < end; entry += RG_SECTION_ENTRY_SIZE)
+    if (rg_load_u16(entry) == type && index-- == 0)
+      return bytes + rg_load_u32(entry + 4);
+  return 0;
 }
 
 rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {

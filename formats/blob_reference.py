@@ -216,11 +216,13 @@ class ProjectionStart:
 class Blob:
     """What this reader takes from a blob; `remap` is the first remap section."""
 
+
     camera: Camera
     grid: CentralGrid
     remap: Remap | None = None
     quality: Quality | None = None
     start: ProjectionStart | None = None
+    more_remaps: tuple[Remap, ...] = ()
 
 
 def ceil_divide(a: int, b: int) -> int:
@@ -366,7 +368,7 @@ def parse(data: bytes) -> Blob:
     qualities = [read_quality(section) for section in sections(data, table, TYPE_QUALITY)]
     starts = [read_start(section) for section in sections(data, table, TYPE_START)]
     return Blob(camera, grid, next(iter(remaps), None), next(iter(qualities), None),
-                next(iter(starts), None))
+                next(iter(starts), None), tuple(remaps[1:]))
 
 
 def sections(data: bytes, table: list[Entry], wanted: int) -> Iterator[bytes]:
@@ -637,40 +639,129 @@ def vertex_coordinate(remap: Remap, index: int, axis: int) -> int:
 
 def remap_grey(blob: Blob, source: bytes, border: int) -> bytes:
     """Remap arithmetic: the whole output of a source image of 8 bits a pixel."""
+    require(0 <= border <= 255, "RG_ERR_ARGUMENT", f"the border value is {border}")
+    camera = blob.camera
+    require(len(source) == camera.width * camera.height, "RG_ERR_FRAME_SIZE",
+            f"{len(source)} bytes are not a frame of {camera.width} x {camera.height}")
+    rows = remap_lattice(blob, Lattice(0, 0, 0, 0), sample_rows(source, camera.width),
+                         bits=8, border=border)
+    return bytes(value for row in rows for value in row)
+
+
+class Lattice(NamedTuple):
+    """Lattices: pixel (i, j) stands at (2^lx i + hx / 2, 2^ly j + hy / 2)."""
+
+    lx: int
+    ly: int
+    hx: int
+    hy: int
+
+
+BORDER_CLAMP = "clamp"
+Samples = list[list[int | None]]
+
+
+def remap_lattice(blob: Blob, lattice: Lattice, source: Samples, bits: int,
+                  border: int | str | None, nearest: bool = False) -> Samples:
+    """Remap arithmetic, "Lattices": rows of samples to rows of samples.
+
+    border is a value, BORDER_CLAMP, or None, which stands for pixels left as they are.
+    """
     remap = blob.remap
     if remap is None:
         raise BlobError("RG_ERR_NO_REMAP", "the blob has no remap")
-    require(0 <= border <= 255, "RG_ERR_ARGUMENT", f"the border value is {border}")
-    image = image_rows(source, blob.camera)
+    outside = None if border == BORDER_CLAMP else border
+    output = [[outside] * (remap.width >> lattice.lx) for _ in range(remap.height >> lattice.ly)]
     positions = vertex_positions(remap)
-    output = bytearray([border]) * (remap.width * remap.height)
     for block, empty in enumerate(remap.empty_blocks):
-        if not empty:
-            for index, position in block_positions(remap, positions, block):
-                if in_source(remap, position):
-                    output[index] = sample(image, *position)
-    return bytes(output)
+        if empty and border != BORDER_CLAMP:
+            continue
+        for (x, y), position in lattice_positions(remap, lattice, positions, block):
+            value = sample_at(remap, lattice, source, position, bits, border, nearest)
+            if value is not None:
+                output[y][x] = value
+    return output
 
 
-def image_rows(source: bytes, camera: Camera) -> list[bytes]:
+def sample_rows(source: bytes, width: int) -> Samples:
     """The rows of a source image without gaps between them."""
-    require(len(source) == camera.width * camera.height, "RG_ERR_FRAME_SIZE",
-            f"{len(source)} bytes are not a frame of {camera.width} x {camera.height}")
-    return [source[start:start + camera.width] for start in range(0, len(source), camera.width)]
+    return [list(source[start:start + width]) for start in range(0, len(source), width)]
+
+
+def lattice_positions(remap: Remap, lattice: Lattice, positions: list[Pair],
+                      block: int) -> Iterator[tuple[Pair, Pair]]:
+    """Lattices: output pixel and source position of each lattice pixel of a block."""
+    block_row, block_column = divmod(block, remap.columns - 1)
+    corners = block_corners(remap, positions, block_row, block_column)
+    size_x, size_y = (1 << remap.block_log2 >> log2 for log2 in lattice[:2])
+    for r in range(size_y):
+        y = block_row * size_y + r
+        if y >= remap.height >> lattice.ly:
+            break
+        ends = lattice_row_ends(lattice, corners, r, remap.block_log2)
+        for k in range(size_x):
+            x = block_column * size_x + k
+            if x < remap.width >> lattice.lx:
+                yield (x, y), lattice_position(lattice, ends, k, remap.block_log2)
+
+
+def lattice_row_ends(lattice: Lattice, corners: list[Pair], r: int, log2: int) -> list[Pair]:
+    """Lattices: (left, right) of row r', for x and for y."""
+    first = r << lattice.ly
+    if lattice.hy != 1:
+        return row_ends(corners, first + lattice.hy // 2, log2)
+    return [(rounded(left + left2, 1), rounded(right + right2, 1))
+            for (left, right), (left2, right2) in zip(row_ends(corners, first, log2),
+                                                      row_ends(corners, first + 1, log2))]
+
+
+def lattice_position(lattice: Lattice, ends: list[Pair], offset: int, log2: int) -> Pair:
+    """Lattices: p of the pixel that is `offset` lattice pixels from its block's first one."""
+    s, k = divmod(offset, SEGMENT)
+    result = []
+    for axis, (left, right) in enumerate(ends):
+        width = fit(right - left, 32)
+        step = rounded(width, log2)
+        start = (left + rounded((width << lattice.lx) * SEGMENT * s, log2)
+                 + (lattice.hx * step + 1 >> 1))
+        start -= 2048 * (lattice.hx, lattice.hy)[axis]
+        start = rounded(start, lattice[axis]) if lattice[axis] else start
+        if axis == 1:
+            step = step << lattice.lx >> lattice.ly
+        result.append(fit(start + k * step, 32))
+    return result[0], result[1]
+
+
+def lattice_rectangle(remap: Remap, lattice: Lattice) -> tuple[Pair, Pair]:
+    """Lattices: (min, max) of x and of y."""
+    result = []
+    for low, high, log2, half in ((remap.min_x, remap.max_x, lattice.lx, lattice.hx),
+                                  (remap.min_y, remap.max_y, lattice.ly, lattice.hy)):
+        low, high = low - 2048 * half, high - 2048 * half
+        result.append((rounded(low, log2) if log2 else low, high >> log2))
+    return result[0], result[1]
+
+
+def sample_at(remap: Remap, lattice: Lattice, source: Samples, position: Pair, bits: int,
+              border: int | str | None, nearest: bool) -> int | None:
+    """Lattices: the value of one lattice pixel; None where it is left as it is."""
+    moved = []
+    for value, (low, high), count in zip(position, lattice_rectangle(remap, lattice),
+                                         (len(source[0]), len(source))):
+        if not low <= value <= high:
+            if border != BORDER_CLAMP:
+                return border
+            value = min(max(value, low), high)
+        value = min(max(value, 0), (count - 1) << 12)
+        moved.append((value + 2048) & ~4095 if nearest else value)
+    return (sample if bits == 8 else sample_16)(source, *moved)
 
 
 def block_positions(remap: Remap, positions: list[Pair],
                     block: int) -> Iterator[tuple[int, Pair]]:
     """Remap arithmetic: index in the output and source position of each pixel of a block."""
-    log2 = remap.block_log2
-    block_row, block_column = divmod(block, remap.columns - 1)
-    corners = block_corners(remap, positions, block_row, block_column)
-    x_start, y_start = block_column << log2, block_row << log2
-    for y in range(y_start, min(y_start + (1 << log2), remap.height)):
-        (left_x, right_x), (left_y, right_y) = row_ends(corners, y - y_start, log2)
-        for x in range(x_start, min(x_start + (1 << log2), remap.width)):
-            yield y * remap.width + x, (pixel_position(left_x, right_x, x - x_start, log2),
-                                        pixel_position(left_y, right_y, x - x_start, log2))
+    for (x, y), position in lattice_positions(remap, Lattice(0, 0, 0, 0), positions, block):
+        yield y * remap.width + x, position
 
 
 def block_corners(remap: Remap, positions: list[Pair], row: int, column: int) -> list[Pair]:
@@ -691,21 +782,13 @@ def row_end(top: int, bottom: int, r: int, log2: int) -> int:
     return fit(top + rounded(fit(bottom - top, 32) * r, log2), 32)
 
 
-def pixel_position(left: int, right: int, offset: int, log2: int) -> int:
-    """Remap arithmetic: p of the pixel that is `offset` pixels from its block's first column."""
-    width = fit(right - left, 32)
-    step = rounded(width, log2)
-    s, k = divmod(offset, SEGMENT)
-    return fit(left + rounded(width * SEGMENT * s, log2) + fit(k * step, 32), 32)
-
-
 def in_source(remap: Remap, position: Pair) -> bool:
     """Remap arithmetic: whether the position lies in the source rectangle."""
     x, y = position
     return remap.min_x <= x <= remap.max_x and remap.min_y <= y <= remap.max_y
 
 
-def sample(image: list[bytes], x: int, y: int) -> int:
+def sample(image: Samples, x: int, y: int) -> int:
     """Remap arithmetic: the value at a position of the source rectangle."""
     c, r = (x + 16) >> 12, y >> 12
     wx, wy = ((x + 16) >> 5) & 127, fit((y & 4095) << 3, 16)
@@ -717,10 +800,21 @@ def sample(image: list[bytes], x: int, y: int) -> int:
     return output
 
 
-def blend_row(row: bytes, c: int, wx: int) -> int:
+def blend_row(row: list[int], c: int, wx: int) -> int:
     """Remap arithmetic: h0 or h1; a neighbour of weight zero is not read."""
     neighbour = row[c + 1] * wx if wx else 0
     return fit(row[c] * (128 - wx) + neighbour, 16)
+
+
+def sample_16(image: Samples, x: int, y: int) -> int:
+    """Remap arithmetic: the same above 8 bits."""
+    x, y = (x + 8) >> 4, (y + 8) >> 4
+    (c, wx), (r, wy) = divmod(x, 256), divmod(y, 256)
+    rows = (image[r], image[r + 1] if wy else image[r])
+    h0, h1 = (row[c] * (256 - wx) + (row[c + 1] * wx if wx else 0) for row in rows)
+    total = h0 * (256 - wy) + h1 * wy + 32768
+    assert 0 <= total < 1 << 32, f"{total} does not fit 32 bits"
+    return total >> 16
 
 
 # Writing
@@ -743,8 +837,8 @@ def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
     """Type and bytes of each section, camera and grid first."""
     yield TYPE_CAMERA, pack_camera(blob.camera)
     yield TYPE_GRID, pack_grid(blob.grid)
-    if blob.remap is not None:
-        yield TYPE_REMAP, pack_remap(blob.remap)
+    for remap in () if blob.remap is None else (blob.remap, *blob.more_remaps):
+        yield TYPE_REMAP, pack_remap(remap)
     if blob.quality is not None:
         yield TYPE_QUALITY, QUALITY.pack(*dataclasses.astuple(blob.quality))
     if blob.start is not None:
@@ -857,9 +951,9 @@ def inspect_lines(data: bytes) -> Iterator[str]:
     yield from field_lines("camera", blob.camera)
     yield from field_lines("grid", blob.grid)
     yield from derived_lines(blob.grid, ("scale_x", "scale_y"))
-    if blob.remap is not None:
-        yield from field_lines("remap", blob.remap)
-        yield from derived_lines(blob.remap, ("columns", "rows"))
+    for remap in () if blob.remap is None else (blob.remap, *blob.more_remaps):
+        yield from field_lines("remap", remap)
+        yield from derived_lines(remap, ("columns", "rows"))
     if blob.quality is not None:
         yield from field_lines("quality", blob.quality)
     if blob.start is not None:

@@ -24,8 +24,8 @@ static uint32_t start_size(const rg_start_section* start) {
 }
 
 static uint32_t num_sections(const rg_blob_contents* contents) {
-  return 2u + (contents->remap != 0) + (contents->quality != 0) +
-         (contents->start != 0);
+  return 2u + (contents->remap != 0) + contents->num_more_remaps +
+         (contents->quality != 0) + (contents->start != 0);
 }
 
 uint32_t rg_blob_size(const rg_blob_contents* contents) {
@@ -33,6 +33,8 @@ uint32_t rg_blob_size(const rg_blob_contents* contents) {
       RG_HEADER_SIZE + RG_SECTION_ENTRY_SIZE * num_sections(contents);
   size += RG_CAMERA_SIZE + grid_size(contents->grid);
   if (contents->remap) size += rg_remap_section_size(contents->remap);
+  for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
+    size += rg_remap_section_size(contents->more_remaps[k].section);
   if (contents->quality) size += RG_QUALITY_SIZE;
   if (contents->start) size += start_size(contents->start);
   return size;
@@ -149,6 +151,13 @@ static uint8_t* begin_section(section_writer* writer, uint16_t type,
   return section;
 }
 
+static void begin_remap(const rg_remap_section* remap, const int16_t* residuals,
+                        section_writer* writer) {
+  rg_write_remap(
+      remap, residuals,
+      begin_section(writer, RG_SECTION_REMAP, 0, rg_remap_section_size(remap)));
+}
+
 static void write_sections(const rg_blob_contents* contents,
                            section_writer* writer) {
   write_camera(contents->camera,
@@ -158,9 +167,10 @@ static void write_sections(const rg_blob_contents* contents,
              begin_section(writer, RG_SECTION_CENTRAL_GRID, RG_SECTION_CRITICAL,
                            grid_size(contents->grid)));
   if (contents->remap)
-    rg_write_remap(contents->remap, contents->residuals,
-                   begin_section(writer, RG_SECTION_REMAP, 0,
-                                 rg_remap_section_size(contents->remap)));
+    begin_remap(contents->remap, contents->residuals, writer);
+  for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
+    begin_remap(contents->more_remaps[k].section,
+                contents->more_remaps[k].residuals, writer);
   if (contents->quality)
     write_quality(contents->quality, begin_section(writer, RG_SECTION_QUALITY,
                                                    0, RG_QUALITY_SIZE));
@@ -201,30 +211,52 @@ static void write_crcs(uint8_t* bytes, uint32_t sections) {
                rg_crc32(crc, table, sections * RG_SECTION_ENTRY_SIZE));
 }
 
+static int has_blocks(const rg_remap_section* remap) {
+  return remap->columns >= 2 && remap->rows >= 2 &&
+         remap->columns <= RG_MAX_REMAP_SIZE / 8 + 1 &&
+         remap->rows <= RG_MAX_REMAP_SIZE / 8 + 1;
+}
+
 /* What would make the sizes themselves meaningless. */
 static rg_status check_counts(const rg_blob_contents* contents) {
   if (contents->grid->columns > RG_MAX_GRID_SIZE ||
       contents->grid->rows > RG_MAX_GRID_SIZE)
     return RG_ERR_GRID_SIZE;
-  const rg_remap_section* remap = contents->remap;
-  if (remap && (remap->columns < 2 || remap->rows < 2 ||
-                remap->columns > RG_MAX_REMAP_SIZE / 8 + 1 ||
-                remap->rows > RG_MAX_REMAP_SIZE / 8 + 1))
+  if (num_sections(contents) > RG_MAX_SECTIONS) return RG_ERR_HEADER;
+  if (contents->remap && !has_blocks(contents->remap))
     return RG_ERR_REMAP_BLOCK;
+  for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
+    if (!has_blocks(contents->more_remaps[k].section))
+      return RG_ERR_REMAP_BLOCK;
   if (contents->start && (contents->start->columns > RG_MAX_START_SIZE ||
                           contents->start->rows > RG_MAX_START_SIZE))
     return RG_ERR_START_GRID;
   return RG_OK;
 }
 
+static int has_arrays(const rg_remap_section* remap, const int16_t* residuals) {
+  return remap && residuals && remap->empty_blocks;
+}
+
+/* Every array that the contents speak of is there. */
+static int is_complete(const rg_blob_contents* contents) {
+  if (!contents->camera || !contents->grid || !contents->control_points_q29)
+    return 0;
+  if (contents->remap && !has_arrays(contents->remap, contents->residuals))
+    return 0;
+  if (contents->num_more_remaps != 0 &&
+      (!contents->remap || !contents->more_remaps))
+    return 0;
+  for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
+    if (!has_arrays(contents->more_remaps[k].section,
+                    contents->more_remaps[k].residuals))
+      return 0;
+  return !contents->start || contents->start_vertices;
+}
+
 rg_status rg_blob_write(const rg_blob_contents* contents, void* buffer,
                         uint32_t buffer_size) {
-  if (!contents || !buffer || !contents->camera || !contents->grid ||
-      !contents->control_points_q29 ||
-      (contents->remap &&
-       (!contents->residuals || !contents->remap->empty_blocks)) ||
-      (contents->start && !contents->start_vertices))
-    return RG_ERR_ARGUMENT;
+  if (!contents || !buffer || !is_complete(contents)) return RG_ERR_ARGUMENT;
   if ((uintptr_t)buffer % 4 != 0) return RG_ERR_MISALIGNED;
   const rg_status status = check_counts(contents);
   if (status != RG_OK) return status;

@@ -138,6 +138,11 @@ void rg_blob_quality(const rg_blob* blob, rg_quality_section* quality);
 
 void rg_blob_start(const rg_blob* blob, rg_start_section* start);
 
+/* The index-th section of a type in the bytes of a blob that rg_blob_open()
+ * accepted, or NULL. */
+const uint8_t* rg_find_section(const uint8_t* bytes, uint32_t type,
+                               uint32_t index);
+
 /* The fields of a remap section that was accepted, from its first byte. */
 void rg_read_remap(const uint8_t* section, rg_remap_section* remap);
 
@@ -152,6 +157,12 @@ rg_status rg_check_start(const uint8_t* section, uint32_t size);
 
 /* ---- Writing, on the host ------------------------------------------------ */
 
+/* A remap section and its residuals: columns * rows pairs in host order. */
+typedef struct rg_remap_contents {
+  const rg_remap_section* section;
+  const int16_t* residuals;
+} rg_remap_contents;
+
 typedef struct rg_blob_contents {
   const rg_camera_section* camera;
   const rg_grid_section* grid;       /* control_points: columns * rows pairs */
@@ -161,6 +172,8 @@ typedef struct rg_blob_contents {
   const rg_quality_section* quality; /* NULL: none */
   const rg_start_section* start;     /* NULL: none */
   const int16_t* start_vertices;     /* columns * rows pairs, host order */
+  const rg_remap_contents* more_remaps; /* behind the first */
+  uint32_t num_more_remaps;
 } rg_blob_contents;
 
 /* Bytes that rg_blob_write() will need. */

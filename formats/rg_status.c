@@ -78,6 +78,10 @@ const char* rg_status_text(rg_status status) {
       return "rows beyond the end of the output";
     case RG_ERR_NOT_SEEN:
       return "no pixel of the calibrated area sees this direction";
+    case RG_ERR_FORMAT:
+      return "unknown pixel format, border or sampling";
+    case RG_ERR_ROWS_MISSING:
+      return "the ring of rows lacks rows that the band needs";
   }
   return "unknown status";
 }

@@ -55,7 +55,9 @@ typedef enum rg_status {
   RG_ERR_NO_REMAP = -51,     /* the blob has no remap table */
   RG_ERR_FRAME_SIZE = -52,   /* frame size or stride does not fit the blob */
   RG_ERR_ROWS = -53,         /* rows beyond the output's last */
-  RG_ERR_NOT_SEEN = -54      /* no pixel of the area sees the direction */
+  RG_ERR_NOT_SEEN = -54,     /* no pixel of the area sees the direction */
+  RG_ERR_FORMAT = -55,       /* unknown pixel format, border or sampling */
+  RG_ERR_ROWS_MISSING = -56  /* source rows that the ring does not hold */
 } rg_status;
 
 /* The status as a short English text, for messages; never NULL. */

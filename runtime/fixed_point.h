@@ -70,6 +70,13 @@ static inline int32_t rg_upper_word(int64_t sum) {
   return (int32_t)((sum + INT64_C(0x80000000)) >> 32);
 }
 
+/* Inlining every function into its caller would add up their stacks. */
+#if defined(__GNUC__)
+#define RG_NOINLINE __attribute__((noinline))
+#else
+#define RG_NOINLINE
+#endif
+
 /* |value|, 2^31 for the lowest. */
 static inline uint32_t rg_magnitude(int32_t value) {
   return value < 0 ? 0u - (uint32_t)value : (uint32_t)value;

@@ -32,8 +32,9 @@ extern "C" {
  * opening, so threads and interrupt handlers may share it. The fields are not
  * for use outside the library. */
 typedef struct rg_camera {
+  const uint8_t* blob;
   const uint8_t* control_points; /* i32 q29 pairs in the blob */
-  const uint8_t* remap;          /* the remap section in the blob, or NULL */
+  const uint8_t* remap;          /* the remap section in use, or NULL */
   const uint8_t* start;          /* the projection start section, or NULL */
   int32_t x0_q16, y0_q16, x1_q16, y1_q16;
   uint32_t scale_x_q32, scale_y_q32;
@@ -99,20 +100,10 @@ uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
 /* A coordinate that no pixel has. */
 #define RG_NO_PIXEL INT32_MIN
 
-/* An 8-bit grey image (libcamera R8, V4L2 GREY). */
-typedef struct rg_frame {
-  const uint8_t* data; /* first row */
-  uint32_t stride;     /* bytes from one row to the next, at least width */
-  uint16_t width, height;
-} rg_frame;
-
-/* Rows [first_row, first_row + num_rows) of the undistorted image. */
-typedef struct rg_band {
-  uint8_t* data; /* where first_row goes */
-  uint32_t stride;
-  uint16_t first_row, num_rows;
-  uint8_t border; /* value where the camera sees nothing, or is uncalibrated */
-} rg_band;
+/* Makes the index-th remap table of the blob, counted from 0, the one in use;
+ * after opening that is the first. RG_ERR_NO_REMAP, and no change, if there is
+ * none. */
+rg_status rg_select_remap(rg_camera* camera, uint32_t index);
 
 /* Size of the undistorted image; RG_ERR_NO_REMAP if the blob has no table. */
 rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
@@ -136,14 +127,111 @@ rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
 uint32_t rg_undistort_points(const rg_camera* camera, const rg_pixel* pixels,
                              rg_pixel* undistorted, uint32_t num_points);
 
-/* Undistorts rows of a grey frame (formats/SPEC.md, "Remap arithmetic": every
- * target gives the same bits). Bands may be asked for in any order and, into
- * different memory, by several threads. The frame and the band must not
- * overlap.
+/* What frames hold; the undistorted frame holds the same. The order of colours
+ * does not matter: the names in brackets are the same to this library. Samples
+ * of more than 8 bits are little-endian. Packed ones are as on CSI-2. Sizes of
+ * formats from YUYV on are even; of 10-bit packed ones multiples of 4, of
+ * 12-bit packed ones of 2. */
+typedef enum rg_format {
+  RG_FORMAT_GREY8,   /* GREY, R8 */
+  RG_FORMAT_GREY16,  /* Y10, Y12, Y14, Y16: in the low bits of 16 */
+  RG_FORMAT_GREY10P, /* Y10P */
+  RG_FORMAT_GREY12P, /* Y12P */
+  RG_FORMAT_RGB24,   /* RGB888 (BGR888) */
+  RG_FORMAT_RGB32,   /* XRGB8888 (any four interleaved channels) */
+  RG_FORMAT_YUYV,    /* (YVYU) */
+  RG_FORMAT_UYVY,    /* (VYUY) */
+  RG_FORMAT_NV12,    /* (NV21) two planes */
+  RG_FORMAT_YUV420,  /* (YVU420) three planes */
+  RG_FORMAT_BAYER8,  /* (any order), each colour on its own lattice */
+  RG_FORMAT_BAYER16, /* 10, 12, 14 or 16 bits in the low bits of 16 */
+  RG_FORMAT_BAYER10P,
+  RG_FORMAT_BAYER12P,
+  RG_NUM_FORMATS
+} rg_format;
+
+/* A frame, or a part of it in a ring of rows. Row r of a plane of full height
+ * lies at data + (r mod ring_rows) stride; a chroma plane of half height has a
+ * ring of half the rows. */
+typedef struct rg_image {
+  rg_format format;
+  uint16_t width, height;       /* of the whole frame */
+  uint16_t ring_rows;           /* 0: no ring, the whole frame is there */
+  uint16_t first_row, num_rows; /* in a ring: rows that are there, at most
+                                   ring_rows */
+  struct {
+    const uint8_t* data;
+    uint32_t stride; /* bytes from one row to the next */
+  } planes[3];
+} rg_image;
+
+/* What becomes of pixels that the camera does not see, or that lie outside the
+ * calibrated area. */
+typedef enum rg_border {
+  RG_BORDER_VALUE, /* border_values */
+  RG_BORDER_CLAMP, /* the nearest pixel of the calibrated area */
+  RG_BORDER_KEEP   /* what the target holds */
+} rg_border;
+
+typedef enum rg_sampling {
+  RG_SAMPLING_BILINEAR,
+  RG_SAMPLING_NEAREST
+} rg_sampling;
+
+/* Rows [first_row, first_row + num_rows) of the undistorted image; even numbers
+ * where the format's rows come in pairs (NV12, YUV420, Bayer). */
+typedef struct rg_target {
+  struct {
+    uint8_t* data; /* where first_row goes, or the chroma row of it */
+    uint32_t stride;
+  } planes[3];
+  uint16_t first_row, num_rows;
+  rg_border border;
+  rg_sampling sampling;
+  uint16_t border_values[4]; /* of each channel: interleaved ones as they lie in
+                                memory; Y, first and second chroma; Bayer as in
+                                the top-left 2 x 2 pixels */
+} rg_target;
+
+/* Undistorts rows of a frame (formats/SPEC.md, "Remap arithmetic": every target
+ * gives the same bits). Bands may be asked for in any order and, into different
+ * memory, by several threads. The frame and the target must not overlap.
  *
- * RG_ERR_NO_REMAP    the blob has no remap table
- * RG_ERR_FRAME_SIZE  frame is not the camera's image, or a stride is too small
- * RG_ERR_ROWS        the band ends below the output */
+ * RG_ERR_NO_REMAP      the blob has no remap table
+ * RG_ERR_FORMAT        unknown format, border or sampling; clamping from a ring
+ * RG_ERR_FRAME_SIZE    frame is not the camera's image, a stride is too small,
+ *                      a size not a multiple of what the format wants
+ * RG_ERR_MISALIGNED    16-bit samples at odd addresses
+ * RG_ERR_ROWS          the band ends below the output, or cuts a pair of rows
+ * RG_ERR_ROWS_MISSING  the ring does not hold the rows that the band needs */
+rg_status rg_remap(const rg_camera* camera, const rg_image* image,
+                   const rg_target* target);
+
+/* The source rows that rows [first_row, first_row + num_rows) of the output
+ * need: none is missing, and at most one at either end is not needed (a pair
+ * where rows come in pairs). *num_source is 0 for a band without any source.
+ *
+ * RG_ERR_NO_REMAP, RG_ERR_FORMAT, RG_ERR_ROWS as above. */
+rg_status rg_remap_source_rows(const rg_camera* camera, rg_format format,
+                               uint16_t first_row, uint16_t num_rows,
+                               uint16_t* first_source, uint16_t* num_source);
+
+/* An 8-bit grey image (libcamera R8, V4L2 GREY). */
+typedef struct rg_frame {
+  const uint8_t* data; /* first row */
+  uint32_t stride;     /* bytes from one row to the next, at least width */
+  uint16_t width, height;
+} rg_frame;
+
+/* Rows [first_row, first_row + num_rows) of the undistorted image. */
+typedef struct rg_band {
+  uint8_t* data; /* where first_row goes */
+  uint32_t stride;
+  uint16_t first_row, num_rows;
+  uint8_t border; /* value where the camera sees nothing, or is uncalibrated */
+} rg_band;
+
+/* rg_remap() of a grey frame, bilinear. */
 rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
                         const rg_band* band);
 

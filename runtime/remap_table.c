@@ -47,3 +47,22 @@ rg_position rg_remap_segment(const uint8_t* section, const rg_block_row* row,
         between(row->left.q12[c], row->right.q12[c], (int32_t)k, section[8]);
   return start;
 }
+
+void rg_remap_average_rows(const uint8_t* section, const rg_block_row* other,
+                           rg_block_row* row) {
+  for (uint32_t c = 0; c < 2; ++c) {
+    row->left.q12[c] = round_shift(row->left.q12[c] + other->left.q12[c], 1);
+    row->right.q12[c] = round_shift(row->right.q12[c] + other->right.q12[c], 1);
+    row->step.q12[c] =
+        round_shift(row->right.q12[c] - row->left.q12[c], section[8]);
+  }
+}
+
+int rg_remap_is_empty(const uint8_t* section, uint32_t i, uint32_t j) {
+  const uint32_t columns = rg_load_u16(section + 4);
+  const uint32_t num_vertices = columns * rg_load_u16(section + 6);
+  const uint8_t* const mask =
+      section + rg_load_u32(section + 76) + 4 * num_vertices;
+  const uint32_t block = j * (columns - 1) + i;
+  return (mask[block >> 3] >> (block & 7)) & 1;
+}

@@ -28,9 +28,16 @@ typedef struct rg_block_row {
 void rg_remap_block_row(const uint8_t* section, uint32_t i, uint32_t j,
                         uint32_t r, rg_block_row* row);
 
+/* The mean of two rows, for samples half-way between them. */
+void rg_remap_average_rows(const uint8_t* section, const rg_block_row* other,
+                           rg_block_row* row);
+
 /* Source position of the segment that begins at pixel k of the row. */
 rg_position rg_remap_segment(const uint8_t* section, const rg_block_row* row,
                              uint32_t k);
+
+/* 1 if the table says that no pixel of block (i, j) has a source. */
+int rg_remap_is_empty(const uint8_t* section, uint32_t i, uint32_t j);
 
 #ifdef __cplusplus
 }

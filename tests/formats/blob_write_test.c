@@ -7,7 +7,7 @@
 
 #define SIZE ((uint32_t)sizeof(kExampleBlob))
 
-static uint8_t written[4096] __attribute__((aligned(4)));
+static uint8_t written[8192] __attribute__((aligned(4)));
 
 /* What a golden blob holds, for altering and writing. */
 typedef struct camera_parts {
@@ -16,6 +16,9 @@ typedef struct camera_parts {
   int32_t control_points[2 * 19 * 15];
   rg_remap_section remap;
   int16_t residuals[256];
+  rg_remap_section second_remap;
+  int16_t second_residuals[256];
+  rg_remap_contents more_remaps[1];
   rg_quality_section quality;
   rg_start_section start;
   int16_t start_vertices[512];
@@ -42,6 +45,19 @@ static void take_start(const rg_blob* blob) {
   parts.contents.start_vertices = parts.start_vertices;
 }
 
+static void take_second_remap(const uint8_t* section) {
+  rg_read_remap(section, &parts.second_remap);
+  const uint32_t count =
+      2u * parts.second_remap.columns * parts.second_remap.rows;
+  for (uint32_t i = 0; i < count; ++i)
+    parts.second_residuals[i] =
+        rg_load_i16(parts.second_remap.vertices + 2 * i);
+  parts.more_remaps[0].section = &parts.second_remap;
+  parts.more_remaps[0].residuals = parts.second_residuals;
+  parts.contents.more_remaps = parts.more_remaps;
+  parts.contents.num_more_remaps = 1;
+}
+
 static void take_apart(const uint8_t* bytes, uint32_t size) {
   rg_blob blob;
   assert_int_equal(rg_blob_open(bytes, size, &blob), RG_OK);
@@ -60,6 +76,8 @@ static void take_apart(const uint8_t* bytes, uint32_t size) {
       .quality = blob.quality ? &parts.quality : NULL};
   parts.contents = contents;
   if (blob.start) take_start(&blob);
+  const uint8_t* second = rg_find_section(bytes, RG_SECTION_REMAP, 1);
+  if (second) take_second_remap(second);
 }
 
 static int take_example_apart(void** state) {

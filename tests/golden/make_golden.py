@@ -12,6 +12,7 @@ import zlib
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "formats"))
@@ -20,6 +21,7 @@ import blob_reference as reference  # noqa: E402
 SPEC_PATH = ROOT / "formats" / "SPEC.md"
 HEADER_PATH = ROOT / "tests" / "golden" / "golden_blobs.h"
 
+Pair = tuple[int, int]
 Point = tuple[float, float]
 Ray = tuple[float, float, float]
 
@@ -144,6 +146,7 @@ class View:
     residual_shift: int
     focal: float
     bound_upx: int
+    source: tuple[float, float, float, float] | None = None  # or the area
 
     def ray(self, u: float, v: float) -> Ray:
         """Where the output pixel (u, v) looks."""
@@ -166,10 +169,12 @@ def make_remap(blob: reference.Blob, lens: Lens, view: View) -> reference.Remap:
 def empty_remap(blob: reference.Blob, view: View) -> reference.Remap:
     """The fields that the view gives; the source is the calibrated area."""
     grid = blob.grid
+    x0, y0, x1, y1 = (grid.x0, grid.y0, grid.x1, grid.y1) if view.source is None else (
+        round(value * Q16) for value in view.source)
     return reference.Remap(
         view.width, view.height, view.block_log2, view.residual_shift,
-        min_x=-(-grid.x0 // 16), min_y=-(-grid.y0 // 16),
-        max_x=grid.x1 // 16, max_y=grid.y1 // 16,
+        min_x=-(-x0 // 16), min_y=-(-y0 // 16),
+        max_x=x1 // 16, max_y=y1 // 16,
         origin=(0, 0), column_step=(0, 0), row_step=(0, 0),
         fx=round(view.focal * Q16), fy=round(view.focal * Q16),
         cx=(view.width - 1) * Q16 // 2, cy=(view.height - 1) * Q16 // 2,
@@ -277,7 +282,13 @@ def make_wide() -> reference.Blob:
     camera = reference.Camera(320, 240, "wide", "")
     grid = make_grid(lens, (0.0, 0.0, 319.0, 239.0), (16, 12))
     blob = reference.Blob(camera, grid)
-    return dataclasses.replace(blob, start=make_start(blob, lens, (13, 11)))
+    views = (View(48, 36, block_log2=3, residual_shift=4, focal=9.0,
+                  bound_upx=4000000, source=(60.3, 40.7, 250.2, 190.9)),
+             View(36, 28, block_log2=4, residual_shift=6, focal=10.0,
+                  bound_upx=4000000))
+    first, second = (make_remap(blob, lens, view) for view in views)
+    return dataclasses.replace(blob, start=make_start(blob, lens, (13, 11)),
+                               remap=first, more_remaps=(second,))
 
 
 # 1.92 rad or 110 degrees at the middle of the left and right edge.
@@ -425,6 +436,139 @@ def projection_lines(blob: reference.Blob, lens: Lens) -> Iterator[str]:
 UNSEEN = "INT32_MIN"
 
 
+# Frames of every format: the lattices of SPEC.md and where their samples lie
+
+
+class Placement(NamedTuple):
+    """A lattice's samples in a plane."""
+
+    lattice: reference.Lattice
+    plane: int
+    kind: str  # u8, u16, 10p, 12p
+    first: int
+    step: int
+    channels: int
+    border: int  # index of the first channel's value
+
+
+LUMA = reference.Lattice(0, 0, 0, 0)
+CHROMA_422 = reference.Lattice(1, 0, 1, 0)
+CHROMA_420 = reference.Lattice(1, 1, 1, 1)
+
+
+def bayer(kind: str) -> tuple[Placement, ...]:
+    """The four colours."""
+    return tuple(Placement(reference.Lattice(1, 1, 2 * ox, 2 * oy), 0, kind, ox, 2, 1,
+                           2 * oy + ox) for oy in (0, 1) for ox in (0, 1))
+
+
+# In the order of rg_format.
+FORMATS: tuple[tuple[Placement, ...], ...] = (
+    *((Placement(LUMA, 0, kind, 0, 1, 1, 0),) for kind in ("u8", "u16", "10p", "12p")),
+    (Placement(LUMA, 0, "u8", 0, 3, 3, 0),),
+    (Placement(LUMA, 0, "u8", 0, 4, 4, 0),),
+    (Placement(LUMA, 0, "u8", 0, 2, 1, 0), Placement(CHROMA_422, 0, "u8", 1, 4, 1, 1),
+     Placement(CHROMA_422, 0, "u8", 3, 4, 1, 2)),
+    (Placement(LUMA, 0, "u8", 1, 2, 1, 0), Placement(CHROMA_422, 0, "u8", 0, 4, 1, 1),
+     Placement(CHROMA_422, 0, "u8", 2, 4, 1, 2)),
+    (Placement(LUMA, 0, "u8", 0, 1, 1, 0), Placement(CHROMA_420, 1, "u8", 0, 2, 2, 1)),
+    (Placement(LUMA, 0, "u8", 0, 1, 1, 0), Placement(CHROMA_420, 1, "u8", 0, 1, 1, 1),
+     Placement(CHROMA_420, 2, "u8", 0, 1, 1, 2)),
+    *(bayer(kind) for kind in ("u8", "u16", "10p", "12p")),
+)
+BYTES_PER_8_SAMPLES = {"u8": 8, "u16": 16, "10p": 10, "12p": 12}
+BORDER_VALUES = (201, 17, 130, 66)
+KEPT_BYTE = 0xa5
+# Border and sampling of the golden frames: value, clamp, keep.
+MODES = (("value", False), (reference.BORDER_CLAMP, False), (None, True))
+
+
+def plane_sizes(placements: tuple[Placement, ...], width: int,
+                height: int) -> dict[int, Pair]:
+    """Bytes a row and rows of each plane."""
+    sizes = {}
+    for lattice, plane, kind, _, step, _, _ in placements:
+        samples = (width >> lattice.lx) * step
+        is_bayer = len(placements) == 4
+        rows = height if is_bayer else height >> lattice.ly
+        sizes[plane] = (samples * BYTES_PER_8_SAMPLES[kind] // 8, rows)
+    return sizes
+
+
+def get_sample(kind: str, row: bytes, index: int) -> int:
+    """A sample of a row of bytes."""
+    if kind == "u8":
+        return row[index]
+    if kind == "u16":
+        return row[2 * index] + 256 * row[2 * index + 1]
+    count, bits = (4, 2) if kind == "10p" else (2, 4)
+    group = row[index // count * (count + 1):][:count + 1]
+    low = group[count] >> (bits * (index % count)) & ((1 << bits) - 1)
+    return group[index % count] << bits | low
+
+
+def put_sample(kind: str, row: bytearray, index: int, value: int) -> None:
+    """The other way round."""
+    if kind == "u8":
+        row[index] = value & 255
+    elif kind == "u16":
+        row[2 * index:2 * index + 2] = value.to_bytes(2, "little")
+    else:
+        count, bits = (4, 2) if kind == "10p" else (2, 4)
+        group, k = index // count * (count + 1), index % count
+        mask = (1 << bits) - 1
+        row[group + k] = value >> bits
+        row[group + count] = (row[group + count] & ~(mask << bits * k)
+                              | (value & mask) << bits * k)
+
+
+def lattice_row(place: Placement, j: int) -> int:
+    """The row of the plane that row j of the lattice lies in."""
+    is_bayer = place.lattice.ly == 1 and place.lattice.hy != 1
+    return 2 * j + place.lattice.hy // 2 if is_bayer else j
+
+
+def format_crc(blob: reference.Blob, placements: tuple[Placement, ...],
+               border: str | None, nearest: bool) -> int:
+    """CRC of the planes of the test frame, undistorted."""
+    camera, remap = blob.camera, blob.remap
+    source = {plane: [bytearray(row) for row in reference.sample_rows(make_frame(*size), size[0])]
+              for plane, size in plane_sizes(placements, camera.width, camera.height).items()}
+    output = {plane: [bytearray([KEPT_BYTE]) * size[0] for _ in range(size[1])]
+              for plane, size in plane_sizes(placements, remap.width, remap.height).items()}
+    for place in placements:
+        for channel in range(place.channels):
+            remap_channel(blob, place, channel, source[place.plane], output[place.plane],
+                          border, nearest)
+    planes = (b"".join(rows) for _, rows in sorted(output.items()))
+    return zlib.crc32(b"".join(planes))
+
+
+def remap_channel(blob: reference.Blob, place: Placement, channel: int,
+                  source: list[bytearray], output: list[bytearray],
+                  border: str | None, nearest: bool) -> None:
+    """One channel of a lattice."""
+    first = place.first + channel
+    samples = [[get_sample(place.kind, source[lattice_row(place, j)], first + i * place.step)
+                for i in range(blob.camera.width >> place.lattice.lx)]
+               for j in range(blob.camera.height >> place.lattice.ly)]
+    value = BORDER_VALUES[place.border + channel] if border == "value" else border
+    bits = 8 if place.kind == "u8" else 16
+    for j, row in enumerate(reference.remap_lattice(blob, place.lattice, samples, bits, value,
+                                                    nearest)):
+        for i, sample in enumerate(row):
+            if sample is not None:
+                put_sample(place.kind, output[lattice_row(place, j)], first + i * place.step,
+                           sample)
+
+
+def format_lines(blob: reference.Blob) -> Iterator[str]:
+    """A table of CRCs by format and mode."""
+    for placements in FORMATS:
+        crcs = (f"0x{format_crc(blob, placements, *mode):08x}u" for mode in MODES)
+        yield f"    {{{', '.join(crcs)}}},"
+
+
 def undistorted_lines(blob: reference.Blob) -> Iterator[str]:
     """Where the pixels of pixel_lines() lie in the undistorted image."""
     for x, y in golden_pixels(blob.grid):
@@ -518,6 +662,14 @@ def header_lines(example: reference.Blob, lens: reference.Blob,
     yield "/* q16 pixels of kWideBlob, or INT32_MIN, of directions of any length. */"
     yield "static const golden_ray kWideProjections[] = {"
     yield from projection_lines(wide, WIDE_LENS)
+    yield "};"
+    yield ""
+    yield "/* Frames of each rg_format undistorted with kWideBlob: border of"
+    yield " * GOLDEN_BORDER_VALUES; clamped; kept bytes of GOLDEN_KEPT, nearest. */"
+    yield f"#define GOLDEN_BORDER_VALUES {', '.join(map(str, BORDER_VALUES))}"
+    yield f"#define GOLDEN_KEPT 0x{KEPT_BYTE:02x}"
+    yield "static const uint32_t kFormatCrcs[][3] = {"
+    yield from format_lines(wide)
     yield "};"
     yield ""
     yield "/* q29 chart positions, up to the limit. */"
