@@ -32,18 +32,26 @@ GRID = struct.Struct("<4i2H2I2H2I")
 REMAP = struct.Struct("<4H2BH4i6i2I2i3I")
 QUALITY = struct.Struct("<10I")
 START = struct.Struct("<4i2H2IiI")
+LINE_POINTS = struct.Struct("<2HI")
+MASK = struct.Struct("<2H2BHI")
+UNCERTAINTY = struct.Struct("<2H3I")
 CRC_COVERED_HEADER = 28
 
 TYPE_CAMERA = 1
 TYPE_GRID = 2
 TYPE_REMAP = 3
 TYPE_QUALITY = 4
+TYPE_LINE_POINTS = 5
+TYPE_MASK = 6
+TYPE_UNCERTAINTY = 7
 TYPE_START = 9
 CRITICAL = 1
 FLAGS_OF_TYPE = {TYPE_CAMERA: CRITICAL, TYPE_GRID: CRITICAL, TYPE_REMAP: 0, TYPE_QUALITY: 0,
+                 TYPE_LINE_POINTS: CRITICAL, TYPE_MASK: 0, TYPE_UNCERTAINTY: 0,
                  TYPE_START: 0}
 REQUIRED_TYPES = (TYPE_CAMERA, TYPE_GRID)
-SINGLE_TYPES = (TYPE_CAMERA, TYPE_GRID, TYPE_QUALITY, TYPE_START)
+SINGLE_TYPES = (TYPE_CAMERA, TYPE_GRID, TYPE_QUALITY, TYPE_LINE_POINTS,
+                TYPE_MASK, TYPE_UNCERTAINTY, TYPE_START)
 
 MAX_IMAGE_SIDE = 16384
 MAX_REMAP_SIDE = 8192
@@ -61,6 +69,11 @@ SEGMENT = 8
 CHART_LIMIT_Q28 = 1 << 30
 START_COUNTS = range(2, 66)
 NO_VERTEX = -32768
+LINE_POINT_BITS = 28
+LINE_POINT_LIMIT = 0x7F000000
+MASK_CELL_LOG2S = range(2, 9)
+UNCERTAINTY_COUNTS = range(2, 66)
+UNKNOWN_UNCERTAINTY = 0xFFFF
 
 EXIT_FAILURE = 1
 EXIT_INVALID = 8
@@ -213,6 +226,30 @@ class ProjectionStart:
 
 
 @dataclass(frozen=True)
+class Mask:
+    """Validity mask (type 6); `bits` row by row."""
+
+    columns: int
+    rows: int
+    cell_log2: int
+    bits: tuple[bool, ...]
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Uncertainty (type 7); `values` row by row in q12 px."""
+
+    columns: int
+    rows: int
+    values: tuple[int, ...]
+
+    def scales(self, grid: CentralGrid) -> Pair:
+        """Uncertainty: scale_x and scale_y, q32 intervals per pixel."""
+        return (((self.columns - 1) << 48) // (grid.x1 - grid.x0),
+                ((self.rows - 1) << 48) // (grid.y1 - grid.y0))
+
+
+@dataclass(frozen=True)
 class Blob:
     """What this reader takes from a blob; `remap` is the first remap section."""
 
@@ -223,6 +260,9 @@ class Blob:
     quality: Quality | None = None
     start: ProjectionStart | None = None
     more_remaps: tuple[Remap, ...] = ()
+    line_points: tuple[tuple[int, int, int], ...] | None = None
+    mask: Mask | None = None
+    uncertainty: Uncertainty | None = None
 
 
 def ceil_divide(a: int, b: int) -> int:
@@ -364,11 +404,20 @@ def parse(data: bytes) -> Blob:
     table = read_table(data, read_header(data))
     camera = read_camera(first_section(data, table, TYPE_CAMERA))
     grid = read_grid(first_section(data, table, TYPE_GRID), camera)
-    remaps = [read_remap(section, camera) for section in sections(data, table, TYPE_REMAP)]
-    qualities = [read_quality(section) for section in sections(data, table, TYPE_QUALITY)]
-    starts = [read_start(section) for section in sections(data, table, TYPE_START)]
-    return Blob(camera, grid, next(iter(remaps), None), next(iter(qualities), None),
-                next(iter(starts), None), tuple(remaps[1:]))
+    readers = {TYPE_REMAP: lambda section: read_remap(section, camera),
+               TYPE_QUALITY: read_quality,
+               TYPE_LINE_POINTS: lambda section: read_line_points(section, grid),
+               TYPE_MASK: lambda section: read_valid_mask(section, camera),
+               TYPE_UNCERTAINTY: lambda section: read_uncertainty(section, grid),
+               TYPE_START: read_start}
+    found = {kind: [] for kind in readers}
+    for entry in table:
+        if entry.type in readers:
+            found[entry.type].append(readers[entry.type](section_bytes(data, entry)))
+    first = {kind: next(iter(values), None) for kind, values in found.items()}
+    return Blob(camera, grid, first[TYPE_REMAP], first[TYPE_QUALITY], first[TYPE_START],
+                tuple(found[TYPE_REMAP][1:]), first[TYPE_LINE_POINTS], first[TYPE_MASK],
+                first[TYPE_UNCERTAINTY])
 
 
 def sections(data: bytes, table: list[Entry], wanted: int) -> Iterator[bytes]:
@@ -554,6 +603,49 @@ def read_start(section: bytes) -> ProjectionStart:
     return dataclasses.replace(start, vertices=tuple(struct.iter_unpack("<hh", array)))
 
 
+def read_line_points(section: bytes, grid: CentralGrid) -> tuple[tuple[int, int, int], ...]:
+    """Line points (type 5)."""
+    bits, reserved, data_offset = unpack_fields(LINE_POINTS, section, "line points")
+    require(bits == LINE_POINT_BITS, "RG_ERR_LINE_POINT", f"fraction_bits is {bits}")
+    require(reserved == 0, "RG_ERR_RESERVED", "the reserved field of the line points is not 0")
+    check_data_offset(data_offset, LINE_POINTS, "line points")
+    array = array_bytes(section, data_offset, 12 * grid.columns * grid.rows, "line points")
+    points = tuple(struct.iter_unpack("<iii", array))
+    for index, point in enumerate(points):
+        require(max(map(abs, point)) <= LINE_POINT_LIMIT, "RG_ERR_LINE_POINT",
+                f"line point {index} is {point}")
+    return points
+
+
+def read_valid_mask(section: bytes, camera: Camera) -> Mask:
+    """Validity mask (type 6)."""
+    columns, rows, log2, reserved_5, reserved_6, data_offset = unpack_fields(
+        MASK, section, "mask")
+    require(reserved_5 == 0 and reserved_6 == 0, "RG_ERR_RESERVED",
+            "a reserved field of the mask is not 0")
+    require(log2 in MASK_CELL_LOG2S and columns == ceil_divide(camera.width, 1 << log2)
+            and rows == ceil_divide(camera.height, 1 << log2), "RG_ERR_MASK",
+            f"the mask has {columns} x {rows} cells of 2^{log2} px")
+    check_data_offset(data_offset, MASK, "mask")
+    array = array_bytes(section, data_offset, mask_size(columns * rows), "mask")
+    return Mask(columns, rows, log2, read_mask(array, columns * rows))
+
+
+def read_uncertainty(section: bytes, grid: CentralGrid) -> Uncertainty:
+    """Uncertainty (type 7)."""
+    columns, rows, *scales, data_offset = unpack_fields(UNCERTAINTY, section, "uncertainty")
+    found = Uncertainty(columns, rows, ())
+    require(columns in UNCERTAINTY_COUNTS and rows in UNCERTAINTY_COUNTS
+            and found.scales(grid) == tuple(scales), "RG_ERR_UNCERTAINTY",
+            f"there are {columns} x {rows} uncertainties, scales {scales}")
+    check_data_offset(data_offset, UNCERTAINTY, "uncertainty")
+    count = columns * rows
+    array = array_bytes(section, data_offset, ceil_divide(count, 2) * 4, "uncertainty")
+    values = struct.unpack(f"<{len(array) // 2}H", array)
+    require(not any(values[count:]), "RG_ERR_RESERVED", "the padding is not 0")
+    return dataclasses.replace(found, values=values[:count])
+
+
 # Un-projection
 
 
@@ -597,6 +689,21 @@ def chart_position(grid: CentralGrid, across: tuple[int, float],
             a += weight_down * weight_across * point[0]
             b += weight_down * weight_across * point[1]
     return a / 2**FRACTION_BITS, b / 2**FRACTION_BITS
+
+
+def line_point(blob: Blob, x_px: float, y_px: float) -> tuple[float, ...] | None:
+    """Line points: the point of a pixel's line in metres, None outside the area."""
+    grid = blob.grid
+    across = locate(x_px, grid.x0, grid.x1, grid.scale_x, grid.columns)
+    down = locate(y_px, grid.y0, grid.y1, grid.scale_y, grid.rows)
+    if across is None or down is None or blob.line_points is None:
+        return None
+    (i, t), (j, s) = across, down
+    return tuple(sum(weight_down * weight_across
+                     * blob.line_points[(j + m) * grid.columns + i + n][axis]
+                     for m, weight_down in enumerate(basis(s))
+                     for n, weight_across in enumerate(basis(t))) / 2**LINE_POINT_BITS
+                 for axis in range(3))
 
 
 def direction(a: float, b: float) -> tuple[float, float, float]:
@@ -841,6 +948,12 @@ def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
         yield TYPE_REMAP, pack_remap(remap)
     if blob.quality is not None:
         yield TYPE_QUALITY, QUALITY.pack(*dataclasses.astuple(blob.quality))
+    if blob.line_points is not None:
+        yield TYPE_LINE_POINTS, pack_line_points(blob.line_points)
+    if blob.mask is not None:
+        yield TYPE_MASK, pack_valid_mask(blob.mask)
+    if blob.uncertainty is not None:
+        yield TYPE_UNCERTAINTY, pack_uncertainty(blob.uncertainty, blob.grid)
     if blob.start is not None:
         yield TYPE_START, pack_start(blob.start)
 
@@ -898,6 +1011,25 @@ def pack_remap(remap: Remap) -> bytes:
     return fields + pack_pairs("<hh", remap.vertices) + pack_mask(remap.empty_blocks)
 
 
+def pack_line_points(points: tuple[tuple[int, int, int], ...]) -> bytes:
+    """Line points (type 5)."""
+    return LINE_POINTS.pack(LINE_POINT_BITS, 0, LINE_POINTS.size) + pack_pairs("<iii", points)
+
+
+def pack_valid_mask(mask: Mask) -> bytes:
+    """Validity mask (type 6)."""
+    fields = MASK.pack(mask.columns, mask.rows, mask.cell_log2, 0, 0, MASK.size)
+    return fields + pack_mask(mask.bits)
+
+
+def pack_uncertainty(uncertainty: Uncertainty, grid: CentralGrid) -> bytes:
+    """Uncertainty (type 7)."""
+    fields = UNCERTAINTY.pack(uncertainty.columns, uncertainty.rows,
+                              *uncertainty.scales(grid), UNCERTAINTY.size)
+    values = uncertainty.values + (0,) * (len(uncertainty.values) % 2)
+    return fields + struct.pack(f"<{len(values)}H", *values)
+
+
 def pack_start(start: ProjectionStart) -> bytes:
     """Projection start (type 9)."""
     fields = START.pack(start.a0, start.b0, start.a1, start.b1, start.columns, start.rows,
@@ -926,9 +1058,9 @@ def field_lines(title: str, record: object) -> Iterator[str]:
     yield f"{title}:"
     for field in dataclasses.fields(record):
         value = getattr(record, field.name)
-        if field.name in ("control_points", "vertices"):
-            value = f"{len(value)} pairs"
-        elif field.name == "empty_blocks":
+        if field.name in ("control_points", "vertices", "values"):
+            value = f"{len(value)}"
+        elif field.name in ("empty_blocks", "bits"):
             value = f"{sum(value)} of {len(value)}"
         yield f"  {field.name}: {value}"
 
@@ -956,8 +1088,12 @@ def inspect_lines(data: bytes) -> Iterator[str]:
         yield from derived_lines(remap, ("columns", "rows"))
     if blob.quality is not None:
         yield from field_lines("quality", blob.quality)
-    if blob.start is not None:
-        yield from field_lines("projection start", blob.start)
+    if blob.line_points is not None:
+        yield f"line_points: {len(blob.line_points)}"
+    for title, section in (("mask", blob.mask), ("uncertainty", blob.uncertainty),
+                           ("projection start", blob.start)):
+        if section is not None:
+            yield from field_lines(title, section)
 
 
 def hexdump_lines(data: bytes) -> Iterator[str]:

@@ -23,9 +23,25 @@ static uint32_t start_size(const rg_start_section* start) {
   return RG_START_FIELDS_SIZE + 4 * (uint32_t)start->columns * start->rows;
 }
 
+static uint32_t line_points_size(const rg_grid_section* grid) {
+  return RG_LINE_POINTS_FIELDS_SIZE + 12 * (uint32_t)grid->columns * grid->rows;
+}
+
+static uint32_t valid_mask_size(const rg_mask_section* mask) {
+  const uint32_t num_cells = (uint32_t)mask->columns * mask->rows;
+  return RG_MASK_FIELDS_SIZE + (num_cells + 31) / 32 * 4;
+}
+
+static uint32_t uncertainty_size(const rg_uncertainty_section* uncertainty) {
+  const uint32_t count = (uint32_t)uncertainty->columns * uncertainty->rows;
+  return RG_UNCERTAINTY_FIELDS_SIZE + (count + 1) / 2 * 4;
+}
+
 static uint32_t num_sections(const rg_blob_contents* contents) {
   return 2u + (contents->remap != 0) + contents->num_more_remaps +
-         (contents->quality != 0) + (contents->start != 0);
+         (contents->quality != 0) + (contents->line_points_q28 != 0) +
+         (contents->mask != 0) + (contents->uncertainty != 0) +
+         (contents->start != 0);
 }
 
 uint32_t rg_blob_size(const rg_blob_contents* contents) {
@@ -36,6 +52,9 @@ uint32_t rg_blob_size(const rg_blob_contents* contents) {
   for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
     size += rg_remap_section_size(contents->more_remaps[k].section);
   if (contents->quality) size += RG_QUALITY_SIZE;
+  if (contents->line_points_q28) size += line_points_size(contents->grid);
+  if (contents->mask) size += valid_mask_size(contents->mask);
+  if (contents->uncertainty) size += uncertainty_size(contents->uncertainty);
   if (contents->start) size += start_size(contents->start);
   return size;
 }
@@ -132,6 +151,41 @@ static void write_start(const rg_start_section* start, const int16_t* vertices,
     rg_store_u16(section + RG_START_FIELDS_SIZE + 2 * i, (uint16_t)vertices[i]);
 }
 
+static void write_line_points(const rg_grid_section* grid,
+                              const int32_t* points, uint8_t* section) {
+  rg_store_u16(section, RG_LINE_POINT_BITS);
+  rg_store_u16(section + 2, 0);
+  rg_store_u32(section + 4, RG_LINE_POINTS_FIELDS_SIZE);
+  const uint32_t count = 3 * (uint32_t)grid->columns * grid->rows;
+  for (uint32_t i = 0; i < count; ++i)
+    rg_store_i32(section + RG_LINE_POINTS_FIELDS_SIZE + 4 * i, points[i]);
+}
+
+static void write_mask(const rg_mask_section* mask, uint8_t* section) {
+  rg_store_u16(section, mask->columns);
+  rg_store_u16(section + 2, mask->rows);
+  section[4] = mask->cell_log2;
+  section[5] = 0;
+  rg_store_u16(section + 6, 0);
+  rg_store_u32(section + 8, RG_MASK_FIELDS_SIZE);
+  memcpy(section + RG_MASK_FIELDS_SIZE, mask->bits,
+         valid_mask_size(mask) - RG_MASK_FIELDS_SIZE);
+}
+
+static void write_uncertainty(const rg_uncertainty_section* uncertainty,
+                              const uint16_t* values_q12, uint8_t* section) {
+  rg_store_u16(section, uncertainty->columns);
+  rg_store_u16(section + 2, uncertainty->rows);
+  rg_store_u32(section + 4, uncertainty->scale_x_q32);
+  rg_store_u32(section + 8, uncertainty->scale_y_q32);
+  rg_store_u32(section + 12, RG_UNCERTAINTY_FIELDS_SIZE);
+  const uint32_t count = (uint32_t)uncertainty->columns * uncertainty->rows;
+  uint8_t* const data = section + RG_UNCERTAINTY_FIELDS_SIZE;
+  for (uint32_t i = 0; i < count; ++i)
+    rg_store_u16(data + 2 * i, values_q12[i]);
+  if (count % 2 != 0) rg_store_u16(data + 2 * count, 0);
+}
+
 typedef struct section_writer {
   uint8_t* bytes;
   uint8_t* entry;
@@ -158,6 +212,27 @@ static void begin_remap(const rg_remap_section* remap, const int16_t* residuals,
       begin_section(writer, RG_SECTION_REMAP, 0, rg_remap_section_size(remap)));
 }
 
+/* Those of version 1.1. */
+static void write_new_sections(const rg_blob_contents* contents,
+                               section_writer* writer) {
+  if (contents->line_points_q28)
+    write_line_points(
+        contents->grid, contents->line_points_q28,
+        begin_section(writer, RG_SECTION_LINE_POINTS, RG_SECTION_CRITICAL,
+                      line_points_size(contents->grid)));
+  if (contents->mask)
+    write_mask(contents->mask, begin_section(writer, RG_SECTION_MASK, 0,
+                                             valid_mask_size(contents->mask)));
+  if (contents->uncertainty)
+    write_uncertainty(contents->uncertainty, contents->uncertainties_q12,
+                      begin_section(writer, RG_SECTION_UNCERTAINTY, 0,
+                                    uncertainty_size(contents->uncertainty)));
+  if (contents->start)
+    write_start(contents->start, contents->start_vertices,
+                begin_section(writer, RG_SECTION_START, 0,
+                              start_size(contents->start)));
+}
+
 static void write_sections(const rg_blob_contents* contents,
                            section_writer* writer) {
   write_camera(contents->camera,
@@ -174,15 +249,15 @@ static void write_sections(const rg_blob_contents* contents,
   if (contents->quality)
     write_quality(contents->quality, begin_section(writer, RG_SECTION_QUALITY,
                                                    0, RG_QUALITY_SIZE));
-  if (contents->start)
-    write_start(contents->start, contents->start_vertices,
-                begin_section(writer, RG_SECTION_START, 0,
-                              start_size(contents->start)));
+  write_new_sections(contents, writer);
 }
 
 /* The lowest minor version that has what the blob uses. */
 static uint16_t minor_version(const rg_blob_contents* contents) {
-  return contents->start ? 1 : 0;
+  return contents->start || contents->line_points_q28 || contents->mask ||
+                 contents->uncertainty
+             ? 1
+             : 0;
 }
 
 static void write_header(uint8_t* bytes, uint16_t minor, uint32_t size,
@@ -231,6 +306,13 @@ static rg_status check_counts(const rg_blob_contents* contents) {
   if (contents->start && (contents->start->columns > RG_MAX_START_SIZE ||
                           contents->start->rows > RG_MAX_START_SIZE))
     return RG_ERR_START_GRID;
+  if (contents->mask && (contents->mask->columns > RG_MAX_IMAGE_SIZE / 4 ||
+                         contents->mask->rows > RG_MAX_IMAGE_SIZE / 4))
+    return RG_ERR_MASK;
+  if (contents->uncertainty &&
+      (contents->uncertainty->columns > RG_MAX_UNCERTAINTY_SIZE ||
+       contents->uncertainty->rows > RG_MAX_UNCERTAINTY_SIZE))
+    return RG_ERR_UNCERTAINTY;
   return RG_OK;
 }
 
@@ -251,7 +333,9 @@ static int is_complete(const rg_blob_contents* contents) {
     if (!has_arrays(contents->more_remaps[k].section,
                     contents->more_remaps[k].residuals))
       return 0;
-  return !contents->start || contents->start_vertices;
+  return (!contents->start || contents->start_vertices) &&
+         (!contents->mask || contents->mask->bits) &&
+         (!contents->uncertainty || contents->uncertainties_q12);
 }
 
 rg_status rg_blob_write(const rg_blob_contents* contents, void* buffer,

@@ -68,6 +68,12 @@ const char* rg_status_text(rg_status status) {
       return "chart rectangle of the projection start out of range";
     case RG_ERR_START_GRID:
       return "vertices or scale of the projection start out of range";
+    case RG_ERR_LINE_POINT:
+      return "line point or its number format out of range";
+    case RG_ERR_MASK:
+      return "cells of the validity mask out of range";
+    case RG_ERR_UNCERTAINTY:
+      return "values or scale of the uncertainty out of range";
     case RG_ERR_OUTSIDE_AREA:
       return "pixel lies outside the calibrated area";
     case RG_ERR_NO_REMAP:
@@ -82,6 +88,10 @@ const char* rg_status_text(rg_status status) {
       return "unknown pixel format, border or sampling";
     case RG_ERR_ROWS_MISSING:
       return "the ring of rows lacks rows that the band needs";
+    case RG_ERR_NONCENTRAL:
+      return "the camera is not central: it has lines, not rays";
+    case RG_ERR_UNKNOWN:
+      return "the blob does not say";
   }
   return "unknown status";
 }

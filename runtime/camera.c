@@ -18,7 +18,8 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
   camera->blob = blob.bytes;
   camera->control_points = grid.control_points;
   camera->remap = blob.remap ? blob.bytes + blob.remap : 0;
-  camera->start = blob.start ? blob.bytes + blob.start : 0;
+  camera->start = blob.start;
+  camera->line_points = blob.line_points;
   camera->x0_q16 = grid.x0_q16;
   camera->y0_q16 = grid.y0_q16;
   camera->x1_q16 = grid.x1_q16;

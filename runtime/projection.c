@@ -158,7 +158,7 @@ static int find_start(const rg_camera* camera, const rg_chart_point* target,
     pixel->y_q16 = camera->y0_q16 + (camera->y1_q16 - camera->y0_q16) / 2;
     return 1;
   }
-  if (!look_up_start(camera->start, target, pixel)) return 0;
+  if (!look_up_start(camera->blob + camera->start, target, pixel)) return 0;
   move_pixel(camera, stay, pixel);
   return 1;
 }
@@ -214,8 +214,10 @@ rg_status rg_project(const rg_camera* camera, const rg_ray* direction,
                      rg_pixel* pixel) {
   rg_chart_point target;
   rg_pixel found;
-  const int32_t limit_q30 =
-      camera->start ? rg_load_i32(camera->start + 28) : -(INT32_C(1) << 30);
+  if (camera->line_points) return RG_ERR_NONCENTRAL;
+  const int32_t limit_q30 = camera->start
+                                ? rg_load_i32(camera->blob + camera->start + 28)
+                                : -(INT32_C(1) << 30);
   if (!rg_chart_point_of(direction, limit_q30, &target) ||
       !find_start(camera, &target, &found) || !solve(camera, &target, &found))
     return RG_ERR_NOT_SEEN;

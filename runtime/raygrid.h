@@ -35,7 +35,7 @@ typedef struct rg_camera {
   const uint8_t* blob;
   const uint8_t* control_points; /* i32 q29 pairs in the blob */
   const uint8_t* remap;          /* the remap section in use, or NULL */
-  const uint8_t* start;          /* the projection start section, or NULL */
+  uint32_t start, line_points;   /* offsets of sections in the blob, or 0 */
   int32_t x0_q16, y0_q16, x1_q16, y1_q16;
   uint32_t scale_x_q32, scale_y_q32;
   uint16_t columns, rows;
@@ -67,9 +67,33 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
  *
  * RG_OK                done
  * RG_ERR_OUTSIDE_AREA  pixel lies outside the calibrated area
+ * RG_ERR_NONCENTRAL    the camera has lines, not rays: rg_unproject_line()
  *
  * No loop depends on the data; cost per core in runtime/README.md. */
 rg_status rg_unproject(const rg_camera* camera, rg_pixel pixel, rg_ray* ray);
+
+/* A line in space: from the point, in metres, along the direction. */
+typedef struct rg_line {
+  int32_t point_q28[3]; /* x, y, z in camera axes */
+  rg_ray direction;
+} rg_line;
+
+/* rg_unproject() for any camera: the line that an image position sees. The
+ * point of a central camera is (0, 0, 0).
+ *
+ * line  point within 2e-8 m of the B-spline; written only when RG_OK is
+ *       returned. RG_ERR_OUTSIDE_AREA as above. */
+rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
+                            rg_line* line);
+
+/* 1 if the pixel lies in the calibrated area, and in a part of it that the
+ * blob's mask, if there is one, calls valid. */
+int rg_is_valid(const rg_camera* camera, rg_pixel pixel);
+
+/* The standard deviation of projection at a pixel, in q12 pixels.
+ * RG_ERR_UNKNOWN where the blob does not say, RG_ERR_OUTSIDE_AREA. */
+rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
+                         uint16_t* pixels_q12);
 
 /* rg_unproject() for num_pixels pixels. Rays outside the area become (0, 0, 0).
  * Returns how many pixels lay inside. */
@@ -87,6 +111,7 @@ uint32_t rg_unproject_batch(const rg_camera* camera, const rg_pixel* pixels,
  *
  * RG_OK                done
  * RG_ERR_NOT_SEEN      no pixel of the calibrated area looks there
+ * RG_ERR_NONCENTRAL    the camera is not central: not supported
  *
  * Where the surface folds, one of the pixels that look there. */
 rg_status rg_project(const rg_camera* camera, const rg_ray* direction,

@@ -4,38 +4,50 @@
 #include "bytes.h"
 #include "fixed_point.h"
 
-/* The first coordinate of four control points, weighted: q60, below 4. */
-static int64_t sum_row(const uint8_t* points, const int32_t weights_q31[4]) {
+/* The first coordinate of four control points that lie step bytes apart,
+ * weighted: q31 more than theirs. */
+static int64_t sum_row(const uint8_t* points, uint32_t step,
+                       const int32_t weights_q31[4]) {
   return rg_product(rg_load_i32(points), weights_q31[0]) +
-         rg_product(rg_load_i32(points + 8), weights_q31[1]) +
-         rg_product(rg_load_i32(points + 16), weights_q31[2]) +
-         rg_product(rg_load_i32(points + 24), weights_q31[3]);
+         rg_product(rg_load_i32(points + step), weights_q31[1]) +
+         rg_product(rg_load_i32(points + 2 * step), weights_q31[2]) +
+         rg_product(rg_load_i32(points + 3 * step), weights_q31[3]);
 }
 
-/* The first of the 16 control points around a position. */
-static const uint8_t* first_point(const rg_camera* camera,
-                                  const rg_cell_position cells[2]) {
-  return camera->control_points +
-         8u * (cells[1].cell * camera->columns + cells[0].cell);
-}
-
-void rg_surface_position(const rg_camera* camera, rg_pixel pixel,
-                         rg_chart_point* position) {
+/* The surface of num_coordinates coordinates of points in q29 (or of their
+ * magnitude), in q28. */
+static void interpolate(const rg_camera* camera, rg_pixel pixel,
+                        const uint8_t* points, uint32_t num_coordinates,
+                        int32_t* sums_q28) {
   rg_cell_position cells[2];
   rg_find_cells(camera, pixel, cells);
   int32_t wx_q31[4], wy_q31[4];
   rg_bspline_weights(cells[0].t_q32, wx_q31);
   rg_bspline_weights(cells[1].t_q32, wy_q31);
-  const uint32_t row_bytes = 8u * camera->columns;
-  const uint8_t* const first = first_point(camera, cells);
-  for (int c = 0; c < 2; ++c) {
-    const uint8_t* points = first + 4 * c;
+  const uint32_t step = 4 * num_coordinates;
+  const uint32_t row_bytes = step * camera->columns;
+  points += cells[1].cell * row_bytes + cells[0].cell * step;
+  for (uint32_t c = 0; c < num_coordinates; ++c, points += 4) {
+    const uint8_t* row = points;
     int32_t sum_q28 = 0;
-    for (int j = 0; j < 4; ++j, points += row_bytes)
+    for (int j = 0; j < 4; ++j, row += row_bytes)
       sum_q28 = rg_multiply_high_add(
-          sum_q28, 2 * rg_upper_word(sum_row(points, wx_q31)), wy_q31[j]);
-    position->q28[c] = sum_q28;
+          sum_q28, 2 * rg_upper_word(sum_row(row, step, wx_q31)), wy_q31[j]);
+    sums_q28[c] = sum_q28;
   }
+}
+
+void rg_surface_position(const rg_camera* camera, rg_pixel pixel,
+                         rg_chart_point* position) {
+  interpolate(camera, pixel, camera->control_points, 2, position->q28);
+}
+
+/* Points in q28 instead of q29: sums in q27. */
+void rg_surface_line_point(const rg_camera* camera, rg_pixel pixel,
+                           int32_t point_q28[3]) {
+  const uint8_t* const section = camera->blob + camera->line_points;
+  interpolate(camera, pixel, section + rg_load_u32(section + 4), 3, point_q28);
+  for (int c = 0; c < 3; ++c) point_q28[c] *= 2;
 }
 
 /* Weights and slopes on both axes. */
@@ -51,8 +63,10 @@ static void sum_coordinate(const tangent_weights* weights,
   sums[0] = sums[1] = sums[2] = 0;
   for (int j = 0; j < 4; ++j, points += row_bytes) {
     /* Below 4, and below 6: the slopes' magnitudes sum to at most 3/2. */
-    const int32_t value_q28 = rg_upper_word(sum_row(points, weights->wx_q31));
-    const int32_t slope_q28 = rg_upper_word(sum_row(points, weights->sx_q31));
+    const int32_t value_q28 =
+        rg_upper_word(sum_row(points, 8, weights->wx_q31));
+    const int32_t slope_q28 =
+        rg_upper_word(sum_row(points, 8, weights->sx_q31));
     const int32_t weight_q31 = weights->wy_q31[j];
     sums[0] = rg_multiply_high_add(sums[0], 2 * value_q28, weight_q31);
     sums[1] = rg_multiply_high_add(sums[1], slope_q28, weight_q31);
@@ -73,7 +87,8 @@ static const uint8_t* find_weights(const rg_camera* camera, rg_pixel pixel,
   rg_bspline_weights(cells[1].t_q32, weights->wy_q31);
   rg_bspline_slopes(cells[0].t_q32, weights->sx_q31);
   rg_bspline_slopes(cells[1].t_q32, weights->sy_q31);
-  return first_point(camera, cells);
+  return camera->control_points +
+         8u * (cells[1].cell * camera->columns + cells[0].cell);
 }
 
 void rg_surface_tangent(const rg_camera* camera, rg_pixel pixel,

@@ -45,6 +45,10 @@ static inline int rg_is_in_area(const rg_camera* camera, rg_pixel pixel) {
 void rg_surface_position(const rg_camera* camera, rg_pixel pixel,
                          rg_chart_point* position);
 
+/* The line's point of a pixel of the area; the camera must have line points. */
+void rg_surface_line_point(const rg_camera* camera, rg_pixel pixel,
+                           int32_t point_q28[3]);
+
 /* by_pixel[i][j]: of chart coordinate i by pixel coordinate j, in q26 per
  * pixel. */
 typedef struct rg_tangent {

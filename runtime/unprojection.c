@@ -3,10 +3,24 @@
 #include "surface.h"
 
 rg_status rg_unproject(const rg_camera* camera, rg_pixel pixel, rg_ray* ray) {
+  if (camera->line_points) return RG_ERR_NONCENTRAL;
   if (!rg_is_in_area(camera, pixel)) return RG_ERR_OUTSIDE_AREA;
   rg_chart_point point;
   rg_surface_position(camera, pixel, &point);
   rg_direction_of(&point, ray);
+  return RG_OK;
+}
+
+rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
+                            rg_line* line) {
+  if (!rg_is_in_area(camera, pixel)) return RG_ERR_OUTSIDE_AREA;
+  rg_chart_point point;
+  rg_surface_position(camera, pixel, &point);
+  rg_direction_of(&point, &line->direction);
+  if (camera->line_points)
+    rg_surface_line_point(camera, pixel, line->point_q28);
+  else
+    line->point_q28[0] = line->point_q28[1] = line->point_q28[2] = 0;
   return RG_OK;
 }
 

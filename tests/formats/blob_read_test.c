@@ -47,7 +47,7 @@ static const field_fault kFieldFaults[] = {
     {"grid not critical", ENTRY(1) + 2, 2, 0, RG_ERR_SECTION_FLAGS},
     {"remap critical", ENTRY(2) + 2, 2, 1, RG_ERR_SECTION_FLAGS},
     {"quality critical", ENTRY(3) + 2, 2, 1, RG_ERR_SECTION_FLAGS},
-    {"unknown critical section", ENTRY(0), 2, 5, RG_ERR_SECTION_UNKNOWN},
+    {"unknown critical section", ENTRY(0), 2, 77, RG_ERR_SECTION_UNKNOWN},
     {"two cameras", ENTRY(1), 2, 1, RG_ERR_SECTION_DUPLICATE},
     {"two grids", ENTRY(0), 2, 2, RG_ERR_SECTION_DUPLICATE},
     {"two qualities", ENTRY(2), 2, 4, RG_ERR_SECTION_DUPLICATE},

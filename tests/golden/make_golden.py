@@ -288,7 +288,38 @@ def make_wide() -> reference.Blob:
                   bound_upx=4000000))
     first, second = (make_remap(blob, lens, view) for view in views)
     return dataclasses.replace(blob, start=make_start(blob, lens, (13, 11)),
-                               remap=first, more_remaps=(second,))
+                               remap=first, more_remaps=(second,), mask=make_mask(),
+                               uncertainty=make_uncertainty())
+
+
+def make_mask() -> reference.Mask:
+    """Cells of 32 px of make_wide(): valid but for two corners."""
+    return reference.Mask(10, 8, 5, tuple(3 < i + j < 13 for j in range(8) for i in range(10)))
+
+
+def make_uncertainty() -> reference.Uncertainty:
+    """Values of make_wide() that grow to the right and downwards; the last is not known."""
+    values = [40 + 3 * i * i + 7 * j for j in range(3) for i in range(5)]
+    return reference.Uncertainty(5, 3, (*values[:-1], reference.UNKNOWN_UNCERTAINTY))
+
+
+def make_lines(example: reference.Blob) -> reference.Blob:
+    """The example's camera with points up to 5 cm from its centre, and two of
+    the largest."""
+    lcg = Lcg(3)
+    points = [tuple((lcg.next() - (1 << 31)) * 5 // 100 >> 3 for _ in range(3))
+              for _ in range(16)]
+    limit = reference.LINE_POINT_LIMIT
+    points[5], points[15] = (limit, -limit, limit), (-limit, -limit, limit)
+    return dataclasses.replace(example, remap=None, quality=None, line_points=tuple(points))
+
+
+def line_lines(blob: reference.Blob) -> Iterator[str]:
+    """Entries of a table of pixels and their lines' points, q28."""
+    for x, y in golden_pixels(blob.grid)[:40]:
+        point = reference.line_point(blob, x / Q16, y / Q16)
+        if point is not None:
+            yield table_line((x, y), [round(value * Q28) for value in point])
 
 
 # 1.92 rad or 110 degrees at the middle of the left and right edge.
@@ -662,6 +693,13 @@ def header_lines(example: reference.Blob, lens: reference.Blob,
     yield "/* q16 pixels of kWideBlob, or INT32_MIN, of directions of any length. */"
     yield "static const golden_ray kWideProjections[] = {"
     yield from projection_lines(wide, WIDE_LENS)
+    yield "};"
+    yield ""
+    yield "/* A non-central camera. */"
+    yield from blob_lines("kLinesBlob", reference.serialize(make_lines(example)))
+    yield "/* q16 pixels of kLinesBlob, and their lines' points in q28. */"
+    yield "static const golden_ray kLinePoints[] = {"
+    yield from line_lines(make_lines(example))
     yield "};"
     yield ""
     yield "/* Frames of each rg_format undistorted with kWideBlob: border of"

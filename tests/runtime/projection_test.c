@@ -164,7 +164,7 @@ static void surfaces_of_noise_give_no_wrong_pixel(void** state) {
     repair_crcs(blob, sizeof(blob));
     rg_camera camera;
     assert_int_equal(rg_camera_open(&camera, blob, sizeof(blob)), RG_OK);
-    if (round % 2) camera.start = NULL;
+    if (round % 2) camera.start = 0;
     for (uint32_t i = 0; i < 40; ++i) {
       const rg_ray ray = {(int32_t)next_random(&random) >> (round % 20),
                           (int32_t)next_random(&random) >> (round % 20),
