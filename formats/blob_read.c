@@ -53,28 +53,19 @@ static rg_status check_section_table(const uint8_t* bytes) {
   return RG_OK;
 }
 
-/* Where a section of that type is noted; NULL for an unknown type. */
+/* Where a section of that type is noted; NULL for an unknown type. Not a
+ * switch: Armv6-M compilers would call their library for it. */
 static uint32_t* find_note(uint32_t type, rg_blob* blob) {
-  switch (type) {
-    case RG_SECTION_CAMERA:
-      return &blob->camera;
-    case RG_SECTION_CENTRAL_GRID:
-      return &blob->grid;
-    case RG_SECTION_REMAP:
-      return &blob->remap;
-    case RG_SECTION_QUALITY:
-      return &blob->quality;
-    case RG_SECTION_LINE_POINTS:
-      return &blob->line_points;
-    case RG_SECTION_MASK:
-      return &blob->mask;
-    case RG_SECTION_UNCERTAINTY:
-      return &blob->uncertainty;
-    case RG_SECTION_START:
-      return &blob->start;
-    default:
-      return 0;
-  }
+  uint32_t* note = 0;
+  if (type == RG_SECTION_CAMERA) note = &blob->camera;
+  if (type == RG_SECTION_CENTRAL_GRID) note = &blob->grid;
+  if (type == RG_SECTION_REMAP) note = &blob->remap;
+  if (type == RG_SECTION_QUALITY) note = &blob->quality;
+  if (type == RG_SECTION_LINE_POINTS) note = &blob->line_points;
+  if (type == RG_SECTION_MASK) note = &blob->mask;
+  if (type == RG_SECTION_UNCERTAINTY) note = &blob->uncertainty;
+  if (type == RG_SECTION_START) note = &blob->start;
+  return note;
 }
 
 /* Notes where the section lies; of remap tables, the first. */
@@ -102,22 +93,16 @@ static rg_status check_section(const uint8_t* entry, const rg_blob* blob) {
   const uint32_t size = rg_load_u32(entry + 8);
   const uint8_t* camera = blob->bytes + blob->camera;
   const uint8_t* grid = blob->bytes + blob->grid;
-  switch (rg_load_u16(entry)) {
-    case RG_SECTION_REMAP:
-      return rg_check_remap(section, size, camera);
-    case RG_SECTION_QUALITY:
-      return rg_check_quality(section, size);
-    case RG_SECTION_LINE_POINTS:
-      return rg_check_line_points(section, size, grid);
-    case RG_SECTION_MASK:
-      return rg_check_mask(section, size, camera);
-    case RG_SECTION_UNCERTAINTY:
-      return rg_check_uncertainty(section, size, grid);
-    case RG_SECTION_START:
-      return rg_check_start(section, size);
-    default:
-      return RG_OK;
-  }
+  const uint32_t type = rg_load_u16(entry);
+  if (type == RG_SECTION_REMAP) return rg_check_remap(section, size, camera);
+  if (type == RG_SECTION_QUALITY) return rg_check_quality(section, size);
+  if (type == RG_SECTION_LINE_POINTS)
+    return rg_check_line_points(section, size, grid);
+  if (type == RG_SECTION_MASK) return rg_check_mask(section, size, camera);
+  if (type == RG_SECTION_UNCERTAINTY)
+    return rg_check_uncertainty(section, size, grid);
+  if (type == RG_SECTION_START) return rg_check_start(section, size);
+  return RG_OK;
 }
 
 static rg_status find_and_check_sections(rg_blob* blob) {

@@ -53,16 +53,11 @@ uint32_t rg_plane_row_bytes(const rg_lattice* lattice, uint32_t width) {
   const uint32_t num_samples =
       (width >> lattice->log2_x) * lattice->sample_step;
   if ((width & ((1u << lattice->log2_x) - 1)) != 0) return 0;
-  switch (lattice->kind) {
-    case RG_SAMPLE_8:
-      return num_samples;
-    case RG_SAMPLE_16:
-      return 2 * num_samples;
-    case RG_SAMPLE_10P:
-      return num_samples % 4 != 0 ? 0 : num_samples / 4 * 5;
-    default:
-      return num_samples % 2 != 0 ? 0 : num_samples / 2 * 3;
-  }
+  if (lattice->kind == RG_SAMPLE_8) return num_samples;
+  if (lattice->kind == RG_SAMPLE_16) return 2 * num_samples;
+  if (lattice->kind == RG_SAMPLE_10P)
+    return num_samples % 4 != 0 ? 0 : num_samples / 4 * 5;
+  return num_samples % 2 != 0 ? 0 : num_samples / 2 * 3;
 }
 
 /* Puts bits of a value into a byte. */
@@ -73,24 +68,19 @@ static void store_bits(uint8_t* byte, uint32_t shift, uint32_t mask,
 
 void rg_store_sample(uint32_t kind, uint8_t* row, uint32_t index,
                      uint32_t value) {
-  switch (kind) {
-    case RG_SAMPLE_8:
-      row[index] = (uint8_t)value;
-      break;
-    case RG_SAMPLE_16:
-      rg_store_u16(row + 2 * index, (uint16_t)value);
-      break;
-    case RG_SAMPLE_10P:
-      row += 5 * (index >> 2);
-      index &= 3;
-      row[index] = (uint8_t)(value >> 2);
-      store_bits(row + 4, 2 * index, 3, value);
-      break;
-    default:
-      row += 3 * (index >> 1);
-      index &= 1;
-      row[index] = (uint8_t)(value >> 4);
-      store_bits(row + 2, 4 * index, 15, value);
-      break;
+  if (kind == RG_SAMPLE_8) {
+    row[index] = (uint8_t)value;
+  } else if (kind == RG_SAMPLE_16) {
+    rg_store_u16(row + 2 * index, (uint16_t)value);
+  } else if (kind == RG_SAMPLE_10P) {
+    row += 5 * (index >> 2);
+    index &= 3;
+    row[index] = (uint8_t)(value >> 2);
+    store_bits(row + 4, 2 * index, 3, value);
+  } else {
+    row += 3 * (index >> 1);
+    index &= 1;
+    row[index] = (uint8_t)(value >> 4);
+    store_bits(row + 2, 4 * index, 15, value);
   }
 }

@@ -36,23 +36,20 @@ uint32_t rg_format_lattices(rg_format format, const rg_lattice** lattices);
  * whole number of lattice pixels or of packed groups. */
 uint32_t rg_plane_row_bytes(const rg_lattice* lattice, uint32_t width);
 
-/* Sample number index of a row. */
+/* Sample number index of a row. No switch: Armv6-M compilers would call their
+ * library for it. */
 static inline uint32_t rg_load_sample(uint32_t kind, const uint8_t* row,
                                       uint32_t index) {
-  switch (kind) {
-    case RG_SAMPLE_8:
-      return row[index];
-    case RG_SAMPLE_16:
-      return rg_load_u16(row + 2 * index);
-    case RG_SAMPLE_10P:
-      row += 5 * (index >> 2);
-      index &= 3;
-      return (uint32_t)row[index] << 2 | ((row[4] >> (2 * index)) & 3u);
-    default:
-      row += 3 * (index >> 1);
-      index &= 1;
-      return (uint32_t)row[index] << 4 | ((row[2] >> (4 * index)) & 15u);
+  if (kind == RG_SAMPLE_8) return row[index];
+  if (kind == RG_SAMPLE_16) return rg_load_u16(row + 2 * index);
+  if (kind == RG_SAMPLE_10P) {
+    row += 5 * (index >> 2);
+    index &= 3;
+    return (uint32_t)row[index] << 2 | ((row[4] >> (2 * index)) & 3u);
   }
+  row += 3 * (index >> 1);
+  index &= 1;
+  return (uint32_t)row[index] << 4 | ((row[2] >> (4 * index)) & 15u);
 }
 
 void rg_store_sample(uint32_t kind, uint8_t* row, uint32_t index,

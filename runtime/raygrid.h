@@ -125,6 +125,42 @@ uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
 /* A coordinate that no pixel has. */
 #define RG_NO_PIXEL INT32_MIN
 
+/* A sensor mode: how its frames lie in the frames that were calibrated. Its
+ * pixel (i, j), counted from the other side where flipped, covers the
+ * calibrated pixels from (offset + scale i) on, scale of them a side: a crop
+ * has scale 1, binning by two, or a scaler that halves, has scale 2. */
+typedef struct rg_mode {
+  uint16_t width, height;
+  int32_t offset_x_q16, offset_y_q16; /* calibrated pixels */
+  uint32_t scale_x_q16, scale_y_q16;  /* 1/64 to 64 */
+  uint8_t flip_x, flip_y;
+} rg_mode;
+
+/* A position in the mode's frames to one in calibrated frames, for
+ * rg_unproject(), and back from rg_project(); within 0.0001 px.
+ *
+ * RG_ERR_ARGUMENT  an impossible mode, or a position 16384 px away or more */
+rg_status rg_mode_to_calibrated(const rg_mode* mode, rg_pixel pixel,
+                                rg_pixel* calibrated);
+rg_status rg_mode_from_calibrated(const rg_mode* mode, rg_pixel calibrated,
+                                  rg_pixel* pixel);
+
+typedef enum rg_match_result {
+  RG_MATCH_EXACT,     /* frames are as calibrated */
+  RG_MATCH_DERIVABLE, /* positions are, through the mode; frames can not be
+                         remapped */
+  RG_MATCH_NONE       /* another camera, or not known how the frames lie */
+} rg_match_result;
+
+/* Whether a blob is for the frames at hand.
+ *
+ * mode    NULL: not known. Sizes alone do not tell crops from binning.
+ * width, height  of a frame
+ * serial  zero-terminated, or NULL: not known. A blob without a serial is for
+ *         any camera. */
+rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
+                         uint16_t width, uint16_t height, const char* serial);
+
 /* Makes the index-th remap table of the blob, counted from 0, the one in use;
  * after opening that is the first. RG_ERR_NO_REMAP, and no change, if there is
  * none. */
