@@ -1,3 +1,5 @@
+#include <stddef.h>
+
 #include "bytes.h"
 #include "crc32.h"
 #include "rg_blob.h"
@@ -53,19 +55,23 @@ static rg_status check_section_table(const uint8_t* bytes) {
   return RG_OK;
 }
 
-/* Where a section of that type is noted; NULL for an unknown type. Not a
- * switch: Armv6-M compilers would call their library for it. */
+/* Where the offset of a section of each type is noted. A table, since Armv6-M
+ * compilers would call their library for a switch. */
+static const uint8_t kNotes[] = {0,
+                                 offsetof(rg_blob, camera),
+                                 offsetof(rg_blob, grid),
+                                 offsetof(rg_blob, remap),
+                                 offsetof(rg_blob, quality),
+                                 offsetof(rg_blob, line_points),
+                                 offsetof(rg_blob, mask),
+                                 offsetof(rg_blob, uncertainty),
+                                 0,
+                                 offsetof(rg_blob, start)};
+
+/* NULL for an unknown type. */
 static uint32_t* find_note(uint32_t type, rg_blob* blob) {
-  uint32_t* note = 0;
-  if (type == RG_SECTION_CAMERA) note = &blob->camera;
-  if (type == RG_SECTION_CENTRAL_GRID) note = &blob->grid;
-  if (type == RG_SECTION_REMAP) note = &blob->remap;
-  if (type == RG_SECTION_QUALITY) note = &blob->quality;
-  if (type == RG_SECTION_LINE_POINTS) note = &blob->line_points;
-  if (type == RG_SECTION_MASK) note = &blob->mask;
-  if (type == RG_SECTION_UNCERTAINTY) note = &blob->uncertainty;
-  if (type == RG_SECTION_START) note = &blob->start;
-  return note;
+  if (type >= sizeof(kNotes) || kNotes[type] == 0) return 0;
+  return (uint32_t*)(void*)((uint8_t*)blob + kNotes[type]);
 }
 
 /* Notes where the section lies; of remap tables, the first. */
@@ -87,22 +93,28 @@ static rg_status find_section(const uint8_t* entry, rg_blob* blob) {
   return RG_OK;
 }
 
+static rg_status check_new_section(uint32_t type, const uint8_t* section,
+                                   uint32_t size, const rg_blob* blob) {
+  const uint8_t* grid = blob->bytes + blob->grid;
+  if (type == RG_SECTION_LINE_POINTS)
+    return rg_check_line_points(section, size, grid);
+  if (type == RG_SECTION_MASK)
+    return rg_check_mask(section, size, blob->bytes + blob->camera);
+  if (type == RG_SECTION_UNCERTAINTY)
+    return rg_check_uncertainty(section, size, grid);
+  return RG_OK;
+}
+
 /* All but the camera and the grid, which are checked first. */
 static rg_status check_section(const uint8_t* entry, const rg_blob* blob) {
   const uint8_t* section = blob->bytes + rg_load_u32(entry + 4);
   const uint32_t size = rg_load_u32(entry + 8);
-  const uint8_t* camera = blob->bytes + blob->camera;
-  const uint8_t* grid = blob->bytes + blob->grid;
   const uint32_t type = rg_load_u16(entry);
-  if (type == RG_SECTION_REMAP) return rg_check_remap(section, size, camera);
+  if (type == RG_SECTION_REMAP)
+    return rg_check_remap(section, size, blob->bytes + blob->camera);
   if (type == RG_SECTION_QUALITY) return rg_check_quality(section, size);
-  if (type == RG_SECTION_LINE_POINTS)
-    return rg_check_line_points(section, size, grid);
-  if (type == RG_SECTION_MASK) return rg_check_mask(section, size, camera);
-  if (type == RG_SECTION_UNCERTAINTY)
-    return rg_check_uncertainty(section, size, grid);
   if (type == RG_SECTION_START) return rg_check_start(section, size);
-  return RG_OK;
+  return check_new_section(type, section, size, blob);
 }
 
 static rg_status find_and_check_sections(rg_blob* blob) {

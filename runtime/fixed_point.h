@@ -70,11 +70,14 @@ static inline int32_t rg_upper_word(int64_t sum) {
   return (int32_t)((sum + INT64_C(0x80000000)) >> 32);
 }
 
-/* Inlining every function into its caller would add up their stacks. */
+/* Inlining every function into its caller would add up their stacks; the inner
+ * loops want it at any level of optimization. */
 #if defined(__GNUC__)
 #define RG_NOINLINE __attribute__((noinline))
+#define RG_INLINE inline __attribute__((always_inline))
 #else
 #define RG_NOINLINE
+#define RG_INLINE inline
 #endif
 
 /* |value|, 2^31 for the lowest. */

@@ -29,23 +29,31 @@ void rg_lattice_map_open(rg_lattice_map* map, const uint8_t* section,
 }
 
 /* Half-way between two rows of the image. */
-static RG_NOINLINE void average_rows(const uint8_t* section, uint32_t i,
-                                     uint32_t j, uint32_t r,
+static RG_NOINLINE void average_rows(const uint8_t* section,
+                                     const rg_block* block, uint32_t r,
                                      rg_block_row* row) {
   rg_block_row below;
-  rg_remap_block_row(section, i, j, r, row);
-  rg_remap_block_row(section, i, j, r + 1, &below);
+  rg_remap_block_row(section, block, r, row);
+  rg_remap_block_row(section, block, r + 1, &below);
   rg_remap_average_rows(section, &below, row);
 }
 
-void rg_lattice_block_row(const rg_lattice_map* map, uint32_t i, uint32_t j,
+rg_position rg_lattice_position(const rg_lattice* lattice,
+                                const rg_position* image_position) {
+  rg_position p;
+  for (int c = 0; c < 2; ++c)
+    p.q12[c] = to_lattice(lattice, c, image_position->q12[c], 1);
+  return p;
+}
+
+void rg_lattice_block_row(const rg_lattice_map* map, const rg_block* block,
                           uint32_t r, rg_lattice_row* row) {
   const rg_lattice* const lattice = map->lattice;
   const uint32_t image_r = r << lattice->log2_y;
   if (lattice->half_y == 1)
-    average_rows(map->section, i, j, image_r, &row->image_row);
+    average_rows(map->section, block, image_r, &row->image_row);
   else
-    rg_remap_block_row(map->section, i, j, image_r + lattice->half_y / 2,
+    rg_remap_block_row(map->section, block, image_r + lattice->half_y / 2,
                        &row->image_row);
   row->step.q12[0] = row->image_row.step.q12[0];
   row->step.q12[1] =
@@ -57,6 +65,7 @@ rg_position rg_lattice_segment(const rg_lattice_map* map,
   const rg_lattice* const lattice = map->lattice;
   rg_position p =
       rg_remap_segment(map->section, &row->image_row, k << lattice->log2_x);
+  if (lattice->log2_x == 0) return p; /* the image's own pixels */
   for (int c = 0; c < 2; ++c) {
     const int32_t step = row->image_row.step.q12[c];
     const int32_t offset = (lattice->half_x * step + 1) >> 1;

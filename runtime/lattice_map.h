@@ -27,9 +27,13 @@ typedef struct rg_lattice_row {
   rg_position step;
 } rg_lattice_row;
 
-/* Row r of block (i, j). */
-void rg_lattice_block_row(const rg_lattice_map* map, uint32_t i, uint32_t j,
+/* Row r of a block. */
+void rg_lattice_block_row(const rg_lattice_map* map, const rg_block* block,
                           uint32_t r, rg_lattice_row* row);
+
+/* An image position in lattice pixels. */
+rg_position rg_lattice_position(const rg_lattice* lattice,
+                                const rg_position* image_position);
 
 /* Position of pixel k of the row, which begins a segment or ends the row. */
 rg_position rg_lattice_segment(const rg_lattice_map* map,

@@ -18,13 +18,16 @@ typedef struct remap_job {
   uint16_t ring_start, ring_rows; /* rows from ring_start + ring_rows on wrap */
   uint8_t border, sampling;       /* rg_border, rg_sampling */
   const uint16_t* border_values;  /* of the lattice's channels */
-  uint8_t* out;                   /* the next row */
+  uint8_t* out;                   /* where the first row goes */
+  uint32_t out_stride;
 } remap_job;
 
-/* A row of a block, and where it goes. */
+/* A block, one row of it, and where that goes. */
 typedef struct block_target {
+  rg_block corners;
   rg_lattice_row row;
-  uint32_t first_pixel, num_pixels; /* of the output's row */
+  uint32_t first_pixel, num_pixels; /* of the output's rows */
+  uint8_t* out;                     /* the output's row */
 } block_target;
 
 static int32_t min_of(int32_t a, int32_t b) { return a < b ? a : b; }
@@ -101,22 +104,40 @@ static int is_safe(const remap_job* job, const rg_position* p) {
   return 1;
 }
 
-/* If all of the row needs no care, how many rows of the ring come before its
- * memory; otherwise -1. */
-static int32_t find_run(const remap_job* job, const block_target* block) {
+#define NO_RUN (-1)
+
+/* If positions between these need no care, how many rows of the ring come
+ * before their memory; otherwise NO_RUN. */
+static int32_t find_run(const remap_job* job, const rg_position* positions,
+                        uint32_t num_positions) {
+  int32_t low = INT32_MAX, high = INT32_MIN;
+  for (uint32_t k = 0; k < num_positions; ++k) {
+    if (!is_safe(job, &positions[k])) return NO_RUN;
+    low = min_of(low, positions[k].q12[1]);
+    high = max_of(high, positions[k].q12[1]);
+  }
+  const int32_t wrap = job->ring_start + job->ring_rows;
+  if (((high + SAFE_MARGIN) >> 12) + 1 < wrap) return job->ring_start;
+  return (low - SAFE_MARGIN) >> 12 >= wrap ? wrap : NO_RUN;
+}
+
+static RG_NOINLINE int32_t find_block_run(const remap_job* job,
+                                          const block_target* block) {
+  rg_position corners[4];
+  if (job->sampling != RG_SAMPLING_BILINEAR) return NO_RUN;
+  for (int k = 0; k < 4; ++k)
+    corners[k] =
+        rg_lattice_position(job->map.lattice, &block->corners.corners[k]);
+  return find_run(job, corners, 4);
+}
+
+static RG_NOINLINE int32_t find_row_run(const remap_job* job,
+                                        const block_target* block) {
   const uint32_t end = UINT32_C(1) << job->map.block_width_log2;
-  const rg_position left = rg_lattice_segment(&job->map, &block->row, 0);
-  const rg_position right = rg_lattice_segment(&job->map, &block->row, end);
-  if (job->sampling != RG_SAMPLING_BILINEAR || !is_safe(job, &left) ||
-      !is_safe(job, &right))
-    return -1;
-  const uint32_t low =
-      (uint32_t)(min_of(left.q12[1], right.q12[1]) - SAFE_MARGIN) >> 12;
-  const uint32_t high =
-      ((uint32_t)(max_of(left.q12[1], right.q12[1]) + SAFE_MARGIN) >> 12) + 1;
-  const uint32_t wrap = (uint32_t)job->ring_start + job->ring_rows;
-  if (high < wrap) return (int32_t)job->ring_start;
-  return low >= wrap ? (int32_t)wrap : -1;
+  if (job->sampling != RG_SAMPLING_BILINEAR) return NO_RUN;
+  const rg_position ends[2] = {rg_lattice_segment(&job->map, &block->row, 0),
+                               rg_lattice_segment(&job->map, &block->row, end)};
+  return find_run(job, ends, 2);
 }
 
 /* Segments without care. */
@@ -136,9 +157,9 @@ static RG_NOINLINE void blend_row(const remap_job* job,
     run.num_pixels = (uint32_t)min_of((int32_t)(block->num_pixels - k),
                                       (int32_t)RG_SEGMENT_SIZE);
     if (is_grey)
-      rg_blend_grey8(&run, job->out + pixel);
+      rg_blend_grey8(&run, block->out + pixel);
     else
-      rg_blend_lattice(&run, lattice, job->out, pixel);
+      rg_blend_lattice(&run, lattice, block->out, pixel);
   }
 }
 
@@ -149,7 +170,7 @@ static RG_NOINLINE void remap_pixels(const remap_job* job,
   for (uint32_t k = 0; k < block->num_pixels; ++k) {
     if (k % RG_SEGMENT_SIZE == 0)
       p = rg_lattice_segment(&job->map, &block->row, k);
-    remap_pixel(job, p, job->out, block->first_pixel + k);
+    remap_pixel(job, p, block->out, block->first_pixel + k);
     rg_next_pixel(&p, &block->row.step);
   }
 }
@@ -158,28 +179,35 @@ static void fill_block_row(const remap_job* job, const block_target* block) {
   const uint32_t step = job->map.lattice->sample_step;
   uint32_t index = job->map.lattice->first_sample + block->first_pixel * step;
   for (uint32_t k = 0; k < block->num_pixels; ++k, index += step)
-    store_border(job, job->out, index);
+    store_border(job, block->out, index);
 }
 
-static void remap_block_row(const remap_job* job, uint32_t i, uint32_t y,
-                            block_target* block) {
-  const uint32_t j = y >> job->map.block_height_log2;
-  if (rg_remap_is_empty(job->map.section, i, j) &&
-      job->border != RG_BORDER_CLAMP) {
-    if (job->border == RG_BORDER_VALUE) fill_block_row(job, block);
-    return;
+/* Rows [row, end) of block (i, j). */
+static void remap_block(const remap_job* job, uint32_t i, uint32_t j,
+                        uint32_t row, uint32_t end, block_target* block) {
+  const int is_empty = job->border != RG_BORDER_CLAMP &&
+                       rg_remap_is_empty(job->map.section, i, j);
+  if (is_empty && job->border == RG_BORDER_KEEP) return;
+  rg_remap_block(job->map.section, i, j, &block->corners);
+  const int32_t block_run = is_empty ? NO_RUN : find_block_run(job, block);
+  for (; row < end; ++row, block->out += job->out_stride) {
+    if (is_empty) {
+      fill_block_row(job, block);
+      continue;
+    }
+    rg_lattice_block_row(&job->map, &block->corners, row, &block->row);
+    const int32_t run =
+        block_run != NO_RUN ? block_run : find_row_run(job, block);
+    if (run != NO_RUN)
+      blend_row(job, block, (uint32_t)run);
+    else
+      remap_pixels(job, block);
   }
-  const uint32_t r = y & ((1u << job->map.block_height_log2) - 1);
-  rg_lattice_block_row(&job->map, i, j, r, &block->row);
-  const int32_t rows_before = find_run(job, block);
-  if (rows_before >= 0)
-    blend_row(job, block, (uint32_t)rows_before);
-  else
-    remap_pixels(job, block);
 }
 
-/* Row y of the output's lattice. */
-static void remap_row(const remap_job* job, uint32_t y) {
+/* Rows [row, end) of block row j. */
+static void remap_block_row(const remap_job* job, uint32_t j, uint32_t row,
+                            uint32_t end, uint8_t* out) {
   const uint32_t width =
       (uint32_t)rg_load_u16(job->map.section) >> job->map.lattice->log2_x;
   const uint32_t block_width = UINT32_C(1) << job->map.block_width_log2;
@@ -188,7 +216,8 @@ static void remap_row(const remap_job* job, uint32_t y) {
   for (uint32_t i = 0; block.first_pixel < width; ++i) {
     block.num_pixels = (uint32_t)min_of((int32_t)(width - block.first_pixel),
                                         (int32_t)block_width);
-    remap_block_row(job, i, y, &block);
+    block.out = out;
+    remap_block(job, i, j, row, end, &block);
     block.first_pixel += block_width;
   }
 }
@@ -202,12 +231,19 @@ static uint32_t remainder_of(uint32_t a, uint32_t b) {
   return a;
 }
 
-/* Rows [first_row, first_row + num_rows) of the lattice's output, which lie
- * stride bytes apart. */
-static void remap_rows(remap_job* job, uint32_t first_row, uint32_t num_rows,
-                       uint32_t stride) {
-  for (uint32_t y = 0; y < num_rows; ++y, job->out += stride)
-    remap_row(job, first_row + y);
+/* Rows [row, end) of the lattice's output. */
+static void remap_rows(const remap_job* job, uint32_t row, uint32_t end) {
+  const uint32_t height_log2 = job->map.block_height_log2;
+  uint8_t* out = job->out;
+  while (row < end) {
+    const uint32_t j = row >> height_log2;
+    const uint32_t first = j << height_log2;
+    const uint32_t next =
+        (uint32_t)min_of((int32_t)end, (int32_t)((j + 1) << height_log2));
+    remap_block_row(job, j, row - first, next - first, out);
+    out += (size_t)(next - row) * job->out_stride;
+    row = next;
+  }
 }
 
 /* Where the ring's rows are. */
@@ -237,9 +273,9 @@ static void remap_lattice(const uint8_t* section, const rg_image* image,
   job.border_values = target->border_values + lattice->first_border;
   job.out =
       target->planes[plane].data + lattice->first_row * (size_t)out_stride;
-  remap_rows(&job, (uint32_t)target->first_row >> lattice->log2_y,
-             (uint32_t)target->num_rows >> lattice->log2_y,
-             out_stride * lattice->row_step);
+  job.out_stride = out_stride * lattice->row_step;
+  const uint32_t row = (uint32_t)target->first_row >> lattice->log2_y;
+  remap_rows(&job, row, row + ((uint32_t)target->num_rows >> lattice->log2_y));
 }
 
 /* ---- Checks -------------------------------------------------------------- */
@@ -343,6 +379,7 @@ rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
   job.sampling = RG_SAMPLING_BILINEAR;
   job.border_values = &border;
   job.out = band->data;
-  remap_rows(&job, band->first_row, band->num_rows, band->stride);
+  job.out_stride = band->stride;
+  remap_rows(&job, band->first_row, end_row);
   return RG_OK;
 }

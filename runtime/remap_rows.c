@@ -9,16 +9,17 @@ void rg_blend_grey8(const rg_run* run, uint8_t* out) {
   uint32_t y_q12 = (uint32_t)run->start.q12[1];
   const uint32_t step_x = (uint32_t)run->step.q12[0];
   const uint32_t step_y = (uint32_t)run->step.q12[1];
-  for (uint8_t* const end = out + run->num_pixels; out < end; ++out) {
+  uint8_t* const end = out + run->num_pixels;
+  do {
     const uint8_t* const upper =
         data + (size_t)(y_q12 >> 12) * stride + (x_q12 >> 12);
     const uint8_t* const lower = upper + stride;
-    *out =
+    *out++ =
         (uint8_t)rg_blend_8(upper[0], upper[1], lower[0], lower[1],
                             (int32_t)(x_q12 >> 5) & 127, (int32_t)y_q12 & 4095);
     x_q12 += step_x;
     y_q12 += step_y;
-  }
+  } while (out != end);
 }
 
 /* With the kind known to the compiler. */

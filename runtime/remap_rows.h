@@ -16,7 +16,7 @@ typedef struct rg_run {
   const uint8_t* data;
   uint32_t stride;
   rg_position start, step;
-  uint32_t num_pixels;
+  uint32_t num_pixels; /* not 0 */
 } rg_run;
 
 /* One sample of 8 bits a pixel, one after the other. */
@@ -32,13 +32,11 @@ static inline uint32_t rg_blend_8(uint32_t p00, uint32_t p01, uint32_t p10,
                                   uint32_t p11, int32_t wx_q7, int32_t wy_q12) {
   /* Half an LSB of the result is added early: it does not change the
    * difference. */
-  const int32_t upper_q7 =
-      (int32_t)(p00 << 7) + 64 + ((int32_t)p01 - (int32_t)p00) * wx_q7;
-  const int32_t lower_q7 =
-      (int32_t)(p10 << 7) + 64 + ((int32_t)p11 - (int32_t)p10) * wx_q7;
-  return (uint32_t)(upper_q7 +
-                    (((lower_q7 - upper_q7) * wy_q12 + 0x800) >> 12)) >>
-         7;
+  const int32_t left_q7 = 128 - wx_q7;
+  const int32_t upper_q7 = 64 + (int32_t)p00 * left_q7 + (int32_t)p01 * wx_q7;
+  const int32_t lower_q7 = 64 + (int32_t)p10 * left_q7 + (int32_t)p11 * wx_q7;
+  const int32_t down_q7 = ((lower_q7 - upper_q7) * wy_q12 + 0x800) >> 12;
+  return (uint32_t)(upper_q7 + down_q7) >> 7;
 }
 
 /* Samples of up to 16 bits, 8-bit weights both ways: below 2^32 - 2^15. */

@@ -50,14 +50,16 @@ static void add_block(const rg_lattice_map* map, uint32_t i, uint32_t j,
       (uint32_t)rg_load_u16(map->section) >> map->lattice->log2_x;
   const uint32_t rest = width - i * block_width;
   const uint32_t num_pixels = rest < block_width ? rest : block_width;
+  rg_block block;
   rg_lattice_row row;
   if (rg_remap_is_empty(map->section, i, j)) return;
-  rg_lattice_block_row(map, i, j, first, &row);
+  rg_remap_block(map->section, i, j, &block);
+  rg_lattice_block_row(map, &block, first, &row);
   int is_whole = add_ends(map, &row, num_pixels, range);
-  rg_lattice_block_row(map, i, j, last, &row);
+  rg_lattice_block_row(map, &block, last, &row);
   is_whole &= add_ends(map, &row, num_pixels, range);
   for (uint32_t r = first; r <= last && !is_whole; ++r) {
-    rg_lattice_block_row(map, i, j, r, &row);
+    rg_lattice_block_row(map, &block, r, &row);
     add_pixels(map, &row, num_pixels, range);
   }
 }

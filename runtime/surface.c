@@ -6,48 +6,60 @@
 
 /* The first coordinate of four control points that lie step bytes apart,
  * weighted: q31 more than theirs. */
-static int64_t sum_row(const uint8_t* points, uint32_t step,
-                       const int32_t weights_q31[4]) {
+static RG_INLINE int64_t sum_row(const uint8_t* points, uint32_t step,
+                                 const int32_t weights_q31[4]) {
   return rg_product(rg_load_i32(points), weights_q31[0]) +
          rg_product(rg_load_i32(points + step), weights_q31[1]) +
          rg_product(rg_load_i32(points + 2 * step), weights_q31[2]) +
          rg_product(rg_load_i32(points + 3 * step), weights_q31[3]);
 }
 
-/* The surface of num_coordinates coordinates of points in q29 (or of their
- * magnitude), in q28. */
-static void interpolate(const rg_camera* camera, rg_pixel pixel,
-                        const uint8_t* points, uint32_t num_coordinates,
-                        int32_t* sums_q28) {
+/* Weights of a position on both axes. */
+typedef struct position_weights {
+  int32_t x_q31[4], y_q31[4];
+} position_weights;
+
+/* Returns the number of the first of the 16 control points around a pixel. */
+static uint32_t find_position(const rg_camera* camera, rg_pixel pixel,
+                              position_weights* weights) {
   rg_cell_position cells[2];
   rg_find_cells(camera, pixel, cells);
-  int32_t wx_q31[4], wy_q31[4];
-  rg_bspline_weights(cells[0].t_q32, wx_q31);
-  rg_bspline_weights(cells[1].t_q32, wy_q31);
-  const uint32_t step = 4 * num_coordinates;
-  const uint32_t row_bytes = step * camera->columns;
-  points += cells[1].cell * row_bytes + cells[0].cell * step;
-  for (uint32_t c = 0; c < num_coordinates; ++c, points += 4) {
-    const uint8_t* row = points;
-    int32_t sum_q28 = 0;
-    for (int j = 0; j < 4; ++j, row += row_bytes)
-      sum_q28 = rg_multiply_high_add(
-          sum_q28, 2 * rg_upper_word(sum_row(row, step, wx_q31)), wy_q31[j]);
-    sums_q28[c] = sum_q28;
-  }
+  rg_bspline_weights(cells[0].t_q32, weights->x_q31);
+  rg_bspline_weights(cells[1].t_q32, weights->y_q31);
+  return cells[1].cell * camera->columns + cells[0].cell;
 }
 
 void rg_surface_position(const rg_camera* camera, rg_pixel pixel,
                          rg_chart_point* position) {
-  interpolate(camera, pixel, camera->control_points, 2, position->q28);
+  position_weights weights;
+  const uint8_t* row =
+      camera->control_points + 8 * find_position(camera, pixel, &weights);
+  int32_t a_q28 = 0, b_q28 = 0;
+  for (int j = 0; j < 4; ++j, row += 8u * camera->columns) {
+    const int32_t row_a_q28 = rg_upper_word(sum_row(row, 8, weights.x_q31));
+    const int32_t row_b_q28 = rg_upper_word(sum_row(row + 4, 8, weights.x_q31));
+    a_q28 = rg_multiply_high_add(a_q28, 2 * row_a_q28, weights.y_q31[j]);
+    b_q28 = rg_multiply_high_add(b_q28, 2 * row_b_q28, weights.y_q31[j]);
+  }
+  position->q28[0] = a_q28;
+  position->q28[1] = b_q28;
 }
 
-/* Points in q28 instead of q29: sums in q27. */
 void rg_surface_line_point(const rg_camera* camera, rg_pixel pixel,
                            int32_t point_q28[3]) {
   const uint8_t* const section = camera->blob + camera->line_points;
-  interpolate(camera, pixel, section + rg_load_u32(section + 4), 3, point_q28);
-  for (int c = 0; c < 3; ++c) point_q28[c] *= 2;
+  position_weights weights;
+  const uint8_t* points = section + rg_load_u32(section + 4) +
+                          12 * find_position(camera, pixel, &weights);
+  for (int c = 0; c < 3; ++c, points += 4) {
+    const uint8_t* row = points;
+    int32_t sum_q27 = 0;
+    for (int j = 0; j < 4; ++j, row += 12u * camera->columns)
+      sum_q27 = rg_multiply_high_add(
+          sum_q27, 2 * rg_upper_word(sum_row(row, 12, weights.x_q31)),
+          weights.y_q31[j]);
+    point_q28[c] = 2 * sum_q27;
+  }
 }
 
 /* Weights and slopes on both axes. */
