@@ -13,8 +13,9 @@ double AlignToNominal(int first, const std::vector<Eigen::Vector3d>& nominal,
     from.col(i) = state->points[first + i];
     to.col(i) = nominal[i];
   }
-  // nominal = s R point + t
-  const Eigen::Matrix4d similarity = Eigen::umeyama(from, to, true);
+  // nominal = s R point + t. Lines that do not meet in a point have a scale.
+  const bool scale_is_free = state->camera().IsCentral();
+  const Eigen::Matrix4d similarity = Eigen::umeyama(from, to, scale_is_free);
   const double s = std::cbrt(similarity.topLeftCorner<3, 3>().determinant());
   const Eigen::Quaterniond r(
       Eigen::Matrix3d(similarity.topLeftCorner<3, 3>() / s));

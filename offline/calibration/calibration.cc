@@ -10,6 +10,7 @@
 #include "calibration/cross_validation.h"
 #include "calibration/model_adjustment.h"
 #include "calibration/starting_camera.h"
+#include "camera/model_fitting.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
 
@@ -80,6 +81,8 @@ void FillResult(const Pattern& pattern, const CalibrationOptions& options,
   result->converged = adjusted.summary.converged;
   result->bias_kl =
       ComputeBias(result->training, result->camera.camera->area());
+  if (!result->camera.camera->IsCentral())
+    result->line_spread = MeasureLineSpread(*result->camera.camera);
 }
 
 CalibrationFigures FiguresOf(const CalibrationResult& result) {
@@ -89,7 +92,8 @@ CalibrationFigures FiguresOf(const CalibrationResult& result) {
           static_cast<int>(result.features.images.size()),
           static_cast<int>(result.rejected_images.size()),
           *result.camera.training,
-          result.camera.held_out};
+          result.camera.held_out,
+          result.neighbor_correlation};
 }
 
 // Both have the same features.
@@ -112,7 +116,7 @@ Dataset MeasureFeaturesAgain(const Dataset& dataset, const Pattern& pattern,
                              const AdjustmentOptions& adjustment,
                              Adjusted first) {
   constexpr size_t kMediumCandidate = 2;
-  const std::vector<double> cells = CellCandidates(dataset);
+  const std::vector<double> cells = CellCandidates(dataset, options.model);
   const double cell_px =
       options.cell_px > 0 ? options.cell_px
                           : cells[std::min(kMediumCandidate, cells.size() - 1)];
@@ -133,10 +137,12 @@ Dataset MeasureFeaturesAgain(const Dataset& dataset, const Pattern& pattern,
 }
 
 void RequireKnownModel(const std::string& model) {
-  if (model != "central-generic" && model != "opencv")
+  if (model != "central-generic" && model != "noncentral-generic" &&
+      !IsParametricModel(model))
     throw Error(ExitCode::kUsage,
                 fmt::format("unknown model '{}'; this version calibrates "
-                            "central-generic and opencv",
+                            "central-generic, noncentral-generic, "
+                            "central-radial, thin-prism-fisheye and opencv",
                             model));
 }
 
@@ -187,11 +193,11 @@ CalibrationResult Calibrate(const Dataset& measured, const Pattern& pattern,
     result.seconds["measuring_again"] = again_time.Seconds();
   }
 
-  const bool is_grid = options.model != "opencv";
+  const bool is_grid = !IsParametricModel(options.model);
   const bool choose_cell = is_grid && options.cell_px <= 0;
-  const std::vector<double> cells = choose_cell
-                                        ? CellCandidates(split.training)
-                                        : std::vector<double>{options.cell_px};
+  const std::vector<double> cells =
+      choose_cell ? CellCandidates(split.training, options.model)
+                  : std::vector<double>{options.cell_px};
   result.cell_px = is_grid ? cells.front() : 0;
   const Stopwatch validation_time;
   report("cross-validation", 0.1);
@@ -229,6 +235,8 @@ CalibrationResult Calibrate(const Dataset& measured, const Pattern& pattern,
   }
   if (!result.held_out.empty())
     result.camera.held_out = ComputeErrorFigures(result.held_out);
+  result.neighbor_correlation = NeighborCorrelation(
+      result.held_out.empty() ? result.training : result.held_out);
   result.verdict = JudgeCalibration(FiguresOf(result));
   report("done", 1);
   return result;

@@ -4,8 +4,9 @@
 #include <set>
 
 #include "adjustment/metric_scale.h"
-#include "camera/central_generic.h"
-#include "camera/opencv.h"
+#include "camera/model_fitting.h"
+#include "camera/noncentral_generic.h"
+#include "evaluation/line_spread.h"
 #include "evaluation/residual_statistics.h"
 
 namespace raygrid {
@@ -31,19 +32,81 @@ AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
   return summary;
 }
 
+CentralGeneric AsGrid(const CalibrationProblem& problem,
+                      const CameraModel& lens, double cell_px) {
+  const Area area = FeatureArea(problem, 0);
+  return FitCentralGeneric(lens, area, NumControlPoints(area.width(), cell_px),
+                           NumControlPoints(area.height(), cell_px));
+}
+
 // The grid camera, around a parametric lens.
 AdjustmentSummary AdjustGrid(const CalibrationProblem& problem,
                              const CameraModel& lens, double cell_px,
                              const AdjustmentOptions& options,
                              AdjustmentState* state) {
-  const Area area = FeatureArea(problem, 0);
-  const CentralGeneric base =
-      FitCentralGeneric(lens, area, NumControlPoints(area.width(), cell_px),
-                        NumControlPoints(area.height(), cell_px));
+  const CentralGeneric base = AsGrid(problem, lens, cell_px);
   GaussianPrior prior;
   prior.cameras = {SmoothnessPrior(base)};
   state->cameras[0] = base.Clone();
   return AdjustInTwoSteps(problem, options, &prior, state);
+}
+
+// Of the points seen, in front of the camera.
+double MeanDistance(const CalibrationProblem& problem,
+                    const AdjustmentState& state) {
+  double sum = 0;
+  int count = 0;
+  for (const View& view : problem.views) {
+    const Pose pose = state.CameraFromPattern(view);
+    for (const Observation& observation : view.observations) {
+      sum += (pose * state.points[observation.point]).norm();
+      ++count;
+    }
+  }
+  return sum / count;
+}
+
+// Lines, which start from an adjusted central grid. Its points stay where they
+// are nominally: free, they would take on what is not central.
+AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
+                              const CameraModel& lens, double cell_px,
+                              const AdjustmentOptions& options,
+                              AdjustmentState* state) {
+  AdjustGrid(problem, lens, cell_px, WithFixedPoints(options), state);
+  GaussianPrior prior;
+  prior.cameras = {NonCentralPrior(AsGrid(problem, lens, cell_px),
+                                   MeanDistance(problem, *state))};
+  state->cameras[0] =
+      NonCentralGeneric(dynamic_cast<const CentralGeneric&>(state->camera()))
+          .Clone();
+  return AdjustInTwoSteps(problem, options, &prior, state);
+}
+
+AdjustmentSummary Adjust(const std::string& model,
+                         const CalibrationProblem& problem,
+                         const CameraModel& lens, double cell_px,
+                         const AdjustmentOptions& options,
+                         AdjustmentState* state) {
+  if (IsParametricModel(model)) {
+    state->cameras[0] = lens.Clone();
+    if (lens.Name() != model)
+      state->cameras[0] =
+          FitParametricModel(model, lens, FeatureArea(problem, 0), false).model;
+    return AdjustParametric(problem, options, state);
+  }
+  if (model == "noncentral-generic")
+    return AdjustLines(problem, lens, cell_px, options, state);
+  return AdjustGrid(problem, lens, cell_px, options, state);
+}
+
+// The frame of a camera whose lines do not meet has its origin at the point
+// nearest to all of them; observations cannot tell.
+void CenterLines(AdjustmentState* state) {
+  const auto* camera = dynamic_cast<const NonCentralGeneric*>(&state->camera());
+  if (!camera) return;
+  const Eigen::Vector3d origin = MeasureLineSpread(*camera).nearest_point;
+  state->cameras[0] = camera->WithOrigin(origin).Clone();
+  for (Pose& pose : state->rig_from_pattern) pose.translation -= origin;
 }
 
 // Residuals beyond the third quartile + 6 interquartile ranges (paper's
@@ -83,7 +146,7 @@ AdjustmentSummary AdjustParametric(const CalibrationProblem& problem,
                                    AdjustmentState* state) {
   GaussianPrior prior;
   prior.cameras = {
-      DistortionPrior(dynamic_cast<const OpenCvModel&>(state->camera()),
+      DistortionPrior(dynamic_cast<const ParametricModel&>(state->camera()),
                       FeatureArea(problem, 0))};
   return AdjustInTwoSteps(problem, options, &prior, state);
 }
@@ -93,20 +156,20 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
                  Adjusted* adjusted) {
   const std::unique_ptr<CameraModel> lens = adjusted->state.camera().Clone();
   const auto adjust = [&] {
-    adjusted->summary =
-        model == "opencv"
-            ? AdjustParametric(adjusted->problem, options, &adjusted->state)
-            : AdjustGrid(adjusted->problem, *lens, cell_px, options,
-                         &adjusted->state);
+    adjusted->summary = Adjust(model, adjusted->problem, *lens, cell_px,
+                               options, &adjusted->state);
   };
   adjust();
-  adjusted->rejected_features =
+  const std::vector<FeatureResidual> removed =
       RemoveOutliers(pattern, adjusted->summary.residuals, &adjusted->problem);
-  if (!adjusted->rejected_features.empty()) adjust();
+  adjusted->rejected_features.insert(adjusted->rejected_features.end(),
+                                     removed.begin(), removed.end());
+  if (!removed.empty()) adjust();
   const Area area = FeatureArea(adjusted->problem, 0);
   if (const auto* camera =
-          dynamic_cast<const OpenCvModel*>(&adjusted->state.camera()))
-    adjusted->state.cameras[0] = camera->WithArea(area).Clone();
+          dynamic_cast<const ParametricModel*>(&adjusted->state.camera()))
+    adjusted->state.cameras[0] = camera->OverArea(area);
+  CenterLines(&adjusted->state);
 }
 
 void AlignBoards(const Pattern& pattern, Adjusted* adjusted) {
