@@ -22,7 +22,7 @@ Pair = tuple[int, int]
 
 MAGIC = b"RAYGRID\0"
 MAJOR = 1
-MINOR = 0
+MINOR = 1
 MAX_SECTIONS = 16
 
 HEADER = struct.Struct("<8sHHIHHIII")
@@ -31,16 +31,27 @@ CAMERA = struct.Struct("<HHI32s32s")
 GRID = struct.Struct("<4i2H2I2H2I")
 REMAP = struct.Struct("<4H2BH4i6i2I2i3I")
 QUALITY = struct.Struct("<10I")
+START = struct.Struct("<4i2H2IiI")
+LINE_POINTS = struct.Struct("<2HI")
+MASK = struct.Struct("<2H2BHI")
+UNCERTAINTY = struct.Struct("<2H3I")
 CRC_COVERED_HEADER = 28
 
 TYPE_CAMERA = 1
 TYPE_GRID = 2
 TYPE_REMAP = 3
 TYPE_QUALITY = 4
+TYPE_LINE_POINTS = 5
+TYPE_MASK = 6
+TYPE_UNCERTAINTY = 7
+TYPE_START = 9
 CRITICAL = 1
-FLAGS_OF_TYPE = {TYPE_CAMERA: CRITICAL, TYPE_GRID: CRITICAL, TYPE_REMAP: 0, TYPE_QUALITY: 0}
+FLAGS_OF_TYPE = {TYPE_CAMERA: CRITICAL, TYPE_GRID: CRITICAL, TYPE_REMAP: 0, TYPE_QUALITY: 0,
+                 TYPE_LINE_POINTS: CRITICAL, TYPE_MASK: 0, TYPE_UNCERTAINTY: 0,
+                 TYPE_START: 0}
 REQUIRED_TYPES = (TYPE_CAMERA, TYPE_GRID)
-SINGLE_TYPES = (TYPE_CAMERA, TYPE_GRID, TYPE_QUALITY)
+SINGLE_TYPES = (TYPE_CAMERA, TYPE_GRID, TYPE_QUALITY, TYPE_LINE_POINTS,
+                TYPE_MASK, TYPE_UNCERTAINTY, TYPE_START)
 
 MAX_IMAGE_SIDE = 16384
 MAX_REMAP_SIDE = 8192
@@ -55,6 +66,14 @@ BLOCK_LOG2S = (3, 4, 5)
 MAX_RESIDUAL_SHIFT = 10
 VERTEX_LIMIT_Q12 = 1 << 25
 SEGMENT = 8
+CHART_LIMIT_Q28 = 1 << 30
+START_COUNTS = range(2, 66)
+NO_VERTEX = -32768
+LINE_POINT_BITS = 28
+LINE_POINT_LIMIT = 0x7F000000
+MASK_CELL_LOG2S = range(2, 9)
+UNCERTAINTY_COUNTS = range(2, 66)
+UNKNOWN_UNCERTAINTY = 0xFFFF
 
 EXIT_FAILURE = 1
 EXIT_INVALID = 8
@@ -187,13 +206,63 @@ class Quality:
 
 
 @dataclass(frozen=True)
+class ProjectionStart:
+    """Projection start (type 9); `vertices` row by row, (x, y) in q1 px."""
+
+    a0: int
+    b0: int
+    a1: int
+    b1: int
+    columns: int
+    rows: int
+    cos_limit: int
+    vertices: tuple[Pair, ...]
+
+    @property
+    def scales(self) -> Pair:
+        """Projection start: scale_a and scale_b, q20 cells per chart unit."""
+        return (((self.columns - 1) << 48) // (self.a1 - self.a0),
+                ((self.rows - 1) << 48) // (self.b1 - self.b0))
+
+
+@dataclass(frozen=True)
+class Mask:
+    """Validity mask (type 6); `bits` row by row."""
+
+    columns: int
+    rows: int
+    cell_log2: int
+    bits: tuple[bool, ...]
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Uncertainty (type 7); `values` row by row in q12 px."""
+
+    columns: int
+    rows: int
+    values: tuple[int, ...]
+
+    def scales(self, grid: CentralGrid) -> Pair:
+        """Uncertainty: scale_x and scale_y, q32 intervals per pixel."""
+        return (((self.columns - 1) << 48) // (grid.x1 - grid.x0),
+                ((self.rows - 1) << 48) // (grid.y1 - grid.y0))
+
+
+@dataclass(frozen=True)
 class Blob:
-    """What a version-1.0 reader takes from a blob; `remap` is the first remap section."""
+    """What this reader takes from a blob; `remap` is the first remap section."""
+
 
     camera: Camera
     grid: CentralGrid
     remap: Remap | None = None
     quality: Quality | None = None
+    start: ProjectionStart | None = None
+    more_remaps: tuple[Remap, ...] = ()
+    line_points: tuple[tuple[int, int, int], ...] | None = None
+    mask: Mask | None = None
+    uncertainty: Uncertainty | None = None
 
 
 def ceil_divide(a: int, b: int) -> int:
@@ -335,9 +404,20 @@ def parse(data: bytes) -> Blob:
     table = read_table(data, read_header(data))
     camera = read_camera(first_section(data, table, TYPE_CAMERA))
     grid = read_grid(first_section(data, table, TYPE_GRID), camera)
-    remaps = [read_remap(section, camera) for section in sections(data, table, TYPE_REMAP)]
-    qualities = [read_quality(section) for section in sections(data, table, TYPE_QUALITY)]
-    return Blob(camera, grid, next(iter(remaps), None), next(iter(qualities), None))
+    readers = {TYPE_REMAP: lambda section: read_remap(section, camera),
+               TYPE_QUALITY: read_quality,
+               TYPE_LINE_POINTS: lambda section: read_line_points(section, grid),
+               TYPE_MASK: lambda section: read_valid_mask(section, camera),
+               TYPE_UNCERTAINTY: lambda section: read_uncertainty(section, grid),
+               TYPE_START: read_start}
+    found = {kind: [] for kind in readers}
+    for entry in table:
+        if entry.type in readers:
+            found[entry.type].append(readers[entry.type](section_bytes(data, entry)))
+    first = {kind: next(iter(values), None) for kind, values in found.items()}
+    return Blob(camera, grid, first[TYPE_REMAP], first[TYPE_QUALITY], first[TYPE_START],
+                tuple(found[TYPE_REMAP][1:]), first[TYPE_LINE_POINTS], first[TYPE_MASK],
+                first[TYPE_UNCERTAINTY])
 
 
 def sections(data: bytes, table: list[Entry], wanted: int) -> Iterator[bytes]:
@@ -504,6 +584,68 @@ def read_quality(section: bytes) -> Quality:
     return Quality(*unpack_fields(QUALITY, section, "quality"))
 
 
+def read_start(section: bytes) -> ProjectionStart:
+    """Projection start (type 9)."""
+    fields = unpack_fields(START, section, "projection start")
+    start = ProjectionStart(*fields[:6], fields[8], vertices=())
+    scales, data_offset = fields[6:8], fields[9]
+    for low, high in ((start.a0, start.a1), (start.b0, start.b1)):
+        require(-CHART_LIMIT_Q28 <= low < high <= CHART_LIMIT_Q28, "RG_ERR_START_CHART",
+                f"the start reaches from {low} to {high}")
+    require(start.columns in START_COUNTS and start.rows in START_COUNTS
+            and start.scales == scales, "RG_ERR_START_GRID",
+            f"the start has {start.columns} x {start.rows} vertices, scales {scales}")
+    require(-CHART_LIMIT_Q28 <= start.cos_limit < CHART_LIMIT_Q28, "RG_ERR_START_CHART",
+            f"cos_limit is {start.cos_limit}")
+    check_data_offset(data_offset, START, "projection start")
+    array = array_bytes(section, data_offset, 4 * start.columns * start.rows,
+                        "projection start")
+    return dataclasses.replace(start, vertices=tuple(struct.iter_unpack("<hh", array)))
+
+
+def read_line_points(section: bytes, grid: CentralGrid) -> tuple[tuple[int, int, int], ...]:
+    """Line points (type 5)."""
+    bits, reserved, data_offset = unpack_fields(LINE_POINTS, section, "line points")
+    require(bits == LINE_POINT_BITS, "RG_ERR_LINE_POINT", f"fraction_bits is {bits}")
+    require(reserved == 0, "RG_ERR_RESERVED", "the reserved field of the line points is not 0")
+    check_data_offset(data_offset, LINE_POINTS, "line points")
+    array = array_bytes(section, data_offset, 12 * grid.columns * grid.rows, "line points")
+    points = tuple(struct.iter_unpack("<iii", array))
+    for index, point in enumerate(points):
+        require(max(map(abs, point)) <= LINE_POINT_LIMIT, "RG_ERR_LINE_POINT",
+                f"line point {index} is {point}")
+    return points
+
+
+def read_valid_mask(section: bytes, camera: Camera) -> Mask:
+    """Validity mask (type 6)."""
+    columns, rows, log2, reserved_5, reserved_6, data_offset = unpack_fields(
+        MASK, section, "mask")
+    require(reserved_5 == 0 and reserved_6 == 0, "RG_ERR_RESERVED",
+            "a reserved field of the mask is not 0")
+    require(log2 in MASK_CELL_LOG2S and columns == ceil_divide(camera.width, 1 << log2)
+            and rows == ceil_divide(camera.height, 1 << log2), "RG_ERR_MASK",
+            f"the mask has {columns} x {rows} cells of 2^{log2} px")
+    check_data_offset(data_offset, MASK, "mask")
+    array = array_bytes(section, data_offset, mask_size(columns * rows), "mask")
+    return Mask(columns, rows, log2, read_mask(array, columns * rows))
+
+
+def read_uncertainty(section: bytes, grid: CentralGrid) -> Uncertainty:
+    """Uncertainty (type 7)."""
+    columns, rows, *scales, data_offset = unpack_fields(UNCERTAINTY, section, "uncertainty")
+    found = Uncertainty(columns, rows, ())
+    require(columns in UNCERTAINTY_COUNTS and rows in UNCERTAINTY_COUNTS
+            and found.scales(grid) == tuple(scales), "RG_ERR_UNCERTAINTY",
+            f"there are {columns} x {rows} uncertainties, scales {scales}")
+    check_data_offset(data_offset, UNCERTAINTY, "uncertainty")
+    count = columns * rows
+    array = array_bytes(section, data_offset, ceil_divide(count, 2) * 4, "uncertainty")
+    values = struct.unpack(f"<{len(array) // 2}H", array)
+    require(not any(values[count:]), "RG_ERR_RESERVED", "the padding is not 0")
+    return dataclasses.replace(found, values=values[:count])
+
+
 # Un-projection
 
 
@@ -549,6 +691,21 @@ def chart_position(grid: CentralGrid, across: tuple[int, float],
     return a / 2**FRACTION_BITS, b / 2**FRACTION_BITS
 
 
+def line_point(blob: Blob, x_px: float, y_px: float) -> tuple[float, ...] | None:
+    """Line points: the point of a pixel's line in metres, None outside the area."""
+    grid = blob.grid
+    across = locate(x_px, grid.x0, grid.x1, grid.scale_x, grid.columns)
+    down = locate(y_px, grid.y0, grid.y1, grid.scale_y, grid.rows)
+    if across is None or down is None or blob.line_points is None:
+        return None
+    (i, t), (j, s) = across, down
+    return tuple(sum(weight_down * weight_across
+                     * blob.line_points[(j + m) * grid.columns + i + n][axis]
+                     for m, weight_down in enumerate(basis(s))
+                     for n, weight_across in enumerate(basis(t))) / 2**LINE_POINT_BITS
+                 for axis in range(3))
+
+
 def direction(a: float, b: float) -> tuple[float, float, float]:
     """Central grid, "Meaning": the inverse of the stereographic projection."""
     square = a * a + b * b
@@ -589,40 +746,129 @@ def vertex_coordinate(remap: Remap, index: int, axis: int) -> int:
 
 def remap_grey(blob: Blob, source: bytes, border: int) -> bytes:
     """Remap arithmetic: the whole output of a source image of 8 bits a pixel."""
+    require(0 <= border <= 255, "RG_ERR_ARGUMENT", f"the border value is {border}")
+    camera = blob.camera
+    require(len(source) == camera.width * camera.height, "RG_ERR_FRAME_SIZE",
+            f"{len(source)} bytes are not a frame of {camera.width} x {camera.height}")
+    rows = remap_lattice(blob, Lattice(0, 0, 0, 0), sample_rows(source, camera.width),
+                         bits=8, border=border)
+    return bytes(value for row in rows for value in row)
+
+
+class Lattice(NamedTuple):
+    """Lattices: pixel (i, j) stands at (2^lx i + hx / 2, 2^ly j + hy / 2)."""
+
+    lx: int
+    ly: int
+    hx: int
+    hy: int
+
+
+BORDER_CLAMP = "clamp"
+Samples = list[list[int | None]]
+
+
+def remap_lattice(blob: Blob, lattice: Lattice, source: Samples, bits: int,
+                  border: int | str | None, nearest: bool = False) -> Samples:
+    """Remap arithmetic, "Lattices": rows of samples to rows of samples.
+
+    border is a value, BORDER_CLAMP, or None, which stands for pixels left as they are.
+    """
     remap = blob.remap
     if remap is None:
         raise BlobError("RG_ERR_NO_REMAP", "the blob has no remap")
-    require(0 <= border <= 255, "RG_ERR_ARGUMENT", f"the border value is {border}")
-    image = image_rows(source, blob.camera)
+    outside = None if border == BORDER_CLAMP else border
+    output = [[outside] * (remap.width >> lattice.lx) for _ in range(remap.height >> lattice.ly)]
     positions = vertex_positions(remap)
-    output = bytearray([border]) * (remap.width * remap.height)
     for block, empty in enumerate(remap.empty_blocks):
-        if not empty:
-            for index, position in block_positions(remap, positions, block):
-                if in_source(remap, position):
-                    output[index] = sample(image, *position)
-    return bytes(output)
+        if empty and border != BORDER_CLAMP:
+            continue
+        for (x, y), position in lattice_positions(remap, lattice, positions, block):
+            value = sample_at(remap, lattice, source, position, bits, border, nearest)
+            if value is not None:
+                output[y][x] = value
+    return output
 
 
-def image_rows(source: bytes, camera: Camera) -> list[bytes]:
+def sample_rows(source: bytes, width: int) -> Samples:
     """The rows of a source image without gaps between them."""
-    require(len(source) == camera.width * camera.height, "RG_ERR_FRAME_SIZE",
-            f"{len(source)} bytes are not a frame of {camera.width} x {camera.height}")
-    return [source[start:start + camera.width] for start in range(0, len(source), camera.width)]
+    return [list(source[start:start + width]) for start in range(0, len(source), width)]
+
+
+def lattice_positions(remap: Remap, lattice: Lattice, positions: list[Pair],
+                      block: int) -> Iterator[tuple[Pair, Pair]]:
+    """Lattices: output pixel and source position of each lattice pixel of a block."""
+    block_row, block_column = divmod(block, remap.columns - 1)
+    corners = block_corners(remap, positions, block_row, block_column)
+    size_x, size_y = (1 << remap.block_log2 >> log2 for log2 in lattice[:2])
+    for r in range(size_y):
+        y = block_row * size_y + r
+        if y >= remap.height >> lattice.ly:
+            break
+        ends = lattice_row_ends(lattice, corners, r, remap.block_log2)
+        for k in range(size_x):
+            x = block_column * size_x + k
+            if x < remap.width >> lattice.lx:
+                yield (x, y), lattice_position(lattice, ends, k, remap.block_log2)
+
+
+def lattice_row_ends(lattice: Lattice, corners: list[Pair], r: int, log2: int) -> list[Pair]:
+    """Lattices: (left, right) of row r', for x and for y."""
+    first = r << lattice.ly
+    if lattice.hy != 1:
+        return row_ends(corners, first + lattice.hy // 2, log2)
+    return [(rounded(left + left2, 1), rounded(right + right2, 1))
+            for (left, right), (left2, right2) in zip(row_ends(corners, first, log2),
+                                                      row_ends(corners, first + 1, log2))]
+
+
+def lattice_position(lattice: Lattice, ends: list[Pair], offset: int, log2: int) -> Pair:
+    """Lattices: p of the pixel that is `offset` lattice pixels from its block's first one."""
+    s, k = divmod(offset, SEGMENT)
+    result = []
+    for axis, (left, right) in enumerate(ends):
+        width = fit(right - left, 32)
+        step = rounded(width, log2)
+        start = (left + rounded((width << lattice.lx) * SEGMENT * s, log2)
+                 + (lattice.hx * step + 1 >> 1))
+        start -= 2048 * (lattice.hx, lattice.hy)[axis]
+        start = rounded(start, lattice[axis]) if lattice[axis] else start
+        if axis == 1:
+            step = step << lattice.lx >> lattice.ly
+        result.append(fit(start + k * step, 32))
+    return result[0], result[1]
+
+
+def lattice_rectangle(remap: Remap, lattice: Lattice) -> tuple[Pair, Pair]:
+    """Lattices: (min, max) of x and of y."""
+    result = []
+    for low, high, log2, half in ((remap.min_x, remap.max_x, lattice.lx, lattice.hx),
+                                  (remap.min_y, remap.max_y, lattice.ly, lattice.hy)):
+        low, high = low - 2048 * half, high - 2048 * half
+        result.append((rounded(low, log2) if log2 else low, high >> log2))
+    return result[0], result[1]
+
+
+def sample_at(remap: Remap, lattice: Lattice, source: Samples, position: Pair, bits: int,
+              border: int | str | None, nearest: bool) -> int | None:
+    """Lattices: the value of one lattice pixel; None where it is left as it is."""
+    moved = []
+    for value, (low, high), count in zip(position, lattice_rectangle(remap, lattice),
+                                         (len(source[0]), len(source))):
+        if not low <= value <= high:
+            if border != BORDER_CLAMP:
+                return border
+            value = min(max(value, low), high)
+        value = min(max(value, 0), (count - 1) << 12)
+        moved.append((value + 2048) & ~4095 if nearest else value)
+    return (sample if bits == 8 else sample_16)(source, *moved)
 
 
 def block_positions(remap: Remap, positions: list[Pair],
                     block: int) -> Iterator[tuple[int, Pair]]:
     """Remap arithmetic: index in the output and source position of each pixel of a block."""
-    log2 = remap.block_log2
-    block_row, block_column = divmod(block, remap.columns - 1)
-    corners = block_corners(remap, positions, block_row, block_column)
-    x_start, y_start = block_column << log2, block_row << log2
-    for y in range(y_start, min(y_start + (1 << log2), remap.height)):
-        (left_x, right_x), (left_y, right_y) = row_ends(corners, y - y_start, log2)
-        for x in range(x_start, min(x_start + (1 << log2), remap.width)):
-            yield y * remap.width + x, (pixel_position(left_x, right_x, x - x_start, log2),
-                                        pixel_position(left_y, right_y, x - x_start, log2))
+    for (x, y), position in lattice_positions(remap, Lattice(0, 0, 0, 0), positions, block):
+        yield y * remap.width + x, position
 
 
 def block_corners(remap: Remap, positions: list[Pair], row: int, column: int) -> list[Pair]:
@@ -643,21 +889,13 @@ def row_end(top: int, bottom: int, r: int, log2: int) -> int:
     return fit(top + rounded(fit(bottom - top, 32) * r, log2), 32)
 
 
-def pixel_position(left: int, right: int, offset: int, log2: int) -> int:
-    """Remap arithmetic: p of the pixel that is `offset` pixels from its block's first column."""
-    width = fit(right - left, 32)
-    step = rounded(width, log2)
-    s, k = divmod(offset, SEGMENT)
-    return fit(left + rounded(width * SEGMENT * s, log2) + fit(k * step, 32), 32)
-
-
 def in_source(remap: Remap, position: Pair) -> bool:
     """Remap arithmetic: whether the position lies in the source rectangle."""
     x, y = position
     return remap.min_x <= x <= remap.max_x and remap.min_y <= y <= remap.max_y
 
 
-def sample(image: list[bytes], x: int, y: int) -> int:
+def sample(image: Samples, x: int, y: int) -> int:
     """Remap arithmetic: the value at a position of the source rectangle."""
     c, r = (x + 16) >> 12, y >> 12
     wx, wy = ((x + 16) >> 5) & 127, fit((y & 4095) << 3, 16)
@@ -669,17 +907,28 @@ def sample(image: list[bytes], x: int, y: int) -> int:
     return output
 
 
-def blend_row(row: bytes, c: int, wx: int) -> int:
+def blend_row(row: list[int], c: int, wx: int) -> int:
     """Remap arithmetic: h0 or h1; a neighbour of weight zero is not read."""
     neighbour = row[c + 1] * wx if wx else 0
     return fit(row[c] * (128 - wx) + neighbour, 16)
+
+
+def sample_16(image: Samples, x: int, y: int) -> int:
+    """Remap arithmetic: the same above 8 bits."""
+    x, y = (x + 8) >> 4, (y + 8) >> 4
+    (c, wx), (r, wy) = divmod(x, 256), divmod(y, 256)
+    rows = (image[r], image[r + 1] if wy else image[r])
+    h0, h1 = (row[c] * (256 - wx) + (row[c + 1] * wx if wx else 0) for row in rows)
+    total = h0 * (256 - wy) + h1 * wy + 32768
+    assert 0 <= total < 1 << 32, f"{total} does not fit 32 bits"
+    return total >> 16
 
 
 # Writing
 
 
 def serialize(blob: Blob) -> bytes:
-    """Duties, "A writer": a blob of version 1.0, opened with the reader before it is returned.
+    """Duties, "A writer": a blob, opened with the reader before it is returned.
 
     The sequences in the blob must be tuples, as `parse` makes them.
     """
@@ -695,10 +944,23 @@ def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
     """Type and bytes of each section, camera and grid first."""
     yield TYPE_CAMERA, pack_camera(blob.camera)
     yield TYPE_GRID, pack_grid(blob.grid)
-    if blob.remap is not None:
-        yield TYPE_REMAP, pack_remap(blob.remap)
+    for remap in () if blob.remap is None else (blob.remap, *blob.more_remaps):
+        yield TYPE_REMAP, pack_remap(remap)
     if blob.quality is not None:
         yield TYPE_QUALITY, QUALITY.pack(*dataclasses.astuple(blob.quality))
+    if blob.line_points is not None:
+        yield TYPE_LINE_POINTS, pack_line_points(blob.line_points)
+    if blob.mask is not None:
+        yield TYPE_MASK, pack_valid_mask(blob.mask)
+    if blob.uncertainty is not None:
+        yield TYPE_UNCERTAINTY, pack_uncertainty(blob.uncertainty, blob.grid)
+    if blob.start is not None:
+        yield TYPE_START, pack_start(blob.start)
+
+
+def minor_version(packed: list[tuple[int, bytes]]) -> int:
+    """Duties, "A writer": the minor version whose fields it uses."""
+    return MINOR if any(kind > TYPE_QUALITY for kind, _ in packed) else 0
 
 
 def assemble(packed: list[tuple[int, bytes]]) -> bytes:
@@ -709,7 +971,7 @@ def assemble(packed: list[tuple[int, bytes]]) -> bytes:
         table += ENTRY.pack(kind, FLAGS_OF_TYPE[kind], position, len(section),
                             zlib.crc32(section))
         position += len(section)
-    fields = (MAGIC, MAJOR, MINOR, position, len(packed), HEADER.size, 0, 0)
+    fields = (MAGIC, MAJOR, minor_version(packed), position, len(packed), HEADER.size, 0, 0)
     crc = header_crc(HEADER.pack(*fields, 0) + table, len(packed))
     return HEADER.pack(*fields, crc) + table + b"".join(section for _, section in packed)
 
@@ -749,6 +1011,32 @@ def pack_remap(remap: Remap) -> bytes:
     return fields + pack_pairs("<hh", remap.vertices) + pack_mask(remap.empty_blocks)
 
 
+def pack_line_points(points: tuple[tuple[int, int, int], ...]) -> bytes:
+    """Line points (type 5)."""
+    return LINE_POINTS.pack(LINE_POINT_BITS, 0, LINE_POINTS.size) + pack_pairs("<iii", points)
+
+
+def pack_valid_mask(mask: Mask) -> bytes:
+    """Validity mask (type 6)."""
+    fields = MASK.pack(mask.columns, mask.rows, mask.cell_log2, 0, 0, MASK.size)
+    return fields + pack_mask(mask.bits)
+
+
+def pack_uncertainty(uncertainty: Uncertainty, grid: CentralGrid) -> bytes:
+    """Uncertainty (type 7)."""
+    fields = UNCERTAINTY.pack(uncertainty.columns, uncertainty.rows,
+                              *uncertainty.scales(grid), UNCERTAINTY.size)
+    values = uncertainty.values + (0,) * (len(uncertainty.values) % 2)
+    return fields + struct.pack(f"<{len(values)}H", *values)
+
+
+def pack_start(start: ProjectionStart) -> bytes:
+    """Projection start (type 9)."""
+    fields = START.pack(start.a0, start.b0, start.a1, start.b1, start.columns, start.rows,
+                        *start.scales, start.cos_limit, START.size)
+    return fields + pack_pairs("<hh", start.vertices)
+
+
 def pack_pairs(layout: str, pairs: Iterable[Pair]) -> bytes:
     """Control points or residuals, one after the other."""
     return b"".join(struct.pack(layout, *pair) for pair in pairs)
@@ -770,9 +1058,9 @@ def field_lines(title: str, record: object) -> Iterator[str]:
     yield f"{title}:"
     for field in dataclasses.fields(record):
         value = getattr(record, field.name)
-        if field.name in ("control_points", "vertices"):
-            value = f"{len(value)} pairs"
-        elif field.name == "empty_blocks":
+        if field.name in ("control_points", "vertices", "values"):
+            value = f"{len(value)}"
+        elif field.name in ("empty_blocks", "bits"):
             value = f"{sum(value)} of {len(value)}"
         yield f"  {field.name}: {value}"
 
@@ -795,11 +1083,17 @@ def inspect_lines(data: bytes) -> Iterator[str]:
     yield from field_lines("camera", blob.camera)
     yield from field_lines("grid", blob.grid)
     yield from derived_lines(blob.grid, ("scale_x", "scale_y"))
-    if blob.remap is not None:
-        yield from field_lines("remap", blob.remap)
-        yield from derived_lines(blob.remap, ("columns", "rows"))
+    for remap in () if blob.remap is None else (blob.remap, *blob.more_remaps):
+        yield from field_lines("remap", remap)
+        yield from derived_lines(remap, ("columns", "rows"))
     if blob.quality is not None:
         yield from field_lines("quality", blob.quality)
+    if blob.line_points is not None:
+        yield f"line_points: {len(blob.line_points)}"
+    for title, section in (("mask", blob.mask), ("uncertainty", blob.uncertainty),
+                           ("projection start", blob.start)):
+        if section is not None:
+            yield from field_lines(title, section)
 
 
 def hexdump_lines(data: bytes) -> Iterator[str]:

@@ -1,5 +1,6 @@
 /* The fields of each section: their limits, and reading them. The offsets are
  * those of SPEC.md, "Sections". */
+#include "blob_checks.h"
 #include "bytes.h"
 #include "rg_blob.h"
 #include "wide_multiply.h"
@@ -12,9 +13,8 @@ static int is_padded_text(const uint8_t* text) {
   return 1;
 }
 
-/* The section's arrays start behind its fields and fill it to the end. */
-static rg_status check_extent(uint32_t size, uint32_t data_offset,
-                              uint32_t fields_size, uint32_t data_size) {
+rg_status rg_check_extent(uint32_t size, uint32_t data_offset,
+                          uint32_t fields_size, uint32_t data_size) {
   if (data_offset < fields_size || data_offset % 4 != 0)
     return RG_ERR_DATA_OFFSET;
   if (data_offset > size || size - data_offset != data_size)
@@ -49,8 +49,8 @@ static int is_interval_on_image(int32_t min_q16, int32_t max_q16,
          max_q16 <= (int32_t)(num_pixels << 16) - 0x8000;
 }
 
-/* scale = floor(cells 2^48 / span): the remainder is less than span. */
-static int is_grid_scale(uint32_t scale_q32, uint32_t cells, uint32_t span) {
+/* The remainder is less than span. */
+int rg_is_grid_scale(uint32_t scale_q32, uint32_t cells, uint32_t span) {
   uint32_t low;
   const uint32_t high = rg_multiply_unsigned(scale_q32, span, &low);
   const uint32_t remainder = 0u - low;
@@ -94,16 +94,16 @@ rg_status rg_check_grid(const uint8_t* section, uint32_t size,
   if (!is_interval_on_image(grid.x0_q16, grid.x1_q16, rg_load_u16(camera)) ||
       !is_interval_on_image(grid.y0_q16, grid.y1_q16, rg_load_u16(camera + 2)))
     return RG_ERR_AREA;
-  if (!is_grid_scale(grid.scale_x_q32, grid.columns - 3u,
-                     (uint32_t)(grid.x1_q16 - grid.x0_q16)) ||
-      !is_grid_scale(grid.scale_y_q32, grid.rows - 3u,
-                     (uint32_t)(grid.y1_q16 - grid.y0_q16)))
+  if (!rg_is_grid_scale(grid.scale_x_q32, grid.columns - 3u,
+                        (uint32_t)(grid.x1_q16 - grid.x0_q16)) ||
+      !rg_is_grid_scale(grid.scale_y_q32, grid.rows - 3u,
+                        (uint32_t)(grid.y1_q16 - grid.y0_q16)))
     return RG_ERR_GRID_SCALE;
 
   const uint32_t data_offset = rg_load_u32(section + 32);
   const uint32_t count = 2u * grid.columns * grid.rows;
   const rg_status status =
-      check_extent(size, data_offset, RG_GRID_FIELDS_SIZE, 4 * count);
+      rg_check_extent(size, data_offset, RG_GRID_FIELDS_SIZE, 4 * count);
   if (status != RG_OK) return status;
   if (!are_control_points_in_range(section + data_offset, count))
     return RG_ERR_CONTROL_POINT;
@@ -175,10 +175,9 @@ static int are_vertices_in_range(const uint8_t* section, uint32_t coordinate) {
   return 1;
 }
 
-/* Bits after the last block's are zero. */
-static int is_mask_padded(const uint8_t* mask, uint32_t num_blocks) {
-  const uint32_t num_bits = (num_blocks + 31) / 32 * 32;
-  for (uint32_t bit = num_blocks; bit < num_bits; ++bit)
+int rg_is_mask_padded(const uint8_t* mask, uint32_t num_bits) {
+  const uint32_t padded = (num_bits + 31) / 32 * 32;
+  for (uint32_t bit = num_bits; bit < padded; ++bit)
     if ((mask[bit / 8] >> (bit % 8)) & 1) return 0;
   return 1;
 }
@@ -211,14 +210,14 @@ rg_status rg_check_remap(const uint8_t* section, uint32_t size,
 
   const uint32_t num_blocks = (columns - 1) * (rows - 1);
   const rg_status status =
-      check_extent(size, rg_load_u32(section + 76), RG_REMAP_FIELDS_SIZE,
-                   4 * columns * rows + (num_blocks + 31) / 32 * 4);
+      rg_check_extent(size, rg_load_u32(section + 76), RG_REMAP_FIELDS_SIZE,
+                      4 * columns * rows + (num_blocks + 31) / 32 * 4);
   if (status != RG_OK) return status;
   if (!are_vertices_in_range(section, 0) || !are_vertices_in_range(section, 1))
     return RG_ERR_REMAP_VERTEX;
   const uint8_t* const mask =
       section + rg_load_u32(section + 76) + 4 * columns * rows;
-  return is_mask_padded(mask, num_blocks) ? RG_OK : RG_ERR_RESERVED;
+  return rg_is_mask_padded(mask, num_blocks) ? RG_OK : RG_ERR_RESERVED;
 }
 
 rg_status rg_check_quality(const uint8_t* section, uint32_t size) {

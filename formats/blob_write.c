@@ -19,8 +19,29 @@ uint32_t rg_remap_section_size(const rg_remap_section* remap) {
          mask_size(remap);
 }
 
+static uint32_t start_size(const rg_start_section* start) {
+  return RG_START_FIELDS_SIZE + 4 * (uint32_t)start->columns * start->rows;
+}
+
+static uint32_t line_points_size(const rg_grid_section* grid) {
+  return RG_LINE_POINTS_FIELDS_SIZE + 12 * (uint32_t)grid->columns * grid->rows;
+}
+
+static uint32_t valid_mask_size(const rg_mask_section* mask) {
+  const uint32_t num_cells = (uint32_t)mask->columns * mask->rows;
+  return RG_MASK_FIELDS_SIZE + (num_cells + 31) / 32 * 4;
+}
+
+static uint32_t uncertainty_size(const rg_uncertainty_section* uncertainty) {
+  const uint32_t count = (uint32_t)uncertainty->columns * uncertainty->rows;
+  return RG_UNCERTAINTY_FIELDS_SIZE + (count + 1) / 2 * 4;
+}
+
 static uint32_t num_sections(const rg_blob_contents* contents) {
-  return 2u + (contents->remap != 0) + (contents->quality != 0);
+  return 2u + (contents->remap != 0) + contents->num_more_remaps +
+         (contents->quality != 0) + (contents->line_points_q28 != 0) +
+         (contents->mask != 0) + (contents->uncertainty != 0) +
+         (contents->start != 0);
 }
 
 uint32_t rg_blob_size(const rg_blob_contents* contents) {
@@ -28,12 +49,18 @@ uint32_t rg_blob_size(const rg_blob_contents* contents) {
       RG_HEADER_SIZE + RG_SECTION_ENTRY_SIZE * num_sections(contents);
   size += RG_CAMERA_SIZE + grid_size(contents->grid);
   if (contents->remap) size += rg_remap_section_size(contents->remap);
+  for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
+    size += rg_remap_section_size(contents->more_remaps[k].section);
   if (contents->quality) size += RG_QUALITY_SIZE;
+  if (contents->line_points_q28) size += line_points_size(contents->grid);
+  if (contents->mask) size += valid_mask_size(contents->mask);
+  if (contents->uncertainty) size += uncertainty_size(contents->uncertainty);
+  if (contents->start) size += start_size(contents->start);
   return size;
 }
 
-uint32_t rg_grid_scale_q32(uint32_t cells, uint32_t span_q16) {
-  return (uint32_t)(((uint64_t)cells << 48) / span_q16);
+uint32_t rg_grid_scale_q32(uint32_t cells, uint32_t span) {
+  return (uint32_t)(((uint64_t)cells << 48) / span);
 }
 
 static void write_camera(const rg_camera_section* camera, uint8_t* section) {
@@ -107,6 +134,58 @@ static void write_quality(const rg_quality_section* quality, uint8_t* section) {
     rg_store_u32(section + 4 * i, figures[i]);
 }
 
+static void write_start(const rg_start_section* start, const int16_t* vertices,
+                        uint8_t* section) {
+  rg_store_i32(section, start->a0_q28);
+  rg_store_i32(section + 4, start->b0_q28);
+  rg_store_i32(section + 8, start->a1_q28);
+  rg_store_i32(section + 12, start->b1_q28);
+  rg_store_u16(section + 16, start->columns);
+  rg_store_u16(section + 18, start->rows);
+  rg_store_u32(section + 20, start->scale_a_q20);
+  rg_store_u32(section + 24, start->scale_b_q20);
+  rg_store_i32(section + 28, start->cos_limit_q30);
+  rg_store_u32(section + 32, RG_START_FIELDS_SIZE);
+  const uint32_t count = 2 * (uint32_t)start->columns * start->rows;
+  for (uint32_t i = 0; i < count; ++i)
+    rg_store_u16(section + RG_START_FIELDS_SIZE + 2 * i, (uint16_t)vertices[i]);
+}
+
+static void write_line_points(const rg_grid_section* grid,
+                              const int32_t* points, uint8_t* section) {
+  rg_store_u16(section, RG_LINE_POINT_BITS);
+  rg_store_u16(section + 2, 0);
+  rg_store_u32(section + 4, RG_LINE_POINTS_FIELDS_SIZE);
+  const uint32_t count = 3 * (uint32_t)grid->columns * grid->rows;
+  for (uint32_t i = 0; i < count; ++i)
+    rg_store_i32(section + RG_LINE_POINTS_FIELDS_SIZE + 4 * i, points[i]);
+}
+
+static void write_mask(const rg_mask_section* mask, uint8_t* section) {
+  rg_store_u16(section, mask->columns);
+  rg_store_u16(section + 2, mask->rows);
+  section[4] = mask->cell_log2;
+  section[5] = 0;
+  rg_store_u16(section + 6, 0);
+  rg_store_u32(section + 8, RG_MASK_FIELDS_SIZE);
+  memcpy(section + RG_MASK_FIELDS_SIZE, mask->bits,
+         valid_mask_size(mask) - RG_MASK_FIELDS_SIZE);
+}
+
+static void write_uncertainty(const rg_uncertainty_section* uncertainty,
+                              const uint16_t* values_q12, uint8_t* section) {
+  rg_store_u16(section, uncertainty->columns);
+  rg_store_u16(section + 2, uncertainty->rows);
+  rg_store_u32(section + 4, uncertainty->scale_x_q32);
+  rg_store_u32(section + 8, uncertainty->scale_y_q32);
+  rg_store_u32(section + 12, RG_UNCERTAINTY_FIELDS_SIZE);
+  const uint32_t count = (uint32_t)uncertainty->columns * uncertainty->rows;
+  uint8_t* const data = section + RG_UNCERTAINTY_FIELDS_SIZE;
+  for (uint32_t i = 0; i < count; ++i)
+    rg_store_u16(data + 2 * i, values_q12[i]);
+  if (count % 2 != 0) rg_store_u16(data + 2 * count, 0);
+}
+
 typedef struct section_writer {
   uint8_t* bytes;
   uint8_t* entry;
@@ -126,6 +205,34 @@ static uint8_t* begin_section(section_writer* writer, uint16_t type,
   return section;
 }
 
+static void begin_remap(const rg_remap_section* remap, const int16_t* residuals,
+                        section_writer* writer) {
+  rg_write_remap(
+      remap, residuals,
+      begin_section(writer, RG_SECTION_REMAP, 0, rg_remap_section_size(remap)));
+}
+
+/* Those of version 1.1. */
+static void write_new_sections(const rg_blob_contents* contents,
+                               section_writer* writer) {
+  if (contents->line_points_q28)
+    write_line_points(
+        contents->grid, contents->line_points_q28,
+        begin_section(writer, RG_SECTION_LINE_POINTS, RG_SECTION_CRITICAL,
+                      line_points_size(contents->grid)));
+  if (contents->mask)
+    write_mask(contents->mask, begin_section(writer, RG_SECTION_MASK, 0,
+                                             valid_mask_size(contents->mask)));
+  if (contents->uncertainty)
+    write_uncertainty(contents->uncertainty, contents->uncertainties_q12,
+                      begin_section(writer, RG_SECTION_UNCERTAINTY, 0,
+                                    uncertainty_size(contents->uncertainty)));
+  if (contents->start)
+    write_start(contents->start, contents->start_vertices,
+                begin_section(writer, RG_SECTION_START, 0,
+                              start_size(contents->start)));
+}
+
 static void write_sections(const rg_blob_contents* contents,
                            section_writer* writer) {
   write_camera(contents->camera,
@@ -135,18 +242,29 @@ static void write_sections(const rg_blob_contents* contents,
              begin_section(writer, RG_SECTION_CENTRAL_GRID, RG_SECTION_CRITICAL,
                            grid_size(contents->grid)));
   if (contents->remap)
-    rg_write_remap(contents->remap, contents->residuals,
-                   begin_section(writer, RG_SECTION_REMAP, 0,
-                                 rg_remap_section_size(contents->remap)));
+    begin_remap(contents->remap, contents->residuals, writer);
+  for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
+    begin_remap(contents->more_remaps[k].section,
+                contents->more_remaps[k].residuals, writer);
   if (contents->quality)
     write_quality(contents->quality, begin_section(writer, RG_SECTION_QUALITY,
                                                    0, RG_QUALITY_SIZE));
+  write_new_sections(contents, writer);
 }
 
-static void write_header(uint8_t* bytes, uint32_t size, uint32_t sections) {
+/* The lowest minor version that has what the blob uses. */
+static uint16_t minor_version(const rg_blob_contents* contents) {
+  return contents->start || contents->line_points_q28 || contents->mask ||
+                 contents->uncertainty
+             ? 1
+             : 0;
+}
+
+static void write_header(uint8_t* bytes, uint16_t minor, uint32_t size,
+                         uint32_t sections) {
   memcpy(bytes, "RAYGRID", 8);
   rg_store_u16(bytes + 8, RG_FORMAT_MAJOR);
-  rg_store_u16(bytes + 10, RG_FORMAT_MINOR);
+  rg_store_u16(bytes + 10, minor);
   rg_store_u32(bytes + 12, size);
   rg_store_u16(bytes + 16, (uint16_t)sections);
   rg_store_u16(bytes + 18, RG_HEADER_SIZE);
@@ -168,26 +286,61 @@ static void write_crcs(uint8_t* bytes, uint32_t sections) {
                rg_crc32(crc, table, sections * RG_SECTION_ENTRY_SIZE));
 }
 
+static int has_blocks(const rg_remap_section* remap) {
+  return remap->columns >= 2 && remap->rows >= 2 &&
+         remap->columns <= RG_MAX_REMAP_SIZE / 8 + 1 &&
+         remap->rows <= RG_MAX_REMAP_SIZE / 8 + 1;
+}
+
 /* What would make the sizes themselves meaningless. */
 static rg_status check_counts(const rg_blob_contents* contents) {
   if (contents->grid->columns > RG_MAX_GRID_SIZE ||
       contents->grid->rows > RG_MAX_GRID_SIZE)
     return RG_ERR_GRID_SIZE;
-  const rg_remap_section* remap = contents->remap;
-  if (remap && (remap->columns < 2 || remap->rows < 2 ||
-                remap->columns > RG_MAX_REMAP_SIZE / 8 + 1 ||
-                remap->rows > RG_MAX_REMAP_SIZE / 8 + 1))
+  if (num_sections(contents) > RG_MAX_SECTIONS) return RG_ERR_HEADER;
+  if (contents->remap && !has_blocks(contents->remap))
     return RG_ERR_REMAP_BLOCK;
+  for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
+    if (!has_blocks(contents->more_remaps[k].section))
+      return RG_ERR_REMAP_BLOCK;
+  if (contents->start && (contents->start->columns > RG_MAX_START_SIZE ||
+                          contents->start->rows > RG_MAX_START_SIZE))
+    return RG_ERR_START_GRID;
+  if (contents->mask && (contents->mask->columns > RG_MAX_IMAGE_SIZE / 4 ||
+                         contents->mask->rows > RG_MAX_IMAGE_SIZE / 4))
+    return RG_ERR_MASK;
+  if (contents->uncertainty &&
+      (contents->uncertainty->columns > RG_MAX_UNCERTAINTY_SIZE ||
+       contents->uncertainty->rows > RG_MAX_UNCERTAINTY_SIZE))
+    return RG_ERR_UNCERTAINTY;
   return RG_OK;
+}
+
+static int has_arrays(const rg_remap_section* remap, const int16_t* residuals) {
+  return remap && residuals && remap->empty_blocks;
+}
+
+/* Every array that the contents speak of is there. */
+static int is_complete(const rg_blob_contents* contents) {
+  if (!contents->camera || !contents->grid || !contents->control_points_q29)
+    return 0;
+  if (contents->remap && !has_arrays(contents->remap, contents->residuals))
+    return 0;
+  if (contents->num_more_remaps != 0 &&
+      (!contents->remap || !contents->more_remaps))
+    return 0;
+  for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
+    if (!has_arrays(contents->more_remaps[k].section,
+                    contents->more_remaps[k].residuals))
+      return 0;
+  return (!contents->start || contents->start_vertices) &&
+         (!contents->mask || contents->mask->bits) &&
+         (!contents->uncertainty || contents->uncertainties_q12);
 }
 
 rg_status rg_blob_write(const rg_blob_contents* contents, void* buffer,
                         uint32_t buffer_size) {
-  if (!contents || !buffer || !contents->camera || !contents->grid ||
-      !contents->control_points_q29 ||
-      (contents->remap &&
-       (!contents->residuals || !contents->remap->empty_blocks)))
-    return RG_ERR_ARGUMENT;
+  if (!contents || !buffer || !is_complete(contents)) return RG_ERR_ARGUMENT;
   if ((uintptr_t)buffer % 4 != 0) return RG_ERR_MISALIGNED;
   const rg_status status = check_counts(contents);
   if (status != RG_OK) return status;
@@ -196,7 +349,7 @@ rg_status rg_blob_write(const rg_blob_contents* contents, void* buffer,
 
   uint8_t* const bytes = (uint8_t*)buffer;
   const uint32_t sections = num_sections(contents);
-  write_header(bytes, size, sections);
+  write_header(bytes, minor_version(contents), size, sections);
   section_writer writer = {bytes, bytes + RG_HEADER_SIZE,
                            RG_HEADER_SIZE + RG_SECTION_ENTRY_SIZE * sections};
   write_sections(contents, &writer);

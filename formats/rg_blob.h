@@ -15,7 +15,7 @@ extern "C" {
 #endif
 
 #define RG_FORMAT_MAJOR 1
-#define RG_FORMAT_MINOR 0
+#define RG_FORMAT_MINOR 1 /* the highest that the writer writes */
 
 #define RG_HEADER_SIZE 32u
 #define RG_SECTION_ENTRY_SIZE 16u
@@ -28,7 +28,11 @@ enum rg_section_type {
   RG_SECTION_CAMERA = 1,
   RG_SECTION_CENTRAL_GRID = 2,
   RG_SECTION_REMAP = 3,
-  RG_SECTION_QUALITY = 4
+  RG_SECTION_QUALITY = 4,
+  RG_SECTION_LINE_POINTS = 5,
+  RG_SECTION_MASK = 6,
+  RG_SECTION_UNCERTAINTY = 7,
+  RG_SECTION_START = 9
 };
 
 /* Sizes of the fields in front of each section's arrays. */
@@ -36,6 +40,10 @@ enum rg_section_type {
 #define RG_GRID_FIELDS_SIZE 40u
 #define RG_REMAP_FIELDS_SIZE 80u
 #define RG_QUALITY_SIZE 40u
+#define RG_START_FIELDS_SIZE 36u
+#define RG_LINE_POINTS_FIELDS_SIZE 8u
+#define RG_MASK_FIELDS_SIZE 12u
+#define RG_UNCERTAINTY_FIELDS_SIZE 16u
 
 #define RG_TEXT_SIZE 32u /* name and serial, zero-padded */
 #define RG_MAX_IMAGE_SIZE 16384u
@@ -47,6 +55,16 @@ enum rg_section_type {
 #define RG_CONTROL_POINT_LIMIT 0x7f000000      /* 3.96875 in q29 */
 #define RG_VERTEX_LIMIT_Q12 (INT32_C(1) << 25) /* 8192 px */
 #define RG_MAX_RESIDUAL_SHIFT 10u
+#define RG_LINE_POINT_BITS 28u         /* fraction bits */
+#define RG_LINE_POINT_LIMIT 0x7f000000 /* 7.9375 m in q28 */
+#define RG_MIN_MASK_CELL_LOG2 2u
+#define RG_MAX_MASK_CELL_LOG2 8u
+#define RG_MAX_UNCERTAINTY_SIZE 65u
+#define RG_UNKNOWN_UNCERTAINTY 0xffffu
+#define RG_CHART_LIMIT_Q28 (INT32_C(1) << 30) /* 4 */
+#define RG_MIN_START_SIZE 2u
+#define RG_MAX_START_SIZE 65u
+#define RG_NO_VERTEX INT16_MIN /* x of a vertex that no live cell has */
 #define RG_UNKNOWN_FIGURE 0xffffffffu
 
 /* Identity of the camera. */
@@ -98,11 +116,36 @@ typedef struct rg_quality_section {
   uint32_t packing_error_prad; /* the same in picoradians */
 } rg_quality_section;
 
+/* Where projection starts: pixels at the corners of equal cells of the chart.
+ * A cell with a vertex missing is one that no pixel looks into. */
+typedef struct rg_start_section {
+  int32_t a0_q28, b0_q28, a1_q28, b1_q28; /* rectangle of the chart */
+  uint16_t columns, rows;                 /* vertices: cells + 1 */
+  uint32_t scale_a_q20, scale_b_q20;      /* cells per chart unit */
+  int32_t cos_limit_q30;   /* c |c|, c the cosine of the widest direction */
+  const uint8_t* vertices; /* row-major pairs of i16 q1 pixels */
+} rg_start_section;
+
+/* Which square cells of the image were calibrated. */
+typedef struct rg_mask_section {
+  uint16_t columns, rows; /* cells */
+  uint8_t cell_log2;      /* cells of 4 to 256 px */
+  const uint8_t* bits;    /* row-major, LSB first; 1: valid */
+} rg_mask_section;
+
+/* Standard deviation of projection, over the area. */
+typedef struct rg_uncertainty_section {
+  uint16_t columns, rows;            /* values, edge to edge of the area */
+  uint32_t scale_x_q32, scale_y_q32; /* intervals per pixel */
+  const uint8_t* values; /* row-major u16 q12 px; RG_UNKNOWN_UNCERTAINTY */
+} rg_uncertainty_section;
+
 /* A validated blob. Offsets are from the first byte; 0 means absent. */
 typedef struct rg_blob {
   const uint8_t* bytes;
   uint32_t size;
-  uint32_t camera, grid, remap, quality;
+  uint32_t camera, grid, remap, quality, start;
+  uint32_t line_points, mask, uncertainty;
 } rg_blob;
 
 /* Validates num_bytes bytes and finds the sections.
@@ -114,11 +157,25 @@ typedef struct rg_blob {
  * status from RG_ERR_MISALIGNED to RG_ERR_DATA_OFFSET names one fault. */
 rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob);
 
-/* Sections of a blob that rg_blob_open() accepted. The optional quality section
- * must be present (blob->quality not 0). */
+/* Sections of a blob that rg_blob_open() accepted. The optional ones,
+ * from quality on, must be present (blob->quality not 0). */
 void rg_blob_camera(const rg_blob* blob, rg_camera_section* camera);
 void rg_blob_grid(const rg_blob* blob, rg_grid_section* grid);
 void rg_blob_quality(const rg_blob* blob, rg_quality_section* quality);
+
+void rg_blob_start(const rg_blob* blob, rg_start_section* start);
+void rg_blob_mask(const rg_blob* blob, rg_mask_section* mask);
+void rg_blob_uncertainty(const rg_blob* blob,
+                         rg_uncertainty_section* uncertainty);
+
+/* Triples of i32 q28 metres of a non-central camera, as many as control points;
+ * blob->line_points must not be 0. */
+const uint8_t* rg_blob_line_points(const rg_blob* blob);
+
+/* The index-th section of a type in the bytes of a blob that rg_blob_open()
+ * accepted, or NULL. */
+const uint8_t* rg_find_section(const uint8_t* bytes, uint32_t type,
+                               uint32_t index);
 
 /* The fields of a remap section that was accepted, from its first byte. */
 void rg_read_remap(const uint8_t* section, rg_remap_section* remap);
@@ -130,8 +187,21 @@ rg_status rg_check_grid(const uint8_t* section, uint32_t size,
 rg_status rg_check_remap(const uint8_t* section, uint32_t size,
                          const uint8_t* camera);
 rg_status rg_check_quality(const uint8_t* section, uint32_t size);
+rg_status rg_check_start(const uint8_t* section, uint32_t size);
+rg_status rg_check_line_points(const uint8_t* section, uint32_t size,
+                               const uint8_t* grid);
+rg_status rg_check_mask(const uint8_t* section, uint32_t size,
+                        const uint8_t* camera);
+rg_status rg_check_uncertainty(const uint8_t* section, uint32_t size,
+                               const uint8_t* grid);
 
 /* ---- Writing, on the host ------------------------------------------------ */
+
+/* A remap section and its residuals: columns * rows pairs in host order. */
+typedef struct rg_remap_contents {
+  const rg_remap_section* section;
+  const int16_t* residuals;
+} rg_remap_contents;
 
 typedef struct rg_blob_contents {
   const rg_camera_section* camera;
@@ -140,6 +210,14 @@ typedef struct rg_blob_contents {
   const rg_remap_section* remap;     /* NULL: none */
   const int16_t* residuals;          /* columns * rows pairs, host order */
   const rg_quality_section* quality; /* NULL: none */
+  const rg_start_section* start;     /* NULL: none */
+  const int16_t* start_vertices;     /* columns * rows pairs, host order */
+  const rg_remap_contents* more_remaps; /* behind the first */
+  uint32_t num_more_remaps;
+  const int32_t* line_points_q28;            /* NULL: a central camera */
+  const rg_mask_section* mask;               /* NULL: none */
+  const rg_uncertainty_section* uncertainty; /* NULL: none */
+  const uint16_t* uncertainties_q12;         /* in host order */
 } rg_blob_contents;
 
 /* Bytes that rg_blob_write() will need. */
@@ -156,8 +234,9 @@ uint32_t rg_remap_section_size(const rg_remap_section* remap);
 void rg_write_remap(const rg_remap_section* remap, const int16_t* residuals,
                     uint8_t* section);
 
-/* Cells per pixel as the format wants them: floor(cells 2^48 / span_q16). */
-uint32_t rg_grid_scale_q32(uint32_t cells, uint32_t span_q16);
+/* Cells per pixel, or per chart unit, as the format wants them:
+ * floor(cells 2^48 / span). */
+uint32_t rg_grid_scale_q32(uint32_t cells, uint32_t span);
 
 #ifdef __cplusplus
 }

@@ -64,6 +64,16 @@ const char* rg_status_text(rg_status status) {
       return "remap vertex out of range";
     case RG_ERR_DATA_OFFSET:
       return "data offset of a section out of range";
+    case RG_ERR_START_CHART:
+      return "chart rectangle of the projection start out of range";
+    case RG_ERR_START_GRID:
+      return "vertices or scale of the projection start out of range";
+    case RG_ERR_LINE_POINT:
+      return "line point or its number format out of range";
+    case RG_ERR_MASK:
+      return "cells of the validity mask out of range";
+    case RG_ERR_UNCERTAINTY:
+      return "values or scale of the uncertainty out of range";
     case RG_ERR_OUTSIDE_AREA:
       return "pixel lies outside the calibrated area";
     case RG_ERR_NO_REMAP:
@@ -72,6 +82,16 @@ const char* rg_status_text(rg_status status) {
       return "frame size or stride does not fit the blob";
     case RG_ERR_ROWS:
       return "rows beyond the end of the output";
+    case RG_ERR_NOT_SEEN:
+      return "no pixel of the calibrated area sees this direction";
+    case RG_ERR_FORMAT:
+      return "unknown pixel format, border or sampling";
+    case RG_ERR_ROWS_MISSING:
+      return "the ring of rows lacks rows that the band needs";
+    case RG_ERR_NONCENTRAL:
+      return "the camera is not central: it has lines, not rays";
+    case RG_ERR_UNKNOWN:
+      return "the blob does not say";
   }
   return "unknown status";
 }

@@ -47,12 +47,22 @@ typedef enum rg_status {
   RG_ERR_REMAP_VERTEX =
       -42, /* a vertex farther than 8192 px from pixel (0, 0) */
   RG_ERR_DATA_OFFSET = -43, /* the array does not start after the fields */
+  RG_ERR_START_CHART = -44, /* projection start: its rectangle of the chart */
+  RG_ERR_START_GRID = -45,  /* and its number of vertices, or its scale */
+  RG_ERR_LINE_POINT = -46,  /* line points: fraction bits, or one too large */
+  RG_ERR_MASK = -47,        /* validity mask: cell size or counts */
+  RG_ERR_UNCERTAINTY = -48, /* uncertainty: number of values, or its scale */
 
   /* Use of an open camera. */
   RG_ERR_OUTSIDE_AREA = -50, /* pixel outside the calibrated area */
   RG_ERR_NO_REMAP = -51,     /* the blob has no remap table */
   RG_ERR_FRAME_SIZE = -52,   /* frame size or stride does not fit the blob */
-  RG_ERR_ROWS = -53          /* rows beyond the output's last */
+  RG_ERR_ROWS = -53,         /* rows beyond the output's last */
+  RG_ERR_NOT_SEEN = -54,     /* no pixel of the area sees the direction */
+  RG_ERR_FORMAT = -55,       /* unknown pixel format, border or sampling */
+  RG_ERR_ROWS_MISSING = -56, /* source rows that the ring does not hold */
+  RG_ERR_NONCENTRAL = -57,   /* the camera has lines, not rays */
+  RG_ERR_UNKNOWN = -58       /* the blob does not say */
 } rg_status;
 
 /* The status as a short English text, for messages; never NULL. */

@@ -20,3 +20,16 @@ void rg_bspline_weights(uint32_t t_q32, int32_t weights_q31[4]) {
   weights_q31[2] = w2;
   weights_q31[3] = c;
 }
+
+void rg_bspline_slopes(uint32_t t_q32, int32_t slopes_q31[4]) {
+  const int32_t half_q31 = INT32_C(1) << 30;
+  /* t and t^2 / 2, at most 2^31 - 1 and 2^30. */
+  const int32_t t = (int32_t)(t_q32 >> 1);
+  const int32_t square =
+      (int32_t)(rg_multiply_high_unsigned(t_q32, t_q32) >> 2);
+  slopes_q31[0] = t - half_q31 - square;
+  slopes_q31[3] = square;
+  /* -(3t^2 - 2t - 1) / 2, in an order that stays in 32 bits. */
+  slopes_q31[2] = half_q31 - 2 * square + (t - square);
+  slopes_q31[1] = -slopes_q31[0] - slopes_q31[2] - slopes_q31[3];
+}

@@ -15,8 +15,11 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
   rg_grid_section grid;
   rg_blob_camera(&blob, &identity);
   rg_blob_grid(&blob, &grid);
+  camera->blob = blob.bytes;
   camera->control_points = grid.control_points;
   camera->remap = blob.remap ? blob.bytes + blob.remap : 0;
+  camera->start = blob.start;
+  camera->line_points = blob.line_points;
   camera->x0_q16 = grid.x0_q16;
   camera->y0_q16 = grid.y0_q16;
   camera->x1_q16 = grid.x1_q16;
@@ -27,5 +30,13 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
   camera->rows = grid.rows;
   camera->width = identity.width;
   camera->height = identity.height;
+  return RG_OK;
+}
+
+rg_status rg_select_remap(rg_camera* camera, uint32_t index) {
+  const uint8_t* const remap =
+      rg_find_section(camera->blob, RG_SECTION_REMAP, index);
+  if (!remap) return RG_ERR_NO_REMAP;
+  camera->remap = remap;
   return RG_OK;
 }

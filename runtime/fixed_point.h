@@ -54,4 +54,59 @@ static inline int32_t rg_multiply_shift(int32_t a, int32_t b, int shift) {
                    (rounded >> shift));
 }
 
+/* a b. Sums of products are rounded once, by rg_upper_word(). */
+static inline int64_t rg_product(int32_t a, int32_t b) {
+#if RG_MULTIPLY_IN_PARTS
+  uint32_t low;
+  const int32_t high = rg_multiply_signed(a, b, &low);
+  return (int64_t)(((uint64_t)(uint32_t)high << 32) | low);
+#else
+  return (int64_t)a * b;
+#endif
+}
+
+/* (sum + 2^31) >> 32 */
+static inline int32_t rg_upper_word(int64_t sum) {
+  return (int32_t)((sum + INT64_C(0x80000000)) >> 32);
+}
+
+/* Inlining every function into its caller would add up their stacks; the inner
+ * loops want it at any level of optimization. */
+#if defined(__GNUC__)
+#define RG_NOINLINE __attribute__((noinline))
+#define RG_INLINE inline __attribute__((always_inline))
+#else
+#define RG_NOINLINE
+#define RG_INLINE inline
+#endif
+
+/* |value|, 2^31 for the lowest. */
+static inline uint32_t rg_magnitude(int32_t value) {
+  return value < 0 ? 0u - (uint32_t)value : (uint32_t)value;
+}
+
+#if defined(__GNUC__) &&                                               \
+    (defined(__ARM_FEATURE_CLZ) || defined(__aarch64__) ||             \
+     defined(__x86_64__) || defined(__i386__) || defined(__s390x__) || \
+     defined(__riscv_zbb))
+#define RG_HAVE_CLZ 1 /* an instruction, not a call */
+#else
+#define RG_HAVE_CLZ 0
+#endif
+
+/* Zero bits above the highest one; value must not be 0. */
+static inline int rg_leading_zeros(uint32_t value) {
+#if RG_HAVE_CLZ
+  return __builtin_clz(value);
+#else
+  int zeros = 0;
+  for (int step = 16; step > 0; step >>= 1) {
+    if (value >> (32 - step) != 0) continue;
+    value <<= step;
+    zeros += step;
+  }
+  return zeros;
+#endif
+}
+
 #endif /* RAYGRID_FIXED_POINT_H */

@@ -32,8 +32,10 @@ extern "C" {
  * opening, so threads and interrupt handlers may share it. The fields are not
  * for use outside the library. */
 typedef struct rg_camera {
+  const uint8_t* blob;
   const uint8_t* control_points; /* i32 q29 pairs in the blob */
-  const uint8_t* remap;          /* the remap section in the blob, or NULL */
+  const uint8_t* remap;          /* the remap section in use, or NULL */
+  uint32_t start, line_points;   /* offsets of sections in the blob, or 0 */
   int32_t x0_q16, y0_q16, x1_q16, y1_q16;
   uint32_t scale_x_q32, scale_y_q32;
   uint16_t columns, rows;
@@ -65,14 +67,215 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
  *
  * RG_OK                done
  * RG_ERR_OUTSIDE_AREA  pixel lies outside the calibrated area
+ * RG_ERR_NONCENTRAL    the camera has lines, not rays: rg_unproject_line()
  *
  * No loop depends on the data; cost per core in runtime/README.md. */
 rg_status rg_unproject(const rg_camera* camera, rg_pixel pixel, rg_ray* ray);
+
+/* A line in space: from the point, in metres, along the direction. */
+typedef struct rg_line {
+  int32_t point_q28[3]; /* x, y, z in camera axes */
+  rg_ray direction;
+} rg_line;
+
+/* rg_unproject() for any camera: the line that an image position sees. The
+ * point of a central camera is (0, 0, 0).
+ *
+ * line  point within 2e-8 m of the B-spline; written only when RG_OK is
+ *       returned. RG_ERR_OUTSIDE_AREA as above. */
+rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
+                            rg_line* line);
+
+/* 1 if the pixel lies in the calibrated area, and in a part of it that the
+ * blob's mask, if there is one, calls valid. */
+int rg_is_valid(const rg_camera* camera, rg_pixel pixel);
+
+/* The standard deviation of projection at a pixel, in q12 pixels.
+ * RG_ERR_UNKNOWN where the blob does not say, RG_ERR_OUTSIDE_AREA. */
+rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
+                         uint16_t* pixels_q12);
 
 /* rg_unproject() for num_pixels pixels. Rays outside the area become (0, 0, 0).
  * Returns how many pixels lay inside. */
 uint32_t rg_unproject_batch(const rg_camera* camera, const rg_pixel* pixels,
                             rg_ray* rays, uint32_t num_pixels);
+
+/* Turns a direction into the image position that sees it: rg_unproject() the
+ * other way round, by Newton's method on the spline surface: two steps where
+ * the blob has a projection start, more without one, never more than twelve.
+ *
+ * direction  camera axes, any length but zero: also a 3-D point, in any unit
+ *            and number format that its three coordinates share.
+ * pixel      within 0.002 px of the surface's exact inverse; written only when
+ *            RG_OK is returned.
+ *
+ * RG_OK                done
+ * RG_ERR_NOT_SEEN      no pixel of the calibrated area looks there
+ * RG_ERR_NONCENTRAL    the camera is not central: not supported
+ *
+ * Where the surface folds, one of the pixels that look there. */
+rg_status rg_project(const rg_camera* camera, const rg_ray* direction,
+                     rg_pixel* pixel);
+
+/* rg_project() for num_points directions or points. Pixels of those not seen
+ * become RG_NO_PIXEL twice. Returns how many are seen. */
+uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
+                          rg_pixel* pixels, uint32_t num_points);
+
+/* A coordinate that no pixel has. */
+#define RG_NO_PIXEL INT32_MIN
+
+/* A sensor mode: how its frames lie in the frames that were calibrated. Its
+ * pixel (i, j), counted from the other side where flipped, covers the
+ * calibrated pixels from (offset + scale i) on, scale of them a side: a crop
+ * has scale 1, binning by two, or a scaler that halves, has scale 2. */
+typedef struct rg_mode {
+  uint16_t width, height;
+  int32_t offset_x_q16, offset_y_q16; /* calibrated pixels */
+  uint32_t scale_x_q16, scale_y_q16;  /* 1/64 to 64 */
+  uint8_t flip_x, flip_y;
+} rg_mode;
+
+/* A position in the mode's frames to one in calibrated frames, for
+ * rg_unproject(), and back from rg_project(); within 0.0001 px.
+ *
+ * RG_ERR_ARGUMENT  an impossible mode, or a position 16384 px away or more */
+rg_status rg_mode_to_calibrated(const rg_mode* mode, rg_pixel pixel,
+                                rg_pixel* calibrated);
+rg_status rg_mode_from_calibrated(const rg_mode* mode, rg_pixel calibrated,
+                                  rg_pixel* pixel);
+
+typedef enum rg_match_result {
+  RG_MATCH_EXACT,     /* frames are as calibrated */
+  RG_MATCH_DERIVABLE, /* positions are, through the mode; frames can not be
+                         remapped */
+  RG_MATCH_NONE       /* another camera, or not known how the frames lie */
+} rg_match_result;
+
+/* Whether a blob is for the frames at hand.
+ *
+ * mode    NULL: not known. Sizes alone do not tell crops from binning.
+ * width, height  of a frame
+ * serial  zero-terminated, or NULL: not known. A blob without a serial is for
+ *         any camera. */
+rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
+                         uint16_t width, uint16_t height, const char* serial);
+
+/* Makes the index-th remap table of the blob, counted from 0, the one in use;
+ * after opening that is the first. RG_ERR_NO_REMAP, and no change, if there is
+ * none. */
+rg_status rg_select_remap(rg_camera* camera, uint32_t index);
+
+/* Size of the undistorted image; RG_ERR_NO_REMAP if the blob has no table. */
+rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
+                        uint16_t* height);
+
+/* Moves an image position to where it lies in the undistorted image, whether
+ * that is inside it or not.
+ *
+ * undistorted  within 0.001 px up to 85 degrees from the z axis; written only
+ *              when RG_OK is returned.
+ *
+ * RG_OK                done
+ * RG_ERR_NO_REMAP      the blob has no remap table, and so no virtual camera
+ * RG_ERR_OUTSIDE_AREA  pixel lies outside the calibrated area
+ * RG_ERR_NOT_SEEN      it looks backwards, or 16384 px away or more */
+rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
+                             rg_pixel* undistorted);
+
+/* rg_undistort_point() for num_points pixels. Points of those that have none
+ * become RG_NO_PIXEL twice. Returns how many have one. */
+uint32_t rg_undistort_points(const rg_camera* camera, const rg_pixel* pixels,
+                             rg_pixel* undistorted, uint32_t num_points);
+
+/* What frames hold; the undistorted frame holds the same. The order of colours
+ * does not matter: the names in brackets are the same to this library. Samples
+ * of more than 8 bits are little-endian. Packed ones are as on CSI-2. Sizes of
+ * formats from YUYV on are even; of 10-bit packed ones multiples of 4, of
+ * 12-bit packed ones of 2. */
+typedef enum rg_format {
+  RG_FORMAT_GREY8,   /* GREY, R8 */
+  RG_FORMAT_GREY16,  /* Y10, Y12, Y14, Y16: in the low bits of 16 */
+  RG_FORMAT_GREY10P, /* Y10P */
+  RG_FORMAT_GREY12P, /* Y12P */
+  RG_FORMAT_RGB24,   /* RGB888 (BGR888) */
+  RG_FORMAT_RGB32,   /* XRGB8888 (any four interleaved channels) */
+  RG_FORMAT_YUYV,    /* (YVYU) */
+  RG_FORMAT_UYVY,    /* (VYUY) */
+  RG_FORMAT_NV12,    /* (NV21) two planes */
+  RG_FORMAT_YUV420,  /* (YVU420) three planes */
+  RG_FORMAT_BAYER8,  /* (any order), each colour on its own lattice */
+  RG_FORMAT_BAYER16, /* 10, 12, 14 or 16 bits in the low bits of 16 */
+  RG_FORMAT_BAYER10P,
+  RG_FORMAT_BAYER12P,
+  RG_NUM_FORMATS
+} rg_format;
+
+/* A frame, or a part of it in a ring of rows. Row r of a plane of full height
+ * lies at data + (r mod ring_rows) stride; a chroma plane of half height has a
+ * ring of half the rows. */
+typedef struct rg_image {
+  rg_format format;
+  uint16_t width, height;       /* of the whole frame */
+  uint16_t ring_rows;           /* 0: no ring, the whole frame is there */
+  uint16_t first_row, num_rows; /* in a ring: rows that are there, at most
+                                   ring_rows */
+  struct {
+    const uint8_t* data;
+    uint32_t stride; /* bytes from one row to the next */
+  } planes[3];
+} rg_image;
+
+/* What becomes of pixels that the camera does not see, or that lie outside the
+ * calibrated area. */
+typedef enum rg_border {
+  RG_BORDER_VALUE, /* border_values */
+  RG_BORDER_CLAMP, /* the nearest pixel of the calibrated area */
+  RG_BORDER_KEEP   /* what the target holds */
+} rg_border;
+
+typedef enum rg_sampling {
+  RG_SAMPLING_BILINEAR,
+  RG_SAMPLING_NEAREST
+} rg_sampling;
+
+/* Rows [first_row, first_row + num_rows) of the undistorted image; even numbers
+ * where the format's rows come in pairs (NV12, YUV420, Bayer). */
+typedef struct rg_target {
+  struct {
+    uint8_t* data; /* where first_row goes, or the chroma row of it */
+    uint32_t stride;
+  } planes[3];
+  uint16_t first_row, num_rows;
+  rg_border border;
+  rg_sampling sampling;
+  uint16_t border_values[4]; /* of each channel: interleaved ones as they lie in
+                                memory; Y, first and second chroma; Bayer as in
+                                the top-left 2 x 2 pixels */
+} rg_target;
+
+/* Undistorts rows of a frame (formats/SPEC.md, "Remap arithmetic": every target
+ * gives the same bits). Bands may be asked for in any order and, into different
+ * memory, by several threads. The frame and the target must not overlap.
+ *
+ * RG_ERR_NO_REMAP      the blob has no remap table
+ * RG_ERR_FORMAT        unknown format, border or sampling; clamping from a ring
+ * RG_ERR_FRAME_SIZE    frame is not the camera's image, a stride is too small,
+ *                      a size not a multiple of what the format wants
+ * RG_ERR_MISALIGNED    16-bit samples at odd addresses
+ * RG_ERR_ROWS          the band ends below the output, or cuts a pair of rows
+ * RG_ERR_ROWS_MISSING  the ring does not hold the rows that the band needs */
+rg_status rg_remap(const rg_camera* camera, const rg_image* image,
+                   const rg_target* target);
+
+/* The source rows that rows [first_row, first_row + num_rows) of the output
+ * need: none is missing, and at most one at either end is not needed (a pair
+ * where rows come in pairs). *num_source is 0 for a band without any source.
+ *
+ * RG_ERR_NO_REMAP, RG_ERR_FORMAT, RG_ERR_ROWS as above. */
+rg_status rg_remap_source_rows(const rg_camera* camera, rg_format format,
+                               uint16_t first_row, uint16_t num_rows,
+                               uint16_t* first_source, uint16_t* num_source);
 
 /* An 8-bit grey image (libcamera R8, V4L2 GREY). */
 typedef struct rg_frame {
@@ -89,18 +292,7 @@ typedef struct rg_band {
   uint8_t border; /* value where the camera sees nothing, or is uncalibrated */
 } rg_band;
 
-/* Size of the undistorted image; RG_ERR_NO_REMAP if the blob has no table. */
-rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
-                        uint16_t* height);
-
-/* Undistorts rows of a grey frame (formats/SPEC.md, "Remap arithmetic": every
- * target gives the same bits). Bands may be asked for in any order and, into
- * different memory, by several threads. The frame and the band must not
- * overlap.
- *
- * RG_ERR_NO_REMAP    the blob has no remap table
- * RG_ERR_FRAME_SIZE  frame is not the camera's image, or a stride is too small
- * RG_ERR_ROWS        the band ends below the output */
+/* rg_remap() of a grey frame, bilinear. */
 rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
                         const rg_band* band);
 

@@ -27,15 +27,25 @@ static int32_t vertex(const uint8_t* section, uint32_t i, uint32_t j,
                    ((uint32_t)rg_load_i16(residual) << shift));
 }
 
-void rg_remap_block_row(const uint8_t* section, uint32_t i, uint32_t j,
+void rg_remap_block(const uint8_t* section, uint32_t i, uint32_t j,
+                    rg_block* block) {
+  for (uint32_t k = 0; k < 4; ++k)
+    for (uint32_t c = 0; c < 2; ++c)
+      block->corners[k].q12[c] = vertex(section, i + (k & 1), j + (k >> 1), c);
+}
+
+void rg_remap_block_row(const uint8_t* section, const rg_block* block,
                         uint32_t r, rg_block_row* row) {
   const int shift = section[8];
-  for (uint32_t c = 0; c < 2; ++c) {
-    rg_position* side = &row->left; /* then right */
-    for (uint32_t k = i; k <= i + 1; ++k, side = &row->right)
-      side->q12[c] = between(vertex(section, k, j, c),
-                             vertex(section, k, j + 1, c), (int32_t)r, shift);
-    row->step.q12[c] = round_shift(row->right.q12[c] - row->left.q12[c], shift);
+  const rg_position* const corners = block->corners;
+  for (int c = 0; c < 2; ++c) {
+    const int32_t left =
+        between(corners[0].q12[c], corners[2].q12[c], (int32_t)r, shift);
+    const int32_t right =
+        between(corners[1].q12[c], corners[3].q12[c], (int32_t)r, shift);
+    row->left.q12[c] = left;
+    row->right.q12[c] = right;
+    row->step.q12[c] = round_shift(right - left, shift);
   }
 }
 
@@ -46,4 +56,23 @@ rg_position rg_remap_segment(const uint8_t* section, const rg_block_row* row,
     start.q12[c] =
         between(row->left.q12[c], row->right.q12[c], (int32_t)k, section[8]);
   return start;
+}
+
+void rg_remap_average_rows(const uint8_t* section, const rg_block_row* other,
+                           rg_block_row* row) {
+  for (uint32_t c = 0; c < 2; ++c) {
+    row->left.q12[c] = round_shift(row->left.q12[c] + other->left.q12[c], 1);
+    row->right.q12[c] = round_shift(row->right.q12[c] + other->right.q12[c], 1);
+    row->step.q12[c] =
+        round_shift(row->right.q12[c] - row->left.q12[c], section[8]);
+  }
+}
+
+int rg_remap_is_empty(const uint8_t* section, uint32_t i, uint32_t j) {
+  const uint32_t columns = rg_load_u16(section + 4);
+  const uint32_t num_vertices = columns * rg_load_u16(section + 6);
+  const uint8_t* const mask =
+      section + rg_load_u32(section + 76) + 4 * num_vertices;
+  const uint32_t block = j * (columns - 1) + i;
+  return (mask[block >> 3] >> (block & 7)) & 1;
 }

@@ -47,6 +47,18 @@ std::optional<Eigen::Vector3d> BlobCamera::Unproject(
   return Eigen::Vector3d(ray.x_q30, ray.y_q30, ray.z_q30) / (1 << 30);
 }
 
+std::optional<Eigen::Vector2d> BlobCamera::Project(
+    const Eigen::Vector3d& point) const {
+  const Eigen::Vector3d q30 = point.normalized() * (1 << 30);
+  if (!q30.allFinite()) return std::nullopt;
+  const rg_ray direction = {static_cast<int32_t>(std::lround(q30.x())),
+                            static_cast<int32_t>(std::lround(q30.y())),
+                            static_cast<int32_t>(std::lround(q30.z()))};
+  rg_pixel pixel;
+  if (rg_project(&camera_, &direction, &pixel) != RG_OK) return std::nullopt;
+  return Eigen::Vector2d(pixel.x_q16, pixel.y_q16) / 65536;
+}
+
 CentralGeneric BlobCamera::ToModel() const {
   rg_grid_section grid;
   rg_blob_grid(&blob_, &grid);

@@ -35,6 +35,9 @@ class BlobCamera {
   /// By the runtime, in fixed point.
   std::optional<Eigen::Vector3d> Unproject(const Eigen::Vector2d& pixel) const;
 
+  /// Likewise, for a direction or a point.
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point) const;
+
   /// The control grid in double precision, for what the runtime does not do.
   CentralGeneric ToModel() const;
 

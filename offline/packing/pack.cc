@@ -10,6 +10,7 @@
 #include "camera/central_generic.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
+#include "packing/projection_start.h"
 #include "packing/remap_fitting.h"
 #include "raygrid.h"
 #include "rg_blob.h"
@@ -213,7 +214,9 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
       camera.image_size().height > static_cast<int>(RG_MAX_IMAGE_SIZE))
     FailFormat(fmt::format("images are at most {} px wide and high",
                            RG_MAX_IMAGE_SIZE));
-  const GridSection grid = QuantizeGrid(AsGrid(camera));
+  const CentralGeneric model = AsGrid(camera);
+  const GridSection grid = QuantizeGrid(model);
+  const ProjectionStart start = MakeProjectionStart(model.surface());
   const std::string name = PaddedText("name", file.name);
   const std::string serial = PaddedText("serial", file.serial);
   const rg_camera_section identity = {
@@ -224,6 +227,8 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   contents.camera = &identity;
   contents.grid = &grid.section;
   contents.control_points_q29 = grid.control_points.data();
+  contents.start = &start.section;
+  contents.start_vertices = start.vertices.data();
 
   PackedCamera packed;
   RemapTable remap;

@@ -282,8 +282,10 @@ double MeasureError(const ExactMap& map, const Area& rectangle,
     for (int i = 0; i < blocks.columns; ++i) {
       const int j = y >> blocks.size_log2;
       if (!blocks.used[j * blocks.columns + i]) continue;
+      rg_block block;
       rg_block_row row;
-      rg_remap_block_row(section, i, j, y & (blocks.size() - 1), &row);
+      rg_remap_block(section, i, j, &block);
+      rg_remap_block_row(section, &block, y & (blocks.size() - 1), &row);
       const int x0 = i << blocks.size_log2;
       for (int x = x0; x < std::min(x0 + blocks.size(), map.width); ++x) {
         const uint32_t in_block = x - x0;

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Flash, RAM and stack of open + validate + un-project + remap, from the objects.
+"""What the runtime costs on a microcontroller, against the tables of its README.
 
-Links the objects that a firmware needs into one, and checks that it takes no
-static memory, needs no symbol from outside, and stays within the limits given.
-The stack is the deepest path of the compiler's call graph (-fcallgraph-info=su).
+Flash, RAM and stack from the objects: what a firmware links that calls the entry points of a
+set; it may take no static memory and no symbol from outside. The stack is the deepest path of
+the compiler's call graph (-fcallgraph-info=su). Executed instructions from instruction_bench on
+an emulator that counts them. A figure that has grown by more than 2 % since the README's fails,
+and so does one that has shrunk by more than 10 %; --update writes the README's rows.
 """
 import argparse
 import os
@@ -14,16 +16,28 @@ import tempfile
 
 # Sources that do not go on a board.
 HOST_ONLY = ("blob_write", "rg_status")
-ENTRY_POINTS = ("rg_camera_open", "rg_unproject", "rg_unproject_batch", "rg_remap_grey")
+RAYS = ("rg_camera_open", "rg_unproject", "rg_project")
+EVERYTHING = RAYS + (
+    "rg_unproject_batch", "rg_project_batch", "rg_unproject_line", "rg_is_valid",
+    "rg_uncertainty", "rg_undistort_point", "rg_undistort_points", "rg_mode_to_calibrated",
+    "rg_mode_from_calibrated", "rg_match", "rg_select_remap", "rg_remap_size", "rg_remap",
+    "rg_remap_source_rows", "rg_remap_grey")
+# .text of what these need.
+SETS = {"rays": RAYS, "rays, grey": RAYS + ("rg_remap_grey",), "everything": EVERYTHING}
+STACKS = ("rg_camera_open", "rg_unproject", "rg_project", "rg_remap_grey", "rg_remap")
+GROWTH, SHRINKAGE = 1.02, 0.9
 
 
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--core", required=True)
+    parser.add_argument("--readme", required=True)
+    parser.add_argument("--update", action="store_true")
     parser.add_argument("--compiler", required=True)
     parser.add_argument("--formats", nargs="+", required=True)
     parser.add_argument("--runtime", nargs="+", required=True)
-    parser.add_argument("--max-text", type=int, required=True)
-    parser.add_argument("--max-stack", type=int, required=True)
+    parser.add_argument("--bench", nargs=argparse.REMAINDER, required=True,
+                        help="emulator, its options and the program; the last argument")
     return parser.parse_args()
 
 
@@ -36,8 +50,12 @@ def board_objects(objects):
     return [o for o in objects if not any(skip in os.path.basename(o) for skip in HOST_ONLY)]
 
 
-def link(compiler, objects, output):
-    subprocess.run([tool(compiler, "ld"), "-r", "-o", output, *objects], check=True)
+def link(compiler, objects, output, roots):
+    """One object of what the roots need."""
+    keep = [option for root in roots for option in ("-u", root)]
+    emulation = ["-m", "elf32lriscv"] if "riscv" in compiler else []
+    subprocess.run([tool(compiler, "ld"), *emulation, "-r", "--gc-sections", *keep, "-o", output,
+                    *objects], check=True)
 
 
 def section_sizes(compiler, path):
@@ -74,32 +92,84 @@ def deepest(function, stack, calls, path=()):
     return stack.get(function, 0) + max(below, default=0)
 
 
-def main():
-    arguments = parse_arguments()
-    objects = board_objects(arguments.formats + arguments.runtime)
+def measure_text(arguments, objects, roots):
+    """Bytes of .text; exits if there is static memory or a symbol from outside."""
     with tempfile.TemporaryDirectory() as folder:
         linked = os.path.join(folder, "raygrid.o")
-        link(arguments.compiler, objects, linked)
+        link(arguments.compiler, objects, linked, roots)
         text, data, bss = section_sizes(arguments.compiler, linked)
         undefined = undefined_symbols(arguments.compiler, linked)
-    stack, calls = read_call_graph(objects)
-    depths = {entry: deepest(entry, stack, calls) for entry in ENTRY_POINTS}
+    if data or bss:
+        sys.exit(f"footprint: {data + bss} bytes of static memory")
+    if undefined:
+        sys.exit(f"footprint: needs symbols from outside: {', '.join(undefined)}")
+    return text
 
-    print(f".text {text} B (at most {arguments.max_text}), .data {data} B, .bss {bss} B")
-    for entry, depth in depths.items():
-        print(f"stack of {entry}: {depth} B (at most {arguments.max_stack})")
-    print("symbols from outside:", ", ".join(undefined) or "none")
-    missing = [entry for entry in ENTRY_POINTS if entry not in stack]
-    faults = [
-        (missing, f"no call graph for {missing}"),
-        (text > arguments.max_text, "too much .text"),
-        (data or bss, "static memory"),
-        (max(depths.values()) > arguments.max_stack, "too much stack"),
-        (undefined, "needs symbols from outside"),
-    ]
-    for fault, message in faults:
-        if fault:
-            sys.exit(f"footprint: {message}")
+
+def measure_sizes(arguments):
+    """Figures of the README's row of sizes."""
+    objects = board_objects(arguments.formats + arguments.runtime)
+    texts = [measure_text(arguments, objects, roots) for roots in SETS.values()]
+    stack, calls = read_call_graph(objects)
+    missing = [entry for entry in EVERYTHING if entry not in stack]
+    if missing:
+        sys.exit(f"footprint: no call graph for {missing}")
+    depths = [deepest(entry, stack, calls) for entry in STACKS]
+    for name, text in zip(SETS, texts):
+        print(f".text of {name}: {text} B")
+    for entry, depth in zip(STACKS, depths):
+        print(f"stack of {entry}: {depth} B")
+    return texts + depths
+
+
+def measure_instructions(command):
+    """Figures of the README's row of instructions, per call or pixel."""
+    output = subprocess.run(command, check=True, stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT, text=True).stdout
+    figures = [line.split() for line in output.splitlines() if line.strip()]
+    for name, hundredths in figures:
+        print(f"instructions of {name}: {int(hundredths) / 100}")
+    return [round(int(hundredths) / 100) for _, hundredths in figures]
+
+
+def row(core, figures):
+    return f"| {core} | " + " | ".join(map(str, figures)) + " |"
+
+
+def find_rows(lines, core):
+    """Numbers of the README's lines that are this core's: sizes, instructions."""
+    found = [k for k, line in enumerate(lines) if line.startswith(f"| {core} |")]
+    if len(found) != 2:
+        sys.exit(f"footprint: the README has {len(found)} rows of {core}, not 2")
+    return found
+
+
+def compare(expected_line, figures):
+    """Faults of figures against a row of the README."""
+    expected = [int(cell) for cell in expected_line.split("|")[2:-1]]
+    if len(expected) != len(figures):
+        return [f"{len(figures)} figures, but the README has {len(expected)}"]
+    return [f"{figure}, but the README says {limit}"
+            for figure, limit in zip(figures, expected)
+            if figure > limit * GROWTH or figure < limit * SHRINKAGE]
+
+
+def main():
+    arguments = parse_arguments()
+    rows = [measure_sizes(arguments), measure_instructions(arguments.bench)]
+    with open(arguments.readme, encoding="utf-8") as file:
+        lines = file.read().split("\n")
+    places = find_rows(lines, arguments.core)
+    if arguments.update:
+        for place, figures in zip(places, rows):
+            lines[place] = row(arguments.core, figures)
+        with open(arguments.readme, "w", encoding="utf-8") as file:
+            file.write("\n".join(lines))
+        return
+    faults = [fault for place, figures in zip(places, rows)
+              for fault in compare(lines[place], figures)]
+    if faults:
+        sys.exit("footprint: " + "; ".join(faults) + "; if that is as it should be, --update")
 
 
 if __name__ == "__main__":

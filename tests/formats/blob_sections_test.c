@@ -120,7 +120,7 @@ static void quality_is_read(void** state) {
 static uint32_t take_sections(blob_section sections[5]) {
   static const uint8_t unknown[4] = {1, 2, 3, 4};
   for (uint32_t k = 0; k < 4; ++k) sections[k] = section_of(kExampleBlob, k);
-  const blob_section last = {9, 0, unknown, sizeof(unknown)};
+  const blob_section last = {99, 0, unknown, sizeof(unknown)};
   sections[4] = last;
   return 5;
 }

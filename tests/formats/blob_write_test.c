@@ -7,16 +7,25 @@
 
 #define SIZE ((uint32_t)sizeof(kExampleBlob))
 
-static uint8_t written[2048] __attribute__((aligned(4)));
+static uint8_t written[8192] __attribute__((aligned(4)));
 
 /* What a golden blob holds, for altering and writing. */
 typedef struct camera_parts {
   rg_camera_section camera;
   rg_grid_section grid;
-  int32_t control_points[256];
+  int32_t control_points[2 * 19 * 15];
   rg_remap_section remap;
   int16_t residuals[256];
+  rg_remap_section second_remap;
+  int16_t second_residuals[256];
+  rg_remap_contents more_remaps[1];
   rg_quality_section quality;
+  rg_start_section start;
+  int16_t start_vertices[512];
+  int32_t line_points[3 * 16];
+  rg_mask_section mask;
+  rg_uncertainty_section uncertainty;
+  uint16_t uncertainties[16];
   rg_blob_contents contents;
 } camera_parts;
 
@@ -31,18 +40,67 @@ static void copy_arrays(void) {
     parts.residuals[i] = rg_load_i16(parts.remap.vertices + 2 * i);
 }
 
+static void take_start(const rg_blob* blob) {
+  rg_blob_start(blob, &parts.start);
+  const uint32_t count = 2u * parts.start.columns * parts.start.rows;
+  for (uint32_t i = 0; i < count; ++i)
+    parts.start_vertices[i] = rg_load_i16(parts.start.vertices + 2 * i);
+  parts.contents.start = &parts.start;
+  parts.contents.start_vertices = parts.start_vertices;
+}
+
+static void take_line_points(const rg_blob* blob) {
+  const uint8_t* const points = rg_blob_line_points(blob);
+  for (uint32_t i = 0; i < 3 * 16; ++i)
+    parts.line_points[i] = rg_load_i32(points + 4 * i);
+  parts.contents.line_points_q28 = parts.line_points;
+}
+
+static void take_mask_and_uncertainty(const rg_blob* blob) {
+  rg_blob_mask(blob, &parts.mask);
+  rg_blob_uncertainty(blob, &parts.uncertainty);
+  for (uint32_t i = 0; i < 15; ++i)
+    parts.uncertainties[i] = rg_load_u16(parts.uncertainty.values + 2 * i);
+  parts.contents.mask = &parts.mask;
+  parts.contents.uncertainty = &parts.uncertainty;
+  parts.contents.uncertainties_q12 = parts.uncertainties;
+}
+
+static void take_second_remap(const uint8_t* section) {
+  rg_read_remap(section, &parts.second_remap);
+  const uint32_t count =
+      2u * parts.second_remap.columns * parts.second_remap.rows;
+  for (uint32_t i = 0; i < count; ++i)
+    parts.second_residuals[i] =
+        rg_load_i16(parts.second_remap.vertices + 2 * i);
+  parts.more_remaps[0].section = &parts.second_remap;
+  parts.more_remaps[0].residuals = parts.second_residuals;
+  parts.contents.more_remaps = parts.more_remaps;
+  parts.contents.num_more_remaps = 1;
+}
+
 static void take_apart(const uint8_t* bytes, uint32_t size) {
   rg_blob blob;
   assert_int_equal(rg_blob_open(bytes, size, &blob), RG_OK);
   rg_blob_camera(&blob, &parts.camera);
   rg_blob_grid(&blob, &parts.grid);
-  rg_read_remap(bytes + blob.remap, &parts.remap);
-  rg_blob_quality(&blob, &parts.quality);
+  memset(&parts.remap, 0, sizeof(parts.remap));
+  if (blob.remap) rg_read_remap(bytes + blob.remap, &parts.remap);
+  if (blob.quality) rg_blob_quality(&blob, &parts.quality);
   copy_arrays();
-  const rg_blob_contents contents = {&parts.camera,        &parts.grid,
-                                     parts.control_points, &parts.remap,
-                                     parts.residuals,      &parts.quality};
+  const rg_blob_contents contents = {
+      .camera = &parts.camera,
+      .grid = &parts.grid,
+      .control_points_q29 = parts.control_points,
+      .remap = blob.remap ? &parts.remap : NULL,
+      .residuals = parts.residuals,
+      .quality = blob.quality ? &parts.quality : NULL};
   parts.contents = contents;
+  if (blob.line_points) take_line_points(&blob);
+  if (blob.mask) take_mask_and_uncertainty(&blob);
+  if (blob.start) take_start(&blob);
+  const uint8_t* second = rg_find_section(bytes, RG_SECTION_REMAP, 1);
+  if (second) take_second_remap(second);
 }
 
 static int take_example_apart(void** state) {
@@ -70,6 +128,41 @@ static void lens_is_written_byte_for_byte(void** state) {
   assert_int_equal(rg_blob_size(&parts.contents), sizeof(kLensBlob));
   assert_int_equal(write_parts(), RG_OK);
   assert_memory_equal(written, kLensBlob, sizeof(kLensBlob));
+}
+
+static void wide_camera_is_written_byte_for_byte(void** state) {
+  (void)state;
+  take_apart(kWideBlob, sizeof(kWideBlob));
+  assert_int_equal(rg_blob_size(&parts.contents), sizeof(kWideBlob));
+  assert_int_equal(write_parts(), RG_OK);
+  assert_memory_equal(written, kWideBlob, sizeof(kWideBlob));
+}
+
+static void lines_are_written_byte_for_byte(void** state) {
+  (void)state;
+  take_apart(kLinesBlob, sizeof(kLinesBlob));
+  assert_int_equal(rg_blob_size(&parts.contents), sizeof(kLinesBlob));
+  assert_int_equal(write_parts(), RG_OK);
+  assert_memory_equal(written, kLinesBlob, sizeof(kLinesBlob));
+}
+
+static void missing_arrays_are_refused(void** state) {
+  (void)state;
+  take_apart(kWideBlob, sizeof(kWideBlob));
+  const rg_blob_contents complete = parts.contents;
+  parts.contents.start_vertices = NULL;
+  assert_int_equal(write_parts(), RG_ERR_ARGUMENT);
+  parts.contents = complete;
+  parts.contents.uncertainties_q12 = NULL;
+  assert_int_equal(write_parts(), RG_ERR_ARGUMENT);
+  parts.contents = complete;
+  parts.mask.bits = NULL;
+  assert_int_equal(write_parts(), RG_ERR_ARGUMENT);
+  take_apart(kWideBlob, sizeof(kWideBlob));
+  parts.more_remaps[0].residuals = NULL;
+  assert_int_equal(write_parts(), RG_ERR_ARGUMENT);
+  parts.contents.more_remaps = NULL;
+  assert_int_equal(write_parts(), RG_ERR_ARGUMENT);
 }
 
 static void optional_sections_may_be_left_out(void** state) {
@@ -235,6 +328,9 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       TEST(example_is_written_byte_for_byte),
       TEST(lens_is_written_byte_for_byte),
+      TEST(wide_camera_is_written_byte_for_byte),
+      TEST(lines_are_written_byte_for_byte),
+      TEST(missing_arrays_are_refused),
       TEST(optional_sections_may_be_left_out),
       TEST(too_small_buffer_is_left_alone),
       TEST(buffer_of_the_exact_size_suffices),

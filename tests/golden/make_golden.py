@@ -12,6 +12,7 @@ import zlib
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "formats"))
@@ -20,11 +21,12 @@ import blob_reference as reference  # noqa: E402
 SPEC_PATH = ROOT / "formats" / "SPEC.md"
 HEADER_PATH = ROOT / "tests" / "golden" / "golden_blobs.h"
 
+Pair = tuple[int, int]
 Point = tuple[float, float]
 Ray = tuple[float, float, float]
 
 UNKNOWN = 0xFFFFFFFF
-Q12, Q16, Q29, Q30 = 1 << 12, 1 << 16, 1 << 29, 1 << 30
+Q12, Q16, Q28, Q29, Q30 = 1 << 12, 1 << 16, 1 << 28, 1 << 29, 1 << 30
 BORDER = 7
 FRAME_SEED = 2025
 CHART_POINTS = ((0, 0), (1, -1), (0.25, 0.5), (-0.5, 0.125), (1, 0), (-1, 1),
@@ -144,6 +146,7 @@ class View:
     residual_shift: int
     focal: float
     bound_upx: int
+    source: tuple[float, float, float, float] | None = None  # or the area
 
     def ray(self, u: float, v: float) -> Ray:
         """Where the output pixel (u, v) looks."""
@@ -166,10 +169,12 @@ def make_remap(blob: reference.Blob, lens: Lens, view: View) -> reference.Remap:
 def empty_remap(blob: reference.Blob, view: View) -> reference.Remap:
     """The fields that the view gives; the source is the calibrated area."""
     grid = blob.grid
+    x0, y0, x1, y1 = (grid.x0, grid.y0, grid.x1, grid.y1) if view.source is None else (
+        round(value * Q16) for value in view.source)
     return reference.Remap(
         view.width, view.height, view.block_log2, view.residual_shift,
-        min_x=-(-grid.x0 // 16), min_y=-(-grid.y0 // 16),
-        max_x=grid.x1 // 16, max_y=grid.y1 // 16,
+        min_x=-(-x0 // 16), min_y=-(-y0 // 16),
+        max_x=x1 // 16, max_y=y1 // 16,
         origin=(0, 0), column_step=(0, 0), row_step=(0, 0),
         fx=round(view.focal * Q16), fy=round(view.focal * Q16),
         cx=(view.width - 1) * Q16 // 2, cy=(view.height - 1) * Q16 // 2,
@@ -271,6 +276,122 @@ def make_lens() -> reference.Blob:
                           6789, 1729, 21835))
 
 
+def make_wide() -> reference.Blob:
+    """220 degrees across, off centre, with a projection start."""
+    lens = WIDE_LENS
+    camera = reference.Camera(320, 240, "wide", "")
+    grid = make_grid(lens, (0.0, 0.0, 319.0, 239.0), (16, 12))
+    blob = reference.Blob(camera, grid)
+    views = (View(48, 36, block_log2=3, residual_shift=4, focal=9.0,
+                  bound_upx=4000000, source=(60.3, 40.7, 250.2, 190.9)),
+             View(36, 28, block_log2=4, residual_shift=6, focal=10.0,
+                  bound_upx=4000000))
+    first, second = (make_remap(blob, lens, view) for view in views)
+    return dataclasses.replace(blob, start=make_start(blob, lens, (13, 11)),
+                               remap=first, more_remaps=(second,), mask=make_mask(),
+                               uncertainty=make_uncertainty())
+
+
+def make_mask() -> reference.Mask:
+    """Cells of 32 px of make_wide(): valid but for two corners."""
+    return reference.Mask(10, 8, 5, tuple(3 < i + j < 13 for j in range(8) for i in range(10)))
+
+
+def make_uncertainty() -> reference.Uncertainty:
+    """Values of make_wide() that grow to the right and downwards; the last is not known."""
+    values = [40 + 3 * i * i + 7 * j for j in range(3) for i in range(5)]
+    return reference.Uncertainty(5, 3, (*values[:-1], reference.UNKNOWN_UNCERTAINTY))
+
+
+def make_lines(example: reference.Blob) -> reference.Blob:
+    """The example's camera with points up to 5 cm from its centre, and two of
+    the largest."""
+    lcg = Lcg(3)
+    points = [tuple((lcg.next() - (1 << 31)) * 5 // 100 >> 3 for _ in range(3))
+              for _ in range(16)]
+    limit = reference.LINE_POINT_LIMIT
+    points[5], points[15] = (limit, -limit, limit), (-limit, -limit, limit)
+    return dataclasses.replace(example, remap=None, quality=None, line_points=tuple(points))
+
+
+def line_lines(blob: reference.Blob) -> Iterator[str]:
+    """Entries of a table of pixels and their lines' points, q28."""
+    for x, y in golden_pixels(blob.grid)[:40]:
+        point = reference.line_point(blob, x / Q16, y / Q16)
+        if point is not None:
+            yield table_line((x, y), [round(value * Q28) for value in point])
+
+
+# 1.92 rad or 110 degrees at the middle of the left and right edge.
+WIDE_LENS = Lens(centre=(158.2, 121.4), focal=74.0, k=0.25,
+                 roll=math.radians(-3))
+
+
+def make_start(blob: reference.Blob, lens: Lens,
+               cells: tuple[int, int]) -> reference.ProjectionStart:
+    """A projection start for the blob's grid, from the lens."""
+    charts = [chart_of(reference.unproject(blob, x, y))
+              for x, y in area_samples(blob.grid)]
+    corners = []
+    for axis in (0, 1):
+        values = [chart[axis] for chart in charts]
+        margin = 0.01 * (max(values) - min(values))
+        corners.append((round((min(values) - margin) * Q28),
+                        round((max(values) + margin) * Q28)))
+    (a0, a1), (b0, b1) = corners
+    start = reference.ProjectionStart(a0, b0, a1, b1, cells[0] + 1,
+                                      cells[1] + 1, cos_limit(charts), ())
+    live = {cell for chart in charts for cell in cells_around(start, chart)}
+    return dataclasses.replace(start, vertices=tuple(
+        start_vertex(start, lens, live, i, j)
+        for j in range(start.rows) for i in range(start.columns)))
+
+
+def cos_limit(charts: list[Point]) -> int:
+    """A little beyond the widest of the directions."""
+    cosine = min((1 - a * a - b * b) / (1 + a * a + b * b) for a, b in charts)
+    return math.floor((cosine * abs(cosine) - 1e-3) * Q30)
+
+
+def area_samples(grid: reference.CentralGrid) -> Iterator[Point]:
+    """Pixels of the area: its edge at every quarter, its inside more coarsely."""
+    x0, y0, x1, y1 = (value / Q16 for value in (grid.x0, grid.y0, grid.x1, grid.y1))
+    for k in range(0, 4 * int(x1 - x0) + 1):
+        yield from ((x0 + k / 4, y0), (x0 + k / 4, y1))
+    for k in range(0, 4 * int(y1 - y0) + 1):
+        yield from ((x0, y0 + k / 4), (x1, y0 + k / 4))
+    for j in range(61):
+        for i in range(81):
+            yield x0 + (x1 - x0) * i / 80, y0 + (y1 - y0) * j / 60
+
+
+def chart_of(ray: Ray) -> Point:
+    """Stereographic coordinates of a direction."""
+    scale = 1 / (math.hypot(*ray) + ray[2])
+    return ray[0] * scale, ray[1] * scale
+
+
+def cells_around(start: reference.ProjectionStart,
+                 chart: Point) -> Iterator[reference.Pair]:
+    """The cells within a twentieth of a cell of a chart position."""
+    u = (chart[0] * Q28 - start.a0) / (start.a1 - start.a0) * (start.columns - 1)
+    v = (chart[1] * Q28 - start.b0) / (start.b1 - start.b0) * (start.rows - 1)
+    for du in (-0.05, 0.05):
+        for dv in (-0.05, 0.05):
+            yield math.floor(u + du), math.floor(v + dv)
+
+
+def start_vertex(start: reference.ProjectionStart, lens: Lens,
+                 live: set[reference.Pair], i: int, j: int) -> reference.Pair:
+    """Where the lens sees the vertex, if one of its cells is live."""
+    if not any((i - di, j - dj) in live for di in (0, 1) for dj in (0, 1)):
+        return reference.NO_VERTEX, 0
+    a = (start.a0 + (start.a1 - start.a0) * i / (start.columns - 1)) / Q28
+    b = (start.b0 + (start.b1 - start.b0) * j / (start.rows - 1)) / Q28
+    x, y = lens.project(reference.direction(a, b))
+    return round(2 * x), round(2 * y)
+
+
 # Expected results
 
 
@@ -301,6 +422,195 @@ def pixel_lines(blob: reference.Blob) -> Iterator[str]:
     for x, y in golden_pixels(blob.grid):
         ray = reference.unproject(blob, x / Q16, y / Q16)
         yield table_line((x, y), ray_q30(ray))
+
+
+def project_exactly(blob: reference.Blob, lens: Lens,
+                    ray: Ray) -> Point | None:
+    """The pixel of the area that looks along a direction, in double precision:
+    the lens corrected by what the grid differs from it."""
+    if angle_of(ray) > WIDE_LIMIT:
+        return None
+    x, y = project(blob, lens, ray)
+    grid = blob.grid
+    outside = max(grid.x0 / Q16 - x, x - grid.x1 / Q16,
+                  grid.y0 / Q16 - y, y - grid.y1 / Q16)
+    assert abs(outside) > 0.01, "too near to the edge to be told"
+    return None if outside > 0 else (x, y)
+
+
+WIDE_LIMIT = 2.7  # rad; no pixel of make_wide() sees farther
+
+
+def angle_of(ray: Ray) -> float:
+    """From the z axis."""
+    return math.atan2(math.hypot(ray[0], ray[1]), ray[2])
+
+
+def random_directions(count: int) -> Iterator[tuple[int, int, int]]:
+    """Integer vectors of all directions and many lengths."""
+    lcg = Lcg(17)
+    for k in range(count):
+        shift = k % 28
+        yield tuple((lcg.next() - (1 << 31)) >> shift for _ in range(3))
+
+
+def projection_lines(blob: reference.Blob, lens: Lens) -> Iterator[str]:
+    """Entries of a table of directions and their pixels."""
+    for vector in random_directions(400):
+        if not any(vector):
+            continue
+        pixel = project_exactly(blob, lens, vector)
+        x, y = (round(value * Q16) for value in pixel) if pixel else (UNSEEN, UNSEEN)
+        yield table_line((x, y), list(vector))
+
+
+UNSEEN = "INT32_MIN"
+
+
+# Frames of every format: the lattices of SPEC.md and where their samples lie
+
+
+class Placement(NamedTuple):
+    """A lattice's samples in a plane."""
+
+    lattice: reference.Lattice
+    plane: int
+    kind: str  # u8, u16, 10p, 12p
+    first: int
+    step: int
+    channels: int
+    border: int  # index of the first channel's value
+
+
+LUMA = reference.Lattice(0, 0, 0, 0)
+CHROMA_422 = reference.Lattice(1, 0, 1, 0)
+CHROMA_420 = reference.Lattice(1, 1, 1, 1)
+
+
+def bayer(kind: str) -> tuple[Placement, ...]:
+    """The four colours."""
+    return tuple(Placement(reference.Lattice(1, 1, 2 * ox, 2 * oy), 0, kind, ox, 2, 1,
+                           2 * oy + ox) for oy in (0, 1) for ox in (0, 1))
+
+
+# In the order of rg_format.
+FORMATS: tuple[tuple[Placement, ...], ...] = (
+    *((Placement(LUMA, 0, kind, 0, 1, 1, 0),) for kind in ("u8", "u16", "10p", "12p")),
+    (Placement(LUMA, 0, "u8", 0, 3, 3, 0),),
+    (Placement(LUMA, 0, "u8", 0, 4, 4, 0),),
+    (Placement(LUMA, 0, "u8", 0, 2, 1, 0), Placement(CHROMA_422, 0, "u8", 1, 4, 1, 1),
+     Placement(CHROMA_422, 0, "u8", 3, 4, 1, 2)),
+    (Placement(LUMA, 0, "u8", 1, 2, 1, 0), Placement(CHROMA_422, 0, "u8", 0, 4, 1, 1),
+     Placement(CHROMA_422, 0, "u8", 2, 4, 1, 2)),
+    (Placement(LUMA, 0, "u8", 0, 1, 1, 0), Placement(CHROMA_420, 1, "u8", 0, 2, 2, 1)),
+    (Placement(LUMA, 0, "u8", 0, 1, 1, 0), Placement(CHROMA_420, 1, "u8", 0, 1, 1, 1),
+     Placement(CHROMA_420, 2, "u8", 0, 1, 1, 2)),
+    *(bayer(kind) for kind in ("u8", "u16", "10p", "12p")),
+)
+BYTES_PER_8_SAMPLES = {"u8": 8, "u16": 16, "10p": 10, "12p": 12}
+BORDER_VALUES = (201, 17, 130, 66)
+KEPT_BYTE = 0xa5
+# Border and sampling of the golden frames: value, clamp, keep.
+MODES = (("value", False), (reference.BORDER_CLAMP, False), (None, True))
+
+
+def plane_sizes(placements: tuple[Placement, ...], width: int,
+                height: int) -> dict[int, Pair]:
+    """Bytes a row and rows of each plane."""
+    sizes = {}
+    for lattice, plane, kind, _, step, _, _ in placements:
+        samples = (width >> lattice.lx) * step
+        is_bayer = len(placements) == 4
+        rows = height if is_bayer else height >> lattice.ly
+        sizes[plane] = (samples * BYTES_PER_8_SAMPLES[kind] // 8, rows)
+    return sizes
+
+
+def get_sample(kind: str, row: bytes, index: int) -> int:
+    """A sample of a row of bytes."""
+    if kind == "u8":
+        return row[index]
+    if kind == "u16":
+        return row[2 * index] + 256 * row[2 * index + 1]
+    count, bits = (4, 2) if kind == "10p" else (2, 4)
+    group = row[index // count * (count + 1):][:count + 1]
+    low = group[count] >> (bits * (index % count)) & ((1 << bits) - 1)
+    return group[index % count] << bits | low
+
+
+def put_sample(kind: str, row: bytearray, index: int, value: int) -> None:
+    """The other way round."""
+    if kind == "u8":
+        row[index] = value & 255
+    elif kind == "u16":
+        row[2 * index:2 * index + 2] = value.to_bytes(2, "little")
+    else:
+        count, bits = (4, 2) if kind == "10p" else (2, 4)
+        group, k = index // count * (count + 1), index % count
+        mask = (1 << bits) - 1
+        row[group + k] = value >> bits
+        row[group + count] = (row[group + count] & ~(mask << bits * k)
+                              | (value & mask) << bits * k)
+
+
+def lattice_row(place: Placement, j: int) -> int:
+    """The row of the plane that row j of the lattice lies in."""
+    is_bayer = place.lattice.ly == 1 and place.lattice.hy != 1
+    return 2 * j + place.lattice.hy // 2 if is_bayer else j
+
+
+def format_crc(blob: reference.Blob, placements: tuple[Placement, ...],
+               border: str | None, nearest: bool) -> int:
+    """CRC of the planes of the test frame, undistorted."""
+    camera, remap = blob.camera, blob.remap
+    source = {plane: [bytearray(row) for row in reference.sample_rows(make_frame(*size), size[0])]
+              for plane, size in plane_sizes(placements, camera.width, camera.height).items()}
+    output = {plane: [bytearray([KEPT_BYTE]) * size[0] for _ in range(size[1])]
+              for plane, size in plane_sizes(placements, remap.width, remap.height).items()}
+    for place in placements:
+        for channel in range(place.channels):
+            remap_channel(blob, place, channel, source[place.plane], output[place.plane],
+                          border, nearest)
+    planes = (b"".join(rows) for _, rows in sorted(output.items()))
+    return zlib.crc32(b"".join(planes))
+
+
+def remap_channel(blob: reference.Blob, place: Placement, channel: int,
+                  source: list[bytearray], output: list[bytearray],
+                  border: str | None, nearest: bool) -> None:
+    """One channel of a lattice."""
+    first = place.first + channel
+    samples = [[get_sample(place.kind, source[lattice_row(place, j)], first + i * place.step)
+                for i in range(blob.camera.width >> place.lattice.lx)]
+               for j in range(blob.camera.height >> place.lattice.ly)]
+    value = BORDER_VALUES[place.border + channel] if border == "value" else border
+    bits = 8 if place.kind == "u8" else 16
+    for j, row in enumerate(reference.remap_lattice(blob, place.lattice, samples, bits, value,
+                                                    nearest)):
+        for i, sample in enumerate(row):
+            if sample is not None:
+                put_sample(place.kind, output[lattice_row(place, j)], first + i * place.step,
+                           sample)
+
+
+def format_lines(blob: reference.Blob) -> Iterator[str]:
+    """A table of CRCs by format and mode."""
+    for placements in FORMATS:
+        crcs = (f"0x{format_crc(blob, placements, *mode):08x}u" for mode in MODES)
+        yield f"    {{{', '.join(crcs)}}},"
+
+
+def undistorted_lines(blob: reference.Blob) -> Iterator[str]:
+    """Where the pixels of pixel_lines() lie in the undistorted image."""
+    for x, y in golden_pixels(blob.grid):
+        ray = reference.unproject(blob, x / Q16, y / Q16)
+        scaled = [blob.remap.fx * ray[0], blob.remap.fy * ray[1]]
+        centre = (blob.remap.cx, blob.remap.cy)
+        point = ([round(a / ray[2]) + c for a, c in zip(scaled, centre)]
+                 if ray[2] > 1e-3 else [1 << 30])
+        if max(map(abs, point)) >= 1 << 30:
+            point = [UNSEEN, UNSEEN]
+        yield f"    {{{point[0]}, {point[1]}}},"
 
 
 def chart_lines() -> Iterator[str]:
@@ -353,8 +663,8 @@ def blob_lines(name: str, data: bytes) -> Iterator[str]:
     yield ""
 
 
-def header_lines(example: reference.Blob,
-                 lens: reference.Blob) -> Iterator[str]:
+def header_lines(example: reference.Blob, lens: reference.Blob,
+                 wide: reference.Blob) -> Iterator[str]:
     """golden_blobs.h."""
     yield from PREAMBLE.splitlines()
     yield "/* clang-format off */"
@@ -371,6 +681,33 @@ def header_lines(example: reference.Blob,
     yield "/* q16 pixels of kLensBlob. */"
     yield "static const golden_ray kLensRays[] = {"
     yield from pixel_lines(lens)
+    yield "};"
+    yield ""
+    yield "/* The same pixels in the undistorted image, q16, or INT32_MIN. */"
+    yield "static const int32_t kLensUndistorted[][2] = {"
+    yield from undistorted_lines(lens)
+    yield "};"
+    yield ""
+    yield "/* 220 degrees, with a projection start: version 1.1. */"
+    yield from blob_lines("kWideBlob", reference.serialize(wide))
+    yield "/* q16 pixels of kWideBlob, or INT32_MIN, of directions of any length. */"
+    yield "static const golden_ray kWideProjections[] = {"
+    yield from projection_lines(wide, WIDE_LENS)
+    yield "};"
+    yield ""
+    yield "/* A non-central camera. */"
+    yield from blob_lines("kLinesBlob", reference.serialize(make_lines(example)))
+    yield "/* q16 pixels of kLinesBlob, and their lines' points in q28. */"
+    yield "static const golden_ray kLinePoints[] = {"
+    yield from line_lines(make_lines(example))
+    yield "};"
+    yield ""
+    yield "/* Frames of each rg_format undistorted with kWideBlob: border of"
+    yield " * GOLDEN_BORDER_VALUES; clamped; kept bytes of GOLDEN_KEPT, nearest. */"
+    yield f"#define GOLDEN_BORDER_VALUES {', '.join(map(str, BORDER_VALUES))}"
+    yield f"#define GOLDEN_KEPT 0x{KEPT_BYTE:02x}"
+    yield "static const uint32_t kFormatCrcs[][3] = {"
+    yield from format_lines(wide)
     yield "};"
     yield ""
     yield "/* q29 chart positions, up to the limit. */"
@@ -413,10 +750,10 @@ def spec_with_dump(spec: str, data: bytes) -> str:
 
 def expected_files() -> dict[Path, str]:
     """What the two files should hold."""
-    example, lens = make_example(), make_lens()
+    example, lens, wide = make_example(), make_lens(), make_wide()
     spec = SPEC_PATH.read_text(encoding="utf-8")
     return {
-        HEADER_PATH: "\n".join(header_lines(example, lens)) + "\n",
+        HEADER_PATH: "\n".join(header_lines(example, lens, wide)) + "\n",
         SPEC_PATH: spec_with_dump(spec, reference.serialize(example)),
     }
 

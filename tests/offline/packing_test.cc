@@ -153,6 +153,51 @@ TEST(BlobCamera, SeesNothingOutsideTheArea) {
     EXPECT_FALSE(Opened().Unproject(pixel)) << pixel.transpose();
 }
 
+// Pixels all over the area, its edge among them, there and back.
+void ExpectRoundTrips(const BlobCamera& camera, const CameraModel& model) {
+  const Area& area = model.area();
+  for (int j = 0; j <= 90; ++j) {
+    for (int i = 0; i <= 120; ++i) {
+      const Eigen::Vector2d exact(area.x0 + area.width() * i / 120,
+                                  area.y0 + area.height() * j / 90);
+      const Eigen::Vector2d pixel =
+          (exact * 65536).array().round().matrix() / 65536;
+      const auto ray = camera.Unproject(pixel);
+      if (!ray) continue;
+      const auto back = camera.Project(*ray * 3.7);
+      ASSERT_TRUE(back) << pixel.transpose();
+      EXPECT_LT((*back - pixel).norm(), 0.002) << pixel.transpose();
+    }
+  }
+}
+
+TEST(BlobCamera, ProjectsWhatItUnprojects) {
+  ExpectRoundTrips(Opened(), *GenericFile().camera);
+  CameraFile file;
+  file.camera = std::make_shared<CentralGeneric>(ExampleFisheye());
+  const PackedCamera packed = PackCamera(file, PackOptions());
+  ExpectRoundTrips(BlobCamera("fisheye", packed.blob), *file.camera);
+}
+
+TEST(BlobCamera, ProjectsAsTheCamera) {
+  TestRandom random(5);
+  int num_seen = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Eigen::Vector2d direction = random.PixelIn({-1.5, -1.5, 1.5, 1.5});
+    const Eigen::Vector3d point(direction.x(), direction.y(), 1);
+    const auto exact = GenericFile().camera->Project(point);
+    const auto pixel = Opened().Project(point);
+    if (exact && !GenericFile().camera->area().Contains(*exact, 0.01) &&
+        GenericFile().camera->area().Contains(*exact, -0.01))
+      continue;
+    ASSERT_EQ(exact.has_value(), pixel.has_value()) << point.transpose();
+    if (!exact) continue;
+    ++num_seen;
+    EXPECT_LT((*exact - *pixel).norm(), 0.002);
+  }
+  EXPECT_GT(num_seen, 100);
+}
+
 TEST(BlobCamera, ToModelIsTheCamera) {
   const CentralGeneric model = Opened().ToModel();
   EXPECT_EQ(model.image_size(), GenericFile().camera->image_size());

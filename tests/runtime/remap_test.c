@@ -244,8 +244,11 @@ static void open_with_table(const rg_remap_section* table, rg_camera* camera) {
                    RG_OK);
   rg_blob_camera(&blob, &identity);
   rg_blob_grid(&blob, &grid);
-  const rg_blob_contents contents = {&identity, &grid,     control_points,
-                                     table,     residuals, NULL};
+  const rg_blob_contents contents = {.camera = &identity,
+                                     .grid = &grid,
+                                     .control_points_q29 = control_points,
+                                     .remap = table,
+                                     .residuals = residuals};
   assert_int_equal(rg_blob_write(&contents, bytes, sizeof(bytes)), RG_OK);
   assert_int_equal(rg_camera_open(camera, bytes, rg_blob_size(&contents)),
                    RG_OK);

@@ -1,0 +1,70 @@
+/* Pixel -> pixel of the virtual pinhole camera that a remap table undistorts
+ * to: (fx x / z + cx, fy y / z + cy) of the pixel's ray. */
+#include "bytes.h"
+#include "fixed_point.h"
+#include "inverse.h"
+#include "raygrid.h"
+
+#define PIXEL_LIMIT_Q16 (INT32_C(1) << 30) /* 16384 px */
+
+/* Rays closer to the image plane than 1/1024 rad have no pixel. */
+#define MAX_DOUBLINGS 11
+
+/* focal x / z + center, with 1 / z = reciprocal 2^(doublings - 2); 0 if that
+ * lies beyond the limit. */
+static int project_coordinate(int32_t x_q30, int32_t reciprocal_q30,
+                              int doublings, uint32_t focal_q16,
+                              int32_t center_q16, int32_t* pixel_q16) {
+  const int32_t ratio_q28 = rg_multiply_high(x_q30, reciprocal_q30);
+  uint32_t low;
+  const uint32_t high =
+      rg_multiply_unsigned(rg_magnitude(ratio_q28), focal_q16, &low);
+  const int shift = 30 - doublings; /* 19 to 29 */
+  if (high >> (shift - 2) != 0 || center_q16 >= PIXEL_LIMIT_Q16 ||
+      center_q16 <= -PIXEL_LIMIT_Q16)
+    return 0;
+  const uint32_t half = (low >> (shift - 1)) & 1;
+  const int32_t distance_q16 =
+      (int32_t)(((high << (32 - shift)) | (low >> shift)) + half);
+  const int32_t sum_q16 =
+      center_q16 + (ratio_q28 < 0 ? -distance_q16 : distance_q16);
+  if (sum_q16 >= PIXEL_LIMIT_Q16 || sum_q16 <= -PIXEL_LIMIT_Q16) return 0;
+  *pixel_q16 = sum_q16;
+  return 1;
+}
+
+rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
+                             rg_pixel* undistorted) {
+  const uint8_t* const section = camera->remap;
+  if (!section) return RG_ERR_NO_REMAP;
+  rg_ray ray;
+  const rg_status status = rg_unproject(camera, pixel, &ray);
+  if (status != RG_OK) return status;
+  if (ray.z_q30 <= 0) return RG_ERR_NOT_SEEN;
+  const int doublings = rg_leading_zeros((uint32_t)ray.z_q30);
+  if (doublings > MAX_DOUBLINGS) return RG_ERR_NOT_SEEN;
+  const int32_t r_q30 = rg_reciprocal((uint32_t)ray.z_q30 << doublings);
+  rg_pixel found;
+  if (!project_coordinate(ray.x_q30, r_q30, doublings,
+                          rg_load_u32(section + 52), rg_load_i32(section + 60),
+                          &found.x_q16) ||
+      !project_coordinate(ray.y_q30, r_q30, doublings,
+                          rg_load_u32(section + 56), rg_load_i32(section + 64),
+                          &found.y_q16))
+    return RG_ERR_NOT_SEEN;
+  undistorted->x_q16 = found.x_q16;
+  undistorted->y_q16 = found.y_q16;
+  return RG_OK;
+}
+
+uint32_t rg_undistort_points(const rg_camera* camera, const rg_pixel* pixels,
+                             rg_pixel* undistorted, uint32_t num_points) {
+  uint32_t num_seen = 0;
+  for (uint32_t i = 0; i < num_points; ++i) {
+    if (rg_undistort_point(camera, pixels[i], &undistorted[i]) == RG_OK)
+      ++num_seen;
+    else
+      undistorted[i].x_q16 = undistorted[i].y_q16 = RG_NO_PIXEL;
+  }
+  return num_seen;
+}

@@ -1,0 +1,131 @@
+/* Which rows of the source a band of the output needs. */
+#include "lattice_map.h"
+#include "raygrid.h"
+
+/* Rounding moves a position by less than this, in q12. */
+#define SLACK 8
+
+/* Rows in q12; empty while min > max. */
+typedef struct row_range {
+  int32_t min_q12, max_q12;
+} row_range;
+
+static void add(row_range* range, int32_t y_q12) {
+  if (y_q12 < range->min_q12) range->min_q12 = y_q12;
+  if (y_q12 > range->max_q12) range->max_q12 = y_q12;
+}
+
+/* The row's ends where they have a source; otherwise 0, and nothing is added.
+ */
+static int add_ends(const rg_lattice_map* map, const rg_lattice_row* row,
+                    uint32_t num_pixels, row_range* range) {
+  const rg_position first = rg_lattice_segment(map, row, 0);
+  const int32_t steps = (int32_t)(num_pixels - 1);
+  const rg_position last = {{first.q12[0] + steps * row->step.q12[0],
+                             first.q12[1] + steps * row->step.q12[1]}};
+  if (!rg_has_source(map, &first) || !rg_has_source(map, &last)) return 0;
+  add(range, first.q12[1]);
+  add(range, last.q12[1]);
+  return 1;
+}
+
+/* Pixel by pixel. */
+static void add_pixels(const rg_lattice_map* map, const rg_lattice_row* row,
+                       uint32_t num_pixels, row_range* range) {
+  rg_position p = {{0, 0}};
+  for (uint32_t k = 0; k < num_pixels; ++k) {
+    if (k % RG_SEGMENT_SIZE == 0) p = rg_lattice_segment(map, row, k);
+    if (rg_has_source(map, &p)) add(range, p.q12[1]);
+    rg_next_pixel(&p, &row->step);
+  }
+}
+
+/* Rows [first, last] of a block. Positions are bilinear in it: if the ends of
+ * the first and the last row are inside, so are the others, and within their
+ * range. */
+static void add_block(const rg_lattice_map* map, uint32_t i, uint32_t j,
+                      uint32_t first, uint32_t last, row_range* range) {
+  const uint32_t block_width = UINT32_C(1) << map->block_width_log2;
+  const uint32_t width =
+      (uint32_t)rg_load_u16(map->section) >> map->lattice->log2_x;
+  const uint32_t rest = width - i * block_width;
+  const uint32_t num_pixels = rest < block_width ? rest : block_width;
+  rg_block block;
+  rg_lattice_row row;
+  if (rg_remap_is_empty(map->section, i, j)) return;
+  rg_remap_block(map->section, i, j, &block);
+  rg_lattice_block_row(map, &block, first, &row);
+  int is_whole = add_ends(map, &row, num_pixels, range);
+  rg_lattice_block_row(map, &block, last, &row);
+  is_whole &= add_ends(map, &row, num_pixels, range);
+  for (uint32_t r = first; r <= last && !is_whole; ++r) {
+    rg_lattice_block_row(map, &block, r, &row);
+    add_pixels(map, &row, num_pixels, range);
+  }
+}
+
+/* Rows [row, end) of the output's lattice. */
+static row_range find_range(const rg_lattice_map* map, uint32_t row,
+                            uint32_t end) {
+  row_range range = {INT32_MAX, INT32_MIN};
+  const uint32_t height_log2 = map->block_height_log2;
+  const uint32_t mask = (UINT32_C(1) << height_log2) - 1;
+  const uint32_t num_blocks = rg_load_u16(map->section + 4) - 1u;
+  while (row < end) {
+    const uint32_t j = row >> height_log2;
+    const uint32_t next = (j + 1) << height_log2;
+    const uint32_t last = (next < end ? next : end) - 1;
+    for (uint32_t i = 0; i < num_blocks; ++i)
+      add_block(map, i, j, row & mask, last & mask, &range);
+    row = next;
+  }
+  return range;
+}
+
+/* Rows of the image, [first, end); none while first >= end. */
+typedef struct image_rows {
+  int32_t first, end;
+} image_rows;
+
+/* Adds the image rows of a lattice's rows, whole pairs where it has every other
+ * one. */
+static void add_lattice(const rg_lattice_map* map, uint32_t first_row,
+                        uint32_t end_row, image_rows* rows) {
+  const uint32_t log2 = map->lattice->log2_y;
+  const row_range range = find_range(map, first_row >> log2, end_row >> log2);
+  if (range.min_q12 > range.max_q12) return;
+  const int32_t height = (int32_t)map->height;
+  int32_t first = (range.min_q12 - SLACK) >> 12;
+  int32_t end = ((range.max_q12 + SLACK) >> 12) + 2;
+  if (first < 0) first = 0;
+  if (end > height) end = height;
+  if (first << log2 < rows->first) rows->first = first << log2;
+  if (end << log2 > rows->end) rows->end = end << log2;
+}
+
+rg_status rg_remap_source_rows(const rg_camera* camera, rg_format format,
+                               uint16_t first_row, uint16_t num_rows,
+                               uint16_t* first_source, uint16_t* num_source) {
+  const uint8_t* const section = camera->remap;
+  if (!section) return RG_ERR_NO_REMAP;
+  const rg_lattice* lattices = 0;
+  const uint32_t num_lattices = rg_format_lattices(format, &lattices);
+  if (num_lattices == 0) return RG_ERR_FORMAT;
+  const uint32_t end_row = (uint32_t)first_row + num_rows;
+  const uint32_t pairs = (1u << lattices[num_lattices - 1].log2_y) - 1;
+  if (end_row > rg_load_u16(section + 2) || ((first_row | num_rows) & pairs))
+    return RG_ERR_ROWS;
+  image_rows rows = {INT32_MAX, 0};
+  for (uint32_t k = 0; k < num_lattices; ++k) {
+    rg_lattice_map map;
+    rg_lattice_map_open(&map, section, &lattices[k], camera->width,
+                        camera->height);
+    add_lattice(&map, first_row, end_row, &rows);
+  }
+  if (rows.first >= rows.end) rows.first = rows.end = 0;
+  rows.first &= ~(int32_t)pairs;
+  rows.end = (rows.end + (int32_t)pairs) & ~(int32_t)pairs;
+  *first_source = (uint16_t)rows.first;
+  *num_source = (uint16_t)(rows.end - rows.first);
+  return RG_OK;
+}

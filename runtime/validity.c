@@ -1,0 +1,52 @@
+/* What the blob says of how far a pixel may be trusted. */
+#include "bytes.h"
+#include "rg_blob.h"
+#include "surface.h"
+
+int rg_is_valid(const rg_camera* camera, rg_pixel pixel) {
+  if (!rg_is_in_area(camera, pixel)) return 0;
+  const uint8_t* const section =
+      rg_find_section(camera->blob, RG_SECTION_MASK, 0);
+  if (!section) return 1;
+  /* The area begins half a pixel outside the image at most. */
+  const int shift = 16 + section[4];
+  const uint32_t column = (uint32_t)(pixel.x_q16 + 0x8000) >> shift;
+  const uint32_t row = (uint32_t)(pixel.y_q16 + 0x8000) >> shift;
+  uint32_t columns = rg_load_u16(section), rows = rg_load_u16(section + 2);
+  /* The image's far edge belongs to the last cell. */
+  columns -= 1;
+  rows -= 1;
+  const uint32_t cell = (row < rows ? row : rows) * (columns + 1) +
+                        (column < columns ? column : columns);
+  const uint8_t* const bits = section + rg_load_u32(section + 8);
+  return (bits[cell >> 3] >> (cell & 7)) & 1;
+}
+
+rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
+                         uint16_t* pixels_q12) {
+  const uint8_t* const section =
+      rg_find_section(camera->blob, RG_SECTION_UNCERTAINTY, 0);
+  if (!section) return RG_ERR_UNKNOWN;
+  if (!rg_is_in_area(camera, pixel)) return RG_ERR_OUTSIDE_AREA;
+  const uint32_t columns = rg_load_u16(section);
+  const rg_cell_position x =
+      rg_find_cell((uint32_t)(pixel.x_q16 - camera->x0_q16),
+                   rg_load_u32(section + 4), columns - 1);
+  const rg_cell_position y =
+      rg_find_cell((uint32_t)(pixel.y_q16 - camera->y0_q16),
+                   rg_load_u32(section + 8), rg_load_u16(section + 2) - 1u);
+  const uint8_t* const first =
+      section + rg_load_u32(section + 12) + 2 * (y.cell * columns + x.cell);
+  /* Weights of 8 bits: a value below 2^16 and both weights fill 32 bits. */
+  const uint32_t tx_q8 = x.t_q32 >> 24, ty_q8 = y.t_q32 >> 24;
+  uint32_t sum_q28 = 0x8000;
+  for (uint32_t k = 0; k < 4; ++k) {
+    const uint32_t value_q12 =
+        rg_load_u16(first + 2 * ((k & 1) + (k >> 1) * columns));
+    if (value_q12 == RG_UNKNOWN_UNCERTAINTY) return RG_ERR_UNKNOWN;
+    sum_q28 += value_q12 * ((k & 1) ? tx_q8 : 256 - tx_q8) *
+               ((k >> 1) ? ty_q8 : 256 - ty_q8);
+  }
+  *pixels_q12 = (uint16_t)(sum_q28 >> 16);
+  return RG_OK;
+}

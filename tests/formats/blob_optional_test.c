@@ -1,0 +1,228 @@
+/* The optional sections of version 1.1: their fields, and each fault of them
+ * refused with its own status. */
+#include <string.h>
+
+#include "blob_edit.h"
+#include "bytes.h"
+#include "golden_blobs.h"
+#include "rg_blob.h"
+#include "unit_test.h"
+
+static uint8_t edited[sizeof(kWideBlob)] __attribute__((aligned(16)));
+
+/* A value of a field of the section of that type: in kLinesBlob for line
+ * points, otherwise in kWideBlob. */
+typedef struct field_value {
+  const char* what;
+  uint32_t type, offset, num_bytes, value;
+  rg_status status;
+} field_value;
+
+static const field_value kValues[] = {
+    {"left of the chart", 9, 0, 4, (uint32_t)-0x40000001, RG_ERR_START_CHART},
+    {"above the chart", 9, 4, 4, 0x80000000, RG_ERR_START_CHART},
+    {"right of the chart", 9, 8, 4, 0x40000001, RG_ERR_START_CHART},
+    {"below the chart", 9, 12, 4, 0x7fffffff, RG_ERR_START_CHART},
+    {"no width", 9, 8, 4, 0xc0000000, RG_ERR_START_CHART},
+    {"one column", 9, 16, 2, 1, RG_ERR_START_GRID},
+    {"66 rows", 9, 18, 2, 66, RG_ERR_START_GRID},
+    {"columns against the scale", 9, 16, 2, 13, RG_ERR_START_GRID},
+    {"horizontal scale 0", 9, 20, 4, 0, RG_ERR_START_GRID},
+    {"vertical scale too high", 9, 24, 4, 0xffffffff, RG_ERR_START_GRID},
+    {"cosine of 1", 9, 28, 4, 0x40000000, RG_ERR_START_CHART},
+    {"cosine below -1", 9, 28, 4, (uint32_t)-0x40000001, RG_ERR_START_CHART},
+    {"cosine of -1", 9, 28, 4, (uint32_t)-0x40000000, RG_OK},
+    {"vertices in the fields", 9, 32, 4, 32, RG_ERR_DATA_OFFSET},
+    {"vertices at an odd place", 9, 32, 4, 38, RG_ERR_DATA_OFFSET},
+    {"vertices end too late", 9, 32, 4, 40, RG_ERR_SECTION_SIZE},
+    {"vertices so far that the end wraps", 9, 32, 4, 0xfffffffc,
+     RG_ERR_SECTION_SIZE},
+    {"any vertex", 9, 36, 4, 0x80008000, RG_OK},
+
+    {"points in q29", 5, 0, 2, 29, RG_ERR_LINE_POINT},
+    {"reserved field of the points", 5, 2, 2, 1, RG_ERR_RESERVED},
+    {"points in the fields", 5, 4, 4, 4, RG_ERR_DATA_OFFSET},
+    {"points end too late", 5, 4, 4, 12, RG_ERR_SECTION_SIZE},
+    {"first point too far", 5, 8, 4, 0x7f000001, RG_ERR_LINE_POINT},
+    {"last point too near", 5, 196, 4, 0x80ffffff, RG_ERR_LINE_POINT},
+    {"point at the limit", 5, 8, 4, 0x81000000, RG_OK},
+
+    {"a column of cells too few", 6, 0, 2, 9, RG_ERR_MASK},
+    {"a row of cells too many", 6, 2, 2, 9, RG_ERR_MASK},
+    {"cells of 2", 6, 4, 1, 1, RG_ERR_MASK},
+    {"cells of 512", 6, 4, 1, 9, RG_ERR_MASK},
+    {"cells of 64 against the counts", 6, 4, 1, 6, RG_ERR_MASK},
+    {"first reserved field of the mask", 6, 5, 1, 1, RG_ERR_RESERVED},
+    {"second reserved field of the mask", 6, 6, 2, 256, RG_ERR_RESERVED},
+    {"bits in the fields", 6, 8, 4, 8, RG_ERR_DATA_OFFSET},
+    {"bits end too late", 6, 8, 4, 16, RG_ERR_SECTION_SIZE},
+    {"first padding bit", 6, 22, 1, 1, RG_ERR_RESERVED},
+    {"last padding bit", 6, 23, 1, 128, RG_ERR_RESERVED},
+    {"no valid cell", 6, 12, 4, 0, RG_OK},
+
+    {"one column of uncertainties", 7, 0, 2, 1, RG_ERR_UNCERTAINTY},
+    {"66 rows of uncertainties", 7, 2, 2, 66, RG_ERR_UNCERTAINTY},
+    {"columns against the scale", 7, 0, 2, 6, RG_ERR_UNCERTAINTY},
+    {"rows against the scale", 7, 8, 4, 1, RG_ERR_UNCERTAINTY},
+    {"values in the fields", 7, 12, 4, 12, RG_ERR_DATA_OFFSET},
+    {"values end too late", 7, 12, 4, 20, RG_ERR_SECTION_SIZE},
+    {"padding of the values", 7, 46, 2, 1, RG_ERR_RESERVED},
+    {"largest value", 7, 16, 2, 65534, RG_OK},
+};
+
+static const uint8_t* blob_with(uint32_t type) {
+  return type == RG_SECTION_LINE_POINTS ? kLinesBlob : kWideBlob;
+}
+
+static uint32_t size_of_blob_with(uint32_t type) {
+  return type == RG_SECTION_LINE_POINTS ? sizeof(kLinesBlob)
+                                        : sizeof(kWideBlob);
+}
+
+static uint32_t entry_of_type(uint32_t type) {
+  uint32_t entry = RG_HEADER_SIZE;
+  while (rg_load_u16(blob_with(type) + entry) != type) entry += 16;
+  return entry;
+}
+
+static void store(uint8_t* p, uint32_t num_bytes, uint32_t value) {
+  for (uint32_t i = 0; i < num_bytes; ++i) p[i] = (uint8_t)(value >> 8 * i);
+}
+
+static void each_fault_has_its_own_status(void** state) {
+  (void)state;
+  for (size_t i = 0; i < sizeof(kValues) / sizeof(kValues[0]); ++i) {
+    const field_value* value = &kValues[i];
+    const uint8_t* blob = blob_with(value->type);
+    const uint32_t size = size_of_blob_with(value->type);
+    memcpy(edited, blob, size);
+    const uint32_t section = rg_load_u32(blob + entry_of_type(value->type) + 4);
+    store(edited + section + value->offset, value->num_bytes, value->value);
+    repair_crcs(edited, size);
+    const rg_status status = open_copy(edited, size);
+    if (status != value->status) print_error("%s\n", value->what);
+    assert_int_equal(status, value->status);
+  }
+}
+
+static const uint16_t kTypes[] = {5, 6, 7, 9};
+#define NUM_TYPES (sizeof(kTypes) / sizeof(kTypes[0]))
+
+static void only_line_points_are_critical(void** state) {
+  (void)state;
+  for (size_t i = 0; i < NUM_TYPES; ++i) {
+    const uint32_t size = size_of_blob_with(kTypes[i]);
+    memcpy(edited, blob_with(kTypes[i]), size);
+    edited[entry_of_type(kTypes[i]) + 2] ^= RG_SECTION_CRITICAL;
+    repair_crcs(edited, size);
+    assert_int_equal(open_copy(edited, size), RG_ERR_SECTION_FLAGS);
+  }
+}
+
+/* The camera, the grid and another section, once or twice. */
+static rg_status open_with_copies(uint32_t type, uint32_t num_copies,
+                                  uint32_t size) {
+  static uint8_t bytes[2 * sizeof(kWideBlob)] __attribute__((aligned(4)));
+  const uint8_t* blob = blob_with(type);
+  const uint32_t k = (entry_of_type(type) - RG_HEADER_SIZE) / 16;
+  blob_section sections[4] = {section_of(blob, 0), section_of(blob, 1),
+                              section_of(blob, k), section_of(blob, k)};
+  if (size != 0) sections[2].size = size;
+  return open_copy(bytes, assemble_blob(sections, 2 + num_copies, bytes));
+}
+
+static void sections_stand_once(void** state) {
+  (void)state;
+  for (size_t i = 0; i < NUM_TYPES; ++i) {
+    assert_int_equal(open_with_copies(kTypes[i], 1, 0), RG_OK);
+    assert_int_equal(open_with_copies(kTypes[i], 2, 0),
+                     RG_ERR_SECTION_DUPLICATE);
+  }
+}
+
+static void short_sections_are_refused(void** state) {
+  (void)state;
+  for (size_t i = 0; i < NUM_TYPES; ++i) {
+    const uint32_t size =
+        rg_load_u32(blob_with(kTypes[i]) + entry_of_type(kTypes[i]) + 8);
+    for (uint32_t length = 4; length < size; length += 4)
+      assert_int_equal(open_with_copies(kTypes[i], 1, length),
+                       RG_ERR_SECTION_SIZE);
+  }
+}
+
+static void start_is_read(void** state) {
+  (void)state;
+  rg_blob blob;
+  rg_start_section start;
+  assert_int_equal(rg_blob_open(kWideBlob, sizeof(kWideBlob), &blob), RG_OK);
+  rg_blob_start(&blob, &start);
+  assert_int_equal(start.columns, 14);
+  assert_int_equal(start.rows, 12);
+  assert_true(start.a0_q28 < 0 && start.a1_q28 > 0);
+  assert_true(start.b0_q28 < 0 && start.b1_q28 > 0);
+  assert_int_equal(
+      start.scale_a_q20,
+      rg_grid_scale_q32(13, (uint32_t)start.a1_q28 - (uint32_t)start.a0_q28));
+  assert_true(start.cos_limit_q30 < 0);
+  assert_ptr_equal(start.vertices, kWideBlob + blob.start + 36);
+}
+
+static void mask_and_uncertainty_are_read(void** state) {
+  (void)state;
+  rg_blob blob;
+  rg_mask_section mask;
+  rg_uncertainty_section uncertainty;
+  assert_int_equal(rg_blob_open(kWideBlob, sizeof(kWideBlob), &blob), RG_OK);
+  rg_blob_mask(&blob, &mask);
+  assert_int_equal(mask.columns, 10);
+  assert_int_equal(mask.rows, 8);
+  assert_int_equal(mask.cell_log2, 5);
+  assert_ptr_equal(mask.bits, kWideBlob + blob.mask + 12);
+  rg_blob_uncertainty(&blob, &uncertainty);
+  assert_int_equal(uncertainty.columns, 5);
+  assert_int_equal(uncertainty.rows, 3);
+  assert_int_equal(uncertainty.scale_x_q32, rg_grid_scale_q32(4, 319u << 16));
+  assert_int_equal(uncertainty.scale_y_q32, rg_grid_scale_q32(2, 239u << 16));
+  assert_ptr_equal(uncertainty.values, kWideBlob + blob.uncertainty + 16);
+}
+
+/* The grid's fields are not looked at before its size. */
+static void line_points_before_a_short_grid_are_refused(void** state) {
+  (void)state;
+  const uint32_t k =
+      (entry_of_type(RG_SECTION_LINE_POINTS) - RG_HEADER_SIZE) / 16;
+  blob_section sections[3] = {section_of(kLinesBlob, 0),
+                              section_of(kLinesBlob, k),
+                              section_of(kLinesBlob, 1)};
+  assert_int_equal(open_copy(edited, assemble_blob(sections, 3, edited)),
+                   RG_OK);
+  sections[2].size = 4;
+  assert_int_equal(open_copy(edited, assemble_blob(sections, 3, edited)),
+                   RG_ERR_SECTION_SIZE);
+}
+
+static void every_flipped_bit_is_refused(void** state) {
+  (void)state;
+  memcpy(edited, kWideBlob, sizeof(edited));
+  rg_blob blob;
+  for (uint32_t bit = 0; bit < 8 * sizeof(edited); bit += 5) {
+    edited[bit / 8] ^= (uint8_t)(1u << bit % 8);
+    assert_int_not_equal(rg_blob_open(edited, sizeof(edited), &blob), RG_OK);
+    edited[bit / 8] ^= (uint8_t)(1u << bit % 8);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(each_fault_has_its_own_status),
+      cmocka_unit_test(only_line_points_are_critical),
+      cmocka_unit_test(sections_stand_once),
+      cmocka_unit_test(short_sections_are_refused),
+      cmocka_unit_test(start_is_read),
+      cmocka_unit_test(mask_and_uncertainty_are_read),
+      cmocka_unit_test(line_points_before_a_short_grid_are_refused),
+      cmocka_unit_test(every_flipped_bit_is_refused),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

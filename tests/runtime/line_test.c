@@ -1,0 +1,128 @@
+/* Lines of non-central cameras, and how far pixels may be trusted. */
+#include <string.h>
+
+#include "bytes.h"
+#include "crc32.h"
+#include "golden_blobs.h"
+#include "raygrid.h"
+#include "unit_test.h"
+
+#define NUM_POINTS (sizeof(kLinePoints) / sizeof(kLinePoints[0]))
+#define MAX_ERROR_Q28 6 /* 2e-8 m */
+
+/* The points, the same on every target. */
+#define POINTS_CRC 0x879f3649u
+
+static rg_camera lines, wide, example;
+
+static int open_cameras(void** state) {
+  (void)state;
+  return rg_camera_open(&lines, kLinesBlob, sizeof(kLinesBlob)) ||
+         rg_camera_open(&example, kExampleBlob, sizeof(kExampleBlob)) ||
+         rg_camera_open(&wide, kWideBlob, sizeof(kWideBlob));
+}
+
+static void points_are_the_golden_ones(void** state) {
+  (void)state;
+  uint32_t crc = 0;
+  for (size_t i = 0; i < NUM_POINTS; ++i) {
+    const rg_pixel pixel = {kLinePoints[i].x, kLinePoints[i].y};
+    rg_line line;
+    assert_int_equal(rg_unproject_line(&lines, pixel, &line), RG_OK);
+    for (int c = 0; c < 3; ++c) {
+      const int32_t error = line.point_q28[c] - kLinePoints[i].ray_q30[c];
+      assert_true(error <= MAX_ERROR_Q28 && error >= -MAX_ERROR_Q28);
+      uint8_t bytes[4];
+      rg_store_i32(bytes, line.point_q28[c]);
+      crc = rg_crc32(crc, bytes, sizeof(bytes));
+    }
+  }
+  assert_int_equal(crc, POINTS_CRC);
+}
+
+static void directions_are_those_of_the_grid(void** state) {
+  (void)state;
+  const rg_pixel pixel = {RG_PIXEL(11), RG_PIXEL(30)};
+  rg_line line, central;
+  rg_ray ray;
+  assert_int_equal(rg_unproject_line(&lines, pixel, &line), RG_OK);
+  assert_int_equal(rg_unproject(&example, pixel, &ray), RG_OK);
+  assert_memory_equal(&line.direction, &ray, sizeof(ray));
+  assert_int_equal(rg_unproject_line(&example, pixel, &central), RG_OK);
+  assert_memory_equal(&central.direction, &ray, sizeof(ray));
+  assert_true(central.point_q28[0] == 0 && central.point_q28[1] == 0 &&
+              central.point_q28[2] == 0);
+}
+
+static void central_calls_refuse_a_camera_of_lines(void** state) {
+  (void)state;
+  const rg_pixel pixel = {RG_PIXEL(11), RG_PIXEL(30)};
+  const rg_pixel outside = {RG_PIXEL(-11), RG_PIXEL(30)};
+  rg_ray ray = {0, 0, 1};
+  rg_pixel seen;
+  rg_line line;
+  assert_int_equal(rg_unproject(&lines, pixel, &ray), RG_ERR_NONCENTRAL);
+  assert_int_equal(rg_project(&lines, &ray, &seen), RG_ERR_NONCENTRAL);
+  assert_int_equal(rg_unproject_line(&lines, outside, &line),
+                   RG_ERR_OUTSIDE_AREA);
+}
+
+static int is_valid(int32_t x_q16, int32_t y_q16) {
+  const rg_pixel pixel = {x_q16, y_q16};
+  return rg_is_valid(&wide, pixel);
+}
+
+/* Cells (i, j) of 32 px with 3 < i + j < 13. */
+static void mask_tells_valid_pixels(void** state) {
+  (void)state;
+  const int32_t edge = RG_PIXEL(32) - 0x8000;
+  assert_false(is_valid(0, 0));
+  assert_false(is_valid(4 * RG_PIXEL(32) - 0x8001, edge - 1));
+  assert_true(is_valid(4 * RG_PIXEL(32) - 0x8000, edge - 1));
+  assert_true(is_valid(3 * RG_PIXEL(32), edge));
+  assert_true(is_valid(RG_PIXEL(319), RG_PIXEL(100)));
+  assert_false(is_valid(RG_PIXEL(319), RG_PIXEL(130)));
+  assert_false(is_valid(RG_PIXEL(319) + 1, RG_PIXEL(100)));
+  assert_false(is_valid(INT32_MIN, INT32_MAX));
+}
+
+static void without_mask_the_area_is_valid(void** state) {
+  (void)state;
+  const rg_pixel inside = {0, 0}, outside = {-1, 0};
+  assert_true(rg_is_valid(&example, inside));
+  assert_false(rg_is_valid(&example, outside));
+}
+
+/* Values 40 + 3 i^2 + 7 j at multiples of 79.75 and 119.5 px. */
+static void uncertainty_is_bilinear(void** state) {
+  (void)state;
+  const rg_pixel corner = {0, 0}, vertex = {159 * 65536 + 0x8000, 0};
+  const rg_pixel middle = {39 * 65536 + 0xe000, 59 * 65536 + 0xc000};
+  const rg_pixel last = {RG_PIXEL(319), RG_PIXEL(239)};
+  const rg_pixel outside = {-1, 0};
+  uint16_t px_q12 = 1;
+  assert_int_equal(rg_uncertainty(&wide, corner, &px_q12), RG_OK);
+  assert_int_equal(px_q12, 40);
+  assert_int_equal(rg_uncertainty(&wide, vertex, &px_q12), RG_OK);
+  assert_int_equal(px_q12, 52);
+  assert_int_equal(rg_uncertainty(&wide, middle, &px_q12), RG_OK);
+  assert_int_equal(px_q12, 45); /* (40 + 43 + 47 + 50) / 4 */
+  px_q12 = 7;
+  assert_int_equal(rg_uncertainty(&wide, last, &px_q12), RG_ERR_UNKNOWN);
+  assert_int_equal(rg_uncertainty(&example, corner, &px_q12), RG_ERR_UNKNOWN);
+  assert_int_equal(rg_uncertainty(&wide, outside, &px_q12),
+                   RG_ERR_OUTSIDE_AREA);
+  assert_int_equal(px_q12, 7);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(points_are_the_golden_ones),
+      cmocka_unit_test(directions_are_those_of_the_grid),
+      cmocka_unit_test(central_calls_refuse_a_camera_of_lines),
+      cmocka_unit_test(mask_tells_valid_pixels),
+      cmocka_unit_test(without_mask_the_area_is_valid),
+      cmocka_unit_test(uncertainty_is_bilinear),
+  };
+  return cmocka_run_group_tests(tests, open_cameras, NULL);
+}

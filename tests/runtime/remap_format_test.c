@@ -1,0 +1,320 @@
+/* Frames of every format, and frames that come row by row. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "crc32.h"
+#include "golden_blobs.h"
+#include "raygrid.h"
+#include "test_frame.h"
+#include "unit_test.h"
+
+/* kWideBlob's image and output. */
+#define SOURCE_WIDTH 320u
+#define SOURCE_HEIGHT 240u
+#define WIDTH 48u
+#define HEIGHT 36u
+#define PADDING 6u
+#define GUARD 0xc3
+
+/* Bytes of 8 samples of a plane, and how many rows share one of it. */
+typedef struct plane_size {
+  uint32_t bytes_per_8, rows_per_row;
+} plane_size;
+
+static const plane_size kPlanes[RG_NUM_FORMATS][3] = {
+    {{8, 1}},  {{16, 1}}, {{10, 1}}, {{12, 1}},        {{24, 1}},
+    {{32, 1}}, {{16, 1}}, {{16, 1}}, {{8, 1}, {8, 2}}, {{8, 1}, {4, 2}, {4, 2}},
+    {{8, 1}},  {{16, 1}}, {{10, 1}}, {{12, 1}}};
+
+static rg_camera wide;
+static uint8_t source[3][(4 * SOURCE_WIDTH + PADDING) * SOURCE_HEIGHT]
+    __attribute__((aligned(2)));
+static uint8_t output[3][(4 * WIDTH + PADDING) * HEIGHT]
+    __attribute__((aligned(2)));
+static uint8_t whole[3][(4 * WIDTH + PADDING) * HEIGHT];
+
+static int open_wide(void** state) {
+  (void)state;
+  return rg_camera_open(&wide, kWideBlob, sizeof(kWideBlob)) == RG_OK ? 0 : -1;
+}
+
+static uint32_t row_bytes(rg_format format, uint32_t plane, uint32_t width) {
+  return kPlanes[format][plane].bytes_per_8 * width / 8;
+}
+
+static uint32_t rows_of(rg_format format, uint32_t plane, uint32_t height) {
+  return kPlanes[format][plane].rows_per_row == 0
+             ? 0
+             : height / kPlanes[format][plane].rows_per_row;
+}
+
+static rg_image make_image(rg_format format) {
+  rg_image image;
+  memset(&image, 0, sizeof(image));
+  image.format = format;
+  image.width = SOURCE_WIDTH;
+  image.height = SOURCE_HEIGHT;
+  for (uint32_t plane = 0; plane < 3; ++plane) {
+    const uint32_t bytes = row_bytes(format, plane, SOURCE_WIDTH);
+    image.planes[plane].data = source[plane];
+    image.planes[plane].stride = bytes + PADDING;
+    memset(source[plane], GUARD, sizeof(source[plane]));
+    make_test_frame(source[plane], bytes + PADDING, bytes,
+                    rows_of(format, plane, SOURCE_HEIGHT));
+  }
+  return image;
+}
+
+static rg_target make_target(rg_format format, uint32_t mode) {
+  static const uint16_t values[4] = {GOLDEN_BORDER_VALUES};
+  rg_target target;
+  memset(&target, 0, sizeof(target));
+  for (uint32_t plane = 0; plane < 3; ++plane) {
+    target.planes[plane].data = output[plane];
+    target.planes[plane].stride = row_bytes(format, plane, WIDTH) + PADDING;
+    memset(output[plane], GOLDEN_KEPT, sizeof(output[plane]));
+  }
+  target.num_rows = HEIGHT;
+  target.border = (rg_border)mode;
+  target.sampling = mode == 2 ? RG_SAMPLING_NEAREST : RG_SAMPLING_BILINEAR;
+  memcpy(target.border_values, values, sizeof(values));
+  return target;
+}
+
+/* CRC of the pixels; the bytes between the rows must be untouched. */
+static uint32_t output_crc(rg_format format) {
+  uint32_t crc = 0;
+  for (uint32_t plane = 0; plane < 3; ++plane) {
+    const uint32_t bytes = row_bytes(format, plane, WIDTH);
+    const uint8_t* row = output[plane];
+    for (uint32_t y = 0; y < rows_of(format, plane, HEIGHT); ++y) {
+      crc = rg_crc32(crc, row, bytes);
+      for (uint32_t i = 0; i < PADDING; ++i)
+        assert_int_equal(row[bytes + i], GOLDEN_KEPT);
+      row += bytes + PADDING;
+    }
+    for (; row < output[plane] + sizeof(output[plane]); ++row)
+      assert_int_equal(*row, GOLDEN_KEPT);
+  }
+  return crc;
+}
+
+static void frames_of_every_format_are_the_golden_ones(void** state) {
+  (void)state;
+  for (int format = 0; format < RG_NUM_FORMATS; ++format) {
+    const rg_image image = make_image((rg_format)format);
+    for (uint32_t mode = 0; mode < 3; ++mode) {
+      const rg_target target = make_target((rg_format)format, mode);
+      assert_int_equal(rg_remap(&wide, &image, &target), RG_OK);
+      const uint32_t crc = output_crc((rg_format)format);
+      if (crc != kFormatCrcs[format][mode])
+        print_error("format %d, mode %u\n", format, (unsigned)mode);
+      assert_int_equal(crc, kFormatCrcs[format][mode]);
+    }
+  }
+}
+
+static void move_target(rg_target* target, rg_format format, uint32_t row) {
+  for (uint32_t plane = 0; plane < 3; ++plane)
+    target->planes[plane].data =
+        output[plane] +
+        rows_of(format, plane, row) * target->planes[plane].stride;
+  target->first_row = (uint16_t)row;
+}
+
+static void bands_make_the_frame(void** state) {
+  (void)state;
+  for (int f = 0; f < RG_NUM_FORMATS; ++f) {
+    const rg_format format = (rg_format)f;
+    const rg_image image = make_image(format);
+    rg_target target = make_target(format, 0);
+    target.num_rows = 2;
+    for (uint32_t row = 0; row < HEIGHT; row += 2) {
+      move_target(&target, format, row);
+      assert_int_equal(rg_remap(&wide, &image, &target), RG_OK);
+    }
+    assert_int_equal(output_crc(format), kFormatCrcs[format][0]);
+  }
+}
+
+/* Puts rows of the frame into rings of exactly ring_rows rows; the other slots
+ * hold GUARD. */
+static void fill_ring(rg_image* ring, const rg_image* image, uint8_t* memory[3],
+                      uint32_t first, uint32_t num_rows) {
+  for (uint32_t plane = 0; plane < 3; ++plane) {
+    const uint32_t stride = image->planes[plane].stride;
+    const uint32_t slots = rows_of(image->format, plane, ring->ring_rows);
+    memset(memory[plane], GUARD, slots * stride + 1);
+    const uint32_t end = rows_of(image->format, plane, first + num_rows);
+    for (uint32_t r = rows_of(image->format, plane, first); r < end; ++r)
+      memcpy(memory[plane] + r % slots * stride,
+             image->planes[plane].data + r * stride, stride);
+    ring->planes[plane].data = memory[plane];
+  }
+  ring->first_row = (uint16_t)first;
+  ring->num_rows = (uint16_t)num_rows;
+}
+
+/* Band by band from a ring that holds exactly the rows asked for. */
+static void check_ring(rg_format format, uint32_t band_rows) {
+  const rg_image image = make_image(format);
+  rg_image ring = image;
+  rg_target target = make_target(format, 0);
+  target.num_rows = (uint16_t)band_rows;
+  for (uint32_t row = 0; row < HEIGHT; row += band_rows) {
+    uint16_t first, count;
+    uint8_t* memory[3];
+    move_target(&target, format, row);
+    assert_int_equal(rg_remap_source_rows(&wide, format, (uint16_t)row,
+                                          (uint16_t)band_rows, &first, &count),
+                     RG_OK);
+    /* As few rows as are needed, or some more. */
+    ring.ring_rows = (uint16_t)(count + row % 3 * 2 + (count == 0 ? 2u : 0u));
+    for (uint32_t plane = 0; plane < 3; ++plane) {
+      memory[plane] = malloc(rows_of(format, plane, ring.ring_rows) *
+                                 image.planes[plane].stride +
+                             1);
+      assert_non_null(memory[plane]);
+    }
+    fill_ring(&ring, &image, memory, first, count);
+    assert_int_equal(rg_remap(&wide, &ring, &target), RG_OK);
+    if (count > 4) {
+      ++ring.first_row;
+      --ring.num_rows;
+      assert_int_equal(rg_remap(&wide, &ring, &target), RG_ERR_ROWS_MISSING);
+      --ring.first_row;
+      assert_int_equal(rg_remap(&wide, &ring, &target), RG_ERR_ROWS_MISSING);
+    }
+    for (uint32_t plane = 0; plane < 3; ++plane) free(memory[plane]);
+  }
+  assert_int_equal(output_crc(format), kFormatCrcs[format][0]);
+}
+
+static void rings_of_the_rows_needed_make_the_frame(void** state) {
+  (void)state;
+  for (int format = 0; format < RG_NUM_FORMATS; ++format) {
+    check_ring((rg_format)format, 2);
+    check_ring((rg_format)format, 6);
+    check_ring((rg_format)format, 12);
+  }
+}
+
+/* A row that is needed changes the output when it changes. */
+static void rows_told_are_needed(void** state) {
+  (void)state;
+  const rg_image image = make_image(RG_FORMAT_GREY8);
+  rg_target target = make_target(RG_FORMAT_GREY8, 0);
+  target.num_rows = 1;
+  for (uint32_t row = 0; row < HEIGHT; ++row) {
+    uint16_t first, count;
+    target.first_row = (uint16_t)row;
+    assert_int_equal(rg_remap_source_rows(&wide, RG_FORMAT_GREY8, (uint16_t)row,
+                                          1, &first, &count),
+                     RG_OK);
+    assert_int_equal(rg_remap(&wide, &image, &target), RG_OK);
+    memcpy(whole[0], output[0], WIDTH);
+    /* The second and the last but one: one at either end may be spare. */
+    for (int end = 0; end < 2 && count > 3; ++end) {
+      const uint32_t r = end == 0 ? first + 1u : first + count - 2u;
+      uint8_t* changed = source[0] + r * image.planes[0].stride;
+      for (uint32_t i = 0; i < SOURCE_WIDTH; ++i) changed[i] ^= 0xff;
+      changed +=
+          end == 0 ? -(int)image.planes[0].stride : (int)image.planes[0].stride;
+      for (uint32_t i = 0; i < SOURCE_WIDTH; ++i) changed[i] ^= 0xff;
+      assert_int_equal(rg_remap(&wide, &image, &target), RG_OK);
+      assert_memory_not_equal(output[0], whole[0], WIDTH);
+      make_image(RG_FORMAT_GREY8);
+    }
+  }
+}
+
+static void check_refused(rg_image image, rg_target target,
+                          rg_status expected) {
+  assert_int_equal(rg_remap(&wide, &image, &target), expected);
+}
+
+static void wrong_calls_are_refused(void** state) {
+  (void)state;
+  const rg_image nv12 = make_image(RG_FORMAT_NV12);
+  const rg_target whole_nv12 = make_target(RG_FORMAT_NV12, 0);
+  rg_image image = nv12;
+  image.format = RG_NUM_FORMATS;
+  check_refused(image, whole_nv12, RG_ERR_FORMAT);
+  image = nv12;
+  image.planes[1].stride = SOURCE_WIDTH - 1;
+  check_refused(image, whole_nv12, RG_ERR_FRAME_SIZE);
+  image = nv12;
+  image.width = SOURCE_WIDTH - 2;
+  check_refused(image, whole_nv12, RG_ERR_FRAME_SIZE);
+  rg_target target = whole_nv12;
+  target.planes[1].stride = WIDTH - 1;
+  check_refused(nv12, target, RG_ERR_FRAME_SIZE);
+  target = whole_nv12;
+  target.num_rows = 3;
+  check_refused(nv12, target, RG_ERR_ROWS);
+  target.num_rows = 2;
+  target.first_row = 1;
+  check_refused(nv12, target, RG_ERR_ROWS);
+  target.first_row = HEIGHT;
+  check_refused(nv12, target, RG_ERR_ROWS);
+  target = whole_nv12;
+  target.border = (rg_border)3;
+  check_refused(nv12, target, RG_ERR_FORMAT);
+  target = whole_nv12;
+  target.sampling = (rg_sampling)2;
+  check_refused(nv12, target, RG_ERR_FORMAT);
+  image = nv12;
+  image.ring_rows = SOURCE_HEIGHT;
+  image.num_rows = SOURCE_HEIGHT;
+  check_refused(image, whole_nv12, RG_OK);
+  target = whole_nv12;
+  target.border = RG_BORDER_CLAMP;
+  check_refused(image, target, RG_ERR_FORMAT);
+  image.ring_rows = 101;
+  check_refused(image, whole_nv12, RG_ERR_FRAME_SIZE);
+  image.ring_rows = 100;
+  check_refused(image, whole_nv12, RG_ERR_ROWS_MISSING);
+}
+
+static void odd_addresses_of_words_are_refused(void** state) {
+  (void)state;
+  rg_image image = make_image(RG_FORMAT_GREY16);
+  rg_target target = make_target(RG_FORMAT_GREY16, 0);
+  image.planes[0].data += 1;
+  check_refused(image, target, RG_ERR_MISALIGNED);
+  image.planes[0].data -= 1;
+  image.planes[0].stride += 1;
+  check_refused(image, target, RG_ERR_MISALIGNED);
+  image.planes[0].stride -= 1;
+  target.planes[0].data += 1;
+  check_refused(image, target, RG_ERR_MISALIGNED);
+}
+
+static void further_tables_may_be_selected(void** state) {
+  (void)state;
+  rg_camera camera = wide;
+  uint16_t width, height;
+  assert_int_equal(rg_select_remap(&camera, 1), RG_OK);
+  assert_int_equal(rg_remap_size(&camera, &width, &height), RG_OK);
+  assert_int_equal(width, 36);
+  assert_int_equal(height, 28);
+  assert_int_equal(rg_select_remap(&camera, 2), RG_ERR_NO_REMAP);
+  assert_int_equal(rg_select_remap(&camera, 0xffffffff), RG_ERR_NO_REMAP);
+  assert_int_equal(rg_remap_size(&camera, &width, &height), RG_OK);
+  assert_int_equal(width, 36);
+  assert_int_equal(rg_select_remap(&camera, 0), RG_OK);
+  assert_memory_equal(&camera, &wide, sizeof(camera));
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(frames_of_every_format_are_the_golden_ones),
+      cmocka_unit_test(bands_make_the_frame),
+      cmocka_unit_test(rings_of_the_rows_needed_make_the_frame),
+      cmocka_unit_test(rows_told_are_needed),
+      cmocka_unit_test(wrong_calls_are_refused),
+      cmocka_unit_test(odd_addresses_of_words_are_refused),
+      cmocka_unit_test(further_tables_may_be_selected),
+  };
+  return cmocka_run_group_tests(tests, open_wide, NULL);
+}

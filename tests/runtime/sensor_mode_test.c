@@ -1,0 +1,160 @@
+#include "golden_blobs.h"
+#include "raygrid.h"
+#include "test_frame.h"
+#include "unit_test.h"
+
+static rg_camera lens; /* 160 x 120, serial "L-150/7" */
+
+static int open_lens(void** state) {
+  (void)state;
+  return rg_camera_open(&lens, kLensBlob, sizeof(kLensBlob)) == RG_OK ? 0 : -1;
+}
+
+static rg_mode make_mode(uint32_t width, uint32_t height, int32_t x, int32_t y,
+                         uint32_t scale_q16) {
+  const rg_mode mode = {
+      (uint16_t)width, (uint16_t)height, RG_PIXEL(x), RG_PIXEL(y),
+      scale_q16,       scale_q16,        0,           0};
+  return mode;
+}
+
+static void check_position(const rg_mode* mode, int32_t x_q16, int32_t y_q16,
+                           int32_t expected_x_q16, int32_t expected_y_q16) {
+  const rg_pixel pixel = {x_q16, y_q16};
+  rg_pixel calibrated, back;
+  assert_int_equal(rg_mode_to_calibrated(mode, pixel, &calibrated), RG_OK);
+  assert_int_equal(calibrated.x_q16, expected_x_q16);
+  assert_int_equal(calibrated.y_q16, expected_y_q16);
+  assert_int_equal(rg_mode_from_calibrated(mode, calibrated, &back), RG_OK);
+  assert_in_range(back.x_q16 - x_q16 + 1, 0, 2);
+  assert_in_range(back.y_q16 - y_q16 + 1, 0, 2);
+}
+
+static void crops_move_pixels(void** state) {
+  (void)state;
+  const rg_mode mode = make_mode(80, 60, 40, 30, 65536);
+  check_position(&mode, 0, 0, RG_PIXEL(40), RG_PIXEL(30));
+  check_position(&mode, 12345, -4321, RG_PIXEL(40) + 12345,
+                 RG_PIXEL(30) - 4321);
+}
+
+/* The centre of a binned pixel is the corner of four. */
+static void binning_keeps_edges_in_place(void** state) {
+  (void)state;
+  const rg_mode mode = make_mode(80, 60, 0, 0, 2 << 16);
+  check_position(&mode, 0, 0, 0x8000, 0x8000);
+  check_position(&mode, -0x8000, -0x8000, -0x8000, -0x8000);
+  check_position(&mode, RG_PIXEL(79) + 0x8000, RG_PIXEL(59) + 0x8000,
+                 RG_PIXEL(159) + 0x8000, RG_PIXEL(119) + 0x8000);
+}
+
+static void flips_count_from_the_other_side(void** state) {
+  (void)state;
+  rg_mode mode = make_mode(160, 120, 0, 0, 65536);
+  mode.flip_x = 1;
+  check_position(&mode, 0, 0, RG_PIXEL(159), 0);
+  mode.flip_y = 1;
+  check_position(&mode, RG_PIXEL(100), RG_PIXEL(7), RG_PIXEL(59),
+                 RG_PIXEL(112));
+}
+
+static int32_t distance(int32_t a, int32_t b) { return a > b ? a - b : b - a; }
+
+static void positions_come_back_within_their_error(void** state) {
+  (void)state;
+  uint32_t random = 9;
+  for (int i = 0; i < 5000; ++i) {
+    rg_mode mode = make_mode(4000, 3000, (int32_t)(next_random(&random) >> 21),
+                             (int32_t)(next_random(&random) >> 21), 65536);
+    mode.scale_x_q16 = 0x8000 + (next_random(&random) >> 14);
+    mode.scale_y_q16 = 0x8000 + (next_random(&random) >> 14);
+    mode.flip_x = i & 1;
+    mode.flip_y = (i >> 1) & 1;
+    const rg_pixel pixel = {(int32_t)(next_random(&random) >> 4),
+                            (int32_t)(next_random(&random) >> 5)};
+    rg_pixel calibrated, back;
+    if (rg_mode_to_calibrated(&mode, pixel, &calibrated) != RG_OK) continue;
+    if (rg_mode_from_calibrated(&mode, calibrated, &back) != RG_OK) continue;
+    assert_in_range(distance(pixel.x_q16, back.x_q16), 0, 6);
+    assert_in_range(distance(pixel.y_q16, back.y_q16), 0, 6);
+  }
+}
+
+static void impossible_modes_are_refused(void** state) {
+  (void)state;
+  const rg_pixel pixel = {0, 0}, far_away = {INT32_MAX, INT32_MIN};
+  rg_pixel result = {3, 4};
+  rg_mode mode = make_mode(80, 60, 0, 0, 65536);
+  assert_int_equal(rg_mode_to_calibrated(&mode, far_away, &result),
+                   RG_ERR_ARGUMENT);
+  assert_int_equal(rg_mode_from_calibrated(&mode, far_away, &result),
+                   RG_ERR_ARGUMENT);
+  mode.scale_y_q16 = 0;
+  assert_int_equal(rg_mode_to_calibrated(&mode, pixel, &result),
+                   RG_ERR_ARGUMENT);
+  mode = make_mode(0, 60, 0, 0, 65536);
+  assert_int_equal(rg_mode_from_calibrated(&mode, pixel, &result),
+                   RG_ERR_ARGUMENT);
+  mode = make_mode(80, 60, 0, 0, 65 << 16);
+  assert_int_equal(rg_mode_to_calibrated(&mode, pixel, &result),
+                   RG_ERR_ARGUMENT);
+  assert_true(result.x_q16 == 3 && result.y_q16 == 4);
+}
+
+static void frames_as_calibrated_match(void** state) {
+  (void)state;
+  const rg_mode same = make_mode(160, 120, 0, 0, 65536);
+  assert_int_equal(rg_match(&lens, NULL, 160, 120, NULL), RG_MATCH_EXACT);
+  assert_int_equal(rg_match(&lens, &same, 160, 120, "L-150/7"), RG_MATCH_EXACT);
+}
+
+static void parts_of_the_calibrated_frames_are_derivable(void** state) {
+  (void)state;
+  const rg_mode binned = make_mode(80, 60, 0, 0, 2 << 16);
+  const rg_mode crop = make_mode(60, 40, 100, 80, 65536);
+  rg_mode mirrored = make_mode(160, 120, 0, 0, 65536);
+  mirrored.flip_x = 1;
+  assert_int_equal(rg_match(&lens, &binned, 80, 60, NULL), RG_MATCH_DERIVABLE);
+  assert_int_equal(rg_match(&lens, &crop, 60, 40, NULL), RG_MATCH_DERIVABLE);
+  assert_int_equal(rg_match(&lens, &mirrored, 160, 120, NULL),
+                   RG_MATCH_DERIVABLE);
+}
+
+static void anything_else_is_a_mismatch(void** state) {
+  (void)state;
+  const rg_mode binned = make_mode(80, 60, 0, 0, 2 << 16);
+  const rg_mode beyond = make_mode(61, 40, 100, 80, 65536);
+  const rg_mode before = make_mode(60, 40, -1, 0, 65536);
+  assert_int_equal(rg_match(&lens, NULL, 80, 60, NULL), RG_MATCH_NONE);
+  assert_int_equal(rg_match(&lens, NULL, 120, 160, NULL), RG_MATCH_NONE);
+  assert_int_equal(rg_match(&lens, &binned, 160, 120, NULL), RG_MATCH_NONE);
+  assert_int_equal(rg_match(&lens, &beyond, 61, 40, NULL), RG_MATCH_NONE);
+  assert_int_equal(rg_match(&lens, &before, 60, 40, NULL), RG_MATCH_NONE);
+}
+
+static void another_serial_is_a_mismatch(void** state) {
+  (void)state;
+  rg_camera anonymous;
+  assert_int_equal(rg_match(&lens, NULL, 160, 120, "L-150/8"), RG_MATCH_NONE);
+  assert_int_equal(rg_match(&lens, NULL, 160, 120, "L-150/"), RG_MATCH_NONE);
+  assert_int_equal(rg_match(&lens, NULL, 160, 120, "L-150/77"), RG_MATCH_NONE);
+  assert_int_equal(rg_match(&lens, NULL, 160, 120, ""), RG_MATCH_NONE);
+  assert_int_equal(rg_camera_open(&anonymous, kWideBlob, sizeof(kWideBlob)),
+                   RG_OK);
+  assert_int_equal(rg_match(&anonymous, NULL, 320, 240, "any"), RG_MATCH_EXACT);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(crops_move_pixels),
+      cmocka_unit_test(binning_keeps_edges_in_place),
+      cmocka_unit_test(flips_count_from_the_other_side),
+      cmocka_unit_test(positions_come_back_within_their_error),
+      cmocka_unit_test(impossible_modes_are_refused),
+      cmocka_unit_test(frames_as_calibrated_match),
+      cmocka_unit_test(parts_of_the_calibrated_frames_are_derivable),
+      cmocka_unit_test(anything_else_is_a_mismatch),
+      cmocka_unit_test(another_serial_is_a_mismatch),
+  };
+  return cmocka_run_group_tests(tests, open_lens, NULL);
+}
