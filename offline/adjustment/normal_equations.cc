@@ -253,6 +253,8 @@ bool NormalEquations::SampleCovariance(int num_samples,
   for (size_t c = 0; c + 1 < first_parameter_.size(); ++c)
     samples->cameras.push_back(dense.middleRows(
         first_parameter_[c], first_parameter_[c + 1] - first_parameter_[c]));
+  samples->camera_poses = dense.middleRows(
+      first_parameter_.back(), num_camera_ - first_parameter_.back());
   samples->points = dense.bottomRows(dense.rows() - num_camera_);
   if (eliminate_points_) {
     Eigen::MatrixXd own(3 * sizes_.num_points, num_samples);

@@ -21,6 +21,7 @@ struct AdjustmentStep {
 /// Random parameters that scatter as the adjusted ones do.
 struct CovarianceSamples {
   std::vector<Eigen::MatrixXd> cameras;  ///< a column a sample
+  Eigen::MatrixXd camera_poses;          ///< 6 rows each, but the first's
   Eigen::MatrixXd points;                ///< likewise
 };
 

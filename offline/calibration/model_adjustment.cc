@@ -1,5 +1,6 @@
 #include "calibration/model_adjustment.h"
 
+#include <algorithm>
 #include <memory>
 #include <set>
 
@@ -31,49 +32,88 @@ AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
   return summary;
 }
 
-// The grid camera, around a parametric lens.
-AdjustmentSummary AdjustGrid(const CalibrationProblem& problem,
-                             const CameraModel& lens, double cell_px,
-                             const AdjustmentOptions& options,
-                             AdjustmentState* state) {
-  const Area area = FeatureArea(problem, 0);
-  const CentralGeneric base =
-      FitCentralGeneric(lens, area, NumControlPoints(area.width(), cell_px),
-                        NumControlPoints(area.height(), cell_px));
-  GaussianPrior prior;
-  prior.cameras = {SmoothnessPrior(base)};
-  state->cameras[0] = base.Clone();
-  return AdjustInTwoSteps(problem, options, &prior, state);
+using Lenses = std::vector<std::unique_ptr<CameraModel>>;
+
+// Grid cameras, each around a parametric lens.
+AdjustmentSummary AdjustGrids(const CalibrationProblem& problem,
+                              const Lenses& lenses,
+                              const std::vector<double>& cells_px,
+                              const AdjustmentOptions& options,
+                              GaussianPrior* prior, AdjustmentState* state) {
+  *prior = {};
+  for (size_t c = 0; c < lenses.size(); ++c) {
+    const Area area = FeatureArea(problem, static_cast<int>(c));
+    const CentralGeneric base = FitCentralGeneric(
+        *lenses[c], area, NumControlPoints(area.width(), cells_px[c]),
+        NumControlPoints(area.height(), cells_px[c]));
+    prior->cameras.push_back(SmoothnessPrior(base));
+    state->cameras[c] = base.Clone();
+  }
+  return AdjustInTwoSteps(problem, options, prior, state);
 }
 
-// Residuals beyond the third quartile + 6 interquartile ranges (paper's
-// supplement, "Bundle adjustment details") leave the problem.
-std::vector<FeatureResidual> RemoveOutliers(
+// Parametric cameras from where the state is.
+AdjustmentSummary AdjustLenses(const CalibrationProblem& problem,
+                               const AdjustmentOptions& options,
+                               GaussianPrior* prior, AdjustmentState* state) {
+  *prior = {};
+  for (size_t c = 0; c < state->cameras.size(); ++c)
+    prior->cameras.push_back(
+        DistortionPrior(dynamic_cast<const OpenCvModel&>(*state->cameras[c]),
+                        FeatureArea(problem, static_cast<int>(c))));
+  return AdjustInTwoSteps(problem, options, prior, state);
+}
+
+// Of each camera: the third quartile of the residuals + 6 interquartile ranges
+// (paper's supplement, "Bundle adjustment details").
+std::vector<double> OutlierThresholds(const std::vector<Residual>& residuals,
+                                      const CalibrationProblem& problem) {
+  std::vector<std::vector<double>> norms(problem.image_sizes.size());
+  size_t index = 0;
+  for (const View& view : problem.views)
+    for (size_t k = 0; k < view.observations.size(); ++k, ++index)
+      if (residuals[index].valid)
+        norms[view.camera].push_back(residuals[index].error_px.norm());
+  std::vector<double> thresholds;
+  for (const std::vector<double>& camera : norms) {
+    const double q1 = Quantile(camera, 0.25), q3 = Quantile(camera, 0.75);
+    thresholds.push_back(q3 + 6 * (q3 - q1));
+  }
+  return thresholds;
+}
+
+// Residuals beyond the thresholds leave the problem.
+std::vector<std::vector<FeatureResidual>> RemoveOutliers(
     const Pattern& pattern, const std::vector<Residual>& residuals,
     CalibrationProblem* problem) {
-  std::vector<double> norms;
-  for (const Residual& residual : residuals)
-    if (residual.valid) norms.push_back(residual.error_px.norm());
-  const double q1 = Quantile(norms, 0.25), q3 = Quantile(norms, 0.75);
-  const double threshold = q3 + 6 * (q3 - q1);
-  std::vector<FeatureResidual> removed;
+  const std::vector<double> thresholds = OutlierThresholds(residuals, *problem);
+  std::vector<std::vector<FeatureResidual>> removed(thresholds.size());
   size_t index = 0;
   for (size_t v = 0; v < problem->views.size(); ++v) {
+    View& view = problem->views[v];
     std::vector<Observation> kept;
-    for (const Observation& observation : problem->views[v].observations) {
+    for (const Observation& observation : view.observations) {
       const Residual& residual = residuals[index++];
-      if (residual.valid && residual.error_px.norm() <= threshold) {
+      if (residual.valid &&
+          residual.error_px.norm() <= thresholds[view.camera]) {
         kept.push_back(observation);
         continue;
       }
       const Feature feature =
           problem->FeatureOf(pattern, static_cast<int>(v), observation);
-      removed.push_back({problem->images[v], feature.board, feature.column,
-                         feature.row, observation.pixel, residual.error_px});
+      removed[view.camera].push_back({problem->images[v], feature.board,
+                                      feature.column, feature.row,
+                                      observation.pixel, residual.error_px});
     }
-    problem->views[v].observations = std::move(kept);
+    view.observations = std::move(kept);
   }
   return removed;
+}
+
+Lenses CopyCameras(const AdjustmentState& state) {
+  Lenses cameras;
+  for (const auto& camera : state.cameras) cameras.push_back(camera->Clone());
+  return cameras;
 }
 
 }  // namespace
@@ -82,44 +122,50 @@ AdjustmentSummary AdjustParametric(const CalibrationProblem& problem,
                                    const AdjustmentOptions& options,
                                    AdjustmentState* state) {
   GaussianPrior prior;
-  prior.cameras = {
-      DistortionPrior(dynamic_cast<const OpenCvModel&>(state->camera()),
-                      FeatureArea(problem, 0))};
-  return AdjustInTwoSteps(problem, options, &prior, state);
+  return AdjustLenses(problem, options, &prior, state);
 }
 
 void AdjustModel(const Pattern& pattern, const std::string& model,
-                 double cell_px, const AdjustmentOptions& options,
-                 Adjusted* adjusted) {
-  const std::unique_ptr<CameraModel> lens = adjusted->state.camera().Clone();
+                 const std::vector<double>& cells_px,
+                 const AdjustmentOptions& options, Adjusted* adjusted) {
+  const Lenses lenses = CopyCameras(adjusted->state);
   const auto adjust = [&] {
     adjusted->summary =
         model == "opencv"
-            ? AdjustParametric(adjusted->problem, options, &adjusted->state)
-            : AdjustGrid(adjusted->problem, *lens, cell_px, options,
-                         &adjusted->state);
+            ? AdjustLenses(adjusted->problem, options, &adjusted->prior,
+                           &adjusted->state)
+            : AdjustGrids(adjusted->problem, lenses, cells_px, options,
+                          &adjusted->prior, &adjusted->state);
   };
   adjust();
   adjusted->rejected_features =
       RemoveOutliers(pattern, adjusted->summary.residuals, &adjusted->problem);
-  if (!adjusted->rejected_features.empty()) adjust();
-  const Area area = FeatureArea(adjusted->problem, 0);
-  if (const auto* camera =
-          dynamic_cast<const OpenCvModel*>(&adjusted->state.camera()))
-    adjusted->state.cameras[0] = camera->WithArea(area).Clone();
+  if (std::any_of(adjusted->rejected_features.begin(),
+                  adjusted->rejected_features.end(),
+                  [](const auto& removed) { return !removed.empty(); }))
+    adjust();
+  for (size_t c = 0; c < lenses.size(); ++c) {
+    std::unique_ptr<CameraModel>& camera = adjusted->state.cameras[c];
+    if (const auto* lens = dynamic_cast<const OpenCvModel*>(camera.get()))
+      camera =
+          lens->WithArea(FeatureArea(adjusted->problem, static_cast<int>(c)))
+              .Clone();
+  }
 }
 
 void AlignBoards(const Pattern& pattern, Adjusted* adjusted) {
+  std::vector<AlignedBoard> boards;
   for (size_t b = 0; b < pattern.boards.size(); ++b) {
     std::set<int> poses;
     for (size_t v = 0; v < adjusted->problem.views.size(); ++v)
       if (adjusted->problem.boards[v] == static_cast<int>(b))
         poses.insert(adjusted->problem.views[v].pose);
     if (!poses.empty())
-      AlignToNominal(adjusted->problem.first_points[b],
-                     pattern.boards[b].points, {poses.begin(), poses.end()},
-                     &adjusted->state);
+      boards.push_back({adjusted->problem.first_points[b],
+                        pattern.boards[b].points,
+                        {poses.begin(), poses.end()}});
   }
+  AlignToNominal(boards, &adjusted->state);
 }
 
 Pattern AdjustedPattern(const Pattern& pattern, const Adjusted& adjusted) {
