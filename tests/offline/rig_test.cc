@@ -56,8 +56,8 @@ SimulatedRig Fan() {
   const auto lens = std::make_shared<OpenCvModel>(ExampleLens());
   return {{lens, lens, lens},
           {{},
-           {RotationFromVector({0, -0.75, 0}), {-0.1, 0, 0}},
-           {RotationFromVector({0, -1.5, 0}), {-0.2, 0, 0.1}}}};
+           {RotationFromVector({0, -0.85, 0}), {-0.1, 0, 0}},
+           {RotationFromVector({0, -1.7, 0}), {-0.2, 0, 0.1}}}};
 }
 
 std::vector<RigCameraInput> Inputs(const SimulatedRigObservations& seen) {
