@@ -91,6 +91,11 @@ void PrintSummary(const CalibrateArguments& arguments,
         *result.measured_again_rms_px);
   PrintFigures("training", *result.camera.training);
   if (result.camera.held_out) PrintFigures("held out", *result.camera.held_out);
+  if (result.line_spread)
+    fmt::print(
+        "  lines pass the point nearest to all by {:.3f} mm (RMS), {:.3f} mm "
+        "(largest); no blob, which has no place for lines\n",
+        1000 * result.line_spread->rms_m, 1000 * result.line_spread->max_m);
   fmt::print("  verdict: {}\n", result.verdict.word);
   for (const std::string& reason : result.verdict.reasons)
     fmt::print("    {}\n", reason);
@@ -117,7 +122,9 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
     result.camera.serial = arguments.serial;
     bar.Show("packing", 0.9);
     try {
-      packed = PackForReport(result.camera, common.threads);
+      // Blobs have no place for lines.
+      if (result.camera.camera->IsCentral())
+        packed = PackForReport(result.camera, common.threads);
     } catch (const Error& error) {
       not_packed = error;
     }
@@ -198,7 +205,10 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
       ->capture_default_str();
   command->add_option("--pattern", arguments->pattern, "pattern.yaml")
       ->required();
-  command->add_option("--model", arguments->model, "central-generic or opencv")
+  command
+      ->add_option("--model", arguments->model,
+                   "central-generic, noncentral-generic, central-radial, "
+                   "thin-prism-fisheye or opencv")
       ->capture_default_str();
   command
       ->add_option("--cell-px", arguments->cell_px,

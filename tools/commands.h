@@ -23,9 +23,11 @@ CLI::App* AddCommand(CLI::App* app, const std::string& name,
                      CommonOptions* common);
 
 void AddCalibrate(CLI::App* app, CommonOptions* common);
+void AddCompare(CLI::App* app, CommonOptions* common);
 void AddDetect(CLI::App* app, CommonOptions* common);
 void AddEvaluate(CLI::App* app, CommonOptions* common);
 void AddExperiment(CLI::App* app, CommonOptions* common);
+void AddFit(CLI::App* app, CommonOptions* common);
 void AddInspect(CLI::App* app, CommonOptions* common);
 void AddPack(CLI::App* app, CommonOptions* common);
 void AddPattern(CLI::App* app, CommonOptions* common);

@@ -44,7 +44,9 @@ int Run(int argc, char** argv) {
   AddPattern(&app, &common);
   AddDetect(&app, &common);
   AddCalibrate(&app, &common);
+  AddCompare(&app, &common);
   AddEvaluate(&app, &common);
+  AddFit(&app, &common);
   AddPack(&app, &common);
   AddInspect(&app, &common);
   AddUndistort(&app, &common);

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "camera/central_generic.h"
+#include "camera/noncentral_generic.h"
 #include "camera_input.h"
 #include "commands.h"
 #include "dataset/camera_file.h"
@@ -18,7 +18,6 @@
 #include "simulation/board_bend.h"
 #include "simulation/image_rendering.h"
 #include "simulation/observation_lines.h"
-#include "simulation/simulated_camera.h"
 #include "simulation/simulated_lenses.h"
 #include "simulation/simulated_observations.h"
 #include "simulation/simulated_rig.h"
@@ -44,41 +43,11 @@ constexpr double kTruthCells = 80;
 // Between boards that hang side by side.
 constexpr double kGapSquares = 2;
 
-// A camera whose lines meet in a point, and, if they do not, the lines.
-struct TrueCamera {
-  std::shared_ptr<const CameraModel> central;
-  LineOfPixel line_of_pixel;
-  bool is_from_file = false;
-
-  PixelRays Rays(int num_threads) const {
-    return line_of_pixel
-               ? PixelRays(central->image_size(), line_of_pixel, num_threads)
-               : PixelRays(*central, num_threads);
-  }
-  std::vector<Feature> Features(const Board& board, const Pose& pose) const {
-    return line_of_pixel ? VisibleFeatures(line_of_pixel, *central, board, pose)
-                         : VisibleFeatures(*central, board, pose);
-  }
-};
-
-TrueCamera MakeCamera(const Arguments& arguments) {
-  TrueCamera camera;
-  if (!arguments.camera.empty()) {
-    camera.central = ReadCamera(arguments.camera).file.camera;
-    camera.is_from_file = true;
-    return camera;
-  }
-  const ImageSize size = ParseImageSize("--size", arguments.size);
-  if (arguments.lens == "noncentral") {
-    const MovingPupilLens lens = NonCentralLens(size);
-    camera.central = lens.lens().Clone();
-    camera.line_of_pixel = [lens](const Eigen::Vector2d& pixel) {
-      return lens.Line(pixel);
-    };
-  } else {
-    camera.central = SimulatedLens(arguments.lens, size);
-  }
-  return camera;
+std::shared_ptr<const CameraModel> MakeCamera(const Arguments& arguments) {
+  if (!arguments.camera.empty())
+    return ReadCamera(arguments.camera).file.camera;
+  return SimulatedLens(arguments.lens,
+                       ParseImageSize("--size", arguments.size));
 }
 
 Pattern MakePattern(const Arguments& arguments) {
@@ -86,42 +55,38 @@ Pattern MakePattern(const Arguments& arguments) {
                                    : ReadPattern(arguments.pattern);
 }
 
-// A camera that was read as it is, a lens as a fine grid over the image.
-std::shared_ptr<const CameraModel> Writable(const TrueCamera& camera) {
-  if (camera.is_from_file) return camera.central;
-  const Area image = WholeImage(camera.central->image_size());
+// A lens as a fine grid over the image.
+std::shared_ptr<const CameraModel> AsGrid(const CameraModel& lens) {
+  const Area image = WholeImage(lens.image_size());
   const double cell_px = image.width() / kTruthCells;
-  return FitCentralGeneric(*camera.central, image,
-                           NumControlPoints(image.width(), cell_px),
-                           NumControlPoints(image.height(), cell_px))
-      .Clone();
+  const int columns = NumControlPoints(image.width(), cell_px);
+  const int rows = NumControlPoints(image.height(), cell_px);
+  if (lens.IsCentral())
+    return FitCentralGeneric(lens, image, columns, rows).Clone();
+  return FitNonCentralGeneric(lens, image, columns, rows).Clone();
 }
 
 // As camera.yaml.
-std::string FormatTruth(const TrueCamera& camera) {
+std::string FormatTruth(const CameraModel& camera, bool is_from_file) {
   CameraFile truth;
-  truth.camera = Writable(camera);
+  truth.camera = is_from_file ? camera.Clone() : AsGrid(camera);
   truth.name = "simulated";
-  if (!camera.line_of_pixel) return FormatCameraFile(truth);
-  truth.name = "simulated, central part only";
-  return "# Not the whole truth: the directions alone, as if all lines met in "
-         "a point.\n# The exact lines are in true_lines.csv.\n" +
-         FormatCameraFile(truth);
+  return FormatCameraFile(truth);
 }
 
 void AddTruth(const std::filesystem::path& folder,
               const SimulatedObservations& observations,
-              const TrueCamera& camera, OutputFiles* files) {
+              const CameraModel& camera, bool is_from_file,
+              OutputFiles* files) {
   const auto add = [&](const char* name, std::string contents) {
     files->Add((folder / name).string(), std::move(contents));
   };
   add("features.csv", FormatFeatures(observations.dataset));
   add("pattern.yaml", observations.true_pattern.yaml);
   add("true_pattern.yaml", FormatPattern(observations.true_pattern));
-  add("true_camera.yaml", FormatTruth(camera));
-  if (camera.line_of_pixel)
-    add("true_lines.csv", FormatObservationLines(camera.central->image_size(),
-                                                 camera.line_of_pixel));
+  add("true_camera.yaml", FormatTruth(camera, is_from_file));
+  if (!camera.IsCentral())
+    add("true_lines.csv", FormatObservationLines(camera));
   add("true_poses.csv", FormatPoses(observations.poses));
 }
 
@@ -152,10 +117,10 @@ class Photographer {
       : arguments_(arguments),
         common_(common),
         camera_(MakeCamera(arguments)),
-        rays_(camera_.Rays(NumThreads(common.threads))) {
+        rays_(*camera_, NumThreads(common.threads)) {
     Pattern& pattern = truth_.true_pattern;
     pattern = MakePattern(arguments);
-    truth_.dataset.image_size = camera_.central->image_size();
+    truth_.dataset.image_size = camera_->image_size();
     const double bend_m = arguments.simulation.board_bend_m;
     for (Board& board : pattern.boards) {
       surfaces_.emplace_back(board, bend_m);
@@ -170,17 +135,16 @@ class Photographer {
     RequireWritableFolder(folder.string());
     ProgressBar progress(common_.quiet);
     const int count = arguments_.simulation.num_images;
-    const std::vector<Pose> poses =
-        RandomPoses(*camera_.central, arrangement_.center_m,
-                    truth_.true_pattern.boards[0].square_m, count,
-                    arguments_.poses, common_.seed);
+    const std::vector<Pose> poses = RandomPoses(
+        *camera_, arrangement_.center_m, truth_.true_pattern.boards[0].square_m,
+        count, arguments_.poses, common_.seed);
     for (int i = 0; i < count; ++i) {
       progress.Show("rendering", static_cast<double>(i) / count);
       const std::string name = fmt::format("sim{:04d}.png", i);
       WriteFile((folder / name).string(), Take(i, name, poses[i]));
     }
     OutputFiles files;
-    AddTruth(folder, truth_, camera_, &files);
+    AddTruth(folder, truth_, *camera_, !arguments_.camera.empty(), &files);
     files.Commit();
   }
 
@@ -195,7 +159,7 @@ class Photographer {
       const Board& board = truth_.true_pattern.boards[b];
       const Pose board_pose = {pose.rotation, pose * arrangement_.corners_m[b]};
       placed.push_back({&surfaces_[b], board_pose});
-      const auto features = camera_.Features(board, board_pose);
+      const auto features = VisibleFeatures(*camera_, board, board_pose);
       seen.features.insert(seen.features.end(), features.begin(),
                            features.end());
       truth_.poses.push_back({name, board.id, board_pose});
@@ -212,7 +176,7 @@ class Photographer {
 
   const Arguments& arguments_;
   const CommonOptions& common_;
-  TrueCamera camera_;
+  std::shared_ptr<const CameraModel> camera_;
   PixelRays rays_;
   std::vector<BoardSurface> surfaces_;
   Arrangement arrangement_;
@@ -222,15 +186,13 @@ class Photographer {
 // What several cameras see.
 SimulatedObservations ObserveRig(const Arguments& arguments,
                                  const CommonOptions& common) {
-  const TrueCamera camera = MakeCamera(arguments);
-  if (camera.line_of_pixel)
-    throw Error(ExitCode::kUsage, "--cameras: not with --lens noncentral");
+  const std::shared_ptr<const CameraModel> camera = MakeCamera(arguments);
   SimulationOptions options = arguments.simulation;
   options.seed = common.seed;
   options.features_per_image =
       arguments.features_per_image.value_or(options.features_per_image);
   const SimulatedRigObservations seen = SimulateRig(
-      CamerasInARow(camera.central, arguments.cameras, arguments.baseline_m),
+      CamerasInARow(camera, arguments.cameras, arguments.baseline_m),
       MakePattern(arguments), options);
   SimulatedObservations all;
   std::vector<NamedDataset> features;
@@ -257,7 +219,7 @@ SimulatedObservations ObserveRig(const Arguments& arguments,
   add("features.csv", FormatFeatures(features));
   add("pattern.yaml", seen.true_pattern.yaml);
   add("true_pattern.yaml", FormatPattern(seen.true_pattern));
-  add("true_camera.yaml", FormatTruth(camera));
+  add("true_camera.yaml", FormatTruth(*camera, !arguments.camera.empty()));
   add("true_rig.yaml", FormatRigFile(rig));
   add("true_poses.csv", FormatPoses(poses));
   files.Commit();
@@ -274,7 +236,7 @@ int NumFeatures(const Board& board) {
 
 SimulatedObservations Observe(const Arguments& arguments,
                               const CommonOptions& common) {
-  const TrueCamera camera = MakeCamera(arguments);
+  const std::shared_ptr<const CameraModel> camera = MakeCamera(arguments);
   const Pattern pattern = MakePattern(arguments);
   const int num_features = NumFeatures(pattern.boards[0]);
   SimulationOptions options = arguments.simulation;
@@ -286,12 +248,10 @@ SimulatedObservations Observe(const Arguments& arguments,
         ExitCode::kUsage,
         fmt::format("--features-per-image: the board has {}", num_features));
   const SimulatedObservations observations =
-      camera.line_of_pixel
-          ? SimulateObservations(camera.line_of_pixel, *camera.central, pattern,
-                                 options)
-          : SimulateObservations(*camera.central, pattern, options);
+      SimulateObservations(*camera, pattern, options);
   OutputFiles files;
-  AddTruth(arguments.output, observations, camera, &files);
+  AddTruth(arguments.output, observations, *camera, !arguments.camera.empty(),
+           &files);
   files.Commit();
   return observations;
 }
@@ -373,7 +333,8 @@ void AddCameraOptions(CLI::App* command, Arguments* arguments) {
                       "is observed");
   command
       ->add_option("--lens", arguments->lens,
-                   "pinhole, example, wide, fisheye, fisheye190, noncentral")
+                   "pinhole, example, wide, fisheye, fisheye190, noncentral, "
+                   "glass")
       ->capture_default_str();
   command->add_option("--camera", arguments->camera,
                       "camera.yaml or blob, instead of --lens");
@@ -403,8 +364,9 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
       "  features.csv       what is seen; exact with --render\n"
       "  pattern.yaml       the boards as they ought to be\n"
       "  true_pattern.yaml  as they are, bent\n"
-      "  true_camera.yaml   of --lens noncentral the directions alone\n"
-      "  true_lines.csv     --lens noncentral: the exact lines of 33 x 25 "
+      "  true_camera.yaml   as a fine grid\n"
+      "  true_lines.csv     --lens noncentral and glass: the exact lines of 33 "
+      "x 25 "
       "pixels as x,y,dx,dy,dz,ox,oy,oz: unit direction, point in metres\n"
       "  true_rig.yaml      with --cameras\n"
       "  true_poses.csv     camera_from_board",

@@ -14,19 +14,29 @@ struct Arguments {
   std::string camera, pixels, output;
 };
 
+std::string FormatVector(const Eigen::Vector3d& vector) {
+  return fmt::format("{:.12f},{:.12f},{:.12f}", vector.x(), vector.y(),
+                     vector.z());
+}
+
 void Run(const Arguments& arguments) {
   const CameraInput input = ReadCamera(arguments.camera);
   const CsvTable table(arguments.pixels, ReadFile(arguments.pixels),
                        {"x", "y"});
-  std::string text = "x,y,dx,dy,dz\n";
+  const CameraModel& camera = *input.file.camera;
+  const bool has_origins = !camera.IsCentral();
+  std::string text = has_origins ? "x,y,dx,dy,dz,ox,oy,oz\n" : "x,y,dx,dy,dz\n";
   for (size_t i = 0; i < table.num_rows(); ++i) {
     const Eigen::Vector2d pixel(table.Number(i, "x"), table.Number(i, "y"));
-    const auto ray = input.blob ? input.blob->Unproject(pixel)
-                                : input.file.camera->Unproject(pixel);
     text += fmt::format("{},{},", table.Text(i, "x"), table.Text(i, "y"));
-    text += ray ? fmt::format("{:.12f},{:.12f},{:.12f}\n", ray->x(), ray->y(),
-                              ray->z())
-                : std::string(",,\n");
+    const auto ray =
+        input.blob ? input.blob->Unproject(pixel) : camera.Unproject(pixel);
+    text += ray ? FormatVector(*ray) : ",,";
+    if (has_origins) {
+      const auto line = camera.Line(pixel);
+      text += "," + (line ? FormatVector(line->origin) : ",,");
+    }
+    text += "\n";
   }
   PrintOrWrite(arguments.output, text);
 }
@@ -36,8 +46,10 @@ void Run(const Arguments& arguments) {
 void AddUnproject(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
       app, "unproject",
-      "Directions that pixels look along: x,y to x,y,dx,dy,dz; empty fields "
-      "outside the calibrated area. A blob is evaluated by the fixed-point "
+      "Directions that pixels look along: x,y to x,y,dx,dy,dz, and of a camera "
+      "that is not central ox,oy,oz, a point of the line in metres; empty "
+      "fields outside the calibrated area. A blob is evaluated by the "
+      "fixed-point "
       "runtime, a camera.yaml in double precision.",
       "raygrid unproject camera.raygrid --pixels px.csv -o rays.csv", common);
   auto arguments = std::make_shared<Arguments>();

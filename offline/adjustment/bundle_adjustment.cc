@@ -87,10 +87,10 @@ double TakeStep(const std::vector<View>& views, const GaussianPrior& prior,
 
 // ---- Evidence approximation ------------------------------------------------
 
-// A group of parameters under the prior: how many of them there are, their
+// Of a group of parameters under the prior: how many of them there are, their
 // squared distance from its mean (in K's metric), and the trace of K times
 // their covariance in units of the residuals' variance.
-struct PriorGroup {
+struct GroupEvidence {
   double count = 0, squared_distance = 0, trace = 0;
 
   // The number of parameters that the observations determine.
@@ -99,21 +99,28 @@ struct PriorGroup {
   }
 };
 
-PriorGroup CameraGroup(const CameraPrior& prior,
-                       const Eigen::VectorXd& parameters,
-                       const Eigen::MatrixXd& samples) {
-  const Eigen::VectorXd difference = parameters - prior.mean;
-  PriorGroup group;
-  group.count = prior.rank;
-  group.squared_distance = difference.dot(prior.precision * difference);
-  group.trace = samples.cwiseProduct(prior.precision * samples).sum() /
-                static_cast<double>(samples.cols());
-  return group;
+// Of each group of each camera.
+std::vector<GroupEvidence> CameraEvidence(const GaussianPrior& prior,
+                                          const AdjustmentState& state,
+                                          const CovarianceSamples& samples) {
+  std::vector<GroupEvidence> evidence;
+  for (size_t c = 0; c < prior.cameras.size(); ++c) {
+    const Eigen::VectorXd difference =
+        state.cameras[c]->Parameters() - prior.cameras[c].mean;
+    const Eigen::MatrixXd& scatter = samples.cameras[c];
+    for (const PriorGroup& group : prior.cameras[c].groups)
+      evidence.push_back(
+          {static_cast<double>(group.rank), group.SquaredDistance(difference),
+           scatter.cwiseProduct(group.precision * scatter).sum() /
+               static_cast<double>(scatter.cols())});
+  }
+  return evidence;
 }
 
-PriorGroup PointsGroup(const GaussianPrior& prior, const AdjustmentState& state,
-                       const CovarianceSamples& samples) {
-  PriorGroup group;
+GroupEvidence PointsEvidence(const GaussianPrior& prior,
+                             const AdjustmentState& state,
+                             const CovarianceSamples& samples) {
+  GroupEvidence group;
   group.count = 3.0 * static_cast<double>(state.points.size());
   for (size_t i = 0; i < state.points.size(); ++i)
     group.squared_distance +=
@@ -121,6 +128,14 @@ PriorGroup PointsGroup(const GaussianPrior& prior, const AdjustmentState& state,
   group.trace =
       samples.points.squaredNorm() / static_cast<double>(samples.points.cols());
   return group;
+}
+
+// In the order of CameraEvidence().
+std::vector<PriorGroup*> CameraGroups(GaussianPrior* prior) {
+  std::vector<PriorGroup*> groups;
+  for (CameraPrior& camera : prior->cameras)
+    for (PriorGroup& group : camera.groups) groups.push_back(&group);
+  return groups;
 }
 
 // The variance of a residual's coordinate, with the loss's weights.
@@ -144,7 +159,7 @@ constexpr double kFewDetermined = 0.02;  // part of a group
 // Sets a weight to what the evidence makes of it; the variance of the group's
 // parameters is taken for no smaller than smallest_variance. Returns how much
 // the weight's logarithm changed.
-double UpdateWeight(const PriorGroup& group, double residual_variance,
+double UpdateWeight(const GroupEvidence& group, double residual_variance,
                     double smallest_variance, double* weight) {
   const double variance = group.squared_distance / group.NumDetermined(*weight);
   const double updated =
@@ -196,8 +211,9 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
   const double square_metres_per_pixel = SquaredMetresPerPixel(
       LinearizeResiduals(*state, views, options.num_threads));
   // A first guess: residuals, second differences and points all scatter alike.
-  for (CameraPrior& camera : prior->cameras)
-    if (camera.weight == 0) camera.weight = 1;
+  const std::vector<PriorGroup*> groups = CameraGroups(prior);
+  for (PriorGroup* group : groups)
+    if (group->weight == 0) group->weight = 1;
   if (prior->points_weight == 0)
     prior->points_weight = 1 / square_metres_per_pixel;
   AdjustmentOptions rough = options;
@@ -210,19 +226,16 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
     CovarianceSamples samples;
     if (!equations.SampleCovariance(kTraceSamples, &samples)) break;
 
-    std::vector<PriorGroup> cameras;
-    double num_camera = 0;
-    for (size_t c = 0; c < prior->cameras.size(); ++c) {
-      const CameraPrior& camera = prior->cameras[c];
-      cameras.push_back(CameraGroup(camera, state->cameras[c]->Parameters(),
-                                    samples.cameras[c]));
-      num_camera += state->cameras[c]->NumParameters() - camera.rank +
-                    cameras.back().NumDetermined(camera.weight);
-    }
+    const std::vector<GroupEvidence> cameras =
+        CameraEvidence(*prior, *state, samples);
+    double num_camera = state->NumCameraParameters();
+    for (size_t g = 0; g < groups.size(); ++g)
+      num_camera +=
+          cameras[g].NumDetermined(groups[g]->weight) - cameras[g].count;
     double num_points = 0;
-    PriorGroup points;
+    GroupEvidence points;
     if (!rough.fix_points) {
-      points = PointsGroup(*prior, *state, samples);
+      points = PointsEvidence(*prior, *state, samples);
       num_points = points.NumDetermined(prior->points_weight);
     }
     const double variance = ResidualVariance(
@@ -230,11 +243,11 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
         num_camera + num_points +
             6.0 * static_cast<double>(state->rig_from_pattern.size()));
     double camera_change = 0;
-    for (size_t c = 0; c < cameras.size(); ++c)
+    for (size_t g = 0; g < groups.size(); ++g)
       camera_change =
-          std::max(camera_change, UpdateWeight(cameras[c], variance,
+          std::max(camera_change, UpdateWeight(cameras[g], variance,
                                                kNegligiblePx * kNegligiblePx,
-                                               &prior->cameras[c].weight));
+                                               &groups[g]->weight));
     if (!rough.fix_points && num_points < kFewDetermined * points.count) {
       // The board is as nominal as these observations can tell.
       state->points = prior->points_mean;

@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera/central_radial.h"
+#include "camera/noncentral_generic.h"
+#include "camera/opencv.h"
 #include "camera/stereographic.h"
+#include "camera/thin_prism_fisheye.h"
 
 namespace raygrid {
 namespace {
@@ -15,29 +19,40 @@ struct Term {
   double factor;
 };
 
+// Those parameters of each control point, out of per_point, that make a field.
+struct FieldParameters {
+  int per_point, first, count;
+};
+
 class DifferenceRows {
  public:
-  explicit DifferenceRows(const std::vector<double>& pixels_per_chart_unit)
-      : scale_(pixels_per_chart_unit) {}
+  // pixels_per_unit: of the field at each control point.
+  DifferenceRows(const FieldParameters& field,
+                 const std::vector<double>& pixels_per_unit)
+      : field_(field), scale_(pixels_per_unit) {}
 
   // One row for each coordinate.
   void Add(const std::vector<Term>& terms, double factor) {
-    for (int coordinate = 0; coordinate < 2; ++coordinate) {
+    for (int coordinate = 0; coordinate < field_.count; ++coordinate) {
       for (const Term& term : terms)
-        triplets_.emplace_back(num_rows_, 2 * term.point + coordinate,
-                               factor * term.factor * scale_[term.point]);
+        triplets_.emplace_back(
+            num_rows_,
+            field_.per_point * term.point + field_.first + coordinate,
+            factor * term.factor * scale_[term.point]);
       ++num_rows_;
     }
   }
 
   // D^T D
   Eigen::SparseMatrix<double> Precision() const {
-    Eigen::SparseMatrix<double> rows(num_rows_, 2 * scale_.size());
+    Eigen::SparseMatrix<double> rows(num_rows_,
+                                     field_.per_point * scale_.size());
     rows.setFromTriplets(triplets_.begin(), triplets_.end());
     return rows.transpose() * rows;
   }
 
  private:
+  FieldParameters field_;
   std::vector<double> scale_;
   std::vector<Eigen::Triplet<double>> triplets_;
   int num_rows_ = 0;
@@ -75,6 +90,25 @@ void AddDerivative(const BSplineSurface& surface, int x_order, int y_order,
   }
 }
 
+PriorGroup SmoothField(const BSplineSurface& surface,
+                       const FieldParameters& field,
+                       const std::vector<double>& pixels_per_unit) {
+  DifferenceRows differences(field, pixels_per_unit);
+  const double range_px =
+      kRangePart * std::max(surface.area().width(), surface.area().height());
+  const double cell_px =
+      std::sqrt(surface.cell_width() * surface.cell_height());
+  const double kappa = std::sqrt(8.0 * (kOrder - 1)) / range_px * cell_px;
+  for (int order = 0; order <= kOrder; ++order)
+    for (int y_order = 0; y_order <= order; ++y_order)
+      AddDerivative(
+          surface, order - y_order, y_order,
+          std::sqrt(Binomial(kOrder, order) * Binomial(order, y_order)) *
+              std::pow(kappa, kOrder - order),
+          &differences);
+  return {differences.Precision(), field.count * surface.num_points(), 0};
+}
+
 // How many pixels a unit of the chart is, around each control point.
 std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
   std::vector<double> scales;
@@ -94,11 +128,31 @@ std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
   return scales;
 }
 
+// Of directions that are the first two of a control point's parameters; without
+// the mean.
+CameraPrior DirectionsPrior(const BSplineSurface& base, int per_point) {
+  const std::vector<double> pixels = PixelsPerChartUnit(base);
+  CameraPrior prior;
+  prior.groups = {SmoothField(base, {per_point, 0, 2}, pixels)};
+  prior.orientation.setZero(per_point * base.num_points(), 3);
+  for (int k = 0; k < base.num_points(); ++k)
+    prior.orientation.middleRows<2>(per_point * k) =
+        ChartRotationDerivative(base.points()[k]);
+  prior.orientation /= std::sqrt(base.num_points());
+  // As firm as the observations, which have no say in it, are in everything
+  // else.
+  const double middle = pixels[base.num_points() / 2];
+  prior.orientation_weight = middle * middle;
+  return prior;
+}
+
 }  // namespace
 
 double CameraPrior::Cost(const Eigen::VectorXd& parameters) const {
   const Eigen::VectorXd difference = parameters - mean;
-  double cost = weight / 2 * difference.dot(precision * difference);
+  double cost = 0;
+  for (const PriorGroup& group : groups)
+    cost += group.weight / 2 * group.SquaredDistance(difference);
   if (orientation.cols() > 0)
     cost += orientation_weight / 2 *
             (orientation.transpose() * difference).squaredNorm();
@@ -106,66 +160,120 @@ double CameraPrior::Cost(const Eigen::VectorXd& parameters) const {
 }
 
 CameraPrior SmoothnessPrior(const CentralGeneric& base) {
-  const BSplineSurface& surface = base.surface();
-  DifferenceRows differences(PixelsPerChartUnit(surface));
-  const double range_px =
-      kRangePart * std::max(surface.area().width(), surface.area().height());
-  const double cell_px =
-      std::sqrt(surface.cell_width() * surface.cell_height());
-  const double kappa = std::sqrt(8.0 * (kOrder - 1)) / range_px * cell_px;
-  for (int order = 0; order <= kOrder; ++order)
-    for (int y_order = 0; y_order <= order; ++y_order)
-      AddDerivative(
-          surface, order - y_order, y_order,
-          std::sqrt(Binomial(kOrder, order) * Binomial(order, y_order)) *
-              std::pow(kappa, kOrder - order),
-          &differences);
-
-  CameraPrior prior;
+  CameraPrior prior = DirectionsPrior(base.surface(), 2);
   prior.mean = base.Parameters();
-  prior.precision = differences.Precision();
-  prior.rank = 2 * surface.num_points();
-  prior.orientation.resize(2 * surface.num_points(), 3);
-  for (int k = 0; k < surface.num_points(); ++k)
-    prior.orientation.middleRows<2>(2 * k) =
-        ChartRotationDerivative(surface.points()[k]);
-  prior.orientation /= std::sqrt(surface.num_points());
-  // As firm as the observations, which have no say in it, are in everything
-  // else.
-  const double pixels = PixelsPerChartUnit(surface)[surface.num_points() / 2];
-  prior.orientation_weight = pixels * pixels;
   return prior;
 }
 
-CameraPrior DistortionPrior(const OpenCvModel& lens, const Area& area) {
-  using Lens = OpenCvModel;
-  const Eigen::VectorXd parameters = lens.Parameters();
-  const double focal_px = parameters[Lens::kFx];
-  const Eigen::Vector2d center(parameters[Lens::kCx], parameters[Lens::kCy]);
-  double radius = 0;  // of the farthest corner
+CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m) {
+  constexpr int kPerNode = NonCentralGeneric::kPerNode;
+  const BSplineSurface& surface = base.surface();
+  CameraPrior prior = DirectionsPrior(surface, kPerNode);
+  prior.mean = NonCentralGeneric(base).Parameters();
+  const int middle = surface.num_points() / 2;
+  const double chart_per_radian =
+      (1 + surface.points()[middle].squaredNorm()) / 2;
+  const std::vector<double> pixels_per_metre(
+      surface.num_points(),
+      PixelsPerChartUnit(surface)[middle] * chart_per_radian / distance_m);
+  prior.groups.push_back(
+      SmoothField(surface, {kPerNode, 2, 3}, pixels_per_metre));
+  return prior;
+}
+
+namespace {
+
+struct Coefficient {
+  int parameter;
+  int order;  // of the displacement in the radius
+};
+
+// The farthest corner's distance from the centre, in focal lengths.
+double CornerRadius(const Area& area, const Eigen::Vector2d& center,
+                    double focal_px) {
+  double radius = 0;
   for (const double x : {area.x0, area.x1})
     for (const double y : {area.y0, area.y1})
       radius =
           std::max(radius, (Eigen::Vector2d(x, y) - center).norm() / focal_px);
+  return radius;
+}
 
-  std::vector<Eigen::Triplet<double>> diagonal;
-  const auto add = [&](int parameter, int order) {
-    const double moved_px = focal_px * std::pow(radius, order);
-    diagonal.emplace_back(parameter, parameter, moved_px * moved_px);
-  };
-  for (int k = 0; k < 3; ++k) {
-    add(Lens::kK1 + k, 2 * k + 3);
-    add(Lens::kK4 + k, 2 * k + 3);
+PriorGroup CoefficientGroup(const std::vector<Coefficient>& coefficients,
+                            double focal_px, double radius,
+                            int num_parameters) {
+  PriorGroup group;
+  group.precision.resize(num_parameters, num_parameters);
+  group.rank = static_cast<int>(coefficients.size());
+  for (const Coefficient& coefficient : coefficients) {
+    const double moved_px = focal_px * std::pow(radius, coefficient.order);
+    group.precision.insert(coefficient.parameter, coefficient.parameter) =
+        moved_px * moved_px;
   }
-  add(Lens::kP1, 2);
-  add(Lens::kP2, 2);
+  return group;
+}
 
+// A Matern field over the angle, of the pixels that the factor moves by.
+PriorGroup RadialGroup(const CentralRadial& lens) {
+  const int count = static_cast<int>(lens.spline().size());
+  const double kappa = std::sqrt(8.0 * (kOrder - 1)) /
+                       (kRangePart * lens.max_angle_rad()) * lens.cell_rad();
+  std::vector<Eigen::Triplet<double>> triplets;
+  int num_rows = 0;
+  for (int order = 0; order <= kOrder; ++order) {
+    const double factor =
+        std::sqrt(Binomial(kOrder, order)) * std::pow(kappa, kOrder - order);
+    for (int first = 0; first + order < count; ++first, ++num_rows)
+      for (int k = 0; k <= order; ++k)
+        triplets.emplace_back(num_rows, first + k,
+                              factor * DifferenceFactor(order, k) *
+                                  lens.others()[CentralRadial::kFx] *
+                                  (first + k + 1) * lens.cell_rad());
+  }
+  const int num_parameters = lens.NumParameters();
+  Eigen::SparseMatrix<double> rows(num_rows, num_parameters);
+  rows.setFromTriplets(triplets.begin(), triplets.end());
+  return {rows.transpose() * rows, count, 0};
+}
+
+}  // namespace
+
+CameraPrior DistortionPrior(const ParametricModel& lens, const Area& area) {
+  const Eigen::VectorXd parameters = lens.Parameters();
+  const int num_parameters = lens.NumParameters();
   CameraPrior prior;
-  prior.mean = Eigen::VectorXd::Zero(Lens::kCount);
-  prior.precision.resize(Lens::kCount, Lens::kCount);
-  prior.precision.setFromTriplets(diagonal.begin(), diagonal.end());
-  prior.rank = static_cast<int>(diagonal.size());
-  prior.orientation = Eigen::MatrixXd::Zero(Lens::kCount, 0);
+  prior.mean = Eigen::VectorXd::Zero(num_parameters);
+  prior.orientation = Eigen::MatrixXd::Zero(num_parameters, 0);
+
+  int first = 0;  // of the parameters that act everywhere
+  std::vector<Coefficient> coefficients;
+  if (const auto* radial = dynamic_cast<const CentralRadial*>(&lens)) {
+    using Lens = CentralRadial;
+    first = static_cast<int>(radial->spline().size());
+    prior.mean.head(first) = parameters.head(first);
+    prior.groups.push_back(RadialGroup(*radial));
+    for (const int k : {Lens::kP1, Lens::kP2, Lens::kSx1, Lens::kSy1})
+      coefficients.push_back({first + k, 2});
+  } else if (dynamic_cast<const ThinPrismFisheye*>(&lens)) {
+    using Lens = ThinPrismFisheye;
+    for (int k = 0; k < 4; ++k)
+      coefficients.push_back({Lens::kK1 + k, 2 * k + 3});
+    for (const int k : {Lens::kP1, Lens::kP2, Lens::kSx1, Lens::kSy1})
+      coefficients.push_back({k, 2});
+  } else {
+    using Lens = OpenCvModel;
+    for (int k = 0; k < 3; ++k) {
+      coefficients.push_back({Lens::kK1 + k, 2 * k + 3});
+      coefficients.push_back({Lens::kK4 + k, 2 * k + 3});
+    }
+    for (const int k : {Lens::kP1, Lens::kP2}) coefficients.push_back({k, 2});
+  }
+  // All models begin with fx, fy, cx, cy.
+  const double focal_px = parameters[first];
+  const double radius =
+      CornerRadius(area, parameters.segment<2>(first + 2), focal_px);
+  prior.groups.push_back(
+      CoefficientGroup(coefficients, focal_px, radius, num_parameters));
   return prior;
 }
 

@@ -6,19 +6,30 @@
 #include <vector>
 
 #include "camera/central_generic.h"
-#include "camera/opencv.h"
+#include "camera/parametric_model.h"
 
 namespace raygrid {
+
+/// Parameters of a camera that scatter alike: K is zero for all others.
+struct PriorGroup {
+  Eigen::SparseMatrix<double> precision;  ///< K, over all parameters
+  int rank = 0;                           ///< of K
+  double weight = 0;
+
+  /// (c - c0)^T K (c - c0), without the weight.
+  double SquaredDistance(const Eigen::VectorXd& difference) const {
+    return difference.dot(precision * difference);
+  }
+};
 
 /// What is believed of a camera's parameters before the observations: that they
 /// lie around a parametric lens, with smooth differences. Costs, beside the
 /// residuals':
-///   weight / 2 (c - c0)^T K (c - c0) + orientation_weight / 2 |G^T (c - c0)|^2
+///   sum over groups of weight / 2 (c - c0)^T K (c - c0)
+///   + orientation_weight / 2 |G^T (c - c0)|^2
 struct CameraPrior {
   Eigen::VectorXd mean;
-  Eigen::SparseMatrix<double> precision;  ///< K
-  int rank = 0;                           ///< of K
-  double weight = 0;
+  std::vector<PriorGroup> groups;
 
   Eigen::MatrixXd orientation;  ///< G, three columns; may be empty
   double orientation_weight = 0;
@@ -41,11 +52,21 @@ struct GaussianPrior {
 /// camera's orientation, which no observation can see, to base's.
 CameraPrior SmoothnessPrior(const CentralGeneric& base);
 
+/// Likewise of the directions of a grid of lines, and, as a group of its own,
+/// of the lines' points around the origin: three smooth fields, in the pixels
+/// that their displacement across the line moves a point's image at distance_m.
+///
+/// Observations see neither a shift of all points together, which the poses
+/// undo, nor their drift along the lines, o(x) -> o(x) + f(x) d(x). In both,
+/// the points end where they are smallest and smoothest.
+CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m);
+
 /// Distortion coefficients around zero, each in the pixels that it moves the
 /// corner of an area by: high orders that the observations say little about
 /// stay small, where they would otherwise fold the image beyond the outermost
-/// features. Focal lengths and centre are free.
-CameraPrior DistortionPrior(const OpenCvModel& lens, const Area& area);
+/// features. Focal lengths and centre are free. A radial spline scatters
+/// smoothly around where it is, as a group of its own.
+CameraPrior DistortionPrior(const ParametricModel& lens, const Area& area);
 
 }  // namespace raygrid
 

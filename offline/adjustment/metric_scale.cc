@@ -1,6 +1,7 @@
 #include "adjustment/metric_scale.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 namespace raygrid {
@@ -19,7 +20,7 @@ struct Similarity {
 };
 
 Similarity BestSimilarity(const AlignedBoard& board,
-                          const AdjustmentState& state) {
+                          const AdjustmentState& state, bool scale_is_free) {
   const Eigen::Index count = static_cast<Eigen::Index>(board.nominal.size());
   Eigen::Matrix3Xd from(3, count), to(3, count);
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -27,7 +28,7 @@ Similarity BestSimilarity(const AlignedBoard& board,
     to.col(i) = board.nominal[i];
   }
   const Eigen::Matrix3d linear =
-      Eigen::umeyama(from, to, true).topLeftCorner<3, 3>();
+      Eigen::umeyama(from, to, scale_is_free).topLeftCorner<3, 3>();
   Similarity best;
   best.scale = std::cbrt(linear.determinant());
   best.rotation = Eigen::Quaterniond(Eigen::Matrix3d(linear / best.scale));
@@ -68,10 +69,14 @@ double CommonScale(const std::vector<Similarity>& similarities) {
 
 void AlignToNominal(const std::vector<AlignedBoard>& boards,
                     AdjustmentState* state) {
+  // Lines that do not meet in a point have a scale.
+  const bool scale_is_free =
+      std::all_of(state->cameras.begin(), state->cameras.end(),
+                  [](const auto& camera) { return camera->IsCentral(); });
   std::vector<Similarity> similarities;
   for (const AlignedBoard& board : boards)
-    similarities.push_back(BestSimilarity(board, *state));
-  if (state->cameras.size() > 1) {
+    similarities.push_back(BestSimilarity(board, *state, scale_is_free));
+  if (scale_is_free && state->cameras.size() > 1) {
     const double scale = CommonScale(similarities);
     for (Similarity& similarity : similarities) similarity.scale = scale;
     for (Pose& pose : state->camera_from_rig) pose.translation *= scale;

@@ -19,7 +19,9 @@ struct AlignedBoard {
 /// poses with them, so that no reprojection changes. With a single camera, each
 /// board has a scale of its own; the cameras of a rig tie the boards together:
 /// one scale, the boards' mean (weighted by their extent squared), which the
-/// rig's cameras follow.
+/// rig's cameras follow. With a camera that is not central, whose lines' points
+/// would have to scale too, only by the best rigid motions: there the points'
+/// prior has held the scale.
 void AlignToNominal(const std::vector<AlignedBoard>& boards,
                     AdjustmentState* state);
 

@@ -138,13 +138,15 @@ void NormalEquations::AddCameraPrior(const CameraPrior& prior, int first,
                                      const Eigen::VectorXd& parameters) {
   const Eigen::VectorXd difference = parameters - prior.mean;
   const Eigen::Index count = difference.size();
-  gradient_.segment(first, count) +=
-      prior.weight * (prior.precision * difference);
-  for (int k = 0; k < prior.precision.outerSize(); ++k)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(prior.precision, k); it;
-         ++it)
-      if (it.row() >= it.col())
-        a_(first + it.row(), first + it.col()) += prior.weight * it.value();
+  for (const PriorGroup& group : prior.groups) {
+    gradient_.segment(first, count) +=
+        group.weight * (group.precision * difference);
+    for (int k = 0; k < group.precision.outerSize(); ++k)
+      for (Eigen::SparseMatrix<double>::InnerIterator it(group.precision, k);
+           it; ++it)
+        if (it.row() >= it.col())
+          a_(first + it.row(), first + it.col()) += group.weight * it.value();
+  }
   const Eigen::MatrixXd& g = prior.orientation;
   if (g.cols() == 0) return;
   gradient_.segment(first, count) +=

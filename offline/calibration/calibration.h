@@ -19,7 +19,7 @@ using MeasureAgain = std::function<Dataset(const CameraModel&, const Pattern&,
                                            const std::vector<BoardPose>&)>;
 
 struct CalibrationOptions {
-  std::string model = "central-generic";  ///< or "opencv"
+  std::string model = "central-generic";  ///< or a parametric one
   double cell_px = 0;                     ///< 0: chosen by held-out error
   bool flat_board = false;  ///< keep the pattern's points as they are given
   std::vector<std::string> hold_out;  ///< images not to calibrate with

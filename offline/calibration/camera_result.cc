@@ -46,7 +46,8 @@ CalibrationFigures FiguresOf(const CalibrationResult& result) {
           static_cast<int>(result.features.images.size()),
           static_cast<int>(result.rejected_images.size()),
           *result.camera.training,
-          result.camera.held_out};
+          result.camera.held_out,
+          result.neighbor_correlation};
 }
 
 }  // namespace
@@ -69,11 +70,15 @@ void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
   result->converged = adjusted.summary.converged;
   result->bias_kl =
       ComputeBias(result->training, result->camera.camera->area());
+  if (!result->camera.camera->IsCentral())
+    result->line_spread = MeasureLineSpread(*result->camera.camera);
 }
 
 void JudgeResult(CalibrationResult* result) {
   if (!result->held_out.empty())
     result->camera.held_out = ComputeErrorFigures(result->held_out);
+  result->neighbor_correlation = NeighborCorrelation(
+      result->held_out.empty() ? result->training : result->held_out);
   result->verdict = JudgeCalibration(FiguresOf(*result));
 }
 

@@ -7,6 +7,7 @@
 
 #include "calibration/starting_camera.h"
 #include "calibration/stopwatch.h"
+#include "camera/model_fitting.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
 
@@ -33,7 +34,7 @@ Dataset MeasureFeaturesAgain(const Dataset& dataset, const Pattern& pattern,
                              const AdjustmentOptions& adjustment,
                              Adjusted first) {
   constexpr size_t kMediumCandidate = 2;
-  const std::vector<double> cells = CellCandidates(dataset);
+  const std::vector<double> cells = CellCandidates(dataset, options.model);
   const double cell_px =
       options.cell_px > 0 ? options.cell_px
                           : cells[std::min(kMediumCandidate, cells.size() - 1)];
@@ -77,10 +78,12 @@ void ValidateResolutions(const Pattern& pattern,
 }  // namespace
 
 void RequireKnownModel(const std::string& model) {
-  if (model != "central-generic" && model != "opencv")
+  if (model != "central-generic" && model != "noncentral-generic" &&
+      !IsParametricModel(model))
     throw Error(ExitCode::kUsage,
                 fmt::format("unknown model '{}'; this version calibrates "
-                            "central-generic and opencv",
+                            "central-generic, noncentral-generic, "
+                            "central-radial, thin-prism-fisheye and opencv",
                             model));
 }
 
@@ -119,11 +122,11 @@ CameraStart StartCamera(const Dataset& measured, const Pattern& pattern,
   }
   result.rejected_images = start.adjusted.rejected_images;
 
-  const bool is_grid = options.model != "opencv";
+  const bool is_grid = !IsParametricModel(options.model);
   const bool choose_cell = is_grid && options.cell_px <= 0;
-  const std::vector<double> cells = choose_cell
-                                        ? CellCandidates(start.split.training)
-                                        : std::vector<double>{options.cell_px};
+  const std::vector<double> cells =
+      choose_cell ? CellCandidates(start.split.training, options.model)
+                  : std::vector<double>{options.cell_px};
   result.cell_px = is_grid ? cells.front() : 0;
   const Stopwatch validation_time;
   report("cross-validation", 0.1);

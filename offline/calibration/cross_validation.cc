@@ -8,7 +8,7 @@
 #include "calibration/camera_evaluation.h"
 #include "calibration/model_adjustment.h"
 #include "calibration/starting_camera.h"
-#include "camera/central_generic.h"
+#include "camera/noncentral_generic.h"
 #include "dataset/parallel_for.h"
 
 namespace raygrid {
@@ -44,7 +44,10 @@ int NumFoldsToTry(const Dataset& dataset) {
   return dataset.images.size() <= 40 ? kFolds : 1;
 }
 
-std::vector<double> CellCandidates(const Dataset& dataset) {
+std::vector<double> CellCandidates(const Dataset& dataset,
+                                   const std::string& model) {
+  const int per_node =
+      model == "noncentral-generic" ? NonCentralGeneric::kPerNode : 2;
   const double longer =
       std::max(dataset.image_size.width, dataset.image_size.height);
   const double shorter =
@@ -52,7 +55,7 @@ std::vector<double> CellCandidates(const Dataset& dataset) {
   std::vector<double> candidates;
   for (const int cells : {4, 8, 16, 24}) {
     const double cell_px = longer / cells;
-    const int parameters = 2 * NumControlPoints(longer, cell_px) *
+    const int parameters = per_node * NumControlPoints(longer, cell_px) *
                            NumControlPoints(shorter, cell_px);
     if (candidates.empty() ||
         (parameters < kMaxGridParameters &&

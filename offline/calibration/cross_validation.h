@@ -25,7 +25,8 @@ int NumFoldsToTry(const Dataset& dataset);
 
 /// Cells as parts of the longer side: coarse enough for a handful of images,
 /// and as fine as is quick.
-std::vector<double> CellCandidates(const Dataset& dataset);
+std::vector<double> CellCandidates(const Dataset& dataset,
+                                   const std::string& model);
 
 struct ValidationOptions {
   std::string model;

@@ -1,12 +1,12 @@
 #include "calibration/model_adjustment.h"
 
-#include <algorithm>
 #include <memory>
 #include <set>
 
 #include "adjustment/metric_scale.h"
-#include "camera/central_generic.h"
-#include "camera/opencv.h"
+#include "camera/model_fitting.h"
+#include "camera/noncentral_generic.h"
+#include "evaluation/line_spread.h"
 #include "evaluation/residual_statistics.h"
 
 namespace raygrid {
@@ -34,23 +34,11 @@ AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
 
 using Lenses = std::vector<std::unique_ptr<CameraModel>>;
 
-// Grid cameras, each around a parametric lens.
-AdjustmentSummary AdjustGrids(const CalibrationProblem& problem,
-                              const Lenses& lenses,
-                              const std::vector<double>& cells_px,
-                              const AdjustmentOptions& options,
-                              GaussianPrior* prior, AdjustmentState* state) {
-  *prior = {};
-  for (size_t c = 0; c < lenses.size(); ++c) {
-    const Area area = FeatureArea(problem, static_cast<int>(c));
-    const CentralGeneric base = FitCentralGeneric(
-        *lenses[c], area, NumControlPoints(area.width(), cells_px[c]),
-        NumControlPoints(area.height(), cells_px[c]));
-    prior->cameras.push_back(SmoothnessPrior(base));
-    state->cameras[c] = base.Clone();
-  }
-  return AdjustInTwoSteps(problem, options, prior, state);
-}
+// The parametric cameras that an adjustment starts from, and their cells.
+struct Starts {
+  const Lenses& lenses;
+  const std::vector<double>& cells_px;
+};
 
 // Parametric cameras from where the state is.
 AdjustmentSummary AdjustLenses(const CalibrationProblem& problem,
@@ -58,10 +46,120 @@ AdjustmentSummary AdjustLenses(const CalibrationProblem& problem,
                                GaussianPrior* prior, AdjustmentState* state) {
   *prior = {};
   for (size_t c = 0; c < state->cameras.size(); ++c)
-    prior->cameras.push_back(
-        DistortionPrior(dynamic_cast<const OpenCvModel&>(*state->cameras[c]),
-                        FeatureArea(problem, static_cast<int>(c))));
+    prior->cameras.push_back(DistortionPrior(
+        dynamic_cast<const ParametricModel&>(*state->cameras[c]),
+        FeatureArea(problem, static_cast<int>(c))));
   return AdjustInTwoSteps(problem, options, prior, state);
+}
+
+// Parametric cameras of a model.
+AdjustmentSummary AdjustLenses(const std::string& model,
+                               const CalibrationProblem& problem,
+                               const Lenses& lenses,
+                               const AdjustmentOptions& options,
+                               GaussianPrior* prior, AdjustmentState* state) {
+  for (size_t c = 0; c < lenses.size(); ++c) {
+    state->cameras[c] = lenses[c]->Clone();
+    if (lenses[c]->Name() != model)
+      state->cameras[c] =
+          FitParametricModel(model, *lenses[c],
+                             FeatureArea(problem, static_cast<int>(c)), false)
+              .model;
+  }
+  return AdjustLenses(problem, options, prior, state);
+}
+
+CentralGeneric AsGrid(const CalibrationProblem& problem, size_t camera,
+                      const Starts& starts) {
+  const Area area = FeatureArea(problem, static_cast<int>(camera));
+  const double cell_px = starts.cells_px[camera];
+  return FitCentralGeneric(*starts.lenses[camera], area,
+                           NumControlPoints(area.width(), cell_px),
+                           NumControlPoints(area.height(), cell_px));
+}
+
+// Grid cameras, each around a parametric lens.
+AdjustmentSummary AdjustGrids(const CalibrationProblem& problem,
+                              const Starts& starts,
+                              const AdjustmentOptions& options,
+                              GaussianPrior* prior, AdjustmentState* state) {
+  *prior = {};
+  for (size_t c = 0; c < starts.lenses.size(); ++c) {
+    const CentralGeneric base = AsGrid(problem, c, starts);
+    prior->cameras.push_back(SmoothnessPrior(base));
+    state->cameras[c] = base.Clone();
+  }
+  return AdjustInTwoSteps(problem, options, prior, state);
+}
+
+// Of the points that a camera sees, in front of it.
+double MeanDistance(const CalibrationProblem& problem, size_t camera,
+                    const AdjustmentState& state) {
+  double sum = 0;
+  int count = 0;
+  for (const View& view : problem.views) {
+    if (view.camera != static_cast<int>(camera)) continue;
+    const Pose pose = state.CameraFromPattern(view);
+    for (const Observation& observation : view.observations) {
+      sum += (pose * state.points[observation.point]).norm();
+      ++count;
+    }
+  }
+  return sum / count;
+}
+
+// Lines, which start from adjusted central grids. Their points stay where they
+// are nominally: free, they would take on what is not central.
+AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
+                              const Starts& starts,
+                              const AdjustmentOptions& options,
+                              GaussianPrior* prior, AdjustmentState* state) {
+  AdjustGrids(problem, starts, WithFixedPoints(options), prior, state);
+  *prior = {};
+  for (size_t c = 0; c < starts.lenses.size(); ++c) {
+    prior->cameras.push_back(NonCentralPrior(AsGrid(problem, c, starts),
+                                             MeanDistance(problem, c, *state)));
+    state->cameras[c] = NonCentralGeneric(dynamic_cast<const CentralGeneric&>(
+                                              *state->cameras[c]))
+                            .Clone();
+  }
+  return AdjustInTwoSteps(problem, options, prior, state);
+}
+
+AdjustmentSummary Adjust(const std::string& model,
+                         const CalibrationProblem& problem,
+                         const Starts& starts, const AdjustmentOptions& options,
+                         GaussianPrior* prior, AdjustmentState* state) {
+  if (IsParametricModel(model))
+    return AdjustLenses(model, problem, starts.lenses, options, prior, state);
+  if (model == "noncentral-generic")
+    return AdjustLines(problem, starts, options, prior, state);
+  return AdjustGrids(problem, starts, options, prior, state);
+}
+
+// The first camera's frame is the rig's.
+void MoveRigToFirstCamera(AdjustmentState* state) {
+  const Pose first_from_rig = state->camera_from_rig.front();
+  const Pose rig_from_first = first_from_rig.Inverse();
+  for (Pose& pose : state->camera_from_rig) pose = pose * rig_from_first;
+  state->camera_from_rig.front() = {};
+  for (Pose& pose : state->rig_from_pattern) pose = first_from_rig * pose;
+}
+
+// The frame of a camera whose lines do not meet has its origin at the point
+// nearest to all of them; observations cannot tell.
+void CenterLines(AdjustmentState* state) {
+  bool have_moved = false;
+  for (size_t c = 0; c < state->cameras.size(); ++c) {
+    const auto* camera =
+        dynamic_cast<const NonCentralGeneric*>(state->cameras[c].get());
+    if (!camera) continue;
+    const Eigen::Vector3d origin = MeasureLineSpread(*camera).nearest_point;
+    state->cameras[c] = camera->WithOrigin(origin).Clone();
+    state->camera_from_rig[c].translation -= origin;
+    have_moved = true;
+  }
+  if (have_moved) MoveRigToFirstCamera(state);
 }
 
 // Of each camera: the third quartile of the residuals + 6 interquartile ranges
@@ -130,27 +228,26 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
                  const AdjustmentOptions& options, Adjusted* adjusted) {
   const Lenses lenses = CopyCameras(adjusted->state);
   const auto adjust = [&] {
-    adjusted->summary =
-        model == "opencv"
-            ? AdjustLenses(adjusted->problem, options, &adjusted->prior,
-                           &adjusted->state)
-            : AdjustGrids(adjusted->problem, lenses, cells_px, options,
-                          &adjusted->prior, &adjusted->state);
+    adjusted->summary = Adjust(model, adjusted->problem, {lenses, cells_px},
+                               options, &adjusted->prior, &adjusted->state);
   };
   adjust();
-  adjusted->rejected_features =
+  const auto removed =
       RemoveOutliers(pattern, adjusted->summary.residuals, &adjusted->problem);
-  if (std::any_of(adjusted->rejected_features.begin(),
-                  adjusted->rejected_features.end(),
-                  [](const auto& removed) { return !removed.empty(); }))
-    adjust();
+  bool have_removed = false;
+  for (size_t c = 0; c < removed.size(); ++c) {
+    auto& rejected = adjusted->rejected_features[c];
+    rejected.insert(rejected.end(), removed[c].begin(), removed[c].end());
+    have_removed = have_removed || !removed[c].empty();
+  }
+  if (have_removed) adjust();
   for (size_t c = 0; c < lenses.size(); ++c) {
     std::unique_ptr<CameraModel>& camera = adjusted->state.cameras[c];
-    if (const auto* lens = dynamic_cast<const OpenCvModel*>(camera.get()))
+    if (const auto* lens = dynamic_cast<const ParametricModel*>(camera.get()))
       camera =
-          lens->WithArea(FeatureArea(adjusted->problem, static_cast<int>(c)))
-              .Clone();
+          lens->OverArea(FeatureArea(adjusted->problem, static_cast<int>(c)));
   }
+  CenterLines(&adjusted->state);
 }
 
 void AlignBoards(const Pattern& pattern, Adjusted* adjusted) {

@@ -289,8 +289,10 @@ Adjusted StartRig(const std::vector<std::string>& names,
   Joined joined = Join(cameras);
   RequireConnected(names, joined.problem);
   Adjusted rig;
-  for (const Adjusted& camera : cameras)
+  for (const Adjusted& camera : cameras) {
     rig.state.cameras.push_back(camera.state.camera().Clone());
+    rig.rejected_features.push_back(camera.rejected_features.front());
+  }
   rig.state.points = joined.problem.nominal;
   rig.state.camera_from_rig =
       PlaceCameras(names, joined, rig.state, options.num_threads);

@@ -2,111 +2,206 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "dataset/error.h"
+#include "evaluation/residual_statistics.h"
 #include "initialization/parametric_start.h"
+#include "initialization/radial_start.h"
 
 namespace raygrid {
 namespace {
 
 constexpr int kMinImages = 3;
-constexpr double kMaxStartErrorPart = 0.05;  // of the image's width
+// A view whose median error is a larger part of the image's width has not been
+// localised.
+constexpr double kMaxMedianPart = 0.02;
 
-double RmsOf(const std::vector<Residual>& residuals) {
-  double sum = 0;
-  int count = 0;
-  for (const Residual& residual : residuals) {
-    if (!residual.valid) continue;
-    sum += residual.error_px.squaredNorm();
-    ++count;
-  }
-  return count > 0 ? std::sqrt(sum / count) : INFINITY;
+double MedianError(const AdjustmentState& state, const View& view,
+                   const Pose& pose) {
+  AdjustmentState alone = state;
+  alone.rig_from_pattern = {pose};
+  View only = view;
+  only.pose = 0;
+  std::vector<double> norms;
+  for (const Residual& residual : ComputeResiduals(alone, {only}, 1))
+    norms.push_back(residual.valid ? residual.error_px.norm() : INFINITY);
+  return Quantile(norms, 0.5);
 }
 
-// Poses of all views with the starting camera; views without one are removed.
-AdjustmentState StartingState(const CameraModel& start, int num_threads,
-                              CalibrationProblem* problem,
-                              std::vector<RejectedImage>* rejected) {
-  AdjustmentState state;
-  state.SetCamera(start);
-  state.points = problem->nominal;
+// All views that a lens can localise, with their poses; the others are left
+// out.
+Adjusted Localized(const CameraModel& lens, const Adjusted& all,
+                   int num_threads) {
+  Adjusted localized = all;
+  CalibrationProblem& problem = localized.problem;
+  AdjustmentState& state = localized.state;
+  state.SetCamera(lens);
+  state.points = problem.nominal;
   const std::vector<std::optional<Pose>> poses =
-      LocalizeViews(start, 0, *problem, num_threads);
+      LocalizeViews(lens, 0, problem, num_threads);
   std::vector<Pose> kept;
   std::vector<bool> remove(poses.size(), true);
   for (size_t v = 0; v < poses.size(); ++v) {
-    if (poses[v]) {
-      AdjustmentState alone = state;
-      alone.rig_from_pattern = {*poses[v]};
-      View view = problem->views[v];
-      view.pose = 0;
-      remove[v] = !(RmsOf(ComputeResiduals(alone, {view}, 1)) <
-                    kMaxStartErrorPart * problem->image_sizes[0].width);
-    }
+    remove[v] = !poses[v] || !(MedianError(state, problem.views[v], *poses[v]) <
+                               kMaxMedianPart * problem.image_sizes[0].width);
     if (remove[v])
-      rejected->push_back(
-          {problem->images[v], "no pose explains its features"});
+      localized.rejected_images.push_back(
+          {problem.images[v], "no pose explains its features"});
     else
       kept.push_back(*poses[v]);
   }
-  RemoveViews(remove, problem);
+  RemoveViews(remove, &problem);
   // In the order of the views, each of which has its own.
   state.rig_from_pattern = kept;
-  return state;
+  return localized;
 }
 
-// A lens beyond the parametric model shows in features that it gives no
-// direction to, or whose points it does not project.
-constexpr double kMaxUnexplainedPart = 0.05;
-void RequireParametricLens(const Adjusted& adjusted) {
-  size_t index = 0, unexplained = 0;
-  for (const View& view : adjusted.problem.views)
-    for (const Observation& observation : view.observations)
-      unexplained += !adjusted.summary.residuals[index++].valid ||
-                     !adjusted.state.camera().Unproject(observation.pixel);
-  if (static_cast<double>(unexplained) >
-      kMaxUnexplainedPart * static_cast<double>(index))
+int NumImages(const CalibrationProblem& problem) {
+  return static_cast<int>(
+      std::set<std::string>(problem.images.begin(), problem.images.end())
+          .size());
+}
+
+// Features that are nowhere near where their views have them leave the problem:
+// in a narrow field of view, few of them bend the lens, even under Huber's
+// loss. The rule of the paper's supplement, far more lenient, since the lens is
+// rough.
+void RemoveGrossOutliers(const Pattern& pattern, int num_threads,
+                         Adjusted* adjusted) {
+  constexpr double kRanges = 30;
+  CalibrationProblem& problem = adjusted->problem;
+  const std::vector<Residual> residuals =
+      ComputeResiduals(adjusted->state, problem.views, num_threads);
+  std::vector<double> norms;
+  for (const Residual& residual : residuals)
+    if (residual.valid) norms.push_back(residual.error_px.norm());
+  const double q1 = Quantile(norms, 0.25), q3 = Quantile(norms, 0.75);
+  const double limit_px = q3 + kRanges * (q3 - q1);
+  size_t index = 0;
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    std::vector<Observation> kept;
+    for (const Observation& observation : problem.views[v].observations) {
+      const Residual& residual = residuals[index++];
+      if (!residual.valid || residual.error_px.norm() <= limit_px) {
+        kept.push_back(observation);
+        continue;
+      }
+      const Feature feature =
+          problem.FeatureOf(pattern, static_cast<int>(v), observation);
+      adjusted->rejected_features[0].push_back(
+          {problem.images[v], feature.board, feature.column, feature.row,
+           observation.pixel, residual.error_px});
+    }
+    problem.views[v].observations = std::move(kept);
+  }
+}
+
+// Twice: a better lens localises more views, and those it has better.
+std::optional<Adjusted> AdjustFrom(const CameraModel& start,
+                                   const Pattern& pattern, const Adjusted& all,
+                                   const AdjustmentOptions& options) {
+  constexpr int kRounds = 2;
+  std::optional<Adjusted> adjusted;
+  for (int round = 0; round < kRounds; ++round) {
+    const std::unique_ptr<CameraModel> lens =
+        adjusted ? adjusted->state.camera().Clone() : start.Clone();
+    adjusted = Localized(*lens, all, options.num_threads);
+    if (NumImages(adjusted->problem) < kMinImages) return std::nullopt;
+    RemoveGrossOutliers(pattern, options.num_threads, &*adjusted);
+    adjusted->summary =
+        AdjustParametric(adjusted->problem, options, &adjusted->state);
+  }
+  return adjusted;
+}
+
+// The part of all features that a lens leaves unexplained: its views cannot be
+// localised, it does not project their points, or gives them no direction.
+struct Misfit {
+  double unexplained_part = 0;
+  double mean_px = 0;  ///< over all features, each no more than kCapPx
+};
+
+Misfit MisfitOf(const Adjusted& adjusted, size_t num_features) {
+  constexpr double kCapPx = 5;
+  size_t index = 0, explained = 0;
+  double sum = 0;
+  for (const View& view : adjusted.problem.views) {
+    for (const Observation& observation : view.observations) {
+      const Residual& residual = adjusted.summary.residuals[index++];
+      if (!residual.valid ||
+          !adjusted.state.camera().Unproject(observation.pixel))
+        continue;
+      ++explained;
+      sum += std::min(residual.error_px.norm(), kCapPx);
+    }
+  }
+  const auto count = static_cast<double>(num_features);
+  const double unexplained = count - static_cast<double>(explained);
+  return {unexplained / count, (sum + kCapPx * unexplained) / count};
+}
+
+size_t NumFeatures(const CalibrationProblem& problem) {
+  size_t count = 0;
+  for (const View& view : problem.views) count += view.observations.size();
+  return count;
+}
+
+// Two starts: one for pinholes, one for lenses of any field of view.
+std::vector<std::unique_ptr<CameraModel>> Starts(const Dataset& dataset,
+                                                 const Pattern& pattern) {
+  std::vector<std::unique_ptr<CameraModel>> starts;
+  if (const auto radial = StartFromRadialLines(dataset, pattern))
+    starts.push_back(radial->Clone());
+  if (const auto pinhole = StartFromPlanarBoards(dataset, pattern))
+    starts.push_back(pinhole->Clone());
+  return starts;
+}
+
+void RequireImages(const CalibrationProblem& problem) {
+  if (NumImages(problem) < kMinImages)
     throw Error(
-        ExitCode::kInitialization,
-        fmt::format("the starting lens explains only {} of {} features; this "
-                    "version starts from pinhole-like lenses, up to about 120 "
-                    "degrees of view",
-                    index - unexplained, index));
+        ExitCode::kTooFew,
+        fmt::format("only {} images with {} features or more of one "
+                    "board; at least {} are needed, {} are better",
+                    NumImages(problem), kMinViewFeatures, kMinImages, 20));
 }
 
 }  // namespace
 
 Adjusted AdjustStart(const Dataset& dataset, const Pattern& pattern,
                      const AdjustmentOptions& options) {
-  Adjusted adjusted;
-  adjusted.problem =
-      BuildProblem({dataset}, pattern, &adjusted.rejected_images);
-  const auto require_images = [&adjusted] {
-    const std::set<std::string> images(adjusted.problem.images.begin(),
-                                       adjusted.problem.images.end());
-    if (static_cast<int>(images.size()) < kMinImages)
-      throw Error(ExitCode::kTooFew,
-                  fmt::format("only {} images with {} features or more of one "
-                              "board; at least {} are needed, {} are better",
-                              images.size(), kMinViewFeatures, kMinImages, 20));
-  };
-  require_images();
-  const auto start = StartFromPlanarBoards(dataset, pattern);
-  if (!start)
+  constexpr double kMaxUnexplainedPart = 0.25;
+  Adjusted all;
+  all.problem = BuildProblem({dataset}, pattern, &all.rejected_images);
+  all.rejected_features.resize(1);  // of one camera
+  RequireImages(all.problem);
+  const size_t num_features = NumFeatures(all.problem);
+  AdjustmentOptions fixed_points = options;
+  fixed_points.fix_points = true;
+  std::optional<Adjusted> best;
+  Misfit least;
+  for (const auto& start : Starts(dataset, pattern)) {
+    const auto adjusted = AdjustFrom(*start, pattern, all, fixed_points);
+    if (!adjusted) continue;
+    const Misfit misfit = MisfitOf(*adjusted, num_features);
+    if (best && misfit.mean_px >= least.mean_px) continue;
+    best = adjusted;
+    least = misfit;
+  }
+  if (!best)
     throw Error(ExitCode::kInitialization,
                 "no starting camera fits these features; check the pattern's "
                 "columns and rows, and take tilted views of it");
-  adjusted.state = StartingState(*start, options.num_threads, &adjusted.problem,
-                                 &adjusted.rejected_images);
-  require_images();
-  AdjustmentOptions fixed_points = options;
-  fixed_points.fix_points = true;
-  adjusted.summary =
-      AdjustParametric(adjusted.problem, fixed_points, &adjusted.state);
-  RequireParametricLens(adjusted);
-  return adjusted;
+  if (least.unexplained_part > kMaxUnexplainedPart)
+    throw Error(ExitCode::kInitialization,
+                fmt::format("the starting lens explains only {:.0f} % of {} "
+                            "features; check the pattern, and take more views, "
+                            "tilted and all over the image",
+                            100 * (1 - least.unexplained_part), num_features));
+  return *best;
 }
 
 }  // namespace raygrid

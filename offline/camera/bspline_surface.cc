@@ -105,6 +105,17 @@ BSplineSurface::BSplineSurface(const Area& area, int columns, int rows)
   assert(columns >= 4 && rows >= 4);
 }
 
+std::vector<Eigen::Vector2d> BSplineSurface::SamplePixels(int per_cell) const {
+  std::vector<Eigen::Vector2d> pixels;
+  const int num_x = (columns_ - 3) * per_cell;
+  const int num_y = (rows_ - 3) * per_cell;
+  for (int j = 0; j <= num_y; ++j)
+    for (int i = 0; i <= num_x; ++i)
+      pixels.emplace_back(area_.x0 + area_.width() * i / num_x,
+                          area_.y0 + area_.height() * j / num_y);
+  return pixels;
+}
+
 SplineSupport BSplineSurface::Support(const Eigen::Vector2d& pixel) const {
   const CellPosition x =
       Locate(pixel.x(), area_.x0, cell_width(), columns_ - 3);

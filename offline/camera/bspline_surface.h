@@ -36,6 +36,16 @@ class BSplineSurface {
   const std::vector<Eigen::Vector2d>& points() const { return points_; }
   std::vector<Eigen::Vector2d>& points() { return points_; }
 
+  /// Where a control point lies in the image; the outermost ring outside the
+  /// area.
+  Eigen::Vector2d PixelOf(int index) const {
+    return {area_.x0 + (index % columns_ - 1) * cell_width(),
+            area_.y0 + (index / columns_ - 1) * cell_height()};
+  }
+
+  /// Pixels at equal distances, per_cell^2 in each cell, up to the edges.
+  std::vector<Eigen::Vector2d> SamplePixels(int per_cell) const;
+
   /// Beyond the area, the border cell's polynomial goes on.
   SplineSupport Support(const Eigen::Vector2d& pixel) const;
 

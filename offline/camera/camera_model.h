@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "camera/area.h"
+#include "camera/observation_line.h"
 
 namespace raygrid {
 
@@ -32,8 +33,8 @@ struct LinearizedProjection {
   Eigen::Matrix<double, 2, kMaxGlobal> by_global;
 };
 
-/// A central camera: every calibrated pixel looks along one direction, from the
-/// origin. Camera axes are x right, y down, z forward.
+/// Every calibrated pixel looks along one line. In a central camera all lines
+/// start at the origin. Camera axes are x right, y down, z forward.
 ///
 /// Outside its calibrated area a camera answers "nothing", never a guess.
 class CameraModel {
@@ -51,9 +52,19 @@ class CameraModel {
   virtual std::optional<Eigen::Vector3d> Unproject(
       const Eigen::Vector2d& pixel) const = 0;
 
-  /// Where a point, or a direction of any length, is seen; nothing if that is
-  /// not within the area widened by margin_px. A start, near the result, saves
-  /// time.
+  virtual bool IsCentral() const { return true; }
+
+  /// The line along which a pixel of the area looks.
+  virtual std::optional<ObservationLine> Line(
+      const Eigen::Vector2d& pixel) const {
+    const std::optional<Eigen::Vector3d> direction = Unproject(pixel);
+    if (!direction) return std::nullopt;
+    return ObservationLine{Eigen::Vector3d::Zero(), *direction};
+  }
+
+  /// Where a point, or a central camera's direction of any length, is seen;
+  /// nothing if that is not within the area widened by margin_px. A
+  /// start, near the result, saves time.
   virtual std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point,
                                                  const Eigen::Vector2d* start,
                                                  double margin_px) const = 0;

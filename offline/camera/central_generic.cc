@@ -2,60 +2,12 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 
+#include "camera/pixel_search.h"
 #include "camera/stereographic.h"
 
 namespace raygrid {
 namespace {
-
-constexpr int kMaxIterations = 50;
-constexpr double kConvergedPx = 1e-9;
-constexpr double kAcceptedPx = 1e-6;
-
-// A solution of s(x) = target, and the surface's derivative there.
-struct SurfaceSolution {
-  Eigen::Vector2d pixel;
-  Eigen::Matrix2d derivative;
-};
-
-Eigen::Vector2d Clamp(const Eigen::Vector2d& pixel, const Area& area,
-                      double margin_px) {
-  return {std::clamp(pixel.x(), area.x0 - margin_px, area.x1 + margin_px),
-          std::clamp(pixel.y(), area.y0 - margin_px, area.y1 + margin_px)};
-}
-
-// Newton's method with step halving, within the area (paper, "Projection").
-std::optional<SurfaceSolution> SolveFrom(const BSplineSurface& surface,
-                                         const Eigen::Vector2d& target,
-                                         const Eigen::Vector2d& start,
-                                         double margin_px) {
-  SurfaceSolution at;
-  at.pixel = Clamp(start, surface.area(), margin_px);
-  Eigen::Vector2d error = target - surface.Evaluate(at.pixel, &at.derivative);
-  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    const double determinant = at.derivative.determinant();
-    if (!(std::abs(determinant) > 1e-30)) return std::nullopt;
-    const Eigen::Vector2d newton = at.derivative.inverse() * error;
-    if (newton.norm() < kConvergedPx) return at;
-
-    bool improved = false;
-    for (double length = 1; length > 1e-3 && !improved; length /= 2) {
-      SurfaceSolution next;
-      next.pixel = Clamp(at.pixel + length * newton, surface.area(), margin_px);
-      const Eigen::Vector2d next_error =
-          target - surface.Evaluate(next.pixel, &next.derivative);
-      if (next_error.squaredNorm() >= error.squaredNorm()) continue;
-      improved = true;
-      at = next;
-      error = next_error;
-    }
-    // No decrease: converged as far as rounding allows, or stuck at the edge.
-    if (!improved)
-      return newton.norm() < kAcceptedPx ? std::optional(at) : std::nullopt;
-  }
-  return std::nullopt;
-}
 
 // The control point nearest to the target, as a start where Newton's method
 // from the centre went astray.
@@ -66,23 +18,24 @@ Eigen::Vector2d NearestControlPoint(const BSplineSurface& surface,
       points.begin(), points.end(), [&target](const auto& a, const auto& b) {
         return (a - target).squaredNorm() < (b - target).squaredNorm();
       });
-  const int index = static_cast<int>(nearest - points.begin());
-  return {surface.area().x0 +
-              (index % surface.columns() - 1) * surface.cell_width(),
-          surface.area().y0 +
-              (index / surface.columns() - 1) * surface.cell_height()};
+  return surface.PixelOf(static_cast<int>(nearest - points.begin()));
 }
 
-std::optional<SurfaceSolution> Solve(const BSplineSurface& surface,
-                                     const Eigen::Vector2d& target,
-                                     const Eigen::Vector2d* start,
-                                     double margin_px) {
+std::optional<PixelSolution> Solve(const BSplineSurface& surface,
+                                   const Eigen::Vector2d& target,
+                                   const Eigen::Vector2d* start,
+                                   double margin_px) {
   if (!target.allFinite()) return std::nullopt;
-  std::optional<SurfaceSolution> solution = SolveFrom(
-      surface, target, start ? *start : surface.area().center(), margin_px);
+  const auto error = [&](const Eigen::Vector2d& pixel,
+                         Eigen::Matrix2d* derivative) -> Eigen::Vector2d {
+    return target - surface.Evaluate(pixel, derivative);
+  };
+  const Area& area = surface.area();
+  std::optional<PixelSolution> solution =
+      FindPixel(area, start ? *start : area.center(), margin_px, error);
   if (!solution)
-    solution = SolveFrom(surface, target, NearestControlPoint(surface, target),
-                         margin_px);
+    solution =
+        FindPixel(area, NearestControlPoint(surface, target), margin_px, error);
   return solution;
 }
 
@@ -140,16 +93,11 @@ void CentralGeneric::SetParameters(const Eigen::VectorXd& parameters) {
 
 CentralGeneric FitCentralGeneric(const CameraModel& model, const Area& area,
                                  int columns, int rows, int samples_per_cell) {
+  const BSplineSurface grid(area, columns, rows);
   std::vector<SurfaceSample> samples;
-  const int num_x = (columns - 3) * samples_per_cell;
-  const int num_y = (rows - 3) * samples_per_cell;
-  for (int j = 0; j <= num_y; ++j) {
-    for (int i = 0; i <= num_x; ++i) {
-      const Eigen::Vector2d pixel(area.x0 + area.width() * i / num_x,
-                                  area.y0 + area.height() * j / num_y);
-      const auto direction = model.Unproject(pixel);
-      if (direction) samples.push_back({pixel, ToChart(*direction)});
-    }
+  for (const Eigen::Vector2d& pixel : grid.SamplePixels(samples_per_cell)) {
+    const auto direction = model.Unproject(pixel);
+    if (direction) samples.push_back({pixel, ToChart(*direction)});
   }
   return CentralGeneric(model.image_size(),
                         FitSurface(area, columns, rows, samples));

@@ -75,16 +75,15 @@ std::optional<Eigen::Vector2d> Undistort(const Eigen::Vector2d& pixel,
 
 }  // namespace
 
-const std::array<const char*, OpenCvModel::kCount>&
-OpenCvModel::ParameterNames() {
-  static const std::array<const char*, kCount> names = {
+const std::vector<std::string>& OpenCvModel::ParameterNames() const {
+  static const std::vector<std::string> names = {
       "fx", "fy", "cx", "cy", "k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"};
   return names;
 }
 
 OpenCvModel::OpenCvModel(const ImageSize& image_size, const Area& area,
                          const ParameterArray& parameters)
-    : CameraModel(image_size, area),
+    : ParametricModel(image_size, area),
       parameters_(parameters),
       max_radius_(FindMaxRadius(parameters)) {}
 

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "camera/camera_model.h"
+#include "camera/parametric_model.h"
 
 namespace raygrid {
 
@@ -14,11 +14,10 @@ namespace raygrid {
 ///   y' = y g + p1 (r^2 + 2 y^2) + 2 p2 x y
 ///   pixel = (fx x' + cx, fy y' + cy)
 /// valid for z > 0 and radii up to the first at which r g stops to grow.
-class OpenCvModel : public CameraModel {
+class OpenCvModel : public ParametricModel {
  public:
   enum { kFx, kFy, kCx, kCy, kK1, kK2, kK3, kK4, kK5, kK6, kP1, kP2, kCount };
   using ParameterArray = std::array<double, kCount>;
-  static const std::array<const char*, kCount>& ParameterNames();
 
   OpenCvModel(const ImageSize& image_size, const Area& area,
               const ParameterArray& parameters);
@@ -41,8 +40,12 @@ class OpenCvModel : public CameraModel {
   Eigen::VectorXd Parameters() const override;
   void SetParameters(const Eigen::VectorXd& parameters) override;
 
-  /// The same parameters over another area.
+  const std::vector<std::string>& ParameterNames() const override;
+
   OpenCvModel WithArea(const Area& area) const;
+  std::unique_ptr<ParametricModel> OverArea(const Area& area) const override {
+    return std::make_unique<OpenCvModel>(WithArea(area));
+  }
 
  private:
   ParameterArray parameters_;

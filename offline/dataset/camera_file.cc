@@ -3,20 +3,25 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "camera/central_generic.h"
+#include "camera/central_radial.h"
+#include "camera/noncentral_generic.h"
 #include "camera/opencv.h"
+#include "camera/thin_prism_fisheye.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 
 namespace raygrid {
 namespace {
 
-std::shared_ptr<CameraModel> ParseCentralGeneric(const YAML::Node& root,
-                                                 const ImageSize& size,
-                                                 const Area& area) {
+// A surface of directions; of what else each control point has,
+// numbers_per_point in all, others gets the rest.
+BSplineSurface ParseGrid(const YAML::Node& root, const Area& area,
+                         size_t numbers_per_point,
+                         std::vector<std::vector<double>>* others) {
   const YAML::Node grid = root["grid"];
   const int columns = grid["columns"].as<int>();
   const int rows = grid["rows"].as<int>();
@@ -32,24 +37,79 @@ std::shared_ptr<CameraModel> ParseCentralGeneric(const YAML::Node& root,
   int index = 0;
   for (const YAML::Node& point : points) {
     const auto value = point.as<std::vector<double>>();
-    if (value.size() != 2 || !std::isfinite(value[0] + value[1]))
-      throw InputError("control_points: not a pair of finite numbers");
+    if (value.size() != numbers_per_point ||
+        !std::all_of(value.begin(), value.end(),
+                     [](double number) { return std::isfinite(number); }))
+      throw InputError(fmt::format("control_points: not {} finite numbers each",
+                                   numbers_per_point));
     surface.points()[index++] = {value[0], value[1]};
+    others->emplace_back(value.begin() + 2, value.end());
   }
-  return std::make_shared<CentralGeneric>(size, std::move(surface));
+  return surface;
 }
 
-std::shared_ptr<CameraModel> ParseOpenCv(const YAML::Node& root,
-                                         const ImageSize& size,
-                                         const Area& area) {
-  OpenCvModel::ParameterArray parameters;
-  for (int k = 0; k < OpenCvModel::kCount; ++k) {
-    const char* name = OpenCvModel::ParameterNames()[k];
-    parameters[k] = root["parameters"][name].as<double>();
+std::shared_ptr<CameraModel> ParseCentralGeneric(const YAML::Node& root,
+                                                 const ImageSize& size,
+                                                 const Area& area) {
+  std::vector<std::vector<double>> none;
+  return std::make_shared<CentralGeneric>(size,
+                                          ParseGrid(root, area, 2, &none));
+}
+
+std::shared_ptr<CameraModel> ParseNonCentralGeneric(const YAML::Node& root,
+                                                    const ImageSize& size,
+                                                    const Area& area) {
+  std::vector<std::vector<double>> others;
+  BSplineSurface directions =
+      ParseGrid(root, area, NonCentralGeneric::kPerNode, &others);
+  std::vector<Eigen::Vector3d> points;
+  for (const std::vector<double>& point : others)
+    points.emplace_back(point[0], point[1], point[2]);
+  return std::make_shared<NonCentralGeneric>(size, std::move(directions),
+                                             std::move(points));
+}
+
+// The named parameters of a model, into its own.
+void ParseParameters(const YAML::Node& root,
+                     const std::vector<std::string>& names,
+                     double* parameters) {
+  for (size_t k = 0; k < names.size(); ++k) {
+    parameters[k] = root["parameters"][names[k]].as<double>();
     if (!std::isfinite(parameters[k]))
-      throw InputError(fmt::format("parameters: {} is not finite", name));
+      throw InputError(fmt::format("parameters: {} is not finite", names[k]));
   }
-  return std::make_shared<OpenCvModel>(size, area, parameters);
+}
+
+template <typename Model>
+std::shared_ptr<CameraModel> ParseLens(const YAML::Node& root,
+                                       const ImageSize& size,
+                                       const Area& area) {
+  typename Model::ParameterArray parameters = {};
+  ParseParameters(root, Model(size, area, parameters).ParameterNames(),
+                  parameters.data());
+  return std::make_shared<Model>(size, area, parameters);
+}
+
+std::shared_ptr<CameraModel> ParseCentralRadial(const YAML::Node& root,
+                                                const ImageSize& size,
+                                                const Area& area) {
+  const YAML::Node radial = root["radial"];
+  const double max_angle_rad = radial["max_angle_rad"].as<double>();
+  const auto spline = radial["spline"].as<std::vector<double>>();
+  if (!(max_angle_rad > 0) || !(max_angle_rad <= 3.1))
+    throw InputError("radial: max_angle_rad must be in (0, 3.1]");
+  if (spline.size() < 3 || spline.size() > 1000)
+    throw InputError("radial: spline must have 3 to 1000 numbers");
+  for (const double value : spline)
+    if (!std::isfinite(value))
+      throw InputError("radial: a number of spline is not finite");
+  CentralRadial::OtherParameters others = {};
+  ParseParameters(
+      root,
+      CentralRadial(size, area, max_angle_rad, spline, others).ParameterNames(),
+      others.data());
+  return std::make_shared<CentralRadial>(size, area, max_angle_rad, spline,
+                                         others);
 }
 
 std::optional<ErrorFigures> ParseFigures(const YAML::Node& node) {
@@ -81,8 +141,14 @@ CameraFile Parse(const YAML::Node& root) {
   const std::string model = root["model"].as<std::string>();
   if (model == "central-generic")
     file.camera = ParseCentralGeneric(root, image_size, area);
+  else if (model == "noncentral-generic")
+    file.camera = ParseNonCentralGeneric(root, image_size, area);
   else if (model == "opencv")
-    file.camera = ParseOpenCv(root, image_size, area);
+    file.camera = ParseLens<OpenCvModel>(root, image_size, area);
+  else if (model == "thin-prism-fisheye")
+    file.camera = ParseLens<ThinPrismFisheye>(root, image_size, area);
+  else if (model == "central-radial")
+    file.camera = ParseCentralRadial(root, image_size, area);
   else
     throw InputError("unknown model '" + model + "'");
   if (root["name"]) file.name = root["name"].as<std::string>();
@@ -105,25 +171,52 @@ void EmitFigures(const char* name, const std::optional<ErrorFigures>& figures,
        << YAML::Key << "count" << YAML::Value << figures->count << YAML::EndMap;
 }
 
+void EmitParameters(const ParametricModel& lens, YAML::Emitter* out) {
+  const auto number = [](double value) {
+    return fmt::format("{:.12g}", value);
+  };
+  if (const auto* radial = dynamic_cast<const CentralRadial*>(&lens)) {
+    *out << YAML::Key << "radial" << YAML::Value << YAML::BeginMap << YAML::Key
+         << "max_angle_rad" << YAML::Value
+         << fmt::format("{:.17g}", radial->max_angle_rad()) << YAML::Key
+         << "spline" << YAML::Value << YAML::Flow << YAML::BeginSeq;
+    for (const double value : radial->spline()) *out << number(value);
+    *out << YAML::EndSeq << YAML::EndMap;
+  }
+  const std::vector<std::string>& names = lens.ParameterNames();
+  const Eigen::VectorXd named = lens.Parameters().tail(names.size());
+  *out << YAML::Key << "parameters" << YAML::Value << YAML::BeginMap;
+  for (size_t k = 0; k < names.size(); ++k)
+    *out << YAML::Key << names[k] << YAML::Value << number(named[k]);
+  *out << YAML::EndMap;
+}
+
+// The camera's parameters, as many at each control point.
+void EmitGrid(const BSplineSurface& surface, const Eigen::VectorXd& parameters,
+              YAML::Emitter* out) {
+  *out << YAML::Key << "grid" << YAML::Value << YAML::Flow << YAML::BeginMap
+       << YAML::Key << "columns" << YAML::Value << surface.columns()
+       << YAML::Key << "rows" << YAML::Value << surface.rows() << YAML::Key
+       << "chart" << YAML::Value << "stereographic" << YAML::EndMap;
+  *out << YAML::Key << "control_points" << YAML::Value << YAML::BeginSeq;
+  const Eigen::Index per_point = parameters.size() / surface.num_points();
+  for (Eigen::Index first = 0; first < parameters.size(); first += per_point) {
+    *out << YAML::Flow << YAML::BeginSeq;
+    for (Eigen::Index k = first; k < first + per_point; ++k)
+      *out << fmt::format("{:.12f}", parameters[k]);
+    *out << YAML::EndSeq;
+  }
+  *out << YAML::EndSeq;
+}
+
 void EmitModel(const CameraModel& camera, YAML::Emitter* out) {
   if (const auto* generic = dynamic_cast<const CentralGeneric*>(&camera)) {
-    *out << YAML::Key << "grid" << YAML::Value << YAML::Flow << YAML::BeginMap
-         << YAML::Key << "columns" << YAML::Value
-         << generic->surface().columns() << YAML::Key << "rows" << YAML::Value
-         << generic->surface().rows() << YAML::Key << "chart" << YAML::Value
-         << "stereographic" << YAML::EndMap;
-    *out << YAML::Key << "control_points" << YAML::Value << YAML::BeginSeq;
-    for (const Eigen::Vector2d& point : generic->surface().points())
-      *out << YAML::Flow << YAML::BeginSeq << fmt::format("{:.12f}", point.x())
-           << fmt::format("{:.12f}", point.y()) << YAML::EndSeq;
-    *out << YAML::EndSeq;
+    EmitGrid(generic->surface(), camera.Parameters(), out);
+  } else if (const auto* lines =
+                 dynamic_cast<const NonCentralGeneric*>(&camera)) {
+    EmitGrid(lines->directions(), camera.Parameters(), out);
   } else {
-    const Eigen::VectorXd parameters = camera.Parameters();
-    *out << YAML::Key << "parameters" << YAML::Value << YAML::BeginMap;
-    for (int k = 0; k < OpenCvModel::kCount; ++k)
-      *out << YAML::Key << OpenCvModel::ParameterNames()[k] << YAML::Value
-           << fmt::format("{:.12g}", parameters[k]);
-    *out << YAML::EndMap;
+    EmitParameters(dynamic_cast<const ParametricModel&>(camera), out);
   }
 }
 

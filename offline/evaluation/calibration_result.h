@@ -8,6 +8,7 @@
 
 #include "dataset/camera_file.h"
 #include "dataset/dataset.h"
+#include "evaluation/line_spread.h"
 #include "evaluation/residual_statistics.h"
 #include "evaluation/verdict.h"
 
@@ -45,6 +46,9 @@ struct CalibrationResult {
   int num_parameters = 0;
   bool converged = false;
   std::optional<double> bias_kl;
+  /// Of the held-out residuals, or else of the training ones.
+  std::optional<double> neighbor_correlation;
+  std::optional<LineSpread> line_spread;  ///< of a camera that is not central
   Verdict verdict;
   std::map<std::string, double> seconds;  ///< by stage
 };

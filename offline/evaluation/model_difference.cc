@@ -1,5 +1,6 @@
 #include "evaluation/model_difference.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -9,40 +10,59 @@
 namespace raygrid {
 namespace {
 
-struct RayPair {
+// What a pixel sees in both cameras, far away or at a distance.
+struct LinePair {
   Eigen::Vector2d pixel;
-  Eigen::Vector3d first, second;
-  Eigen::Matrix<double, 2, 3> pixel_by_ray;  // of the first camera
+  ObservationLine first, second;
+  double inverse_distance = 0;
+  // Of the first camera, by the direction from its line's origin.
+  Eigen::Matrix<double, 2, 3> pixel_by_direction;
 };
 
-std::vector<RayPair> SampleRays(const CameraModel& first,
-                                const CameraModel& second, double step_px) {
-  std::vector<RayPair> pairs;
+std::vector<LinePair> SampleLines(const CameraModel& first,
+                                  const CameraModel& second, double step_px,
+                                  double distance_m) {
+  const bool are_central = first.IsCentral() && second.IsCentral();
+  const double length_m = are_central ? 1 : distance_m;
+  std::vector<LinePair> pairs;
   const Area& area = second.area();
   for (double y = std::ceil(area.y0); y <= area.y1; y += step_px) {
     for (double x = std::ceil(area.x0); x <= area.x1; x += step_px) {
       const Eigen::Vector2d pixel(x, y);
-      const auto a = first.Unproject(pixel);
-      const auto b = second.Unproject(pixel);
+      const auto a = first.Line(pixel);
+      const auto b = second.Line(pixel);
       LinearizedProjection projection;
-      if (a && b && first.Linearize(*a, &pixel, 1, &projection))
-        pairs.push_back({pixel, *a, *b, projection.by_point});
+      if (!a || !b ||
+          !first.Linearize(a->origin + length_m * a->direction, &pixel, 1,
+                           &projection))
+        continue;
+      pairs.push_back({pixel, *a, *b, 0, length_m * projection.by_point});
+      if (are_central) continue;
+      pairs.push_back(pairs.back());
+      pairs.back().inverse_distance = 1 / distance_m;
     }
   }
   return pairs;
 }
 
-Eigen::Vector2d ErrorPx(const RayPair& pair,
-                        const Eigen::Quaterniond& rotation) {
-  return pair.pixel_by_ray * (rotation * pair.second);
+// The second line's point, from the first camera, over its distance.
+Eigen::Vector3d Sight(const LinePair& pair, const Pose& first_from_second) {
+  return first_from_second.rotation * pair.second.direction +
+         pair.inverse_distance *
+             (first_from_second * pair.second.origin - pair.first.origin);
+}
+
+Eigen::Vector2d ErrorPx(const LinePair& pair, const Pose& first_from_second) {
+  return pair.pixel_by_direction * Sight(pair, first_from_second);
 }
 
 // Wahba's problem by singular value decomposition (Markley, 1988).
-Eigen::Quaterniond WeightedRotation(const std::vector<RayPair>& pairs,
+Eigen::Quaterniond WeightedRotation(const std::vector<LinePair>& pairs,
                                     const std::vector<double>& weights) {
   Eigen::Matrix3d product = Eigen::Matrix3d::Zero();
   for (size_t i = 0; i < pairs.size(); ++i)
-    product += weights[i] * pairs[i].first * pairs[i].second.transpose();
+    product += weights[i] * pairs[i].first.direction *
+               pairs[i].second.direction.transpose();
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(
       product, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Vector3d sign(
@@ -51,32 +71,72 @@ Eigen::Quaterniond WeightedRotation(const std::vector<RayPair>& pairs,
                                             svd.matrixV().transpose()));
 }
 
+// Huber's, in units of twice the median.
+std::vector<double> Weights(const std::vector<LinePair>& pairs,
+                            const Pose& first_from_second) {
+  std::vector<double> norms;
+  for (const LinePair& pair : pairs)
+    norms.push_back(ErrorPx(pair, first_from_second).norm());
+  const double scale = std::max(2 * Quantile(norms, 0.5), 1e-12);
+  std::vector<double> weights;
+  for (const double norm : norms)
+    weights.push_back(norm <= scale ? 1 : scale / norm);
+  return weights;
+}
+
+// One step of Gauss and Newton, in pixels.
+Pose Improved(const std::vector<LinePair>& pairs, const Pose& pose) {
+  const std::vector<double> weights = Weights(pairs, pose);
+  Eigen::Matrix<double, 6, 6> matrix = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 1> right = Eigen::Matrix<double, 6, 1>::Zero();
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    const double q = pairs[i].inverse_distance;
+    const Eigen::Vector3d turned = pose.rotation * (pairs[i].second.direction +
+                                                    q * pairs[i].second.origin);
+    Eigen::Matrix<double, 3, 6> by_update;  // as UpdatedPose() has it
+    by_update << 0, turned.z(), -turned.y(), q, 0, 0,  //
+        -turned.z(), 0, turned.x(), 0, q, 0,           //
+        turned.y(), -turned.x(), 0, 0, 0, q;
+    const Eigen::Matrix<double, 2, 6> row =
+        pairs[i].pixel_by_direction * by_update;
+    matrix += weights[i] * row.transpose() * row;
+    right -= weights[i] * row.transpose() * ErrorPx(pairs[i], pose);
+  }
+  return UpdatedPose(pose, matrix.ldlt().solve(right));
+}
+
+Pose BestMotion(const std::vector<LinePair>& pairs, bool are_central) {
+  constexpr int kRounds = 10;
+  std::vector<double> weights(pairs.size(), 1);
+  Pose pose;
+  for (int round = 0; round < kRounds; ++round) {
+    pose.rotation = WeightedRotation(pairs, weights);
+    weights = Weights(pairs, pose);
+  }
+  if (are_central) return pose;
+  for (int round = 0; round < kRounds; ++round) pose = Improved(pairs, pose);
+  return pose;
+}
+
 }  // namespace
 
 ModelDifference CompareModels(const CameraModel& first,
-                              const CameraModel& second, double step_px) {
-  const std::vector<RayPair> pairs = SampleRays(first, second, step_px);
+                              const CameraModel& second, double step_px,
+                              double distance_m) {
+  const std::vector<LinePair> pairs =
+      SampleLines(first, second, step_px, distance_m);
   ModelDifference difference;
-  difference.first_from_second = Eigen::Quaterniond::Identity();
   if (pairs.empty()) return difference;
-
-  std::vector<double> weights(pairs.size(), 1), norms(pairs.size());
-  for (int round = 0; round < 10; ++round) {
-    difference.first_from_second = WeightedRotation(pairs, weights);
-    for (size_t i = 0; i < pairs.size(); ++i)
-      norms[i] = ErrorPx(pairs[i], difference.first_from_second).norm();
-    const double scale = std::max(2 * Quantile(norms, 0.5), 1e-12);
-    for (size_t i = 0; i < pairs.size(); ++i)
-      weights[i] = norms[i] <= scale ? 1 : scale / norms[i];
-  }
+  difference.first_from_second =
+      BestMotion(pairs, first.IsCentral() && second.IsCentral());
 
   double sum = 0;
-  for (size_t i = 0; i < pairs.size(); ++i) {
-    difference.pixels.push_back(pairs[i].pixel);
-    difference.error_px.push_back(
-        ErrorPx(pairs[i], difference.first_from_second));
-    norms[i] = difference.error_px.back().norm();
-    sum += norms[i] * norms[i];
+  std::vector<double> norms;
+  for (const LinePair& pair : pairs) {
+    difference.pixels.push_back(pair.pixel);
+    difference.error_px.push_back(ErrorPx(pair, difference.first_from_second));
+    norms.push_back(difference.error_px.back().norm());
+    sum += norms.back() * norms.back();
   }
   difference.rms_px = std::sqrt(sum / static_cast<double>(norms.size()));
   difference.median_px = Quantile(norms, 0.5);

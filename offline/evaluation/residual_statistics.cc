@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <tuple>
 
 namespace raygrid {
 namespace {
@@ -81,6 +83,31 @@ ErrorFigures ComputeErrorFigures(
   const double rms = std::sqrt(sum / static_cast<double>(norms.size()));
   const int count = static_cast<int>(norms.size());
   return {Quantile(std::move(norms), 0.5), rms, largest, count};
+}
+
+std::optional<double> NeighborCorrelation(
+    const std::vector<FeatureResidual>& residuals) {
+  constexpr int kMinPairs = 200;  // for a standard error of 0.05
+  using Place = std::tuple<std::string, int, int, int>;
+  std::map<Place, Eigen::Vector2d> errors;
+  for (const FeatureResidual& r : residuals)
+    errors[{r.image, r.board, r.row, r.column}] = r.error_px;
+  double products = 0, squares = 0;
+  int count = 0;
+  const auto add = [&](const Eigen::Vector2d& error, const Place& neighbor) {
+    const auto found = errors.find(neighbor);
+    if (found == errors.end()) return;
+    products += error.dot(found->second);
+    squares += (error.squaredNorm() + found->second.squaredNorm()) / 2;
+    ++count;
+  };
+  for (const auto& [place, error] : errors) {
+    const auto& [image, board, row, column] = place;
+    add(error, {image, board, row, column + 1});
+    add(error, {image, board, row + 1, column});
+  }
+  if (count < kMinPairs || !(squares > 0)) return std::nullopt;
+  return products / squares;
 }
 
 std::optional<double> ComputeBias(const std::vector<FeatureResidual>& residuals,

@@ -32,6 +32,12 @@ ErrorFigures ComputeErrorFigures(const std::vector<FeatureResidual>& residuals);
 std::optional<double> ComputeBias(const std::vector<FeatureResidual>& residuals,
                                   const Area& area);
 
+/// The correlation of residuals of features that are neighbours on a board in
+/// one image: 0 for noise, near 1 where the errors are the model's. Nothing for
+/// too few neighbours to tell.
+std::optional<double> NeighborCorrelation(
+    const std::vector<FeatureResidual>& residuals);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_EVALUATION_RESIDUAL_STATISTICS_H

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace raygrid {
 namespace {
 
@@ -10,6 +12,8 @@ constexpr double kEnoughArea = 0.5;    // part of the image
 constexpr double kGoodMedianPx = 0.3;  // corners of a sharp chessboard
 constexpr double kUsableMedianPx = 2;
 constexpr double kOverfitRatio = 1.5;
+// Of the squared residuals; five standard errors where there are fewest pairs.
+constexpr double kSystematicPart = 0.25;
 
 }  // namespace
 
@@ -40,6 +44,17 @@ Verdict JudgeCalibration(const CalibrationFigures& figures) {
   if (figures.images_rejected > figures.images_used / 5)
     warn(fmt::format("{} images were rejected; see which and why",
                      figures.images_rejected));
+  if (figures.neighbor_correlation > kSystematicPart) {
+    const ErrorFigures& errors =
+        figures.held_out ? *figures.held_out : figures.training;
+    warn(fmt::format(
+        "neighbouring features err alike (correlation {:.2f}): about {:.2f} px "
+        "are not noise, but the model's error or the detector's; try smaller "
+        "cells, or noncentral-generic if lines may not meet in a point, as "
+        "behind glass",
+        *figures.neighbor_correlation,
+        errors.rms_px * std::sqrt(*figures.neighbor_correlation)));
+  }
   if (!figures.held_out) {
     warn("no held-out error: too few images to hold some out");
     return verdict;

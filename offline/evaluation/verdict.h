@@ -18,6 +18,7 @@ struct CalibrationFigures {
   int images_used = 0, images_rejected = 0;
   ErrorFigures training;
   std::optional<ErrorFigures> held_out;
+  std::optional<double> neighbor_correlation;
 };
 
 /// "pass", "warn" or "fail", and why, with what to do.

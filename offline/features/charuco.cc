@@ -5,8 +5,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <opencv2/aruco.hpp>
-#include <optional>
 
+#include "features/corner_growth.h"
 #include "features/seen_markers.h"
 
 namespace raygrid {
@@ -62,26 +62,28 @@ struct CharucoLocator::Data {
       : board(b),
         markers(BoardAppearance(b).markers()),
         other_markers(BoardAppearance(WithOtherLayout(b)).markers()),
-        dictionary(MakeDictionary(markers)) {}
+        dictionary(MakeDictionary(markers)),
+        growth(b),
+        other_growth(WithOtherLayout(b)) {}
 
   Board board;
   std::vector<PlacedMarker> markers, other_markers;
   cv::Ptr<cv::aruco::Dictionary> dictionary;
+  CornerGrowth growth, other_growth;
 
   std::vector<SeenMarker> FindMarkers(const GreyImage& image) const;
-  std::optional<Feature> LocateCorner(const MarkerConstellation& markers,
-                                      int column, int row) const;
+  FeatureLattice FindCorners(const GreyImage& image,
+                             const MarkerConstellation& markers,
+                             const CornerGrowth& drawn) const;
   double pitch_m() const { return M_SQRT2 * board.square_m; }
 };
 
 std::vector<SeenMarker> CharucoLocator::Data::FindMarkers(
     const GreyImage& image) const {
-  const cv::Mat grey(image.size.height, image.size.width, CV_8U,
-                     const_cast<uint8_t*>(image.bytes.data()));
   std::vector<std::vector<cv::Point2f>> corners;
   std::vector<int> ids;
   try {
-    cv::aruco::detectMarkers(grey, dictionary, corners, ids);
+    cv::aruco::detectMarkers(ReadableImage(image), dictionary, corners, ids);
   } catch (const cv::Exception&) {
     return {};  // images too small to hold a marker
   }
@@ -96,18 +98,30 @@ std::vector<SeenMarker> CharucoLocator::Data::FindMarkers(
   return seen;
 }
 
-std::optional<Feature> CharucoLocator::Data::LocateCorner(
-    const MarkerConstellation& constellation, int column, int row) const {
-  const Eigen::Vector2d corner_m(column * board.square_m, row * board.square_m);
-  const std::vector<SeenMarker> near = constellation.Nearest(
-      corner_m, kNearDistance * board.square_m, kMaxNearMarkers);
-  if (near.empty() || constellation.Distance(near[0], corner_m) >
-                          kAdjacentDistance * board.square_m)
-    return std::nullopt;
-  const Eigen::Vector2d pixel =
-      (constellation.ImageFromBoard(near) * corner_m.homogeneous())
-          .hnormalized();
-  return Feature{board.id, column, row, pixel};
+// First those at markers, then outwards from them.
+FeatureLattice CharucoLocator::Data::FindCorners(
+    const GreyImage& image, const MarkerConstellation& constellation,
+    const CornerGrowth& drawn) const {
+  FeatureLattice lattice(board);
+  constexpr double kMinCorrelations[] = {0.7, 0.6};
+  for (int row = 0; row < board.rows; ++row) {
+    for (int column = 0; column < board.columns; ++column) {
+      const Eigen::Vector2d corner_m(column * board.square_m,
+                                     row * board.square_m);
+      const std::vector<SeenMarker> near = constellation.Nearest(
+          corner_m, kNearDistance * board.square_m, kMaxNearMarkers);
+      if (near.empty() || constellation.Distance(near[0], corner_m) >
+                              kAdjacentDistance * board.square_m)
+        continue;
+      constexpr double kSearchSquares = 0.15;
+      drawn.Find(image, column, row,
+                 constellation.MappingAt(corner_m, board.square_m, near),
+                 kSearchSquares, {kMinCorrelations[0]}, &lattice);
+    }
+  }
+  for (const double min_correlation : kMinCorrelations)
+    drawn.Grow(image, {min_correlation}, &lattice);
+  return lattice;
 }
 
 CharucoLocator::CharucoLocator(const Board& board)
@@ -119,10 +133,12 @@ ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
   const std::vector<SeenMarker> seen = data_->FindMarkers(image);
   ImageDetection located;
   MarkerConstellation markers(data_->markers, data_->pitch_m(), seen);
+  bool is_other = false;
   if (HasTwoLayouts(board)) {
     const MarkerConstellation other(data_->other_markers, data_->pitch_m(),
                                     seen);
-    if (other.Agreement() > std::max(0, markers.Agreement())) {
+    is_other = other.Agreement() > std::max(0, markers.Agreement());
+    if (is_other) {
       markers = other;
       located.remarks.push_back(fmt::format(
           "board {}: its markers lie as in {}; set 'legacy: {}' in the pattern",
@@ -133,13 +149,14 @@ ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
   const int num_seen = markers.size();
   markers = markers.Consistent();
   if (num_seen > 0 && markers.size() == 0)
-    located.remarks.push_back(fmt::format(
-        "board {}: {} markers that do not fit together", board.id, num_seen));
-  const Area inside = WholeImage(image.size);
-  for (int row = 0; row < board.rows; ++row)
-    for (int column = 0; column < board.columns; ++column)
-      if (const auto corner = data_->LocateCorner(markers, column, row))
-        if (inside.Contains(corner->pixel)) located.features.push_back(*corner);
+    located.remarks.push_back(
+        fmt::format("board {}: {} markers seen, none confirmed by another",
+                    board.id, num_seen));
+  located.features =
+      data_
+          ->FindCorners(image, markers,
+                        is_other ? data_->other_growth : data_->growth)
+          .Features();
   return located;
 }
 

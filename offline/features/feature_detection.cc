@@ -28,9 +28,8 @@ using Locate = std::function<ImageDetection(const GreyImage&)>;
 
 Locate MakeLocate(const Board& board) {
   if (board.kind == "chessboard")
-    return [board](const GreyImage& image) {
-      return LocateChessboard(image, board);
-    };
+    return [locator = std::make_shared<ChessboardLocator>(board)](
+               const GreyImage& image) { return locator->Locate(image); };
   if (board.kind == "charuco")
     return [locator = std::make_shared<CharucoLocator>(board)](
                const GreyImage& image) { return locator->Locate(image); };

@@ -20,6 +20,28 @@ constexpr double kTolerancePerDistance = 0.12;
 
 }  // namespace
 
+cv::Mat ReadableImage(const GreyImage& image) {
+  std::vector<float> levels = image.levels;
+  const auto quantile = [&](double part) {
+    const auto at =
+        levels.begin() +
+        static_cast<ptrdiff_t>(part * static_cast<double>(levels.size() - 1));
+    std::nth_element(levels.begin(), at, levels.end());
+    return static_cast<double>(*at);
+  };
+  constexpr double kOutliers = 0.01, kReadableRange = 120;
+  const double dark = quantile(kOutliers), bright = quantile(1 - kOutliers);
+  const double gain = kReadableRange / std::max(1.0, bright - dark);
+  if (gain <= 1)
+    return cv::Mat(image.size.height, image.size.width, CV_8U,
+                   const_cast<uint8_t*>(image.bytes.data()));
+  cv::Mat readable;
+  cv::Mat(image.size.height, image.size.width, CV_32F,
+          const_cast<float*>(image.levels.data()))
+      .convertTo(readable, CV_8U, gain, 60 - gain * dark);
+  return readable;
+}
+
 Eigen::Vector2d SeenMarker::center_px() const {
   return (corners_px[0] + corners_px[1] + corners_px[2] + corners_px[3]) / 4;
 }
@@ -66,6 +88,21 @@ std::vector<SeenMarker> MarkerConstellation::Nearest(
   return nearest;
 }
 
+LocalMapping MarkerConstellation::MappingAt(
+    const Eigen::Vector2d& point_m, double square_m,
+    const std::vector<SeenMarker>& markers) const {
+  const Eigen::Matrix3d homography = ImageFromBoard(markers);
+  const Eigen::Vector3d origin = homography * point_m.homogeneous();
+  const double unit = square_m / origin.z();
+  LocalMapping mapping;
+  mapping.center = origin.hnormalized();
+  mapping.perspective = unit * homography.block<1, 2>(2, 0).transpose();
+  mapping.linear = unit * homography.topLeftCorner<2, 2>() -
+                   mapping.center * mapping.perspective.transpose();
+  return mapping;
+}
+
+// Where the board's plane is in the image.
 Eigen::Matrix3d MarkerConstellation::ImageFromBoard(
     const std::vector<SeenMarker>& markers) const {
   std::vector<cv::Point2d> board, image;

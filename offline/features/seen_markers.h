@@ -5,9 +5,12 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <opencv2/core/mat.hpp>
 #include <vector>
 
 #include "appearance/board_appearance.h"
+#include "features/detection.h"
+#include "features/local_mapping.h"
 
 namespace raygrid {
 
@@ -18,6 +21,10 @@ struct SeenMarker {
 
   Eigen::Vector2d center_px() const;
 };
+
+/// The image as libraries that read markers want it: dark ones made as bright
+/// as others.
+cv::Mat ReadableImage(const GreyImage& image);
 
 /// Markers in an image together with where they are on the board.
 class MarkerConstellation {
@@ -41,11 +48,14 @@ class MarkerConstellation {
   /// Those within a distance from a point, nearest first, count at most.
   std::vector<SeenMarker> Nearest(const Eigen::Vector2d& point_m,
                                   double distance_m, int count) const;
-  /// Where the board's plane is in the image, from all corners of some markers.
-  Eigen::Matrix3d ImageFromBoard(const std::vector<SeenMarker>& markers) const;
+  /// How the board around a point is seen, from all corners of some markers, in
+  /// squares of this length.
+  LocalMapping MappingAt(const Eigen::Vector2d& point_m, double square_m,
+                         const std::vector<SeenMarker>& markers) const;
 
  private:
   std::array<Eigen::Vector2d, 4> CornersOnBoard(const SeenMarker& marker) const;
+  Eigen::Matrix3d ImageFromBoard(const std::vector<SeenMarker>& markers) const;
   Eigen::Vector2d CenterOnBoard(const SeenMarker& marker) const;
   int Confirmations(const SeenMarker& marker) const;
   bool Confirms(const SeenMarker& witness, const SeenMarker& marker) const;

@@ -10,13 +10,17 @@ namespace {
 
 constexpr double kCellSquares = 2 * SymmetryMask::kReach / SymmetryMask::kCells;
 
-// How near to what is not symmetric blur may reach, in squares; half of the
-// white around markers at most, or the edges beside them would be lost.
+// How near to what is not symmetric blur may reach, in squares; half of what
+// lies between a corner's edges and a marker's cells at most, or the edges
+// would be lost.
 double MarginSquares(const Board& board) {
-  constexpr double kMargin = 0.15;
-  if (board.kind != "charuco") return kMargin;
-  const double white = (board.square_m - board.marker_m) / 2 / board.square_m;
-  return std::min(kMargin, std::max(0.57 * white, 1.1 * kCellSquares));
+  constexpr double kMargin = 0.15, kTagBorder = 0.2;
+  double between = kMargin / 0.57;
+  if (board.kind == "charuco")
+    between = (board.square_m - board.marker_m) / 2 / board.square_m;
+  if (board.kind == "aprilgrid")
+    between = std::min(kTagBorder, board.spacing_ratio);
+  return std::min(kMargin, std::max(0.57 * between, 1.1 * kCellSquares));
 }
 
 // Off the lattice of cells, so that no sample falls on the edge of a segment.

@@ -7,18 +7,39 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
-#include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace raygrid {
 namespace {
 
-struct Family {
-  apriltag_family_t* (*create)();
-  void (*destroy)(apriltag_family_t*);
-};
+using FamilyPointer =
+    std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)>;
+using DetectorPointer =
+    std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)>;
+
+// The code's cells count from the corner of the black square.
+void WidenBorder(apriltag_family_t* family) {
+  for (uint32_t bit = 0; bit < family->nbits; ++bit) {
+    ++family->bit_x[bit];
+    ++family->bit_y[bit];
+  }
+  family->width_at_border += 2;
+  family->total_width += 2;
+}
+
+FamilyPointer MakeFamily(TagFamily kind) {
+  switch (kind) {
+    case TagFamily::k25h9:
+      return {tag25h9_create(), tag25h9_destroy};
+    case TagFamily::kStandard41h12:
+      return {tagStandard41h12_create(), tagStandard41h12_destroy};
+    default:
+      FamilyPointer family(tag36h11_create(), tag36h11_destroy);
+      if (kind == TagFamily::k36h11WideBorder) WidenBorder(family.get());
+      return family;
+  }
+}
 
 cv::Mat View(const GreyImage& image) {
   return cv::Mat(image.size.height, image.size.width, CV_8U,
@@ -26,77 +47,112 @@ cv::Mat View(const GreyImage& image) {
 }
 
 // libapriltag puts (0, 0) at the corner of the top-left pixel.
-Eigen::Vector2d FromPixelCorner(const double position[2], double scale) {
-  return {position[0] / scale - 0.5, position[1] / scale - 0.5};
+Eigen::Vector2d FromPixelCorner(const double position[2]) {
+  return {position[0] - 0.5, position[1] - 0.5};
 }
 
-// In an image enlarged by scale; squares are sought in every decimate-th row
-// and column, corners are found in all.
-std::vector<DetectedTag> Detect(const cv::Mat& image, const Family& kind,
-                                double scale, float decimate = 1) {
-  const std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)> family(
-      kind.create(), kind.destroy);
-  const std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)>
-      detector(apriltag_detector_create(), apriltag_detector_destroy);
-  // Behind a fisheye a tag's cells lie a little beside where a homography
-  // expects them: one wrong bit is forgiven; eleven make another tag.
-  apriltag_detector_add_family_bits(detector.get(), family.get(), 1);
+}  // namespace
+
+struct TagDetector::Data {
+  FamilyPointer family;
+  DetectorPointer detector;
+  float min_margin;
+};
+
+TagDetector::TagDetector(TagFamily family, const TagOptions& options)
+    : data_(new Data{MakeFamily(family),
+                     {apriltag_detector_create(), apriltag_detector_destroy},
+                     options.min_margin}) {
+  apriltag_detector_t* detector = data_->detector.get();
+  apriltag_detector_add_family_bits(detector, data_->family.get(),
+                                    options.max_wrong_bits);
   detector->nthreads = 1;
-  detector->quad_decimate = decimate;
-  // ... and its edges are curved: squared pixels that they may be off a line.
-  detector->qtp.max_line_fit_mse = 60;
+  detector->quad_decimate = options.decimate;
+  detector->qtp.max_line_fit_mse = options.max_line_fit_mse;
+}
+TagDetector::~TagDetector() = default;
+
+std::vector<DetectedTag> TagDetector::Detect(const cv::Mat& image) const {
   image_u8_t view = {image.cols, image.rows, static_cast<int32_t>(image.step),
                      image.data};
-  zarray_t* found = apriltag_detector_detect(detector.get(), &view);
+  zarray_t* found = apriltag_detector_detect(data_->detector.get(), &view);
   std::vector<DetectedTag> tags;
   for (int i = 0; i < zarray_size(found); ++i) {
     apriltag_detection_t* detection;
     zarray_get(found, i, &detection);
+    if (detection->decision_margin < data_->min_margin) continue;
     DetectedTag tag;
     tag.id = detection->id;
     // From the bottom left, counter-clockwise.
     for (int k = 0; k < 4; ++k)
-      tag.corners[k] = FromPixelCorner(detection->p[3 - k], scale);
-    constexpr float kMinMargin = 20;
-    if (detection->decision_margin > kMinMargin) tags.push_back(tag);
+      tag.corners[k] = FromPixelCorner(detection->p[3 - k]);
+    tags.push_back(tag);
   }
   apriltag_detections_destroy(found);
-  std::sort(
+  std::stable_sort(
       tags.begin(), tags.end(),
       [](const DetectedTag& a, const DetectedTag& b) { return a.id < b.id; });
   return tags;
 }
 
-constexpr Family kTag36h11 = {tag36h11_create, tag36h11_destroy};
+namespace {
+
+// Behind a fisheye a tag's cells lie a little beside where a homography expects
+// them: one wrong bit is forgiven; eleven make another tag. And its edges are
+// curved.
+TagOptions OfStarBoards(float decimate) {
+  TagOptions options;
+  options.decimate = decimate;
+  options.max_wrong_bits = 1;
+  options.max_line_fit_mse = 60;
+  options.min_margin = 20;
+  return options;
+}
+
+std::vector<DetectedTag> DetectIn(const cv::Mat& image, TagFamily family,
+                                  float decimate) {
+  return TagDetector(family, OfStarBoards(decimate)).Detect(image);
+}
+
+constexpr int kEnlargement = 2;
+
+std::vector<DetectedTag> DetectInEnlarged(const cv::Mat& image) {
+  cv::Mat enlarged;
+  cv::resize(image, enlarged, cv::Size(), kEnlargement, kEnlargement,
+             cv::INTER_CUBIC);
+  std::vector<DetectedTag> tags = DetectIn(enlarged, TagFamily::k36h11, 1);
+  constexpr double kShift = (kEnlargement - 1) / 2.0;
+  for (DetectedTag& tag : tags)
+    for (Eigen::Vector2d& corner : tag.corners)
+      corner = (corner.array() - kShift) / kEnlargement;
+  return tags;
+}
 
 }  // namespace
 
 std::vector<DetectedTag> DetectTags(const GreyImage& image) {
   constexpr int kMinPixelsToDecimate = 500000, kMaxPixelsToEnlarge = 2000000;
+  const cv::Mat view = View(image);
+  const int num_pixels = image.size.width * image.size.height;
   std::vector<DetectedTag> tags;
-  if (image.size.width * image.size.height >= kMinPixelsToDecimate)
-    tags = Detect(View(image), kTag36h11, 1, 2);
-  if (tags.empty()) tags = Detect(View(image), kTag36h11, 1);
-  if (!tags.empty() ||
-      image.size.width * image.size.height > kMaxPixelsToEnlarge)
-    return tags;
-  cv::Mat enlarged;
-  cv::resize(View(image), enlarged, cv::Size(), 2, 2, cv::INTER_CUBIC);
-  return Detect(enlarged, kTag36h11, 2);
+  if (num_pixels >= kMinPixelsToDecimate)
+    tags = DetectIn(view, TagFamily::k36h11, 2);
+  if (tags.empty()) tags = DetectIn(view, TagFamily::k36h11, 1);
+  if (!tags.empty() || num_pixels > kMaxPixelsToEnlarge) return tags;
+  return DetectInEnlarged(view);
 }
 
 std::vector<std::string> DescribeOtherTags(const GreyImage& image) {
   std::vector<std::string> seen;
   cv::Mat mirrored;
   cv::flip(View(image), mirrored, 1);
-  for (const DetectedTag& tag : Detect(mirrored, kTag36h11, 1))
+  for (const DetectedTag& tag : DetectIn(mirrored, TagFamily::k36h11, 1))
     seen.push_back(fmt::format("mirrored tag {}", tag.id));
-  const std::pair<const char*, Family> others[] = {
-      {"tag25h9", {tag25h9_create, tag25h9_destroy}},
-      {"tagStandard41h12",
-       {tagStandard41h12_create, tagStandard41h12_destroy}}};
+  const std::pair<const char*, TagFamily> others[] = {
+      {"tag25h9", TagFamily::k25h9},
+      {"tagStandard41h12", TagFamily::kStandard41h12}};
   for (const auto& [name, family] : others)
-    for (const DetectedTag& tag : Detect(View(image), family, 1))
+    for (const DetectedTag& tag : DetectIn(View(image), family, 1))
       seen.push_back(fmt::format("tag {} of family {}", tag.id, name));
   return seen;
 }

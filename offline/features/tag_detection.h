@@ -3,10 +3,15 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "features/detection.h"
+
+namespace cv {
+class Mat;
+}
 
 namespace raygrid {
 
@@ -17,8 +22,41 @@ struct DetectedTag {
   std::array<Eigen::Vector2d, 4> corners;
 };
 
-/// All tags of tag36h11 read without a wrong bit and wholly in the image; tags
-/// too small at first are sought in the enlarged image.
+enum class TagFamily {
+  k36h11,
+  k36h11WideBorder,  ///< with a black border of two cells, as in AprilGrids
+  k25h9,
+  kStandard41h12
+};
+
+/// The defaults are libapriltag's.
+struct TagOptions {
+  /// Squares are sought in every decimate-th row and column; corners are found
+  /// in all.
+  float decimate = 1;
+  int max_wrong_bits = 2;
+  /// Squared pixels that the edges of squares may be off a straight line.
+  float max_line_fit_mse = 10;
+  /// Grey levels between the cells and their threshold, on average.
+  float min_margin = 0;
+};
+
+/// libapriltag's detector. Serves one thread at a time.
+class TagDetector {
+ public:
+  TagDetector(TagFamily family, const TagOptions& options);
+  ~TagDetector();
+
+  /// All tags of the family in a grey image, 8 bits; by id.
+  std::vector<DetectedTag> Detect(const cv::Mat& image) const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+/// All tags of tag36h11 with one wrong bit at most and wholly in the image;
+/// tags too small at first are sought in the enlarged image.
 std::vector<DetectedTag> DetectTags(const GreyImage& image);
 
 /// What there is where DetectTags() finds nothing: "mirrored tag 3", "tag 3 of

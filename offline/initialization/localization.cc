@@ -3,16 +3,20 @@
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 
 namespace raygrid {
 namespace {
 
-// A match seen as a ray, and how a direction near it moves its pixel.
+constexpr size_t kMinSights = 4;
+
+// A match seen along a line, and how a direction near the line's, from its
+// origin, moves its pixel.
 struct Sight {
   Eigen::Vector3d point;
-  Eigen::Vector3d ray;
+  Eigen::Vector3d origin, ray;
   Eigen::Matrix<double, 2, 3> pixel_by_ray;
 };
 
@@ -20,10 +24,15 @@ std::vector<Sight> FormSights(const CameraModel& camera,
                               const std::vector<PointOnPixel>& matches) {
   std::vector<Sight> sights;
   for (const PointOnPixel& match : matches) {
-    const auto ray = camera.Unproject(match.pixel);
+    // Linearised at a metre's distance, which matters little: what pixels per
+    // radian depend on distance by is how fast origins move from pixel to
+    // pixel.
+    const auto line = camera.Line(match.pixel);
     LinearizedProjection projection;
-    if (ray && camera.Linearize(*ray, &match.pixel, 1, &projection))
-      sights.push_back({match.point, *ray, projection.by_point});
+    if (line && camera.Linearize(line->origin + line->direction, &match.pixel,
+                                 1, &projection))
+      sights.push_back(
+          {match.point, line->origin, line->direction, projection.by_point});
   }
   return sights;
 }
@@ -79,6 +88,7 @@ struct SightError {
     Eigen::Matrix<T, 3, 1> direction(rotated[0] + translation[0],
                                      rotated[1] + translation[1],
                                      rotated[2] + translation[2]);
+    direction -= sight.origin.cast<T>();
     direction /= direction.norm();
     const Eigen::Matrix<T, 2, 1> pixels =
         sight.pixel_by_ray.cast<T>() * direction;
@@ -112,15 +122,54 @@ std::optional<Pose> Refine(const std::vector<Sight>& sights,
   return Pose{RotationFromVector(rotation), translation};
 }
 
+// Reprojection errors of a pose, to first order as above.
+std::vector<double> ErrorsPx(const std::vector<Sight>& sights,
+                             const Pose& pose) {
+  std::vector<double> errors;
+  for (const Sight& sight : sights) {
+    const Eigen::Vector3d seen = pose * sight.point - sight.origin;
+    const Eigen::Vector3d direction = seen.normalized();
+    errors.push_back(direction.dot(sight.ray) > 0
+                         ? (sight.pixel_by_ray * direction).norm()
+                         : INFINITY);
+  }
+  return errors;
+}
+
+// The sights that a pose does not leave far from where most are.
+std::vector<Sight> Consistent(const std::vector<Sight>& sights,
+                              const Pose& pose) {
+  constexpr double kTimesMedian = 6, kAlwaysPx = 3;
+  const std::vector<double> errors = ErrorsPx(sights, pose);
+  std::vector<double> sorted = errors;
+  std::sort(sorted.begin(), sorted.end());
+  const double limit_px =
+      std::max(kAlwaysPx, kTimesMedian * sorted[sorted.size() / 2]);
+  std::vector<Sight> consistent;
+  for (size_t i = 0; i < sights.size(); ++i)
+    if (errors[i] <= limit_px) consistent.push_back(sights[i]);
+  return consistent;
+}
+
 }  // namespace
 
 std::optional<Pose> Localize(const CameraModel& camera,
                              const std::vector<PointOnPixel>& matches) {
-  const std::vector<Sight> sights = FormSights(camera, matches);
-  if (sights.size() < 4) return std::nullopt;
-  const auto start = PoseFromPerspective(sights);
-  if (!start) return std::nullopt;
-  return Refine(sights, *start);
+  constexpr int kMaxRounds = 5;
+  std::vector<Sight> sights = FormSights(camera, matches);
+  std::optional<Pose> pose;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    if (sights.size() < kMinSights) return pose;
+    const auto start = PoseFromPerspective(sights);
+    if (!start) return pose;
+    const auto refined = Refine(sights, *start);
+    if (!refined) return pose;
+    pose = refined;
+    std::vector<Sight> consistent = Consistent(sights, *pose);
+    if (consistent.size() == sights.size()) break;
+    sights = std::move(consistent);
+  }
+  return pose;
 }
 
 }  // namespace raygrid

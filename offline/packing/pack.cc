@@ -203,6 +203,12 @@ UnprojectionError MeasureBlob(const CameraModel& camera,
 
 PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   const CameraModel& camera = *file.camera;
+  if (!camera.IsCentral())
+    throw Error(ExitCode::kUsage,
+                fmt::format("a {} camera cannot be packed: blobs of version 1 "
+                            "have no section for its lines' points; calibrate "
+                            "central-generic for the board",
+                            camera.Name()));
   if (camera.image_size().width > static_cast<int>(RG_MAX_IMAGE_SIZE) ||
       camera.image_size().height > static_cast<int>(RG_MAX_IMAGE_SIZE))
     FailFormat(fmt::format("images are at most {} px wide and high",

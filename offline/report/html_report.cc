@@ -117,6 +117,14 @@ std::string ModelTable(const CalibrationResult& result,
                                      area.x0, area.x1, area.y0, area.y1));
   row("images used", std::to_string(result.features.images.size()));
   if (result.bias_kl) row("bias (KL)", fmt::format("{:.3f}", *result.bias_kl));
+  if (result.neighbor_correlation)
+    row("correlation of neighbouring features' errors",
+        fmt::format("{:.2f}", *result.neighbor_correlation));
+  if (result.line_spread)
+    row("lines pass the point nearest to all by",
+        fmt::format("{:.3f} mm (RMS), {:.3f} mm (largest)",
+                    1000 * result.line_spread->rms_m,
+                    1000 * result.line_spread->max_m));
   if (packing) {
     row("blob", fmt::format("{} bytes", packing->blob_bytes));
     row("un-projection error added by packing",

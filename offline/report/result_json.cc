@@ -52,6 +52,11 @@ void AddCamera(const CalibrationResult& result, Json* json) {
                                           {"held_out_loss", candidate.loss},
                                           {"median_px", candidate.median_px}});
   if (result.bias_kl) (*json)["bias_kl"] = *result.bias_kl;
+  if (result.neighbor_correlation)
+    (*json)["neighbor_correlation"] = *result.neighbor_correlation;
+  if (result.line_spread)
+    (*json)["line_spread"] = {{"rms_m", result.line_spread->rms_m},
+                              {"max_m", result.line_spread->max_m}};
 }
 
 void AddVerdict(const Verdict& verdict, Json* json) {

@@ -4,16 +4,11 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "camera/observation_line.h"
 #include "simulation/board_bend.h"
 #include "simulation/ink_map.h"
 
 namespace raygrid {
-
-/// A line of sight; points of it are origin + t direction, t > 0.
-struct ObservationLine {
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-  Eigen::Vector3d direction;
-};
 
 /// A board as a thing in space: printed paper, flat or bent. Made once per
 /// board, which takes a fraction of a second, and used for all images.

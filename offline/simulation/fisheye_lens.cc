@@ -67,12 +67,4 @@ bool FisheyeLens::Linearize(const Eigen::Vector3d& point,
   return true;
 }
 
-std::optional<ObservationLine> MovingPupilLens::Line(
-    const Eigen::Vector2d& pixel) const {
-  const auto direction = lens_->Unproject(pixel);
-  if (!direction) return std::nullopt;
-  const double theta = std::atan2(direction->head<2>().norm(), direction->z());
-  return ObservationLine{{0, 0, shift_m_ * theta * theta}, *direction};
-}
-
 }  // namespace raygrid

@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "camera/camera_model.h"
-#include "simulation/board_surface.h"
 
 namespace raygrid {
 
@@ -52,22 +51,6 @@ class FisheyeLens : public CameraModel {
 
  private:
   FisheyeParameters parameters_;
-};
-
-/// A lens whose entrance pupil moves forward as theta^2, the angle from the
-/// axis: its observation lines do not meet in a point.
-class MovingPupilLens {
- public:
-  /// shift_m: how far the pupil has moved at 1 radian.
-  MovingPupilLens(const CameraModel& lens, double shift_m)
-      : lens_(lens.Clone()), shift_m_(shift_m) {}
-
-  const CameraModel& lens() const { return *lens_; }
-  std::optional<ObservationLine> Line(const Eigen::Vector2d& pixel) const;
-
- private:
-  std::shared_ptr<const CameraModel> lens_;
-  double shift_m_;
 };
 
 }  // namespace raygrid

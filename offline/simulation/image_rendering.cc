@@ -22,21 +22,22 @@ constexpr double kGaussianReach = 4.5;
 constexpr double kMaxDepthRatio = 1.05;
 
 // Nearest pixel of an area, and quadratic extrapolation from there.
-std::optional<ObservationLine> CentralLine(const CameraModel& camera,
-                                           const Eigen::Vector2d& pixel) {
+std::optional<ObservationLine> LineNear(const CameraModel& camera,
+                                        const Eigen::Vector2d& pixel) {
   const Area& area = camera.area();
   if (!area.Contains(pixel, 1)) return std::nullopt;
   const Eigen::Vector2d inside(std::clamp(pixel.x(), area.x0, area.x1),
                                std::clamp(pixel.y(), area.y0, area.y1));
-  const auto direction = camera.Unproject(inside);
-  if (!direction) return std::nullopt;
-  if (inside == pixel) return ObservationLine{{0, 0, 0}, *direction};
+  const auto first = camera.Line(inside);
+  if (!first || inside == pixel) return first;
   const Eigen::Vector2d step = inside - pixel;
-  const auto second = camera.Unproject(inside + step);
-  const auto third = camera.Unproject(inside + 2 * step);
+  const auto second = camera.Line(inside + step);
+  const auto third = camera.Line(inside + 2 * step);
   if (!second || !third) return std::nullopt;
-  return ObservationLine{{0, 0, 0},
-                         (3 * *direction - 3 * *second + *third).normalized()};
+  return ObservationLine{
+      3 * first->origin - 3 * second->origin + third->origin,
+      (3 * first->direction - 3 * second->direction + third->direction)
+          .normalized()};
 }
 
 // How much each of the samples around a pixel counts, along one axis: the
@@ -342,28 +343,19 @@ void AddNoise(const RenderedImage& image, const ImagingOptions& options,
 
 }  // namespace
 
-PixelRays::PixelRays(const ImageSize& size, const LineOfPixel& line_of_pixel,
-                     int num_threads)
-    : size_(size),
-      lines_(static_cast<size_t>(size.width + 1) * (size.height + 1)) {
-  ParallelFor(size.height + 1, num_threads, [&](int row) {
+PixelRays::PixelRays(const CameraModel& camera, int num_threads)
+    : size_(camera.image_size()),
+      lines_(static_cast<size_t>(size_.width + 1) * (size_.height + 1)) {
+  ParallelFor(size_.height + 1, num_threads, [&](int row) {
     for (int column = 0; column <= size_.width; ++column) {
       ObservationLine& line =
           lines_[static_cast<size_t>(row) * (size_.width + 1) + column];
-      const auto found = line_of_pixel({column - 0.5, row - 0.5});
+      const auto found = LineNear(camera, {column - 0.5, row - 0.5});
       line.direction.setConstant(std::numeric_limits<double>::quiet_NaN());
       if (found) line = *found;
     }
   });
 }
-
-PixelRays::PixelRays(const CameraModel& camera, int num_threads)
-    : PixelRays(
-          camera.image_size(),
-          [&camera](const Eigen::Vector2d& pixel) {
-            return CentralLine(camera, pixel);
-          },
-          num_threads) {}
 
 RenderedImage RenderImage(const PixelRays& rays,
                           const std::vector<PlacedBoard>& boards,

@@ -4,7 +4,6 @@
 #define RAYGRID_SIMULATION_IMAGE_RENDERING_H
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,20 +15,13 @@
 
 namespace raygrid {
 
-/// The observation line of a pixel, if it has one; directions of unit length.
-using LineOfPixel =
-    std::function<std::optional<ObservationLine>(const Eigen::Vector2d& pixel)>;
-
 /// The observation lines of all corners of pixels: made once per camera, used
 /// for many images.
 class PixelRays {
  public:
-  /// Up to a pixel beyond the camera's area its directions are extrapolated:
-  /// areas end at the outermost pixels' centres, images at their corners.
+  /// Up to a pixel beyond the camera's area its lines are extrapolated: areas
+  /// end at the outermost pixels' centres, images at their corners.
   PixelRays(const CameraModel& camera, int num_threads);
-  /// For cameras whose lines do not meet in a point.
-  PixelRays(const ImageSize& size, const LineOfPixel& line_of_pixel,
-            int num_threads);
 
   const ImageSize& size() const { return size_; }
   /// Of pixel corner (column - 0.5, row - 0.5); its direction is NaN if there

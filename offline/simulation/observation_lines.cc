@@ -16,8 +16,8 @@ std::string FormatLine(const ObservationLine& line) {
 
 }  // namespace
 
-std::string FormatObservationLines(const ImageSize& size,
-                                   const LineOfPixel& line_of_pixel) {
+std::string FormatObservationLines(const CameraModel& camera) {
+  const ImageSize& size = camera.image_size();
   std::string text =
       "# The observation line of pixel (x, y): points (ox, oy, oz) + t (dx, "
       "dy, dz), t > 0, in metres.\n"
@@ -26,7 +26,7 @@ std::string FormatObservationLines(const ImageSize& size,
     for (int column = 0; column < kColumns; ++column) {
       const Eigen::Vector2d pixel(column * (size.width - 1.0) / (kColumns - 1),
                                   row * (size.height - 1.0) / (kRows - 1));
-      const auto line = line_of_pixel(pixel);
+      const auto line = camera.Line(pixel);
       text += fmt::format("{:.17g},{:.17g},{}\n", pixel.x(), pixel.y(),
                           line ? FormatLine(*line) : ",,,,,");
     }

@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "dataset/error.h"
+#include "simulation/fisheye_lens.h"
+#include "simulation/line_lens.h"
 #include "simulation/simulated_camera.h"
 
 namespace raygrid {
@@ -80,6 +82,14 @@ std::unique_ptr<CameraModel> SimulatedLens(const std::string& name,
         size);
   }
   if (name == "fisheye190") return Fisheye(size, 190 * kDegree, 1).Clone();
+  if (name == "noncentral")
+    return MovingPupilLens(*SimulatedLens("fisheye", size), kPupilShiftM)
+        .Clone();
+  if (name == "glass") {
+    const SimulatedCamera lens(Parametric(size, 0.83, -0.28, 0.09, 0),
+                               Bumps(size));
+    return GlassLens(MovingPupilLens(lens, kPupilShiftM), GlassPlate()).Clone();
+  }
   if (name == "example") {
     const SimulatedCamera example = ExampleSimulatedCamera();
     if (size != example.image_size())
@@ -88,12 +98,8 @@ std::unique_ptr<CameraModel> SimulatedLens(const std::string& name,
   }
   throw InputError(
       fmt::format("lens '{}' is not known; use pinhole, example, wide, "
-                  "fisheye, fisheye190 or noncentral",
+                  "fisheye, fisheye190, noncentral or glass",
                   name));
-}
-
-MovingPupilLens NonCentralLens(const ImageSize& size) {
-  return MovingPupilLens(*SimulatedLens("fisheye", size), kPupilShiftM);
 }
 
 }  // namespace raygrid

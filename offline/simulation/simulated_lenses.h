@@ -5,7 +5,6 @@
 #include <string>
 
 #include "camera/camera_model.h"
-#include "simulation/fisheye_lens.h"
 
 namespace raygrid {
 
@@ -15,12 +14,12 @@ namespace raygrid {
 ///   wide        100 degrees, barrel distortion, local bumps
 ///   fisheye     145 degrees, local bumps
 ///   fisheye190  190 degrees
+///   noncentral  the fisheye, whose pupil moves by 2 mm theta^2
+///   glass       62 degrees, barrel distortion, local bumps, the same moving
+///               pupil, behind GlassPlate()
 /// Throws InputError for other names and for sizes a lens does not have.
 std::unique_ptr<CameraModel> SimulatedLens(const std::string& name,
                                            const ImageSize& size);
-
-/// "noncentral": the fisheye, whose pupil moves by 2 mm theta^2.
-MovingPupilLens NonCentralLens(const ImageSize& size);
 
 }  // namespace raygrid
 

@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <cmath>
 
-#include "camera/stereographic.h"
 #include "dataset/error.h"
 #include "simulation/board_bend.h"
 #include "simulation/random.h"
@@ -70,24 +68,6 @@ double Magnification(const CameraModel& camera, const Eigen::Vector3d& ray) {
   return std::sqrt(std::max(0.0, mean - root));
 }
 
-// Calls project(point) for each feature that there is.
-template <typename Projection>
-std::vector<Feature> FeaturesSeen(const Board& board, const Pose& pose,
-                                  const ImageSize& size,
-                                  const Projection& project) {
-  std::vector<Feature> features;
-  for (int row = 0; row < board.rows; ++row) {
-    for (int column = 0; column < board.columns; ++column) {
-      if (!board.HasFeature(column, row)) continue;
-      const std::optional<Eigen::Vector2d> pixel =
-          project(pose * board.points[board.PointIndex(column, row)]);
-      if (pixel && WholeImage(size).Contains(*pixel))
-        features.push_back({board.id, column, row, *pixel});
-    }
-  }
-  return features;
-}
-
 // Keeps count of the features, chosen at random, in their order.
 void Thin(size_t count, Random* random, std::vector<Feature>* features) {
   while (features->size() > count)
@@ -95,104 +75,21 @@ void Thin(size_t count, Random* random, std::vector<Feature>* features) {
                     random->Index(static_cast<int>(features->size())));
 }
 
-// The angle between a pixel's line and the point, in the chart; zero where the
-// line goes through it.
-std::optional<Eigen::Vector2d> LineError(const LineOfPixel& line_of_pixel,
-                                         const Eigen::Vector2d& pixel,
-                                         const Eigen::Vector3d& point) {
-  const auto line = line_of_pixel(pixel);
-  if (!line) return std::nullopt;
-  return ToChart(point - line->origin) - ToChart(line->direction);
-}
-
-// Its derivative by the pixel.
-std::optional<Eigen::Matrix2d> LineErrorDerivative(
-    const LineOfPixel& line_of_pixel, const Eigen::Vector2d& pixel,
-    const Eigen::Vector3d& point) {
-  constexpr double kStepPx = 0.01;
-  Eigen::Matrix2d derivative;
-  for (int k = 0; k < 2; ++k) {
-    const Eigen::Vector2d step = kStepPx * Eigen::Vector2d::Unit(k);
-    const auto ahead = LineError(line_of_pixel, pixel + step, point);
-    const auto behind = LineError(line_of_pixel, pixel - step, point);
-    if (!ahead || !behind) return std::nullopt;
-    derivative.col(k) = (*ahead - *behind) / (2 * kStepPx);
-  }
-  return derivative;
-}
-
-// Images of the first board; see(board, pose) tells its features.
-template <typename See>
-SimulatedObservations Simulate(const CameraModel& camera,
-                               const Pattern& pattern,
-                               const SimulationOptions& options,
-                               const See& see) {
-  constexpr int kMaxTries = 10000;  // for an image
-  Random random(options.seed);
-  SimulatedObservations result;
-  result.dataset.image_size = camera.image_size();
-  result.true_pattern = pattern;
-  Board& board = result.true_pattern.boards.front();
-  board = BentBoard(board, options.board_bend_m);
-
-  int num_tries = 0;
-  while (static_cast<int>(result.dataset.images.size()) < options.num_images) {
-    if (++num_tries > kMaxTries)
-      throw Error(ExitCode::kTooFew,
-                  fmt::format("{} poses at random, and none shows {} features; "
-                              "ask for fewer",
-                              kMaxTries, options.features_per_image));
-    const Pose pose = RandomPose(camera, board, &random);
-    std::vector<Feature> features = see(board, pose);
-    if (static_cast<int>(features.size()) < options.features_per_image)
-      continue;
-    num_tries = 0;
-    Thin(options.features_per_image, &random, &features);
-    for (Feature& feature : features)
-      for (int k = 0; k < 2; ++k)
-        feature.pixel[k] += options.noise_px * random.Normal();
-    const std::string name =
-        fmt::format("sim{:04d}.png", result.dataset.images.size());
-    result.dataset.images.push_back({name, std::move(features)});
-    result.poses.push_back({name, board.id, pose});
-  }
-  return result;
-}
-
 }  // namespace
 
 std::vector<Feature> VisibleFeatures(const CameraModel& camera,
                                      const Board& board, const Pose& pose) {
-  return FeaturesSeen(
-      board, pose, camera.image_size(),
-      [&](const Eigen::Vector3d& point) { return camera.Project(point); });
-}
-
-std::vector<Feature> VisibleFeatures(const LineOfPixel& line_of_pixel,
-                                     const CameraModel& central,
-                                     const Board& board, const Pose& pose) {
-  return FeaturesSeen(
-      board, pose, central.image_size(), [&](const Eigen::Vector3d& point) {
-        auto pixel = central.Project(point);
-        if (pixel) pixel = ProjectThroughLines(line_of_pixel, point, *pixel);
-        return pixel;
-      });
-}
-
-std::optional<Eigen::Vector2d> ProjectThroughLines(
-    const LineOfPixel& line_of_pixel, const Eigen::Vector3d& point,
-    const Eigen::Vector2d& start) {
-  Eigen::Vector2d pixel = start;
-  for (int iteration = 0; iteration < 30; ++iteration) {
-    const auto error = LineError(line_of_pixel, pixel, point);
-    const auto derivative = LineErrorDerivative(line_of_pixel, pixel, point);
-    if (!error || !derivative) return std::nullopt;
-    const Eigen::Vector2d step = derivative->inverse() * *error;
-    if (!step.allFinite()) return std::nullopt;
-    pixel -= step;
-    if (step.norm() < 1e-9) return pixel;
+  std::vector<Feature> features;
+  for (int row = 0; row < board.rows; ++row) {
+    for (int column = 0; column < board.columns; ++column) {
+      if (!board.HasFeature(column, row)) continue;
+      const std::optional<Eigen::Vector2d> pixel =
+          camera.Project(pose * board.points[board.PointIndex(column, row)]);
+      if (pixel && WholeImage(camera.image_size()).Contains(*pixel))
+        features.push_back({board.id, column, row, *pixel});
+    }
   }
-  return std::nullopt;
+  return features;
 }
 
 std::vector<Pose> RandomPoses(const CameraModel& camera,
@@ -217,20 +114,36 @@ std::vector<Pose> RandomPoses(const CameraModel& camera,
 SimulatedObservations SimulateObservations(const CameraModel& camera,
                                            const Pattern& pattern,
                                            const SimulationOptions& options) {
-  return Simulate(camera, pattern, options,
-                  [&](const Board& board, const Pose& pose) {
-                    return VisibleFeatures(camera, board, pose);
-                  });
-}
+  constexpr int kMaxTries = 10000;  // for an image
+  Random random(options.seed);
+  SimulatedObservations result;
+  result.dataset.image_size = camera.image_size();
+  result.true_pattern = pattern;
+  Board& board = result.true_pattern.boards.front();
+  board = BentBoard(board, options.board_bend_m);
 
-SimulatedObservations SimulateObservations(const LineOfPixel& line_of_pixel,
-                                           const CameraModel& central,
-                                           const Pattern& pattern,
-                                           const SimulationOptions& options) {
-  return Simulate(central, pattern, options,
-                  [&](const Board& board, const Pose& pose) {
-                    return VisibleFeatures(line_of_pixel, central, board, pose);
-                  });
+  int num_tries = 0;
+  while (static_cast<int>(result.dataset.images.size()) < options.num_images) {
+    if (++num_tries > kMaxTries)
+      throw Error(ExitCode::kTooFew,
+                  fmt::format("{} poses at random, and none shows {} features; "
+                              "ask for fewer",
+                              kMaxTries, options.features_per_image));
+    const Pose pose = RandomPose(camera, board, &random);
+    std::vector<Feature> features = VisibleFeatures(camera, board, pose);
+    if (static_cast<int>(features.size()) < options.features_per_image)
+      continue;
+    num_tries = 0;
+    Thin(options.features_per_image, &random, &features);
+    for (Feature& feature : features)
+      for (int k = 0; k < 2; ++k)
+        feature.pixel[k] += options.noise_px * random.Normal();
+    const std::string name =
+        fmt::format("sim{:04d}.png", result.dataset.images.size());
+    result.dataset.images.push_back({name, std::move(features)});
+    result.poses.push_back({name, board.id, pose});
+  }
+  return result;
 }
 
 }  // namespace raygrid

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "camera/camera_model.h"
+#include "camera/pose.h"
 #include "dataset/dataset.h"
-#include "simulation/image_rendering.h"
 
 namespace raygrid {
 
@@ -33,26 +33,10 @@ struct SimulatedObservations {
 SimulatedObservations SimulateObservations(const CameraModel& camera,
                                            const Pattern& pattern,
                                            const SimulationOptions& options);
-/// Likewise for a camera whose lines do not meet in a point; central is near to
-/// it.
-SimulatedObservations SimulateObservations(const LineOfPixel& line_of_pixel,
-                                           const CameraModel& central,
-                                           const Pattern& pattern,
-                                           const SimulationOptions& options);
 
 /// Features of a board, bent or not, that are seen within the image, exactly.
 std::vector<Feature> VisibleFeatures(const CameraModel& camera,
                                      const Board& board, const Pose& pose);
-/// Likewise for a camera whose lines do not meet in a point; central is near to
-/// it and gives the starts.
-std::vector<Feature> VisibleFeatures(const LineOfPixel& line_of_pixel,
-                                     const CameraModel& central,
-                                     const Board& board, const Pose& pose);
-
-/// The pixel whose observation line goes through a point, by Newton's method.
-std::optional<Eigen::Vector2d> ProjectThroughLines(
-    const LineOfPixel& line_of_pixel, const Eigen::Vector3d& point,
-    const Eigen::Vector2d& start);
 
 /// Where boards are held to be photographed.
 struct PoseOptions {

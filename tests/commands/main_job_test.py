@@ -46,6 +46,25 @@ class MainJob(CommandTest):
                 self.assertEqual(read(self.path("again/" + name)), read(self.path("out/" + name)),
                                  name)
 
+    def test_compare_finds_little_between_camera_and_truth(self):
+        result = run("compare", self.path("sim/true_camera.yaml"), self.path("out/camera.raygrid"),
+                     "-o", self.path("difference"), "--json")
+        self.assert_done(result)
+        figures = json.loads(result.stdout)
+        self.assertLess(figures["median_px"], 0.05)
+        self.assertLess(0, figures["median_px"])
+        self.assertEqual(set(os.listdir(self.path("difference"))),
+                         {"difference.json", "difference.csv", "magnitude.png", "direction.png"})
+        places = rows(read(self.path("difference/difference.csv")).decode())
+        self.assertEqual(len(places), figures["places"])
+
+    def test_compare_needs_cameras_of_one_size(self):
+        other = read(self.path("out/camera.yaml")).replace(b"[640, 480]", b"[1280, 960]")
+        write(self.path("other.yaml"), other)
+        result = run("compare", self.path("out/camera.yaml"), self.path("other.yaml"))
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("640 x 480", result.stderr)
+
     def test_evaluate_agrees_with_training(self):
         result = run("evaluate", self.path("out/camera.yaml"), "--features",
                      self.path("sim/features.csv"), "--pattern", self.path("out/pattern.yaml"),

@@ -14,7 +14,7 @@ class Rig(CommandTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        result = run("simulate", "--cameras", 2, "--baseline-m", 0.08, "--images", 16, "-o",
+        result = run("simulate", "--lens", "pinhole", "--cameras", 2, "--baseline-m", 0.08, "--images", 16, "-o",
                      cls.path("sim"))
         assert result.returncode == 0, result.stderr
         cls.pattern = cls.path("sim/pattern.yaml")
@@ -112,7 +112,7 @@ class Rig(CommandTest):
         self.assert_refused(refused("--camera", f"a={folder}", "--camera", f"b={folder}",
                                     folder), 1, "--camera")
         self.assert_refused(refused("--camera", f"a={self.path('nowhere')}", "--camera",
-                                    f"b={folder}"), 2, "nowhere")
+                                    f"b={self.path('nowhere')}"), 2, "nowhere")
 
     def test_features_of_a_camera_that_is_not_in_the_rig(self):
         features = self.edited(lambda line: line.replace("cam1,", "front,"))

@@ -132,8 +132,7 @@ class Simulate(CommandTest):
         for options in ((), ("--render", "--pattern", self.chessboard())):
             folder = self.simulate("--lens", "noncentral", "--size", "320x240", *options)
             camera = read(os.path.join(folder, "true_camera.yaml")).decode()
-            self.assertTrue(camera.startswith("# Not the whole truth"))
-            self.assertIn("central part only", camera)
+            self.assertIn("model: noncentral-generic", camera)
             lines = table(os.path.join(folder, "true_lines.csv"))
             self.assertEqual(len(lines), 33 * 25)
             self.assertEqual((float(lines[-1]["x"]), float(lines[-1]["y"])), (319, 239))
@@ -149,8 +148,32 @@ class Simulate(CommandTest):
             self.assert_done(run("unproject", os.path.join(folder, "true_camera.yaml"), "--pixels",
                                  pixels, "-o", rays))
             for line, ray in zip(lines, table(rays)):
-                for key in ("dx", "dy", "dz"):
+                for key in ("dx", "dy", "dz", "ox", "oy", "oz"):
                     self.assertAlmostEqual(float(line[key]), float(ray[key]), delta=1e-6)
+
+    def test_cameras_that_are_not_central_are_read_but_not_packed(self):
+        folder = self.simulate("--lens", "glass", "--size", "320x240", "--noise-px", 0, images=4)
+        camera = os.path.join(folder, "true_camera.yaml")
+        lines = table(os.path.join(folder, "true_lines.csv"))
+        points = write(self.path("xyz.csv"), "x,y,z\n" + "\n".join(
+            ",".join(str(float(line["o" + k]) + 0.4 * float(line["d" + k])) for k in "xyz")
+            for line in lines[33 + 1:33 + 32]))
+        pixels = self.path("px.csv")
+        self.assert_done(run("project", camera, "--points", points, "-o", pixels))
+        for line, pixel in zip(lines[33 + 1:33 + 32], table(pixels)):
+            self.assertEqual(pixel["valid"], "1")
+            self.assertAlmostEqual(float(line["x"]), float(pixel["u"]), delta=1e-3)
+            self.assertAlmostEqual(float(line["y"]), float(pixel["v"]), delta=1e-3)
+        outside = write(self.path("outside.csv"), "x,y\n-3,5\n")
+        rays = self.path("rays.csv")
+        self.assert_done(run("unproject", camera, "--pixels", outside, "-o", rays))
+        self.assertEqual(read(rays), b"x,y,dx,dy,dz,ox,oy,oz\n-3,5,,,,,,\n")
+        evaluated = run("evaluate", camera, "--features", os.path.join(folder, "features.csv"),
+                        "--pattern", os.path.join(folder, "true_pattern.yaml"), "--json")
+        self.assert_done(evaluated)
+        self.assertLess(json.loads(evaluated.stdout)["max_px"], 1e-3)
+        self.assert_refused(run("pack", camera, "-o", self.path("lines.raygrid")), 1, "noncentral")
+        self.assertFalse(os.path.exists(self.path("lines.raygrid")))
 
     def test_fewer_features_than_usual(self):
         star = self.board("star", "--columns", 16, "--rows", 15, "--square-mm", 10)

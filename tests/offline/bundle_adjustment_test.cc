@@ -75,13 +75,11 @@ void AddPriorBlocks(const GaussianPrior& prior, double* camera,
                     std::vector<Eigen::Vector3d>* points,
                     ceres::Problem* problem) {
   using CameraVector = Eigen::Matrix<double, OpenCvModel::kCount, 1>;
-  const Eigen::MatrixXd precision = prior.cameras[0].precision;
-  problem->AddResidualBlock(
-      NewPriorCost<OpenCvModel::kCount>(
-          CameraVector(prior.cameras[0].mean),
-          CameraVector(
-              (prior.cameras[0].weight * precision.diagonal()).cwiseSqrt())),
-      nullptr, camera);
+  const Eigen::MatrixXd precision = WeightedPrecision(prior.cameras[0]);
+  problem->AddResidualBlock(NewPriorCost<OpenCvModel::kCount>(
+                                CameraVector(prior.cameras[0].mean),
+                                CameraVector(precision.diagonal().cwiseSqrt())),
+                            nullptr, camera);
   for (size_t i = 0; i < points->size(); ++i)
     problem->AddResidualBlock(
         NewPriorCost<3>(
@@ -128,8 +126,7 @@ Solution SolveByCeres(const std::vector<View>& views,
 
 double CostOfPrior(const GaussianPrior& prior, const AdjustmentState& state) {
   const Eigen::VectorXd d = state.camera().Parameters() - prior.cameras[0].mean;
-  double cost =
-      prior.cameras[0].weight / 2 * d.dot(prior.cameras[0].precision * d);
+  double cost = d.dot(WeightedPrecision(prior.cameras[0]) * d) / 2;
   for (size_t i = 0; i < state.points.size(); ++i)
     cost += prior.points_weight / 2 *
             (state.points[i] - prior.points_mean[i]).squaredNorm();

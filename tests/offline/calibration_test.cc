@@ -1,10 +1,13 @@
 // How a calibration behaves; how accurate it is, accuracy_test.cc says.
 
 #include "calibration/calibration.h"
-#include "calibration/camera_evaluation.h"
 
 #include <set>
 
+#include "calibration/camera_evaluation.h"
+#include "evaluation/line_spread.h"
+#include "evaluation/model_difference.h"
+#include "simulation/line_lens.h"
 #include "simulation/simulated_camera.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
@@ -195,6 +198,49 @@ TEST(Calibrate, AreaIsThatOfTheFeatures) {
       EXPECT_TRUE(area.Contains(feature.pixel));
   EXPECT_LT(area.width(), 640);
   EXPECT_GT(area.width(), 500);
+}
+
+// A pinhole-like lens behind glass.
+GlassLens LensBehindGlass() {
+  return GlassLens(*SimulatedLens("pinhole", {640, 480}), GlassPlate());
+}
+
+CalibrationResult CalibrateSeenBy(const CameraModel& lens,
+                                  const std::string& model) {
+  SimulationOptions simulation;
+  simulation.num_images = 24;
+  simulation.features_per_image = 100;
+  const Dataset dataset =
+      SimulateObservations(lens, TestBoard(), simulation).dataset;
+  CalibrationOptions options = HoldingOut({});
+  for (size_t i = 0; i < dataset.images.size(); i += 4)
+    options.hold_out.push_back(dataset.images[i].image);
+  options.model = model;
+  return Calibrate(dataset, TestBoard(), options);
+}
+
+constexpr double kNoiseRmsPx = 0.05 * M_SQRT2;
+
+TEST(Calibrate, OnlyLinesExplainWhatIsSeenThroughGlass) {
+  const GlassLens lens = LensBehindGlass();
+  const CalibrationResult central = CalibrateSeenBy(lens, "central-generic");
+  const CalibrationResult lines = CalibrateSeenBy(lens, "noncentral-generic");
+  EXPECT_GT(central.camera.held_out->rms_px, 2 * kNoiseRmsPx);
+  EXPECT_LT(lines.camera.held_out->rms_px, 1.2 * kNoiseRmsPx);
+  EXPECT_FALSE(central.line_spread);
+  ASSERT_TRUE(lines.line_spread);
+  const LineSpread truth = MeasureLineSpread(lens);
+  EXPECT_NEAR(lines.line_spread->rms_m, truth.rms_m, 0.1 * truth.rms_m);
+  // The frame's origin is where the lines come nearest.
+  EXPECT_LT(lines.line_spread->nearest_point.norm(), 1e-9);
+  EXPECT_LT(CompareModels(lens, *lines.camera.camera, 16, 0.5).p99_px, 0.2);
+}
+
+TEST(Calibrate, LinesOfACentralLensMeet) {
+  const auto lens = SimulatedLens("pinhole", {640, 480});
+  const CalibrationResult lines = CalibrateSeenBy(*lens, "noncentral-generic");
+  EXPECT_LT(lines.camera.held_out->rms_px, 1.1 * kNoiseRmsPx);
+  EXPECT_LT(lines.line_spread->rms_m, 2e-5);
 }
 
 TEST(EvaluateCamera, FindsTheNoiseOfATrueCamera) {

@@ -1,5 +1,7 @@
 #include "dataset/camera_file.h"
 
+#include "camera/central_radial.h"
+#include "camera/thin_prism_fisheye.h"
 #include "dataset/files.h"
 #include "simulation/simulated_camera.h"
 #include "support.h"
@@ -18,9 +20,35 @@ CameraFile GenericFile() {
   return file;
 }
 
+CameraFile NonCentralFile() {
+  CameraFile file;
+  file.camera = std::make_shared<NonCentralGeneric>(FitNonCentralGeneric(
+      *SimulatedLens("glass", {640, 480}), {1.0 / 3, 2, 630.1, 470}, 7, 6));
+  return file;
+}
+
 CameraFile OpenCvFile() {
   CameraFile file;
   file.camera = std::make_shared<OpenCvModel>(ExampleLens());
+  return file;
+}
+
+CameraFile FisheyeFile() {
+  CameraFile file;
+  file.camera = std::make_shared<ThinPrismFisheye>(
+      ImageSize{640, 480}, Area{1, 2, 630, 470},
+      ThinPrismFisheye::ParameterArray{200, 201, 322, 236, 0.01, 0.02, -0.003,
+                                       1e-4, 1e-3, -8e-4, 2e-5, 3e-4});
+  return file;
+}
+
+CameraFile RadialFile() {
+  CameraFile file;
+  file.camera = std::make_shared<CentralRadial>(
+      ImageSize{640, 480}, Area{1, 2, 630, 470}, 1.7,
+      std::vector<double>{0.01, 0.02, 1.0 / 30, 0.04},
+      CentralRadial::OtherParameters{200, 201, 322, 236, 1e-3, -8e-4, 2e-5,
+                                     3e-4});
   return file;
 }
 
@@ -43,7 +71,9 @@ std::string Replaced(std::string text, const std::string& from,
 }
 
 TEST(CameraFile, RoundTripKeepsTheCamera) {
-  for (const CameraFile& file : {GenericFile(), OpenCvFile()}) {
+  for (const CameraFile& file :
+       {GenericFile(), NonCentralFile(), OpenCvFile(), FisheyeFile(),
+        RadialFile()}) {
     const CameraFile read = Read(FormatCameraFile(file));
     EXPECT_EQ(read.camera->Name(), file.camera->Name());
     EXPECT_EQ(read.camera->image_size(), file.camera->image_size());
@@ -74,7 +104,9 @@ TEST(CameraFile, RoundTripKeepsWhatIsKnownOfTheCamera) {
 }
 
 TEST(CameraFile, FormatOfWhatWasReadIsTheSame) {
-  for (const CameraFile& file : {GenericFile(), OpenCvFile()}) {
+  for (const CameraFile& file :
+       {GenericFile(), NonCentralFile(), OpenCvFile(), FisheyeFile(),
+        RadialFile()}) {
     const std::string text = FormatCameraFile(file);
     EXPECT_EQ(FormatCameraFile(Read(text)), text);
   }
@@ -92,6 +124,16 @@ TEST(CameraFile, NumbersThatAreNotFiniteAreRefused) {
   }
 }
 
+TEST(CameraFile, SplinesThatAreNoneAreRefused) {
+  const std::string radial = FormatCameraFile(RadialFile());
+  for (const char* bad : {"-1", "0", "3.2", ".nan", "word"})
+    ExpectRefused(Replaced(radial, "max_angle_rad: 1.7",
+                           std::string("max_angle_rad: ") + bad));
+  ExpectRefused(Replaced(radial, "0.02", ".nan"));
+  ExpectRefused(Replaced(radial, "[0.01, 0.02, ", "["));
+  ExpectRefused(Replaced(radial, "sx1", "sx2"));
+}
+
 TEST(CameraFile, WrongCountsAreRefused) {
   const std::string generic = FormatCameraFile(GenericFile());
   ExpectRefused(Replaced(generic, "columns: 7", "columns: 8"));
@@ -104,6 +146,9 @@ TEST(CameraFile, WrongCountsAreRefused) {
   ExpectRefused(std::string(generic).replace(point, end - point, "- [0.5]"));
   ExpectRefused(
       std::string(generic).replace(point, end - point, "- [0.5, 1, 2]"));
+  ExpectRefused(Replaced(generic, "central-generic", "noncentral-generic"));
+  ExpectRefused(Replaced(FormatCameraFile(NonCentralFile()),
+                         "noncentral-generic", "central-generic"));
   ExpectRefused(Replaced(generic, "[640, 480]", "[640]"));
   ExpectRefused(Replaced(generic, "[640, 480]", "[640, -480]"));
 }

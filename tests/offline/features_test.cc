@@ -90,6 +90,22 @@ class Photograph {
     const cv::Vec3d p = to_image_ * drawing_.Place(f.column, f.row);
     return {p[0] / p[2], p[1] / p[2]};
   }
+  // A place in squares from the first feature.
+  cv::Point2d ToImage(double column, double row) const {
+    const cv::Vec3d origin = drawing_.Place(0, 0);
+    const cv::Vec3d p = to_image_ * cv::Vec3d(origin[0] + column * kSquare,
+                                              origin[1] + row * kSquare, 1);
+    return {p[0] / p[2], p[1] / p[2]};
+  }
+  // How many features lie in the image, that far from its edge at least.
+  int NumVisible(const Board& board, double margin_px) const {
+    int count = 0;
+    for (int row = 0; row < board.rows; ++row)
+      for (int column = 0; column < board.columns; ++column)
+        count += WholeImage({mat.cols, mat.rows})
+                     .Contains(Truth({board.id, column, row, {}}), -margin_px);
+    return count;
+  }
   double WorstErrorPx(const std::vector<Feature>& features) const {
     double worst = 0;
     for (const Feature& f : features)
@@ -114,6 +130,11 @@ const std::vector<cv::Point2f> kOnItsSide = {
     {500, 20}, {510, 460}, {60, 450}, {80, 30}};
 const std::vector<cv::Point2f> kHalfOutside = {
     {-300, 40}, {560, 60}, {550, 440}, {-280, 450}};
+
+const std::vector<cv::Point2f> kAllAround = {
+    {-300, -240}, {960, -200}, {930, 690}, {-280, 700}};
+const std::vector<cv::Point2f> kSmall = {
+    {200, 150}, {420, 155}, {415, 318}, {205, 310}};
 
 Pattern CharucoPattern(int columns, int rows, bool is_legacy = false) {
   return ParsePattern(
@@ -208,6 +229,61 @@ TEST(Chessboard, MirroredBoardOfOddSidesIsRemarkedUponAndNumberedAsItIs) {
   EXPECT_LT(photograph.WorstErrorPx(mirrored.features), 0.05);
 }
 
+TEST(Chessboard, PartIsNumberedByTheEndsOfTheBoard) {
+  const Pattern pattern = ChessboardPattern(9, 6, 0.025);
+  const Photograph photograph(pattern.boards[0], kHalfOutside);
+  for (const Image& image :
+       {photograph.image(), TurnedAround(photograph.image())}) {
+    ImageDetection detection = Detected(image, pattern);
+    EXPECT_GE(static_cast<int>(detection.features.size()),
+              photograph.NumVisible(pattern.boards[0], 8));
+    EXPECT_LT(detection.features.size(), 54u);
+    EXPECT_TRUE(detection.remarks.empty());
+    if (image.pixels != photograph.image().pixels)
+      for (Feature& f : detection.features)
+        f.pixel = Eigen::Vector2d(639, 479) - f.pixel;
+    EXPECT_LT(photograph.WorstErrorPx(detection.features), 0.05);
+  }
+}
+
+TEST(Chessboard, PartThatMayBeAnyIsLeftOutWithARemark) {
+  const Pattern pattern = ChessboardPattern(11, 8, 0.025);
+  const Photograph photograph(pattern.boards[0], kAllAround);
+  const ImageDetection detection = Detected(photograph.image(), pattern);
+  EXPECT_TRUE(detection.features.empty());
+  ASSERT_EQ(detection.remarks.size(), 1u);
+  EXPECT_NE(detection.remarks[0].find("but not which"), std::string::npos);
+}
+
+TEST(Chessboard, WhatCoversABoardIsNotItsEnd) {
+  const Pattern pattern = ChessboardPattern(9, 6, 0.025);
+  Photograph photograph(pattern.boards[0], kHalfOutside);
+  // Along the edges of squares: two columns are hidden.
+  const std::vector<cv::Point> cover = {{640, 480},
+                                        {640, 0},
+                                        photograph.ToImage(7, -2),
+                                        photograph.ToImage(7, 7)};
+  cv::fillConvexPoly(photograph.mat, cover, cv::Scalar(150));
+  const ImageDetection detection = Detected(photograph.image(), pattern);
+  EXPECT_TRUE(detection.features.empty());
+  EXPECT_EQ(detection.remarks.size(), 1u);
+}
+
+TEST(Chessboard, BlurredDarkAndSmallBoardsAreFound) {
+  const Pattern pattern = ChessboardPattern(9, 6, 0.025);
+  for (const auto& quad : {kTilted, kSmall}) {
+    const Photograph photograph(pattern.boards[0], quad);
+    cv::Mat blurred, dark;
+    cv::GaussianBlur(photograph.mat, blurred, cv::Size(), 2.5);
+    photograph.mat.convertTo(dark, CV_8U, 0.08);
+    for (const cv::Mat& mat : {blurred, dark}) {
+      const auto features = Detected(ToGrey(mat), pattern).features;
+      EXPECT_EQ(features.size(), 54u);
+      EXPECT_LT(photograph.WorstErrorPx(features), 0.2);
+    }
+  }
+}
+
 TEST(Chessboard, NothingIsFoundWhereThereIsNoBoard) {
   const Pattern pattern = ChessboardPattern(9, 6, 0.025);
   const cv::Mat empty(kSize, CV_8U, cv::Scalar(128));
@@ -248,8 +324,25 @@ TEST(Charuco, PartOfABoardIsEnough) {
   const Pattern pattern = CharucoPattern(7, 5);
   const Photograph photograph(pattern.boards[0], kHalfOutside);
   const auto features = Detected(photograph.image(), pattern).features;
-  EXPECT_GE(features.size(), 20u);
+  EXPECT_GE(static_cast<int>(features.size()),
+            photograph.NumVisible(pattern.boards[0], 8));
   EXPECT_LT(features.size(), 35u);
+  EXPECT_LT(photograph.WorstErrorPx(features), kDrawingErrorPx);
+}
+
+TEST(Charuco, CornersAreFoundWhereNoMarkerCanBeRead) {
+  const Pattern pattern = CharucoPattern(7, 5);
+  Photograph photograph(pattern.boards[0], kTilted);
+  // Erases the markers' middles but in the first columns.
+  for (int row = -1; row < 5; ++row) {
+    for (int column = 2; column < 7; ++column) {
+      if ((row + column) % 2 == 0) continue;
+      const cv::Point2d middle = photograph.ToImage(column + 0.5, row + 0.5);
+      cv::circle(photograph.mat, middle, 12, cv::Scalar(230), cv::FILLED);
+    }
+  }
+  const auto features = Detected(photograph.image(), pattern).features;
+  EXPECT_EQ(features.size(), 35u);
   EXPECT_LT(photograph.WorstErrorPx(features), kDrawingErrorPx);
 }
 
@@ -289,6 +382,16 @@ TEST(Charuco, CornersInRenderedImagesAreExact) {
     EXPECT_LT((features[i].pixel - truth[i].pixel).norm(), 0.02);
 }
 
+TEST(Charuco, DarkBoardIsFound) {
+  const Pattern pattern = CharucoPattern(7, 5);
+  const Photograph photograph(pattern.boards[0], kTilted);
+  cv::Mat dark;
+  photograph.mat.convertTo(dark, CV_8U, 0.08);
+  const auto features = Detected(ToGrey(dark), pattern).features;
+  EXPECT_EQ(features.size(), 35u);
+  EXPECT_LT(photograph.WorstErrorPx(features), 0.2);
+}
+
 TEST(Charuco, BoardWithOtherMarkersIsNotFound) {
   Pattern other = CharucoPattern(7, 5);
   other.boards[0].first_marker = 100;
@@ -313,9 +416,18 @@ TEST(AprilGrid, PartOfABoardIsEnough) {
   const Pattern pattern = AprilGridPattern();
   const Photograph photograph(pattern.boards[0], kHalfOutside);
   const auto features = Detected(photograph.image(), pattern).features;
-  EXPECT_GE(features.size(), 32u);
+  EXPECT_GE(static_cast<int>(features.size()),
+            photograph.NumVisible(pattern.boards[0], 8));
   EXPECT_LT(features.size(), 80u);
   EXPECT_LT(photograph.WorstErrorPx(features), 0.05);
+}
+
+TEST(AprilGrid, TagsWithCellsOfThreePixelsAreRead) {
+  const Pattern pattern = AprilGridPattern();
+  const Photograph photograph(pattern.boards[0], kSmall);
+  const auto features = Detected(photograph.image(), pattern).features;
+  EXPECT_EQ(features.size(), 80u);
+  EXPECT_LT(photograph.WorstErrorPx(features), 0.08);
 }
 
 TEST(AprilGrid, TagsOfAnotherBoardAreRemarkedUpon) {

@@ -78,6 +78,20 @@ TEST(Localize, RecoversPosesFarOffTheAxisOfAFisheye) {
   }
 }
 
+TEST(Localize, RecoversPosesOfACameraWhoseLinesDoNotMeet) {
+  const NonCentralGeneric camera = ExampleLines();
+  TestRandom random(6);
+  int count = 0;
+  while (count < 30) {
+    const Pose pose =
+        PoseAlong(*camera.Unproject(random.PixelIn(camera.area())), &random);
+    const auto matches = Seen(camera, pose);
+    if (matches.size() < 20) continue;
+    ++count;
+    ExpectPose(Localize(camera, matches), pose, 1e-6);
+  }
+}
+
 TEST(Localize, WithstandsGrossOutliers) {
   const SimulatedCamera camera = ExampleSimulatedCamera();
   TestRandom random(3);

@@ -49,6 +49,21 @@ TEST(AlignToNominal, ChangesNoReprojection) {
     EXPECT_LT((before[i].error_px - after[i].error_px).norm(), 1e-8);
 }
 
+TEST(AlignToNominal, LeavesTheScaleToACameraWhoseLinesDoNotMeet) {
+  const SmallProblem problem = MakeSmallProblem({5, 20, 0});
+  AdjustmentState state = problem.state;
+  state.SetCamera(ExampleLines());
+  for (Eigen::Vector3d& point : state.points)
+    point = 1.01 * point + Eigen::Vector3d(0.01, 0, 0.02);
+  const auto before = ComputeResiduals(state, problem.views, 1);
+  const double extent = (state.points[0] - state.points[19]).norm();
+  AlignToNominal({{0, problem.state.points, {0, 1, 2, 3, 4}}}, &state);
+  EXPECT_NEAR((state.points[0] - state.points[19]).norm(), extent, 1e-12);
+  const auto after = ComputeResiduals(state, problem.views, 1);
+  for (size_t i = 0; i < before.size(); ++i)
+    EXPECT_LT((before[i].error_px - after[i].error_px).norm(), 1e-7);
+}
+
 TEST(AlignToNominal, LeavesOtherBoardsAndTheirViewsAlone) {
   const SmallProblem problem = MakeSmallProblem({4, 20, 0});
   const AdjustmentState moved = Moved(problem.state);

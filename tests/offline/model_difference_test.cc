@@ -1,5 +1,6 @@
 #include "evaluation/model_difference.h"
 
+#include "camera/stereographic.h"
 #include "simulation/simulated_camera.h"
 #include "support.h"
 
@@ -61,7 +62,8 @@ TEST(CompareModels, TakesOutARotation) {
       CompareModels(camera, RotatedCamera(camera, kRotation), 8);
   EXPECT_GT(difference.pixels.size(), 4000u);
   EXPECT_LT(difference.max_px, 1e-8);
-  EXPECT_LT(difference.first_from_second.angularDistance(kRotation.inverse()),
+  EXPECT_LT(difference.first_from_second.rotation.angularDistance(
+                kRotation.inverse()),
             1e-10);
 }
 
@@ -71,7 +73,8 @@ TEST(CompareModels, TakesOutTheRotationOfAFittedGrid) {
       FittedGrid(RotatedCamera(camera, kRotation), 20);
   const ModelDifference difference = CompareModels(camera, fitted, 8);
   EXPECT_LT(difference.max_px, 2e-3);
-  EXPECT_LT(difference.first_from_second.angularDistance(kRotation.inverse()),
+  EXPECT_LT(difference.first_from_second.rotation.angularDistance(
+                kRotation.inverse()),
             1e-6);
 }
 
@@ -109,6 +112,34 @@ TEST(CompareModels, ComparesOnlyWhereBothAreCalibrated) {
     for (const Eigen::Vector2d& pixel : difference.pixels)
       EXPECT_TRUE(inner.area().Contains(pixel));
   }
+}
+
+TEST(CompareModels, TakesOutARotationAndATranslationOfLines) {
+  const NonCentralGeneric camera = ExampleLines();
+  const Eigen::Vector3d origin(0.004, -0.003, 0.012);
+  const ModelDifference difference =
+      CompareModels(camera, camera.WithOrigin(origin), 8, 0.4);
+  EXPECT_EQ(difference.pixels.size(), 2u * 80u * 60u);
+  EXPECT_LT(difference.max_px, 1e-6);
+  EXPECT_LT((difference.first_from_second.translation - origin).norm(), 1e-9);
+}
+
+TEST(CompareModels, LinesThatDriftAlongThemselvesAreTheSame) {
+  const NonCentralGeneric camera = ExampleLines();
+  NonCentralGeneric drifted = camera;
+  Eigen::VectorXd parameters = camera.Parameters();
+  for (Eigen::Index k = 0; k < parameters.size(); k += 5)
+    parameters.segment<3>(k + 2) += 0.01 * FromChart(parameters.segment<2>(k));
+  drifted.SetParameters(parameters);
+  EXPECT_LT(CompareModels(camera, drifted, 8, 0.4).max_px, 0.01);
+}
+
+TEST(CompareModels, ShowsWhatIsNotCentral) {
+  const NonCentralGeneric lines = ExampleLines();
+  const ModelDifference near =
+      CompareModels(lines, lines.CentralPart(), 8, 0.4);
+  EXPECT_GT(near.max_px, 0.2);
+  EXPECT_LT(CompareModels(lines, lines.CentralPart(), 8, 400).max_px, 0.01);
 }
 
 }  // namespace

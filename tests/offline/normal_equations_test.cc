@@ -53,10 +53,9 @@ void AddDensePrior(const GaussianPrior& prior, const AdjustmentState& state,
   constexpr int n = OpenCvModel::kCount;
   for (int c = 0; c < layout.num_cameras; ++c) {
     const CameraPrior& camera = prior.cameras[c];
-    const Eigen::MatrixXd k =
-        camera.weight * Eigen::MatrixXd(camera.precision) +
-        camera.orientation_weight * camera.orientation *
-            camera.orientation.transpose();
+    const Eigen::MatrixXd k = WeightedPrecision(camera) +
+                              camera.orientation_weight * camera.orientation *
+                                  camera.orientation.transpose();
     dense->h.block<n, n>(layout.Camera(c), layout.Camera(c)) += k;
     dense->g.segment<n>(layout.Camera(c)) +=
         k * (state.cameras[c]->Parameters() - camera.mean);
@@ -211,15 +210,16 @@ void ExpectTraces(int num_views, int num_points) {
                   .SampleCovariance(kNumSamples, &samples));
   constexpr int n = OpenCvModel::kCount;
   const double camera_trace =
-      (prior.cameras[0].precision * covariance.topLeftCorner(n, n)).trace();
+      (prior.cameras[0].groups[0].precision * covariance.topLeftCorner(n, n))
+          .trace();
   const double points_trace =
       covariance.diagonal().segment(n, 3 * num_points).sum();
-  EXPECT_NEAR(
-      samples.cameras[0]
-              .cwiseProduct(prior.cameras[0].precision * samples.cameras[0])
-              .sum() /
-          kNumSamples,
-      camera_trace, 0.1 * camera_trace);
+  EXPECT_NEAR(samples.cameras[0]
+                      .cwiseProduct(prior.cameras[0].groups[0].precision *
+                                    samples.cameras[0])
+                      .sum() /
+                  kNumSamples,
+              camera_trace, 0.1 * camera_trace);
   EXPECT_NEAR(samples.points.squaredNorm() / kNumSamples, points_trace,
               0.1 * points_trace);
 }

@@ -277,39 +277,20 @@ TEST(SimulatedLens, UnknownNamesAreRefused) {
               [] { SimulatedLens("example", kSize); });
 }
 
-TEST(ProjectThroughLines, FindsThePixelWhoseLineGoesThroughThePoint) {
-  const MovingPupilLens lens = NonCentralLens(kSize);
-  TestRandom random(3);
-  for (int i = 0; i < 200; ++i) {
-    const Eigen::Vector2d pixel = random.PixelIn({5, 5, 314, 234});
-    const ObservationLine line = lens.Line(pixel).value();
-    const Eigen::Vector3d point =
-        line.origin + random.Uniform(0.1, 1) * line.direction;
-    const auto found = ProjectThroughLines(
-        [&lens](const Eigen::Vector2d& p) { return lens.Line(p); }, point,
-        pixel + Eigen::Vector2d(1, -1));
-    ASSERT_TRUE(found);
-    EXPECT_LT((*found - pixel).norm(), 1e-6);
-  }
-}
-
 TEST(SimulateObservations, OfANonCentralLensLieOnItsLines) {
-  const MovingPupilLens lens = NonCentralLens(kSize);
-  const LineOfPixel line_of_pixel = [&lens](const Eigen::Vector2d& p) {
-    return lens.Line(p);
-  };
+  const auto lens = SimulatedLens("noncentral", kSize);
   SimulationOptions options;
   options.num_images = 3;
   options.features_per_image = 40;
   options.noise_px = 0;
-  const SimulatedObservations seen = SimulateObservations(
-      line_of_pixel, lens.lens(), ChessboardPattern(10, 8, 0.02), options);
+  const SimulatedObservations seen =
+      SimulateObservations(*lens, ChessboardPattern(10, 8, 0.02), options);
   const Board& board = seen.true_pattern.boards[0];
   ASSERT_EQ(seen.dataset.num_features(), 120u);
   double largest_m = 0, farthest_from_center_m = 0;
   for (size_t i = 0; i < seen.poses.size(); ++i) {
     for (const Feature& f : seen.dataset.images[i].features) {
-      const ObservationLine line = lens.Line(f.pixel).value();
+      const ObservationLine line = lens->Line(f.pixel).value();
       const Eigen::Vector3d point =
           seen.poses[i].camera_from_board *
           board.points[board.PointIndex(f.column, f.row)];

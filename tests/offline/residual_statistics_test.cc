@@ -76,5 +76,46 @@ TEST(Bias, NeedsFiveResidualsInAPlace) {
   EXPECT_FALSE(ComputeBias({}, kArea));
 }
 
+// A board of 20 x 15 features in each of two images; error_at(column, row).
+template <typename Function>
+std::vector<FeatureResidual> BoardResiduals(const Function& error_at) {
+  std::vector<FeatureResidual> residuals;
+  for (const char* image : {"a.png", "b.png"})
+    for (int row = 0; row < 15; ++row)
+      for (int column = 0; column < 20; ++column)
+        residuals.push_back(
+            {image, 0, column, row, {0, 0}, error_at(column, row)});
+  return residuals;
+}
+
+TEST(NeighborCorrelation, OfNoiseIsNone) {
+  TestRandom random(3);
+  const auto noise = [&](int, int) { return random.NormalVector<2>(); };
+  EXPECT_NEAR(NeighborCorrelation(BoardResiduals(noise)).value(), 0, 0.1);
+}
+
+TEST(NeighborCorrelation, IsThePartOfTheSquaresThatIsSmooth) {
+  TestRandom random(4);
+  const auto half = [&](int column, int row) -> Eigen::Vector2d {
+    const double phase = 0.1 * column + 0.2 * row;
+    return M_SQRT2 * Eigen::Vector2d(std::sin(phase), std::cos(phase)) +
+           random.NormalVector<2>();
+  };
+  EXPECT_NEAR(NeighborCorrelation(BoardResiduals(half)).value(), 0.5, 0.1);
+  const auto smooth = [](int column, int) {
+    return Eigen::Vector2d(0.1 * column, 1);
+  };
+  EXPECT_GT(NeighborCorrelation(BoardResiduals(smooth)).value(), 0.95);
+}
+
+TEST(NeighborCorrelation, NeighboursAreOnOneBoardInOneImage) {
+  std::vector<FeatureResidual> residuals =
+      BoardResiduals([](int, int) { return Eigen::Vector2d(1, 1); });
+  for (size_t i = 0; i < residuals.size(); ++i)
+    residuals[i].board = static_cast<int>(i);
+  EXPECT_FALSE(NeighborCorrelation(residuals));
+  EXPECT_FALSE(NeighborCorrelation({}));
+}
+
 }  // namespace
 }  // namespace raygrid

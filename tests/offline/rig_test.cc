@@ -113,11 +113,10 @@ TEST(SimulateRig, SharesInstantsAndMissesSome) {
 // Between the true frames, which found cameras may be turned from.
 Pose RelativePose(const RigResult& result, const SimulatedRig& truth, size_t a,
                   size_t b) {
-  const auto turned = [&](size_t c) -> Pose {
-    return {
-        CompareModels(*truth.cameras[c], *result.cameras[c].camera.camera, 25)
-            .first_from_second,
-        Eigen::Vector3d::Zero()};
+  const auto turned = [&](size_t c) {
+    return CompareModels(*truth.cameras[c], *result.cameras[c].camera.camera,
+                         25)
+        .first_from_second;
   };
   return turned(b) *
          (result.camera_from_rig[b] * result.camera_from_rig[a].Inverse()) *

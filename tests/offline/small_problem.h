@@ -61,14 +61,34 @@ inline SmallProblem MakeSmallProblem(const SmallProblemSizes& sizes) {
   return problem;
 }
 
+/// Of a lens's principal point.
+inline PriorGroup PriorOfCenter() {
+  Eigen::SparseMatrix<double> precision(OpenCvModel::kCount,
+                                        OpenCvModel::kCount);
+  precision.insert(OpenCvModel::kCx, OpenCvModel::kCx) = 2;
+  precision.insert(OpenCvModel::kCy, OpenCvModel::kCy) = 3;
+  return {precision, 2, 0.3};
+}
+
+/// K of all groups of a prior, with their weights.
+inline Eigen::MatrixXd WeightedPrecision(const CameraPrior& prior) {
+  const Eigen::Index size = prior.mean.size();
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(size, size);
+  for (const PriorGroup& group : prior.groups)
+    sum += group.weight * Eigen::MatrixXd(group.precision);
+  return sum;
+}
+
 /// Every part of the prior at work, around the true state.
 inline GaussianPrior PriorOf(const SmallProblem& problem) {
   GaussianPrior prior;
   for (const auto& camera : problem.state.cameras) {
-    prior.cameras.push_back(DistortionPrior(
-        dynamic_cast<const OpenCvModel&>(*camera), WholeImage({640, 480})));
-    prior.cameras.back().mean = camera->Parameters();
-    prior.cameras.back().weight = 0.5;
+    CameraPrior distortion = DistortionPrior(
+        dynamic_cast<const OpenCvModel&>(*camera), WholeImage({640, 480}));
+    distortion.mean = camera->Parameters();
+    distortion.groups[0].weight = 0.5;
+    distortion.groups.push_back(PriorOfCenter());
+    prior.cameras.push_back(distortion);
   }
   prior.points_mean = problem.state.points;
   prior.points_weight = 1e6;

@@ -13,10 +13,11 @@
 #include <string>
 #include <vector>
 
-#include "camera/central_generic.h"
+#include "camera/noncentral_generic.h"
 #include "camera/opencv.h"
 #include "camera/pose.h"
 #include "dataset/error.h"
+#include "simulation/simulated_lenses.h"
 
 namespace raygrid {
 
@@ -103,15 +104,22 @@ inline CentralGeneric FittedGrid(const CameraModel& model, double cell_px) {
                            NumControlPoints(area.height(), cell_px));
 }
 
-/// Expects that Project() inverts Unproject() at random pixels.
+inline Eigen::Vector3d PointAlong(const ObservationLine& line,
+                                  double distance) {
+  return line.origin + distance * line.direction;
+}
+
+/// Expects that Project() inverts Line() at random pixels.
 inline void ExpectRoundTrip(const CameraModel& camera, double tolerance_px) {
   TestRandom random(11);
   for (int i = 0; i < 2000; ++i) {
     const Eigen::Vector2d pixel = random.PixelIn(camera.area());
-    const auto ray = camera.Unproject(pixel);
-    ASSERT_TRUE(ray) << pixel.transpose();
-    EXPECT_NEAR(ray->norm(), 1, 1e-12);
-    const auto projection = camera.Project(*ray * random.Uniform(0.1, 10));
+    const auto line = camera.Line(pixel);
+    ASSERT_TRUE(line) << pixel.transpose();
+    EXPECT_NEAR(line->direction.norm(), 1, 1e-12);
+    EXPECT_EQ(camera.Unproject(pixel).value(), line->direction);
+    const auto projection =
+        camera.Project(PointAlong(*line, random.Uniform(0.1, 10)));
     ASSERT_TRUE(projection) << pixel.transpose();
     EXPECT_LT((*projection - pixel).norm(), tolerance_px) << pixel.transpose();
   }
@@ -124,7 +132,7 @@ inline void ExpectDerivativeByPoint(const CameraModel& camera,
   for (int i = 0; i < 50; ++i) {
     const Eigen::Vector2d pixel = random.PixelIn(camera.area());
     const Eigen::Vector3d point =
-        random.Uniform(0.5, 3) * camera.Unproject(pixel).value();
+        PointAlong(camera.Line(pixel).value(), random.Uniform(0.5, 3));
     LinearizedProjection linear;
     ASSERT_TRUE(camera.Linearize(point, nullptr, 3, &linear));
     EXPECT_LT((linear.pixel - pixel).norm(), 1e-6);
@@ -155,7 +163,7 @@ inline void ExpectDerivativeByParameter(const CameraModel& camera, double step,
   TestRandom random(13);
   for (int i = 0; i < 10; ++i) {
     const Eigen::Vector2d pixel = random.PixelIn(camera.area());
-    const Eigen::Vector3d point = camera.Unproject(pixel).value();
+    const Eigen::Vector3d point = PointAlong(camera.Line(pixel).value(), 1);
     LinearizedProjection linear;
     ASSERT_TRUE(camera.Linearize(point, nullptr, 3, &linear));
     const auto project = [&](const Eigen::VectorXd& p) -> Eigen::VectorXd {
@@ -168,6 +176,15 @@ inline void ExpectDerivativeByParameter(const CameraModel& camera, double step,
                   CentralDifference(project, camera.Parameters(), step)),
               tolerance);
   }
+}
+
+/// A lens behind a plate of glass, as a grid.
+inline NonCentralGeneric ExampleLines() {
+  const ImageSize size = {640, 480};
+  const Area area = WholeImage(size);
+  return FitNonCentralGeneric(*SimulatedLens("glass", size), area,
+                              NumControlPoints(area.width(), 40),
+                              NumControlPoints(area.height(), 40));
 }
 
 /// Expects an Error with this code, and a message with these words.

@@ -58,6 +58,15 @@ TEST(Verdict, WarnsOfEachWeakness) {
   figures = GoodFigures();
   figures.held_out->median_px = 0.2;
   expect_warning(figures);
+  figures = GoodFigures();
+  figures.neighbor_correlation = 0.4;
+  expect_warning(figures);
+}
+
+TEST(Verdict, FeaturesThatErrALittleAlikeAreNoMatter) {
+  CalibrationFigures figures = GoodFigures();
+  figures.neighbor_correlation = 0.15;
+  EXPECT_EQ(JudgeCalibration(figures).word, "pass");
 }
 
 TEST(Verdict, WarningsDoNotSoftenAFailure) {

@@ -1,0 +1,169 @@
+#include "camera/central_radial.h"
+
+#include <algorithm>
+
+#include "camera/equidistant.h"
+
+namespace raygrid {
+namespace {
+
+using Model = CentralRadial;
+
+// The parameters that g depends on around an angle, and their weights.
+template <typename T>
+struct RadialSupport {
+  int first = 0, count = 4;
+  std::array<T, 4> weight;
+};
+
+inline double ValueOf(double number) { return number; }
+template <typename T, int N>
+double ValueOf(const ceres::Jet<T, N>& jet) {
+  return jet.a;
+}
+
+template <typename T>
+RadialSupport<T> SupportOf(const T& theta, double cell_rad,
+                           int num_parameters) {
+  const T position = theta / cell_rad;
+  const int cell = std::clamp(static_cast<int>(std::floor(ValueOf(position))),
+                              0, num_parameters - 2);
+  const T t = position - static_cast<double>(cell), s = 1.0 - t;
+  // Of s_(cell - 1) .. s_(cell + 2).
+  const std::array<T, 4> w = {
+      s * s * s / 6.0, (4.0 + t * t * (3.0 * t - 6.0)) / 6.0,
+      (4.0 + s * s * (3.0 * s - 6.0)) / 6.0, t * t * t / 6.0};
+  if (cell == 0) return {0, 2, {w[0] - 0.5 * w[1] + w[2], w[3]}};
+  if (cell == 1) return {0, 3, {w[1] - 0.5 * w[0], w[2], w[3]}};
+  return {cell - 2, 4, w};
+}
+
+template <typename T>
+T RadialFactor(const T& theta, double cell_rad,
+               const std::vector<double>& spline) {
+  const RadialSupport<T> support =
+      SupportOf(theta, cell_rad, static_cast<int>(spline.size()));
+  T g = T(1.0);
+  for (int k = 0; k < support.count; ++k)
+    g += support.weight[k] * spline[support.first + k];
+  return g;
+}
+
+template <typename T>
+PlanarDistortion<T> PlanarOf(const std::array<T, Model::kNumOthers>& p) {
+  return {p[Model::kFx], p[Model::kFy], p[Model::kCx],  p[Model::kCy],
+          p[Model::kP1], p[Model::kP2], p[Model::kSx1], p[Model::kSy1]};
+}
+
+// |uv|, with a derivative of zero in the centre, where g's is zero too.
+template <typename T>
+T Length(const Eigen::Matrix<T, 2, 1>& uv) {
+  using std::sqrt;
+  const T squared = uv.squaredNorm();
+  return squared > 1e-20 ? sqrt(squared) : T(0.0);
+}
+
+}  // namespace
+
+CentralRadial::CentralRadial(const ImageSize& image_size, const Area& area,
+                             double max_angle_rad, std::vector<double> spline,
+                             const OtherParameters& others)
+    : ParametricModel(image_size, area),
+      max_angle_rad_(max_angle_rad),
+      spline_(std::move(spline)),
+      others_(others),
+      max_theta_(MaxTheta()) {}
+
+double CentralRadial::MaxTheta() const {
+  return FindMaxTheta(
+      [this](double theta) { return RadialFactor(theta, cell_rad(), spline_); },
+      std::min(max_angle_rad_, kMaxTheta));
+}
+
+const std::vector<std::string>& CentralRadial::ParameterNames() const {
+  static const std::vector<std::string> names = {"fx", "fy", "cx",  "cy",
+                                                 "p1", "p2", "sx1", "sy1"};
+  return names;
+}
+
+std::optional<Eigen::Vector3d> CentralRadial::Unproject(
+    const Eigen::Vector2d& pixel) const {
+  if (!area().Contains(pixel)) return std::nullopt;
+  using Jet = ceres::Jet<double, 2>;
+  std::array<Jet, kNumOthers> constants;
+  for (int k = 0; k < kNumOthers; ++k) constants[k] = Jet(others_[k]);
+  const PlanarDistortion<Jet> planar = PlanarOf(constants);
+  const Eigen::Vector2d start((pixel.x() - others_[kCx]) / others_[kFx],
+                              (pixel.y() - others_[kCy]) / others_[kFy]);
+  const auto uv = InvertDistortion(
+      [&](const Eigen::Matrix<Jet, 2, 1>& at) {
+        return planar.ToPixel(at,
+                              RadialFactor(Length(at), cell_rad(), spline_));
+      },
+      pixel, start, max_theta_);
+  if (!uv) return std::nullopt;
+  return FromEquidistant(*uv);
+}
+
+std::optional<Eigen::Vector2d> CentralRadial::Project(
+    const Eigen::Vector3d& point, const Eigen::Vector2d* /*start*/,
+    double margin_px) const {
+  const double theta = std::atan2(point.head<2>().norm(), point.z());
+  if (!(theta <= max_theta_) || point.isZero(0)) return std::nullopt;
+  const Eigen::Vector2d pixel = PlanarOf(others_).ToPixel(
+      ToEquidistant<double>(point), RadialFactor(theta, cell_rad(), spline_));
+  if (!area().Contains(pixel, margin_px)) return std::nullopt;
+  return pixel;
+}
+
+bool CentralRadial::Linearize(const Eigen::Vector3d& point,
+                              const Eigen::Vector2d* start, double margin_px,
+                              LinearizedProjection* projection) const {
+  const auto pixel = Project(point, start, margin_px);
+  if (!pixel) return false;
+  using Jet = ceres::Jet<double, kNumOthers + 3>;
+  std::array<Jet, kNumOthers> others;
+  for (int k = 0; k < kNumOthers; ++k) others[k] = Jet(others_[k], k);
+  const Eigen::Matrix<Jet, 3, 1> at(Jet(point.x(), kNumOthers),
+                                    Jet(point.y(), kNumOthers + 1),
+                                    Jet(point.z(), kNumOthers + 2));
+  const Eigen::Matrix<Jet, 2, 1> uv = ToEquidistant<Jet>(at);
+  const Eigen::Matrix<Jet, 2, 1> value = PlanarOf(others).ToPixel(
+      uv, RadialFactor<Jet>(Length(uv), cell_rad(), spline_));
+  projection->pixel = *pixel;
+  projection->first_global = static_cast<int>(spline_.size());
+  projection->num_global = kNumOthers;
+  for (int row = 0; row < 2; ++row) {
+    projection->by_global.row(row).head<kNumOthers>() =
+        value[row].v.head<kNumOthers>().transpose();
+    projection->by_point.row(row) = value[row].v.tail<3>().transpose();
+  }
+  const Eigen::Vector2d at_uv(uv[0].a, uv[1].a);
+  const RadialSupport<double> support =
+      SupportOf(at_uv.norm(), cell_rad(), static_cast<int>(spline_.size()));
+  projection->num_nodes = support.count;
+  projection->num_per_node = 1;
+  for (int k = 0; k < support.count; ++k) {
+    projection->node_parameter[k] = support.first + k;
+    projection->node_weight[k] = support.weight[k];
+  }
+  projection->by_node.col(0) << others_[kFx] * at_uv.x(),
+      others_[kFy] * at_uv.y();
+  return true;
+}
+
+Eigen::VectorXd CentralRadial::Parameters() const {
+  Eigen::VectorXd parameters(spline_.size() + kNumOthers);
+  std::copy(spline_.begin(), spline_.end(), parameters.data());
+  std::copy(others_.begin(), others_.end(), parameters.data() + spline_.size());
+  return parameters;
+}
+
+void CentralRadial::SetParameters(const Eigen::VectorXd& parameters) {
+  const double* others = parameters.data() + spline_.size();
+  std::copy(parameters.data(), others, spline_.begin());
+  std::copy(others, others + kNumOthers, others_.begin());
+  max_theta_ = MaxTheta();
+}
+
+}  // namespace raygrid

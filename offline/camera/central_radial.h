@@ -1,0 +1,73 @@
+#ifndef RAYGRID_CAMERA_CENTRAL_RADIAL_H
+#define RAYGRID_CAMERA_CENTRAL_RADIAL_H
+
+#include <array>
+#include <vector>
+
+#include "camera/parametric_model.h"
+
+namespace raygrid {
+
+/// The central radial model (paper, "Evaluation"): the thin-prism fisheye's
+/// equations with a spline for its radial factor,
+///   g(theta) = 1 + sum_k B(theta / h - k) s_k,  k = -1 .. n,
+/// where B is the uniform cubic B-spline of support (-2, 2) and
+/// h = max_angle / (n - 1), so that the last cell ends at max_angle. The
+/// control points s_1 .. s_n are parameters. g is even, s_-1 = s_1, and g(0) =
+/// 1, s_0 = -s_1 / 2: fx and fy are the focal lengths in the centre. Valid up
+/// to max_angle or the first angle at which theta g stops to grow.
+class CentralRadial : public ParametricModel {
+ public:
+  /// They follow the spline's control points.
+  enum { kFx, kFy, kCx, kCy, kP1, kP2, kSx1, kSy1, kNumOthers };
+  using OtherParameters = std::array<double, kNumOthers>;
+
+  /// spline: s_1 .. s_n, n >= 3; max_angle up to 3.1 radians.
+  CentralRadial(const ImageSize& image_size, const Area& area,
+                double max_angle_rad, std::vector<double> spline,
+                const OtherParameters& others);
+
+  std::string Name() const override { return "central-radial"; }
+  std::unique_ptr<CameraModel> Clone() const override {
+    return std::make_unique<CentralRadial>(*this);
+  }
+  std::optional<Eigen::Vector3d> Unproject(
+      const Eigen::Vector2d& pixel) const override;
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point,
+                                         const Eigen::Vector2d* start,
+                                         double margin_px) const override;
+  using CameraModel::Project;
+  bool Linearize(const Eigen::Vector3d& point, const Eigen::Vector2d* start,
+                 double margin_px,
+                 LinearizedProjection* projection) const override;
+
+  /// The spline's control points, then the others.
+  Eigen::VectorXd Parameters() const override;
+  void SetParameters(const Eigen::VectorXd& parameters) override;
+  /// Of the others.
+  const std::vector<std::string>& ParameterNames() const override;
+  std::unique_ptr<ParametricModel> OverArea(const Area& area) const override {
+    return std::make_unique<CentralRadial>(image_size(), area, max_angle_rad_,
+                                           spline_, others_);
+  }
+
+  double max_angle_rad() const { return max_angle_rad_; }
+  const std::vector<double>& spline() const { return spline_; }
+  const OtherParameters& others() const { return others_; }
+  /// The angle between control points.
+  double cell_rad() const {
+    return max_angle_rad_ / (static_cast<double>(spline_.size()) - 1);
+  }
+
+ private:
+  double MaxTheta() const;
+
+  double max_angle_rad_;
+  std::vector<double> spline_;
+  OtherParameters others_;
+  double max_theta_ = 0;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CAMERA_CENTRAL_RADIAL_H

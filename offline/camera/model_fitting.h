@@ -1,0 +1,32 @@
+#ifndef RAYGRID_CAMERA_MODEL_FITTING_H
+#define RAYGRID_CAMERA_MODEL_FITTING_H
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <string>
+
+#include "camera/parametric_model.h"
+
+namespace raygrid {
+
+/// opencv, thin-prism-fisheye, central-radial?
+bool IsParametricModel(const std::string& name);
+
+struct FittedModel {
+  /// Over the area of the camera that it was fitted to.
+  std::unique_ptr<ParametricModel> model;
+  Eigen::Quaterniond model_from_camera = Eigen::Quaterniond::Identity();
+};
+
+/// The parametric model closest to a camera over an area: least squares on how
+/// far it projects directions from their pixels, over a lattice of those that
+/// the camera knows directions of. Directions that the model cannot have, as
+/// OpenCV's behind the camera, have no say. If free_rotation, the model may
+/// look elsewhere, as no calibration can tell.
+FittedModel FitParametricModel(const std::string& name,
+                               const CameraModel& camera, const Area& area,
+                               bool free_rotation);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CAMERA_MODEL_FITTING_H

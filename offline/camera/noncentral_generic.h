@@ -1,0 +1,80 @@
+#ifndef RAYGRID_CAMERA_NONCENTRAL_GENERIC_H
+#define RAYGRID_CAMERA_NONCENTRAL_GENERIC_H
+
+#include <vector>
+
+#include "camera/central_generic.h"
+#include "camera/pixel_search.h"
+
+namespace raygrid {
+
+/// The paper's non-central generic model: each control point holds a direction,
+/// in stereographic coordinates, and a point of the line; both are interpolated
+/// by the same cubic B-spline (section "Camera Model").
+class NonCentralGeneric : public CameraModel {
+ public:
+  static constexpr int kPerNode = 5;
+
+  /// A point for each of the directions' control points, in metres.
+  NonCentralGeneric(const ImageSize& image_size, BSplineSurface directions,
+                    std::vector<Eigen::Vector3d> points);
+  /// All lines through the origin.
+  explicit NonCentralGeneric(const CentralGeneric& central);
+
+  std::string Name() const override { return "noncentral-generic"; }
+  std::unique_ptr<CameraModel> Clone() const override {
+    return std::make_unique<NonCentralGeneric>(*this);
+  }
+  bool IsCentral() const override { return false; }
+  std::optional<Eigen::Vector3d> Unproject(
+      const Eigen::Vector2d& pixel) const override;
+  std::optional<ObservationLine> Line(
+      const Eigen::Vector2d& pixel) const override;
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point,
+                                         const Eigen::Vector2d* start,
+                                         double margin_px) const override;
+  using CameraModel::Project;
+
+  /// By implicit differentiation: the projection x of a point p solves
+  /// chart(p - o(x)) = s(x). With C the chart's derivative at p - o and
+  /// D = ds/dx + C do/dx,
+  ///   dx/dp = D^-1 C,  dx/do_k = -w_k D^-1 C,  dx/ds_k = -w_k D^-1.
+  bool Linearize(const Eigen::Vector3d& point, const Eigen::Vector2d* start,
+                 double margin_px,
+                 LinearizedProjection* projection) const override;
+
+  /// Of each control point, row by row: a, b, and the point.
+  Eigen::VectorXd Parameters() const override;
+  void SetParameters(const Eigen::VectorXd& parameters) override;
+
+  const BSplineSurface& directions() const { return directions_; }
+  const std::vector<Eigen::Vector3d>& points() const { return points_; }
+
+  /// The camera whose frame's origin is at a point of this one's.
+  NonCentralGeneric WithOrigin(const Eigen::Vector3d& origin) const;
+  /// The directions alone.
+  CentralGeneric CentralPart() const {
+    return CentralGeneric(image_size(), directions_);
+  }
+
+ private:
+  struct LineDerivatives;
+  LineDerivatives Evaluate(const Eigen::Vector2d& pixel) const;
+  Eigen::Vector2d NearestControlPoint(const Eigen::Vector3d& point) const;
+  std::optional<PixelSolution> Solve(const Eigen::Vector3d& point,
+                                     const Eigen::Vector2d* start,
+                                     double margin_px) const;
+
+  BSplineSurface directions_;
+  std::vector<Eigen::Vector3d> points_;
+};
+
+/// The grid model closest to another model: its lines at samples_per_cell^2
+/// pixels of each cell, fitted by least squares, as FitCentralGeneric() does.
+NonCentralGeneric FitNonCentralGeneric(const CameraModel& model,
+                                       const Area& area, int columns, int rows,
+                                       int samples_per_cell = 4);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CAMERA_NONCENTRAL_GENERIC_H

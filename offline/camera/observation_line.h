@@ -1,0 +1,16 @@
+#ifndef RAYGRID_CAMERA_OBSERVATION_LINE_H
+#define RAYGRID_CAMERA_OBSERVATION_LINE_H
+
+#include <Eigen/Core>
+
+namespace raygrid {
+
+/// A line of sight in metres; points of it are origin + t direction, t > 0.
+struct ObservationLine {
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  Eigen::Vector3d direction;  ///< of unit length
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CAMERA_OBSERVATION_LINE_H

@@ -1,0 +1,85 @@
+#ifndef RAYGRID_SIMULATION_LINE_LENS_H
+#define RAYGRID_SIMULATION_LINE_LENS_H
+
+#include <memory>
+
+#include "camera/camera_model.h"
+
+namespace raygrid {
+
+/// Ground truth whose exact lines do not meet in a point: subclasses say
+/// Line(). Projection searches for the line through a point. Its parameters
+/// cannot be adjusted.
+class LineLens : public CameraModel {
+ public:
+  bool IsCentral() const override { return false; }
+  std::optional<Eigen::Vector3d> Unproject(
+      const Eigen::Vector2d& pixel) const override;
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point,
+                                         const Eigen::Vector2d* start,
+                                         double margin_px) const override;
+  using CameraModel::Project;
+  bool Linearize(const Eigen::Vector3d& point, const Eigen::Vector2d* start,
+                 double margin_px,
+                 LinearizedProjection* projection) const override;
+  Eigen::VectorXd Parameters() const override { return {}; }
+  void SetParameters(const Eigen::VectorXd&) override {}
+
+ protected:
+  LineLens(const ImageSize& size, const Area& area) : CameraModel(size, area) {}
+};
+
+/// A lens whose entrance pupil moves forward as theta^2, the angle from the
+/// axis.
+class MovingPupilLens : public LineLens {
+ public:
+  /// shift_m: how far the pupil has moved at 1 radian.
+  MovingPupilLens(const CameraModel& lens, double shift_m)
+      : LineLens(lens.image_size(), lens.area()),
+        lens_(lens.Clone()),
+        shift_m_(shift_m) {}
+
+  std::string Name() const override { return "moving-pupil"; }
+  std::unique_ptr<CameraModel> Clone() const override {
+    return std::make_unique<MovingPupilLens>(*this);
+  }
+  std::optional<ObservationLine> Line(
+      const Eigen::Vector2d& pixel) const override;
+
+ private:
+  std::shared_ptr<const CameraModel> lens_;
+  double shift_m_;
+};
+
+/// A plane-parallel plate, in metres: its first face goes through (0, 0,
+/// distance_m), its normal is turned from the z axis towards x.
+struct GlassPlate {
+  double thickness_m = 0.005, refractive_index = 1.5;
+  double tilt_rad = M_PI / 6, distance_m = 0.02;
+};
+
+/// A lens behind a plate of glass, by Snell's law at both faces. The plate
+/// leaves directions as they are and displaces lines, the more the more
+/// obliquely they meet it. A line starts where it leaves the plate.
+class GlassLens : public LineLens {
+ public:
+  GlassLens(const CameraModel& lens, const GlassPlate& plate)
+      : LineLens(lens.image_size(), lens.area()),
+        lens_(lens.Clone()),
+        plate_(plate) {}
+
+  std::string Name() const override { return "glass"; }
+  std::unique_ptr<CameraModel> Clone() const override {
+    return std::make_unique<GlassLens>(*this);
+  }
+  std::optional<ObservationLine> Line(
+      const Eigen::Vector2d& pixel) const override;
+
+ private:
+  std::shared_ptr<const CameraModel> lens_;
+  GlassPlate plate_;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_SIMULATION_LINE_LENS_H

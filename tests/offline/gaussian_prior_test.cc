@@ -1,0 +1,123 @@
+#include "adjustment/gaussian_prior.h"
+
+#include <Eigen/Cholesky>
+
+#include "camera/stereographic.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kDistance = 0.5;
+
+CentralGeneric Base() { return FittedGrid(ExampleLens(), 80); }
+
+Eigen::VectorXd Start() { return NonCentralGeneric(Base()).Parameters(); }
+
+// A camera's parameters with its points moved: point(direction).
+template <typename Point>
+Eigen::VectorXd WithPoints(const Point& point) {
+  Eigen::VectorXd parameters = Start();
+  for (Eigen::Index k = 0; k < parameters.size(); k += 5)
+    parameters.segment<3>(k + 2) =
+        point(FromChart(parameters.segment<2>(k)), k / 5);
+  return parameters;
+}
+
+double GroupCost(const CameraPrior& prior, size_t group,
+                 const Eigen::VectorXd& parameters) {
+  return prior.groups[group].SquaredDistance(parameters - prior.mean);
+}
+
+TEST(NonCentralPrior, CostsNothingAtItsMean) {
+  const CameraPrior prior = NonCentralPrior(Base(), kDistance);
+  ASSERT_EQ(prior.groups.size(), 2u);
+  EXPECT_EQ(prior.mean, Start());
+  EXPECT_EQ(prior.Cost(Start()), 0);
+}
+
+TEST(NonCentralPrior, EachGroupSeesItsOwnParameters) {
+  const CameraPrior prior = NonCentralPrior(Base(), kDistance);
+  TestRandom random(1);
+  Eigen::VectorXd directions = Start(), points = Start();
+  for (Eigen::Index k = 0; k < directions.size(); k += 5) {
+    directions.segment<2>(k) += 1e-3 * random.NormalVector<2>();
+    points.segment<3>(k + 2) += 1e-3 * random.NormalVector<3>();
+  }
+  EXPECT_GT(GroupCost(prior, 0, directions), 0);
+  EXPECT_EQ(GroupCost(prior, 1, directions), 0);
+  EXPECT_EQ(GroupCost(prior, 0, points), 0);
+  EXPECT_GT(GroupCost(prior, 1, points), 0);
+  EXPECT_EQ((prior.orientation.transpose() * (points - prior.mean)).norm(), 0);
+}
+
+TEST(NonCentralPrior, HoldsDirectionsAsTheCentralOneDoes) {
+  const CentralGeneric base = Base();
+  const CameraPrior central = SmoothnessPrior(base);
+  const CameraPrior lines = NonCentralPrior(base, kDistance);
+  TestRandom random(2);
+  Eigen::VectorXd central_parameters = base.Parameters();
+  for (Eigen::Index k = 0; k < central_parameters.size(); ++k)
+    central_parameters[k] += 1e-3 * random.Normal();
+  CentralGeneric moved = base;
+  moved.SetParameters(central_parameters);
+  const Eigen::VectorXd parameters = NonCentralGeneric(moved).Parameters();
+  const double expected = GroupCost(central, 0, central_parameters);
+  EXPECT_NEAR(GroupCost(lines, 0, parameters), expected, 1e-9 * expected);
+  EXPECT_EQ(lines.groups[0].rank, central.groups[0].rank);
+  EXPECT_DOUBLE_EQ(lines.orientation_weight, central.orientation_weight);
+  EXPECT_LT(
+      (lines.orientation.transpose() * (parameters - lines.mean) -
+       central.orientation.transpose() * (central_parameters - central.mean))
+          .norm(),
+      1e-12);
+}
+
+// What observations do not see must be held: K has full rank.
+TEST(NonCentralPrior, LeavesNoParameterFree) {
+  const CameraPrior prior = NonCentralPrior(Base(), kDistance);
+  Eigen::MatrixXd sum =
+      Eigen::MatrixXd::Zero(prior.mean.size(), prior.mean.size());
+  int rank = 0;
+  for (const PriorGroup& group : prior.groups) {
+    sum += Eigen::MatrixXd(group.precision);
+    rank += group.rank;
+  }
+  EXPECT_EQ(rank, prior.mean.size());
+  // Scaled to a unit diagonal, since units differ.
+  const Eigen::VectorXd scale = sum.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::LDLT<Eigen::MatrixXd> factor(scale.asDiagonal() * sum *
+                                            scale.asDiagonal());
+  EXPECT_GT(factor.vectorD().minCoeff(), 1e-6);
+}
+
+TEST(NonCentralPrior, PrefersPointsThatDoNotDrift) {
+  const CameraPrior prior = NonCentralPrior(Base(), kDistance);
+  const auto cost = [&](const auto& point) {
+    return GroupCost(prior, 1, WithPoints(point));
+  };
+  const auto pupil = [](const Eigen::Vector3d& d, Eigen::Index) {
+    return Eigen::Vector3d(0, 0, 0.002 * (1 - d.z()));
+  };
+  // The same lines: no points are smoother than these.
+  const auto drifted = [&](const Eigen::Vector3d& d, Eigen::Index k) {
+    return Eigen::Vector3d(pupil(d, k) + 0.002 * (k % 2 ? 1 : -1) * d);
+  };
+  const auto shifted = [&](const Eigen::Vector3d& d, Eigen::Index k) {
+    return Eigen::Vector3d(pupil(d, k) + Eigen::Vector3d(0.05, 0, 0));
+  };
+  EXPECT_GT(cost(drifted), 10 * cost(pupil));
+  EXPECT_GT(cost(shifted), 2 * cost(pupil));
+}
+
+TEST(NonCentralPrior, CountsPointsInPixelsAtTheDistance) {
+  const auto shifted = WithPoints([](const Eigen::Vector3d&, Eigen::Index) {
+    return Eigen::Vector3d(0.001, 0, 0);
+  });
+  const double near = GroupCost(NonCentralPrior(Base(), 0.5), 1, shifted);
+  const double far = GroupCost(NonCentralPrior(Base(), 1), 1, shifted);
+  EXPECT_NEAR(near, 4 * far, 1e-9 * near);
+}
+
+}  // namespace
+}  // namespace raygrid

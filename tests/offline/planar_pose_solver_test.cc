@@ -1,0 +1,239 @@
+#include "initialization/planar_pose_solver.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kDegree = M_PI / 180;
+constexpr double kBoardM = 0.3;
+
+// Board poses before a camera at the origin, and what its pixels see of them.
+struct Case {
+  std::array<Pose, 3> camera_from_board;
+  std::vector<BoardPointTriple> matches;
+};
+
+// A board around its origin, turned at random and tilted by that much.
+Pose PoseTilted(double tilt, TestRandom* random) {
+  const double axis = random->Uniform(0, 2 * M_PI);
+  const Eigen::Quaterniond rotation =
+      RotationFromVector(tilt *
+                         Eigen::Vector3d(std::cos(axis), std::sin(axis), 0)) *
+      RotationFromVector({0, 0, random->Uniform(-M_PI, M_PI)});
+  return {rotation,
+          {random->Uniform(-0.05, 0.05), random->Uniform(-0.05, 0.05),
+           random->Uniform(0.25, 0.6)}};
+}
+
+// Where a ray meets a board, if it does within its edges and from the front.
+std::optional<Eigen::Vector2d> OnBoard(const Pose& pose,
+                                       const Eigen::Vector3d& ray) {
+  const Pose back = pose.Inverse();
+  const Eigen::Vector3d direction = back.rotation * ray;
+  const double length = -back.translation.z() / direction.z();
+  if (!(length > 0) || back.translation.z() >= 0) return std::nullopt;
+  const Eigen::Vector2d point =
+      (back.translation + length * direction).head<2>();
+  if (point.cwiseAbs().maxCoeff() > kBoardM / 2) return std::nullopt;
+  return point;
+}
+
+// Random rays that meet all three boards.
+std::vector<BoardPointTriple> Matches(const std::array<Pose, 3>& poses,
+                                      int count, TestRandom* random) {
+  std::vector<BoardPointTriple> matches;
+  for (int i = 0; i < 100 * count; ++i) {
+    const Eigen::Vector3d ray(random->Uniform(-1, 1), random->Uniform(-1, 1),
+                              1);
+    BoardPointTriple match;
+    bool all = true;
+    for (int view = 0; view < 3 && all; ++view) {
+      const auto point = OnBoard(poses[view], ray);
+      all = point.has_value();
+      if (all) match[view] = *point;
+    }
+    if (all) matches.push_back(match);
+    if (static_cast<int>(matches.size()) == count) break;
+  }
+  return matches;
+}
+
+// Three boards tilted by up to 70 degrees, at least 5 degrees from parallel.
+Case RandomCase(int count, TestRandom* random) {
+  for (;;) {
+    Case random_case;
+    std::array<Eigen::Vector3d, 3> normal;
+    for (int view = 0; view < 3; ++view) {
+      Pose& pose = random_case.camera_from_board[view];
+      pose = PoseTilted(random->Uniform(0, 70 * kDegree), random);
+      normal[view] = pose.rotation * Eigen::Vector3d::UnitZ();
+    }
+    const double most_parallel =
+        std::max({normal[0].dot(normal[1]), normal[0].dot(normal[2]),
+                  normal[1].dot(normal[2])});
+    if (most_parallel > std::cos(5 * kDegree)) continue;
+    random_case.matches = Matches(random_case.camera_from_board, count, random);
+    if (static_cast<int>(random_case.matches.size()) == count)
+      return random_case;
+  }
+}
+
+// The angle and the part of the distance by which a solution is off, the worse
+// of its boards.
+struct Errors {
+  double angle = 0, translation = 0;
+};
+
+Errors ErrorsOf(const ThreeViews& views, const Case& truth) {
+  Errors errors;
+  // A rotation of the camera is free: the first board's axes are its own.
+  const Pose first_from_camera = truth.camera_from_board[0].Inverse();
+  const double distance = truth.camera_from_board[0].translation.norm();
+  errors.translation =
+      (views.center - first_from_camera.translation).norm() / distance;
+  for (int view = 1; view < 3; ++view) {
+    const Pose expected = first_from_camera * truth.camera_from_board[view];
+    const Pose& found = views.first_from_board[view];
+    errors.angle = std::max(errors.angle,
+                            found.rotation.angularDistance(expected.rotation));
+    errors.translation =
+        std::max(errors.translation,
+                 (found.translation - expected.translation).norm() / distance);
+  }
+  return errors;
+}
+
+void AddNoise(double sigma_m, TestRandom* random,
+              std::vector<BoardPointTriple>* matches) {
+  for (BoardPointTriple& match : *matches)
+    for (Eigen::Vector2d& point : match)
+      point += sigma_m * random->NormalVector<2>();
+}
+
+double Quantile(std::vector<double> values, double part) {
+  std::sort(values.begin(), values.end());
+  return values[static_cast<size_t>(part * (values.size() - 1))];
+}
+
+TEST(SolveThreeViews, SolvesAllExactCases) {
+  TestRandom random(1);
+  for (int i = 0; i < 1000; ++i) {
+    const Case exact = RandomCase(20, &random);
+    const ThreeViewsSolution solution = SolveThreeViews(exact.matches);
+    ASSERT_EQ(solution.status, ThreeViewsStatus::kSolved) << i;
+    const Errors errors = ErrorsOf(solution.views, exact);
+    EXPECT_LT(errors.angle, 1e-9) << i;
+    EXPECT_LT(errors.translation, 1e-9) << i;
+  }
+}
+
+TEST(SolveThreeViews, ErrsInProportionToNoise) {
+  for (const double sigma_m : {1e-5, 1e-4, 5e-4}) {
+    TestRandom random(2);
+    std::vector<double> linear, refined, standardized;
+    for (int i = 0; i < 100; ++i) {
+      Case noisy = RandomCase(200, &random);
+      AddNoise(sigma_m, &random, &noisy.matches);
+      ThreeViewsSolution solution = SolveThreeViews(noisy.matches);
+      ASSERT_EQ(solution.status, ThreeViewsStatus::kSolved) << i;
+      linear.push_back(ErrorsOf(solution.views, noisy).translation);
+      const ThreeViewsFit fit =
+          RefineThreeViews(noisy.matches, &solution.views);
+      ASSERT_TRUE(fit.converged) << i;
+      refined.push_back(ErrorsOf(solution.views, noisy).translation);
+      standardized.push_back(refined.back() / fit.center_uncertainty);
+    }
+    // 0.1 mm is a thousandth of what the board is seen to be wide.
+    EXPECT_LT(Quantile(linear, 0.5), 20 * sigma_m) << sigma_m;
+    EXPECT_LT(Quantile(linear, 0.95), 100 * sigma_m) << sigma_m;
+    EXPECT_LT(Quantile(refined, 0.5), 20 * sigma_m) << sigma_m;
+    EXPECT_LT(Quantile(refined, 0.95), Quantile(linear, 0.95)) << sigma_m;
+    // What it says of its own uncertainty is about true.
+    EXPECT_GT(Quantile(standardized, 0.5), 0.3) << sigma_m;
+    EXPECT_LT(Quantile(standardized, 0.5), 2) << sigma_m;
+  }
+}
+
+TEST(SolveThreeViews, LeavesOutSingleOutliers) {
+  TestRandom random(3);
+  for (int i = 0; i < 50; ++i) {
+    Case with_outliers = RandomCase(200, &random);
+    for (size_t k = 0; k < with_outliers.matches.size(); k += 40)
+      with_outliers.matches[k][k / 40 % 3] += Eigen::Vector2d(0.01, -0.02);
+    ThreeViewsSolution solution = SolveThreeViews(with_outliers.matches);
+    ASSERT_EQ(solution.status, ThreeViewsStatus::kSolved) << i;
+    RefineThreeViews(with_outliers.matches, &solution.views);
+    EXPECT_LT(ErrorsOf(solution.views, with_outliers).translation, 1e-3) << i;
+  }
+}
+
+TEST(SolveThreeViews, SaysThatBoardsAreParallel) {
+  TestRandom random(4);
+  for (const auto& [one, other] :
+       {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
+    Case parallel = RandomCase(20, &random);
+    Pose& moved = parallel.camera_from_board[other];
+    moved = parallel.camera_from_board[one];
+    moved.rotation = moved.rotation * RotationFromVector({0, 0, 0.7});
+    moved.translation *= 1.1;
+    parallel.matches = Matches(parallel.camera_from_board, 20, &random);
+    EXPECT_EQ(SolveThreeViews(parallel.matches).status,
+              ThreeViewsStatus::kParallelBoards)
+        << one << other;
+  }
+}
+
+TEST(SolveThreeViews, ConditioningFallsAsBoardsTurnParallel) {
+  double previous = 1;
+  for (const double tilt : {40, 20, 10, 5, 1}) {
+    TestRandom random(5);
+    Case nearly;
+    nearly.camera_from_board[0] = {Eigen::Quaterniond::Identity(), {0, 0, 0.4}};
+    nearly.camera_from_board[1] = {RotationFromVector({0, 0.7, 0}),
+                                   {0, 0, 0.4}};
+    nearly.camera_from_board[2] = {RotationFromVector({tilt * kDegree, 0, 0}),
+                                   {0, 0, 0.4}};
+    nearly.matches = Matches(nearly.camera_from_board, 50, &random);
+    const ThreeViewsSolution solution = SolveThreeViews(nearly.matches);
+    ASSERT_EQ(solution.status, ThreeViewsStatus::kSolved);
+    EXPECT_LT(ErrorsOf(solution.views, nearly).translation, 1e-8);
+    EXPECT_LT(solution.conditioning, previous);
+    previous = solution.conditioning;
+  }
+}
+
+TEST(SolveThreeViews, RefusesMirroredBoards) {
+  TestRandom random(6);
+  Case mirrored = RandomCase(20, &random);
+  for (BoardPointTriple& match : mirrored.matches) match[1].x() *= -1;
+  EXPECT_EQ(SolveThreeViews(mirrored.matches).status,
+            ThreeViewsStatus::kImpossible);
+}
+
+TEST(SolveThreeViews, NeedsEightMatches) {
+  TestRandom random(7);
+  const Case exact = RandomCase(7, &random);
+  EXPECT_EQ(SolveThreeViews(exact.matches).status,
+            ThreeViewsStatus::kTooFewMatches);
+  EXPECT_EQ(SolveThreeViews({}).status, ThreeViewsStatus::kTooFewMatches);
+}
+
+TEST(SolveThreeViews, RefusesMatchesOnALine) {
+  TestRandom random(8);
+  Case exact = RandomCase(20, &random);
+  std::vector<BoardPointTriple> line(20);
+  for (int i = 0; i < 20; ++i)
+    line[i] = {Eigen::Vector2d(0.01 * i, 0), Eigen::Vector2d(0.01 * i, 0.1),
+               Eigen::Vector2d(0, 0.01 * i)};
+  EXPECT_NE(SolveThreeViews(line).status, ThreeViewsStatus::kSolved);
+  const std::vector<BoardPointTriple> same(20, exact.matches[0]);
+  EXPECT_NE(SolveThreeViews(same).status, ThreeViewsStatus::kSolved);
+}
+
+}  // namespace
+}  // namespace raygrid

@@ -1,0 +1,143 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "camera_input.h"
+#include "commands.h"
+#include "dataset/error.h"
+#include "dataset/files.h"
+#include "dataset/image_files.h"
+#include "evaluation/model_difference.h"
+#include "report/pictures.h"
+
+namespace raygrid {
+namespace {
+
+struct Arguments {
+  std::string first, second, output;
+};
+
+// About so many places along the longer side are compared.
+constexpr double kPlaces = 160;
+
+struct Comparison {
+  ModelDifference difference;
+  ImageSize size;
+  Area area;  // of the second camera
+  double angle_rad = 0;
+};
+
+Comparison Compare(const Arguments& arguments) {
+  const CameraInput first = ReadCamera(arguments.first);
+  const CameraInput second = ReadCamera(arguments.second);
+  Comparison comparison;
+  comparison.size = first.file.camera->image_size();
+  const ImageSize other = second.file.camera->image_size();
+  if (comparison.size != other)
+    throw InputError(fmt::format(
+        "{} is for images of {} x {} pixels, {} for {} x {}; compare cameras "
+        "of one mode",
+        arguments.first, comparison.size.width, comparison.size.height,
+        arguments.second, other.width, other.height));
+  comparison.area = second.file.camera->area();
+  const double step_px = std::max(
+      1.0,
+      std::max(comparison.area.width(), comparison.area.height()) / kPlaces);
+  comparison.difference =
+      CompareModels(*first.file.camera, *second.file.camera, step_px);
+  if (comparison.difference.pixels.empty())
+    throw InputError(
+        fmt::format("{} and {}: no pixel that both are calibrated for",
+                    arguments.first, arguments.second));
+  comparison.angle_rad =
+      comparison.difference.first_from_second.rotation.angularDistance(
+          Eigen::Quaterniond::Identity());
+  return comparison;
+}
+
+std::string FormatJson(const Comparison& comparison) {
+  const ModelDifference& d = comparison.difference;
+  nlohmann::ordered_json json = {
+      {"median_px", d.median_px},  {"rms_px", d.rms_px},
+      {"p99_px", d.p99_px},        {"max_px", d.max_px},
+      {"places", d.pixels.size()}, {"rotation_rad", comparison.angle_rad}};
+  return json.dump(2) + "\n";
+}
+
+std::string FormatCsv(const ModelDifference& difference) {
+  std::string csv = "x,y,dx,dy\n";
+  for (size_t i = 0; i < difference.pixels.size(); ++i)
+    csv += fmt::format("{:.3f},{:.3f},{:.6f},{:.6f}\n",
+                       difference.pixels[i].x(), difference.pixels[i].y(),
+                       difference.error_px[i].x(), difference.error_px[i].y());
+  return csv;
+}
+
+void Write(const Comparison& comparison, const std::filesystem::path& folder) {
+  std::vector<FeatureResidual> places;
+  for (size_t i = 0; i < comparison.difference.pixels.size(); ++i) {
+    FeatureResidual place;
+    place.pixel = comparison.difference.pixels[i];
+    place.error_px = comparison.difference.error_px[i];
+    places.push_back(place);
+  }
+  const double full_scale_px = std::max(comparison.difference.p99_px, 1e-9);
+  OutputFiles files;
+  files.Add((folder / "difference.json").string(), FormatJson(comparison));
+  files.Add((folder / "difference.csv").string(),
+            FormatCsv(comparison.difference));
+  files.Add((folder / "magnitude.png").string(),
+            EncodePng(MagnitudePicture(places, comparison.size, comparison.area,
+                                       full_scale_px)));
+  files.Add(
+      (folder / "direction.png").string(),
+      EncodePng(DirectionPicture(places, comparison.size, comparison.area)));
+  files.Commit();
+}
+
+void Run(const Arguments& arguments, const CommonOptions& common) {
+  if (!arguments.output.empty()) RequireWritableFolder(arguments.output);
+  const Comparison comparison = Compare(arguments);
+  if (!arguments.output.empty()) Write(comparison, arguments.output);
+  const ModelDifference& d = comparison.difference;
+  if (common.json) {
+    fmt::print("{}", FormatJson(comparison));
+    return;
+  }
+  fmt::print(
+      "median {:.4f} px, RMS {:.4f} px, 99 % below {:.4f} px, largest {:.4f} "
+      "px at {} places, after a rotation of {:.5f} rad\n",
+      d.median_px, d.rms_px, d.p99_px, d.max_px, d.pixels.size(),
+      comparison.angle_rad);
+  if (!arguments.output.empty())
+    fmt::print(
+        "magnitude.png (dark 0, bright {:.4f} px), direction.png, "
+        "difference.csv and difference.json in {}\n",
+        d.p99_px, arguments.output);
+}
+
+}  // namespace
+
+void AddCompare(CLI::App* app, CommonOptions* common) {
+  CLI::App* command = AddCommand(
+      app, "compare",
+      "Difference of two cameras in pixels of the first, after the rotation "
+      "that brings them nearest: no calibration can tell its camera's rotation "
+      "from that of all poses.",
+      "raygrid compare today/camera.yaml last_year/camera.raygrid -o "
+      "difference/",
+      common);
+  auto arguments = std::make_shared<Arguments>();
+  command->add_option("first", arguments->first, "camera.yaml or a blob")
+      ->required();
+  command->add_option("second", arguments->second, "camera.yaml or a blob")
+      ->required();
+  command->add_option("-o,--output", arguments->output,
+                      "folder for pictures and tables");
+  command->callback([arguments, common] { Run(*arguments, *common); });
+}
+
+}  // namespace raygrid
