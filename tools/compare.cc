@@ -18,6 +18,7 @@ namespace {
 
 struct Arguments {
   std::string first, second, output;
+  double distance_m = 1;
 };
 
 // About so many places along the longer side are compared.
@@ -46,8 +47,8 @@ Comparison Compare(const Arguments& arguments) {
   const double step_px = std::max(
       1.0,
       std::max(comparison.area.width(), comparison.area.height()) / kPlaces);
-  comparison.difference =
-      CompareModels(*first.file.camera, *second.file.camera, step_px);
+  comparison.difference = CompareModels(*first.file.camera, *second.file.camera,
+                                        step_px, arguments.distance_m);
   if (comparison.difference.pixels.empty())
     throw InputError(
         fmt::format("{} and {}: no pixel that both are calibrated for",
@@ -64,15 +65,24 @@ std::string FormatJson(const Comparison& comparison) {
       {"median_px", d.median_px},  {"rms_px", d.rms_px},
       {"p99_px", d.p99_px},        {"max_px", d.max_px},
       {"places", d.pixels.size()}, {"rotation_rad", comparison.angle_rad}};
+  const Eigen::Vector3d& t = d.first_from_second.translation;
+  if (!d.inverse_distances.empty())
+    json["translation_m"] = {t.x(), t.y(), t.z()};
   return json.dump(2) + "\n";
 }
 
 std::string FormatCsv(const ModelDifference& difference) {
-  std::string csv = "x,y,dx,dy\n";
-  for (size_t i = 0; i < difference.pixels.size(); ++i)
-    csv += fmt::format("{:.3f},{:.3f},{:.6f},{:.6f}\n",
-                       difference.pixels[i].x(), difference.pixels[i].y(),
-                       difference.error_px[i].x(), difference.error_px[i].y());
+  const bool has_distances = !difference.inverse_distances.empty();
+  std::string csv =
+      has_distances ? "x,y,dx,dy,inverse_distance\n" : "x,y,dx,dy\n";
+  for (size_t i = 0; i < difference.pixels.size(); ++i) {
+    csv += fmt::format("{:.3f},{:.3f},{:.6f},{:.6f}", difference.pixels[i].x(),
+                       difference.pixels[i].y(), difference.error_px[i].x(),
+                       difference.error_px[i].y());
+    if (has_distances)
+      csv += fmt::format(",{:.6g}", difference.inverse_distances[i]);
+    csv += "\n";
+  }
   return csv;
 }
 
@@ -109,9 +119,14 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
   }
   fmt::print(
       "median {:.4f} px, RMS {:.4f} px, 99 % below {:.4f} px, largest {:.4f} "
-      "px at {} places, after a rotation of {:.5f} rad\n",
+      "px at {} places, after a rotation of {:.5f} rad",
       d.median_px, d.rms_px, d.p99_px, d.max_px, d.pixels.size(),
       comparison.angle_rad);
+  if (!d.inverse_distances.empty())
+    fmt::print(
+        " and a translation of {:.2f} mm, {:g} m and infinitely far away",
+        1000 * d.first_from_second.translation.norm(), arguments.distance_m);
+  fmt::print("\n");
   if (!arguments.output.empty())
     fmt::print(
         "magnitude.png (dark 0, bright {:.4f} px), direction.png, "
@@ -126,7 +141,9 @@ void AddCompare(CLI::App* app, CommonOptions* common) {
       app, "compare",
       "Difference of two cameras in pixels of the first, after the rotation "
       "that brings them nearest: no calibration can tell its camera's rotation "
-      "from that of all poses.",
+      "from that of all poses. Unless both are central, they are compared at "
+      "--distance and infinitely far away (between, the error is a mean of the "
+      "two), after the best translation as well.",
       "raygrid compare today/camera.yaml last_year/camera.raygrid -o "
       "difference/",
       common);
@@ -135,6 +152,11 @@ void AddCompare(CLI::App* app, CommonOptions* common) {
       ->required();
   command->add_option("second", arguments->second, "camera.yaml or a blob")
       ->required();
+  command
+      ->add_option("--distance", arguments->distance_m,
+                   "of what cameras that are not central see, metres")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   command->add_option("-o,--output", arguments->output,
                       "folder for pictures and tables");
   command->callback([arguments, common] { Run(*arguments, *common); });

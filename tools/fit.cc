@@ -31,6 +31,11 @@ struct Fit {
 Fit FitCamera(const Arguments& arguments) {
   const CameraInput input = ReadCamera(arguments.camera);
   const CameraModel& camera = *input.file.camera;
+  if (!camera.IsCentral())
+    throw Error(ExitCode::kUsage,
+                fmt::format("{}: the lines of a {} camera do not meet in a "
+                            "point; calibrate {} from the features instead",
+                            arguments.camera, camera.Name(), arguments.model));
   const Area& area = camera.area();
   Fit fit;
   fit.file.name = input.file.name;

@@ -1,7 +1,9 @@
 #include "adjustment/bundle_adjustment.h"
 
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "adjustment/normal_equations.h"
 
@@ -41,30 +43,16 @@ double PriorCost(const GaussianPrior& prior, const AdjustmentState& state,
   return cost;
 }
 
-NormalEquations BuildEquations(const std::vector<View>& views,
-                               const GaussianPrior& prior,
-                               const AdjustmentOptions& options,
-                               const AdjustmentState& state) {
-  NormalEquations equations(
-      NormalEquations::SizesOf(state, options.fix_cameras, options.fix_points),
-      options.num_threads);
-  equations.AddResiduals(LinearizeResiduals(state, views, options.num_threads),
-                         options.huber_px);
-  equations.AddPrior(prior, state);
-  return equations;
-}
-
 double TotalCost(const std::vector<Residual>& residuals, double huber_px) {
   return CompareCosts(residuals, residuals, huber_px).first;
 }
 
 // Tries damped steps until one lowers the cost. Returns the relative decrease,
 // 0 if none was found.
-double TakeStep(const std::vector<View>& views, const GaussianPrior& prior,
+double TakeStep(const NormalEquations& equations,
+                const std::vector<View>& views, const GaussianPrior& prior,
                 const AdjustmentOptions& options, double* lambda,
                 AdjustmentState* state, std::vector<Residual>* residuals) {
-  const NormalEquations equations =
-      BuildEquations(views, prior, options, *state);
   const double prior_cost = PriorCost(prior, *state, options);
   for (; *lambda < kMaxLambda; *lambda *= 10) {
     AdjustmentStep step;
@@ -85,57 +73,183 @@ double TakeStep(const std::vector<View>& views, const GaussianPrior& prior,
   return 0;
 }
 
+bool ShouldStop(const AdjustmentOptions& options) {
+  return options.should_stop && options.should_stop();
+}
+
+void Report(const AdjustmentOptions& options, int iteration,
+            const std::vector<Residual>& residuals) {
+  if (options.progress)
+    options.progress(iteration, TotalCost(residuals, options.huber_px));
+}
+
+AdjustmentSummary Adjust(const std::vector<View>& views,
+                         const GaussianPrior& prior,
+                         const AdjustmentOptions& options, double lambda,
+                         EquationsBuilder* builder, AdjustmentState* state) {
+  AdjustmentSummary summary;
+  summary.residuals = ComputeResiduals(*state, views, options.num_threads);
+  summary.initial_cost = TotalCost(summary.residuals, options.huber_px);
+  while (summary.num_iterations < options.max_iterations &&
+         !summary.converged && !ShouldStop(options)) {
+    ++summary.num_iterations;
+    const double decrease =
+        TakeStep(*builder->Build(
+                     prior, {options.fix_cameras, options.fix_points}, *state),
+                 views, prior, options, &lambda, state, &summary.residuals);
+    summary.converged = decrease < options.relative_tolerance;
+    Report(options, summary.num_iterations, summary.residuals);
+  }
+  summary.final_cost = TotalCost(summary.residuals, options.huber_px);
+  return summary;
+}
+
 // ---- Evidence approximation ------------------------------------------------
 
-// Of a group of parameters under the prior: how many of them there are, their
-// squared distance from its mean (in K's metric), and the trace of K times
-// their covariance in units of the residuals' variance.
-struct GroupEvidence {
-  double count = 0, squared_distance = 0, trace = 0;
+// So little damping that it does not count as knowledge of the parameters.
+constexpr double kLearningLambda = 1e-6;
 
-  // The number of parameters that the observations determine.
-  double NumDetermined(double weight) const {
-    return std::clamp(count - weight * trace, 1e-3 * count, count);
-  }
+// Of a group of parameters under the prior: how many of them there are, how
+// many the observations determine, and their squared distance from its mean (in
+// K's metric).
+struct GroupEvidence {
+  double count = 0, determined = 0, squared_distance = 0;
 };
 
-// Of each group of each camera.
-std::vector<GroupEvidence> CameraEvidence(const GaussianPrior& prior,
-                                          const AdjustmentState& state,
-                                          const CovarianceSamples& samples) {
-  std::vector<GroupEvidence> evidence;
-  for (size_t c = 0; c < prior.cameras.size(); ++c) {
-    const Eigen::VectorXd difference =
-        state.cameras[c]->Parameters() - prior.cameras[c].mean;
-    const Eigen::MatrixXd& scatter = samples.cameras[c];
-    for (const PriorGroup& group : prior.cameras[c].groups)
-      evidence.push_back(
-          {static_cast<double>(group.rank), group.SquaredDistance(difference),
-           scatter.cwiseProduct(group.precision * scatter).sum() /
-               static_cast<double>(scatter.cols())});
+// B with K = B B^T, of the parameters that a group is about.
+class PrecisionRoot {
+ public:
+  explicit PrecisionRoot(const Eigen::SparseMatrix<double>& precision) {
+    std::vector<int> index(precision.cols(), -1);
+    for (int k = 0; k < precision.cols(); ++k) {
+      if (precision.coeff(k, k) == 0) continue;
+      index[k] = static_cast<int>(parameters_.size());
+      parameters_.push_back(k);
+    }
+    std::vector<Eigen::Triplet<double>> own;
+    for (int k = 0; k < precision.outerSize(); ++k)
+      for (Eigen::SparseMatrix<double>::InnerIterator it(precision, k); it;
+           ++it)
+        if (index[it.row()] >= 0 && index[it.col()] >= 0)
+          own.emplace_back(index[it.row()], index[it.col()], it.value());
+    const Eigen::Index size = static_cast<Eigen::Index>(parameters_.size());
+    Eigen::SparseMatrix<double> matrix(size, size);
+    matrix.setFromTriplets(own.begin(), own.end());
+    const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> cholesky(matrix);
+    root_ = cholesky.permutationPinv() *
+            Eigen::SparseMatrix<double>(cholesky.matrixL());
   }
-  return evidence;
-}
 
-GroupEvidence PointsEvidence(const GaussianPrior& prior,
-                             const AdjustmentState& state,
-                             const CovarianceSamples& samples) {
-  GroupEvidence group;
-  group.count = 3.0 * static_cast<double>(state.points.size());
-  for (size_t i = 0; i < state.points.size(); ++i)
-    group.squared_distance +=
-        (state.points[i] - prior.points_mean[i]).squaredNorm();
-  group.trace =
-      samples.points.squaredNorm() / static_cast<double>(samples.points.cols());
-  return group;
-}
+  Eigen::Index size() const {
+    return static_cast<Eigen::Index>(parameters_.size());
+  }
 
-// In the order of CameraEvidence().
-std::vector<PriorGroup*> CameraGroups(GaussianPrior* prior) {
-  std::vector<PriorGroup*> groups;
-  for (CameraPrior& camera : prior->cameras)
-    for (PriorGroup& group : camera.groups) groups.push_back(&group);
+  // Over all parameters.
+  Eigen::VectorXd Times(const Eigen::VectorXd& own, Eigen::Index size) const {
+    const Eigen::VectorXd product = root_ * own;
+    Eigen::VectorXd all = Eigen::VectorXd::Zero(size);
+    for (size_t k = 0; k < parameters_.size(); ++k)
+      all[parameters_[k]] = product[k];
+    return all;
+  }
+
+ private:
+  std::vector<int> parameters_;
+  Eigen::SparseMatrix<double> root_;
+};
+
+// A group of the prior, with the place of its camera among the parameters.
+struct CameraGroup {
+  int camera = 0;
+  PriorGroup* group = nullptr;
+  PrecisionRoot root;
+};
+
+std::vector<CameraGroup> CameraGroups(GaussianPrior* prior) {
+  std::vector<CameraGroup> groups;
+  for (size_t c = 0; c < prior->cameras.size(); ++c)
+    for (PriorGroup& group : prior->cameras[c].groups)
+      groups.push_back(
+          {static_cast<int>(c), &group, PrecisionRoot(group.precision)});
   return groups;
+}
+
+Eigen::VectorXd RandomSigns(Eigen::Index size, std::mt19937* random_bits) {
+  Eigen::VectorXd signs(size);
+  for (Eigen::Index i = 0; i < size; ++i)
+    signs[i] = (*random_bits)() & 1 ? 1 : -1;
+  return signs;
+}
+
+// How many parameters of each group, and last of the points, the observations
+// determine: their number less the trace of the prior's part of H times H's
+// inverse, which is the mean of b^T H^-1 b (Hutchinson, 1989), with
+// b = sqrt(weight) B z of random signs z. For all groups at once: they are
+// independent. Nothing if the system is singular.
+std::vector<double> NumDetermined(const NormalEquations& equations,
+                                  const ParameterLayout& layout,
+                                  const std::vector<CameraGroup>& groups,
+                                  double points_weight, double lambda) {
+  const int num_samples = equations.NumCheapSides();
+  std::mt19937 random_bits(1);  // the standard fixes its sequence
+  std::vector<Eigen::MatrixXd> shares;
+  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(layout.size, num_samples);
+  for (const CameraGroup& group : groups) {
+    const int size = layout.NumCameraParameters(group.camera);
+    Eigen::MatrixXd share(size, num_samples);
+    for (int k = 0; k < num_samples; ++k)
+      share.col(k) =
+          std::sqrt(group.group->weight) *
+          group.root.Times(RandomSigns(group.root.size(), &random_bits), size);
+    right.middleRows(layout.first_camera[group.camera], size) += share;
+    shares.push_back(std::move(share));
+  }
+  for (int k = 0; k < num_samples; ++k)
+    right.col(k).tail(3 * layout.num_points) =
+        std::sqrt(points_weight) *
+        RandomSigns(3 * layout.num_points, &random_bits);
+  Eigen::MatrixXd solution;
+  if (!equations.SolveFor(lambda, right, &solution)) return {};
+  const auto determined = [num_samples](double count, double sum) {
+    return std::clamp(count - sum / num_samples, 1e-3 * count, count);
+  };
+  std::vector<double> result;
+  for (size_t g = 0; g < groups.size(); ++g)
+    result.push_back(determined(
+        groups[g].group->rank,
+        shares[g]
+            .cwiseProduct(solution.middleRows(
+                layout.first_camera[groups[g].camera], shares[g].rows()))
+            .sum()));
+  result.push_back(
+      determined(3.0 * layout.num_points,
+                 right.bottomRows(3 * layout.num_points)
+                     .cwiseProduct(solution.bottomRows(3 * layout.num_points))
+                     .sum()));
+  return result;
+}
+
+// Each group's, and last the points'.
+std::vector<GroupEvidence> EvidenceOf(const std::vector<CameraGroup>& groups,
+                                      const GaussianPrior& prior,
+                                      const std::vector<double>& determined,
+                                      const AdjustmentState& state) {
+  std::vector<GroupEvidence> evidence;
+  for (size_t g = 0; g < groups.size(); ++g) {
+    const Eigen::VectorXd difference =
+        state.cameras[groups[g].camera]->Parameters() -
+        prior.cameras[groups[g].camera].mean;
+    evidence.push_back({static_cast<double>(groups[g].group->rank),
+                        determined[g],
+                        groups[g].group->SquaredDistance(difference)});
+  }
+  GroupEvidence points = {3.0 * static_cast<double>(state.points.size()),
+                          determined.back(), 0};
+  for (size_t i = 0; i < state.points.size(); ++i)
+    points.squared_distance +=
+        (state.points[i] - prior.points_mean[i]).squaredNorm();
+  evidence.push_back(points);
+  return evidence;
 }
 
 // The variance of a residual's coordinate, with the loss's weights.
@@ -156,30 +270,44 @@ constexpr double kNegligiblePx = 1e-3;   // smaller departures are no matter
 constexpr double kStableChange = 0.05;   // of a weight's logarithm
 constexpr double kFewDetermined = 0.02;  // part of a group
 
-// Sets a weight to what the evidence makes of it; the variance of the group's
-// parameters is taken for no smaller than smallest_variance. Returns how much
-// the weight's logarithm changed.
-double UpdateWeight(const GroupEvidence& group, double residual_variance,
-                    double smallest_variance, double* weight) {
-  const double variance = group.squared_distance / group.NumDetermined(*weight);
-  const double updated =
-      residual_variance / std::max(variance, smallest_variance);
-  const double change = std::abs(std::log(updated / *weight));
-  *weight = updated;
-  return change;
-}
+// Moves a weight round by round to where the evidence leaves it.
+class WeightUpdate {
+ public:
+  // The variance of the group's parameters is taken for no smaller than
+  // smallest_variance. Returns how much the weight's logarithm changed.
+  double Update(const GroupEvidence& group, double residual_variance,
+                double smallest_variance, double* weight) {
+    const double variance =
+        std::max(group.squared_distance / group.determined, smallest_variance);
+    double change = std::log(residual_variance / variance / *weight);
+    // Changes that shrink by the same factor add up to a known sum.
+    const double factor = change / last_change_;
+    last_change_ = change;
+    if (factor > 0 && factor < kMaxFactor) {
+      change /= 1 - factor;
+      last_change_ = 0;
+    }
+    *weight *= std::exp(change);
+    return std::abs(change);
+  }
+
+ private:
+  static constexpr double kMaxFactor = 0.8;
+  double last_change_ = 0;  // none, or of which none is known
+};
 
 // A point's displacement that moves its image by one pixel, squared, on the
 // average over the views.
-double SquaredMetresPerPixel(const std::vector<LinearizedResidual>& residuals) {
-  double sum = 0;
-  int count = 0;
-  for (const LinearizedResidual& r : residuals) {
-    if (!r.residual.valid) continue;
-    sum += r.by_point.squaredNorm() / 2;
-    ++count;
+double SquaredMetresPerPixel(const AdjustmentState& state,
+                             const std::vector<View>& views,
+                             const AdjustmentOptions& options) {
+  double sum = 0, count = 0;
+  for (const ViewJacobian& jacobian :
+       WeightedJacobians(state, views, options.huber_px, options.num_threads)) {
+    sum += jacobian.by_point.squaredNorm() / 2;
+    count += jacobian.count();
   }
-  return count > 0 ? count / sum : 1;
+  return sum > 0 ? count / sum : 1;
 }
 
 }  // namespace
@@ -188,83 +316,80 @@ AdjustmentSummary AdjustBundle(const std::vector<View>& views,
                                const GaussianPrior& prior,
                                const AdjustmentOptions& options,
                                AdjustmentState* state) {
-  AdjustmentSummary summary;
-  summary.residuals = ComputeResiduals(*state, views, options.num_threads);
-  summary.initial_cost = TotalCost(summary.residuals, options.huber_px);
-  double lambda = kInitialLambda;
-  while (summary.num_iterations < options.max_iterations &&
-         !summary.converged) {
-    ++summary.num_iterations;
-    const double decrease =
-        TakeStep(views, prior, options, &lambda, state, &summary.residuals);
-    summary.converged = decrease < options.relative_tolerance;
-  }
-  summary.final_cost = TotalCost(summary.residuals, options.huber_px);
-  return summary;
+  EquationsBuilder builder(views, options.huber_px, options.num_threads);
+  return Adjust(views, prior, options, kInitialLambda, &builder, state);
 }
 
 AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
                                          const AdjustmentOptions& options,
                                          GaussianPrior* prior,
                                          AdjustmentState* state) {
-  constexpr int kMaxRounds = 12, kTraceSamples = 64;
-  const double square_metres_per_pixel = SquaredMetresPerPixel(
-      LinearizeResiduals(*state, views, options.num_threads));
+  constexpr int kMaxRounds = 30;
+  constexpr double kStableCost = 1e-4;
+  const double square_metres_per_pixel =
+      SquaredMetresPerPixel(*state, views, options);
   // A first guess: residuals, second differences and points all scatter alike.
-  const std::vector<PriorGroup*> groups = CameraGroups(prior);
-  for (PriorGroup* group : groups)
-    if (group->weight == 0) group->weight = 1;
+  const std::vector<CameraGroup> groups = CameraGroups(prior);
+  for (const CameraGroup& group : groups)
+    if (group.group->weight == 0) group.group->weight = 1;
   if (prior->points_weight == 0)
     prior->points_weight = 1 / square_metres_per_pixel;
-  AdjustmentOptions rough = options;
-  rough.relative_tolerance = 1e-4;
-  rough.max_iterations = 10;
-  for (int round = 0; round < kMaxRounds; ++round) {
-    const AdjustmentSummary summary = AdjustBundle(views, *prior, rough, state);
-    const NormalEquations equations =
-        BuildEquations(views, *prior, rough, *state);
-    CovarianceSamples samples;
-    if (!equations.SampleCovariance(kTraceSamples, &samples)) break;
 
-    const std::vector<GroupEvidence> cameras =
-        CameraEvidence(*prior, *state, samples);
-    double num_camera = state->NumCameraParameters();
+  std::vector<WeightUpdate> updates(groups.size() + 1);
+  AdjustmentOptions fixed = options;
+  double variance = 0;
+  std::vector<Residual> residuals =
+      ComputeResiduals(*state, views, options.num_threads);
+  EquationsBuilder builder(views, options.huber_px, options.num_threads);
+  double lambda = kLearningLambda;
+  for (int round = 0; round < kMaxRounds && !ShouldStop(options); ++round) {
+    // One step, then what its equations tell of the prior.
+    const FixedParameters fixed_parameters = {fixed.fix_cameras,
+                                              fixed.fix_points};
+    const ParameterLayout layout(*state, fixed_parameters);
+    const std::unique_ptr<NormalEquations> equations =
+        builder.Build(*prior, fixed_parameters, *state);
+    const double tried_lambda = lambda;
+    const double decrease =
+        TakeStep(*equations, views, *prior, fixed, &lambda, state, &residuals);
+    Report(options, round, residuals);
+    const std::vector<double> determined = NumDetermined(
+        *equations, layout, groups, prior->points_weight, tried_lambda);
+    if (determined.empty()) break;
+    const std::vector<GroupEvidence> evidence =
+        EvidenceOf(groups, *prior, determined, *state);
+    double num_parameters = layout.first_point + 6.0 * layout.num_poses;
     for (size_t g = 0; g < groups.size(); ++g)
-      num_camera +=
-          cameras[g].NumDetermined(groups[g]->weight) - cameras[g].count;
-    double num_points = 0;
-    GroupEvidence points;
-    if (!rough.fix_points) {
-      points = PointsEvidence(*prior, *state, samples);
-      num_points = points.NumDetermined(prior->points_weight);
-    }
-    const double variance = ResidualVariance(
-        summary.residuals, options.huber_px,
-        num_camera + num_points +
-            6.0 * static_cast<double>(state->rig_from_pattern.size()));
-    double camera_change = 0;
+      num_parameters += evidence[g].determined - evidence[g].count;
+    const GroupEvidence& points = evidence.back();
+    if (!fixed.fix_points) num_parameters += points.determined;
+    variance = ResidualVariance(residuals, options.huber_px, num_parameters);
+
+    double change = 0;
     for (size_t g = 0; g < groups.size(); ++g)
-      camera_change =
-          std::max(camera_change, UpdateWeight(cameras[g], variance,
-                                               kNegligiblePx * kNegligiblePx,
-                                               &groups[g]->weight));
-    if (!rough.fix_points && num_points < kFewDetermined * points.count) {
+      change = std::max(change, updates[g].Update(evidence[g], variance,
+                                                  kNegligiblePx * kNegligiblePx,
+                                                  &groups[g].group->weight));
+    if (!fixed.fix_points &&
+        points.determined < kFewDetermined * points.count) {
       // The board is as nominal as these observations can tell.
       state->points = prior->points_mean;
-      rough.fix_points = true;
+      fixed.fix_points = true;
+      residuals = ComputeResiduals(*state, views, options.num_threads);
       continue;
     }
-    const double points_change =
-        rough.fix_points ? 0
-                         : UpdateWeight(points, variance,
-                                        kNegligiblePx * kNegligiblePx *
-                                            square_metres_per_pixel,
-                                        &prior->points_weight);
-    if (std::max(camera_change, points_change) < kStableChange) break;
+    if (!fixed.fix_points)
+      change =
+          std::max(change, updates.back().Update(points, variance,
+                                                 kNegligiblePx * kNegligiblePx *
+                                                     square_metres_per_pixel,
+                                                 &prior->points_weight));
+    if (change < kStableChange && decrease < kStableCost) break;
   }
-  AdjustmentOptions final_options = options;
-  final_options.fix_points = rough.fix_points;
-  return AdjustBundle(views, *prior, final_options, state);
+  AdjustmentSummary summary =
+      Adjust(views, *prior, fixed, lambda, &builder, state);
+  summary.noise_px = std::sqrt(variance);
+  return summary;
 }
 
 }  // namespace raygrid

@@ -1,6 +1,7 @@
 #ifndef RAYGRID_ADJUSTMENT_BUNDLE_ADJUSTMENT_H
 #define RAYGRID_ADJUSTMENT_BUNDLE_ADJUSTMENT_H
 
+#include <functional>
 #include <vector>
 
 #include "adjustment/adjustment_state.h"
@@ -17,6 +18,11 @@ struct AdjustmentOptions {
   /// Converged when a step lowers the cost by less than this part of it.
   double relative_tolerance = 1e-7;
   int num_threads = 0;
+  /// Asked between iterations; the best state so far stays.
+  std::function<bool()> should_stop;
+  /// Told each iteration and its cost; iterations start anew when a stage of
+  /// adjustment does.
+  std::function<void(int iteration, double cost)> progress;
 };
 
 struct AdjustmentSummary {
@@ -24,6 +30,8 @@ struct AdjustmentSummary {
   int num_iterations = 0;
   double initial_cost = 0, final_cost = 0;  ///< each over its valid residuals
   std::vector<Residual> residuals;          ///< of the final state
+  /// Standard deviation of a residual's coordinate, with a learned prior.
+  double noise_px = 0;
 };
 
 /// Levenberg-Marquardt on the reprojection error over the camera's parameters,

@@ -1,12 +1,13 @@
 #ifndef RAYGRID_ADJUSTMENT_NORMAL_EQUATIONS_H
 #define RAYGRID_ADJUSTMENT_NORMAL_EQUATIONS_H
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
+#include <memory>
 #include <vector>
 
 #include "adjustment/gaussian_prior.h"
-#include "adjustment/reprojection_error.h"
+#include "adjustment/view_jacobian.h"
 
 namespace raygrid {
 
@@ -18,74 +19,84 @@ struct AdjustmentStep {
   std::vector<Eigen::Matrix<double, 6, 1>> poses;
 };
 
-/// Random parameters that scatter as the adjusted ones do.
-struct CovarianceSamples {
-  std::vector<Eigen::MatrixXd> cameras;  ///< a column a sample
-  Eigen::MatrixXd camera_poses;          ///< 6 rows each, but the first's
-  Eigen::MatrixXd points;                ///< likewise
+/// What has no equations; cameras are fixed with their poses in the rig.
+struct FixedParameters {
+  bool cameras = false, points = false;
 };
 
-/// The Gauss-Newton equations H x = -g of bundle adjustment, in the blocks
-///   [ A   W ] [ cameras, their poses in the rig, and kept group ]
-///   [ W^T V ] [ eliminated group                                ]
-/// The groups are rig poses (6 numbers each) and points (3 each). A residual
-/// belongs to one pose and one point, so V is block-diagonal for either; the
-/// larger group is eliminated (Schur complement) and a dense system is left.
+/// Where parameters stand in a vector of them all but the rig poses: cameras,
+/// their poses in the rig, points.
+struct ParameterLayout {
+  ParameterLayout(const AdjustmentState& state, const FixedParameters& fixed);
+
+  std::vector<int> first_camera;  ///< of each, and their end; {0} if fixed
+  int first_point = 0, size = 0;
+  int num_points = 0;  ///< 0 if they are fixed
+  int num_poses = 0;   ///< of the rig
+
+  bool has_cameras() const { return first_camera.size() > 1; }
+  int NumCameraParameters(int camera) const {
+    return first_camera[camera + 1] - first_camera[camera];
+  }
+  /// Of a camera but the first.
+  int CameraPose(int camera) const {
+    return first_camera.back() + 6 * (camera - 1);
+  }
+  int Point(int point) const { return first_point + 3 * point; }
+
+  /// A step out of its parts.
+  AdjustmentStep Step(const Eigen::VectorXd& parameters,
+                      const Eigen::VectorXd& poses) const;
+};
+
+/// The prior's share of the equations, in the layout: P + R R^T.
+struct PriorEquations {
+  PriorEquations(const GaussianPrior& prior, const AdjustmentState& state,
+                 const ParameterLayout& layout);
+
+  Eigen::SparseMatrix<double> precision;  ///< P
+  Eigen::MatrixXd root;                   ///< R, of few columns
+  Eigen::VectorXd gradient;
+};
+
+/// A floor for the damping, so that a parameter that nothing depends on does
+/// not make the system singular.
+constexpr double kDampingFloor = 1e-9;
+
+/// The Gauss-Newton equations H x = -g of bundle adjustment.
 class NormalEquations {
  public:
-  struct Sizes {
-    std::vector<int> num_camera_parameters;  ///< of each camera
-    int num_points = 0, num_poses = 0;
-    /// These get no equations; cameras are fixed with their poses in the rig.
-    bool fix_cameras = false, fix_points = false;
-  };
-  static Sizes SizesOf(const AdjustmentState& state, bool fix_cameras,
-                       bool fix_points);
-  NormalEquations(const Sizes& sizes, int num_threads);
-
-  void AddResiduals(const std::vector<LinearizedResidual>& residuals,
-                    double huber_px);
-  void AddPrior(const GaussianPrior& prior, const AdjustmentState& state);
+  virtual ~NormalEquations() = default;
 
   /// Solves with Marquardt's damping: lambda times H's diagonal is added.
   /// False if the system is not positive definite.
-  bool Solve(double lambda, AdjustmentStep* step) const;
+  virtual bool Solve(double lambda, AdjustmentStep* step) const = 0;
 
-  /// Samples with the parameters' covariance in units of the residuals'
-  /// variance: H^-1/2 z with z of random signs. Their mean quadratic form with
-  /// a matrix estimates its trace with the covariance (Hutchinson, 1989), at a
-  /// fraction of an inverse's cost. False if the system is singular.
-  bool SampleCovariance(int num_samples, CovarianceSamples* samples) const;
+  /// H x = right, damped likewise, for several right sides in the layout, whose
+  /// rig poses' part is zero; *solution leaves it out.
+  virtual bool SolveFor(double lambda, const Eigen::MatrixXd& right,
+                        Eigen::MatrixXd* solution) const = 0;
+  /// How many right sides can be afforded for each Solve().
+  virtual int NumCheapSides() const = 0;
+};
+
+/// Builds equations around one state after the other: DenseEquations for small
+/// problems and where the cameras are fixed, or else LargeEquations.
+class EquationsBuilder {
+ public:
+  EquationsBuilder(const std::vector<View>& views, double huber_px,
+                   int num_threads)
+      : views_(views), huber_px_(huber_px), num_threads_(num_threads) {}
+
+  std::unique_ptr<NormalEquations> Build(const GaussianPrior& prior,
+                                         const FixedParameters& fixed,
+                                         const AdjustmentState& state);
 
  private:
-  using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
-  void AddCameraPrior(const CameraPrior& prior, int first,
-                      const Eigen::VectorXd& parameters);
-
-  using BlockVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
-
-  // A - sum W V^-1 W^T, factored.
-  struct Reduced {
-    std::vector<Eigen::LLT<Block>> blocks;
-    Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> dense;
-  };
-  bool Reduce(double lambda, Reduced* reduced) const;
-
-  // The parameters of the dense system, then the eliminated ones' for it.
-  Eigen::MatrixXd Eliminated(const Reduced& reduced,
-                             const Eigen::MatrixXd& dense) const;
-
-  Sizes sizes_;
+  const std::vector<View>& views_;
+  double huber_px_;
   int num_threads_;
-  std::vector<int> first_parameter_;  // of each camera; and their end
-  int num_camera_;                    // so many, and their poses in the rig
-  bool eliminate_points_;             // or else the poses
-  int block_size_;
-  Eigen::MatrixXd a_;  // lower triangle
-  Eigen::VectorXd gradient_;
-  std::vector<Block> v_;
-  std::vector<BlockVector> block_gradient_;
-  std::vector<Eigen::MatrixXd> w_;
+  std::shared_ptr<void> memory_;  // of LargeEquations
 };
 
 }  // namespace raygrid

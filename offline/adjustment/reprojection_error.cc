@@ -69,16 +69,12 @@ std::vector<Residual> ComputeResiduals(const AdjustmentState& state,
   return residuals;
 }
 
-std::vector<LinearizedResidual> LinearizeResiduals(
-    const AdjustmentState& state, const std::vector<View>& views,
-    int num_threads) {
-  const std::vector<int> first = FirstObservations(views);
-  std::vector<LinearizedResidual> residuals(first.back());
-  ParallelFor(static_cast<int>(views.size()), num_threads, [&](int v) {
-    for (size_t i = 0; i < views[v].observations.size(); ++i)
-      residuals[first[v] + i] =
-          Linearize(state, views[v], views[v].observations[i]);
-  });
+std::vector<LinearizedResidual> LinearizeView(const AdjustmentState& state,
+                                              const View& view) {
+  std::vector<LinearizedResidual> residuals;
+  residuals.reserve(view.observations.size());
+  for (const Observation& observation : view.observations)
+    residuals.push_back(Linearize(state, view, observation));
   return residuals;
 }
 

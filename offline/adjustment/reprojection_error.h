@@ -34,9 +34,9 @@ struct LinearizedResidual {
 std::vector<Residual> ComputeResiduals(const AdjustmentState& state,
                                        const std::vector<View>& views,
                                        int num_threads);
-std::vector<LinearizedResidual> LinearizeResiduals(
-    const AdjustmentState& state, const std::vector<View>& views,
-    int num_threads);
+/// Those of one view.
+std::vector<LinearizedResidual> LinearizeView(const AdjustmentState& state,
+                                              const View& view);
 
 /// Huber's loss of a residual of this norm, and its weight
 /// d loss / d(norm^2 / 2).

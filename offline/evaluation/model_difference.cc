@@ -127,14 +127,16 @@ ModelDifference CompareModels(const CameraModel& first,
       SampleLines(first, second, step_px, distance_m);
   ModelDifference difference;
   if (pairs.empty()) return difference;
-  difference.first_from_second =
-      BestMotion(pairs, first.IsCentral() && second.IsCentral());
+  const bool are_central = first.IsCentral() && second.IsCentral();
+  difference.first_from_second = BestMotion(pairs, are_central);
 
   double sum = 0;
   std::vector<double> norms;
   for (const LinePair& pair : pairs) {
     difference.pixels.push_back(pair.pixel);
     difference.error_px.push_back(ErrorPx(pair, difference.first_from_second));
+    if (!are_central)
+      difference.inverse_distances.push_back(pair.inverse_distance);
     norms.push_back(difference.error_px.back().norm());
     sum += norms.back() * norms.back();
   }

@@ -172,6 +172,12 @@ class Simulate(CommandTest):
                         "--pattern", os.path.join(folder, "true_pattern.yaml"), "--json")
         self.assert_done(evaluated)
         self.assertLess(json.loads(evaluated.stdout)["max_px"], 1e-3)
+        self.assert_refused(run("fit", camera, "--model", "opencv", "-o", self.path("fit.yaml")),
+                            1, "noncentral")
+        itself = run("compare", camera, camera, "--distance", 0.4, "--json")
+        self.assert_done(itself)
+        self.assertLess(json.loads(itself.stdout)["max_px"], 1e-6)
+        self.assertEqual(len(json.loads(itself.stdout)["translation_m"]), 3)
         self.assert_refused(run("pack", camera, "-o", self.path("lines.raygrid")), 1, "noncentral")
         self.assertFalse(os.path.exists(self.path("lines.raygrid")))
 

@@ -238,6 +238,101 @@ TEST(AdjustBundle, ReportsTheResidualsOfItsFinalState) {
   EXPECT_NEAR(summary.final_cost, cost, 1e-9 * cost);
 }
 
+TEST(AdjustBundle, StopsWhenAskedWithTheBestStateSoFar) {
+  const SmallProblem problem = NoisyProblem({6, 30, 0.3});
+  AdjustmentState state = Disturbed(problem.state, true);
+  AdjustmentOptions options = Thorough(false);
+  std::vector<double> costs;
+  options.progress = [&](int iteration, double cost) {
+    EXPECT_EQ(iteration, static_cast<int>(costs.size()) + 1);
+    costs.push_back(cost);
+  };
+  options.should_stop = [&] { return costs.size() == 2; };
+  const AdjustmentSummary summary =
+      AdjustBundle(problem.views, PriorOf(problem), options, &state);
+  ASSERT_EQ(summary.num_iterations, 2);
+  EXPECT_FALSE(summary.converged);
+  EXPECT_LT(summary.final_cost, summary.initial_cost);
+  EXPECT_EQ(summary.final_cost, costs.back());
+  AdjustmentState untouched = Disturbed(problem.state, true);
+  options.should_stop = [] { return true; };
+  GaussianPrior prior = PriorOf(problem);
+  AdjustWithLearnedPrior(problem.views, options, &prior, &untouched);
+  EXPECT_EQ(untouched.points, Disturbed(problem.state, true).points);
+}
+
+// A board's points at pixels that a lens sees them at, one metre away.
+void AddSeenAt(const CameraModel& lens, const Eigen::Vector2d& pixel,
+               const Eigen::Vector2d& observed, SmallProblem* problem) {
+  const Eigen::Vector3d ray = lens.Unproject(pixel).value();
+  problem->views[0].observations.push_back(
+      {static_cast<int>(problem->state.points.size()), observed});
+  problem->state.points.push_back(ray / ray.z());
+}
+
+// From half a pixel beside the true pose, the step to it makes a residual valid
+// that is large, which a sum over each state's own residuals would refuse. Its
+// loss is linear: there it has a small say.
+TEST(AdjustBundle, DoesNotStallWhereResidualsBecomeValid) {
+  TestRandom random(5);
+  const OpenCvModel wide = ExampleLens().WithArea({-50, -50, 690, 530});
+  SmallProblem problem;
+  problem.views.resize(1);
+  problem.state.SetCamera(wide.WithArea(WholeImage({640, 480})));
+  problem.state.rig_from_pattern.resize(1);
+  for (int i = 0; i < 60; ++i) {
+    const Eigen::Vector2d pixel = random.PixelIn({50, 50, 590, 430});
+    AddSeenAt(wide, pixel, pixel, &problem);
+  }
+  const double edge = -kAdjustmentMarginPx + 0.3;
+  AddSeenAt(wide, {edge, 240}, {80, 240}, &problem);
+
+  AdjustmentOptions options = Thorough(true);
+  options.fix_cameras = true;
+  AdjustmentState state = problem.state;
+  state.rig_from_pattern[0].translation.x() -= 0.001;
+  const auto cost_of = [&](const AdjustmentState& at) {
+    const auto residuals = ComputeResiduals(at, problem.views, 1);
+    return CompareCosts(residuals, residuals, options.huber_px);
+  };
+  const ComparableCosts start = cost_of(state), truth = cost_of(problem.state);
+  ASSERT_EQ(start.num_common, 60);
+  ASSERT_EQ(truth.num_common, 61);
+  ASSERT_GT(truth.second, 5 * start.second);
+  AdjustBundle(problem.views, GaussianPrior(), options, &state);
+  const auto residuals = ComputeResiduals(state, problem.views, 1);
+  for (int i = 0; i < 60; ++i) EXPECT_LT(residuals[i].error_px.norm(), 0.25);
+}
+
+// A grid of many parameters, which LargeEquations are for.
+struct GridProblem {
+  SmallProblem problem = MakeSmallProblem({25, 80, 0.1});
+  GaussianPrior prior;
+
+  explicit GridProblem(double cell_px) {
+    const CentralGeneric grid = FittedGrid(problem.state.camera(), cell_px);
+    problem.state.SetCamera(grid);
+    prior.cameras = {SmoothnessPrior(grid)};
+    prior.cameras[0].groups[0].weight = 1;
+    prior.points_mean = problem.state.points;
+    prior.points_weight = 1e5;
+  }
+};
+
+TEST(AdjustBundle, IsTheSameWithAnyNumberOfThreads) {
+  const GridProblem grid(30);
+  AdjustmentOptions options;
+  AdjustmentState states[2] = {grid.problem.state, grid.problem.state};
+  for (const int k : {0, 1}) {
+    options.num_threads = 1 + k;
+    GaussianPrior prior = grid.prior;
+    AdjustWithLearnedPrior(grid.problem.views, options, &prior, &states[k]);
+  }
+  ASSERT_GT(states[0].camera().NumParameters(), 1000);
+  EXPECT_EQ(states[0].camera().Parameters(), states[1].camera().Parameters());
+  EXPECT_EQ(states[0].points, states[1].points);
+}
+
 // How strong the learned priors are for points that lie off their nominal
 // places by this much.
 double LearnedPointsWeight(double deviation_m) {

@@ -39,7 +39,7 @@ TEST(NonCentralGeneric, DerivativeByPointIsThatOfProjection) {
 }
 
 TEST(NonCentralGeneric, DerivativeByParametersIsThatOfProjection) {
-  ExpectDerivativeByParameter(UnevenLines(), 1e-6, 1e-6);
+  ExpectDerivativeByParameter(UnevenLines(), 1e-5, 1e-5);
 }
 
 TEST(NonCentralGeneric, SeesNothingOutsideItsArea) {

@@ -2,6 +2,8 @@
 
 #include <Eigen/LU>
 
+#include "adjustment/dense_equations.h"
+#include "adjustment/large_equations.h"
 #include "small_problem.h"
 #include "support.h"
 
@@ -29,7 +31,7 @@ struct Layout {
 };
 
 // H and g of all parameters at once.
-struct DenseEquations {
+struct WholeSystem {
   Eigen::MatrixXd h;
   Eigen::VectorXd g;
 };
@@ -49,7 +51,7 @@ Eigen::MatrixXd DenseJacobian(const LinearizedResidual& r,
 }
 
 void AddDensePrior(const GaussianPrior& prior, const AdjustmentState& state,
-                   const Layout& layout, DenseEquations* dense) {
+                   const Layout& layout, WholeSystem* dense) {
   constexpr int n = OpenCvModel::kCount;
   for (int c = 0; c < layout.num_cameras; ++c) {
     const CameraPrior& camera = prior.cameras[c];
@@ -68,30 +70,48 @@ void AddDensePrior(const GaussianPrior& prior, const AdjustmentState& state,
   }
 }
 
-DenseEquations BuildDense(const std::vector<View>& views,
-                          const AdjustmentState& state,
-                          const GaussianPrior& prior, const Layout& layout) {
-  DenseEquations dense = {Eigen::MatrixXd::Zero(layout.Size(), layout.Size()),
-                          Eigen::VectorXd::Zero(layout.Size())};
-  for (const LinearizedResidual& r : LinearizeResiduals(state, views, 1)) {
-    const Eigen::MatrixXd row = DenseJacobian(r, layout);
-    const double weight = HuberWeight(r.residual.error_px.norm(), 1);
-    dense.h += weight * row.transpose() * row;
-    dense.g += weight * row.transpose() * r.residual.error_px;
+WholeSystem BuildDense(const std::vector<View>& views,
+                       const AdjustmentState& state, const GaussianPrior& prior,
+                       const Layout& layout) {
+  WholeSystem dense = {Eigen::MatrixXd::Zero(layout.Size(), layout.Size()),
+                       Eigen::VectorXd::Zero(layout.Size())};
+  for (const View& view : views) {
+    for (const LinearizedResidual& r : LinearizeView(state, view)) {
+      const Eigen::MatrixXd row = DenseJacobian(r, layout);
+      const double weight = HuberWeight(r.residual.error_px.norm(), 1);
+      dense.h += weight * row.transpose() * row;
+      dense.g += weight * row.transpose() * r.residual.error_px;
+    }
   }
   AddDensePrior(prior, state, layout, &dense);
   return dense;
 }
 
-NormalEquations BuildSparse(const std::vector<View>& views,
-                            const AdjustmentState& state,
-                            const GaussianPrior& prior, bool fix_cameras,
-                            bool fix_points, int num_threads = 1) {
-  NormalEquations equations(
-      NormalEquations::SizesOf(state, fix_cameras, fix_points), num_threads);
-  equations.AddResiduals(LinearizeResiduals(state, views, 1), 1);
-  equations.AddPrior(prior, state);
-  return equations;
+enum class Method { kDense, kLarge };
+
+std::unique_ptr<NormalEquations> BuildFrom(
+    const std::vector<ViewJacobian>& jacobians, const AdjustmentState& state,
+    const GaussianPrior& prior, const FixedParameters& fixed, Method method,
+    int num_threads) {
+  constexpr double kTolerance = 1e-10;
+  const ParameterLayout layout(state, fixed);
+  const PriorEquations prior_equations(prior, state, layout);
+  if (method == Method::kDense)
+    return std::make_unique<DenseEquations>(layout, jacobians, prior_equations,
+                                            num_threads);
+  return std::make_unique<LargeEquations>(
+      layout, jacobians, prior_equations, state.points, kTolerance, num_threads,
+      std::make_shared<LargeEquations::Memory>());
+}
+
+std::unique_ptr<NormalEquations> BuildEquations(const std::vector<View>& views,
+                                                const AdjustmentState& state,
+                                                const GaussianPrior& prior,
+                                                const FixedParameters& fixed,
+                                                Method method = Method::kDense,
+                                                int num_threads = 1) {
+  return BuildFrom(WeightedJacobians(state, views, 1, 1), state, prior, fixed,
+                   method, num_threads);
 }
 
 // In the dense order.
@@ -109,7 +129,7 @@ Eigen::VectorXd Stacked(const AdjustmentStep& step, const Layout& layout) {
 
 // Every parameter's step compared in units of its own uncertainty.
 void ExpectDenseSolution(const SmallProblemSizes& sizes, bool fix_camera,
-                         bool fix_points) {
+                         bool fix_points, Method method = Method::kDense) {
   const SmallProblem problem = MakeSmallProblem(sizes);
   const AdjustmentState state = Disturbed(problem.state, !fix_points);
   GaussianPrior prior = PriorOf(problem);
@@ -120,12 +140,13 @@ void ExpectDenseSolution(const SmallProblemSizes& sizes, bool fix_camera,
   prior.cameras[0].orientation_weight = 2;
   const Layout layout(problem, fix_camera, fix_points);
   for (const double lambda : {1e-4, 1.0}) {
-    DenseEquations dense = BuildDense(problem.views, state, prior, layout);
+    WholeSystem dense = BuildDense(problem.views, state, prior, layout);
     dense.h.diagonal() *= 1 + lambda;
     const Eigen::VectorXd expected = -dense.h.llt().solve(dense.g);
     AdjustmentStep step;
-    ASSERT_TRUE(BuildSparse(problem.views, state, prior, fix_camera, fix_points)
-                    .Solve(lambda, &step));
+    ASSERT_TRUE(BuildEquations(problem.views, state, prior,
+                               {fix_camera, fix_points}, method)
+                    ->Solve(lambda, &step));
     ASSERT_EQ(step.points.size(), 3 * layout.num_points);
     const Eigen::VectorXd scale = dense.h.inverse().diagonal().cwiseSqrt();
     EXPECT_LT((Stacked(step, layout) - expected)
@@ -160,76 +181,101 @@ TEST(NormalEquations, CamerasOfARigShareTheirPoses) {
   ExpectDenseSolution({6, 30, 0.4, 2}, true, false);
 }
 
+TEST(LargeEquations, SolveTheWholeSystem) {
+  ExpectDenseSolution({4, 30, 0.4}, false, false, Method::kLarge);
+  ExpectDenseSolution({12, 20, 0.4}, false, false, Method::kLarge);
+  ExpectDenseSolution({6, 30, 0.4}, false, true, Method::kLarge);
+  ExpectDenseSolution({12, 20, 0.4, 2}, false, false, Method::kLarge);
+}
+
 TEST(NormalEquations, SolutionDoesNotDependOnTheNumberOfThreads) {
   const SmallProblem problem = MakeSmallProblem({40, 60, 0.4});
   const GaussianPrior prior = PriorOf(problem);
   const AdjustmentState state = Disturbed(problem.state, true);
-  AdjustmentStep one, three;
-  ASSERT_TRUE(BuildSparse(problem.views, state, prior, false, false, 1)
-                  .Solve(1e-3, &one));
-  ASSERT_TRUE(BuildSparse(problem.views, state, prior, false, false, 3)
-                  .Solve(1e-3, &three));
-  EXPECT_EQ(one.cameras, three.cameras);
-  EXPECT_EQ(one.points, three.points);
-  EXPECT_EQ(one.poses, three.poses);
+  for (const Method method : {Method::kDense, Method::kLarge}) {
+    AdjustmentStep one, three;
+    ASSERT_TRUE(BuildEquations(problem.views, state, prior, {}, method, 1)
+                    ->Solve(1e-3, &one));
+    ASSERT_TRUE(BuildEquations(problem.views, state, prior, {}, method, 3)
+                    ->Solve(1e-3, &three));
+    EXPECT_EQ(one.cameras, three.cameras);
+    EXPECT_EQ(one.points, three.points);
+    EXPECT_EQ(one.poses, three.poses);
+  }
 }
 
 TEST(NormalEquations, ResidualsThatAreNotValidDoNotCount) {
   const SmallProblem problem = MakeSmallProblem({5, 30, 0.4});
   const GaussianPrior prior = PriorOf(problem);
-  std::vector<LinearizedResidual> all =
-      LinearizeResiduals(problem.state, problem.views, 1);
-  std::vector<LinearizedResidual> some;
-  for (size_t i = 0; i < all.size(); ++i) {
-    if (i % 3 == 0) all[i].residual.valid = false;
-    if (i % 3 != 0) some.push_back(all[i]);
+  std::vector<ViewJacobian> all, some;
+  for (const View& view : problem.views) {
+    std::vector<LinearizedResidual> marked = LinearizeView(problem.state, view);
+    std::vector<LinearizedResidual> kept;
+    for (size_t i = 0; i < marked.size(); ++i) {
+      if (i % 3 == 0) marked[i].residual.valid = false;
+      if (i % 3 != 0) kept.push_back(marked[i]);
+    }
+    all.push_back(WeightedJacobian(marked, 1));
+    some.push_back(WeightedJacobian(kept, 1));
   }
-  AdjustmentStep steps[2];
-  int k = 0;
-  for (const auto& residuals : {all, some}) {
-    NormalEquations equations(
-        NormalEquations::SizesOf(problem.state, false, false), 1);
-    equations.AddResiduals(residuals, 1);
-    equations.AddPrior(prior, problem.state);
-    ASSERT_TRUE(equations.Solve(1e-3, &steps[k++]));
+  for (const Method method : {Method::kDense, Method::kLarge}) {
+    AdjustmentStep steps[2];
+    ASSERT_TRUE(BuildFrom(all, problem.state, prior, {}, method, 1)
+                    ->Solve(1e-3, &steps[0]));
+    ASSERT_TRUE(BuildFrom(some, problem.state, prior, {}, method, 1)
+                    ->Solve(1e-3, &steps[1]));
+    EXPECT_EQ(steps[0].cameras, steps[1].cameras);
   }
-  EXPECT_EQ(steps[0].cameras, steps[1].cameras);
 }
 
-// Expects the traces of K times the covariance that the evidence approximation
-// needs, from samples, to be the exact ones.
-void ExpectTraces(int num_views, int num_points) {
-  const SmallProblem problem = MakeSmallProblem({num_views, num_points, 0.3});
+void ExpectInverse(const SmallProblemSizes& sizes, Method method) {
+  const SmallProblem problem = MakeSmallProblem(sizes);
   const GaussianPrior prior = PriorOf(problem);
   const Layout layout(problem, false, false);
-  const Eigen::MatrixXd covariance =
-      BuildDense(problem.views, problem.state, prior, layout).h.inverse();
-  CovarianceSamples samples;
-  constexpr int kNumSamples = 3000;
-  ASSERT_TRUE(BuildSparse(problem.views, problem.state, prior, false, false)
-                  .SampleCovariance(kNumSamples, &samples));
-  constexpr int n = OpenCvModel::kCount;
-  const double camera_trace =
-      (prior.cameras[0].groups[0].precision * covariance.topLeftCorner(n, n))
-          .trace();
-  const double points_trace =
-      covariance.diagonal().segment(n, 3 * num_points).sum();
-  EXPECT_NEAR(samples.cameras[0]
-                      .cwiseProduct(prior.cameras[0].groups[0].precision *
-                                    samples.cameras[0])
-                      .sum() /
-                  kNumSamples,
-              camera_trace, 0.1 * camera_trace);
-  EXPECT_NEAR(samples.points.squaredNorm() / kNumSamples, points_trace,
-              0.1 * points_trace);
+  WholeSystem dense = BuildDense(problem.views, problem.state, prior, layout);
+  dense.h.diagonal() *= 1 + 1e-6;
+  const Eigen::MatrixXd inverse = dense.h.inverse();
+  const int size = layout.Pose(0);
+  Eigen::MatrixXd solution;
+  ASSERT_TRUE(
+      BuildEquations(problem.views, problem.state, prior, {}, method)
+          ->SolveFor(1e-6, Eigen::MatrixXd::Identity(size, size), &solution));
+  const Eigen::VectorXd scale = inverse.diagonal().head(size).cwiseSqrt();
+  EXPECT_LT((solution - inverse.topLeftCorner(size, size))
+                .cwiseQuotient(scale * scale.transpose())
+                .cwiseAbs()
+                .maxCoeff(),
+            1e-5);
 }
 
-TEST(NormalEquations, SamplesScatterAsTheParametersWithPointsEliminated) {
-  ExpectTraces(4, 30);
+TEST(NormalEquations, SolveForGivesColumnsOfTheInverse) {
+  for (const Method method : {Method::kDense, Method::kLarge}) {
+    ExpectInverse({4, 30, 0.3}, method);   // points eliminated
+    ExpectInverse({12, 20, 0.3}, method);  // poses eliminated
+  }
 }
 
-TEST(NormalEquations, SamplesScatterAsTheParametersWithPosesEliminated) {
-  ExpectTraces(12, 20);
+// A grid of several levels, and a smoothness prior.
+TEST(LargeEquations, TakeTheDenseStepOfAGrid) {
+  SmallProblem problem = MakeSmallProblem({30, 60, 0.3});
+  const CentralGeneric grid = FittedGrid(problem.state.camera(), 30);
+  problem.state.SetCamera(grid);
+  GaussianPrior prior;
+  prior.cameras = {SmoothnessPrior(grid)};
+  prior.cameras[0].groups[0].weight = 0.1;
+  prior.points_mean = problem.state.points;
+  prior.points_weight = 1e4;
+  AdjustmentStep dense, large;
+  ASSERT_TRUE(
+      BuildEquations(problem.views, problem.state, prior, {}, Method::kDense)
+          ->Solve(1e-6, &dense));
+  ASSERT_TRUE(
+      BuildEquations(problem.views, problem.state, prior, {}, Method::kLarge)
+          ->Solve(1e-6, &large));
+  EXPECT_LT(RelativeDifference(large.cameras[0], dense.cameras[0]), 1e-5);
+  EXPECT_LT(RelativeDifference(large.points, dense.points), 1e-5);
+  for (size_t i = 0; i < dense.poses.size(); ++i)
+    EXPECT_LT(RelativeDifference(large.poses[i], dense.poses[i]), 1e-4);
 }
 
 }  // namespace

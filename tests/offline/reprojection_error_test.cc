@@ -39,7 +39,7 @@ Single Extract(const SmallProblem& problem, size_t view, size_t observation) {
 
 void ExpectDerivatives(const Single& single) {
   const LinearizedResidual linear =
-      LinearizeResiduals(single.state, {single.view}, 1).front();
+      LinearizeView(single.state, single.view).front();
   ASSERT_TRUE(linear.residual.valid);
   EXPECT_LT(
       (linear.residual.error_px - ResidualOf(single.state, single.view)).norm(),
@@ -110,11 +110,12 @@ TEST(ReprojectionError, PointsThatAreNotSeenHaveNone) {
   SmallProblem problem = MakeSmallProblem({2, 20, 0});
   problem.state.rig_from_pattern[0].translation.z() -= 10;  // behind
   const auto residuals = ComputeResiduals(problem.state, problem.views, 1);
-  const auto linear = LinearizeResiduals(problem.state, problem.views, 1);
-  for (size_t i = 0; i < residuals.size(); ++i) {
+  for (size_t i = 0; i < residuals.size(); ++i)
     EXPECT_EQ(residuals[i].valid, i >= 20);
-    EXPECT_EQ(linear[i].residual.valid, i >= 20);
-  }
+  for (const bool second : {false, true})
+    for (const LinearizedResidual& linear :
+         LinearizeView(problem.state, problem.views[second]))
+      EXPECT_EQ(linear.residual.valid, second);
 }
 
 TEST(HuberLoss, IsQuadraticThenLinearAndItsWeightItsSlope) {

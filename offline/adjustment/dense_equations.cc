@@ -1,0 +1,247 @@
+#include "adjustment/dense_equations.h"
+
+#include <algorithm>
+
+#include "dataset/parallel_for.h"
+
+namespace raygrid {
+namespace {
+
+// *matrix -= factor factor^T, lower triangle. In panels of rows whose number
+// does not depend on the threads, so that neither does the result.
+void SubtractProduct(const Eigen::MatrixXd& factor, int num_threads,
+                     Eigen::MatrixXd* matrix) {
+  constexpr int kPanel = 128;
+  const int size = static_cast<int>(matrix->rows());
+  const int num_panels = (size + kPanel - 1) / kPanel;
+  ParallelFor(num_panels, num_threads, [&](int i) {
+    // The last panels are the longest: first.
+    const int begin = (num_panels - 1 - i) * kPanel;
+    const int rows = std::min(kPanel, size - begin);
+    matrix->block(begin, 0, rows, begin + rows).noalias() -=
+        factor.middleRows(begin, rows) *
+        factor.topRows(begin + rows).transpose();
+  });
+}
+
+// A residual's derivatives by parameters that no other node shares: global ones
+// of the camera, its pose in the rig, the kept group. Columns ascend.
+struct OtherColumns {
+  static constexpr int kMax = LinearizedProjection::kMaxGlobal + 12;
+  int count = 0;
+  std::array<int, kMax> index;
+  Eigen::Matrix<double, 2, kMax> value;
+
+  template <typename Derived>
+  void Add(int first, const Eigen::MatrixBase<Derived>& derivative) {
+    for (int k = 0; k < derivative.cols(); ++k) {
+      index[count] = first + k;
+      value.col(count++) = derivative.col(k);
+    }
+  }
+};
+
+}  // namespace
+
+DenseEquations::DenseEquations(const ParameterLayout& layout,
+                               const std::vector<ViewJacobian>& jacobians,
+                               const PriorEquations& prior, int num_threads)
+    : layout_(layout),
+      num_threads_(num_threads),
+      eliminate_points_(3 * layout.num_points > 6 * layout.num_poses),
+      block_size_(eliminate_points_ ? 3 : 6) {
+  const int num_blocks =
+      eliminate_points_ ? layout.num_points : layout.num_poses;
+  const int size = eliminate_points_ ? layout.first_point + 6 * layout.num_poses
+                                     : layout.size;
+  a_.setZero(size, size);
+  v_.assign(num_blocks, Block::Zero(block_size_, block_size_));
+  w_.assign(num_blocks, Eigen::MatrixXd::Zero(size, block_size_));
+  gradient_ = {Eigen::MatrixXd::Zero(size, 1),
+               Eigen::MatrixXd::Zero(block_size_ * num_blocks, 1)};
+  for (const ViewJacobian& jacobian : jacobians) AddJacobian(jacobian);
+  AddPrior(prior);
+}
+
+void DenseEquations::AddJacobian(const ViewJacobian& jacobian) {
+  const bool has_cameras = layout_.has_cameras();
+  const int first = has_cameras ? layout_.first_camera[jacobian.camera] : 0;
+  const int num_nodes = has_cameras ? jacobian.num_nodes : 0;
+  const int per_node = jacobian.num_per_node;
+  for (int i = 0; i < jacobian.count(); ++i) {
+    const auto by_pose = ViewJacobian::Block<6>(jacobian.by_pose, i);
+    const auto by_point = ViewJacobian::Block<3>(jacobian.by_point, i);
+    const int point = jacobian.points[i];
+    OtherColumns others;
+    if (has_cameras) {
+      others.Add(first + jacobian.first_global,
+                 ViewJacobian::Block(jacobian.by_global, i));
+      if (jacobian.camera > 0)
+        others.Add(layout_.CameraPose(jacobian.camera),
+                   ViewJacobian::Block<6>(jacobian.by_camera_pose, i));
+    }
+    if (eliminate_points_)
+      others.Add(layout_.first_point + 6 * jacobian.pose, by_pose);
+    else if (layout_.num_points > 0)
+      others.Add(layout_.Point(point), by_point);
+
+    Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, 6> by_block(2, block_size_);
+    if (eliminate_points_)
+      by_block = by_point;
+    else
+      by_block = by_pose;
+    const int block = eliminate_points_ ? point : jacobian.pose;
+    const Eigen::Vector2d error = jacobian.error.col(i);
+    v_[block].noalias() += by_block.transpose() * by_block;
+    gradient_.eliminated.middleRows(block_size_ * block, block_size_)
+        .noalias() += by_block.transpose() * error;
+    for (int a = 0; a < others.count; ++a) {
+      const int row = others.index[a];
+      gradient_.kept(row) += others.value.col(a).dot(error);
+      w_[block].row(row).noalias() +=
+          others.value.col(a).transpose() * by_block;
+      for (int b = 0; b <= a; ++b)
+        a_(row, others.index[b]) +=
+            others.value.col(a).dot(others.value.col(b));
+    }
+
+    // All nodes act alike, but for their weights.
+    using PerNode =
+        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0,
+                      LinearizedProjection::kMaxPerNode, OtherColumns::kMax>;
+    const auto by_node = ViewJacobian::Block(jacobian.by_node, i);
+    const PerNode node_node = by_node.transpose() * by_node;
+    const PerNode node_block = by_node.transpose() * by_block;
+    const PerNode node_error = by_node.transpose() * error;
+    const PerNode node_others =
+        by_node.transpose() * others.value.leftCols(others.count);
+    for (int k = 0; k < num_nodes; ++k) {
+      const double weight = jacobian.node_weight(k, i);
+      const int row = first + jacobian.node_parameter(k, i);
+      gradient_.kept.middleRows(row, per_node) += weight * node_error;
+      w_[block].middleRows(row, per_node) += weight * node_block;
+      for (int l = 0; l <= k; ++l)
+        a_.block(row, first + jacobian.node_parameter(l, i), per_node,
+                 per_node) += weight * jacobian.node_weight(l, i) * node_node;
+      for (int other = 0; other < others.count; ++other)
+        a_.block(others.index[other], row, 1, per_node) +=
+            weight * node_others.col(other).transpose();
+    }
+  }
+}
+
+void DenseEquations::AddPrior(const PriorEquations& prior) {
+  const int num_common = eliminate_points_ ? layout_.first_point : layout_.size;
+  gradient_.kept.topRows(num_common) += prior.gradient.head(num_common);
+  for (int k = 0; k < prior.precision.outerSize(); ++k) {
+    for (Eigen::SparseMatrix<double>::InnerIterator it(prior.precision, k); it;
+         ++it) {
+      if (it.row() < it.col()) continue;
+      if (it.row() < num_common) {
+        a_(it.row(), it.col()) += it.value();
+      } else {
+        const Eigen::Index row = it.row() - num_common;
+        v_[row / 3](row % 3, row % 3) += it.value();
+      }
+    }
+  }
+  if (eliminate_points_)
+    gradient_.eliminated += prior.gradient.tail(3 * layout_.num_points);
+  if (num_common > 0 && prior.root.cols() > 0)
+    a_.topLeftCorner(num_common, num_common)
+        .selfadjointView<Eigen::Lower>()
+        .rankUpdate(prior.root.topRows(num_common));
+}
+
+bool DenseEquations::Reduce(double lambda, Reduced* reduced) const {
+  const int num_blocks = static_cast<int>(v_.size());
+  Eigen::MatrixXd weighted(a_.rows(), block_size_ * num_blocks);
+  reduced->blocks.resize(num_blocks);
+  for (int i = 0; i < num_blocks; ++i) {
+    Block v = v_[i];
+    v.diagonal() *= 1 + lambda;
+    v.diagonal().array() += kDampingFloor;
+    reduced->blocks[i].compute(v);
+    if (reduced->blocks[i].info() != Eigen::Success) return false;
+    if (a_.size() == 0) continue;  // camera and points are fixed
+    // W L^-T = (L^-1 W^T)^T
+    weighted.middleCols(block_size_ * i, block_size_) =
+        reduced->blocks[i].matrixL().solve(w_[i].transpose()).transpose();
+  }
+  if (a_.size() == 0) return true;
+  Eigen::MatrixXd matrix = a_;
+  matrix.diagonal() *= 1 + lambda;
+  matrix.diagonal().array() += kDampingFloor;
+  SubtractProduct(weighted, num_threads_, &matrix);
+  reduced->dense.compute(matrix);
+  return reduced->dense.info() == Eigen::Success;
+}
+
+const DenseEquations::Reduced* DenseEquations::ReducedFor(double lambda) const {
+  if (lambda != last_lambda_)
+    last_lambda_ = Reduce(lambda, &last_) ? lambda : -1;
+  return last_lambda_ == lambda ? &last_ : nullptr;
+}
+
+DenseEquations::Columns DenseEquations::Solution(const Reduced& reduced,
+                                                 Columns right) const {
+  const auto block = [this](Eigen::MatrixXd* matrix, size_t i) {
+    return matrix->middleRows(block_size_ * static_cast<int>(i), block_size_);
+  };
+  for (size_t i = 0; i < v_.size(); ++i) {
+    const Eigen::MatrixXd own = block(&right.eliminated, i);
+    right.kept -= w_[i] * reduced.blocks[i].solve(own);
+  }
+  if (a_.size() > 0) reduced.dense.solveInPlace(right.kept);
+  for (size_t i = 0; i < v_.size(); ++i) {
+    const Eigen::MatrixXd own =
+        block(&right.eliminated, i) - w_[i].transpose() * right.kept;
+    block(&right.eliminated, i) = reduced.blocks[i].solve(own);
+  }
+  return right;
+}
+
+bool DenseEquations::Solve(double lambda, AdjustmentStep* step) const {
+  const Reduced* reduced = ReducedFor(lambda);
+  if (!reduced) return false;
+  const Columns solution =
+      Solution(*reduced, {-gradient_.kept, -gradient_.eliminated});
+  if (eliminate_points_) {
+    Eigen::VectorXd parameters(layout_.size);
+    parameters << solution.kept.topRows(layout_.first_point),
+        solution.eliminated;
+    *step = layout_.Step(parameters,
+                         solution.kept.bottomRows(6 * layout_.num_poses));
+  } else {
+    *step = layout_.Step(solution.kept, solution.eliminated);
+  }
+  return solution.kept.allFinite() && solution.eliminated.allFinite();
+}
+
+bool DenseEquations::SolveFor(double lambda, const Eigen::MatrixXd& right,
+                              Eigen::MatrixXd* solution) const {
+  const Reduced* reduced = ReducedFor(lambda);
+  if (!reduced) return false;
+  Columns columns = {
+      Eigen::MatrixXd::Zero(a_.rows(), right.cols()),
+      Eigen::MatrixXd::Zero(gradient_.eliminated.rows(), right.cols())};
+  const int num_common = eliminate_points_ ? layout_.first_point : layout_.size;
+  columns.kept.topRows(num_common) = right.topRows(num_common);
+  if (eliminate_points_)
+    columns.eliminated = right.bottomRows(3 * layout_.num_points);
+  columns = Solution(*reduced, std::move(columns));
+  solution->resize(right.rows(), right.cols());
+  solution->topRows(num_common) = columns.kept.topRows(num_common);
+  if (eliminate_points_)
+    solution->bottomRows(3 * layout_.num_points) = columns.eliminated;
+  return solution->allFinite();
+}
+
+bool DenseIsFaster(const ParameterLayout& layout) {
+  constexpr int kMaxDense = 600;
+  const int kept =
+      std::min(layout.first_point + 6 * layout.num_poses, layout.size);
+  return !layout.has_cameras() || kept <= kMaxDense;
+}
+
+}  // namespace raygrid

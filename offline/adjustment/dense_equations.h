@@ -1,0 +1,65 @@
+#ifndef RAYGRID_ADJUSTMENT_DENSE_EQUATIONS_H
+#define RAYGRID_ADJUSTMENT_DENSE_EQUATIONS_H
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <vector>
+
+#include "adjustment/normal_equations.h"
+
+namespace raygrid {
+
+/// The equations in the blocks
+///   [ A   W ] [ cameras, their poses in the rig, and kept group ]
+///   [ W^T V ] [ eliminated group                                ]
+/// The groups are rig poses (6 numbers each) and points (3 each). A residual
+/// belongs to one pose and one point, so V is block-diagonal for either; the
+/// larger group is eliminated (Schur complement) and a dense system is left.
+class DenseEquations : public NormalEquations {
+ public:
+  DenseEquations(const ParameterLayout& layout,
+                 const std::vector<ViewJacobian>& jacobians,
+                 const PriorEquations& prior, int num_threads);
+
+  bool Solve(double lambda, AdjustmentStep* step) const override;
+  bool SolveFor(double lambda, const Eigen::MatrixXd& right,
+                Eigen::MatrixXd* solution) const override;
+  int NumCheapSides() const override { return 64; }
+
+ private:
+  using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+
+  // Right sides or solutions, of the kept and of the eliminated parameters.
+  struct Columns {
+    Eigen::MatrixXd kept, eliminated;
+  };
+  // A - sum W V^-1 W^T, factored.
+  struct Reduced {
+    std::vector<Eigen::LLT<Block>> blocks;
+    Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> dense;
+  };
+  void AddJacobian(const ViewJacobian& jacobian);
+  void AddPrior(const PriorEquations& prior);
+  bool Reduce(double lambda, Reduced* reduced) const;
+  // The last one made, if it has this damping.
+  const Reduced* ReducedFor(double lambda) const;
+  Columns Solution(const Reduced& reduced, Columns right) const;
+
+  ParameterLayout layout_;
+  int num_threads_;
+  bool eliminate_points_;  // or else the poses
+  int block_size_;
+  Eigen::MatrixXd a_;  // lower triangle
+  std::vector<Block> v_;
+  std::vector<Eigen::MatrixXd> w_;
+  Columns gradient_;
+  mutable double last_lambda_ = -1;
+  mutable Reduced last_;
+};
+
+/// Whether a problem of this size is solved faster than by LargeEquations.
+bool DenseIsFaster(const ParameterLayout& layout);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_ADJUSTMENT_DENSE_EQUATIONS_H

@@ -1,0 +1,739 @@
+#include "adjustment/large_equations.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "dataset/parallel_for.h"
+
+namespace raygrid {
+namespace {
+
+constexpr int kMaxIterations = 300;
+// A preconditioner is renewed when it takes twice the iterations that it took
+// when it was new, and so many more.
+constexpr int kMaxWorse = 6;
+constexpr int kCoarsestCells = 12;  // along the longer side, at most
+
+// u = J x and y += J^T u for one residual, over the layout.
+class ResidualProduct {
+ public:
+  ResidualProduct(const ParameterLayout& layout, const ViewJacobian& jacobian)
+      : jacobian_(jacobian),
+        first_(layout.first_camera[jacobian.camera]),
+        camera_pose_(jacobian.camera > 0 ? layout.CameraPose(jacobian.camera)
+                                         : -1),
+        first_point_(layout.num_points > 0 ? layout.first_point : -1) {}
+
+  Eigen::Vector2d Times(const Eigen::VectorXd& x, int i) const {
+    const ViewJacobian& j = jacobian_;
+    Eigen::Vector2d u(0, 0);
+    if (j.num_per_node == 2)
+      u = Nodes<2>(x, i);
+    else if (j.num_per_node == 5)
+      u = Nodes<5>(x, i);
+    else if (j.num_per_node > 0)
+      u = Nodes(x, i);
+    if (j.num_global > 0)
+      u += ViewJacobian::Block(j.by_global, i) *
+           x.segment(first_ + j.first_global, j.num_global);
+    if (camera_pose_ >= 0)
+      u += ViewJacobian::Block<6>(j.by_camera_pose, i) *
+           x.segment<6>(camera_pose_);
+    if (first_point_ >= 0)
+      u += ViewJacobian::Block<3>(j.by_point, i) *
+           x.segment<3>(first_point_ + 3 * j.points[i]);
+    return u;
+  }
+
+  void AddTransposed(const Eigen::Vector2d& u, int i,
+                     Eigen::VectorXd* y) const {
+    const ViewJacobian& j = jacobian_;
+    if (j.num_per_node == 2)
+      AddNodes<2>(u, i, y);
+    else if (j.num_per_node == 5)
+      AddNodes<5>(u, i, y);
+    else if (j.num_per_node > 0)
+      AddNodes(u, i, y);
+    if (j.num_global > 0)
+      y->segment(first_ + j.first_global, j.num_global) +=
+          ViewJacobian::Block(j.by_global, i).transpose() * u;
+    if (camera_pose_ >= 0)
+      y->segment<6>(camera_pose_) +=
+          ViewJacobian::Block<6>(j.by_camera_pose, i).transpose() * u;
+    if (first_point_ >= 0)
+      y->segment<3>(first_point_ + 3 * j.points[i]) +=
+          ViewJacobian::Block<3>(j.by_point, i).transpose() * u;
+  }
+
+ private:
+  template <int K>
+  Eigen::Vector2d Nodes(const Eigen::VectorXd& x, int i) const {
+    Eigen::Matrix<double, K, 1> sum = Eigen::Matrix<double, K, 1>::Zero();
+    for (int k = 0; k < jacobian_.num_nodes; ++k)
+      sum += jacobian_.node_weight(k, i) *
+             x.segment<K>(first_ + jacobian_.node_parameter(k, i));
+    return ViewJacobian::Block<K>(jacobian_.by_node, i) * sum;
+  }
+  Eigen::Vector2d Nodes(const Eigen::VectorXd& x, int i) const {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(jacobian_.num_per_node);
+    for (int k = 0; k < jacobian_.num_nodes; ++k)
+      sum += jacobian_.node_weight(k, i) *
+             x.segment(first_ + jacobian_.node_parameter(k, i), sum.size());
+    return ViewJacobian::Block(jacobian_.by_node, i) * sum;
+  }
+  template <int K>
+  void AddNodes(const Eigen::Vector2d& u, int i, Eigen::VectorXd* y) const {
+    const Eigen::Matrix<double, K, 1> sum =
+        ViewJacobian::Block<K>(jacobian_.by_node, i).transpose() * u;
+    for (int k = 0; k < jacobian_.num_nodes; ++k)
+      y->segment<K>(first_ + jacobian_.node_parameter(k, i)) +=
+          jacobian_.node_weight(k, i) * sum;
+  }
+  void AddNodes(const Eigen::Vector2d& u, int i, Eigen::VectorXd* y) const {
+    const Eigen::VectorXd sum =
+        ViewJacobian::Block(jacobian_.by_node, i).transpose() * u;
+    for (int k = 0; k < jacobian_.num_nodes; ++k)
+      y->segment(first_ + jacobian_.node_parameter(k, i), sum.size()) +=
+          jacobian_.node_weight(k, i) * sum;
+  }
+
+  const ViewJacobian& jacobian_;
+  int first_, camera_pose_, first_point_;
+};
+
+// The camera's nodes with each other: for each node, per_node x per_node blocks
+// with the 7 x 7 around it. Residuals are added band by band, those of the
+// even bands of rows and of the odd ones apart, so that threads do not meet.
+class NodeProducts {
+ public:
+  explicit NodeProducts(const GridShape& shape)
+      : shape_(shape),
+        block_(shape.per_node * shape.per_node),
+        values_(static_cast<size_t>(shape.num_nodes()) * 49 * block_, 0.0) {}
+
+  void Add(const ViewJacobian& j, int i) {
+    const int k = shape_.per_node;
+    const auto by_node = ViewJacobian::Block(j.by_node, i);
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 5, 5> product =
+        by_node.transpose() * by_node;
+    const int base = j.node_parameter(0, i) / k;
+    for (int a = 0; a < 16; ++a) {
+      const int node = base + a / 4 * shape_.columns + a % 4;
+      double* row = &values_[static_cast<size_t>(node) * 49 * block_];
+      for (int b = 0; b < 16; ++b) {
+        const double weight = j.node_weight(a, i) * j.node_weight(b, i);
+        const int partner = (b / 4 - a / 4 + 3) * 7 + b % 4 - a % 4 + 3;
+        for (int p = 0; p < block_; ++p)
+          row[partner * block_ + p] += weight * product.data()[p];
+      }
+    }
+  }
+
+  void AppendTo(int first,
+                std::vector<Eigen::Triplet<double>>* triplets) const {
+    const int k = shape_.per_node;
+    for (int node = 0; node < shape_.num_nodes(); ++node) {
+      for (int partner = 0; partner < 49; ++partner) {
+        const int column = node % shape_.columns + partner % 7 - 3;
+        const int row = node / shape_.columns + partner / 7 - 3;
+        if (column < 0 || column >= shape_.columns || row < 0 ||
+            row >= shape_.rows)
+          continue;
+        const int other = row * shape_.columns + column;
+        const double* block =
+            &values_[(static_cast<size_t>(node) * 49 + partner) * block_];
+        for (int p = 0; p < block_; ++p)
+          if (block[p] != 0)
+            triplets->emplace_back(first + node * k + p % k,
+                                   first + other * k + p / k, block[p]);
+      }
+    }
+  }
+
+ private:
+  GridShape shape_;
+  int block_;
+  std::vector<double> values_;
+};
+
+// Indices of which points are seen in the same poses: of one board.
+std::vector<int> BoardOfPoints(const std::vector<ViewJacobian>& jacobians,
+                               int num_points) {
+  std::vector<int> parent(num_points);
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&parent](int i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  for (const ViewJacobian& jacobian : jacobians)
+    for (const int point : jacobian.points)
+      parent[root(point)] = root(jacobian.points.front());
+  std::vector<int> board(num_points);
+  for (int i = 0; i < num_points; ++i) board[i] = root(i);
+  return board;
+}
+
+// Polynomials of second degree along the two longer axes of points, over
+// which they reach to about 1.
+constexpr int kNumBends = 6;
+Eigen::MatrixXd Bends(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Matrix3Xd centered(3, points.size());
+  for (size_t i = 0; i < points.size(); ++i) centered.col(i) = points[i];
+  centered.colwise() -= Eigen::Vector3d(centered.rowwise().mean());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
+      centered * centered.transpose() / static_cast<double>(points.size()));
+  const double scale = 1 / std::sqrt(axes.eigenvalues()[2] + 1e-30);
+  const Eigen::ArrayXd x =
+      scale * (axes.eigenvectors().col(2).transpose() * centered).array();
+  const Eigen::ArrayXd y =
+      scale * (axes.eigenvectors().col(1).transpose() * centered).array();
+  Eigen::MatrixXd bends(points.size(), kNumBends);
+  bends << Eigen::ArrayXd::Ones(x.size()), x, y, x * x, x * y, y * y;
+  return bends;
+}
+
+template <typename Block>
+void InvertBlocks(Eigen::MatrixXd* blocks) {
+  const Eigen::Index k = blocks->rows();
+  for (Eigen::Index i = 0; i < blocks->cols(); i += k) {
+    const Block block = blocks->middleCols(i, k);
+    blocks->middleCols(i, k) = block.inverse();
+  }
+}
+
+void InvertNodeBlocks(Eigen::MatrixXd* blocks) {
+  // A coarse node that nothing reaches has no entries.
+  for (Eigen::Index i = 0; i < blocks->cols(); ++i)
+    (*blocks)(i % blocks->rows(), i) += kDampingFloor;
+  if (blocks->rows() == 2)
+    InvertBlocks<Eigen::Matrix2d>(blocks);
+  else
+    InvertBlocks<Eigen::MatrixXd>(blocks);
+}
+
+// *product += scale * blocks * vector, block by block.
+void AddBlockProduct(const Eigen::MatrixXd& blocks, const double* vector,
+                     double* product) {
+  const Eigen::Index k = blocks.rows();
+  for (Eigen::Index i = 0; i < blocks.cols(); ++i)
+    for (Eigen::Index p = 0; p < k; ++p)
+      product[i / k * k + p] += blocks(p, i) * vector[i];
+}
+
+// T^T A T's blocks of coarse nodes.
+Eigen::MatrixXd CoarseBlocks(const GridShape& shape,
+                             const GridTransfer& transfer, int first,
+                             const Eigen::SparseMatrix<double>& a) {
+  const int k = shape.per_node;
+  Eigen::MatrixXd blocks =
+      Eigen::MatrixXd::Zero(k, transfer.coarse().num_parameters());
+  for (int i = 0; i < shape.num_parameters(); ++i) {
+    const int node = i / k;
+    const auto& x = transfer.columns()[node % shape.columns];
+    const auto& y = transfer.rows()[node / shape.columns];
+    for (Eigen::SparseMatrix<double>::InnerIterator it(a, first + i); it;
+         ++it) {
+      const int row = static_cast<int>(it.row()) - first;
+      const auto& other_x = transfer.columns()[row / k % shape.columns];
+      const auto& other_y = transfer.rows()[row / k / shape.columns];
+      double wx[4];
+      for (int n = 0; n < 4; ++n)
+        wx[n] = x.weight[n] * other_x.WeightOf(x.first + n);
+      for (int m = 0; m < 4; ++m) {
+        const double wy =
+            it.value() * y.weight[m] * other_y.WeightOf(y.first + m);
+        if (wy == 0) continue;
+        const int coarse = (y.first + m) * transfer.coarse().columns + x.first;
+        for (int n = 0; n < 4; ++n)
+          blocks(row % k, (coarse + n) * k + i % k) += wy * wx[n];
+      }
+    }
+  }
+  return blocks;
+}
+
+}  // namespace
+
+LargeEquations::LargeEquations(const ParameterLayout& layout,
+                               std::vector<ViewJacobian> jacobians,
+                               const PriorEquations& prior,
+                               const std::vector<Eigen::Vector3d>& points,
+                               double tolerance, int num_threads,
+                               std::shared_ptr<Memory> memory)
+    : layout_(layout),
+      jacobians_(std::move(jacobians)),
+      prior_(prior),
+      points_(points),
+      tolerance_(tolerance),
+      num_threads_(num_threads),
+      shapes_(layout.first_camera.size() - 1),
+      poses_(layout.num_poses),
+      memory_(std::move(memory)) {
+  for (size_t v = 0; v < jacobians_.size(); ++v) {
+    const int camera = jacobians_[v].camera;
+    poses_[jacobians_[v].pose].views.push_back(static_cast<int>(v));
+    if (shapes_[camera].per_node == 0)
+      shapes_[camera] =
+          ShapeOf(jacobians_[v], layout_.NumCameraParameters(camera));
+  }
+  AccumulatePoses();
+  if (memory_->diagonal.size() != layout_.size) *memory_ = Memory();
+  if (memory_->diagonal.size() == 0)
+    memory_->diagonal = LocalMatrix().diagonal();
+}
+
+// Work is cut into as many chunks whatever the number of threads, and their
+// sums added in their order.
+int LargeEquations::NumChunks() const {
+  return std::min<int>(16, static_cast<int>(poses_.size()));
+}
+
+int LargeEquations::ChunkBegin(int chunk) const {
+  return static_cast<int>(poses_.size()) * chunk / NumChunks();
+}
+
+template <typename Body>
+Eigen::VectorXd LargeEquations::SumOverPoses(const Body& body) const {
+  std::vector<Eigen::VectorXd> sums(NumChunks());
+  ParallelFor(NumChunks(), num_threads_, [&](int chunk) {
+    sums[chunk].setZero(layout_.size);
+    for (int p = ChunkBegin(chunk); p < ChunkBegin(chunk + 1); ++p)
+      body(p, &sums[chunk]);
+  });
+  for (size_t chunk = 1; chunk < sums.size(); ++chunk) sums[0] += sums[chunk];
+  return sums.empty() ? Eigen::VectorXd::Zero(layout_.size) : sums[0];
+}
+
+void LargeEquations::AccumulatePoses() {
+  gradient_ = prior_.gradient + SumOverPoses([&](int p, Eigen::VectorXd* sum) {
+                PoseBlock& pose = poses_[p];
+                for (const int v : pose.views) {
+                  const ViewJacobian& j = jacobians_[v];
+                  const ResidualProduct product(layout_, j);
+                  for (int i = 0; i < j.count(); ++i) {
+                    const auto by_pose = ViewJacobian::Block<6>(j.by_pose, i);
+                    pose.v.noalias() += by_pose.transpose() * by_pose;
+                    pose.gradient.noalias() +=
+                        by_pose.transpose() * j.error.col(i);
+                    product.AddTransposed(j.error.col(i), i, sum);
+                  }
+                }
+              });
+}
+
+// A where the preconditioner wants it: nodes with nodes, points with
+// themselves, and the rest's diagonal.
+Eigen::SparseMatrix<double> LargeEquations::LocalMatrix() const {
+  std::vector<Eigen::Triplet<double>> triplets;
+  constexpr int kBandRows = 8;  // more than the 4 that a residual depends on
+  for (size_t c = 0; c < shapes_.size(); ++c) {
+    const GridShape& shape = shapes_[c];
+    if (shape.per_node == 0) continue;
+    struct Place {
+      int view, column;
+    };
+    std::vector<std::vector<Place>> bands(shape.rows / kBandRows + 1);
+    for (size_t v = 0; v < jacobians_.size(); ++v) {
+      const ViewJacobian& j = jacobians_[v];
+      if (j.camera != static_cast<int>(c)) continue;
+      for (int i = 0; i < j.count(); ++i)
+        bands[j.node_parameter(0, i) / (shape.per_node * shape.columns) /
+              kBandRows]
+            .push_back({static_cast<int>(v), i});
+    }
+    NodeProducts products(shape);
+    for (int parity = 0; parity < 2; ++parity)
+      ParallelFor((static_cast<int>(bands.size()) + 1 - parity) / 2,
+                  num_threads_, [&](int i) {
+                    for (const Place& place : bands[2 * i + parity])
+                      products.Add(jacobians_[place.view], place.column);
+                  });
+    products.AppendTo(layout_.first_camera[c], &triplets);
+  }
+  for (const ViewJacobian& j : jacobians_) {
+    const int first = layout_.first_camera[j.camera];
+    for (int i = 0; i < j.count(); ++i) {
+      for (int k = 0; k < j.num_global; ++k) {
+        const int index = first + j.first_global + k;
+        triplets.emplace_back(
+            index, index,
+            ViewJacobian::Block(j.by_global, i).col(k).squaredNorm());
+      }
+      for (int k = 0; j.camera > 0 && k < 6; ++k) {
+        const int index = layout_.CameraPose(j.camera) + k;
+        triplets.emplace_back(
+            index, index,
+            ViewJacobian::Block<6>(j.by_camera_pose, i).col(k).squaredNorm());
+      }
+    }
+  }
+  if (layout_.num_points > 0) {
+    std::vector<Eigen::Matrix3d> blocks(layout_.num_points,
+                                        Eigen::Matrix3d::Zero());
+    for (const ViewJacobian& j : jacobians_)
+      for (int i = 0; i < j.count(); ++i) {
+        const auto by_point = ViewJacobian::Block<3>(j.by_point, i);
+        blocks[j.points[i]].noalias() += by_point.transpose() * by_point;
+      }
+    for (int i = 0; i < layout_.num_points; ++i)
+      for (int k = 0; k < 9; ++k)
+        triplets.emplace_back(layout_.Point(i) + k % 3,
+                              layout_.Point(i) + k / 3, blocks[i].data()[k]);
+  }
+  Eigen::SparseMatrix<double> matrix(layout_.size, layout_.size);
+  matrix.setFromTriplets(triplets.begin(), triplets.end());
+  return matrix;
+}
+
+// Columns: coarsest grids, parameters that have none, bends of boards.
+Eigen::SparseMatrix<double, Eigen::RowMajor> LargeEquations::CoarseBasis()
+    const {
+  std::vector<Eigen::Triplet<double>> triplets;
+  int num_columns = 0;
+  for (size_t c = 0; c < shapes_.size(); ++c) {
+    const int first = layout_.first_camera[c];
+    const GridShape& fine = shapes_[c];
+    if (fine.per_node > 0) {
+      GridShape coarse = fine;
+      while (std::max(coarse.columns, coarse.rows) - 3 > kCoarsestCells)
+        coarse = coarse.Halved();
+      const GridTransfer transfer(fine, coarse);
+      for (int node = 0; node < fine.num_nodes(); ++node) {
+        const auto& x = transfer.columns()[node % fine.columns];
+        const auto& y = transfer.rows()[node / fine.columns];
+        for (int k = 0; k < 16; ++k)
+          for (int p = 0; p < fine.per_node; ++p)
+            triplets.emplace_back(
+                first + node * fine.per_node + p,
+                num_columns +
+                    ((y.first + k / 4) * coarse.columns + x.first + k % 4) *
+                        fine.per_node +
+                    p,
+                y.weight[k / 4] * x.weight[k % 4]);
+      }
+      num_columns += coarse.num_parameters();
+    }
+    for (int i = fine.num_parameters();
+         i < layout_.NumCameraParameters(static_cast<int>(c)); ++i)
+      triplets.emplace_back(first + i, num_columns++, 1);
+  }
+  for (int i = layout_.first_camera.back(); i < layout_.first_point; ++i)
+    triplets.emplace_back(i, num_columns++, 1);
+  if (layout_.num_points > 0) {
+    const std::vector<int> board =
+        BoardOfPoints(jacobians_, layout_.num_points);
+    for (int b = 0; b < layout_.num_points; ++b) {
+      std::vector<int> members;
+      std::vector<Eigen::Vector3d> places;
+      for (int i = 0; board[b] == b && i < layout_.num_points; ++i) {
+        if (board[i] != b) continue;
+        members.push_back(i);
+        places.push_back(points_[i]);
+      }
+      if (members.size() < kNumBends) continue;
+      const Eigen::MatrixXd bends = Bends(places);
+      for (size_t i = 0; i < members.size(); ++i)
+        for (int k = 0; k < 3 * kNumBends; ++k)
+          triplets.emplace_back(layout_.Point(members[i]) + k % 3,
+                                num_columns + k, bends(i, k / 3));
+      num_columns += 3 * kNumBends;
+    }
+  }
+  Eigen::SparseMatrix<double, Eigen::RowMajor> basis(layout_.size, num_columns);
+  basis.setFromTriplets(triplets.begin(), triplets.end());
+  return basis;
+}
+
+bool LargeEquations::MakeSystem(double lambda, System* system) const {
+  system->lambda = lambda;
+  system->damping = lambda * (memory_->diagonal + prior_.precision.diagonal() +
+                              prior_.root.rowwise().squaredNorm());
+  system->damping.array() += kDampingFloor;
+  for (const PoseBlock& pose : poses_) {
+    Block6 v = pose.v;
+    v.diagonal() *= 1 + lambda;
+    v.diagonal().array() += kDampingFloor;
+    system->poses.emplace_back(v);
+    if (system->poses.back().info() != Eigen::Success) return false;
+  }
+  return true;
+}
+
+Eigen::VectorXd LargeEquations::Apply(const System& system,
+                                      const Eigen::VectorXd& x) const {
+  Eigen::VectorXd y = SumOverPoses([&](int p, Eigen::VectorXd* sum) {
+    Eigen::Matrix2Xd u;
+    Pose6 by_pose = Pose6::Zero();
+    int count = 0;
+    for (const int v : poses_[p].views) count += jacobians_[v].count();
+    u.resize(2, count);
+    int column = 0;
+    for (const int v : poses_[p].views) {
+      const ViewJacobian& j = jacobians_[v];
+      const ResidualProduct product(layout_, j);
+      for (int i = 0; i < j.count(); ++i, ++column) {
+        u.col(column) = product.Times(x, i);
+        by_pose.noalias() +=
+            ViewJacobian::Block<6>(j.by_pose, i).transpose() * u.col(column);
+      }
+    }
+    system.poses[p].solveInPlace(by_pose);
+    column = 0;
+    for (const int v : poses_[p].views) {
+      const ViewJacobian& j = jacobians_[v];
+      const ResidualProduct product(layout_, j);
+      for (int i = 0; i < j.count(); ++i, ++column)
+        product.AddTransposed(
+            u.col(column) - ViewJacobian::Block<6>(j.by_pose, i) * by_pose, i,
+            sum);
+    }
+  });
+  y += prior_.precision * x + system.damping.cwiseProduct(x);
+  y += prior_.root * (prior_.root.transpose() * x);
+  return y;
+}
+
+Eigen::MatrixXd LargeEquations::CoarseMatrix(
+    const System& system, const Preconditioner& preconditioner) const {
+  const auto& coarse_basis = preconditioner.basis;
+  const int size = static_cast<int>(coarse_basis.cols());
+  std::vector<Eigen::MatrixXd> sums(NumChunks());
+  ParallelFor(NumChunks(), num_threads_, [&](int chunk) {
+    Eigen::MatrixXd& sum = sums[chunk];
+    sum.setZero(size, size);
+    Eigen::Matrix2Xd row = Eigen::Matrix2Xd::Zero(2, size);
+    std::vector<char> is_used(size, 0);
+    std::vector<int> used;
+    Eigen::MatrixXd with_pose(size, 6);
+    // row += derivative by a parameter, in the coarse basis
+    const auto add = [&](int parameter, const Eigen::Vector2d& derivative) {
+      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(
+               coarse_basis, parameter);
+           it; ++it) {
+        if (!is_used[it.col()]) {
+          is_used[it.col()] = 1;
+          used.push_back(static_cast<int>(it.col()));
+        }
+        row.col(it.col()) += it.value() * derivative;
+      }
+    };
+    for (int p = ChunkBegin(chunk); p < ChunkBegin(chunk + 1); ++p) {
+      with_pose.setZero();
+      for (const int v : poses_[p].views) {
+        const ViewJacobian& j = jacobians_[v];
+        const int first = layout_.first_camera[j.camera];
+        for (int i = 0; i < j.count(); ++i) {
+          const auto by_node = ViewJacobian::Block(j.by_node, i);
+          for (int k = 0; k < j.num_nodes; ++k)
+            for (int c = 0; c < j.num_per_node; ++c)
+              add(first + j.node_parameter(k, i) + c,
+                  j.node_weight(k, i) * by_node.col(c));
+          for (int c = 0; c < j.num_global; ++c)
+            add(first + j.first_global + c,
+                ViewJacobian::Block(j.by_global, i).col(c));
+          for (int c = 0; j.camera > 0 && c < 6; ++c)
+            add(layout_.CameraPose(j.camera) + c,
+                ViewJacobian::Block<6>(j.by_camera_pose, i).col(c));
+          for (int c = 0; layout_.num_points > 0 && c < 3; ++c)
+            add(layout_.Point(j.points[i]) + c,
+                ViewJacobian::Block<3>(j.by_point, i).col(c));
+          std::sort(used.begin(), used.end());
+          const auto by_pose = ViewJacobian::Block<6>(j.by_pose, i);
+          for (size_t b = 0; b < used.size(); ++b) {
+            const Eigen::Vector2d value = row.col(used[b]);
+            with_pose.row(used[b]).noalias() += value.transpose() * by_pose;
+            for (size_t a = b; a < used.size(); ++a)
+              sum(used[a], used[b]) += row.col(used[a]).dot(value);
+          }
+          for (const int k : used) {
+            row.col(k).setZero();
+            is_used[k] = 0;
+          }
+          used.clear();
+        }
+      }
+      // W V^-1 W^T = (L^-1 W^T)^T (L^-1 W^T)
+      const Eigen::MatrixXd half =
+          system.poses[p].matrixL().solve(with_pose.transpose());
+      sum.selfadjointView<Eigen::Lower>().rankUpdate(half.transpose(), -1);
+    }
+  });
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(size, size);
+  for (const Eigen::MatrixXd& sum : sums) matrix += sum;
+  const Eigen::SparseMatrix<double> basis = coarse_basis;
+  const Eigen::SparseMatrix<double> prior =
+      basis.transpose() * (prior_.precision * basis);
+  const Eigen::SparseMatrix<double> damping =
+      basis.transpose() * (system.damping.asDiagonal() * basis);
+  matrix += Eigen::MatrixXd(prior) + Eigen::MatrixXd(damping);
+  const Eigen::MatrixXd root = basis.transpose() * prior_.root;
+  matrix += root * root.transpose();
+  return matrix;  // its lower triangle
+}
+
+LargeEquations::CameraLevels LargeEquations::LevelsOf(
+    int camera, const Eigen::SparseMatrix<double>& a) const {
+  CameraLevels levels;
+  const GridShape& shape = shapes_[camera];
+  const int k = shape.per_node;
+  levels.first = layout_.first_camera[camera];
+  levels.inverse.setZero(k, shape.num_parameters());
+  for (int i = 0; i < shape.num_parameters(); ++i)
+    for (int p = 0; p < k; ++p)
+      levels.inverse(p, i) =
+          a.coeff(levels.first + i / k * k + p, levels.first + i);
+  InvertNodeBlocks(&levels.inverse);
+  GridShape coarse = shape;
+  while (std::max(coarse.columns, coarse.rows) - 3 > 2 * kCoarsestCells) {
+    coarse = coarse.Halved();
+    levels.levels.push_back({GridTransfer(shape, coarse), {}});
+  }
+  ParallelFor(static_cast<int>(levels.levels.size()), num_threads_, [&](int l) {
+    Level& level = levels.levels[l];
+    level.inverse = CoarseBlocks(shape, level.transfer, levels.first, a);
+    InvertNodeBlocks(&level.inverse);
+  });
+  return levels;
+}
+
+bool LargeEquations::MakePreconditioner(const System& system,
+                                        Preconditioner* preconditioner) const {
+  Eigen::SparseMatrix<double> a = LocalMatrix();
+  memory_->diagonal = a.diagonal();
+  a += prior_.precision;
+  a.diagonal() += system.damping;
+  preconditioner->cameras.clear();
+  for (size_t c = 0; c < shapes_.size(); ++c)
+    if (shapes_[c].per_node > 0)
+      preconditioner->cameras.push_back(LevelsOf(static_cast<int>(c), a));
+  preconditioner->points.resize(3, 3 * layout_.num_points);
+  for (int i = 0; i < 3 * layout_.num_points; ++i)
+    for (int k = 0; k < 3; ++k)
+      preconditioner->points(k, i) =
+          a.coeff(layout_.Point(i / 3) + k, layout_.first_point + i);
+  InvertBlocks<Eigen::Matrix3d>(&preconditioner->points);
+  preconditioner->basis = CoarseBasis();
+  preconditioner->coarse.compute(CoarseMatrix(system, *preconditioner));
+  return preconditioner->coarse.info() == Eigen::Success;
+}
+
+Eigen::VectorXd LargeEquations::Precondition(
+    const Preconditioner& preconditioner,
+    const Eigen::VectorXd& residual) const {
+  Eigen::VectorXd result =
+      preconditioner.basis *
+      preconditioner.coarse.solve(preconditioner.basis.transpose() * residual);
+  for (const CameraLevels& camera : preconditioner.cameras) {
+    const double* from = residual.data() + camera.first;
+    double* to = result.data() + camera.first;
+    AddBlockProduct(camera.inverse, from, to);
+    for (const Level& level : camera.levels) {
+      const Eigen::VectorXd coarse = level.transfer.Restricted(from);
+      Eigen::VectorXd product = Eigen::VectorXd::Zero(coarse.size());
+      AddBlockProduct(level.inverse, coarse.data(), product.data());
+      level.transfer.AddProlonged(product.data(), to);
+    }
+  }
+  AddBlockProduct(preconditioner.points, residual.data() + layout_.first_point,
+                  result.data() + layout_.first_point);
+  return result;
+}
+
+bool LargeEquations::ConjugateGradients(const System& system,
+                                        const Eigen::VectorXd& right,
+                                        Eigen::VectorXd* x) const {
+  const Preconditioner& preconditioner = *memory_->preconditioner;
+  x->setZero(right.size());
+  Eigen::VectorXd residual = right;
+  Eigen::VectorXd z = Precondition(preconditioner, residual);
+  Eigen::VectorXd direction = z;
+  double product = residual.dot(z);
+  const double target = tolerance_ * tolerance_ * product;
+  int& iterations = memory_->last_iterations;
+  for (iterations = 0; iterations < kMaxIterations && product > target;
+       ++iterations) {
+    const Eigen::VectorXd image = Apply(system, direction);
+    const double curvature = direction.dot(image);
+    if (!(curvature > 0)) return false;
+    const double length = product / curvature;
+    *x += length * direction;
+    residual -= length * image;
+    z = Precondition(preconditioner, residual);
+    const double next = residual.dot(z);
+    direction = z + next / product * direction;
+    product = next;
+  }
+  return x->allFinite();
+}
+
+bool LargeEquations::SolveSystem(const System& system,
+                                 const Eigen::VectorXd& right,
+                                 Eigen::VectorXd* x) const {
+  Memory& memory = *memory_;
+  const bool is_new =
+      !memory.preconditioner ||
+      memory.last_iterations > 2 * memory.iterations_when_new + kMaxWorse;
+  if (is_new) {
+    memory.preconditioner = std::make_unique<Preconditioner>();
+    if (!MakePreconditioner(system, memory.preconditioner.get())) {
+      memory.preconditioner.reset();
+      return false;
+    }
+  }
+  const bool is_solved = ConjugateGradients(system, right, x);
+  if (is_new) memory.iterations_when_new = memory.last_iterations;
+  return is_solved;
+}
+
+bool LargeEquations::Solve(double lambda, AdjustmentStep* step) const {
+  System system;
+  if (!MakeSystem(lambda, &system)) return false;
+  // -g + W V^-1 g_poses
+  const Eigen::VectorXd right =
+      SumOverPoses([&](int p, Eigen::VectorXd* sum) {
+        const Pose6 pose = system.poses[p].solve(poses_[p].gradient);
+        for (const int v : poses_[p].views) {
+          const ResidualProduct product(layout_, jacobians_[v]);
+          for (int i = 0; i < jacobians_[v].count(); ++i)
+            product.AddTransposed(
+                ViewJacobian::Block<6>(jacobians_[v].by_pose, i) * pose, i,
+                sum);
+        }
+      }) -
+      gradient_;
+  Eigen::VectorXd x;
+  if (!SolveSystem(system, right, &x)) return false;
+  Eigen::VectorXd poses(6 * layout_.num_poses);
+  ParallelFor(layout_.num_poses, num_threads_, [&](int p) {
+    Pose6 pose = poses_[p].gradient;
+    for (const int v : poses_[p].views) {
+      const ResidualProduct product(layout_, jacobians_[v]);
+      for (int i = 0; i < jacobians_[v].count(); ++i)
+        pose.noalias() +=
+            ViewJacobian::Block<6>(jacobians_[v].by_pose, i).transpose() *
+            product.Times(x, i);
+    }
+    poses.segment<6>(6 * p) = -system.poses[p].solve(pose);
+  });
+  *step = layout_.Step(x, poses);
+  return poses.allFinite();
+}
+
+bool LargeEquations::SolveFor(double lambda, const Eigen::MatrixXd& right,
+                              Eigen::MatrixXd* solution) const {
+  System system;
+  if (!MakeSystem(lambda, &system)) return false;
+  solution->resize(right.rows(), right.cols());
+  for (Eigen::Index k = 0; k < right.cols(); ++k) {
+    Eigen::VectorXd x;
+    if (!SolveSystem(system, right.col(k), &x)) return false;
+    solution->col(k) = x;
+  }
+  return true;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,124 @@
+#ifndef RAYGRID_ADJUSTMENT_LARGE_EQUATIONS_H
+#define RAYGRID_ADJUSTMENT_LARGE_EQUATIONS_H
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+#include <memory>
+#include <vector>
+
+#include "adjustment/grid_transfer.h"
+#include "adjustment/normal_equations.h"
+
+namespace raygrid {
+
+/// The equations for many parameters, of which no matrix is formed. Rig poses
+/// are eliminated; what is left,
+///   S = A - sum W V^-1 W^T
+/// over cameras, their poses in the rig and points, is applied residual by
+/// residual within conjugate gradients. Their preconditioner adds up
+///   - the inverses of the blocks of A of each node and each point, and of
+///     each node of ever coarser grids: a multilevel preconditioner (Bramble,
+///     Pasciak, Xu, "Parallel multilevel preconditioners", 1990), which
+///     smoothness priors need;
+///   - the inverse of S itself on the coarsest grid, with the points' bends of
+///     second order: there lie the directions that poses can make up for, such
+///     as focal lengths.
+class LargeEquations : public NormalEquations {
+ public:
+  class Memory;
+
+  /// Solutions stop at an error of about tolerance times their size. What
+  /// *memory has of equations of this layout before is used as long as it
+  /// serves; H's diagonal, for the damping, likewise.
+  LargeEquations(const ParameterLayout& layout,
+                 std::vector<ViewJacobian> jacobians,
+                 const PriorEquations& prior,
+                 const std::vector<Eigen::Vector3d>& points, double tolerance,
+                 int num_threads, std::shared_ptr<Memory> memory);
+
+  bool Solve(double lambda, AdjustmentStep* step) const override;
+  bool SolveFor(double lambda, const Eigen::MatrixXd& right,
+                Eigen::MatrixXd* solution) const override;
+  int NumCheapSides() const override { return 4; }
+
+ private:
+  using Pose6 = Eigen::Matrix<double, 6, 1>;
+  using Block6 = Eigen::Matrix<double, 6, 6>;
+
+  struct PoseBlock {
+    std::vector<int> views;
+    Block6 v = Block6::Zero();
+    Pose6 gradient = Pose6::Zero();
+  };
+  // S with damping.
+  struct System {
+    double lambda = 0;
+    Eigen::VectorXd damping;
+    std::vector<Eigen::LLT<Block6>> poses;
+  };
+  // Blocks of the inverse, of a grid's nodes.
+  struct Level {
+    GridTransfer transfer;
+    Eigen::MatrixXd inverse;  // per_node columns a node
+  };
+  struct CameraLevels {
+    int first = 0;
+    Eigen::MatrixXd inverse;
+    std::vector<Level> levels;
+  };
+  struct Preconditioner {
+    std::vector<CameraLevels> cameras;
+    Eigen::MatrixXd points;  // three columns a point
+    Eigen::SparseMatrix<double, Eigen::RowMajor> basis;
+    Eigen::LLT<Eigen::MatrixXd> coarse;
+  };
+
+  int NumChunks() const;
+  int ChunkBegin(int chunk) const;
+  template <typename Body>
+  Eigen::VectorXd SumOverPoses(const Body& body) const;
+
+  void AccumulatePoses();
+  Eigen::SparseMatrix<double> LocalMatrix() const;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> CoarseBasis() const;
+
+  bool MakeSystem(double lambda, System* system) const;
+  Eigen::VectorXd Apply(const System& system, const Eigen::VectorXd& x) const;
+  Eigen::MatrixXd CoarseMatrix(const System& system,
+                               const Preconditioner& preconditioner) const;
+  bool MakePreconditioner(const System& system,
+                          Preconditioner* preconditioner) const;
+  CameraLevels LevelsOf(int camera, const Eigen::SparseMatrix<double>& a) const;
+  Eigen::VectorXd Precondition(const Preconditioner& preconditioner,
+                               const Eigen::VectorXd& residual) const;
+  bool ConjugateGradients(const System& system, const Eigen::VectorXd& right,
+                          Eigen::VectorXd* x) const;
+  // With a preconditioner that serves.
+  bool SolveSystem(const System& system, const Eigen::VectorXd& right,
+                   Eigen::VectorXd* x) const;
+
+  ParameterLayout layout_;
+  std::vector<ViewJacobian> jacobians_;
+  PriorEquations prior_;
+  std::vector<Eigen::Vector3d> points_;
+  double tolerance_;
+  int num_threads_;
+  std::vector<GridShape> shapes_;
+  std::vector<PoseBlock> poses_;
+  Eigen::VectorXd gradient_;
+  std::shared_ptr<Memory> memory_;
+};
+
+/// What equations can use of those before them.
+class LargeEquations::Memory {
+ private:
+  friend class LargeEquations;
+  Eigen::VectorXd diagonal;  // of H without the prior
+  std::unique_ptr<Preconditioner> preconditioner;
+  int iterations_when_new = 0, last_iterations = 0;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_ADJUSTMENT_LARGE_EQUATIONS_H

@@ -1,0 +1,53 @@
+#ifndef RAYGRID_ADJUSTMENT_VIEW_JACOBIAN_H
+#define RAYGRID_ADJUSTMENT_VIEW_JACOBIAN_H
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "adjustment/reprojection_error.h"
+
+namespace raygrid {
+
+/// The valid residuals of a view with their derivatives, all times the square
+/// root of the loss's weight. A column an observation; its derivative by k
+/// parameters is a column of 2 k numbers.
+struct ViewJacobian {
+  int camera = 0, pose = 0;
+  /// As in LinearizedProjection.
+  int num_nodes = 0, num_per_node = 0, num_global = 0, first_global = 0;
+
+  std::vector<int> points;
+  Eigen::MatrixXi node_parameter;
+  Eigen::MatrixXd node_weight, by_node, by_global;
+  Eigen::Matrix<double, 12, Eigen::Dynamic> by_camera_pose, by_pose;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> by_point;
+  Eigen::Matrix2Xd error;
+
+  int count() const { return static_cast<int>(points.size()); }
+
+  /// A column's derivative, 2 x N.
+  template <int N, typename Derivatives>
+  static Eigen::Map<const Eigen::Matrix<double, 2, N>> Block(
+      const Derivatives& derivatives, int column) {
+    return Eigen::Map<const Eigen::Matrix<double, 2, N>>(
+        derivatives.col(column).data());
+  }
+  /// Likewise, of a size known at run time.
+  static Eigen::Map<const Eigen::Matrix2Xd> Block(
+      const Eigen::MatrixXd& derivatives, int column) {
+    return {derivatives.col(column).data(), 2, derivatives.rows() / 2};
+  }
+};
+
+/// Of the residuals of one view.
+ViewJacobian WeightedJacobian(const std::vector<LinearizedResidual>& residuals,
+                              double huber_px);
+
+/// Of each view. Same result for any number of threads.
+std::vector<ViewJacobian> WeightedJacobians(const AdjustmentState& state,
+                                            const std::vector<View>& views,
+                                            double huber_px, int num_threads);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_ADJUSTMENT_VIEW_JACOBIAN_H

@@ -1,0 +1,126 @@
+#include "adjustment/covariance.h"
+
+#include "small_problem.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kNoisePx = 0.2;
+constexpr UncertaintyLattice kLattice = {9, 7};
+
+// Views of a camera with a coarse grid, exactly; the area is that of its image.
+SmallProblem ExactProblem() {
+  SmallProblem problem = MakeSmallProblem({25, 60, 0});
+  const CentralGeneric grid = FittedGrid(problem.state.camera(), 260);
+  problem.state.SetCamera(grid);
+  for (View& view : problem.views)
+    for (Observation& o : view.observations)
+      o.pixel = problem.state.cameras[0]
+                    ->Project(problem.state.CameraFromPattern(view) *
+                                  problem.state.points[o.point],
+                              &o.pixel, kAdjustmentMarginPx)
+                    .value();
+  return problem;
+}
+
+GaussianPrior WeakPrior(const SmallProblem& problem) {
+  GaussianPrior prior;
+  prior.cameras = {SmoothnessPrior(
+      dynamic_cast<const CentralGeneric&>(problem.state.camera()))};
+  prior.cameras[0].groups[0].weight = 1e-6;
+  prior.points_mean = problem.state.points;
+  prior.points_weight = 1e8;
+  return prior;
+}
+
+AdjustmentOptions Options() {
+  AdjustmentOptions options;
+  options.fix_points = true;
+  options.num_threads = 1;
+  return options;
+}
+
+// Where the lattice's true rays are seen, less the rotation that brings those
+// among observations nearest to where they truly are.
+Eigen::VectorXd Errors(const CameraModel& camera, const CameraModel& truth,
+                       const std::vector<PixelUncertainty>& pixels) {
+  const Eigen::Index size = 2 * static_cast<Eigen::Index>(pixels.size());
+  Eigen::VectorXd errors(size);
+  Eigen::MatrixX3d by_rotation(size, 3), supported(size, 3);
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    const Eigen::Index row = 2 * static_cast<Eigen::Index>(i);
+    const Eigen::Vector2d& pixel = pixels[i].pixel;
+    const Eigen::Vector3d ray = truth.Unproject(pixel).value();
+    errors.segment<2>(row) =
+        camera.Project(ray, &pixel, 50).value_or(pixel) - pixel;
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d turn = 1e-5 * Eigen::Vector3d::Unit(k);
+      by_rotation.block<2, 1>(row, k) =
+          (truth.Project(RotationFromVector(turn) * ray, &pixel, 50).value() -
+           pixel) /
+          1e-5;
+    }
+    supported.middleRows<2>(row) = (pixels[i].num_observations >= 3 ? 1 : 0) *
+                                   by_rotation.middleRows<2>(row);
+  }
+  return errors - by_rotation * (supported.transpose() * supported)
+                                    .ldlt()
+                                    .solve(supported.transpose() * errors);
+}
+
+TEST(ProjectionUncertainty, IsHowAdjustedCamerasScatterWithTheNoise) {
+  constexpr int kNumDraws = 50;
+  const SmallProblem exact = ExactProblem();
+  const GaussianPrior prior = WeakPrior(exact);
+  const std::vector<PixelUncertainty> predicted = ProjectionUncertainty(
+      exact.views, prior, Options(), kNoisePx, exact.state, 0, kLattice);
+  ASSERT_EQ(predicted.size(), 63u);
+  TestRandom random(77);
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(126);
+  for (int draw = 0; draw < kNumDraws; ++draw) {
+    std::vector<View> views = exact.views;
+    for (View& view : views)
+      for (Observation& o : view.observations)
+        o.pixel += kNoisePx * random.NormalVector<2>();
+    AdjustmentState state = exact.state;
+    AdjustBundle(views, prior, Options(), &state);
+    sum += Errors(state.camera(), exact.state.camera(), predicted).cwiseAbs2();
+  }
+  // Over the lattice, and about each pixel, as well as 50 draws can tell.
+  double predicted_sum = 0;
+  int num_within = 0, num_seen = 0;
+  for (size_t i = 0; i < predicted.size(); ++i) {
+    if (predicted[i].num_observations < 3) continue;
+    ++num_seen;
+    const double expected = predicted[i].covariance_px2.trace();
+    const double found = sum.segment<2>(2 * i).sum() / kNumDraws;
+    predicted_sum += std::log(found / expected) / 2;
+    num_within += std::abs(std::sqrt(found / expected) - 1) < 0.2;
+  }
+  ASSERT_GT(num_seen, 10);
+  EXPECT_NEAR(std::exp(predicted_sum / num_seen), 1, 0.1);
+  EXPECT_GE(num_within, 0.9 * num_seen);
+}
+
+TEST(ProjectionUncertainty, GrowsWithTheNoiseAndWhereFewFeaturesAre) {
+  const SmallProblem exact = ExactProblem();
+  const GaussianPrior prior = WeakPrior(exact);
+  const auto once = ProjectionUncertainty(exact.views, prior, Options(), 0.1,
+                                          exact.state, 0, kLattice);
+  const auto twice = ProjectionUncertainty(exact.views, prior, Options(), 0.2,
+                                           exact.state, 0, kLattice);
+  const PixelUncertainty& corner = once.front();
+  const PixelUncertainty& middle = once[once.size() / 2];
+  EXPECT_NEAR(twice.front().StandardDeviationPx(),
+              2 * corner.StandardDeviationPx(), 1e-9);
+  EXPECT_LT(middle.StandardDeviationPx(), corner.StandardDeviationPx());
+  EXPECT_GT(middle.num_observations, corner.num_observations);
+  const std::vector<bool> mask =
+      TrustMask(once, 2 * middle.StandardDeviationPx());
+  EXPECT_TRUE(mask[mask.size() / 2]);
+  EXPECT_FALSE(mask.front());
+}
+
+}  // namespace
+}  // namespace raygrid
