@@ -1,12 +1,16 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "calibration/camera_evaluation.h"
+#include "calibration/rig_evaluation.h"
 #include "camera_input.h"
 #include "commands.h"
 #include "dataset/error.h"
+#include "dataset/files.h"
+#include "dataset/rig_file.h"
 
 namespace raygrid {
 namespace {
@@ -22,32 +26,22 @@ Dataset ReadSingleCamera(const std::string& path) {
   return datasets.begin()->second;
 }
 
-void Run(const Arguments& arguments, const CommonOptions& common) {
-  const CameraInput input = ReadCamera(arguments.camera);
-  const Pattern pattern = ReadPattern(arguments.pattern);
-  Dataset dataset = ReadSingleCamera(arguments.features);
-  dataset.image_size = input.file.camera->image_size();
-  RequireConsistent(arguments.features, dataset, pattern);
-  const Evaluation evaluation =
-      EvaluateCamera(*input.file.camera, dataset, pattern, common.threads);
+nlohmann::ordered_json ToJson(const Evaluation& evaluation) {
   const ErrorFigures figures = ComputeErrorFigures(evaluation.residuals);
-  if (figures.count == 0)
-    throw Error(ExitCode::kTooFew,
-                "no image could be localised; are features and pattern those "
-                "of this camera?");
-  if (common.json) {
-    nlohmann::ordered_json json = {{"median_px", figures.median_px},
-                                   {"rms_px", figures.rms_px},
-                                   {"max_px", figures.max_px},
-                                   {"count", figures.count},
-                                   {"outside_area", evaluation.outside_area}};
-    json["rejected"] = nlohmann::ordered_json::array();
-    for (const RejectedImage& image : evaluation.rejected_images)
-      json["rejected"].push_back(
-          {{"image", image.image}, {"reason", image.reason}});
-    fmt::print("{}\n", json.dump(2));
-    return;
-  }
+  nlohmann::ordered_json json = {{"median_px", figures.median_px},
+                                 {"rms_px", figures.rms_px},
+                                 {"max_px", figures.max_px},
+                                 {"count", figures.count},
+                                 {"outside_area", evaluation.outside_area}};
+  json["rejected"] = nlohmann::ordered_json::array();
+  for (const RejectedImage& image : evaluation.rejected_images)
+    json["rejected"].push_back(
+        {{"image", image.image}, {"reason", image.reason}});
+  return json;
+}
+
+void Print(const Evaluation& evaluation) {
+  const ErrorFigures figures = ComputeErrorFigures(evaluation.residuals);
   fmt::print(
       "median {:.4f} px, RMS {:.4f} px, largest {:.3f} px over {} "
       "features",
@@ -59,18 +53,110 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
     fmt::print("not used: {} ({})\n", image.image, image.reason);
 }
 
+void RequireResiduals(size_t count) {
+  if (count == 0)
+    throw Error(ExitCode::kTooFew,
+                "no image could be localised; are features and pattern those "
+                "of this camera?");
+}
+
+void RunCamera(const Arguments& arguments, const CommonOptions& common) {
+  const CameraInput input = ReadCamera(arguments.camera);
+  const Pattern pattern = ReadPattern(arguments.pattern);
+  Dataset dataset = ReadSingleCamera(arguments.features);
+  dataset.image_size = input.file.camera->image_size();
+  RequireConsistent(arguments.features, dataset, pattern);
+  const Evaluation evaluation =
+      EvaluateCamera(*input.file.camera, dataset, pattern, common.threads);
+  RequireResiduals(evaluation.residuals.size());
+  if (common.json)
+    fmt::print("{}\n", ToJson(evaluation).dump(2));
+  else
+    Print(evaluation);
+}
+
+// ---- Rig -------------------------------------------------------------------
+
+// Cameras of which there are no features have none.
+std::vector<Dataset> ReadRigFeatures(
+    const std::string& path, const std::vector<RigFileCamera>& cameras) {
+  auto read = ReadFeatures(path);
+  std::vector<Dataset> datasets;
+  for (const RigFileCamera& camera : cameras) {
+    datasets.push_back(read[camera.name]);
+    read.erase(camera.name);
+  }
+  if (!read.empty())
+    throw InputError(fmt::format("{}: camera '{}' is not in the rig", path,
+                                 read.begin()->first));
+  return datasets;
+}
+
+void RunRig(const Arguments& arguments, const CommonOptions& common) {
+  const std::vector<RigFileCamera> files = ReadRigFile(arguments.camera);
+  const Pattern pattern = ReadPattern(arguments.pattern);
+  std::vector<Dataset> datasets = ReadRigFeatures(arguments.features, files);
+  const std::filesystem::path folder =
+      std::filesystem::path(arguments.camera).parent_path();
+  std::vector<CameraInput> cameras;
+  RigModel rig;
+  for (size_t c = 0; c < files.size(); ++c) {
+    cameras.push_back(ReadCamera((folder / files[c].file).string()));
+    rig.cameras.push_back(cameras.back().file.camera.get());
+    rig.camera_from_rig.push_back(files[c].camera_from_rig);
+    datasets[c].image_size = rig.cameras.back()->image_size();
+    RequireConsistent(arguments.features, datasets[c], pattern);
+  }
+  const std::vector<Evaluation> evaluations =
+      EvaluateRig(rig, datasets, pattern, common.threads);
+  Evaluation all;
+  nlohmann::ordered_json json;
+  for (size_t c = 0; c < files.size(); ++c) {
+    const Evaluation& own = evaluations[c];
+    all.residuals.insert(all.residuals.end(), own.residuals.begin(),
+                         own.residuals.end());
+    all.outside_area += own.outside_area;
+    json.push_back({{"name", files[c].name}});
+    json.back().update(ToJson(own));
+  }
+  RequireResiduals(all.residuals.size());
+  if (common.json) {
+    nlohmann::ordered_json whole = ToJson(all);
+    whole.erase("rejected");
+    whole["cameras"] = json;
+    fmt::print("{}\n", whole.dump(2));
+    return;
+  }
+  for (size_t c = 0; c < files.size(); ++c) {
+    fmt::print("{}: ", files[c].name);
+    Print(evaluations[c]);
+  }
+  fmt::print("all: ");
+  Print(all);
+}
+
+void Run(const Arguments& arguments, const CommonOptions& common) {
+  if (ReadFile(arguments.camera).find("raygrid_rig:") == std::string::npos)
+    RunCamera(arguments, common);
+  else
+    RunRig(arguments, common);
+}
+
 }  // namespace
 
 void AddEvaluate(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
       app, "evaluate",
       "Localises images with a camera as it is, and reports reprojection "
-      "errors.",
+      "errors. With a rig, each board is localised once for all cameras that "
+      "see it at one instant.",
       "raygrid evaluate camera.yaml --features held_out.csv --pattern "
       "result/pattern.yaml",
       common);
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("camera", arguments->camera, "camera.yaml or a blob")
+  command
+      ->add_option("camera", arguments->camera,
+                   "camera.yaml, a blob, or rig.yaml")
       ->required();
   command->add_option("--features", arguments->features, "features.csv")
       ->required();

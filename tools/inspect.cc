@@ -7,6 +7,7 @@
 #include "dataset/dataset.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/rig_file.h"
 
 namespace raygrid {
 namespace {
@@ -90,6 +91,15 @@ void InspectPattern(const Pattern& pattern) {
                board.kind, board.columns, board.rows, board.square_m * 1000);
 }
 
+void InspectRig(const std::string& path) {
+  for (const RigFileCamera& camera : ReadRigFile(path)) {
+    const Eigen::Vector3d center = camera.camera_from_rig.Inverse().translation;
+    fmt::print(
+        "camera '{}': {}, centre in the rig ({:.6f}, {:.6f}, {:.6f}) m\n",
+        camera.name, camera.file, center.x(), center.y(), center.z());
+  }
+}
+
 void InspectFeatures(const std::string& path) {
   for (const auto& [camera, dataset] : ReadFeatures(path))
     fmt::print("camera '{}': {} features in {} images\n", camera,
@@ -102,13 +112,15 @@ void Run(const std::string& path) {
     InspectBlob(BlobCamera(path, bytes));
   else if (bytes.find("raygrid_camera:") != std::string::npos)
     InspectCamera(ReadCameraFile(path));
+  else if (bytes.find("raygrid_rig:") != std::string::npos)
+    InspectRig(path);
   else if (bytes.find("raygrid_pattern:") != std::string::npos)
     InspectPattern(ReadPattern(path));
   else if (bytes.find("board") != std::string::npos)
     InspectFeatures(path);
   else
-    throw InputError(path +
-                     ": neither a blob, a camera, a pattern, nor features");
+    throw InputError(
+        path + ": neither a blob, a camera, a rig, a pattern, nor features");
 }
 
 }  // namespace
@@ -116,8 +128,8 @@ void Run(const std::string& path) {
 void AddInspect(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
       app, "inspect",
-      "Says what a blob, camera, pattern or features file holds; verifies "
-      "blobs.",
+      "Says what a blob, camera, rig, pattern or features file holds; "
+      "verifies blobs.",
       "raygrid inspect front.raygrid", common);
   auto path = std::make_shared<std::string>();
   command->add_option("file", *path, "file")->required();

@@ -13,12 +13,14 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/parallel_for.h"
+#include "dataset/rig_file.h"
 #include "progress_bar.h"
 #include "simulation/board_bend.h"
 #include "simulation/image_rendering.h"
 #include "simulation/observation_lines.h"
 #include "simulation/simulated_lenses.h"
 #include "simulation/simulated_observations.h"
+#include "simulation/simulated_rig.h"
 
 namespace raygrid {
 namespace {
@@ -32,6 +34,8 @@ struct Arguments {
   double max_tilt_deg = 50, board_bend_mm = 0;
   std::optional<int> features_per_image;
   int bits = 8;
+  int cameras = 1;
+  double baseline_m = 0.1;
 };
 
 // Across the image: as fine as the lenses' bumps, which scale with it, need.
@@ -62,6 +66,14 @@ std::shared_ptr<const CameraModel> AsGrid(const CameraModel& lens) {
   return FitNonCentralGeneric(lens, image, columns, rows).Clone();
 }
 
+// As camera.yaml.
+std::string FormatTruth(const CameraModel& camera, bool is_from_file) {
+  CameraFile truth;
+  truth.camera = is_from_file ? camera.Clone() : AsGrid(camera);
+  truth.name = "simulated";
+  return FormatCameraFile(truth);
+}
+
 void AddTruth(const std::filesystem::path& folder,
               const SimulatedObservations& observations,
               const CameraModel& camera, bool is_from_file,
@@ -72,10 +84,7 @@ void AddTruth(const std::filesystem::path& folder,
   add("features.csv", FormatFeatures(observations.dataset));
   add("pattern.yaml", observations.true_pattern.yaml);
   add("true_pattern.yaml", FormatPattern(observations.true_pattern));
-  CameraFile truth;
-  truth.camera = is_from_file ? camera.Clone() : AsGrid(camera);
-  truth.name = "simulated";
-  add("true_camera.yaml", FormatCameraFile(truth));
+  add("true_camera.yaml", FormatTruth(camera, is_from_file));
   if (!camera.IsCentral())
     add("true_lines.csv", FormatObservationLines(camera));
   add("true_poses.csv", FormatPoses(observations.poses));
@@ -174,6 +183,49 @@ class Photographer {
   SimulatedObservations truth_;
 };
 
+// What several cameras see.
+SimulatedObservations ObserveRig(const Arguments& arguments,
+                                 const CommonOptions& common) {
+  const std::shared_ptr<const CameraModel> camera = MakeCamera(arguments);
+  SimulationOptions options = arguments.simulation;
+  options.seed = common.seed;
+  options.features_per_image =
+      arguments.features_per_image.value_or(options.features_per_image);
+  const SimulatedRigObservations seen = SimulateRig(
+      CamerasInARow(camera, arguments.cameras, arguments.baseline_m),
+      MakePattern(arguments), options);
+  SimulatedObservations all;
+  std::vector<NamedDataset> features;
+  std::vector<NamedPoses> poses;
+  std::vector<RigFileCamera> rig;
+  for (int c = 0; c < arguments.cameras; ++c) {
+    const std::string name = fmt::format("cam{}", c);
+    const Dataset& dataset = seen.datasets[c];
+    features.push_back({name, dataset});
+    poses.push_back({name, seen.poses[c]});
+    rig.push_back(
+        {name,
+         "true_camera.yaml",
+         {Eigen::Quaterniond::Identity(), {-arguments.baseline_m * c, 0, 0}}});
+    all.dataset.image_size = dataset.image_size;
+    all.dataset.images.insert(all.dataset.images.end(), dataset.images.begin(),
+                              dataset.images.end());
+  }
+  OutputFiles files;
+  const std::filesystem::path folder = arguments.output;
+  const auto add = [&](const char* name, std::string contents) {
+    files.Add((folder / name).string(), std::move(contents));
+  };
+  add("features.csv", FormatFeatures(features));
+  add("pattern.yaml", seen.true_pattern.yaml);
+  add("true_pattern.yaml", FormatPattern(seen.true_pattern));
+  add("true_camera.yaml", FormatTruth(*camera, !arguments.camera.empty()));
+  add("true_rig.yaml", FormatRigFile(rig));
+  add("true_poses.csv", FormatPoses(poses));
+  files.Commit();
+  return all;
+}
+
 int NumFeatures(const Board& board) {
   int count = 0;
   for (int row = 0; row < board.rows; ++row)
@@ -225,8 +277,12 @@ void Run(Arguments arguments, const CommonOptions& common) {
   arguments.simulation.board_bend_m = arguments.board_bend_mm / 1000;
   if (arguments.poses.min_square_px > arguments.poses.max_square_px)
     throw Error(ExitCode::kUsage, "--min-square-px exceeds --max-square-px");
+  if (arguments.render && arguments.cameras > 1)
+    throw Error(ExitCode::kUsage, "--render: with one camera only");
   const SimulatedObservations observations =
-      arguments.render ? Render(arguments, common) : Observe(arguments, common);
+      arguments.render        ? Render(arguments, common)
+      : arguments.cameras > 1 ? ObserveRig(arguments, common)
+                              : Observe(arguments, common);
   const ImageSize& size = observations.dataset.image_size;
   if (common.json)
     fmt::print("{}\n", FormatJson(observations));
@@ -282,6 +338,18 @@ void AddCameraOptions(CLI::App* command, Arguments* arguments) {
       ->capture_default_str();
   command->add_option("--camera", arguments->camera,
                       "camera.yaml or blob, instead of --lens");
+  command
+      ->add_option("--cameras", arguments->cameras,
+                   "of one kind on a rig, in a row, cam0 first; each image "
+                   "shows what its camera sees, at most --features-per-image "
+                   "of each board")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command
+      ->add_option("--baseline-m", arguments->baseline_m,
+                   "between neighbouring cameras")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
   command->add_option("--size", arguments->size, "of images, WxH")
       ->capture_default_str();
 }
@@ -300,6 +368,7 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
       "  true_lines.csv     --lens noncentral and glass: the exact lines of 33 "
       "x 25 "
       "pixels as x,y,dx,dy,dz,ox,oy,oz: unit direction, point in metres\n"
+      "  true_rig.yaml      with --cameras\n"
       "  true_poses.csv     camera_from_board",
       "raygrid simulate --noise-px 0.05 -o simulated/", common);
   auto arguments = std::make_shared<Arguments>();

@@ -7,15 +7,23 @@
 
 namespace raygrid {
 
-/// Neither scale nor frame of a free pattern can be observed. Brings points
-/// [first, first + nominal.size()), a board, to its nominal points by the best
-/// similarity (Umeyama, 1991), and the board's poses with it, so that no
-/// reprojection of a single camera changes. With a camera that is not central,
-/// whose lines' points would have to scale too, only by the best rigid motion:
-/// there the points' prior has held the scale. Returns its scale, by which the
-/// translations of a rig's cameras would have to grow too.
-double AlignToNominal(int first, const std::vector<Eigen::Vector3d>& nominal,
-                      const std::vector<int>& poses, AdjustmentState* state);
+/// A board in a state.
+struct AlignedBoard {
+  int first = 0;                         ///< of its points
+  std::vector<Eigen::Vector3d> nominal;  ///< where they ought to be
+  std::vector<int> poses;                ///< that are its own
+};
+
+/// Neither scale nor frame of a free pattern can be observed. Brings boards to
+/// their nominal points by the best similarities (Umeyama, 1991), and their
+/// poses with them, so that no reprojection changes. With a single camera, each
+/// board has a scale of its own; the cameras of a rig tie the boards together:
+/// one scale, the boards' mean (weighted by their extent squared), which the
+/// rig's cameras follow. With a camera that is not central, whose lines' points
+/// would have to scale too, only by the best rigid motions: there the points'
+/// prior has held the scale.
+void AlignToNominal(const std::vector<AlignedBoard>& boards,
+                    AdjustmentState* state);
 
 }  // namespace raygrid
 

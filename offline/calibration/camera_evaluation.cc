@@ -5,6 +5,24 @@
 
 namespace raygrid {
 
+void AddResiduals(const CameraModel& camera, const Pose& camera_from_pattern,
+                  const Pattern& pattern, const CalibrationProblem& problem,
+                  int view, Evaluation* evaluation) {
+  for (const Observation& observation : problem.views[view].observations) {
+    const auto pixel =
+        camera.Project(camera_from_pattern * problem.nominal[observation.point],
+                       &observation.pixel, kAdjustmentMarginPx);
+    if (!camera.area().Contains(observation.pixel) || !pixel) {
+      ++evaluation->outside_area;
+      continue;
+    }
+    const Feature feature = problem.FeatureOf(pattern, view, observation);
+    evaluation->residuals.push_back(
+        {problem.images[view], feature.board, feature.column, feature.row,
+         observation.pixel, *pixel - observation.pixel});
+  }
+}
+
 Evaluation EvaluateCamera(const CameraModel& camera, const Dataset& dataset,
                           const Pattern& pattern, int num_threads) {
   Evaluation evaluation;
@@ -13,24 +31,11 @@ Evaluation EvaluateCamera(const CameraModel& camera, const Dataset& dataset,
   const std::vector<std::optional<Pose>> poses =
       LocalizeViews(camera, 0, problem, num_threads);
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
-    if (!poses[v]) {
+    if (poses[v])
+      AddResiduals(camera, *poses[v], pattern, problem, v, &evaluation);
+    else
       evaluation.rejected_images.push_back(
           {problem.images[v], "could not be localised"});
-      continue;
-    }
-    for (const Observation& observation : problem.views[v].observations) {
-      const auto pixel =
-          camera.Project(*poses[v] * problem.nominal[observation.point],
-                         &observation.pixel, kAdjustmentMarginPx);
-      if (!camera.area().Contains(observation.pixel) || !pixel) {
-        ++evaluation.outside_area;
-        continue;
-      }
-      const Feature feature = problem.FeatureOf(pattern, v, observation);
-      evaluation.residuals.push_back(
-          {problem.images[v], feature.board, feature.column, feature.row,
-           observation.pixel, *pixel - observation.pixel});
-    }
   }
   return evaluation;
 }

@@ -9,12 +9,20 @@
 
 namespace raygrid {
 
-/// Each image localised with the camera and the pattern as they are.
+struct CalibrationProblem;
+
 struct Evaluation {
   std::vector<FeatureResidual> residuals;
   std::vector<RejectedImage> rejected_images;
   int outside_area = 0;  ///< features that the camera is not calibrated for
 };
+
+/// The residuals of a view that stands at a pose.
+void AddResiduals(const CameraModel& camera, const Pose& camera_from_pattern,
+                  const Pattern& pattern, const CalibrationProblem& problem,
+                  int view, Evaluation* evaluation);
+
+/// Each image localised with the camera and the pattern as they are.
 Evaluation EvaluateCamera(const CameraModel& camera, const Dataset& dataset,
                           const Pattern& pattern, int num_threads);
 

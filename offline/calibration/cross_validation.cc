@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <set>
 
 #include "calibration/camera_evaluation.h"
 #include "calibration/model_adjustment.h"
@@ -28,6 +29,14 @@ Split SplitImages(const Dataset& dataset,
     (is_test(i) ? split.test : split.training)
         .images.push_back(dataset.images[i]);
   return split;
+}
+
+Split SplitImages(const Dataset& dataset,
+                  const std::vector<std::string>& test_images) {
+  const std::set<std::string> names(test_images.begin(), test_images.end());
+  return SplitImages(dataset, [&](size_t i) {
+    return names.count(dataset.images[i].image) > 0;
+  });
 }
 
 int NumFoldsToTry(const Dataset& dataset) {
@@ -82,7 +91,7 @@ std::vector<Trial> CrossValidate(const Dataset& dataset, const Pattern& pattern,
               [&](int i) {
                 const int fold = i / num_cells;
                 Adjusted adjusted = starts[fold];
-                AdjustModel(pattern, options.model, cells[i % num_cells],
+                AdjustModel(pattern, options.model, {cells[i % num_cells]},
                             serial, &adjusted);
                 AlignBoards(pattern, &adjusted);
                 evaluations[i] =

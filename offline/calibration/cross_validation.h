@@ -16,6 +16,8 @@ struct Split {
 };
 Split SplitImages(const Dataset& dataset,
                   const std::function<bool(size_t)>& is_test);
+Split SplitImages(const Dataset& dataset,
+                  const std::vector<std::string>& test_images);
 
 /// Of four folds: none for few images, one for many, which take long and need
 /// no more.

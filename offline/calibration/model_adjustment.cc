@@ -34,13 +34,51 @@ AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
   return summary;
 }
 
+using Lenses = std::vector<std::unique_ptr<CameraModel>>;
+
+// The parametric cameras that an adjustment starts from, and their cells.
+struct Starts {
+  const Lenses& lenses;
+  const std::vector<double>& cells_px;
+};
+
+// Parametric cameras from where the state is.
+AdjustmentSummary AdjustLenses(const CalibrationProblem& problem,
+                               const AdjustmentOptions& options,
+                               GaussianPrior* prior, AdjustmentState* state) {
+  *prior = {};
+  for (size_t c = 0; c < state->cameras.size(); ++c)
+    prior->cameras.push_back(DistortionPrior(
+        dynamic_cast<const ParametricModel&>(*state->cameras[c]),
+        FeatureArea(problem, static_cast<int>(c))));
+  return AdjustInTwoSteps(problem, options, prior, state);
+}
+
+// Parametric cameras of a model.
+AdjustmentSummary AdjustLenses(const std::string& model,
+                               const CalibrationProblem& problem,
+                               const Lenses& lenses,
+                               const AdjustmentOptions& options,
+                               GaussianPrior* prior, AdjustmentState* state) {
+  for (size_t c = 0; c < lenses.size(); ++c) {
+    state->cameras[c] = lenses[c]->Clone();
+    if (lenses[c]->Name() != model)
+      state->cameras[c] =
+          FitParametricModel(model, *lenses[c],
+                             FeatureArea(problem, static_cast<int>(c)), false)
+              .model;
+  }
+  return AdjustLenses(problem, options, prior, state);
+}
+
 // How far off axis a lens may be believed: a little beyond the features. In the
 // corners around a fisheye's image circle, polynomials go astray.
-double CredibleAngle(const CalibrationProblem& problem,
+double CredibleAngle(const CalibrationProblem& problem, size_t camera,
                      const CameraModel& lens) {
   constexpr double kBeyond = 1.1, kAlways = 60 * M_PI / 180;
   double farthest = 0;
   for (const View& view : problem.views) {
+    if (view.camera != static_cast<int>(camera)) continue;
     for (const Observation& observation : view.observations) {
       const auto ray = lens.Unproject(observation.pixel);
       if (ray)
@@ -51,33 +89,39 @@ double CredibleAngle(const CalibrationProblem& problem,
   return std::max(kBeyond * farthest, kAlways);
 }
 
-CentralGeneric AsGrid(const CalibrationProblem& problem,
-                      const CameraModel& lens, double cell_px) {
+CentralGeneric AsGrid(const CalibrationProblem& problem, size_t camera,
+                      const Starts& starts) {
+  const Area area = FeatureArea(problem, static_cast<int>(camera));
+  const double cell_px = starts.cells_px[camera];
   constexpr int kSamplesPerCell = 4;
-  const Area area = FeatureArea(problem, 0);
+  const CameraModel& lens = *starts.lenses[camera];
   return FitCentralGeneric(lens, area, NumControlPoints(area.width(), cell_px),
                            NumControlPoints(area.height(), cell_px),
-                           kSamplesPerCell, CredibleAngle(problem, lens));
+                           kSamplesPerCell,
+                           CredibleAngle(problem, camera, lens));
 }
 
-// The grid camera, around a parametric lens.
-AdjustmentSummary AdjustGrid(const CalibrationProblem& problem,
-                             const CameraModel& lens, double cell_px,
-                             const AdjustmentOptions& options,
-                             AdjustmentState* state) {
-  const CentralGeneric base = AsGrid(problem, lens, cell_px);
-  GaussianPrior prior;
-  prior.cameras = {SmoothnessPrior(base)};
-  state->cameras[0] = base.Clone();
-  return AdjustInTwoSteps(problem, options, &prior, state);
+// Grid cameras, each around a parametric lens.
+AdjustmentSummary AdjustGrids(const CalibrationProblem& problem,
+                              const Starts& starts,
+                              const AdjustmentOptions& options,
+                              GaussianPrior* prior, AdjustmentState* state) {
+  *prior = {};
+  for (size_t c = 0; c < starts.lenses.size(); ++c) {
+    const CentralGeneric base = AsGrid(problem, c, starts);
+    prior->cameras.push_back(SmoothnessPrior(base));
+    state->cameras[c] = base.Clone();
+  }
+  return AdjustInTwoSteps(problem, options, prior, state);
 }
 
-// Of the points seen, in front of the camera.
-double MeanDistance(const CalibrationProblem& problem,
+// Of the points that a camera sees, in front of it.
+double MeanDistance(const CalibrationProblem& problem, size_t camera,
                     const AdjustmentState& state) {
   double sum = 0;
   int count = 0;
   for (const View& view : problem.views) {
+    if (view.camera != static_cast<int>(camera)) continue;
     const Pose pose = state.CameraFromPattern(view);
     for (const Observation& observation : view.observations) {
       sum += (pose * state.points[observation.point]).norm();
@@ -87,77 +131,110 @@ double MeanDistance(const CalibrationProblem& problem,
   return sum / count;
 }
 
-// Lines, which start from an adjusted central grid. Its points stay where they
+// Lines, which start from adjusted central grids. Their points stay where they
 // are nominally: free, they would take on what is not central.
 AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
-                              const CameraModel& lens, double cell_px,
+                              const Starts& starts,
                               const AdjustmentOptions& options,
-                              AdjustmentState* state) {
-  AdjustGrid(problem, lens, cell_px, WithFixedPoints(options), state);
-  GaussianPrior prior;
-  prior.cameras = {NonCentralPrior(AsGrid(problem, lens, cell_px),
-                                   MeanDistance(problem, *state))};
-  state->cameras[0] =
-      NonCentralGeneric(dynamic_cast<const CentralGeneric&>(state->camera()))
-          .Clone();
-  return AdjustInTwoSteps(problem, options, &prior, state);
+                              GaussianPrior* prior, AdjustmentState* state) {
+  AdjustGrids(problem, starts, WithFixedPoints(options), prior, state);
+  *prior = {};
+  for (size_t c = 0; c < starts.lenses.size(); ++c) {
+    prior->cameras.push_back(NonCentralPrior(AsGrid(problem, c, starts),
+                                             MeanDistance(problem, c, *state)));
+    state->cameras[c] = NonCentralGeneric(dynamic_cast<const CentralGeneric&>(
+                                              *state->cameras[c]))
+                            .Clone();
+  }
+  return AdjustInTwoSteps(problem, options, prior, state);
 }
 
 AdjustmentSummary Adjust(const std::string& model,
                          const CalibrationProblem& problem,
-                         const CameraModel& lens, double cell_px,
-                         const AdjustmentOptions& options,
-                         AdjustmentState* state) {
-  if (IsParametricModel(model)) {
-    state->cameras[0] = lens.Clone();
-    if (lens.Name() != model)
-      state->cameras[0] =
-          FitParametricModel(model, lens, FeatureArea(problem, 0), false).model;
-    return AdjustParametric(problem, options, state);
-  }
+                         const Starts& starts, const AdjustmentOptions& options,
+                         GaussianPrior* prior, AdjustmentState* state) {
+  if (IsParametricModel(model))
+    return AdjustLenses(model, problem, starts.lenses, options, prior, state);
   if (model == "noncentral-generic")
-    return AdjustLines(problem, lens, cell_px, options, state);
-  return AdjustGrid(problem, lens, cell_px, options, state);
+    return AdjustLines(problem, starts, options, prior, state);
+  return AdjustGrids(problem, starts, options, prior, state);
+}
+
+// The first camera's frame is the rig's.
+void MoveRigToFirstCamera(AdjustmentState* state) {
+  const Pose first_from_rig = state->camera_from_rig.front();
+  const Pose rig_from_first = first_from_rig.Inverse();
+  for (Pose& pose : state->camera_from_rig) pose = pose * rig_from_first;
+  state->camera_from_rig.front() = {};
+  for (Pose& pose : state->rig_from_pattern) pose = first_from_rig * pose;
 }
 
 // The frame of a camera whose lines do not meet has its origin at the point
 // nearest to all of them; observations cannot tell.
 void CenterLines(AdjustmentState* state) {
-  const auto* camera = dynamic_cast<const NonCentralGeneric*>(&state->camera());
-  if (!camera) return;
-  const Eigen::Vector3d origin = MeasureLineSpread(*camera).nearest_point;
-  state->cameras[0] = camera->WithOrigin(origin).Clone();
-  for (Pose& pose : state->rig_from_pattern) pose.translation -= origin;
+  bool have_moved = false;
+  for (size_t c = 0; c < state->cameras.size(); ++c) {
+    const auto* camera =
+        dynamic_cast<const NonCentralGeneric*>(state->cameras[c].get());
+    if (!camera) continue;
+    const Eigen::Vector3d origin = MeasureLineSpread(*camera).nearest_point;
+    state->cameras[c] = camera->WithOrigin(origin).Clone();
+    state->camera_from_rig[c].translation -= origin;
+    have_moved = true;
+  }
+  if (have_moved) MoveRigToFirstCamera(state);
 }
 
-// Residuals beyond the third quartile + 6 interquartile ranges (paper's
-// supplement, "Bundle adjustment details") leave the problem.
-std::vector<FeatureResidual> RemoveOutliers(
+// Of each camera: the third quartile of the residuals + 6 interquartile ranges
+// (paper's supplement, "Bundle adjustment details").
+std::vector<double> OutlierThresholds(const std::vector<Residual>& residuals,
+                                      const CalibrationProblem& problem) {
+  std::vector<std::vector<double>> norms(problem.image_sizes.size());
+  size_t index = 0;
+  for (const View& view : problem.views)
+    for (size_t k = 0; k < view.observations.size(); ++k, ++index)
+      if (residuals[index].valid)
+        norms[view.camera].push_back(residuals[index].error_px.norm());
+  std::vector<double> thresholds;
+  for (const std::vector<double>& camera : norms) {
+    const double q1 = Quantile(camera, 0.25), q3 = Quantile(camera, 0.75);
+    thresholds.push_back(q3 + 6 * (q3 - q1));
+  }
+  return thresholds;
+}
+
+// Residuals beyond the thresholds leave the problem.
+std::vector<std::vector<FeatureResidual>> RemoveOutliers(
     const Pattern& pattern, const std::vector<Residual>& residuals,
     CalibrationProblem* problem) {
-  std::vector<double> norms;
-  for (const Residual& residual : residuals)
-    if (residual.valid) norms.push_back(residual.error_px.norm());
-  const double q1 = Quantile(norms, 0.25), q3 = Quantile(norms, 0.75);
-  const double threshold = q3 + 6 * (q3 - q1);
-  std::vector<FeatureResidual> removed;
+  const std::vector<double> thresholds = OutlierThresholds(residuals, *problem);
+  std::vector<std::vector<FeatureResidual>> removed(thresholds.size());
   size_t index = 0;
   for (size_t v = 0; v < problem->views.size(); ++v) {
+    View& view = problem->views[v];
     std::vector<Observation> kept;
-    for (const Observation& observation : problem->views[v].observations) {
+    for (const Observation& observation : view.observations) {
       const Residual& residual = residuals[index++];
-      if (residual.valid && residual.error_px.norm() <= threshold) {
+      if (residual.valid &&
+          residual.error_px.norm() <= thresholds[view.camera]) {
         kept.push_back(observation);
         continue;
       }
       const Feature feature =
           problem->FeatureOf(pattern, static_cast<int>(v), observation);
-      removed.push_back({problem->images[v], feature.board, feature.column,
-                         feature.row, observation.pixel, residual.error_px});
+      removed[view.camera].push_back({problem->images[v], feature.board,
+                                      feature.column, feature.row,
+                                      observation.pixel, residual.error_px});
     }
-    problem->views[v].observations = std::move(kept);
+    view.observations = std::move(kept);
   }
   return removed;
+}
+
+Lenses CopyCameras(const AdjustmentState& state) {
+  Lenses cameras;
+  for (const auto& camera : state.cameras) cameras.push_back(camera->Clone());
+  return cameras;
 }
 
 }  // namespace
@@ -166,44 +243,49 @@ AdjustmentSummary AdjustParametric(const CalibrationProblem& problem,
                                    const AdjustmentOptions& options,
                                    AdjustmentState* state) {
   GaussianPrior prior;
-  prior.cameras = {
-      DistortionPrior(dynamic_cast<const ParametricModel&>(state->camera()),
-                      FeatureArea(problem, 0))};
-  return AdjustInTwoSteps(problem, options, &prior, state);
+  return AdjustLenses(problem, options, &prior, state);
 }
 
 void AdjustModel(const Pattern& pattern, const std::string& model,
-                 double cell_px, const AdjustmentOptions& options,
-                 Adjusted* adjusted) {
-  const std::unique_ptr<CameraModel> lens = adjusted->state.camera().Clone();
+                 const std::vector<double>& cells_px,
+                 const AdjustmentOptions& options, Adjusted* adjusted) {
+  const Lenses lenses = CopyCameras(adjusted->state);
   const auto adjust = [&] {
-    adjusted->summary = Adjust(model, adjusted->problem, *lens, cell_px,
-                               options, &adjusted->state);
+    adjusted->summary = Adjust(model, adjusted->problem, {lenses, cells_px},
+                               options, &adjusted->prior, &adjusted->state);
   };
   adjust();
-  const std::vector<FeatureResidual> removed =
+  const auto removed =
       RemoveOutliers(pattern, adjusted->summary.residuals, &adjusted->problem);
-  adjusted->rejected_features.insert(adjusted->rejected_features.end(),
-                                     removed.begin(), removed.end());
-  if (!removed.empty()) adjust();
-  const Area area = FeatureArea(adjusted->problem, 0);
-  if (const auto* camera =
-          dynamic_cast<const ParametricModel*>(&adjusted->state.camera()))
-    adjusted->state.cameras[0] = camera->OverArea(area);
+  bool have_removed = false;
+  for (size_t c = 0; c < removed.size(); ++c) {
+    auto& rejected = adjusted->rejected_features[c];
+    rejected.insert(rejected.end(), removed[c].begin(), removed[c].end());
+    have_removed = have_removed || !removed[c].empty();
+  }
+  if (have_removed) adjust();
+  for (size_t c = 0; c < lenses.size(); ++c) {
+    std::unique_ptr<CameraModel>& camera = adjusted->state.cameras[c];
+    if (const auto* lens = dynamic_cast<const ParametricModel*>(camera.get()))
+      camera =
+          lens->OverArea(FeatureArea(adjusted->problem, static_cast<int>(c)));
+  }
   CenterLines(&adjusted->state);
 }
 
 void AlignBoards(const Pattern& pattern, Adjusted* adjusted) {
+  std::vector<AlignedBoard> boards;
   for (size_t b = 0; b < pattern.boards.size(); ++b) {
     std::set<int> poses;
     for (size_t v = 0; v < adjusted->problem.views.size(); ++v)
       if (adjusted->problem.boards[v] == static_cast<int>(b))
         poses.insert(adjusted->problem.views[v].pose);
     if (!poses.empty())
-      AlignToNominal(adjusted->problem.first_points[b],
-                     pattern.boards[b].points, {poses.begin(), poses.end()},
-                     &adjusted->state);
+      boards.push_back({adjusted->problem.first_points[b],
+                        pattern.boards[b].points,
+                        {poses.begin(), poses.end()}});
   }
+  AlignToNominal(boards, &adjusted->state);
 }
 
 Pattern AdjustedPattern(const Pattern& pattern, const Adjusted& adjusted) {

@@ -14,19 +14,21 @@ struct Adjusted {
   CalibrationProblem problem;
   AdjustmentState state;
   AdjustmentSummary summary;
+  GaussianPrior prior;  ///< as it was learned
   std::vector<RejectedImage> rejected_images;
-  std::vector<FeatureResidual> rejected_features;
+  std::vector<std::vector<FeatureResidual>> rejected_features;  ///< by camera
 };
 
-/// A parametric camera from where the state is.
+/// Parametric cameras from where the state is.
 AdjustmentSummary AdjustParametric(const CalibrationProblem& problem,
                                    const AdjustmentOptions& options,
                                    AdjustmentState* state);
 
-/// On to the model asked for: adjusted, outliers removed, once more.
+/// On to the model asked for: adjusted, outliers removed, once more. Cells for
+/// each camera.
 void AdjustModel(const Pattern& pattern, const std::string& model,
-                 double cell_px, const AdjustmentOptions& options,
-                 Adjusted* adjusted);
+                 const std::vector<double>& cells_px,
+                 const AdjustmentOptions& options, Adjusted* adjusted);
 
 /// Brings boards whose points were free to where they are nominally.
 void AlignBoards(const Pattern& pattern, Adjusted* adjusted);

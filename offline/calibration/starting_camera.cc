@@ -91,7 +91,7 @@ void RemoveGrossOutliers(const Pattern& pattern, int num_threads,
       }
       const Feature feature =
           problem.FeatureOf(pattern, static_cast<int>(v), observation);
-      adjusted->rejected_features.push_back(
+      adjusted->rejected_features[0].push_back(
           {problem.images[v], feature.board, feature.column, feature.row,
            observation.pixel, residual.error_px});
     }
@@ -176,6 +176,7 @@ Adjusted AdjustStart(const Dataset& dataset, const Pattern& pattern,
   constexpr double kMaxUnexplainedPart = 0.25;
   Adjusted all;
   all.problem = BuildProblem({dataset}, pattern, &all.rejected_images);
+  all.rejected_features.resize(1);  // of one camera
   RequireImages(all.problem);
   const size_t num_features = NumFeatures(all.problem);
   AdjustmentOptions fixed_points = options;

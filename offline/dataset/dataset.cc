@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 #include <tuple>
 
@@ -28,6 +29,45 @@ class ImageIndex {
  private:
   std::map<std::pair<std::string, std::string>, size_t> index_;
 };
+
+// Each line led by prefix.
+std::string FeatureLines(const std::string& prefix, const Dataset& dataset) {
+  std::string text;
+  for (const ImageFeatures& image : dataset.images)
+    for (const Feature& feature : image.features)
+      text += fmt::format("{}{},{},{},{},{:.5f},{:.5f}\n", prefix, image.image,
+                          feature.board, feature.column, feature.row,
+                          feature.pixel.x(), feature.pixel.y());
+  return text;
+}
+
+std::string PoseLines(const std::string& prefix,
+                      const std::vector<BoardPose>& poses) {
+  std::string text;
+  for (const BoardPose& pose : poses) {
+    Eigen::Quaterniond q = pose.camera_from_board.rotation;
+    if (q.w() < 0) q.coeffs() = -q.coeffs();
+    const Eigen::Vector3d& t = pose.camera_from_board.translation;
+    text += fmt::format(
+        "{}{},{},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f}\n", prefix,
+        pose.image, pose.board, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(),
+        t.z());
+  }
+  return text;
+}
+
+// The last digits of a file's name without its extension, leading zeros apart.
+std::string LastNumber(const std::string& file_name) {
+  const std::string stem = file_name.substr(0, file_name.rfind('.'));
+  const char digits[] = "0123456789";
+  const size_t last = stem.find_last_of(digits);
+  if (last == std::string::npos) return "";
+  const size_t before = stem.find_last_not_of(digits, last);
+  const size_t first = before == std::string::npos ? 0 : before + 1;
+  const size_t significant = stem.find_first_not_of('0', first);
+  return stem.substr(std::min(significant, last),
+                     last + 1 - std::min(significant, last));
+}
 
 }  // namespace
 
@@ -64,13 +104,31 @@ std::map<std::string, Dataset> ReadFeatures(const std::string& path) {
 }
 
 std::string FormatFeatures(const Dataset& dataset) {
-  std::string text = "image,board,column,row,x,y\n";
-  for (const ImageFeatures& image : dataset.images)
-    for (const Feature& feature : image.features)
-      text += fmt::format("{},{},{},{},{:.5f},{:.5f}\n", image.image,
-                          feature.board, feature.column, feature.row,
-                          feature.pixel.x(), feature.pixel.y());
+  return "image,board,column,row,x,y\n" + FeatureLines("", dataset);
+}
+
+std::string FormatFeatures(const std::vector<NamedDataset>& cameras) {
+  std::string text = "camera,image,board,column,row,x,y\n";
+  for (const NamedDataset& camera : cameras)
+    text += FeatureLines(camera.camera + ",", camera.dataset);
   return text;
+}
+
+void NameImagesByNumber(const std::string& source, Dataset* dataset) {
+  std::map<std::string, std::string> names;  // by number
+  for (ImageFeatures& image : dataset->images) {
+    const std::string number = LastNumber(image.image);
+    if (number.empty())
+      throw InputError(fmt::format(
+          "{}, image {}: no number in its name to tell the instant by", source,
+          image.image));
+    const auto [entry, is_new] = names.emplace(number, image.image);
+    if (!is_new)
+      throw InputError(fmt::format(
+          "{}: images {} and {} have the same number {}; rename one", source,
+          entry->second, image.image, number));
+    image.image = number;
+  }
 }
 
 void RequireConsistent(const std::string& name, const Dataset& dataset,
@@ -104,15 +162,13 @@ void RequireConsistent(const std::string& name, const Dataset& dataset,
 }
 
 std::string FormatPoses(const std::vector<BoardPose>& poses) {
-  std::string text = "image,board,qw,qx,qy,qz,tx,ty,tz\n";
-  for (const BoardPose& pose : poses) {
-    Eigen::Quaterniond q = pose.camera_from_board.rotation;
-    if (q.w() < 0) q.coeffs() = -q.coeffs();
-    const Eigen::Vector3d& t = pose.camera_from_board.translation;
-    text += fmt::format(
-        "{},{},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f}\n", pose.image,
-        pose.board, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z());
-  }
+  return "image,board,qw,qx,qy,qz,tx,ty,tz\n" + PoseLines("", poses);
+}
+
+std::string FormatPoses(const std::vector<NamedPoses>& cameras) {
+  std::string text = "camera,image,board,qw,qx,qy,qz,tx,ty,tz\n";
+  for (const NamedPoses& camera : cameras)
+    text += PoseLines(camera.camera + ",", camera.poses);
   return text;
 }
 

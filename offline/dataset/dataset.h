@@ -38,6 +38,19 @@ struct Dataset {
 std::map<std::string, Dataset> ReadFeatures(const std::string& path);
 std::string FormatFeatures(const Dataset& dataset);
 
+/// What a camera of a rig saw. Images of one name show one instant.
+struct NamedDataset {
+  std::string camera;
+  Dataset dataset;
+};
+/// Led by a column that names the camera.
+std::string FormatFeatures(const std::vector<NamedDataset>& cameras);
+
+/// Gives images the last number in their file names for a name, without leading
+/// zeros: "left01.jpg" becomes "1". Throws InputError where there is none, and
+/// where two images have the same; source is used in errors.
+void NameImagesByNumber(const std::string& source, Dataset* dataset);
+
 /// Throws InputError where a feature is not on the pattern, or not in the
 /// image.
 void RequireConsistent(const std::string& name, const Dataset& dataset,
@@ -52,6 +65,13 @@ struct BoardPose {
 
 /// poses.csv.
 std::string FormatPoses(const std::vector<BoardPose>& poses);
+
+/// Likewise what a camera of a rig saw.
+struct NamedPoses {
+  std::string camera;
+  std::vector<BoardPose> poses;
+};
+std::string FormatPoses(const std::vector<NamedPoses>& cameras);
 
 }  // namespace raygrid
 

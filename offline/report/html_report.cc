@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "report/pictures.h"
@@ -220,19 +221,91 @@ std::string PicturesSection(const CalibrationResult& result) {
   return html + "</div>\n";
 }
 
+std::string PageStart(const std::string& heading) {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, "
+      "initial-scale=1\">\n"
+      "<title>raygrid calibration</title>\n<style>{}</style></head>\n<body>\n"
+      "<h1>{}</h1>\n",
+      kStyle, heading);
+}
+
+// ---- Rig -------------------------------------------------------------------
+
+std::string CamerasTable(const RigResult& result) {
+  std::string html =
+      "<h2>Cameras</h2>\n<div class=\"scroll\"><table>\n"
+      "<tr><th></th><th>verdict</th><th>model</th><th>parameters</th>"
+      "<th>images</th><th>image px</th></tr>\n";
+  for (const CalibrationResult& camera : result.cameras)
+    html += fmt::format(
+        "<tr><td><a href=\"{0}/report.html\">{0}</a></td><td>{1}</td>"
+        "<td>{2}</td><td>{3}</td><td>{4}</td><td>{5} &times; {6}</td></tr>\n",
+        Escape(camera.camera.name), camera.verdict.word,
+        camera.camera.camera->Name(), camera.num_parameters,
+        camera.features.images.size(), camera.camera.camera->image_size().width,
+        camera.camera.camera->image_size().height);
+  return html + "</table></div>\n";
+}
+
+std::string RigErrorTable(const RigResult& result) {
+  std::string html =
+      "<h2>Reprojection error</h2>\n<div class=\"scroll\"><table>\n"
+      "<tr><th></th><th>median px</th><th>RMS px</th><th>largest px</th>"
+      "<th>features</th></tr>\n";
+  const std::string by =
+      result.cross_validated ? "cross-validation" : "instants not used";
+  for (size_t c = 0; c < result.cameras.size(); ++c) {
+    const CalibrationResult& camera = result.cameras[c];
+    const std::string name = Escape(camera.camera.name);
+    html += FiguresRow(name + ", training", *camera.camera.training);
+    if (camera.camera.held_out)
+      html += FiguresRow(name + ", held out, localised alone",
+                         *camera.camera.held_out);
+    if (c < result.held_out.size() && !result.held_out[c].empty())
+      html += FiguresRow(name + ", held out, localised by the rig",
+                         ComputeErrorFigures(result.held_out[c]));
+  }
+  html += FiguresRow("all, training", TrainingFigures(result));
+  if (const auto held_out = HeldOutFigures(result))
+    html += FiguresRow("all, held out (" + by + "), localised by the rig",
+                       *held_out);
+  return html + "</table></div>\n";
+}
+
+std::string WithDeviation(double value, const std::optional<double>& deviation,
+                          double scale) {
+  return deviation ? fmt::format("{:.4f} &plusmn; {:.4f}", value * scale,
+                                 *deviation * scale)
+                   : fmt::format("{:.4f}", value * scale);
+}
+
+std::string BaselineTable(const RigResult& result) {
+  std::string html =
+      "<h2>How the cameras stand to each other</h2>\n"
+      "<div class=\"scroll\"><table>\n"
+      "<tr><th></th><th>distance mm</th><th>angle degrees</th>"
+      "<th>boards seen by both</th></tr>\n";
+  for (const Baseline& baseline : result.baselines)
+    html += fmt::format(
+        "<tr><td>{} to {}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+        Escape(result.cameras[baseline.first].camera.name),
+        Escape(result.cameras[baseline.second].camera.name),
+        WithDeviation(baseline.distance_m, baseline.distance_sd_m, 1000),
+        WithDeviation(baseline.angle_rad, baseline.rotation_sd_rad, 180 / M_PI),
+        baseline.num_shared_views);
+  return html + "</table></div>\n";
+}
+
 }  // namespace
 
 std::string FormatHtmlReport(const CalibrationResult& result,
                              const std::optional<PackingFigures>& packing,
                              const std::optional<BeforeAfter>& example) {
-  std::string html = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, "
-      "initial-scale=1\">\n"
-      "<title>raygrid calibration</title>\n<style>{}</style></head>\n<body>\n"
-      "<h1>Camera calibration{}</h1>\n",
-      kStyle,
-      result.camera.name.empty() ? "" : ": " + Escape(result.camera.name));
+  std::string html = PageStart(
+      "Camera calibration" +
+      (result.camera.name.empty() ? "" : ": " + Escape(result.camera.name)));
   html += VerdictSection(result.verdict);
   html += ErrorTable(result);
   html += ModelTable(result, packing);
@@ -251,6 +324,12 @@ std::string FormatHtmlReport(const CalibrationResult& result,
   html += CandidateTable(result);
   html += RejectedSection(result);
   return html + "</body></html>\n";
+}
+
+std::string FormatRigReport(const RigResult& result) {
+  return PageStart("Rig calibration") + VerdictSection(result.verdict) +
+         CamerasTable(result) + RigErrorTable(result) + BaselineTable(result) +
+         "</body></html>\n";
 }
 
 }  // namespace raygrid

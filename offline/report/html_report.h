@@ -6,6 +6,7 @@
 
 #include "dataset/image_files.h"
 #include "evaluation/calibration_result.h"
+#include "evaluation/rig_result.h"
 
 namespace raygrid {
 
@@ -27,6 +28,10 @@ struct PackingFigures {
 std::string FormatHtmlReport(const CalibrationResult& result,
                              const std::optional<PackingFigures>& packing,
                              const std::optional<BeforeAfter>& example);
+
+/// A rig's: its verdict, its cameras with their figures, and links to their
+/// own reports, NAME/report.html.
+std::string FormatRigReport(const RigResult& result);
 
 }  // namespace raygrid
 

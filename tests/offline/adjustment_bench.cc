@@ -77,7 +77,7 @@ Run TimeCalibration(const Case& c, int num_threads) {
   const double start = Now(), start_cpu = CpuSeconds();
   Adjusted adjusted = AdjustStart(dataset, pattern, options);
   const double middle = Now(), middle_cpu = CpuSeconds();
-  AdjustModel(pattern, "central-generic", c.cell_px, options, &adjusted);
+  AdjustModel(pattern, "central-generic", {c.cell_px}, options, &adjusted);
   AlignBoards(pattern, &adjusted);
   const double end = Now(), end_cpu = CpuSeconds();
 

@@ -126,6 +126,46 @@ TEST(ReadFeatures, InvertsFormatFeatures) {
   }
 }
 
+TEST(ReadFeatures, InvertsFormatFeaturesOfARig) {
+  std::vector<NamedDataset> cameras;
+  for (const char* camera : {"left", "right"})
+    cameras.push_back(
+        {camera,
+         {{640, 480}, {{"1", {{0, 2, 3, {cameras.size() + 4.5, 6}}}}}}});
+  const auto read = Read(FormatFeatures(cameras));
+  ASSERT_EQ(read.size(), 2u);
+  EXPECT_EQ(read.at("left").images[0].features[0].pixel.x(), 4.5);
+  EXPECT_EQ(read.at("right").images[0].features[0].pixel.x(), 5.5);
+  EXPECT_EQ(read.at("right").images[0].image, "1");
+}
+
+Dataset ImagesNamed(const std::vector<std::string>& names) {
+  Dataset dataset;
+  for (const std::string& name : names) dataset.images.push_back({name, {}});
+  return dataset;
+}
+
+TEST(NameImagesByNumber, TakesTheLastNumber) {
+  Dataset dataset =
+      ImagesNamed({"left01.jpg", "cam2_000120.png", "0.5.png", "l000.png",
+                   "1403636579763555584.png", "7", "a3b.tar.png"});
+  NameImagesByNumber("camera left", &dataset);
+  std::vector<std::string> names;
+  for (const ImageFeatures& image : dataset.images)
+    names.push_back(image.image);
+  EXPECT_EQ(names, (std::vector<std::string>{"1", "120", "5", "0",
+                                             "1403636579763555584", "7", "3"}));
+}
+
+TEST(NameImagesByNumber, RefusesNamesThatTellNoInstant) {
+  Dataset none = ImagesNamed({"a1.png", "left.jpg2"});
+  ExpectError(ExitCode::kInput, {"camera left", "left.jpg2"},
+              [&] { NameImagesByNumber("camera left", &none); });
+  Dataset twice = ImagesNamed({"1_left2.png", "3_left02.png"});
+  ExpectError(ExitCode::kInput, {"1_left2.png", "3_left02.png"},
+              [&] { NameImagesByNumber("camera left", &twice); });
+}
+
 // A locale with decimal commas for the time of a test.
 class CommaLocale {
  public:

@@ -155,6 +155,76 @@ TEST(ResultJson, HasNoNumberThatIsNotFinite) {
   EXPECT_FALSE(Has(text, "bias"));
 }
 
+RigResult ExampleRig() {
+  RigResult rig;
+  rig.cameras = {ExampleResult(), ExampleResult()};
+  rig.cameras[0].camera.name = "left";
+  rig.cameras[1].camera.name = "right";
+  rig.cameras[1].verdict = {"fail", {"blurred"}};
+  rig.camera_from_rig = {{}, {RotationFromVector({0, 0.5, 0}), {-0.3, 0.4, 0}}};
+  rig.baselines = ComputeBaselines(rig.camera_from_rig);
+  rig.baselines[0].num_shared_views = 9;
+  rig.baselines[0].distance_sd_m = 0.00025;
+  rig.held_out = {rig.cameras[0].held_out, rig.cameras[1].held_out};
+  rig.converged = true;
+  rig.verdict = JudgeRig(rig);
+  return rig;
+}
+
+TEST(RigResult, BaselinesAreDistancesAndAngles) {
+  const RigResult rig = ExampleRig();
+  ASSERT_EQ(rig.baselines.size(), 1u);
+  EXPECT_NEAR(rig.baselines[0].distance_m, 0.5, 1e-12);
+  EXPECT_NEAR(rig.baselines[0].angle_rad, 0.5, 1e-12);
+}
+
+TEST(RigResult, VerdictIsTheWorstAndNamesCameras) {
+  RigResult rig = ExampleRig();
+  EXPECT_EQ(rig.verdict.word, "fail");
+  EXPECT_EQ(rig.verdict.reasons,
+            (std::vector<std::string>{"left: only 2 images; take 10 or more",
+                                      "right: blurred"}));
+  for (CalibrationResult& camera : rig.cameras) camera.verdict = {"pass", {}};
+  EXPECT_EQ(JudgeRig(rig).word, "pass");
+  rig.baselines[0].num_shared_views = 4;
+  EXPECT_EQ(JudgeRig(rig).word, "warn");
+  EXPECT_TRUE(Has(JudgeRig(rig).reasons.at(0), "left"));
+  rig.baselines[0].num_shared_views = 9;
+  for (FeatureResidual& residual : rig.held_out[0]) residual.error_px *= 4;
+  EXPECT_EQ(JudgeRig(rig).word, "warn");
+  EXPECT_TRUE(Has(JudgeRig(rig).reasons.at(0), "triggered"));
+}
+
+TEST(ResultJson, HoldsEachCameraOfARig) {
+  const std::string text = FormatResultJson(ExampleRig(), 42, 1000000);
+  const auto json = nlohmann::json::parse(text);
+  ExpectNoNull(json);
+  EXPECT_EQ(json["status"], "converged");
+  EXPECT_EQ(json["parameters"], 24);
+  EXPECT_EQ(json["training"]["count"], 120);
+  EXPECT_EQ(json["held_out"]["count"], 120);
+  EXPECT_EQ(json["cameras"].size(), 2u);
+  EXPECT_EQ(json["cameras"][1]["name"], "right");
+  EXPECT_EQ(json["cameras"][1]["training"]["count"], 60);
+  EXPECT_EQ(json["cameras"][1]["held_out_in_rig"]["count"], 60);
+  EXPECT_EQ(json["cameras"][1]["verdict"], "fail");
+  EXPECT_EQ(json["images"]["rejected"][1]["camera"], "right");
+  EXPECT_NEAR(json["baselines"][0]["distance_m"].get<double>(), 0.5, 1e-12);
+  EXPECT_EQ(json["baselines"][0]["distance_sd_m"], 0.00025);
+  EXPECT_FALSE(json["baselines"][0].contains("rotation_sd_rad"));
+  EXPECT_EQ(json["verdict"], "fail");
+}
+
+TEST(RigReport, ListsTheCamerasAndHowTheyStand) {
+  const std::string html = FormatRigReport(ExampleRig());
+  for (const char* part :
+       {"Verdict: fail", "href=\"left/report.html\"", "right, training",
+        "500.0000 &plusmn; 0.2500", "28.6479", "</html>"})
+    EXPECT_TRUE(Has(html, part)) << part;
+  for (const char* reference : {"http", "<link", "<script", "url("})
+    EXPECT_FALSE(Has(html, reference)) << reference;
+}
+
 TEST(Pictures, HaveTheImagesSize) {
   const CalibrationResult result = ExampleResult();
   const ImageSize size = {640, 480};

@@ -507,7 +507,9 @@ void ExpectFeaturesInPlace(const Board& drawn) {
     for (int column = 0; column < board.columns; ++column)
       num_features += board.HasFeature(column, row);
   EXPECT_EQ(seen.features.size(), num_features);
-  EXPECT_TRUE(seen.rejected.empty());
+  for (const RejectedFeature& rejected : seen.rejected)
+    ADD_FAILURE() << rejected.feature.column << ", " << rejected.feature.row
+                  << ": " << rejected.reason;
   const Eigen::Vector2d first_mm = FirstFeatureMm(yaml);
   double worst_mm = 0;
   for (const Feature& feature : seen.features) {

@@ -1,0 +1,145 @@
+#include "calibration/camera_start.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "calibration/starting_camera.h"
+#include "calibration/stopwatch.h"
+#include "camera/model_fitting.h"
+#include "dataset/error.h"
+#include "dataset/parallel_for.h"
+
+namespace raygrid {
+namespace {
+
+// Both have the same features.
+double RmsMovePx(const Dataset& before, const Dataset& after) {
+  double sum = 0;
+  size_t count = 0;
+  for (size_t i = 0; i < before.images.size(); ++i) {
+    const auto& b = before.images[i].features;
+    const auto& a = after.images[i].features;
+    for (size_t k = 0; k < b.size(); ++k, ++count)
+      sum += (a[k].pixel - b[k].pixel).squaredNorm();
+  }
+  return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0;
+}
+
+// Through a first camera of medium resolution: what bends the mapping within a
+// window is mostly the lens's distortion.
+Dataset MeasureFeaturesAgain(const Dataset& dataset, const Pattern& pattern,
+                             const CalibrationOptions& options,
+                             const AdjustmentOptions& adjustment,
+                             Adjusted first) {
+  constexpr size_t kMediumCandidate = 2;
+  const std::vector<double> cells = CellCandidates(dataset, options.model);
+  const double cell_px =
+      options.cell_px > 0 ? options.cell_px
+                          : cells[std::min(kMediumCandidate, cells.size() - 1)];
+  AdjustModel(pattern, options.model, {cell_px}, adjustment, &first);
+  AlignBoards(pattern, &first);
+  const Pattern adjusted_pattern = AdjustedPattern(pattern, first);
+  std::vector<RejectedImage> rejected;
+  const CalibrationProblem problem =
+      BuildProblem({dataset}, adjusted_pattern, &rejected);
+  const std::vector<std::optional<Pose>> poses =
+      LocalizeViews(first.state.camera(), 0, problem, adjustment.num_threads);
+  std::vector<BoardPose> known;
+  for (size_t v = 0; v < poses.size(); ++v)
+    if (poses[v])
+      known.push_back(
+          {problem.images[v], pattern.boards[problem.boards[v]].id, *poses[v]});
+  return options.measure_again(first.state.camera(), adjusted_pattern, known);
+}
+
+// Chooses the resolution; the held-out residuals are those of the chosen one.
+void ValidateResolutions(const Pattern& pattern,
+                         const CalibrationOptions& options,
+                         const std::function<void(double)>& progress,
+                         const std::vector<double>& cells, CameraStart* start) {
+  const ValidationOptions validation = {options.model, options.flat_board,
+                                        options.num_threads, progress};
+  const std::vector<Trial> trials =
+      CrossValidate(start->split.training, pattern, validation, cells);
+  CalibrationResult& result = start->result;
+  for (const Trial& trial : trials)
+    result.cell_candidates.push_back(Summarize(trial));
+  const size_t chosen = ChooseCandidate(result.cell_candidates);
+  result.held_out = trials[chosen].held_out;
+  result.cross_validated = true;
+  if (result.cell_px > 0)
+    result.cell_px = cells[chosen];
+  else
+    result.cell_candidates.clear();
+}
+
+}  // namespace
+
+void RequireKnownModel(const std::string& model) {
+  if (model != "central-generic" && model != "noncentral-generic" &&
+      !IsParametricModel(model))
+    throw Error(ExitCode::kUsage,
+                fmt::format("unknown model '{}'; this version calibrates "
+                            "central-generic, noncentral-generic, "
+                            "central-radial, thin-prism-fisheye and opencv",
+                            model));
+}
+
+AdjustmentOptions AdjustmentOptionsOf(const CalibrationOptions& options) {
+  AdjustmentOptions adjustment;
+  adjustment.num_threads = NumThreads(options.num_threads);
+  adjustment.fix_points = options.flat_board;
+  return adjustment;
+}
+
+CameraStart StartCamera(const Dataset& measured, const Pattern& pattern,
+                        const CalibrationOptions& options,
+                        bool want_held_out_error) {
+  const auto report = [&options](const std::string& stage, double done) {
+    if (options.progress) options.progress(stage, done);
+  };
+  const AdjustmentOptions adjustment = AdjustmentOptionsOf(options);
+  CameraStart start;
+  CalibrationResult& result = start.result;
+
+  report("start", 0);
+  const Stopwatch start_time;
+  start.split = SplitImages(measured, options.hold_out);
+  start.adjusted = AdjustStart(start.split.training, pattern, adjustment);
+  result.seconds["start"] = start_time.Seconds();
+
+  if (options.measure_again) {
+    report("measuring again", 0.05);
+    const Stopwatch again_time;
+    const Dataset again = MeasureFeaturesAgain(measured, pattern, options,
+                                               adjustment, start.adjusted);
+    result.measured_again_rms_px = RmsMovePx(measured, again);
+    start.split = SplitImages(again, options.hold_out);
+    start.adjusted = AdjustStart(start.split.training, pattern, adjustment);
+    result.seconds["measuring_again"] = again_time.Seconds();
+  }
+  result.rejected_images = start.adjusted.rejected_images;
+
+  const bool is_grid = !IsParametricModel(options.model);
+  const bool choose_cell = is_grid && options.cell_px <= 0;
+  const std::vector<double> cells =
+      choose_cell ? CellCandidates(start.split.training, options.model)
+                  : std::vector<double>{options.cell_px};
+  result.cell_px = is_grid ? cells.front() : 0;
+  const Stopwatch validation_time;
+  report("cross-validation", 0.1);
+  if (NumFoldsToTry(start.split.training) > 0 &&
+      (choose_cell || want_held_out_error))
+    ValidateResolutions(
+        pattern, options,
+        [&report](double done) {
+          report("cross-validation", 0.1 + 0.7 * done);
+        },
+        cells, &start);
+  result.seconds["cross_validation"] = validation_time.Seconds();
+  return start;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,119 @@
+#include "calibration/rig_evaluation.h"
+
+#include <cmath>
+#include <optional>
+
+#include "adjustment/bundle_adjustment.h"
+#include "calibration/calibration_problem.h"
+#include "dataset/parallel_for.h"
+
+namespace raygrid {
+namespace {
+
+AdjustmentState StateOf(const RigModel& rig,
+                        const CalibrationProblem& problem) {
+  AdjustmentState state;
+  for (const CameraModel* camera : rig.cameras)
+    state.cameras.push_back(camera->Clone());
+  state.camera_from_rig = rig.camera_from_rig;
+  state.points = problem.nominal;
+  return state;
+}
+
+// camera_from_pattern of each view by its own camera.
+std::vector<std::optional<Pose>> LocalizeAlone(
+    const RigModel& rig, const CalibrationProblem& problem, int num_threads) {
+  std::vector<std::optional<Pose>> poses(problem.views.size());
+  for (size_t c = 0; c < rig.cameras.size(); ++c) {
+    const auto own = LocalizeViews(*rig.cameras[c], static_cast<int>(c),
+                                   problem, num_threads);
+    for (size_t v = 0; v < poses.size(); ++v)
+      if (own[v]) poses[v] = own[v];
+  }
+  return poses;
+}
+
+double LossOf(const AdjustmentState& state, const std::vector<View>& views) {
+  constexpr double kHuberPx = 1, kUnseenPx = 1e4;
+  double loss = 0;
+  for (const Residual& residual : ComputeResiduals(state, views, 1))
+    loss += HuberLoss(residual.valid ? residual.error_px.norm() : kUnseenPx,
+                      kHuberPx);
+  return loss;
+}
+
+// The best of what the views say one by one, then the least robust error over
+// all of them.
+std::optional<Pose> LocalizeTogether(
+    const AdjustmentState& rig, const std::vector<View>& views,
+    const std::vector<Pose>& rig_from_pattern) {
+  if (rig_from_pattern.empty()) return std::nullopt;
+  AdjustmentState state = rig, best = rig;
+  double best_loss = INFINITY;
+  for (const Pose& candidate : rig_from_pattern) {
+    state.rig_from_pattern = {candidate};
+    const double loss = LossOf(state, views);
+    if (loss >= best_loss) continue;
+    best_loss = loss;
+    best.rig_from_pattern = {candidate};
+  }
+  AdjustmentOptions options;
+  options.fix_cameras = options.fix_points = true;
+  options.num_threads = 1;
+  AdjustBundle(views, {}, options, &best);
+  return best.rig_from_pattern.front();
+}
+
+// rig_from_pattern of each pose.
+std::vector<std::optional<Pose>> LocalizeRig(const RigModel& rig,
+                                             const CalibrationProblem& problem,
+                                             const AdjustmentState& state,
+                                             int num_threads) {
+  const auto alone = LocalizeAlone(rig, problem, num_threads);
+  std::vector<std::vector<View>> views(problem.num_poses);
+  std::vector<std::vector<Pose>> candidates(problem.num_poses);
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    View view = problem.views[v];
+    const int pose = view.pose;
+    if (alone[v])
+      candidates[pose].push_back(rig.camera_from_rig[view.camera].Inverse() *
+                                 *alone[v]);
+    view.pose = 0;
+    views[pose].push_back(std::move(view));
+  }
+  std::vector<std::optional<Pose>> poses(problem.num_poses);
+  ParallelFor(problem.num_poses, NumThreads(num_threads), [&](int p) {
+    poses[p] = LocalizeTogether(state, views[p], candidates[p]);
+  });
+  return poses;
+}
+
+}  // namespace
+
+std::vector<Evaluation> EvaluateRig(const RigModel& rig,
+                                    const std::vector<Dataset>& datasets,
+                                    const Pattern& pattern, int num_threads) {
+  std::vector<Evaluation> evaluations(rig.cameras.size());
+  for (size_t c = 0; c < datasets.size(); ++c)
+    BuildProblem({datasets[c]}, pattern, &evaluations[c].rejected_images);
+  std::vector<RejectedImage> of_all_cameras;
+  const CalibrationProblem problem =
+      BuildProblem(datasets, pattern, &of_all_cameras);
+  const AdjustmentState state = StateOf(rig, problem);
+  const auto poses = LocalizeRig(rig, problem, state, num_threads);
+  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
+    const View& view = problem.views[v];
+    Evaluation& evaluation = evaluations[view.camera];
+    if (!poses[view.pose]) {
+      evaluation.rejected_images.push_back(
+          {problem.images[v], "could not be localised"});
+      continue;
+    }
+    AddResiduals(*rig.cameras[view.camera],
+                 rig.camera_from_rig[view.camera] * *poses[view.pose], pattern,
+                 problem, v, &evaluation);
+  }
+  return evaluations;
+}
+
+}  // namespace raygrid

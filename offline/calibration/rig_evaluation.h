@@ -1,0 +1,26 @@
+#ifndef RAYGRID_CALIBRATION_RIG_EVALUATION_H
+#define RAYGRID_CALIBRATION_RIG_EVALUATION_H
+
+#include <vector>
+
+#include "calibration/camera_evaluation.h"
+#include "camera/pose.h"
+
+namespace raygrid {
+
+/// Cameras that do not move against each other.
+struct RigModel {
+  std::vector<const CameraModel*> cameras;
+  std::vector<Pose> camera_from_rig;
+};
+
+/// Each board localised once for an instant, by all cameras that see it,
+/// with the rig as it is; what each camera's residuals are then. Datasets by
+/// camera; images of one name are one instant.
+std::vector<Evaluation> EvaluateRig(const RigModel& rig,
+                                    const std::vector<Dataset>& datasets,
+                                    const Pattern& pattern, int num_threads);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CALIBRATION_RIG_EVALUATION_H

@@ -1,0 +1,320 @@
+#include "calibration/rig_start.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "dataset/error.h"
+#include "dataset/parallel_for.h"
+#include "evaluation/residual_statistics.h"
+
+namespace raygrid {
+namespace {
+
+// A relative pose of two cameras that is further off than this part of the
+// image's width in half of the views that they share is none.
+constexpr double kMaxDisagreementPart = 0.05;
+constexpr double kUnseenPx = 1e4;  // the error of a point that is not projected
+constexpr int kMaxCandidates = 40;
+// A view that is less off than this is left to the removal of outliers.
+constexpr double kMinViewErrorPx = 1;
+
+using Views = std::vector<int>;
+
+// A rig's problem, and camera_from_pattern of each view by its camera alone.
+struct Joined {
+  CalibrationProblem problem;
+  std::vector<Pose> camera_from_pattern;
+};
+
+// Views of a board in images of one name share a pose.
+Joined Join(const std::vector<Adjusted>& cameras) {
+  Joined joined;
+  CalibrationProblem& problem = joined.problem;
+  problem.first_points = cameras.front().problem.first_points;
+  problem.nominal = cameras.front().problem.nominal;
+  std::map<std::pair<std::string, int>, int> pose_of;
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    const CalibrationProblem& own = cameras[c].problem;
+    problem.image_sizes.push_back(own.image_sizes.front());
+    for (size_t v = 0; v < own.views.size(); ++v) {
+      View view = own.views[v];
+      joined.camera_from_pattern.push_back(
+          cameras[c].state.CameraFromPattern(view));
+      view.camera = static_cast<int>(c);
+      view.pose =
+          pose_of
+              .emplace(std::pair(own.images[v], own.boards[v]), pose_of.size())
+              .first->second;
+      problem.views.push_back(std::move(view));
+      problem.images.push_back(own.images[v]);
+      problem.boards.push_back(own.boards[v]);
+    }
+  }
+  problem.num_poses = static_cast<int>(pose_of.size());
+  return joined;
+}
+
+std::vector<Views> ViewsOfPoses(const CalibrationProblem& problem) {
+  std::vector<Views> views(problem.num_poses);
+  for (size_t v = 0; v < problem.views.size(); ++v)
+    views[problem.views[v].pose].push_back(static_cast<int>(v));
+  return views;
+}
+
+// Where one camera and another saw a board at one instant.
+std::vector<std::pair<int, int>> SharedViews(const CalibrationProblem& problem,
+                                             int first, int second) {
+  std::vector<std::pair<int, int>> shared;
+  for (const Views& views : ViewsOfPoses(problem))
+    for (const int a : views)
+      for (const int b : views)
+        if (problem.views[a].camera == first &&
+            problem.views[b].camera == second)
+          shared.emplace_back(a, b);
+  return shared;
+}
+
+// The median distance of a view's features from where a pose projects them.
+double ViewErrorPx(const CameraModel& camera, const Pose& camera_from_pattern,
+                   const View& view,
+                   const std::vector<Eigen::Vector3d>& points) {
+  std::vector<double> errors;
+  for (const Observation& observation : view.observations) {
+    const auto pixel =
+        camera.Project(camera_from_pattern * points[observation.point],
+                       &observation.pixel, kAdjustmentMarginPx);
+    errors.push_back(pixel ? (*pixel - observation.pixel).norm() : kUnseenPx);
+  }
+  return Quantile(errors, 0.5);
+}
+
+struct RelativePose {
+  Pose second_from_first;
+  double error_px = INFINITY;  // in half of the shared views at most
+};
+
+// Of what the shared views say one by one.
+RelativePose BestRelativePose(const Joined& joined, const CameraModel& second,
+                              const std::vector<std::pair<int, int>>& shared,
+                              int num_threads) {
+  const int num_shared = static_cast<int>(shared.size());
+  const int num_candidates = std::min(num_shared, kMaxCandidates);
+  std::vector<RelativePose> candidates(num_candidates);
+  ParallelFor(num_candidates, num_threads, [&](int i) {
+    const auto [a, b] = shared[i * num_shared / num_candidates];
+    RelativePose& candidate = candidates[i];
+    candidate.second_from_first =
+        joined.camera_from_pattern[b] * joined.camera_from_pattern[a].Inverse();
+    std::vector<double> errors;
+    for (const auto& [v, w] : shared)
+      errors.push_back(ViewErrorPx(
+          second, candidate.second_from_first * joined.camera_from_pattern[v],
+          joined.problem.views[w], joined.problem.nominal));
+    candidate.error_px = Quantile(errors, 0.5);
+  });
+  return *std::min_element(candidates.begin(), candidates.end(),
+                           [](const RelativePose& a, const RelativePose& b) {
+                             return a.error_px < b.error_px;
+                           });
+}
+
+// The pair of a camera that is reached and one that is not that shares most.
+std::pair<int, int> NextPair(const std::vector<std::vector<int>>& num_shared,
+                             const std::vector<bool>& reached) {
+  std::pair<int, int> best = {-1, -1};
+  int most = 0;
+  for (size_t a = 0; a < reached.size(); ++a)
+    for (size_t b = 0; b < reached.size(); ++b)
+      if (reached[a] && !reached[b] && num_shared[a][b] > most) {
+        most = num_shared[a][b];
+        best = {static_cast<int>(a), static_cast<int>(b)};
+      }
+  return best;
+}
+
+// The cameras that shared views lead to from one of them.
+std::vector<bool> Reached(const std::vector<std::vector<int>>& num_shared,
+                          int first) {
+  std::vector<bool> reached(num_shared.size());
+  reached[first] = true;
+  for (int next; (next = NextPair(num_shared, reached).second) >= 0;)
+    reached[next] = true;
+  return reached;
+}
+
+void RequireAgreement(const std::vector<std::string>& names, int first,
+                      int second, const RelativePose& best, size_t num_shared,
+                      const ImageSize& size) {
+  if (best.error_px <= kMaxDisagreementPart * size.width) return;
+  throw Error(
+      ExitCode::kInitialization,
+      fmt::format("cameras {} and {}: no relative pose explains the {} views "
+                  "of a board that they share (the best is off by {:.0f} px in "
+                  "half of them); images of one name must show one instant, "
+                  "and the cameras must not move against each other",
+                  names[first], names[second], num_shared, best.error_px));
+}
+
+// camera_from_rig, along the tree.
+std::vector<Pose> PlaceCameras(const std::vector<std::string>& names,
+                               const Joined& joined,
+                               const AdjustmentState& state, int num_threads) {
+  const auto num_shared = CountSharedViews(joined.problem);
+  std::vector<Pose> camera_from_rig(names.size());
+  std::vector<bool> reached(names.size());
+  reached[0] = true;
+  for (;;) {
+    const auto [first, second] = NextPair(num_shared, reached);
+    if (second < 0) return camera_from_rig;
+    const auto shared = SharedViews(joined.problem, first, second);
+    const RelativePose best =
+        BestRelativePose(joined, *state.cameras[second], shared, num_threads);
+    RequireAgreement(names, first, second, best, shared.size(),
+                     joined.problem.image_sizes[second]);
+    camera_from_rig[second] = best.second_from_first * camera_from_rig[first];
+    reached[second] = true;
+  }
+}
+
+// Of each pose, what the view says that explains all of the pose's views best.
+std::vector<Pose> PlaceRig(const Joined& joined, const AdjustmentState& state) {
+  std::vector<Pose> rig_from_pattern;
+  for (const Views& views : ViewsOfPoses(joined.problem)) {
+    Pose best;
+    double best_error_px = INFINITY;
+    for (const int v : views) {
+      const Pose candidate =
+          state.camera_from_rig[joined.problem.views[v].camera].Inverse() *
+          joined.camera_from_pattern[v];
+      double error_px = 0;
+      for (const int w : views) {
+        const View& view = joined.problem.views[w];
+        error_px += ViewErrorPx(*state.cameras[view.camera],
+                                state.camera_from_rig[view.camera] * candidate,
+                                view, joined.problem.nominal);
+      }
+      if (error_px >= best_error_px) continue;
+      best_error_px = error_px;
+      best = candidate;
+    }
+    rig_from_pattern.push_back(best);
+  }
+  return rig_from_pattern;
+}
+
+// Views that share their pose and are off by more than the third quartile of
+// such views + 6 interquartile ranges.
+std::vector<bool> DisagreeingViews(const CalibrationProblem& problem,
+                                   const AdjustmentState& state) {
+  const std::vector<Views> views_of_poses = ViewsOfPoses(problem);
+  std::vector<double> errors_px(problem.views.size()), shared_px;
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    const View& view = problem.views[v];
+    if (views_of_poses[view.pose].size() < 2) continue;
+    errors_px[v] =
+        ViewErrorPx(*state.cameras[view.camera], state.CameraFromPattern(view),
+                    view, problem.nominal);
+    shared_px.push_back(errors_px[v]);
+  }
+  const double q1 = Quantile(shared_px, 0.25), q3 = Quantile(shared_px, 0.75);
+  const double threshold = std::max(q3 + 6 * (q3 - q1), kMinViewErrorPx);
+  std::vector<bool> disagreeing;
+  for (const double error_px : errors_px)
+    disagreeing.push_back(error_px > threshold);
+  return disagreeing;
+}
+
+// Views leave the problem, and poses that none is left of leave the state.
+void RemoveViewsAndPoses(const std::vector<bool>& remove, Adjusted* adjusted) {
+  std::vector<int> old_pose;
+  for (size_t v = 0; v < remove.size(); ++v)
+    if (!remove[v]) old_pose.push_back(adjusted->problem.views[v].pose);
+  RemoveViews(remove, &adjusted->problem);
+  std::vector<Pose> poses(adjusted->problem.num_poses);
+  for (size_t v = 0; v < old_pose.size(); ++v)
+    poses[adjusted->problem.views[v].pose] =
+        adjusted->state.rig_from_pattern[old_pose[v]];
+  adjusted->state.rig_from_pattern = std::move(poses);
+}
+
+}  // namespace
+
+std::vector<std::vector<int>> CountSharedViews(
+    const CalibrationProblem& problem) {
+  const size_t num_cameras = problem.image_sizes.size();
+  std::vector<std::vector<int>> counts(num_cameras,
+                                       std::vector<int>(num_cameras));
+  for (const Views& views : ViewsOfPoses(problem))
+    for (const int a : views)
+      for (const int b : views)
+        if (a != b) ++counts[problem.views[a].camera][problem.views[b].camera];
+  return counts;
+}
+
+void RequireConnected(const std::vector<std::string>& names,
+                      const CalibrationProblem& problem) {
+  const auto num_shared = CountSharedViews(problem);
+  std::vector<bool> named(names.size());
+  std::vector<std::string> groups;
+  for (size_t first = 0; first < names.size(); ++first) {
+    if (named[first]) continue;
+    const std::vector<bool> reached =
+        Reached(num_shared, static_cast<int>(first));
+    std::vector<std::string> group;
+    for (size_t c = 0; c < names.size(); ++c) {
+      if (!reached[c]) continue;
+      group.push_back(names[c]);
+      named[c] = true;
+    }
+    groups.push_back(fmt::format("{{{}}}", fmt::join(group, ", ")));
+  }
+  if (groups.size() < 2) return;
+  throw Error(
+      ExitCode::kInitialization,
+      fmt::format("the cameras are not connected: no board is seen at one "
+                  "instant, with {} features or more, from two of the groups "
+                  "{}; take images in which it is, and give those of one "
+                  "instant one name (or use --instant-by number)",
+                  kMinViewFeatures, fmt::join(groups, ", ")));
+}
+
+Adjusted StartRig(const std::vector<std::string>& names,
+                  const std::vector<Adjusted>& cameras,
+                  const AdjustmentOptions& options,
+                  std::vector<std::vector<RejectedImage>>* rejected) {
+  Joined joined = Join(cameras);
+  RequireConnected(names, joined.problem);
+  Adjusted rig;
+  for (const Adjusted& camera : cameras) {
+    rig.state.cameras.push_back(camera.state.camera().Clone());
+    rig.rejected_features.push_back(camera.rejected_features.front());
+  }
+  rig.state.points = joined.problem.nominal;
+  rig.state.camera_from_rig =
+      PlaceCameras(names, joined, rig.state, options.num_threads);
+  rig.state.rig_from_pattern = PlaceRig(joined, rig.state);
+  rig.problem = std::move(joined.problem);
+
+  AdjustmentOptions fixed_points = options;
+  fixed_points.fix_points = true;
+  rig.summary = AdjustParametric(rig.problem, fixed_points, &rig.state);
+  const std::vector<bool> remove = DisagreeingViews(rig.problem, rig.state);
+  rejected->resize(names.size());
+  for (size_t v = 0; v < remove.size(); ++v)
+    if (remove[v])
+      (*rejected)[rig.problem.views[v].camera].push_back(
+          {rig.problem.images[v],
+           "the other cameras see the board elsewhere; were they triggered "
+           "together?"});
+  if (std::count(remove.begin(), remove.end(), true) == 0) return rig;
+  RemoveViewsAndPoses(remove, &rig);
+  RequireConnected(names, rig.problem);
+  rig.summary = AdjustParametric(rig.problem, fixed_points, &rig.state);
+  return rig;
+}
+
+}  // namespace raygrid

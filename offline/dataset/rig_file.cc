@@ -1,0 +1,86 @@
+#include "dataset/rig_file.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+#include <set>
+
+#include "dataset/error.h"
+#include "dataset/files.h"
+
+namespace raygrid {
+namespace {
+
+double ParseNumber(const YAML::Node& map, const char* key) {
+  const double value = map[key].as<double>();
+  if (!std::isfinite(value))
+    throw InputError(fmt::format("camera_from_rig: {} is not finite", key));
+  return value;
+}
+
+Pose ParsePose(const YAML::Node& node) {
+  const YAML::Node q = node["rotation"], t = node["translation"];
+  const Eigen::Quaterniond rotation(ParseNumber(q, "w"), ParseNumber(q, "x"),
+                                    ParseNumber(q, "y"), ParseNumber(q, "z"));
+  if (std::abs(rotation.norm() - 1) > 1e-3)
+    throw InputError("camera_from_rig: rotation is no unit quaternion");
+  return {rotation.normalized(),
+          {ParseNumber(t, "x"), ParseNumber(t, "y"), ParseNumber(t, "z")}};
+}
+
+// Throws what yaml-cpp throws, and InputError without the file's name.
+std::vector<RigFileCamera> Parse(const YAML::Node& root) {
+  if (!root.IsMap() || !root["raygrid_rig"])
+    throw InputError("not a rig (no 'raygrid_rig: 1')");
+  if (root["raygrid_rig"].as<int>() != 1)
+    throw InputError("unknown version of rig.yaml");
+  std::vector<RigFileCamera> cameras;
+  std::set<std::string> names;
+  for (const auto& entry : root["cameras"]) {
+    const std::string name = entry.first.as<std::string>();
+    if (!names.insert(name).second)
+      throw InputError(fmt::format("two cameras of the name '{}'", name));
+    cameras.push_back({name, entry.second["file"].as<std::string>(),
+                       ParsePose(entry.second["camera_from_rig"])});
+  }
+  if (cameras.empty()) throw InputError("no cameras");
+  return cameras;
+}
+
+}  // namespace
+
+std::vector<RigFileCamera> ReadRigFile(const std::string& path) {
+  const std::string text = ReadFile(path);
+  try {
+    return Parse(YAML::Load(text));
+  } catch (const YAML::Exception& error) {
+    const std::string place =
+        error.mark.is_null()
+            ? path
+            : fmt::format("{}, line {}", path, error.mark.line + 1);
+    throw InputError(place + ": " + error.msg);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", path, error.what()));
+  }
+}
+
+std::string FormatRigFile(const std::vector<RigFileCamera>& cameras) {
+  std::string text = "raygrid_rig: 1\ncameras:\n";
+  for (const RigFileCamera& camera : cameras) {
+    Eigen::Quaterniond q = camera.camera_from_rig.rotation;
+    if (q.w() < 0) q.coeffs() = -q.coeffs();
+    const Eigen::Vector3d& t = camera.camera_from_rig.translation;
+    text += fmt::format(
+        "  \"{}\":\n"
+        "    file: \"{}\"\n"
+        "    camera_from_rig:\n"
+        "      rotation: {{w: {:.12f}, x: {:.12f}, y: {:.12f}, z: {:.12f}}}\n"
+        "      translation: {{x: {:.9f}, y: {:.9f}, z: {:.9f}}}\n",
+        camera.name, camera.file, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(),
+        t.z());
+  }
+  return text;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,24 @@
+#ifndef RAYGRID_DATASET_RIG_FILE_H
+#define RAYGRID_DATASET_RIG_FILE_H
+
+#include <string>
+#include <vector>
+
+#include "camera/pose.h"
+
+namespace raygrid {
+
+/// A camera of a rig.
+struct RigFileCamera {
+  std::string name;
+  std::string file;  ///< camera.yaml or blob, from the rig file's folder
+  Pose camera_from_rig;
+};
+
+/// rig.yaml, in the file's order. Throws InputError.
+std::vector<RigFileCamera> ReadRigFile(const std::string& path);
+std::string FormatRigFile(const std::vector<RigFileCamera>& cameras);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_DATASET_RIG_FILE_H

@@ -1,0 +1,97 @@
+#include "evaluation/rig_result.h"
+
+#include <fmt/format.h>
+
+namespace raygrid {
+namespace {
+
+constexpr int kEnoughSharedViews = 5;
+// With noise alone, a board localised by several cameras fits each of them
+// nearly as well as if the camera were alone.
+constexpr double kMaxTogetherRatio = 1.5;
+
+ErrorFigures FiguresOfAll(
+    const std::vector<std::vector<FeatureResidual>>& by_camera) {
+  std::vector<FeatureResidual> all;
+  for (const auto& residuals : by_camera)
+    all.insert(all.end(), residuals.begin(), residuals.end());
+  return ComputeErrorFigures(all);
+}
+
+int NumSharedViews(const RigResult& result, size_t camera) {
+  int count = 0;
+  for (const Baseline& baseline : result.baselines)
+    if (baseline.first == camera || baseline.second == camera)
+      count += baseline.num_shared_views;
+  return count;
+}
+
+}  // namespace
+
+std::vector<Baseline> ComputeBaselines(
+    const std::vector<Pose>& camera_from_rig) {
+  std::vector<Baseline> baselines;
+  for (size_t a = 0; a < camera_from_rig.size(); ++a)
+    for (size_t b = a + 1; b < camera_from_rig.size(); ++b) {
+      const Pose b_from_a = camera_from_rig[b] * camera_from_rig[a].Inverse();
+      Baseline baseline;
+      baseline.first = a;
+      baseline.second = b;
+      baseline.distance_m = b_from_a.translation.norm();
+      baseline.angle_rad =
+          Eigen::Quaterniond::Identity().angularDistance(b_from_a.rotation);
+      baselines.push_back(baseline);
+    }
+  return baselines;
+}
+
+ErrorFigures TrainingFigures(const RigResult& result) {
+  std::vector<std::vector<FeatureResidual>> by_camera;
+  for (const CalibrationResult& camera : result.cameras)
+    by_camera.push_back(camera.training);
+  return FiguresOfAll(by_camera);
+}
+
+std::optional<ErrorFigures> HeldOutFigures(const RigResult& result) {
+  const ErrorFigures figures = FiguresOfAll(result.held_out);
+  if (figures.count == 0) return std::nullopt;
+  return figures;
+}
+
+Verdict JudgeRig(const RigResult& result) {
+  Verdict verdict = {"pass", {}};
+  const auto worsen = [&verdict](const std::string& word) {
+    if (word == "fail" || (word == "warn" && verdict.word == "pass"))
+      verdict.word = word;
+  };
+  const auto warn = [&](const std::string& reason) {
+    worsen("warn");
+    verdict.reasons.push_back(reason);
+  };
+  std::vector<std::vector<FeatureResidual>> alone;
+  for (size_t c = 0; c < result.cameras.size(); ++c) {
+    const CalibrationResult& camera = result.cameras[c];
+    worsen(camera.verdict.word);
+    for (const std::string& reason : camera.verdict.reasons)
+      verdict.reasons.push_back(camera.camera.name + ": " + reason);
+    const int num_shared = NumSharedViews(result, c);
+    if (num_shared < kEnoughSharedViews)
+      warn(
+          fmt::format("{}: sees a board together with another camera only {} "
+                      "times; take {} or more such images",
+                      camera.camera.name, num_shared, kEnoughSharedViews));
+    alone.push_back(camera.held_out);
+  }
+  const auto together = HeldOutFigures(result);
+  const ErrorFigures apart = FiguresOfAll(alone);
+  if (together && apart.count > 0 &&
+      together->median_px > kMaxTogetherRatio * apart.median_px)
+    warn(
+        fmt::format("the held-out error of the cameras together is {:.1f} "
+                    "times that of each alone; are they mounted rigidly and "
+                    "triggered together?",
+                    together->median_px / apart.median_px));
+  return verdict;
+}
+
+}  // namespace raygrid

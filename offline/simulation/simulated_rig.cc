@@ -1,0 +1,109 @@
+#include "simulation/simulated_rig.h"
+
+#include <fmt/format.h>
+
+#include "simulation/board_bend.h"
+#include "simulation/random.h"
+
+namespace raygrid {
+namespace {
+
+// Fewer features do not tell a pose.
+constexpr size_t kMinFeatures = 8;
+// The cosine of the angle at which a board is too foreshortened to be seen.
+constexpr double kMinFacing = 0.2;
+
+// rig_from_board at each instant.
+std::vector<Pose> BoardPoses(const SimulatedRig& rig, const Board& board,
+                             int first_camera, int count, uint64_t seed) {
+  const int num_cameras = static_cast<int>(rig.cameras.size());
+  const Eigen::Vector3d center = board.points.back() / 2;
+  std::vector<std::vector<Pose>> camera_from_board;
+  for (int c = 0; c < num_cameras; ++c)
+    camera_from_board.push_back(
+        RandomPoses(*rig.cameras[c], center, board.square_m,
+                    count / num_cameras + 1, PoseOptions(), seed + c));
+  std::vector<Pose> poses;
+  for (int i = 0; i < count; ++i) {
+    const int c = (first_camera + i) % num_cameras;
+    poses.push_back(rig.camera_from_rig[c].Inverse() *
+                    camera_from_board[c][i / num_cameras]);
+  }
+  return poses;
+}
+
+bool SeesFront(const Board& board, const Pose& camera_from_board) {
+  const Eigen::Vector3d center = camera_from_board * (board.points.back() / 2);
+  const Eigen::Vector3d away =
+      camera_from_board.rotation * Eigen::Vector3d::UnitZ();
+  return away.dot(center.normalized()) > kMinFacing;
+}
+
+std::vector<Feature> Observe(const CameraModel& camera, const Board& board,
+                             const Pose& camera_from_board,
+                             const SimulationOptions& options, Random* random) {
+  if (!SeesFront(board, camera_from_board)) return {};
+  std::vector<Feature> features =
+      VisibleFeatures(camera, board, camera_from_board);
+  if (features.size() < kMinFeatures) return {};
+  while (static_cast<int>(features.size()) > options.features_per_image)
+    features.erase(features.begin() +
+                   random->Index(static_cast<int>(features.size())));
+  for (Feature& feature : features)
+    for (int k = 0; k < 2; ++k)
+      feature.pixel[k] += options.noise_px * random->Normal();
+  return features;
+}
+
+}  // namespace
+
+SimulatedRig CamerasInARow(const std::shared_ptr<const CameraModel>& camera,
+                           int count, double baseline_m) {
+  SimulatedRig rig;
+  for (int c = 0; c < count; ++c) {
+    rig.cameras.push_back(camera);
+    rig.camera_from_rig.push_back(
+        {Eigen::Quaterniond::Identity(), {-baseline_m * c, 0, 0}});
+  }
+  return rig;
+}
+
+SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
+                                     const Pattern& pattern,
+                                     const SimulationOptions& options) {
+  SimulatedRigObservations result;
+  result.true_pattern = pattern;
+  result.poses.resize(rig.cameras.size());
+  for (const auto& camera : rig.cameras)
+    result.datasets.push_back({camera->image_size(), {}});
+  std::vector<std::vector<Pose>> poses;
+  for (size_t b = 0; b < pattern.boards.size(); ++b) {
+    Board& board = result.true_pattern.boards[b];
+    poses.push_back(BoardPoses(rig, board, static_cast<int>(b),
+                               options.num_images,
+                               options.seed * 1000003 + 1000 * b));
+    board = BentBoard(board, options.board_bend_m);
+  }
+  Random random(options.seed);
+  for (int i = 0; i < options.num_images; ++i) {
+    const std::string name = fmt::format("sim{:04d}.png", i);
+    for (size_t c = 0; c < rig.cameras.size(); ++c) {
+      ImageFeatures image = {name, {}};
+      for (size_t b = 0; b < pattern.boards.size(); ++b) {
+        const Board& board = result.true_pattern.boards[b];
+        const Pose pose = rig.camera_from_rig[c] * poses[b][i];
+        const std::vector<Feature> features =
+            Observe(*rig.cameras[c], board, pose, options, &random);
+        if (features.empty()) continue;
+        image.features.insert(image.features.end(), features.begin(),
+                              features.end());
+        result.poses[c].push_back({name, board.id, pose});
+      }
+      if (!image.features.empty())
+        result.datasets[c].images.push_back(std::move(image));
+    }
+  }
+  return result;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,317 @@
+// Cameras on a rig, with known truth.
+
+#include <algorithm>
+#include <set>
+
+#include "calibration/rig_calibration.h"
+#include "calibration/rig_evaluation.h"
+#include "dataset/camera_file.h"
+#include "dataset/rig_file.h"
+#include "evaluation/model_difference.h"
+#include "simulation/simulated_camera.h"
+#include "simulation/simulated_rig.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kNoisePx = 0.05;
+
+Pattern TestBoard() { return ChessboardPattern(14, 10, 0.03); }
+
+Pattern TwoBoards() {
+  Pattern pattern = TestBoard();
+  pattern.boards.push_back(pattern.boards[0]);
+  pattern.boards[1].id = 7;
+  return pattern;
+}
+
+SimulationOptions Instants(int count) {
+  SimulationOptions options;
+  options.num_images = count;
+  options.features_per_image = 140;
+  options.noise_px = kNoisePx;
+  return options;
+}
+
+std::shared_ptr<const CameraModel> SmallLens() {
+  const ImageSize size = {400, 300};
+  return std::make_shared<OpenCvModel>(
+      size, WholeImage(size),
+      OpenCvModel::ParameterArray{350, 352, 203, 148, -0.1, 0.03, 0.005, 0.05,
+                                  0.01, 0.002, 5e-4, -3e-4});
+}
+
+// Turned against each other, with images of two sizes.
+SimulatedRig StereoWith(std::shared_ptr<const CameraModel> left) {
+  return {{std::move(left), SmallLens()},
+          {{}, {RotationFromVector({0.02, -0.15, 0.05}), {-0.12, 0.01, 0.03}}}};
+}
+SimulatedRig Stereo() {
+  return StereoWith(std::make_shared<OpenCvModel>(ExampleLens()));
+}
+
+// The outer two share nothing.
+SimulatedRig Fan() {
+  const auto lens = std::make_shared<OpenCvModel>(ExampleLens());
+  return {{lens, lens, lens},
+          {{},
+           {RotationFromVector({0, -0.85, 0}), {-0.1, 0, 0}},
+           {RotationFromVector({0, -1.7, 0}), {-0.2, 0, 0.1}}}};
+}
+
+std::vector<RigCameraInput> Inputs(const SimulatedRigObservations& seen) {
+  const char* names[] = {"left", "right", "rear"};
+  std::vector<RigCameraInput> inputs;
+  for (size_t c = 0; c < seen.datasets.size(); ++c)
+    inputs.push_back({names[c], seen.datasets[c], nullptr});
+  return inputs;
+}
+
+CalibrationOptions Quick() {
+  CalibrationOptions options;
+  options.model = "opencv";
+  options.num_threads = 2;
+  return options;
+}
+
+// Nothing is held out of these.
+CalibrationOptions QuickWithout(const std::string& instant) {
+  CalibrationOptions options = Quick();
+  options.hold_out = {instant};
+  return options;
+}
+
+std::set<std::string> NamesOf(const Dataset& dataset) {
+  std::set<std::string> names;
+  for (const ImageFeatures& image : dataset.images) names.insert(image.image);
+  return names;
+}
+
+int NumShared(const Dataset& a, const Dataset& b) {
+  int count = 0;
+  for (const std::string& name : NamesOf(a)) count += NamesOf(b).count(name);
+  return count;
+}
+
+const Baseline& BaselineOf(const RigResult& result, size_t a, size_t b) {
+  return *std::find_if(
+      result.baselines.begin(), result.baselines.end(),
+      [&](const Baseline& x) { return x.first == a && x.second == b; });
+}
+
+TEST(SimulateRig, SharesInstantsAndMissesSome) {
+  const SimulatedRigObservations seen =
+      SimulateRig(Fan(), TestBoard(), Instants(30));
+  EXPECT_GT(NumShared(seen.datasets[0], seen.datasets[1]), 5);
+  EXPECT_GT(NumShared(seen.datasets[1], seen.datasets[2]), 5);
+  EXPECT_EQ(NumShared(seen.datasets[0], seen.datasets[2]), 0);
+  for (const Dataset& dataset : seen.datasets)
+    EXPECT_LT(dataset.images.size(), 30u);
+}
+
+// Between the true frames, which found cameras may be turned from.
+Pose RelativePose(const RigResult& result, const SimulatedRig& truth, size_t a,
+                  size_t b) {
+  const auto turned = [&](size_t c) {
+    return CompareModels(*truth.cameras[c], *result.cameras[c].camera.camera,
+                         25)
+        .first_from_second;
+  };
+  return turned(b) *
+         (result.camera_from_rig[b] * result.camera_from_rig[a].Inverse()) *
+         turned(a).Inverse();
+}
+
+// Within four of the result's own standard deviations, which are small.
+void ExpectBaseline(const RigResult& result, const SimulatedRig& truth,
+                    size_t a, size_t b) {
+  const Pose found = RelativePose(result, truth, a, b);
+  const Pose expected =
+      truth.camera_from_rig[b] * truth.camera_from_rig[a].Inverse();
+  const Baseline& baseline = BaselineOf(result, a, b);
+  EXPECT_LT(*baseline.distance_sd_m, 1e-3 * expected.translation.norm());
+  EXPECT_LT(std::abs(found.translation.norm() - expected.translation.norm()),
+            4 * *baseline.distance_sd_m);
+  EXPECT_LT(*baseline.rotation_sd_rad, 2e-3);
+  EXPECT_LT(found.rotation.angularDistance(expected.rotation),
+            4 * *baseline.rotation_sd_rad);
+  EXPECT_LT((found.translation - expected.translation).norm(),
+            4 * (*baseline.distance_sd_m +
+                 expected.translation.norm() * *baseline.rotation_sd_rad));
+}
+
+TEST(CalibrateRig, FindsTheRelativePoseOfTwoCameras) {
+  const SimulatedRig rig =
+      StereoWith(std::make_shared<SimulatedCamera>(ExampleSimulatedCamera()));
+  const SimulatedRigObservations seen =
+      SimulateRig(rig, TestBoard(), Instants(20));
+  const RigResult result = CalibrateRig(Inputs(seen), TestBoard(), [] {
+    CalibrationOptions options = Quick();
+    options.model = "central-generic";
+    options.cell_px = 100;
+    return options;
+  }());
+  ExpectBaseline(result, rig, 0, 1);
+  EXPECT_TRUE(result.converged);
+  EXPECT_EQ(result.cameras[1].camera.camera->image_size().width, 400);
+  EXPECT_NEAR(TrainingFigures(result).rms_px, kNoisePx * std::sqrt(2), 0.01);
+  EXPECT_TRUE(result.cross_validated);
+  EXPECT_NEAR(HeldOutFigures(result)->rms_px, kNoisePx * std::sqrt(2), 0.015);
+}
+
+TEST(CalibrateRig, ConnectsCamerasThroughOthers) {
+  const SimulatedRig rig = Fan();
+  const SimulatedRigObservations seen =
+      SimulateRig(rig, TestBoard(), Instants(36));
+  const RigResult result =
+      CalibrateRig(Inputs(seen), TestBoard(), QuickWithout("sim0000.png"));
+  EXPECT_EQ(BaselineOf(result, 0, 2).num_shared_views, 0);
+  EXPECT_GT(BaselineOf(result, 0, 1).num_shared_views, 5);
+  ExpectBaseline(result, rig, 0, 2);
+}
+
+TEST(CalibrateRig, NamesGroupsThatAreNotConnected) {
+  const SimulatedRigObservations seen =
+      SimulateRig(Fan(), TestBoard(), Instants(36));
+  std::vector<RigCameraInput> inputs = Inputs(seen);
+  for (ImageFeatures& image : inputs[2].dataset.images) image.image += ".bmp";
+  ExpectError(ExitCode::kInitialization, {"{left, right}, {rear}"},
+              [&] { CalibrateRig(inputs, TestBoard(), Quick()); });
+}
+
+TEST(CalibrateRig, OneBoardAtOneInstantConnects) {
+  // The cameras' images share names, but not boards.
+  SimulatedRigObservations seen =
+      SimulateRig(Stereo(), TwoBoards(), Instants(12));
+  for (int c = 0; c < 2; ++c)
+    for (ImageFeatures& image : seen.datasets[c].images) {
+      std::vector<Feature> kept;
+      for (const Feature& feature : image.features)
+        if ((feature.board == 7) == (c == 1)) kept.push_back(feature);
+      image.features = kept;
+    }
+  ExpectError(ExitCode::kInitialization, {"{left}, {right}"},
+              [&] { CalibrateRig(Inputs(seen), TwoBoards(), Quick()); });
+}
+
+TEST(CalibrateRig, EachBoardOfSeveralHasItsOwnPoses) {
+  const SimulatedRig rig = Stereo();
+  const SimulatedRigObservations seen =
+      SimulateRig(rig, TwoBoards(), Instants(14));
+  const RigResult result =
+      CalibrateRig(Inputs(seen), TwoBoards(), QuickWithout("sim0003.png"));
+  ExpectBaseline(result, rig, 0, 1);
+  EXPECT_GT(BaselineOf(result, 0, 1).num_shared_views, 13);
+}
+
+TEST(CalibrateRig, ScaleIsThatOfTheBoardsThoughTheyAreBent) {
+  const SimulatedRig rig = Stereo();
+  SimulationOptions options = Instants(24);
+  options.board_bend_m = 0.003;
+  const SimulatedRigObservations seen = SimulateRig(rig, TestBoard(), options);
+  const RigResult result =
+      CalibrateRig(Inputs(seen), TestBoard(), QuickWithout("sim0003.png"));
+  ExpectBaseline(result, rig, 0, 1);
+}
+
+TEST(CalibrateRig, RejectsViewsOfAnotherInstantByName) {
+  const SimulatedRig rig = Stereo();
+  const SimulatedRigObservations seen =
+      SimulateRig(rig, TestBoard(), Instants(24));
+  std::vector<RigCameraInput> inputs = Inputs(seen);
+  // Two images of the right camera were swapped.
+  std::vector<ImageFeatures*> shared;
+  const std::set<std::string> left = NamesOf(inputs[0].dataset);
+  for (ImageFeatures& image : inputs[1].dataset.images)
+    if (left.count(image.image)) shared.push_back(&image);
+  ASSERT_GT(shared.size(), 8u);
+  std::swap(shared[2]->features, shared[5]->features);
+  const RigResult result =
+      CalibrateRig(inputs, TestBoard(), QuickWithout(shared[0]->image));
+  std::set<std::string> rejected;
+  for (const CalibrationResult& camera : result.cameras)
+    for (const RejectedImage& image : camera.rejected_images)
+      rejected.insert(image.image);
+  EXPECT_EQ(rejected,
+            (std::set<std::string>{shared[2]->image, shared[5]->image}));
+  ExpectBaseline(result, rig, 0, 1);
+}
+
+TEST(CalibrateRig, RefusesImagesThatAreOfOtherInstantsAltogether) {
+  const SimulatedRigObservations seen =
+      SimulateRig(Stereo(), TestBoard(), Instants(20));
+  std::vector<RigCameraInput> inputs = Inputs(seen);
+  auto& images = inputs[1].dataset.images;
+  for (size_t i = 0; i < images.size() / 2; ++i)
+    std::swap(images[i].features, images[images.size() - 1 - i].features);
+  ExpectError(ExitCode::kInitialization, {"left", "right", "one instant"},
+              [&] { CalibrateRig(inputs, TestBoard(), Quick()); });
+}
+
+TEST(CalibrateRig, NamesTheCameraWithTooFewImages) {
+  const SimulatedRigObservations seen =
+      SimulateRig(Stereo(), TestBoard(), Instants(20));
+  std::vector<RigCameraInput> inputs = Inputs(seen);
+  auto& images = inputs[1].dataset.images;
+  const std::set<std::string> left = NamesOf(inputs[0].dataset);
+  images.erase(std::remove_if(images.begin(), images.end(),
+                              [&](const ImageFeatures& image) {
+                                return left.count(image.image) == 0;
+                              }),
+               images.end());
+  images.resize(2);
+  ExpectError(ExitCode::kTooFew, {"camera right", "2 images"},
+              [&] { CalibrateRig(inputs, TestBoard(), Quick()); });
+}
+
+TEST(CalibrateRig, RefusesTwoCamerasOfOneNameAndARigOfOne) {
+  const SimulatedRigObservations seen =
+      SimulateRig(Stereo(), TestBoard(), Instants(6));
+  std::vector<RigCameraInput> inputs = Inputs(seen);
+  inputs[1].name = "left";
+  ExpectError(ExitCode::kUsage, {"name"},
+              [&] { CalibrateRig(inputs, TestBoard(), Quick()); });
+  inputs.pop_back();
+  ExpectError(ExitCode::kUsage, {"two cameras"},
+              [&] { CalibrateRig(inputs, TestBoard(), Quick()); });
+}
+
+TEST(CalibrateRig, GivesTheSameBytesWithAnyNumberOfThreads) {
+  const SimulatedRigObservations seen =
+      SimulateRig(Stereo(), TestBoard(), Instants(10));
+  std::string text[2];
+  for (int k = 0; k < 2; ++k) {
+    CalibrationOptions options = Quick();
+    options.num_threads = k + 1;
+    const RigResult result = CalibrateRig(Inputs(seen), TestBoard(), options);
+    for (const CalibrationResult& camera : result.cameras)
+      text[k] += FormatCameraFile(camera.camera) + FormatPoses(camera.poses) +
+                 FormatFeatures(camera.features);
+    text[k] += FormatPattern(result.pattern) +
+               FormatRigFile({{"left", "a", result.camera_from_rig[0]},
+                              {"right", "b", result.camera_from_rig[1]}});
+  }
+  EXPECT_EQ(text[0], text[1]);
+}
+
+TEST(EvaluateRig, FindsTheNoiseOfATrueRigAndTheErrorOfAWrongOne) {
+  const SimulatedRig truth = Stereo();
+  const SimulatedRigObservations seen =
+      SimulateRig(truth, TestBoard(), Instants(10));
+  RigModel rig;
+  for (const auto& camera : truth.cameras) rig.cameras.push_back(camera.get());
+  rig.camera_from_rig = truth.camera_from_rig;
+  const auto right = EvaluateRig(rig, seen.datasets, TestBoard(), 2);
+  rig.camera_from_rig[1].translation.x() += 0.003;
+  const auto wrong = EvaluateRig(rig, seen.datasets, TestBoard(), 2);
+  for (int c = 0; c < 2; ++c) {
+    EXPECT_TRUE(right[c].rejected_images.empty());
+    EXPECT_NEAR(ComputeErrorFigures(right[c].residuals).rms_px,
+                kNoisePx * std::sqrt(2), 0.007);
+    EXPECT_GT(ComputeErrorFigures(wrong[c].residuals).rms_px, 0.2);
+  }
+}
+
+}  // namespace
+}  // namespace raygrid

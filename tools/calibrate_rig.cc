@@ -1,0 +1,300 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <set>
+
+#include "calibration/rig_calibration.h"
+#include "calibration_input.h"
+#include "camera_input.h"
+#include "dataset/error.h"
+#include "dataset/files.h"
+#include "dataset/image_files.h"
+#include "dataset/rig_file.h"
+#include "report/html_report.h"
+#include "report/result_json.h"
+
+namespace raygrid {
+namespace {
+
+// What comes before and after the '=' of NAME=VALUE; all is value without one.
+struct NamedValue {
+  std::string name, value;
+};
+NamedValue Parse(const std::string& text) {
+  const size_t equals = text.find('=');
+  if (equals == std::string::npos) return {"", text};
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+// Names become folders and fields of CSV files.
+void RequireCameraName(const std::string& name) {
+  const bool is_plain =
+      !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
+        return std::isalnum(static_cast<unsigned char>(c)) || c == '_' ||
+               c == '-';
+      });
+  if (!is_plain)
+    throw Error(ExitCode::kUsage,
+                fmt::format("camera name '{}': give it one of letters, digits, "
+                            "'-' and '_'",
+                            name));
+}
+
+std::vector<NamedValue> ParseCameras(const CalibrateArguments& arguments) {
+  std::vector<NamedValue> cameras;
+  std::set<std::string> names;
+  for (const std::string& text : arguments.cameras) {
+    cameras.push_back(Parse(text));
+    const std::string& name = cameras.back().name;
+    if (name.empty())
+      throw Error(ExitCode::kUsage,
+                  fmt::format("--camera {}: expected NAME=FOLDER", text));
+    RequireCameraName(name);
+    if (!names.insert(name).second)
+      throw Error(ExitCode::kUsage,
+                  fmt::format("--camera {}: two cameras of one name", name));
+  }
+  if (cameras.size() == 1)
+    throw Error(ExitCode::kUsage,
+                "a rig needs two cameras or more; give the images of a single "
+                "one without --camera");
+  return cameras;
+}
+
+// WxH is for all cameras that have no NAME=WxH.
+ImageSize SizeOf(const std::string& camera,
+                 const CalibrateArguments& arguments) {
+  std::string size;
+  for (const std::string& text : arguments.image_sizes) {
+    const NamedValue given = Parse(text);
+    if (given.name == camera || (given.name.empty() && size.empty()))
+      size = given.value;
+  }
+  if (size.empty())
+    throw Error(ExitCode::kUsage,
+                fmt::format("--features needs --image-size WxH, or "
+                            "--image-size {}=WxH for its camera '{}'",
+                            camera, camera));
+  return ParseImageSize("--image-size", size);
+}
+
+void RequireSizesOfCameras(const CalibrateArguments& arguments,
+                           const FeaturesByCamera& given) {
+  for (const std::string& text : arguments.image_sizes) {
+    const std::string name = Parse(text).name;
+    if (!name.empty() && !given.count(name))
+      throw Error(ExitCode::kUsage,
+                  fmt::format("--image-size {}: {} has no camera '{}'", text,
+                              arguments.features, name));
+  }
+}
+
+struct RigMeasurements {
+  std::vector<std::string> names;
+  std::vector<Measurements> cameras;
+};
+
+RigMeasurements GivenFeatures(const CalibrateArguments& arguments,
+                              const FeaturesByCamera& given,
+                              const Pattern& pattern) {
+  RequireSizesOfCameras(arguments, given);
+  RigMeasurements rig;
+  for (const auto& [name, dataset] : given) {
+    RequireCameraName(name);
+    rig.names.push_back(name);
+    rig.cameras.push_back({dataset, {}});
+    rig.cameras.back().dataset.image_size = SizeOf(name, arguments);
+    RequireUsable(arguments.features + ", camera " + name, arguments,
+                  rig.cameras.back(), pattern);
+  }
+  return rig;
+}
+
+RigMeasurements MeasureAll(const CalibrateArguments& arguments,
+                           const CommonOptions& common, const Pattern& pattern,
+                           ProgressBar* bar) {
+  const std::vector<NamedValue> cameras = ParseCameras(arguments);
+  std::vector<std::vector<std::string>> paths;
+  for (const NamedValue& camera : cameras)
+    paths.push_back(FindImages({camera.value}));
+  RigMeasurements rig;
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    const std::string& name = cameras[c].name;
+    rig.names.push_back(name);
+    rig.cameras.push_back(Measure(paths[c], pattern, common, [&](double done) {
+      bar->Show(name + ": detection", 0.2 * (static_cast<double>(c) + done) /
+                                          static_cast<double>(cameras.size()));
+    }));
+    RequireUsable("camera " + name, arguments, rig.cameras.back(), pattern);
+  }
+  return rig;
+}
+
+RigMeasurements Gather(const CalibrateArguments& arguments,
+                       const CommonOptions& common,
+                       const FeaturesByCamera& given, const Pattern& pattern,
+                       ProgressBar* bar) {
+  RigMeasurements rig = given.empty()
+                            ? MeasureAll(arguments, common, pattern, bar)
+                            : GivenFeatures(arguments, given, pattern);
+  if (arguments.instant_by == "number")
+    for (size_t c = 0; c < rig.names.size(); ++c)
+      NameImagesByNumber("camera " + rig.names[c], &rig.cameras[c].dataset);
+  return rig;
+}
+
+std::vector<RigCameraInput> InputsOf(const RigMeasurements& rig,
+                                     const CalibrateArguments& arguments,
+                                     int num_threads) {
+  std::vector<RigCameraInput> inputs;
+  for (size_t c = 0; c < rig.names.size(); ++c)
+    inputs.push_back({rig.names[c], rig.cameras[c].dataset,
+                      AgainIn(rig.cameras[c], arguments, num_threads)});
+  return inputs;
+}
+
+// ---- Output ----------------------------------------------------------------
+
+// The cameras as blobs, and why one is none.
+struct PackedCameras {
+  std::vector<std::optional<PackedCamera>> cameras;
+  std::optional<Error> not_packed;
+};
+
+PackedCameras PackAll(const RigResult& result, int num_threads) {
+  PackedCameras packed;
+  for (const CalibrationResult& camera : result.cameras) {
+    try {
+      // Blobs have no place for lines.
+      packed.cameras.push_back(std::nullopt);
+      if (camera.camera.camera->IsCentral())
+        packed.cameras.back() = PackForReport(camera.camera, num_threads);
+    } catch (const Error& error) {
+      packed.not_packed = error;
+    }
+  }
+  return packed;
+}
+
+std::string Report(const CalibrationResult& camera,
+                   const std::optional<PackedCamera>& packed) {
+  if (!packed) return FormatHtmlReport(camera, std::nullopt, std::nullopt);
+  return FormatHtmlReport(
+      camera,
+      PackingFigures{packed->blob.size(), packed->unproject_error_px,
+                     packed->remap_error_px},
+      std::nullopt);
+}
+
+void AddFiles(const RigResult& result, const PackedCameras& packed,
+              const std::string& output, OutputFiles* files) {
+  const std::filesystem::path folder = output;
+  std::vector<NamedDataset> features;
+  std::vector<NamedPoses> poses;
+  std::vector<RigFileCamera> rig;
+  for (size_t c = 0; c < result.cameras.size(); ++c) {
+    const CalibrationResult& camera = result.cameras[c];
+    const std::string& name = camera.camera.name;
+    features.push_back({name, camera.features});
+    poses.push_back({name, camera.poses});
+    rig.push_back({name, name + "/camera.yaml", result.camera_from_rig[c]});
+    files->Add((folder / name / "camera.yaml").string(),
+               FormatCameraFile(camera.camera));
+    if (packed.cameras[c])
+      files->Add((folder / name / "camera.raygrid").string(),
+                 packed.cameras[c]->blob);
+    files->Add((folder / name / "report.html").string(),
+               Report(camera, packed.cameras[c]));
+  }
+  files->Add((folder / "rig.yaml").string(), FormatRigFile(rig));
+  files->Add((folder / "pattern.yaml").string(), FormatPattern(result.pattern));
+  files->Add((folder / "features.csv").string(), FormatFeatures(features));
+  files->Add((folder / "poses.csv").string(), FormatPoses(poses));
+  files->Add((folder / "report.html").string(), FormatRigReport(result));
+}
+
+std::string WithDeviation(double value, const std::optional<double>& deviation,
+                          double scale, const char* unit) {
+  return deviation ? fmt::format("{:.4f} +- {:.4f} {}", value * scale,
+                                 *deviation * scale, unit)
+                   : fmt::format("{:.4f} {}", value * scale, unit);
+}
+
+void PrintSummary(const CalibrateArguments& arguments,
+                  const RigResult& result) {
+  for (const CalibrationResult& camera : result.cameras) {
+    fmt::print("{}: {}, {} parameters, {} images", camera.camera.name,
+               camera.camera.camera->Name(), camera.num_parameters,
+               camera.features.images.size());
+    if (camera.cell_px > 0) fmt::print(", cells of {:.0f} px", camera.cell_px);
+    fmt::print("\n");
+    PrintFigures("training", *camera.camera.training);
+    if (camera.camera.held_out)
+      PrintFigures("held out", *camera.camera.held_out);
+  }
+  fmt::print("rig\n");
+  PrintFigures("training", TrainingFigures(result));
+  if (const auto held_out = HeldOutFigures(result))
+    PrintFigures("held out", *held_out);
+  for (const Baseline& baseline : result.baselines)
+    fmt::print(
+        "  {} to {}: {}, {}, {} common views\n",
+        result.cameras[baseline.first].camera.name,
+        result.cameras[baseline.second].camera.name,
+        WithDeviation(baseline.distance_m, baseline.distance_sd_m, 1000, "mm"),
+        WithDeviation(baseline.angle_rad, baseline.rotation_sd_rad, 180 / M_PI,
+                      "degrees"),
+        baseline.num_shared_views);
+  fmt::print("  verdict: {}\n", result.verdict.word);
+  for (const std::string& reason : result.verdict.reasons)
+    fmt::print("    {}\n", reason);
+  fmt::print("  results in {}\n", arguments.output);
+}
+
+void RequireNothingForOneCamera(const CalibrateArguments& arguments) {
+  if (!arguments.name.empty() || !arguments.serial.empty())
+    throw Error(ExitCode::kUsage,
+                "--name and --serial are for a single camera; a rig's names "
+                "are those of --camera, and pack --serial gives a blob its "
+                "serial number");
+}
+
+}  // namespace
+
+void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
+            const FeaturesByCamera& given) {
+  RequireNothingForOneCamera(arguments);
+  const Pattern pattern = ReadPattern(arguments.pattern);
+  RequireWritableFolder(arguments.output);
+  RigResult result;
+  PackedCameras packed;
+  {
+    ProgressBar bar(common.quiet);
+    const CalibrationOptions options = OptionsOf(arguments, common, &bar);
+    const RigMeasurements rig = Gather(arguments, common, given, pattern, &bar);
+    result = CalibrateRig(InputsOf(rig, arguments, common.threads), pattern,
+                          options);
+    bar.Show("packing", 0.9);
+    packed = PackAll(result, common.threads);
+  }
+  const std::string json =
+      FormatResultJson(result, common.seed, PeakMemoryBytes());
+  OutputFiles files;
+  AddFiles(result, packed, arguments.output, &files);
+  files.Add((std::filesystem::path(arguments.output) / "result.json").string(),
+            json);
+  files.Commit();
+  if (common.json)
+    fmt::print("{}", json);
+  else if (!common.quiet)
+    PrintSummary(arguments, result);
+  if (packed.not_packed) throw *packed.not_packed;
+  if (!result.converged)
+    throw Error(ExitCode::kNotConverged,
+                "the adjustment did not converge; the files hold its last "
+                "state, add images or remove blurred ones");
+}
+
+}  // namespace raygrid

@@ -1,0 +1,97 @@
+#include "calibration_input.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include "dataset/error.h"
+#include "features/camera_refinement.h"
+#include "features/feature_detection.h"
+
+namespace raygrid {
+namespace {
+
+double ParseCellPx(const std::string& text) {
+  if (text == "auto") return 0;
+  char* end;
+  const double value = std::strtod(text.c_str(), &end);
+  if (*end != 0 || !(value >= 2) || value > 1e5)
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("--cell-px {}: expected auto, or 2 or more pixels", text));
+  return value;
+}
+
+}  // namespace
+
+Measurements Measure(const std::vector<std::string>& paths,
+                     const Pattern& pattern, const CommonOptions& common,
+                     const std::function<void(double)>& progress) {
+  const DetectionCache cache(DetectionCache::DefaultFolder());
+  FolderDetection detection =
+      DetectFeatures(paths, pattern, {}, &cache, common.threads, progress);
+  for (const SkippedImage& skipped : detection.skipped)
+    fmt::print(stderr, "raygrid: skipped {}: {}\n", skipped.path,
+               skipped.reason);
+  return {std::move(detection.dataset), std::move(detection.paths)};
+}
+
+void RequireUsable(const std::string& source,
+                   const CalibrateArguments& arguments,
+                   const Measurements& measurements, const Pattern& pattern) {
+  const Dataset& dataset = measurements.dataset;
+  RequireConsistent(source, dataset, pattern);
+  if (dataset.num_features() == 0)
+    throw Error(ExitCode::kTooFew,
+                fmt::format("{}no board found in any of {} images; check "
+                            "columns and rows (inner corners) in {}",
+                            arguments.cameras.empty() ? "" : source + ": ",
+                            dataset.images.size(), arguments.pattern));
+}
+
+MeasureAgain AgainIn(const Measurements& measurements,
+                     const CalibrateArguments& arguments, int num_threads) {
+  if (measurements.paths.empty() || arguments.measure_once) return nullptr;
+  return [&measurements, num_threads](const CameraModel& camera,
+                                      const Pattern& found_pattern,
+                                      const std::vector<BoardPose>& poses) {
+    return RefineThroughCamera(measurements.paths, measurements.dataset,
+                               {&camera, &found_pattern, poses}, {},
+                               num_threads, nullptr);
+  };
+}
+
+CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
+                             const CommonOptions& common, ProgressBar* bar) {
+  CalibrationOptions options;
+  options.model = arguments.model;
+  options.cell_px = ParseCellPx(arguments.cell_px);
+  options.flat_board = arguments.flat_board;
+  options.hold_out = arguments.hold_out;
+  options.num_threads = common.threads;
+  options.progress = [bar](const std::string& stage, double done) {
+    bar->Show(stage, 0.2 + 0.7 * done);
+  };
+  return options;
+}
+
+PackedCamera PackForReport(const CameraFile& file, int num_threads) {
+  PackOptions options;
+  options.remap = MakeVirtualCamera(*file.camera, {}, 0);
+  options.num_threads = num_threads;
+  return PackCamera(file, options);
+}
+
+int64_t PeakMemoryBytes() {
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<int64_t>(usage.ru_maxrss) * 1024;
+}
+
+void PrintFigures(const char* name, const ErrorFigures& figures) {
+  fmt::print(
+      "  {:<9} median {:.4f} px, RMS {:.4f} px, largest {:.3f} px, {} "
+      "features\n",
+      name, figures.median_px, figures.rms_px, figures.max_px, figures.count);
+}
+
+}  // namespace raygrid

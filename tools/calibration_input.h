@@ -1,0 +1,66 @@
+/// What calibrate does alike for one camera and for a rig.
+#ifndef RAYGRID_TOOLS_CALIBRATION_INPUT_H
+#define RAYGRID_TOOLS_CALIBRATION_INPUT_H
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "calibration/calibration.h"
+#include "commands.h"
+#include "dataset/camera_file.h"
+#include "packing/pack.h"
+#include "progress_bar.h"
+
+namespace raygrid {
+
+struct CalibrateArguments {
+  std::vector<std::string> images, cameras, image_sizes, hold_out;
+  std::string features, pattern, output, name, serial;
+  std::string model = "central-generic", cell_px = "auto";
+  std::string instant_by = "name";
+  bool flat_board = false, measure_once = false;
+};
+
+using FeaturesByCamera = std::map<std::string, Dataset>;
+
+/// What is calibrated with, and the images that it was measured in, if any.
+struct Measurements {
+  Dataset dataset;
+  std::vector<std::string> paths;  ///< of the dataset's images
+};
+
+/// Detects the pattern; images that cannot be used are named on stderr, and the
+/// others are gone on with.
+Measurements Measure(const std::vector<std::string>& paths,
+                     const Pattern& pattern, const CommonOptions& common,
+                     const std::function<void(double)>& progress);
+
+/// Throws Error(kTooFew) without features, and as RequireConsistent.
+void RequireUsable(const std::string& source,
+                   const CalibrateArguments& arguments,
+                   const Measurements& measurements, const Pattern& pattern);
+
+/// For images; empty for features alone, or if they are to be kept.
+MeasureAgain AgainIn(const Measurements& measurements,
+                     const CalibrateArguments& arguments, int num_threads);
+
+/// Throws Error(kUsage). Without measure_again.
+CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
+                             const CommonOptions& common, ProgressBar* bar);
+
+PackedCamera PackForReport(const CameraFile& file, int num_threads);
+
+int64_t PeakMemoryBytes();
+
+void PrintFigures(const char* name, const ErrorFigures& figures);
+
+/// Calibrates a rig: in folders of images, or with the features given.
+void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
+            const FeaturesByCamera& given);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_TOOLS_CALIBRATION_INPUT_H
