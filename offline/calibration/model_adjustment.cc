@@ -1,5 +1,7 @@
 #include "calibration/model_adjustment.h"
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <set>
 
@@ -32,11 +34,30 @@ AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
   return summary;
 }
 
+// How far off axis a lens may be believed: a little beyond the features. In the
+// corners around a fisheye's image circle, polynomials go astray.
+double CredibleAngle(const CalibrationProblem& problem,
+                     const CameraModel& lens) {
+  constexpr double kBeyond = 1.1, kAlways = 60 * M_PI / 180;
+  double farthest = 0;
+  for (const View& view : problem.views) {
+    for (const Observation& observation : view.observations) {
+      const auto ray = lens.Unproject(observation.pixel);
+      if (ray)
+        farthest =
+            std::max(farthest, std::atan2(ray->head<2>().norm(), ray->z()));
+    }
+  }
+  return std::max(kBeyond * farthest, kAlways);
+}
+
 CentralGeneric AsGrid(const CalibrationProblem& problem,
                       const CameraModel& lens, double cell_px) {
+  constexpr int kSamplesPerCell = 4;
   const Area area = FeatureArea(problem, 0);
   return FitCentralGeneric(lens, area, NumControlPoints(area.width(), cell_px),
-                           NumControlPoints(area.height(), cell_px));
+                           NumControlPoints(area.height(), cell_px),
+                           kSamplesPerCell, CredibleAngle(problem, lens));
 }
 
 // The grid camera, around a parametric lens.

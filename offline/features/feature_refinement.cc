@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "features/feature_lattice.h"
+#include "features/image_noise.h"
 #include "features/symmetry_refinement.h"
 
 namespace raygrid {
@@ -17,7 +18,7 @@ constexpr int kMaxDegree = 3;
 // Bounds of what is plausible.
 constexpr double kMinSpacingPx = 5;
 constexpr double kMaxMovePx = 2;
-constexpr double kMaxAsymmetry = 0.5;  // of the contrast
+constexpr double kMaxAsymmetry = 0.4;  // of the contrast
 constexpr double kMinContrast = 3;     // grey levels
 
 // How far a feature may lie from where its neighbours say.
@@ -93,6 +94,7 @@ void RejectLonely(const Board& board, FeatureLattice* lattice,
 struct Round {
   const SymmetrySamples* samples;
   double max_move_px;
+  double noise;  // of the image, grey levels
 };
 
 struct FeatureRefiner::Data {
@@ -138,6 +140,10 @@ SymmetryResult FeatureRefiner::Data::Symmetry(const GreyImage& image,
                         start, symmetry);
 }
 
+const std::vector<SymmetryMask>& FeatureRefiner::masks() const {
+  return data_->masks;
+}
+
 // Empty, or the reason to reject the feature.
 std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
                                             const Feature& feature,
@@ -157,7 +163,11 @@ std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
     result = Symmetry(image, feature, predicted, degree > 1, round);
   if (!result.is_converged) return "no centre of symmetry near";
   if (result.contrast < kMinContrast) return "no contrast";
-  if (result.rms > kMaxAsymmetry * result.contrast) return "not symmetric";
+  // Noise is in each value, and in both values of a difference.
+  const double noise2 = round.noise * round.noise;
+  if (std::pow(result.rms, 2) - 2 * noise2 >
+      std::pow(kMaxAsymmetry, 2) * (std::pow(result.contrast, 2) - noise2))
+    return "not symmetric";
   *pixel = result.mapping.center;
   return {};
 }
@@ -184,8 +194,9 @@ void FeatureRefiner::Data::RefineOnce(const GreyImage& image,
 void FeatureRefiner::Data::RefineBySymmetry(const GreyImage& image,
                                             FeatureLattice* lattice,
                                             ImageDetection* detection) const {
-  RefineOnce(image, {&rough_samples, kMaxMovePx}, lattice, detection);
-  RefineOnce(image, {&samples, kMaxMovePx / 4}, lattice, detection);
+  const double noise = NoiseOf(image);
+  RefineOnce(image, {&rough_samples, kMaxMovePx, noise}, lattice, detection);
+  RefineOnce(image, {&samples, kMaxMovePx / 4, noise}, lattice, detection);
 }
 
 void FeatureRefiner::Data::RefineByCorners(const GreyImage& image,
@@ -237,7 +248,7 @@ std::vector<Feature> FeatureRefiner::RefineWith(
   if (data_->options.refinement == Refinement::kNone ||
       data_->options.refinement == Refinement::kCornerSubpix)
     return features;
-  const Round round = {&data_->samples, kMaxMovePx / 4};
+  const Round round = {&data_->samples, kMaxMovePx / 4, 0};
   for (Feature& feature : features) {
     const auto mapping = tell_mapping(feature);
     if (!mapping) continue;

@@ -8,6 +8,7 @@
 
 #include "features/detection.h"
 #include "features/local_mapping.h"
+#include "features/symmetry_mask.h"
 
 namespace raygrid {
 
@@ -19,6 +20,9 @@ class FeatureRefiner {
  public:
   FeatureRefiner(const Board& board, const DetectionOptions& options);
   ~FeatureRefiner();
+
+  /// Of the board's features.
+  const std::vector<SymmetryMask>& masks() const;
 
   ImageDetection Refine(const GreyImage& image,
                         const std::vector<Feature>& approximate) const;

@@ -114,45 +114,35 @@ std::vector<DetectedTag> DetectIn(const cv::Mat& image, TagFamily family,
   return TagDetector(family, OfStarBoards(decimate)).Detect(image);
 }
 
-constexpr int kEnlargement = 2;
-
-std::vector<DetectedTag> DetectInEnlarged(const cv::Mat& image) {
-  cv::Mat enlarged;
-  cv::resize(image, enlarged, cv::Size(), kEnlargement, kEnlargement,
-             cv::INTER_CUBIC);
-  std::vector<DetectedTag> tags = DetectIn(enlarged, TagFamily::k36h11, 1);
-  constexpr double kShift = (kEnlargement - 1) / 2.0;
-  for (DetectedTag& tag : tags)
-    for (Eigen::Vector2d& corner : tag.corners)
-      corner = (corner.array() - kShift) / kEnlargement;
-  return tags;
+float QuickDecimation(const ImageSize& size) {
+  return IsQuickSearchThorough(size) ? 1 : 2;
 }
 
 }  // namespace
 
-std::vector<DetectedTag> DetectTags(const GreyImage& image) {
-  constexpr int kMinPixelsToDecimate = 500000, kMaxPixelsToEnlarge = 2000000;
-  const cv::Mat view = View(image);
-  const int num_pixels = image.size.width * image.size.height;
-  std::vector<DetectedTag> tags;
-  if (num_pixels >= kMinPixelsToDecimate)
-    tags = DetectIn(view, TagFamily::k36h11, 2);
-  if (tags.empty()) tags = DetectIn(view, TagFamily::k36h11, 1);
-  if (!tags.empty() || num_pixels > kMaxPixelsToEnlarge) return tags;
-  return DetectInEnlarged(view);
+bool IsQuickSearchThorough(const ImageSize& size) {
+  constexpr int kMinPixelsToDecimate = 500000;
+  return size.width * size.height < kMinPixelsToDecimate;
+}
+
+std::vector<DetectedTag> DetectTags(const GreyImage& image, TagSearch search) {
+  return DetectIn(
+      View(image), TagFamily::k36h11,
+      search == TagSearch::kThorough ? 1 : QuickDecimation(image.size));
 }
 
 std::vector<std::string> DescribeOtherTags(const GreyImage& image) {
   std::vector<std::string> seen;
+  const float decimate = QuickDecimation(image.size);
   cv::Mat mirrored;
   cv::flip(View(image), mirrored, 1);
-  for (const DetectedTag& tag : DetectIn(mirrored, TagFamily::k36h11, 1))
+  for (const DetectedTag& tag : DetectIn(mirrored, TagFamily::k36h11, decimate))
     seen.push_back(fmt::format("mirrored tag {}", tag.id));
   const std::pair<const char*, TagFamily> others[] = {
       {"tag25h9", TagFamily::k25h9},
       {"tagStandard41h12", TagFamily::kStandard41h12}};
   for (const auto& [name, family] : others)
-    for (const DetectedTag& tag : DetectIn(View(image), family, 1))
+    for (const DetectedTag& tag : DetectIn(View(image), family, decimate))
       seen.push_back(fmt::format("tag {} of family {}", tag.id, name));
   return seen;
 }

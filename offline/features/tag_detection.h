@@ -55,9 +55,15 @@ class TagDetector {
   std::unique_ptr<Data> data_;
 };
 
-/// All tags of tag36h11 with one wrong bit at most and wholly in the image;
-/// tags too small at first are sought in the enlarged image.
-std::vector<DetectedTag> DetectTags(const GreyImage& image);
+/// kQuick leaves out every second row and column of large images, and with
+/// them tags less than about 20 px wide.
+enum class TagSearch { kQuick, kThorough };
+
+/// All tags of tag36h11 with one wrong bit at most and wholly in the image.
+std::vector<DetectedTag> DetectTags(const GreyImage& image,
+                                    TagSearch search = TagSearch::kQuick);
+/// Whether images of this size are not large.
+bool IsQuickSearchThorough(const ImageSize& size);
 
 /// What there is where DetectTags() finds nothing: "mirrored tag 3", "tag 3 of
 /// family tag25h9". For messages.

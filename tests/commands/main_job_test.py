@@ -58,6 +58,28 @@ class MainJob(CommandTest):
         places = rows(read(self.path("difference/difference.csv")).decode())
         self.assertEqual(len(places), figures["places"])
 
+    def test_fit_says_what_a_parametric_model_leaves(self):
+        result = run("fit", self.path("out/camera.yaml"), "--model", "thin-prism-fisheye", "-o",
+                     self.path("fitted.yaml"), "--json")
+        self.assert_done(result)
+        figures = json.loads(result.stdout)
+        self.assertEqual(figures["model"], "thin-prism-fisheye")
+        self.assertEqual(figures["places_without"], 0)
+        # The lens has bumps of up to 1.5 px.
+        self.assertLess(0.1, figures["rms_px"])
+        self.assertLess(figures["rms_px"], 0.7)
+        self.assertLess(figures["rms_px"], figures["max_px"])
+        compared = run("compare", self.path("out/camera.yaml"), self.path("fitted.yaml"), "--json")
+        self.assert_done(compared)
+        self.assertAlmostEqual(json.loads(compared.stdout)["rms_px"], figures["rms_px"], places=6)
+
+    def test_fit_names_the_models_that_there_are(self):
+        result = run("fit", self.path("out/camera.yaml"), "--model", "pinhole", "-o",
+                     self.path("none.yaml"))
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("central-radial", result.stderr)
+        self.assertFalse(os.path.exists(self.path("none.yaml")))
+
     def test_compare_needs_cameras_of_one_size(self):
         other = read(self.path("out/camera.yaml")).replace(b"[640, 480]", b"[1280, 960]")
         write(self.path("other.yaml"), other)

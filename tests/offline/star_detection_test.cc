@@ -6,6 +6,9 @@
 #include <map>
 #include <utility>
 
+#include "features/board_identification.h"
+#include "features/feature_detection.h"
+#include "features/tag_detection.h"
 #include "simulation/image_rendering.h"
 #include "simulation/simulated_lenses.h"
 #include "simulation/simulated_observations.h"
@@ -299,6 +302,16 @@ TEST(StarDetector, FindsNearlyAllAndNothingElse) {
   EXPECT_GE(num_found, 0.99 * num_visible);
 }
 
+TEST(StarDetector, FindsNearlyAllAtTheEdgeOf190Degrees) {
+  const Scene scene = MakeScene("fisheye190", StarPattern(), 16, 3, 8);
+  const Errors errors = Measure(scene, StarDetector(StarPattern(), {}), true);
+  Print("fisheye190", errors);
+  EXPECT_GT(errors.num_visible, 200);
+  EXPECT_GE(errors.FoundFraction(), 0.98);
+  EXPECT_LE(errors.largest, 0.5);
+  EXPECT_LE(errors.Rms().maxCoeff(), 0.03);
+}
+
 TEST(StarDetector, FindsStarsOfAnyNumberOfSegments) {
   for (const int segments : {4, 6, 8, 12, 16, 20, 24, 28, 32}) {
     const Pattern pattern = StarPattern(segments);
@@ -365,13 +378,122 @@ TEST(StarDetector, FindsTwoBoardsInAnImage) {
   EXPECT_TRUE(detection.remarks.empty());
 }
 
+const Pose& Upright() {
+  static const Pose pose =
+      UprightAt(*SimulatedLens("pinhole", kSize), {140, 70});
+  return pose;
+}
+
+// All its stars lie in the image.
+RenderedImage ExactUprightImage(const ImagingOptions& imaging) {
+  static const auto camera = SimulatedLens("pinhole", kSize);
+  static const PixelRays rays(*camera, kThreads);
+  static const BoardSurface surface(StarPattern().boards[0]);
+  return RenderImage(rays, {{&surface, Upright()}}, imaging, kThreads);
+}
+
 GreyImage UprightImage() {
-  const auto camera = SimulatedLens("pinhole", kSize);
-  const BoardSurface surface(StarPattern().boards[0]);
+  return WithNoise(ExactUprightImage(ImagingOptions()), 1);
+}
+
+// Differences from the truth in the upright image.
+Errors MeasureUpright(const std::string& name, const GreyImage& image) {
+  Scene scene;
+  scene.camera = SimulatedLens("pinhole", kSize);
+  scene.board = StarPattern().boards[0];
+  Errors errors;
+  Compare(scene, {Upright(), {}},
+          StarDetector(StarPattern(), {}).Detect(image).features, &errors);
+  Print(name, errors);
+  return errors;
+}
+
+Errors MeasureUpright(const std::string& name, ImagingOptions imaging) {
+  imaging.read_noise = kNoise;
+  imaging.seed = 1;
+  return MeasureUpright(name, MakeGreyImage(AddNoiseAndQuantize(
+                                  ExactUprightImage(imaging), imaging)));
+}
+
+TEST(StarDetector, FindsStarsInHeavyBlur) {
+  ImagingOptions imaging;
+  imaging.blur_px = 2.5;
+  const Errors errors = MeasureUpright("blur 2.5 px", imaging);
+  EXPECT_GE(errors.FoundFraction(), 0.99);
+  EXPECT_LE(errors.largest, 0.2);
+}
+
+TEST(StarDetector, FindsStarsInOverexposure) {
+  ImagingOptions imaging;
+  imaging.exposure = 1.8;  // paper would be at 396 of 255
+  const Errors errors = MeasureUpright("exposure 1.8", imaging);
+  EXPECT_GE(errors.FoundFraction(), 0.99);
+  EXPECT_LE(errors.largest, 0.1);
+}
+
+TEST(StarDetector, FindsStarsInUnderexposure) {
+  ImagingOptions imaging;
+  imaging.exposure = 0.1;  // paper at 22, ink at 3, noise of 2
+  const Errors errors = MeasureUpright("exposure 0.1", imaging);
+  EXPECT_GE(errors.FoundFraction(), 0.99);
+  EXPECT_LE(errors.largest, 0.3);
+}
+
+TEST(StarDetector, IsMoreExactIn16BitsThanIn8) {
+  ImagingOptions imaging;
+  imaging.exposure = 0.1;
+  const RenderedImage exact = ExactUprightImage(imaging);
+  const Errors fine = MeasureUpright(
+      "16 bits", MakeGreyImage(DecodeGreyLevels(
+                     "image", EncodePng(AddNoiseAndQuantize16(exact, {})))));
+  const Errors coarse = MeasureUpright(
+      "8 bits", MakeGreyImage(AddNoiseAndQuantize(exact, ImagingOptions())));
+  EXPECT_EQ(fine.FoundFraction(), 1);
+  EXPECT_LT(fine.Rms().maxCoeff(), coarse.Rms().maxCoeff());
+}
+
+TEST(StarDetector, FindsStarsInColourImages) {
+  const Image grey =
+      AddNoiseAndQuantize(ExactUprightImage(ImagingOptions()), {});
+  Image yellow = grey;  // no light in the first channel
+  yellow.channels = 3;
+  yellow.pixels.clear();
+  for (const uint8_t level : grey.pixels)
+    yellow.pixels.insert(yellow.pixels.end(), {0, level, level});
+  const Errors errors = MeasureUpright("yellow", MakeGreyImage(yellow));
+  EXPECT_EQ(errors.FoundFraction(), 1);
+  EXPECT_LE(errors.largest, 0.03);
+}
+
+// A large image of two boards, the second far away.
+GreyImage NearAndFarBoard(const Pattern& pattern) {
+  constexpr ImageSize kLargeSize = {1000, 600};
+  const auto camera = SimulatedLens("pinhole", kLargeSize);
+  const BoardSurface near(pattern.boards[0]), far(pattern.boards[1]);
+  Pose near_pose = UprightAt(*camera, {60, 60});
+  near_pose.translation *= 1.3;
+  Pose far_pose = UprightAt(*camera, {700, 200});
+  far_pose.translation *= 4.4;
   return WithNoise(RenderImage(PixelRays(*camera, kThreads),
-                               {{&surface, UprightAt(*camera, {140, 70})}},
+                               {{&near, near_pose}, {&far, far_pose}},
                                ImagingOptions(), kThreads),
                    1);
+}
+
+TEST(StarDetector, FindsABoardWhoseTagIsMissedAtHalfResolution) {
+  const std::string large_tag = "squares: 4", small_tag = "squares: 2";
+  std::string far_board = BoardYaml(1, 10, 12, 8, 1, 3, 4);
+  far_board.replace(far_board.find(large_tag), large_tag.size(), small_tag);
+  const Pattern pattern =
+      PatternOf(BoardYaml(0, 10, 12, 8, 0, 3, 4) + far_board);
+  const GreyImage image = NearAndFarBoard(pattern);
+  ASSERT_EQ(DetectTags(image, TagSearch::kQuick).size(), 1u);
+  ASSERT_EQ(DetectTags(image, TagSearch::kThorough).size(), 2u);
+  std::map<int, int> counts;
+  for (const Feature& f : StarDetector(pattern, {}).Detect(image).features)
+    ++counts[f.board];
+  EXPECT_EQ(counts[0], 10 * 12 - 5 * 5);
+  EXPECT_EQ(counts[1], 10 * 12 - 3 * 3);
 }
 
 GreyImage Mirrored(GreyImage image) {
@@ -427,6 +549,101 @@ TEST(StarDetector, FindsTheSameTwice) {
     EXPECT_EQ(first[i].row, second[i].row);
     EXPECT_EQ(first[i].pixel, second[i].pixel);
   }
+}
+
+// A drawing of a board, and the lattice of its stars.
+class Drawing {
+ public:
+  static constexpr int kSpacingPx = 20;
+
+  // Pixels left of the given one are not in the image.
+  Drawing(const Board& board, int first_pixel)
+      : board_(board), lattice_board_(board), lattice_(Lattice()) {
+    const BoardAppearance appearance(board);
+    image_.size = {board.columns * kSpacingPx - first_pixel,
+                   board.rows * kSpacingPx};
+    for (int y = 0; y < image_.size.height; ++y)
+      for (int x = 0; x < image_.size.width; ++x)
+        image_.levels.push_back(
+            appearance.IsBlack(board.square_m / kSpacingPx *
+                               Eigen::Vector2d(x + first_pixel + 0.3, y + 0.4))
+                ? 30
+                : 200);
+    for (int row = 0; row < board.rows; ++row)
+      for (int column = 0; column < board.columns; ++column)
+        if (board.HasFeature(column, row) && column * kSpacingPx >= first_pixel)
+          lattice_.Set(column + kShift, row + kShift,
+                       {column * kSpacingPx - first_pixel - 0.3,
+                        row * kSpacingPx - 0.4});
+  }
+
+  std::optional<LatticePlacement> IdentifyAmong(const Board& board) const {
+    const TaggedBoard tagged(board);
+    return IdentifyBoard(image_, lattice_, {}, {&tagged});
+  }
+  // Whether a placement is the true one.
+  static bool IsTrue(const LatticePlacement& placement) {
+    return placement.quarter_turns == 0 && placement.column == -kShift &&
+           placement.row == -kShift;
+  }
+
+ private:
+  static constexpr int kShift = 7;
+
+  FeatureLattice Lattice() {
+    lattice_board_.tags.clear();
+    lattice_board_.columns = lattice_board_.rows = 40;
+    return FeatureLattice(lattice_board_);
+  }
+
+  Board board_, lattice_board_;
+  FeatureLattice lattice_;
+  GreyImage image_;
+};
+
+// The tag of StarPattern() begins at column 6 and is 4 squares wide.
+TEST(IdentifyBoard, IsSureWhileHalfOfTheTagIsSeen) {
+  const Board board = StarPattern().boards[0];
+  for (int first_pixel = 0; first_pixel <= 16 * Drawing::kSpacingPx / 2;
+       first_pixel += 10) {
+    const auto placement = Drawing(board, first_pixel).IdentifyAmong(board);
+    ASSERT_TRUE(placement.has_value()) << first_pixel;
+    EXPECT_TRUE(Drawing::IsTrue(*placement)) << first_pixel;
+  }
+}
+
+TEST(IdentifyBoard, SaysNothingWhereLittleOfTheTagIsSeen) {
+  const Board board = StarPattern().boards[0];
+  for (int first_pixel = 180; first_pixel < 260; first_pixel += 5)
+    EXPECT_FALSE(Drawing(board, first_pixel).IdentifyAmong(board).has_value())
+        << first_pixel;
+}
+
+TEST(IdentifyBoard, TakesNoOtherTagForTheBoards) {
+  for (const int first_pixel : {0, 130, 150, 160}) {
+    const Drawing drawing(StarPattern().boards[0], first_pixel);
+    for (int tag = 1; tag < 587; tag += 12)
+      EXPECT_FALSE(
+          drawing.IdentifyAmong(StarPattern(16, tag).boards[0]).has_value())
+          << first_pixel << " " << tag;
+  }
+}
+
+TEST(StarDetector, FindsStarsOfABoardWhoseTagIsCutOff) {
+  const auto camera = SimulatedLens("pinhole", kSize);
+  const BoardSurface surface(StarPattern().boards[0]);
+  // The tag spans 144 to 240 px from the board's first feature: of its ten
+  // columns of cells the image shows six.
+  Pose pose = UprightAt(*camera, {0, 60});
+  pose.translation.x() -= 7.5 * kSquare;
+  const GreyImage image =
+      WithNoise(RenderImage(PixelRays(*camera, kThreads), {{&surface, pose}},
+                            ImagingOptions(), kThreads),
+                1);
+  ASSERT_TRUE(DetectTags(image, TagSearch::kThorough).empty());
+  EXPECT_GT(StarDetector(StarPattern(), {}).Detect(image).features.size(), 80u);
+  EXPECT_TRUE(
+      StarDetector(StarPattern(16, 5), {}).Detect(image).features.empty());
 }
 
 }  // namespace

@@ -1,0 +1,48 @@
+#ifndef RAYGRID_FEATURES_BOARD_IDENTIFICATION_H
+#define RAYGRID_FEATURES_BOARD_IDENTIFICATION_H
+
+#include <optional>
+#include <vector>
+
+#include "appearance/board_appearance.h"
+#include "features/detection.h"
+#include "features/feature_lattice.h"
+#include "features/tag_detection.h"
+
+namespace raygrid {
+
+/// Where a lattice of stars lies on a board: turned by quarters, then moved.
+struct LatticePlacement {
+  int board = 0;  ///< its number among those asked about
+  int quarter_turns = 0;
+  int column = 0, row = 0;  ///< of the lattice's place (0, 0)
+
+  Eigen::Vector2i OnBoard(int lattice_column, int lattice_row) const;
+  Eigen::Vector2d OnLattice(const Eigen::Vector2d& on_board) const;
+};
+
+/// A star board with its tags' cells.
+struct TaggedBoard {
+  explicit TaggedBoard(const Board& b)
+      : board(b), tags(BoardAppearance(b).markers()) {}
+
+  Board board;
+  std::vector<PlacedMarker> tags;
+};
+
+/// Tells from the cells of tags, wholly or partly in the image, on which board
+/// a lattice of stars lies and where; nothing unless all of these hold:
+///   - its stars lie where the board has some,
+///   - the tags' white margins and black borders are as they must be,
+///   - the cells of their codes that are seen would agree as well by chance
+///     once in 10,000 times, all placements with a tag there counted,
+///   - no other placement agrees nearly as well.
+/// Detected tags help to see where cells are.
+std::optional<LatticePlacement> IdentifyBoard(
+    const GreyImage& image, const FeatureLattice& lattice,
+    const std::vector<DetectedTag>& detected,
+    const std::vector<const TaggedBoard*>& boards);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_FEATURES_BOARD_IDENTIFICATION_H

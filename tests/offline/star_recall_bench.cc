@@ -1,0 +1,396 @@
+// How many stars are found in rendered images, and how well. Run by hand.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <ctime>
+#include <map>
+#include <mutex>
+#include <opencv2/core.hpp>
+#include <set>
+#include <tuple>
+
+#include "dataset/files.h"
+#include "dataset/parallel_for.h"
+#include "features/star_detection.h"
+#include "simulation/image_rendering.h"
+#include "simulation/random.h"
+#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_observations.h"
+#include "target/star_boards.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kMinStarPx = 12, kMaxErrorPx = 0.5;
+
+struct Arguments {
+  int num_images = 1000, only = -1, threads = 2;
+  uint64_t seed = 1;
+  std::string save;
+  bool list = false;
+};
+
+// A lens with its pixels' rays.
+struct Camera {
+  std::string lens;
+  std::unique_ptr<CameraModel> model;
+  std::unique_ptr<PixelRays> rays;
+};
+
+// What is printed, and how to detect it.
+struct Target {
+  Pattern pattern;
+  std::vector<BoardSurface> surfaces;
+  std::vector<Eigen::Vector3d> corners_m;  // where the boards' origins are
+  Eigen::Vector3d center_m;
+  std::unique_ptr<StarDetector> detector;
+};
+
+// Boards side by side, as raygrid simulate puts them.
+Target MakeTarget(const StarBoardOptions &options) {
+  constexpr double kGapSquares = 4;
+  Target target;
+  target.pattern.boards = StarBoards(options);
+  double x_m = 0;
+  for (Board &board : target.pattern.boards) {
+    board.points = board.NominalPoints();
+    target.surfaces.emplace_back(board);
+    target.corners_m.emplace_back(x_m, 0, 0);
+    x_m += board.points.back().x() + kGapSquares * board.square_m;
+  }
+  const Board &last = target.pattern.boards.back();
+  target.center_m = {(x_m - kGapSquares * last.square_m) / 2,
+                     last.points.back().y() / 2, 0};
+  target.detector =
+      std::make_unique<StarDetector>(target.pattern, DetectionOptions());
+  return target;
+}
+
+std::vector<Target> MakeTargets() {
+  std::vector<Target> targets;
+  const auto add = [&](int columns, int rows, int segments, int num_boards,
+                       int num_tags) {
+    StarBoardOptions options;
+    options.columns = columns;
+    options.rows = rows;
+    options.square_mm = 12;
+    options.segments = segments;
+    options.num_boards = num_boards;
+    options.num_tags = num_tags;
+    targets.push_back(MakeTarget(options));
+  };
+  add(16, 15, 16, 1, 1);
+  add(24, 16, 16, 1, 1);
+  add(12, 10, 16, 2, 1);
+  add(16, 15, 12, 1, 1);
+  add(24, 16, 8, 1, 2);
+  add(12, 12, 20, 2, 1);
+  return targets;
+}
+
+std::vector<Camera> MakeCameras(int num_threads) {
+  std::vector<Camera> cameras;
+  for (const char *lens :
+       {"pinhole", "example", "wide", "fisheye", "fisheye190"}) {
+    for (const ImageSize &size : {ImageSize{640, 480}, ImageSize{1280, 800}}) {
+      if (std::string(lens) == "example" && size.width != 640) continue;
+      Camera camera;
+      camera.lens = lens;
+      camera.model = SimulatedLens(lens, size);
+      camera.rays = std::make_unique<PixelRays>(*camera.model, num_threads);
+      cameras.push_back(std::move(camera));
+    }
+  }
+  return cameras;
+}
+
+ImagingOptions RandomImaging(Random *random) {
+  ImagingOptions imaging;
+  imaging.blur_px = random->Uniform(0.5, 1.5);
+  imaging.read_noise = random->Uniform(1, 4);
+  imaging.shot_noise = random->Uniform(0, 0.05);
+  imaging.vignetting = random->Uniform(0, 0.5);
+  imaging.samples_per_pixel = 4;
+  const double light = random->Uniform(0, 1);
+  if (light < 0.15) imaging.exposure = random->Uniform(0.2, 0.5);
+  if (light > 0.85) imaging.exposure = random->Uniform(1.2, 1.8);
+  imaging.seed = static_cast<uint64_t>(random->Uniform(0, 1e15));
+  return imaging;
+}
+
+enum class TagView { kNone, kPartly, kWholly };
+
+using FeatureKey = std::tuple<int, int, int>;  // board, row, column
+
+struct Count {
+  int visible = 0, found = 0;
+
+  void Add(const Count &other) {
+    visible += other.visible;
+    found += other.found;
+  }
+  double Percent() const {
+    return visible == 0 ? 100 : 100.0 * found / visible;
+  }
+};
+
+// What is to be found in an image, and what was.
+struct Outcome {
+  TagView tag = TagView::kNone;  // that is seen best
+  Count stars;
+  std::array<Count, 3> stars_by_tag;  // of their own board
+  int num_features = 0, num_wrong = 0;
+  double sum_of_squares = 0, largest = 0, ms = 0;
+};
+
+struct Scene {
+  const Camera *camera;
+  const Target *target;
+  Pose pose;
+  ImagingOptions imaging;
+
+  Pose PoseOf(size_t board) const {
+    return {pose.rotation, pose * target->corners_m[board]};
+  }
+  std::optional<Eigen::Vector2d> Project(size_t board, double column,
+                                         double row) const {
+    const double s = target->pattern.boards[board].square_m;
+    const auto pixel = camera->model->Project(
+        PoseOf(board) * Eigen::Vector3d(column * s, row * s, 0));
+    if (!pixel || !WholeImage(camera->model->image_size()).Contains(*pixel))
+      return std::nullopt;
+    return pixel;
+  }
+  bool IsToBeFound(size_t board, int column, int row) const;
+  TagView ViewOf(size_t board, const BoardTag &tag) const;
+};
+
+// Whether a star's square is wholly seen and not too small.
+bool Scene::IsToBeFound(size_t board, int column, int row) const {
+  std::array<Eigen::Vector2d, 4> corners;
+  const double offsets[4][2] = {
+      {-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
+  for (int k = 0; k < 4; ++k) {
+    const auto corner =
+        Project(board, column + offsets[k][0], row + offsets[k][1]);
+    if (!corner) return false;
+    corners[k] = *corner;
+  }
+  for (int k = 0; k < 4; ++k)
+    if ((corners[k] - corners[(k + 1) % 4]).norm() < kMinStarPx) return false;
+  return true;
+}
+
+// Of its black square.
+TagView Scene::ViewOf(size_t board, const BoardTag &tag) const {
+  const double cell = tag.squares / 10.0;
+  constexpr int kNumSteps = 8;
+  int num_seen = 0;
+  for (int j = 0; j <= kNumSteps; ++j)
+    for (int i = 0; i <= kNumSteps; ++i)
+      num_seen += Project(board, tag.column + cell * (1 + 8.0 * i / kNumSteps),
+                          tag.row + cell * (1 + 8.0 * j / kNumSteps))
+                      .has_value();
+  if (num_seen == 0) return TagView::kNone;
+  return num_seen == (kNumSteps + 1) * (kNumSteps + 1) ? TagView::kWholly
+                                                       : TagView::kPartly;
+}
+
+Scene MakeScene(const std::vector<Camera> &cameras,
+                const std::vector<Target> &targets, uint64_t seed, int index) {
+  Random random(seed * 1000003 + index);
+  Scene scene;
+  scene.camera = &cameras[index % cameras.size()];
+  scene.target = &targets[random.Index(static_cast<int>(targets.size()))];
+  scene.imaging = RandomImaging(&random);
+  const double square_m = scene.target->pattern.boards[0].square_m;
+  scene.pose =
+      RandomPoses(*scene.camera->model, scene.target->center_m, square_m, 1,
+                  PoseOptions(), seed * 7919 + static_cast<uint64_t>(index))[0];
+  return scene;
+}
+
+Image Photograph(const Scene &scene) {
+  std::vector<PlacedBoard> placed;
+  for (size_t b = 0; b < scene.target->surfaces.size(); ++b)
+    placed.push_back({&scene.target->surfaces[b], scene.PoseOf(b)});
+  return AddNoiseAndQuantize(
+      RenderImage(*scene.camera->rays, placed, scene.imaging, 1),
+      scene.imaging);
+}
+
+void AddError(double error, Outcome *outcome) {
+  ++outcome->num_features;
+  outcome->num_wrong += error > kMaxErrorPx;
+  outcome->largest = std::max(outcome->largest, error);
+  outcome->sum_of_squares += error * error;
+}
+
+Outcome Compare(const Scene &scene, const std::vector<Feature> &found) {
+  Outcome outcome;
+  std::map<FeatureKey, Eigen::Vector2d> truth;
+  const auto &boards = scene.target->pattern.boards;
+  std::vector<TagView> views(boards.size(), TagView::kNone);
+  for (size_t b = 0; b < boards.size(); ++b) {
+    for (const BoardTag &tag : boards[b].tags)
+      views[b] = std::max(views[b], scene.ViewOf(b, tag));
+    outcome.tag = std::max(outcome.tag, views[b]);
+    for (const Feature &f :
+         VisibleFeatures(*scene.camera->model, boards[b], scene.PoseOf(b)))
+      truth[{f.board, f.row, f.column}] = f.pixel;
+  }
+  std::set<FeatureKey> has;
+  for (const Feature &f : found) {
+    const FeatureKey key(f.board, f.row, f.column);
+    has.insert(key);
+    const auto place = truth.find(key);
+    constexpr double kNotThere = 1000;
+    AddError(
+        place == truth.end() ? kNotThere : (f.pixel - place->second).norm(),
+        &outcome);
+  }
+  for (const auto &[key, pixel] : truth) {
+    const auto [board, row, column] = key;
+    if (!scene.IsToBeFound(board, column, row)) continue;
+    const Count star = {1, static_cast<int>(has.count(key))};
+    outcome.stars.Add(star);
+    outcome.stars_by_tag[static_cast<int>(views[board])].Add(star);
+  }
+  return outcome;
+}
+
+// What this thread has computed, whatever else the machine does.
+double ThreadMs() {
+  timespec time;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) +
+         1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+Outcome Measure(const Scene &scene, const std::string &save) {
+  const Image image = Photograph(scene);
+  if (!save.empty()) WriteFile(save, EncodePng(image));
+  const GreyImage grey = MakeGreyImage(image);
+  const double start_ms = ThreadMs();
+  const ImageDetection detection = scene.target->detector->Detect(grey);
+  const double ms = ThreadMs() - start_ms;
+  Outcome outcome = Compare(scene, detection.features);
+  outcome.ms = ms;
+  return outcome;
+}
+
+// Sums over images.
+struct Summary {
+  int num_images = 0;
+  std::array<int, 3> num_by_tag = {0, 0, 0};
+  Count stars, stars_in_images_with_tag;
+  std::array<Count, 3> stars_by_tag;
+  int num_features = 0, num_wrong = 0;
+  double sum_of_squares = 0, largest = 0, ms = 0, longest_ms = 0;
+
+  void Add(const Outcome &o) {
+    ++num_images;
+    ++num_by_tag[static_cast<int>(o.tag)];
+    stars.Add(o.stars);
+    if (o.tag == TagView::kWholly) stars_in_images_with_tag.Add(o.stars);
+    for (int k = 0; k < 3; ++k) stars_by_tag[k].Add(o.stars_by_tag[k]);
+    num_features += o.num_features;
+    num_wrong += o.num_wrong;
+    sum_of_squares += o.sum_of_squares;
+    largest = std::max(largest, o.largest);
+    ms += o.ms;
+    longest_ms = std::max(longest_ms, o.ms);
+  }
+  void Print(const std::string &name) const {
+    std::printf("%-10s %6d %5d %5d %5d ", name.c_str(), num_images,
+                num_by_tag[2], num_by_tag[1], num_by_tag[0]);
+    for (const Count &count : {stars, stars_in_images_with_tag, stars_by_tag[2],
+                               stars_by_tag[1], stars_by_tag[0]})
+      std::printf("%7d %6.2f ", count.visible, count.Percent());
+    std::printf("%7.4f %7.3f %5d %5.0f %5.0f\n",
+                std::sqrt(sum_of_squares / std::max(1, num_features)), largest,
+                num_wrong, ms / std::max(1, num_images), longest_ms);
+  }
+};
+
+void PrintHead() {
+  std::printf(
+      "Stars wholly seen, more than %.0f px wide, and %% of them found: in all "
+      "images, in those\nwhere a tag is wholly seen, and on boards of which a "
+      "tag is seen wholly, partly, not.\n\n"
+      "%-10s %6s %17s %14s %14s %14s %14s %14s %15s %5s %11s\n"
+      "%-10s %6s %5s %5s %5s %14s %14s %14s %14s %14s %7s %7s %5s %5s %5s\n",
+      kMinStarPx, "", "", "images whose tags", "all images", "tag in image",
+      "tag wholly", "tag partly", "no tag", "error, px", "", "ms", "lens",
+      "images", "whole", "part", "none", "", "", "", "", "", "RMS", "largest",
+      "> 0.5", "mean", "most");
+}
+
+void PrintOne(int index, const Scene &scene, const Outcome &o) {
+  std::printf(
+      "%4d %-10s %4d px, %d board(s), tag %d: %3d of %3d, largest %.3f, wrong "
+      "%d, %.0f ms; exposure %.2f, blur %.1f\n",
+      index, scene.camera->lens.c_str(),
+      scene.camera->model->image_size().width,
+      static_cast<int>(scene.target->surfaces.size()), static_cast<int>(o.tag),
+      o.stars.found, o.stars.visible, o.largest, o.num_wrong, o.ms,
+      scene.imaging.exposure, scene.imaging.blur_px);
+}
+
+void Run(const Arguments &arguments) {
+  const std::vector<Camera> cameras = MakeCameras(arguments.threads);
+  const std::vector<Target> targets = MakeTargets();
+  std::vector<Outcome> outcomes(arguments.num_images);
+  const auto scene = [&](int i) {
+    return MakeScene(cameras, targets, arguments.seed, i);
+  };
+  if (arguments.only >= 0) {
+    const Scene one = scene(arguments.only);
+    PrintOne(arguments.only, one, Measure(one, arguments.save));
+    return;
+  }
+  std::atomic<int> num_done{0};
+  ParallelFor(arguments.num_images, arguments.threads, [&](int i) {
+    outcomes[i] = Measure(scene(i), "");
+    std::fprintf(stderr, "\r%d of %d", ++num_done, arguments.num_images);
+  });
+  std::fprintf(stderr, "\n");
+  std::map<std::string, Summary> summaries;
+  Summary total;
+  for (int i = 0; i < arguments.num_images; ++i) {
+    summaries[scene(i).camera->lens].Add(outcomes[i]);
+    total.Add(outcomes[i]);
+    const Outcome &o = outcomes[i];
+    if (arguments.list && (o.stars.found < o.stars.visible || o.num_wrong > 0))
+      PrintOne(i, scene(i), o);
+  }
+  PrintHead();
+  for (const auto &[lens, summary] : summaries) summary.Print(lens);
+  total.Print("all");
+}
+
+}  // namespace
+}  // namespace raygrid
+
+int main(int argc, char **argv) {
+  raygrid::Arguments arguments;
+  CLI::App app("Recall and accuracy of star detection in rendered images.");
+  app.add_option("--images", arguments.num_images, "number of images")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  app.add_option("--seed", arguments.seed, "of everything random")
+      ->capture_default_str();
+  app.add_option("--threads", arguments.threads, "number of threads")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  app.add_flag("--list", arguments.list, "images in which stars are missed");
+  app.add_option("--only", arguments.only, "one image, by number");
+  app.add_option("--save", arguments.save, "its PNG file");
+  CLI11_PARSE(app, argc, argv);
+  cv::setNumThreads(1);
+  raygrid::Run(arguments);
+  return 0;
+}
