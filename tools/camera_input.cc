@@ -17,7 +17,7 @@ CameraInput ReadCamera(const std::string& path) {
     return input;
   }
   input.blob.emplace(path, bytes);
-  input.file.camera = input.blob->ToModel().Clone();
+  input.file.camera = input.blob->ToModel();
   rg_camera_section identity;
   rg_blob_camera(&input.blob->blob(), &identity);
   input.file.name = identity.name;

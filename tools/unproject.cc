@@ -33,7 +33,8 @@ void Run(const Arguments& arguments) {
         input.blob ? input.blob->Unproject(pixel) : camera.Unproject(pixel);
     text += ray ? FormatVector(*ray) : ",,";
     if (has_origins) {
-      const auto line = camera.Line(pixel);
+      const auto line =
+          input.blob ? input.blob->Line(pixel) : camera.Line(pixel);
       text += "," + (line ? FormatVector(line->origin) : ",,");
     }
     text += "\n";

@@ -6,6 +6,8 @@
 #include <cstring>
 
 #include "bytes.h"
+#include "camera/central_generic.h"
+#include "camera/noncentral_generic.h"
 #include "dataset/error.h"
 
 namespace raygrid {
@@ -38,13 +40,24 @@ BlobCamera::BlobCamera(const std::string& name, const std::string& bytes)
 
 std::optional<Eigen::Vector3d> BlobCamera::Unproject(
     const Eigen::Vector2d& pixel) const {
+  const auto line = Line(pixel);
+  return line ? std::optional(line->direction) : std::nullopt;
+}
+
+std::optional<ObservationLine> BlobCamera::Line(
+    const Eigen::Vector2d& pixel) const {
   const Eigen::Vector2d q16 = pixel * 65536;
   if (!(q16.cwiseAbs().maxCoeff() < 2e9)) return std::nullopt;
-  rg_ray ray;
+  rg_line line;
   const rg_pixel position = {static_cast<int32_t>(std::lround(q16.x())),
                              static_cast<int32_t>(std::lround(q16.y()))};
-  if (rg_unproject(&camera_, position, &ray) != RG_OK) return std::nullopt;
-  return Eigen::Vector3d(ray.x_q30, ray.y_q30, ray.z_q30) / (1 << 30);
+  if (rg_unproject_line(&camera_, position, &line) != RG_OK)
+    return std::nullopt;
+  const rg_ray& ray = line.direction;
+  return ObservationLine{
+      Eigen::Vector3d(line.point_q28[0], line.point_q28[1], line.point_q28[2]) /
+          (1 << RG_LINE_POINT_BITS),
+      Eigen::Vector3d(ray.x_q30, ray.y_q30, ray.z_q30) / (1 << 30)};
 }
 
 std::optional<Eigen::Vector2d> BlobCamera::Project(
@@ -59,7 +72,7 @@ std::optional<Eigen::Vector2d> BlobCamera::Project(
   return Eigen::Vector2d(pixel.x_q16, pixel.y_q16) / 65536;
 }
 
-CentralGeneric BlobCamera::ToModel() const {
+std::unique_ptr<CameraModel> BlobCamera::ToModel() const {
   rg_grid_section grid;
   rg_blob_grid(&blob_, &grid);
   const Area area = {grid.x0_q16 / 65536.0, grid.y0_q16 / 65536.0,
@@ -70,7 +83,16 @@ CentralGeneric BlobCamera::ToModel() const {
       surface.points()[k][c] =
           std::ldexp(rg_load_i32(grid.control_points + 8 * k + 4 * c),
                      -static_cast<int>(RG_CONTROL_POINT_BITS));
-  return CentralGeneric(image_size(), std::move(surface));
+  if (blob_.line_points == 0)
+    return std::make_unique<CentralGeneric>(image_size(), std::move(surface));
+  const uint8_t* const bytes = rg_blob_line_points(&blob_);
+  std::vector<Eigen::Vector3d> points(surface.num_points());
+  for (int k = 0; k < surface.num_points(); ++k)
+    for (int c = 0; c < 3; ++c)
+      points[k][c] = std::ldexp(rg_load_i32(bytes + 12 * k + 4 * c),
+                                -static_cast<int>(RG_LINE_POINT_BITS));
+  return std::make_unique<NonCentralGeneric>(image_size(), std::move(surface),
+                                             std::move(points));
 }
 
 Image BlobCamera::Undistort(const Image& image, uint8_t border) const {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "camera/central_generic.h"
+#include "camera/camera_model.h"
 #include "dataset/image_files.h"
 #include "raygrid.h"
 #include "rg_blob.h"
@@ -38,8 +38,10 @@ class BlobCamera {
   /// Likewise, for a direction or a point.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point) const;
 
-  /// The control grid in double precision, for what the runtime does not do.
-  CentralGeneric ToModel() const;
+  std::optional<ObservationLine> Line(const Eigen::Vector2d& pixel) const;
+
+  /// The control points in double precision, for what the runtime does not do.
+  std::unique_ptr<CameraModel> ToModel() const;
 
   /// Undistorts an image by the runtime's remap, each channel on its own; the
   /// image must have image_size().

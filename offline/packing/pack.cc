@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "camera/central_generic.h"
+#include "camera/noncentral_generic.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
 #include "packing/projection_start.h"
@@ -102,6 +103,31 @@ GridSection QuantizeGrid(const CentralGeneric& camera) {
     }
   }
   return grid;
+}
+
+// The points of a camera's lines, fitted anew if the grid is another one.
+std::vector<int32_t> QuantizeLinePoints(const NonCentralGeneric& camera,
+                                        const BSplineSurface& grid) {
+  const BSplineSurface& own = camera.directions();
+  const bool is_same =
+      own.columns() == grid.columns() && own.rows() == grid.rows() &&
+      own.area().x0 == grid.area().x0 && own.area().y0 == grid.area().y0 &&
+      own.area().x1 == grid.area().x1 && own.area().y1 == grid.area().y1;
+  const std::vector<Eigen::Vector3d> points =
+      is_same ? camera.points()
+              : FitNonCentralGeneric(camera, grid.area(), grid.columns(),
+                                     grid.rows())
+                    .points();
+  std::vector<int32_t> quantized;
+  for (const Eigen::Vector3d& point : points) {
+    for (int c = 0; c < 3; ++c) {
+      const double value = std::ldexp(point[c], RG_LINE_POINT_BITS);
+      if (!(std::abs(value) <= RG_LINE_POINT_LIMIT))
+        FailFormat("its lines lie farther than 7.9 m from its centre");
+      quantized.push_back(static_cast<int32_t>(std::lround(value)));
+    }
+  }
+  return quantized;
 }
 
 // A zero-padded text of RG_TEXT_SIZE bytes.
@@ -204,17 +230,21 @@ UnprojectionError MeasureBlob(const CameraModel& camera,
 
 PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   const CameraModel& camera = *file.camera;
-  if (!camera.IsCentral())
+  const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera);
+  if (!camera.IsCentral() && !lines)
     throw Error(ExitCode::kUsage,
-                fmt::format("a {} camera cannot be packed: blobs of version 1 "
-                            "have no section for its lines' points; calibrate "
-                            "central-generic for the board",
+                fmt::format("a {} camera cannot be packed; fit it with "
+                            "noncentral-generic first",
                             camera.Name()));
   if (camera.image_size().width > static_cast<int>(RG_MAX_IMAGE_SIZE) ||
       camera.image_size().height > static_cast<int>(RG_MAX_IMAGE_SIZE))
     FailFormat(fmt::format("images are at most {} px wide and high",
                            RG_MAX_IMAGE_SIZE));
-  const CentralGeneric model = AsGrid(camera);
+  // What a camera of lines sees of far scenes.
+  const std::optional<CentralGeneric> far =
+      lines ? std::optional(lines->CentralPart()) : std::nullopt;
+  const CameraModel& central = far ? *far : camera;
+  const CentralGeneric model = AsGrid(central);
   const GridSection grid = QuantizeGrid(model);
   const ProjectionStart start = MakeProjectionStart(model.surface());
   const std::string name = PaddedText("name", file.name);
@@ -227,13 +257,15 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   contents.camera = &identity;
   contents.grid = &grid.section;
   contents.control_points_q29 = grid.control_points.data();
-  contents.start = &start.section;
-  contents.start_vertices = start.vertices.data();
+  if (!lines) {
+    contents.start = &start.section;
+    contents.start_vertices = start.vertices.data();
+  }
 
   PackedCamera packed;
   RemapTable remap;
   if (options.remap) {
-    remap = FitRemapTable(camera, *options.remap, options.max_error_px,
+    remap = FitRemapTable(central, *options.remap, options.max_error_px,
                           options.num_threads);
     remap.section.empty_blocks = remap.empty_blocks.data();
     contents.remap = &remap.section;
@@ -243,8 +275,8 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   }
 
   // Once to measure, once more with the figures.
-  const UnprojectionError error =
-      MeasureBlob(camera, WriteBlob(contents), NumThreads(options.num_threads));
+  const UnprojectionError error = MeasureBlob(central, WriteBlob(contents),
+                                              NumThreads(options.num_threads));
   packed.unproject_error_px = error.px;
   packed.unproject_error_rad = error.rad;
   if (error.px > kMaxPackingErrorPx)
@@ -255,6 +287,11 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
                     error.px, kMaxPackingErrorPx));
   const rg_quality_section quality = QualityOf(file, error.px, error.rad);
   contents.quality = &quality;
+  std::vector<int32_t> line_points;
+  if (lines) {
+    line_points = QuantizeLinePoints(*lines, model.surface());
+    contents.line_points_q28 = line_points.data();
+  }
   packed.blob = WriteBlob(contents);
   return packed;
 }

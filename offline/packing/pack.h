@@ -24,11 +24,12 @@ struct PackedCamera {
   int block_size = 0;
 };
 
-/// Packs a camera of any model; one that is not central-generic is fitted with
-/// the coarsest grid that follows it to kMaxPackingErrorPx. The errors are
-/// measured with the runtime's own arithmetic on the finished blob, and stored
-/// in it. Throws Error(kQuality) if the bounds cannot be kept, Error(kUsage)
-/// for a camera that the format cannot hold.
+/// Packs a camera of any model; a central one that is not central-generic is
+/// fitted with the coarsest grid that follows it to kMaxPackingErrorPx. The
+/// errors are measured with the runtime's own arithmetic on the finished blob,
+/// and stored in it. The remap of a noncentral-generic camera is that of its
+/// directions: right for far scenes. Throws Error(kQuality) if the bounds
+/// cannot be kept, Error(kUsage) for a camera that the format cannot hold.
 PackedCamera PackCamera(const CameraFile& file, const PackOptions& options);
 
 /// Un-projection error that a blob may add.

@@ -1,6 +1,8 @@
 #include <cstdio>
 #include <functional>
 
+#include "camera/central_generic.h"
+#include "camera/noncentral_generic.h"
 #include "packing/blob_camera.h"
 #include "packing/pack.h"
 #include "packing/virtual_camera.h"
@@ -199,12 +201,48 @@ TEST(BlobCamera, ProjectsAsTheCamera) {
 }
 
 TEST(BlobCamera, ToModelIsTheCamera) {
-  const CentralGeneric model = Opened().ToModel();
-  EXPECT_EQ(model.image_size(), GenericFile().camera->image_size());
-  EXPECT_LT((model.Parameters() - GenericFile().camera->Parameters())
+  const std::unique_ptr<CameraModel> model = Opened().ToModel();
+  EXPECT_EQ(model->image_size(), GenericFile().camera->image_size());
+  EXPECT_LT((model->Parameters() - GenericFile().camera->Parameters())
                 .cwiseAbs()
                 .maxCoeff(),
             std::ldexp(1, -29));
+}
+
+// Lines that leave the example camera through points up to 1 cm off its centre.
+NonCentralGeneric CameraOfLines(const BSplineSurface& directions) {
+  std::vector<Eigen::Vector3d> points;
+  TestRandom random(8);
+  for (int k = 0; k < directions.num_points(); ++k) {
+    const Eigen::Vector2d xy = random.PixelIn({-0.01, -0.01, 0.01, 0.01});
+    points.emplace_back(xy.x(), xy.y(), 0.005 * (k % 3));
+  }
+  return NonCentralGeneric({640, 480}, directions, points);
+}
+
+TEST(PackCamera, PacksTheLinesOfANonCentralCamera) {
+  const auto& central =
+      dynamic_cast<const CentralGeneric&>(*GenericFile().camera);
+  CameraFile file = GenericFile();
+  file.camera =
+      std::make_shared<NonCentralGeneric>(CameraOfLines(central.surface()));
+  const PackedCamera packed = PackCamera(file, WithRemap());
+  const BlobCamera blob("lines", packed.blob);
+  const std::unique_ptr<CameraModel> model = blob.ToModel();
+  EXPECT_FALSE(model->IsCentral());
+  TestRandom random(3);
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Vector2d pixel =
+        (random.PixelIn({1, 1, 638, 478}) * 65536).array().round() / 65536;
+    const auto exact = file.camera->Line(pixel);
+    const auto line = blob.Line(pixel);
+    ASSERT_TRUE(exact && line);
+    EXPECT_LT((line->origin - exact->origin).norm(), 5e-8);
+    EXPECT_LT(line->direction.cross(exact->direction).norm(), 1e-6);
+    EXPECT_LT((model->Line(pixel)->origin - exact->origin).norm(), 1e-8);
+  }
+  EXPECT_FALSE(blob.Project({0, 0, 1}));
+  EXPECT_TRUE(blob.has_remap());
 }
 
 TEST(BlobCamera, RefusesDamagedBlobsByName) {
