@@ -143,6 +143,15 @@ Misfit MisfitOf(const Adjusted& adjusted, size_t num_features) {
   return {unexplained / count, (sum + kCapPx * unexplained) / count};
 }
 
+// A pinhole's distortion is taken where it fits nearly as well: beyond the
+// outermost features, in the image's corners, it goes on more tamely than a
+// polynomial of the angle (simulated lens of 62 degrees: 0.10 px off in the
+// worst corner, where that was 0.21 px).
+double FavourOf(const Adjusted& adjusted) {
+  constexpr double kPinholeFavour = 0.8;
+  return adjusted.state.camera().Name() == "opencv" ? kPinholeFavour : 1;
+}
+
 size_t NumFeatures(const CalibrationProblem& problem) {
   size_t count = 0;
   for (const View& view : problem.views) count += view.observations.size();
@@ -183,13 +192,16 @@ Adjusted AdjustStart(const Dataset& dataset, const Pattern& pattern,
   fixed_points.fix_points = true;
   std::optional<Adjusted> best;
   Misfit least;
+  double least_weighted = INFINITY;
   for (const auto& start : Starts(dataset, pattern)) {
     const auto adjusted = AdjustFrom(*start, pattern, all, fixed_points);
     if (!adjusted) continue;
     const Misfit misfit = MisfitOf(*adjusted, num_features);
-    if (best && misfit.mean_px >= least.mean_px) continue;
+    const double weighted = misfit.mean_px * FavourOf(*adjusted);
+    if (best && weighted >= least_weighted) continue;
     best = adjusted;
     least = misfit;
+    least_weighted = weighted;
   }
   if (!best)
     throw Error(ExitCode::kInitialization,

@@ -18,8 +18,9 @@ constexpr int kMaxDegree = 3;
 // Bounds of what is plausible.
 constexpr double kMinSpacingPx = 5;
 constexpr double kMaxMovePx = 2;
-constexpr double kMaxAsymmetry = 0.4;  // of the contrast
-constexpr double kMinContrast = 3;     // grey levels
+constexpr double kMaxMoveSquares = 0.03;  // of large ones
+constexpr double kMaxAsymmetry = 0.4;     // of the contrast
+constexpr double kMinContrast = 3;        // grey levels
 
 // How far a feature may lie from where its neighbours say.
 struct Tolerance {
@@ -93,8 +94,8 @@ void RejectLonely(const Board& board, FeatureLattice* lattice,
 // All features once, each with what its neighbours tell before.
 struct Round {
   const SymmetrySamples* samples;
-  double max_move_px;
-  double noise;  // of the image, grey levels
+  double max_move_px, max_move_squares;  // whichever is more
+  double noise;                          // of the image, grey levels
 };
 
 struct FeatureRefiner::Data {
@@ -134,7 +135,10 @@ SymmetryResult FeatureRefiner::Data::Symmetry(const GreyImage& image,
   symmetry.refinement = options.refinement;
   symmetry.inverts_colors = ReflectionInvertsColors(board);
   symmetry.center_only = center_only;
-  symmetry.max_move_px = round.max_move_px;
+  // Half a window away there is nothing to go by.
+  symmetry.max_move_px =
+      std::clamp(round.max_move_squares * start.SpacingPx(), round.max_move_px,
+                 std::max(round.max_move_px, options.window_px / 3.0));
   return RefineSymmetry(image, *round.samples,
                         masks[board.PointIndex(feature.column, feature.row)],
                         start, symmetry);
@@ -195,8 +199,9 @@ void FeatureRefiner::Data::RefineBySymmetry(const GreyImage& image,
                                             FeatureLattice* lattice,
                                             ImageDetection* detection) const {
   const double noise = NoiseOf(image);
-  RefineOnce(image, {&rough_samples, kMaxMovePx, noise}, lattice, detection);
-  RefineOnce(image, {&samples, kMaxMovePx / 4, noise}, lattice, detection);
+  RefineOnce(image, {&rough_samples, kMaxMovePx, kMaxMoveSquares, noise},
+             lattice, detection);
+  RefineOnce(image, {&samples, kMaxMovePx / 4, 0, noise}, lattice, detection);
 }
 
 void FeatureRefiner::Data::RefineByCorners(const GreyImage& image,
@@ -248,7 +253,7 @@ std::vector<Feature> FeatureRefiner::RefineWith(
   if (data_->options.refinement == Refinement::kNone ||
       data_->options.refinement == Refinement::kCornerSubpix)
     return features;
-  const Round round = {&data_->samples, kMaxMovePx / 4, 0};
+  const Round round = {&data_->samples, kMaxMovePx / 4, 0, 0};
   for (Feature& feature : features) {
     const auto mapping = tell_mapping(feature);
     if (!mapping) continue;
