@@ -6,6 +6,7 @@
 #include <set>
 
 #include "adjustment/metric_scale.h"
+#include "calibration/continued_lens.h"
 #include "camera/model_fitting.h"
 #include "camera/noncentral_generic.h"
 #include "evaluation/line_spread.h"
@@ -34,11 +35,10 @@ AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
   return summary;
 }
 
-// How far off axis a lens may be believed: a little beyond the features. In the
-// corners around a fisheye's image circle, polynomials go astray.
+// How far off axis a lens may be believed: a little beyond the features.
 double CredibleAngle(const CalibrationProblem& problem,
                      const CameraModel& lens) {
-  constexpr double kBeyond = 1.1, kAlways = 60 * M_PI / 180;
+  constexpr double kBeyond = 1.05, kAlways = 60 * M_PI / 180;
   double farthest = 0;
   for (const View& view : problem.views) {
     for (const Observation& observation : view.observations) {
@@ -53,11 +53,11 @@ double CredibleAngle(const CalibrationProblem& problem,
 
 CentralGeneric AsGrid(const CalibrationProblem& problem,
                       const CameraModel& lens, double cell_px) {
-  constexpr int kSamplesPerCell = 4;
   const Area area = FeatureArea(problem, 0);
-  return FitCentralGeneric(lens, area, NumControlPoints(area.width(), cell_px),
-                           NumControlPoints(area.height(), cell_px),
-                           kSamplesPerCell, CredibleAngle(problem, lens));
+  return FitCentralGeneric(
+      ContinuedLens(lens, area, CredibleAngle(problem, lens)), area,
+      NumControlPoints(area.width(), cell_px),
+      NumControlPoints(area.height(), cell_px));
 }
 
 // The grid camera, around a parametric lens.
