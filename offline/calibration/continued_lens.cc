@@ -25,7 +25,7 @@ Eigen::Vector3d ContinuedLens::Direction(double angle_rad,
 
 std::optional<Eigen::Vector3d> ContinuedLens::Unproject(
     const Eigen::Vector2d& pixel) const {
-  constexpr double kStep = 0.02, kAnywherePx = 1e9, kLargest = 2.6;
+  constexpr double kStep = 0.02, kAnywherePx = 1e9, kLargest = 2.3;
   if (!area().Contains(pixel)) return std::nullopt;
   const auto ray = lens_->Unproject(pixel);
   if (ray && std::atan2(ray->head<2>().norm(), ray->z()) <= max_angle_rad_)

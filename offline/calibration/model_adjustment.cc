@@ -35,27 +35,28 @@ AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
   return summary;
 }
 
-// How far off axis a lens may be believed: a little beyond the features.
+// How far off axis a lens may be believed: a little beyond the points seen.
 double CredibleAngle(const CalibrationProblem& problem,
-                     const CameraModel& lens) {
+                     const AdjustmentState& state) {
   constexpr double kBeyond = 1.05, kAlways = 60 * M_PI / 180;
   double farthest = 0;
   for (const View& view : problem.views) {
+    const Pose pose = state.CameraFromPattern(view);
     for (const Observation& observation : view.observations) {
-      const auto ray = lens.Unproject(observation.pixel);
-      if (ray)
-        farthest =
-            std::max(farthest, std::atan2(ray->head<2>().norm(), ray->z()));
+      const Eigen::Vector3d point = pose * state.points[observation.point];
+      farthest =
+          std::max(farthest, std::atan2(point.head<2>().norm(), point.z()));
     }
   }
   return std::max(kBeyond * farthest, kAlways);
 }
 
 CentralGeneric AsGrid(const CalibrationProblem& problem,
-                      const CameraModel& lens, double cell_px) {
+                      const AdjustmentState& state, const CameraModel& lens,
+                      double cell_px) {
   const Area area = FeatureArea(problem, 0);
   return FitCentralGeneric(
-      ContinuedLens(lens, area, CredibleAngle(problem, lens)), area,
+      ContinuedLens(lens, area, CredibleAngle(problem, state)), area,
       NumControlPoints(area.width(), cell_px),
       NumControlPoints(area.height(), cell_px));
 }
@@ -65,7 +66,7 @@ AdjustmentSummary AdjustGrid(const CalibrationProblem& problem,
                              const CameraModel& lens, double cell_px,
                              const AdjustmentOptions& options,
                              AdjustmentState* state) {
-  const CentralGeneric base = AsGrid(problem, lens, cell_px);
+  const CentralGeneric base = AsGrid(problem, *state, lens, cell_px);
   GaussianPrior prior;
   prior.cameras = {SmoothnessPrior(base)};
   state->cameras[0] = base.Clone();
@@ -95,7 +96,7 @@ AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
                               AdjustmentState* state) {
   AdjustGrid(problem, lens, cell_px, WithFixedPoints(options), state);
   GaussianPrior prior;
-  prior.cameras = {NonCentralPrior(AsGrid(problem, lens, cell_px),
+  prior.cameras = {NonCentralPrior(AsGrid(problem, *state, lens, cell_px),
                                    MeanDistance(problem, *state))};
   state->cameras[0] =
       NonCentralGeneric(dynamic_cast<const CentralGeneric&>(state->camera()))
