@@ -6,6 +6,7 @@
 #include <set>
 
 #include "adjustment/metric_scale.h"
+#include "calibration/continued_lens.h"
 #include "camera/model_fitting.h"
 #include "camera/noncentral_generic.h"
 #include "evaluation/line_spread.h"
@@ -71,34 +72,31 @@ AdjustmentSummary AdjustLenses(const std::string& model,
   return AdjustLenses(problem, options, prior, state);
 }
 
-// How far off axis a lens may be believed: a little beyond the features. In the
-// corners around a fisheye's image circle, polynomials go astray.
+// How far off axis a lens may be believed: a little beyond the points seen.
 double CredibleAngle(const CalibrationProblem& problem, size_t camera,
-                     const CameraModel& lens) {
-  constexpr double kBeyond = 1.1, kAlways = 60 * M_PI / 180;
+                     const AdjustmentState& state) {
+  constexpr double kBeyond = 1.05, kAlways = 60 * M_PI / 180;
   double farthest = 0;
   for (const View& view : problem.views) {
     if (view.camera != static_cast<int>(camera)) continue;
+    const Pose pose = state.CameraFromPattern(view);
     for (const Observation& observation : view.observations) {
-      const auto ray = lens.Unproject(observation.pixel);
-      if (ray)
-        farthest =
-            std::max(farthest, std::atan2(ray->head<2>().norm(), ray->z()));
+      const Eigen::Vector3d point = pose * state.points[observation.point];
+      farthest =
+          std::max(farthest, std::atan2(point.head<2>().norm(), point.z()));
     }
   }
   return std::max(kBeyond * farthest, kAlways);
 }
 
 CentralGeneric AsGrid(const CalibrationProblem& problem, size_t camera,
-                      const Starts& starts) {
+                      const Starts& starts, const AdjustmentState& state) {
   const Area area = FeatureArea(problem, static_cast<int>(camera));
   const double cell_px = starts.cells_px[camera];
-  constexpr int kSamplesPerCell = 4;
-  const CameraModel& lens = *starts.lenses[camera];
-  return FitCentralGeneric(lens, area, NumControlPoints(area.width(), cell_px),
-                           NumControlPoints(area.height(), cell_px),
-                           kSamplesPerCell,
-                           CredibleAngle(problem, camera, lens));
+  return FitCentralGeneric(ContinuedLens(*starts.lenses[camera], area,
+                                         CredibleAngle(problem, camera, state)),
+                           area, NumControlPoints(area.width(), cell_px),
+                           NumControlPoints(area.height(), cell_px));
 }
 
 // Grid cameras, each around a parametric lens.
@@ -108,7 +106,7 @@ AdjustmentSummary AdjustGrids(const CalibrationProblem& problem,
                               GaussianPrior* prior, AdjustmentState* state) {
   *prior = {};
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
-    const CentralGeneric base = AsGrid(problem, c, starts);
+    const CentralGeneric base = AsGrid(problem, c, starts, *state);
     prior->cameras.push_back(SmoothnessPrior(base));
     state->cameras[c] = base.Clone();
   }
@@ -140,7 +138,7 @@ AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
   AdjustGrids(problem, starts, WithFixedPoints(options), prior, state);
   *prior = {};
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
-    prior->cameras.push_back(NonCentralPrior(AsGrid(problem, c, starts),
+    prior->cameras.push_back(NonCentralPrior(AsGrid(problem, c, starts, *state),
                                              MeanDistance(problem, c, *state)));
     state->cameras[c] = NonCentralGeneric(dynamic_cast<const CentralGeneric&>(
                                               *state->cameras[c]))

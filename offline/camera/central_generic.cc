@@ -92,15 +92,12 @@ void CentralGeneric::SetParameters(const Eigen::VectorXd& parameters) {
 }
 
 CentralGeneric FitCentralGeneric(const CameraModel& model, const Area& area,
-                                 int columns, int rows, int samples_per_cell,
-                                 double max_angle_rad) {
-  const double min_z = std::cos(std::min(max_angle_rad, M_PI));
+                                 int columns, int rows, int samples_per_cell) {
   const BSplineSurface grid(area, columns, rows);
   std::vector<SurfaceSample> samples;
   for (const Eigen::Vector2d& pixel : grid.SamplePixels(samples_per_cell)) {
     const auto direction = model.Unproject(pixel);
-    if (direction && direction->z() >= min_z)
-      samples.push_back({pixel, ToChart(*direction)});
+    if (direction) samples.push_back({pixel, ToChart(*direction)});
   }
   return CentralGeneric(model.image_size(),
                         FitSurface(area, columns, rows, samples));

@@ -1,8 +1,6 @@
 #ifndef RAYGRID_CAMERA_CENTRAL_GENERIC_H
 #define RAYGRID_CAMERA_CENTRAL_GENERIC_H
 
-#include <cmath>
-
 #include "camera/bspline_surface.h"
 #include "camera/camera_model.h"
 
@@ -47,12 +45,9 @@ class CentralGeneric : public CameraModel {
 
 /// The grid model closest to another model: directions at samples_per_cell^2
 /// pixels of each cell, fitted in the chart by least squares.
-/// Where the model gives nothing, or looks farther than max_angle_rad off axis,
-/// the grid goes on smoothly.
 CentralGeneric FitCentralGeneric(const CameraModel& model, const Area& area,
                                  int columns, int rows,
-                                 int samples_per_cell = 4,
-                                 double max_angle_rad = M_PI);
+                                 int samples_per_cell = 4);
 
 }  // namespace raygrid
 

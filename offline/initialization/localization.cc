@@ -136,15 +136,46 @@ std::vector<double> ErrorsPx(const std::vector<Sight>& sights,
   return errors;
 }
 
+double MedianErrorPx(const std::vector<Sight>& sights, const Pose& pose) {
+  std::vector<double> errors = ErrorsPx(sights, pose);
+  const auto middle = errors.begin() + errors.size() / 2;
+  std::nth_element(errors.begin(), middle, errors.end());
+  return *middle;
+}
+
+// From all sights; should most of them not agree, also from parts of them,
+// which hold fewer outliers.
+std::optional<Pose> BestPose(const std::vector<Sight>& sights) {
+  constexpr size_t kParts = 6;
+  constexpr double kGoodPx = 1;
+  std::optional<Pose> best;
+  double best_px = INFINITY;
+  const auto try_start = [&](const std::vector<Sight>& part) {
+    const auto start = PoseFromPerspective(part);
+    const auto pose = start ? Refine(sights, *start) : std::nullopt;
+    const double error_px = pose ? MedianErrorPx(sights, *pose) : INFINITY;
+    if (pose && (!best || error_px < best_px)) {
+      best = pose;
+      best_px = error_px;
+    }
+  };
+  try_start(sights);
+  for (size_t first = 0; first < kParts && !(best_px < kGoodPx); ++first) {
+    std::vector<Sight> part;
+    for (size_t i = first; i < sights.size(); i += kParts)
+      part.push_back(sights[i]);
+    if (part.size() >= kMinSights) try_start(part);
+  }
+  return best;
+}
+
 // The sights that a pose does not leave far from where most are.
 std::vector<Sight> Consistent(const std::vector<Sight>& sights,
                               const Pose& pose) {
   constexpr double kTimesMedian = 6, kAlwaysPx = 3;
   const std::vector<double> errors = ErrorsPx(sights, pose);
-  std::vector<double> sorted = errors;
-  std::sort(sorted.begin(), sorted.end());
   const double limit_px =
-      std::max(kAlwaysPx, kTimesMedian * sorted[sorted.size() / 2]);
+      std::max(kAlwaysPx, kTimesMedian * MedianErrorPx(sights, pose));
   std::vector<Sight> consistent;
   for (size_t i = 0; i < sights.size(); ++i)
     if (errors[i] <= limit_px) consistent.push_back(sights[i]);
@@ -160,9 +191,7 @@ std::optional<Pose> Localize(const CameraModel& camera,
   std::optional<Pose> pose;
   for (int round = 0; round < kMaxRounds; ++round) {
     if (sights.size() < kMinSights) return pose;
-    const auto start = PoseFromPerspective(sights);
-    if (!start) return pose;
-    const auto refined = Refine(sights, *start);
+    const auto refined = BestPose(sights);
     if (!refined) return pose;
     pose = refined;
     std::vector<Sight> consistent = Consistent(sights, *pose);

@@ -218,6 +218,7 @@ CalibrationResult CalibrateSeenBy(const CameraModel& lens,
   for (size_t i = 0; i < dataset.images.size(); i += 4)
     options.hold_out.push_back(dataset.images[i].image);
   options.model = model;
+  options.num_threads = 1;
   return Calibrate(dataset, TestBoard(), options);
 }
 

@@ -62,6 +62,27 @@ TEST(Localize, RecoversExactPoses) {
   }
 }
 
+// Exactly, as if they were not there.
+TEST(Localize, IsNotMovedByGrossOutliers) {
+  const SimulatedCamera camera = ExampleSimulatedCamera();
+  TestRandom random(5);
+  int count = 0;
+  while (count < 60) {
+    const Pose pose =
+        PoseAlong(*camera.Unproject(random.PixelIn(camera.area())), &random);
+    auto matches = Seen(camera, pose);
+    if (matches.size() < 24) continue;
+    ++count;
+    for (int i = 0; i < 2; ++i) {
+      Eigen::Vector2d& pixel =
+          matches[random.Index(static_cast<int>(matches.size()))].pixel;
+      const Eigen::Vector2d elsewhere = random.PixelIn(camera.area());
+      if ((elsewhere - pixel).norm() > 50) pixel = elsewhere;
+    }
+    ExpectPose(Localize(camera, matches), pose, 1e-6);
+  }
+}
+
 TEST(Localize, RecoversPosesFarOffTheAxisOfAFisheye) {
   const CentralGeneric camera = ExampleFisheye();
   TestRandom random(2);

@@ -1,0 +1,56 @@
+#include "initialization/radial_start.h"
+
+#include "evaluation/model_difference.h"
+#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_observations.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+Pattern TestBoard() { return ChessboardPattern(14, 10, 0.03); }
+
+Dataset Observations(const CameraModel& camera, double noise_px) {
+  SimulationOptions options;
+  options.num_images = 15;
+  options.features_per_image = 60;
+  options.noise_px = noise_px;
+  options.seed = 3;
+  return SimulateObservations(camera, TestBoard(), options).dataset;
+}
+
+double MedianRayError(const CameraModel& camera, const Dataset& dataset) {
+  const auto start = StartFromRadialLines(dataset, TestBoard());
+  if (!start) return INFINITY;
+  return CompareModels(camera, *start, 8).median_px;
+}
+
+// Linear equations alone; what they have no terms for remains.
+TEST(RadialStart, IsNearlyTheLensOfAnyFieldOfView) {
+  const ImageSize size = {640, 480};
+  for (const char* lens : {"pinhole", "wide", "fisheye", "fisheye190"}) {
+    const auto camera = SimulatedLens(lens, size);
+    EXPECT_LT(MedianRayError(*camera, Observations(*camera, 0.05)), 3) << lens;
+  }
+}
+
+TEST(RadialStart, IsNotMovedByGrossOutliers) {
+  const auto camera = SimulatedLens("fisheye190", {640, 480});
+  Dataset dataset = Observations(*camera, 0.05);
+  TestRandom random(7);
+  for (ImageFeatures& image : dataset.images)
+    for (int i = 0; i < 2; ++i)
+      image.features[random.Index(60)].pixel = random.PixelIn({0, 0, 639, 479});
+  EXPECT_LT(MedianRayError(*camera, dataset), 3);
+}
+
+TEST(RadialStart, NeedsTwoViews) {
+  const auto camera = SimulatedLens("fisheye190", {640, 480});
+  Dataset dataset = Observations(*camera, 0);
+  dataset.images.resize(1);
+  EXPECT_FALSE(StartFromRadialLines(dataset, TestBoard()));
+  EXPECT_FALSE(StartFromRadialLines(Dataset(), TestBoard()));
+}
+
+}  // namespace
+}  // namespace raygrid
