@@ -5,6 +5,7 @@
 #include <set>
 
 #include "calibration/camera_evaluation.h"
+#include "camera/thin_prism_fisheye.h"
 #include "evaluation/line_spread.h"
 #include "evaluation/model_difference.h"
 #include "simulation/line_lens.h"
@@ -186,6 +187,24 @@ TEST(Calibrate, ProgressGrowsFromZeroToOne) {
   EXPECT_EQ(done.front(), 0);
   EXPECT_EQ(done.back(), 1);
   EXPECT_TRUE(std::is_sorted(done.begin(), done.end()));
+}
+
+// Its axis is nowhere near the middle, and its pixels are not square.
+TEST(Calibrate, NeedsNoHintForAPartOfAFisheyesImage) {
+  ThinPrismFisheye::ParameterArray parameters = {};
+  parameters[ThinPrismFisheye::kFx] = 380;
+  parameters[ThinPrismFisheye::kFy] = 300;
+  parameters[ThinPrismFisheye::kCx] = -60;
+  parameters[ThinPrismFisheye::kCy] = 20;
+  const ThinPrismFisheye lens({640, 480}, {-1, -1, 640, 480}, parameters);
+  SimulationOptions simulation;
+  simulation.num_images = 30;
+  simulation.features_per_image = 80;
+  const Dataset dataset =
+      SimulateObservations(lens, TestBoard(), simulation).dataset;
+  const CalibrationResult result =
+      Calibrate(dataset, TestBoard(), HoldingOut({dataset.images[7].image}));
+  EXPECT_LT(CompareModels(lens, *result.camera.camera, 16).median_px, 0.05);
 }
 
 TEST(Calibrate, AreaIsThatOfTheFeatures) {
