@@ -14,7 +14,7 @@ namespace raygrid {
 /// Extraction": randomness spares us the artefacts of bilinear interpolation on
 /// a lattice).
 struct SymmetrySamples {
-  int window_px = 0;
+  int window_px = 0, per_pixel = 0;
   std::vector<float> x, y;
 };
 SymmetrySamples MakeSymmetrySamples(int window_px, int samples_per_pixel);
@@ -34,6 +34,9 @@ struct SymmetryResult {
   LocalMapping mapping;  ///< refined
   double rms = 0;        ///< of the differences, grey levels
   double contrast = 0;   ///< RMS deviation from the mean, grey levels
+  /// Standard deviation of the centre along its less certain direction, if the
+  /// differences are noise.
+  double deviation_px = 0;
 };
 
 /// Minimises C_sym(H) = sum_i (I(x(s_i)) -+ I(x(-s_i)))^2 over the homography's
