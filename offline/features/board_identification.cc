@@ -11,9 +11,9 @@
 namespace raygrid {
 namespace {
 
-// That a board of none of the tags looks so: nine cells, as far as the stars
+// That a board of none of the tags looks so: seven cells, as far as the stars
 // leave two placements.
-constexpr double kMaxByChance = 4e-3;
+constexpr double kMaxByChance = 1e-2;
 // Of another placement, where there is doubt.
 constexpr double kMaxRivalByChance = 5e-2;
 // Of the stars, where the board has none: beside tags and along the edges half
