@@ -139,6 +139,7 @@ SymmetryResult FeatureRefiner::Data::Symmetry(const GreyImage& image,
   symmetry.refinement = options.refinement;
   symmetry.inverts_colors = ReflectionInvertsColors(board);
   symmetry.center_only = center_only;
+  symmetry.noise = round.noise;
   // Half a window away there is nothing to go by.
   symmetry.max_move_px =
       std::clamp(round.max_move_squares * start.SpacingPx(), round.max_move_px,

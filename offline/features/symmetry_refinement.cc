@@ -309,23 +309,29 @@ bool Minimize(const Problem<N>& problem, double max_move_px,
   return true;
 }
 
-// Of the centre: s^2 H^-1, where s^2 is the mean square of the differences. A
-// pixel's noise is in all its samples alike, which count as one. Noise has
-// gradients too, which tell nothing of the centre: kNoiseGradients of its
-// square (measured on white noise), which H is without.
+// Of the centre: s^2 H^-1, where s^2 is the mean square of the differences as
+// far as noise explains it, twice as strong as it seems: what is not symmetric
+// adds to them too. A pixel's noise is in all its samples alike, which count as
+// one. Noise has gradients, which tell nothing of the centre: H is without
+// them. Both factors are measured on white noise.
 template <int N>
-double DeviationPx(const System<N>& system, int samples_per_pixel) {
-  constexpr double kNoiseGradients = 2.9;
+double DeviationPx(const System<N>& system, int samples_per_pixel,
+                   double noise) {
+  constexpr double kNoiseDifferences = 1.33, kNoiseGradients = 2.9;
+  constexpr double kRounding = 1 / 12.0;
+  const double s2 =
+      std::min(system.cost / system.count,
+               4 * kNoiseDifferences * (noise * noise + kRounding));
   Eigen::Matrix<double, N, N> hessian = system.hessian.template cast<double>();
   hessian.diagonal().template head<2>().array() -=
-      kNoiseGradients * system.cost;
+      kNoiseGradients * s2 * system.count;
   const Eigen::LLT<Eigen::Matrix<double, N, N>> llt(hessian);
   if (llt.info() != Eigen::Success) return INFINITY;
   const Eigen::Matrix2d inverse =
       llt.solve(Eigen::Matrix<double, N, 2>::Identity()).template topRows<2>();
   const double largest =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(inverse).eigenvalues()[1];
-  return std::sqrt(samples_per_pixel * system.cost / system.count * largest);
+  return std::sqrt(samples_per_pixel * s2 * largest);
 }
 
 template <int N>
@@ -341,7 +347,7 @@ void Refine(const SymmetryPatch& patch, const Pairs& pairs,
   result->rms = std::sqrt(system.cost / n);
   result->contrast =
       std::sqrt(std::max(0.0, system.sum_squares / n - mean * mean));
-  result->deviation_px = DeviationPx(system, samples_per_pixel);
+  result->deviation_px = DeviationPx(system, samples_per_pixel, options.noise);
 }
 
 }  // namespace

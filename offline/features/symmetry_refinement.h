@@ -27,6 +27,7 @@ struct SymmetryOptions {
   /// The centre alone, where the rest of the mapping is known well.
   bool center_only = false;
   double max_move_px = 2;
+  double noise = 0;  ///< of the image, grey levels
 };
 
 struct SymmetryResult {
@@ -34,8 +35,8 @@ struct SymmetryResult {
   LocalMapping mapping;  ///< refined
   double rms = 0;        ///< of the differences, grey levels
   double contrast = 0;   ///< RMS deviation from the mean, grey levels
-  /// Standard deviation of the centre along its less certain direction, if the
-  /// differences are noise.
+  /// Standard deviation of the centre by the image's noise, along its less
+  /// certain direction; of intensities.
   double deviation_px = 0;
 };
 
