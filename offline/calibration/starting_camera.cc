@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include "camera/model_fitting.h"
@@ -101,6 +102,31 @@ void RemoveGrossOutliers(const Pattern& pattern, int num_threads,
   }
 }
 
+// Every so many, so that no more than max_count are left.
+template <typename T>
+std::vector<T> Thinned(const std::vector<T>& all, size_t max_count) {
+  const size_t step = (all.size() + max_count - 1) / max_count;
+  std::vector<T> thinned;
+  for (size_t i = 0; i < all.size(); i += std::max<size_t>(1, step))
+    thinned.push_back(all[i]);
+  return thinned;
+}
+
+// As much as tells the dozen parameters of a lens.
+Adjusted Thinned(const Adjusted& all) {
+  constexpr size_t kMaxViews = 100, kMaxFeatures = 60;
+  Adjusted thinned = all;
+  CalibrationProblem& problem = thinned.problem;
+  std::vector<size_t> indices(problem.views.size());
+  std::iota(indices.begin(), indices.end(), 0);
+  std::vector<bool> remove(indices.size(), true);
+  for (const size_t v : Thinned(indices, kMaxViews)) remove[v] = false;
+  RemoveViews(remove, &problem);
+  for (View& view : problem.views)
+    view.observations = Thinned(view.observations, kMaxFeatures);
+  return thinned;
+}
+
 // Twice: a better lens localises more views, and those it has better.
 std::optional<Adjusted> AdjustFrom(const CameraModel& start,
                                    const Pattern& pattern, const Adjusted& all,
@@ -185,20 +211,20 @@ std::unique_ptr<CameraModel> GenericStartingLens(const Dataset& dataset,
       .model->Clone();
 }
 
-// The starts adjusted, of which the best is kept.
+// The starts adjusted to a part of the features, of which the best is kept.
 class StartTrials {
  public:
   StartTrials(const Pattern& pattern, const Adjusted& all,
               const AdjustmentOptions& options)
       : pattern_(pattern),
-        all_(all),
-        num_features_(NumFeatures(all.problem)),
+        thinned_(Thinned(all)),
+        num_features_(NumFeatures(thinned_.problem)),
         options_(options) {
     options_.fix_points = true;
   }
 
   void Try(const CameraModel& start) {
-    const auto adjusted = AdjustFrom(start, pattern_, all_, options_);
+    const auto adjusted = AdjustFrom(start, pattern_, thinned_, options_);
     if (!adjusted) return;
     const Misfit misfit = MisfitOf(*adjusted, num_features_);
     const double weighted = misfit.mean_px * FavourOf(*adjusted);
@@ -233,7 +259,7 @@ class StartTrials {
 
  private:
   const Pattern& pattern_;
-  const Adjusted& all_;
+  Adjusted thinned_;
   size_t num_features_;
   AdjustmentOptions options_;
   std::optional<Adjusted> best_;
@@ -265,7 +291,10 @@ Adjusted AdjustStart(const Dataset& dataset, const Pattern& pattern,
     if (const auto start =
             GenericStartingLens(dataset, pattern, options.num_threads))
       trials.Try(*start);
-  return trials.Best();
+  Adjusted adjusted =
+      Localized(trials.Best().state.camera(), all, options.num_threads);
+  RemoveGrossOutliers(pattern, options.num_threads, &adjusted);
+  return adjusted;
 }
 
 }  // namespace raygrid
