@@ -259,6 +259,21 @@ TEST(Calibrate, OnlyLinesExplainWhatIsSeenThroughGlass) {
             0.25 * CompareModels(lens, *central.camera.camera, 16, 0.5).rms_px);
 }
 
+TEST(Calibrate, AdjustsEveryModel) {
+  const auto lens = SimulatedLens("fisheye", {640, 480});
+  for (const char* model : {"central-generic", "noncentral-generic",
+                            "central-radial", "thin-prism-fisheye"}) {
+    const CalibrationResult result = CalibrateSeenBy(*lens, model);
+    EXPECT_EQ(result.camera.camera->Name(), model);
+    // The parametric ones lack the lens's local bends.
+    EXPECT_LT(result.camera.held_out->median_px, 0.3) << model;
+  }
+  const CalibrationResult pinhole =
+      CalibrateSeenBy(*SimulatedLens("pinhole", {640, 480}), "opencv");
+  EXPECT_EQ(pinhole.camera.camera->Name(), "opencv");
+  EXPECT_LT(pinhole.camera.held_out->median_px, 0.3);
+}
+
 TEST(Calibrate, LinesOfACentralLensMeet) {
   const auto lens = SimulatedLens("pinhole", {640, 480});
   const CalibrationResult lines = CalibrateSeenBy(*lens, "noncentral-generic");
