@@ -75,7 +75,7 @@ AdjustmentSummary AdjustLenses(const std::string& model,
 // How far off axis a lens may be believed: a little beyond the points seen.
 double CredibleAngle(const CalibrationProblem& problem, size_t camera,
                      const AdjustmentState& state) {
-  constexpr double kBeyond = 1.05, kAlways = 60 * M_PI / 180;
+  constexpr double kBeyond = 1.0, kAlways = 60 * M_PI / 180;
   double farthest = 0;
   for (const View& view : problem.views) {
     if (view.camera != static_cast<int>(camera)) continue;
@@ -93,10 +93,10 @@ CentralGeneric AsGrid(const CalibrationProblem& problem, size_t camera,
                       const Starts& starts, const AdjustmentState& state) {
   const Area area = FeatureArea(problem, static_cast<int>(camera));
   const double cell_px = starts.cells_px[camera];
-  return FitCentralGeneric(ContinuedLens(*starts.lenses[camera], area,
-                                         CredibleAngle(problem, camera, state)),
-                           area, NumControlPoints(area.width(), cell_px),
-                           NumControlPoints(area.height(), cell_px));
+  return FitContinuedLens(*starts.lenses[camera],
+                          CredibleAngle(problem, camera, state), area,
+                          NumControlPoints(area.width(), cell_px),
+                          NumControlPoints(area.height(), cell_px));
 }
 
 // Grid cameras, each around a parametric lens.
