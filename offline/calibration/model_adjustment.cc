@@ -7,6 +7,7 @@
 
 #include "adjustment/metric_scale.h"
 #include "calibration/continued_lens.h"
+#include "calibration/unseen_nodes.h"
 #include "camera/model_fitting.h"
 #include "camera/noncentral_generic.h"
 #include "evaluation/line_spread.h"
@@ -279,6 +280,7 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
     if (const auto* lens = dynamic_cast<const ParametricModel*>(camera.get()))
       camera =
           lens->OverArea(FeatureArea(adjusted->problem, static_cast<int>(c)));
+    LimitUnseenNodes(adjusted->problem, static_cast<int>(c), camera.get());
   }
   CenterLines(&adjusted->state);
 }
