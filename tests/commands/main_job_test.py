@@ -6,7 +6,8 @@ import json
 import math
 import os
 
-from command_test import CommandTest, PATTERN, main, programs, read, run, write
+from command_test import (CommandTest, PATTERN, SIMULATED_PATTERN, main, programs, read, run,
+                          write)
 
 
 def rows(text):
@@ -18,7 +19,8 @@ class MainJob(CommandTest):
     def setUpClass(cls):
         super().setUpClass()
         for arguments in (
-                ("simulate", "--images", 20, "--features-per-image", 120, "-o", cls.path("sim")),
+                ("simulate", "--images", 20, "--features-per-image", 120, "--pattern",
+                 write(cls.path("board.yaml"), SIMULATED_PATTERN), "-o", cls.path("sim")),
                 ("calibrate", "--features", cls.path("sim/features.csv"), "--image-size",
                  "640x480", "--pattern", cls.path("sim/pattern.yaml"), "--cell-px", 80, "-o",
                  cls.path("out"), "--name", "front", "--serial", "42")):
