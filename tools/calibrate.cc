@@ -11,6 +11,7 @@
 #include "packing/blob_camera.h"
 #include "report/html_report.h"
 #include "report/result_json.h"
+#include "report/uncertainty_picture.h"
 
 namespace raygrid {
 namespace {
@@ -91,6 +92,8 @@ void PrintSummary(const CalibrateArguments& arguments,
         *result.measured_again_rms_px);
   PrintFigures("training", *result.camera.training);
   if (result.camera.held_out) PrintFigures("held out", *result.camera.held_out);
+  if (result.camera.uncertainty)
+    PrintUncertainty(*result.camera.uncertainty, *result.camera.camera);
   if (result.line_spread)
     fmt::print(
         "  lines pass the point nearest to all by {:.3f} mm (RMS), {:.3f} mm "
@@ -140,6 +143,11 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
   files.Add((folder / "features.csv").string(),
             FormatFeatures(result.features));
   files.Add((folder / "poses.csv").string(), FormatPoses(result.poses));
+  if (result.camera.uncertainty)
+    files.Add((folder / "uncertainty.png").string(),
+              EncodePng(UncertaintyPicture(
+                  *result.camera.uncertainty, result.camera.camera->image_size(),
+                  result.camera.camera->area())));
   files.Add((folder / "result.json").string(), json);
   files.Add((folder / "report.html").string(),
             Report(paths, result, arguments, packed));

@@ -94,4 +94,13 @@ void PrintFigures(const char* name, const ErrorFigures& figures) {
       name, figures.median_px, figures.rms_px, figures.max_px, figures.count);
 }
 
+void PrintUncertainty(const CameraUncertainty& uncertainty,
+                      const CameraModel& camera) {
+  fmt::print(
+      "  uncertainty: median {:.4f} px, trusted to {:.4f} px: {:.0f} % of the "
+      "image\n",
+      uncertainty.lattice.MedianPx(), uncertainty.max_deviation_px,
+      100 * uncertainty.TrustedPart(camera.image_size(), camera.area()));
+}
+
 }  // namespace raygrid

@@ -57,6 +57,9 @@ int64_t PeakMemoryBytes();
 
 void PrintFigures(const char* name, const ErrorFigures& figures);
 
+void PrintUncertainty(const CameraUncertainty& uncertainty,
+                      const CameraModel& camera);
+
 /// Calibrates a rig: in folders of images, or with the features given.
 void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
             const FeaturesByCamera& given);

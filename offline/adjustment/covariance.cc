@@ -3,13 +3,20 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <random>
 
-#include "adjustment/normal_equations.h"
+#include "adjustment/dense_equations.h"
+#include "adjustment/large_equations.h"
+#include "adjustment/precision_root.h"
+#include "dataset/parallel_for.h"
 
 namespace raygrid {
 namespace {
 
-constexpr int kMinObservations = 3;  // around a pixel that is trusted
+constexpr int kMinObservations = 3;  // around a pixel that counts as seen
+constexpr int kMaxExactUnknowns = 2500;
+constexpr int kNumSamples = 128;
 
 // How the projections of the lattice's rays move, two rows a pixel: with the
 // parameters, and when the camera turns.
@@ -18,11 +25,15 @@ struct LatticeDerivatives {
   Eigen::MatrixX3d by_rotation;
 };
 
-void AddPixel(const CameraModel& camera, const Eigen::Vector2d& pixel,
+// False where the camera does not tell.
+bool AddPixel(const CameraModel& camera, const Eigen::Vector2d& pixel,
               Eigen::Index row, LatticeDerivatives* derivatives) {
-  const auto ray = camera.Unproject(pixel);
+  constexpr double kFarM = 1e4;
+  const auto line = camera.Line(pixel);
   LinearizedProjection linear;
-  if (!ray || !camera.Linearize(*ray, &pixel, 1, &linear)) return;
+  if (!line) return false;
+  const Eigen::Vector3d point = line->origin + kFarM * line->direction;
+  if (!camera.Linearize(point, &pixel, 1, &linear)) return false;
   auto rows = derivatives->by_parameters.middleRows<2>(row);
   for (int k = 0; k < linear.num_nodes; ++k)
     rows.middleCols(linear.node_parameter[k], linear.num_per_node) +=
@@ -30,11 +41,12 @@ void AddPixel(const CameraModel& camera, const Eigen::Vector2d& pixel,
   if (linear.num_global > 0)
     rows.middleCols(linear.first_global, linear.num_global) +=
         linear.by_global.leftCols(linear.num_global);
-  Eigen::Matrix3d minus_cross;            // omega x ray = -[ray]x omega
-  minus_cross << 0, ray->z(), -ray->y(),  //
-      -ray->z(), 0, ray->x(),             //
-      ray->y(), -ray->x(), 0;
+  Eigen::Matrix3d minus_cross;              // omega x point = -[point]x omega
+  minus_cross << 0, point.z(), -point.y(),  //
+      -point.z(), 0, point.x(),             //
+      point.y(), -point.x(), 0;
   derivatives->by_rotation.middleRows<2>(row) = linear.by_point * minus_cross;
+  return true;
 }
 
 std::vector<PixelUncertainty> LatticePixels(const Area& area,
@@ -71,6 +83,75 @@ void CountObservations(const std::vector<View>& views, int camera,
   }
 }
 
+// The linear system of adjustment around a state.
+struct LinearSystem {
+  ParameterLayout layout;
+  PriorEquations prior;
+  std::vector<ViewJacobian> jacobians;
+  const AdjustmentState& state;
+  int num_threads;
+};
+
+// F with F F^T = D H^-1 D^T, for derivatives D by a camera's parameters: with
+// the Cholesky factor of H, F^T = L^-1 D^T.
+bool ExactRoot(const LinearSystem& system, const Eigen::MatrixXd& derivatives,
+               int camera, Eigen::MatrixXd* root) {
+  Eigen::MatrixXd right =
+      Eigen::MatrixXd::Zero(system.layout.size, derivatives.rows());
+  right.middleRows(system.layout.first_camera[camera], derivatives.cols()) =
+      derivatives.transpose();
+  Eigen::MatrixXd half;
+  const DenseEquations equations(system.layout, system.jacobians, system.prior,
+                                 system.num_threads);
+  if (!equations.HalfSolveFor(right, &half)) return false;
+  *root = half.transpose();
+  return true;
+}
+
+// F such that F F^T estimates D H^-1 D^T. With H = J^T J + B B^T + R R^T, a
+// sample is x = H^-1 (J^T e + B u + R v) of random signs e, u, v: its
+// covariance is H^-1 H H^-1 = H^-1.
+bool SampledRoot(const LinearSystem& system, const Eigen::MatrixXd& derivatives,
+                 int camera, Eigen::MatrixXd* root) {
+  constexpr double kTolerance = 1e-2;
+  std::mt19937 random_bits(1);  // the standard fixes its sequence
+  const PrecisionRoot precision(system.prior.precision);
+  const auto memory = std::make_shared<LargeEquations::Memory>();
+  root->resize(derivatives.rows(), kNumSamples);
+  for (int k = 0; k < kNumSamples; ++k) {
+    std::vector<ViewJacobian> jacobians = system.jacobians;
+    for (ViewJacobian& jacobian : jacobians)
+      for (int i = 0; i < jacobian.count(); ++i)
+        jacobian.error.col(i) = RandomSigns(2, &random_bits);
+    PriorEquations prior = system.prior;
+    prior.gradient =
+        precision.Times(RandomSigns(precision.size(), &random_bits),
+                        system.layout.size) +
+        prior.root * RandomSigns(prior.root.cols(), &random_bits);
+    const LargeEquations equations(system.layout, std::move(jacobians), prior,
+                                   system.state.points, kTolerance,
+                                   system.num_threads, memory);
+    AdjustmentStep step;
+    if (!equations.Solve(0, &step)) return false;
+    root->col(k) = derivatives * step.cameras[camera];
+  }
+  *root /= std::sqrt(static_cast<double>(kNumSamples));
+  return true;
+}
+
+// Takes the rotation of least squares over pixels among observations out of
+// each of F's columns.
+void RemoveRotation(const Eigen::MatrixX3d& by_rotation,
+                    const std::vector<PixelUncertainty>& pixels,
+                    Eigen::MatrixXd* root) {
+  Eigen::MatrixX3d seen = by_rotation;
+  for (size_t i = 0; i < pixels.size(); ++i)
+    if (pixels[i].num_observations < kMinObservations)
+      seen.middleRows<2>(2 * static_cast<Eigen::Index>(i)).setZero();
+  const Eigen::Matrix3d square = seen.transpose() * seen;
+  *root -= by_rotation * square.ldlt().solve(seen.transpose() * *root);
+}
+
 }  // namespace
 
 double PixelUncertainty::StandardDeviationPx() const {
@@ -85,8 +166,6 @@ std::vector<PixelUncertainty> ProjectionUncertainty(
     const AdjustmentOptions& options, double noise_px,
     const AdjustmentState& state, int camera,
     const UncertaintyLattice& lattice) {
-  const FixedParameters fixed = {false, options.fix_points};
-  const ParameterLayout layout(state, fixed);
   const CameraModel& model = *state.cameras[camera];
   std::vector<PixelUncertainty> pixels = LatticePixels(model.area(), lattice);
   CountObservations(views, camera, model.area(), lattice, &pixels);
@@ -95,49 +174,33 @@ std::vector<PixelUncertainty> ProjectionUncertainty(
   const Eigen::Index num_rows = 2 * static_cast<Eigen::Index>(pixels.size());
   derivatives.by_parameters.setZero(num_rows, model.NumParameters());
   derivatives.by_rotation.setZero(num_rows, 3);
+  std::vector<bool> is_known;
   for (size_t i = 0; i < pixels.size(); ++i)
-    AddPixel(model, pixels[i].pixel, 2 * static_cast<Eigen::Index>(i),
-             &derivatives);
+    is_known.push_back(AddPixel(model, pixels[i].pixel,
+                                2 * static_cast<Eigen::Index>(i),
+                                &derivatives));
 
-  // J H^-1 J^T, column by column.
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(layout.size, num_rows);
-  right.middleRows(layout.first_camera[camera], model.NumParameters()) =
-      derivatives.by_parameters.transpose();
-  Eigen::MatrixXd solution;
-  EquationsBuilder builder(views, options.huber_px, options.num_threads);
-  if (!builder.Build(prior, fixed, state)->SolveFor(0, right, &solution))
-    return {};
-  Eigen::MatrixXd covariance =
-      derivatives.by_parameters *
-      solution.middleRows(layout.first_camera[camera], model.NumParameters());
-
-  // The rotation of least squares over pixels among observations is taken out
-  // on both sides.
-  const Eigen::MatrixXd& r = derivatives.by_rotation;
-  Eigen::MatrixXd supported = r;
-  for (size_t i = 0; i < pixels.size(); ++i)
-    if (pixels[i].num_observations < kMinObservations)
-      supported.middleRows<2>(2 * static_cast<Eigen::Index>(i)).setZero();
-  const Eigen::Matrix3d square = supported.transpose() * supported;
-  const Eigen::LDLT<Eigen::Matrix3d> turns(square);
-  covariance -= r * turns.solve(supported.transpose() * covariance);
-  covariance -= (covariance * supported) * turns.solve(r.transpose());
+  const int num_threads = NumThreads(options.num_threads);
+  const ParameterLayout layout(state, {false, options.fix_points});
+  const LinearSystem system = {
+      layout, PriorEquations(prior, state, layout),
+      WeightedJacobians(state, views, options.huber_px, num_threads), state,
+      num_threads};
+  Eigen::MatrixXd root;
+  const bool is_regular =
+      NumDenseUnknowns(layout) <= kMaxExactUnknowns
+          ? ExactRoot(system, derivatives.by_parameters, camera, &root)
+          : SampledRoot(system, derivatives.by_parameters, camera, &root);
+  if (!is_regular) return {};
+  RemoveRotation(derivatives.by_rotation, pixels, &root);
   for (size_t i = 0; i < pixels.size(); ++i) {
-    const Eigen::Matrix2d block = covariance.block<2, 2>(
-        2 * static_cast<Eigen::Index>(i), 2 * static_cast<Eigen::Index>(i));
-    pixels[i].covariance_px2 =
-        noise_px * noise_px * (block + block.transpose()) / 2;
+    const auto rows = root.middleRows<2>(2 * static_cast<Eigen::Index>(i));
+    pixels[i].covariance_px2 = noise_px * noise_px * rows * rows.transpose();
+    if (!is_known[i])
+      pixels[i].covariance_px2.setConstant(
+          std::numeric_limits<double>::quiet_NaN());
   }
   return pixels;
-}
-
-std::vector<bool> TrustMask(const std::vector<PixelUncertainty>& pixels,
-                            double max_px) {
-  std::vector<bool> mask;
-  for (const PixelUncertainty& pixel : pixels)
-    mask.push_back(pixel.num_observations >= kMinObservations &&
-                   pixel.StandardDeviationPx() <= max_px);
-  return mask;
 }
 
 }  // namespace raygrid

@@ -237,11 +237,24 @@ bool DenseEquations::SolveFor(double lambda, const Eigen::MatrixXd& right,
   return solution->allFinite();
 }
 
+bool DenseEquations::HalfSolveFor(const Eigen::MatrixXd& right,
+                                  Eigen::MatrixXd* half) const {
+  const Reduced* reduced = ReducedFor(0);
+  if (!reduced) return false;
+  const int num_common = eliminate_points_ ? layout_.first_point : layout_.size;
+  half->setZero(a_.rows(), right.cols());
+  half->topRows(num_common) = right.topRows(num_common);
+  reduced->dense.matrixL().solveInPlace(*half);
+  return half->allFinite();
+}
+
+int NumDenseUnknowns(const ParameterLayout& layout) {
+  return std::min(layout.first_point + 6 * layout.num_poses, layout.size);
+}
+
 bool DenseIsFaster(const ParameterLayout& layout) {
   constexpr int kMaxDense = 600;
-  const int kept =
-      std::min(layout.first_point + 6 * layout.num_poses, layout.size);
-  return !layout.has_cameras() || kept <= kMaxDense;
+  return !layout.has_cameras() || NumDenseUnknowns(layout) <= kMaxDense;
 }
 
 }  // namespace raygrid

@@ -26,6 +26,11 @@ class DenseEquations : public NormalEquations {
                 Eigen::MatrixXd* solution) const override;
   int NumCheapSides() const override { return 64; }
 
+  /// *half = L^-1 right with right^T H^-1 right = half^T half, undamped, for
+  /// right sides in the layout whose points' part is zero. Half the work of
+  /// SolveFor(). False if the system is not positive definite.
+  bool HalfSolveFor(const Eigen::MatrixXd& right, Eigen::MatrixXd* half) const;
+
  private:
   using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
 
@@ -56,6 +61,9 @@ class DenseEquations : public NormalEquations {
   mutable double last_lambda_ = -1;
   mutable Reduced last_;
 };
+
+/// Unknowns of the dense system.
+int NumDenseUnknowns(const ParameterLayout& layout);
 
 /// Whether a problem of this size is solved faster than by LargeEquations.
 bool DenseIsFaster(const ParameterLayout& layout);

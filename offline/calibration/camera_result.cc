@@ -1,5 +1,7 @@
 #include "calibration/camera_result.h"
 
+#include "calibration/camera_trust.h"
+
 namespace raygrid {
 namespace {
 
@@ -65,6 +67,7 @@ void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
            adjusted.state.CameraFromPattern(problem.views[v])});
   result->training = TrainingResiduals(pattern, adjusted, camera, num_threads);
   result->camera.training = ComputeErrorFigures(result->training);
+  result->camera.uncertainty = UncertaintyOf(adjusted, camera, num_threads);
   result->rejected_features = adjusted.rejected_features[camera];
   result->num_parameters = adjusted.state.cameras[camera]->NumParameters();
   result->converged = adjusted.summary.converged;

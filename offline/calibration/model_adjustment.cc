@@ -286,6 +286,15 @@ void AlignBoards(const Pattern& pattern, Adjusted* adjusted) {
   AlignToNominal(boards, &adjusted->state);
 }
 
+bool HavePointsMoved(const Adjusted& adjusted) {
+  constexpr double kRoundingM = 1e-9;
+  for (size_t i = 0; i < adjusted.state.points.size(); ++i)
+    if ((adjusted.state.points[i] - adjusted.problem.nominal[i]).norm() >
+        kRoundingM)
+      return true;
+  return false;
+}
+
 Pattern AdjustedPattern(const Pattern& pattern, const Adjusted& adjusted) {
   Pattern result = pattern;
   for (size_t b = 0; b < pattern.boards.size(); ++b) {

@@ -33,6 +33,10 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
 /// Brings boards whose points were free to where they are nominally.
 void AlignBoards(const Pattern& pattern, Adjusted* adjusted);
 
+/// False where the prior's strength kept the points as they are; then they were
+/// no more than aligned.
+bool HavePointsMoved(const Adjusted& adjusted);
+
 /// The pattern with its points where they were found to be.
 Pattern AdjustedPattern(const Pattern& pattern, const Adjusted& adjusted);
 

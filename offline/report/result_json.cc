@@ -54,6 +54,11 @@ void AddCamera(const CalibrationResult& result, Json* json) {
   if (result.bias_kl) (*json)["bias_kl"] = *result.bias_kl;
   if (result.neighbor_correlation)
     (*json)["neighbor_correlation"] = *result.neighbor_correlation;
+  if (const auto& known = result.camera.uncertainty)
+    (*json)["uncertainty"] = {
+        {"median_px", known->lattice.MedianPx()},
+        {"max_trusted_px", known->max_deviation_px},
+        {"trusted_part", known->TrustedPart(camera.image_size(), area)}};
   if (result.line_spread)
     (*json)["line_spread"] = {{"rms_m", result.line_spread->rms_m},
                               {"max_m", result.line_spread->max_m}};

@@ -116,10 +116,6 @@ TEST(ProjectionUncertainty, GrowsWithTheNoiseAndWhereFewFeaturesAre) {
               2 * corner.StandardDeviationPx(), 1e-9);
   EXPECT_LT(middle.StandardDeviationPx(), corner.StandardDeviationPx());
   EXPECT_GT(middle.num_observations, corner.num_observations);
-  const std::vector<bool> mask =
-      TrustMask(once, 2 * middle.StandardDeviationPx());
-  EXPECT_TRUE(mask[mask.size() / 2]);
-  EXPECT_FALSE(mask.front());
 }
 
 }  // namespace

@@ -1,0 +1,20 @@
+#ifndef RAYGRID_CALIBRATION_CAMERA_TRUST_H
+#define RAYGRID_CALIBRATION_CAMERA_TRUST_H
+
+#include <optional>
+
+#include "calibration/model_adjustment.h"
+#include "camera/camera_uncertainty.h"
+
+namespace raygrid {
+
+/// How well an adjusted camera is known (adjustment/covariance.h), and where it
+/// can be trusted: where it is known twice as well as one feature is measured,
+/// and features were seen near. Nothing if the equations are singular or the
+/// adjustment ended before it knew the noise.
+std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
+                                               int camera, int num_threads);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CALIBRATION_CAMERA_TRUST_H
