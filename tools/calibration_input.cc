@@ -6,6 +6,7 @@
 #include "dataset/error.h"
 #include "features/camera_refinement.h"
 #include "features/feature_detection.h"
+#include "interruption.h"
 
 namespace raygrid {
 namespace {
@@ -68,6 +69,7 @@ CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
   options.flat_board = arguments.flat_board;
   options.hold_out = arguments.hold_out;
   options.num_threads = common.threads;
+  options.should_stop = IsInterrupted;
   options.progress = [bar](const std::string& stage, double done) {
     bar->Show(stage, 0.2 + 0.7 * done);
   };

@@ -21,7 +21,7 @@ struct CalibrateArguments {
   std::string features, pattern, output, name, serial;
   std::string model = "central-generic", cell_px = "auto";
   std::string instant_by = "name";
-  bool flat_board = false, measure_once = false;
+  bool flat_board = false, measure_once = false, resume = false;
 };
 
 using FeaturesByCamera = std::map<std::string, Dataset>;

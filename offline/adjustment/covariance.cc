@@ -15,8 +15,6 @@ namespace raygrid {
 namespace {
 
 constexpr int kMinObservations = 3;  // around a pixel that counts as seen
-constexpr int kMaxExactUnknowns = 2500;
-constexpr int kNumSamples = 128;
 
 // How the projections of the lattice's rays move, two rows a pixel: with the
 // parameters, and when the camera turns.
@@ -50,7 +48,7 @@ bool AddPixel(const CameraModel& camera, const Eigen::Vector2d& pixel,
 }
 
 std::vector<PixelUncertainty> LatticePixels(const Area& area,
-                                            const UncertaintyLattice& lattice) {
+                                            const UncertaintyOptions& lattice) {
   std::vector<PixelUncertainty> pixels(lattice.columns * lattice.rows);
   for (size_t i = 0; i < pixels.size(); ++i) {
     const int column = static_cast<int>(i) % lattice.columns;
@@ -64,7 +62,7 @@ std::vector<PixelUncertainty> LatticePixels(const Area& area,
 }
 
 void CountObservations(const std::vector<View>& views, int camera,
-                       const Area& area, const UncertaintyLattice& lattice,
+                       const Area& area, const UncertaintyOptions& lattice,
                        std::vector<PixelUncertainty>* pixels) {
   const auto nearest = [](double position, double start, double extent,
                           int count) {
@@ -112,13 +110,13 @@ bool ExactRoot(const LinearSystem& system, const Eigen::MatrixXd& derivatives,
 // sample is x = H^-1 (J^T e + B u + R v) of random signs e, u, v: its
 // covariance is H^-1 H H^-1 = H^-1.
 bool SampledRoot(const LinearSystem& system, const Eigen::MatrixXd& derivatives,
-                 int camera, Eigen::MatrixXd* root) {
+                 int camera, int num_samples, Eigen::MatrixXd* root) {
   constexpr double kTolerance = 1e-2;
   std::mt19937 random_bits(1);  // the standard fixes its sequence
   const PrecisionRoot precision(system.prior.precision);
   const auto memory = std::make_shared<LargeEquations::Memory>();
-  root->resize(derivatives.rows(), kNumSamples);
-  for (int k = 0; k < kNumSamples; ++k) {
+  root->resize(derivatives.rows(), num_samples);
+  for (int k = 0; k < num_samples; ++k) {
     std::vector<ViewJacobian> jacobians = system.jacobians;
     for (ViewJacobian& jacobian : jacobians)
       for (int i = 0; i < jacobian.count(); ++i)
@@ -135,7 +133,7 @@ bool SampledRoot(const LinearSystem& system, const Eigen::MatrixXd& derivatives,
     if (!equations.Solve(0, &step)) return false;
     root->col(k) = derivatives * step.cameras[camera];
   }
-  *root /= std::sqrt(static_cast<double>(kNumSamples));
+  *root /= std::sqrt(static_cast<double>(num_samples));
   return true;
 }
 
@@ -165,7 +163,7 @@ std::vector<PixelUncertainty> ProjectionUncertainty(
     const std::vector<View>& views, const GaussianPrior& prior,
     const AdjustmentOptions& options, double noise_px,
     const AdjustmentState& state, int camera,
-    const UncertaintyLattice& lattice) {
+    const UncertaintyOptions& lattice) {
   const CameraModel& model = *state.cameras[camera];
   std::vector<PixelUncertainty> pixels = LatticePixels(model.area(), lattice);
   CountObservations(views, camera, model.area(), lattice, &pixels);
@@ -188,9 +186,10 @@ std::vector<PixelUncertainty> ProjectionUncertainty(
       num_threads};
   Eigen::MatrixXd root;
   const bool is_regular =
-      NumDenseUnknowns(layout) <= kMaxExactUnknowns
+      NumDenseUnknowns(layout) <= lattice.max_exact_unknowns
           ? ExactRoot(system, derivatives.by_parameters, camera, &root)
-          : SampledRoot(system, derivatives.by_parameters, camera, &root);
+          : SampledRoot(system, derivatives.by_parameters, camera,
+                        lattice.num_samples, &root);
   if (!is_regular) return {};
   RemoveRotation(derivatives.by_rotation, pixels, &root);
   for (size_t i = 0; i < pixels.size(); ++i) {

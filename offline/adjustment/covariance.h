@@ -20,9 +20,11 @@ struct PixelUncertainty {
   double StandardDeviationPx() const;
 };
 
-/// Pixels from corner to corner of a camera's area, row by row.
-struct UncertaintyLattice {
+/// For pixels from corner to corner of a camera's area, row by row.
+struct UncertaintyOptions {
   int columns = 17, rows = 13;
+  int max_exact_unknowns = 2500;
+  int num_samples = 128;
 };
 
 /// The uncertainty of an adjusted camera: the inverse of the equations' matrix
@@ -31,15 +33,15 @@ struct UncertaintyLattice {
 /// observation can see, is the one nearest to the true rays of the pixels that
 /// are among observations. Nothing if the equations are singular.
 ///
-/// Up to kMaxExactUnknowns by a Cholesky factor of H; beyond, of which no
-/// factor fits into memory, from kNumSamples samples: the adjustment of random
-/// residuals and a random prior mean scatters by H^-1. A standard deviation is
-/// then known to about 6 %.
+/// Up to max_exact_unknowns by a Cholesky factor of H; beyond, where that takes
+/// too much time and memory, from samples: adjustments of random residuals to a
+/// random prior mean scatter by H^-1. A standard deviation is known to
+/// 1 / sqrt(2 num_samples) then, 6 %.
 std::vector<PixelUncertainty> ProjectionUncertainty(
     const std::vector<View>& views, const GaussianPrior& prior,
     const AdjustmentOptions& options, double noise_px,
     const AdjustmentState& state, int camera,
-    const UncertaintyLattice& lattice = {});
+    const UncertaintyOptions& lattice = {});
 
 }  // namespace raygrid
 

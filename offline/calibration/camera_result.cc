@@ -43,6 +43,7 @@ Dataset UsedFeatures(const Pattern& pattern, const CalibrationProblem& problem,
 
 CalibrationFigures FiguresOf(const CalibrationResult& result) {
   return {result.converged,
+          result.checkpoint.has_value(),
           result.camera.camera->image_size(),
           result.camera.camera->area(),
           static_cast<int>(result.features.images.size()),

@@ -15,14 +15,17 @@ constexpr double kTrustedPart = 0.5;
 constexpr int kMinFeatures = 3, kNearCells = 2;
 
 // About square, and not more than a blob can hold.
-UncertaintyLattice LatticeOver(const Area& area) {
+UncertaintyOptions LatticeOver(const Area& area) {
   constexpr int kIntervals = 16;
   const double longer = std::max(area.width(), area.height());
   const auto count = [longer](double extent) {
     return 1 + std::max(1, static_cast<int>(
                                std::lround(kIntervals * extent / longer)));
   };
-  return {count(area.width()), count(area.height())};
+  UncertaintyOptions options;
+  options.columns = count(area.width());
+  options.rows = count(area.height());
+  return options;
 }
 
 // Features in each cell.
@@ -74,12 +77,16 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
   AdjustmentOptions options;
   options.num_threads = num_threads;
   options.fix_points = !HavePointsMoved(adjusted);
-  const UncertaintyLattice size =
+  const UncertaintyOptions size =
       LatticeOver(adjusted.state.cameras[camera]->area());
   const std::vector<PixelUncertainty> pixels =
       ProjectionUncertainty(adjusted.problem.views, adjusted.prior, options,
                             noise_px, adjusted.state, camera, size);
-  if (pixels.empty()) return std::nullopt;
+  const bool is_known = std::any_of(
+      pixels.begin(), pixels.end(), [](const PixelUncertainty& pixel) {
+        return std::isfinite(pixel.StandardDeviationPx());
+      });
+  if (!is_known) return std::nullopt;
   CameraUncertainty uncertainty;
   uncertainty.lattice = {size.columns, size.rows, {}};
   for (const PixelUncertainty& pixel : pixels)

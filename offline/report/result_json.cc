@@ -69,7 +69,8 @@ void AddVerdict(const Verdict& verdict, Json* json) {
   (*json)["reasons"] = verdict.reasons;
 }
 
-const char* Status(bool converged) {
+const char* Status(bool converged, bool is_interrupted = false) {
+  if (is_interrupted) return "interrupted";
   return converged ? "converged" : "not converged";
 }
 
@@ -128,7 +129,7 @@ Json RejectedInRig(const RigResult& result) {
 std::string FormatResultJson(const CalibrationResult& result, uint64_t seed,
                              int64_t peak_memory_bytes) {
   Json json;
-  json["status"] = Status(result.converged);
+  json["status"] = Status(result.converged, result.checkpoint.has_value());
   AddCamera(result, &json);
   json["seconds"] = result.seconds;
   json["peak_memory_bytes"] = peak_memory_bytes;

@@ -50,8 +50,8 @@ void DrawScale(double full_scale_px, int top, cv::Mat* picture) {
         .rowRange(top, top + kBarHeight)
         .setTo(ScaleColor(static_cast<double>(x) / (length - 1)));
   for (int k = 0; k <= kTicks; ++k) {
-    const std::string text = fmt::format(
-        "{:.3g}{}", full_scale_px * k / kTicks, k == kTicks ? " px +" : "");
+    const std::string text = fmt::format("{:.3g}{}", full_scale_px * k / kTicks,
+                                         k == kTicks ? " px +" : "");
     DrawText(text,
              {std::min(kMargin + length * k / kTicks, kWidth - 70),
               top + kBarHeight + 18},

@@ -7,7 +7,7 @@ namespace raygrid {
 namespace {
 
 constexpr double kNoisePx = 0.2;
-constexpr UncertaintyLattice kLattice = {9, 7};
+const UncertaintyOptions kLattice = {9, 7};
 
 // Views of a camera with a coarse grid, exactly; the area is that of its image.
 SmallProblem ExactProblem() {
@@ -101,6 +101,30 @@ TEST(ProjectionUncertainty, IsHowAdjustedCamerasScatterWithTheNoise) {
   ASSERT_GT(num_seen, 10);
   EXPECT_NEAR(std::exp(predicted_sum / num_seen), 1, 0.1);
   EXPECT_GE(num_within, 0.9 * num_seen);
+}
+
+TEST(ProjectionUncertainty, SamplesAgreeWithTheFactor) {
+  const SmallProblem exact = ExactProblem();
+  const GaussianPrior prior = WeakPrior(exact);
+  UncertaintyOptions sampled = kLattice;
+  sampled.max_exact_unknowns = 0;
+  for (const bool fix_points : {true, false}) {
+    AdjustmentOptions options = Options();
+    options.fix_points = fix_points;
+    const auto expected = ProjectionUncertainty(
+        exact.views, prior, options, kNoisePx, exact.state, 0, kLattice);
+    const auto found = ProjectionUncertainty(exact.views, prior, options,
+                                             kNoisePx, exact.state, 0, sampled);
+    ASSERT_EQ(found.size(), expected.size());
+    double sum = 0;
+    for (size_t i = 0; i < found.size(); ++i) {
+      const double ratio = std::sqrt(found[i].covariance_px2.trace() /
+                                     expected[i].covariance_px2.trace());
+      EXPECT_NEAR(ratio, 1, 0.3);
+      sum += ratio;
+    }
+    EXPECT_NEAR(sum / static_cast<double>(found.size()), 1, 0.08);
+  }
 }
 
 TEST(ProjectionUncertainty, GrowsWithTheNoiseAndWhereFewFeaturesAre) {
