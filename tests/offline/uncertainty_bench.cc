@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "adjustment/covariance.h"
+#include "calibration/camera_trust.h"
 #include "calibration/model_adjustment.h"
 #include "calibration/starting_camera.h"
 #include "dataset/parallel_for.h"
@@ -34,7 +35,8 @@ struct Draw {
   std::vector<PixelUncertainty> predicted;
   std::vector<Eigen::Vector2d> errors;  // where predicted
   std::vector<bool> trusted;
-  double noise_px = 0, weight = 0, seconds = 0, covariance_seconds = 0;
+  double noise_px = 0, weight = 0, worst_px = 0;
+  double seconds = 0, covariance_seconds = 0;
 };
 
 Draw CalibrateDraw(const Pattern& pattern, const Adjusted& start,
@@ -60,10 +62,15 @@ Draw CalibrateDraw(const Pattern& pattern, const Adjusted& start,
       ProjectionUncertainty(adjusted.problem.views, adjusted.prior, options,
                             draw.noise_px, adjusted.state, 0);
   draw.covariance_seconds = Now() - middle;
-  draw.trusted = TrustMask(draw.predicted, 0.6 * draw.noise_px);
+  const TrustMask mask = UncertaintyOf(adjusted, 0, 1).value().mask;
+  for (const PixelUncertainty& p : draw.predicted)
+    draw.trusted.push_back(mask.Trusts(p.pixel));
   const CameraModel& camera = adjusted.state.camera();
-  const Eigen::Quaterniond turn =
-      CompareModels(truth, camera, 8).first_from_second.rotation;
+  const ModelDifference difference = CompareModels(truth, camera, 8);
+  for (size_t i = 0; i < difference.pixels.size(); ++i)
+    if (mask.Trusts(difference.pixels[i]))
+      draw.worst_px = std::max(draw.worst_px, difference.error_px[i].norm());
+  const Eigen::Quaterniond turn = difference.first_from_second.rotation;
   for (const PixelUncertainty& p : draw.predicted)
     draw.errors.push_back(
         truth.Project(turn * camera.Unproject(p.pixel).value(), &p.pixel, 50)
@@ -108,18 +115,17 @@ void RunCells(int num_images, int num_draws, double cell_px) {
   std::vector<double> rms_ratios, medians;
   double sum = 0, predicted_sum = 0, seconds = 0, covariance_seconds = 0;
   for (const Draw& draw : draws) {
-    double own = 0, own_predicted = 0, own_worst = 0;
+    double own = 0, own_predicted = 0;
     std::vector<double> deviations;
     for (size_t i = 0; i < num_pixels; ++i) {
       if (!draw.trusted[i]) continue;
       own += draw.errors[i].squaredNorm();
       own_predicted += draw.predicted[i].covariance_px2.trace();
-      own_worst = std::max(own_worst, draw.errors[i].norm());
       deviations.push_back(draw.predicted[i].StandardDeviationPx());
     }
     sum += own, predicted_sum += own_predicted;
     rms_ratios.push_back(std::sqrt(own / own_predicted));
-    worst.push_back(own_worst);
+    worst.push_back(draw.worst_px);
     medians.push_back(Quantile(deviations, 0.5));
     seconds += draw.seconds, covariance_seconds += draw.covariance_seconds;
   }
