@@ -6,6 +6,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "evaluation/residual_statistics.h"
+
 namespace raygrid {
 namespace {
 
@@ -26,12 +28,21 @@ cv::Vec3b ScaleColor(double part) {
       0, static_cast<int>(std::clamp(std::lround(255 * part), 0L, 255L)));
 }
 
-// 1, 2 or 5 times a power of ten, no less than a value.
+// A round number, no less than a value.
 double RoundedUp(double value) {
   const double power = std::pow(10, std::floor(std::log10(value)));
-  for (const double factor : {1.0, 2.0, 5.0})
+  for (const double factor : {1.0, 1.5, 2.0, 3.0, 5.0, 7.5})
     if (factor * power >= value) return factor * power;
   return 10 * power;
+}
+
+// Nearly all of the lattice is within the scale; a lone corner need not be.
+double FullScalePx(const DeviationLattice& lattice) {
+  constexpr double kPart = 0.9;
+  std::vector<double> known;
+  for (const double value : lattice.deviation_px)
+    if (std::isfinite(value)) known.push_back(value);
+  return RoundedUp(std::max(Quantile(known, kPart), 1e-6));
 }
 
 void DrawText(const std::string& text, const cv::Point& left_baseline,
@@ -69,8 +80,7 @@ Image UncertaintyPicture(const CameraUncertainty& uncertainty,
                          const ImageSize& size, const Area& area) {
   const double scale = static_cast<double>(kWidth) / size.width;
   const int height = std::max(1, static_cast<int>(size.height * scale));
-  const double full_scale_px =
-      RoundedUp(std::max(1.2 * uncertainty.max_deviation_px, 1e-6));
+  const double full_scale_px = FullScalePx(uncertainty.lattice);
   cv::Mat picture(height + kLegendHeight, kWidth, CV_8UC3,
                   cv::Scalar(255, 255, 255));
   for (int y = 0; y < height; ++y) {
