@@ -87,75 +87,112 @@ struct LinearSystem {
   PriorEquations prior;
   std::vector<ViewJacobian> jacobians;
   const AdjustmentState& state;
-  int num_threads;
+  int camera, num_threads;
 };
 
-// F with F F^T = D H^-1 D^T, for derivatives D by a camera's parameters: with
-// the Cholesky factor of H, F^T = L^-1 D^T.
-bool ExactRoot(const LinearSystem& system, const Eigen::MatrixXd& derivatives,
-               int camera, Eigen::MatrixXd* root) {
-  Eigen::MatrixXd right =
-      Eigen::MatrixXd::Zero(system.layout.size, derivatives.rows());
-  right.middleRows(system.layout.first_camera[camera], derivatives.cols()) =
-      derivatives.transpose();
-  Eigen::MatrixXd half;
-  const DenseEquations equations(system.layout, system.jacobians, system.prior,
-                                 system.num_threads);
-  if (!equations.HalfSolveFor(right, &half)) return false;
-  *root = half.transpose();
-  return true;
-}
-
-// F such that F F^T estimates D H^-1 D^T. With H = J^T J + B B^T + R R^T, a
-// sample is x = H^-1 (J^T e + B u + R v) of random signs e, u, v: its
-// covariance is H^-1 H H^-1 = H^-1.
-bool SampledRoot(const LinearSystem& system, const Eigen::MatrixXd& derivatives,
-                 int camera, int num_samples, Eigen::MatrixXd* root) {
-  constexpr double kTolerance = 1e-2;
-  std::mt19937 random_bits(1);  // the standard fixes its sequence
-  const PrecisionRoot precision(system.prior.precision);
-  const auto memory = std::make_shared<LargeEquations::Memory>();
-  root->resize(derivatives.rows(), num_samples);
-  for (int k = 0; k < num_samples; ++k) {
-    std::vector<ViewJacobian> jacobians = system.jacobians;
-    for (ViewJacobian& jacobian : jacobians)
-      for (int i = 0; i < jacobian.count(); ++i)
-        jacobian.error.col(i) = RandomSigns(2, &random_bits);
-    PriorEquations prior = system.prior;
-    prior.gradient =
-        precision.Times(RandomSigns(precision.size(), &random_bits),
-                        system.layout.size) +
-        prior.root * RandomSigns(prior.root.cols(), &random_bits);
-    const LargeEquations equations(system.layout, std::move(jacobians), prior,
-                                   system.state.points, kTolerance,
-                                   system.num_threads, memory);
-    AdjustmentStep step;
-    if (!equations.Solve(0, &step)) return false;
-    root->col(k) = derivatives * step.cameras[camera];
-  }
-  *root /= std::sqrt(static_cast<double>(num_samples));
-  return true;
-}
-
-// Takes the rotation of least squares over pixels among observations out of
-// each of F's columns.
-void RemoveRotation(const Eigen::MatrixX3d& by_rotation,
-                    const std::vector<PixelUncertainty>& pixels,
-                    Eigen::MatrixXd* root) {
-  Eigen::MatrixX3d seen = by_rotation;
+// D less the rotation of least squares over pixels among observations.
+Eigen::MatrixXd WithoutRotation(const LatticeDerivatives& derivatives,
+                                const std::vector<PixelUncertainty>& pixels) {
+  const Eigen::MatrixX3d& rotation = derivatives.by_rotation;
+  Eigen::MatrixX3d seen = rotation;
   for (size_t i = 0; i < pixels.size(); ++i)
     if (pixels[i].num_observations < kMinObservations)
       seen.middleRows<2>(2 * static_cast<Eigen::Index>(i)).setZero();
   const Eigen::Matrix3d square = seen.transpose() * seen;
-  *root -= by_rotation * square.ldlt().solve(seen.transpose() * *root);
+  return derivatives.by_parameters -
+         rotation *
+             square.ldlt().solve(seen.transpose() * derivatives.by_parameters);
+}
+
+// With X = H^-1 D^T: D X in total, and D H^-1 J^T J H^-1 D^T = D X - X^T P X by
+// noise, for derivatives D by the camera's parameters.
+bool AddExactCovariances(const LinearSystem& system,
+                         const Eigen::MatrixXd& derivatives,
+                         std::vector<PixelUncertainty>* pixels) {
+  const int first = system.layout.first_camera[system.camera];
+  Eigen::MatrixXd right =
+      Eigen::MatrixXd::Zero(system.layout.size, derivatives.rows());
+  right.middleRows(first, derivatives.cols()) = derivatives.transpose();
+  Eigen::MatrixXd x;
+  if (!DenseEquations(system.layout, system.jacobians, system.prior,
+                      system.num_threads)
+           .SolveFor(0, right, &x))
+    return false;
+  const Eigen::MatrixXd precision_x = system.prior.precision * x;
+  const Eigen::MatrixXd root_x = system.prior.root.transpose() * x;
+  for (size_t i = 0; i < pixels->size(); ++i) {
+    const Eigen::Index k = 2 * static_cast<Eigen::Index>(i);
+    const Eigen::Matrix2d total =
+        derivatives.middleRows<2>(k) * x.block(first, k, derivatives.cols(), 2);
+    const Eigen::Matrix2d prior =
+        x.middleCols<2>(k).transpose() * precision_x.middleCols<2>(k) +
+        root_x.middleCols<2>(k).transpose() * root_x.middleCols<2>(k);
+    (*pixels)[i].total_px2 = (total + total.transpose()) / 2;
+    (*pixels)[i].noise_px2 = (*pixels)[i].total_px2 - prior;
+  }
+  return true;
+}
+
+// H^-1 J^T e of random signs e, or with P = B B^T + R R^T, H^-1 (B u + R v) of
+// random signs u and v: their covariances are H^-1 J^T J H^-1 and H^-1 P H^-1,
+// in sum H^-1.
+bool Sample(const LinearSystem& system, const PrecisionRoot* prior_root,
+            const std::shared_ptr<LargeEquations::Memory>& memory,
+            std::mt19937* random_bits, Eigen::VectorXd* camera_parameters) {
+  constexpr double kTolerance = 1e-2;
+  std::vector<ViewJacobian> jacobians = system.jacobians;
+  for (ViewJacobian& jacobian : jacobians)
+    for (int i = 0; i < jacobian.count(); ++i)
+      jacobian.error.col(i) = prior_root ? Eigen::VectorXd::Zero(2).eval()
+                                         : RandomSigns(2, random_bits);
+  PriorEquations prior = system.prior;
+  prior.gradient.setZero();
+  if (prior_root)
+    prior.gradient =
+        prior_root->Times(RandomSigns(prior_root->size(), random_bits),
+                          system.layout.size) +
+        prior.root * RandomSigns(prior.root.cols(), random_bits);
+  const LargeEquations equations(system.layout, std::move(jacobians), prior,
+                                 system.state.points, kTolerance,
+                                 system.num_threads, memory);
+  AdjustmentStep step;
+  if (!equations.Solve(0, &step)) return false;
+  *camera_parameters = step.cameras[system.camera];
+  return true;
+}
+
+bool AddSampledCovariances(const LinearSystem& system,
+                           const Eigen::MatrixXd& derivatives, int num_samples,
+                           std::vector<PixelUncertainty>* pixels) {
+  std::mt19937 random_bits(1);  // the standard fixes its sequence
+  const PrecisionRoot prior_root(system.prior.precision);
+  const auto memory = std::make_shared<LargeEquations::Memory>();
+  for (PixelUncertainty& pixel : *pixels)
+    pixel.noise_px2 = pixel.total_px2 = Eigen::Matrix2d::Zero();
+  for (int k = 0; k < num_samples; ++k) {
+    for (const bool is_noise : {true, false}) {
+      Eigen::VectorXd parameters;
+      if (!Sample(system, is_noise ? nullptr : &prior_root, memory,
+                  &random_bits, &parameters))
+        return false;
+      const Eigen::VectorXd moved = derivatives * parameters;
+      for (size_t i = 0; i < pixels->size(); ++i) {
+        const auto pixel = moved.segment<2>(2 * static_cast<Eigen::Index>(i));
+        const Eigen::Matrix2d square = pixel * pixel.transpose() / num_samples;
+        (*pixels)[i].total_px2 += square;
+        if (is_noise) (*pixels)[i].noise_px2 += square;
+      }
+    }
+  }
+  return true;
 }
 
 }  // namespace
 
-double PixelUncertainty::StandardDeviationPx() const {
-  const double mean = covariance_px2.trace() / 2;
+double WorseDeviation(const Eigen::Matrix2d& covariance) {
+  const double mean = covariance.trace() / 2;
   const double root =
-      std::sqrt(std::max(0.0, mean * mean - covariance_px2.determinant()));
+      std::sqrt(std::max(0.0, mean * mean - covariance.determinant()));
   return std::sqrt(mean + root);
 }
 
@@ -181,23 +218,24 @@ std::vector<PixelUncertainty> ProjectionUncertainty(
   const int num_threads = NumThreads(options.num_threads);
   const ParameterLayout layout(state, {false, options.fix_points});
   const LinearSystem system = {
-      layout, PriorEquations(prior, state, layout),
-      WeightedJacobians(state, views, options.huber_px, num_threads), state,
+      layout,
+      PriorEquations(prior, state, layout),
+      WeightedJacobians(state, views, options.huber_px, num_threads),
+      state,
+      camera,
       num_threads};
-  Eigen::MatrixXd root;
+  const Eigen::MatrixXd without_rotation = WithoutRotation(derivatives, pixels);
   const bool is_regular =
       NumDenseUnknowns(layout) <= lattice.max_exact_unknowns
-          ? ExactRoot(system, derivatives.by_parameters, camera, &root)
-          : SampledRoot(system, derivatives.by_parameters, camera,
-                        lattice.num_samples, &root);
+          ? AddExactCovariances(system, without_rotation, &pixels)
+          : AddSampledCovariances(system, without_rotation, lattice.num_samples,
+                                  &pixels);
   if (!is_regular) return {};
-  RemoveRotation(derivatives.by_rotation, pixels, &root);
   for (size_t i = 0; i < pixels.size(); ++i) {
-    const auto rows = root.middleRows<2>(2 * static_cast<Eigen::Index>(i));
-    pixels[i].covariance_px2 = noise_px * noise_px * rows * rows.transpose();
-    if (!is_known[i])
-      pixels[i].covariance_px2.setConstant(
-          std::numeric_limits<double>::quiet_NaN());
+    const double scale = is_known[i] ? noise_px * noise_px
+                                     : std::numeric_limits<double>::quiet_NaN();
+    pixels[i].noise_px2 *= scale;
+    pixels[i].total_px2 *= scale;
   }
   return pixels;
 }

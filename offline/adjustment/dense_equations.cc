@@ -237,17 +237,6 @@ bool DenseEquations::SolveFor(double lambda, const Eigen::MatrixXd& right,
   return solution->allFinite();
 }
 
-bool DenseEquations::HalfSolveFor(const Eigen::MatrixXd& right,
-                                  Eigen::MatrixXd* half) const {
-  const Reduced* reduced = ReducedFor(0);
-  if (!reduced) return false;
-  const int num_common = eliminate_points_ ? layout_.first_point : layout_.size;
-  half->setZero(a_.rows(), right.cols());
-  half->topRows(num_common) = right.topRows(num_common);
-  reduced->dense.matrixL().solveInPlace(*half);
-  return half->allFinite();
-}
-
 int NumDenseUnknowns(const ParameterLayout& layout) {
   return std::min(layout.first_point + 6 * layout.num_poses, layout.size);
 }

@@ -26,11 +26,6 @@ class DenseEquations : public NormalEquations {
                 Eigen::MatrixXd* solution) const override;
   int NumCheapSides() const override { return 64; }
 
-  /// *half = L^-1 right with right^T H^-1 right = half^T half, undamped, for
-  /// right sides in the layout whose points' part is zero. Half the work of
-  /// SolveFor(). False if the system is not positive definite.
-  bool HalfSolveFor(const Eigen::MatrixXd& right, Eigen::MatrixXd* half) const;
-
  private:
   using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
 

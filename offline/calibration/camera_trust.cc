@@ -82,18 +82,21 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
   const std::vector<PixelUncertainty> pixels =
       ProjectionUncertainty(adjusted.problem.views, adjusted.prior, options,
                             noise_px, adjusted.state, camera, size);
-  const bool is_known = std::any_of(
-      pixels.begin(), pixels.end(), [](const PixelUncertainty& pixel) {
-        return std::isfinite(pixel.StandardDeviationPx());
-      });
-  if (!is_known) return std::nullopt;
+  DeviationLattice noise = {size.columns, size.rows, {}}, total = noise;
+  for (const PixelUncertainty& pixel : pixels) {
+    noise.deviation_px.push_back(WorseDeviation(pixel.noise_px2));
+    total.deviation_px.push_back(WorseDeviation(pixel.total_px2));
+  }
+  if (!std::isfinite(total.MedianPx())) return std::nullopt;
   CameraUncertainty uncertainty;
-  uncertainty.lattice = {size.columns, size.rows, {}};
-  for (const PixelUncertainty& pixel : pixels)
-    uncertainty.lattice.deviation_px.push_back(pixel.StandardDeviationPx());
   uncertainty.max_deviation_px = kTrustedPart * noise_px;
-  uncertainty.mask = MaskOf(adjusted, camera, uncertainty.lattice,
-                            uncertainty.max_deviation_px);
+  uncertainty.mask =
+      MaskOf(adjusted, camera, total, uncertainty.max_deviation_px);
+  // Where the prior knows more than the observations, noise is not all.
+  uncertainty.lattice = noise;
+  for (size_t i = 0; i < pixels.size(); ++i)
+    if (!uncertainty.mask.Trusts(pixels[i].pixel))
+      uncertainty.lattice.deviation_px[i] = total.deviation_px[i];
   return uncertainty;
 }
 

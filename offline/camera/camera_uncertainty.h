@@ -10,9 +10,8 @@
 namespace raygrid {
 
 /// Standard deviations of the projection of a far point, in the worse
-/// direction, as the calibration's noise makes them: on a lattice from corner
-/// to corner of the camera's area, row by row, bilinear between. Not a number
-/// where the camera does not tell.
+/// direction: on a lattice from corner to corner of the camera's area, row by
+/// row, bilinear between. Not a number where the camera does not tell.
 struct DeviationLattice {
   int columns = 0, rows = 0;
   std::vector<double> deviation_px;
@@ -43,7 +42,8 @@ struct TrustMask {
   }
 };
 
-/// How well a camera is known.
+/// How well a camera is known: by the calibration's noise where it can be
+/// trusted, by all that is not known elsewhere.
 struct CameraUncertainty {
   DeviationLattice lattice;
   TrustMask mask;

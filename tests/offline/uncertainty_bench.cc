@@ -95,7 +95,7 @@ void RunCells(int num_images, int num_draws, double cell_px) {
   });
 
   const size_t num_pixels = draws[0].predicted.size();
-  std::vector<double> ratios, bias_ratios, worst;
+  std::vector<double> ratios, total_ratios, bias_ratios, worst;
   int num_trusted = 0;
   for (size_t i = 0; i < num_pixels; ++i) {
     int count = 0;
@@ -104,12 +104,14 @@ void RunCells(int num_images, int num_draws, double cell_px) {
     ++num_trusted;
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
     for (const Draw& draw : draws) mean += draw.errors[i] / num_draws;
-    double scatter = 0, predicted = 0;
+    double scatter = 0, predicted = 0, total = 0;
     for (const Draw& draw : draws) {
       scatter += (draw.errors[i] - mean).squaredNorm() / (num_draws - 1);
-      predicted += draw.predicted[i].covariance_px2.trace() / num_draws;
+      predicted += draw.predicted[i].noise_px2.trace() / num_draws;
+      total += draw.predicted[i].total_px2.trace() / num_draws;
     }
     ratios.push_back(std::sqrt(predicted / scatter));
+    total_ratios.push_back(std::sqrt(total / scatter));
     bias_ratios.push_back(mean.norm() / std::sqrt(predicted));
   }
   std::vector<double> rms_ratios, medians;
@@ -120,8 +122,8 @@ void RunCells(int num_images, int num_draws, double cell_px) {
     for (size_t i = 0; i < num_pixels; ++i) {
       if (!draw.trusted[i]) continue;
       own += draw.errors[i].squaredNorm();
-      own_predicted += draw.predicted[i].covariance_px2.trace();
-      deviations.push_back(draw.predicted[i].StandardDeviationPx());
+      own_predicted += draw.predicted[i].noise_px2.trace();
+      deviations.push_back(WorseDeviation(draw.predicted[i].noise_px2));
     }
     sum += own, predicted_sum += own_predicted;
     rms_ratios.push_back(std::sqrt(own / own_predicted));
@@ -134,15 +136,17 @@ void RunCells(int num_images, int num_draws, double cell_px) {
   std::printf(
       "cells %3.0f px: noise %.4f, weight %.3g, trusted %d of %zu, median sd "
       "%.4f; predicted/scatter median %.3f (5 %% %.3f, 95 %% %.3f), within 20 "
-      "%%: %.1f %%; bias/predicted median %.2f; RMS error/predicted over draws "
+      "%%: %.1f %%; total/scatter median %.3f; bias/predicted median %.2f; RMS "
+      "error/predicted over draws "
       "%.3f, single 90 %% %.3f max %.3f; worst pixel median %.3f max %.3f px; "
       "%.2f s a draw, covariance %.2f s\n",
       cell_px, draws[0].noise_px, draws[0].weight, num_trusted, num_pixels,
       Quantile(medians, 0.5), Quantile(ratios, 0.5), Quantile(ratios, 0.05),
       Quantile(ratios, 0.95), 100.0 * within / ratios.size(),
-      Quantile(bias_ratios, 0.5), std::sqrt(sum / predicted_sum),
-      Quantile(rms_ratios, 0.9), Quantile(rms_ratios, 1), Quantile(worst, 0.5),
-      Quantile(worst, 1), seconds / num_draws, covariance_seconds / num_draws);
+      Quantile(total_ratios, 0.5), Quantile(bias_ratios, 0.5),
+      std::sqrt(sum / predicted_sum), Quantile(rms_ratios, 0.9),
+      Quantile(rms_ratios, 1), Quantile(worst, 0.5), Quantile(worst, 1),
+      seconds / num_draws, covariance_seconds / num_draws);
   std::fflush(stdout);
 }
 
