@@ -85,6 +85,20 @@ class Interruption(CommandTest):
             process.communicate(timeout=5)
             self.assertIn(process.returncode, (-signal.SIGINT, 5))
 
+    def test_other_commands_end_at_once_and_leave_no_half_written_file(self):
+        folder = self.path("rendered")
+        command = [programs.raygrid, "simulate", "--render", "--images", "500", "-o", folder]
+        with subprocess.Popen(command, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE) as process:
+            time.sleep(2)
+            process.send_signal(signal.SIGINT)
+            process.communicate(timeout=5)
+        self.assertEqual(process.returncode, -signal.SIGINT)
+        for place, _, names in os.walk(folder):
+            for name in names:
+                if name.endswith(".png"):
+                    self.assertEqual(read(os.path.join(place, name))[-8:-4], b"IEND", name)
+
     def test_nothing_to_go_on_from(self):
         result = run(*self.arguments("empty", "--resume"))
         self.assertEqual(result.returncode, 2)

@@ -115,6 +115,7 @@ void RunCells(int num_images, int num_draws, double cell_px) {
     bias_ratios.push_back(mean.norm() / std::sqrt(predicted));
   }
   std::vector<double> rms_ratios, medians;
+  size_t num_errors = 0;
   double sum = 0, predicted_sum = 0, seconds = 0, covariance_seconds = 0;
   for (const Draw& draw : draws) {
     double own = 0, own_predicted = 0;
@@ -122,6 +123,7 @@ void RunCells(int num_images, int num_draws, double cell_px) {
     for (size_t i = 0; i < num_pixels; ++i) {
       if (!draw.trusted[i]) continue;
       own += draw.errors[i].squaredNorm();
+      ++num_errors;
       own_predicted += draw.predicted[i].noise_px2.trace();
       deviations.push_back(WorseDeviation(draw.predicted[i].noise_px2));
     }
@@ -138,7 +140,8 @@ void RunCells(int num_images, int num_draws, double cell_px) {
       "%.4f; predicted/scatter median %.3f (5 %% %.3f, 95 %% %.3f), within 20 "
       "%%: %.1f %%; total/scatter median %.3f; bias/predicted median %.2f; RMS "
       "error/predicted over draws "
-      "%.3f, single 90 %% %.3f max %.3f; worst pixel median %.3f max %.3f px; "
+      "%.3f, single 90 %% %.3f max %.3f, RMS %.5f px; worst pixel median %.3f "
+      "max %.3f px; "
       "%.2f s a draw, covariance %.2f s\n",
       cell_px, draws[0].noise_px, draws[0].weight, num_trusted, num_pixels,
       Quantile(medians, 0.5), Quantile(ratios, 0.5), Quantile(ratios, 0.05),
