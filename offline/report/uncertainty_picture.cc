@@ -64,7 +64,7 @@ void DrawScale(double full_scale_px, int top, cv::Mat* picture) {
     const std::string text = fmt::format("{:.3g}{}", full_scale_px * k / kTicks,
                                          k == kTicks ? " px +" : "");
     DrawText(text,
-             {std::min(kMargin + length * k / kTicks, kWidth - 70),
+             {std::min(kMargin + length * k / kTicks, kWidth - 105),
               top + kBarHeight + 18},
              picture);
   }

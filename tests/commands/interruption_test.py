@@ -13,7 +13,7 @@ class Interruption(CommandTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        result = run("simulate", "--images", 12, "--features-per-image", 150, "-o",
+        result = run("simulate", "--images", 9, "--features-per-image", 100, "-o",
                      cls.path("sim"))
         assert result.returncode == 0, result.stderr
 
