@@ -240,7 +240,10 @@ void EmitUncertainty(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
     *out << YAML::Flow << YAML::BeginSeq;
     for (int column = 0; column < lattice.columns; ++column) {
       const double value = lattice.deviation_px[row * lattice.columns + column];
-      *out << (std::isfinite(value) ? fmt::format("{:.6f}", value) : "null");
+      if (std::isfinite(value))
+        *out << fmt::format("{:.6f}", value);
+      else
+        *out << YAML::Null;
     }
     *out << YAML::EndSeq;
   }

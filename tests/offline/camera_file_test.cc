@@ -239,11 +239,13 @@ TEST(CameraFile, RefusesAMalformedMaskOrLattice) {
 }
 
 TEST(DeviationLattice, IsBilinearBetweenItsPixels) {
-  const DeviationLattice lattice = ExampleUncertainty().lattice;
+  DeviationLattice lattice = {3, 2, {0.01, 0.02, 0.03, 0.04, 0.08, 0.25}};
   const Area area = {10, 20, 110, 70};
   EXPECT_NEAR(lattice.At(area, {10, 20}), 0.01, 1e-12);
   EXPECT_NEAR(lattice.At(area, {110, 70}), 0.25, 1e-12);
   EXPECT_NEAR(lattice.At(area, {35, 20}), 0.015, 1e-12);
+  EXPECT_NEAR(lattice.At(area, {35, 45}), 0.0375, 1e-12);
+  lattice.deviation_px[3] = NAN;
   EXPECT_TRUE(std::isnan(lattice.At(area, {35, 45})));
   EXPECT_NEAR(lattice.MedianPx(), 0.03, 1e-12);
 }
