@@ -148,8 +148,9 @@ void RunCells(int num_images, int num_draws, double cell_px) {
       Quantile(ratios, 0.95), 100.0 * within / ratios.size(),
       Quantile(total_ratios, 0.5), Quantile(bias_ratios, 0.5),
       std::sqrt(sum / predicted_sum), Quantile(rms_ratios, 0.9),
-      Quantile(rms_ratios, 1), Quantile(worst, 0.5), Quantile(worst, 1),
-      seconds / num_draws, covariance_seconds / num_draws);
+      Quantile(rms_ratios, 1), std::sqrt(sum / static_cast<double>(num_errors)),
+      Quantile(worst, 0.5), Quantile(worst, 1), seconds / num_draws,
+      covariance_seconds / num_draws);
   std::fflush(stdout);
 }
 
