@@ -256,6 +256,13 @@ Lenses CopyCameras(const AdjustmentState& state) {
   return cameras;
 }
 
+std::vector<Area> FeatureAreas(const CalibrationProblem& problem) {
+  std::vector<Area> areas;
+  for (size_t c = 0; c < problem.image_sizes.size(); ++c)
+    areas.push_back(FeatureArea(problem, static_cast<int>(c)));
+  return areas;
+}
+
 }  // namespace
 
 AdjustmentSummary AdjustParametric(const CalibrationProblem& problem,
@@ -270,6 +277,7 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
                  const AdjustmentOptions& options, Adjusted* adjusted,
                  const Checkpoint::Adjustment* go_on_from) {
   const Lenses lenses = CopyCameras(adjusted->state);
+  const std::vector<Area> areas = FeatureAreas(adjusted->problem);
   const auto adjust = [&](const Checkpoint::Adjustment* from) {
     adjusted->summary =
         Adjust(model, adjusted->problem, {lenses, cells_px, from}, options,
@@ -284,7 +292,11 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
     rejected.insert(rejected.end(), removed[c].begin(), removed[c].end());
     have_removed = have_removed || !removed[c].empty();
   }
-  if (have_removed) adjust(nullptr);
+  if (have_removed && FeatureAreas(adjusted->problem) == areas)
+    adjusted->summary = AdjustWithLearnedPrior(
+        adjusted->problem.views, options, &adjusted->prior, &adjusted->state);
+  else if (have_removed)
+    adjust(nullptr);
   for (size_t c = 0; c < lenses.size(); ++c) {
     std::unique_ptr<CameraModel>& camera = adjusted->state.cameras[c];
     if (const auto* lens = dynamic_cast<const ParametricModel*>(camera.get()))
