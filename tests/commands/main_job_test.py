@@ -29,7 +29,7 @@ class MainJob(CommandTest):
 
     def test_calibrate_writes_all_files(self):
         expected = {"camera.yaml", "camera.raygrid", "pattern.yaml", "features.csv", "poses.csv",
-                    "result.json", "report.html"}
+                    "result.json", "report.html", "uncertainty.png"}
         self.assertEqual(set(os.listdir(self.path("out"))), expected)
         result = json.loads(read(self.path("out/result.json")))
         self.assertEqual(result["status"], "converged")
@@ -44,7 +44,7 @@ class MainJob(CommandTest):
                          self.path("again"))
             self.assert_done(result)
             for name in ("camera.yaml", "camera.raygrid", "pattern.yaml", "features.csv",
-                         "poses.csv", "report.html"):
+                         "poses.csv", "report.html", "uncertainty.png"):
                 self.assertEqual(read(self.path("again/" + name)), read(self.path("out/" + name)),
                                  name)
 
