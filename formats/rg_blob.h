@@ -148,13 +148,16 @@ typedef struct rg_blob {
   uint32_t line_points, mask, uncertainty;
 } rg_blob;
 
-/* Validates num_bytes bytes and finds the sections.
+/* Validates num_bytes bytes.
  *
- * bytes  multiple of 4, read in place and kept: must outlive *blob. Bytes
- *        after the blob's own end are not looked at.
+ * bytes  multiple of 4. Bytes after the blob's own end are not looked at.
  *
  * Nothing outside bytes[0, num_bytes) is read, whatever they hold. Every
- * status from RG_ERR_MISALIGNED to RG_ERR_DATA_OFFSET names one fault. */
+ * status from RG_ERR_MISALIGNED to RG_ERR_UNCERTAINTY names one fault. */
+rg_status rg_blob_check(const void* bytes, uint32_t num_bytes);
+
+/* The same, and finds the sections. The bytes are read in place and kept: they
+ * must outlive *blob. */
 rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob);
 
 /* Sections of a blob that rg_blob_open() accepted. The optional ones,
@@ -179,21 +182,6 @@ const uint8_t* rg_find_section(const uint8_t* bytes, uint32_t type,
 
 /* The fields of a remap section that was accepted, from its first byte. */
 void rg_read_remap(const uint8_t* section, rg_remap_section* remap);
-
-/* Checks the fields and arrays of one section's bytes; for rg_blob_open(). */
-rg_status rg_check_camera(const uint8_t* section, uint32_t size);
-rg_status rg_check_grid(const uint8_t* section, uint32_t size,
-                        const uint8_t* camera);
-rg_status rg_check_remap(const uint8_t* section, uint32_t size,
-                         const uint8_t* camera);
-rg_status rg_check_quality(const uint8_t* section, uint32_t size);
-rg_status rg_check_start(const uint8_t* section, uint32_t size);
-rg_status rg_check_line_points(const uint8_t* section, uint32_t size,
-                               const uint8_t* grid);
-rg_status rg_check_mask(const uint8_t* section, uint32_t size,
-                        const uint8_t* camera);
-rg_status rg_check_uncertainty(const uint8_t* section, uint32_t size,
-                               const uint8_t* grid);
 
 /* ---- Writing, on the host ------------------------------------------------ */
 

@@ -1,3 +1,4 @@
+#include "bytes.h"
 #include "raygrid.h"
 #include "rg_blob.h"
 
@@ -7,29 +8,18 @@ typedef char rg_camera_fits_64_bytes[sizeof(rg_camera) <= 64 ? 1 : -1];
 rg_status rg_camera_open(rg_camera* camera, const void* bytes,
                          uint32_t num_bytes) {
   if (!camera) return RG_ERR_ARGUMENT;
-  rg_blob blob;
-  const rg_status status = rg_blob_open(bytes, num_bytes, &blob);
+  const rg_status status = rg_blob_check(bytes, num_bytes);
   if (status != RG_OK) return status;
-
-  rg_camera_section identity;
-  rg_grid_section grid;
-  rg_blob_camera(&blob, &identity);
-  rg_blob_grid(&blob, &grid);
-  camera->blob = blob.bytes;
-  camera->control_points = grid.control_points;
-  camera->remap = blob.remap ? blob.bytes + blob.remap : 0;
-  camera->start = blob.start;
-  camera->line_points = blob.line_points;
-  camera->x0_q16 = grid.x0_q16;
-  camera->y0_q16 = grid.y0_q16;
-  camera->x1_q16 = grid.x1_q16;
-  camera->y1_q16 = grid.y1_q16;
-  camera->scale_x_q32 = grid.scale_x_q32;
-  camera->scale_y_q32 = grid.scale_y_q32;
-  camera->columns = grid.columns;
-  camera->rows = grid.rows;
-  camera->width = identity.width;
-  camera->height = identity.height;
+  const uint8_t* const blob = bytes;
+  const uint8_t* const identity = rg_find_section(blob, RG_SECTION_CAMERA, 0);
+  camera->blob = blob;
+  camera->grid = rg_find_section(blob, RG_SECTION_CENTRAL_GRID, 0);
+  camera->control_points = camera->grid + rg_load_u32(camera->grid + 32);
+  camera->line_points = rg_find_section(blob, RG_SECTION_LINE_POINTS, 0);
+  camera->start = rg_find_section(blob, RG_SECTION_START, 0);
+  camera->remap = rg_find_section(blob, RG_SECTION_REMAP, 0);
+  camera->width = rg_load_u16(identity);
+  camera->height = rg_load_u16(identity + 2);
   return RG_OK;
 }
 

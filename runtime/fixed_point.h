@@ -37,6 +37,34 @@ static inline int32_t rg_multiply_high_add(int32_t sum, int32_t a, int32_t b) {
 #endif
 }
 
+/* sum + ((a h) >> 16), h the lower or the upper 16 bits of halves, signed. */
+static inline int32_t rg_add_lower_half_product(int32_t sum, int32_t a,
+                                                int32_t halves) {
+#if RG_HAVE_SMMULR
+  int32_t result;
+  __asm__("smlawb %0, %1, %2, %3"
+          : "=r"(result)
+          : "r"(a), "r"(halves), "r"(sum));
+  return result;
+#else
+  const int32_t half = (int16_t)halves;
+  return sum + (a >> 16) * half + (((a & 0xffff) * half) >> 16);
+#endif
+}
+
+static inline int32_t rg_add_upper_half_product(int32_t sum, int32_t a,
+                                                int32_t halves) {
+#if RG_HAVE_SMMULR
+  int32_t result;
+  __asm__("smlawt %0, %1, %2, %3"
+          : "=r"(result)
+          : "r"(a), "r"(halves), "r"(sum));
+  return result;
+#else
+  return rg_add_lower_half_product(sum, a, halves >> 16);
+#endif
+}
+
 /* (a b + 2^31) >> 32, unsigned */
 static inline uint32_t rg_multiply_high_unsigned(uint32_t a, uint32_t b) {
   uint32_t low;

@@ -33,12 +33,11 @@ extern "C" {
  * for use outside the library. */
 typedef struct rg_camera {
   const uint8_t* blob;
-  const uint8_t* control_points; /* i32 q29 pairs in the blob */
-  const uint8_t* remap;          /* the remap section in use, or NULL */
-  uint32_t start, line_points;   /* offsets of sections in the blob, or 0 */
-  int32_t x0_q16, y0_q16, x1_q16, y1_q16;
-  uint32_t scale_x_q32, scale_y_q32;
-  uint16_t columns, rows;
+  const uint8_t* grid; /* sections in the blob; of those below NULL: none */
+  const uint8_t* line_points;
+  const uint8_t* start;
+  const uint8_t* remap;          /* the one in use */
+  const uint8_t* control_points; /* in the grid */
   uint16_t width, height;
 } rg_camera;
 

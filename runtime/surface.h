@@ -1,8 +1,9 @@
-/* The spline surface over the calibrated area: chart position of a pixel, and
- * its derivative. */
+/* The spline surface over the calibrated area: the chart position of a pixel,
+ * and the point of its line. */
 #ifndef RAYGRID_SURFACE_H
 #define RAYGRID_SURFACE_H
 
+#include "bytes.h"
 #include "raygrid.h"
 #include "stereographic.h"
 #include "wide_multiply.h"
@@ -27,37 +28,35 @@ static inline rg_cell_position rg_find_cell(uint32_t offset, uint32_t scale,
   return position;
 }
 
-/* Where a pixel of the area lies in the grid, x then y. */
-static inline void rg_find_cells(const rg_camera* camera, rg_pixel pixel,
-                                 rg_cell_position cells[2]) {
-  cells[0] = rg_find_cell((uint32_t)(pixel.x_q16 - camera->x0_q16),
-                          camera->scale_x_q32, camera->columns - 3u);
-  cells[1] = rg_find_cell((uint32_t)(pixel.y_q16 - camera->y0_q16),
-                          camera->scale_y_q32, camera->rows - 3u);
+/* The same on axis 0 or 1 of a section that begins with low ends, high ends,
+ * counts and scales, of which there are two each; count is that of the cells
+ * and surplus more. 0 if value lies outside. */
+static inline int rg_find_on_axis(const uint8_t* section, uint32_t axis,
+                                  int32_t value, uint32_t surplus,
+                                  rg_cell_position* position) {
+  const uint32_t low = rg_load_u32(section + 4 * axis);
+  const uint32_t high = rg_load_u32(section + 8 + 4 * axis);
+  const uint32_t offset = (uint32_t)value - low;
+  if (offset > high - low) return 0;
+  *position = rg_find_cell(offset, rg_load_u32(section + 20 + 4 * axis),
+                           rg_load_u16(section + 16 + 2 * axis) - surplus);
+  return 1;
 }
 
-static inline int rg_is_in_area(const rg_camera* camera, rg_pixel pixel) {
-  return pixel.x_q16 >= camera->x0_q16 && pixel.x_q16 <= camera->x1_q16 &&
-         pixel.y_q16 >= camera->y0_q16 && pixel.y_q16 <= camera->y1_q16;
-}
+/* Where a pixel lies in the grid. */
+typedef struct rg_place {
+  uint32_t first; /* of the 16 control points around it */
+  uint32_t cell[2];
+  int32_t t_q31[2];
+  int32_t weights_q31[2][4];
+} rg_place;
 
-/* Chart position of a pixel of the area. */
-void rg_surface_position(const rg_camera* camera, rg_pixel pixel,
-                         rg_chart_point* position);
+/* Chart position of a pixel; 0 if it lies outside the area. */
+int rg_surface_position(const rg_camera* camera, rg_pixel pixel,
+                        rg_place* place, rg_chart_point* position);
 
-/* The line's point of a pixel of the area; the camera must have line points. */
-void rg_surface_line_point(const rg_camera* camera, rg_pixel pixel,
+/* The line's point at a place; the camera must have line points. */
+void rg_surface_line_point(const rg_camera* camera, const rg_place* place,
                            int32_t point_q28[3]);
-
-/* by_pixel[i][j]: of chart coordinate i by pixel coordinate j, in q26 per
- * pixel. */
-typedef struct rg_tangent {
-  rg_chart_point position;
-  int32_t by_pixel_q26[2][2];
-} rg_tangent;
-
-/* The same, and the derivative. */
-void rg_surface_tangent(const rg_camera* camera, rg_pixel pixel,
-                        rg_tangent* tangent);
 
 #endif /* RAYGRID_SURFACE_H */

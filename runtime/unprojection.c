@@ -3,24 +3,25 @@
 #include "surface.h"
 
 rg_status rg_unproject(const rg_camera* camera, rg_pixel pixel, rg_ray* ray) {
-  if (camera->line_points) return RG_ERR_NONCENTRAL;
-  if (!rg_is_in_area(camera, pixel)) return RG_ERR_OUTSIDE_AREA;
+  rg_place place;
   rg_chart_point point;
-  rg_surface_position(camera, pixel, &point);
+  if (camera->line_points) return RG_ERR_NONCENTRAL;
+  if (!rg_surface_position(camera, pixel, &place, &point))
+    return RG_ERR_OUTSIDE_AREA;
   rg_direction_of(&point, ray);
   return RG_OK;
 }
 
 rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
                             rg_line* line) {
-  if (!rg_is_in_area(camera, pixel)) return RG_ERR_OUTSIDE_AREA;
+  rg_place place;
   rg_chart_point point;
-  rg_surface_position(camera, pixel, &point);
+  if (!rg_surface_position(camera, pixel, &place, &point))
+    return RG_ERR_OUTSIDE_AREA;
   rg_direction_of(&point, &line->direction);
+  line->point_q28[0] = line->point_q28[1] = line->point_q28[2] = 0;
   if (camera->line_points)
-    rg_surface_line_point(camera, pixel, line->point_q28);
-  else
-    line->point_q28[0] = line->point_q28[1] = line->point_q28[2] = 0;
+    rg_surface_line_point(camera, &place, line->point_q28);
   return RG_OK;
 }
 

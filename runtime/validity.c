@@ -3,8 +3,22 @@
 #include "rg_blob.h"
 #include "surface.h"
 
+/* From the area's first pixel; 0 outside the area. */
+static int find_offset(const rg_camera* camera, rg_pixel pixel,
+                       uint32_t offset_q16[2]) {
+  const uint32_t pixel_q16[2] = {(uint32_t)pixel.x_q16, (uint32_t)pixel.y_q16};
+  for (uint32_t c = 0; c < 2; ++c) {
+    const uint32_t low = rg_load_u32(camera->grid + 4 * c);
+    const uint32_t high = rg_load_u32(camera->grid + 8 + 4 * c);
+    offset_q16[c] = pixel_q16[c] - low;
+    if (offset_q16[c] > high - low) return 0;
+  }
+  return 1;
+}
+
 int rg_is_valid(const rg_camera* camera, rg_pixel pixel) {
-  if (!rg_is_in_area(camera, pixel)) return 0;
+  uint32_t offset_q16[2];
+  if (!find_offset(camera, pixel, offset_q16)) return 0;
   const uint8_t* const section =
       rg_find_section(camera->blob, RG_SECTION_MASK, 0);
   if (!section) return 1;
@@ -27,14 +41,13 @@ rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
   const uint8_t* const section =
       rg_find_section(camera->blob, RG_SECTION_UNCERTAINTY, 0);
   if (!section) return RG_ERR_UNKNOWN;
-  if (!rg_is_in_area(camera, pixel)) return RG_ERR_OUTSIDE_AREA;
+  uint32_t offset_q16[2];
+  if (!find_offset(camera, pixel, offset_q16)) return RG_ERR_OUTSIDE_AREA;
   const uint32_t columns = rg_load_u16(section);
   const rg_cell_position x =
-      rg_find_cell((uint32_t)(pixel.x_q16 - camera->x0_q16),
-                   rg_load_u32(section + 4), columns - 1);
-  const rg_cell_position y =
-      rg_find_cell((uint32_t)(pixel.y_q16 - camera->y0_q16),
-                   rg_load_u32(section + 8), rg_load_u16(section + 2) - 1u);
+      rg_find_cell(offset_q16[0], rg_load_u32(section + 4), columns - 1);
+  const rg_cell_position y = rg_find_cell(
+      offset_q16[1], rg_load_u32(section + 8), rg_load_u16(section + 2) - 1u);
   const uint8_t* const first =
       section + rg_load_u32(section + 12) + 2 * (y.cell * columns + x.cell);
   /* Weights of 8 bits: a value below 2^16 and both weights fill 32 bits. */
