@@ -2,18 +2,7 @@
 
 #include "fixed_point.h"
 
-/* r <- r + r (1 - d r): relative error 1/17, 4e-3, 1.2e-5, rounding. */
-int32_t rg_reciprocal(uint32_t d_q32) {
-  const int32_t d_q31 = (int32_t)(d_q32 >> 1);
-  /* 48/17 - 32/17 d */
-  int32_t r_q29 = 1515870810 - rg_multiply_high(d_q31, 2021161080);
-  for (int i = 0; i < 3; ++i) {
-    /* d r in q32 without its 1, so 0 less that is 1 - d r. */
-    const uint32_t product_q32 = (uint32_t)rg_multiply_high(d_q31, r_q29) << 4;
-    r_q29 = rg_multiply_high_add(r_q29, r_q29, (int32_t)(0u - product_q32));
-  }
-  return r_q29;
-}
+int32_t rg_reciprocal(uint32_t d_q32) { return rg_reciprocal_inline(d_q32); }
 
 /* r <- r + r (1 - u r^2) / 2: relative error 0.024, 8.7e-4, 1.1e-6, rounding.
  */

@@ -84,12 +84,12 @@ static int look_up_start(const uint8_t* section, const rg_chart_point* target,
                          int32_t pixel_q16[2]) {
   rg_cell_position cells[2];
   for (uint32_t c = 0; c < 2; ++c)
-    if (!rg_find_on_axis(section, c, target->q28[c], 1, &cells[c])) return 0;
+    if (!rg_find_on_axis(section, c, target->q28[c], 2, &cells[c])) return 0;
   const uint32_t columns = rg_load_u16(section + 16);
   const uint8_t* const vertex = section + rg_load_u32(section + 32) +
                                 4 * (cells[1].cell * columns + cells[0].cell);
-  const int32_t tx = (int32_t)(cells[0].t_q32 >> 24);
-  const int32_t ty = (int32_t)(cells[1].t_q32 >> 24);
+  const int32_t tx = cells[0].t_q30 >> 22;
+  const int32_t ty = cells[1].t_q30 >> 22;
   int32_t x_q17 = 0, y_q17 = 0;
   for (uint32_t k = 0; k < 4; ++k) {
     const uint8_t* const corner = vertex + 4 * ((k & 1) + (k >> 1) * columns);
@@ -119,12 +119,10 @@ static uint32_t clamp_to_area(const uint8_t* grid, uint32_t axis,
 /* The surface at a pixel of the area, less the target. */
 static void find_error(const rg_camera* camera, const int32_t pixel_q16[2],
                        const rg_chart_point* target, int32_t error_q28[2]) {
-  const rg_pixel pixel = {pixel_q16[0], pixel_q16[1]};
   rg_place place;
-  rg_chart_point point;
-  rg_surface_position(camera, pixel, &place, &point);
-  error_q28[0] = point.q28[0] - target->q28[0];
-  error_q28[1] = point.q28[1] - target->q28[1];
+  rg_find_place(camera, pixel_q16[0], pixel_q16[1], &place);
+  error_q28[0] = place.position.q28[0] - target->q28[0];
+  error_q28[1] = place.position.q28[1] - target->q28[1];
 }
 
 /* The inverse derivative around a pixel, which is moved away from the area's

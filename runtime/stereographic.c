@@ -3,23 +3,6 @@
 #include "fixed_point.h"
 #include "inverse.h"
 
-/* (2a, 2b, 1 - s) / (1 + s) with s = a^2 + b^2. */
-void rg_direction_of(const rg_chart_point* point, rg_ray* ray) {
-  const int32_t a_q28 = point->q28[0], b_q28 = point->q28[1];
-  const uint64_t s_q56 =
-      (uint64_t)(rg_product(a_q28, a_q28) + rg_product(b_q28, b_q28));
-  const uint32_t high_q24 = (uint32_t)(s_q56 >> 32) + (UINT32_C(1) << 24);
-  /* 1 + s = D 2^(8 - zeros) with D in [1/2, 1); 1 / D in q29. */
-  const int zeros = rg_leading_zeros(high_q24); /* 2 to 7 */
-  const int32_t r_q29 =
-      rg_reciprocal((high_q24 << zeros) | ((uint32_t)s_q56 >> (32 - zeros)));
-  const int32_t r_q30 = r_q29 >> (7 - zeros); /* 1 / (1 + s) */
-  ray->x_q30 = (int32_t)(rg_product(a_q28, r_q30) >> 27);
-  ray->y_q30 = (int32_t)(rg_product(b_q28, r_q30) >> 27);
-  /* (1 - s) r = 2r - 1 */
-  ray->z_q30 = (int32_t)(2 * (uint32_t)r_q30 - (UINT32_C(1) << 30));
-}
-
 /* sqrt(s) in q29, for s_q28 from 2^26 to below 2^30: s in [1/4, 4). */
 static int32_t square_root(uint32_t s_q28) {
   const int is_below_1 = s_q28 < UINT32_C(1) << 28;

@@ -4,21 +4,19 @@
 
 rg_status rg_unproject(const rg_camera* camera, rg_pixel pixel, rg_ray* ray) {
   rg_place place;
-  rg_chart_point point;
   if (camera->line_points) return RG_ERR_NONCENTRAL;
-  if (!rg_surface_position(camera, pixel, &place, &point))
+  if (!rg_find_place(camera, pixel.x_q16, pixel.y_q16, &place))
     return RG_ERR_OUTSIDE_AREA;
-  rg_direction_of(&point, ray);
+  rg_direction_of(&place.position, ray);
   return RG_OK;
 }
 
 rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
                             rg_line* line) {
   rg_place place;
-  rg_chart_point point;
-  if (!rg_surface_position(camera, pixel, &place, &point))
+  if (!rg_find_place(camera, pixel.x_q16, pixel.y_q16, &place))
     return RG_ERR_OUTSIDE_AREA;
-  rg_direction_of(&point, &line->direction);
+  rg_direction_of(&place.position, &line->direction);
   line->point_q28[0] = line->point_q28[1] = line->point_q28[2] = 0;
   if (camera->line_points)
     rg_surface_line_point(camera, &place, line->point_q28);

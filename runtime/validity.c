@@ -45,13 +45,14 @@ rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
   if (!find_offset(camera, pixel, offset_q16)) return RG_ERR_OUTSIDE_AREA;
   const uint32_t columns = rg_load_u16(section);
   const rg_cell_position x =
-      rg_find_cell(offset_q16[0], rg_load_u32(section + 4), columns - 1);
+      rg_find_cell(offset_q16[0], rg_load_u32(section + 4), columns - 2);
   const rg_cell_position y = rg_find_cell(
-      offset_q16[1], rg_load_u32(section + 8), rg_load_u16(section + 2) - 1u);
+      offset_q16[1], rg_load_u32(section + 8), rg_load_u16(section + 2) - 2u);
   const uint8_t* const first =
       section + rg_load_u32(section + 12) + 2 * (y.cell * columns + x.cell);
   /* Weights of 8 bits: a value below 2^16 and both weights fill 32 bits. */
-  const uint32_t tx_q8 = x.t_q32 >> 24, ty_q8 = y.t_q32 >> 24;
+  const uint32_t tx_q8 = (uint32_t)x.t_q30 >> 22;
+  const uint32_t ty_q8 = (uint32_t)y.t_q30 >> 22;
   uint32_t sum_q28 = 0x8000;
   for (uint32_t k = 0; k < 4; ++k) {
     const uint32_t value_q12 =
