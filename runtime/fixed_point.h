@@ -37,6 +37,22 @@ static inline int32_t rg_multiply_high_add(int32_t sum, int32_t a, int32_t b) {
 #endif
 }
 
+/* sum + ((2^31 - a b) >> 32) */
+static inline int32_t rg_multiply_high_subtract(int32_t sum, int32_t a,
+                                                int32_t b) {
+#if RG_HAVE_SMMULR
+  int32_t result;
+  __asm__("smmlsr %0, %1, %2, %3" : "=r"(result) : "r"(a), "r"(b), "r"(sum));
+  return result;
+#elif RG_MULTIPLY_IN_PARTS
+  uint32_t low;
+  const int32_t high = rg_multiply_signed(a, b, &low);
+  return sum - high - (low > 0x80000000u);
+#else
+  return sum + (int32_t)((INT64_C(0x80000000) - (int64_t)a * b) >> 32);
+#endif
+}
+
 /* sum + ((a h) >> 16), h the lower or the upper 16 bits of halves, signed. */
 static inline int32_t rg_add_lower_half_product(int32_t sum, int32_t a,
                                                 int32_t halves) {

@@ -6,9 +6,9 @@
 
 /* r + r (1 - d r): the error of r, squared. */
 static RG_INLINE int32_t rg_improve_reciprocal(int32_t r_q29, int32_t d_q31) {
-  /* d r in q32 without its 1, so 0 less that is 1 - d r. */
-  const uint32_t product_q32 = (uint32_t)rg_multiply_high(d_q31, r_q29) << 4;
-  return rg_multiply_high_add(r_q29, r_q29, (int32_t)(0u - product_q32));
+  /* d r in q32 loses its 1: what is left is d r - 1. */
+  const uint32_t excess_q32 = (uint32_t)rg_multiply_high(d_q31, r_q29) << 4;
+  return rg_multiply_high_subtract(r_q29, r_q29, (int32_t)excess_q32);
 }
 
 /* 1 / d in q29, relative error below 4e-9, for d_q32 from 2^31 on: d in

@@ -83,8 +83,13 @@ static void find_step(const inverse_map* map, int32_t error[2],
 static int look_up_start(const uint8_t* section, const rg_chart_point* target,
                          int32_t pixel_q16[2]) {
   rg_cell_position cells[2];
-  for (uint32_t c = 0; c < 2; ++c)
-    if (!rg_find_on_axis(section, c, target->q28[c], 2, &cells[c])) return 0;
+  for (uint32_t c = 0; c < 2; ++c) {
+    struct rg_axis axis;
+    rg_read_axis(section, c, &axis);
+    if (!rg_find_on_axis(&axis, rg_load_u16(section + 16 + 2 * c) - 2u,
+                         2 * target->q27[c], &cells[c]))
+      return 0;
+  }
   const uint32_t columns = rg_load_u16(section + 16);
   const uint8_t* const vertex = section + rg_load_u32(section + 32) +
                                 4 * (cells[1].cell * columns + cells[0].cell);
@@ -106,23 +111,22 @@ static int look_up_start(const uint8_t* section, const rg_chart_point* target,
 
 /* Puts one coordinate between the area's edges, margin away from the far one;
  * returns by how much it was outside. */
-static uint32_t clamp_to_area(const uint8_t* grid, uint32_t axis,
-                              int32_t margin_q16, int32_t* pixel_q16) {
-  const int32_t low = rg_load_i32(grid + 4 * axis);
-  const int32_t high = rg_load_i32(grid + 8 + 4 * axis) - margin_q16;
-  const int32_t value = *pixel_q16;
-  if (value < low) *pixel_q16 = low;
-  if (value > high) *pixel_q16 = high;
-  return rg_magnitude(value - *pixel_q16);
+static uint32_t clamp_to_axis(const struct rg_axis* axis, int32_t margin_q16,
+                              int32_t* value_q16) {
+  const int32_t before = *value_q16;
+  const int32_t high = axis->low + (int32_t)axis->span - margin_q16;
+  if (before < axis->low) *value_q16 = axis->low;
+  if (before > high) *value_q16 = high;
+  return rg_magnitude(before - *value_q16);
 }
 
 /* The surface at a pixel of the area, less the target. */
 static void find_error(const rg_camera* camera, const int32_t pixel_q16[2],
-                       const rg_chart_point* target, int32_t error_q28[2]) {
+                       const rg_chart_point* target, int32_t error_q27[2]) {
   rg_place place;
   rg_find_place(camera, pixel_q16[0], pixel_q16[1], &place);
-  error_q28[0] = place.position.q28[0] - target->q28[0];
-  error_q28[1] = place.position.q28[1] - target->q28[1];
+  error_q27[0] = place.position.q27[0] - target->q27[0];
+  error_q27[1] = place.position.q27[1] - target->q27[1];
 }
 
 /* The inverse derivative around a pixel, which is moved away from the area's
@@ -131,7 +135,7 @@ static int find_inverse(const rg_camera* camera, const rg_chart_point* target,
                         int32_t pixel_q16[2], inverse_map* map) {
   int32_t here[2];
   for (uint32_t c = 0; c < 2; ++c)
-    clamp_to_area(camera->grid, c, HALF_PIXEL_Q16, &pixel_q16[c]);
+    clamp_to_axis(&camera->axes[c], HALF_PIXEL_Q16, &pixel_q16[c]);
   find_error(camera, pixel_q16, target, here);
   for (uint32_t c = 0; c < 2; ++c) {
     int32_t* const by_c = map->derivative + 2 * c;
@@ -163,7 +167,7 @@ static int solve(const rg_camera* camera, const rg_chart_point* target,
     for (uint32_t c = 0; c < 2; ++c) {
       const int32_t before = pixel_q16[c];
       pixel_q16[c] -= step_q16[c];
-      beyond_q16 |= clamp_to_area(camera->grid, c, 0, &pixel_q16[c]);
+      beyond_q16 |= clamp_to_axis(&camera->axes[c], 0, &pixel_q16[c]);
       size_q16 |= rg_magnitude(step_q16[c]);
       moved |= (uint32_t)(pixel_q16[c] ^ before);
     }
@@ -179,11 +183,10 @@ static int solve(const rg_camera* camera, const rg_chart_point* target,
 
 static int find_start(const rg_camera* camera, const rg_chart_point* target,
                       int32_t pixel_q16[2]) {
-  const uint8_t* const grid = camera->grid;
-  if (camera->start) return look_up_start(camera->start, target, pixel_q16);
+  if (camera->start)
+    return look_up_start(camera->blob + camera->start, target, pixel_q16);
   for (uint32_t c = 0; c < 2; ++c)
-    pixel_q16[c] =
-        (rg_load_i32(grid + 4 * c) >> 1) + (rg_load_i32(grid + 8 + 4 * c) >> 1);
+    pixel_q16[c] = camera->axes[c].low + (int32_t)(camera->axes[c].span >> 1);
   return 1;
 }
 
@@ -192,8 +195,9 @@ rg_status rg_project(const rg_camera* camera, const rg_ray* direction,
   rg_chart_point target;
   int32_t found_q16[2];
   if (camera->line_points) return RG_ERR_NONCENTRAL;
-  const int32_t limit_q30 =
-      camera->start ? rg_load_i32(camera->start + 28) : -(INT32_C(1) << 30);
+  const int32_t limit_q30 = camera->start
+                                ? rg_load_i32(camera->blob + camera->start + 28)
+                                : -(INT32_C(1) << 30);
   if (!rg_chart_point_of(direction, limit_q30, &target) ||
       !find_start(camera, &target, found_q16) ||
       !solve(camera, &target, found_q16))

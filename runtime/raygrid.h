@@ -33,12 +33,16 @@ extern "C" {
  * for use outside the library. */
 typedef struct rg_camera {
   const uint8_t* blob;
-  const uint8_t* grid; /* sections in the blob; of those below NULL: none */
-  const uint8_t* line_points;
-  const uint8_t* start;
-  const uint8_t* remap;          /* the one in use */
-  const uint8_t* control_points; /* in the grid */
+  const uint8_t* remap; /* the section in use, or NULL */
+  struct rg_axis {
+    int32_t low;    /* q16 px: the area's edge */
+    uint32_t span;  /* q16 px: to the other edge */
+    uint32_t scale; /* q32 cells per pixel */
+  } axes[2];
+  uint16_t last_cell[2]; /* cells less 1 */
   uint16_t width, height;
+  uint32_t control_points; /* these three in the blob; 0: none */
+  uint32_t start, line_points;
 } rg_camera;
 
 typedef struct rg_pixel {

@@ -17,6 +17,12 @@ static uint32_t bits_of(int32_t value) {
   return (uint32_t)(value ^ (value >> 31));
 }
 
+/* value 2^exponent */
+static int32_t scale(int32_t value, int exponent) {
+  return exponent < 0 ? value >> -exponent
+                      : (int32_t)((uint32_t)value << exponent);
+}
+
 /* (x, y) / (n + z) with n the length. */
 int rg_chart_point_of(const rg_ray* direction, int32_t limit_q30,
                       rg_chart_point* point) {
@@ -43,9 +49,8 @@ int rg_chart_point_of(const rg_ray* direction, int32_t limit_q30,
   /* n + z = D 2^(3 - zeros) with D in [1/2, 1); 1 / D in q29. */
   const int zeros = rg_leading_zeros((uint32_t)sum_q29); /* 1 to 8 */
   const int32_t r_q29 = rg_reciprocal((uint32_t)sum_q29 << zeros);
-  point->q28[0] =
-      (int32_t)((uint32_t)rg_multiply_high(x_q30 >> 1, r_q29) << (zeros - 1));
-  point->q28[1] =
-      (int32_t)((uint32_t)rg_multiply_high(y_q30 >> 1, r_q29) << (zeros - 1));
+  /* x / (n + z) = x / D 2^(zeros - 3) */
+  point->q27[0] = scale(rg_multiply_high(x_q30, r_q29), zeros - 3);
+  point->q27[1] = scale(rg_multiply_high(y_q30, r_q29), zeros - 3);
   return 1;
 }

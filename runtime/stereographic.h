@@ -8,24 +8,24 @@
 #include "raygrid.h"
 
 typedef struct rg_chart_point {
-  int32_t q28[2]; /* a, b */
+  int32_t q27[2]; /* a, b */
 } rg_chart_point;
 
 /* The direction of a chart position, |a| and |b| below 4:
  * (2a, 2b, 1 - s) / (1 + s) with s = a^2 + b^2. */
 static RG_INLINE void rg_direction_of(const rg_chart_point* point,
                                       rg_ray* ray) {
-  const int32_t a_q28 = point->q28[0], b_q28 = point->q28[1];
-  const uint64_t s_q56 =
-      (uint64_t)(rg_product(a_q28, a_q28) + rg_product(b_q28, b_q28));
-  const uint32_t high_q24 = (uint32_t)(s_q56 >> 32) + (UINT32_C(1) << 24);
-  /* 1 + s = D 2^(8 - zeros) with D in [1/2, 1); 1 / D in q29. */
-  const int zeros = rg_leading_zeros(high_q24); /* 2 to 7 */
-  const int32_t r_q29 = rg_reciprocal_inline((high_q24 << zeros) |
-                                             ((uint32_t)s_q56 >> (32 - zeros)));
-  const int32_t r_q30 = r_q29 >> (7 - zeros); /* 1 / (1 + s) */
-  ray->x_q30 = (int32_t)(rg_product(a_q28, r_q30) >> 27);
-  ray->y_q30 = (int32_t)(rg_product(b_q28, r_q30) >> 27);
+  const int32_t a_q27 = point->q27[0], b_q27 = point->q27[1];
+  const uint64_t s_q54 =
+      (uint64_t)(rg_product(a_q27, a_q27) + rg_product(b_q27, b_q27));
+  const uint32_t high_q22 = (uint32_t)(s_q54 >> 32) + (UINT32_C(1) << 22);
+  /* 1 + s = D 2^(10 - zeros) with D in [1/2, 1); 1 / D in q29. */
+  const int zeros = rg_leading_zeros(high_q22); /* 4 to 9 */
+  const int32_t r_q29 = rg_reciprocal_inline((high_q22 << zeros) |
+                                             ((uint32_t)s_q54 >> (32 - zeros)));
+  const int32_t r_q30 = r_q29 >> (9 - zeros); /* 1 / (1 + s) */
+  ray->x_q30 = (int32_t)(rg_product(a_q27, r_q30) >> 26);
+  ray->y_q30 = (int32_t)(rg_product(b_q27, r_q30) >> 26);
   /* (1 - s) r = 2r - 1 */
   ray->z_q30 = (int32_t)(2 * (uint32_t)r_q30 - (UINT32_C(1) << 30));
 }

@@ -15,31 +15,28 @@ typedef struct rg_cell_position {
   int32_t t_q30;
 } rg_cell_position;
 
-/* Offset times scale must be q48 cells; positions end with the last cell. */
-static inline rg_cell_position rg_find_cell(uint32_t offset, uint32_t scale,
-                                            uint32_t last_cell) {
-  uint32_t low;
-  const uint32_t high = rg_multiply_unsigned(offset, scale, &low);
-  uint32_t cell = high >> 16;
-  if (cell > last_cell) cell = last_cell;
-  const uint32_t t_q16 = high - (cell << 16);
-  const rg_cell_position position = {cell,
-                                     (int32_t)((t_q16 << 14) | (low >> 18))};
-  return position;
+/* Reads axis 0 or 1 of a section that begins with two low ends, two high ends,
+ * two counts and two scales. */
+static inline void rg_read_axis(const uint8_t* section, uint32_t c,
+                                struct rg_axis* axis) {
+  axis->low = rg_load_i32(section + 4 * c);
+  axis->span = rg_load_u32(section + 8 + 4 * c) - (uint32_t)axis->low;
+  axis->scale = rg_load_u32(section + 20 + 4 * c);
 }
 
-/* The same on axis 0 or 1 of a section that begins with low ends, high ends,
- * counts and scales, of which there are two each; count is the number of the
- * last cell and surplus more. 0 if value lies outside. */
-static inline int rg_find_on_axis(const uint8_t* section, uint32_t axis,
-                                  int32_t value, uint32_t surplus,
+/* 0 if value lies outside. */
+static inline int rg_find_on_axis(const struct rg_axis* axis,
+                                  uint32_t last_cell, int32_t value,
                                   rg_cell_position* position) {
-  const uint32_t low = rg_load_u32(section + 4 * axis);
-  const uint32_t high = rg_load_u32(section + 8 + 4 * axis);
-  const uint32_t offset = (uint32_t)value - low;
-  if (offset > high - low) return 0;
-  *position = rg_find_cell(offset, rg_load_u32(section + 20 + 4 * axis),
-                           rg_load_u16(section + 16 + 2 * axis) - surplus);
+  const uint32_t offset = (uint32_t)value - (uint32_t)axis->low;
+  if (offset > axis->span) return 0;
+  uint32_t low;
+  const uint32_t high = rg_multiply_unsigned(offset, axis->scale, &low);
+  uint32_t cell = high >> 16;
+  if (cell > last_cell) cell = last_cell; /* the far edge */
+  const uint32_t t_q16 = high - (cell << 16);
+  position->cell = cell;
+  position->t_q30 = (int32_t)((t_q16 << 14) | (low >> 18));
   return 1;
 }
 

@@ -6,14 +6,10 @@
 /* From the area's first pixel; 0 outside the area. */
 static int find_offset(const rg_camera* camera, rg_pixel pixel,
                        uint32_t offset_q16[2]) {
-  const uint32_t pixel_q16[2] = {(uint32_t)pixel.x_q16, (uint32_t)pixel.y_q16};
-  for (uint32_t c = 0; c < 2; ++c) {
-    const uint32_t low = rg_load_u32(camera->grid + 4 * c);
-    const uint32_t high = rg_load_u32(camera->grid + 8 + 4 * c);
-    offset_q16[c] = pixel_q16[c] - low;
-    if (offset_q16[c] > high - low) return 0;
-  }
-  return 1;
+  offset_q16[0] = (uint32_t)pixel.x_q16 - (uint32_t)camera->axes[0].low;
+  offset_q16[1] = (uint32_t)pixel.y_q16 - (uint32_t)camera->axes[1].low;
+  return offset_q16[0] <= camera->axes[0].span &&
+         offset_q16[1] <= camera->axes[1].span;
 }
 
 int rg_is_valid(const rg_camera* camera, rg_pixel pixel) {
@@ -41,18 +37,21 @@ rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
   const uint8_t* const section =
       rg_find_section(camera->blob, RG_SECTION_UNCERTAINTY, 0);
   if (!section) return RG_ERR_UNKNOWN;
-  uint32_t offset_q16[2];
-  if (!find_offset(camera, pixel, offset_q16)) return RG_ERR_OUTSIDE_AREA;
+  const int32_t pixels_q16[2] = {pixel.x_q16, pixel.y_q16};
   const uint32_t columns = rg_load_u16(section);
-  const rg_cell_position x =
-      rg_find_cell(offset_q16[0], rg_load_u32(section + 4), columns - 2);
-  const rg_cell_position y = rg_find_cell(
-      offset_q16[1], rg_load_u32(section + 8), rg_load_u16(section + 2) - 2u);
-  const uint8_t* const first =
-      section + rg_load_u32(section + 12) + 2 * (y.cell * columns + x.cell);
+  rg_cell_position cells[2];
+  for (uint32_t c = 0; c < 2; ++c) {
+    struct rg_axis axis = camera->axes[c];
+    axis.scale = rg_load_u32(section + 4 + 4 * c);
+    if (!rg_find_on_axis(&axis, rg_load_u16(section + 2 * c) - 2u,
+                         pixels_q16[c], &cells[c]))
+      return RG_ERR_OUTSIDE_AREA;
+  }
+  const uint8_t* const first = section + rg_load_u32(section + 12) +
+                               2 * (cells[1].cell * columns + cells[0].cell);
   /* Weights of 8 bits: a value below 2^16 and both weights fill 32 bits. */
-  const uint32_t tx_q8 = (uint32_t)x.t_q30 >> 22;
-  const uint32_t ty_q8 = (uint32_t)y.t_q30 >> 22;
+  const uint32_t tx_q8 = (uint32_t)cells[0].t_q30 >> 22;
+  const uint32_t ty_q8 = (uint32_t)cells[1].t_q30 >> 22;
   uint32_t sum_q28 = 0x8000;
   for (uint32_t k = 0; k < 4; ++k) {
     const uint32_t value_q12 =
