@@ -22,7 +22,7 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
   const uint8_t* const grid = rg_find_section(blob, RG_SECTION_CENTRAL_GRID, 0);
   camera->line_points = offset_of(blob, RG_SECTION_LINE_POINTS);
   camera->start = offset_of(blob, RG_SECTION_START);
-  camera->control_points = (uint32_t)(grid - blob) + rg_load_u32(grid + 32);
+  camera->control_points = grid + rg_load_u32(grid + 32);
   for (uint32_t c = 0; c < 2; ++c) {
     rg_read_axis(grid, c, &camera->axes[c]);
     camera->last_cell[c] = (uint16_t)(rg_load_u16(grid + 16 + 2 * c) - 4);

@@ -33,6 +33,7 @@ extern "C" {
  * for use outside the library. */
 typedef struct rg_camera {
   const uint8_t* blob;
+  const uint8_t* control_points;
   const uint8_t* remap; /* the section in use, or NULL */
   struct rg_axis {
     int32_t low;    /* q16 px: the area's edge */
@@ -41,8 +42,7 @@ typedef struct rg_camera {
   } axes[2];
   uint16_t last_cell[2]; /* cells less 1 */
   uint16_t width, height;
-  uint32_t control_points; /* these three in the blob; 0: none */
-  uint32_t start, line_points;
+  uint32_t start, line_points; /* sections in the blob, or 0 */
 } rg_camera;
 
 typedef struct rg_pixel {

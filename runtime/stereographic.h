@@ -15,17 +15,16 @@ typedef struct rg_chart_point {
  * (2a, 2b, 1 - s) / (1 + s) with s = a^2 + b^2. */
 static RG_INLINE void rg_direction_of(const rg_chart_point* point,
                                       rg_ray* ray) {
-  const int32_t a_q27 = point->q27[0], b_q27 = point->q27[1];
-  const uint64_t s_q54 =
-      (uint64_t)(rg_product(a_q27, a_q27) + rg_product(b_q27, b_q27));
-  const uint32_t high_q22 = (uint32_t)(s_q54 >> 32) + (UINT32_C(1) << 22);
-  /* 1 + s = D 2^(10 - zeros) with D in [1/2, 1); 1 / D in q29. */
-  const int zeros = rg_leading_zeros(high_q22); /* 4 to 9 */
-  const int32_t r_q29 = rg_reciprocal_inline((high_q22 << zeros) |
-                                             ((uint32_t)s_q54 >> (32 - zeros)));
-  const int32_t r_q30 = r_q29 >> (9 - zeros); /* 1 / (1 + s) */
-  ray->x_q30 = (int32_t)(rg_product(a_q27, r_q30) >> 26);
-  ray->y_q30 = (int32_t)(rg_product(b_q27, r_q30) >> 26);
+  const int32_t a_q29 = 4 * point->q27[0], b_q29 = 4 * point->q27[1];
+  const uint32_t sum_q26 = (uint32_t)rg_multiply_high_add(
+                               rg_multiply_high(a_q29, a_q29), b_q29, b_q29) +
+                           (UINT32_C(1) << 26);
+  /* 1 + s = D 2^(6 - zeros) with D in [1/2, 1); 1 / D in q29. */
+  const int zeros = rg_leading_zeros(sum_q26); /* at most 5 */
+  const int32_t r_q29 = rg_reciprocal_inline(sum_q26 << zeros);
+  const int32_t r_q30 = r_q29 >> (5 - zeros); /* 1 / (1 + s) */
+  ray->x_q30 = rg_multiply_high(a_q29, r_q30) * 16;
+  ray->y_q30 = rg_multiply_high(b_q29, r_q30) * 16;
   /* (1 - s) r = 2r - 1 */
   ray->z_q30 = (int32_t)(2 * (uint32_t)r_q30 - (UINT32_C(1) << 30));
 }

@@ -35,8 +35,7 @@ int rg_find_place(const rg_camera* camera, int32_t x_q16, int32_t y_q16,
   rg_bspline_weights(x.t_q30, place->x_weights_q31);
   const uint32_t columns = camera->last_cell[0] + 4u;
   place->first = y.cell * columns + x.cell;
-  const uint8_t* points =
-      camera->blob + camera->control_points + 8 * place->first;
+  const uint8_t* points = camera->control_points + 8 * place->first;
   int32_t sums_q27[2] = {0, 0};
 #if 1
   add_row(points, place->x_weights_q31, place->y_weights_q31[0], sums_q27);
