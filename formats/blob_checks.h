@@ -6,9 +6,13 @@
 
 #include "rg_status.h"
 
+/* 0, or the status of a fault times -1: small constants make short code. */
+typedef int rg_fault;
+
 /* Checks the fields and arrays of a section that is as long as its fields, by
- * those of the camera and the grid, which may not have been checked yet. */
-rg_status rg_check_section(uint32_t type, const uint8_t* section, uint32_t size,
-                           const uint8_t* camera, const uint8_t* grid);
+ * those of the camera and the grid among the sections, which may not have been
+ * checked yet. */
+rg_fault rg_check_section(uint32_t type, const uint8_t* section, uint32_t size,
+                          const uint8_t* const* sections);
 
 #endif /* RAYGRID_BLOB_CHECKS_H */

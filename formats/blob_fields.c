@@ -3,27 +3,25 @@
 #include "bytes.h"
 #include "rg_blob.h"
 
-/* Of the bytes of a section, 0 if there is none. */
-static uint32_t offset_of(const uint8_t* bytes, uint32_t type) {
-  const uint8_t* const section = rg_find_section(bytes, type, 0);
-  return section ? (uint32_t)(section - bytes) : 0;
-}
-
 rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {
   if (!blob) return RG_ERR_ARGUMENT;
-  const rg_status status = rg_blob_check(bytes, num_bytes);
+  const uint8_t* sections[RG_NUM_SECTION_TYPES];
+  const rg_status status = rg_blob_check(bytes, num_bytes, sections);
   if (status != RG_OK) return status;
-  const uint8_t* const p = (const uint8_t*)bytes;
-  blob->bytes = p;
-  blob->size = rg_load_u32(p + 12);
-  blob->camera = offset_of(p, RG_SECTION_CAMERA);
-  blob->grid = offset_of(p, RG_SECTION_CENTRAL_GRID);
-  blob->remap = offset_of(p, RG_SECTION_REMAP);
-  blob->quality = offset_of(p, RG_SECTION_QUALITY);
-  blob->start = offset_of(p, RG_SECTION_START);
-  blob->line_points = offset_of(p, RG_SECTION_LINE_POINTS);
-  blob->mask = offset_of(p, RG_SECTION_MASK);
-  blob->uncertainty = offset_of(p, RG_SECTION_UNCERTAINTY);
+  uint32_t offsets[RG_NUM_SECTION_TYPES];
+  blob->bytes = (const uint8_t*)bytes;
+  for (int type = 0; type < RG_NUM_SECTION_TYPES; ++type)
+    offsets[type] =
+        sections[type] ? (uint32_t)(sections[type] - blob->bytes) : 0;
+  blob->size = rg_load_u32(blob->bytes + 12);
+  blob->camera = offsets[RG_SECTION_CAMERA];
+  blob->grid = offsets[RG_SECTION_CENTRAL_GRID];
+  blob->remap = offsets[RG_SECTION_REMAP];
+  blob->quality = offsets[RG_SECTION_QUALITY];
+  blob->start = offsets[RG_SECTION_START];
+  blob->line_points = offsets[RG_SECTION_LINE_POINTS];
+  blob->mask = offsets[RG_SECTION_MASK];
+  blob->uncertainty = offsets[RG_SECTION_UNCERTAINTY];
   return RG_OK;
 }
 

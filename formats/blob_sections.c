@@ -5,13 +5,13 @@
 #include "wide_multiply.h"
 
 /* The section's arrays start behind its fields and fill it to the end. */
-static rg_status check_extent(uint32_t size, uint32_t data_offset,
-                              uint32_t fields_size, uint32_t data_size) {
+static rg_fault check_extent(uint32_t size, uint32_t data_offset,
+                             uint32_t fields_size, uint32_t data_size) {
   if (data_offset < fields_size || data_offset % 4 != 0)
-    return RG_ERR_DATA_OFFSET;
+    return -RG_ERR_DATA_OFFSET;
   if (data_offset > size || size - data_offset != data_size)
-    return RG_ERR_SECTION_SIZE;
-  return RG_OK;
+    return -RG_ERR_SECTION_SIZE;
+  return 0;
 }
 
 /* Bytes of one bit for each of so many, padded to words. */
@@ -19,13 +19,13 @@ static uint32_t mask_size(uint32_t num_bits) {
   return (num_bits + 31) / 32 * 4;
 }
 
-static rg_status check_camera(const uint8_t* section) {
+static rg_fault check_camera(const uint8_t* section) {
   if (rg_load_u16(section) - 1u >= RG_MAX_IMAGE_SIZE ||
       rg_load_u16(section + 2) - 1u >= RG_MAX_IMAGE_SIZE)
-    return RG_ERR_IMAGE_SIZE;
-  if (rg_load_u32(section + 4) != 0) return RG_ERR_RESERVED;
+    return -RG_ERR_IMAGE_SIZE;
+  if (rg_load_u32(section + 4) != 0) return -RG_ERR_RESERVED;
   /* The last bytes of name and serial. */
-  return (section[39] | section[71]) != 0 ? RG_ERR_TEXT : RG_OK;
+  return (section[39] | section[71]) != 0 ? -RG_ERR_TEXT : 0;
 }
 
 /* scale = floor(cells 2^48 / span): the remainder is less than span. */
@@ -76,75 +76,74 @@ static uint32_t num_control_points(const uint8_t* grid) {
   return (uint32_t)rg_load_u16(grid + 16) * rg_load_u16(grid + 18);
 }
 
-static rg_status check_grid(const uint8_t* section, uint32_t size,
-                            const uint8_t* camera) {
-  if (rg_load_u32(section + 36) != 0) return RG_ERR_RESERVED;
+static rg_fault check_grid(const uint8_t* section, uint32_t size,
+                           const uint8_t* camera) {
+  if (rg_load_u32(section + 36) != 0) return -RG_ERR_RESERVED;
   if (rg_load_u16(section + 28) != RG_CHART_STEREOGRAPHIC ||
       rg_load_u16(section + 30) != RG_CONTROL_POINT_BITS)
-    return RG_ERR_GRID_CHART;
-  const int fault =
+    return -RG_ERR_GRID_CHART;
+  /* RG_ERR_AREA, RG_ERR_GRID_SIZE and RG_ERR_GRID_SCALE follow each other. */
+  const int axis_fault =
       find_axis_fault(section, section + 16, 3, RG_MAX_GRID_SIZE - 3, camera);
-  if (fault == ENDS) return RG_ERR_AREA;
-  if (fault == COUNT) return RG_ERR_GRID_SIZE;
-  if (fault == SCALE) return RG_ERR_GRID_SCALE;
+  if (axis_fault) return axis_fault - ENDS - RG_ERR_AREA;
   const uint32_t data_offset = rg_load_u32(section + 32);
-  const rg_status status = check_extent(size, data_offset, RG_GRID_FIELDS_SIZE,
-                                        8 * num_control_points(section));
-  if (status != RG_OK) return status;
+  const rg_fault fault = check_extent(size, data_offset, RG_GRID_FIELDS_SIZE,
+                                      8 * num_control_points(section));
+  if (fault != 0) return fault;
   return are_points_in_range(section + data_offset, section + size)
-             ? RG_OK
-             : RG_ERR_CONTROL_POINT;
+             ? 0
+             : -RG_ERR_CONTROL_POINT;
 }
 
-static rg_status check_line_points(const uint8_t* section, uint32_t size,
-                                   const uint8_t* grid) {
-  if (rg_load_u16(section) != RG_LINE_POINT_BITS) return RG_ERR_LINE_POINT;
-  if (rg_load_u16(section + 2) != 0) return RG_ERR_RESERVED;
+static rg_fault check_line_points(const uint8_t* section, uint32_t size,
+                                  const uint8_t* grid) {
+  if (rg_load_u16(section) != RG_LINE_POINT_BITS) return -RG_ERR_LINE_POINT;
+  if (rg_load_u16(section + 2) != 0) return -RG_ERR_RESERVED;
   const uint32_t data_offset = rg_load_u32(section + 4);
-  const rg_status status =
+  const rg_fault fault =
       check_extent(size, data_offset, RG_LINE_POINTS_FIELDS_SIZE,
                    12 * num_control_points(grid));
-  if (status != RG_OK) return status;
+  if (fault != 0) return fault;
   return are_points_in_range(section + data_offset, section + size)
-             ? RG_OK
-             : RG_ERR_LINE_POINT;
+             ? 0
+             : -RG_ERR_LINE_POINT;
 }
 
 /* Any vertex is a start: projection checks what it finds. */
-static rg_status check_start(const uint8_t* section, uint32_t size) {
-  const int fault =
+static rg_fault check_start(const uint8_t* section, uint32_t size) {
+  const int axis_fault =
       find_axis_fault(section, section + 16, 1, RG_MAX_START_SIZE - 1, 0);
   const int32_t cos_limit_q30 = rg_load_i32(section + 28);
-  if (fault == ENDS || cos_limit_q30 < -RG_CHART_LIMIT_Q28 ||
+  if (axis_fault == ENDS || cos_limit_q30 < -RG_CHART_LIMIT_Q28 ||
       cos_limit_q30 >= RG_CHART_LIMIT_Q28)
-    return RG_ERR_START_CHART;
-  if (fault) return RG_ERR_START_GRID;
+    return -RG_ERR_START_CHART;
+  if (axis_fault) return -RG_ERR_START_GRID;
   return check_extent(size, rg_load_u32(section + 32), RG_START_FIELDS_SIZE,
                       4 * num_control_points(section));
 }
 
-static rg_status check_uncertainty(const uint8_t* section, uint32_t size,
-                                   const uint8_t* camera, const uint8_t* grid) {
+static rg_fault check_uncertainty(const uint8_t* section, uint32_t size,
+                                  const uint8_t* camera, const uint8_t* grid) {
   if (find_axis_fault(grid, section, 1, RG_MAX_UNCERTAINTY_SIZE - 1, camera))
-    return RG_ERR_UNCERTAINTY;
+    return -RG_ERR_UNCERTAINTY;
   const uint32_t num_values =
       (uint32_t)rg_load_u16(section) * rg_load_u16(section + 2);
   return check_extent(size, rg_load_u32(section + 12),
                       RG_UNCERTAINTY_FIELDS_SIZE, (num_values + 1) / 2 * 4);
 }
 
-static rg_status check_mask(const uint8_t* section, uint32_t size,
-                            const uint8_t* camera) {
+static rg_fault check_mask(const uint8_t* section, uint32_t size,
+                           const uint8_t* camera) {
   const uint32_t log2 = section[4];
-  if ((rg_load_u32(section + 4) >> 8) != 0) return RG_ERR_RESERVED;
+  if ((rg_load_u32(section + 4) >> 8) != 0) return -RG_ERR_RESERVED;
   if (log2 - RG_MIN_MASK_CELL_LOG2 >
       RG_MAX_MASK_CELL_LOG2 - RG_MIN_MASK_CELL_LOG2)
-    return RG_ERR_MASK;
+    return -RG_ERR_MASK;
   uint32_t num_cells = 1;
   for (uint32_t c = 0; c < 4; c += 2) {
     const uint32_t count = rg_load_u16(section + c);
     if (count != ((rg_load_u16(camera + c) - 1u) >> log2) + 1)
-      return RG_ERR_MASK;
+      return -RG_ERR_MASK;
     num_cells *= count;
   }
   return check_extent(size, rg_load_u32(section + 8), RG_MASK_FIELDS_SIZE,
@@ -173,45 +172,48 @@ static int are_vertices_in_range(const uint8_t* section, const uint8_t* fields,
 }
 
 /* One axis of a remap: sizes and source. */
-static rg_status check_remap_axis(const uint8_t* section, uint32_t axis,
-                                  uint32_t source_size) {
+static rg_fault check_remap_axis(const uint8_t* section, uint32_t axis,
+                                 uint32_t source_size) {
   const uint32_t size = rg_load_u16(section + 2 * axis);
   const uint32_t num_vertices = rg_load_u16(section + 4 + 2 * axis);
   const uint8_t* const fields = section + 4 * axis;
   const int32_t low = rg_load_i32(fields + 12), high = rg_load_i32(fields + 20);
   if (size - 1 >= RG_MAX_REMAP_SIZE || source_size > RG_MAX_REMAP_SIZE)
-    return RG_ERR_REMAP_SIZE;
-  if (num_vertices != ((size - 1) >> section[8]) + 2) return RG_ERR_REMAP_BLOCK;
+    return -RG_ERR_REMAP_SIZE;
+  if (num_vertices != ((size - 1) >> section[8]) + 2)
+    return -RG_ERR_REMAP_BLOCK;
   if (low < 0 || low > high || high > (int32_t)((source_size - 1) << 12))
-    return RG_ERR_REMAP_SOURCE;
-  return rg_load_u32(fields + 52) == 0 ? RG_ERR_REMAP_CAMERA : RG_OK;
+    return -RG_ERR_REMAP_SOURCE;
+  return rg_load_u32(fields + 52) == 0 ? -RG_ERR_REMAP_CAMERA : 0;
 }
 
-static rg_status check_remap(const uint8_t* section, uint32_t size,
-                             const uint8_t* camera) {
-  if (rg_load_u16(section + 10) != 0) return RG_ERR_RESERVED;
-  if (section[8] - 3u > 2) return RG_ERR_REMAP_BLOCK;
-  if (section[9] > RG_MAX_RESIDUAL_SHIFT) return RG_ERR_REMAP_SHIFT;
-  rg_status status = RG_OK;
-  for (uint32_t axis = 0; axis < 2 && status == RG_OK; ++axis)
-    status = check_remap_axis(section, axis, rg_load_u16(camera + 2 * axis));
-  if (status != RG_OK) return status;
+static rg_fault check_remap(const uint8_t* section, uint32_t size,
+                            const uint8_t* camera) {
+  if (rg_load_u16(section + 10) != 0) return -RG_ERR_RESERVED;
+  if (section[8] - 3u > 2) return -RG_ERR_REMAP_BLOCK;
+  if (section[9] > RG_MAX_RESIDUAL_SHIFT) return -RG_ERR_REMAP_SHIFT;
+  rg_fault fault = 0;
+  for (uint32_t axis = 0; axis < 2 && fault == 0; ++axis)
+    fault = check_remap_axis(section, axis, rg_load_u16(camera + 2 * axis));
+  if (fault != 0) return fault;
   const uint32_t columns = rg_load_u16(section + 4);
   const uint32_t rows = rg_load_u16(section + 6);
   const uint32_t data_offset = rg_load_u32(section + 76);
-  status =
+  fault =
       check_extent(size, data_offset, RG_REMAP_FIELDS_SIZE,
                    4 * columns * rows + mask_size((columns - 1) * (rows - 1)));
-  if (status != RG_OK) return status;
+  if (fault != 0) return fault;
   const uint8_t* const residuals = section + data_offset;
   return are_vertices_in_range(section, section, residuals) &&
                  are_vertices_in_range(section, section + 4, residuals + 2)
-             ? RG_OK
-             : RG_ERR_REMAP_VERTEX;
+             ? 0
+             : -RG_ERR_REMAP_VERTEX;
 }
 
-rg_status rg_check_section(uint32_t type, const uint8_t* section, uint32_t size,
-                           const uint8_t* camera, const uint8_t* grid) {
+rg_fault rg_check_section(uint32_t type, const uint8_t* section, uint32_t size,
+                          const uint8_t* const* sections) {
+  const uint8_t* const camera = sections[RG_SECTION_CAMERA];
+  const uint8_t* const grid = sections[RG_SECTION_CENTRAL_GRID];
   if (type == RG_SECTION_CAMERA) return check_camera(section);
   if (type == RG_SECTION_CENTRAL_GRID) return check_grid(section, size, camera);
   if (type == RG_SECTION_LINE_POINTS)
@@ -221,5 +223,5 @@ rg_status rg_check_section(uint32_t type, const uint8_t* section, uint32_t size,
   if (type == RG_SECTION_MASK) return check_mask(section, size, camera);
   if (type == RG_SECTION_UNCERTAINTY)
     return check_uncertainty(section, size, camera, grid);
-  return RG_OK;
+  return 0;
 }

@@ -32,7 +32,8 @@ enum rg_section_type {
   RG_SECTION_LINE_POINTS = 5,
   RG_SECTION_MASK = 6,
   RG_SECTION_UNCERTAINTY = 7,
-  RG_SECTION_START = 9
+  RG_SECTION_START = 9,
+  RG_NUM_SECTION_TYPES
 };
 
 /* Sizes of the fields in front of each section's arrays. */
@@ -150,11 +151,13 @@ typedef struct rg_blob {
 
 /* Validates num_bytes bytes.
  *
- * bytes  multiple of 4. Bytes after the blob's own end are not looked at.
+ * bytes     multiple of 4. Bytes after the blob's own end are not looked at.
+ * sections  get the first section of each type, or NULL
  *
  * Nothing outside bytes[0, num_bytes) is read, whatever they hold. Every
  * status from RG_ERR_MISALIGNED to RG_ERR_UNCERTAINTY names one fault. */
-rg_status rg_blob_check(const void* bytes, uint32_t num_bytes);
+rg_status rg_blob_check(const void* bytes, uint32_t num_bytes,
+                        const uint8_t* sections[RG_NUM_SECTION_TYPES]);
 
 /* The same, and finds the sections. The bytes are read in place and kept: they
  * must outlive *blob. */

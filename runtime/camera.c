@@ -6,30 +6,29 @@
 /* Fails to compile if the handle outgrows what raygrid.h promises. */
 typedef char rg_camera_fits_64_bytes[sizeof(rg_camera) <= 64 ? 1 : -1];
 
-static uint32_t offset_of(const uint8_t* blob, uint32_t type) {
-  const uint8_t* const section = rg_find_section(blob, type, 0);
+/* 0 if there is no section. */
+static uint32_t offset_in(const uint8_t* blob, const uint8_t* section) {
   return section ? (uint32_t)(section - blob) : 0;
 }
 
 rg_status rg_camera_open(rg_camera* camera, const void* bytes,
                          uint32_t num_bytes) {
+  const uint8_t* sections[RG_NUM_SECTION_TYPES];
   if (!camera) return RG_ERR_ARGUMENT;
-  const rg_status status = rg_blob_check(bytes, num_bytes);
+  const rg_status status = rg_blob_check(bytes, num_bytes, sections);
   if (status != RG_OK) return status;
-  const uint8_t* const blob = bytes;
-  const uint8_t* const identity = rg_find_section(blob, RG_SECTION_CAMERA, 0);
-  camera->blob = blob;
-  const uint8_t* const grid = rg_find_section(blob, RG_SECTION_CENTRAL_GRID, 0);
-  camera->line_points = offset_of(blob, RG_SECTION_LINE_POINTS);
-  camera->start = offset_of(blob, RG_SECTION_START);
+  const uint8_t* const grid = sections[RG_SECTION_CENTRAL_GRID];
+  camera->blob = (const uint8_t*)bytes;
   camera->control_points = grid + rg_load_u32(grid + 32);
+  camera->remap = sections[RG_SECTION_REMAP];
+  camera->start = offset_in(bytes, sections[RG_SECTION_START]);
+  camera->line_points = offset_in(bytes, sections[RG_SECTION_LINE_POINTS]);
   for (uint32_t c = 0; c < 2; ++c) {
     rg_read_axis(grid, c, &camera->axes[c]);
     camera->last_cell[c] = (uint16_t)(rg_load_u16(grid + 16 + 2 * c) - 4);
   }
-  camera->remap = rg_find_section(blob, RG_SECTION_REMAP, 0);
-  camera->width = rg_load_u16(identity);
-  camera->height = rg_load_u16(identity + 2);
+  camera->width = rg_load_u16(sections[RG_SECTION_CAMERA]);
+  camera->height = rg_load_u16(sections[RG_SECTION_CAMERA] + 2);
   return RG_OK;
 }
 

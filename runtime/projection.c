@@ -111,8 +111,9 @@ static int look_up_start(const uint8_t* section, const rg_chart_point* target,
 
 /* Puts one coordinate between the area's edges, margin away from the far one;
  * returns by how much it was outside. */
-static uint32_t clamp_to_axis(const struct rg_axis* axis, int32_t margin_q16,
-                              int32_t* value_q16) {
+static RG_NOINLINE uint32_t clamp_to_axis(const struct rg_axis* axis,
+                                          int32_t margin_q16,
+                                          int32_t* value_q16) {
   const int32_t before = *value_q16;
   const int32_t high = axis->low + (int32_t)axis->span - margin_q16;
   if (before < axis->low) *value_q16 = axis->low;
@@ -129,21 +130,18 @@ static void find_error(const rg_camera* camera, const int32_t pixel_q16[2],
   error_q27[1] = place.position.q27[1] - target->q27[1];
 }
 
-/* The inverse derivative around a pixel, which is moved away from the area's
- * far edges; 0 if it is singular. */
+/* The inverse derivative at a pixel half a pixel or more away from the area's
+ * far edges, of which the error is known; 0 if it is singular. */
 static int find_inverse(const rg_camera* camera, const rg_chart_point* target,
-                        int32_t pixel_q16[2], inverse_map* map) {
-  int32_t here[2];
-  for (uint32_t c = 0; c < 2; ++c)
-    clamp_to_axis(&camera->axes[c], HALF_PIXEL_Q16, &pixel_q16[c]);
-  find_error(camera, pixel_q16, target, here);
-  for (uint32_t c = 0; c < 2; ++c) {
-    int32_t* const by_c = map->derivative + 2 * c;
-    pixel_q16[c] += HALF_PIXEL_Q16;
-    find_error(camera, pixel_q16, target, by_c);
-    pixel_q16[c] -= HALF_PIXEL_Q16;
-    by_c[0] -= here[0];
-    by_c[1] -= here[1];
+                        const int32_t pixel_q16[2], const int32_t error_q27[2],
+                        inverse_map* map) {
+  int32_t* by_axis = map->derivative;
+  for (uint32_t c = 0; c < 2; ++c, by_axis += 2) {
+    int32_t moved_q16[2] = {pixel_q16[0], pixel_q16[1]};
+    moved_q16[c] += HALF_PIXEL_Q16;
+    find_error(camera, moved_q16, target, by_axis);
+    by_axis[0] -= error_q27[0];
+    by_axis[1] -= error_q27[1];
   }
   return invert(map);
 }
@@ -156,13 +154,17 @@ static int solve(const rg_camera* camera, const rg_chart_point* target,
   inverse_map map;
   uint32_t distance_q16 = SHORT_DISTANCE_Q16;
   for (int i = 0; i < MAX_STEPS; ++i) {
-    int32_t error[2], step_q16[2];
-    if (distance_q16 >= SHORT_DISTANCE_Q16) {
-      if (!find_inverse(camera, target, pixel_q16, &map)) return 0;
+    const int is_far = distance_q16 >= SHORT_DISTANCE_Q16;
+    int32_t error_q27[2], step_q16[2];
+    for (uint32_t c = 0; c < 2; ++c)
+      clamp_to_axis(&camera->axes[c], is_far ? HALF_PIXEL_Q16 : 0,
+                    &pixel_q16[c]);
+    find_error(camera, pixel_q16, target, error_q27);
+    if (is_far) {
+      if (!find_inverse(camera, target, pixel_q16, error_q27, &map)) return 0;
       distance_q16 = HALF_PIXEL_Q16;
     }
-    find_error(camera, pixel_q16, target, error);
-    find_step(&map, error, step_q16);
+    find_step(&map, error_q27, step_q16);
     uint32_t size_q16 = 0, beyond_q16 = 0, moved = 0;
     for (uint32_t c = 0; c < 2; ++c) {
       const int32_t before = pixel_q16[c];

@@ -21,7 +21,7 @@ static RG_INLINE void rg_direction_of(const rg_chart_point* point,
                            (UINT32_C(1) << 26);
   /* 1 + s = D 2^(6 - zeros) with D in [1/2, 1); 1 / D in q29. */
   const int zeros = rg_leading_zeros(sum_q26); /* at most 5 */
-  const int32_t r_q29 = rg_reciprocal_inline(sum_q26 << zeros);
+  const int32_t r_q29 = rg_reciprocal(sum_q26 << zeros);
   const int32_t r_q30 = r_q29 >> (5 - zeros); /* 1 / (1 + s) */
   ray->x_q30 = rg_multiply_high(a_q29, r_q30) * 16;
   ray->y_q30 = rg_multiply_high(b_q29, r_q30) * 16;
