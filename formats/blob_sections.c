@@ -76,21 +76,51 @@ static uint32_t num_control_points(const uint8_t* grid) {
   return (uint32_t)rg_load_u16(grid + 16) * rg_load_u16(grid + 18);
 }
 
+/* step times the u16 at count, less 1 */
+static int64_t multiply(int32_t step, const uint8_t* count) {
+  uint32_t low;
+  const int32_t high = rg_multiply_signed(step, rg_load_u16(count) - 1, &low);
+  return (int64_t)(((uint64_t)(uint32_t)high << 32) | low);
+}
+
+/* The limit for all that the plane and residuals of the fraction bits may add
+ * up to: what the plane reaches at the corners and the largest residual. */
+static int is_plane_in_range(const uint8_t* plane, const uint8_t* section,
+                             uint32_t fraction_bits) {
+  const int32_t limit =
+      RG_CONTROL_POINT_LIMIT - (int32_t)(UINT32_C(1) << (44 - fraction_bits));
+  for (uint32_t k = 0; k < 8; ++k) {
+    const uint8_t* const at = plane + 4 * (k & 1);
+    int64_t value = rg_load_i32(at);
+    if (k & 2) value += multiply(rg_load_i32(at + 8), section + 16);
+    if (k & 4) value += multiply(rg_load_i32(at + 16), section + 18);
+    if (value > limit || value < -limit) return 0;
+  }
+  return 1;
+}
+
 static rg_fault check_grid(const uint8_t* section, uint32_t size,
                            const uint8_t* camera) {
+  const uint32_t fraction_bits = rg_load_u16(section + 30);
+  const int is_wide = fraction_bits == RG_CONTROL_POINT_BITS;
   if (rg_load_u32(section + 36) != 0) return -RG_ERR_RESERVED;
   if (rg_load_u16(section + 28) != RG_CHART_STEREOGRAPHIC ||
-      rg_load_u16(section + 30) != RG_CONTROL_POINT_BITS)
+      fraction_bits - RG_NARROW_MIN_BITS >
+          RG_CONTROL_POINT_BITS - RG_NARROW_MIN_BITS)
     return -RG_ERR_GRID_CHART;
   /* RG_ERR_AREA, RG_ERR_GRID_SIZE and RG_ERR_GRID_SCALE follow each other. */
   const int axis_fault =
       find_axis_fault(section, section + 16, 3, RG_MAX_GRID_SIZE - 3, camera);
   if (axis_fault) return axis_fault - ENDS - RG_ERR_AREA;
   const uint32_t data_offset = rg_load_u32(section + 32);
-  const rg_fault fault = check_extent(size, data_offset, RG_GRID_FIELDS_SIZE,
-                                      8 * num_control_points(section));
-  if (fault != 0) return fault;
-  return are_points_in_range(section + data_offset, section + size)
+  const uint32_t count = num_control_points(section);
+  const rg_fault fault =
+      check_extent(size, data_offset, RG_GRID_FIELDS_SIZE,
+                   is_wide ? 8 * count : RG_NARROW_PLANE_SIZE + 4 * count);
+  if (fault) return fault;
+  const uint8_t* const data = section + data_offset;
+  return (is_wide ? are_points_in_range(data, section + size)
+                  : is_plane_in_range(data, section, fraction_bits))
              ? 0
              : -RG_ERR_CONTROL_POINT;
 }
@@ -214,14 +244,14 @@ rg_fault rg_check_section(uint32_t type, const uint8_t* section, uint32_t size,
                           const uint8_t* const* sections) {
   const uint8_t* const camera = sections[RG_SECTION_CAMERA];
   const uint8_t* const grid = sections[RG_SECTION_CENTRAL_GRID];
-  if (type == RG_SECTION_CAMERA) return check_camera(section);
-  if (type == RG_SECTION_CENTRAL_GRID) return check_grid(section, size, camera);
-  if (type == RG_SECTION_LINE_POINTS)
+  if (section == camera) return check_camera(section);
+  if (section == grid) return check_grid(section, size, camera);
+  if (section == sections[RG_SECTION_LINE_POINTS])
     return check_line_points(section, size, grid);
-  if (type == RG_SECTION_START) return check_start(section, size);
-  if (type == RG_SECTION_REMAP) return check_remap(section, size, camera);
-  if (type == RG_SECTION_MASK) return check_mask(section, size, camera);
-  if (type == RG_SECTION_UNCERTAINTY)
+  if (section == sections[RG_SECTION_START]) return check_start(section, size);
+  if (section == sections[RG_SECTION_MASK])
+    return check_mask(section, size, camera);
+  if (section == sections[RG_SECTION_UNCERTAINTY])
     return check_uncertainty(section, size, camera, grid);
-  return 0;
+  return type == RG_SECTION_REMAP ? check_remap(section, size, camera) : 0;
 }

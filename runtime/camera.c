@@ -19,7 +19,9 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
   if (status != RG_OK) return status;
   const uint8_t* const grid = sections[RG_SECTION_CENTRAL_GRID];
   camera->blob = (const uint8_t*)bytes;
-  camera->control_points = grid + rg_load_u32(grid + 32);
+  camera->control_points = rg_load_u16(grid + 30) == RG_CONTROL_POINT_BITS
+                               ? grid + rg_load_u32(grid + 32)
+                               : 0;
   camera->remap = sections[RG_SECTION_REMAP];
   camera->start = offset_in(bytes, sections[RG_SECTION_START]);
   camera->line_points = offset_in(bytes, sections[RG_SECTION_LINE_POINTS]);

@@ -33,8 +33,8 @@ extern "C" {
  * for use outside the library. */
 typedef struct rg_camera {
   const uint8_t* blob;
-  const uint8_t* control_points;
-  const uint8_t* remap; /* the section in use, or NULL */
+  const uint8_t* control_points; /* of 32 bits, or NULL */
+  const uint8_t* remap;          /* the section in use, or NULL */
   struct rg_axis {
     int32_t low;    /* q16 px: the area's edge */
     uint32_t span;  /* q16 px: to the other edge */

@@ -25,30 +25,96 @@ static RG_INLINE void add_row(const uint8_t* points, const int32_t w_q31[4],
   sums_q27[1] = rg_multiply_high_add(sums_q27[1], row_b, row_weight_q31);
 }
 
+/* The plane of narrow control points at a place, one coordinate. */
+static int32_t plane_q27(const uint8_t* plane, const rg_place* place) {
+  const int32_t column_step_q29 = rg_load_i32(plane + 8);
+  const int32_t row_step_q29 = rg_load_i32(plane + 16);
+  /* The B-spline of 0, 1, 2, 3 is 1 + t. */
+  const int32_t corner_q29 =
+      (int32_t)(rg_load_u32(plane) +
+                (place->x.cell + 1) * (uint32_t)column_step_q29 +
+                (place->y.cell + 1) * (uint32_t)row_step_q29);
+  const int32_t sum_q27 = rg_multiply_high_add((corner_q29 + 2) >> 2,
+                                               column_step_q29, place->x.t_q30);
+  return rg_multiply_high_add(sum_q27, row_step_q29, place->y.t_q30);
+}
+
+/* The B-spline of the residuals of 16 bits, one coordinate, times 2^14. */
+static RG_INLINE void sum_residuals(const uint8_t* residuals,
+                                    uint32_t row_bytes, const rg_place* place,
+                                    int32_t sums[2]) {
+  const int32_t* const w_q31 = place->x_weights_q31;
+  int32_t sum_a = 0, sum_b = 0;
+  for (int j = 0; j < 4; ++j, residuals += row_bytes) {
+    int32_t pair = rg_load_i32(residuals); /* times 2^15 */
+    int32_t row_a = rg_add_lower_half_product(0, w_q31[0], pair);
+    int32_t row_b = rg_add_upper_half_product(0, w_q31[0], pair);
+    pair = rg_load_i32(residuals + 4);
+    row_a = rg_add_lower_half_product(row_a, w_q31[1], pair);
+    row_b = rg_add_upper_half_product(row_b, w_q31[1], pair);
+    pair = rg_load_i32(residuals + 8);
+    row_a = rg_add_lower_half_product(row_a, w_q31[2], pair);
+    row_b = rg_add_upper_half_product(row_b, w_q31[2], pair);
+    pair = rg_load_i32(residuals + 12);
+    row_a = rg_add_lower_half_product(row_a, w_q31[3], pair);
+    row_b = rg_add_upper_half_product(row_b, w_q31[3], pair);
+    sum_a = rg_multiply_high_add(sum_a, row_a, place->y_weights_q31[j]);
+    sum_b = rg_multiply_high_add(sum_b, row_b, place->y_weights_q31[j]);
+  }
+  sums[0] = sum_a;
+  sums[1] = sum_b;
+}
+
+/* Control points of 16 bits: the plane, and the B-spline of the residuals. */
+static RG_NOINLINE int find_narrow_position(const rg_camera* camera,
+                                            rg_place* place) {
+  const uint8_t* const grid =
+      rg_find_section(camera->blob, RG_SECTION_CENTRAL_GRID, 0);
+  const uint8_t* const plane = grid + rg_load_u32(grid + 32);
+  const int shift = rg_load_u16(grid + 30) - 13; /* to q27 */
+  int32_t sums[2];
+  sum_residuals(plane + RG_NARROW_PLANE_SIZE + 4 * place->first,
+                4 * (camera->last_cell[0] + 4u), place, sums);
+  for (int c = 0; c < 2; ++c)
+    place->position.q27[c] = plane_q27(plane + 4 * c, place) +
+                             ((sums[c] + (1 << (shift - 1))) >> shift);
+  return 1;
+}
+
+/* A value that is read where it is used: registers are scarce there. */
+static RG_INLINE int32_t read_late(int32_t* value) {
+#if defined(__GNUC__)
+  __asm__("" : "+m"(*value));
+#endif
+  return *value;
+}
+
 int rg_find_place(const rg_camera* camera, int32_t x_q16, int32_t y_q16,
                   rg_place* place) {
   rg_cell_position x, y;
   if (!rg_find_on_axis(&camera->axes[0], camera->last_cell[0], x_q16, &x) ||
       !rg_find_on_axis(&camera->axes[1], camera->last_cell[1], y_q16, &y))
     return 0;
+  place->x = x;
+  place->y = y;
   rg_bspline_weights(y.t_q30, place->y_weights_q31);
   rg_bspline_weights(x.t_q30, place->x_weights_q31);
   const uint32_t columns = camera->last_cell[0] + 4u;
   place->first = y.cell * columns + x.cell;
+  if (!camera->control_points) return find_narrow_position(camera, place);
   const uint8_t* points = camera->control_points + 8 * place->first;
+  const uint32_t row_bytes = 8 * columns;
+  const int32_t* const x_weights = place->x_weights_q31;
+  int32_t* const y_weights = place->y_weights_q31;
   int32_t sums_q27[2] = {0, 0};
-#if 1
-  add_row(points, place->x_weights_q31, place->y_weights_q31[0], sums_q27);
-  points += 8 * columns;
-  add_row(points, place->x_weights_q31, place->y_weights_q31[1], sums_q27);
-  points += 8 * columns;
-  add_row(points, place->x_weights_q31, place->y_weights_q31[2], sums_q27);
-  points += 8 * columns;
-  add_row(points, place->x_weights_q31, place->y_weights_q31[3], sums_q27);
-#else
-  for (int j = 0; j < 4; ++j, points += 8 * columns)
-    add_row(points, place->x_weights_q31, place->y_weights_q31[j], sums_q27);
-#endif
+  /* Not a loop: half of the instructions are in here. */
+  add_row(points, x_weights, read_late(y_weights), sums_q27);
+  points += row_bytes;
+  add_row(points, x_weights, read_late(y_weights + 1), sums_q27);
+  points += row_bytes;
+  add_row(points, x_weights, read_late(y_weights + 2), sums_q27);
+  points += row_bytes;
+  add_row(points, x_weights, read_late(y_weights + 3), sums_q27);
   place->position.q27[0] = sums_q27[0];
   place->position.q27[1] = sums_q27[1];
   return 1;

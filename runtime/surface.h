@@ -45,6 +45,7 @@ typedef struct rg_place {
   rg_chart_point position;
   uint32_t first; /* of the 16 control points around it */
   int32_t x_weights_q31[4], y_weights_q31[4];
+  rg_cell_position x, y; /* if control points have 16 bits */
 } rg_place;
 
 /* 0 if the pixel lies outside the area. */

@@ -56,8 +56,6 @@ static const field_value kValues[] = {
     {"second reserved field of the mask", 6, 6, 2, 256, RG_ERR_RESERVED},
     {"bits in the fields", 6, 8, 4, 8, RG_ERR_DATA_OFFSET},
     {"bits end too late", 6, 8, 4, 16, RG_ERR_SECTION_SIZE},
-    {"first padding bit", 6, 22, 1, 1, RG_ERR_RESERVED},
-    {"last padding bit", 6, 23, 1, 128, RG_ERR_RESERVED},
     {"no valid cell", 6, 12, 4, 0, RG_OK},
 
     {"one column of uncertainties", 7, 0, 2, 1, RG_ERR_UNCERTAINTY},
@@ -66,7 +64,6 @@ static const field_value kValues[] = {
     {"rows against the scale", 7, 8, 4, 1, RG_ERR_UNCERTAINTY},
     {"values in the fields", 7, 12, 4, 12, RG_ERR_DATA_OFFSET},
     {"values end too late", 7, 12, 4, 20, RG_ERR_SECTION_SIZE},
-    {"padding of the values", 7, 46, 2, 1, RG_ERR_RESERVED},
     {"largest value", 7, 16, 2, 65534, RG_OK},
 };
 
