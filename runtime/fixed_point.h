@@ -53,31 +53,14 @@ static inline int32_t rg_multiply_high_subtract(int32_t sum, int32_t a,
 #endif
 }
 
-/* sum + ((a h) >> 16), h the lower or the upper 16 bits of halves, signed. */
-static inline int32_t rg_add_lower_half_product(int32_t sum, int32_t a,
-                                                int32_t halves) {
+/* sum + ((a b) >> 16) */
+static inline int32_t rg_multiply_half_add(int32_t sum, int32_t a, int16_t b) {
 #if RG_HAVE_SMMULR
   int32_t result;
-  __asm__("smlawb %0, %1, %2, %3"
-          : "=r"(result)
-          : "r"(a), "r"(halves), "r"(sum));
+  __asm__("smlawb %0, %1, %2, %3" : "=r"(result) : "r"(a), "r"(b), "r"(sum));
   return result;
 #else
-  const int32_t half = (int16_t)halves;
-  return sum + (a >> 16) * half + (((a & 0xffff) * half) >> 16);
-#endif
-}
-
-static inline int32_t rg_add_upper_half_product(int32_t sum, int32_t a,
-                                                int32_t halves) {
-#if RG_HAVE_SMMULR
-  int32_t result;
-  __asm__("smlawt %0, %1, %2, %3"
-          : "=r"(result)
-          : "r"(a), "r"(halves), "r"(sum));
-  return result;
-#else
-  return rg_add_lower_half_product(sum, a, halves >> 16);
+  return sum + (a >> 16) * b + (((a & 0xffff) * b) >> 16);
 #endif
 }
 

@@ -61,22 +61,19 @@ static int invert(inverse_map* map) {
   return 1;
 }
 
-/* Solves derivative * step = error. A step too large for its format becomes
- * shorter, in the same direction. */
-static void find_step(const inverse_map* map, int32_t error[2],
-                      int32_t step_q16[2]) {
+/* Replaces an error by the step that solves derivative * step = error. A step
+ * too large for its format becomes shorter, in the same direction. */
+static void find_step(const inverse_map* map, int32_t pair[2]) {
   const int32_t* const d = map->derivative;
-  const int scale = normalize(error, 2);
+  const int scale = normalize(pair, 2);
   int shift = 17 - map->exponent + scale;
   if (shift < 0) shift = 0;
   if (shift > 31) shift = 31;
+  const int32_t x = cross(pair[0], pair[1], d[2], d[3]);
+  const int32_t y = cross(d[0], d[1], pair[0], pair[1]);
   /* Each upper word is below 2^27. */
-  step_q16[0] = 8 * rg_multiply_high(cross(error[0], error[1], d[2], d[3]),
-                                     map->reciprocal_q29) >>
-                shift;
-  step_q16[1] = 8 * rg_multiply_high(cross(d[0], d[1], error[0], error[1]),
-                                     map->reciprocal_q29) >>
-                shift;
+  pair[0] = 8 * rg_multiply_high(x, map->reciprocal_q29) >> shift;
+  pair[1] = 8 * rg_multiply_high(y, map->reciprocal_q29) >> shift;
 }
 
 /* The table's pixel for a chart position; 0 where it says that none is. */
@@ -133,13 +130,13 @@ static void find_error(const rg_camera* camera, const int32_t pixel_q16[2],
 /* The inverse derivative at a pixel half a pixel or more away from the area's
  * far edges, of which the error is known; 0 if it is singular. */
 static int find_inverse(const rg_camera* camera, const rg_chart_point* target,
-                        const int32_t pixel_q16[2], const int32_t error_q27[2],
+                        int32_t pixel_q16[2], const int32_t error_q27[2],
                         inverse_map* map) {
   int32_t* by_axis = map->derivative;
   for (uint32_t c = 0; c < 2; ++c, by_axis += 2) {
-    int32_t moved_q16[2] = {pixel_q16[0], pixel_q16[1]};
-    moved_q16[c] += HALF_PIXEL_Q16;
-    find_error(camera, moved_q16, target, by_axis);
+    pixel_q16[c] += HALF_PIXEL_Q16;
+    find_error(camera, pixel_q16, target, by_axis);
+    pixel_q16[c] -= HALF_PIXEL_Q16;
     by_axis[0] -= error_q27[0];
     by_axis[1] -= error_q27[1];
   }
@@ -155,22 +152,22 @@ static int solve(const rg_camera* camera, const rg_chart_point* target,
   uint32_t distance_q16 = SHORT_DISTANCE_Q16;
   for (int i = 0; i < MAX_STEPS; ++i) {
     const int is_far = distance_q16 >= SHORT_DISTANCE_Q16;
-    int32_t error_q27[2], step_q16[2];
+    int32_t pair[2]; /* the error in q27, then the step in q16 */
     for (uint32_t c = 0; c < 2; ++c)
       clamp_to_axis(&camera->axes[c], is_far ? HALF_PIXEL_Q16 : 0,
                     &pixel_q16[c]);
-    find_error(camera, pixel_q16, target, error_q27);
+    find_error(camera, pixel_q16, target, pair);
     if (is_far) {
-      if (!find_inverse(camera, target, pixel_q16, error_q27, &map)) return 0;
+      if (!find_inverse(camera, target, pixel_q16, pair, &map)) return 0;
       distance_q16 = HALF_PIXEL_Q16;
     }
-    find_step(&map, error_q27, step_q16);
+    find_step(&map, pair);
     uint32_t size_q16 = 0, beyond_q16 = 0, moved = 0;
     for (uint32_t c = 0; c < 2; ++c) {
       const int32_t before = pixel_q16[c];
-      pixel_q16[c] -= step_q16[c];
+      pixel_q16[c] -= pair[c];
       beyond_q16 |= clamp_to_axis(&camera->axes[c], 0, &pixel_q16[c]);
-      size_q16 |= rg_magnitude(step_q16[c]);
+      size_q16 |= rg_magnitude(pair[c]);
       moved |= (uint32_t)(pixel_q16[c] ^ before);
     }
     distance_q16 += size_q16;

@@ -25,8 +25,26 @@ static RG_INLINE void add_row(const uint8_t* points, const int32_t w_q31[4],
   sums_q27[1] = rg_multiply_high_add(sums_q27[1], row_b, row_weight_q31);
 }
 
-/* The plane of narrow control points at a place, one coordinate. */
-static int32_t plane_q27(const uint8_t* plane, const rg_place* place) {
+/* The B-spline of one coordinate of residuals of 16 bits, times 2^14. */
+static RG_NOINLINE int32_t sum_residuals(const uint8_t* residuals,
+                                         uint32_t row_bytes,
+                                         const rg_place* place) {
+  const int32_t* const w_q31 = place->x_weights_q31;
+  int32_t sum = 0;
+  for (int j = 0; j < 4; ++j, residuals += row_bytes) {
+    int32_t row = 0; /* times 2^15 */
+    row = rg_multiply_half_add(row, w_q31[0], rg_load_i16(residuals));
+    row = rg_multiply_half_add(row, w_q31[1], rg_load_i16(residuals + 4));
+    row = rg_multiply_half_add(row, w_q31[2], rg_load_i16(residuals + 8));
+    row = rg_multiply_half_add(row, w_q31[3], rg_load_i16(residuals + 12));
+    sum = rg_multiply_high_add(sum, row, place->y_weights_q31[j]);
+  }
+  return sum;
+}
+
+/* One coordinate of the plane. */
+static RG_INLINE int32_t evaluate_plane(const uint8_t* plane,
+                                        const rg_place* place) {
   const int32_t column_step_q29 = rg_load_i32(plane + 8);
   const int32_t row_step_q29 = rg_load_i32(plane + 16);
   /* The B-spline of 0, 1, 2, 3 is 1 + t. */
@@ -39,45 +57,20 @@ static int32_t plane_q27(const uint8_t* plane, const rg_place* place) {
   return rg_multiply_high_add(sum_q27, row_step_q29, place->y.t_q30);
 }
 
-/* The B-spline of the residuals of 16 bits, one coordinate, times 2^14. */
-static RG_INLINE void sum_residuals(const uint8_t* residuals,
-                                    uint32_t row_bytes, const rg_place* place,
-                                    int32_t sums[2]) {
-  const int32_t* const w_q31 = place->x_weights_q31;
-  int32_t sum_a = 0, sum_b = 0;
-  for (int j = 0; j < 4; ++j, residuals += row_bytes) {
-    int32_t pair = rg_load_i32(residuals); /* times 2^15 */
-    int32_t row_a = rg_add_lower_half_product(0, w_q31[0], pair);
-    int32_t row_b = rg_add_upper_half_product(0, w_q31[0], pair);
-    pair = rg_load_i32(residuals + 4);
-    row_a = rg_add_lower_half_product(row_a, w_q31[1], pair);
-    row_b = rg_add_upper_half_product(row_b, w_q31[1], pair);
-    pair = rg_load_i32(residuals + 8);
-    row_a = rg_add_lower_half_product(row_a, w_q31[2], pair);
-    row_b = rg_add_upper_half_product(row_b, w_q31[2], pair);
-    pair = rg_load_i32(residuals + 12);
-    row_a = rg_add_lower_half_product(row_a, w_q31[3], pair);
-    row_b = rg_add_upper_half_product(row_b, w_q31[3], pair);
-    sum_a = rg_multiply_high_add(sum_a, row_a, place->y_weights_q31[j]);
-    sum_b = rg_multiply_high_add(sum_b, row_b, place->y_weights_q31[j]);
-  }
-  sums[0] = sum_a;
-  sums[1] = sum_b;
-}
-
-/* Control points of 16 bits: the plane, and the B-spline of the residuals. */
+/* Control points of 16 bits. */
 static RG_NOINLINE int find_narrow_position(const rg_camera* camera,
                                             rg_place* place) {
   const uint8_t* const grid =
       rg_find_section(camera->blob, RG_SECTION_CENTRAL_GRID, 0);
-  const uint8_t* const plane = grid + rg_load_u32(grid + 32);
+  const uint8_t* plane = grid + rg_load_u32(grid + 32);
+  const uint8_t* residuals = plane + RG_NARROW_PLANE_SIZE + 4 * place->first;
+  const uint32_t row_bytes = 4 * (camera->last_cell[0] + 4u);
   const int shift = rg_load_u16(grid + 30) - 13; /* to q27 */
-  int32_t sums[2];
-  sum_residuals(plane + RG_NARROW_PLANE_SIZE + 4 * place->first,
-                4 * (camera->last_cell[0] + 4u), place, sums);
-  for (int c = 0; c < 2; ++c)
-    place->position.q27[c] = plane_q27(plane + 4 * c, place) +
-                             ((sums[c] + (1 << (shift - 1))) >> shift);
+  for (int c = 0; c < 2; ++c, plane += 4, residuals += 2) {
+    const int32_t sum = sum_residuals(residuals, row_bytes, place);
+    place->position.q27[c] =
+        evaluate_plane(plane, place) + ((sum + (1 << (shift - 1))) >> shift);
+  }
   return 1;
 }
 
