@@ -84,7 +84,7 @@ typedef struct rg_line {
 /* rg_unproject() for any camera: the line that an image position sees. The
  * point of a central camera is (0, 0, 0).
  *
- * line  point within 2e-8 m of the B-spline; written only when RG_OK is
+ * line  point within 5e-8 m of the B-spline; written only when RG_OK is
  *       returned. RG_ERR_OUTSIDE_AREA as above. */
 rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
                             rg_line* line);

@@ -17,10 +17,11 @@
  * 1e-7 rad. */
 #define MAX_ERROR_Q30 40
 
-/* The rays of the NUM_RANDOM pixels, the same on every target. */
-#define RAYS_CRC 0xffcf7801u
+/* The rays of the NUM_RANDOM pixels with control points of 32 and of 16 bits,
+ * the same on every target. */
+#define RAYS_CRC 0xde44ad00u
 
-static rg_camera lens;
+static rg_camera lens, narrow;
 static rg_pixel pixels[NUM_RANDOM];
 static rg_ray rays[NUM_RANDOM];
 
@@ -36,7 +37,8 @@ static void make_pixels(void) {
 static int open_lens(void** state) {
   (void)state;
   make_pixels();
-  return rg_camera_open(&lens, kLensBlob, sizeof(kLensBlob)) == RG_OK ? 0 : -1;
+  return rg_camera_open(&lens, kLensBlob, sizeof(kLensBlob)) ||
+         rg_camera_open(&narrow, kNarrowBlob, sizeof(kNarrowBlob));
 }
 
 static int32_t distance(int32_t a, int32_t b) { return a > b ? a - b : b - a; }
@@ -47,6 +49,15 @@ static int32_t ray_error(const rg_ray* ray, const int32_t expected_q30[3]) {
   const int32_t z = distance(ray->z_q30, expected_q30[2]);
   const int32_t xy = x > y ? x : y;
   return xy > z ? xy : z;
+}
+
+static void check_norm(const rg_ray* ray) {
+  const int64_t square_q60 = (int64_t)ray->x_q30 * ray->x_q30 +
+                             (int64_t)ray->y_q30 * ray->y_q30 +
+                             (int64_t)ray->z_q30 * ray->z_q30;
+  const int64_t excess_q60 = square_q60 - (INT64_C(1) << 60);
+  const int64_t limit_q60 = (INT64_C(1) << 60) / 25000000 * 2; /* 2 x 4e-8 */
+  assert_true(excess_q60 <= limit_q60 && excess_q60 >= -limit_q60);
 }
 
 static void rays_are_the_golden_ones(void** state) {
@@ -81,6 +92,21 @@ static rg_ray ray_at_chart_position(int32_t a_q29, int32_t b_q29) {
   return ray;
 }
 
+static void rays_of_16_bits_are_the_golden_ones(void** state) {
+  (void)state;
+  int32_t worst = 0;
+  for (size_t i = 0; i < NUM_GOLDEN; ++i) {
+    const rg_pixel pixel = {kNarrowRays[i].x, kNarrowRays[i].y};
+    rg_ray ray;
+    assert_int_equal(rg_unproject(&narrow, pixel, &ray), RG_OK);
+    const int32_t error = ray_error(&ray, kNarrowRays[i].ray_q30);
+    if (error > worst) worst = error;
+    check_norm(&ray);
+  }
+  print_message("worst error %d LSB\n", (int)worst);
+  assert_true(worst <= MAX_ERROR_Q30);
+}
+
 static void rays_are_right_up_to_the_limit_of_the_chart(void** state) {
   (void)state;
   int32_t worst = 0;
@@ -92,15 +118,6 @@ static void rays_are_right_up_to_the_limit_of_the_chart(void** state) {
   }
   print_message("worst error %d LSB\n", (int)worst);
   assert_true(worst <= MAX_ERROR_Q30);
-}
-
-static void check_norm(const rg_ray* ray) {
-  const int64_t square_q60 = (int64_t)ray->x_q30 * ray->x_q30 +
-                             (int64_t)ray->y_q30 * ray->y_q30 +
-                             (int64_t)ray->z_q30 * ray->z_q30;
-  const int64_t excess_q60 = square_q60 - (INT64_C(1) << 60);
-  const int64_t limit_q60 = (INT64_C(1) << 60) / 25000000 * 2; /* 2 x 4e-8 */
-  assert_true(excess_q60 <= limit_q60 && excess_q60 >= -limit_q60);
 }
 
 static void rays_have_unit_length(void** state) {
@@ -204,9 +221,11 @@ static void empty_batch_writes_nothing(void** state) {
 
 static void rays_have_the_same_bits_on_every_target(void** state) {
   (void)state;
-  rg_unproject_batch(&lens, pixels, rays, NUM_RANDOM);
   uint32_t crc = 0;
-  for (uint32_t i = 0; i < NUM_RANDOM; ++i) {
+  for (uint32_t k = 0; k < 2 * NUM_RANDOM; ++k) {
+    const uint32_t i = k % NUM_RANDOM;
+    if (i == 0)
+      rg_unproject_batch(k == 0 ? &lens : &narrow, pixels, rays, NUM_RANDOM);
     uint8_t bytes[12];
     rg_store_i32(bytes, rays[i].x_q30);
     rg_store_i32(bytes + 4, rays[i].y_q30);
@@ -220,6 +239,7 @@ static void rays_have_the_same_bits_on_every_target(void** state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(rays_are_the_golden_ones),
+      cmocka_unit_test(rays_of_16_bits_are_the_golden_ones),
       cmocka_unit_test(rays_are_right_up_to_the_limit_of_the_chart),
       cmocka_unit_test(rays_have_unit_length),
       cmocka_unit_test(backward_rays_have_unit_length),
