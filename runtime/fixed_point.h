@@ -107,6 +107,14 @@ static inline int32_t rg_upper_word(int64_t sum) {
 #define RG_INLINE inline
 #endif
 
+/* A value that is read where it is used: registers are scarce there. */
+static RG_INLINE int32_t rg_read_late(int32_t* value) {
+#if defined(__GNUC__)
+  __asm__("" : "+m"(*value));
+#endif
+  return *value;
+}
+
 /* |value|, 2^31 for the lowest. */
 static inline uint32_t rg_magnitude(int32_t value) {
   return value < 0 ? 0u - (uint32_t)value : (uint32_t)value;

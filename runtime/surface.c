@@ -74,14 +74,6 @@ static RG_NOINLINE int find_narrow_position(const rg_camera* camera,
   return 1;
 }
 
-/* A value that is read where it is used: registers are scarce there. */
-static RG_INLINE int32_t read_late(int32_t* value) {
-#if defined(__GNUC__)
-  __asm__("" : "+m"(*value));
-#endif
-  return *value;
-}
-
 int rg_find_place(const rg_camera* camera, int32_t x_q16, int32_t y_q16,
                   rg_place* place) {
   rg_cell_position x, y;
@@ -101,53 +93,14 @@ int rg_find_place(const rg_camera* camera, int32_t x_q16, int32_t y_q16,
   int32_t* const y_weights = place->y_weights_q31;
   int32_t sums_q27[2] = {0, 0};
   /* Not a loop: half of the instructions are in here. */
-  add_row(points, x_weights, read_late(y_weights), sums_q27);
+  add_row(points, x_weights, rg_read_late(y_weights), sums_q27);
   points += row_bytes;
-  add_row(points, x_weights, read_late(y_weights + 1), sums_q27);
+  add_row(points, x_weights, rg_read_late(y_weights + 1), sums_q27);
   points += row_bytes;
-  add_row(points, x_weights, read_late(y_weights + 2), sums_q27);
+  add_row(points, x_weights, rg_read_late(y_weights + 2), sums_q27);
   points += row_bytes;
-  add_row(points, x_weights, read_late(y_weights + 3), sums_q27);
+  add_row(points, x_weights, rg_read_late(y_weights + 3), sums_q27);
   place->position.q27[0] = sums_q27[0];
   place->position.q27[1] = sums_q27[1];
   return 1;
-}
-
-void rg_surface_line_point(const rg_camera* camera, const rg_place* place,
-                           int32_t point_q28[3]) {
-  const uint8_t* const section = camera->blob + camera->line_points;
-  const uint8_t* points =
-      section + rg_load_u32(section + 4) + 12 * place->first;
-  const uint32_t row_bytes = 12 * (camera->last_cell[0] + 4u);
-  const int32_t w0 = place->x_weights_q31[0], w1 = place->x_weights_q31[1];
-  const int32_t w2 = place->x_weights_q31[2], w3 = place->x_weights_q31[3];
-  int32_t x_q26 = 0, y_q26 = 0, z_q26 = 0;
-  for (int j = 0; j < 4; ++j, points += row_bytes) {
-    int32_t first, second;
-    first = rg_load_i32_pair(points, &second);
-    int32_t row_x = rg_multiply_high(first, w0);
-    int32_t row_y = rg_multiply_high(second, w0);
-    first = rg_load_i32_pair(points + 8, &second);
-    int32_t row_z = rg_multiply_high(first, w0);
-    row_x = rg_multiply_high_add(row_x, second, w1);
-    first = rg_load_i32_pair(points + 16, &second);
-    row_y = rg_multiply_high_add(row_y, first, w1);
-    row_z = rg_multiply_high_add(row_z, second, w1);
-    first = rg_load_i32_pair(points + 24, &second);
-    row_x = rg_multiply_high_add(row_x, first, w2);
-    row_y = rg_multiply_high_add(row_y, second, w2);
-    first = rg_load_i32_pair(points + 32, &second);
-    row_z = rg_multiply_high_add(row_z, first, w2);
-    row_x = rg_multiply_high_add(row_x, second, w3);
-    first = rg_load_i32_pair(points + 40, &second);
-    row_y = rg_multiply_high_add(row_y, first, w3);
-    row_z = rg_multiply_high_add(row_z, second, w3);
-    const int32_t weight_q31 = place->y_weights_q31[j];
-    x_q26 = rg_multiply_high_add(x_q26, row_x, weight_q31);
-    y_q26 = rg_multiply_high_add(y_q26, row_y, weight_q31);
-    z_q26 = rg_multiply_high_add(z_q26, row_z, weight_q31);
-  }
-  point_q28[0] = 4 * x_q26;
-  point_q28[1] = 4 * y_q26;
-  point_q28[2] = 4 * z_q26;
 }

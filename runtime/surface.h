@@ -1,5 +1,5 @@
-/* The spline surface over the calibrated area: the chart position of a pixel,
- * and the point of its line. */
+/* The spline surface over the calibrated area: the chart position of a pixel.
+ */
 #ifndef RAYGRID_SURFACE_H
 #define RAYGRID_SURFACE_H
 
@@ -51,9 +51,5 @@ typedef struct rg_place {
 /* 0 if the pixel lies outside the area. */
 int rg_find_place(const rg_camera* camera, int32_t x_q16, int32_t y_q16,
                   rg_place* place);
-
-/* The line's point at a place; the camera must have line points. */
-void rg_surface_line_point(const rg_camera* camera, const rg_place* place,
-                           int32_t point_q28[3]);
 
 #endif /* RAYGRID_SURFACE_H */
