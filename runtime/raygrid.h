@@ -105,7 +105,7 @@ uint32_t rg_unproject_batch(const rg_camera* camera, const rg_pixel* pixels,
 
 /* Turns a direction into the image position that sees it: rg_unproject() the
  * other way round, by Newton's method on the spline surface: two steps where
- * the blob has a projection start, more without one, never more than twelve.
+ * the blob has a projection start, more without one, never more than 24.
  *
  * direction  camera axes, any length but zero: also a 3-D point, in any unit
  *            and number format that its three coordinates share.
