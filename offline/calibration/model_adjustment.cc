@@ -75,7 +75,7 @@ AdjustmentSummary AdjustLenses(const std::string& model,
 // How far off axis a lens may be believed: a little beyond the points seen.
 double CredibleAngle(const CalibrationProblem& problem, size_t camera,
                      const AdjustmentState& state) {
-  constexpr double kBeyond = 1.05, kAlways = 60 * M_PI / 180;
+  constexpr double kBeyond = 1.0, kAlways = 60 * M_PI / 180;
   double farthest = 0;
   for (const View& view : problem.views) {
     if (view.camera != static_cast<int>(camera)) continue;
@@ -93,10 +93,10 @@ CentralGeneric AsGrid(const CalibrationProblem& problem, size_t camera,
                       const Starts& starts, const AdjustmentState& state) {
   const Area area = FeatureArea(problem, static_cast<int>(camera));
   const double cell_px = starts.cells_px[camera];
-  return FitCentralGeneric(ContinuedLens(*starts.lenses[camera], area,
-                                         CredibleAngle(problem, camera, state)),
-                           area, NumControlPoints(area.width(), cell_px),
-                           NumControlPoints(area.height(), cell_px));
+  return FitContinuedLens(*starts.lenses[camera],
+                          CredibleAngle(problem, camera, state), area,
+                          NumControlPoints(area.width(), cell_px),
+                          NumControlPoints(area.height(), cell_px));
 }
 
 // Grid cameras, each around a parametric lens.
@@ -235,6 +235,13 @@ Lenses CopyCameras(const AdjustmentState& state) {
   return cameras;
 }
 
+std::vector<Area> FeatureAreas(const CalibrationProblem& problem) {
+  std::vector<Area> areas;
+  for (size_t c = 0; c < problem.image_sizes.size(); ++c)
+    areas.push_back(FeatureArea(problem, static_cast<int>(c)));
+  return areas;
+}
+
 }  // namespace
 
 AdjustmentSummary AdjustParametric(const CalibrationProblem& problem,
@@ -248,6 +255,7 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
                  const std::vector<double>& cells_px,
                  const AdjustmentOptions& options, Adjusted* adjusted) {
   const Lenses lenses = CopyCameras(adjusted->state);
+  const std::vector<Area> areas = FeatureAreas(adjusted->problem);
   const auto adjust = [&] {
     adjusted->summary = Adjust(model, adjusted->problem, {lenses, cells_px},
                                options, &adjusted->prior, &adjusted->state);
@@ -261,7 +269,11 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
     rejected.insert(rejected.end(), removed[c].begin(), removed[c].end());
     have_removed = have_removed || !removed[c].empty();
   }
-  if (have_removed) adjust();
+  if (have_removed && FeatureAreas(adjusted->problem) == areas)
+    adjusted->summary = AdjustWithLearnedPrior(
+        adjusted->problem.views, options, &adjusted->prior, &adjusted->state);
+  else if (have_removed)
+    adjust();
   for (size_t c = 0; c < lenses.size(); ++c) {
     std::unique_ptr<CameraModel>& camera = adjusted->state.cameras[c];
     if (const auto* lens = dynamic_cast<const ParametricModel*>(camera.get()))
