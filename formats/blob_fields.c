@@ -46,11 +46,11 @@ void rg_blob_grid(const rg_blob* blob, rg_grid_section* grid) {
   grid->control_points = section + rg_load_u32(section + 32);
 }
 
-void rg_blob_control_point(const rg_blob* blob, uint32_t k,
+void rg_blob_control_point(const rg_blob* blob, uint32_t column, uint32_t row,
                            int32_t point_q29[2]) {
   const uint8_t* const section = blob->bytes + blob->grid;
   const uint8_t* const data = section + rg_load_u32(section + 32);
-  const uint32_t columns = rg_load_u16(section + 16);
+  const uint32_t k = row * rg_load_u16(section + 16) + column;
   const uint32_t bits = rg_load_u16(section + 30);
   for (uint32_t c = 0; c < 2; ++c) {
     if (bits == RG_CONTROL_POINT_BITS) {
@@ -60,8 +60,8 @@ void rg_blob_control_point(const rg_blob* blob, uint32_t k,
     const uint8_t* const plane = data + 4 * c;
     const uint8_t* const residual = data + RG_NARROW_PLANE_SIZE + 4 * k + 2 * c;
     point_q29[c] =
-        (int32_t)(rg_load_u32(plane) + k % columns * rg_load_u32(plane + 8) +
-                  k / columns * rg_load_u32(plane + 16) +
+        (int32_t)(rg_load_u32(plane) + column * rg_load_u32(plane + 8) +
+                  row * rg_load_u32(plane + 16) +
                   ((uint32_t)rg_load_i16(residual)
                    << (RG_CONTROL_POINT_BITS - bits)));
   }

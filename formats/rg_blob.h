@@ -178,8 +178,8 @@ rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob);
  * from quality on, must be present (blob->quality not 0). */
 void rg_blob_camera(const rg_blob* blob, rg_camera_section* camera);
 void rg_blob_grid(const rg_blob* blob, rg_grid_section* grid);
-/* Number k of the control points, row by row. */
-void rg_blob_control_point(const rg_blob* blob, uint32_t k,
+/* A control point, also of 16 bits. */
+void rg_blob_control_point(const rg_blob* blob, uint32_t column, uint32_t row,
                            int32_t point_q29[2]);
 void rg_blob_quality(const rg_blob* blob, rg_quality_section* quality);
 

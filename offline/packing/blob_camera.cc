@@ -80,7 +80,8 @@ std::unique_ptr<CameraModel> BlobCamera::ToModel() const {
   BSplineSurface surface(area, grid.columns, grid.rows);
   for (int k = 0; k < surface.num_points(); ++k) {
     int32_t point_q29[2];
-    rg_blob_control_point(&blob_, k, point_q29);
+    rg_blob_control_point(&blob_, k % grid.columns, k / grid.columns,
+                          point_q29);
     for (int c = 0; c < 2; ++c)
       surface.points()[k][c] =
           std::ldexp(point_q29[c], -static_cast<int>(RG_CONTROL_POINT_BITS));

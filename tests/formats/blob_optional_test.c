@@ -173,7 +173,7 @@ static void narrow_grid_is_read(void** state) {
   assert_in_range(bits, RG_NARROW_MIN_BITS, RG_NARROW_MAX_BITS);
   for (uint32_t k = 0; k < (uint32_t)grid.columns * grid.rows; ++k) {
     int32_t point_q29[2];
-    rg_blob_control_point(&blob, k, point_q29);
+    rg_blob_control_point(&blob, k % grid.columns, k / grid.columns, point_q29);
     for (uint32_t c = 0; c < 2; ++c) {
       const int64_t expected =
           rg_load_i32(data + 4 * c) +
