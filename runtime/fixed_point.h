@@ -107,6 +107,14 @@ static inline int32_t rg_upper_word(int64_t sum) {
 #define RG_INLINE inline
 #endif
 
+/* In front of the loop over four rows, in which half of the instructions are:
+ * one after the other where a row is short. */
+#if RG_HAVE_SMMULR
+#define RG_UNROLL_ROWS _Pragma("GCC unroll 4")
+#else
+#define RG_UNROLL_ROWS
+#endif
+
 /* A value that is read where it is used: registers are scarce there. */
 static RG_INLINE int32_t rg_read_late(int32_t* value) {
 #if defined(__GNUC__)

@@ -92,14 +92,9 @@ int rg_find_place(const rg_camera* camera, int32_t x_q16, int32_t y_q16,
   const int32_t* const x_weights = place->x_weights_q31;
   int32_t* const y_weights = place->y_weights_q31;
   int32_t sums_q27[2] = {0, 0};
-  /* Not a loop: half of the instructions are in here. */
-  add_row(points, x_weights, rg_read_late(y_weights), sums_q27);
-  points += row_bytes;
-  add_row(points, x_weights, rg_read_late(y_weights + 1), sums_q27);
-  points += row_bytes;
-  add_row(points, x_weights, rg_read_late(y_weights + 2), sums_q27);
-  points += row_bytes;
-  add_row(points, x_weights, rg_read_late(y_weights + 3), sums_q27);
+  RG_UNROLL_ROWS
+  for (int j = 0; j < 4; ++j, points += row_bytes)
+    add_row(points, x_weights, rg_read_late(y_weights + j), sums_q27);
   place->position.q27[0] = sums_q27[0];
   place->position.q27[1] = sums_q27[1];
   return 1;

@@ -52,13 +52,9 @@ static RG_INLINE void find_line_point(const rg_camera* camera, rg_place* place,
   const int32_t* const x_weights = place->x_weights_q31;
   int32_t* const y_weights = place->y_weights_q31;
   int32_t sums_q26[3] = {0, 0, 0};
-  add_line_row(points, x_weights, rg_read_late(y_weights), sums_q26);
-  points += row_bytes;
-  add_line_row(points, x_weights, rg_read_late(y_weights + 1), sums_q26);
-  points += row_bytes;
-  add_line_row(points, x_weights, rg_read_late(y_weights + 2), sums_q26);
-  points += row_bytes;
-  add_line_row(points, x_weights, rg_read_late(y_weights + 3), sums_q26);
+  RG_UNROLL_ROWS
+  for (int j = 0; j < 4; ++j, points += row_bytes)
+    add_line_row(points, x_weights, rg_read_late(y_weights + j), sums_q26);
   for (int c = 0; c < 3; ++c) point_q28[c] = 4 * sums_q26[c];
 }
 
