@@ -81,7 +81,7 @@ static int look_up_start(const uint8_t* section, const rg_chart_point* target,
                          int32_t pixel_q16[2]) {
   rg_cell_position cells[2];
   for (uint32_t c = 0; c < 2; ++c) {
-    struct rg_axis axis;
+    rg_axis axis;
     rg_read_axis(section, c, &axis);
     if (!rg_find_on_axis(&axis, rg_load_u16(section + 16 + 2 * c) - 2u,
                          2 * target->q27[c], &cells[c]))
@@ -108,7 +108,7 @@ static int look_up_start(const uint8_t* section, const rg_chart_point* target,
 
 /* Puts one coordinate between the area's edges, margin away from the far one;
  * returns by how much it was outside. */
-static RG_NOINLINE uint32_t clamp_to_axis(const struct rg_axis* axis,
+static RG_NOINLINE uint32_t clamp_to_axis(const rg_axis* axis,
                                           int32_t margin_q16,
                                           int32_t* value_q16) {
   const int32_t before = *value_q16;

@@ -28,6 +28,13 @@ extern "C" {
 /* A whole number of pixels in q16. */
 #define RG_PIXEL(n) ((int32_t)((n)*65536))
 
+/* One axis of the calibrated area; x, then y. */
+typedef struct rg_axis {
+  int32_t low;    /* q16 px: the area's edge */
+  uint32_t span;  /* q16 px: to the other edge */
+  uint32_t scale; /* q32 cells per pixel */
+} rg_axis;
+
 /* An open camera: at most 64 bytes, owned by the caller, only read after
  * opening, so threads and interrupt handlers may share it. The fields are not
  * for use outside the library. */
@@ -35,11 +42,7 @@ typedef struct rg_camera {
   const uint8_t* blob;
   const uint8_t* control_points; /* of 32 bits, or NULL */
   const uint8_t* remap;          /* the section in use, or NULL */
-  struct rg_axis {
-    int32_t low;    /* q16 px: the area's edge */
-    uint32_t span;  /* q16 px: to the other edge */
-    uint32_t scale; /* q32 cells per pixel */
-  } axes[2];
+  rg_axis axes[2];
   uint16_t last_cell[2]; /* cells less 1 */
   uint16_t width, height;
   uint32_t start, line_points; /* sections in the blob, or 0 */

@@ -18,16 +18,15 @@ typedef struct rg_cell_position {
 /* Reads axis 0 or 1 of a section that begins with two low ends, two high ends,
  * two counts and two scales. */
 static inline void rg_read_axis(const uint8_t* section, uint32_t c,
-                                struct rg_axis* axis) {
+                                rg_axis* axis) {
   axis->low = rg_load_i32(section + 4 * c);
   axis->span = rg_load_u32(section + 8 + 4 * c) - (uint32_t)axis->low;
   axis->scale = rg_load_u32(section + 20 + 4 * c);
 }
 
 /* 0 if value lies outside. */
-static inline int rg_find_on_axis(const struct rg_axis* axis,
-                                  uint32_t last_cell, int32_t value,
-                                  rg_cell_position* position) {
+static inline int rg_find_on_axis(const rg_axis* axis, uint32_t last_cell,
+                                  int32_t value, rg_cell_position* position) {
   const uint32_t offset = (uint32_t)value - (uint32_t)axis->low;
   if (offset > axis->span) return 0;
   uint32_t low;

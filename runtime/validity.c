@@ -41,7 +41,7 @@ rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
   const uint32_t columns = rg_load_u16(section);
   rg_cell_position cells[2];
   for (uint32_t c = 0; c < 2; ++c) {
-    struct rg_axis axis = camera->axes[c];
+    rg_axis axis = camera->axes[c];
     axis.scale = rg_load_u32(section + 4 + 4 * c);
     if (!rg_find_on_axis(&axis, rg_load_u16(section + 2 * c) - 2u,
                          pixels_q16[c], &cells[c]))

@@ -359,7 +359,7 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
     if (IsWritable(contents))
       error = MeasureBlob(central, WriteBlob(contents), num_threads);
   }
-  if (!(error.px <= kMaxPackingErrorPx)) {
+  if (!(error.px <= kMaxPackingErrorPx && error.rad <= kMaxNarrowErrorRad)) {
     contents.narrow = nullptr;
     error = MeasureBlob(central, WriteBlob(contents), num_threads);
   }
