@@ -1,4 +1,4 @@
-/* Checks that sections have in common. */
+/* For rg_blob_check(). */
 #ifndef RAYGRID_BLOB_CHECKS_H
 #define RAYGRID_BLOB_CHECKS_H
 
@@ -6,14 +6,13 @@
 
 #include "rg_status.h"
 
-/* The section's arrays start behind its fields and fill it to the end. */
-rg_status rg_check_extent(uint32_t size, uint32_t data_offset,
-                          uint32_t fields_size, uint32_t data_size);
+/* 0, or the status of a fault times -1: small constants make short code. */
+typedef int rg_fault;
 
-/* scale = floor(cells 2^48 / span) */
-int rg_is_grid_scale(uint32_t scale, uint32_t cells, uint32_t span);
-
-/* The bits from num_bits to the next multiple of 32 are zero. */
-int rg_is_mask_padded(const uint8_t* mask, uint32_t num_bits);
+/* Checks the fields and arrays of a section that is as long as its fields, by
+ * those of the camera and the grid among the sections, which may not have been
+ * checked yet. */
+rg_fault rg_check_section(uint32_t type, const uint8_t* section, uint32_t size,
+                          const uint8_t* const* sections);
 
 #endif /* RAYGRID_BLOB_CHECKS_H */

@@ -22,13 +22,14 @@ Pair = tuple[int, int]
 
 MAGIC = b"RAYGRID\0"
 MAJOR = 1
-MINOR = 1
+MINOR = 2
 MAX_SECTIONS = 16
 
 HEADER = struct.Struct("<8sHHIHHIII")
 ENTRY = struct.Struct("<HHIII")
 CAMERA = struct.Struct("<HHI32s32s")
 GRID = struct.Struct("<4i2H2I2H2I")
+PLANE = struct.Struct("<6i")
 REMAP = struct.Struct("<4H2BH4i6i2I2i3I")
 QUALITY = struct.Struct("<10I")
 START = struct.Struct("<4i2H2IiI")
@@ -60,6 +61,7 @@ HALF_PIXEL_Q16 = 1 << 15
 CONTROL_POINT_COUNTS = range(4, 1028)
 CHART_STEREOGRAPHIC = 1
 FRACTION_BITS = 29
+NARROW_FRACTION_BITS = range(14, 29)
 CONTROL_POINT_LIMIT = 0x7F000000
 LAST_FRACTION = 1 - 2.0**-32
 BLOCK_LOG2S = (3, 4, 5)
@@ -142,6 +144,8 @@ class CentralGrid:
     columns: int
     rows: int
     control_points: tuple[Pair, ...]
+    fraction_bits: int = FRACTION_BITS  # fewer: a plane and residuals of 16 bits
+    plane: tuple[int, ...] = ()  # origin, column step, row step: each a, b in q29
 
     @property
     def scale_x(self) -> int:
@@ -461,9 +465,9 @@ def read_camera(section: bytes) -> Camera:
 
 
 def read_text(field: bytes, what: str) -> str:
-    """Camera: text and then zeros, at least one; not refused where it is not UTF-8."""
-    text, zero, padding = field.partition(b"\0")
-    require(zero != b"" and not any(padding), "RG_ERR_TEXT", f"{what} is not padded with zeros")
+    """Camera: text up to the first zero; not refused where it is not UTF-8."""
+    require(field[-1] == 0, "RG_ERR_TEXT", f"{what} does not end with a zero")
+    text = field.partition(b"\0")[0]
     return text.decode("utf-8", errors="replace")
 
 
@@ -476,12 +480,40 @@ def read_grid(section: bytes, camera: Camera) -> CentralGrid:
     check_area(grid.y0, grid.y1, camera.height, "y")
     check_grid_size(grid)
     check_grid_scale(grid, scale_x, scale_y)
-    require(chart == CHART_STEREOGRAPHIC and fraction_bits == FRACTION_BITS,
+    require(chart == CHART_STEREOGRAPHIC
+            and fraction_bits in (*NARROW_FRACTION_BITS, FRACTION_BITS),
             "RG_ERR_GRID_CHART", f"chart is {chart}, fraction_bits {fraction_bits}")
     check_data_offset(data_offset, GRID, "grid")
     require(reserved == 0, "RG_ERR_RESERVED", "the reserved field of the grid is not 0")
-    array = array_bytes(section, data_offset, 8 * grid.columns * grid.rows, "grid")
-    return dataclasses.replace(grid, control_points=read_control_points(array))
+    count = grid.columns * grid.rows
+    if fraction_bits == FRACTION_BITS:
+        array = array_bytes(section, data_offset, 8 * count, "grid")
+        return dataclasses.replace(grid, control_points=read_control_points(array))
+    array = array_bytes(section, data_offset, PLANE.size + 4 * count, "grid")
+    plane = PLANE.unpack_from(array)
+    check_plane(grid, plane, fraction_bits)
+    residuals = struct.iter_unpack("<hh", array[PLANE.size:])
+    points = tuple((a + r, b + s) for (a, b), r, s in zip(
+        plane_points(grid, plane), *zip(*(
+            (r << FRACTION_BITS - fraction_bits, s << FRACTION_BITS - fraction_bits)
+            for r, s in residuals))))
+    return dataclasses.replace(grid, control_points=points, fraction_bits=fraction_bits,
+                               plane=plane)
+
+
+def plane_points(grid: CentralGrid, plane: tuple[int, ...]) -> Iterator[Pair]:
+    """Central grid: origin + i column_step + j row_step, q29, row by row."""
+    for j in range(grid.rows):
+        for i in range(grid.columns):
+            yield tuple(plane[c] + i * plane[2 + c] + j * plane[4 + c] for c in (0, 1))
+
+
+def check_plane(grid: CentralGrid, plane: tuple[int, ...], fraction_bits: int) -> None:
+    """Central grid: no residual leads beyond the limit at the corners."""
+    limit = CONTROL_POINT_LIMIT - (1 << 44 - fraction_bits)
+    for point in plane_points(grid, plane):
+        require(max(map(abs, point)) <= limit, "RG_ERR_CONTROL_POINT",
+                f"the plane reaches {point}")
 
 
 def check_area(low: int, high: int, side: int, axis: str) -> None:
@@ -575,7 +607,6 @@ def check_vertices(remap: Remap) -> None:
 def read_mask(mask: bytes, blocks: int) -> tuple[bool, ...]:
     """Remap: bit k of the mask is bit k mod 8 of byte floor(k / 8); the padding is zero."""
     bits = [bool(byte >> bit & 1) for byte in mask for bit in range(8)]
-    require(not any(bits[blocks:]), "RG_ERR_RESERVED", "the padding of the mask is not 0")
     return tuple(bits[:blocks])
 
 
@@ -642,7 +673,6 @@ def read_uncertainty(section: bytes, grid: CentralGrid) -> Uncertainty:
     count = columns * rows
     array = array_bytes(section, data_offset, ceil_divide(count, 2) * 4, "uncertainty")
     values = struct.unpack(f"<{len(array) // 2}H", array)
-    require(not any(values[count:]), "RG_ERR_RESERVED", "the padding is not 0")
     return dataclasses.replace(found, values=values[:count])
 
 
@@ -960,7 +990,10 @@ def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
 
 def minor_version(packed: list[tuple[int, bytes]]) -> int:
     """Duties, "A writer": the minor version whose fields it uses."""
-    return MINOR if any(kind > TYPE_QUALITY for kind, _ in packed) else 0
+    grid = next(section for kind, section in packed if kind == TYPE_GRID)
+    if GRID.unpack_from(grid)[9] != FRACTION_BITS:
+        return 2
+    return 1 if any(kind > TYPE_QUALITY for kind, _ in packed) else 0
 
 
 def assemble(packed: list[tuple[int, bytes]]) -> bytes:
@@ -995,9 +1028,15 @@ def pack_text(text: str) -> bytes:
 def pack_grid(grid: CentralGrid) -> bytes:
     """Central grid (type 2)."""
     fields = GRID.pack(grid.x0, grid.y0, grid.x1, grid.y1, grid.columns, grid.rows,
-                       grid.scale_x, grid.scale_y, CHART_STEREOGRAPHIC, FRACTION_BITS,
+                       grid.scale_x, grid.scale_y, CHART_STEREOGRAPHIC, grid.fraction_bits,
                        GRID.size, 0)
-    return fields + pack_pairs("<ii", grid.control_points)
+    if grid.fraction_bits == FRACTION_BITS:
+        return fields + pack_pairs("<ii", grid.control_points)
+    residuals = (tuple((value - base) >> FRACTION_BITS - grid.fraction_bits
+                       for value, base in zip(point, plane_point))
+                 for point, plane_point in zip(grid.control_points,
+                                               plane_points(grid, grid.plane)))
+    return fields + PLANE.pack(*grid.plane) + pack_pairs("<hh", residuals)
 
 
 def pack_remap(remap: Remap) -> bytes:

@@ -1,172 +1,198 @@
-/* The fields of each section: their limits, and reading them. The offsets are
- * those of SPEC.md, "Sections". */
+/* The limits of each section's fields and values: SPEC.md, "Sections". */
 #include "blob_checks.h"
 #include "bytes.h"
 #include "rg_blob.h"
 #include "wide_multiply.h"
 
-/* Bytes of text, then only zeros, of which there is at least one. */
-static int is_padded_text(const uint8_t* text) {
-  if (text[RG_TEXT_SIZE - 1] != 0) return 0;
-  for (uint32_t i = 1; i < RG_TEXT_SIZE; ++i)
-    if (text[i - 1] == 0 && text[i] != 0) return 0;
+/* The section's arrays start behind its fields and fill it to the end. */
+static rg_fault check_extent(uint32_t size, uint32_t data_offset,
+                             uint32_t fields_size, uint32_t data_size) {
+  if (data_offset < fields_size || data_offset % 4 != 0)
+    return -RG_ERR_DATA_OFFSET;
+  if (data_offset > size || size - data_offset != data_size)
+    return -RG_ERR_SECTION_SIZE;
+  return 0;
+}
+
+/* Bytes of one bit for each of so many, padded to words. */
+static uint32_t mask_size(uint32_t num_bits) {
+  return (num_bits + 31) / 32 * 4;
+}
+
+static rg_fault check_camera(const uint8_t* section) {
+  if (rg_load_u16(section) - 1u >= RG_MAX_IMAGE_SIZE ||
+      rg_load_u16(section + 2) - 1u >= RG_MAX_IMAGE_SIZE)
+    return -RG_ERR_IMAGE_SIZE;
+  if (rg_load_u32(section + 4) != 0) return -RG_ERR_RESERVED;
+  /* The last bytes of name and serial. */
+  return (section[39] | section[71]) != 0 ? -RG_ERR_TEXT : 0;
+}
+
+/* scale = floor(cells 2^48 / span): the remainder is less than span. */
+static int is_scale(uint32_t scale, uint32_t cells, uint32_t span) {
+  uint32_t low;
+  const uint32_t high = rg_multiply_unsigned(scale, span, &low);
+  const uint64_t remainder =
+      ((uint64_t)cells << 48) - (((uint64_t)high << 32) | low);
+  return remainder < span;
+}
+
+/* What may be wrong with the two axes of a grid. */
+enum { ENDS = 1, COUNT, SCALE };
+
+/* ends: two lower ones, two upper ones; counts: two of cells and surplus, then
+ * two scales. The ends lie on the camera's image or, without one, in the
+ * chart. 0 if all is as it should be. */
+static int find_axis_fault(const uint8_t* ends, const uint8_t* counts,
+                           uint32_t surplus, uint32_t max_cells,
+                           const uint8_t* camera) {
+  for (uint32_t c = 0; c < 2; ++c, ends += 4, counts += 2) {
+    int32_t lowest = -RG_CHART_LIMIT_Q28, highest = RG_CHART_LIMIT_Q28;
+    if (camera) {
+      lowest = -0x8000;
+      highest = (int32_t)((uint32_t)rg_load_u16(camera + 2 * c) << 16) - 0x8000;
+    }
+    const int32_t low = rg_load_i32(ends), high = rg_load_i32(ends + 8);
+    if (low < lowest || low >= high || high > highest) return ENDS;
+    const uint32_t cells = rg_load_u16(counts) - surplus;
+    if (cells - 1 >= max_cells) return COUNT;
+    if (!is_scale(rg_load_u32(counts + 4 + 2 * c), cells,
+                  (uint32_t)high - (uint32_t)low))
+      return SCALE;
+  }
+  return 0;
+}
+
+/* Control and line points have the same limit. */
+static int are_points_in_range(const uint8_t* points, const uint8_t* end) {
+  for (; points != end; points += 4)
+    if (rg_load_u32(points) + RG_CONTROL_POINT_LIMIT >
+        2u * RG_CONTROL_POINT_LIMIT)
+      return 0;
   return 1;
 }
 
-rg_status rg_check_extent(uint32_t size, uint32_t data_offset,
-                          uint32_t fields_size, uint32_t data_size) {
-  if (data_offset < fields_size || data_offset % 4 != 0)
-    return RG_ERR_DATA_OFFSET;
-  if (data_offset > size || size - data_offset != data_size)
-    return RG_ERR_SECTION_SIZE;
-  return RG_OK;
+static uint32_t num_control_points(const uint8_t* grid) {
+  return (uint32_t)rg_load_u16(grid + 16) * rg_load_u16(grid + 18);
 }
 
-rg_status rg_check_camera(const uint8_t* section, uint32_t size) {
-  if (size < RG_CAMERA_SIZE) return RG_ERR_SECTION_SIZE;
-  const uint32_t width = rg_load_u16(section);
-  const uint32_t height = rg_load_u16(section + 2);
-  if (width - 1 >= RG_MAX_IMAGE_SIZE || height - 1 >= RG_MAX_IMAGE_SIZE)
-    return RG_ERR_IMAGE_SIZE;
-  if (rg_load_u32(section + 4) != 0) return RG_ERR_RESERVED;
-  if (!is_padded_text(section + 8) || !is_padded_text(section + 40))
-    return RG_ERR_TEXT;
-  return RG_OK;
-}
-
-void rg_blob_camera(const rg_blob* blob, rg_camera_section* camera) {
-  const uint8_t* section = blob->bytes + blob->camera;
-  camera->width = rg_load_u16(section);
-  camera->height = rg_load_u16(section + 2);
-  camera->name = (const char*)(section + 8);
-  camera->serial = (const char*)(section + 40);
-}
-
-/* min < max, both on the image: from -1/2 to size - 1/2. */
-static int is_interval_on_image(int32_t min_q16, int32_t max_q16,
-                                uint32_t num_pixels) {
-  return min_q16 >= -0x8000 && min_q16 < max_q16 &&
-         max_q16 <= (int32_t)(num_pixels << 16) - 0x8000;
-}
-
-/* The remainder is less than span. */
-int rg_is_grid_scale(uint32_t scale_q32, uint32_t cells, uint32_t span) {
+/* step times the u16 at count, less 1 */
+static int64_t multiply(int32_t step, const uint8_t* count) {
   uint32_t low;
-  const uint32_t high = rg_multiply_unsigned(scale_q32, span, &low);
-  const uint32_t remainder = 0u - low;
-  const uint32_t borrow = low != 0;
-  return (cells << 16) - high - borrow == 0 && remainder < span;
+  const int32_t high = rg_multiply_signed(step, rg_load_u16(count) - 1, &low);
+  return (int64_t)(((uint64_t)(uint32_t)high << 32) | low);
 }
 
-static int are_control_points_in_range(const uint8_t* data, uint32_t count) {
-  for (uint32_t i = 0; i < count; ++i) {
-    const int32_t value = rg_load_i32(data + 4 * i);
-    if (value > RG_CONTROL_POINT_LIMIT || value < -RG_CONTROL_POINT_LIMIT)
-      return 0;
+/* The limit for all that the plane and residuals of the fraction bits may add
+ * up to: what the plane reaches at the corners and the largest residual. */
+static int is_plane_in_range(const uint8_t* plane, const uint8_t* section,
+                             uint32_t fraction_bits) {
+  const int32_t limit =
+      RG_CONTROL_POINT_LIMIT - (int32_t)(UINT32_C(1) << (44 - fraction_bits));
+  for (uint32_t k = 0; k < 8; ++k) {
+    const uint8_t* const at = plane + 4 * (k & 1);
+    int64_t value = rg_load_i32(at);
+    if (k & 2) value += multiply(rg_load_i32(at + 8), section + 16);
+    if (k & 4) value += multiply(rg_load_i32(at + 16), section + 18);
+    if (value > limit || value < -limit) return 0;
   }
   return 1;
 }
 
-/* All but the control points, whose offset may not be checked yet. */
-static void load_grid_fields(const uint8_t* section, rg_grid_section* grid) {
-  grid->x0_q16 = rg_load_i32(section);
-  grid->y0_q16 = rg_load_i32(section + 4);
-  grid->x1_q16 = rg_load_i32(section + 8);
-  grid->y1_q16 = rg_load_i32(section + 12);
-  grid->columns = rg_load_u16(section + 16);
-  grid->rows = rg_load_u16(section + 18);
-  grid->scale_x_q32 = rg_load_u32(section + 20);
-  grid->scale_y_q32 = rg_load_u32(section + 24);
-}
-
-rg_status rg_check_grid(const uint8_t* section, uint32_t size,
-                        const uint8_t* camera) {
-  if (size < RG_GRID_FIELDS_SIZE) return RG_ERR_SECTION_SIZE;
-  if (rg_load_u32(section + 36) != 0) return RG_ERR_RESERVED;
+static rg_fault check_grid(const uint8_t* section, uint32_t size,
+                           const uint8_t* camera) {
+  const uint32_t fraction_bits = rg_load_u16(section + 30);
+  const int is_wide = fraction_bits == RG_CONTROL_POINT_BITS;
+  if (rg_load_u32(section + 36) != 0) return -RG_ERR_RESERVED;
   if (rg_load_u16(section + 28) != RG_CHART_STEREOGRAPHIC ||
-      rg_load_u16(section + 30) != RG_CONTROL_POINT_BITS)
-    return RG_ERR_GRID_CHART;
-  rg_grid_section grid;
-  load_grid_fields(section, &grid);
-  if (grid.columns < RG_MIN_GRID_SIZE || grid.columns > RG_MAX_GRID_SIZE ||
-      grid.rows < RG_MIN_GRID_SIZE || grid.rows > RG_MAX_GRID_SIZE)
-    return RG_ERR_GRID_SIZE;
-  if (!is_interval_on_image(grid.x0_q16, grid.x1_q16, rg_load_u16(camera)) ||
-      !is_interval_on_image(grid.y0_q16, grid.y1_q16, rg_load_u16(camera + 2)))
-    return RG_ERR_AREA;
-  if (!rg_is_grid_scale(grid.scale_x_q32, grid.columns - 3u,
-                        (uint32_t)(grid.x1_q16 - grid.x0_q16)) ||
-      !rg_is_grid_scale(grid.scale_y_q32, grid.rows - 3u,
-                        (uint32_t)(grid.y1_q16 - grid.y0_q16)))
-    return RG_ERR_GRID_SCALE;
-
+      fraction_bits - RG_NARROW_MIN_BITS >
+          RG_CONTROL_POINT_BITS - RG_NARROW_MIN_BITS)
+    return -RG_ERR_GRID_CHART;
+  /* RG_ERR_AREA, RG_ERR_GRID_SIZE and RG_ERR_GRID_SCALE follow each other. */
+  const int axis_fault =
+      find_axis_fault(section, section + 16, 3, RG_MAX_GRID_SIZE - 3, camera);
+  if (axis_fault) return axis_fault - ENDS - RG_ERR_AREA;
   const uint32_t data_offset = rg_load_u32(section + 32);
-  const uint32_t count = 2u * grid.columns * grid.rows;
-  const rg_status status =
-      rg_check_extent(size, data_offset, RG_GRID_FIELDS_SIZE, 4 * count);
-  if (status != RG_OK) return status;
-  if (!are_control_points_in_range(section + data_offset, count))
-    return RG_ERR_CONTROL_POINT;
-  return RG_OK;
+  const uint32_t count = num_control_points(section);
+  const rg_fault fault =
+      check_extent(size, data_offset, RG_GRID_FIELDS_SIZE,
+                   is_wide ? 8 * count : RG_NARROW_PLANE_SIZE + 4 * count);
+  if (fault) return fault;
+  const uint8_t* const data = section + data_offset;
+  return (is_wide ? are_points_in_range(data, section + size)
+                  : is_plane_in_range(data, section, fraction_bits))
+             ? 0
+             : -RG_ERR_CONTROL_POINT;
 }
 
-void rg_blob_grid(const rg_blob* blob, rg_grid_section* grid) {
-  const uint8_t* section = blob->bytes + blob->grid;
-  load_grid_fields(section, grid);
-  grid->control_points = section + rg_load_u32(section + 32);
+static rg_fault check_line_points(const uint8_t* section, uint32_t size,
+                                  const uint8_t* grid) {
+  if (rg_load_u16(section) != RG_LINE_POINT_BITS) return -RG_ERR_LINE_POINT;
+  if (rg_load_u16(section + 2) != 0) return -RG_ERR_RESERVED;
+  const uint32_t data_offset = rg_load_u32(section + 4);
+  const rg_fault fault =
+      check_extent(size, data_offset, RG_LINE_POINTS_FIELDS_SIZE,
+                   12 * num_control_points(grid));
+  if (fault != 0) return fault;
+  return are_points_in_range(section + data_offset, section + size)
+             ? 0
+             : -RG_ERR_LINE_POINT;
 }
 
-void rg_read_remap(const uint8_t* section, rg_remap_section* remap) {
-  remap->width = rg_load_u16(section);
-  remap->height = rg_load_u16(section + 2);
-  remap->columns = rg_load_u16(section + 4);
-  remap->rows = rg_load_u16(section + 6);
-  remap->block_log2 = section[8];
-  remap->residual_shift = section[9];
-  remap->min_x_q12 = rg_load_i32(section + 12);
-  remap->min_y_q12 = rg_load_i32(section + 16);
-  remap->max_x_q12 = rg_load_i32(section + 20);
-  remap->max_y_q12 = rg_load_i32(section + 24);
-  remap->origin_x_q12 = rg_load_i32(section + 28);
-  remap->origin_y_q12 = rg_load_i32(section + 32);
-  remap->column_step_x_q12 = rg_load_i32(section + 36);
-  remap->column_step_y_q12 = rg_load_i32(section + 40);
-  remap->row_step_x_q12 = rg_load_i32(section + 44);
-  remap->row_step_y_q12 = rg_load_i32(section + 48);
-  remap->fx_q16 = rg_load_u32(section + 52);
-  remap->fy_q16 = rg_load_u32(section + 56);
-  remap->cx_q16 = rg_load_i32(section + 60);
-  remap->cy_q16 = rg_load_i32(section + 64);
-  remap->bound_upx = rg_load_u32(section + 68);
-  remap->max_error_upx = rg_load_u32(section + 72);
-  remap->vertices = section + rg_load_u32(section + 76);
-  remap->empty_blocks =
-      remap->vertices + 4 * (uint32_t)remap->columns * remap->rows;
+/* Any vertex is a start: projection checks what it finds. */
+static rg_fault check_start(const uint8_t* section, uint32_t size) {
+  const int axis_fault =
+      find_axis_fault(section, section + 16, 1, RG_MAX_START_SIZE - 1, 0);
+  const int32_t cos_limit_q30 = rg_load_i32(section + 28);
+  if (axis_fault == ENDS || cos_limit_q30 < -RG_CHART_LIMIT_Q28 ||
+      cos_limit_q30 >= RG_CHART_LIMIT_Q28)
+    return -RG_ERR_START_CHART;
+  if (axis_fault) return -RG_ERR_START_GRID;
+  return check_extent(size, rg_load_u32(section + 32), RG_START_FIELDS_SIZE,
+                      4 * num_control_points(section));
 }
 
-static int is_source_interval(int32_t min_q12, int32_t max_q12,
-                              uint32_t num_pixels) {
-  return min_q12 >= 0 && min_q12 <= max_q12 &&
-         max_q12 <= (int32_t)((num_pixels - 1) << 12);
+static rg_fault check_uncertainty(const uint8_t* section, uint32_t size,
+                                  const uint8_t* camera, const uint8_t* grid) {
+  if (find_axis_fault(grid, section, 1, RG_MAX_UNCERTAINTY_SIZE - 1, camera))
+    return -RG_ERR_UNCERTAINTY;
+  const uint32_t num_values =
+      (uint32_t)rg_load_u16(section) * rg_load_u16(section + 2);
+  return check_extent(size, rg_load_u32(section + 12),
+                      RG_UNCERTAINTY_FIELDS_SIZE, (num_values + 1) / 2 * 4);
 }
 
-/* -limit < value < limit */
-static int is_within(uint32_t value, int32_t limit) {
-  return value + (uint32_t)limit - 1 < 2 * (uint32_t)limit - 1;
+static rg_fault check_mask(const uint8_t* section, uint32_t size,
+                           const uint8_t* camera) {
+  const uint32_t log2 = section[4];
+  if ((rg_load_u32(section + 4) >> 8) != 0) return -RG_ERR_RESERVED;
+  if (log2 - RG_MIN_MASK_CELL_LOG2 >
+      RG_MAX_MASK_CELL_LOG2 - RG_MIN_MASK_CELL_LOG2)
+    return -RG_ERR_MASK;
+  uint32_t num_cells = 1;
+  for (uint32_t c = 0; c < 4; c += 2) {
+    const uint32_t count = rg_load_u16(section + c);
+    if (count != ((rg_load_u16(camera + c) - 1u) >> log2) + 1)
+      return -RG_ERR_MASK;
+    num_cells *= count;
+  }
+  return check_extent(size, rg_load_u32(section + 8), RG_MASK_FIELDS_SIZE,
+                      mask_size(num_cells));
 }
 
-/* One coordinate of all vertices, 0 for x and 1 for y: the second of every pair
- * lies behind the first. Sums are modulo 2^32, as the spec says. */
-static int are_vertices_in_range(const uint8_t* section, uint32_t coordinate) {
-  const uint8_t* const fields = section + 4 * coordinate;
-  const uint8_t* residual =
-      section + rg_load_u32(section + 76) + 2 * coordinate;
+/* One coordinate of all vertices, whose fields and residuals lie behind the
+ * other's. Sums are modulo 2^32, as the spec says. */
+static int are_vertices_in_range(const uint8_t* section, const uint8_t* fields,
+                                 const uint8_t* residual) {
   uint32_t row_start = rg_load_u32(fields + 28);
   for (uint32_t rows = rg_load_u16(section + 6); rows > 0; --rows) {
     uint32_t affine = row_start;
     for (uint32_t columns = rg_load_u16(section + 4); columns > 0; --columns) {
       const uint32_t offset = (uint32_t)rg_load_i16(residual) << section[9];
-      if (!is_within(affine + offset, RG_VERTEX_LIMIT_Q12)) return 0;
+      /* -limit < vertex < limit */
+      if (affine + offset + RG_VERTEX_LIMIT_Q12 - 1u >=
+          2u * RG_VERTEX_LIMIT_Q12 - 1)
+        return 0;
       affine += rg_load_u32(fields + 36);
       residual += 4;
     }
@@ -175,66 +201,57 @@ static int are_vertices_in_range(const uint8_t* section, uint32_t coordinate) {
   return 1;
 }
 
-int rg_is_mask_padded(const uint8_t* mask, uint32_t num_bits) {
-  const uint32_t padded = (num_bits + 31) / 32 * 32;
-  for (uint32_t bit = num_bits; bit < padded; ++bit)
-    if ((mask[bit / 8] >> (bit % 8)) & 1) return 0;
-  return 1;
+/* One axis of a remap: sizes and source. */
+static rg_fault check_remap_axis(const uint8_t* section, uint32_t axis,
+                                 uint32_t source_size) {
+  const uint32_t size = rg_load_u16(section + 2 * axis);
+  const uint32_t num_vertices = rg_load_u16(section + 4 + 2 * axis);
+  const uint8_t* const fields = section + 4 * axis;
+  const int32_t low = rg_load_i32(fields + 12), high = rg_load_i32(fields + 20);
+  if (size - 1 >= RG_MAX_REMAP_SIZE || source_size > RG_MAX_REMAP_SIZE)
+    return -RG_ERR_REMAP_SIZE;
+  if (num_vertices != ((size - 1) >> section[8]) + 2)
+    return -RG_ERR_REMAP_BLOCK;
+  if (low < 0 || low > high || high > (int32_t)((source_size - 1) << 12))
+    return -RG_ERR_REMAP_SOURCE;
+  return rg_load_u32(fields + 52) == 0 ? -RG_ERR_REMAP_CAMERA : 0;
 }
 
-rg_status rg_check_remap(const uint8_t* section, uint32_t size,
-                         const uint8_t* camera) {
-  if (size < RG_REMAP_FIELDS_SIZE) return RG_ERR_SECTION_SIZE;
-  if (rg_load_u16(section + 10) != 0) return RG_ERR_RESERVED;
-  const uint32_t source_width = rg_load_u16(camera);
-  const uint32_t source_height = rg_load_u16(camera + 2);
-  const uint32_t width = rg_load_u16(section);
-  const uint32_t height = rg_load_u16(section + 2);
-  if (width - 1 >= RG_MAX_REMAP_SIZE || height - 1 >= RG_MAX_REMAP_SIZE ||
-      source_width > RG_MAX_REMAP_SIZE || source_height > RG_MAX_REMAP_SIZE)
-    return RG_ERR_REMAP_SIZE;
-  const uint32_t block_log2 = section[8];
-  if (block_log2 < 3 || block_log2 > 5) return RG_ERR_REMAP_BLOCK;
-  const uint32_t columns = ((width - 1) >> block_log2) + 2;
-  const uint32_t rows = ((height - 1) >> block_log2) + 2;
-  if (rg_load_u16(section + 4) != columns || rg_load_u16(section + 6) != rows)
-    return RG_ERR_REMAP_BLOCK;
-  if (section[9] > RG_MAX_RESIDUAL_SHIFT) return RG_ERR_REMAP_SHIFT;
-  if (!is_source_interval(rg_load_i32(section + 12), rg_load_i32(section + 20),
-                          source_width) ||
-      !is_source_interval(rg_load_i32(section + 16), rg_load_i32(section + 24),
-                          source_height))
-    return RG_ERR_REMAP_SOURCE;
-  if (rg_load_u32(section + 52) == 0 || rg_load_u32(section + 56) == 0)
-    return RG_ERR_REMAP_CAMERA;
-
-  const uint32_t num_blocks = (columns - 1) * (rows - 1);
-  const rg_status status =
-      rg_check_extent(size, rg_load_u32(section + 76), RG_REMAP_FIELDS_SIZE,
-                      4 * columns * rows + (num_blocks + 31) / 32 * 4);
-  if (status != RG_OK) return status;
-  if (!are_vertices_in_range(section, 0) || !are_vertices_in_range(section, 1))
-    return RG_ERR_REMAP_VERTEX;
-  const uint8_t* const mask =
-      section + rg_load_u32(section + 76) + 4 * columns * rows;
-  return rg_is_mask_padded(mask, num_blocks) ? RG_OK : RG_ERR_RESERVED;
+static rg_fault check_remap(const uint8_t* section, uint32_t size,
+                            const uint8_t* camera) {
+  if (rg_load_u16(section + 10) != 0) return -RG_ERR_RESERVED;
+  if (section[8] - 3u > 2) return -RG_ERR_REMAP_BLOCK;
+  if (section[9] > RG_MAX_RESIDUAL_SHIFT) return -RG_ERR_REMAP_SHIFT;
+  rg_fault fault = 0;
+  for (uint32_t axis = 0; axis < 2 && fault == 0; ++axis)
+    fault = check_remap_axis(section, axis, rg_load_u16(camera + 2 * axis));
+  if (fault != 0) return fault;
+  const uint32_t columns = rg_load_u16(section + 4);
+  const uint32_t rows = rg_load_u16(section + 6);
+  const uint32_t data_offset = rg_load_u32(section + 76);
+  fault =
+      check_extent(size, data_offset, RG_REMAP_FIELDS_SIZE,
+                   4 * columns * rows + mask_size((columns - 1) * (rows - 1)));
+  if (fault != 0) return fault;
+  const uint8_t* const residuals = section + data_offset;
+  return are_vertices_in_range(section, section, residuals) &&
+                 are_vertices_in_range(section, section + 4, residuals + 2)
+             ? 0
+             : -RG_ERR_REMAP_VERTEX;
 }
 
-rg_status rg_check_quality(const uint8_t* section, uint32_t size) {
-  (void)section; /* every figure may take any value */
-  return size >= RG_QUALITY_SIZE ? RG_OK : RG_ERR_SECTION_SIZE;
-}
-
-void rg_blob_quality(const rg_blob* blob, rg_quality_section* quality) {
-  const uint8_t* section = blob->bytes + blob->quality;
-  quality->training_median_upx = rg_load_u32(section);
-  quality->training_rms_upx = rg_load_u32(section + 4);
-  quality->training_max_upx = rg_load_u32(section + 8);
-  quality->training_count = rg_load_u32(section + 12);
-  quality->held_out_median_upx = rg_load_u32(section + 16);
-  quality->held_out_rms_upx = rg_load_u32(section + 20);
-  quality->held_out_max_upx = rg_load_u32(section + 24);
-  quality->held_out_count = rg_load_u32(section + 28);
-  quality->packing_error_npx = rg_load_u32(section + 32);
-  quality->packing_error_prad = rg_load_u32(section + 36);
+rg_fault rg_check_section(uint32_t type, const uint8_t* section, uint32_t size,
+                          const uint8_t* const* sections) {
+  const uint8_t* const camera = sections[RG_SECTION_CAMERA];
+  const uint8_t* const grid = sections[RG_SECTION_CENTRAL_GRID];
+  if (section == camera) return check_camera(section);
+  if (section == grid) return check_grid(section, size, camera);
+  if (section == sections[RG_SECTION_LINE_POINTS])
+    return check_line_points(section, size, grid);
+  if (section == sections[RG_SECTION_START]) return check_start(section, size);
+  if (section == sections[RG_SECTION_MASK])
+    return check_mask(section, size, camera);
+  if (section == sections[RG_SECTION_UNCERTAINTY])
+    return check_uncertainty(section, size, camera, grid);
+  return type == RG_SECTION_REMAP ? check_remap(section, size, camera) : 0;
 }

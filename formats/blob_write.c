@@ -4,19 +4,24 @@
 #include "crc32.h"
 #include "rg_blob.h"
 
-static uint32_t grid_size(const rg_grid_section* grid) {
-  return RG_GRID_FIELDS_SIZE + 8 * (uint32_t)grid->columns * grid->rows;
+static uint32_t grid_size(const rg_blob_contents* contents) {
+  const uint32_t count =
+      (uint32_t)contents->grid->columns * contents->grid->rows;
+  return RG_GRID_FIELDS_SIZE +
+         (contents->narrow ? RG_NARROW_PLANE_SIZE + 4 * count : 8 * count);
 }
 
-static uint32_t mask_size(const rg_remap_section* remap) {
-  const uint32_t num_blocks =
-      (uint32_t)(remap->columns - 1) * (uint32_t)(remap->rows - 1);
-  return (num_blocks + 31) / 32 * 4;
+static uint32_t bits_size(uint32_t num_bits) {
+  return (num_bits + 31) / 32 * 4;
+}
+
+static uint32_t num_blocks(const rg_remap_section* remap) {
+  return (uint32_t)(remap->columns - 1) * (uint32_t)(remap->rows - 1);
 }
 
 uint32_t rg_remap_section_size(const rg_remap_section* remap) {
   return RG_REMAP_FIELDS_SIZE + 4 * (uint32_t)remap->columns * remap->rows +
-         mask_size(remap);
+         bits_size(num_blocks(remap));
 }
 
 static uint32_t start_size(const rg_start_section* start) {
@@ -28,8 +33,7 @@ static uint32_t line_points_size(const rg_grid_section* grid) {
 }
 
 static uint32_t valid_mask_size(const rg_mask_section* mask) {
-  const uint32_t num_cells = (uint32_t)mask->columns * mask->rows;
-  return RG_MASK_FIELDS_SIZE + (num_cells + 31) / 32 * 4;
+  return RG_MASK_FIELDS_SIZE + bits_size((uint32_t)mask->columns * mask->rows);
 }
 
 static uint32_t uncertainty_size(const rg_uncertainty_section* uncertainty) {
@@ -47,7 +51,7 @@ static uint32_t num_sections(const rg_blob_contents* contents) {
 uint32_t rg_blob_size(const rg_blob_contents* contents) {
   uint32_t size =
       RG_HEADER_SIZE + RG_SECTION_ENTRY_SIZE * num_sections(contents);
-  size += RG_CAMERA_SIZE + grid_size(contents->grid);
+  size += RG_CAMERA_SIZE + grid_size(contents);
   if (contents->remap) size += rg_remap_section_size(contents->remap);
   for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
     size += rg_remap_section_size(contents->more_remaps[k].section);
@@ -71,8 +75,29 @@ static void write_camera(const rg_camera_section* camera, uint8_t* section) {
   memcpy(section + 40, camera->serial, RG_TEXT_SIZE);
 }
 
-static void write_grid(const rg_grid_section* grid, const int32_t* points,
-                       uint8_t* section) {
+/* Control points of 32 bits, or a plane and what is left of 16. */
+static void write_control_points(const rg_blob_contents* contents,
+                                 uint8_t* data) {
+  const rg_narrow_grid* const narrow = contents->narrow;
+  const uint32_t count =
+      2 * (uint32_t)contents->grid->columns * contents->grid->rows;
+  if (!narrow) {
+    for (uint32_t i = 0; i < count; ++i)
+      rg_store_i32(data + 4 * i, contents->control_points_q29[i]);
+    return;
+  }
+  for (uint32_t c = 0; c < 2; ++c) {
+    rg_store_i32(data + 4 * c, narrow->origin_q29[c]);
+    rg_store_i32(data + 8 + 4 * c, narrow->column_step_q29[c]);
+    rg_store_i32(data + 16 + 4 * c, narrow->row_step_q29[c]);
+  }
+  for (uint32_t i = 0; i < count; ++i)
+    rg_store_u16(data + RG_NARROW_PLANE_SIZE + 2 * i,
+                 (uint16_t)narrow->residuals[i]);
+}
+
+static void write_grid(const rg_blob_contents* contents, uint8_t* section) {
+  const rg_grid_section* const grid = contents->grid;
   rg_store_i32(section, grid->x0_q16);
   rg_store_i32(section + 4, grid->y0_q16);
   rg_store_i32(section + 8, grid->x1_q16);
@@ -82,12 +107,19 @@ static void write_grid(const rg_grid_section* grid, const int32_t* points,
   rg_store_u32(section + 20, grid->scale_x_q32);
   rg_store_u32(section + 24, grid->scale_y_q32);
   rg_store_u16(section + 28, RG_CHART_STEREOGRAPHIC);
-  rg_store_u16(section + 30, RG_CONTROL_POINT_BITS);
+  rg_store_u16(section + 30,
+               (uint16_t)(contents->narrow ? contents->narrow->fraction_bits
+                                           : RG_CONTROL_POINT_BITS));
   rg_store_u32(section + 32, RG_GRID_FIELDS_SIZE);
   rg_store_u32(section + 36, 0);
-  const uint32_t count = 2 * (uint32_t)grid->columns * grid->rows;
-  for (uint32_t i = 0; i < count; ++i)
-    rg_store_i32(section + RG_GRID_FIELDS_SIZE + 4 * i, points[i]);
+  write_control_points(contents, section + RG_GRID_FIELDS_SIZE);
+}
+
+/* The padding is zero. */
+static void write_bits(const uint8_t* bits, uint32_t num_bits, uint8_t* bytes) {
+  memset(bytes, 0, bits_size(num_bits));
+  for (uint32_t k = 0; k < num_bits; ++k)
+    bytes[k / 8] = (uint8_t)(bytes[k / 8] | (bits[k / 8] & 1u << k % 8));
 }
 
 void rg_write_remap(const rg_remap_section* remap, const int16_t* residuals,
@@ -120,7 +152,7 @@ void rg_write_remap(const rg_remap_section* remap, const int16_t* residuals,
   const uint32_t count = 2 * (uint32_t)remap->columns * remap->rows;
   for (uint32_t i = 0; i < count; ++i)
     rg_store_u16(data + 2 * i, (uint16_t)residuals[i]);
-  memcpy(data + 2 * count, remap->empty_blocks, mask_size(remap));
+  write_bits(remap->empty_blocks, num_blocks(remap), data + 2 * count);
 }
 
 static void write_quality(const rg_quality_section* quality, uint8_t* section) {
@@ -168,8 +200,8 @@ static void write_mask(const rg_mask_section* mask, uint8_t* section) {
   section[5] = 0;
   rg_store_u16(section + 6, 0);
   rg_store_u32(section + 8, RG_MASK_FIELDS_SIZE);
-  memcpy(section + RG_MASK_FIELDS_SIZE, mask->bits,
-         valid_mask_size(mask) - RG_MASK_FIELDS_SIZE);
+  write_bits(mask->bits, (uint32_t)mask->columns * mask->rows,
+             section + RG_MASK_FIELDS_SIZE);
 }
 
 static void write_uncertainty(const rg_uncertainty_section* uncertainty,
@@ -238,9 +270,8 @@ static void write_sections(const rg_blob_contents* contents,
   write_camera(contents->camera,
                begin_section(writer, RG_SECTION_CAMERA, RG_SECTION_CRITICAL,
                              RG_CAMERA_SIZE));
-  write_grid(contents->grid, contents->control_points_q29,
-             begin_section(writer, RG_SECTION_CENTRAL_GRID, RG_SECTION_CRITICAL,
-                           grid_size(contents->grid)));
+  write_grid(contents, begin_section(writer, RG_SECTION_CENTRAL_GRID,
+                                     RG_SECTION_CRITICAL, grid_size(contents)));
   if (contents->remap)
     begin_remap(contents->remap, contents->residuals, writer);
   for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
@@ -254,6 +285,7 @@ static void write_sections(const rg_blob_contents* contents,
 
 /* The lowest minor version that has what the blob uses. */
 static uint16_t minor_version(const rg_blob_contents* contents) {
+  if (contents->narrow) return 2;
   return contents->start || contents->line_points_q28 || contents->mask ||
                  contents->uncertainty
              ? 1
@@ -322,7 +354,9 @@ static int has_arrays(const rg_remap_section* remap, const int16_t* residuals) {
 
 /* Every array that the contents speak of is there. */
 static int is_complete(const rg_blob_contents* contents) {
-  if (!contents->camera || !contents->grid || !contents->control_points_q29)
+  if (!contents->camera || !contents->grid) return 0;
+  if (contents->narrow ? !contents->narrow->residuals
+                       : !contents->control_points_q29)
     return 0;
   if (contents->remap && !has_arrays(contents->remap, contents->residuals))
     return 0;

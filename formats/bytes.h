@@ -7,18 +7,17 @@
 
 #if defined(__GNUC__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
 
+typedef uint16_t __attribute__((may_alias)) rg_half_word;
+typedef uint32_t __attribute__((may_alias)) rg_word;
+
 /* p must be a multiple of 2. */
 static inline uint16_t rg_load_u16(const uint8_t* p) {
-  uint16_t value;
-  __builtin_memcpy(&value, __builtin_assume_aligned(p, 2), 2);
-  return value;
+  return *(const rg_half_word*)(const void*)p;
 }
 
 /* p must be a multiple of 4. */
 static inline uint32_t rg_load_u32(const uint8_t* p) {
-  uint32_t value;
-  __builtin_memcpy(&value, __builtin_assume_aligned(p, 4), 4);
-  return value;
+  return *(const rg_word*)(const void*)p;
 }
 
 #else
@@ -40,6 +39,17 @@ static inline int16_t rg_load_i16(const uint8_t* p) {
 
 static inline int32_t rg_load_i32(const uint8_t* p) {
   return (int32_t)rg_load_u32(p);
+}
+
+/* The i32 at p, and the one behind it. */
+static inline int32_t rg_load_i32_pair(const uint8_t* p, int32_t* second) {
+  int32_t a = rg_load_i32(p), b = rg_load_i32(p + 4);
+#if defined(__GNUC__)
+  /* Keeps the loads together, so that they become one where a core has that. */
+  __asm__("" : "+r"(a), "+r"(b));
+#endif
+  *second = b;
+  return a;
 }
 
 static inline void rg_store_u16(uint8_t* p, uint16_t value) {

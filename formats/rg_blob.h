@@ -15,7 +15,7 @@ extern "C" {
 #endif
 
 #define RG_FORMAT_MAJOR 1
-#define RG_FORMAT_MINOR 1 /* the highest that the writer writes */
+#define RG_FORMAT_MINOR 2 /* the highest that the writer writes */
 
 #define RG_HEADER_SIZE 32u
 #define RG_SECTION_ENTRY_SIZE 16u
@@ -32,7 +32,8 @@ enum rg_section_type {
   RG_SECTION_LINE_POINTS = 5,
   RG_SECTION_MASK = 6,
   RG_SECTION_UNCERTAINTY = 7,
-  RG_SECTION_START = 9
+  RG_SECTION_START = 9,
+  RG_NUM_SECTION_TYPES
 };
 
 /* Sizes of the fields in front of each section's arrays. */
@@ -51,7 +52,10 @@ enum rg_section_type {
 #define RG_MIN_GRID_SIZE 4u
 #define RG_MAX_GRID_SIZE 1027u
 #define RG_CHART_STEREOGRAPHIC 1u
-#define RG_CONTROL_POINT_BITS 29u              /* fraction bits */
+#define RG_CONTROL_POINT_BITS 29u /* fraction bits */
+#define RG_NARROW_MIN_BITS 14u    /* of narrow grids' residuals */
+#define RG_NARROW_MAX_BITS 28u
+#define RG_NARROW_PLANE_SIZE 24u
 #define RG_CONTROL_POINT_LIMIT 0x7f000000      /* 3.96875 in q29 */
 #define RG_VERTEX_LIMIT_Q12 (INT32_C(1) << 25) /* 8192 px */
 #define RG_MAX_RESIDUAL_SHIFT 10u
@@ -80,9 +84,17 @@ typedef struct rg_grid_section {
   int32_t x0_q16, y0_q16, x1_q16, y1_q16; /* calibrated area, inclusive */
   uint16_t columns, rows;                 /* control points: cells + 3 */
   uint32_t scale_x_q32, scale_y_q32;      /* cells per pixel */
-  const uint8_t* control_points; /* row-major pairs of i32 q29; in the blob,
-                                    little-endian */
+  const uint8_t* control_points; /* in the blob, little-endian: row-major pairs
+                                    of i32 q29, or a plane and pairs of i16 */
 } rg_grid_section;
+
+/* Control points of 16 bits: (i, j) is origin + i column_step + j row_step +
+ * residual, of a and of b. */
+typedef struct rg_narrow_grid {
+  uint32_t fraction_bits; /* of the residuals */
+  int32_t origin_q29[2], column_step_q29[2], row_step_q29[2];
+  const int16_t* residuals; /* columns * rows pairs, host order */
+} rg_narrow_grid;
 
 /* Undistortion: source positions at the corners of square output blocks. */
 typedef struct rg_remap_section {
@@ -148,19 +160,27 @@ typedef struct rg_blob {
   uint32_t line_points, mask, uncertainty;
 } rg_blob;
 
-/* Validates num_bytes bytes and finds the sections.
+/* Validates num_bytes bytes.
  *
- * bytes  multiple of 4, read in place and kept: must outlive *blob. Bytes
- *        after the blob's own end are not looked at.
+ * bytes     multiple of 4. Bytes after the blob's own end are not looked at.
+ * sections  get the first section of each type, or NULL
  *
  * Nothing outside bytes[0, num_bytes) is read, whatever they hold. Every
- * status from RG_ERR_MISALIGNED to RG_ERR_DATA_OFFSET names one fault. */
+ * status from RG_ERR_MISALIGNED to RG_ERR_UNCERTAINTY names one fault. */
+rg_status rg_blob_check(const void* bytes, uint32_t num_bytes,
+                        const uint8_t* sections[RG_NUM_SECTION_TYPES]);
+
+/* The same, and finds the sections. The bytes are read in place and kept: they
+ * must outlive *blob. */
 rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob);
 
 /* Sections of a blob that rg_blob_open() accepted. The optional ones,
  * from quality on, must be present (blob->quality not 0). */
 void rg_blob_camera(const rg_blob* blob, rg_camera_section* camera);
 void rg_blob_grid(const rg_blob* blob, rg_grid_section* grid);
+/* A control point, also of 16 bits. */
+void rg_blob_control_point(const rg_blob* blob, uint32_t column, uint32_t row,
+                           int32_t point_q29[2]);
 void rg_blob_quality(const rg_blob* blob, rg_quality_section* quality);
 
 void rg_blob_start(const rg_blob* blob, rg_start_section* start);
@@ -180,21 +200,6 @@ const uint8_t* rg_find_section(const uint8_t* bytes, uint32_t type,
 /* The fields of a remap section that was accepted, from its first byte. */
 void rg_read_remap(const uint8_t* section, rg_remap_section* remap);
 
-/* Checks the fields and arrays of one section's bytes; for rg_blob_open(). */
-rg_status rg_check_camera(const uint8_t* section, uint32_t size);
-rg_status rg_check_grid(const uint8_t* section, uint32_t size,
-                        const uint8_t* camera);
-rg_status rg_check_remap(const uint8_t* section, uint32_t size,
-                         const uint8_t* camera);
-rg_status rg_check_quality(const uint8_t* section, uint32_t size);
-rg_status rg_check_start(const uint8_t* section, uint32_t size);
-rg_status rg_check_line_points(const uint8_t* section, uint32_t size,
-                               const uint8_t* grid);
-rg_status rg_check_mask(const uint8_t* section, uint32_t size,
-                        const uint8_t* camera);
-rg_status rg_check_uncertainty(const uint8_t* section, uint32_t size,
-                               const uint8_t* grid);
-
 /* ---- Writing, on the host ------------------------------------------------ */
 
 /* A remap section and its residuals: columns * rows pairs in host order. */
@@ -207,6 +212,7 @@ typedef struct rg_blob_contents {
   const rg_camera_section* camera;
   const rg_grid_section* grid;       /* control_points: columns * rows pairs */
   const int32_t* control_points_q29; /* in host order, instead of the former */
+  const rg_narrow_grid* narrow;      /* or of 16 bits, if not NULL */
   const rg_remap_section* remap;     /* NULL: none */
   const int16_t* residuals;          /* columns * rows pairs, host order */
   const rg_quality_section* quality; /* NULL: none */

@@ -37,6 +37,33 @@ static inline int32_t rg_multiply_high_add(int32_t sum, int32_t a, int32_t b) {
 #endif
 }
 
+/* sum + ((2^31 - a b) >> 32) */
+static inline int32_t rg_multiply_high_subtract(int32_t sum, int32_t a,
+                                                int32_t b) {
+#if RG_HAVE_SMMULR
+  int32_t result;
+  __asm__("smmlsr %0, %1, %2, %3" : "=r"(result) : "r"(a), "r"(b), "r"(sum));
+  return result;
+#elif RG_MULTIPLY_IN_PARTS
+  uint32_t low;
+  const int32_t high = rg_multiply_signed(a, b, &low);
+  return sum - high - (low > 0x80000000u);
+#else
+  return sum + (int32_t)((INT64_C(0x80000000) - (int64_t)a * b) >> 32);
+#endif
+}
+
+/* sum + ((a b) >> 16) */
+static inline int32_t rg_multiply_half_add(int32_t sum, int32_t a, int16_t b) {
+#if RG_HAVE_SMMULR
+  int32_t result;
+  __asm__("smlawb %0, %1, %2, %3" : "=r"(result) : "r"(a), "r"(b), "r"(sum));
+  return result;
+#else
+  return sum + (a >> 16) * b + (((a & 0xffff) * b) >> 16);
+#endif
+}
+
 /* (a b + 2^31) >> 32, unsigned */
 static inline uint32_t rg_multiply_high_unsigned(uint32_t a, uint32_t b) {
   uint32_t low;
@@ -79,6 +106,22 @@ static inline int32_t rg_upper_word(int64_t sum) {
 #define RG_NOINLINE
 #define RG_INLINE inline
 #endif
+
+/* In front of the loop over four rows, in which half of the instructions are:
+ * one after the other where a row is short. */
+#if RG_HAVE_SMMULR
+#define RG_UNROLL_ROWS _Pragma("GCC unroll 4")
+#else
+#define RG_UNROLL_ROWS
+#endif
+
+/* A value that is read where it is used: registers are scarce there. */
+static RG_INLINE int32_t rg_read_late(int32_t* value) {
+#if defined(__GNUC__)
+  __asm__("" : "+m"(*value));
+#endif
+  return *value;
+}
 
 /* |value|, 2^31 for the lowest. */
 static inline uint32_t rg_magnitude(int32_t value) {

@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-/* 1 / d in q30, relative error below 2e-9, for d_q32 from 2^31 on: d in
+/* 1 / d in q29, relative error below 4e-9, for d_q32 from 2^31 on: d in
  * [1/2, 1). */
 int32_t rg_reciprocal(uint32_t d_q32);
 

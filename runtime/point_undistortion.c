@@ -12,10 +12,10 @@
 
 /* focal x / z + center, with 1 / z = reciprocal 2^(doublings - 2); 0 if that
  * lies beyond the limit. */
-static int project_coordinate(int32_t x_q30, int32_t reciprocal_q30,
+static int project_coordinate(int32_t x_q30, int32_t reciprocal_q29,
                               int doublings, uint32_t focal_q16,
                               int32_t center_q16, int32_t* pixel_q16) {
-  const int32_t ratio_q28 = rg_multiply_high(x_q30, reciprocal_q30);
+  const int32_t ratio_q28 = 2 * rg_multiply_high(x_q30, reciprocal_q29);
   uint32_t low;
   const uint32_t high =
       rg_multiply_unsigned(rg_magnitude(ratio_q28), focal_q16, &low);
@@ -43,12 +43,12 @@ rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
   if (ray.z_q30 <= 0) return RG_ERR_NOT_SEEN;
   const int doublings = rg_leading_zeros((uint32_t)ray.z_q30);
   if (doublings > MAX_DOUBLINGS) return RG_ERR_NOT_SEEN;
-  const int32_t r_q30 = rg_reciprocal((uint32_t)ray.z_q30 << doublings);
+  const int32_t r_q29 = rg_reciprocal((uint32_t)ray.z_q30 << doublings);
   rg_pixel found;
-  if (!project_coordinate(ray.x_q30, r_q30, doublings,
+  if (!project_coordinate(ray.x_q30, r_q29, doublings,
                           rg_load_u32(section + 52), rg_load_i32(section + 60),
                           &found.x_q16) ||
-      !project_coordinate(ray.y_q30, r_q30, doublings,
+      !project_coordinate(ray.y_q30, r_q29, doublings,
                           rg_load_u32(section + 56), rg_load_i32(section + 64),
                           &found.y_q16))
     return RG_ERR_NOT_SEEN;

@@ -1,227 +1,208 @@
 /* Direction -> pixel: a start from the table or the middle of the area, then
- * Newton's method. */
+ * Newton's method on differences of the spline surface. Pairs are x, y. */
 #include "bytes.h"
 #include "fixed_point.h"
 #include "inverse.h"
 #include "surface.h"
 
-#define MAX_STEPS 12
+#define MAX_STEPS 24
+
+/* The derivative is a difference over half a pixel. */
+#define HALF_PIXEL_Q16 0x8000
+
+/* A derivative is kept for 2 px around where it was taken. */
+#define SHORT_DISTANCE_Q16 0x20000u
 
 /* A step below 1/16 px is the last where its product with the distance that the
- * derivative comes from is below 1/256 px^2: that times the surface's relative
+ * derivative comes from is below 1/32 px^2: that times the surface's relative
  * curvature is what remains. */
 #define LAST_STEP_Q16 4096u
-#define LAST_PRODUCT_Q24 65536u
-
-/* After a step below 2 px, the next one keeps the derivative. */
-#define SHORT_STEP_Q16 0x20000u
+#define LAST_PRODUCT_Q24 0x80000u
 
 /* Rounding may lead out of the area by this: 0.002 px. */
 #define EDGE_TOLERANCE_Q16 128
 
-#define STEP_LIMIT_Q16 ((INT32_C(1) << 30) - 1)
-
-/* value 2^exponent for |value| < 2^30, at most STEP_LIMIT_Q16 in magnitude. */
-static int32_t scale_step(int32_t value, int exponent) {
-  if (exponent < -30) return 0;
-  if (exponent < 0)
-    return (value + (INT32_C(1) << (-exponent - 1))) >> -exponent;
-  const int32_t limit = exponent > 30 ? 0 : STEP_LIMIT_Q16 >> exponent;
-  if (value > limit) return STEP_LIMIT_Q16;
-  if (value < -limit) return -STEP_LIMIT_Q16;
-  return (int32_t)((uint32_t)value << exponent);
+/* Scales values so that the largest magnitude is in [2^29, 2^30]; returns by
+ * which power of 2. */
+static int normalize(int32_t* values, int num_values) {
+  uint32_t bits = 1;
+  for (int k = 0; k < num_values; ++k)
+    bits |= (uint32_t)(values[k] ^ (values[k] >> 31));
+  const int shift = rg_leading_zeros(bits) - 1;
+  for (int k = 0; k < num_values; ++k)
+    values[k] = (int32_t)((uint32_t)values[k] << shift) >> 1;
+  return shift - 1;
 }
 
-/* Left shift that brings the largest magnitude to [2^29, 2^30). */
-static int normalizing_shift(uint32_t magnitudes) {
-  return rg_leading_zeros(magnitudes) - 2;
+/* a d - b c, by 2^-32 */
+static int32_t cross(int32_t a, int32_t b, int32_t c, int32_t d) {
+  return rg_multiply_high(a, d) - rg_multiply_high(b, c);
 }
 
-static int32_t shift_left(int32_t value, int shift) {
-  return shift >= 0 ? (int32_t)((uint32_t)value << shift) : value >> -shift;
-}
-
-/* The inverse of a derivative that was scaled to 30 bits: its adjugate, and the
- * reciprocal of its determinant. */
+/* The inverse of a derivative: by half a pixel in x, by half a pixel in y. */
 typedef struct inverse_map {
-  int32_t d00, d01, d10, d11;
-  int32_t reciprocal_q30; /* with the determinant's sign */
+  int32_t derivative[4];  /* normalized */
+  int32_t reciprocal_q29; /* of the determinant, with its sign */
   int exponent;
 } inverse_map;
 
 /* 0 if the derivative is singular. */
-static int invert(const int32_t derivative_q26[2][2], inverse_map* map) {
-  const uint32_t magnitude =
-      rg_magnitude(derivative_q26[0][0]) | rg_magnitude(derivative_q26[0][1]) |
-      rg_magnitude(derivative_q26[1][0]) | rg_magnitude(derivative_q26[1][1]);
-  if (magnitude == 0) return 0;
-  const int k = normalizing_shift(magnitude);
-  map->d00 = shift_left(derivative_q26[0][0], k);
-  map->d01 = shift_left(derivative_q26[0][1], k);
-  map->d10 = shift_left(derivative_q26[1][0], k);
-  map->d11 = shift_left(derivative_q26[1][1], k);
-  /* Each product below 2^28, their difference below 2^29. */
-  const int32_t determinant = rg_multiply_high(map->d00, map->d11) -
-                              rg_multiply_high(map->d01, map->d10);
+static int invert(inverse_map* map) {
+  int32_t* const d = map->derivative;
+  const int scale = normalize(d, 4);
+  const int32_t determinant = cross(d[0], d[1], d[2], d[3]);
   const uint32_t size = rg_magnitude(determinant);
   if (size < UINT32_C(1) << 18) return 0;
-  const int n = rg_leading_zeros(size);
-  const int32_t r_q30 = rg_reciprocal(size << n);
-  map->reciprocal_q30 = determinant < 0 ? -r_q30 : r_q30;
-  /* 1 / determinant = r 2^(n - 62), and the derivative was scaled by
-   * 2^(26 + k). */
-  map->exponent = n + k;
+  const int zeros = rg_leading_zeros(size);
+  const int32_t r_q29 = rg_reciprocal(size << zeros);
+  map->reciprocal_q29 = determinant < 0 ? -r_q29 : r_q29;
+  /* 1 / determinant = r 2^(zeros - 61). */
+  map->exponent = zeros + scale;
   return 1;
 }
 
-/* Solves derivative * step = error; returns the step's size. */
-static uint32_t find_step(const inverse_map* map, const int32_t error_q28[2],
-                          int32_t step_q16[2]) {
-  const uint32_t magnitude =
-      rg_magnitude(error_q28[0]) | rg_magnitude(error_q28[1]);
-  step_q16[0] = step_q16[1] = 0;
-  if (magnitude == 0) return 0;
-  const int m = normalizing_shift(magnitude);
-  const int32_t e0 = shift_left(error_q28[0], m);
-  const int32_t e1 = shift_left(error_q28[1], m);
-  const int32_t numerators[2] = {
-      rg_multiply_high(e0, map->d11) - rg_multiply_high(e1, map->d01),
-      rg_multiply_high(e1, map->d00) - rg_multiply_high(e0, map->d10)};
-  /* The error was scaled by 2^(28 + m), each product's upper word by 2^-32. */
-  for (int c = 0; c < 2; ++c)
-    step_q16[c] =
-        scale_step(rg_multiply_high(numerators[c], map->reciprocal_q30),
-                   map->exponent - m - 16);
-  const uint32_t x = rg_magnitude(step_q16[0]), y = rg_magnitude(step_q16[1]);
-  return x > y ? x : y;
-}
-
-static int32_t clamp(int32_t value, int32_t low, int32_t high) {
-  return value < low ? low : value > high ? high : value;
-}
-
-/* Moves the pixel, at most to the area's edge; returns by how much it would
- * have left the area. */
-static int32_t move_pixel(const rg_camera* camera, const int32_t step_q16[2],
-                          rg_pixel* pixel) {
-  const int32_t x = pixel->x_q16 + step_q16[0];
-  const int32_t y = pixel->y_q16 + step_q16[1];
-  pixel->x_q16 = clamp(x, camera->x0_q16, camera->x1_q16);
-  pixel->y_q16 = clamp(y, camera->y0_q16, camera->y1_q16);
-  const uint32_t beyond_x = rg_magnitude(x - pixel->x_q16);
-  const uint32_t beyond_y = rg_magnitude(y - pixel->y_q16);
-  return (int32_t)(beyond_x > beyond_y ? beyond_x : beyond_y);
-}
-
-/* From q1 corners, weights in q8 each: q17, then q16. */
-static int32_t blend(const int32_t corners_q1[4], int32_t tx, int32_t ty) {
-  const int32_t upper = corners_q1[0] * (256 - tx) + corners_q1[1] * tx;
-  const int32_t lower = corners_q1[2] * (256 - tx) + corners_q1[3] * tx;
-  return (upper * (256 - ty) + lower * ty) >> 1;
+/* Replaces an error by the step that solves derivative * step = error. A step
+ * too large for its format becomes shorter, in the same direction. */
+static void find_step(const inverse_map* map, int32_t pair[2]) {
+  const int32_t* const d = map->derivative;
+  const int scale = normalize(pair, 2);
+  int shift = 17 - map->exponent + scale;
+  if (shift < 0) shift = 0;
+  if (shift > 31) shift = 31;
+  const int32_t x = cross(pair[0], pair[1], d[2], d[3]);
+  const int32_t y = cross(d[0], d[1], pair[0], pair[1]);
+  /* Each upper word is below 2^27. */
+  pair[0] = 8 * rg_multiply_high(x, map->reciprocal_q29) >> shift;
+  pair[1] = 8 * rg_multiply_high(y, map->reciprocal_q29) >> shift;
 }
 
 /* The table's pixel for a chart position; 0 where it says that none is. */
 static int look_up_start(const uint8_t* section, const rg_chart_point* target,
-                         rg_pixel* pixel) {
+                         int32_t pixel_q16[2]) {
   rg_cell_position cells[2];
-  for (int c = 0; c < 2; ++c) {
-    const int32_t low_q28 = rg_load_i32(section + 4 * c);
-    if (target->q28[c] < low_q28 ||
-        target->q28[c] > rg_load_i32(section + 8 + 4 * c))
+  for (uint32_t c = 0; c < 2; ++c) {
+    rg_axis axis;
+    rg_read_axis(section, c, &axis);
+    if (!rg_find_on_axis(&axis, rg_load_u16(section + 16 + 2 * c) - 2u,
+                         2 * target->q27[c], &cells[c]))
       return 0;
-    cells[c] = rg_find_cell((uint32_t)target->q28[c] - (uint32_t)low_q28,
-                            rg_load_u32(section + 20 + 4 * c),
-                            rg_load_u16(section + 16 + 2 * c) - 1u);
   }
   const uint32_t columns = rg_load_u16(section + 16);
-  const uint8_t* vertex = section + rg_load_u32(section + 32) +
-                          4 * (cells[1].cell * columns + cells[0].cell);
-  int32_t x_q1[4], y_q1[4];
+  const uint8_t* const vertex = section + rg_load_u32(section + 32) +
+                                4 * (cells[1].cell * columns + cells[0].cell);
+  const int32_t tx = cells[0].t_q30 >> 22;
+  const int32_t ty = cells[1].t_q30 >> 22;
+  int32_t x_q17 = 0, y_q17 = 0;
   for (uint32_t k = 0; k < 4; ++k) {
-    const uint8_t* corner = vertex + 4 * ((k & 1) + (k >> 1) * columns);
-    x_q1[k] = rg_load_i16(corner);
-    y_q1[k] = rg_load_i16(corner + 2);
-    if (x_q1[k] == INT16_MIN) return 0;
+    const uint8_t* const corner = vertex + 4 * ((k & 1) + (k >> 1) * columns);
+    const int32_t weight_q16 =
+        (k & 1 ? tx : 256 - tx) * (k & 2 ? ty : 256 - ty);
+    if (rg_load_i16(corner) == INT16_MIN) return 0;
+    x_q17 += rg_load_i16(corner) * weight_q16;
+    y_q17 += rg_load_i16(corner + 2) * weight_q16;
   }
-  const int32_t tx = (int32_t)(cells[0].t_q32 >> 24);
-  const int32_t ty = (int32_t)(cells[1].t_q32 >> 24);
-  pixel->x_q16 = blend(x_q1, tx, ty);
-  pixel->y_q16 = blend(y_q1, tx, ty);
+  pixel_q16[0] = x_q17 >> 1;
+  pixel_q16[1] = y_q17 >> 1;
   return 1;
+}
+
+/* Puts one coordinate between the area's edges, margin away from the far one;
+ * returns by how much it was outside. */
+static RG_NOINLINE uint32_t clamp_to_axis(const rg_axis* axis,
+                                          int32_t margin_q16,
+                                          int32_t* value_q16) {
+  const int32_t before = *value_q16;
+  const int32_t high = axis->low + (int32_t)axis->span - margin_q16;
+  if (before < axis->low) *value_q16 = axis->low;
+  if (before > high) *value_q16 = high;
+  return rg_magnitude(before - *value_q16);
+}
+
+/* The surface at a pixel of the area, less the target. */
+static void find_error(const rg_camera* camera, const int32_t pixel_q16[2],
+                       const rg_chart_point* target, int32_t error_q27[2]) {
+  rg_place place;
+  rg_find_place(camera, pixel_q16[0], pixel_q16[1], &place);
+  error_q27[0] = place.position.q27[0] - target->q27[0];
+  error_q27[1] = place.position.q27[1] - target->q27[1];
+}
+
+/* The inverse derivative at a pixel half a pixel or more away from the area's
+ * far edges, of which the error is known; 0 if it is singular. */
+static int find_inverse(const rg_camera* camera, const rg_chart_point* target,
+                        int32_t pixel_q16[2], const int32_t error_q27[2],
+                        inverse_map* map) {
+  int32_t* by_axis = map->derivative;
+  for (uint32_t c = 0; c < 2; ++c, by_axis += 2) {
+    pixel_q16[c] += HALF_PIXEL_Q16;
+    find_error(camera, pixel_q16, target, by_axis);
+    pixel_q16[c] -= HALF_PIXEL_Q16;
+    by_axis[0] -= error_q27[0];
+    by_axis[1] -= error_q27[1];
+  }
+  return invert(map);
+}
+
+/* From a start to the solution. What remains after a step is about its size
+ * times the distance from where the derivative was taken, times the surface's
+ * relative curvature. */
+static int solve(const rg_camera* camera, const rg_chart_point* target,
+                 int32_t pixel_q16[2]) {
+  inverse_map map;
+  uint32_t distance_q16 = SHORT_DISTANCE_Q16;
+  for (int i = 0; i < MAX_STEPS; ++i) {
+    const int is_far = distance_q16 >= SHORT_DISTANCE_Q16;
+    int32_t pair[2]; /* the error in q27, then the step in q16 */
+    for (uint32_t c = 0; c < 2; ++c)
+      clamp_to_axis(&camera->axes[c], is_far ? HALF_PIXEL_Q16 : 0,
+                    &pixel_q16[c]);
+    find_error(camera, pixel_q16, target, pair);
+    if (is_far) {
+      if (!find_inverse(camera, target, pixel_q16, pair, &map)) return 0;
+      distance_q16 = HALF_PIXEL_Q16;
+    }
+    find_step(&map, pair);
+    uint32_t size_q16 = 0, beyond_q16 = 0, moved = 0;
+    for (uint32_t c = 0; c < 2; ++c) {
+      const int32_t before = pixel_q16[c];
+      pixel_q16[c] -= pair[c];
+      beyond_q16 |= clamp_to_axis(&camera->axes[c], 0, &pixel_q16[c]);
+      size_q16 |= rg_magnitude(pair[c]);
+      moved |= (uint32_t)(pixel_q16[c] ^ before);
+    }
+    distance_q16 += size_q16;
+    if (size_q16 < LAST_STEP_Q16 &&
+        (distance_q16 >> 8) * size_q16 <= LAST_PRODUCT_Q24)
+      return beyond_q16 < EDGE_TOLERANCE_Q16;
+    /* Stuck at the edge: the direction is seen beyond it, if at all. */
+    if (!moved) return 0;
+  }
+  return 0;
 }
 
 static int find_start(const rg_camera* camera, const rg_chart_point* target,
-                      rg_pixel* pixel) {
-  const int32_t stay[2] = {0, 0};
-  if (!camera->start) {
-    pixel->x_q16 = camera->x0_q16 + (camera->x1_q16 - camera->x0_q16) / 2;
-    pixel->y_q16 = camera->y0_q16 + (camera->y1_q16 - camera->y0_q16) / 2;
-    return 1;
-  }
-  if (!look_up_start(camera->blob + camera->start, target, pixel)) return 0;
-  move_pixel(camera, stay, pixel);
+                      int32_t pixel_q16[2]) {
+  if (camera->start)
+    return look_up_start(camera->blob + camera->start, target, pixel_q16);
+  for (uint32_t c = 0; c < 2; ++c)
+    pixel_q16[c] = camera->axes[c].low + (int32_t)(camera->axes[c].span >> 1);
   return 1;
-}
-
-static void subtract(const rg_chart_point* target,
-                     const rg_chart_point* position, int32_t error_q28[2]) {
-  error_q28[0] = target->q28[0] - position->q28[0];
-  error_q28[1] = target->q28[1] - position->q28[1];
-}
-
-/* How a step left things. */
-typedef enum progress { GOES_ON, FOUND, NOT_SEEN } progress;
-
-/* Takes the step. What remains then is about its size times the distance from
- * where the derivative was taken, times the surface's relative curvature. */
-static progress take_step(const rg_camera* camera, const int32_t step_q16[2],
-                          uint32_t size_q16, uint32_t distance_q16,
-                          rg_pixel* pixel) {
-  const rg_pixel before = *pixel;
-  const int32_t beyond_q16 = move_pixel(camera, step_q16, pixel);
-  if (size_q16 < LAST_STEP_Q16 &&
-      (distance_q16 >> 8) * size_q16 <= LAST_PRODUCT_Q24)
-    return beyond_q16 <= EDGE_TOLERANCE_Q16 ? FOUND : NOT_SEEN;
-  /* Stuck at the edge: the direction is seen beyond it, if at all. */
-  return pixel->x_q16 == before.x_q16 && pixel->y_q16 == before.y_q16 ? NOT_SEEN
-                                                                      : GOES_ON;
-}
-
-/* From a start in the area to the solution. After a short step, the next one
- * keeps the derivative. */
-static int solve(const rg_camera* camera, const rg_chart_point* target,
-                 rg_pixel* pixel) {
-  progress status = GOES_ON;
-  for (int i = 0; i < MAX_STEPS && status == GOES_ON; ++i) {
-    rg_tangent tangent;
-    inverse_map map;
-    int32_t error_q28[2], step_q16[2];
-    rg_surface_tangent(camera, *pixel, &tangent);
-    if (!invert(tangent.by_pixel_q26, &map)) return 0;
-    subtract(target, &tangent.position, error_q28);
-    const uint32_t first_q16 = find_step(&map, error_q28, step_q16);
-    status = take_step(camera, step_q16, first_q16, first_q16, pixel);
-    if (status != GOES_ON || first_q16 >= SHORT_STEP_Q16) continue;
-    rg_surface_position(camera, *pixel, &tangent.position);
-    subtract(target, &tangent.position, error_q28);
-    const uint32_t second_q16 = find_step(&map, error_q28, step_q16);
-    status = take_step(camera, step_q16, second_q16, first_q16, pixel);
-  }
-  return status == FOUND;
 }
 
 rg_status rg_project(const rg_camera* camera, const rg_ray* direction,
                      rg_pixel* pixel) {
   rg_chart_point target;
-  rg_pixel found;
+  int32_t found_q16[2];
   if (camera->line_points) return RG_ERR_NONCENTRAL;
   const int32_t limit_q30 = camera->start
                                 ? rg_load_i32(camera->blob + camera->start + 28)
                                 : -(INT32_C(1) << 30);
   if (!rg_chart_point_of(direction, limit_q30, &target) ||
-      !find_start(camera, &target, &found) || !solve(camera, &target, &found))
+      !find_start(camera, &target, found_q16) ||
+      !solve(camera, &target, found_q16))
     return RG_ERR_NOT_SEEN;
-  *pixel = found;
+  pixel->x_q16 = found_q16[0];
+  pixel->y_q16 = found_q16[1];
   return RG_OK;
 }
 

@@ -28,18 +28,24 @@ extern "C" {
 /* A whole number of pixels in q16. */
 #define RG_PIXEL(n) ((int32_t)((n)*65536))
 
+/* One axis of the calibrated area; x, then y. */
+typedef struct rg_axis {
+  int32_t low;    /* q16 px: the area's edge */
+  uint32_t span;  /* q16 px: to the other edge */
+  uint32_t scale; /* q32 cells per pixel */
+} rg_axis;
+
 /* An open camera: at most 64 bytes, owned by the caller, only read after
  * opening, so threads and interrupt handlers may share it. The fields are not
  * for use outside the library. */
 typedef struct rg_camera {
   const uint8_t* blob;
-  const uint8_t* control_points; /* i32 q29 pairs in the blob */
-  const uint8_t* remap;          /* the remap section in use, or NULL */
-  uint32_t start, line_points;   /* offsets of sections in the blob, or 0 */
-  int32_t x0_q16, y0_q16, x1_q16, y1_q16;
-  uint32_t scale_x_q32, scale_y_q32;
-  uint16_t columns, rows;
+  const uint8_t* control_points; /* of 32 bits, or NULL */
+  const uint8_t* remap;          /* the section in use, or NULL */
+  rg_axis axes[2];
+  uint16_t last_cell[2]; /* cells less 1 */
   uint16_t width, height;
+  uint32_t start, line_points; /* sections in the blob, or 0 */
 } rg_camera;
 
 typedef struct rg_pixel {
@@ -81,7 +87,7 @@ typedef struct rg_line {
 /* rg_unproject() for any camera: the line that an image position sees. The
  * point of a central camera is (0, 0, 0).
  *
- * line  point within 2e-8 m of the B-spline; written only when RG_OK is
+ * line  point within 5e-8 m of the B-spline; written only when RG_OK is
  *       returned. RG_ERR_OUTSIDE_AREA as above. */
 rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
                             rg_line* line);
@@ -102,7 +108,7 @@ uint32_t rg_unproject_batch(const rg_camera* camera, const rg_pixel* pixels,
 
 /* Turns a direction into the image position that sees it: rg_unproject() the
  * other way round, by Newton's method on the spline surface: two steps where
- * the blob has a projection start, more without one, never more than twelve.
+ * the blob has a projection start, more without one, never more than 24.
  *
  * direction  camera axes, any length but zero: also a 3-D point, in any unit
  *            and number format that its three coordinates share.

@@ -56,12 +56,12 @@ rg_status rg_mode_to_calibrated(const rg_mode* mode, rg_pixel pixel,
 /* (offset + 1/2) / scale - 1/2, or 0 where that does not fit. */
 static int scale_down(int32_t offset_q16, uint32_t scale_q16, int32_t* q16) {
   if (!is_within_limit(offset_q16)) return 0;
-  /* scale = D 2^(16 - zeros) with D in [1/2, 1); 1 / D in q30. */
+  /* scale = D 2^(16 - zeros) with D in [1/2, 1); 1 / D in q29. */
   const int zeros = rg_leading_zeros(scale_q16);
-  const int32_t r_q30 = rg_reciprocal(scale_q16 << zeros);
-  const int shift = 46 - zeros; /* 24 to 37 */
+  const int32_t r_q29 = rg_reciprocal(scale_q16 << zeros);
+  const int shift = 45 - zeros; /* 23 to 36 */
   const int32_t from_edge = offset_q16 + 0x8000;
-  const int32_t high_word = rg_multiply_high(from_edge, r_q30);
+  const int32_t high_word = rg_multiply_high(from_edge, r_q29);
   if (shift > 32) {
     *q16 = ((high_word + (1 << (shift - 33))) >> (shift - 32)) - 0x8000;
     return 1;
@@ -69,7 +69,7 @@ static int scale_down(int32_t offset_q16, uint32_t scale_q16, int32_t* q16) {
   const int32_t limit = LIMIT_Q16 >> (32 - shift);
   if (high_word >= limit || high_word <= -limit) return 0;
   *q16 =
-      (shift == 32 ? high_word : rg_multiply_shift(from_edge, r_q30, shift)) -
+      (shift == 32 ? high_word : rg_multiply_shift(from_edge, r_q29, shift)) -
       0x8000;
   return 1;
 }

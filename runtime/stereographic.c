@@ -3,87 +3,54 @@
 #include "fixed_point.h"
 #include "inverse.h"
 
-/* 1 / (1 + s) in q30, for s_q26 <= 2^31: 1 + s scaled to [1/2, 1). */
-static int32_t reciprocal_of_one_plus(uint32_t s_q26) {
-  const uint32_t sum_q26 = s_q26 + (UINT32_C(1) << 26);
-  const int doublings = rg_leading_zeros(sum_q26); /* at most 5 */
-  const int32_t r_q30 = rg_reciprocal(sum_q26 << doublings);
-  /* 1 / (1 + s) = r 2^(doublings - 6) */
-  const int shift = 6 - doublings;
-  return (int32_t)(((uint32_t)r_q30 + (UINT32_C(1) << (shift - 1))) >> shift);
+/* sqrt(s) in q29, for s_q28 from 2^26 to below 2^30: s in [1/4, 4). */
+static int32_t square_root(uint32_t s_q28) {
+  const int is_below_1 = s_q28 < UINT32_C(1) << 28;
+  const uint32_t u_q32 = s_q28 << (is_below_1 ? 4 : 2); /* s or s / 4 */
+  const int32_t root_q29 =
+      2 * rg_multiply_high((int32_t)(u_q32 >> 1), rg_inverse_root(u_q32));
+  return is_below_1 ? root_q29 : 2 * root_q29;
 }
 
-/* (2a, 2b, 1 - s) / (1 + s) with s = a^2 + b^2. */
-void rg_direction_of(const rg_chart_point* point, rg_ray* ray) {
-  const int32_t a_q29 = 2 * point->q28[0], b_q29 = 2 * point->q28[1];
-  const uint32_t s_q26 = (uint32_t)rg_multiply_high(a_q29, a_q29) +
-                         (uint32_t)rg_multiply_high(b_q29, b_q29);
-  const int32_t r_q30 = reciprocal_of_one_plus(s_q26);
-  ray->x_q30 = rg_multiply_shift(point->q28[0], r_q30, 27);
-  ray->y_q30 = rg_multiply_shift(point->q28[1], r_q30, 27);
-  ray->z_q30 = 2 * r_q30 - (INT32_C(1) << 30); /* (1 - s) r = 2r - 1 */
+/* All bits but the sign's that a value needs. */
+static uint32_t bits_of(int32_t value) {
+  return (uint32_t)(value ^ (value >> 31));
 }
 
-/* Shifts left so that magnitude's highest bit becomes bit 30. */
-static int32_t scale(int32_t value, int leading_zeros) {
-  return leading_zeros > 0 ? (int32_t)((uint32_t)value << (leading_zeros - 1))
-                           : value >> 1;
-}
-
-/* sqrt(s) in q30, for s_q30 from 2^28 on, that is s in [1/4, 4). */
-static uint32_t square_root(uint32_t s_q30) {
-  const int is_below_1 = s_q30 < UINT32_C(1) << 30;
-  const uint32_t u_q32 = is_below_1 ? s_q30 << 2 : s_q30; /* s or s / 4 */
-  uint32_t low;
-  const uint32_t high =
-      rg_multiply_unsigned(u_q32, (uint32_t)rg_inverse_root(u_q32), &low);
-  const uint32_t root_q30 = (high << 1) | (low >> 31); /* q61 >> 31 */
-  return is_below_1 ? root_q30 : 2 * root_q30;
-}
-
-/* x / d in q28 for |x| < 1; *overflow is set where that reaches 4.
- * d = sum_q30 / 2^30 = D 2^(2 - zeros) with D in [1/2, 1). */
-static int32_t divide(int32_t x_q31, int32_t reciprocal_q30, int zeros,
-                      int* overflow) {
-  const int32_t product_q29 = rg_multiply_high(x_q31, reciprocal_q30);
-  const int shift = zeros - 3; /* x / D in q29 to x / d in q28 */
-  if (shift < 0) return (product_q29 + (1 << (-shift - 1))) >> -shift;
-  const int32_t limit = (INT32_C(1) << 30) >> shift;
-  if (product_q29 >= limit || product_q29 <= -limit) *overflow = 1;
-  return (int32_t)((uint32_t)product_q29 << shift);
+/* value 2^exponent */
+static int32_t scale(int32_t value, int exponent) {
+  return exponent < 0 ? value >> -exponent
+                      : (int32_t)((uint32_t)value << exponent);
 }
 
 /* (x, y) / (n + z) with n the length. */
 int rg_chart_point_of(const rg_ray* direction, int32_t limit_q30,
                       rg_chart_point* point) {
-  const uint32_t magnitudes = rg_magnitude(direction->x_q30) |
-                              rg_magnitude(direction->y_q30) |
-                              rg_magnitude(direction->z_q30);
-  if (magnitudes == 0) return 0;
-  const int zeros = rg_leading_zeros(magnitudes);
-  const int32_t x_q31 = scale(direction->x_q30, zeros);
-  const int32_t y_q31 = scale(direction->y_q30, zeros);
-  const int32_t z_q31 = scale(direction->z_q30, zeros);
-  const int32_t z_square_q30 = rg_multiply_high(z_q31, z_q31);
-  const uint32_t square_q30 = (uint32_t)rg_multiply_high(x_q31, x_q31) +
-                              (uint32_t)rg_multiply_high(y_q31, y_q31) +
-                              (uint32_t)z_square_q30;
-  if (rg_product(z_q31 < 0 ? -z_square_q30 : z_square_q30, 1 << 29) <
-      rg_product(limit_q30, (int32_t)(square_q30 >> 1)))
+  const int32_t x = direction->x_q30, y = direction->y_q30;
+  const int32_t z = direction->z_q30;
+  if ((x | y | z) == 0) return 0;
+  /* Scaled so that the largest magnitude is in [1/2, 1]. */
+  const int shift =
+      rg_leading_zeros(bits_of(x) | bits_of(y) | bits_of(z) | 1) - 1;
+  const int32_t x_q30 = (int32_t)((uint32_t)x << shift) >> 1;
+  const int32_t y_q30 = (int32_t)((uint32_t)y << shift) >> 1;
+  const int32_t z_q30 = (int32_t)((uint32_t)z << shift) >> 1;
+  const int32_t z_square_q28 = rg_multiply_high(z_q30, z_q30);
+  const int32_t square_q28 = rg_multiply_high(x_q30, x_q30) +
+                             rg_multiply_high(y_q30, y_q30) + z_square_q28;
+  if ((z < 0 ? -z_square_q28 : z_square_q28) <
+      2 * rg_multiply_high(limit_q30, 2 * square_q28))
     return 0;
-  const uint32_t length_q30 = square_root(square_q30);
-  const int32_t z_q30 = z_q31 >> 1;
-  if (z_q30 < 0 && length_q30 <= rg_magnitude(z_q30)) return 0;
-  const uint32_t sum_q30 = length_q30 + (uint32_t)z_q30;
-  /* Within the chart, n + z >= 2n / 33. */
-  const int sum_zeros = rg_leading_zeros(sum_q30);
-  if (sum_zeros > 7) return 0;
-  const int32_t r_q30 = rg_reciprocal(sum_q30 << sum_zeros);
-  int overflow = 0;
-  const int32_t a_q28 = divide(x_q31, r_q30, sum_zeros, &overflow);
-  const int32_t b_q28 = divide(y_q31, r_q30, sum_zeros, &overflow);
-  if (overflow) return 0;
-  point->q28[0] = a_q28;
-  point->q28[1] = b_q28;
+  const int32_t sum_q29 = square_root((uint32_t)square_q28) + (z_q30 >> 1);
+  /* |a| and |b| below 4. */
+  if ((int32_t)(rg_magnitude(x_q30) >> 3) >= sum_q29 ||
+      (int32_t)(rg_magnitude(y_q30) >> 3) >= sum_q29)
+    return 0;
+  /* n + z = D 2^(3 - zeros) with D in [1/2, 1); 1 / D in q29. */
+  const int zeros = rg_leading_zeros((uint32_t)sum_q29); /* 1 to 8 */
+  const int32_t r_q29 = rg_reciprocal((uint32_t)sum_q29 << zeros);
+  /* x / (n + z) = x / D 2^(zeros - 3) */
+  point->q27[0] = scale(rg_multiply_high(x_q30, r_q29), zeros - 3);
+  point->q27[1] = scale(rg_multiply_high(y_q30, r_q29), zeros - 3);
   return 1;
 }

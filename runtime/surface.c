@@ -3,115 +3,99 @@
 #include "bspline.h"
 #include "bytes.h"
 #include "fixed_point.h"
+#include "rg_blob.h"
 
-/* The first coordinate of four control points that lie step bytes apart,
- * weighted: q31 more than theirs. */
-static RG_INLINE int64_t sum_row(const uint8_t* points, uint32_t step,
-                                 const int32_t weights_q31[4]) {
-  return rg_product(rg_load_i32(points), weights_q31[0]) +
-         rg_product(rg_load_i32(points + step), weights_q31[1]) +
-         rg_product(rg_load_i32(points + 2 * step), weights_q31[2]) +
-         rg_product(rg_load_i32(points + 3 * step), weights_q31[3]);
+/* A row of four control points, and the column of four rows. Each product is
+ * rounded, q29 to q28 and to q27. */
+static RG_INLINE void add_row(const uint8_t* points, const int32_t w_q31[4],
+                              int32_t row_weight_q31, int32_t sums_q27[2]) {
+  int32_t b, a = rg_load_i32_pair(points, &b);
+  int32_t row_a = rg_multiply_high(a, w_q31[0]);
+  int32_t row_b = rg_multiply_high(b, w_q31[0]);
+  a = rg_load_i32_pair(points + 8, &b);
+  row_a = rg_multiply_high_add(row_a, a, w_q31[1]);
+  row_b = rg_multiply_high_add(row_b, b, w_q31[1]);
+  a = rg_load_i32_pair(points + 16, &b);
+  row_a = rg_multiply_high_add(row_a, a, w_q31[2]);
+  row_b = rg_multiply_high_add(row_b, b, w_q31[2]);
+  a = rg_load_i32_pair(points + 24, &b);
+  row_a = rg_multiply_high_add(row_a, a, w_q31[3]);
+  row_b = rg_multiply_high_add(row_b, b, w_q31[3]);
+  sums_q27[0] = rg_multiply_high_add(sums_q27[0], row_a, row_weight_q31);
+  sums_q27[1] = rg_multiply_high_add(sums_q27[1], row_b, row_weight_q31);
 }
 
-/* Weights of a position on both axes. */
-typedef struct position_weights {
-  int32_t x_q31[4], y_q31[4];
-} position_weights;
-
-/* Returns the number of the first of the 16 control points around a pixel. */
-static uint32_t find_position(const rg_camera* camera, rg_pixel pixel,
-                              position_weights* weights) {
-  rg_cell_position cells[2];
-  rg_find_cells(camera, pixel, cells);
-  rg_bspline_weights(cells[0].t_q32, weights->x_q31);
-  rg_bspline_weights(cells[1].t_q32, weights->y_q31);
-  return cells[1].cell * camera->columns + cells[0].cell;
-}
-
-void rg_surface_position(const rg_camera* camera, rg_pixel pixel,
-                         rg_chart_point* position) {
-  position_weights weights;
-  const uint8_t* row =
-      camera->control_points + 8 * find_position(camera, pixel, &weights);
-  int32_t a_q28 = 0, b_q28 = 0;
-  for (int j = 0; j < 4; ++j, row += 8u * camera->columns) {
-    const int32_t row_a_q28 = rg_upper_word(sum_row(row, 8, weights.x_q31));
-    const int32_t row_b_q28 = rg_upper_word(sum_row(row + 4, 8, weights.x_q31));
-    a_q28 = rg_multiply_high_add(a_q28, 2 * row_a_q28, weights.y_q31[j]);
-    b_q28 = rg_multiply_high_add(b_q28, 2 * row_b_q28, weights.y_q31[j]);
+/* The B-spline of one coordinate of residuals of 16 bits, times 2^14. */
+static RG_NOINLINE int32_t sum_residuals(const uint8_t* residuals,
+                                         uint32_t row_bytes,
+                                         const rg_place* place) {
+  const int32_t* const w_q31 = place->x_weights_q31;
+  int32_t sum = 0;
+  for (int j = 0; j < 4; ++j, residuals += row_bytes) {
+    int32_t row = 0; /* times 2^15 */
+    row = rg_multiply_half_add(row, w_q31[0], rg_load_i16(residuals));
+    row = rg_multiply_half_add(row, w_q31[1], rg_load_i16(residuals + 4));
+    row = rg_multiply_half_add(row, w_q31[2], rg_load_i16(residuals + 8));
+    row = rg_multiply_half_add(row, w_q31[3], rg_load_i16(residuals + 12));
+    sum = rg_multiply_high_add(sum, row, place->y_weights_q31[j]);
   }
-  position->q28[0] = a_q28;
-  position->q28[1] = b_q28;
+  return sum;
 }
 
-void rg_surface_line_point(const rg_camera* camera, rg_pixel pixel,
-                           int32_t point_q28[3]) {
-  const uint8_t* const section = camera->blob + camera->line_points;
-  position_weights weights;
-  const uint8_t* points = section + rg_load_u32(section + 4) +
-                          12 * find_position(camera, pixel, &weights);
-  for (int c = 0; c < 3; ++c, points += 4) {
-    const uint8_t* row = points;
-    int32_t sum_q27 = 0;
-    for (int j = 0; j < 4; ++j, row += 12u * camera->columns)
-      sum_q27 = rg_multiply_high_add(
-          sum_q27, 2 * rg_upper_word(sum_row(row, 12, weights.x_q31)),
-          weights.y_q31[j]);
-    point_q28[c] = 2 * sum_q27;
+/* One coordinate of the plane. */
+static RG_INLINE int32_t evaluate_plane(const uint8_t* plane,
+                                        const rg_place* place) {
+  const int32_t column_step_q29 = rg_load_i32(plane + 8);
+  const int32_t row_step_q29 = rg_load_i32(plane + 16);
+  /* The B-spline of 0, 1, 2, 3 is 1 + t. */
+  const int32_t corner_q29 =
+      (int32_t)(rg_load_u32(plane) +
+                (place->x.cell + 1) * (uint32_t)column_step_q29 +
+                (place->y.cell + 1) * (uint32_t)row_step_q29);
+  const int32_t sum_q27 = rg_multiply_high_add((corner_q29 + 2) >> 2,
+                                               column_step_q29, place->x.t_q30);
+  return rg_multiply_high_add(sum_q27, row_step_q29, place->y.t_q30);
+}
+
+/* Control points of 16 bits. */
+static RG_NOINLINE int find_narrow_position(const rg_camera* camera,
+                                            rg_place* place) {
+  const uint8_t* const grid =
+      rg_find_section(camera->blob, RG_SECTION_CENTRAL_GRID, 0);
+  const uint8_t* plane = grid + rg_load_u32(grid + 32);
+  const uint8_t* residuals = plane + RG_NARROW_PLANE_SIZE + 4 * place->first;
+  const uint32_t row_bytes = 4 * (camera->last_cell[0] + 4u);
+  const int shift = rg_load_u16(grid + 30) - 13; /* to q27 */
+  for (int c = 0; c < 2; ++c, plane += 4, residuals += 2) {
+    const int32_t sum = sum_residuals(residuals, row_bytes, place);
+    place->position.q27[c] =
+        evaluate_plane(plane, place) + ((sum + (1 << (shift - 1))) >> shift);
   }
+  return 1;
 }
 
-/* Weights and slopes on both axes. */
-typedef struct tangent_weights {
-  int32_t wx_q31[4], wy_q31[4], sx_q31[4], sy_q31[4];
-} tangent_weights;
-
-/* One coordinate: its value in q28, its derivatives by x and y in q27 a cell.
- */
-static void sum_coordinate(const tangent_weights* weights,
-                           const uint8_t* points, uint32_t row_bytes,
-                           int32_t sums[3]) {
-  sums[0] = sums[1] = sums[2] = 0;
-  for (int j = 0; j < 4; ++j, points += row_bytes) {
-    /* Below 4, and below 6: the slopes' magnitudes sum to at most 3/2. */
-    const int32_t value_q28 =
-        rg_upper_word(sum_row(points, 8, weights->wx_q31));
-    const int32_t slope_q28 =
-        rg_upper_word(sum_row(points, 8, weights->sx_q31));
-    const int32_t weight_q31 = weights->wy_q31[j];
-    sums[0] = rg_multiply_high_add(sums[0], 2 * value_q28, weight_q31);
-    sums[1] = rg_multiply_high_add(sums[1], slope_q28, weight_q31);
-    sums[2] = rg_multiply_high_add(sums[2], value_q28, weights->sy_q31[j]);
-  }
-}
-
-/* Per cell in q27 to per pixel in q26. */
-static int32_t per_pixel(int32_t per_cell_q27, uint32_t scale_q32) {
-  return rg_multiply_high(per_cell_q27, (int32_t)(scale_q32 >> 1));
-}
-
-static const uint8_t* find_weights(const rg_camera* camera, rg_pixel pixel,
-                                   tangent_weights* weights) {
-  rg_cell_position cells[2];
-  rg_find_cells(camera, pixel, cells);
-  rg_bspline_weights(cells[0].t_q32, weights->wx_q31);
-  rg_bspline_weights(cells[1].t_q32, weights->wy_q31);
-  rg_bspline_slopes(cells[0].t_q32, weights->sx_q31);
-  rg_bspline_slopes(cells[1].t_q32, weights->sy_q31);
-  return camera->control_points +
-         8u * (cells[1].cell * camera->columns + cells[0].cell);
-}
-
-void rg_surface_tangent(const rg_camera* camera, rg_pixel pixel,
-                        rg_tangent* tangent) {
-  tangent_weights weights;
-  const uint8_t* const points = find_weights(camera, pixel, &weights);
-  for (int c = 0; c < 2; ++c) {
-    int32_t sums[3];
-    sum_coordinate(&weights, points + 4 * c, 8u * camera->columns, sums);
-    tangent->position.q28[c] = sums[0];
-    tangent->by_pixel_q26[c][0] = per_pixel(sums[1], camera->scale_x_q32);
-    tangent->by_pixel_q26[c][1] = per_pixel(sums[2], camera->scale_y_q32);
-  }
+int rg_find_place(const rg_camera* camera, int32_t x_q16, int32_t y_q16,
+                  rg_place* place) {
+  rg_cell_position x, y;
+  if (!rg_find_on_axis(&camera->axes[0], camera->last_cell[0], x_q16, &x) ||
+      !rg_find_on_axis(&camera->axes[1], camera->last_cell[1], y_q16, &y))
+    return 0;
+  place->x = x;
+  place->y = y;
+  rg_bspline_weights(y.t_q30, place->y_weights_q31);
+  rg_bspline_weights(x.t_q30, place->x_weights_q31);
+  const uint32_t columns = camera->last_cell[0] + 4u;
+  place->first = y.cell * columns + x.cell;
+  if (!camera->control_points) return find_narrow_position(camera, place);
+  const uint8_t* points = camera->control_points + 8 * place->first;
+  const uint32_t row_bytes = 8 * columns;
+  const int32_t* const x_weights = place->x_weights_q31;
+  int32_t* const y_weights = place->y_weights_q31;
+  int32_t sums_q27[2] = {0, 0};
+  RG_UNROLL_ROWS
+  for (int j = 0; j < 4; ++j, points += row_bytes)
+    add_row(points, x_weights, rg_read_late(y_weights + j), sums_q27);
+  place->position.q27[0] = sums_q27[0];
+  place->position.q27[1] = sums_q27[1];
+  return 1;
 }

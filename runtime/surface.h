@@ -1,63 +1,54 @@
-/* The spline surface over the calibrated area: chart position of a pixel, and
- * its derivative. */
+/* The spline surface over the calibrated area: the chart position of a pixel.
+ */
 #ifndef RAYGRID_SURFACE_H
 #define RAYGRID_SURFACE_H
 
+#include "bytes.h"
 #include "raygrid.h"
 #include "stereographic.h"
 #include "wide_multiply.h"
 
-/* A position on one axis of a grid: in which cell, and how far into it. */
+/* A position on one axis of a grid: in which cell, and how far into it, 1
+ * included. */
 typedef struct rg_cell_position {
   uint32_t cell;
-  uint32_t t_q32;
+  int32_t t_q30;
 } rg_cell_position;
 
-/* Offset times scale must be q48 cells; an offset beyond the last cell counts
- * as its far edge. */
-static inline rg_cell_position rg_find_cell(uint32_t offset, uint32_t scale,
-                                            uint32_t num_cells) {
+/* Reads axis 0 or 1 of a section that begins with two low ends, two high ends,
+ * two counts and two scales. */
+static inline void rg_read_axis(const uint8_t* section, uint32_t c,
+                                rg_axis* axis) {
+  axis->low = rg_load_i32(section + 4 * c);
+  axis->span = rg_load_u32(section + 8 + 4 * c) - (uint32_t)axis->low;
+  axis->scale = rg_load_u32(section + 20 + 4 * c);
+}
+
+/* 0 if value lies outside. */
+static inline int rg_find_on_axis(const rg_axis* axis, uint32_t last_cell,
+                                  int32_t value, rg_cell_position* position) {
+  const uint32_t offset = (uint32_t)value - (uint32_t)axis->low;
+  if (offset > axis->span) return 0;
   uint32_t low;
-  const uint32_t high = rg_multiply_unsigned(offset, scale, &low);
-  rg_cell_position position = {high >> 16, (high << 16) | (low >> 16)};
-  if (position.cell >= num_cells) {
-    position.cell = num_cells - 1;
-    position.t_q32 = 0xffffffffu;
-  }
-  return position;
+  const uint32_t high = rg_multiply_unsigned(offset, axis->scale, &low);
+  uint32_t cell = high >> 16;
+  if (cell > last_cell) cell = last_cell; /* the far edge */
+  const uint32_t t_q16 = high - (cell << 16);
+  position->cell = cell;
+  position->t_q30 = (int32_t)((t_q16 << 14) | (low >> 18));
+  return 1;
 }
 
-/* Where a pixel of the area lies in the grid, x then y. */
-static inline void rg_find_cells(const rg_camera* camera, rg_pixel pixel,
-                                 rg_cell_position cells[2]) {
-  cells[0] = rg_find_cell((uint32_t)(pixel.x_q16 - camera->x0_q16),
-                          camera->scale_x_q32, camera->columns - 3u);
-  cells[1] = rg_find_cell((uint32_t)(pixel.y_q16 - camera->y0_q16),
-                          camera->scale_y_q32, camera->rows - 3u);
-}
-
-static inline int rg_is_in_area(const rg_camera* camera, rg_pixel pixel) {
-  return pixel.x_q16 >= camera->x0_q16 && pixel.x_q16 <= camera->x1_q16 &&
-         pixel.y_q16 >= camera->y0_q16 && pixel.y_q16 <= camera->y1_q16;
-}
-
-/* Chart position of a pixel of the area. */
-void rg_surface_position(const rg_camera* camera, rg_pixel pixel,
-                         rg_chart_point* position);
-
-/* The line's point of a pixel of the area; the camera must have line points. */
-void rg_surface_line_point(const rg_camera* camera, rg_pixel pixel,
-                           int32_t point_q28[3]);
-
-/* by_pixel[i][j]: of chart coordinate i by pixel coordinate j, in q26 per
- * pixel. */
-typedef struct rg_tangent {
+/* Where a pixel of the area lies in the grid, and in the chart. */
+typedef struct rg_place {
   rg_chart_point position;
-  int32_t by_pixel_q26[2][2];
-} rg_tangent;
+  uint32_t first; /* of the 16 control points around it */
+  int32_t x_weights_q31[4], y_weights_q31[4];
+  rg_cell_position x, y; /* if control points have 16 bits */
+} rg_place;
 
-/* The same, and the derivative. */
-void rg_surface_tangent(const rg_camera* camera, rg_pixel pixel,
-                        rg_tangent* tangent);
+/* 0 if the pixel lies outside the area. */
+int rg_find_place(const rg_camera* camera, int32_t x_q16, int32_t y_q16,
+                  rg_place* place);
 
 #endif /* RAYGRID_SURFACE_H */

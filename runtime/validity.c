@@ -3,8 +3,18 @@
 #include "rg_blob.h"
 #include "surface.h"
 
+/* From the area's first pixel; 0 outside the area. */
+static int find_offset(const rg_camera* camera, rg_pixel pixel,
+                       uint32_t offset_q16[2]) {
+  offset_q16[0] = (uint32_t)pixel.x_q16 - (uint32_t)camera->axes[0].low;
+  offset_q16[1] = (uint32_t)pixel.y_q16 - (uint32_t)camera->axes[1].low;
+  return offset_q16[0] <= camera->axes[0].span &&
+         offset_q16[1] <= camera->axes[1].span;
+}
+
 int rg_is_valid(const rg_camera* camera, rg_pixel pixel) {
-  if (!rg_is_in_area(camera, pixel)) return 0;
+  uint32_t offset_q16[2];
+  if (!find_offset(camera, pixel, offset_q16)) return 0;
   const uint8_t* const section =
       rg_find_section(camera->blob, RG_SECTION_MASK, 0);
   if (!section) return 1;
@@ -27,18 +37,21 @@ rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
   const uint8_t* const section =
       rg_find_section(camera->blob, RG_SECTION_UNCERTAINTY, 0);
   if (!section) return RG_ERR_UNKNOWN;
-  if (!rg_is_in_area(camera, pixel)) return RG_ERR_OUTSIDE_AREA;
+  const int32_t pixels_q16[2] = {pixel.x_q16, pixel.y_q16};
   const uint32_t columns = rg_load_u16(section);
-  const rg_cell_position x =
-      rg_find_cell((uint32_t)(pixel.x_q16 - camera->x0_q16),
-                   rg_load_u32(section + 4), columns - 1);
-  const rg_cell_position y =
-      rg_find_cell((uint32_t)(pixel.y_q16 - camera->y0_q16),
-                   rg_load_u32(section + 8), rg_load_u16(section + 2) - 1u);
-  const uint8_t* const first =
-      section + rg_load_u32(section + 12) + 2 * (y.cell * columns + x.cell);
+  rg_cell_position cells[2];
+  for (uint32_t c = 0; c < 2; ++c) {
+    rg_axis axis = camera->axes[c];
+    axis.scale = rg_load_u32(section + 4 + 4 * c);
+    if (!rg_find_on_axis(&axis, rg_load_u16(section + 2 * c) - 2u,
+                         pixels_q16[c], &cells[c]))
+      return RG_ERR_OUTSIDE_AREA;
+  }
+  const uint8_t* const first = section + rg_load_u32(section + 12) +
+                               2 * (cells[1].cell * columns + cells[0].cell);
   /* Weights of 8 bits: a value below 2^16 and both weights fill 32 bits. */
-  const uint32_t tx_q8 = x.t_q32 >> 24, ty_q8 = y.t_q32 >> 24;
+  const uint32_t tx_q8 = (uint32_t)cells[0].t_q30 >> 22;
+  const uint32_t ty_q8 = (uint32_t)cells[1].t_q30 >> 22;
   uint32_t sum_q28 = 0x8000;
   for (uint32_t k = 0; k < 4; ++k) {
     const uint32_t value_q12 =

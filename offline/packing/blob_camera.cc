@@ -78,11 +78,14 @@ std::unique_ptr<CameraModel> BlobCamera::ToModel() const {
   const Area area = {grid.x0_q16 / 65536.0, grid.y0_q16 / 65536.0,
                      grid.x1_q16 / 65536.0, grid.y1_q16 / 65536.0};
   BSplineSurface surface(area, grid.columns, grid.rows);
-  for (int k = 0; k < surface.num_points(); ++k)
+  for (int k = 0; k < surface.num_points(); ++k) {
+    int32_t point_q29[2];
+    rg_blob_control_point(&blob_, k % grid.columns, k / grid.columns,
+                          point_q29);
     for (int c = 0; c < 2; ++c)
       surface.points()[k][c] =
-          std::ldexp(rg_load_i32(grid.control_points + 8 * k + 4 * c),
-                     -static_cast<int>(RG_CONTROL_POINT_BITS));
+          std::ldexp(point_q29[c], -static_cast<int>(RG_CONTROL_POINT_BITS));
+  }
   if (blob_.line_points == 0)
     return std::make_unique<CentralGeneric>(image_size(), std::move(surface));
   const uint8_t* const bytes = rg_blob_line_points(&blob_);

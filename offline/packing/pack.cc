@@ -105,6 +105,66 @@ GridSection QuantizeGrid(const CentralGeneric& camera) {
   return grid;
 }
 
+// A grid's control points as a plane and residuals of 16 bits.
+struct NarrowGrid {
+  rg_narrow_grid section = {};
+  std::vector<int16_t> residuals;
+};
+
+// The plane between opposite edges' means, of one coordinate.
+void FitPlane(const GridSection& grid, int c, rg_narrow_grid* narrow) {
+  const int right = grid.section.columns - 1, bottom = grid.section.rows - 1;
+  const auto mean = [&](int i0, int i1, int j0, int j1) {
+    double sum = 0;
+    for (int j = j0; j <= j1; ++j)
+      for (int i = i0; i <= i1; ++i)
+        sum += grid.control_points[2 * (j * (right + 1) + i) + c];
+    return sum / ((i1 - i0 + 1) * (j1 - j0 + 1));
+  };
+  const double across =
+      (mean(right, right, 0, bottom) - mean(0, 0, 0, bottom)) / right;
+  const double down =
+      (mean(0, right, bottom, bottom) - mean(0, right, 0, 0)) / bottom;
+  const double middle = mean(0, right, 0, bottom);
+  narrow->column_step_q29[c] = static_cast<int32_t>(std::lround(across));
+  narrow->row_step_q29[c] = static_cast<int32_t>(std::lround(down));
+  narrow->origin_q29[c] = static_cast<int32_t>(
+      std::lround(middle - across * right / 2 - down * bottom / 2));
+}
+
+// What control points have beyond their plane.
+std::vector<int64_t> BeyondPlane(const GridSection& grid,
+                                 const rg_narrow_grid& plane) {
+  std::vector<int64_t> beyond;
+  for (size_t k = 0; k < grid.control_points.size(); ++k) {
+    const int64_t i = k / 2 % grid.section.columns;
+    const int64_t j = k / 2 / grid.section.columns;
+    beyond.push_back(grid.control_points[k] - plane.origin_q29[k % 2] -
+                     i * plane.column_step_q29[k % 2] -
+                     j * plane.row_step_q29[k % 2]);
+  }
+  return beyond;
+}
+
+// With as many fraction bits as fit; nothing where 16 bits do not reach.
+std::optional<NarrowGrid> Narrow(const GridSection& grid) {
+  NarrowGrid narrow;
+  for (int c = 0; c < 2; ++c) FitPlane(grid, c, &narrow.section);
+  const std::vector<int64_t> beyond = BeyondPlane(grid, narrow.section);
+  int64_t largest = 0;
+  for (const int64_t value : beyond)
+    largest = std::max(largest, std::abs(value));
+  int shift = RG_CONTROL_POINT_BITS - RG_NARROW_MAX_BITS;
+  while (largest >= int64_t{32767} << shift) ++shift;
+  if (shift > static_cast<int>(RG_CONTROL_POINT_BITS - RG_NARROW_MIN_BITS))
+    return std::nullopt;
+  narrow.section.fraction_bits = RG_CONTROL_POINT_BITS - shift;
+  for (const int64_t value : beyond)
+    narrow.residuals.push_back(
+        static_cast<int16_t>((value + (int64_t{1} << (shift - 1))) >> shift));
+  return narrow;
+}
+
 // The points of a camera's lines, fitted anew if the grid is another one.
 std::vector<int32_t> QuantizeLinePoints(const NonCentralGeneric& camera,
                                         const BSplineSurface& grid) {
@@ -209,14 +269,21 @@ struct UnprojectionError {
 UnprojectionError MeasureUnprojection(const CameraModel& camera,
                                       const rg_camera& packed,
                                       int num_threads) {
-  const int first_row = static_cast<int>(std::ceil(packed.y0_q16 / 65536.0));
-  const int last_row = static_cast<int>(std::floor(packed.y1_q16 / 65536.0));
+  const auto first_of = [](const rg_axis& axis) {
+    return static_cast<int>(std::ceil(axis.low / 65536.0));
+  };
+  const auto last_of = [](const rg_axis& axis) {
+    return static_cast<int>(
+        std::floor((axis.low + static_cast<double>(axis.span)) / 65536.0));
+  };
+  const int first_row = first_of(packed.axes[1]);
+  const int last_row = last_of(packed.axes[1]);
   const int num_rows = last_row - first_row + 1;
   std::vector<UnprojectionError> worst(std::max(num_rows, 0));
   ParallelFor(num_rows, num_threads, [&](int row) {
     const int y = first_row + row;
-    const int first = static_cast<int>(std::ceil(packed.x0_q16 / 65536.0));
-    const int last = static_cast<int>(std::floor(packed.x1_q16 / 65536.0));
+    const int first = first_of(packed.axes[0]);
+    const int last = last_of(packed.axes[0]);
     for (int x = first; x <= last; ++x) {
       const Eigen::Vector2d pixel(x, y);
       const auto exact = camera.Unproject(pixel);
@@ -238,6 +305,13 @@ UnprojectionError MeasureUnprojection(const CameraModel& camera,
     total.rad = std::max(total.rad, error.rad);
   }
   return total;
+}
+
+// Whether the format holds the contents with these control points.
+bool IsWritable(const rg_blob_contents& contents) {
+  std::vector<uint32_t> words((rg_blob_size(&contents) + 3) / 4);
+  return rg_blob_write(&contents, words.data(),
+                       static_cast<uint32_t>(4 * words.size())) == RG_OK;
 }
 
 std::string WriteBlob(const rg_blob_contents& contents) {
@@ -307,9 +381,21 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
     packed.block_size = 1 << remap.section.block_log2;
   }
 
-  // Once to measure, once more with the figures.
-  const UnprojectionError error = MeasureBlob(central, WriteBlob(contents),
-                                              NumThreads(options.num_threads));
+  // Once to measure, once more with the figures. Control points of 16 bits
+  // where they keep the bound.
+  const int num_threads = NumThreads(options.num_threads);
+  std::optional<NarrowGrid> narrow = Narrow(grid);
+  UnprojectionError error = {INFINITY, INFINITY};
+  if (narrow) {
+    narrow->section.residuals = narrow->residuals.data();
+    contents.narrow = &narrow->section;
+    if (IsWritable(contents))
+      error = MeasureBlob(central, WriteBlob(contents), num_threads);
+  }
+  if (!(error.px <= kMaxPackingErrorPx && error.rad <= kMaxNarrowErrorRad)) {
+    contents.narrow = nullptr;
+    error = MeasureBlob(central, WriteBlob(contents), num_threads);
+  }
   packed.unproject_error_px = error.px;
   packed.unproject_error_rad = error.rad;
   if (error.px > kMaxPackingErrorPx)

@@ -34,6 +34,8 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options);
 
 /// Un-projection error that a blob may add.
 constexpr double kMaxPackingErrorPx = 0.002;
+/// And one with control points of 16 bits.
+constexpr double kMaxNarrowErrorRad = 1e-6;
 
 }  // namespace raygrid
 

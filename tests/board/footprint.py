@@ -71,16 +71,39 @@ def undefined_symbols(compiler, path):
     return [line.split()[-1] for line in output.splitlines() if line.strip()]
 
 
-def read_call_graph(objects):
-    """Stack bytes of each function, and the functions that it calls."""
+def find_jumps(compiler, path):
+    """Calls of an object that are always jumps, as (function, function): the caller's stack is
+    free by then. Known from relocations of Arm; none on other cores."""
+    output = subprocess.run([tool(compiler, "objdump"), "-dr", path], check=True,
+                            capture_output=True, text=True).stdout
+    jumps, calls, caller = set(), set(), ""
+    for line in output.splitlines():
+        title = re.match(r"[0-9a-f]+ <(\w+)>:", line)
+        target = re.search(r"R_ARM_THM_(JUMP24|CALL)\s+(?:\.text\.)?(\w+)", line)
+        caller = title.group(1) if title else caller
+        if target:
+            (jumps if target.group(1) == "JUMP24" else calls).add((caller, target.group(2)))
+    return jumps - calls
+
+
+def name_of(title):
+    """A function's name; the graph has a file before that of a static one."""
+    return title.rsplit(":", 1)[-1]
+
+
+def read_call_graph(compiler, objects):
+    """Stack bytes of each function, and the functions that it calls. Those that it jumps to when
+    it is done need no stack beside its own."""
     stack, calls = {}, {}
     for path in objects:
+        jumps = find_jumps(compiler, path)
         with open(os.path.splitext(path)[0] + ".ci", encoding="utf-8") as file:
             text = file.read()
         for title, size in re.findall(r'node: { title: "([^"]+)" label: "[^"]*?(\d+) bytes', text):
             stack[title] = int(size)
         for source, target in re.findall(r'sourcename: "([^"]+)" targetname: "([^"]+)"', text):
-            calls.setdefault(source, set()).add(target)
+            is_jump = (name_of(source), name_of(target)) in jumps
+            calls.setdefault(source, set()).add((target, is_jump))
     return stack, calls
 
 
@@ -88,8 +111,10 @@ def deepest(function, stack, calls, path=()):
     """Stack of the deepest path from a function."""
     if function in path:
         sys.exit(f"footprint: {function} calls itself")
-    below = [deepest(callee, stack, calls, path + (function,)) for callee in calls.get(function, ())]
-    return stack.get(function, 0) + max(below, default=0)
+    own = stack.get(function, 0)
+    below = [deepest(callee, stack, calls, path + (function,)) + (0 if is_jump else own)
+             for callee, is_jump in calls.get(function, ())]
+    return max(below, default=own)
 
 
 def measure_text(arguments, objects, roots):
@@ -110,7 +135,7 @@ def measure_sizes(arguments):
     """Figures of the README's row of sizes."""
     objects = board_objects(arguments.formats + arguments.runtime)
     texts = [measure_text(arguments, objects, roots) for roots in SETS.values()]
-    stack, calls = read_call_graph(objects)
+    stack, calls = read_call_graph(arguments.compiler, objects)
     missing = [entry for entry in EVERYTHING if entry not in stack]
     if missing:
         sys.exit(f"footprint: no call graph for {missing}")

@@ -44,7 +44,7 @@ static uint32_t read_clock(void) {
 #define HEIGHT 48u
 #define REPEATS 16u
 
-static rg_camera lens, wide, inner;
+static rg_camera lens, narrow, lines, wide, inner;
 static rg_pixel pixels[NUM_POINTS], wide_pixels[NUM_POINTS], points[NUM_POINTS];
 static rg_ray rays[NUM_POINTS], outside[NUM_POINTS];
 static uint8_t source[WIDTH * HEIGHT * 4] __attribute__((aligned(4)));
@@ -103,13 +103,51 @@ static void open_inner(void) {
     rg_camera_open(&inner, bytes, sizeof(bytes));
 }
 
-static void measure_points(void) {
-  uint32_t begin = read_clock();
-  for (uint32_t k = 0; k < NUM_POINTS * REPEATS; ++k)
-    rg_unproject(&lens, pixels[k % NUM_POINTS], &rays[k % NUM_POINTS]);
-  print_cost("unproject", read_clock() - begin, NUM_POINTS * REPEATS);
+/* What un-projects a pixel. */
+typedef rg_status (*unprojection)(const rg_camera* camera, rg_pixel pixel,
+                                  rg_ray* ray);
 
-  begin = read_clock();
+static rg_status do_nothing(const rg_camera* camera, rg_pixel pixel,
+                            rg_ray* ray) {
+  (void)camera, (void)pixel, (void)ray;
+  return RG_OK;
+}
+
+/* Ticks of the calls and of the loop around them. */
+static uint32_t time_unprojection(const rg_camera* camera,
+                                  const rg_pixel* positions,
+                                  unprojection call) {
+  const unprojection volatile opaque = call;
+  const unprojection unproject = opaque;
+  const uint32_t begin = read_clock();
+  for (uint32_t k = 0; k < NUM_POINTS * REPEATS; ++k)
+    unproject(camera, positions[k % NUM_POINTS], &rays[k % NUM_POINTS]);
+  return read_clock() - begin;
+}
+
+/* Without the loop's cost: that of a loop that calls an empty function. */
+static void measure_unprojection(const char* name, const rg_camera* camera,
+                                 const rg_pixel* positions, unprojection call) {
+  const uint32_t loop = time_unprojection(camera, positions, do_nothing);
+  const uint32_t ticks = time_unprojection(camera, positions, call);
+  print_cost(name, ticks - loop, NUM_POINTS * REPEATS);
+}
+
+static rg_status unproject_line(const rg_camera* camera, rg_pixel pixel,
+                                rg_ray* ray) {
+  static rg_line line;
+  (void)ray;
+  return rg_unproject_line(camera, pixel, &line);
+}
+
+static void measure_points(void) {
+  static rg_pixel line_pixels[NUM_POINTS];
+  make_pixels(&lines, line_pixels);
+  measure_unprojection("unproject", &lens, pixels, rg_unproject);
+  measure_unprojection("unproject_narrow", &narrow, pixels, rg_unproject);
+  measure_unprojection("unproject_line", &lines, line_pixels, unproject_line);
+
+  uint32_t begin = read_clock();
   for (uint32_t k = 0; k < NUM_POINTS * REPEATS; ++k)
     rg_undistort_point(&lens, pixels[k % NUM_POINTS], &points[k % NUM_POINTS]);
   print_cost("undistort_point", read_clock() - begin, NUM_POINTS * REPEATS);
@@ -167,6 +205,8 @@ static void measure_remaps(void) {
 
 int main(void) {
   if (rg_camera_open(&lens, kLensBlob, sizeof(kLensBlob)) != RG_OK ||
+      rg_camera_open(&narrow, kNarrowBlob, sizeof(kNarrowBlob)) != RG_OK ||
+      rg_camera_open(&lines, kLinesBlob, sizeof(kLinesBlob)) != RG_OK ||
       rg_camera_open(&wide, kWideBlob, sizeof(kWideBlob)) != RG_OK)
     return 1;
   open_inner();

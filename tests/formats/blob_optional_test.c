@@ -10,8 +10,8 @@
 
 static uint8_t edited[sizeof(kWideBlob)] __attribute__((aligned(16)));
 
-/* A value of a field of the section of that type: in kLinesBlob for line
- * points, otherwise in kWideBlob. */
+/* A value of a field of the section of that type: in kNarrowBlob for the grid,
+ * in kLinesBlob for line points, otherwise in kWideBlob. */
 typedef struct field_value {
   const char* what;
   uint32_t type, offset, num_bytes, value;
@@ -39,6 +39,16 @@ static const field_value kValues[] = {
      RG_ERR_SECTION_SIZE},
     {"any vertex", 9, 36, 4, 0x80008000, RG_OK},
 
+    {"residuals in q13", 2, 30, 2, 13, RG_ERR_GRID_CHART},
+    {"residuals in q30", 2, 30, 2, 30, RG_ERR_GRID_CHART},
+    {"wide control points in a narrow grid", 2, 30, 2, 29, RG_ERR_SECTION_SIZE},
+    {"residuals end too late", 2, 32, 4, 44, RG_ERR_SECTION_SIZE},
+    {"origin too far right", 2, 40, 4, 0x7f000000, RG_ERR_CONTROL_POINT},
+    {"origin too far up", 2, 44, 4, 0x81000000, RG_ERR_CONTROL_POINT},
+    {"columns lead too far", 2, 48, 4, 0x10000000, RG_ERR_CONTROL_POINT},
+    {"rows lead too far", 2, 60, 4, 0x80000000, RG_ERR_CONTROL_POINT},
+    {"largest residual", 2, 64, 2, 0x7fff, RG_OK},
+
     {"points in q29", 5, 0, 2, 29, RG_ERR_LINE_POINT},
     {"reserved field of the points", 5, 2, 2, 1, RG_ERR_RESERVED},
     {"points in the fields", 5, 4, 4, 4, RG_ERR_DATA_OFFSET},
@@ -56,8 +66,6 @@ static const field_value kValues[] = {
     {"second reserved field of the mask", 6, 6, 2, 256, RG_ERR_RESERVED},
     {"bits in the fields", 6, 8, 4, 8, RG_ERR_DATA_OFFSET},
     {"bits end too late", 6, 8, 4, 16, RG_ERR_SECTION_SIZE},
-    {"first padding bit", 6, 22, 1, 1, RG_ERR_RESERVED},
-    {"last padding bit", 6, 23, 1, 128, RG_ERR_RESERVED},
     {"no valid cell", 6, 12, 4, 0, RG_OK},
 
     {"one column of uncertainties", 7, 0, 2, 1, RG_ERR_UNCERTAINTY},
@@ -66,17 +74,19 @@ static const field_value kValues[] = {
     {"rows against the scale", 7, 8, 4, 1, RG_ERR_UNCERTAINTY},
     {"values in the fields", 7, 12, 4, 12, RG_ERR_DATA_OFFSET},
     {"values end too late", 7, 12, 4, 20, RG_ERR_SECTION_SIZE},
-    {"padding of the values", 7, 46, 2, 1, RG_ERR_RESERVED},
     {"largest value", 7, 16, 2, 65534, RG_OK},
 };
 
 static const uint8_t* blob_with(uint32_t type) {
-  return type == RG_SECTION_LINE_POINTS ? kLinesBlob : kWideBlob;
+  return type == RG_SECTION_LINE_POINTS    ? kLinesBlob
+         : type == RG_SECTION_CENTRAL_GRID ? kNarrowBlob
+                                           : kWideBlob;
 }
 
 static uint32_t size_of_blob_with(uint32_t type) {
-  return type == RG_SECTION_LINE_POINTS ? sizeof(kLinesBlob)
-                                        : sizeof(kWideBlob);
+  return type == RG_SECTION_LINE_POINTS    ? sizeof(kLinesBlob)
+         : type == RG_SECTION_CENTRAL_GRID ? sizeof(kNarrowBlob)
+                                           : sizeof(kWideBlob);
 }
 
 static uint32_t entry_of_type(uint32_t type) {
@@ -151,6 +161,30 @@ static void short_sections_are_refused(void** state) {
   }
 }
 
+static void narrow_grid_is_read(void** state) {
+  (void)state;
+  rg_blob blob;
+  assert_int_equal(rg_blob_open(kNarrowBlob, sizeof(kNarrowBlob), &blob),
+                   RG_OK);
+  rg_grid_section grid;
+  rg_blob_grid(&blob, &grid);
+  const uint8_t* const data = grid.control_points;
+  const uint32_t bits = rg_load_u16(kNarrowBlob + blob.grid + 30);
+  assert_in_range(bits, RG_NARROW_MIN_BITS, RG_NARROW_MAX_BITS);
+  for (uint32_t k = 0; k < (uint32_t)grid.columns * grid.rows; ++k) {
+    int32_t point_q29[2];
+    rg_blob_control_point(&blob, k % grid.columns, k / grid.columns, point_q29);
+    for (uint32_t c = 0; c < 2; ++c) {
+      const int64_t expected =
+          rg_load_i32(data + 4 * c) +
+          (int64_t)(k % grid.columns) * rg_load_i32(data + 8 + 4 * c) +
+          (int64_t)(k / grid.columns) * rg_load_i32(data + 16 + 4 * c) +
+          rg_load_i16(data + 24 + 4 * k + 2 * c) * (INT64_C(1) << (29 - bits));
+      assert_true(point_q29[c] == expected);
+    }
+  }
+}
+
 static void start_is_read(void** state) {
   (void)state;
   rg_blob blob;
@@ -219,6 +253,7 @@ int main(void) {
       cmocka_unit_test(only_line_points_are_critical),
       cmocka_unit_test(sections_stand_once),
       cmocka_unit_test(short_sections_are_refused),
+      cmocka_unit_test(narrow_grid_is_read),
       cmocka_unit_test(start_is_read),
       cmocka_unit_test(mask_and_uncertainty_are_read),
       cmocka_unit_test(line_points_before_a_short_grid_are_refused),

@@ -103,6 +103,37 @@ static void take_apart(const uint8_t* bytes, uint32_t size) {
   if (second) take_second_remap(second);
 }
 
+static void narrow_grid_is_written_byte_for_byte(void** state) {
+  (void)state;
+  static int16_t residuals[sizeof(kNarrowBlob) / 2];
+  rg_blob blob;
+  assert_int_equal(rg_blob_open(kNarrowBlob, sizeof(kNarrowBlob), &blob),
+                   RG_OK);
+  rg_camera_section camera;
+  rg_grid_section grid;
+  rg_blob_camera(&blob, &camera);
+  rg_blob_grid(&blob, &grid);
+  const uint8_t* const data = grid.control_points;
+  rg_narrow_grid narrow = {
+      .fraction_bits = rg_load_u16(kNarrowBlob + blob.grid + 30),
+      .residuals = residuals};
+  for (uint32_t c = 0; c < 2; ++c) {
+    narrow.origin_q29[c] = rg_load_i32(data + 4 * c);
+    narrow.column_step_q29[c] = rg_load_i32(data + 8 + 4 * c);
+    narrow.row_step_q29[c] = rg_load_i32(data + 16 + 4 * c);
+  }
+  for (uint32_t i = 0; i < 2u * grid.columns * grid.rows; ++i)
+    residuals[i] = rg_load_i16(data + RG_NARROW_PLANE_SIZE + 2 * i);
+  const rg_blob_contents contents = {
+      .camera = &camera, .grid = &grid, .narrow = &narrow};
+  assert_int_equal(rg_blob_size(&contents), sizeof(kNarrowBlob));
+  assert_int_equal(rg_blob_write(&contents, written, sizeof(written)), RG_OK);
+  assert_memory_equal(written, kNarrowBlob, sizeof(kNarrowBlob));
+  narrow.residuals = NULL;
+  assert_int_equal(rg_blob_write(&contents, written, sizeof(written)),
+                   RG_ERR_ARGUMENT);
+}
+
 static int take_example_apart(void** state) {
   (void)state;
   take_apart(kExampleBlob, SIZE);
@@ -308,10 +339,14 @@ static void unusable_remap_values_are_refused(void** state) {
   take_example_apart(state);
   parts.remap.origin_y_q12 = 1 << 25;
   assert_int_equal(write_parts(), RG_ERR_REMAP_VERTEX);
-  take_example_apart(state);
-  static const uint8_t padded_with_a_one[4] = {0, 0, 1, 0};
-  parts.remap.empty_blocks = padded_with_a_one;
-  assert_int_equal(write_parts(), RG_ERR_RESERVED);
+}
+
+static void padding_bits_are_written_zero(void** state) {
+  (void)state;
+  static const uint8_t padded_with_ones[4] = {0xfc, 0xff, 0xff, 0xff};
+  parts.remap.empty_blocks = padded_with_ones;
+  assert_int_equal(write_parts(), RG_OK);
+  assert_memory_equal(written, kExampleBlob, sizeof(kExampleBlob));
 }
 
 static void grid_scale_is_rounded_down(void** state) {
@@ -328,6 +363,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       TEST(example_is_written_byte_for_byte),
       TEST(lens_is_written_byte_for_byte),
+      TEST(narrow_grid_is_written_byte_for_byte),
       TEST(wide_camera_is_written_byte_for_byte),
       TEST(lines_are_written_byte_for_byte),
       TEST(missing_arrays_are_refused),
@@ -346,6 +382,7 @@ int main(void) {
       TEST(control_point_beyond_the_limit_is_refused),
       TEST(unusable_remap_is_refused),
       TEST(unusable_remap_values_are_refused),
+      TEST(padding_bits_are_written_zero),
       TEST(grid_scale_is_rounded_down),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -314,6 +314,35 @@ def make_lines(example: reference.Blob) -> reference.Blob:
     return dataclasses.replace(example, remap=None, quality=None, line_points=tuple(points))
 
 
+def make_narrow(lens: reference.Blob) -> reference.Blob:
+    """The lens's camera with control points of 16 bits."""
+    grid = lens.grid
+    fits = [narrow_fit(grid, axis) for axis in (0, 1)]
+    plane = tuple(fits[axis][k] for k in range(3) for axis in (0, 1))
+    planes = list(reference.plane_points(grid, plane))
+    left = [tuple(point[axis] - base[axis] for axis in (0, 1))
+            for point, base in zip(grid.control_points, planes)]
+    largest = max(abs(value) for pair in left for value in pair)
+    fraction_bits = max(bits for bits in reference.NARROW_FRACTION_BITS
+                        if largest < 32767 << 29 - bits)
+    unit = 1 << 29 - fraction_bits
+    points = tuple(tuple(base[axis] + round(pair[axis] / unit) * unit for axis in (0, 1))
+                   for pair, base in zip(left, planes))
+    return reference.Blob(lens.camera, dataclasses.replace(
+        grid, control_points=points, fraction_bits=fraction_bits, plane=plane))
+
+
+def narrow_fit(grid: reference.CentralGrid, axis: int) -> tuple[int, int, int]:
+    """Origin, column step and row step of one coordinate, from edge to edge."""
+    values = [point[axis] for point in grid.control_points]
+    columns, rows = grid.columns, grid.rows
+    across = round((sum(values[columns - 1::columns]) - sum(values[::columns]))
+                   / rows / (columns - 1))
+    down = round((sum(values[-columns:]) - sum(values[:columns])) / columns / (rows - 1))
+    plane = [i * across + j * down for j in range(rows) for i in range(columns)]
+    return round((sum(values) - sum(plane)) / len(values)), across, down
+
+
 def line_lines(blob: reference.Blob) -> Iterator[str]:
     """Entries of a table of pixels and their lines' points, q28."""
     for x, y in golden_pixels(blob.grid)[:40]:
@@ -681,6 +710,13 @@ def header_lines(example: reference.Blob, lens: reference.Blob,
     yield "/* q16 pixels of kLensBlob. */"
     yield "static const golden_ray kLensRays[] = {"
     yield from pixel_lines(lens)
+    yield "};"
+    yield ""
+    yield "/* The same lens with control points of 16 bits: version 1.2. */"
+    yield from blob_lines("kNarrowBlob", reference.serialize(make_narrow(lens)))
+    yield "/* q16 pixels of kNarrowBlob. */"
+    yield "static const golden_ray kNarrowRays[] = {"
+    yield from pixel_lines(make_narrow(lens))
     yield "};"
     yield ""
     yield "/* The same pixels in the undistorted image, q16, or INT32_MIN. */"

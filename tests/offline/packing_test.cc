@@ -50,7 +50,7 @@ const BlobCamera& Opened() {
 }
 
 TEST(PackCamera, IsSmallAndExact) {
-  EXPECT_LE(Packed().blob.size(), 24000u);
+  EXPECT_LE(Packed().blob.size(), 10000u);
   EXPECT_LE(Packed().unproject_error_px, 0.002);
   EXPECT_LE(Packed().unproject_error_rad, 1e-6);
   EXPECT_GT(Packed().unproject_error_rad, 0);
@@ -206,7 +206,7 @@ TEST(BlobCamera, ToModelIsTheCamera) {
   EXPECT_LT((model->Parameters() - GenericFile().camera->Parameters())
                 .cwiseAbs()
                 .maxCoeff(),
-            std::ldexp(1, -29));
+            kMaxNarrowErrorRad);
 }
 
 // Lines that leave the example camera through points up to 1 cm off its centre.

@@ -6,21 +6,24 @@
 #include "crc32.h"
 #include "golden_blobs.h"
 #include "raygrid.h"
+#include "rg_blob.h"
 #include "test_frame.h"
 #include "unit_test.h"
 
 #define NUM_GOLDEN (sizeof(kLensRays) / sizeof(kLensRays[0]))
 #define NUM_CHART_RAYS (sizeof(kChartRays) / sizeof(kChartRays[0]))
 #define NUM_RANDOM 2000u
+#define NUM_DOUBLES 3000
 
 /* Worst difference from the golden rays in a coordinate, q30: 107 would be
  * 1e-7 rad. */
 #define MAX_ERROR_Q30 40
 
-/* The rays of the NUM_RANDOM pixels, the same on every target. */
-#define RAYS_CRC 0xffcf7801u
+/* The rays of the NUM_RANDOM pixels with control points of 32 and of 16 bits,
+ * the same on every target. */
+#define RAYS_CRC 0xde44ad00u
 
-static rg_camera lens;
+static rg_camera lens, narrow;
 static rg_pixel pixels[NUM_RANDOM];
 static rg_ray rays[NUM_RANDOM];
 
@@ -36,7 +39,8 @@ static void make_pixels(void) {
 static int open_lens(void** state) {
   (void)state;
   make_pixels();
-  return rg_camera_open(&lens, kLensBlob, sizeof(kLensBlob)) == RG_OK ? 0 : -1;
+  return rg_camera_open(&lens, kLensBlob, sizeof(kLensBlob)) ||
+         rg_camera_open(&narrow, kNarrowBlob, sizeof(kNarrowBlob));
 }
 
 static int32_t distance(int32_t a, int32_t b) { return a > b ? a - b : b - a; }
@@ -47,6 +51,15 @@ static int32_t ray_error(const rg_ray* ray, const int32_t expected_q30[3]) {
   const int32_t z = distance(ray->z_q30, expected_q30[2]);
   const int32_t xy = x > y ? x : y;
   return xy > z ? xy : z;
+}
+
+static void check_norm(const rg_ray* ray) {
+  const int64_t square_q60 = (int64_t)ray->x_q30 * ray->x_q30 +
+                             (int64_t)ray->y_q30 * ray->y_q30 +
+                             (int64_t)ray->z_q30 * ray->z_q30;
+  const int64_t excess_q60 = square_q60 - (INT64_C(1) << 60);
+  const int64_t limit_q60 = (INT64_C(1) << 60) / 25000000 * 2; /* 2 x 4e-8 */
+  assert_true(excess_q60 <= limit_q60 && excess_q60 >= -limit_q60);
 }
 
 static void rays_are_the_golden_ones(void** state) {
@@ -81,6 +94,21 @@ static rg_ray ray_at_chart_position(int32_t a_q29, int32_t b_q29) {
   return ray;
 }
 
+static void rays_of_16_bits_are_the_golden_ones(void** state) {
+  (void)state;
+  int32_t worst = 0;
+  for (size_t i = 0; i < NUM_GOLDEN; ++i) {
+    const rg_pixel pixel = {kNarrowRays[i].x, kNarrowRays[i].y};
+    rg_ray ray;
+    assert_int_equal(rg_unproject(&narrow, pixel, &ray), RG_OK);
+    const int32_t error = ray_error(&ray, kNarrowRays[i].ray_q30);
+    if (error > worst) worst = error;
+    check_norm(&ray);
+  }
+  print_message("worst error %d LSB\n", (int)worst);
+  assert_true(worst <= MAX_ERROR_Q30);
+}
+
 static void rays_are_right_up_to_the_limit_of_the_chart(void** state) {
   (void)state;
   int32_t worst = 0;
@@ -92,15 +120,6 @@ static void rays_are_right_up_to_the_limit_of_the_chart(void** state) {
   }
   print_message("worst error %d LSB\n", (int)worst);
   assert_true(worst <= MAX_ERROR_Q30);
-}
-
-static void check_norm(const rg_ray* ray) {
-  const int64_t square_q60 = (int64_t)ray->x_q30 * ray->x_q30 +
-                             (int64_t)ray->y_q30 * ray->y_q30 +
-                             (int64_t)ray->z_q30 * ray->z_q30;
-  const int64_t excess_q60 = square_q60 - (INT64_C(1) << 60);
-  const int64_t limit_q60 = (INT64_C(1) << 60) / 25000000 * 2; /* 2 x 4e-8 */
-  assert_true(excess_q60 <= limit_q60 && excess_q60 >= -limit_q60);
 }
 
 static void rays_have_unit_length(void** state) {
@@ -128,6 +147,81 @@ static void backward_rays_have_unit_length(void** state) {
     const rg_ray ray = ray_at_chart_position(a, b);
     check_norm(&ray);
   }
+}
+
+/* The weights of bspline.h in double precision. */
+static void weights_of(double t, double weights[4]) {
+  weights[0] = (1 - t) * (1 - t) * (1 - t) / 6;
+  weights[1] = (3 * t * t * t - 6 * t * t + 4) / 6;
+  weights[2] = (-3 * t * t * t + 3 * t * t + 3 * t + 1) / 6;
+  weights[3] = t * t * t / 6;
+}
+
+/* A pixel's direction by the blob's spline, as SPEC.md has it. */
+static void direction_of(const rg_blob* blob, const rg_grid_section* grid,
+                         rg_pixel pixel, double direction[3]) {
+  const double u = (double)(pixel.x_q16 - grid->x0_q16) * grid->scale_x_q32 /
+                   281474976710656.0;
+  const double v = (double)(pixel.y_q16 - grid->y0_q16) * grid->scale_y_q32 /
+                   281474976710656.0;
+  const uint32_t i = u < grid->columns - 4 ? (uint32_t)u : grid->columns - 4u;
+  const uint32_t j = v < grid->rows - 4 ? (uint32_t)v : grid->rows - 4u;
+  double across[4], down[4], chart[2] = {0, 0};
+  weights_of(u - i, across);
+  weights_of(v - j, down);
+  for (uint32_t k = 0; k < 16; ++k) {
+    int32_t point_q29[2];
+    rg_blob_control_point(blob, i + k % 4, j + k / 4, point_q29);
+    for (int c = 0; c < 2; ++c)
+      chart[c] += across[k % 4] * down[k / 4] * point_q29[c] / 536870912.0;
+  }
+  const double s = chart[0] * chart[0] + chart[1] * chart[1];
+  direction[0] = 2 * chart[0] / (1 + s);
+  direction[1] = 2 * chart[1] / (1 + s);
+  direction[2] = (1 - s) / (1 + s);
+}
+
+/* The square of the sine between them. */
+static double squared_sine(const double a[3], const rg_ray* ray) {
+  const double b[3] = {ray->x_q30 / 1073741824.0, ray->y_q30 / 1073741824.0,
+                       ray->z_q30 / 1073741824.0};
+  const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2];
+  const double z = a[0] * b[1] - a[1] * b[0];
+  return x * x + y * y + z * z;
+}
+
+static void check_against_doubles(const uint8_t* bytes, uint32_t size) {
+  rg_blob blob;
+  rg_camera camera;
+  rg_grid_section grid;
+  assert_int_equal(rg_blob_open(bytes, size, &blob), RG_OK);
+  assert_int_equal(rg_camera_open(&camera, bytes, size), RG_OK);
+  rg_blob_grid(&blob, &grid);
+  uint32_t random = 13;
+  double worst = 0;
+  for (int k = 0; k < NUM_DOUBLES; ++k) {
+    const rg_pixel pixel = {
+        grid.x0_q16 + (int32_t)(next_random(&random) %
+                                (uint32_t)(grid.x1_q16 - grid.x0_q16 + 1)),
+        grid.y0_q16 + (int32_t)(next_random(&random) %
+                                (uint32_t)(grid.y1_q16 - grid.y0_q16 + 1))};
+    double direction[3];
+    rg_ray ray;
+    direction_of(&blob, &grid, pixel, direction);
+    assert_int_equal(rg_unproject(&camera, pixel, &ray), RG_OK);
+    const double error = squared_sine(direction, &ray);
+    if (error > worst) worst = error;
+  }
+  print_message("worst squared sine %d e-18\n", (int)(worst * 1e18));
+  assert_true(worst <= 1e-14);
+}
+
+/* 150 and 220 degrees. */
+static void rays_are_within_1e_7_of_the_spline_in_doubles(void** state) {
+  (void)state;
+  check_against_doubles(kLensBlob, sizeof(kLensBlob));
+  check_against_doubles(kWideBlob, sizeof(kWideBlob));
+  check_against_doubles(kNarrowBlob, sizeof(kNarrowBlob));
 }
 
 static void check_pixel(int32_t x_q16, int32_t y_q16, rg_status expected) {
@@ -204,9 +298,11 @@ static void empty_batch_writes_nothing(void** state) {
 
 static void rays_have_the_same_bits_on_every_target(void** state) {
   (void)state;
-  rg_unproject_batch(&lens, pixels, rays, NUM_RANDOM);
   uint32_t crc = 0;
-  for (uint32_t i = 0; i < NUM_RANDOM; ++i) {
+  for (uint32_t k = 0; k < 2 * NUM_RANDOM; ++k) {
+    const uint32_t i = k % NUM_RANDOM;
+    if (i == 0)
+      rg_unproject_batch(k == 0 ? &lens : &narrow, pixels, rays, NUM_RANDOM);
     uint8_t bytes[12];
     rg_store_i32(bytes, rays[i].x_q30);
     rg_store_i32(bytes + 4, rays[i].y_q30);
@@ -220,6 +316,8 @@ static void rays_have_the_same_bits_on_every_target(void** state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(rays_are_the_golden_ones),
+      cmocka_unit_test(rays_of_16_bits_are_the_golden_ones),
+      cmocka_unit_test(rays_are_within_1e_7_of_the_spline_in_doubles),
       cmocka_unit_test(rays_are_right_up_to_the_limit_of_the_chart),
       cmocka_unit_test(rays_have_unit_length),
       cmocka_unit_test(backward_rays_have_unit_length),
