@@ -8,6 +8,10 @@
 #include "pixel_formats.h"
 #include "remap_table.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* A remap table for one lattice. */
 typedef struct rg_lattice_map {
   const uint8_t* section;
@@ -29,5 +33,9 @@ static inline int rg_is_between(const rg_position* min, const rg_position* max,
   return p->q12[0] >= min->q12[0] && p->q12[0] <= max->q12[0] &&
          p->q12[1] >= min->q12[1] && p->q12[1] <= max->q12[1];
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif /* RAYGRID_LATTICE_MAP_H */

@@ -10,6 +10,10 @@
 #include "bytes.h"
 #include "raygrid.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum rg_sample_kind {
   RG_SAMPLE_8,
   RG_SAMPLE_16,  /* little-endian */
@@ -54,5 +58,9 @@ static inline uint32_t rg_load_sample(uint32_t kind, const uint8_t* row,
 
 void rg_store_sample(uint32_t kind, uint8_t* row, uint32_t index,
                      uint32_t value);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif /* RAYGRID_PIXEL_FORMATS_H */

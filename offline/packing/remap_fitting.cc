@@ -285,18 +285,11 @@ double MeasureError(const ExactMap& map, const Area& rectangle,
       rg_block block;
       rg_block_row row;
       rg_remap_block(section, i, j, &block);
-      rg_remap_block_row(section, &block, y & (blocks.size() - 1), &row);
+      rg_find_block_row(&block, y & (blocks.size() - 1), &row);
       const int x0 = i << blocks.size_log2;
       for (int x = x0; x < std::min(x0 + blocks.size(), map.width); ++x) {
-        const uint32_t in_block = x - x0;
-        const uint32_t in_segment = in_block % RG_SEGMENT_SIZE;
-        const rg_position start =
-            rg_remap_segment(section, &row, in_block - in_segment);
-        const Eigen::Vector2d position(
-            (start.q12[0] + static_cast<int>(in_segment) * row.step.q12[0]) /
-                kQ12,
-            (start.q12[1] + static_cast<int>(in_segment) * row.step.q12[1]) /
-                kQ12);
+        const rg_position p = rg_row_position(&row, x - x0);
+        const Eigen::Vector2d position(p.q12[0] / kQ12, p.q12[1] / kQ12);
         worst[y] =
             std::max(worst[y], PixelError(map, rectangle, x, y, position));
       }

@@ -58,35 +58,52 @@ INLINE __m256i last_lane(layout l) {
                PICK(7));
 }
 
-/* x, y, step x, step y of two rows; the steps are kept in 16 bits too. */
-INLINE __m256i find_rows(const rg_run* run, uint32_t r, uint32_t next) {
+/* Two rows of a run, one in either half, and what leads to the next two. */
+typedef struct row_pair {
+  __m256i top;   /* P00, P10 */
+  __m256i down;  /* (P01 - P00) r, (P11 - P10) r, and half an LSB */
+  __m256i two_down;
+  __m128i height_log2, width_log2;
+  __m256i half_width; /* half an LSB of a step */
+  __m256i first_pixel, origin;
+} row_pair;
+
+INLINE row_pair first_rows(const rg_run* run) {
   const rg_block* const block = &run->block;
-  const __m256i top = _mm256_broadcastsi128_si256(
+  row_pair rows;
+  rows.top = _mm256_broadcastsi128_si256(
       _mm_loadu_si128((const __m128i*)block->corners));
-  const __m256i bottom = _mm256_broadcastsi128_si256(
-      _mm_loadu_si128((const __m128i*)(block->corners + 2)));
-  const __m256i rows = _mm256_inserti128_si256(
-      _mm256_set1_epi32((int32_t)(run->first_row + r)),
-      _mm_set1_epi32((int32_t)(run->first_row + next)), 1);
-  /* left, right = top + round((bottom - top) r, height_log2) */
-  const __m256i down = _mm256_add_epi32(
-      _mm256_mullo_epi32(_mm256_sub_epi32(bottom, top), rows),
+  const __m256i height = _mm256_sub_epi32(
+      _mm256_broadcastsi128_si256(
+          _mm_loadu_si128((const __m128i*)(block->corners + 2))),
+      rows.top);
+  const __m256i r = _mm256_add_epi32(
+      _mm256_set1_epi32(run->first_row), _mm256_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1));
+  rows.down = _mm256_add_epi32(
+      _mm256_mullo_epi32(height, r),
       _mm256_set1_epi32(1 << block->height_log2 >> 1));
+  rows.two_down = _mm256_add_epi32(height, height);
+  rows.height_log2 = _mm_cvtsi32_si128(block->height_log2);
+  rows.width_log2 = _mm_cvtsi32_si128(block->width_log2);
+  rows.half_width = _mm256_set1_epi32(1 << block->width_log2 >> 1);
+  rows.first_pixel = _mm256_set1_epi32(run->first_pixel);
+  rows.origin = _mm256_set1_epi64x((int64_t)((uint64_t)run->first_source_row << 44));
+  return rows;
+}
+
+/* x, y, step x, step y of both rows. */
+INLINE __m256i find_rows(const row_pair* rows) {
+  /* left, right = top + round((bottom - top) r, height_log2) */
   const __m256i edges = _mm256_add_epi32(
-      top, _mm256_sra_epi32(down, _mm_cvtsi32_si128(block->height_log2)));
+      rows->top, _mm256_sra_epi32(rows->down, rows->height_log2));
   /* step = round(right - left, width_log2) */
   const __m256i across = _mm256_add_epi32(
       _mm256_sub_epi32(_mm256_shuffle_epi32(edges, 0x4e), edges),
-      _mm256_set1_epi32(1 << block->width_log2 >> 1));
-  const __m256i steps =
-      _mm256_sra_epi32(across, _mm_cvtsi32_si128(block->width_log2));
-  const __m256i origin =
-      _mm256_set1_epi64x((int64_t)((uint64_t)run->first_source_row << 44));
+      rows->half_width);
+  const __m256i steps = _mm256_sra_epi32(across, rows->width_log2);
   const __m256i starts = _mm256_sub_epi32(
-      _mm256_add_epi32(edges,
-                       _mm256_mullo_epi32(
-                           steps, _mm256_set1_epi32(run->first_pixel))),
-      origin);
+      _mm256_add_epi32(edges, _mm256_mullo_epi32(steps, rows->first_pixel)),
+      rows->origin);
   return _mm256_unpacklo_epi64(starts, steps);
 }
 
@@ -96,24 +113,43 @@ INLINE __m256i to_lanes(__m256i rows, int c) {
                              _mm256_set1_epi16((int16_t)(0x0100 + 0x0404 * c)));
 }
 
-/* The windows of both rows. */
-INLINE __m256i load(const uint8_t* const windows[4], size_t offset, layout l) {
+/* Where the windows of both rows begin; second ones where rows are halved. */
+typedef struct windows {
+  const uint8_t *row0, *row1, *second0, *second1;
+} windows;
+
+INLINE __m256i load(const windows* w, size_t offset, layout l) {
   if (!l.is_halved)
     return _mm256_inserti128_si256(
         _mm256_castsi128_si256(
-            _mm_loadu_si128((const __m128i*)(windows[0] + offset))),
-        _mm_loadu_si128((const __m128i*)(windows[2] + offset)), 1);
-  uint64_t bytes[4];
-  for (int k = 0; k < 4; ++k)
-    __builtin_memcpy(&bytes[k], windows[k] + offset, 8);
-  return _mm256_setr_epi64x((int64_t)bytes[0], (int64_t)bytes[1],
-                            (int64_t)bytes[2], (int64_t)bytes[3]);
+            _mm_loadu_si128((const __m128i*)(w->row0 + offset))),
+        _mm_loadu_si128((const __m128i*)(w->row1 + offset)), 1);
+  int64_t bytes[4];
+  __builtin_memcpy(&bytes[0], w->row0 + offset, 8);
+  __builtin_memcpy(&bytes[1], w->second0 + offset, 8);
+  __builtin_memcpy(&bytes[2], w->row1 + offset, 8);
+  __builtin_memcpy(&bytes[3], w->second1 + offset, 8);
+  return _mm256_setr_epi64x(bytes[0], bytes[1], bytes[2], bytes[3]);
 }
 
-/* Two segments: windows are those of row 0, row 0 second half, row 1, ...; x
- * in q12 and y in q15 modulo 2^16. Results in the low bytes of lanes. */
-INLINE __m256i blend_segments(const uint8_t* const windows[4], size_t stride,
-                              __m256i x, __m256i y, __m256i y_pick, layout l) {
+/* positions: x, y, -, - of a pixel of both rows in q12. factors: bytes of a
+ * pixel and of a row, in 16 bits. */
+INLINE void find_windows(const uint8_t* data, __m256i positions,
+                         __m256i factors, const uint8_t** row0,
+                         const uint8_t** row1) {
+  const __m256i products =
+      _mm256_madd_epi16(_mm256_srai_epi32(positions, 12), factors);
+  const __m256i offsets =
+      _mm256_add_epi32(products, _mm256_shuffle_epi32(products, 1));
+  *row0 = data + (uint32_t)_mm256_cvtsi256_si32(offsets);
+  *row1 =
+      data + (uint32_t)_mm_cvtsi128_si32(_mm256_extracti128_si256(offsets, 1));
+}
+
+/* A segment of both rows; x in q12 and y in q15 modulo 2^16. Results in the low
+ * bytes of lanes. */
+INLINE __m256i blend_segments(const windows* w, size_t stride, __m256i x,
+                              __m256i y, __m256i y_pick, layout l) {
   /* pixel of the window and 12 bits of fraction */
   const __m256i x_start = _mm256_and_si256(
       _mm256_shuffle_epi8(x, first_lane(l)), _mm256_set1_epi16(-4096));
@@ -131,11 +167,11 @@ INLINE __m256i blend_segments(const uint8_t* const windows[4], size_t stride,
                        _mm256_set1_epi16(128));
   /* -h of the three rows */
   const __m256i h0 = _mm256_maddubs_epi16(
-      _mm256_shuffle_epi8(load(windows, 0, l), index), weights);
+      _mm256_shuffle_epi8(load(w, 0, l), index), weights);
   const __m256i h1 = _mm256_maddubs_epi16(
-      _mm256_shuffle_epi8(load(windows, stride, l), index), weights);
+      _mm256_shuffle_epi8(load(w, stride, l), index), weights);
   const __m256i h2 = _mm256_maddubs_epi16(
-      _mm256_shuffle_epi8(load(windows, 2 * stride, l), index), weights);
+      _mm256_shuffle_epi8(load(w, 2 * stride, l), index), weights);
   /* sign: in the second of the window's rows */
   const __m256i y_start = _mm256_and_si256(_mm256_shuffle_epi8(y, y_pick),
                                            _mm256_set1_epi16(INT16_MIN));
@@ -164,64 +200,78 @@ INLINE void store(uint8_t* out, __m128i bytes, int is_last, layout l) {
   }
 }
 
-INLINE void blend_rows(const rg_run* run, uint32_t r, layout l) {
-  const uint32_t next = r + 1 < run->num_rows ? r + 1 : r;
-  const uint32_t n = run->num_pixels;
-  const size_t stride = run->stride;
-  const __m256i rows = find_rows(run, r, next);
-  int32_t row[8] __attribute__((aligned(32))); /* x, y, step x, step y; ... */
-  _mm256_store_si256((__m256i*)row, rows);
+INLINE int log2_of(uint32_t pixels) {
+  return pixels == 8 ? 3 : pixels == 4 ? 2 : pixels == 2 ? 1 : 0;
+}
+INLINE __m256i times(__m256i values, uint32_t pixels) {
+  return _mm256_slli_epi32(values, log2_of(pixels));
+}
 
-  const __m256i step_x = to_lanes(rows, 2);
-  const __m256i step_y = _mm256_slli_epi16(to_lanes(rows, 3), 3);
-  __m256i x = _mm256_add_epi16(
-      _mm256_add_epi16(to_lanes(rows, 0), _mm256_set1_epi16(16)),
-      _mm256_mullo_epi16(step_x, lane_pixels(l)));
-  __m256i y = _mm256_add_epi16(_mm256_slli_epi16(to_lanes(rows, 1), 3),
-                               _mm256_mullo_epi16(step_y, lane_pixels(l)));
-  const __m256i x_segment = _mm256_mullo_epi16(
-      step_x, _mm256_set1_epi16((int16_t)l.pixels));
-  const __m256i y_segment = _mm256_mullo_epi16(
-      step_y, _mm256_set1_epi16((int16_t)l.pixels));
-  /* The lane with the uppermost row. */
-  const __m256i y_pick = _mm256_blendv_epi8(
-      first_lane(l), last_lane(l),
-      _mm256_shuffle_epi8(_mm256_srai_epi32(rows, 31),
-                          _mm256_set1_epi8(12)));
-  const int32_t window_pixels = (int32_t)l.pixels >> l.is_halved;
-  int32_t above[2];
-  for (int k = 0; k < 2; ++k) {
-    const int32_t down = row[4 * k + 3] * (window_pixels - 1);
-    above[k] = down < 0 ? down : 0;
-  }
-  uint8_t* const out0 =
-      run->out + (size_t)r * run->out_stride + run->out_pixel * l.channels;
-  uint8_t* const out1 = out0 + (size_t)(next - r) * run->out_stride;
-  for (uint32_t k = 0; k < n; k += l.pixels) {
-    if (k + l.pixels > n) { /* the last segment begins earlier */
-      const __m256i back = _mm256_set1_epi16((int16_t)(k + l.pixels - n));
-      x = _mm256_sub_epi16(x, _mm256_mullo_epi16(step_x, back));
-      y = _mm256_sub_epi16(y, _mm256_mullo_epi16(step_y, back));
-      k = n - l.pixels;
+INLINE void blend_run(const rg_run* run, layout l) {
+  const uint8_t* const data = run->data;
+  const uint32_t n = run->num_pixels, num_rows = run->num_rows;
+  const size_t stride = run->stride, out_stride = run->out_stride;
+  uint8_t* out = run->out + run->out_pixel * l.channels;
+  row_pair pair = first_rows(run);
+  const __m256i factors = _mm256_set1_epi64x(
+      (int64_t)((uint64_t)stride << 32 | l.channels));
+  const int32_t window_steps = (int32_t)(l.pixels >> l.is_halved) - 1;
+  for (uint32_t r = 0; r < num_rows; r += 2, out += 2 * out_stride) {
+    size_t to_next = out_stride;
+    if (r + 1 == num_rows) { /* the last one twice */
+      pair.down = _mm256_permute2x128_si256(pair.down, pair.down, 0);
+      to_next = 0;
     }
-    const uint8_t* windows[4];
-    for (int w = 0; w < 4; ++w) {
-      if (w % 2 == 1 && !l.is_halved) continue;
-      const int32_t* const start = row + 4 * (w / 2);
-      const int32_t pixel = (int32_t)k + (w % 2) * window_pixels;
-      const int32_t column = (start[0] + pixel * start[2] + 16) >> 12;
-      const int32_t line = (start[1] + pixel * start[3] + above[w / 2]) >> 12;
-      windows[w] = run->data + (size_t)line * stride +
-                   (size_t)column * l.channels;
+    const __m256i rows = find_rows(&pair);
+    pair.down = _mm256_add_epi32(pair.down, pair.two_down);
+
+    const __m256i step_x = to_lanes(rows, 2);
+    const __m256i step_y = _mm256_slli_epi16(to_lanes(rows, 3), 3);
+    __m256i x = _mm256_add_epi16(
+        _mm256_add_epi16(to_lanes(rows, 0), _mm256_set1_epi16(16)),
+        _mm256_mullo_epi16(step_x, lane_pixels(l)));
+    __m256i y = _mm256_add_epi16(_mm256_slli_epi16(to_lanes(rows, 1), 3),
+                                 _mm256_mullo_epi16(step_y, lane_pixels(l)));
+    /* The lane with the uppermost row. */
+    const __m256i y_pick = _mm256_blendv_epi8(
+        first_lane(l), last_lane(l), _mm256_srai_epi16(step_y, 15));
+    /* Where the window begins: x + 16, and y or the y of its last pixel. */
+    const __m256i steps = _mm256_shuffle_epi32(rows, 0x4e);
+    const __m256i up = _mm256_min_epi32(
+        _mm256_mullo_epi32(steps, _mm256_set1_epi64x((int64_t)window_steps << 32)),
+        _mm256_setzero_si256());
+    __m256i start =
+        _mm256_add_epi32(_mm256_add_epi32(rows, _mm256_set1_epi64x(16)), up);
+    for (uint32_t k = 0; k < n; k += l.pixels) {
+      if (k + l.pixels > n) { /* the last segment begins earlier */
+        const uint32_t back = k + l.pixels - n;
+        const __m256i back_16 = _mm256_set1_epi16((int16_t)back);
+        x = _mm256_sub_epi16(x, _mm256_mullo_epi16(step_x, back_16));
+        y = _mm256_sub_epi16(y, _mm256_mullo_epi16(step_y, back_16));
+        start = _mm256_sub_epi32(
+            start,
+            _mm256_mullo_epi32(steps, _mm256_set1_epi32((int32_t)back)));
+        k = n - l.pixels;
+      }
+      windows w;
+      find_windows(data, start, factors, &w.row0, &w.row1);
+      if (l.is_halved)
+        find_windows(
+            data,
+            _mm256_add_epi32(start, times(steps, l.pixels >> 1)),
+            factors, &w.second0, &w.second1);
+      const __m256i v = blend_segments(&w, stride, x, y, y_pick, l);
+      const __m256i bytes = _mm256_packus_epi16(v, v);
+      const int is_last = k + l.pixels == n;
+      uint8_t* const target = out + k * l.channels;
+      store(target, _mm256_castsi256_si128(bytes), is_last, l);
+      store(target + to_next, _mm256_extracti128_si256(bytes, 1), is_last, l);
+      x = _mm256_add_epi16(
+          x, _mm256_slli_epi16(step_x, log2_of(l.pixels)));
+      y = _mm256_add_epi16(
+          y, _mm256_slli_epi16(step_y, log2_of(l.pixels)));
+      start = _mm256_add_epi32(start, times(steps, l.pixels));
     }
-    const __m256i v = blend_segments(windows, stride, x, y, y_pick, l);
-    __m256i bytes = _mm256_packus_epi16(v, v);
-    store(out0 + k * l.channels, _mm256_castsi256_si128(bytes),
-          k + l.pixels == n, l);
-    store(out1 + k * l.channels, _mm256_extracti128_si256(bytes, 1),
-          k + l.pixels == n, l);
-    x = _mm256_add_epi16(x, x_segment);
-    y = _mm256_add_epi16(y, y_segment);
   }
 }
 
@@ -232,20 +282,23 @@ typedef struct step_range {
 } step_range;
 
 INLINE step_range find_steps(const rg_run* run) {
-  step_range range = {INT32_MAX, INT32_MIN, 0};
-  for (uint32_t k = 0; k < 2; ++k) {
-    rg_block_row row;
-    rg_find_block_row(&run->block,
-                      run->first_row + (k == 0 ? 0 : run->num_rows - 1u), &row);
-    const int32_t x = row.step.q12[0], y = row.step.q12[1];
-    if (x < range.min_x) range.min_x = x;
-    if (x > range.max_x) range.max_x = x;
-    if (y > range.max_y) range.max_y = y;
-    if (-y > range.max_y) range.max_y = -y;
-  }
-  range.min_x -= 2;
-  range.max_x += 2;
-  range.max_y += 2;
+  row_pair ends = first_rows(run);
+  const __m256i to_last = _mm256_mullo_epi32(
+      _mm256_srai_epi32(ends.two_down, 1),
+      _mm256_set1_epi32((int32_t)run->num_rows - 1));
+  ends.down = _mm256_add_epi32(
+      _mm256_permute2x128_si256(ends.down, ends.down, 0),
+      _mm256_inserti128_si256(_mm256_setzero_si256(),
+                              _mm256_castsi256_si128(to_last), 1));
+  const __m256i steps = _mm256_unpackhi_epi64(find_rows(&ends), ends.down);
+  const __m128i first = _mm256_castsi256_si128(steps);
+  const __m128i last = _mm256_extracti128_si256(steps, 1);
+  const __m128i min = _mm_min_epi32(first, last);
+  const __m128i max = _mm_max_epi32(first, last);
+  const __m128i max_abs = _mm_max_epi32(_mm_abs_epi32(min), _mm_abs_epi32(max));
+  const step_range range = {_mm_cvtsi128_si32(min) - 2,
+                            _mm_cvtsi128_si32(max) + 2,
+                            _mm_extract_epi32(max_abs, 1) + 2};
   return range;
 }
 
@@ -265,15 +318,14 @@ INLINE void blend(const rg_run* run, uint32_t channels, rg_blend* portable) {
   const layout whole = {channels, pixels, 0};
   const layout halved = {channels, pixels, 1};
   const step_range steps = find_steps(run);
-  if (run->num_pixels < pixels) {
+  if (run->num_pixels < pixels || run->stride > INT16_MAX)
     portable(run);
-  } else if (fits(steps, pixels, 16 / channels)) {
-    for (uint32_t r = 0; r < run->num_rows; r += 2) blend_rows(run, r, whole);
-  } else if (channels <= 2 && fits(steps, pixels / 2, 8 / channels)) {
-    for (uint32_t r = 0; r < run->num_rows; r += 2) blend_rows(run, r, halved);
-  } else {
+  else if (fits(steps, pixels, 16 / channels))
+    blend_run(run, whole);
+  else if (channels <= 2 && fits(steps, pixels / 2, 8 / channels))
+    blend_run(run, halved);
+  else
     portable(run);
-  }
 }
 
 void rg_blend_1_avx2(const rg_run* run) { blend(run, 1, rg_blend_1); }
