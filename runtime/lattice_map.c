@@ -26,10 +26,7 @@ void rg_lattice_map_open(rg_lattice_map* map, const uint8_t* section,
 
 /* Moves the corners by (half_x, half_y) half pixels of the output, along the
  * edges that meet in each, and from image to lattice coordinates. */
-void rg_lattice_block(const rg_lattice_map* map, uint32_t i, uint32_t j,
-                      rg_block* block) {
-  const rg_lattice* const lattice = map->lattice;
-  rg_remap_block(map->section, i, j, block);
+void rg_lattice_block(const rg_lattice* lattice, rg_block* block) {
   const uint32_t shift = block->width_log2 + 1u;
   rg_position* const corners = block->corners;
   for (int c = 0; c < 2; ++c) {

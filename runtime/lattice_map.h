@@ -24,9 +24,8 @@ void rg_lattice_map_open(rg_lattice_map* map, const uint8_t* section,
                          const rg_lattice* lattice, uint32_t image_width,
                          uint32_t image_height);
 
-/* Block (i, j) of the table, as the lattice has it. */
-void rg_lattice_block(const rg_lattice_map* map, uint32_t i, uint32_t j,
-                      rg_block* block);
+/* A block of the table, as the lattice has it. */
+void rg_lattice_block(const rg_lattice* lattice, rg_block* block);
 
 static inline int rg_is_between(const rg_position* min, const rg_position* max,
                                 const rg_position* p) {

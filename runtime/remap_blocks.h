@@ -217,22 +217,19 @@ static void choose_ring_part(remap_job* job) {
 }
 #endif
 
-/* Rows [row, row + num_rows) of block (i, j), num_pixels of each. */
-static inline void remap_block(remap_job* job, uint32_t i, uint32_t j,
-                               uint32_t row, uint32_t num_rows,
+static void fill_block(const remap_job* job, uint32_t num_rows,
+                       uint32_t num_pixels, uint8_t* out) {
+  if (BORDER_OF(job) == RG_BORDER_KEEP) return;
+  for (; num_rows != 0; --num_rows, out += job->run.out_stride)
+    fill_row(job, num_pixels, out);
+}
+
+/* Rows [row, row + num_rows) of the run's block, num_pixels of each. */
+static inline void remap_block(remap_job* job, uint32_t row, uint32_t num_rows,
                                uint32_t num_pixels, uint8_t* out) {
   rg_run* const run = &job->run;
-  if (BORDER_OF(job) != RG_BORDER_CLAMP &&
-      rg_remap_is_empty(job->map.section, i, j)) {
-    if (BORDER_OF(job) == RG_BORDER_KEEP) return;
-    for (; num_rows != 0; --num_rows, out += run->out_stride)
-      fill_row(job, num_pixels, out);
-    return;
-  }
-#ifdef RG_GREY_ONLY
-  rg_remap_block(job->map.section, i, j, &run->block);
-#else
-  rg_lattice_block(&job->map, i, j, &run->block);
+#ifndef RG_GREY_ONLY
+  rg_lattice_block(job->map.lattice, &run->block);
   if (job->is_ring) choose_ring_part(job);
 #endif
   const int32_t lowest = inside_rows(job);
@@ -263,12 +260,17 @@ static void remap_rows(remap_job* job, uint32_t row, uint32_t end,
     const uint32_t num_rows =
         (uint32_t)min_of((int32_t)(end - row), (int32_t)(block_height - first));
     uint32_t i = 0;
+    rg_block_walk walk;
+    rg_start_walk(section, j, &walk);
     for (uint32_t pixel = 0; pixel < width; pixel += block_width, ++i) {
+      const uint32_t num_pixels =
+          (uint32_t)min_of((int32_t)(width - pixel), (int32_t)block_width);
       job->run.out_pixel = pixel;
-      remap_block(
-          job, i, j, first, num_rows,
-          (uint32_t)min_of((int32_t)(width - pixel), (int32_t)block_width),
-          out);
+      rg_next_block(&walk, &job->run.block);
+      if (BORDER_OF(job) != RG_BORDER_CLAMP && rg_remap_is_empty(section, i, j))
+        fill_block(job, num_rows, num_pixels, out);
+      else
+        remap_block(job, first, num_rows, num_pixels, out);
     }
     out += (size_t)num_rows * job->run.out_stride;
     row += num_rows;

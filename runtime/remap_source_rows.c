@@ -40,12 +40,10 @@ static void add_pixels(const rg_lattice_map* map, const rg_block_row* row,
 /* Rows [first, last] of a block. Positions are bilinear in it: if the ends of
  * the first and the last row are inside, so are the others, and within their
  * range. */
-static void add_block(const rg_lattice_map* map, uint32_t i, uint32_t j,
+static void add_block(const rg_lattice_map* map, rg_block block, uint32_t i,
                       uint32_t first, uint32_t last, row_range* range) {
-  rg_block block;
   rg_block_row row;
-  if (rg_remap_is_empty(map->section, i, j)) return;
-  rg_lattice_block(map, i, j, &block);
+  rg_lattice_block(map->lattice, &block);
   const uint32_t width =
       (uint32_t)rg_load_u16(map->section) >> map->lattice->log2_x;
   const uint32_t rest = width - (i << block.width_log2);
@@ -73,8 +71,14 @@ static row_range find_range(const rg_lattice_map* map, uint32_t row,
     const uint32_t j = row >> height_log2;
     const uint32_t next = (j + 1) << height_log2;
     const uint32_t last = (next < end ? next : end) - 1;
-    for (uint32_t i = 0; i < num_blocks; ++i)
-      add_block(map, i, j, row & mask, last & mask, &range);
+    rg_block_walk walk;
+    rg_start_walk(map->section, j, &walk);
+    for (uint32_t i = 0; i < num_blocks; ++i) {
+      rg_block block;
+      rg_next_block(&walk, &block);
+      if (!rg_remap_is_empty(map->section, i, j))
+        add_block(map, block, i, row & mask, last & mask, &range);
+    }
     row = next;
   }
   return range;

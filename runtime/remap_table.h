@@ -21,10 +21,21 @@ typedef struct rg_block {
   uint8_t width_log2, height_log2;
 } rg_block;
 
-/* Block (i, j) of a remap section, which must be one that rg_blob_open()
- * accepted. */
-void rg_remap_block(const uint8_t* section, uint32_t i, uint32_t j,
-                    rg_block* block);
+/* Walks along a row of blocks of a remap section, which must be one that
+ * rg_blob_open() accepted. */
+typedef struct rg_block_walk {
+  const uint8_t* residuals[2]; /* of the next vertices, above and below */
+  rg_position affine[2];       /* likewise, without the residuals */
+  rg_position column_step;
+  rg_position last[2]; /* the vertices before */
+  uint8_t residual_shift, block_log2;
+} rg_block_walk;
+
+/* To the first block of row j. */
+void rg_start_walk(const uint8_t* section, uint32_t j, rg_block_walk* walk);
+
+/* The corners of the block, and on to the next one. */
+void rg_next_block(rg_block_walk* walk, rg_block* block);
 
 /* A row of a block: pixel k comes from start + k step. */
 typedef struct rg_block_row {

@@ -279,12 +279,14 @@ double MeasureError(const ExactMap& map, const Area& rectangle,
   const auto* section = reinterpret_cast<const uint8_t*>(words.data());
   std::vector<double> worst(map.height, 0);
   ParallelFor(map.height, num_threads, [&](int y) {
+    const int j = y >> blocks.size_log2;
+    rg_block_walk walk;
+    rg_start_walk(section, j, &walk);
     for (int i = 0; i < blocks.columns; ++i) {
-      const int j = y >> blocks.size_log2;
-      if (!blocks.used[j * blocks.columns + i]) continue;
       rg_block block;
       rg_block_row row;
-      rg_remap_block(section, i, j, &block);
+      rg_next_block(&walk, &block);
+      if (!blocks.used[j * blocks.columns + i]) continue;
       rg_find_block_row(&block, y & (blocks.size() - 1), &row);
       const int x0 = i << blocks.size_log2;
       for (int x = x0; x < std::min(x0 + blocks.size(), map.width); ++x) {

@@ -84,7 +84,7 @@ std::vector<double> MedianSeconds(
 
 // The largest blocks that keep a bound, which coarse images make wider.
 RemapTable FitTable(const View& view, const VirtualCamera& target) {
-  for (double bound_px = 0.03;; bound_px *= 2) {
+  for (double bound_px = 0.05;; bound_px *= 2) {
     try {
       return FitRemapTable(*view.camera, target, bound_px, 1);
     } catch (const Error& error) {
@@ -102,15 +102,21 @@ cv::Mat2f Positions(const uint8_t* section, const rg_lattice& lattice,
   const int width = output.width >> lattice.log2_x;
   const int height = output.height >> lattice.log2_y;
   cv::Mat2f positions(height, width);
+  const int log2_x = section[8] - lattice.log2_x;
+  const int log2_y = section[8] - lattice.log2_y;
   for (int y = 0; y < height; ++y) {
+    rg_block_walk walk;
+    rg_start_walk(section, y >> log2_y, &walk);
+    rg_block_row row;
     for (int x = 0; x < width; ++x) {
-      rg_block block;
-      rg_block_row row;
-      const int log2_x = section[8] - lattice.log2_x;
-      const int log2_y = section[8] - lattice.log2_y;
-      rg_lattice_block(&map, x >> log2_x, y >> log2_y, &block);
-      rg_find_block_row(&block, y & ((1 << log2_y) - 1), &row);
-      const rg_position p = rg_row_position(&row, x & ((1 << log2_x) - 1));
+      const int in_block = x & ((1 << log2_x) - 1);
+      if (in_block == 0) {
+        rg_block block;
+        rg_next_block(&walk, &block);
+        rg_lattice_block(&lattice, &block);
+        rg_find_block_row(&block, y & ((1 << log2_y) - 1), &row);
+      }
+      const rg_position p = rg_row_position(&row, in_block);
       const bool valid =
           !rg_remap_is_empty(section, x >> log2_x, y >> log2_y) &&
           rg_is_between(&map.min, &map.max, &p);
