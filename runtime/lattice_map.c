@@ -27,21 +27,25 @@ void rg_lattice_map_open(rg_lattice_map* map, const uint8_t* section,
 /* Moves the corners by (half_x, half_y) half pixels of the output, along the
  * edges that meet in each, and from image to lattice coordinates. */
 void rg_lattice_block(const rg_lattice* lattice, rg_block* block) {
+  const int32_t half[2] = {lattice->half_x, lattice->half_y};
+  const uint32_t log2[2] = {lattice->log2_x, lattice->log2_y};
+  if ((log2[0] | log2[1]) == 0) return; /* the image's own pixels */
   const uint32_t shift = block->width_log2 + 1u;
-  rg_position* const corners = block->corners;
   for (int c = 0; c < 2; ++c) {
-    int32_t moved[4];
-    for (int k = 0; k < 4; ++k) {
-      const int32_t across =
-          corners[k | 1].q12[c] - corners[k & ~1].q12[c];
-      const int32_t down = corners[k | 2].q12[c] - corners[k & ~2].q12[c];
-      moved[k] = corners[k].q12[c] +
-                 rg_round_shift(across * lattice->half_x + down * lattice->half_y,
-                                shift);
-    }
+    const int32_t p00 = block->corners[0].q12[c];
+    const int32_t p10 = block->corners[1].q12[c];
+    const int32_t p01 = block->corners[2].q12[c];
+    const int32_t p11 = block->corners[3].q12[c];
+    const int32_t top = (p10 - p00) * half[0], bottom = (p11 - p01) * half[0];
+    const int32_t left = (p01 - p00) * half[1], right = (p11 - p10) * half[1];
+    const int32_t moved[4] = {p00 + rg_round_shift(top + left, shift),
+                              p10 + rg_round_shift(top + right, shift),
+                              p01 + rg_round_shift(bottom + left, shift),
+                              p11 + rg_round_shift(bottom + right, shift)};
     for (int k = 0; k < 4; ++k)
-      corners[k].q12[c] = to_lattice(lattice, c, moved[k], 1);
+      block->corners[k].q12[c] =
+          rg_round_shift(moved[k] - half[c] * 2048, log2[c]);
   }
-  block->width_log2 = (uint8_t)(block->width_log2 - lattice->log2_x);
-  block->height_log2 = (uint8_t)(block->height_log2 - lattice->log2_y);
+  block->width_log2 = (uint8_t)(block->width_log2 - log2[0]);
+  block->height_log2 = (uint8_t)(block->height_log2 - log2[1]);
 }

@@ -68,15 +68,18 @@ typedef struct row_pair {
   __m256i first_pixel, origin;
 } row_pair;
 
+/* One by one, as they were just stored: a load of 16 bytes would wait. */
+INLINE __m256i load_corners(const rg_position* p) {
+  return _mm256_broadcastsi128_si256(_mm_setr_epi32(
+      p[0].q12[0], p[0].q12[1], p[1].q12[0], p[1].q12[1]));
+}
+
 INLINE row_pair first_rows(const rg_run* run) {
   const rg_block* const block = &run->block;
   row_pair rows;
-  rows.top = _mm256_broadcastsi128_si256(
-      _mm_loadu_si128((const __m128i*)block->corners));
-  const __m256i height = _mm256_sub_epi32(
-      _mm256_broadcastsi128_si256(
-          _mm_loadu_si128((const __m128i*)(block->corners + 2))),
-      rows.top);
+  rows.top = load_corners(block->corners);
+  const __m256i height =
+      _mm256_sub_epi32(load_corners(block->corners + 2), rows.top);
   const __m256i r = _mm256_add_epi32(
       _mm256_set1_epi32(run->first_row), _mm256_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1));
   rows.down = _mm256_add_epi32(
