@@ -21,11 +21,11 @@ typedef struct layout {
 /* Two bytes for each of 8 lanes, in both rows. */
 #define LANES(a, b, c, d, e, f, g, h) \
   _mm256_setr_epi16(a, b, c, d, e, f, g, h, a, b, c, d, e, f, g, h)
-/* As byte indices of a shuffle: lane n for every lane. */
-#define PICK(n) (0x0100 + 0x0202 * (n))
 
-/* The pixel of each lane. */
+/* The pixel of each lane, counted in its window. */
 INLINE __m256i lane_pixels(layout l) {
+  if (l.channels == 1 && l.is_halved) return LANES(0, 1, 2, 3, 0, 1, 2, 3);
+  if (l.channels == 2 && l.is_halved) return LANES(0, 0, 1, 1, 0, 0, 1, 1);
   if (l.channels == 1) return LANES(0, 1, 2, 3, 4, 5, 6, 7);
   if (l.channels == 2) return LANES(0, 0, 1, 1, 2, 2, 3, 3);
   if (l.channels == 3) return LANES(0, 0, 0, 1, 1, 1, 1, 1);
@@ -46,16 +46,10 @@ INLINE __m256i lane_offsets(layout l) {
   return LANES(0x400, 0x501, 0x602, 0x703, 0x400, 0x501, 0x602, 0x703);
 }
 
-/* The first and the last lane of the window that a lane belongs to. */
-INLINE __m256i first_lane(layout l) {
-  if (!l.is_halved) return _mm256_set1_epi16(PICK(0));
-  return LANES(PICK(0), PICK(0), PICK(0), PICK(0), PICK(4), PICK(4), PICK(4),
-               PICK(4));
-}
-INLINE __m256i last_lane(layout l) {
-  if (!l.is_halved) return _mm256_set1_epi16(PICK(7));
-  return LANES(PICK(3), PICK(3), PICK(3), PICK(3), PICK(7), PICK(7), PICK(7),
-               PICK(7));
+/* Keeps the compiler from taking a multiplication or a blend apart. */
+INLINE __m256i as_is(__m256i value) {
+  __asm__("" : "+x"(value));
+  return value;
 }
 
 /* Two rows of a run, one in either half, and what leads to the next two. */
@@ -65,7 +59,7 @@ typedef struct row_pair {
   __m256i two_down;
   __m128i height_log2, width_log2;
   __m256i half_width; /* half an LSB of a step */
-  __m256i first_pixel, origin;
+  __m256i first_pixel;
 } row_pair;
 
 /* One by one, as they were just stored: a load of 16 bytes would wait. */
@@ -77,9 +71,12 @@ INLINE __m256i load_corners(const rg_position* p) {
 INLINE row_pair first_rows(const rg_run* run) {
   const rg_block* const block = &run->block;
   row_pair rows;
-  rows.top = load_corners(block->corners);
+  const __m256i top = load_corners(block->corners);
   const __m256i height =
-      _mm256_sub_epi32(load_corners(block->corners + 2), rows.top);
+      _mm256_sub_epi32(load_corners(block->corners + 2), top);
+  rows.top = _mm256_sub_epi32(
+      top,
+      _mm256_set1_epi64x((int64_t)((uint64_t)run->first_source_row << 44)));
   const __m256i r = _mm256_add_epi32(
       _mm256_set1_epi32(run->first_row), _mm256_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1));
   rows.down = _mm256_add_epi32(
@@ -90,7 +87,6 @@ INLINE row_pair first_rows(const rg_run* run) {
   rows.width_log2 = _mm_cvtsi32_si128(block->width_log2);
   rows.half_width = _mm256_set1_epi32(1 << block->width_log2 >> 1);
   rows.first_pixel = _mm256_set1_epi32(run->first_pixel);
-  rows.origin = _mm256_set1_epi64x((int64_t)((uint64_t)run->first_source_row << 44));
   return rows;
 }
 
@@ -104,9 +100,8 @@ INLINE __m256i find_rows(const row_pair* rows) {
       _mm256_sub_epi32(_mm256_shuffle_epi32(edges, 0x4e), edges),
       rows->half_width);
   const __m256i steps = _mm256_sra_epi32(across, rows->width_log2);
-  const __m256i starts = _mm256_sub_epi32(
-      _mm256_add_epi32(edges, _mm256_mullo_epi32(steps, rows->first_pixel)),
-      rows->origin);
+  const __m256i starts =
+      _mm256_add_epi32(edges, _mm256_mullo_epi32(steps, rows->first_pixel));
   return _mm256_unpacklo_epi64(starts, steps);
 }
 
@@ -135,13 +130,13 @@ INLINE __m256i load(const windows* w, size_t offset, layout l) {
   return _mm256_setr_epi64x(bytes[0], bytes[1], bytes[2], bytes[3]);
 }
 
-/* positions: x, y, -, - of a pixel of both rows in q12. factors: bytes of a
- * pixel and of a row, in 16 bits. */
-INLINE void find_windows(const uint8_t* data, __m256i positions,
-                         __m256i factors, const uint8_t** row0,
-                         const uint8_t** row1) {
-  const __m256i products =
-      _mm256_madd_epi16(_mm256_srai_epi32(positions, 12), factors);
+/* start: x in q12, y in q15 of a pixel of both rows. factors: bytes of a pixel
+ * and of a row, in 16 bits. */
+INLINE void find_windows(const uint8_t* data, __m256i start, __m256i factors,
+                         const uint8_t** row0, const uint8_t** row1) {
+  const __m256i pixel =
+      _mm256_srav_epi32(start, _mm256_setr_epi32(12, 15, 0, 0, 12, 15, 0, 0));
+  const __m256i products = _mm256_madd_epi16(pixel, factors);
   const __m256i offsets =
       _mm256_add_epi32(products, _mm256_shuffle_epi32(products, 1));
   *row0 = data + (uint32_t)_mm256_cvtsi256_si32(offsets);
@@ -149,25 +144,31 @@ INLINE void find_windows(const uint8_t* data, __m256i positions,
       data + (uint32_t)_mm_cvtsi128_si32(_mm256_extracti128_si256(offsets, 1));
 }
 
-/* A segment of both rows; x in q12 and y in q15 modulo 2^16. Results in the low
- * bytes of lanes. */
-INLINE __m256i blend_segments(const windows* w, size_t stride, __m256i x,
-                              __m256i y, __m256i y_pick, layout l) {
-  /* pixel of the window and 12 bits of fraction */
-  const __m256i x_start = _mm256_and_si256(
-      _mm256_shuffle_epi8(x, first_lane(l)), _mm256_set1_epi16(-4096));
-  const __m256i x_q12 = _mm256_sub_epi16(x, x_start);
+/* The fractions of where windows start, to their lanes. */
+INLINE __m256i fractions(__m256i start, __m256i second, int c, layout l) {
+  const __m256i mask = _mm256_set1_epi64x(INT64_C(0x7fff00000fff));
+  const __m256i first = to_lanes(_mm256_and_si256(start, mask), c);
+  if (!l.is_halved) return first;
+  return _mm256_blend_epi16(first, to_lanes(_mm256_and_si256(second, mask), c),
+                            0xf0);
+}
+
+/* A segment of both rows; x in q12 and y in q15 from where the windows start.
+ * Results in the low bytes of lanes. */
+INLINE __m256i blend_segments(const windows* w, size_t stride, __m256i x_q12,
+                              __m256i y_q15, layout l) {
   /* byte indices of left and right sample */
   const __m256i index = _mm256_add_epi16(
-      _mm256_mullo_epi16(_mm256_srli_epi16(x_q12, 12),
-                         _mm256_set1_epi16((int16_t)(0x0101 * l.channels))),
+      _mm256_mullo_epi16(
+          _mm256_srli_epi16(x_q12, 12),
+          as_is(_mm256_set1_epi16((int16_t)(0x0101 * l.channels)))),
       lane_offsets(l));
   /* bytes wx - 128 and -wx */
   const __m256i wx = _mm256_and_si256(_mm256_srli_epi16(x_q12, 5),
                                       _mm256_set1_epi16(127));
-  const __m256i weights =
-      _mm256_add_epi16(_mm256_mullo_epi16(wx, _mm256_set1_epi16(-255)),
-                       _mm256_set1_epi16(128));
+  const __m256i weights = _mm256_add_epi16(
+      _mm256_mullo_epi16(wx, as_is(_mm256_set1_epi16(-255))),
+      _mm256_set1_epi16(128));
   /* -h of the three rows */
   const __m256i h0 = _mm256_maddubs_epi16(
       _mm256_shuffle_epi8(load(w, 0, l), index), weights);
@@ -175,11 +176,8 @@ INLINE __m256i blend_segments(const windows* w, size_t stride, __m256i x,
       _mm256_shuffle_epi8(load(w, stride, l), index), weights);
   const __m256i h2 = _mm256_maddubs_epi16(
       _mm256_shuffle_epi8(load(w, 2 * stride, l), index), weights);
-  /* sign: in the second of the window's rows */
-  const __m256i y_start = _mm256_and_si256(_mm256_shuffle_epi8(y, y_pick),
-                                           _mm256_set1_epi16(INT16_MIN));
-  const __m256i y_q15 = _mm256_xor_si256(y, y_start);
-  const __m256i is_second = _mm256_srai_epi16(y_q15, 15);
+  /* The sign of y: in the second of the window's rows. */
+  const __m256i is_second = as_is(_mm256_srai_epi16(y_q15, 15));
   const __m256i wy = _mm256_and_si256(y_q15, _mm256_set1_epi16(INT16_MAX));
   const __m256i upper = _mm256_blendv_epi8(h0, h1, is_second);
   const __m256i lower = _mm256_blendv_epi8(h1, h2, is_second);
@@ -218,39 +216,36 @@ INLINE void blend_run(const rg_run* run, layout l) {
   row_pair pair = first_rows(run);
   const __m256i factors = _mm256_set1_epi64x(
       (int64_t)((uint64_t)stride << 32 | l.channels));
-  const int32_t window_steps = (int32_t)(l.pixels >> l.is_halved) - 1;
+  const uint32_t window_pixels = l.pixels >> l.is_halved;
+  const __m256i lanes = lane_pixels(l);
   for (uint32_t r = 0; r < num_rows; r += 2, out += 2 * out_stride) {
     size_t to_next = out_stride;
     if (r + 1 == num_rows) { /* the last one twice */
       pair.down = _mm256_permute2x128_si256(pair.down, pair.down, 0);
       to_next = 0;
     }
-    const __m256i rows = find_rows(&pair);
+    /* y in q15 from here on */
+    const __m256i rows = _mm256_sllv_epi32(
+        find_rows(&pair), _mm256_setr_epi32(0, 3, 0, 3, 0, 3, 0, 3));
     pair.down = _mm256_add_epi32(pair.down, pair.two_down);
 
-    const __m256i step_x = to_lanes(rows, 2);
-    const __m256i step_y = _mm256_slli_epi16(to_lanes(rows, 3), 3);
-    __m256i x = _mm256_add_epi16(
-        _mm256_add_epi16(to_lanes(rows, 0), _mm256_set1_epi16(16)),
-        _mm256_mullo_epi16(step_x, lane_pixels(l)));
-    __m256i y = _mm256_add_epi16(_mm256_slli_epi16(to_lanes(rows, 1), 3),
-                                 _mm256_mullo_epi16(step_y, lane_pixels(l)));
-    /* The lane with the uppermost row. */
-    const __m256i y_pick = _mm256_blendv_epi8(
-        first_lane(l), last_lane(l), _mm256_srai_epi16(step_y, 15));
-    /* Where the window begins: x + 16, and y or the y of its last pixel. */
+    /* Steps, x in q12 and y in q15; x and y of lanes from the first one. */
     const __m256i steps = _mm256_shuffle_epi32(rows, 0x4e);
+    const __m256i lanes_x = _mm256_mullo_epi16(to_lanes(steps, 0), lanes);
+    const __m256i from_first_y =
+        _mm256_mullo_epi16(to_lanes(steps, 1), lanes);
+    /* The window starts at the first x + 16 and the least y. */
     const __m256i up = _mm256_min_epi32(
-        _mm256_mullo_epi32(steps, _mm256_set1_epi64x((int64_t)window_steps << 32)),
+        _mm256_and_si256(_mm256_sub_epi32(times(steps, window_pixels), steps),
+                         _mm256_set1_epi64x((int64_t)(UINT64_MAX << 32))),
         _mm256_setzero_si256());
+    const __m256i lanes_y =
+        _mm256_sub_epi16(from_first_y, to_lanes(up, 1));
     __m256i start =
         _mm256_add_epi32(_mm256_add_epi32(rows, _mm256_set1_epi64x(16)), up);
     for (uint32_t k = 0; k < n; k += l.pixels) {
       if (k + l.pixels > n) { /* the last segment begins earlier */
         const uint32_t back = k + l.pixels - n;
-        const __m256i back_16 = _mm256_set1_epi16((int16_t)back);
-        x = _mm256_sub_epi16(x, _mm256_mullo_epi16(step_x, back_16));
-        y = _mm256_sub_epi16(y, _mm256_mullo_epi16(step_y, back_16));
         start = _mm256_sub_epi32(
             start,
             _mm256_mullo_epi32(steps, _mm256_set1_epi32((int32_t)back)));
@@ -258,21 +253,20 @@ INLINE void blend_run(const rg_run* run, layout l) {
       }
       windows w;
       find_windows(data, start, factors, &w.row0, &w.row1);
+      const __m256i second =
+          _mm256_add_epi32(start, times(steps, window_pixels));
       if (l.is_halved)
-        find_windows(
-            data,
-            _mm256_add_epi32(start, times(steps, l.pixels >> 1)),
-            factors, &w.second0, &w.second1);
-      const __m256i v = blend_segments(&w, stride, x, y, y_pick, l);
+        find_windows(data, second, factors, &w.second0, &w.second1);
+      const __m256i x =
+          _mm256_add_epi16(fractions(start, second, 0, l), lanes_x);
+      const __m256i y =
+          _mm256_add_epi16(fractions(start, second, 1, l), lanes_y);
+      const __m256i v = blend_segments(&w, stride, x, y, l);
       const __m256i bytes = _mm256_packus_epi16(v, v);
       const int is_last = k + l.pixels == n;
       uint8_t* const target = out + k * l.channels;
       store(target, _mm256_castsi256_si128(bytes), is_last, l);
       store(target + to_next, _mm256_extracti128_si256(bytes, 1), is_last, l);
-      x = _mm256_add_epi16(
-          x, _mm256_slli_epi16(step_x, log2_of(l.pixels)));
-      y = _mm256_add_epi16(
-          y, _mm256_slli_epi16(step_y, log2_of(l.pixels)));
       start = _mm256_add_epi32(start, times(steps, l.pixels));
     }
   }
