@@ -25,6 +25,12 @@ static int has_avx2(void) {
 
 #endif
 
+#if defined(__aarch64__)
+static const rg_kernels kNeon = {
+    "neon",
+    {rg_blend_1_neon, rg_blend_2_neon, rg_blend_3_neon, rg_blend_4_neon}};
+#endif
+
 static int is_same(const char* a, const char* b) {
   while (*a && *a == *b) ++a, ++b;
   return *a == *b;
@@ -33,6 +39,8 @@ static int is_same(const char* a, const char* b) {
 const rg_kernels* rg_find_kernels(const char* name) {
 #if defined(__x86_64__)
   if ((!name || is_same(name, kAvx2.name)) && has_avx2()) return &kAvx2;
+#elif defined(__aarch64__)
+  if (!name || is_same(name, kNeon.name)) return &kNeon;
 #endif
   return !name || is_same(name, kPortable.name) ? &kPortable : 0;
 }
