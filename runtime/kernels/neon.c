@@ -26,9 +26,8 @@ static const uint8_t kLaneOffsets[3][16] = {
     {0, 1, 0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3, 2, 3},
     {0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 6, 7, 4, 5, 6, 7}};
 
-/* 1 - wx in the low half, wx in the high one: (wx ^ these) + those. */
-static const uint8_t kFlip[16] = {255, 255, 255, 255, 255, 255, 255, 255};
-static const uint8_t kOne[16] = {129, 129, 129, 129, 129, 129, 129, 129};
+/* 128 - wx in the low half, wx in the high one: |wx - these|. */
+static const uint8_t kWeights[16] = {128, 128, 128, 128, 128, 128, 128, 128};
 
 /* Rows of a run, one after the other. */
 typedef struct row_steps {
@@ -80,83 +79,109 @@ INLINE uint16x8_t blend_across(uint8x16_t samples, uint8x16_t weights) {
                        samples, weights);
 }
 
-/* x in q12 and y in q15 of 8 lanes, from where the window starts: table index
- * with 16 more in the second row, weights, and wy. */
+/* x in q12 and y in q15 of 8 lanes, from where the window starts. */
 typedef struct lanes {
-  uint8x8_t index; /* pixel of the window, + 16 */
+  uint8x16_t pixel; /* of the window, 16 more in the second row; twice */
   uint8x16_t weights;
   int16x8_t wy;
 } lanes;
 
-INLINE lanes cut(uint16x8_t x_q12, uint16x8_t y_q15, uint8x16_t flip,
-                 uint8x16_t one) {
+INLINE lanes cut(uint16x8_t x_q12, uint16x8_t y_q15) {
   lanes cut;
-  cut.index = vshr_n_u8(vshrn_n_u16(vsriq_n_u16(y_q15, x_q12, 1), 8), 3);
+  uint16x8_t low_bits = vdupq_n_u16(0x7fff);
+  __asm__("" : "+w"(low_bits)); /* else a copy and a shorter instruction */
+  cut.wy = vreinterpretq_s16_u16(vandq_u16(y_q15, low_bits));
+  const uint8x16_t high =
+      vreinterpretq_u8_u16(vsriq_n_u16(y_q15, x_q12, 1));
+  cut.pixel = vshrq_n_u8(vuzp2q_u8(high, high), 3);
   const uint8x8_t wx = vand_u8(vshrn_n_u16(x_q12, 5), vdup_n_u8(127));
-  cut.weights = vaddq_u8(veorq_u8(vcombine_u8(wx, wx), flip), one);
-  cut.wy = vreinterpretq_s16_u16(vbicq_u16(y_q15, vdupq_n_u16(0x8000)));
+  cut.weights = vabdq_u8(vcombine_u8(wx, wx), vld1q_u8(kWeights));
   return cut;
+}
+
+/* Samples of rows 0 and 1, 16 bytes each, and of rows 1 and 2. The tables must
+ * be neighbouring registers, which the compiler would make copies for. */
+INLINE void look_up(const uint8_t* window, size_t stride, size_t two_rows,
+                    uint8x16_t index, uint8x16_t* upper, uint8x16_t* lower) {
+  register uint8x16_t row0 __asm__("v16") = vld1q_u8(window);
+  register uint8x16_t row1 __asm__("v17") = vld1q_u8(window + stride);
+  register uint8x16_t row2 __asm__("v18") = vld1q_u8(window + two_rows);
+  __asm__("tbl %0.16b, {v16.16b, v17.16b}, %1.16b"
+          : "=w"(*upper)
+          : "w"(index), "w"(row0), "w"(row1));
+  __asm__("tbl %0.16b, {v17.16b, v18.16b}, %1.16b"
+          : "=w"(*lower)
+          : "w"(index), "w"(row1), "w"(row2));
+}
+
+/* What the segments of a run, and of a row, have in common. */
+typedef struct segment_constants {
+  const uint8_t* data;
+  size_t stride, two_rows;
+  uint8x16_t offsets;
+  uint16x8_t lanes_x, lanes_y; /* of the row */
+} segment_constants;
+
+INLINE uint8x8_t blend_segment(const segment_constants* s, uint64_t x_q12,
+                               uint64_t y_q12, layout l) {
+  const uint8_t* const window = s->data + (size_t)(y_q12 >> 12) * s->stride +
+                                (size_t)(x_q12 >> 12) * l.channels;
+  const lanes at = cut(
+      vaddq_u16(s->lanes_x, vdupq_n_u16((uint16_t)(x_q12 & 4095))),
+      vaddq_u16(s->lanes_y, vdupq_n_u16((uint16_t)((y_q12 & 4095) << 3))));
+  uint8x16_t index = vaddq_u8(at.pixel, s->offsets);
+  if (l.channels != 1) { /* channels times the pixel; the 16 stay */
+    const uint8x16_t pixel = vandq_u8(at.pixel, vdupq_n_u8(15));
+    index = l.channels == 2 ? vaddq_u8(index, pixel)
+                            : vmlaq_u8(index, pixel, vdupq_n_u8(3));
+  }
+  uint8x16_t upper, lower;
+  look_up(window, s->stride, s->two_rows, index, &upper, &lower);
+  return blend_down(blend_across(upper, at.weights),
+                    blend_across(lower, at.weights), at.wy);
 }
 
 /* Rows of 16 bytes a window: 8 pixels of one channel, 4 of two, 2 of four. */
 INLINE void blend_short(const rg_run* run, layout l) {
   const uint32_t table = l.channels == 4 ? 2 : l.channels - 1;
   const uint16x8_t lane = vld1q_u16(kLanePixels[table]);
-  const uint8x16_t offsets = vld1q_u8(kLaneOffsets[table]);
-  const uint8x16_t flip = vld1q_u8(kFlip), one = vld1q_u8(kOne);
-  const uint8_t* const data = run->data;
-  const size_t stride = run->stride, two_rows = 2 * stride;
-  const uint32_t n = run->num_pixels, num_rows = run->num_rows;
+  const uint32_t segment_bytes = l.pixels * l.channels;
+  const uint32_t rest = run->num_pixels % l.pixels;
+  const uint32_t whole_bytes = (run->num_pixels - rest) * l.channels;
   const size_t out_stride = run->out_stride;
   uint8_t* out_row = run->out + run->out_pixel * l.channels;
   row_steps rows = first_row(run);
-  for (uint32_t r = 0; r < num_rows; ++r, out_row += out_stride) {
+  segment_constants s;
+  s.data = run->data;
+  s.stride = run->stride;
+  s.two_rows = 2 * (size_t)run->stride;
+  s.offsets = vld1q_u8(kLaneOffsets[table]);
+  for (uint32_t r = run->num_rows; r != 0; --r, out_row += out_stride) {
     const int32x4_t row = next_row(&rows);
-    const int32_t step_x = vgetq_lane_s32(row, 2);
-    const int32_t step_y = vgetq_lane_s32(row, 3);
-    const int32_t last_y = (int32_t)(l.pixels - 1) * step_y;
-    const int32_t up = last_y < 0 ? last_y : 0;
+    const int64_t step_x = vgetq_lane_s32(row, 2);
+    const int64_t step_y = vgetq_lane_s32(row, 3);
+    /* The window starts at the first x + 16 and the least y. */
+    const int64_t last_y = (int64_t)(l.pixels - 1) * step_y;
+    const int64_t up = last_y < 0 ? last_y : 0;
     const uint16x8_t steps = vreinterpretq_u16_s32(row);
-    const uint16x8_t lanes_x = vmulq_laneq_u16(lane, steps, 4);
-    const uint16x8_t lanes_y = vsubq_u16(
-        vmulq_laneq_u16(lane, vshlq_n_u16(steps, 3), 6),
-        vdupq_n_u16((uint16_t)(up * 8)));
-    int32_t x = vgetq_lane_s32(row, 0) + 16;
-    int32_t y = vgetq_lane_s32(row, 1) + up;
+    s.lanes_x = vmulq_laneq_u16(lane, steps, 4);
+    s.lanes_y = vmlaq_laneq_u16(vdupq_n_u16((uint16_t)(-up * 8)), lane,
+                                vshlq_n_u16(steps, 3), 6);
+    int64_t x = (uint32_t)vgetq_lane_s32(row, 0) + 16;
+    int64_t y = (uint32_t)vgetq_lane_s32(row, 1) + up;
     uint8_t* out = out_row;
-    uint8_t* const last = out_row + (n - l.pixels) * l.channels;
-    for (;;) {
-      const uint8_t* const window =
-          data + (size_t)(y >> 12) * stride + (size_t)(x >> 12) * l.channels;
-      const uint8x16_t r0 = vld1q_u8(window), r1 = vld1q_u8(window + stride),
-                       r2 = vld1q_u8(window + two_rows);
-      const lanes at =
-          cut(vaddq_u16(lanes_x, vdupq_n_u16((uint16_t)(x & 4095))),
-              vaddq_u16(lanes_y, vdupq_n_u16((uint16_t)((y & 4095) << 3))),
-              flip, one);
-      uint8x8_t index = at.index;
-      if (l.channels != 1) { /* keeps the 16 */
-        const uint8x8_t pixel = vand_u8(index, vdup_n_u8(15));
-        index = vadd_u8(index, l.channels == 2
-                                   ? pixel
-                                   : vmul_u8(pixel, vdup_n_u8(3)));
-      }
-      const uint8x16_t indices = vaddq_u8(vcombine_u8(index, index), offsets);
-      const uint8x16x2_t upper = {{r0, r1}}, lower = {{r1, r2}};
-      vst1_u8(out,
-              blend_down(blend_across(vqtbl2q_u8(upper, indices), at.weights),
-                         blend_across(vqtbl2q_u8(lower, indices), at.weights),
-                         at.wy));
-      if (out == last) break;
-      out += l.pixels * l.channels;
-      x += (int32_t)l.pixels * step_x;
-      y += (int32_t)l.pixels * step_y;
-      if (out > last) { /* the last segment begins earlier */
-        const int32_t back = (int32_t)((uint32_t)(out - last) / l.channels);
-        x -= back * step_x;
-        y -= back * step_y;
-        out = last;
-      }
+    uint8_t* const end = out_row + whole_bytes;
+    do {
+      vst1_u8(out, blend_segment(&s, (uint64_t)x, (uint64_t)y, l));
+      x += l.pixels * step_x;
+      y += l.pixels * step_y;
+      out += segment_bytes;
+    } while (out != end);
+    if (rest != 0) { /* the last segment begins earlier */
+      const uint32_t back = l.pixels - rest;
+      vst1_u8(out - back * l.channels,
+              blend_segment(&s, (uint64_t)(x - back * step_x),
+                            (uint64_t)(y - back * step_y), l));
     }
   }
 }
@@ -164,7 +189,6 @@ INLINE void blend_short(const rg_run* run, layout l) {
 /* 8 pixels of three channels from 32 bytes a row. */
 INLINE void blend_triples(const rg_run* run, layout l) {
   const uint16x8_t lane = vld1q_u16(kLanePixels[0]);
-  const uint8x16_t flip = vld1q_u8(kFlip), one = vld1q_u8(kOne);
   const uint8x16_t right = vcombine_u8(vdup_n_u8(0), vdup_n_u8(3));
   row_steps rows = first_row(run);
   for (uint32_t r = 0; r < run->num_rows; ++r) {
@@ -192,13 +216,10 @@ INLINE void blend_triples(const rg_run* run, layout l) {
       }
       const lanes at =
           cut(vaddq_u16(lanes_x, vdupq_n_u16((uint16_t)(x & 4095))),
-              vaddq_u16(lanes_y, vdupq_n_u16((uint16_t)((y & 4095) << 3))),
-              flip, one);
-      /* 3 pixel + 32 in the second row */
-      const uint8x8_t pixel = vand_u8(at.index, vdup_n_u8(15));
-      const uint8x8_t index = vmla_u8(
-          vshl_n_u8(vand_u8(at.index, vdup_n_u8(16)), 1), pixel, vdup_n_u8(3));
-      uint8x16_t indices = vaddq_u8(vcombine_u8(index, index), right);
+              vaddq_u16(lanes_y, vdupq_n_u16((uint16_t)((y & 4095) << 3))));
+      /* 3 pixel + 32 in the second row = 2 (pixel + 16) + pixel */
+      uint8x16_t indices = vaddq_u8(vaddq_u8(at.pixel, at.pixel), right);
+      indices = vaddq_u8(indices, vandq_u8(at.pixel, vdupq_n_u8(15)));
       const uint8x16x4_t upper = {{source[0].val[0], source[0].val[1],
                                    source[1].val[0], source[1].val[1]}};
       const uint8x16x4_t lower = {{source[1].val[0], source[1].val[1],
