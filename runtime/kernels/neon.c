@@ -15,15 +15,13 @@ typedef struct layout {
   uint32_t channels, pixels, window;
 } layout;
 
-static const uint16_t kLanePixels[3][8] = {{0, 1, 2, 3, 4, 5, 6, 7},
-                                           {0, 0, 1, 1, 2, 2, 3, 3},
+static const uint16_t kLanePixels[2][8] = {{0, 1, 2, 3, 4, 5, 6, 7},
                                            {0, 0, 0, 0, 1, 1, 1, 1}};
 
 /* Where the window has the left samples of a segment's first pixel, and the
  * right ones. */
-static const uint8_t kLaneOffsets[3][16] = {
+static const uint8_t kLaneOffsets[2][16] = {
     {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1},
-    {0, 1, 0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3, 2, 3},
     {0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 6, 7, 4, 5, 6, 7}};
 
 /* 128 - wx in the low half, wx in the high one: |wx - these|. */
@@ -90,7 +88,9 @@ INLINE lanes cut(uint16x8_t x_q12, uint16x8_t y_q15) {
   lanes cut;
   uint16x8_t low_bits = vdupq_n_u16(0x7fff);
   __asm__("" : "+w"(low_bits)); /* else a copy and a shorter instruction */
-  cut.wy = vreinterpretq_s16_u16(vandq_u16(y_q15, low_bits));
+  uint16x8_t wy = vandq_u16(y_q15, low_bits);
+  __asm__("" : "+w"(wy));
+  cut.wy = vreinterpretq_s16_u16(wy);
   const uint8x16_t high =
       vreinterpretq_u8_u16(vsriq_n_u16(y_q15, x_q12, 1));
   cut.pixel = vshrq_n_u8(vuzp2q_u8(high, high), 3);
@@ -122,18 +122,26 @@ typedef struct segment_constants {
   uint16x8_t lanes_x, lanes_y; /* of the row */
 } segment_constants;
 
+/* Three instructions; the compiler's own choice of sums takes more. */
+INLINE const uint8_t* find_window(const segment_constants* s, uint64_t x_q12,
+                                  uint64_t y_q12, layout l) {
+  const uint8_t* window = s->data + (size_t)(y_q12 >> 12) * s->stride;
+  __asm__("" : "+r"(window));
+  window += (size_t)(x_q12 >> 12) * l.channels;
+  __asm__("" : "+r"(window));
+  return window;
+}
+
 INLINE uint8x8_t blend_segment(const segment_constants* s, uint64_t x_q12,
                                uint64_t y_q12, layout l) {
-  const uint8_t* const window = s->data + (size_t)(y_q12 >> 12) * s->stride +
-                                (size_t)(x_q12 >> 12) * l.channels;
+  const uint8_t* const window = find_window(s, x_q12, y_q12, l);
   const lanes at = cut(
       vaddq_u16(s->lanes_x, vdupq_n_u16((uint16_t)(x_q12 & 4095))),
       vaddq_u16(s->lanes_y, vdupq_n_u16((uint16_t)((y_q12 & 4095) << 3))));
   uint8x16_t index = vaddq_u8(at.pixel, s->offsets);
   if (l.channels != 1) { /* channels times the pixel; the 16 stay */
     const uint8x16_t pixel = vandq_u8(at.pixel, vdupq_n_u8(15));
-    index = l.channels == 2 ? vaddq_u8(index, pixel)
-                            : vmlaq_u8(index, pixel, vdupq_n_u8(3));
+    index = vmlaq_u8(index, pixel, vdupq_n_u8((uint8_t)(l.channels - 1)));
   }
   uint8x16_t upper, lower;
   look_up(window, s->stride, s->two_rows, index, &upper, &lower);
@@ -141,9 +149,70 @@ INLINE uint8x8_t blend_segment(const segment_constants* s, uint64_t x_q12,
                     blend_across(lower, at.weights), at.wy);
 }
 
-/* Rows of 16 bytes a window: 8 pixels of one channel, 4 of two, 2 of four. */
-INLINE void blend_short(const rg_run* run, layout l) {
-  const uint32_t table = l.channels == 4 ? 2 : l.channels - 1;
+/* Rows of 32 bytes a window: rows 0 and 1, and rows 1 and 2. */
+typedef struct long_window {
+  uint8x16_t row0[2], row1[2], row2[2];
+} long_window;
+
+INLINE void look_up_long(const long_window* w, uint8x16_t index,
+                         uint8x16_t* upper, uint8x16_t* lower) {
+  register uint8x16_t row00 __asm__("v16") = w->row0[0];
+  register uint8x16_t row01 __asm__("v17") = w->row0[1];
+  register uint8x16_t row10 __asm__("v18") = w->row1[0];
+  register uint8x16_t row11 __asm__("v19") = w->row1[1];
+  register uint8x16_t row20 __asm__("v20") = w->row2[0];
+  register uint8x16_t row21 __asm__("v21") = w->row2[1];
+  __asm__("tbl %0.16b, {v16.16b, v17.16b, v18.16b, v19.16b}, %1.16b"
+          : "=w"(*upper)
+          : "w"(index), "w"(row00), "w"(row01), "w"(row10), "w"(row11));
+  __asm__("tbl %0.16b, {v18.16b, v19.16b, v20.16b, v21.16b}, %1.16b"
+          : "=w"(*lower)
+          : "w"(index), "w"(row10), "w"(row11), "w"(row20), "w"(row21));
+}
+
+/* 8 pixels of two or three channels. */
+INLINE void blend_long_segment(const segment_constants* s, uint64_t x_q12,
+                               uint64_t y_q12, layout l, uint8_t* out) {
+  const uint8_t* const window = find_window(s, x_q12, y_q12, l);
+  const long_window w = {
+      {vld1q_u8(window), vld1q_u8(window + 16)},
+      {vld1q_u8(window + s->stride), vld1q_u8(window + s->stride + 16)},
+      {vld1q_u8(window + s->two_rows), vld1q_u8(window + s->two_rows + 16)}};
+  const lanes at = cut(
+      vaddq_u16(s->lanes_x, vdupq_n_u16((uint16_t)(x_q12 & 4095))),
+      vaddq_u16(s->lanes_y, vdupq_n_u16((uint16_t)((y_q12 & 4095) << 3))));
+  /* channels * pixel + 32 in the second row */
+  uint8x16_t index = vaddq_u8(vaddq_u8(at.pixel, at.pixel), s->offsets);
+  if (l.channels == 3)
+    index = vaddq_u8(index, vandq_u8(at.pixel, vdupq_n_u8(15)));
+  uint8x8x3_t result;
+  for (uint32_t c = 0; c < l.channels; ++c) {
+    uint8x16_t upper, lower;
+    look_up_long(&w, index, &upper, &lower);
+    result.val[c] = blend_down(blend_across(upper, at.weights),
+                               blend_across(lower, at.weights), at.wy);
+    index = vaddq_u8(index, vdupq_n_u8(1));
+  }
+  if (l.channels == 3) {
+    vst3_u8(out, result);
+  } else {
+    const uint8x8x2_t pair = {{result.val[0], result.val[1]}};
+    vst2_u8(out, pair);
+  }
+}
+
+INLINE void blend(const segment_constants* s, uint64_t x_q12, uint64_t y_q12,
+                  layout l, uint8_t* out) {
+  if (l.window == 32)
+    blend_long_segment(s, x_q12, y_q12, l, out);
+  else
+    vst1_u8(out, blend_segment(s, x_q12, y_q12, l));
+}
+
+/* All segments of a run. */
+INLINE void blend_run(const rg_run* run, layout l) {
+  const int is_long = l.window == 32;
+  const uint32_t table = is_long || l.channels == 1 ? 0 : 1;
   const uint16x8_t lane = vld1q_u16(kLanePixels[table]);
   const uint32_t segment_bytes = l.pixels * l.channels;
   const uint32_t rest = run->num_pixels % l.pixels;
@@ -155,7 +224,9 @@ INLINE void blend_short(const rg_run* run, layout l) {
   s.data = run->data;
   s.stride = run->stride;
   s.two_rows = 2 * (size_t)run->stride;
-  s.offsets = vld1q_u8(kLaneOffsets[table]);
+  __asm__("" : "+r"(s.two_rows)); /* an offset of its own */
+  s.offsets = is_long ? vcombine_u8(vdup_n_u8(0), vdup_n_u8((uint8_t)l.channels))
+                      : vld1q_u8(kLaneOffsets[table]);
   for (uint32_t r = run->num_rows; r != 0; --r, out_row += out_stride) {
     const int32x4_t row = next_row(&rows);
     const int64_t step_x = vgetq_lane_s32(row, 2);
@@ -172,66 +243,15 @@ INLINE void blend_short(const rg_run* run, layout l) {
     uint8_t* out = out_row;
     uint8_t* const end = out_row + whole_bytes;
     do {
-      vst1_u8(out, blend_segment(&s, (uint64_t)x, (uint64_t)y, l));
+      blend(&s, (uint64_t)x, (uint64_t)y, l, out);
       x += l.pixels * step_x;
       y += l.pixels * step_y;
       out += segment_bytes;
     } while (out != end);
     if (rest != 0) { /* the last segment begins earlier */
       const uint32_t back = l.pixels - rest;
-      vst1_u8(out - back * l.channels,
-              blend_segment(&s, (uint64_t)(x - back * step_x),
-                            (uint64_t)(y - back * step_y), l));
-    }
-  }
-}
-
-/* 8 pixels of three channels from 32 bytes a row. */
-INLINE void blend_triples(const rg_run* run, layout l) {
-  const uint16x8_t lane = vld1q_u16(kLanePixels[0]);
-  const uint8x16_t right = vcombine_u8(vdup_n_u8(0), vdup_n_u8(3));
-  row_steps rows = first_row(run);
-  for (uint32_t r = 0; r < run->num_rows; ++r) {
-    const int32x4_t row = next_row(&rows);
-    const int32_t step_x = vgetq_lane_s32(row, 2);
-    const int32_t step_y = vgetq_lane_s32(row, 3);
-    const int32_t last_y = (int32_t)(l.pixels - 1) * step_y;
-    const int32_t up = last_y < 0 ? last_y : 0;
-    const uint16x8_t lanes_x = vmulq_n_u16(lane, (uint16_t)step_x);
-    const uint16x8_t lanes_y =
-        vsubq_u16(vmulq_n_u16(lane, (uint16_t)(step_y * 8)),
-                  vdupq_n_u16((uint16_t)(up * 8)));
-    uint8_t* const out =
-        run->out + (size_t)r * run->out_stride + run->out_pixel * 3;
-    for (uint32_t k = 0; k < run->num_pixels; k += 8) {
-      if (k + 8 > run->num_pixels) k = run->num_pixels - 8u;
-      const int32_t x = vgetq_lane_s32(row, 0) + 16 + (int32_t)k * step_x;
-      const int32_t y = vgetq_lane_s32(row, 1) + up + (int32_t)k * step_y;
-      const uint8_t* window = run->data + (size_t)(y >> 12) * run->stride +
-                              (size_t)(x >> 12) * 3;
-      uint8x16x2_t source[3];
-      for (int i = 0; i < 3; ++i, window += run->stride) {
-        source[i].val[0] = vld1q_u8(window);
-        source[i].val[1] = vld1q_u8(window + 16);
-      }
-      const lanes at =
-          cut(vaddq_u16(lanes_x, vdupq_n_u16((uint16_t)(x & 4095))),
-              vaddq_u16(lanes_y, vdupq_n_u16((uint16_t)((y & 4095) << 3))));
-      /* 3 pixel + 32 in the second row = 2 (pixel + 16) + pixel */
-      uint8x16_t indices = vaddq_u8(vaddq_u8(at.pixel, at.pixel), right);
-      indices = vaddq_u8(indices, vandq_u8(at.pixel, vdupq_n_u8(15)));
-      const uint8x16x4_t upper = {{source[0].val[0], source[0].val[1],
-                                   source[1].val[0], source[1].val[1]}};
-      const uint8x16x4_t lower = {{source[1].val[0], source[1].val[1],
-                                   source[2].val[0], source[2].val[1]}};
-      uint8x8x3_t result;
-      for (int c = 0; c < 3; ++c) {
-        result.val[c] = blend_down(
-            blend_across(vqtbl4q_u8(upper, indices), at.weights),
-            blend_across(vqtbl4q_u8(lower, indices), at.weights), at.wy);
-        indices = vaddq_u8(indices, vdupq_n_u8(1));
-      }
-      vst3_u8(out + 3 * k, result);
+      blend(&s, (uint64_t)(x - back * step_x), (uint64_t)(y - back * step_y), l,
+            out - back * l.channels);
     }
   }
 }
@@ -257,15 +277,15 @@ INLINE int fits(const rg_run* run, layout l) {
 void rg_blend_1_neon(const rg_run* run) {
   const layout l = {1, 8, 16};
   if (fits(run, l))
-    blend_short(run, l);
+    blend_run(run, l);
   else
     rg_blend_1(run);
 }
 
 void rg_blend_2_neon(const rg_run* run) {
-  const layout l = {2, 4, 16};
+  const layout l = {2, 8, 32};
   if (fits(run, l))
-    blend_short(run, l);
+    blend_run(run, l);
   else
     rg_blend_2(run);
 }
@@ -273,7 +293,7 @@ void rg_blend_2_neon(const rg_run* run) {
 void rg_blend_3_neon(const rg_run* run) {
   const layout l = {3, 8, 32};
   if (fits(run, l))
-    blend_triples(run, l);
+    blend_run(run, l);
   else
     rg_blend_3(run);
 }
@@ -281,7 +301,7 @@ void rg_blend_3_neon(const rg_run* run) {
 void rg_blend_4_neon(const rg_run* run) {
   const layout l = {4, 2, 16};
   if (fits(run, l))
-    blend_short(run, l);
+    blend_run(run, l);
   else
     rg_blend_4(run);
 }
