@@ -58,12 +58,12 @@ static inline uint32_t rg_load_sample(uint32_t kind, const uint8_t* row,
 
 /* Puts bits of a value into a byte. */
 static inline void rg_store_bits(uint8_t* byte, uint32_t shift, uint32_t mask,
-                       uint32_t value) {
+                                 uint32_t value) {
   *byte = (uint8_t)((*byte & ~(mask << shift)) | ((value & mask) << shift));
 }
 
 static inline void rg_store_sample(uint32_t kind, uint8_t* row, uint32_t index,
-                     uint32_t value) {
+                                   uint32_t value) {
   if (kind == RG_SAMPLE_8) {
     row[index] = (uint8_t)value;
   } else if (kind == RG_SAMPLE_16) {

@@ -35,14 +35,15 @@ static void remap_lattice(const uint8_t* section, const rg_image* image,
   job.sampling = (uint8_t)target->sampling;
   job.border_values = target->border_values + lattice->first_border;
   job.kernels = rg_choose_kernels(target->kernels, stride);
-  job.run.data = image->planes[plane].data + lattice->first_row * (size_t)stride;
+  job.run.data =
+      image->planes[plane].data + lattice->first_row * (size_t)stride;
   job.run.stride = stride * lattice->row_step;
   job.run.out_stride = out_stride * lattice->row_step;
   job.run.first_source_row = 0;
   const uint32_t row = (uint32_t)target->first_row >> lattice->log2_y;
-  remap_rows(&job, row, row + ((uint32_t)target->num_rows >> lattice->log2_y),
-             target->planes[plane].data +
-                 lattice->first_row * (size_t)out_stride);
+  remap_rows(
+      &job, row, row + ((uint32_t)target->num_rows >> lattice->log2_y),
+      target->planes[plane].data + lattice->first_row * (size_t)out_stride);
 }
 
 /* ---- Checks -------------------------------------------------------------- */

@@ -77,8 +77,7 @@ static inline void store_source(const remap_job* job, rg_position p,
   uint32_t neighbor[2]; /* one beyond the last has weight zero */
   for (int c = 0; c < 2; ++c) {
     const uint32_t last = c == 0 ? job->map.width - 1u : job->map.height - 1u;
-    const int32_t moved =
-        max_of(min_of(p.q12[c], (int32_t)(last << 12)), 0);
+    const int32_t moved = max_of(min_of(p.q12[c], (int32_t)(last << 12)), 0);
     q12[c] = SAMPLING_OF(job) == RG_SAMPLING_NEAREST
                  ? (uint32_t)(moved + 2048) & ~4095u
                  : (uint32_t)moved + rg_rounding(lattice->kind, c);
@@ -90,11 +89,10 @@ static inline void store_source(const remap_job* job, rg_position p,
   const uint32_t first =
       lattice->first_sample + (q12[0] >> 12) * lattice->sample_step;
   for (uint32_t c = 0; c < lattice->num_channels; ++c)
-    rg_store_sample(
-        lattice->kind, out, index + c,
-        rg_blend_samples(lattice->kind, upper, lower, first + c,
-                         neighbor[0] ? lattice->sample_step : 0, q12[0],
-                         q12[1]));
+    rg_store_sample(lattice->kind, out, index + c,
+                    rg_blend_samples(lattice->kind, upper, lower, first + c,
+                                     neighbor[0] ? lattice->sample_step : 0,
+                                     q12[0], q12[1]));
 }
 
 /* Pixel k of the row; out is the output's row. */
@@ -208,11 +206,9 @@ static void choose_ring_part(remap_job* job) {
   const int32_t first = is_after ? wrap : job->ring_start;
   const int32_t last = first + job->ring_rows - 1;
   job->run.first_source_row = (uint16_t)first;
-  job->safe.min.q12[1] =
-      max_of(job->map.min.q12[1], first << 12) + SAFE_MARGIN;
+  job->safe.min.q12[1] = max_of(job->map.min.q12[1], first << 12) + SAFE_MARGIN;
   job->safe.max.q12[1] =
-      min_of(job->map.max.q12[1],
-             min_of(last, job->map.height - 1) << 12) -
+      min_of(job->map.max.q12[1], min_of(last, job->map.height - 1) << 12) -
       SAFE_MARGIN;
 }
 #endif

@@ -6,6 +6,10 @@
 
 #include <stdint.h>
 
+#if defined(__ARM_FEATURE_SIMD32)
+#include <arm_acle.h>
+#endif
+
 #include "pixel_formats.h"
 #include "raygrid.h"
 #include "remap_table.h"
@@ -23,8 +27,8 @@ typedef struct rg_run {
   uint32_t out_pixel; /* first_pixel of the block, in the output's row */
   rg_block block;
   uint16_t first_source_row;
-  uint8_t first_row, num_rows;      /* of the block */
-  uint8_t first_pixel, num_pixels;  /* of the block's rows; neither num is 0 */
+  uint8_t first_row, num_rows;     /* of the block */
+  uint8_t first_pixel, num_pixels; /* of the block's rows; neither num is 0 */
 } rg_run;
 
 /* Row r of a run: position (0, 0) is data. */
@@ -49,7 +53,6 @@ struct rg_kernels {
 
 rg_blend rg_blend_1, rg_blend_2, rg_blend_3, rg_blend_4;
 
-rg_blend rg_blend_1_sse4, rg_blend_2_sse4, rg_blend_3_sse4, rg_blend_4_sse4;
 rg_blend rg_blend_1_avx2, rg_blend_2_avx2, rg_blend_3_avx2, rg_blend_4_avx2;
 rg_blend rg_blend_1_neon, rg_blend_2_neon, rg_blend_3_neon, rg_blend_4_neon;
 
@@ -57,20 +60,26 @@ rg_blend rg_blend_1_neon, rg_blend_2_neon, rg_blend_3_neon, rg_blend_4_neon;
 void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice);
 void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice);
 
-/* The same bits for every kernel: 7-bit weights across, 12-bit weights down. */
-static inline uint32_t rg_blend_8(uint32_t upper_left_lower_left,
-                                  uint32_t upper_right_lower_right,
-                                  uint32_t x_q12, uint32_t y_q12) {
+/* 7-bit weights across, 12-bit weights down, both roundings in one. Arguments
+ * hold the upper row's samples in the low half, the lower row's in the high. */
+static inline uint32_t rg_blend_8(uint32_t left, uint32_t right, uint32_t x_q12,
+                                  uint32_t y_q12) {
   const uint32_t wx_q7 = (x_q12 >> 5) & 127;
   const uint32_t wy_q12 = y_q12 & 4095;
   /* h0 below and h1 above 16 bits */
-  const uint32_t h_q7 =
-      (upper_right_lower_right - upper_left_lower_left) * wx_q7 +
-      (upper_left_lower_left << 7);
+  const uint32_t h_q7 = (right - left) * wx_q7 + (left << 7);
+  const uint32_t rounding = 0x407ff;
+#if defined(__ARM_FEATURE_SIMD32)
+  /* h0 (4096 - wy) + h1 wy: one instruction */
+  const uint32_t weights = (wy_q12 << 16) - wy_q12 + 4096;
+  return (uint32_t)__smlad((int16x2_t)h_q7, (int16x2_t)weights,
+                           (int32_t)rounding) >>
+         19;
+#else
   const uint32_t upper_q7 = h_q7 & 0xffff;
   const uint32_t down_q7 = (h_q7 >> 16) - upper_q7;
-  /* (h0 (4096 - wy) + h1 wy + 2^18 + 2^11 - 1) >> 19 */
-  return (down_q7 * wy_q12 + ((upper_q7 << 12) + 0x407ff)) >> 19;
+  return (down_q7 * wy_q12 + ((upper_q7 << 12) + rounding)) >> 19;
+#endif
 }
 
 /* Samples of up to 16 bits, 8-bit weights both ways: below 2^32 - 2^15. */

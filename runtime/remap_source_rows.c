@@ -63,8 +63,7 @@ static void add_block(const rg_lattice_map* map, rg_block block, uint32_t i,
 static row_range find_range(const rg_lattice_map* map, uint32_t row,
                             uint32_t end) {
   row_range range = {INT32_MAX, INT32_MIN};
-  const uint32_t height_log2 =
-      (uint32_t)map->section[8] - map->lattice->log2_y;
+  const uint32_t height_log2 = (uint32_t)map->section[8] - map->lattice->log2_y;
   const uint32_t mask = (UINT32_C(1) << height_log2) - 1;
   const uint32_t num_blocks = rg_load_u16(map->section + 4) - 1u;
   while (row < end) {

@@ -12,8 +12,8 @@ static rg_position next_vertex(rg_block_walk* walk, uint32_t k) {
     const int32_t affine = walk->affine[k].q12[c];
     p.q12[c] =
         affine + rg_load_i16(residual + 2 * c) * (1 << walk->residual_shift);
-    walk->affine[k].q12[c] = (int32_t)((uint32_t)affine +
-                                       (uint32_t)walk->column_step.q12[c]);
+    walk->affine[k].q12[c] =
+        (int32_t)((uint32_t)affine + (uint32_t)walk->column_step.q12[c]);
   }
   return p;
 }
@@ -26,9 +26,8 @@ void rg_start_walk(const uint8_t* section, uint32_t j, rg_block_walk* walk) {
     walk->residuals[k] = section + rg_load_u32(section + 76) + j * row_bytes;
     /* The second coordinate of every pair lies behind the first. */
     for (uint32_t c = 0; c < 2; ++c)
-      walk->affine[k].q12[c] =
-          (int32_t)(rg_load_u32(section + 28 + 4 * c) +
-                    j * rg_load_u32(section + 44 + 4 * c));
+      walk->affine[k].q12[c] = (int32_t)(rg_load_u32(section + 28 + 4 * c) +
+                                         j * rg_load_u32(section + 44 + 4 * c));
   }
   for (int c = 0; c < 2; ++c)
     walk->column_step.q12[c] = rg_load_i32(section + 36 + 4 * c);

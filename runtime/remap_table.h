@@ -47,8 +47,8 @@ static inline int32_t rg_round_shift(int32_t value, uint32_t shift) {
   return (value + (INT32_C(1) << shift >> 1)) >> shift;
 }
 
-/* round((to - from) r / 2^shift); the product modulo 2^32, which it only reaches
- * where the table of a broken lens does. */
+/* round((to - from) r / 2^shift); the product modulo 2^32, which it only
+ * reaches where the table of a broken lens does. */
 static inline int32_t rg_part_of(int32_t from, int32_t to, uint32_t r,
                                  uint32_t shift) {
   return rg_round_shift((int32_t)((uint32_t)(to - from) * r), shift);
@@ -60,11 +60,11 @@ static inline void rg_find_block_row(const rg_block* block, uint32_t r,
   const rg_position* const corners = block->corners;
   for (int c = 0; c < 2; ++c) {
     const int32_t left =
-        corners[0].q12[c] + rg_part_of(corners[0].q12[c], corners[2].q12[c], r,
-                                       block->height_log2);
+        corners[0].q12[c] +
+        rg_part_of(corners[0].q12[c], corners[2].q12[c], r, block->height_log2);
     const int32_t right =
-        corners[1].q12[c] + rg_part_of(corners[1].q12[c], corners[3].q12[c], r,
-                                       block->height_log2);
+        corners[1].q12[c] +
+        rg_part_of(corners[1].q12[c], corners[3].q12[c], r, block->height_log2);
     row->start.q12[c] = left;
     row->step.q12[c] = rg_round_shift(right - left, block->width_log2);
   }

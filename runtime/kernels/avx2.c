@@ -54,8 +54,8 @@ INLINE __m256i as_is(__m256i value) {
 
 /* Two rows of a run, one in either half, and what leads to the next two. */
 typedef struct row_pair {
-  __m256i top;   /* P00, P10 */
-  __m256i down;  /* (P01 - P00) r, (P11 - P10) r, and half an LSB */
+  __m256i top;  /* P00, P10 */
+  __m256i down; /* (P01 - P00) r, (P11 - P10) r, and half an LSB */
   __m256i two_down;
   __m128i height_log2, width_log2;
   __m256i half_width; /* half an LSB of a step */
@@ -64,8 +64,8 @@ typedef struct row_pair {
 
 /* One by one, as they were just stored: a load of 16 bytes would wait. */
 INLINE __m256i load_corners(const rg_position* p) {
-  return _mm256_broadcastsi128_si256(_mm_setr_epi32(
-      p[0].q12[0], p[0].q12[1], p[1].q12[0], p[1].q12[1]));
+  return _mm256_broadcastsi128_si256(
+      _mm_setr_epi32(p[0].q12[0], p[0].q12[1], p[1].q12[0], p[1].q12[1]));
 }
 
 INLINE row_pair first_rows(const rg_run* run) {
@@ -77,11 +77,10 @@ INLINE row_pair first_rows(const rg_run* run) {
   rows.top = _mm256_sub_epi32(
       top,
       _mm256_set1_epi64x((int64_t)((uint64_t)run->first_source_row << 44)));
-  const __m256i r = _mm256_add_epi32(
-      _mm256_set1_epi32(run->first_row), _mm256_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1));
-  rows.down = _mm256_add_epi32(
-      _mm256_mullo_epi32(height, r),
-      _mm256_set1_epi32(1 << block->height_log2 >> 1));
+  const __m256i r = _mm256_add_epi32(_mm256_set1_epi32(run->first_row),
+                                     _mm256_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1));
+  rows.down = _mm256_add_epi32(_mm256_mullo_epi32(height, r),
+                               _mm256_set1_epi32(1 << block->height_log2 >> 1));
   rows.two_down = _mm256_add_epi32(height, height);
   rows.height_log2 = _mm_cvtsi32_si128(block->height_log2);
   rows.width_log2 = _mm_cvtsi32_si128(block->width_log2);
@@ -164,14 +163,14 @@ INLINE __m256i blend_segments(const windows* w, size_t stride, __m256i x_q12,
           as_is(_mm256_set1_epi16((int16_t)(0x0101 * l.channels)))),
       lane_offsets(l));
   /* bytes wx - 128 and -wx */
-  const __m256i wx = _mm256_and_si256(_mm256_srli_epi16(x_q12, 5),
-                                      _mm256_set1_epi16(127));
-  const __m256i weights = _mm256_add_epi16(
-      _mm256_mullo_epi16(wx, as_is(_mm256_set1_epi16(-255))),
-      _mm256_set1_epi16(128));
+  const __m256i wx =
+      _mm256_and_si256(_mm256_srli_epi16(x_q12, 5), _mm256_set1_epi16(127));
+  const __m256i weights =
+      _mm256_add_epi16(_mm256_mullo_epi16(wx, as_is(_mm256_set1_epi16(-255))),
+                       _mm256_set1_epi16(128));
   /* -h of the three rows */
-  const __m256i h0 = _mm256_maddubs_epi16(
-      _mm256_shuffle_epi8(load(w, 0, l), index), weights);
+  const __m256i h0 =
+      _mm256_maddubs_epi16(_mm256_shuffle_epi8(load(w, 0, l), index), weights);
   const __m256i h1 = _mm256_maddubs_epi16(
       _mm256_shuffle_epi8(load(w, stride, l), index), weights);
   const __m256i h2 = _mm256_maddubs_epi16(
@@ -214,8 +213,8 @@ INLINE void blend_run(const rg_run* run, layout l) {
   const size_t stride = run->stride, out_stride = run->out_stride;
   uint8_t* out = run->out + run->out_pixel * l.channels;
   row_pair pair = first_rows(run);
-  const __m256i factors = _mm256_set1_epi64x(
-      (int64_t)((uint64_t)stride << 32 | l.channels));
+  const __m256i factors =
+      _mm256_set1_epi64x((int64_t)((uint64_t)stride << 32 | l.channels));
   const uint32_t window_pixels = l.pixels >> l.is_halved;
   const __m256i lanes = lane_pixels(l);
   for (uint32_t r = 0; r < num_rows; r += 2, out += 2 * out_stride) {
@@ -232,23 +231,20 @@ INLINE void blend_run(const rg_run* run, layout l) {
     /* Steps, x in q12 and y in q15; x and y of lanes from the first one. */
     const __m256i steps = _mm256_shuffle_epi32(rows, 0x4e);
     const __m256i lanes_x = _mm256_mullo_epi16(to_lanes(steps, 0), lanes);
-    const __m256i from_first_y =
-        _mm256_mullo_epi16(to_lanes(steps, 1), lanes);
+    const __m256i from_first_y = _mm256_mullo_epi16(to_lanes(steps, 1), lanes);
     /* The window starts at the first x + 16 and the least y. */
     const __m256i up = _mm256_min_epi32(
         _mm256_and_si256(_mm256_sub_epi32(times(steps, window_pixels), steps),
                          _mm256_set1_epi64x((int64_t)(UINT64_MAX << 32))),
         _mm256_setzero_si256());
-    const __m256i lanes_y =
-        _mm256_sub_epi16(from_first_y, to_lanes(up, 1));
+    const __m256i lanes_y = _mm256_sub_epi16(from_first_y, to_lanes(up, 1));
     __m256i start =
         _mm256_add_epi32(_mm256_add_epi32(rows, _mm256_set1_epi64x(16)), up);
     for (uint32_t k = 0; k < n; k += l.pixels) {
       if (k + l.pixels > n) { /* the last segment begins earlier */
         const uint32_t back = k + l.pixels - n;
         start = _mm256_sub_epi32(
-            start,
-            _mm256_mullo_epi32(steps, _mm256_set1_epi32((int32_t)back)));
+            start, _mm256_mullo_epi32(steps, _mm256_set1_epi32((int32_t)back)));
         k = n - l.pixels;
       }
       windows w;
@@ -280,9 +276,9 @@ typedef struct step_range {
 
 INLINE step_range find_steps(const rg_run* run) {
   row_pair ends = first_rows(run);
-  const __m256i to_last = _mm256_mullo_epi32(
-      _mm256_srai_epi32(ends.two_down, 1),
-      _mm256_set1_epi32((int32_t)run->num_rows - 1));
+  const __m256i to_last =
+      _mm256_mullo_epi32(_mm256_srai_epi32(ends.two_down, 1),
+                         _mm256_set1_epi32((int32_t)run->num_rows - 1));
   ends.down = _mm256_add_epi32(
       _mm256_permute2x128_si256(ends.down, ends.down, 0),
       _mm256_inserti128_si256(_mm256_setzero_si256(),

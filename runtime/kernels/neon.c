@@ -58,16 +58,16 @@ INLINE int32x4_t next_row(row_steps* rows) {
       vaddq_s32(rows->top, vrshlq_s32(rows->down, rows->minus_height_log2));
   rows->down = vaddq_s32(rows->down, rows->height);
   const int32x2_t left = vget_low_s32(edges);
-  const int32x2_t step = vrshl_s32(vsub_s32(vget_high_s32(edges), left),
-                                   rows->minus_width_log2);
+  const int32x2_t step =
+      vrshl_s32(vsub_s32(vget_high_s32(edges), left), rows->minus_width_log2);
   return vcombine_s32(vmla_s32(left, step, rows->first_pixel), step);
 }
 
 /* (v + 64) >> 7, v = h0 - ((h0 - h1) wy + 2^14) >> 15 */
 INLINE uint8x8_t blend_down(uint16x8_t h0, uint16x8_t h1, int16x8_t wy) {
   const int16x8_t difference = vreinterpretq_s16_u16(vsubq_u16(h0, h1));
-  const int16x8_t v = vsubq_s16(vreinterpretq_s16_u16(h0),
-                                vqrdmulhq_s16(difference, wy));
+  const int16x8_t v =
+      vsubq_s16(vreinterpretq_s16_u16(h0), vqrdmulhq_s16(difference, wy));
   return vqrshrun_n_s16(v, 7);
 }
 
@@ -91,8 +91,7 @@ INLINE lanes cut(uint16x8_t x_q12, uint16x8_t y_q15) {
   uint16x8_t wy = vandq_u16(y_q15, low_bits);
   __asm__("" : "+w"(wy));
   cut.wy = vreinterpretq_s16_u16(wy);
-  const uint8x16_t high =
-      vreinterpretq_u8_u16(vsriq_n_u16(y_q15, x_q12, 1));
+  const uint8x16_t high = vreinterpretq_u8_u16(vsriq_n_u16(y_q15, x_q12, 1));
   cut.pixel = vshrq_n_u8(vuzp2q_u8(high, high), 3);
   const uint8x8_t wx = vand_u8(vshrn_n_u16(x_q12, 5), vdup_n_u8(127));
   cut.weights = vabdq_u8(vcombine_u8(wx, wx), vld1q_u8(kWeights));
@@ -135,9 +134,9 @@ INLINE const uint8_t* find_window(const segment_constants* s, uint64_t x_q12,
 INLINE uint8x8_t blend_segment(const segment_constants* s, uint64_t x_q12,
                                uint64_t y_q12, layout l) {
   const uint8_t* const window = find_window(s, x_q12, y_q12, l);
-  const lanes at = cut(
-      vaddq_u16(s->lanes_x, vdupq_n_u16((uint16_t)(x_q12 & 4095))),
-      vaddq_u16(s->lanes_y, vdupq_n_u16((uint16_t)((y_q12 & 4095) << 3))));
+  const lanes at =
+      cut(vaddq_u16(s->lanes_x, vdupq_n_u16((uint16_t)(x_q12 & 4095))),
+          vaddq_u16(s->lanes_y, vdupq_n_u16((uint16_t)((y_q12 & 4095) << 3))));
   uint8x16_t index = vaddq_u8(at.pixel, s->offsets);
   if (l.channels != 1) { /* channels times the pixel; the 16 stay */
     const uint8x16_t pixel = vandq_u8(at.pixel, vdupq_n_u8(15));
@@ -178,9 +177,9 @@ INLINE void blend_long_segment(const segment_constants* s, uint64_t x_q12,
       {vld1q_u8(window), vld1q_u8(window + 16)},
       {vld1q_u8(window + s->stride), vld1q_u8(window + s->stride + 16)},
       {vld1q_u8(window + s->two_rows), vld1q_u8(window + s->two_rows + 16)}};
-  const lanes at = cut(
-      vaddq_u16(s->lanes_x, vdupq_n_u16((uint16_t)(x_q12 & 4095))),
-      vaddq_u16(s->lanes_y, vdupq_n_u16((uint16_t)((y_q12 & 4095) << 3))));
+  const lanes at =
+      cut(vaddq_u16(s->lanes_x, vdupq_n_u16((uint16_t)(x_q12 & 4095))),
+          vaddq_u16(s->lanes_y, vdupq_n_u16((uint16_t)((y_q12 & 4095) << 3))));
   /* channels * pixel + 32 in the second row */
   uint8x16_t index = vaddq_u8(vaddq_u8(at.pixel, at.pixel), s->offsets);
   if (l.channels == 3)
@@ -225,8 +224,9 @@ INLINE void blend_run(const rg_run* run, layout l) {
   s.stride = run->stride;
   s.two_rows = 2 * (size_t)run->stride;
   __asm__("" : "+r"(s.two_rows)); /* an offset of its own */
-  s.offsets = is_long ? vcombine_u8(vdup_n_u8(0), vdup_n_u8((uint8_t)l.channels))
-                      : vld1q_u8(kLaneOffsets[table]);
+  s.offsets = is_long
+                  ? vcombine_u8(vdup_n_u8(0), vdup_n_u8((uint8_t)l.channels))
+                  : vld1q_u8(kLaneOffsets[table]);
   for (uint32_t r = run->num_rows; r != 0; --r, out_row += out_stride) {
     const int32x4_t row = next_row(&rows);
     const int64_t step_x = vgetq_lane_s32(row, 2);

@@ -1,6 +1,7 @@
 /* The kernels that define the others' bits. */
 #include <stddef.h>
 
+#include "fixed_point.h"
 #include "remap_kernels.h"
 
 /* Two neighbours, the left one in the low byte. */
@@ -8,28 +9,41 @@ static inline uint32_t load_pair(const uint8_t* p) {
   return p[0] | (uint32_t)p[1] << 8;
 }
 
-#define EVEN_BYTES 0x00ff00ffu
+/* A value in a register: else it is composed anew for every pixel. */
+static inline uint32_t in_register(uint32_t value) {
+#if defined(__GNUC__)
+  __asm__("" : "+r"(value));
+#endif
+  return value;
+}
+
+/* A function of its own, so that the loop has all registers. */
+static RG_NOINLINE void blend_row_1(const uint8_t* data, uint32_t stride,
+                                    const rg_block_row* row, uint8_t* out,
+                                    uint32_t num_pixels) {
+  const uint32_t even_bytes = in_register(0x00ff00ff);
+  uint8_t* const end = out + num_pixels;
+  uint32_t x_q12 = (uint32_t)row->start.q12[0] + 16;
+  uint32_t y_q12 = (uint32_t)row->start.q12[1];
+  const uint32_t step_x = (uint32_t)row->step.q12[0];
+  const uint32_t step_y = (uint32_t)row->step.q12[1];
+  do {
+    const uint8_t* const upper =
+        data + (size_t)(y_q12 >> 12) * stride + (x_q12 >> 12);
+    const uint32_t pixels = load_pair(upper) | load_pair(upper + stride) << 16;
+    *out++ = (uint8_t)rg_blend_8(pixels & even_bytes,
+                                 (pixels >> 8) & even_bytes, x_q12, y_q12);
+    x_q12 += step_x;
+    y_q12 += step_y;
+  } while (out != end);
+}
 
 void rg_blend_1(const rg_run* run) {
-  uint8_t* out_row = run->out + run->out_pixel;
-  for (uint32_t r = 0; r < run->num_rows; ++r, out_row += run->out_stride) {
+  uint8_t* out = run->out + run->out_pixel;
+  for (uint32_t r = 0; r < run->num_rows; ++r, out += run->out_stride) {
     rg_block_row row;
     rg_find_run_row(run, r, &row);
-    const uint8_t* const data = run->data;
-    const uint32_t stride = run->stride;
-    uint32_t x_q12 = (uint32_t)row.start.q12[0] + 16;
-    uint32_t y_q12 = (uint32_t)row.start.q12[1];
-    uint8_t* out = out_row;
-    uint8_t* const end = out + run->num_pixels;
-    do {
-      const uint8_t* const upper =
-          data + (size_t)(y_q12 >> 12) * stride + (x_q12 >> 12);
-      const uint32_t pixels = load_pair(upper) | load_pair(upper + stride) << 16;
-      *out++ = (uint8_t)rg_blend_8(pixels & EVEN_BYTES,
-                                   (pixels >> 8) & EVEN_BYTES, x_q12, y_q12);
-      x_q12 += (uint32_t)row.step.q12[0];
-      y_q12 += (uint32_t)row.step.q12[1];
-    } while (out != end);
+    blend_row_1(run->data, run->stride, &row, out, run->num_pixels);
   }
 }
 
@@ -70,9 +84,15 @@ static const rg_lattice kInterleaved[3] = {
     {0, RG_SAMPLE_8, 0, 3, 3, 0, 0, 0, 0, 0, 1, 0},
     {0, RG_SAMPLE_8, 0, 4, 4, 0, 0, 0, 0, 0, 1, 0}};
 
-void rg_blend_2(const rg_run* run) { blend(run, &kInterleaved[0], RG_SAMPLE_8); }
-void rg_blend_3(const rg_run* run) { blend(run, &kInterleaved[1], RG_SAMPLE_8); }
-void rg_blend_4(const rg_run* run) { blend(run, &kInterleaved[2], RG_SAMPLE_8); }
+void rg_blend_2(const rg_run* run) {
+  blend(run, &kInterleaved[0], RG_SAMPLE_8);
+}
+void rg_blend_3(const rg_run* run) {
+  blend(run, &kInterleaved[1], RG_SAMPLE_8);
+}
+void rg_blend_4(const rg_run* run) {
+  blend(run, &kInterleaved[2], RG_SAMPLE_8);
+}
 
 static inline void copy(const rg_run* run, const rg_lattice* lattice,
                         uint32_t kind) {

@@ -124,9 +124,8 @@ cv::Mat2f Positions(const uint8_t* section, const rg_lattice& lattice,
       const bool valid =
           !rg_remap_is_empty(section, x >> log2_x, y >> log2_y) &&
           rg_is_between(&map.min, &map.max, &p);
-      positions(y, x) =
-          valid ? cv::Vec2f(p.q12[0] / 4096.f, p.q12[1] / 4096.f)
-                : cv::Vec2f(-1000, -1000);
+      positions(y, x) = valid ? cv::Vec2f(p.q12[0] / 4096.f, p.q12[1] / 4096.f)
+                              : cv::Vec2f(-1000, -1000);
     }
   }
   return positions;
@@ -200,7 +199,7 @@ struct Bench {
     std::vector<std::string> names = {"cv::remap"};
     std::vector<std::function<void()>> works = {opencv};
     std::vector<rg_target> targets;
-    for (const char* name : {"portable", "sse4", "avx2", "avx512", "neon"}) {
+    for (const char* name : {"portable", "avx2", "neon"}) {
       target.kernels = rg_find_kernels(name);
       if (!target.kernels) continue;
       names.push_back(name);
@@ -290,8 +289,7 @@ void RunView(const View& view, const ImageSize& size, Ratios* ratios) {
   SetPlane(1, pairs, &pairs_out, &image, &target);
   bench.Run("NV12", image, target, [&] {
     cv::remap(grey, grey_cv, luma.pixels, luma.weights, cv::INTER_LINEAR);
-    cv::remap(pairs, pairs_cv, chroma.pixels, chroma.weights,
-              cv::INTER_LINEAR);
+    cv::remap(pairs, pairs_cv, chroma.pixels, chroma.weights, cv::INTER_LINEAR);
   });
 
   image.format = RG_FORMAT_RGB24;
@@ -307,8 +305,7 @@ int Main(int argc, char** argv) {
   Ratios ratios;
   for (const ImageSize& size : kSizes) {
     bool wanted = argc == 1;
-    for (int k = 1; k < argc; ++k)
-      wanted |= std::atoi(argv[k]) == size.width;
+    for (int k = 1; k < argc; ++k) wanted |= std::atoi(argv[k]) == size.width;
     if (!wanted) continue;
     for (const View& view : MakeViews(size)) RunView(view, size, &ratios);
   }

@@ -22,8 +22,7 @@
 #define NUM_CASES 60u
 #endif
 
-static const char* const kNames[] = {"portable", "sse4",   "avx2",
-                                     "avx512",   "neon",   "rvv",
+static const char* const kNames[] = {"portable", "avx2", "neon",
                                      NULL /* the fastest, or the only one */};
 #define NUM_NAMES (sizeof(kNames) / sizeof(kNames[0]))
 
@@ -93,8 +92,8 @@ static int make_table(uint32_t style_index) {
   }
   const int32_t block = 1 << table.block_log2;
   table.column_step_x_q12 = block * between(style->min_x, style->max_x);
-  table.column_step_y_q12 = block * between(style->min_y, style->max_y) *
-                            (below(2) == 0 ? 1 : -1);
+  table.column_step_y_q12 =
+      block * between(style->min_y, style->max_y) * (below(2) == 0 ? 1 : -1);
   table.row_step_x_q12 = block * between(-style->max_y, style->max_y);
   table.row_step_y_q12 = block * between(style->min_x, style->max_x);
   table.origin_x_q12 = between(-100000, 100000);
@@ -133,14 +132,14 @@ static point vertex(uint32_t i, uint32_t j) {
   rg_remap_section t;
   rg_read_remap(SECTION, &t);
   const uint8_t* const residual = t.vertices + 4 * (j * t.columns + i);
-  const point p = {{(int64_t)t.origin_x_q12 + (int64_t)i * t.column_step_x_q12 +
-                        (int64_t)j * t.row_step_x_q12 +
-                        (int64_t)rg_load_i16(residual) *
-                            ((int64_t)1 << t.residual_shift),
-                    (int64_t)t.origin_y_q12 + (int64_t)i * t.column_step_y_q12 +
-                        (int64_t)j * t.row_step_y_q12 +
-                        (int64_t)rg_load_i16(residual + 2) *
-                            ((int64_t)1 << t.residual_shift)}};
+  const point p = {
+      {(int64_t)t.origin_x_q12 + (int64_t)i * t.column_step_x_q12 +
+           (int64_t)j * t.row_step_x_q12 +
+           (int64_t)rg_load_i16(residual) * ((int64_t)1 << t.residual_shift),
+       (int64_t)t.origin_y_q12 + (int64_t)i * t.column_step_y_q12 +
+           (int64_t)j * t.row_step_y_q12 +
+           (int64_t)rg_load_i16(residual + 2) *
+               ((int64_t)1 << t.residual_shift)}};
   return p;
 }
 
@@ -148,7 +147,8 @@ static point vertex(uint32_t i, uint32_t j) {
 static point corner(plane_lattice lattice, uint32_t i, uint32_t j, uint32_t k,
                     uint32_t log2) {
   const point here = vertex(i + (k & 1), j + (k >> 1));
-  const point left = vertex(i, j + (k >> 1)), right = vertex(i + 1, j + (k >> 1));
+  const point left = vertex(i, j + (k >> 1)),
+              right = vertex(i + 1, j + (k >> 1));
   const point top = vertex(i + (k & 1), j), bottom = vertex(i + (k & 1), j + 1);
   point q;
   for (int c = 0; c < 2; ++c)
