@@ -37,24 +37,24 @@ static void add_pixels(const rg_lattice_map* map, const rg_block_row* row,
   }
 }
 
-/* Rows [first, last] of a block. Positions are bilinear in it: if the ends of
- * the first and the last row are inside, so are the others, and within their
- * range. */
-static void add_block(const rg_lattice_map* map, rg_block block, uint32_t i,
+/* Rows [first, last] of a block, which is changed. Positions are bilinear in
+ * it: if the ends of the first and the last row are inside, so are the others,
+ * and within their range. */
+static void add_block(const rg_lattice_map* map, rg_block* block, uint32_t i,
                       uint32_t first, uint32_t last, row_range* range) {
   rg_block_row row;
-  rg_lattice_block(map->lattice, &block);
+  rg_lattice_block(map->lattice, block);
   const uint32_t width =
       (uint32_t)rg_load_u16(map->section) >> map->lattice->log2_x;
-  const uint32_t rest = width - (i << block.width_log2);
-  const uint32_t block_width = 1u << block.width_log2;
+  const uint32_t rest = width - (i << block->width_log2);
+  const uint32_t block_width = 1u << block->width_log2;
   const uint32_t num_pixels = rest < block_width ? rest : block_width;
-  rg_find_block_row(&block, first, &row);
+  rg_find_block_row(block, first, &row);
   int is_whole = add_ends(map, &row, num_pixels, range);
-  rg_find_block_row(&block, last, &row);
+  rg_find_block_row(block, last, &row);
   is_whole &= add_ends(map, &row, num_pixels, range);
   for (uint32_t r = first; r <= last && !is_whole; ++r) {
-    rg_find_block_row(&block, r, &row);
+    rg_find_block_row(block, r, &row);
     add_pixels(map, &row, num_pixels, range);
   }
 }
@@ -76,7 +76,7 @@ static row_range find_range(const rg_lattice_map* map, uint32_t row,
       rg_block block;
       rg_next_block(&walk, &block);
       if (!rg_remap_is_empty(map->section, i, j))
-        add_block(map, block, i, row & mask, last & mask, &range);
+        add_block(map, &block, i, row & mask, last & mask, &range);
     }
     row = next;
   }

@@ -17,7 +17,7 @@
 #define MAX_SIZE 120u
 
 #if defined(__unix__)
-#define NUM_CASES 1500u
+#define NUM_CASES 600u
 #else
 #define NUM_CASES 60u
 #endif
