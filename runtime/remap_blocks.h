@@ -70,14 +70,14 @@ static inline void store_border(const remap_job* job, uint8_t* out,
 }
 
 /* Bilinear or nearest, at a position that is moved into the lattice. */
-static inline void store_source(const remap_job* job, rg_position p,
-                                uint8_t* out, uint32_t index) {
+static void store_source(const remap_job* job, const rg_position* p,
+                         uint8_t* out, uint32_t index) {
   const rg_lattice* const lattice = LATTICE_OF(job);
   uint32_t q12[2];
   uint32_t neighbor[2]; /* one beyond the last has weight zero */
   for (int c = 0; c < 2; ++c) {
     const uint32_t last = c == 0 ? job->map.width - 1u : job->map.height - 1u;
-    const int32_t moved = max_of(min_of(p.q12[c], (int32_t)(last << 12)), 0);
+    const int32_t moved = max_of(min_of(p->q12[c], (int32_t)(last << 12)), 0);
     q12[c] = SAMPLING_OF(job) == RG_SAMPLING_NEAREST
                  ? (uint32_t)(moved + 2048) & ~4095u
                  : (uint32_t)moved + rg_rounding(lattice->kind, c);
@@ -96,22 +96,25 @@ static inline void store_source(const remap_job* job, rg_position p,
 }
 
 /* Pixel k of the row; out is the output's row. */
-static inline void remap_pixel(const remap_job* job, rg_position p,
+static inline void remap_pixel(const remap_job* job, const rg_position* p,
                                uint8_t* out, uint32_t k) {
   const rg_lattice* const lattice = LATTICE_OF(job);
   const uint32_t index =
       lattice->first_sample + (job->run.out_pixel + k) * lattice->sample_step;
-  if (!rg_is_between(&job->map.min, &job->map.max, &p)) {
+  if (!rg_is_between(&job->map.min, &job->map.max, p)) {
     if (BORDER_OF(job) == RG_BORDER_KEEP) return;
     if (BORDER_OF(job) == RG_BORDER_VALUE) {
       store_border(job, out, index);
       return;
     }
+    rg_position nearest;
     for (int c = 0; c < 2; ++c)
-      p.q12[c] =
-          max_of(min_of(p.q12[c], job->map.max.q12[c]), job->map.min.q12[c]);
+      nearest.q12[c] =
+          max_of(min_of(p->q12[c], job->map.max.q12[c]), job->map.min.q12[c]);
+    store_source(job, &nearest, out, index);
+  } else {
+    store_source(job, p, out, index);
   }
-  store_source(job, p, out, index);
 }
 
 /* ---- Runs ---------------------------------------------------------------- */
@@ -145,15 +148,12 @@ static RG_NOINLINE void remap_row(remap_job* job, uint32_t first_row,
   rg_run* const run = &job->run;
   rg_block_row row;
   rg_find_block_row(&run->block, first_row, &row);
-  rg_position p = row.start;
+  rg_position p = rg_row_position(&row, 0);
   uint32_t k = 0;
   while (k < num_pixels) {
     uint32_t end = k;
-    rg_position last = p;
-    for (; end < num_pixels && is_safe(job, &p); ++end) {
-      last = p;
+    for (; end < num_pixels && is_safe(job, &p); ++end)
       for (int c = 0; c < 2; ++c) p.q12[c] += row.step.q12[c];
-    }
     if (end != k) {
       const rg_position first = rg_row_position(&row, k);
       run->first_pixel = (uint8_t)k;
@@ -162,11 +162,11 @@ static RG_NOINLINE void remap_row(remap_job* job, uint32_t first_row,
       run->num_rows = 1;
       run->out_pixel += k;
       run->out = out;
-      do_run(job, run, max_of(first.q12[1], last.q12[1]));
+      do_run(job, run, max_of(first.q12[1], p.q12[1] - row.step.q12[1]));
       run->out_pixel -= k;
       k = end;
     } else {
-      remap_pixel(job, p, out, k);
+      remap_pixel(job, &p, out, k);
       for (int c = 0; c < 2; ++c) p.q12[c] += row.step.q12[c];
       ++k;
     }
