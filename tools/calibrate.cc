@@ -1,16 +1,21 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 #include <memory>
 
 #include "calibration_input.h"
 #include "camera_input.h"
+#include "crc32.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_files.h"
+#include "interruption.h"
 #include "packing/blob_camera.h"
+#include "report/checkpoint_json.h"
 #include "report/html_report.h"
 #include "report/result_json.h"
+#include "report/uncertainty_picture.h"
 
 namespace raygrid {
 namespace {
@@ -78,6 +83,21 @@ std::string Report(const std::vector<std::string>& paths,
       ExampleImage(paths, result, arguments, packed->blob));
 }
 
+// Tells features, pattern and what matters of the options from others.
+std::string InputsOf(const CalibrateArguments& arguments,
+                     const Measurements& measurements, const Pattern& pattern) {
+  const ImageSize& size = measurements.dataset.image_size;
+  const std::string text =
+      FormatFeatures(measurements.dataset) + FormatPattern(pattern) +
+      fmt::format("{} {} {} {} {} {} {} {}", size.width, size.height,
+                  arguments.model, arguments.cell_px, arguments.flat_board,
+                  arguments.measure_once, measurements.paths.size(),
+                  fmt::join(arguments.hold_out, ","));
+  return fmt::format("{:08x}",
+                     rg_crc32(0, reinterpret_cast<const uint8_t*>(text.data()),
+                              static_cast<uint32_t>(text.size())));
+}
+
 void PrintSummary(const CalibrateArguments& arguments,
                   const CalibrationResult& result) {
   fmt::print("{}: {} parameters, {} images", result.camera.camera->Name(),
@@ -91,6 +111,8 @@ void PrintSummary(const CalibrateArguments& arguments,
         *result.measured_again_rms_px);
   PrintFigures("training", *result.camera.training);
   if (result.camera.held_out) PrintFigures("held out", *result.camera.held_out);
+  if (result.camera.uncertainty)
+    PrintUncertainty(*result.camera.uncertainty, *result.camera.camera);
   if (result.line_spread)
     fmt::print(
         "  lines pass the point nearest to all by {:.3f} mm (RMS), {:.3f} mm "
@@ -108,6 +130,9 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
   const std::vector<std::string> paths = FindImages(arguments.images);
   RequireWritableFolder(arguments.output);
 
+  const std::filesystem::path folder = arguments.output;
+  const std::string resume_path = (folder / "resume.json").string();
+  std::string inputs;
   CalibrationResult result;
   std::optional<PackedCamera> packed;
   std::optional<Error> not_packed;  // the other files are worth having even so
@@ -117,6 +142,9 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
     const Measurements measurements =
         GatherFeatures(arguments, common, paths, given, pattern, &bar);
     options.measure_again = AgainIn(measurements, arguments, common.threads);
+    inputs = InputsOf(arguments, measurements, pattern);
+    if (arguments.resume) options.resume = ReadCheckpoint(resume_path, inputs);
+    NoteInterruptions();
     result = Calibrate(measurements.dataset, pattern, options);
     result.camera.name = arguments.name;
     result.camera.serial = arguments.serial;
@@ -132,7 +160,6 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
 
   const std::string json =
       FormatResultJson(result, common.seed, PeakMemoryBytes());
-  const std::filesystem::path folder = arguments.output;
   OutputFiles files;
   files.Add((folder / "camera.yaml").string(), FormatCameraFile(result.camera));
   if (packed) files.Add((folder / "camera.raygrid").string(), packed->blob);
@@ -140,15 +167,28 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
   files.Add((folder / "features.csv").string(),
             FormatFeatures(result.features));
   files.Add((folder / "poses.csv").string(), FormatPoses(result.poses));
+  if (result.camera.uncertainty)
+    files.Add((folder / "uncertainty.png").string(),
+              EncodePng(UncertaintyPicture(*result.camera.uncertainty,
+                                           result.camera.camera->image_size(),
+                                           result.camera.camera->area())));
   files.Add((folder / "result.json").string(), json);
   files.Add((folder / "report.html").string(),
             Report(paths, result, arguments, packed));
+  if (result.checkpoint)
+    files.Add(resume_path, FormatCheckpoint(*result.checkpoint, inputs));
   files.Commit();
+  if (!result.checkpoint) std::filesystem::remove(resume_path);
   if (common.json)
     fmt::print("{}", json);
   else if (!common.quiet)
     PrintSummary(arguments, result);
   if (not_packed) throw *not_packed;
+  if (result.checkpoint)
+    throw Error(ExitCode::kNotConverged,
+                fmt::format("interrupted; {} holds the best state so far, "
+                            "--resume goes on from there",
+                            arguments.output));
   if (!result.converged)
     throw Error(ExitCode::kNotConverged,
                 "the adjustment did not converge; the files hold its last "
@@ -225,6 +265,9 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
   command->add_flag("--measure-once", arguments->measure_once,
                     "keep the features as detected; otherwise they are "
                     "measured again through a first camera");
+  command->add_flag("--resume", arguments->resume,
+                    "go on from where a calibration with the same features, "
+                    "options and output folder was interrupted (Ctrl-C)");
   command->add_option("--name", arguments->name, "camera's name");
   command->add_option("--serial", arguments->serial, "camera's serial number");
   command->add_option("-o,--output", arguments->output, "folder to write to")

@@ -12,8 +12,10 @@
 #include "dataset/files.h"
 #include "dataset/image_files.h"
 #include "dataset/rig_file.h"
+#include "interruption.h"
 #include "report/html_report.h"
 #include "report/result_json.h"
+#include "report/uncertainty_picture.h"
 
 namespace raygrid {
 namespace {
@@ -205,6 +207,12 @@ void AddFiles(const RigResult& result, const PackedCameras& packed,
     if (packed.cameras[c])
       files->Add((folder / name / "camera.raygrid").string(),
                  packed.cameras[c]->blob);
+    if (camera.camera.uncertainty)
+      files->Add(
+          (folder / name / "uncertainty.png").string(),
+          EncodePng(UncertaintyPicture(*camera.camera.uncertainty,
+                                       camera.camera.camera->image_size(),
+                                       camera.camera.camera->area())));
     files->Add((folder / name / "report.html").string(),
                Report(camera, packed.cameras[c]));
   }
@@ -259,6 +267,9 @@ void RequireNothingForOneCamera(const CalibrateArguments& arguments) {
                 "--name and --serial are for a single camera; a rig's names "
                 "are those of --camera, and pack --serial gives a blob its "
                 "serial number");
+  if (arguments.resume)
+    throw Error(ExitCode::kUsage,
+                "--resume is for a single camera; run the rig without it");
 }
 
 }  // namespace
@@ -274,6 +285,7 @@ void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
     ProgressBar bar(common.quiet);
     const CalibrationOptions options = OptionsOf(arguments, common, &bar);
     const RigMeasurements rig = Gather(arguments, common, given, pattern, &bar);
+    NoteInterruptions();
     result = CalibrateRig(InputsOf(rig, arguments, common.threads), pattern,
                           options);
     bar.Show("packing", 0.9);
@@ -291,6 +303,9 @@ void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
   else if (!common.quiet)
     PrintSummary(arguments, result);
   if (packed.not_packed) throw *packed.not_packed;
+  if (!result.converged && IsInterrupted())
+    throw Error(ExitCode::kNotConverged,
+                "interrupted; the files hold the best state so far");
   if (!result.converged)
     throw Error(ExitCode::kNotConverged,
                 "the adjustment did not converge; the files hold its last "

@@ -6,6 +6,7 @@
 #include "dataset/error.h"
 #include "features/camera_refinement.h"
 #include "features/feature_detection.h"
+#include "interruption.h"
 
 namespace raygrid {
 namespace {
@@ -68,6 +69,7 @@ CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
   options.flat_board = arguments.flat_board;
   options.hold_out = arguments.hold_out;
   options.num_threads = common.threads;
+  options.should_stop = IsInterrupted;
   options.progress = [bar](const std::string& stage, double done) {
     bar->Show(stage, 0.2 + 0.7 * done);
   };
@@ -92,6 +94,15 @@ void PrintFigures(const char* name, const ErrorFigures& figures) {
       "  {:<9} median {:.4f} px, RMS {:.4f} px, largest {:.3f} px, {} "
       "features\n",
       name, figures.median_px, figures.rms_px, figures.max_px, figures.count);
+}
+
+void PrintUncertainty(const CameraUncertainty& uncertainty,
+                      const CameraModel& camera) {
+  fmt::print(
+      "  uncertainty: median {:.4f} px, trusted to {:.4f} px: {:.0f} % of the "
+      "image\n",
+      uncertainty.lattice.MedianPx(), uncertainty.max_deviation_px,
+      100 * uncertainty.TrustedPart(camera.image_size(), camera.area()));
 }
 
 }  // namespace raygrid

@@ -21,7 +21,7 @@ struct CalibrateArguments {
   std::string features, pattern, output, name, serial;
   std::string model = "central-generic", cell_px = "auto";
   std::string instant_by = "name";
-  bool flat_board = false, measure_once = false;
+  bool flat_board = false, measure_once = false, resume = false;
 };
 
 using FeaturesByCamera = std::map<std::string, Dataset>;
@@ -56,6 +56,9 @@ PackedCamera PackForReport(const CameraFile& file, int num_threads);
 int64_t PeakMemoryBytes();
 
 void PrintFigures(const char* name, const ErrorFigures& figures);
+
+void PrintUncertainty(const CameraUncertainty& uncertainty,
+                      const CameraModel& camera);
 
 /// Calibrates a rig: in folders of images, or with the features given.
 void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,

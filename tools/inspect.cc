@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
+#include <vector>
 
 #include "camera_input.h"
 #include "commands.h"
@@ -45,6 +47,29 @@ void InspectQuality(const rg_blob& blob) {
              quality.packing_error_prad * 1e-12);
 }
 
+void InspectUncertainty(const rg_blob& blob) {
+  rg_uncertainty_section uncertainty;
+  rg_blob_uncertainty(&blob, &uncertainty);
+  std::vector<int> values_q12;
+  for (int i = 0; i < uncertainty.columns * uncertainty.rows; ++i)
+    values_q12.push_back(uncertainty.values[2 * i] +
+                         256 * uncertainty.values[2 * i + 1]);
+  std::sort(values_q12.begin(), values_q12.end());
+  fmt::print("uncertainty: {} x {} values, median {:.4f} px\n",
+             uncertainty.columns, uncertainty.rows,
+             values_q12[values_q12.size() / 2] / 4096.0);
+}
+
+void InspectMask(const rg_blob& blob) {
+  rg_mask_section mask;
+  rg_blob_mask(&blob, &mask);
+  const int count = mask.columns * mask.rows;
+  int num_valid = 0;
+  for (int k = 0; k < count; ++k) num_valid += mask.bits[k / 8] >> k % 8 & 1;
+  fmt::print("trusted: {} of {} x {} cells of {} px\n", num_valid, mask.columns,
+             mask.rows, 1 << mask.cell_log2);
+}
+
 void InspectBlob(const BlobCamera& camera) {
   const rg_blob& blob = camera.blob();
   rg_camera_section identity;
@@ -61,6 +86,8 @@ void InspectBlob(const BlobCamera& camera) {
       grid.y0_q16 / 65536.0, grid.y1_q16 / 65536.0);
   if (blob.remap) InspectRemap(blob.bytes + blob.remap);
   if (blob.quality) InspectQuality(blob);
+  if (blob.uncertainty) InspectUncertainty(blob);
+  if (blob.mask) InspectMask(blob);
 }
 
 void PrintFigures(const char* name,
@@ -83,6 +110,13 @@ void InspectCamera(const CameraFile& file) {
              area.y0, area.y1);
   PrintFigures("training", file.training);
   PrintFigures("held-out", file.held_out);
+  if (file.uncertainty)
+    fmt::print(
+        "uncertainty: median {:.4f} px, trusted to {:.4f} px: {:.0f} % of the "
+        "image\n",
+        file.uncertainty->lattice.MedianPx(),
+        file.uncertainty->max_deviation_px,
+        100 * file.uncertainty->TrustedPart(file.camera->image_size(), area));
 }
 
 void InspectPattern(const Pattern& pattern) {

@@ -1,11 +1,11 @@
 #include "adjustment/bundle_adjustment.h"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "adjustment/normal_equations.h"
+#include "adjustment/precision_root.h"
 
 namespace raygrid {
 namespace {
@@ -116,48 +116,6 @@ struct GroupEvidence {
   double count = 0, determined = 0, squared_distance = 0;
 };
 
-// B with K = B B^T, of the parameters that a group is about.
-class PrecisionRoot {
- public:
-  explicit PrecisionRoot(const Eigen::SparseMatrix<double>& precision) {
-    std::vector<int> index(precision.cols(), -1);
-    for (int k = 0; k < precision.cols(); ++k) {
-      if (precision.coeff(k, k) == 0) continue;
-      index[k] = static_cast<int>(parameters_.size());
-      parameters_.push_back(k);
-    }
-    std::vector<Eigen::Triplet<double>> own;
-    for (int k = 0; k < precision.outerSize(); ++k)
-      for (Eigen::SparseMatrix<double>::InnerIterator it(precision, k); it;
-           ++it)
-        if (index[it.row()] >= 0 && index[it.col()] >= 0)
-          own.emplace_back(index[it.row()], index[it.col()], it.value());
-    const Eigen::Index size = static_cast<Eigen::Index>(parameters_.size());
-    Eigen::SparseMatrix<double> matrix(size, size);
-    matrix.setFromTriplets(own.begin(), own.end());
-    const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> cholesky(matrix);
-    root_ = cholesky.permutationPinv() *
-            Eigen::SparseMatrix<double>(cholesky.matrixL());
-  }
-
-  Eigen::Index size() const {
-    return static_cast<Eigen::Index>(parameters_.size());
-  }
-
-  // Over all parameters.
-  Eigen::VectorXd Times(const Eigen::VectorXd& own, Eigen::Index size) const {
-    const Eigen::VectorXd product = root_ * own;
-    Eigen::VectorXd all = Eigen::VectorXd::Zero(size);
-    for (size_t k = 0; k < parameters_.size(); ++k)
-      all[parameters_[k]] = product[k];
-    return all;
-  }
-
- private:
-  std::vector<int> parameters_;
-  Eigen::SparseMatrix<double> root_;
-};
-
 // A group of the prior, with the place of its camera among the parameters.
 struct CameraGroup {
   int camera = 0;
@@ -172,13 +130,6 @@ std::vector<CameraGroup> CameraGroups(GaussianPrior* prior) {
       groups.push_back(
           {static_cast<int>(c), &group, PrecisionRoot(group.precision)});
   return groups;
-}
-
-Eigen::VectorXd RandomSigns(Eigen::Index size, std::mt19937* random_bits) {
-  Eigen::VectorXd signs(size);
-  for (Eigen::Index i = 0; i < size; ++i)
-    signs[i] = (*random_bits)() & 1 ? 1 : -1;
-  return signs;
 }
 
 // How many parameters of each group, and last of the points, the observations

@@ -3,13 +3,18 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <random>
 
-#include "adjustment/normal_equations.h"
+#include "adjustment/dense_equations.h"
+#include "adjustment/large_equations.h"
+#include "adjustment/precision_root.h"
+#include "dataset/parallel_for.h"
 
 namespace raygrid {
 namespace {
 
-constexpr int kMinObservations = 3;  // around a pixel that is trusted
+constexpr int kMinObservations = 3;  // around a pixel that counts as seen
 
 // How the projections of the lattice's rays move, two rows a pixel: with the
 // parameters, and when the camera turns.
@@ -18,11 +23,15 @@ struct LatticeDerivatives {
   Eigen::MatrixX3d by_rotation;
 };
 
-void AddPixel(const CameraModel& camera, const Eigen::Vector2d& pixel,
+// False where the camera does not tell.
+bool AddPixel(const CameraModel& camera, const Eigen::Vector2d& pixel,
               Eigen::Index row, LatticeDerivatives* derivatives) {
-  const auto ray = camera.Unproject(pixel);
+  constexpr double kFarM = 1e4;
+  const auto line = camera.Line(pixel);
   LinearizedProjection linear;
-  if (!ray || !camera.Linearize(*ray, &pixel, 1, &linear)) return;
+  if (!line) return false;
+  const Eigen::Vector3d point = line->origin + kFarM * line->direction;
+  if (!camera.Linearize(point, &pixel, 1, &linear)) return false;
   auto rows = derivatives->by_parameters.middleRows<2>(row);
   for (int k = 0; k < linear.num_nodes; ++k)
     rows.middleCols(linear.node_parameter[k], linear.num_per_node) +=
@@ -30,15 +39,16 @@ void AddPixel(const CameraModel& camera, const Eigen::Vector2d& pixel,
   if (linear.num_global > 0)
     rows.middleCols(linear.first_global, linear.num_global) +=
         linear.by_global.leftCols(linear.num_global);
-  Eigen::Matrix3d minus_cross;            // omega x ray = -[ray]x omega
-  minus_cross << 0, ray->z(), -ray->y(),  //
-      -ray->z(), 0, ray->x(),             //
-      ray->y(), -ray->x(), 0;
+  Eigen::Matrix3d minus_cross;              // omega x point = -[point]x omega
+  minus_cross << 0, point.z(), -point.y(),  //
+      -point.z(), 0, point.x(),             //
+      point.y(), -point.x(), 0;
   derivatives->by_rotation.middleRows<2>(row) = linear.by_point * minus_cross;
+  return true;
 }
 
 std::vector<PixelUncertainty> LatticePixels(const Area& area,
-                                            const UncertaintyLattice& lattice) {
+                                            const UncertaintyOptions& lattice) {
   std::vector<PixelUncertainty> pixels(lattice.columns * lattice.rows);
   for (size_t i = 0; i < pixels.size(); ++i) {
     const int column = static_cast<int>(i) % lattice.columns;
@@ -52,7 +62,7 @@ std::vector<PixelUncertainty> LatticePixels(const Area& area,
 }
 
 void CountObservations(const std::vector<View>& views, int camera,
-                       const Area& area, const UncertaintyLattice& lattice,
+                       const Area& area, const UncertaintyOptions& lattice,
                        std::vector<PixelUncertainty>* pixels) {
   const auto nearest = [](double position, double start, double extent,
                           int count) {
@@ -71,12 +81,118 @@ void CountObservations(const std::vector<View>& views, int camera,
   }
 }
 
+// The linear system of adjustment around a state.
+struct LinearSystem {
+  ParameterLayout layout;
+  PriorEquations prior;
+  std::vector<ViewJacobian> jacobians;
+  const AdjustmentState& state;
+  int camera, num_threads;
+};
+
+// D less the rotation of least squares over pixels among observations.
+Eigen::MatrixXd WithoutRotation(const LatticeDerivatives& derivatives,
+                                const std::vector<PixelUncertainty>& pixels) {
+  const Eigen::MatrixX3d& rotation = derivatives.by_rotation;
+  Eigen::MatrixX3d seen = rotation;
+  for (size_t i = 0; i < pixels.size(); ++i)
+    if (pixels[i].num_observations < kMinObservations)
+      seen.middleRows<2>(2 * static_cast<Eigen::Index>(i)).setZero();
+  const Eigen::Matrix3d square = seen.transpose() * seen;
+  return derivatives.by_parameters -
+         rotation *
+             square.ldlt().solve(seen.transpose() * derivatives.by_parameters);
+}
+
+// With X = H^-1 D^T: D X in total, and D H^-1 J^T J H^-1 D^T = D X - X^T P X by
+// noise, for derivatives D by the camera's parameters.
+bool AddExactCovariances(const LinearSystem& system,
+                         const Eigen::MatrixXd& derivatives,
+                         std::vector<PixelUncertainty>* pixels) {
+  const int first = system.layout.first_camera[system.camera];
+  Eigen::MatrixXd right =
+      Eigen::MatrixXd::Zero(system.layout.size, derivatives.rows());
+  right.middleRows(first, derivatives.cols()) = derivatives.transpose();
+  Eigen::MatrixXd x;
+  if (!DenseEquations(system.layout, system.jacobians, system.prior,
+                      system.num_threads)
+           .SolveFor(0, right, &x))
+    return false;
+  const Eigen::MatrixXd precision_x = system.prior.precision * x;
+  const Eigen::MatrixXd root_x = system.prior.root.transpose() * x;
+  for (size_t i = 0; i < pixels->size(); ++i) {
+    const Eigen::Index k = 2 * static_cast<Eigen::Index>(i);
+    const Eigen::Matrix2d total =
+        derivatives.middleRows<2>(k) * x.block(first, k, derivatives.cols(), 2);
+    const Eigen::Matrix2d prior =
+        x.middleCols<2>(k).transpose() * precision_x.middleCols<2>(k) +
+        root_x.middleCols<2>(k).transpose() * root_x.middleCols<2>(k);
+    (*pixels)[i].total_px2 = (total + total.transpose()) / 2;
+    (*pixels)[i].noise_px2 = (*pixels)[i].total_px2 - prior;
+  }
+  return true;
+}
+
+// H^-1 J^T e of random signs e, or with P = B B^T + R R^T, H^-1 (B u + R v) of
+// random signs u and v: their covariances are H^-1 J^T J H^-1 and H^-1 P H^-1,
+// in sum H^-1.
+bool Sample(const LinearSystem& system, const PrecisionRoot* prior_root,
+            const std::shared_ptr<LargeEquations::Memory>& memory,
+            std::mt19937* random_bits, Eigen::VectorXd* camera_parameters) {
+  constexpr double kTolerance = 1e-2;
+  std::vector<ViewJacobian> jacobians = system.jacobians;
+  for (ViewJacobian& jacobian : jacobians)
+    for (int i = 0; i < jacobian.count(); ++i)
+      jacobian.error.col(i) = prior_root ? Eigen::VectorXd::Zero(2).eval()
+                                         : RandomSigns(2, random_bits);
+  PriorEquations prior = system.prior;
+  prior.gradient.setZero();
+  if (prior_root)
+    prior.gradient =
+        prior_root->Times(RandomSigns(prior_root->size(), random_bits),
+                          system.layout.size) +
+        prior.root * RandomSigns(prior.root.cols(), random_bits);
+  const LargeEquations equations(system.layout, std::move(jacobians), prior,
+                                 system.state.points, kTolerance,
+                                 system.num_threads, memory);
+  AdjustmentStep step;
+  if (!equations.Solve(0, &step)) return false;
+  *camera_parameters = step.cameras[system.camera];
+  return true;
+}
+
+bool AddSampledCovariances(const LinearSystem& system,
+                           const Eigen::MatrixXd& derivatives, int num_samples,
+                           std::vector<PixelUncertainty>* pixels) {
+  std::mt19937 random_bits(1);  // the standard fixes its sequence
+  const PrecisionRoot prior_root(system.prior.precision);
+  const auto memory = std::make_shared<LargeEquations::Memory>();
+  for (PixelUncertainty& pixel : *pixels)
+    pixel.noise_px2 = pixel.total_px2 = Eigen::Matrix2d::Zero();
+  for (int k = 0; k < num_samples; ++k) {
+    for (const bool is_noise : {true, false}) {
+      Eigen::VectorXd parameters;
+      if (!Sample(system, is_noise ? nullptr : &prior_root, memory,
+                  &random_bits, &parameters))
+        return false;
+      const Eigen::VectorXd moved = derivatives * parameters;
+      for (size_t i = 0; i < pixels->size(); ++i) {
+        const auto pixel = moved.segment<2>(2 * static_cast<Eigen::Index>(i));
+        const Eigen::Matrix2d square = pixel * pixel.transpose() / num_samples;
+        (*pixels)[i].total_px2 += square;
+        if (is_noise) (*pixels)[i].noise_px2 += square;
+      }
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
-double PixelUncertainty::StandardDeviationPx() const {
-  const double mean = covariance_px2.trace() / 2;
+double WorseDeviation(const Eigen::Matrix2d& covariance) {
+  const double mean = covariance.trace() / 2;
   const double root =
-      std::sqrt(std::max(0.0, mean * mean - covariance_px2.determinant()));
+      std::sqrt(std::max(0.0, mean * mean - covariance.determinant()));
   return std::sqrt(mean + root);
 }
 
@@ -84,9 +200,7 @@ std::vector<PixelUncertainty> ProjectionUncertainty(
     const std::vector<View>& views, const GaussianPrior& prior,
     const AdjustmentOptions& options, double noise_px,
     const AdjustmentState& state, int camera,
-    const UncertaintyLattice& lattice) {
-  const FixedParameters fixed = {false, options.fix_points};
-  const ParameterLayout layout(state, fixed);
+    const UncertaintyOptions& lattice) {
   const CameraModel& model = *state.cameras[camera];
   std::vector<PixelUncertainty> pixels = LatticePixels(model.area(), lattice);
   CountObservations(views, camera, model.area(), lattice, &pixels);
@@ -95,49 +209,35 @@ std::vector<PixelUncertainty> ProjectionUncertainty(
   const Eigen::Index num_rows = 2 * static_cast<Eigen::Index>(pixels.size());
   derivatives.by_parameters.setZero(num_rows, model.NumParameters());
   derivatives.by_rotation.setZero(num_rows, 3);
+  std::vector<bool> is_known;
   for (size_t i = 0; i < pixels.size(); ++i)
-    AddPixel(model, pixels[i].pixel, 2 * static_cast<Eigen::Index>(i),
-             &derivatives);
+    is_known.push_back(AddPixel(model, pixels[i].pixel,
+                                2 * static_cast<Eigen::Index>(i),
+                                &derivatives));
 
-  // J H^-1 J^T, column by column.
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(layout.size, num_rows);
-  right.middleRows(layout.first_camera[camera], model.NumParameters()) =
-      derivatives.by_parameters.transpose();
-  Eigen::MatrixXd solution;
-  EquationsBuilder builder(views, options.huber_px, options.num_threads);
-  if (!builder.Build(prior, fixed, state)->SolveFor(0, right, &solution))
-    return {};
-  Eigen::MatrixXd covariance =
-      derivatives.by_parameters *
-      solution.middleRows(layout.first_camera[camera], model.NumParameters());
-
-  // The rotation of least squares over pixels among observations is taken out
-  // on both sides.
-  const Eigen::MatrixXd& r = derivatives.by_rotation;
-  Eigen::MatrixXd supported = r;
-  for (size_t i = 0; i < pixels.size(); ++i)
-    if (pixels[i].num_observations < kMinObservations)
-      supported.middleRows<2>(2 * static_cast<Eigen::Index>(i)).setZero();
-  const Eigen::Matrix3d square = supported.transpose() * supported;
-  const Eigen::LDLT<Eigen::Matrix3d> turns(square);
-  covariance -= r * turns.solve(supported.transpose() * covariance);
-  covariance -= (covariance * supported) * turns.solve(r.transpose());
+  const int num_threads = NumThreads(options.num_threads);
+  const ParameterLayout layout(state, {false, options.fix_points});
+  const LinearSystem system = {
+      layout,
+      PriorEquations(prior, state, layout),
+      WeightedJacobians(state, views, options.huber_px, num_threads),
+      state,
+      camera,
+      num_threads};
+  const Eigen::MatrixXd without_rotation = WithoutRotation(derivatives, pixels);
+  const bool is_regular =
+      NumDenseUnknowns(layout) <= lattice.max_exact_unknowns
+          ? AddExactCovariances(system, without_rotation, &pixels)
+          : AddSampledCovariances(system, without_rotation, lattice.num_samples,
+                                  &pixels);
+  if (!is_regular) return {};
   for (size_t i = 0; i < pixels.size(); ++i) {
-    const Eigen::Matrix2d block = covariance.block<2, 2>(
-        2 * static_cast<Eigen::Index>(i), 2 * static_cast<Eigen::Index>(i));
-    pixels[i].covariance_px2 =
-        noise_px * noise_px * (block + block.transpose()) / 2;
+    const double scale = is_known[i] ? noise_px * noise_px
+                                     : std::numeric_limits<double>::quiet_NaN();
+    pixels[i].noise_px2 *= scale;
+    pixels[i].total_px2 *= scale;
   }
   return pixels;
-}
-
-std::vector<bool> TrustMask(const std::vector<PixelUncertainty>& pixels,
-                            double max_px) {
-  std::vector<bool> mask;
-  for (const PixelUncertainty& pixel : pixels)
-    mask.push_back(pixel.num_observations >= kMinObservations &&
-                   pixel.StandardDeviationPx() <= max_px);
-  return mask;
 }
 
 }  // namespace raygrid

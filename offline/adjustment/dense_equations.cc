@@ -237,11 +237,13 @@ bool DenseEquations::SolveFor(double lambda, const Eigen::MatrixXd& right,
   return solution->allFinite();
 }
 
+int NumDenseUnknowns(const ParameterLayout& layout) {
+  return std::min(layout.first_point + 6 * layout.num_poses, layout.size);
+}
+
 bool DenseIsFaster(const ParameterLayout& layout) {
   constexpr int kMaxDense = 600;
-  const int kept =
-      std::min(layout.first_point + 6 * layout.num_poses, layout.size);
-  return !layout.has_cameras() || kept <= kMaxDense;
+  return !layout.has_cameras() || NumDenseUnknowns(layout) <= kMaxDense;
 }
 
 }  // namespace raygrid

@@ -57,6 +57,9 @@ class DenseEquations : public NormalEquations {
   mutable Reduced last_;
 };
 
+/// Unknowns of the dense system.
+int NumDenseUnknowns(const ParameterLayout& layout);
+
 /// Whether a problem of this size is solved faster than by LargeEquations.
 bool DenseIsFaster(const ParameterLayout& layout);
 

@@ -134,14 +134,16 @@ CameraPrior DirectionsPrior(const BSplineSurface& base, int per_point) {
   const std::vector<double> pixels = PixelsPerChartUnit(base);
   CameraPrior prior;
   prior.groups = {SmoothField(base, {per_point, 0, 2}, pixels)};
+  // Of displacements in pixels: in the chart, those behind the camera, which
+  // nothing is seen of, would outweigh all others. As firm as the observations,
+  // which have no say in it, are in everything else.
+  const double middle = pixels[base.num_points() / 2];
   prior.orientation.setZero(per_point * base.num_points(), 3);
   for (int k = 0; k < base.num_points(); ++k)
     prior.orientation.middleRows<2>(per_point * k) =
+        std::pow(pixels[k] / middle, 2) *
         ChartRotationDerivative(base.points()[k]);
   prior.orientation /= std::sqrt(base.num_points());
-  // As firm as the observations, which have no say in it, are in everything
-  // else.
-  const double middle = pixels[base.num_points() / 2];
   prior.orientation_weight = middle * middle;
   return prior;
 }

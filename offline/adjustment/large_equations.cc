@@ -647,15 +647,21 @@ bool LargeEquations::ConjugateGradients(const System& system,
                                         const Eigen::VectorXd& right,
                                         Eigen::VectorXd* x) const {
   const Preconditioner& preconditioner = *memory_->preconditioner;
-  x->setZero(right.size());
+  const bool is_started = x->size() == right.size();
   Eigen::VectorXd residual = right;
   Eigen::VectorXd z = Precondition(preconditioner, residual);
-  Eigen::VectorXd direction = z;
   double product = residual.dot(z);
   const double target = tolerance_ * tolerance_ * product;
-  int& iterations = memory_->last_iterations;
-  for (iterations = 0; iterations < kMaxIterations && product > target;
-       ++iterations) {
+  if (is_started) {
+    residual -= Apply(system, *x);
+    z = Precondition(preconditioner, residual);
+    product = residual.dot(z);
+  } else {
+    x->setZero(right.size());
+  }
+  Eigen::VectorXd direction = z;
+  int iterations = 0;
+  for (; iterations < kMaxIterations && product > target; ++iterations) {
     const Eigen::VectorXd image = Apply(system, direction);
     const double curvature = direction.dot(image);
     if (!(curvature > 0)) return false;
@@ -667,6 +673,7 @@ bool LargeEquations::ConjugateGradients(const System& system,
     direction = z + next / product * direction;
     product = next;
   }
+  if (!is_started) memory_->last_iterations = iterations;
   return x->allFinite();
 }
 
@@ -684,8 +691,11 @@ bool LargeEquations::SolveSystem(const System& system,
       return false;
     }
   }
+  const bool is_started = x->size() == right.size();
   const bool is_solved = ConjugateGradients(system, right, x);
-  if (is_new) memory.iterations_when_new = memory.last_iterations;
+  if (is_new)
+    memory.iterations_when_new =
+        is_started ? kMaxWorse : memory.last_iterations;
   return is_solved;
 }
 
@@ -727,12 +737,18 @@ bool LargeEquations::SolveFor(double lambda, const Eigen::MatrixXd& right,
                               Eigen::MatrixXd* solution) const {
   System system;
   if (!MakeSystem(lambda, &system)) return false;
+  // From one set of equations to the next they change little.
+  Eigen::MatrixXd& last = memory_->last_solution;
+  const bool has_last =
+      last.rows() == right.rows() && last.cols() == right.cols();
   solution->resize(right.rows(), right.cols());
   for (Eigen::Index k = 0; k < right.cols(); ++k) {
     Eigen::VectorXd x;
+    if (has_last) x = last.col(k);
     if (!SolveSystem(system, right.col(k), &x)) return false;
     solution->col(k) = x;
   }
+  last = *solution;
   return true;
 }
 

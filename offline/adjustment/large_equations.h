@@ -92,6 +92,7 @@ class LargeEquations : public NormalEquations {
   CameraLevels LevelsOf(int camera, const Eigen::SparseMatrix<double>& a) const;
   Eigen::VectorXd Precondition(const Preconditioner& preconditioner,
                                const Eigen::VectorXd& residual) const;
+  // From *x, or from zero if it is empty.
   bool ConjugateGradients(const System& system, const Eigen::VectorXd& right,
                           Eigen::VectorXd* x) const;
   // With a preconditioner that serves.
@@ -117,6 +118,7 @@ class LargeEquations::Memory {
   Eigen::VectorXd diagonal;  // of H without the prior
   std::unique_ptr<Preconditioner> preconditioner;
   int iterations_when_new = 0, last_iterations = 0;
+  Eigen::MatrixXd last_solution;  // of SolveFor()
 };
 
 }  // namespace raygrid

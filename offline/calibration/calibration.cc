@@ -34,8 +34,13 @@ CalibrationResult Calibrate(const Dataset& measured, const Pattern& pattern,
   CalibrationResult result = std::move(start.result);
   if (options.progress) options.progress("bundle adjustment", 0.8);
   const Stopwatch adjustment_time;
-  AdjustModel(pattern, options.model, {result.cell_px},
-              AdjustmentOptionsOf(options), &start.adjusted);
+  AdjustmentOptions adjustment = AdjustmentOptionsOf(options);
+  adjustment.should_stop = options.should_stop;
+  Checkpoint& checkpoint = start.checkpoint;
+  AdjustModel(pattern, options.model, {result.cell_px}, adjustment,
+              &start.adjusted,
+              checkpoint.adjustment ? &*checkpoint.adjustment : nullptr);
+  if (start.is_complete) checkpoint.adjustment = ProgressOf(start.adjusted);
   AlignBoards(pattern, &start.adjusted);
   FillResult(pattern, start.adjusted, 0, options.num_threads, &result);
   result.seconds["adjustment"] = adjustment_time.Seconds();
@@ -46,6 +51,8 @@ CalibrationResult Calibrate(const Dataset& measured, const Pattern& pattern,
                           .residuals;
     result.cross_validated = false;
   }
+  if (!result.converged && ShouldStop(options))
+    result.checkpoint = std::move(checkpoint);
   JudgeResult(&result);
   if (options.progress) options.progress("done", 1);
   return result;

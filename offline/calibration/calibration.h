@@ -2,6 +2,7 @@
 #define RAYGRID_CALIBRATION_CALIBRATION_H
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,10 @@ struct CalibrationOptions {
   MeasureAgain measure_again;         ///< without: features stay as they are
   int num_threads = 0;
   Progress progress;
+  /// Once true, the best state so far is the result.
+  std::function<bool()> should_stop;
+  /// Of the same features and options; may be empty.
+  std::optional<Checkpoint> resume;
 };
 
 /// From features to a camera: parametric start, features measured again,

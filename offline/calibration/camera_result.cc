@@ -1,5 +1,7 @@
 #include "calibration/camera_result.h"
 
+#include "calibration/camera_trust.h"
+
 namespace raygrid {
 namespace {
 
@@ -41,6 +43,7 @@ Dataset UsedFeatures(const Pattern& pattern, const CalibrationProblem& problem,
 
 CalibrationFigures FiguresOf(const CalibrationResult& result) {
   return {result.converged,
+          result.checkpoint.has_value(),
           result.camera.camera->image_size(),
           result.camera.camera->area(),
           static_cast<int>(result.features.images.size()),
@@ -65,6 +68,7 @@ void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
            adjusted.state.CameraFromPattern(problem.views[v])});
   result->training = TrainingResiduals(pattern, adjusted, camera, num_threads);
   result->camera.training = ComputeErrorFigures(result->training);
+  result->camera.uncertainty = UncertaintyOf(adjusted, camera, num_threads);
   result->rejected_features = adjusted.rejected_features[camera];
   result->num_parameters = adjusted.state.cameras[camera]->NumParameters();
   result->converged = adjusted.summary.converged;

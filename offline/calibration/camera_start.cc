@@ -29,16 +29,21 @@ double RmsMovePx(const Dataset& before, const Dataset& after) {
 
 // Through a first camera of medium resolution: what bends the mapping within a
 // window is mostly the lens's distortion.
-Dataset MeasureFeaturesAgain(const Dataset& dataset, const Pattern& pattern,
-                             const CalibrationOptions& options,
-                             const AdjustmentOptions& adjustment,
-                             Adjusted first) {
+// Nothing if it is told to stop first.
+std::optional<Dataset> MeasureFeaturesAgain(const Dataset& dataset,
+                                            const Pattern& pattern,
+                                            const CalibrationOptions& options,
+                                            const AdjustmentOptions& adjustment,
+                                            Adjusted first) {
   constexpr size_t kMediumCandidate = 2;
   const std::vector<double> cells = CellCandidates(dataset, options.model);
   const double cell_px =
       options.cell_px > 0 ? options.cell_px
                           : cells[std::min(kMediumCandidate, cells.size() - 1)];
-  AdjustModel(pattern, options.model, {cell_px}, adjustment, &first);
+  AdjustmentOptions stoppable = adjustment;
+  stoppable.should_stop = options.should_stop;
+  AdjustModel(pattern, options.model, {cell_px}, stoppable, &first);
+  if (ShouldStop(options)) return std::nullopt;
   AlignBoards(pattern, &first);
   const Pattern adjusted_pattern = AdjustedPattern(pattern, first);
   std::vector<RejectedImage> rejected;
@@ -59,10 +64,15 @@ void ValidateResolutions(const Pattern& pattern,
                          const CalibrationOptions& options,
                          const std::function<void(double)>& progress,
                          const std::vector<double>& cells, CameraStart* start) {
-  const ValidationOptions validation = {options.model, options.flat_board,
-                                        options.num_threads, progress};
+  const Dataset& training = start->split.training;
+  CrossValidate(training, pattern,
+                {options.model, options.flat_board, options.num_threads,
+                 progress, options.should_stop},
+                cells, &start->checkpoint.trials);
   const std::vector<Trial> trials =
-      CrossValidate(start->split.training, pattern, validation, cells);
+      JoinFolds(start->checkpoint.trials, NumFoldsToTry(training), cells);
+  start->is_complete = !trials.empty();
+  if (!start->is_complete) return;
   CalibrationResult& result = start->result;
   for (const Trial& trial : trials)
     result.cell_candidates.push_back(Summarize(trial));
@@ -75,6 +85,23 @@ void ValidateResolutions(const Pattern& pattern,
     result.cell_candidates.clear();
 }
 
+// Features measured again, now or before an interruption, and a start from
+// them; none if it is told to stop.
+void StartAgain(const Dataset& measured, const Pattern& pattern,
+                const CalibrationOptions& options,
+                const AdjustmentOptions& adjustment, CameraStart* start) {
+  const Stopwatch again_time;
+  std::optional<Dataset>& again = start->checkpoint.measured_again;
+  if (!again)
+    again = MeasureFeaturesAgain(measured, pattern, options, adjustment,
+                                 start->adjusted);
+  if (!again) return;
+  start->result.measured_again_rms_px = RmsMovePx(measured, *again);
+  start->split = SplitImages(*again, options.hold_out);
+  start->adjusted = AdjustStart(start->split.training, pattern, adjustment);
+  start->result.seconds["measuring_again"] = again_time.Seconds();
+}
+
 }  // namespace
 
 void RequireKnownModel(const std::string& model) {
@@ -85,6 +112,10 @@ void RequireKnownModel(const std::string& model) {
                             "central-generic, noncentral-generic, "
                             "central-radial, thin-prism-fisheye and opencv",
                             model));
+}
+
+bool ShouldStop(const CalibrationOptions& options) {
+  return options.should_stop && options.should_stop();
 }
 
 AdjustmentOptions AdjustmentOptionsOf(const CalibrationOptions& options) {
@@ -103,6 +134,7 @@ CameraStart StartCamera(const Dataset& measured, const Pattern& pattern,
   const AdjustmentOptions adjustment = AdjustmentOptionsOf(options);
   CameraStart start;
   CalibrationResult& result = start.result;
+  if (options.resume) start.checkpoint = *options.resume;
 
   report("start", 0);
   const Stopwatch start_time;
@@ -110,15 +142,9 @@ CameraStart StartCamera(const Dataset& measured, const Pattern& pattern,
   start.adjusted = AdjustStart(start.split.training, pattern, adjustment);
   result.seconds["start"] = start_time.Seconds();
 
-  if (options.measure_again) {
+  if (options.measure_again && !ShouldStop(options)) {
     report("measuring again", 0.05);
-    const Stopwatch again_time;
-    const Dataset again = MeasureFeaturesAgain(measured, pattern, options,
-                                               adjustment, start.adjusted);
-    result.measured_again_rms_px = RmsMovePx(measured, again);
-    start.split = SplitImages(again, options.hold_out);
-    start.adjusted = AdjustStart(start.split.training, pattern, adjustment);
-    result.seconds["measuring_again"] = again_time.Seconds();
+    StartAgain(measured, pattern, options, adjustment, &start);
   }
   result.rejected_images = start.adjusted.rejected_images;
 

@@ -14,10 +14,14 @@ struct CameraStart {
   Split split;               ///< features as measured last
   Adjusted adjusted;         ///< a parametric camera, by the training images
   CalibrationResult result;  ///< what is known so far
+  Checkpoint checkpoint;     ///< what is done so far
+  bool is_complete = true;   ///< false if it was told to stop
 };
 
 /// Throws Error(kUsage).
 void RequireKnownModel(const std::string& model);
+
+bool ShouldStop(const CalibrationOptions& options);
 
 AdjustmentOptions AdjustmentOptionsOf(const CalibrationOptions& options);
 

@@ -1,50 +1,85 @@
 #include "calibration/continued_lens.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include "camera/stereographic.h"
 
 namespace raygrid {
+namespace {
 
-ContinuedLens::ContinuedLens(const CameraModel& lens, const Area& area,
-                             double max_angle_rad)
-    : CameraModel(lens.image_size(), area),
-      lens_(lens.Clone()),
-      max_angle_rad_(max_angle_rad) {
-  LinearizedProjection linear;
-  if (!lens.Linearize({0, 0, 1}, nullptr, 0, &linear)) return;
-  center_ = linear.pixel;
-  focal_px_ = std::sqrt(std::abs(linear.by_point.leftCols<2>().determinant()));
+double AngleFromAxis(const Eigen::Vector3d& ray) {
+  return std::atan2(ray.head<2>().norm(), ray.z());
 }
 
-Eigen::Vector3d ContinuedLens::Direction(double angle_rad,
-                                         const Eigen::Vector2d& side) {
-  const Eigen::Vector2d across = std::sin(angle_rad) * side.normalized();
-  return {across.x(), across.y(), std::cos(angle_rad)};
-}
-
-std::optional<Eigen::Vector3d> ContinuedLens::Unproject(
-    const Eigen::Vector2d& pixel) const {
-  constexpr double kStep = 0.02, kMinPart = 0.9, kAnywherePx = 1e9,
-                   kLargest = 2.3;
-  if (!area().Contains(pixel)) return std::nullopt;
-  const auto ray = lens_->Unproject(pixel);
-  if (ray && std::atan2(ray->head<2>().norm(), ray->z()) <= max_angle_rad_)
-    return ray;
-  if (!(focal_px_ > 0)) return ray;
-  // From where the lens ends on this side; if it ends long before, it is not
-  // known how it goes on.
-  const Eigen::Vector2d side = pixel - center_;
-  double angle = max_angle_rad_;
-  std::optional<Eigen::Vector2d> edge;
-  for (; angle > kMinPart * max_angle_rad_; angle -= kStep) {
-    edge = lens_->Project(Direction(angle, side), nullptr, kAnywherePx);
-    if (edge) break;
+// How a lens goes on beyond an angle.
+class Continuation {
+ public:
+  Continuation(const CameraModel& lens, double max_angle_rad)
+      : lens_(lens), max_angle_rad_(std::min(max_angle_rad, kLargest - kStep)) {
+    center_ = lens.Project({0, 0, 1});
   }
-  if (!edge) return std::nullopt;
-  const double beyond_px = side.norm() - (*edge - center_).norm();
-  if (beyond_px < 0) return std::nullopt;
-  return Direction(std::min(angle + beyond_px / focal_px_, kLargest), side);
+
+  std::optional<Eigen::Vector3d> Direction(const Eigen::Vector2d& pixel) const {
+    if (!center_) return std::nullopt;
+    const Eigen::Vector2d side = pixel - *center_;
+    // From where the lens ends on this side; if it ends long before, it is not
+    // known how it goes on.
+    double end = max_angle_rad_;
+    while (end > kMinPart * max_angle_rad_ && !RadiusPx(end, side))
+      end -= kStep;
+    const auto radius = RadiusPx(end, side);
+    const auto before = RadiusPx(end - kStep, side);
+    if (!radius || !before || !(*radius > *before) || side.norm() < *radius)
+      return std::nullopt;
+    const double slope = kStep / (*radius - *before), room = kLargest - end;
+    const double beyond = slope * (side.norm() - *radius);
+    return At(end - room * std::expm1(-beyond / room), side);
+  }
+
+ private:
+  static constexpr double kStep = 0.02, kMinPart = 0.9, kLargest = 2.3;
+
+  // The direction at an angle from the axis, to the side of an offset from the
+  // centre in the image.
+  static Eigen::Vector3d At(double angle_rad, const Eigen::Vector2d& side) {
+    const Eigen::Vector2d across = std::sin(angle_rad) * side.normalized();
+    return {across.x(), across.y(), std::cos(angle_rad)};
+  }
+
+  // The distance of that direction's pixel from the centre.
+  std::optional<double> RadiusPx(double angle_rad,
+                                 const Eigen::Vector2d& side) const {
+    constexpr double kAnywherePx = 1e9;
+    const auto pixel = lens_.Project(At(angle_rad, side), nullptr, kAnywherePx);
+    if (!pixel) return std::nullopt;
+    return (*pixel - *center_).norm();
+  }
+
+  const CameraModel& lens_;
+  double max_angle_rad_;
+  std::optional<Eigen::Vector2d> center_;
+};
+
+}  // namespace
+
+CentralGeneric FitContinuedLens(const CameraModel& lens, double max_angle_rad,
+                                const Area& area, int columns, int rows) {
+  constexpr int kSamplesPerCell = 4;
+  constexpr double kContinuedWeight = 1e-4;
+  const Continuation continuation(lens, max_angle_rad);
+  std::vector<SurfaceSample> samples;
+  for (const Eigen::Vector2d& pixel :
+       BSplineSurface(area, columns, rows).SamplePixels(kSamplesPerCell)) {
+    const auto ray = lens.Unproject(pixel);
+    if (ray && AngleFromAxis(*ray) <= max_angle_rad)
+      samples.push_back({pixel, ToChart(*ray)});
+    else if (const auto continued = continuation.Direction(pixel))
+      samples.push_back({pixel, ToChart(*continued), kContinuedWeight});
+  }
+  return CentralGeneric(lens.image_size(),
+                        FitSurface(area, columns, rows, samples));
 }
 
 }  // namespace raygrid

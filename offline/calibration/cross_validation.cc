@@ -19,6 +19,13 @@ constexpr int kMaxGridParameters = 2600;  // tried
 // The coarsest resolution whose loss is within this part of the best is chosen.
 constexpr double kAsGoodAs = 0.005;
 
+const Checkpoint::Trial* Find(const std::vector<Checkpoint::Trial>& trials,
+                              int fold, double cell_px) {
+  for (const Checkpoint::Trial& trial : trials)
+    if (trial.fold == fold && trial.cell_px == cell_px) return &trial;
+  return nullptr;
+}
+
 }  // namespace
 
 Split SplitImages(const Dataset& dataset,
@@ -65,51 +72,76 @@ std::vector<double> CellCandidates(const Dataset& dataset,
   return candidates;
 }
 
-std::vector<Trial> CrossValidate(const Dataset& dataset, const Pattern& pattern,
-                                 const ValidationOptions& options,
-                                 const std::vector<double>& cells) {
+void CrossValidate(const Dataset& dataset, const Pattern& pattern,
+                   const ValidationOptions& options,
+                   const std::vector<double>& cells,
+                   std::vector<Checkpoint::Trial>* done) {
   const int num_folds = NumFoldsToTry(dataset);
-  const int num_cells = static_cast<int>(cells.size());
+  const int num_threads = NumThreads(options.num_threads);
   AdjustmentOptions serial;
   serial.num_threads = 1;
   serial.fix_points = options.flat_board;
+  const auto should_stop = [&options] {
+    return options.should_stop && options.should_stop();
+  };
 
   std::vector<Split> splits;
-  std::vector<Adjusted> starts(num_folds);
   for (int fold = 0; fold < num_folds; ++fold)
     splits.push_back(SplitImages(dataset, [fold](size_t i) {
       return i % kFolds == static_cast<size_t>(fold);
     }));
-  ParallelFor(num_folds, NumThreads(options.num_threads), [&](int fold) {
-    starts[fold] = AdjustStart(splits[fold].training, pattern, serial);
+  std::vector<Checkpoint::Trial> missing;
+  std::vector<bool> is_fold_needed(num_folds, false);
+  for (int fold = 0; fold < num_folds; ++fold) {
+    for (const double cell_px : cells) {
+      if (Find(*done, fold, cell_px)) continue;
+      missing.push_back({fold, cell_px, {}});
+      is_fold_needed[fold] = true;
+    }
+  }
+  std::vector<Adjusted> starts(num_folds);
+  ParallelFor(num_folds, num_threads, [&](int fold) {
+    if (is_fold_needed[fold] && !should_stop())
+      starts[fold] = AdjustStart(splits[fold].training, pattern, serial);
   });
 
-  std::vector<Evaluation> evaluations(num_folds * num_cells);
+  serial.should_stop = options.should_stop;
   int num_done = 0;
   std::mutex mutex;
-  ParallelFor(num_folds * num_cells, NumThreads(options.num_threads),
-              [&](int i) {
-                const int fold = i / num_cells;
-                Adjusted adjusted = starts[fold];
-                AdjustModel(pattern, options.model, {cells[i % num_cells]},
-                            serial, &adjusted);
-                AlignBoards(pattern, &adjusted);
-                evaluations[i] =
-                    EvaluateCamera(adjusted.state.camera(), splits[fold].test,
-                                   AdjustedPattern(pattern, adjusted), 1);
-                const std::lock_guard<std::mutex> lock(mutex);
-                if (options.progress)
-                  options.progress(static_cast<double>(++num_done) /
-                                   (num_folds * num_cells));
-              });
+  std::vector<char> is_done(missing.size(), false);
+  ParallelFor(static_cast<int>(missing.size()), num_threads, [&](int i) {
+    Checkpoint::Trial& trial = missing[i];
+    Adjusted adjusted = starts[trial.fold];
+    if (should_stop()) return;
+    AdjustModel(pattern, options.model, {trial.cell_px}, serial, &adjusted);
+    if (should_stop()) return;
+    AlignBoards(pattern, &adjusted);
+    trial.held_out =
+        EvaluateCamera(adjusted.state.camera(), splits[trial.fold].test,
+                       AdjustedPattern(pattern, adjusted), 1)
+            .residuals;
+    is_done[i] = true;
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (options.progress)
+      options.progress(static_cast<double>(++num_done) /
+                       static_cast<double>(missing.size()));
+  });
+  for (size_t i = 0; i < missing.size(); ++i)
+    if (is_done[i]) done->push_back(std::move(missing[i]));
+}
 
-  std::vector<Trial> trials(num_cells);
-  for (int i = 0; i < num_folds * num_cells; ++i) {
-    Trial& trial = trials[i % num_cells];
-    trial.cell_px = cells[i % num_cells];
-    trial.held_out.insert(trial.held_out.end(),
-                          evaluations[i].residuals.begin(),
-                          evaluations[i].residuals.end());
+std::vector<Trial> JoinFolds(const std::vector<Checkpoint::Trial>& done,
+                             int num_folds, const std::vector<double>& cells) {
+  std::vector<Trial> trials;
+  for (const double cell_px : cells) {
+    Trial joined = {cell_px, {}};
+    for (int fold = 0; fold < num_folds; ++fold) {
+      const Checkpoint::Trial* trial = Find(done, fold, cell_px);
+      if (!trial) return {};
+      joined.held_out.insert(joined.held_out.end(), trial->held_out.begin(),
+                             trial->held_out.end());
+    }
+    trials.push_back(std::move(joined));
   }
   return trials;
 }

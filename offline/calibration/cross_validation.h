@@ -33,6 +33,7 @@ struct ValidationOptions {
   bool flat_board = false;
   int num_threads = 0;
   std::function<void(double)> progress;
+  std::function<bool()> should_stop;
 };
 
 /// A grid resolution and the held-out residuals over all folds.
@@ -41,11 +42,17 @@ struct Trial {
   std::vector<FeatureResidual> held_out;
 };
 
-/// A trial for each resolution, folds in parallel: in each fold, the images
-/// whose turn it is are localised with a camera calibrated without them.
-std::vector<Trial> CrossValidate(const Dataset& dataset, const Pattern& pattern,
-                                 const ValidationOptions& options,
-                                 const std::vector<double>& cells);
+/// Every resolution in every fold, in parallel: the images whose turn it is are
+/// localised with a camera calibrated without them. Leaves out what is in *done
+/// already, and adds to it; some is missing after a stop.
+void CrossValidate(const Dataset& dataset, const Pattern& pattern,
+                   const ValidationOptions& options,
+                   const std::vector<double>& cells,
+                   std::vector<Checkpoint::Trial>* done);
+
+/// A trial for each resolution; nothing if some fold of one is missing.
+std::vector<Trial> JoinFolds(const std::vector<Checkpoint::Trial>& done,
+                             int num_folds, const std::vector<double>& cells);
 
 CellCandidate Summarize(const Trial& trial);
 

@@ -7,6 +7,7 @@
 
 #include "adjustment/metric_scale.h"
 #include "calibration/continued_lens.h"
+#include "calibration/unseen_nodes.h"
 #include "camera/model_fitting.h"
 #include "camera/noncentral_generic.h"
 #include "evaluation/line_spread.h"
@@ -41,7 +42,26 @@ using Lenses = std::vector<std::unique_ptr<CameraModel>>;
 struct Starts {
   const Lenses& lenses;
   const std::vector<double>& cells_px;
+  const Checkpoint::Adjustment* go_on_from = nullptr;
 };
+
+// Where an adjustment was, if it was of the same grid, images and board.
+void GoOn(const Checkpoint::Adjustment& from, GaussianPrior* prior,
+          AdjustmentState* state) {
+  std::vector<PriorGroup>& groups = prior->cameras.front().groups;
+  if (state->cameras.size() != 1 ||
+      from.camera.size() != state->camera().NumParameters() ||
+      from.poses.size() != state->rig_from_pattern.size() ||
+      from.points.size() != state->points.size() ||
+      from.prior_weights.size() != groups.size())
+    return;
+  state->cameras.front()->SetParameters(from.camera);
+  state->rig_from_pattern = from.poses;
+  state->points = from.points;
+  for (size_t g = 0; g < groups.size(); ++g)
+    groups[g].weight = from.prior_weights[g];
+  prior->points_weight = from.points_weight;
+}
 
 // Parametric cameras from where the state is.
 AdjustmentSummary AdjustLenses(const CalibrationProblem& problem,
@@ -75,7 +95,7 @@ AdjustmentSummary AdjustLenses(const std::string& model,
 // How far off axis a lens may be believed: a little beyond the points seen.
 double CredibleAngle(const CalibrationProblem& problem, size_t camera,
                      const AdjustmentState& state) {
-  constexpr double kBeyond = 1.05, kAlways = 60 * M_PI / 180;
+  constexpr double kBeyond = 1.0, kAlways = 60 * M_PI / 180;
   double farthest = 0;
   for (const View& view : problem.views) {
     if (view.camera != static_cast<int>(camera)) continue;
@@ -93,10 +113,10 @@ CentralGeneric AsGrid(const CalibrationProblem& problem, size_t camera,
                       const Starts& starts, const AdjustmentState& state) {
   const Area area = FeatureArea(problem, static_cast<int>(camera));
   const double cell_px = starts.cells_px[camera];
-  return FitCentralGeneric(ContinuedLens(*starts.lenses[camera], area,
-                                         CredibleAngle(problem, camera, state)),
-                           area, NumControlPoints(area.width(), cell_px),
-                           NumControlPoints(area.height(), cell_px));
+  return FitContinuedLens(*starts.lenses[camera],
+                          CredibleAngle(problem, camera, state), area,
+                          NumControlPoints(area.width(), cell_px),
+                          NumControlPoints(area.height(), cell_px));
 }
 
 // Grid cameras, each around a parametric lens.
@@ -110,6 +130,7 @@ AdjustmentSummary AdjustGrids(const CalibrationProblem& problem,
     prior->cameras.push_back(SmoothnessPrior(base));
     state->cameras[c] = base.Clone();
   }
+  if (starts.go_on_from) GoOn(*starts.go_on_from, prior, state);
   return AdjustInTwoSteps(problem, options, prior, state);
 }
 
@@ -144,6 +165,7 @@ AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
                                               *state->cameras[c]))
                             .Clone();
   }
+  if (starts.go_on_from) GoOn(*starts.go_on_from, prior, state);
   return AdjustInTwoSteps(problem, options, prior, state);
 }
 
@@ -235,6 +257,13 @@ Lenses CopyCameras(const AdjustmentState& state) {
   return cameras;
 }
 
+std::vector<Area> FeatureAreas(const CalibrationProblem& problem) {
+  std::vector<Area> areas;
+  for (size_t c = 0; c < problem.image_sizes.size(); ++c)
+    areas.push_back(FeatureArea(problem, static_cast<int>(c)));
+  return areas;
+}
+
 }  // namespace
 
 AdjustmentSummary AdjustParametric(const CalibrationProblem& problem,
@@ -246,13 +275,16 @@ AdjustmentSummary AdjustParametric(const CalibrationProblem& problem,
 
 void AdjustModel(const Pattern& pattern, const std::string& model,
                  const std::vector<double>& cells_px,
-                 const AdjustmentOptions& options, Adjusted* adjusted) {
+                 const AdjustmentOptions& options, Adjusted* adjusted,
+                 const Checkpoint::Adjustment* go_on_from) {
   const Lenses lenses = CopyCameras(adjusted->state);
-  const auto adjust = [&] {
-    adjusted->summary = Adjust(model, adjusted->problem, {lenses, cells_px},
-                               options, &adjusted->prior, &adjusted->state);
+  const std::vector<Area> areas = FeatureAreas(adjusted->problem);
+  const auto adjust = [&](const Checkpoint::Adjustment* from) {
+    adjusted->summary =
+        Adjust(model, adjusted->problem, {lenses, cells_px, from}, options,
+               &adjusted->prior, &adjusted->state);
   };
-  adjust();
+  adjust(go_on_from);
   const auto removed =
       RemoveOutliers(pattern, adjusted->summary.residuals, &adjusted->problem);
   bool have_removed = false;
@@ -261,12 +293,17 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
     rejected.insert(rejected.end(), removed[c].begin(), removed[c].end());
     have_removed = have_removed || !removed[c].empty();
   }
-  if (have_removed) adjust();
+  if (have_removed && FeatureAreas(adjusted->problem) == areas)
+    adjusted->summary = AdjustWithLearnedPrior(
+        adjusted->problem.views, options, &adjusted->prior, &adjusted->state);
+  else if (have_removed)
+    adjust(nullptr);
   for (size_t c = 0; c < lenses.size(); ++c) {
     std::unique_ptr<CameraModel>& camera = adjusted->state.cameras[c];
     if (const auto* lens = dynamic_cast<const ParametricModel*>(camera.get()))
       camera =
           lens->OverArea(FeatureArea(adjusted->problem, static_cast<int>(c)));
+    LimitUnseenNodes(adjusted->problem, static_cast<int>(c), camera.get());
   }
   CenterLines(&adjusted->state);
 }
@@ -284,6 +321,27 @@ void AlignBoards(const Pattern& pattern, Adjusted* adjusted) {
                         {poses.begin(), poses.end()}});
   }
   AlignToNominal(boards, &adjusted->state);
+}
+
+Checkpoint::Adjustment ProgressOf(const Adjusted& adjusted) {
+  const AdjustmentState& state = adjusted.state;
+  Checkpoint::Adjustment progress = {state.camera().Parameters(),
+                                     state.rig_from_pattern,
+                                     state.points,
+                                     {},
+                                     adjusted.prior.points_weight};
+  for (const PriorGroup& group : adjusted.prior.cameras.front().groups)
+    progress.prior_weights.push_back(group.weight);
+  return progress;
+}
+
+bool HavePointsMoved(const Adjusted& adjusted) {
+  constexpr double kRoundingM = 1e-9;
+  for (size_t i = 0; i < adjusted.state.points.size(); ++i)
+    if ((adjusted.state.points[i] - adjusted.problem.nominal[i]).norm() >
+        kRoundingM)
+      return true;
+  return false;
 }
 
 Pattern AdjustedPattern(const Pattern& pattern, const Adjusted& adjusted) {

@@ -6,6 +6,7 @@
 
 #include "adjustment/bundle_adjustment.h"
 #include "calibration/calibration_problem.h"
+#include "evaluation/checkpoint.h"
 
 namespace raygrid {
 
@@ -25,13 +26,22 @@ AdjustmentSummary AdjustParametric(const CalibrationProblem& problem,
                                    AdjustmentState* state);
 
 /// On to the model asked for: adjusted, outliers removed, once more. Cells for
-/// each camera.
+/// each camera. A single camera that is a grid goes on from where it was
+/// interrupted, if that is given and was of the same grid and images.
 void AdjustModel(const Pattern& pattern, const std::string& model,
                  const std::vector<double>& cells_px,
-                 const AdjustmentOptions& options, Adjusted* adjusted);
+                 const AdjustmentOptions& options, Adjusted* adjusted,
+                 const Checkpoint::Adjustment* go_on_from = nullptr);
+
+/// Of a single camera.
+Checkpoint::Adjustment ProgressOf(const Adjusted& adjusted);
 
 /// Brings boards whose points were free to where they are nominally.
 void AlignBoards(const Pattern& pattern, Adjusted* adjusted);
+
+/// False where the prior's strength kept the points as they are; then they were
+/// no more than aligned.
+bool HavePointsMoved(const Adjusted& adjusted);
 
 /// The pattern with its points where they were found to be.
 Pattern AdjustedPattern(const Pattern& pattern, const Adjusted& adjusted);

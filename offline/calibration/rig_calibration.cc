@@ -179,6 +179,7 @@ RigHeldOut CrossValidateRig(const Names& names,
   serial.num_threads = 1;
   std::vector<RigHeldOut> folds(num_folds);
   ParallelFor(num_folds, num_threads, [&](int fold) {
+    if (ShouldStop(options)) return;
     Names test;
     for (size_t i = 0; i < instants.size(); ++i)
       if (i % kFolds == static_cast<size_t>(fold)) test.push_back(instants[i]);
@@ -259,7 +260,9 @@ RigResult CalibrateRig(const std::vector<RigCameraInput>& cameras,
     images.insert(images.end(), rejected[c].begin(), rejected[c].end());
   }
   report("bundle adjustment", 0.65);
-  AdjustModel(pattern, options.model, cells_px, adjustment, &adjusted);
+  AdjustmentOptions stoppable = adjustment;
+  stoppable.should_stop = options.should_stop;
+  AdjustModel(pattern, options.model, cells_px, stoppable, &adjusted);
   AlignBoards(pattern, &adjusted);
   FillRig(pattern, options, adjusted, &result);
   result.seconds["adjustment"] = adjustment_time.Seconds();

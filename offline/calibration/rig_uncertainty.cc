@@ -23,17 +23,6 @@ double ResidualVariance(const std::vector<Residual>& residuals, double huber_px,
   return sum / std::max(count - 6 * static_cast<double>(num_poses), 1.0);
 }
 
-// False where the prior's strength kept the points as they are; then they were
-// no more than aligned.
-bool HavePointsMoved(const Adjusted& adjusted) {
-  constexpr double kRoundingM = 1e-9;
-  for (size_t i = 0; i < adjusted.state.points.size(); ++i)
-    if ((adjusted.state.points[i] - adjusted.problem.nominal[i]).norm() >
-        kRoundingM)
-      return true;
-  return false;
-}
-
 // Of the poses of all cameras but the first, in units of the residuals'
 // variance; empty if the equations are singular.
 Eigen::MatrixXd PoseCovariance(const Adjusted& adjusted,

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
+#include "camera/model_fitting.h"
 #include "dataset/error.h"
 #include "evaluation/residual_statistics.h"
+#include "initialization/generic_start.h"
 #include "initialization/parametric_start.h"
 #include "initialization/radial_start.h"
 
@@ -99,6 +102,31 @@ void RemoveGrossOutliers(const Pattern& pattern, int num_threads,
   }
 }
 
+// Every so many, so that no more than max_count are left.
+template <typename T>
+std::vector<T> Thinned(const std::vector<T>& all, size_t max_count) {
+  const size_t step = (all.size() + max_count - 1) / max_count;
+  std::vector<T> thinned;
+  for (size_t i = 0; i < all.size(); i += std::max<size_t>(1, step))
+    thinned.push_back(all[i]);
+  return thinned;
+}
+
+// As much as tells the dozen parameters of a lens.
+Adjusted Thinned(const Adjusted& all) {
+  constexpr size_t kMaxViews = 100, kMaxFeatures = 60;
+  Adjusted thinned = all;
+  CalibrationProblem& problem = thinned.problem;
+  std::vector<size_t> indices(problem.views.size());
+  std::iota(indices.begin(), indices.end(), 0);
+  std::vector<bool> remove(indices.size(), true);
+  for (const size_t v : Thinned(indices, kMaxViews)) remove[v] = false;
+  RemoveViews(remove, &problem);
+  for (View& view : problem.views)
+    view.observations = Thinned(view.observations, kMaxFeatures);
+  return thinned;
+}
+
 // Twice: a better lens localises more views, and those it has better.
 std::optional<Adjusted> AdjustFrom(const CameraModel& start,
                                    const Pattern& pattern, const Adjusted& all,
@@ -158,9 +186,10 @@ size_t NumFeatures(const CalibrationProblem& problem) {
   return count;
 }
 
-// Two starts: one for pinholes, one for lenses of any field of view.
-std::vector<std::unique_ptr<CameraModel>> Starts(const Dataset& dataset,
-                                                 const Pattern& pattern) {
+// From linear equations for pinholes, and for radially symmetric lenses of any
+// field of view.
+std::vector<std::unique_ptr<CameraModel>> ParametricStarts(
+    const Dataset& dataset, const Pattern& pattern) {
   std::vector<std::unique_ptr<CameraModel>> starts;
   if (const auto radial = StartFromRadialLines(dataset, pattern))
     starts.push_back(radial->Clone());
@@ -168,6 +197,75 @@ std::vector<std::unique_ptr<CameraModel>> Starts(const Dataset& dataset,
     starts.push_back(pinhole->Clone());
   return starts;
 }
+
+// For any central lens: the parametric one nearest to what three views tell.
+std::unique_ptr<CameraModel> GenericStartingLens(const Dataset& dataset,
+                                                 const Pattern& pattern,
+                                                 int num_threads) {
+  GenericStartOptions options;
+  options.num_threads = num_threads;
+  const auto generic = StartFromThreeViews(dataset, pattern, options);
+  if (!generic) return nullptr;
+  return FitParametricModel("central-radial", generic->camera,
+                            generic->camera.area(), true)
+      .model->Clone();
+}
+
+// The starts adjusted to a part of the features, of which the best is kept.
+class StartTrials {
+ public:
+  StartTrials(const Pattern& pattern, const Adjusted& all,
+              const AdjustmentOptions& options)
+      : pattern_(pattern),
+        thinned_(Thinned(all)),
+        num_features_(NumFeatures(thinned_.problem)),
+        options_(options) {
+    options_.fix_points = true;
+  }
+
+  void Try(const CameraModel& start) {
+    const auto adjusted = AdjustFrom(start, pattern_, thinned_, options_);
+    if (!adjusted) return;
+    const Misfit misfit = MisfitOf(*adjusted, num_features_);
+    const double weighted = misfit.mean_px * FavourOf(*adjusted);
+    if (best_ && weighted >= least_weighted_) return;
+    best_ = adjusted;
+    least_ = misfit;
+    least_weighted_ = weighted;
+  }
+
+  // Whether a lens with local distortion at most can be behind it.
+  bool IsNear() const {
+    constexpr double kNearPx = 1;
+    return best_ && least_.mean_px < kNearPx;
+  }
+
+  // Throws if none is one that calibration can go on from.
+  const Adjusted& Best() const {
+    constexpr double kMaxUnexplainedPart = 0.25;
+    if (!best_)
+      throw Error(ExitCode::kInitialization,
+                  "no starting camera fits these features; check the pattern's "
+                  "columns and rows, and take tilted views of it");
+    if (least_.unexplained_part > kMaxUnexplainedPart)
+      throw Error(
+          ExitCode::kInitialization,
+          fmt::format("the starting lens explains only {:.0f} % of {} "
+                      "features; check the pattern, and take more views, "
+                      "tilted and all over the image",
+                      100 * (1 - least_.unexplained_part), num_features_));
+    return *best_;
+  }
+
+ private:
+  const Pattern& pattern_;
+  Adjusted thinned_;
+  size_t num_features_;
+  AdjustmentOptions options_;
+  std::optional<Adjusted> best_;
+  Misfit least_;
+  double least_weighted_ = INFINITY;
+};
 
 void RequireImages(const CalibrationProblem& problem) {
   if (NumImages(problem) < kMinImages)
@@ -182,38 +280,21 @@ void RequireImages(const CalibrationProblem& problem) {
 
 Adjusted AdjustStart(const Dataset& dataset, const Pattern& pattern,
                      const AdjustmentOptions& options) {
-  constexpr double kMaxUnexplainedPart = 0.25;
   Adjusted all;
   all.problem = BuildProblem({dataset}, pattern, &all.rejected_images);
   all.rejected_features.resize(1);  // of one camera
   RequireImages(all.problem);
-  const size_t num_features = NumFeatures(all.problem);
-  AdjustmentOptions fixed_points = options;
-  fixed_points.fix_points = true;
-  std::optional<Adjusted> best;
-  Misfit least;
-  double least_weighted = INFINITY;
-  for (const auto& start : Starts(dataset, pattern)) {
-    const auto adjusted = AdjustFrom(*start, pattern, all, fixed_points);
-    if (!adjusted) continue;
-    const Misfit misfit = MisfitOf(*adjusted, num_features);
-    const double weighted = misfit.mean_px * FavourOf(*adjusted);
-    if (best && weighted >= least_weighted) continue;
-    best = adjusted;
-    least = misfit;
-    least_weighted = weighted;
-  }
-  if (!best)
-    throw Error(ExitCode::kInitialization,
-                "no starting camera fits these features; check the pattern's "
-                "columns and rows, and take tilted views of it");
-  if (least.unexplained_part > kMaxUnexplainedPart)
-    throw Error(ExitCode::kInitialization,
-                fmt::format("the starting lens explains only {:.0f} % of {} "
-                            "features; check the pattern, and take more views, "
-                            "tilted and all over the image",
-                            100 * (1 - least.unexplained_part), num_features));
-  return *best;
+  StartTrials trials(pattern, all, options);
+  for (const auto& start : ParametricStarts(dataset, pattern))
+    trials.Try(*start);
+  if (!trials.IsNear())
+    if (const auto start =
+            GenericStartingLens(dataset, pattern, options.num_threads))
+      trials.Try(*start);
+  Adjusted adjusted =
+      Localized(trials.Best().state.camera(), all, options.num_threads);
+  RemoveGrossOutliers(pattern, options.num_threads, &adjusted);
+  return adjusted;
 }
 
 }  // namespace raygrid

@@ -27,6 +27,9 @@ struct Area {
     return pixel.x() >= x0 - margin_px && pixel.x() <= x1 + margin_px &&
            pixel.y() >= y0 - margin_px && pixel.y() <= y1 + margin_px;
   }
+  bool operator==(const Area& other) const {
+    return x0 == other.x0 && y0 == other.y0 && x1 == other.x1 && y1 == other.y1;
+  }
 };
 
 /// The whole image, from the first pixel's centre to the last one's.

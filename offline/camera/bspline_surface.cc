@@ -171,9 +171,10 @@ BSplineSurface FitSurface(const Area& area, int columns, int rows,
     for (int k = 0; k < 16; ++k) {
       index[k] = (support.row + k / 4) * columns + support.column + k % 4;
       weight[k] = support.wy[k / 4] * support.wx[k % 4];
-      right.row(index[k]) += weight[k] * sample.value.transpose();
+      right.row(index[k]) +=
+          sample.weight * weight[k] * sample.value.transpose();
     }
-    normal.AddProduct<16>(index, weight, 1);
+    normal.AddProduct<16>(index, weight, sample.weight);
   }
   AddSmoothness(columns, rows, 1e-9, &normal);
 

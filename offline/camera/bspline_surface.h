@@ -69,6 +69,7 @@ int NumControlPoints(double extent_px, double cell_px);
 struct SurfaceSample {
   Eigen::Vector2d pixel;
   Eigen::Vector2d value;
+  double weight = 1;  ///< of its squared error
 };
 
 /// Least-squares surface through samples; where there are none, as smooth as

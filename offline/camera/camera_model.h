@@ -23,6 +23,7 @@ struct LinearizedProjection {
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, 3> by_point;  ///< d pixel / d point
 
+  /// The same for all projections of a camera: nodes may have no weight.
   int num_nodes = 0, num_per_node = 0;
   std::array<int, kMaxNodes> node_parameter;  ///< the first one of each node
   std::array<double, kMaxNodes> node_weight;

@@ -141,11 +141,12 @@ bool CentralRadial::Linearize(const Eigen::Vector3d& point,
   const Eigen::Vector2d at_uv(uv[0].a, uv[1].a);
   const RadialSupport<double> support =
       SupportOf(at_uv.norm(), cell_rad(), static_cast<int>(spline_.size()));
-  projection->num_nodes = support.count;
+  projection->num_nodes = static_cast<int>(support.weight.size());
   projection->num_per_node = 1;
-  for (int k = 0; k < support.count; ++k) {
-    projection->node_parameter[k] = support.first + k;
-    projection->node_weight[k] = support.weight[k];
+  for (int k = 0; k < projection->num_nodes; ++k) {
+    const bool is_used = k < support.count;
+    projection->node_parameter[k] = support.first + (is_used ? k : 0);
+    projection->node_weight[k] = is_used ? support.weight[k] : 0;
   }
   projection->by_node.col(0) << others_[kFx] * at_uv.x(),
       others_[kFy] * at_uv.y();

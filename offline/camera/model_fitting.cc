@@ -150,7 +150,7 @@ Equations Linearize(const ParametricModel& model,
     if (error.norm() > kLostPx) continue;
     Eigen::MatrixXd row = Eigen::MatrixXd::Zero(2, size);
     for (int k = 0; k < linear.num_nodes; ++k)
-      row.col(linear.node_parameter[k]) =
+      row.col(linear.node_parameter[k]) +=
           linear.node_weight[k] * linear.by_node.col(0);
     row.middleCols(linear.first_global, linear.num_global) =
         linear.by_global.leftCols(linear.num_global);

@@ -119,6 +119,64 @@ std::optional<ErrorFigures> ParseFigures(const YAML::Node& node) {
                       node["count"].as<int>()};
 }
 
+// Throws InputError unless it is a list of so many.
+void RequireList(const YAML::Node& node, const char* name, int size) {
+  if (!node.IsSequence() || static_cast<int>(node.size()) != size)
+    throw InputError(fmt::format("{}: not a list of {}", name, size));
+}
+
+DeviationLattice ParseDeviations(const YAML::Node& node) {
+  DeviationLattice lattice;
+  lattice.columns = node["columns"].as<int>();
+  lattice.rows = node["rows"].as<int>();
+  if (std::min(lattice.columns, lattice.rows) < 2 ||
+      std::max(lattice.columns, lattice.rows) > 65)
+    throw InputError("uncertainty: columns and rows must be 2 to 65");
+  const YAML::Node rows = node["deviation_px"];
+  RequireList(rows, "uncertainty: deviation_px", lattice.rows);
+  for (const YAML::Node& row : rows) {
+    RequireList(row, "uncertainty: a row of deviation_px", lattice.columns);
+    for (const YAML::Node& value : row) {
+      lattice.deviation_px.push_back(value.IsNull() ? NAN : value.as<double>());
+      if (!value.IsNull() && !(lattice.deviation_px.back() >= 0))
+        throw InputError("uncertainty: deviation_px is negative");
+    }
+  }
+  return lattice;
+}
+
+TrustMask ParseMask(const YAML::Node& node, const ImageSize& size) {
+  TrustMask mask;
+  mask.cell_px = node["cell_px"].as<int>();
+  if (mask.cell_px < 4 || mask.cell_px > 256 ||
+      (mask.cell_px & (mask.cell_px - 1)) != 0)
+    throw InputError("trusted: cell_px must be a power of two, 4 to 256");
+  mask.columns = TrustMask::NumCells(size.width, mask.cell_px);
+  mask.rows = TrustMask::NumCells(size.height, mask.cell_px);
+  const YAML::Node rows = node["cells"];
+  RequireList(rows, "trusted: cells", mask.rows);
+  for (const YAML::Node& row : rows) {
+    const std::string text = row.as<std::string>();
+    if (static_cast<int>(text.size()) != mask.columns ||
+        text.find_first_not_of("#.") != std::string::npos)
+      throw InputError(fmt::format(
+          "trusted: a row of cells is not {} times # or .", mask.columns));
+    for (const char cell : text) mask.is_trusted.push_back(cell == '#');
+  }
+  return mask;
+}
+
+std::optional<CameraUncertainty> ParseUncertainty(const YAML::Node& root,
+                                                  const ImageSize& size) {
+  if (!root["uncertainty"] || !root["trusted"]) return std::nullopt;
+  CameraUncertainty uncertainty;
+  uncertainty.lattice = ParseDeviations(root["uncertainty"]);
+  uncertainty.mask = ParseMask(root["trusted"], size);
+  uncertainty.max_deviation_px =
+      root["trusted"]["max_deviation_px"].as<double>();
+  return uncertainty;
+}
+
 // Throws what yaml-cpp throws, and InputError without the file's name.
 CameraFile Parse(const YAML::Node& root) {
   if (!root.IsMap() || !root["raygrid_camera"])
@@ -157,6 +215,7 @@ CameraFile Parse(const YAML::Node& root) {
     file.training = ParseFigures(root["quality"]["training"]);
     file.held_out = ParseFigures(root["quality"]["held_out"]);
   }
+  file.uncertainty = ParseUncertainty(root, image_size);
   return file;
 }
 
@@ -169,6 +228,40 @@ void EmitFigures(const char* name, const std::optional<ErrorFigures>& figures,
        << YAML::Value << fmt::format("{:.6f}", figures->rms_px) << YAML::Key
        << "max_px" << YAML::Value << fmt::format("{:.6f}", figures->max_px)
        << YAML::Key << "count" << YAML::Value << figures->count << YAML::EndMap;
+}
+
+void EmitUncertainty(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
+  const DeviationLattice& lattice = uncertainty.lattice;
+  *out << YAML::Key << "uncertainty" << YAML::Value << YAML::BeginMap
+       << YAML::Key << "columns" << YAML::Value << lattice.columns << YAML::Key
+       << "rows" << YAML::Value << lattice.rows << YAML::Key << "deviation_px"
+       << YAML::Value << YAML::BeginSeq;
+  for (int row = 0; row < lattice.rows; ++row) {
+    *out << YAML::Flow << YAML::BeginSeq;
+    for (int column = 0; column < lattice.columns; ++column) {
+      const double value = lattice.deviation_px[row * lattice.columns + column];
+      if (std::isfinite(value))
+        *out << fmt::format("{:.6f}", value);
+      else
+        *out << YAML::Null;
+    }
+    *out << YAML::EndSeq;
+  }
+  *out << YAML::EndSeq << YAML::EndMap;
+
+  const TrustMask& mask = uncertainty.mask;
+  *out << YAML::Key << "trusted" << YAML::Value << YAML::BeginMap << YAML::Key
+       << "max_deviation_px" << YAML::Value
+       << fmt::format("{:.6f}", uncertainty.max_deviation_px) << YAML::Key
+       << "cell_px" << YAML::Value << mask.cell_px << YAML::Key << "cells"
+       << YAML::Value << YAML::BeginSeq;
+  for (int row = 0; row < mask.rows; ++row) {
+    std::string text;
+    for (int column = 0; column < mask.columns; ++column)
+      text += mask.is_trusted[row * mask.columns + column] ? '#' : '.';
+    *out << YAML::DoubleQuoted << text;
+  }
+  *out << YAML::EndSeq << YAML::EndMap;
 }
 
 void EmitParameters(const ParametricModel& lens, YAML::Emitter* out) {
@@ -264,6 +357,7 @@ std::string FormatCameraFile(const CameraFile& file) {
     EmitFigures("held_out", file.held_out, &out);
     out << YAML::EndMap;
   }
+  if (file.uncertainty) EmitUncertainty(*file.uncertainty, &out);
   out << YAML::EndMap;
   return std::string(out.c_str()) + "\n";
 }

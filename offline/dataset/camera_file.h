@@ -6,6 +6,7 @@
 #include <string>
 
 #include "camera/camera_model.h"
+#include "camera/camera_uncertainty.h"
 
 namespace raygrid {
 
@@ -20,6 +21,7 @@ struct CameraFile {
   std::shared_ptr<const CameraModel> camera;
   std::string name, serial;
   std::optional<ErrorFigures> training, held_out;
+  std::optional<CameraUncertainty> uncertainty;
 };
 
 /// Throws InputError.

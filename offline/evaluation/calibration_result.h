@@ -8,6 +8,7 @@
 
 #include "dataset/camera_file.h"
 #include "dataset/dataset.h"
+#include "evaluation/checkpoint.h"
 #include "evaluation/line_spread.h"
 #include "evaluation/residual_statistics.h"
 #include "evaluation/verdict.h"
@@ -45,6 +46,8 @@ struct CalibrationResult {
   double cell_px = 0;  ///< of the grid; 0 for a parametric model
   int num_parameters = 0;
   bool converged = false;
+  /// Of a calibration that was told to stop before it was done.
+  std::optional<Checkpoint> checkpoint;
   std::optional<double> bias_kl;
   /// Of the held-out residuals, or else of the training ones.
   std::optional<double> neighbor_correlation;

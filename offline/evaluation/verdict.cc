@@ -28,7 +28,9 @@ Verdict JudgeCalibration(const CalibrationFigures& figures) {
     verdict.reasons.push_back(reason);
   };
 
-  if (!figures.converged)
+  if (figures.interrupted)
+    fail("interrupted before it was done; go on with --resume");
+  else if (!figures.converged)
     fail("the adjustment did not converge; add images or remove blurred ones");
   if (figures.images_used < kEnoughImages)
     warn(fmt::format("only {} images; take {} or more", figures.images_used,

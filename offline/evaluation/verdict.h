@@ -12,7 +12,7 @@ namespace raygrid {
 
 /// What a verdict is formed on.
 struct CalibrationFigures {
-  bool converged = false;
+  bool converged = false, interrupted = false;
   ImageSize image_size;
   Area area;
   int images_used = 0, images_rejected = 0;

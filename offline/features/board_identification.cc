@@ -11,9 +11,11 @@
 namespace raygrid {
 namespace {
 
-constexpr double kMaxByChance = 1e-4;
+// That a board of none of the tags looks so: seven cells, as far as the stars
+// leave two placements.
+constexpr double kMaxByChance = 1e-2;
 // Of another placement, where there is doubt.
-constexpr double kMaxRivalByChance = 1e-2;
+constexpr double kMaxRivalByChance = 5e-2;
 // Of the stars, where the board has none: beside tags and along the edges half
 // stars are seen.
 constexpr double kMaxAstray = 0.2;

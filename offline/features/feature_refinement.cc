@@ -20,7 +20,10 @@ constexpr double kMinSpacingPx = 5;
 constexpr double kMaxMovePx = 2;
 constexpr double kMaxMoveSquares = 0.03;  // of large ones
 constexpr double kMaxAsymmetry = 0.4;     // of the contrast
-constexpr double kMinContrast = 3;        // grey levels
+constexpr double kMinContrast = 0.5;      // grey levels
+// Standard deviation: one in 10^5 is more than 0.5 px wrong, even if the noise
+// is twice what it seems.
+constexpr double kMaxDeviationPx = 0.06;
 
 // How far a feature may lie from where its neighbours say.
 struct Tolerance {
@@ -96,6 +99,7 @@ struct Round {
   const SymmetrySamples* samples;
   double max_move_px, max_move_squares;  // whichever is more
   double noise;                          // of the image, grey levels
+  bool is_last;
 };
 
 struct FeatureRefiner::Data {
@@ -135,6 +139,7 @@ SymmetryResult FeatureRefiner::Data::Symmetry(const GreyImage& image,
   symmetry.refinement = options.refinement;
   symmetry.inverts_colors = ReflectionInvertsColors(board);
   symmetry.center_only = center_only;
+  symmetry.noise = round.noise;
   // Half a window away there is nothing to go by.
   symmetry.max_move_px =
       std::clamp(round.max_move_squares * start.SpacingPx(), round.max_move_px,
@@ -172,6 +177,8 @@ std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
   if (std::pow(result.rms, 2) - 2 * noise2 >
       std::pow(kMaxAsymmetry, 2) * (std::pow(result.contrast, 2) - noise2))
     return "not symmetric";
+  if (round.is_last && !(result.deviation_px < kMaxDeviationPx))
+    return "lost in noise";
   *pixel = result.mapping.center;
   return {};
 }
@@ -199,9 +206,10 @@ void FeatureRefiner::Data::RefineBySymmetry(const GreyImage& image,
                                             FeatureLattice* lattice,
                                             ImageDetection* detection) const {
   const double noise = NoiseOf(image);
-  RefineOnce(image, {&rough_samples, kMaxMovePx, kMaxMoveSquares, noise},
+  RefineOnce(image, {&rough_samples, kMaxMovePx, kMaxMoveSquares, noise, false},
              lattice, detection);
-  RefineOnce(image, {&samples, kMaxMovePx / 4, 0, noise}, lattice, detection);
+  RefineOnce(image, {&samples, kMaxMovePx / 4, 0, noise, true}, lattice,
+             detection);
 }
 
 void FeatureRefiner::Data::RefineByCorners(const GreyImage& image,
@@ -253,7 +261,7 @@ std::vector<Feature> FeatureRefiner::RefineWith(
   if (data_->options.refinement == Refinement::kNone ||
       data_->options.refinement == Refinement::kCornerSubpix)
     return features;
-  const Round round = {&data_->samples, kMaxMovePx / 4, 0, 0};
+  const Round round = {&data_->samples, kMaxMovePx / 4, 0, 0, true};
   for (Feature& feature : features) {
     const auto mapping = tell_mapping(feature);
     if (!mapping) continue;

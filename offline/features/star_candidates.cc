@@ -5,6 +5,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "features/image_noise.h"
+
 namespace raygrid {
 namespace {
 
@@ -17,7 +19,8 @@ constexpr double kMaxScatter = 0.35;
 // Edges must point at the place from several sides.
 constexpr double kMinIsotropy = 0.25;
 constexpr size_t kMaxCandidates = 3000;
-constexpr double kMinGradient = 2;  // RMS, grey levels a pixel
+constexpr double kMinGradient = 2;  // RMS, grey levels a pixel; in dark images
+constexpr double kMinGradientOverNoise = 1;  // will do
 
 // Products of gradients, and what of them is scattered around each pixel.
 struct GradientMaps {
@@ -103,10 +106,10 @@ Junction Examine(const GradientMaps& maps, int x, int y) {
   return junction;
 }
 
-void FindAtScale(const cv::Mat& image, double scale,
+void FindAtScale(const cv::Mat& image, double scale, double min_gradient,
                  std::vector<StarCandidate>* candidates) {
   const GradientMaps maps = MakeMaps(image);
-  const double min_energy = kMinGradient * kMinGradient * kSigmaPx * kSigmaPx;
+  const double min_energy = min_gradient * min_gradient * kSigmaPx * kSigmaPx;
   for (int y = kRadiusPx; y < image.rows - kRadiusPx; ++y) {
     for (int x = kRadiusPx; x < image.cols - kRadiusPx; ++x) {
       const float scatter = maps.scatter.at<float>(y, x);
@@ -145,13 +148,15 @@ std::vector<StarCandidate> Distinct(std::vector<StarCandidate> candidates) {
 }  // namespace
 
 std::vector<StarCandidate> FindStarCandidates(const GreyImage& image) {
+  const double min_gradient =
+      std::min(kMinGradient, kMinGradientOverNoise * NoiseOf(image) + 0.2);
   std::vector<StarCandidate> found;
   cv::Mat scaled(image.size.height, image.size.width, CV_32F,
                  const_cast<float*>(image.levels.data()));
   double scale = 1;
   for (int k = 0; k < kNumScales; ++k) {
     if (std::min(scaled.cols, scaled.rows) < 4 * kRadiusPx) break;
-    FindAtScale(scaled, scale, &found);
+    FindAtScale(scaled, scale, min_gradient, &found);
     cv::Mat half;
     cv::resize(scaled, half, cv::Size(scaled.cols / 2, scaled.rows / 2), 0, 0,
                cv::INTER_AREA);

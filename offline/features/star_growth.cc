@@ -200,7 +200,8 @@ bool StarGrowth::Predict(int column, int row, LocalMapping* mapping) const {
   if (around.size() < kEnoughWithoutTag &&
       PredictFromTag(column, row, around, mapping))
     return true;
-  return FitLocalMapping(around, 2, mapping);
+  return FitLocalMapping(around, 2, mapping) > 0 ||
+         PredictFromTag(column, row, around, mapping);
 }
 
 // What the homography of the nearest tag says, moved as the nearest star is.

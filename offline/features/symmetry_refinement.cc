@@ -1,6 +1,7 @@
 #include "features/symmetry_refinement.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -308,9 +309,35 @@ bool Minimize(const Problem<N>& problem, double max_move_px,
   return true;
 }
 
+// Of the centre: s^2 H^-1, where s^2 is the mean square of the differences as
+// far as noise explains it, twice as strong as it seems: what is not symmetric
+// adds to them too. A pixel's noise is in all its samples alike, which count as
+// one. Noise has gradients, which tell nothing of the centre: H is without
+// them. Both factors are measured on white noise.
+template <int N>
+double DeviationPx(const System<N>& system, int samples_per_pixel,
+                   double noise) {
+  constexpr double kNoiseDifferences = 1.33, kNoiseGradients = 2.9;
+  constexpr double kRounding = 1 / 12.0;
+  const double s2 =
+      std::min(system.cost / system.count,
+               4 * kNoiseDifferences * (noise * noise + kRounding));
+  Eigen::Matrix<double, N, N> hessian = system.hessian.template cast<double>();
+  hessian.diagonal().template head<2>().array() -=
+      kNoiseGradients * s2 * system.count;
+  const Eigen::LLT<Eigen::Matrix<double, N, N>> llt(hessian);
+  if (llt.info() != Eigen::Success) return INFINITY;
+  const Eigen::Matrix2d inverse =
+      llt.solve(Eigen::Matrix<double, N, 2>::Identity()).template topRows<2>();
+  const double largest =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(inverse).eigenvalues()[1];
+  return std::sqrt(samples_per_pixel * s2 * largest);
+}
+
 template <int N>
 void Refine(const SymmetryPatch& patch, const Pairs& pairs,
-            const SymmetryOptions& options, SymmetryResult* result) {
+            int samples_per_pixel, const SymmetryOptions& options,
+            SymmetryResult* result) {
   const Problem<N> problem(patch, pairs, options.inverts_colors);
   System<N> system;
   if (!Minimize<N>(problem, options.max_move_px, &result->mapping, &system))
@@ -320,6 +347,7 @@ void Refine(const SymmetryPatch& patch, const Pairs& pairs,
   result->rms = std::sqrt(system.cost / n);
   result->contrast =
       std::sqrt(std::max(0.0, system.sum_squares / n - mean * mean));
+  result->deviation_px = DeviationPx(system, samples_per_pixel, options.noise);
 }
 
 }  // namespace
@@ -327,6 +355,7 @@ void Refine(const SymmetryPatch& patch, const Pairs& pairs,
 SymmetrySamples MakeSymmetrySamples(int window_px, int samples_per_pixel) {
   SymmetrySamples samples;
   samples.window_px = window_px;
+  samples.per_pixel = samples_per_pixel;
   std::mt19937 engine(1);
   const auto uniform = [&engine] {
     return static_cast<float>(engine() >> 8) * 0x1p-24f - 0.5f;
@@ -361,7 +390,7 @@ SymmetryResult RefineSymmetry(const GreyImage& image,
   const SymmetryPatch patch(image, options.refinement, start.center.cast<int>(),
                             reach_px);
   const auto refine = options.center_only ? Refine<2> : Refine<8>;
-  refine(patch, pairs, options, &result);
+  refine(patch, pairs, samples.per_pixel, options, &result);
   return result;
 }
 

@@ -14,7 +14,7 @@ namespace raygrid {
 /// Extraction": randomness spares us the artefacts of bilinear interpolation on
 /// a lattice).
 struct SymmetrySamples {
-  int window_px = 0;
+  int window_px = 0, per_pixel = 0;
   std::vector<float> x, y;
 };
 SymmetrySamples MakeSymmetrySamples(int window_px, int samples_per_pixel);
@@ -27,6 +27,7 @@ struct SymmetryOptions {
   /// The centre alone, where the rest of the mapping is known well.
   bool center_only = false;
   double max_move_px = 2;
+  double noise = 0;  ///< of the image, grey levels
 };
 
 struct SymmetryResult {
@@ -34,6 +35,9 @@ struct SymmetryResult {
   LocalMapping mapping;  ///< refined
   double rms = 0;        ///< of the differences, grey levels
   double contrast = 0;   ///< RMS deviation from the mean, grey levels
+  /// Standard deviation of the centre by the image's noise, along its less
+  /// certain direction; of intensities.
+  double deviation_px = 0;
 };
 
 /// Minimises C_sym(H) = sum_i (I(x(s_i)) -+ I(x(-s_i)))^2 over the homography's

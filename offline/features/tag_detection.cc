@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -44,6 +45,31 @@ FamilyPointer MakeFamily(TagFamily kind) {
 cv::Mat View(const GreyImage& image) {
   return cv::Mat(image.size.height, image.size.width, CV_8U,
                  const_cast<uint8_t*>(image.bytes.data()));
+}
+
+// The grey level that a part of the pixels stay below.
+int Quantile(const std::vector<uint8_t>& bytes, double part) {
+  std::array<size_t, 256> histogram = {};
+  for (const uint8_t byte : bytes) ++histogram[byte];
+  const auto limit =
+      static_cast<size_t>(part * static_cast<double>(bytes.size()));
+  size_t below = 0;
+  int level = 0;
+  while (level < 255 && (below += histogram[level]) <= limit) ++level;
+  return level;
+}
+
+// libapriltag's bounds are grey levels: dark images are brightened.
+cv::Mat Brightened(const GreyImage& image) {
+  constexpr double kBright = 200, kMinGain = 1.5, kMaxGain = 8;
+  const double gain =
+      std::min(kMaxGain, kBright / std::max(1, Quantile(image.bytes, 0.99)));
+  if (gain < kMinGain) return View(image);
+  const cv::Mat levels(image.size.height, image.size.width, CV_32F,
+                       const_cast<float*>(image.levels.data()));
+  cv::Mat brightened;
+  levels.convertTo(brightened, CV_8U, gain);
+  return brightened;
 }
 
 // libapriltag puts (0, 0) at the corner of the top-left pixel.
@@ -127,22 +153,23 @@ bool IsQuickSearchThorough(const ImageSize& size) {
 
 std::vector<DetectedTag> DetectTags(const GreyImage& image, TagSearch search) {
   return DetectIn(
-      View(image), TagFamily::k36h11,
+      Brightened(image), TagFamily::k36h11,
       search == TagSearch::kThorough ? 1 : QuickDecimation(image.size));
 }
 
 std::vector<std::string> DescribeOtherTags(const GreyImage& image) {
   std::vector<std::string> seen;
   const float decimate = QuickDecimation(image.size);
+  const cv::Mat view = Brightened(image);
   cv::Mat mirrored;
-  cv::flip(View(image), mirrored, 1);
+  cv::flip(view, mirrored, 1);
   for (const DetectedTag& tag : DetectIn(mirrored, TagFamily::k36h11, decimate))
     seen.push_back(fmt::format("mirrored tag {}", tag.id));
   const std::pair<const char*, TagFamily> others[] = {
       {"tag25h9", TagFamily::k25h9},
       {"tagStandard41h12", TagFamily::kStandard41h12}};
   for (const auto& [name, family] : others)
-    for (const DetectedTag& tag : DetectIn(View(image), family, decimate))
+    for (const DetectedTag& tag : DetectIn(view, family, decimate))
       seen.push_back(fmt::format("tag {} of family {}", tag.id, name));
   return seen;
 }

@@ -147,6 +147,39 @@ uint32_t Figure(std::optional<double> value, double unit) {
       std::min(std::ceil(*value / unit), RG_UNKNOWN_FIGURE - 1.0));
 }
 
+struct UncertaintySections {
+  rg_uncertainty_section uncertainty = {};
+  rg_mask_section mask = {};
+  std::vector<uint16_t> values_q12;
+  std::vector<uint8_t> bits;
+};
+
+UncertaintySections QuantizeUncertainty(const CameraUncertainty& known,
+                                        const rg_grid_section& grid) {
+  UncertaintySections sections;
+  rg_uncertainty_section& u = sections.uncertainty;
+  u.columns = static_cast<uint16_t>(known.lattice.columns);
+  u.rows = static_cast<uint16_t>(known.lattice.rows);
+  u.scale_x_q32 = rg_grid_scale_q32(u.columns - 1u, grid.x1_q16 - grid.x0_q16);
+  u.scale_y_q32 = rg_grid_scale_q32(u.rows - 1u, grid.y1_q16 - grid.y0_q16);
+  for (const double value : known.lattice.deviation_px)
+    sections.values_q12.push_back(
+        std::isfinite(value)
+            ? static_cast<uint16_t>(std::min(std::ceil(std::ldexp(value, 12)),
+                                             RG_UNKNOWN_UNCERTAINTY - 1.0))
+            : RG_UNKNOWN_UNCERTAINTY);
+
+  const TrustMask& mask = known.mask;
+  sections.mask.columns = static_cast<uint16_t>(mask.columns);
+  sections.mask.rows = static_cast<uint16_t>(mask.rows);
+  sections.mask.cell_log2 =
+      static_cast<uint8_t>(std::lround(std::log2(mask.cell_px)));
+  sections.bits.assign((mask.is_trusted.size() + 31) / 32 * 4, 0);
+  for (size_t k = 0; k < mask.is_trusted.size(); ++k)
+    if (mask.is_trusted[k]) sections.bits[k / 8] |= 1u << k % 8;
+  return sections;
+}
+
 rg_quality_section QualityOf(const CameraFile& file, double error_px,
                              double error_rad) {
   const auto figure = [](const std::optional<ErrorFigures>& figures,
@@ -291,6 +324,14 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   if (lines) {
     line_points = QuantizeLinePoints(*lines, model.surface());
     contents.line_points_q28 = line_points.data();
+  }
+  UncertaintySections sections;
+  if (file.uncertainty) {
+    sections = QuantizeUncertainty(*file.uncertainty, grid.section);
+    sections.mask.bits = sections.bits.data();
+    contents.uncertainty = &sections.uncertainty;
+    contents.uncertainties_q12 = sections.values_q12.data();
+    contents.mask = &sections.mask;
   }
   packed.blob = WriteBlob(contents);
   return packed;

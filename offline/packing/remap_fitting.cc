@@ -83,35 +83,11 @@ Blocks CutBlocks(const ExactMap& map, const Area& rectangle, int size_log2) {
   return blocks;
 }
 
-// Whether all pixels of a block and of those right of it and below it are in
-// the map.
-std::vector<bool> InnerBlocks(const ExactMap& map, const Blocks& blocks) {
-  std::vector<bool> whole(blocks.columns * blocks.rows, true);
-  for (int y = 0; y < blocks.rows << blocks.size_log2; ++y)
-    for (int x = 0; x < blocks.columns << blocks.size_log2; ++x)
-      if (x >= map.width || y >= map.height || !map.IsValid(x, y))
-        whole[(y >> blocks.size_log2) * blocks.columns +
-              (x >> blocks.size_log2)] = false;
-  std::vector<bool> inner(whole.size(), false);
-  for (int j = 0; j + 1 < blocks.rows; ++j) {
-    for (int i = 0; i + 1 < blocks.columns; ++i) {
-      const int k = j * blocks.columns + i;
-      inner[k] = whole[k] && whole[k + 1] && whole[k + blocks.columns];
-    }
-  }
-  return inner;
-}
-
-// Vertices for bilinear interpolation within the blocks, in pixels. Where the
-// map curves, interpolation errs most at the vertices and, the other way,
-// half-way between them; least squares over the pixels there make both errors
-// equal, which is the least maximum. At the edges of what the camera sees all
-// pixels count; where none determines a vertex, second differences vanish.
+// Least-squares vertices for bilinear interpolation within the blocks, in
+// pixels; where no pixel determines one, second differences vanish.
 std::vector<Eigen::Vector2d> FitVertices(const ExactMap& map,
                                          const Blocks& blocks) {
   const int n = blocks.num_vertices();
-  const int half = blocks.size() / 2;
-  const std::vector<bool> inner = InnerBlocks(map, blocks);
   std::vector<Eigen::Triplet<double>> triplets;
   Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(n, 2);
   for (int j = 0; j < blocks.rows; ++j) {
@@ -121,21 +97,16 @@ std::vector<Eigen::Vector2d> FitVertices(const ExactMap& map,
           blocks.VertexIndex(i, j + 1), blocks.VertexIndex(i + 1, j + 1)};
       Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
       const int x0 = i << blocks.size_log2, y0 = j << blocks.size_log2;
-      const int step = inner[j * blocks.columns + i] ? half : 1;
-      const double weight = step * step;
-      for (int y = y0; y < std::min(y0 + blocks.size(), map.height);
-           y += step) {
-        for (int x = x0; x < std::min(x0 + blocks.size(), map.width);
-             x += step) {
+      for (int y = y0; y < std::min(y0 + blocks.size(), map.height); ++y) {
+        for (int x = x0; x < std::min(x0 + blocks.size(), map.width); ++x) {
           if (!map.IsValid(x, y)) continue;
           const double u = static_cast<double>(x - x0) / blocks.size();
           const double v = static_cast<double>(y - y0) / blocks.size();
           const Eigen::Vector4d weights((1 - u) * (1 - v), u * (1 - v),
                                         (1 - u) * v, u * v);
-          const Eigen::Vector4d weighted = weight * weights;
-          normal += weighted * weights.transpose();
+          normal += weights * weights.transpose();
           for (int k = 0; k < 4; ++k)
-            right.row(vertices[k]) += weighted[k] * map.at(x, y).transpose();
+            right.row(vertices[k]) += weights[k] * map.at(x, y).transpose();
         }
       }
       for (int a = 0; a < 4; ++a)

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "report/pictures.h"
+#include "report/uncertainty_picture.h"
 
 namespace raygrid {
 namespace {
@@ -120,6 +121,14 @@ std::string ModelTable(const CalibrationResult& result,
   if (result.neighbor_correlation)
     row("correlation of neighbouring features' errors",
         fmt::format("{:.2f}", *result.neighbor_correlation));
+  if (const auto& known = result.camera.uncertainty) {
+    row("standard deviation of the projection",
+        fmt::format("{:.4f} px (median)", known->lattice.MedianPx()));
+    row("trusted",
+        fmt::format("{:.0f} % of the image, to {:.4f} px",
+                    100 * known->TrustedPart(camera.image_size(), area),
+                    known->max_deviation_px));
+  }
   if (result.line_spread)
     row("lines pass the point nearest to all by",
         fmt::format("{:.3f} mm (RMS), {:.3f} mm (largest)",
@@ -217,6 +226,9 @@ std::string PicturesSection(const CalibrationResult& result) {
                  fmt::format("Magnitude of the nearest residual: black 0, "
                              "bright {:.2f} px and more",
                              full_scale));
+  if (result.camera.uncertainty)
+    html += Figure(UncertaintyPicture(*result.camera.uncertainty, size, area),
+                   "How well the camera is known, by its features' noise");
   html += Figure(DirectionLegend(160), "Colours of the directions", "legend");
   return html + "</div>\n";
 }

@@ -54,6 +54,11 @@ void AddCamera(const CalibrationResult& result, Json* json) {
   if (result.bias_kl) (*json)["bias_kl"] = *result.bias_kl;
   if (result.neighbor_correlation)
     (*json)["neighbor_correlation"] = *result.neighbor_correlation;
+  if (const auto& known = result.camera.uncertainty)
+    (*json)["uncertainty"] = {
+        {"median_px", known->lattice.MedianPx()},
+        {"max_trusted_px", known->max_deviation_px},
+        {"trusted_part", known->TrustedPart(camera.image_size(), area)}};
   if (result.line_spread)
     (*json)["line_spread"] = {{"rms_m", result.line_spread->rms_m},
                               {"max_m", result.line_spread->max_m}};
@@ -64,7 +69,8 @@ void AddVerdict(const Verdict& verdict, Json* json) {
   (*json)["reasons"] = verdict.reasons;
 }
 
-const char* Status(bool converged) {
+const char* Status(bool converged, bool is_interrupted = false) {
+  if (is_interrupted) return "interrupted";
   return converged ? "converged" : "not converged";
 }
 
@@ -123,7 +129,7 @@ Json RejectedInRig(const RigResult& result) {
 std::string FormatResultJson(const CalibrationResult& result, uint64_t seed,
                              int64_t peak_memory_bytes) {
   Json json;
-  json["status"] = Status(result.converged);
+  json["status"] = Status(result.converged, result.checkpoint.has_value());
   AddCamera(result, &json);
   json["seconds"] = result.seconds;
   json["peak_memory_bytes"] = peak_memory_bytes;

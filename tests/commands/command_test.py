@@ -12,6 +12,11 @@ boards:
   - {id: 0, kind: chessboard, columns: 9, rows: 6, square_m: 0.025}
 """
 
+# More corners than PATTERN's, fewer than those of simulate's own board, which take longer.
+SIMULATED_PATTERN = """raygrid_pattern: 1
+boards:
+  - {id: 0, kind: chessboard, columns: 14, rows: 10, square_m: 0.03}
+"""
 
 cache = tempfile.TemporaryDirectory()
 

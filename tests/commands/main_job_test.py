@@ -6,7 +6,8 @@ import json
 import math
 import os
 
-from command_test import CommandTest, PATTERN, main, programs, read, run, write
+from command_test import (CommandTest, PATTERN, SIMULATED_PATTERN, main, programs, read, run,
+                          write)
 
 
 def rows(text):
@@ -18,7 +19,8 @@ class MainJob(CommandTest):
     def setUpClass(cls):
         super().setUpClass()
         for arguments in (
-                ("simulate", "--images", 20, "--features-per-image", 120, "-o", cls.path("sim")),
+                ("simulate", "--images", 20, "--features-per-image", 120, "--pattern",
+                 write(cls.path("board.yaml"), SIMULATED_PATTERN), "-o", cls.path("sim")),
                 ("calibrate", "--features", cls.path("sim/features.csv"), "--image-size",
                  "640x480", "--pattern", cls.path("sim/pattern.yaml"), "--cell-px", 80, "-o",
                  cls.path("out"), "--name", "front", "--serial", "42")):
@@ -27,7 +29,7 @@ class MainJob(CommandTest):
 
     def test_calibrate_writes_all_files(self):
         expected = {"camera.yaml", "camera.raygrid", "pattern.yaml", "features.csv", "poses.csv",
-                    "result.json", "report.html"}
+                    "result.json", "report.html", "uncertainty.png"}
         self.assertEqual(set(os.listdir(self.path("out"))), expected)
         result = json.loads(read(self.path("out/result.json")))
         self.assertEqual(result["status"], "converged")
@@ -42,7 +44,7 @@ class MainJob(CommandTest):
                          self.path("again"))
             self.assert_done(result)
             for name in ("camera.yaml", "camera.raygrid", "pattern.yaml", "features.csv",
-                         "poses.csv", "report.html"):
+                         "poses.csv", "report.html", "uncertainty.png"):
                 self.assertEqual(read(self.path("again/" + name)), read(self.path("out/" + name)),
                                  name)
 

@@ -4,7 +4,8 @@ import json
 import math
 import os
 
-from command_test import CommandTest, PATTERN, main, programs, read, run, write
+from command_test import (CommandTest, PATTERN, SIMULATED_PATTERN, main, programs, read, run,
+                          write)
 
 SHARED = ("rig.yaml", "pattern.yaml", "features.csv", "poses.csv", "result.json", "report.html")
 OWN = ("camera.yaml", "camera.raygrid", "report.html")
@@ -14,8 +15,9 @@ class Rig(CommandTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        result = run("simulate", "--lens", "pinhole", "--cameras", 2, "--baseline-m", 0.08, "--images", 16, "-o",
-                     cls.path("sim"))
+        result = run("simulate", "--lens", "pinhole", "--cameras", 2, "--baseline-m", 0.08,
+                     "--images", 16, "--pattern",
+                     write(cls.path("board.yaml"), SIMULATED_PATTERN), "-o", cls.path("sim"))
         assert result.returncode == 0, result.stderr
         cls.pattern = cls.path("sim/pattern.yaml")
         result = cls.calibrate(cls.path("sim/features.csv"), "--image-size", "640x480",

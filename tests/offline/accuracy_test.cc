@@ -44,6 +44,12 @@ ModelDifference Truth(const char* what, const CalibrationResult& result) {
   return difference;
 }
 
+double Rms(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value * value;
+  return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
 TEST(Accuracy, HundredImagesGiveTheTrueRays) {
   const CalibrationResult result =
       CalibrateWithCells(Simulate(100).dataset, 40);
@@ -52,6 +58,28 @@ TEST(Accuracy, HundredImagesGiveTheTrueRays) {
   EXPECT_GT(difference.pixels.size(), 15000u);
   EXPECT_LE(difference.median_px, 0.0070);
   EXPECT_LE(difference.max_px, 0.15);
+
+  // And how well they are known.
+  ASSERT_TRUE(result.camera.uncertainty);
+  const CameraUncertainty& known = *result.camera.uncertainty;
+  const Area& area = result.camera.camera->area();
+  EXPECT_GT(known.TrustedPart({640, 480}, area), 0.9);
+  std::vector<double> errors, deviations;
+  for (size_t i = 0; i < difference.pixels.size(); ++i) {
+    if (!known.mask.Trusts(difference.pixels[i])) continue;
+    errors.push_back(difference.error_px[i].norm());
+    deviations.push_back(known.lattice.At(area, difference.pixels[i]));
+  }
+  const double error = Rms(errors), deviation = Rms(deviations);
+  std::printf(
+      "trusted area: RMS error %.4f px, worst %.3f px; standard deviation, RMS "
+      "%.4f px\n",
+      error, Quantile(errors, 1), deviation);
+  EXPECT_LE(Quantile(errors, 1), 0.1);
+  // One draw of the noise: the few smooth directions that are known least do
+  // not average out.
+  EXPECT_LE(error, 2 * deviation);
+  EXPECT_GE(error, 0.5 * deviation);
 }
 
 // Root mean square distance of corresponding points.

@@ -2,6 +2,7 @@
 
 #include "camera/central_radial.h"
 #include "camera/thin_prism_fisheye.h"
+#include "dataset/error.h"
 #include "dataset/files.h"
 #include "simulation/simulated_camera.h"
 #include "support.h"
@@ -18,6 +19,16 @@ CameraFile GenericFile() {
   file.training = {0.1, 0.12, 0.9, 3000};
   file.held_out = {0.11, 0.13, 1.9, 2900};
   return file;
+}
+
+CameraUncertainty ExampleUncertainty() {
+  CameraUncertainty uncertainty;
+  uncertainty.lattice = {3, 2, {0.01, 0.02, 0.03, 0.04, NAN, 0.25}};
+  uncertainty.mask = TrustMask::Over({640, 480});
+  for (size_t k = 0; k < uncertainty.mask.is_trusted.size(); k += 3)
+    uncertainty.mask.is_trusted[k] = true;
+  uncertainty.max_deviation_px = 0.025;
+  return uncertainty;
 }
 
 CameraFile NonCentralFile() {
@@ -71,9 +82,8 @@ std::string Replaced(std::string text, const std::string& from,
 }
 
 TEST(CameraFile, RoundTripKeepsTheCamera) {
-  for (const CameraFile& file :
-       {GenericFile(), NonCentralFile(), OpenCvFile(), FisheyeFile(),
-        RadialFile()}) {
+  for (const CameraFile& file : {GenericFile(), NonCentralFile(), OpenCvFile(),
+                                 FisheyeFile(), RadialFile()}) {
     const CameraFile read = Read(FormatCameraFile(file));
     EXPECT_EQ(read.camera->Name(), file.camera->Name());
     EXPECT_EQ(read.camera->image_size(), file.camera->image_size());
@@ -104,9 +114,8 @@ TEST(CameraFile, RoundTripKeepsWhatIsKnownOfTheCamera) {
 }
 
 TEST(CameraFile, FormatOfWhatWasReadIsTheSame) {
-  for (const CameraFile& file :
-       {GenericFile(), NonCentralFile(), OpenCvFile(), FisheyeFile(),
-        RadialFile()}) {
+  for (const CameraFile& file : {GenericFile(), NonCentralFile(), OpenCvFile(),
+                                 FisheyeFile(), RadialFile()}) {
     const std::string text = FormatCameraFile(file);
     EXPECT_EQ(FormatCameraFile(Read(text)), text);
   }
@@ -188,6 +197,57 @@ TEST(CameraFile, EveryTruncationIsReadOrRefusedButNoCrash) {
     }
     if (size > text.find("quality")) break;
   }
+}
+
+TEST(CameraFile, KeepsUncertaintyAndMask) {
+  CameraFile file = GenericFile();
+  file.uncertainty = ExampleUncertainty();
+  const std::string text = FormatCameraFile(file);
+  const CameraFile read = Read(text);
+  ASSERT_TRUE(read.uncertainty);
+  const DeviationLattice& lattice = read.uncertainty->lattice;
+  EXPECT_EQ(lattice.columns, 3);
+  EXPECT_EQ(lattice.rows, 2);
+  EXPECT_EQ(lattice.deviation_px[5], 0.25);
+  EXPECT_TRUE(std::isnan(lattice.deviation_px[4]));
+  EXPECT_EQ(read.uncertainty->mask.cell_px, 16);
+  EXPECT_EQ(read.uncertainty->mask.is_trusted,
+            file.uncertainty->mask.is_trusted);
+  EXPECT_EQ(read.uncertainty->max_deviation_px, 0.025);
+  EXPECT_EQ(FormatCameraFile(read), text);
+}
+
+TEST(CameraFile, RefusesAMalformedMaskOrLattice) {
+  CameraFile file = GenericFile();
+  file.uncertainty = ExampleUncertainty();
+  const std::string text = FormatCameraFile(file);
+  for (const auto& [from, to] :
+       std::vector<std::pair<std::string, std::string>>{
+           {"cell_px: 16", "cell_px: 15"},
+           {"cell_px: 16", "cell_px: 32"},
+           {"#..", "#.x"},
+           {"#..", "#."},
+           {"0.250000", "-1"},
+           {"0.250000", "0.25, 0.3"},
+           {"  columns: 3", "  columns: 1"}}) {
+    std::string broken = text;
+    const size_t place = broken.rfind(from);
+    ASSERT_NE(place, std::string::npos) << from;
+    broken.replace(place, from.size(), to);
+    EXPECT_THROW(Read(broken), InputError) << to;
+  }
+}
+
+TEST(DeviationLattice, IsBilinearBetweenItsPixels) {
+  DeviationLattice lattice = {3, 2, {0.01, 0.02, 0.03, 0.04, 0.08, 0.25}};
+  const Area area = {10, 20, 110, 70};
+  EXPECT_NEAR(lattice.At(area, {10, 20}), 0.01, 1e-12);
+  EXPECT_NEAR(lattice.At(area, {110, 70}), 0.25, 1e-12);
+  EXPECT_NEAR(lattice.At(area, {35, 20}), 0.015, 1e-12);
+  EXPECT_NEAR(lattice.At(area, {35, 45}), 0.0375, 1e-12);
+  lattice.deviation_px[3] = NAN;
+  EXPECT_TRUE(std::isnan(lattice.At(area, {35, 45})));
+  EXPECT_NEAR(lattice.MedianPx(), 0.03, 1e-12);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@ namespace raygrid {
 namespace {
 
 constexpr double kNoisePx = 0.2;
-constexpr UncertaintyLattice kLattice = {9, 7};
+const UncertaintyOptions kLattice = {9, 7};
 
 // Views of a camera with a coarse grid, exactly; the area is that of its image.
 SmallProblem ExactProblem() {
@@ -93,7 +93,7 @@ TEST(ProjectionUncertainty, IsHowAdjustedCamerasScatterWithTheNoise) {
   for (size_t i = 0; i < predicted.size(); ++i) {
     if (predicted[i].num_observations < 3) continue;
     ++num_seen;
-    const double expected = predicted[i].covariance_px2.trace();
+    const double expected = predicted[i].noise_px2.trace();
     const double found = sum.segment<2>(2 * i).sum() / kNumDraws;
     predicted_sum += std::log(found / expected) / 2;
     num_within += std::abs(std::sqrt(found / expected) - 1) < 0.2;
@@ -101,6 +101,38 @@ TEST(ProjectionUncertainty, IsHowAdjustedCamerasScatterWithTheNoise) {
   ASSERT_GT(num_seen, 10);
   EXPECT_NEAR(std::exp(predicted_sum / num_seen), 1, 0.1);
   EXPECT_GE(num_within, 0.9 * num_seen);
+}
+
+TEST(ProjectionUncertainty, SamplesAgreeWithTheFactor) {
+  const SmallProblem exact = ExactProblem();
+  const GaussianPrior prior = WeakPrior(exact);
+  UncertaintyOptions sampled = kLattice;
+  sampled.max_exact_unknowns = 0;
+  for (const bool fix_points : {true, false}) {
+    AdjustmentOptions options = Options();
+    options.fix_points = fix_points;
+    const auto expected = ProjectionUncertainty(
+        exact.views, prior, options, kNoisePx, exact.state, 0, kLattice);
+    const auto found = ProjectionUncertainty(exact.views, prior, options,
+                                             kNoisePx, exact.state, 0, sampled);
+    ASSERT_EQ(found.size(), expected.size());
+    double noise_sum = 0, total_sum = 0;
+    for (size_t i = 0; i < found.size(); ++i) {
+      const auto ratio = [&](Eigen::Matrix2d PixelUncertainty::*member) {
+        return WorseDeviation(found[i].*member) /
+               WorseDeviation(expected[i].*member);
+      };
+      const double noise = ratio(&PixelUncertainty::noise_px2);
+      const double total = ratio(&PixelUncertainty::total_px2);
+      EXPECT_NEAR(noise, 1, 0.35);
+      EXPECT_NEAR(total, 1, 0.35);
+      noise_sum += noise;
+      total_sum += total;
+    }
+    const auto count = static_cast<double>(found.size());
+    EXPECT_NEAR(noise_sum / count, 1, 0.1);
+    EXPECT_NEAR(total_sum / count, 1, 0.1);
+  }
 }
 
 TEST(ProjectionUncertainty, GrowsWithTheNoiseAndWhereFewFeaturesAre) {
@@ -112,14 +144,10 @@ TEST(ProjectionUncertainty, GrowsWithTheNoiseAndWhereFewFeaturesAre) {
                                            exact.state, 0, kLattice);
   const PixelUncertainty& corner = once.front();
   const PixelUncertainty& middle = once[once.size() / 2];
-  EXPECT_NEAR(twice.front().StandardDeviationPx(),
-              2 * corner.StandardDeviationPx(), 1e-9);
-  EXPECT_LT(middle.StandardDeviationPx(), corner.StandardDeviationPx());
+  EXPECT_NEAR(WorseDeviation(twice.front().total_px2),
+              2 * WorseDeviation(corner.total_px2), 1e-9);
+  EXPECT_LT(WorseDeviation(middle.total_px2), WorseDeviation(corner.total_px2));
   EXPECT_GT(middle.num_observations, corner.num_observations);
-  const std::vector<bool> mask =
-      TrustMask(once, 2 * middle.StandardDeviationPx());
-  EXPECT_TRUE(mask[mask.size() / 2]);
-  EXPECT_FALSE(mask.front());
 }
 
 }  // namespace

@@ -376,5 +376,30 @@ TEST(VirtualCamera, RefusesFieldsOfViewThatNoPinholeHas) {
     });
 }
 
+TEST(PackCamera, RuntimeTellsUncertaintyAndTrustAsTheFileDoes) {
+  CameraFile file = GenericFile();
+  TestRandom random(8);
+  CameraUncertainty& known = file.uncertainty.emplace();
+  known.lattice = {5, 4, {}};
+  for (int i = 0; i < 20; ++i)
+    known.lattice.deviation_px.push_back(random.Uniform(0.001, 0.1));
+  known.mask = TrustMask::Over({640, 480});
+  for (size_t k = 0; k < known.mask.is_trusted.size(); ++k)
+    known.mask.is_trusted[k] = random.Uniform(0, 1) < 0.5;
+  const BlobCamera opened("blob", PackCamera(file, PackOptions()).blob);
+
+  const Area& area = file.camera->area();
+  for (int i = 0; i < 500; ++i) {
+    const Eigen::Vector2d pixel = random.PixelIn(area);
+    const rg_pixel q16 = {static_cast<int32_t>(pixel.x() * 65536),
+                          static_cast<int32_t>(pixel.y() * 65536)};
+    EXPECT_EQ(rg_is_valid(&opened.camera(), q16) != 0,
+              known.mask.Trusts(pixel));
+    uint16_t deviation_q12;
+    ASSERT_EQ(rg_uncertainty(&opened.camera(), q16, &deviation_q12), RG_OK);
+    EXPECT_NEAR(deviation_q12 / 4096.0, known.lattice.At(area, pixel), 1e-3);
+  }
+}
+
 }  // namespace
 }  // namespace raygrid

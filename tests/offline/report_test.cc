@@ -1,8 +1,12 @@
 #include <nlohmann/json.hpp>
 
+#include "dataset/error.h"
+#include "dataset/files.h"
+#include "report/checkpoint_json.h"
 #include "report/html_report.h"
 #include "report/pictures.h"
 #include "report/result_json.h"
+#include "report/uncertainty_picture.h"
 #include "support.h"
 
 namespace raygrid {
@@ -262,6 +266,74 @@ TEST(Pictures, FeaturesOnTheImagesEdgeAreDrawnToo) {
   const Image picture =
       MagnitudePicture(residuals, {640, 480}, {-0.5, -0.5, 639.5, 479.5}, 1);
   EXPECT_NE(PixelOf(picture, 0, 0), PixelOf(picture, 639, 479));
+}
+
+Checkpoint ExampleCheckpoint() {
+  Checkpoint checkpoint;
+  Dataset& again = checkpoint.measured_again.emplace();
+  again.image_size = {640, 480};
+  again.images = {{"a.png", {{0, 3, 4, {1.0 / 3, 2}}}}, {"b.png", {}}};
+  checkpoint.trials = {{2, 80.0 / 3, {{"a.png", 0, 3, 4, {1, 2}, {0.1, -1}}}}};
+  Checkpoint::Adjustment& adjustment = checkpoint.adjustment.emplace();
+  adjustment.camera = Eigen::Vector3d(1, 2, 1.0 / 7);
+  adjustment.poses = {{RotationFromVector({0.1, 0.2, 0.3}), {1, 2, 3}}};
+  adjustment.points = {{0, 0.1, 0.2}};
+  adjustment.prior_weights = {0.5};
+  adjustment.points_weight = 1e7;
+  return checkpoint;
+}
+
+TEST(Checkpoint, IsReadBackExactly) {
+  const std::string text = FormatCheckpoint(ExampleCheckpoint(), "cafe");
+  const TemporaryFolder folder;
+  WriteFile(folder / "resume.json", text);
+  const Checkpoint read = ReadCheckpoint(folder / "resume.json", "cafe");
+  EXPECT_EQ(FormatCheckpoint(read, "cafe"), text);
+  ASSERT_TRUE(read.adjustment && read.measured_again);
+  EXPECT_EQ(read.adjustment->camera, ExampleCheckpoint().adjustment->camera);
+  EXPECT_EQ(read.trials[0].cell_px, 80.0 / 3);
+  EXPECT_EQ(read.trials[0].held_out[0].error_px.y(), -1);
+}
+
+TEST(Checkpoint, OfOtherInputsOrMalformedIsRefused) {
+  const std::string text = FormatCheckpoint(ExampleCheckpoint(), "cafe");
+  const TemporaryFolder folder;
+  const std::string path = folder / "resume.json";
+  EXPECT_THROW(ReadCheckpoint(path, "cafe"), InputError);
+  WriteFile(path, text);
+  EXPECT_THROW(ReadCheckpoint(path, "beef"), InputError);
+  for (const std::string& broken :
+       {text.substr(0, text.size() / 2), std::string("{}"), std::string("[]"),
+        std::string(R"({"raygrid_resume": 1, "inputs": "cafe"})")}) {
+    WriteFile(path, broken);
+    EXPECT_THROW(ReadCheckpoint(path, "cafe"), InputError) << broken;
+  }
+}
+
+TEST(UncertaintyPicture, IsHatchedWhereNotTrustedAndGreyOutside) {
+  CameraUncertainty uncertainty;
+  uncertainty.lattice = {2, 2, {0.001, 0.001, 0.001, 0.001}};
+  uncertainty.max_deviation_px = 0.01;
+  uncertainty.mask = TrustMask::Over({800, 600});
+  for (int cell = 0; cell < uncertainty.mask.columns * uncertainty.mask.rows;
+       ++cell)
+    uncertainty.mask.is_trusted[cell] =
+        uncertainty.mask.CellCenter(cell).x() < 400;
+  const Image image =
+      UncertaintyPicture(uncertainty, {800, 600}, {100, 100, 700, 500});
+  EXPECT_EQ(image.size.width, 800);
+  const auto count_colors = [&image](int first_x, int last_x) {
+    std::set<std::vector<uint8_t>> colors;
+    for (int x = first_x; x < last_x; ++x) {
+      const uint8_t* pixel = image.pixels.data() + 300 * image.stride() + 3 * x;
+      colors.insert({pixel, pixel + 3});
+    }
+    return colors;
+  };
+  EXPECT_EQ(count_colors(10, 90),
+            (std::set<std::vector<uint8_t>>{{128, 128, 128}}));
+  EXPECT_EQ(count_colors(120, 380).size(), 1u);
+  EXPECT_EQ(count_colors(420, 680).size(), 2u);
 }
 
 }  // namespace

@@ -1,0 +1,103 @@
+#include "calibration/camera_trust.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "adjustment/covariance.h"
+
+namespace raygrid {
+namespace {
+
+// A cell is trusted with so small a standard deviation, as a part of the
+// noise's. At 0.5, four standard deviations of a pixel are twice the noise.
+constexpr double kTrustedPart = 0.5;
+// And with so many features within so many cells to all sides.
+constexpr int kMinFeatures = 3, kNearCells = 2;
+
+// About square, and not more than a blob can hold.
+UncertaintyOptions LatticeOver(const Area& area) {
+  constexpr int kIntervals = 16;
+  const double longer = std::max(area.width(), area.height());
+  const auto count = [longer](double extent) {
+    return 1 + std::max(1, static_cast<int>(
+                               std::lround(kIntervals * extent / longer)));
+  };
+  UncertaintyOptions options;
+  options.columns = count(area.width());
+  options.rows = count(area.height());
+  return options;
+}
+
+// Features in each cell.
+std::vector<int> CountFeatures(const Adjusted& adjusted, int camera,
+                               const TrustMask& mask) {
+  std::vector<int> counts(mask.is_trusted.size(), 0);
+  for (const View& view : adjusted.problem.views) {
+    if (view.camera != camera) continue;
+    for (const Observation& observation : view.observations)
+      ++counts[mask.CellOf(observation.pixel)];
+  }
+  return counts;
+}
+
+int CountNear(const std::vector<int>& counts, const TrustMask& mask, int cell) {
+  const int column = cell % mask.columns, row = cell / mask.columns;
+  int sum = 0;
+  for (int j = std::max(row - kNearCells, 0);
+       j <= std::min(row + kNearCells, mask.rows - 1); ++j)
+    for (int i = std::max(column - kNearCells, 0);
+         i <= std::min(column + kNearCells, mask.columns - 1); ++i)
+      sum += counts[j * mask.columns + i];
+  return sum;
+}
+
+TrustMask MaskOf(const Adjusted& adjusted, int camera,
+                 const DeviationLattice& lattice, double max_deviation_px) {
+  const CameraModel& model = *adjusted.state.cameras[camera];
+  const Area& area = model.area();
+  TrustMask mask = TrustMask::Over(model.image_size());
+  const std::vector<int> counts = CountFeatures(adjusted, camera, mask);
+  for (int cell = 0; cell < mask.columns * mask.rows; ++cell) {
+    const Eigen::Vector2d center = mask.CellCenter(cell);
+    const Eigen::Vector2d nearest(std::clamp(center.x(), area.x0, area.x1),
+                                  std::clamp(center.y(), area.y0, area.y1));
+    const bool is_known = lattice.At(area, nearest) <= max_deviation_px;
+    mask.is_trusted[cell] =
+        is_known && CountNear(counts, mask, cell) >= kMinFeatures;
+  }
+  return mask;
+}
+
+}  // namespace
+
+std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
+                                               int camera, int num_threads) {
+  const double noise_px = adjusted.summary.noise_px;
+  if (!(noise_px > 0)) return std::nullopt;
+  AdjustmentOptions options;
+  options.num_threads = num_threads;
+  options.fix_points = !HavePointsMoved(adjusted);
+  const UncertaintyOptions size =
+      LatticeOver(adjusted.state.cameras[camera]->area());
+  const std::vector<PixelUncertainty> pixels =
+      ProjectionUncertainty(adjusted.problem.views, adjusted.prior, options,
+                            noise_px, adjusted.state, camera, size);
+  DeviationLattice noise = {size.columns, size.rows, {}}, total = noise;
+  for (const PixelUncertainty& pixel : pixels) {
+    noise.deviation_px.push_back(WorseDeviation(pixel.noise_px2));
+    total.deviation_px.push_back(WorseDeviation(pixel.total_px2));
+  }
+  if (!std::isfinite(total.MedianPx())) return std::nullopt;
+  CameraUncertainty uncertainty;
+  uncertainty.max_deviation_px = kTrustedPart * noise_px;
+  uncertainty.mask =
+      MaskOf(adjusted, camera, total, uncertainty.max_deviation_px);
+  // Where the prior knows more than the observations, noise is not all.
+  uncertainty.lattice = noise;
+  for (size_t i = 0; i < pixels.size(); ++i)
+    if (!uncertainty.mask.Trusts(pixels[i].pixel))
+      uncertainty.lattice.deviation_px[i] = total.deviation_px[i];
+  return uncertainty;
+}
+
+}  // namespace raygrid

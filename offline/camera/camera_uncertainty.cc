@@ -1,0 +1,70 @@
+#include "camera/camera_uncertainty.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raygrid {
+
+double DeviationLattice::At(const Area& area,
+                            const Eigen::Vector2d& pixel) const {
+  const auto interval = [](double position, int count) {
+    return std::clamp(static_cast<int>(position), 0, count - 2);
+  };
+  const double x = (pixel.x() - area.x0) / area.width() * (columns - 1);
+  const double y = (pixel.y() - area.y0) / area.height() * (rows - 1);
+  const int i = interval(x, columns), j = interval(y, rows);
+  const double* corner = &deviation_px[j * columns + i];
+  const double upper = corner[0] + (x - i) * (corner[1] - corner[0]);
+  const double lower =
+      corner[columns] + (x - i) * (corner[columns + 1] - corner[columns]);
+  return upper + (y - j) * (lower - upper);
+}
+
+double DeviationLattice::MedianPx() const {
+  std::vector<double> known;
+  for (const double value : deviation_px)
+    if (std::isfinite(value)) known.push_back(value);
+  if (known.empty()) return NAN;
+  const auto middle =
+      known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
+  std::nth_element(known.begin(), middle, known.end());
+  return *middle;
+}
+
+TrustMask TrustMask::Over(const ImageSize& size) {
+  const double longer = std::max(size.width, size.height);
+  TrustMask mask;
+  mask.cell_px =
+      1 << std::clamp(static_cast<int>(std::lround(std::log2(longer / 40))), 2,
+                      8);
+  mask.columns = NumCells(size.width, mask.cell_px);
+  mask.rows = NumCells(size.height, mask.cell_px);
+  mask.is_trusted.assign(mask.columns * mask.rows, false);
+  return mask;
+}
+
+int TrustMask::CellOf(const Eigen::Vector2d& pixel) const {
+  const auto cell = [this](double position, int count) {
+    return std::clamp(static_cast<int>((position + 0.5) / cell_px), 0,
+                      count - 1);
+  };
+  return cell(pixel.y(), rows) * columns + cell(pixel.x(), columns);
+}
+
+Eigen::Vector2d TrustMask::CellCenter(int cell) const {
+  return {(cell % columns + 0.5) * cell_px - 0.5,
+          (cell / columns + 0.5) * cell_px - 0.5};
+}
+
+double CameraUncertainty::TrustedPart(const ImageSize& size,
+                                      const Area& area) const {
+  int count = 0;
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x)
+      count += area.Contains(Eigen::Vector2d(x, y)) &&
+               mask.Trusts(Eigen::Vector2d(x, y));
+  return static_cast<double>(count) /
+         (static_cast<double>(size.width) * size.height);
+}
+
+}  // namespace raygrid

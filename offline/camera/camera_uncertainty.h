@@ -1,0 +1,58 @@
+#ifndef RAYGRID_CAMERA_CAMERA_UNCERTAINTY_H
+#define RAYGRID_CAMERA_CAMERA_UNCERTAINTY_H
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "camera/area.h"
+#include "camera/camera_model.h"
+
+namespace raygrid {
+
+/// Standard deviations of the projection of a far point, in the worse
+/// direction: on a lattice from corner to corner of the camera's area, row by
+/// row, bilinear between. Not a number where the camera does not tell.
+struct DeviationLattice {
+  int columns = 0, rows = 0;
+  std::vector<double> deviation_px;
+
+  double At(const Area& area, const Eigen::Vector2d& pixel) const;
+  double MedianPx() const;
+};
+
+/// Which square cells of the image a camera can be trusted in. Pixel (x, y) is
+/// in cell (floor((x + 1/2) / cell_px), floor((y + 1/2) / cell_px)), pixels on
+/// the image's far edges in the last ones.
+struct TrustMask {
+  int cell_px = 0;  ///< a power of two from 4 to 256
+  int columns = 0, rows = 0;
+  std::vector<bool> is_trusted;  ///< row by row
+
+  /// With cells about a fortieth of the longer side, none trusted.
+  static TrustMask Over(const ImageSize& size);
+  /// Cells of an image's rows and columns.
+  static int NumCells(int num_pixels, int cell_px) {
+    return (num_pixels - 1) / cell_px + 1;
+  }
+
+  int CellOf(const Eigen::Vector2d& pixel) const;
+  Eigen::Vector2d CellCenter(int cell) const;
+  bool Trusts(const Eigen::Vector2d& pixel) const {
+    return is_trusted[CellOf(pixel)];
+  }
+};
+
+/// How well a camera is known: by the calibration's noise where it can be
+/// trusted, by all that is not known elsewhere.
+struct CameraUncertainty {
+  DeviationLattice lattice;
+  TrustMask mask;
+  double max_deviation_px = 0;  ///< of the cells trusted
+
+  /// The part of the image's pixels that is trusted.
+  double TrustedPart(const ImageSize& size, const Area& area) const;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CAMERA_CAMERA_UNCERTAINTY_H

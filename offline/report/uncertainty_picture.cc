@@ -1,0 +1,107 @@
+#include "report/uncertainty_picture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "evaluation/residual_statistics.h"
+
+namespace raygrid {
+namespace {
+
+constexpr int kWidth = 800, kLegendHeight = 90, kMargin = 20;
+const cv::Vec3b kOutside(128, 128, 128), kHatch(255, 255, 255);
+
+// Even steps of lightness from dark blue to yellow (Nunez, Anderton, Renslow,
+// 2018).
+cv::Vec3b ScaleColor(double part) {
+  static const cv::Mat table = [] {
+    cv::Mat grey(1, 256, CV_8U), bgr;
+    for (int i = 0; i < 256; ++i)
+      grey.at<uint8_t>(0, i) = static_cast<uint8_t>(i);
+    cv::applyColorMap(grey, bgr, cv::COLORMAP_CIVIDIS);
+    return bgr;
+  }();
+  return table.at<cv::Vec3b>(
+      0, static_cast<int>(std::clamp(std::lround(255 * part), 0L, 255L)));
+}
+
+// A round number, no less than a value.
+double RoundedUp(double value) {
+  const double power = std::pow(10, std::floor(std::log10(value)));
+  for (const double factor : {1.0, 1.5, 2.0, 3.0, 5.0, 7.5})
+    if (factor * power >= value) return factor * power;
+  return 10 * power;
+}
+
+// Nearly all of the lattice is within the scale; a lone corner need not be.
+double FullScalePx(const DeviationLattice& lattice) {
+  constexpr double kPart = 0.9;
+  std::vector<double> known;
+  for (const double value : lattice.deviation_px)
+    if (std::isfinite(value)) known.push_back(value);
+  return RoundedUp(std::max(Quantile(known, kPart), 1e-6));
+}
+
+void DrawText(const std::string& text, const cv::Point& left_baseline,
+              cv::Mat* picture) {
+  cv::putText(*picture, text, left_baseline, cv::FONT_HERSHEY_SIMPLEX, 0.5,
+              cv::Scalar(0, 0, 0), 1, cv::LINE_AA);
+}
+
+bool IsHatched(int x, int y) { return (x + y) % 12 < 2; }
+
+void DrawScale(double full_scale_px, int top, cv::Mat* picture) {
+  constexpr int kBarHeight = 18, kTicks = 5;
+  const int length = kWidth - 2 * kMargin;
+  for (int x = 0; x < length; ++x)
+    picture->col(kMargin + x)
+        .rowRange(top, top + kBarHeight)
+        .setTo(ScaleColor(static_cast<double>(x) / (length - 1)));
+  for (int k = 0; k <= kTicks; ++k) {
+    const std::string text = fmt::format("{:.3g}{}", full_scale_px * k / kTicks,
+                                         k == kTicks ? " px +" : "");
+    DrawText(text,
+             {std::min(kMargin + length * k / kTicks, kWidth - 105),
+              top + kBarHeight + 18},
+             picture);
+  }
+  DrawText(
+      "standard deviation of a far point's image (worse direction); hatched: "
+      "not to be trusted",
+      {kMargin, top + kBarHeight + 40}, picture);
+}
+
+}  // namespace
+
+Image UncertaintyPicture(const CameraUncertainty& uncertainty,
+                         const ImageSize& size, const Area& area) {
+  const double scale = static_cast<double>(kWidth) / size.width;
+  const int height = std::max(1, static_cast<int>(size.height * scale));
+  const double full_scale_px = FullScalePx(uncertainty.lattice);
+  cv::Mat picture(height + kLegendHeight, kWidth, CV_8UC3,
+                  cv::Scalar(255, 255, 255));
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const Eigen::Vector2d pixel((x + 0.5) / scale - 0.5,
+                                  (y + 0.5) / scale - 0.5);
+      cv::Vec3b& color = picture.at<cv::Vec3b>(y, x);
+      color = kOutside;
+      if (!area.Contains(pixel)) continue;
+      const double deviation = uncertainty.lattice.At(area, pixel);
+      if (std::isfinite(deviation))
+        color = ScaleColor(deviation / full_scale_px);
+      if (!uncertainty.mask.Trusts(pixel) && IsHatched(x, y)) color = kHatch;
+    }
+  }
+  DrawScale(full_scale_px, height + 16, &picture);
+  Image image;
+  image.size = {picture.cols, picture.rows};
+  image.channels = 3;
+  image.pixels.assign(picture.datastart, picture.dataend);
+  return image;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+"""Ctrl-C during a calibration, and going on."""
+import json
+import os
+import signal
+import subprocess
+import time
+
+from command_test import CommandTest, main, programs, read, run
+
+
+class Interruption(CommandTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        result = run("simulate", "--images", 9, "--features-per-image", 100, "-o",
+                     cls.path("sim"))
+        assert result.returncode == 0, result.stderr
+
+    def arguments(self, output, *more):
+        return ["calibrate", "--features", self.path("sim/features.csv"), "--image-size",
+                "640x480", "--pattern", self.path("sim/pattern.yaml"), "--threads", 1, "-o",
+                self.path(output), *more]
+
+    def interrupted(self, output, number, seconds):
+        """Sends a calibration a signal after some time, another one if that is too early or too
+        late, and waits for its end."""
+        command = [programs.raygrid, *map(str, self.arguments(output))]
+        for _ in range(8):
+            with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                  text=True) as process:
+                time.sleep(seconds)
+                process.send_signal(number)
+                _, error = process.communicate(timeout=120)
+            if process.returncode > 0:
+                break
+            seconds *= 0.7 if process.returncode == 0 else 1.5
+        return process.returncode, error
+
+    def check_state(self, output):
+        names = set(os.listdir(self.path(output)))
+        self.assertLessEqual({"camera.yaml", "poses.csv", "pattern.yaml", "features.csv",
+                              "result.json", "report.html", "resume.json"}, names)
+        self.assertFalse([name for name in names if ".part" in name])
+        result = json.loads(read(self.path(output + "/result.json")))
+        self.assertEqual(result["status"], "interrupted")
+        self.assertEqual(result["verdict"], "fail")
+        done = run("inspect", self.path(output + "/camera.yaml"))
+        self.assert_done(done)
+
+    def test_state_so_far_is_written_and_gone_on_from(self):
+        started = time.monotonic()
+        self.assert_done(run(*self.arguments("whole", "--seed", 0)))
+        whole_seconds = time.monotonic() - started
+        for number, part in ((signal.SIGINT, 0.5), (signal.SIGTERM, 0.8)):
+            with self.subTest(signal=number):
+                output = f"part{part}"
+                code, error = self.interrupted(output, number, part * whole_seconds)
+                self.assertEqual(code, 5, error)
+                self.assertIn("--resume", error)
+                self.assertEqual(error.count("\n"), 1, error)
+                self.check_state(output)
+                # Other options: not the same calibration.
+                other = run(*self.arguments(output, "--resume", "--model", "opencv"))
+                self.assertEqual(other.returncode, 2)
+                self.assertIn("other features, pattern or options", other.stderr)
+
+                self.assert_done(run(*self.arguments(output, "--resume")))
+                self.assertNotIn("resume.json", os.listdir(self.path(output)))
+                # The same camera, but for where adjustment's tolerance ends.
+                compared = run("compare", self.path("whole/camera.yaml"),
+                               self.path(output + "/camera.yaml"), "-o",
+                               self.path("difference"), "--json")
+                self.assert_done(compared)
+                self.assertLess(json.loads(compared.stdout)["max_px"], 0.002)
+
+    def test_a_second_signal_ends_it_at_once(self):
+        command = [programs.raygrid, *map(str, self.arguments("twice", "--cell-px", 12))]
+        with subprocess.Popen(command, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE) as process:
+            time.sleep(1)
+            process.send_signal(signal.SIGINT)
+            time.sleep(0.05)
+            process.send_signal(signal.SIGINT)
+            process.communicate(timeout=5)
+            self.assertIn(process.returncode, (-signal.SIGINT, 5))
+
+    def test_other_commands_end_at_once_and_leave_no_half_written_file(self):
+        folder = self.path("rendered")
+        command = [programs.raygrid, "simulate", "--render", "--images", "500", "-o", folder]
+        with subprocess.Popen(command, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE) as process:
+            time.sleep(2)
+            process.send_signal(signal.SIGINT)
+            process.communicate(timeout=5)
+        self.assertEqual(process.returncode, -signal.SIGINT)
+        for place, _, names in os.walk(folder):
+            for name in names:
+                if name.endswith(".png"):
+                    self.assertEqual(read(os.path.join(place, name))[-8:-4], b"IEND", name)
+
+    def test_nothing_to_go_on_from(self):
+        result = run(*self.arguments("empty", "--resume"))
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("resume.json", result.stderr)
+        self.assertIn("run without --resume", result.stderr)
+
+
+if __name__ == "__main__":
+    main(__name__)

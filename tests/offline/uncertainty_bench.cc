@@ -1,0 +1,174 @@
+// How the predicted uncertainty of cameras agrees with how they scatter over
+// draws of the noise, and with the truth. Run by hand:
+//   uncertainty_bench [--images N] [--draws N] [--cells PX]...
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <vector>
+
+#include "adjustment/covariance.h"
+#include "calibration/camera_trust.h"
+#include "calibration/model_adjustment.h"
+#include "calibration/starting_camera.h"
+#include "dataset/parallel_for.h"
+#include "evaluation/model_difference.h"
+#include "evaluation/residual_statistics.h"
+#include "simulation/random.h"
+#include "simulation/simulated_camera.h"
+#include "simulation/simulated_observations.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kNoisePx = 0.05;
+
+double Now() {
+  return std::chrono::duration<double>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+struct Draw {
+  std::vector<PixelUncertainty> predicted;
+  std::vector<Eigen::Vector2d> errors;  // where predicted
+  std::vector<bool> trusted;
+  double noise_px = 0, weight = 0, worst_px = 0;
+  double seconds = 0, covariance_seconds = 0;
+};
+
+Draw CalibrateDraw(const Pattern& pattern, const Adjusted& start,
+                   double cell_px, int index) {
+  const SimulatedCamera truth = ExampleSimulatedCamera();
+  AdjustmentOptions options;
+  options.num_threads = 1;
+  Adjusted adjusted = start;
+  Random random(1000 + index);
+  for (View& view : adjusted.problem.views)
+    for (Observation& o : view.observations)
+      o.pixel += kNoisePx * Eigen::Vector2d(random.Normal(), random.Normal());
+  const double begin = Now();
+  AdjustParametric(adjusted.problem, options, &adjusted.state);
+  AdjustModel(pattern, "central-generic", {cell_px}, options, &adjusted);
+  Draw draw;
+  draw.seconds = Now() - begin;
+  draw.noise_px = adjusted.summary.noise_px;
+  draw.weight = adjusted.prior.cameras[0].groups[0].weight;
+  options.fix_points = true;
+  const double middle = Now();
+  draw.predicted =
+      ProjectionUncertainty(adjusted.problem.views, adjusted.prior, options,
+                            draw.noise_px, adjusted.state, 0);
+  draw.covariance_seconds = Now() - middle;
+  const TrustMask mask = UncertaintyOf(adjusted, 0, 1).value().mask;
+  for (const PixelUncertainty& p : draw.predicted)
+    draw.trusted.push_back(mask.Trusts(p.pixel));
+  const CameraModel& camera = adjusted.state.camera();
+  const ModelDifference difference = CompareModels(truth, camera, 8);
+  for (size_t i = 0; i < difference.pixels.size(); ++i)
+    if (mask.Trusts(difference.pixels[i]))
+      draw.worst_px = std::max(draw.worst_px, difference.error_px[i].norm());
+  const Eigen::Quaterniond turn = difference.first_from_second.rotation;
+  for (const PixelUncertainty& p : draw.predicted)
+    draw.errors.push_back(
+        truth.Project(turn * camera.Unproject(p.pixel).value(), &p.pixel, 50)
+            .value() -
+        p.pixel);
+  return draw;
+}
+
+void RunCells(int num_images, int num_draws, double cell_px) {
+  const Pattern pattern = ChessboardPattern(30, 24, 0.02);
+  SimulationOptions simulation;
+  simulation.num_images = num_images;
+  simulation.noise_px = 0;
+  AdjustmentOptions options;
+  const Adjusted start = AdjustStart(
+      SimulateObservations(ExampleSimulatedCamera(), pattern, simulation)
+          .dataset,
+      pattern, options);
+  std::vector<Draw> draws(num_draws);
+  ParallelFor(num_draws, NumThreads(0), [&](int i) {
+    draws[i] = CalibrateDraw(pattern, start, cell_px, i);
+  });
+
+  const size_t num_pixels = draws[0].predicted.size();
+  std::vector<double> ratios, total_ratios, bias_ratios, worst;
+  int num_trusted = 0;
+  for (size_t i = 0; i < num_pixels; ++i) {
+    int count = 0;
+    for (const Draw& draw : draws) count += draw.trusted[i];
+    if (2 * count < num_draws) continue;
+    ++num_trusted;
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+    for (const Draw& draw : draws) mean += draw.errors[i] / num_draws;
+    double scatter = 0, predicted = 0, total = 0;
+    for (const Draw& draw : draws) {
+      scatter += (draw.errors[i] - mean).squaredNorm() / (num_draws - 1);
+      predicted += draw.predicted[i].noise_px2.trace() / num_draws;
+      total += draw.predicted[i].total_px2.trace() / num_draws;
+    }
+    ratios.push_back(std::sqrt(predicted / scatter));
+    total_ratios.push_back(std::sqrt(total / scatter));
+    bias_ratios.push_back(mean.norm() / std::sqrt(predicted));
+  }
+  std::vector<double> rms_ratios, medians;
+  size_t num_errors = 0;
+  double sum = 0, predicted_sum = 0, seconds = 0, covariance_seconds = 0;
+  for (const Draw& draw : draws) {
+    double own = 0, own_predicted = 0;
+    std::vector<double> deviations;
+    for (size_t i = 0; i < num_pixels; ++i) {
+      if (!draw.trusted[i]) continue;
+      own += draw.errors[i].squaredNorm();
+      ++num_errors;
+      own_predicted += draw.predicted[i].noise_px2.trace();
+      deviations.push_back(WorseDeviation(draw.predicted[i].noise_px2));
+    }
+    sum += own, predicted_sum += own_predicted;
+    rms_ratios.push_back(std::sqrt(own / own_predicted));
+    worst.push_back(draw.worst_px);
+    medians.push_back(Quantile(deviations, 0.5));
+    seconds += draw.seconds, covariance_seconds += draw.covariance_seconds;
+  }
+  int within = 0;
+  for (const double r : ratios) within += std::abs(r - 1) < 0.2;
+  std::printf(
+      "cells %3.0f px: noise %.4f, weight %.3g, trusted %d of %zu, median sd "
+      "%.4f; predicted/scatter median %.3f (5 %% %.3f, 95 %% %.3f), within 20 "
+      "%%: %.1f %%; total/scatter median %.3f; bias/predicted median %.2f; RMS "
+      "error/predicted over draws "
+      "%.3f, single 90 %% %.3f max %.3f, RMS %.5f px; worst pixel median %.3f "
+      "max %.3f px; "
+      "%.2f s a draw, covariance %.2f s\n",
+      cell_px, draws[0].noise_px, draws[0].weight, num_trusted, num_pixels,
+      Quantile(medians, 0.5), Quantile(ratios, 0.5), Quantile(ratios, 0.05),
+      Quantile(ratios, 0.95), 100.0 * within / ratios.size(),
+      Quantile(total_ratios, 0.5), Quantile(bias_ratios, 0.5),
+      std::sqrt(sum / predicted_sum), Quantile(rms_ratios, 0.9),
+      Quantile(rms_ratios, 1), std::sqrt(sum / static_cast<double>(num_errors)),
+      Quantile(worst, 0.5), Quantile(worst, 1), seconds / num_draws,
+      covariance_seconds / num_draws);
+  std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace raygrid
+
+int main(int argc, char** argv) {
+  int num_images = 100, num_draws = 50;
+  std::vector<double> cells;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    if (std::strcmp(argv[i], "--images") == 0)
+      num_images = std::atoi(argv[i + 1]);
+    else if (std::strcmp(argv[i], "--draws") == 0)
+      num_draws = std::atoi(argv[i + 1]);
+    else
+      cells.push_back(std::atof(argv[i + 1]));
+  }
+  for (const double cell_px : cells)
+    raygrid::RunCells(num_images, num_draws, cell_px);
+  return 0;
+}
