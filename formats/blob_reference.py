@@ -67,7 +67,6 @@ LAST_FRACTION = 1 - 2.0**-32
 BLOCK_LOG2S = (3, 4, 5)
 MAX_RESIDUAL_SHIFT = 10
 VERTEX_LIMIT_Q12 = 1 << 25
-SEGMENT = 8
 CHART_LIMIT_Q28 = 1 << 30
 START_COUNTS = range(2, 66)
 NO_VERTEX = -32768
@@ -829,44 +828,43 @@ def lattice_positions(remap: Remap, lattice: Lattice, positions: list[Pair],
                       block: int) -> Iterator[tuple[Pair, Pair]]:
     """Lattices: output pixel and source position of each lattice pixel of a block."""
     block_row, block_column = divmod(block, remap.columns - 1)
-    corners = block_corners(remap, positions, block_row, block_column)
-    size_x, size_y = (1 << remap.block_log2 >> log2 for log2 in lattice[:2])
-    for r in range(size_y):
-        y = block_row * size_y + r
+    corners = lattice_corners(lattice, block_corners(remap, positions, block_row, block_column),
+                              remap.block_log2)
+    width_log2, height_log2 = (remap.block_log2 - log2 for log2 in lattice[:2])
+    for r in range(1 << height_log2):
+        y = (block_row << height_log2) + r
         if y >= remap.height >> lattice.ly:
             break
-        ends = lattice_row_ends(lattice, corners, r, remap.block_log2)
-        for k in range(size_x):
-            x = block_column * size_x + k
+        ends = row_ends(corners, r, height_log2)
+        for k in range(1 << width_log2):
+            x = (block_column << width_log2) + k
             if x < remap.width >> lattice.lx:
-                yield (x, y), lattice_position(lattice, ends, k, remap.block_log2)
+                yield (x, y), row_position(ends, k, width_log2)
 
 
-def lattice_row_ends(lattice: Lattice, corners: list[Pair], r: int, log2: int) -> list[Pair]:
-    """Lattices: (left, right) of row r', for x and for y."""
-    first = r << lattice.ly
-    if lattice.hy != 1:
-        return row_ends(corners, first + lattice.hy // 2, log2)
-    return [(rounded(left + left2, 1), rounded(right + right2, 1))
-            for (left, right), (left2, right2) in zip(row_ends(corners, first, log2),
-                                                      row_ends(corners, first + 1, log2))]
-
-
-def lattice_position(lattice: Lattice, ends: list[Pair], offset: int, log2: int) -> Pair:
-    """Lattices: p of the pixel that is `offset` lattice pixels from its block's first one."""
-    s, k = divmod(offset, SEGMENT)
+def lattice_corners(lattice: Lattice, corners: list[Pair], log2: int) -> list[Pair]:
+    """Lattices: Q00, Q10, Q01, Q11."""
     result = []
-    for axis, (left, right) in enumerate(ends):
-        width = fit(right - left, 32)
-        step = rounded(width, log2)
-        start = (left + rounded((width << lattice.lx) * SEGMENT * s, log2)
-                 + (lattice.hx * step + 1 >> 1))
-        start -= 2048 * (lattice.hx, lattice.hy)[axis]
-        start = rounded(start, lattice[axis]) if lattice[axis] else start
-        if axis == 1:
-            step = step << lattice.lx >> lattice.ly
-        result.append(fit(start + k * step, 32))
-    return result[0], result[1]
+    for k, corner in enumerate(corners):
+        left, right = corners[k & 2], corners[k | 1]
+        top, bottom = corners[k & 1], corners[k | 2]
+        moved = [here + rounded((r - l) * lattice.hx + (b - t) * lattice.hy, log2 + 1)
+                 for here, l, r, t, b in zip(corner, left, right, top, bottom)]
+        result.append((halved(moved[0] - 2048 * lattice.hx, lattice.lx),
+                       halved(moved[1] - 2048 * lattice.hy, lattice.ly)))
+    return result
+
+
+def halved(value: int, log2: int) -> int:
+    """round(value, log2); round(value, 0) is value."""
+    return rounded(value, log2) if log2 else value
+
+
+def row_position(ends: list[Pair], k: int, width_log2: int) -> Pair:
+    """Remap arithmetic: p of pixel k of a row."""
+    x, y = (fit(left + k * rounded(fit(right - left, 32), width_log2), 32)
+            for left, right in ends)
+    return x, y
 
 
 def lattice_rectangle(remap: Remap, lattice: Lattice) -> tuple[Pair, Pair]:
@@ -875,7 +873,7 @@ def lattice_rectangle(remap: Remap, lattice: Lattice) -> tuple[Pair, Pair]:
     for low, high, log2, half in ((remap.min_x, remap.max_x, lattice.lx, lattice.hx),
                                   (remap.min_y, remap.max_y, lattice.ly, lattice.hy)):
         low, high = low - 2048 * half, high - 2048 * half
-        result.append((rounded(low, log2) if log2 else low, high >> log2))
+        result.append((halved(low, log2), high >> log2))
     return result[0], result[1]
 
 
@@ -916,7 +914,7 @@ def row_ends(corners: list[Pair], r: int, log2: int) -> list[Pair]:
 
 def row_end(top: int, bottom: int, r: int, log2: int) -> int:
     """Remap arithmetic: left or right."""
-    return fit(top + rounded(fit(bottom - top, 32) * r, log2), 32)
+    return fit(top + rounded(wrap32((bottom - top) * r), log2), 32)
 
 
 def in_source(remap: Remap, position: Pair) -> bool:
@@ -931,7 +929,7 @@ def sample(image: Samples, x: int, y: int) -> int:
     wx, wy = ((x + 16) >> 5) & 127, fit((y & 4095) << 3, 16)
     h0 = blend_row(image[r], c, wx)
     h1 = blend_row(image[r + 1], c, wx) if wy else 0
-    v = fit(h0 + ((fit(fit(h1 - h0, 16) * wy, 32) + 16384) >> 15), 16)
+    v = fit(h0 - ((fit(fit(h0 - h1, 16) * wy, 32) + 16384) >> 15), 16)
     output = fit(v + 64, 16) >> 7
     assert 0 <= output <= 255, f"{output} does not fit a pixel"
     return output

@@ -59,28 +59,3 @@ uint32_t rg_plane_row_bytes(const rg_lattice* lattice, uint32_t width) {
     return num_samples % 4 != 0 ? 0 : num_samples / 4 * 5;
   return num_samples % 2 != 0 ? 0 : num_samples / 2 * 3;
 }
-
-/* Puts bits of a value into a byte. */
-static void store_bits(uint8_t* byte, uint32_t shift, uint32_t mask,
-                       uint32_t value) {
-  *byte = (uint8_t)((*byte & ~(mask << shift)) | ((value & mask) << shift));
-}
-
-void rg_store_sample(uint32_t kind, uint8_t* row, uint32_t index,
-                     uint32_t value) {
-  if (kind == RG_SAMPLE_8) {
-    row[index] = (uint8_t)value;
-  } else if (kind == RG_SAMPLE_16) {
-    rg_store_u16(row + 2 * index, (uint16_t)value);
-  } else if (kind == RG_SAMPLE_10P) {
-    row += 5 * (index >> 2);
-    index &= 3;
-    row[index] = (uint8_t)(value >> 2);
-    store_bits(row + 4, 2 * index, 3, value);
-  } else {
-    row += 3 * (index >> 1);
-    index &= 1;
-    row[index] = (uint8_t)(value >> 4);
-    store_bits(row + 2, 4 * index, 15, value);
-  }
-}

@@ -10,6 +10,10 @@
 #include "bytes.h"
 #include "raygrid.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum rg_sample_kind {
   RG_SAMPLE_8,
   RG_SAMPLE_16,  /* little-endian */
@@ -52,7 +56,33 @@ static inline uint32_t rg_load_sample(uint32_t kind, const uint8_t* row,
   return (uint32_t)row[index] << 4 | ((row[2] >> (4 * index)) & 15u);
 }
 
-void rg_store_sample(uint32_t kind, uint8_t* row, uint32_t index,
-                     uint32_t value);
+/* Puts bits of a value into a byte. */
+static inline void rg_store_bits(uint8_t* byte, uint32_t shift, uint32_t mask,
+                                 uint32_t value) {
+  *byte = (uint8_t)((*byte & ~(mask << shift)) | ((value & mask) << shift));
+}
+
+static inline void rg_store_sample(uint32_t kind, uint8_t* row, uint32_t index,
+                                   uint32_t value) {
+  if (kind == RG_SAMPLE_8) {
+    row[index] = (uint8_t)value;
+  } else if (kind == RG_SAMPLE_16) {
+    rg_store_u16(row + 2 * index, (uint16_t)value);
+  } else if (kind == RG_SAMPLE_10P) {
+    row += 5 * (index >> 2);
+    index &= 3;
+    row[index] = (uint8_t)(value >> 2);
+    rg_store_bits(row + 4, 2 * index, 3, value);
+  } else {
+    row += 3 * (index >> 1);
+    index &= 1;
+    row[index] = (uint8_t)(value >> 4);
+    rg_store_bits(row + 2, 4 * index, 15, value);
+  }
+}
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif /* RAYGRID_PIXEL_FORMATS_H */

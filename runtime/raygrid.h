@@ -245,6 +245,15 @@ typedef enum rg_sampling {
   RG_SAMPLING_NEAREST
 } rg_sampling;
 
+/* The inner loops for a kind of processor; all give the same bits. Boards of
+ * which every processor is alike have them built in, and this is not used. */
+typedef struct rg_kernels rg_kernels;
+
+/* By name, for measurements and tests: "portable", "avx2", "neon"; the fastest
+ * of this processor for NULL, found by instructions that may take a microsecond
+ * in a virtual machine. NULL if there is none of that name. */
+const rg_kernels* rg_find_kernels(const char* name);
+
 /* Rows [first_row, first_row + num_rows) of the undistorted image; even numbers
  * where the format's rows come in pairs (NV12, YUV420, Bayer). */
 typedef struct rg_target {
@@ -258,6 +267,7 @@ typedef struct rg_target {
   uint16_t border_values[4]; /* of each channel: interleaved ones as they lie in
                                 memory; Y, first and second chroma; Bayer as in
                                 the top-left 2 x 2 pixels */
+  const rg_kernels* kernels; /* NULL: found anew by each call */
 } rg_target;
 
 /* Undistorts rows of a frame (formats/SPEC.md, "Remap arithmetic": every target

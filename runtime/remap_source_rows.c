@@ -17,49 +17,44 @@ static void add(row_range* range, int32_t y_q12) {
 
 /* The row's ends where they have a source; otherwise 0, and nothing is added.
  */
-static int add_ends(const rg_lattice_map* map, const rg_lattice_row* row,
+static int add_ends(const rg_lattice_map* map, const rg_block_row* row,
                     uint32_t num_pixels, row_range* range) {
-  const rg_position first = rg_lattice_segment(map, row, 0);
-  const int32_t steps = (int32_t)(num_pixels - 1);
-  const rg_position last = {{first.q12[0] + steps * row->step.q12[0],
-                             first.q12[1] + steps * row->step.q12[1]}};
-  if (!rg_has_source(map, &first) || !rg_has_source(map, &last)) return 0;
-  add(range, first.q12[1]);
+  const rg_position last = rg_row_position(row, num_pixels - 1);
+  if (!rg_is_between(&map->min, &map->max, &row->start) ||
+      !rg_is_between(&map->min, &map->max, &last))
+    return 0;
+  add(range, row->start.q12[1]);
   add(range, last.q12[1]);
   return 1;
 }
 
 /* Pixel by pixel. */
-static void add_pixels(const rg_lattice_map* map, const rg_lattice_row* row,
+static void add_pixels(const rg_lattice_map* map, const rg_block_row* row,
                        uint32_t num_pixels, row_range* range) {
-  rg_position p = {{0, 0}};
   for (uint32_t k = 0; k < num_pixels; ++k) {
-    if (k % RG_SEGMENT_SIZE == 0) p = rg_lattice_segment(map, row, k);
-    if (rg_has_source(map, &p)) add(range, p.q12[1]);
-    rg_next_pixel(&p, &row->step);
+    const rg_position p = rg_row_position(row, k);
+    if (rg_is_between(&map->min, &map->max, &p)) add(range, p.q12[1]);
   }
 }
 
-/* Rows [first, last] of a block. Positions are bilinear in it: if the ends of
- * the first and the last row are inside, so are the others, and within their
- * range. */
-static void add_block(const rg_lattice_map* map, uint32_t i, uint32_t j,
+/* Rows [first, last] of a block, which is changed. Positions are bilinear in
+ * it: if the ends of the first and the last row are inside, so are the others,
+ * and within their range. */
+static void add_block(const rg_lattice_map* map, rg_block* block, uint32_t i,
                       uint32_t first, uint32_t last, row_range* range) {
-  const uint32_t block_width = UINT32_C(1) << map->block_width_log2;
+  rg_block_row row;
+  rg_lattice_block(map->lattice, block);
   const uint32_t width =
       (uint32_t)rg_load_u16(map->section) >> map->lattice->log2_x;
-  const uint32_t rest = width - i * block_width;
+  const uint32_t rest = width - (i << block->width_log2);
+  const uint32_t block_width = 1u << block->width_log2;
   const uint32_t num_pixels = rest < block_width ? rest : block_width;
-  rg_block block;
-  rg_lattice_row row;
-  if (rg_remap_is_empty(map->section, i, j)) return;
-  rg_remap_block(map->section, i, j, &block);
-  rg_lattice_block_row(map, &block, first, &row);
+  rg_find_block_row(block, first, &row);
   int is_whole = add_ends(map, &row, num_pixels, range);
-  rg_lattice_block_row(map, &block, last, &row);
+  rg_find_block_row(block, last, &row);
   is_whole &= add_ends(map, &row, num_pixels, range);
   for (uint32_t r = first; r <= last && !is_whole; ++r) {
-    rg_lattice_block_row(map, &block, r, &row);
+    rg_find_block_row(block, r, &row);
     add_pixels(map, &row, num_pixels, range);
   }
 }
@@ -68,15 +63,21 @@ static void add_block(const rg_lattice_map* map, uint32_t i, uint32_t j,
 static row_range find_range(const rg_lattice_map* map, uint32_t row,
                             uint32_t end) {
   row_range range = {INT32_MAX, INT32_MIN};
-  const uint32_t height_log2 = map->block_height_log2;
+  const uint32_t height_log2 = (uint32_t)map->section[8] - map->lattice->log2_y;
   const uint32_t mask = (UINT32_C(1) << height_log2) - 1;
   const uint32_t num_blocks = rg_load_u16(map->section + 4) - 1u;
   while (row < end) {
     const uint32_t j = row >> height_log2;
     const uint32_t next = (j + 1) << height_log2;
     const uint32_t last = (next < end ? next : end) - 1;
-    for (uint32_t i = 0; i < num_blocks; ++i)
-      add_block(map, i, j, row & mask, last & mask, &range);
+    rg_block_walk walk;
+    rg_start_walk(map->section, j, &walk);
+    for (uint32_t i = 0; i < num_blocks; ++i) {
+      rg_block block;
+      rg_next_block(&walk, &block);
+      if (!rg_remap_is_empty(map->section, i, j))
+        add_block(map, &block, i, row & mask, last & mask, &range);
+    }
     row = next;
   }
   return range;

@@ -2,70 +2,44 @@
 
 #include "bytes.h"
 
-/* (value + 2^(shift - 1)) >> shift */
-static int32_t round_shift(int32_t value, int shift) {
-  return (value + (INT32_C(1) << (shift - 1))) >> shift;
-}
-
-/* from + (to - from) k / 2^shift. |to - from| < 2^26 and k < 32, so the product
- * fits. */
-static int32_t between(int32_t from, int32_t to, int32_t k, int shift) {
-  return from + round_shift((to - from) * k, shift);
-}
-
-/* One coordinate, 0 for x and 1 for y, of a vertex. In the section, the second
- * coordinate of every pair lies behind the first. */
-static int32_t vertex(const uint8_t* section, uint32_t i, uint32_t j,
-                      uint32_t coordinate) {
-  const uint8_t* const fields = section + 4 * coordinate;
-  const uint32_t index = j * rg_load_u16(section + 4) + i;
-  const uint8_t* const residual =
-      section + rg_load_u32(section + 76) + 4 * index + 2 * coordinate;
-  const uint32_t shift = section[9];
-  return (int32_t)(rg_load_u32(fields + 28) + i * rg_load_u32(fields + 36) +
-                   j * rg_load_u32(fields + 44) +
-                   ((uint32_t)rg_load_i16(residual) << shift));
-}
-
-void rg_remap_block(const uint8_t* section, uint32_t i, uint32_t j,
-                    rg_block* block) {
-  for (uint32_t k = 0; k < 4; ++k)
-    for (uint32_t c = 0; c < 2; ++c)
-      block->corners[k].q12[c] = vertex(section, i + (k & 1), j + (k >> 1), c);
-}
-
-void rg_remap_block_row(const uint8_t* section, const rg_block* block,
-                        uint32_t r, rg_block_row* row) {
-  const int shift = section[8];
-  const rg_position* const corners = block->corners;
+/* The next vertex above (0) or below (1): origin + i column_step + j row_step +
+ * residual << shift. */
+static rg_position next_vertex(rg_block_walk* walk, uint32_t k) {
+  const uint8_t* const residual = walk->residuals[k];
+  walk->residuals[k] = residual + 4;
+  rg_position p;
   for (int c = 0; c < 2; ++c) {
-    const int32_t left =
-        between(corners[0].q12[c], corners[2].q12[c], (int32_t)r, shift);
-    const int32_t right =
-        between(corners[1].q12[c], corners[3].q12[c], (int32_t)r, shift);
-    row->left.q12[c] = left;
-    row->right.q12[c] = right;
-    row->step.q12[c] = round_shift(right - left, shift);
+    const int32_t affine = walk->affine[k].q12[c];
+    p.q12[c] =
+        affine + rg_load_i16(residual + 2 * c) * (1 << walk->residual_shift);
+    walk->affine[k].q12[c] =
+        (int32_t)((uint32_t)affine + (uint32_t)walk->column_step.q12[c]);
   }
+  return p;
 }
 
-rg_position rg_remap_segment(const uint8_t* section, const rg_block_row* row,
-                             uint32_t k) {
-  rg_position start;
+void rg_start_walk(const uint8_t* section, uint32_t j, rg_block_walk* walk) {
+  const uint32_t row_bytes = 4u * rg_load_u16(section + 4);
+  walk->residual_shift = section[9];
+  walk->block_log2 = section[8];
+  for (uint32_t k = 0; k < 2; ++k, ++j) {
+    walk->residuals[k] = section + rg_load_u32(section + 76) + j * row_bytes;
+    /* The second coordinate of every pair lies behind the first. */
+    for (uint32_t c = 0; c < 2; ++c)
+      walk->affine[k].q12[c] = (int32_t)(rg_load_u32(section + 28 + 4 * c) +
+                                         j * rg_load_u32(section + 44 + 4 * c));
+  }
   for (int c = 0; c < 2; ++c)
-    start.q12[c] =
-        between(row->left.q12[c], row->right.q12[c], (int32_t)k, section[8]);
-  return start;
+    walk->column_step.q12[c] = rg_load_i32(section + 36 + 4 * c);
+  for (uint32_t k = 0; k < 2; ++k) walk->last[k] = next_vertex(walk, k);
 }
 
-void rg_remap_average_rows(const uint8_t* section, const rg_block_row* other,
-                           rg_block_row* row) {
-  for (uint32_t c = 0; c < 2; ++c) {
-    row->left.q12[c] = round_shift(row->left.q12[c] + other->left.q12[c], 1);
-    row->right.q12[c] = round_shift(row->right.q12[c] + other->right.q12[c], 1);
-    row->step.q12[c] =
-        round_shift(row->right.q12[c] - row->left.q12[c], section[8]);
+void rg_next_block(rg_block_walk* walk, rg_block* block) {
+  for (uint32_t k = 0; k < 2; ++k) {
+    block->corners[2 * k] = walk->last[k];
+    block->corners[2 * k + 1] = walk->last[k] = next_vertex(walk, k);
   }
+  block->width_log2 = block->height_log2 = walk->block_log2;
 }
 
 int rg_remap_is_empty(const uint8_t* section, uint32_t i, uint32_t j) {

@@ -1,5 +1,5 @@
-/* Where the pixels of a block's row come from: formats/SPEC.md, "Remap
- * arithmetic". All positions are q12 source pixels. */
+/* Where the pixels of a block come from: formats/SPEC.md, "Remap arithmetic".
+ * All positions are q12 source pixels. */
 #ifndef RAYGRID_REMAP_TABLE_H
 #define RAYGRID_REMAP_TABLE_H
 
@@ -14,36 +14,68 @@ typedef struct rg_position {
   int32_t q12[2];
 } rg_position;
 
-/* The corners of a block: top left, top right, bottom left, bottom right. */
+/* A block of 2^width_log2 x 2^height_log2 pixels, and where its corners come
+ * from: top left, top right, bottom left, bottom right. */
 typedef struct rg_block {
   rg_position corners[4];
+  uint8_t width_log2, height_log2;
 } rg_block;
 
-/* Block (i, j) of a remap section, which must be one that rg_blob_open()
- * accepted. */
-void rg_remap_block(const uint8_t* section, uint32_t i, uint32_t j,
-                    rg_block* block);
+/* Walks along a row of blocks of a remap section, which must be one that
+ * rg_blob_open() accepted. */
+typedef struct rg_block_walk {
+  const uint8_t* residuals[2]; /* of the next vertices, above and below */
+  rg_position affine[2];       /* likewise, without the residuals */
+  rg_position column_step;
+  rg_position last[2]; /* the vertices before */
+  uint8_t residual_shift, block_log2;
+} rg_block_walk;
 
-/* A row of a block. Its pixels lie in segments of RG_SEGMENT_SIZE; from one to
- * the next inside a segment is step. */
+/* To the first block of row j. */
+void rg_start_walk(const uint8_t* section, uint32_t j, rg_block_walk* walk);
+
+/* The corners of the block, and on to the next one. */
+void rg_next_block(rg_block_walk* walk, rg_block* block);
+
+/* A row of a block: pixel k comes from start + k step. */
 typedef struct rg_block_row {
-  rg_position left, right;
-  rg_position step;
+  rg_position start, step;
 } rg_block_row;
 
-#define RG_SEGMENT_SIZE 8u
+/* (value + 2^(shift - 1)) >> shift */
+static inline int32_t rg_round_shift(int32_t value, uint32_t shift) {
+  return (value + (INT32_C(1) << shift >> 1)) >> shift;
+}
 
-/* Row r, 0 to block size - 1, of a block of the section. */
-void rg_remap_block_row(const uint8_t* section, const rg_block* block,
-                        uint32_t r, rg_block_row* row);
+/* round((to - from) r / 2^shift); the product modulo 2^32, which it only
+ * reaches where the table of a broken lens does. */
+static inline int32_t rg_part_of(int32_t from, int32_t to, uint32_t r,
+                                 uint32_t shift) {
+  return rg_round_shift((int32_t)((uint32_t)(to - from) * r), shift);
+}
 
-/* The mean of two rows, for samples half-way between them. */
-void rg_remap_average_rows(const uint8_t* section, const rg_block_row* other,
-                           rg_block_row* row);
+/* Row r of a block, r less than its height. */
+static inline void rg_find_block_row(const rg_block* block, uint32_t r,
+                                     rg_block_row* row) {
+  const rg_position* const corners = block->corners;
+  for (int c = 0; c < 2; ++c) {
+    const int32_t left =
+        corners[0].q12[c] +
+        rg_part_of(corners[0].q12[c], corners[2].q12[c], r, block->height_log2);
+    const int32_t right =
+        corners[1].q12[c] +
+        rg_part_of(corners[1].q12[c], corners[3].q12[c], r, block->height_log2);
+    row->start.q12[c] = left;
+    row->step.q12[c] = rg_round_shift(right - left, block->width_log2);
+  }
+}
 
-/* Source position of the segment that begins at pixel k of the row. */
-rg_position rg_remap_segment(const uint8_t* section, const rg_block_row* row,
-                             uint32_t k);
+static inline rg_position rg_row_position(const rg_block_row* row, uint32_t k) {
+  rg_position p;
+  for (int c = 0; c < 2; ++c)
+    p.q12[c] = row->start.q12[c] + (int32_t)k * row->step.q12[c];
+  return p;
+}
 
 /* 1 if the table says that no pixel of block (i, j) has a source. */
 int rg_remap_is_empty(const uint8_t* section, uint32_t i, uint32_t j);

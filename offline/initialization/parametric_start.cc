@@ -12,6 +12,13 @@ constexpr size_t kMaxViews = 16;
 // Worse than this, the fit has found nothing of the lens.
 constexpr double kMaxRmsPart = 0.02;  // of the image's width
 
+// LAPACK, which OpenCV calls, rounds differently from one run to the next, as
+// its data happen to be aligned: a start is as good without the last digits.
+constexpr int kPixelBits = 6, kRatioBits = 20;
+double Rounded(double value, int bits) {
+  return std::ldexp(std::round(std::ldexp(value, bits)), -bits);
+}
+
 }  // namespace
 
 std::optional<OpenCvModel> StartFromPlanarBoards(const Dataset& dataset,
@@ -40,23 +47,25 @@ std::optional<OpenCvModel> StartFromPlanarBoards(const Dataset& dataset,
     return std::nullopt;
   }
   const double* k = distortion.ptr<double>();
-  const OpenCvModel::ParameterArray parameters = {matrix.at<double>(0, 0),
-                                                  matrix.at<double>(1, 1),
-                                                  matrix.at<double>(0, 2),
-                                                  matrix.at<double>(1, 2),
-                                                  k[0],
-                                                  k[1],
-                                                  k[4],
-                                                  0,
-                                                  0,
-                                                  0,
-                                                  k[2],
-                                                  k[3]};
+  OpenCvModel::ParameterArray parameters = {matrix.at<double>(0, 0),
+                                            matrix.at<double>(1, 1),
+                                            matrix.at<double>(0, 2),
+                                            matrix.at<double>(1, 2),
+                                            k[0],
+                                            k[1],
+                                            k[4],
+                                            0,
+                                            0,
+                                            0,
+                                            k[2],
+                                            k[3]};
   for (const double value : parameters)
     if (!std::isfinite(value)) return std::nullopt;
   if (!(rms < kMaxRmsPart * size.width) || parameters[0] <= 0 ||
       parameters[1] <= 0)
     return std::nullopt;
+  for (size_t i = 0; i < parameters.size(); ++i)
+    parameters[i] = Rounded(parameters[i], i < 4 ? kPixelBits : kRatioBits);
   return OpenCvModel(size, WholeImage(size), parameters);
 }
 

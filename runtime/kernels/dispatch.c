@@ -1,0 +1,55 @@
+/* The kernels that this processor has. */
+#include "remap_dispatch.h"
+
+#if RG_CHOOSE_KERNELS
+
+static const rg_kernels kPortable = {
+    "portable", {rg_blend_1, rg_blend_2, rg_blend_3, rg_blend_4}};
+
+#if defined(__x86_64__)
+
+#include <cpuid.h>
+
+static const rg_kernels kAvx2 = {
+    "avx2",
+    {rg_blend_1_avx2, rg_blend_2_avx2, rg_blend_3_avx2, rg_blend_4_avx2}};
+
+/* The processor has it, and the system keeps its registers. */
+static int has_avx2(void) {
+  uint32_t a, b, c, d, enabled, high;
+  if (!__get_cpuid(1, &a, &b, &c, &d) || (c & bit_OSXSAVE) == 0) return 0;
+  __asm__("xgetbv" : "=a"(enabled), "=d"(high) : "c"(0));
+  return (enabled & 6) == 6 && __get_cpuid_count(7, 0, &a, &b, &c, &d) &&
+         (b & bit_AVX2) != 0;
+}
+
+#endif
+
+#if defined(__aarch64__)
+static const rg_kernels kNeon = {
+    "neon",
+    {rg_blend_1_neon, rg_blend_2_neon, rg_blend_3_neon, rg_blend_4_neon}};
+#endif
+
+static int is_same(const char* a, const char* b) {
+  while (*a && *a == *b) ++a, ++b;
+  return *a == *b;
+}
+
+const rg_kernels* rg_find_kernels(const char* name) {
+#if defined(__x86_64__)
+  if ((!name || is_same(name, kAvx2.name)) && has_avx2()) return &kAvx2;
+#elif defined(__aarch64__)
+  if (!name || is_same(name, kNeon.name)) return &kNeon;
+#endif
+  return !name || is_same(name, kPortable.name) ? &kPortable : 0;
+}
+
+#else
+
+const rg_kernels* rg_find_kernels(const char* name) {
+  (void)name;
+  return 0;
+}
+
+#endif

@@ -1,0 +1,125 @@
+/* The kernels that define the others' bits. */
+#include <stddef.h>
+
+#include "fixed_point.h"
+#include "remap_kernels.h"
+
+/* Two neighbours, the left one in the low byte. */
+static inline uint32_t load_pair(const uint8_t* p) {
+  return p[0] | (uint32_t)p[1] << 8;
+}
+
+/* A value in a register: else it is composed anew for every pixel. */
+static inline uint32_t in_register(uint32_t value) {
+#if defined(__GNUC__)
+  __asm__("" : "+r"(value));
+#endif
+  return value;
+}
+
+/* A function of its own, so that the loop has all registers. */
+static RG_NOINLINE void blend_row_1(const uint8_t* data, uint32_t stride,
+                                    const rg_block_row* row, uint8_t* out,
+                                    uint32_t num_pixels) {
+  const uint32_t even_bytes = in_register(0x00ff00ff);
+  uint8_t* const end = out + num_pixels;
+  uint32_t x_q12 = (uint32_t)row->start.q12[0] + 16;
+  uint32_t y_q12 = (uint32_t)row->start.q12[1];
+  const uint32_t step_x = (uint32_t)row->step.q12[0];
+  const uint32_t step_y = (uint32_t)row->step.q12[1];
+  do {
+    const uint8_t* const upper =
+        data + (size_t)(y_q12 >> 12) * stride + (x_q12 >> 12);
+    const uint32_t pixels = load_pair(upper) | load_pair(upper + stride) << 16;
+    *out++ = (uint8_t)rg_blend_8(pixels & even_bytes,
+                                 (pixels >> 8) & even_bytes, x_q12, y_q12);
+    x_q12 += step_x;
+    y_q12 += step_y;
+  } while (out != end);
+}
+
+void rg_blend_1(const rg_run* run) {
+  uint8_t* out = run->out + run->out_pixel;
+  for (uint32_t r = 0; r < run->num_rows; ++r, out += run->out_stride) {
+    rg_block_row row;
+    rg_find_run_row(run, r, &row);
+    blend_row_1(run->data, run->stride, &row, out, run->num_pixels);
+  }
+}
+
+/* With lattice and kind known to the compiler. */
+static inline void blend(const rg_run* run, const rg_lattice* lattice,
+                         uint32_t kind) {
+  const uint32_t step = lattice->sample_step;
+  uint8_t* out = run->out;
+  for (uint32_t r = 0; r < run->num_rows; ++r, out += run->out_stride) {
+    rg_block_row row;
+    rg_find_run_row(run, r, &row);
+    uint32_t x_q12 = (uint32_t)row.start.q12[0] + rg_rounding(kind, 0);
+    uint32_t y_q12 = (uint32_t)row.start.q12[1] + rg_rounding(kind, 1);
+    uint32_t target = lattice->first_sample + run->out_pixel * step;
+    for (uint32_t k = run->num_pixels; k != 0; --k, target += step) {
+      const uint8_t* const upper =
+          run->data + (size_t)(y_q12 >> 12) * run->stride;
+      const uint32_t index = lattice->first_sample + (x_q12 >> 12) * step;
+      for (uint32_t c = 0; c < lattice->num_channels; ++c)
+        rg_store_sample(kind, out, target + c,
+                        rg_blend_samples(kind, upper, upper + run->stride,
+                                         index + c, step, x_q12, y_q12));
+      x_q12 += (uint32_t)row.step.q12[0];
+      y_q12 += (uint32_t)row.step.q12[1];
+    }
+  }
+}
+
+void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice) {
+  if (lattice->kind == RG_SAMPLE_8)
+    blend(run, lattice, RG_SAMPLE_8);
+  else
+    blend(run, lattice, lattice->kind);
+}
+
+static const rg_lattice kInterleaved[3] = {
+    {0, RG_SAMPLE_8, 0, 2, 2, 0, 0, 0, 0, 0, 1, 0},
+    {0, RG_SAMPLE_8, 0, 3, 3, 0, 0, 0, 0, 0, 1, 0},
+    {0, RG_SAMPLE_8, 0, 4, 4, 0, 0, 0, 0, 0, 1, 0}};
+
+void rg_blend_2(const rg_run* run) {
+  blend(run, &kInterleaved[0], RG_SAMPLE_8);
+}
+void rg_blend_3(const rg_run* run) {
+  blend(run, &kInterleaved[1], RG_SAMPLE_8);
+}
+void rg_blend_4(const rg_run* run) {
+  blend(run, &kInterleaved[2], RG_SAMPLE_8);
+}
+
+static inline void copy(const rg_run* run, const rg_lattice* lattice,
+                        uint32_t kind) {
+  const uint32_t step = lattice->sample_step;
+  uint8_t* out = run->out;
+  for (uint32_t r = 0; r < run->num_rows; ++r, out += run->out_stride) {
+    rg_block_row row;
+    rg_find_run_row(run, r, &row);
+    uint32_t x_q12 = (uint32_t)row.start.q12[0] + 2048;
+    uint32_t y_q12 = (uint32_t)row.start.q12[1] + 2048;
+    uint32_t target = lattice->first_sample + run->out_pixel * step;
+    for (uint32_t k = run->num_pixels; k != 0; --k, target += step) {
+      const uint8_t* const source =
+          run->data + (size_t)(y_q12 >> 12) * run->stride;
+      const uint32_t index = lattice->first_sample + (x_q12 >> 12) * step;
+      for (uint32_t c = 0; c < lattice->num_channels; ++c)
+        rg_store_sample(kind, out, target + c,
+                        rg_load_sample(kind, source, index + c));
+      x_q12 += (uint32_t)row.step.q12[0];
+      y_q12 += (uint32_t)row.step.q12[1];
+    }
+  }
+}
+
+void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice) {
+  if (lattice->kind == RG_SAMPLE_8)
+    copy(run, lattice, RG_SAMPLE_8);
+  else
+    copy(run, lattice, lattice->kind);
+}

@@ -1,0 +1,58 @@
+/* Which kernels run. */
+#ifndef RAYGRID_REMAP_DISPATCH_H
+#define RAYGRID_REMAP_DISPATCH_H
+
+#include "remap_kernels.h"
+
+/* Processors of one architecture that differ: chosen when the program runs. */
+#if defined(__x86_64__) || defined(__aarch64__) || \
+    (defined(__arm__) && defined(__linux__))
+#define RG_CHOOSE_KERNELS 1
+#else
+#define RG_CHOOSE_KERNELS 0
+#endif
+
+/* wanted, or the fastest; NULL, which is the portable ones, where rows are too
+ * short for others. */
+static inline const rg_kernels* rg_choose_kernels(const rg_kernels* wanted,
+                                                  uint32_t stride) {
+#if RG_CHOOSE_KERNELS
+  if (stride < RG_MIN_STRIDE) return 0;
+  return wanted ? wanted : rg_find_kernels(0);
+#else
+  (void)wanted;
+  (void)stride;
+  return 0;
+#endif
+}
+
+/* is_roomy: the spare rows are there. */
+static inline void rg_dispatch_grey(const rg_kernels* kernels,
+                                    const rg_run* run, int is_roomy) {
+  if (RG_CHOOSE_KERNELS && kernels && is_roomy)
+    kernels->blend[0](run);
+  else
+    rg_blend_1(run);
+}
+
+#define RG_NOT_INTERLEAVED 0u
+/* Channels of 8 bits that fill the plane; 0 of other lattices. */
+static inline uint32_t rg_interleaved(const rg_lattice* lattice) {
+  return lattice->kind == RG_SAMPLE_8 &&
+                 lattice->sample_step == lattice->num_channels
+             ? lattice->num_channels
+             : 0;
+}
+
+static inline void rg_dispatch(const rg_kernels* kernels, const rg_run* run,
+                               const rg_lattice* lattice, int is_roomy) {
+  const uint32_t channels = rg_interleaved(lattice);
+  if (RG_CHOOSE_KERNELS && kernels && is_roomy && channels != 0)
+    kernels->blend[channels - 1](run);
+  else if (channels == 1)
+    rg_blend_1(run);
+  else
+    rg_blend_lattice(run, lattice);
+}
+
+#endif /* RAYGRID_REMAP_DISPATCH_H */

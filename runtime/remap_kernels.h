@@ -1,0 +1,120 @@
+/* The inner loops of remapping: blocks of pixels that need no care. Faster
+ * versions for a core give the same bits: formats/SPEC.md, "Remap arithmetic".
+ */
+#ifndef RAYGRID_REMAP_KERNELS_H
+#define RAYGRID_REMAP_KERNELS_H
+
+#include <stdint.h>
+
+#if defined(__ARM_FEATURE_SIMD32)
+#include <arm_acle.h>
+#endif
+
+#include "pixel_formats.h"
+#include "raygrid.h"
+#include "remap_table.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Pixels of a block. The source pixel of each, and its right, lower and
+ * diagonal neighbours, lie in the image. */
+typedef struct rg_run {
+  const uint8_t* data; /* row 0 of the source is first_source_row */
+  uint8_t* out;        /* row first_row of the output, from its left end */
+  uint32_t stride, out_stride;
+  uint32_t out_pixel; /* first_pixel of the block, in the output's row */
+  rg_block block;
+  uint16_t first_source_row;
+  uint8_t first_row, num_rows;     /* of the block */
+  uint8_t first_pixel, num_pixels; /* of the block's rows; neither num is 0 */
+} rg_run;
+
+/* Row r of a run: position (0, 0) is data. */
+static inline void rg_find_run_row(const rg_run* run, uint32_t r,
+                                   rg_block_row* row) {
+  rg_find_block_row(&run->block, run->first_row + r, row);
+  row->start = rg_row_position(row, run->first_pixel);
+  row->start.q12[1] -= (int32_t)run->first_source_row << 12;
+}
+
+/* What kernels may read beyond what they need: the row below a pixel's lower
+ * neighbours, and bytes of the row below that. */
+#define RG_SPARE_Q12 (2 * 4096)
+#define RG_MIN_STRIDE 32u
+
+/* Bilinear, 8 bits: pixels of 1, 2, 3 and 4 interleaved channels. */
+typedef void rg_blend(const rg_run* run);
+struct rg_kernels {
+  const char* name;
+  rg_blend* blend[4];
+};
+
+rg_blend rg_blend_1, rg_blend_2, rg_blend_3, rg_blend_4;
+
+rg_blend rg_blend_1_avx2, rg_blend_2_avx2, rg_blend_3_avx2, rg_blend_4_avx2;
+rg_blend rg_blend_1_neon, rg_blend_2_neon, rg_blend_3_neon, rg_blend_4_neon;
+
+/* Any lattice, bilinear; nearest. */
+void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice);
+void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice);
+
+/* 7-bit weights across, 12-bit weights down, both roundings in one. Arguments
+ * hold the upper row's samples in the low half, the lower row's in the high. */
+static inline uint32_t rg_blend_8(uint32_t left, uint32_t right, uint32_t x_q12,
+                                  uint32_t y_q12) {
+  const uint32_t wx_q7 = (x_q12 >> 5) & 127;
+  const uint32_t wy_q12 = y_q12 & 4095;
+  /* h0 below and h1 above 16 bits */
+  const uint32_t h_q7 = (right - left) * wx_q7 + (left << 7);
+  const uint32_t rounding = 0x407ff;
+#if defined(__ARM_FEATURE_SIMD32)
+  /* h0 (4096 - wy) + h1 wy: one instruction */
+  const uint32_t weights = (wy_q12 << 16) - wy_q12 + 4096;
+  return (uint32_t)__smlad((int16x2_t)h_q7, (int16x2_t)weights,
+                           (int32_t)rounding) >>
+         19;
+#else
+  const uint32_t upper_q7 = h_q7 & 0xffff;
+  const uint32_t down_q7 = (h_q7 >> 16) - upper_q7;
+  return (down_q7 * wy_q12 + ((upper_q7 << 12) + rounding)) >> 19;
+#endif
+}
+
+/* Samples of up to 16 bits, 8-bit weights both ways: below 2^32 - 2^15. */
+static inline uint32_t rg_blend_16(uint32_t p00, uint32_t p01, uint32_t p10,
+                                   uint32_t p11, uint32_t wx_q8,
+                                   uint32_t wy_q8) {
+  const uint32_t upper_q8 = p00 * (256 - wx_q8) + p01 * wx_q8;
+  const uint32_t lower_q8 = p10 * (256 - wx_q8) + p11 * wx_q8;
+  return (upper_q8 * (256 - wy_q8) + lower_q8 * wy_q8 + 0x8000) >> 16;
+}
+
+/* Half the last bit that a position keeps across, and down: added before the
+ * position is cut into pixel and weight. */
+static inline uint32_t rg_rounding(uint32_t kind, int c) {
+  return kind != RG_SAMPLE_8 ? 8 : c == 0 ? 16 : 0;
+}
+
+/* The four samples around a position to which the rounding was added; the right
+ * ones lie right samples on. */
+static inline uint32_t rg_blend_samples(uint32_t kind, const uint8_t* upper,
+                                        const uint8_t* lower, uint32_t index,
+                                        uint32_t right, uint32_t x_q12,
+                                        uint32_t y_q12) {
+  const uint32_t p00 = rg_load_sample(kind, upper, index);
+  const uint32_t p01 = rg_load_sample(kind, upper, index + right);
+  const uint32_t p10 = rg_load_sample(kind, lower, index);
+  const uint32_t p11 = rg_load_sample(kind, lower, index + right);
+  if (kind == RG_SAMPLE_8)
+    return rg_blend_8(p00 | p10 << 16, p01 | p11 << 16, x_q12, y_q12);
+  return rg_blend_16(p00, p01, p10, p11, (x_q12 >> 4) & 255,
+                     (y_q12 >> 4) & 255);
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* RAYGRID_REMAP_KERNELS_H */

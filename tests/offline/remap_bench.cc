@@ -1,0 +1,324 @@
+// Times undistortion against cv::remap with fixed-point maps of the same
+// positions, one thread, and compares images with exact bilinear
+// interpolation. Run by hand:
+//   remap_bench [WIDTH...]    of 640, 1280, 1920, 3840; all without any
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <functional>
+#include <map>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "camera/opencv.h"
+#include "camera/thin_prism_fisheye.h"
+#include "dataset/error.h"
+#include "lattice_map.h"
+#include "packing/remap_fitting.h"
+#include "packing/virtual_camera.h"
+#include "raygrid.h"
+
+namespace raygrid {
+namespace {
+
+constexpr ImageSize kSizes[] = {
+    {640, 480}, {1280, 800}, {1920, 1080}, {3840, 2160}};
+
+// A camera and the view that its frames are rectified to.
+struct View {
+  std::string name;
+  std::unique_ptr<CameraModel> camera;
+  double hfov_deg;
+};
+
+std::vector<View> MakeViews(const ImageSize& size) {
+  const double w = size.width;
+  const double cx = (w - 1) / 2 + 0.004 * w;
+  const double cy = (size.height - 1) / 2.0 - 0.003 * size.height;
+  const OpenCvModel::ParameterArray mild = {
+      0.7 * w, 0.7 * w, cx, cy, -0.3, 0.1, 0, 0, 0, 0, 7e-4, -4e-4};
+  const ThinPrismFisheye::ParameterArray fisheye = {
+      0.36 * w, 0.36 * w, cx, cy, -0.012, 0.008, -0.006, 0.001, 0, 0, 0, 0};
+  const Area area = WholeImage(size);
+  std::vector<View> views;
+  views.push_back(
+      {"mild", std::make_unique<OpenCvModel>(size, area, mild), 71});
+  for (const double hfov_deg : {108.0, 132.0})
+    views.push_back({hfov_deg == 108 ? "fisheye to 108" : "fisheye to 132",
+                     std::make_unique<ThinPrismFisheye>(size, area, fisheye),
+                     hfov_deg});
+  return views;
+}
+
+// Of this thread alone, so that other load does not count.
+double Now() {
+  timespec time;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return time.tv_sec + time.tv_nsec * 1e-9;
+}
+
+// Medians of works run in turn, so that all suffer alike from other load. Each
+// runs twice, and the second time counts: its frames are then in the cache as
+// far as they fit.
+std::vector<double> MedianSeconds(
+    const std::vector<std::function<void()>>& works) {
+  std::vector<std::vector<double>> times(works.size());
+  const double begin = Now();
+  for (int run = -1; run < 7 || (Now() - begin < 0.4 && run < 400); ++run) {
+    for (size_t k = 0; k < works.size(); ++k) {
+      works[k]();
+      const double start = Now();
+      works[k]();
+      if (run >= 0) times[k].push_back(Now() - start);
+    }
+  }
+  std::vector<double> medians;
+  for (std::vector<double>& t : times) {
+    std::nth_element(t.begin(), t.begin() + t.size() / 2, t.end());
+    medians.push_back(t[t.size() / 2]);
+  }
+  return medians;
+}
+
+// The largest blocks that keep a bound, which coarse images make wider.
+RemapTable FitTable(const View& view, const VirtualCamera& target) {
+  for (double bound_px = 0.05;; bound_px *= 2) {
+    try {
+      return FitRemapTable(*view.camera, target, bound_px, 1);
+    } catch (const Error& error) {
+      if (bound_px > 1) throw;
+    }
+  }
+}
+
+// Where the pixels of a lattice come from, as the runtime has it; far outside
+// where they have no source.
+cv::Mat2f Positions(const uint8_t* section, const rg_lattice& lattice,
+                    const ImageSize& size, const ImageSize& output) {
+  rg_lattice_map map;
+  rg_lattice_map_open(&map, section, &lattice, size.width, size.height);
+  const int width = output.width >> lattice.log2_x;
+  const int height = output.height >> lattice.log2_y;
+  cv::Mat2f positions(height, width);
+  const int log2_x = section[8] - lattice.log2_x;
+  const int log2_y = section[8] - lattice.log2_y;
+  for (int y = 0; y < height; ++y) {
+    rg_block_walk walk;
+    rg_start_walk(section, y >> log2_y, &walk);
+    rg_block_row row;
+    for (int x = 0; x < width; ++x) {
+      const int in_block = x & ((1 << log2_x) - 1);
+      if (in_block == 0) {
+        rg_block block;
+        rg_next_block(&walk, &block);
+        rg_lattice_block(&lattice, &block);
+        rg_find_block_row(&block, y & ((1 << log2_y) - 1), &row);
+      }
+      const rg_position p = rg_row_position(&row, in_block);
+      const bool valid =
+          !rg_remap_is_empty(section, x >> log2_x, y >> log2_y) &&
+          rg_is_between(&map.min, &map.max, &p);
+      positions(y, x) = valid ? cv::Vec2f(p.q12[0] / 4096.f, p.q12[1] / 4096.f)
+                              : cv::Vec2f(-1000, -1000);
+    }
+  }
+  return positions;
+}
+
+struct FixedMap {
+  cv::Mat pixels, weights, nearest;
+};
+
+FixedMap MakeFixedMap(const cv::Mat2f& positions) {
+  FixedMap map;
+  cv::Mat none;
+  cv::convertMaps(positions, cv::Mat(), map.pixels, map.weights, CV_16SC2,
+                  false);
+  cv::convertMaps(positions, cv::Mat(), map.nearest, none, CV_16SC2, true);
+  return map;
+}
+
+// Waves and noise.
+cv::Mat MakeImage(int rows, int columns, int type) {
+  cv::Mat image(rows, columns, type);
+  std::minstd_rand random(1);
+  for (int y = 0; y < rows; ++y) {
+    uint8_t* row = image.ptr(y);
+    for (int x = 0; x < columns * image.channels(); ++x)
+      row[x] = static_cast<uint8_t>(128 + 60 * std::sin(x * 0.13) +
+                                    50 * std::cos(y * 0.11 + x * 0.05) +
+                                    static_cast<int>(random() % 17) - 8);
+  }
+  return image;
+}
+
+// Against bilinear interpolation in double precision at the same positions.
+void PrintImageError(const cv::Mat2f& positions, const cv::Mat& source,
+                     const cv::Mat& result) {
+  double sum = 0, worst = 0;
+  long count = 0;
+  for (int y = 0; y < positions.rows; ++y) {
+    for (int x = 0; x < positions.cols; ++x) {
+      const double px = positions(y, x)[0], py = positions(y, x)[1];
+      const int c = static_cast<int>(px), r = static_cast<int>(py);
+      if (px < 0 || py < 0 || c + 1 >= source.cols || r + 1 >= source.rows)
+        continue;
+      const double u = px - c, v = py - r;
+      const uint8_t* p = source.ptr(r) + c;
+      const uint8_t* q = source.ptr(r + 1) + c;
+      const double exact = (p[0] * (1 - u) + p[1] * u) * (1 - v) +
+                           (q[0] * (1 - u) + q[1] * u) * v;
+      const double error = std::abs(exact - result.at<uint8_t>(y, x));
+      sum += error * error;
+      worst = std::max(worst, error);
+      ++count;
+    }
+  }
+  std::printf("  image error: rms %.3f, max %.2f grey levels\n",
+              std::sqrt(sum / count), worst);
+}
+
+// Logarithms of ratios by lens, work and kernels.
+using Ratios = std::map<std::string, std::vector<double>>;
+
+struct Bench {
+  const View& view;
+  ImageSize size;
+  rg_camera camera;
+  Ratios* ratios;
+
+  // Times the frames of one format against OpenCV's work.
+  void Run(const char* what, const rg_image& image, rg_target target,
+           const std::function<void()>& opencv) const {
+    std::vector<std::string> names = {"cv::remap"};
+    std::vector<std::function<void()>> works = {opencv};
+    std::vector<rg_target> targets;
+    for (const char* name : {"portable", "avx2", "neon"}) {
+      target.kernels = rg_find_kernels(name);
+      if (!target.kernels) continue;
+      names.push_back(name);
+      targets.push_back(target);
+    }
+    for (const rg_target& t : targets)
+      works.push_back([this, &image, &t] {
+        if (rg_remap(&camera, &image, &t) != RG_OK) std::abort();
+      });
+    const std::vector<double> seconds = MedianSeconds(works);
+    const double megapixels = size.width * size.height / 1e6;
+    std::printf("  %-12s", what);
+    for (size_t k = 0; k < names.size(); ++k) {
+      std::printf(" %s %.0f", names[k].c_str(), megapixels / seconds[k]);
+      if (k == 0) continue;
+      std::printf(" (%.2f)", seconds[0] / seconds[k]);
+      (*ratios)[view.name + ", " + what + ", " + names[k]].push_back(
+          std::log(seconds[0] / seconds[k]));
+    }
+    std::printf(" Mpx/s\n");
+  }
+};
+
+void SetPlane(int plane, const cv::Mat& source, cv::Mat* output,
+              rg_image* image, rg_target* target) {
+  image->planes[plane].data = source.data;
+  image->planes[plane].stride = static_cast<uint32_t>(source.step);
+  target->planes[plane].data = output->data;
+  target->planes[plane].stride = static_cast<uint32_t>(output->step);
+}
+
+void RunView(const View& view, const ImageSize& size, Ratios* ratios) {
+  const VirtualCamera target_camera =
+      MakeVirtualCamera(*view.camera, size, view.hfov_deg);
+  double begin = Now();
+  const RemapTable table = FitTable(view, target_camera);
+  const double fit_seconds = Now() - begin;
+  rg_remap_section fields = table.section;
+  fields.empty_blocks = table.empty_blocks.data();
+  std::vector<uint32_t> words(rg_remap_section_size(&fields) / 4);
+  auto* section = reinterpret_cast<uint8_t*>(words.data());
+  rg_write_remap(&fields, table.residuals.data(), section);
+  std::printf(
+      "%s, %d x %d: blocks of %d, %.4f bytes/px, error %.4f px, built in %.0f "
+      "ms\n",
+      view.name.c_str(), size.width, size.height, 1 << fields.block_log2,
+      4.0 * words.size() / size.width / size.height, table.max_error_px,
+      fit_seconds * 1e3);
+
+  Bench bench = {view, size, {}, ratios};
+  bench.camera.width = static_cast<uint16_t>(size.width);
+  bench.camera.height = static_cast<uint16_t>(size.height);
+  bench.camera.remap = section;
+
+  const rg_lattice* lattices = nullptr;
+  rg_format_lattices(RG_FORMAT_NV12, &lattices);
+  const cv::Mat2f luma_positions = Positions(section, lattices[0], size, size);
+  const FixedMap luma = MakeFixedMap(luma_positions);
+  const FixedMap chroma =
+      MakeFixedMap(Positions(section, lattices[1], size, size));
+  const cv::Mat grey = MakeImage(size.height, size.width, CV_8UC1);
+  const cv::Mat pairs = MakeImage(size.height / 2, size.width / 2, CV_8UC2);
+  const cv::Mat rgb = MakeImage(size.height, size.width, CV_8UC3);
+  cv::Mat grey_out = grey.clone(), pairs_out = pairs.clone(),
+          rgb_out = rgb.clone();
+  cv::Mat grey_cv, pairs_cv, rgb_cv;
+
+  rg_image image = {};
+  rg_target target = {};
+  image.width = bench.camera.width;
+  image.height = bench.camera.height;
+  target.num_rows = image.height;
+
+  image.format = RG_FORMAT_GREY8;
+  SetPlane(0, grey, &grey_out, &image, &target);
+  bench.Run("GREY", image, target, [&] {
+    cv::remap(grey, grey_cv, luma.pixels, luma.weights, cv::INTER_LINEAR);
+  });
+  PrintImageError(luma_positions, grey, grey_out);
+  target.sampling = RG_SAMPLING_NEAREST;
+  bench.Run("GREY nearest", image, target, [&] {
+    cv::remap(grey, grey_cv, luma.nearest, cv::Mat(), cv::INTER_NEAREST);
+  });
+  target.sampling = RG_SAMPLING_BILINEAR;
+
+  image.format = RG_FORMAT_NV12;
+  SetPlane(1, pairs, &pairs_out, &image, &target);
+  bench.Run("NV12", image, target, [&] {
+    cv::remap(grey, grey_cv, luma.pixels, luma.weights, cv::INTER_LINEAR);
+    cv::remap(pairs, pairs_cv, chroma.pixels, chroma.weights, cv::INTER_LINEAR);
+  });
+
+  image.format = RG_FORMAT_RGB24;
+  SetPlane(0, rgb, &rgb_out, &image, &target);
+  bench.Run("RGB24", image, target, [&] {
+    cv::remap(rgb, rgb_cv, luma.pixels, luma.weights, cv::INTER_LINEAR);
+  });
+  std::fflush(stdout);
+}
+
+int Main(int argc, char** argv) {
+  cv::setNumThreads(1);
+  Ratios ratios;
+  for (const ImageSize& size : kSizes) {
+    bool wanted = argc == 1;
+    for (int k = 1; k < argc; ++k) wanted |= std::atoi(argv[k]) == size.width;
+    if (!wanted) continue;
+    for (const View& view : MakeViews(size)) RunView(view, size, &ratios);
+  }
+  std::printf("\nTimes faster than cv::remap, geometric means:\n");
+  for (const auto& [name, logs] : ratios) {
+    double sum = 0;
+    for (const double log : logs) sum += log;
+    std::printf("  %-36s %.2f\n", name.c_str(), std::exp(sum / logs.size()));
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace raygrid
+
+int main(int argc, char** argv) { return raygrid::Main(argc, argv); }

@@ -1,0 +1,338 @@
+/* Every set of kernels that this processor has gives the bits of a plain
+ * reading of formats/SPEC.md, on random tables: mild, steep, mirrored and
+ * broken ones, of odd sizes, with every border. Frames lie in memory of exactly
+ * their size, so that a sanitizer sees every read outside. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bytes.h"
+#include "raygrid.h"
+#include "rg_blob.h"
+#include "test_frame.h"
+#include "unit_test.h"
+
+#define GUARD 0xc3u
+#define MARGIN 32u
+#define MAX_SIZE 120u
+
+#if defined(__unix__)
+#define NUM_CASES 600u
+#else
+#define NUM_CASES 60u
+#endif
+
+static const char* const kNames[] = {"portable", "avx2", "neon",
+                                     NULL /* the fastest, or the only one */};
+#define NUM_NAMES (sizeof(kNames) / sizeof(kNames[0]))
+
+static uint32_t state;
+
+static uint32_t below(uint32_t limit) {
+  return (next_random(&state) >> 8) % limit;
+}
+
+static int32_t between(int32_t low, int32_t high) {
+  return low + (int32_t)below((uint32_t)(high - low) + 1);
+}
+
+/* ---- Random tables ------------------------------------------------------- */
+
+static uint32_t section_words[4096];
+#define SECTION ((uint8_t*)section_words)
+
+static rg_camera camera;
+
+/* The affine part has these steps a pixel, in q12, and the residuals shake it.
+ */
+typedef struct table_style {
+  int32_t min_x, max_x, min_y, max_y, shake;
+} table_style;
+
+static const table_style kStyles[] = {
+    {3700, 4500, 0, 200, 300},     /* as a mild lens */
+    {2000, 7900, 0, 500, 2000},    /* as a wide one */
+    {4096, 4096, 0, 0, 0},         /* none but a shift */
+    {1000, 9000, 0, 1300, 8000},   /* too steep for one window or another */
+    {8180, 8192, 0, 500, 8},       /* about at the limits of the windows */
+    {2000, 4500, 583, 587, 8},     /* likewise */
+    {2000, 4500, 1362, 1368, 8},   /* likewise */
+    {-20, 4500, 4090, 4098, 8},    /* likewise */
+    {-5000, 5000, 0, 5000, 4000},  /* turned and mirrored */
+    {-9000, 9000, 0, 9000, 32767}, /* broken */
+};
+#define NUM_STYLES (sizeof(kStyles) / sizeof(kStyles[0]))
+
+static int make_table(uint32_t style_index) {
+  static int16_t residuals[2 * 32 * 32];
+  static uint8_t empty[128];
+  const table_style* const style = &kStyles[style_index];
+  rg_remap_section table;
+  uint8_t sizes[4];
+  memset(&table, 0, sizeof(table));
+  memset(&camera, 0, sizeof(camera));
+  camera.width = (uint16_t)(2 * (1 + below(MAX_SIZE / 2)));
+  camera.height = (uint16_t)(2 * (1 + below(MAX_SIZE / 2)));
+  rg_store_u16(sizes, camera.width);
+  rg_store_u16(sizes + 2, camera.height);
+  table.width = (uint16_t)(2 * (1 + below(MAX_SIZE / 2)));
+  table.height = (uint16_t)(2 * (1 + below(MAX_SIZE / 2)));
+  table.block_log2 = (uint8_t)(3 + below(3));
+  table.columns = (uint16_t)(((table.width - 1) >> table.block_log2) + 2);
+  table.rows = (uint16_t)(((table.height - 1) >> table.block_log2) + 2);
+  const int32_t last_x = (camera.width - 1) << 12;
+  const int32_t last_y = (camera.height - 1) << 12;
+  table.max_x_q12 = last_x;
+  table.max_y_q12 = last_y;
+  if (below(2) != 0) { /* a calibrated area within the image */
+    table.min_x_q12 = between(0, last_x);
+    table.max_x_q12 = between(table.min_x_q12, last_x);
+    table.min_y_q12 = between(0, last_y / 2);
+    table.max_y_q12 = between(table.min_y_q12, last_y);
+  }
+  const int32_t block = 1 << table.block_log2;
+  table.column_step_x_q12 = block * between(style->min_x, style->max_x);
+  table.column_step_y_q12 =
+      block * between(style->min_y, style->max_y) * (below(2) == 0 ? 1 : -1);
+  table.row_step_x_q12 = block * between(-style->max_y, style->max_y);
+  table.row_step_y_q12 = block * between(style->min_x, style->max_x);
+  table.origin_x_q12 = between(-100000, 100000);
+  table.origin_y_q12 = between(-100000, 100000);
+  table.fx_q16 = table.fy_q16 = 1;
+  if (style->shake > 20000) table.residual_shift = (uint8_t)below(9);
+  for (uint32_t k = 0; k < 2u * table.columns * table.rows; ++k)
+    residuals[k] = (int16_t)between(-style->shake, style->shake);
+  memset(empty, 0, sizeof(empty));
+  const uint32_t num_blocks = (table.columns - 1u) * (table.rows - 1u);
+  for (uint32_t k = 0; k < num_blocks; ++k)
+    if (below(16) == 0) empty[k / 8] = (uint8_t)(empty[k / 8] | 1u << k % 8);
+  table.empty_blocks = empty;
+  const uint32_t size = rg_remap_section_size(&table);
+  assert_true(size <= sizeof(section_words));
+  rg_write_remap(&table, residuals, SECTION);
+  camera.remap = SECTION;
+  return rg_check_remap(SECTION, size, sizes) == RG_OK;
+}
+
+/* ---- A plain reading of the specification -------------------------------- */
+
+static int64_t rounded(int64_t value, uint32_t n) {
+  return n == 0 ? value : (value + ((int64_t)1 << (n - 1))) >> n;
+}
+
+typedef struct plane_lattice {
+  uint32_t channels, l, h;
+} plane_lattice;
+
+typedef struct point {
+  int64_t c[2];
+} point;
+
+static point vertex(uint32_t i, uint32_t j) {
+  rg_remap_section t;
+  rg_read_remap(SECTION, &t);
+  const uint8_t* const residual = t.vertices + 4 * (j * t.columns + i);
+  const point p = {
+      {(int64_t)t.origin_x_q12 + (int64_t)i * t.column_step_x_q12 +
+           (int64_t)j * t.row_step_x_q12 +
+           (int64_t)rg_load_i16(residual) * ((int64_t)1 << t.residual_shift),
+       (int64_t)t.origin_y_q12 + (int64_t)i * t.column_step_y_q12 +
+           (int64_t)j * t.row_step_y_q12 +
+           (int64_t)rg_load_i16(residual + 2) *
+               ((int64_t)1 << t.residual_shift)}};
+  return p;
+}
+
+/* Corner k of block (i, j), as the lattice has it. */
+static point corner(plane_lattice lattice, uint32_t i, uint32_t j, uint32_t k,
+                    uint32_t log2) {
+  const point here = vertex(i + (k & 1), j + (k >> 1));
+  const point left = vertex(i, j + (k >> 1)),
+              right = vertex(i + 1, j + (k >> 1));
+  const point top = vertex(i + (k & 1), j), bottom = vertex(i + (k & 1), j + 1);
+  point q;
+  for (int c = 0; c < 2; ++c)
+    q.c[c] = rounded(here.c[c] +
+                         rounded((right.c[c] - left.c[c]) * lattice.h +
+                                     (bottom.c[c] - top.c[c]) * lattice.h,
+                                 log2 + 1) -
+                         2048 * (int64_t)lattice.h,
+                     lattice.l);
+  return q;
+}
+
+/* Source position of pixel (x, y) of the lattice's output. */
+static point position(plane_lattice lattice, uint32_t x, uint32_t y,
+                      uint32_t log2) {
+  const uint32_t width_log2 = log2 - lattice.l;
+  const uint32_t i = x >> width_log2, j = y >> width_log2;
+  const uint32_t mask = (1u << width_log2) - 1;
+  const point q00 = corner(lattice, i, j, 0, log2);
+  const point q10 = corner(lattice, i, j, 1, log2);
+  const point q01 = corner(lattice, i, j, 2, log2);
+  const point q11 = corner(lattice, i, j, 3, log2);
+  point p;
+  for (int c = 0; c < 2; ++c) {
+    const int64_t left =
+        q00.c[c] + rounded((q01.c[c] - q00.c[c]) * (y & mask), width_log2);
+    const int64_t right =
+        q10.c[c] + rounded((q11.c[c] - q10.c[c]) * (y & mask), width_log2);
+    p.c[c] = left + (x & mask) * rounded(right - left, width_log2);
+  }
+  return p;
+}
+
+static int64_t clamp(int64_t value, int64_t low, int64_t high) {
+  return value < low ? low : value > high ? high : value;
+}
+
+/* One plane of interleaved 8-bit samples. */
+static void remap_plainly(plane_lattice lattice, const uint8_t* source,
+                          uint32_t stride, const rg_target* target,
+                          const uint16_t* border, uint8_t* out,
+                          uint32_t out_stride) {
+  rg_remap_section t;
+  rg_read_remap(SECTION, &t);
+  const uint32_t n = lattice.channels;
+  const int64_t half = 2048 * (int64_t)lattice.h;
+  const int64_t min[2] = {rounded(t.min_x_q12 - half, lattice.l),
+                          rounded(t.min_y_q12 - half, lattice.l)};
+  const int64_t max[2] = {(t.max_x_q12 - half) >> lattice.l,
+                          (t.max_y_q12 - half) >> lattice.l};
+  const int64_t last[2] = {(camera.width >> lattice.l) - 1,
+                           (camera.height >> lattice.l) - 1};
+  for (uint32_t y = 0; y < (uint32_t)t.height >> lattice.l; ++y) {
+    for (uint32_t x = 0; x < (uint32_t)t.width >> lattice.l; ++x) {
+      uint8_t* const pixel = out + y * out_stride + n * x;
+      point p = position(lattice, x, y, t.block_log2);
+      const uint32_t log2 = t.block_log2 - lattice.l;
+      const uint32_t block = (y >> log2) * (t.columns - 1u) + (x >> log2);
+      const int is_empty = (t.empty_blocks[block / 8] >> block % 8) & 1;
+      const int has_source = p.c[0] >= min[0] && p.c[0] <= max[0] &&
+                             p.c[1] >= min[1] && p.c[1] <= max[1];
+      if ((is_empty || !has_source) && target->border != RG_BORDER_CLAMP) {
+        for (uint32_t c = 0; c < n && target->border == RG_BORDER_VALUE; ++c)
+          pixel[c] = (uint8_t)border[c];
+        continue;
+      }
+      for (int c = 0; c < 2; ++c) {
+        if (!has_source) p.c[c] = clamp(p.c[c], min[c], max[c]);
+        p.c[c] = clamp(p.c[c], 0, last[c] * 4096);
+        if (target->sampling == RG_SAMPLING_NEAREST)
+          p.c[c] = (p.c[c] + 2048) / 4096 * 4096;
+      }
+      const int64_t column = (p.c[0] + 16) >> 12, row = p.c[1] >> 12;
+      const int64_t wx = ((p.c[0] + 16) >> 5) & 127, wy = p.c[1] & 4095;
+      const int64_t right = column < last[0] ? n : 0;
+      const int64_t below_it = row < last[1] ? stride : 0;
+      for (uint32_t c = 0; c < n; ++c) {
+        const uint8_t* const i = source + row * stride + column * n + c;
+        const int64_t h0 = i[0] * (128 - wx) + i[right] * wx;
+        const int64_t h1 = i[below_it] * (128 - wx) + i[below_it + right] * wx;
+        const int64_t v = h0 - (((h0 - h1) * wy * 8 + 16384) >> 15);
+        pixel[c] = (uint8_t)((v + 64) >> 7);
+      }
+    }
+  }
+}
+
+/* ---- Frames -------------------------------------------------------------- */
+
+typedef struct frame_style {
+  rg_format format;
+  uint32_t num_planes;
+  plane_lattice planes[3];
+} frame_style;
+
+static const frame_style kFrames[] = {
+    {RG_FORMAT_GREY8, 1, {{1, 0, 0}}},
+    {RG_FORMAT_RGB24, 1, {{3, 0, 0}}},
+    {RG_FORMAT_RGB32, 1, {{4, 0, 0}}},
+    {RG_FORMAT_NV12, 2, {{1, 0, 0}, {2, 1, 1}}},
+    {RG_FORMAT_YUV420, 3, {{1, 0, 0}, {1, 1, 1}, {1, 1, 1}}}};
+#define NUM_FRAMES (sizeof(kFrames) / sizeof(kFrames[0]))
+
+static const uint16_t kBorder[4] = {201, 17, 99, 255};
+
+static uint8_t expected[3][(4 * MAX_SIZE + 8) * MAX_SIZE + 2 * MARGIN];
+static uint8_t output[3][(4 * MAX_SIZE + 8) * MAX_SIZE + 2 * MARGIN];
+
+static void check_frame(const frame_style* style) {
+  rg_image image;
+  rg_target target;
+  uint8_t* sources[3] = {NULL, NULL, NULL};
+  uint32_t row_bytes[3];
+  uint16_t width, height;
+  rg_remap_size(&camera, &width, &height);
+  memset(&image, 0, sizeof(image));
+  memset(&target, 0, sizeof(target));
+  image.format = style->format;
+  image.width = camera.width;
+  image.height = camera.height;
+  target.num_rows = height;
+  target.border = (rg_border)below(3);
+  target.sampling = below(4) == 0 ? RG_SAMPLING_NEAREST : RG_SAMPLING_BILINEAR;
+  memcpy(target.border_values, kBorder, sizeof(kBorder));
+  for (uint32_t k = 0; k < style->num_planes; ++k) {
+    const plane_lattice lattice = style->planes[k];
+    const uint32_t bytes = (camera.width >> lattice.l) * lattice.channels;
+    const uint32_t padding = below(3) == 0 ? below(40) : 0;
+    const uint32_t source_rows = camera.height >> lattice.l;
+    const uint32_t size = (bytes + padding) * (source_rows - 1) + bytes;
+    sources[k] = malloc(size);
+    assert_non_null(sources[k]);
+    for (uint32_t i = 0; i < size; ++i)
+      sources[k][i] = (uint8_t)(below(3) == 0 ? 255 * below(2) : below(256));
+    image.planes[k].data = sources[k];
+    image.planes[k].stride = bytes + padding;
+    row_bytes[k] = (width >> lattice.l) * lattice.channels;
+    target.planes[k].stride = row_bytes[k] + below(9);
+    target.planes[k].data = output[k] + MARGIN;
+    memset(expected[k], GUARD, sizeof(expected[k]));
+    remap_plainly(lattice, sources[k], image.planes[k].stride, &target,
+                  kBorder + (style->num_planes == 1 ? 0 : k),
+                  expected[k] + MARGIN, target.planes[k].stride);
+  }
+  for (uint32_t name = 0; name < NUM_NAMES; ++name) {
+    target.kernels = rg_find_kernels(kNames[name]);
+    if (kNames[name] && !target.kernels) continue;
+    memset(output, GUARD, sizeof(output));
+    assert_int_equal(rg_remap(&camera, &image, &target), RG_OK);
+    for (uint32_t k = 0; k < style->num_planes; ++k)
+      if (memcmp(output[k], expected[k], sizeof(output[k])) != 0)
+        fail_msg("kernels %s, format %d, plane %u, %u x %u to %u x %u",
+                 kNames[name] ? kNames[name] : "of this processor",
+                 (int)style->format, (unsigned)k, camera.width, camera.height,
+                 width, height);
+  }
+  for (uint32_t k = 0; k < style->num_planes; ++k) free(sources[k]);
+}
+
+static void every_kernel_gives_the_specified_bits(void** unused) {
+  (void)unused;
+  uint32_t num_checked = 0;
+  for (uint32_t k = 0; k < NUM_CASES; ++k) {
+    state = 12345 + 7919 * k;
+    if (!make_table(k % NUM_STYLES)) continue;
+    check_frame(&kFrames[below(NUM_FRAMES)]);
+    ++num_checked;
+  }
+  printf("%u of %u tables\n", (unsigned)num_checked, (unsigned)NUM_CASES);
+  assert_true(num_checked > NUM_CASES / 2);
+}
+
+static void kernels_are_found_by_name(void** unused) {
+  (void)unused;
+  for (uint32_t name = 0; name + 1 < NUM_NAMES; ++name)
+    if (rg_find_kernels(kNames[name])) printf("kernels: %s\n", kNames[name]);
+  assert_null(rg_find_kernels("slide rule"));
+  assert_null(rg_find_kernels(""));
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(every_kernel_gives_the_specified_bits),
+      cmocka_unit_test(kernels_are_found_by_name),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
