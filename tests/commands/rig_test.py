@@ -8,7 +8,7 @@ from command_test import (CommandTest, PATTERN, SIMULATED_PATTERN, main, program
                           write)
 
 SHARED = ("rig.yaml", "pattern.yaml", "features.csv", "poses.csv", "result.json", "report.html")
-OWN = ("camera.yaml", "camera.raygrid", "report.html")
+OWN = ("camera.yaml", "camera.raygrid", "report.html", "uncertainty.png")
 
 
 class Rig(CommandTest):

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "blob_checks.h"
 #include "bytes.h"
 #include "raygrid.h"
 #include "rg_blob.h"
@@ -111,7 +112,9 @@ static int make_table(uint32_t style_index) {
   assert_true(size <= sizeof(section_words));
   rg_write_remap(&table, residuals, SECTION);
   camera.remap = SECTION;
-  return rg_check_remap(SECTION, size, sizes) == RG_OK;
+  const uint8_t* sections[RG_NUM_SECTION_TYPES] = {NULL};
+  sections[RG_SECTION_CAMERA] = sizes;
+  return rg_check_section(RG_SECTION_REMAP, SECTION, size, sections) == 0;
 }
 
 /* ---- A plain reading of the specification -------------------------------- */
