@@ -265,8 +265,11 @@ struct UnprojectionError {
   double px = 0, rad = 0;
 };
 
-// The runtime against the camera, at every pixel of the blob's area.
+// The runtime against the camera, at every pixel of the blob's area; in pixels
+// where the camera is trusted, if it tells. Elsewhere, as outside a fisheye's
+// image circle, its rays may hardly turn from pixel to pixel.
 UnprojectionError MeasureUnprojection(const CameraModel& camera,
+                                      const TrustMask* trusted,
                                       const rg_camera& packed,
                                       int num_threads) {
   const auto first_of = [](const rg_axis& axis) {
@@ -295,8 +298,9 @@ UnprojectionError MeasureUnprojection(const CameraModel& camera,
       const Eigen::Vector3d direction =
           Eigen::Vector3d(ray.x_q30, ray.y_q30, ray.z_q30) / (1 << 30);
       worst[row].rad = std::max(worst[row].rad, direction.cross(*exact).norm());
-      worst[row].px =
-          std::max(worst[row].px, (projection.by_point * direction).norm());
+      if (!trusted || trusted->Trusts(pixel))
+        worst[row].px =
+            std::max(worst[row].px, (projection.by_point * direction).norm());
     }
   });
   UnprojectionError total;
@@ -323,14 +327,15 @@ std::string WriteBlob(const rg_blob_contents& contents) {
 }
 
 UnprojectionError MeasureBlob(const CameraModel& camera,
-                              const std::string& blob, int num_threads) {
+                              const TrustMask* trusted, const std::string& blob,
+                              int num_threads) {
   std::vector<uint32_t> words((blob.size() + 3) / 4);
   std::memcpy(words.data(), blob.data(), blob.size());
   rg_camera packed;
   const rg_status status =
       rg_camera_open(&packed, words.data(), static_cast<uint32_t>(blob.size()));
   if (status != RG_OK) FailFormat(rg_status_text(status));
-  return MeasureUnprojection(camera, packed, num_threads);
+  return MeasureUnprojection(camera, trusted, packed, num_threads);
 }
 
 }  // namespace
@@ -384,17 +389,19 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   // Once to measure, once more with the figures. Control points of 16 bits
   // where they keep the bound.
   const int num_threads = NumThreads(options.num_threads);
+  const TrustMask* trusted =
+      file.uncertainty ? &file.uncertainty->mask : nullptr;
   std::optional<NarrowGrid> narrow = Narrow(grid);
   UnprojectionError error = {INFINITY, INFINITY};
   if (narrow) {
     narrow->section.residuals = narrow->residuals.data();
     contents.narrow = &narrow->section;
     if (IsWritable(contents))
-      error = MeasureBlob(central, WriteBlob(contents), num_threads);
+      error = MeasureBlob(central, trusted, WriteBlob(contents), num_threads);
   }
   if (!(error.px <= kMaxPackingErrorPx && error.rad <= kMaxNarrowErrorRad)) {
     contents.narrow = nullptr;
-    error = MeasureBlob(central, WriteBlob(contents), num_threads);
+    error = MeasureBlob(central, trusted, WriteBlob(contents), num_threads);
   }
   packed.unproject_error_px = error.px;
   packed.unproject_error_rad = error.rad;

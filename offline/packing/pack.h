@@ -18,7 +18,8 @@ struct PackOptions {
 /// A blob and the errors that packing added.
 struct PackedCamera {
   std::string blob;
-  double unproject_error_px = 0;  ///< over the pixels of the area
+  /// Over the pixels of the area; in pixels, those of trusted cells.
+  double unproject_error_px = 0;
   double unproject_error_rad = 0;
   std::optional<double> remap_error_px;
   int block_size = 0;

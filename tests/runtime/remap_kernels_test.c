@@ -278,9 +278,10 @@ static void check_frame(const frame_style* style) {
   memcpy(target.border_values, kBorder, sizeof(kBorder));
   for (uint32_t k = 0; k < style->num_planes; ++k) {
     const plane_lattice lattice = style->planes[k];
-    const uint32_t bytes = (camera.width >> lattice.l) * lattice.channels;
+    const uint32_t bytes =
+        ((uint32_t)camera.width >> lattice.l) * lattice.channels;
     const uint32_t padding = below(3) == 0 ? below(40) : 0;
-    const uint32_t source_rows = camera.height >> lattice.l;
+    const uint32_t source_rows = (uint32_t)camera.height >> lattice.l;
     const uint32_t size = (bytes + padding) * (source_rows - 1) + bytes;
     sources[k] = malloc(size);
     assert_non_null(sources[k]);
@@ -288,7 +289,7 @@ static void check_frame(const frame_style* style) {
       sources[k][i] = (uint8_t)(below(3) == 0 ? 255 * below(2) : below(256));
     image.planes[k].data = sources[k];
     image.planes[k].stride = bytes + padding;
-    row_bytes[k] = (width >> lattice.l) * lattice.channels;
+    row_bytes[k] = ((uint32_t)width >> lattice.l) * lattice.channels;
     target.planes[k].stride = row_bytes[k] + below(9);
     target.planes[k].data = output[k] + MARGIN;
     memset(expected[k], GUARD, sizeof(expected[k]));
