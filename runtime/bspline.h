@@ -19,7 +19,7 @@ static RG_INLINE void rg_bspline_weights(int32_t t_q30,
   /* q30 are the halves in q31. */
   const int32_t w3 = rg_multiply_high(t3_q30, sixth_q33);
   const int32_t w0 = sixth_q31 - t_q30 + t2_q30 - w3;
-  const int32_t w2 = sixth_q31 + t_q30 + t2_q30 - t3_q30;
+  const int32_t w2 = sixth_q31 + t_q30 + (t2_q30 - t3_q30);
   weights_q31[0] = w0;
   /* The second takes what rounding left, so that the sum is exact. */
   weights_q31[1] =
