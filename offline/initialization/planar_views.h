@@ -16,8 +16,8 @@ struct PlanarView {
 };
 
 /// Views of enough features, without gross outliers, each thinned to a number
-/// that is quick, evenly in its order; and of the views, no more than max_views,
-/// evenly.
+/// that is quick, evenly in its order; and of the views, no more than
+/// max_views, evenly.
 std::vector<PlanarView> SamplePlanarViews(const Dataset& dataset,
                                           const Pattern& pattern,
                                           size_t max_views);
