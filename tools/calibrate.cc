@@ -150,9 +150,7 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
     result.camera.serial = arguments.serial;
     bar.Show("packing", 0.9);
     try {
-      // Blobs have no place for lines.
-      if (result.camera.camera->IsCentral())
-        packed = PackForReport(result.camera, common.threads);
+      packed = PackForReport(result.camera, common.threads);
     } catch (const Error& error) {
       not_packed = error;
     }

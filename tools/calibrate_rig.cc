@@ -169,10 +169,8 @@ PackedCameras PackAll(const RigResult& result, int num_threads) {
   PackedCameras packed;
   for (const CalibrationResult& camera : result.cameras) {
     try {
-      // Blobs have no place for lines.
       packed.cameras.push_back(std::nullopt);
-      if (camera.camera.camera->IsCentral())
-        packed.cameras.back() = PackForReport(camera.camera, num_threads);
+      packed.cameras.back() = PackForReport(camera.camera, num_threads);
     } catch (const Error& error) {
       packed.not_packed = error;
     }
