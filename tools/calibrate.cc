@@ -116,7 +116,7 @@ void PrintSummary(const CalibrateArguments& arguments,
   if (result.line_spread)
     fmt::print(
         "  lines pass the point nearest to all by {:.3f} mm (RMS), {:.3f} mm "
-        "(largest); no blob, which has no place for lines\n",
+        "(largest)\n",
         1000 * result.line_spread->rms_m, 1000 * result.line_spread->max_m);
   fmt::print("  verdict: {}\n", result.verdict.word);
   for (const std::string& reason : result.verdict.reasons)

@@ -21,8 +21,8 @@ constexpr double kMaxMovePx = 2;
 constexpr double kMaxMoveSquares = 0.03;  // of large ones
 constexpr double kMaxAsymmetry = 0.4;     // of the contrast
 constexpr double kMinContrast = 0.5;      // grey levels
-// Standard deviation: one in 10^5 is more than 0.5 px wrong, even if the noise
-// is twice what it seems.
+// Standard deviation along the less certain direction: 0.5 px are eight of
+// them.
 constexpr double kMaxDeviationPx = 0.06;
 
 // How far a feature may lie from where its neighbours say.

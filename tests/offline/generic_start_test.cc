@@ -260,7 +260,8 @@ RealData ReadRealData(const std::string& folder, const ImageSize& size) {
 // A hand-written model of this fisheye reaches 0.326 px once adjusted.
 TEST(StartFromThreeViews, ExplainsARealFisheyeOf190Degrees) {
   const std::string folder = std::string(RAYGRID_REAL_DATA) + "/fisheye_190/";
-  if (!std::filesystem::exists(folder + "split.csv")) GTEST_SKIP();
+  if (!std::filesystem::exists(folder + "split.csv"))
+    GTEST_SKIP() << "no real data in " << folder;
   const RealData data = ReadRealData(folder, {1280, 800});
   const auto start = StartFromThreeViews(data.training, data.pattern, {});
   ASSERT_TRUE(start);
