@@ -379,13 +379,26 @@ static void every_kernel_gives_the_specified_bits(void** unused) {
 
 #if defined(__unix__)
 #define NUM_RUNS 200000u
-#else
-#define NUM_RUNS 4000u
-#endif
-
 #define RUN_WIDTH 1024u
 #define RUN_HEIGHT 512u
+#else
+#define NUM_RUNS 4000u
+#define RUN_WIDTH 320u
+#define RUN_HEIGHT 200u
+#endif
+
 #define RUN_STRIDE (4 * RUN_WIDTH + 4)
+
+/* By name; in place of the fastest ones, those that are built in. */
+static const rg_kernels* find_kernels(uint32_t name) {
+#if defined(__ARM_FEATURE_MVE)
+  static const rg_kernels kHelium = {"helium",
+                                     {rg_blend_1_helium, rg_blend_2_helium,
+                                      rg_blend_3_helium, rg_blend_4_helium}};
+  if (!kNames[name]) return &kHelium;
+#endif
+  return rg_find_kernels(kNames[name]);
+}
 
 /* A step of which some fit into whole pixels, but for a little. */
 static int32_t limit_step(void) {
@@ -408,7 +421,7 @@ static int is_inside(const rg_run* run) {
     for (int c = 0; c < 2; ++c) {
       const int32_t size = c == 0 ? (int32_t)RUN_WIDTH : (int32_t)RUN_HEIGHT;
       const int32_t q12 = run->block.corners[k].q12[c];
-      if (q12 < 64 << 12 || q12 > (size - 64) << 12) return 0;
+      if (q12 < 20 << 12 || q12 > (size - 20) << 12) return 0;
     }
   return 1;
 }
@@ -462,8 +475,7 @@ static void runs_at_the_limits_are_as_the_portable_ones(void** unused) {
   const rg_kernels* kernels[NUM_NAMES];
   uint32_t num_checked = 0;
   (void)unused;
-  for (uint32_t n = 0; n < NUM_NAMES; ++n)
-    kernels[n] = rg_find_kernels(kNames[n]);
+  for (uint32_t n = 0; n < NUM_NAMES; ++n) kernels[n] = find_kernels(n);
   state = 99;
   for (uint32_t i = 0; i < sizeof(source); ++i) source[i] = (uint8_t)below(256);
   for (uint32_t k = 0; k < NUM_RUNS; ++k) {
@@ -488,7 +500,7 @@ static void runs_at_the_limits_are_as_the_portable_ones(void** unused) {
     ++num_checked;
   }
   printf("%u of %u runs\n", (unsigned)num_checked, (unsigned)NUM_RUNS);
-  assert_true(num_checked > NUM_RUNS / 4);
+  assert_true(num_checked > NUM_RUNS / 20);
 }
 
 static void kernels_are_found_by_name(void** unused) {
