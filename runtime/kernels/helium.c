@@ -21,15 +21,13 @@ typedef struct row_steps {
 
 INLINE row_steps first_row(const rg_run* run) {
   const rg_block* const block = &run->block;
-  const int32_t origin_y = run->first_source_row << 12;
+  const int32_t origin[4] = {0, run->first_source_row << 12, 0,
+                             run->first_source_row << 12};
   row_steps rows;
   rows.top = vldrwq_s32(block->corners[0].q12);
   rows.height = vsubq_s32(vldrwq_s32(block->corners[2].q12), rows.top);
   rows.down = vmulq_n_s32(rows.height, run->first_row);
-  rows.top =
-      vsetq_lane_s32(vgetq_lane_s32(rows.top, 1) - origin_y, rows.top, 1);
-  rows.top =
-      vsetq_lane_s32(vgetq_lane_s32(rows.top, 3) - origin_y, rows.top, 3);
+  rows.top = vsubq_s32(rows.top, vldrwq_s32(origin));
   rows.minus_height_log2 = vdupq_n_s32(-(int32_t)block->height_log2);
   return rows;
 }
@@ -50,45 +48,47 @@ INLINE void next_row(const rg_run* run, row_steps* rows, rg_block_row* row) {
 
 /* One row of samples across, times 128. */
 INLINE uint16x8_t blend_across(const uint8_t* base, uint32_t channels,
-                               uint16x8_t offsets, uint16x8_t wx,
-                               uint16x8_t rest, mve_pred16_t is_pixel) {
-  const uint16x8_t left = vldrbq_gather_offset_z_u16(base, offsets, is_pixel);
-  const uint16x8_t right =
-      vldrbq_gather_offset_z_u16(base + channels, offsets, is_pixel);
-  return vaddq_u16(vmulq_u16(left, rest), vmulq_u16(right, wx));
+                               uint16x8_t offsets, uint16x8_t wx) {
+  const uint16x8_t left = vldrbq_gather_offset_u16(base, offsets);
+  const uint16x8_t right = vldrbq_gather_offset_u16(base + channels, offsets);
+  return vmlaq_n_u16(vmulq_u16(vsubq_u16(right, left), wx), left, 128);
 }
 
-/* x and y in q12 from the base, which is the least of a segment. */
+/* x and y in q12 from the base, which is the least of a segment. Masks are
+ * pairs of shifts: registers are scarce. */
 INLINE void blend_segment(const uint8_t* base, uint32_t stride,
                           uint32_t channels, uint16x8_t x, uint16x8_t y,
-                          mve_pred16_t is_pixel, uint8_t* out) {
+                          uint8_t* out) {
   uint16x8_t offsets = vshrq_n_u16(x, 12);
   if (channels != 1) offsets = vmulq_n_u16(offsets, (uint16_t)channels);
   offsets = vmlaq_n_u16(offsets, vshrq_n_u16(y, 12), (uint16_t)stride);
-  const uint16x8_t wx = vandq_u16(vshrq_n_u16(x, 5), vdupq_n_u16(127));
-  const uint16x8_t rest = vsubq_u16(vdupq_n_u16(128), wx);
-  const int16x8_t wy =
-      vreinterpretq_s16_u16(vandq_u16(vshlq_n_u16(y, 3), vdupq_n_u16(0x7fff)));
-  const uint16x8_t targets =
-      vmulq_n_u16(vidupq_n_u16(0, 1), (uint16_t)channels);
+  const uint16x8_t wx = vshrq_n_u16(vshlq_n_u16(x, 4), 9);
+  const int16x8_t wy_q15 =
+      vreinterpretq_s16_u16(vshrq_n_u16(vshlq_n_u16(y, 4), 1));
   for (uint32_t c = 0; c < channels; ++c) {
-    const uint16x8_t h0 =
-        blend_across(base + c, channels, offsets, wx, rest, is_pixel);
+    const uint16x8_t h0 = blend_across(base + c, channels, offsets, wx);
     const uint16x8_t h1 =
-        blend_across(base + stride + c, channels, offsets, wx, rest, is_pixel);
+        blend_across(base + stride + c, channels, offsets, wx);
     /* v = h0 - ((h0 - h1) wy + 2^14) >> 15, then (v + 64) >> 7 */
     const int16x8_t down =
-        vqrdmulhq_s16(vreinterpretq_s16_u16(vsubq_u16(h0, h1)), wy);
+        vqrdmulhq_s16(vreinterpretq_s16_u16(vsubq_u16(h0, h1)), wy_q15);
     const uint16x8_t v = vreinterpretq_u16_s16(
         vrshrq_n_s16(vsubq_s16(vreinterpretq_s16_u16(h0), down), 7));
     if (channels == 1)
-      vstrbq_p_u16(out, v, is_pixel);
+      vstrbq_u16(out, v);
     else
-      vstrbq_scatter_offset_p_u16(out + c, targets, v, is_pixel);
+      vstrbq_scatter_offset_u16(
+          out + c, vmulq_n_u16(vidupq_n_u16(0, 1), (uint16_t)channels), v);
   }
 }
 
-INLINE void blend_row(const rg_run* run, const rg_block_row* row,
+/* What rows have in common, in registers. */
+typedef struct run_constants {
+  const uint8_t* data;
+  uint32_t stride, num_pixels;
+} run_constants;
+
+INLINE void blend_row(const run_constants* run, const rg_block_row* row,
                       uint32_t channels, uint8_t* out) {
   const int32_t step_x = row->step.q12[0], step_y = row->step.q12[1];
   /* To the least x and y of a segment. */
@@ -99,18 +99,24 @@ INLINE void blend_row(const rg_run* run, const rg_block_row* row,
       vsubq_n_u16(vmulq_n_u16(lane, (uint16_t)step_x), (uint16_t)back);
   const uint16x8_t lanes_y =
       vsubq_n_u16(vmulq_n_u16(lane, (uint16_t)step_y), (uint16_t)up);
-  int32_t x = row->start.q12[0] + 16 + back, y = row->start.q12[1] + up;
-  for (int32_t rest = run->num_pixels; rest > 0; rest -= LANES) {
-    /* Below 0 where lanes behind the last pixel would be. */
-    const uint8_t* const base = run->data + (y >> 12) * (int32_t)run->stride +
-                                (x >> 12) * (int32_t)channels;
+  uint32_t x = (uint32_t)(row->start.q12[0] + 16 + back);
+  uint32_t y = (uint32_t)(row->start.q12[1] + up);
+  uint8_t* const last = out + (run->num_pixels - LANES) * channels;
+  for (;;) {
+    const uint8_t* const base =
+        run->data + (y >> 12) * run->stride + (x >> 12) * channels;
     blend_segment(base, run->stride, channels,
                   vaddq_n_u16(lanes_x, (uint16_t)(x & 4095)),
-                  vaddq_n_u16(lanes_y, (uint16_t)(y & 4095)),
-                  vctp16q((uint32_t)rest), out);
-    x += LANES * step_x;
-    y += LANES * step_y;
+                  vaddq_n_u16(lanes_y, (uint16_t)(y & 4095)), out);
+    if (out == last) return;
+    int32_t pixels = LANES;
     out += LANES * channels;
+    if (out > last) { /* the last segment begins earlier */
+      pixels -= (int32_t)((uint32_t)(out - last) / channels);
+      out = last;
+    }
+    x += (uint32_t)(pixels * step_x);
+    y += (uint32_t)(pixels * step_y);
   }
 }
 
@@ -137,16 +143,17 @@ static int fits(const rg_run* run, uint32_t channels) {
 }
 
 INLINE void blend(const rg_run* run, uint32_t channels, rg_blend* portable) {
-  if (!fits(run, channels)) {
+  if (run->num_pixels < LANES || !fits(run, channels)) {
     portable(run);
     return;
   }
+  const run_constants constants = {run->data, run->stride, run->num_pixels};
   row_steps rows = first_row(run);
   uint8_t* out = run->out + run->out_pixel * channels;
   for (uint32_t r = run->num_rows; r != 0; --r, out += run->out_stride) {
     rg_block_row row;
     next_row(run, &rows, &row);
-    blend_row(run, &row, channels, out);
+    blend_row(&constants, &row, channels, out);
   }
 }
 
