@@ -44,6 +44,26 @@ static inline void rg_find_run_row(const rg_run* run, uint32_t r,
 #define RG_SPARE_Q12 (2 * 4096)
 #define RG_MIN_STRIDE 32u
 
+/* Whether any so many neighbouring pixels of a run, and their own neighbours,
+ * lie in windows of a number of pixels that start at the first one, on two
+ * rows. Steps of rows lie between those of the first and the last but for
+ * rounding, which is less than 2. */
+static inline int rg_fits_windows(const rg_run* run, uint32_t num_pixels,
+                                  uint32_t window_pixels) {
+  const int32_t steps = (int32_t)num_pixels - 1;
+  const int32_t room = (int32_t)(window_pixels - 1) * 4096 - 4112;
+  for (uint32_t k = 0; k < 2; ++k) {
+    rg_block_row row;
+    rg_find_block_row(&run->block,
+                      run->first_row + (k == 0 ? 0 : run->num_rows - 1u), &row);
+    const int32_t x = row.step.q12[0], y = row.step.q12[1];
+    if (x < 2 || x > 16384 || (x + 2) * steps > room || y < -8192 || y > 8192 ||
+        (y + 2) * steps > 4096 || (y - 2) * steps < -4096)
+      return 0;
+  }
+  return run->num_pixels >= num_pixels;
+}
+
 /* Bilinear, 8 bits: pixels of 1, 2, 3 and 4 interleaved channels. */
 typedef void rg_blend(const rg_run* run);
 struct rg_kernels {

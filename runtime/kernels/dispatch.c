@@ -35,7 +35,7 @@ static int has_avx2(void) {
 
 #endif
 
-#if defined(__aarch64__)
+#if defined(__aarch64__) || defined(__ARM_NEON)
 static const rg_kernels kNeon = {
     "neon",
     {rg_blend_1_neon, rg_blend_2_neon, rg_blend_3_neon, rg_blend_4_neon}};
@@ -50,7 +50,7 @@ const rg_kernels* rg_find_kernels(const char* name) {
 #if defined(__x86_64__)
   if ((!name || is_same(name, kAvx2.name)) && has_avx2()) return &kAvx2;
   if ((!name || is_same(name, kSse4.name)) && has_sse4()) return &kSse4;
-#elif defined(__aarch64__)
+#elif defined(__aarch64__) || defined(__ARM_NEON)
   if (!name || is_same(name, kNeon.name)) return &kNeon;
 #endif
   return !name || is_same(name, kPortable.name) ? &kPortable : 0;

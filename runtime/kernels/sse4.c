@@ -133,26 +133,8 @@ INLINE void blend_row(const rg_run* run, const rg_block_row* row, uint8_t* out,
   }
 }
 
-/* Whether a segment's pixels and their neighbours lie in its window, on two
- * rows. Steps of rows lie between those of the first and the last but for
- * rounding, which is less than 2. */
-INLINE int fits(const rg_run* run, layout l) {
-  const int32_t steps = (int32_t)l.pixels - 1;
-  const int32_t room = (int32_t)(16 / l.channels - 1) * 4096 - 4112;
-  for (uint32_t k = 0; k < 2; ++k) {
-    rg_block_row row;
-    rg_find_block_row(&run->block,
-                      run->first_row + (k == 0 ? 0 : run->num_rows - 1u), &row);
-    const int32_t x = row.step.q12[0], y = row.step.q12[1];
-    if (x < 2 || x > 16384 || (x + 2) * steps > room || y < -8192 || y > 8192 ||
-        (y + 2) * steps > 4096 || (y - 2) * steps < -4096)
-      return 0;
-  }
-  return run->num_pixels >= l.pixels;
-}
-
 INLINE void blend(const rg_run* run, layout l, rg_blend* portable) {
-  if (!fits(run, l)) {
+  if (!rg_fits_windows(run, l.pixels, 16 / l.channels)) {
     portable(run);
     return;
   }

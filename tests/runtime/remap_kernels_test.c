@@ -378,7 +378,11 @@ static void every_kernel_gives_the_specified_bits(void** unused) {
 /* ---- Runs about at the limits of the kernels' windows -------------------- */
 
 #if defined(__unix__)
+#if defined(__x86_64__)
 #define NUM_RUNS 200000u
+#else /* emulated, as a rule */
+#define NUM_RUNS 40000u
+#endif
 #define RUN_WIDTH 1024u
 #define RUN_HEIGHT 512u
 #else
