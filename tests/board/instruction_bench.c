@@ -185,7 +185,7 @@ static void measure_remap(const char* name, rg_format format,
   for (int plane = 0; plane < 3; ++plane) {
     image.planes[plane].data = source;
     image.planes[plane].stride = strides[plane];
-    target.planes[plane].data = output;
+    target.planes[plane].data = output + (uint32_t)plane * (WIDTH * HEIGHT);
     target.planes[plane].stride = strides[plane];
   }
   const uint32_t begin = read_clock();
