@@ -17,6 +17,9 @@
 #if defined(__ARM_FEATURE_MVE)
 #define RG_BUILT_IN(channels) rg_blend_##channels##_helium
 #define RG_ALL_BUILT_IN 1
+#elif defined(__riscv_vector)
+#define RG_BUILT_IN(channels) rg_blend_##channels##_rvv
+#define RG_ALL_BUILT_IN 1
 #else
 #define RG_BUILT_IN(channels) rg_blend_##channels
 #define RG_ALL_BUILT_IN 0

@@ -10,7 +10,6 @@
 #define INLINE static inline __attribute__((always_inline))
 
 #define LANES 8
-#define MAX_STEP_Q12 8000 /* with 7 steps a lane's position is below 2^16 */
 
 /* Rows of a run, one after the other. */
 typedef struct row_steps {
@@ -120,30 +119,8 @@ INLINE void blend_row(const run_constants* run, const rg_block_row* row,
   }
 }
 
-static inline int32_t magnitude(int32_t value) {
-  return value < 0 ? -value : value;
-}
-
-/* Whether the offsets of a segment fit. Steps of rows lie between those of the
- * first and the last but for rounding, which is less than 2. */
-static int fits(const rg_run* run, uint32_t channels) {
-  for (uint32_t k = 0; k < 2; ++k) {
-    rg_block_row row;
-    rg_find_block_row(&run->block,
-                      run->first_row + (k == 0 ? 0 : run->num_rows - 1u), &row);
-    const int32_t x = magnitude(row.step.q12[0]) + 2;
-    const int32_t y = magnitude(row.step.q12[1]) + 2;
-    if (x > MAX_STEP_Q12 || y > MAX_STEP_Q12) return 0;
-    const uint32_t rows = (uint32_t)((LANES - 1) * y + 4095) >> 12;
-    const uint32_t columns = (uint32_t)((LANES - 1) * x + 4111) >> 12;
-    if (run->stride > 4096 || rows * run->stride + columns * channels > 65535)
-      return 0;
-  }
-  return 1;
-}
-
 INLINE void blend(const rg_run* run, uint32_t channels, rg_blend* portable) {
-  if (run->num_pixels < LANES || !fits(run, channels)) {
+  if (run->num_pixels < LANES || !rg_fits_offsets(run, LANES, channels)) {
     portable(run);
     return;
   }

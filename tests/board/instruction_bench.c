@@ -11,9 +11,12 @@
 
 #if defined(__arm__)
 
-/* SysTick counts 25 MHz down, 32 MHz on the board with Helium, in 24 bits. */
+/* SysTick counts 25 MHz down, in 24 bits; 20 MHz on the board of the M33, 32
+ * MHz on that of the M55. */
 #if defined(__ARM_FEATURE_MVE)
 #define INSTRUCTIONS_OF(ticks) ((ticks) / 4 * 125)
+#elif defined(__ARM_ARCH_8M_MAIN__)
+#define INSTRUCTIONS_OF(ticks) ((ticks)*50)
 #else
 #define INSTRUCTIONS_OF(ticks) ((ticks)*40)
 #endif

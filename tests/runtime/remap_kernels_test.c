@@ -34,9 +34,8 @@
 #define NUM_CASES 60u
 #endif
 
-static const char* const kNames[] = {
-    "portable", "sse4", "avx2",
-    "neon",     "rvv",  NULL /* the fastest, or the only one */};
+static const char* const kNames[] = {"portable", "sse4", "avx2", "neon",
+                                     NULL /* the fastest, or the only one */};
 #define NUM_NAMES (sizeof(kNames) / sizeof(kNames[0]))
 
 static uint32_t state;
@@ -400,6 +399,10 @@ static const rg_kernels* find_kernels(uint32_t name) {
                                      {rg_blend_1_helium, rg_blend_2_helium,
                                       rg_blend_3_helium, rg_blend_4_helium}};
   if (!kNames[name]) return &kHelium;
+#elif defined(__riscv_vector)
+  static const rg_kernels kRvv = {
+      "rvv", {rg_blend_1_rvv, rg_blend_2_rvv, rg_blend_3_rvv, rg_blend_4_rvv}};
+  if (!kNames[name]) return &kRvv;
 #endif
   return rg_find_kernels(kNames[name]);
 }
