@@ -16,18 +16,30 @@ static uint32_t plane_rows(rg_format format, uint32_t plane, uint32_t rows) {
   return is_half ? rows / 2 : rows;
 }
 
+static uint32_t row_bytes(rg_format format, uint32_t plane, uint32_t width) {
+  const rg_lattice* lattices = NULL;
+  const uint32_t num_lattices = rg_format_lattices(format, &lattices);
+  for (uint32_t k = 0; k < num_lattices; ++k)
+    if (lattices[k].plane == plane)
+      return rg_plane_row_bytes(&lattices[k], width);
+  return 0;
+}
+
+/* About as long as a row, mostly, or anything. */
+static uint32_t make_stride(rg_format format, uint32_t plane, uint32_t width,
+                            const uint8_t* data) {
+  const uint32_t bytes = row_bytes(format, plane, width);
+  if (data[0] % 4 == 0) return setting(data, 0) >> 8 & 0xffff;
+  if (data[0] % 4 == 1 && bytes != 0) return bytes - 1 + data[1] % 3;
+  return bytes + data[1];
+}
+
 /* The last row is only as long as its samples. */
 static uint8_t* new_plane(rg_format format, uint32_t plane, uint32_t width,
                           uint32_t rows, uint32_t stride, uint32_t* size) {
-  const rg_lattice* lattices = NULL;
-  const uint32_t num_lattices = rg_format_lattices(format, &lattices);
-  uint32_t row_bytes = 0;
-  for (uint32_t k = 0; k < num_lattices; ++k)
-    if (lattices[k].plane == plane && row_bytes == 0)
-      row_bytes = rg_plane_row_bytes(&lattices[k], width);
-  if (row_bytes > stride) row_bytes = stride;
-  const uint64_t bytes =
-      rows == 0 ? 0 : (uint64_t)(rows - 1) * stride + row_bytes;
+  uint32_t last = row_bytes(format, plane, width);
+  if (last > stride) last = stride;
+  const uint64_t bytes = rows == 0 ? 0 : (uint64_t)(rows - 1) * stride + last;
   if (bytes > MAX_PLANE) return NULL;
   *size = (uint32_t)bytes;
   return malloc(bytes != 0 ? (size_t)bytes : 1);
@@ -54,9 +66,8 @@ static int make_image(const rg_camera* camera, const uint8_t* data,
   }
   for (uint32_t plane = 0; plane < 3; ++plane) {
     uint32_t size = 0;
-    image->planes[plane].stride = data[2] & 128
-                                      ? setting(data, 16 + 2 * plane) & 0xffff
-                                      : image->width * 4u + data[16 + plane];
+    image->planes[plane].stride =
+        make_stride(image->format, plane, image->width, data + 16 + 2 * plane);
     uint8_t* const memory = new_plane(image->format, plane, image->width,
                                       plane_rows(image->format, plane, rows),
                                       image->planes[plane].stride, &size);
@@ -87,9 +98,8 @@ static int make_target(const rg_camera* camera, const uint8_t* data,
     target->border_values[c] = (uint16_t)setting(data, 28 + 2 * c);
   for (uint32_t plane = 0; plane < 3; ++plane) {
     uint32_t size = 0;
-    target->planes[plane].stride = data[1] & 128
-                                       ? setting(data, 36 + 2 * plane) & 0xffff
-                                       : width * 4u + data[36 + plane];
+    target->planes[plane].stride =
+        make_stride(format, plane, width, data + 36 + 2 * plane);
     target->planes[plane].data = new_plane(
         format, plane, width, plane_rows(format, plane, target->num_rows),
         target->planes[plane].stride, &size);

@@ -76,6 +76,10 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         (int32_t)(setting(data, 24) % ((uint32_t)camera.width << 16)),
         (int32_t)(setting(data, 28) % ((uint32_t)camera.height << 16))};
     try_pixel(&camera, inside);
+    const rg_pixel far_corner = {
+        camera.axes[0].low + (int32_t)camera.axes[0].span,
+        camera.axes[1].low + (int32_t)camera.axes[1].span};
+    try_pixel(&camera, far_corner);
     try_direction(&camera, &direction);
     try_mode(&camera, data, inside);
   }
