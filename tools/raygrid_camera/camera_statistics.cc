@@ -1,0 +1,71 @@
+#include "camera_statistics.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+
+namespace raygrid {
+namespace {
+
+unsigned long long Count(uint64_t count) { return count; }
+
+double Rate(uint64_t frames, Clock::duration time) {
+  const double seconds = std::chrono::duration<double>(time).count();
+  return seconds > 0 ? static_cast<double>(frames) / seconds : 0;
+}
+
+}  // namespace
+
+CameraStatistics::CameraStatistics(bool is_quiet)
+    : is_quiet_(is_quiet),
+      is_terminal_(isatty(STDERR_FILENO) == 1),
+      start_(Clock::now()),
+      last_(start_) {}
+
+void CameraStatistics::ShowSometimes(const SourceCounts& source,
+                                     const Undistorter& undistorter,
+                                     uint64_t written) {
+  if (is_quiet_ || !is_terminal_) return;
+  const Clock::time_point now = Clock::now();
+  if (now - last_ < std::chrono::seconds(1)) return;
+  const UndistorterStatistics statistics = undistorter.statistics();
+  Show(source, statistics, written,
+       Rate(statistics.undistorted - last_undistorted_, now - last_),
+       "\x1b[K\r");
+  last_ = now;
+  last_undistorted_ = statistics.undistorted;
+}
+
+void CameraStatistics::ShowAtTheEnd(const SourceCounts& source,
+                                    const Undistorter& undistorter,
+                                    uint64_t written) {
+  if (is_quiet_) return;
+  const UndistorterStatistics statistics = undistorter.statistics();
+  Show(source, statistics, written,
+       Rate(statistics.undistorted, Clock::now() - start_),
+       is_terminal_ ? "\x1b[K\n" : "\n");
+}
+
+void CameraStatistics::Show(const SourceCounts& source,
+                            const UndistorterStatistics& statistics,
+                            uint64_t written, double frames_per_second,
+                            const char* end) const {
+  std::fprintf(stderr,
+               "%.1f frames/s, remap %.2f ms (99 %%: %.2f ms); %llu arrived, "
+               "%llu undistorted, %llu written, %llu dropped, %llu damaged, "
+               "%llu missed by the camera",
+               frames_per_second, statistics.remap.Quantile_ms(0.5),
+               statistics.remap.Quantile_ms(0.99), Count(source.arrived),
+               Count(statistics.undistorted), Count(written),
+               Count(source.dropped + statistics.dropped),
+               Count(source.damaged), Count(source.missed));
+  const FrameInfo& info = statistics.last_info;
+  if (info.lens_position)
+    std::fprintf(stderr, ", lens at %.2f dpt", double{*info.lens_position});
+  if (info.sensor_temperature_c)
+    std::fprintf(stderr, ", sensor at %.1f C",
+                 double{*info.sensor_temperature_c});
+  std::fputs(end, stderr);
+}
+
+}  // namespace raygrid

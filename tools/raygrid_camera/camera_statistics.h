@@ -1,0 +1,33 @@
+#ifndef RAYGRID_CAMERA_CAMERA_STATISTICS_H
+#define RAYGRID_CAMERA_CAMERA_STATISTICS_H
+
+#include <cstdint>
+
+#include "frame_source.h"
+#include "undistorter.h"
+
+namespace raygrid {
+
+/// Says on standard error how it goes: on a terminal once a second, and at the
+/// end.
+class CameraStatistics {
+ public:
+  explicit CameraStatistics(bool is_quiet);
+  void ShowSometimes(const SourceCounts& source, const Undistorter& undistorter,
+                     uint64_t written);
+  void ShowAtTheEnd(const SourceCounts& source, const Undistorter& undistorter,
+                    uint64_t written);
+
+ private:
+  void Show(const SourceCounts& source, const UndistorterStatistics& statistics,
+            uint64_t written, double frames_per_second, const char* end) const;
+
+  const bool is_quiet_, is_terminal_;
+  const Clock::time_point start_;
+  Clock::time_point last_;
+  uint64_t last_undistorted_ = 0;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CAMERA_CAMERA_STATISTICS_H
