@@ -59,8 +59,13 @@ StreamGuard::StreamGuard(const rg_camera& camera, const StreamFormat& format,
       serial_(serial),
       calibrated_(calibrated) {}
 
-std::string StreamGuard::Explain(bool is_known_serial) const {
-  if (!is_known_serial)
+const char* StreamGuard::serial() const {
+  return serial_.empty() ? nullptr : serial_.c_str();
+}
+
+std::string StreamGuard::Explain() const {
+  if (rg_match(&camera_, nullptr, camera_.width, camera_.height, serial()) !=
+      RG_MATCH_EXACT)
     return "is for a camera of another serial number than " + serial_ +
            "; take the blob of this camera";
   std::string text = "serves frames of " + Size(camera_.width, camera_.height);
@@ -76,26 +81,25 @@ std::string StreamGuard::Explain(bool is_known_serial) const {
 }
 
 void StreamGuard::Check(const FrameInfo& info) {
-  if (is_checked_ && info.crop == last_) return;
-  is_checked_ = true;
+  if (is_good_ && info.crop == last_) return;
+  is_good_ = false;
   last_ = info.crop;
   // Without a word on the calibration, frames of its size are taken for it.
   if (!calibrated_ && format_.width == camera_.width &&
       format_.height == camera_.height)
     calibrated_ = info.crop;
   mode_.reset();
-  if (calibrated_ && last_)
+  const bool is_known = calibrated_ && last_;
+  if (is_known)
     mode_ = FindSensorMode(camera_, *calibrated_, *last_, format_.width,
                            format_.height);
-  const char* const serial = serial_.empty() ? nullptr : serial_.c_str();
-  const rg_match_result match = rg_match(&camera_, mode_ ? &*mode_ : nullptr,
-                                         format_.width, format_.height, serial);
-  if (match == RG_MATCH_EXACT) return;
-  if (match == RG_MATCH_DERIVABLE && use_ == Use::kPositions) return;
-  const bool is_known_serial =
-      rg_match(&camera_, nullptr, camera_.width, camera_.height, serial) ==
-      RG_MATCH_EXACT;
-  throw CameraError(CameraExit::kBlob, "blob: " + Explain(is_known_serial));
+  const rg_match_result match =
+      is_known && !mode_ ? RG_MATCH_NONE
+                         : rg_match(&camera_, mode_ ? &*mode_ : nullptr,
+                                    format_.width, format_.height, serial());
+  is_good_ = match == RG_MATCH_EXACT ||
+             (match == RG_MATCH_DERIVABLE && use_ == Use::kPositions);
+  if (!is_good_) throw CameraError(CameraExit::kBlob, "blob: " + Explain());
 }
 
 }  // namespace raygrid

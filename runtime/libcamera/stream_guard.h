@@ -36,14 +36,15 @@ class StreamGuard {
   const std::optional<rg_mode>& mode() const { return mode_; }
 
  private:
-  std::string Explain(bool is_known_serial) const;
+  const char* serial() const;  // NULL: not known
+  std::string Explain() const;
 
   const rg_camera& camera_;
   const StreamFormat format_;
   const Use use_;
   const std::string serial_;
   std::optional<SensorCrop> calibrated_, last_;
-  bool is_checked_ = false;
+  bool is_good_ = false;
   std::optional<rg_mode> mode_;
 };
 

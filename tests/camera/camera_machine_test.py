@@ -173,7 +173,7 @@ class CameraInMachine(unittest.TestCase):
 
     def counts(self, name):
         """What the program said at its end."""
-        counted = re.search(r"(\d+) arrived, (\d+) undistorted, (\d+) written, (\d+) dropped, "
+        counted = re.search(r"(\d+) arrived, (\d+) undistorted, (\d+) taken, (\d+) dropped, "
                             r"(\d+) damaged, (\d+) missed", self.read(name + ".err"))
         self.assertIsNotNone(counted, self.read(name + ".err"))
         keys = ("arrived", "undistorted", "written", "dropped", "damaged", "missed")

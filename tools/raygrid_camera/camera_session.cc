@@ -85,14 +85,14 @@ class FrameLoop {
   void Run() {
     while (!IsSignalled() && !IsEnough() && !undistorter_->is_finished()) {
       TakeFrame();
-      statistics_.ShowSometimes(source_.counts(), *undistorter_, written_);
+      statistics_.ShowSometimes(source_.counts(), *undistorter_);
     }
   }
 
   // What waits is written too, when a signal or the source ended it.
   void Finish() {
     while (!IsEnough() && !undistorter_->is_finished()) TakeFrame();
-    statistics_.ShowAtTheEnd(source_.counts(), *undistorter_, written_);
+    statistics_.ShowAtTheEnd(source_.counts(), *undistorter_);
   }
 
  private:
@@ -103,6 +103,7 @@ class FrameLoop {
   void TakeFrame() {
     UndistortedFrame* const frame = undistorter_->Take(kPatience);
     if (!frame) return patience_.Check();
+    statistics_.Count(*frame);
     if (output_) output_->Write(*frame, written_);
     ++written_;
     undistorter_->GiveBack(frame);

@@ -13,19 +13,21 @@ namespace raygrid {
 class CameraStatistics {
  public:
   explicit CameraStatistics(bool is_quiet);
-  void ShowSometimes(const SourceCounts& source, const Undistorter& undistorter,
-                     uint64_t written);
-  void ShowAtTheEnd(const SourceCounts& source, const Undistorter& undistorter,
-                    uint64_t written);
+  /// A frame that was taken to be written.
+  void Count(const UndistortedFrame& frame);
+  void ShowSometimes(const SourceCounts& source,
+                     const Undistorter& undistorter);
+  void ShowAtTheEnd(const SourceCounts& source, const Undistorter& undistorter);
 
  private:
   void Show(const SourceCounts& source, const UndistorterStatistics& statistics,
-            uint64_t written, double frames_per_second, const char* end) const;
+            double frames_per_second, const char* end) const;
 
   const bool is_quiet_, is_terminal_;
   const Clock::time_point start_;
   Clock::time_point last_;
   uint64_t last_undistorted_ = 0;
+  DurationHistogram waited_;  // from arrival on, without the remap
 };
 
 }  // namespace raygrid
