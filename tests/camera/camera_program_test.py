@@ -24,10 +24,6 @@ FRAME_SIZE = 2 * WIDTH * HEIGHT
 MAX_SECONDS = 2  # from a signal to the end
 
 
-def limit_files():
-    resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
-
-
 class CameraProgram(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -163,16 +159,13 @@ class CameraProgram(unittest.TestCase):
                 self.assertIn(f"{len(frames)} taken", error)
 
     def test_a_full_disk_ends_it_and_leaves_no_half_frame(self):
-        process = self.start("-o", "-", stdout=subprocess.DEVNULL)
-        self.assert_ends(process, 0, signal.SIGTERM)
-        os.mkdir(self.path("full"))
-        process = self.start("-o", "full/" + "x" * 10, preexec_fn=lambda: resource.setrlimit(
+        process = self.start("-o", "full", preexec_fn=lambda: resource.setrlimit(
             resource.RLIMIT_FSIZE, (30_000, 30_000)))
         process.wait(timeout=30)
         error = process.stderr.read().decode()
         self.assertEqual(process.returncode, 7, error)
         self.assertIn("make room", error)
-        self.assertEqual(os.listdir(self.path("full/" + "x" * 10)), [])
+        self.assertEqual(os.listdir(self.path("full")), [])
 
     def test_a_reader_that_goes_away_ends_it(self):
         process = self.start("-o", "-", "--fps", 1000)
@@ -328,7 +321,7 @@ class CameraProgram(unittest.TestCase):
                     connection.shutdown(socket.SHUT_WR)
                     connection.settimeout(3)
                     connection.recv(1000)
-            except (ConnectionError, TimeoutError):
+            except OSError:
                 pass
             self.assertIsNone(process.poll(), request[:40])
         self.assertIn("raygrid-camera", self.ask(port))
