@@ -19,7 +19,7 @@ SIZES = {"vga": (640, 480), "hd": (1280, 720), "odd": (634, 478)}
 
 # One machine for all tests, as booting takes a while: `run NAME ARGUMENTS` leaves NAME.status,
 # .out and .err. Camera i is at port i of the bus.
-JOB = """
+SETUP = """
 cd /shared
 run() {
   name=$1
@@ -37,11 +37,15 @@ end_after() {  # SECONDS SIGNAL NAME ARGUMENTS
   wait
   echo $(($(cut -d. -f1 /proc/uptime) - before)) >$1.seconds
 }
-run list --list
-run several vga.raygrid --frames 1
+"""
+STREAMS = """
 run vga vga.raygrid --camera -1:1.0 --frames 100 --every-frame -o vga
 run hd hd.raygrid --camera -2:1.0 --frames 100 --every-frame -o hd
 run odd odd.raygrid --camera -3:1.0 --size 640x480 --frames 10 --every-frame -o odd
+"""
+ENDS = """
+run list --list
+run several vga.raygrid --frames 1
 run other_size vga.raygrid --camera -2:1.0 --frames 1 -o other_size
 run points vga.raygrid --camera -1:1.0 --points points.csv
 
@@ -83,8 +87,9 @@ class CameraInMachine(unittest.TestCase):
         machine.build_image(programs.kernel, cls.path("image"), [programs.camera])
         players = [cls.play("vga", 10), cls.play("hd", 5), cls.play("odd", 10),
                    cls.play("vga", 10, 20)]
-        status, log = machine.boot(programs.kernel, cls.path("image"), cls.shared, players, JOB,
-                                   timeout=400)
+        status, log = machine.boot(programs.kernel, cls.path("image"), cls.shared, players,
+                                   SETUP + ("" if programs.only_ends else STREAMS) + ENDS,
+                                   timeout=500)
         assert status == 0, log
         for player in players:
             print(f"{player.end()} frames sent")
@@ -180,6 +185,8 @@ class CameraInMachine(unittest.TestCase):
         return dict(zip(keys, map(int, counted.groups())))
 
     def check_stream(self, name, count):
+        if programs.only_ends:
+            self.skipTest("only ends")
         self.assert_ends(name, 0)
         frames, sequences = self.check_frames(name)
         self.assertEqual(len(frames), count)
@@ -263,6 +270,8 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser()
     for option in ("raygrid", "camera", "emulated-camera", "undistort-frames", "kernel"):
         parser.add_argument("--" + option, required=True)
+    parser.add_argument("--only-ends", action="store_true",
+                        help="not the long streams: for programs that are slow")
     _, rest = parser.parse_known_args(namespace=programs)
     for tool in ("qemu-system-x86_64", "cpio", "modprobe"):
         if not shutil.which(tool, path=os.environ["PATH"] + ":/sbin:/usr/sbin"):
