@@ -28,7 +28,7 @@ CameraError InputError(const std::string& message) {
 }
 
 std::string NameOf(const Camera& camera) {
-  const auto model = camera.properties().get(libcamera::properties::Model);
+  const auto model = ModelOf(camera);
   return model ? camera.id() + " (" + *model + ")" : camera.id();
 }
 
@@ -77,8 +77,8 @@ bool IsRaw(const std::string& name) {
   return info && info->model == ColourModel::kBayer;
 }
 
-void TakeMetadata(const Request& completed, FrameInfo* info) {
-  const auto& metadata = const_cast<Request&>(completed).metadata();
+void TakeMetadata(Request* completed, FrameInfo* info) {
+  const auto& metadata = completed->metadata();
   info->lens_position = metadata.get(libcamera::controls::LensPosition);
   info->sensor_temperature_c =
       metadata.get(libcamera::controls::SensorTemperature);
@@ -261,7 +261,7 @@ void LibcameraSource::OnCompleted(Request* request) {
   frame.buffer = buffer;
   frame.info.sequence = metadata.sequence;
   frame.info.timestamp_ns = metadata.timestamp;
-  TakeMetadata(*request, &frame.info);
+  TakeMetadata(request, &frame.info);
   ++arrived_;
   if (const auto dropped = queue_->Push(frame)) {
     ++dropped_;

@@ -1,5 +1,5 @@
 /// What differs between versions of libcamera: Debian 12's 0.0.3 is the oldest
-/// that is supported.
+/// that is supported; 0.4.0 and 0.7.2 were compiled with.
 #ifndef RAYGRID_LIBCAMERA_LIBCAMERA_VERSION_H
 #define RAYGRID_LIBCAMERA_LIBCAMERA_VERSION_H
 
@@ -10,6 +10,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 namespace raygrid {
 
@@ -17,6 +18,13 @@ namespace raygrid {
 inline std::unique_ptr<libcamera::CameraConfiguration> GenerateConfiguration(
     libcamera::Camera* camera, libcamera::StreamRole role) {
   return camera->generateConfiguration({role});
+}
+
+/// A string before 0.7, a view of one since.
+inline std::optional<std::string> ModelOf(const libcamera::Camera& camera) {
+  const auto model = camera.properties().get(libcamera::properties::Model);
+  if (!model) return std::nullopt;
+  return std::string(*model);
 }
 
 }  // namespace raygrid
