@@ -1,6 +1,7 @@
 #ifndef RAYGRID_CALIBRATION_MODEL_ADJUSTMENT_H
 #define RAYGRID_CALIBRATION_MODEL_ADJUSTMENT_H
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct Adjusted {
   GaussianPrior prior;  ///< as it was learned
   std::vector<RejectedImage> rejected_images;
   std::vector<std::vector<FeatureResidual>> rejected_features;  ///< by camera
+  /// By camera: the parametric ones that grids' priors are centred on. Empty if
+  /// the cameras are parametric themselves.
+  std::vector<std::shared_ptr<const CameraModel>> lenses;
 };
 
 /// Parametric cameras from where the state is.
