@@ -24,7 +24,7 @@ cd /shared
 run() {
   name=$1
   shift
-  raygrid-camera "$@" >$name.out 2>$name.err
+  raygrid-camera "$@" --timeout 60 >$name.out 2>$name.err
   echo $? >$name.status
 }
 wait_for() {
@@ -61,8 +61,14 @@ run interrupted vga.raygrid --camera -1:1.0 -o interrupted &
 wait_for interrupted/frame-000002.raw
 end INT interrupted
 
+ifconfig lo up
+run page vga.raygrid --camera -1:1.0 --http 8080 &
+until wget -q -O page.html http://127.0.0.1:8080/; do sleep 0.2; done
+wget -q -O - http://127.0.0.1:8080/after | head -c 300000 >page.mjpg
+end TERM page
+
 mkdir unplugged
-run unplugged vga.raygrid --camera -4:1.0 -o unplugged --timeout 30
+run unplugged vga.raygrid --camera -4:1.0 -o unplugged
 last=$(stat -c %Y unplugged | sort -n | tail -n 1)
 echo $(($(date +%s) - last)) >unplugged.seconds
 """
@@ -250,6 +256,13 @@ class CameraInMachine(unittest.TestCase):
                 self.assertEqual(len(frames), self.counts(name)["written"])
                 self.assertGreater(len(frames), 0)
                 self.assertLessEqual(int(self.read(name + ".seconds")), 2)
+
+    def test_the_page_moves(self):
+        self.assert_ends("page", 0)
+        self.assertIn('src="/after"', self.read("page.html"))
+        with open(os.path.join(self.shared, "page.mjpg"), "rb") as file:
+            pictures = file.read().split(b"--frame\r\n")[1:-1]
+        self.assertGreater(len(set(pictures)), 1)
 
     def test_a_camera_that_is_unplugged(self):
         self.assert_ends("unplugged", 2, "was unplugged")

@@ -36,7 +36,12 @@ std::unique_ptr<addrinfo, FreeAddress> ParseAddress(const std::string& address,
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
   const std::string number = std::to_string(port);
-  if (getaddrinfo(address.c_str(), number.c_str(), &hints, &found) != 0)
+  // [::1] is ::1.
+  const bool is_bracketed =
+      address.size() > 2 && address.front() == '[' && address.back() == ']';
+  const std::string host =
+      is_bracketed ? address.substr(1, address.size() - 2) : address;
+  if (getaddrinfo(host.c_str(), number.c_str(), &hints, &found) != 0)
     throw CameraError(CameraExit::kUsage, "--http: " + address +
                                               " is no numerical address; see "
                                               "--help");
