@@ -528,7 +528,8 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> LargeEquations::CoarseBasis()
 bool LargeEquations::MakeSystem(double lambda, System* system) const {
   system->lambda = lambda;
   system->damping = lambda * (memory_->diagonal + prior_.precision.diagonal() +
-                              prior_.root.rowwise().squaredNorm());
+                              prior_.root.rowwise().squaredNorm() -
+                              prior_.freed.rowwise().squaredNorm());
   system->damping.array() += kDampingFloor;
   for (const PoseBlock& pose : poses_) {
     Block6 v = pose.v;
@@ -569,8 +570,7 @@ Eigen::VectorXd LargeEquations::Apply(const System& system,
             sum);
     }
   });
-  y += prior_.precision * x + system.damping.cwiseProduct(x);
-  y += prior_.root * (prior_.root.transpose() * x);
+  y += prior_.Times(x) + system.damping.cwiseProduct(x);
   return y;
 }
 
@@ -624,7 +624,8 @@ Eigen::MatrixXd LargeEquations::CoarseMatrix(
       basis.transpose() * (system.damping.asDiagonal() * basis);
   matrix += Eigen::MatrixXd(prior) + Eigen::MatrixXd(damping);
   const Eigen::MatrixXd root = basis.transpose() * prior_.root;
-  matrix += root * root.transpose();
+  const Eigen::MatrixXd freed = basis.transpose() * prior_.freed;
+  matrix += root * root.transpose() - freed * freed.transpose();
   return matrix;  // its lower triangle
 }
 

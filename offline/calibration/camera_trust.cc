@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "adjustment/covariance.h"
-#include "camera/parametric_model.h"
 
 namespace raygrid {
 namespace {
@@ -69,51 +68,6 @@ TrustMask MaskOf(const Adjusted& adjusted, int camera,
   return mask;
 }
 
-// An uncalibrated lens's: its focal lengths and centre are anywhere.
-CameraPrior UncalibratedPrior(const ParametricModel& lens, const Area& area,
-                              double noise_px) {
-  constexpr double kDistortionPx = 30;
-  CameraPrior prior = DistortionPrior(lens, area);
-  for (PriorGroup& group : prior.groups)
-    group.weight = std::pow(noise_px / kDistortionPx, 2);
-  PriorGroup linear;
-  const int count = lens.NumParameters();
-  linear.precision.resize(count, count);
-  for (int k = 0; k < 4; ++k) linear.precision.insert(k, k) = 1;
-  linear.weight = std::pow(noise_px / area.width(), 2);
-  prior.groups.push_back(linear);
-  return prior;
-}
-
-// Standard deviations of the lens that a grid's prior is centred on, its
-// distortion as little known as an uncalibrated lens's. What no view tells of
-// it, such as the focal length where no board is tilted, the grid takes over,
-// and its prior holds it; zero if there is no such lens.
-std::vector<double> LensDeviations(const Adjusted& adjusted, int camera,
-                                   const UncertaintyOptions& size,
-                                   AdjustmentOptions options) {
-  std::vector<double> deviations(size.columns * size.rows, 0.0);
-  if (adjusted.lenses.empty()) return deviations;
-  const double noise_px = adjusted.summary.noise_px;
-  const Area area = adjusted.state.cameras[camera]->area();
-  AdjustmentState state = adjusted.state;
-  const auto lens =
-      dynamic_cast<const ParametricModel&>(*adjusted.lenses[camera])
-          .OverArea(area);
-  state.cameras[camera] = lens->Clone();
-  GaussianPrior prior = adjusted.prior;
-  prior.cameras[camera] = UncalibratedPrior(*lens, area, noise_px);
-  options.fix_points = true;
-  options.huber_px = INFINITY;  // the lens need not fit
-  const std::vector<PixelUncertainty> pixels = ProjectionUncertainty(
-      adjusted.problem.views, prior, options, noise_px, state, camera, size);
-  for (size_t i = 0; i < pixels.size(); ++i) {
-    const double deviation = WorseDeviation(pixels[i].total_px2);
-    if (std::isfinite(deviation)) deviations[i] = deviation;
-  }
-  return deviations;
-}
-
 }  // namespace
 
 std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
@@ -128,13 +82,10 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
   const std::vector<PixelUncertainty> pixels =
       ProjectionUncertainty(adjusted.problem.views, adjusted.prior, options,
                             noise_px, adjusted.state, camera, size);
-  const std::vector<double> lens =
-      LensDeviations(adjusted, camera, size, options);
   DeviationLattice noise = {size.columns, size.rows, {}}, total = noise;
-  for (size_t i = 0; i < pixels.size(); ++i) {
-    noise.deviation_px.push_back(WorseDeviation(pixels[i].noise_px2));
-    total.deviation_px.push_back(
-        std::hypot(WorseDeviation(pixels[i].total_px2), lens[i]));
+  for (const PixelUncertainty& pixel : pixels) {
+    noise.deviation_px.push_back(WorseDeviation(pixel.noise_px2));
+    total.deviation_px.push_back(WorseDeviation(pixel.total_px2));
   }
   if (!std::isfinite(total.MedianPx())) return std::nullopt;
   CameraUncertainty uncertainty;

@@ -279,9 +279,6 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
                  const Checkpoint::Adjustment* go_on_from) {
   const Lenses lenses = CopyCameras(adjusted->state);
   const std::vector<Area> areas = FeatureAreas(adjusted->problem);
-  adjusted->lenses.clear();
-  for (size_t c = 0; c < lenses.size() && !IsParametricModel(model); ++c)
-    adjusted->lenses.push_back(lenses[c]->Clone());
   const auto adjust = [&](const Checkpoint::Adjustment* from) {
     adjusted->summary =
         Adjust(model, adjusted->problem, {lenses, cells_px, from}, options,

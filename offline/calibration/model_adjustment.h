@@ -1,7 +1,6 @@
 #ifndef RAYGRID_CALIBRATION_MODEL_ADJUSTMENT_H
 #define RAYGRID_CALIBRATION_MODEL_ADJUSTMENT_H
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,9 +18,6 @@ struct Adjusted {
   GaussianPrior prior;  ///< as it was learned
   std::vector<RejectedImage> rejected_images;
   std::vector<std::vector<FeatureResidual>> rejected_features;  ///< by camera
-  /// By camera: the parametric ones that grids' priors are centred on. Empty if
-  /// the cameras are parametric themselves.
-  std::vector<std::shared_ptr<const CameraModel>> lenses;
 };
 
 /// Parametric cameras from where the state is.
