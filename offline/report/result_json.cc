@@ -69,7 +69,7 @@ void AddVerdict(const Verdict& verdict, Json* json) {
   (*json)["reasons"] = verdict.reasons;
 }
 
-const char* Status(bool converged, bool is_interrupted = false) {
+const char* Status(bool converged, bool is_interrupted) {
   if (is_interrupted) return "interrupted";
   return converged ? "converged" : "not converged";
 }
@@ -142,7 +142,8 @@ std::string FormatResultJson(const RigResult& result, uint64_t seed,
                              int64_t peak_memory_bytes) {
   const RigCounts counts = Count(result);
   Json json;
-  json["status"] = Status(result.converged);
+  json["status"] =
+      Status(result.converged, result.cameras[0].checkpoint.has_value());
   json["model"] = result.cameras.front().camera.camera->Name();
   json["parameters"] = counts.parameters;
   json["images"] = {{"used", counts.images},
