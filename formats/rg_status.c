@@ -92,6 +92,8 @@ const char* rg_status_text(rg_status status) {
       return "the camera is not central: it has lines, not rays";
     case RG_ERR_UNKNOWN:
       return "the blob does not say";
+    case RG_ERR_OVERLAP:
+      return "a plane of the target overlaps another plane";
   }
   return "unknown status";
 }

@@ -62,7 +62,8 @@ typedef enum rg_status {
   RG_ERR_FORMAT = -55,       /* unknown pixel format, border or sampling */
   RG_ERR_ROWS_MISSING = -56, /* source rows that the ring does not hold */
   RG_ERR_NONCENTRAL = -57,   /* the camera has lines, not rays */
-  RG_ERR_UNKNOWN = -58       /* the blob does not say */
+  RG_ERR_UNKNOWN = -58,      /* the blob does not say */
+  RG_ERR_OVERLAP = -59       /* a plane of the target lies in another plane */
 } rg_status;
 
 /* The status as a short English text, for messages; never NULL. */

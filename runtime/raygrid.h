@@ -249,9 +249,9 @@ typedef enum rg_sampling {
  * which every processor is alike have them built in, and this is not used. */
 typedef struct rg_kernels rg_kernels;
 
-/* By name, for measurements and tests: "portable", "avx2", "neon"; the fastest
- * of this processor for NULL, found by instructions that may take a microsecond
- * in a virtual machine. NULL if there is none of that name. */
+/* By name, for measurements and tests: "portable", "sse4", "avx2", "neon"; the
+ * fastest of this processor for NULL, found by instructions that may take a
+ * microsecond in a virtual machine. NULL if there is none of that name. */
 const rg_kernels* rg_find_kernels(const char* name);
 
 /* Rows [first_row, first_row + num_rows) of the undistorted image; even numbers
@@ -272,7 +272,8 @@ typedef struct rg_target {
 
 /* Undistorts rows of a frame (formats/SPEC.md, "Remap arithmetic": every target
  * gives the same bits). Bands may be asked for in any order and, into different
- * memory, by several threads. The frame and the target must not overlap.
+ * memory, by several threads. A plane of the target must not overlap another
+ * one nor the frame; rows of planes with one stride may lie beside each other.
  *
  * RG_ERR_NO_REMAP      the blob has no remap table
  * RG_ERR_FORMAT        unknown format, border or sampling; clamping from a ring
@@ -280,6 +281,7 @@ typedef struct rg_target {
  *                      a size not a multiple of what the format wants
  * RG_ERR_MISALIGNED    16-bit samples at odd addresses
  * RG_ERR_ROWS          the band ends below the output, or cuts a pair of rows
+ * RG_ERR_OVERLAP       a plane of the target lies in another plane
  * RG_ERR_ROWS_MISSING  the ring does not hold the rows that the band needs */
 rg_status rg_remap(const rg_camera* camera, const rg_image* image,
                    const rg_target* target);

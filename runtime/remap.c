@@ -1,15 +1,9 @@
 /* Undistortion of frames: formats/SPEC.md, "Remap arithmetic". One lattice of
  * the format after the other. */
+#include "planes.h"
 #include "remap_blocks.h"
 
 /* ---- Whole lattices ------------------------------------------------------ */
-
-/* a mod b without division, which not every core has. */
-static uint32_t remainder_of(uint32_t a, uint32_t b) {
-  for (int shift = 15; shift >= 0; --shift)
-    if (a >= b << shift) a -= b << shift;
-  return a;
-}
 
 /* Where the ring's rows are. */
 static void find_ring(const rg_image* image, remap_job* job) {
@@ -19,7 +13,7 @@ static void find_ring(const rg_image* image, remap_job* job) {
   if (!job->is_ring) return;
   job->ring_rows = (uint16_t)(image->ring_rows >> log2);
   job->ring_start =
-      (uint16_t)((first - remainder_of(first, image->ring_rows)) >> log2);
+      (uint16_t)((first - rg_remainder(first, image->ring_rows)) >> log2);
 }
 
 static void remap_lattice(const uint8_t* section, const rg_image* image,
@@ -75,6 +69,40 @@ static rg_status check_lattice(const uint8_t* section, const rg_image* image,
                      target->planes[plane].stride, rg_load_u16(section));
 }
 
+/* The lattice's plane of an image, or of so many rows of one. */
+static void find_plane(const rg_lattice* lattice, const uint8_t* data,
+                       uint32_t stride, uint32_t width, uint32_t num_rows,
+                       rg_plane* plane) {
+  plane->data = data;
+  plane->stride = stride;
+  plane->row_bytes = rg_plane_row_bytes(lattice, width);
+  plane->num_rows = (num_rows >> lattice->log2_y) * lattice->row_step;
+}
+
+static int is_overlapping(const uint8_t* section, const rg_image* image,
+                          const rg_target* target, const rg_lattice* lattices,
+                          uint32_t num_lattices) {
+  const uint32_t source_rows =
+      image->ring_rows != 0 ? image->ring_rows : image->height;
+  rg_plane written, other;
+  for (uint32_t k = 0; k < num_lattices; ++k) {
+    const uint32_t p = lattices[k].plane;
+    find_plane(&lattices[k], target->planes[p].data, target->planes[p].stride,
+               rg_load_u16(section), target->num_rows, &written);
+    for (uint32_t j = 0; j < num_lattices; ++j) {
+      const uint32_t q = lattices[j].plane;
+      find_plane(&lattices[j], image->planes[q].data, image->planes[q].stride,
+                 image->width, source_rows, &other);
+      if (rg_do_planes_overlap(&written, &other)) return 1;
+      if (q <= p) continue;
+      find_plane(&lattices[j], target->planes[q].data, target->planes[q].stride,
+                 rg_load_u16(section), target->num_rows, &other);
+      if (rg_do_planes_overlap(&written, &other)) return 1;
+    }
+  }
+  return 0;
+}
+
 static rg_status check_ring(const rg_camera* camera, const rg_image* image,
                             const rg_target* target) {
   if (image->ring_rows == 0) return RG_OK;
@@ -118,6 +146,8 @@ rg_status rg_remap(const rg_camera* camera, const rg_image* image,
   }
   if ((uint32_t)target->first_row + target->num_rows > rg_load_u16(section + 2))
     return RG_ERR_ROWS;
+  if (is_overlapping(section, image, target, lattices, num_lattices))
+    return RG_ERR_OVERLAP;
   const rg_status status = check_ring(camera, image, target);
   if (status != RG_OK) return status;
   for (uint32_t k = 0; k < num_lattices; ++k)

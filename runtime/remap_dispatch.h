@@ -12,7 +12,20 @@
 #define RG_CHOOSE_KERNELS 0
 #endif
 
-/* wanted, or the fastest; NULL, which is the portable ones, where rows are too
+/* Those of a board: known when it is compiled, and without need of spare rows.
+ */
+#if defined(__ARM_FEATURE_MVE)
+#define RG_BUILT_IN(channels) rg_blend_##channels##_helium
+#define RG_ALL_BUILT_IN 1
+#elif defined(__riscv_vector)
+#define RG_BUILT_IN(channels) rg_blend_##channels##_rvv
+#define RG_ALL_BUILT_IN 1
+#else
+#define RG_BUILT_IN(channels) rg_blend_##channels
+#define RG_ALL_BUILT_IN 0
+#endif
+
+/* wanted, or the fastest; NULL, which is the built-in ones, where rows are too
  * short for others. */
 static inline const rg_kernels* rg_choose_kernels(const rg_kernels* wanted,
                                                   uint32_t stride) {
@@ -32,10 +45,9 @@ static inline void rg_dispatch_grey(const rg_kernels* kernels,
   if (RG_CHOOSE_KERNELS && kernels && is_roomy)
     kernels->blend[0](run);
   else
-    rg_blend_1(run);
+    RG_BUILT_IN(1)(run);
 }
 
-#define RG_NOT_INTERLEAVED 0u
 /* Channels of 8 bits that fill the plane; 0 of other lattices. */
 static inline uint32_t rg_interleaved(const rg_lattice* lattice) {
   return lattice->kind == RG_SAMPLE_8 &&
@@ -50,7 +62,13 @@ static inline void rg_dispatch(const rg_kernels* kernels, const rg_run* run,
   if (RG_CHOOSE_KERNELS && kernels && is_roomy && channels != 0)
     kernels->blend[channels - 1](run);
   else if (channels == 1)
-    rg_blend_1(run);
+    RG_BUILT_IN(1)(run);
+  else if (RG_ALL_BUILT_IN && channels == 2)
+    RG_BUILT_IN(2)(run);
+  else if (RG_ALL_BUILT_IN && channels == 3)
+    RG_BUILT_IN(3)(run);
+  else if (RG_ALL_BUILT_IN && channels == 4)
+    RG_BUILT_IN(4)(run);
   else
     rg_blend_lattice(run, lattice);
 }

@@ -1,5 +1,6 @@
 /* rg_remap() for grey frames alone, with less code. */
 #define RG_GREY_ONLY
+#include "planes.h"
 #include "remap_blocks.h"
 
 rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
@@ -11,6 +12,11 @@ rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
     return RG_ERR_FRAME_SIZE;
   const uint32_t end_row = (uint32_t)band->first_row + band->num_rows;
   if (end_row > rg_load_u16(section + 2)) return RG_ERR_ROWS;
+  const rg_plane source = {frame->data, frame->stride, frame->width,
+                           frame->height};
+  const rg_plane written = {band->data, band->stride, rg_load_u16(section),
+                            band->num_rows};
+  if (rg_do_planes_overlap(&source, &written)) return RG_ERR_OVERLAP;
   const uint16_t border = band->border;
   remap_job job;
   job.map.section = section;

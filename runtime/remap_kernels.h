@@ -44,6 +44,49 @@ static inline void rg_find_run_row(const rg_run* run, uint32_t r,
 #define RG_SPARE_Q12 (2 * 4096)
 #define RG_MIN_STRIDE 32u
 
+/* Whether any so many neighbouring pixels of a run, and their own neighbours,
+ * lie in windows of a number of pixels that start at the first one, on two
+ * rows. Steps of rows lie between those of the first and the last but for
+ * rounding, which is less than 2. */
+static inline int rg_fits_windows(const rg_run* run, uint32_t num_pixels,
+                                  uint32_t window_pixels) {
+  const int32_t steps = (int32_t)num_pixels - 1;
+  const int32_t room = (int32_t)(window_pixels - 1) * 4096 - 4112;
+  for (uint32_t k = 0; k < 2; ++k) {
+    rg_block_row row;
+    rg_find_block_row(&run->block,
+                      run->first_row + (k == 0 ? 0 : run->num_rows - 1u), &row);
+    const int32_t x = row.step.q12[0], y = row.step.q12[1];
+    if (x < 2 || x > 16384 || (x + 2) * steps > room || y < -8192 || y > 8192 ||
+        (y + 2) * steps > 4096 || (y - 2) * steps < -4096)
+      return 0;
+  }
+  return run->num_pixels >= num_pixels;
+}
+
+/* Whether positions of so many neighbouring pixels, in q12, and the offsets of
+ * their samples, in bytes, fit into 16 bits when counted from the least. */
+static inline int rg_fits_offsets(const rg_run* run, uint32_t num_pixels,
+                                  uint32_t channels) {
+  for (uint32_t k = 0; k < 2; ++k) {
+    rg_block_row row;
+    rg_find_block_row(&run->block,
+                      run->first_row + (k == 0 ? 0 : run->num_rows - 1u), &row);
+    uint32_t beyond[2]; /* pixels that the last one is away at most */
+    for (int c = 0; c < 2; ++c) {
+      const int32_t step = row.step.q12[c];
+      const uint32_t size = (uint32_t)(step < 0 ? -step : step) + 2;
+      const uint32_t last_q12 = (num_pixels - 1) * size + 4111;
+      if (size > 65536 || last_q12 > 65535) return 0;
+      beyond[c] = last_q12 >> 12;
+    }
+    if (run->stride > 65535 ||
+        beyond[1] * run->stride + beyond[0] * channels > 65535)
+      return 0;
+  }
+  return 1;
+}
+
 /* Bilinear, 8 bits: pixels of 1, 2, 3 and 4 interleaved channels. */
 typedef void rg_blend(const rg_run* run);
 struct rg_kernels {
@@ -53,8 +96,12 @@ struct rg_kernels {
 
 rg_blend rg_blend_1, rg_blend_2, rg_blend_3, rg_blend_4;
 
+rg_blend rg_blend_1_sse4, rg_blend_2_sse4, rg_blend_3_sse4, rg_blend_4_sse4;
 rg_blend rg_blend_1_avx2, rg_blend_2_avx2, rg_blend_3_avx2, rg_blend_4_avx2;
 rg_blend rg_blend_1_neon, rg_blend_2_neon, rg_blend_3_neon, rg_blend_4_neon;
+rg_blend rg_blend_1_helium, rg_blend_2_helium, rg_blend_3_helium,
+    rg_blend_4_helium;
+rg_blend rg_blend_1_rvv, rg_blend_2_rvv, rg_blend_3_rvv, rg_blend_4_rvv;
 
 /* Any lattice, bilinear; nearest. */
 void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice);

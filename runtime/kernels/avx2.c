@@ -4,10 +4,17 @@
  * pixels of the next row. Runs with larger steps go to the portable kernels. */
 #if defined(__x86_64__)
 
+#include <immintrin.h>
+
 #include "remap_kernels.h"
 
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx2"))), \
+                             apply_to = function)
+#else
+#pragma GCC push_options
 #pragma GCC target("avx2")
-#include <immintrin.h>
+#endif
 
 #define INLINE static inline __attribute__((always_inline))
 
@@ -325,5 +332,11 @@ void rg_blend_1_avx2(const rg_run* run) { blend(run, 1, rg_blend_1); }
 void rg_blend_2_avx2(const rg_run* run) { blend(run, 2, rg_blend_2); }
 void rg_blend_3_avx2(const rg_run* run) { blend(run, 3, rg_blend_3); }
 void rg_blend_4_avx2(const rg_run* run) { blend(run, 4, rg_blend_4); }
+
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
 
 #endif

@@ -10,9 +10,19 @@ static const rg_kernels kPortable = {
 
 #include <cpuid.h>
 
+static const rg_kernels kSse4 = {
+    "sse4",
+    {rg_blend_1_sse4, rg_blend_2_sse4, rg_blend_3_sse4, rg_blend_4_sse4}};
+
 static const rg_kernels kAvx2 = {
     "avx2",
     {rg_blend_1_avx2, rg_blend_2_avx2, rg_blend_3_avx2, rg_blend_4_avx2}};
+
+static int has_sse4(void) {
+  uint32_t a, b, c, d;
+  return __get_cpuid(1, &a, &b, &c, &d) && (c & bit_SSE4_1) != 0 &&
+         (c & bit_SSSE3) != 0;
+}
 
 /* The processor has it, and the system keeps its registers. */
 static int has_avx2(void) {
@@ -25,7 +35,7 @@ static int has_avx2(void) {
 
 #endif
 
-#if defined(__aarch64__)
+#if defined(__aarch64__) || defined(__ARM_NEON)
 static const rg_kernels kNeon = {
     "neon",
     {rg_blend_1_neon, rg_blend_2_neon, rg_blend_3_neon, rg_blend_4_neon}};
@@ -39,7 +49,8 @@ static int is_same(const char* a, const char* b) {
 const rg_kernels* rg_find_kernels(const char* name) {
 #if defined(__x86_64__)
   if ((!name || is_same(name, kAvx2.name)) && has_avx2()) return &kAvx2;
-#elif defined(__aarch64__)
+  if ((!name || is_same(name, kSse4.name)) && has_sse4()) return &kSse4;
+#elif defined(__aarch64__) || defined(__ARM_NEON)
   if (!name || is_same(name, kNeon.name)) return &kNeon;
 #endif
   return !name || is_same(name, kPortable.name) ? &kPortable : 0;

@@ -256,27 +256,9 @@ INLINE void blend_run(const rg_run* run, layout l) {
   }
 }
 
-/* Whether a segment's pixels and their neighbours lie in its window, on two
- * rows. Steps of rows lie between those of the first and the last but for
- * rounding, which is less than 2. */
-INLINE int fits(const rg_run* run, layout l) {
-  const int32_t steps = (int32_t)l.pixels - 1;
-  const int32_t room = (int32_t)(l.window / l.channels - 1) * 4096 - 4112;
-  for (uint32_t k = 0; k < 2; ++k) {
-    rg_block_row row;
-    rg_find_block_row(&run->block,
-                      run->first_row + (k == 0 ? 0 : run->num_rows - 1u), &row);
-    const int32_t x = row.step.q12[0], y = row.step.q12[1];
-    if (x < 2 || x > 16384 || (x + 2) * steps > room || y < -8192 || y > 8192 ||
-        (y + 2) * steps > 4096 || (y - 2) * steps < -4096)
-      return 0;
-  }
-  return run->num_pixels >= l.pixels;
-}
-
 void rg_blend_1_neon(const rg_run* run) {
   const layout l = {1, 8, 16};
-  if (fits(run, l))
+  if (rg_fits_windows(run, l.pixels, l.window / l.channels))
     blend_run(run, l);
   else
     rg_blend_1(run);
@@ -284,7 +266,7 @@ void rg_blend_1_neon(const rg_run* run) {
 
 void rg_blend_2_neon(const rg_run* run) {
   const layout l = {2, 8, 32};
-  if (fits(run, l))
+  if (rg_fits_windows(run, l.pixels, l.window / l.channels))
     blend_run(run, l);
   else
     rg_blend_2(run);
@@ -292,7 +274,7 @@ void rg_blend_2_neon(const rg_run* run) {
 
 void rg_blend_3_neon(const rg_run* run) {
   const layout l = {3, 8, 32};
-  if (fits(run, l))
+  if (rg_fits_windows(run, l.pixels, l.window / l.channels))
     blend_run(run, l);
   else
     rg_blend_3(run);
@@ -300,7 +282,7 @@ void rg_blend_3_neon(const rg_run* run) {
 
 void rg_blend_4_neon(const rg_run* run) {
   const layout l = {4, 2, 16};
-  if (fits(run, l))
+  if (rg_fits_windows(run, l.pixels, l.window / l.channels))
     blend_run(run, l);
   else
     rg_blend_4(run);

@@ -2,17 +2,20 @@
  * nanosecond an instruction (QEMU, -icount shift=0). Prints a line for each:
  * name, and instructions per call or per pixel times 100. */
 #include <stdio.h>
-#include <string.h>
 
-#include "golden_blobs.h"
-#include "raygrid.h"
-#include "rg_blob.h"
-#include "test_frame.h"
+#include "bench_scene.h"
 
 #if defined(__arm__)
 
-/* SysTick counts 25 MHz down, in 24 bits. */
-#define INSTRUCTIONS_PER_TICK 40u
+/* SysTick counts 25 MHz down, in 24 bits; 20 MHz on the board of the M33, 32
+ * MHz on that of the M55. */
+#if defined(__ARM_FEATURE_MVE)
+#define INSTRUCTIONS_OF(ticks) ((ticks) / 4 * 125)
+#elif defined(__ARM_ARCH_8M_MAIN__)
+#define INSTRUCTIONS_OF(ticks) ((ticks)*50)
+#else
+#define INSTRUCTIONS_OF(ticks) ((ticks)*40)
+#endif
 #define SYSTICK ((volatile uint32_t*)0xe000e010)
 
 static void start_clock(void) {
@@ -27,7 +30,7 @@ static uint32_t read_clock(void) { return 0xffffff - SYSTICK[2]; }
 
 #else
 
-#define INSTRUCTIONS_PER_TICK 1u
+#define INSTRUCTIONS_OF(ticks) (ticks)
 
 static void start_clock(void) {}
 
@@ -39,68 +42,11 @@ static uint32_t read_clock(void) {
 
 #endif
 
-#define NUM_POINTS 512u
-#define WIDTH 64u
-#define HEIGHT 48u
 #define REPEATS 16u
-
-static rg_camera lens, narrow, lines, wide, inner;
-static rg_pixel pixels[NUM_POINTS], wide_pixels[NUM_POINTS], points[NUM_POINTS];
-static rg_ray rays[NUM_POINTS], outside[NUM_POINTS];
-static uint8_t source[WIDTH * HEIGHT * 4] __attribute__((aligned(4)));
-static uint8_t output[WIDTH * HEIGHT * 4] __attribute__((aligned(4)));
 
 static void print_cost(const char* name, uint32_t ticks, uint32_t count) {
   printf("%s %lu\n", name,
-         (unsigned long)(ticks * INSTRUCTIONS_PER_TICK / (count / 100)));
-}
-
-/* Random pixels of an area. */
-static void make_pixels(const rg_camera* camera, rg_pixel* result) {
-  uint32_t random = 7;
-  uint32_t num_made = 0;
-  while (num_made < NUM_POINTS) {
-    const rg_pixel pixel = {(int32_t)(next_random(&random) >> 7),
-                            (int32_t)(next_random(&random) >> 7)};
-    if (rg_is_valid(camera, pixel)) result[num_made++] = pixel;
-  }
-}
-
-/* A table of blocks of 16 whose sources all lie inside. */
-static void open_inner(void) {
-  static uint8_t bytes[1024] __attribute__((aligned(4)));
-  static const int16_t residuals[2 * 5 * 4];
-  static const uint8_t empty[4];
-  static const int32_t control_points[2 * 4 * 4];
-  rg_blob blob;
-  rg_camera_section identity;
-  rg_grid_section grid;
-  const rg_remap_section table = {.width = WIDTH,
-                                  .height = HEIGHT,
-                                  .columns = 5,
-                                  .rows = 4,
-                                  .block_log2 = 4,
-                                  .max_x_q12 = 63 << 12,
-                                  .max_y_q12 = 47 << 12,
-                                  .origin_x_q12 = 5000,
-                                  .origin_y_q12 = 9000,
-                                  .column_step_x_q12 = 59000,
-                                  .column_step_y_q12 = 1300,
-                                  .row_step_x_q12 = -800,
-                                  .row_step_y_q12 = 57000,
-                                  .fx_q16 = 1,
-                                  .fy_q16 = 1,
-                                  .empty_blocks = empty};
-  if (rg_blob_open(kExampleBlob, sizeof(kExampleBlob), &blob) != RG_OK) return;
-  rg_blob_camera(&blob, &identity);
-  rg_blob_grid(&blob, &grid);
-  const rg_blob_contents contents = {.camera = &identity,
-                                     .grid = &grid,
-                                     .control_points_q29 = control_points,
-                                     .remap = &table,
-                                     .residuals = residuals};
-  if (rg_blob_write(&contents, bytes, sizeof(bytes)) == RG_OK)
-    rg_camera_open(&inner, bytes, sizeof(bytes));
+         (unsigned long)(INSTRUCTIONS_OF(ticks) / (count / 100)));
 }
 
 /* What un-projects a pixel. */
@@ -158,10 +104,6 @@ static void measure_points(void) {
     rg_project(&wide, &rays[k % NUM_POINTS], &points[k % NUM_POINTS]);
   print_cost("project", read_clock() - begin, NUM_POINTS * REPEATS);
 
-  for (uint32_t k = 0; k < NUM_POINTS; ++k) {
-    outside[k] = rays[k];
-    outside[k].z_q30 = -0x7fffffff;
-  }
   begin = read_clock();
   for (uint32_t k = 0; k < NUM_POINTS * REPEATS; ++k)
     rg_project(&wide, &outside[k % NUM_POINTS], &points[k % NUM_POINTS]);
@@ -170,22 +112,8 @@ static void measure_points(void) {
 
 static void measure_remap(const char* name, rg_format format,
                           const uint32_t strides[3]) {
-  rg_image image;
-  rg_target target;
-  memset(&image, 0, sizeof(image));
-  memset(&target, 0, sizeof(target));
-  image.format = format;
-  image.width = WIDTH;
-  image.height = HEIGHT;
-  target.num_rows = HEIGHT;
-  for (int plane = 0; plane < 3; ++plane) {
-    image.planes[plane].data = source;
-    image.planes[plane].stride = strides[plane];
-    target.planes[plane].data = output;
-    target.planes[plane].stride = strides[plane];
-  }
   const uint32_t begin = read_clock();
-  const rg_status status = rg_remap(&inner, &image, &target);
+  const rg_status status = remap_frame(format, strides);
   const uint32_t end = read_clock();
   if (status != RG_OK) printf("%s: %s\n", name, rg_status_text(status));
   print_cost(name, end - begin, WIDTH * HEIGHT);
@@ -204,15 +132,7 @@ static void measure_remaps(void) {
 }
 
 int main(void) {
-  if (rg_camera_open(&lens, kLensBlob, sizeof(kLensBlob)) != RG_OK ||
-      rg_camera_open(&narrow, kNarrowBlob, sizeof(kNarrowBlob)) != RG_OK ||
-      rg_camera_open(&lines, kLinesBlob, sizeof(kLinesBlob)) != RG_OK ||
-      rg_camera_open(&wide, kWideBlob, sizeof(kWideBlob)) != RG_OK)
-    return 1;
-  open_inner();
-  make_pixels(&lens, pixels);
-  make_pixels(&wide, wide_pixels);
-  make_test_frame(source, 4 * WIDTH, 4 * WIDTH, HEIGHT);
+  if (!make_scene(4)) return 1;
   start_clock();
   measure_points();
   measure_remaps();

@@ -228,9 +228,12 @@ static void rows_told_are_needed(void** state) {
   }
 }
 
+/* And not a byte of the target is touched. */
 static void check_refused(rg_image image, rg_target target,
                           rg_status expected) {
+  memcpy(whole, output, sizeof(output));
   assert_int_equal(rg_remap(&wide, &image, &target), expected);
+  if (expected != RG_OK) assert_memory_equal(output, whole, sizeof(output));
 }
 
 static void wrong_calls_are_refused(void** state) {
@@ -276,6 +279,36 @@ static void wrong_calls_are_refused(void** state) {
   check_refused(image, whole_nv12, RG_ERR_ROWS_MISSING);
 }
 
+static void overlapping_planes_are_refused(void** state) {
+  (void)state;
+  const rg_image image = make_image(RG_FORMAT_NV12);
+  const rg_target whole_nv12 = make_target(RG_FORMAT_NV12, 0);
+  /* Chroma in the last row of luma, and behind it. */
+  rg_target target = whole_nv12;
+  target.planes[0].stride = target.planes[1].stride = WIDTH;
+  target.planes[1].data = target.planes[0].data + WIDTH * (HEIGHT - 1);
+  check_refused(image, target, RG_ERR_OVERLAP);
+  target.planes[1].data += WIDTH - 1;
+  check_refused(image, target, RG_ERR_OVERLAP);
+  target.planes[1].data += 1;
+  check_refused(image, target, RG_OK);
+  /* Chroma beside luma, and a byte too near. */
+  target.planes[0].stride = target.planes[1].stride = 2 * WIDTH;
+  target.planes[1].data = target.planes[0].data + WIDTH;
+  check_refused(image, target, RG_OK);
+  target.planes[1].data -= 1;
+  check_refused(image, target, RG_ERR_OVERLAP);
+  target.planes[1].data += 2;
+  check_refused(image, target, RG_ERR_OVERLAP);
+  /* The target in the source. */
+  target = whole_nv12;
+  target.planes[0].data = source[1] + (SOURCE_HEIGHT / 2 - 1) * SOURCE_WIDTH;
+  check_refused(image, target, RG_ERR_OVERLAP);
+  target = whole_nv12;
+  target.planes[1].data = source[0] + 1;
+  check_refused(image, target, RG_ERR_OVERLAP);
+}
+
 static void odd_addresses_of_words_are_refused(void** state) {
   (void)state;
   rg_image image = make_image(RG_FORMAT_GREY16);
@@ -313,6 +346,7 @@ int main(void) {
       cmocka_unit_test(rings_of_the_rows_needed_make_the_frame),
       cmocka_unit_test(rows_told_are_needed),
       cmocka_unit_test(wrong_calls_are_refused),
+      cmocka_unit_test(overlapping_planes_are_refused),
       cmocka_unit_test(odd_addresses_of_words_are_refused),
       cmocka_unit_test(further_tables_may_be_selected),
   };

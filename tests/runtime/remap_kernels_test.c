@@ -1,7 +1,13 @@
 /* Every set of kernels that this processor has gives the bits of a plain
  * reading of formats/SPEC.md, on random tables: mild, steep, mirrored and
  * broken ones, of odd sizes, with every border. Frames lie in memory of exactly
- * their size, so that a sanitizer sees every read outside. */
+ * their size; where there are pages, one that cannot be read begins where a
+ * frame ends, or ends where it begins. */
+#if defined(__linux__)
+#define _GNU_SOURCE
+#endif
+#include "remap_kernels.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +19,11 @@
 #include "test_frame.h"
 #include "unit_test.h"
 
+#if defined(__linux__)
+#include <sys/mman.h>
+#include <unistd.h>
+#endif
+
 #define GUARD 0xc3u
 #define MARGIN 32u
 #define MAX_SIZE 120u
@@ -23,7 +34,7 @@
 #define NUM_CASES 60u
 #endif
 
-static const char* const kNames[] = {"portable", "avx2", "neon",
+static const char* const kNames[] = {"portable", "sse4", "avx2", "neon",
                                      NULL /* the fastest, or the only one */};
 #define NUM_NAMES (sizeof(kNames) / sizeof(kNames[0]))
 
@@ -239,6 +250,43 @@ static void remap_plainly(plane_lattice lattice, const uint8_t* source,
   }
 }
 
+/* ---- Memory of exactly some bytes ---------------------------------------- */
+
+typedef struct exact_memory {
+  uint8_t* bytes;
+  void* pages;
+  size_t num_pages_bytes;
+} exact_memory;
+
+static exact_memory new_memory(size_t size) {
+  exact_memory memory = {NULL, NULL, 0};
+#if defined(__linux__) && !defined(__SANITIZE_ADDRESS__)
+  const size_t page = (size_t)sysconf(_SC_PAGESIZE);
+  const size_t inner = (size + page - 1) / page * page;
+  memory.num_pages_bytes = inner + 2 * page;
+  memory.pages = mmap(NULL, memory.num_pages_bytes, PROT_NONE,
+                      MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  assert_true(memory.pages != MAP_FAILED);
+  uint8_t* const first = (uint8_t*)memory.pages + page;
+  assert_int_equal(mprotect(first, inner, PROT_READ | PROT_WRITE), 0);
+  memory.bytes = below(2) == 0 ? first : first + inner - size;
+#else
+  memory.bytes = malloc(size);
+  assert_non_null(memory.bytes);
+#endif
+  return memory;
+}
+
+static void free_memory(const exact_memory* memory) {
+#if defined(__linux__)
+  if (memory->pages) {
+    munmap(memory->pages, memory->num_pages_bytes);
+    return;
+  }
+#endif
+  free(memory->bytes);
+}
+
 /* ---- Frames -------------------------------------------------------------- */
 
 typedef struct frame_style {
@@ -263,7 +311,7 @@ static uint8_t output[3][(4 * MAX_SIZE + 8) * MAX_SIZE + 2 * MARGIN];
 static void check_frame(const frame_style* style) {
   rg_image image;
   rg_target target;
-  uint8_t* sources[3] = {NULL, NULL, NULL};
+  exact_memory sources[3];
   uint32_t row_bytes[3];
   uint16_t width, height;
   rg_remap_size(&camera, &width, &height);
@@ -283,17 +331,18 @@ static void check_frame(const frame_style* style) {
     const uint32_t padding = below(3) == 0 ? below(40) : 0;
     const uint32_t source_rows = (uint32_t)camera.height >> lattice.l;
     const uint32_t size = (bytes + padding) * (source_rows - 1) + bytes;
-    sources[k] = malloc(size);
-    assert_non_null(sources[k]);
+    sources[k] = new_memory(size);
+    uint8_t* const bytes_of_plane = sources[k].bytes;
     for (uint32_t i = 0; i < size; ++i)
-      sources[k][i] = (uint8_t)(below(3) == 0 ? 255 * below(2) : below(256));
-    image.planes[k].data = sources[k];
+      bytes_of_plane[i] =
+          (uint8_t)(below(3) == 0 ? 255 * below(2) : below(256));
+    image.planes[k].data = bytes_of_plane;
     image.planes[k].stride = bytes + padding;
     row_bytes[k] = ((uint32_t)width >> lattice.l) * lattice.channels;
     target.planes[k].stride = row_bytes[k] + below(9);
     target.planes[k].data = output[k] + MARGIN;
     memset(expected[k], GUARD, sizeof(expected[k]));
-    remap_plainly(lattice, sources[k], image.planes[k].stride, &target,
+    remap_plainly(lattice, bytes_of_plane, image.planes[k].stride, &target,
                   kBorder + (style->num_planes == 1 ? 0 : k),
                   expected[k] + MARGIN, target.planes[k].stride);
   }
@@ -309,7 +358,7 @@ static void check_frame(const frame_style* style) {
                  (int)style->format, (unsigned)k, camera.width, camera.height,
                  width, height);
   }
-  for (uint32_t k = 0; k < style->num_planes; ++k) free(sources[k]);
+  for (uint32_t k = 0; k < style->num_planes; ++k) free_memory(&sources[k]);
 }
 
 static void every_kernel_gives_the_specified_bits(void** unused) {
@@ -325,6 +374,142 @@ static void every_kernel_gives_the_specified_bits(void** unused) {
   assert_true(num_checked > NUM_CASES / 2);
 }
 
+/* ---- Runs about at the limits of the kernels' windows -------------------- */
+
+#if defined(__unix__)
+#if defined(__x86_64__)
+#define NUM_RUNS 200000u
+#else /* emulated, as a rule */
+#define NUM_RUNS 40000u
+#endif
+#define RUN_WIDTH 1024u
+#define RUN_HEIGHT 512u
+#else
+#define NUM_RUNS 4000u
+#define RUN_WIDTH 320u
+#define RUN_HEIGHT 200u
+#endif
+
+#define RUN_STRIDE (4 * RUN_WIDTH + 4)
+
+/* By name; in place of the fastest ones, those that are built in. */
+static const rg_kernels* find_kernels(uint32_t name) {
+#if defined(__ARM_FEATURE_MVE)
+  static const rg_kernels kHelium = {"helium",
+                                     {rg_blend_1_helium, rg_blend_2_helium,
+                                      rg_blend_3_helium, rg_blend_4_helium}};
+  if (!kNames[name]) return &kHelium;
+#elif defined(__riscv_vector)
+  static const rg_kernels kRvv = {
+      "rvv", {rg_blend_1_rvv, rg_blend_2_rvv, rg_blend_3_rvv, rg_blend_4_rvv}};
+  if (!kNames[name]) return &kRvv;
+#endif
+  return rg_find_kernels(kNames[name]);
+}
+
+/* A step of which some fit into whole pixels, but for a little. */
+static int32_t limit_step(void) {
+  const int32_t pixels = (2 << below(4)) - 1;
+  const int32_t room = 4096 * (int32_t)(below(2) == 0 ? 1 : below(16));
+  if (below(2) == 0) return room / pixels;
+  return (room - 16 * (int32_t)below(2)) / pixels + between(-3, 3);
+}
+
+/* A position, at the edge of a pixel as a rule. */
+static int32_t edge_position(int32_t pixel) {
+  const int32_t fraction =
+      below(4) == 0 ? between(0, 4095) : between(-20, 3) & 4095;
+  return (pixel << 12) + fraction;
+}
+
+/* Lies in the source with its neighbours, and rows to spare. */
+static int is_inside(const rg_run* run) {
+  for (uint32_t k = 0; k < 4; ++k)
+    for (int c = 0; c < 2; ++c) {
+      const int32_t size = c == 0 ? (int32_t)RUN_WIDTH : (int32_t)RUN_HEIGHT;
+      const int32_t q12 = run->block.corners[k].q12[c];
+      if (q12 < 20 << 12 || q12 > (size - 20) << 12) return 0;
+    }
+  return 1;
+}
+
+static int make_run(rg_run* run) {
+  const uint32_t log2 = 3 + below(3), size = 1u << log2;
+  const int is_rising = below(2) == 0;
+  rg_position* const corners = run->block.corners;
+  int32_t step[2] = {limit_step(), limit_step()};
+  if (is_rising) step[1] = -step[1];
+  for (int c = 0; c < 2; ++c) {
+    const int32_t first = c == 0      ? 70
+                          : is_rising ? (int32_t)RUN_HEIGHT - 70
+                                      : 70;
+    corners[0].q12[c] = edge_position(first + between(0, 8));
+    /* Rows may all begin at about the same position, or anywhere. */
+    corners[2].q12[c] =
+        corners[0].q12[c] + (below(2) == 0 ? between(-8, 8)
+                             : c == 0      ? between(0, 5000)
+                             : is_rising   ? -4096 * between(0, 9)
+                                           : 4096 * between(0, 9));
+    for (int k = 0; k < 2; ++k) {
+      const int32_t span = step[c] * (int32_t)size;
+      /* Half a step more or less, so that rounding decides, or anything. */
+      const int32_t more = below(4) != 0
+                               ? (int32_t)size / 2 - between(0, 2)
+                               : between(-(int32_t)size, (int32_t)size) / 2;
+      corners[2 * k + 1].q12[c] =
+          corners[2 * k].q12[c] + span + (below(8) == 0 ? -more : more);
+    }
+  }
+  run->block.width_log2 = run->block.height_log2 = (uint8_t)log2;
+  run->first_source_row = (uint16_t)below(4);
+  run->first_row = (uint8_t)below(size);
+  run->num_rows = (uint8_t)(1 + below(size - run->first_row));
+  run->first_pixel = (uint8_t)below(size);
+  run->num_pixels = (uint8_t)(1 + below(size - run->first_pixel));
+  if (below(2) == 0) {
+    run->first_row = run->first_pixel = 0;
+    run->num_rows = run->num_pixels = (uint8_t)size;
+  }
+  run->out_pixel = below(3) + run->first_pixel;
+  return is_inside(run);
+}
+
+static void runs_at_the_limits_are_as_the_portable_ones(void** unused) {
+  static uint8_t source[RUN_STRIDE * RUN_HEIGHT];
+  static rg_blend* const kPortable[4] = {rg_blend_1, rg_blend_2, rg_blend_3,
+                                         rg_blend_4};
+  const uint32_t out_stride = 4 * 40;
+  const rg_kernels* kernels[NUM_NAMES];
+  uint32_t num_checked = 0;
+  (void)unused;
+  for (uint32_t n = 0; n < NUM_NAMES; ++n) kernels[n] = find_kernels(n);
+  state = 99;
+  for (uint32_t i = 0; i < sizeof(source); ++i) source[i] = (uint8_t)below(256);
+  for (uint32_t k = 0; k < NUM_RUNS; ++k) {
+    rg_run run;
+    if (!make_run(&run)) continue;
+    const uint32_t channels = 1 + below(4);
+    run.data = source + (size_t)run.first_source_row * RUN_STRIDE;
+    run.stride = RUN_STRIDE;
+    run.out_stride = out_stride;
+    memset(expected[0], GUARD, 33 * out_stride);
+    run.out = expected[0];
+    kPortable[channels - 1](&run);
+    for (uint32_t n = 0; n < NUM_NAMES; ++n) {
+      if (!kernels[n]) continue;
+      memset(output[0], GUARD, 33 * out_stride);
+      run.out = output[0];
+      kernels[n]->blend[channels - 1](&run);
+      if (memcmp(output[0], expected[0], 33 * out_stride) != 0)
+        fail_msg("kernels %s, %u channels, run %u", kernels[n]->name,
+                 (unsigned)channels, (unsigned)k);
+    }
+    ++num_checked;
+  }
+  printf("%u of %u runs\n", (unsigned)num_checked, (unsigned)NUM_RUNS);
+  assert_true(num_checked > NUM_RUNS / 20);
+}
+
 static void kernels_are_found_by_name(void** unused) {
   (void)unused;
   for (uint32_t name = 0; name + 1 < NUM_NAMES; ++name)
@@ -336,6 +521,7 @@ static void kernels_are_found_by_name(void** unused) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_kernel_gives_the_specified_bits),
+      cmocka_unit_test(runs_at_the_limits_are_as_the_portable_ones),
       cmocka_unit_test(kernels_are_found_by_name),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

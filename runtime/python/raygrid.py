@@ -1,0 +1,236 @@
+"""raygrid's runtime from Python: a blob, pixels to rays and back, undistorted frames.
+
+    import raygrid
+    camera = raygrid.Camera("camera.raygrid")
+    direction = camera.unproject([(320, 240)])[0]
+
+Needs the shared library and nothing else: the one that RAYGRID_LIBRARY names, or that lies beside
+this file, or that the system finds. With numpy, any array of N x 2 or N x 3 numbers will do, and
+a frame may be an array; results are tuples, which numpy.array() takes.
+"""
+import ctypes
+import ctypes.util
+import os
+from pathlib import Path
+
+OK, OUTSIDE_AREA, NO_REMAP, NOT_SEEN, UNKNOWN = 0, -50, -51, -54, -58
+NO_PIXEL = -2**31
+Q12, Q16, Q28, Q30 = 2**12, 2**16, 2**28, 2**30
+
+# Of each format: its number, then bytes a row of each plane takes, as a fraction of the width,
+# and rows of each plane, as a fraction of the height.
+FORMATS = {
+    "GREY8": (0, ((1, 1),)), "GREY16": (1, ((2, 1),)),
+    "GREY10P": (2, ((1.25, 1),)), "GREY12P": (3, ((1.5, 1),)),
+    "RGB24": (4, ((3, 1),)), "RGB32": (5, ((4, 1),)),
+    "YUYV": (6, ((2, 1),)), "UYVY": (7, ((2, 1),)),
+    "NV12": (8, ((1, 1), (1, 0.5))),
+    "YUV420": (9, ((1, 1), (0.5, 0.5), (0.5, 0.5))),
+    "BAYER8": (10, ((1, 1),)), "BAYER16": (11, ((2, 1),)),
+    "BAYER10P": (12, ((1.25, 1),)), "BAYER12P": (13, ((1.5, 1),)),
+}
+BORDERS = {"value": 0, "clamp": 1, "keep": 2}
+SAMPLINGS = {"bilinear": 0, "nearest": 1}
+
+
+class Error(Exception):
+    """What the library refuses; status is its number."""
+
+    def __init__(self, status):
+        super().__init__(_library.rg_status_text(status).decode())
+        self.status = status
+
+
+class _Axis(ctypes.Structure):
+    _fields_ = [("low", ctypes.c_int32), ("span", ctypes.c_uint32), ("scale", ctypes.c_uint32)]
+
+
+class _Camera(ctypes.Structure):
+    _fields_ = [("blob", ctypes.c_void_p), ("control_points", ctypes.c_void_p),
+                ("remap", ctypes.c_void_p), ("axes", _Axis * 2),
+                ("last_cell", ctypes.c_uint16 * 2), ("width", ctypes.c_uint16),
+                ("height", ctypes.c_uint16), ("start", ctypes.c_uint32),
+                ("line_points", ctypes.c_uint32)]
+
+
+class _Pixel(ctypes.Structure):
+    _fields_ = [("x", ctypes.c_int32), ("y", ctypes.c_int32)]
+
+
+class _Line(ctypes.Structure):
+    _fields_ = [("point", ctypes.c_int32 * 3), ("direction", ctypes.c_int32 * 3)]
+
+
+class _Plane(ctypes.Structure):
+    _fields_ = [("data", ctypes.c_void_p), ("stride", ctypes.c_uint32)]
+
+
+class _Image(ctypes.Structure):
+    _fields_ = [("format", ctypes.c_int), ("width", ctypes.c_uint16),
+                ("height", ctypes.c_uint16), ("ring_rows", ctypes.c_uint16),
+                ("first_row", ctypes.c_uint16), ("num_rows", ctypes.c_uint16),
+                ("planes", _Plane * 3)]
+
+
+class _Target(ctypes.Structure):
+    _fields_ = [("planes", _Plane * 3), ("first_row", ctypes.c_uint16),
+                ("num_rows", ctypes.c_uint16), ("border", ctypes.c_int),
+                ("sampling", ctypes.c_int), ("border_values", ctypes.c_uint16 * 4),
+                ("kernels", ctypes.c_void_p)]
+
+
+def _load_library():
+    beside = Path(__file__).resolve().parent / "libraygrid.so"
+    path = (os.environ.get("RAYGRID_LIBRARY") or (beside if beside.exists() else None)
+            or ctypes.util.find_library("raygrid"))
+    if not path:
+        raise ImportError("libraygrid.so is not found; name it in RAYGRID_LIBRARY")
+    library = ctypes.CDLL(str(path))
+    library.rg_status_text.restype = ctypes.c_char_p
+    library.rg_find_kernels.restype = ctypes.c_void_p
+    for name in ("rg_unproject_batch", "rg_project_batch", "rg_undistort_points"):
+        getattr(library, name).restype = ctypes.c_uint32
+    return library
+
+
+_library = _load_library()
+
+
+def _check(status):
+    if status != OK:
+        raise Error(status)
+
+
+def _pixels(points):
+    """Positions as the library wants them; too distant ones are in no camera's area."""
+    array = (_Pixel * len(points))()
+    for pixel, (x, y) in zip(array, points):
+        pixel.x, pixel.y = _fixed(x), _fixed(y)
+    return array
+
+
+def _fixed(value):
+    return max(1 - 2**31, min(2**31 - 1, round(float(value) * Q16)))
+
+
+def _positions(array):
+    return [None if p.x == NO_PIXEL else (p.x / Q16, p.y / Q16) for p in array]
+
+
+class Camera:
+    """A blob: the path of a file, or its bytes."""
+
+    def __init__(self, blob):
+        data = blob if isinstance(blob, (bytes, bytearray)) else Path(blob).read_bytes()
+        self._blob = (ctypes.c_uint32 * (len(data) // 4 + 1))()  # a multiple of 4
+        ctypes.memmove(self._blob, bytes(data), len(data))
+        self._camera = _Camera()
+        _check(_library.rg_camera_open(ctypes.byref(self._camera), self._blob,
+                                       ctypes.c_uint32(len(data))))
+        self.width, self.height = self._camera.width, self._camera.height
+        self.is_central = self._camera.line_points == 0
+
+    def unproject(self, points):
+        """Directions (x, y, z) of pixels (x, y); None outside the calibrated area."""
+        if not self.is_central:
+            return [line and line[1] for line in self.unproject_lines(points)]
+        rays = (ctypes.c_int32 * 3 * len(points))()
+        _library.rg_unproject_batch(ctypes.byref(self._camera), _pixels(points), rays,
+                                    ctypes.c_uint32(len(points)))
+        return [tuple(v / Q30 for v in ray) if any(ray) else None for ray in rays]
+
+    def unproject_lines(self, points):
+        """Lines of pixels: (point in metres, direction); None outside the calibrated area."""
+        lines = []
+        for pixel in _pixels(points):
+            line = _Line()
+            status = _library.rg_unproject_line(ctypes.byref(self._camera), pixel,
+                                                ctypes.byref(line))
+            if status not in (OK, OUTSIDE_AREA):
+                raise Error(status)
+            lines.append((tuple(v / Q28 for v in line.point),
+                          tuple(v / Q30 for v in line.direction)) if status == OK else None)
+        return lines
+
+    def project(self, points):
+        """Pixels of directions or points (x, y, z) of any length; None where nothing is seen."""
+        if not self.is_central:
+            raise Error(-57)
+        rays = (ctypes.c_int32 * 3 * len(points))()
+        for ray, point in zip(rays, points):
+            largest = max(abs(float(v)) for v in point) or 1.0
+            ray[:] = [round(float(v) / largest * Q30) for v in point]
+        pixels = (_Pixel * len(points))()
+        _library.rg_project_batch(ctypes.byref(self._camera), rays, pixels,
+                                  ctypes.c_uint32(len(points)))
+        return _positions(pixels)
+
+    def is_valid(self, points):
+        """Whether the camera may be trusted at pixels."""
+        return [bool(_library.rg_is_valid(ctypes.byref(self._camera), pixel))
+                for pixel in _pixels(points)]
+
+    def uncertainty(self, points):
+        """Standard deviations of projection at pixels; None where the blob does not say."""
+        values = []
+        for pixel in _pixels(points):
+            sigma = ctypes.c_uint16()
+            status = _library.rg_uncertainty(ctypes.byref(self._camera), pixel,
+                                             ctypes.byref(sigma))
+            if status not in (OK, OUTSIDE_AREA, UNKNOWN):
+                raise Error(status)
+            values.append(sigma.value / Q12 if status == OK else None)
+        return values
+
+    def select_remap(self, index):
+        """Takes another remap table of the blob."""
+        _check(_library.rg_select_remap(ctypes.byref(self._camera), ctypes.c_uint32(index)))
+
+    def remap_size(self):
+        """Width and height of the undistorted image."""
+        width, height = ctypes.c_uint16(), ctypes.c_uint16()
+        _check(_library.rg_remap_size(ctypes.byref(self._camera), ctypes.byref(width),
+                                      ctypes.byref(height)))
+        return width.value, height.value
+
+    def undistort_points(self, points):
+        """Where pixels lie in the undistorted image; None for those that have no place there."""
+        self.remap_size()
+        result = (_Pixel * len(points))()
+        _library.rg_undistort_points(ctypes.byref(self._camera), _pixels(points), result,
+                                     ctypes.c_uint32(len(points)))
+        return _positions(result)
+
+    def undistort(self, frame, pixel_format="GREY8", border="value", border_values=(0, 0, 0, 0),
+                  sampling="bilinear"):
+        """The undistorted frame, as bytes: planes after each other, rows without gaps, as the
+        frame has them."""
+        number, planes = FORMATS[pixel_format]
+        data = bytes(frame)
+        width, height = self.remap_size()
+        output = ctypes.create_string_buffer(_frame_size(planes, width, height))
+        needed = _frame_size(planes, self.width, self.height)
+        if len(data) != needed:
+            raise ValueError(f"a frame of {self.width} x {self.height} has {needed} bytes in "
+                             f"{pixel_format}, not {len(data)}")
+        source = ctypes.create_string_buffer(data, len(data))
+        image = _Image(number, self.width, self.height, 0, 0, 0,
+                       _planes(source, planes, self.width, self.height))
+        values = tuple(border_values) + (0,) * (4 - len(border_values))
+        target = _Target(_planes(output, planes, width, height), 0, height, BORDERS[border],
+                         SAMPLINGS[sampling], values, None)
+        _check(_library.rg_remap(ctypes.byref(self._camera), ctypes.byref(image),
+                                 ctypes.byref(target)))
+        return output.raw
+
+
+def _frame_size(planes, width, height):
+    return sum(int(width * across) * int(height * down) for across, down in planes)
+
+
+def _planes(buffer, planes, width, height):
+    result, address = (_Plane * 3)(), ctypes.addressof(buffer)
+    for plane, (across, down) in zip(result, planes):
+        plane.data, plane.stride = address, int(width * across)
+        address += plane.stride * int(height * down)
+    return result

@@ -1,0 +1,75 @@
+#!/usr/bin/env python3
+"""Installs the runtime into a folder and builds a program against it, by find_package() and by
+pkg-config."""
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+
+PROJECT = """cmake_minimum_required(VERSION 3.16)
+project(consumer LANGUAGES C)
+find_package(raygrid 0.1 REQUIRED)
+add_executable(consumer consumer.c)
+set_target_properties(consumer PROPERTIES C_STANDARD 99)
+target_link_libraries(consumer PRIVATE raygrid::runtime)
+"""
+
+
+def run(*command, **environment):
+    done = subprocess.run(command, capture_output=True, text=True, check=False,
+                          env={**os.environ, **environment})
+    if done.returncode != 0:
+        sys.exit(f"installation: {' '.join(command)}\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+def check_program(path):
+    """It runs, and finds the library's texts."""
+    done = subprocess.run([path, "/dev/null", "in", "out"], capture_output=True, text=True,
+                          check=False)
+    if done.returncode != 1 or "/dev/null" not in done.stderr:
+        sys.exit(f"installation: {path} says '{done.stderr.strip()}'")
+
+
+def find(folder, name):
+    found = [os.path.join(place, name) for place, _, files in os.walk(folder) if name in files]
+    return found[0] if found else sys.exit(f"installation: {name} is missing")
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    for name in ("cmake", "build", "compiler", "flags", "consumer"):
+        parser.add_argument(f"--{name}", required=True)
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        prefix, project = os.path.join(folder, "prefix"), os.path.join(folder, "project")
+        run(arguments.cmake, "--install", arguments.build, "--prefix", prefix,
+            "--component", "runtime")
+        os.mkdir(project)
+        source = shutil.copy(arguments.consumer, os.path.join(project, "consumer.c"))
+        with open(os.path.join(project, "CMakeLists.txt"), "w", encoding="utf-8") as file:
+            file.write(PROJECT)
+        build = os.path.join(folder, "build")
+        run(arguments.cmake, "-S", project, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}",
+            f"-DCMAKE_C_COMPILER={arguments.compiler}", f"-DCMAKE_C_FLAGS={arguments.flags}")
+        run(arguments.cmake, "--build", build)
+        check_program(os.path.join(build, "consumer"))
+
+        pc_folder = os.path.dirname(find(prefix, "raygrid.pc"))
+        options = run("pkg-config", "--cflags", "--libs", "raygrid",
+                      PKG_CONFIG_PATH=pc_folder).split()
+        program = os.path.join(folder, "by_pkg_config")
+        run(arguments.compiler, "-std=c99", *arguments.flags.split(), source, *options,
+            "-o", program)
+        check_program(program)
+
+        module = os.path.dirname(find(prefix, "raygrid.py"))
+        if "sanitize" not in arguments.flags:
+            run(sys.executable, "-B", "-c", "import raygrid; raygrid.Camera", PYTHONPATH=module,
+                RAYGRID_LIBRARY=find(prefix, "libraygrid.so"))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+"""The Python module against the reference reader; with numpy where that is there."""
+import unittest
+import zlib
+
+import blob_reference as reference
+import make_golden
+import raygrid
+
+try:
+    import numpy
+except ImportError:
+    numpy = None
+
+LENS, WIDE = make_golden.make_lens(), make_golden.make_wide()
+LINES = make_golden.make_lines(make_golden.make_example())
+PIXELS = [(20.5, 14.25), (80, 60), (131.125, 99.75)]
+
+
+def open_blob(blob):
+    return raygrid.Camera(reference.serialize(blob))
+
+
+class ModuleTest(unittest.TestCase):
+    def assert_close(self, values, expected, delta):
+        self.assertEqual(len(values), len(expected))
+        for value, other in zip(values, expected):
+            self.assertAlmostEqual(value, other, delta=delta)
+
+    def test_blob_tells_its_size(self):
+        camera = open_blob(LENS)
+        self.assertEqual((camera.width, camera.height), (160, 120))
+        self.assertEqual(camera.remap_size(), (LENS.remap.width, LENS.remap.height))
+
+    def test_directions_are_the_references(self):
+        for direction, pixel in zip(open_blob(LENS).unproject(PIXELS), PIXELS):
+            self.assert_close(direction, reference.unproject(LENS, *pixel), 1e-7)
+
+    def test_pixels_outside_have_no_direction(self):
+        camera = open_blob(LENS)
+        self.assertEqual(camera.unproject([(-1, 0), (1e9, -1e9)]), [None, None])
+        self.assertEqual(camera.is_valid([(-1, 0), PIXELS[0]]), [False, True])
+
+    def test_projection_inverts_at_any_length(self):
+        camera = open_blob(WIDE)
+        rays = [tuple(1e6 * v for v in ray) for ray in camera.unproject(PIXELS)]
+        for found, pixel in zip(camera.project(rays), PIXELS):
+            self.assert_close(found, pixel, 0.002)
+        self.assertEqual(camera.project([(0, 0, -1), (0, 0, 0)]), [None, None])
+
+    def test_lines_are_the_references(self):
+        camera = open_blob(LINES)
+        self.assertFalse(camera.is_central)
+        points = [(10, 10), (30.5, 20)]
+        for line, pixel in zip(camera.unproject_lines(points), points):
+            self.assert_close(line[0], reference.line_point(LINES, *pixel), 5e-8)
+            self.assert_close(line[1], reference.unproject(LINES, *pixel), 1e-7)
+        with self.assertRaises(raygrid.Error):
+            camera.project([(0, 0, 1)])
+
+    def test_undistorted_points_are_the_references(self):
+        camera = open_blob(LENS)
+        for found, pixel in zip(camera.undistort_points(PIXELS), PIXELS):
+            x, y, z = reference.unproject(LENS, *pixel)
+            remap = LENS.remap
+            self.assert_close(found, ((remap.fx * x / z + remap.cx) / 65536,
+                                      (remap.fy * y / z + remap.cy) / 65536), 0.001)
+
+    def test_frame_is_the_references(self):
+        frame = make_golden.make_frame(160, 120)
+        output = open_blob(LENS).undistort(frame, border_values=(make_golden.BORDER,))
+        self.assertEqual(zlib.crc32(output), make_golden.remap_crc(LENS))
+
+    def test_every_format_has_the_size_the_library_wants(self):
+        camera = open_blob(WIDE)
+        for name, (_, planes) in raygrid.FORMATS.items():
+            size = sum(int(WIDE.camera.width * across) * int(WIDE.camera.height * down)
+                       for across, down in planes)
+            camera.undistort(bytes(size), name, sampling="nearest")
+            with self.assertRaises(ValueError):
+                camera.undistort(bytes(size - 1), name)
+
+    def test_damaged_blob_is_refused(self):
+        data = bytearray(reference.serialize(LENS))
+        data[-1] ^= 1
+        with self.assertRaises(raygrid.Error) as context:
+            raygrid.Camera(data)
+        self.assertEqual(context.exception.status, -17)
+
+    def test_blob_without_uncertainty_says_nothing(self):
+        self.assertEqual(open_blob(LENS).uncertainty(PIXELS), [None] * 3)
+
+    @unittest.skipUnless(numpy, "without numpy")
+    def test_arrays_will_do(self):
+        camera = open_blob(LENS)
+        self.assertEqual(camera.unproject(numpy.array(PIXELS)), camera.unproject(PIXELS))
+        rays = numpy.array(camera.unproject(PIXELS), dtype=numpy.float32)
+        self.assertLess(abs(numpy.array(camera.project(rays)) - numpy.array(PIXELS)).max(), 0.002)
+        frame = make_golden.make_frame(160, 120)
+        array = numpy.frombuffer(frame, numpy.uint8).reshape(120, 160)
+        self.assertEqual(camera.undistort(array), camera.undistort(frame))
+
+
+if __name__ == "__main__":
+    unittest.main()

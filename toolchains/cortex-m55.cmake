@@ -1,0 +1,5 @@
+include(${CMAKE_CURRENT_LIST_DIR}/bare_metal.cmake)
+set(CMAKE_SYSTEM_PROCESSOR cortex-m55)
+set(CMAKE_C_COMPILER arm-none-eabi-gcc)
+raygrid_bare_metal("-mcpu=cortex-m55 -mfloat-abi=hard" 0x0 0x80000 0x60000000 0x1000000)
+set(CMAKE_CROSSCOMPILING_EMULATOR qemu-system-arm;-M;mps3-an547;${RAYGRID_SEMIHOSTING})
