@@ -21,7 +21,7 @@ constexpr int kMaxDegree = 3;
 constexpr double kMinSpacingPx = 5;
 constexpr double kMaxMovePx = 2;
 constexpr double kMaxMoveSquares = 0.03;  // of large ones
-constexpr double kMaxAsymmetry = 0.4;     // of the contrast
+constexpr double kMaxAsymmetry = 0.6;     // of the contrast
 constexpr double kMinContrast = 0.5;      // grey levels
 // Standard deviation along the less certain direction: 0.5 px are eight of
 // them.
