@@ -80,9 +80,11 @@ ErrorModes ModesOf(const Eigen::MatrixXd& joint_px2,
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
       (joint_px2 + joint_px2.transpose()) / 2);
   const Eigen::Index last = joint_px2.rows() - 1;
+  double rest_px2 = solver.eigenvalues().cwiseMax(0.0).sum();
   for (int k = 0; k < std::min<Eigen::Index>(kMaxModes, last); ++k) {
     const double variance = solver.eigenvalues()[last - k];
     if (!(variance > 0)) break;
+    rest_px2 -= variance;
     Eigen::VectorXd mode =
         std::sqrt(variance) * solver.eigenvectors().col(last - k);
     // Its sign is nobody's.
@@ -94,6 +96,8 @@ ErrorModes ModesOf(const Eigen::MatrixXd& joint_px2,
       fine.displacements_px.back().push_back(mode.segment<2>(i));
   }
   ErrorModes coarse;
+  coarse.rest_px = std::sqrt(std::max(0.0, rest_px2) /
+                             static_cast<double>(joint_px2.rows()));
   coarse.columns = std::max(2, (size.columns + 1) / 2);
   coarse.rows = std::max(2, (size.rows + 1) / 2);
   const Area unit = {0, 0, 1, 1};

@@ -49,6 +49,7 @@ struct TrustMask {
 struct ErrorModes {
   int columns = 0, rows = 0;
   std::vector<std::vector<Eigen::Vector2d>> displacements_px;
+  double rest_px = 0;  ///< standard deviation of what they leave, in an axis
 
   Eigen::Vector2d At(size_t mode, const Area& area,
                      const Eigen::Vector2d& pixel) const;

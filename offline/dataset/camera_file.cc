@@ -154,6 +154,8 @@ ErrorModes ParseModes(const YAML::Node& node) {
   if (std::min(modes.columns, modes.rows) < 2 ||
       std::max(modes.columns, modes.rows) > 65)
     throw InputError("modes: columns and rows must be 2 to 65");
+  modes.rest_px = node["rest_px"].as<double>();
+  if (!(modes.rest_px >= 0)) throw InputError("modes: rest_px is negative");
   for (const YAML::Node& mode : node["displacements_px"]) {
     RequireList(mode, "modes: one of displacements_px",
                 2 * modes.columns * modes.rows);
@@ -258,8 +260,9 @@ void EmitModes(const ErrorModes& modes, YAML::Emitter* out) {
   if (modes.displacements_px.empty()) return;
   *out << YAML::Key << "modes" << YAML::Value << YAML::BeginMap << YAML::Key
        << "columns" << YAML::Value << modes.columns << YAML::Key << "rows"
-       << YAML::Value << modes.rows << YAML::Key << "displacements_px"
-       << YAML::Value << YAML::BeginSeq;
+       << YAML::Value << modes.rows << YAML::Key << "rest_px" << YAML::Value
+       << fmt::format("{:.6f}", modes.rest_px) << YAML::Key
+       << "displacements_px" << YAML::Value << YAML::BeginSeq;
   for (const auto& field : modes.displacements_px) {
     *out << YAML::Flow << YAML::BeginSeq;
     for (const Eigen::Vector2d& displacement : field)

@@ -157,6 +157,40 @@ Estimate EstimateOf(const Information& information,
   return estimate;
 }
 
+// Chi-squared of local movements once smooth ones are allowed for. What the
+// camera's modes leave of its errors may be local too, and adds its variance to
+// that of the noise.
+struct LocalTest {
+  double chi_squared = 0;
+  int freedoms = 0;
+};
+
+LocalTest TestLocal(const Information& information, double rest_px) {
+  constexpr double kSmallest = 1e-6;
+  const auto& matrix = information.matrix;
+  const Eigen::LDLT<Eigen::MatrixXd> smooth(
+      matrix.topLeftCorner<kNumSmooth, kNumSmooth>());
+  const Eigen::MatrixXd mixed = matrix.topRightCorner<kNumSmooth, kNumLocal>();
+  const Eigen::MatrixXd local =
+      matrix.bottomRightCorner<kNumLocal, kNumLocal>() -
+      mixed.transpose() * smooth.solve(mixed);
+  const Eigen::VectorXd right =
+      information.right.tail<kNumLocal>() -
+      mixed.transpose() *
+          smooth.solve(information.right.head<kNumSmooth>().eval());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(local);
+  LocalTest test;
+  for (int k = 0; k < kNumLocal; ++k) {
+    const double value = solver.eigenvalues()[k];
+    if (value < kSmallest * solver.eigenvalues()[kNumLocal - 1]) continue;
+    const double along = solver.eigenvectors().col(k).dot(right);
+    test.chi_squared +=
+        along * along / (value + value * value * rest_px * rest_px);
+    ++test.freedoms;
+  }
+  return test;
+}
+
 // ---- Noise -----------------------------------------------------------------
 
 // What is left once all movements are fitted.
@@ -310,13 +344,16 @@ CameraChange TestForChange(const KnownCamera& camera,
                  EstimateOf(information, {kTilt, kTilt + 1}))};
   change.smooth_sigmas =
       ChiSquaredSigmas(of_smooth.chi_squared, of_smooth.freedoms);
+  const LocalTest of_local = TestLocal(information, camera.modes.rest_px);
   change.local_sigmas =
-      ChiSquaredSigmas(of_all.chi_squared - of_smooth.chi_squared,
-                       of_all.freedoms - of_smooth.freedoms);
-  if (change.smooth_sigmas > kAlarmSigmas)
+      ChiSquaredSigmas(of_local.chi_squared, of_local.freedoms);
+  // A local change looks a little like smooth ones.
+  const bool is_local = change.local_sigmas > kAlarmSigmas;
+  const bool is_mostly_smooth = of_smooth.chi_squared > of_local.chi_squared;
+  if (change.smooth_sigmas > kAlarmSigmas && (!is_local || is_mostly_smooth))
     change.moved = Explain(information, of_smooth.chi_squared);
   Movement local = {"local", {}, {}, {}, change.local_sigmas};
-  if (change.local_sigmas > kAlarmSigmas) {
+  if (is_local) {
     change.moved.push_back("local");
     FindLargestLocal(
         camera, EstimateOf(information, Range(kNumSmooth, kNumLocal)), &change);
@@ -325,11 +362,10 @@ CameraChange TestForChange(const KnownCamera& camera,
   change.is_degraded = !change.moved.empty();
 
   const Eigen::VectorXd fitted =
-      change.local_sigmas > kAlarmSigmas
-          ? of_all.values
-          : (Eigen::VectorXd(kNumMovements) << of_smooth.values,
-             Eigen::VectorXd::Zero(kNumLocal))
-                .finished();
+      is_local ? of_all.values
+               : (Eigen::VectorXd(kNumMovements) << of_smooth.values,
+                  Eigen::VectorXd::Zero(kNumLocal))
+                     .finished();
   for (const ReducedView& view : reduced)
     change.rms_px += (view.by_movements * fitted).squaredNorm();
   change.rms_px = std::sqrt(change.rms_px / std::max(1, change.num_features));

@@ -26,6 +26,14 @@ Cell RayError(const ExperimentFeatures& features,
       .median_px;
 }
 
+std::string ShortLabel(const ModelChoice& choice) {
+  const size_t generic = choice.model.find("-generic");
+  return generic == std::string::npos
+             ? choice.model
+             : fmt::format("{}/{}", choice.model.substr(0, generic),
+                           choice.cells);
+}
+
 struct Series {
   ChartSeries training = {"training", {}, false};
   ChartSeries test = {"test", {}, false};
@@ -40,7 +48,7 @@ void AddRow(const ExperimentFeatures& features, const ModelChoice& choice,
        result.camera.training->median_px, result.camera.held_out->median_px,
        result.bias_kl.value_or(0), result.noise_bias_kl.value_or(0),
        RayError(features, result)});
-  table->chart.ticks.push_back({place, choice.Label()});
+  table->chart.ticks.push_back({place, ShortLabel(choice)});
   series->training.points.push_back({place, result.camera.training->median_px});
   series->test.points.push_back({place, result.camera.held_out->median_px});
 }
@@ -66,7 +74,9 @@ ExperimentResult ValidateModels(const ExperimentOptions& options) {
       "test_median_px", "bias_kl", "noise_bias_kl", "ray_error_px"};
   table.chart.title = "Reprojection error by model";
   table.chart.note =
-      "median over features; cells along the longer side after the slash";
+      "median over features; after the slash, cells of the generic models "
+      "along "
+      "the longer side";
   table.chart.x_label = "model";
   table.chart.y_label = "median error, px";
   table.chart.is_logarithmic = true;
