@@ -201,7 +201,7 @@ ExperimentResult MeasureCurvatureBias(const ExperimentOptions& options) {
       "{} images, RMS; the calibration's residuals do not show the rays' error",
       count);
   table.chart.x_label = "window, px";
-  table.chart.y_label = "px";
+  table.chart.y_label = "ray error and residual, px";
   table.chart.is_logarithmic = true;
   const char* names[] = {"homography", "curved"};
   for (const int window : kWindows)

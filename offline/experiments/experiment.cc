@@ -23,7 +23,11 @@ const std::vector<Experiment>& Experiments() {
        MeasureNoncentrality, 60, UserData::kFeaturesOrCamera},
       {"localization",
        "error of a camera's place, by model and images averaged",
-       LocalizeByModels, 60, UserData::kFeatures}};
+       LocalizeByModels, 60, UserData::kFeatures},
+      {"stereo-depth", "bias of depth by stereo, by calibration",
+       MeasureStereoDepth, 40, UserData::kNone},
+      {"trajectory-drift", "where a walk ends, by calibration",
+       MeasureTrajectoryDrift, 60, UserData::kFeatures}};
   return experiments;
 }
 

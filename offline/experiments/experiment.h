@@ -102,6 +102,14 @@ ExperimentResult MeasureNoncentrality(const ExperimentOptions& options);
 /// Localization"), of one image and of the mean of many.
 ExperimentResult LocalizeByModels(const ExperimentOptions& options);
 
+/// Depth by stereo with generic and parametric calibrations of the same two
+/// cameras (paper, "Stereo Depth Estimation").
+ExperimentResult MeasureStereoDepth(const ExperimentOptions& options);
+
+/// How far a walk ends from where it should, adjusted with each calibration
+/// (paper, "Camera Trajectory Estimation").
+ExperimentResult MeasureTrajectoryDrift(const ExperimentOptions& options);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_EXPERIMENTS_EXPERIMENT_H
