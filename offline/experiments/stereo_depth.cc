@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <map>
 #include <opencv2/imgproc.hpp>
 
 #include "calibration/rig_calibration.h"
@@ -107,10 +108,13 @@ struct StereoCameras {
   Eigen::Vector3d RightCenter() const {
     return right_from_left.Inverse().translation;
   }
-  /// The rectified frame: x towards the right camera.
+  /// The rectified frame: x towards the right camera, z about where the middle
+  /// of the left image looks.
   Eigen::Matrix3d RectifiedFromLeft() const {
     const Eigen::Vector3d x = RightCenter().normalized();
-    const Eigen::Vector3d y = Eigen::Vector3d::UnitZ().cross(x).normalized();
+    const Eigen::Vector3d middle = left->Unproject(left->area().center())
+                                       .value_or(Eigen::Vector3d::UnitZ());
+    const Eigen::Vector3d y = middle.cross(x).normalized();
     Eigen::Matrix3d rows;
     rows << x.transpose(), y.transpose(), x.cross(y).transpose();
     return rows;
@@ -254,19 +258,33 @@ DepthMap MeasureDepth(const StereoCameras& cameras, const CameraModel& truth,
   return map;
 }
 
-// Of the mean of several images' maps.
+// Of one image's map and of the mean of several, whose matching errors are
+// still those of single windows; and of medians over blocks of it.
 struct DepthErrors {
-  double one_rms_mm = 0, mean_rms_mm = 0, scale = 1;
+  double one_median_mm = 0, mean_median_mm = 0, blocks_rms_mm = 0, scale = 1;
   int columns = 0;
   std::vector<double> mean_mm;
 };
 
-double RmsOf(const std::vector<double>& values) {
+double MedianSize(const std::vector<double>& values) {
+  std::vector<double> sizes;
+  for (const double value : values)
+    if (std::isfinite(value)) sizes.push_back(std::abs(value));
+  return Quantile(sizes, 0.5);
+}
+
+double BlocksRms(const std::vector<double>& values, int columns) {
+  constexpr int kBlock = 8, kMinValues = kBlock * kBlock / 2;
+  std::map<int, std::vector<double>> blocks;
+  for (int k = 0; k < static_cast<int>(values.size()); ++k)
+    if (std::isfinite(values[k]))
+      blocks[k / columns / kBlock * columns + k % columns / kBlock].push_back(
+          values[k]);
   double sum = 0;
   int count = 0;
-  for (const double value : values) {
-    if (!std::isfinite(value)) continue;
-    sum += value * value;
+  for (const auto& [block, errors] : blocks) {
+    if (static_cast<int>(errors.size()) < kMinValues) continue;
+    sum += std::pow(Quantile(errors, 0.5), 2);
     ++count;
   }
   return std::sqrt(sum / std::max(1, count));
@@ -286,13 +304,14 @@ DepthErrors MeasureFrames(const StereoCameras& cameras,
     errors.columns = map.columns;
     errors.scale = map.similarity_scale;
     if (frame == 0) {
-      errors.one_rms_mm = RmsOf(map.error_mm);
+      errors.one_median_mm = MedianSize(map.error_mm);
       errors.mean_mm.assign(map.error_mm.size(), 0);
     }
     for (size_t k = 0; k < map.error_mm.size(); ++k)
       errors.mean_mm[k] += map.error_mm[k] / kFrames;
   }
-  errors.mean_rms_mm = RmsOf(errors.mean_mm);
+  errors.mean_median_mm = MedianSize(errors.mean_mm);
+  errors.blocks_rms_mm = BlocksRms(errors.mean_mm, errors.columns);
   return errors;
 }
 
@@ -357,35 +376,44 @@ ExperimentResult MeasureStereoDepth(const ExperimentOptions& options) {
       {"d = b f / x",
        fmt::format("1 px of disparity is {:.1f} mm of depth", mm_per_px)},
       {"aligned", "clouds to the wall by a similarity (Umeyama)"},
+      {"blocks", "of 8 x 8 matches, in the mean of the images"},
       {"noise", fmt::format("{:g} grey levels", options.read_noise)},
       {"seed", std::to_string(options.seed)}};
-  table.columns = {"cameras", "one_image_rms_mm",
-                   fmt::format("mean_of_{}_rms_mm", kFrames), "as_disparity_px",
+  table.columns = {"cameras",
+                   "one_image_median_mm",
+                   fmt::format("mean_of_{}_median_mm", kFrames),
+                   "blocks_rms_mm",
+                   "blocks_rms_disparity_px",
                    "similarity_scale"};
   table.chart.title = "Error of depth by stereo";
-  table.chart.note = "RMS over the image; noise averages out, a bias does not";
+  table.chart.note =
+      "noise and errors of single windows average out, a bias does not";
   table.chart.x_label = "calibration";
   table.chart.y_label = "error of depth, mm";
   table.chart.is_logarithmic = true;
-  ChartSeries one = {"one image", {}, false},
-              mean = {fmt::format("mean of {}", kFrames), {}, false};
+  ChartSeries one = {"median, one image", {}, false},
+              mean = {fmt::format("median, mean of {}", kFrames), {}, false},
+              blocks = {"RMS of medians over blocks", {}, false};
   std::vector<SheetPicture> maps;
   double limit_mm = 0;
   for (const StereoCameras& pair : pairs) {
     const DepthErrors errors = MeasureFrames(pair, *lens, left, right, options);
     const double place = static_cast<double>(table.chart.ticks.size());
-    table.rows.push_back({pair.name, errors.one_rms_mm, errors.mean_rms_mm,
-                          errors.mean_rms_mm / mm_per_px, errors.scale});
+    table.rows.push_back({pair.name, errors.one_median_mm,
+                          errors.mean_median_mm, errors.blocks_rms_mm,
+                          errors.blocks_rms_mm / mm_per_px, errors.scale});
     table.chart.ticks.push_back({place, pair.name});
-    one.points.push_back({place, errors.one_rms_mm});
-    mean.points.push_back({place, errors.mean_rms_mm});
-    if (limit_mm == 0) limit_mm = 2.5 * errors.mean_rms_mm;
+    one.points.push_back({place, errors.one_median_mm});
+    mean.points.push_back({place, errors.mean_median_mm});
+    blocks.points.push_back({place, errors.blocks_rms_mm});
+    if (limit_mm == 0) limit_mm = 2.5 * errors.blocks_rms_mm;
     maps.push_back(
-        {fmt::format("{}: {:.1f} mm RMS", pair.name, errors.mean_rms_mm),
+        {fmt::format("{}: blocks {:.1f} mm RMS", pair.name,
+                     errors.blocks_rms_mm),
          HeatMap(errors.mean_mm, errors.columns, -limit_mm, limit_mm, 3)});
     if (options.progress) options.progress(0.6 + 0.1 * (place + 1));
   }
-  table.chart.series = {one, mean};
+  table.chart.series = {one, mean, blocks};
   table.pictures.push_back(
       {"bias",
        PictureSheet(maps,

@@ -375,7 +375,7 @@ std::string BoardFigure(const Board& board, const BoardShape& shape) {
   std::vector<double> heights_um;
   for (const double height_m : shape.height_m)
     heights_um.push_back(1e6 * height_m);
-  const double limit_um = std::max(1e6 * shape.max_height_m, 1e-3);
+  const double limit_um = std::max(1e6 * shape.max_height_m, 1.0);
   return HtmlPicture(
       HeatMap(heights_um, board.columns, -limit_um, limit_um, cell_px),
       fmt::format("Board {}: height above the nearest plane, {:.0f} &micro;m "

@@ -253,6 +253,8 @@ TEST(ResultJson, HasNoNumberThatIsNotFinite) {
   bare.camera.training = ComputeErrorFigures({});
   bare.camera.held_out.reset();
   bare.bias_kl.reset();
+  bare.noise_bias_kl.reset();
+  bare.parametric_models.clear();
   bare.cell_candidates.clear();
   const std::string text = FormatResultJson(bare, 1, 2);
   ExpectNoNull(nlohmann::json::parse(text));
