@@ -151,7 +151,9 @@ std::vector<double> NumDetermined(const NormalEquations& equations,
     for (int k = 0; k < num_samples; ++k)
       share.col(k) =
           std::sqrt(group.group->weight) *
-          group.root.Times(RandomSigns(group.root.size(), &random_bits), size);
+          WithoutFree(group.group->free, group.group->freed,
+                      group.root.Times(
+                          RandomSigns(group.root.size(), &random_bits), size));
     right.middleRows(layout.first_camera[group.camera], size) += share;
     shares.push_back(std::move(share));
   }

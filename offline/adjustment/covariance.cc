@@ -121,15 +121,13 @@ bool AddExactCovariances(const LinearSystem& system,
     return false;
   if (joint_px2)
     *joint_px2 = derivatives * x.middleRows(first, derivatives.cols());
-  const Eigen::MatrixXd precision_x = system.prior.precision * x;
-  const Eigen::MatrixXd root_x = system.prior.root.transpose() * x;
+  const Eigen::MatrixXd prior_x = system.prior.Times(x);
   for (size_t i = 0; i < pixels->size(); ++i) {
     const Eigen::Index k = 2 * static_cast<Eigen::Index>(i);
     const Eigen::Matrix2d total =
         derivatives.middleRows<2>(k) * x.block(first, k, derivatives.cols(), 2);
     const Eigen::Matrix2d prior =
-        x.middleCols<2>(k).transpose() * precision_x.middleCols<2>(k) +
-        root_x.middleCols<2>(k).transpose() * root_x.middleCols<2>(k);
+        x.middleCols<2>(k).transpose() * prior_x.middleCols<2>(k);
     (*pixels)[i].total_px2 = (total + total.transpose()) / 2;
     (*pixels)[i].noise_px2 = (*pixels)[i].total_px2 - prior;
   }
@@ -152,8 +150,10 @@ bool Sample(const LinearSystem& system, const PrecisionRoot* prior_root,
   prior.gradient.setZero();
   if (prior_root)
     prior.gradient =
-        prior_root->Times(RandomSigns(prior_root->size(), random_bits),
-                          system.layout.size) +
+        WithoutFree(
+            prior.free, prior.freed,
+            prior_root->Times(RandomSigns(prior_root->size(), random_bits),
+                              system.layout.size)) +
         prior.root * RandomSigns(prior.root.cols(), random_bits);
   const LargeEquations equations(system.layout, std::move(jacobians), prior,
                                  system.state.points, kTolerance,

@@ -147,10 +147,14 @@ void DenseEquations::AddPrior(const PriorEquations& prior) {
   }
   if (eliminate_points_)
     gradient_.eliminated += prior.gradient.tail(3 * layout_.num_points);
-  if (num_common > 0 && prior.root.cols() > 0)
-    a_.topLeftCorner(num_common, num_common)
-        .selfadjointView<Eigen::Lower>()
-        .rankUpdate(prior.root.topRows(num_common));
+  const auto add_product = [&](const Eigen::MatrixXd& root, double sign) {
+    if (num_common > 0 && root.cols() > 0)
+      a_.topLeftCorner(num_common, num_common)
+          .selfadjointView<Eigen::Lower>()
+          .rankUpdate(root.topRows(num_common), sign);
+  };
+  add_product(prior.root, 1);
+  add_product(prior.freed, -1);
 }
 
 bool DenseEquations::Reduce(double lambda, Reduced* reduced) const {

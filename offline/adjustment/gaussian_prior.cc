@@ -1,5 +1,6 @@
 #include "adjustment/gaussian_prior.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -106,26 +107,63 @@ PriorGroup SmoothField(const BSplineSurface& surface,
           std::sqrt(Binomial(kOrder, order) * Binomial(order, y_order)) *
               std::pow(kappa, kOrder - order),
           &differences);
-  return {differences.Precision(), field.count * surface.num_points(), 0};
+  PriorGroup group;
+  group.precision = differences.Precision();
+  group.rank = field.count * surface.num_points();
+  return group;
+}
+
+Eigen::Vector2d ControlPointPixel(const BSplineSurface& surface, int column,
+                                  int row) {
+  const Area& area = surface.area();
+  return {area.x0 + (column - 1) * surface.cell_width(),
+          area.y0 + (row - 1) * surface.cell_height()};
+}
+
+// The surface's derivative at a control point; beyond the area, at its edge.
+Eigen::Matrix2d ChartDerivative(const BSplineSurface& surface,
+                                const Eigen::Vector2d& pixel) {
+  const Area& area = surface.area();
+  Eigen::Matrix2d derivative;
+  surface.Evaluate({std::clamp(pixel.x(), area.x0, area.x1),
+                    std::clamp(pixel.y(), area.y0, area.y1)},
+                   &derivative);
+  return derivative;
 }
 
 // How many pixels a unit of the chart is, around each control point.
 std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
   std::vector<double> scales;
+  for (int j = 0; j < surface.rows(); ++j)
+    for (int i = 0; i < surface.columns(); ++i)
+      scales.push_back(
+          1 / std::sqrt(std::abs(
+                  ChartDerivative(surface, ControlPointPixel(surface, i, j))
+                      .determinant())));
+  return scales;
+}
+
+// How control points move with focal lengths and centre: displacements x, y, 1
+// across and 1 down in the image.
+Eigen::MatrixXd ByFocalLengthsAndCenter(const BSplineSurface& surface,
+                                        int per_point) {
+  const Area& area = surface.area();
+  const Eigen::Vector2d middle((area.x0 + area.x1) / 2,
+                               (area.y0 + area.y1) / 2);
+  Eigen::MatrixXd directions =
+      Eigen::MatrixXd::Zero(per_point * surface.num_points(), 4);
   for (int j = 0; j < surface.rows(); ++j) {
     for (int i = 0; i < surface.columns(); ++i) {
-      const Area& area = surface.area();
-      const Eigen::Vector2d pixel(
-          std::clamp(area.x0 + (i - 1) * surface.cell_width(), area.x0,
-                     area.x1),
-          std::clamp(area.y0 + (j - 1) * surface.cell_height(), area.y0,
-                     area.y1));
-      Eigen::Matrix2d derivative;
-      surface.Evaluate(pixel, &derivative);
-      scales.push_back(1 / std::sqrt(std::abs(derivative.determinant())));
+      const Eigen::Vector2d pixel = ControlPointPixel(surface, i, j);
+      const Eigen::Vector2d offset = (pixel - middle) / area.width();
+      Eigen::Matrix<double, 2, 4> displacements;
+      displacements << offset.x(), 0, 1, 0,  //
+          0, offset.y(), 0, 1;
+      directions.middleRows<2>(per_point * (j * surface.columns() + i)) =
+          ChartDerivative(surface, pixel) * displacements;
     }
   }
-  return scales;
+  return directions;
 }
 
 // Of directions that are the first two of a control point's parameters; without
@@ -134,6 +172,7 @@ CameraPrior DirectionsPrior(const BSplineSurface& base, int per_point) {
   const std::vector<double> pixels = PixelsPerChartUnit(base);
   CameraPrior prior;
   prior.groups = {SmoothField(base, {per_point, 0, 2}, pixels)};
+  prior.groups[0].Free(ByFocalLengthsAndCenter(base, per_point));
   // Of displacements in pixels: in the chart, those behind the camera, which
   // nothing is seen of, would outweigh all others. As firm as the observations,
   // which have no say in it, are in everything else.
@@ -149,6 +188,25 @@ CameraPrior DirectionsPrior(const BSplineSurface& base, int per_point) {
 }
 
 }  // namespace
+
+void PriorGroup::Free(const Eigen::MatrixXd& directions) {
+  const Eigen::MatrixXd product = precision * directions;
+  const Eigen::LLT<Eigen::MatrixXd> square(directions.transpose() * product);
+  // L^-1 D0^T, with D0^T K D0 = L L^T
+  free = square.matrixL().solve(directions.transpose()).transpose();
+  freed = std::sqrt(1 - kHeld * kHeld) * (precision * free);
+  rank -= static_cast<int>(directions.cols());
+}
+
+Eigen::VectorXd WithoutFree(const Eigen::MatrixXd& free,
+                            const Eigen::MatrixXd& freed,
+                            const Eigen::VectorXd& random) {
+  if (free.cols() == 0) return random;
+  // (1 - kHeld) / sqrt(1 - kHeld^2), for R in the place of K D
+  const double factor =
+      std::sqrt((1 - PriorGroup::kHeld) / (1 + PriorGroup::kHeld));
+  return random - factor * (freed * (free.transpose() * random));
+}
 
 double CameraPrior::Cost(const Eigen::VectorXd& parameters) const {
   const Eigen::VectorXd difference = parameters - mean;
@@ -235,7 +293,10 @@ PriorGroup RadialGroup(const CentralRadial& lens) {
   const int num_parameters = lens.NumParameters();
   Eigen::SparseMatrix<double> rows(num_rows, num_parameters);
   rows.setFromTriplets(triplets.begin(), triplets.end());
-  return {rows.transpose() * rows, count, 0};
+  PriorGroup group;
+  group.precision = rows.transpose() * rows;
+  group.rank = count;
+  return group;
 }
 
 }  // namespace

@@ -10,22 +10,40 @@
 
 namespace raygrid {
 
-/// Parameters of a camera that scatter alike: K is zero for all others.
+/// Parameters of a camera that scatter alike: K is zero for all others. In a
+/// few directions D, with D^T K D = I, they are as good as free: what counts is
+/// K - R R^T, with R = sqrt(1 - kHeld^2) K D.
 struct PriorGroup {
-  Eigen::SparseMatrix<double> precision;  ///< K, over all parameters
-  int rank = 0;                           ///< of K
-  double weight = 0;
+  static constexpr double kHeld =
+      1e-3;  ///< of a departure, in these directions
 
-  /// (c - c0)^T K (c - c0), without the weight.
+  Eigen::SparseMatrix<double> precision;  ///< K, over all parameters
+  int rank = 0;                           ///< of K, less the free directions
+  double weight = 0;
+  Eigen::MatrixXd free;   ///< D; may have no columns
+  Eigen::MatrixXd freed;  ///< R
+
+  /// Frees the directions that are the columns of a matrix.
+  void Free(const Eigen::MatrixXd& directions);
+
+  /// (c - c0)^T (K - R R^T) (c - c0), without the weight.
   double SquaredDistance(const Eigen::VectorXd& difference) const {
-    return difference.dot(precision * difference);
+    const double distance = difference.dot(precision * difference);
+    if (freed.cols() == 0) return distance;
+    return distance - (freed.transpose() * difference).squaredNorm();
   }
 };
+
+/// Of a random vector of covariance K, what is of covariance K - R R^T:
+/// (I - (1 - kHeld) K D D^T) b.
+Eigen::VectorXd WithoutFree(const Eigen::MatrixXd& free,
+                            const Eigen::MatrixXd& freed,
+                            const Eigen::VectorXd& random);
 
 /// What is believed of a camera's parameters before the observations: that they
 /// lie around a parametric lens, with smooth differences. Costs, beside the
 /// residuals':
-///   sum over groups of weight / 2 (c - c0)^T K (c - c0)
+///   sum over groups of weight / 2 (c - c0)^T (K - R R^T) (c - c0)
 ///   + orientation_weight / 2 |G^T (c - c0)|^2
 struct CameraPrior {
   Eigen::VectorXd mean;
@@ -48,8 +66,10 @@ struct GaussianPrior {
 /// Smoothness of a grid's difference from base: K sums the squared second
 /// differences, across, down and mixed, of the displacement in pixels that
 /// separates the two. Keeps nodes that few observations determine near where
-/// their neighbours and the parametric lens would have them. Also holds the
-/// camera's orientation, which no observation can see, to base's.
+/// their neighbours and the parametric lens would have them. Focal lengths and
+/// centre are free: those of the parametric lens make up for what it does not
+/// follow. Also holds the camera's orientation, which no observation can see,
+/// to base's.
 CameraPrior SmoothnessPrior(const CentralGeneric& base);
 
 /// Likewise of the directions of a grid of lines, and, as a group of its own,

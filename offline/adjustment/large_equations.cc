@@ -70,12 +70,19 @@ class ResidualProduct {
   }
 
  private:
+  // Of a spline surface, each a K-vector; those of a row follow each other.
+  static constexpr int kNumNodes = 16, kNodesInARow = 4;
+
   template <int K>
   Eigen::Vector2d Nodes(const Eigen::VectorXd& x, int i) const {
-    Eigen::Matrix<double, K, 1> sum = Eigen::Matrix<double, K, 1>::Zero();
-    for (int k = 0; k < jacobian_.num_nodes; ++k)
-      sum += jacobian_.node_weight(k, i) *
-             x.segment<K>(first_ + jacobian_.node_parameter(k, i));
+    using Node = Eigen::Matrix<double, K, 1>;
+    Node sum = Node::Zero();
+    const double* weight = jacobian_.node_weight.col(i).data();
+    for (int k = 0; k < kNumNodes; k += kNodesInARow) {
+      const double* row = &x[first_ + jacobian_.node_parameter(k, i)];
+      for (int n = 0; n < kNodesInARow; ++n)
+        sum += weight[k + n] * Eigen::Map<const Node>(row + n * K);
+    }
     return ViewJacobian::Block<K>(jacobian_.by_node, i) * sum;
   }
   Eigen::Vector2d Nodes(const Eigen::VectorXd& x, int i) const {
@@ -87,11 +94,15 @@ class ResidualProduct {
   }
   template <int K>
   void AddNodes(const Eigen::Vector2d& u, int i, Eigen::VectorXd* y) const {
-    const Eigen::Matrix<double, K, 1> sum =
+    using Node = Eigen::Matrix<double, K, 1>;
+    const Node sum =
         ViewJacobian::Block<K>(jacobian_.by_node, i).transpose() * u;
-    for (int k = 0; k < jacobian_.num_nodes; ++k)
-      y->segment<K>(first_ + jacobian_.node_parameter(k, i)) +=
-          jacobian_.node_weight(k, i) * sum;
+    const double* weight = jacobian_.node_weight.col(i).data();
+    for (int k = 0; k < kNumNodes; k += kNodesInARow) {
+      double* row = &(*y)[first_ + jacobian_.node_parameter(k, i)];
+      for (int n = 0; n < kNodesInARow; ++n)
+        Eigen::Map<Node>(row + n * K) += weight[k + n] * sum;
+    }
   }
   void AddNodes(const Eigen::Vector2d& u, int i, Eigen::VectorXd* y) const {
     const Eigen::VectorXd sum =
@@ -195,6 +206,72 @@ Eigen::MatrixXd Bends(const std::vector<Eigen::Vector3d>& points) {
   bends << Eigen::ArrayXd::Ones(x.size()), x, y, x * x, x * y, y * y;
   return bends;
 }
+
+// A residual's derivatives by the columns of a basis, most of them zero.
+class SparseRow {
+ public:
+  using Basis = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+  explicit SparseRow(const Basis& basis)
+      : basis_(basis),
+        x_(basis.cols(), 0.0),
+        y_(basis.cols(), 0.0),
+        is_used_(basis.cols(), 0) {}
+
+  // The derivative by a parameter.
+  void Add(int parameter, const Eigen::Vector2d& derivative) {
+    for (Basis::InnerIterator it(basis_, parameter); it; ++it) {
+      if (!is_used_[it.col()]) {
+        is_used_[it.col()] = 1;
+        used_.push_back(static_cast<int>(it.col()));
+      }
+      x_[it.col()] += it.value() * derivative.x();
+      y_[it.col()] += it.value() * derivative.y();
+    }
+  }
+
+  // *with_itself += row^T row, its lower triangle; *with_pose += row^T by_pose.
+  void AddProductsTo(const Eigen::Matrix<double, 2, 6>& by_pose,
+                     Eigen::MatrixXd* with_itself, Eigen::MatrixXd* with_pose) {
+    std::sort(used_.begin(), used_.end());
+    for (size_t begin = 0; begin < used_.size();) {
+      const int count = RunFrom(begin), first = used_[begin];
+      for (int k = 0; k < 6; ++k)
+        AddRun(first, count, by_pose.col(k), &with_pose->coeffRef(first, k));
+      // As far as the end of the run, beyond the triangle.
+      for (size_t b = 0; b < begin + count; ++b)
+        AddRun(first, count, {x_[used_[b]], y_[used_[b]]},
+               &with_itself->coeffRef(first, used_[b]));
+      begin += count;
+    }
+  }
+
+  void Clear() {
+    for (const int k : used_) x_[k] = y_[k] = is_used_[k] = 0;
+    used_.clear();
+  }
+
+ private:
+  // How many of the columns in use follow one after the other.
+  int RunFrom(size_t begin) const {
+    size_t end = begin + 1;
+    while (end < used_.size() && used_[end] == used_[end - 1] + 1) ++end;
+    return static_cast<int>(end - begin);
+  }
+
+  // sum[k] += the row's column first + k times value
+  void AddRun(int first, int count, const Eigen::Vector2d& value,
+              double* sum) const {
+    const double *x = &x_[first], *y = &y_[first];
+    const double value_x = value.x(), value_y = value.y();
+    for (int k = 0; k < count; ++k) sum[k] += x[k] * value_x + y[k] * value_y;
+  }
+
+  const Basis& basis_;
+  std::vector<double> x_, y_;
+  std::vector<char> is_used_;
+  std::vector<int> used_;
+};
 
 template <typename Block>
 void InvertBlocks(Eigen::MatrixXd* blocks) {
@@ -405,15 +482,15 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> LargeEquations::CoarseBasis()
       for (int node = 0; node < fine.num_nodes(); ++node) {
         const auto& x = transfer.columns()[node % fine.columns];
         const auto& y = transfer.rows()[node / fine.columns];
-        for (int k = 0; k < 16; ++k)
-          for (int p = 0; p < fine.per_node; ++p)
-            triplets.emplace_back(
-                first + node * fine.per_node + p,
-                num_columns +
-                    ((y.first + k / 4) * coarse.columns + x.first + k % 4) *
-                        fine.per_node +
-                    p,
-                y.weight[k / 4] * x.weight[k % 4]);
+        for (int k = 0; k < 16; ++k) {
+          const double weight = y.weight[k / 4] * x.weight[k % 4];
+          const int coarse_node =
+              (y.first + k / 4) * coarse.columns + x.first + k % 4;
+          for (int p = 0; weight != 0 && p < fine.per_node; ++p)
+            triplets.emplace_back(first + node * fine.per_node + p,
+                                  num_columns + coarse_node * fine.per_node + p,
+                                  weight);
+        }
       }
       num_columns += coarse.num_parameters();
     }
@@ -451,7 +528,8 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> LargeEquations::CoarseBasis()
 bool LargeEquations::MakeSystem(double lambda, System* system) const {
   system->lambda = lambda;
   system->damping = lambda * (memory_->diagonal + prior_.precision.diagonal() +
-                              prior_.root.rowwise().squaredNorm());
+                              prior_.root.rowwise().squaredNorm() -
+                              prior_.freed.rowwise().squaredNorm());
   system->damping.array() += kDampingFloor;
   for (const PoseBlock& pose : poses_) {
     Block6 v = pose.v;
@@ -492,8 +570,7 @@ Eigen::VectorXd LargeEquations::Apply(const System& system,
             sum);
     }
   });
-  y += prior_.precision * x + system.damping.cwiseProduct(x);
-  y += prior_.root * (prior_.root.transpose() * x);
+  y += prior_.Times(x) + system.damping.cwiseProduct(x);
   return y;
 }
 
@@ -505,22 +582,8 @@ Eigen::MatrixXd LargeEquations::CoarseMatrix(
   ParallelFor(NumChunks(), num_threads_, [&](int chunk) {
     Eigen::MatrixXd& sum = sums[chunk];
     sum.setZero(size, size);
-    Eigen::Matrix2Xd row = Eigen::Matrix2Xd::Zero(2, size);
-    std::vector<char> is_used(size, 0);
-    std::vector<int> used;
+    SparseRow row(coarse_basis);
     Eigen::MatrixXd with_pose(size, 6);
-    // row += derivative by a parameter, in the coarse basis
-    const auto add = [&](int parameter, const Eigen::Vector2d& derivative) {
-      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(
-               coarse_basis, parameter);
-           it; ++it) {
-        if (!is_used[it.col()]) {
-          is_used[it.col()] = 1;
-          used.push_back(static_cast<int>(it.col()));
-        }
-        row.col(it.col()) += it.value() * derivative;
-      }
-    };
     for (int p = ChunkBegin(chunk); p < ChunkBegin(chunk + 1); ++p) {
       with_pose.setZero();
       for (const int v : poses_[p].views) {
@@ -530,30 +593,20 @@ Eigen::MatrixXd LargeEquations::CoarseMatrix(
           const auto by_node = ViewJacobian::Block(j.by_node, i);
           for (int k = 0; k < j.num_nodes; ++k)
             for (int c = 0; c < j.num_per_node; ++c)
-              add(first + j.node_parameter(k, i) + c,
-                  j.node_weight(k, i) * by_node.col(c));
+              row.Add(first + j.node_parameter(k, i) + c,
+                      j.node_weight(k, i) * by_node.col(c));
           for (int c = 0; c < j.num_global; ++c)
-            add(first + j.first_global + c,
-                ViewJacobian::Block(j.by_global, i).col(c));
+            row.Add(first + j.first_global + c,
+                    ViewJacobian::Block(j.by_global, i).col(c));
           for (int c = 0; j.camera > 0 && c < 6; ++c)
-            add(layout_.CameraPose(j.camera) + c,
-                ViewJacobian::Block<6>(j.by_camera_pose, i).col(c));
+            row.Add(layout_.CameraPose(j.camera) + c,
+                    ViewJacobian::Block<6>(j.by_camera_pose, i).col(c));
           for (int c = 0; layout_.num_points > 0 && c < 3; ++c)
-            add(layout_.Point(j.points[i]) + c,
-                ViewJacobian::Block<3>(j.by_point, i).col(c));
-          std::sort(used.begin(), used.end());
-          const auto by_pose = ViewJacobian::Block<6>(j.by_pose, i);
-          for (size_t b = 0; b < used.size(); ++b) {
-            const Eigen::Vector2d value = row.col(used[b]);
-            with_pose.row(used[b]).noalias() += value.transpose() * by_pose;
-            for (size_t a = b; a < used.size(); ++a)
-              sum(used[a], used[b]) += row.col(used[a]).dot(value);
-          }
-          for (const int k : used) {
-            row.col(k).setZero();
-            is_used[k] = 0;
-          }
-          used.clear();
+            row.Add(layout_.Point(j.points[i]) + c,
+                    ViewJacobian::Block<3>(j.by_point, i).col(c));
+          row.AddProductsTo(ViewJacobian::Block<6>(j.by_pose, i), &sum,
+                            &with_pose);
+          row.Clear();
         }
       }
       // W V^-1 W^T = (L^-1 W^T)^T (L^-1 W^T)
@@ -571,7 +624,8 @@ Eigen::MatrixXd LargeEquations::CoarseMatrix(
       basis.transpose() * (system.damping.asDiagonal() * basis);
   matrix += Eigen::MatrixXd(prior) + Eigen::MatrixXd(damping);
   const Eigen::MatrixXd root = basis.transpose() * prior_.root;
-  matrix += root * root.transpose();
+  const Eigen::MatrixXd freed = basis.transpose() * prior_.freed;
+  matrix += root * root.transpose() - freed * freed.transpose();
   return matrix;  // its lower triangle
 }
 

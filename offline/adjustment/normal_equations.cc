@@ -1,29 +1,60 @@
 #include "adjustment/normal_equations.h"
 
+#include <cmath>
+
 #include "adjustment/dense_equations.h"
 #include "adjustment/large_equations.h"
 
 namespace raygrid {
 namespace {
 
+int NumFree(const CameraPrior& prior) {
+  int count = 0;
+  for (const PriorGroup& group : prior.groups)
+    count += static_cast<int>(group.free.cols());
+  return count;
+}
+
+// The first columns of the matrices that are the camera's.
+struct FirstColumns {
+  Eigen::Index root = 0, free = 0;
+};
+
+void AddGroup(const PriorGroup& group, int first, Eigen::Index first_free,
+              const Eigen::VectorXd& difference,
+              std::vector<Eigen::Triplet<double>>* precision,
+              PriorEquations* equations) {
+  auto gradient = equations->gradient.segment(first, difference.size());
+  gradient += group.weight * (group.precision * difference);
+  for (int k = 0; k < group.precision.outerSize(); ++k)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(group.precision, k); it;
+         ++it)
+      precision->emplace_back(first + it.row(), first + it.col(),
+                              group.weight * it.value());
+  if (group.free.cols() == 0) return;
+  gradient -=
+      group.weight * (group.freed * (group.freed.transpose() * difference));
+  const double root = std::sqrt(group.weight);
+  equations->freed.block(first, first_free, group.freed.rows(),
+                         group.freed.cols()) = root * group.freed;
+  equations->free.block(first, first_free, group.free.rows(),
+                        group.free.cols()) = group.free / root;
+}
+
 void AddCameraPrior(const CameraPrior& prior, int first,
-                    const Eigen::VectorXd& parameters, int first_column,
+                    const Eigen::VectorXd& parameters, FirstColumns columns,
                     std::vector<Eigen::Triplet<double>>* precision,
                     PriorEquations* equations) {
   const Eigen::VectorXd difference = parameters - prior.mean;
-  auto gradient = equations->gradient.segment(first, difference.size());
   for (const PriorGroup& group : prior.groups) {
-    gradient += group.weight * (group.precision * difference);
-    for (int k = 0; k < group.precision.outerSize(); ++k)
-      for (Eigen::SparseMatrix<double>::InnerIterator it(group.precision, k);
-           it; ++it)
-        precision->emplace_back(first + it.row(), first + it.col(),
-                                group.weight * it.value());
+    AddGroup(group, first, columns.free, difference, precision, equations);
+    columns.free += group.free.cols();
   }
   const Eigen::MatrixXd& g = prior.orientation;
   if (g.cols() == 0) return;
-  gradient += prior.orientation_weight * (g * (g.transpose() * difference));
-  equations->root.block(first, first_column, g.rows(), g.cols()) =
+  equations->gradient.segment(first, difference.size()) +=
+      prior.orientation_weight * (g * (g.transpose() * difference));
+  equations->root.block(first, columns.root, g.rows(), g.cols()) =
       std::sqrt(prior.orientation_weight) * g;
 }
 
@@ -64,16 +95,21 @@ PriorEquations::PriorEquations(const GaussianPrior& prior,
     : precision(layout.size, layout.size),
       gradient(Eigen::VectorXd::Zero(layout.size)) {
   std::vector<Eigen::Triplet<double>> triplets;
-  Eigen::Index num_columns = 0;
-  if (layout.has_cameras())
-    for (const CameraPrior& camera : prior.cameras)
-      num_columns += camera.orientation.cols();
-  root.setZero(layout.size, num_columns);
-  int column = 0;
-  for (size_t c = 0; layout.has_cameras() && c < prior.cameras.size(); ++c) {
+  const size_t num_cameras = layout.has_cameras() ? prior.cameras.size() : 0;
+  FirstColumns end;
+  for (size_t c = 0; c < num_cameras; ++c) {
+    end.root += prior.cameras[c].orientation.cols();
+    end.free += NumFree(prior.cameras[c]);
+  }
+  root.setZero(layout.size, end.root);
+  freed.setZero(layout.size, end.free);
+  free.setZero(layout.size, end.free);
+  FirstColumns columns;
+  for (size_t c = 0; c < num_cameras; ++c) {
     AddCameraPrior(prior.cameras[c], layout.first_camera[c],
-                   state.cameras[c]->Parameters(), column, &triplets, this);
-    column += static_cast<int>(prior.cameras[c].orientation.cols());
+                   state.cameras[c]->Parameters(), columns, &triplets, this);
+    columns.root += prior.cameras[c].orientation.cols();
+    columns.free += NumFree(prior.cameras[c]);
   }
   if (!prior.points_mean.empty()) {
     for (int i = 0; i < layout.num_points; ++i) {

@@ -49,14 +49,22 @@ struct ParameterLayout {
                       const Eigen::VectorXd& poses) const;
 };
 
-/// The prior's share of the equations, in the layout: P + R R^T.
+/// The prior's share of the equations, in the layout: P.
 struct PriorEquations {
   PriorEquations(const GaussianPrior& prior, const AdjustmentState& state,
                  const ParameterLayout& layout);
 
-  Eigen::SparseMatrix<double> precision;  ///< P
-  Eigen::MatrixXd root;                   ///< R, of few columns
+  /// P = precision + root root^T - freed freed^T, the latter of few columns.
+  Eigen::SparseMatrix<double> precision;
+  Eigen::MatrixXd root, freed;
+  Eigen::MatrixXd free;  ///< as in PriorGroup
   Eigen::VectorXd gradient;
+
+  /// P x, over the layout.
+  Eigen::MatrixXd Times(const Eigen::MatrixXd& x) const {
+    return precision * x + root * (root.transpose() * x) -
+           freed * (freed.transpose() * x);
+  }
 };
 
 /// A floor for the damping, so that a parameter that nothing depends on does

@@ -1,5 +1,8 @@
 #include "calibration/camera_result.h"
 
+#include <algorithm>
+#include <set>
+
 #include "calibration/camera_trust.h"
 
 namespace raygrid {
@@ -41,16 +44,86 @@ Dataset UsedFeatures(const Pattern& pattern, const CalibrationProblem& problem,
   return used;
 }
 
-CalibrationFigures FiguresOf(const CalibrationResult& result) {
-  return {result.converged,
-          result.checkpoint.has_value(),
-          result.camera.camera->image_size(),
-          result.camera.camera->area(),
-          static_cast<int>(result.features.images.size()),
-          static_cast<int>(result.rejected_images.size()),
-          *result.camera.training,
-          result.camera.held_out,
-          result.neighbor_correlation};
+Eigen::Vector3d IntoPage(const BoardPose& seen) {
+  return seen.camera_from_board.rotation * Eigen::Vector3d::UnitZ();
+}
+
+// Poses of flat boards only: others have no sides.
+std::vector<BoardPose> FlatBoards(const CalibrationResult& result) {
+  std::vector<BoardPose> flat;
+  for (const BoardPose& seen : result.poses)
+    for (const Board& board : result.pattern.boards)
+      if (board.id == seen.board && board.kind != "points")
+        flat.push_back(seen);
+  return flat;
+}
+
+bool IsSeenFromBehind(const BoardPose& seen, const Pattern& pattern) {
+  for (const Board& board : pattern.boards)
+    if (board.id == seen.board)
+      return IntoPage(seen).dot(seen.camera_from_board *
+                                board.points[board.num_points() / 2]) < 0;
+  return false;
+}
+
+// The largest angle between two poses' boards.
+double TiltOf(const std::vector<BoardPose>& poses) {
+  double least_cosine = 1;
+  for (const BoardPose& a : poses)
+    for (const BoardPose& b : poses)
+      least_cosine = std::min(least_cosine, IntoPage(a).dot(IntoPage(b)));
+  return std::acos(std::clamp(least_cosine, -1.0, 1.0));
+}
+
+// How many poses differ from those before them.
+int CountDifferent(const std::vector<BoardPose>& poses) {
+  constexpr double kAlikeRad = 2 * M_PI / 180, kAlikePart = 0.02;
+  std::vector<const BoardPose*> different;
+  for (const BoardPose& seen : poses) {
+    const Pose& pose = seen.camera_from_board;
+    if (std::none_of(different.begin(), different.end(),
+                     [&](const BoardPose* other) {
+                       const Pose& before = other->camera_from_board;
+                       return other->board == seen.board &&
+                              before.rotation.angularDistance(pose.rotation) <
+                                  kAlikeRad &&
+                              (before.translation - pose.translation).norm() <
+                                  kAlikePart * pose.translation.norm();
+                     }))
+      different.push_back(&seen);
+  }
+  return static_cast<int>(different.size());
+}
+
+CalibrationFigures FiguresOf(const CalibrationResult& result,
+                             const std::set<std::string>& images_apart) {
+  CalibrationFigures figures;
+  figures.converged = result.converged;
+  figures.interrupted = result.checkpoint.has_value();
+  figures.image_size = result.camera.camera->image_size();
+  figures.area = result.camera.camera->area();
+  figures.images_used = static_cast<int>(result.features.images.size());
+  figures.images_rejected = static_cast<int>(result.rejected_images.size());
+  figures.training = *result.camera.training;
+  figures.held_out = result.camera.held_out;
+  figures.neighbor_correlation = result.neighbor_correlation;
+  figures.images_apart.assign(images_apart.begin(), images_apart.end());
+  figures.different_views = CountDifferent(result.poses);
+  const std::vector<BoardPose> flat = FlatBoards(result);
+  figures.boards_seen = static_cast<int>(flat.size());
+  if (flat.size() == result.poses.size()) figures.tilt_rad = TiltOf(flat);
+  figures.boards_seen_from_behind = static_cast<int>(
+      std::count_if(flat.begin(), flat.end(), [&](const BoardPose& pose) {
+        return IsSeenFromBehind(pose, result.pattern);
+      }));
+  if (const auto& uncertainty = result.camera.uncertainty) {
+    figures.median_deviation_px = uncertainty->lattice.MedianPx();
+    figures.trusted_part =
+        uncertainty->TrustedPart(figures.image_size, figures.area) /
+        PartOfImage(figures.area, figures.image_size);
+    figures.trusted_px = uncertainty->max_deviation_px;
+  }
+  return figures;
 }
 
 }  // namespace
@@ -83,9 +156,15 @@ void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
 void JudgeResult(CalibrationResult* result) {
   if (!result->held_out.empty())
     result->camera.held_out = ComputeErrorFigures(result->held_out);
-  result->neighbor_correlation = NeighborCorrelation(
-      result->held_out.empty() ? result->training : result->held_out);
-  result->verdict = JudgeCalibration(FiguresOf(*result));
+  std::vector<FeatureResidual> residuals =
+      result->held_out.empty() ? result->training : result->held_out;
+  const std::set<std::string> apart = ImagesApart(residuals);
+  residuals.erase(
+      std::remove_if(residuals.begin(), residuals.end(),
+                     [&](const auto& r) { return apart.count(r.image) > 0; }),
+      residuals.end());
+  result->neighbor_correlation = NeighborCorrelation(residuals);
+  result->verdict = JudgeCalibration(FiguresOf(*result, apart));
 }
 
 }  // namespace raygrid

@@ -164,4 +164,21 @@ std::optional<double> NoiseBias(const std::vector<FeatureResidual>& residuals,
   return sum / kDraws;
 }
 
+std::set<std::string> ImagesApart(
+    const std::vector<FeatureResidual>& residuals) {
+  constexpr double kManyTimes = 5;
+  std::map<std::string, std::vector<double>> norms;
+  for (const FeatureResidual& r : residuals)
+    norms[r.image].push_back(r.error_px.norm());
+  std::vector<double> medians;
+  for (const auto& [image, values] : norms)
+    medians.push_back(Quantile(values, 0.5));
+  const double usual = Quantile(medians, 0.5);
+  std::set<std::string> apart;
+  size_t i = 0;
+  for (const auto& [image, values] : norms)
+    if (medians[i++] > kManyTimes * usual) apart.insert(image);
+  return apart;
+}
+
 }  // namespace raygrid

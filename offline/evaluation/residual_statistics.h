@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,11 @@ std::vector<double> BiasOfCells(const std::vector<FeatureResidual>& residuals,
 /// one image: 0 for noise, near 1 where the errors are the model's. Nothing for
 /// too few neighbours to tell.
 std::optional<double> NeighborCorrelation(
+    const std::vector<FeatureResidual>& residuals);
+
+/// Images whose features err many times more than those of the others, by
+/// their medians: another camera's, or of another board.
+std::set<std::string> ImagesApart(
     const std::vector<FeatureResidual>& residuals);
 
 }  // namespace raygrid

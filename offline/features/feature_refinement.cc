@@ -1,8 +1,10 @@
 #include "features/feature_refinement.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
 #include "features/feature_lattice.h"
 #include "features/image_noise.h"
@@ -24,6 +26,8 @@ constexpr double kMinContrast = 0.5;      // grey levels
 // Standard deviation along the less certain direction: 0.5 px are eight of
 // them.
 constexpr double kMaxDeviationPx = 0.06;
+constexpr const char* kNotInLine = "not in line with its neighbours";
+constexpr int kMaxStrayOutliers = 2;  // more of them are no accident
 
 // How far a feature may lie from where its neighbours say.
 struct Tolerance {
@@ -69,8 +73,7 @@ void RejectOutliers(const Board& board, const Tolerance& tolerance,
       worst_row = f.row;
     }
     if (worst_column < 0) return;
-    Reject(board, worst_column, worst_row, "not in line with its neighbours",
-           lattice, detection);
+    Reject(board, worst_column, worst_row, kNotInLine, lattice, detection);
   }
 }
 
@@ -90,6 +93,97 @@ void RejectLonely(const Board& board, FeatureLattice* lattice,
                            lattice->Has(c, r - 1) + lattice->Has(c, r + 1);
     if (neighbours < 1) Reject(board, c, r, "alone", lattice, detection);
   }
+}
+
+using Place = Eigen::Vector2i;  // column, row
+
+bool Has(const FeatureLattice& lattice, const Place& p) {
+  return lattice.Has(p.x(), p.y());
+}
+
+// From a feature to the next one in a row or column.
+struct Way {
+  Place to;
+  bool is_sound;  // as long as the steps before and after it tell
+};
+
+// Nothing if there is no feature near, or none that tells how long it ought to
+// be.
+std::optional<Way> WayFrom(const FeatureLattice& lattice, const Place& from,
+                           const Place& step) {
+  constexpr int kMaxSteps = 3;
+  constexpr double kToleranceSteps = 0.5;
+  const auto at = [&](const Place& p) { return lattice.at(p.x(), p.y()); };
+  int num_steps = 1;
+  while (!Has(lattice, from + num_steps * step))
+    if (++num_steps > kMaxSteps) return std::nullopt;
+  const Place to = from + num_steps * step;
+  Eigen::Vector2d one_step(0, 0);
+  int count = 0;
+  for (const Place& p : {Place(from - step), to}) {
+    if (!Has(lattice, p) || !Has(lattice, p + step)) continue;
+    one_step += at(p + step) - at(p);
+    ++count;
+  }
+  if (count < 2 && num_steps > 1) return std::nullopt;
+  if (count == 0) return Way{to, true};
+  one_step /= count;
+  const double deviation_px = (at(to) - at(from) - num_steps * one_step).norm();
+  return Way{to, deviation_px <= kToleranceSteps * one_step.norm()};
+}
+
+const std::array<Place, 4> kSteps = {Place(1, 0), Place(-1, 0), Place(0, 1),
+                                     Place(0, -1)};
+
+// Features that sound ways lead to from each other, the largest group first.
+std::vector<std::vector<Place>> Groups(const FeatureLattice& lattice) {
+  std::vector<std::vector<Place>> groups;
+  FeatureLattice left = lattice;
+  const auto take = [&left](const Place& p, std::vector<Place>* group) {
+    left.Remove(p.x(), p.y());
+    group->push_back(p);
+  };
+  for (const Feature& first : lattice.Features()) {
+    if (!left.Has(first.column, first.row)) continue;
+    std::vector<Place> group;
+    take({first.column, first.row}, &group);
+    for (size_t i = 0; i < group.size(); ++i) {
+      for (const Place& step : kSteps) {
+        const auto way = WayFrom(lattice, group[i], step);
+        if (way && way->is_sound && Has(left, way->to)) take(way->to, &group);
+      }
+    }
+    groups.push_back(std::move(group));
+  }
+  std::stable_sort(
+      groups.begin(), groups.end(),
+      [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  return groups;
+}
+
+bool IsAtASeam(const FeatureLattice& lattice, const Place& p) {
+  return std::any_of(kSteps.begin(), kSteps.end(), [&](const Place& step) {
+    const auto way = WayFrom(lattice, p, step);
+    return way && !way->is_sound;
+  });
+}
+
+// Where features were not in line, the growth may have come upon other stars
+// than it thought: those on one side, all in line with each other, are not the
+// ones that they are taken for.
+void RejectGroupsApart(const Board& board, FeatureLattice* lattice,
+                       ImageDetection* detection) {
+  const auto groups = Groups(*lattice);
+  bool is_in_doubt =
+      std::count_if(detection->rejected.begin(), detection->rejected.end(),
+                    [](const auto& r) { return r.reason == kNotInLine; }) >
+      kMaxStrayOutliers;
+  for (const auto& group : groups)
+    for (const Place& p : group) is_in_doubt |= IsAtASeam(*lattice, p);
+  if (!is_in_doubt) return;
+  for (size_t g = 1; g < groups.size(); ++g)
+    for (const Place& p : groups[g])
+      Reject(board, p.x(), p.y(), "apart from the others", lattice, detection);
 }
 
 }  // namespace
@@ -251,6 +345,7 @@ ImageDetection FeatureRefiner::Refine(
       data_->RefineBySymmetry(image, &lattice, &detection);
   }
   RejectLonely(data_->board, &lattice, &detection);
+  RejectGroupsApart(data_->board, &lattice, &detection);
   detection.features = lattice.Features();
   return detection;
 }

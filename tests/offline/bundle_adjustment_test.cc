@@ -3,6 +3,7 @@
 #include "adjustment/bundle_adjustment.h"
 
 #include <ceres/ceres.h>
+#include <ceres/normal_prior.h>
 #include <ceres/rotation.h>
 
 #include "small_problem.h"
@@ -74,11 +75,12 @@ std::vector<PoseParameters> ToParameters(const std::vector<Pose>& poses) {
 void AddPriorBlocks(const GaussianPrior& prior, double* camera,
                     std::vector<Eigen::Vector3d>* points,
                     ceres::Problem* problem) {
-  using CameraVector = Eigen::Matrix<double, OpenCvModel::kCount, 1>;
-  const Eigen::MatrixXd precision = WeightedPrecision(prior.cameras[0]);
-  problem->AddResidualBlock(NewPriorCost<OpenCvModel::kCount>(
-                                CameraVector(prior.cameras[0].mean),
-                                CameraVector(precision.diagonal().cwiseSqrt())),
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> precision(
+      WeightedPrecision(prior.cameras[0]));
+  const Eigen::MatrixXd root =
+      precision.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
+      precision.eigenvectors().transpose();
+  problem->AddResidualBlock(new ceres::NormalPrior(root, prior.cameras[0].mean),
                             nullptr, camera);
   for (size_t i = 0; i < points->size(); ++i)
     problem->AddResidualBlock(

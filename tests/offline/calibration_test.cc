@@ -2,7 +2,9 @@
 
 #include "calibration/calibration.h"
 
+#include <algorithm>
 #include <set>
+#include <string>
 
 #include "calibration/camera_evaluation.h"
 #include "camera/thin_prism_fisheye.h"
@@ -277,6 +279,79 @@ TEST(Calibrate, LinesOfACentralLensMeet) {
   const CalibrationResult lines = CalibrateSeenBy(*lens, "noncentral-generic");
   EXPECT_LT(lines.camera.held_out->rms_px, 1.1 * kNoiseRmsPx);
   EXPECT_LT(lines.line_spread->rms_m, 2e-5);
+}
+
+// With noise, from where the boards are given to be.
+Dataset Observe(const std::vector<Pose>& poses) {
+  const SimulatedCamera camera = ExampleSimulatedCamera();
+  Board board = TestBoard().boards[0];
+  board.points = board.NominalPoints();
+  TestRandom random(7);
+  Dataset dataset;
+  dataset.image_size = camera.image_size();
+  for (const Pose& pose : poses) {
+    const std::string name =
+        "view" + std::to_string(dataset.images.size()) + ".png";
+    dataset.images.push_back({name, VisibleFeatures(camera, board, pose)});
+    for (Feature& feature : dataset.images.back().features)
+      feature.pixel += 0.05 * random.NormalVector<2>();
+  }
+  return dataset;
+}
+
+Pose PoseOver(double x_m, double y_m, double z_m, double tilt_rad) {
+  Pose pose;
+  pose.rotation = Eigen::AngleAxisd(tilt_rad, Eigen::Vector3d::UnitX());
+  pose.translation = {x_m - 0.2, y_m - 0.15, z_m};
+  return pose;
+}
+
+bool HasReason(const CalibrationResult& result, const std::string& words) {
+  const auto& reasons = result.verdict.reasons;
+  return std::any_of(reasons.begin(), reasons.end(),
+                     [&](const std::string& reason) {
+                       return reason.find(words) != std::string::npos;
+                     });
+}
+
+TEST(Calibrate, FailsWhereNoBoardIsTilted) {
+  std::vector<Pose> poses;
+  for (int k = 0; k < 12; ++k)
+    poses.push_back(
+        PoseOver(0.1 * (k % 3 - 1), 0.1 * (k / 3 % 2), 0.5 + 0.05 * k, 0));
+  const CalibrationResult result =
+      Calibrate(Observe(poses), TestBoard(), Coarse());
+  EXPECT_EQ(result.verdict.word, "fail");
+  EXPECT_TRUE(HasReason(result, "all boards are parallel"));
+}
+
+TEST(Calibrate, FailsWhereAllViewsAreTheSame) {
+  const CalibrationResult result =
+      Calibrate(Observe(std::vector<Pose>(12, PoseOver(0, 0, 0.5, 0.6))),
+                TestBoard(), Coarse());
+  EXPECT_EQ(result.verdict.word, "fail");
+  EXPECT_TRUE(HasReason(result, "only 1 different ways"));
+}
+
+TEST(Calibrate, NamesImagesOfAnotherCamera) {
+  Dataset dataset = Simulate(20);
+  for (const int k : {4, 11})
+    for (Feature& feature : dataset.images[k].features)
+      feature.pixel = {feature.pixel.x(), 0.8 * feature.pixel.y()};
+  const CalibrationResult result = Calibrate(dataset, TestBoard(), Coarse());
+  EXPECT_EQ(result.verdict.word, "warn");
+  EXPECT_TRUE(HasReason(
+      result, "2 images do not fit the others (" + dataset.images[4].image));
+}
+
+TEST(Calibrate, NamesAMirroredPattern) {
+  Dataset dataset = Simulate(12);
+  for (ImageFeatures& image : dataset.images)
+    for (Feature& feature : image.features)
+      feature.column = 13 - feature.column;
+  const CalibrationResult result = Calibrate(dataset, TestBoard(), Coarse());
+  EXPECT_TRUE(
+      HasReason(result, "12 of 12 times the board is seen from behind"));
 }
 
 TEST(EvaluateCamera, FindsTheNoiseOfATrueCamera) {

@@ -1,6 +1,8 @@
 #include "features/camera_refinement.h"
 
 #include <cstdio>
+#include <map>
+#include <utility>
 
 #include "features/feature_refinement.h"
 #include "features/star_detection.h"
@@ -126,6 +128,35 @@ TEST(FeatureRefiner, IsMoreAccurateWithWhatTheCameraTells) {
     EXPECT_LT(after, 0.004) << lens;
     EXPECT_LT(after, before) << lens;
   }
+}
+
+// As a growth leaves them that has come upon the wrong stars on its way round
+// the tag.
+TEST(FeatureRefiner, RejectsStarsThatAreTakenForTheirNeighbours) {
+  const Pattern pattern = StarPattern();
+  const Board& board = pattern.boards[0];
+  const BoardSurface surface(board);
+  const auto camera = SimulatedLens("pinhole", kSize);
+  const Pose pose = PoseInACorner(*camera, board, 0.25);
+  const GreyImage image = MakeGreyImage(AddNoiseAndQuantize(
+      RenderImage(PixelRays(*camera, 2), {{&surface, pose}}, {}, 2), {}));
+  std::map<std::pair<int, int>, Eigen::Vector2d> truth;
+  for (const Feature& f : VisibleFeatures(*camera, board, pose))
+    truth[{f.column, f.row}] = f.pixel;
+  std::vector<Feature> approximate;
+  constexpr int kFirstRight = 5;
+  for (const auto& [place, pixel] : truth) {
+    const auto [column, row] = place;
+    if (column >= kFirstRight)
+      approximate.push_back({0, column, row, pixel});
+    else if (column > 0 && column < kFirstRight - 1)
+      approximate.push_back({0, column - 1, row, pixel});
+  }
+  const auto found = FeatureRefiner(board, {}).Refine(image, approximate);
+  EXPECT_GT(found.features.size(), 80u);
+  for (const Feature& f : found.features)
+    EXPECT_LT((f.pixel - truth.at({f.column, f.row})).norm(), 0.5)
+        << f.column << ", " << f.row;
 }
 
 }  // namespace

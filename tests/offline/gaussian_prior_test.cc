@@ -29,6 +29,32 @@ double GroupCost(const CameraPrior& prior, size_t group,
   return prior.groups[group].SquaredDistance(parameters - prior.mean);
 }
 
+TEST(SmoothnessPrior, LeavesFocalLengthsAndCenterFree) {
+  const CentralGeneric base = Base();
+  const CameraPrior prior = SmoothnessPrior(base);
+  const PriorGroup& group = prior.groups[0];
+  TestRandom random(3);
+  const Eigen::VectorXd moved = group.free * random.NormalVector<4>();
+  const double held = moved.dot(group.precision * moved);
+  EXPECT_NEAR(group.SquaredDistance(moved), 1e-6 * held, 1e-8 * held);
+  const Eigen::VectorXd bent = base.Parameters().cwiseAbs2();
+  EXPECT_GT(group.SquaredDistance(bent),
+            0.2 * bent.dot(group.precision * bent));
+}
+
+// b of covariance K - R R^T, from signs.
+TEST(SmoothnessPrior, ScattersAsItHolds) {
+  const CameraPrior prior = SmoothnessPrior(Base());
+  const PriorGroup& group = prior.groups[0];
+  const Eigen::MatrixXd k = Eigen::MatrixXd(group.precision);
+  const Eigen::MatrixXd root = Eigen::LLT<Eigen::MatrixXd>(k).matrixL();
+  Eigen::MatrixXd without(root.rows(), root.cols());
+  for (Eigen::Index i = 0; i < root.cols(); ++i)
+    without.col(i) = WithoutFree(group.free, group.freed, root.col(i));
+  const Eigen::MatrixXd expected = k - group.freed * group.freed.transpose();
+  EXPECT_LT((without * without.transpose() - expected).norm(), 1e-9 * k.norm());
+}
+
 TEST(NonCentralPrior, CostsNothingAtItsMean) {
   const CameraPrior prior = NonCentralPrior(Base(), kDistance);
   ASSERT_EQ(prior.groups.size(), 2u);
@@ -73,8 +99,9 @@ TEST(NonCentralPrior, HoldsDirectionsAsTheCentralOneDoes) {
       1e-12);
 }
 
-// What observations do not see must be held: K has full rank.
-TEST(NonCentralPrior, LeavesNoParameterFree) {
+// What observations do not see must be held: K has full rank. Focal lengths and
+// centre, which they do see, are held by little.
+TEST(NonCentralPrior, LeavesNoParameterQuiteFree) {
   const CameraPrior prior = NonCentralPrior(Base(), kDistance);
   Eigen::MatrixXd sum =
       Eigen::MatrixXd::Zero(prior.mean.size(), prior.mean.size());
@@ -83,7 +110,7 @@ TEST(NonCentralPrior, LeavesNoParameterFree) {
     sum += Eigen::MatrixXd(group.precision);
     rank += group.rank;
   }
-  EXPECT_EQ(rank, prior.mean.size());
+  EXPECT_EQ(rank, prior.mean.size() - 4);
   // Scaled to a unit diagonal, since units differ.
   const Eigen::VectorXd scale = sum.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::LDLT<Eigen::MatrixXd> factor(scale.asDiagonal() * sum *

@@ -61,21 +61,32 @@ inline SmallProblem MakeSmallProblem(const SmallProblemSizes& sizes) {
   return problem;
 }
 
-/// Of a lens's principal point.
+/// Of a lens's principal point, one direction of it free.
 inline PriorGroup PriorOfCenter() {
   Eigen::SparseMatrix<double> precision(OpenCvModel::kCount,
                                         OpenCvModel::kCount);
   precision.insert(OpenCvModel::kCx, OpenCvModel::kCx) = 2;
   precision.insert(OpenCvModel::kCy, OpenCvModel::kCy) = 3;
-  return {precision, 2, 0.3};
+  PriorGroup group;
+  group.precision = precision;
+  group.rank = 2;
+  group.weight = 0.3;
+  Eigen::MatrixXd direction = Eigen::MatrixXd::Zero(OpenCvModel::kCount, 1);
+  direction(OpenCvModel::kCx) = 1;
+  direction(OpenCvModel::kCy) = 0.5;
+  group.Free(direction);
+  return group;
 }
 
-/// K of all groups of a prior, with their weights.
+/// K - R R^T of all groups of a prior, with their weights.
 inline Eigen::MatrixXd WeightedPrecision(const CameraPrior& prior) {
   const Eigen::Index size = prior.mean.size();
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(size, size);
   for (const PriorGroup& group : prior.groups)
     sum += group.weight * Eigen::MatrixXd(group.precision);
+  for (const PriorGroup& group : prior.groups)
+    if (group.freed.cols() > 0)
+      sum -= group.weight * group.freed * group.freed.transpose();
   return sum;
 }
 

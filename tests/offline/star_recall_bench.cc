@@ -30,7 +30,7 @@ struct Arguments {
   int num_images = 1000, only = -1, threads = 2;
   uint64_t seed = 1;
   std::string save;
-  bool list = false;
+  bool list = false, plain = false;
 };
 
 // A lens with its pixels' rays.
@@ -107,6 +107,17 @@ std::vector<Camera> MakeCameras(int num_threads) {
   return cameras;
 }
 
+// Well exposed and sharp, with the noise of a good camera.
+ImagingOptions PlainImaging(Random *random) {
+  ImagingOptions imaging;
+  imaging.blur_px = 0.7;
+  imaging.read_noise = 2;
+  imaging.samples_per_pixel = 8;
+  imaging.seed = static_cast<uint64_t>(random->Uniform(0, 1e15));
+  return imaging;
+}
+
+// Often blurred, noisy, too dark or too bright.
 ImagingOptions RandomImaging(Random *random) {
   ImagingOptions imaging;
   imaging.blur_px = random->Uniform(0.5, 1.5);
@@ -200,12 +211,13 @@ TagView Scene::ViewOf(size_t board, const BoardTag &tag) const {
 }
 
 Scene MakeScene(const std::vector<Camera> &cameras,
-                const std::vector<Target> &targets, uint64_t seed, int index) {
+                const std::vector<Target> &targets, uint64_t seed, bool plain,
+                int index) {
   Random random(seed * 1000003 + index);
   Scene scene;
   scene.camera = &cameras[index % cameras.size()];
   scene.target = &targets[random.Index(static_cast<int>(targets.size()))];
-  scene.imaging = RandomImaging(&random);
+  scene.imaging = plain ? PlainImaging(&random) : RandomImaging(&random);
   const double square_m = scene.target->pattern.boards[0].square_m;
   scene.pose =
       RandomPoses(*scene.camera->model, scene.target->center_m, square_m, 1,
@@ -345,7 +357,7 @@ void Run(const Arguments &arguments) {
   const std::vector<Target> targets = MakeTargets();
   std::vector<Outcome> outcomes(arguments.num_images);
   const auto scene = [&](int i) {
-    return MakeScene(cameras, targets, arguments.seed, i);
+    return MakeScene(cameras, targets, arguments.seed, arguments.plain, i);
   };
   if (arguments.only >= 0) {
     const Scene one = scene(arguments.only);
@@ -386,6 +398,9 @@ int main(int argc, char **argv) {
   app.add_option("--threads", arguments.threads, "number of threads")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
+  app.add_flag("--plain", arguments.plain,
+               "well exposed and sharp images, noise 2 of 255; by default many "
+               "are blurred, noisy, dark or overexposed");
   app.add_flag("--list", arguments.list, "images in which stars are missed");
   app.add_option("--only", arguments.only, "one image, by number");
   app.add_option("--save", arguments.save, "its PNG file");
