@@ -26,6 +26,12 @@ Cell RayError(const ExperimentFeatures& features,
       .median_px;
 }
 
+// Too few features in any place say nothing of bias.
+Cell NumberOrDash(const std::optional<double>& number) {
+  if (number) return *number;
+  return std::string("-");
+}
+
 std::string ShortLabel(const ModelChoice& choice) {
   const size_t generic = choice.model.find("-generic");
   return generic == std::string::npos
@@ -46,7 +52,7 @@ void AddRow(const ExperimentFeatures& features, const ModelChoice& choice,
   table->rows.push_back(
       {choice.model, choice.cells, result.num_parameters,
        result.camera.training->median_px, result.camera.held_out->median_px,
-       result.bias_kl.value_or(0), result.noise_bias_kl.value_or(0),
+       result.bias_kl.value_or(0), NumberOrDash(result.noise_bias_kl),
        RayError(features, result)});
   table->chart.ticks.push_back({place, ShortLabel(choice)});
   series->training.points.push_back({place, result.camera.training->median_px});
