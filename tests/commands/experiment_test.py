@@ -127,6 +127,20 @@ class Experiment(CommandTest):
         self.assertLess(2 * error["curved", "21"], error["homography", "21"])
         self.assertLess(error["homography", "11"], error["homography", "31"])
 
+    def test_stereo_depth(self):
+        rows, pictures = self.small("stereo-depth", images=12)
+        self.assertEqual(pictures, ["stereo-depth-bias.png"])
+        bias = {row["cameras"]: float(row["blocks_rms_mm"]) for row in rows}
+        self.assertLess(2 * bias["central-generic"], bias["opencv"])
+        self.assertLess(bias["central-generic"], 3 * bias["truth"])
+
+    def test_trajectory_drift(self):
+        rows, _ = self.small("trajectory-drift", images=20)
+        worst = {}
+        for row in rows:
+            worst.setdefault(row["camera"], []).append(float(row["end_error_percent"]))
+        self.assertLess(2 * max(worst["central-generic"]), min(worst["opencv"]))
+
     def test_own_features(self):
         self.assert_done(run("simulate", "--images", 10, "-o", self.path("own")))
         data = ("--features", self.path("own/features.csv"), "--pattern",
