@@ -1,12 +1,10 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <filesystem>
 #include <memory>
 
 #include "calibration_input.h"
 #include "camera_input.h"
-#include "crc32.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_files.h"
@@ -68,21 +66,6 @@ std::optional<BeforeAfter> ExampleImage(const std::vector<std::string>& paths,
   return std::nullopt;
 }
 
-// Tells features, pattern and what matters of the options from others.
-std::string InputsOf(const CalibrateArguments& arguments,
-                     const Measurements& measurements, const Pattern& pattern) {
-  const ImageSize& size = measurements.dataset.image_size;
-  const std::string text =
-      FormatFeatures(measurements.dataset) + FormatPattern(pattern) +
-      fmt::format("{} {} {} {} {} {} {} {}", size.width, size.height,
-                  arguments.model, arguments.cell_px, arguments.flat_board,
-                  arguments.measure_once, measurements.paths.size(),
-                  fmt::join(arguments.hold_out, ","));
-  return fmt::format("{:08x}",
-                     rg_crc32(0, reinterpret_cast<const uint8_t*>(text.data()),
-                              static_cast<uint32_t>(text.size())));
-}
-
 void PrintSummary(const CalibrateArguments& arguments,
                   const CalibrationResult& result) {
   fmt::print("{}: {} parameters, {} images", result.camera.camera->Name(),
@@ -127,8 +110,9 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
     const Measurements measurements =
         GatherFeatures(arguments, common, paths, given, pattern, &bar);
     options.measure_again = AgainIn(measurements, arguments, common.threads);
-    inputs = InputsOf(arguments, measurements, pattern);
-    if (arguments.resume) options.resume = ReadCheckpoint(resume_path, inputs);
+    inputs = InputsOf(arguments, {measurements}, pattern);
+    if (arguments.resume)
+      options.resume = ReadCheckpoints(resume_path, inputs).front();
     NoteInterruptions();
     result = Calibrate(measurements.dataset, pattern, options);
     result.camera.name = arguments.name;
@@ -150,7 +134,7 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
   AddResultFiles(result, extras, arguments.output, &files);
   if (packed) files.Add((folder / "camera.raygrid").string(), packed->blob);
   if (result.checkpoint)
-    files.Add(resume_path, FormatCheckpoint(*result.checkpoint, inputs));
+    files.Add(resume_path, FormatCheckpoints({*result.checkpoint}, inputs));
   files.Commit();
   if (!result.checkpoint) std::filesystem::remove(resume_path);
   AddReports(arguments.output, &files);

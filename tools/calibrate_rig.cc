@@ -12,6 +12,7 @@
 #include "dataset/files.h"
 #include "dataset/image_files.h"
 #include "interruption.h"
+#include "report/checkpoint_json.h"
 #include "report/result_folder.h"
 
 namespace raygrid {
@@ -144,14 +145,20 @@ RigMeasurements Gather(const CalibrateArguments& arguments,
   return rig;
 }
 
-std::vector<RigCameraInput> InputsOf(const RigMeasurements& rig,
-                                     const CalibrateArguments& arguments,
-                                     int num_threads) {
-  std::vector<RigCameraInput> inputs;
-  for (size_t c = 0; c < rig.names.size(); ++c)
-    inputs.push_back({rig.names[c], rig.cameras[c].dataset,
-                      AgainIn(rig.cameras[c], arguments, num_threads)});
-  return inputs;
+// With the checkpoints of an interrupted calibration, if there are any.
+std::vector<RigCameraInput> CamerasOf(const RigMeasurements& rig,
+                                      const CalibrateArguments& arguments,
+                                      const std::vector<Checkpoint>& resume,
+                                      int num_threads) {
+  std::vector<RigCameraInput> cameras;
+  for (size_t c = 0; c < rig.names.size(); ++c) {
+    cameras.push_back({rig.names[c],
+                       rig.cameras[c].dataset,
+                       AgainIn(rig.cameras[c], arguments, num_threads),
+                       {}});
+    if (c < resume.size()) cameras.back().resume = resume[c];
+  }
+  return cameras;
 }
 
 // ---- Output ----------------------------------------------------------------
@@ -228,15 +235,20 @@ void PrintSummary(const CalibrateArguments& arguments,
   fmt::print("  results in {}\n", arguments.output);
 }
 
+// Of all cameras, or of none.
+std::vector<Checkpoint> CheckpointsOf(const RigResult& result) {
+  std::vector<Checkpoint> checkpoints;
+  for (const CalibrationResult& camera : result.cameras)
+    if (camera.checkpoint) checkpoints.push_back(*camera.checkpoint);
+  return checkpoints;
+}
+
 void RequireNothingForOneCamera(const CalibrateArguments& arguments) {
   if (!arguments.name.empty() || !arguments.serial.empty())
     throw Error(ExitCode::kUsage,
                 "--name and --serial are for a single camera; a rig's names "
                 "are those of --camera, and pack --serial gives a blob its "
                 "serial number");
-  if (arguments.resume)
-    throw Error(ExitCode::kUsage,
-                "--resume is for a single camera; run the rig without it");
 }
 
 }  // namespace
@@ -246,21 +258,31 @@ void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
   RequireNothingForOneCamera(arguments);
   const Pattern pattern = ReadPattern(arguments.pattern);
   RequireWritableFolder(arguments.output);
+  const std::string resume_path =
+      (std::filesystem::path(arguments.output) / "resume.json").string();
+  std::string inputs;
   RigResult result;
   PackedCameras packed;
   {
     ProgressBar bar(common.quiet);
     const CalibrationOptions options = OptionsOf(arguments, common, &bar);
     const RigMeasurements rig = Gather(arguments, common, given, pattern, &bar);
+    inputs = InputsOf(arguments, rig.cameras, pattern);
+    std::vector<Checkpoint> resume;
+    if (arguments.resume) resume = ReadCheckpoints(resume_path, inputs);
     NoteInterruptions();
-    result = CalibrateRig(InputsOf(rig, arguments, common.threads), pattern,
-                          options);
+    result = CalibrateRig(CamerasOf(rig, arguments, resume, common.threads),
+                          pattern, options);
     bar.Show("packing", 0.9);
     packed = PackAll(result, common.threads);
   }
   OutputFiles files;
   AddFiles(result, packed, common.seed, arguments.output, &files);
+  const std::vector<Checkpoint> checkpoints = CheckpointsOf(result);
+  if (!checkpoints.empty())
+    files.Add(resume_path, FormatCheckpoints(checkpoints, inputs));
   files.Commit();
+  if (checkpoints.empty()) std::filesystem::remove(resume_path);
   AddReports(arguments.output, &files);
   files.Commit();
   if (common.json)
@@ -270,9 +292,11 @@ void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
   else if (!common.quiet)
     PrintSummary(arguments, result);
   if (packed.not_packed) throw *packed.not_packed;
-  if (!result.converged && IsInterrupted())
+  if (!checkpoints.empty())
     throw Error(ExitCode::kNotConverged,
-                "interrupted; the files hold the best state so far");
+                fmt::format("interrupted; {} holds the best state so far, "
+                            "--resume goes on from there",
+                            arguments.output));
   if (!result.converged)
     throw Error(ExitCode::kNotConverged,
                 "the adjustment did not converge; the files hold its last "

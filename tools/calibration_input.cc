@@ -1,8 +1,10 @@
 #include "calibration_input.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/resource.h>
 
+#include "crc32.h"
 #include "dataset/error.h"
 #include "features/camera_refinement.h"
 #include "features/feature_detection.h"
@@ -108,6 +110,22 @@ void PrintUncertainty(const CameraUncertainty& uncertainty,
       "image\n",
       uncertainty.lattice.MedianPx(), uncertainty.max_deviation_px,
       100 * uncertainty.TrustedPart(camera.image_size(), camera.area()));
+}
+
+std::string InputsOf(const CalibrateArguments& arguments,
+                     const std::vector<Measurements>& cameras,
+                     const Pattern& pattern) {
+  std::string text = FormatPattern(pattern);
+  for (const Measurements& camera : cameras)
+    text += FormatFeatures(camera.dataset) +
+            fmt::format("{} {} {}", camera.dataset.image_size.width,
+                        camera.dataset.image_size.height, camera.paths.size());
+  text += fmt::format("{} {} {} {} {}", arguments.model, arguments.cell_px,
+                      arguments.flat_board, arguments.measure_once,
+                      fmt::join(arguments.hold_out, ","));
+  return fmt::format("{:08x}",
+                     rg_crc32(0, reinterpret_cast<const uint8_t*>(text.data()),
+                              static_cast<uint32_t>(text.size())));
 }
 
 }  // namespace raygrid

@@ -49,6 +49,11 @@ void RequireUsable(const std::string& source,
 MeasureAgain AgainIn(const Measurements& measurements,
                      const CalibrateArguments& arguments, int num_threads);
 
+/// Tells features, pattern and what matters of the options from others.
+std::string InputsOf(const CalibrateArguments& arguments,
+                     const std::vector<Measurements>& cameras,
+                     const Pattern& pattern);
+
 /// Throws Error(kUsage). Without measure_again.
 CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
                              const CommonOptions& common, ProgressBar* bar);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "camera_input.h"
@@ -14,40 +15,53 @@
 namespace raygrid {
 namespace {
 
-std::string Pixels(uint32_t upx) {
-  return upx == RG_UNKNOWN_FIGURE ? "unknown"
-                                  : fmt::format("{:.4f} px", upx * 1e-6);
+// What a file holds: printed as it is, or as lines of text.
+using Json = nlohmann::ordered_json;
+
+// ---- Blobs -----------------------------------------------------------------
+
+// Figures that are not known are left out.
+void AddPixels(const char* key, uint32_t upx, Json* json) {
+  if (upx != RG_UNKNOWN_FIGURE) (*json)[key] = upx * 1e-6;
 }
 
-void InspectRemap(const uint8_t* section) {
+Json Figures(uint32_t median_upx, uint32_t rms_upx, uint32_t max_upx,
+             uint32_t count) {
+  Json json = Json::object();
+  AddPixels("median_px", median_upx, &json);
+  AddPixels("rms_px", rms_upx, &json);
+  AddPixels("max_px", max_upx, &json);
+  json["features"] = count;
+  return json;
+}
+
+Json RemapFacts(const uint8_t* section) {
   rg_remap_section remap;
   rg_read_remap(section, &remap);
-  fmt::print(
-      "remap: {} x {} px, focal length {:.3f} px, centre ({:.3f}, "
-      "{:.3f}), blocks of {} px, {} x {} vertices\n",
-      remap.width, remap.height, remap.fx_q16 / 65536.0, remap.cx_q16 / 65536.0,
-      remap.cy_q16 / 65536.0, 1 << remap.block_log2, remap.columns, remap.rows);
-  fmt::print("remap geometry error: {} (asked for {})\n",
-             Pixels(remap.max_error_upx), Pixels(remap.bound_upx));
+  Json json = {{"size", {remap.width, remap.height}},
+               {"focal_length_px", remap.fx_q16 / 65536.0},
+               {"center_px", {remap.cx_q16 / 65536.0, remap.cy_q16 / 65536.0}},
+               {"block_px", 1 << remap.block_log2},
+               {"vertices", {remap.columns, remap.rows}}};
+  AddPixels("error_px", remap.max_error_upx, &json);
+  AddPixels("error_asked_for_px", remap.bound_upx, &json);
+  return json;
 }
 
-void InspectQuality(const rg_blob& blob) {
+void AddQuality(const rg_blob& blob, Json* json) {
   rg_quality_section quality;
   rg_blob_quality(&blob, &quality);
-  fmt::print("training error: median {}, RMS {}, largest {}, {} features\n",
-             Pixels(quality.training_median_upx),
-             Pixels(quality.training_rms_upx), Pixels(quality.training_max_upx),
-             quality.training_count);
-  fmt::print("held-out error: median {}, RMS {}, largest {}, {} features\n",
-             Pixels(quality.held_out_median_upx),
-             Pixels(quality.held_out_rms_upx), Pixels(quality.held_out_max_upx),
-             quality.held_out_count);
-  fmt::print("un-projection error added by packing: {:.3g} px, {:.3g} rad\n",
-             quality.packing_error_npx * 1e-9,
-             quality.packing_error_prad * 1e-12);
+  (*json)["training_error"] =
+      Figures(quality.training_median_upx, quality.training_rms_upx,
+              quality.training_max_upx, quality.training_count);
+  (*json)["held-out_error"] =
+      Figures(quality.held_out_median_upx, quality.held_out_rms_upx,
+              quality.held_out_max_upx, quality.held_out_count);
+  (*json)["packing_error"] = {{"max_px", quality.packing_error_npx * 1e-9},
+                              {"max_rad", quality.packing_error_prad * 1e-12}};
 }
 
-void InspectUncertainty(const rg_blob& blob) {
+Json UncertaintyFacts(const rg_blob& blob) {
   rg_uncertainty_section uncertainty;
   rg_blob_uncertainty(&blob, &uncertainty);
   std::vector<int> values_q12;
@@ -55,106 +69,190 @@ void InspectUncertainty(const rg_blob& blob) {
     values_q12.push_back(uncertainty.values[2 * i] +
                          256 * uncertainty.values[2 * i + 1]);
   std::sort(values_q12.begin(), values_q12.end());
-  fmt::print("uncertainty: {} x {} values, median {:.4f} px\n",
-             uncertainty.columns, uncertainty.rows,
-             values_q12[values_q12.size() / 2] / 4096.0);
+  return {{"values", {uncertainty.columns, uncertainty.rows}},
+          {"median_px", values_q12[values_q12.size() / 2] / 4096.0}};
 }
 
-void InspectMask(const rg_blob& blob) {
+Json MaskFacts(const rg_blob& blob) {
   rg_mask_section mask;
   rg_blob_mask(&blob, &mask);
   const int count = mask.columns * mask.rows;
   int num_valid = 0;
   for (int k = 0; k < count; ++k) num_valid += mask.bits[k / 8] >> k % 8 & 1;
-  fmt::print("trusted: {} of {} x {} cells of {} px\n", num_valid, mask.columns,
-             mask.rows, 1 << mask.cell_log2);
+  return {{"cells", num_valid},
+          {"of", {mask.columns, mask.rows}},
+          {"cell_px", 1 << mask.cell_log2}};
 }
 
-void InspectBlob(const BlobCamera& camera) {
+Json BlobFacts(const BlobCamera& camera) {
   const rg_blob& blob = camera.blob();
   rg_camera_section identity;
   rg_grid_section grid;
   rg_blob_camera(&blob, &identity);
   rg_blob_grid(&blob, &grid);
-  fmt::print("raygrid blob, {} bytes, valid\n", blob.size);
-  fmt::print("camera: '{}', serial '{}', {} x {} px\n", identity.name,
-             identity.serial, identity.width, identity.height);
-  fmt::print(
-      "central grid: {} x {} control points, area x {:.3f} to {:.3f}, "
-      "y {:.3f} to {:.3f}\n",
-      grid.columns, grid.rows, grid.x0_q16 / 65536.0, grid.x1_q16 / 65536.0,
-      grid.y0_q16 / 65536.0, grid.y1_q16 / 65536.0);
-  if (blob.remap) InspectRemap(blob.bytes + blob.remap);
-  if (blob.quality) InspectQuality(blob);
-  if (blob.uncertainty) InspectUncertainty(blob);
-  if (blob.mask) InspectMask(blob);
+  // The field "fraction bits" (formats/SPEC.md, central grid).
+  const uint8_t* fraction_bits = blob.bytes + blob.grid + 30;
+  const bool is_narrow = fraction_bits[0] != RG_CONTROL_POINT_BITS;
+  Json json = {{"kind", "blob"},
+               {"valid", true},
+               {"bytes", blob.size},
+               {"camera",
+                {{"name", identity.name},
+                 {"serial", identity.serial},
+                 {"image_size", {identity.width, identity.height}}}},
+               {"grid",
+                {{"of", blob.line_points ? "lines" : "directions"},
+                 {"control_points", {grid.columns, grid.rows}},
+                 {"bits", is_narrow ? 16 : 32},
+                 {"area_px",
+                  {grid.x0_q16 / 65536.0, grid.y0_q16 / 65536.0,
+                   grid.x1_q16 / 65536.0, grid.y1_q16 / 65536.0}}}},
+               {"remap_tables", Json::array()}};
+  for (uint32_t k = 0;; ++k) {
+    const uint8_t* remap = rg_find_section(blob.bytes, RG_SECTION_REMAP, k);
+    if (!remap) break;
+    json["remap_tables"].push_back(RemapFacts(remap));
+  }
+  if (blob.quality) AddQuality(blob, &json);
+  if (blob.uncertainty) json["uncertainty"] = UncertaintyFacts(blob);
+  if (blob.mask) json["trusted"] = MaskFacts(blob);
+  return json;
 }
 
-void PrintFigures(const char* name,
-                  const std::optional<ErrorFigures>& figures) {
-  if (figures)
-    fmt::print(
-        "{} error: median {:.4f} px, RMS {:.4f} px, largest {:.3f} px, "
-        "{} features\n",
-        name, figures->median_px, figures->rms_px, figures->max_px,
-        figures->count);
+// ---- Other files -----------------------------------------------------------
+
+Json Figures(const ErrorFigures& figures) {
+  return {{"median_px", figures.median_px},
+          {"rms_px", figures.rms_px},
+          {"max_px", figures.max_px},
+          {"features", figures.count}};
 }
 
-void InspectCamera(const CameraFile& file) {
+Json CameraFacts(const CameraFile& file) {
+  const ImageSize& size = file.camera->image_size();
   const Area& area = file.camera->area();
-  fmt::print("{} camera '{}', serial '{}', {} x {} px, {} parameters\n",
-             file.camera->Name(), file.name, file.serial,
-             file.camera->image_size().width, file.camera->image_size().height,
-             file.camera->NumParameters());
-  fmt::print("area x {:.3f} to {:.3f}, y {:.3f} to {:.3f}\n", area.x0, area.x1,
-             area.y0, area.y1);
-  PrintFigures("training", file.training);
-  PrintFigures("held-out", file.held_out);
+  Json json = {{"kind", "camera"},
+               {"model", file.camera->Name()},
+               {"parameters", file.camera->NumParameters()},
+               {"camera",
+                {{"name", file.name},
+                 {"serial", file.serial},
+                 {"image_size", {size.width, size.height}}}},
+               {"area_px", {area.x0, area.y0, area.x1, area.y1}}};
+  if (file.training) json["training_error"] = Figures(*file.training);
+  if (file.held_out) json["held-out_error"] = Figures(*file.held_out);
   if (file.uncertainty)
-    fmt::print(
-        "uncertainty: median {:.4f} px, trusted to {:.4f} px: {:.0f} % of the "
-        "image\n",
-        file.uncertainty->lattice.MedianPx(),
-        file.uncertainty->max_deviation_px,
-        100 * file.uncertainty->TrustedPart(file.camera->image_size(), area));
+    json["uncertainty"] = {
+        {"median_px", file.uncertainty->lattice.MedianPx()},
+        {"trusted_to_px", file.uncertainty->max_deviation_px},
+        {"trusted_part_of_image", file.uncertainty->TrustedPart(size, area)}};
+  return json;
 }
 
-void InspectPattern(const Pattern& pattern) {
+Json PatternFacts(const Pattern& pattern) {
+  Json json = {{"kind", "pattern"}, {"boards", Json::array()}};
   for (const Board& board : pattern.boards)
-    fmt::print("board {}: {}, {} x {} features, squares of {:g} mm\n", board.id,
-               board.kind, board.columns, board.rows, board.square_m * 1000);
+    json["boards"].push_back({{"id", board.id},
+                              {"kind", board.kind},
+                              {"features", {board.columns, board.rows}},
+                              {"square_m", board.square_m}});
+  return json;
 }
 
-void InspectRig(const std::string& path) {
+Json RigFacts(const std::string& path) {
+  Json json = {{"kind", "rig"}, {"cameras", Json::array()}};
   for (const RigFileCamera& camera : ReadRigFile(path)) {
     const Eigen::Vector3d center = camera.camera_from_rig.Inverse().translation;
-    fmt::print(
-        "camera '{}': {}, centre in the rig ({:.6f}, {:.6f}, {:.6f}) m\n",
-        camera.name, camera.file, center.x(), center.y(), center.z());
+    json["cameras"].push_back(
+        {{"name", camera.name},
+         {"file", camera.file},
+         {"center_in_rig_m", {center.x(), center.y(), center.z()}}});
+  }
+  return json;
+}
+
+Json FeaturesFacts(const std::string& path) {
+  Json json = {{"kind", "features"}, {"cameras", Json::array()}};
+  for (const auto& [camera, dataset] : ReadFeatures(path))
+    json["cameras"].push_back({{"name", camera},
+                               {"features", dataset.num_features()},
+                               {"images", dataset.images.size()}});
+  return json;
+}
+
+Json FactsOf(const std::string& path) {
+  const std::string bytes = ReadFile(path);
+  if (IsBlob(path, bytes)) return BlobFacts(BlobCamera(path, bytes));
+  if (bytes.find("raygrid_camera:") != std::string::npos)
+    return CameraFacts(ReadCameraFile(path));
+  if (bytes.find("raygrid_rig:") != std::string::npos) return RigFacts(path);
+  if (bytes.find("raygrid_pattern:") != std::string::npos)
+    return PatternFacts(ReadPattern(path));
+  if (bytes.find("board") != std::string::npos) return FeaturesFacts(path);
+  throw InputError(path +
+                   ": neither a blob, a camera, a rig, a pattern, nor "
+                   "features");
+}
+
+// ---- Text ------------------------------------------------------------------
+
+std::string ValueText(const Json& value) {
+  if (value.is_string()) return "'" + value.get<std::string>() + "'";
+  if (value.is_boolean()) return value ? "yes" : "no";
+  if (value.is_number_float()) return fmt::format("{:.6g}", double(value));
+  if (!value.is_array()) return value.dump();
+  const bool is_size = value[0].is_number_integer();
+  std::string text;
+  for (const Json& element : value)
+    text += (text.empty() ? "" : is_size ? " x " : ", ") + ValueText(element);
+  return text;
+}
+
+// A key without its unit, and the unit: "median_px" is "median" and " px".
+std::pair<std::string, std::string> NameAndUnit(std::string key) {
+  std::string unit;
+  for (const char* known : {"px", "rad", "m"}) {
+    const std::string ending = std::string("_") + known;
+    if (key.size() <= ending.size() ||
+        key.compare(key.size() - ending.size(), ending.size(), ending) != 0)
+      continue;
+    unit = std::string(" ") + known;
+    key.resize(key.size() - ending.size());
+    break;
+  }
+  std::replace(key.begin(), key.end(), '_', ' ');
+  return {key, unit};
+}
+
+std::string ObjectText(const Json& object) {
+  std::string text;
+  for (const auto& [key, value] : object.items()) {
+    const auto [name, unit] = NameAndUnit(key);
+    text += (text.empty() ? "" : ", ") + name + " " + ValueText(value) + unit;
+  }
+  return text;
+}
+
+void PrintText(const Json& facts) {
+  for (const auto& [key, value] : facts.items()) {
+    const auto [name, unit] = NameAndUnit(key);
+    if (value.is_object()) {
+      fmt::print("{}: {}\n", name, ObjectText(value));
+    } else if (value.is_array() && (value.empty() || value[0].is_object())) {
+      for (const Json& element : value)
+        fmt::print("{}: {}\n", name, ObjectText(element));
+    } else {
+      fmt::print("{}: {}{}\n", name, ValueText(value), unit);
+    }
   }
 }
 
-void InspectFeatures(const std::string& path) {
-  for (const auto& [camera, dataset] : ReadFeatures(path))
-    fmt::print("camera '{}': {} features in {} images\n", camera,
-               dataset.num_features(), dataset.images.size());
-}
-
-void Run(const std::string& path) {
-  const std::string bytes = ReadFile(path);
-  if (IsBlob(path, bytes))
-    InspectBlob(BlobCamera(path, bytes));
-  else if (bytes.find("raygrid_camera:") != std::string::npos)
-    InspectCamera(ReadCameraFile(path));
-  else if (bytes.find("raygrid_rig:") != std::string::npos)
-    InspectRig(path);
-  else if (bytes.find("raygrid_pattern:") != std::string::npos)
-    InspectPattern(ReadPattern(path));
-  else if (bytes.find("board") != std::string::npos)
-    InspectFeatures(path);
+void Run(const std::string& path, const CommonOptions& common) {
+  const Json facts = FactsOf(path);
+  if (common.json)
+    fmt::print("{}\n", facts.dump(2));
   else
-    throw InputError(
-        path + ": neither a blob, a camera, a rig, a pattern, nor features");
+    PrintText(facts);
 }
 
 }  // namespace
@@ -167,7 +265,7 @@ void AddInspect(CLI::App* app, CommonOptions* common) {
       "raygrid inspect front.raygrid", common);
   auto path = std::make_shared<std::string>();
   command->add_option("file", *path, "file")->required();
-  command->callback([path] { Run(*path); });
+  command->callback([path, common] { Run(*path, *common); });
 }
 
 }  // namespace raygrid

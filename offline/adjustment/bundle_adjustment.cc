@@ -205,20 +205,6 @@ std::vector<GroupEvidence> EvidenceOf(const std::vector<CameraGroup>& groups,
   return evidence;
 }
 
-// The variance of a residual's coordinate, with the loss's weights.
-double ResidualVariance(const std::vector<Residual>& residuals, double huber_px,
-                        double num_parameters) {
-  double sum = 0, count = 0;
-  for (const Residual& residual : residuals) {
-    if (!residual.valid) continue;
-    const double norm = residual.error_px.norm();
-    const double weight = HuberWeight(norm, huber_px);
-    sum += weight * norm * norm;
-    count += 2 * weight;
-  }
-  return sum / std::max(count - num_parameters, 0.1 * count + 1);
-}
-
 constexpr double kNegligiblePx = 1e-3;   // smaller departures are no matter
 constexpr double kStableChange = 0.05;   // of a weight's logarithm
 constexpr double kFewDetermined = 0.02;  // part of a group

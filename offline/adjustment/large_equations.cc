@@ -1,12 +1,12 @@
 #include "adjustment/large_equations.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
 
+#include "adjustment/coarse_basis.h"
+#include "adjustment/node_products.h"
+#include "adjustment/residual_product.h"
 #include "dataset/parallel_for.h"
 
 namespace raygrid {
@@ -16,262 +16,6 @@ constexpr int kMaxIterations = 300;
 // A preconditioner is renewed when it takes twice the iterations that it took
 // when it was new, and so many more.
 constexpr int kMaxWorse = 6;
-constexpr int kCoarsestCells = 12;  // along the longer side, at most
-
-// u = J x and y += J^T u for one residual, over the layout.
-class ResidualProduct {
- public:
-  ResidualProduct(const ParameterLayout& layout, const ViewJacobian& jacobian)
-      : jacobian_(jacobian),
-        first_(layout.first_camera[jacobian.camera]),
-        camera_pose_(jacobian.camera > 0 ? layout.CameraPose(jacobian.camera)
-                                         : -1),
-        first_point_(layout.num_points > 0 ? layout.first_point : -1) {}
-
-  Eigen::Vector2d Times(const Eigen::VectorXd& x, int i) const {
-    const ViewJacobian& j = jacobian_;
-    Eigen::Vector2d u(0, 0);
-    if (j.num_per_node == 2)
-      u = Nodes<2>(x, i);
-    else if (j.num_per_node == 5)
-      u = Nodes<5>(x, i);
-    else if (j.num_per_node > 0)
-      u = Nodes(x, i);
-    if (j.num_global > 0)
-      u += ViewJacobian::Block(j.by_global, i) *
-           x.segment(first_ + j.first_global, j.num_global);
-    if (camera_pose_ >= 0)
-      u += ViewJacobian::Block<6>(j.by_camera_pose, i) *
-           x.segment<6>(camera_pose_);
-    if (first_point_ >= 0)
-      u += ViewJacobian::Block<3>(j.by_point, i) *
-           x.segment<3>(first_point_ + 3 * j.points[i]);
-    return u;
-  }
-
-  void AddTransposed(const Eigen::Vector2d& u, int i,
-                     Eigen::VectorXd* y) const {
-    const ViewJacobian& j = jacobian_;
-    if (j.num_per_node == 2)
-      AddNodes<2>(u, i, y);
-    else if (j.num_per_node == 5)
-      AddNodes<5>(u, i, y);
-    else if (j.num_per_node > 0)
-      AddNodes(u, i, y);
-    if (j.num_global > 0)
-      y->segment(first_ + j.first_global, j.num_global) +=
-          ViewJacobian::Block(j.by_global, i).transpose() * u;
-    if (camera_pose_ >= 0)
-      y->segment<6>(camera_pose_) +=
-          ViewJacobian::Block<6>(j.by_camera_pose, i).transpose() * u;
-    if (first_point_ >= 0)
-      y->segment<3>(first_point_ + 3 * j.points[i]) +=
-          ViewJacobian::Block<3>(j.by_point, i).transpose() * u;
-  }
-
- private:
-  // Of a spline surface, each a K-vector; those of a row follow each other.
-  static constexpr int kNumNodes = 16, kNodesInARow = 4;
-
-  template <int K>
-  Eigen::Vector2d Nodes(const Eigen::VectorXd& x, int i) const {
-    using Node = Eigen::Matrix<double, K, 1>;
-    Node sum = Node::Zero();
-    const double* weight = jacobian_.node_weight.col(i).data();
-    for (int k = 0; k < kNumNodes; k += kNodesInARow) {
-      const double* row = &x[first_ + jacobian_.node_parameter(k, i)];
-      for (int n = 0; n < kNodesInARow; ++n)
-        sum += weight[k + n] * Eigen::Map<const Node>(row + n * K);
-    }
-    return ViewJacobian::Block<K>(jacobian_.by_node, i) * sum;
-  }
-  Eigen::Vector2d Nodes(const Eigen::VectorXd& x, int i) const {
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(jacobian_.num_per_node);
-    for (int k = 0; k < jacobian_.num_nodes; ++k)
-      sum += jacobian_.node_weight(k, i) *
-             x.segment(first_ + jacobian_.node_parameter(k, i), sum.size());
-    return ViewJacobian::Block(jacobian_.by_node, i) * sum;
-  }
-  template <int K>
-  void AddNodes(const Eigen::Vector2d& u, int i, Eigen::VectorXd* y) const {
-    using Node = Eigen::Matrix<double, K, 1>;
-    const Node sum =
-        ViewJacobian::Block<K>(jacobian_.by_node, i).transpose() * u;
-    const double* weight = jacobian_.node_weight.col(i).data();
-    for (int k = 0; k < kNumNodes; k += kNodesInARow) {
-      double* row = &(*y)[first_ + jacobian_.node_parameter(k, i)];
-      for (int n = 0; n < kNodesInARow; ++n)
-        Eigen::Map<Node>(row + n * K) += weight[k + n] * sum;
-    }
-  }
-  void AddNodes(const Eigen::Vector2d& u, int i, Eigen::VectorXd* y) const {
-    const Eigen::VectorXd sum =
-        ViewJacobian::Block(jacobian_.by_node, i).transpose() * u;
-    for (int k = 0; k < jacobian_.num_nodes; ++k)
-      y->segment(first_ + jacobian_.node_parameter(k, i), sum.size()) +=
-          jacobian_.node_weight(k, i) * sum;
-  }
-
-  const ViewJacobian& jacobian_;
-  int first_, camera_pose_, first_point_;
-};
-
-// The camera's nodes with each other: for each node, per_node x per_node blocks
-// with the 7 x 7 around it. Residuals are added band by band, those of the
-// even bands of rows and of the odd ones apart, so that threads do not meet.
-class NodeProducts {
- public:
-  explicit NodeProducts(const GridShape& shape)
-      : shape_(shape),
-        block_(shape.per_node * shape.per_node),
-        values_(static_cast<size_t>(shape.num_nodes()) * 49 * block_, 0.0) {}
-
-  void Add(const ViewJacobian& j, int i) {
-    const int k = shape_.per_node;
-    const auto by_node = ViewJacobian::Block(j.by_node, i);
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 5, 5> product =
-        by_node.transpose() * by_node;
-    const int base = j.node_parameter(0, i) / k;
-    for (int a = 0; a < 16; ++a) {
-      const int node = base + a / 4 * shape_.columns + a % 4;
-      double* row = &values_[static_cast<size_t>(node) * 49 * block_];
-      for (int b = 0; b < 16; ++b) {
-        const double weight = j.node_weight(a, i) * j.node_weight(b, i);
-        const int partner = (b / 4 - a / 4 + 3) * 7 + b % 4 - a % 4 + 3;
-        for (int p = 0; p < block_; ++p)
-          row[partner * block_ + p] += weight * product.data()[p];
-      }
-    }
-  }
-
-  void AppendTo(int first,
-                std::vector<Eigen::Triplet<double>>* triplets) const {
-    const int k = shape_.per_node;
-    for (int node = 0; node < shape_.num_nodes(); ++node) {
-      for (int partner = 0; partner < 49; ++partner) {
-        const int column = node % shape_.columns + partner % 7 - 3;
-        const int row = node / shape_.columns + partner / 7 - 3;
-        if (column < 0 || column >= shape_.columns || row < 0 ||
-            row >= shape_.rows)
-          continue;
-        const int other = row * shape_.columns + column;
-        const double* block =
-            &values_[(static_cast<size_t>(node) * 49 + partner) * block_];
-        for (int p = 0; p < block_; ++p)
-          if (block[p] != 0)
-            triplets->emplace_back(first + node * k + p % k,
-                                   first + other * k + p / k, block[p]);
-      }
-    }
-  }
-
- private:
-  GridShape shape_;
-  int block_;
-  std::vector<double> values_;
-};
-
-// Indices of which points are seen in the same poses: of one board.
-std::vector<int> BoardOfPoints(const std::vector<ViewJacobian>& jacobians,
-                               int num_points) {
-  std::vector<int> parent(num_points);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&parent](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  for (const ViewJacobian& jacobian : jacobians)
-    for (const int point : jacobian.points)
-      parent[root(point)] = root(jacobian.points.front());
-  std::vector<int> board(num_points);
-  for (int i = 0; i < num_points; ++i) board[i] = root(i);
-  return board;
-}
-
-// Polynomials of second degree along the two longer axes of points, over
-// which they reach to about 1.
-constexpr int kNumBends = 6;
-Eigen::MatrixXd Bends(const std::vector<Eigen::Vector3d>& points) {
-  Eigen::Matrix3Xd centered(3, points.size());
-  for (size_t i = 0; i < points.size(); ++i) centered.col(i) = points[i];
-  centered.colwise() -= Eigen::Vector3d(centered.rowwise().mean());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
-      centered * centered.transpose() / static_cast<double>(points.size()));
-  const double scale = 1 / std::sqrt(axes.eigenvalues()[2] + 1e-30);
-  const Eigen::ArrayXd x =
-      scale * (axes.eigenvectors().col(2).transpose() * centered).array();
-  const Eigen::ArrayXd y =
-      scale * (axes.eigenvectors().col(1).transpose() * centered).array();
-  Eigen::MatrixXd bends(points.size(), kNumBends);
-  bends << Eigen::ArrayXd::Ones(x.size()), x, y, x * x, x * y, y * y;
-  return bends;
-}
-
-// A residual's derivatives by the columns of a basis, most of them zero.
-class SparseRow {
- public:
-  using Basis = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-
-  explicit SparseRow(const Basis& basis)
-      : basis_(basis),
-        x_(basis.cols(), 0.0),
-        y_(basis.cols(), 0.0),
-        is_used_(basis.cols(), 0) {}
-
-  // The derivative by a parameter.
-  void Add(int parameter, const Eigen::Vector2d& derivative) {
-    for (Basis::InnerIterator it(basis_, parameter); it; ++it) {
-      if (!is_used_[it.col()]) {
-        is_used_[it.col()] = 1;
-        used_.push_back(static_cast<int>(it.col()));
-      }
-      x_[it.col()] += it.value() * derivative.x();
-      y_[it.col()] += it.value() * derivative.y();
-    }
-  }
-
-  // *with_itself += row^T row, its lower triangle; *with_pose += row^T by_pose.
-  void AddProductsTo(const Eigen::Matrix<double, 2, 6>& by_pose,
-                     Eigen::MatrixXd* with_itself, Eigen::MatrixXd* with_pose) {
-    std::sort(used_.begin(), used_.end());
-    for (size_t begin = 0; begin < used_.size();) {
-      const int count = RunFrom(begin), first = used_[begin];
-      for (int k = 0; k < 6; ++k)
-        AddRun(first, count, by_pose.col(k), &with_pose->coeffRef(first, k));
-      // As far as the end of the run, beyond the triangle.
-      for (size_t b = 0; b < begin + count; ++b)
-        AddRun(first, count, {x_[used_[b]], y_[used_[b]]},
-               &with_itself->coeffRef(first, used_[b]));
-      begin += count;
-    }
-  }
-
-  void Clear() {
-    for (const int k : used_) x_[k] = y_[k] = is_used_[k] = 0;
-    used_.clear();
-  }
-
- private:
-  // How many of the columns in use follow one after the other.
-  int RunFrom(size_t begin) const {
-    size_t end = begin + 1;
-    while (end < used_.size() && used_[end] == used_[end - 1] + 1) ++end;
-    return static_cast<int>(end - begin);
-  }
-
-  // sum[k] += the row's column first + k times value
-  void AddRun(int first, int count, const Eigen::Vector2d& value,
-              double* sum) const {
-    const double *x = &x_[first], *y = &y_[first];
-    const double value_x = value.x(), value_y = value.y();
-    for (int k = 0; k < count; ++k) sum[k] += x[k] * value_x + y[k] * value_y;
-  }
-
-  const Basis& basis_;
-  std::vector<double> x_, y_;
-  std::vector<char> is_used_;
-  std::vector<int> used_;
-};
 
 template <typename Block>
 void InvertBlocks(Eigen::MatrixXd* blocks) {
@@ -466,65 +210,6 @@ Eigen::SparseMatrix<double> LargeEquations::LocalMatrix() const {
   return matrix;
 }
 
-// Columns: coarsest grids, parameters that have none, bends of boards.
-Eigen::SparseMatrix<double, Eigen::RowMajor> LargeEquations::CoarseBasis()
-    const {
-  std::vector<Eigen::Triplet<double>> triplets;
-  int num_columns = 0;
-  for (size_t c = 0; c < shapes_.size(); ++c) {
-    const int first = layout_.first_camera[c];
-    const GridShape& fine = shapes_[c];
-    if (fine.per_node > 0) {
-      GridShape coarse = fine;
-      while (std::max(coarse.columns, coarse.rows) - 3 > kCoarsestCells)
-        coarse = coarse.Halved();
-      const GridTransfer transfer(fine, coarse);
-      for (int node = 0; node < fine.num_nodes(); ++node) {
-        const auto& x = transfer.columns()[node % fine.columns];
-        const auto& y = transfer.rows()[node / fine.columns];
-        for (int k = 0; k < 16; ++k) {
-          const double weight = y.weight[k / 4] * x.weight[k % 4];
-          const int coarse_node =
-              (y.first + k / 4) * coarse.columns + x.first + k % 4;
-          for (int p = 0; weight != 0 && p < fine.per_node; ++p)
-            triplets.emplace_back(first + node * fine.per_node + p,
-                                  num_columns + coarse_node * fine.per_node + p,
-                                  weight);
-        }
-      }
-      num_columns += coarse.num_parameters();
-    }
-    for (int i = fine.num_parameters();
-         i < layout_.NumCameraParameters(static_cast<int>(c)); ++i)
-      triplets.emplace_back(first + i, num_columns++, 1);
-  }
-  for (int i = layout_.first_camera.back(); i < layout_.first_point; ++i)
-    triplets.emplace_back(i, num_columns++, 1);
-  if (layout_.num_points > 0) {
-    const std::vector<int> board =
-        BoardOfPoints(jacobians_, layout_.num_points);
-    for (int b = 0; b < layout_.num_points; ++b) {
-      std::vector<int> members;
-      std::vector<Eigen::Vector3d> places;
-      for (int i = 0; board[b] == b && i < layout_.num_points; ++i) {
-        if (board[i] != b) continue;
-        members.push_back(i);
-        places.push_back(points_[i]);
-      }
-      if (members.size() < kNumBends) continue;
-      const Eigen::MatrixXd bends = Bends(places);
-      for (size_t i = 0; i < members.size(); ++i)
-        for (int k = 0; k < 3 * kNumBends; ++k)
-          triplets.emplace_back(layout_.Point(members[i]) + k % 3,
-                                num_columns + k, bends(i, k / 3));
-      num_columns += 3 * kNumBends;
-    }
-  }
-  Eigen::SparseMatrix<double, Eigen::RowMajor> basis(layout_.size, num_columns);
-  basis.setFromTriplets(triplets.begin(), triplets.end());
-  return basis;
-}
-
 bool LargeEquations::MakeSystem(double lambda, System* system) const {
   system->lambda = lambda;
   system->damping = lambda * (memory_->diagonal + prior_.precision.diagonal() +
@@ -670,7 +355,8 @@ bool LargeEquations::MakePreconditioner(const System& system,
       preconditioner->points(k, i) =
           a.coeff(layout_.Point(i / 3) + k, layout_.first_point + i);
   InvertBlocks<Eigen::Matrix3d>(&preconditioner->points);
-  preconditioner->basis = CoarseBasis();
+  preconditioner->basis =
+      MakeCoarseBasis(layout_, shapes_, jacobians_, points_);
   preconditioner->coarse.compute(CoarseMatrix(system, *preconditioner));
   return preconditioner->coarse.info() == Eigen::Success;
 }

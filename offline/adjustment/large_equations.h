@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "adjustment/coarse_basis.h"
 #include "adjustment/grid_transfer.h"
 #include "adjustment/normal_equations.h"
 
@@ -70,7 +71,7 @@ class LargeEquations : public NormalEquations {
   struct Preconditioner {
     std::vector<CameraLevels> cameras;
     Eigen::MatrixXd points;  // three columns a point
-    Eigen::SparseMatrix<double, Eigen::RowMajor> basis;
+    CoarseBasis basis;
     Eigen::LLT<Eigen::MatrixXd> coarse;
   };
 
@@ -81,7 +82,6 @@ class LargeEquations : public NormalEquations {
 
   void AccumulatePoses();
   Eigen::SparseMatrix<double> LocalMatrix() const;
-  Eigen::SparseMatrix<double, Eigen::RowMajor> CoarseBasis() const;
 
   bool MakeSystem(double lambda, System* system) const;
   Eigen::VectorXd Apply(const System& system, const Eigen::VectorXd& x) const;

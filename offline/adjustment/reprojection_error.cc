@@ -1,5 +1,7 @@
 #include "adjustment/reprojection_error.h"
 
+#include <algorithm>
+
 #include "dataset/parallel_for.h"
 
 namespace raygrid {
@@ -85,6 +87,19 @@ double HuberLoss(double norm_px, double huber_px) {
 
 double HuberWeight(double norm_px, double huber_px) {
   return norm_px <= huber_px ? 1 : huber_px / norm_px;
+}
+
+double ResidualVariance(const std::vector<Residual>& residuals, double huber_px,
+                        double num_parameters) {
+  double sum = 0, count = 0;
+  for (const Residual& residual : residuals) {
+    if (!residual.valid) continue;
+    const double norm = residual.error_px.norm();
+    const double weight = HuberWeight(norm, huber_px);
+    sum += weight * norm * norm;
+    count += 2 * weight;
+  }
+  return sum / std::max(count - num_parameters, 0.1 * count + 1);
 }
 
 ComparableCosts CompareCosts(const std::vector<Residual>& first,

@@ -43,6 +43,10 @@ std::vector<LinearizedResidual> LinearizeView(const AdjustmentState& state,
 double HuberLoss(double norm_px, double huber_px);
 double HuberWeight(double norm_px, double huber_px);
 
+/// The variance of a residual's coordinate, with the loss's weights.
+double ResidualVariance(const std::vector<Residual>& residuals, double huber_px,
+                        double num_parameters);
+
 /// Sums of the losses of two states over the residuals that are valid in both
 /// (paper, "Bundle Adjustment"): anything else would favour a state that loses
 /// residuals over one that gains some.

@@ -12,6 +12,7 @@ namespace {
 // A cell is trusted with so small a standard deviation, as a part of the
 // noise's. At 0.5, four standard deviations of a pixel are twice the noise.
 constexpr double kTrustedPart = 0.5;
+constexpr double kAlwaysTrustedPx = 0.025;  // however little noise there is
 // And with so many features within so many cells to all sides.
 constexpr int kMinFeatures = 3, kNearCells = 2;
 
@@ -134,7 +135,8 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
   }
   if (!std::isfinite(total.MedianPx())) return std::nullopt;
   CameraUncertainty uncertainty;
-  uncertainty.max_deviation_px = kTrustedPart * noise_px;
+  uncertainty.max_deviation_px =
+      std::max(kTrustedPart * noise_px, kAlwaysTrustedPx);
   uncertainty.mask =
       MaskOf(adjusted, camera, total, uncertainty.max_deviation_px);
   uncertainty.modes = ModesOf(joint_px2, size);

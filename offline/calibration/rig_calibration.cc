@@ -84,6 +84,7 @@ std::vector<CameraStart> StartCameras(
   for (size_t c = 0; c < cameras.size(); ++c) {
     CalibrationOptions own = options;
     own.measure_again = cameras[c].measure_again;
+    own.resume = cameras[c].resume;
     own.progress = [&](const std::string& stage, double done) {
       if (options.progress)
         options.progress(cameras[c].name + ": " + stage,
@@ -277,6 +278,9 @@ RigResult CalibrateRig(const std::vector<RigCameraInput>& cameras,
                false, &result);
   result.seconds["held_out"] = validation_time.Seconds();
 
+  if (ShouldStop(options))
+    for (size_t c = 0; c < cameras.size(); ++c)
+      result.cameras[c].checkpoint = std::move(starts[c].checkpoint);
   for (CalibrationResult& camera : result.cameras) JudgeResult(&camera);
   result.verdict = JudgeRig(result);
   report("done", 1);

@@ -1,6 +1,7 @@
 #ifndef RAYGRID_CALIBRATION_RIG_CALIBRATION_H
 #define RAYGRID_CALIBRATION_RIG_CALIBRATION_H
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,8 @@ namespace raygrid {
 struct RigCameraInput {
   std::string name;
   Dataset dataset;
-  MeasureAgain measure_again;  ///< without: features stay as they are
+  MeasureAgain measure_again;        ///< without: features stay as they are
+  std::optional<Checkpoint> resume;  ///< of the same features and options
 };
 
 /// From the features of cameras on a rig to cameras and their poses: each

@@ -8,21 +8,6 @@
 namespace raygrid {
 namespace {
 
-// Of a residual's coordinate, with the loss's weights; the poses take up six
-// coordinates each.
-double ResidualVariance(const std::vector<Residual>& residuals, double huber_px,
-                        size_t num_poses) {
-  double sum = 0, count = 0;
-  for (const Residual& residual : residuals) {
-    if (!residual.valid) continue;
-    const double norm = residual.error_px.norm();
-    const double weight = HuberWeight(norm, huber_px);
-    sum += weight * norm * norm;
-    count += 2 * weight;
-  }
-  return sum / std::max(count - 6 * static_cast<double>(num_poses), 1.0);
-}
-
 // Of the poses of all cameras but the first, in units of the residuals'
 // variance; empty if the equations are singular.
 Eigen::MatrixXd PoseCovariance(const Adjusted& adjusted,
@@ -84,7 +69,7 @@ void AddDeviations(const Adjusted& adjusted, const AdjustmentOptions& options,
   if (covariance.size() == 0) return;
   const double variance = ResidualVariance(
       ComputeResiduals(state, adjusted.problem.views, options.num_threads),
-      options.huber_px, state.rig_from_pattern.size());
+      options.huber_px, 6 * static_cast<double>(state.rig_from_pattern.size()));
   for (Baseline& baseline : *baselines) {
     const Eigen::MatrixXd derivative = ByPoses(
         state.camera_from_rig, baseline, static_cast<int>(covariance.cols()));

@@ -265,9 +265,33 @@ struct UnprojectionError {
   double px = 0, rad = 0;
 };
 
+bool TrustsAny(const TrustMask& mask) {
+  return std::find(mask.is_trusted.begin(), mask.is_trusted.end(), true) !=
+         mask.is_trusted.end();
+}
+
+// How many pixels lie along a radian of rays where they turn fastest, across
+// the middle of the area; a fisheye's are alike everywhere in its image circle.
+double FewestPixelsPerRadian(const CameraModel& camera) {
+  constexpr int kSteps = 16;
+  const Area& area = camera.area();
+  const auto ray_at = [&](int step) {
+    return camera.Unproject(
+        {area.x0 + area.width() * step / kSteps, (area.y0 + area.y1) / 2});
+  };
+  double fewest = INFINITY;
+  for (int k = 0; k < kSteps; ++k) {
+    const auto from = ray_at(k), to = ray_at(k + 1);
+    if (from && to)
+      fewest =
+          std::min(fewest, area.width() / kSteps / from->cross(*to).norm());
+  }
+  return fewest;
+}
+
 // The runtime against the camera, at every pixel of the blob's area; in pixels
-// where the camera is trusted, if it tells. Elsewhere, as outside a fisheye's
-// image circle, its rays may hardly turn from pixel to pixel.
+// where the camera is trusted, if it is anywhere, and not where its rays hardly
+// turn from pixel to pixel, as outside a fisheye's image circle.
 UnprojectionError MeasureUnprojection(const CameraModel& camera,
                                       const TrustMask* trusted,
                                       const rg_camera& packed,
@@ -282,6 +306,8 @@ UnprojectionError MeasureUnprojection(const CameraModel& camera,
   const int first_row = first_of(packed.axes[1]);
   const int last_row = last_of(packed.axes[1]);
   const int num_rows = last_row - first_row + 1;
+  constexpr double kHardlyTurn = 20;
+  const double most_per_radian = kHardlyTurn * FewestPixelsPerRadian(camera);
   std::vector<UnprojectionError> worst(std::max(num_rows, 0));
   ParallelFor(num_rows, num_threads, [&](int row) {
     const int y = first_row + row;
@@ -298,7 +324,8 @@ UnprojectionError MeasureUnprojection(const CameraModel& camera,
       const Eigen::Vector3d direction =
           Eigen::Vector3d(ray.x_q30, ray.y_q30, ray.z_q30) / (1 << 30);
       worst[row].rad = std::max(worst[row].rad, direction.cross(*exact).norm());
-      if (!trusted || trusted->Trusts(pixel))
+      if ((!trusted || trusted->Trusts(pixel)) &&
+          projection.by_point.norm() < most_per_radian)
         worst[row].px =
             std::max(worst[row].px, (projection.by_point * direction).norm());
     }
@@ -390,7 +417,9 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   // where they keep the bound.
   const int num_threads = NumThreads(options.num_threads);
   const TrustMask* trusted =
-      file.uncertainty ? &file.uncertainty->mask : nullptr;
+      file.uncertainty && TrustsAny(file.uncertainty->mask)
+          ? &file.uncertainty->mask
+          : nullptr;
   std::optional<NarrowGrid> narrow = Narrow(grid);
   UnprojectionError error = {INFINITY, INFINITY};
   if (narrow) {

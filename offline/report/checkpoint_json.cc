@@ -120,22 +120,30 @@ Checkpoint Parse(const Json& json) {
   return checkpoint;
 }
 
-}  // namespace
-
-std::string FormatCheckpoint(const Checkpoint& checkpoint,
-                             const std::string& inputs) {
-  Json json = {
-      {"raygrid_resume", 1}, {"inputs", inputs}, {"trials", Json::array()}};
+Json CheckpointJson(const Checkpoint& checkpoint) {
+  Json json = {{"trials", Json::array()}};
   if (checkpoint.measured_again)
     json["measured_again"] = FeaturesJson(*checkpoint.measured_again);
   for (const Checkpoint::Trial& trial : checkpoint.trials)
     json["trials"].push_back(TrialJson(trial));
   if (checkpoint.adjustment)
     json["adjustment"] = AdjustmentJson(*checkpoint.adjustment);
+  return json;
+}
+
+}  // namespace
+
+std::string FormatCheckpoints(const std::vector<Checkpoint>& checkpoints,
+                              const std::string& inputs) {
+  Json json = {
+      {"raygrid_resume", 2}, {"inputs", inputs}, {"cameras", Json::array()}};
+  for (const Checkpoint& checkpoint : checkpoints)
+    json["cameras"].push_back(CheckpointJson(checkpoint));
   return json.dump() + "\n";
 }
 
-Checkpoint ReadCheckpoint(const std::string& path, const std::string& inputs) {
+std::vector<Checkpoint> ReadCheckpoints(const std::string& path,
+                                        const std::string& inputs) {
   if (!std::filesystem::exists(path))
     throw InputError(path +
                      ": no such file, so no interrupted calibration to go on "
@@ -143,11 +151,15 @@ Checkpoint ReadCheckpoint(const std::string& path, const std::string& inputs) {
   const std::string text = ReadFile(path);
   try {
     const Json json = Json::parse(text);
-    if (json.at("raygrid_resume") != 1)
+    if (json.at("raygrid_resume") != 2)
       throw InputError("unknown version of resume.json");
     if (json.at("inputs") != inputs)
       throw InputError("is of other features, pattern or options");
-    return Parse(json);
+    std::vector<Checkpoint> checkpoints;
+    for (const Json& camera : json.at("cameras"))
+      checkpoints.push_back(Parse(camera));
+    if (checkpoints.empty()) throw InputError("holds no camera");
+    return checkpoints;
   } catch (const Json::exception& error) {
     throw InputError(path + ": malformed; run without --resume (" +
                      error.what() + ")");

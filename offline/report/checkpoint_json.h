@@ -2,18 +2,20 @@
 #define RAYGRID_REPORT_CHECKPOINT_JSON_H
 
 #include <string>
+#include <vector>
 
 #include "evaluation/checkpoint.h"
 
 namespace raygrid {
 
-/// resume.json: a checkpoint, and what it is of, as a text that tells features
-/// and options from others.
-std::string FormatCheckpoint(const Checkpoint& checkpoint,
-                             const std::string& inputs);
+/// resume.json: the checkpoints of one camera, or of a rig's, and what they are
+/// of, as a text that tells features and options from others.
+std::string FormatCheckpoints(const std::vector<Checkpoint>& checkpoints,
+                              const std::string& inputs);
 
 /// Throws InputError: no such file, malformed, or of other inputs.
-Checkpoint ReadCheckpoint(const std::string& path, const std::string& inputs);
+std::vector<Checkpoint> ReadCheckpoints(const std::string& path,
+                                        const std::string& inputs);
 
 }  // namespace raygrid
 

@@ -94,7 +94,7 @@ void AddVerdict(const Verdict& verdict, Json* json) {
   (*json)["reasons"] = verdict.reasons;
 }
 
-const char* Status(bool converged, bool is_interrupted = false) {
+const char* Status(bool converged, bool is_interrupted) {
   if (is_interrupted) return "interrupted";
   return converged ? "converged" : "not converged";
 }
@@ -172,7 +172,8 @@ std::string FormatResultJson(
   const RigCounts counts = Count(result);
   Json json;
   json["raygrid_result"] = kResultVersion;
-  json["status"] = Status(result.converged);
+  json["status"] =
+      Status(result.converged, result.cameras[0].checkpoint.has_value());
   json["model"] = result.cameras.front().camera.camera->Name();
   json["parameters"] = counts.parameters;
   json["images"] = {{"used", counts.images},

@@ -22,10 +22,10 @@ class Interruption(CommandTest):
                 "640x480", "--pattern", self.path("sim/pattern.yaml"), "--threads", 1, "-o",
                 self.path(output), *more]
 
-    def interrupted(self, output, number, seconds):
+    def interrupted(self, arguments, number, seconds):
         """Sends a calibration a signal after some time, another one if that is too early or too
         late, and waits for its end."""
-        command = [programs.raygrid, *map(str, self.arguments(output))]
+        command = [programs.raygrid, *map(str, arguments)]
         for _ in range(8):
             with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                   text=True) as process:
@@ -55,7 +55,8 @@ class Interruption(CommandTest):
         for number, part in ((signal.SIGINT, 0.5), (signal.SIGTERM, 0.8)):
             with self.subTest(signal=number):
                 output = f"part{part}"
-                code, error = self.interrupted(output, number, part * whole_seconds)
+                code, error = self.interrupted(self.arguments(output), number,
+                                               part * whole_seconds)
                 self.assertEqual(code, 5, error)
                 self.assertIn("--resume", error)
                 self.assertEqual(error.count("\n"), 1, error)
@@ -73,6 +74,30 @@ class Interruption(CommandTest):
                                self.path("difference"), "--json")
                 self.assert_done(compared)
                 self.assertLess(json.loads(compared.stdout)["max_px"], 0.002)
+
+    def test_a_rig_is_gone_on_from(self):
+        self.assert_done(run("simulate", "--images", 12, "--features-per-image", 60, "--cameras",
+                             2, "-o", self.path("rig")))
+
+        def arguments(output, *more):
+            return ["calibrate", "--features", self.path("rig/features.csv"), "--image-size",
+                    "640x480", "--pattern", self.path("rig/pattern.yaml"), "--cell-px", 120,
+                    "--threads", 1, "-o", self.path(output), *more]
+
+        started = time.monotonic()
+        self.assert_done(run(*arguments("rig-whole")))
+        seconds = time.monotonic() - started
+        code, error = self.interrupted(arguments("rig-part"), signal.SIGINT, 0.5 * seconds)
+        self.assertEqual(code, 5, error)
+        self.assertIn("--resume", error)
+        self.assertIn("resume.json", os.listdir(self.path("rig-part")))
+        self.assertEqual(json.loads(read(self.path("rig-part/result.json")))["status"],
+                         "interrupted")
+        self.assert_done(run(*arguments("rig-part", "--resume")))
+        self.assertNotIn("resume.json", os.listdir(self.path("rig-part")))
+        for name in ("rig.yaml", "cam0/camera.yaml", "cam1/camera.yaml"):
+            self.assertEqual(read(self.path("rig-part/" + name)),
+                             read(self.path("rig-whole/" + name)), name)
 
     def test_a_second_signal_ends_it_at_once(self):
         command = [programs.raygrid, *map(str, self.arguments("twice", "--cell-px", 12))]

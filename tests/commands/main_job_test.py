@@ -135,8 +135,17 @@ class MainJob(CommandTest):
     def test_inspect_says_what_a_blob_holds(self):
         result = run("inspect", self.path("out/camera.raygrid"))
         self.assert_done(result)
-        for words in ("'front'", "'42'", "640 x 480", "un-projection error", "held-out error"):
+        for words in ("'front'", "'42'", "640 x 480", "packing error: max", "held-out error"):
             self.assertIn(words, result.stdout)
+        result = run("inspect", self.path("out/camera.raygrid"), "--json")
+        self.assert_done(result)
+        facts = json.loads(result.stdout)
+        self.assertEqual(facts["camera"], {"name": "front", "serial": "42",
+                                           "image_size": [640, 480]})
+        self.assertIn(facts["grid"]["bits"], (16, 32))
+        self.assertEqual(facts["remap_tables"][0]["size"], [640, 480])
+        result = run("inspect", self.path("out/camera.yaml"), "--json")
+        self.assertEqual(json.loads(result.stdout)["model"], "central-generic")
 
     def test_opencv_model_goes_the_same_way(self):
         result = run("calibrate", "--features", self.path("sim/features.csv"), "--image-size",

@@ -386,29 +386,34 @@ Checkpoint ExampleCheckpoint() {
 }
 
 TEST(Checkpoint, IsReadBackExactly) {
-  const std::string text = FormatCheckpoint(ExampleCheckpoint(), "cafe");
+  const std::string text = FormatCheckpoints({ExampleCheckpoint(), {}}, "cafe");
   const TemporaryFolder folder;
   WriteFile(folder / "resume.json", text);
-  const Checkpoint read = ReadCheckpoint(folder / "resume.json", "cafe");
-  EXPECT_EQ(FormatCheckpoint(read, "cafe"), text);
-  ASSERT_TRUE(read.adjustment && read.measured_again);
-  EXPECT_EQ(read.adjustment->camera, ExampleCheckpoint().adjustment->camera);
-  EXPECT_EQ(read.trials[0].cell_px, 80.0 / 3);
-  EXPECT_EQ(read.trials[0].held_out[0].error_px.y(), -1);
+  const std::vector<Checkpoint> read =
+      ReadCheckpoints(folder / "resume.json", "cafe");
+  EXPECT_EQ(FormatCheckpoints(read, "cafe"), text);
+  ASSERT_EQ(read.size(), 2u);
+  const Checkpoint& first = read[0];
+  ASSERT_TRUE(first.adjustment && first.measured_again);
+  EXPECT_EQ(first.adjustment->camera, ExampleCheckpoint().adjustment->camera);
+  EXPECT_EQ(first.trials[0].cell_px, 80.0 / 3);
+  EXPECT_EQ(first.trials[0].held_out[0].error_px.y(), -1);
 }
 
 TEST(Checkpoint, OfOtherInputsOrMalformedIsRefused) {
-  const std::string text = FormatCheckpoint(ExampleCheckpoint(), "cafe");
+  const std::string text = FormatCheckpoints({ExampleCheckpoint(), {}}, "cafe");
   const TemporaryFolder folder;
   const std::string path = folder / "resume.json";
-  EXPECT_THROW(ReadCheckpoint(path, "cafe"), InputError);
+  EXPECT_THROW(ReadCheckpoints(path, "cafe"), InputError);
   WriteFile(path, text);
-  EXPECT_THROW(ReadCheckpoint(path, "beef"), InputError);
+  EXPECT_THROW(ReadCheckpoints(path, "beef"), InputError);
   for (const std::string& broken :
        {text.substr(0, text.size() / 2), std::string("{}"), std::string("[]"),
-        std::string(R"({"raygrid_resume": 1, "inputs": "cafe"})")}) {
+        std::string(R"({"raygrid_resume": 2, "inputs": "cafe"})"),
+        std::string(
+            R"({"raygrid_resume": 2, "inputs": "cafe", "cameras": []})")}) {
     WriteFile(path, broken);
-    EXPECT_THROW(ReadCheckpoint(path, "cafe"), InputError) << broken;
+    EXPECT_THROW(ReadCheckpoints(path, "cafe"), InputError) << broken;
   }
 }
 

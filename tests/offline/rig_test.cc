@@ -64,7 +64,7 @@ std::vector<RigCameraInput> Inputs(const SimulatedRigObservations& seen) {
   const char* names[] = {"left", "right", "rear"};
   std::vector<RigCameraInput> inputs;
   for (size_t c = 0; c < seen.datasets.size(); ++c)
-    inputs.push_back({names[c], seen.datasets[c], nullptr});
+    inputs.push_back({names[c], seen.datasets[c], nullptr, {}});
   return inputs;
 }
 

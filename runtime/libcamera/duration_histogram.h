@@ -1,0 +1,27 @@
+#ifndef RAYGRID_LIBCAMERA_DURATION_HISTOGRAM_H
+#define RAYGRID_LIBCAMERA_DURATION_HISTOGRAM_H
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+
+namespace raygrid {
+
+/// Durations counted in steps of 2 %, from a microsecond to an hour.
+class DurationHistogram {
+ public:
+  void Add(std::chrono::nanoseconds duration);
+  uint64_t count() const { return count_; }
+  /// The duration that the given part of all does not exceed, in milliseconds;
+  /// 0 where none is known.
+  double Quantile_ms(double part) const;
+
+ private:
+  static constexpr int kStepsPerOctave = 32, kNumSteps = 1024;
+  std::array<uint32_t, kNumSteps> counts_ = {};
+  uint64_t count_ = 0;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_LIBCAMERA_DURATION_HISTOGRAM_H

@@ -1,0 +1,74 @@
+/// Where frames come from: a camera, or memory.
+#ifndef RAYGRID_LIBCAMERA_FRAME_SOURCE_H
+#define RAYGRID_LIBCAMERA_FRAME_SOURCE_H
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "raygrid.h"
+#include "stream_format.h"
+
+namespace raygrid {
+
+using Clock = std::chrono::steady_clock;
+
+/// A rectangle of the sensor's pixels.
+struct SensorCrop {
+  int x, y;
+  unsigned width, height;
+};
+
+inline bool operator==(const SensorCrop& a, const SensorCrop& b) {
+  return a.x == b.x && a.y == b.y && a.width == b.width && a.height == b.height;
+}
+
+/// What the camera tells of a frame.
+struct FrameInfo {
+  uint32_t sequence;
+  uint64_t timestamp_ns;
+  std::optional<SensorCrop> crop;
+  std::optional<float> lens_position;  // dioptres
+  std::optional<float> sensor_temperature_c;
+};
+
+/// A frame in the source's own memory, which is the caller's until it is given
+/// back.
+struct CapturedFrame {
+  rg_image image;
+  FrameInfo info;
+  uint32_t buffer;  // the source's number of its memory
+  Clock::time_point arrived;
+};
+
+struct SourceCounts {
+  uint64_t arrived;  // whole frames
+  uint64_t dropped;  // of these, not taken in time
+  uint64_t damaged;  // incomplete, or with an error
+  uint64_t missed;   // numbers that the camera skipped
+};
+
+/// Start() and Stop() once, by the same thread; Next() and Release() by one
+/// thread in between. Frames not released come to the camera's account: it has
+/// only as many buffers as it was configured with.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  virtual const StreamFormat& format() const = 0;
+  virtual void Start() = 0;
+  /// The oldest frame; nothing when none comes in that time.
+  virtual std::optional<CapturedFrame> Next(
+      std::chrono::milliseconds timeout) = 0;
+  virtual void Release(const CapturedFrame& frame) = 0;
+  /// No frame will come any more.
+  virtual bool is_finished() const = 0;
+  /// Why it ended; empty where that is in order.
+  virtual std::string fault() const = 0;
+  virtual SourceCounts counts() const = 0;
+  virtual void Stop() = 0;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_LIBCAMERA_FRAME_SOURCE_H

@@ -1,0 +1,277 @@
+#include "libcamera_source.h"
+
+#include <libcamera/logging.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <utility>
+
+#include "camera_error.h"
+#include "libcamera_version.h"
+
+namespace raygrid {
+namespace {
+
+using libcamera::Camera;
+using libcamera::CameraConfiguration;
+using libcamera::PixelFormat;
+using libcamera::Request;
+using libcamera::StreamConfiguration;
+using libcamera::StreamRole;
+
+constexpr unsigned kNumBuffers = 4;
+
+CameraError InputError(const std::string& message) {
+  return CameraError(CameraExit::kInput, message);
+}
+
+std::string NameOf(const Camera& camera) {
+  const auto model = ModelOf(camera);
+  return model ? camera.id() + " (" + *model + ")" : camera.id();
+}
+
+// "  YUYV 640x480 1280x720"
+std::string DescribeFormats(const StreamConfiguration& stream) {
+  std::string text;
+  for (const PixelFormat& format : stream.formats().pixelformats()) {
+    text += "  " + format.toString();
+    for (const libcamera::Size& size : stream.formats().sizes(format))
+      text += " " + size.toString();
+    if (!FindPixelFormat(format.toString())) text += " (not undistorted)";
+    text += "\n";
+  }
+  return text;
+}
+
+std::string DescribeRole(Camera* camera, StreamRole role) {
+  const auto configuration = GenerateConfiguration(camera, role);
+  if (!configuration || configuration->empty()) return "";
+  return DescribeFormats(configuration->at(0));
+}
+
+std::string DescribeCamera(Camera* camera) {
+  const std::string viewfinder = DescribeRole(camera, StreamRole::Viewfinder);
+  const std::string raw = DescribeRole(camera, StreamRole::Raw);
+  return NameOf(*camera) + "\n" + viewfinder + (raw == viewfinder ? "" : raw);
+}
+
+// The format asked for; else what the camera would take, or the first of its
+// formats, that the runtime knows.
+PixelFormat ChooseFormat(const StreamConfiguration& stream,
+                         const std::string& name) {
+  std::vector<PixelFormat> candidates = stream.formats().pixelformats();
+  candidates.insert(candidates.begin(), stream.pixelFormat);
+  for (const PixelFormat& format : candidates)
+    if (name.empty() ? FindPixelFormat(format.toString()) != nullptr
+                     : format.toString() == name)
+      return format;
+  throw InputError("camera: has no format " +
+                   (name.empty() ? "that can be undistorted" : name) +
+                   "; --list shows what it has");
+}
+
+bool IsRaw(const std::string& name) {
+  const PixelFormatInfo* const info = FindPixelFormat(name);
+  return info && info->model == ColourModel::kBayer;
+}
+
+void TakeMetadata(Request* completed, FrameInfo* info) {
+  const auto& metadata = completed->metadata();
+  info->lens_position = metadata.get(libcamera::controls::LensPosition);
+  info->sensor_temperature_c =
+      metadata.get(libcamera::controls::SensorTemperature);
+  if (const auto crop = metadata.get(libcamera::controls::ScalerCrop))
+    info->crop = SensorCrop{crop->x, crop->y, crop->width, crop->height};
+}
+
+}  // namespace
+
+CameraList::CameraList() {
+  // One line for an error: ours. Who wants more sets the variable.
+  if (!std::getenv("LIBCAMERA_LOG_LEVELS"))
+    libcamera::logSetTarget(libcamera::LoggingTargetNone);
+  manager_ = std::make_unique<libcamera::CameraManager>();
+  const int status = manager_->start();
+  if (status < 0)
+    throw InputError(std::string("libcamera: does not start: ") +
+                     std::strerror(-status) +
+                     "; LIBCAMERA_LOG_LEVELS=*:DEBUG shows why");
+}
+
+std::string CameraList::Describe() const {
+  std::string text;
+  for (const auto& camera : manager_->cameras())
+    text += DescribeCamera(camera.get());
+  return text;
+}
+
+std::shared_ptr<Camera> CameraList::Find(const std::string& id) const {
+  std::vector<std::shared_ptr<Camera>> found;
+  for (const auto& camera : manager_->cameras()) {
+    if (camera->id() == id) return camera;
+    if (camera->id().find(id) != std::string::npos) found.push_back(camera);
+  }
+  if (found.size() == 1) return found[0];
+  if (manager_->cameras().empty())
+    throw InputError(
+        "camera: libcamera sees none; connect one, and check that udevd runs");
+  const std::string what = id.empty()      ? "there are several"
+                           : found.empty() ? "there is none named " + id
+                                           : "several are named " + id;
+  throw InputError("camera: " + what +
+                   "; choose one of --list with --camera ID");
+}
+
+LibcameraSource::LibcameraSource(std::shared_ptr<Camera> camera,
+                                 const LibcameraOptions& options)
+    : camera_(std::move(camera)) {
+  const int status = camera_->acquire();
+  if (status == -EBUSY)
+    throw InputError("camera: is in use by another process; end that first");
+  if (status < 0)
+    throw InputError(std::string("camera: cannot be acquired: ") +
+                     std::strerror(-status) + "; connect it again");
+  try {
+    Configure(options);
+    Allocate();
+  } catch (...) {
+    Free();
+    throw;
+  }
+  queue_ = std::make_unique<BoundedQueue<CapturedFrame>>(
+      options.every_frame ? requests_.size()
+                          : std::max<size_t>(requests_.size() / 2, 1));
+}
+
+LibcameraSource::~LibcameraSource() {
+  Stop();
+  Free();
+}
+
+void LibcameraSource::Free() {
+  requests_.clear();
+  buffers_.reset();
+  allocator_.reset();
+  camera_->release();
+}
+
+void LibcameraSource::Configure(const LibcameraOptions& options) {
+  configuration_ = GenerateConfiguration(
+      camera_.get(),
+      IsRaw(options.format) ? StreamRole::Raw : StreamRole::Viewfinder);
+  if (!configuration_ || configuration_->empty())
+    throw InputError("camera: has no stream of that kind; see --list");
+  StreamConfiguration& stream = configuration_->at(0);
+  stream.pixelFormat = ChooseFormat(stream, options.format);
+  stream.size = libcamera::Size(options.width, options.height);
+  stream.bufferCount = std::max(stream.bufferCount, kNumBuffers);
+  const bool is_valid =
+      configuration_->validate() != CameraConfiguration::Invalid;
+  if (!is_valid || camera_->configure(configuration_.get()) < 0)
+    throw InputError("camera: does not take " + stream.toString() +
+                     "; choose a size of --list");
+  const std::string name = stream.pixelFormat.toString();
+  const PixelFormatInfo* const info = FindPixelFormat(name);
+  if (!info || (!options.format.empty() && name != options.format))
+    throw InputError("camera: gives " + name +
+                     " in that size; choose another --format of --list");
+  format_ = MakeStreamFormat(*info, stream.size.width, stream.size.height,
+                             stream.stride);
+}
+
+void LibcameraSource::Allocate() {
+  libcamera::Stream* const stream = configuration_->at(0).stream();
+  allocator_ = std::make_unique<libcamera::FrameBufferAllocator>(camera_);
+  if (allocator_->allocate(stream) < 0)
+    throw InputError("camera: has no memory for frames; free some");
+  const auto& buffers = allocator_->buffers(stream);
+  buffers_ = std::make_unique<MappedBuffers>(format_, buffers);
+  for (const auto& buffer : buffers) {
+    requests_.push_back(camera_->createRequest(requests_.size()));
+    if (!requests_.back() ||
+        requests_.back()->addBuffer(stream, buffer.get()) < 0)
+      throw InputError("camera: takes no requests; connect it again");
+  }
+}
+
+void LibcameraSource::Start() {
+  camera_->requestCompleted.connect(this, &LibcameraSource::OnCompleted);
+  camera_->disconnected.connect(this, &LibcameraSource::OnDisconnected);
+  if (camera_->start() < 0) {
+    camera_->requestCompleted.disconnect(this);
+    camera_->disconnected.disconnect(this);
+    throw InputError("camera: does not start; is it in use, or unplugged?");
+  }
+  is_running_ = true;
+  for (const auto& request : requests_) Queue(request.get());
+}
+
+std::optional<CapturedFrame> LibcameraSource::Next(
+    std::chrono::milliseconds timeout) {
+  return queue_->Pop(timeout);
+}
+
+void LibcameraSource::Release(const CapturedFrame& frame) {
+  Request* const request = requests_[frame.buffer].get();
+  request->reuse(Request::ReuseBuffers);
+  Queue(request);
+}
+
+std::string LibcameraSource::fault() const {
+  return is_disconnected_ ? "camera: was unplugged; connect it again" : "";
+}
+
+SourceCounts LibcameraSource::counts() const {
+  return {arrived_, dropped_, damaged_, missed_};
+}
+
+void LibcameraSource::Stop() {
+  if (!is_running_.exchange(false)) return;
+  camera_->stop();
+  camera_->requestCompleted.disconnect(this);
+  camera_->disconnected.disconnect(this);
+  queue_->Close();
+}
+
+void LibcameraSource::Queue(Request* request) {
+  if (is_running_ && !is_disconnected_) camera_->queueRequest(request);
+}
+
+void LibcameraSource::CountMissed(uint32_t sequence) {
+  if (last_sequence_ && sequence > *last_sequence_)
+    missed_ += sequence - *last_sequence_ - 1;
+  last_sequence_ = sequence;
+}
+
+void LibcameraSource::OnCompleted(Request* request) {
+  if (request->status() == Request::RequestCancelled) return;
+  const auto& metadata = request->buffers().begin()->second->metadata();
+  CountMissed(metadata.sequence);
+  const uint32_t buffer = static_cast<uint32_t>(request->cookie());
+  if (!IsWhole(format_, metadata)) {
+    ++damaged_;
+    Release({{}, {}, buffer, {}});
+    return;
+  }
+  CapturedFrame frame = {};
+  frame.arrived = Clock::now();
+  frame.image = MakeImage(format_, buffers_->planes(buffer).data());
+  frame.buffer = buffer;
+  frame.info.sequence = metadata.sequence;
+  frame.info.timestamp_ns = metadata.timestamp;
+  TakeMetadata(request, &frame.info);
+  ++arrived_;
+  if (const auto dropped = queue_->Push(frame)) {
+    ++dropped_;
+    Release(*dropped);
+  }
+}
+
+void LibcameraSource::OnDisconnected() {
+  is_disconnected_ = true;
+  queue_->Close();
+}
+
+}  // namespace raygrid

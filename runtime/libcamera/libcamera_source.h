@@ -1,0 +1,82 @@
+/// Frames from a camera that libcamera knows, in its own buffers: no pixel is
+/// copied.
+#ifndef RAYGRID_LIBCAMERA_LIBCAMERA_SOURCE_H
+#define RAYGRID_LIBCAMERA_LIBCAMERA_SOURCE_H
+
+#include <libcamera/camera.h>
+#include <libcamera/camera_manager.h>
+#include <libcamera/framebuffer_allocator.h>
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "bounded_queue.h"
+#include "frame_source.h"
+#include "mapped_buffers.h"
+
+namespace raygrid {
+
+/// libcamera's list of cameras; one in a process.
+class CameraList {
+ public:
+  CameraList();
+  ~CameraList() { manager_->stop(); }
+
+  /// Cameras, their formats and sizes, as text for people.
+  std::string Describe() const;
+  /// The camera of that id, or of a unique part of it; the only one for "".
+  std::shared_ptr<libcamera::Camera> Find(const std::string& id) const;
+
+ private:
+  std::unique_ptr<libcamera::CameraManager> manager_;
+};
+
+struct LibcameraOptions {
+  std::string format;  // "": the camera's choice, where the runtime knows it
+  unsigned width, height;    // the camera's validate() may adjust them
+  bool every_frame = false;  // no frame is given up for a newer one
+};
+
+class LibcameraSource : public FrameSource {
+ public:
+  /// Acquires and configures the camera. Throws CameraError.
+  LibcameraSource(std::shared_ptr<libcamera::Camera> camera,
+                  const LibcameraOptions& options);
+  ~LibcameraSource() override;
+
+  const StreamFormat& format() const override { return format_; }
+  void Start() override;
+  std::optional<CapturedFrame> Next(std::chrono::milliseconds timeout) override;
+  void Release(const CapturedFrame& frame) override;
+  bool is_finished() const override { return queue_->is_finished(); }
+  std::string fault() const override;
+  SourceCounts counts() const override;
+  void Stop() override;
+
+ private:
+  void Configure(const LibcameraOptions& options);
+  void Allocate();
+  void Free();
+  void OnCompleted(libcamera::Request* request);
+  void OnDisconnected();
+  void CountMissed(uint32_t sequence);
+  void Queue(libcamera::Request* request);
+
+  std::shared_ptr<libcamera::Camera> camera_;
+  std::unique_ptr<libcamera::CameraConfiguration> configuration_;
+  StreamFormat format_;
+  std::unique_ptr<libcamera::FrameBufferAllocator> allocator_;
+  std::unique_ptr<MappedBuffers> buffers_;
+  std::vector<std::unique_ptr<libcamera::Request>> requests_;
+  std::unique_ptr<BoundedQueue<CapturedFrame>> queue_;
+  std::atomic<bool> is_running_{false}, is_disconnected_{false};
+  std::optional<uint32_t> last_sequence_;  // of libcamera's thread
+  std::atomic<uint64_t> arrived_{0}, dropped_{0}, damaged_{0}, missed_{0};
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_LIBCAMERA_LIBCAMERA_SOURCE_H

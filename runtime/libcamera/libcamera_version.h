@@ -1,0 +1,32 @@
+/// What differs between versions of libcamera: Debian 12's 0.0.3 is the oldest
+/// that is supported; 0.4.0 and 0.7.2 were compiled with.
+#ifndef RAYGRID_LIBCAMERA_LIBCAMERA_VERSION_H
+#define RAYGRID_LIBCAMERA_LIBCAMERA_VERSION_H
+
+#include <libcamera/camera.h>
+#include <libcamera/control_ids.h>
+#include <libcamera/property_ids.h>
+#include <libcamera/version.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace raygrid {
+
+/// From 0.1 on the roles are a span instead of a vector.
+inline std::unique_ptr<libcamera::CameraConfiguration> GenerateConfiguration(
+    libcamera::Camera* camera, libcamera::StreamRole role) {
+  return camera->generateConfiguration({role});
+}
+
+/// A string before 0.7, a view of one since.
+inline std::optional<std::string> ModelOf(const libcamera::Camera& camera) {
+  const auto model = camera.properties().get(libcamera::properties::Model);
+  if (!model) return std::nullopt;
+  return std::string(*model);
+}
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_LIBCAMERA_LIBCAMERA_VERSION_H

@@ -1,0 +1,134 @@
+#include "undistorter.h"
+
+#include <string>
+
+namespace raygrid {
+namespace {
+
+// How soon a request to stop is noticed.
+constexpr std::chrono::milliseconds kPatience(50);
+
+// As the camera's frames, in the size of the remap table.
+StreamFormat MakeOutputFormat(const rg_camera& camera,
+                              const StreamFormat& input) {
+  uint16_t width, height;
+  if (rg_remap_size(&camera, &width, &height) != RG_OK)
+    throw CameraError(CameraExit::kBlob,
+                      "blob: has no remap table; pack it with --remap");
+  return MakeStreamFormat(*input.pixel_format, width, height, 0);
+}
+
+void PrepareFrame(const StreamFormat& format, UndistortedFrame* frame) {
+  frame->bytes.resize(format.packed_size());
+  frame->target = {};
+  uint8_t* plane = frame->bytes.data();
+  for (int i = 0; i < format.num_planes; ++i) {
+    frame->target.planes[i].data = plane;
+    frame->target.planes[i].stride = format.planes[i].stride;
+    plane += format.planes[i].row_bytes * format.planes[i].rows;
+  }
+  frame->target.num_rows = format.height;
+  frame->target.kernels = rg_find_kernels(nullptr);
+  SetBlackBorder(*format.pixel_format, &frame->target);
+}
+
+}  // namespace
+
+Undistorter::Undistorter(const rg_camera& camera, FrameSource* source,
+                         StreamGuard* guard, const UndistorterOptions& options)
+    : camera_(camera),
+      source_(source),
+      guard_(guard),
+      options_(options),
+      format_(MakeOutputFormat(camera, source->format())),
+      frames_(options.num_buffers),
+      free_(options.num_buffers),
+      ready_(options.num_buffers) {
+  for (UndistortedFrame& frame : frames_) {
+    PrepareFrame(format_, &frame);
+    free_.Push(&frame);
+  }
+}
+
+void Undistorter::Start(FrameObserver* observer) {
+  observer_ = observer;
+  thread_ = std::thread(&Undistorter::Run, this);
+}
+
+UndistortedFrame* Undistorter::Take(std::chrono::milliseconds timeout) {
+  return ready_.Pop(timeout).value_or(nullptr);
+}
+
+std::optional<CameraError> Undistorter::fault() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return fault_;
+}
+
+UndistorterStatistics Undistorter::statistics() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return statistics_;
+}
+
+void Undistorter::Stop() {
+  is_stopped_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+void Undistorter::Run() {
+  try {
+    while (!is_stopped_ && !source_->is_finished()) {
+      const std::optional<CapturedFrame> captured = source_->Next(kPatience);
+      if (!captured) continue;
+      Undistort(*captured);
+      source_->Release(*captured);
+    }
+    if (!source_->fault().empty())
+      throw CameraError(CameraExit::kInput, source_->fault());
+  } catch (const CameraError& error) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    fault_ = error;
+  }
+  ready_.Close();
+}
+
+// The oldest frame that waits is given up for it, or it is waited for; NULL
+// when stopped meanwhile.
+UndistortedFrame* Undistorter::TakeBuffer() {
+  while (!is_stopped_) {
+    if (const auto frame = free_.Pop(std::chrono::milliseconds(0)))
+      return *frame;
+    if (!options_.every_frame) {
+      if (const auto oldest = ready_.Pop(std::chrono::milliseconds(0))) {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        ++statistics_.dropped;
+        return *oldest;
+      }
+    }
+    if (const auto frame = free_.Pop(kPatience)) return *frame;
+  }
+  return nullptr;
+}
+
+void Undistorter::Undistort(const CapturedFrame& captured) {
+  guard_->Check(captured.info);
+  UndistortedFrame* const frame = TakeBuffer();
+  if (!frame) return;
+  const Clock::time_point start = Clock::now();
+  const rg_status status = rg_remap(&camera_, &captured.image, &frame->target);
+  if (status != RG_OK)
+    throw CameraError(CameraExit::kBlob,
+                      std::string("blob: ") + rg_status_text(status));
+  frame->remap_time = Clock::now() - start;
+  frame->info = captured.info;
+  frame->arrived = captured.arrived;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ++statistics_.undistorted;
+    statistics_.remap.Add(frame->remap_time);
+    statistics_.last_info = captured.info;
+  }
+  if (observer_) observer_->OnFrame(captured, *frame);
+  ready_.Push(frame);
+}
+
+}  // namespace raygrid

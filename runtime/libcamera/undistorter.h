@@ -1,0 +1,94 @@
+/// Undistorts the frames of a source, in order, on a thread of its own.
+#ifndef RAYGRID_LIBCAMERA_UNDISTORTER_H
+#define RAYGRID_LIBCAMERA_UNDISTORTER_H
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "bounded_queue.h"
+#include "camera_error.h"
+#include "duration_histogram.h"
+#include "frame_source.h"
+#include "stream_guard.h"
+
+namespace raygrid {
+
+/// An undistorted frame, rows without gaps, one plane behind the other.
+struct UndistortedFrame {
+  std::vector<uint8_t> bytes;
+  rg_target target;  // into bytes
+  FrameInfo info;
+  Clock::time_point arrived;
+  Clock::duration remap_time;
+};
+
+/// Sees each frame before and after, on the undistorter's thread, for as long
+/// as the call lasts.
+class FrameObserver {
+ public:
+  virtual ~FrameObserver() = default;
+  virtual void OnFrame(const CapturedFrame& before,
+                       const UndistortedFrame& after) = 0;
+};
+
+struct UndistorterOptions {
+  uint32_t num_buffers = 4;
+  bool every_frame = false;  // waits for the taker; else drops the oldest frame
+};
+
+struct UndistorterStatistics {
+  uint64_t undistorted = 0;
+  uint64_t dropped = 0;  // of these, not taken in time
+  DurationHistogram remap;
+  FrameInfo last_info = {};
+};
+
+class Undistorter {
+ public:
+  /// All must outlive it. Throws CameraError where the blob has no remap table,
+  /// or its output is no size of the format.
+  Undistorter(const rg_camera& camera, FrameSource* source, StreamGuard* guard,
+              const UndistorterOptions& options);
+  ~Undistorter() { Stop(); }
+
+  /// Of the frames it gives out.
+  const StreamFormat& format() const { return format_; }
+
+  void Start(FrameObserver* observer = nullptr);
+  /// The oldest frame; nothing when none comes in that time. To be given back.
+  UndistortedFrame* Take(std::chrono::milliseconds timeout);
+  void GiveBack(UndistortedFrame* frame) { free_.Push(frame); }
+  /// No frame will come any more.
+  bool is_finished() const { return ready_.is_finished(); }
+  /// Why it ended, where that is not in order.
+  std::optional<CameraError> fault() const;
+  UndistorterStatistics statistics() const;
+  void Stop();
+
+ private:
+  void Run();
+  void Undistort(const CapturedFrame& captured);
+  UndistortedFrame* TakeBuffer();
+
+  const rg_camera& camera_;
+  FrameSource* const source_;
+  StreamGuard* const guard_;
+  const UndistorterOptions options_;
+  FrameObserver* observer_ = nullptr;
+  StreamFormat format_;
+  std::vector<UndistortedFrame> frames_;
+  BoundedQueue<UndistortedFrame*> free_, ready_;
+  mutable std::mutex mutex_;  // of the two below
+  UndistorterStatistics statistics_;
+  std::optional<CameraError> fault_;
+  std::atomic<bool> is_stopped_{false};
+  std::thread thread_;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_LIBCAMERA_UNDISTORTER_H

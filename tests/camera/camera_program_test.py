@@ -1,0 +1,378 @@
+#!/usr/bin/env python3
+"""raygrid-camera with a recording instead of a camera: outputs, ends, and bad input."""
+import argparse
+import os
+import re
+import resource
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+import urllib.error
+import urllib.request
+
+import machine
+
+programs = argparse.Namespace()
+
+WIDTH, HEIGHT, COUNT = 160, 120, 7
+FRAME_SIZE = 2 * WIDTH * HEIGHT
+MAX_SECONDS = 2  # from a signal to the end
+
+
+class CameraProgram(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        temporary = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(temporary.cleanup)
+        cls.folder = temporary.name
+        for command in (
+                ("simulate", "--images", 1, "--lens", "wide", "--size", "160x120", "-o", "scene"),
+                ("pack", "scene/true_camera.yaml", "-o", "flat.raygrid", "--remap",
+                 "160x120,hfov=80"),
+                ("pack", "scene/true_camera.yaml", "-o", "rays.raygrid")):
+            subprocess.run([programs.raygrid, *map(str, command)], cwd=cls.folder, check=True,
+                           stdout=subprocess.DEVNULL)
+        grey = bytes((3 * x + y * y) & 255 for y in range(HEIGHT) for x in range(WIDTH))
+        frames = machine.make_frames([grey], WIDTH, HEIGHT, COUNT)
+        cls.write("frames.yuyv", b"".join(frames))
+        subprocess.run([programs.undistort_frames, "flat.raygrid", "frames.yuyv", "undistorted"],
+                       cwd=cls.folder, check=True)
+        expected = cls.read("undistorted")
+        cls.expected = [expected[i * FRAME_SIZE:(i + 1) * FRAME_SIZE] for i in range(COUNT)]
+
+    @classmethod
+    def path(cls, name):
+        return os.path.join(cls.folder, name)
+
+    @classmethod
+    def write(cls, name, contents):
+        with open(cls.path(name), "wb") as file:
+            file.write(contents)
+
+    @classmethod
+    def read(cls, name):
+        with open(cls.path(name), "rb") as file:
+            return file.read()
+
+    def start(self, *arguments, **how):
+        """The program with the recording, in the folder of the test."""
+        # pylint: disable=consider-using-with
+        process = subprocess.Popen(
+            [programs.camera, "flat.raygrid", "--from", "frames.yuyv", "--format", "YUYV",
+             *map(str, arguments)],
+            cwd=self.folder, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE,
+            **{"stdout": subprocess.PIPE, **how})
+        self.addCleanup(process.stderr.close)
+        if process.stdout:
+            self.addCleanup(process.stdout.close)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        return process
+
+    def run_program(self, *arguments):
+        return subprocess.run([programs.camera, *map(str, arguments)], cwd=self.folder,
+                              stdin=subprocess.DEVNULL, capture_output=True, timeout=30,
+                              check=False)
+
+    def assert_fails(self, code, *arguments, words=()):
+        result = self.run_program(*arguments)
+        error = result.stderr.decode()
+        self.assertEqual(result.returncode, code, error)
+        self.assertEqual(error.count("\n"), 1, error)
+        self.assertTrue(error.startswith("raygrid-camera: "), error)
+        for word in words:
+            self.assertIn(word, error)
+
+    def assert_ends(self, process, code, number=None):
+        """Ends in time, after a signal."""
+        start = time.monotonic()
+        if number:
+            process.send_signal(number)
+        process.wait(timeout=30)
+        self.assertLess(time.monotonic() - start, MAX_SECONDS)
+        error = process.stderr.read().decode()
+        self.assertEqual(process.returncode, code, error)
+        return error
+
+    # ---- Outputs ----
+
+    def frames_in(self, folder):
+        result = []
+        for name in sorted(os.listdir(self.path(folder))):
+            self.assertRegex(name, r"^frame-[0-9]{6}\.raw$")
+            header, _, planes = self.read(os.path.join(folder, name)).partition(b"\n...\n")
+            self.assertTrue(header.startswith(b"raygrid_frame: 1\nformat: YUYV\nsize: [160, 120]\n"
+                                              b"planes: [38400]\nsequence: "), header)
+            result.append(planes)
+        return result
+
+    def test_files_are_the_runtimes_frames_in_order(self):
+        process = self.start("--frames", 20, "--every-frame", "--fps", 1000, "-o", "raw")
+        process.wait(timeout=30)
+        self.assertEqual(process.returncode, 0)
+        self.assertEqual(self.frames_in("raw"), [self.expected[i % COUNT] for i in range(20)])
+        self.assertIn(b"20 taken, 0 dropped", process.stderr.read())
+
+    def test_a_pipe_holds_the_same_planes(self):
+        process = self.start("--frames", 20, "--every-frame", "--fps", 1000, "-o", "-")
+        output, error = process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 0)
+        self.assertEqual(output, b"".join(self.expected[i % COUNT] for i in range(20)))
+        self.assertIn(b"ffplay -f rawvideo -pixel_format yuyv422 -video_size 160x120", error)
+        self.assertIn(b"rawvideoparse format=yuy2 width=160 height=120", error)
+
+    def test_png_files(self):
+        process = self.start("--frames", 2, "--every-frame", "--png", "-o", "png")
+        process.wait(timeout=30)
+        self.assertEqual(sorted(os.listdir(self.path("png"))),
+                         ["frame-000000.png", "frame-000001.png"])
+        picture = self.read("png/frame-000000.png")
+        self.assertTrue(picture.startswith(b"\x89PNG") and picture.endswith(b"IEND\xaeB`\x82"))
+
+    def test_points(self):
+        self.write("points.csv", b"x,y\n79.5,59.5\n-100,5\n")
+        process = self.start("--points", "points.csv")
+        output, error = process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 0, error)
+        lines = output.decode().splitlines()
+        self.assertEqual(lines[0], "x,y,u,v")
+        self.assertRegex(lines[1], r"^79\.5,59\.5,7[0-9]\.[0-9]{5},[56][0-9]\.[0-9]{5}$")
+        self.assertEqual(lines[2], "-100,5,,")
+
+    # ---- Ends ----
+
+    def test_signals_end_it_with_all_frames_whole(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with self.subTest(number):
+                folder = f"signal{int(number)}"
+                process = self.start("-o", folder, "--fps", 200)
+                time.sleep(0.5)
+                error = self.assert_ends(process, 0, number)
+                frames = self.frames_in(folder)
+                self.assertGreater(len(frames), 0)
+                self.assertLessEqual(set(frames), set(self.expected))
+                self.assertIn(f"{len(frames)} taken", error)
+
+    def test_a_full_disk_ends_it_and_leaves_no_half_frame(self):
+        process = self.start("-o", "full", preexec_fn=lambda: resource.setrlimit(
+            resource.RLIMIT_FSIZE, (30_000, 30_000)))
+        process.wait(timeout=30)
+        error = process.stderr.read().decode()
+        self.assertEqual(process.returncode, 7, error)
+        self.assertIn("make room", error)
+        self.assertEqual(os.listdir(self.path("full")), [])
+
+    def test_a_reader_that_goes_away_ends_it(self):
+        process = self.start("-o", "-", "--fps", 1000)
+        process.stdout.read(1000)
+        process.stdout.close()
+        self.assertIn("Broken pipe", self.assert_ends(process, 7))
+
+    def test_a_reader_that_stands_still_drops_frames_and_does_not_keep_it(self):
+        process = self.start("-o", "-", "--fps", 200)
+        time.sleep(1)
+        error = self.assert_ends(process, 7, signal.SIGTERM)
+        self.assertIn("takes nothing", error)
+
+    # ---- Bad input ----
+
+    def test_wrong_usage(self):
+        for arguments in ((), ("flat.raygrid", "--nonsense"), ("flat.raygrid", "--frames"),
+                          ("flat.raygrid", "--frames", "0"), ("flat.raygrid", "--frames", "1.5"),
+                          ("flat.raygrid", "--size", "640"), ("flat.raygrid", "--size", "0x5"),
+                          ("flat.raygrid", "--http", "70000"), ("flat.raygrid", "--http", ":1"),
+                          ("flat.raygrid", "--png"), ("flat.raygrid", "other.raygrid"),
+                          ("flat.raygrid", "--from", "frames.yuyv"),
+                          ("flat.raygrid", "--points", "-", "-o", "x"),
+                          ("flat.raygrid", "--calibrated-crop", "1,2,3"),
+                          ("flat.raygrid", "--from", "frames.yuyv", "--format", "MJPEG"),
+                          ("flat.raygrid", "--from", "frames.yuyv", "--format", "YUYV", "--http",
+                           "localhost:8080")):
+            with self.subTest(arguments):
+                self.assert_fails(1, *arguments, words=["--"])
+
+    def test_help(self):
+        result = self.run_program("--help")
+        self.assertEqual(result.returncode, 0)
+        self.assertIn(b"Example:", result.stdout)
+
+    def test_blobs_that_cannot_be_used(self):
+        blob = bytearray(self.read("flat.raygrid"))
+        recording = ("--from", "frames.yuyv", "--format", "YUYV")
+        for place in (0, 5, 40, len(blob) // 2, len(blob) - 1):
+            damaged = bytearray(blob)
+            damaged[place] ^= 0x10
+            self.write("damaged.raygrid", damaged)
+            self.assert_fails(8, "damaged.raygrid", *recording, words=["damaged.raygrid"])
+        self.write("short.raygrid", blob[:100])
+        self.assert_fails(8, "short.raygrid", *recording)
+        self.write("empty.raygrid", b"")
+        self.assert_fails(8, "empty.raygrid", *recording)
+        self.assert_fails(8, "rays.raygrid", *recording, words=["--remap"])
+        self.assert_fails(8, "flat.raygrid", "--table", 1, *recording, words=["--remap"])
+        self.assert_fails(2, "missing.raygrid", *recording)
+        self.assert_fails(8, "flat.raygrid", *recording, "--size", "80x60",
+                          words=["160x120", "80x60", "--list"])
+
+    def test_recordings_that_cannot_be_used(self):
+        self.write("half.yuyv", self.read("frames.yuyv")[:FRAME_SIZE + 1])
+        self.assert_fails(2, "flat.raygrid", "--from", "half.yuyv", "--format", "YUYV",
+                          words=["--size"])
+        self.assert_fails(2, "flat.raygrid", "--from", "missing", "--format", "YUYV")
+
+    def test_outputs_that_cannot_be_written(self):
+        self.assert_fails(7, "flat.raygrid", "--from", "frames.yuyv", "--format", "YUYV", "-o",
+                          "flat.raygrid", "--quiet")
+        self.assert_fails(7, "flat.raygrid", "--from", "frames.yuyv", "--format", "YUYV", "-o",
+                          "no/such/folder", "--quiet")
+
+    # ---- HTTP ----
+
+    def serve(self, *arguments):
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        process = self.start("--http", port, "--fps", 50, *arguments)
+        for _ in range(100):
+            try:
+                socket.create_connection(("127.0.0.1", port), timeout=5).close()
+                return process, port
+            except ConnectionRefusedError:
+                time.sleep(0.05)
+        self.fail("nobody serves")
+
+    @staticmethod
+    def ask(port, path="/", data=None):
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}{path}", data=data,
+                                    timeout=5) as answer:
+            return answer.read().decode()
+
+    @staticmethod
+    def send(port, request):
+        """A raw request; returns the connection."""
+        connection = socket.create_connection(("127.0.0.1", port), timeout=5)
+        connection.sendall(request)
+        return connection
+
+    def pictures(self, port, path, count):
+        """So many JPEGs of a stream."""
+        with self.send(port, f"GET {path} HTTP/1.1\r\nHost: x\r\n\r\n".encode()) as connection, \
+                connection.makefile("rb") as stream:
+            self.assertIn(b"200", stream.readline())
+            result = []
+            while len(result) < count:
+                line = stream.readline()
+                self.assertTrue(line)
+                length = re.match(rb"Content-Length: (\d+)", line)
+                if length:
+                    stream.readline()
+                    result.append(stream.read(int(length[1])))
+            return result
+
+    def test_the_page_and_its_moving_pictures(self):
+        process, port = self.serve()
+        page = self.ask(port)
+        self.assertIn('src="/before"', page)
+        self.assertIn('src="/after"', page)
+        for path in ("/before", "/after"):
+            pictures = self.pictures(port, path, 5)
+            self.assertGreater(len(set(pictures)), 1)
+            for picture in pictures:
+                self.assertTrue(picture.startswith(b"\xff\xd8") and picture.endswith(b"\xff\xd9"))
+        self.assert_ends(process, 0, signal.SIGTERM)
+
+    def test_only_this_machine_is_served_unless_told_otherwise(self):
+        _, port = self.serve()
+        with open("/proc/net/tcp", encoding="ascii") as file:
+            listening = [line.split()[1] for line in file if line.split()[3] == "0A"]
+        self.assertIn(f"0100007F:{port:04X}", listening)
+        self.assertNotIn(f"00000000:{port:04X}", listening)
+
+    def test_other_requests_are_refused(self):
+        process, port = self.serve()
+        for path in ("/etc/passwd", "/../../etc/passwd", "/before/", "//", "/%2e%2e/x"):
+            with self.assertRaises(urllib.error.HTTPError) as raised:
+                self.ask(port, path)
+            self.assertEqual(raised.exception.code, 404)
+            raised.exception.close()
+        with self.assertRaises(urllib.error.HTTPError) as raised:
+            self.ask(port, data=b"x" * 1000)
+        self.assertEqual(raised.exception.code, 405)
+        raised.exception.close()
+        self.assert_ends(process, 0, signal.SIGTERM)
+
+    def test_malformed_requests_do_no_harm(self):
+        process, port = self.serve()
+        requests = [b"\0" * 100, b"GET\r\n\r\n", b"GET / HTTP/9.9\r\n\r\n", b"\r\n" * 1000,
+                    b"GET /" + b"a" * 100_000 + b" HTTP/1.1\r\n\r\n",
+                    b"GET / HTTP/1.1\r\n" + b"A: b\r\n" * 50_000 + b"\r\n",
+                    b"POST / HTTP/1.1\r\nContent-Length: 99999999999999999999\r\n\r\n",
+                    b"POST / HTTP/1.1\r\nContent-Length: -1\r\n\r\n",
+                    b"POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\nzz\r\n",
+                    b"GET / HTTP/1.1\r\nHost: " + b"\xff" * 1000, b"GET /after HTTP/1.1\r\n"]
+        for request in requests:
+            try:
+                with self.send(port, request) as connection:
+                    connection.shutdown(socket.SHUT_WR)
+                    connection.settimeout(3)
+                    connection.recv(1000)
+            except OSError:
+                pass
+            self.assertIsNone(process.poll(), request[:40])
+        self.assertIn("raygrid-camera", self.ask(port))
+        self.assert_ends(process, 0, signal.SIGTERM)
+
+    def test_slow_and_many_clients_do_not_hold_the_others_up(self):
+        process, port = self.serve()
+        request = b"GET /after HTTP/1.1\r\nHost: x\r\n\r\n"
+        # Never read from; more than are served.
+        slow = [self.send(port, request) for _ in range(8)]
+        self.assertGreater(len(set(self.pictures(port, "/before", 20))), 1)
+        try:
+            slow += [self.send(port, request) for _ in range(40)]
+        except OSError:
+            pass
+        self.assertIsNone(process.poll())
+        error = self.assert_ends(process, 0, signal.SIGTERM)
+        self.assertIn("undistorted", error)
+        for connection in slow:
+            connection.close()
+
+    def test_clients_that_come_and_go(self):
+        process, port = self.serve()
+        request = b"GET /before HTTP/1.1\r\nHost: x\r\n\r\n"
+
+        def come_and_go():
+            for _ in range(20):
+                try:
+                    with self.send(port, request) as connection:
+                        connection.recv(100)
+                except OSError:
+                    pass
+        threads = [threading.Thread(target=come_and_go) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertGreater(len(self.pictures(port, "/after", 2)), 1)
+        self.assert_ends(process, 0, signal.SIGINT)
+
+    def test_a_port_that_is_taken(self):
+        with socket.socket() as taken:
+            taken.bind(("127.0.0.1", 0))
+            taken.listen()
+            self.assert_fails(7, "flat.raygrid", "--from", "frames.yuyv", "--format", "YUYV",
+                              "--http", taken.getsockname()[1], words=["another port"])
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser()
+    for option in ("raygrid", "camera", "undistort-frames"):
+        parser.add_argument("--" + option, required=True)
+    _, rest = parser.parse_known_args(namespace=programs)
+    unittest.main(argv=[sys.argv[0]] + rest, verbosity=2)

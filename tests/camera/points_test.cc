@@ -1,0 +1,91 @@
+#include "points.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "camera_error.h"
+#include "camera_support.h"
+
+namespace raygrid {
+namespace {
+
+bool Never() { return false; }
+
+// What a file of points becomes.
+std::string Undistorted(const std::string& points,
+                        const std::optional<rg_mode>& mode = std::nullopt) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / "raygrid_points_test";
+  std::filesystem::create_directories(folder);
+  const std::string in = (folder / "in.csv").string();
+  std::ofstream(in) << points;
+  char* text = nullptr;
+  size_t size = 0;
+  std::FILE* const output = open_memstream(&text, &size);
+  const rg_camera camera = OpenLens();
+  std::string result;
+  try {
+    UndistortPoints(camera, mode, in, output, Never);
+    std::fclose(output);
+    result.assign(text, size);
+    std::free(text);
+  } catch (...) {
+    std::fclose(output);
+    std::free(text);
+    std::filesystem::remove_all(folder);
+    throw;
+  }
+  std::filesystem::remove_all(folder);
+  return result;
+}
+
+TEST(Points, AreThoseOfTheRuntime) {
+  std::ostringstream points;
+  points << "x,y\n# a comment\n";
+  std::string expected = "x,y,u,v\n";
+  const rg_camera camera = OpenLens();
+  for (int x = 0; x < 200; x += 13) {
+    points << x << ".5," << x / 2 << "\n";
+    char line[100];
+    rg_pixel to;
+    const rg_pixel pixel = {RG_PIXEL(x) + 0x8000, RG_PIXEL(x / 2)};
+    if (rg_undistort_point(&camera, pixel, &to) == RG_OK)
+      std::snprintf(line, sizeof(line), "%d.5,%d,%.5f,%.5f\n", x, x / 2,
+                    to.x_q16 / 65536.0, to.y_q16 / 65536.0);
+    else
+      std::snprintf(line, sizeof(line), "%d.5,%d,,\n", x, x / 2);
+    expected += line;
+  }
+  EXPECT_EQ(Undistorted(points.str()), expected);
+}
+
+TEST(Points, OfAModeAreBroughtToCalibratedOnes) {
+  rg_mode mode = {};
+  mode.width = 80;
+  mode.height = 60;
+  mode.scale_x_q16 = mode.scale_y_q16 = 2 << 16;
+  const std::string binned = Undistorted("40,30\n", mode);
+  const std::string calibrated = Undistorted("80.5,60.5\n");
+  const std::string positions =
+      calibrated.substr(calibrated.rfind("60.5,") + 5);
+  EXPECT_EQ(binned, "x,y,u,v\n40,30," + positions);
+}
+
+TEST(Points, LinesThatAreNoPointsAreNamed) {
+  for (const char* line : {"1,2,3\n", "abc\n", "1\n", "nan,1\n", "1e9,1\n"}) {
+    try {
+      Undistorted(std::string("x,y\n1,2\n") + line);
+      ADD_FAILURE() << line;
+    } catch (const CameraError& error) {
+      EXPECT_EQ(error.code(), CameraExit::kInput);
+      EXPECT_NE(std::string(error.what()).find("in.csv:3"), std::string::npos);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace raygrid

@@ -1,0 +1,116 @@
+#include "stream_format.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "camera_error.h"
+#include "picture_rows.h"
+
+namespace raygrid {
+namespace {
+
+StreamFormat Make(const char* name, uint32_t width, uint32_t height,
+                  uint32_t stride = 0) {
+  return MakeStreamFormat(*FindPixelFormat(name), width, height, stride);
+}
+
+TEST(StreamFormat, EveryFormatOfTheRuntimeHasAName) {
+  std::set<rg_format> formats;
+  std::set<std::string> names;
+  for (const std::string& name : PixelFormatNames()) {
+    formats.insert(FindPixelFormat(name)->format);
+    EXPECT_TRUE(names.insert(name).second) << name;
+  }
+  EXPECT_EQ(formats.size(), size_t{RG_NUM_FORMATS});
+  EXPECT_EQ(FindPixelFormat("MJPEG"), nullptr);
+}
+
+TEST(StreamFormat, PlanesFollowFromTheFirstStride) {
+  const StreamFormat nv12 = Make("NV12", 64, 48, 80);
+  EXPECT_EQ(nv12.num_planes, 2);
+  EXPECT_EQ(nv12.planes[1].stride, 80u);
+  EXPECT_EQ(nv12.planes[1].row_bytes, 64u);
+  EXPECT_EQ(nv12.planes[1].rows, 24u);
+  EXPECT_EQ(nv12.packed_size(), 64u * 72);
+
+  const StreamFormat yuv420 = Make("YUV420", 64, 48, 80);
+  EXPECT_EQ(yuv420.num_planes, 3);
+  EXPECT_EQ(yuv420.planes[2].stride, 40u);
+  EXPECT_EQ(yuv420.planes[2].row_bytes, 32u);
+  EXPECT_EQ(yuv420.packed_size(), 64u * 72);
+
+  const StreamFormat bayer = Make("SRGGB10_CSI2P", 64, 48);
+  EXPECT_EQ(bayer.num_planes, 1);
+  EXPECT_EQ(bayer.planes[0].row_bytes, 80u);
+  EXPECT_EQ(bayer.planes[0].rows, 48u);
+  EXPECT_EQ(Make("YUYV", 634, 478).planes[0].stride, 1268u);
+}
+
+TEST(StreamFormat, SizesAndStridesThatCannotBeAreRefused) {
+  EXPECT_THROW(Make("YUYV", 63, 48), CameraError);
+  EXPECT_THROW(Make("NV12", 64, 47), CameraError);
+  EXPECT_THROW(Make("R10_CSI2P", 62, 48), CameraError);
+  EXPECT_THROW(Make("R8", 0, 48), CameraError);
+  EXPECT_THROW(Make("R8", 20000, 48), CameraError);
+  EXPECT_THROW(Make("R8", 64, 48, 63), CameraError);
+  EXPECT_THROW(Make("YUV420", 64, 48, 63), CameraError);
+}
+
+// A picture of 2 x 2 pixels of one colour.
+std::vector<int> ColourOf(const char* name, std::vector<uint8_t> bytes) {
+  const StreamFormat format = Make(name, 2, 2);
+  EXPECT_EQ(format.packed_size(), bytes.size()) << name;
+  uint8_t rgb[6];
+  ReadPictureRow(*format.pixel_format, MakePackedImage(format, bytes.data()), 1,
+                 rgb);
+  return {rgb[3], rgb[4], rgb[5]};
+}
+
+std::vector<uint8_t> Repeat(std::vector<uint8_t> bytes, int times) {
+  std::vector<uint8_t> result;
+  for (int i = 0; i < times; ++i)
+    result.insert(result.end(), bytes.begin(), bytes.end());
+  return result;
+}
+
+TEST(PictureRows, ColoursAreWhereTheFormatHasThem) {
+  const std::vector<int> colour = {10, 20, 30};
+  EXPECT_EQ(ColourOf("RGB888", Repeat({30, 20, 10}, 4)), colour);
+  EXPECT_EQ(ColourOf("BGR888", Repeat({10, 20, 30}, 4)), colour);
+  EXPECT_EQ(ColourOf("XRGB8888", Repeat({30, 20, 10, 0}, 4)), colour);
+  EXPECT_EQ(ColourOf("XBGR8888", Repeat({10, 20, 30, 0}, 4)), colour);
+  EXPECT_EQ(ColourOf("RGBX8888", Repeat({0, 30, 20, 10}, 4)), colour);
+  EXPECT_EQ(ColourOf("BGRX8888", Repeat({0, 10, 20, 30}, 4)), colour);
+  EXPECT_EQ(ColourOf("SRGGB8", {10, 20, 20, 30}), colour);
+  EXPECT_EQ(ColourOf("SGRBG8", {20, 10, 30, 20}), colour);
+  EXPECT_EQ(ColourOf("SGBRG8", {20, 30, 10, 20}), colour);
+  EXPECT_EQ(ColourOf("SBGGR8", {30, 20, 20, 10}), colour);
+  EXPECT_EQ(ColourOf("SRGGB12", {160, 0, 64, 1, 64, 1, 224, 1}), colour);
+  EXPECT_EQ(ColourOf("R8", {7, 7, 7, 7}), (std::vector<int>{7, 7, 7}));
+  EXPECT_EQ(ColourOf("R10", {0, 2, 0, 2, 0, 2, 0, 2}),
+            (std::vector<int>{128, 128, 128}));
+}
+
+TEST(PictureRows, RedIsRedInEveryOrderOfYuv) {
+  // Red of BT.601.
+  const uint8_t y = 81, u = 90, v = 240;
+  const std::vector<std::vector<int>> pictures = {
+      ColourOf("YUYV", Repeat({y, u, y, v}, 2)),
+      ColourOf("YVYU", Repeat({y, v, y, u}, 2)),
+      ColourOf("UYVY", Repeat({u, y, v, y}, 2)),
+      ColourOf("VYUY", Repeat({v, y, u, y}, 2)),
+      ColourOf("NV12", {y, y, y, y, u, v}),
+      ColourOf("NV21", {y, y, y, y, v, u}),
+      ColourOf("YUV420", {y, y, y, y, u, v}),
+      ColourOf("YVU420", {y, y, y, y, v, u}),
+      ColourOf("XVUY8888", Repeat({y, u, v, 0}, 4))};
+  for (const std::vector<int>& rgb : pictures) {
+    EXPECT_GE(rgb[0], 253);
+    EXPECT_LE(rgb[1], 2);
+    EXPECT_LE(rgb[2], 2);
+  }
+}
+
+}  // namespace
+}  // namespace raygrid

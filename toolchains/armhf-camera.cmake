@@ -1,0 +1,10 @@
+# With C++ and libcamera: tests/camera/fetch_sysroot armhf build/sysroot-armhf
+include(${CMAKE_CURRENT_LIST_DIR}/armhf.cmake)
+set(sysroot ${CMAKE_CURRENT_LIST_DIR}/../build/sysroot-armhf)
+set(CMAKE_CXX_COMPILER arm-linux-gnueabihf-g++)
+set(CMAKE_SYSROOT ${sysroot})
+set(CMAKE_FIND_ROOT_PATH ${sysroot})
+set(CMAKE_LIBRARY_ARCHITECTURE arm-linux-gnueabihf)
+set(CMAKE_CROSSCOMPILING_EMULATOR qemu-arm;-L;${sysroot})
+set(ENV{PKG_CONFIG_LIBDIR} ${sysroot}/usr/lib/arm-linux-gnueabihf/pkgconfig:${sysroot}/usr/share/pkgconfig)
+set(ENV{PKG_CONFIG_SYSROOT_DIR} ${sysroot})

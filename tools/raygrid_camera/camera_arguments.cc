@@ -1,0 +1,249 @@
+#include "camera_arguments.h"
+
+#include <getopt.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "camera_error.h"
+
+namespace raygrid {
+
+const char kCameraHelp[] =
+    "Undistorts a camera's frames with the table of a raygrid blob.\n"
+    "\n"
+    "Usage: raygrid-camera BLOB [options]\n"
+    "       raygrid-camera --list\n"
+    "  BLOB  packed with --remap, for the frames' size\n"
+    "\n"
+    "Camera\n"
+    "  --list             cameras, their formats and sizes\n"
+    "  --camera ID        by its id, or a part of it (default: the only one)\n"
+    "  --format NAME      libcamera's pixel format (default: the camera's)\n"
+    "  --size WxH         to ask the camera for (default: the blob's)\n"
+    "  --table N          which of the blob's tables, from 0 (default: 0)\n"
+    "  --serial S         the camera's serial number; the blob's must be the "
+    "same\n"
+    "  --calibrated-crop X,Y,WxH  the part of the sensor that was calibrated\n"
+    "  --from FILE        raw frames of a file, again and again, instead of a\n"
+    "                     camera; with --format, and --fps N (default: 30)\n"
+    "  --timeout S        seconds without a frame that end it (default: 5)\n"
+    "\n"
+    "Output\n"
+    "  -o, --output DIR   frame-000000.raw and so on: a text header that ends\n"
+    "                     with a line \"...\", and the planes\n"
+    "  --png              frame-000000.png and so on instead\n"
+    "  -o -               planes to standard output, for ffplay or\n"
+    "                     gst-launch-1.0 (how is told on standard error)\n"
+    "  --frames N         ends after N frames\n"
+    "  --every-frame      waits for a slow output; else the oldest frame is\n"
+    "                     given up for a newer one\n"
+    "  --http [ADDRESS:]PORT  a page with frames before and after, at\n"
+    "                     127.0.0.1 unless told otherwise\n"
+    "  --points FILE      undistorts positions instead of pixels: lines x,y "
+    "of\n"
+    "                     FILE (- is standard input) to lines x,y,u,v on\n"
+    "                     standard output; u,v are empty where there is none\n"
+    "  --quiet            no statistics\n"
+    "\n"
+    "Statistics: frames a second; milliseconds in the remap, and waiting for "
+    "it\n"
+    "and for the output (median, 99th percentile); frames that arrived, were\n"
+    "taken by the output, given up here, or missed by the camera.\n"
+    "Exit codes: 0 done, 1 usage, 2 camera or input, 7 output, 8 blob.\n"
+    "\n"
+    "Example:\n"
+    "  raygrid-camera front.raygrid --http 8080\n"
+    "  raygrid-camera front.raygrid -o frames/ --frames 100\n";
+
+namespace {
+
+[[noreturn]] void FailUsage(const std::string& message) {
+  throw CameraError(CameraExit::kUsage, message + "; see --help");
+}
+
+double ParseNumber(const std::string& option, const char* text, double low,
+                   double high) {
+  char* end;
+  const double value = std::strtod(text, &end);
+  if (end == text || *end != 0 || !(value >= low && value <= high))
+    FailUsage(option + ": " + text + " is no number from " +
+              std::to_string(std::lround(low)) + " to " +
+              std::to_string(std::llround(high)));
+  return value;
+}
+
+uint64_t ParseCount(const std::string& option, const char* text, double low,
+                    double high) {
+  const double value = ParseNumber(option, text, low, high);
+  if (value != std::floor(value)) FailUsage(option + ": not a whole number");
+  return static_cast<uint64_t>(value);
+}
+
+void ParseSize(const char* text, CameraArguments* arguments) {
+  char more;
+  if (std::sscanf(text, "%5ux%5u%c", &arguments->width, &arguments->height,
+                  &more) != 2 ||
+      arguments->width == 0 || arguments->height == 0)
+    FailUsage(std::string("--size: ") + text + " is not like 640x480");
+}
+
+SensorCrop ParseCrop(const char* text) {
+  SensorCrop crop;
+  char more;
+  if (std::sscanf(text, "%6d,%6d,%6ux%6u%c", &crop.x, &crop.y, &crop.width,
+                  &crop.height, &more) != 4 ||
+      crop.width == 0 || crop.height == 0)
+    FailUsage(std::string("--calibrated-crop: ") + text +
+              " is not like 0,0,3280x2464");
+  return crop;
+}
+
+void ParseHttp(const std::string& text, CameraArguments* arguments) {
+  const size_t colon = text.rfind(':');
+  if (colon != std::string::npos) {
+    arguments->http_address = text.substr(0, colon);
+    if (arguments->http_address.empty()) FailUsage("--http: no address");
+  }
+  const std::string port =
+      colon == std::string::npos ? text : text.substr(colon + 1);
+  arguments->http_port =
+      static_cast<uint16_t>(ParseCount("--http", port.c_str(), 1, 65535));
+}
+
+enum Option : int {
+  kOutput = 'o',
+  kHelp = 'h',
+  kList = 256,
+  kCamera,
+  kFormat,
+  kSize,
+  kTable,
+  kSerial,
+  kCrop,
+  kFrom,
+  kFps,
+  kTimeout,
+  kPng,
+  kFrames,
+  kEveryFrame,
+  kHttp,
+  kPoints,
+  kQuiet
+};
+
+const option kOptions[] = {
+    {"output", required_argument, nullptr, kOutput},
+    {"help", no_argument, nullptr, kHelp},
+    {"list", no_argument, nullptr, kList},
+    {"camera", required_argument, nullptr, kCamera},
+    {"format", required_argument, nullptr, kFormat},
+    {"size", required_argument, nullptr, kSize},
+    {"table", required_argument, nullptr, kTable},
+    {"serial", required_argument, nullptr, kSerial},
+    {"calibrated-crop", required_argument, nullptr, kCrop},
+    {"from", required_argument, nullptr, kFrom},
+    {"fps", required_argument, nullptr, kFps},
+    {"timeout", required_argument, nullptr, kTimeout},
+    {"png", no_argument, nullptr, kPng},
+    {"frames", required_argument, nullptr, kFrames},
+    {"every-frame", no_argument, nullptr, kEveryFrame},
+    {"http", required_argument, nullptr, kHttp},
+    {"points", required_argument, nullptr, kPoints},
+    {"quiet", no_argument, nullptr, kQuiet},
+    {nullptr, 0, nullptr, 0}};
+
+void TakeOption(int which, CameraArguments* arguments) {
+  switch (which) {
+    case kOutput:
+      arguments->output = optarg;
+      break;
+    case kHelp:
+      arguments->is_help = true;
+      break;
+    case kList:
+      arguments->is_list = true;
+      break;
+    case kCamera:
+      arguments->camera = optarg;
+      break;
+    case kFormat:
+      arguments->format = optarg;
+      break;
+    case kSize:
+      ParseSize(optarg, arguments);
+      break;
+    case kSerial:
+      arguments->serial = optarg;
+      break;
+    case kCrop:
+      arguments->calibrated_crop = ParseCrop(optarg);
+      break;
+    case kFrom:
+      arguments->recording = optarg;
+      break;
+    case kPng:
+      arguments->as_png = true;
+      break;
+    case kEveryFrame:
+      arguments->every_frame = true;
+      break;
+    case kHttp:
+      ParseHttp(optarg, arguments);
+      break;
+    case kPoints:
+      arguments->points = optarg;
+      break;
+    case kQuiet:
+      arguments->is_quiet = true;
+      break;
+    case kTable:
+      arguments->table =
+          static_cast<unsigned>(ParseCount("--table", optarg, 0, 15));
+      break;
+    case kFps:
+      arguments->frames_per_second = ParseNumber("--fps", optarg, 0.01, 10000);
+      break;
+    case kTimeout:
+      arguments->timeout_s = ParseNumber("--timeout", optarg, 0.1, 86400);
+      break;
+    case kFrames:
+      arguments->num_frames = ParseCount("--frames", optarg, 1, 1e15);
+      break;
+  }
+}
+
+void CheckTogether(const CameraArguments& arguments) {
+  if (arguments.is_help || arguments.is_list) return;
+  if (arguments.blob.empty()) FailUsage("usage: raygrid-camera BLOB [options]");
+  if (arguments.as_png && (arguments.output.empty() || arguments.output == "-"))
+    FailUsage("--png: needs a folder, -o DIR");
+  if (!arguments.points.empty() &&
+      (!arguments.output.empty() || arguments.http_port != 0))
+    FailUsage("--points: instead of -o and --http");
+  if (!arguments.recording.empty() && arguments.format.empty())
+    FailUsage("--from: needs --format");
+}
+
+}  // namespace
+
+CameraArguments ParseCameraArguments(int argc, char** argv) {
+  CameraArguments arguments;
+  opterr = 0;
+  int which;
+  while ((which = getopt_long(argc, argv, ":o:h", kOptions, nullptr)) != -1) {
+    if (which == '?')
+      FailUsage(std::string(argv[optind - 1]) + ": unknown option");
+    if (which == ':')
+      FailUsage(std::string(argv[optind - 1]) + ": needs a value");
+    TakeOption(which, &arguments);
+  }
+  if (optind < argc) arguments.blob = argv[optind++];
+  if (optind < argc)
+    FailUsage(std::string(argv[optind]) + ": one blob is enough");
+  CheckTogether(arguments);
+  return arguments;
+}
+
+}  // namespace raygrid

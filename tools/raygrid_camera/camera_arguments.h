@@ -1,0 +1,39 @@
+#ifndef RAYGRID_CAMERA_CAMERA_ARGUMENTS_H
+#define RAYGRID_CAMERA_CAMERA_ARGUMENTS_H
+
+#include <optional>
+#include <string>
+
+#include "frame_source.h"
+
+namespace raygrid {
+
+struct CameraArguments {
+  std::string blob;
+  std::string camera;  // id, or a part of it
+  std::string format;
+  unsigned width = 0, height = 0;  // 0: the blob's
+  unsigned table = 0;              // of the blob's remap tables
+  std::string serial;
+  std::optional<SensorCrop> calibrated_crop;
+  std::string recording;          // frames of a file instead of a camera
+  double frames_per_second = 30;  // of the recording
+  std::string output;             // folder; "-": standard output
+  bool as_png = false;
+  bool every_frame = false;
+  uint64_t num_frames = 0;  // 0: until it is stopped
+  double timeout_s = 5;
+  std::string points;  // file; "-": standard input
+  std::string http_address = "127.0.0.1";
+  uint16_t http_port = 0;  // 0: no server
+  bool is_list = false, is_help = false, is_quiet = false;
+};
+
+extern const char kCameraHelp[];
+
+/// Throws CameraError (wrong usage).
+CameraArguments ParseCameraArguments(int argc, char** argv);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CAMERA_CAMERA_ARGUMENTS_H

@@ -1,0 +1,186 @@
+#include "camera_session.h"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "camera_error.h"
+#include "camera_statistics.h"
+#include "frame_output.h"
+#include "points.h"
+#include "preview_server.h"
+#include "stream_guard.h"
+#include "undistorter.h"
+
+namespace raygrid {
+namespace {
+
+constexpr std::chrono::milliseconds kPatience(50);
+
+volatile sig_atomic_t is_signalled = 0;
+
+void OnSignal(int) { is_signalled = 1; }
+
+std::unique_ptr<FrameOutput> MakeOutput(const CameraArguments& arguments,
+                                        const StreamFormat& format) {
+  if (arguments.output.empty()) return nullptr;
+  if (arguments.output == "-") {
+    if (!arguments.is_quiet)
+      std::fputs(DescribePipe(format, arguments.frames_per_second).c_str(),
+                 stderr);
+    return MakePipe(STDOUT_FILENO, IsSignalled);
+  }
+  if (arguments.as_png) return MakePngFiles(arguments.output, format);
+  return MakeRawFiles(arguments.output, format);
+}
+
+std::unique_ptr<PreviewServer> MakePreview(const CameraArguments& arguments,
+                                           const StreamFormat& before,
+                                           const StreamFormat& after) {
+  if (arguments.http_port == 0) return nullptr;
+  auto preview = std::make_unique<PreviewServer>(
+      arguments.http_address, arguments.http_port, before, after);
+  if (!arguments.is_quiet)
+    std::fprintf(stderr, "http://%s:%u/\n", arguments.http_address.c_str(),
+                 arguments.http_port);
+  return preview;
+}
+
+// Ends what takes too long without a frame.
+class Patience {
+ public:
+  explicit Patience(double seconds)
+      : limit_(std::chrono::duration_cast<Clock::duration>(
+            std::chrono::duration<double>(seconds))) {}
+
+  void Refresh() { last_ = Clock::now(); }
+  void Check() const {
+    if (Clock::now() - last_ > limit_)
+      throw CameraError(CameraExit::kInput,
+                        "camera: gives no frames; connect it again, or allow "
+                        "more with --timeout");
+  }
+
+ private:
+  const Clock::duration limit_;
+  Clock::time_point last_ = Clock::now();
+};
+
+// Takes frames until the end; returns how many were written.
+class FrameLoop {
+ public:
+  FrameLoop(const CameraArguments& arguments, const FrameSource& source,
+            Undistorter* undistorter, FrameOutput* output)
+      : arguments_(arguments),
+        source_(source),
+        undistorter_(undistorter),
+        output_(output),
+        statistics_(arguments.is_quiet),
+        patience_(arguments.timeout_s) {}
+
+  void Run() {
+    while (!IsSignalled() && !IsEnough() && !undistorter_->is_finished()) {
+      TakeFrame();
+      statistics_.ShowSometimes(source_.counts(), *undistorter_);
+    }
+  }
+
+  // What waits is written too, when a signal or the source ended it.
+  void Finish() {
+    while (!IsEnough() && !undistorter_->is_finished()) TakeFrame();
+    statistics_.ShowAtTheEnd(source_.counts(), *undistorter_);
+  }
+
+ private:
+  bool IsEnough() const {
+    return arguments_.num_frames != 0 && written_ == arguments_.num_frames;
+  }
+
+  void TakeFrame() {
+    UndistortedFrame* const frame = undistorter_->Take(kPatience);
+    if (!frame) return patience_.Check();
+    statistics_.Count(*frame);
+    if (output_) output_->Write(*frame, written_);
+    ++written_;
+    undistorter_->GiveBack(frame);
+    patience_.Refresh();
+  }
+
+  const CameraArguments& arguments_;
+  const FrameSource& source_;
+  Undistorter* const undistorter_;
+  FrameOutput* const output_;
+  CameraStatistics statistics_;
+  Patience patience_;
+  uint64_t written_ = 0;
+};
+
+void StreamFrames(const CameraArguments& arguments, const rg_camera& camera,
+                  FrameSource* source) {
+  StreamGuard guard(camera, source->format(), StreamGuard::Use::kFrames,
+                    arguments.serial, arguments.calibrated_crop);
+  guard.Check({});  // before anything is made
+  UndistorterOptions options;
+  options.every_frame = arguments.every_frame;
+  std::unique_ptr<PreviewServer> preview;  // outlives who shows it frames
+  Undistorter undistorter(camera, source, &guard, options);
+  const auto output = MakeOutput(arguments, undistorter.format());
+  preview = MakePreview(arguments, source->format(), undistorter.format());
+  FrameLoop loop(arguments, *source, &undistorter, output.get());
+  source->Start();
+  undistorter.Start(preview.get());
+  loop.Run();
+  undistorter.Stop();
+  source->Stop();
+  loop.Finish();
+  if (const auto fault = undistorter.fault()) throw *fault;
+}
+
+// The mode of a frame as the camera gives it.
+std::optional<rg_mode> FindMode(const CameraArguments& arguments,
+                                const rg_camera& camera, FrameSource* source) {
+  StreamGuard guard(camera, source->format(), StreamGuard::Use::kPositions,
+                    arguments.serial, arguments.calibrated_crop);
+  Patience patience(arguments.timeout_s);
+  source->Start();
+  while (!IsSignalled()) {
+    if (const auto frame = source->Next(kPatience)) {
+      guard.Check(frame->info);
+      break;
+    }
+    if (!source->fault().empty())
+      throw CameraError(CameraExit::kInput, source->fault());
+    patience.Check();
+  }
+  source->Stop();
+  return guard.mode();
+}
+
+}  // namespace
+
+void NoteSignals() {
+  struct sigaction action = {};
+  action.sa_handler = OnSignal;
+  action.sa_flags = SA_RESETHAND;  // no SA_RESTART: reads end too
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  action.sa_handler = SIG_IGN;
+  action.sa_flags = 0;
+  sigaction(SIGPIPE, &action, nullptr);
+  sigaction(SIGXFSZ, &action, nullptr);
+}
+
+bool IsSignalled() { return is_signalled != 0; }
+
+void RunCameraSession(const CameraArguments& arguments, const rg_camera& camera,
+                      FrameSource* source) {
+  if (arguments.points.empty()) return StreamFrames(arguments, camera, source);
+  const auto mode = FindMode(arguments, camera, source);
+  UndistortPoints(camera, mode, arguments.points, stdout, IsSignalled);
+}
+
+}  // namespace raygrid

@@ -1,0 +1,128 @@
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <climits>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "frame_output.h"
+
+namespace raygrid {
+namespace {
+
+constexpr int kPatience_ms = 50;
+constexpr std::chrono::seconds kGrace(1);
+
+// What a write takes without waiting once poll() has said that it may.
+size_t FindPiece(int fd) {
+  struct stat status;
+  const bool is_file = fstat(fd, &status) == 0 && S_ISREG(status.st_mode);
+  return is_file ? SSIZE_MAX : PIPE_BUF;
+}
+
+class FramePipe : public FrameOutput {
+ public:
+  FramePipe(int fd, std::function<bool()> is_stopped)
+      : fd_(fd), piece_(FindPiece(fd)), is_stopped_(std::move(is_stopped)) {}
+
+  void Write(const UndistortedFrame& frame, uint64_t) override {
+    const uint8_t* next = frame.bytes.data();
+    size_t left = frame.bytes.size();
+    while (left > 0) {
+      WaitForReader();
+      const ssize_t written = write(fd_, next, std::min(left, piece_));
+      if (written < 0 && (errno == EINTR || errno == EAGAIN)) continue;
+      if (written < 0) Fail(std::strerror(errno));
+      next += written;
+      left -= static_cast<size_t>(written);
+    }
+  }
+
+ private:
+  void WaitForReader() {
+    std::optional<Clock::time_point> give_up;
+    pollfd waiting = {fd_, POLLOUT, 0};
+    while (poll(&waiting, 1, kPatience_ms) <= 0) {
+      if (!is_stopped_()) continue;
+      if (!give_up) give_up = Clock::now() + kGrace;
+      if (Clock::now() > *give_up) Fail("its reader takes nothing");
+    }
+  }
+
+  [[noreturn]] void Fail(const std::string& why) const {
+    throw CameraError(CameraExit::kOutput,
+                      "standard output: the last frame is not whole (" + why +
+                          "); keep the reader running");
+  }
+
+  const int fd_;
+  const size_t piece_;
+  const std::function<bool()> is_stopped_;
+};
+
+// ffmpeg's and GStreamer's names of formats, where they have the same.
+struct PlayerNames {
+  const char *name, *ffmpeg, *gstreamer;
+};
+
+constexpr PlayerNames kPlayerNames[] = {{"R8", "gray", "gray8"},
+                                        {"R16", "gray16le", "gray16-le"},
+                                        {"RGB888", "bgr24", "bgr"},
+                                        {"BGR888", "rgb24", "rgb"},
+                                        {"XRGB8888", "bgr0", "bgrx"},
+                                        {"ARGB8888", "bgra", "bgra"},
+                                        {"XBGR8888", "rgb0", "rgbx"},
+                                        {"ABGR8888", "rgba", "rgba"},
+                                        {"RGBX8888", "0bgr", "xbgr"},
+                                        {"RGBA8888", "abgr", "abgr"},
+                                        {"BGRX8888", "0rgb", "xrgb"},
+                                        {"BGRA8888", "argb", "argb"},
+                                        {"YUYV", "yuyv422", "yuy2"},
+                                        {"YVYU", "yvyu422", "yvyu"},
+                                        {"UYVY", "uyvy422", "uyvy"},
+                                        {"VYUY", nullptr, "vyuy"},
+                                        {"NV12", "nv12", "nv12"},
+                                        {"NV21", "nv21", "nv21"},
+                                        {"YUV420", "yuv420p", "i420"},
+                                        {"YVU420", nullptr, "yv12"},
+                                        {"R10", "gray10le", nullptr},
+                                        {"R12", "gray12le", nullptr},
+                                        {"R14", "gray14le", nullptr},
+                                        {"SRGGB8", "bayer_rggb8", nullptr},
+                                        {"SGRBG8", "bayer_grbg8", nullptr},
+                                        {"SGBRG8", "bayer_gbrg8", nullptr},
+                                        {"SBGGR8", "bayer_bggr8", nullptr}};
+
+}  // namespace
+
+std::unique_ptr<FrameOutput> MakePipe(int fd,
+                                      std::function<bool()> is_stopped) {
+  return std::make_unique<FramePipe>(fd, std::move(is_stopped));
+}
+
+std::string DescribePipe(const StreamFormat& format, double frames_per_second) {
+  const std::string width = std::to_string(format.width);
+  const std::string height = std::to_string(format.height);
+  const std::string rate = std::to_string(std::lround(frames_per_second));
+  for (const PlayerNames& names : kPlayerNames) {
+    if (std::strcmp(names.name, format.pixel_format->name) != 0) continue;
+    std::string text;
+    if (names.ffmpeg)
+      text += std::string("ffplay -f rawvideo -pixel_format ") + names.ffmpeg +
+              " -video_size " + width + "x" + height + " -framerate " + rate +
+              " -\n";
+    if (names.gstreamer)
+      text += std::string("gst-launch-1.0 fdsrc ! rawvideoparse format=") +
+              names.gstreamer + " width=" + width + " height=" + height +
+              " framerate=" + rate + "/1 ! videoconvert ! autovideosink\n";
+    return text;
+  }
+  return "";
+}
+
+}  // namespace raygrid

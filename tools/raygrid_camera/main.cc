@@ -1,0 +1,104 @@
+// raygrid-camera: frames of libcamera, undistorted on the board.
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "camera_arguments.h"
+#include "camera_error.h"
+#include "camera_session.h"
+#include "libcamera_source.h"
+#include "memory_source.h"
+#include "raygrid.h"
+#include "whole_file.h"
+
+namespace raygrid {
+namespace {
+
+// A blob in memory, and the camera that reads it in place.
+struct Blob {
+  std::vector<uint8_t> bytes;
+  rg_camera camera;
+};
+
+Blob OpenBlob(const CameraArguments& arguments) {
+  Blob blob;
+  blob.bytes = ReadWholeFile(arguments.blob);
+  rg_status status = RG_ERR_TRUNCATED;
+  if (blob.bytes.size() < UINT32_MAX)
+    status = rg_camera_open(&blob.camera, blob.bytes.data(),
+                            static_cast<uint32_t>(blob.bytes.size()));
+  if (status != RG_OK)
+    throw CameraError(CameraExit::kBlob, arguments.blob + ": " +
+                                             rg_status_text(status) +
+                                             "; pack or copy it again");
+  status = rg_select_remap(&blob.camera, arguments.table);
+  if (status != RG_OK)
+    throw CameraError(CameraExit::kBlob, arguments.blob +
+                                             ": has no remap table " +
+                                             std::to_string(arguments.table) +
+                                             "; pack it with --remap");
+  return blob;
+}
+
+void PlayRecording(const CameraArguments& arguments, const rg_camera& camera) {
+  const PixelFormatInfo* const info = FindPixelFormat(arguments.format);
+  if (!info)
+    throw CameraError(CameraExit::kUsage,
+                      "--format: " + arguments.format + " is not undistorted");
+  MemorySourceOptions options;
+  options.frames_per_second = arguments.frames_per_second;
+  options.every_frame = arguments.every_frame;
+  MemorySource source(
+      MakeStreamFormat(*info, arguments.width, arguments.height, 0),
+      ReadWholeFile(arguments.recording), options);
+  RunCameraSession(arguments, camera, &source);
+}
+
+void PlayCamera(const CameraArguments& arguments, const rg_camera& camera) {
+  const CameraList cameras;
+  LibcameraSource source(cameras.Find(arguments.camera),
+                         {arguments.format, arguments.width, arguments.height,
+                          arguments.every_frame});
+  RunCameraSession(arguments, camera, &source);
+}
+
+void Run(CameraArguments arguments) {
+  if (arguments.is_help) {
+    std::fputs(kCameraHelp, stdout);
+    return;
+  }
+  if (arguments.is_list) {
+    std::fputs(CameraList().Describe().c_str(), stdout);
+    return;
+  }
+  const Blob blob = OpenBlob(arguments);
+  if (arguments.width == 0) {
+    arguments.width = blob.camera.width;
+    arguments.height = blob.camera.height;
+  }
+  if (arguments.recording.empty())
+    PlayCamera(arguments, blob.camera);
+  else
+    PlayRecording(arguments, blob.camera);
+}
+
+int Main(int argc, char** argv) {
+  try {
+    NoteSignals();
+    Run(ParseCameraArguments(argc, argv));
+    return static_cast<int>(CameraExit::kDone);
+  } catch (const CameraError& error) {
+    std::fprintf(stderr, "raygrid-camera: %s\n", error.what());
+    return static_cast<int>(error.code());
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "raygrid-camera: %s\n", error.what());
+    return static_cast<int>(CameraExit::kInput);
+  }
+}
+
+}  // namespace
+}  // namespace raygrid
+
+int main(int argc, char** argv) { return raygrid::Main(argc, argv); }

@@ -1,0 +1,137 @@
+#include "picture_rows.h"
+
+#include <algorithm>
+
+#include "pixel_formats.h"
+
+namespace raygrid {
+namespace {
+
+uint8_t Clamp(int value) {
+  return static_cast<uint8_t>(std::clamp(value, 0, 255));
+}
+
+void PutYuv(int y, int u, int v, uint8_t* rgb) {
+  // q8 of BT.601.
+  const int luma = 298 * (y - 16) + 128;
+  u -= 128;
+  v -= 128;
+  rgb[0] = Clamp((luma + 409 * v) >> 8);
+  rgb[1] = Clamp((luma - 100 * u - 208 * v) >> 8);
+  rgb[2] = Clamp((luma + 516 * u) >> 8);
+}
+
+// A sample's upper 8 bits.
+struct SampleRow {
+  rg_sample_kind kind;
+  int shift;
+  const uint8_t* bytes;
+
+  uint8_t operator[](uint32_t index) const {
+    return static_cast<uint8_t>(rg_load_sample(kind, bytes, index) >> shift);
+  }
+};
+
+const uint8_t* RowOf(const rg_image& image, int plane, uint32_t row) {
+  return image.planes[plane].data + size_t{row} * image.planes[plane].stride;
+}
+
+SampleRow SamplesOf(const PixelFormatInfo& pixel_format, const rg_image& image,
+                    uint32_t row) {
+  const rg_lattice* lattices;
+  rg_format_lattices(pixel_format.format, &lattices);
+  return {static_cast<rg_sample_kind>(lattices[0].kind), pixel_format.bits - 8,
+          RowOf(image, 0, row)};
+}
+
+void ReadGreyRow(const SampleRow& samples, uint32_t width, uint8_t* rgb) {
+  for (uint32_t x = 0; x < width; ++x)
+    std::fill_n(rgb + size_t{3} * x, 3, samples[x]);
+}
+
+void ReadInterleavedRow(const PixelFormatInfo& pixel_format,
+                        const rg_image& image, uint32_t row, uint8_t* rgb) {
+  const int step = pixel_format.format == RG_FORMAT_RGB24 ? 3 : 4;
+  const uint8_t* pixel = RowOf(image, 0, row);
+  const uint8_t* const order = pixel_format.order;
+  for (uint32_t x = 0; x < image.width; ++x, pixel += step, rgb += 3) {
+    if (pixel_format.model == ColourModel::kYuv)
+      PutYuv(pixel[order[0]], pixel[order[1]], pixel[order[2]], rgb);
+    else
+      for (int i = 0; i < 3; ++i) rgb[i] = pixel[order[i]];
+  }
+}
+
+// YUYV and its like: pairs of pixels in 4 bytes.
+void ReadPairedRow(const PixelFormatInfo& pixel_format, const rg_image& image,
+                   uint32_t row, uint8_t* rgb) {
+  const uint8_t* pair = RowOf(image, 0, row);
+  const uint8_t* const order = pixel_format.order;
+  for (uint32_t x = 0; x < image.width; ++x, rgb += 3) {
+    const uint8_t* const group = pair + size_t{4} * (x / 2);
+    PutYuv(group[order[0] + 2 * (x & 1)], group[order[1]], group[order[2]],
+           rgb);
+  }
+}
+
+void ReadPlanarRow(const PixelFormatInfo& pixel_format, const rg_image& image,
+                   uint32_t row, uint8_t* rgb) {
+  const bool is_nv12 = pixel_format.format == RG_FORMAT_NV12;
+  const uint8_t* const order = pixel_format.order;
+  const uint8_t* const luma = RowOf(image, 0, row);
+  const uint8_t* chroma[2];
+  for (int i = 0; i < 2; ++i)
+    chroma[i] = is_nv12 ? RowOf(image, 1, row / 2) + order[i + 1]
+                        : RowOf(image, order[i + 1], row / 2);
+  const uint32_t step = is_nv12 ? 2 : 1;
+  for (uint32_t x = 0; x < image.width; ++x, rgb += 3)
+    PutYuv(luma[x], chroma[0][x / 2 * step], chroma[1][x / 2 * step], rgb);
+}
+
+void ReadBayerRow(const PixelFormatInfo& pixel_format, const rg_image& image,
+                  uint32_t row, uint8_t* rgb) {
+  const uint32_t top = row & ~1u;
+  const SampleRow rows[2] = {SamplesOf(pixel_format, image, top),
+                             SamplesOf(pixel_format, image, top + 1)};
+  for (uint32_t x = 0; x < image.width; ++x, rgb += 3)
+    for (int i = 0; i < 3; ++i) {
+      const uint32_t place = pixel_format.order[i];
+      rgb[i] = rows[place >> 1][(x & ~1u) + (place & 1)];
+    }
+}
+
+}  // namespace
+
+void ReadPictureRow(const PixelFormatInfo& pixel_format, const rg_image& image,
+                    uint32_t row, uint8_t* rgb) {
+  switch (pixel_format.format) {
+    case RG_FORMAT_RGB24:
+    case RG_FORMAT_RGB32:
+      return ReadInterleavedRow(pixel_format, image, row, rgb);
+    case RG_FORMAT_YUYV:
+    case RG_FORMAT_UYVY:
+      return ReadPairedRow(pixel_format, image, row, rgb);
+    case RG_FORMAT_NV12:
+    case RG_FORMAT_YUV420:
+      return ReadPlanarRow(pixel_format, image, row, rgb);
+    default:
+      if (pixel_format.model == ColourModel::kBayer)
+        return ReadBayerRow(pixel_format, image, row, rgb);
+      return ReadGreyRow(SamplesOf(pixel_format, image, row), image.width, rgb);
+  }
+}
+
+rg_image MakePackedImage(const StreamFormat& format, const uint8_t* bytes) {
+  rg_image image = {};
+  image.format = format.pixel_format->format;
+  image.width = format.width;
+  image.height = format.height;
+  for (int i = 0; i < format.num_planes; ++i) {
+    image.planes[i].data = bytes;
+    image.planes[i].stride = format.planes[i].row_bytes;
+    bytes += size_t{format.planes[i].row_bytes} * format.planes[i].rows;
+  }
+  return image;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,23 @@
+#ifndef RAYGRID_CAMERA_POINTS_H
+#define RAYGRID_CAMERA_POINTS_H
+
+#include <cstdio>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "raygrid.h"
+
+namespace raygrid {
+
+/// Lines x,y (pixels of the mode) to lines x,y,u,v (pixels of the undistorted
+/// image; empty where there is none), each as soon as it is there. A first line
+/// that is no numbers is a header. Throws CameraError.
+void UndistortPoints(const rg_camera& camera,
+                     const std::optional<rg_mode>& mode,
+                     const std::string& path, std::FILE* output,
+                     const std::function<bool()>& is_stopped);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CAMERA_POINTS_H

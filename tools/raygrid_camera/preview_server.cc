@@ -1,0 +1,220 @@
+#include "preview_server.h"
+
+#include <arpa/inet.h>
+#include <microhttpd.h>
+#include <netdb.h>
+
+#include <atomic>
+#include <cerrno>
+#include <condition_variable>
+#include <cstring>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "camera_error.h"
+#include "jpeg_encoder.h"
+#include "picture_rows.h"
+#include "picture_stream.h"
+#include "preview_page.h"
+
+namespace raygrid {
+namespace {
+
+constexpr unsigned kMaxClients = 16;
+constexpr size_t kMaxRequest = 16 * 1024;  // memory of a connection
+constexpr unsigned kTimeout_s = 10;
+
+struct FreeAddress {
+  void operator()(addrinfo* address) const { freeaddrinfo(address); }
+};
+
+std::unique_ptr<addrinfo, FreeAddress> ParseAddress(const std::string& address,
+                                                    uint16_t port) {
+  addrinfo hints = {};
+  hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV | AI_PASSIVE;
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  const std::string number = std::to_string(port);
+  // [::1] is ::1.
+  const bool is_bracketed =
+      address.size() > 2 && address.front() == '[' && address.back() == ']';
+  const std::string host =
+      is_bracketed ? address.substr(1, address.size() - 2) : address;
+  if (getaddrinfo(host.c_str(), number.c_str(), &hints, &found) != 0)
+    throw CameraError(CameraExit::kUsage, "--http: " + address +
+                                              " is no numerical address; see "
+                                              "--help");
+  return std::unique_ptr<addrinfo, FreeAddress>(found);
+}
+
+MHD_Result AnswerText(MHD_Connection* connection, unsigned status,
+                      const char* type, const char* text) {
+  MHD_Response* const response = MHD_create_response_from_buffer(
+      std::strlen(text), const_cast<char*>(text), MHD_RESPMEM_PERSISTENT);
+  if (!response) return MHD_NO;
+  MHD_add_response_header(response, MHD_HTTP_HEADER_CONTENT_TYPE, type);
+  MHD_add_response_header(response, "X-Content-Type-Options", "nosniff");
+  const MHD_Result queued = MHD_queue_response(connection, status, response);
+  MHD_destroy_response(response);
+  return queued;
+}
+
+// Rows of all planes to bytes without gaps.
+void CopyPlanes(const StreamFormat& format, const rg_image& image,
+                std::vector<uint8_t>* bytes) {
+  uint8_t* to = bytes->data();
+  for (int i = 0; i < format.num_planes; ++i) {
+    const PlaneLayout& plane = format.planes[i];
+    for (uint32_t row = 0; row < plane.rows; ++row, to += plane.row_bytes)
+      std::memcpy(to,
+                  image.planes[i].data + size_t{row} * image.planes[i].stride,
+                  plane.row_bytes);
+  }
+}
+
+// One of the two kinds of pictures.
+struct View {
+  explicit View(const StreamFormat& stream_format)
+      : format(stream_format),
+        bytes(stream_format.packed_size()),
+        encoder(stream_format),
+        stream(encoder.max_size()) {}
+
+  void Show() {
+    if (!stream.has_clients()) return;
+    const size_t size = encoder.Encode(MakePackedImage(format, bytes.data()));
+    if (size > 0) stream.Publish(encoder.bytes(), size);
+  }
+
+  const StreamFormat format;
+  std::vector<uint8_t> bytes;  // a frame's copy
+  JpegEncoder encoder;
+  PictureStream stream;
+};
+
+}  // namespace
+
+class PreviewServer::Impl {
+ public:
+  Impl(const std::string& address, uint16_t port, const StreamFormat& before,
+       const StreamFormat& after);
+  ~Impl();
+  void OnFrame(const CapturedFrame& before, const UndistortedFrame& after);
+
+ private:
+  static MHD_Result AnswerOf(void* server, MHD_Connection* connection,
+                             const char* path, const char* method,
+                             const char* version, const char* body,
+                             size_t* body_size, void** state);
+  MHD_Result Answer(MHD_Connection* connection, const std::string& path,
+                    const std::string& method);
+  void Encode();
+
+  View before_, after_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool is_full_ = false, is_stopped_ = false;  // the frames' copies
+  MHD_Daemon* daemon_ = nullptr;
+  std::thread encoder_;
+};
+
+PreviewServer::Impl::Impl(const std::string& address, uint16_t port,
+                          const StreamFormat& before, const StreamFormat& after)
+    : before_(before), after_(after) {
+  const auto parsed = ParseAddress(address, port);
+  unsigned flags =
+      MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_POLL | MHD_ALLOW_SUSPEND_RESUME;
+  if (parsed->ai_family == AF_INET6) flags |= MHD_USE_IPv6;
+  daemon_ = MHD_start_daemon(
+      flags, port, nullptr, nullptr, &Impl::AnswerOf, this,
+      MHD_OPTION_SOCK_ADDR, parsed->ai_addr, MHD_OPTION_CONNECTION_LIMIT,
+      kMaxClients, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kMaxRequest,
+      MHD_OPTION_CONNECTION_TIMEOUT, kTimeout_s,
+      MHD_OPTION_LISTENING_ADDRESS_REUSE, 1u, MHD_OPTION_END);
+  if (!daemon_)
+    throw CameraError(CameraExit::kOutput,
+                      "--http: " + address + ":" + std::to_string(port) +
+                          " cannot be served (" + std::strerror(errno) +
+                          "); choose another port");
+  encoder_ = std::thread(&Impl::Encode, this);
+}
+
+PreviewServer::Impl::~Impl() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    is_stopped_ = true;
+  }
+  changed_.notify_one();
+  encoder_.join();
+  before_.stream.End();
+  after_.stream.End();
+  MHD_stop_daemon(daemon_);
+}
+
+void PreviewServer::Impl::OnFrame(const CapturedFrame& before,
+                                  const UndistortedFrame& after) {
+  if (!before_.stream.has_clients() && !after_.stream.has_clients()) return;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (is_full_) return;  // the encoder has enough to do
+  }
+  CopyPlanes(before_.format, before.image, &before_.bytes);
+  std::memcpy(after_.bytes.data(), after.bytes.data(), after.bytes.size());
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    is_full_ = true;
+  }
+  changed_.notify_one();
+}
+
+void PreviewServer::Impl::Encode() {
+  for (;;) {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait(lock, [this] { return is_full_ || is_stopped_; });
+    if (is_stopped_) return;
+    lock.unlock();
+    before_.Show();
+    after_.Show();
+    lock.lock();
+    is_full_ = false;
+  }
+}
+
+MHD_Result PreviewServer::Impl::AnswerOf(void* server,
+                                         MHD_Connection* connection,
+                                         const char* path, const char* method,
+                                         const char*, const char*, size_t*,
+                                         void**) {
+  return static_cast<Impl*>(server)->Answer(connection, path, method);
+}
+
+// Paths are compared, never opened; bodies are not read.
+MHD_Result PreviewServer::Impl::Answer(MHD_Connection* connection,
+                                       const std::string& path,
+                                       const std::string& method) {
+  if (method != "GET")
+    return AnswerText(connection, MHD_HTTP_METHOD_NOT_ALLOWED, "text/plain",
+                      "only GET\n");
+  if (path == "/before") return before_.stream.Answer(connection);
+  if (path == "/after") return after_.stream.Answer(connection);
+  if (path == "/")
+    return AnswerText(connection, MHD_HTTP_OK, "text/html; charset=utf-8",
+                      kPreviewPage);
+  return AnswerText(connection, MHD_HTTP_NOT_FOUND, "text/plain",
+                    "there is /, /before and /after\n");
+}
+
+PreviewServer::PreviewServer(const std::string& address, uint16_t port,
+                             const StreamFormat& before,
+                             const StreamFormat& after)
+    : impl_(std::make_unique<Impl>(address, port, before, after)) {}
+
+PreviewServer::~PreviewServer() = default;
+
+void PreviewServer::OnFrame(const CapturedFrame& before,
+                            const UndistortedFrame& after) {
+  impl_->OnFrame(before, after);
+}
+
+}  // namespace raygrid
