@@ -334,9 +334,9 @@ std::vector<StereoCameras> CalibratePairs(const SimulatedRig& rig,
   for (const char* model :
        {"opencv", "thin-prism-fisheye", "central-generic"}) {
     calibration.model = model;
-    const RigResult result = CalibrateRig(
-        {{"left", seen.datasets[0], {}}, {"right", seen.datasets[1], {}}},
-        pattern, calibration);
+    const RigResult result = CalibrateRig({{"left", seen.datasets[0], {}, {}},
+                                           {"right", seen.datasets[1], {}, {}}},
+                                          pattern, calibration);
     pairs.push_back(
         {model, result.cameras[0].camera.camera,
          result.cameras[1].camera.camera,
