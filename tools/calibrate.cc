@@ -11,9 +11,8 @@
 #include "interruption.h"
 #include "packing/blob_camera.h"
 #include "report/checkpoint_json.h"
-#include "report/html_report.h"
-#include "report/result_json.h"
-#include "report/uncertainty_picture.h"
+#include "report/pictures.h"
+#include "report/result_folder.h"
 
 namespace raygrid {
 namespace {
@@ -49,36 +48,22 @@ Measurements GatherFeatures(const CalibrateArguments& arguments,
   return measurements;
 }
 
-// The first held-out image, or else the first one used.
+// The first held-out image, or else the first one used; smaller than it was.
 std::optional<BeforeAfter> ExampleImage(const std::vector<std::string>& paths,
                                         const CalibrationResult& result,
                                         const CalibrateArguments& arguments,
                                         const std::string& blob) {
+  constexpr int kMaxWidthPx = 800;
   const std::string& wanted = arguments.hold_out.empty()
                                   ? result.features.images.front().image
                                   : arguments.hold_out.front();
   for (const std::string& path : paths) {
     if (std::filesystem::path(path).filename() != wanted) continue;
-    BeforeAfter example;
-    example.name = wanted;
-    example.before = ReadImage(path, true);
-    example.after =
-        BlobCamera("packed camera", blob).Undistort(example.before, 0);
-    return example;
+    const Image before = ReadImage(path, true);
+    const Image after = BlobCamera("packed camera", blob).Undistort(before, 0);
+    return BeforeAfter{Shrunk(before, kMaxWidthPx), Shrunk(after, kMaxWidthPx)};
   }
   return std::nullopt;
-}
-
-std::string Report(const std::vector<std::string>& paths,
-                   const CalibrationResult& result,
-                   const CalibrateArguments& arguments,
-                   const std::optional<PackedCamera>& packed) {
-  if (!packed) return FormatHtmlReport(result, std::nullopt, std::nullopt);
-  return FormatHtmlReport(
-      result,
-      PackingFigures{packed->blob.size(), packed->unproject_error_px,
-                     packed->remap_error_px},
-      ExampleImage(paths, result, arguments, packed->blob));
 }
 
 void PrintSummary(const CalibrateArguments& arguments,
@@ -140,29 +125,22 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
     }
   }
 
-  const std::string json =
-      FormatResultJson(result, common.seed, PeakMemoryBytes());
+  ResultExtras extras = {common.seed, PeakMemoryBytes(), {}, {}};
+  if (packed) {
+    extras.packing = FiguresOf(*packed);
+    extras.example = ExampleImage(paths, result, arguments, packed->blob);
+  }
   OutputFiles files;
-  files.Add((folder / "camera.yaml").string(), FormatCameraFile(result.camera));
+  AddResultFiles(result, extras, arguments.output, &files);
   if (packed) files.Add((folder / "camera.raygrid").string(), packed->blob);
-  files.Add((folder / "pattern.yaml").string(), FormatPattern(result.pattern));
-  files.Add((folder / "features.csv").string(),
-            FormatFeatures(result.features));
-  files.Add((folder / "poses.csv").string(), FormatPoses(result.poses));
-  if (result.camera.uncertainty)
-    files.Add((folder / "uncertainty.png").string(),
-              EncodePng(UncertaintyPicture(*result.camera.uncertainty,
-                                           result.camera.camera->image_size(),
-                                           result.camera.camera->area())));
-  files.Add((folder / "result.json").string(), json);
-  files.Add((folder / "report.html").string(),
-            Report(paths, result, arguments, packed));
   if (result.checkpoint)
     files.Add(resume_path, FormatCheckpoints({*result.checkpoint}, inputs));
   files.Commit();
   if (!result.checkpoint) std::filesystem::remove(resume_path);
+  AddReports(arguments.output, &files);
+  files.Commit();
   if (common.json)
-    fmt::print("{}", json);
+    fmt::print("{}", ReadFile((folder / "result.json").string()));
   else if (!common.quiet)
     PrintSummary(arguments, result);
   if (not_packed) throw *not_packed;
@@ -250,6 +228,9 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
   command->add_flag("--resume", arguments->resume,
                     "go on from where a calibration with the same features, "
                     "options and output folder was interrupted (Ctrl-C)");
+  command->add_flag("--skip-comparison", arguments->skip_comparison,
+                    "do not calibrate parametric models as well, to compare "
+                    "with in the report");
   command->add_option("--name", arguments->name, "camera's name");
   command->add_option("--serial", arguments->serial, "camera's serial number");
   command->add_option("-o,--output", arguments->output, "folder to write to")

@@ -11,12 +11,9 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_files.h"
-#include "dataset/rig_file.h"
 #include "interruption.h"
 #include "report/checkpoint_json.h"
-#include "report/html_report.h"
-#include "report/result_json.h"
-#include "report/uncertainty_picture.h"
+#include "report/result_folder.h"
 
 namespace raygrid {
 namespace {
@@ -185,47 +182,19 @@ PackedCameras PackAll(const RigResult& result, int num_threads) {
   return packed;
 }
 
-std::string Report(const CalibrationResult& camera,
-                   const std::optional<PackedCamera>& packed) {
-  if (!packed) return FormatHtmlReport(camera, std::nullopt, std::nullopt);
-  return FormatHtmlReport(
-      camera,
-      PackingFigures{packed->blob.size(), packed->unproject_error_px,
-                     packed->remap_error_px},
-      std::nullopt);
-}
-
 void AddFiles(const RigResult& result, const PackedCameras& packed,
-              const std::string& output, OutputFiles* files) {
-  const std::filesystem::path folder = output;
-  std::vector<NamedDataset> features;
-  std::vector<NamedPoses> poses;
-  std::vector<RigFileCamera> rig;
+              uint64_t seed, const std::string& folder, OutputFiles* files) {
+  std::vector<ResultExtras> extras;
   for (size_t c = 0; c < result.cameras.size(); ++c) {
-    const CalibrationResult& camera = result.cameras[c];
-    const std::string& name = camera.camera.name;
-    features.push_back({name, camera.features});
-    poses.push_back({name, camera.poses});
-    rig.push_back({name, name + "/camera.yaml", result.camera_from_rig[c]});
-    files->Add((folder / name / "camera.yaml").string(),
-               FormatCameraFile(camera.camera));
-    if (packed.cameras[c])
-      files->Add((folder / name / "camera.raygrid").string(),
-                 packed.cameras[c]->blob);
-    if (camera.camera.uncertainty)
-      files->Add(
-          (folder / name / "uncertainty.png").string(),
-          EncodePng(UncertaintyPicture(*camera.camera.uncertainty,
-                                       camera.camera.camera->image_size(),
-                                       camera.camera.camera->area())));
-    files->Add((folder / name / "report.html").string(),
-               Report(camera, packed.cameras[c]));
+    extras.push_back({seed, PeakMemoryBytes(), {}, {}});
+    if (!packed.cameras[c]) continue;
+    extras.back().packing = FiguresOf(*packed.cameras[c]);
+    files->Add((std::filesystem::path(folder) / result.cameras[c].camera.name /
+                "camera.raygrid")
+                   .string(),
+               packed.cameras[c]->blob);
   }
-  files->Add((folder / "rig.yaml").string(), FormatRigFile(rig));
-  files->Add((folder / "pattern.yaml").string(), FormatPattern(result.pattern));
-  files->Add((folder / "features.csv").string(), FormatFeatures(features));
-  files->Add((folder / "poses.csv").string(), FormatPoses(poses));
-  files->Add((folder / "report.html").string(), FormatRigReport(result));
+  AddResultFiles(result, extras, folder, files);
 }
 
 std::string WithDeviation(double value, const std::optional<double>& deviation,
@@ -307,19 +276,19 @@ void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
     bar.Show("packing", 0.9);
     packed = PackAll(result, common.threads);
   }
-  const std::string json =
-      FormatResultJson(result, common.seed, PeakMemoryBytes());
   OutputFiles files;
-  AddFiles(result, packed, arguments.output, &files);
-  files.Add((std::filesystem::path(arguments.output) / "result.json").string(),
-            json);
+  AddFiles(result, packed, common.seed, arguments.output, &files);
   const std::vector<Checkpoint> checkpoints = CheckpointsOf(result);
   if (!checkpoints.empty())
     files.Add(resume_path, FormatCheckpoints(checkpoints, inputs));
   files.Commit();
   if (checkpoints.empty()) std::filesystem::remove(resume_path);
+  AddReports(arguments.output, &files);
+  files.Commit();
   if (common.json)
-    fmt::print("{}", json);
+    fmt::print(
+        "{}", ReadFile((std::filesystem::path(arguments.output) / "result.json")
+                           .string()));
   else if (!common.quiet)
     PrintSummary(arguments, result);
   if (packed.not_packed) throw *packed.not_packed;

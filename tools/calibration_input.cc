@@ -69,6 +69,7 @@ CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
   options.model = arguments.model;
   options.cell_px = ParseCellPx(arguments.cell_px);
   options.flat_board = arguments.flat_board;
+  options.compare_models = !arguments.skip_comparison;
   options.hold_out = arguments.hold_out;
   options.num_threads = common.threads;
   options.should_stop = IsInterrupted;
@@ -83,6 +84,10 @@ PackedCamera PackForReport(const CameraFile& file, int num_threads) {
   options.remap = MakeVirtualCamera(*file.camera, {}, 0);
   options.num_threads = num_threads;
   return PackCamera(file, options);
+}
+
+PackingFigures FiguresOf(const PackedCamera& packed) {
+  return {packed.blob.size(), packed.unproject_error_px, packed.remap_error_px};
 }
 
 int64_t PeakMemoryBytes() {

@@ -13,6 +13,7 @@
 #include "dataset/camera_file.h"
 #include "packing/pack.h"
 #include "progress_bar.h"
+#include "report/result_json.h"
 
 namespace raygrid {
 
@@ -22,6 +23,7 @@ struct CalibrateArguments {
   std::string model = "central-generic", cell_px = "auto";
   std::string instant_by = "name";
   bool flat_board = false, measure_once = false, resume = false;
+  bool skip_comparison = false;
 };
 
 using FeaturesByCamera = std::map<std::string, Dataset>;
@@ -57,6 +59,8 @@ CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
                              const CommonOptions& common, ProgressBar* bar);
 
 PackedCamera PackForReport(const CameraFile& file, int num_threads);
+
+PackingFigures FiguresOf(const PackedCamera& packed);
 
 int64_t PeakMemoryBytes();
 

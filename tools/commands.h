@@ -23,6 +23,7 @@ CLI::App* AddCommand(CLI::App* app, const std::string& name,
                      CommonOptions* common);
 
 void AddCalibrate(CLI::App* app, CommonOptions* common);
+void AddCheck(CLI::App* app, CommonOptions* common);
 void AddCompare(CLI::App* app, CommonOptions* common);
 void AddDetect(CLI::App* app, CommonOptions* common);
 void AddEvaluate(CLI::App* app, CommonOptions* common);
@@ -32,6 +33,7 @@ void AddInspect(CLI::App* app, CommonOptions* common);
 void AddPack(CLI::App* app, CommonOptions* common);
 void AddPattern(CLI::App* app, CommonOptions* common);
 void AddProject(CLI::App* app, CommonOptions* common);
+void AddReport(CLI::App* app, CommonOptions* common);
 void AddSimulate(CLI::App* app, CommonOptions* common);
 void AddUndistort(CLI::App* app, CommonOptions* common);
 void AddUnproject(CLI::App* app, CommonOptions* common);

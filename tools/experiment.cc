@@ -17,6 +17,9 @@ namespace {
 
 struct Arguments {
   std::string name, size = "640x480", output;
+  std::string features, image_size, pattern, camera;
+  std::vector<std::string> hold_out;
+  int num_images = 0;
   bool list = false;
   ExperimentOptions options;
 };
@@ -37,6 +40,41 @@ const Experiment& FindExperiment(const std::string& name) {
                   name));
 }
 
+void RequireUse(const Experiment& experiment, const Arguments& arguments) {
+  const auto refuse = [&](const char* option) {
+    throw Error(ExitCode::kUsage,
+                fmt::format("experiment {}: has no use for {}", experiment.name,
+                            option));
+  };
+  if (!arguments.features.empty() && experiment.user_data == UserData::kNone)
+    refuse("--features");
+  if (!arguments.camera.empty() &&
+      experiment.user_data != UserData::kFeaturesOrCamera)
+    refuse("--camera");
+  if (!arguments.features.empty() &&
+      (arguments.pattern.empty() || arguments.image_size.empty()))
+    throw Error(ExitCode::kUsage,
+                "--features needs --pattern and --image-size WxH");
+}
+
+ExperimentData ReadData(const Arguments& arguments) {
+  ExperimentData data;
+  data.hold_out = arguments.hold_out;
+  if (!arguments.camera.empty())
+    data.camera = ReadCamera(arguments.camera).file.camera;
+  if (arguments.features.empty()) return data;
+  auto cameras = ReadFeatures(arguments.features);
+  if (cameras.size() > 1)
+    throw InputError(arguments.features +
+                     ": holds several cameras; split it by camera");
+  data.features = cameras.begin()->second;
+  data.features->image_size =
+      ParseImageSize("--image-size", arguments.image_size);
+  data.pattern = ReadPattern(arguments.pattern);
+  RequireConsistent(arguments.features, *data.features, data.pattern);
+  return data;
+}
+
 void WriteResult(const Experiment& experiment, const ExperimentResult& result,
                  const std::string& folder) {
   const std::string base =
@@ -45,6 +83,8 @@ void WriteResult(const Experiment& experiment, const ExperimentResult& result,
   files.Add(base + ".csv", FormatExperimentCsv(result));
   files.Add(base + ".json", FormatExperimentJson(experiment.name, result));
   files.Add(base + ".svg", ChartSvg(result.chart));
+  for (const ExperimentPicture& picture : result.pictures)
+    files.Add(base + "-" + picture.name + ".png", EncodePng(picture.image));
   files.Commit();
 }
 
@@ -59,6 +99,12 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
   const Experiment& experiment = FindExperiment(arguments.name);
   ExperimentOptions options = arguments.options;
   options.size = ParseImageSize("--size", arguments.size);
+  if (arguments.num_images > 0)
+    options.num_images = arguments.num_images;
+  else
+    options.num_images = experiment.num_images;
+  RequireUse(experiment, arguments);
+  options.data = ReadData(arguments);
   options.seed = common.seed;
   options.num_threads = common.threads;
   RequireWritableFolder(arguments.output);
@@ -71,8 +117,10 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
   if (common.json)
     fmt::print("{}", FormatExperimentJson(experiment.name, result));
   else if (!common.quiet)
-    fmt::print("{}\n{}.csv, .json and .svg: {}\n", FormatExperimentText(result),
-               experiment.name, arguments.output);
+    fmt::print("{}\n{}.csv, .json and .svg{}: {}\n",
+               FormatExperimentText(result), experiment.name,
+               result.pictures.empty() ? "" : ", and pictures",
+               arguments.output);
 }
 
 }  // namespace
@@ -80,8 +128,9 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
 void AddExperiment(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
       app, "experiment",
-      "Repeats one of the paper's experiments on rendered images, whose truth "
-      "is known; writes its table as NAME.csv and NAME.json, and NAME.svg.\n" +
+      "Repeats one of the paper's experiments on simulated data, whose truth "
+      "is known, or on the user's own; writes its table as NAME.csv and "
+      "NAME.json, NAME.svg, and pictures.\n" +
           ListOfExperiments(),
       "raygrid experiment pattern-segments -o results/", common);
   auto arguments = std::make_shared<Arguments>();
@@ -89,9 +138,22 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
   command->add_option("name", arguments->name, "which experiment");
   command->add_flag("--list", arguments->list, "print what there is");
   command->add_option("-o,--output", arguments->output, "folder to write to");
-  command->add_option("--images", options.num_images, "number of images")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
+  command
+      ->add_option("--images", arguments->num_images,
+                   "number of images (default: the experiment's own)")
+      ->check(CLI::Range(1, 10000));
+  command->add_option("--features", arguments->features,
+                      "the user's own features.csv, instead of simulated ones");
+  command->add_option("--image-size", arguments->image_size,
+                      "WxH, with --features");
+  command->add_option("--pattern", arguments->pattern,
+                      "pattern.yaml, with --features");
+  command
+      ->add_option("--hold-out", arguments->hold_out,
+                   "images to test with (default: every fifth)")
+      ->delimiter(',');
+  command->add_option("--camera", arguments->camera,
+                      "the user's own camera.yaml or blob");
   command->add_option("--size", arguments->size, "of images, WxH")
       ->capture_default_str();
   command

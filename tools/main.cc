@@ -45,8 +45,10 @@ int Run(int argc, char** argv) {
   AddPattern(&app, &common);
   AddDetect(&app, &common);
   AddCalibrate(&app, &common);
+  AddCheck(&app, &common);
   AddCompare(&app, &common);
   AddEvaluate(&app, &common);
+  AddReport(&app, &common);
   AddFit(&app, &common);
   AddPack(&app, &common);
   AddInspect(&app, &common);

@@ -108,7 +108,8 @@ Eigen::MatrixXd WithoutRotation(const LatticeDerivatives& derivatives,
 // noise, for derivatives D by the camera's parameters.
 bool AddExactCovariances(const LinearSystem& system,
                          const Eigen::MatrixXd& derivatives,
-                         std::vector<PixelUncertainty>* pixels) {
+                         std::vector<PixelUncertainty>* pixels,
+                         Eigen::MatrixXd* joint_px2) {
   const int first = system.layout.first_camera[system.camera];
   Eigen::MatrixXd right =
       Eigen::MatrixXd::Zero(system.layout.size, derivatives.rows());
@@ -118,6 +119,8 @@ bool AddExactCovariances(const LinearSystem& system,
                       system.num_threads)
            .SolveFor(0, right, &x))
     return false;
+  if (joint_px2)
+    *joint_px2 = derivatives * x.middleRows(first, derivatives.cols());
   const Eigen::MatrixXd prior_x = system.prior.Times(x);
   for (size_t i = 0; i < pixels->size(); ++i) {
     const Eigen::Index k = 2 * static_cast<Eigen::Index>(i);
@@ -163,12 +166,14 @@ bool Sample(const LinearSystem& system, const PrecisionRoot* prior_root,
 
 bool AddSampledCovariances(const LinearSystem& system,
                            const Eigen::MatrixXd& derivatives, int num_samples,
-                           std::vector<PixelUncertainty>* pixels) {
+                           std::vector<PixelUncertainty>* pixels,
+                           Eigen::MatrixXd* joint_px2) {
   std::mt19937 random_bits(1);  // the standard fixes its sequence
   const PrecisionRoot prior_root(system.prior.precision);
   const auto memory = std::make_shared<LargeEquations::Memory>();
   for (PixelUncertainty& pixel : *pixels)
     pixel.noise_px2 = pixel.total_px2 = Eigen::Matrix2d::Zero();
+  if (joint_px2) joint_px2->setZero(derivatives.rows(), derivatives.rows());
   for (int k = 0; k < num_samples; ++k) {
     for (const bool is_noise : {true, false}) {
       Eigen::VectorXd parameters;
@@ -176,6 +181,7 @@ bool AddSampledCovariances(const LinearSystem& system,
                   &random_bits, &parameters))
         return false;
       const Eigen::VectorXd moved = derivatives * parameters;
+      if (joint_px2) *joint_px2 += moved * moved.transpose() / num_samples;
       for (size_t i = 0; i < pixels->size(); ++i) {
         const auto pixel = moved.segment<2>(2 * static_cast<Eigen::Index>(i));
         const Eigen::Matrix2d square = pixel * pixel.transpose() / num_samples;
@@ -199,8 +205,8 @@ double WorseDeviation(const Eigen::Matrix2d& covariance) {
 std::vector<PixelUncertainty> ProjectionUncertainty(
     const std::vector<View>& views, const GaussianPrior& prior,
     const AdjustmentOptions& options, double noise_px,
-    const AdjustmentState& state, int camera,
-    const UncertaintyOptions& lattice) {
+    const AdjustmentState& state, int camera, const UncertaintyOptions& lattice,
+    Eigen::MatrixXd* joint_px2) {
   const CameraModel& model = *state.cameras[camera];
   std::vector<PixelUncertainty> pixels = LatticePixels(model.area(), lattice);
   CountObservations(views, camera, model.area(), lattice, &pixels);
@@ -227,10 +233,11 @@ std::vector<PixelUncertainty> ProjectionUncertainty(
   const Eigen::MatrixXd without_rotation = WithoutRotation(derivatives, pixels);
   const bool is_regular =
       NumDenseUnknowns(layout) <= lattice.max_exact_unknowns
-          ? AddExactCovariances(system, without_rotation, &pixels)
+          ? AddExactCovariances(system, without_rotation, &pixels, joint_px2)
           : AddSampledCovariances(system, without_rotation, lattice.num_samples,
-                                  &pixels);
+                                  &pixels, joint_px2);
   if (!is_regular) return {};
+  if (joint_px2) *joint_px2 *= noise_px * noise_px;
   for (size_t i = 0; i < pixels.size(); ++i) {
     const double scale = is_known[i] ? noise_px * noise_px
                                      : std::numeric_limits<double>::quiet_NaN();

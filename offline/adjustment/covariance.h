@@ -42,11 +42,15 @@ struct UncertaintyOptions {
 /// time and memory, from samples: adjustments to random residuals and around a
 /// random prior mean. A standard deviation is known to 1 / sqrt(2 num_samples)
 /// then, 9 %.
+///
+/// joint_px2, if given, is what total_px2 is a part of: the covariance of all
+/// pixels' x and y.
 std::vector<PixelUncertainty> ProjectionUncertainty(
     const std::vector<View>& views, const GaussianPrior& prior,
     const AdjustmentOptions& options, double noise_px,
     const AdjustmentState& state, int camera,
-    const UncertaintyOptions& lattice = {});
+    const UncertaintyOptions& lattice = {},
+    Eigen::MatrixXd* joint_px2 = nullptr);
 
 }  // namespace raygrid
 

@@ -7,6 +7,7 @@
 #include "calibration/camera_evaluation.h"
 #include "calibration/camera_result.h"
 #include "calibration/camera_start.h"
+#include "calibration/parametric_comparison.h"
 #include "calibration/stopwatch.h"
 #include "dataset/error.h"
 
@@ -33,6 +34,7 @@ CalibrationResult Calibrate(const Dataset& measured, const Pattern& pattern,
       StartCamera(measured, pattern, options, options.hold_out.empty());
   CalibrationResult result = std::move(start.result);
   if (options.progress) options.progress("bundle adjustment", 0.8);
+  const Adjusted parametric = start.adjusted;
   const Stopwatch adjustment_time;
   AdjustmentOptions adjustment = AdjustmentOptionsOf(options);
   adjustment.should_stop = options.should_stop;
@@ -50,6 +52,13 @@ CalibrationResult Calibrate(const Dataset& measured, const Pattern& pattern,
                                      result.pattern, options.num_threads)
                           .residuals;
     result.cross_validated = false;
+  }
+  if (options.compare_models && !ShouldStop(options)) {
+    if (options.progress) options.progress("other models", 0.85);
+    const Stopwatch comparison_time;
+    result.parametric_models =
+        CompareParametricModels(start.split, pattern, options, parametric);
+    result.seconds["comparison"] = comparison_time.Seconds();
   }
   if (!result.converged && ShouldStop(options))
     result.checkpoint = std::move(checkpoint);

@@ -25,6 +25,7 @@ struct CalibrationOptions {
   bool flat_board = false;  ///< keep the pattern's points as they are given
   std::vector<std::string> hold_out;  ///< images not to calibrate with
   MeasureAgain measure_again;         ///< without: features stay as they are
+  bool compare_models = false;  ///< with parametric ones, which takes time
   int num_threads = 0;
   Progress progress;
   /// Once true, the best state so far is the result.

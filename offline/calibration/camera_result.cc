@@ -147,6 +147,8 @@ void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
   result->converged = adjusted.summary.converged;
   result->bias_kl =
       ComputeBias(result->training, result->camera.camera->area());
+  result->noise_bias_kl =
+      NoiseBias(result->training, result->camera.camera->area());
   if (!result->camera.camera->IsCentral())
     result->line_spread = MeasureLineSpread(*result->camera.camera);
 }

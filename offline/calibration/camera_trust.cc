@@ -1,5 +1,6 @@
 #include "calibration/camera_trust.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -69,6 +70,49 @@ TrustMask MaskOf(const Adjusted& adjusted, int camera,
   return mask;
 }
 
+// The strongest modes of a covariance of the lattice's pixels, on a coarser
+// lattice. Pixels that the camera does not tell do not move.
+ErrorModes ModesOf(const Eigen::MatrixXd& joint_px2,
+                   const UncertaintyOptions& size) {
+  constexpr int kMaxModes = 12;
+  ErrorModes fine;
+  fine.columns = size.columns;
+  fine.rows = size.rows;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      (joint_px2 + joint_px2.transpose()) / 2);
+  const Eigen::Index last = joint_px2.rows() - 1;
+  double rest_px2 = solver.eigenvalues().cwiseMax(0.0).sum();
+  for (int k = 0; k < std::min<Eigen::Index>(kMaxModes, last); ++k) {
+    const double variance = solver.eigenvalues()[last - k];
+    if (!(variance > 0)) break;
+    rest_px2 -= variance;
+    Eigen::VectorXd mode =
+        std::sqrt(variance) * solver.eigenvectors().col(last - k);
+    // Its sign is nobody's.
+    Eigen::Index largest;
+    mode.cwiseAbs().maxCoeff(&largest);
+    if (mode[largest] < 0) mode = -mode;
+    fine.displacements_px.emplace_back();
+    for (Eigen::Index i = 0; i < mode.size(); i += 2)
+      fine.displacements_px.back().push_back(mode.segment<2>(i));
+  }
+  ErrorModes coarse;
+  coarse.rest_px = std::sqrt(std::max(0.0, rest_px2) /
+                             static_cast<double>(joint_px2.rows()));
+  coarse.columns = std::max(2, (size.columns + 1) / 2);
+  coarse.rows = std::max(2, (size.rows + 1) / 2);
+  const Area unit = {0, 0, 1, 1};
+  for (size_t k = 0; k < fine.displacements_px.size(); ++k) {
+    coarse.displacements_px.emplace_back();
+    for (int i = 0; i < coarse.columns * coarse.rows; ++i)
+      coarse.displacements_px.back().push_back(
+          fine.At(k, unit,
+                  {double(i % coarse.columns) / (coarse.columns - 1),
+                   double(i / coarse.columns) / (coarse.rows - 1)}));
+  }
+  return coarse;
+}
+
 }  // namespace
 
 std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
@@ -80,9 +124,10 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
   options.fix_points = !HavePointsMoved(adjusted);
   const UncertaintyOptions size =
       LatticeOver(adjusted.state.cameras[camera]->area());
+  Eigen::MatrixXd joint_px2;
   const std::vector<PixelUncertainty> pixels =
       ProjectionUncertainty(adjusted.problem.views, adjusted.prior, options,
-                            noise_px, adjusted.state, camera, size);
+                            noise_px, adjusted.state, camera, size, &joint_px2);
   DeviationLattice noise = {size.columns, size.rows, {}}, total = noise;
   for (const PixelUncertainty& pixel : pixels) {
     noise.deviation_px.push_back(WorseDeviation(pixel.noise_px2));
@@ -94,6 +139,7 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
       std::max(kTrustedPart * noise_px, kAlwaysTrustedPx);
   uncertainty.mask =
       MaskOf(adjusted, camera, total, uncertainty.max_deviation_px);
+  uncertainty.modes = ModesOf(joint_px2, size);
   // Where the prior knows more than the observations, noise is not all.
   uncertainty.lattice = noise;
   for (size_t i = 0; i < pixels.size(); ++i)

@@ -5,19 +5,45 @@
 
 namespace raygrid {
 
-double DeviationLattice::At(const Area& area,
-                            const Eigen::Vector2d& pixel) const {
+namespace {
+
+// A place on a lattice: the node above and to the left of it, and how far it is
+// to the next ones.
+struct LatticePlace {
+  int node;
+  double x, y;
+};
+LatticePlace PlaceOn(int columns, int rows, const Area& area,
+                     const Eigen::Vector2d& pixel) {
   const auto interval = [](double position, int count) {
     return std::clamp(static_cast<int>(position), 0, count - 2);
   };
   const double x = (pixel.x() - area.x0) / area.width() * (columns - 1);
   const double y = (pixel.y() - area.y0) / area.height() * (rows - 1);
   const int i = interval(x, columns), j = interval(y, rows);
-  const double* corner = &deviation_px[j * columns + i];
-  const double upper = corner[0] + (x - i) * (corner[1] - corner[0]);
+  return {j * columns + i, x - i, y - j};
+}
+
+}  // namespace
+
+double DeviationLattice::At(const Area& area,
+                            const Eigen::Vector2d& pixel) const {
+  const LatticePlace place = PlaceOn(columns, rows, area, pixel);
+  const double* corner = &deviation_px[place.node];
+  const double upper = corner[0] + place.x * (corner[1] - corner[0]);
   const double lower =
-      corner[columns] + (x - i) * (corner[columns + 1] - corner[columns]);
-  return upper + (y - j) * (lower - upper);
+      corner[columns] + place.x * (corner[columns + 1] - corner[columns]);
+  return upper + place.y * (lower - upper);
+}
+
+Eigen::Vector2d ErrorModes::At(size_t mode, const Area& area,
+                               const Eigen::Vector2d& pixel) const {
+  const LatticePlace place = PlaceOn(columns, rows, area, pixel);
+  const Eigen::Vector2d* corner = &displacements_px[mode][place.node];
+  const Eigen::Vector2d upper = corner[0] + place.x * (corner[1] - corner[0]);
+  const Eigen::Vector2d lower =
+      corner[columns] + place.x * (corner[columns + 1] - corner[columns]);
+  return upper + place.y * (lower - upper);
 }
 
 double DeviationLattice::MedianPx() const {

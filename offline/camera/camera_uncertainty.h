@@ -42,12 +42,26 @@ struct TrustMask {
   }
 };
 
+/// How errors of a camera in one place go with those in others: its error is
+/// about a sum of these displacements, each times a standard normal number of
+/// its own. On a lattice from corner to corner of the area, row by row,
+/// bilinear between.
+struct ErrorModes {
+  int columns = 0, rows = 0;
+  std::vector<std::vector<Eigen::Vector2d>> displacements_px;
+  double rest_px = 0;  ///< standard deviation of what they leave, in an axis
+
+  Eigen::Vector2d At(size_t mode, const Area& area,
+                     const Eigen::Vector2d& pixel) const;
+};
+
 /// How well a camera is known: by the calibration's noise where it can be
 /// trusted, by all that is not known elsewhere.
 struct CameraUncertainty {
   DeviationLattice lattice;
   TrustMask mask;
   double max_deviation_px = 0;  ///< of the cells trusted
+  ErrorModes modes;             ///< may be empty
 
   /// The part of the image's pixels that is trusted.
   double TrustedPart(const ImageSize& size, const Area& area) const;

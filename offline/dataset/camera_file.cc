@@ -145,6 +145,31 @@ DeviationLattice ParseDeviations(const YAML::Node& node) {
   return lattice;
 }
 
+// modes is missing in files of earlier versions.
+ErrorModes ParseModes(const YAML::Node& node) {
+  ErrorModes modes;
+  if (!node) return modes;
+  modes.columns = node["columns"].as<int>();
+  modes.rows = node["rows"].as<int>();
+  if (std::min(modes.columns, modes.rows) < 2 ||
+      std::max(modes.columns, modes.rows) > 65)
+    throw InputError("modes: columns and rows must be 2 to 65");
+  modes.rest_px = node["rest_px"].as<double>();
+  if (!(modes.rest_px >= 0)) throw InputError("modes: rest_px is negative");
+  for (const YAML::Node& mode : node["displacements_px"]) {
+    RequireList(mode, "modes: one of displacements_px",
+                2 * modes.columns * modes.rows);
+    std::vector<Eigen::Vector2d>& field = modes.displacements_px.emplace_back();
+    for (int i = 0; i < modes.columns * modes.rows; ++i) {
+      field.emplace_back(mode[2 * i].as<double>(),
+                         mode[2 * i + 1].as<double>());
+      if (!field.back().allFinite())
+        throw InputError("modes: displacements_px is not finite");
+    }
+  }
+  return modes;
+}
+
 TrustMask ParseMask(const YAML::Node& node, const ImageSize& size) {
   TrustMask mask;
   mask.cell_px = node["cell_px"].as<int>();
@@ -174,6 +199,7 @@ std::optional<CameraUncertainty> ParseUncertainty(const YAML::Node& root,
   uncertainty.mask = ParseMask(root["trusted"], size);
   uncertainty.max_deviation_px =
       root["trusted"]["max_deviation_px"].as<double>();
+  uncertainty.modes = ParseModes(root["uncertainty"]["modes"]);
   return uncertainty;
 }
 
@@ -230,6 +256,23 @@ void EmitFigures(const char* name, const std::optional<ErrorFigures>& figures,
        << YAML::Key << "count" << YAML::Value << figures->count << YAML::EndMap;
 }
 
+void EmitModes(const ErrorModes& modes, YAML::Emitter* out) {
+  if (modes.displacements_px.empty()) return;
+  *out << YAML::Key << "modes" << YAML::Value << YAML::BeginMap << YAML::Key
+       << "columns" << YAML::Value << modes.columns << YAML::Key << "rows"
+       << YAML::Value << modes.rows << YAML::Key << "rest_px" << YAML::Value
+       << fmt::format("{:.6f}", modes.rest_px) << YAML::Key
+       << "displacements_px" << YAML::Value << YAML::BeginSeq;
+  for (const auto& field : modes.displacements_px) {
+    *out << YAML::Flow << YAML::BeginSeq;
+    for (const Eigen::Vector2d& displacement : field)
+      *out << fmt::format("{:.5f}", displacement.x())
+           << fmt::format("{:.5f}", displacement.y());
+    *out << YAML::EndSeq;
+  }
+  *out << YAML::EndSeq << YAML::EndMap;
+}
+
 void EmitUncertainty(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
   const DeviationLattice& lattice = uncertainty.lattice;
   *out << YAML::Key << "uncertainty" << YAML::Value << YAML::BeginMap
@@ -247,7 +290,9 @@ void EmitUncertainty(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
     }
     *out << YAML::EndSeq;
   }
-  *out << YAML::EndSeq << YAML::EndMap;
+  *out << YAML::EndSeq;
+  EmitModes(uncertainty.modes, out);
+  *out << YAML::EndMap;
 
   const TrustMask& mask = uncertainty.mask;
   *out << YAML::Key << "trusted" << YAML::Value << YAML::BeginMap << YAML::Key

@@ -172,4 +172,27 @@ std::string FormatPoses(const std::vector<NamedPoses>& cameras) {
   return text;
 }
 
+std::map<std::string, std::vector<BoardPose>> ReadPoses(
+    const std::string& path) {
+  const CsvTable table(
+      path, ReadFile(path),
+      {"image", "board", "qw", "qx", "qy", "qz", "tx", "ty", "tz"});
+  const bool has_camera = table.HasColumn("camera");
+  std::map<std::string, std::vector<BoardPose>> poses;
+  for (size_t i = 0; i < table.num_rows(); ++i) {
+    const auto number = [&](const char* column) {
+      return table.Number(i, column);
+    };
+    const Eigen::Quaterniond rotation(number("qw"), number("qx"), number("qy"),
+                                      number("qz"));
+    if (!(rotation.norm() > 0.5))
+      throw InputError(table.Place(i) + ": qw, qx, qy, qz are no rotation");
+    poses[has_camera ? table.Text(i, "camera") : ""].push_back(
+        {table.Text(i, "image"),
+         table.Integer(i, "board"),
+         {rotation.normalized(), {number("tx"), number("ty"), number("tz")}}});
+  }
+  return poses;
+}
+
 }  // namespace raygrid

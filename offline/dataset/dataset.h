@@ -73,6 +73,11 @@ struct NamedPoses {
 };
 std::string FormatPoses(const std::vector<NamedPoses>& cameras);
 
+/// poses.csv by camera name ("" where the file has no such column). Throws
+/// InputError.
+std::map<std::string, std::vector<BoardPose>> ReadPoses(
+    const std::string& path);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_DATASET_DATASET_H

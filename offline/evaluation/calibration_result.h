@@ -27,6 +27,15 @@ struct CellCandidate {
   double median_px = 0;
 };
 
+/// Another model, adjusted to the same features, and tested with the same ones.
+struct ModelFigures {
+  std::string model;
+  int num_parameters = 0;
+  ErrorFigures training;
+  std::optional<ErrorFigures> held_out;
+  std::optional<double> bias_kl;
+};
+
 /// What a calibration found.
 struct CalibrationResult {
   CameraFile camera;
@@ -49,6 +58,8 @@ struct CalibrationResult {
   /// Of a calibration that was told to stop before it was done.
   std::optional<Checkpoint> checkpoint;
   std::optional<double> bias_kl;
+  std::optional<double> noise_bias_kl;          ///< what pure noise would have
+  std::vector<ModelFigures> parametric_models;  ///< for comparison
   /// Of the held-out residuals, or else of the training ones.
   std::optional<double> neighbor_correlation;
   std::optional<LineSpread> line_spread;  ///< of a camera that is not central

@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <random>
 #include <tuple>
 
 namespace raygrid {
 namespace {
 
-constexpr int kCells = 50, kBins = 8;
+constexpr int kBins = 8;
 constexpr size_t kMinResiduals = 5;
 constexpr double kHistogramExtent = 2.5;
 // Mean norm of a two-dimensional standard normal variable: sqrt(pi / 2).
@@ -110,24 +112,56 @@ std::optional<double> NeighborCorrelation(
   return products / squares;
 }
 
-std::optional<double> ComputeBias(const std::vector<FeatureResidual>& residuals,
-                                  const Area& area) {
-  std::vector<std::vector<Eigen::Vector2d>> cells(kCells * kCells);
+std::vector<double> BiasOfCells(const std::vector<FeatureResidual>& residuals,
+                                const Area& area) {
+  std::vector<std::vector<Eigen::Vector2d>> cells(kBiasCells * kBiasCells);
   for (const FeatureResidual& residual : residuals) {
     const auto cell_of = [](double position, double start, double extent) {
-      return std::clamp(static_cast<int>((position - start) / extent * kCells),
-                        0, kCells - 1);
+      return std::clamp(
+          static_cast<int>((position - start) / extent * kBiasCells), 0,
+          kBiasCells - 1);
     };
     const int column = cell_of(residual.pixel.x(), area.x0, area.width());
     const int row = cell_of(residual.pixel.y(), area.y0, area.height());
-    cells[row * kCells + column].push_back(residual.error_px);
+    cells[row * kBiasCells + column].push_back(residual.error_px);
   }
   std::vector<double> divergences;
   for (const auto& errors : cells)
-    if (errors.size() >= kMinResiduals)
-      divergences.push_back(DivergenceFromNormal(errors));
+    divergences.push_back(errors.size() >= kMinResiduals
+                              ? DivergenceFromNormal(errors)
+                              : std::numeric_limits<double>::quiet_NaN());
+  return divergences;
+}
+
+std::optional<double> ComputeBias(const std::vector<FeatureResidual>& residuals,
+                                  const Area& area) {
+  std::vector<double> divergences;
+  for (const double divergence : BiasOfCells(residuals, area))
+    if (std::isfinite(divergence)) divergences.push_back(divergence);
   if (divergences.empty()) return std::nullopt;
   return Quantile(std::move(divergences), 0.5);
+}
+
+std::optional<double> NoiseBias(const std::vector<FeatureResidual>& residuals,
+                                const Area& area) {
+  constexpr int kDraws = 5;
+  std::mt19937_64 bits(1);  // the standard fixes its sequence
+  const auto uniform = [&bits] {
+    return static_cast<double>((bits() >> 11) + 1) * 0x1p-53;
+  };
+  std::vector<FeatureResidual> noise = residuals;
+  double sum = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    for (FeatureResidual& residual : noise) {  // Box and Muller
+      const double radius = std::sqrt(-2 * std::log(uniform()));
+      const double angle = 2 * M_PI * uniform();
+      residual.error_px = {radius * std::cos(angle), radius * std::sin(angle)};
+    }
+    const std::optional<double> bias = ComputeBias(noise, area);
+    if (!bias) return std::nullopt;
+    sum += *bias;
+  }
+  return sum / kDraws;
 }
 
 std::set<std::string> ImagesApart(

@@ -33,6 +33,17 @@ ErrorFigures ComputeErrorFigures(const std::vector<FeatureResidual>& residuals);
 std::optional<double> ComputeBias(const std::vector<FeatureResidual>& residuals,
                                   const Area& area);
 
+/// The bias that pure noise would have in the same places: a histogram of a few
+/// residuals is never quite the distribution that they are drawn from.
+std::optional<double> NoiseBias(const std::vector<FeatureResidual>& residuals,
+                                const Area& area);
+
+/// The divergence of each cell, row by row, not a number in cells with fewer
+/// than 5 residuals.
+constexpr int kBiasCells = 50;  ///< along each side
+std::vector<double> BiasOfCells(const std::vector<FeatureResidual>& residuals,
+                                const Area& area);
+
 /// The correlation of residuals of features that are neighbours on a board in
 /// one image: 0 for noise, near 1 where the errors are the model's. Nothing for
 /// too few neighbours to tell.

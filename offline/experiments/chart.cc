@@ -137,6 +137,15 @@ std::string Marker(int style, double x, double y) {
   }
 }
 
+// Then every second label stands lower.
+bool AreTicksCrowded(const Chart& chart) {
+  constexpr double kLetter = 7;
+  double width = 0;
+  for (const ChartTick& tick : chart.ticks)
+    width += kLetter * static_cast<double>(tick.label.size() + 1);
+  return width > kRight - kLeft;
+}
+
 std::string Frame(const Chart& chart, const Axes& axes) {
   std::string svg =
       Text(kMargin, 26, " font-size=\"17\" font-weight=\"bold\"", chart.title) +
@@ -146,14 +155,16 @@ std::string Frame(const Chart& chart, const Axes& axes) {
     svg += Text(kLeft - 8, axes.Y(y) + 4, " text-anchor=\"end\"",
                 fmt::format("{:.4g}", y));
   }
-  for (const ChartTick& tick : chart.ticks) {
-    svg += Line(axes.X(tick.x), kBottom, axes.X(tick.x), kBottom + 5, "black");
-    svg += Text(axes.X(tick.x), kBottom + 20, " text-anchor=\"middle\"",
-                tick.label);
+  const bool is_crowded = AreTicksCrowded(chart);
+  for (size_t i = 0; i < chart.ticks.size(); ++i) {
+    const double x = axes.X(chart.ticks[i].x);
+    svg += Line(x, kBottom, x, kBottom + 5, "black");
+    svg += Text(x, kBottom + (is_crowded && i % 2 == 1 ? 35 : 20),
+                " text-anchor=\"middle\"", chart.ticks[i].label);
   }
   svg += Line(kLeft, kBottom, kRight, kBottom, "black");
   svg += Line(kLeft, kTop, kLeft, kBottom, "black");
-  svg += Text((kLeft + kRight) / 2, kBottom + 46, " text-anchor=\"middle\"",
+  svg += Text((kLeft + kRight) / 2, kBottom + 54, " text-anchor=\"middle\"",
               chart.x_label);
   const double middle = (kTop + kBottom) / 2;
   svg += Text(20, middle,

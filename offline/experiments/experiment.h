@@ -1,19 +1,32 @@
-/// Experiments on simulated truth, as in the paper: each has a name, and gives
-/// a table and a chart of it. A new one is a function and a line in
-/// Experiments().
+/// Experiments, as in the paper, on simulated truth or, where this makes sense,
+/// on a user's own data: each has a name, and gives a table and a chart of it,
+/// some pictures as well. A new one is a function and a line in Experiments().
 #ifndef RAYGRID_EXPERIMENTS_EXPERIMENT_H
 #define RAYGRID_EXPERIMENTS_EXPERIMENT_H
 
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "camera/area.h"
+#include "camera/camera_model.h"
+#include "dataset/dataset.h"
+#include "dataset/image_files.h"
 #include "experiments/chart.h"
 
 namespace raygrid {
+
+/// A user's data, to use instead of what would be simulated.
+struct ExperimentData {
+  std::optional<Dataset> features;
+  Pattern pattern;                    ///< of the features
+  std::vector<std::string> hold_out;  ///< images not to calibrate with
+  std::shared_ptr<const CameraModel> camera;
+};
 
 /// What all experiments are asked for.
 struct ExperimentOptions {
@@ -24,6 +37,7 @@ struct ExperimentOptions {
   uint64_t seed = 0;
   int num_threads = 0;                   ///< 0 means all cores
   std::function<void(double)> progress;  ///< from 0 to 1, if any
+  ExperimentData data;
 };
 
 struct Condition {
@@ -32,16 +46,28 @@ struct Condition {
 
 using Cell = std::variant<std::string, int, double>;
 
+/// NAME-name.png.
+struct ExperimentPicture {
+  std::string name;
+  Image image;
+};
+
 struct ExperimentResult {
   std::vector<Condition> conditions;  ///< under which it was done
   std::vector<std::string> columns;
   std::vector<std::vector<Cell>> rows;
   Chart chart;
+  std::vector<ExperimentPicture> pictures;
 };
+
+/// What of a user's own an experiment can use.
+enum class UserData { kNone, kFeatures, kFeaturesOrCamera };
 
 struct Experiment {
   std::string name, summary;
   ExperimentResult (*run)(const ExperimentOptions&);
+  int num_images = 24;  ///< unless asked for others
+  UserData user_data = UserData::kNone;
 };
 
 const std::vector<Experiment>& Experiments();
@@ -53,6 +79,36 @@ ExperimentResult ComparePatternSegments(const ExperimentOptions& options);
 /// The error that each refinement leaves (paper, "Feature Refinement
 /// Evaluation"; there by reprojection errors).
 ExperimentResult CompareFeatureRefinements(const ExperimentOptions& options);
+
+/// All models at several resolutions, calibrated from the same features (paper,
+/// "Validation of the Generic Model"): errors on training and other images, and
+/// how far their residuals are from noise.
+ExperimentResult ValidateModels(const ExperimentOptions& options);
+
+/// Parametric models fitted to a generic camera: where they differ, and by how
+/// much (paper, "Comparison of Models").
+ExperimentResult CompareModelsByFit(const ExperimentOptions& options);
+
+/// Beyond the paper: the error of rays that refinement by symmetry leaves
+/// behind a wide lens if the mapping within its window is taken for a
+/// homography. Residuals do not show it.
+ExperimentResult MeasureCurvatureBias(const ExperimentOptions& options);
+
+/// How far a camera's lines are from meeting in a point, and what that does to
+/// a central camera at other distances than those of the calibration.
+ExperimentResult MeasureNoncentrality(const ExperimentOptions& options);
+
+/// The error of a camera's place by 15 known points (paper, "Camera
+/// Localization"), of one image and of the mean of many.
+ExperimentResult LocalizeByModels(const ExperimentOptions& options);
+
+/// Depth by stereo with generic and parametric calibrations of the same two
+/// cameras (paper, "Stereo Depth Estimation").
+ExperimentResult MeasureStereoDepth(const ExperimentOptions& options);
+
+/// How far a walk ends from where it should, adjusted with each calibration
+/// (paper, "Camera Trajectory Estimation").
+ExperimentResult MeasureTrajectoryDrift(const ExperimentOptions& options);
 
 }  // namespace raygrid
 

@@ -5,6 +5,8 @@
 #include <functional>
 #include <opencv2/imgproc.hpp>
 
+#include "report/color_scale.h"
+
 namespace raygrid {
 namespace {
 
@@ -18,32 +20,14 @@ Image ToImage(const cv::Mat& picture) {
   return image;
 }
 
-// 180 hues around the circle.
-cv::Vec3b HueColor(double angle_rad) {
-  static const cv::Mat table = [] {
-    cv::Mat hsv(1, 180, CV_8UC3), bgr;
-    for (int hue = 0; hue < 180; ++hue)
-      hsv.at<cv::Vec3b>(0, hue) =
-          cv::Vec3b(static_cast<uint8_t>(hue), 220, 230);
-    cv::cvtColor(hsv, bgr, cv::COLOR_HSV2BGR);
-    return bgr;
-  }();
-  const double half_degrees = angle_rad * 90 / M_PI;
-  const int hue = static_cast<int>(std::lround(half_degrees + 180)) % 180;
-  return table.at<cv::Vec3b>(0, hue);
+cv::Vec3b ColorAt(ColorScale scale, double part) {
+  const auto color = ColorOf(scale, part);
+  return {color[0], color[1], color[2]};
 }
 
-// A perceptually even scale from dark to bright.
-cv::Vec3b MagnitudeColor(double part) {
-  static const cv::Mat table = [] {
-    cv::Mat grey(1, 256, CV_8U), bgr;
-    for (int i = 0; i < 256; ++i)
-      grey.at<uint8_t>(0, i) = static_cast<uint8_t>(i);
-    cv::applyColorMap(grey, bgr, cv::COLORMAP_INFERNO);
-    return bgr;
-  }();
-  return table.at<cv::Vec3b>(
-      0, static_cast<int>(std::clamp(std::lround(255 * part), 0L, 255L)));
+cv::Vec3b DirectionColor(const Eigen::Vector2d& error) {
+  const double turn = std::atan2(error.y(), error.x()) / (2 * M_PI);
+  return ColorAt(ColorScale::kDirection, turn < 0 ? turn + 1 : turn);
 }
 
 cv::Point NearestPixel(const Eigen::Vector2d& position, const ImageSize& size) {
@@ -93,19 +77,16 @@ Image CoveragePicture(const std::vector<FeatureResidual>& residuals,
 
 Image DirectionPicture(const std::vector<FeatureResidual>& residuals,
                        const ImageSize& size, const Area& area) {
-  return VoronoiPicture(residuals, size, area,
-                        [](const Eigen::Vector2d& error) {
-                          return HueColor(std::atan2(error.y(), error.x()));
-                        });
+  return VoronoiPicture(residuals, size, area, DirectionColor);
 }
 
 Image MagnitudePicture(const std::vector<FeatureResidual>& residuals,
                        const ImageSize& size, const Area& area,
                        double full_scale_px) {
-  return VoronoiPicture(residuals, size, area,
-                        [full_scale_px](const Eigen::Vector2d& error) {
-                          return MagnitudeColor(error.norm() / full_scale_px);
-                        });
+  return VoronoiPicture(
+      residuals, size, area, [full_scale_px](const Eigen::Vector2d& error) {
+        return ColorAt(ColorScale::kMagnitude, error.norm() / full_scale_px);
+      });
 }
 
 Image DirectionLegend(int size_px) {
@@ -114,9 +95,28 @@ Image DirectionLegend(int size_px) {
   for (int y = 0; y < size_px; ++y)
     for (int x = 0; x < size_px; ++x)
       if (std::hypot(x - center, y - center) <= center)
-        picture.at<cv::Vec3b>(y, x) =
-            HueColor(std::atan2(y - center, x - center));
+        picture.at<cv::Vec3b>(y, x) = DirectionColor({x - center, y - center});
   return ToImage(picture);
+}
+
+Image BiasPicture(const std::vector<FeatureResidual>& residuals,
+                  const Area& area, double full_scale) {
+  constexpr int kCellPx = 8;
+  return HeatMap(BiasOfCells(residuals, area), kBiasCells, 0, full_scale,
+                 kCellPx);
+}
+
+Image Shrunk(const Image& image, int max_width_px) {
+  if (image.size.width <= max_width_px) return image;
+  const cv::Mat whole(image.size.height, image.size.width,
+                      CV_8UC(image.channels),
+                      const_cast<uint8_t*>(image.pixels.data()));
+  cv::Mat smaller;
+  cv::resize(whole, smaller,
+             {max_width_px,
+              std::max(1, image.size.height * max_width_px / image.size.width)},
+             0, 0, cv::INTER_AREA);
+  return ToImage(smaller);
 }
 
 }  // namespace raygrid

@@ -13,17 +13,25 @@ Image CoveragePicture(const std::vector<FeatureResidual>& residuals,
                       const ImageSize& size, const Area& area);
 
 /// Each pixel of the area in the colour of the nearest residual (a Voronoi
-/// diagram): its direction as hue (paper, "Camera Model Validation"; a pattern
-/// shows that the model does not fit the camera), or its magnitude, dark for 0
-/// and bright for full_scale_px.
+/// diagram): its direction as a colour (paper, "Camera Model Validation"; a
+/// pattern shows that the model does not fit the camera), or its magnitude,
+/// dark for 0 and bright for full_scale_px.
 Image DirectionPicture(const std::vector<FeatureResidual>& residuals,
                        const ImageSize& size, const Area& area);
 Image MagnitudePicture(const std::vector<FeatureResidual>& residuals,
                        const ImageSize& size, const Area& area,
                        double full_scale_px);
 
-/// A wheel of the direction picture's hues.
+/// A wheel of the direction picture's colours.
 Image DirectionLegend(int size_px);
+
+/// The divergence from noise of each cell of the area, white where there are too
+/// few residuals.
+Image BiasPicture(const std::vector<FeatureResidual>& residuals,
+                  const Area& area, double full_scale);
+
+/// The image, made smaller if it is wider.
+Image Shrunk(const Image& image, int max_width_px);
 
 }  // namespace raygrid
 

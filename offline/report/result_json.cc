@@ -1,17 +1,30 @@
 #include "report/result_json.h"
 
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
+
+#include "dataset/error.h"
 
 namespace raygrid {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr int kResultVersion = 1;
+
 Json FiguresJson(const ErrorFigures& figures) {
   return {{"median_px", figures.median_px},
           {"rms_px", figures.rms_px},
           {"max_px", figures.max_px},
           {"count", figures.count}};
+}
+
+Json PackingJson(const PackingFigures& packing) {
+  Json json = {{"blob_bytes", packing.blob_bytes},
+               {"unproject_error_px", packing.unproject_error_px}};
+  if (packing.remap_error_px) json["remap_error_px"] = *packing.remap_error_px;
+  return json;
 }
 
 Json RejectedJson(const std::vector<RejectedImage>& images) {
@@ -23,6 +36,15 @@ Json RejectedJson(const std::vector<RejectedImage>& images) {
 
 const char* HeldOutBy(bool cross_validated) {
   return cross_validated ? "cross-validation" : "images held out";
+}
+
+Json ModelJson(const ModelFigures& figures) {
+  Json json = {{"model", figures.model},
+               {"parameters", figures.num_parameters},
+               {"training", FiguresJson(figures.training)}};
+  if (figures.held_out) json["held_out"] = FiguresJson(*figures.held_out);
+  if (figures.bias_kl) json["bias_kl"] = *figures.bias_kl;
+  return json;
 }
 
 // What is known of one camera, alone or in a rig.
@@ -52,6 +74,9 @@ void AddCamera(const CalibrationResult& result, Json* json) {
                                           {"held_out_loss", candidate.loss},
                                           {"median_px", candidate.median_px}});
   if (result.bias_kl) (*json)["bias_kl"] = *result.bias_kl;
+  if (result.noise_bias_kl) (*json)["noise_bias_kl"] = *result.noise_bias_kl;
+  for (const ModelFigures& other : result.parametric_models)
+    (*json)["parametric_models"].push_back(ModelJson(other));
   if (result.neighbor_correlation)
     (*json)["neighbor_correlation"] = *result.neighbor_correlation;
   if (const auto& known = result.camera.uncertainty)
@@ -127,10 +152,13 @@ Json RejectedInRig(const RigResult& result) {
 }  // namespace
 
 std::string FormatResultJson(const CalibrationResult& result, uint64_t seed,
-                             int64_t peak_memory_bytes) {
+                             int64_t peak_memory_bytes,
+                             const std::optional<PackingFigures>& packing) {
   Json json;
+  json["raygrid_result"] = kResultVersion;
   json["status"] = Status(result.converged, result.checkpoint.has_value());
   AddCamera(result, &json);
+  if (packing) json["packing"] = PackingJson(*packing);
   json["seconds"] = result.seconds;
   json["peak_memory_bytes"] = peak_memory_bytes;
   json["seed"] = seed;
@@ -138,10 +166,12 @@ std::string FormatResultJson(const CalibrationResult& result, uint64_t seed,
   return json.dump(2) + "\n";
 }
 
-std::string FormatResultJson(const RigResult& result, uint64_t seed,
-                             int64_t peak_memory_bytes) {
+std::string FormatResultJson(
+    const RigResult& result, uint64_t seed, int64_t peak_memory_bytes,
+    const std::vector<std::optional<PackingFigures>>& packing) {
   const RigCounts counts = Count(result);
   Json json;
+  json["raygrid_result"] = kResultVersion;
   json["status"] =
       Status(result.converged, result.cameras[0].checkpoint.has_value());
   json["model"] = result.cameras.front().camera.camera->Name();
@@ -157,13 +187,164 @@ std::string FormatResultJson(const RigResult& result, uint64_t seed,
   }
   for (const Baseline& baseline : result.baselines)
     json["baselines"].push_back(BaselineJson(result, baseline));
-  for (size_t c = 0; c < result.cameras.size(); ++c)
+  for (size_t c = 0; c < result.cameras.size(); ++c) {
     json["cameras"].push_back(CameraOfRig(result, c));
+    if (c < packing.size() && packing[c])
+      json["cameras"].back()["packing"] = PackingJson(*packing[c]);
+  }
   json["seconds"] = result.seconds;
   json["peak_memory_bytes"] = peak_memory_bytes;
   json["seed"] = seed;
   AddVerdict(result.verdict, &json);
   return json.dump(2) + "\n";
+}
+
+// ---- Reading ---------------------------------------------------------------
+
+namespace {
+
+ErrorFigures ParseFigures(const Json& json) {
+  return {json.at("median_px").get<double>(), json.at("rms_px").get<double>(),
+          json.at("max_px").get<double>(), json.at("count").get<int>()};
+}
+
+std::optional<ErrorFigures> FiguresIfAny(const Json& json, const char* key) {
+  if (!json.contains(key)) return std::nullopt;
+  return ParseFigures(json.at(key));
+}
+
+std::optional<double> NumberIfAny(const Json& json, const char* key) {
+  if (!json.contains(key)) return std::nullopt;
+  return json.at(key).get<double>();
+}
+
+ModelFigures ParseModel(const Json& json) {
+  return {json.at("model").get<std::string>(), json.at("parameters").get<int>(),
+          ParseFigures(json.at("training")), FiguresIfAny(json, "held_out"),
+          NumberIfAny(json, "bias_kl")};
+}
+
+void ParseMore(const Json& json, CalibrationResult* result) {
+  if (json.contains("cell_candidates"))
+    for (const Json& candidate : json.at("cell_candidates"))
+      result->cell_candidates.push_back(
+          {candidate.at("cell_px").get<double>(),
+           candidate.at("held_out_loss").get<double>(),
+           candidate.at("median_px").get<double>()});
+  if (json.contains("parametric_models"))
+    for (const Json& other : json.at("parametric_models"))
+      result->parametric_models.push_back(ParseModel(other));
+  if (json.contains("line_spread")) {
+    LineSpread& spread = result->line_spread.emplace();
+    spread.rms_m = json.at("line_spread").at("rms_m").get<double>();
+    spread.max_m = json.at("line_spread").at("max_m").get<double>();
+  }
+}
+
+// Of one camera, alone or in a rig.
+ResultFigures ParseCamera(const Json& json) {
+  ResultFigures figures;
+  CalibrationResult& result = figures.result;
+  if (json.contains("name"))
+    result.camera.name = json.at("name").get<std::string>();
+  result.num_parameters = json.at("parameters").get<int>();
+  result.cell_px = NumberIfAny(json, "cell_px").value_or(0);
+  for (const Json& image : json.at("images").at("rejected"))
+    result.rejected_images.push_back({image.at("image").get<std::string>(),
+                                      image.at("reason").get<std::string>()});
+  result.measured_again_rms_px =
+      NumberIfAny(json.at("features"), "measured_again_rms_px");
+  result.camera.training = ParseFigures(json.at("training"));
+  result.camera.held_out = FiguresIfAny(json, "held_out");
+  result.cross_validated =
+      json.contains("held_out") &&
+      json.at("held_out").at("by").get<std::string>() == HeldOutBy(true);
+  result.bias_kl = NumberIfAny(json, "bias_kl");
+  result.noise_bias_kl = NumberIfAny(json, "noise_bias_kl");
+  result.neighbor_correlation = NumberIfAny(json, "neighbor_correlation");
+  ParseMore(json, &result);
+  result.verdict = {json.at("verdict").get<std::string>(),
+                    json.at("reasons").get<std::vector<std::string>>()};
+  if (json.contains("packing")) {
+    const Json& packing = json.at("packing");
+    figures.packing = {packing.at("blob_bytes").get<size_t>(),
+                       packing.at("unproject_error_px").get<double>(),
+                       NumberIfAny(packing, "remap_error_px")};
+  }
+  return figures;
+}
+
+Baseline ParseBaseline(const Json& json, const RigResult& rig) {
+  const auto index = [&](int k) {
+    const std::string name = json.at("cameras").at(k).get<std::string>();
+    size_t c = 0;
+    while (c < rig.cameras.size() && rig.cameras[c].camera.name != name) ++c;
+    if (c == rig.cameras.size())
+      throw InputError("baselines name an unknown camera");
+    return c;
+  };
+  Baseline baseline;
+  baseline.first = index(0);
+  baseline.second = index(1);
+  baseline.num_shared_views = json.at("common_views").get<int>();
+  baseline.distance_m = json.at("distance_m").get<double>();
+  baseline.distance_sd_m = NumberIfAny(json, "distance_sd_m");
+  baseline.angle_rad = json.at("angle_rad").get<double>();
+  baseline.rotation_sd_rad = NumberIfAny(json, "rotation_sd_rad");
+  return baseline;
+}
+
+Json ParseVersioned(const std::string& path, const std::string& text) {
+  const Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded() || !json.is_object())
+    throw InputError(path + ": not JSON; calibrate again");
+  if (!json.contains("raygrid_result") ||
+      json.at("raygrid_result") != kResultVersion)
+    throw InputError(fmt::format(
+        "{}: written by another version of raygrid (no \"raygrid_result\": "
+        "{}); calibrate again with this one",
+        path, kResultVersion));
+  return json;
+}
+
+template <typename Function>
+auto Parsed(const std::string& path, const Function& parse) {
+  try {
+    return parse();
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(
+        fmt::format("{}: {}; calibrate again", path, error.what()));
+  }
+}
+
+}  // namespace
+
+ResultFigures ParseResultJson(const std::string& path,
+                              const std::string& text) {
+  const Json json = ParseVersioned(path, text);
+  return Parsed(path, [&] { return ParseCamera(json); });
+}
+
+RigFigures ParseRigResultJson(const std::string& path,
+                              const std::string& text) {
+  const Json json = ParseVersioned(path, text);
+  return Parsed(path, [&] {
+    RigFigures figures;
+    RigResult& rig = figures.result;
+    for (const Json& camera : json.at("cameras")) {
+      ResultFigures own = ParseCamera(camera);
+      rig.cameras.push_back(std::move(own.result));
+      figures.packing.push_back(own.packing);
+    }
+    if (json.contains("baselines"))
+      for (const Json& baseline : json.at("baselines"))
+        rig.baselines.push_back(ParseBaseline(baseline, rig));
+    for (const CalibrationResult& camera : rig.cameras)
+      rig.cross_validated |= camera.cross_validated;
+    rig.verdict = {json.at("verdict").get<std::string>(),
+                   json.at("reasons").get<std::vector<std::string>>()};
+    return figures;
+  });
 }
 
 }  // namespace raygrid

@@ -2,22 +2,48 @@
 #define RAYGRID_REPORT_RESULT_JSON_H
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "evaluation/calibration_result.h"
 #include "evaluation/rig_result.h"
 
 namespace raygrid {
 
+/// What packing found.
+struct PackingFigures {
+  size_t blob_bytes = 0;
+  double unproject_error_px = 0;
+  std::optional<double> remap_error_px;
+};
+
 /// result.json. The memory figure and the seconds differ from run to run;
 /// everything else is the same for the same input.
-std::string FormatResultJson(const CalibrationResult& result, uint64_t seed,
-                             int64_t peak_memory_bytes);
+std::string FormatResultJson(
+    const CalibrationResult& result, uint64_t seed, int64_t peak_memory_bytes,
+    const std::optional<PackingFigures>& packing = std::nullopt);
 /// A rig's: sums and errors over all cameras, held out with each board
 /// localised once for all cameras; how the cameras stand to each other; then
 /// each camera's own, held out with its images localised alone.
-std::string FormatResultJson(const RigResult& result, uint64_t seed,
-                             int64_t peak_memory_bytes);
+std::string FormatResultJson(
+    const RigResult& result, uint64_t seed, int64_t peak_memory_bytes,
+    const std::vector<std::optional<PackingFigures>>& packing = {});
+
+/// The figures that result.json holds; what has files of its own, as the
+/// camera, the features and their residuals, is empty.
+struct ResultFigures {
+  CalibrationResult result;
+  std::optional<PackingFigures> packing;
+};
+struct RigFigures {
+  RigResult result;
+  std::vector<std::optional<PackingFigures>> packing;  ///< by camera
+};
+
+/// Throws InputError, also for files of other versions.
+ResultFigures ParseResultJson(const std::string& path, const std::string& text);
+RigFigures ParseRigResultJson(const std::string& path, const std::string& text);
 
 }  // namespace raygrid
 

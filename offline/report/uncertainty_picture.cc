@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "evaluation/residual_statistics.h"
+#include "report/color_scale.h"
 
 namespace raygrid {
 namespace {
@@ -14,18 +15,9 @@ namespace {
 constexpr int kWidth = 800, kLegendHeight = 90, kMargin = 20;
 const cv::Vec3b kOutside(128, 128, 128), kHatch(255, 255, 255);
 
-// Even steps of lightness from dark blue to yellow (Nunez, Anderton, Renslow,
-// 2018).
 cv::Vec3b ScaleColor(double part) {
-  static const cv::Mat table = [] {
-    cv::Mat grey(1, 256, CV_8U), bgr;
-    for (int i = 0; i < 256; ++i)
-      grey.at<uint8_t>(0, i) = static_cast<uint8_t>(i);
-    cv::applyColorMap(grey, bgr, cv::COLORMAP_CIVIDIS);
-    return bgr;
-  }();
-  return table.at<cv::Vec3b>(
-      0, static_cast<int>(std::clamp(std::lround(255 * part), 0L, 255L)));
+  const auto color = ColorOf(ColorScale::kEven, part);
+  return {color[0], color[1], color[2]};
 }
 
 // A round number, no less than a value.

@@ -77,6 +77,82 @@ class Experiment(CommandTest):
             self.assertGreater(medians[4], 3 * medians[0])
             self.assertLess(medians[4], 0.2)
 
+    def small(self, name, *options, images=15):
+        """Rows of an experiment on simulated features, its pictures named."""
+        folder = self.path(name + "-small")
+        self.assert_done(run("experiment", name, "-o", folder, "--images", images, *options))
+        text = read(os.path.join(folder, name + ".csv")).decode()
+        rows = list(csv.DictReader(line for line in text.splitlines() if line[0] != "#"))
+        self.assertIn(b"</svg>", read(os.path.join(folder, name + ".svg")))
+        pictures = sorted(file for file in os.listdir(folder) if file.endswith(".png"))
+        return rows, pictures
+
+    def test_model_validation(self):
+        rows, pictures = self.small("model-validation")
+        self.assertEqual(pictures, ["model-validation-directions.png"])
+        for key in ("training_median_px", "test_median_px", "ray_error_px"):
+            parametric = [float(row[key]) for row in rows if row["cells"] == "0"]
+            generic = [float(row[key]) for row in rows if row["cells"] != "0"]
+            self.assertEqual((len(parametric), len(generic)), (3, 4))
+            self.assertLess(2 * max(generic), min(parametric))
+
+    def test_model_comparison(self):
+        rows, pictures = self.small("model-comparison")
+        self.assertEqual(pictures, ["model-comparison-direction.png",
+                                    "model-comparison-magnitude.png"])
+        self.assertEqual(len(rows), 3)
+        for row in rows:  # the lens has bumps of up to 1.5 px
+            self.assertGreater(float(row["rms_px"]), 0.1)
+            self.assertLess(float(row["rms_px"]), 0.7)
+
+    def test_noncentrality(self):
+        rows, pictures = self.small("noncentrality")
+        self.assertEqual(pictures, ["noncentrality-offsets.png"])
+        errors = [float(row["right_far_rms_px"]) for row in rows]
+        self.assertEqual(errors, sorted(errors, reverse=True))
+        self.assertGreater(errors[0], 0.5)
+
+    def test_localization(self):
+        rows, _ = self.small("localization")
+        by_name = {row.pop("camera"): [float(value) for value in row.values()] for row in rows}
+        # Noise averages out, a wrong camera does not.
+        self.assertLess(by_name["truth"][-1], 0.3 * by_name["truth"][0])
+        self.assertGreater(by_name["opencv"][-1], 0.8 * by_name["opencv"][0])
+        self.assertLess(by_name["central-generic"][-1], 0.5 * by_name["opencv"][-1])
+
+    def test_curvature_bias(self):
+        rows, _ = self.small("curvature-bias", images=8)
+        error = {(row["mapping"], row["window_px"]): float(row["feature_error_rms_px"])
+                 for row in rows}
+        self.assertLess(2 * error["curved", "21"], error["homography", "21"])
+        self.assertLess(error["homography", "11"], error["homography", "31"])
+
+    def test_stereo_depth(self):
+        rows, pictures = self.small("stereo-depth", images=12)
+        self.assertEqual(pictures, ["stereo-depth-bias.png"])
+        bias = {row["cameras"]: float(row["blocks_rms_mm"]) for row in rows}
+        self.assertLess(2 * bias["central-generic"], bias["opencv"])
+        self.assertLess(bias["central-generic"], 3 * bias["truth"])
+
+    def test_trajectory_drift(self):
+        rows, _ = self.small("trajectory-drift", images=20)
+        worst = {}
+        for row in rows:
+            worst.setdefault(row["camera"], []).append(float(row["end_error_percent"]))
+        self.assertLess(2 * max(worst["central-generic"]), min(worst["opencv"]))
+
+    def test_own_features(self):
+        self.assert_done(run("simulate", "--images", 10, "-o", self.path("own")))
+        data = ("--features", self.path("own/features.csv"), "--pattern",
+                self.path("own/pattern.yaml"), "--image-size", "640x480")
+        rows, _ = self.small("localization", *data)
+        self.assertIn("central-generic (the truth here)", [row["camera"] for row in rows])
+        folder = self.path("refused")
+        self.assert_refused(run("experiment", "curvature-bias", "-o", folder, *data), 1,
+                            "--features")
+        self.assert_refused(run("experiment", "localization", "-o", folder, *data[:2]), 1,
+                            "--pattern")
+
     def test_number_of_threads_changes_nothing(self):
         for name in ("pattern-segments", "feature-refinement"):
             with self.subTest(name):
@@ -91,7 +167,9 @@ class Experiment(CommandTest):
     def test_list(self):
         result = run("experiment", "--list")
         self.assert_done(result)
-        for name in ("pattern-segments", "feature-refinement"):
+        for name in ("pattern-segments", "feature-refinement", "model-validation",
+                     "model-comparison", "curvature-bias", "noncentrality", "localization",
+                     "stereo-depth", "trajectory-drift"):
             self.assertIn(name, result.stdout)
 
     def test_help_has_an_example(self):

@@ -30,7 +30,7 @@ class MainJob(CommandTest):
 
     def test_calibrate_writes_all_files(self):
         expected = {"camera.yaml", "camera.raygrid", "pattern.yaml", "features.csv", "poses.csv",
-                    "result.json", "report.html", "uncertainty.png"}
+                    "residuals.csv", "result.json", "report.html", "uncertainty.png"}
         self.assertEqual(set(os.listdir(self.path("out"))), expected)
         result = json.loads(read(self.path("out/result.json")))
         self.assertEqual(result["status"], "converged")

@@ -7,7 +7,8 @@ import os
 from command_test import (CommandTest, PATTERN, SIMULATED_PATTERN, main, programs, read, run,
                           write)
 
-SHARED = ("rig.yaml", "pattern.yaml", "features.csv", "poses.csv", "result.json", "report.html")
+SHARED = ("rig.yaml", "pattern.yaml", "features.csv", "poses.csv", "residuals.csv", "result.json",
+          "report.html")
 OWN = ("camera.yaml", "camera.raygrid", "report.html", "uncertainty.png")
 
 

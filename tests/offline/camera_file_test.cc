@@ -28,6 +28,8 @@ CameraUncertainty ExampleUncertainty() {
   for (size_t k = 0; k < uncertainty.mask.is_trusted.size(); k += 3)
     uncertainty.mask.is_trusted[k] = true;
   uncertainty.max_deviation_px = 0.025;
+  uncertainty.modes = {
+      2, 2, {{{0.01, 0.02}, {0.03, 0}, {-0.5, 0}, {0, 0.125}}}, 0.004};
   return uncertainty;
 }
 
@@ -214,6 +216,10 @@ TEST(CameraFile, KeepsUncertaintyAndMask) {
   EXPECT_EQ(read.uncertainty->mask.is_trusted,
             file.uncertainty->mask.is_trusted);
   EXPECT_EQ(read.uncertainty->max_deviation_px, 0.025);
+  EXPECT_EQ(read.uncertainty->modes.columns, 2);
+  EXPECT_EQ(read.uncertainty->modes.rest_px, 0.004);
+  EXPECT_EQ(read.uncertainty->modes.displacements_px,
+            file.uncertainty->modes.displacements_px);
   EXPECT_EQ(FormatCameraFile(read), text);
 }
 
@@ -229,6 +235,9 @@ TEST(CameraFile, RefusesAMalformedMaskOrLattice) {
            {"#..", "#."},
            {"0.250000", "-1"},
            {"0.250000", "0.25, 0.3"},
+           {"rest_px: 0.004", "rest_px: -1"},
+           {"-0.50000", ".nan"},
+           {"-0.50000", "-0.5, 1"},
            {"  columns: 3", "  columns: 1"}}) {
     std::string broken = text;
     const size_t place = broken.rfind(from);
@@ -236,6 +245,16 @@ TEST(CameraFile, RefusesAMalformedMaskOrLattice) {
     broken.replace(place, from.size(), to);
     EXPECT_THROW(Read(broken), InputError) << to;
   }
+}
+
+TEST(ErrorModes, AreBilinearBetweenTheirPixels) {
+  const ErrorModes modes = ExampleUncertainty().modes;
+  const Area area = {10, 20, 110, 70};
+  EXPECT_LT((modes.At(0, area, {10, 20}) - Eigen::Vector2d(0.01, 0.02)).norm(),
+            1e-12);
+  EXPECT_LT(
+      (modes.At(0, area, {60, 45}) - Eigen::Vector2d(-0.115, 0.03625)).norm(),
+      1e-12);
 }
 
 TEST(DeviationLattice, IsBilinearBetweenItsPixels) {

@@ -73,9 +73,16 @@ TEST(ProjectionUncertainty, IsHowAdjustedCamerasScatterWithTheNoise) {
   constexpr int kNumDraws = 50;
   const SmallProblem exact = ExactProblem();
   const GaussianPrior prior = WeakPrior(exact);
-  const std::vector<PixelUncertainty> predicted = ProjectionUncertainty(
-      exact.views, prior, Options(), kNoisePx, exact.state, 0, kLattice);
+  Eigen::MatrixXd joint_px2;
+  const std::vector<PixelUncertainty> predicted =
+      ProjectionUncertainty(exact.views, prior, Options(), kNoisePx,
+                            exact.state, 0, kLattice, &joint_px2);
   ASSERT_EQ(predicted.size(), 63u);
+  ASSERT_EQ(joint_px2.rows(), 126);
+  for (size_t i = 0; i < predicted.size(); ++i)
+    EXPECT_LT(RelativeDifference((joint_px2.block<2, 2>(2 * i, 2 * i)),
+                                 predicted[i].total_px2),
+              1e-6);
   TestRandom random(77);
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(126);
   for (int draw = 0; draw < kNumDraws; ++draw) {

@@ -5,6 +5,8 @@
 #include "report/checkpoint_json.h"
 #include "report/html_report.h"
 #include "report/pictures.h"
+#include "report/residual_file.h"
+#include "report/result_folder.h"
 #include "report/result_json.h"
 #include "report/uncertainty_picture.h"
 #include "support.h"
@@ -37,6 +39,14 @@ CalibrationResult ExampleResult() {
   result.num_parameters = 12;
   result.converged = true;
   result.bias_kl = 0.25;
+  result.noise_bias_kl = 0.2;
+  result.parametric_models = {{"central-radial",
+                               20,
+                               {0.2, 0.3, 1, 60},
+                               ErrorFigures{0.3, 0.4, 1, 60},
+                               1.5}};
+  result.pattern = ChessboardPattern(60, 5, 0.01);
+  result.poses = {{"b.png", 0, {Eigen::Quaterniond::Identity(), {0, 0, 1}}}};
   result.verdict = {"warn", {"only 2 images; take 10 or more"}};
   result.seconds["start"] = 0.5;
   return result;
@@ -44,7 +54,6 @@ CalibrationResult ExampleResult() {
 
 std::string ExampleReport() {
   BeforeAfter example;
-  example.name = kNastyName;
   example.before.size = example.after.size = {4, 3};
   example.before.pixels = example.after.pixels = std::vector<uint8_t>(12, 99);
   PackingFigures packing;
@@ -58,10 +67,16 @@ bool Has(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
+// The page without the library, which names its own home.
+std::string WithoutLibrary(const std::string& html) {
+  const size_t start = html.find("<script>");
+  return html.substr(0, start) + html.substr(html.find("</script>", start));
+}
+
 TEST(HtmlReport, RefersToNothingOutside) {
-  const std::string html = ExampleReport();
+  const std::string html = WithoutLibrary(ExampleReport());
   for (const char* reference :
-       {"http", "//cdn", "@import", "<link", "<script", "url("})
+       {"http", "//cdn", "@import", "<link", "<script src", "url("})
     EXPECT_FALSE(Has(html, reference)) << reference;
   EXPECT_TRUE(Has(html, "src=\"data:image/png;base64,"));
 }
@@ -107,16 +122,101 @@ TEST(HtmlReport, PicturesAreWholePngs) {
                                       result.camera.camera->area())));
 }
 
+TEST(HtmlReport, GivesOtherModelsAndTheBiasOfNoise) {
+  const std::string html = ExampleReport();
+  EXPECT_TRUE(Has(html,
+                  "<td>central-radial</td><td>20</td><td>0.2000</td>"
+                  "<td>0.3000</td><td>0.4000</td><td>1.500</td>"));
+  EXPECT_TRUE(Has(html,
+                  "pure noise in the same places would have "
+                  "<b>0.200</b>"));
+}
+
 TEST(HtmlReport, WorksWithoutHeldOutImagesAndExample) {
   CalibrationResult result = ExampleResult();
   result.held_out.clear();
   result.camera.held_out.reset();
   result.cell_candidates.clear();
   const std::string html =
-      FormatHtmlReport(result, PackingFigures(), std::nullopt);
+      WithoutLibrary(FormatHtmlReport(result, PackingFigures(), std::nullopt));
   EXPECT_FALSE(Has(html, "held out ("));
-  EXPECT_FALSE(Has(html, "nan"));
+  EXPECT_FALSE(Has(html, ">nan"));
   EXPECT_TRUE(Has(html, "</html>"));
+}
+
+// ---- Result folder ---------------------------------------------------------
+
+// A result that comes back from its files: names that CSV can hold.
+CalibrationResult PlainResult() {
+  CalibrationResult result = ExampleResult();
+  result.camera.name = "front";
+  for (auto* set :
+       {&result.training, &result.held_out, &result.rejected_features})
+    for (FeatureResidual& residual : *set)
+      if (residual.image == kNastyName) residual.image = "a.png";
+  result.features.images = {{"a.png", {{0, 0, 0, {1, 1}}}},
+                            {"b.png", {{0, 1, 0, {2, 1}}}}};
+  return result;
+}
+
+void WriteResultTo(const std::string& folder, const CalibrationResult& result) {
+  OutputFiles files;
+  ResultExtras extras;
+  extras.packing = PackingFigures{12345, 1e-4, 0.04};
+  AddResultFiles(result, extras, folder, &files);
+  files.Commit();
+}
+
+std::string ReportOf(const std::string& folder) {
+  OutputFiles files;
+  AddReports(folder, &files);
+  files.Commit();
+  return ReadFile(folder + "/report.html");
+}
+
+TEST(ResultFolder, HoldsAllThatTheReportSays) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out";
+  WriteResultTo(out, PlainResult());
+  const std::string html = ReportOf(out);
+  for (const char* part :
+       {"Verdict: warn", "only 2 images", "12345 bytes", "40.0 (chosen)",
+        "central-radial", "pure noise", "(3, 4): 5.00 px off", "front"})
+    EXPECT_TRUE(Has(html, part)) << part;
+  EXPECT_EQ(ReportOf(out), html);
+}
+
+TEST(ResultFolder, ResidualsAreReadBack) {
+  const TemporaryFolder folder;
+  const CalibrationResult result = PlainResult();
+  WriteFile(folder / "residuals.csv", FormatResiduals(result));
+  const ResidualSets sets = ReadResiduals(folder / "residuals.csv").at("");
+  ASSERT_EQ(sets.training.size(), result.training.size());
+  EXPECT_EQ(sets.rejected.size(), 1u);
+  for (size_t i = 0; i < result.training.size(); ++i) {
+    EXPECT_EQ(sets.training[i].image, result.training[i].image);
+    EXPECT_LT((sets.training[i].error_px - result.training[i].error_px).norm(),
+              2e-5);
+  }
+}
+
+TEST(ResultFolder, MissingFilesAndOtherVersionsAreNamed) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out";
+  for (const std::string name : {"result.json", "residuals.csv", "camera.yaml",
+                                 "poses.csv", "pattern.yaml", "features.csv"}) {
+    WriteResultTo(out, PlainResult());
+    std::filesystem::remove(out + "/" + name);
+    ExpectError(ExitCode::kInput, {name, "missing", "calibrate"},
+                [&] { ReportOf(out); });
+  }
+  for (const char* text : {"{}", "[]", "", "{\"raygrid_result\": 99}",
+                           "{\"raygrid_result\": 1}"}) {
+    WriteResultTo(out, PlainResult());
+    WriteFile(out + "/result.json", text);
+    ExpectError(ExitCode::kInput, {"result.json", "calibrate again"},
+                [&] { ReportOf(out); });
+  }
 }
 
 TEST(ResultJson, HoldsTheFigures) {
@@ -153,6 +253,8 @@ TEST(ResultJson, HasNoNumberThatIsNotFinite) {
   bare.camera.training = ComputeErrorFigures({});
   bare.camera.held_out.reset();
   bare.bias_kl.reset();
+  bare.noise_bias_kl.reset();
+  bare.parametric_models.clear();
   bare.cell_candidates.clear();
   const std::string text = FormatResultJson(bare, 1, 2);
   ExpectNoNull(nlohmann::json::parse(text));
@@ -225,8 +327,8 @@ TEST(RigReport, ListsTheCamerasAndHowTheyStand) {
        {"Verdict: fail", "href=\"left/report.html\"", "right, training",
         "500.0000 &plusmn; 0.2500", "28.6479", "</html>"})
     EXPECT_TRUE(Has(html, part)) << part;
-  for (const char* reference : {"http", "<link", "<script", "url("})
-    EXPECT_FALSE(Has(html, reference)) << reference;
+  for (const char* reference : {"http", "<link", "<script src", "url("})
+    EXPECT_FALSE(Has(WithoutLibrary(html), reference)) << reference;
 }
 
 TEST(Pictures, HaveTheImagesSize) {

@@ -1,0 +1,23 @@
+#ifndef RAYGRID_CALIBRATION_PARAMETRIC_COMPARISON_H
+#define RAYGRID_CALIBRATION_PARAMETRIC_COMPARISON_H
+
+#include <string>
+#include <vector>
+
+#include "calibration/calibration.h"
+#include "calibration/cross_validation.h"
+#include "calibration/model_adjustment.h"
+
+namespace raygrid {
+
+/// Every parametric model but the one that options are for, adjusted to the
+/// training images from a parametric start, and tested with the images held
+/// out; without such, by cross-validation. Models that cannot be adjusted are
+/// left out.
+std::vector<ModelFigures> CompareParametricModels(
+    const Split& split, const Pattern& pattern,
+    const CalibrationOptions& options, const Adjusted& start);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CALIBRATION_PARAMETRIC_COMPARISON_H

@@ -1,0 +1,375 @@
+#include "evaluation/camera_change.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "evaluation/residual_statistics.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kAlarmSigmas = 3.09;  // one in a thousand
+constexpr double kClipSigmas = 5;      // of a feature's error
+constexpr int kScale = 0, kShift = 1, kTilt = 3, kNumSmooth = 5;
+constexpr int kLocalColumns = 6, kLocalRows = 4;
+constexpr int kNumLocal = 2 * kLocalColumns * kLocalRows;
+constexpr int kNumMovements = kNumSmooth + kNumLocal;
+
+// Local movements are bumps, bilinear between the lattice's nodes.
+double LocalWeight(const Area& area, const Eigen::Vector2d& pixel, int node) {
+  const double x = (pixel.x() - area.x0) / area.width() * (kLocalColumns - 1);
+  const double y = (pixel.y() - area.y0) / area.height() * (kLocalRows - 1);
+  return std::max(0.0, 1 - std::abs(x - node % kLocalColumns)) *
+         std::max(0.0, 1 - std::abs(y - node / kLocalColumns));
+}
+
+using Displacements = Eigen::Matrix<double, 2, kNumMovements>;
+
+// How pixels move: with the part by which the image grows, with a shift in
+// pixels, with a turn of the sensor about its vertical and horizontal axes in
+// radians, and by local movements in pixels.
+Displacements DisplacementsAt(const KnownCamera& camera,
+                              const Eigen::Vector2d& pixel) {
+  const Eigen::Vector2d p(pixel.x() - (camera.size.width - 1) / 2.0,
+                          pixel.y() - (camera.size.height - 1) / 2.0);
+  Displacements by = Displacements::Zero();
+  by.col(kScale) = p;
+  by(0, kShift) = by(1, kShift + 1) = 1;
+  by.col(kTilt) = p * p.x() / camera.focal_px;
+  by.col(kTilt + 1) = p * p.y() / camera.focal_px;
+  for (int node = 0; node < kLocalColumns * kLocalRows; ++node) {
+    const double weight = LocalWeight(camera.area, pixel, node);
+    by(0, kNumSmooth + 2 * node) = weight;
+    by(1, kNumSmooth + 2 * node + 1) = weight;
+  }
+  return by;
+}
+
+// ---- Equations -------------------------------------------------------------
+
+// The errors of a view and what may explain them, less what its pose explains.
+struct ReducedView {
+  Eigen::MatrixXd by_modes, by_movements;
+  Eigen::VectorXd error;
+};
+
+ReducedView Reduce(const KnownCamera& camera, const PlacedView& view,
+                   double clip_px) {
+  const Eigen::Index rows = 2 * static_cast<Eigen::Index>(view.size());
+  const Eigen::Index num_modes =
+      static_cast<Eigen::Index>(camera.modes.displacements_px.size());
+  Eigen::MatrixXd by_pose(rows, 6), all(rows, num_modes + kNumMovements + 1);
+  for (size_t i = 0; i < view.size(); ++i) {
+    const PlacedFeature& feature = view[i];
+    const Eigen::Index row = 2 * static_cast<Eigen::Index>(i);
+    by_pose.middleRows<2>(row) = feature.by_pose;
+    for (Eigen::Index k = 0; k < num_modes; ++k)
+      all.block<2, 1>(row, k) = camera.modes.At(k, camera.area, feature.pixel);
+    all.block<2, kNumMovements>(row, num_modes) =
+        DisplacementsAt(camera, feature.pixel);
+    const double norm = feature.error_px.norm();
+    all.block<2, 1>(row, num_modes + kNumMovements) =
+        feature.error_px * std::min(1.0, clip_px / std::max(norm, 1e-12));
+  }
+  const Eigen::MatrixXd reduced =
+      all - by_pose * (by_pose.transpose() * by_pose)
+                          .ldlt()
+                          .solve(by_pose.transpose() * all);
+  return {reduced.leftCols(num_modes),
+          reduced.middleCols<kNumMovements>(num_modes), reduced.rightCols<1>()};
+}
+
+// Information on the movements and its right side, in units of the noise, once
+// the camera's own errors are allowed for; and the squared errors.
+struct Information {
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd right;
+  double sum_of_squares = 0;
+};
+
+Information Gather(const std::vector<ReducedView>& views, double noise_px) {
+  const Eigen::Index num_modes = views[0].by_modes.cols();
+  Eigen::MatrixXd modes = Eigen::MatrixXd::Identity(num_modes, num_modes);
+  Eigen::MatrixXd mixed = Eigen::MatrixXd::Zero(num_modes, kNumMovements);
+  Eigen::VectorXd modes_right = Eigen::VectorXd::Zero(num_modes);
+  Information information;
+  information.matrix.setZero(kNumMovements, kNumMovements);
+  information.right.setZero(kNumMovements);
+  const double weight = 1 / (noise_px * noise_px);
+  for (const ReducedView& view : views) {
+    modes += weight * view.by_modes.transpose() * view.by_modes;
+    mixed += weight * view.by_modes.transpose() * view.by_movements;
+    modes_right += weight * view.by_modes.transpose() * view.error;
+    information.matrix +=
+        weight * view.by_movements.transpose() * view.by_movements;
+    information.right += weight * view.by_movements.transpose() * view.error;
+    information.sum_of_squares += weight * view.error.squaredNorm();
+  }
+  const Eigen::LDLT<Eigen::MatrixXd> factor(modes);
+  information.matrix -= mixed.transpose() * factor.solve(mixed);
+  information.right -= mixed.transpose() * factor.solve(modes_right);
+  return information;
+}
+
+// Some movements, all others being zero.
+struct Estimate {
+  Eigen::VectorXd values, deviations;
+  double chi_squared = 0;
+  int freedoms = 0;
+};
+
+Estimate EstimateOf(const Information& information,
+                    const std::vector<int>& parameters) {
+  const Eigen::Index size = static_cast<Eigen::Index>(parameters.size());
+  Eigen::MatrixXd matrix(size, size);
+  Eigen::VectorXd right(size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    right[i] = information.right[parameters[i]];
+    for (Eigen::Index j = 0; j < size; ++j)
+      matrix(i, j) = information.matrix(parameters[i], parameters[j]);
+  }
+  // In units in which all diagonal elements are one; what cannot be told apart
+  // is left out.
+  constexpr double kSmallest = 1e-6;
+  const Eigen::VectorXd unit =
+      matrix.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      unit.asDiagonal() * matrix * unit.asDiagonal());
+  const Eigen::VectorXd scaled = unit.cwiseProduct(right);
+  Estimate estimate;
+  estimate.values.setZero(size);
+  Eigen::VectorXd variances = Eigen::VectorXd::Zero(size);
+  for (Eigen::Index k = 0; k < size; ++k) {
+    const double value = solver.eigenvalues()[k];
+    if (value < kSmallest) continue;
+    const Eigen::VectorXd vector = solver.eigenvectors().col(k);
+    const double along = vector.dot(scaled);
+    estimate.values += along / value * vector;
+    variances += vector.cwiseAbs2() / value;
+    estimate.chi_squared += along * along / value;
+    ++estimate.freedoms;
+  }
+  estimate.values = unit.cwiseProduct(estimate.values);
+  estimate.deviations = unit.cwiseProduct(variances.cwiseSqrt());
+  return estimate;
+}
+
+// Chi-squared of local movements once smooth ones are allowed for. What the
+// camera's modes leave of its errors may be local too, and adds its variance to
+// that of the noise.
+struct LocalTest {
+  double chi_squared = 0;
+  int freedoms = 0;
+};
+
+LocalTest TestLocal(const Information& information, double rest_px) {
+  constexpr double kSmallest = 1e-6;
+  const auto& matrix = information.matrix;
+  const Eigen::LDLT<Eigen::MatrixXd> smooth(
+      matrix.topLeftCorner<kNumSmooth, kNumSmooth>());
+  const Eigen::MatrixXd mixed = matrix.topRightCorner<kNumSmooth, kNumLocal>();
+  const Eigen::MatrixXd local =
+      matrix.bottomRightCorner<kNumLocal, kNumLocal>() -
+      mixed.transpose() * smooth.solve(mixed);
+  const Eigen::VectorXd right =
+      information.right.tail<kNumLocal>() -
+      mixed.transpose() *
+          smooth.solve(information.right.head<kNumSmooth>().eval());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(local);
+  LocalTest test;
+  for (int k = 0; k < kNumLocal; ++k) {
+    const double value = solver.eigenvalues()[k];
+    if (value < kSmallest * solver.eigenvalues()[kNumLocal - 1]) continue;
+    const double along = solver.eigenvectors().col(k).dot(right);
+    test.chi_squared +=
+        along * along / (value + value * value * rest_px * rest_px);
+    ++test.freedoms;
+  }
+  return test;
+}
+
+// ---- Noise -----------------------------------------------------------------
+
+// What is left once all movements are fitted.
+std::vector<Eigen::VectorXd> Remainders(const std::vector<ReducedView>& views,
+                                        const Eigen::VectorXd& movements) {
+  std::vector<Eigen::VectorXd> remainders;
+  for (const ReducedView& view : views)
+    remainders.push_back(view.error - view.by_movements * movements);
+  return remainders;
+}
+
+// By how much variances of smooth sums grow if neighbours err alike: errors
+// that are correlated by r from one feature to the next, in both directions.
+double Inflation(const std::vector<PlacedView>& views,
+                 const std::vector<Eigen::VectorXd>& remainders) {
+  std::vector<FeatureResidual> residuals;
+  for (size_t v = 0; v < views.size(); ++v)
+    for (size_t i = 0; i < views[v].size(); ++i)
+      residuals.push_back(
+          {std::to_string(v), 0, views[v][i].column, views[v][i].row,
+           views[v][i].pixel,
+           remainders[v].segment<2>(2 * static_cast<Eigen::Index>(i))});
+  const double standard_error =
+      1 / std::sqrt(2.0 * static_cast<double>(residuals.size()));
+  const double correlation = std::clamp(
+      NeighborCorrelation(residuals).value_or(0) - 2 * standard_error, 0.0,
+      0.8);
+  return std::pow((1 + correlation) / (1 - correlation), 2);
+}
+
+double MedianErrorPx(const std::vector<PlacedView>& views) {
+  std::vector<double> norms;
+  for (const PlacedView& view : views)
+    for (const PlacedFeature& feature : view)
+      norms.push_back(feature.error_px.norm());
+  return Quantile(norms, 0.5);
+}
+
+std::vector<int> Range(int first, int count) {
+  std::vector<int> range;
+  for (int k = first; k < first + count; ++k) range.push_back(k);
+  return range;
+}
+
+Movement MovementOf(const std::string& name,
+                    const std::vector<std::string>& parameters,
+                    const Estimate& estimate) {
+  Movement movement;
+  movement.name = name;
+  movement.parameters = parameters;
+  for (Eigen::Index k = 0; k < estimate.values.size(); ++k) {
+    movement.values.push_back(estimate.values[k]);
+    movement.deviations.push_back(estimate.deviations[k]);
+  }
+  movement.sigmas = ChiSquaredSigmas(estimate.chi_squared, estimate.freedoms);
+  return movement;
+}
+
+// The fewest smooth movements that leave nothing significant; of as many, those
+// that leave the least.
+std::vector<std::string> Explain(const Information& information,
+                                 double smooth_chi_squared) {
+  struct Candidate {
+    std::vector<std::string> names;
+    std::vector<int> parameters;
+  };
+  const std::vector<Candidate> candidates = {
+      {{"scale"}, {kScale}},
+      {{"shift"}, {kShift, kShift + 1}},
+      {{"tilt"}, {kTilt, kTilt + 1}},
+      {{"scale", "shift"}, {kScale, kShift, kShift + 1}},
+      {{"scale", "tilt"}, {kScale, kTilt, kTilt + 1}},
+      {{"shift", "tilt"}, {kShift, kShift + 1, kTilt, kTilt + 1}}};
+  for (const size_t count : {1, 2}) {
+    const Candidate* best = nullptr;
+    double least = kAlarmSigmas;
+    for (const Candidate& candidate : candidates) {
+      if (candidate.names.size() != count) continue;
+      const Estimate estimate = EstimateOf(information, candidate.parameters);
+      const double left =
+          ChiSquaredSigmas(smooth_chi_squared - estimate.chi_squared,
+                           kNumSmooth - estimate.freedoms);
+      if (left >= least) continue;
+      best = &candidate;
+      least = left;
+    }
+    if (best) return best->names;
+  }
+  return {"scale", "shift", "tilt"};
+}
+
+void FindLargestLocal(const KnownCamera& camera, const Estimate& local,
+                      CameraChange* change) {
+  for (int node = 0; node < kLocalColumns * kLocalRows; ++node) {
+    const double norm = local.values.segment<2>(2 * node).norm();
+    const double deviation = local.deviations.segment<2>(2 * node).norm();
+    if (norm <= change->largest_local_px || norm < 2 * deviation) continue;
+    change->largest_local_px = norm;
+    change->largest_local_pixel = {
+        camera.area.x0 +
+            camera.area.width() * (node % kLocalColumns) / (kLocalColumns - 1),
+        camera.area.y0 +
+            camera.area.height() * (node / kLocalColumns) / (kLocalRows - 1)};
+  }
+}
+
+}  // namespace
+
+double ChiSquaredSigmas(double chi_squared, int freedoms) {
+  if (freedoms <= 0) return 0;
+  const double k = freedoms;
+  return (std::cbrt(std::max(chi_squared, 0.0) / k) - (1 - 2 / (9 * k))) /
+         std::sqrt(2 / (9 * k));
+}
+
+CameraChange TestForChange(const KnownCamera& camera,
+                           const std::vector<PlacedView>& views) {
+  // The median norm of two-dimensional normal noise is 1.18 of its deviation.
+  const double clip_px =
+      kClipSigmas * std::max(camera.noise_px, MedianErrorPx(views) / 1.18);
+  std::vector<ReducedView> reduced;
+  CameraChange change;
+  for (const PlacedView& view : views) {
+    reduced.push_back(Reduce(camera, view, clip_px));
+    change.num_features += static_cast<int>(view.size());
+  }
+  const std::vector<int> smooth = Range(0, kNumSmooth);
+  const std::vector<int> all = Range(0, kNumMovements);
+
+  const Information by_known_noise = Gather(reduced, camera.noise_px);
+  const Estimate first = EstimateOf(by_known_noise, all);
+  const std::vector<Eigen::VectorXd> remainders =
+      Remainders(reduced, first.values);
+  double sum = 0;
+  for (const Eigen::VectorXd& remainder : remainders)
+    sum += remainder.squaredNorm();
+  const double freedoms = std::max(
+      1.0, 2.0 * change.num_features - 6.0 * static_cast<double>(views.size()) -
+               first.freedoms);
+  change.noise_px = std::max(camera.noise_px, std::sqrt(sum / freedoms)) *
+                    std::sqrt(Inflation(views, remainders));
+
+  const Information information = Gather(reduced, change.noise_px);
+  const Estimate of_smooth = EstimateOf(information, smooth);
+  const Estimate of_all = EstimateOf(information, all);
+  change.movements = {
+      MovementOf("scale", {"part"}, EstimateOf(information, {kScale})),
+      MovementOf("shift", {"x_px", "y_px"},
+                 EstimateOf(information, {kShift, kShift + 1})),
+      MovementOf("tilt", {"about_y_rad", "about_x_rad"},
+                 EstimateOf(information, {kTilt, kTilt + 1}))};
+  change.smooth_sigmas =
+      ChiSquaredSigmas(of_smooth.chi_squared, of_smooth.freedoms);
+  const LocalTest of_local = TestLocal(information, camera.modes.rest_px);
+  change.local_sigmas =
+      ChiSquaredSigmas(of_local.chi_squared, of_local.freedoms);
+  // A local change looks a little like smooth ones.
+  const bool is_local = change.local_sigmas > kAlarmSigmas;
+  const bool is_mostly_smooth = of_smooth.chi_squared > of_local.chi_squared;
+  if (change.smooth_sigmas > kAlarmSigmas && (!is_local || is_mostly_smooth))
+    change.moved = Explain(information, of_smooth.chi_squared);
+  Movement local = {"local", {}, {}, {}, change.local_sigmas};
+  if (is_local) {
+    change.moved.push_back("local");
+    FindLargestLocal(
+        camera, EstimateOf(information, Range(kNumSmooth, kNumLocal)), &change);
+  }
+  change.movements.push_back(local);
+  change.is_degraded = !change.moved.empty();
+
+  const Eigen::VectorXd fitted =
+      is_local ? of_all.values
+               : (Eigen::VectorXd(kNumMovements) << of_smooth.values,
+                  Eigen::VectorXd::Zero(kNumLocal))
+                     .finished();
+  for (const ReducedView& view : reduced)
+    change.rms_px += (view.by_movements * fitted).squaredNorm();
+  change.rms_px = std::sqrt(change.rms_px / std::max(1, change.num_features));
+  return change;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,72 @@
+/// Whether a camera is still the one that was calibrated, by what it sees.
+#ifndef RAYGRID_EVALUATION_CAMERA_CHANGE_H
+#define RAYGRID_EVALUATION_CAMERA_CHANGE_H
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "camera/camera_uncertainty.h"
+
+namespace raygrid {
+
+/// A feature against the projection by the camera as it was calibrated.
+struct PlacedFeature {
+  Eigen::Vector2d pixel;
+  Eigen::Vector2d error_px;             ///< observed - projected
+  Eigen::Matrix<double, 2, 6> by_pose;  ///< d projected / d the view's pose
+  int column = 0, row = 0;              ///< on its board
+};
+using PlacedView = std::vector<PlacedFeature>;
+
+/// What is known of the camera.
+struct KnownCamera {
+  ImageSize size;
+  Area area;
+  double focal_px = 0;  ///< of the middle of the image
+  double noise_px = 0;  ///< of its features, in an axis
+  ErrorModes modes;
+};
+
+/// How something may have moved. A parameter is what displaces pixels, in
+/// units of its own.
+struct Movement {
+  std::string name;  ///< "scale", "shift", "tilt", "local"
+  std::vector<std::string> parameters;
+  std::vector<double> values, deviations;  ///< each with its standard deviation
+  double sigmas = 0;                       ///< significance, all else as it was
+};
+
+struct CameraChange {
+  int num_features = 0;
+  double noise_px = 0;  ///< as judged by, in an axis
+  double smooth_sigmas = 0, local_sigmas = 0;
+  /// Root mean square displacement that the movements make, less what poses
+  /// make up for, and the largest over the image with where that is.
+  double rms_px = 0;
+  double largest_local_px = 0;
+  Eigen::Vector2d largest_local_pixel = Eigen::Vector2d::Zero();
+  std::vector<Movement> movements;  ///< scale, shift, tilt, local
+  bool is_degraded = false;
+  std::vector<std::string> moved;  ///< names of what explains it
+};
+
+/// Displacements of an unchanged camera are noise, errors of the calibration,
+/// with the covariance that its modes have, and those that poses make up for.
+/// What more there is is tested for being a change of scale, a shift of the
+/// image, a tilt of the sensor, or local, on a lattice of 6 x 4; each by
+/// generalised least squares. Degraded if smooth or local movements have a
+/// probability below 1/1000.
+///
+/// Noise is the camera's, or that of the features at hand if they are worse,
+/// and counts for more where neighbours err alike.
+CameraChange TestForChange(const KnownCamera& camera,
+                           const std::vector<PlacedView>& views);
+
+/// How many standard deviations of a normal variable, one-sided, are as rare as
+/// a chi-squared variable of this size or more (Wilson, Hilferty, 1931).
+double ChiSquaredSigmas(double chi_squared, int freedoms);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EVALUATION_CAMERA_CHANGE_H

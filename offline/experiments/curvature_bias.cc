@@ -1,0 +1,231 @@
+#include <fmt/format.h>
+
+#include <mutex>
+
+#include "calibration/calibration.h"
+#include "dataset/error.h"
+#include "dataset/parallel_for.h"
+#include "evaluation/model_difference.h"
+#include "evaluation/residual_statistics.h"
+#include "experiments/experiment.h"
+#include "features/camera_refinement.h"
+#include "features/feature_refinement.h"
+#include "simulation/image_rendering.h"
+#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_observations.h"
+#include "target/star_boards.h"
+
+namespace raygrid {
+namespace {
+
+constexpr char kLens[] = "fisheye";
+constexpr int kWindows[] = {11, 15, 21, 31};
+constexpr int kNumWindows = 4;
+constexpr int kColumns = 14, kRows = 10;
+constexpr double kSquareM = 0.02;
+
+// Without and with the curvature of the mapping within the window.
+enum Way { kHomography, kCurved, kNumWays };
+
+Board MakeBoard() {
+  StarBoardOptions options;
+  options.columns = kColumns;
+  options.rows = kRows;
+  options.square_mm = kSquareM * 1000;
+  Board board = StarBoards(options)[0];
+  board.points = board.NominalPoints();
+  return board;
+}
+
+// The homography whose second derivatives are nearest to those of the mapping:
+// A s (1 - h s) in place of A s + W (u^2, u v, v^2).
+LocalMapping WithoutCurvature(LocalMapping mapping) {
+  const Eigen::Matrix<double, 2, 3> bend =
+      mapping.linear.inverse() * mapping.curvature.leftCols<3>();
+  mapping.perspective -=
+      Eigen::Vector2d(bend(0, 0) + bend(1, 1), bend(0, 1) + bend(1, 2)) / 2;
+  mapping.curvature.setZero();
+  return mapping;
+}
+
+// Features of an image in each way and window, in the order of the truth.
+struct Measured {
+  std::vector<Feature> truth;
+  std::vector<std::vector<Feature>> found;  // by way, then window
+};
+
+class Photographer {
+ public:
+  Photographer(const CameraModel& camera, const ExperimentOptions& options)
+      : camera_(camera),
+        options_(options),
+        board_(MakeBoard()),
+        surface_(board_),
+        rays_(camera, NumThreads(options.num_threads)) {
+    for (const int window : kWindows) {
+      DetectionOptions detection;
+      detection.window_px = window;
+      refiners_.push_back(std::make_unique<FeatureRefiner>(board_, detection));
+    }
+  }
+
+  const Board& board() const { return board_; }
+
+  // With curvature, then all the same but for it.
+  Measured Take(const Pose& pose, int number) const {
+    ImagingOptions imaging;
+    imaging.blur_px = options_.blur_px;
+    imaging.read_noise = options_.read_noise;
+    imaging.seed = options_.seed * 1000003 + number;
+    const GreyImage image = MakeGreyImage(AddNoiseAndQuantize(
+        RenderImage(rays_, {{&surface_, pose}}, imaging, 1), imaging));
+    Measured measured;
+    for (const Feature& feature : VisibleFeatures(camera_, board_, pose))
+      if (WholeImage(options_.size).Contains(feature.pixel, -kMarginPx))
+        measured.truth.push_back(feature);
+    for (int way = 0; way < kNumWays; ++way)
+      for (int w = 0; w < kNumWindows; ++w)
+        measured.found.push_back(refiners_[w]->RefineWith(
+            image, measured.truth, [&](const Feature& feature) {
+              auto mapping = MappingThroughCamera(camera_, pose, board_,
+                                                  feature, kWindows[w]);
+              if (mapping && way == kHomography)
+                mapping = WithoutCurvature(*mapping);
+              return mapping;
+            }));
+    return measured;
+  }
+
+ private:
+  static constexpr double kMarginPx = 18;  // half the largest window, and more
+
+  const CameraModel& camera_;
+  const ExperimentOptions& options_;
+  Board board_;
+  BoardSurface surface_;
+  PixelRays rays_;
+  std::vector<std::unique_ptr<FeatureRefiner>> refiners_;
+};
+
+std::vector<Pose> ChoosePoses(const CameraModel& camera, const Board& board,
+                              const ExperimentOptions& options) {
+  constexpr int kMinFeatures = 60;
+  PoseOptions poses;
+  poses.min_square_px = 22;
+  poses.max_square_px = 34;
+  const Eigen::Vector3d center =
+      Eigen::Vector3d(kColumns - 1, kRows - 1, 0) * (kSquareM / 2);
+  std::vector<Pose> chosen;
+  for (const Pose& pose :
+       RandomPoses(camera, center, kSquareM, 20 * options.num_images, poses,
+                   options.seed))
+    if (static_cast<int>(chosen.size()) < options.num_images &&
+        VisibleFeatures(camera, board, pose).size() >= kMinFeatures)
+      chosen.push_back(pose);
+  if (chosen.size() < 5)
+    throw Error(ExitCode::kUsage,
+                "--size: the board hardly fits; use larger images, as 640x480");
+  return chosen;
+}
+
+struct Outcome {
+  double feature_error_px = 0, residual_px = 0, ray_error_px = 0;
+};
+
+// Root mean square distance of features from where they truly are.
+double FeatureErrorPx(const std::vector<Measured>& images, size_t kind) {
+  double sum = 0;
+  int count = 0;
+  for (const Measured& image : images) {
+    for (size_t i = 0; i < image.truth.size(); ++i, ++count)
+      sum += (image.found[kind][i].pixel - image.truth[i].pixel).squaredNorm();
+  }
+  return std::sqrt(sum / std::max(1, count));
+}
+
+Outcome Evaluate(const CameraModel& camera, const Board& board,
+                 const std::vector<Measured>& images, size_t kind,
+                 const ExperimentOptions& options) {
+  constexpr int kCells = 12;
+  constexpr double kStepPx = 8;
+  Dataset dataset;
+  dataset.image_size = options.size;
+  for (size_t i = 0; i < images.size(); ++i)
+    dataset.images.push_back(
+        {fmt::format("{:03}.png", i), images[i].found[kind]});
+  CalibrationOptions calibration;
+  calibration.cell_px =
+      double(std::max(options.size.width, options.size.height)) / kCells;
+  calibration.flat_board = true;
+  calibration.hold_out = {dataset.images.back().image};
+  calibration.num_threads = options.num_threads;
+  const CalibrationResult result =
+      Calibrate(dataset, Pattern{{board}, ""}, calibration);
+  return {FeatureErrorPx(images, kind), result.camera.training->rms_px,
+          CompareModels(camera, *result.camera.camera, kStepPx).rms_px};
+}
+
+}  // namespace
+
+ExperimentResult MeasureCurvatureBias(const ExperimentOptions& options) {
+  const auto camera = SimulatedLens(kLens, options.size);
+  const Photographer photographer(*camera, options);
+  const std::vector<Pose> poses =
+      ChoosePoses(*camera, photographer.board(), options);
+  const int count = static_cast<int>(poses.size());
+  std::vector<Measured> images(count);
+  std::mutex mutex;
+  int num_done = 0;
+  ParallelFor(count, NumThreads(options.num_threads), [&](int i) {
+    images[i] = photographer.Take(poses[i], i);
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (options.progress) options.progress(0.6 * ++num_done / count);
+  });
+
+  ExperimentResult table;
+  table.conditions = {
+      {"images", fmt::format("{} of {} x {} px, rendered", count,
+                             options.size.width, options.size.height)},
+      {"lens", fmt::format("{}, 145 degrees", kLens)},
+      {"board",
+       fmt::format("{} x {} stars, squares of 22 to 34 px", kColumns, kRows)},
+      {"blur", fmt::format("{:g} px, standard deviation", options.blur_px)},
+      {"noise",
+       fmt::format("{:g} grey levels, standard deviation", options.read_noise)},
+      {"camera", "central-generic, 12 cells along the longer side"},
+      {"seed", std::to_string(options.seed)}};
+  table.columns = {"mapping", "window_px", "feature_error_rms_px",
+                   "residual_rms_px", "ray_error_rms_px"};
+  table.chart.title = "What refinement by symmetry leaves behind a fisheye";
+  table.chart.note = fmt::format(
+      "{} images, RMS; the calibration's residuals do not show the rays' error",
+      count);
+  table.chart.x_label = "window, px";
+  table.chart.y_label = "ray error and residual, px";
+  table.chart.is_logarithmic = true;
+  const char* names[] = {"homography", "curved"};
+  for (const int window : kWindows)
+    table.chart.ticks.push_back(
+        {double(table.chart.ticks.size()), std::to_string(window)});
+  for (int way = 0; way < kNumWays; ++way) {
+    ChartSeries rays = {std::string("ray error, ") + names[way], {}, true};
+    ChartSeries residuals = {std::string("residual, ") + names[way], {}, true};
+    for (int w = 0; w < kNumWindows; ++w) {
+      const Outcome outcome = Evaluate(*camera, photographer.board(), images,
+                                       way * kNumWindows + w, options);
+      table.rows.push_back({std::string(names[way]), kWindows[w],
+                            outcome.feature_error_px, outcome.residual_px,
+                            outcome.ray_error_px});
+      rays.points.push_back({double(w), outcome.ray_error_px});
+      residuals.points.push_back({double(w), outcome.residual_px});
+      if (options.progress)
+        options.progress(0.6 + 0.4 * (way * kNumWindows + w + 1) /
+                                   (kNumWays * kNumWindows));
+    }
+    table.chart.series.push_back(rays);
+    table.chart.series.push_back(residuals);
+  }
+  return table;
+}
+
+}  // namespace raygrid

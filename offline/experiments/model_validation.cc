@@ -1,0 +1,118 @@
+#include <fmt/format.h>
+
+#include "dataset/error.h"
+#include "evaluation/model_difference.h"
+#include "experiments/calibrated_cameras.h"
+#include "experiments/picture_sheet.h"
+#include "report/pictures.h"
+
+namespace raygrid {
+namespace {
+
+const ModelChoice kChoices[] = {{"opencv", 0},
+                                {"thin-prism-fisheye", 0},
+                                {"central-radial", 0},
+                                {"central-generic", 8},
+                                {"central-generic", 16},
+                                {"central-generic", 24},
+                                {"noncentral-generic", 16}};
+
+// Median error of the rays, after the best rotation; nothing without a truth.
+Cell RayError(const ExperimentFeatures& features,
+              const CalibrationResult& result) {
+  constexpr double kStepPx = 8;
+  if (!features.truth) return std::string("-");
+  return CompareModels(*features.truth, *result.camera.camera, kStepPx)
+      .median_px;
+}
+
+// Too few features in any place say nothing of bias.
+Cell NumberOrDash(const std::optional<double>& number) {
+  if (number) return *number;
+  return std::string("-");
+}
+
+std::string ShortLabel(const ModelChoice& choice) {
+  const size_t generic = choice.model.find("-generic");
+  return generic == std::string::npos
+             ? choice.model
+             : fmt::format("{}/{}", choice.model.substr(0, generic),
+                           choice.cells);
+}
+
+struct Series {
+  ChartSeries training = {"training", {}, false};
+  ChartSeries test = {"test", {}, false};
+};
+
+void AddRow(const ExperimentFeatures& features, const ModelChoice& choice,
+            const CalibrationResult& result, ExperimentResult* table,
+            Series* series) {
+  const double place = static_cast<double>(table->chart.ticks.size());
+  table->rows.push_back(
+      {choice.model, choice.cells, result.num_parameters,
+       result.camera.training->median_px, result.camera.held_out->median_px,
+       result.bias_kl.value_or(0), NumberOrDash(result.noise_bias_kl),
+       RayError(features, result)});
+  table->chart.ticks.push_back({place, ShortLabel(choice)});
+  series->training.points.push_back({place, result.camera.training->median_px});
+  series->test.points.push_back({place, result.camera.held_out->median_px});
+}
+
+SheetPicture Directions(const ModelChoice& choice,
+                        const CalibrationResult& result) {
+  const CameraModel& camera = *result.camera.camera;
+  return {
+      fmt::format("{}: test {:.4f} px, bias {:.3f}", choice.Label(),
+                  result.camera.held_out->median_px,
+                  result.bias_kl.value_or(0)),
+      DirectionPicture(result.training, camera.image_size(), camera.area())};
+}
+
+}  // namespace
+
+ExperimentResult ValidateModels(const ExperimentOptions& options) {
+  const ExperimentFeatures features = FeaturesFor(options);
+  ExperimentResult table;
+  table.conditions = features.conditions;
+  table.columns = {
+      "model",          "cells",   "parameters",    "training_median_px",
+      "test_median_px", "bias_kl", "noise_bias_kl", "ray_error_px"};
+  table.chart.title = "Reprojection error by model";
+  table.chart.note =
+      "median over features; after the slash, cells of the generic models "
+      "along "
+      "the longer side";
+  table.chart.x_label = "model";
+  table.chart.y_label = "median error, px";
+  table.chart.is_logarithmic = true;
+  Series series;
+  std::vector<SheetPicture> pictures;
+  const size_t count = std::size(kChoices);
+  for (size_t i = 0; i < count; ++i) {
+    const ModelChoice& choice = kChoices[i];
+    try {
+      const CalibrationResult result =
+          CalibrateModel(features, choice, options);
+      AddRow(features, choice, result, &table, &series);
+      pictures.push_back(Directions(choice, result));
+    } catch (const Error& error) {
+      table.conditions.push_back({choice.Label(), error.what()});
+    }
+    if (options.progress) options.progress(double(i + 1) / double(count));
+  }
+  if (pictures.empty())
+    throw Error(ExitCode::kInitialization, "no model could be calibrated");
+  table.chart.series = {series.training, series.test};
+  const Image wheel = DirectionLegend(96);
+  table.pictures.push_back(
+      {"directions",
+       PictureSheet(pictures,
+                    {"Direction of the nearest training residual",
+                     "(projected - observed), by the colours of the wheel.",
+                     "Patches of one colour: the model's error, not noise."},
+                    &wheel)});
+  return table;
+}
+
+}  // namespace raygrid

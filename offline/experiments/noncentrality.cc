@@ -1,0 +1,158 @@
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "dataset/error.h"
+#include "evaluation/line_spread.h"
+#include "experiments/calibrated_cameras.h"
+#include "experiments/picture_sheet.h"
+#include "report/color_scale.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kDistancesM[] = {0.1, 0.2, 0.3, 0.5, 1, 2, 5, 10, 100};
+
+// A camera of lines, and what is said of how it came about.
+struct Camera {
+  std::shared_ptr<const CameraModel> model;
+  std::vector<Condition> conditions;
+};
+
+Camera CalibrateLines(const ExperimentOptions& options) {
+  constexpr int kCells = 8;
+  const ExperimentFeatures features = FeaturesFor(options, "glass");
+  Camera camera = {nullptr, features.conditions};
+  for (const char* model : {"central-generic", "noncentral-generic"}) {
+    const CalibrationResult result =
+        CalibrateModel(features, {model, kCells}, options);
+    camera.conditions.push_back(
+        {model, fmt::format("held-out median {:.4f} px, RMS {:.4f} px",
+                            result.camera.held_out->median_px,
+                            result.camera.held_out->rms_px)});
+    camera.model = result.camera.camera;
+  }
+  return camera;
+}
+
+Camera GetCamera(const ExperimentOptions& options) {
+  if (!options.data.camera) return CalibrateLines(options);
+  if (options.data.camera->IsCentral())
+    throw InputError(
+        "the camera is central, its lines meet in a point; calibrate with "
+        "--model noncentral-generic, or give its features");
+  return {options.data.camera,
+          {{"camera", "the user's, " + options.data.camera->Name()}}};
+}
+
+struct Effect {
+  double rms_px = 0, max_px = 0;
+};
+
+// How far a central camera at the point nearest to all lines, right at one
+// distance, is wrong at another.
+Effect EffectAt(const CameraModel& camera, const Eigen::Vector3d& center,
+                double right_at_m, double distance_m) {
+  constexpr int kSteps = 40;
+  Effect effect;
+  int count = 0;
+  const Area& area = camera.area();
+  for (int k = 0; k < (kSteps + 1) * (kSteps + 1); ++k) {
+    const Eigen::Vector2d pixel(
+        area.x0 + area.width() * (k % (kSteps + 1)) / kSteps,
+        area.y0 + area.height() * (k / (kSteps + 1)) / kSteps);
+    const auto line = camera.Line(pixel);
+    if (!line) continue;
+    // The line's point that is nearest to the centre.
+    const Eigen::Vector3d start =
+        line->origin +
+        line->direction * line->direction.dot(center - line->origin);
+    const auto seen_from_center = [&](double distance) {
+      return (start + distance * line->direction - center).normalized();
+    };
+    const Eigen::Vector3d point = start + distance_m * line->direction;
+    LinearizedProjection linear;
+    if (!camera.Linearize(point, &pixel, 1, &linear)) continue;
+    const double error_px =
+        (linear.by_point * distance_m *
+         (seen_from_center(right_at_m) - seen_from_center(distance_m)))
+            .norm();
+    effect.rms_px += error_px * error_px;
+    effect.max_px = std::max(effect.max_px, error_px);
+    ++count;
+  }
+  effect.rms_px = std::sqrt(effect.rms_px / std::max(1, count));
+  return effect;
+}
+
+std::vector<double> OffsetsMm(const CameraModel& camera,
+                              const Eigen::Vector3d& center, int columns,
+                              int rows) {
+  const Area& area = camera.area();
+  std::vector<double> offsets;
+  for (int k = 0; k < columns * rows; ++k) {
+    const auto line =
+        camera.Line({area.x0 + area.width() * (k % columns + 0.5) / columns,
+                     area.y0 + area.height() * (k / columns + 0.5) / rows});
+    offsets.push_back(
+        line ? 1000 * line->direction.cross(line->origin - center).norm()
+             : NAN);
+  }
+  return offsets;
+}
+
+}  // namespace
+
+ExperimentResult MeasureNoncentrality(const ExperimentOptions& options) {
+  constexpr double kBoardM = 0.5, kFarM = 1e4;
+  const Camera camera = GetCamera(options);
+  const LineSpread spread = MeasureLineSpread(*camera.model);
+  ExperimentResult table;
+  table.conditions = camera.conditions;
+  table.conditions.push_back(
+      {"lines", fmt::format("pass the point nearest to all by {:.3f} mm (RMS), "
+                            "{:.3f} mm (largest)",
+                            1000 * spread.rms_m, 1000 * spread.max_m)});
+  table.columns = {"distance_m", "right_far_rms_px", "right_far_max_px",
+                   "right_at_half_metre_rms_px", "right_at_half_metre_max_px"};
+  table.chart.title = "What a central camera misses, by distance";
+  table.chart.note =
+      "RMS over the image, of a central camera that is right far away, or at "
+      "0.5 m";
+  table.chart.x_label = "distance, m";
+  table.chart.y_label = "error, px";
+  table.chart.is_logarithmic = true;
+  ChartSeries far = {"right far away", {}, true},
+              near = {"right at 0.5 m", {}, true};
+  for (const double distance_m : kDistancesM) {
+    const Effect if_far =
+        EffectAt(*camera.model, spread.nearest_point, kFarM, distance_m);
+    const Effect if_near =
+        EffectAt(*camera.model, spread.nearest_point, kBoardM, distance_m);
+    table.rows.push_back({distance_m, if_far.rms_px, if_far.max_px,
+                          if_near.rms_px, if_near.max_px});
+    const double place = static_cast<double>(table.chart.ticks.size());
+    table.chart.ticks.push_back({place, fmt::format("{:g}", distance_m)});
+    far.points.push_back({place, if_far.rms_px});
+    near.points.push_back({place, if_near.rms_px});
+  }
+  table.chart.series = {far, near};
+
+  constexpr int kColumns = 80, kRows = 60, kCellPx = 5;
+  const std::vector<double> offsets =
+      OffsetsMm(*camera.model, spread.nearest_point, kColumns, kRows);
+  table.pictures.push_back(
+      {"offsets",
+       PictureSheet(
+           {{"Distance of each pixel's line from the point nearest to all",
+             HeatMap(offsets, kColumns, 0, 1000 * spread.max_m, kCellPx,
+                     ColorScale::kMagnitude)}},
+           {fmt::format("over the calibrated area; black 0, bright {:.3g} mm",
+                        1000 * spread.max_m)},
+           nullptr)});
+  return table;
+}
+
+}  // namespace raygrid

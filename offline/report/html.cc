@@ -1,0 +1,114 @@
+#include "report/html.h"
+
+#include <fmt/format.h>
+
+#include "report/page_files.h"
+
+namespace raygrid {
+namespace {
+
+std::string Ticks(const std::vector<std::string>& ticks) {
+  std::string html;
+  for (const std::string& tick : ticks)
+    html += fmt::format("<span>{}</span>", tick);
+  return html;
+}
+
+}  // namespace
+
+std::string EscapeHtml(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '<')
+      escaped += "&lt;";
+    else if (c == '>')
+      escaped += "&gt;";
+    else if (c == '&')
+      escaped += "&amp;";
+    else if (c == '"')
+      escaped += "&quot;";
+    else
+      escaped += c;
+  }
+  return escaped;
+}
+
+std::string Base64(const std::string& bytes) {
+  static const char digits[] =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve(bytes.size() / 3 * 4 + 4);
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t group = 0;
+    for (size_t k = 0; k < 3; ++k)
+      group = group << 8 |
+              (i + k < bytes.size() ? static_cast<uint8_t>(bytes[i + k]) : 0);
+    for (size_t k = 0; k < 4; ++k)
+      text += i + k <= bytes.size() ? digits[group >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+std::string HtmlTable(const HtmlRow& head, const std::vector<HtmlRow>& rows) {
+  std::string html = "<div class=\"scroll\"><table>\n";
+  if (!head.empty()) {
+    html += "<tr>";
+    for (const std::string& cell : head) html += "<th>" + cell + "</th>";
+    html += "</tr>\n";
+  }
+  for (const HtmlRow& row : rows) {
+    html += "<tr>";
+    for (const std::string& cell : row) html += "<td>" + cell + "</td>";
+    html += "</tr>\n";
+  }
+  return html + "</table></div>\n";
+}
+
+std::string HtmlColorBar(const ColorBar& bar) {
+  return fmt::format(
+      "<div class=\"scale\"><span>{}</span><span class=\"bar\" "
+      "style=\"background:{}\"></span><span>{}</span><em>{}</em></div>",
+      bar.low, CssGradient(bar.scale), bar.high, bar.label);
+}
+
+std::string HtmlImage(const Image& picture, const std::string& alt) {
+  return fmt::format(
+      "<img alt=\"{}\" width=\"{}\" height=\"{}\" "
+      "src=\"data:image/png;base64,{}\">",
+      EscapeHtml(alt), picture.size.width, picture.size.height,
+      Base64(EncodePng(picture)));
+}
+
+std::string HtmlPicture(const Image& picture, const std::string& caption,
+                        const PictureAxes& axes, const std::string& legend,
+                        const std::string& view) {
+  return fmt::format(
+      "<figure><figcaption>{0}</figcaption><div class=\"plot\">"
+      "<div class=\"y-label\"><span>{1}</span></div>"
+      "<div class=\"y-ticks\">{2}</div><div class=\"view\" "
+      "data-view=\"{3}\">{4}</div><div class=\"x-ticks\">{5}</div>"
+      "<div class=\"x-label\">{6}</div></div>{7}</figure>\n",
+      caption, axes.y_label, Ticks(axes.y_ticks), view,
+      HtmlImage(picture, caption), Ticks(axes.x_ticks), axes.x_label, legend);
+}
+
+std::string PageStart(const std::string& heading) {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, "
+      "initial-scale=1\">\n"
+      "<title>raygrid calibration</title>\n<style>{}</style></head>\n<body>\n"
+      "<h1>{}</h1>\n",
+      kReportStyle, heading);
+}
+
+std::string PageEnd(const std::string& data_json) {
+  std::string safe;  // no tag ends the script
+  for (const char c : data_json)
+    safe += c == '<' ? "\\u003c" : std::string(1, c);
+  return "<script id=\"data\" type=\"application/json\">" + safe +
+         "</script>\n<script>" + kChartLibrary + "</script>\n<script>" +
+         kReportScript + "</script>\n</body></html>\n";
+}
+
+}  // namespace raygrid

@@ -1,0 +1,46 @@
+/// Pieces of an HTML page.
+#ifndef RAYGRID_REPORT_HTML_H
+#define RAYGRID_REPORT_HTML_H
+
+#include <string>
+#include <vector>
+
+#include "dataset/image_files.h"
+#include "report/color_scale.h"
+
+namespace raygrid {
+
+std::string EscapeHtml(const std::string& text);
+std::string Base64(const std::string& bytes);
+
+/// A row's first cell is its name. Cells are HTML.
+using HtmlRow = std::vector<std::string>;
+std::string HtmlTable(const HtmlRow& head, const std::vector<HtmlRow>& rows);
+
+/// What a picture's axes and colours mean.
+struct PictureAxes {
+  std::string x_label, y_label;
+  std::vector<std::string> x_ticks, y_ticks;  ///< even, from the top left
+};
+/// From low to high, in words.
+struct ColorBar {
+  ColorScale scale = ColorScale::kEven;
+  std::string label, low, high;
+};
+std::string HtmlColorBar(const ColorBar& bar);
+
+/// A picture with its axes; view names it for the script, which zooms in it.
+std::string HtmlPicture(const Image& picture, const std::string& caption,
+                        const PictureAxes& axes, const std::string& legend,
+                        const std::string& view);
+
+/// A picture alone.
+std::string HtmlImage(const Image& picture, const std::string& alt);
+
+/// Style, heading; then, with data for the script, the end.
+std::string PageStart(const std::string& heading);
+std::string PageEnd(const std::string& data_json);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_REPORT_HTML_H

@@ -1,0 +1,199 @@
+#include "report/result_folder.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "dataset/error.h"
+#include "dataset/rig_file.h"
+#include "report/residual_file.h"
+#include "report/uncertainty_picture.h"
+
+namespace raygrid {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string In(const std::string& folder, const std::string& name) {
+  return (fs::path(folder) / name).string();
+}
+
+// ---- Writing ---------------------------------------------------------------
+
+void AddCameraFiles(const CameraFile& camera, const std::string& folder,
+                    OutputFiles* files) {
+  files->Add(In(folder, "camera.yaml"), FormatCameraFile(camera));
+  if (camera.uncertainty)
+    files->Add(In(folder, "uncertainty.png"),
+               EncodePng(UncertaintyPicture(*camera.uncertainty,
+                                            camera.camera->image_size(),
+                                            camera.camera->area())));
+}
+
+// ---- Reading ---------------------------------------------------------------
+
+void RequireFile(const std::string& path) {
+  if (!fs::is_regular_file(path))
+    throw InputError(
+        path +
+        ": missing; a report needs all files that calibrate wrote, calibrate "
+        "again");
+}
+
+Pattern ReadResultPattern(const std::string& folder) {
+  const std::string path = In(folder, "pattern.yaml");
+  RequireFile(path);
+  return ReadPattern(path);
+}
+
+CameraFile ReadResultCamera(const std::string& path) {
+  RequireFile(path);
+  return ReadCameraFile(path);
+}
+
+// What files of one line an item say of each camera.
+struct Tables {
+  std::map<std::string, Dataset> features;
+  std::map<std::string, std::vector<BoardPose>> poses;
+  std::map<std::string, ResidualSets> residuals;
+};
+
+Tables ReadTables(const std::string& folder) {
+  for (const char* name : {"features.csv", "poses.csv", "residuals.csv"})
+    RequireFile(In(folder, name));
+  return {ReadFeatures(In(folder, "features.csv")),
+          ReadPoses(In(folder, "poses.csv")),
+          ReadResiduals(In(folder, "residuals.csv"))};
+}
+
+// Fills in what result.json does not hold.
+void Complete(CameraFile camera, const Pattern& pattern,
+              const std::string& name, Tables* tables,
+              CalibrationResult* result) {
+  const std::string given_name = result->camera.name;
+  result->camera = std::move(camera);
+  if (!given_name.empty()) result->camera.name = given_name;
+  result->pattern = pattern;
+  result->features = std::move(tables->features[name]);
+  result->features.image_size = result->camera.camera->image_size();
+  result->poses = std::move(tables->poses[name]);
+  ResidualSets& sets = tables->residuals[name];
+  result->training = std::move(sets.training);
+  result->held_out = std::move(sets.held_out);
+  result->rejected_features = std::move(sets.rejected);
+}
+
+// The features must lie in the camera's images, and on the pattern.
+void RequireMatching(const std::string& folder,
+                     const CalibrationResult& result) {
+  RequireConsistent(In(folder, "features.csv"), result.features,
+                    result.pattern);
+  if (!result.camera.training)
+    throw InputError(In(folder, "camera.yaml") +
+                     ": says nothing of training errors; calibrate again");
+}
+
+std::optional<BeforeAfter> ReadExample(const std::string& folder) {
+  const std::string before = In(folder, "example_before.png");
+  const std::string after = In(folder, "example_after.png");
+  if (!fs::exists(before) || !fs::exists(after)) return std::nullopt;
+  return BeforeAfter{ReadImage(before, true), ReadImage(after, true)};
+}
+
+void AddCameraReport(const std::string& folder, const std::string& json,
+                     OutputFiles* files) {
+  ResultFigures figures = ParseResultJson(In(folder, "result.json"), json);
+  Tables tables = ReadTables(folder);
+  Complete(ReadResultCamera(In(folder, "camera.yaml")),
+           ReadResultPattern(folder), "", &tables, &figures.result);
+  RequireMatching(folder, figures.result);
+  files->Add(
+      In(folder, "report.html"),
+      FormatHtmlReport(figures.result, figures.packing, ReadExample(folder)));
+}
+
+void AddRigReports(const std::string& folder, const std::string& json,
+                   OutputFiles* files) {
+  RigFigures figures = ParseRigResultJson(In(folder, "result.json"), json);
+  RigResult& rig = figures.result;
+  rig.pattern = ReadResultPattern(folder);
+  Tables tables = ReadTables(folder);
+  const std::vector<RigFileCamera> cameras =
+      ReadRigFile(In(folder, "rig.yaml"));
+  if (cameras.size() != rig.cameras.size())
+    throw InputError(fmt::format("{}: {} cameras where result.json has {}",
+                                 In(folder, "rig.yaml"), cameras.size(),
+                                 rig.cameras.size()));
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    const std::string& name = cameras[c].name;
+    if (rig.cameras[c].camera.name != name)
+      throw InputError(fmt::format("{}: camera '{}' where result.json has '{}'",
+                                   In(folder, "rig.yaml"), name,
+                                   rig.cameras[c].camera.name));
+    rig.camera_from_rig.push_back(cameras[c].camera_from_rig);
+    rig.held_out.push_back(std::move(tables.residuals[name].held_out_in_rig));
+    Complete(ReadResultCamera(In(folder, cameras[c].file)), rig.pattern, name,
+             &tables, &rig.cameras[c]);
+    RequireMatching(folder, rig.cameras[c]);
+    files->Add(
+        In(folder, name + "/report.html"),
+        FormatHtmlReport(rig.cameras[c], figures.packing[c], std::nullopt));
+  }
+  files->Add(In(folder, "report.html"), FormatRigReport(rig));
+}
+
+}  // namespace
+
+void AddResultFiles(const CalibrationResult& result, const ResultExtras& extras,
+                    const std::string& folder, OutputFiles* files) {
+  AddCameraFiles(result.camera, folder, files);
+  files->Add(In(folder, "pattern.yaml"), FormatPattern(result.pattern));
+  files->Add(In(folder, "features.csv"), FormatFeatures(result.features));
+  files->Add(In(folder, "poses.csv"), FormatPoses(result.poses));
+  files->Add(In(folder, "residuals.csv"), FormatResiduals(result));
+  files->Add(In(folder, "result.json"),
+             FormatResultJson(result, extras.seed, extras.peak_memory_bytes,
+                              extras.packing));
+  if (!extras.example) return;
+  files->Add(In(folder, "example_before.png"),
+             EncodePng(extras.example->before));
+  files->Add(In(folder, "example_after.png"), EncodePng(extras.example->after));
+}
+
+void AddResultFiles(const RigResult& result,
+                    const std::vector<ResultExtras>& extras,
+                    const std::string& folder, OutputFiles* files) {
+  std::vector<NamedDataset> features;
+  std::vector<NamedPoses> poses;
+  std::vector<RigFileCamera> rig;
+  std::vector<std::optional<PackingFigures>> packing;
+  for (size_t c = 0; c < result.cameras.size(); ++c) {
+    const CalibrationResult& camera = result.cameras[c];
+    const std::string& name = camera.camera.name;
+    features.push_back({name, camera.features});
+    poses.push_back({name, camera.poses});
+    rig.push_back({name, name + "/camera.yaml", result.camera_from_rig[c]});
+    packing.push_back(extras[c].packing);
+    AddCameraFiles(camera.camera, In(folder, name), files);
+  }
+  files->Add(In(folder, "rig.yaml"), FormatRigFile(rig));
+  files->Add(In(folder, "pattern.yaml"), FormatPattern(result.pattern));
+  files->Add(In(folder, "features.csv"), FormatFeatures(features));
+  files->Add(In(folder, "poses.csv"), FormatPoses(poses));
+  files->Add(In(folder, "residuals.csv"), FormatResiduals(result));
+  files->Add(In(folder, "result.json"),
+             FormatResultJson(result, extras[0].seed,
+                              extras[0].peak_memory_bytes, packing));
+}
+
+void AddReports(const std::string& folder, OutputFiles* files) {
+  const std::string path = In(folder, "result.json");
+  RequireFile(path);
+  const std::string json = ReadFile(path);
+  if (fs::exists(In(folder, "rig.yaml")))
+    AddRigReports(folder, json, files);
+  else
+    AddCameraReport(folder, json, files);
+}
+
+}  // namespace raygrid

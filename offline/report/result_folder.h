@@ -1,0 +1,40 @@
+/// The folder that calibrate writes: everything that the report says is in its
+/// files.
+#ifndef RAYGRID_REPORT_RESULT_FOLDER_H
+#define RAYGRID_REPORT_RESULT_FOLDER_H
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dataset/files.h"
+#include "dataset/image_files.h"
+#include "report/html_report.h"
+#include "report/result_json.h"
+
+namespace raygrid {
+
+/// What goes into the files beside the result.
+struct ResultExtras {
+  uint64_t seed = 0;
+  int64_t peak_memory_bytes = 0;
+  std::optional<PackingFigures> packing;
+  std::optional<BeforeAfter> example;
+};
+
+/// All files but the blob and the report.
+void AddResultFiles(const CalibrationResult& result, const ResultExtras& extras,
+                    const std::string& folder, OutputFiles* files);
+/// One for each camera of a rig.
+void AddResultFiles(const RigResult& result,
+                    const std::vector<ResultExtras>& extras,
+                    const std::string& folder, OutputFiles* files);
+
+/// report.html from the other files of the folder; for a rig NAME/report.html
+/// of each camera as well. Throws InputError where one is missing, malformed or
+/// of another version.
+void AddReports(const std::string& folder, OutputFiles* files);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_REPORT_RESULT_FOLDER_H

@@ -1,0 +1,169 @@
+// Alarms of cameras that changed, and of those that did not.
+
+#include "calibration/camera_check.h"
+
+#include <cstdio>
+
+#include "calibration/calibration.h"
+#include "simulation/simulated_camera.h"
+#include "simulation/simulated_observations.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+constexpr int kDraws = 100;  // for each of two calibrations
+constexpr double kFocalPx = 510;
+
+Pattern TestBoard() { return ChessboardPattern(30, 24, 0.02); }
+
+Dataset Observe(int num_images, int features_per_image, uint64_t seed) {
+  SimulationOptions options;
+  options.features_per_image = features_per_image;
+  options.num_images = num_images;
+  options.seed = seed;
+  return SimulateObservations(ExampleSimulatedCamera(), TestBoard(), options)
+      .dataset;
+}
+
+CameraFile CalibrateCamera(uint64_t seed) {
+  const Dataset dataset = Observe(60, 240, seed);
+  CalibrationOptions options;
+  options.cell_px = 40;
+  options.flat_board = true;
+  options.hold_out = {dataset.images.back().image};
+  return Calibrate(dataset, TestBoard(), options).camera;
+}
+
+// Each test's own calibrations would take minutes.
+const std::vector<CameraFile>& Cameras() {
+  static const std::vector<CameraFile> cameras = {CalibrateCamera(101),
+                                                  CalibrateCamera(102)};
+  return cameras;
+}
+
+using Move = std::function<Eigen::Vector2d(const Eigen::Vector2d&)>;
+
+// What the camera sees once its pixels have moved.
+Dataset Moved(Dataset dataset, const Move& move) {
+  const Area image = WholeImage(dataset.image_size);
+  for (ImageFeatures& features : dataset.images) {
+    std::vector<Feature> seen;
+    for (Feature feature : features.features) {
+      feature.pixel = move(feature.pixel);
+      if (image.Contains(feature.pixel)) seen.push_back(feature);
+    }
+    features.features = seen;
+  }
+  return dataset;
+}
+
+const Eigen::Vector2d kCenter(319.5, 239.5);
+
+struct Alarms {
+  int count = 0, draws = 0;
+  std::map<std::string, int> moved;
+};
+
+// Five images a draw, of a camera that moves in a way of its own in each. A
+// board of 720 points is seen almost whole.
+Alarms CountAlarms(const std::function<Move(TestRandom*)>& choose_move,
+                   int features_per_image = 600) {
+  Alarms alarms;
+  TestRandom random(7);
+  for (const CameraFile& camera : Cameras()) {
+    for (int draw = 0; draw < kDraws; ++draw) {
+      const Dataset dataset =
+          Moved(Observe(5, features_per_image, 1000 + alarms.draws),
+                choose_move(&random));
+      const CameraChange change =
+          CheckCamera(camera, dataset, TestBoard(), 1).change;
+      alarms.count += change.is_degraded;
+      ++alarms.draws;
+      for (const std::string& name : change.moved) ++alarms.moved[name];
+    }
+  }
+  std::printf("%d alarms of %d:", alarms.count, alarms.draws);
+  for (const auto& [name, count] : alarms.moved)
+    std::printf(" %s %d", name.c_str(), count);
+  std::printf("\n");
+  return alarms;
+}
+
+TEST(CheckCamera, LeavesUnchangedCamerasAlone) {
+  for (const int features_per_image : {240, 600}) {
+    const Alarms alarms = CountAlarms(
+        [](TestRandom*) {
+          return [](const Eigen::Vector2d& pixel) { return pixel; };
+        },
+        features_per_image);
+    EXPECT_LE(alarms.count, alarms.draws / 100);
+  }
+}
+
+TEST(CheckCamera, FindsAScaleOfThreeInAThousand) {
+  const Alarms alarms = CountAlarms([](TestRandom* random) -> Move {
+    const double scale = random->Uniform(0, 1) < 0.5 ? 0.997 : 1.003;
+    return [scale](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
+      return kCenter + scale * (pixel - kCenter);
+    };
+  });
+  EXPECT_GE(alarms.count, 0.99 * alarms.draws);
+  EXPECT_GE(alarms.moved.at("scale"), 0.9 * alarms.draws);
+}
+
+TEST(CheckCamera, FindsAShiftOfHalfAPixel) {
+  const Alarms alarms = CountAlarms([](TestRandom* random) -> Move {
+    const double angle = random->Uniform(0, 2 * M_PI);
+    const Eigen::Vector2d shift(0.5 * std::cos(angle), 0.5 * std::sin(angle));
+    return [shift](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
+      return pixel + shift;
+    };
+  });
+  EXPECT_GE(alarms.count, 0.99 * alarms.draws);
+}
+
+TEST(CheckCamera, FindsASensorTiltedByATwentiethOfADegree) {
+  const Alarms alarms = CountAlarms([](TestRandom* random) -> Move {
+    const double angle = random->Uniform(0, 2 * M_PI);
+    const Eigen::Vector2d axis =
+        0.05 * M_PI / 180 * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    return [axis](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
+      const Eigen::Vector2d p = pixel - kCenter;
+      return kCenter + p / (1 - axis.dot(p) / kFocalPx);
+    };
+  });
+  EXPECT_GE(alarms.count, 0.99 * alarms.draws);
+}
+
+TEST(CheckCamera, FindsALocalChange) {
+  Alarms alarms = CountAlarms([](TestRandom* random) -> Move {
+    const Eigen::Vector2d place = random->PixelIn({150, 120, 490, 360});
+    return [place](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
+      const double distance = (pixel - place).norm() / 60;
+      return pixel +
+             0.4 * std::exp(-distance * distance / 2) * Eigen::Vector2d(1, 1);
+    };
+  });
+  EXPECT_GE(alarms.count, 0.99 * alarms.draws);
+  EXPECT_GE(alarms.moved.at("local"), 0.95 * alarms.draws);
+  EXPECT_LE(alarms.moved["scale"], 0.2 * alarms.draws);
+}
+
+TEST(CheckCamera, NeedsToKnowHowWellTheCameraIsKnown) {
+  CameraFile camera = Cameras()[0];
+  camera.uncertainty->modes = {};
+  ExpectError(ExitCode::kInput, {"calibrate"},
+              [&] { CheckCamera(camera, Observe(2, 240, 5), TestBoard(), 1); });
+}
+
+TEST(ChiSquaredSigmas, AreThoseOfTables) {
+  // One in a thousand is 3.09 standard deviations.
+  EXPECT_NEAR(ChiSquaredSigmas(10.83, 1), 3.09, 0.06);
+  EXPECT_NEAR(ChiSquaredSigmas(13.82, 2), 3.09, 0.05);
+  EXPECT_NEAR(ChiSquaredSigmas(20.52, 5), 3.09, 0.03);
+  EXPECT_NEAR(ChiSquaredSigmas(84.04, 48), 3.09, 0.03);
+}
+
+}  // namespace
+}  // namespace raygrid

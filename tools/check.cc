@@ -1,0 +1,171 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "calibration/camera_check.h"
+#include "calibration_input.h"
+#include "camera_input.h"
+#include "dataset/error.h"
+#include "dataset/image_files.h"
+
+namespace raygrid {
+namespace {
+
+struct Arguments {
+  std::string camera, features, pattern;
+  std::vector<std::string> images;
+};
+
+std::string PatternPath(const Arguments& arguments) {
+  if (!arguments.pattern.empty()) return arguments.pattern;
+  const std::filesystem::path beside =
+      std::filesystem::path(arguments.camera).parent_path() / "pattern.yaml";
+  if (!std::filesystem::exists(beside))
+    throw Error(ExitCode::kUsage,
+                "check: no pattern.yaml beside the camera; name one with "
+                "--pattern, best that which calibrate wrote");
+  return beside.string();
+}
+
+Dataset Gather(const Arguments& arguments, const CommonOptions& common,
+               const CameraFile& file, const Pattern& pattern) {
+  const ImageSize size = file.camera->image_size();
+  if (!arguments.features.empty()) {
+    auto cameras = ReadFeatures(arguments.features);
+    if (cameras.size() > 1)
+      throw InputError(arguments.features +
+                       ": holds several cameras; split it by camera");
+    Dataset dataset = cameras.begin()->second;
+    dataset.image_size = size;
+    RequireConsistent(arguments.features, dataset, pattern);
+    return dataset;
+  }
+  Dataset dataset =
+      Measure(FindImages(arguments.images), pattern, common, {}).dataset;
+  if (dataset.num_features() == 0)
+    throw Error(ExitCode::kTooFew, "no board found in the images");
+  if (dataset.image_size != size)
+    throw InputError(fmt::format(
+        "the images have {} x {} pixels, the camera {} x {}; check with images "
+        "of the mode that was calibrated",
+        dataset.image_size.width, dataset.image_size.height, size.width,
+        size.height));
+  return dataset;
+}
+
+const char* Word(const CameraChange& change) {
+  return change.is_degraded ? "DEGRADED" : "OK";
+}
+
+nlohmann::ordered_json ToJson(const CameraCheck& check) {
+  const CameraChange& change = check.change;
+  nlohmann::ordered_json json = {{"status", Word(change)},
+                                 {"moved", change.moved},
+                                 {"images", check.num_images},
+                                 {"features", change.num_features},
+                                 {"noise_px", change.noise_px},
+                                 {"smooth_sigmas", change.smooth_sigmas},
+                                 {"local_sigmas", change.local_sigmas},
+                                 {"rms_change_px", change.rms_px}};
+  for (const Movement& movement : change.movements) {
+    nlohmann::ordered_json& entry = json["movements"][movement.name];
+    entry["sigmas"] = movement.sigmas;
+    for (size_t k = 0; k < movement.parameters.size(); ++k) {
+      entry[movement.parameters[k]] = movement.values[k];
+      entry[movement.parameters[k] + "_sd"] = movement.deviations[k];
+    }
+  }
+  if (change.largest_local_px > 0)
+    json["movements"]["local"]["largest"] = {
+        {"px", change.largest_local_px},
+        {"x", change.largest_local_pixel.x()},
+        {"y", change.largest_local_pixel.y()}};
+  json["rejected"] = nlohmann::ordered_json::array();
+  for (const RejectedImage& image : check.rejected_images)
+    json["rejected"].push_back(
+        {{"image", image.image}, {"reason", image.reason}});
+  return json;
+}
+
+std::string Amount(const CameraChange& change, const Movement& movement) {
+  const auto pair = [&movement](double unit, const char* name) {
+    return fmt::format("({:.3f} +- {:.3f}, {:.3f} +- {:.3f}) {}",
+                       unit * movement.values[0], unit * movement.deviations[0],
+                       unit * movement.values[1], unit * movement.deviations[1],
+                       name);
+  };
+  if (movement.name == "scale")
+    return fmt::format("{:.4f} +- {:.4f} %", 100 * movement.values[0],
+                       100 * movement.deviations[0]);
+  if (movement.name == "shift") return pair(1, "px");
+  if (movement.name == "tilt") return pair(180 / M_PI, "degrees");
+  if (change.largest_local_px <= 0) return "";
+  return fmt::format("largest {:.3f} px near ({:.0f}, {:.0f})",
+                     change.largest_local_px, change.largest_local_pixel.x(),
+                     change.largest_local_pixel.y());
+}
+
+void Print(const CameraCheck& check) {
+  const CameraChange& change = check.change;
+  fmt::print("{}", Word(change));
+  if (change.is_degraded)
+    fmt::print(": moved {}", fmt::join(change.moved, " and "));
+  fmt::print(
+      "\n  {} images, {} features, noise {:.4f} px in an axis; change {:.4f} "
+      "px "
+      "RMS beyond poses\n",
+      check.num_images, change.num_features, change.noise_px, change.rms_px);
+  for (const Movement& movement : change.movements)
+    fmt::print("  {:<6} {:>7.1f} sigma  {}\n", movement.name, movement.sigmas,
+               Amount(change, movement));
+  fmt::print(
+      "  each as if it alone had moved; shift and tilt differ little to a "
+      "board\n");
+  for (const RejectedImage& image : check.rejected_images)
+    fmt::print("not used: {} ({})\n", image.image, image.reason);
+}
+
+void Run(const Arguments& arguments, const CommonOptions& common) {
+  if (arguments.images.empty() == arguments.features.empty())
+    throw Error(ExitCode::kUsage, "check: give either images or --features");
+  const CameraInput input = ReadCamera(arguments.camera);
+  const Pattern pattern = ReadPattern(PatternPath(arguments));
+  const CameraCheck check =
+      CheckCamera(input.file, Gather(arguments, common, input.file, pattern),
+                  pattern, common.threads);
+  if (common.json)
+    fmt::print("{}\n", ToJson(check).dump(2));
+  else if (!common.quiet)
+    Print(check);
+  if (check.change.is_degraded)
+    throw Error(ExitCode::kQuality,
+                fmt::format("the camera has changed ({}); calibrate it again",
+                            fmt::join(check.change.moved, ", ")));
+}
+
+}  // namespace
+
+void AddCheck(CLI::App* app, CommonOptions* common) {
+  CLI::App* command = AddCommand(
+      app, "check",
+      "Tells from a few images of the board whether a camera is still as it "
+      "was calibrated: OK, or DEGRADED (exit code 6) and what moved, with its "
+      "significance. An unchanged camera is called degraded once in 500 times.",
+      "raygrid check result/camera.yaml field/*.jpg", common);
+  auto arguments = std::make_shared<Arguments>();
+  command
+      ->add_option("camera", arguments->camera,
+                   "camera.yaml, as calibrate wrote it")
+      ->required();
+  command->add_option("images", arguments->images, "images or folders");
+  command->add_option("--features", arguments->features,
+                      "features.csv instead of images");
+  command->add_option("--pattern", arguments->pattern,
+                      "pattern.yaml (default: that beside the camera)");
+  command->callback([arguments, common] { Run(*arguments, *common); });
+}
+
+}  // namespace raygrid

@@ -1,0 +1,34 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "commands.h"
+#include "report/result_folder.h"
+
+namespace raygrid {
+namespace {
+
+void Run(const std::string& folder, const CommonOptions& common) {
+  OutputFiles files;
+  AddReports(folder, &files);
+  files.Commit();
+  if (common.json)
+    fmt::print("{{\"report\": \"report.html\"}}\n");
+  else if (!common.quiet)
+    fmt::print("report.html in {}\n", folder);
+}
+
+}  // namespace
+
+void AddReport(CLI::App* app, CommonOptions* common) {
+  CLI::App* command = AddCommand(
+      app, "report",
+      "Makes report.html again, from the other files that calibrate wrote.",
+      "raygrid report result/", common);
+  auto folder = std::make_shared<std::string>();
+  command->add_option("folder", *folder, "where calibrate wrote its results")
+      ->required();
+  command->callback([folder, common] { Run(*folder, *common); });
+}
+
+}  // namespace raygrid
