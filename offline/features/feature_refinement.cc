@@ -173,6 +173,8 @@ bool IsAtASeam(const FeatureLattice& lattice, const Place& p) {
 // ones that they are taken for.
 void RejectGroupsApart(const Board& board, FeatureLattice* lattice,
                        ImageDetection* detection) {
+  // Its corners are not evenly spaced, and known by their own tags.
+  if (board.kind == "aprilgrid") return;
   const auto groups = Groups(*lattice);
   bool is_in_doubt =
       std::count_if(detection->rejected.begin(), detection->rejected.end(),
