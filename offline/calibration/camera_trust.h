@@ -9,12 +9,11 @@
 namespace raygrid {
 
 /// How well an adjusted camera is known (adjustment/covariance.h), and where it
-/// can be trusted: where it is known twice as well as one feature is measured, or
-/// to 0.025 px,
-/// what the prior leaves open included, and features were seen near. Standard
-/// deviations are those of noise where it can be trusted, of all elsewhere.
-/// Nothing if the equations are singular or the adjustment ended before it knew
-/// the noise.
+/// can be trusted: where it is known twice as well as one feature is measured,
+/// or to 0.025 px, what the prior leaves open included, and features were seen
+/// near. Standard deviations are those of noise where it can be trusted, of all
+/// elsewhere. Nothing if the equations are singular or the adjustment ended
+/// before it knew the noise.
 std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
                                                int camera, int num_threads);
 

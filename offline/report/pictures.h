@@ -25,8 +25,8 @@ Image MagnitudePicture(const std::vector<FeatureResidual>& residuals,
 /// A wheel of the direction picture's colours.
 Image DirectionLegend(int size_px);
 
-/// The divergence from noise of each cell of the area, white where there are too
-/// few residuals.
+/// The divergence from noise of each cell of the area, white where there are
+/// too few residuals.
 Image BiasPicture(const std::vector<FeatureResidual>& residuals,
                   const Area& area, double full_scale);
 
