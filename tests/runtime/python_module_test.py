@@ -90,7 +90,7 @@ class ModuleTest(unittest.TestCase):
     def test_blob_without_uncertainty_says_nothing(self):
         self.assertEqual(open_blob(LENS).uncertainty(PIXELS), [None] * 3)
 
-    @unittest.skipUnless(numpy, "without numpy")
+    @unittest.skipUnless(numpy, "numpy is optional; tools/install_packages tests installs it")
     def test_arrays_will_do(self):
         camera = open_blob(LENS)
         self.assertEqual(camera.unproject(numpy.array(PIXELS)), camera.unproject(PIXELS))
