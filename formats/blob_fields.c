@@ -18,7 +18,7 @@ rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {
   blob->grid = offsets[RG_SECTION_CENTRAL_GRID];
   blob->remap = offsets[RG_SECTION_REMAP];
   blob->quality = offsets[RG_SECTION_QUALITY];
-  blob->start = offsets[RG_SECTION_START];
+  blob->inverse = offsets[RG_SECTION_INVERSE];
   blob->line_points = offsets[RG_SECTION_LINE_POINTS];
   blob->mask = offsets[RG_SECTION_MASK];
   blob->uncertainty = offsets[RG_SECTION_UNCERTAINTY];
@@ -109,18 +109,17 @@ void rg_blob_quality(const rg_blob* blob, rg_quality_section* quality) {
   quality->packing_error_prad = rg_load_u32(section + 36);
 }
 
-void rg_blob_start(const rg_blob* blob, rg_start_section* start) {
-  const uint8_t* section = blob->bytes + blob->start;
-  start->a0_q28 = rg_load_i32(section);
-  start->b0_q28 = rg_load_i32(section + 4);
-  start->a1_q28 = rg_load_i32(section + 8);
-  start->b1_q28 = rg_load_i32(section + 12);
-  start->columns = rg_load_u16(section + 16);
-  start->rows = rg_load_u16(section + 18);
-  start->scale_a_q20 = rg_load_u32(section + 20);
-  start->scale_b_q20 = rg_load_u32(section + 24);
-  start->cos_limit_q30 = rg_load_i32(section + 28);
-  start->vertices = section + rg_load_u32(section + 32);
+void rg_blob_inverse(const rg_blob* blob, rg_inverse_section* inverse) {
+  const uint8_t* section = blob->bytes + blob->inverse;
+  inverse->a0_q27 = rg_load_i32(section);
+  inverse->b0_q27 = rg_load_i32(section + 4);
+  inverse->a1_q27 = rg_load_i32(section + 8);
+  inverse->b1_q27 = rg_load_i32(section + 12);
+  inverse->columns = rg_load_u16(section + 16);
+  inverse->rows = rg_load_u16(section + 18);
+  inverse->scale_a_q21 = rg_load_u32(section + 20);
+  inverse->scale_b_q21 = rg_load_u32(section + 24);
+  inverse->cos_limit_q30 = rg_load_i32(section + 36);
 }
 
 const uint8_t* rg_blob_line_points(const rg_blob* blob) {

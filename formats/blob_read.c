@@ -47,7 +47,8 @@ static const uint8_t kFieldsSizes[RG_NUM_SECTION_TYPES] = {
     RG_MASK_FIELDS_SIZE,
     RG_UNCERTAINTY_FIELDS_SIZE,
     0,
-    RG_START_FIELDS_SIZE};
+    0, /* a start for projection, until version 1.2 */
+    RG_GRID_FIELDS_SIZE};
 
 #define CRITICAL_TYPES                                       \
   (1u << RG_SECTION_CAMERA | 1u << RG_SECTION_CENTRAL_GRID | \

@@ -22,7 +22,7 @@ Pair = tuple[int, int]
 
 MAGIC = b"RAYGRID\0"
 MAJOR = 1
-MINOR = 2
+MINOR = 3
 MAX_SECTIONS = 16
 
 HEADER = struct.Struct("<8sHHIHHIII")
@@ -32,7 +32,7 @@ GRID = struct.Struct("<4i2H2I2H2I")
 PLANE = struct.Struct("<6i")
 REMAP = struct.Struct("<4H2BH4i6i2I2i3I")
 QUALITY = struct.Struct("<10I")
-START = struct.Struct("<4i2H2IiI")
+INVERSE = struct.Struct("<4i2H2I2HIi")
 LINE_POINTS = struct.Struct("<2HI")
 MASK = struct.Struct("<2H2BHI")
 UNCERTAINTY = struct.Struct("<2H3I")
@@ -45,14 +45,14 @@ TYPE_QUALITY = 4
 TYPE_LINE_POINTS = 5
 TYPE_MASK = 6
 TYPE_UNCERTAINTY = 7
-TYPE_START = 9
+TYPE_INVERSE = 10
 CRITICAL = 1
 FLAGS_OF_TYPE = {TYPE_CAMERA: CRITICAL, TYPE_GRID: CRITICAL, TYPE_REMAP: 0, TYPE_QUALITY: 0,
                  TYPE_LINE_POINTS: CRITICAL, TYPE_MASK: 0, TYPE_UNCERTAINTY: 0,
-                 TYPE_START: 0}
+                 TYPE_INVERSE: 0}
 REQUIRED_TYPES = (TYPE_CAMERA, TYPE_GRID)
 SINGLE_TYPES = (TYPE_CAMERA, TYPE_GRID, TYPE_QUALITY, TYPE_LINE_POINTS,
-                TYPE_MASK, TYPE_UNCERTAINTY, TYPE_START)
+                TYPE_MASK, TYPE_UNCERTAINTY, TYPE_INVERSE)
 
 MAX_IMAGE_SIDE = 16384
 MAX_REMAP_SIDE = 8192
@@ -67,9 +67,7 @@ LAST_FRACTION = 1 - 2.0**-32
 BLOCK_LOG2S = (3, 4, 5)
 MAX_RESIDUAL_SHIFT = 10
 VERTEX_LIMIT_Q12 = 1 << 25
-CHART_LIMIT_Q28 = 1 << 30
-START_COUNTS = range(2, 66)
-NO_VERTEX = -32768
+CHART_LIMIT_Q27 = 1 << 29
 LINE_POINT_BITS = 28
 LINE_POINT_LIMIT = 0x7F000000
 MASK_CELL_LOG2S = range(2, 9)
@@ -209,23 +207,12 @@ class Quality:
 
 
 @dataclass(frozen=True)
-class ProjectionStart:
-    """Projection start (type 9); `vertices` row by row, (x, y) in q1 px."""
+class InverseGrid:
+    """Inverse grid (type 10): a narrow `grid` over the chart in q27, whose control points are
+    (x, y) in q17 px."""
 
-    a0: int
-    b0: int
-    a1: int
-    b1: int
-    columns: int
-    rows: int
+    grid: CentralGrid
     cos_limit: int
-    vertices: tuple[Pair, ...]
-
-    @property
-    def scales(self) -> Pair:
-        """Projection start: scale_a and scale_b, q20 cells per chart unit."""
-        return (((self.columns - 1) << 48) // (self.a1 - self.a0),
-                ((self.rows - 1) << 48) // (self.b1 - self.b0))
 
 
 @dataclass(frozen=True)
@@ -261,7 +248,7 @@ class Blob:
     grid: CentralGrid
     remap: Remap | None = None
     quality: Quality | None = None
-    start: ProjectionStart | None = None
+    inverse: InverseGrid | None = None
     more_remaps: tuple[Remap, ...] = ()
     line_points: tuple[tuple[int, int, int], ...] | None = None
     mask: Mask | None = None
@@ -412,13 +399,13 @@ def parse(data: bytes) -> Blob:
                TYPE_LINE_POINTS: lambda section: read_line_points(section, grid),
                TYPE_MASK: lambda section: read_valid_mask(section, camera),
                TYPE_UNCERTAINTY: lambda section: read_uncertainty(section, grid),
-               TYPE_START: read_start}
+               TYPE_INVERSE: read_inverse}
     found = {kind: [] for kind in readers}
     for entry in table:
         if entry.type in readers:
             found[entry.type].append(readers[entry.type](section_bytes(data, entry)))
     first = {kind: next(iter(values), None) for kind, values in found.items()}
-    return Blob(camera, grid, first[TYPE_REMAP], first[TYPE_QUALITY], first[TYPE_START],
+    return Blob(camera, grid, first[TYPE_REMAP], first[TYPE_QUALITY], first[TYPE_INVERSE],
                 tuple(found[TYPE_REMAP][1:]), first[TYPE_LINE_POINTS], first[TYPE_MASK],
                 first[TYPE_UNCERTAINTY])
 
@@ -484,11 +471,16 @@ def read_grid(section: bytes, camera: Camera) -> CentralGrid:
             "RG_ERR_GRID_CHART", f"chart is {chart}, fraction_bits {fraction_bits}")
     check_data_offset(data_offset, GRID, "grid")
     require(reserved == 0, "RG_ERR_RESERVED", "the reserved field of the grid is not 0")
-    count = grid.columns * grid.rows
     if fraction_bits == FRACTION_BITS:
-        array = array_bytes(section, data_offset, 8 * count, "grid")
+        array = array_bytes(section, data_offset, 8 * grid.columns * grid.rows, "grid")
         return dataclasses.replace(grid, control_points=read_control_points(array))
-    array = array_bytes(section, data_offset, PLANE.size + 4 * count, "grid")
+    return read_narrow_points(section, data_offset, grid, fraction_bits)
+
+
+def read_narrow_points(section: bytes, data_offset: int, grid: CentralGrid,
+                       fraction_bits: int) -> CentralGrid:
+    """Central grid: a plane and residuals of 16 bits."""
+    array = array_bytes(section, data_offset, PLANE.size + 4 * grid.columns * grid.rows, "grid")
     plane = PLANE.unpack_from(array)
     check_plane(grid, plane, fraction_bits)
     residuals = struct.iter_unpack("<hh", array[PLANE.size:])
@@ -614,23 +606,20 @@ def read_quality(section: bytes) -> Quality:
     return Quality(*unpack_fields(QUALITY, section, "quality"))
 
 
-def read_start(section: bytes) -> ProjectionStart:
-    """Projection start (type 9)."""
-    fields = unpack_fields(START, section, "projection start")
-    start = ProjectionStart(*fields[:6], fields[8], vertices=())
-    scales, data_offset = fields[6:8], fields[9]
-    for low, high in ((start.a0, start.a1), (start.b0, start.b1)):
-        require(-CHART_LIMIT_Q28 <= low < high <= CHART_LIMIT_Q28, "RG_ERR_START_CHART",
-                f"the start reaches from {low} to {high}")
-    require(start.columns in START_COUNTS and start.rows in START_COUNTS
-            and start.scales == scales, "RG_ERR_START_GRID",
-            f"the start has {start.columns} x {start.rows} vertices, scales {scales}")
-    require(-CHART_LIMIT_Q28 <= start.cos_limit < CHART_LIMIT_Q28, "RG_ERR_START_CHART",
-            f"cos_limit is {start.cos_limit}")
-    check_data_offset(data_offset, START, "projection start")
-    array = array_bytes(section, data_offset, 4 * start.columns * start.rows,
-                        "projection start")
-    return dataclasses.replace(start, vertices=tuple(struct.iter_unpack("<hh", array)))
+def read_inverse(section: bytes) -> InverseGrid:
+    """Inverse grid (type 10)."""
+    fields = unpack_fields(INVERSE, section, "inverse grid")
+    grid = CentralGrid(*fields[:6], control_points=())
+    scale_a, scale_b, chart, fraction_bits, data_offset, cos_limit = fields[6:]
+    for low, high in ((grid.x0, grid.x1), (grid.y0, grid.y1)):
+        require(-CHART_LIMIT_Q27 <= low < high <= CHART_LIMIT_Q27, "RG_ERR_AREA",
+                f"the inverse grid reaches from {low} to {high}")
+    check_grid_size(grid)
+    check_grid_scale(grid, scale_a, scale_b)
+    require(chart == CHART_STEREOGRAPHIC and fraction_bits in NARROW_FRACTION_BITS,
+            "RG_ERR_GRID_CHART", f"chart is {chart}, fraction_bits {fraction_bits}")
+    check_data_offset(data_offset, INVERSE, "inverse grid")
+    return InverseGrid(read_narrow_points(section, data_offset, grid, fraction_bits), cos_limit)
 
 
 def read_line_points(section: bytes, grid: CentralGrid) -> tuple[tuple[int, int, int], ...]:
@@ -982,12 +971,14 @@ def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
         yield TYPE_MASK, pack_valid_mask(blob.mask)
     if blob.uncertainty is not None:
         yield TYPE_UNCERTAINTY, pack_uncertainty(blob.uncertainty, blob.grid)
-    if blob.start is not None:
-        yield TYPE_START, pack_start(blob.start)
+    if blob.inverse is not None:
+        yield TYPE_INVERSE, pack_inverse(blob.inverse)
 
 
 def minor_version(packed: list[tuple[int, bytes]]) -> int:
     """Duties, "A writer": the minor version whose fields it uses."""
+    if any(kind == TYPE_INVERSE for kind, _ in packed):
+        return 3
     grid = next(section for kind, section in packed if kind == TYPE_GRID)
     if GRID.unpack_from(grid)[9] != FRACTION_BITS:
         return 2
@@ -1030,11 +1021,16 @@ def pack_grid(grid: CentralGrid) -> bytes:
                        GRID.size, 0)
     if grid.fraction_bits == FRACTION_BITS:
         return fields + pack_pairs("<ii", grid.control_points)
+    return fields + pack_narrow_points(grid)
+
+
+def pack_narrow_points(grid: CentralGrid) -> bytes:
+    """Central grid: a plane and residuals of 16 bits."""
     residuals = (tuple((value - base) >> FRACTION_BITS - grid.fraction_bits
                        for value, base in zip(point, plane_point))
                  for point, plane_point in zip(grid.control_points,
                                                plane_points(grid, grid.plane)))
-    return fields + PLANE.pack(*grid.plane) + pack_pairs("<hh", residuals)
+    return PLANE.pack(*grid.plane) + pack_pairs("<hh", residuals)
 
 
 def pack_remap(remap: Remap) -> bytes:
@@ -1067,11 +1063,13 @@ def pack_uncertainty(uncertainty: Uncertainty, grid: CentralGrid) -> bytes:
     return fields + struct.pack(f"<{len(values)}H", *values)
 
 
-def pack_start(start: ProjectionStart) -> bytes:
-    """Projection start (type 9)."""
-    fields = START.pack(start.a0, start.b0, start.a1, start.b1, start.columns, start.rows,
-                        *start.scales, start.cos_limit, START.size)
-    return fields + pack_pairs("<hh", start.vertices)
+def pack_inverse(inverse: InverseGrid) -> bytes:
+    """Inverse grid (type 10)."""
+    grid = inverse.grid
+    fields = INVERSE.pack(grid.x0, grid.y0, grid.x1, grid.y1, grid.columns, grid.rows,
+                          grid.scale_x, grid.scale_y, CHART_STEREOGRAPHIC, grid.fraction_bits,
+                          INVERSE.size, inverse.cos_limit)
+    return fields + pack_narrow_points(grid)
 
 
 def pack_pairs(layout: str, pairs: Iterable[Pair]) -> bytes:
@@ -1128,9 +1126,11 @@ def inspect_lines(data: bytes) -> Iterator[str]:
     if blob.line_points is not None:
         yield f"line_points: {len(blob.line_points)}"
     for title, section in (("mask", blob.mask), ("uncertainty", blob.uncertainty),
-                           ("projection start", blob.start)):
+                           ("inverse grid", blob.inverse and blob.inverse.grid)):
         if section is not None:
             yield from field_lines(title, section)
+    if blob.inverse is not None:
+        yield f"  cos_limit: {blob.inverse.cos_limit}"
 
 
 def hexdump_lines(data: bytes) -> Iterator[str]:

@@ -47,7 +47,7 @@ static int find_axis_fault(const uint8_t* ends, const uint8_t* counts,
                            uint32_t surplus, uint32_t max_cells,
                            const uint8_t* camera) {
   for (uint32_t c = 0; c < 2; ++c, ends += 4, counts += 2) {
-    int32_t lowest = -RG_CHART_LIMIT_Q28, highest = RG_CHART_LIMIT_Q28;
+    int32_t lowest = -RG_CHART_LIMIT_Q27, highest = RG_CHART_LIMIT_Q27;
     if (camera) {
       lowest = -0x8000;
       highest = (int32_t)((uint32_t)rg_load_u16(camera + 2 * c) << 16) - 0x8000;
@@ -99,14 +99,16 @@ static int is_plane_in_range(const uint8_t* plane, const uint8_t* section,
   return 1;
 }
 
+/* The central grid or, without a camera, the inverse one. */
 static rg_fault check_grid(const uint8_t* section, uint32_t size,
                            const uint8_t* camera) {
   const uint32_t fraction_bits = rg_load_u16(section + 30);
   const int is_wide = fraction_bits == RG_CONTROL_POINT_BITS;
-  if (rg_load_u32(section + 36) != 0) return -RG_ERR_RESERVED;
+  if (camera && rg_load_u32(section + 36) != 0) return -RG_ERR_RESERVED;
   if (rg_load_u16(section + 28) != RG_CHART_STEREOGRAPHIC ||
       fraction_bits - RG_NARROW_MIN_BITS >
-          RG_CONTROL_POINT_BITS - RG_NARROW_MIN_BITS)
+          RG_CONTROL_POINT_BITS - RG_NARROW_MIN_BITS ||
+      (is_wide && !camera))
     return -RG_ERR_GRID_CHART;
   /* RG_ERR_AREA, RG_ERR_GRID_SIZE and RG_ERR_GRID_SCALE follow each other. */
   const int axis_fault =
@@ -137,19 +139,6 @@ static rg_fault check_line_points(const uint8_t* section, uint32_t size,
   return are_points_in_range(section + data_offset, section + size)
              ? 0
              : -RG_ERR_LINE_POINT;
-}
-
-/* Any vertex is a start: projection checks what it finds. */
-static rg_fault check_start(const uint8_t* section, uint32_t size) {
-  const int axis_fault =
-      find_axis_fault(section, section + 16, 1, RG_MAX_START_SIZE - 1, 0);
-  const int32_t cos_limit_q30 = rg_load_i32(section + 28);
-  if (axis_fault == ENDS || cos_limit_q30 < -RG_CHART_LIMIT_Q28 ||
-      cos_limit_q30 >= RG_CHART_LIMIT_Q28)
-    return -RG_ERR_START_CHART;
-  if (axis_fault) return -RG_ERR_START_GRID;
-  return check_extent(size, rg_load_u32(section + 32), RG_START_FIELDS_SIZE,
-                      4 * num_control_points(section));
 }
 
 static rg_fault check_uncertainty(const uint8_t* section, uint32_t size,
@@ -248,7 +237,8 @@ rg_fault rg_check_section(uint32_t type, const uint8_t* section, uint32_t size,
   if (section == grid) return check_grid(section, size, camera);
   if (section == sections[RG_SECTION_LINE_POINTS])
     return check_line_points(section, size, grid);
-  if (section == sections[RG_SECTION_START]) return check_start(section, size);
+  if (section == sections[RG_SECTION_INVERSE])
+    return check_grid(section, size, 0);
   if (section == sections[RG_SECTION_MASK])
     return check_mask(section, size, camera);
   if (section == sections[RG_SECTION_UNCERTAINTY])

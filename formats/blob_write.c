@@ -24,8 +24,9 @@ uint32_t rg_remap_section_size(const rg_remap_section* remap) {
          bits_size(num_blocks(remap));
 }
 
-static uint32_t start_size(const rg_start_section* start) {
-  return RG_START_FIELDS_SIZE + 4 * (uint32_t)start->columns * start->rows;
+static uint32_t inverse_size(const rg_inverse_section* inverse) {
+  return RG_GRID_FIELDS_SIZE + RG_NARROW_PLANE_SIZE +
+         4 * (uint32_t)inverse->columns * inverse->rows;
 }
 
 static uint32_t line_points_size(const rg_grid_section* grid) {
@@ -45,7 +46,7 @@ static uint32_t num_sections(const rg_blob_contents* contents) {
   return 2u + (contents->remap != 0) + contents->num_more_remaps +
          (contents->quality != 0) + (contents->line_points_q28 != 0) +
          (contents->mask != 0) + (contents->uncertainty != 0) +
-         (contents->start != 0);
+         (contents->inverse != 0);
 }
 
 uint32_t rg_blob_size(const rg_blob_contents* contents) {
@@ -59,7 +60,7 @@ uint32_t rg_blob_size(const rg_blob_contents* contents) {
   if (contents->line_points_q28) size += line_points_size(contents->grid);
   if (contents->mask) size += valid_mask_size(contents->mask);
   if (contents->uncertainty) size += uncertainty_size(contents->uncertainty);
-  if (contents->start) size += start_size(contents->start);
+  if (contents->inverse) size += inverse_size(contents->inverse);
   return size;
 }
 
@@ -75,17 +76,9 @@ static void write_camera(const rg_camera_section* camera, uint8_t* section) {
   memcpy(section + 40, camera->serial, RG_TEXT_SIZE);
 }
 
-/* Control points of 32 bits, or a plane and what is left of 16. */
-static void write_control_points(const rg_blob_contents* contents,
-                                 uint8_t* data) {
-  const rg_narrow_grid* const narrow = contents->narrow;
-  const uint32_t count =
-      2 * (uint32_t)contents->grid->columns * contents->grid->rows;
-  if (!narrow) {
-    for (uint32_t i = 0; i < count; ++i)
-      rg_store_i32(data + 4 * i, contents->control_points_q29[i]);
-    return;
-  }
+/* A plane and what is left of so many coordinates. */
+static void write_narrow(const rg_narrow_grid* narrow, uint32_t count,
+                         uint8_t* data) {
   for (uint32_t c = 0; c < 2; ++c) {
     rg_store_i32(data + 4 * c, narrow->origin_q29[c]);
     rg_store_i32(data + 8 + 4 * c, narrow->column_step_q29[c]);
@@ -96,8 +89,16 @@ static void write_control_points(const rg_blob_contents* contents,
                  (uint16_t)narrow->residuals[i]);
 }
 
+/* What the fields of both kinds of grid have in common behind the scales. */
+static void write_number_format(uint32_t fraction_bits, uint8_t* section) {
+  rg_store_u16(section + 28, RG_CHART_STEREOGRAPHIC);
+  rg_store_u16(section + 30, (uint16_t)fraction_bits);
+  rg_store_u32(section + 32, RG_GRID_FIELDS_SIZE);
+}
+
 static void write_grid(const rg_blob_contents* contents, uint8_t* section) {
   const rg_grid_section* const grid = contents->grid;
+  const rg_narrow_grid* const narrow = contents->narrow;
   rg_store_i32(section, grid->x0_q16);
   rg_store_i32(section + 4, grid->y0_q16);
   rg_store_i32(section + 8, grid->x1_q16);
@@ -106,13 +107,17 @@ static void write_grid(const rg_blob_contents* contents, uint8_t* section) {
   rg_store_u16(section + 18, grid->rows);
   rg_store_u32(section + 20, grid->scale_x_q32);
   rg_store_u32(section + 24, grid->scale_y_q32);
-  rg_store_u16(section + 28, RG_CHART_STEREOGRAPHIC);
-  rg_store_u16(section + 30,
-               (uint16_t)(contents->narrow ? contents->narrow->fraction_bits
-                                           : RG_CONTROL_POINT_BITS));
-  rg_store_u32(section + 32, RG_GRID_FIELDS_SIZE);
+  write_number_format(narrow ? narrow->fraction_bits : RG_CONTROL_POINT_BITS,
+                      section);
   rg_store_u32(section + 36, 0);
-  write_control_points(contents, section + RG_GRID_FIELDS_SIZE);
+  uint8_t* const data = section + RG_GRID_FIELDS_SIZE;
+  const uint32_t count = 2 * (uint32_t)grid->columns * grid->rows;
+  if (narrow) {
+    write_narrow(narrow, count, data);
+    return;
+  }
+  for (uint32_t i = 0; i < count; ++i)
+    rg_store_i32(data + 4 * i, contents->control_points_q29[i]);
 }
 
 /* The padding is zero. */
@@ -166,21 +171,20 @@ static void write_quality(const rg_quality_section* quality, uint8_t* section) {
     rg_store_u32(section + 4 * i, figures[i]);
 }
 
-static void write_start(const rg_start_section* start, const int16_t* vertices,
-                        uint8_t* section) {
-  rg_store_i32(section, start->a0_q28);
-  rg_store_i32(section + 4, start->b0_q28);
-  rg_store_i32(section + 8, start->a1_q28);
-  rg_store_i32(section + 12, start->b1_q28);
-  rg_store_u16(section + 16, start->columns);
-  rg_store_u16(section + 18, start->rows);
-  rg_store_u32(section + 20, start->scale_a_q20);
-  rg_store_u32(section + 24, start->scale_b_q20);
-  rg_store_i32(section + 28, start->cos_limit_q30);
-  rg_store_u32(section + 32, RG_START_FIELDS_SIZE);
-  const uint32_t count = 2 * (uint32_t)start->columns * start->rows;
-  for (uint32_t i = 0; i < count; ++i)
-    rg_store_u16(section + RG_START_FIELDS_SIZE + 2 * i, (uint16_t)vertices[i]);
+static void write_inverse(const rg_inverse_section* inverse,
+                          const rg_narrow_grid* points, uint8_t* section) {
+  rg_store_i32(section, inverse->a0_q27);
+  rg_store_i32(section + 4, inverse->b0_q27);
+  rg_store_i32(section + 8, inverse->a1_q27);
+  rg_store_i32(section + 12, inverse->b1_q27);
+  rg_store_u16(section + 16, inverse->columns);
+  rg_store_u16(section + 18, inverse->rows);
+  rg_store_u32(section + 20, inverse->scale_a_q21);
+  rg_store_u32(section + 24, inverse->scale_b_q21);
+  write_number_format(points->fraction_bits, section);
+  rg_store_i32(section + 36, inverse->cos_limit_q30);
+  write_narrow(points, 2 * (uint32_t)inverse->columns * inverse->rows,
+               section + RG_GRID_FIELDS_SIZE);
 }
 
 static void write_line_points(const rg_grid_section* grid,
@@ -244,7 +248,7 @@ static void begin_remap(const rg_remap_section* remap, const int16_t* residuals,
       begin_section(writer, RG_SECTION_REMAP, 0, rg_remap_section_size(remap)));
 }
 
-/* Those of version 1.1. */
+/* Those of later versions than 1.0. */
 static void write_new_sections(const rg_blob_contents* contents,
                                section_writer* writer) {
   if (contents->line_points_q28)
@@ -259,10 +263,10 @@ static void write_new_sections(const rg_blob_contents* contents,
     write_uncertainty(contents->uncertainty, contents->uncertainties_q12,
                       begin_section(writer, RG_SECTION_UNCERTAINTY, 0,
                                     uncertainty_size(contents->uncertainty)));
-  if (contents->start)
-    write_start(contents->start, contents->start_vertices,
-                begin_section(writer, RG_SECTION_START, 0,
-                              start_size(contents->start)));
+  if (contents->inverse)
+    write_inverse(contents->inverse, contents->inverse_points,
+                  begin_section(writer, RG_SECTION_INVERSE, 0,
+                                inverse_size(contents->inverse)));
 }
 
 static void write_sections(const rg_blob_contents* contents,
@@ -285,8 +289,9 @@ static void write_sections(const rg_blob_contents* contents,
 
 /* The lowest minor version that has what the blob uses. */
 static uint16_t minor_version(const rg_blob_contents* contents) {
+  if (contents->inverse) return 3;
   if (contents->narrow) return 2;
-  return contents->start || contents->line_points_q28 || contents->mask ||
+  return contents->line_points_q28 || contents->mask ||
                  contents->uncertainty
              ? 1
              : 0;
@@ -335,9 +340,9 @@ static rg_status check_counts(const rg_blob_contents* contents) {
   for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
     if (!has_blocks(contents->more_remaps[k].section))
       return RG_ERR_REMAP_BLOCK;
-  if (contents->start && (contents->start->columns > RG_MAX_START_SIZE ||
-                          contents->start->rows > RG_MAX_START_SIZE))
-    return RG_ERR_START_GRID;
+  if (contents->inverse && (contents->inverse->columns > RG_MAX_GRID_SIZE ||
+                            contents->inverse->rows > RG_MAX_GRID_SIZE))
+    return RG_ERR_GRID_SIZE;
   if (contents->mask && (contents->mask->columns > RG_MAX_IMAGE_SIZE / 4 ||
                          contents->mask->rows > RG_MAX_IMAGE_SIZE / 4))
     return RG_ERR_MASK;
@@ -367,8 +372,10 @@ static int is_complete(const rg_blob_contents* contents) {
     if (!has_arrays(contents->more_remaps[k].section,
                     contents->more_remaps[k].residuals))
       return 0;
-  return (!contents->start || contents->start_vertices) &&
-         (!contents->mask || contents->mask->bits) &&
+  if (contents->inverse &&
+      (!contents->inverse_points || !contents->inverse_points->residuals))
+    return 0;
+  return (!contents->mask || contents->mask->bits) &&
          (!contents->uncertainty || contents->uncertainties_q12);
 }
 

@@ -44,7 +44,7 @@ static inline int32_t rg_load_i32(const uint8_t* p) {
 /* The i32 at p, and the one behind it. */
 static inline int32_t rg_load_i32_pair(const uint8_t* p, int32_t* second) {
   int32_t a = rg_load_i32(p), b = rg_load_i32(p + 4);
-#if defined(__GNUC__)
+#if defined(__GNUC__) && !defined(__x86_64__)
   /* Keeps the loads together, so that they become one where a core has that. */
   __asm__("" : "+r"(a), "+r"(b));
 #endif

@@ -15,7 +15,7 @@ extern "C" {
 #endif
 
 #define RG_FORMAT_MAJOR 1
-#define RG_FORMAT_MINOR 2 /* the highest that the writer writes */
+#define RG_FORMAT_MINOR 3 /* the highest that the writer writes */
 
 #define RG_HEADER_SIZE 32u
 #define RG_SECTION_ENTRY_SIZE 16u
@@ -32,7 +32,7 @@ enum rg_section_type {
   RG_SECTION_LINE_POINTS = 5,
   RG_SECTION_MASK = 6,
   RG_SECTION_UNCERTAINTY = 7,
-  RG_SECTION_START = 9,
+  RG_SECTION_INVERSE = 10,
   RG_NUM_SECTION_TYPES
 };
 
@@ -41,7 +41,6 @@ enum rg_section_type {
 #define RG_GRID_FIELDS_SIZE 40u
 #define RG_REMAP_FIELDS_SIZE 80u
 #define RG_QUALITY_SIZE 40u
-#define RG_START_FIELDS_SIZE 36u
 #define RG_LINE_POINTS_FIELDS_SIZE 8u
 #define RG_MASK_FIELDS_SIZE 12u
 #define RG_UNCERTAINTY_FIELDS_SIZE 16u
@@ -65,10 +64,8 @@ enum rg_section_type {
 #define RG_MAX_MASK_CELL_LOG2 8u
 #define RG_MAX_UNCERTAINTY_SIZE 65u
 #define RG_UNKNOWN_UNCERTAINTY 0xffffu
-#define RG_CHART_LIMIT_Q28 (INT32_C(1) << 30) /* 4 */
-#define RG_MIN_START_SIZE 2u
-#define RG_MAX_START_SIZE 65u
-#define RG_NO_VERTEX INT16_MIN /* x of a vertex that no live cell has */
+#define RG_CHART_LIMIT_Q27 (INT32_C(1) << 29) /* 4 */
+#define RG_INVERSE_PIXEL_BITS 17u /* of an inverse grid's control points */
 #define RG_UNKNOWN_FIGURE 0xffffffffu
 
 /* Identity of the camera. */
@@ -89,7 +86,7 @@ typedef struct rg_grid_section {
 } rg_grid_section;
 
 /* Control points of 16 bits: (i, j) is origin + i column_step + j row_step +
- * residual, of a and of b. */
+ * residual, of a and of b; in an inverse grid of x and of y, in q17 pixels. */
 typedef struct rg_narrow_grid {
   uint32_t fraction_bits; /* of the residuals */
   int32_t origin_q29[2], column_step_q29[2], row_step_q29[2];
@@ -128,15 +125,14 @@ typedef struct rg_quality_section {
   uint32_t packing_error_prad; /* the same in picoradians */
 } rg_quality_section;
 
-/* Where projection starts: pixels at the corners of equal cells of the chart.
- * A cell with a vertex missing is one that no pixel looks into. */
-typedef struct rg_start_section {
-  int32_t a0_q28, b0_q28, a1_q28, b1_q28; /* rectangle of the chart */
-  uint16_t columns, rows;                 /* vertices: cells + 1 */
-  uint32_t scale_a_q20, scale_b_q20;      /* cells per chart unit */
-  int32_t cos_limit_q30;   /* c |c|, c the cosine of the widest direction */
-  const uint8_t* vertices; /* row-major pairs of i16 q1 pixels */
-} rg_start_section;
+/* The way back from the chart to the image: a narrow grid over a rectangle of
+ * the chart, whose control points are pixels. */
+typedef struct rg_inverse_section {
+  int32_t a0_q27, b0_q27, a1_q27, b1_q27; /* rectangle of the chart */
+  uint16_t columns, rows;                 /* control points: cells + 3 */
+  uint32_t scale_a_q21, scale_b_q21;      /* cells per chart unit */
+  int32_t cos_limit_q30; /* c |c|, c the cosine of the widest direction */
+} rg_inverse_section;
 
 /* Which square cells of the image were calibrated. */
 typedef struct rg_mask_section {
@@ -156,7 +152,7 @@ typedef struct rg_uncertainty_section {
 typedef struct rg_blob {
   const uint8_t* bytes;
   uint32_t size;
-  uint32_t camera, grid, remap, quality, start;
+  uint32_t camera, grid, remap, quality, inverse;
   uint32_t line_points, mask, uncertainty;
 } rg_blob;
 
@@ -183,7 +179,7 @@ void rg_blob_control_point(const rg_blob* blob, uint32_t column, uint32_t row,
                            int32_t point_q29[2]);
 void rg_blob_quality(const rg_blob* blob, rg_quality_section* quality);
 
-void rg_blob_start(const rg_blob* blob, rg_start_section* start);
+void rg_blob_inverse(const rg_blob* blob, rg_inverse_section* inverse);
 void rg_blob_mask(const rg_blob* blob, rg_mask_section* mask);
 void rg_blob_uncertainty(const rg_blob* blob,
                          rg_uncertainty_section* uncertainty);
@@ -216,8 +212,8 @@ typedef struct rg_blob_contents {
   const rg_remap_section* remap;     /* NULL: none */
   const int16_t* residuals;          /* columns * rows pairs, host order */
   const rg_quality_section* quality; /* NULL: none */
-  const rg_start_section* start;     /* NULL: none */
-  const int16_t* start_vertices;     /* columns * rows pairs, host order */
+  const rg_inverse_section* inverse; /* NULL: none */
+  const rg_narrow_grid* inverse_points; /* of it */
   const rg_remap_contents* more_remaps; /* behind the first */
   uint32_t num_more_remaps;
   const int32_t* line_points_q28;            /* NULL: a central camera */

@@ -41,7 +41,7 @@ const char* rg_status_text(rg_status status) {
     case RG_ERR_TEXT:
       return "name or serial is not zero-padded text";
     case RG_ERR_AREA:
-      return "calibrated area is empty or outside the image";
+      return "a grid's area is empty, or outside the image or the chart";
     case RG_ERR_GRID_SIZE:
       return "number of control points out of range";
     case RG_ERR_GRID_SCALE:
@@ -64,10 +64,6 @@ const char* rg_status_text(rg_status status) {
       return "remap vertex out of range";
     case RG_ERR_DATA_OFFSET:
       return "data offset of a section out of range";
-    case RG_ERR_START_CHART:
-      return "chart rectangle of the projection start out of range";
-    case RG_ERR_START_GRID:
-      return "vertices or scale of the projection start out of range";
     case RG_ERR_LINE_POINT:
       return "line point or its number format out of range";
     case RG_ERR_MASK:
@@ -94,6 +90,8 @@ const char* rg_status_text(rg_status status) {
       return "the blob does not say";
     case RG_ERR_OVERLAP:
       return "a plane of the target overlaps another plane";
+    case RG_ERR_NO_INVERSE:
+      return "blob has no inverse grid, as before format 1.3; pack it anew";
   }
   return "unknown status";
 }

@@ -34,7 +34,7 @@ typedef enum rg_status {
   /* Fields of the sections (formats/SPEC.md, "Sections"). */
   RG_ERR_IMAGE_SIZE = -30,    /* image width or height */
   RG_ERR_TEXT = -31,          /* name or serial not padded with zeros */
-  RG_ERR_AREA = -32,          /* calibrated area empty or outside the image */
+  RG_ERR_AREA = -32,          /* a grid's area empty or outside image, chart */
   RG_ERR_GRID_SIZE = -33,     /* number of control points */
   RG_ERR_GRID_SCALE = -34,    /* cells per pixel contradict area and size */
   RG_ERR_GRID_CHART = -35,    /* unknown chart or fraction bits */
@@ -47,8 +47,6 @@ typedef enum rg_status {
   RG_ERR_REMAP_VERTEX =
       -42, /* a vertex farther than 8192 px from pixel (0, 0) */
   RG_ERR_DATA_OFFSET = -43, /* the array does not start after the fields */
-  RG_ERR_START_CHART = -44, /* projection start: its rectangle of the chart */
-  RG_ERR_START_GRID = -45,  /* and its number of vertices, or its scale */
   RG_ERR_LINE_POINT = -46,  /* line points: fraction bits, or one too large */
   RG_ERR_MASK = -47,        /* validity mask: cell size or counts */
   RG_ERR_UNCERTAINTY = -48, /* uncertainty: number of values, or its scale */
@@ -63,7 +61,8 @@ typedef enum rg_status {
   RG_ERR_ROWS_MISSING = -56, /* source rows that the ring does not hold */
   RG_ERR_NONCENTRAL = -57,   /* the camera has lines, not rays */
   RG_ERR_UNKNOWN = -58,      /* the blob does not say */
-  RG_ERR_OVERLAP = -59       /* a plane of the target lies in another plane */
+  RG_ERR_OVERLAP = -59,      /* a plane of the target lies in another plane */
+  RG_ERR_NO_INVERSE = -60    /* the blob has no inverse grid: pack it anew */
 } rg_status;
 
 /* The status as a short English text, for messages; never NULL. */

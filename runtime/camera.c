@@ -23,7 +23,7 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
                                ? grid + rg_load_u32(grid + 32)
                                : 0;
   camera->remap = sections[RG_SECTION_REMAP];
-  camera->start = offset_in(bytes, sections[RG_SECTION_START]);
+  camera->inverse = offset_in(bytes, sections[RG_SECTION_INVERSE]);
   camera->line_points = offset_in(bytes, sections[RG_SECTION_LINE_POINTS]);
   for (uint32_t c = 0; c < 2; ++c) {
     rg_read_axis(grid, c, &camera->axes[c]);

@@ -59,6 +59,8 @@ static inline int32_t rg_multiply_half_add(int32_t sum, int32_t a, int16_t b) {
   int32_t result;
   __asm__("smlawb %0, %1, %2, %3" : "=r"(result) : "r"(a), "r"(b), "r"(sum));
   return result;
+#elif UINTPTR_MAX > UINT32_MAX
+  return sum + (int32_t)(((int64_t)a * b) >> 16);
 #else
   return sum + (a >> 16) * b + (((a & 0xffff) * b) >> 16);
 #endif
@@ -107,9 +109,19 @@ static inline int32_t rg_upper_word(int64_t sum) {
 #define RG_INLINE inline
 #endif
 
+/* A function, and a loop in it, that are short rather than fast where size
+ * matters. */
+#if defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#define RG_SHARED RG_INLINE
+#define RG_UNROLL_SHARED _Pragma("GCC unroll 4")
+#else
+#define RG_SHARED RG_NOINLINE
+#define RG_UNROLL_SHARED
+#endif
+
 /* In front of the loop over four rows, in which half of the instructions are:
- * one after the other where a row is short. */
-#if RG_HAVE_SMMULR
+ * one after the other where a row is short, or size does not matter. */
+#if RG_HAVE_SMMULR || (defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__))
 #define RG_UNROLL_ROWS _Pragma("GCC unroll 4")
 #else
 #define RG_UNROLL_ROWS
@@ -117,7 +129,7 @@ static inline int32_t rg_upper_word(int64_t sum) {
 
 /* A value that is read where it is used: registers are scarce there. */
 static RG_INLINE int32_t rg_read_late(int32_t* value) {
-#if defined(__GNUC__)
+#if RG_HAVE_SMMULR
   __asm__("" : "+m"(*value));
 #endif
   return *value;

@@ -45,7 +45,7 @@ typedef struct rg_camera {
   rg_axis axes[2];
   uint16_t last_cell[2]; /* cells less 1 */
   uint16_t width, height;
-  uint32_t start, line_points; /* sections in the blob, or 0 */
+  uint32_t inverse, line_points; /* sections in the blob, or 0 */
 } rg_camera;
 
 typedef struct rg_pixel {
@@ -107,8 +107,8 @@ uint32_t rg_unproject_batch(const rg_camera* camera, const rg_pixel* pixels,
                             rg_ray* rays, uint32_t num_pixels);
 
 /* Turns a direction into the image position that sees it: rg_unproject() the
- * other way round, by Newton's method on the spline surface: two steps where
- * the blob has a projection start, more without one, never more than 24.
+ * other way round. The blob's inverse grid says where about that is and how it
+ * changes: one step from there is the rule, and four are the most.
  *
  * direction  camera axes, any length but zero: also a 3-D point, in any unit
  *            and number format that its three coordinates share.
@@ -118,8 +118,10 @@ uint32_t rg_unproject_batch(const rg_camera* camera, const rg_pixel* pixels,
  * RG_OK                done
  * RG_ERR_NOT_SEEN      no pixel of the calibrated area looks there
  * RG_ERR_NONCENTRAL    the camera is not central: not supported
+ * RG_ERR_NO_INVERSE    the blob has no inverse grid: it is from before format
+ *                      1.3
  *
- * Where the surface folds, one of the pixels that look there. */
+ * Cost per core in runtime/README.md. */
 rg_status rg_project(const rg_camera* camera, const rg_ray* direction,
                      rg_pixel* pixel);
 

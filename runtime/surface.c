@@ -26,11 +26,12 @@ static RG_INLINE void add_row(const uint8_t* points, const int32_t w_q31[4],
 }
 
 /* The B-spline of one coordinate of residuals of 16 bits, times 2^14. */
-static RG_NOINLINE int32_t sum_residuals(const uint8_t* residuals,
+static RG_SHARED int32_t sum_residuals(const uint8_t* residuals,
                                          uint32_t row_bytes,
                                          const rg_place* place) {
   const int32_t* const w_q31 = place->x_weights_q31;
   int32_t sum = 0;
+  RG_UNROLL_SHARED
   for (int j = 0; j < 4; ++j, residuals += row_bytes) {
     int32_t row = 0; /* times 2^15 */
     row = rg_multiply_half_add(row, w_q31[0], rg_load_i16(residuals));
@@ -57,38 +58,46 @@ static RG_INLINE int32_t evaluate_plane(const uint8_t* plane,
   return rg_multiply_high_add(sum_q27, row_step_q29, place->y.t_q30);
 }
 
-/* Control points of 16 bits. */
-static RG_NOINLINE int find_narrow_position(const rg_camera* camera,
-                                            rg_place* place) {
-  const uint8_t* const grid =
-      rg_find_section(camera->blob, RG_SECTION_CENTRAL_GRID, 0);
+/* Control points of 16 bits, of a grid's section. */
+static RG_SHARED void find_narrow_position(const uint8_t* grid,
+                                             rg_place* place) {
   const uint8_t* plane = grid + rg_load_u32(grid + 32);
   const uint8_t* residuals = plane + RG_NARROW_PLANE_SIZE + 4 * place->first;
-  const uint32_t row_bytes = 4 * (camera->last_cell[0] + 4u);
+  const uint32_t row_bytes = 4u * rg_load_u16(grid + 16);
   const int shift = rg_load_u16(grid + 30) - 13; /* to q27 */
   for (int c = 0; c < 2; ++c, plane += 4, residuals += 2) {
     const int32_t sum = sum_residuals(residuals, row_bytes, place);
     place->position.q27[c] =
         evaluate_plane(plane, place) + ((sum + (1 << (shift - 1))) >> shift);
   }
+}
+
+/* Where a position lies in a grid, and the weights of the control points; 0 if
+ * it lies outside. */
+static RG_INLINE int locate(const rg_axis axes[2], const uint16_t last_cell[2],
+                            int32_t x, int32_t y, rg_place* place) {
+  rg_cell_position across, down;
+  if (!rg_find_on_axis(&axes[0], last_cell[0], x, &across) ||
+      !rg_find_on_axis(&axes[1], last_cell[1], y, &down))
+    return 0;
+  place->x = across;
+  place->y = down;
+  rg_bspline_weights(down.t_q30, place->y_weights_q31);
+  rg_bspline_weights(across.t_q30, place->x_weights_q31);
+  place->first = down.cell * (last_cell[0] + 4u) + across.cell;
   return 1;
 }
 
 int rg_find_place(const rg_camera* camera, int32_t x_q16, int32_t y_q16,
                   rg_place* place) {
-  rg_cell_position x, y;
-  if (!rg_find_on_axis(&camera->axes[0], camera->last_cell[0], x_q16, &x) ||
-      !rg_find_on_axis(&camera->axes[1], camera->last_cell[1], y_q16, &y))
-    return 0;
-  place->x = x;
-  place->y = y;
-  rg_bspline_weights(y.t_q30, place->y_weights_q31);
-  rg_bspline_weights(x.t_q30, place->x_weights_q31);
-  const uint32_t columns = camera->last_cell[0] + 4u;
-  place->first = y.cell * columns + x.cell;
-  if (!camera->control_points) return find_narrow_position(camera, place);
+  if (!locate(camera->axes, camera->last_cell, x_q16, y_q16, place)) return 0;
+  if (!camera->control_points) {
+    find_narrow_position(
+        rg_find_section(camera->blob, RG_SECTION_CENTRAL_GRID, 0), place);
+    return 1;
+  }
   const uint8_t* points = camera->control_points + 8 * place->first;
-  const uint32_t row_bytes = 8 * columns;
+  const uint32_t row_bytes = 8 * (camera->last_cell[0] + 4u);
   const int32_t* const x_weights = place->x_weights_q31;
   int32_t* const y_weights = place->y_weights_q31;
   int32_t sums_q27[2] = {0, 0};
@@ -97,5 +106,23 @@ int rg_find_place(const rg_camera* camera, int32_t x_q16, int32_t y_q16,
     add_row(points, x_weights, rg_read_late(y_weights + j), sums_q27);
   place->position.q27[0] = sums_q27[0];
   place->position.q27[1] = sums_q27[1];
+  return 1;
+}
+
+int rg_find_pixel(const uint8_t* inverse, const rg_chart_point* position,
+                  int32_t pixel_q16[2]) {
+  rg_place place;
+  rg_axis axes[2];
+  uint16_t last_cell[2];
+  for (uint32_t c = 0; c < 2; ++c) {
+    rg_read_axis(inverse, c, &axes[c]);
+    last_cell[c] = (uint16_t)(rg_load_u16(inverse + 16 + 2 * c) - 4u);
+  }
+  if (!locate(axes, last_cell, position->q27[0], position->q27[1], &place))
+    return 0;
+  find_narrow_position(inverse, &place);
+  /* Control points are q17 px. */
+  pixel_q16[0] = 2 * place.position.q27[0];
+  pixel_q16[1] = 2 * place.position.q27[1];
   return 1;
 }

@@ -1,4 +1,4 @@
-/* The optional sections of version 1.1: their fields, and each fault of them
+/* The optional sections since version 1.1: their fields, and each fault of them
  * refused with its own status. */
 #include <string.h>
 
@@ -19,25 +19,28 @@ typedef struct field_value {
 } field_value;
 
 static const field_value kValues[] = {
-    {"left of the chart", 9, 0, 4, (uint32_t)-0x40000001, RG_ERR_START_CHART},
-    {"above the chart", 9, 4, 4, 0x80000000, RG_ERR_START_CHART},
-    {"right of the chart", 9, 8, 4, 0x40000001, RG_ERR_START_CHART},
-    {"below the chart", 9, 12, 4, 0x7fffffff, RG_ERR_START_CHART},
-    {"no width", 9, 8, 4, 0xc0000000, RG_ERR_START_CHART},
-    {"one column", 9, 16, 2, 1, RG_ERR_START_GRID},
-    {"66 rows", 9, 18, 2, 66, RG_ERR_START_GRID},
-    {"columns against the scale", 9, 16, 2, 13, RG_ERR_START_GRID},
-    {"horizontal scale 0", 9, 20, 4, 0, RG_ERR_START_GRID},
-    {"vertical scale too high", 9, 24, 4, 0xffffffff, RG_ERR_START_GRID},
-    {"cosine of 1", 9, 28, 4, 0x40000000, RG_ERR_START_CHART},
-    {"cosine below -1", 9, 28, 4, (uint32_t)-0x40000001, RG_ERR_START_CHART},
-    {"cosine of -1", 9, 28, 4, (uint32_t)-0x40000000, RG_OK},
-    {"vertices in the fields", 9, 32, 4, 32, RG_ERR_DATA_OFFSET},
-    {"vertices at an odd place", 9, 32, 4, 38, RG_ERR_DATA_OFFSET},
-    {"vertices end too late", 9, 32, 4, 40, RG_ERR_SECTION_SIZE},
-    {"vertices so far that the end wraps", 9, 32, 4, 0xfffffffc,
+    {"left of the chart", 10, 0, 4, (uint32_t)-0x20000001, RG_ERR_AREA},
+    {"above the chart", 10, 4, 4, 0x80000000, RG_ERR_AREA},
+    {"right of the chart", 10, 8, 4, 0x20000001, RG_ERR_AREA},
+    {"below the chart", 10, 12, 4, 0x7fffffff, RG_ERR_AREA},
+    {"no width", 10, 8, 4, 0xe0000000, RG_ERR_AREA},
+    {"three columns", 10, 16, 2, 3, RG_ERR_GRID_SIZE},
+    {"1028 rows", 10, 18, 2, 1028, RG_ERR_GRID_SIZE},
+    {"columns against the scale", 10, 16, 2, 13, RG_ERR_GRID_SCALE},
+    {"horizontal scale 0", 10, 20, 4, 0, RG_ERR_GRID_SCALE},
+    {"vertical scale too high", 10, 24, 4, 0xffffffff, RG_ERR_GRID_SCALE},
+    {"unknown chart", 10, 28, 2, 2, RG_ERR_GRID_CHART},
+    {"pixels in q1", 10, 30, 2, 13, RG_ERR_GRID_CHART},
+    {"pixels of 32 bits", 10, 30, 2, 29, RG_ERR_GRID_CHART},
+    {"pixels in the fields", 10, 32, 4, 36, RG_ERR_DATA_OFFSET},
+    {"pixels at an odd place", 10, 32, 4, 42, RG_ERR_DATA_OFFSET},
+    {"pixels end too late", 10, 32, 4, 44, RG_ERR_SECTION_SIZE},
+    {"pixels so far that the end wraps", 10, 32, 4, 0xfffffffc,
      RG_ERR_SECTION_SIZE},
-    {"any vertex", 9, 36, 4, 0x80008000, RG_OK},
+    {"any cosine", 10, 36, 4, 0x80000000, RG_OK},
+    {"pixels too far right", 10, 40, 4, 0x7f000000, RG_ERR_CONTROL_POINT},
+    {"rows lead too far down", 10, 60, 4, 0x80000000, RG_ERR_CONTROL_POINT},
+    {"any residual", 10, 64, 4, 0x80008000, RG_OK},
 
     {"residuals in q13", 2, 30, 2, 13, RG_ERR_GRID_CHART},
     {"residuals in q30", 2, 30, 2, 30, RG_ERR_GRID_CHART},
@@ -115,7 +118,7 @@ static void each_fault_has_its_own_status(void** state) {
   }
 }
 
-static const uint16_t kTypes[] = {5, 6, 7, 9};
+static const uint16_t kTypes[] = {5, 6, 7, 10};
 #define NUM_TYPES (sizeof(kTypes) / sizeof(kTypes[0]))
 
 static void only_line_points_are_critical(void** state) {
@@ -185,21 +188,38 @@ static void narrow_grid_is_read(void** state) {
   }
 }
 
-static void start_is_read(void** state) {
+static void inverse_grid_is_read(void** state) {
   (void)state;
   rg_blob blob;
-  rg_start_section start;
+  rg_inverse_section inverse;
   assert_int_equal(rg_blob_open(kWideBlob, sizeof(kWideBlob), &blob), RG_OK);
-  rg_blob_start(&blob, &start);
-  assert_int_equal(start.columns, 14);
-  assert_int_equal(start.rows, 12);
-  assert_true(start.a0_q28 < 0 && start.a1_q28 > 0);
-  assert_true(start.b0_q28 < 0 && start.b1_q28 > 0);
+  rg_blob_inverse(&blob, &inverse);
+  assert_int_equal(inverse.columns, 17);
+  assert_int_equal(inverse.rows, 14);
+  assert_true(inverse.a0_q27 < 0 && inverse.a1_q27 > 0);
+  assert_true(inverse.b0_q27 < 0 && inverse.b1_q27 > 0);
   assert_int_equal(
-      start.scale_a_q20,
-      rg_grid_scale_q32(13, (uint32_t)start.a1_q28 - (uint32_t)start.a0_q28));
-  assert_true(start.cos_limit_q30 < 0);
-  assert_ptr_equal(start.vertices, kWideBlob + blob.start + 36);
+      inverse.scale_a_q21,
+      rg_grid_scale_q32(14, (uint32_t)(inverse.a1_q27 - inverse.a0_q27)));
+  assert_int_equal(
+      inverse.scale_b_q21,
+      rg_grid_scale_q32(11, (uint32_t)(inverse.b1_q27 - inverse.b0_q27)));
+  assert_true(inverse.cos_limit_q30 < 0);
+}
+
+/* Until version 1.2 a section of type 9 held a start for projection. */
+static void start_of_older_versions_is_skipped(void** state) {
+  (void)state;
+  static const uint8_t start[36] = {1, 2, 3};
+  static uint8_t bytes[sizeof(kWideBlob)] __attribute__((aligned(4)));
+  blob_section sections[3] = {
+      section_of(kWideBlob, 0), section_of(kWideBlob, 1), {9, 0, start, 36}};
+  const uint32_t size = assemble_blob(sections, 3, bytes);
+  for (uint16_t minor = 1; minor <= 2; ++minor) {
+    rg_store_u16(bytes + 10, minor);
+    repair_crcs(bytes, size);
+    assert_int_equal(open_copy(bytes, size), RG_OK);
+  }
 }
 
 static void mask_and_uncertainty_are_read(void** state) {
@@ -254,7 +274,8 @@ int main(void) {
       cmocka_unit_test(sections_stand_once),
       cmocka_unit_test(short_sections_are_refused),
       cmocka_unit_test(narrow_grid_is_read),
-      cmocka_unit_test(start_is_read),
+      cmocka_unit_test(inverse_grid_is_read),
+      cmocka_unit_test(start_of_older_versions_is_skipped),
       cmocka_unit_test(mask_and_uncertainty_are_read),
       cmocka_unit_test(line_points_before_a_short_grid_are_refused),
       cmocka_unit_test(every_flipped_bit_is_refused),

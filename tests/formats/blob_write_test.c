@@ -20,8 +20,9 @@ typedef struct camera_parts {
   int16_t second_residuals[256];
   rg_remap_contents more_remaps[1];
   rg_quality_section quality;
-  rg_start_section start;
-  int16_t start_vertices[512];
+  rg_inverse_section inverse;
+  rg_narrow_grid inverse_points;
+  int16_t inverse_residuals[512];
   int32_t line_points[3 * 16];
   rg_mask_section mask;
   rg_uncertainty_section uncertainty;
@@ -40,13 +41,29 @@ static void copy_arrays(void) {
     parts.residuals[i] = rg_load_i16(parts.remap.vertices + 2 * i);
 }
 
-static void take_start(const rg_blob* blob) {
-  rg_blob_start(blob, &parts.start);
-  const uint32_t count = 2u * parts.start.columns * parts.start.rows;
-  for (uint32_t i = 0; i < count; ++i)
-    parts.start_vertices[i] = rg_load_i16(parts.start.vertices + 2 * i);
-  parts.contents.start = &parts.start;
-  parts.contents.start_vertices = parts.start_vertices;
+/* The plane and the residuals behind it. */
+static void take_narrow(const uint8_t* data, uint32_t fraction_bits,
+                        uint32_t num_residuals, int16_t* residuals,
+                        rg_narrow_grid* narrow) {
+  narrow->fraction_bits = fraction_bits;
+  narrow->residuals = residuals;
+  for (uint32_t c = 0; c < 2; ++c) {
+    narrow->origin_q29[c] = rg_load_i32(data + 4 * c);
+    narrow->column_step_q29[c] = rg_load_i32(data + 8 + 4 * c);
+    narrow->row_step_q29[c] = rg_load_i32(data + 16 + 4 * c);
+  }
+  for (uint32_t i = 0; i < num_residuals; ++i)
+    residuals[i] = rg_load_i16(data + RG_NARROW_PLANE_SIZE + 2 * i);
+}
+
+static void take_inverse(const rg_blob* blob) {
+  const uint8_t* const section = blob->bytes + blob->inverse;
+  rg_blob_inverse(blob, &parts.inverse);
+  take_narrow(section + rg_load_u32(section + 32), rg_load_u16(section + 30),
+              2u * parts.inverse.columns * parts.inverse.rows,
+              parts.inverse_residuals, &parts.inverse_points);
+  parts.contents.inverse = &parts.inverse;
+  parts.contents.inverse_points = &parts.inverse_points;
 }
 
 static void take_line_points(const rg_blob* blob) {
@@ -98,7 +115,7 @@ static void take_apart(const uint8_t* bytes, uint32_t size) {
   parts.contents = contents;
   if (blob.line_points) take_line_points(&blob);
   if (blob.mask) take_mask_and_uncertainty(&blob);
-  if (blob.start) take_start(&blob);
+  if (blob.inverse) take_inverse(&blob);
   const uint8_t* second = rg_find_section(bytes, RG_SECTION_REMAP, 1);
   if (second) take_second_remap(second);
 }
@@ -113,19 +130,16 @@ static void narrow_grid_is_written_byte_for_byte(void** state) {
   rg_grid_section grid;
   rg_blob_camera(&blob, &camera);
   rg_blob_grid(&blob, &grid);
-  const uint8_t* const data = grid.control_points;
-  rg_narrow_grid narrow = {
-      .fraction_bits = rg_load_u16(kNarrowBlob + blob.grid + 30),
-      .residuals = residuals};
-  for (uint32_t c = 0; c < 2; ++c) {
-    narrow.origin_q29[c] = rg_load_i32(data + 4 * c);
-    narrow.column_step_q29[c] = rg_load_i32(data + 8 + 4 * c);
-    narrow.row_step_q29[c] = rg_load_i32(data + 16 + 4 * c);
-  }
-  for (uint32_t i = 0; i < 2u * grid.columns * grid.rows; ++i)
-    residuals[i] = rg_load_i16(data + RG_NARROW_PLANE_SIZE + 2 * i);
+  rg_narrow_grid narrow;
+  take_inverse(&blob);
+  take_narrow(grid.control_points, rg_load_u16(kNarrowBlob + blob.grid + 30),
+              2u * grid.columns * grid.rows, residuals, &narrow);
   const rg_blob_contents contents = {
-      .camera = &camera, .grid = &grid, .narrow = &narrow};
+      .camera = &camera,
+      .grid = &grid,
+      .narrow = &narrow,
+      .inverse = &parts.inverse,
+      .inverse_points = &parts.inverse_points};
   assert_int_equal(rg_blob_size(&contents), sizeof(kNarrowBlob));
   assert_int_equal(rg_blob_write(&contents, written, sizeof(written)), RG_OK);
   assert_memory_equal(written, kNarrowBlob, sizeof(kNarrowBlob));
@@ -181,9 +195,12 @@ static void missing_arrays_are_refused(void** state) {
   (void)state;
   take_apart(kWideBlob, sizeof(kWideBlob));
   const rg_blob_contents complete = parts.contents;
-  parts.contents.start_vertices = NULL;
+  parts.contents.inverse_points = NULL;
   assert_int_equal(write_parts(), RG_ERR_ARGUMENT);
   parts.contents = complete;
+  parts.inverse_points.residuals = NULL;
+  assert_int_equal(write_parts(), RG_ERR_ARGUMENT);
+  parts.inverse_points.residuals = parts.inverse_residuals;
   parts.contents.uncertainties_q12 = NULL;
   assert_int_equal(write_parts(), RG_ERR_ARGUMENT);
   parts.contents = complete;

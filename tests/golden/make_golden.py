@@ -26,7 +26,8 @@ Point = tuple[float, float]
 Ray = tuple[float, float, float]
 
 UNKNOWN = 0xFFFFFFFF
-Q12, Q16, Q28, Q29, Q30 = 1 << 12, 1 << 16, 1 << 28, 1 << 29, 1 << 30
+Q12, Q16, Q17, Q27 = 1 << 12, 1 << 16, 1 << 17, 1 << 27
+Q28, Q29, Q30 = 1 << 28, 1 << 29, 1 << 30
 BORDER = 7
 FRAME_SEED = 2025
 CHART_POINTS = ((0, 0), (1, -1), (0.25, 0.5), (-0.5, 0.125), (1, 0), (-1, 1),
@@ -93,22 +94,23 @@ def make_grid(lens: Lens, area: tuple[float, float, float, float],
     columns, rows = cells[0] + 3, cells[1] + 3
     step_x, step_y = (x1 - x0) / cells[0], (y1 - y0) / cells[1]
     points = tuple(
-        control_point(lens, (x0 + i * step_x, y0 + j * step_y), step_x, step_y)
+        tuple(round(value * Q29) for value in control_point(
+            lens.chart, (x0 + i * step_x, y0 + j * step_y), step_x, step_y))
         for j in range(-1, rows - 1) for i in range(-1, columns - 1))
     corners = (round(value * Q16) for value in area)
     return reference.CentralGrid(*corners, columns, rows, points)
 
 
-def control_point(lens: Lens, pixel: Point, step_x: float,
-                  step_y: float) -> reference.Pair:
-    """The value there less a sixth of the second differences, q29."""
-    x, y = pixel
-    around = [lens.chart(*neighbour) for neighbour in (
+def control_point(function: Callable[[float, float], Point], place: Point, step_x: float,
+                  step_y: float) -> Point:
+    """The function's value less a sixth of the second differences."""
+    x, y = place
+    around = [function(*neighbour) for neighbour in (
         (x - step_x, y), (x + step_x, y), (x, y - step_y), (x, y + step_y))]
-    middle = lens.chart(x, y)
+    middle = function(x, y)
     a, b = (middle[axis] - (sum(point[axis] for point in around)
                             - 4 * middle[axis]) / 6 for axis in (0, 1))
-    return round(a * Q29), round(b * Q29)
+    return a, b
 
 
 def project(blob: reference.Blob, lens: Lens, ray: Ray) -> Point:
@@ -265,19 +267,17 @@ def make_example() -> reference.Blob:
 def make_lens() -> reference.Blob:
     """150 degrees across the diagonal, on a sensor that is turned by 170, seen
     by a pinhole that reaches beyond the calibrated area."""
-    lens = Lens(centre=(81.3, 57.9), focal=72.0, k=0.25,
-                roll=math.radians(170))
     view = View(120, 90, block_log2=4, residual_shift=3, focal=24.0,
                 bound_upx=4000000)
     return make_blob(
-        reference.Camera(160, 120, "Weitwinkel \u00df", "L-150/7"), lens,
+        reference.Camera(160, 120, "Weitwinkel \u00df", "L-150/7"), TURNED_LENS,
         (2.5, 1.25, 157.0, 118.5), (6, 5), view,
         reference.Quality(31000, 42000, 350000, 12345, 33000, 45000, 410000,
                           6789, 1729, 21835))
 
 
 def make_wide() -> reference.Blob:
-    """220 degrees across, off centre, with a projection start."""
+    """220 degrees across, off centre, with an inverse grid."""
     lens = WIDE_LENS
     camera = reference.Camera(320, 240, "wide", "")
     grid = make_grid(lens, (0.0, 0.0, 319.0, 239.0), (16, 12))
@@ -287,7 +287,7 @@ def make_wide() -> reference.Blob:
              View(36, 28, block_log2=4, residual_shift=6, focal=10.0,
                   bound_upx=4000000))
     first, second = (make_remap(blob, lens, view) for view in views)
-    return dataclasses.replace(blob, start=make_start(blob, lens, (13, 11)),
+    return dataclasses.replace(blob, inverse=make_inverse(blob, lens, (14, 11)),
                                remap=first, more_remaps=(second,), mask=make_mask(),
                                uncertainty=make_uncertainty())
 
@@ -315,8 +315,13 @@ def make_lines(example: reference.Blob) -> reference.Blob:
 
 
 def make_narrow(lens: reference.Blob) -> reference.Blob:
-    """The lens's camera with control points of 16 bits."""
-    grid = lens.grid
+    """The lens's camera with control points of 16 bits, and an inverse grid."""
+    blob = reference.Blob(lens.camera, narrow_grid(lens.grid))
+    return dataclasses.replace(blob, inverse=make_inverse(blob, TURNED_LENS, (8, 6)))
+
+
+def narrow_grid(grid: reference.CentralGrid) -> reference.CentralGrid:
+    """A grid's control points as a plane and 16 bits."""
     fits = [narrow_fit(grid, axis) for axis in (0, 1)]
     plane = tuple(fits[axis][k] for k in range(3) for axis in (0, 1))
     planes = list(reference.plane_points(grid, plane))
@@ -328,8 +333,8 @@ def make_narrow(lens: reference.Blob) -> reference.Blob:
     unit = 1 << 29 - fraction_bits
     points = tuple(tuple(base[axis] + round(pair[axis] / unit) * unit for axis in (0, 1))
                    for pair, base in zip(left, planes))
-    return reference.Blob(lens.camera, dataclasses.replace(
-        grid, control_points=points, fraction_bits=fraction_bits, plane=plane))
+    return dataclasses.replace(grid, control_points=points, fraction_bits=fraction_bits,
+                               plane=plane)
 
 
 def narrow_fit(grid: reference.CentralGrid, axis: int) -> tuple[int, int, int]:
@@ -351,29 +356,53 @@ def line_lines(blob: reference.Blob) -> Iterator[str]:
             yield table_line((x, y), [round(value * Q28) for value in point])
 
 
+TURNED_LENS = Lens(centre=(81.3, 57.9), focal=72.0, k=0.25,
+                   roll=math.radians(170))
 # 1.92 rad or 110 degrees at the middle of the left and right edge.
 WIDE_LENS = Lens(centre=(158.2, 121.4), focal=74.0, k=0.25,
                  roll=math.radians(-3))
 
 
-def make_start(blob: reference.Blob, lens: Lens,
-               cells: tuple[int, int]) -> reference.ProjectionStart:
-    """A projection start for the blob's grid, from the lens."""
+def make_inverse(blob: reference.Blob, lens: Lens,
+                 cells: tuple[int, int]) -> reference.InverseGrid:
+    """Where the blob's grid sees chart positions, to third order."""
     charts = [chart_of(reference.unproject(blob, x, y))
               for x, y in area_samples(blob.grid)]
     corners = []
     for axis in (0, 1):
         values = [chart[axis] for chart in charts]
         margin = 0.01 * (max(values) - min(values))
-        corners.append((round((min(values) - margin) * Q28),
-                        round((max(values) + margin) * Q28)))
+        corners.append((round((min(values) - margin) * Q27),
+                        round((max(values) + margin) * Q27)))
     (a0, a1), (b0, b1) = corners
-    start = reference.ProjectionStart(a0, b0, a1, b1, cells[0] + 1,
-                                      cells[1] + 1, cos_limit(charts), ())
-    live = {cell for chart in charts for cell in cells_around(start, chart)}
-    return dataclasses.replace(start, vertices=tuple(
-        start_vertex(start, lens, live, i, j)
-        for j in range(start.rows) for i in range(start.columns)))
+    columns, rows = cells[0] + 3, cells[1] + 3
+    step_a, step_b = (a1 - a0) / cells[0] / Q27, (b1 - b0) / cells[1] / Q27
+
+    def pixel_of(a: float, b: float) -> Point:
+        return project(blob, lens, reference.direction(a, b))
+
+    nodes = [(a0 / Q27 + i * step_a, b0 / Q27 + j * step_b)
+             for j in range(-1, rows - 1) for i in range(-1, columns - 1)]
+    values = [pixel_of(*node) for node in nodes]
+    points = [control_point(pixel_of, node, step_a, step_b) for node in nodes]
+    for _ in range(6):
+        points = closer_points(points, values, columns)
+    grid = reference.CentralGrid(a0, b0, a1, b1, columns, rows, tuple(
+        (round(x * Q17), round(y * Q17)) for x, y in points))
+    return reference.InverseGrid(narrow_grid(grid), cos_limit(charts))
+
+
+def closer_points(points: list[Point], values: list[Point], columns: int) -> list[Point]:
+    """Control points, moved by what their spline lacks of the values at the nodes inside."""
+    closer = list(points)
+    for k in range(columns + 1, len(points) - columns - 1):
+        if 0 < k % columns < columns - 1:
+            around = [(points[k + row + column], (4 if row == 0 else 1) * (4 if column == 0 else 1))
+                      for row in (-columns, 0, columns) for column in (-1, 0, 1)]
+            closer[k] = tuple(points[k][c] + values[k][c]
+                              - sum(weight * point[c] for point, weight in around) / 36
+                              for c in (0, 1))
+    return closer
 
 
 def cos_limit(charts: list[Point]) -> int:
@@ -398,27 +427,6 @@ def chart_of(ray: Ray) -> Point:
     """Stereographic coordinates of a direction."""
     scale = 1 / (math.hypot(*ray) + ray[2])
     return ray[0] * scale, ray[1] * scale
-
-
-def cells_around(start: reference.ProjectionStart,
-                 chart: Point) -> Iterator[reference.Pair]:
-    """The cells within a twentieth of a cell of a chart position."""
-    u = (chart[0] * Q28 - start.a0) / (start.a1 - start.a0) * (start.columns - 1)
-    v = (chart[1] * Q28 - start.b0) / (start.b1 - start.b0) * (start.rows - 1)
-    for du in (-0.05, 0.05):
-        for dv in (-0.05, 0.05):
-            yield math.floor(u + du), math.floor(v + dv)
-
-
-def start_vertex(start: reference.ProjectionStart, lens: Lens,
-                 live: set[reference.Pair], i: int, j: int) -> reference.Pair:
-    """Where the lens sees the vertex, if one of its cells is live."""
-    if not any((i - di, j - dj) in live for di in (0, 1) for dj in (0, 1)):
-        return reference.NO_VERTEX, 0
-    a = (start.a0 + (start.a1 - start.a0) * i / (start.columns - 1)) / Q28
-    b = (start.b0 + (start.b1 - start.b0) * j / (start.rows - 1)) / Q28
-    x, y = lens.project(reference.direction(a, b))
-    return round(2 * x), round(2 * y)
 
 
 # Expected results
@@ -712,7 +720,7 @@ def header_lines(example: reference.Blob, lens: reference.Blob,
     yield from pixel_lines(lens)
     yield "};"
     yield ""
-    yield "/* The same lens with control points of 16 bits: version 1.2. */"
+    yield "/* The same lens with control points of 16 bits and an inverse grid. */"
     yield from blob_lines("kNarrowBlob", reference.serialize(make_narrow(lens)))
     yield "/* q16 pixels of kNarrowBlob. */"
     yield "static const golden_ray kNarrowRays[] = {"
@@ -724,7 +732,7 @@ def header_lines(example: reference.Blob, lens: reference.Blob,
     yield from undistorted_lines(lens)
     yield "};"
     yield ""
-    yield "/* 220 degrees, with a projection start: version 1.1. */"
+    yield "/* 220 degrees, with an inverse grid: version 1.3. */"
     yield from blob_lines("kWideBlob", reference.serialize(wide))
     yield "/* q16 pixels of kWideBlob, or INT32_MIN, of directions of any length. */"
     yield "static const golden_ray kWideProjections[] = {"
