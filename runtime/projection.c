@@ -19,45 +19,61 @@
 static int move_inside(const rg_camera* camera, uint32_t tolerance_q16,
                        int32_t pixel_q16[2]) {
   for (uint32_t c = 0; c < 2; ++c) {
-    const int32_t low = camera->axes[c].low;
-    const int32_t high = low + (int32_t)camera->axes[c].span;
-    const int32_t before = pixel_q16[c];
-    const int32_t after = before < low ? low : before > high ? high : before;
-    if (rg_magnitude(before - after) > tolerance_q16) return 0;
-    pixel_q16[c] = after;
+    const rg_axis* const axis = &camera->axes[c];
+    const uint32_t offset_q16 =
+        (uint32_t)pixel_q16[c] - (uint32_t)axis->low;
+    if (offset_q16 <= axis->span) continue;
+    const int is_low = pixel_q16[c] < axis->low;
+    if ((is_low ? 0 - offset_q16 : offset_q16 - axis->span) > tolerance_q16)
+      return 0;
+    pixel_q16[c] = axis->low + (is_low ? 0 : (int32_t)axis->span);
   }
   return 1;
 }
 
-/* A step of Newton's method is what the inverse grid changes by where its
- * argument changes by the surface's error. */
+/* A distance on one axis of the chart, in cells of an inverse grid with that
+ * scale; 0 if it is a cell or more. */
+static int cells_of(int32_t distance_q27, uint32_t scale, int32_t* cells_q31) {
+  const int32_t sign = distance_q27 >> 31; /* branches are hard to predict */
+  uint32_t low;
+  const uint32_t high = rg_multiply_unsigned(
+      (uint32_t)((distance_q27 ^ sign) - sign), scale, &low);
+  *cells_q31 = ((int32_t)(high << 15 | low >> 17) ^ sign) - sign;
+  return high >> 16 == 0;
+}
+
+/* Newton's method from where the inverse grid says, with its derivative. */
 static int solve(const rg_camera* camera, const rg_chart_point* target,
                  int32_t pixel_q16[2]) {
   const uint8_t* const inverse = camera->blob + camera->inverse;
-  rg_chart_point argument = *target;
-  int32_t last_q16[2];
-  if (!rg_find_pixel(inverse, &argument, last_q16)) return 0;
-  pixel_q16[0] = last_q16[0];
-  pixel_q16[1] = last_q16[1];
+  rg_inverse_place start;
+  if (!rg_find_inverse(inverse, target, &start)) return 0;
+  pixel_q16[0] = start.pixel_q16[0];
+  pixel_q16[1] = start.pixel_q16[1];
   for (uint32_t limit_q16 = FIRST_STEP_Q16; limit_q16 >= LAST_STEP_Q16;
        limit_q16 >>= 2) {
     rg_place place;
-    int32_t next_q16[2];
+    int32_t step_q16[2] = {0, 0};
     if (!move_inside(camera, limit_q16, pixel_q16)) return 0;
     rg_find_place(camera, pixel_q16[0], pixel_q16[1], &place);
-    for (uint32_t c = 0; c < 2; ++c)
-      argument.q27[c] += target->q27[c] - place.position.q27[c];
-    if (!rg_find_pixel(inverse, &argument, next_q16)) return 0;
-    uint32_t size_q16 = 0;
     for (uint32_t c = 0; c < 2; ++c) {
-      const int32_t step_q16 = next_q16[c] - last_q16[c];
-      size_q16 |= rg_magnitude(step_q16);
-      last_q16[c] = next_q16[c];
-      pixel_q16[c] = (int32_t)((uint32_t)pixel_q16[c] + (uint32_t)step_q16);
+      int32_t cells_q31;
+      if (!cells_of(target->q27[c] - place.position.q27[c],
+                    rg_load_u32(inverse + 20 + 4 * c), &cells_q31))
+        return 0;
+      const int32_t* const by_cells_q17 = start.by_cells_q17[c];
+      step_q16[0] =
+          rg_multiply_high_add(step_q16[0], by_cells_q17[0], cells_q31);
+      step_q16[1] =
+          rg_multiply_high_add(step_q16[1], by_cells_q17[1], cells_q31);
     }
+    const uint32_t size_q16 =
+        rg_magnitude(step_q16[0]) | rg_magnitude(step_q16[1]);
+    if (size_q16 > limit_q16) return 0;
+    pixel_q16[0] += step_q16[0];
+    pixel_q16[1] += step_q16[1];
     if (size_q16 < LAST_STEP_Q16)
       return move_inside(camera, EDGE_TOLERANCE_Q16, pixel_q16);
-    if (size_q16 > limit_q16) return 0;
   }
   return 0;
 }

@@ -5,22 +5,15 @@
 
 /* sqrt(s) in q29, for s_q28 from 2^26 to below 2^30: s in [1/4, 4). */
 static int32_t square_root(uint32_t s_q28) {
-  const int is_below_1 = s_q28 < UINT32_C(1) << 28;
-  const uint32_t u_q32 = s_q28 << (is_below_1 ? 4 : 2); /* s or s / 4 */
-  const int32_t root_q29 =
-      2 * rg_multiply_high((int32_t)(u_q32 >> 1), rg_inverse_root(u_q32));
-  return is_below_1 ? root_q29 : 2 * root_q29;
+  const int is_from_1 = s_q28 >> 28 != 0;
+  const uint32_t u_q32 = s_q28 << (4 - 2 * is_from_1); /* s or s / 4 */
+  return rg_multiply_high((int32_t)(u_q32 >> 1), rg_inverse_root(u_q32))
+         << (1 + is_from_1);
 }
 
 /* All bits but the sign's that a value needs. */
 static uint32_t bits_of(int32_t value) {
   return (uint32_t)(value ^ (value >> 31));
-}
-
-/* value 2^exponent */
-static int32_t scale(int32_t value, int exponent) {
-  return exponent < 0 ? value >> -exponent
-                      : (int32_t)((uint32_t)value << exponent);
 }
 
 /* (x, y) / (n + z) with n the length. */
@@ -42,15 +35,16 @@ int rg_chart_point_of(const rg_ray* direction, int32_t limit_q30,
       2 * rg_multiply_high(limit_q30, 2 * square_q28))
     return 0;
   const int32_t sum_q29 = square_root((uint32_t)square_q28) + (z_q30 >> 1);
-  /* |a| and |b| below 4. */
-  if ((int32_t)(rg_magnitude(x_q30) >> 3) >= sum_q29 ||
-      (int32_t)(rg_magnitude(y_q30) >> 3) >= sum_q29)
+  /* |a| and |b| below 4 (1 - 1/128). */
+  const int32_t limit_q29 = sum_q29 - (sum_q29 >> 7);
+  if ((int32_t)(rg_magnitude(x_q30) >> 3) >= limit_q29 ||
+      (int32_t)(rg_magnitude(y_q30) >> 3) >= limit_q29)
     return 0;
   /* n + z = D 2^(3 - zeros) with D in [1/2, 1); 1 / D in q29. */
   const int zeros = rg_leading_zeros((uint32_t)sum_q29); /* 1 to 8 */
   const int32_t r_q29 = rg_reciprocal((uint32_t)sum_q29 << zeros);
   /* x / (n + z) = x / D 2^(zeros - 3) */
-  point->q27[0] = scale(rg_multiply_high(x_q30, r_q29), zeros - 3);
-  point->q27[1] = scale(rg_multiply_high(y_q30, r_q29), zeros - 3);
+  point->q27[0] = rg_multiply_high(x_q30, r_q29) * (1 << (zeros - 1)) >> 2;
+  point->q27[1] = rg_multiply_high(y_q30, r_q29) * (1 << (zeros - 1)) >> 2;
   return 1;
 }

@@ -109,8 +109,25 @@ int rg_find_place(const rg_camera* camera, int32_t x_q16, int32_t y_q16,
   return 1;
 }
 
-int rg_find_pixel(const uint8_t* inverse, const rg_chart_point* position,
-                  int32_t pixel_q16[2]) {
+/* How one coordinate of residuals changes per cell along one axis, times 2^15:
+ * differences across two cells, which are the spline's derivatives at its
+ * knots, and linear between the knots of both axes. Positions are q7. */
+static RG_SHARED int32_t find_slope(const uint8_t* residuals, uint32_t along,
+                                    uint32_t across, int32_t t, int32_t s) {
+  int32_t slopes[2];
+  for (int k = 0; k < 2; ++k) {
+    residuals += across;
+    const int32_t first = rg_load_i16(residuals + 2 * along) -
+                          rg_load_i16(residuals);
+    const int32_t second = rg_load_i16(residuals + 3 * along) -
+                           rg_load_i16(residuals + along);
+    slopes[k] = first * (128 - t) + second * t;
+  }
+  return slopes[0] * (128 - s) + slopes[1] * s;
+}
+
+int rg_find_inverse(const uint8_t* inverse, const rg_chart_point* position,
+                    rg_inverse_place* found) {
   rg_place place;
   rg_axis axes[2];
   uint16_t last_cell[2];
@@ -121,8 +138,19 @@ int rg_find_pixel(const uint8_t* inverse, const rg_chart_point* position,
   if (!locate(axes, last_cell, position->q27[0], position->q27[1], &place))
     return 0;
   find_narrow_position(inverse, &place);
-  /* Control points are q17 px. */
-  pixel_q16[0] = 2 * place.position.q27[0];
-  pixel_q16[1] = 2 * place.position.q27[1];
+  const uint8_t* plane = inverse + rg_load_u32(inverse + 32);
+  const uint8_t* residuals = plane + RG_NARROW_PLANE_SIZE + 4 * place.first;
+  const uint32_t row_bytes = 4u * rg_load_u16(inverse + 16);
+  const uint32_t shift = rg_load_u16(inverse + 30) - RG_NARROW_MIN_BITS;
+  const int32_t t = place.x.t_q30 >> 23, s = place.y.t_q30 >> 23;
+  for (int c = 0; c < 2; ++c, plane += 4, residuals += 2) {
+    const int32_t across = find_slope(residuals, 4, row_bytes, t, s) >> shift;
+    const int32_t down = find_slope(residuals, row_bytes, 4, s, t) >> shift;
+    found->pixel_q16[c] = 2 * place.position.q27[c];
+    found->by_cells_q17[0][c] =
+        (int32_t)(rg_load_u32(plane + 8) + (uint32_t)across);
+    found->by_cells_q17[1][c] =
+        (int32_t)(rg_load_u32(plane + 16) + (uint32_t)down);
+  }
   return 1;
 }

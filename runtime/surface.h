@@ -51,9 +51,14 @@ typedef struct rg_place {
 int rg_find_place(const rg_camera* camera, int32_t x_q16, int32_t y_q16,
                   rg_place* place);
 
-/* What an inverse grid says of a chart position: about which pixel looks there,
- * between -16384 and 16384 px. 0 if the position lies outside the grid. */
-int rg_find_pixel(const uint8_t* inverse, const rg_chart_point* position,
-                  int32_t pixel_q16[2]);
+/* What an inverse grid says of a chart position. */
+typedef struct rg_inverse_place {
+  int32_t pixel_q16[2];      /* about where it is seen, within 16384 px */
+  int32_t by_cells_q17[2][2]; /* how x and y change per cell across; down */
+} rg_inverse_place;
+
+/* 0 if the position lies outside the grid. */
+int rg_find_inverse(const uint8_t* inverse, const rg_chart_point* position,
+                    rg_inverse_place* place);
 
 #endif /* RAYGRID_SURFACE_H */

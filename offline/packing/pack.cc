@@ -11,7 +11,8 @@
 #include "camera/noncentral_generic.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
-#include "packing/projection_start.h"
+#include "packing/inverse_grid.h"
+#include "packing/narrow_grid.h"
 #include "packing/remap_fitting.h"
 #include "raygrid.h"
 #include "rg_blob.h"
@@ -76,7 +77,7 @@ CentralGeneric AsGrid(const CameraModel& camera) {
 
 struct GridSection {
   rg_grid_section section = {};
-  std::vector<int32_t> control_points;
+  ControlPoints control_points;
 };
 
 GridSection QuantizeGrid(const CentralGeneric& camera) {
@@ -89,6 +90,8 @@ GridSection QuantizeGrid(const CentralGeneric& camera) {
   s.y1_q16 = Q16(area.y1);
   s.columns = static_cast<uint16_t>(camera.surface().columns());
   s.rows = static_cast<uint16_t>(camera.surface().rows());
+  grid.control_points.columns = s.columns;
+  grid.control_points.rows = s.rows;
   if (camera.surface().cell_width() <= 1.01 ||
       camera.surface().cell_height() <= 1.01)
     FailFormat("its cells are not larger than a pixel");
@@ -99,70 +102,11 @@ GridSection QuantizeGrid(const CentralGeneric& camera) {
       const double value = std::ldexp(point[c], RG_CONTROL_POINT_BITS);
       if (!(std::abs(value) <= RG_CONTROL_POINT_LIMIT))
         FailFormat("it looks farther back than 151 degrees from its axis");
-      grid.control_points.push_back(static_cast<int32_t>(std::lround(value)));
+      grid.control_points.values.push_back(
+          static_cast<int32_t>(std::lround(value)));
     }
   }
   return grid;
-}
-
-// A grid's control points as a plane and residuals of 16 bits.
-struct NarrowGrid {
-  rg_narrow_grid section = {};
-  std::vector<int16_t> residuals;
-};
-
-// The plane between opposite edges' means, of one coordinate.
-void FitPlane(const GridSection& grid, int c, rg_narrow_grid* narrow) {
-  const int right = grid.section.columns - 1, bottom = grid.section.rows - 1;
-  const auto mean = [&](int i0, int i1, int j0, int j1) {
-    double sum = 0;
-    for (int j = j0; j <= j1; ++j)
-      for (int i = i0; i <= i1; ++i)
-        sum += grid.control_points[2 * (j * (right + 1) + i) + c];
-    return sum / ((i1 - i0 + 1) * (j1 - j0 + 1));
-  };
-  const double across =
-      (mean(right, right, 0, bottom) - mean(0, 0, 0, bottom)) / right;
-  const double down =
-      (mean(0, right, bottom, bottom) - mean(0, right, 0, 0)) / bottom;
-  const double middle = mean(0, right, 0, bottom);
-  narrow->column_step_q29[c] = static_cast<int32_t>(std::lround(across));
-  narrow->row_step_q29[c] = static_cast<int32_t>(std::lround(down));
-  narrow->origin_q29[c] = static_cast<int32_t>(
-      std::lround(middle - across * right / 2 - down * bottom / 2));
-}
-
-// What control points have beyond their plane.
-std::vector<int64_t> BeyondPlane(const GridSection& grid,
-                                 const rg_narrow_grid& plane) {
-  std::vector<int64_t> beyond;
-  for (size_t k = 0; k < grid.control_points.size(); ++k) {
-    const int64_t i = k / 2 % grid.section.columns;
-    const int64_t j = k / 2 / grid.section.columns;
-    beyond.push_back(grid.control_points[k] - plane.origin_q29[k % 2] -
-                     i * plane.column_step_q29[k % 2] -
-                     j * plane.row_step_q29[k % 2]);
-  }
-  return beyond;
-}
-
-// With as many fraction bits as fit; nothing where 16 bits do not reach.
-std::optional<NarrowGrid> Narrow(const GridSection& grid) {
-  NarrowGrid narrow;
-  for (int c = 0; c < 2; ++c) FitPlane(grid, c, &narrow.section);
-  const std::vector<int64_t> beyond = BeyondPlane(grid, narrow.section);
-  int64_t largest = 0;
-  for (const int64_t value : beyond)
-    largest = std::max(largest, std::abs(value));
-  int shift = RG_CONTROL_POINT_BITS - RG_NARROW_MAX_BITS;
-  while (largest >= int64_t{32767} << shift) ++shift;
-  if (shift > static_cast<int>(RG_CONTROL_POINT_BITS - RG_NARROW_MIN_BITS))
-    return std::nullopt;
-  narrow.section.fraction_bits = RG_CONTROL_POINT_BITS - shift;
-  for (const int64_t value : beyond)
-    narrow.residuals.push_back(
-        static_cast<int16_t>((value + (int64_t{1} << (shift - 1))) >> shift));
-  return narrow;
 }
 
 // The points of a camera's lines, fitted anew if the grid is another one.
@@ -385,7 +329,7 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   const CameraModel& central = far ? *far : camera;
   const CentralGeneric model = AsGrid(central);
   const GridSection grid = QuantizeGrid(model);
-  const ProjectionStart start = MakeProjectionStart(model.surface());
+  std::optional<InverseGrid> inverse;
   const std::string name = PaddedText("name", file.name);
   const std::string serial = PaddedText("serial", file.serial);
   const rg_camera_section identity = {
@@ -395,10 +339,13 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   rg_blob_contents contents = {};
   contents.camera = &identity;
   contents.grid = &grid.section;
-  contents.control_points_q29 = grid.control_points.data();
+  contents.control_points_q29 = grid.control_points.values.data();
   if (!lines) {
-    contents.start = &start.section;
-    contents.start_vertices = start.vertices.data();
+    inverse = MakeInverseGrid(model.surface());
+    if (!inverse) FailFormat("no grid of 16 bits leads back to its pixels");
+    inverse->points.section.residuals = inverse->points.residuals.data();
+    contents.inverse = &inverse->section;
+    contents.inverse_points = &inverse->points.section;
   }
 
   PackedCamera packed;
@@ -420,7 +367,7 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
       file.uncertainty && TrustsAny(file.uncertainty->mask)
           ? &file.uncertainty->mask
           : nullptr;
-  std::optional<NarrowGrid> narrow = Narrow(grid);
+  std::optional<NarrowGrid> narrow = Narrow(grid.control_points);
   UnprojectionError error = {INFINITY, INFINITY};
   if (narrow) {
     narrow->section.residuals = narrow->residuals.data();

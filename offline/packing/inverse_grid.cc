@@ -1,0 +1,128 @@
+#include "packing/inverse_grid.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace raygrid {
+namespace {
+
+// Of the longer side: as many as bring the start close enough, from few on.
+constexpr std::array<int, 7> kLongerSideCells = {6, 8, 10, 13, 16, 20, 24};
+constexpr double kCloseEnoughPx = 1.0 / 32;
+constexpr int kEdgeSamples = 400;
+constexpr int kInnerSamples = 80;
+// Chart positions have magnitudes below 4, and pixels below 16384.
+constexpr double kMaxChart = 4;
+constexpr double kMaxPixel = 16000;
+
+void AddSample(const BSplineSurface& surface, double u, double v,
+               std::vector<SurfaceSample>* samples) {
+  const Area& area = surface.area();
+  const Eigen::Vector2d pixel(area.x0 + u * area.width(),
+                              area.y0 + v * area.height());
+  // What is found by chart position is the pixel.
+  samples->push_back({surface.Evaluate(pixel), pixel});
+}
+
+// Pixels by chart position: the area's edge densely, its inside more coarsely.
+std::vector<SurfaceSample> SampleSurface(const BSplineSurface& surface) {
+  std::vector<SurfaceSample> samples;
+  for (int k = 0; k <= kEdgeSamples; ++k) {
+    const double t = static_cast<double>(k) / kEdgeSamples;
+    AddSample(surface, t, 0, &samples);
+    AddSample(surface, t, 1, &samples);
+    AddSample(surface, 0, t, &samples);
+    AddSample(surface, 1, t, &samples);
+  }
+  for (int j = 1; j < kInnerSamples; ++j)
+    for (int i = 1; i < kInnerSamples; ++i)
+      AddSample(surface, static_cast<double>(i) / kInnerSamples,
+                static_cast<double>(j) / kInnerSamples, &samples);
+  return samples;
+}
+
+// A rectangle of the chart around all samples.
+Area ChartAround(const std::vector<SurfaceSample>& samples) {
+  Eigen::Array2d low = samples.front().pixel, high = low;
+  for (const SurfaceSample& sample : samples) {
+    low = low.min(sample.pixel.array());
+    high = high.max(sample.pixel.array());
+  }
+  const double margin = (high - low).maxCoeff() / 40;
+  low = (low - margin).max(-kMaxChart);
+  high = (high + margin).min(kMaxChart);
+  return {low.x(), low.y(), high.x(), high.y()};
+}
+
+BSplineSurface FitInverse(const Area& chart, int longer_side_cells,
+                          const std::vector<SurfaceSample>& samples) {
+  const double cell =
+      std::max(chart.width(), chart.height()) / longer_side_cells;
+  return FitSurface(chart, NumControlPoints(chart.width(), cell),
+                    NumControlPoints(chart.height(), cell), samples);
+}
+
+double WorstError(const BSplineSurface& inverse,
+                  const std::vector<SurfaceSample>& samples) {
+  double worst = 0;
+  for (const SurfaceSample& sample : samples)
+    worst = std::max(worst,
+                     (inverse.Evaluate(sample.pixel) - sample.value).norm());
+  return worst;
+}
+
+// c |c| of the widest sample, less a little.
+double CosineLimit(const std::vector<SurfaceSample>& samples) {
+  double cosine = 1;
+  for (const SurfaceSample& sample : samples) {
+    const double s = sample.pixel.squaredNorm();
+    cosine = std::min(cosine, (1 - s) / (1 + s));
+  }
+  return std::max(cosine * std::abs(cosine) - 1e-3, -1.0);
+}
+
+int32_t FixedPoint(double value, int bits) {
+  return static_cast<int32_t>(std::lround(std::ldexp(value, bits)));
+}
+
+ControlPoints Quantize(const BSplineSurface& inverse) {
+  ControlPoints points = {inverse.columns(), inverse.rows(), {}};
+  for (const Eigen::Vector2d& pixel : inverse.points())
+    for (int c = 0; c < 2; ++c)
+      points.values.push_back(
+          FixedPoint(std::clamp(pixel[c], -kMaxPixel, kMaxPixel),
+                     RG_INVERSE_PIXEL_BITS));
+  return points;
+}
+
+}  // namespace
+
+std::optional<InverseGrid> MakeInverseGrid(const BSplineSurface& surface) {
+  const std::vector<SurfaceSample> samples = SampleSurface(surface);
+  const Area chart = ChartAround(samples);
+  BSplineSurface fit;
+  for (const int cells : kLongerSideCells) {
+    fit = FitInverse(chart, cells, samples);
+    if (WorstError(fit, samples) <= kCloseEnoughPx) break;
+  }
+  const std::optional<NarrowGrid> points = Narrow(Quantize(fit));
+  if (!points) return std::nullopt;
+  InverseGrid inverse;
+  inverse.points = *points;
+  rg_inverse_section& s = inverse.section;
+  s.a0_q27 = FixedPoint(chart.x0, 27);
+  s.b0_q27 = FixedPoint(chart.y0, 27);
+  s.a1_q27 = FixedPoint(chart.x1, 27);
+  s.b1_q27 = FixedPoint(chart.y1, 27);
+  s.columns = static_cast<uint16_t>(fit.columns());
+  s.rows = static_cast<uint16_t>(fit.rows());
+  s.scale_a_q21 = rg_grid_scale_q32(s.columns - 3u,
+                                    static_cast<uint32_t>(s.a1_q27 - s.a0_q27));
+  s.scale_b_q21 = rg_grid_scale_q32(s.rows - 3u,
+                                    static_cast<uint32_t>(s.b1_q27 - s.b0_q27));
+  s.cos_limit_q30 = FixedPoint(CosineLimit(samples), 30);
+  return inverse;
+}
+
+}  // namespace raygrid

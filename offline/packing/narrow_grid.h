@@ -1,0 +1,29 @@
+#ifndef RAYGRID_PACKING_NARROW_GRID_H
+#define RAYGRID_PACKING_NARROW_GRID_H
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "rg_blob.h"
+
+namespace raygrid {
+
+/// Pairs of 32 bits, row by row.
+struct ControlPoints {
+  int columns = 0, rows = 0;
+  std::vector<int32_t> values;  // 2 * columns * rows
+};
+
+/// Control points as a plane and residuals of 16 bits.
+struct NarrowGrid {
+  rg_narrow_grid section = {};  // its residuals are not set
+  std::vector<int16_t> residuals;
+};
+
+/// With as many fraction bits as fit; nothing where 16 bits do not reach.
+std::optional<NarrowGrid> Narrow(const ControlPoints& points);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_PACKING_NARROW_GRID_H
