@@ -291,8 +291,7 @@ static void write_sections(const rg_blob_contents* contents,
 static uint16_t minor_version(const rg_blob_contents* contents) {
   if (contents->inverse) return 3;
   if (contents->narrow) return 2;
-  return contents->line_points_q28 || contents->mask ||
-                 contents->uncertainty
+  return contents->line_points_q28 || contents->mask || contents->uncertainty
              ? 1
              : 0;
 }

@@ -20,8 +20,7 @@ static int move_inside(const rg_camera* camera, uint32_t tolerance_q16,
                        int32_t pixel_q16[2]) {
   for (uint32_t c = 0; c < 2; ++c) {
     const rg_axis* const axis = &camera->axes[c];
-    const uint32_t offset_q16 =
-        (uint32_t)pixel_q16[c] - (uint32_t)axis->low;
+    const uint32_t offset_q16 = (uint32_t)pixel_q16[c] - (uint32_t)axis->low;
     if (offset_q16 <= axis->span) continue;
     const int is_low = pixel_q16[c] < axis->low;
     if ((is_low ? 0 - offset_q16 : offset_q16 - axis->span) > tolerance_q16)
@@ -42,65 +41,113 @@ static int cells_of(int32_t distance_q27, uint32_t scale, int32_t* cells_q31) {
   return high >> 16 == 0;
 }
 
-/* Newton's method from where the inverse grid says, with its derivative. */
-static int solve(const rg_camera* camera, const rg_chart_point* target,
-                 int32_t pixel_q16[2]) {
+/* Newton's step at a pixel of the area, with the inverse grid's derivative. */
+static RG_NOINLINE int find_step(const rg_camera* camera,
+                                 const rg_chart_point* target,
+                                 const rg_inverse_place* from,
+                                 int32_t step_q16[2]) {
   const uint8_t* const inverse = camera->blob + camera->inverse;
-  rg_inverse_place start;
-  if (!rg_find_inverse(inverse, target, &start)) return 0;
-  pixel_q16[0] = start.pixel_q16[0];
-  pixel_q16[1] = start.pixel_q16[1];
+  rg_place place;
+  rg_find_place(camera, from->pixel_q16[0], from->pixel_q16[1], &place);
+  step_q16[0] = step_q16[1] = 0;
+  for (uint32_t c = 0; c < 2; ++c) {
+    int32_t cells_q31;
+    if (!cells_of(target->q27[c] - place.position.q27[c],
+                  rg_load_u32(inverse + 20 + 4 * c), &cells_q31))
+      return 0;
+    for (int k = 0; k < 2; ++k)
+      step_q16[k] = rg_multiply_high_add(step_q16[k], from->by_cells_q17[c][k],
+                                         cells_q31);
+  }
+  return 1;
+}
+
+/* Newton's method from where the inverse grid says; place ends at the pixel. */
+static RG_INLINE int solve(const rg_camera* camera,
+                           const rg_chart_point* target,
+                           rg_inverse_place* place) {
+  if (!rg_find_inverse(camera->blob + camera->inverse, target, place)) return 0;
   for (uint32_t limit_q16 = FIRST_STEP_Q16; limit_q16 >= LAST_STEP_Q16;
        limit_q16 >>= 2) {
-    rg_place place;
-    int32_t step_q16[2] = {0, 0};
-    if (!move_inside(camera, limit_q16, pixel_q16)) return 0;
-    rg_find_place(camera, pixel_q16[0], pixel_q16[1], &place);
-    for (uint32_t c = 0; c < 2; ++c) {
-      int32_t cells_q31;
-      if (!cells_of(target->q27[c] - place.position.q27[c],
-                    rg_load_u32(inverse + 20 + 4 * c), &cells_q31))
-        return 0;
-      const int32_t* const by_cells_q17 = start.by_cells_q17[c];
-      step_q16[0] =
-          rg_multiply_high_add(step_q16[0], by_cells_q17[0], cells_q31);
-      step_q16[1] =
-          rg_multiply_high_add(step_q16[1], by_cells_q17[1], cells_q31);
-    }
+    int32_t step_q16[2];
+    if (!move_inside(camera, limit_q16, place->pixel_q16) ||
+        !find_step(camera, target, place, step_q16))
+      return 0;
     const uint32_t size_q16 =
         rg_magnitude(step_q16[0]) | rg_magnitude(step_q16[1]);
     if (size_q16 > limit_q16) return 0;
-    pixel_q16[0] += step_q16[0];
-    pixel_q16[1] += step_q16[1];
+    place->pixel_q16[0] += step_q16[0];
+    place->pixel_q16[1] += step_q16[1];
     if (size_q16 < LAST_STEP_Q16)
-      return move_inside(camera, EDGE_TOLERANCE_Q16, pixel_q16);
+      return move_inside(camera, EDGE_TOLERANCE_Q16, place->pixel_q16);
   }
   return 0;
+}
+
+/* Whether rays can be projected. */
+static rg_status check_camera(const rg_camera* camera) {
+  if (camera->line_points) return RG_ERR_NONCENTRAL;
+  return camera->inverse ? RG_OK : RG_ERR_NO_INVERSE;
+}
+
+/* The camera must have an inverse grid. */
+static int find_target(const rg_camera* camera, const rg_ray* direction,
+                       rg_chart_point* target) {
+  const uint8_t* const inverse = camera->blob + camera->inverse;
+  return rg_chart_point_of(direction, rg_load_i32(inverse + 36), target);
 }
 
 rg_status rg_project(const rg_camera* camera, const rg_ray* direction,
                      rg_pixel* pixel) {
   rg_chart_point target;
-  int32_t found_q16[2];
-  if (camera->line_points) return RG_ERR_NONCENTRAL;
-  if (!camera->inverse) return RG_ERR_NO_INVERSE;
-  const int32_t limit_q30 = rg_load_i32(camera->blob + camera->inverse + 36);
-  if (!rg_chart_point_of(direction, limit_q30, &target) ||
-      !solve(camera, &target, found_q16))
+  rg_inverse_place place;
+  const rg_status status = check_camera(camera);
+  if (status != RG_OK) return status;
+  if (!find_target(camera, direction, &target) ||
+      !solve(camera, &target, &place))
     return RG_ERR_NOT_SEEN;
-  pixel->x_q16 = found_q16[0];
-  pixel->y_q16 = found_q16[1];
+  pixel->x_q16 = place.pixel_q16[0];
+  pixel->y_q16 = place.pixel_q16[1];
   return RG_OK;
+}
+
+/* One thing for several points and then the next: fast processors work on
+ * several points at once. */
+#define BLOCK_SIZE 8u
+
+/* Returns how many of up to BLOCK_SIZE points are seen. */
+static uint32_t project_block(const rg_camera* camera, const rg_ray* directions,
+                              rg_pixel* pixels, uint32_t num_points) {
+  rg_chart_point targets[BLOCK_SIZE];
+  int is_seen[BLOCK_SIZE];
+  uint32_t num_seen = 0;
+  for (uint32_t i = 0; i < num_points; ++i)
+    is_seen[i] = find_target(camera, &directions[i], &targets[i]);
+  for (uint32_t i = 0; i < num_points; ++i) {
+    rg_inverse_place place;
+    if (is_seen[i] && solve(camera, &targets[i], &place)) {
+      pixels[i].x_q16 = place.pixel_q16[0];
+      pixels[i].y_q16 = place.pixel_q16[1];
+      ++num_seen;
+    } else {
+      pixels[i].x_q16 = pixels[i].y_q16 = RG_NO_PIXEL;
+    }
+  }
+  return num_seen;
 }
 
 uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
                           rg_pixel* pixels, uint32_t num_points) {
   uint32_t num_seen = 0;
-  for (uint32_t i = 0; i < num_points; ++i) {
-    if (rg_project(camera, &directions[i], &pixels[i]) == RG_OK)
-      ++num_seen;
-    else
+  if (check_camera(camera) != RG_OK) {
+    for (uint32_t i = 0; i < num_points; ++i)
       pixels[i].x_q16 = pixels[i].y_q16 = RG_NO_PIXEL;
+    return 0;
   }
-  return num_seen;
+  for (; num_points > BLOCK_SIZE; num_points -= BLOCK_SIZE) {
+    num_seen += project_block(camera, directions, pixels, BLOCK_SIZE);
+    directions += BLOCK_SIZE;
+    pixels += BLOCK_SIZE;
+  }
+  return num_seen + project_block(camera, directions, pixels, num_points);
 }

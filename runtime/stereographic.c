@@ -35,8 +35,8 @@ int rg_chart_point_of(const rg_ray* direction, int32_t limit_q30,
       2 * rg_multiply_high(limit_q30, 2 * square_q28))
     return 0;
   const int32_t sum_q29 = square_root((uint32_t)square_q28) + (z_q30 >> 1);
-  /* |a| and |b| below 4 (1 - 1/128). */
-  const int32_t limit_q29 = sum_q29 - (sum_q29 >> 7);
+  /* |a| and |b| a little below 4. */
+  const int32_t limit_q29 = sum_q29 - (sum_q29 >> 9);
   if ((int32_t)(rg_magnitude(x_q30) >> 3) >= limit_q29 ||
       (int32_t)(rg_magnitude(y_q30) >> 3) >= limit_q29)
     return 0;

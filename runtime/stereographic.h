@@ -35,7 +35,7 @@ static RG_INLINE void rg_direction_of(const rg_chart_point* point,
  *            that are refused at little cost. -2^30: none.
  *
  * 0, and *point untouched, for those, for (0, 0, 0), and where |a| or |b| would
- * reach 4. */
+ * reach 3.99. */
 int rg_chart_point_of(const rg_ray* direction, int32_t limit_q30,
                       rg_chart_point* point);
 

@@ -25,8 +25,9 @@ static inline void rg_read_axis(const uint8_t* section, uint32_t c,
 }
 
 /* 0 if value lies outside. */
-static inline int rg_find_on_axis(const rg_axis* axis, uint32_t last_cell,
-                                  int32_t value, rg_cell_position* position) {
+static RG_INLINE int rg_find_on_axis(const rg_axis* axis, uint32_t last_cell,
+                                     int32_t value,
+                                     rg_cell_position* position) {
   const uint32_t offset = (uint32_t)value - (uint32_t)axis->low;
   if (offset > axis->span) return 0;
   uint32_t low;
@@ -43,8 +44,8 @@ static inline int rg_find_on_axis(const rg_axis* axis, uint32_t last_cell,
 typedef struct rg_place {
   rg_chart_point position;
   uint32_t first; /* of the 16 control points around it */
-  int32_t x_weights_q31[4], y_weights_q31[4];
-  rg_cell_position x, y; /* if control points have 16 bits */
+  rg_cell_position cells[2];
+  int32_t weights_q31[2][4]; /* across, down */
 } rg_place;
 
 /* 0 if the pixel lies outside the area. */
@@ -53,7 +54,7 @@ int rg_find_place(const rg_camera* camera, int32_t x_q16, int32_t y_q16,
 
 /* What an inverse grid says of a chart position. */
 typedef struct rg_inverse_place {
-  int32_t pixel_q16[2];      /* about where it is seen, within 16384 px */
+  int32_t pixel_q16[2];       /* about where it is seen, within 16384 px */
   int32_t by_cells_q17[2][2]; /* how x and y change per cell across; down */
 } rg_inverse_place;
 

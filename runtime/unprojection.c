@@ -49,8 +49,8 @@ static RG_INLINE void find_line_point(const rg_camera* camera, rg_place* place,
   const uint8_t* points =
       section + rg_load_u32(section + 4) + 12 * place->first;
   const uint32_t row_bytes = 12 * (camera->last_cell[0] + 4u);
-  const int32_t* const x_weights = place->x_weights_q31;
-  int32_t* const y_weights = place->y_weights_q31;
+  const int32_t* const x_weights = place->weights_q31[0];
+  int32_t* const y_weights = place->weights_q31[1];
   int32_t sums_q26[3] = {0, 0, 0};
   RG_UNROLL_ROWS
   for (int j = 0; j < 4; ++j, points += row_bytes)

@@ -67,8 +67,8 @@ double WorstError(const BSplineSurface& inverse,
                   const std::vector<SurfaceSample>& samples) {
   double worst = 0;
   for (const SurfaceSample& sample : samples)
-    worst = std::max(worst,
-                     (inverse.Evaluate(sample.pixel) - sample.value).norm());
+    worst =
+        std::max(worst, (inverse.Evaluate(sample.pixel) - sample.value).norm());
   return worst;
 }
 
@@ -90,9 +90,8 @@ ControlPoints Quantize(const BSplineSurface& inverse) {
   ControlPoints points = {inverse.columns(), inverse.rows(), {}};
   for (const Eigen::Vector2d& pixel : inverse.points())
     for (int c = 0; c < 2; ++c)
-      points.values.push_back(
-          FixedPoint(std::clamp(pixel[c], -kMaxPixel, kMaxPixel),
-                     RG_INVERSE_PIXEL_BITS));
+      points.values.push_back(FixedPoint(
+          std::clamp(pixel[c], -kMaxPixel, kMaxPixel), RG_INVERSE_PIXEL_BITS));
   return points;
 }
 

@@ -134,12 +134,11 @@ static void narrow_grid_is_written_byte_for_byte(void** state) {
   take_inverse(&blob);
   take_narrow(grid.control_points, rg_load_u16(kNarrowBlob + blob.grid + 30),
               2u * grid.columns * grid.rows, residuals, &narrow);
-  const rg_blob_contents contents = {
-      .camera = &camera,
-      .grid = &grid,
-      .narrow = &narrow,
-      .inverse = &parts.inverse,
-      .inverse_points = &parts.inverse_points};
+  const rg_blob_contents contents = {.camera = &camera,
+                                     .grid = &grid,
+                                     .narrow = &narrow,
+                                     .inverse = &parts.inverse,
+                                     .inverse_points = &parts.inverse_points};
   assert_int_equal(rg_blob_size(&contents), sizeof(kNarrowBlob));
   assert_int_equal(rg_blob_write(&contents, written, sizeof(written)), RG_OK);
   assert_memory_equal(written, kNarrowBlob, sizeof(kNarrowBlob));

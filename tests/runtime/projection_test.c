@@ -16,7 +16,7 @@
 #define MAX_ERROR_Q16 131
 
 /* The pixels of NUM_RANDOM directions, the same on every target. */
-#define PIXELS_CRC 0x82661b01u
+#define PIXELS_CRC 0x713fce68u
 
 static rg_camera wide, narrow, without_inverse;
 static rg_ray directions[NUM_RANDOM];
@@ -215,8 +215,7 @@ static uint32_t pixels_crc(const rg_camera* camera, uint32_t crc) {
 
 static void pixels_have_the_same_bits_on_every_target(void** state) {
   (void)state;
-  const uint32_t crc =
-      pixels_crc(&wide, pixels_crc(&narrow, 0));
+  const uint32_t crc = pixels_crc(&wide, pixels_crc(&narrow, 0));
   printf("pixels CRC %08lx\n", (unsigned long)crc);
   assert_int_equal(crc, PIXELS_CRC);
 }
