@@ -49,7 +49,7 @@ class _Camera(ctypes.Structure):
     _fields_ = [("blob", ctypes.c_void_p), ("control_points", ctypes.c_void_p),
                 ("remap", ctypes.c_void_p), ("axes", _Axis * 2),
                 ("last_cell", ctypes.c_uint16 * 2), ("width", ctypes.c_uint16),
-                ("height", ctypes.c_uint16), ("start", ctypes.c_uint32),
+                ("height", ctypes.c_uint16), ("inverse", ctypes.c_uint32),
                 ("line_points", ctypes.c_uint32)]
 
 
@@ -156,6 +156,8 @@ class Camera:
         """Pixels of directions or points (x, y, z) of any length; None where nothing is seen."""
         if not self.is_central:
             raise Error(-57)
+        if self._camera.inverse == 0:
+            raise Error(-60)
         rays = (ctypes.c_int32 * 3 * len(points))()
         for ray, point in zip(rays, points):
             largest = max(abs(float(v)) for v in point) or 1.0

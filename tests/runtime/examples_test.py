@@ -88,7 +88,7 @@ class ExamplesTest(unittest.TestCase):
             self.assertAlmostEqual(value, expected, delta=1e-4)
 
     def test_point_behind_the_camera_is_out_of_sight(self):
-        done = run(TRACK, self.write_blob(make_golden.make_lens()), 80, 60, 180, 0)
+        done = run(TRACK, self.write_blob(make_golden.make_wide()), 160, 120, 180, 0)
         self.assertEqual(done.stdout.splitlines()[-1], "out of sight")
 
 
