@@ -112,24 +112,29 @@ static inline int32_t rg_upper_word(int64_t sum) {
 /* A function, and a loop in it, that are short rather than fast where size
  * matters. */
 #if defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#define RG_IS_FAST 1
 #define RG_SHARED RG_INLINE
 #define RG_UNROLL_SHARED _Pragma("GCC unroll 4")
 #else
+#define RG_IS_FAST 0
 #define RG_SHARED RG_NOINLINE
 #define RG_UNROLL_SHARED
 #endif
 
-/* In front of the loop over four rows, in which half of the instructions are:
- * one after the other where a row is short, or size does not matter. */
-#if RG_HAVE_SMMULR || (defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__))
+/* In front of the loop over four rows, in which half of the instructions are,
+ * and of a function for one of them: one after the other where a row is short,
+ * or size does not matter. */
+#if RG_HAVE_SMMULR || RG_IS_FAST
 #define RG_UNROLL_ROWS _Pragma("GCC unroll 4")
+#define RG_ROW RG_INLINE
 #else
 #define RG_UNROLL_ROWS
+#define RG_ROW RG_NOINLINE
 #endif
 
 /* A value that is read where it is used: registers are scarce there. */
 static RG_INLINE int32_t rg_read_late(int32_t* value) {
-#if RG_HAVE_SMMULR
+#if defined(__GNUC__) && !defined(__x86_64__)
   __asm__("" : "+m"(*value));
 #endif
   return *value;

@@ -27,7 +27,7 @@ static RG_INLINE void add_row(const uint8_t* points, const int32_t w_q31[4],
 
 /* The B-spline of one coordinate along a row of residuals of 16 bits, times
  * 2^15. */
-static RG_INLINE int32_t sum_row(const uint8_t* row, const int32_t w_q31[4]) {
+static RG_ROW int32_t sum_row(const uint8_t* row, const int32_t w_q31[4]) {
   int32_t sum = 0;
   sum = rg_multiply_half_add(sum, w_q31[0], rg_load_i16(row));
   sum = rg_multiply_half_add(sum, w_q31[1], rg_load_i16(row + 4));

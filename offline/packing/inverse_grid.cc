@@ -10,6 +10,7 @@ namespace {
 // Of the longer side: as many as bring the start close enough, from few on.
 constexpr std::array<int, 7> kLongerSideCells = {6, 8, 10, 13, 16, 20, 24};
 constexpr double kCloseEnoughPx = 1.0 / 32;
+constexpr double kCloseEnoughSlope = 0.02;  // relative
 constexpr int kEdgeSamples = 400;
 constexpr int kInnerSamples = 80;
 // Chart positions have magnitudes below 4, and pixels below 16384.
@@ -63,13 +64,19 @@ BSplineSurface FitInverse(const Area& chart, int longer_side_cells,
                     NumControlPoints(chart.height(), cell), samples);
 }
 
-double WorstError(const BSplineSurface& inverse,
-                  const std::vector<SurfaceSample>& samples) {
-  double worst = 0;
-  for (const SurfaceSample& sample : samples)
-    worst =
-        std::max(worst, (inverse.Evaluate(sample.pixel) - sample.value).norm());
-  return worst;
+// Whether one step from the inverse's pixel, with its derivative, is enough
+// everywhere.
+bool IsCloseEnough(const BSplineSurface& surface, const BSplineSurface& inverse,
+                   const std::vector<SurfaceSample>& samples) {
+  return std::all_of(
+      samples.begin(), samples.end(), [&](const SurfaceSample& sample) {
+        Eigen::Matrix2d there, back;
+        surface.Evaluate(sample.value, &there);
+        const Eigen::Vector2d pixel = inverse.Evaluate(sample.pixel, &back);
+        return (pixel - sample.value).norm() <= kCloseEnoughPx &&
+               (back * there - Eigen::Matrix2d::Identity()).norm() <=
+                   kCloseEnoughSlope;
+      });
 }
 
 // c |c| of the widest sample, less a little.
@@ -103,7 +110,7 @@ std::optional<InverseGrid> MakeInverseGrid(const BSplineSurface& surface) {
   BSplineSurface fit;
   for (const int cells : kLongerSideCells) {
     fit = FitInverse(chart, cells, samples);
-    if (WorstError(fit, samples) <= kCloseEnoughPx) break;
+    if (IsCloseEnough(surface, fit, samples)) break;
   }
   const std::optional<NarrowGrid> points = Narrow(Quantize(fit));
   if (!points) return std::nullopt;
