@@ -59,7 +59,7 @@ static inline int32_t rg_multiply_half_add(int32_t sum, int32_t a, int16_t b) {
   int32_t result;
   __asm__("smlawb %0, %1, %2, %3" : "=r"(result) : "r"(a), "r"(b), "r"(sum));
   return result;
-#elif UINTPTR_MAX > UINT32_MAX
+#elif defined(__LP64__) || defined(_WIN64)
   return sum + (int32_t)(((int64_t)a * b) >> 16);
 #else
   return sum + (a >> 16) * b + (((a & 0xffff) * b) >> 16);

@@ -23,8 +23,10 @@ static int move_inside(const rg_camera* camera, uint32_t tolerance_q16,
     const uint32_t offset_q16 = (uint32_t)pixel_q16[c] - (uint32_t)axis->low;
     if (offset_q16 <= axis->span) continue;
     const int is_low = pixel_q16[c] < axis->low;
-    if ((is_low ? 0 - offset_q16 : offset_q16 - axis->span) > tolerance_q16)
-      return 0;
+    const uint32_t beyond_q16 =
+        is_low ? (uint32_t)axis->low - (uint32_t)pixel_q16[c]
+               : offset_q16 - axis->span;
+    if (beyond_q16 > tolerance_q16) return 0;
     pixel_q16[c] = axis->low + (is_low ? 0 : (int32_t)axis->span);
   }
   return 1;

@@ -6,6 +6,7 @@
 #include "crc32.h"
 #include "golden_blobs.h"
 #include "raygrid.h"
+#include "surface.h"
 #include "test_frame.h"
 #include "unit_test.h"
 
@@ -114,6 +115,53 @@ static void projection_inverts_unprojection(void** state) {
   (void)state;
   check_round_trips(&wide);
   check_round_trips(&narrow);
+}
+
+/* How far the inverse grid's slopes lead for half a pixel along an axis. */
+static void check_slopes(const rg_camera* camera, const rg_place* from,
+                         const rg_place* to, const rg_inverse_place* start,
+                         uint32_t along) {
+  const uint8_t* const inverse = camera->blob + camera->inverse;
+  double found_px[2] = {0, 0};
+  for (uint32_t c = 0; c < 2; ++c) {
+    const double cells = (to->position.q27[c] - from->position.q27[c]) *
+                         (double)rg_load_u32(inverse + 20 + 4 * c) /
+                         281474976710656.0;
+    for (uint32_t k = 0; k < 2; ++k)
+      found_px[k] += cells * start->by_cells_q17[c][k] / 131072.0;
+  }
+  for (uint32_t k = 0; k < 2; ++k) {
+    const double error_px = found_px[k] - (k == along ? 0.5 : 0);
+    assert_true(error_px < 0.015 && error_px > -0.015);
+  }
+}
+
+/* A start within 1/16 px, whose slopes are right to 3 %. */
+static void check_starts(const rg_camera* camera) {
+  const int32_t width = (int32_t)camera->axes[0].span;
+  const int32_t height = (int32_t)camera->axes[1].span;
+  for (int32_t k = 0; k <= 41 * 51 - 1; ++k) {
+    const rg_pixel pixel = {
+        camera->axes[0].low + (width - 0x8000) / 50 * (k % 51),
+        camera->axes[1].low + (height - 0x8000) / 40 * (k / 51)};
+    rg_place place, beside;
+    rg_inverse_place start;
+    assert_true(rg_find_place(camera, pixel.x_q16, pixel.y_q16, &place));
+    assert_true(rg_find_inverse(camera->blob + camera->inverse, &place.position,
+                                &start));
+    const rg_pixel found = {start.pixel_q16[0], start.pixel_q16[1]};
+    assert_in_range(pixel_error(pixel, found), 0, 4096);
+    rg_find_place(camera, pixel.x_q16 + 0x8000, pixel.y_q16, &beside);
+    check_slopes(camera, &place, &beside, &start, 0);
+    rg_find_place(camera, pixel.x_q16, pixel.y_q16 + 0x8000, &beside);
+    check_slopes(camera, &place, &beside, &start, 1);
+  }
+}
+
+static void one_step_is_enough(void** state) {
+  (void)state;
+  check_starts(&wide);
+  check_starts(&narrow);
 }
 
 static void length_does_not_matter(void** state) {
@@ -225,6 +273,7 @@ int main(void) {
       cmocka_unit_test(pixels_are_the_golden_ones),
       cmocka_unit_test(blobs_without_an_inverse_are_refused),
       cmocka_unit_test(projection_inverts_unprojection),
+      cmocka_unit_test(one_step_is_enough),
       cmocka_unit_test(length_does_not_matter),
       cmocka_unit_test(extreme_vectors_are_answered),
       cmocka_unit_test(surfaces_of_noise_give_no_wrong_pixel),
