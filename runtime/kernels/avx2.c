@@ -307,27 +307,26 @@ typedef struct lane_steps {
   __m256i x[TILE_ROWS / 2], y[TILE_ROWS / 2];
 } lane_steps;
 
-INLINE lane_steps find_lanes(const tile* rows, layout l) {
+INLINE void find_lanes(const tile* rows, layout l, lane_steps* lanes) {
   uint32_t steps[TILE_ROWS];
   _mm256_storeu_si256(
       (__m256i*)(void*)steps,
       _mm256_or_si256(_mm256_and_si256(rows->step_x, _mm256_set1_epi32(65535)),
                       _mm256_slli_epi32(rows->step_y, 19)));
-  lane_steps lanes;
   for (uint32_t p = 0; p < TILE_ROWS / 2; ++p) {
-    lanes.x[p] =
+    lanes->x[p] =
         _mm256_mullo_epi16(to_lanes(steps + 2 * p, 0, 0), lane_pixels(l));
-    lanes.y[p] =
+    lanes->y[p] =
         _mm256_mullo_epi16(to_lanes(steps + 2 * p, 1, 0), lane_pixels(l));
   }
-  return lanes;
 }
 
 /* The segments of up to 8 rows, from out on. */
 INLINE void blend_tile(const run_source* s, tile rows, uint32_t num_rows,
                        uint8_t* out, layout l) {
   const uint32_t n = s->num_pixels, per_row = num_windows(l);
-  const lane_steps lanes = find_lanes(&rows, l);
+  lane_steps lanes;
+  find_lanes(&rows, l, &lanes);
   const __m256i last_y = _mm256_mullo_epi32(
       rows.step_y, _mm256_set1_epi32((int32_t)window_pixels(l) - 1));
   const __m256i up = _mm256_min_epi32(last_y, _mm256_setzero_si256());
