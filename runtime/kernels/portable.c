@@ -153,7 +153,11 @@ static inline void copy(const rg_run* run, const rg_lattice* lattice,
 }
 
 void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice) {
-  if (lattice->kind == RG_SAMPLE_8)
+  static const rg_lattice kGrey = {0, RG_SAMPLE_8, 0, 1, 1, 0,
+                                   0, 0,           0, 0, 1, 0};
+  if (lattice->kind == RG_SAMPLE_8 && lattice->sample_step == 1)
+    copy(run, &kGrey, RG_SAMPLE_8);
+  else if (lattice->kind == RG_SAMPLE_8)
     copy(run, lattice, RG_SAMPLE_8);
   else
     copy(run, lattice, lattice->kind);
