@@ -82,27 +82,32 @@ void rg_blend_1(const rg_run* run) {
   }
 }
 
-/* With lattice and kind known to the compiler. */
+/* With lattice and kind known to the compiler. In locals: stores of bytes might
+ * change all else for it. */
 static inline void blend(const rg_run* run, const rg_lattice* lattice,
                          uint32_t kind) {
   const uint32_t step = lattice->sample_step;
+  const uint32_t num_channels = lattice->num_channels;
+  const uint32_t first = lattice->first_sample, stride = run->stride;
+  const uint8_t* const data = run->data;
   uint8_t* out = run->out;
   for (uint32_t r = 0; r < run->num_rows; ++r, out += run->out_stride) {
     rg_block_row row;
     rg_find_run_row(run, r, &row);
     uint32_t x_q12 = (uint32_t)row.start.q12[0] + rg_rounding(kind, 0);
     uint32_t y_q12 = (uint32_t)row.start.q12[1] + rg_rounding(kind, 1);
-    uint32_t target = lattice->first_sample + run->out_pixel * step;
+    const uint32_t step_x = (uint32_t)row.step.q12[0];
+    const uint32_t step_y = (uint32_t)row.step.q12[1];
+    uint32_t target = first + run->out_pixel * step;
     for (uint32_t k = run->num_pixels; k != 0; --k, target += step) {
-      const uint8_t* const upper =
-          run->data + (size_t)(y_q12 >> 12) * run->stride;
-      const uint32_t index = lattice->first_sample + (x_q12 >> 12) * step;
-      for (uint32_t c = 0; c < lattice->num_channels; ++c)
+      const uint8_t* const upper = data + (size_t)(y_q12 >> 12) * stride;
+      const uint32_t index = first + (x_q12 >> 12) * step;
+      for (uint32_t c = 0; c < num_channels; ++c)
         rg_store_sample(kind, out, target + c,
-                        rg_blend_samples(kind, upper, upper + run->stride,
-                                         index + c, step, x_q12, y_q12));
-      x_q12 += (uint32_t)row.step.q12[0];
-      y_q12 += (uint32_t)row.step.q12[1];
+                        rg_blend_samples(kind, upper, upper + stride, index + c,
+                                         step, x_q12, y_q12));
+      x_q12 += step_x;
+      y_q12 += step_y;
     }
   }
 }
@@ -132,22 +137,26 @@ void rg_blend_4(const rg_run* run) {
 static inline void copy(const rg_run* run, const rg_lattice* lattice,
                         uint32_t kind) {
   const uint32_t step = lattice->sample_step;
+  const uint32_t num_channels = lattice->num_channels;
+  const uint32_t first = lattice->first_sample, stride = run->stride;
+  const uint8_t* const data = run->data;
   uint8_t* out = run->out;
   for (uint32_t r = 0; r < run->num_rows; ++r, out += run->out_stride) {
     rg_block_row row;
     rg_find_run_row(run, r, &row);
     uint32_t x_q12 = (uint32_t)row.start.q12[0] + 2048;
     uint32_t y_q12 = (uint32_t)row.start.q12[1] + 2048;
-    uint32_t target = lattice->first_sample + run->out_pixel * step;
+    const uint32_t step_x = (uint32_t)row.step.q12[0];
+    const uint32_t step_y = (uint32_t)row.step.q12[1];
+    uint32_t target = first + run->out_pixel * step;
     for (uint32_t k = run->num_pixels; k != 0; --k, target += step) {
-      const uint8_t* const source =
-          run->data + (size_t)(y_q12 >> 12) * run->stride;
-      const uint32_t index = lattice->first_sample + (x_q12 >> 12) * step;
-      for (uint32_t c = 0; c < lattice->num_channels; ++c)
+      const uint8_t* const source = data + (size_t)(y_q12 >> 12) * stride;
+      const uint32_t index = first + (x_q12 >> 12) * step;
+      for (uint32_t c = 0; c < num_channels; ++c)
         rg_store_sample(kind, out, target + c,
                         rg_load_sample(kind, source, index + c));
-      x_q12 += (uint32_t)row.step.q12[0];
-      y_q12 += (uint32_t)row.step.q12[1];
+      x_q12 += step_x;
+      y_q12 += step_y;
     }
   }
 }
