@@ -256,15 +256,18 @@ INLINE __m256i to_lanes(const uint32_t* values, int c, int is_halved) {
                               _mm_set1_epi16((int16_t)(half + 0x404)), 1));
 }
 
-/* 8 bytes each. */
+/* 8 bytes each, in halves of a register. */
+INLINE __m128i load_two(const uint8_t* a, const uint8_t* b) {
+  double low, high; /* of any address */
+  __builtin_memcpy(&low, a, 8);
+  __builtin_memcpy(&high, b, 8);
+  return _mm_castpd_si128(_mm_set_pd(high, low));
+}
+
 INLINE __m256i load_four(const uint8_t* a, const uint8_t* b, const uint8_t* c,
                          const uint8_t* d) {
-  const __m128d low = _mm_loadh_pd(_mm_load_sd((const double*)(const void*)a),
-                                   (const double*)(const void*)b);
-  const __m128d high = _mm_loadh_pd(_mm_load_sd((const double*)(const void*)c),
-                                    (const double*)(const void*)d);
-  return _mm256_inserti128_si256(_mm256_castsi128_si256(_mm_castpd_si128(low)),
-                                 _mm_castpd_si128(high), 1);
+  return _mm256_inserti128_si256(_mm256_castsi128_si256(load_two(a, b)),
+                                 load_two(c, d), 1);
 }
 
 /* 16 bytes of both rows, or 8 of both windows of both. */
