@@ -25,11 +25,6 @@ const ModelChoice kChoices[] = {{"opencv", 0},
                                 {"central-radial", 0},
                                 {"central-generic", 16}};
 
-struct NamedCamera {
-  std::string name;
-  std::shared_ptr<const CameraModel> model;
-};
-
 // Points in the true camera's frame, which stands at the origin.
 std::vector<PointOnPixel> MakeScene(const CameraModel& truth, const Area& area,
                                     Random* random) {
@@ -88,17 +83,6 @@ std::vector<double> MedianErrors(const CameraModel& camera,
     medians.push_back(Quantile(errors, 0.5));
   }
   return medians;
-}
-
-// The area that all cameras are calibrated for.
-Area CommonArea(const std::vector<NamedCamera>& cameras) {
-  Area common = cameras[0].model->area();
-  for (const NamedCamera& camera : cameras) {
-    const Area& area = camera.model->area();
-    common = {std::max(common.x0, area.x0), std::max(common.y0, area.y0),
-              std::min(common.x1, area.x1), std::min(common.y1, area.y1)};
-  }
-  return common;
 }
 
 }  // namespace

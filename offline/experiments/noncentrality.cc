@@ -38,13 +38,13 @@ Camera CalibrateLines(const ExperimentOptions& options) {
 }
 
 Camera GetCamera(const ExperimentOptions& options) {
-  if (!options.data.camera) return CalibrateLines(options);
-  if (options.data.camera->IsCentral())
+  if (options.data.cameras.empty()) return CalibrateLines(options);
+  const auto& camera = options.data.cameras.front().model;
+  if (camera->IsCentral())
     throw InputError(
         "the camera is central, its lines meet in a point; calibrate with "
         "--model noncentral-generic, or give its features");
-  return {options.data.camera,
-          {{"camera", "the user's, " + options.data.camera->Name()}}};
+  return {camera, {{"camera", "the user's, " + camera->Name()}}};
 }
 
 struct Effect {
