@@ -139,8 +139,7 @@ ExperimentResult LocalizeByModels(const ExperimentOptions& options) {
       series.points.push_back({double(k), 1000 * medians[k]});
     }
     table.rows.push_back(row);
-    if (camera.name != "central-radial")  // a chart has four series
-      table.chart.series.push_back(series);
+    table.chart.series.push_back(series);
   }
   return table;
 }

@@ -293,9 +293,9 @@ ExperimentResult AdjustUsersWalk(const ExperimentOptions& options) {
     cameras = CalibrateCameras(features, options);
     conditions = features.conditions;
   }
-  if (cameras.size() < 2 || cameras.size() > 4)
+  if (cameras.size() < 2 || cameras.size() > 6)
     throw Error(ExitCode::kUsage,
-                "--walk: needs --camera two to four times, or --features to "
+                "--walk: needs --camera two to six times, or --features to "
                 "calibrate cameras from");
   const ColmapModel& model = *options.data.walk;
   RequireSize(model, cameras);

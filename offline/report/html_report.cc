@@ -564,7 +564,8 @@ std::string BaselineTable(const RigResult& result) {
 
 std::string FormatHtmlReport(const CalibrationResult& result,
                              const std::optional<PackingFigures>& packing,
-                             const std::optional<BeforeAfter>& example) {
+                             const std::optional<BeforeAfter>& example,
+                             const ThumbnailTexts& thumbnails) {
   const std::string name =
       result.camera.name.empty() ? "" : ": " + EscapeHtml(result.camera.name);
   std::string html = PageStart("Camera calibration" + name);
@@ -581,7 +582,7 @@ std::string FormatHtmlReport(const CalibrationResult& result,
   html += BoardSection(result.pattern);
   html += CandidateSection(result);
   html += RejectedSection(result);
-  return html + PageEnd(PageData(result));
+  return html + PageEnd(PageData(result, thumbnails));
 }
 
 std::string FormatRigReport(const RigResult& result) {
