@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "report/html.h"
 
@@ -12,7 +13,7 @@ namespace {
 
 constexpr double kWidth = 720, kHeight = 460;
 constexpr double kMargin = 14;
-constexpr double kLeft = 80, kRight = 690, kTop = 100, kBottom = 395;
+constexpr double kLeft = 80, kRight = 690, kTop = 106, kBottom = 395;
 
 // Okabe and Ito's blue, vermilion, green, purple, orange and sky blue.
 const char* const kColours[] = {"#0072b2", "#d55e00", "#009e73",
@@ -135,12 +136,15 @@ std::string Marker(int style, double x, double y) {
 }
 
 // Then every second label stands lower.
-bool AreTicksCrowded(const Chart& chart) {
-  constexpr double kLetter = 7;
-  double width = 0;
-  for (const ChartTick& tick : chart.ticks)
-    width += kLetter * static_cast<double>(tick.label.size() + 1);
-  return width > kRight - kLeft;
+bool AreTicksCrowded(const Chart& chart, const Axes& axes) {
+  constexpr double kLetter = 7.5;
+  for (size_t i = 1; i < chart.ticks.size(); ++i) {
+    const ChartTick &a = chart.ticks[i - 1], &b = chart.ticks[i];
+    const double width =
+        kLetter * static_cast<double>(a.label.size() + b.label.size() + 1) / 2;
+    if (width > axes.X(b.x) - axes.X(a.x)) return true;
+  }
+  return false;
 }
 
 std::string Frame(const Chart& chart, const Axes& axes) {
@@ -152,7 +156,7 @@ std::string Frame(const Chart& chart, const Axes& axes) {
     svg += Text(kLeft - 8, axes.Y(y) + 4, " text-anchor=\"end\"",
                 fmt::format("{:.4g}", y));
   }
-  const bool is_crowded = AreTicksCrowded(chart);
+  const bool is_crowded = AreTicksCrowded(chart, axes);
   for (size_t i = 0; i < chart.ticks.size(); ++i) {
     const double x = axes.X(chart.ticks[i].x);
     svg += Line(x, kBottom, x, kBottom + 5, "black");
@@ -192,10 +196,12 @@ std::string Legend(const Chart& chart) {
 
 std::string Series(const ChartSeries& series, int style, const Axes& axes) {
   std::string path, markers;
+  bool goes_on = false;  // not across a point that cannot be shown
   for (const ChartPoint& point : series.points) {
-    if (!axes.Shows(point)) continue;
+    const bool went_on = std::exchange(goes_on, axes.Shows(point));
+    if (!goes_on) continue;
     const double x = axes.X(point.x), y = axes.Y(point.y);
-    path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", x, y);
+    path += fmt::format("{}{:.1f} {:.1f}", went_on ? "L" : "M", x, y);
     markers += Marker(style, x, y);
   }
   if (!series.has_line || path.empty()) return markers;

@@ -90,7 +90,9 @@ ExperimentResult CompareModelsByFit(const ExperimentOptions& options) {
         {names[i],
          DirectionPicture(places, camera->image_size(), camera->area())});
   }
-  const Image wheel = DirectionLegend(96), bar = MagnitudeLegend(full_scale_px);
+  const Image wheel = DirectionLegend(96),
+              bar = ColorLegend(ColorScale::kMagnitude, "0",
+                                fmt::format("{:.3g} px +", full_scale_px));
   table.pictures = {
       {"magnitude", PictureSheet(magnitudes,
                                  {"How far the generic camera's rays are seen",

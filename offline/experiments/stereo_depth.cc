@@ -193,6 +193,11 @@ std::vector<NamedStereo> CalibratePairs(const SimulatedRig& rig,
   return pairs;
 }
 
+Image DepthLegend(double limit_mm) {
+  return ColorLegend(ColorScale::kEven, fmt::format("{:.3g}", -limit_mm),
+                     fmt::format("{:.3g} mm", limit_mm));
+}
+
 // ---- A user's pair ---------------------------------------------------------
 
 // As sharp in the middle as the left image.
@@ -288,16 +293,13 @@ ExperimentResult CompareUsersRigs(const ExperimentOptions& options) {
          HeatMap(map.error_mm, map.columns, -limit_mm, limit_mm, 3)});
   }
   table.chart.series = {median, blocks};
+  const Image bar = DepthLegend(limit_mm);
   table.pictures.push_back(
-      {"bias",
-       PictureSheet(
-           maps,
-           {"Depth less that with " + reference.name +
-                ", over the left rectified image:",
-            fmt::format("dark blue {:.3g} mm (nearer), grey 0, yellow {:.3g} "
-                        "mm (farther), white no match",
-                        -limit_mm, limit_mm)},
-           nullptr)});
+      {"bias", PictureSheet(maps,
+                            {"Depth less that with " + reference.name +
+                                 " over the left rectified image:",
+                             "below 0 nearer, above farther, white no match."},
+                            &bar)});
   return table;
 }
 
@@ -369,16 +371,15 @@ ExperimentResult MeasureStereoDepth(const ExperimentOptions& options) {
     if (options.progress) options.progress(0.6 + 0.1 * (place + 1));
   }
   table.chart.series = {one, mean, blocks};
+  const Image bar = DepthLegend(limit_mm);
   table.pictures.push_back(
       {"bias",
        PictureSheet(maps,
                     {fmt::format("Depth less true depth, mean of {} image "
                                  "pairs, over the left rectified image:",
                                  kFrames),
-                     fmt::format("dark blue {:.0f} mm (too near), grey 0, "
-                                 "yellow {:.0f} mm (too far), white no match",
-                                 -limit_mm, limit_mm)},
-                    nullptr)});
+                     "below 0 too near, above too far, white no match."},
+                    &bar)});
   return table;
 }
 
