@@ -376,6 +376,18 @@ TEST(RigReport, ListsTheCamerasAndHowTheyStand) {
     EXPECT_FALSE(Has(WithoutLibrary(html), reference)) << reference;
 }
 
+TEST(RigReport, HasOtherModelsOfEachCamera) {
+  RigResult rig = ExampleRig();
+  rig.cameras[0].parametric_models.clear();
+  const std::string html = FormatRigReport(rig);
+  for (const char* part :
+       {"Other models", "right, <b>opencv</b>", "right, central-radial"})
+    EXPECT_TRUE(Has(html, part)) << part;
+  EXPECT_FALSE(Has(html, "left, central-radial"));
+  rig.cameras[1].parametric_models.clear();
+  EXPECT_FALSE(Has(FormatRigReport(rig), "Other models"));
+}
+
 TEST(Pictures, HaveTheImagesSize) {
   const CalibrationResult result = ExampleResult();
   const ImageSize size = {640, 480};
