@@ -94,10 +94,17 @@ class Search {
       if (IsFound(b)) continue;
       std::vector<SeenTag> seen = SeenTagsOf(boards_[b]->board(), tags_);
       if (seen.empty()) continue;
-      auto growth = MakeGrowth(b, std::move(seen));
-      growth->Grow();
-      Put(b, std::move(growth));
+      GrowFrom(b, seen);
+      // At an image's rim a tag may lead astray.
+      for (size_t k = 0; seen.size() > 1 && k < seen.size() && !IsFound(b); ++k)
+        GrowFrom(b, {seen[k]});
     }
+  }
+
+  void GrowFrom(size_t b, std::vector<SeenTag> tags) {
+    auto growth = MakeGrowth(b, std::move(tags));
+    growth->Grow();
+    if (growth->AgreesWithTags()) Put(b, std::move(growth));
   }
 
   void GrowFromLooseLattices(int segments, const LooseLatticeFinder& finder) {

@@ -12,14 +12,15 @@ namespace {
 // mistaken for each other.
 constexpr double kMinSpacingPx = 8;
 
-// From four correspondences.
+// From four correspondences; its denominator is 1 in the middle of them.
 std::optional<Eigen::Matrix3d> Homography(
     const std::array<Eigen::Vector2d, 4>& from,
     const std::array<Eigen::Vector2d, 4>& to) {
+  const Eigen::Vector2d middle = (from[0] + from[1] + from[2] + from[3]) / 4;
   Eigen::Matrix<double, 8, 8> a;
   Eigen::Matrix<double, 8, 1> b;
   for (int k = 0; k < 4; ++k) {
-    const double x = from[k].x(), y = from[k].y();
+    const double x = from[k].x() - middle.x(), y = from[k].y() - middle.y();
     const double u = to[k].x(), v = to[k].y();
     a.row(2 * k) << x, y, 1, 0, 0, 0, -u * x, -u * y;
     a.row(2 * k + 1) << 0, 0, 0, x, y, 1, -v * x, -v * y;
@@ -29,7 +30,9 @@ std::optional<Eigen::Matrix3d> Homography(
   if (!h.allFinite()) return std::nullopt;
   Eigen::Matrix3d homography;
   homography << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], 1;
-  return homography;
+  Eigen::Matrix3d from_middle = Eigen::Matrix3d::Identity();
+  from_middle.topRightCorner<2, 1>() = -middle;
+  return homography * from_middle;
 }
 
 // A homography as a mapping of offsets from a place; nothing where it does not
@@ -107,11 +110,34 @@ void StarGrowth::Grow() {
   // The sure ones first: they tell where the others must be.
   for (const double min_correlation : {0.7, 0.5, 0.35}) {
     std::fill(tried_with_.begin(), tried_with_.end(), 0);
-    if (lattice_.num_found() < kMinStarsOnBoard)
-      for (const SeenTag& seen : tags_) StartBeside(seen, min_correlation);
+    for (const SeenTag& seen : tags_)
+      if (lattice_.num_found() < kMinStarsOnBoard || !HasStarBeside(seen.tag))
+        StartBeside(seen, min_correlation);
     while (Sweep(min_correlation)) {
     }
   }
+}
+
+bool StarGrowth::Agrees(const SeenTag& seen) const {
+  constexpr int kReach = 2;
+  constexpr double kMaxError = 0.5;  // squares
+  const std::array<Eigen::Vector2d, 4> corners = CornersOnBoard(seen.tag);
+  for (int k = 0; k < 4; ++k) {
+    const Eigen::Vector2i place = corners[k].array().round().cast<int>();
+    LocalMapping mapping;
+    if (FitLocalMapping(lattice_.Around(place.x(), place.y(), kReach, true), 1,
+                        &mapping) == 0)
+      continue;
+    const Eigen::Vector2d error =
+        mapping(corners[k] - place.cast<double>()) - seen.corners[k];
+    if (error.norm() > kMaxError * mapping.SpacingPx()) return false;
+  }
+  return true;
+}
+
+bool StarGrowth::AgreesWithTags() const {
+  return std::all_of(tags_.begin(), tags_.end(),
+                     [&](const SeenTag& seen) { return Agrees(seen); });
 }
 
 bool StarGrowth::IsSound() const {
@@ -128,6 +154,14 @@ std::vector<RejectedFeature> StarGrowth::Rejected() const {
           {{board_.id, feature.second, feature.first, reason.first},
            reason.second});
   return rejected;
+}
+
+bool StarGrowth::HasStarBeside(const BoardTag& tag) const {
+  for (int row = tag.row - 1; row <= tag.row + tag.squares + 1; ++row)
+    for (int column = tag.column - 1; column <= tag.column + tag.squares + 1;
+         ++column)
+      if (lattice_.Has(column, row)) return true;
+  return false;
 }
 
 // The surest of the stars around a tag, one square away from it: the others,

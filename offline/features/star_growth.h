@@ -53,10 +53,11 @@ class StarGrowth {
   /// whether it is found.
   bool Try(int column, int row, const LocalMapping& mapping,
            double search_squares, double min_correlation);
-  /// Looks around the tags if too few are known, then beside each star, until
-  /// there are no more.
+  /// Looks around the tags, then beside each star, until there are no more.
   void Grow();
 
+  /// Whether the stars around each tag are where its corners say.
+  bool AgreesWithTags() const;
   /// Whether there are enough stars, and few places where one was sought in
   /// vain.
   bool IsSound() const;
@@ -66,6 +67,8 @@ class StarGrowth {
   std::vector<RejectedFeature> Rejected() const;
 
  private:
+  bool Agrees(const SeenTag& seen) const;
+  bool HasStarBeside(const BoardTag& tag) const;
   void StartBeside(const SeenTag& seen, double min_correlation);
   bool Sweep(double min_correlation);
   bool HasDirectNeighbour(int column, int row) const;

@@ -30,7 +30,7 @@ struct Arguments {
   int num_images = 1000, only = -1, threads = 2;
   uint64_t seed = 1;
   std::string save;
-  bool list = false, plain = false;
+  bool list = false, plain = false, many_tags = false;
 };
 
 // A lens with its pixels' rays.
@@ -69,25 +69,26 @@ Target MakeTarget(const StarBoardOptions &options) {
   return target;
 }
 
-std::vector<Target> MakeTargets() {
+// Of many tags, which large boards have room for, one is nearly always seen.
+std::vector<Target> MakeTargets(bool many_tags) {
   std::vector<Target> targets;
   const auto add = [&](int columns, int rows, int segments, int num_boards,
-                       int num_tags) {
+                       int few, int many) {
     StarBoardOptions options;
     options.columns = columns;
     options.rows = rows;
     options.square_mm = 12;
     options.segments = segments;
     options.num_boards = num_boards;
-    options.num_tags = num_tags;
+    options.num_tags = many_tags ? many : few;
     targets.push_back(MakeTarget(options));
   };
-  add(16, 15, 16, 1, 1);
-  add(24, 16, 16, 1, 1);
-  add(12, 10, 16, 2, 1);
-  add(16, 15, 12, 1, 1);
-  add(24, 16, 8, 1, 2);
-  add(12, 12, 20, 2, 1);
+  add(16, 15, 16, 1, 1, 4);
+  add(24, 16, 16, 1, 1, 6);
+  add(12, 10, 16, 2, 1, 1);
+  add(16, 15, 12, 1, 1, 4);
+  add(24, 16, 8, 1, 2, 6);
+  add(12, 12, 20, 2, 1, 1);
   return targets;
 }
 
@@ -354,7 +355,7 @@ void PrintOne(int index, const Scene &scene, const Outcome &o) {
 
 void Run(const Arguments &arguments) {
   const std::vector<Camera> cameras = MakeCameras(arguments.threads);
-  const std::vector<Target> targets = MakeTargets();
+  const std::vector<Target> targets = MakeTargets(arguments.many_tags);
   std::vector<Outcome> outcomes(arguments.num_images);
   const auto scene = [&](int i) {
     return MakeScene(cameras, targets, arguments.seed, arguments.plain, i);
@@ -401,6 +402,10 @@ int main(int argc, char **argv) {
   app.add_flag("--plain", arguments.plain,
                "well exposed and sharp images, noise 2 of 255; by default many "
                "are blurred, noisy, dark or overexposed");
+  app.add_flag(
+      "--many-tags", arguments.many_tags,
+      "four or six tags on large boards; by default one, on one of the "
+      "six patterns two");
   app.add_flag("--list", arguments.list, "images in which stars are missed");
   app.add_option("--only", arguments.only, "one image, by number");
   app.add_option("--save", arguments.save, "its PNG file");
