@@ -105,7 +105,8 @@ Eigen::MatrixXd WithoutRotation(const LatticeDerivatives& derivatives,
 }
 
 // With X = H^-1 D^T: D X in total, and D H^-1 J^T J H^-1 D^T = D X - X^T P X by
-// noise, for derivatives D by the camera's parameters.
+// noise, for derivatives D by the camera's parameters; D H^-1 g = X^T g by the
+// prior's gradient g = P (c - c0).
 bool AddExactCovariances(const LinearSystem& system,
                          const Eigen::MatrixXd& derivatives,
                          std::vector<PixelUncertainty>* pixels,
@@ -130,55 +131,83 @@ bool AddExactCovariances(const LinearSystem& system,
         x.middleCols<2>(k).transpose() * prior_x.middleCols<2>(k);
     (*pixels)[i].total_px2 = (total + total.transpose()) / 2;
     (*pixels)[i].noise_px2 = (*pixels)[i].total_px2 - prior;
+    (*pixels)[i].smoothing_px =
+        x.middleCols<2>(k).transpose() * system.prior.gradient;
   }
   return true;
 }
 
-// H^-1 J^T e of random signs e, or with P = B B^T + R R^T, H^-1 (B u + R v) of
-// random signs u and v: their covariances are H^-1 J^T J H^-1 and H^-1 P H^-1,
-// in sum H^-1.
-bool Sample(const LinearSystem& system, const PrecisionRoot* prior_root,
-            const std::shared_ptr<LargeEquations::Memory>& memory,
-            std::mt19937* random_bits, Eigen::VectorXd* camera_parameters) {
-  constexpr double kTolerance = 1e-2;
-  std::vector<ViewJacobian> jacobians = system.jacobians;
-  for (ViewJacobian& jacobian : jacobians)
-    for (int i = 0; i < jacobian.count(); ++i)
-      jacobian.error.col(i) = prior_root ? Eigen::VectorXd::Zero(2).eval()
-                                         : RandomSigns(2, random_bits);
-  PriorEquations prior = system.prior;
-  prior.gradient.setZero();
-  if (prior_root)
-    prior.gradient =
+// H^-1 (J^T e + g), its part of the camera, for other residuals e and another
+// gradient g of the prior.
+class OtherRightSides {
+ public:
+  explicit OtherRightSides(const LinearSystem& system)
+      : system_(system), prior_root_(system.prior.precision) {}
+
+  // The covariance of this over the samples is H^-1 J^T J H^-1...
+  bool SolveNoise(Eigen::VectorXd* camera_parameters) {
+    const Eigen::VectorXd none =
+        Eigen::VectorXd::Zero(system_.prior.gradient.size());
+    return Solve([&] { return RandomSigns(2, &random_bits_); }, none,
+                 camera_parameters);
+  }
+  // ... and of this, with P = B B^T + R R^T, H^-1 P H^-1; in sum H^-1.
+  bool SolvePrior(Eigen::VectorXd* camera_parameters) {
+    const PriorEquations& prior = system_.prior;
+    const Eigen::VectorXd gradient =
         WithoutFree(
             prior.free, prior.freed,
-            prior_root->Times(RandomSigns(prior_root->size(), random_bits),
-                              system.layout.size)) +
-        prior.root * RandomSigns(prior.root.cols(), random_bits);
-  const LargeEquations equations(system.layout, std::move(jacobians), prior,
-                                 system.state.points, kTolerance,
-                                 system.num_threads, memory);
-  AdjustmentStep step;
-  if (!equations.Solve(0, &step)) return false;
-  *camera_parameters = step.cameras[system.camera];
-  return true;
-}
+            prior_root_.Times(RandomSigns(prior_root_.size(), &random_bits_),
+                              system_.layout.size)) +
+        prior.root * RandomSigns(prior.root.cols(), &random_bits_);
+    return Solve(NoError, gradient, camera_parameters);
+  }
+  bool SolveSmoothing(Eigen::VectorXd* camera_parameters) {
+    return Solve(NoError, system_.prior.gradient, camera_parameters);
+  }
+
+ private:
+  static Eigen::VectorXd NoError() { return Eigen::VectorXd::Zero(2); }
+
+  template <typename MakeError>
+  bool Solve(const MakeError& make_error, const Eigen::VectorXd& gradient,
+             Eigen::VectorXd* camera_parameters) const {
+    constexpr double kTolerance = 1e-2;
+    std::vector<ViewJacobian> jacobians = system_.jacobians;
+    for (ViewJacobian& jacobian : jacobians)
+      for (int i = 0; i < jacobian.count(); ++i)
+        jacobian.error.col(i) = make_error();
+    PriorEquations prior = system_.prior;
+    prior.gradient = gradient;
+    const LargeEquations equations(system_.layout, std::move(jacobians), prior,
+                                   system_.state.points, kTolerance,
+                                   system_.num_threads, memory_);
+    AdjustmentStep step;
+    if (!equations.Solve(0, &step)) return false;
+    *camera_parameters = step.cameras[system_.camera];
+    return true;
+  }
+
+  const LinearSystem& system_;
+  const PrecisionRoot prior_root_;
+  const std::shared_ptr<LargeEquations::Memory> memory_ =
+      std::make_shared<LargeEquations::Memory>();
+  std::mt19937 random_bits_{1};  // the standard fixes its sequence
+};
 
 bool AddSampledCovariances(const LinearSystem& system,
                            const Eigen::MatrixXd& derivatives, int num_samples,
                            std::vector<PixelUncertainty>* pixels,
                            Eigen::MatrixXd* joint_px2) {
-  std::mt19937 random_bits(1);  // the standard fixes its sequence
-  const PrecisionRoot prior_root(system.prior.precision);
-  const auto memory = std::make_shared<LargeEquations::Memory>();
   for (PixelUncertainty& pixel : *pixels)
     pixel.noise_px2 = pixel.total_px2 = Eigen::Matrix2d::Zero();
   if (joint_px2) joint_px2->setZero(derivatives.rows(), derivatives.rows());
+  OtherRightSides sides(system);
+  Eigen::VectorXd parameters;
   for (int k = 0; k < num_samples; ++k) {
     for (const bool is_noise : {true, false}) {
-      Eigen::VectorXd parameters;
-      if (!Sample(system, is_noise ? nullptr : &prior_root, memory,
-                  &random_bits, &parameters))
+      if (!(is_noise ? sides.SolveNoise(&parameters)
+                     : sides.SolvePrior(&parameters)))
         return false;
       const Eigen::VectorXd moved = derivatives * parameters;
       if (joint_px2) *joint_px2 += moved * moved.transpose() / num_samples;
@@ -190,6 +219,11 @@ bool AddSampledCovariances(const LinearSystem& system,
       }
     }
   }
+  if (!sides.SolveSmoothing(&parameters)) return false;
+  const Eigen::VectorXd moved = derivatives * parameters;
+  for (size_t i = 0; i < pixels->size(); ++i)
+    (*pixels)[i].smoothing_px =
+        moved.segment<2>(2 * static_cast<Eigen::Index>(i));
   return true;
 }
 
@@ -242,6 +276,7 @@ std::vector<PixelUncertainty> ProjectionUncertainty(
     const double scale = is_known[i] ? noise_px * noise_px
                                      : std::numeric_limits<double>::quiet_NaN();
     pixels[i].noise_px2 *= scale;
+    if (!is_known[i]) pixels[i].smoothing_px.setConstant(scale);
     pixels[i].total_px2 *= scale;
   }
   return pixels;

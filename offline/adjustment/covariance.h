@@ -14,6 +14,8 @@ struct PixelUncertainty {
   Eigen::Vector2d pixel;
   /// How it would scatter, were the noise drawn anew.
   Eigen::Matrix2d noise_px2;
+  /// By how much the prior has moved it, as estimated: noise apart, the error.
+  Eigen::Vector2d smoothing_px;
   /// How far it may be from the truth: also what the prior leaves open where
   /// observations do not tell.
   Eigen::Matrix2d total_px2;
@@ -34,6 +36,8 @@ struct UncertaintyOptions {
 /// they were. H = J^T J + P being the equations' matrix around the state, with
 /// the prior P, and s^2 the noise's variance, parameters are s^2 H^-1 from the
 /// truth if the prior holds, and scatter by s^2 H^-1 J^T J H^-1 with the noise.
+/// Their mean is H^-1 P (c - c0) from the truth c, of which the adjusted
+/// parameters are an estimate; c0 is the prior's mean.
 /// The camera's orientation, which no observation can see, is the one nearest
 /// to the true rays of the pixels that are among observations. Nothing if the
 /// equations are singular.

@@ -128,9 +128,10 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
   const std::vector<PixelUncertainty> pixels =
       ProjectionUncertainty(adjusted.problem.views, adjusted.prior, options,
                             noise_px, adjusted.state, camera, size, &joint_px2);
-  DeviationLattice noise = {size.columns, size.rows, {}}, total = noise;
+  DeviationLattice seen = {size.columns, size.rows, {}}, total = seen;
   for (const PixelUncertainty& pixel : pixels) {
-    noise.deviation_px.push_back(WorseDeviation(pixel.noise_px2));
+    seen.deviation_px.push_back(WorseDeviation(
+        pixel.noise_px2 + pixel.smoothing_px * pixel.smoothing_px.transpose()));
     total.deviation_px.push_back(WorseDeviation(pixel.total_px2));
   }
   if (!std::isfinite(total.MedianPx())) return std::nullopt;
@@ -140,8 +141,8 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
   uncertainty.mask =
       MaskOf(adjusted, camera, total, uncertainty.max_deviation_px);
   uncertainty.modes = ModesOf(joint_px2, size);
-  // Where the prior knows more than the observations, noise is not all.
-  uncertainty.lattice = noise;
+  // Where observations are few, what smoothing takes away cannot be estimated.
+  uncertainty.lattice = seen;
   for (size_t i = 0; i < pixels.size(); ++i)
     if (!uncertainty.mask.Trusts(pixels[i].pixel))
       uncertainty.lattice.deviation_px[i] = total.deviation_px[i];

@@ -216,8 +216,15 @@ bool StarGrowth::Sweep(double min_correlation) {
   for (const auto& [count, row, column] : candidates) {
     tried_with_[board_.PointIndex(column, row)] = -count;
     LocalMapping mapping;
-    if (Predict(column, row, &mapping))
-      Try(column, row, mapping, -count >= 8 ? 0.12 : 0.25, min_correlation);
+    if (Predict(column, row, &mapping) &&
+        Try(column, row, mapping, -count >= 8 ? 0.12 : 0.25, min_correlation))
+      continue;
+    // Between a tag and the board's edge a lattice goes on by a row or two.
+    constexpr int kFew = 10;
+    if (-count <= kFew &&
+        PredictFromTag(column, row, lattice_.Around(column, row, 3, false),
+                       &mapping))
+      Try(column, row, mapping, 0.25, min_correlation);
   }
   return lattice_.num_found() > before;
 }
