@@ -185,11 +185,15 @@ static void fill_row(const remap_job* job, uint32_t num_pixels, uint8_t* out) {
  * of them; otherwise RG_NOT_INSIDE. */
 #define RG_NOT_INSIDE INT32_MIN
 static inline int32_t inside_rows(const remap_job* job) {
-  int32_t lowest = RG_NOT_INSIDE;
-  for (int k = 0; k < 4; ++k) {
-    const rg_position* const corner = &job->run.block.corners[k];
-    if (!is_safe(job, corner)) return RG_NOT_INSIDE;
-    lowest = max_of(lowest, corner->q12[1]);
+  const rg_position* const p = job->run.block.corners;
+  int32_t lowest = 0;
+  for (int c = 0; c < 2; ++c) {
+    const int32_t a = p[0].q12[c], b = p[1].q12[c];
+    const int32_t d = p[2].q12[c], e = p[3].q12[c];
+    lowest = max_of(max_of(a, b), max_of(d, e));
+    if (min_of(min_of(a, b), min_of(d, e)) < job->safe.min.q12[c] ||
+        lowest > job->safe.max.q12[c])
+      return RG_NOT_INSIDE;
   }
   return lowest;
 }
@@ -225,7 +229,8 @@ static inline void remap_block(remap_job* job, uint32_t row, uint32_t num_rows,
                                uint32_t num_pixels, uint8_t* out) {
   rg_run* const run = &job->run;
 #ifndef RG_GREY_ONLY
-  rg_lattice_block(job->map.lattice, &run->block);
+  if (job->map.lattice->log2_x != 0)
+    rg_lattice_block(job->map.lattice, &run->block);
   if (job->is_ring) choose_ring_part(job);
 #endif
   const int32_t lowest = inside_rows(job);

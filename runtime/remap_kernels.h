@@ -107,6 +107,33 @@ rg_blend rg_blend_1_rvv, rg_blend_2_rvv, rg_blend_3_rvv, rg_blend_4_rvv;
 void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice);
 void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice);
 
+/* A value in a register: else the compiler composes it anew where it is used.
+ */
+#if defined(__GNUC__)
+#define RG_IN_REGISTER(value) __asm__("" : "+r"(value))
+#else
+#define RG_IN_REGISTER(value) ((void)(value))
+#endif
+
+/* Bytes 0 and 2 to halves, and bytes 1 and 3. */
+static inline uint32_t rg_even_bytes(uint32_t bytes) {
+#if defined(__ARM_FEATURE_SIMD32)
+  return (uint32_t)__uxtb16(bytes);
+#else
+  return bytes & 0x00ff00ff;
+#endif
+}
+
+static inline uint32_t rg_odd_bytes(uint32_t bytes) {
+#if defined(__ARM_FEATURE_SIMD32)
+  uint32_t odd = bytes; /* the compiler would rotate first */
+  __asm__("uxtb16 %0, %0, ror #8" : "+r"(odd));
+  return odd;
+#else
+  return (bytes >> 8) & 0x00ff00ff;
+#endif
+}
+
 /* 7-bit weights across, 12-bit weights down, both roundings in one. Arguments
  * hold the upper row's samples in the low half, the lower row's in the high. */
 static inline uint32_t rg_blend_8(uint32_t left, uint32_t right, uint32_t x_q12,
@@ -118,7 +145,10 @@ static inline uint32_t rg_blend_8(uint32_t left, uint32_t right, uint32_t x_q12,
   const uint32_t rounding = 0x407ff;
 #if defined(__ARM_FEATURE_SIMD32)
   /* h0 (4096 - wy) + h1 wy: one instruction */
-  const uint32_t weights = (wy_q12 << 16) - wy_q12 + 4096;
+  uint32_t factor = 65535, one = 4096;
+  RG_IN_REGISTER(factor);
+  RG_IN_REGISTER(one);
+  const uint32_t weights = wy_q12 * factor + one;
   return (uint32_t)__smlad((int16x2_t)h_q7, (int16x2_t)weights,
                            (int32_t)rounding) >>
          19;

@@ -103,6 +103,7 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
   std::string inputs;
   CalibrationResult result;
   std::optional<PackedCamera> packed;
+  Thumbnails thumbnails;
   std::optional<Error> not_packed;  // the other files are worth having even so
   {
     ProgressBar bar(common.quiet);
@@ -123,9 +124,12 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
     } catch (const Error& error) {
       not_packed = error;
     }
+    thumbnails = MakeThumbnails(measurements.dataset, measurements.paths,
+                                common.threads);
   }
 
-  ResultExtras extras = {common.seed, PeakMemoryBytes(), {}, {}};
+  ResultExtras extras = {
+      common.seed, PeakMemoryBytes(), {}, {}, std::move(thumbnails)};
   if (packed) {
     extras.packing = FiguresOf(*packed);
     extras.example = ExampleImage(paths, result, arguments, packed->blob);
@@ -137,6 +141,8 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
     files.Add(resume_path, FormatCheckpoints({*result.checkpoint}, inputs));
   files.Commit();
   if (!result.checkpoint) std::filesystem::remove(resume_path);
+  if (extras.thumbnails.empty())  // of an earlier result's images
+    std::filesystem::remove(folder / "thumbnails.json");
   AddReports(arguments.output, &files);
   files.Commit();
   if (common.json)

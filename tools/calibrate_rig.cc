@@ -183,10 +183,11 @@ PackedCameras PackAll(const RigResult& result, int num_threads) {
 }
 
 void AddFiles(const RigResult& result, const PackedCameras& packed,
-              uint64_t seed, const std::string& folder, OutputFiles* files) {
+              const std::vector<Thumbnails>& thumbnails, uint64_t seed,
+              const std::string& folder, OutputFiles* files) {
   std::vector<ResultExtras> extras;
   for (size_t c = 0; c < result.cameras.size(); ++c) {
-    extras.push_back({seed, PeakMemoryBytes(), {}, {}});
+    extras.push_back({seed, PeakMemoryBytes(), {}, {}, thumbnails[c]});
     if (!packed.cameras[c]) continue;
     extras.back().packing = FiguresOf(*packed.cameras[c]);
     files->Add((std::filesystem::path(folder) / result.cameras[c].camera.name /
@@ -263,6 +264,7 @@ void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
   std::string inputs;
   RigResult result;
   PackedCameras packed;
+  std::vector<Thumbnails> thumbnails;
   {
     ProgressBar bar(common.quiet);
     const CalibrationOptions options = OptionsOf(arguments, common, &bar);
@@ -275,14 +277,22 @@ void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
                           pattern, options);
     bar.Show("packing", 0.9);
     packed = PackAll(result, common.threads);
+    for (const Measurements& camera : rig.cameras)
+      thumbnails.push_back(
+          MakeThumbnails(camera.dataset, camera.paths, common.threads));
   }
   OutputFiles files;
-  AddFiles(result, packed, common.seed, arguments.output, &files);
+  AddFiles(result, packed, thumbnails, common.seed, arguments.output, &files);
   const std::vector<Checkpoint> checkpoints = CheckpointsOf(result);
   if (!checkpoints.empty())
     files.Add(resume_path, FormatCheckpoints(checkpoints, inputs));
   files.Commit();
   if (checkpoints.empty()) std::filesystem::remove(resume_path);
+  for (size_t c = 0; c < thumbnails.size(); ++c)
+    if (thumbnails[c].empty())  // of an earlier result's images
+      std::filesystem::remove(std::filesystem::path(arguments.output) /
+                              result.cameras[c].camera.name /
+                              "thumbnails.json");
   AddReports(arguments.output, &files);
   files.Commit();
   if (common.json)

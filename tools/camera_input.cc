@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
+#include "dataset/csv.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 
@@ -43,6 +45,23 @@ void PrintOrWrite(const std::string& path, const std::string& text) {
   else if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() ||
            std::fflush(stdout) != 0)
     throw Error(ExitCode::kOutput, "standard output cannot be written");
+}
+
+std::string CsvAsJson(const std::string& csv,
+                      const std::vector<std::string>& columns) {
+  const CsvTable table("result", csv, columns);
+  auto rows = nlohmann::ordered_json::array();
+  for (size_t i = 0; i < table.num_rows(); ++i) {
+    nlohmann::ordered_json row;
+    for (const std::string& column : columns) {
+      if (table.Text(i, column).empty())
+        row[column] = nullptr;
+      else
+        row[column] = table.Number(i, column);
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows.dump(2) + "\n";
 }
 
 }  // namespace raygrid

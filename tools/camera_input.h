@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "dataset/camera_file.h"
 #include "packing/blob_camera.h"
@@ -22,6 +23,10 @@ ImageSize ParseImageSize(const std::string& option, const std::string& text);
 
 /// Prints text, or writes it to a file if one is named.
 void PrintOrWrite(const std::string& path, const std::string& text);
+
+/// A CSV of numbers as an array of objects, empty fields as null.
+std::string CsvAsJson(const std::string& csv,
+                      const std::vector<std::string>& columns);
 
 }  // namespace raygrid
 

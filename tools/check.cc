@@ -73,6 +73,7 @@ nlohmann::ordered_json ToJson(const CameraCheck& check) {
   for (const Movement& movement : change.movements) {
     nlohmann::ordered_json& entry = json["movements"][movement.name];
     entry["sigmas"] = movement.sigmas;
+    if (movement.found_from > 0) entry["found_from"] = movement.found_from;
     for (size_t k = 0; k < movement.parameters.size(); ++k) {
       entry[movement.parameters[k]] = movement.values[k];
       entry[movement.parameters[k] + "_sd"] = movement.deviations[k];
@@ -92,14 +93,17 @@ nlohmann::ordered_json ToJson(const CameraCheck& check) {
 
 std::string Amount(const CameraChange& change, const Movement& movement) {
   const auto pair = [&movement](double unit, const char* name) {
-    return fmt::format("({:.3f} +- {:.3f}, {:.3f} +- {:.3f}) {}",
-                       unit * movement.values[0], unit * movement.deviations[0],
-                       unit * movement.values[1], unit * movement.deviations[1],
-                       name);
+    return fmt::format(
+        "({:.3f} +- {:.3f}, {:.3f} +- {:.3f}) {}; found from "
+        "{:.3f} on",
+        unit * movement.values[0], unit * movement.deviations[0],
+        unit * movement.values[1], unit * movement.deviations[1], name,
+        unit * movement.found_from);
   };
   if (movement.name == "scale")
-    return fmt::format("{:.4f} +- {:.4f} %", 100 * movement.values[0],
-                       100 * movement.deviations[0]);
+    return fmt::format("{:.4f} +- {:.4f} %; found from {:.4f} on",
+                       100 * movement.values[0], 100 * movement.deviations[0],
+                       100 * movement.found_from);
   if (movement.name == "shift") return pair(1, "px");
   if (movement.name == "tilt") return pair(180 / M_PI, "degrees");
   if (change.largest_local_px <= 0) return "";
@@ -122,8 +126,8 @@ void Print(const CameraCheck& check) {
     fmt::print("  {:<6} {:>7.1f} sigma  {}\n", movement.name, movement.sigmas,
                Amount(change, movement));
   fmt::print(
-      "  each as if it alone had moved; shift and tilt differ little to a "
-      "board\n");
+      "  each as if it alone had moved, found 99 times of 100; shift and tilt "
+      "differ little to a board\n");
   for (const RejectedImage& image : check.rejected_images)
     fmt::print("not used: {} ({})\n", image.image, image.reason);
 }
@@ -153,7 +157,8 @@ void AddCheck(CLI::App* app, CommonOptions* common) {
       app, "check",
       "Tells from a few images of the board whether a camera is still as it "
       "was calibrated: OK, or DEGRADED (exit code 6) and what moved, with its "
-      "significance. An unchanged camera is called degraded once in 500 times.",
+      "significance. An unchanged camera is called degraded less than once in "
+      "200 times.",
       "raygrid check result/camera.yaml field/*.jpg", common);
   auto arguments = std::make_shared<Arguments>();
   command

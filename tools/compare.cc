@@ -5,19 +5,21 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "calibration/camera_evaluation.h"
 #include "camera_input.h"
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_files.h"
 #include "evaluation/model_difference.h"
+#include "evaluation/prediction_comparison.h"
 #include "report/pictures.h"
 
 namespace raygrid {
 namespace {
 
 struct Arguments {
-  std::string first, second, output;
+  std::string first, second, output, features, pattern;
   double distance_m = 1;
 };
 
@@ -29,9 +31,35 @@ struct Comparison {
   ImageSize size;
   Area area;  // of the second camera
   double angle_rad = 0;
+  std::optional<PredictionComparison> prediction;  // of features, if given
 };
 
-Comparison Compare(const Arguments& arguments) {
+// Images localised with each camera as it is.
+PredictionComparison Predict(const Arguments& arguments,
+                             const CameraModel& first,
+                             const CameraModel& second, int num_threads) {
+  const Pattern pattern = ReadPattern(arguments.pattern);
+  auto cameras = ReadFeatures(arguments.features);
+  if (cameras.size() > 1)
+    throw InputError(arguments.features +
+                     ": holds several cameras; split it by camera");
+  Dataset dataset = cameras.begin()->second;
+  dataset.image_size = first.image_size();
+  RequireConsistent(arguments.features, dataset, pattern);
+  const auto residuals = [&](const CameraModel& camera) {
+    return EvaluateCamera(camera, dataset, pattern, num_threads).residuals;
+  };
+  const PredictionComparison prediction =
+      ComparePredictions(residuals(first), residuals(second));
+  if (prediction.images.empty())
+    throw Error(ExitCode::kTooFew,
+                arguments.features +
+                    ": no image could be localised with both cameras; are "
+                    "features and pattern theirs?");
+  return prediction;
+}
+
+Comparison Compare(const Arguments& arguments, int num_threads) {
   const CameraInput first = ReadCamera(arguments.first);
   const CameraInput second = ReadCamera(arguments.second);
   Comparison comparison;
@@ -56,7 +84,28 @@ Comparison Compare(const Arguments& arguments) {
   comparison.angle_rad =
       comparison.difference.first_from_second.rotation.angularDistance(
           Eigen::Quaterniond::Identity());
+  if (!arguments.features.empty())
+    comparison.prediction = Predict(arguments, *first.file.camera,
+                                    *second.file.camera, num_threads);
   return comparison;
+}
+
+nlohmann::ordered_json ToJson(const ErrorFigures& figures) {
+  return {{"median_px", figures.median_px},
+          {"rms_px", figures.rms_px},
+          {"max_px", figures.max_px}};
+}
+
+nlohmann::ordered_json ToJson(const PredictionComparison& prediction) {
+  return {{"better", prediction.Better()},
+          {"probability", prediction.probability},
+          {"features", prediction.first.count},
+          {"left_out", prediction.num_left_out},
+          {"images", prediction.images.size()},
+          {"first_better_images", prediction.num_first_better},
+          {"second_better_images", prediction.num_second_better},
+          {"first", ToJson(prediction.first)},
+          {"second", ToJson(prediction.second)}};
 }
 
 std::string FormatJson(const Comparison& comparison) {
@@ -68,6 +117,8 @@ std::string FormatJson(const Comparison& comparison) {
   const Eigen::Vector3d& t = d.first_from_second.translation;
   if (!d.inverse_distances.empty())
     json["translation_m"] = {t.x(), t.y(), t.z()};
+  if (comparison.prediction)
+    json["prediction"] = ToJson(*comparison.prediction);
   return json.dump(2) + "\n";
 }
 
@@ -86,6 +137,14 @@ std::string FormatCsv(const ModelDifference& difference) {
   return csv;
 }
 
+std::string FormatCsv(const PredictionComparison& prediction) {
+  std::string csv = "image,features,first_mean_px,second_mean_px\n";
+  for (const ImagePrediction& image : prediction.images)
+    csv += fmt::format("{},{},{:.6f},{:.6f}\n", image.image, image.num_features,
+                       image.first_px, image.second_px);
+  return csv;
+}
+
 void Write(const Comparison& comparison, const std::filesystem::path& folder) {
   std::vector<FeatureResidual> places;
   for (size_t i = 0; i < comparison.difference.pixels.size(); ++i) {
@@ -99,6 +158,9 @@ void Write(const Comparison& comparison, const std::filesystem::path& folder) {
   files.Add((folder / "difference.json").string(), FormatJson(comparison));
   files.Add((folder / "difference.csv").string(),
             FormatCsv(comparison.difference));
+  if (comparison.prediction)
+    files.Add((folder / "predictions.csv").string(),
+              FormatCsv(*comparison.prediction));
   files.Add((folder / "magnitude.png").string(),
             EncodePng(MagnitudePicture(places, comparison.size, comparison.area,
                                        full_scale_px)));
@@ -108,15 +170,46 @@ void Write(const Comparison& comparison, const std::filesystem::path& folder) {
   files.Commit();
 }
 
+void Print(const Arguments& arguments, const PredictionComparison& prediction) {
+  const auto print = [](const std::string& camera, const ErrorFigures& figures,
+                        int num_better) {
+    fmt::print("{}: median {:.4f} px, RMS {:.4f} px, better in {} images\n",
+               camera, figures.median_px, figures.rms_px, num_better);
+  };
+  fmt::print("{} features of {} images, localised with either camera:\n",
+             prediction.first.count, prediction.images.size());
+  print(arguments.first, prediction.first, prediction.num_first_better);
+  print(arguments.second, prediction.second, prediction.num_second_better);
+  const std::string better = prediction.Better();
+  if (better == "neither")
+    fmt::print(
+        "neither is shown to be better: images differ so much by chance, "
+        "probability {:.2g}\n",
+        prediction.probability);
+  else
+    fmt::print("{} is better; by chance, probability {:.2g}\n",
+               better == "first" ? arguments.first : arguments.second,
+               prediction.probability);
+  if (prediction.num_left_out > 0)
+    fmt::print(
+        "{} features that one camera alone is calibrated for do not "
+        "count\n",
+        prediction.num_left_out);
+}
+
 void Run(const Arguments& arguments, const CommonOptions& common) {
+  if (arguments.features.empty() != arguments.pattern.empty())
+    throw Error(ExitCode::kUsage,
+                "compare: --features and --pattern need each other");
   if (!arguments.output.empty()) RequireWritableFolder(arguments.output);
-  const Comparison comparison = Compare(arguments);
+  const Comparison comparison = Compare(arguments, common.threads);
   if (!arguments.output.empty()) Write(comparison, arguments.output);
   const ModelDifference& d = comparison.difference;
   if (common.json) {
     fmt::print("{}", FormatJson(comparison));
     return;
   }
+  if (common.quiet) return;
   fmt::print(
       "median {:.4f} px, RMS {:.4f} px, 99 % below {:.4f} px, largest {:.4f} "
       "px at {} places, after a rotation of {:.5f} rad",
@@ -127,11 +220,13 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
         " and a translation of {:.2f} mm, {:g} m and infinitely far away",
         1000 * d.first_from_second.translation.norm(), arguments.distance_m);
   fmt::print("\n");
+  if (comparison.prediction) Print(arguments, *comparison.prediction);
   if (!arguments.output.empty())
     fmt::print(
         "magnitude.png (dark 0, bright {:.4f} px), direction.png, "
-        "difference.csv and difference.json in {}\n",
-        d.p99_px, arguments.output);
+        "difference.csv{} and difference.json in {}\n",
+        d.p99_px, comparison.prediction ? ", predictions.csv" : "",
+        arguments.output);
 }
 
 }  // namespace
@@ -143,7 +238,9 @@ void AddCompare(CLI::App* app, CommonOptions* common) {
       "that brings them nearest: no calibration can tell its camera's rotation "
       "from that of all poses. Unless both are central, they are compared at "
       "--distance and infinitely far away (between, the error is a mean of the "
-      "two), after the best translation as well.",
+      "two), after the best translation as well. With --features, images are "
+      "localised with each camera as it is, to tell which of the two predicts "
+      "features better; take images that neither was calibrated with.",
       "raygrid compare today/camera.yaml last_year/camera.raygrid -o "
       "difference/",
       common);
@@ -157,6 +254,10 @@ void AddCompare(CLI::App* app, CommonOptions* common) {
                    "of what cameras that are not central see, metres")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command->add_option("--features", arguments->features,
+                      "features.csv that both cameras predict");
+  command->add_option("--pattern", arguments->pattern,
+                      "pattern.yaml, with --features");
   command->add_option("-o,--output", arguments->output,
                       "folder for pictures and tables");
   command->callback([arguments, common] { Run(*arguments, *common); });

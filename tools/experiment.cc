@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
@@ -9,6 +10,7 @@
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/rig_file.h"
 #include "experiments/experiment_files.h"
 #include "progress_bar.h"
 
@@ -17,9 +19,10 @@ namespace {
 
 struct Arguments {
   std::string name, size = "640x480", output;
-  std::string features, image_size, pattern, camera;
-  std::vector<std::string> hold_out;
+  std::string features, image_size, pattern, walk;
+  std::vector<std::string> cameras, rigs, images, hold_out;
   int num_images = 0;
+  double nearest_m = 0;
   bool list = false;
   ExperimentOptions options;
 };
@@ -41,27 +44,49 @@ const Experiment& FindExperiment(const std::string& name) {
 }
 
 void RequireUse(const Experiment& experiment, const Arguments& arguments) {
-  const auto refuse = [&](const char* option) {
-    throw Error(ExitCode::kUsage,
-                fmt::format("experiment {}: has no use for {}", experiment.name,
-                            option));
+  const auto require = [&experiment](const char* option, bool is_given) {
+    const auto& known = experiment.user_options;
+    if (is_given &&
+        std::find(known.begin(), known.end(), option) == known.end())
+      throw Error(ExitCode::kUsage,
+                  fmt::format("experiment {}: has no use for {}",
+                              experiment.name, option));
   };
-  if (!arguments.features.empty() && experiment.user_data == UserData::kNone)
-    refuse("--features");
-  if (!arguments.camera.empty() &&
-      experiment.user_data != UserData::kFeaturesOrCamera)
-    refuse("--camera");
+  require("--features", !arguments.features.empty());
+  require("--camera", !arguments.cameras.empty());
+  require("--walk", !arguments.walk.empty());
+  require("--rig", !arguments.rigs.empty());
+  require("--image", !arguments.images.empty());
+  require("--nearest-m", arguments.nearest_m > 0);
   if (!arguments.features.empty() &&
       (arguments.pattern.empty() || arguments.image_size.empty()))
     throw Error(ExitCode::kUsage,
                 "--features needs --pattern and --image-size WxH");
 }
 
+NamedStereo ReadStereo(const std::string& path) {
+  const std::vector<RigFileCamera> cameras = ReadRigFile(path);
+  if (cameras.size() != 2)
+    throw InputError(
+        fmt::format("{}: {} cameras; stereo needs two", path, cameras.size()));
+  const auto model = [&path](const RigFileCamera& camera) {
+    const auto folder = std::filesystem::path(path).parent_path();
+    return ReadCamera((folder / camera.file).string()).file.camera;
+  };
+  return {path, model(cameras[0]), model(cameras[1]),
+          cameras[1].camera_from_rig * cameras[0].camera_from_rig.Inverse()};
+}
+
 ExperimentData ReadData(const Arguments& arguments) {
   ExperimentData data;
   data.hold_out = arguments.hold_out;
-  if (!arguments.camera.empty())
-    data.camera = ReadCamera(arguments.camera).file.camera;
+  for (const std::string& path : arguments.cameras)
+    data.cameras.push_back({path, ReadCamera(path).file.camera});
+  for (const std::string& path : arguments.rigs)
+    data.rigs.push_back(ReadStereo(path));
+  data.images = arguments.images;
+  data.nearest_m = arguments.nearest_m;
+  if (!arguments.walk.empty()) data.walk = ReadColmapModel(arguments.walk);
   if (arguments.features.empty()) return data;
   auto cameras = ReadFeatures(arguments.features);
   if (cameras.size() > 1)
@@ -152,8 +177,26 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
       ->add_option("--hold-out", arguments->hold_out,
                    "images to test with (default: every fifth)")
       ->delimiter(',');
-  command->add_option("--camera", arguments->camera,
-                      "the user's own camera.yaml or blob");
+  command
+      ->add_option("--camera", arguments->cameras,
+                   "the user's own camera.yaml or blob; may be repeated")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--rig", arguments->rigs,
+                   "the user's own rig.yaml of two cameras; may be repeated")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--image", arguments->images,
+                   "the user's own image, or a folder; may be repeated")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--nearest-m", arguments->nearest_m,
+                   "distance of the nearest thing that --image shows "
+                   "(default: ten times what is between the cameras)")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--walk", arguments->walk,
+                      "folder of the user's own structure from motion: "
+                      "cameras.txt, images.txt and points3D.txt of COLMAP");
   command->add_option("--size", arguments->size, "of images, WxH")
       ->capture_default_str();
   command

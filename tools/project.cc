@@ -14,7 +14,7 @@ struct Arguments {
   std::string camera, points, output;
 };
 
-void Run(const Arguments& arguments) {
+void Run(const Arguments& arguments, bool json) {
   const CameraInput input = ReadCamera(arguments.camera);
   const CsvTable table(arguments.points, ReadFile(arguments.points),
                        {"x", "y", "z"});
@@ -28,6 +28,7 @@ void Run(const Arguments& arguments) {
     text += pixel ? fmt::format("{:.8f},{:.8f},1\n", pixel->x(), pixel->y())
                   : std::string(",,0\n");
   }
+  if (json) text = CsvAsJson(text, {"x", "y", "z", "u", "v", "valid"});
   PrintOrWrite(arguments.output, text);
 }
 
@@ -45,8 +46,8 @@ void AddProject(CLI::App* app, CommonOptions* common) {
   command->add_option("--points", arguments->points, "CSV with x,y,z")
       ->required();
   command->add_option("-o,--output", arguments->output,
-                      "CSV to write (default: print)");
-  command->callback([arguments] { Run(*arguments); });
+                      "CSV, or JSON with --json, to write (default: print)");
+  command->callback([arguments, common] { Run(*arguments, common->json); });
 }
 
 }  // namespace raygrid

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "camera_input.h"
 #include "commands.h"
@@ -67,6 +68,7 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
   const BlobCamera camera = PrepareBlob(arguments, common);
   const std::vector<std::string> paths = FindImages(arguments.images);
   ProgressBar bar(common.quiet);
+  nlohmann::ordered_json written = {{"images", nlohmann::json::array()}};
   for (size_t i = 0; i < paths.size(); ++i) {
     const Image image = ReadImage(paths[i], false);
     RequireSize(paths[i], image.size, camera.image_size());
@@ -78,9 +80,12 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
     files.Add(path.string(), EncodePng(result));
     if (!arguments.frames.empty()) AddRawFrame(arguments, paths[i], &files);
     files.Commit();
+    written["images"].push_back({{"image", paths[i]}, {"file", path.string()}});
     bar.Show("undistortion", static_cast<double>(i + 1) / paths.size());
   }
-  if (!common.quiet)
+  if (common.json)
+    fmt::print("{}\n", written.dump(2));
+  else if (!common.quiet)
     fmt::print("{} images undistorted to {}\n", paths.size(), arguments.output);
 }
 

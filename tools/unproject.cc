@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <memory>
 
@@ -19,13 +20,15 @@ std::string FormatVector(const Eigen::Vector3d& vector) {
                      vector.z());
 }
 
-void Run(const Arguments& arguments) {
+void Run(const Arguments& arguments, bool json) {
   const CameraInput input = ReadCamera(arguments.camera);
   const CsvTable table(arguments.pixels, ReadFile(arguments.pixels),
                        {"x", "y"});
   const CameraModel& camera = *input.file.camera;
   const bool has_origins = !camera.IsCentral();
-  std::string text = has_origins ? "x,y,dx,dy,dz,ox,oy,oz\n" : "x,y,dx,dy,dz\n";
+  std::vector<std::string> columns = {"x", "y", "dx", "dy", "dz"};
+  if (has_origins) columns.insert(columns.end(), {"ox", "oy", "oz"});
+  std::string text = fmt::format("{}\n", fmt::join(columns, ","));
   for (size_t i = 0; i < table.num_rows(); ++i) {
     const Eigen::Vector2d pixel(table.Number(i, "x"), table.Number(i, "y"));
     text += fmt::format("{},{},", table.Text(i, "x"), table.Text(i, "y"));
@@ -39,6 +42,7 @@ void Run(const Arguments& arguments) {
     }
     text += "\n";
   }
+  if (json) text = CsvAsJson(text, columns);
   PrintOrWrite(arguments.output, text);
 }
 
@@ -59,8 +63,8 @@ void AddUnproject(CLI::App* app, CommonOptions* common) {
   command->add_option("--pixels", arguments->pixels, "CSV with x,y")
       ->required();
   command->add_option("-o,--output", arguments->output,
-                      "CSV to write (default: print)");
-  command->callback([arguments] { Run(*arguments); });
+                      "CSV, or JSON with --json, to write (default: print)");
+  command->callback([arguments, common] { Run(*arguments, common->json); });
 }
 
 }  // namespace raygrid

@@ -8,6 +8,7 @@
 #include "calibration/camera_evaluation.h"
 #include "calibration/camera_result.h"
 #include "calibration/camera_start.h"
+#include "calibration/parametric_comparison.h"
 #include "calibration/rig_evaluation.h"
 #include "calibration/rig_start.h"
 #include "calibration/rig_uncertainty.h"
@@ -277,6 +278,15 @@ RigResult CalibrateRig(const std::vector<RigCameraInput>& cameras,
     AddHeldOut(EvaluateHeldOut(adjusted, pattern, test, options.num_threads),
                false, &result);
   result.seconds["held_out"] = validation_time.Seconds();
+
+  if (options.compare_models && !ShouldStop(options)) {
+    report("other models", 0.85);
+    const Stopwatch comparison_time;
+    for (size_t c = 0; c < cameras.size(); ++c)
+      result.cameras[c].parametric_models = CompareParametricModels(
+          {training[c], test[c]}, pattern, options, alone[c]);
+    result.seconds["comparison"] = comparison_time.Seconds();
+  }
 
   if (ShouldStop(options))
     for (size_t c = 0; c < cameras.size(); ++c)

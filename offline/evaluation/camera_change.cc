@@ -12,6 +12,7 @@ namespace raygrid {
 namespace {
 
 constexpr double kAlarmSigmas = 3.09;  // one in a thousand
+constexpr double kFoundSigmas = 2.33;  // 99 in a hundred
 constexpr double kClipSigmas = 5;      // of a feature's error
 constexpr int kScale = 0, kShift = 1, kTilt = 3, kNumSmooth = 5;
 constexpr int kLocalColumns = 6, kLocalRows = 4;
@@ -121,16 +122,23 @@ struct Estimate {
   int freedoms = 0;
 };
 
+Eigen::MatrixXd MatrixOf(const Information& information,
+                         const std::vector<int>& parameters) {
+  const Eigen::Index size = static_cast<Eigen::Index>(parameters.size());
+  Eigen::MatrixXd matrix(size, size);
+  for (Eigen::Index i = 0; i < size; ++i)
+    for (Eigen::Index j = 0; j < size; ++j)
+      matrix(i, j) = information.matrix(parameters[i], parameters[j]);
+  return matrix;
+}
+
 Estimate EstimateOf(const Information& information,
                     const std::vector<int>& parameters) {
   const Eigen::Index size = static_cast<Eigen::Index>(parameters.size());
-  Eigen::MatrixXd matrix(size, size);
+  const Eigen::MatrixXd matrix = MatrixOf(information, parameters);
   Eigen::VectorXd right(size);
-  for (Eigen::Index i = 0; i < size; ++i) {
+  for (Eigen::Index i = 0; i < size; ++i)
     right[i] = information.right[parameters[i]];
-    for (Eigen::Index j = 0; j < size; ++j)
-      matrix(i, j) = information.matrix(parameters[i], parameters[j]);
-  }
   // In units in which all diagonal elements are one; what cannot be told apart
   // is left out.
   constexpr double kSmallest = 1e-6;
@@ -155,6 +163,40 @@ Estimate EstimateOf(const Information& information,
   estimate.values = unit.cwiseProduct(estimate.values);
   estimate.deviations = unit.cwiseProduct(variances.cwiseSqrt());
   return estimate;
+}
+
+// The chi-squared variable that raises an alarm (ChiSquaredSigmas(), solved).
+double AlarmChiSquared(int freedoms) {
+  const double k = freedoms;
+  return k *
+         std::pow(1 - 2 / (9 * k) + kAlarmSigmas * std::sqrt(2 / (9 * k)), 3);
+}
+
+// By how many standard deviations something must move in order to raise an
+// alarm 99 times in a hundred: a chi-squared variable that is not central has
+// a nearly normal cube root (Abdel-Aty, 1954).
+double MovementFound(int freedoms) {
+  const double k = freedoms, alarm = AlarmChiSquared(freedoms);
+  double low = 0, high = 1e3;
+  for (int round = 0; round < 60; ++round) {
+    const double squared = (low + high) / 2, mean = k + squared;
+    const double variance = 2 * (1 + squared / mean) / (9 * mean);
+    const double below =
+        (std::cbrt(alarm / mean) - (1 - variance)) / std::sqrt(variance);
+    (below > -kFoundSigmas ? low : high) = squared;
+  }
+  return std::sqrt(high);
+}
+
+// How much of a movement is found 99 times in a hundred, whichever its
+// direction.
+double FoundFrom(const Information& information,
+                 const std::vector<int>& parameters) {
+  constexpr double kNone = 1e-12;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      MatrixOf(information, parameters));
+  return MovementFound(static_cast<int>(parameters.size())) /
+         std::sqrt(std::max(solver.eigenvalues()[0], kNone));
 }
 
 // Chi-squared of local movements once smooth ones are allowed for. What the
@@ -237,7 +279,10 @@ std::vector<int> Range(int first, int count) {
 
 Movement MovementOf(const std::string& name,
                     const std::vector<std::string>& parameters,
-                    const Estimate& estimate) {
+                    const Information& information, int first) {
+  const std::vector<int> range =
+      Range(first, static_cast<int>(parameters.size()));
+  const Estimate estimate = EstimateOf(information, range);
   Movement movement;
   movement.name = name;
   movement.parameters = parameters;
@@ -246,6 +291,7 @@ Movement MovementOf(const std::string& name,
     movement.deviations.push_back(estimate.deviations[k]);
   }
   movement.sigmas = ChiSquaredSigmas(estimate.chi_squared, estimate.freedoms);
+  movement.found_from = FoundFrom(information, range);
   return movement;
 }
 
@@ -337,13 +383,12 @@ CameraChange TestForChange(const KnownCamera& camera,
   const Estimate of_smooth = EstimateOf(information, smooth);
   const Estimate of_all = EstimateOf(information, all);
   change.movements = {
-      MovementOf("scale", {"part"}, EstimateOf(information, {kScale})),
-      MovementOf("shift", {"x_px", "y_px"},
-                 EstimateOf(information, {kShift, kShift + 1})),
-      MovementOf("tilt", {"about_y_rad", "about_x_rad"},
-                 EstimateOf(information, {kTilt, kTilt + 1}))};
-  change.smooth_sigmas =
-      ChiSquaredSigmas(of_smooth.chi_squared, of_smooth.freedoms);
+      MovementOf("scale", {"part"}, information, kScale),
+      MovementOf("shift", {"x_px", "y_px"}, information, kShift),
+      MovementOf("tilt", {"about_y_rad", "about_x_rad"}, information, kTilt)};
+  change.smooth_sigmas = change.movements[0].sigmas;
+  for (const Movement& movement : change.movements)
+    change.smooth_sigmas = std::max(change.smooth_sigmas, movement.sigmas);
   const LocalTest of_local = TestLocal(information, camera.modes.rest_px);
   change.local_sigmas =
       ChiSquaredSigmas(of_local.chi_squared, of_local.freedoms);
@@ -352,7 +397,9 @@ CameraChange TestForChange(const KnownCamera& camera,
   const bool is_mostly_smooth = of_smooth.chi_squared > of_local.chi_squared;
   if (change.smooth_sigmas > kAlarmSigmas && (!is_local || is_mostly_smooth))
     change.moved = Explain(information, of_smooth.chi_squared);
-  Movement local = {"local", {}, {}, {}, change.local_sigmas};
+  Movement local;
+  local.name = "local";
+  local.sigmas = change.local_sigmas;
   if (is_local) {
     change.moved.push_back("local");
     FindLargestLocal(

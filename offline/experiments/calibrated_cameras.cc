@@ -87,4 +87,14 @@ CalibrationResult CalibrateModel(const ExperimentFeatures& features,
   return Calibrate(features.dataset, features.pattern, calibration);
 }
 
+Area CommonArea(const std::vector<NamedCamera>& cameras) {
+  Area area = cameras.front().model->area();
+  for (const NamedCamera& camera : cameras) {
+    const Area& own = camera.model->area();
+    area = {std::max(area.x0, own.x0), std::max(area.y0, own.y0),
+            std::min(area.x1, own.x1), std::min(area.y1, own.y1)};
+  }
+  return area;
+}
+
 }  // namespace raygrid

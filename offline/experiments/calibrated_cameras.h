@@ -34,10 +34,12 @@ struct ModelChoice {
   std::string Label() const;
 };
 
-/// Progress from first to last.
 CalibrationResult CalibrateModel(const ExperimentFeatures& features,
                                  const ModelChoice& choice,
                                  const ExperimentOptions& options);
+
+/// Where all cameras are calibrated.
+Area CommonArea(const std::vector<NamedCamera>& cameras);
 
 }  // namespace raygrid
 

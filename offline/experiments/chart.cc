@@ -4,37 +4,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "report/html.h"
 
 namespace raygrid {
 namespace {
 
 constexpr double kWidth = 720, kHeight = 460;
 constexpr double kMargin = 14;
-constexpr double kLeft = 80, kRight = 690, kTop = 100, kBottom = 395;
+constexpr double kLeft = 80, kRight = 690, kTop = 106, kBottom = 395;
 
-// Okabe and Ito's blue, vermilion, green and purple.
-const char* const kColours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7"};
-constexpr int kNumStyles = 4;
-
-std::string Escape(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '<')
-      escaped += "&lt;";
-    else if (c == '>')
-      escaped += "&gt;";
-    else if (c == '&')
-      escaped += "&amp;";
-    else
-      escaped += c;
-  }
-  return escaped;
-}
+// Okabe and Ito's blue, vermilion, green, purple, orange and sky blue.
+const char* const kColours[] = {"#0072b2", "#d55e00", "#009e73",
+                                "#cc79a7", "#e69f00", "#56b4e9"};
+constexpr int kNumStyles = 6;
 
 std::string Text(double x, double y, const std::string& attributes,
                  const std::string& text) {
   return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\"{}>{}</text>\n", x, y,
-                     attributes, Escape(text));
+                     attributes, EscapeHtml(text));
 }
 
 std::string Line(double x0, double y0, double x1, double y1,
@@ -129,21 +118,33 @@ std::string Marker(int style, double x, double y) {
       return fmt::format(
           "<path d=\"M{:.1f} {:.1f}l5.5 9h-11z\" fill=\"{}\"/>\n", x, y - 6,
           kColours[style]);
-    default:
+    case 3:
       return fmt::format(
           "<path d=\"M{:.1f} {:.1f}l5.5 5.5l-5.5 5.5l-5.5 -5.5z\" "
           "fill=\"{}\"/>\n",
           x, y - 5.5, kColours[style]);
+    case 4:
+      return fmt::format(
+          "<path d=\"M{:.1f} {:.1f}l5.5 -9h-11z\" fill=\"{}\"/>\n", x, y + 6,
+          kColours[style]);
+    default:
+      return fmt::format(
+          "<path d=\"M{:.1f} {:.1f}l9 9m0 -9l-9 9\" stroke=\"{}\" "
+          "stroke-width=\"2.5\"/>\n",
+          x - 4.5, y - 4.5, kColours[style]);
   }
 }
 
 // Then every second label stands lower.
-bool AreTicksCrowded(const Chart& chart) {
-  constexpr double kLetter = 7;
-  double width = 0;
-  for (const ChartTick& tick : chart.ticks)
-    width += kLetter * static_cast<double>(tick.label.size() + 1);
-  return width > kRight - kLeft;
+bool AreTicksCrowded(const Chart& chart, const Axes& axes) {
+  constexpr double kLetter = 7.5;
+  for (size_t i = 1; i < chart.ticks.size(); ++i) {
+    const ChartTick &a = chart.ticks[i - 1], &b = chart.ticks[i];
+    const double width =
+        kLetter * static_cast<double>(a.label.size() + b.label.size() + 1) / 2;
+    if (width > axes.X(b.x) - axes.X(a.x)) return true;
+  }
+  return false;
 }
 
 std::string Frame(const Chart& chart, const Axes& axes) {
@@ -155,7 +156,7 @@ std::string Frame(const Chart& chart, const Axes& axes) {
     svg += Text(kLeft - 8, axes.Y(y) + 4, " text-anchor=\"end\"",
                 fmt::format("{:.4g}", y));
   }
-  const bool is_crowded = AreTicksCrowded(chart);
+  const bool is_crowded = AreTicksCrowded(chart, axes);
   for (size_t i = 0; i < chart.ticks.size(); ++i) {
     const double x = axes.X(chart.ticks[i].x);
     svg += Line(x, kBottom, x, kBottom + 5, "black");
@@ -176,22 +177,31 @@ std::string Frame(const Chart& chart, const Axes& axes) {
 }
 
 std::string Legend(const Chart& chart) {
+  constexpr double kLetter = 7, kLineHeight = 18;
   std::string svg;
-  double x = kMargin + 6;
+  double x = kMargin + 6, y = 66;
   for (size_t i = 0; i < chart.series.size(); ++i) {
-    svg += Marker(static_cast<int>(i) % kNumStyles, x, 70);
-    svg += Text(x + 12, 74, "", chart.series[i].name);
-    x += 44 + 7.0 * static_cast<double>(chart.series[i].name.size());
+    const double width =
+        12 + kLetter * static_cast<double>(chart.series[i].name.size());
+    if (i > 0 && x + width > kWidth) {
+      x = kMargin + 6;
+      y += kLineHeight;
+    }
+    svg += Marker(static_cast<int>(i) % kNumStyles, x, y);
+    svg += Text(x + 12, y + 4, "", chart.series[i].name);
+    x += width + 32;
   }
   return svg;
 }
 
 std::string Series(const ChartSeries& series, int style, const Axes& axes) {
   std::string path, markers;
+  bool goes_on = false;  // not across a point that cannot be shown
   for (const ChartPoint& point : series.points) {
-    if (!axes.Shows(point)) continue;
+    const bool went_on = std::exchange(goes_on, axes.Shows(point));
+    if (!goes_on) continue;
     const double x = axes.X(point.x), y = axes.Y(point.y);
-    path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", x, y);
+    path += fmt::format("{}{:.1f} {:.1f}", went_on ? "L" : "M", x, y);
     markers += Marker(style, x, y);
   }
   if (!series.has_line || path.empty()) return markers;
@@ -211,7 +221,7 @@ std::string ChartSvg(const Chart& chart) {
       "viewBox=\"0 0 {0} {1}\" font-family=\"sans-serif\" font-size=\"13\" "
       "role=\"img\" aria-label=\"{2}\">\n"
       "<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n",
-      kWidth, kHeight, Escape(chart.title));
+      kWidth, kHeight, EscapeHtml(chart.title));
   svg += Frame(chart, axes);
   for (size_t i = 0; i < chart.series.size(); ++i)
     svg += Series(chart.series[i], static_cast<int>(i) % kNumStyles, axes);

@@ -21,7 +21,7 @@ struct ChartTick {
   std::string label;
 };
 
-/// Up to four series over labelled places on the x axis. Units stand in the
+/// Up to six series over labelled places on the x axis. Units stand in the
 /// axes' labels.
 struct Chart {
   std::string title, note;  ///< the note stands below the title

@@ -1,8 +1,12 @@
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <map>
 #include <mutex>
 
 #include "calibration/calibration.h"
+#include "calibration/calibration_problem.h"
+#include "calibration/camera_evaluation.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
 #include "evaluation/model_difference.h"
@@ -165,9 +169,181 @@ Outcome Evaluate(const CameraModel& camera, const Board& board,
           CompareModels(camera, *result.camera.camera, kStepPx).rms_px};
 }
 
+// ---- A user's images -------------------------------------------------------
+
+struct Photograph {
+  std::string path;
+  ImageFeatures features;
+  std::map<int, Pose> poses;  // by board
+};
+
+// The images that features are given of, with the boards that stand in them.
+std::vector<Photograph> FindPhotographs(const ExperimentOptions& options) {
+  const ExperimentData& data = options.data;
+  std::map<std::string, Photograph> by_name;
+  for (const std::string& path : FindImages(data.images))
+    by_name[std::filesystem::path(path).filename().string()].path = path;
+  std::vector<RejectedImage> rejected;
+  const CalibrationProblem problem =
+      BuildProblem({*data.features}, data.pattern, &rejected);
+  const auto poses = LocalizeViews(*data.cameras.front().model, 0, problem,
+                                   options.num_threads);
+  for (size_t v = 0; v < poses.size(); ++v) {
+    const auto found = by_name.find(problem.images[v]);
+    if (!poses[v] || found == by_name.end()) continue;
+    const Board& board = data.pattern.boards[problem.boards[v]];
+    found->second.poses[board.id] = *poses[v];
+  }
+  for (const ImageFeatures& features : data.features->images) {
+    const auto found = by_name.find(features.image);
+    if (found != by_name.end()) found->second.features = features;
+  }
+  std::vector<Photograph> photographs;
+  for (auto& [name, photograph] : by_name)
+    if (!photograph.poses.empty()) photographs.push_back(std::move(photograph));
+  if (photographs.empty())
+    throw Error(ExitCode::kTooFew,
+                "--image: none of the images could be localised by their "
+                "features; are they named as in the features?");
+  return photographs;
+}
+
+// Features of one window, measured in each way.
+struct ShiftedFeatures {
+  Dataset measured[kNumWays];
+  double shift_rms_px = 0, shift_max_px = 0;
+  int count = 0;
+};
+
+ImageFeatures MeasureAgain(const GreyImage& image, const Photograph& photograph,
+                           const CameraModel& camera, const Board& board,
+                           const FeatureRefiner& refiner, int window, int way) {
+  std::vector<Feature> own;
+  for (const Feature& feature : photograph.features.features)
+    if (feature.board == board.id) own.push_back(feature);
+  const Pose& pose = photograph.poses.at(board.id);
+  return {photograph.features.image,
+          refiner.RefineWith(image, own, [&](const Feature& feature) {
+            auto mapping =
+                MappingThroughCamera(camera, pose, board, feature, window);
+            if (mapping && way == kHomography)
+              mapping = WithoutCurvature(*mapping);
+            return mapping;
+          })};
+}
+
+ShiftedFeatures MeasureShift(const std::vector<Photograph>& photographs,
+                             int window, const ExperimentOptions& options) {
+  const CameraModel& camera = *options.data.cameras.front().model;
+  DetectionOptions detection;
+  detection.window_px = window;
+  std::map<int, std::unique_ptr<FeatureRefiner>> refiners;
+  for (const Board& board : options.data.pattern.boards)
+    refiners[board.id] = std::make_unique<FeatureRefiner>(board, detection);
+  const int count = static_cast<int>(photographs.size());
+  std::vector<ImageFeatures> measured[kNumWays];
+  for (auto& images : measured) images.resize(count);
+  ParallelFor(count, NumThreads(options.num_threads), [&](int i) {
+    const Photograph& photograph = photographs[i];
+    const GreyImage image = MakeGreyImage(ReadGreyLevels(photograph.path));
+    for (int way = 0; way < kNumWays; ++way) {
+      measured[way][i].image = photograph.features.image;
+      for (const auto& [id, pose] : photograph.poses) {
+        const ImageFeatures again = MeasureAgain(
+            image, photograph, camera, *options.data.pattern.FindBoard(id),
+            *refiners.at(id), window, way);
+        measured[way][i].features.insert(measured[way][i].features.end(),
+                                         again.features.begin(),
+                                         again.features.end());
+      }
+    }
+  });
+  ShiftedFeatures shifted;
+  double sum = 0;
+  for (int i = 0; i < count; ++i) {
+    for (size_t k = 0; k < measured[kCurved][i].features.size(); ++k) {
+      const double squared = (measured[kCurved][i].features[k].pixel -
+                              measured[kHomography][i].features[k].pixel)
+                                 .squaredNorm();
+      sum += squared;
+      shifted.shift_max_px = std::max(shifted.shift_max_px, std::sqrt(squared));
+      ++shifted.count;
+    }
+  }
+  shifted.shift_rms_px = std::sqrt(sum / std::max(1, shifted.count));
+  for (int way = 0; way < kNumWays; ++way) {
+    shifted.measured[way].image_size = camera.image_size();
+    shifted.measured[way].images = std::move(measured[way]);
+  }
+  return shifted;
+}
+
+ExperimentResult MeasureUsersShift(const ExperimentOptions& options) {
+  const ExperimentData& data = options.data;
+  if (!data.features || data.images.empty() || data.cameras.size() != 1)
+    throw Error(ExitCode::kUsage,
+                "curvature-bias: a user's own needs --image, --features of the "
+                "images, --pattern and one --camera");
+  const CameraModel& camera = *data.cameras.front().model;
+  if (camera.image_size() != data.features->image_size)
+    throw InputError(data.cameras.front().name +
+                     ": is for images of another size than --image-size");
+  const std::vector<Photograph> photographs = FindPhotographs(options);
+  ExperimentResult table;
+  table.conditions = {
+      {"images",
+       fmt::format("{} of the user's, {} x {} px", photographs.size(),
+                   camera.image_size().width, camera.image_size().height)},
+      {"camera", data.cameras.front().name + ", " + camera.Name()},
+      {"shift",
+       "of features measured through the camera's mapping, from those measured "
+       "as if it had no curvature within the window"},
+      {"residuals", "of the images localised with the camera by either"}};
+  table.columns = {"window_px",
+                   "features",
+                   "shift_rms_px",
+                   "shift_max_px",
+                   "residual_rms_homography_px",
+                   "residual_rms_curved_px"};
+  table.chart.title = "What curvature within the window does to features";
+  table.chart.note = fmt::format(
+      "{} images, RMS; a camera calibrated from shifted features hides them",
+      photographs.size());
+  table.chart.x_label = "window, px";
+  table.chart.y_label = "shift and residual, px";
+  table.chart.is_logarithmic = true;
+  ChartSeries shift = {"shift by curvature", {}, true},
+              without = {"residual, homography", {}, true},
+              with = {"residual, curved", {}, true};
+  for (int w = 0; w < kNumWindows; ++w) {
+    const ShiftedFeatures shifted =
+        MeasureShift(photographs, kWindows[w], options);
+    double rms_px[kNumWays];
+    for (int way = 0; way < kNumWays; ++way)
+      rms_px[way] =
+          ComputeErrorFigures(EvaluateCamera(camera, shifted.measured[way],
+                                             data.pattern, options.num_threads)
+                                  .residuals)
+              .rms_px;
+    table.rows.push_back({kWindows[w], shifted.count, shifted.shift_rms_px,
+                          shifted.shift_max_px, rms_px[kHomography],
+                          rms_px[kCurved]});
+    table.chart.ticks.push_back({double(w), std::to_string(kWindows[w])});
+    shift.points.push_back({double(w), shifted.shift_rms_px});
+    without.points.push_back({double(w), rms_px[kHomography]});
+    with.points.push_back({double(w), rms_px[kCurved]});
+    if (options.progress) options.progress((w + 1.0) / kNumWindows);
+  }
+  table.chart.series = {shift, without, with};
+  return table;
+}
+
 }  // namespace
 
 ExperimentResult MeasureCurvatureBias(const ExperimentOptions& options) {
+  if (options.data.features || !options.data.images.empty() ||
+      !options.data.cameras.empty())
+    return MeasureUsersShift(options);
   const auto camera = SimulatedLens(kLens, options.size);
   const Photographer photographer(*camera, options);
   const std::vector<Pose> poses =

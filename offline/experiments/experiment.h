@@ -17,15 +17,32 @@
 #include "dataset/dataset.h"
 #include "dataset/image_files.h"
 #include "experiments/chart.h"
+#include "experiments/colmap_model.h"
 
 namespace raygrid {
+
+struct NamedCamera {
+  std::string name;
+  std::shared_ptr<const CameraModel> model;
+};
+
+/// Two cameras of one rig.
+struct NamedStereo {
+  std::string name;
+  std::shared_ptr<const CameraModel> left, right;
+  Pose right_from_left;
+};
 
 /// A user's data, to use instead of what would be simulated.
 struct ExperimentData {
   std::optional<Dataset> features;
   Pattern pattern;                    ///< of the features
   std::vector<std::string> hold_out;  ///< images not to calibrate with
-  std::shared_ptr<const CameraModel> camera;
+  std::vector<NamedCamera> cameras;
+  std::optional<ColmapModel> walk;
+  std::vector<NamedStereo> rigs;
+  std::vector<std::string> images;  ///< paths
+  double nearest_m = 0;             ///< of what they show; 0 if not told
 };
 
 /// What all experiments are asked for.
@@ -60,14 +77,11 @@ struct ExperimentResult {
   std::vector<ExperimentPicture> pictures;
 };
 
-/// What of a user's own an experiment can use.
-enum class UserData { kNone, kFeatures, kFeaturesOrCamera };
-
 struct Experiment {
   std::string name, summary;
   ExperimentResult (*run)(const ExperimentOptions&);
-  int num_images = 24;  ///< unless asked for others
-  UserData user_data = UserData::kNone;
+  int num_images = 24;                    ///< unless asked for others
+  std::vector<std::string> user_options;  ///< which name data of the user's
 };
 
 const std::vector<Experiment>& Experiments();
@@ -91,7 +105,8 @@ ExperimentResult CompareModelsByFit(const ExperimentOptions& options);
 
 /// Beyond the paper: the error of rays that refinement by symmetry leaves
 /// behind a wide lens if the mapping within its window is taken for a
-/// homography. Residuals do not show it.
+/// homography. Residuals do not show it. Of a user's images, by how much the
+/// curvature moves features.
 ExperimentResult MeasureCurvatureBias(const ExperimentOptions& options);
 
 /// How far a camera's lines are from meeting in a point, and what that does to
@@ -103,11 +118,13 @@ ExperimentResult MeasureNoncentrality(const ExperimentOptions& options);
 ExperimentResult LocalizeByModels(const ExperimentOptions& options);
 
 /// Depth by stereo with generic and parametric calibrations of the same two
-/// cameras (paper, "Stereo Depth Estimation").
+/// cameras (paper, "Stereo Depth Estimation"); of a user's pair of images,
+/// against that of the last of the user's rigs.
 ExperimentResult MeasureStereoDepth(const ExperimentOptions& options);
 
 /// How far a walk ends from where it should, adjusted with each calibration
-/// (paper, "Camera Trajectory Estimation").
+/// (paper, "Camera Trajectory Estimation"); a user's from where it ends with
+/// the last of the cameras.
 ExperimentResult MeasureTrajectoryDrift(const ExperimentOptions& options);
 
 }  // namespace raygrid

@@ -25,11 +25,6 @@ const ModelChoice kChoices[] = {{"opencv", 0},
                                 {"central-radial", 0},
                                 {"central-generic", 16}};
 
-struct NamedCamera {
-  std::string name;
-  std::shared_ptr<const CameraModel> model;
-};
-
 // Points in the true camera's frame, which stands at the origin.
 std::vector<PointOnPixel> MakeScene(const CameraModel& truth, const Area& area,
                                     Random* random) {
@@ -90,17 +85,6 @@ std::vector<double> MedianErrors(const CameraModel& camera,
   return medians;
 }
 
-// The area that all cameras are calibrated for.
-Area CommonArea(const std::vector<NamedCamera>& cameras) {
-  Area common = cameras[0].model->area();
-  for (const NamedCamera& camera : cameras) {
-    const Area& area = camera.model->area();
-    common = {std::max(common.x0, area.x0), std::max(common.y0, area.y0),
-              std::min(common.x1, area.x1), std::min(common.y1, area.y1)};
-  }
-  return common;
-}
-
 }  // namespace
 
 ExperimentResult LocalizeByModels(const ExperimentOptions& options) {
@@ -155,8 +139,7 @@ ExperimentResult LocalizeByModels(const ExperimentOptions& options) {
       series.points.push_back({double(k), 1000 * medians[k]});
     }
     table.rows.push_back(row);
-    if (camera.name != "central-radial")  // a chart has four series
-      table.chart.series.push_back(series);
+    table.chart.series.push_back(series);
   }
   return table;
 }

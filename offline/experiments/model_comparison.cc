@@ -14,10 +14,10 @@ namespace {
 std::shared_ptr<const CameraModel> GenericCamera(
     const ExperimentOptions& options, std::vector<Condition>* conditions) {
   constexpr int kCells = 16;
-  if (options.data.camera) {
-    conditions->push_back(
-        {"camera", "the user's, " + options.data.camera->Name()});
-    return options.data.camera;
+  if (!options.data.cameras.empty()) {
+    const NamedCamera& camera = options.data.cameras.front();
+    conditions->push_back({"camera", "the user's, " + camera.model->Name()});
+    return camera.model;
   }
   const ExperimentFeatures features = FeaturesFor(options);
   *conditions = features.conditions;
@@ -90,7 +90,9 @@ ExperimentResult CompareModelsByFit(const ExperimentOptions& options) {
         {names[i],
          DirectionPicture(places, camera->image_size(), camera->area())});
   }
-  const Image wheel = DirectionLegend(96), bar = MagnitudeLegend(full_scale_px);
+  const Image wheel = DirectionLegend(96),
+              bar = ColorLegend(ColorScale::kMagnitude, "0",
+                                fmt::format("{:.3g} px +", full_scale_px));
   table.pictures = {
       {"magnitude", PictureSheet(magnitudes,
                                  {"How far the generic camera's rays are seen",

@@ -38,13 +38,13 @@ Camera CalibrateLines(const ExperimentOptions& options) {
 }
 
 Camera GetCamera(const ExperimentOptions& options) {
-  if (!options.data.camera) return CalibrateLines(options);
-  if (options.data.camera->IsCentral())
+  if (options.data.cameras.empty()) return CalibrateLines(options);
+  const auto& camera = options.data.cameras.front().model;
+  if (camera->IsCentral())
     throw InputError(
         "the camera is central, its lines meet in a point; calibrate with "
         "--model noncentral-generic, or give its features");
-  return {options.data.camera,
-          {{"camera", "the user's, " + options.data.camera->Name()}}};
+  return {camera, {{"camera", "the user's, " + camera->Name()}}};
 }
 
 struct Effect {
@@ -143,15 +143,15 @@ ExperimentResult MeasureNoncentrality(const ExperimentOptions& options) {
   constexpr int kColumns = 80, kRows = 60, kCellPx = 5;
   const std::vector<double> offsets =
       OffsetsMm(*camera.model, spread.nearest_point, kColumns, kRows);
+  const Image bar = ColorLegend(ColorScale::kMagnitude, "0",
+                                fmt::format("{:.3g} mm", 1000 * spread.max_m));
   table.pictures.push_back(
       {"offsets",
        PictureSheet(
            {{"Distance of each pixel's line from the point nearest to all",
              HeatMap(offsets, kColumns, 0, 1000 * spread.max_m, kCellPx,
                      ColorScale::kMagnitude)}},
-           {fmt::format("over the calibrated area; black 0, bright {:.3g} mm",
-                        1000 * spread.max_m)},
-           nullptr)});
+           {"over the calibrated area"}, &bar)});
   return table;
 }
 

@@ -67,20 +67,19 @@ Image PictureSheet(const std::vector<SheetPicture>& pictures,
   return ToImage(sheet);
 }
 
-Image MagnitudeLegend(double full_scale_px) {
+Image ColorLegend(ColorScale scale, const std::string& low,
+                  const std::string& high) {
   constexpr int kBarWidth = 240, kBarHeight = 18;
   cv::Mat legend(kBarHeight + 24, kBarWidth + 60, CV_8UC3,
                  cv::Scalar(255, 255, 255));
   for (int x = 0; x < kBarWidth; ++x) {
-    const auto color =
-        ColorOf(ColorScale::kMagnitude, double(x) / (kBarWidth - 1));
+    const auto color = ColorOf(scale, double(x) / (kBarWidth - 1));
     legend.col(x)
         .rowRange(0, kBarHeight)
         .setTo(cv::Scalar(color[0], color[1], color[2]));
   }
-  DrawText("0", 0, kBarHeight + 18, &legend);
-  DrawText(fmt::format("{:.3g} px +", full_scale_px), kBarWidth - 40,
-           kBarHeight + 18, &legend);
+  DrawText(low, 0, kBarHeight + 18, &legend);
+  DrawText(high, kBarWidth - 40, kBarHeight + 18, &legend);
   return ToImage(legend);
 }
 

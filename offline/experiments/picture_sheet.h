@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "dataset/image_files.h"
+#include "report/color_scale.h"
 
 namespace raygrid {
 
@@ -18,8 +19,9 @@ struct SheetPicture {
 Image PictureSheet(const std::vector<SheetPicture>& pictures,
                    const std::vector<std::string>& note, const Image* legend);
 
-/// A bar of the magnitude pictures' colours, from 0 to full_scale_px.
-Image MagnitudeLegend(double full_scale_px);
+/// A bar of a scale's colours, with what stands at its ends.
+Image ColorLegend(ColorScale scale, const std::string& low,
+                  const std::string& high);
 
 }  // namespace raygrid
 

@@ -1,9 +1,7 @@
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <map>
-#include <opencv2/imgproc.hpp>
 
 #include "calibration/rig_calibration.h"
 #include "dataset/error.h"
@@ -11,6 +9,7 @@
 #include "evaluation/residual_statistics.h"
 #include "experiments/experiment.h"
 #include "experiments/picture_sheet.h"
+#include "experiments/stereo_matching.h"
 #include "report/color_scale.h"
 #include "simulation/random.h"
 #include "simulation/simulated_lenses.h"
@@ -20,10 +19,8 @@ namespace raygrid {
 namespace {
 
 constexpr double kBaselineM = 0.1, kDistanceM = 2, kSlope = 0.15;
-constexpr double kFocalPx = 420;  // of the rectified images
+constexpr Matching kMatching = {420, 10, 40};
 constexpr int kFrames = 4;
-constexpr int kStepPx = 5, kHalfWindowPx = 10;  // of matching
-constexpr int kMinDisparity = 10, kMaxDisparity = 40;
 
 // ---- Scene -----------------------------------------------------------------
 
@@ -98,165 +95,7 @@ cv::Mat WithNoise(const cv::Mat& levels, double read_noise, uint64_t seed) {
   return noisy;
 }
 
-// ---- Rectification ---------------------------------------------------------
-
-struct StereoCameras {
-  std::string name;
-  std::shared_ptr<const CameraModel> left, right;
-  Pose right_from_left;
-
-  Eigen::Vector3d RightCenter() const {
-    return right_from_left.Inverse().translation;
-  }
-  /// The rectified frame: x towards the right camera, z about where the middle
-  /// of the left image looks.
-  Eigen::Matrix3d RectifiedFromLeft() const {
-    const Eigen::Vector3d x = RightCenter().normalized();
-    const Eigen::Vector3d middle = left->Unproject(left->area().center())
-                                       .value_or(Eigen::Vector3d::UnitZ());
-    const Eigen::Vector3d y = middle.cross(x).normalized();
-    Eigen::Matrix3d rows;
-    rows << x.transpose(), y.transpose(), x.cross(y).transpose();
-    return rows;
-  }
-};
-
-Eigen::Vector3d RectifiedRay(const ImageSize& size, double u, double v) {
-  return {(u - (size.width - 1) / 2.0) / kFocalPx,
-          (v - (size.height - 1) / 2.0) / kFocalPx, 1};
-}
-
-cv::Mat Rectified(const cv::Mat& image, const CameraModel& camera,
-                  const Eigen::Matrix3d& camera_from_rectified,
-                  int num_threads) {
-  constexpr float kNowhere = -1e4f;
-  cv::Mat x(image.size(), CV_32F), y(image.size(), CV_32F), rectified;
-  ParallelFor(image.rows, num_threads, [&](int v) {
-    for (int u = 0; u < image.cols; ++u) {
-      const auto pixel = camera.Project(
-          camera_from_rectified * RectifiedRay(camera.image_size(), u, v));
-      x.at<float>(v, u) = pixel ? static_cast<float>(pixel->x()) : kNowhere;
-      y.at<float>(v, u) = pixel ? static_cast<float>(pixel->y()) : kNowhere;
-    }
-  });
-  cv::remap(image, rectified, x, y, cv::INTER_CUBIC, cv::BORDER_CONSTANT, -1);
-  return rectified;
-}
-
-// ---- Matching --------------------------------------------------------------
-
-// Zero-mean normalised cross-correlation of two windows in a row.
-double Correlation(const cv::Mat& left, const cv::Mat& right, int u, int v,
-                   int disparity) {
-  double a = 0, b = 0, aa = 0, bb = 0, ab = 0;
-  for (int j = -kHalfWindowPx; j <= kHalfWindowPx; ++j) {
-    const float* l = left.ptr<float>(v + j) + u;
-    const float* r = right.ptr<float>(v + j) + u - disparity;
-    for (int i = -kHalfWindowPx; i <= kHalfWindowPx; ++i) {
-      a += l[i];
-      b += r[i];
-      aa += l[i] * l[i];
-      bb += r[i] * r[i];
-      ab += l[i] * r[i];
-    }
-  }
-  const double n = std::pow(2 * kHalfWindowPx + 1, 2);
-  return (ab - a * b / n) /
-         std::sqrt(std::max(1e-9, (aa - a * a / n) * (bb - b * b / n)));
-}
-
-bool IsWhole(const cv::Mat& image, int u, int v) {
-  for (int j = -kHalfWindowPx; j <= kHalfWindowPx; ++j)
-    for (int i = -kHalfWindowPx; i <= kHalfWindowPx; ++i)
-      if (image.at<float>(v + j, u + i) < 0) return false;
-  return true;
-}
-
-// The best disparity of all, with a parabola through its neighbours.
-std::optional<double> Match(const cv::Mat& left, const cv::Mat& right, int u,
-                            int v) {
-  constexpr double kMinCorrelation = 0.8;
-  if (u - kMaxDisparity - 1 < kHalfWindowPx || !IsWhole(left, u, v))
-    return std::nullopt;
-  std::vector<double> scores;
-  for (int d = kMinDisparity; d <= kMaxDisparity; ++d)
-    scores.push_back(Correlation(left, right, u, v, d));
-  const auto best = std::max_element(scores.begin(), scores.end());
-  const auto k = best - scores.begin();
-  if (*best < kMinCorrelation || k == 0 ||
-      k + 1 == static_cast<std::ptrdiff_t>(scores.size()) ||
-      !IsWhole(right, u - kMinDisparity - static_cast<int>(k), v))
-    return std::nullopt;
-  const double below = best[-1], above = best[1];
-  return kMinDisparity + static_cast<double>(k) +
-         (below - above) / (2 * (below - 2 * *best + above));
-}
-
 // ---- Depth -----------------------------------------------------------------
-
-// Over a lattice of rectified pixels: how far the cloud is beyond the wall once
-// both are brought together by a similarity (Umeyama, 1991); not a number where
-// nothing matched.
-struct DepthMap {
-  int columns = 0;
-  std::vector<double> error_mm;
-  double similarity_scale = 1;
-};
-
-DepthMap MeasureDepth(const StereoCameras& cameras, const CameraModel& truth,
-                      const cv::Mat& left, const cv::Mat& right,
-                      int num_threads) {
-  const ImageSize& size = truth.image_size();
-  const Eigen::Matrix3d left_from_rectified =
-      cameras.RectifiedFromLeft().transpose();
-  const cv::Mat a =
-      Rectified(left, *cameras.left, left_from_rectified, num_threads);
-  const cv::Mat b = Rectified(
-      right, *cameras.right,
-      cameras.right_from_left.rotation.toRotationMatrix() * left_from_rectified,
-      num_threads);
-  const double baseline_m = cameras.RightCenter().norm();
-  DepthMap map;
-  map.columns = (size.width - 2 * kHalfWindowPx - 1) / kStepPx + 1;
-  const int rows = (size.height - 2 * kHalfWindowPx - 1) / kStepPx + 1;
-  std::vector<std::optional<Eigen::Vector3d>> cloud(map.columns * rows),
-      wall(map.columns * rows);
-  ParallelFor(rows, num_threads, [&](int j) {
-    for (int i = 0; i < map.columns; ++i) {
-      const int u = kHalfWindowPx + i * kStepPx,
-                v = kHalfWindowPx + j * kStepPx;
-      const Eigen::Vector3d ray =
-          left_from_rectified * RectifiedRay(size, u, v);
-      const auto pixel = cameras.left->Project(ray);
-      const auto line = pixel ? truth.Line(*pixel) : std::nullopt;
-      const auto disparity = line ? Match(a, b, u, v) : std::nullopt;
-      if (!disparity) continue;
-      cloud[j * map.columns + i] = ray * (baseline_m * kFocalPx / *disparity);
-      wall[j * map.columns + i] = OnWall(*line);
-    }
-  });
-  std::vector<size_t> matched;
-  for (size_t k = 0; k < cloud.size(); ++k)
-    if (cloud[k]) matched.push_back(k);
-  if (matched.size() < 100)
-    throw Error(ExitCode::kTooFew, "stereo-depth: hardly anything matched");
-  Eigen::Matrix3Xd from(3, matched.size()), to(3, matched.size());
-  for (size_t k = 0; k < matched.size(); ++k) {
-    from.col(static_cast<Eigen::Index>(k)) = *cloud[matched[k]];
-    to.col(static_cast<Eigen::Index>(k)) = *wall[matched[k]];
-  }
-  const Eigen::Matrix4d similarity = Eigen::umeyama(from, to, true);
-  map.similarity_scale =
-      std::cbrt(similarity.topLeftCorner<3, 3>().determinant());
-  map.error_mm.assign(cloud.size(), NAN);
-  for (size_t k = 0; k < matched.size(); ++k) {
-    const auto column = static_cast<Eigen::Index>(k);
-    map.error_mm[matched[k]] =
-        1000 *
-        ((similarity * from.col(column).homogeneous()).z() - to(2, column));
-  }
-  return map;
-}
 
 // Of one image's map and of the mean of several, whose matching errors are
 // still those of single windows; and of medians over blocks of it.
@@ -290,17 +129,23 @@ double BlocksRms(const std::vector<double>& values, int columns) {
   return std::sqrt(sum / std::max(1, count));
 }
 
-DepthErrors MeasureFrames(const StereoCameras& cameras,
-                          const CameraModel& truth, const cv::Mat& left,
-                          const cv::Mat& right,
+DepthErrors MeasureFrames(const NamedStereo& cameras, const CameraModel& truth,
+                          const cv::Mat& left, const cv::Mat& right,
                           const ExperimentOptions& options) {
   DepthErrors errors;
+  const Surface wall =
+      [&truth](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector3d> {
+    const auto line = truth.Line(pixel);
+    if (!line) return std::nullopt;
+    return OnWall(*line);
+  };
   for (int frame = 0; frame < kFrames; ++frame) {
     const uint64_t seed = options.seed * 1009 + 2 * frame;
-    const DepthMap map =
-        MeasureDepth(cameras, truth, WithNoise(left, options.read_noise, seed),
-                     WithNoise(right, options.read_noise, seed + 1),
-                     NumThreads(options.num_threads));
+    const StereoCloud cloud = MatchStereo(
+        cameras, kMatching, WithNoise(left, options.read_noise, seed),
+        WithNoise(right, options.read_noise, seed + 1),
+        NumThreads(options.num_threads));
+    const DepthErrorMap map = CompareToSurface(cloud, wall);
     errors.columns = map.columns;
     errors.scale = map.similarity_scale;
     if (frame == 0) {
@@ -317,8 +162,8 @@ DepthErrors MeasureFrames(const StereoCameras& cameras,
 
 // ---- Calibration -----------------------------------------------------------
 
-std::vector<StereoCameras> CalibratePairs(const SimulatedRig& rig,
-                                          const ExperimentOptions& options) {
+std::vector<NamedStereo> CalibratePairs(const SimulatedRig& rig,
+                                        const ExperimentOptions& options) {
   const Pattern pattern = ChessboardPattern(30, 24, 0.02);
   SimulationOptions simulation;
   simulation.num_images = options.num_images;
@@ -330,7 +175,7 @@ std::vector<StereoCameras> CalibratePairs(const SimulatedRig& rig,
   calibration.num_threads = options.num_threads;
   calibration.cell_px =
       std::max(options.size.width, options.size.height) / 16.0;
-  std::vector<StereoCameras> pairs;
+  std::vector<NamedStereo> pairs;
   for (const char* model :
        {"opencv", "thin-prism-fisheye", "central-generic"}) {
     calibration.model = model;
@@ -348,13 +193,125 @@ std::vector<StereoCameras> CalibratePairs(const SimulatedRig& rig,
   return pairs;
 }
 
+Image DepthLegend(double limit_mm) {
+  return ColorLegend(ColorScale::kEven, fmt::format("{:.3g}", -limit_mm),
+                     fmt::format("{:.3g} mm", limit_mm));
+}
+
+// ---- A user's pair ---------------------------------------------------------
+
+// As sharp in the middle as the left image.
+double MiddleFocalPx(const CameraModel& camera) {
+  constexpr double kStepPx = 4;
+  const Eigen::Vector2d middle = camera.area().center(), step(kStepPx, 0);
+  const auto left = camera.Unproject(middle - step);
+  const auto right = camera.Unproject(middle + step);
+  if (!left || !right)
+    throw InputError("--rig: the left camera does not tell its middle");
+  return 2 * kStepPx / left->cross(*right).norm();
+}
+
+cv::Mat ReadLevels(const std::string& path, const CameraModel& camera) {
+  const GreyLevels grey = ReadGreyLevels(path);
+  if (grey.size != camera.image_size())
+    throw InputError(fmt::format(
+        "{}: {} x {} pixels, but its camera is calibrated for {} x {}", path,
+        grey.size.width, grey.size.height, camera.image_size().width,
+        camera.image_size().height));
+  return cv::Mat(grey.size.height, grey.size.width, CV_32F,
+                 const_cast<float*>(grey.levels.data()))
+      .clone();
+}
+
+ExperimentResult CompareUsersRigs(const ExperimentOptions& options) {
+  const ExperimentData& data = options.data;
+  if (data.rigs.size() < 2 || data.images.size() != 2)
+    throw Error(ExitCode::kUsage,
+                "stereo-depth: needs --rig twice or more, and two --image: "
+                "the left camera's image, then the right one's");
+  const NamedStereo& reference = data.rigs.back();
+  const double nearest_m =
+      data.nearest_m > 0 ? data.nearest_m : 10 * BaselineM(reference);
+  Matching matching;
+  matching.focal_px = MiddleFocalPx(*reference.left);
+  matching.min_disparity = 1;
+  matching.max_disparity = static_cast<int>(
+      std::ceil(BaselineM(reference) * matching.focal_px / nearest_m));
+  const int num_threads = NumThreads(options.num_threads);
+  std::vector<StereoCloud> clouds;
+  for (const NamedStereo& rig : data.rigs) {
+    clouds.push_back(
+        MatchStereo(rig, matching, ReadLevels(data.images[0], *rig.left),
+                    ReadLevels(data.images[1], *rig.right), num_threads));
+    if (options.progress)
+      options.progress(double(clouds.size()) / double(data.rigs.size()));
+  }
+  const Surface surface = SurfaceOf(clouds.back(), reference, matching);
+
+  ExperimentResult table;
+  table.conditions = {
+      {"images", data.images[0] + ", " + data.images[1]},
+      {"matching",
+       fmt::format("rectified, f = {:.0f} px; exhaustive along rows by "
+                   "zero-mean normalised cross-correlation, {} px windows, "
+                   "parabola; disparities of 1 to {} px, from {:.3g} m on",
+                   matching.focal_px, 2 * Matching::kHalfWindowPx + 1,
+                   matching.max_disparity, nearest_m)},
+      {"aligned",
+       "clouds to that with " + reference.name + " by a similarity (Umeyama)"},
+      {"blocks", "of 8 x 8 matches"}};
+  table.columns = {"cameras",         "baseline_m",
+                   "matches",         "median_mm",
+                   "blocks_rms_mm",   "blocks_rms_disparity_px",
+                   "similarity_scale"};
+  table.chart.title = "Differences of depth by stereo";
+  table.chart.note = "from the last calibration, after a similarity";
+  table.chart.x_label = "calibration";
+  table.chart.y_label = "difference of depth, mm";
+  ChartSeries median = {"median", {}, false},
+              blocks = {"RMS of medians over blocks", {}, false};
+  std::vector<SheetPicture> maps;
+  double limit_mm = 0;
+  for (size_t k = 0; k < clouds.size(); ++k) {
+    const NamedStereo& rig = data.rigs[k];
+    const DepthErrorMap map = CompareToSurface(clouds[k], surface);
+    std::vector<double> disparity_px;  // d = b f / x
+    for (size_t i = 0; i < map.error_mm.size(); ++i)
+      disparity_px.push_back(map.error_mm[i] / 1000 * BaselineM(reference) *
+                             matching.focal_px / std::pow(map.depth_m[i], 2));
+    const double rms_mm = BlocksRms(map.error_mm, map.columns);
+    const double place = static_cast<double>(k);
+    table.rows.push_back(
+        {rig.name, BaselineM(rig), map.num_matched, MedianSize(map.error_mm),
+         rms_mm, BlocksRms(disparity_px, map.columns), map.similarity_scale});
+    table.chart.ticks.push_back({place, rig.name});
+    median.points.push_back({place, MedianSize(map.error_mm)});
+    blocks.points.push_back({place, rms_mm});
+    if (limit_mm == 0) limit_mm = std::max(2.5 * rms_mm, 1e-3);
+    maps.push_back(
+        {fmt::format("{}: blocks {:.1f} mm RMS", rig.name, rms_mm),
+         HeatMap(map.error_mm, map.columns, -limit_mm, limit_mm, 3)});
+  }
+  table.chart.series = {median, blocks};
+  const Image bar = DepthLegend(limit_mm);
+  table.pictures.push_back(
+      {"bias", PictureSheet(maps,
+                            {"Depth less that with " + reference.name +
+                                 " over the left rectified image:",
+                             "below 0 nearer, above farther, white no match."},
+                            &bar)});
+  return table;
+}
+
 }  // namespace
 
 ExperimentResult MeasureStereoDepth(const ExperimentOptions& options) {
+  if (!options.data.rigs.empty() || !options.data.images.empty())
+    return CompareUsersRigs(options);
   const std::shared_ptr<const CameraModel> lens =
       SimulatedLens("example", options.size);
   const SimulatedRig rig = CamerasInARow(lens, 2, kBaselineM);
-  const std::vector<StereoCameras> pairs = CalibratePairs(rig, options);
+  const std::vector<NamedStereo> pairs = CalibratePairs(rig, options);
   const int num_threads = NumThreads(options.num_threads);
   const cv::Mat left = Photograph(*lens, {}, num_threads);
   const cv::Mat right =
@@ -362,7 +319,7 @@ ExperimentResult MeasureStereoDepth(const ExperimentOptions& options) {
 
   ExperimentResult table;
   const double mm_per_px =
-      1000 * kDistanceM * kDistanceM / (kBaselineM * kFocalPx);
+      1000 * kDistanceM * kDistanceM / (kBaselineM * kMatching.focal_px);
   table.conditions = {
       {"scene", fmt::format("a painted wall, {:g} m away, inclined by {:g}",
                             kDistanceM, kSlope)},
@@ -372,7 +329,7 @@ ExperimentResult MeasureStereoDepth(const ExperimentOptions& options) {
       {"matching",
        fmt::format("rectified, f = {:g} px; exhaustive along rows by zero-mean "
                    "normalised cross-correlation, {} px windows, parabola",
-                   kFocalPx, 2 * kHalfWindowPx + 1)},
+                   kMatching.focal_px, 2 * Matching::kHalfWindowPx + 1)},
       {"d = b f / x",
        fmt::format("1 px of disparity is {:.1f} mm of depth", mm_per_px)},
       {"aligned", "clouds to the wall by a similarity (Umeyama)"},
@@ -396,7 +353,7 @@ ExperimentResult MeasureStereoDepth(const ExperimentOptions& options) {
               blocks = {"RMS of medians over blocks", {}, false};
   std::vector<SheetPicture> maps;
   double limit_mm = 0;
-  for (const StereoCameras& pair : pairs) {
+  for (const NamedStereo& pair : pairs) {
     const DepthErrors errors = MeasureFrames(pair, *lens, left, right, options);
     const double place = static_cast<double>(table.chart.ticks.size());
     table.rows.push_back({pair.name, errors.one_median_mm,
@@ -414,16 +371,15 @@ ExperimentResult MeasureStereoDepth(const ExperimentOptions& options) {
     if (options.progress) options.progress(0.6 + 0.1 * (place + 1));
   }
   table.chart.series = {one, mean, blocks};
+  const Image bar = DepthLegend(limit_mm);
   table.pictures.push_back(
       {"bias",
        PictureSheet(maps,
                     {fmt::format("Depth less true depth, mean of {} image "
                                  "pairs, over the left rectified image:",
                                  kFrames),
-                     fmt::format("dark blue {:.0f} mm (too near), grey 0, "
-                                 "yellow {:.0f} mm (too far), white no match",
-                                 -limit_mm, limit_mm)},
-                    nullptr)});
+                     "below 0 too near, above too far, white no match."},
+                    &bar)});
   return table;
 }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <set>
 
 #include "adjustment/bundle_adjustment.h"
 #include "dataset/error.h"
@@ -25,7 +26,23 @@ struct Walk {
   std::vector<Pose> camera_from_world;
   std::vector<Eigen::Vector3d> points;
   std::vector<View> views;
+
+  double Length() const;
 };
+
+std::vector<Eigen::Vector3d> CentersOf(const std::vector<Pose>& path) {
+  std::vector<Eigen::Vector3d> centers;
+  for (const Pose& pose : path) centers.push_back(pose.Inverse().translation);
+  return centers;
+}
+
+double Walk::Length() const {
+  const std::vector<Eigen::Vector3d> centers = CentersOf(camera_from_world);
+  double length = 0;
+  for (size_t i = 1; i < centers.size(); ++i)
+    length += (centers[i] - centers[i - 1]).norm();
+  return length;
+}
 
 std::vector<Pose> MakePath() {
   std::vector<Pose> path;
@@ -79,74 +96,145 @@ Walk MakeWalk(const CameraModel& truth, const Area& area, uint64_t seed) {
   return walk;
 }
 
-struct Drift {
-  double end_percent = 0;  // of the path's length
-  double median_px = 0;    // residuals
+constexpr size_t kMinSeen = 8;  // points in an image
+
+// A user's, less what some of the cameras are not calibrated for.
+Walk WalkOf(const ColmapModel& model, const Area& area) {
+  Walk walk;
+  walk.points = model.points;
+  std::vector<int> num_seen(model.points.size(), 0);
+  for (const ColmapModel::Image& image : model.images)
+    for (const auto& observation : image.observations)
+      num_seen[observation.point] += area.Contains(observation.pixel);
+  for (const ColmapModel::Image& image : model.images) {
+    View view;
+    for (const auto& observation : image.observations)
+      if (area.Contains(observation.pixel) && num_seen[observation.point] > 1)
+        view.observations.push_back({observation.point, observation.pixel});
+    if (view.observations.size() < kMinSeen) continue;
+    view.pose = static_cast<int>(walk.camera_from_world.size());
+    walk.camera_from_world.push_back(image.camera_from_world);
+    walk.views.push_back(std::move(view));
+  }
+  if (static_cast<int>(walk.views.size()) < 2 * kFirstFrames)
+    throw Error(ExitCode::kTooFew,
+                fmt::format("--walk: {} images see {} points or more where the "
+                            "cameras are calibrated; take {} or more",
+                            walk.views.size(), kMinSeen, 2 * kFirstFrames));
+  return walk;
+}
+
+// ---- Adjustment ------------------------------------------------------------
+
+struct Adjusted {
+  std::vector<Pose> camera_from_world;
+  std::vector<Eigen::Vector3d> points;
+  double median_px = 0;  // residuals
 };
 
-std::vector<Eigen::Vector3d> CentersOf(const std::vector<Pose>& path) {
-  std::vector<Eigen::Vector3d> centers;
-  for (const Pose& pose : path) centers.push_back(pose.Inverse().translation);
-  return centers;
-}
-
-// How far the last place is from the truth when the first ones are brought
-// together by a similarity.
-double EndErrorPercent(const std::vector<Eigen::Vector3d>& found,
-                       const std::vector<Eigen::Vector3d>& truth) {
-  Eigen::Matrix3Xd from(3, kFirstFrames), to(3, kFirstFrames);
-  for (int i = 0; i < kFirstFrames; ++i) {
-    from.col(i) = found[i];
-    to.col(i) = truth[i];
-  }
-  const Eigen::Matrix4d similarity = Eigen::umeyama(from, to, true);
-  const Eigen::Vector3d end =
-      (similarity * found.back().homogeneous()).head<3>();
-  return 100 * (end - truth.back()).norm() / (kStepM * (kFrames - 1));
-}
-
-// The first pose is known, and a little of where points are: nothing else tells
-// where the whole is, and how large.
-Drift AdjustWalk(const CameraModel& camera, const Walk& walk,
-                 const ExperimentOptions& options) {
-  constexpr double kWeakWeight = 1e-4;
+// Nothing but where points are about tells where the whole is, and how large.
+Adjusted AdjustWalk(const CameraModel& camera, const Walk& walk,
+                    const ExperimentOptions& options) {
+  constexpr double kWeakPx = 0.1;  // for a point as far off as the path is long
   AdjustmentState state;
   state.SetCamera(camera);
   state.rig_from_pattern = walk.camera_from_world;
   state.points = walk.points;
   GaussianPrior prior;
   prior.points_mean = walk.points;
-  prior.points_weight = kWeakWeight;
+  prior.points_weight = std::pow(kWeakPx / walk.Length(), 2);
   AdjustmentOptions adjustment;
   adjustment.fix_cameras = true;
   adjustment.num_threads = options.num_threads;
   adjustment.max_iterations = 100;
   const AdjustmentSummary summary =
       AdjustBundle(walk.views, prior, adjustment, &state);
-  Drift drift;
-  drift.end_percent = EndErrorPercent(CentersOf(state.rig_from_pattern),
-                                      CentersOf(walk.camera_from_world));
   std::vector<double> norms;
   for (const Residual& residual : summary.residuals)
     if (residual.valid) norms.push_back(residual.error_px.norm());
-  drift.median_px = Quantile(norms, 0.5);
-  return drift;
+  return {state.rig_from_pattern, state.points, Quantile(norms, 0.5)};
 }
 
-}  // namespace
+// ---- Where it ends ---------------------------------------------------------
 
-ExperimentResult MeasureTrajectoryDrift(const ExperimentOptions& options) {
-  constexpr int kWalks = 3;
-  const ExperimentFeatures features = FeaturesFor(options);
-  struct NamedCamera {
-    std::string name;
-    std::shared_ptr<const CameraModel> model;
-  };
+// How far apart two ends of a walk are, of its length, when what belongs
+// together is brought together by a similarity (Umeyama, 1991).
+double EndErrorPercent(const Walk& walk, const std::vector<Pose>& path,
+                       const std::vector<Pose>& reference,
+                       const std::vector<Eigen::Vector3d>& from,
+                       const std::vector<Eigen::Vector3d>& to) {
+  Eigen::Matrix3Xd a(3, from.size()), b(3, to.size());
+  for (size_t i = 0; i < from.size(); ++i) {
+    a.col(static_cast<Eigen::Index>(i)) = from[i];
+    b.col(static_cast<Eigen::Index>(i)) = to[i];
+  }
+  const Eigen::Matrix4d similarity = Eigen::umeyama(a, b, true);
+  const Eigen::Vector3d end =
+      (similarity * CentersOf(path).back().homogeneous()).head<3>();
+  return 100 * (end - CentersOf(reference).back()).norm() / walk.Length();
+}
+
+// From the truth, the first places being brought together.
+double EndErrorPercent(const Adjusted& found, const Walk& truth) {
+  std::vector<Eigen::Vector3d> from = CentersOf(found.camera_from_world),
+                               to = CentersOf(truth.camera_from_world);
+  from.resize(kFirstFrames);
+  to.resize(kFirstFrames);
+  return EndErrorPercent(truth, found.camera_from_world,
+                         truth.camera_from_world, from, to);
+}
+
+// From another adjustment of the same observations, whose noise is the same:
+// points that the first images see are brought together, which tell more than
+// places that may lie on a line.
+double EndDifferencePercent(const Adjusted& found, const Adjusted& reference,
+                            const Walk& walk) {
+  std::set<int> seen;
+  for (int i = 0; i < kFirstFrames; ++i)
+    for (const Observation& observation : walk.views[i].observations)
+      seen.insert(observation.point);
+  std::vector<Eigen::Vector3d> from, to;
+  for (const int point : seen) {
+    from.push_back(found.points[point]);
+    to.push_back(reference.points[point]);
+  }
+  return EndErrorPercent(walk, found.camera_from_world,
+                         reference.camera_from_world, from, to);
+}
+
+// ---- Experiment ------------------------------------------------------------
+
+std::vector<NamedCamera> CalibrateCameras(const ExperimentFeatures& features,
+                                          const ExperimentOptions& options) {
   std::vector<NamedCamera> cameras;
   for (const ModelChoice& choice : kChoices)
     cameras.push_back(
         {choice.model,
          CalibrateModel(features, choice, options).camera.camera});
+  return cameras;
+}
+
+ExperimentResult EmptyTable(const std::vector<NamedCamera>& cameras) {
+  ExperimentResult table;
+  table.columns = {"camera", "walk", "residual_median_px", "end_error_percent"};
+  table.chart.title = "Error at the end of a walk";
+  table.chart.note = "intrinsics fixed at those of each calibration";
+  table.chart.is_logarithmic = true;
+  for (const NamedCamera& camera : cameras)
+    table.chart.series.push_back({camera.name, {}, false});
+  return table;
+}
+
+void AddRow(const NamedCamera& camera, size_t index, int walk,
+            const Adjusted& adjusted, double percent, ExperimentResult* table) {
+  table->rows.push_back({camera.name, walk, adjusted.median_px, percent});
+  table->chart.series[index].points.push_back({walk - 1.0, percent});
+}
+
+ExperimentResult AdjustSimulatedWalks(const ExperimentOptions& options) {
+  constexpr int kWalks = 3;
+  const ExperimentFeatures features = FeaturesFor(options);
+  std::vector<NamedCamera> cameras = CalibrateCameras(features, options);
   std::shared_ptr<const CameraModel> truth = features.truth;
   if (truth) {
     cameras.push_back({"truth", truth});
@@ -156,7 +244,7 @@ ExperimentResult MeasureTrajectoryDrift(const ExperimentOptions& options) {
   }
   if (options.progress) options.progress(0.3);
 
-  ExperimentResult table;
+  ExperimentResult table = EmptyTable(cameras);
   table.conditions = features.conditions;
   table.conditions.push_back(
       {"walk",
@@ -168,33 +256,88 @@ ExperimentResult MeasureTrajectoryDrift(const ExperimentOptions& options) {
       {"error", fmt::format("of the last place, of the path's length, with the "
                             "first {} brought together by a similarity",
                             kFirstFrames)});
-  table.columns = {"camera", "walk", "residual_median_px", "end_error_percent"};
-  table.chart.title = "Error at the end of a walk";
-  table.chart.note = "intrinsics fixed at those of each calibration";
   table.chart.x_label = "walk (its noise and points)";
   table.chart.y_label = "error of the last place, % of the path";
-  table.chart.is_logarithmic = true;
-  for (int k = 0; k < kWalks; ++k)
-    table.chart.ticks.push_back({double(k), std::to_string(k + 1)});
-  for (const NamedCamera& camera : cameras)
-    table.chart.series.push_back({camera.name, {}, false});
-  Area area = truth->area();
-  for (const NamedCamera& camera : cameras) {
-    const Area& own = camera.model->area();
-    area = {std::max(area.x0, own.x0), std::max(area.y0, own.y0),
-            std::min(area.x1, own.x1), std::min(area.y1, own.y1)};
-  }
   for (int k = 0; k < kWalks; ++k) {
-    const Walk walk = MakeWalk(*truth, area, options.seed * 31 + k + 1);
+    table.chart.ticks.push_back({double(k), std::to_string(k + 1)});
+    const Walk walk =
+        MakeWalk(*truth, CommonArea(cameras), options.seed * 31 + k + 1);
     for (size_t c = 0; c < cameras.size(); ++c) {
-      const Drift drift = AdjustWalk(*cameras[c].model, walk, options);
-      table.rows.push_back(
-          {cameras[c].name, k + 1, drift.median_px, drift.end_percent});
-      table.chart.series[c].points.push_back({double(k), drift.end_percent});
+      const Adjusted adjusted = AdjustWalk(*cameras[c].model, walk, options);
+      AddRow(cameras[c], c, k + 1, adjusted, EndErrorPercent(adjusted, walk),
+             &table);
     }
     if (options.progress) options.progress(0.3 + 0.7 * (k + 1) / kWalks);
   }
   return table;
+}
+
+void RequireSize(const ColmapModel& model,
+                 const std::vector<NamedCamera>& cameras) {
+  for (const NamedCamera& camera : cameras) {
+    const ImageSize& size = camera.model->image_size();
+    if (model.size != size)
+      throw InputError(fmt::format(
+          "--walk: its images have {} x {} pixels, those of {} {} x {}; take "
+          "images of the mode that was calibrated",
+          model.size.width, model.size.height, camera.name, size.width,
+          size.height));
+  }
+}
+
+ExperimentResult AdjustUsersWalk(const ExperimentOptions& options) {
+  std::vector<NamedCamera> cameras = options.data.cameras;
+  std::vector<Condition> conditions;
+  if (options.data.features) {
+    const ExperimentFeatures features = FeaturesFor(options);
+    cameras = CalibrateCameras(features, options);
+    conditions = features.conditions;
+  }
+  if (cameras.size() < 2 || cameras.size() > 6)
+    throw Error(ExitCode::kUsage,
+                "--walk: needs --camera two to six times, or --features to "
+                "calibrate cameras from");
+  const ColmapModel& model = *options.data.walk;
+  RequireSize(model, cameras);
+  const Walk walk = WalkOf(model, CommonArea(cameras));
+  std::vector<Adjusted> adjusted;
+  for (const NamedCamera& camera : cameras) {
+    adjusted.push_back(AdjustWalk(*camera.model, walk, options));
+    if (options.progress)
+      options.progress(double(adjusted.size()) / double(cameras.size()));
+  }
+
+  ExperimentResult table = EmptyTable(cameras);
+  table.conditions = std::move(conditions);
+  table.conditions.push_back(
+      {"walk", fmt::format("the user's, {} of {} images, {} points; bundle "
+                           "adjustment, intrinsics fixed",
+                           walk.views.size(), model.images.size(),
+                           model.points.size())});
+  table.conditions.push_back(
+      {"error",
+       fmt::format("of the last place, of the path's length, from where {} has "
+                   "it, with the points of the first {} images brought "
+                   "together by a similarity",
+                   cameras.back().name, kFirstFrames)});
+  table.chart.title = "Differences at the end of a walk";
+  table.chart.x_label = "walk";
+  table.chart.y_label = "% of the path, from " + cameras.back().name;
+  table.chart.is_logarithmic = false;
+  table.chart.ticks = {{0, "the user's"}};
+  for (size_t c = 0; c < cameras.size(); ++c)
+    AddRow(cameras[c], c, 1, adjusted[c],
+           EndDifferencePercent(adjusted[c], adjusted.back(), walk), &table);
+  return table;
+}
+
+}  // namespace
+
+ExperimentResult MeasureTrajectoryDrift(const ExperimentOptions& options) {
+  if (options.data.walk) return AdjustUsersWalk(options);
+  if (!options.data.cameras.empty())
+    throw Error(ExitCode::kUsage, "trajectory-drift: --camera needs --walk");
+  return AdjustSimulatedWalks(options);
 }
 
 }  // namespace raygrid

@@ -68,6 +68,13 @@ std::string Optional(const std::optional<double>& value, const char* format) {
   return value ? fmt::format(fmt::runtime(format), *value) : "&ndash;";
 }
 
+const HtmlRow kModelHead = {"",
+                            "parameters",
+                            "training median px",
+                            "held-out median px",
+                            "held-out RMS px",
+                            "bias KL"};
+
 HtmlRow ModelRow(const std::string& name, int num_parameters,
                  const ErrorFigures& training,
                  const std::optional<ErrorFigures>& held_out,
@@ -92,9 +99,7 @@ std::string ComparisonSection(const CalibrationResult& result) {
     rows.push_back({"pure noise", "", "", "", "",
                     fmt::format("{:.3f}", *result.noise_bias_kl)});
   return "<h2>Other models, from the same features</h2>\n" +
-         HtmlTable({"", "parameters", "training median px",
-                    "held-out median px", "held-out RMS px", "bias KL"},
-                   rows);
+         HtmlTable(kModelHead, rows);
 }
 
 std::string CandidateSection(const CalibrationResult& result) {
@@ -537,6 +542,30 @@ std::string RigErrorTable(const RigResult& result) {
   return "<h2>Reprojection error</h2>\n" + HtmlTable(kErrorHead, rows);
 }
 
+// Of each camera, in its own images.
+std::string RigComparisonTable(const RigResult& result) {
+  std::vector<HtmlRow> rows;
+  for (const CalibrationResult& camera : result.cameras) {
+    if (camera.parametric_models.empty()) continue;
+    const std::string name = EscapeHtml(camera.camera.name) + ", ";
+    rows.push_back(
+        ModelRow(name + "<b>" + camera.camera.camera->Name() + "</b>",
+                 camera.num_parameters, *camera.camera.training,
+                 camera.camera.held_out, camera.bias_kl));
+    for (const ModelFigures& other : camera.parametric_models)
+      rows.push_back(ModelRow(name + other.model, other.num_parameters,
+                              other.training, other.held_out, other.bias_kl));
+    if (camera.noise_bias_kl)
+      rows.push_back({name + "pure noise", "", "", "", "",
+                      fmt::format("{:.3f}", *camera.noise_bias_kl)});
+  }
+  if (rows.empty()) return "";
+  return "<h2>Other models, from the same features</h2>\n" +
+         HtmlTable(kModelHead, rows) +
+         "<p>The other models are those of each camera alone, and held-out "
+         "images are localised by it alone.</p>\n";
+}
+
 std::string WithDeviation(double value, const std::optional<double>& deviation,
                           double scale) {
   return deviation ? fmt::format("{:.4f} &plusmn; {:.4f}", value * scale,
@@ -564,7 +593,8 @@ std::string BaselineTable(const RigResult& result) {
 
 std::string FormatHtmlReport(const CalibrationResult& result,
                              const std::optional<PackingFigures>& packing,
-                             const std::optional<BeforeAfter>& example) {
+                             const std::optional<BeforeAfter>& example,
+                             const ThumbnailTexts& thumbnails) {
   const std::string name =
       result.camera.name.empty() ? "" : ": " + EscapeHtml(result.camera.name);
   std::string html = PageStart("Camera calibration" + name);
@@ -581,14 +611,14 @@ std::string FormatHtmlReport(const CalibrationResult& result,
   html += BoardSection(result.pattern);
   html += CandidateSection(result);
   html += RejectedSection(result);
-  return html + PageEnd(PageData(result));
+  return html + PageEnd(PageData(result, thumbnails));
 }
 
 std::string FormatRigReport(const RigResult& result) {
   return PageStart("Rig calibration") + VerdictSection(result.verdict) +
-         CamerasTable(result) + RigErrorTable(result) + BaselineTable(result) +
-         SpaceSection() + BoardSection(result.pattern) +
-         PageEnd(PageData(result));
+         CamerasTable(result) + RigErrorTable(result) +
+         RigComparisonTable(result) + BaselineTable(result) + SpaceSection() +
+         BoardSection(result.pattern) + PageEnd(PageData(result));
 }
 
 }  // namespace raygrid

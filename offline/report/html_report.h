@@ -7,6 +7,7 @@
 #include "dataset/image_files.h"
 #include "evaluation/calibration_result.h"
 #include "evaluation/rig_result.h"
+#include "report/page_data.h"
 #include "report/result_json.h"
 
 namespace raygrid {
@@ -18,10 +19,12 @@ struct BeforeAfter {
 
 /// report.html: one file without references to others, for light and dark
 /// screens, phones and paper. Verdict first, then figures and pictures, which
-/// also show without the script.
+/// also show without the script. Thumbnails stand under the residuals of their
+/// images.
 std::string FormatHtmlReport(const CalibrationResult& result,
                              const std::optional<PackingFigures>& packing,
-                             const std::optional<BeforeAfter>& example);
+                             const std::optional<BeforeAfter>& example,
+                             const ThumbnailTexts& thumbnails = {});
 
 /// A rig's: its verdict, its cameras with their figures and in space, and links
 /// to their own reports, NAME/report.html.

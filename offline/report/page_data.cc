@@ -255,13 +255,15 @@ Json Space(const Json& cameras,
 
 }  // namespace
 
-std::string PageData(const CalibrationResult& result) {
+std::string PageData(const CalibrationResult& result,
+                     const ThumbnailTexts& thumbnails) {
   const CameraModel& camera = *result.camera.camera;
   const Area& area = camera.area();
   Json json;
   json["size"] = {camera.image_size().width, camera.image_size().height};
   json["area"] = {area.x0, area.y0, area.x1, area.y1};
   AddResiduals(result, &json);
+  if (!thumbnails.empty()) json["thumbnails"] = thumbnails;
   json["quantiles"] = {{"training", Quantiles(result.training)},
                        {"held_out", Quantiles(result.held_out)}};
   AddGrid(result, &json);

@@ -1,6 +1,7 @@
 #ifndef RAYGRID_REPORT_PAGE_DATA_H
 #define RAYGRID_REPORT_PAGE_DATA_H
 
+#include <map>
 #include <string>
 
 #include "evaluation/calibration_result.h"
@@ -8,9 +9,13 @@
 
 namespace raygrid {
 
+/// Small JPEG files as Base64, by the names of their images.
+using ThumbnailTexts = std::map<std::string, std::string>;
+
 /// What the page's script draws, as JSON: residuals of every image, their
 /// distribution, the grid's control points, lines, and where the boards stood.
-std::string PageData(const CalibrationResult& result);
+std::string PageData(const CalibrationResult& result,
+                     const ThumbnailTexts& thumbnails = {});
 /// Cameras and boards in space.
 std::string PageData(const RigResult& result);
 

@@ -18,16 +18,20 @@ std::string In(const std::string& folder, const std::string& name) {
   return (fs::path(folder) / name).string();
 }
 
+constexpr char kThumbnails[] = "thumbnails.json";
+
 // ---- Writing ---------------------------------------------------------------
 
-void AddCameraFiles(const CameraFile& camera, const std::string& folder,
-                    OutputFiles* files) {
+void AddCameraFiles(const CameraFile& camera, const Thumbnails& thumbnails,
+                    const std::string& folder, OutputFiles* files) {
   files->Add(In(folder, "camera.yaml"), FormatCameraFile(camera));
   if (camera.uncertainty)
     files->Add(In(folder, "uncertainty.png"),
                EncodePng(UncertaintyPicture(*camera.uncertainty,
                                             camera.camera->image_size(),
                                             camera.camera->area())));
+  if (!thumbnails.empty())
+    files->Add(In(folder, kThumbnails), FormatThumbnails(thumbnails));
 }
 
 // ---- Reading ---------------------------------------------------------------
@@ -100,6 +104,12 @@ std::optional<BeforeAfter> ReadExample(const std::string& folder) {
   return BeforeAfter{ReadImage(before, true), ReadImage(after, true)};
 }
 
+ThumbnailTexts ReadThumbnails(const std::string& folder) {
+  const std::string path = In(folder, kThumbnails);
+  if (!fs::exists(path)) return {};
+  return ParseThumbnails(path, ReadFile(path));
+}
+
 void AddCameraReport(const std::string& folder, const std::string& json,
                      OutputFiles* files) {
   ResultFigures figures = ParseResultJson(In(folder, "result.json"), json);
@@ -107,9 +117,9 @@ void AddCameraReport(const std::string& folder, const std::string& json,
   Complete(ReadResultCamera(In(folder, "camera.yaml")),
            ReadResultPattern(folder), "", &tables, &figures.result);
   RequireMatching(folder, figures.result);
-  files->Add(
-      In(folder, "report.html"),
-      FormatHtmlReport(figures.result, figures.packing, ReadExample(folder)));
+  files->Add(In(folder, "report.html"),
+             FormatHtmlReport(figures.result, figures.packing,
+                              ReadExample(folder), ReadThumbnails(folder)));
 }
 
 void AddRigReports(const std::string& folder, const std::string& json,
@@ -137,7 +147,8 @@ void AddRigReports(const std::string& folder, const std::string& json,
     RequireMatching(folder, rig.cameras[c]);
     files->Add(
         In(folder, name + "/report.html"),
-        FormatHtmlReport(rig.cameras[c], figures.packing[c], std::nullopt));
+        FormatHtmlReport(rig.cameras[c], figures.packing[c], std::nullopt,
+                         ReadThumbnails(In(folder, name))));
   }
   files->Add(In(folder, "report.html"), FormatRigReport(rig));
 }
@@ -146,7 +157,7 @@ void AddRigReports(const std::string& folder, const std::string& json,
 
 void AddResultFiles(const CalibrationResult& result, const ResultExtras& extras,
                     const std::string& folder, OutputFiles* files) {
-  AddCameraFiles(result.camera, folder, files);
+  AddCameraFiles(result.camera, extras.thumbnails, folder, files);
   files->Add(In(folder, "pattern.yaml"), FormatPattern(result.pattern));
   files->Add(In(folder, "features.csv"), FormatFeatures(result.features));
   files->Add(In(folder, "poses.csv"), FormatPoses(result.poses));
@@ -174,7 +185,8 @@ void AddResultFiles(const RigResult& result,
     poses.push_back({name, camera.poses});
     rig.push_back({name, name + "/camera.yaml", result.camera_from_rig[c]});
     packing.push_back(extras[c].packing);
-    AddCameraFiles(camera.camera, In(folder, name), files);
+    AddCameraFiles(camera.camera, extras[c].thumbnails, In(folder, name),
+                   files);
   }
   files->Add(In(folder, "rig.yaml"), FormatRigFile(rig));
   files->Add(In(folder, "pattern.yaml"), FormatPattern(result.pattern));

@@ -11,6 +11,7 @@
 #include "dataset/image_files.h"
 #include "report/html_report.h"
 #include "report/result_json.h"
+#include "report/thumbnails.h"
 
 namespace raygrid {
 
@@ -20,6 +21,7 @@ struct ResultExtras {
   int64_t peak_memory_bytes = 0;
   std::optional<PackingFigures> packing;
   std::optional<BeforeAfter> example;
+  Thumbnails thumbnails;
 };
 
 /// All files but the blob and the report.

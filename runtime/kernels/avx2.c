@@ -1,7 +1,7 @@
-/* Bilinear blending by table lookup: the pixels of a segment read at most 16
- * contiguous bytes of each of three rows, so that byte shuffles take the place
- * of a gather. 128 bits hold a segment of one row, the other 128 bits the same
- * pixels of the next row. Runs with larger steps go to the portable kernels. */
+/* Bilinear blending of two rows at once, 128 bits each. Where steps are small,
+ * by table lookup: the pixels of a segment read at most 16 contiguous bytes of
+ * each of three rows, so that byte shuffles take the place of a gather.
+ * Elsewhere each pixel's samples are loaded by themselves. */
 #if defined(__x86_64__)
 
 #include <immintrin.h>
@@ -18,12 +18,22 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
-/* How 8 lanes of 16 bits are used. */
+/* Rows whose positions are found together. */
+#define TILE_ROWS 8u
+
+/* How far ahead memory is asked for: bytes of a row. */
+#define AHEAD 128u
+
+/* How the 8 lanes of 16 bits that a row has are used. */
 typedef struct layout {
   uint32_t channels;
-  uint32_t pixels; /* of a segment: 2, 4 or 8 */
+  uint32_t pixels; /* of a segment */
   int is_halved;   /* two windows of 8 bytes a segment, for steep rows */
 } layout;
+
+INLINE uint32_t num_windows(layout l) { return l.is_halved ? 2 : 1; }
+
+INLINE uint32_t window_pixels(layout l) { return l.pixels / num_windows(l); }
 
 /* Two bytes for each of 8 lanes, in both rows. */
 #define LANES(a, b, c, d, e, f, g, h) \
@@ -32,11 +42,9 @@ typedef struct layout {
 /* The pixel of each lane, counted in its window. */
 INLINE __m256i lane_pixels(layout l) {
   if (l.channels == 1 && l.is_halved) return LANES(0, 1, 2, 3, 0, 1, 2, 3);
-  if (l.channels == 2 && l.is_halved) return LANES(0, 0, 1, 1, 0, 0, 1, 1);
   if (l.channels == 1) return LANES(0, 1, 2, 3, 4, 5, 6, 7);
-  if (l.channels == 2) return LANES(0, 0, 1, 1, 2, 2, 3, 3);
-  if (l.channels == 3) return LANES(0, 0, 0, 1, 1, 1, 1, 1);
-  return LANES(0, 0, 0, 0, 1, 1, 1, 1);
+  if (l.is_halved) return LANES(0, 0, 1, 1, 0, 0, 1, 1);
+  return LANES(0, 0, 1, 1, 2, 2, 3, 3);
 }
 
 /* Where the window of each lane has the first pixel's left and right sample. */
@@ -44,288 +52,499 @@ INLINE __m256i lane_offsets(layout l) {
   if (l.channels == 1 && l.is_halved)
     return LANES(0x100, 0x100, 0x100, 0x100, 0x908, 0x908, 0x908, 0x908);
   if (l.channels == 1) return _mm256_set1_epi16(0x100);
-  if (l.channels == 2 && l.is_halved)
+  if (l.is_halved)
     return LANES(0x200, 0x301, 0x200, 0x301, 0xa08, 0xb09, 0xa08, 0xb09);
-  if (l.channels == 2)
-    return LANES(0x200, 0x301, 0x200, 0x301, 0x200, 0x301, 0x200, 0x301);
-  if (l.channels == 3)
-    return LANES(0x300, 0x401, 0x502, 0x300, 0x401, 0x502, 0x502, 0x502);
-  return LANES(0x400, 0x501, 0x602, 0x703, 0x400, 0x501, 0x602, 0x703);
+  return LANES(0x200, 0x301, 0x200, 0x301, 0x200, 0x301, 0x200, 0x301);
 }
 
-/* Keeps the compiler from taking a multiplication or a blend apart. */
+/* Keeps the compiler from taking a multiplication apart. */
 INLINE __m256i as_is(__m256i value) {
   __asm__("" : "+x"(value));
   return value;
 }
 
-/* Two rows of a run, one in either half, and what leads to the next two. */
-typedef struct row_pair {
-  __m256i top;  /* P00, P10 */
-  __m256i down; /* (P01 - P00) r, (P11 - P10) r, and half an LSB */
-  __m256i two_down;
-  __m128i height_log2, width_log2;
-  __m256i half_width; /* half an LSB of a step */
-  __m256i first_pixel;
-} row_pair;
-
-/* One by one, as they were just stored: a load of 16 bytes would wait. */
-INLINE __m256i load_corners(const rg_position* p) {
-  return _mm256_broadcastsi128_si256(
-      _mm_setr_epi32(p[0].q12[0], p[0].q12[1], p[1].q12[0], p[1].q12[1]));
+/* b where the mask's bytes are negative: the compiler would compare first. */
+INLINE __m256i choose(__m256i a, __m256i b, __m256i mask) {
+  __asm__("vpblendvb %2, %1, %0, %0" : "+x"(a) : "x"(b), "x"(mask));
+  return a;
 }
 
-INLINE row_pair first_rows(const rg_run* run) {
-  const rg_block* const block = &run->block;
-  row_pair rows;
-  const __m256i top = load_corners(block->corners);
-  const __m256i height =
-      _mm256_sub_epi32(load_corners(block->corners + 2), top);
-  rows.top = _mm256_sub_epi32(
-      top,
-      _mm256_set1_epi64x((int64_t)((uint64_t)run->first_source_row << 44)));
-  const __m256i r = _mm256_add_epi32(_mm256_set1_epi32(run->first_row),
-                                     _mm256_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1));
-  rows.down = _mm256_add_epi32(_mm256_mullo_epi32(height, r),
-                               _mm256_set1_epi32(1 << block->height_log2 >> 1));
-  rows.two_down = _mm256_add_epi32(height, height);
-  rows.height_log2 = _mm_cvtsi32_si128(block->height_log2);
-  rows.width_log2 = _mm_cvtsi32_si128(block->width_log2);
-  rows.half_width = _mm256_set1_epi32(1 << block->width_log2 >> 1);
-  rows.first_pixel = _mm256_set1_epi32(run->first_pixel);
+/* ---- Positions ----------------------------------------------------------- */
+
+/* What a run's rows have in common: read once, as stores to the output might
+ * change the run for all that the compiler knows. */
+typedef struct run_source {
+  const uint8_t* data;
+  size_t stride, out_stride;
+  uint32_t num_pixels;
+  __m256i stride_lanes;
+  __m256i top[4], height[4]; /* of the left edge, x and y, and the right one */
+  __m256i half_height, half_width, first_pixel;
+  __m128i height_log2, width_log2;
+} run_source;
+
+INLINE run_source find_source(const rg_run* run) {
+  const rg_position* const p = run->block.corners;
+  run_source s;
+  s.data = run->data;
+  s.stride = run->stride;
+  s.out_stride = run->out_stride;
+  s.num_pixels = run->num_pixels;
+  s.stride_lanes = _mm256_set1_epi32((int32_t)run->stride);
+#define EDGE(k, corner, c)                        \
+  s.top[k] = _mm256_set1_epi32(p[corner].q12[c]); \
+  s.height[k] =                                   \
+      _mm256_sub_epi32(_mm256_set1_epi32(p[corner + 2].q12[c]), s.top[k])
+  EDGE(0, 0, 0);
+  EDGE(1, 0, 1);
+  EDGE(2, 1, 0);
+  EDGE(3, 1, 1);
+#undef EDGE
+  const __m256i first_row =
+      _mm256_set1_epi32((int32_t)(run->first_source_row * 4096u));
+  s.top[1] = _mm256_sub_epi32(s.top[1], first_row);
+  s.top[3] = _mm256_sub_epi32(s.top[3], first_row);
+  s.half_height = _mm256_set1_epi32(1 << run->block.height_log2 >> 1);
+  s.half_width = _mm256_set1_epi32(1 << run->block.width_log2 >> 1);
+  s.first_pixel = _mm256_set1_epi32(run->first_pixel);
+  s.height_log2 = _mm_cvtsi32_si128(run->block.height_log2);
+  s.width_log2 = _mm_cvtsi32_si128(run->block.width_log2);
+  return s;
+}
+
+/* Where 8 rows start, x + 16 and y, and their steps. */
+typedef struct tile {
+  __m256i x, y, step_x, step_y;
+} tile;
+
+/* top + round((bottom - top) r, log2) */
+INLINE __m256i find_edge(const run_source* s, int k, __m256i r) {
+  const __m256i down =
+      _mm256_add_epi32(_mm256_mullo_epi32(s->height[k], r), s->half_height);
+  return _mm256_add_epi32(_mm256_sra_epi32(down, s->height_log2), s->top[k]);
+}
+
+INLINE __m256i find_step(const run_source* s, __m256i left, __m256i right) {
+  return _mm256_sra_epi32(
+      _mm256_add_epi32(_mm256_sub_epi32(right, left), s->half_width),
+      s->width_log2);
+}
+
+/* Rows r of the block. */
+INLINE tile find_tile(const run_source* s, __m256i r) {
+  tile rows;
+  const __m256i x = find_edge(s, 0, r), y = find_edge(s, 1, r);
+  rows.step_x = find_step(s, x, find_edge(s, 2, r));
+  rows.step_y = find_step(s, y, find_edge(s, 3, r));
+  rows.x = _mm256_add_epi32(_mm256_add_epi32(x, _mm256_set1_epi32(16)),
+                            _mm256_mullo_epi32(rows.step_x, s->first_pixel));
+  rows.y = _mm256_add_epi32(y, _mm256_mullo_epi32(rows.step_y, s->first_pixel));
   return rows;
 }
 
-/* x, y, step x, step y of both rows. */
-INLINE __m256i find_rows(const row_pair* rows) {
-  /* left, right = top + round((bottom - top) r, height_log2) */
-  const __m256i edges = _mm256_add_epi32(
-      rows->top, _mm256_sra_epi32(rows->down, rows->height_log2));
-  /* step = round(right - left, width_log2) */
-  const __m256i across = _mm256_add_epi32(
-      _mm256_sub_epi32(_mm256_shuffle_epi32(edges, 0x4e), edges),
-      rows->half_width);
-  const __m256i steps = _mm256_sra_epi32(across, rows->width_log2);
-  const __m256i starts =
-      _mm256_add_epi32(edges, _mm256_mullo_epi32(steps, rows->first_pixel));
-  return _mm256_unpacklo_epi64(starts, steps);
+INLINE void advance(tile* rows, int32_t pixels) {
+  const __m256i count = _mm256_set1_epi32(pixels);
+  rows->x = _mm256_add_epi32(rows->x, _mm256_mullo_epi32(rows->step_x, count));
+  rows->y = _mm256_add_epi32(rows->y, _mm256_mullo_epi32(rows->step_y, count));
 }
 
-/* 32-bit value c of each row to its lanes of 16 bits. */
-INLINE __m256i to_lanes(__m256i rows, int c) {
-  return _mm256_shuffle_epi8(rows,
-                             _mm256_set1_epi16((int16_t)(0x0100 + 0x0404 * c)));
+/* Bytes from the source's start to the pixels of positions. */
+INLINE __m256i find_offsets(const run_source* s, __m256i x, __m256i y,
+                            uint32_t channels) {
+  const __m256i column = _mm256_srli_epi32(x, 12);
+  const __m256i row =
+      _mm256_mullo_epi32(_mm256_srli_epi32(y, 12), s->stride_lanes);
+  const __m256i twice = _mm256_add_epi32(column, column);
+  return _mm256_add_epi32(row, channels == 1   ? column
+                               : channels == 2 ? twice
+                               : channels == 3
+                                   ? _mm256_add_epi32(twice, column)
+                                   : _mm256_add_epi32(twice, twice));
 }
 
-/* Where the windows of both rows begin; second ones where rows are halved. */
-typedef struct windows {
-  const uint8_t *row0, *row1, *second0, *second1;
-} windows;
+/* Asks for what the blocks to the right will read and write. */
+INLINE void look_ahead(const uint8_t* source, const uint8_t* out) {
+  _mm_prefetch((const char*)source + AHEAD, _MM_HINT_T0);
+  __builtin_prefetch(out + AHEAD, 1);
+}
 
-INLINE __m256i load(const windows* w, size_t offset, layout l) {
+/* ---- Blending ------------------------------------------------------------ */
+
+/* Bytes wx - 128 and -wx. */
+INLINE __m256i find_weights(__m256i x_q12) {
+  const __m256i wx =
+      _mm256_and_si256(_mm256_srli_epi16(x_q12, 5), _mm256_set1_epi16(127));
+  return _mm256_add_epi16(
+      _mm256_mullo_epi16(wx, as_is(_mm256_set1_epi16(-255))),
+      _mm256_set1_epi16(128));
+}
+
+/* From -h of the upper and the lower row. */
+INLINE __m256i blend_down(__m256i upper, __m256i lower, __m256i wy_q15) {
+  /* -v = -h0 + ((h0 - h1) wy + 2^14) >> 15 */
+  const __m256i v = _mm256_add_epi16(
+      upper, _mm256_mulhrs_epi16(_mm256_sub_epi16(lower, upper), wy_q15));
+  /* (v + 64) >> 7 */
+  return _mm256_mulhrs_epi16(v, _mm256_set1_epi16(-256));
+}
+
+/* ---- By windows ---------------------------------------------------------- */
+
+/* Of the windows of a segment: where they start, and x in q12 and y in q15 of
+ * their first pixels from there, in the low and the high half. Those of a row
+ * follow each other. */
+typedef struct window_starts {
+  uint32_t offsets[2 * TILE_ROWS], starts[2 * TILE_ROWS];
+} window_starts;
+
+INLINE void interleave(__m256i first, __m256i second, uint32_t* out) {
+  const __m256i low = _mm256_unpacklo_epi32(first, second);
+  const __m256i high = _mm256_unpackhi_epi32(first, second);
+  _mm256_storeu_si256((__m256i*)(void*)out,
+                      _mm256_permute2x128_si256(low, high, 0x20));
+  _mm256_storeu_si256((__m256i*)(void*)(out + 8),
+                      _mm256_permute2x128_si256(low, high, 0x31));
+}
+
+/* up: from a window's first pixel to its least y. */
+INLINE __m256i find_window_starts(const tile* rows, __m256i up) {
+  const __m256i y_q15 = _mm256_srli_epi32(
+      _mm256_slli_epi32(_mm256_add_epi32(rows->y, up), 20), 1);
+  return _mm256_or_si256(_mm256_and_si256(rows->x, _mm256_set1_epi32(4095)),
+                         _mm256_sub_epi32(y_q15, _mm256_slli_epi32(up, 19)));
+}
+
+/* Moves to the next segment. */
+INLINE void find_windows(const run_source* s, tile* rows, __m256i up, layout l,
+                         window_starts* w) {
+  __m256i offsets[2], starts[2];
+  for (uint32_t k = 0; k < num_windows(l); ++k) {
+    offsets[k] =
+        find_offsets(s, rows->x, _mm256_add_epi32(rows->y, up), l.channels);
+    starts[k] = find_window_starts(rows, up);
+    advance(rows, (int32_t)window_pixels(l));
+  }
+  if (l.is_halved) {
+    interleave(offsets[0], offsets[1], w->offsets);
+    interleave(starts[0], starts[1], w->starts);
+  } else {
+    _mm256_storeu_si256((__m256i*)(void*)w->offsets, offsets[0]);
+    _mm256_storeu_si256((__m256i*)(void*)w->starts, starts[0]);
+  }
+}
+
+/* Half c of 32-bit values of two rows, or of their windows, to their lanes. */
+INLINE __m256i to_lanes(const uint32_t* values, int c, int is_halved) {
+  const int16_t half = (int16_t)(0x0100 + 0x0202 * c);
+  __m256i pair;
+  if (is_halved) {
+    pair = _mm256_broadcastsi128_si256(
+        _mm_loadu_si128((const __m128i*)(const void*)values));
+    const __m128i in_row =
+        _mm_setr_epi16(0, 0, 0, 0, 0x404, 0x404, 0x404, 0x404);
+    const __m256i lanes = _mm256_inserti128_si256(
+        _mm256_castsi128_si256(in_row),
+        _mm_add_epi16(in_row, _mm_set1_epi16(0x808)), 1);
+    return _mm256_shuffle_epi8(
+        pair, _mm256_add_epi16(lanes, _mm256_set1_epi16(half)));
+  }
+  pair = _mm256_set1_epi64x(
+      _mm_cvtsi128_si64(_mm_loadl_epi64((const __m128i*)(const void*)values)));
+  return _mm256_shuffle_epi8(
+      pair,
+      _mm256_inserti128_si256(_mm256_set1_epi16(half),
+                              _mm_set1_epi16((int16_t)(half + 0x404)), 1));
+}
+
+/* 8 bytes each, in halves of a register. */
+INLINE __m128i load_two(const uint8_t* a, const uint8_t* b) {
+  double low, high; /* of any address */
+  __builtin_memcpy(&low, a, 8);
+  __builtin_memcpy(&high, b, 8);
+  return _mm_castpd_si128(_mm_set_pd(high, low));
+}
+
+INLINE __m256i load_four(const uint8_t* a, const uint8_t* b, const uint8_t* c,
+                         const uint8_t* d) {
+  return _mm256_inserti128_si256(_mm256_castsi128_si256(load_two(a, b)),
+                                 load_two(c, d), 1);
+}
+
+/* 16 bytes of both rows, or 8 of both windows of both. */
+INLINE __m256i load(const uint8_t* const* windows, size_t offset, layout l) {
   if (!l.is_halved)
     return _mm256_inserti128_si256(
-        _mm256_castsi128_si256(
-            _mm_loadu_si128((const __m128i*)(w->row0 + offset))),
-        _mm_loadu_si128((const __m128i*)(w->row1 + offset)), 1);
-  int64_t bytes[4];
-  __builtin_memcpy(&bytes[0], w->row0 + offset, 8);
-  __builtin_memcpy(&bytes[1], w->second0 + offset, 8);
-  __builtin_memcpy(&bytes[2], w->row1 + offset, 8);
-  __builtin_memcpy(&bytes[3], w->second1 + offset, 8);
-  return _mm256_setr_epi64x(bytes[0], bytes[1], bytes[2], bytes[3]);
-}
-
-/* start: x in q12, y in q15 of a pixel of both rows. factors: bytes of a pixel
- * and of a row, in 16 bits. */
-INLINE void find_windows(const uint8_t* data, __m256i start, __m256i factors,
-                         const uint8_t** row0, const uint8_t** row1) {
-  const __m256i pixel =
-      _mm256_srav_epi32(start, _mm256_setr_epi32(12, 15, 0, 0, 12, 15, 0, 0));
-  const __m256i products = _mm256_madd_epi16(pixel, factors);
-  const __m256i offsets =
-      _mm256_add_epi32(products, _mm256_shuffle_epi32(products, 1));
-  *row0 = data + (uint32_t)_mm256_cvtsi256_si32(offsets);
-  *row1 =
-      data + (uint32_t)_mm_cvtsi128_si32(_mm256_extracti128_si256(offsets, 1));
-}
-
-/* The fractions of where windows start, to their lanes. */
-INLINE __m256i fractions(__m256i start, __m256i second, int c, layout l) {
-  const __m256i mask = _mm256_set1_epi64x(INT64_C(0x7fff00000fff));
-  const __m256i first = to_lanes(_mm256_and_si256(start, mask), c);
-  if (!l.is_halved) return first;
-  return _mm256_blend_epi16(first, to_lanes(_mm256_and_si256(second, mask), c),
-                            0xf0);
+        _mm256_castsi128_si256(_mm_loadu_si128(
+            (const __m128i*)(const void*)(windows[0] + offset))),
+        _mm_loadu_si128((const __m128i*)(const void*)(windows[1] + offset)), 1);
+  return load_four(windows[0] + offset, windows[1] + offset,
+                   windows[2] + offset, windows[3] + offset);
 }
 
 /* A segment of both rows; x in q12 and y in q15 from where the windows start.
- * Results in the low bytes of lanes. */
-INLINE __m256i blend_segments(const windows* w, size_t stride, __m256i x_q12,
-                              __m256i y_q15, layout l) {
+ */
+INLINE __m256i blend_windows(const uint8_t* const* windows, size_t stride,
+                             __m256i x_q12, __m256i y_q15, layout l) {
   /* byte indices of left and right sample */
   const __m256i index = _mm256_add_epi16(
       _mm256_mullo_epi16(
           _mm256_srli_epi16(x_q12, 12),
           as_is(_mm256_set1_epi16((int16_t)(0x0101 * l.channels)))),
       lane_offsets(l));
-  /* bytes wx - 128 and -wx */
-  const __m256i wx =
-      _mm256_and_si256(_mm256_srli_epi16(x_q12, 5), _mm256_set1_epi16(127));
-  const __m256i weights =
-      _mm256_add_epi16(_mm256_mullo_epi16(wx, as_is(_mm256_set1_epi16(-255))),
-                       _mm256_set1_epi16(128));
+  const __m256i weights = find_weights(x_q12);
   /* -h of the three rows */
-  const __m256i h0 =
-      _mm256_maddubs_epi16(_mm256_shuffle_epi8(load(w, 0, l), index), weights);
+  const __m256i h0 = _mm256_maddubs_epi16(
+      _mm256_shuffle_epi8(load(windows, 0, l), index), weights);
   const __m256i h1 = _mm256_maddubs_epi16(
-      _mm256_shuffle_epi8(load(w, stride, l), index), weights);
+      _mm256_shuffle_epi8(load(windows, stride, l), index), weights);
   const __m256i h2 = _mm256_maddubs_epi16(
-      _mm256_shuffle_epi8(load(w, 2 * stride, l), index), weights);
+      _mm256_shuffle_epi8(load(windows, 2 * stride, l), index), weights);
   /* The sign of y: in the second of the window's rows. */
-  const __m256i is_second = as_is(_mm256_srai_epi16(y_q15, 15));
-  const __m256i wy = _mm256_and_si256(y_q15, _mm256_set1_epi16(INT16_MAX));
-  const __m256i upper = _mm256_blendv_epi8(h0, h1, is_second);
-  const __m256i lower = _mm256_blendv_epi8(h1, h2, is_second);
-  /* -v = -h0 + ((h0 - h1) wy + 2^14) >> 15 */
-  const __m256i v = _mm256_add_epi16(
-      upper, _mm256_mulhrs_epi16(_mm256_sub_epi16(lower, upper), wy));
-  /* (v + 64) >> 7 */
-  return _mm256_mulhrs_epi16(v, _mm256_set1_epi16(-256));
+  const __m256i is_second = _mm256_srai_epi16(y_q15, 15);
+  return blend_down(choose(h0, h1, is_second), choose(h1, h2, is_second),
+                    _mm256_and_si256(y_q15, _mm256_set1_epi16(INT16_MAX)));
 }
 
-/* One row's segment. Three channels leave two bytes of the eight over, which
- * the next segment overwrites. */
-INLINE void store(uint8_t* out, __m128i bytes, int is_last, layout l) {
-  if (l.channels == 3 && is_last) {
-    const uint32_t low = (uint32_t)_mm_cvtsi128_si32(bytes);
-    const uint16_t high = (uint16_t)_mm_extract_epi16(bytes, 2);
-    __builtin_memcpy(out, &low, 4);
-    __builtin_memcpy(out + 4, &high, 2);
-  } else {
-    _mm_storel_epi64((__m128i*)out, bytes);
+/* Steps of two rows to lanes, and from a window's first x and y. */
+typedef struct lane_steps {
+  __m256i x[TILE_ROWS / 2], y[TILE_ROWS / 2];
+} lane_steps;
+
+INLINE void find_lanes(const tile* rows, layout l, lane_steps* lanes) {
+  uint32_t steps[TILE_ROWS];
+  _mm256_storeu_si256(
+      (__m256i*)(void*)steps,
+      _mm256_or_si256(_mm256_and_si256(rows->step_x, _mm256_set1_epi32(65535)),
+                      _mm256_slli_epi32(rows->step_y, 19)));
+  for (uint32_t p = 0; p < TILE_ROWS / 2; ++p) {
+    lanes->x[p] =
+        _mm256_mullo_epi16(to_lanes(steps + 2 * p, 0, 0), lane_pixels(l));
+    lanes->y[p] =
+        _mm256_mullo_epi16(to_lanes(steps + 2 * p, 1, 0), lane_pixels(l));
   }
 }
 
-INLINE int log2_of(uint32_t pixels) {
-  return pixels == 8 ? 3 : pixels == 4 ? 2 : pixels == 2 ? 1 : 0;
-}
-INLINE __m256i times(__m256i values, uint32_t pixels) {
-  return _mm256_slli_epi32(values, log2_of(pixels));
-}
-
-INLINE void blend_run(const rg_run* run, layout l) {
-  const uint8_t* const data = run->data;
-  const uint32_t n = run->num_pixels, num_rows = run->num_rows;
-  const size_t stride = run->stride, out_stride = run->out_stride;
-  uint8_t* out = run->out + run->out_pixel * l.channels;
-  row_pair pair = first_rows(run);
-  const __m256i factors =
-      _mm256_set1_epi64x((int64_t)((uint64_t)stride << 32 | l.channels));
-  const uint32_t window_pixels = l.pixels >> l.is_halved;
-  const __m256i lanes = lane_pixels(l);
-  for (uint32_t r = 0; r < num_rows; r += 2, out += 2 * out_stride) {
-    size_t to_next = out_stride;
-    if (r + 1 == num_rows) { /* the last one twice */
-      pair.down = _mm256_permute2x128_si256(pair.down, pair.down, 0);
-      to_next = 0;
+/* The segments of up to 8 rows, from out on. */
+INLINE void blend_tile(const run_source* s, tile rows, uint32_t num_rows,
+                       uint8_t* out, layout l) {
+  const uint32_t n = s->num_pixels, per_row = num_windows(l);
+  lane_steps lanes;
+  find_lanes(&rows, l, &lanes);
+  const __m256i last_y = _mm256_mullo_epi32(
+      rows.step_y, _mm256_set1_epi32((int32_t)window_pixels(l) - 1));
+  const __m256i up = _mm256_min_epi32(last_y, _mm256_setzero_si256());
+  for (uint32_t k = 0; k < n; k += l.pixels) {
+    if (k + l.pixels > n) { /* the last segment begins earlier */
+      advance(&rows, (int32_t)(n - l.pixels) - (int32_t)k);
+      k = n - l.pixels;
     }
-    /* y in q15 from here on */
-    const __m256i rows = _mm256_sllv_epi32(
-        find_rows(&pair), _mm256_setr_epi32(0, 3, 0, 3, 0, 3, 0, 3));
-    pair.down = _mm256_add_epi32(pair.down, pair.two_down);
-
-    /* Steps, x in q12 and y in q15; x and y of lanes from the first one. */
-    const __m256i steps = _mm256_shuffle_epi32(rows, 0x4e);
-    const __m256i lanes_x = _mm256_mullo_epi16(to_lanes(steps, 0), lanes);
-    const __m256i from_first_y = _mm256_mullo_epi16(to_lanes(steps, 1), lanes);
-    /* The window starts at the first x + 16 and the least y. */
-    const __m256i up = _mm256_min_epi32(
-        _mm256_and_si256(_mm256_sub_epi32(times(steps, window_pixels), steps),
-                         _mm256_set1_epi64x((int64_t)(UINT64_MAX << 32))),
-        _mm256_setzero_si256());
-    const __m256i lanes_y = _mm256_sub_epi16(from_first_y, to_lanes(up, 1));
-    __m256i start =
-        _mm256_add_epi32(_mm256_add_epi32(rows, _mm256_set1_epi64x(16)), up);
-    for (uint32_t k = 0; k < n; k += l.pixels) {
-      if (k + l.pixels > n) { /* the last segment begins earlier */
-        const uint32_t back = k + l.pixels - n;
-        start = _mm256_sub_epi32(
-            start, _mm256_mullo_epi32(steps, _mm256_set1_epi32((int32_t)back)));
-        k = n - l.pixels;
+    window_starts w;
+    find_windows(s, &rows, up, l, &w);
+    uint8_t* target = out + k * l.channels;
+    for (uint32_t r = 0; r < num_rows; r += 2) {
+      const uint32_t *offset = w.offsets + r * per_row,
+                     *start = w.starts + r * per_row;
+      const uint8_t* const at[4] = {
+          s->data + offset[0], s->data + offset[1],
+          l.is_halved ? s->data + offset[2] : s->data,
+          l.is_halved ? s->data + offset[3] : s->data};
+      if (k == 0) {
+        look_ahead(at[0], target);
+        look_ahead(at[per_row], target + s->out_stride);
       }
-      windows w;
-      find_windows(data, start, factors, &w.row0, &w.row1);
-      const __m256i second =
-          _mm256_add_epi32(start, times(steps, window_pixels));
-      if (l.is_halved)
-        find_windows(data, second, factors, &w.second0, &w.second1);
       const __m256i x =
-          _mm256_add_epi16(fractions(start, second, 0, l), lanes_x);
+          _mm256_add_epi16(to_lanes(start, 0, l.is_halved), lanes.x[r / 2]);
       const __m256i y =
-          _mm256_add_epi16(fractions(start, second, 1, l), lanes_y);
-      const __m256i v = blend_segments(&w, stride, x, y, l);
+          _mm256_add_epi16(to_lanes(start, 1, l.is_halved), lanes.y[r / 2]);
+      const __m256i v = blend_windows(at, s->stride, x, y, l);
       const __m256i bytes = _mm256_packus_epi16(v, v);
-      const int is_last = k + l.pixels == n;
-      uint8_t* const target = out + k * l.channels;
-      store(target, _mm256_castsi256_si128(bytes), is_last, l);
-      store(target + to_next, _mm256_extracti128_si256(bytes, 1), is_last, l);
-      start = _mm256_add_epi32(start, times(steps, l.pixels));
+      _mm_storel_epi64((__m128i*)(void*)target, _mm256_castsi256_si128(bytes));
+      if (r + 1 < num_rows)
+        _mm_storel_epi64((__m128i*)(void*)(target + s->out_stride),
+                         _mm256_extracti128_si256(bytes, 1));
+      target += 2 * s->out_stride;
     }
   }
 }
 
-/* Bounds of a run's steps: those between the first row and the last lie between
- * theirs but for rounding, which is less than 2. */
-typedef struct step_range {
-  int32_t min_x, max_x, max_y;
-} step_range;
-
-INLINE step_range find_steps(const rg_run* run) {
-  row_pair ends = first_rows(run);
-  const __m256i to_last =
-      _mm256_mullo_epi32(_mm256_srai_epi32(ends.two_down, 1),
-                         _mm256_set1_epi32((int32_t)run->num_rows - 1));
-  ends.down = _mm256_add_epi32(
-      _mm256_permute2x128_si256(ends.down, ends.down, 0),
-      _mm256_inserti128_si256(_mm256_setzero_si256(),
-                              _mm256_castsi256_si128(to_last), 1));
-  const __m256i steps = _mm256_unpackhi_epi64(find_rows(&ends), ends.down);
-  const __m128i first = _mm256_castsi256_si128(steps);
-  const __m128i last = _mm256_extracti128_si256(steps, 1);
-  const __m128i min = _mm_min_epi32(first, last);
-  const __m128i max = _mm_max_epi32(first, last);
-  const __m128i max_abs = _mm_max_epi32(_mm_abs_epi32(min), _mm_abs_epi32(max));
-  const step_range range = {_mm_cvtsi128_si32(min) - 2,
-                            _mm_cvtsi128_si32(max) + 2,
-                            _mm_extract_epi32(max_abs, 1) + 2};
-  return range;
+/* Whether windows of so many pixels, twice as many with their neighbours, hold
+ * them on two rows: (x & 4095) + (pixels - 1) step < 4096 (2 pixels - 1), and
+ * likewise y. */
+INLINE int fits(const tile* rows, uint32_t pixels) {
+  const __m256i max_x = _mm256_set1_epi32(8192);
+  const __m256i max_y = _mm256_set1_epi32(4096 / ((int32_t)pixels - 1));
+  const __m256i abs_y = _mm256_abs_epi32(rows->step_y);
+  const __m256i is_small = _mm256_and_si256(
+      _mm256_cmpeq_epi32(_mm256_min_epu32(rows->step_x, max_x), rows->step_x),
+      _mm256_cmpeq_epi32(_mm256_min_epu32(abs_y, max_y), abs_y));
+  return _mm256_movemask_epi8(is_small) == -1;
 }
 
-/* Whether a window of some bytes holds some pixels and their neighbours, on two
- * rows: (x & 4095) + 16 + (pixels - 1) step < 4096 (pixels of the window - 1).
- */
-INLINE int fits(step_range range, uint32_t pixels, uint32_t window_pixels) {
-  const int32_t steps = (int32_t)pixels - 1;
-  const int32_t room = (int32_t)(window_pixels - 1) * 4096 - 4112;
-  return range.min_x >= 0 && range.max_x < 16384 &&
-         range.max_x * steps <= room && range.max_y < 16384 &&
-         range.max_y * steps <= 4096;
+/* ---- Each pixel by itself ------------------------------------------------ */
+
+/* 8 bytes of pixels 0, 1, 4, 5, or of 2, 3, 6, 7 where k is 2. */
+INLINE __m256i load_pixels(const uint8_t* data, const uint32_t* offsets,
+                           int k) {
+  offsets += k;
+  return load_four(data + offsets[0], data + offsets[1], data + offsets[4],
+                   data + offsets[5]);
+}
+
+/* Left and right samples side by side. */
+INLINE __m256i to_pairs(__m256i samples, uint32_t channels) {
+  if (channels == 1) return samples;
+  const __m128i pairs =
+      channels == 2
+          ? _mm_setr_epi8(0, 2, 1, 3, 4, 6, 5, 7, 8, 10, 9, 11, 12, 14, 13, 15)
+      : channels == 3
+          ? _mm_setr_epi8(0, 3, 1, 4, 2, 5, 6, 7, 8, 11, 9, 12, 10, 13, 14, 15)
+          : _mm_setr_epi8(0, 4, 1, 5, 2, 6, 3, 7, 8, 12, 9, 13, 10, 14, 11, 15);
+  return _mm256_shuffle_epi8(samples, _mm256_broadcastsi128_si256(pairs));
+}
+
+/* The low halves of pixels to all of their lanes: from pixel k of four on. */
+INLINE __m256i spread(__m256i values, uint32_t channels, int k) {
+  const __m128i lanes = channels <= 2
+                            ? _mm_setr_epi16(0x100, 0x100, 0x504, 0x504, 0x908,
+                                             0x908, 0xd0c, 0xd0c)
+                            : _mm_setr_epi16(0x100, 0x100, 0x100, 0x100, 0x504,
+                                             0x504, 0x504, 0x504);
+  return _mm256_shuffle_epi8(values,
+                             _mm256_add_epi8(_mm256_broadcastsi128_si256(lanes),
+                                             _mm256_set1_epi8((char)(4 * k))));
+}
+
+/* -h of pixels k and k + 1 of both fours, or of all. */
+INLINE __m256i blend_across(const uint8_t* row, const uint32_t* offsets,
+                            __m256i weights, uint32_t channels, int k) {
+  const __m256i samples =
+      channels <= 2
+          ? _mm256_i32gather_epi32(
+                (const int*)(const void*)row,
+                _mm256_loadu_si256((const __m256i*)(const void*)offsets), 1)
+          : load_pixels(row, offsets, k);
+  return _mm256_maddubs_epi16(to_pairs(samples, channels),
+                              spread(weights, channels, k));
+}
+
+/* Their results in the low bytes of lanes. */
+INLINE __m256i blend_pixels(const run_source* s, const uint32_t* offsets,
+                            __m256i weights, __m256i wy_q15, uint32_t channels,
+                            int k) {
+  const __m256i upper = blend_across(s->data, offsets, weights, channels, k);
+  const __m256i lower =
+      blend_across(s->data + s->stride, offsets, weights, channels, k);
+  return blend_down(upper, lower, spread(wy_q15, channels, k));
+}
+
+/* 8 pixels. */
+INLINE void store_pixels(__m256i v, uint8_t* out, uint32_t channels) {
+  __m128i low = _mm256_castsi256_si128(v);
+  __m128i high = _mm256_extracti128_si256(v, 1);
+  if (channels == 4) {
+    _mm256_storeu_si256((__m256i*)(void*)out, v);
+  } else if (channels == 3) {
+    const __m128i packed =
+        _mm_setr_epi8(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, 14, 14, 14, 14);
+    low = _mm_shuffle_epi8(low, packed);
+    high = _mm_shuffle_epi8(high, packed);
+    _mm_storeu_si128((__m128i*)(void*)out, low);
+    const int32_t rest = _mm_extract_epi32(high, 2);
+    _mm_storel_epi64((__m128i*)(void*)(out + 12), high);
+    __builtin_memcpy(out + 20, &rest, 4);
+  } else if (channels == 2) {
+    _mm_storeu_si128((__m128i*)(void*)out, _mm_unpacklo_epi64(low, high));
+  } else {
+    const __m128i even = _mm_unpacklo_epi64(low, high);
+    _mm_storel_epi64(
+        (__m128i*)(void*)out,
+        _mm_packus_epi16(_mm_and_si128(even, _mm_set1_epi16(255)), even));
+  }
+}
+
+/* A row from (x, y), x + 16. */
+INLINE void blend_row(const run_source* s, int32_t x, int32_t y, int32_t step_x,
+                      int32_t step_y, uint8_t* out, uint32_t channels) {
+  const int32_t n = (int32_t)s->num_pixels;
+  const __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+  const __m256i lanes_x = _mm256_mullo_epi32(_mm256_set1_epi32(step_x), lane);
+  const __m256i lanes_y = _mm256_mullo_epi32(_mm256_set1_epi32(step_y), lane);
+  for (int32_t k = 0; k < n; k += 8) {
+    if (k + 8 > n) k = n - 8; /* the last ones begin earlier */
+    const __m256i xs =
+        _mm256_add_epi32(_mm256_set1_epi32(x + k * step_x), lanes_x);
+    const __m256i ys =
+        _mm256_add_epi32(_mm256_set1_epi32(y + k * step_y), lanes_y);
+    uint32_t offsets[8];
+    _mm256_storeu_si256((__m256i*)(void*)offsets,
+                        find_offsets(s, xs, ys, channels));
+    __asm__("" : "+m"(offsets)); /* read from there, not taken from lanes */
+    uint8_t* const target = out + (uint32_t)k * channels;
+    look_ahead(s->data + offsets[0], target);
+    const __m256i wy_q15 = _mm256_srli_epi32(_mm256_slli_epi32(ys, 20), 17);
+    const __m256i wx = find_weights(xs);
+    const __m256i v = blend_pixels(s, offsets, wx, wy_q15, channels, 0);
+    const __m256i w =
+        channels <= 2 ? v : blend_pixels(s, offsets, wx, wy_q15, channels, 2);
+    store_pixels(_mm256_packus_epi16(v, w), target, channels);
+  }
+}
+
+INLINE void blend_rows(const run_source* s, const tile* rows, uint32_t num_rows,
+                       uint8_t* out, uint32_t channels) {
+  int32_t values[4][TILE_ROWS];
+  _mm256_storeu_si256((__m256i*)(void*)values[0], rows->x);
+  _mm256_storeu_si256((__m256i*)(void*)values[1], rows->y);
+  _mm256_storeu_si256((__m256i*)(void*)values[2], rows->step_x);
+  _mm256_storeu_si256((__m256i*)(void*)values[3], rows->step_y);
+  for (uint32_t r = 0; r < num_rows; ++r, out += s->out_stride)
+    blend_row(s, values[0][r], values[1][r], values[2][r], values[3][r], out,
+              channels);
+}
+
+/* ---- Runs ---------------------------------------------------------------- */
+
+/* Rows from t on. */
+static void blend_portably(const rg_run* run, uint32_t t, uint32_t num_rows,
+                           rg_blend* portable) {
+  rg_run part = *run;
+  part.first_row = (uint8_t)(run->first_row + t);
+  part.num_rows = (uint8_t)num_rows;
+  part.out += (size_t)t * run->out_stride;
+  portable(&part);
 }
 
 INLINE void blend(const rg_run* run, uint32_t channels, rg_blend* portable) {
-  const uint32_t pixels = channels == 1 ? 8 : channels == 2 ? 4 : 2;
-  const layout whole = {channels, pixels, 0};
-  const layout halved = {channels, pixels, 1};
-  const step_range steps = find_steps(run);
-  if (run->num_pixels < pixels || run->stride > INT16_MAX)
+  const layout whole = {channels, 8 / channels, 0};
+  const layout halved = {channels, 8 / channels, 1};
+  const uint32_t least = channels == 2 ? 4 : 8;
+  if (run->num_pixels < least || run->stride > 1 << 18) {
     portable(run);
-  else if (fits(steps, pixels, 16 / channels))
-    blend_run(run, whole);
-  else if (channels <= 2 && fits(steps, pixels / 2, 8 / channels))
-    blend_run(run, halved);
-  else
-    portable(run);
+    return;
+  }
+  const run_source s = find_source(run);
+  uint8_t* out = run->out + run->out_pixel * channels;
+  const uint32_t num_rows = run->num_rows;
+  const __m256i last_row =
+      _mm256_set1_epi32(run->first_row + run->num_rows - 1);
+  __m256i r = _mm256_add_epi32(_mm256_set1_epi32(run->first_row),
+                               _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+  for (uint32_t t = 0; t < num_rows; t += TILE_ROWS) {
+    /* Behind the last row, that one again. */
+    const tile rows = find_tile(&s, _mm256_min_epi32(r, last_row));
+    const uint32_t in_tile =
+        num_rows - t < TILE_ROWS ? num_rows - t : TILE_ROWS;
+    if (channels <= 2 && fits(&rows, window_pixels(whole)))
+      blend_tile(&s, rows, in_tile, out, whole);
+    else if (channels <= 2 && fits(&rows, window_pixels(halved)))
+      blend_tile(&s, rows, in_tile, out, halved);
+    else if (run->num_pixels >= 8)
+      blend_rows(&s, &rows, in_tile, out, channels);
+    else
+      blend_portably(run, t, in_tile, portable);
+    out += TILE_ROWS * s.out_stride;
+    r = _mm256_add_epi32(r, _mm256_set1_epi32(TILE_ROWS));
+  }
 }
 
 void rg_blend_1_avx2(const rg_run* run) { blend(run, 1, rg_blend_1); }

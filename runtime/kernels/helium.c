@@ -101,6 +101,9 @@ INLINE void blend_row(const run_constants* run, const rg_block_row* row,
   uint32_t x = (uint32_t)(row->start.q12[0] + 16 + back);
   uint32_t y = (uint32_t)(row->start.q12[1] + up);
   uint8_t* const last = out + (run->num_pixels - LANES) * channels;
+  /* The second segment may begin within the first. */
+  uint32_t pixels = run->num_pixels % LANES;
+  if (pixels == 0) pixels = LANES;
   for (;;) {
     const uint8_t* const base =
         run->data + (y >> 12) * run->stride + (x >> 12) * channels;
@@ -108,14 +111,10 @@ INLINE void blend_row(const run_constants* run, const rg_block_row* row,
                   vaddq_n_u16(lanes_x, (uint16_t)(x & 4095)),
                   vaddq_n_u16(lanes_y, (uint16_t)(y & 4095)), out);
     if (out == last) return;
-    int32_t pixels = LANES;
-    out += LANES * channels;
-    if (out > last) { /* the last segment begins earlier */
-      pixels -= (int32_t)((uint32_t)(out - last) / channels);
-      out = last;
-    }
-    x += (uint32_t)(pixels * step_x);
-    y += (uint32_t)(pixels * step_y);
+    out += pixels * channels;
+    x += pixels * (uint32_t)step_x;
+    y += pixels * (uint32_t)step_y;
+    pixels = LANES;
   }
 }
 

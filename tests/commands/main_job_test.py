@@ -61,6 +61,45 @@ class MainJob(CommandTest):
         places = rows(read(self.path("difference/difference.csv")).decode())
         self.assertEqual(len(places), figures["places"])
 
+    def test_compare_tells_which_camera_predicts_features_better(self):
+        self.assert_done(run("fit", self.path("out/camera.yaml"), "--model", "opencv", "-o",
+                             self.path("opencv.yaml")))
+        self.assert_done(run("simulate", "--images", 10, "--features-per-image", 120, "--seed", 9,
+                             "--pattern", self.path("board.yaml"), "-o", self.path("new")))
+        data = ("--features", self.path("new/features.csv"), "--pattern",
+                self.path("sim/pattern.yaml"))
+        for first, second, better in (("out/camera.yaml", "opencv.yaml", "first"),
+                                      ("opencv.yaml", "out/camera.yaml", "second"),
+                                      ("opencv.yaml", "opencv.yaml", "neither")):
+            result = run("compare", self.path(first), self.path(second), *data, "--json", "-o",
+                         self.path("prediction"))
+            self.assert_done(result)
+            prediction = json.loads(result.stdout)["prediction"]
+            self.assertEqual(prediction["better"], better)
+            images = rows(read(self.path("prediction/predictions.csv")).decode())
+            self.assertEqual(len(images), 10)
+            if better == "first":
+                self.assertLess(2 * prediction["first"]["rms_px"], prediction["second"]["rms_px"])
+        result = run("compare", self.path("out/camera.yaml"), self.path("opencv.yaml"), *data)
+        self.assertIn("out/camera.yaml is better", result.stdout)
+        self.assert_refused(run("compare", self.path("out/camera.yaml"),
+                                self.path("opencv.yaml"), *data[:2]), 1, "--pattern")
+
+    def test_rays_and_pixels_as_json(self):
+        pixels = write(self.path("few.csv"), "x,y\n320,240\n-50,3\n")
+        for camera in ("out/camera.yaml", "out/camera.raygrid"):
+            rays = json.loads(run("unproject", self.path(camera), "--pixels", pixels,
+                                  "--json").stdout)
+            self.assertEqual(list(rays[0]), ["x", "y", "dx", "dy", "dz"])
+            self.assertAlmostEqual(sum(rays[0][key] ** 2 for key in ("dx", "dy", "dz")), 1)
+            self.assertIsNone(rays[1]["dz"])
+        points = write(self.path("few_points.csv"), "x,y,z\n0.1,0,1\n0,0,-1\n")
+        seen = json.loads(run("project", self.path("out/camera.yaml"), "--points", points,
+                              "--json").stdout)
+        self.assertEqual([row["valid"] for row in seen], [1, 0])
+        self.assertGreater(seen[0]["u"], 320)
+        self.assertIsNone(seen[1]["u"])
+
     def test_fit_says_what_a_parametric_model_leaves(self):
         result = run("fit", self.path("out/camera.yaml"), "--model", "thin-prism-fisheye", "-o",
                      self.path("fitted.yaml"), "--json")

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The report in a browser, and made again from a folder."""
+import base64
 import json
 import os
 import re
@@ -45,6 +46,10 @@ def large_folder(source, folder):
                     features.append(",".join([row[1], "0", str(k % 14), str(k // 14), *row[5:7]]))
     write(os.path.join(folder, "residuals.csv"), "\n".join(out) + "\n")
     write(os.path.join(folder, "features.csv"), "\n".join(features) + "\n")
+    # 3 MB, which is what calibrate stops at; these are no pictures.
+    jpeg = base64.b64encode(bytes(3000)).decode()
+    write(os.path.join(folder, "thumbnails.json"), json.dumps({
+        "raygrid_thumbnails": 1, "images": {f"{i:04}.png": jpeg for i in range(NUM_IMAGES)}}))
 
 
 class Calibrated(CommandTest):
@@ -112,6 +117,10 @@ class Report(Calibrated):
         shutil.copytree(self.path("out"), folder)
         write(os.path.join(folder, "result.json"), "{}")
         self.assert_refused(run("report", folder), 2, "another version")
+        shutil.copy(self.path("out/result.json"), folder)
+        for text, word in (("{}", "malformed"), ('{"raygrid_thumbnails": 2}', "another version")):
+            write(os.path.join(folder, "thumbnails.json"), text)
+            self.assert_refused(run("report", folder), 2, "thumbnails.json", word)
 
 
 class Check(Calibrated):

@@ -3,6 +3,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "report/checkpoint_json.h"
+#include "report/html.h"
 #include "report/html_report.h"
 #include "report/pictures.h"
 #include "report/residual_file.h"
@@ -186,6 +187,50 @@ TEST(ResultFolder, HoldsAllThatTheReportSays) {
   EXPECT_EQ(ReportOf(out), html);
 }
 
+// Noise, which JPEG makes least of.
+Image NoiseImage(const ImageSize& size, unsigned seed) {
+  TestRandom random(seed);
+  Image image;
+  image.size = size;
+  for (int k = 0; k < size.width * size.height; ++k)
+    image.pixels.push_back(static_cast<uint8_t>(random.Index(256)));
+  return image;
+}
+
+TEST(Thumbnails, AreSmallHoweverManyThereAre) {
+  const TemporaryFolder folder;
+  WriteFile(folder / "noise.png", EncodePng(NoiseImage({320, 240}, 1)));
+  for (const int count : {1, 30, 400}) {
+    Dataset dataset;
+    dataset.image_size = {320, 240};
+    for (int i = 0; i < count; ++i)
+      dataset.images.push_back({std::to_string(i) + ".png", {}});
+    std::vector<std::string> paths(count, folder / "noise.png");
+    paths.back() = folder / "gone.png";
+    const Thumbnails thumbnails = MakeThumbnails(dataset, paths, 2);
+    EXPECT_EQ(thumbnails.size(), count - 1u);
+    size_t bytes = 0;
+    for (const auto& [name, jpeg] : thumbnails) bytes += jpeg.size();
+    EXPECT_LE(bytes, 3000000u);
+    EXPECT_EQ(MakeThumbnails(dataset, paths, 1), thumbnails);
+  }
+}
+
+TEST(Thumbnails, AreInTheReport) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out";
+  OutputFiles files;
+  ResultExtras extras;
+  extras.thumbnails = {{"b.png", "a JPEG file"}};
+  AddResultFiles(PlainResult(), extras, out, &files);
+  files.Commit();
+  const std::string html = ReportOf(out);
+  EXPECT_TRUE(Has(
+      html, "\"thumbnails\":{\"b.png\":\"" + Base64("a JPEG file") + "\"}"));
+  std::filesystem::remove(out + "/thumbnails.json");
+  EXPECT_FALSE(Has(ReportOf(out), "\"thumbnails\":"));
+}
+
 TEST(ResultFolder, ResidualsAreReadBack) {
   const TemporaryFolder folder;
   const CalibrationResult result = PlainResult();
@@ -329,6 +374,18 @@ TEST(RigReport, ListsTheCamerasAndHowTheyStand) {
     EXPECT_TRUE(Has(html, part)) << part;
   for (const char* reference : {"http", "<link", "<script src", "url("})
     EXPECT_FALSE(Has(WithoutLibrary(html), reference)) << reference;
+}
+
+TEST(RigReport, HasOtherModelsOfEachCamera) {
+  RigResult rig = ExampleRig();
+  rig.cameras[0].parametric_models.clear();
+  const std::string html = FormatRigReport(rig);
+  for (const char* part :
+       {"Other models", "right, <b>opencv</b>", "right, central-radial"})
+    EXPECT_TRUE(Has(html, part)) << part;
+  EXPECT_FALSE(Has(html, "left, central-radial"));
+  rig.cameras[1].parametric_models.clear();
+  EXPECT_FALSE(Has(FormatRigReport(rig), "Other models"));
 }
 
 TEST(Pictures, HaveTheImagesSize) {

@@ -214,7 +214,19 @@
 
   // ---- Residuals of an image ------------------------------------------------
 
-  let selected = 0, redrawArrows = () => {};
+  let selected = 0, photograph = null, redrawArrows = () => {};
+  const loadPhotograph = (name) => {
+    photograph = null;
+    const jpeg = data.thumbnails && data.thumbnails[name];
+    if (!jpeg) return;
+    const picture = new Image();
+    picture.onload = () => {
+      if (data.images[selected].name !== name) return;
+      photograph = picture;
+      redrawArrows();
+    };
+    picture.src = `data:image/jpeg;base64,${jpeg}`;
+  };
   const niceScale = (value) => {
     const power = 10 ** Math.floor(Math.log10(value));
     return [1, 2, 5].map((k) => k * power).filter((k) => k <= value).pop() || power;
@@ -225,6 +237,11 @@
     const typical = median(image, 'training') || median(image, 'held_out') || 1;
     const enlarged = niceScale(data.size[0] / 40 / Math.max(typical, 1e-9));
     byId('enlarged').textContent = enlarged;
+    if (photograph) {
+      context.globalAlpha = 0.5;  // the residuals stand out
+      context.drawImage(photograph, 0, 0, width, height);
+      context.globalAlpha = 1;
+    }
     context.strokeStyle = '#8888';
     const [x0, y0, x1, y1] = data.area;
     context.strokeRect((x0 + 0.5) * scale, (y0 + 0.5) * scale, (x1 - x0) * scale, (y1 - y0) * scale);
@@ -259,6 +276,7 @@
   const select = (index) => {
     selected = (index + data.images.length) % data.images.length;
     byId('image').selectedIndex = selected;
+    loadPhotograph(data.images[selected].name);
     byId('image-figures').textContent = figures(data.images[selected]);
     redrawArrows();
   };

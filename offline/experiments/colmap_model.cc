@@ -1,0 +1,152 @@
+#include "experiments/colmap_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <sstream>
+
+#include "dataset/error.h"
+#include "dataset/files.h"
+
+namespace raygrid {
+namespace {
+
+// Words of a file, line by line, without those that are comments.
+class WordLines {
+ public:
+  explicit WordLines(const std::string& path)
+      : path_(path), stream_(ReadFile(path)) {}
+
+  // The next line, which may be empty, or false at the end.
+  bool Next() {
+    std::string line;
+    do {
+      if (!std::getline(stream_, line)) return false;
+      ++number_;
+    } while (!line.empty() && line[0] == '#');
+    std::istringstream words(line);
+    words_.clear();
+    for (std::string word; words >> word;) words_.push_back(word);
+    return true;
+  }
+  bool NextWithWords() {
+    while (Next())
+      if (!words_.empty()) return true;
+    return false;
+  }
+
+  size_t size() const { return words_.size(); }
+  const std::string& Text(size_t index) const {
+    if (index >= words_.size()) Refuse("too few words");
+    return words_[index];
+  }
+  template <typename Number>
+  Number Get(size_t index) const {
+    const std::string& text = Text(index);
+    Number number = 0;
+    const char* end = text.data() + text.size();
+    const auto result = std::from_chars(text.data(), end, number);
+    if (result.ec != std::errc() || result.ptr != end ||
+        !std::isfinite(static_cast<double>(number)))
+      Refuse("'" + text + "' is not a number");
+    return number;
+  }
+  [[noreturn]] void Refuse(const std::string& why) const {
+    throw InputError(fmt::format(
+        "{}, line {}: {}; expected a text model as COLMAP writes it", path_,
+        number_, why));
+  }
+
+ private:
+  std::string path_;
+  std::istringstream stream_;
+  std::vector<std::string> words_;
+  int number_ = 0;
+};
+
+ImageSize ReadSize(const std::string& path) {
+  WordLines lines(path);
+  ImageSize size;
+  while (lines.NextWithWords()) {
+    const ImageSize own = {lines.Get<int>(2), lines.Get<int>(3)};
+    if (size.width > 0 && own != size)
+      lines.Refuse(
+          "cameras have images of several sizes, which is not for "
+          "this experiment");
+    size = own;
+  }
+  if (size.width < 1 || size.height < 1)
+    throw InputError(path + ": no camera in it");
+  return size;
+}
+
+// Also tells which index each point's number has.
+std::vector<Eigen::Vector3d> ReadPoints(const std::string& path,
+                                        std::map<int64_t, int>* indices) {
+  WordLines lines(path);
+  std::vector<Eigen::Vector3d> points;
+  while (lines.NextWithWords()) {
+    const bool is_new =
+        indices->emplace(lines.Get<int64_t>(0), points.size()).second;
+    if (!is_new) lines.Refuse("this point is there twice");
+    points.emplace_back(lines.Get<double>(1), lines.Get<double>(2),
+                        lines.Get<double>(3));
+  }
+  return points;
+}
+
+ColmapModel::Image ReadHead(const WordLines& lines) {
+  ColmapModel::Image image;
+  const Eigen::Quaterniond rotation(lines.Get<double>(1), lines.Get<double>(2),
+                                    lines.Get<double>(3), lines.Get<double>(4));
+  if (!(rotation.norm() > 0.5)) lines.Refuse("not a rotation");
+  image.camera_from_world.rotation = rotation.normalized();
+  image.camera_from_world.translation = {
+      lines.Get<double>(5), lines.Get<double>(6), lines.Get<double>(7)};
+  image.name = lines.Text(9);
+  return image;
+}
+
+std::vector<ColmapModel::Observation> ReadObservations(
+    const WordLines& lines, const std::map<int64_t, int>& indices) {
+  const Eigen::Vector2d half(0.5, 0.5);  // where COLMAP has the first pixel
+  std::vector<ColmapModel::Observation> observations;
+  if (lines.size() % 3 != 0) lines.Refuse("not x, y and a point each");
+  for (size_t i = 0; i < lines.size(); i += 3) {
+    const auto point = lines.Get<int64_t>(i + 2);
+    if (point == -1) continue;
+    const auto index = indices.find(point);
+    if (index == indices.end())
+      lines.Refuse(fmt::format("point {} is not in points3D.txt", point));
+    const Eigen::Vector2d pixel(lines.Get<double>(i), lines.Get<double>(i + 1));
+    observations.push_back({pixel - half, index->second});
+  }
+  return observations;
+}
+
+}  // namespace
+
+ColmapModel ReadColmapModel(const std::string& folder) {
+  const auto path = [&folder](const char* name) {
+    return (std::filesystem::path(folder) / name).string();
+  };
+  ColmapModel model;
+  model.size = ReadSize(path("cameras.txt"));
+  std::map<int64_t, int> indices;
+  model.points = ReadPoints(path("points3D.txt"), &indices);
+  WordLines lines(path("images.txt"));
+  while (lines.NextWithWords()) {
+    model.images.push_back(ReadHead(lines));
+    if (lines.Next())  // may well be empty
+      model.images.back().observations = ReadObservations(lines, indices);
+  }
+  std::sort(model.images.begin(), model.images.end(),
+            [](const auto& a, const auto& b) { return a.name < b.name; });
+  return model;
+}
+
+}  // namespace raygrid

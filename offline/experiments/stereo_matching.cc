@@ -1,0 +1,220 @@
+#include "experiments/stereo_matching.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "dataset/error.h"
+#include "dataset/parallel_for.h"
+
+namespace raygrid {
+namespace {
+
+constexpr int kStepPx = Matching::kStepPx;
+constexpr int kHalfWindowPx = Matching::kHalfWindowPx;
+
+// ---- Rectification ---------------------------------------------------------
+
+Eigen::Vector3d RightCenter(const NamedStereo& cameras) {
+  return cameras.right_from_left.Inverse().translation;
+}
+
+// The rectified frame: x towards the right camera, z about where the middle of
+// the left image looks.
+Eigen::Matrix3d RectifiedFromLeft(const NamedStereo& cameras) {
+  const CameraModel& left = *cameras.left;
+  const Eigen::Vector3d x = RightCenter(cameras).normalized();
+  const Eigen::Vector3d middle =
+      left.Unproject(left.area().center()).value_or(Eigen::Vector3d::UnitZ());
+  const Eigen::Vector3d y = middle.cross(x).normalized();
+  Eigen::Matrix3d rows;
+  rows << x.transpose(), y.transpose(), x.cross(y).transpose();
+  return rows;
+}
+
+Eigen::Vector3d RectifiedRay(const Matching& matching, const ImageSize& size,
+                             double u, double v) {
+  return {(u - (size.width - 1) / 2.0) / matching.focal_px,
+          (v - (size.height - 1) / 2.0) / matching.focal_px, 1};
+}
+
+cv::Mat Rectified(const cv::Mat& image, const CameraModel& camera,
+                  const Eigen::Matrix3d& camera_from_rectified,
+                  const Matching& matching, int num_threads) {
+  constexpr float kNowhere = -1e4f;
+  cv::Mat x(image.size(), CV_32F), y(image.size(), CV_32F), rectified;
+  ParallelFor(image.rows, num_threads, [&](int v) {
+    for (int u = 0; u < image.cols; ++u) {
+      const auto pixel =
+          camera.Project(camera_from_rectified *
+                         RectifiedRay(matching, camera.image_size(), u, v));
+      x.at<float>(v, u) = pixel ? static_cast<float>(pixel->x()) : kNowhere;
+      y.at<float>(v, u) = pixel ? static_cast<float>(pixel->y()) : kNowhere;
+    }
+  });
+  cv::remap(image, rectified, x, y, cv::INTER_CUBIC, cv::BORDER_CONSTANT, -1);
+  return rectified;
+}
+
+// ---- Matching --------------------------------------------------------------
+
+// Zero-mean normalised cross-correlation of two windows in a row.
+double Correlation(const cv::Mat& left, const cv::Mat& right, int u, int v,
+                   int disparity) {
+  double a = 0, b = 0, aa = 0, bb = 0, ab = 0;
+  for (int j = -kHalfWindowPx; j <= kHalfWindowPx; ++j) {
+    const float* l = left.ptr<float>(v + j) + u;
+    const float* r = right.ptr<float>(v + j) + u - disparity;
+    for (int i = -kHalfWindowPx; i <= kHalfWindowPx; ++i) {
+      a += l[i];
+      b += r[i];
+      aa += l[i] * l[i];
+      bb += r[i] * r[i];
+      ab += l[i] * r[i];
+    }
+  }
+  const double n = std::pow(2 * kHalfWindowPx + 1, 2);
+  return (ab - a * b / n) /
+         std::sqrt(std::max(1e-9, (aa - a * a / n) * (bb - b * b / n)));
+}
+
+bool IsWhole(const cv::Mat& image, int u, int v) {
+  for (int j = -kHalfWindowPx; j <= kHalfWindowPx; ++j)
+    for (int i = -kHalfWindowPx; i <= kHalfWindowPx; ++i)
+      if (image.at<float>(v + j, u + i) < 0) return false;
+  return true;
+}
+
+// The best disparity of all, with a parabola through its neighbours.
+std::optional<double> Match(const cv::Mat& left, const cv::Mat& right,
+                            const Matching& matching, int u, int v) {
+  constexpr double kMinCorrelation = 0.8;
+  if (u - matching.max_disparity - 1 < kHalfWindowPx || !IsWhole(left, u, v))
+    return std::nullopt;
+  std::vector<double> scores;
+  for (int d = matching.min_disparity; d <= matching.max_disparity; ++d)
+    scores.push_back(Correlation(left, right, u, v, d));
+  const auto best = std::max_element(scores.begin(), scores.end());
+  const auto k = best - scores.begin();
+  if (*best < kMinCorrelation || k == 0 ||
+      k + 1 == static_cast<std::ptrdiff_t>(scores.size()) ||
+      !IsWhole(right, u - matching.min_disparity - static_cast<int>(k), v))
+    return std::nullopt;
+  const double below = best[-1], above = best[1];
+  return matching.min_disparity + static_cast<double>(k) +
+         (below - above) / (2 * (below - 2 * *best + above));
+}
+
+}  // namespace
+
+double BaselineM(const NamedStereo& cameras) {
+  return RightCenter(cameras).norm();
+}
+
+StereoCloud MatchStereo(const NamedStereo& cameras, const Matching& matching,
+                        const cv::Mat& left, const cv::Mat& right,
+                        int num_threads) {
+  const ImageSize& size = cameras.left->image_size();
+  const Eigen::Matrix3d left_from_rectified =
+      RectifiedFromLeft(cameras).transpose();
+  const cv::Mat a = Rectified(left, *cameras.left, left_from_rectified,
+                              matching, num_threads);
+  const cv::Mat b = Rectified(
+      right, *cameras.right,
+      cameras.right_from_left.rotation.toRotationMatrix() * left_from_rectified,
+      matching, num_threads);
+  const double baseline_m = BaselineM(cameras);
+  StereoCloud cloud;
+  cloud.columns = (size.width - 2 * kHalfWindowPx - 1) / kStepPx + 1;
+  const int rows = (size.height - 2 * kHalfWindowPx - 1) / kStepPx + 1;
+  cloud.points.resize(static_cast<size_t>(cloud.columns) * rows);
+  ParallelFor(rows, num_threads, [&](int j) {
+    for (int i = 0; i < cloud.columns; ++i) {
+      const int u = kHalfWindowPx + i * kStepPx,
+                v = kHalfWindowPx + j * kStepPx;
+      const Eigen::Vector3d ray =
+          left_from_rectified * RectifiedRay(matching, size, u, v);
+      const auto pixel = cameras.left->Project(ray);
+      const auto disparity = pixel ? Match(a, b, matching, u, v) : std::nullopt;
+      if (disparity)
+        cloud.points[j * cloud.columns + i] = {
+            *pixel, ray * (baseline_m * matching.focal_px / *disparity)};
+    }
+  });
+  return cloud;
+}
+
+Surface SurfaceOf(const StereoCloud& cloud, const NamedStereo& cameras,
+                  const Matching& matching) {
+  constexpr double kSmooth = 0.03;  // of inverse depth, from node to node
+  const ImageSize size = cameras.left->image_size();
+  const Eigen::Matrix3d rectified_from_left = RectifiedFromLeft(cameras);
+  const int rows = static_cast<int>(cloud.points.size()) / cloud.columns;
+  return [=, &cloud](
+             const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector3d> {
+    const auto direction = cameras.left->Unproject(pixel);
+    if (!direction) return std::nullopt;
+    const Eigen::Vector3d ray = rectified_from_left * *direction;
+    if (ray.z() <= 0) return std::nullopt;
+    const double x = (ray.x() / ray.z() * matching.focal_px +
+                      (size.width - 1) / 2.0 - kHalfWindowPx) /
+                     kStepPx;
+    const double y = (ray.y() / ray.z() * matching.focal_px +
+                      (size.height - 1) / 2.0 - kHalfWindowPx) /
+                     kStepPx;
+    const int i = std::clamp(static_cast<int>(x), 0, cloud.columns - 2);
+    const int j = std::clamp(static_cast<int>(y), 0, rows - 2);
+    double sum = 0, low = INFINITY, high = 0;
+    for (int k = 0; k < 4; ++k) {
+      const auto& node = cloud.points[(j + k / 2) * cloud.columns + i + k % 2];
+      if (!node) return std::nullopt;
+      const double inverse = 1 / (rectified_from_left * node->point).z();
+      const double part_x = k % 2 == 0 ? 1 - (x - i) : x - i;
+      const double part_y = k / 2 == 0 ? 1 - (y - j) : y - j;
+      sum += part_x * part_y * inverse;
+      low = std::min(low, inverse);
+      high = std::max(high, inverse);
+    }
+    if (high > low * (1 + kSmooth) || !(sum > 0)) return std::nullopt;
+    return Eigen::Vector3d(*direction / ray.z() / sum);
+  };
+}
+
+DepthErrorMap CompareToSurface(const StereoCloud& cloud,
+                               const Surface& surface) {
+  constexpr size_t kMinMatches = 100;
+  std::vector<size_t> matched;
+  std::vector<Eigen::Vector3d> seen;
+  for (size_t k = 0; k < cloud.points.size(); ++k) {
+    if (!cloud.points[k]) continue;
+    const auto point = surface(cloud.points[k]->left_pixel);
+    if (!point) continue;
+    matched.push_back(k);
+    seen.push_back(*point);
+  }
+  if (matched.size() < kMinMatches)
+    throw Error(ExitCode::kTooFew, "stereo-depth: hardly anything matched");
+  const auto count = static_cast<Eigen::Index>(matched.size());
+  Eigen::Matrix3Xd from(3, count), to(3, count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    from.col(k) = cloud.points[matched[k]]->point;
+    to.col(k) = seen[k];
+  }
+  const Eigen::Matrix4d similarity = Eigen::umeyama(from, to, true);
+  DepthErrorMap map;
+  map.columns = cloud.columns;
+  map.num_matched = static_cast<int>(count);
+  map.similarity_scale =
+      std::cbrt(similarity.topLeftCorner<3, 3>().determinant());
+  map.error_mm.assign(cloud.points.size(), NAN);
+  map.depth_m.assign(cloud.points.size(), NAN);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    map.error_mm[matched[k]] =
+        1000 * ((similarity * from.col(k).homogeneous()).z() - to(2, k));
+    map.depth_m[matched[k]] = to(2, k);
+  }
+  return map;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,65 @@
+/// Depth by a rectified pair of images.
+#ifndef RAYGRID_EXPERIMENTS_STEREO_MATCHING_H
+#define RAYGRID_EXPERIMENTS_STEREO_MATCHING_H
+
+#include <functional>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <vector>
+
+#include "experiments/experiment.h"
+
+namespace raygrid {
+
+/// Exhaustive along rows, by zero-mean normalised cross-correlation, with a
+/// parabola through the best disparity and its neighbours.
+struct Matching {
+  static constexpr int kStepPx = 5, kHalfWindowPx = 10;
+
+  double focal_px = 0;  ///< of the rectified images, as large as the given ones
+  int min_disparity = 0, max_disparity = 0;
+};
+
+double BaselineM(const NamedStereo& cameras);
+
+/// What stands before the left camera, in its frame.
+struct StereoPoint {
+  Eigen::Vector2d left_pixel;
+  Eigen::Vector3d point;
+};
+
+/// Over a lattice of the rectified left image, row by row; nothing where
+/// nothing matched.
+struct StereoCloud {
+  int columns = 0;
+  std::vector<std::optional<StereoPoint>> points;
+};
+
+/// Images are grey levels, 32-bit floats.
+StereoCloud MatchStereo(const NamedStereo& cameras, const Matching& matching,
+                        const cv::Mat& left, const cv::Mat& right,
+                        int num_threads);
+
+/// What a pixel of the left image shows, in the left camera's frame.
+using Surface =
+    std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>;
+
+/// A cloud of the same images taken for the surface, where it is smooth.
+Surface SurfaceOf(const StereoCloud& cloud, const NamedStereo& cameras,
+                  const Matching& matching);
+
+/// How far a cloud is beyond a surface once both are brought together by a
+/// similarity (Umeyama, 1991), over the cloud's lattice; not a number where
+/// there is none. Throws Error(kTooFew).
+struct DepthErrorMap {
+  int columns = 0, num_matched = 0;
+  std::vector<double> error_mm;
+  std::vector<double> depth_m;  ///< of the surface
+  double similarity_scale = 1;
+};
+DepthErrorMap CompareToSurface(const StereoCloud& cloud,
+                               const Surface& surface);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXPERIMENTS_STEREO_MATCHING_H
