@@ -22,8 +22,9 @@ struct RemapTable {
 /// max_error_px: the vertices are fitted to the exact positions of all pixels
 /// for about the least largest error, quantised, and then measured with the
 /// arithmetic of the runtime. Source positions outside the calibrated area
-/// become border. Throws Error(kQuality) if not even blocks of 8 keep the bound, Error(kUsage) if the
-/// images are too large for the format or the virtual camera sees nothing.
+/// become border. Throws Error(kQuality) if not even blocks of 8 keep the
+/// bound, Error(kUsage) if the images are too large for the format or the
+/// virtual camera sees nothing.
 RemapTable FitRemapTable(const CameraModel& camera,
                          const VirtualCamera& virtual_camera,
                          double max_error_px, int num_threads);
