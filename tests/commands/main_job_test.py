@@ -221,10 +221,13 @@ class MainJob(CommandTest):
         self.assert_done(result)
         figures = json.loads(read(self.path("photo/result.json")))
         self.assertLess(figures["held_out"]["median_px"], 0.15)
-        result = run("undistort", self.path("photo/camera.raygrid"), left, "-o",
+        result = run("undistort", self.path("photo/camera.raygrid"), left, "--json", "-o",
                      self.path("flat"))
         self.assert_done(result)
-        self.assertEqual(len(os.listdir(self.path("flat"))), 13)
+        files = [one["file"] for one in json.loads(result.stdout)["images"]]
+        self.assertEqual(sorted(files),
+                         sorted(self.path("flat/" + name) for name in os.listdir(self.path("flat"))))
+        self.assertEqual(len(files), 13)
 
 
 if __name__ == "__main__":
