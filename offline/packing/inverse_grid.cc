@@ -1,5 +1,6 @@
 #include "packing/inverse_grid.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,31 +18,60 @@ constexpr int kInnerSamples = 80;
 constexpr double kMaxChart = 4;
 constexpr double kMaxPixel = 16000;
 
-void AddSample(const BSplineSurface& surface, double u, double v,
-               std::vector<SurfaceSample>* samples) {
-  const Area& area = surface.area();
-  const Eigen::Vector2d pixel(area.x0 + u * area.width(),
-                              area.y0 + v * area.height());
-  // What is found by chart position is the pixel.
-  samples->push_back({surface.Evaluate(pixel), pixel});
-}
-
-// Pixels by chart position: the area's edge densely, its inside more coarsely.
-std::vector<SurfaceSample> SampleSurface(const BSplineSurface& surface) {
-  std::vector<SurfaceSample> samples;
-  for (int k = 0; k <= kEdgeSamples; ++k) {
-    const double t = static_cast<double>(k) / kEdgeSamples;
-    AddSample(surface, t, 0, &samples);
-    AddSample(surface, t, 1, &samples);
-    AddSample(surface, 0, t, &samples);
-    AddSample(surface, 1, t, &samples);
+// Pixels by chart position, of those that count.
+class SurfaceSampling {
+ public:
+  SurfaceSampling(const BSplineSurface& surface, const TrustMask* trusted)
+      : surface_(surface), trusted_(trusted) {
+    for (int j = 0; j <= kInnerSamples; ++j)
+      for (int i = 0; i <= kInnerSamples; ++i)
+        handedness_ += HandednessAt(PixelAt(Part(i), Part(j)));
   }
-  for (int j = 1; j < kInnerSamples; ++j)
-    for (int i = 1; i < kInnerSamples; ++i)
-      AddSample(surface, static_cast<double>(i) / kInnerSamples,
-                static_cast<double>(j) / kInnerSamples, &samples);
-  return samples;
-}
+
+  // The area's edge densely, its inside more coarsely.
+  std::vector<SurfaceSample> Samples() const {
+    std::vector<SurfaceSample> samples;
+    for (int k = 0; k <= kEdgeSamples; ++k) {
+      const double t = static_cast<double>(k) / kEdgeSamples;
+      Add(t, 0, &samples);
+      Add(t, 1, &samples);
+      Add(0, t, &samples);
+      Add(1, t, &samples);
+    }
+    for (int j = 1; j < kInnerSamples; ++j)
+      for (int i = 1; i < kInnerSamples; ++i) Add(Part(i), Part(j), &samples);
+    return samples;
+  }
+
+ private:
+  static double Part(int index) {
+    return static_cast<double>(index) / kInnerSamples;
+  }
+  Eigen::Vector2d PixelAt(double u, double v) const {
+    const Area& area = surface_.area();
+    return {area.x0 + u * area.width(), area.y0 + v * area.height()};
+  }
+  // +1 or -1; the other one where the surface is folded.
+  int HandednessAt(const Eigen::Vector2d& pixel) const {
+    Eigen::Matrix2d derivative;
+    surface_.Evaluate(pixel, &derivative);
+    return derivative.determinant() < 0 ? -1 : 1;
+  }
+  void Add(double u, double v, std::vector<SurfaceSample>* samples) const {
+    const Eigen::Vector2d pixel = PixelAt(u, v);
+    const Eigen::Vector2d chart = surface_.Evaluate(pixel);
+    if ((trusted_ && !trusted_->Trusts(pixel)) ||
+        HandednessAt(pixel) * handedness_ < 0 ||
+        chart.cwiseAbs().maxCoeff() > kMaxChart)
+      return;
+    // What is found by chart position is the pixel.
+    samples->push_back({chart, pixel});
+  }
+
+  const BSplineSurface& surface_;
+  const TrustMask* const trusted_;
+  int handedness_ = 0;  // of most of the surface, by sign
+};
 
 // A rectangle of the chart around all samples.
 Area ChartAround(const std::vector<SurfaceSample>& samples) {
@@ -104,8 +134,11 @@ ControlPoints Quantize(const BSplineSurface& inverse) {
 
 }  // namespace
 
-std::optional<InverseGrid> MakeInverseGrid(const BSplineSurface& surface) {
-  const std::vector<SurfaceSample> samples = SampleSurface(surface);
+std::optional<InverseGrid> MakeInverseGrid(const BSplineSurface& surface,
+                                           const TrustMask* trusted) {
+  const std::vector<SurfaceSample> samples =
+      SurfaceSampling(surface, trusted).Samples();
+  if (samples.empty()) return std::nullopt;
   const Area chart = ChartAround(samples);
   BSplineSurface fit;
   for (const int cells : kLongerSideCells) {

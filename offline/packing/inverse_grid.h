@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "camera/bspline_surface.h"
+#include "camera/camera_uncertainty.h"
 #include "packing/narrow_grid.h"
 #include "rg_blob.h"
 
@@ -17,8 +18,11 @@ struct InverseGrid {
 
 /// Where a surface over the image reaches each chart position: the
 /// least-squares spline through a few thousand samples, with as few cells as
-/// bring projection to its end in one step. Nothing if 16 bits do not hold it.
-std::optional<InverseGrid> MakeInverseGrid(const BSplineSurface& surface);
+/// bring projection to its end in one step. Pixels that are not trusted, or
+/// where the surface is folded, do not count; nullptr trusts all. Nothing if 16
+/// bits do not hold it.
+std::optional<InverseGrid> MakeInverseGrid(const BSplineSurface& surface,
+                                           const TrustMask* trusted);
 
 }  // namespace raygrid
 

@@ -329,6 +329,10 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   const CameraModel& central = far ? *far : camera;
   const CentralGeneric model = AsGrid(central);
   const GridSection grid = QuantizeGrid(model);
+  const TrustMask* trusted =
+      file.uncertainty && TrustsAny(file.uncertainty->mask)
+          ? &file.uncertainty->mask
+          : nullptr;
   std::optional<InverseGrid> inverse;
   const std::string name = PaddedText("name", file.name);
   const std::string serial = PaddedText("serial", file.serial);
@@ -341,7 +345,7 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   contents.grid = &grid.section;
   contents.control_points_q29 = grid.control_points.values.data();
   if (!lines) {
-    inverse = MakeInverseGrid(model.surface());
+    inverse = MakeInverseGrid(model.surface(), trusted);
     if (!inverse) FailFormat("no grid of 16 bits leads back to its pixels");
     inverse->points.section.residuals = inverse->points.residuals.data();
     contents.inverse = &inverse->section;
@@ -363,10 +367,6 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   // Once to measure, once more with the figures. Control points of 16 bits
   // where they keep the bound.
   const int num_threads = NumThreads(options.num_threads);
-  const TrustMask* trusted =
-      file.uncertainty && TrustsAny(file.uncertainty->mask)
-          ? &file.uncertainty->mask
-          : nullptr;
   std::optional<NarrowGrid> narrow = Narrow(grid.control_points);
   UnprojectionError error = {INFINITY, INFINITY};
   if (narrow) {

@@ -181,6 +181,35 @@ TEST(BlobCamera, ProjectsWhatItUnprojects) {
   ExpectRoundTrips(BlobCamera("fisheye", packed.blob), *file.camera);
 }
 
+TEST(BlobCamera, ProjectsWhereAFisheyeIsTrustedThoughItsCornerFolds) {
+  CentralGeneric lens = ExampleFisheye();
+  Eigen::VectorXd parameters = lens.Parameters();
+  for (const int node : {0, 1, lens.surface().columns()})
+    parameters.segment<2>(2 * node) *= -1;  // the other way
+  lens.SetParameters(parameters);
+  CameraFile file;
+  file.camera = std::make_shared<CentralGeneric>(lens);
+  CameraUncertainty& known = file.uncertainty.emplace();
+  known.lattice = {2, 2, {0.01, 0.01, 0.01, 0.01}};
+  known.mask = TrustMask::Over(lens.image_size());
+  const Eigen::Vector2d middle(320, 240);
+  for (size_t k = 0; k < known.mask.is_trusted.size(); ++k)
+    known.mask.is_trusted[k] =
+        (known.mask.CellCenter(static_cast<int>(k)) - middle).norm() < 230;
+  const BlobCamera blob("folded", PackCamera(file, PackOptions()).blob);
+  TestRandom random(15);
+  int num_trusted = 0;
+  for (int i = 0; i < 500; ++i) {
+    const Eigen::Vector2d pixel = random.PixelIn(lens.area());
+    if (!known.mask.Trusts(pixel)) continue;
+    ++num_trusted;
+    const auto back = blob.Project(*lens.Unproject(pixel));
+    ASSERT_TRUE(back) << pixel.transpose();
+    EXPECT_LT((*back - pixel).norm(), 0.002);
+  }
+  EXPECT_GT(num_trusted, 100);
+}
+
 TEST(BlobCamera, ProjectsAsTheCamera) {
   TestRandom random(5);
   int num_seen = 0;
