@@ -68,8 +68,9 @@ CalibrationProblem BuildProblem(const std::vector<Dataset>& cameras,
         used = true;
       }
       if (!used)
-        rejected->push_back({image.image, fmt::format("only {} features",
-                                                      image.features.size())});
+        rejected->push_back(
+            {image.image,
+             fmt::format("only {} features", image.features.size()), true});
     }
   }
   problem.num_poses = static_cast<int>(pose_of.size());

@@ -1,6 +1,8 @@
 #include "calibration/camera_result.h"
 
+#include <Eigen/SVD>
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "calibration/camera_trust.h"
@@ -44,35 +46,59 @@ Dataset UsedFeatures(const Pattern& pattern, const CalibrationProblem& problem,
   return used;
 }
 
-Eigen::Vector3d IntoPage(const BoardPose& seen) {
-  return seen.camera_from_board.rotation * Eigen::Vector3d::UnitZ();
+// The direction across a flat board; nothing for points in space.
+std::optional<Eigen::Vector3d> NormalOf(const Board& board) {
+  constexpr double kFlatPart = 0.02;  // of its extent
+  if (board.kind != "points") return Eigen::Vector3d::UnitZ();
+  Eigen::Matrix3Xd points(3, board.points.size());
+  for (size_t i = 0; i < board.points.size(); ++i)
+    points.col(static_cast<Eigen::Index>(i)) = board.points[i];
+  points.colwise() -= points.rowwise().mean().eval();
+  const Eigen::JacobiSVD<Eigen::Matrix3Xd> svd(points, Eigen::ComputeThinU);
+  const Eigen::Vector3d& extents = svd.singularValues();
+  if (extents[2] > kFlatPart * extents[0]) return std::nullopt;
+  return svd.matrixU().col(2);
 }
 
-// Poses of flat boards only: others have no sides.
-std::vector<BoardPose> FlatBoards(const CalibrationResult& result) {
-  std::vector<BoardPose> flat;
-  for (const BoardPose& seen : result.poses)
-    for (const Board& board : result.pattern.boards)
-      if (board.id == seen.board && board.kind != "points")
-        flat.push_back(seen);
-  return flat;
+// Normals of all boards seen, in the camera's frame.
+std::vector<Eigen::Vector3d> SeenNormals(const CalibrationResult& result) {
+  std::map<int, std::optional<Eigen::Vector3d>> normals;
+  for (const Board& board : result.pattern.boards)
+    normals[board.id] = NormalOf(board);
+  std::vector<Eigen::Vector3d> seen;
+  for (const BoardPose& pose : result.poses)
+    if (const auto& normal = normals.at(pose.board))
+      seen.push_back(pose.camera_from_board.rotation * *normal);
+  return seen;
 }
 
-bool IsSeenFromBehind(const BoardPose& seen, const Pattern& pattern) {
-  for (const Board& board : pattern.boards)
-    if (board.id == seen.board)
-      return IntoPage(seen).dot(seen.camera_from_board *
-                                board.points[board.num_points() / 2]) < 0;
-  return false;
-}
-
-// The largest angle between two poses' boards.
-double TiltOf(const std::vector<BoardPose>& poses) {
+// The largest angle between two boards' planes.
+double TiltOf(const std::vector<Eigen::Vector3d>& normals) {
   double least_cosine = 1;
-  for (const BoardPose& a : poses)
-    for (const BoardPose& b : poses)
-      least_cosine = std::min(least_cosine, IntoPage(a).dot(IntoPage(b)));
-  return std::acos(std::clamp(least_cosine, -1.0, 1.0));
+  for (const Eigen::Vector3d& a : normals)
+    for (const Eigen::Vector3d& b : normals)
+      least_cosine = std::min(least_cosine, std::abs(a.dot(b)));
+  return std::acos(least_cosine);
+}
+
+// Points alone have no sides.
+bool HasSides(const Board& board) { return board.kind != "points"; }
+
+bool IsSeenFromBehind(const BoardPose& seen, const Board& board) {
+  const Eigen::Vector3d into_page =
+      seen.camera_from_board.rotation * Eigen::Vector3d::UnitZ();
+  return into_page.dot(seen.camera_from_board *
+                       board.points[board.num_points() / 2]) < 0;
+}
+
+void AddSides(const CalibrationResult& result, CalibrationFigures* figures) {
+  for (const BoardPose& seen : result.poses) {
+    const Board& board = *result.pattern.FindBoard(seen.board);
+    if (!HasSides(board)) continue;
+    ++figures->boards_seen;
+    if (IsSeenFromBehind(seen, board))
+      figures->images_from_behind.push_back(seen.image);
+  }
 }
 
 // How many poses differ from those before them.
@@ -98,24 +124,25 @@ int CountDifferent(const std::vector<BoardPose>& poses) {
 CalibrationFigures FiguresOf(const CalibrationResult& result,
                              const std::set<std::string>& images_apart) {
   CalibrationFigures figures;
+  figures.model = result.camera.camera->Name();
   figures.converged = result.converged;
   figures.interrupted = result.checkpoint.has_value();
   figures.image_size = result.camera.camera->image_size();
   figures.area = result.camera.camera->area();
   figures.images_used = static_cast<int>(result.features.images.size());
   figures.images_rejected = static_cast<int>(result.rejected_images.size());
+  figures.images_with_too_few_features = static_cast<int>(std::count_if(
+      result.rejected_images.begin(), result.rejected_images.end(),
+      [](const auto& image) { return image.has_too_few_features; }));
   figures.training = *result.camera.training;
   figures.held_out = result.camera.held_out;
   figures.neighbor_correlation = result.neighbor_correlation;
   figures.images_apart.assign(images_apart.begin(), images_apart.end());
   figures.different_views = CountDifferent(result.poses);
-  const std::vector<BoardPose> flat = FlatBoards(result);
-  figures.boards_seen = static_cast<int>(flat.size());
-  if (flat.size() == result.poses.size()) figures.tilt_rad = TiltOf(flat);
-  figures.boards_seen_from_behind = static_cast<int>(
-      std::count_if(flat.begin(), flat.end(), [&](const BoardPose& pose) {
-        return IsSeenFromBehind(pose, result.pattern);
-      }));
+  const std::vector<Eigen::Vector3d> normals = SeenNormals(result);
+  if (normals.size() == result.poses.size()) figures.tilt_rad = TiltOf(normals);
+  AddSides(result, &figures);
+  figures.fold_over = result.fold_over;
   if (const auto& uncertainty = result.camera.uncertainty) {
     figures.median_deviation_px = uncertainty->lattice.MedianPx();
     figures.trusted_part =
@@ -149,6 +176,9 @@ void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
       ComputeBias(result->training, result->camera.camera->area());
   result->noise_bias_kl =
       NoiseBias(result->training, result->camera.camera->area());
+  const auto& uncertainty = result->camera.uncertainty;
+  result->fold_over = MeasureFoldOver(
+      *result->camera.camera, uncertainty ? &uncertainty->mask : nullptr);
   if (!result->camera.camera->IsCentral())
     result->line_spread = MeasureLineSpread(*result->camera.camera);
 }

@@ -9,6 +9,7 @@
 #include "dataset/camera_file.h"
 #include "dataset/dataset.h"
 #include "evaluation/checkpoint.h"
+#include "evaluation/fold_over.h"
 #include "evaluation/line_spread.h"
 #include "evaluation/residual_statistics.h"
 #include "evaluation/verdict.h"
@@ -18,6 +19,7 @@ namespace raygrid {
 /// An image that was not used.
 struct RejectedImage {
   std::string image, reason;
+  bool has_too_few_features = false;
 };
 
 /// A grid resolution that was tried, and its held-out error.
@@ -63,6 +65,7 @@ struct CalibrationResult {
   /// Of the held-out residuals, or else of the training ones.
   std::optional<double> neighbor_correlation;
   std::optional<LineSpread> line_spread;  ///< of a camera that is not central
+  FoldOver fold_over;
   Verdict verdict;
   std::map<std::string, double> seconds;  ///< by stage
 };

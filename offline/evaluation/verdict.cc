@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string>
 
 namespace raygrid {
 namespace {
@@ -19,6 +20,193 @@ constexpr double kOpenPx = 1, kLostPx = 5;
 constexpr double kEnoughTrusted = 0.5;  // part of the calibrated area
 // Of the squared residuals; five standard errors where there are fewest pairs.
 constexpr double kSystematicPart = 0.25;
+constexpr double kStrangePart = 0.9;
+
+void Remark(const std::string& reason, Verdict* verdict) {
+  verdict->reasons.push_back(reason);
+}
+
+void Warn(const std::string& reason, Verdict* verdict) {
+  if (verdict->word == "pass") verdict->word = "warn";
+  verdict->reasons.push_back(reason);
+}
+
+void Fail(const std::string& reason, Verdict* verdict) {
+  verdict->word = "fail";
+  verdict->reasons.push_back(reason);
+}
+
+// The first of several images.
+std::string Named(const std::vector<std::string>& images) {
+  return images.front() + (images.size() > 1 ? ", ..." : "");
+}
+
+void JudgeConvergence(const CalibrationFigures& figures, Verdict* verdict) {
+  if (figures.interrupted)
+    Fail("interrupted before it was done; go on with --resume", verdict);
+  else if (!figures.converged)
+    Fail("the adjustment did not converge; add images or remove blurred ones",
+         verdict);
+}
+
+void JudgeNumberOfImages(const CalibrationFigures& figures, Verdict* verdict) {
+  if (figures.images_used < kEnoughImages)
+    Warn(fmt::format("only {} images; take {} or more", figures.images_used,
+                     kEnoughImages),
+         verdict);
+}
+
+void JudgeArea(const CalibrationFigures& figures, Verdict* verdict) {
+  const double part = PartOfImage(figures.area, figures.image_size);
+  if (part < kEnoughArea)
+    Warn(fmt::format("features reach only {:.0f} % of the image; hold the "
+                     "board into the corners",
+                     100 * part),
+         verdict);
+}
+
+void JudgeViews(const CalibrationFigures& figures, Verdict* verdict) {
+  if (figures.different_views < kEnoughViews)
+    Fail(fmt::format("the board is seen in only {} different ways in {} "
+                     "images; move it and tilt it between them",
+                     figures.different_views, figures.images_used),
+         verdict);
+  else if (figures.tilt_rad && *figures.tilt_rad < kEnoughTiltRad)
+    Fail(fmt::format(
+             "all boards are parallel to within {:.1f} degrees, which leaves "
+             "the focal length open; tilt them by 30 degrees or more, each "
+             "time another way",
+             *figures.tilt_rad * 180 / M_PI),
+         verdict);
+}
+
+void JudgeSides(const CalibrationFigures& figures, Verdict* verdict) {
+  if (figures.images_from_behind.empty()) return;
+  Warn(fmt::format(
+           "{} of {} times the board is seen from behind ({}): its columns or "
+           "rows are counted the other way round in pattern or features, or "
+           "the images are mirrored",
+           figures.images_from_behind.size(), figures.boards_seen,
+           Named(figures.images_from_behind)),
+       verdict);
+}
+
+void JudgeImagesApart(const CalibrationFigures& figures, Verdict* verdict) {
+  if (figures.images_apart.empty()) return;
+  Warn(fmt::format("{} images do not fit the others ({}): another camera, "
+                   "focus or board, or misread features; calibrate without "
+                   "them",
+                   figures.images_apart.size(), Named(figures.images_apart)),
+       verdict);
+}
+
+void JudgeUncertainty(const CalibrationFigures& figures, Verdict* verdict) {
+  if (!figures.median_deviation_px) {
+    if (!figures.interrupted)
+      Warn(
+          "the images do not tell how well the camera is known; take more, "
+          "tilted all ways",
+          verdict);
+    return;
+  }
+  const double median_px = *figures.median_deviation_px;
+  if (median_px > kOpenPx) {
+    const std::string reason = fmt::format(
+        "the views leave the camera open by {:.2g} px: tilt the board by 30 "
+        "degrees or more, each time another way, and change the distance",
+        median_px);
+    if (median_px > kLostPx)
+      Fail(reason, verdict);
+    else
+      Warn(reason, verdict);
+  } else if (*figures.trusted_part < kEnoughTrusted) {
+    Warn(fmt::format("only {:.0f} % of the calibrated area is known to {:.2g} "
+                     "px; take more views, tilted all ways, near and far, into "
+                     "the corners",
+                     100 * *figures.trusted_part, *figures.trusted_px),
+         verdict);
+  }
+}
+
+// Corners beyond a fisheye's image circle fold over in good calibrations too.
+void JudgeFoldOver(const CalibrationFigures& figures, Verdict* verdict) {
+  const FoldOver& fold_over = figures.fold_over;
+  if (fold_over.trusted_part > 0)
+    Fail(fmt::format("{:.2g} % of the calibrated area folds over where it is "
+                     "trusted: two pixels look along one ray; remove misread "
+                     "features, or try larger cells",
+                     100 * fold_over.trusted_part),
+         verdict);
+  else if (fold_over.part > 0)
+    Remark(fmt::format("{:.2g} % of the calibrated area folds over, none of it "
+                       "trusted, as beyond a fisheye's image circle: use "
+                       "trusted pixels only",
+                       100 * fold_over.part),
+           verdict);
+}
+
+void JudgeRejectedImages(const CalibrationFigures& figures, Verdict* verdict) {
+  const int images = figures.images_used + figures.images_rejected;
+  if (2 * figures.images_with_too_few_features > images)
+    Warn(fmt::format("{} of {} images have too few features; check the "
+                     "pattern's columns and rows",
+                     figures.images_with_too_few_features, images),
+         verdict);
+  else if (figures.images_rejected > figures.images_used / 5)
+    Warn(fmt::format("{} images were rejected; see which and why",
+                     figures.images_rejected),
+         verdict);
+}
+
+std::string BetterModel(const std::string& model) {
+  if (model == "noncentral-generic") return "try smaller cells";
+  if (model == "central-generic")
+    return "try smaller cells, or noncentral-generic if lines may not meet in "
+           "a point, as behind glass";
+  return "try central-generic";
+}
+
+void JudgeNeighbors(const CalibrationFigures& figures, Verdict* verdict) {
+  const double correlation = figures.neighbor_correlation.value_or(0);
+  if (correlation <= kSystematicPart) return;
+  const ErrorFigures& errors =
+      figures.held_out ? *figures.held_out : figures.training;
+  Warn(fmt::format(
+           "neighbouring features err alike (correlation {:.2f}): "
+           "about {:.2f} px are not noise, but the model's error or "
+           "the detector's{}; {}",
+           correlation, errors.rms_px * std::sqrt(correlation),
+           correlation > kStrangePart ? ", or images of two cameras" : "",
+           BetterModel(figures.model)),
+       verdict);
+}
+
+void JudgeHeldOutError(const CalibrationFigures& figures, Verdict* verdict) {
+  if (!figures.held_out) {
+    if (!figures.interrupted)
+      Warn("no held-out error: too few images to hold some out", verdict);
+    return;
+  }
+  const double held_out = figures.held_out->median_px;
+  if (held_out > kUsableMedianPx)
+    Fail(fmt::format("the held-out error is {:.2f} px", held_out), verdict);
+  else if (held_out > kGoodMedianPx)
+    Warn(fmt::format("the held-out error is {:.2f} px; sharper images or a "
+                     "flatter board would lower it",
+                     held_out),
+         verdict);
+}
+
+void JudgeOverfit(const CalibrationFigures& figures, Verdict* verdict) {
+  if (!figures.held_out) return;
+  const double held_out = figures.held_out->median_px;
+  const double training = figures.training.median_px;
+  if (held_out > kOverfitRatio * training)
+    Warn(fmt::format("the held-out error is {:.2g} px, the training error "
+                     "{:.2g} px; take more images",
+                     held_out, training),
+         verdict);
+}
 
 }  // namespace
 
@@ -29,98 +217,11 @@ double PartOfImage(const Area& area, const ImageSize& size) {
 
 Verdict JudgeCalibration(const CalibrationFigures& figures) {
   Verdict verdict = {"pass", {}};
-  const auto warn = [&verdict](const std::string& reason) {
-    if (verdict.word == "pass") verdict.word = "warn";
-    verdict.reasons.push_back(reason);
-  };
-  const auto fail = [&verdict](const std::string& reason) {
-    verdict.word = "fail";
-    verdict.reasons.push_back(reason);
-  };
-
-  if (figures.interrupted)
-    fail("interrupted before it was done; go on with --resume");
-  else if (!figures.converged)
-    fail("the adjustment did not converge; add images or remove blurred ones");
-  if (figures.images_used < kEnoughImages)
-    warn(fmt::format("only {} images; take {} or more", figures.images_used,
-                     kEnoughImages));
-  const double part = PartOfImage(figures.area, figures.image_size);
-  if (part < kEnoughArea)
-    warn(fmt::format(
-        "features reach only {:.0f} % of the image; hold the board into the "
-        "corners",
-        100 * part));
-  if (figures.different_views < kEnoughViews)
-    fail(fmt::format(
-        "the board is seen in only {} different ways in {} images; move it and "
-        "tilt it between them",
-        figures.different_views, figures.images_used));
-  else if (figures.tilt_rad < kEnoughTiltRad)
-    fail(fmt::format(
-        "all boards are parallel to within {:.1f} degrees, which leaves the "
-        "focal length open; tilt them by 30 degrees or more, each time another "
-        "way",
-        *figures.tilt_rad * 180 / M_PI));
-  if (2 * figures.boards_seen_from_behind > figures.boards_seen)
-    warn(fmt::format(
-        "{} of {} times the board is seen from behind: its columns or rows are "
-        "counted the other way round in pattern or features, or the images are "
-        "mirrored",
-        figures.boards_seen_from_behind, figures.boards_seen));
-  if (!figures.images_apart.empty())
-    warn(fmt::format(
-        "{} images do not fit the others ({}{}): another camera, focus or "
-        "board, or misread features; calibrate without them",
-        figures.images_apart.size(), figures.images_apart.front(),
-        figures.images_apart.size() > 1 ? ", ..." : ""));
-  if (figures.median_deviation_px > kOpenPx) {
-    const std::string reason = fmt::format(
-        "the views leave the camera open by {:.2g} px: tilt the board by 30 "
-        "degrees or more, each time another way, and change the distance",
-        *figures.median_deviation_px);
-    if (figures.median_deviation_px > kLostPx)
-      fail(reason);
-    else
-      warn(reason);
-  } else if (figures.trusted_part < kEnoughTrusted) {
-    warn(
-        fmt::format("only {:.0f} % of the calibrated area is known to {:.2g} "
-                    "px; take more views, "
-                    "tilted all ways, near and far, into the corners",
-                    100 * *figures.trusted_part, *figures.trusted_px));
-  }
-  if (figures.images_rejected > figures.images_used / 5)
-    warn(fmt::format("{} images were rejected; see which and why",
-                     figures.images_rejected));
-  if (figures.neighbor_correlation > kSystematicPart) {
-    const ErrorFigures& errors =
-        figures.held_out ? *figures.held_out : figures.training;
-    warn(fmt::format(
-        "neighbouring features err alike (correlation {:.2f}): about {:.2f} px "
-        "are not noise, but the model's error or the detector's; try smaller "
-        "cells, or noncentral-generic if lines may not meet in a point, as "
-        "behind glass",
-        *figures.neighbor_correlation,
-        errors.rms_px * std::sqrt(*figures.neighbor_correlation)));
-  }
-  if (!figures.held_out) {
-    warn("no held-out error: too few images to hold some out");
-    return verdict;
-  }
-  const double held_out = figures.held_out->median_px;
-  if (held_out > kUsableMedianPx)
-    fail(fmt::format("the held-out error is {:.2f} px", held_out));
-  else if (held_out > kGoodMedianPx)
-    warn(fmt::format(
-        "the held-out error is {:.2f} px; sharper images or a flatter board "
-        "would lower it",
-        held_out));
-  if (held_out > kOverfitRatio * figures.training.median_px)
-    warn(fmt::format(
-        "the held-out error is {:.1f} times the training error; take more "
-        "images",
-        held_out / figures.training.median_px));
+  for (const auto judge :
+       {JudgeConvergence, JudgeNumberOfImages, JudgeArea, JudgeViews,
+        JudgeSides, JudgeImagesApart, JudgeUncertainty, JudgeFoldOver,
+        JudgeRejectedImages, JudgeNeighbors, JudgeHeldOutError, JudgeOverfit})
+    judge(figures, &verdict);
   return verdict;
 }
 

@@ -84,6 +84,8 @@ void AddCamera(const CalibrationResult& result, Json* json) {
         {"median_px", known->lattice.MedianPx()},
         {"max_trusted_px", known->max_deviation_px},
         {"trusted_part", known->TrustedPart(camera.image_size(), area)}};
+  (*json)["fold_over"] = {{"part", result.fold_over.part},
+                          {"trusted_part", result.fold_over.trusted_part}};
   if (result.line_spread)
     (*json)["line_spread"] = {{"rms_m", result.line_spread->rms_m},
                               {"max_m", result.line_spread->max_m}};
