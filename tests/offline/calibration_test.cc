@@ -354,6 +354,64 @@ TEST(Calibrate, NamesAMirroredPattern) {
       HasReason(result, "12 of 12 times the board is seen from behind"));
 }
 
+TEST(Calibrate, NamesAFewMirroredImages) {
+  Dataset dataset = Simulate(12);
+  for (const int k : {3, 8})
+    for (Feature& feature : dataset.images[k].features)
+      feature.column = 13 - feature.column;
+  const CalibrationResult result = Calibrate(dataset, TestBoard(), Coarse());
+  EXPECT_EQ(result.verdict.word, "warn");
+  EXPECT_TRUE(
+      HasReason(result, "2 of 12 times the board is seen from behind (" +
+                            dataset.images[3].image + ", ...)"));
+}
+
+// The board's positions as points alone, this far from their plane.
+Pattern PointsOfTestBoard(double depth_m) {
+  Pattern pattern = TestBoard();
+  Board& board = pattern.boards[0];
+  board.kind = "points";
+  TestRandom random(3);
+  for (Eigen::Vector3d& point : board.points)
+    point.z() = random.Uniform(-depth_m, depth_m);
+  return pattern;
+}
+
+TEST(Calibrate, PassesBoardsOfPoints) {
+  ThinPrismFisheye::ParameterArray parameters = {};
+  parameters[ThinPrismFisheye::kFx] = parameters[ThinPrismFisheye::kFy] = 380;
+  parameters[ThinPrismFisheye::kCx] = 320;
+  parameters[ThinPrismFisheye::kCy] = 240;
+  const ThinPrismFisheye lens({640, 480}, {-1, -1, 640, 480}, parameters);
+  SimulationOptions simulation;
+  simulation.num_images = 40;
+  simulation.features_per_image = 100;
+  CalibrationOptions options;
+  options.model = "thin-prism-fisheye";
+  options.flat_board = true;
+  options.num_threads = 2;
+  for (const double depth_m : {0.0, 0.05}) {
+    const Pattern pattern = PointsOfTestBoard(depth_m);
+    const CalibrationResult result =
+        Calibrate(SimulateObservations(lens, pattern, simulation).dataset,
+                  pattern, options);
+    EXPECT_EQ(result.verdict.word, "pass")
+        << testing::PrintToString(result.verdict.reasons);
+    EXPECT_EQ(result.fold_over.part, 0);
+  }
+}
+
+TEST(Calibrate, FailsWhereNoFlatBoardOfPointsIsTilted) {
+  std::vector<Pose> poses;
+  for (int k = 0; k < 12; ++k)
+    poses.push_back(
+        PoseOver(0.1 * (k % 3 - 1), 0.1 * (k / 3 % 2), 0.5 + 0.05 * k, 0));
+  const CalibrationResult result =
+      Calibrate(Observe(poses), PointsOfTestBoard(0), Coarse());
+  EXPECT_EQ(result.verdict.word, "fail");
+  EXPECT_TRUE(HasReason(result, "all boards are parallel"));
+}
+
 TEST(EvaluateCamera, FindsTheNoiseOfATrueCamera) {
   const Dataset dataset = Simulate(10);
   const Evaluation evaluation =

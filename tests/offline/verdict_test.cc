@@ -1,5 +1,7 @@
 #include "evaluation/verdict.h"
 
+#include <algorithm>
+
 #include "support.h"
 
 namespace raygrid {
@@ -7,6 +9,7 @@ namespace {
 
 CalibrationFigures GoodFigures() {
   CalibrationFigures figures;
+  figures.model = "central-generic";
   figures.converged = true;
   figures.image_size = {640, 480};
   figures.area = {10, 10, 630, 470};
@@ -19,6 +22,13 @@ CalibrationFigures GoodFigures() {
   figures.trusted_part = 0.9;
   figures.trusted_px = 0.05;
   return figures;
+}
+
+bool HasReason(const Verdict& verdict, const std::string& words) {
+  return std::any_of(verdict.reasons.begin(), verdict.reasons.end(),
+                     [&](const std::string& reason) {
+                       return reason.find(words) != std::string::npos;
+                     });
 }
 
 TEST(Verdict, PassesGoodFigures) {
@@ -53,6 +63,90 @@ TEST(Verdict, FailsBoardsThatAreAllParallel) {
   CalibrationFigures figures = GoodFigures();
   figures.tilt_rad = 0.02;
   EXPECT_EQ(JudgeCalibration(figures).word, "fail");
+}
+
+TEST(Verdict, PointsInSpaceNeedNoTilt) {
+  CalibrationFigures figures = GoodFigures();
+  figures.tilt_rad.reset();
+  EXPECT_EQ(JudgeCalibration(figures).word, "pass");
+}
+
+TEST(Verdict, AnInterruptedCalibrationSaysOnlyThat) {
+  CalibrationFigures figures = GoodFigures();
+  figures.converged = false;
+  figures.interrupted = true;
+  figures.held_out.reset();
+  figures.median_deviation_px.reset();
+  figures.trusted_part.reset();
+  figures.trusted_px.reset();
+  const Verdict verdict = JudgeCalibration(figures);
+  EXPECT_EQ(verdict.word, "fail");
+  ASSERT_EQ(verdict.reasons.size(), 1u);
+  EXPECT_EQ(verdict.reasons[0],
+            "interrupted before it was done; go on with --resume");
+}
+
+TEST(Verdict, FailsTrustedPixelsThatFoldOver) {
+  CalibrationFigures figures = GoodFigures();
+  figures.fold_over = {0.008, 0.001};
+  const Verdict verdict = JudgeCalibration(figures);
+  EXPECT_EQ(verdict.word, "fail");
+  EXPECT_TRUE(HasReason(verdict, "0.1 % of the calibrated area folds over"));
+}
+
+TEST(Verdict, RemarksOnOtherPixelsThatFoldOver) {
+  CalibrationFigures figures = GoodFigures();
+  figures.fold_over = {0.008, 0};
+  const Verdict verdict = JudgeCalibration(figures);
+  EXPECT_EQ(verdict.word, "pass");
+  EXPECT_TRUE(HasReason(verdict, "0.8 % of the calibrated area folds over"));
+}
+
+TEST(Verdict, NamesImagesFromBehindHoweverFew) {
+  CalibrationFigures figures = GoodFigures();
+  figures.images_from_behind = {"a.png", "b.png"};
+  EXPECT_TRUE(
+      HasReason(JudgeCalibration(figures),
+                "2 of 30 times the board is seen from behind (a.png, ...)"));
+}
+
+TEST(Verdict, SuspectsThePatternWhereMostImagesHaveTooFewFeatures) {
+  CalibrationFigures figures = GoodFigures();
+  figures.images_rejected = 40;
+  figures.images_with_too_few_features = 36;
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures),
+                        "36 of 70 images have too few features; check the "
+                        "pattern's columns and rows"));
+  figures.images_with_too_few_features = 35;
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "40 images were rejected"));
+}
+
+TEST(Verdict, SuspectsTwoCamerasWhereNearlyAllErrorIsShared) {
+  CalibrationFigures figures = GoodFigures();
+  figures.neighbor_correlation = 0.95;
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "images of two cameras"));
+  figures.neighbor_correlation = 0.6;
+  EXPECT_FALSE(HasReason(JudgeCalibration(figures), "images of two cameras"));
+}
+
+TEST(Verdict, AdvisesNoModelThatIsInUse) {
+  CalibrationFigures figures = GoodFigures();
+  figures.neighbor_correlation = 0.6;
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "noncentral-generic"));
+  figures.model = "noncentral-generic";
+  EXPECT_FALSE(HasReason(JudgeCalibration(figures), "noncentral-generic"));
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "smaller cells"));
+  figures.model = "opencv";
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "central-generic"));
+  EXPECT_FALSE(HasReason(JudgeCalibration(figures), "smaller cells"));
+}
+
+TEST(Verdict, ComparesWithATrainingErrorOfZero) {
+  CalibrationFigures figures = GoodFigures();
+  figures.training.median_px = 0;
+  EXPECT_TRUE(
+      HasReason(JudgeCalibration(figures),
+                "the held-out error is 0.11 px, the training error 0 px"));
 }
 
 TEST(Verdict, FailsViewsThatAreAllTheSame) {
@@ -95,7 +189,10 @@ TEST(Verdict, WarnsOfEachWeakness) {
   figures.images_apart = {"other.png"};
   expect_warning(figures);
   figures = GoodFigures();
-  figures.boards_seen_from_behind = 30;
+  figures.images_from_behind = {"mirrored.png"};
+  expect_warning(figures);
+  figures = GoodFigures();
+  figures.median_deviation_px.reset();
   expect_warning(figures);
 }
 
