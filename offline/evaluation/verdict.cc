@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -15,6 +16,7 @@ constexpr double kEnoughArea = 0.5;    // part of the image
 constexpr double kGoodMedianPx = 0.3;  // corners of a sharp chessboard
 constexpr double kUsableMedianPx = 2;
 constexpr double kOverfitRatio = 1.5;
+constexpr double kNothingPx = 0.001;  // smaller errors are arithmetic's
 // What views may leave open of a camera: with a warning, and at all.
 constexpr double kOpenPx = 1, kLostPx = 5;
 constexpr double kEnoughTrusted = 0.5;  // part of the calibrated area
@@ -168,9 +170,9 @@ std::string BetterModel(const std::string& model) {
 
 void JudgeNeighbors(const CalibrationFigures& figures, Verdict* verdict) {
   const double correlation = figures.neighbor_correlation.value_or(0);
-  if (correlation <= kSystematicPart) return;
   const ErrorFigures& errors =
       figures.held_out ? *figures.held_out : figures.training;
+  if (correlation <= kSystematicPart || errors.rms_px < kNothingPx) return;
   Warn(fmt::format(
            "neighbouring features err alike (correlation {:.2f}): "
            "about {:.2f} px are not noise, but the model's error or "
@@ -201,7 +203,7 @@ void JudgeOverfit(const CalibrationFigures& figures, Verdict* verdict) {
   if (!figures.held_out) return;
   const double held_out = figures.held_out->median_px;
   const double training = figures.training.median_px;
-  if (held_out > kOverfitRatio * training)
+  if (held_out > std::max(kOverfitRatio * training, kNothingPx))
     Warn(fmt::format("the held-out error is {:.2g} px, the training error "
                      "{:.2g} px; take more images",
                      held_out, training),

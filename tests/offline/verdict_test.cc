@@ -141,6 +141,14 @@ TEST(Verdict, AdvisesNoModelThatIsInUse) {
   EXPECT_FALSE(HasReason(JudgeCalibration(figures), "smaller cells"));
 }
 
+TEST(Verdict, ErrorsOfArithmeticAreNoMatter) {
+  CalibrationFigures figures = GoodFigures();
+  figures.training = {0, 1e-9, 1e-8, 3000};
+  figures.held_out = {1e-7, 1e-7, 1e-6, 3000};
+  figures.neighbor_correlation = 0.98;
+  EXPECT_EQ(JudgeCalibration(figures).word, "pass");
+}
+
 TEST(Verdict, ComparesWithATrainingErrorOfZero) {
   CalibrationFigures figures = GoodFigures();
   figures.training.median_px = 0;
