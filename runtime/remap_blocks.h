@@ -253,22 +253,26 @@ static void remap_rows(remap_job* job, uint32_t row, uint32_t end,
   const rg_lattice* const lattice = LATTICE_OF(job);
   const uint8_t* const section = job->map.section;
   const uint32_t width = (uint32_t)rg_load_u16(section) >> lattice->log2_x;
-  const uint32_t block_width = 1u << section[8] >> lattice->log2_x;
-  const uint32_t block_height = 1u << section[8] >> lattice->log2_y;
+  const uint32_t width_log2 = rg_part_log2(section, lattice, 0);
+  const uint32_t height_log2 = rg_part_log2(section, lattice, 1);
+  const uint32_t part_width = 1u << width_log2 >> lattice->log2_x;
+  const uint32_t part_height = 1u << height_log2 >> lattice->log2_y;
   while (row < end) {
-    const uint32_t first = row & (block_height - 1);
-    const uint32_t j = row << lattice->log2_y >> section[8];
+    const uint32_t first = row & (part_height - 1);
+    const uint32_t image_row = row << lattice->log2_y;
     const uint32_t num_rows =
-        (uint32_t)min_of((int32_t)(end - row), (int32_t)(block_height - first));
-    uint32_t i = 0;
+        (uint32_t)min_of((int32_t)(end - row), (int32_t)(part_height - first));
     rg_block_walk walk;
-    rg_start_walk(section, j, &walk);
-    for (uint32_t pixel = 0; pixel < width; pixel += block_width, ++i) {
+    rg_start_walk(section, width_log2, height_log2, image_row >> height_log2,
+                  &walk);
+    for (uint32_t pixel = 0; pixel < width; pixel += part_width) {
       const uint32_t num_pixels =
-          (uint32_t)min_of((int32_t)(width - pixel), (int32_t)block_width);
+          (uint32_t)min_of((int32_t)(width - pixel), (int32_t)part_width);
       job->run.out_pixel = pixel;
       rg_next_block(&walk, &job->run.block);
-      if (BORDER_OF(job) != RG_BORDER_CLAMP && rg_remap_is_empty(section, i, j))
+      if (BORDER_OF(job) != RG_BORDER_CLAMP &&
+          rg_remap_is_empty(section, pixel << lattice->log2_x >> section[8],
+                            image_row >> section[8]))
         fill_block(job, num_rows, num_pixels, out);
       else
         remap_block(job, first, num_rows, num_pixels, out);

@@ -14,27 +14,41 @@ typedef struct rg_position {
   int32_t q12[2];
 } rg_position;
 
-/* A block of 2^width_log2 x 2^height_log2 pixels, and where its corners come
- * from: top left, top right, bottom left, bottom right. */
+/* A block, or a part of one, of 2^width_log2 x 2^height_log2 pixels, and where
+ * its corners come from: top left, top right, bottom left, bottom right. */
 typedef struct rg_block {
   rg_position corners[4];
   uint8_t width_log2, height_log2;
 } rg_block;
 
-/* Walks along a row of blocks of a remap section, which must be one that
- * rg_blob_open() accepted. */
+/* A horizontal line across a block: its ends, and four times how far its middle
+ * lies from the straight line between them. */
+typedef struct rg_bent_line {
+  rg_position left, right, bend;
+  rg_position last; /* where the part before ends */
+} rg_bent_line;
+
+/* Walks along a row of parts of the blocks of a remap section, which must be
+ * one that rg_blob_open() accepted. */
 typedef struct rg_block_walk {
-  const uint8_t* residuals[2]; /* of the next vertices, above and below */
-  rg_position affine[2];       /* likewise, without the residuals */
+  const uint8_t* vertices[2]; /* the next ones, above and below */
+  rg_position affine[2];      /* likewise, without the residuals */
   rg_position column_step;
-  rg_position last[2]; /* the vertices before */
-  uint8_t residual_shift, block_log2;
+  rg_bent_line lines[2]; /* above and below the parts */
+  uint8_t residual_shift, bend_shift, vertex_size;
+  uint8_t row;          /* of the parts, within their block */
+  uint8_t num_log2[2];  /* parts of a block: across, down */
+  uint8_t next_part;    /* within the block */
+  uint8_t part_log2[2]; /* output pixels of a part: across, down */
 } rg_block_walk;
 
-/* To the first block of row j. */
-void rg_start_walk(const uint8_t* section, uint32_t j, rg_block_walk* walk);
+/* To the first part of row j of parts of 2^width_log2 x 2^height_log2 output
+ * pixels: a block is 1 to 8 such parts wide and high, 1 in a table without
+ * bends. */
+void rg_start_walk(const uint8_t* section, uint32_t width_log2,
+                   uint32_t height_log2, uint32_t j, rg_block_walk* walk);
 
-/* The corners of the block, and on to the next one. */
+/* The corners of the part, and on to the next one. */
 void rg_next_block(rg_block_walk* walk, rg_block* block);
 
 /* A row of a block: pixel k comes from start + k step. */
