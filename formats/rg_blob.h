@@ -60,7 +60,7 @@ enum rg_section_type {
 #define RG_MAX_RESIDUAL_SHIFT 10u
 #define RG_VERTEX_SIZE 4u
 #define RG_BENT_VERTEX_SIZE 8u
-#define RG_MAX_BEND_SHIFT 12u
+#define RG_MAX_BEND_SHIFT 9u
 #define RG_LINE_POINT_BITS 28u         /* fraction bits */
 #define RG_LINE_POINT_LIMIT 0x7f000000 /* 7.9375 m in q28 */
 #define RG_MIN_MASK_CELL_LOG2 2u
@@ -104,7 +104,7 @@ typedef struct rg_remap_section {
   uint8_t residual_shift; /* residuals are q(12 - shift) */
   uint8_t part_log2;  /* bent blocks are cut into parts of 8 to 32 px; 0: they
                          are not bent */
-  uint8_t bend_shift; /* bends are q(14 - shift) */
+  uint8_t bend_shift; /* bends are q(12 - shift) */
   int32_t min_x_q12, min_y_q12;       /* source positions outside these are */
   int32_t max_x_q12, max_y_q12;       /* border */
   int32_t origin_x_q12, origin_y_q12; /* vertex (i, j) = origin + i column_step

@@ -259,20 +259,17 @@ static void remap_rows(remap_job* job, uint32_t row, uint32_t end,
   const uint32_t part_height = 1u << height_log2 >> lattice->log2_y;
   while (row < end) {
     const uint32_t first = row & (part_height - 1);
-    const uint32_t image_row = row << lattice->log2_y;
     const uint32_t num_rows =
         (uint32_t)min_of((int32_t)(end - row), (int32_t)(part_height - first));
     rg_block_walk walk;
-    rg_start_walk(section, width_log2, height_log2, image_row >> height_log2,
-                  &walk);
+    rg_start_walk(section, width_log2, height_log2,
+                  row << lattice->log2_y >> height_log2, &walk);
     for (uint32_t pixel = 0; pixel < width; pixel += part_width) {
       const uint32_t num_pixels =
           (uint32_t)min_of((int32_t)(width - pixel), (int32_t)part_width);
       job->run.out_pixel = pixel;
       rg_next_block(&walk, &job->run.block);
-      if (BORDER_OF(job) != RG_BORDER_CLAMP &&
-          rg_remap_is_empty(section, pixel << lattice->log2_x >> section[8],
-                            image_row >> section[8]))
+      if (BORDER_OF(job) != RG_BORDER_CLAMP && walk.is_empty)
         fill_block(job, num_rows, num_pixels, out);
       else
         remap_block(job, first, num_rows, num_pixels, out);

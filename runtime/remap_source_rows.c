@@ -68,7 +68,6 @@ static row_range find_range(const rg_lattice_map* map, uint32_t row,
   const uint32_t height_log2 = rg_part_log2(map->section, lattice, 1);
   const uint32_t rows_log2 = height_log2 - lattice->log2_y;
   const uint32_t mask = (UINT32_C(1) << rows_log2) - 1;
-  const uint32_t block_log2 = map->section[8];
   const uint32_t num_parts =
       ((rg_load_u16(map->section) - 1u) >> width_log2) + 1;
   while (row < end) {
@@ -80,8 +79,7 @@ static row_range find_range(const rg_lattice_map* map, uint32_t row,
     for (uint32_t i = 0; i < num_parts; ++i) {
       rg_block block;
       rg_next_block(&walk, &block);
-      if (!rg_remap_is_empty(map->section, i << width_log2 >> block_log2,
-                             j << height_log2 >> block_log2))
+      if (!walk.is_empty)
         add_block(map, &block, i, row & mask, last & mask, &range);
     }
     row = next;

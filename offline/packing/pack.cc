@@ -358,6 +358,7 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
     remap = FitRemapTable(central, *options.remap, options.max_error_px,
                           options.num_threads);
     remap.section.empty_blocks = remap.empty_blocks.data();
+    remap.section.bends = remap.bends.data();
     contents.remap = &remap.section;
     contents.residuals = remap.residuals.data();
     packed.remap_error_px = remap.max_error_px;

@@ -94,7 +94,7 @@ static int make_table(uint32_t style_index) {
   if (below(2) != 0) {
     table.block_log2 = (uint8_t)(4 + below(3));
     table.part_log2 = (uint8_t)(3 + below(table.block_log2 - 3u));
-    table.bend_shift = (uint8_t)below(style->shake > 20000 ? 13 : 7);
+    table.bend_shift = (uint8_t)below(style->shake > 20000 ? 10 : 6);
   }
   table.columns = (uint16_t)(((table.width - 1) >> table.block_log2) + 2);
   table.rows = (uint16_t)(((table.height - 1) >> table.block_log2) + 2);
@@ -172,11 +172,13 @@ static point vertex(uint32_t i, uint32_t j) {
   return p;
 }
 
-/* Of the edge that leads to vertex (i, j) from the left, or from above. */
-static point bend(uint32_t i, uint32_t j, int from_above) {
+/* Of the edge that leads to vertex (i, j) from the left, or from above, with
+ * 2^n parts along it. */
+static point bend(uint32_t i, uint32_t j, int from_above, uint32_t n) {
   const int8_t* const bytes =
       (const int8_t*)(vertex_bytes(i, j) + (from_above ? 6 : 4));
-  const int64_t unit = (int64_t)1 << SECTION[11];
+  const int64_t unit = (int64_t)1
+                       << (SECTION[11] + SECTION[8] - n - SECTION[10]);
   const point p = {{bytes[0] * unit, bytes[1] * unit}};
   return p;
 }
@@ -184,7 +186,7 @@ static point bend(uint32_t i, uint32_t j, int from_above) {
 static int64_t along(int64_t from, int64_t to, int64_t bend, int64_t k,
                      uint32_t n) {
   const int64_t rest = ((int64_t)1 << n) - k;
-  return from + rounded((to - from + rounded(bend * rest, n)) * k, n);
+  return from + rounded((to - from + bend * rest) * k, n);
 }
 
 /* Where the corner common to parts (i - 1, j - 1) and (i, j) comes from, with
@@ -200,9 +202,9 @@ static point node(uint32_t i, uint32_t j, uint32_t n) {
     for (uint32_t k = 0; k < 2; ++k)
       ends[k] =
           along(vertex(column + k, row).c[c], vertex(column + k, row + 1).c[c],
-                bend(column + k, row + 1, 1).c[c], down, n);
-    const int64_t h = along(bend(column + 1, row, 0).c[c],
-                            bend(column + 1, row + 1, 0).c[c], 0, down, n);
+                bend(column + k, row + 1, 1, n).c[c], down, n);
+    const int64_t h = along(bend(column + 1, row, 0, n).c[c],
+                            bend(column + 1, row + 1, 0, n).c[c], 0, down, n);
     p.c[c] = along(ends[0], ends[1], h, across, n);
   }
   return p;
