@@ -60,7 +60,7 @@ enum rg_section_type {
 #define RG_MAX_RESIDUAL_SHIFT 10u
 #define RG_VERTEX_SIZE 4u
 #define RG_BENT_VERTEX_SIZE 8u
-#define RG_MAX_BEND_SHIFT 9u
+#define RG_MAX_BEND_SHIFT 10u
 #define RG_LINE_POINT_BITS 28u         /* fraction bits */
 #define RG_LINE_POINT_LIMIT 0x7f000000 /* 7.9375 m in q28 */
 #define RG_MIN_MASK_CELL_LOG2 2u

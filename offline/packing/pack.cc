@@ -363,6 +363,9 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
     contents.residuals = remap.residuals.data();
     packed.remap_error_px = remap.max_error_px;
     packed.block_size = 1 << remap.section.block_log2;
+    packed.part_size = remap.section.part_log2 != 0
+                           ? 1 << remap.section.part_log2
+                           : packed.block_size;
   }
 
   // Once to measure, once more with the figures. Control points of 16 bits

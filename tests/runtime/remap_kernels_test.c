@@ -94,7 +94,7 @@ static int make_table(uint32_t style_index) {
   if (below(2) != 0) {
     table.block_log2 = (uint8_t)(4 + below(3));
     table.part_log2 = (uint8_t)(3 + below(table.block_log2 - 3u));
-    table.bend_shift = (uint8_t)below(style->shake > 20000 ? 10 : 6);
+    table.bend_shift = (uint8_t)below(style->shake > 20000 ? 11 : 6);
   }
   table.columns = (uint16_t)(((table.width - 1) >> table.block_log2) + 2);
   table.rows = (uint16_t)(((table.height - 1) >> table.block_log2) + 2);
