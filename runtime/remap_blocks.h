@@ -198,6 +198,22 @@ static inline int32_t inside_rows(const remap_job* job) {
   return lowest;
 }
 
+/* Whether no pixel of the run's block has a source, as its corners tell. */
+static RG_NOINLINE int is_outside(const remap_job* job) {
+  const rg_position* const p = job->run.block.corners;
+  for (int c = 0; c < 2; ++c) {
+    int32_t low = p[0].q12[c], high = low;
+    for (int k = 1; k < 4; ++k) {
+      low = min_of(low, p[k].q12[c]);
+      high = max_of(high, p[k].q12[c]);
+    }
+    if (high < job->map.min.q12[c] - SAFE_MARGIN ||
+        low > job->map.max.q12[c] + SAFE_MARGIN)
+      return 1;
+  }
+  return 0;
+}
+
 #ifndef RG_GREY_ONLY
 /* The part of the ring, before its rows wrap or after, that the block lies in.
  * Pixels of the other part are taken one by one. */
@@ -241,6 +257,8 @@ static inline void remap_block(remap_job* job, uint32_t row, uint32_t num_rows,
     run->num_rows = (uint8_t)num_rows;
     run->out = out;
     do_run(job, run, lowest);
+  } else if (BORDER_OF(job) != RG_BORDER_CLAMP && is_outside(job)) {
+    fill_block(job, num_rows, num_pixels, out);
   } else {
     for (; num_rows != 0; --num_rows, ++row, out += run->out_stride)
       remap_row(job, row, num_pixels, out);
