@@ -182,36 +182,27 @@ static void fill_row(const remap_job* job, uint32_t num_pixels, uint8_t* out) {
 }
 
 /* Where the corners of the run's block let no pixel need care, the largest row
- * of them; otherwise RG_NOT_INSIDE. */
+ * of them; RG_OUTSIDE where they let none have a source; otherwise
+ * RG_NOT_INSIDE. */
 #define RG_NOT_INSIDE INT32_MIN
+#define RG_OUTSIDE (INT32_MIN + 1)
 static inline int32_t inside_rows(const remap_job* job) {
   const rg_position* const p = job->run.block.corners;
   int32_t lowest = 0;
   for (int c = 0; c < 2; ++c) {
     const int32_t a = p[0].q12[c], b = p[1].q12[c];
     const int32_t d = p[2].q12[c], e = p[3].q12[c];
-    lowest = max_of(max_of(a, b), max_of(d, e));
-    if (min_of(min_of(a, b), min_of(d, e)) < job->safe.min.q12[c] ||
-        lowest > job->safe.max.q12[c])
-      return RG_NOT_INSIDE;
-  }
-  return lowest;
-}
-
-/* Whether no pixel of the run's block has a source, as its corners tell. */
-static RG_NOINLINE int is_outside(const remap_job* job) {
-  const rg_position* const p = job->run.block.corners;
-  for (int c = 0; c < 2; ++c) {
-    int32_t low = p[0].q12[c], high = low;
-    for (int k = 1; k < 4; ++k) {
-      low = min_of(low, p[k].q12[c]);
-      high = max_of(high, p[k].q12[c]);
-    }
+    const int32_t low = min_of(min_of(a, b), min_of(d, e));
+    const int32_t high = max_of(max_of(a, b), max_of(d, e));
     if (high < job->map.min.q12[c] - SAFE_MARGIN ||
         low > job->map.max.q12[c] + SAFE_MARGIN)
-      return 1;
+      return RG_OUTSIDE;
+    lowest = low < job->safe.min.q12[c] || high > job->safe.max.q12[c] ||
+                     lowest == RG_NOT_INSIDE
+                 ? RG_NOT_INSIDE
+                 : high;
   }
-  return 0;
+  return lowest;
 }
 
 #ifndef RG_GREY_ONLY
@@ -250,14 +241,14 @@ static inline void remap_block(remap_job* job, uint32_t row, uint32_t num_rows,
   if (job->is_ring) choose_ring_part(job);
 #endif
   const int32_t lowest = inside_rows(job);
-  if (lowest != RG_NOT_INSIDE) {
+  if (lowest > RG_OUTSIDE) {
     run->first_pixel = 0;
     run->num_pixels = (uint8_t)num_pixels;
     run->first_row = (uint8_t)row;
     run->num_rows = (uint8_t)num_rows;
     run->out = out;
     do_run(job, run, lowest);
-  } else if (BORDER_OF(job) != RG_BORDER_CLAMP && is_outside(job)) {
+  } else if (lowest == RG_OUTSIDE && BORDER_OF(job) != RG_BORDER_CLAMP) {
     fill_block(job, num_rows, num_pixels, out);
   } else {
     for (; num_rows != 0; --num_rows, ++row, out += run->out_stride)

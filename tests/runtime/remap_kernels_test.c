@@ -234,22 +234,15 @@ static point corner(plane_lattice lattice, uint32_t i, uint32_t j, uint32_t k) {
   return q;
 }
 
-/* Source position of pixel (x, y) of the lattice's output. */
-static point position(plane_lattice lattice, uint32_t x, uint32_t y) {
-  const uint32_t width_log2 = part_log2(lattice) - lattice.l;
-  const uint32_t i = x >> width_log2, j = y >> width_log2;
-  const uint32_t mask = (1u << width_log2) - 1;
-  const point q00 = corner(lattice, i, j, 0);
-  const point q10 = corner(lattice, i, j, 1);
-  const point q01 = corner(lattice, i, j, 2);
-  const point q11 = corner(lattice, i, j, 3);
+/* Source position of pixel (x, y) of a part of 2^log2 lattice pixels with these
+ * corners. */
+static point position(const point* q, uint32_t x, uint32_t y, uint32_t log2) {
   point p;
   for (int c = 0; c < 2; ++c) {
-    const int64_t left =
-        q00.c[c] + rounded((q01.c[c] - q00.c[c]) * (y & mask), width_log2);
+    const int64_t left = q[0].c[c] + rounded((q[2].c[c] - q[0].c[c]) * y, log2);
     const int64_t right =
-        q10.c[c] + rounded((q11.c[c] - q10.c[c]) * (y & mask), width_log2);
-    p.c[c] = left + (x & mask) * rounded(right - left, width_log2);
+        q[1].c[c] + rounded((q[3].c[c] - q[1].c[c]) * y, log2);
+    p.c[c] = left + x * rounded(right - left, log2);
   }
   return p;
 }
@@ -273,10 +266,15 @@ static void remap_plainly(plane_lattice lattice, const uint8_t* source,
                           (t.max_y_q12 - half) >> lattice.l};
   const int64_t last[2] = {(camera.width >> lattice.l) - 1,
                            (camera.height >> lattice.l) - 1};
+  point corners[4];
   for (uint32_t y = 0; y < (uint32_t)t.height >> lattice.l; ++y) {
     for (uint32_t x = 0; x < (uint32_t)t.width >> lattice.l; ++x) {
       uint8_t* const pixel = out + y * out_stride + n * x;
-      point p = position(lattice, x, y);
+      const uint32_t part = part_log2(lattice) - lattice.l;
+      const uint32_t mask = (1u << part) - 1;
+      for (uint32_t k = 0; k < 4 && (x & mask) == 0; ++k)
+        corners[k] = corner(lattice, x >> part, y >> part, k);
+      point p = position(corners, x & mask, y & mask, part);
       const uint32_t log2 = t.block_log2 - lattice.l;
       const uint32_t block = (y >> log2) * (t.columns - 1u) + (x >> log2);
       const int is_empty = (t.empty_blocks[block / 8] >> block % 8) & 1;
