@@ -20,18 +20,19 @@ static int32_t along_edge(int32_t from, int32_t to, int32_t bend, uint32_t k,
 
 /* From the vertices above and below to where the lines cross the edge between
  * them. */
-static void bend_lines(rg_block_walk* walk, rg_position vertices[2]) {
+static void bend_lines(rg_block_walk* walk) {
   const uint8_t* const above = walk->vertices[0];
   const uint8_t* const below = walk->vertices[1];
   const uint32_t log2 = walk->num_log2[1], shift = walk->bend_shift[0];
   for (uint32_t c = 0; c < 2; ++c) {
-    const int32_t top = vertices[0].q12[c], bottom = vertices[1].q12[c];
+    const int32_t top = walk->ends[0].q12[c];
+    const int32_t bottom = walk->ends[1].q12[c];
     const int32_t bend = load_bend(below + UPPER_BEND + c, walk->bend_shift[1]);
     const int32_t top_bend = load_bend(above + LEFT_BEND + c, shift);
     const int32_t bottom_bend = load_bend(below + LEFT_BEND + c, shift);
     for (uint32_t k = 0; k < 2; ++k) {
       const uint32_t row = walk->row + k;
-      vertices[k].q12[c] = along_edge(top, bottom, bend, row, log2);
+      walk->ends[k].q12[c] = along_edge(top, bottom, bend, row, log2);
       walk->bends[k].q12[c] = along_edge(top_bend, bottom_bend, 0, row, log2);
     }
   }
@@ -39,18 +40,18 @@ static void bend_lines(rg_block_walk* walk, rg_position vertices[2]) {
 
 /* The next ends of the lines, from the next vertices: origin + i column_step +
  * j row_step + residual << shift. */
-static void next_column(rg_block_walk* walk, rg_position ends[2]) {
+static void next_column(rg_block_walk* walk) {
   for (uint32_t k = 0; k < 2; ++k) {
     const uint8_t* const residual = walk->vertices[k];
     for (int c = 0; c < 2; ++c) {
       const int32_t affine = walk->affine[k].q12[c];
-      ends[k].q12[c] =
+      walk->ends[k].q12[c] =
           affine + rg_load_i16(residual + 2 * c) * (1 << walk->residual_shift);
       walk->affine[k].q12[c] =
           (int32_t)((uint32_t)affine + (uint32_t)walk->column_step.q12[c]);
     }
   }
-  if (walk->vertex_size == RG_BENT_VERTEX_SIZE) bend_lines(walk, ends);
+  if (walk->vertex_size == RG_BENT_VERTEX_SIZE) bend_lines(walk);
   for (uint32_t k = 0; k < 2; ++k) walk->vertices[k] += walk->vertex_size;
 }
 
@@ -80,43 +81,52 @@ void rg_start_walk(const uint8_t* section, uint32_t width_log2,
     for (uint32_t c = 0; c < 2; ++c) {
       walk->affine[k].q12[c] = (int32_t)(rg_load_u32(section + 28 + 4 * c) +
                                          j * rg_load_u32(section + 44 + 4 * c));
-      walk->bends[k].q12[c] = 0;
     }
   }
-  next_column(walk, walk->ends);
+  next_column(walk);
   walk->next_part = 0;
 }
 
-/* On to the lines across the next block: the sum of k steps is
- * k (to - from + bend (num - k)). */
-static void start_lines(rg_block_walk* walk) {
+/* The lines across a block, from its left corners to where they end now: the
+ * sum of k steps is k (to - from + bend (num - k)). */
+static void start_lines(rg_block_walk* walk, const rg_position* corners) {
   const int32_t num = (int32_t)(1u << walk->num_log2[0]);
-  const rg_position from[2] = {walk->ends[0], walk->ends[1]};
-  next_column(walk, walk->ends);
   for (uint32_t k = 0; k < 2; ++k) {
     for (int c = 0; c < 2; ++c) {
-      walk->sums[k].q12[c] = from[k].q12[c] * num + (num >> 1);
-      walk->steps[k].q12[c] = walk->ends[k].q12[c] - from[k].q12[c] +
-                              walk->bends[k].q12[c] * (num - 1);
+      const int32_t from = corners[2 * k].q12[c];
+      walk->sums[k].q12[c] = from * num + (num >> 1);
+      walk->steps[k].q12[c] =
+          walk->ends[k].q12[c] - from + walk->bends[k].q12[c] * (num - 1);
     }
   }
-  const uint32_t block = walk->next_block++;
-  walk->is_empty = (walk->empty_blocks[block >> 3] >> (block & 7)) & 1;
 }
 
 void rg_next_block(rg_block_walk* walk, rg_block* block) {
   const uint32_t log2 = walk->num_log2[0];
-  if (walk->next_part == 0) start_lines(walk);
+  rg_position* const corners = block->corners;
+  block->width_log2 = walk->part_log2[0];
+  block->height_log2 = walk->part_log2[1];
+  if (walk->next_part == 0) {
+    corners[0] = walk->ends[0];
+    corners[2] = walk->ends[1];
+    next_column(walk);
+    const uint32_t k = walk->next_block++;
+    walk->is_empty = (walk->empty_blocks[k >> 3] >> (k & 7)) & 1;
+    if (log2 == 0) { /* one part */
+      corners[1] = walk->ends[0];
+      corners[3] = walk->ends[1];
+      return;
+    }
+    start_lines(walk, corners);
+  }
   walk->next_part = (uint8_t)((walk->next_part + 1u) & ((1u << log2) - 1));
   for (uint32_t k = 0; k < 2; ++k) {
     for (int c = 0; c < 2; ++c) {
       const int32_t sum = walk->sums[k].q12[c], step = walk->steps[k].q12[c];
-      block->corners[2 * k].q12[c] = sum >> log2;
-      block->corners[2 * k + 1].q12[c] = (sum + step) >> log2;
+      corners[2 * k].q12[c] = sum >> log2;
+      corners[2 * k + 1].q12[c] = (sum + step) >> log2;
       walk->sums[k].q12[c] = sum + step;
       walk->steps[k].q12[c] = step - 2 * walk->bends[k].q12[c];
     }
   }
-  block->width_log2 = walk->part_log2[0];
-  block->height_log2 = walk->part_log2[1];
 }
