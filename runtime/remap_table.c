@@ -103,28 +103,27 @@ static void start_lines(rg_block_walk* walk, const rg_position* corners) {
 
 void rg_next_block(rg_block_walk* walk, rg_block* block) {
   const uint32_t log2 = walk->num_log2[0];
-  rg_position* const corners = block->corners;
   block->width_log2 = walk->part_log2[0];
   block->height_log2 = walk->part_log2[1];
   if (walk->next_part == 0) {
-    corners[0] = walk->ends[0];
-    corners[2] = walk->ends[1];
+    block->corners[0] = walk->ends[0];
+    block->corners[2] = walk->ends[1];
     next_column(walk);
     const uint32_t k = walk->next_block++;
     walk->is_empty = (walk->empty_blocks[k >> 3] >> (k & 7)) & 1;
     if (log2 == 0) { /* one part */
-      corners[1] = walk->ends[0];
-      corners[3] = walk->ends[1];
+      block->corners[1] = walk->ends[0];
+      block->corners[3] = walk->ends[1];
       return;
     }
-    start_lines(walk, corners);
+    start_lines(walk, block->corners);
   }
   walk->next_part = (uint8_t)((walk->next_part + 1u) & ((1u << log2) - 1));
   for (uint32_t k = 0; k < 2; ++k) {
     for (int c = 0; c < 2; ++c) {
       const int32_t sum = walk->sums[k].q12[c], step = walk->steps[k].q12[c];
-      corners[2 * k].q12[c] = sum >> log2;
-      corners[2 * k + 1].q12[c] = (sum + step) >> log2;
+      block->corners[2 * k].q12[c] = sum >> log2;
+      block->corners[2 * k + 1].q12[c] = (sum + step) >> log2;
       walk->sums[k].q12[c] = sum + step;
       walk->steps[k].q12[c] = step - 2 * walk->bends[k].q12[c];
     }
