@@ -126,8 +126,8 @@ static inline uint32_t rg_even_bytes(uint32_t bytes) {
 
 static inline uint32_t rg_odd_bytes(uint32_t bytes) {
 #if defined(__ARM_FEATURE_SIMD32)
-  uint32_t odd = bytes; /* the compiler would rotate first */
-  __asm__("uxtb16 %0, %0, ror #8" : "+r"(odd));
+  uint32_t odd; /* the compiler would rotate first */
+  __asm__("uxtb16 %0, %1, ror #8" : "=r"(odd) : "r"(bytes));
   return odd;
 #else
   return (bytes >> 8) & 0x00ff00ff;

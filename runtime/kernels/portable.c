@@ -9,75 +9,117 @@ static inline uint32_t load_pair(const uint8_t* p) {
   return p[0] | (uint32_t)p[1] << 8;
 }
 
-/* The pixel at a position, x + 16. */
-static inline uint8_t blend_pixel(const uint8_t* data, uint32_t stride,
-                                  uint32_t x_q12, uint32_t y_q12) {
-  const uint8_t* upper = data + (size_t)(y_q12 >> 12) * stride;
+#if defined(__ARM_FEATURE_SIMD32)
+
+/* 16 turns count down to zero in the bits above a result. */
+#define ONE_TURN (UINT32_C(1) << 27)
+
+/* What pixels of a row have in common, in registers. */
+typedef struct row_constants {
+  const uint8_t* data;
+  uint32_t stride;
+  uint32_t factor, one, apart;
+} row_constants;
+
+/* mirrored_x is 4095 - x: its fraction is the left samples' weight less one. */
+static RG_INLINE uint32_t blend_pixel(const row_constants* row,
+                                      uint32_t mirrored_x, uint32_t y_q12,
+                                      uint32_t rounding) {
+  const uint8_t* upper = row->data + (size_t)(y_q12 >> 12) * row->stride;
   RG_IN_REGISTER(upper); /* else a sum more */
-  upper += x_q12 >> 12;
+  upper -= (int32_t)mirrored_x >> 12;
   RG_IN_REGISTER(upper);
-  const uint32_t pixels = load_pair(upper) | load_pair(upper + stride) << 16;
-  return (uint8_t)rg_blend_8(rg_even_bytes(pixels), rg_odd_bytes(pixels), x_q12,
-                             y_q12);
+  const uint32_t pixels =
+      load_pair(upper) | load_pair(upper + row->stride) << 16;
+  const uint32_t right = rg_odd_bytes(pixels);
+  const uint32_t difference = pixels - right * row->apart; /* left - right */
+  const uint32_t h_q7 = difference * ((mirrored_x >> 5) & 127) +
+                        (difference + (right << 7));
+  const uint32_t weights = (y_q12 & 4095) * row->factor + row->one;
+  return (uint32_t)__smlad((int16x2_t)h_q7, (int16x2_t)weights,
+                           (int32_t)rounding) >>
+         19;
 }
 
-/* A function of its own, so that the loop has all registers. */
-static RG_NOINLINE void blend_row_1(const uint8_t* data, uint32_t stride,
-                                    const rg_block_row* row, uint8_t* out,
-                                    uint32_t num_pixels) {
-  uint8_t* const end = out + num_pixels;
-  uint32_t x_q12 = (uint32_t)row->start.q12[0] + 16;
-  uint32_t y_q12 = (uint32_t)row->start.q12[1];
-  const uint32_t step_x = (uint32_t)row->step.q12[0];
+static RG_NOINLINE void blend_row_1(const rg_run* run, const rg_block_row* row,
+                                    uint8_t* out) {
+  const uint32_t num_pixels = run->num_pixels;
+  row_constants constants = {run->data, run->stride, 65535, 4096, 257};
+  RG_IN_REGISTER(constants.factor);
+  RG_IN_REGISTER(constants.one);
+  RG_IN_REGISTER(constants.apart);
+  uint32_t x = 4095 - 16 - (uint32_t)row->start.q12[0];
+  uint32_t y = (uint32_t)row->start.q12[1];
+  const uint32_t step_x = 0u - (uint32_t)row->step.q12[0];
   const uint32_t step_y = (uint32_t)row->step.q12[1];
+  uint32_t rounding = 0x407ff - (num_pixels >> 1) * ONE_TURN;
+  if ((num_pixels & 1) != 0) {
+    *out++ = (uint8_t)blend_pixel(&constants, x, y, rounding);
+    x += step_x;
+    y += step_y;
+    if ((int32_t)rounding >= 0) return;
+  }
   do {
-    *out++ = blend_pixel(data, stride, x_q12, y_q12);
-    x_q12 += step_x;
-    y_q12 += step_y;
-  } while (out != end);
+    *out++ = (uint8_t)blend_pixel(&constants, x, y, rounding);
+    x += step_x;
+    y += step_y;
+    RG_IN_REGISTER(x);
+    RG_IN_REGISTER(y);
+    RG_IN_REGISTER(out);
+    *out++ = (uint8_t)blend_pixel(&constants, x, y, rounding);
+    x += step_x;
+    y += step_y;
+    RG_IN_REGISTER(x);
+    RG_IN_REGISTER(y);
+    rounding += ONE_TURN;
+  } while ((int32_t)rounding < 0);
 }
+
+#else
+#endif
 
 /* One coordinate of an edge of a block, row by row: sum >> height_log2. */
 typedef struct edge_walk {
   int32_t sum, height;
 } edge_walk;
 
-static inline void start_edge(edge_walk* edge, int32_t top, int32_t bottom,
-                              const rg_run* run) {
+/* x and y of the left edge, and of the right one and what rounds a step. */
+static inline void start_edges(const rg_run* run, edge_walk edges[4]) {
   const uint32_t log2 = run->block.height_log2;
-  edge->height = bottom - top;
-  edge->sum =
-      top * (1 << log2) + edge->height * run->first_row + (1 << log2 >> 1);
+  const int32_t first_y = (int32_t)run->first_source_row << 12;
+  const int32_t half_step = INT32_C(1) << run->block.width_log2 >> 1;
+  for (uint32_t k = 0; k < 4; ++k) {
+    const int32_t top = run->block.corners[k >> 1].q12[k & 1];
+    const int32_t bottom = run->block.corners[2 + (k >> 1)].q12[k & 1];
+    const int32_t origin =
+        ((k & 1) != 0 ? first_y : 0) - ((k & 2) != 0 ? half_step : 0);
+    edges[k].height = bottom - top;
+    edges[k].sum = (top - origin) * (1 << log2) +
+                   edges[k].height * run->first_row + (1 << log2 >> 1);
+  }
 }
 
 static inline int32_t next_row(edge_walk* edge, uint32_t log2) {
-  const int32_t position = edge->sum >> log2;
-  edge->sum += edge->height;
-  return position;
+  const int32_t sum = edge->sum;
+  edge->sum = sum + edge->height;
+  return sum >> log2;
 }
 
 void rg_blend_1(const rg_run* run) {
-  const rg_position* const p = run->block.corners;
   uint8_t* out = run->out + run->out_pixel;
-  edge_walk left_x, left_y, right_x, right_y;
-  const int32_t first = (int32_t)run->first_source_row << 12;
-  start_edge(&left_x, p[0].q12[0], p[2].q12[0], run);
-  start_edge(&left_y, p[0].q12[1] - first, p[2].q12[1] - first, run);
-  start_edge(&right_x, p[1].q12[0], p[3].q12[0], run);
-  start_edge(&right_y, p[1].q12[1] - first, p[3].q12[1] - first, run);
+  edge_walk edges[4];
+  start_edges(run, edges);
   for (uint32_t rows = run->num_rows; rows != 0; --rows) {
-    const uint32_t width_log2 = run->block.width_log2;
     const uint32_t height_log2 = run->block.height_log2;
-    const uint32_t k = run->first_pixel;
     rg_block_row row;
-    row.start.q12[0] = next_row(&left_x, height_log2);
-    row.start.q12[1] = next_row(&left_y, height_log2);
-    row.step.q12[0] = rg_round_shift(
-        next_row(&right_x, height_log2) - row.start.q12[0], width_log2);
-    row.step.q12[1] = rg_round_shift(
-        next_row(&right_y, height_log2) - row.start.q12[1], width_log2);
-    row.start = rg_row_position(&row, k);
-    blend_row_1(run->data, run->stride, &row, out, run->num_pixels);
+    for (int c = 0; c < 2; ++c) {
+      const int32_t left = next_row(&edges[c], height_log2);
+      const int32_t right = next_row(&edges[2 + c], height_log2);
+      const int32_t step = (right - left) >> run->block.width_log2;
+      row.start.q12[c] = left + step * run->first_pixel;
+      row.step.q12[c] = step;
+    }
+    blend_row_1(run, &row, out);
     out += run->out_stride;
   }
 }
