@@ -22,8 +22,8 @@ extern "C" {
  * diagonal neighbours, lie in the image. */
 typedef struct rg_run {
   const uint8_t* data; /* row 0 of the source is first_source_row */
-  uint8_t* out;        /* row first_row of the output, from its left end */
   uint32_t stride, out_stride;
+  uint8_t* out;       /* row first_row of the output, from its left end */
   uint32_t out_pixel; /* first_pixel of the block, in the output's row */
   rg_block block;
   uint16_t first_source_row;

@@ -4,9 +4,52 @@
 #include "fixed_point.h"
 #include "remap_kernels.h"
 
+#define ORIGIN_X (4095 - 16)
+
 /* Two neighbours, the left one in the low byte. */
 static inline uint32_t load_pair(const uint8_t* p) {
   return p[0] | (uint32_t)p[1] << 8;
+}
+
+/* A coordinate of an edge of a block, row by row: sum >> height_log2. Two of
+ * the left edge, and two of the right one with what rounds a step. */
+typedef struct edge_walk {
+  int32_t sum, height;
+} edge_walk;
+
+static inline void start_edges(const rg_run* run, edge_walk edges[4]) {
+  const uint32_t log2 = run->block.height_log2;
+  const int32_t half_step = INT32_C(1) << run->block.width_log2 >> 1;
+  int32_t origin = ORIGIN_X;
+  for (uint32_t c = 0; c < 2; ++c, ++edges) {
+    for (uint32_t k = 0; k < 2; ++k) {
+      const int32_t top = run->block.corners[k].q12[c];
+      const int32_t height = run->block.corners[2 + k].q12[c] - top;
+      edges[2 * k].height = height;
+      edges[2 * k].sum =
+          (top - origin + (k == 0 ? 0 : half_step)) * (1 << log2) +
+          height * run->first_row + (1 << log2 >> 1);
+    }
+    origin = (int32_t)run->first_source_row << 12;
+  }
+}
+
+static inline int32_t next_position(edge_walk* edge, uint32_t log2) {
+  const int32_t sum = edge->sum;
+  edge->sum = sum + edge->height;
+  return sum >> log2;
+}
+
+static inline rg_block_row next_row(const rg_run* run, edge_walk edges[4]) {
+  rg_block_row row;
+  for (uint32_t c = 0; c < 2; ++c) {
+    const int32_t left = next_position(&edges[c], run->block.height_log2);
+    const int32_t right = next_position(&edges[2 + c], run->block.height_log2);
+    const int32_t step = (right - left) >> run->block.width_log2;
+    row.start.q12[c] = left + step * run->first_pixel;
+    row.step.q12[c] = step;
+  }
+  return row;
 }
 
 #if defined(__ARM_FEATURE_SIMD32)
@@ -41,17 +84,18 @@ static RG_INLINE uint32_t blend_pixel(const row_constants* row,
          19;
 }
 
-static RG_NOINLINE void blend_row_1(const rg_run* run, const rg_block_row* row,
+static RG_NOINLINE void blend_row_1(const rg_run* run, edge_walk edges[4],
                                     uint8_t* out) {
+  const rg_block_row row = next_row(run, edges);
   const uint32_t num_pixels = run->num_pixels;
   row_constants constants = {run->data, run->stride, 65535, 4096, 257};
   RG_IN_REGISTER(constants.factor);
   RG_IN_REGISTER(constants.one);
   RG_IN_REGISTER(constants.apart);
-  uint32_t x = 4095 - 16 - (uint32_t)row->start.q12[0];
-  uint32_t y = (uint32_t)row->start.q12[1];
-  const uint32_t step_x = 0u - (uint32_t)row->step.q12[0];
-  const uint32_t step_y = (uint32_t)row->step.q12[1];
+  uint32_t x = 0u - (uint32_t)row.start.q12[0];
+  uint32_t y = (uint32_t)row.start.q12[1];
+  const uint32_t step_x = 0u - (uint32_t)row.step.q12[0];
+  const uint32_t step_y = (uint32_t)row.step.q12[1];
   uint32_t rounding = 0x407ff - (num_pixels >> 1) * ONE_TURN;
   if ((num_pixels & 1) != 0) {
     *out++ = (uint8_t)blend_pixel(&constants, x, y, rounding);
@@ -78,50 +122,15 @@ static RG_NOINLINE void blend_row_1(const rg_run* run, const rg_block_row* row,
 #else
 #endif
 
-/* One coordinate of an edge of a block, row by row: sum >> height_log2. */
-typedef struct edge_walk {
-  int32_t sum, height;
-} edge_walk;
-
-/* x and y of the left edge, and of the right one and what rounds a step. */
-static inline void start_edges(const rg_run* run, edge_walk edges[4]) {
-  const uint32_t log2 = run->block.height_log2;
-  const int32_t first_y = (int32_t)run->first_source_row << 12;
-  const int32_t half_step = INT32_C(1) << run->block.width_log2 >> 1;
-  for (uint32_t k = 0; k < 4; ++k) {
-    const int32_t top = run->block.corners[k >> 1].q12[k & 1];
-    const int32_t bottom = run->block.corners[2 + (k >> 1)].q12[k & 1];
-    const int32_t origin =
-        ((k & 1) != 0 ? first_y : 0) - ((k & 2) != 0 ? half_step : 0);
-    edges[k].height = bottom - top;
-    edges[k].sum = (top - origin) * (1 << log2) +
-                   edges[k].height * run->first_row + (1 << log2 >> 1);
-  }
-}
-
-static inline int32_t next_row(edge_walk* edge, uint32_t log2) {
-  const int32_t sum = edge->sum;
-  edge->sum = sum + edge->height;
-  return sum >> log2;
-}
-
 void rg_blend_1(const rg_run* run) {
   uint8_t* out = run->out + run->out_pixel;
   edge_walk edges[4];
   start_edges(run, edges);
-  for (uint32_t rows = run->num_rows; rows != 0; --rows) {
-    const uint32_t height_log2 = run->block.height_log2;
-    rg_block_row row;
-    for (int c = 0; c < 2; ++c) {
-      const int32_t left = next_row(&edges[c], height_log2);
-      const int32_t right = next_row(&edges[2 + c], height_log2);
-      const int32_t step = (right - left) >> run->block.width_log2;
-      row.start.q12[c] = left + step * run->first_pixel;
-      row.step.q12[c] = step;
-    }
-    blend_row_1(run, &row, out);
+  uint32_t rows = run->num_rows;
+  do {
+    blend_row_1(run, edges, out);
     out += run->out_stride;
-  }
+  } while (--rows != 0);
 }
 
 /* With lattice and kind known to the compiler. In locals: stores of bytes might
