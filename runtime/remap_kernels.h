@@ -137,12 +137,11 @@ static inline uint32_t rg_odd_bytes(uint32_t bytes) {
 /* 7-bit weights across, 12-bit weights down, both roundings in one. Arguments
  * hold the upper row's samples in the low half, the lower row's in the high. */
 static inline uint32_t rg_blend_8(uint32_t left, uint32_t right, uint32_t x_q12,
-                                  uint32_t y_q12) {
+                                  uint32_t y_q12, uint32_t rounding) {
   const uint32_t wx_q7 = (x_q12 >> 5) & 127;
   const uint32_t wy_q12 = y_q12 & 4095;
   /* h0 below and h1 above 16 bits */
   const uint32_t h_q7 = (right - left) * wx_q7 + (left << 7);
-  const uint32_t rounding = 0x407ff;
 #if defined(__ARM_FEATURE_SIMD32)
   /* h0 (4096 - wy) + h1 wy: one instruction */
   uint32_t factor = 65535, one = 4096;
@@ -185,7 +184,7 @@ static inline uint32_t rg_blend_samples(uint32_t kind, const uint8_t* upper,
   const uint32_t p10 = rg_load_sample(kind, lower, index);
   const uint32_t p11 = rg_load_sample(kind, lower, index + right);
   if (kind == RG_SAMPLE_8)
-    return rg_blend_8(p00 | p10 << 16, p01 | p11 << 16, x_q12, y_q12);
+    return rg_blend_8(p00 | p10 << 16, p01 | p11 << 16, x_q12, y_q12, 0x407ff);
   return rg_blend_16(p00, p01, p10, p11, (x_q12 >> 4) & 255,
                      (y_q12 >> 4) & 255);
 }

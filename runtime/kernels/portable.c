@@ -4,12 +4,143 @@
 #include "fixed_point.h"
 #include "remap_kernels.h"
 
-#define ORIGIN_X (4095 - 16)
-
 /* Two neighbours, the left one in the low byte. */
 static inline uint32_t load_pair(const uint8_t* p) {
   return p[0] | (uint32_t)p[1] << 8;
 }
+
+/* A row of grey pixels, from one to the next. Where two registers of 32 bits
+ * hold a position, or one of 64. */
+#if defined(__ARM_FEATURE_SIMD32)
+
+/* x is mirrored: its fraction is the left samples' weight less one. */
+#define ORIGIN_X (4095 - 16)
+
+typedef uint32_t blended;
+typedef struct row_walk {
+  const uint8_t* data;
+  uint32_t stride;
+  uint32_t x_q12, y_q12, step_x, step_y;
+  uint32_t factor, one, apart; /* constants */
+} row_walk;
+
+static RG_INLINE void start_walk(const rg_run* run, const rg_block_row* row,
+                                 row_walk* walk) {
+  walk->data = run->data;
+  walk->stride = run->stride;
+  walk->x_q12 = 0u - (uint32_t)row->start.q12[0];
+  walk->y_q12 = (uint32_t)row->start.q12[1];
+  walk->step_x = 0u - (uint32_t)row->step.q12[0];
+  walk->step_y = (uint32_t)row->step.q12[1];
+  walk->factor = 65535;
+  walk->one = 4096;
+  walk->apart = 257;
+  RG_IN_REGISTER(walk->factor);
+  RG_IN_REGISTER(walk->one);
+  RG_IN_REGISTER(walk->apart);
+}
+
+static RG_INLINE void step_on(row_walk* walk) {
+  walk->x_q12 += walk->step_x;
+  walk->y_q12 += walk->step_y;
+  RG_IN_REGISTER(walk->x_q12); /* else more sums than two */
+  RG_IN_REGISTER(walk->y_q12);
+}
+
+static RG_INLINE uint32_t blend_pixel(const row_walk* walk, blended rounding) {
+  const uint8_t* upper = walk->data + (walk->y_q12 >> 12) * walk->stride;
+  RG_IN_REGISTER(upper); /* likewise */
+  upper -= (int32_t)walk->x_q12 >> 12;
+  RG_IN_REGISTER(upper);
+  const uint32_t pixels = load_pair(upper) | load_pair(upper + walk->stride)
+                                                 << 16;
+  const uint32_t right = rg_odd_bytes(pixels);
+  const uint32_t difference = pixels - right * walk->apart; /* left - right */
+  const uint32_t h_q7 =
+      difference * ((walk->x_q12 >> 5) & 127) + (difference + (right << 7));
+  const uint32_t weights = (walk->y_q12 & 4095) * walk->factor + walk->one;
+  return (uint32_t)__smlad((int16x2_t)h_q7, (int16x2_t)weights,
+                           (int32_t)rounding) >>
+         19;
+}
+
+#elif UINTPTR_MAX > UINT32_MAX
+
+#define ORIGIN_X (-16)
+
+typedef uint64_t blended; /* in the upper half */
+typedef struct row_walk {
+  const uint8_t* data;
+  uint64_t stride;
+  uint64_t position, step; /* x in the upper half */
+  uint64_t factor;         /* 1 - 2^32 */
+} row_walk;
+
+static RG_INLINE void start_walk(const rg_run* run, const rg_block_row* row,
+                                 row_walk* walk) {
+  walk->data = run->data;
+  walk->stride = run->stride;
+  walk->position = ((uint64_t)(uint32_t)row->start.q12[0] << 32) +
+                   (uint64_t)(int64_t)row->start.q12[1];
+  walk->step = ((uint64_t)(uint32_t)row->step.q12[0] << 32) +
+               (uint64_t)(int64_t)row->step.q12[1];
+  walk->factor = 1 - (UINT64_C(1) << 32);
+  RG_IN_REGISTER(walk->factor);
+}
+
+static RG_INLINE void step_on(row_walk* walk) { walk->position += walk->step; }
+
+/* h0 (4096 - wy) + h1 wy is the upper half of one product. */
+static RG_INLINE uint64_t blend_pixel(const row_walk* walk, blended rounding) {
+  const uint64_t position = walk->position, stride = walk->stride;
+  const uint8_t* const upper =
+      walk->data + ((uint32_t)position >> 12) * stride + (position >> 44);
+  const uint64_t bytes = UINT64_C(0x000000ff000000ff);
+  const uint64_t pixels = load_pair(upper) | (uint64_t)load_pair(upper + stride)
+                                                 << 32;
+  const uint64_t left = pixels & bytes, right = (pixels >> 8) & bytes;
+  const uint64_t h_q7 = (right - left) * ((position >> 37) & 127) + (left << 7);
+  const uint64_t weights =
+      (position & 4095) * walk->factor + (UINT64_C(4096) << 32);
+  return (h_q7 * weights + rounding) >> 51;
+}
+
+#else
+
+#define ORIGIN_X (-16)
+
+typedef uint32_t blended;
+typedef struct row_walk {
+  const uint8_t* data;
+  uint32_t stride;
+  uint32_t x_q12, y_q12, step_x, step_y;
+} row_walk;
+
+static RG_INLINE void start_walk(const rg_run* run, const rg_block_row* row,
+                                 row_walk* walk) {
+  walk->data = run->data;
+  walk->stride = run->stride;
+  walk->x_q12 = (uint32_t)row->start.q12[0];
+  walk->y_q12 = (uint32_t)row->start.q12[1];
+  walk->step_x = (uint32_t)row->step.q12[0];
+  walk->step_y = (uint32_t)row->step.q12[1];
+}
+
+static RG_INLINE void step_on(row_walk* walk) {
+  walk->x_q12 += walk->step_x;
+  walk->y_q12 += walk->step_y;
+}
+
+static RG_INLINE uint32_t blend_pixel(const row_walk* walk, blended rounding) {
+  const uint8_t* const upper =
+      walk->data + (walk->y_q12 >> 12) * walk->stride + (walk->x_q12 >> 12);
+  const uint32_t pixels = load_pair(upper) | load_pair(upper + walk->stride)
+                                                 << 16;
+  return rg_blend_8(rg_even_bytes(pixels), rg_odd_bytes(pixels), walk->x_q12,
+                    walk->y_q12, rounding);
+}
+
+#endif
 
 /* A coordinate of an edge of a block, row by row: sum >> height_log2. Two of
  * the left edge, and two of the right one with what rounds a step. */
@@ -52,75 +183,37 @@ static inline rg_block_row next_row(const rg_run* run, edge_walk edges[4]) {
   return row;
 }
 
-#if defined(__ARM_FEATURE_SIMD32)
+/* Two pixels a turn; the turns that are left are counted in the bits above a
+ * blended pixel. */
+#define ROUNDING ((blended)0x407ff << (8 * sizeof(blended) - 32))
+#define TURN ((blended)1 << (8 * sizeof(blended) - 5))
 
-/* 16 turns count down to zero in the bits above a result. */
-#define ONE_TURN (UINT32_C(1) << 27)
-
-/* What pixels of a row have in common, in registers. */
-typedef struct row_constants {
-  const uint8_t* data;
-  uint32_t stride;
-  uint32_t factor, one, apart;
-} row_constants;
-
-/* mirrored_x is 4095 - x: its fraction is the left samples' weight less one. */
-static RG_INLINE uint32_t blend_pixel(const row_constants* row,
-                                      uint32_t mirrored_x, uint32_t y_q12,
-                                      uint32_t rounding) {
-  const uint8_t* upper = row->data + (size_t)(y_q12 >> 12) * row->stride;
-  RG_IN_REGISTER(upper); /* else a sum more */
-  upper -= (int32_t)mirrored_x >> 12;
-  RG_IN_REGISTER(upper);
-  const uint32_t pixels =
-      load_pair(upper) | load_pair(upper + row->stride) << 16;
-  const uint32_t right = rg_odd_bytes(pixels);
-  const uint32_t difference = pixels - right * row->apart; /* left - right */
-  const uint32_t h_q7 = difference * ((mirrored_x >> 5) & 127) +
-                        (difference + (right << 7));
-  const uint32_t weights = (y_q12 & 4095) * row->factor + row->one;
-  return (uint32_t)__smlad((int16x2_t)h_q7, (int16x2_t)weights,
-                           (int32_t)rounding) >>
-         19;
+static RG_INLINE int has_turns(blended rounding) {
+  return rounding >> (8 * sizeof(blended) - 1) != 0;
 }
 
+/* A function of its own, so that the loop has all registers. */
 static RG_NOINLINE void blend_row_1(const rg_run* run, edge_walk edges[4],
                                     uint8_t* out) {
   const rg_block_row row = next_row(run, edges);
   const uint32_t num_pixels = run->num_pixels;
-  row_constants constants = {run->data, run->stride, 65535, 4096, 257};
-  RG_IN_REGISTER(constants.factor);
-  RG_IN_REGISTER(constants.one);
-  RG_IN_REGISTER(constants.apart);
-  uint32_t x = 0u - (uint32_t)row.start.q12[0];
-  uint32_t y = (uint32_t)row.start.q12[1];
-  const uint32_t step_x = 0u - (uint32_t)row.step.q12[0];
-  const uint32_t step_y = (uint32_t)row.step.q12[1];
-  uint32_t rounding = 0x407ff - (num_pixels >> 1) * ONE_TURN;
+  blended rounding = ROUNDING - (num_pixels >> 1) * TURN;
+  row_walk walk;
+  start_walk(run, &row, &walk);
   if ((num_pixels & 1) != 0) {
-    *out++ = (uint8_t)blend_pixel(&constants, x, y, rounding);
-    x += step_x;
-    y += step_y;
-    if ((int32_t)rounding >= 0) return;
+    *out++ = (uint8_t)blend_pixel(&walk, rounding);
+    step_on(&walk);
+    if (!has_turns(rounding)) return;
   }
   do {
-    *out++ = (uint8_t)blend_pixel(&constants, x, y, rounding);
-    x += step_x;
-    y += step_y;
-    RG_IN_REGISTER(x);
-    RG_IN_REGISTER(y);
+    *out++ = (uint8_t)blend_pixel(&walk, rounding);
+    step_on(&walk);
     RG_IN_REGISTER(out);
-    *out++ = (uint8_t)blend_pixel(&constants, x, y, rounding);
-    x += step_x;
-    y += step_y;
-    RG_IN_REGISTER(x);
-    RG_IN_REGISTER(y);
-    rounding += ONE_TURN;
-  } while ((int32_t)rounding < 0);
+    *out++ = (uint8_t)blend_pixel(&walk, rounding);
+    step_on(&walk);
+    rounding += TURN;
+  } while (has_turns(rounding));
 }
-
-#else
-#endif
 
 void rg_blend_1(const rg_run* run) {
   uint8_t* out = run->out + run->out_pixel;
