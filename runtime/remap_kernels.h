@@ -44,19 +44,22 @@ static inline void rg_find_run_row(const rg_run* run, uint32_t r,
 #define RG_SPARE_Q12 (2 * 4096)
 #define RG_MIN_STRIDE 32u
 
+/* What pixels of the block's upper (0) and lower (1) edge are apart. Steps of
+ * rows lie between these but for rounding, which is less than 2. */
+static inline int32_t rg_edge_step(const rg_run* run, uint32_t k, int c) {
+  const rg_position* const edge = run->block.corners + 2 * k;
+  return (edge[1].q12[c] - edge[0].q12[c]) >> run->block.width_log2;
+}
+
 /* Whether any so many neighbouring pixels of a run, and their own neighbours,
  * lie in windows of a number of pixels that start at the first one, on two
- * rows. Steps of rows lie between those of the first and the last but for
- * rounding, which is less than 2. */
+ * rows. */
 static inline int rg_fits_windows(const rg_run* run, uint32_t num_pixels,
                                   uint32_t window_pixels) {
   const int32_t steps = (int32_t)num_pixels - 1;
   const int32_t room = (int32_t)(window_pixels - 1) * 4096 - 4112;
   for (uint32_t k = 0; k < 2; ++k) {
-    rg_block_row row;
-    rg_find_block_row(&run->block,
-                      run->first_row + (k == 0 ? 0 : run->num_rows - 1u), &row);
-    const int32_t x = row.step.q12[0], y = row.step.q12[1];
+    const int32_t x = rg_edge_step(run, k, 0), y = rg_edge_step(run, k, 1);
     if (x < 2 || x > 16384 || (x + 2) * steps > room || y < -8192 || y > 8192 ||
         (y + 2) * steps > 4096 || (y - 2) * steps < -4096)
       return 0;
@@ -69,12 +72,9 @@ static inline int rg_fits_windows(const rg_run* run, uint32_t num_pixels,
 static inline int rg_fits_offsets(const rg_run* run, uint32_t num_pixels,
                                   uint32_t channels) {
   for (uint32_t k = 0; k < 2; ++k) {
-    rg_block_row row;
-    rg_find_block_row(&run->block,
-                      run->first_row + (k == 0 ? 0 : run->num_rows - 1u), &row);
     uint32_t beyond[2]; /* pixels that the last one is away at most */
     for (int c = 0; c < 2; ++c) {
-      const int32_t step = row.step.q12[c];
+      const int32_t step = rg_edge_step(run, k, c);
       const uint32_t size = (uint32_t)(step < 0 ? -step : step) + 2;
       const uint32_t last_q12 = (num_pixels - 1) * size + 4111;
       if (size > 65536 || last_q12 > 65535) return 0;
