@@ -195,6 +195,13 @@ typedef struct long_window {
   uint8x16_t row0[2], row1[2], row2[2];
 } long_window;
 
+/* The compiler would use two instructions. */
+INLINE void load_32(const uint8_t* p, uint8x16_t loaded[2]) {
+  __asm__("ldp %q0, %q1, [%2]"
+          : "=w"(loaded[0]), "=w"(loaded[1])
+          : "r"(p), "m"(*(const uint8_t(*)[32])p));
+}
+
 INLINE void look_up_long(const long_window* w, uint8x16_t index,
                          uint8x16_t* upper, uint8x16_t* lower) {
   register uint8x16_t row00 __asm__("v16") = w->row0[0];
@@ -214,18 +221,16 @@ INLINE void look_up_long(const long_window* w, uint8x16_t index,
 /* 8 pixels of two or three channels. */
 INLINE void blend_long_segment(const segment_constants* s, size_t offset,
                                lanes cut, layout l, uint8_t* out) {
-  const uint8_t* const row0 = s->row0 + offset;
-  const uint8_t* const row1 = s->row1 + offset;
-  const uint8_t* const row2 = s->row2 + offset;
-  const long_window w = {{vld1q_u8(row0), vld1q_u8(row0 + 16)},
-                         {vld1q_u8(row1), vld1q_u8(row1 + 16)},
-                         {vld1q_u8(row2), vld1q_u8(row2 + 16)}};
+  long_window w;
+  load_32(s->row0 + offset, w.row0);
+  load_32(s->row1 + offset, w.row1);
+  load_32(s->row2 + offset, w.row2);
   /* channels * pixel + 32 in the second row */
   uint8x16_t index = vaddq_u8(vaddq_u8(cut.pixel, cut.pixel), s->offsets);
   if (l.channels == 3)
     index = vaddq_u8(index, vandq_u8(cut.pixel, vdupq_n_u8(15)));
   uint8x8x3_t result;
-  for (uint32_t c = 0; c < l.channels; ++c) {
+  _Pragma("GCC unroll 3") for (uint32_t c = 0; c < l.channels; ++c) {
     uint8x16_t upper, lower;
     look_up_long(&w, index, &upper, &lower);
     result.val[c] = blend_down(blend_across(upper, cut.weights),
