@@ -16,8 +16,12 @@ static void find_ring(const rg_image* image, remap_job* job) {
       (uint16_t)((first - rg_remainder(first, image->ring_rows)) >> log2);
 }
 
-static void remap_lattice(const uint8_t* section, const rg_image* image,
-                          const rg_target* target, const rg_lattice* lattice) {
+/* Functions of their own, this one and the checks, so that their stacks do not
+ * add up. */
+static RG_NOINLINE void remap_lattice(const uint8_t* section,
+                                      const rg_image* image,
+                                      const rg_target* target,
+                                      const rg_lattice* lattice) {
   const uint32_t plane = lattice->plane;
   const uint32_t stride = image->planes[plane].stride;
   const uint32_t out_stride = target->planes[plane].stride;
@@ -79,9 +83,11 @@ static void find_plane(const rg_lattice* lattice, const uint8_t* data,
   plane->num_rows = (num_rows >> lattice->log2_y) * lattice->row_step;
 }
 
-static int is_overlapping(const uint8_t* section, const rg_image* image,
-                          const rg_target* target, const rg_lattice* lattices,
-                          uint32_t num_lattices) {
+static RG_NOINLINE int is_overlapping(const uint8_t* section,
+                                      const rg_image* image,
+                                      const rg_target* target,
+                                      const rg_lattice* lattices,
+                                      uint32_t num_lattices) {
   const uint32_t source_rows =
       image->ring_rows != 0 ? image->ring_rows : image->height;
   rg_plane written, other;
