@@ -148,10 +148,11 @@ typedef struct edge_walk {
   int32_t sum, height;
 } edge_walk;
 
-static inline void start_edges(const rg_run* run, edge_walk edges[4]) {
+static RG_SHARED void start_edges(const rg_run* run, int32_t origin_x,
+                                  edge_walk edges[4]) {
   const uint32_t log2 = run->block.height_log2;
   const int32_t half_step = INT32_C(1) << run->block.width_log2 >> 1;
-  int32_t origin = ORIGIN_X;
+  int32_t origin = origin_x;
   for (uint32_t c = 0; c < 2; ++c, ++edges) {
     for (uint32_t k = 0; k < 2; ++k) {
       const int32_t top = run->block.corners[k].q12[c];
@@ -171,7 +172,7 @@ static inline int32_t next_position(edge_walk* edge, uint32_t log2) {
   return sum >> log2;
 }
 
-static inline rg_block_row next_row(const rg_run* run, edge_walk edges[4]) {
+static RG_INLINE rg_block_row next_row(const rg_run* run, edge_walk edges[4]) {
   rg_block_row row;
   for (uint32_t c = 0; c < 2; ++c) {
     const int32_t left = next_position(&edges[c], run->block.height_log2);
@@ -218,7 +219,7 @@ static RG_NOINLINE void blend_row_1(const rg_run* run, edge_walk edges[4],
 void rg_blend_1(const rg_run* run) {
   uint8_t* out = run->out + run->out_pixel;
   edge_walk edges[4];
-  start_edges(run, edges);
+  start_edges(run, ORIGIN_X, edges);
   uint32_t rows = run->num_rows;
   do {
     blend_row_1(run, edges, out);
@@ -226,92 +227,108 @@ void rg_blend_1(const rg_run* run) {
   } while (--rows != 0);
 }
 
-/* With lattice and kind known to the compiler. In locals: stores of bytes might
- * change all else for it. */
-static inline void blend(const rg_run* run, const rg_lattice* lattice,
-                         uint32_t kind) {
-  const uint32_t step = lattice->sample_step;
+/* A row of a lattice of 8 bits. */
+static RG_SHARED void blend_row_8(const rg_run* run, const rg_lattice* lattice,
+                                  const rg_block_row* row, uint8_t* out) {
+  const uint32_t step = lattice->sample_step, stride = run->stride;
   const uint32_t num_channels = lattice->num_channels;
-  const uint32_t first = lattice->first_sample, stride = run->stride;
-  const uint8_t* const data = run->data;
-  uint8_t* out = run->out;
-  for (uint32_t r = 0; r < run->num_rows; ++r, out += run->out_stride) {
-    rg_block_row row;
-    rg_find_run_row(run, r, &row);
-    uint32_t x_q12 = (uint32_t)row.start.q12[0] + rg_rounding(kind, 0);
-    uint32_t y_q12 = (uint32_t)row.start.q12[1] + rg_rounding(kind, 1);
-    const uint32_t step_x = (uint32_t)row.step.q12[0];
-    const uint32_t step_y = (uint32_t)row.step.q12[1];
-    uint32_t target = first + run->out_pixel * step;
-    for (uint32_t k = run->num_pixels; k != 0; --k, target += step) {
-      const uint8_t* const upper = data + (size_t)(y_q12 >> 12) * stride;
-      const uint32_t index = first + (x_q12 >> 12) * step;
-      for (uint32_t c = 0; c < num_channels; ++c)
-        rg_store_sample(kind, out, target + c,
-                        rg_blend_samples(kind, upper, upper + stride, index + c,
-                                         step, x_q12, y_q12));
-      x_q12 += step_x;
-      y_q12 += step_y;
-    }
+  const uint8_t* const data = run->data + lattice->first_sample;
+  const uint32_t step_x = (uint32_t)row->step.q12[0];
+  const uint32_t step_y = (uint32_t)row->step.q12[1];
+  uint32_t x_q12 = (uint32_t)row->start.q12[0] + 16;
+  uint32_t y_q12 = (uint32_t)row->start.q12[1];
+  out += lattice->first_sample + run->out_pixel * step;
+  for (uint32_t k = run->num_pixels; k != 0; --k, out += step) {
+    const uint8_t* upper =
+        data + (size_t)(y_q12 >> 12) * stride + (x_q12 >> 12) * step;
+    const uint8_t* lower = upper + stride;
+    for (uint32_t c = 0; c < num_channels; ++c, ++upper, ++lower)
+      out[c] = (uint8_t)rg_blend_8(upper[0] | (uint32_t)lower[0] << 16,
+                                   upper[step] | (uint32_t)lower[step] << 16,
+                                   x_q12, y_q12, 0x407ff);
+    x_q12 += step_x;
+    y_q12 += step_y;
   }
 }
 
-void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice) {
-  if (lattice->kind == RG_SAMPLE_8)
-    blend(run, lattice, RG_SAMPLE_8);
-  else
-    blend(run, lattice, lattice->kind);
+/* Of more bits, one channel. */
+static RG_NOINLINE void blend_row_16(const rg_run* run,
+                                     const rg_lattice* lattice,
+                                     const rg_block_row* row, uint8_t* out) {
+  const uint32_t kind = lattice->kind, step = lattice->sample_step;
+  uint32_t x_q12 = (uint32_t)row->start.q12[0] + rg_rounding(kind, 0);
+  uint32_t y_q12 = (uint32_t)row->start.q12[1] + rg_rounding(kind, 1);
+  uint32_t target = lattice->first_sample + run->out_pixel * step;
+  for (uint32_t k = run->num_pixels; k != 0; --k, target += step) {
+    const uint8_t* const upper =
+        run->data + (size_t)(y_q12 >> 12) * run->stride;
+    const uint32_t index = lattice->first_sample + (x_q12 >> 12) * step;
+    rg_store_sample(kind, out, target,
+                    rg_blend_samples(kind, upper, upper + run->stride, index,
+                                     step, x_q12, y_q12));
+    x_q12 += (uint32_t)row->step.q12[0];
+    y_q12 += (uint32_t)row->step.q12[1];
+  }
 }
 
-static const rg_lattice kInterleaved[3] = {
+static RG_SHARED void copy_row(const rg_run* run, const rg_lattice* lattice,
+                               const rg_block_row* row, uint8_t* out) {
+  const uint32_t kind = lattice->kind, step = lattice->sample_step;
+  const uint32_t num_channels = lattice->num_channels;
+  const uint32_t first = lattice->first_sample, stride = run->stride;
+  const uint8_t* const data = run->data;
+  const uint32_t step_x = (uint32_t)row->step.q12[0];
+  const uint32_t step_y = (uint32_t)row->step.q12[1];
+  uint32_t x_q12 = (uint32_t)row->start.q12[0] + 2048;
+  uint32_t y_q12 = (uint32_t)row->start.q12[1] + 2048;
+  uint32_t target = first + run->out_pixel * step;
+  for (uint32_t k = run->num_pixels; k != 0; --k, target += step) {
+    const uint8_t* const source = data + (size_t)(y_q12 >> 12) * stride;
+    const uint32_t index = first + (x_q12 >> 12) * step;
+    for (uint32_t c = 0; c < num_channels; ++c)
+      rg_store_sample(kind, out, target + c,
+                      rg_load_sample(kind, source, index + c));
+    x_q12 += step_x;
+    y_q12 += step_y;
+  }
+}
+
+/* With lattice and sampling known to the compiler, where speed matters. */
+static RG_SHARED void do_rows(const rg_run* run, const rg_lattice* lattice,
+                              int is_copy) {
+  uint8_t* out = run->out;
+  edge_walk edges[4];
+  start_edges(run, 0, edges);
+  uint32_t rows = run->num_rows;
+  do {
+    const rg_block_row row = next_row(run, edges);
+    if (is_copy)
+      copy_row(run, lattice, &row, out);
+    else if (lattice->kind == RG_SAMPLE_8)
+      blend_row_8(run, lattice, &row, out);
+    else
+      blend_row_16(run, lattice, &row, out);
+    out += run->out_stride;
+  } while (--rows != 0);
+}
+
+static const rg_lattice kInterleaved[4] = {
+    {0, RG_SAMPLE_8, 0, 1, 1, 0, 0, 0, 0, 0, 1, 0},
     {0, RG_SAMPLE_8, 0, 2, 2, 0, 0, 0, 0, 0, 1, 0},
     {0, RG_SAMPLE_8, 0, 3, 3, 0, 0, 0, 0, 0, 1, 0},
     {0, RG_SAMPLE_8, 0, 4, 4, 0, 0, 0, 0, 0, 1, 0}};
 
-void rg_blend_2(const rg_run* run) {
-  blend(run, &kInterleaved[0], RG_SAMPLE_8);
-}
-void rg_blend_3(const rg_run* run) {
-  blend(run, &kInterleaved[1], RG_SAMPLE_8);
-}
-void rg_blend_4(const rg_run* run) {
-  blend(run, &kInterleaved[2], RG_SAMPLE_8);
+void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice) {
+  do_rows(run, lattice, 0);
 }
 
-static inline void copy(const rg_run* run, const rg_lattice* lattice,
-                        uint32_t kind) {
-  const uint32_t step = lattice->sample_step;
-  const uint32_t num_channels = lattice->num_channels;
-  const uint32_t first = lattice->first_sample, stride = run->stride;
-  const uint8_t* const data = run->data;
-  uint8_t* out = run->out;
-  for (uint32_t r = 0; r < run->num_rows; ++r, out += run->out_stride) {
-    rg_block_row row;
-    rg_find_run_row(run, r, &row);
-    uint32_t x_q12 = (uint32_t)row.start.q12[0] + 2048;
-    uint32_t y_q12 = (uint32_t)row.start.q12[1] + 2048;
-    const uint32_t step_x = (uint32_t)row.step.q12[0];
-    const uint32_t step_y = (uint32_t)row.step.q12[1];
-    uint32_t target = first + run->out_pixel * step;
-    for (uint32_t k = run->num_pixels; k != 0; --k, target += step) {
-      const uint8_t* const source = data + (size_t)(y_q12 >> 12) * stride;
-      const uint32_t index = first + (x_q12 >> 12) * step;
-      for (uint32_t c = 0; c < num_channels; ++c)
-        rg_store_sample(kind, out, target + c,
-                        rg_load_sample(kind, source, index + c));
-      x_q12 += step_x;
-      y_q12 += step_y;
-    }
-  }
-}
+void rg_blend_2(const rg_run* run) { do_rows(run, &kInterleaved[1], 0); }
+void rg_blend_3(const rg_run* run) { do_rows(run, &kInterleaved[2], 0); }
+void rg_blend_4(const rg_run* run) { do_rows(run, &kInterleaved[3], 0); }
 
 void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice) {
-  static const rg_lattice kGrey = {0, RG_SAMPLE_8, 0, 1, 1, 0,
-                                   0, 0,           0, 0, 1, 0};
-  if (lattice->kind == RG_SAMPLE_8 && lattice->sample_step == 1)
-    copy(run, &kGrey, RG_SAMPLE_8);
-  else if (lattice->kind == RG_SAMPLE_8)
-    copy(run, lattice, RG_SAMPLE_8);
+  if (RG_IS_FAST && lattice->kind == RG_SAMPLE_8 && lattice->sample_step == 1)
+    do_rows(run, &kInterleaved[0], 1);
   else
-    copy(run, lattice, lattice->kind);
+    do_rows(run, lattice, 1);
 }
