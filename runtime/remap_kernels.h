@@ -10,6 +10,7 @@
 #include <arm_acle.h>
 #endif
 
+#include "fixed_point.h"
 #include "pixel_formats.h"
 #include "raygrid.h"
 #include "remap_table.h"
@@ -136,8 +137,9 @@ static inline uint32_t rg_odd_bytes(uint32_t bytes) {
 
 /* 7-bit weights across, 12-bit weights down, both roundings in one. Arguments
  * hold the upper row's samples in the low half, the lower row's in the high. */
-static inline uint32_t rg_blend_8(uint32_t left, uint32_t right, uint32_t x_q12,
-                                  uint32_t y_q12, uint32_t rounding) {
+static RG_INLINE uint32_t rg_blend_8(uint32_t left, uint32_t right,
+                                     uint32_t x_q12, uint32_t y_q12,
+                                     uint32_t rounding) {
   const uint32_t wx_q7 = (x_q12 >> 5) & 127;
   const uint32_t wy_q12 = y_q12 & 4095;
   /* h0 below and h1 above 16 bits */

@@ -129,6 +129,8 @@ static RG_INLINE void start_walk(const rg_run* run, const rg_block_row* row,
 static RG_INLINE void step_on(row_walk* walk) {
   walk->x_q12 += walk->step_x;
   walk->y_q12 += walk->step_y;
+  RG_IN_REGISTER(walk->x_q12); /* else more sums than two */
+  RG_IN_REGISTER(walk->y_q12);
 }
 
 static RG_INLINE uint32_t blend_pixel(const row_walk* walk, blended rounding) {
@@ -172,16 +174,15 @@ static inline int32_t next_position(edge_walk* edge, uint32_t log2) {
   return sum >> log2;
 }
 
-static RG_INLINE rg_block_row next_row(const rg_run* run, edge_walk edges[4]) {
-  rg_block_row row;
+static RG_INLINE void next_row(const rg_run* run, edge_walk edges[4],
+                               rg_block_row* row) {
   for (uint32_t c = 0; c < 2; ++c) {
     const int32_t left = next_position(&edges[c], run->block.height_log2);
     const int32_t right = next_position(&edges[2 + c], run->block.height_log2);
     const int32_t step = (right - left) >> run->block.width_log2;
-    row.start.q12[c] = left + step * run->first_pixel;
-    row.step.q12[c] = step;
+    row->start.q12[c] = left + step * run->first_pixel;
+    row->step.q12[c] = step;
   }
-  return row;
 }
 
 /* Two pixels a turn; the turns that are left are counted in the bits above a
@@ -196,7 +197,8 @@ static RG_INLINE int has_turns(blended rounding) {
 /* A function of its own, so that the loop has all registers. */
 static RG_NOINLINE void blend_row_1(const rg_run* run, edge_walk edges[4],
                                     uint8_t* out) {
-  const rg_block_row row = next_row(run, edges);
+  rg_block_row row;
+  next_row(run, edges, &row);
   const uint32_t num_pixels = run->num_pixels;
   blended rounding = ROUNDING - (num_pixels >> 1) * TURN;
   row_walk walk;
@@ -301,7 +303,8 @@ static RG_SHARED void do_rows(const rg_run* run, const rg_lattice* lattice,
   start_edges(run, 0, edges);
   uint32_t rows = run->num_rows;
   do {
-    const rg_block_row row = next_row(run, edges);
+    rg_block_row row;
+    next_row(run, edges, &row);
     if (is_copy)
       copy_row(run, lattice, &row, out);
     else if (lattice->kind == RG_SAMPLE_8)
