@@ -127,16 +127,20 @@ static inline uint32_t rg_even_bytes(uint32_t bytes) {
 
 static inline uint32_t rg_odd_bytes(uint32_t bytes) {
 #if defined(__ARM_FEATURE_SIMD32)
-  uint32_t odd; /* the compiler would rotate first */
-  __asm__("uxtb16 %0, %1, ror #8" : "=r"(odd) : "r"(bytes));
+  uint32_t odd = bytes; /* the compiler would rotate first */
+  __asm__("uxtb16 %0, %1, ror #8" : "=r"(odd) : "r"(odd));
   return odd;
 #else
   return (bytes >> 8) & 0x00ff00ff;
 #endif
 }
 
-/* 7-bit weights across, 12-bit weights down, both roundings in one. Arguments
- * hold the upper row's samples in the low half, the lower row's in the high. */
+/* What both roundings of a blended pixel of 8 bits are together. */
+#define RG_ROUNDING_8 UINT32_C(0x407ff)
+
+/* 7-bit weights across, 12-bit weights down, both roundings in one. Samples are
+ * the upper row's in the low half, the lower row's in the high. Bits above the
+ * lowest 8 are those above 27 of the rounding. */
 static RG_INLINE uint32_t rg_blend_8(uint32_t left, uint32_t right,
                                      uint32_t x_q12, uint32_t y_q12,
                                      uint32_t rounding) {
@@ -186,7 +190,8 @@ static inline uint32_t rg_blend_samples(uint32_t kind, const uint8_t* upper,
   const uint32_t p10 = rg_load_sample(kind, lower, index);
   const uint32_t p11 = rg_load_sample(kind, lower, index + right);
   if (kind == RG_SAMPLE_8)
-    return rg_blend_8(p00 | p10 << 16, p01 | p11 << 16, x_q12, y_q12, 0x407ff);
+    return rg_blend_8(p00 | p10 << 16, p01 | p11 << 16, x_q12, y_q12,
+                      RG_ROUNDING_8);
   return rg_blend_16(p00, p01, p10, p11, (x_q12 >> 4) & 255,
                      (y_q12 >> 4) & 255);
 }

@@ -9,11 +9,13 @@ static inline uint32_t load_pair(const uint8_t* p) {
   return p[0] | (uint32_t)p[1] << 8;
 }
 
-/* A row of grey pixels, from one to the next. Where two registers of 32 bits
- * hold a position, or one of 64. */
+/* ---- Grey pixels --------------------------------------------------------- */
+
+/* From one pixel of a row to the next: three ways, by what registers hold. */
 #if defined(__ARM_FEATURE_SIMD32)
 
-/* x is mirrored: its fraction is the left samples' weight less one. */
+/* x is mirrored, 4095 - (x + 16): its fraction is the left samples' weight
+ * less one. */
 #define ORIGIN_X (4095 - 16)
 
 typedef uint32_t blended;
@@ -64,7 +66,7 @@ static RG_INLINE uint32_t blend_pixel(const row_walk* walk, blended rounding) {
          19;
 }
 
-#elif UINTPTR_MAX > UINT32_MAX
+#elif defined(__LP64__) || defined(_WIN64)
 
 #define ORIGIN_X (-16)
 
@@ -144,6 +146,8 @@ static RG_INLINE uint32_t blend_pixel(const row_walk* walk, blended rounding) {
 
 #endif
 
+/* ---- Rows ---------------------------------------------------------------- */
+
 /* A coordinate of an edge of a block, row by row: sum >> height_log2. Two of
  * the left edge, and two of the right one with what rounds a step. */
 typedef struct edge_walk {
@@ -185,9 +189,9 @@ static RG_INLINE void next_row(const rg_run* run, edge_walk edges[4],
   }
 }
 
-/* Two pixels a turn; the turns that are left are counted in the bits above a
- * blended pixel. */
-#define ROUNDING ((blended)0x407ff << (8 * sizeof(blended) - 32))
+/* Two pixels a turn; the turns that are left, 16 at most, are counted in the
+ * bits above a blended pixel. */
+#define ROUNDING ((blended)RG_ROUNDING_8 << (8 * sizeof(blended) - 32))
 #define TURN ((blended)1 << (8 * sizeof(blended) - 5))
 
 static RG_INLINE int has_turns(blended rounding) {
@@ -229,6 +233,9 @@ void rg_blend_1(const rg_run* run) {
   } while (--rows != 0);
 }
 
+/* ---- Any lattice ----------------------------------------------------------
+ */
+
 /* A row of a lattice of 8 bits. */
 static RG_SHARED void blend_row_8(const rg_run* run, const rg_lattice* lattice,
                                   const rg_block_row* row, uint8_t* out) {
@@ -247,7 +254,7 @@ static RG_SHARED void blend_row_8(const rg_run* run, const rg_lattice* lattice,
     for (uint32_t c = 0; c < num_channels; ++c, ++upper, ++lower)
       out[c] = (uint8_t)rg_blend_8(upper[0] | (uint32_t)lower[0] << 16,
                                    upper[step] | (uint32_t)lower[step] << 16,
-                                   x_q12, y_q12, 0x407ff);
+                                   x_q12, y_q12, RG_ROUNDING_8);
     x_q12 += step_x;
     y_q12 += step_y;
   }
