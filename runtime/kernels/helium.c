@@ -119,7 +119,7 @@ INLINE void blend_row(const rg_run* run, const row_group* rows, uint32_t k,
 typedef void blend_one_row(const rg_run* run, const row_group* rows, uint32_t k,
                            uint8_t* out);
 #define ROW_OF(channels)                                                    \
-  static RG_NOINLINE void blend_row_##channels(                             \
+  static RG_NOINLINE void blend_row_##channels##_helium(                    \
       const rg_run* run, const row_group* rows, uint32_t k, uint8_t* out) { \
     blend_row(run, rows, k, channels, out);                                 \
   }
@@ -151,16 +151,16 @@ INLINE void blend(const rg_run* run, uint32_t channels, blend_one_row* blend_k,
 }
 
 void rg_blend_1_helium(const rg_run* run) {
-  blend(run, 1, blend_row_1, rg_blend_1);
+  blend(run, 1, blend_row_1_helium, rg_blend_1);
 }
 void rg_blend_2_helium(const rg_run* run) {
-  blend(run, 2, blend_row_2, rg_blend_2);
+  blend(run, 2, blend_row_2_helium, rg_blend_2);
 }
 void rg_blend_3_helium(const rg_run* run) {
-  blend(run, 3, blend_row_3, rg_blend_3);
+  blend(run, 3, blend_row_3_helium, rg_blend_3);
 }
 void rg_blend_4_helium(const rg_run* run) {
-  blend(run, 4, blend_row_4, rg_blend_4);
+  blend(run, 4, blend_row_4_helium, rg_blend_4);
 }
 
 #endif
