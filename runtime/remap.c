@@ -133,12 +133,12 @@ rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
   return RG_OK;
 }
 
-rg_status rg_remap(const rg_camera* camera, const rg_image* image,
-                   const rg_target* target) {
+static RG_NOINLINE rg_status check_frames(const rg_camera* camera,
+                                          const rg_image* image,
+                                          const rg_target* target,
+                                          const rg_lattice* lattices,
+                                          uint32_t num_lattices) {
   const uint8_t* const section = camera->remap;
-  if (!section) return RG_ERR_NO_REMAP;
-  const rg_lattice* lattices = 0;
-  const uint32_t num_lattices = rg_format_lattices(image->format, &lattices);
   if (num_lattices == 0 || (uint32_t)target->border > RG_BORDER_KEEP ||
       (uint32_t)target->sampling > RG_SAMPLING_NEAREST ||
       (target->border == RG_BORDER_CLAMP && image->ring_rows != 0))
@@ -154,9 +154,18 @@ rg_status rg_remap(const rg_camera* camera, const rg_image* image,
     return RG_ERR_ROWS;
   if (is_overlapping(section, image, target, lattices, num_lattices))
     return RG_ERR_OVERLAP;
-  const rg_status status = check_ring(camera, image, target);
+  return check_ring(camera, image, target);
+}
+
+rg_status rg_remap(const rg_camera* camera, const rg_image* image,
+                   const rg_target* target) {
+  if (!camera->remap) return RG_ERR_NO_REMAP;
+  const rg_lattice* lattices = 0;
+  const uint32_t num_lattices = rg_format_lattices(image->format, &lattices);
+  const rg_status status =
+      check_frames(camera, image, target, lattices, num_lattices);
   if (status != RG_OK) return status;
   for (uint32_t k = 0; k < num_lattices; ++k)
-    remap_lattice(section, image, target, &lattices[k]);
+    remap_lattice(camera->remap, image, target, &lattices[k]);
   return RG_OK;
 }

@@ -4,8 +4,9 @@
 #include "remap_blocks.h"
 
 /* A function of its own, so that its stack does not add up with the rest. */
-static RG_NOINLINE rg_status check(const rg_camera* camera,
-                                   const rg_frame* frame, const rg_band* band) {
+static RG_NOINLINE rg_status check_grey_frames(const rg_camera* camera,
+                                               const rg_frame* frame,
+                                               const rg_band* band) {
   const uint8_t* const section = camera->remap;
   if (!section) return RG_ERR_NO_REMAP;
   if (frame->width != camera->width || frame->height != camera->height ||
@@ -22,7 +23,7 @@ static RG_NOINLINE rg_status check(const rg_camera* camera,
 
 rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
                         const rg_band* band) {
-  const rg_status status = check(camera, frame, band);
+  const rg_status status = check_grey_frames(camera, frame, band);
   if (status != RG_OK) return status;
   const uint8_t* const section = camera->remap;
   const uint16_t border = band->border;
