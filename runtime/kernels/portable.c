@@ -96,7 +96,7 @@ static RG_INLINE void step_on(row_walk* walk) { walk->position += walk->step; }
 static RG_INLINE uint64_t blend_pixel(const row_walk* walk, blended rounding) {
   const uint64_t position = walk->position, stride = walk->stride;
   const uint8_t* const upper =
-      walk->data + ((uint32_t)position >> 12) * stride + (position >> 44);
+      walk->data + ((position & UINT32_MAX) >> 12) * stride + (position >> 44);
   const uint64_t bytes = UINT64_C(0x000000ff000000ff);
   const uint64_t pixels = load_pair(upper) | (uint64_t)load_pair(upper + stride)
                                                  << 32;
