@@ -74,6 +74,8 @@ void rg_read_remap(const uint8_t* section, rg_remap_section* remap) {
   remap->rows = rg_load_u16(section + 6);
   remap->block_log2 = section[8];
   remap->residual_shift = section[9];
+  remap->part_log2 = section[10];
+  remap->bend_shift = section[11];
   remap->min_x_q12 = rg_load_i32(section + 12);
   remap->min_y_q12 = rg_load_i32(section + 16);
   remap->max_x_q12 = rg_load_i32(section + 20);
@@ -91,8 +93,11 @@ void rg_read_remap(const uint8_t* section, rg_remap_section* remap) {
   remap->bound_upx = rg_load_u32(section + 68);
   remap->max_error_upx = rg_load_u32(section + 72);
   remap->vertices = section + rg_load_u32(section + 76);
+  remap->bends = 0;
   remap->empty_blocks =
-      remap->vertices + 4 * (uint32_t)remap->columns * remap->rows;
+      remap->vertices +
+      (remap->part_log2 != 0 ? RG_BENT_VERTEX_SIZE : RG_VERTEX_SIZE) *
+          remap->columns * remap->rows;
 }
 
 void rg_blob_quality(const rg_blob* blob, rg_quality_section* quality) {

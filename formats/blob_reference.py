@@ -9,6 +9,7 @@ except un-projection, which is in double precision.
 import argparse
 import csv
 import dataclasses
+import itertools
 import math
 import struct
 import sys
@@ -22,7 +23,7 @@ Pair = tuple[int, int]
 
 MAGIC = b"RAYGRID\0"
 MAJOR = 1
-MINOR = 3
+MINOR = 4
 MAX_SECTIONS = 16
 
 HEADER = struct.Struct("<8sHHIHHIII")
@@ -30,7 +31,7 @@ ENTRY = struct.Struct("<HHIII")
 CAMERA = struct.Struct("<HHI32s32s")
 GRID = struct.Struct("<4i2H2I2H2I")
 PLANE = struct.Struct("<6i")
-REMAP = struct.Struct("<4H2BH4i6i2I2i3I")
+REMAP = struct.Struct("<4H4B4i6i2I2i3I")
 QUALITY = struct.Struct("<10I")
 INVERSE = struct.Struct("<4i2H2I2HIi")
 LINE_POINTS = struct.Struct("<2HI")
@@ -66,6 +67,10 @@ CONTROL_POINT_LIMIT = 0x7F000000
 LAST_FRACTION = 1 - 2.0**-32
 BLOCK_LOG2S = (3, 4, 5)
 MAX_RESIDUAL_SHIFT = 10
+BENT_BLOCK_LOG2S = (4, 5, 6)
+MIN_PART_LOG2 = 3
+MAX_BEND_SHIFT = 10
+CHROMA_PART_LOG2 = 4
 VERTEX_LIMIT_Q12 = 1 << 25
 CHART_LIMIT_Q27 = 1 << 29
 LINE_POINT_BITS = 28
@@ -157,7 +162,8 @@ class CentralGrid:
 
 @dataclass(frozen=True)
 class Remap:
-    """Remap (type 3); `vertices` are the residuals, `empty_blocks` the bits of the mask."""
+    """Remap (type 3); `vertices` are the residuals, `empty_blocks` the bits of the mask, `bends`
+    hx, hy, vx, vy of each vertex, if part_log2 is not 0."""
 
     width: int
     height: int
@@ -178,6 +184,9 @@ class Remap:
     max_error_upx: int
     vertices: tuple[Pair, ...]
     empty_blocks: tuple[bool, ...]
+    part_log2: int = 0
+    bend_shift: int = 0
+    bends: tuple[tuple[int, int, int, int], ...] = ()
 
     @property
     def columns(self) -> int:
@@ -538,15 +547,16 @@ def read_control_points(array: bytes) -> tuple[Pair, ...]:
 def read_remap(section: bytes, camera: Camera) -> Remap:
     """Remap (type 3)."""
     fields = unpack_fields(REMAP, section, "remap")
-    width, height, columns, rows, block_log2, residual_shift, reserved = fields[:7]
-    remap = Remap(width, height, block_log2, residual_shift, *fields[7:11], fields[11:13],
-                  fields[13:15], fields[15:17], *fields[17:23], vertices=(), empty_blocks=())
-    data_offset = fields[23]
+    width, height, columns, rows, block_log2, residual_shift, part_log2, bend_shift = fields[:8]
+    remap = Remap(width, height, block_log2, residual_shift, *fields[8:12], fields[12:14],
+                  fields[14:16], fields[16:18], *fields[18:24], vertices=(), empty_blocks=(),
+                  part_log2=part_log2, bend_shift=bend_shift)
+    data_offset = fields[24]
     check_remap_size(remap, camera)
     check_remap_blocks(remap, columns, rows)
     require(residual_shift <= MAX_RESIDUAL_SHIFT, "RG_ERR_REMAP_SHIFT",
             f"residual_shift is {residual_shift}")
-    require(reserved == 0, "RG_ERR_RESERVED", "the reserved field of the remap is not 0")
+    require(bend_shift <= MAX_BEND_SHIFT, "RG_ERR_REMAP_SHIFT", f"bend_shift is {bend_shift}")
     check_source_range(remap.min_x, remap.max_x, camera.width, "x")
     check_source_range(remap.min_y, remap.max_y, camera.height, "y")
     require(remap.fx != 0 and remap.fy != 0, "RG_ERR_REMAP_CAMERA", "fx or fy is 0")
@@ -564,9 +574,16 @@ def check_remap_size(remap: Remap, camera: Camera) -> None:
 
 
 def check_remap_blocks(remap: Remap, columns: int, rows: int) -> None:
-    """Remap: block_log2, and columns and rows as stored are what the output's size gives."""
-    require(remap.block_log2 in BLOCK_LOG2S, "RG_ERR_REMAP_BLOCK",
-            f"block_log2 is {remap.block_log2}")
+    """Remap: block_log2, part_log2, and columns and rows as stored are what the output's size
+    gives."""
+    if remap.part_log2 == 0:
+        require(remap.bend_shift == 0, "RG_ERR_RESERVED", "bend_shift without bends")
+        allowed = remap.block_log2 in BLOCK_LOG2S
+    else:
+        allowed = (remap.block_log2 in BENT_BLOCK_LOG2S
+                   and MIN_PART_LOG2 <= remap.part_log2 < remap.block_log2)
+    require(allowed, "RG_ERR_REMAP_BLOCK",
+            f"block_log2 is {remap.block_log2}, part_log2 {remap.part_log2}")
     require((columns, rows) == (remap.columns, remap.rows), "RG_ERR_REMAP_BLOCK",
             f"there are {columns} x {rows} vertices, not {remap.columns} x {remap.rows}")
 
@@ -578,14 +595,22 @@ def check_source_range(low: int, high: int, side: int, axis: str) -> None:
 
 
 def read_remap_arrays(section: bytes, data_offset: int, remap: Remap) -> Remap:
-    """Remap: the vertices and the empty-block mask."""
+    """Remap: the vertices, with their bends, and the empty-block mask."""
     blocks = block_count(remap)
-    vertices_size = 4 * remap.columns * remap.rows
+    layout = vertex_layout(remap)
+    vertices_size = layout.size * remap.columns * remap.rows
     array = array_bytes(section, data_offset, vertices_size + mask_size(blocks), "remap")
+    entries = tuple(layout.iter_unpack(array[:vertices_size]))
     full = dataclasses.replace(
-        remap, vertices=tuple(struct.iter_unpack("<hh", array[:vertices_size])))
+        remap, vertices=tuple(entry[:2] for entry in entries),
+        bends=tuple(entry[2:] for entry in entries) if remap.part_log2 else ())
     check_vertices(full)
     return dataclasses.replace(full, empty_blocks=read_mask(array[vertices_size:], blocks))
+
+
+def vertex_layout(remap: Remap) -> struct.Struct:
+    """Remap: a vertex with or without bends."""
+    return struct.Struct("<2h4b" if remap.part_log2 else "<2h")
 
 
 def check_vertices(remap: Remap) -> None:
@@ -817,18 +842,58 @@ def lattice_positions(remap: Remap, lattice: Lattice, positions: list[Pair],
                       block: int) -> Iterator[tuple[Pair, Pair]]:
     """Lattices: output pixel and source position of each lattice pixel of a block."""
     block_row, block_column = divmod(block, remap.columns - 1)
-    corners = lattice_corners(lattice, block_corners(remap, positions, block_row, block_column),
-                              remap.block_log2)
-    width_log2, height_log2 = (remap.block_log2 - log2 for log2 in lattice[:2])
-    for r in range(1 << height_log2):
-        y = (block_row << height_log2) + r
-        if y >= remap.height >> lattice.ly:
-            break
-        ends = row_ends(corners, r, height_log2)
-        for k in range(1 << width_log2):
-            x = (block_column << width_log2) + k
-            if x < remap.width >> lattice.lx:
-                yield (x, y), row_position(ends, k, width_log2)
+    logs = part_log2s(remap, lattice)
+    width_log2, height_log2 = logs[0] - lattice.lx, logs[1] - lattice.ly
+    across, down = (1 << remap.block_log2 - log2 for log2 in logs)
+    for j, i in itertools.product(range(down), range(across)):
+        corners = lattice_corners(lattice, [
+            part_corner(remap, block_corners(remap, positions, block_row, block_column),
+                        (block_row, block_column), logs, (i + (k & 1), j + (k >> 1)))
+            for k in range(4)], logs[0])
+        left = (block_column * across + i) << width_log2
+        top = (block_row * down + j) << height_log2
+        for y in range(top, min(top + (1 << height_log2), remap.height >> lattice.ly)):
+            ends = row_ends(corners, y - top, height_log2)
+            for x in range(left, min(left + (1 << width_log2), remap.width >> lattice.lx)):
+                yield (x, y), row_position(ends, x - left, width_log2)
+
+
+def part_log2s(remap: Remap, lattice: Lattice) -> Pair:
+    """Lattices: log2 of the output pixels that a part is wide and high."""
+    if remap.part_log2 == 0:
+        return remap.block_log2, remap.block_log2
+    width, height = (max(remap.part_log2, CHROMA_PART_LOG2) if half == 1 else remap.part_log2
+                     for half in (lattice.hx, lattice.hy))
+    return width, height
+
+
+def part_corner(remap: Remap, corners: list[Pair], block: Pair, logs: Pair, place: Pair) -> Pair:
+    """Bends: where corner (i, j) of the parts of block (row, column) comes from."""
+    across, down = (remap.block_log2 - log2 for log2 in logs)
+    i, j = place
+    if remap.part_log2 == 0:
+        return corners[2 * j + i]
+    row, column = block
+    index = row * remap.columns + column
+    below = index + remap.columns
+    result = []
+    for axis, (p00, p10, p01, p11) in enumerate(zip(*corners)):
+        left = along_edge(p00, p01, bend_of(remap, below, 2 + axis, logs[1]), j, down)
+        right = along_edge(p10, p11, bend_of(remap, below + 1, 2 + axis, logs[1]), j, down)
+        bend = along_edge(bend_of(remap, index + 1, axis, logs[0]),
+                          bend_of(remap, below + 1, axis, logs[0]), 0, j, down)
+        result.append(along_edge(left, right, bend, i, across))
+    return result[0], result[1]
+
+
+def bend_of(remap: Remap, vertex: int, which: int, log2: int) -> int:
+    """Bends: one of hx, hy, vx, vy of a vertex, for parts of 2^log2 output pixels."""
+    return remap.bends[vertex][which] << remap.bend_shift + log2 - remap.part_log2
+
+
+def along_edge(start: int, end: int, bend: int, k: int, log2: int) -> int:
+    """Bends: point k of 2^log2 along a bent edge."""
+    return fit(start + halved(fit(k * (end - start + bend * ((1 << log2) - k)), 32), log2), 32)
 
 
 def lattice_corners(lattice: Lattice, corners: list[Pair], log2: int) -> list[Pair]:
@@ -977,6 +1042,8 @@ def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
 
 def minor_version(packed: list[tuple[int, bytes]]) -> int:
     """Duties, "A writer": the minor version whose fields it uses."""
+    if any(kind == TYPE_REMAP and REMAP.unpack_from(section)[6] for kind, section in packed):
+        return 4
     if any(kind == TYPE_INVERSE for kind, _ in packed):
         return 3
     grid = next(section for kind, section in packed if kind == TYPE_GRID)
@@ -1036,12 +1103,17 @@ def pack_narrow_points(grid: CentralGrid) -> bytes:
 def pack_remap(remap: Remap) -> bytes:
     """Remap (type 3)."""
     fields = REMAP.pack(remap.width, remap.height, remap.columns, remap.rows,
-                        remap.block_log2, remap.residual_shift, 0,
+                        remap.block_log2, remap.residual_shift, remap.part_log2,
+                        remap.bend_shift,
                         remap.min_x, remap.min_y, remap.max_x, remap.max_y,
                         *remap.origin, *remap.column_step, *remap.row_step,
                         remap.fx, remap.fy, remap.cx, remap.cy,
                         remap.bound_upx, remap.max_error_upx, REMAP.size)
-    return fields + pack_pairs("<hh", remap.vertices) + pack_mask(remap.empty_blocks)
+    layout = vertex_layout(remap)
+    bends = remap.bends or ((),) * len(remap.vertices)
+    return (fields + b"".join(layout.pack(*vertex, *bend)
+                              for vertex, bend in zip(remap.vertices, bends))
+            + pack_mask(remap.empty_blocks))
 
 
 def pack_line_points(points: tuple[tuple[int, int, int], ...]) -> bytes:
@@ -1093,7 +1165,7 @@ def field_lines(title: str, record: object) -> Iterator[str]:
     yield f"{title}:"
     for field in dataclasses.fields(record):
         value = getattr(record, field.name)
-        if field.name in ("control_points", "vertices", "values"):
+        if field.name in ("control_points", "vertices", "values", "bends"):
             value = f"{len(value)}"
         elif field.name in ("empty_blocks", "bits"):
             value = f"{sum(value)} of {len(value)}"

@@ -172,7 +172,8 @@ static rg_fault check_mask(const uint8_t* section, uint32_t size,
 /* One coordinate of all vertices, whose fields and residuals lie behind the
  * other's. Sums are modulo 2^32, as the spec says. */
 static int are_vertices_in_range(const uint8_t* section, const uint8_t* fields,
-                                 const uint8_t* residual) {
+                                 const uint8_t* residual,
+                                 uint32_t vertex_size) {
   uint32_t row_start = rg_load_u32(fields + 28);
   for (uint32_t rows = rg_load_u16(section + 6); rows > 0; --rows) {
     uint32_t affine = row_start;
@@ -183,7 +184,7 @@ static int are_vertices_in_range(const uint8_t* section, const uint8_t* fields,
           2u * RG_VERTEX_LIMIT_Q12 - 1)
         return 0;
       affine += rg_load_u32(fields + 36);
-      residual += 4;
+      residual += vertex_size;
     }
     row_start += rg_load_u32(fields + 44);
   }
@@ -208,9 +209,18 @@ static rg_fault check_remap_axis(const uint8_t* section, uint32_t axis,
 
 static rg_fault check_remap(const uint8_t* section, uint32_t size,
                             const uint8_t* camera) {
-  if (rg_load_u16(section + 10) != 0) return -RG_ERR_RESERVED;
-  if (section[8] - 3u > 2) return -RG_ERR_REMAP_BLOCK;
-  if (section[9] > RG_MAX_RESIDUAL_SHIFT) return -RG_ERR_REMAP_SHIFT;
+  const uint32_t block_log2 = section[8], part_log2 = section[10];
+  uint32_t vertex_size = RG_VERTEX_SIZE;
+  if (part_log2 == 0) {
+    if (section[11] != 0) return -RG_ERR_RESERVED;
+    if (block_log2 - 3u > 2) return -RG_ERR_REMAP_BLOCK;
+  } else {
+    vertex_size = RG_BENT_VERTEX_SIZE;
+    if (part_log2 < 3 || part_log2 >= block_log2 || block_log2 > 6)
+      return -RG_ERR_REMAP_BLOCK;
+  }
+  if (section[9] > RG_MAX_RESIDUAL_SHIFT || section[11] > RG_MAX_BEND_SHIFT)
+    return -RG_ERR_REMAP_SHIFT;
   rg_fault fault = 0;
   for (uint32_t axis = 0; axis < 2 && fault == 0; ++axis)
     fault = check_remap_axis(section, axis, rg_load_u16(camera + 2 * axis));
@@ -218,13 +228,14 @@ static rg_fault check_remap(const uint8_t* section, uint32_t size,
   const uint32_t columns = rg_load_u16(section + 4);
   const uint32_t rows = rg_load_u16(section + 6);
   const uint32_t data_offset = rg_load_u32(section + 76);
-  fault =
-      check_extent(size, data_offset, RG_REMAP_FIELDS_SIZE,
-                   4 * columns * rows + mask_size((columns - 1) * (rows - 1)));
+  fault = check_extent(
+      size, data_offset, RG_REMAP_FIELDS_SIZE,
+      vertex_size * columns * rows + mask_size((columns - 1) * (rows - 1)));
   if (fault != 0) return fault;
   const uint8_t* const residuals = section + data_offset;
-  return are_vertices_in_range(section, section, residuals) &&
-                 are_vertices_in_range(section, section + 4, residuals + 2)
+  return are_vertices_in_range(section, section, residuals, vertex_size) &&
+                 are_vertices_in_range(section, section + 4, residuals + 2,
+                                       vertex_size)
              ? 0
              : -RG_ERR_REMAP_VERTEX;
 }

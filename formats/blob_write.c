@@ -19,8 +19,13 @@ static uint32_t num_blocks(const rg_remap_section* remap) {
   return (uint32_t)(remap->columns - 1) * (uint32_t)(remap->rows - 1);
 }
 
+static uint32_t vertex_size(const rg_remap_section* remap) {
+  return remap->part_log2 != 0 ? RG_BENT_VERTEX_SIZE : RG_VERTEX_SIZE;
+}
+
 uint32_t rg_remap_section_size(const rg_remap_section* remap) {
-  return RG_REMAP_FIELDS_SIZE + 4 * (uint32_t)remap->columns * remap->rows +
+  return RG_REMAP_FIELDS_SIZE +
+         vertex_size(remap) * remap->columns * remap->rows +
          bits_size(num_blocks(remap));
 }
 
@@ -135,7 +140,8 @@ void rg_write_remap(const rg_remap_section* remap, const int16_t* residuals,
   rg_store_u16(section + 6, remap->rows);
   section[8] = remap->block_log2;
   section[9] = remap->residual_shift;
-  rg_store_u16(section + 10, 0);
+  section[10] = remap->part_log2;
+  section[11] = remap->bend_shift;
   rg_store_i32(section + 12, remap->min_x_q12);
   rg_store_i32(section + 16, remap->min_y_q12);
   rg_store_i32(section + 20, remap->max_x_q12);
@@ -154,10 +160,13 @@ void rg_write_remap(const rg_remap_section* remap, const int16_t* residuals,
   rg_store_u32(section + 72, remap->max_error_upx);
   rg_store_u32(section + 76, RG_REMAP_FIELDS_SIZE);
   uint8_t* data = section + RG_REMAP_FIELDS_SIZE;
-  const uint32_t count = 2 * (uint32_t)remap->columns * remap->rows;
-  for (uint32_t i = 0; i < count; ++i)
-    rg_store_u16(data + 2 * i, (uint16_t)residuals[i]);
-  write_bits(remap->empty_blocks, num_blocks(remap), data + 2 * count);
+  const uint32_t count = (uint32_t)remap->columns * remap->rows;
+  for (uint32_t i = 0; i < count; ++i, data += vertex_size(remap)) {
+    for (uint32_t c = 0; c < 2; ++c)
+      rg_store_u16(data + 2 * c, (uint16_t)residuals[2 * i + c]);
+    if (remap->part_log2 != 0) memcpy(data + 4, remap->bends + 4 * i, 4);
+  }
+  write_bits(remap->empty_blocks, num_blocks(remap), data);
 }
 
 static void write_quality(const rg_quality_section* quality, uint8_t* section) {
@@ -288,7 +297,15 @@ static void write_sections(const rg_blob_contents* contents,
 }
 
 /* The lowest minor version that has what the blob uses. */
+static int has_bends(const rg_blob_contents* contents) {
+  int found = contents->remap && contents->remap->part_log2 != 0;
+  for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
+    found |= contents->more_remaps[k].section->part_log2 != 0;
+  return found;
+}
+
 static uint16_t minor_version(const rg_blob_contents* contents) {
+  if (has_bends(contents)) return 4;
   if (contents->inverse) return 3;
   if (contents->narrow) return 2;
   return contents->line_points_q28 || contents->mask || contents->uncertainty
@@ -353,7 +370,8 @@ static rg_status check_counts(const rg_blob_contents* contents) {
 }
 
 static int has_arrays(const rg_remap_section* remap, const int16_t* residuals) {
-  return remap && residuals && remap->empty_blocks;
+  return remap && residuals && remap->empty_blocks &&
+         (remap->part_log2 == 0 || remap->bends);
 }
 
 /* Every array that the contents speak of is there. */

@@ -15,7 +15,7 @@ extern "C" {
 #endif
 
 #define RG_FORMAT_MAJOR 1
-#define RG_FORMAT_MINOR 3 /* the highest that the writer writes */
+#define RG_FORMAT_MINOR 4 /* the highest that the writer writes */
 
 #define RG_HEADER_SIZE 32u
 #define RG_SECTION_ENTRY_SIZE 16u
@@ -58,6 +58,9 @@ enum rg_section_type {
 #define RG_CONTROL_POINT_LIMIT 0x7f000000      /* 3.96875 in q29 */
 #define RG_VERTEX_LIMIT_Q12 (INT32_C(1) << 25) /* 8192 px */
 #define RG_MAX_RESIDUAL_SHIFT 10u
+#define RG_VERTEX_SIZE 4u
+#define RG_BENT_VERTEX_SIZE 8u
+#define RG_MAX_BEND_SHIFT 10u
 #define RG_LINE_POINT_BITS 28u         /* fraction bits */
 #define RG_LINE_POINT_LIMIT 0x7f000000 /* 7.9375 m in q28 */
 #define RG_MIN_MASK_CELL_LOG2 2u
@@ -95,10 +98,13 @@ typedef struct rg_narrow_grid {
 
 /* Undistortion: source positions at the corners of square output blocks. */
 typedef struct rg_remap_section {
-  uint16_t width, height;             /* output, pixels */
-  uint16_t columns, rows;             /* vertices: blocks + 1 */
-  uint8_t block_log2;                 /* blocks of 8, 16 or 32 px */
-  uint8_t residual_shift;             /* residuals are q(12 - shift) */
+  uint16_t width, height; /* output, pixels */
+  uint16_t columns, rows; /* vertices: blocks + 1 */
+  uint8_t block_log2;     /* blocks of 8 to 64 px */
+  uint8_t residual_shift; /* residuals are q(12 - shift) */
+  uint8_t part_log2;  /* bent blocks are cut into parts of 8 to 32 px; 0: they
+                         are not bent */
+  uint8_t bend_shift; /* bends are q(12 - shift) */
   int32_t min_x_q12, min_y_q12;       /* source positions outside these are */
   int32_t max_x_q12, max_y_q12;       /* border */
   int32_t origin_x_q12, origin_y_q12; /* vertex (i, j) = origin + i column_step
@@ -109,7 +115,9 @@ typedef struct rg_remap_section {
   int32_t cx_q16, cy_q16;
   uint32_t bound_upx;          /* geometric error asked for, micropixels */
   uint32_t max_error_upx;      /* and measured over all output pixels */
-  const uint8_t* vertices;     /* row-major pairs of i16 residuals */
+  const uint8_t* vertices;     /* row-major pairs of i16 residuals, each with
+                                  four i8 bends if there are any */
+  const int8_t* bends;         /* only to write them: four a vertex */
   const uint8_t* empty_blocks; /* a bit a block, row-major, LSB first; 1: no
                                   pixel of it has a source */
 } rg_remap_section;

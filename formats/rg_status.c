@@ -53,9 +53,9 @@ const char* rg_status_text(rg_status status) {
     case RG_ERR_REMAP_SIZE:
       return "remap size out of range";
     case RG_ERR_REMAP_BLOCK:
-      return "remap block size or vertex counts out of range";
+      return "remap block or part size or vertex counts out of range";
     case RG_ERR_REMAP_SHIFT:
-      return "remap residual shift out of range";
+      return "remap residual or bend shift out of range";
     case RG_ERR_REMAP_SOURCE:
       return "remap source rectangle is empty or outside the image";
     case RG_ERR_REMAP_CAMERA:

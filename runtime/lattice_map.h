@@ -24,7 +24,16 @@ void rg_lattice_map_open(rg_lattice_map* map, const uint8_t* section,
                          const rg_lattice* lattice, uint32_t image_width,
                          uint32_t image_height);
 
-/* A block of the table, as the lattice has it. */
+/* log2 of the output pixels that the parts of blocks are wide (axis 0) or high
+ * (1): what the table says, but at least 16 for chroma, 8 of its own. */
+static inline uint32_t rg_part_log2(const uint8_t* section,
+                                    const rg_lattice* lattice, int axis) {
+  const uint32_t half = axis == 0 ? lattice->half_x : lattice->half_y;
+  if (section[10] == 0) return section[8];
+  return section[10] < 4 && half == 1 ? 4 : section[10];
+}
+
+/* A part of a block of the table, as the lattice has it. */
 void rg_lattice_block(const rg_lattice* lattice, rg_block* block);
 
 static inline int rg_is_between(const rg_position* min, const rg_position* max,

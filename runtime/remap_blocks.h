@@ -182,18 +182,25 @@ static void fill_row(const remap_job* job, uint32_t num_pixels, uint8_t* out) {
 }
 
 /* Where the corners of the run's block let no pixel need care, the largest row
- * of them; otherwise RG_NOT_INSIDE. */
+ * of them; RG_OUTSIDE where they let none have a source; otherwise
+ * RG_NOT_INSIDE. */
 #define RG_NOT_INSIDE INT32_MIN
+#define RG_OUTSIDE (INT32_MIN + 1)
 static inline int32_t inside_rows(const remap_job* job) {
   const rg_position* const p = job->run.block.corners;
   int32_t lowest = 0;
   for (int c = 0; c < 2; ++c) {
     const int32_t a = p[0].q12[c], b = p[1].q12[c];
     const int32_t d = p[2].q12[c], e = p[3].q12[c];
-    lowest = max_of(max_of(a, b), max_of(d, e));
-    if (min_of(min_of(a, b), min_of(d, e)) < job->safe.min.q12[c] ||
-        lowest > job->safe.max.q12[c])
-      return RG_NOT_INSIDE;
+    const int32_t low = min_of(min_of(a, b), min_of(d, e));
+    const int32_t high = max_of(max_of(a, b), max_of(d, e));
+    if (high < job->map.min.q12[c] - SAFE_MARGIN ||
+        low > job->map.max.q12[c] + SAFE_MARGIN)
+      return RG_OUTSIDE;
+    lowest = low < job->safe.min.q12[c] || high > job->safe.max.q12[c] ||
+                     lowest == RG_NOT_INSIDE
+                 ? RG_NOT_INSIDE
+                 : high;
   }
   return lowest;
 }
@@ -234,13 +241,15 @@ static inline void remap_block(remap_job* job, uint32_t row, uint32_t num_rows,
   if (job->is_ring) choose_ring_part(job);
 #endif
   const int32_t lowest = inside_rows(job);
-  if (lowest != RG_NOT_INSIDE) {
+  if (lowest > RG_OUTSIDE) {
     run->first_pixel = 0;
     run->num_pixels = (uint8_t)num_pixels;
     run->first_row = (uint8_t)row;
     run->num_rows = (uint8_t)num_rows;
     run->out = out;
     do_run(job, run, lowest);
+  } else if (lowest == RG_OUTSIDE && BORDER_OF(job) != RG_BORDER_CLAMP) {
+    fill_block(job, num_rows, num_pixels, out);
   } else {
     for (; num_rows != 0; --num_rows, ++row, out += run->out_stride)
       remap_row(job, row, num_pixels, out);
@@ -253,22 +262,23 @@ static void remap_rows(remap_job* job, uint32_t row, uint32_t end,
   const rg_lattice* const lattice = LATTICE_OF(job);
   const uint8_t* const section = job->map.section;
   const uint32_t width = (uint32_t)rg_load_u16(section) >> lattice->log2_x;
-  const uint32_t block_width = 1u << section[8] >> lattice->log2_x;
-  const uint32_t block_height = 1u << section[8] >> lattice->log2_y;
+  const uint32_t width_log2 = rg_part_log2(section, lattice, 0);
+  const uint32_t height_log2 = rg_part_log2(section, lattice, 1);
+  const uint32_t part_width = 1u << width_log2 >> lattice->log2_x;
+  const uint32_t part_height = 1u << height_log2 >> lattice->log2_y;
   while (row < end) {
-    const uint32_t first = row & (block_height - 1);
-    const uint32_t j = row << lattice->log2_y >> section[8];
+    const uint32_t first = row & (part_height - 1);
     const uint32_t num_rows =
-        (uint32_t)min_of((int32_t)(end - row), (int32_t)(block_height - first));
-    uint32_t i = 0;
+        (uint32_t)min_of((int32_t)(end - row), (int32_t)(part_height - first));
     rg_block_walk walk;
-    rg_start_walk(section, j, &walk);
-    for (uint32_t pixel = 0; pixel < width; pixel += block_width, ++i) {
+    rg_start_walk(section, width_log2, height_log2,
+                  row << lattice->log2_y >> height_log2, &walk);
+    for (uint32_t pixel = 0; pixel < width; pixel += part_width) {
       const uint32_t num_pixels =
-          (uint32_t)min_of((int32_t)(width - pixel), (int32_t)block_width);
+          (uint32_t)min_of((int32_t)(width - pixel), (int32_t)part_width);
       job->run.out_pixel = pixel;
       rg_next_block(&walk, &job->run.block);
-      if (BORDER_OF(job) != RG_BORDER_CLAMP && rg_remap_is_empty(section, i, j))
+      if (BORDER_OF(job) != RG_BORDER_CLAMP && walk.is_empty)
         fill_block(job, num_rows, num_pixels, out);
       else
         remap_block(job, first, num_rows, num_pixels, out);

@@ -37,7 +37,7 @@ static void add_pixels(const rg_lattice_map* map, const rg_block_row* row,
   }
 }
 
-/* Rows [first, last] of a block, which is changed. Positions are bilinear in
+/* Rows [first, last] of a part, which is changed. Positions are bilinear in
  * it: if the ends of the first and the last row are inside, so are the others,
  * and within their range. */
 static void add_block(const rg_lattice_map* map, rg_block* block, uint32_t i,
@@ -63,19 +63,23 @@ static void add_block(const rg_lattice_map* map, rg_block* block, uint32_t i,
 static row_range find_range(const rg_lattice_map* map, uint32_t row,
                             uint32_t end) {
   row_range range = {INT32_MAX, INT32_MIN};
-  const uint32_t height_log2 = (uint32_t)map->section[8] - map->lattice->log2_y;
-  const uint32_t mask = (UINT32_C(1) << height_log2) - 1;
-  const uint32_t num_blocks = rg_load_u16(map->section + 4) - 1u;
+  const rg_lattice* const lattice = map->lattice;
+  const uint32_t width_log2 = rg_part_log2(map->section, lattice, 0);
+  const uint32_t height_log2 = rg_part_log2(map->section, lattice, 1);
+  const uint32_t rows_log2 = height_log2 - lattice->log2_y;
+  const uint32_t mask = (UINT32_C(1) << rows_log2) - 1;
+  const uint32_t num_parts =
+      ((rg_load_u16(map->section) - 1u) >> width_log2) + 1;
   while (row < end) {
-    const uint32_t j = row >> height_log2;
-    const uint32_t next = (j + 1) << height_log2;
+    const uint32_t j = row >> rows_log2;
+    const uint32_t next = (j + 1) << rows_log2;
     const uint32_t last = (next < end ? next : end) - 1;
     rg_block_walk walk;
-    rg_start_walk(map->section, j, &walk);
-    for (uint32_t i = 0; i < num_blocks; ++i) {
+    rg_start_walk(map->section, width_log2, height_log2, j, &walk);
+    for (uint32_t i = 0; i < num_parts; ++i) {
       rg_block block;
       rg_next_block(&walk, &block);
-      if (!rg_remap_is_empty(map->section, i, j))
+      if (!walk.is_empty)
         add_block(map, &block, i, row & mask, last & mask, &range);
     }
     row = next;

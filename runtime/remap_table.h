@@ -14,27 +14,44 @@ typedef struct rg_position {
   int32_t q12[2];
 } rg_position;
 
-/* A block of 2^width_log2 x 2^height_log2 pixels, and where its corners come
- * from: top left, top right, bottom left, bottom right. */
+/* A block, or a part of one, of 2^width_log2 x 2^height_log2 pixels, and where
+ * its corners come from: top left, top right, bottom left, bottom right. */
 typedef struct rg_block {
   rg_position corners[4];
   uint8_t width_log2, height_log2;
 } rg_block;
 
-/* Walks along a row of blocks of a remap section, which must be one that
- * rg_blob_open() accepted. */
+/* Walks along a row of parts of the blocks of a remap section, which must be
+ * one that rg_blob_open() accepted. Along the lines above and below the parts,
+ * positions come by forward differences. */
 typedef struct rg_block_walk {
-  const uint8_t* residuals[2]; /* of the next vertices, above and below */
-  rg_position affine[2];       /* likewise, without the residuals */
+  const uint8_t* vertices[2]; /* the next ones, above and below */
+  rg_position affine[2];      /* likewise, without the residuals */
   rg_position column_step;
-  rg_position last[2]; /* the vertices before */
-  uint8_t residual_shift, block_log2;
+  rg_position ends[2]; /* of the lines above and below: right ends */
+  /* Of the same lines: where they are, times the number of parts,
+   * and rounded; how that changes to the next part; minus half the change of
+   * the latter. */
+  rg_position sums[2], steps[2], bends[2];
+  uint8_t residual_shift, vertex_size;
+  uint8_t part_log2[2];  /* output pixels of a part: across, down */
+  uint8_t num_log2[2];   /* parts of a block */
+  uint8_t bend_shift[2]; /* of the edges across, and down */
+  uint8_t row;           /* of the parts, within their block */
+  uint8_t next_part;     /* likewise */
+  uint8_t is_empty;      /* the table says that no pixel of the block that was
+                            last come to has a source */
+  const uint8_t* empty_blocks;
+  uint32_t next_block; /* bit of empty_blocks */
 } rg_block_walk;
 
-/* To the first block of row j. */
-void rg_start_walk(const uint8_t* section, uint32_t j, rg_block_walk* walk);
+/* To the first part of row j of parts of 2^width_log2 x 2^height_log2 output
+ * pixels: a block is 1 to 8 such parts wide and high, 1 in a table without
+ * bends. */
+void rg_start_walk(const uint8_t* section, uint32_t width_log2,
+                   uint32_t height_log2, uint32_t j, rg_block_walk* walk);
 
-/* The corners of the block, and on to the next one. */
+/* The corners of the part, and on to the next one. */
 void rg_next_block(rg_block_walk* walk, rg_block* block);
 
 /* A row of a block: pixel k comes from start + k step. */
@@ -76,9 +93,6 @@ static inline rg_position rg_row_position(const rg_block_row* row, uint32_t k) {
     p.q12[c] = row->start.q12[c] + (int32_t)k * row->step.q12[c];
   return p;
 }
-
-/* 1 if the table says that no pixel of block (i, j) has a source. */
-int rg_remap_is_empty(const uint8_t* section, uint32_t i, uint32_t j);
 
 #ifdef __cplusplus
 }

@@ -43,6 +43,7 @@ Json RemapFacts(const uint8_t* section) {
                {"center_px", {remap.cx_q16 / 65536.0, remap.cy_q16 / 65536.0}},
                {"block_px", 1 << remap.block_log2},
                {"vertices", {remap.columns, remap.rows}}};
+  if (remap.part_log2 != 0) json["part_px"] = 1 << remap.part_log2;
   AddPixels("error_px", remap.max_error_upx, &json);
   AddPixels("error_asked_for_px", remap.bound_upx, &json);
   return json;

@@ -43,6 +43,7 @@ void Print(const Arguments& arguments, const PackedCamera& packed, bool json) {
     if (packed.remap_error_px) {
       result["remap_error_px"] = *packed.remap_error_px;
       result["block_size"] = packed.block_size;
+      result["part_size"] = packed.part_size;
     }
     fmt::print("{}\n", result.dump(2));
     return;
@@ -51,8 +52,8 @@ void Print(const Arguments& arguments, const PackedCamera& packed, bool json) {
              arguments.output, packed.blob.size(), packed.unproject_error_px,
              packed.unproject_error_rad, arguments.camera);
   if (packed.remap_error_px)
-    fmt::print("; remap within {:.3f} px in blocks of {} px",
-               *packed.remap_error_px, packed.block_size);
+    fmt::print("; remap within {:.3f} px in blocks of {} px, parts of {} px",
+               *packed.remap_error_px, packed.block_size, packed.part_size);
   fmt::print("\n");
 }
 

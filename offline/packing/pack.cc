@@ -358,10 +358,14 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
     remap = FitRemapTable(central, *options.remap, options.max_error_px,
                           options.num_threads);
     remap.section.empty_blocks = remap.empty_blocks.data();
+    remap.section.bends = remap.bends.data();
     contents.remap = &remap.section;
     contents.residuals = remap.residuals.data();
     packed.remap_error_px = remap.max_error_px;
     packed.block_size = 1 << remap.section.block_log2;
+    packed.part_size = remap.section.part_log2 != 0
+                           ? 1 << remap.section.part_log2
+                           : packed.block_size;
   }
 
   // Once to measure, once more with the figures. Control points of 16 bits

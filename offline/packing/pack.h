@@ -23,6 +23,7 @@ struct PackedCamera {
   double unproject_error_rad = 0;
   std::optional<double> remap_error_px;
   int block_size = 0;
+  int part_size = 0;  ///< of bent blocks; otherwise as block_size
 };
 
 /// Packs a camera of any model; a central one that is not central-generic is

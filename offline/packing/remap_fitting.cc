@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "dataset/error.h"
@@ -59,19 +60,46 @@ ExactMap ComputeExactMap(const CameraModel& camera,
   return map;
 }
 
-// The blocks of a table, and which of them have a source.
-struct Blocks {
-  int size_log2 = 0, columns = 0, rows = 0;
-  std::vector<bool> used;
+// Sizes of blocks and, where their edges are bent, of the parts that the
+// runtime cuts them into.
+struct BlockLayout {
+  int block_log2;
+  int part_log2;  // 0: not bent
 
-  int size() const { return 1 << size_log2; }
-  int num_vertices() const { return (columns + 1) * (rows + 1); }
-  int VertexIndex(int i, int j) const { return j * (columns + 1) + i; }
+  int SmallestLog2() const { return part_log2 != 0 ? part_log2 : block_log2; }
 };
 
-Blocks CutBlocks(const ExactMap& map, const Area& rectangle, int size_log2) {
+// Large parts, which remap faster, before small ones; then few bytes.
+constexpr BlockLayout kLayouts[] = {{6, 5}, {5, 0}, {6, 4}, {5, 4}, {4, 0},
+                                    {6, 3}, {5, 3}, {4, 3}, {3, 0}};
+
+// The blocks of a table, and which of them have a source. What is fitted are
+// nodes: the vertices, and behind them as many bends of the edges to the left
+// of each vertex, and of those above it. A bend is how far an edge's middle
+// lies from the straight line.
+struct Blocks {
+  int size_log2 = 0, part_log2 = 0, columns = 0, rows = 0;
+  std::vector<bool> used;
+
+  bool IsBent() const { return part_log2 != 0; }
+  int size() const { return 1 << size_log2; }
+  int num_vertices() const { return (columns + 1) * (rows + 1); }
+  int num_nodes() const { return num_vertices() * (IsBent() ? 3 : 1); }
+  int VertexIndex(int i, int j) const { return j * (columns + 1) + i; }
+  int LeftBend(int i, int j) const {
+    return num_vertices() + VertexIndex(i, j);
+  }
+  int UpperBend(int i, int j) const {
+    return 2 * num_vertices() + VertexIndex(i, j);
+  }
+};
+
+Blocks CutBlocks(const ExactMap& map, const Area& rectangle,
+                 const BlockLayout& layout) {
+  const int size_log2 = layout.block_log2;
   Blocks blocks;
   blocks.size_log2 = size_log2;
+  blocks.part_log2 = layout.part_log2;
   blocks.columns = ((map.width - 1) >> size_log2) + 1;
   blocks.rows = ((map.height - 1) >> size_log2) + 1;
   blocks.used.assign(blocks.columns * blocks.rows, false);
@@ -83,35 +111,80 @@ Blocks CutBlocks(const ExactMap& map, const Area& rectangle, int size_log2) {
   return blocks;
 }
 
-// Least-squares vertices for bilinear interpolation within the blocks, in
-// pixels; where no pixel determines one, second differences vanish.
-std::vector<Eigen::Vector2d> FitVertices(const ExactMap& map,
-                                         const Blocks& blocks) {
-  const int n = blocks.num_vertices();
+// What the nodes of a block are multiplied with to get the position of one of
+// its pixels. Bends count most in the middle of their edge, not at all at its
+// ends and on the opposite edge; between the corners of the parts all is
+// linear.
+class BlockBasis {
+ public:
+  static constexpr int kMaxSize = 8;
+  using Values = Eigen::Matrix<double, kMaxSize, 1>;
+
+  explicit BlockBasis(const Blocks& blocks)
+      : blocks_(blocks), size_(blocks.IsBent() ? kMaxSize : 4) {
+    const int n = blocks.size(), part = 1 << blocks.part_log2;
+    const auto curve = [n](int x) { return 4.0 * x * (n - x) / (n * n); };
+    for (int x = 0; x < n; ++x) {
+      const int first = x / part * part;
+      curve_.push_back(curve(first) + (curve(first + part) - curve(first)) *
+                                          (x - first) / part);
+    }
+  }
+
+  int size() const { return size_; }
+
+  std::array<int, kMaxSize> Nodes(int i, int j) const {
+    return {blocks_.VertexIndex(i, j),     blocks_.VertexIndex(i + 1, j),
+            blocks_.VertexIndex(i, j + 1), blocks_.VertexIndex(i + 1, j + 1),
+            blocks_.LeftBend(i + 1, j),    blocks_.LeftBend(i + 1, j + 1),
+            blocks_.UpperBend(i, j + 1),   blocks_.UpperBend(i + 1, j + 1)};
+  }
+
+  // Of pixel (x, y) of the block; the last four only count where it is bent.
+  Values At(int x, int y) const {
+    const double u = static_cast<double>(x) / blocks_.size();
+    const double v = static_cast<double>(y) / blocks_.size();
+    const double across = curve_[x], down = curve_[y];
+    Values values;
+    values << (1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v,
+        across * (1 - v), across * v, down * (1 - u), down * u;
+    return values;
+  }
+
+ private:
+  const Blocks& blocks_;
+  int size_;
+  std::vector<double> curve_;
+};
+
+// Least-squares nodes, in pixels; where no pixel determines one, second
+// differences of its kind vanish.
+Eigen::MatrixX2d FitNodes(const ExactMap& map, const Blocks& blocks) {
+  const int n = blocks.num_nodes();
+  const BlockBasis basis(blocks);
   std::vector<Eigen::Triplet<double>> triplets;
   Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(n, 2);
   for (int j = 0; j < blocks.rows; ++j) {
     for (int i = 0; i < blocks.columns; ++i) {
-      const int vertices[4] = {
-          blocks.VertexIndex(i, j), blocks.VertexIndex(i + 1, j),
-          blocks.VertexIndex(i, j + 1), blocks.VertexIndex(i + 1, j + 1)};
-      Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+      const auto nodes = basis.Nodes(i, j);
+      Eigen::Matrix<double, BlockBasis::kMaxSize, BlockBasis::kMaxSize> normal;
+      Eigen::Matrix<double, BlockBasis::kMaxSize, 2> sums;
+      normal.setZero();
+      sums.setZero();
       const int x0 = i << blocks.size_log2, y0 = j << blocks.size_log2;
       for (int y = y0; y < std::min(y0 + blocks.size(), map.height); ++y) {
         for (int x = x0; x < std::min(x0 + blocks.size(), map.width); ++x) {
           if (!map.IsValid(x, y)) continue;
-          const double u = static_cast<double>(x - x0) / blocks.size();
-          const double v = static_cast<double>(y - y0) / blocks.size();
-          const Eigen::Vector4d weights((1 - u) * (1 - v), u * (1 - v),
-                                        (1 - u) * v, u * v);
-          normal += weights * weights.transpose();
-          for (int k = 0; k < 4; ++k)
-            right.row(vertices[k]) += weights[k] * map.at(x, y).transpose();
+          const BlockBasis::Values values = basis.At(x - x0, y - y0);
+          normal += values * values.transpose();
+          sums += values * map.at(x, y).transpose();
         }
       }
-      for (int a = 0; a < 4; ++a)
-        for (int b = 0; b < 4; ++b)
-          triplets.emplace_back(vertices[a], vertices[b], normal(a, b));
+      for (int a = 0; a < basis.size(); ++a) {
+        right.row(nodes[a]) += sums.row(a);
+        for (int b = 0; b < basis.size(); ++b)
+          triplets.emplace_back(nodes[a], nodes[b], normal(a, b));
+      }
     }
   }
   const auto smooth = [&](int a, int b, int c) {
@@ -121,12 +194,14 @@ std::vector<Eigen::Vector2d> FitVertices(const ExactMap& map,
       for (int l = 0; l < 3; ++l)
         triplets.emplace_back(index[k], index[l], 1e-4 * row[k] * row[l]);
   };
-  for (int j = 0; j <= blocks.rows; ++j) {
-    for (int i = 0; i <= blocks.columns; ++i) {
-      const int k = blocks.VertexIndex(i, j);
-      if (i > 0 && i < blocks.columns) smooth(k - 1, k, k + 1);
-      if (j > 0 && j < blocks.rows)
-        smooth(blocks.VertexIndex(i, j - 1), k, blocks.VertexIndex(i, j + 1));
+  const int down = blocks.columns + 1;
+  for (int first = 0; first < n; first += blocks.num_vertices()) {
+    for (int j = 0; j <= blocks.rows; ++j) {
+      for (int i = 0; i <= blocks.columns; ++i) {
+        const int k = first + blocks.VertexIndex(i, j);
+        if (i > 0 && i < blocks.columns) smooth(k - 1, k, k + 1);
+        if (j > 0 && j < blocks.rows) smooth(k - down, k, k + down);
+      }
     }
   }
   for (int k = 0; k < n; ++k) triplets.emplace_back(k, k, 1e-9);
@@ -134,38 +209,56 @@ std::vector<Eigen::Vector2d> FitVertices(const ExactMap& map,
   Eigen::SparseMatrix<double> normal(n, n);
   normal.setFromTriplets(triplets.begin(), triplets.end());
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(normal);
-  const Eigen::MatrixX2d solution = solver.solve(right);
-  std::vector<Eigen::Vector2d> vertices(n);
-  for (int k = 0; k < n; ++k) vertices[k] = solution.row(k).transpose();
-  return vertices;
+  return solver.solve(right);
 }
 
 // Where second derivatives are constant, the error of interpolation is a
 // parabola of some height in each direction. Least squares put its ends, the
 // vertices, 2/3 of the height to one side of the exact position; half of the
-// height, 3/4 of that, makes the largest error least. Vertices beyond the
-// image follow the last one in it.
-std::vector<Eigen::Vector2d> BalanceVertices(
-    const ExactMap& map, const Blocks& blocks,
-    const std::vector<Eigen::Vector2d>& fitted) {
-  std::vector<Eigen::Vector2d> balanced = fitted;
+// height, 3/4 of that, makes the largest error least. The same holds for the
+// parts between an edge's ends and its middle. Vertices beyond the image follow
+// the last one in it.
+Eigen::MatrixX2d BalanceNodes(const ExactMap& map, const Blocks& blocks,
+                              const Eigen::MatrixX2d& fitted) {
+  Eigen::MatrixX2d moves = Eigen::MatrixX2d::Zero(fitted.rows(), 2);
+  // What is lacking at an output pixel; nothing where that is not known.
+  const auto lack = [&](int x, int y, const Eigen::RowVector2d& position) {
+    if (x >= map.width || y >= map.height || !map.IsValid(x, y))
+      return Eigen::RowVector2d(0, 0);
+    return Eigen::RowVector2d(0.25 * (map.at(x, y).transpose() - position));
+  };
   for (int j = 0; j <= blocks.rows; ++j) {
     for (int i = 0; i <= blocks.columns; ++i) {
       const int in_i = std::min(i, blocks.columns - 1);
       const int in_j = std::min(j, blocks.rows - 1);
-      const int x = in_i << blocks.size_log2, y = in_j << blocks.size_log2;
-      if (!map.IsValid(x, y)) continue;
-      balanced[blocks.VertexIndex(i, j)] +=
-          0.25 * (map.at(x, y) - fitted[blocks.VertexIndex(in_i, in_j)]);
+      moves.row(blocks.VertexIndex(i, j)) =
+          lack(in_i << blocks.size_log2, in_j << blocks.size_log2,
+               fitted.row(blocks.VertexIndex(in_i, in_j)));
     }
   }
-  return balanced;
+  // The edge from vertex a to b, whose middle is output pixel (x, y).
+  const auto balance = [&](int a, int b, int bend, int x, int y) {
+    const Eigen::RowVector2d line = (fitted.row(a) + fitted.row(b)) / 2;
+    const Eigen::RowVector2d moved = (moves.row(a) + moves.row(b)) / 2;
+    moves.row(bend) = lack(x, y, line + fitted.row(bend)) - moved;
+  };
+  for (int j = 0; j <= blocks.rows && blocks.IsBent(); ++j) {
+    for (int i = 0; i <= blocks.columns; ++i) {
+      const int x = i << blocks.size_log2, y = j << blocks.size_log2;
+      const int half = blocks.size() / 2, k = blocks.VertexIndex(i, j);
+      if (i > 0) balance(k - 1, k, blocks.LeftBend(i, j), x - half, y);
+      if (j > 0)
+        balance(blocks.VertexIndex(i, j - 1), k, blocks.UpperBend(i, j), x,
+                y - half);
+    }
+  }
+  return fitted + moves;
 }
 
 // The affine map closest to the vertices of used blocks: origin, column step,
 // row step.
 Eigen::Matrix<double, 3, 2> FitAffine(const Blocks& blocks,
-                                      const std::vector<Eigen::Vector2d>& v) {
+                                      const Eigen::MatrixX2d& nodes) {
   Eigen::Matrix3d normal = 1e-9 * Eigen::Matrix3d::Identity();
   Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
   for (int j = 0; j < blocks.rows; ++j) {
@@ -175,28 +268,64 @@ Eigen::Matrix<double, 3, 2> FitAffine(const Blocks& blocks,
         const int ci = i + corner % 2, cj = j + corner / 2;
         const Eigen::Vector3d basis(1, ci, cj);
         normal += basis * basis.transpose();
-        right += basis * v[blocks.VertexIndex(ci, cj)].transpose();
+        right += basis * nodes.row(blocks.VertexIndex(ci, cj));
       }
     }
   }
   return normal.ldlt().solve(right);
 }
 
-// Vertices that only empty blocks have may lie anywhere; they are brought near.
-std::vector<bool> NeededVertices(const Blocks& blocks) {
-  std::vector<bool> needed(blocks.num_vertices(), false);
+// Nodes that only empty blocks have may lie anywhere; they are brought near.
+std::vector<bool> NeededNodes(const Blocks& blocks) {
+  const BlockBasis basis(blocks);
+  std::vector<bool> needed(blocks.num_nodes(), false);
   for (int j = 0; j < blocks.rows; ++j)
     for (int i = 0; i < blocks.columns; ++i)
       if (blocks.used[j * blocks.columns + i])
-        for (int corner = 0; corner < 4; ++corner)
-          needed[blocks.VertexIndex(i + corner % 2, j + corner / 2)] = true;
+        for (int k = 0; k < basis.size(); ++k)
+          needed[basis.Nodes(i, j)[k]] = true;
   return needed;
+}
+
+// The smallest shift that lets all values fit into a range.
+int FittingShift(double largest, double limit) {
+  int shift = 0;
+  while (largest / (1 << shift) > limit) ++shift;
+  return shift;
+}
+
+// The bends in 8 bits, as 4 / N of how far an edge of N parts bends, with the
+// smallest shift that lets all fit; false if none does.
+bool QuantizeBends(const Blocks& blocks, const Eigen::MatrixX2d& nodes,
+                   RemapTable* table) {
+  table->bends.clear();
+  table->section.bend_shift = 0;
+  if (!blocks.IsBent()) return true;
+  const std::vector<bool> needed = NeededNodes(blocks);
+  const double unit = kQ12 * std::ldexp(4, blocks.part_log2 - blocks.size_log2);
+  const auto value = [&](int node, int c) {
+    return needed[node] ? unit * nodes(node, c) : 0.0;
+  };
+  double largest = 0;
+  for (int k = blocks.num_vertices(); k < blocks.num_nodes(); ++k)
+    for (int c = 0; c < 2; ++c)
+      largest = std::max(largest, std::abs(value(k, c)));
+  const int shift = FittingShift(largest, 127);
+  if (shift > static_cast<int>(RG_MAX_BEND_SHIFT)) return false;
+  table->section.bend_shift = static_cast<uint8_t>(shift);
+  for (int j = 0; j <= blocks.rows; ++j)
+    for (int i = 0; i <= blocks.columns; ++i)
+      for (const int bend : {blocks.LeftBend(i, j), blocks.UpperBend(i, j)})
+        for (int c = 0; c < 2; ++c)
+          table->bends.push_back(
+              static_cast<int8_t>(std::lround(value(bend, c) / (1 << shift))));
+  return true;
 }
 
 // q12 rounding of affine part and residuals with the smallest shift that lets
 // all residuals fit; false if none does.
-bool Quantize(const Blocks& blocks,
-              const std::vector<Eigen::Vector2d>& vertices, RemapTable* table) {
+bool QuantizeVertices(const Blocks& blocks, const Eigen::MatrixX2d& vertices,
+                      RemapTable* table) {
   const Eigen::Matrix<double, 3, 2> affine = FitAffine(blocks, vertices);
   const auto q12 = [](double value) {
     return static_cast<int32_t>(std::lround(value * kQ12));
@@ -209,7 +338,7 @@ bool Quantize(const Blocks& blocks,
   s.row_step_x_q12 = q12(affine(2, 0));
   s.row_step_y_q12 = q12(affine(2, 1));
 
-  const std::vector<bool> needed = NeededVertices(blocks);
+  const std::vector<bool> needed = NeededNodes(blocks);
   std::vector<double> residuals_q12;
   double largest = 0;
   for (int j = 0; j <= blocks.rows; ++j) {
@@ -224,15 +353,14 @@ bool Quantize(const Blocks& blocks,
       for (int c = 0; c < 2; ++c) {
         constexpr double kLimit = RG_VERTEX_LIMIT_Q12 - 4096;
         const double target =
-            needed[k] ? vertices[k][c] * kQ12 : std::clamp(base[c], 0.0, 1.0);
+            needed[k] ? vertices(k, c) * kQ12 : std::clamp(base[c], 0.0, 1.0);
         residuals_q12.push_back(std::clamp(target, -kLimit, kLimit) - base[c]);
         if (needed[k])
           largest = std::max(largest, std::abs(residuals_q12.back()));
       }
     }
   }
-  int shift = 0;
-  while (largest / (1 << shift) > 32766) ++shift;
+  const int shift = FittingShift(largest, 32766);
   if (shift > static_cast<int>(RG_MAX_RESIDUAL_SHIFT)) return false;
   s.residual_shift = static_cast<uint8_t>(shift);
   table->residuals.clear();
@@ -250,6 +378,7 @@ void FillFields(const CameraModel& camera, const VirtualCamera& virtual_camera,
   s.columns = static_cast<uint16_t>(blocks.columns + 1);
   s.rows = static_cast<uint16_t>(blocks.rows + 1);
   s.block_log2 = static_cast<uint8_t>(blocks.size_log2);
+  s.part_log2 = static_cast<uint8_t>(blocks.part_log2);
   const Area rectangle = SourceRectangle(camera);
   s.min_x_q12 = static_cast<int32_t>(std::ceil(rectangle.x0 * kQ12));
   s.min_y_q12 = static_cast<int32_t>(std::ceil(rectangle.y0 * kQ12));
@@ -270,6 +399,7 @@ void FillFields(const CameraModel& camera, const VirtualCamera& virtual_camera,
 std::vector<uint32_t> SectionWords(const RemapTable& table) {
   rg_remap_section section = table.section;
   section.empty_blocks = table.empty_blocks.data();
+  section.bends = table.bends.data();
   std::vector<uint32_t> words(rg_remap_section_size(&section) / 4);
   rg_write_remap(&section, table.residuals.data(),
                  reinterpret_cast<uint8_t*>(words.data()));
@@ -299,19 +429,21 @@ double MeasureError(const ExactMap& map, const Area& rectangle,
                     int num_threads) {
   const std::vector<uint32_t> words = SectionWords(table);
   const auto* section = reinterpret_cast<const uint8_t*>(words.data());
+  const int log2 = blocks.IsBent() ? blocks.part_log2 : blocks.size_log2;
+  const int part = 1 << log2;
   std::vector<double> worst(map.height, 0);
   ParallelFor(map.height, num_threads, [&](int y) {
-    const int j = y >> blocks.size_log2;
     rg_block_walk walk;
-    rg_start_walk(section, j, &walk);
-    for (int i = 0; i < blocks.columns; ++i) {
+    rg_start_walk(section, log2, log2, y >> log2, &walk);
+    for (int x0 = 0; x0 < map.width; x0 += part) {
       rg_block block;
       rg_block_row row;
       rg_next_block(&walk, &block);
-      if (!blocks.used[j * blocks.columns + i]) continue;
-      rg_find_block_row(&block, y & (blocks.size() - 1), &row);
-      const int x0 = i << blocks.size_log2;
-      for (int x = x0; x < std::min(x0 + blocks.size(), map.width); ++x) {
+      if (!blocks.used[(y >> blocks.size_log2) * blocks.columns +
+                       (x0 >> blocks.size_log2)])
+        continue;
+      rg_find_block_row(&block, y & (part - 1), &row);
+      for (int x = x0; x < std::min(x0 + part, map.width); ++x) {
         const rg_position p = rg_row_position(&row, x - x0);
         const Eigen::Vector2d position(p.q12[0] / kQ12, p.q12[1] / kQ12);
         worst[y] =
@@ -343,20 +475,27 @@ RemapTable FitRemapTable(const CameraModel& camera,
   const Area rectangle = SourceRectangle(camera);
   const ExactMap map = ComputeExactMap(camera, virtual_camera, num_threads);
   RemapTable table;
-  for (int size_log2 = 5; size_log2 >= 3; --size_log2) {
-    const Blocks blocks = CutBlocks(map, rectangle, size_log2);
+  double straight_error_px = 0;  // of straight blocks of 32, once known
+  for (const BlockLayout& layout : kLayouts) {
+    // Half the size has a quarter of the error: what is hopeless is skipped.
+    const double expected_px =
+        std::ldexp(straight_error_px, 2 * (layout.SmallestLog2() - 5));
+    if (expected_px > 2 * max_error_px && layout.block_log2 > 3) continue;
+    const Blocks blocks = CutBlocks(map, rectangle, layout);
     if (std::count(blocks.used.begin(), blocks.used.end(), true) == 0)
       throw Error(ExitCode::kUsage,
                   "the virtual camera sees nothing of the calibrated area; "
                   "check --hfov");
     FillFields(camera, virtual_camera, blocks, &table);
-    const std::vector<Eigen::Vector2d> vertices =
-        BalanceVertices(map, blocks, FitVertices(map, blocks));
-    if (!Quantize(blocks, vertices, &table)) continue;
+    const Eigen::MatrixX2d nodes =
+        BalanceNodes(map, blocks, FitNodes(map, blocks));
+    if (!QuantizeVertices(blocks, nodes, &table) ||
+        !QuantizeBends(blocks, nodes, &table))
+      continue;
     table.max_error_px =
         MeasureError(map, rectangle, blocks, table, num_threads);
-    // Half the size has a quarter of the error: a hopeless one is skipped.
-    if (size_log2 == 5 && table.max_error_px > 8 * max_error_px) --size_log2;
+    if (layout.block_log2 == 5 && layout.part_log2 == 0)
+      straight_error_px = table.max_error_px;
     if (table.max_error_px <= max_error_px) {
       table.section.bound_upx =
           static_cast<uint32_t>(std::min(max_error_px * 1e6, 4e9));

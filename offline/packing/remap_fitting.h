@@ -14,14 +14,16 @@ namespace raygrid {
 struct RemapTable {
   rg_remap_section section = {};
   std::vector<int16_t> residuals;
+  std::vector<int8_t> bends;  ///< four a vertex, or none
   std::vector<uint8_t> empty_blocks;
   double max_error_px = 0;  ///< over all output pixels, in the board's integers
 };
 
-/// The table with the largest blocks whose geometric error is at most
-/// max_error_px: the vertices are fitted to the exact positions of all pixels
-/// for about the least largest error, quantised, and then measured with the
-/// arithmetic of the runtime. Source positions outside the calibrated area
+/// The table with the largest parts of blocks, and of these the one with the
+/// fewest bytes, whose geometric error is at most max_error_px: vertices and
+/// bends are fitted to the exact positions of all pixels for about the least
+/// largest error, quantised, and then measured with the arithmetic of the
+/// runtime. Source positions outside the calibrated area
 /// become border. Throws Error(kQuality) if not even blocks of 8 keep the
 /// bound, Error(kUsage) if the images are too large for the format or the
 /// virtual camera sees nothing.

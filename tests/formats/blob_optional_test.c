@@ -11,7 +11,8 @@
 static uint8_t edited[sizeof(kWideBlob)] __attribute__((aligned(16)));
 
 /* A value of a field of the section of that type: in kNarrowBlob for the grid,
- * in kLinesBlob for line points, otherwise in kWideBlob. */
+ * in kBentBlob for a remap, in kLinesBlob for line points, otherwise in
+ * kWideBlob. */
 typedef struct field_value {
   const char* what;
   uint32_t type, offset, num_bytes, value;
@@ -52,6 +53,19 @@ static const field_value kValues[] = {
     {"rows lead too far", 2, 60, 4, 0x80000000, RG_ERR_CONTROL_POINT},
     {"largest residual", 2, 64, 2, 0x7fff, RG_OK},
 
+    {"bent blocks of 8", 3, 8, 1, 3, RG_ERR_REMAP_BLOCK},
+    {"bent blocks of 128", 3, 8, 1, 7, RG_ERR_REMAP_BLOCK},
+    {"bent blocks of 16 against the vertices", 3, 8, 1, 4, RG_ERR_REMAP_BLOCK},
+    {"parts of 4", 3, 10, 1, 2, RG_ERR_REMAP_BLOCK},
+    {"parts of 16", 3, 10, 1, 4, RG_OK},
+    {"parts as large as blocks", 3, 10, 1, 5, RG_ERR_REMAP_BLOCK},
+    {"parts larger than blocks", 3, 10, 1, 255, RG_ERR_REMAP_BLOCK},
+    {"shift of no bends", 3, 10, 1, 0, RG_ERR_RESERVED},
+    {"bends of a table without", 3, 10, 2, 0, RG_ERR_SECTION_SIZE},
+    {"bend shift 10", 3, 11, 1, 10, RG_OK},
+    {"bend shift 11", 3, 11, 1, 11, RG_ERR_REMAP_SHIFT},
+    {"any bends", 3, 84, 4, 0x807f807f, RG_OK},
+
     {"points in q29", 5, 0, 2, 29, RG_ERR_LINE_POINT},
     {"reserved field of the points", 5, 2, 2, 1, RG_ERR_RESERVED},
     {"points in the fields", 5, 4, 4, 4, RG_ERR_DATA_OFFSET},
@@ -82,12 +96,14 @@ static const field_value kValues[] = {
 
 static const uint8_t* blob_with(uint32_t type) {
   return type == RG_SECTION_LINE_POINTS    ? kLinesBlob
+         : type == RG_SECTION_REMAP        ? kBentBlob
          : type == RG_SECTION_CENTRAL_GRID ? kNarrowBlob
                                            : kWideBlob;
 }
 
 static uint32_t size_of_blob_with(uint32_t type) {
   return type == RG_SECTION_LINE_POINTS    ? sizeof(kLinesBlob)
+         : type == RG_SECTION_REMAP        ? sizeof(kBentBlob)
          : type == RG_SECTION_CENTRAL_GRID ? sizeof(kNarrowBlob)
                                            : sizeof(kWideBlob);
 }

@@ -16,8 +16,10 @@ typedef struct camera_parts {
   int32_t control_points[2 * 19 * 15];
   rg_remap_section remap;
   int16_t residuals[256];
+  int8_t bends[64];
   rg_remap_section second_remap;
   int16_t second_residuals[256];
+  int8_t second_bends[64];
   rg_remap_contents more_remaps[1];
   rg_quality_section quality;
   rg_inverse_section inverse;
@@ -36,9 +38,20 @@ static void copy_arrays(void) {
   const uint32_t num_points = 2u * parts.grid.columns * parts.grid.rows;
   for (uint32_t i = 0; i < num_points; ++i)
     parts.control_points[i] = rg_load_i32(parts.grid.control_points + 4 * i);
-  const uint32_t num_residuals = 2u * parts.remap.columns * parts.remap.rows;
-  for (uint32_t i = 0; i < num_residuals; ++i)
-    parts.residuals[i] = rg_load_i16(parts.remap.vertices + 2 * i);
+}
+
+static void take_remap(const uint8_t* section, rg_remap_section* remap,
+                       int16_t* residuals, int8_t* bends) {
+  rg_read_remap(section, remap);
+  const uint32_t count = (uint32_t)remap->columns * remap->rows;
+  const uint8_t* vertex = remap->vertices;
+  for (uint32_t i = 0; i < count; ++i) {
+    for (uint32_t c = 0; c < 2; ++c)
+      residuals[2 * i + c] = rg_load_i16(vertex + 2 * c);
+    if (remap->part_log2 != 0) memcpy(bends + 4 * i, vertex + 4, 4);
+    vertex += remap->part_log2 != 0 ? 8 : 4;
+  }
+  remap->bends = bends;
 }
 
 /* The plane and the residuals behind it. */
@@ -84,12 +97,8 @@ static void take_mask_and_uncertainty(const rg_blob* blob) {
 }
 
 static void take_second_remap(const uint8_t* section) {
-  rg_read_remap(section, &parts.second_remap);
-  const uint32_t count =
-      2u * parts.second_remap.columns * parts.second_remap.rows;
-  for (uint32_t i = 0; i < count; ++i)
-    parts.second_residuals[i] =
-        rg_load_i16(parts.second_remap.vertices + 2 * i);
+  take_remap(section, &parts.second_remap, parts.second_residuals,
+             parts.second_bends);
   parts.more_remaps[0].section = &parts.second_remap;
   parts.more_remaps[0].residuals = parts.second_residuals;
   parts.contents.more_remaps = parts.more_remaps;
@@ -102,7 +111,8 @@ static void take_apart(const uint8_t* bytes, uint32_t size) {
   rg_blob_camera(&blob, &parts.camera);
   rg_blob_grid(&blob, &parts.grid);
   memset(&parts.remap, 0, sizeof(parts.remap));
-  if (blob.remap) rg_read_remap(bytes + blob.remap, &parts.remap);
+  if (blob.remap)
+    take_remap(bytes + blob.remap, &parts.remap, parts.residuals, parts.bends);
   if (blob.quality) rg_blob_quality(&blob, &parts.quality);
   copy_arrays();
   const rg_blob_contents contents = {
@@ -143,6 +153,36 @@ static void narrow_grid_is_written_byte_for_byte(void** state) {
   assert_int_equal(rg_blob_write(&contents, written, sizeof(written)), RG_OK);
   assert_memory_equal(written, kNarrowBlob, sizeof(kNarrowBlob));
   narrow.residuals = NULL;
+  assert_int_equal(rg_blob_write(&contents, written, sizeof(written)),
+                   RG_ERR_ARGUMENT);
+}
+
+static void bent_tables_are_written_byte_for_byte(void** state) {
+  (void)state;
+  static int16_t residuals[sizeof(kBentBlob) / 2];
+  rg_blob blob;
+  assert_int_equal(rg_blob_open(kBentBlob, sizeof(kBentBlob), &blob), RG_OK);
+  rg_camera_section camera;
+  rg_grid_section grid;
+  rg_blob_camera(&blob, &camera);
+  rg_blob_grid(&blob, &grid);
+  rg_narrow_grid narrow;
+  take_narrow(grid.control_points, rg_load_u16(kBentBlob + blob.grid + 30),
+              2u * grid.columns * grid.rows, residuals, &narrow);
+  take_remap(kBentBlob + blob.remap, &parts.remap, parts.residuals,
+             parts.bends);
+  take_second_remap(rg_find_section(kBentBlob, RG_SECTION_REMAP, 1));
+  const rg_blob_contents contents = {.camera = &camera,
+                                     .grid = &grid,
+                                     .narrow = &narrow,
+                                     .remap = &parts.remap,
+                                     .residuals = parts.residuals,
+                                     .more_remaps = parts.more_remaps,
+                                     .num_more_remaps = 1};
+  assert_int_equal(rg_blob_size(&contents), sizeof(kBentBlob));
+  assert_int_equal(rg_blob_write(&contents, written, sizeof(written)), RG_OK);
+  assert_memory_equal(written, kBentBlob, sizeof(kBentBlob));
+  parts.second_remap.bends = NULL;
   assert_int_equal(rg_blob_write(&contents, written, sizeof(written)),
                    RG_ERR_ARGUMENT);
 }
@@ -378,6 +418,7 @@ static void grid_scale_is_rounded_down(void** state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       TEST(example_is_written_byte_for_byte),
+      TEST(bent_tables_are_written_byte_for_byte),
       TEST(lens_is_written_byte_for_byte),
       TEST(narrow_grid_is_written_byte_for_byte),
       TEST(wide_camera_is_written_byte_for_byte),

@@ -17,11 +17,10 @@ typedef struct golden_blob {
   uint32_t size;
 } golden_blob;
 
-static const golden_blob kBlobs[] = {{kExampleBlob, sizeof(kExampleBlob)},
-                                     {kLensBlob, sizeof(kLensBlob)},
-                                     {kNarrowBlob, sizeof(kNarrowBlob)},
-                                     {kWideBlob, sizeof(kWideBlob)},
-                                     {kLinesBlob, sizeof(kLinesBlob)}};
+static const golden_blob kBlobs[] = {
+    {kExampleBlob, sizeof(kExampleBlob)}, {kLensBlob, sizeof(kLensBlob)},
+    {kNarrowBlob, sizeof(kNarrowBlob)},   {kWideBlob, sizeof(kWideBlob)},
+    {kLinesBlob, sizeof(kLinesBlob)},     {kBentBlob, sizeof(kBentBlob)}};
 #define NUM_BLOBS (sizeof(kBlobs) / sizeof(kBlobs[0]))
 
 static uint32_t state;

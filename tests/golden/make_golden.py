@@ -149,6 +149,7 @@ class View:
     focal: float
     bound_upx: int
     source: tuple[float, float, float, float] | None = None  # or the area
+    part_log2: int = 0
 
     def ray(self, u: float, v: float) -> Ray:
         """Where the output pixel (u, v) looks."""
@@ -163,6 +164,8 @@ def make_remap(blob: reference.Blob, lens: Lens, view: View) -> reference.Remap:
     exact = [project(blob, lens, view.ray(block * i, block * j))
              for j in range(remap.rows) for i in range(remap.columns)]
     remap = with_vertices(remap, exact)
+    if view.part_log2 != 0:
+        remap = with_bends(blob, lens, view, remap)
     remap = dataclasses.replace(remap, empty_blocks=find_empty_blocks(remap))
     return dataclasses.replace(
         remap, max_error_upx=measure_error(blob, lens, view, remap))
@@ -194,6 +197,32 @@ def with_vertices(remap: reference.Remap,
         origin=(axes[0][0], axes[1][0]),
         column_step=(axes[0][1], axes[1][1]),
         row_step=(axes[0][2], axes[1][2]))
+
+
+def with_bends(blob: reference.Blob, lens: Lens, view: View,
+               remap: reference.Remap) -> reference.Remap:
+    """How far the middles of the edges to the left of each vertex and above it lie from the
+    straight line, with the smallest shift that lets all fit."""
+    block, parts = 1 << view.block_log2, 1 << view.block_log2 - view.part_log2
+
+    def exact(i: float, j: float) -> Point:
+        return project(blob, lens, view.ray(block * i, block * j))
+
+    def bend(i: int, j: int, di: int, dj: int) -> Point:
+        if i < di or j < dj:
+            return 0, 0
+        ends, middle = (exact(i - di, j - dj), exact(i, j)), exact(i - di / 2, j - dj / 2)
+        x, y = (4 / parts * Q12 * (middle[c] - (ends[0][c] + ends[1][c]) / 2) for c in (0, 1))
+        return x, y
+
+    values = [(*bend(i, j, 1, 0), *bend(i, j, 0, 1))
+              for j in range(remap.rows) for i in range(remap.columns)]
+    largest = max(abs(value) for vertex in values for value in vertex)
+    shift = max(0, math.ceil(math.log2(largest / 127)))
+    return dataclasses.replace(
+        remap, part_log2=view.part_log2, bend_shift=shift,
+        bends=tuple(tuple(round(value / (1 << shift)) for value in vertex)
+                    for vertex in values))
 
 
 def affine_fit(remap: reference.Remap,
@@ -290,6 +319,17 @@ def make_wide() -> reference.Blob:
     return dataclasses.replace(blob, inverse=make_inverse(blob, lens, (14, 11)),
                                remap=first, more_remaps=(second,), mask=make_mask(),
                                uncertainty=make_uncertainty())
+
+
+def make_bent(wide: reference.Blob) -> reference.Blob:
+    """The wide camera with control points of 16 bits and two tables with bends."""
+    blob = reference.Blob(wide.camera, narrow_grid(wide.grid))
+    views = (View(48, 36, block_log2=5, residual_shift=4, focal=9.0, bound_upx=4000000,
+                  source=(60.3, 40.7, 250.2, 190.9), part_log2=3),
+             View(48, 36, block_log2=6, residual_shift=6, focal=10.0, bound_upx=4000000,
+                  part_log2=4))
+    first, second = (make_remap(blob, WIDE_LENS, view) for view in views)
+    return dataclasses.replace(blob, remap=first, more_remaps=(second,))
 
 
 def make_mask() -> reference.Mask:
@@ -754,6 +794,15 @@ def header_lines(example: reference.Blob, lens: reference.Blob,
     yield from format_lines(wide)
     yield "};"
     yield ""
+    bent = make_bent(wide)
+    yield "/* The same camera with two tables with bends: version 1.4. */"
+    yield from blob_lines("kBentBlob", reference.serialize(bent))
+    for name, table in (("kBentFormatCrcs", bent.remap), ("kMoreBentFormatCrcs",
+                                                          bent.more_remaps[0])):
+        yield f"static const uint32_t {name}[][3] = {{"
+        yield from format_lines(dataclasses.replace(bent, remap=table, more_remaps=()))
+        yield "};"
+        yield ""
     yield "/* q29 chart positions, up to the limit. */"
     yield "static const golden_ray kChartRays[] = {"
     yield from chart_lines()

@@ -106,11 +106,13 @@ cv::Mat2f Positions(const uint8_t* section, const rg_lattice& lattice,
   const int width = output.width >> lattice.log2_x;
   const int height = output.height >> lattice.log2_y;
   cv::Mat2f positions(height, width);
-  const int log2_x = section[8] - lattice.log2_x;
-  const int log2_y = section[8] - lattice.log2_y;
+  const uint32_t part_log2[2] = {rg_part_log2(section, &lattice, 0),
+                                 rg_part_log2(section, &lattice, 1)};
+  const int log2_x = part_log2[0] - lattice.log2_x;
+  const int log2_y = part_log2[1] - lattice.log2_y;
   for (int y = 0; y < height; ++y) {
     rg_block_walk walk;
-    rg_start_walk(section, y >> log2_y, &walk);
+    rg_start_walk(section, part_log2[0], part_log2[1], y >> log2_y, &walk);
     rg_block_row row;
     for (int x = 0; x < width; ++x) {
       const int in_block = x & ((1 << log2_x) - 1);
@@ -122,8 +124,7 @@ cv::Mat2f Positions(const uint8_t* section, const rg_lattice& lattice,
       }
       const rg_position p = rg_row_position(&row, in_block);
       const bool valid =
-          !rg_remap_is_empty(section, x >> log2_x, y >> log2_y) &&
-          rg_is_between(&map.min, &map.max, &p);
+          !walk.is_empty && rg_is_between(&map.min, &map.max, &p);
       positions(y, x) = valid ? cv::Vec2f(p.q12[0] / 4096.f, p.q12[1] / 4096.f)
                               : cv::Vec2f(-1000, -1000);
     }
@@ -239,13 +240,15 @@ void RunView(const View& view, const ImageSize& size, Ratios* ratios) {
   const double fit_seconds = Now() - begin;
   rg_remap_section fields = table.section;
   fields.empty_blocks = table.empty_blocks.data();
+  fields.bends = table.bends.data();
   std::vector<uint32_t> words(rg_remap_section_size(&fields) / 4);
   auto* section = reinterpret_cast<uint8_t*>(words.data());
   rg_write_remap(&fields, table.residuals.data(), section);
   std::printf(
-      "%s, %d x %d: blocks of %d, %.4f bytes/px, error %.4f px, built in %.0f "
-      "ms\n",
+      "%s, %d x %d: blocks of %d, parts of %d, %.4f bytes/px, error %.4f px, "
+      "built in %.0f ms\n",
       view.name.c_str(), size.width, size.height, 1 << fields.block_log2,
+      1 << (fields.part_log2 != 0 ? fields.part_log2 : fields.block_log2),
       4.0 * words.size() / size.width / size.height, table.max_error_px,
       fit_seconds * 1e3);
 

@@ -77,6 +77,7 @@ static const table_style kStyles[] = {
 
 static int make_table(uint32_t style_index) {
   static int16_t residuals[2 * 32 * 32];
+  static int8_t bends[4 * 32 * 32];
   static uint8_t empty[128];
   const table_style* const style = &kStyles[style_index];
   rg_remap_section table;
@@ -90,6 +91,11 @@ static int make_table(uint32_t style_index) {
   table.width = (uint16_t)(2 * (1 + below(MAX_SIZE / 2)));
   table.height = (uint16_t)(2 * (1 + below(MAX_SIZE / 2)));
   table.block_log2 = (uint8_t)(3 + below(3));
+  if (below(2) != 0) {
+    table.block_log2 = (uint8_t)(4 + below(3));
+    table.part_log2 = (uint8_t)(3 + below(table.block_log2 - 3u));
+    table.bend_shift = (uint8_t)below(style->shake > 20000 ? 11 : 6);
+  }
   table.columns = (uint16_t)(((table.width - 1) >> table.block_log2) + 2);
   table.rows = (uint16_t)(((table.height - 1) >> table.block_log2) + 2);
   const int32_t last_x = (camera.width - 1) << 12;
@@ -114,6 +120,9 @@ static int make_table(uint32_t style_index) {
   if (style->shake > 20000) table.residual_shift = (uint8_t)below(9);
   for (uint32_t k = 0; k < 2u * table.columns * table.rows; ++k)
     residuals[k] = (int16_t)between(-style->shake, style->shake);
+  for (uint32_t k = 0; k < 4u * table.columns * table.rows; ++k)
+    bends[k] = (int8_t)between(-128, 127);
+  table.bends = bends;
   memset(empty, 0, sizeof(empty));
   const uint32_t num_blocks = (table.columns - 1u) * (table.rows - 1u);
   for (uint32_t k = 0; k < num_blocks; ++k)
@@ -142,10 +151,16 @@ typedef struct point {
   int64_t c[2];
 } point;
 
+static const uint8_t* vertex_bytes(uint32_t i, uint32_t j) {
+  rg_remap_section t;
+  rg_read_remap(SECTION, &t);
+  return t.vertices + (t.part_log2 == 0 ? 4 : 8) * (j * t.columns + i);
+}
+
 static point vertex(uint32_t i, uint32_t j) {
   rg_remap_section t;
   rg_read_remap(SECTION, &t);
-  const uint8_t* const residual = t.vertices + 4 * (j * t.columns + i);
+  const uint8_t* const residual = vertex_bytes(i, j);
   const point p = {
       {(int64_t)t.origin_x_q12 + (int64_t)i * t.column_step_x_q12 +
            (int64_t)j * t.row_step_x_q12 +
@@ -157,13 +172,57 @@ static point vertex(uint32_t i, uint32_t j) {
   return p;
 }
 
-/* Corner k of block (i, j), as the lattice has it. */
-static point corner(plane_lattice lattice, uint32_t i, uint32_t j, uint32_t k,
-                    uint32_t log2) {
-  const point here = vertex(i + (k & 1), j + (k >> 1));
-  const point left = vertex(i, j + (k >> 1)),
-              right = vertex(i + 1, j + (k >> 1));
-  const point top = vertex(i + (k & 1), j), bottom = vertex(i + (k & 1), j + 1);
+/* Of the edge that leads to vertex (i, j) from the left, or from above, with
+ * 2^n parts along it. */
+static point bend(uint32_t i, uint32_t j, int from_above, uint32_t n) {
+  const int8_t* const bytes =
+      (const int8_t*)(vertex_bytes(i, j) + (from_above ? 6 : 4));
+  const int64_t unit = (int64_t)1
+                       << (SECTION[11] + SECTION[8] - n - SECTION[10]);
+  const point p = {{bytes[0] * unit, bytes[1] * unit}};
+  return p;
+}
+
+static int64_t along(int64_t from, int64_t to, int64_t bend, int64_t k,
+                     uint32_t n) {
+  const int64_t rest = ((int64_t)1 << n) - k;
+  return from + rounded((to - from + bend * rest) * k, n);
+}
+
+/* Where the corner common to parts (i - 1, j - 1) and (i, j) comes from, with
+ * 2^n parts along a block's edge. */
+static point node(uint32_t i, uint32_t j, uint32_t n) {
+  if (SECTION[10] == 0) return vertex(i, j);
+  const uint32_t column = i == 0 ? 0 : (i - 1) >> n;
+  const uint32_t row = j == 0 ? 0 : (j - 1) >> n;
+  const uint32_t across = i - (column << n), down = j - (row << n);
+  point p;
+  for (int c = 0; c < 2; ++c) {
+    int64_t ends[2];
+    for (uint32_t k = 0; k < 2; ++k)
+      ends[k] =
+          along(vertex(column + k, row).c[c], vertex(column + k, row + 1).c[c],
+                bend(column + k, row + 1, 1, n).c[c], down, n);
+    const int64_t h = along(bend(column + 1, row, 0, n).c[c],
+                            bend(column + 1, row + 1, 0, n).c[c], 0, down, n);
+    p.c[c] = along(ends[0], ends[1], h, across, n);
+  }
+  return p;
+}
+
+/* log2 of a part's size in output pixels. */
+static uint32_t part_log2(plane_lattice lattice) {
+  if (SECTION[10] == 0) return SECTION[8];
+  return lattice.h == 1 && SECTION[10] == 3 ? 4 : SECTION[10];
+}
+
+/* Corner k of part (i, j), as the lattice has it. */
+static point corner(plane_lattice lattice, uint32_t i, uint32_t j, uint32_t k) {
+  const uint32_t log2 = part_log2(lattice), n = SECTION[8] - log2;
+  const uint32_t x = i + (k & 1), y = j + (k >> 1);
+  const point here = node(x, y, n);
+  const point left = node(i, y, n), right = node(i + 1, y, n);
+  const point top = node(x, j, n), bottom = node(x, j + 1, n);
   point q;
   for (int c = 0; c < 2; ++c)
     q.c[c] = rounded(here.c[c] +
@@ -175,23 +234,15 @@ static point corner(plane_lattice lattice, uint32_t i, uint32_t j, uint32_t k,
   return q;
 }
 
-/* Source position of pixel (x, y) of the lattice's output. */
-static point position(plane_lattice lattice, uint32_t x, uint32_t y,
-                      uint32_t log2) {
-  const uint32_t width_log2 = log2 - lattice.l;
-  const uint32_t i = x >> width_log2, j = y >> width_log2;
-  const uint32_t mask = (1u << width_log2) - 1;
-  const point q00 = corner(lattice, i, j, 0, log2);
-  const point q10 = corner(lattice, i, j, 1, log2);
-  const point q01 = corner(lattice, i, j, 2, log2);
-  const point q11 = corner(lattice, i, j, 3, log2);
+/* Source position of pixel (x, y) of a part of 2^log2 lattice pixels with these
+ * corners. */
+static point position(const point* q, uint32_t x, uint32_t y, uint32_t log2) {
   point p;
   for (int c = 0; c < 2; ++c) {
-    const int64_t left =
-        q00.c[c] + rounded((q01.c[c] - q00.c[c]) * (y & mask), width_log2);
+    const int64_t left = q[0].c[c] + rounded((q[2].c[c] - q[0].c[c]) * y, log2);
     const int64_t right =
-        q10.c[c] + rounded((q11.c[c] - q10.c[c]) * (y & mask), width_log2);
-    p.c[c] = left + (x & mask) * rounded(right - left, width_log2);
+        q[1].c[c] + rounded((q[3].c[c] - q[1].c[c]) * y, log2);
+    p.c[c] = left + x * rounded(right - left, log2);
   }
   return p;
 }
@@ -215,10 +266,15 @@ static void remap_plainly(plane_lattice lattice, const uint8_t* source,
                           (t.max_y_q12 - half) >> lattice.l};
   const int64_t last[2] = {(camera.width >> lattice.l) - 1,
                            (camera.height >> lattice.l) - 1};
+  point corners[4];
   for (uint32_t y = 0; y < (uint32_t)t.height >> lattice.l; ++y) {
     for (uint32_t x = 0; x < (uint32_t)t.width >> lattice.l; ++x) {
       uint8_t* const pixel = out + y * out_stride + n * x;
-      point p = position(lattice, x, y, t.block_log2);
+      const uint32_t part = part_log2(lattice) - lattice.l;
+      const uint32_t mask = (1u << part) - 1;
+      for (uint32_t k = 0; k < 4 && (x & mask) == 0; ++k)
+        corners[k] = corner(lattice, x >> part, y >> part, k);
+      point p = position(corners, x & mask, y & mask, part);
       const uint32_t log2 = t.block_log2 - lattice.l;
       const uint32_t block = (y >> log2) * (t.columns - 1u) + (x >> log2);
       const int is_empty = (t.empty_blocks[block / 8] >> block % 8) & 1;

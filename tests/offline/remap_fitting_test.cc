@@ -1,0 +1,165 @@
+#include "packing/remap_fitting.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <vector>
+
+#include "camera/opencv.h"
+#include "camera/thin_prism_fisheye.h"
+#include "packing/virtual_camera.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+constexpr ImageSize kSize = {1920, 1080};
+
+struct View {
+  const char* name;
+  std::shared_ptr<CameraModel> camera;
+  double hfov_deg;
+
+  VirtualCamera Virtual() const {
+    return MakeVirtualCamera(*camera, kSize, hfov_deg);
+  }
+};
+
+std::vector<View> Views() {
+  const double w = kSize.width;
+  const OpenCvModel::ParameterArray mild = {
+      0.7 * w, 0.7 * w, 967, 536, -0.3, 0.1, 0, 0, 0, 0, 7e-4, -4e-4};
+  const ThinPrismFisheye::ParameterArray wide = {
+      0.36 * w, 0.36 * w, 967, 536, -0.012, 0.008, -0.006, 0.001, 0, 0, 0, 0};
+  const Area area = WholeImage(kSize);
+  const auto fisheye = std::make_shared<ThinPrismFisheye>(kSize, area, wide);
+  return {{"mild", std::make_shared<OpenCvModel>(kSize, area, mild), 71},
+          {"fisheye to 108", fisheye, 108},
+          {"fisheye to 132", fisheye, 132}};
+}
+
+// formats/SPEC.md, "Bends" and "Remap arithmetic", in double precision.
+class PlainTable {
+ public:
+  explicit PlainTable(const RemapTable& table)
+      : table_(table), section_(table.section) {}
+
+  Eigen::Vector2d At(int x, int y) const {
+    const int block = 1 << section_.block_log2;
+    const int part = section_.part_log2 != 0 ? 1 << section_.part_log2 : block;
+    const int i = x / part * part, j = y / part * part;
+    const double u = static_cast<double>(x - i) / part;
+    const double v = static_cast<double>(y - j) / part;
+    return (Corner(i, j) * (1 - u) + Corner(i + part, j) * u) * (1 - v) +
+           (Corner(i, j + part) * (1 - u) + Corner(i + part, j + part) * u) * v;
+  }
+
+ private:
+  // Where the corner of parts at an output pixel comes from.
+  Eigen::Vector2d Corner(int x, int y) const {
+    const int block = 1 << section_.block_log2;
+    const int i = x / block, j = y / block;
+    const double u = static_cast<double>(x % block) / block;
+    const double v = static_cast<double>(y % block) / block;
+    const auto curve = [](double t) { return 4 * t * (1 - t); };
+    if (u == 0 && v == 0) return Vertex(i, j);
+    if (u == 0)
+      return (1 - v) * Vertex(i, j) + v * Vertex(i, j + 1) +
+             curve(v) * Bend(i, j + 1, 2);
+    const Eigen::Vector2d top = (1 - u) * Vertex(i, j) + u * Vertex(i + 1, j) +
+                                curve(u) * Bend(i + 1, j, 0);
+    if (v == 0) return top;
+    const Eigen::Vector2d bottom = (1 - u) * Vertex(i, j + 1) +
+                                   u * Vertex(i + 1, j + 1) +
+                                   curve(u) * Bend(i + 1, j + 1, 0);
+    return (1 - v) * top + v * bottom +
+           curve(v) * ((1 - u) * Bend(i, j + 1, 2) + u * Bend(i + 1, j + 1, 2));
+  }
+
+  Eigen::Vector2d Vertex(int i, int j) const {
+    const int k = 2 * (j * section_.columns + i);
+    const int unit = 1 << section_.residual_shift;
+    return Eigen::Vector2d(
+               section_.origin_x_q12 + i * section_.column_step_x_q12 +
+                   j * section_.row_step_x_q12 + table_.residuals[k] * unit,
+               section_.origin_y_q12 + i * section_.column_step_y_q12 +
+                   j * section_.row_step_y_q12 +
+                   table_.residuals[k + 1] * unit) /
+           4096;
+  }
+
+  // How far the middle of the edge that leads to a vertex from the left (0) or
+  // from above (2) lies off.
+  Eigen::Vector2d Bend(int i, int j, int first) const {
+    const int8_t* const bend =
+        &table_.bends[4 * (j * section_.columns + i) + first];
+    const int log2 =
+        section_.bend_shift + section_.block_log2 - section_.part_log2 - 2 - 12;
+    return {std::ldexp(bend[0], log2), std::ldexp(bend[1], log2)};
+  }
+
+  const RemapTable& table_;
+  const rg_remap_section& section_;
+};
+
+size_t BytesOf(const RemapTable& table) {
+  return rg_remap_section_size(&table.section);
+}
+
+TEST(FitRemapTable, KeepsThreeHundredthsOfAPixelInTwoHundredthsOfAByte) {
+  for (const View& view : Views()) {
+    const VirtualCamera target = view.Virtual();
+    const RemapTable table = FitRemapTable(*view.camera, target, 0.03, 0);
+    EXPECT_LE(table.max_error_px, 0.03) << view.name;
+    EXPECT_LE(BytesOf(table), 0.02 * kSize.width * kSize.height) << view.name;
+    std::printf(
+        "%s: blocks of %d, parts of %d, %.4f px, %.4f bytes/px\n", view.name,
+        1 << table.section.block_log2, 1 << table.section.part_log2,
+        table.max_error_px,
+        static_cast<double>(BytesOf(table)) / kSize.width / kSize.height);
+    // What was measured is true of pixels anywhere.
+    const PlainTable plain(table);
+    TestRandom random(3);
+    double worst = 0;
+    for (int k = 0; k < 20000; ++k) {
+      const Eigen::Vector2d at = random.PixelIn({0, 0, 1919, 1079});
+      const int x = static_cast<int>(at.x()), y = static_cast<int>(at.y());
+      const auto exact =
+          view.camera->Project(target.Direction({x, y}), nullptr, 0);
+      if (exact) worst = std::max(worst, (plain.At(x, y) - *exact).norm());
+    }
+    constexpr double kRounding = 0.002;
+    EXPECT_LT(worst, table.max_error_px + kRounding) << view.name;
+    EXPECT_GT(worst, table.max_error_px / 2) << view.name;
+  }
+}
+
+TEST(FitRemapTable, TighterBoundsTakeSmallerPartsAndAreKept) {
+  const View view = Views()[1];
+  int last = 64;
+  for (const double bound : {0.2, 0.05, 0.02, 0.01}) {
+    const RemapTable table =
+        FitRemapTable(*view.camera, view.Virtual(), bound, 0);
+    const rg_remap_section& section = table.section;
+    const int log2 =
+        section.part_log2 != 0 ? section.part_log2 : section.block_log2;
+    EXPECT_LE(table.max_error_px, bound);
+    EXPECT_LE(1 << log2, last);
+    last = 1 << log2;
+  }
+  EXPECT_EQ(last, 8);
+}
+
+TEST(FitRemapTable, GivesTheSameWithAnyNumberOfThreads) {
+  const View view = Views()[2];
+  const RemapTable one = FitRemapTable(*view.camera, view.Virtual(), 0.03, 1);
+  const RemapTable three = FitRemapTable(*view.camera, view.Virtual(), 0.03, 3);
+  EXPECT_EQ(one.residuals, three.residuals);
+  EXPECT_EQ(one.bends, three.bends);
+  EXPECT_EQ(one.max_error_px, three.max_error_px);
+}
+
+}  // namespace
+}  // namespace raygrid
