@@ -1,6 +1,6 @@
 #include "calibration/camera_result.h"
 
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <map>
 #include <set>
@@ -54,10 +54,11 @@ std::optional<Eigen::Vector3d> NormalOf(const Board& board) {
   for (size_t i = 0; i < board.points.size(); ++i)
     points.col(static_cast<Eigen::Index>(i)) = board.points[i];
   points.colwise() -= points.rowwise().mean().eval();
-  const Eigen::JacobiSVD<Eigen::Matrix3Xd> svd(points, Eigen::ComputeThinU);
-  const Eigen::Vector3d& extents = svd.singularValues();
-  if (extents[2] > kFlatPart * extents[0]) return std::nullopt;
-  return svd.matrixU().col(2);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
+      points * points.transpose());
+  const Eigen::Vector3d extents = solver.eigenvalues().cwiseMax(0).cwiseSqrt();
+  if (extents[0] > kFlatPart * extents[2]) return std::nullopt;
+  return solver.eigenvectors().col(0);
 }
 
 // Normals of all boards seen, in the camera's frame.

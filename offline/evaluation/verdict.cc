@@ -104,11 +104,10 @@ void JudgeImagesApart(const CalibrationFigures& figures, Verdict* verdict) {
 
 void JudgeUncertainty(const CalibrationFigures& figures, Verdict* verdict) {
   if (!figures.median_deviation_px) {
-    if (!figures.interrupted)
-      Warn(
-          "the images do not tell how well the camera is known; take more, "
-          "tilted all ways",
-          verdict);
+    Warn(
+        "the images do not tell how well the camera is known; take more, "
+        "tilted all ways",
+        verdict);
     return;
   }
   const double median_px = *figures.median_deviation_px;
@@ -185,8 +184,7 @@ void JudgeNeighbors(const CalibrationFigures& figures, Verdict* verdict) {
 
 void JudgeHeldOutError(const CalibrationFigures& figures, Verdict* verdict) {
   if (!figures.held_out) {
-    if (!figures.interrupted)
-      Warn("no held-out error: too few images to hold some out", verdict);
+    Warn("no held-out error: too few images to hold some out", verdict);
     return;
   }
   const double held_out = figures.held_out->median_px;
@@ -219,10 +217,13 @@ double PartOfImage(const Area& area, const ImageSize& size) {
 
 Verdict JudgeCalibration(const CalibrationFigures& figures) {
   Verdict verdict = {"pass", {}};
-  for (const auto judge :
-       {JudgeConvergence, JudgeNumberOfImages, JudgeArea, JudgeViews,
-        JudgeSides, JudgeImagesApart, JudgeUncertainty, JudgeFoldOver,
-        JudgeRejectedImages, JudgeNeighbors, JudgeHeldOutError, JudgeOverfit})
+  for (const auto judge : {JudgeConvergence, JudgeNumberOfImages, JudgeArea,
+                           JudgeViews, JudgeSides, JudgeRejectedImages})
+    judge(figures, &verdict);
+  // Errors of a state on its way say nothing.
+  if (figures.interrupted) return verdict;
+  for (const auto judge : {JudgeImagesApart, JudgeUncertainty, JudgeFoldOver,
+                           JudgeNeighbors, JudgeHeldOutError, JudgeOverfit})
     judge(figures, &verdict);
   return verdict;
 }

@@ -75,6 +75,7 @@ TEST(Verdict, AnInterruptedCalibrationSaysOnlyThat) {
   CalibrationFigures figures = GoodFigures();
   figures.converged = false;
   figures.interrupted = true;
+  figures.neighbor_correlation = 0.9;
   figures.held_out.reset();
   figures.median_deviation_px.reset();
   figures.trusted_part.reset();
