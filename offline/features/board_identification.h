@@ -7,19 +7,10 @@
 #include "appearance/board_appearance.h"
 #include "features/detection.h"
 #include "features/feature_lattice.h"
+#include "features/lattice_placement.h"
 #include "features/tag_detection.h"
 
 namespace raygrid {
-
-/// Where a lattice of stars lies on a board: turned by quarters, then moved.
-struct LatticePlacement {
-  int board = 0;  ///< its number among those asked about
-  int quarter_turns = 0;
-  int column = 0, row = 0;  ///< of the lattice's place (0, 0)
-
-  Eigen::Vector2i OnBoard(int lattice_column, int lattice_row) const;
-  Eigen::Vector2d OnLattice(const Eigen::Vector2d& on_board) const;
-};
 
 /// A star board with its tags' cells.
 struct TaggedBoard {

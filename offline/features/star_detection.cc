@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "features/board_identification.h"
+#include "features/board_layout.h"
 #include "features/feature_refinement.h"
 #include "features/loose_lattice.h"
 #include "features/star_growth.h"
@@ -32,6 +33,12 @@ struct StarBoard {
 
 using StarBoards = std::vector<std::unique_ptr<StarBoard>>;
 using LooseFinders = std::map<int, std::unique_ptr<LooseLatticeFinder>>;
+
+bool IsOnABoard(const DetectedTag& tag, const StarBoards& boards) {
+  return std::any_of(boards.begin(), boards.end(), [&](const auto& star) {
+    return !SeenTagsOf(star->board(), {tag}).empty();
+  });
+}
 
 // One image: what is found on each board, by ever more effort.
 class Search {
@@ -73,6 +80,11 @@ class Search {
   // Whether there may be more than what is found.
   bool SeesOtherStars() const {
     return !IsComplete() && candidates_.size() >= kMinCandidates;
+  }
+  bool SeesUnknownTag() const {
+    return std::any_of(tags_.begin(), tags_.end(), [&](const auto& tag) {
+      return !IsOnABoard(tag, boards_);
+    });
   }
   // The one with more stars is right.
   void Put(size_t board, std::unique_ptr<StarGrowth> growth) {
@@ -120,12 +132,32 @@ class Search {
       const auto lattices = finder.Find(image_, &candidates_);
       if (lattices.empty()) return;
       for (const FeatureLattice& lattice : lattices) {
-        const auto placement = IdentifyBoard(image_, lattice, tags_, tagged);
+        auto placement = IdentifyBoard(image_, lattice, tags_, tagged);
+        if (!placement && missing.size() == 1)
+          placement = PlaceOnTheOnlyOneLeft(missing[0], lattice);
         if (!placement) continue;
         GrowFromLattice(missing[placement->board], lattice, *placement);
         break;
       }
     }
+  }
+
+  // Beside all others of its stars a board of theirs is the one that is left,
+  // whatever is seen of its tags.
+  std::optional<LatticePlacement> PlaceOnTheOnlyOneLeft(
+      size_t b, const FeatureLattice& lattice) const {
+    std::vector<Feature> others;
+    for (const auto& growth : growths_) {
+      if (!growth || !growth->IsSound()) continue;
+      const std::vector<Feature> found = growth->lattice().Features();
+      others.insert(others.end(), found.begin(), found.end());
+    }
+    if (others.empty() || SeesUnknownTag()) return std::nullopt;
+    const Board& board = boards_[b]->board();
+    const auto placement = PlaceByLayout(image_, lattice, board);
+    if (!placement || LieOnBoard(others, lattice, *placement, board))
+      return std::nullopt;
+    return placement;
   }
 
   void GrowFromLattice(size_t b, const FeatureLattice& lattice,
@@ -191,9 +223,7 @@ std::vector<std::string> StarDetector::Data::UnknownTags(
     const std::vector<DetectedTag>& tags) const {
   std::vector<std::string> unknown;
   for (const DetectedTag& tag : tags)
-    if (std::none_of(boards.begin(), boards.end(), [&](const auto& star) {
-          return !SeenTagsOf(star->board(), {tag}).empty();
-        }))
+    if (!IsOnABoard(tag, boards))
       unknown.push_back(
           fmt::format("tag {} is on no board of the pattern", tag.id));
   return unknown;
