@@ -18,8 +18,9 @@ constexpr int kMaxBeyond = 2;       // squares from a star
 constexpr double kMinContrast = 8;  // grey levels
 // Of the parts that a placement tells, wrong; and of those not on stars.
 constexpr double kMaxWrong = 0.1, kMaxWrongBesideStars = 0.15;
-// In how many parts a placement must be right where another is wrong.
-constexpr int kMinMoreRight = 24;
+// In how many parts, and of how many squares, a placement must be right where
+// another is wrong.
+constexpr int kMinMoreRight = 12, kMinSquaresRight = 2;
 constexpr double kMaxWrongWhereRivalIsRight = 0.15;
 
 // The middle of a part, from that of its square.
@@ -233,13 +234,18 @@ Verdicts VerdictsOf(const LatticePlacement& placement,
   return verdicts;
 }
 
-bool Refutes(const Verdicts& a, const Verdicts& b) {
-  int num_a = 0, num_b = 0;
-  for (size_t i = 0; i < a.of_parts.size(); ++i) {
-    num_a += a.of_parts[i] > 0 && b.of_parts[i] < 0;
+bool Refutes(const Verdicts& a, const Verdicts& b,
+             const std::vector<SeenPart>& seen) {
+  int num_a = 0, num_b = 0, num_squares = 0;
+  const Eigen::Vector2i* last_square = nullptr;
+  for (size_t i = 0; i < seen.size(); ++i) {
     num_b += a.of_parts[i] < 0 && b.of_parts[i] > 0;
+    if (a.of_parts[i] <= 0 || b.of_parts[i] >= 0) continue;
+    ++num_a;
+    num_squares += !last_square || *last_square != seen[i].place;
+    last_square = &seen[i].place;
   }
-  return num_a - num_b >= kMinMoreRight &&
+  return num_a - num_b >= kMinMoreRight && num_squares >= kMinSquaresRight &&
          num_b <= kMaxWrongWhereRivalIsRight * (num_a + num_b);
 }
 
@@ -264,7 +270,7 @@ std::optional<LatticePlacement> PlaceByLayout(const GreyImage& image,
                                      });
   if (!best->IsPlausible()) return std::nullopt;
   for (const Verdicts& rival : verdicts)
-    if (&rival != &*best && !Refutes(*best, rival)) return std::nullopt;
+    if (&rival != &*best && !Refutes(*best, rival, seen)) return std::nullopt;
   return placements[best - verdicts.begin()];
 }
 

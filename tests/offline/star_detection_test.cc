@@ -6,7 +6,6 @@
 #include <map>
 #include <utility>
 
-#include "features/board_identification.h"
 #include "features/feature_detection.h"
 #include "features/tag_detection.h"
 #include "simulation/image_rendering.h"
@@ -548,84 +547,6 @@ TEST(StarDetector, FindsTheSameTwice) {
     EXPECT_EQ(first[i].column, second[i].column);
     EXPECT_EQ(first[i].row, second[i].row);
     EXPECT_EQ(first[i].pixel, second[i].pixel);
-  }
-}
-
-// A drawing of a board, and the lattice of its stars.
-class Drawing {
- public:
-  static constexpr int kSpacingPx = 20;
-
-  // Pixels left of the given one are not in the image.
-  Drawing(const Board& board, int first_pixel)
-      : board_(board), lattice_board_(board), lattice_(Lattice()) {
-    const BoardAppearance appearance(board);
-    image_.size = {board.columns * kSpacingPx - first_pixel,
-                   board.rows * kSpacingPx};
-    for (int y = 0; y < image_.size.height; ++y)
-      for (int x = 0; x < image_.size.width; ++x)
-        image_.levels.push_back(
-            appearance.IsBlack(board.square_m / kSpacingPx *
-                               Eigen::Vector2d(x + first_pixel + 0.3, y + 0.4))
-                ? 30
-                : 200);
-    for (int row = 0; row < board.rows; ++row)
-      for (int column = 0; column < board.columns; ++column)
-        if (board.HasFeature(column, row) && column * kSpacingPx >= first_pixel)
-          lattice_.Set(column + kShift, row + kShift,
-                       {column * kSpacingPx - first_pixel - 0.3,
-                        row * kSpacingPx - 0.4});
-  }
-
-  std::optional<LatticePlacement> IdentifyAmong(const Board& board) const {
-    const TaggedBoard tagged(board);
-    return IdentifyBoard(image_, lattice_, {}, {&tagged});
-  }
-  // Whether a placement is the true one.
-  static bool IsTrue(const LatticePlacement& placement) {
-    return placement.quarter_turns == 0 && placement.column == -kShift &&
-           placement.row == -kShift;
-  }
-
- private:
-  static constexpr int kShift = 7;
-
-  FeatureLattice Lattice() {
-    lattice_board_.tags.clear();
-    lattice_board_.columns = lattice_board_.rows = 40;
-    return FeatureLattice(lattice_board_);
-  }
-
-  Board board_, lattice_board_;
-  FeatureLattice lattice_;
-  GreyImage image_;
-};
-
-// The tag of StarPattern() begins at column 6 and is 4 squares wide.
-TEST(IdentifyBoard, IsSureWhileHalfOfTheTagIsSeen) {
-  const Board board = StarPattern().boards[0];
-  for (int first_pixel = 0; first_pixel <= 16 * Drawing::kSpacingPx / 2;
-       first_pixel += 10) {
-    const auto placement = Drawing(board, first_pixel).IdentifyAmong(board);
-    ASSERT_TRUE(placement.has_value()) << first_pixel;
-    EXPECT_TRUE(Drawing::IsTrue(*placement)) << first_pixel;
-  }
-}
-
-TEST(IdentifyBoard, SaysNothingWhereLittleOfTheTagIsSeen) {
-  const Board board = StarPattern().boards[0];
-  for (int first_pixel = 180; first_pixel < 260; first_pixel += 5)
-    EXPECT_FALSE(Drawing(board, first_pixel).IdentifyAmong(board).has_value())
-        << first_pixel;
-}
-
-TEST(IdentifyBoard, TakesNoOtherTagForTheBoards) {
-  for (const int first_pixel : {0, 130, 150, 160}) {
-    const Drawing drawing(StarPattern().boards[0], first_pixel);
-    for (int tag = 1; tag < 587; tag += 12)
-      EXPECT_FALSE(
-          drawing.IdentifyAmong(StarPattern(16, tag).boards[0]).has_value())
-          << first_pixel << " " << tag;
   }
 }
 
