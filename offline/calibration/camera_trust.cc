@@ -53,20 +53,32 @@ int CountNear(const std::vector<int>& counts, const TrustMask& mask, int cell) {
   return sum;
 }
 
+// Whether no deviation in a cell is larger: those of its corners, between which
+// they are bilinear, or nearest to them in the area.
+bool IsKnown(const DeviationLattice& lattice, const Area& area,
+             const TrustMask& mask, int cell, double max_deviation_px) {
+  const Eigen::Vector2d center = mask.CellCenter(cell);
+  const double half = mask.cell_px / 2.0;
+  for (const double dy : {-half, half}) {
+    for (const double dx : {-half, half}) {
+      const Eigen::Vector2d corner(
+          std::clamp(center.x() + dx, area.x0, area.x1),
+          std::clamp(center.y() + dy, area.y0, area.y1));
+      if (!(lattice.At(area, corner) <= max_deviation_px)) return false;
+    }
+  }
+  return true;
+}
+
 TrustMask MaskOf(const Adjusted& adjusted, int camera,
                  const DeviationLattice& lattice, double max_deviation_px) {
   const CameraModel& model = *adjusted.state.cameras[camera];
-  const Area& area = model.area();
   TrustMask mask = TrustMask::Over(model.image_size());
   const std::vector<int> counts = CountFeatures(adjusted, camera, mask);
-  for (int cell = 0; cell < mask.columns * mask.rows; ++cell) {
-    const Eigen::Vector2d center = mask.CellCenter(cell);
-    const Eigen::Vector2d nearest(std::clamp(center.x(), area.x0, area.x1),
-                                  std::clamp(center.y(), area.y0, area.y1));
-    const bool is_known = lattice.At(area, nearest) <= max_deviation_px;
+  for (int cell = 0; cell < mask.columns * mask.rows; ++cell)
     mask.is_trusted[cell] =
-        is_known && CountNear(counts, mask, cell) >= kMinFeatures;
-  }
+        IsKnown(lattice, model.area(), mask, cell, max_deviation_px) &&
+        CountNear(counts, mask, cell) >= kMinFeatures;
   return mask;
 }
 
@@ -130,9 +142,11 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
                             noise_px, adjusted.state, camera, size, &joint_px2);
   DeviationLattice seen = {size.columns, size.rows, {}}, total = seen;
   for (const PixelUncertainty& pixel : pixels) {
-    seen.deviation_px.push_back(WorseDeviation(
-        pixel.noise_px2 + pixel.smoothing_px * pixel.smoothing_px.transpose()));
-    total.deviation_px.push_back(WorseDeviation(pixel.total_px2));
+    const double seen_px = WorseDeviation(
+        pixel.noise_px2 + pixel.smoothing_px * pixel.smoothing_px.transpose());
+    seen.deviation_px.push_back(seen_px);
+    total.deviation_px.push_back(
+        std::max(WorseDeviation(pixel.total_px2), seen_px));
   }
   if (!std::isfinite(total.MedianPx())) return std::nullopt;
   CameraUncertainty uncertainty;

@@ -76,6 +76,7 @@ TEST(Accuracy, HundredImagesGiveTheTrueRays) {
       "%.4f px\n",
       error, Quantile(errors, 1), deviation);
   EXPECT_LE(Quantile(errors, 1), 0.1);
+  EXPECT_LE(Quantile(deviations, 1), known.max_deviation_px);
   // One draw of the noise: the few smooth directions that are known least do
   // not average out.
   EXPECT_LE(error, 2 * deviation);
