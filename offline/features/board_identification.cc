@@ -11,9 +11,9 @@
 namespace raygrid {
 namespace {
 
-// That a board of none of the tags looks so: seven cells, as far as the stars
-// leave two placements.
-constexpr double kMaxByChance = 1e-2;
+// That a board of none of the tags looks so: nine cells, as far as the stars
+// leave one placement.
+constexpr double kMaxByChance = 2e-3;
 // Of another placement, where there is doubt.
 constexpr double kMaxRivalByChance = 5e-2;
 constexpr double kRivalOverBest = 1e4;  // will do too

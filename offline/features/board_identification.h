@@ -24,9 +24,10 @@ struct TaggedBoard {
 /// Tells from the cells of tags, wholly or partly in the image, on which board
 /// a lattice of stars lies and where; nothing unless all of these hold:
 ///   - its stars lie where the board has some,
-///   - the tags' white margins and black borders are as they must be,
+///   - the tags' white margins and black borders are as they must be, near the
+///     stars at least,
 ///   - the cells of their codes that are seen would agree as well by chance
-///     once in 10,000 times, all placements with a tag there counted,
+///     once in 500 times, all placements with a tag there counted,
 ///   - no other placement agrees nearly as well.
 /// Detected tags help to see where cells are.
 std::optional<LatticePlacement> IdentifyBoard(

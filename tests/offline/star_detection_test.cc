@@ -550,6 +550,43 @@ TEST(StarDetector, FindsTheSameTwice) {
   }
 }
 
+// Board 0, and the left end of board 1 with the first two of ten columns of its
+// tag's cells: none of its code.
+GreyImage BoardBesideAnEnd() {
+  const auto camera = SimulatedLens("pinhole", kSize);
+  const Pattern pattern = TwoBoards();
+  const BoardSurface left(pattern.boards[0]), right(pattern.boards[1]);
+  return WithNoise(RenderImage(PixelRays(*camera, kThreads),
+                               {{&left, UprightAt(*camera, {50, 80})},
+                                {&right, UprightAt(*camera, {545, 100})}},
+                               ImagingOptions(), kThreads),
+                   1);
+}
+
+TEST(StarDetector, NamesTheOnlyBoardLeftByItsLayout) {
+  std::map<int, int> counts;
+  for (const Feature& f :
+       StarDetector(TwoBoards(), {}).Detect(BoardBesideAnEnd()).features) {
+    ++counts[f.board];
+    EXPECT_LE(f.column, f.board == 0 ? 9 : 3);
+  }
+  EXPECT_EQ(counts[0], 10 * 12 - 5 * 5);
+  EXPECT_EQ(counts[1], 4 * 12 - 5);
+}
+
+TEST(StarDetector, NamesNoneOfSeveralBoardsThatAreLeft) {
+  const Pattern three = PatternOf(BoardYaml(0, 10, 12, 16, 0, 3, 4) +
+                                  BoardYaml(1, 10, 12, 16, 1, 3, 4) +
+                                  BoardYaml(2, 10, 12, 16, 2, 3, 4));
+  const Pattern without_the_other =
+      PatternOf(BoardYaml(1, 10, 12, 16, 1, 3, 4));
+  const GreyImage image = BoardBesideAnEnd();
+  for (const Feature& f : StarDetector(three, {}).Detect(image).features)
+    EXPECT_EQ(f.board, 0);
+  EXPECT_TRUE(
+      StarDetector(without_the_other, {}).Detect(image).features.empty());
+}
+
 TEST(StarDetector, FindsStarsOfABoardWhoseTagIsCutOff) {
   const auto camera = SimulatedLens("pinhole", kSize);
   const BoardSurface surface(StarPattern().boards[0]);
