@@ -19,6 +19,9 @@ namespace {
 // Fewer places that look like stars are no board.
 constexpr size_t kMinCandidates = 8;
 constexpr int kMaxLooseLattices = 3;
+// Places where a star was sought in vain, for each that was found: with more it
+// is not believed; with fewer it may still have lost its way at an image's rim.
+constexpr double kMaxInVain = 0.25, kMaxInVainIfFound = 0.05;
 
 struct StarBoard {
   StarBoard(const Board& board, const DetectionOptions& options)
@@ -55,9 +58,8 @@ class Search {
     GrowFromTags(DetectTags(image_, TagSearch::kQuick));
     if (IsComplete()) return;
     candidates_ = FindStarCandidates(image_);
-    for (const auto& growth : growths_)
-      if (growth && growth->IsSound())
-        RemoveExplained(growth->lattice(), &candidates_);
+    for (size_t b = 0; b < boards_.size(); ++b)
+      if (IsFound(b)) RemoveExplained(growths_[b]->lattice(), &candidates_);
     for (const auto& [segments, finder] : finders_)
       GrowFromLooseLattices(segments, *finder);
     if (SeesOtherStars() && !IsQuickSearchThorough(image_.size))
@@ -70,7 +72,10 @@ class Search {
 
  private:
   bool IsFound(size_t board) const {
-    return growths_[board] && growths_[board]->IsSound();
+    return growths_[board] && growths_[board]->IsSound(kMaxInVainIfFound);
+  }
+  bool IsSeen(size_t board) const {
+    return growths_[board] && growths_[board]->IsSound(kMaxInVain);
   }
   bool IsComplete() const {
     for (size_t b = 0; b < boards_.size(); ++b)
@@ -133,8 +138,7 @@ class Search {
       if (lattices.empty()) return;
       for (const FeatureLattice& lattice : lattices) {
         auto placement = IdentifyBoard(image_, lattice, tags_, tagged);
-        if (!placement && missing.size() == 1)
-          placement = PlaceOnTheOnlyOneLeft(missing[0], lattice);
+        if (!placement) placement = PlaceOnTheOnlyOneLeft(lattice, missing);
         if (!placement) continue;
         GrowFromLattice(missing[placement->board], lattice, *placement);
         break;
@@ -145,18 +149,25 @@ class Search {
   // Beside all others of its stars a board of theirs is the one that is left,
   // whatever is seen of its tags.
   std::optional<LatticePlacement> PlaceOnTheOnlyOneLeft(
-      size_t b, const FeatureLattice& lattice) const {
+      const FeatureLattice& lattice, const std::vector<size_t>& missing) const {
+    const auto is_left = [&](size_t b) { return !IsSeen(b); };
+    const auto left = std::find_if(missing.begin(), missing.end(), is_left);
+    if (left == missing.end() ||
+        std::find_if(left + 1, missing.end(), is_left) != missing.end() ||
+        SeesUnknownTag())
+      return std::nullopt;
     std::vector<Feature> others;
-    for (const auto& growth : growths_) {
-      if (!growth || !growth->IsSound()) continue;
-      const std::vector<Feature> found = growth->lattice().Features();
+    for (size_t b = 0; b < boards_.size(); ++b) {
+      if (!IsSeen(b)) continue;
+      const std::vector<Feature> found = growths_[b]->lattice().Features();
       others.insert(others.end(), found.begin(), found.end());
     }
-    if (others.empty() || SeesUnknownTag()) return std::nullopt;
-    const Board& board = boards_[b]->board();
-    const auto placement = PlaceByLayout(image_, lattice, board);
+    if (others.empty()) return std::nullopt;
+    const Board& board = boards_[*left]->board();
+    auto placement = PlaceByLayout(image_, lattice, board);
     if (!placement || LieOnBoard(others, lattice, *placement, board))
       return std::nullopt;
+    placement->board = static_cast<int>(left - missing.begin());
     return placement;
   }
 
