@@ -16,8 +16,12 @@ static void find_ring(const rg_image* image, remap_job* job) {
       (uint16_t)((first - rg_remainder(first, image->ring_rows)) >> log2);
 }
 
-static void remap_lattice(const uint8_t* section, const rg_image* image,
-                          const rg_target* target, const rg_lattice* lattice) {
+/* Functions of their own, this one and the checks, so that their stacks do not
+ * add up. */
+static RG_NOINLINE void remap_lattice(const uint8_t* section,
+                                      const rg_image* image,
+                                      const rg_target* target,
+                                      const rg_lattice* lattice) {
   const uint32_t plane = lattice->plane;
   const uint32_t stride = image->planes[plane].stride;
   const uint32_t out_stride = target->planes[plane].stride;
@@ -79,9 +83,11 @@ static void find_plane(const rg_lattice* lattice, const uint8_t* data,
   plane->num_rows = (num_rows >> lattice->log2_y) * lattice->row_step;
 }
 
-static int is_overlapping(const uint8_t* section, const rg_image* image,
-                          const rg_target* target, const rg_lattice* lattices,
-                          uint32_t num_lattices) {
+static RG_NOINLINE int is_overlapping(const uint8_t* section,
+                                      const rg_image* image,
+                                      const rg_target* target,
+                                      const rg_lattice* lattices,
+                                      uint32_t num_lattices) {
   const uint32_t source_rows =
       image->ring_rows != 0 ? image->ring_rows : image->height;
   rg_plane written, other;
@@ -127,12 +133,12 @@ rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
   return RG_OK;
 }
 
-rg_status rg_remap(const rg_camera* camera, const rg_image* image,
-                   const rg_target* target) {
+static RG_NOINLINE rg_status check_frames(const rg_camera* camera,
+                                          const rg_image* image,
+                                          const rg_target* target,
+                                          const rg_lattice* lattices,
+                                          uint32_t num_lattices) {
   const uint8_t* const section = camera->remap;
-  if (!section) return RG_ERR_NO_REMAP;
-  const rg_lattice* lattices = 0;
-  const uint32_t num_lattices = rg_format_lattices(image->format, &lattices);
   if (num_lattices == 0 || (uint32_t)target->border > RG_BORDER_KEEP ||
       (uint32_t)target->sampling > RG_SAMPLING_NEAREST ||
       (target->border == RG_BORDER_CLAMP && image->ring_rows != 0))
@@ -148,9 +154,18 @@ rg_status rg_remap(const rg_camera* camera, const rg_image* image,
     return RG_ERR_ROWS;
   if (is_overlapping(section, image, target, lattices, num_lattices))
     return RG_ERR_OVERLAP;
-  const rg_status status = check_ring(camera, image, target);
+  return check_ring(camera, image, target);
+}
+
+rg_status rg_remap(const rg_camera* camera, const rg_image* image,
+                   const rg_target* target) {
+  if (!camera->remap) return RG_ERR_NO_REMAP;
+  const rg_lattice* lattices = 0;
+  const uint32_t num_lattices = rg_format_lattices(image->format, &lattices);
+  const rg_status status =
+      check_frames(camera, image, target, lattices, num_lattices);
   if (status != RG_OK) return status;
   for (uint32_t k = 0; k < num_lattices; ++k)
-    remap_lattice(section, image, target, &lattices[k]);
+    remap_lattice(camera->remap, image, target, &lattices[k]);
   return RG_OK;
 }

@@ -3,8 +3,10 @@
 #include "planes.h"
 #include "remap_blocks.h"
 
-rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
-                        const rg_band* band) {
+/* A function of its own, so that its stack does not add up with the rest. */
+static RG_NOINLINE rg_status check_grey_frames(const rg_camera* camera,
+                                               const rg_frame* frame,
+                                               const rg_band* band) {
   const uint8_t* const section = camera->remap;
   if (!section) return RG_ERR_NO_REMAP;
   if (frame->width != camera->width || frame->height != camera->height ||
@@ -16,7 +18,14 @@ rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
                            frame->height};
   const rg_plane written = {band->data, band->stride, rg_load_u16(section),
                             band->num_rows};
-  if (rg_do_planes_overlap(&source, &written)) return RG_ERR_OVERLAP;
+  return rg_do_planes_overlap(&source, &written) ? RG_ERR_OVERLAP : RG_OK;
+}
+
+rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
+                        const rg_band* band) {
+  const rg_status status = check_grey_frames(camera, frame, band);
+  if (status != RG_OK) return status;
+  const uint8_t* const section = camera->remap;
   const uint16_t border = band->border;
   remap_job job;
   job.map.section = section;
@@ -33,6 +42,7 @@ rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
   job.run.stride = frame->stride;
   job.run.out_stride = band->stride;
   job.run.first_source_row = 0;
-  remap_rows(&job, band->first_row, end_row, band->data);
+  remap_rows(&job, band->first_row, (uint32_t)band->first_row + band->num_rows,
+             band->data);
   return RG_OK;
 }

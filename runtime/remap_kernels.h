@@ -10,6 +10,7 @@
 #include <arm_acle.h>
 #endif
 
+#include "fixed_point.h"
 #include "pixel_formats.h"
 #include "raygrid.h"
 #include "remap_table.h"
@@ -22,8 +23,8 @@ extern "C" {
  * diagonal neighbours, lie in the image. */
 typedef struct rg_run {
   const uint8_t* data; /* row 0 of the source is first_source_row */
-  uint8_t* out;        /* row first_row of the output, from its left end */
   uint32_t stride, out_stride;
+  uint8_t* out;       /* row first_row of the output, from its left end */
   uint32_t out_pixel; /* first_pixel of the block, in the output's row */
   rg_block block;
   uint16_t first_source_row;
@@ -44,19 +45,22 @@ static inline void rg_find_run_row(const rg_run* run, uint32_t r,
 #define RG_SPARE_Q12 (2 * 4096)
 #define RG_MIN_STRIDE 32u
 
+/* What pixels of the block's upper (0) and lower (1) edge are apart. Steps of
+ * rows lie between these but for rounding, which is less than 2. */
+static inline int32_t rg_edge_step(const rg_run* run, uint32_t k, int c) {
+  const rg_position* const edge = run->block.corners + 2 * k;
+  return (edge[1].q12[c] - edge[0].q12[c]) >> run->block.width_log2;
+}
+
 /* Whether any so many neighbouring pixels of a run, and their own neighbours,
  * lie in windows of a number of pixels that start at the first one, on two
- * rows. Steps of rows lie between those of the first and the last but for
- * rounding, which is less than 2. */
+ * rows. */
 static inline int rg_fits_windows(const rg_run* run, uint32_t num_pixels,
                                   uint32_t window_pixels) {
   const int32_t steps = (int32_t)num_pixels - 1;
   const int32_t room = (int32_t)(window_pixels - 1) * 4096 - 4112;
   for (uint32_t k = 0; k < 2; ++k) {
-    rg_block_row row;
-    rg_find_block_row(&run->block,
-                      run->first_row + (k == 0 ? 0 : run->num_rows - 1u), &row);
-    const int32_t x = row.step.q12[0], y = row.step.q12[1];
+    const int32_t x = rg_edge_step(run, k, 0), y = rg_edge_step(run, k, 1);
     if (x < 2 || x > 16384 || (x + 2) * steps > room || y < -8192 || y > 8192 ||
         (y + 2) * steps > 4096 || (y - 2) * steps < -4096)
       return 0;
@@ -69,12 +73,9 @@ static inline int rg_fits_windows(const rg_run* run, uint32_t num_pixels,
 static inline int rg_fits_offsets(const rg_run* run, uint32_t num_pixels,
                                   uint32_t channels) {
   for (uint32_t k = 0; k < 2; ++k) {
-    rg_block_row row;
-    rg_find_block_row(&run->block,
-                      run->first_row + (k == 0 ? 0 : run->num_rows - 1u), &row);
     uint32_t beyond[2]; /* pixels that the last one is away at most */
     for (int c = 0; c < 2; ++c) {
-      const int32_t step = row.step.q12[c];
+      const int32_t step = rg_edge_step(run, k, c);
       const uint32_t size = (uint32_t)(step < 0 ? -step : step) + 2;
       const uint32_t last_q12 = (num_pixels - 1) * size + 4111;
       if (size > 65536 || last_q12 > 65535) return 0;
@@ -127,22 +128,26 @@ static inline uint32_t rg_even_bytes(uint32_t bytes) {
 static inline uint32_t rg_odd_bytes(uint32_t bytes) {
 #if defined(__ARM_FEATURE_SIMD32)
   uint32_t odd = bytes; /* the compiler would rotate first */
-  __asm__("uxtb16 %0, %0, ror #8" : "+r"(odd));
+  __asm__("uxtb16 %0, %1, ror #8" : "=r"(odd) : "r"(odd));
   return odd;
 #else
   return (bytes >> 8) & 0x00ff00ff;
 #endif
 }
 
-/* 7-bit weights across, 12-bit weights down, both roundings in one. Arguments
- * hold the upper row's samples in the low half, the lower row's in the high. */
-static inline uint32_t rg_blend_8(uint32_t left, uint32_t right, uint32_t x_q12,
-                                  uint32_t y_q12) {
+/* What both roundings of a blended pixel of 8 bits are together. */
+#define RG_ROUNDING_8 UINT32_C(0x407ff)
+
+/* 7-bit weights across, 12-bit weights down, both roundings in one. Samples are
+ * the upper row's in the low half, the lower row's in the high. Bits above the
+ * lowest 8 are those above 27 of the rounding. */
+static RG_INLINE uint32_t rg_blend_8(uint32_t left, uint32_t right,
+                                     uint32_t x_q12, uint32_t y_q12,
+                                     uint32_t rounding) {
   const uint32_t wx_q7 = (x_q12 >> 5) & 127;
   const uint32_t wy_q12 = y_q12 & 4095;
   /* h0 below and h1 above 16 bits */
   const uint32_t h_q7 = (right - left) * wx_q7 + (left << 7);
-  const uint32_t rounding = 0x407ff;
 #if defined(__ARM_FEATURE_SIMD32)
   /* h0 (4096 - wy) + h1 wy: one instruction */
   uint32_t factor = 65535, one = 4096;
@@ -185,7 +190,8 @@ static inline uint32_t rg_blend_samples(uint32_t kind, const uint8_t* upper,
   const uint32_t p10 = rg_load_sample(kind, lower, index);
   const uint32_t p11 = rg_load_sample(kind, lower, index + right);
   if (kind == RG_SAMPLE_8)
-    return rg_blend_8(p00 | p10 << 16, p01 | p11 << 16, x_q12, y_q12);
+    return rg_blend_8(p00 | p10 << 16, p01 | p11 << 16, x_q12, y_q12,
+                      RG_ROUNDING_8);
   return rg_blend_16(p00, p01, p10, p11, (x_q12 >> 4) & 255,
                      (y_q12 >> 4) & 255);
 }

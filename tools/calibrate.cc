@@ -78,7 +78,13 @@ void PrintSummary(const CalibrateArguments& arguments,
         "{:.4f} px (RMS)\n",
         *result.measured_again_rms_px);
   PrintFigures("training", *result.camera.training);
-  if (result.camera.held_out) PrintFigures("held out", *result.camera.held_out);
+  if (result.camera.held_out) {
+    PrintFigures("held out", *result.camera.held_out);
+    if (result.cross_validated) fmt::print("            by cross-validation\n");
+  }
+  if (result.bias_kl && result.noise_bias_kl)
+    fmt::print("  bias (KL divergence) {:.3f}, of pure noise {:.3f}\n",
+               *result.bias_kl, *result.noise_bias_kl);
   if (result.camera.uncertainty)
     PrintUncertainty(*result.camera.uncertainty, *result.camera.camera);
   if (result.line_spread)

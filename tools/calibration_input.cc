@@ -35,6 +35,9 @@ Measurements Measure(const std::vector<std::string>& paths,
   for (const SkippedImage& skipped : detection.skipped)
     fmt::print(stderr, "raygrid: skipped {}: {}\n", skipped.path,
                skipped.reason);
+  if (!common.quiet)
+    for (const std::string& remark : SummarizeRemarks(detection))
+      fmt::print(stderr, "raygrid: {}\n", remark);
   return {std::move(detection.dataset), std::move(detection.paths)};
 }
 

@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/parallel_for.h"
 #include "features/detection_pictures.h"
 #include "features/feature_detection.h"
 #include "progress_bar.h"
@@ -50,6 +51,11 @@ void WarnOfSkipped(const FolderDetection& found) {
                skipped.reason);
 }
 
+void WarnOfRemarks(const FolderDetection& found) {
+  for (const std::string& remark : SummarizeRemarks(found))
+    fmt::print(stderr, "raygrid: {}\n", remark);
+}
+
 int NumWithFeatures(const FolderDetection& found) {
   int count = 0;
   for (const ImageDetection& image : found.images)
@@ -64,27 +70,15 @@ size_t NumRejected(const FolderDetection& found) {
   return count;
 }
 
-// What images without a board say, and how many say it.
-std::string WhatWasSeen(const FolderDetection& found) {
-  std::map<std::string, int> times;
-  for (const ImageDetection& image : found.images) {
-    for (const std::string& remark : image.remarks) ++times[remark];
-    if (!image.rejected.empty())
-      ++times["features rejected: " + image.rejected[0].reason];
-  }
-  std::string seen;
-  for (const auto& [remark, count] : times)
-    seen += fmt::format("; {} ({} images)", remark, count);
-  return seen;
-}
-
 void RequireFeatures(const FolderDetection& found, const Arguments& arguments) {
   if (NumWithFeatures(found) > 0) return;
-  throw Error(
-      ExitCode::kTooFew,
-      fmt::format("no board found in any of {} images{}; check kind, "
-                  "columns and rows (feature points) in {}",
-                  found.images.size(), WhatWasSeen(found), arguments.pattern));
+  std::string seen;
+  for (const std::string& remark : SummarizeRemarks(found))
+    seen += "; " + remark;
+  throw Error(ExitCode::kTooFew,
+              fmt::format("no board found in any of {} images{}; check kind, "
+                          "columns and rows (feature points) in {}",
+                          found.images.size(), seen, arguments.pattern));
 }
 
 // "a.jpg" and "a.png" may both be there.
@@ -94,13 +88,17 @@ std::string OverlayName(const std::string& path) {
 }
 
 void AddOverlays(const Arguments& arguments, const FolderDetection& found,
-                 OutputFiles* files) {
+                 int num_threads, OutputFiles* files) {
   const fs::path folder = arguments.overlay;
-  for (size_t i = 0; i < found.paths.size(); ++i)
-    files->Add(
-        (folder / OverlayName(found.paths[i])).string(),
-        EncodePng(DrawDetection(MakeGreyImage(ReadGreyLevels(found.paths[i])),
-                                found.images[i])));
+  const int count = static_cast<int>(found.paths.size());
+  std::vector<std::string> pictures(count);
+  ParallelFor(count, NumThreads(num_threads), [&](int i) {
+    pictures[i] = EncodePng(DrawDetection(
+        MakeGreyImage(ReadGreyLevels(found.paths[i])), found.images[i]));
+  });
+  for (int i = 0; i < count; ++i)
+    files->Add((folder / OverlayName(found.paths[i])).string(),
+               std::move(pictures[i]));
   files->Add((folder / "coverage.png").string(),
              EncodePng(DrawCoverage(found.dataset)));
 }
@@ -116,6 +114,12 @@ std::string FormatJson(const FolderDetection& found, double seconds) {
     json["skipped"].push_back(
         {{"image", fs::path(skipped.path).filename().string()},
          {"reason", skipped.reason}});
+  json["without_features"] = nlohmann::ordered_json::array();
+  for (size_t i = 0; i < found.images.size(); ++i)
+    if (found.images[i].features.empty())
+      json["without_features"].push_back(
+          {{"image", found.dataset.images[i].image},
+           {"remarks", found.images[i].remarks}});
   json["seconds"] = seconds;
   return json.dump(2, ' ', false,
                    nlohmann::ordered_json::error_handler_t::replace);
@@ -127,19 +131,23 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
   WarnOfSkipped(found);
   OutputFiles overlays;
   if (!arguments.overlay.empty()) {
-    AddOverlays(arguments, found, &overlays);
+    AddOverlays(arguments, found, common.threads, &overlays);
     overlays.Commit();  // they show why nothing was found, too
   }
   RequireFeatures(found, arguments);
+  if (!common.quiet) WarnOfRemarks(found);
   WriteFile(arguments.output, FormatFeatures(found.dataset));
   const std::chrono::duration<double> seconds =
       std::chrono::steady_clock::now() - start;
   if (common.json)
     fmt::print("{}\n", FormatJson(found, seconds.count()));
   else if (!common.quiet)
-    fmt::print("{} features in {} of {} images ({} rejected): {}\n",
-               found.dataset.num_features(), NumWithFeatures(found),
-               found.images.size(), NumRejected(found), arguments.output);
+    fmt::print(
+        "{} features in {} of {} images ({} skipped, {} features rejected): "
+        "{}\n",
+        found.dataset.num_features(), NumWithFeatures(found),
+        found.images.size() + found.skipped.size(), found.skipped.size(),
+        NumRejected(found), arguments.output);
 }
 
 void AddDetectionOptions(CLI::App* command, Arguments* arguments) {

@@ -102,10 +102,13 @@ void WriteForPrint(const std::vector<Board>& boards,
   if (common.json)
     fmt::print("{}\n", FormatJson(yaml, {{"ruler_mm", sheets.ruler_mm}}));
   else if (!common.quiet)
-    fmt::print(
-        "pattern.yaml, and {} page(s) as PDF, SVG and PNG, in {}; print at "
-        "100 % and check that both rulers are {} mm long\n",
-        sheets.boards.size(), options.output, sheets.ruler_mm);
+    fmt::print("pattern.yaml, and {} page(s) as PDF, SVG and PNG, in {}; {}\n",
+               sheets.boards.size(), options.output,
+               options.measured_x_mm != 0
+                   ? "pattern.yaml holds the board as measured on the print"
+                   : fmt::format("print at 100 % and check that both rulers "
+                                 "are {} mm long",
+                                 sheets.ruler_mm));
 }
 
 void AddOutputOptions(CLI::App* command, OutputOptions* options) {

@@ -331,13 +331,20 @@ void AddCameraOptions(CLI::App* command, Arguments* arguments) {
                       "pattern.yaml (default: a chessboard); several boards "
                       "are rendered side by side; without --render the first "
                       "is observed");
+  CLI::Option* const lens =
+      command
+          ->add_option("--lens", arguments->lens,
+                       "pinhole, example, wide, fisheye, fisheye190, "
+                       "noncentral, glass")
+          ->capture_default_str();
+  CLI::Option* const size =
+      command->add_option("--size", arguments->size, "of images, WxH")
+          ->capture_default_str();
   command
-      ->add_option("--lens", arguments->lens,
-                   "pinhole, example, wide, fisheye, fisheye190, noncentral, "
-                   "glass")
-      ->capture_default_str();
-  command->add_option("--camera", arguments->camera,
-                      "camera.yaml or blob, instead of --lens");
+      ->add_option("--camera", arguments->camera,
+                   "camera.yaml or blob, instead of --lens and --size")
+      ->excludes(lens)
+      ->excludes(size);
   command
       ->add_option("--cameras", arguments->cameras,
                    "of one kind on a rig, in a row, cam0 first; each image "
@@ -349,8 +356,6 @@ void AddCameraOptions(CLI::App* command, Arguments* arguments) {
       ->add_option("--baseline-m", arguments->baseline_m,
                    "between neighbouring cameras")
       ->check(CLI::Range(0.0, 100.0))
-      ->capture_default_str();
-  command->add_option("--size", arguments->size, "of images, WxH")
       ->capture_default_str();
 }
 

@@ -165,6 +165,10 @@ ImageDetection AprilGridLocator::Locate(const GreyImage& image) const {
   if (seen.size() == 0 && !tags.empty())
     located.remarks.push_back(
         fmt::format("tag {} is not on board {}", tags[0].id, data_->board.id));
+  if (fitting.size() == 0 &&
+      data_->Constellation(FindTags(Mirrored(image))).Consistent().size() > 0)
+    located.remarks.push_back(
+        fmt::format("board {} is seen mirrored", data_->board.id));
   return located;
 }
 

@@ -75,8 +75,15 @@ struct CharucoLocator::Data {
   FeatureLattice FindCorners(const GreyImage& image,
                              const MarkerConstellation& markers,
                              const CornerGrowth& drawn) const;
+  int NumConsistentMarkers(const GreyImage& image) const;
   double pitch_m() const { return M_SQRT2 * board.square_m; }
 };
+
+int CharucoLocator::Data::NumConsistentMarkers(const GreyImage& image) const {
+  return MarkerConstellation(markers, pitch_m(), FindMarkers(image))
+      .Consistent()
+      .size();
+}
 
 std::vector<SeenMarker> CharucoLocator::Data::FindMarkers(
     const GreyImage& image) const {
@@ -157,6 +164,11 @@ ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
           ->FindCorners(image, markers,
                         is_other ? data_->other_growth : data_->growth)
           .Features();
+  constexpr int kFewMarkers = 4;
+  if (markers.size() < kFewMarkers &&
+      data_->NumConsistentMarkers(Mirrored(image)) > markers.size())
+    located.remarks.push_back(
+        fmt::format("board {} is seen mirrored", board.id));
   return located;
 }
 

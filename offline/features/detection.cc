@@ -1,5 +1,6 @@
 #include "features/detection.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -28,6 +29,17 @@ GreyImage MakeGreyImage(const Image& image) {
             : 0.114f * pixel[0] + 0.587f * pixel[1] + 0.299f * pixel[2];
   }
   return MakeGreyImage(std::move(grey));
+}
+
+GreyImage Mirrored(GreyImage image) {
+  const int width = image.size.width;
+  for (int row = 0; row < image.size.height; ++row) {
+    const auto level = image.levels.begin() + row * width;
+    const auto byte = image.bytes.begin() + row * width;
+    std::reverse(level, level + width);
+    std::reverse(byte, byte + width);
+  }
+  return image;
 }
 
 }  // namespace raygrid

@@ -38,6 +38,9 @@ struct GreyImage {
 GreyImage MakeGreyImage(const Image& image);
 GreyImage MakeGreyImage(GreyLevels grey);
 
+/// Left and right exchanged.
+GreyImage Mirrored(GreyImage image);
+
 struct RejectedFeature {
   Feature feature;
   std::string reason;  ///< a few words

@@ -243,6 +243,27 @@ FolderDetection Collect(const std::vector<std::string>& paths,
 
 }  // namespace
 
+std::vector<std::string> SummarizeRemarks(const FolderDetection& folder) {
+  std::map<std::string, std::pair<int, std::string>> seen;  // count, first
+  for (size_t i = 0; i < folder.images.size(); ++i) {
+    const ImageDetection& image = folder.images[i];
+    std::vector<std::string> remarks = image.remarks;
+    if (image.features.empty() && !image.rejected.empty())
+      remarks.push_back("features rejected: " + image.rejected[0].reason);
+    for (const std::string& remark : remarks) {
+      auto& [count, first] = seen[remark];
+      if (count++ == 0) first = FileName(folder.paths[i]);
+    }
+  }
+  std::vector<std::string> summary;
+  for (const auto& [remark, where] : seen)
+    summary.push_back(where.first == 1
+                          ? fmt::format("{} ({})", remark, where.second)
+                          : fmt::format("{} ({} images, first {})", remark,
+                                        where.first, where.second));
+  return summary;
+}
+
 FolderDetection DetectFeatures(const std::vector<std::string>& image_paths,
                                const Pattern& pattern,
                                const DetectionOptions& options,

@@ -39,6 +39,10 @@ struct FolderDetection {
   std::vector<SkippedImage> skipped;   ///< damaged, or of another size
 };
 
+/// What was noticed in images, and why those without a board have none: each
+/// with the number of its images and the name of the first.
+std::vector<std::string> SummarizeRemarks(const FolderDetection& folder);
+
 /// Detects the pattern in all images; told how much is done. Images without a
 /// board have no features. Without a cache, pass nullptr. The size of most
 /// images is the size of all. Throws InputError: no image that can be read, no

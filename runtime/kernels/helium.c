@@ -5,44 +5,47 @@
 
 #include <arm_mve.h>
 
+#include "fixed_point.h"
 #include "remap_kernels.h"
 
 #define INLINE static inline __attribute__((always_inline))
 
 #define LANES 8
 
-/* Rows of a run, one after the other. */
-typedef struct row_steps {
-  int32x4_t top;  /* P00, P10 */
-  int32x4_t down; /* (P01 - P00) r, (P11 - P10) r */
-  int32x4_t height, minus_height_log2;
-} row_steps;
+#define ROWS 4
 
-INLINE row_steps first_row(const rg_run* run) {
-  const rg_block* const block = &run->block;
-  const int32_t origin[4] = {0, run->first_source_row << 12, 0,
-                             run->first_source_row << 12};
-  row_steps rows;
-  rows.top = vldrwq_s32(block->corners[0].q12);
-  rows.height = vsubq_s32(vldrwq_s32(block->corners[2].q12), rows.top);
-  rows.down = vmulq_n_s32(rows.height, run->first_row);
-  rows.top = vsubq_s32(rows.top, vldrwq_s32(origin));
-  rows.minus_height_log2 = vdupq_n_s32(-(int32_t)block->height_log2);
-  return rows;
+/* Some rows of a run at once: where the least x and y of a first segment lie,
+ * and how far these are from its first lane. */
+typedef struct row_group {
+  int32_t x[ROWS], y[ROWS], step_x[ROWS], step_y[ROWS], back[ROWS], up[ROWS];
+} row_group;
+
+/* One coordinate of rows from row r of the block on. */
+INLINE void find_rows(const rg_run* run, int c, uint32_t r, int32_t origin,
+                      int32_t* start, int32_t* steps, int32_t* to_least) {
+  const rg_position* const p = run->block.corners;
+  const int32_t shift = -(int32_t)run->block.height_log2;
+  const int32x4_t row = vreinterpretq_s32_u32(vidupq_n_u32(r, 1));
+  int32x4_t down = vmulq_n_s32(row, p[2].q12[c] - p[0].q12[c]);
+  const int32x4_t left =
+      vaddq_n_s32(vrshlq_n_s32(down, shift), p[0].q12[c] - origin);
+  down = vmulq_n_s32(row, p[3].q12[c] - p[1].q12[c]);
+  const int32x4_t right =
+      vaddq_n_s32(vrshlq_n_s32(down, shift), p[1].q12[c] - origin);
+  const int32x4_t step =
+      vrshlq_n_s32(vsubq_s32(right, left), -(int32_t)run->block.width_log2);
+  const int32x4_t back =
+      vminq_s32(vmulq_n_s32(step, LANES - 1), vdupq_n_s32(0));
+  vstrwq_s32(start, vaddq_s32(vmlaq_n_s32(left, step, run->first_pixel), back));
+  vstrwq_s32(steps, step);
+  vstrwq_s32(to_least, back);
 }
 
-INLINE void next_row(const rg_run* run, row_steps* rows, rg_block_row* row) {
-  /* left, right = top + round((bottom - top) r, height_log2) */
-  const int32x4_t edges =
-      vaddq_s32(rows->top, vrshlq_s32(rows->down, rows->minus_height_log2));
-  rows->down = vaddq_s32(rows->down, rows->height);
-  const int32_t left[2] = {vgetq_lane_s32(edges, 0), vgetq_lane_s32(edges, 1)};
-  const int32_t right[2] = {vgetq_lane_s32(edges, 2), vgetq_lane_s32(edges, 3)};
-  for (int c = 0; c < 2; ++c) {
-    row->step.q12[c] =
-        rg_round_shift(right[c] - left[c], run->block.width_log2);
-    row->start.q12[c] = left[c] + run->first_pixel * row->step.q12[c];
-  }
+static RG_NOINLINE void find_row_group(const rg_run* run, uint32_t r,
+                                       row_group* rows) {
+  find_rows(run, 0, r, -16, rows->x, rows->step_x, rows->back);
+  find_rows(run, 1, r, run->first_source_row << 12, rows->y, rows->step_y,
+            rows->up);
 }
 
 /* One row of samples across, times 128. */
@@ -81,61 +84,83 @@ INLINE void blend_segment(const uint8_t* base, uint32_t stride,
   }
 }
 
-/* What rows have in common, in registers. */
-typedef struct run_constants {
-  const uint8_t* data;
-  uint32_t stride, num_pixels;
-} run_constants;
-
-INLINE void blend_row(const run_constants* run, const rg_block_row* row,
+/* Row k of a group. */
+INLINE void blend_row(const rg_run* run, const row_group* rows, uint32_t k,
                       uint32_t channels, uint8_t* out) {
-  const int32_t step_x = row->step.q12[0], step_y = row->step.q12[1];
-  /* To the least x and y of a segment. */
-  const int32_t back = step_x < 0 ? (LANES - 1) * step_x : 0;
-  const int32_t up = step_y < 0 ? (LANES - 1) * step_y : 0;
+  const uint8_t* const data = run->data;
+  const uint32_t stride = run->stride;
+  const uint32_t num_pixels = run->num_pixels;
+  const uint32_t step_x = (uint32_t)rows->step_x[k];
+  const uint32_t step_y = (uint32_t)rows->step_y[k];
+  uint32_t x = (uint32_t)rows->x[k], y = (uint32_t)rows->y[k];
   const uint16x8_t lane = vidupq_n_u16(0, 1);
   const uint16x8_t lanes_x =
-      vsubq_n_u16(vmulq_n_u16(lane, (uint16_t)step_x), (uint16_t)back);
+      vsubq_n_u16(vmulq_n_u16(lane, (uint16_t)step_x), (uint16_t)rows->back[k]);
   const uint16x8_t lanes_y =
-      vsubq_n_u16(vmulq_n_u16(lane, (uint16_t)step_y), (uint16_t)up);
-  uint32_t x = (uint32_t)(row->start.q12[0] + 16 + back);
-  uint32_t y = (uint32_t)(row->start.q12[1] + up);
-  uint8_t* const last = out + (run->num_pixels - LANES) * channels;
+      vsubq_n_u16(vmulq_n_u16(lane, (uint16_t)step_y), (uint16_t)rows->up[k]);
+  uint8_t* const last = out + (num_pixels - LANES) * channels;
   /* The second segment may begin within the first. */
-  uint32_t pixels = run->num_pixels % LANES;
-  if (pixels == 0) pixels = LANES;
+  uint32_t pixels = (num_pixels - 1) % LANES + 1;
   for (;;) {
     const uint8_t* const base =
-        run->data + (y >> 12) * run->stride + (x >> 12) * channels;
-    blend_segment(base, run->stride, channels,
+        data + (y >> 12) * stride + (x >> 12) * channels;
+    blend_segment(base, stride, channels,
                   vaddq_n_u16(lanes_x, (uint16_t)(x & 4095)),
                   vaddq_n_u16(lanes_y, (uint16_t)(y & 4095)), out);
     if (out == last) return;
     out += pixels * channels;
-    x += pixels * (uint32_t)step_x;
-    y += pixels * (uint32_t)step_y;
+    x += pixels * step_x;
+    y += pixels * step_y;
     pixels = LANES;
   }
 }
 
-INLINE void blend(const rg_run* run, uint32_t channels, rg_blend* portable) {
+/* Functions of their own, so that their loops have all registers. */
+typedef void blend_one_row(const rg_run* run, const row_group* rows, uint32_t k,
+                           uint8_t* out);
+#define ROW_OF(channels)                                                    \
+  static RG_NOINLINE void blend_row_##channels##_helium(                    \
+      const rg_run* run, const row_group* rows, uint32_t k, uint8_t* out) { \
+    blend_row(run, rows, k, channels, out);                                 \
+  }
+ROW_OF(1)
+ROW_OF(2)
+ROW_OF(3)
+ROW_OF(4)
+
+INLINE void blend(const rg_run* run, uint32_t channels, blend_one_row* blend_k,
+                  rg_blend* portable) {
   if (run->num_pixels < LANES || !rg_fits_offsets(run, LANES, channels)) {
     portable(run);
     return;
   }
-  const run_constants constants = {run->data, run->stride, run->num_pixels};
-  row_steps rows = first_row(run);
   uint8_t* out = run->out + run->out_pixel * channels;
-  for (uint32_t r = run->num_rows; r != 0; --r, out += run->out_stride) {
-    rg_block_row row;
-    next_row(run, &rows, &row);
-    blend_row(&constants, &row, channels, out);
-  }
+  uint32_t r = run->first_row, rest = run->num_rows;
+  do {
+    const uint32_t num_rows = rest < ROWS ? rest : ROWS;
+    row_group rows;
+    uint32_t k = 0;
+    find_row_group(run, r, &rows);
+    do {
+      blend_k(run, &rows, k, out);
+      out += run->out_stride;
+    } while (++k != num_rows);
+    r += num_rows;
+    rest -= num_rows;
+  } while (rest != 0);
 }
 
-void rg_blend_1_helium(const rg_run* run) { blend(run, 1, rg_blend_1); }
-void rg_blend_2_helium(const rg_run* run) { blend(run, 2, rg_blend_2); }
-void rg_blend_3_helium(const rg_run* run) { blend(run, 3, rg_blend_3); }
-void rg_blend_4_helium(const rg_run* run) { blend(run, 4, rg_blend_4); }
+void rg_blend_1_helium(const rg_run* run) {
+  blend(run, 1, blend_row_1_helium, rg_blend_1);
+}
+void rg_blend_2_helium(const rg_run* run) {
+  blend(run, 2, blend_row_2_helium, rg_blend_2);
+}
+void rg_blend_3_helium(const rg_run* run) {
+  blend(run, 3, blend_row_3_helium, rg_blend_3);
+}
+void rg_blend_4_helium(const rg_run* run) {
+  blend(run, 4, blend_row_4_helium, rg_blend_4);
+}
 
 #endif

@@ -33,13 +33,13 @@ typedef struct row_steps {
   int32x4_t down; /* (P01 - P00) r, (P11 - P10) r */
   int32x4_t height;
   int32x4_t minus_height_log2;
-  int32x2_t minus_width_log2, first_pixel;
+  int32x2_t minus_width_log2;
 } row_steps;
 
 INLINE row_steps first_row(const rg_run* run) {
   const rg_block* const block = &run->block;
-  const int32_t origin[4] = {0, run->first_source_row << 12, 0,
-                             run->first_source_row << 12};
+  const int32_t first_y = run->first_source_row << 12;
+  const int32_t origin[4] = {-16, first_y, -16, first_y};
   row_steps rows;
   rows.top = vld1q_s32(block->corners[0].q12);
   rows.height = vsubq_s32(vld1q_s32(block->corners[2].q12), rows.top);
@@ -47,20 +47,72 @@ INLINE row_steps first_row(const rg_run* run) {
   rows.down = vmulq_n_s32(rows.height, run->first_row);
   rows.minus_height_log2 = vdupq_n_s32(-(int32_t)block->height_log2);
   rows.minus_width_log2 = vdup_n_s32(-(int32_t)block->width_log2);
-  rows.first_pixel = vdup_n_s32(run->first_pixel);
   return rows;
 }
 
-/* x, y, step x, step y. */
-INLINE int32x4_t next_row(row_steps* rows) {
+/* A row: x + 16 and y of the block's left edge, and steps. */
+typedef struct row_line {
+  int32x2_t start, step;
+} row_line;
+
+INLINE row_line next_row(row_steps* rows) {
   /* left, right = top + round((bottom - top) r, height_log2) */
   const int32x4_t edges =
       vaddq_s32(rows->top, vrshlq_s32(rows->down, rows->minus_height_log2));
   rows->down = vaddq_s32(rows->down, rows->height);
-  const int32x2_t left = vget_low_s32(edges);
-  const int32x2_t step =
-      vrshl_s32(vsub_s32(vget_high_s32(edges), left), rows->minus_width_log2);
-  return vcombine_s32(vmla_s32(left, step, rows->first_pixel), step);
+  row_line row;
+  row.start = vget_low_s32(edges);
+  row.step = vrshl_s32(vsub_s32(vget_high_s32(edges), row.start),
+                       rows->minus_width_log2);
+  return row;
+}
+
+#define MAX_PIXELS 32 /* of a row */
+
+/* Where the windows of a row's segments start: at the first lane's x and the
+ * least y of the lanes; and where the first lane is from there, x in q12 and y
+ * in q15. */
+typedef struct row_segments {
+  uint32_t offsets[MAX_PIXELS / 2];
+  uint16_t starts[MAX_PIXELS / 2][2];
+} row_segments;
+
+/* Segments k to k + 3, which begin at some pixels of the block; ends is what
+ * their last lanes are, less one. */
+INLINE void find_segments(const row_line* row, int32x4_t pixels, int32x4_t ends,
+                          uint32x4_t stride, layout l, uint32_t k,
+                          row_segments* segments) {
+  const int32x4_t start_y = vdupq_lane_s32(row->start, 1);
+  const int32x4_t x =
+      vmlaq_lane_s32(vdupq_lane_s32(row->start, 0), pixels, row->step, 0);
+  const int32x4_t y = vmlaq_lane_s32(start_y, pixels, row->step, 1);
+  const int32x4_t end_y = vmlaq_lane_s32(start_y, ends, row->step, 1);
+  const uint32x4_t least = vreinterpretq_u32_s32(vminq_s32(y, end_y));
+  const uint32x4_t fraction = vdupq_n_u32(4095);
+  const uint32x4_t left = vreinterpretq_u32_s32(x);
+  const uint32x4_t above =
+      vsubq_u32(vreinterpretq_u32_s32(y), vbicq_u32(least, fraction));
+  const uint32x4_t rows = vmulq_u32(vshrq_n_u32(least, 12), stride);
+  vst1q_u32(segments->offsets + k,
+            l.channels == 1
+                ? vsraq_n_u32(rows, left, 12)
+                : vmlaq_n_u32(rows, vshrq_n_u32(left, 12), l.channels));
+  vst1q_u32((uint32_t*)segments->starts[k],
+            vsliq_n_u32(vandq_u32(left, fraction), above, 16 + 3));
+}
+
+/* The next one, as lanes; the compiler would not step on while it reads. */
+INLINE size_t next_segment(const uint32_t** offset, const uint16_t** start,
+                           uint16x8_t* x_q12, uint16x8_t* y_q15) {
+  uint64_t found;
+  __asm__(
+      "ldr %w0, [%3], #4\n\t"
+      "ld1r {%1.8h}, [%4], #2\n\t"
+      "ld1r {%2.8h}, [%4], #2"
+      : "=&r"(found), "=&w"(*x_q12), "=w"(*y_q15), "+r"(*offset), "+r"(*start)
+      :
+      : "memory");
+  return found;
 }
 
 /* (v + 64) >> 7, v = h0 - ((h0 - h1) wy + 2^14) >> 15 */
@@ -98,13 +150,20 @@ INLINE lanes cut(uint16x8_t x_q12, uint16x8_t y_q15) {
   return cut;
 }
 
+/* What the segments of a run, and of a row, have in common. */
+typedef struct segment_constants {
+  const uint8_t *row0, *row1, *row2; /* the first ones */
+  uint8x16_t offsets;
+  uint16x8_t lanes_x, lanes_y; /* of the row, from the first lane */
+} segment_constants;
+
 /* Samples of rows 0 and 1, 16 bytes each, and of rows 1 and 2. The tables must
  * be neighbouring registers, which the compiler would make copies for. */
-INLINE void look_up(const uint8_t* window, size_t stride, size_t two_rows,
-                    uint8x16_t index, uint8x16_t* upper, uint8x16_t* lower) {
-  register uint8x16_t row0 __asm__("v16") = vld1q_u8(window);
-  register uint8x16_t row1 __asm__("v17") = vld1q_u8(window + stride);
-  register uint8x16_t row2 __asm__("v18") = vld1q_u8(window + two_rows);
+INLINE void look_up(const segment_constants* s, size_t offset, uint8x16_t index,
+                    uint8x16_t* upper, uint8x16_t* lower) {
+  register uint8x16_t row0 __asm__("v16") = vld1q_u8(s->row0 + offset);
+  register uint8x16_t row1 __asm__("v17") = vld1q_u8(s->row1 + offset);
+  register uint8x16_t row2 __asm__("v18") = vld1q_u8(s->row2 + offset);
   __asm__("tbl %0.16b, {v16.16b, v17.16b}, %1.16b"
           : "=w"(*upper)
           : "w"(index), "w"(row0), "w"(row1));
@@ -113,45 +172,35 @@ INLINE void look_up(const uint8_t* window, size_t stride, size_t two_rows,
           : "w"(index), "w"(row1), "w"(row2));
 }
 
-/* What the segments of a run, and of a row, have in common. */
-typedef struct segment_constants {
-  const uint8_t* data;
-  size_t stride, two_rows;
-  uint8x16_t offsets;
-  uint16x8_t lanes_x, lanes_y; /* of the row */
-} segment_constants;
-
-/* Three instructions; the compiler's own choice of sums takes more. */
-INLINE const uint8_t* find_window(const segment_constants* s, uint64_t x_q12,
-                                  uint64_t y_q12, layout l) {
-  const uint8_t* window = s->data + (size_t)(y_q12 >> 12) * s->stride;
-  __asm__("" : "+r"(window));
-  window += (size_t)(x_q12 >> 12) * l.channels;
-  __asm__("" : "+r"(window));
-  return window;
+INLINE lanes cut_segment(const segment_constants* s, uint16x8_t x_q12,
+                         uint16x8_t y_q15) {
+  return cut(vaddq_u16(s->lanes_x, x_q12), vaddq_u16(s->lanes_y, y_q15));
 }
 
-INLINE uint8x8_t blend_segment(const segment_constants* s, uint64_t x_q12,
-                               uint64_t y_q12, layout l) {
-  const uint8_t* const window = find_window(s, x_q12, y_q12, l);
-  const lanes at =
-      cut(vaddq_u16(s->lanes_x, vdupq_n_u16((uint16_t)(x_q12 & 4095))),
-          vaddq_u16(s->lanes_y, vdupq_n_u16((uint16_t)((y_q12 & 4095) << 3))));
-  uint8x16_t index = vaddq_u8(at.pixel, s->offsets);
+INLINE uint8x8_t blend_segment(const segment_constants* s, size_t offset,
+                               lanes cut, layout l) {
+  uint8x16_t index = vaddq_u8(cut.pixel, s->offsets);
   if (l.channels != 1) { /* channels times the pixel; the 16 stay */
-    const uint8x16_t pixel = vandq_u8(at.pixel, vdupq_n_u8(15));
+    const uint8x16_t pixel = vandq_u8(cut.pixel, vdupq_n_u8(15));
     index = vmlaq_u8(index, pixel, vdupq_n_u8((uint8_t)(l.channels - 1)));
   }
   uint8x16_t upper, lower;
-  look_up(window, s->stride, s->two_rows, index, &upper, &lower);
-  return blend_down(blend_across(upper, at.weights),
-                    blend_across(lower, at.weights), at.wy);
+  look_up(s, offset, index, &upper, &lower);
+  return blend_down(blend_across(upper, cut.weights),
+                    blend_across(lower, cut.weights), cut.wy);
 }
 
 /* Rows of 32 bytes a window: rows 0 and 1, and rows 1 and 2. */
 typedef struct long_window {
   uint8x16_t row0[2], row1[2], row2[2];
 } long_window;
+
+/* The compiler would use two instructions. */
+INLINE void load_32(const uint8_t* p, uint8x16_t loaded[2]) {
+  __asm__("ldp %q0, %q1, [%2]"
+          : "=w"(loaded[0]), "=w"(loaded[1])
+          : "r"(p), "m"(*(const uint8_t(*)[32])p));
+}
 
 INLINE void look_up_long(const long_window* w, uint8x16_t index,
                          uint8x16_t* upper, uint8x16_t* lower) {
@@ -170,26 +219,22 @@ INLINE void look_up_long(const long_window* w, uint8x16_t index,
 }
 
 /* 8 pixels of two or three channels. */
-INLINE void blend_long_segment(const segment_constants* s, uint64_t x_q12,
-                               uint64_t y_q12, layout l, uint8_t* out) {
-  const uint8_t* const window = find_window(s, x_q12, y_q12, l);
-  const long_window w = {
-      {vld1q_u8(window), vld1q_u8(window + 16)},
-      {vld1q_u8(window + s->stride), vld1q_u8(window + s->stride + 16)},
-      {vld1q_u8(window + s->two_rows), vld1q_u8(window + s->two_rows + 16)}};
-  const lanes at =
-      cut(vaddq_u16(s->lanes_x, vdupq_n_u16((uint16_t)(x_q12 & 4095))),
-          vaddq_u16(s->lanes_y, vdupq_n_u16((uint16_t)((y_q12 & 4095) << 3))));
+INLINE void blend_long_segment(const segment_constants* s, size_t offset,
+                               lanes cut, layout l, uint8_t* out) {
+  long_window w;
+  load_32(s->row0 + offset, w.row0);
+  load_32(s->row1 + offset, w.row1);
+  load_32(s->row2 + offset, w.row2);
   /* channels * pixel + 32 in the second row */
-  uint8x16_t index = vaddq_u8(vaddq_u8(at.pixel, at.pixel), s->offsets);
+  uint8x16_t index = vaddq_u8(vaddq_u8(cut.pixel, cut.pixel), s->offsets);
   if (l.channels == 3)
-    index = vaddq_u8(index, vandq_u8(at.pixel, vdupq_n_u8(15)));
+    index = vaddq_u8(index, vandq_u8(cut.pixel, vdupq_n_u8(15)));
   uint8x8x3_t result;
-  for (uint32_t c = 0; c < l.channels; ++c) {
+  _Pragma("GCC unroll 3") for (uint32_t c = 0; c < l.channels; ++c) {
     uint8x16_t upper, lower;
     look_up_long(&w, index, &upper, &lower);
-    result.val[c] = blend_down(blend_across(upper, at.weights),
-                               blend_across(lower, at.weights), at.wy);
+    result.val[c] = blend_down(blend_across(upper, cut.weights),
+                               blend_across(lower, cut.weights), cut.wy);
     index = vaddq_u8(index, vdupq_n_u8(1));
   }
   if (l.channels == 3) {
@@ -200,65 +245,77 @@ INLINE void blend_long_segment(const segment_constants* s, uint64_t x_q12,
   }
 }
 
-INLINE void blend(const segment_constants* s, uint64_t x_q12, uint64_t y_q12,
-                  layout l, uint8_t* out) {
-  if (l.window == 32)
-    blend_long_segment(s, x_q12, y_q12, l, out);
-  else
-    vst1_u8(out, blend_segment(s, x_q12, y_q12, l));
+/* Segments from one on to the one that ends at end. */
+INLINE void blend_segments(const segment_constants* s, layout l,
+                           const uint32_t** offset, const uint16_t** start,
+                           uint8_t* out, const uint8_t* end) {
+  do {
+    uint16x8_t x_q12, y_q15;
+    const size_t at = next_segment(offset, start, &x_q12, &y_q15);
+    const lanes cut = cut_segment(s, x_q12, y_q15);
+    if (l.window == 32)
+      blend_long_segment(s, at, cut, l, out);
+    else
+      vst1_u8(out, blend_segment(s, at, cut, l));
+    out += l.pixels * l.channels;
+  } while (out != end);
 }
 
-/* All segments of a run. */
+/* All rows of a run. */
 INLINE void blend_run(const rg_run* run, layout l) {
+  static const int32_t kSegments[4] = {0, 1, 2, 3};
   const int is_long = l.window == 32;
   const uint32_t table = is_long || l.channels == 1 ? 0 : 1;
   const uint16x8_t lane = vld1q_u16(kLanePixels[table]);
-  const uint32_t segment_bytes = l.pixels * l.channels;
-  const uint32_t rest = run->num_pixels % l.pixels;
-  const uint32_t whole_bytes = (run->num_pixels - rest) * l.channels;
   const size_t out_stride = run->out_stride;
-  uint8_t* out_row = run->out + run->out_pixel * l.channels;
+  const size_t bytes = run->num_pixels * l.channels;
+  const size_t rest = bytes % (l.pixels * l.channels);
+  const int32x4_t last_pixels =
+      vdupq_n_s32(run->first_pixel + run->num_pixels - (int32_t)l.pixels);
+  const int32x4_t first_pixels = vmlaq_n_s32(
+      vdupq_n_s32(run->first_pixel), vld1q_s32(kSegments), (int32_t)l.pixels);
+  const uint32x4_t stride = vdupq_n_u32(run->stride);
+  uint8_t* out = run->out + run->out_pixel * l.channels;
   row_steps rows = first_row(run);
   segment_constants s;
-  s.data = run->data;
-  s.stride = run->stride;
-  s.two_rows = 2 * (size_t)run->stride;
-  __asm__("" : "+r"(s.two_rows)); /* an offset of its own */
+  s.row0 = run->data;
+  s.row1 = s.row0 + run->stride;
+  s.row2 = s.row1 + run->stride;
   s.offsets = is_long
                   ? vcombine_u8(vdup_n_u8(0), vdup_n_u8((uint8_t)l.channels))
                   : vld1q_u8(kLaneOffsets[table]);
-  for (uint32_t r = run->num_rows; r != 0; --r, out_row += out_stride) {
-    const int32x4_t row = next_row(&rows);
-    const int64_t step_x = vgetq_lane_s32(row, 2);
-    const int64_t step_y = vgetq_lane_s32(row, 3);
-    /* The window starts at the first x + 16 and the least y. */
-    const int64_t last_y = (int64_t)(l.pixels - 1) * step_y;
-    const int64_t up = last_y < 0 ? last_y : 0;
-    const uint16x8_t steps = vreinterpretq_u16_s32(row);
-    s.lanes_x = vmulq_laneq_u16(lane, steps, 4);
-    s.lanes_y = vmlaq_laneq_u16(vdupq_n_u16((uint16_t)(-up * 8)), lane,
-                                vshlq_n_u16(steps, 3), 6);
-    int64_t x = (uint32_t)vgetq_lane_s32(row, 0) + 16;
-    int64_t y = (uint32_t)vgetq_lane_s32(row, 1) + up;
-    uint8_t* out = out_row;
-    uint8_t* const end = out_row + whole_bytes;
-    do {
-      blend(&s, (uint64_t)x, (uint64_t)y, l, out);
-      x += l.pixels * step_x;
-      y += l.pixels * step_y;
-      out += segment_bytes;
-    } while (out != end);
-    if (rest != 0) { /* the last segment begins earlier */
-      const uint32_t back = l.pixels - rest;
-      blend(&s, (uint64_t)(x - back * step_x), (uint64_t)(y - back * step_y), l,
-            out - back * l.channels);
+  for (uint32_t r = run->num_rows; r != 0; --r, out += out_stride) {
+    row_segments segments;
+    const row_line row = next_row(&rows);
+    int32x4_t pixels = first_pixels;
+    for (uint32_t k = 0; k < MAX_PIXELS / l.pixels; k += 4) {
+      const int32x4_t begins = vminq_s32(pixels, last_pixels);
+      const int32x4_t ends =
+          vaddq_s32(begins, vdupq_n_s32((int32_t)l.pixels - 1));
+      find_segments(&row, begins, ends, stride, l, k, &segments);
+      pixels = vaddq_s32(pixels, vdupq_n_s32(4 * (int32_t)l.pixels));
     }
+    const uint16x4_t steps = vreinterpret_u16_s32(row.step);
+    s.lanes_x = vmulq_lane_u16(lane, steps, 0);
+    s.lanes_y = vmulq_lane_u16(lane, vshl_n_u16(steps, 3), 2);
+    const uint32_t* offset = segments.offsets;
+    const uint16_t* start = segments.starts[0];
+    uint8_t* const end = out + bytes;
+    blend_segments(&s, l, &offset, &start, out, end - rest);
+    if (rest != 0) /* the last one begins within the one before */
+      blend_segments(&s, l, &offset, &start, end - l.pixels * l.channels, end);
   }
+}
+
+/* Offsets of segments fit into 32 bits. */
+INLINE int fits(const rg_run* run, layout l) {
+  return run->stride <= 1 << 18 &&
+         rg_fits_windows(run, l.pixels, l.window / l.channels);
 }
 
 void rg_blend_1_neon(const rg_run* run) {
   const layout l = {1, 8, 16};
-  if (rg_fits_windows(run, l.pixels, l.window / l.channels))
+  if (fits(run, l))
     blend_run(run, l);
   else
     rg_blend_1(run);
@@ -266,7 +323,7 @@ void rg_blend_1_neon(const rg_run* run) {
 
 void rg_blend_2_neon(const rg_run* run) {
   const layout l = {2, 8, 32};
-  if (rg_fits_windows(run, l.pixels, l.window / l.channels))
+  if (fits(run, l))
     blend_run(run, l);
   else
     rg_blend_2(run);
@@ -274,7 +331,7 @@ void rg_blend_2_neon(const rg_run* run) {
 
 void rg_blend_3_neon(const rg_run* run) {
   const layout l = {3, 8, 32};
-  if (rg_fits_windows(run, l.pixels, l.window / l.channels))
+  if (fits(run, l))
     blend_run(run, l);
   else
     rg_blend_3(run);
@@ -282,7 +339,7 @@ void rg_blend_3_neon(const rg_run* run) {
 
 void rg_blend_4_neon(const rg_run* run) {
   const layout l = {4, 2, 16};
-  if (rg_fits_windows(run, l.pixels, l.window / l.channels))
+  if (fits(run, l))
     blend_run(run, l);
   else
     rg_blend_4(run);

@@ -9,165 +9,336 @@ static inline uint32_t load_pair(const uint8_t* p) {
   return p[0] | (uint32_t)p[1] << 8;
 }
 
-/* The pixel at a position, x + 16. */
-static inline uint8_t blend_pixel(const uint8_t* data, uint32_t stride,
-                                  uint32_t x_q12, uint32_t y_q12) {
-  const uint8_t* upper = data + (size_t)(y_q12 >> 12) * stride;
-  RG_IN_REGISTER(upper); /* else a sum more */
-  upper += x_q12 >> 12;
+/* ---- Grey pixels --------------------------------------------------------- */
+
+/* From one pixel of a row to the next: three ways, by what registers hold. */
+#if defined(__ARM_FEATURE_SIMD32)
+
+/* x is mirrored, 4095 - (x + 16): its fraction is the left samples' weight
+ * less one. */
+#define ORIGIN_X (4095 - 16)
+
+typedef uint32_t blended;
+typedef struct row_walk {
+  const uint8_t* data;
+  uint32_t stride;
+  uint32_t x_q12, y_q12, step_x, step_y;
+  uint32_t factor, one, apart; /* constants */
+} row_walk;
+
+static RG_INLINE void start_walk(const rg_run* run, const rg_block_row* row,
+                                 row_walk* walk) {
+  walk->data = run->data;
+  walk->stride = run->stride;
+  walk->x_q12 = 0u - (uint32_t)row->start.q12[0];
+  walk->y_q12 = (uint32_t)row->start.q12[1];
+  walk->step_x = 0u - (uint32_t)row->step.q12[0];
+  walk->step_y = (uint32_t)row->step.q12[1];
+  walk->factor = 65535;
+  walk->one = 4096;
+  walk->apart = 257;
+  RG_IN_REGISTER(walk->factor);
+  RG_IN_REGISTER(walk->one);
+  RG_IN_REGISTER(walk->apart);
+}
+
+static RG_INLINE void step_on(row_walk* walk) {
+  walk->x_q12 += walk->step_x;
+  walk->y_q12 += walk->step_y;
+  RG_IN_REGISTER(walk->x_q12); /* else more sums than two */
+  RG_IN_REGISTER(walk->y_q12);
+}
+
+static RG_INLINE uint32_t blend_pixel(const row_walk* walk, blended rounding) {
+  const uint8_t* upper = walk->data + (walk->y_q12 >> 12) * walk->stride;
+  RG_IN_REGISTER(upper); /* likewise */
+  upper -= (int32_t)walk->x_q12 >> 12;
   RG_IN_REGISTER(upper);
-  const uint32_t pixels = load_pair(upper) | load_pair(upper + stride) << 16;
-  return (uint8_t)rg_blend_8(rg_even_bytes(pixels), rg_odd_bytes(pixels), x_q12,
-                             y_q12);
+  const uint32_t pixels = load_pair(upper) | load_pair(upper + walk->stride)
+                                                 << 16;
+  const uint32_t right = rg_odd_bytes(pixels);
+  const uint32_t difference = pixels - right * walk->apart; /* left - right */
+  const uint32_t h_q7 =
+      difference * ((walk->x_q12 >> 5) & 127) + (difference + (right << 7));
+  const uint32_t weights = (walk->y_q12 & 4095) * walk->factor + walk->one;
+  return (uint32_t)__smlad((int16x2_t)h_q7, (int16x2_t)weights,
+                           (int32_t)rounding) >>
+         19;
 }
 
-/* A function of its own, so that the loop has all registers. */
-static RG_NOINLINE void blend_row_1(const uint8_t* data, uint32_t stride,
-                                    const rg_block_row* row, uint8_t* out,
-                                    uint32_t num_pixels) {
-  uint8_t* const end = out + num_pixels;
-  uint32_t x_q12 = (uint32_t)row->start.q12[0] + 16;
-  uint32_t y_q12 = (uint32_t)row->start.q12[1];
-  const uint32_t step_x = (uint32_t)row->step.q12[0];
-  const uint32_t step_y = (uint32_t)row->step.q12[1];
-  do {
-    *out++ = blend_pixel(data, stride, x_q12, y_q12);
-    x_q12 += step_x;
-    y_q12 += step_y;
-  } while (out != end);
+#elif defined(__LP64__) || defined(_WIN64)
+
+#define ORIGIN_X (-16)
+
+typedef uint64_t blended; /* in the upper half */
+typedef struct row_walk {
+  const uint8_t* data;
+  uint64_t stride;
+  uint64_t position, step; /* x in the upper half */
+  uint64_t factor;         /* 1 - 2^32 */
+} row_walk;
+
+static RG_INLINE void start_walk(const rg_run* run, const rg_block_row* row,
+                                 row_walk* walk) {
+  walk->data = run->data;
+  walk->stride = run->stride;
+  walk->position = ((uint64_t)(uint32_t)row->start.q12[0] << 32) +
+                   (uint64_t)(int64_t)row->start.q12[1];
+  walk->step = ((uint64_t)(uint32_t)row->step.q12[0] << 32) +
+               (uint64_t)(int64_t)row->step.q12[1];
+  walk->factor = 1 - (UINT64_C(1) << 32);
+  RG_IN_REGISTER(walk->factor);
 }
 
-/* One coordinate of an edge of a block, row by row: sum >> height_log2. */
+static RG_INLINE void step_on(row_walk* walk) { walk->position += walk->step; }
+
+/* h0 (4096 - wy) + h1 wy is the upper half of one product. */
+static RG_INLINE uint64_t blend_pixel(const row_walk* walk, blended rounding) {
+  const uint64_t position = walk->position, stride = walk->stride;
+  const uint8_t* const upper =
+      walk->data + ((position & UINT32_MAX) >> 12) * stride + (position >> 44);
+  const uint64_t bytes = UINT64_C(0x000000ff000000ff);
+  const uint64_t pixels = load_pair(upper) | (uint64_t)load_pair(upper + stride)
+                                                 << 32;
+  const uint64_t left = pixels & bytes, right = (pixels >> 8) & bytes;
+  const uint64_t h_q7 = (right - left) * ((position >> 37) & 127) + (left << 7);
+  const uint64_t weights =
+      (position & 4095) * walk->factor + (UINT64_C(4096) << 32);
+  return (h_q7 * weights + rounding) >> 51;
+}
+
+#else
+
+#define ORIGIN_X (-16)
+
+typedef uint32_t blended;
+typedef struct row_walk {
+  const uint8_t* data;
+  uint32_t stride;
+  uint32_t x_q12, y_q12, step_x, step_y;
+} row_walk;
+
+static RG_INLINE void start_walk(const rg_run* run, const rg_block_row* row,
+                                 row_walk* walk) {
+  walk->data = run->data;
+  walk->stride = run->stride;
+  walk->x_q12 = (uint32_t)row->start.q12[0];
+  walk->y_q12 = (uint32_t)row->start.q12[1];
+  walk->step_x = (uint32_t)row->step.q12[0];
+  walk->step_y = (uint32_t)row->step.q12[1];
+}
+
+static RG_INLINE void step_on(row_walk* walk) {
+  walk->x_q12 += walk->step_x;
+  walk->y_q12 += walk->step_y;
+  RG_IN_REGISTER(walk->x_q12); /* else more sums than two */
+  RG_IN_REGISTER(walk->y_q12);
+}
+
+static RG_INLINE uint32_t blend_pixel(const row_walk* walk, blended rounding) {
+  const uint8_t* const upper =
+      walk->data + (walk->y_q12 >> 12) * walk->stride + (walk->x_q12 >> 12);
+  const uint32_t pixels = load_pair(upper) | load_pair(upper + walk->stride)
+                                                 << 16;
+  return rg_blend_8(rg_even_bytes(pixels), rg_odd_bytes(pixels), walk->x_q12,
+                    walk->y_q12, rounding);
+}
+
+#endif
+
+/* ---- Rows ---------------------------------------------------------------- */
+
+/* A coordinate of an edge of a block, row by row: sum >> height_log2. Two of
+ * the left edge, and two of the right one with what rounds a step. */
 typedef struct edge_walk {
   int32_t sum, height;
 } edge_walk;
 
-static inline void start_edge(edge_walk* edge, int32_t top, int32_t bottom,
-                              const rg_run* run) {
+static RG_SHARED void start_edges(const rg_run* run, int32_t origin_x,
+                                  edge_walk edges[4]) {
   const uint32_t log2 = run->block.height_log2;
-  edge->height = bottom - top;
-  edge->sum =
-      top * (1 << log2) + edge->height * run->first_row + (1 << log2 >> 1);
+  const int32_t half_step = INT32_C(1) << run->block.width_log2 >> 1;
+  int32_t origin = origin_x;
+  for (uint32_t c = 0; c < 2; ++c, ++edges) {
+    for (uint32_t k = 0; k < 2; ++k) {
+      const int32_t top = run->block.corners[k].q12[c];
+      const int32_t height = run->block.corners[2 + k].q12[c] - top;
+      edges[2 * k].height = height;
+      edges[2 * k].sum =
+          (top - origin + (k == 0 ? 0 : half_step)) * (1 << log2) +
+          height * run->first_row + (1 << log2 >> 1);
+    }
+    origin = (int32_t)run->first_source_row << 12;
+  }
 }
 
-static inline int32_t next_row(edge_walk* edge, uint32_t log2) {
-  const int32_t position = edge->sum >> log2;
-  edge->sum += edge->height;
-  return position;
+static inline int32_t next_position(edge_walk* edge, uint32_t log2) {
+  const int32_t sum = edge->sum;
+  edge->sum = sum + edge->height;
+  return sum >> log2;
+}
+
+static RG_INLINE void next_row(const rg_run* run, edge_walk edges[4],
+                               rg_block_row* row) {
+  for (uint32_t c = 0; c < 2; ++c) {
+    const int32_t left = next_position(&edges[c], run->block.height_log2);
+    const int32_t right = next_position(&edges[2 + c], run->block.height_log2);
+    const int32_t step = (right - left) >> run->block.width_log2;
+    row->start.q12[c] = left + step * run->first_pixel;
+    row->step.q12[c] = step;
+  }
+}
+
+/* Two pixels a turn; the turns that are left, 16 at most, are counted in the
+ * bits above a blended pixel. */
+#define ROUNDING ((blended)RG_ROUNDING_8 << (8 * sizeof(blended) - 32))
+#define TURN ((blended)1 << (8 * sizeof(blended) - 5))
+
+static RG_INLINE int has_turns(blended rounding) {
+  return rounding >> (8 * sizeof(blended) - 1) != 0;
+}
+
+/* A function of its own, so that the loop has all registers. */
+static RG_NOINLINE void blend_row_1(const rg_run* run, edge_walk edges[4],
+                                    uint8_t* out) {
+  rg_block_row row;
+  next_row(run, edges, &row);
+  const uint32_t num_pixels = run->num_pixels;
+  blended rounding = ROUNDING - (num_pixels >> 1) * TURN;
+  row_walk walk;
+  start_walk(run, &row, &walk);
+  if ((num_pixels & 1) != 0) {
+    *out++ = (uint8_t)blend_pixel(&walk, rounding);
+    step_on(&walk);
+    if (!has_turns(rounding)) return;
+  }
+  do {
+    *out++ = (uint8_t)blend_pixel(&walk, rounding);
+    step_on(&walk);
+    RG_IN_REGISTER(out);
+    *out++ = (uint8_t)blend_pixel(&walk, rounding);
+    step_on(&walk);
+    rounding += TURN;
+  } while (has_turns(rounding));
 }
 
 void rg_blend_1(const rg_run* run) {
-  const rg_position* const p = run->block.corners;
   uint8_t* out = run->out + run->out_pixel;
-  edge_walk left_x, left_y, right_x, right_y;
-  const int32_t first = (int32_t)run->first_source_row << 12;
-  start_edge(&left_x, p[0].q12[0], p[2].q12[0], run);
-  start_edge(&left_y, p[0].q12[1] - first, p[2].q12[1] - first, run);
-  start_edge(&right_x, p[1].q12[0], p[3].q12[0], run);
-  start_edge(&right_y, p[1].q12[1] - first, p[3].q12[1] - first, run);
-  for (uint32_t rows = run->num_rows; rows != 0; --rows) {
-    const uint32_t width_log2 = run->block.width_log2;
-    const uint32_t height_log2 = run->block.height_log2;
-    const uint32_t k = run->first_pixel;
-    rg_block_row row;
-    row.start.q12[0] = next_row(&left_x, height_log2);
-    row.start.q12[1] = next_row(&left_y, height_log2);
-    row.step.q12[0] = rg_round_shift(
-        next_row(&right_x, height_log2) - row.start.q12[0], width_log2);
-    row.step.q12[1] = rg_round_shift(
-        next_row(&right_y, height_log2) - row.start.q12[1], width_log2);
-    row.start = rg_row_position(&row, k);
-    blend_row_1(run->data, run->stride, &row, out, run->num_pixels);
+  edge_walk edges[4];
+  start_edges(run, ORIGIN_X, edges);
+  uint32_t rows = run->num_rows;
+  do {
+    blend_row_1(run, edges, out);
     out += run->out_stride;
+  } while (--rows != 0);
+}
+
+/* ---- Any lattice ----------------------------------------------------------
+ */
+
+/* A row of a lattice of 8 bits. */
+static RG_SHARED void blend_row_8(const rg_run* run, const rg_lattice* lattice,
+                                  const rg_block_row* row, uint8_t* out) {
+  const uint32_t step = lattice->sample_step, stride = run->stride;
+  const uint32_t num_channels = lattice->num_channels;
+  const uint8_t* const data = run->data + lattice->first_sample;
+  const uint32_t step_x = (uint32_t)row->step.q12[0];
+  const uint32_t step_y = (uint32_t)row->step.q12[1];
+  uint32_t x_q12 = (uint32_t)row->start.q12[0] + 16;
+  uint32_t y_q12 = (uint32_t)row->start.q12[1];
+  out += lattice->first_sample + run->out_pixel * step;
+  for (uint32_t k = run->num_pixels; k != 0; --k, out += step) {
+    const uint8_t* upper =
+        data + (size_t)(y_q12 >> 12) * stride + (x_q12 >> 12) * step;
+    const uint8_t* lower = upper + stride;
+    for (uint32_t c = 0; c < num_channels; ++c, ++upper, ++lower)
+      out[c] = (uint8_t)rg_blend_8(upper[0] | (uint32_t)lower[0] << 16,
+                                   upper[step] | (uint32_t)lower[step] << 16,
+                                   x_q12, y_q12, RG_ROUNDING_8);
+    x_q12 += step_x;
+    y_q12 += step_y;
   }
 }
 
-/* With lattice and kind known to the compiler. In locals: stores of bytes might
- * change all else for it. */
-static inline void blend(const rg_run* run, const rg_lattice* lattice,
-                         uint32_t kind) {
-  const uint32_t step = lattice->sample_step;
+/* Of more bits, one channel. */
+static RG_NOINLINE void blend_row_16(const rg_run* run,
+                                     const rg_lattice* lattice,
+                                     const rg_block_row* row, uint8_t* out) {
+  const uint32_t kind = lattice->kind, step = lattice->sample_step;
+  uint32_t x_q12 = (uint32_t)row->start.q12[0] + rg_rounding(kind, 0);
+  uint32_t y_q12 = (uint32_t)row->start.q12[1] + rg_rounding(kind, 1);
+  uint32_t target = lattice->first_sample + run->out_pixel * step;
+  for (uint32_t k = run->num_pixels; k != 0; --k, target += step) {
+    const uint8_t* const upper =
+        run->data + (size_t)(y_q12 >> 12) * run->stride;
+    const uint32_t index = lattice->first_sample + (x_q12 >> 12) * step;
+    rg_store_sample(kind, out, target,
+                    rg_blend_samples(kind, upper, upper + run->stride, index,
+                                     step, x_q12, y_q12));
+    x_q12 += (uint32_t)row->step.q12[0];
+    y_q12 += (uint32_t)row->step.q12[1];
+  }
+}
+
+static RG_SHARED void copy_row(const rg_run* run, const rg_lattice* lattice,
+                               const rg_block_row* row, uint8_t* out) {
+  const uint32_t kind = lattice->kind, step = lattice->sample_step;
   const uint32_t num_channels = lattice->num_channels;
   const uint32_t first = lattice->first_sample, stride = run->stride;
   const uint8_t* const data = run->data;
-  uint8_t* out = run->out;
-  for (uint32_t r = 0; r < run->num_rows; ++r, out += run->out_stride) {
-    rg_block_row row;
-    rg_find_run_row(run, r, &row);
-    uint32_t x_q12 = (uint32_t)row.start.q12[0] + rg_rounding(kind, 0);
-    uint32_t y_q12 = (uint32_t)row.start.q12[1] + rg_rounding(kind, 1);
-    const uint32_t step_x = (uint32_t)row.step.q12[0];
-    const uint32_t step_y = (uint32_t)row.step.q12[1];
-    uint32_t target = first + run->out_pixel * step;
-    for (uint32_t k = run->num_pixels; k != 0; --k, target += step) {
-      const uint8_t* const upper = data + (size_t)(y_q12 >> 12) * stride;
-      const uint32_t index = first + (x_q12 >> 12) * step;
-      for (uint32_t c = 0; c < num_channels; ++c)
-        rg_store_sample(kind, out, target + c,
-                        rg_blend_samples(kind, upper, upper + stride, index + c,
-                                         step, x_q12, y_q12));
-      x_q12 += step_x;
-      y_q12 += step_y;
-    }
+  const uint32_t step_x = (uint32_t)row->step.q12[0];
+  const uint32_t step_y = (uint32_t)row->step.q12[1];
+  uint32_t x_q12 = (uint32_t)row->start.q12[0] + 2048;
+  uint32_t y_q12 = (uint32_t)row->start.q12[1] + 2048;
+  uint32_t target = first + run->out_pixel * step;
+  for (uint32_t k = run->num_pixels; k != 0; --k, target += step) {
+    const uint8_t* const source = data + (size_t)(y_q12 >> 12) * stride;
+    const uint32_t index = first + (x_q12 >> 12) * step;
+    for (uint32_t c = 0; c < num_channels; ++c)
+      rg_store_sample(kind, out, target + c,
+                      rg_load_sample(kind, source, index + c));
+    x_q12 += step_x;
+    y_q12 += step_y;
   }
 }
 
-void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice) {
-  if (lattice->kind == RG_SAMPLE_8)
-    blend(run, lattice, RG_SAMPLE_8);
-  else
-    blend(run, lattice, lattice->kind);
+/* With lattice and sampling known to the compiler, where speed matters. */
+static RG_SHARED void do_rows(const rg_run* run, const rg_lattice* lattice,
+                              int is_copy) {
+  uint8_t* out = run->out;
+  edge_walk edges[4];
+  start_edges(run, 0, edges);
+  uint32_t rows = run->num_rows;
+  do {
+    rg_block_row row;
+    next_row(run, edges, &row);
+    if (is_copy)
+      copy_row(run, lattice, &row, out);
+    else if (lattice->kind == RG_SAMPLE_8)
+      blend_row_8(run, lattice, &row, out);
+    else
+      blend_row_16(run, lattice, &row, out);
+    out += run->out_stride;
+  } while (--rows != 0);
 }
 
-static const rg_lattice kInterleaved[3] = {
+static const rg_lattice kInterleaved[4] = {
+    {0, RG_SAMPLE_8, 0, 1, 1, 0, 0, 0, 0, 0, 1, 0},
     {0, RG_SAMPLE_8, 0, 2, 2, 0, 0, 0, 0, 0, 1, 0},
     {0, RG_SAMPLE_8, 0, 3, 3, 0, 0, 0, 0, 0, 1, 0},
     {0, RG_SAMPLE_8, 0, 4, 4, 0, 0, 0, 0, 0, 1, 0}};
 
-void rg_blend_2(const rg_run* run) {
-  blend(run, &kInterleaved[0], RG_SAMPLE_8);
-}
-void rg_blend_3(const rg_run* run) {
-  blend(run, &kInterleaved[1], RG_SAMPLE_8);
-}
-void rg_blend_4(const rg_run* run) {
-  blend(run, &kInterleaved[2], RG_SAMPLE_8);
+void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice) {
+  do_rows(run, lattice, 0);
 }
 
-static inline void copy(const rg_run* run, const rg_lattice* lattice,
-                        uint32_t kind) {
-  const uint32_t step = lattice->sample_step;
-  const uint32_t num_channels = lattice->num_channels;
-  const uint32_t first = lattice->first_sample, stride = run->stride;
-  const uint8_t* const data = run->data;
-  uint8_t* out = run->out;
-  for (uint32_t r = 0; r < run->num_rows; ++r, out += run->out_stride) {
-    rg_block_row row;
-    rg_find_run_row(run, r, &row);
-    uint32_t x_q12 = (uint32_t)row.start.q12[0] + 2048;
-    uint32_t y_q12 = (uint32_t)row.start.q12[1] + 2048;
-    const uint32_t step_x = (uint32_t)row.step.q12[0];
-    const uint32_t step_y = (uint32_t)row.step.q12[1];
-    uint32_t target = first + run->out_pixel * step;
-    for (uint32_t k = run->num_pixels; k != 0; --k, target += step) {
-      const uint8_t* const source = data + (size_t)(y_q12 >> 12) * stride;
-      const uint32_t index = first + (x_q12 >> 12) * step;
-      for (uint32_t c = 0; c < num_channels; ++c)
-        rg_store_sample(kind, out, target + c,
-                        rg_load_sample(kind, source, index + c));
-      x_q12 += step_x;
-      y_q12 += step_y;
-    }
-  }
-}
+void rg_blend_2(const rg_run* run) { do_rows(run, &kInterleaved[1], 0); }
+void rg_blend_3(const rg_run* run) { do_rows(run, &kInterleaved[2], 0); }
+void rg_blend_4(const rg_run* run) { do_rows(run, &kInterleaved[3], 0); }
 
 void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice) {
-  static const rg_lattice kGrey = {0, RG_SAMPLE_8, 0, 1, 1, 0,
-                                   0, 0,           0, 0, 1, 0};
-  if (lattice->kind == RG_SAMPLE_8 && lattice->sample_step == 1)
-    copy(run, &kGrey, RG_SAMPLE_8);
-  else if (lattice->kind == RG_SAMPLE_8)
-    copy(run, lattice, RG_SAMPLE_8);
+  if (RG_IS_FAST && lattice->kind == RG_SAMPLE_8 && lattice->sample_step == 1)
+    do_rows(run, &kInterleaved[0], 1);
   else
-    copy(run, lattice, lattice->kind);
+    do_rows(run, lattice, 1);
 }

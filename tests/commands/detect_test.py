@@ -75,6 +75,24 @@ class Detect(CommandTest):
         self.assert_refused(self.detect(self.path("blank"), "--no-cache"), 3, "no board")
         self.assertFalse(os.path.exists(self.out))
 
+    def test_images_without_a_board_are_named_with_what_they_show(self):
+        folder = self.path("stars")
+        for tag in (0, 5):
+            board = self.path(f"star{tag}")
+            self.assert_done(run("pattern", "star", "--columns", 10, "--rows", 8, "--square-mm", 12,
+                                 "--dpi", 110, "--tag-id", tag, "-o", board))
+            write(os.path.join(folder, f"tag{tag}.png"), read(os.path.join(board, "pattern.png")))
+        self.pattern = self.path("star0/pattern.yaml")
+        result = self.detect(folder, "--no-cache", "--json")
+        self.assert_done(result)
+        found = json.loads(result.stdout)
+        self.assertEqual((found["images"], found["with_features"]), (2, 1))
+        (without,) = found["without_features"]
+        self.assertEqual(without["image"], "tag5.png")
+        self.assertIn("tag 5 is on no board of the pattern", without["remarks"])
+        self.assertIn("tag 5 is on no board of the pattern (tag5.png)", result.stderr)
+        self.assertEqual(self.detect(folder, "--no-cache", "--quiet").stderr, "")
+
     def test_overlays_show_every_image_and_the_coverage(self):
         seen = self.path("seen")
         folder = self.folder_with(blank_pgm=blank(*png_size(self.sheet)))

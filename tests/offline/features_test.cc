@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -439,6 +441,19 @@ TEST(AprilGrid, TagsOfAnotherBoardAreRemarkedUpon) {
   EXPECT_TRUE(detection.features.empty());
   ASSERT_EQ(detection.remarks.size(), 1u);
   EXPECT_NE(detection.remarks[0].find("not on board 1"), std::string::npos);
+}
+
+TEST(PatternDetector, MirroredMarkersAreRemarkedUpon) {
+  for (const Pattern& pattern : {CharucoPattern(7, 5), AprilGridPattern()}) {
+    const Photograph photograph(pattern.boards[0], kTilted);
+    const ImageDetection detection =
+        PatternDetector(pattern, {})
+            .Detect(Mirrored(MakeGreyImage(photograph.image())));
+    EXPECT_TRUE(detection.features.empty());
+    ASSERT_FALSE(detection.remarks.empty());
+    EXPECT_EQ(detection.remarks.back(),
+              fmt::format("board {} is seen mirrored", pattern.boards[0].id));
+  }
 }
 
 TEST(PatternDetector, TinyImagesShowNothing) {
