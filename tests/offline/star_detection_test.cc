@@ -495,15 +495,6 @@ TEST(StarDetector, FindsABoardWhoseTagIsMissedAtHalfResolution) {
   EXPECT_EQ(counts[1], 10 * 12 - 3 * 3);
 }
 
-GreyImage Mirrored(GreyImage image) {
-  for (int y = 0; y < image.size.height; ++y) {
-    const int first = y * image.size.width, end = first + image.size.width;
-    std::reverse(image.levels.begin() + first, image.levels.begin() + end);
-    std::reverse(image.bytes.begin() + first, image.bytes.begin() + end);
-  }
-  return image;
-}
-
 TEST(StarDetector, RemarksThatAnImageIsMirrored) {
   const GreyImage image = UprightImage();
   const StarDetector detector(StarPattern(), {});
