@@ -2,47 +2,55 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
-#include "features/loose_lattice.h"
 #include "features/star_growth.h"
 
 namespace raygrid {
 namespace {
 
-// That a board of none of the tags looks so: seven cells, as far as the stars
-// leave two placements.
-constexpr double kMaxByChance = 1e-2;
+// That a board of none of the tags looks so: nine cells, as far as the stars
+// leave one placement.
+constexpr double kMaxByChance = 2e-3;
 // Of another placement, where there is doubt.
 constexpr double kMaxRivalByChance = 5e-2;
-// Of the stars, where the board has none: beside tags and along the edges half
-// stars are seen.
-constexpr double kMaxAstray = 0.2;
+constexpr double kRivalOverBest = 1e4;  // will do too
 constexpr double kMaxWrongFrame = 0.1;
 constexpr int kMinFrameCells = 4;   // of each colour
 constexpr double kMinContrast = 8;  // grey levels
 
-// (column, row) turned by quarters, clockwise on the board.
-Eigen::Vector2d Turned(int quarter_turns, const Eigen::Vector2d& p) {
-  switch (quarter_turns & 3) {
-    case 0:
-      return p;
-    case 1:
-      return {-p.y(), p.x()};
-    case 2:
-      return -p;
-    default:
-      return {p.y(), -p.x()};
-  }
-}
-
-// What is seen of a tag's cells: grey levels, and what they must be.
-struct SeenCells {
-  std::vector<double> frame_black, frame_white;
-  std::vector<double> code;
-  std::vector<bool> code_is_black;
+// A tag's cell on its board, in squares.
+struct Cell {
+  Eigen::Vector2d center;
+  double side;
+  bool is_black;
 };
+
+// Those of all tags: white margins and black borders, and codes.
+struct Cells {
+  std::vector<Cell> frames, codes;
+};
+
+Cells CellsOf(const TaggedBoard& tagged) {
+  Cells cells;
+  const double square_m = tagged.board.square_m;
+  for (const PlacedMarker& tag : tagged.tags) {
+    const double side = tag.cell_m / square_m;
+    const int last = tag.bits.size - 1;
+    for (int row = 0; row <= last; ++row) {
+      for (int column = 0; column <= last; ++column) {
+        const Cell cell = {tag.corner / square_m +
+                               side * Eigen::Vector2d(column + 0.5, row + 0.5),
+                           side, tag.bits.at(column, row)};
+        const int ring = std::min({row, column, last - row, last - column});
+        (ring < 2 ? cells.frames : cells.codes).push_back(cell);
+      }
+    }
+  }
+  return cells;
+}
 
 // The mappings around a lattice's places, made when first asked for.
 class CellReader {
@@ -57,27 +65,31 @@ class CellReader {
     mappings_.clear();
   }
 
-  // The mean grey level of a cell's inner half; nothing if it is not seen, or
-  // if no stars tell where it is. Lengths in squares.
+  // The mean grey level of a cell's inner half; nothing if most of it is not
+  // seen, or if no stars tell where it is.
   std::optional<double> Read(const LatticePlacement& placement,
-                             const Eigen::Vector2d& center, double cell) {
-    const Eigen::Vector2d place = placement.OnLattice(center);
-    const int column = static_cast<int>(std::lround(place.x()));
-    const int row = static_cast<int>(std::lround(place.y()));
+                             const Cell& cell) {
+    const Eigen::Vector2d center = placement.OnLattice(cell.center);
+    const int column = static_cast<int>(std::lround(center.x()));
+    const int row = static_cast<int>(std::lround(center.y()));
     const std::optional<LocalMapping>& mapping = MappingAt(column, row);
     if (!mapping) return std::nullopt;
+    const Eigen::Vector2d offset = center - Eigen::Vector2d(column, row);
+    constexpr int kMinSamples = 6;  // of nine
     double sum = 0;
+    int count = 0;
     for (const double v : {-0.25, 0.0, 0.25}) {
       for (const double u : {-0.25, 0.0, 0.25}) {
-        const Eigen::Vector2d pixel = (*mapping)(
-            placement.OnLattice(center + cell * Eigen::Vector2d(u, v)) -
-            Eigen::Vector2d(column, row));
-        if (!WholeImage(image_.size).Contains(pixel)) return std::nullopt;
+        const Eigen::Vector2d pixel =
+            (*mapping)(offset + cell.side * Eigen::Vector2d(u, v));
+        if (!WholeImage(image_.size).Contains(pixel)) continue;
         sum += image_.at(static_cast<int>(std::lround(pixel.x())),
                          static_cast<int>(std::lround(pixel.y())));
+        ++count;
       }
     }
-    return sum / 9;
+    if (count < kMinSamples) return std::nullopt;
+    return sum / count;
   }
 
  private:
@@ -106,37 +118,6 @@ class CellReader {
   std::map<std::pair<int, int>, std::optional<LocalMapping>> mappings_;
 };
 
-void ReadTag(const LatticePlacement& placement, const PlacedMarker& tag,
-             double square_m, CellReader* reader, SeenCells* seen) {
-  const double cell = tag.cell_m / square_m;
-  const int last = tag.bits.size - 1;
-  for (int row = 0; row <= last; ++row) {
-    for (int column = 0; column <= last; ++column) {
-      const auto level =
-          reader->Read(placement,
-                       tag.corner / square_m +
-                           cell * Eigen::Vector2d(column + 0.5, row + 0.5),
-                       cell);
-      if (!level) continue;
-      const int ring = std::min({row, column, last - row, last - column});
-      if (ring == 0) {
-        seen->frame_white.push_back(*level);
-      } else if (ring == 1) {
-        seen->frame_black.push_back(*level);
-      } else {
-        seen->code.push_back(*level);
-        seen->code_is_black.push_back(tag.bits.at(column, row));
-      }
-    }
-  }
-}
-
-double Mean(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double value : values) sum += value;
-  return sum / std::max<double>(1, values.size());
-}
-
 // The probability that at most num_wrong of count fair coins fall wrong.
 double ByChance(int num_wrong, int count) {
   double term = std::pow(0.5, count), sum = 0;
@@ -147,23 +128,53 @@ double ByChance(int num_wrong, int count) {
   return std::min(1.0, sum);
 }
 
-// How likely the code's cells would agree as well by chance; 1 if what is seen
-// is no tag.
-double ChanceOf(const SeenCells& seen) {
-  const int num_white = static_cast<int>(seen.frame_white.size());
-  const int num_black = static_cast<int>(seen.frame_black.size());
-  if (std::min(num_white, num_black) < kMinFrameCells) return 1;
-  const double white = Mean(seen.frame_white), black = Mean(seen.frame_black);
-  if (white - black < kMinContrast) return 1;
-  const double threshold = (white + black) / 2;
-  int num_wrong = 0;
-  for (const double level : seen.frame_white) num_wrong += level < threshold;
-  for (const double level : seen.frame_black) num_wrong += level > threshold;
-  if (num_wrong > kMaxWrongFrame * (num_white + num_black)) return 1;
-  num_wrong = 0;
-  for (size_t i = 0; i < seen.code.size(); ++i)
-    num_wrong += (seen.code[i] < threshold) != seen.code_is_black[i];
-  return ByChance(num_wrong, static_cast<int>(seen.code.size()));
+// A cell and its distance from the nearest star, in squares.
+struct SeenCell {
+  double distance, level;
+  bool is_black;
+};
+
+// What is seen of a tag's frame, as far from the stars as it is as it must be:
+// farther away they do not tell where it is, or it is behind the image's rim.
+struct SeenFrame {
+  double threshold = 0;  // between black and white
+  double max_distance = -1;
+};
+
+SeenFrame FrameOf(std::vector<SeenCell> cells, bool is_whole) {
+  std::stable_sort(cells.begin(), cells.end(),
+                   [](const SeenCell& a, const SeenCell& b) {
+                     return a.distance < b.distance;
+                   });
+  SeenFrame frame;
+  for (size_t count = cells.size(); count >= 2 * kMinFrameCells; --count) {
+    double sums[2] = {0, 0};  // of white ones, of black ones
+    int counts[2] = {0, 0};
+    for (size_t i = 0; i < count; ++i) {
+      sums[cells[i].is_black] += cells[i].level;
+      ++counts[cells[i].is_black];
+    }
+    if (std::min(counts[0], counts[1]) < kMinFrameCells) break;
+    const double white = sums[0] / counts[0], black = sums[1] / counts[1];
+    if (white - black < kMinContrast) {
+      if (is_whole) break;
+      continue;
+    }
+    const double threshold = (white + black) / 2;
+    int num_wrong = 0;
+    for (size_t i = 0; i < count; ++i)
+      num_wrong += (cells[i].level < threshold) != cells[i].is_black;
+    if (num_wrong > kMaxWrongFrame * static_cast<double>(count)) {
+      if (is_whole) break;
+      continue;
+    }
+    frame.threshold = threshold;
+    frame.max_distance = count == cells.size()
+                             ? std::numeric_limits<double>::infinity()
+                             : cells[count - 1].distance;
+    break;
+  }
+  return frame;
 }
 
 class Identification {
@@ -173,9 +184,11 @@ class Identification {
                  const std::vector<const TaggedBoard*>& boards)
       : detected_(detected), boards_(boards), stars_(lattice.Features()) {
     int tag_squares = 0;
-    for (const TaggedBoard* board : boards)
+    for (const TaggedBoard* board : boards) {
+      cells_.push_back(CellsOf(*board));
       for (const BoardTag& tag : board->board.tags)
         tag_squares = std::max(tag_squares, tag.squares);
+    }
     // Beyond the stars a quadratic polynomial may predict better.
     for (const int degree : {3, 2})
       readers_.emplace_back(image, lattice, tag_squares / 2 + 3, degree);
@@ -183,56 +196,20 @@ class Identification {
 
   std::optional<LatticePlacement> Run() {
     for (size_t b = 0; b < boards_.size(); ++b) {
-      const int num_turns =
-          QuarterTurnsThatKeepStars(boards_[b]->board.segments);
-      for (int k = 0; k < num_turns; ++k)
-        TryTurn(static_cast<int>(b), 4 / num_turns * k);
+      for (LatticePlacement placement :
+           PossiblePlacements(stars_, boards_[b]->board)) {
+        placement.board = static_cast<int>(b);
+        Weigh(placement);
+      }
     }
     if (num_tags_seen_ == 0 || best_chance_ * num_tags_seen_ > kMaxByChance ||
-        rival_chance_ < kMaxRivalByChance)
+        rival_chance_ <
+            std::min(kMaxRivalByChance, kRivalOverBest * best_chance_))
       return std::nullopt;
     return best_;
   }
 
  private:
-  // All places of the lattice at which its stars are on the board.
-  void TryTurn(int b, int quarter_turns) {
-    const Board& board = boards_[b]->board;
-    Eigen::Array2i low(1 << 20, 1 << 20), high = -low;
-    LatticePlacement placement;
-    placement.board = b;
-    placement.quarter_turns = quarter_turns;
-    for (const Feature& star : stars_) {
-      const Eigen::Array2i p = placement.OnBoard(star.column, star.row).array();
-      low = low.min(p);
-      high = high.max(p);
-    }
-    for (int row = -low.y() - 1; row + high.y() <= board.rows; ++row) {
-      for (int column = -low.x() - 1; column + high.x() <= board.columns;
-           ++column) {
-        placement.column = column;
-        placement.row = row;
-        if (Fits(placement)) Weigh(placement);
-      }
-    }
-  }
-
-  bool Fits(const LatticePlacement& placement) const {
-    const Board& board = boards_[placement.board]->board;
-    const int max_astray =
-        std::max(1, static_cast<int>(kMaxAstray * stars_.size()));
-    int num_astray = 0;
-    for (const Feature& star : stars_) {
-      const Eigen::Vector2i p = placement.OnBoard(star.column, star.row);
-      const bool is_on_board = p.x() >= 0 && p.y() >= 0 &&
-                               p.x() < board.columns && p.y() < board.rows;
-      if ((!is_on_board || !board.HasFeature(p.x(), p.y())) &&
-          ++num_astray > max_astray)
-        return false;
-    }
-    return true;
-  }
-
   // The corners of detected tags that the placement puts among stars that are
   // beside them in the image: they tell how the lattice goes on there.
   std::vector<Correspondence> CornersBesideStars(
@@ -260,25 +237,51 @@ class Identification {
     return corners;
   }
 
-  double ChanceWith(const LatticePlacement& placement,
-                    CellReader* reader) const {
-    const TaggedBoard& tagged = *boards_[placement.board];
-    SeenCells seen;
-    for (const PlacedMarker& tag : tagged.tags)
-      ReadTag(placement, tag, tagged.board.square_m, reader, &seen);
-    return ChanceOf(seen);
+  std::vector<SeenCell> Read(const LatticePlacement& placement,
+                             const std::vector<Cell>& cells,
+                             CellReader* reader) const {
+    std::vector<SeenCell> seen;
+    for (const Cell& cell : cells) {
+      const auto level = reader->Read(placement, cell);
+      if (!level) continue;
+      const Eigen::Vector2d place = placement.OnLattice(cell.center);
+      double least2 = 1e9;
+      for (const Feature& star : stars_)
+        least2 = std::min(
+            least2,
+            (place - Eigen::Vector2d(star.column, star.row)).squaredNorm());
+      seen.push_back({std::sqrt(least2), *level, cell.is_black});
+    }
+    return seen;
+  }
+
+  // How likely the code's cells would agree as well by chance; 1 if what is
+  // seen is no tag. Where its corners are known, its frame is whole.
+  double ChanceOf(const LatticePlacement& placement, bool has_corners,
+                  CellReader* reader) const {
+    const Cells& cells = cells_[placement.board];
+    const SeenFrame frame =
+        FrameOf(Read(placement, cells.frames, reader), has_corners);
+    if (frame.max_distance < 0) return 1;
+    int count = 0, num_wrong = 0;
+    for (const SeenCell& cell : Read(placement, cells.codes, reader)) {
+      if (cell.distance > frame.max_distance) continue;
+      ++count;
+      num_wrong += (cell.level < frame.threshold) != cell.is_black;
+    }
+    return ByChance(num_wrong, count);
   }
 
   void Weigh(const LatticePlacement& placement) {
     const auto corners = CornersBesideStars(placement);
     double chance = 1;
     for (CellReader& reader : readers_) {
-      chance = std::min(chance, ChanceWith(placement, &reader));
+      chance = std::min(chance, ChanceOf(placement, false, &reader));
       if (corners.empty()) continue;
       CellReader with_corners = reader;
       for (const Correspondence& corner : corners)
         with_corners.Add(corner.offset, corner.pixel);
-      chance = std::min(chance, ChanceWith(placement, &with_corners));
+      chance = std::min(chance, ChanceOf(placement, true, &with_corners));
     }
     num_tags_seen_ += chance < 1;
     if (chance < best_chance_) {
@@ -292,6 +295,7 @@ class Identification {
 
   const std::vector<DetectedTag>& detected_;
   const std::vector<const TaggedBoard*>& boards_;
+  std::vector<Cells> cells_;  // by board
   std::vector<CellReader> readers_;
   std::vector<Feature> stars_;
   LatticePlacement best_;
@@ -300,19 +304,6 @@ class Identification {
 };
 
 }  // namespace
-
-Eigen::Vector2i LatticePlacement::OnBoard(int lattice_column,
-                                          int lattice_row) const {
-  const Eigen::Vector2d turned =
-      Turned(quarter_turns, Eigen::Vector2d(lattice_column, lattice_row));
-  return turned.array().round().cast<int>().matrix() +
-         Eigen::Vector2i(column, row);
-}
-
-Eigen::Vector2d LatticePlacement::OnLattice(
-    const Eigen::Vector2d& on_board) const {
-  return Turned(4 - quarter_turns, on_board - Eigen::Vector2d(column, row));
-}
 
 std::optional<LatticePlacement> IdentifyBoard(
     const GreyImage& image, const FeatureLattice& lattice,

@@ -7,19 +7,10 @@
 #include "appearance/board_appearance.h"
 #include "features/detection.h"
 #include "features/feature_lattice.h"
+#include "features/lattice_placement.h"
 #include "features/tag_detection.h"
 
 namespace raygrid {
-
-/// Where a lattice of stars lies on a board: turned by quarters, then moved.
-struct LatticePlacement {
-  int board = 0;  ///< its number among those asked about
-  int quarter_turns = 0;
-  int column = 0, row = 0;  ///< of the lattice's place (0, 0)
-
-  Eigen::Vector2i OnBoard(int lattice_column, int lattice_row) const;
-  Eigen::Vector2d OnLattice(const Eigen::Vector2d& on_board) const;
-};
 
 /// A star board with its tags' cells.
 struct TaggedBoard {
@@ -33,9 +24,10 @@ struct TaggedBoard {
 /// Tells from the cells of tags, wholly or partly in the image, on which board
 /// a lattice of stars lies and where; nothing unless all of these hold:
 ///   - its stars lie where the board has some,
-///   - the tags' white margins and black borders are as they must be,
+///   - the tags' white margins and black borders are as they must be, near the
+///     stars at least,
 ///   - the cells of their codes that are seen would agree as well by chance
-///     once in 10,000 times, all placements with a tag there counted,
+///     once in 500 times, all placements with a tag there counted,
 ///   - no other placement agrees nearly as well.
 /// Detected tags help to see where cells are.
 std::optional<LatticePlacement> IdentifyBoard(

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "features/board_identification.h"
+#include "features/board_layout.h"
 #include "features/feature_refinement.h"
 #include "features/loose_lattice.h"
 #include "features/star_growth.h"
@@ -18,6 +19,9 @@ namespace {
 // Fewer places that look like stars are no board.
 constexpr size_t kMinCandidates = 8;
 constexpr int kMaxLooseLattices = 3;
+// Places where a star was sought in vain, for each that was found: with more it
+// is not believed; with fewer it may still have lost its way at an image's rim.
+constexpr double kMaxInVain = 0.25, kMaxInVainIfFound = 0.05;
 
 struct StarBoard {
   StarBoard(const Board& board, const DetectionOptions& options)
@@ -32,6 +36,12 @@ struct StarBoard {
 
 using StarBoards = std::vector<std::unique_ptr<StarBoard>>;
 using LooseFinders = std::map<int, std::unique_ptr<LooseLatticeFinder>>;
+
+bool IsOnABoard(const DetectedTag& tag, const StarBoards& boards) {
+  return std::any_of(boards.begin(), boards.end(), [&](const auto& star) {
+    return !SeenTagsOf(star->board(), {tag}).empty();
+  });
+}
 
 // One image: what is found on each board, by ever more effort.
 class Search {
@@ -48,9 +58,8 @@ class Search {
     GrowFromTags(DetectTags(image_, TagSearch::kQuick));
     if (IsComplete()) return;
     candidates_ = FindStarCandidates(image_);
-    for (const auto& growth : growths_)
-      if (growth && growth->IsSound())
-        RemoveExplained(growth->lattice(), &candidates_);
+    for (size_t b = 0; b < boards_.size(); ++b)
+      if (IsFound(b)) RemoveExplained(growths_[b]->lattice(), &candidates_);
     for (const auto& [segments, finder] : finders_)
       GrowFromLooseLattices(segments, *finder);
     if (SeesOtherStars() && !IsQuickSearchThorough(image_.size))
@@ -63,7 +72,10 @@ class Search {
 
  private:
   bool IsFound(size_t board) const {
-    return growths_[board] && growths_[board]->IsSound();
+    return growths_[board] && growths_[board]->IsSound(kMaxInVainIfFound);
+  }
+  bool IsSeen(size_t board) const {
+    return growths_[board] && growths_[board]->IsSound(kMaxInVain);
   }
   bool IsComplete() const {
     for (size_t b = 0; b < boards_.size(); ++b)
@@ -73,6 +85,11 @@ class Search {
   // Whether there may be more than what is found.
   bool SeesOtherStars() const {
     return !IsComplete() && candidates_.size() >= kMinCandidates;
+  }
+  bool SeesUnknownTag() const {
+    return std::any_of(tags_.begin(), tags_.end(), [&](const auto& tag) {
+      return !IsOnABoard(tag, boards_);
+    });
   }
   // The one with more stars is right.
   void Put(size_t board, std::unique_ptr<StarGrowth> growth) {
@@ -120,12 +137,38 @@ class Search {
       const auto lattices = finder.Find(image_, &candidates_);
       if (lattices.empty()) return;
       for (const FeatureLattice& lattice : lattices) {
-        const auto placement = IdentifyBoard(image_, lattice, tags_, tagged);
+        auto placement = IdentifyBoard(image_, lattice, tags_, tagged);
+        if (!placement) placement = PlaceOnTheOnlyOneLeft(lattice, missing);
         if (!placement) continue;
         GrowFromLattice(missing[placement->board], lattice, *placement);
         break;
       }
     }
+  }
+
+  // Beside all others of its stars a board of theirs is the one that is left,
+  // whatever is seen of its tags.
+  std::optional<LatticePlacement> PlaceOnTheOnlyOneLeft(
+      const FeatureLattice& lattice, const std::vector<size_t>& missing) const {
+    const auto is_left = [&](size_t b) { return !IsSeen(b); };
+    const auto left = std::find_if(missing.begin(), missing.end(), is_left);
+    if (left == missing.end() ||
+        std::find_if(left + 1, missing.end(), is_left) != missing.end() ||
+        SeesUnknownTag())
+      return std::nullopt;
+    std::vector<Feature> others;
+    for (size_t b = 0; b < boards_.size(); ++b) {
+      if (!IsSeen(b)) continue;
+      const std::vector<Feature> found = growths_[b]->lattice().Features();
+      others.insert(others.end(), found.begin(), found.end());
+    }
+    if (others.empty()) return std::nullopt;
+    const Board& board = boards_[*left]->board();
+    auto placement = PlaceByLayout(image_, lattice, board);
+    if (!placement || LieOnBoard(others, lattice, *placement, board))
+      return std::nullopt;
+    placement->board = static_cast<int>(left - missing.begin());
+    return placement;
   }
 
   void GrowFromLattice(size_t b, const FeatureLattice& lattice,
@@ -191,9 +234,7 @@ std::vector<std::string> StarDetector::Data::UnknownTags(
     const std::vector<DetectedTag>& tags) const {
   std::vector<std::string> unknown;
   for (const DetectedTag& tag : tags)
-    if (std::none_of(boards.begin(), boards.end(), [&](const auto& star) {
-          return !SeenTagsOf(star->board(), {tag}).empty();
-        }))
+    if (!IsOnABoard(tag, boards))
       unknown.push_back(
           fmt::format("tag {} is on no board of the pattern", tag.id));
   return unknown;

@@ -140,10 +140,9 @@ bool StarGrowth::AgreesWithTags() const {
                      [&](const SeenTag& seen) { return Agrees(seen); });
 }
 
-bool StarGrowth::IsSound() const {
-  constexpr double kMaxInVain = 0.25;
+bool StarGrowth::IsSound(double max_in_vain) const {
   return lattice_.num_found() >= kMinStarsOnBoard &&
-         Rejected().size() <= kMaxInVain * lattice_.num_found();
+         Rejected().size() <= max_in_vain * lattice_.num_found();
 }
 
 std::vector<RejectedFeature> StarGrowth::Rejected() const {

@@ -58,9 +58,9 @@ class StarGrowth {
 
   /// Whether the stars around each tag are where its corners say.
   bool AgreesWithTags() const;
-  /// Whether there are enough stars, and few places where one was sought in
-  /// vain.
-  bool IsSound() const;
+  /// Whether there are enough stars, and for each at most so many places where
+  /// one was sought in vain.
+  bool IsSound(double max_in_vain) const;
 
   const FeatureLattice& lattice() const { return lattice_; }
   /// Where stars were sought in vain, and why.

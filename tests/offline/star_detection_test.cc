@@ -6,7 +6,6 @@
 #include <map>
 #include <utility>
 
-#include "features/board_identification.h"
 #include "features/feature_detection.h"
 #include "features/tag_detection.h"
 #include "simulation/image_rendering.h"
@@ -542,82 +541,41 @@ TEST(StarDetector, FindsTheSameTwice) {
   }
 }
 
-// A drawing of a board, and the lattice of its stars.
-class Drawing {
- public:
-  static constexpr int kSpacingPx = 20;
-
-  // Pixels left of the given one are not in the image.
-  Drawing(const Board& board, int first_pixel)
-      : board_(board), lattice_board_(board), lattice_(Lattice()) {
-    const BoardAppearance appearance(board);
-    image_.size = {board.columns * kSpacingPx - first_pixel,
-                   board.rows * kSpacingPx};
-    for (int y = 0; y < image_.size.height; ++y)
-      for (int x = 0; x < image_.size.width; ++x)
-        image_.levels.push_back(
-            appearance.IsBlack(board.square_m / kSpacingPx *
-                               Eigen::Vector2d(x + first_pixel + 0.3, y + 0.4))
-                ? 30
-                : 200);
-    for (int row = 0; row < board.rows; ++row)
-      for (int column = 0; column < board.columns; ++column)
-        if (board.HasFeature(column, row) && column * kSpacingPx >= first_pixel)
-          lattice_.Set(column + kShift, row + kShift,
-                       {column * kSpacingPx - first_pixel - 0.3,
-                        row * kSpacingPx - 0.4});
-  }
-
-  std::optional<LatticePlacement> IdentifyAmong(const Board& board) const {
-    const TaggedBoard tagged(board);
-    return IdentifyBoard(image_, lattice_, {}, {&tagged});
-  }
-  // Whether a placement is the true one.
-  static bool IsTrue(const LatticePlacement& placement) {
-    return placement.quarter_turns == 0 && placement.column == -kShift &&
-           placement.row == -kShift;
-  }
-
- private:
-  static constexpr int kShift = 7;
-
-  FeatureLattice Lattice() {
-    lattice_board_.tags.clear();
-    lattice_board_.columns = lattice_board_.rows = 40;
-    return FeatureLattice(lattice_board_);
-  }
-
-  Board board_, lattice_board_;
-  FeatureLattice lattice_;
-  GreyImage image_;
-};
-
-// The tag of StarPattern() begins at column 6 and is 4 squares wide.
-TEST(IdentifyBoard, IsSureWhileHalfOfTheTagIsSeen) {
-  const Board board = StarPattern().boards[0];
-  for (int first_pixel = 0; first_pixel <= 16 * Drawing::kSpacingPx / 2;
-       first_pixel += 10) {
-    const auto placement = Drawing(board, first_pixel).IdentifyAmong(board);
-    ASSERT_TRUE(placement.has_value()) << first_pixel;
-    EXPECT_TRUE(Drawing::IsTrue(*placement)) << first_pixel;
-  }
+// Board 0, and the left end of board 1 with the first two of ten columns of its
+// tag's cells: none of its code.
+GreyImage BoardBesideAnEnd() {
+  const auto camera = SimulatedLens("pinhole", kSize);
+  const Pattern pattern = TwoBoards();
+  const BoardSurface left(pattern.boards[0]), right(pattern.boards[1]);
+  return WithNoise(RenderImage(PixelRays(*camera, kThreads),
+                               {{&left, UprightAt(*camera, {50, 80})},
+                                {&right, UprightAt(*camera, {545, 100})}},
+                               ImagingOptions(), kThreads),
+                   1);
 }
 
-TEST(IdentifyBoard, SaysNothingWhereLittleOfTheTagIsSeen) {
-  const Board board = StarPattern().boards[0];
-  for (int first_pixel = 180; first_pixel < 260; first_pixel += 5)
-    EXPECT_FALSE(Drawing(board, first_pixel).IdentifyAmong(board).has_value())
-        << first_pixel;
+TEST(StarDetector, NamesTheOnlyBoardLeftByItsLayout) {
+  std::map<int, int> counts;
+  for (const Feature& f :
+       StarDetector(TwoBoards(), {}).Detect(BoardBesideAnEnd()).features) {
+    ++counts[f.board];
+    EXPECT_LE(f.column, f.board == 0 ? 9 : 3);
+  }
+  EXPECT_EQ(counts[0], 10 * 12 - 5 * 5);
+  EXPECT_EQ(counts[1], 4 * 12 - 5);
 }
 
-TEST(IdentifyBoard, TakesNoOtherTagForTheBoards) {
-  for (const int first_pixel : {0, 130, 150, 160}) {
-    const Drawing drawing(StarPattern().boards[0], first_pixel);
-    for (int tag = 1; tag < 587; tag += 12)
-      EXPECT_FALSE(
-          drawing.IdentifyAmong(StarPattern(16, tag).boards[0]).has_value())
-          << first_pixel << " " << tag;
-  }
+TEST(StarDetector, NamesNoneOfSeveralBoardsThatAreLeft) {
+  const Pattern three = PatternOf(BoardYaml(0, 10, 12, 16, 0, 3, 4) +
+                                  BoardYaml(1, 10, 12, 16, 1, 3, 4) +
+                                  BoardYaml(2, 10, 12, 16, 2, 3, 4));
+  const Pattern without_the_other =
+      PatternOf(BoardYaml(1, 10, 12, 16, 1, 3, 4));
+  const GreyImage image = BoardBesideAnEnd();
+  for (const Feature& f : StarDetector(three, {}).Detect(image).features)
+    EXPECT_EQ(f.board, 0);
+  EXPECT_TRUE(
+      StarDetector(without_the_other, {}).Detect(image).features.empty());
 }
 
 TEST(StarDetector, FindsStarsOfABoardWhoseTagIsCutOff) {
