@@ -36,14 +36,17 @@ Area RepresentableArea(const Area& area) {
       std::floor(area.x1 * kUnit) / kUnit, std::floor(area.y1 * kUnit) / kUnit};
 }
 
-// The worst angle-times-focal-length between a model and its grid.
-double FitError(const CameraModel& model, const CentralGeneric& grid) {
+// The worst angle-times-focal-length between a model and its grid, where it is
+// trusted, if it is anywhere.
+double FitError(const CameraModel& model, const TrustMask* trusted,
+                const CentralGeneric& grid) {
   double worst = 0;
   const Area& area = grid.area();
   for (int j = 0; j <= 60; ++j) {
     for (int i = 0; i <= 80; ++i) {
       const Eigen::Vector2d pixel(area.x0 + area.width() * i / 80,
                                   area.y0 + area.height() * j / 60);
+      if (trusted && !trusted->Trusts(pixel)) continue;
       const auto ray = model.Unproject(pixel);
       if (!ray) continue;
       const auto image = grid.Project(*ray, &pixel, 5);
@@ -54,7 +57,7 @@ double FitError(const CameraModel& model, const CentralGeneric& grid) {
 }
 
 // The camera as a grid over a representable area.
-CentralGeneric AsGrid(const CameraModel& camera) {
+CentralGeneric AsGrid(const CameraModel& camera, const TrustMask* trusted) {
   const Area area = RepresentableArea(camera.area());
   const auto* grid = dynamic_cast<const CentralGeneric*>(&camera);
   if (grid && area.x0 == camera.area().x0 && area.y0 == camera.area().y0 &&
@@ -66,13 +69,50 @@ CentralGeneric AsGrid(const CameraModel& camera) {
     CentralGeneric fit =
         FitCentralGeneric(camera, area, NumControlPoints(area.width(), cell_px),
                           NumControlPoints(area.height(), cell_px));
-    error = FitError(camera, fit);
+    error = FitError(camera, trusted, fit);
     if (error <= kMaxPackingErrorPx / 2) return fit;
   }
   throw Error(ExitCode::kQuality,
-              fmt::format("no grid follows this {} camera closer than {:.4f} "
-                          "px; is it valid over its whole area?",
-                          camera.Name(), error));
+              fmt::format("no grid follows this {} camera {}; is it valid over "
+                          "its whole area?",
+                          camera.Name(),
+                          std::isfinite(error)
+                              ? fmt::format("closer than {:.4f} px", error)
+                              : "and leads back to its pixels"));
+}
+
+// Whether a trusted cell's rays depend on a control point of the grid: within
+// two of its cells.
+bool IsTrustedNear(const TrustMask& mask, const BSplineSurface& surface,
+                   int index) {
+  const Eigen::Array2d reach =
+      2 * Eigen::Array2d(surface.cell_width(), surface.cell_height()) +
+      mask.cell_px / 2.0;
+  for (size_t k = 0; k < mask.is_trusted.size(); ++k) {
+    const Eigen::Array2d distance =
+        mask.CellCenter(static_cast<int>(k)) - surface.PixelOf(index);
+    if (mask.is_trusted[k] && (distance.abs() < reach).all()) return true;
+  }
+  return false;
+}
+
+// Draws control points beyond what the format holds back to it, where no
+// trusted pixel sees by them: as in the corners around a fisheye's image
+// circle.
+void DrawIntoChart(const TrustMask* trusted, CentralGeneric* grid) {
+  const double limit =
+      std::ldexp(RG_CONTROL_POINT_LIMIT - 1.0, -RG_CONTROL_POINT_BITS);
+  BSplineSurface surface = grid->surface();
+  for (int index = 0; index < surface.num_points(); ++index) {
+    Eigen::Vector2d& point = surface.points()[index];
+    const double largest = point.cwiseAbs().maxCoeff();
+    if (largest <= limit) continue;
+    if (!std::isfinite(largest) || !trusted ||
+        IsTrustedNear(*trusted, surface, index))
+      FailFormat("it looks farther back than 151 degrees from its axis");
+    point *= limit / largest;
+  }
+  *grid = CentralGeneric(grid->image_size(), surface);
 }
 
 struct GridSection {
@@ -98,13 +138,9 @@ GridSection QuantizeGrid(const CentralGeneric& camera) {
   s.scale_x_q32 = rg_grid_scale_q32(s.columns - 3u, s.x1_q16 - s.x0_q16);
   s.scale_y_q32 = rg_grid_scale_q32(s.rows - 3u, s.y1_q16 - s.y0_q16);
   for (const Eigen::Vector2d& point : camera.surface().points()) {
-    for (int c = 0; c < 2; ++c) {
-      const double value = std::ldexp(point[c], RG_CONTROL_POINT_BITS);
-      if (!(std::abs(value) <= RG_CONTROL_POINT_LIMIT))
-        FailFormat("it looks farther back than 151 degrees from its axis");
-      grid.control_points.values.push_back(
-          static_cast<int32_t>(std::lround(value)));
-    }
+    for (int c = 0; c < 2; ++c)
+      grid.control_points.values.push_back(static_cast<int32_t>(
+          std::lround(std::ldexp(point[c], RG_CONTROL_POINT_BITS))));
   }
   return grid;
 }
@@ -233,11 +269,22 @@ double FewestPixelsPerRadian(const CameraModel& camera) {
   return fewest;
 }
 
-// The runtime against the camera, at every pixel of the blob's area; in pixels
-// where the camera is trusted, if it is anywhere, and not where its rays hardly
-// turn from pixel to pixel, as outside a fisheye's image circle.
-UnprojectionError MeasureUnprojection(const CameraModel& camera,
-                                      const TrustMask* trusted,
+// What a blob is measured against: where it is trusted, if it is anywhere, the
+// camera, elsewhere what is left of it there.
+struct PackingTruth {
+  const CameraModel& camera;
+  const CameraModel& elsewhere;
+  const TrustMask* trusted;
+
+  bool Trusts(const Eigen::Vector2d& pixel) const {
+    return !trusted || trusted->Trusts(pixel);
+  }
+};
+
+// The runtime against the truth, at every pixel of the blob's area; in pixels
+// where it is trusted, and not where rays hardly turn from pixel to pixel, as
+// outside a fisheye's image circle.
+UnprojectionError MeasureUnprojection(const PackingTruth& truth,
                                       const rg_camera& packed,
                                       int num_threads) {
   const auto first_of = [](const rg_axis& axis) {
@@ -251,7 +298,8 @@ UnprojectionError MeasureUnprojection(const CameraModel& camera,
   const int last_row = last_of(packed.axes[1]);
   const int num_rows = last_row - first_row + 1;
   constexpr double kHardlyTurn = 20;
-  const double most_per_radian = kHardlyTurn * FewestPixelsPerRadian(camera);
+  const double most_per_radian =
+      kHardlyTurn * FewestPixelsPerRadian(truth.camera);
   std::vector<UnprojectionError> worst(std::max(num_rows, 0));
   ParallelFor(num_rows, num_threads, [&](int row) {
     const int y = first_row + row;
@@ -259,6 +307,8 @@ UnprojectionError MeasureUnprojection(const CameraModel& camera,
     const int last = last_of(packed.axes[0]);
     for (int x = first; x <= last; ++x) {
       const Eigen::Vector2d pixel(x, y);
+      const bool is_trusted = truth.Trusts(pixel);
+      const CameraModel& camera = is_trusted ? truth.camera : truth.elsewhere;
       const auto exact = camera.Unproject(pixel);
       LinearizedProjection projection;
       rg_ray ray;
@@ -268,8 +318,7 @@ UnprojectionError MeasureUnprojection(const CameraModel& camera,
       const Eigen::Vector3d direction =
           Eigen::Vector3d(ray.x_q30, ray.y_q30, ray.z_q30) / (1 << 30);
       worst[row].rad = std::max(worst[row].rad, direction.cross(*exact).norm());
-      if ((!trusted || trusted->Trusts(pixel)) &&
-          projection.by_point.norm() < most_per_radian)
+      if (is_trusted && projection.by_point.norm() < most_per_radian)
         worst[row].px =
             std::max(worst[row].px, (projection.by_point * direction).norm());
     }
@@ -297,16 +346,15 @@ std::string WriteBlob(const rg_blob_contents& contents) {
   return std::string(reinterpret_cast<const char*>(words.data()), size);
 }
 
-UnprojectionError MeasureBlob(const CameraModel& camera,
-                              const TrustMask* trusted, const std::string& blob,
-                              int num_threads) {
+UnprojectionError MeasureBlob(const PackingTruth& truth,
+                              const std::string& blob, int num_threads) {
   std::vector<uint32_t> words((blob.size() + 3) / 4);
   std::memcpy(words.data(), blob.data(), blob.size());
   rg_camera packed;
   const rg_status status =
       rg_camera_open(&packed, words.data(), static_cast<uint32_t>(blob.size()));
   if (status != RG_OK) FailFormat(rg_status_text(status));
-  return MeasureUnprojection(camera, trusted, packed, num_threads);
+  return MeasureUnprojection(truth, packed, num_threads);
 }
 
 }  // namespace
@@ -327,12 +375,14 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   const std::optional<CentralGeneric> far =
       lines ? std::optional(lines->CentralPart()) : std::nullopt;
   const CameraModel& central = far ? *far : camera;
-  const CentralGeneric model = AsGrid(central);
-  const GridSection grid = QuantizeGrid(model);
   const TrustMask* trusted =
       file.uncertainty && TrustsAny(file.uncertainty->mask)
           ? &file.uncertainty->mask
           : nullptr;
+  CentralGeneric model = AsGrid(central, trusted);
+  DrawIntoChart(trusted, &model);
+  const PackingTruth truth = {central, model, trusted};
+  const GridSection grid = QuantizeGrid(model);
   std::optional<InverseGrid> inverse;
   const std::string name = PaddedText("name", file.name);
   const std::string serial = PaddedText("serial", file.serial);
@@ -377,11 +427,11 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
     narrow->section.residuals = narrow->residuals.data();
     contents.narrow = &narrow->section;
     if (IsWritable(contents))
-      error = MeasureBlob(central, trusted, WriteBlob(contents), num_threads);
+      error = MeasureBlob(truth, WriteBlob(contents), num_threads);
   }
   if (!(error.px <= kMaxPackingErrorPx && error.rad <= kMaxNarrowErrorRad)) {
     contents.narrow = nullptr;
-    error = MeasureBlob(central, trusted, WriteBlob(contents), num_threads);
+    error = MeasureBlob(truth, WriteBlob(contents), num_threads);
   }
   packed.unproject_error_px = error.px;
   packed.unproject_error_rad = error.rad;

@@ -181,11 +181,13 @@ TEST(BlobCamera, ProjectsWhatItUnprojects) {
   ExpectRoundTrips(BlobCamera("fisheye", packed.blob), *file.camera);
 }
 
-TEST(BlobCamera, ProjectsWhereAFisheyeIsTrustedThoughItsCornerFolds) {
+// A fisheye that is trusted around its middle, the control points of a corner
+// so many times as far from its axis.
+CameraFile FisheyeWithCorner(double times) {
   CentralGeneric lens = ExampleFisheye();
   Eigen::VectorXd parameters = lens.Parameters();
   for (const int node : {0, 1, lens.surface().columns()})
-    parameters.segment<2>(2 * node) *= -1;  // the other way
+    parameters.segment<2>(2 * node) *= times;
   lens.SetParameters(parameters);
   CameraFile file;
   file.camera = std::make_shared<CentralGeneric>(lens);
@@ -196,18 +198,35 @@ TEST(BlobCamera, ProjectsWhereAFisheyeIsTrustedThoughItsCornerFolds) {
   for (size_t k = 0; k < known.mask.is_trusted.size(); ++k)
     known.mask.is_trusted[k] =
         (known.mask.CellCenter(static_cast<int>(k)) - middle).norm() < 230;
-  const BlobCamera blob("folded", PackCamera(file, PackOptions()).blob);
+  return file;
+}
+
+void ExpectTrustedRoundTrips(const CameraFile& file) {
+  const BlobCamera blob("corner", PackCamera(file, PackOptions()).blob);
   TestRandom random(15);
   int num_trusted = 0;
   for (int i = 0; i < 500; ++i) {
-    const Eigen::Vector2d pixel = random.PixelIn(lens.area());
-    if (!known.mask.Trusts(pixel)) continue;
+    const Eigen::Vector2d pixel = random.PixelIn(file.camera->area());
+    if (!file.uncertainty->mask.Trusts(pixel)) continue;
     ++num_trusted;
-    const auto back = blob.Project(*lens.Unproject(pixel));
+    const auto back = blob.Project(*file.camera->Unproject(pixel));
     ASSERT_TRUE(back) << pixel.transpose();
     EXPECT_LT((*back - pixel).norm(), 0.002);
   }
   EXPECT_GT(num_trusted, 100);
+}
+
+TEST(BlobCamera, ProjectsWhereAFisheyeIsTrustedThoughItsCornerFolds) {
+  ExpectTrustedRoundTrips(FisheyeWithCorner(-1));
+}
+
+TEST(BlobCamera, HoldsAFisheyeWhoseCornerLooksTooFarBackIfItIsNotTrusted) {
+  CameraFile file = FisheyeWithCorner(10);
+  ExpectTrustedRoundTrips(file);
+  file.uncertainty->mask.is_trusted[0] = true;
+  EXPECT_THROW(PackCamera(file, PackOptions()), Error);
+  file.uncertainty.reset();
+  EXPECT_THROW(PackCamera(file, PackOptions()), Error);
 }
 
 TEST(BlobCamera, ProjectsAsTheCamera) {
