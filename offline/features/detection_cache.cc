@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // To be raised when the same image shows something else than before.
-constexpr int kDetectorVersion = 6;
+constexpr int kDetectorVersion = 7;
 constexpr const char* kExtension = ".detection";
 
 __extension__ using Uint128 = unsigned __int128;

@@ -7,8 +7,9 @@
 namespace raygrid {
 namespace {
 
-// Of the stars, where the board has none.
-constexpr double kMaxAstray = 0.2;
+// Of the stars, where the board has none: on its tags, and beyond its edges,
+// where paper may look like half a star of few segments.
+constexpr double kMaxOnTags = 0.2, kMaxBeyond = 0.4;
 
 // (column, row) turned by quarters, clockwise on the board.
 Eigen::Vector2d Turned(int quarter_turns, const Eigen::Vector2d& p) {
@@ -26,18 +27,18 @@ Eigen::Vector2d Turned(int quarter_turns, const Eigen::Vector2d& p) {
 
 bool Fits(const LatticePlacement& placement, const std::vector<Feature>& stars,
           const Board& board) {
-  const int max_astray =
-      std::max(1, static_cast<int>(kMaxAstray * stars.size()));
-  int num_astray = 0;
+  const auto limit = [&](double part) {
+    return std::max(1, static_cast<int>(part * stars.size()));
+  };
+  int num_on_tags = 0, num_beyond = 0;
   for (const Feature& star : stars) {
     const Eigen::Vector2i p = placement.OnBoard(star.column, star.row);
-    const bool is_on_board =
-        p.x() >= 0 && p.y() >= 0 && p.x() < board.columns && p.y() < board.rows;
-    if ((!is_on_board || !board.HasFeature(p.x(), p.y())) &&
-        ++num_astray > max_astray)
-      return false;
+    if (p.x() < 0 || p.y() < 0 || p.x() >= board.columns || p.y() >= board.rows)
+      ++num_beyond;
+    else
+      num_on_tags += !board.HasFeature(p.x(), p.y());
   }
-  return true;
+  return num_on_tags <= limit(kMaxOnTags) && num_beyond <= limit(kMaxBeyond);
 }
 
 void AddThoseOfTurn(int quarter_turns, const std::vector<Feature>& stars,

@@ -13,6 +13,8 @@ constexpr double kMinCorrelation = 0.5;
 constexpr int kMinStars = 12;   // of a lattice, or it is not believed
 constexpr int kMaxTrials = 40;  // candidates
 constexpr size_t kNumNearest = 12, kNumWitnesses = 40;
+// Stars of few segments have junctions along the edges of their squares too.
+constexpr int kFewSegments = 6, kMoreJunctions = 2;
 
 Board LooseBoard(int segments, int side) {
   Board board;
@@ -32,8 +34,8 @@ double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 
 // Offsets from a place to the candidates around it, nearest first.
 std::vector<Eigen::Vector2d> OffsetsAround(
-    const std::vector<StarCandidate>& candidates,
-    const Eigen::Vector2d& center) {
+    const std::vector<StarCandidate>& candidates, const Eigen::Vector2d& center,
+    size_t max_count) {
   constexpr double kSamePx = 3;
   std::vector<Eigen::Vector2d> offsets;
   for (const StarCandidate& candidate : candidates)
@@ -43,7 +45,7 @@ std::vector<Eigen::Vector2d> OffsetsAround(
                             const Eigen::Vector2d& b) {
     return a.squaredNorm() < b.squaredNorm();
   };
-  const size_t count = std::min(kNumWitnesses, offsets.size());
+  const size_t count = std::min(max_count, offsets.size());
   std::partial_sort(offsets.begin(), offsets.begin() + count, offsets.end(),
                     is_nearer);
   offsets.resize(count);
@@ -70,10 +72,11 @@ int Support(const Basis& linear, const std::vector<Eigen::Vector2d>& offsets) {
 
 // Pairs of neighbours that span a lattice that other candidates are on; the
 // smallest first.
-std::vector<Basis> BasesOf(const std::vector<Eigen::Vector2d>& offsets) {
+std::vector<Basis> BasesOf(const std::vector<Eigen::Vector2d>& offsets,
+                           size_t num_nearest) {
   constexpr double kMinSine = 0.4, kMaxStretch = 5;
   constexpr int kMinSupport = 4;
-  const size_t count = std::min(kNumNearest, offsets.size());
+  const size_t count = std::min(num_nearest, offsets.size());
   std::vector<Basis> bases;
   for (size_t i = 0; i < count; ++i) {
     for (size_t j = 0; j < count; ++j) {
@@ -134,7 +137,10 @@ std::optional<LooseLatticeFinder::Seed> LooseLatticeFinder::SeedAt(
     return match.is_converged ? match.correlation : 0;
   };
   const int num_turns = 4 / QuarterTurnsThatKeepStars(board_.segments);
-  for (const Basis& basis : BasesOf(OffsetsAround(candidates, center))) {
+  const int density = board_.segments <= kFewSegments ? kMoreJunctions : 1;
+  const auto offsets =
+      OffsetsAround(candidates, center, density * kNumWitnesses);
+  for (const Basis& basis : BasesOf(offsets, density * kNumNearest)) {
     LocalMapping mapping;
     mapping.center = center;
     mapping.linear = basis;
@@ -177,6 +183,20 @@ std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::FindSeeds(
   return seeds;
 }
 
+// Stars of four segments make a chessboard, on which corners of squares, and
+// the middles of their sides after a quarter turn, look like stars.
+std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::LookAlikes(
+    const Seed& seed) const {
+  if (board_.segments != 4) return {};
+  std::vector<Seed> others(3, seed);
+  others[0].mapping = Shifted(seed.mapping, {0.5, 0.5});
+  others[1].mapping = Shifted(seed.mapping, {0.5, 0});
+  others[2].mapping = Shifted(seed.mapping, {0, 0.5});
+  for (const int turned : {1, 2})
+    others[turned].mapping.linear = QuarterTurned(seed.mapping.linear);
+  return others;
+}
+
 FeatureLattice LooseLatticeFinder::GrowFrom(const GreyImage& image,
                                             const Seed& seed,
                                             double alike) const {
@@ -201,6 +221,10 @@ std::vector<FeatureLattice> LooseLatticeFinder::Find(
     std::vector<FeatureLattice> lattices = {GrowFrom(image, seed, kAlike),
                                             GrowFrom(image, seed, kLessAlike)};
     if (lattices[1].num_found() < kMinStars) continue;
+    for (const Seed& other : LookAlikes(seed)) {
+      lattices.push_back(GrowFrom(image, other, kAlike));
+      lattices.push_back(GrowFrom(image, other, kLessAlike));
+    }
     RemoveExplained(lattices[1], candidates);
     return lattices;
   }

@@ -23,7 +23,8 @@ class LooseLatticeFinder {
                      const DetectionOptions& options);
 
   /// The lattice around the surest of some of the candidates, first without,
-  /// then with doubtful stars; nothing if there is none. Its places count from
+  /// then with doubtful stars; nothing if there is none. Of stars of four
+  /// segments the lattices between them too. Its places count from
   /// anywhere, right and down as on a board that is turned by some quarter
   /// turns. Candidates on it and those that were tried are removed.
   std::vector<FeatureLattice> Find(
@@ -44,6 +45,7 @@ class LooseLatticeFinder {
                              const Eigen::Vector2d& center) const;
   std::vector<Seed> FindSeeds(const GreyImage& image,
                               std::vector<StarCandidate>* candidates) const;
+  std::vector<Seed> LookAlikes(const Seed& seed) const;
   FeatureLattice GrowFrom(const GreyImage& image, const Seed& seed,
                           double alike) const;
 };

@@ -580,19 +580,24 @@ TEST(StarDetector, NamesNoneOfSeveralBoardsThatAreLeft) {
 
 TEST(StarDetector, FindsStarsOfABoardWhoseTagIsCutOff) {
   const auto camera = SimulatedLens("pinhole", kSize);
-  const BoardSurface surface(StarPattern().boards[0]);
+  const PixelRays rays(*camera, kThreads);
   // The tag spans 144 to 240 px from the board's first feature: of its ten
   // columns of cells the image shows six.
   Pose pose = UprightAt(*camera, {0, 60});
   pose.translation.x() -= 7.5 * kSquare;
-  const GreyImage image =
-      WithNoise(RenderImage(PixelRays(*camera, kThreads), {{&surface, pose}},
-                            ImagingOptions(), kThreads),
-                1);
-  ASSERT_TRUE(DetectTags(image, TagSearch::kThorough).empty());
-  EXPECT_GT(StarDetector(StarPattern(), {}).Detect(image).features.size(), 80u);
-  EXPECT_TRUE(
-      StarDetector(StarPattern(16, 5), {}).Detect(image).features.empty());
+  for (const int segments : {4, 6, 8, 16}) {
+    const Pattern pattern = StarPattern(segments);
+    const BoardSurface surface(pattern.boards[0]);
+    const GreyImage image = WithNoise(
+        RenderImage(rays, {{&surface, pose}}, ImagingOptions(), kThreads), 1);
+    ASSERT_TRUE(DetectTags(image, TagSearch::kThorough).empty());
+    EXPECT_GT(StarDetector(pattern, {}).Detect(image).features.size(), 80u)
+        << segments << " segments";
+    EXPECT_TRUE(StarDetector(StarPattern(segments, 5), {})
+                    .Detect(image)
+                    .features.empty())
+        << segments << " segments";
+  }
 }
 
 }  // namespace
