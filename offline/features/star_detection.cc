@@ -69,6 +69,8 @@ class Search {
   const std::vector<DetectedTag>& tags() const { return tags_; }
   // nullptr where nothing of a board is seen.
   const StarGrowth* growth(size_t board) const { return growths_[board].get(); }
+  // Of which nothing tells the board.
+  bool sees_unnamed_stars() const { return sees_unnamed_stars_; }
 
  private:
   bool IsFound(size_t board) const {
@@ -136,14 +138,25 @@ class Search {
       if (missing.empty() || !SeesOtherStars()) return;
       const auto lattices = finder.Find(image_, &candidates_);
       if (lattices.empty()) return;
-      for (const FeatureLattice& lattice : lattices) {
-        auto placement = IdentifyBoard(image_, lattice, tags_, tagged);
-        if (!placement) placement = PlaceOnTheOnlyOneLeft(lattice, missing);
-        if (!placement) continue;
-        GrowFromLattice(missing[placement->board], lattice, *placement);
-        break;
-      }
+      sees_unnamed_stars_ |= !GrowFromFirstNamed(lattices, missing, tagged);
     }
+  }
+
+  // Whether one of the lattices, which are of the same stars, has a name.
+  bool GrowFromFirstNamed(const std::vector<FeatureLattice>& lattices,
+                          const std::vector<size_t>& missing,
+                          const std::vector<const TaggedBoard*>& tagged) {
+    // The layout does not tell a chessboard's lattices from those between.
+    const bool is_chessboard = tagged[0]->board.segments == 4;
+    for (const FeatureLattice& lattice : lattices) {
+      auto placement = IdentifyBoard(image_, lattice, tags_, tagged);
+      if (!placement && !is_chessboard)
+        placement = PlaceOnTheOnlyOneLeft(lattice, missing);
+      if (!placement) continue;
+      GrowFromLattice(missing[placement->board], lattice, *placement);
+      return true;
+    }
+    return false;
   }
 
   // Beside all others of its stars a board of theirs is the one that is left,
@@ -193,6 +206,7 @@ class Search {
   std::vector<DetectedTag> tags_;
   std::vector<std::unique_ptr<StarGrowth>> growths_;  // by board
   std::vector<StarCandidate> candidates_;
+  bool sees_unnamed_stars_ = false;
 };
 
 void Append(const std::vector<RejectedFeature>& from,
@@ -269,6 +283,10 @@ ImageDetection StarDetector::Detect(const GreyImage& image) const {
   if (search.tags().empty() && detection.features.empty())
     for (const std::string& seen : DescribeOtherTags(image))
       detection.remarks.push_back("no tag of the pattern, but " + seen);
+  if (search.sees_unnamed_stars() && detection.features.empty() &&
+      detection.remarks.empty())
+    detection.remarks.push_back(
+        "stars are seen, but not enough of a tag to tell the board");
   return detection;
 }
 

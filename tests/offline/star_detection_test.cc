@@ -593,10 +593,12 @@ TEST(StarDetector, FindsStarsOfABoardWhoseTagIsCutOff) {
     ASSERT_TRUE(DetectTags(image, TagSearch::kThorough).empty());
     EXPECT_GT(StarDetector(pattern, {}).Detect(image).features.size(), 80u)
         << segments << " segments";
-    EXPECT_TRUE(StarDetector(StarPattern(segments, 5), {})
-                    .Detect(image)
-                    .features.empty())
-        << segments << " segments";
+    const ImageDetection other =
+        StarDetector(StarPattern(segments, 5), {}).Detect(image);
+    EXPECT_TRUE(other.features.empty()) << segments << " segments";
+    ASSERT_EQ(other.remarks.size(), 1u);
+    EXPECT_NE(other.remarks[0].find("not enough of a tag"), std::string::npos)
+        << other.remarks[0];
   }
 }
 
