@@ -128,8 +128,14 @@ Board ParseBoard(const std::string& place, const YAML::Node& node) {
   const char* points_key = "points";
   if (board.kind == "points") {
     points_key = "xyz";
-    board.columns = static_cast<int>(node["xyz"].size());
-    board.rows = 1;
+    const int count = static_cast<int>(node["xyz"].size());
+    board.columns =
+        node["columns"] ? Value<int>(place, node, "columns") : count;
+    board.rows = node["rows"] ? Value<int>(place, node, "rows") : 1;
+    if (std::min(board.columns, board.rows) < 0 ||
+        static_cast<int64_t>(board.columns) * board.rows != count)
+      throw InputError(fmt::format("{}: {} points where {} x {} were expected",
+                                   place, count, board.columns, board.rows));
   } else {
     board.columns = Value<int>(place, node, "columns");
     board.rows = Value<int>(place, node, "rows");

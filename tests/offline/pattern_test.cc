@@ -50,6 +50,20 @@ TEST(Pattern, ListsOfPointsAreBoardsOfOneRow) {
   EXPECT_EQ(pattern.boards[0].NominalPoints()[2], Eigen::Vector3d(0, 0.1, 0.2));
 }
 
+TEST(Pattern, ListsOfPointsMayHaveRows) {
+  const std::string points =
+      "xyz: [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], "
+      "[2, 1, 0]]}\n";
+  const std::string start = "  - {id: 0, kind: points, columns: ";
+  const Pattern pattern =
+      ParsePattern("p", WithBoards(start + "3, rows: 2, " + points));
+  const Board& board = pattern.boards[0];
+  EXPECT_EQ(board.points[board.PointIndex(1, 1)], Eigen::Vector3d(1, 1, 0));
+  for (const char* size :
+       {"2", "-3, rows: -2", "6, rows: 2", "65536, rows: 65536", "0, rows: 6"})
+    ExpectRefused(WithBoards(start + size + ", " + points), {"6 points"});
+}
+
 TEST(Pattern, FindsBoardsById) {
   const Pattern pattern = ChessboardPattern(4, 3, 0.025);
   EXPECT_EQ(pattern.FindBoard(0), &pattern.boards[0]);
