@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
@@ -39,6 +40,42 @@ Area SourceRectangle(const CameraModel& camera) {
 // A little beyond the rectangle, so that the fit is not one-sided at its edge.
 constexpr double kFitMarginPx = 1.5;
 
+// Output pixels every few, of which some have a source: where none around a
+// pixel has, it has none either, which projection would be long to find out.
+class SeenParts {
+ public:
+  SeenParts(const CameraModel& camera, const VirtualCamera& virtual_camera,
+            int num_threads)
+      : columns_(virtual_camera.size.width / kStep + 2),
+        rows_(virtual_camera.size.height / kStep + 2),
+        is_seen_(static_cast<size_t>(columns_) * rows_) {
+    ParallelFor(rows_, num_threads, [&](int j) {
+      std::optional<Eigen::Vector2d> last;
+      for (int i = 0; i < columns_; ++i) {
+        last = camera.Project(
+            virtual_camera.Direction(Eigen::Vector2d(i * kStep, j * kStep)),
+            last ? &*last : nullptr, kFitMarginPx);
+        is_seen_[static_cast<size_t>(j) * columns_ + i] = last.has_value();
+      }
+    });
+  }
+
+  // Whether any of the sixteen around the pixel has a source.
+  bool Has(int x, int y) const {
+    const int i = x / kStep, j = y / kStep;
+    for (int row = std::max(j - 1, 0); row <= std::min(j + 2, rows_ - 1); ++row)
+      for (int column = std::max(i - 1, 0);
+           column <= std::min(i + 2, columns_ - 1); ++column)
+        if (is_seen_[static_cast<size_t>(row) * columns_ + column]) return true;
+    return false;
+  }
+
+ private:
+  static constexpr int kStep = 4;
+  int columns_, rows_;
+  std::vector<uint8_t> is_seen_;
+};
+
 ExactMap ComputeExactMap(const CameraModel& camera,
                          const VirtualCamera& virtual_camera, int num_threads) {
   ExactMap map;
@@ -46,15 +83,20 @@ ExactMap ComputeExactMap(const CameraModel& camera,
   map.height = virtual_camera.size.height;
   map.sources.assign(static_cast<size_t>(map.width) * map.height,
                      Eigen::Vector2d(NAN, NAN));
+  const SeenParts seen(camera, virtual_camera, num_threads);
   ParallelFor(map.height, num_threads, [&](int y) {
-    const Eigen::Vector2d* start = nullptr;
+    Eigen::Vector2d* const row =
+        &map.sources[static_cast<size_t>(y) * map.width];
     for (int x = 0; x < map.width; ++x) {
-      Eigen::Vector2d& source =
-          map.sources[static_cast<size_t>(y) * map.width + x];
+      if (!seen.Has(x, y)) continue;
+      // As far on as from the pixel before the last to the last.
+      Eigen::Vector2d start(NAN, NAN);
+      if (x >= 1) start = row[x - 1];
+      if (x >= 2 && map.IsValid(x - 2, y)) start += row[x - 1] - row[x - 2];
       const auto pixel = camera.Project(
-          virtual_camera.Direction(Eigen::Vector2d(x, y)), start, kFitMarginPx);
-      start = pixel ? &source : nullptr;
-      if (pixel) source = *pixel;
+          virtual_camera.Direction(Eigen::Vector2d(x, y)),
+          x >= 1 && map.IsValid(x - 1, y) ? &start : nullptr, kFitMarginPx);
+      if (pixel) row[x] = *pixel;
     }
   });
   return map;
@@ -160,26 +202,40 @@ class BlockBasis {
 // Least-squares nodes, in pixels; where no pixel determines one, second
 // differences of its kind vanish.
 Eigen::MatrixX2d FitNodes(const ExactMap& map, const Blocks& blocks) {
+  using Normal =
+      Eigen::Matrix<double, BlockBasis::kMaxSize, BlockBasis::kMaxSize>;
   const int n = blocks.num_nodes();
   const BlockBasis basis(blocks);
+  std::vector<BlockBasis::Values> values;  // of a block's pixels
+  Normal whole = Normal::Zero();           // of a block with all its pixels
+  for (int y = 0; y < blocks.size(); ++y) {
+    for (int x = 0; x < blocks.size(); ++x) {
+      values.push_back(basis.At(x, y));
+      whole += values.back() * values.back().transpose();
+    }
+  }
   std::vector<Eigen::Triplet<double>> triplets;
   Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(n, 2);
+  std::vector<int> known;  // the block's pixels that have a source
   for (int j = 0; j < blocks.rows; ++j) {
     for (int i = 0; i < blocks.columns; ++i) {
       const auto nodes = basis.Nodes(i, j);
-      Eigen::Matrix<double, BlockBasis::kMaxSize, BlockBasis::kMaxSize> normal;
       Eigen::Matrix<double, BlockBasis::kMaxSize, 2> sums;
-      normal.setZero();
       sums.setZero();
+      known.clear();
       const int x0 = i << blocks.size_log2, y0 = j << blocks.size_log2;
       for (int y = y0; y < std::min(y0 + blocks.size(), map.height); ++y) {
         for (int x = x0; x < std::min(x0 + blocks.size(), map.width); ++x) {
           if (!map.IsValid(x, y)) continue;
-          const BlockBasis::Values values = basis.At(x - x0, y - y0);
-          normal += values * values.transpose();
-          sums += values * map.at(x, y).transpose();
+          known.push_back((y - y0) * blocks.size() + x - x0);
+          sums += values[known.back()] * map.at(x, y).transpose();
         }
       }
+      Normal part = Normal::Zero();
+      const bool is_whole = known.size() == values.size();
+      if (!is_whole)
+        for (const int k : known) part += values[k] * values[k].transpose();
+      const Normal& normal = is_whole ? whole : part;
       for (int a = 0; a < basis.size(); ++a) {
         right.row(nodes[a]) += sums.row(a);
         for (int b = 0; b < basis.size(); ++b)
