@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "dataset/error.h"
+#include "dataset/freed_memory.h"
 
 namespace raygrid {
 
@@ -76,6 +77,7 @@ int main(int argc, char** argv) {
   // Eigen cuts sums by the processor's caches; the same bytes come out of any
   // machine only if they are cut alike.
   Eigen::setCpuCacheSizes(32 << 10, 512 << 10, 4 << 20);
+  raygrid::KeepFreedMemory();
   try {
     return raygrid::Run(argc, argv);
   } catch (const raygrid::Error& error) {

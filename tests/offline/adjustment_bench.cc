@@ -13,6 +13,7 @@
 
 #include "calibration/model_adjustment.h"
 #include "calibration/starting_camera.h"
+#include "dataset/freed_memory.h"
 #include "dataset/parallel_for.h"
 #include "evaluation/model_difference.h"
 #include "simulation/simulated_camera.h"
@@ -100,6 +101,7 @@ Run TimeCalibration(const Case& c, int num_threads) {
 
 int main(int argc, char** argv) {
   using raygrid::kCases;
+  raygrid::KeepFreedMemory();  // as raygrid does
   std::vector<int> threads = {1, 2};
   std::vector<std::string> names;
   for (int i = 1; i < argc; ++i) {
