@@ -296,7 +296,6 @@ static void write_sections(const rg_blob_contents* contents,
   write_new_sections(contents, writer);
 }
 
-/* The lowest minor version that has what the blob uses. */
 static int has_bends(const rg_blob_contents* contents) {
   int found = contents->remap && contents->remap->part_log2 != 0;
   for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
@@ -304,6 +303,7 @@ static int has_bends(const rg_blob_contents* contents) {
   return found;
 }
 
+/* The lowest minor version that has what the blob uses. */
 static uint16_t minor_version(const rg_blob_contents* contents) {
   if (has_bends(contents)) return 4;
   if (contents->inverse) return 3;

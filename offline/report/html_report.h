@@ -6,7 +6,6 @@
 
 #include "dataset/image_files.h"
 #include "evaluation/calibration_result.h"
-#include "evaluation/rig_result.h"
 #include "report/page_data.h"
 #include "report/result_json.h"
 
@@ -25,10 +24,6 @@ std::string FormatHtmlReport(const CalibrationResult& result,
                              const std::optional<PackingFigures>& packing,
                              const std::optional<BeforeAfter>& example,
                              const ThumbnailTexts& thumbnails = {});
-
-/// A rig's: its verdict, its cameras with their figures and in space, and links
-/// to their own reports, NAME/report.html.
-std::string FormatRigReport(const RigResult& result);
 
 }  // namespace raygrid
 

@@ -7,6 +7,7 @@
 #include "dataset/error.h"
 #include "dataset/rig_file.h"
 #include "report/residual_file.h"
+#include "report/rig_report.h"
 #include "report/uncertainty_picture.h"
 
 namespace raygrid {

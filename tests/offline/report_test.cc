@@ -9,6 +9,7 @@
 #include "report/residual_file.h"
 #include "report/result_folder.h"
 #include "report/result_json.h"
+#include "report/rig_report.h"
 #include "report/uncertainty_picture.h"
 #include "support.h"
 

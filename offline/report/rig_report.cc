@@ -1,0 +1,106 @@
+#include "report/rig_report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "report/page_data.h"
+#include "report/report_sections.h"
+
+namespace raygrid {
+namespace {
+
+std::string CamerasTable(const RigResult& result) {
+  std::vector<HtmlRow> rows;
+  for (const CalibrationResult& camera : result.cameras) {
+    const std::string name = EscapeHtml(camera.camera.name);
+    const ImageSize& size = camera.camera.camera->image_size();
+    rows.push_back({fmt::format("<a href=\"{0}/report.html\">{0}</a>", name),
+                    camera.verdict.word, camera.camera.camera->Name(),
+                    std::to_string(camera.num_parameters),
+                    std::to_string(camera.features.images.size()),
+                    fmt::format("{} &times; {}", size.width, size.height)});
+  }
+  return "<h2>Cameras</h2>\n" +
+         HtmlTable({"", "verdict", "model", "parameters", "images", "image px"},
+                   rows);
+}
+
+std::string RigErrorTable(const RigResult& result) {
+  const std::string by =
+      result.cross_validated ? "cross-validation" : "instants not used";
+  std::vector<HtmlRow> rows;
+  for (size_t c = 0; c < result.cameras.size(); ++c) {
+    const CalibrationResult& camera = result.cameras[c];
+    const std::string name = EscapeHtml(camera.camera.name);
+    rows.push_back(FiguresRow(name + ", training", *camera.camera.training));
+    if (camera.camera.held_out)
+      rows.push_back(FiguresRow(name + ", held out, localised alone",
+                                *camera.camera.held_out));
+    if (c < result.held_out.size() && !result.held_out[c].empty())
+      rows.push_back(FiguresRow(name + ", held out, localised by the rig",
+                                ComputeErrorFigures(result.held_out[c])));
+  }
+  rows.push_back(FiguresRow("all, training", TrainingFigures(result)));
+  if (const auto held_out = HeldOutFigures(result))
+    rows.push_back(FiguresRow(
+        "all, held out (" + by + "), localised by the rig", *held_out));
+  return "<h2>Reprojection error</h2>\n" + ErrorTable(rows);
+}
+
+// Of each camera, in its own images.
+std::string RigComparisonTable(const RigResult& result) {
+  std::vector<HtmlRow> rows;
+  for (const CalibrationResult& camera : result.cameras) {
+    if (camera.parametric_models.empty()) continue;
+    const std::string name = EscapeHtml(camera.camera.name) + ", ";
+    rows.push_back(
+        ModelRow(name + "<b>" + camera.camera.camera->Name() + "</b>",
+                 camera.num_parameters, *camera.camera.training,
+                 camera.camera.held_out, camera.bias_kl));
+    for (const ModelFigures& other : camera.parametric_models)
+      rows.push_back(ModelRow(name + other.model, other.num_parameters,
+                              other.training, other.held_out, other.bias_kl));
+    if (camera.noise_bias_kl)
+      rows.push_back({name + "pure noise", "", "", "", "",
+                      fmt::format("{:.3f}", *camera.noise_bias_kl)});
+  }
+  if (rows.empty()) return "";
+  return "<h2>Other models, from the same features</h2>\n" + ModelTable(rows) +
+         "<p>The other models are those of each camera alone, and held-out "
+         "images are localised by it alone.</p>\n";
+}
+
+std::string WithDeviation(double value, const std::optional<double>& deviation,
+                          double scale) {
+  return deviation ? fmt::format("{:.4f} &plusmn; {:.4f}", value * scale,
+                                 *deviation * scale)
+                   : fmt::format("{:.4f}", value * scale);
+}
+
+std::string BaselineTable(const RigResult& result) {
+  std::vector<HtmlRow> rows;
+  for (const Baseline& baseline : result.baselines)
+    rows.push_back(
+        {fmt::format("{} to {}",
+                     EscapeHtml(result.cameras[baseline.first].camera.name),
+                     EscapeHtml(result.cameras[baseline.second].camera.name)),
+         WithDeviation(baseline.distance_m, baseline.distance_sd_m, 1000),
+         WithDeviation(baseline.angle_rad, baseline.rotation_sd_rad,
+                       180 / M_PI),
+         std::to_string(baseline.num_shared_views)});
+  return "<h2>How the cameras stand to each other</h2>\n" +
+         HtmlTable({"", "distance mm", "angle degrees", "boards seen by both"},
+                   rows);
+}
+
+}  // namespace
+
+std::string FormatRigReport(const RigResult& result) {
+  return PageStart("Rig calibration") + VerdictSection(result.verdict) +
+         CamerasTable(result) + RigErrorTable(result) +
+         RigComparisonTable(result) + BaselineTable(result) + SpaceSection() +
+         BoardSection(result.pattern) + PageEnd(PageData(result));
+}
+
+}  // namespace raygrid

@@ -1,0 +1,160 @@
+#include <fmt/format.h>
+
+#include "features/feature_detection.h"
+#include "photographs.h"
+#include "simulation/image_rendering.h"
+#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_observations.h"
+
+namespace raygrid {
+namespace {
+
+// Drawings are made of whole pixels; the rendered image below is exact.
+constexpr double kDrawingErrorPx = 0.15;
+
+TEST(Charuco, EveryCornerIsFound) {
+  const Pattern pattern = CharucoPattern(7, 5);
+  for (const auto& quad : {kFrontal, kTilted, kUpsideDown, kOnItsSide}) {
+    const Photograph photograph(pattern.boards[0], quad);
+    const ImageDetection detection = Detected(photograph.image(), pattern);
+    EXPECT_EQ(detection.features.size(), 35u);
+    EXPECT_TRUE(IsInBoardOrder(detection.features));
+    EXPECT_LT(photograph.WorstErrorPx(detection.features), kDrawingErrorPx);
+    EXPECT_TRUE(detection.remarks.empty());
+  }
+}
+
+TEST(Charuco, PartOfABoardIsEnough) {
+  const Pattern pattern = CharucoPattern(7, 5);
+  const Photograph photograph(pattern.boards[0], kHalfOutside);
+  const auto features = Detected(photograph.image(), pattern).features;
+  EXPECT_GE(static_cast<int>(features.size()),
+            photograph.NumVisible(pattern.boards[0], 8));
+  EXPECT_LT(features.size(), 35u);
+  EXPECT_LT(photograph.WorstErrorPx(features), kDrawingErrorPx);
+}
+
+TEST(Charuco, CornersAreFoundWhereNoMarkerCanBeRead) {
+  const Pattern pattern = CharucoPattern(7, 5);
+  Photograph photograph(pattern.boards[0], kTilted);
+  // Erases the markers' middles but in the first columns.
+  for (int row = -1; row < 5; ++row) {
+    for (int column = 2; column < 7; ++column) {
+      if ((row + column) % 2 == 0) continue;
+      const cv::Point2d middle = photograph.ToImage(column + 0.5, row + 0.5);
+      cv::circle(photograph.mat, middle, 12, cv::Scalar(230), cv::FILLED);
+    }
+  }
+  const auto features = Detected(photograph.image(), pattern).features;
+  EXPECT_EQ(features.size(), 35u);
+  EXPECT_LT(photograph.WorstErrorPx(features), kDrawingErrorPx);
+}
+
+TEST(Charuco, EitherLayoutOfMarkersIsRecognised) {
+  for (const bool is_legacy : {false, true}) {
+    const Photograph photograph(CharucoPattern(7, 5, is_legacy).boards[0],
+                                kTilted);
+    for (const bool is_said_to_be : {false, true}) {
+      const ImageDetection detection =
+          Detected(photograph.image(), CharucoPattern(7, 5, is_said_to_be));
+      EXPECT_EQ(detection.features.size(), 35u);
+      EXPECT_LT(photograph.WorstErrorPx(detection.features), kDrawingErrorPx);
+      EXPECT_EQ(detection.remarks.empty(), is_legacy == is_said_to_be);
+    }
+  }
+}
+
+TEST(Charuco, CornersInRenderedImagesAreExact) {
+  const Pattern pattern = CharucoPattern(9, 7);
+  const Board& board = pattern.boards[0];
+  const auto camera = SimulatedLens("pinhole", {640, 480});
+  const PixelRays rays(*camera, 2);
+  const BoardSurface surface(board, 0);
+  const Eigen::Vector3d center(4 * board.square_m, 3 * board.square_m, 0);
+  const Pose facing = {Eigen::Quaterniond(Eigen::AngleAxisd(
+                           0.3, Eigen::Vector3d(1, 0.5, 0.2).normalized())),
+                       Eigen::Vector3d(0.005, -0.003, 0.25)};
+  const Pose pose = {facing.rotation,
+                     facing.translation - facing.rotation * center};
+  const Image image =
+      AddNoiseAndQuantize(RenderImage(rays, {{&surface, pose}}, {}, 2), {});
+  const auto features = Detected(image, pattern).features;
+  const auto truth = VisibleFeatures(*camera, board, pose);
+  ASSERT_EQ(features.size(), 63u);
+  ASSERT_EQ(truth.size(), 63u);
+  for (size_t i = 0; i < truth.size(); ++i)
+    EXPECT_LT((features[i].pixel - truth[i].pixel).norm(), 0.02);
+}
+
+TEST(Charuco, DarkBoardIsFound) {
+  const Pattern pattern = CharucoPattern(7, 5);
+  const Photograph photograph(pattern.boards[0], kTilted);
+  cv::Mat dark;
+  photograph.mat.convertTo(dark, CV_8U, 0.08);
+  const auto features = Detected(ToGrey(dark), pattern).features;
+  EXPECT_EQ(features.size(), 35u);
+  EXPECT_LT(photograph.WorstErrorPx(features), 0.2);
+}
+
+TEST(Charuco, BoardWithOtherMarkersIsNotFound) {
+  Pattern other = CharucoPattern(7, 5);
+  other.boards[0].first_marker = 100;
+  const Photograph photograph(other.boards[0], kFrontal);
+  EXPECT_TRUE(
+      Detected(photograph.image(), CharucoPattern(7, 5)).features.empty());
+}
+
+TEST(AprilGrid, EveryCornerIsFoundToAFewHundredthsOfAPixel) {
+  const Pattern pattern = AprilGridPattern();
+  for (const auto& quad : {kFrontal, kTilted, kUpsideDown, kOnItsSide}) {
+    const Photograph photograph(pattern.boards[0], quad);
+    const ImageDetection detection = Detected(photograph.image(), pattern);
+    EXPECT_EQ(detection.features.size(), 80u);
+    EXPECT_TRUE(IsInBoardOrder(detection.features));
+    EXPECT_LT(photograph.WorstErrorPx(detection.features), 0.05);
+    EXPECT_TRUE(detection.remarks.empty());
+  }
+}
+
+TEST(AprilGrid, PartOfABoardIsEnough) {
+  const Pattern pattern = AprilGridPattern();
+  const Photograph photograph(pattern.boards[0], kHalfOutside);
+  const auto features = Detected(photograph.image(), pattern).features;
+  EXPECT_GE(static_cast<int>(features.size()),
+            photograph.NumVisible(pattern.boards[0], 8));
+  EXPECT_LT(features.size(), 80u);
+  EXPECT_LT(photograph.WorstErrorPx(features), 0.05);
+}
+
+TEST(AprilGrid, TagsWithCellsOfThreePixelsAreRead) {
+  const Pattern pattern = AprilGridPattern();
+  const Photograph photograph(pattern.boards[0], kSmall);
+  const auto features = Detected(photograph.image(), pattern).features;
+  EXPECT_EQ(features.size(), 80u);
+  EXPECT_LT(photograph.WorstErrorPx(features), 0.08);
+}
+
+TEST(AprilGrid, TagsOfAnotherBoardAreRemarkedUpon) {
+  Pattern other = AprilGridPattern();
+  other.boards[0].first_marker = 200;
+  const Photograph photograph(other.boards[0], kFrontal);
+  const ImageDetection detection =
+      Detected(photograph.image(), AprilGridPattern());
+  EXPECT_TRUE(detection.features.empty());
+  ASSERT_EQ(detection.remarks.size(), 1u);
+  EXPECT_NE(detection.remarks[0].find("not on board 1"), std::string::npos);
+}
+
+TEST(MarkerBoards, MirroredOnesAreRemarkedUpon) {
+  for (const Pattern& pattern : {CharucoPattern(7, 5), AprilGridPattern()}) {
+    const Photograph photograph(pattern.boards[0], kTilted);
+    const ImageDetection detection = Detected(Mirrored(photograph), pattern);
+    EXPECT_TRUE(detection.features.empty());
+    ASSERT_FALSE(detection.remarks.empty());
+    EXPECT_EQ(detection.remarks.back(),
+              fmt::format("board {} is seen mirrored", pattern.boards[0].id));
+  }
+}
+
+}  // namespace
+}  // namespace raygrid
