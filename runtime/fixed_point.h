@@ -11,6 +11,21 @@
 #define RG_HAVE_SMMULR 0
 #endif
 
+/* Modulo 2^32: values of a forged blob may add up to more than 32 bits, which
+ * then gives any result, but no undefined behaviour. */
+static inline int32_t rg_add(int32_t a, int32_t b) {
+  return (int32_t)((uint32_t)a + (uint32_t)b);
+}
+
+static inline int32_t rg_subtract(int32_t a, int32_t b) {
+  return (int32_t)((uint32_t)a - (uint32_t)b);
+}
+
+/* Likewise. */
+static inline int32_t rg_shift_left(int32_t a, int shift) {
+  return (int32_t)((uint32_t)a << shift);
+}
+
 /* (a b + 2^31) >> 32 */
 static inline int32_t rg_multiply_high(int32_t a, int32_t b) {
 #if RG_HAVE_SMMULR
@@ -33,7 +48,7 @@ static inline int32_t rg_multiply_high_add(int32_t sum, int32_t a, int32_t b) {
   __asm__("smmlar %0, %1, %2, %3" : "=r"(result) : "r"(a), "r"(b), "r"(sum));
   return result;
 #else
-  return sum + rg_multiply_high(a, b);
+  return rg_add(sum, rg_multiply_high(a, b));
 #endif
 }
 
@@ -47,9 +62,9 @@ static inline int32_t rg_multiply_high_subtract(int32_t sum, int32_t a,
 #elif RG_MULTIPLY_IN_PARTS
   uint32_t low;
   const int32_t high = rg_multiply_signed(a, b, &low);
-  return sum - high - (low > 0x80000000u);
+  return rg_subtract(sum, high + (low > 0x80000000u));
 #else
-  return sum + (int32_t)((INT64_C(0x80000000) - (int64_t)a * b) >> 32);
+  return rg_add(sum, (int32_t)((INT64_C(0x80000000) - (int64_t)a * b) >> 32));
 #endif
 }
 
@@ -60,9 +75,9 @@ static inline int32_t rg_multiply_half_add(int32_t sum, int32_t a, int16_t b) {
   __asm__("smlawb %0, %1, %2, %3" : "=r"(result) : "r"(a), "r"(b), "r"(sum));
   return result;
 #elif defined(__LP64__) || defined(_WIN64)
-  return sum + (int32_t)(((int64_t)a * b) >> 16);
+  return rg_add(sum, (int32_t)(((int64_t)a * b) >> 16));
 #else
-  return sum + (a >> 16) * b + (((a & 0xffff) * b) >> 16);
+  return rg_add(sum, (a >> 16) * b + (((a & 0xffff) * b) >> 16));
 #endif
 }
 

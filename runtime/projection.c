@@ -27,7 +27,7 @@ static int move_inside(const rg_camera* camera, uint32_t tolerance_q16,
         is_low ? (uint32_t)axis->low - (uint32_t)pixel_q16[c]
                : offset_q16 - axis->span;
     if (beyond_q16 > tolerance_q16) return 0;
-    pixel_q16[c] = axis->low + (is_low ? 0 : (int32_t)axis->span);
+    pixel_q16[c] = rg_add(axis->low, is_low ? 0 : (int32_t)axis->span);
   }
   return 1;
 }
@@ -38,7 +38,7 @@ static int cells_of(int32_t distance_q27, uint32_t scale, int32_t* cells_q31) {
   const int32_t sign = distance_q27 >> 31; /* branches are hard to predict */
   uint32_t low;
   const uint32_t high = rg_multiply_unsigned(
-      (uint32_t)((distance_q27 ^ sign) - sign), scale, &low);
+      (uint32_t)rg_subtract(distance_q27 ^ sign, sign), scale, &low);
   *cells_q31 = ((int32_t)(high << 15 | low >> 17) ^ sign) - sign;
   return high >> 16 == 0;
 }
@@ -54,7 +54,7 @@ static RG_NOINLINE int find_step(const rg_camera* camera,
   step_q16[0] = step_q16[1] = 0;
   for (uint32_t c = 0; c < 2; ++c) {
     int32_t cells_q31;
-    if (!cells_of(target->q27[c] - place.position.q27[c],
+    if (!cells_of(rg_subtract(target->q27[c], place.position.q27[c]),
                   rg_load_u32(inverse + 20 + 4 * c), &cells_q31))
       return 0;
     for (int k = 0; k < 2; ++k)
@@ -78,8 +78,8 @@ static RG_INLINE int solve(const rg_camera* camera,
     const uint32_t size_q16 =
         rg_magnitude(step_q16[0]) | rg_magnitude(step_q16[1]);
     if (size_q16 > limit_q16) return 0;
-    place->pixel_q16[0] += step_q16[0];
-    place->pixel_q16[1] += step_q16[1];
+    for (int k = 0; k < 2; ++k)
+      place->pixel_q16[k] = rg_add(place->pixel_q16[k], step_q16[k]);
     if (size_q16 < LAST_STEP_Q16)
       return move_inside(camera, EDGE_TOLERANCE_Q16, place->pixel_q16);
   }

@@ -1,5 +1,6 @@
 #include "surface.h"
 
+#include "blob_checks.h"
 #include "bspline.h"
 #include "bytes.h"
 #include "fixed_point.h"
@@ -47,12 +48,12 @@ static RG_INLINE int32_t evaluate_plane(const uint8_t* plane,
   const int32_t column_step_q29 = rg_load_i32(plane + 8);
   const int32_t row_step_q29 = rg_load_i32(plane + 16);
   /* The B-spline of 0, 1, 2, 3 is 1 + t. */
-  const int32_t corner_q29 =
-      (int32_t)(rg_load_u32(plane) +
-                (place->cells[0].cell + 1) * (uint32_t)column_step_q29 +
-                (place->cells[1].cell + 1) * (uint32_t)row_step_q29);
+  const uint32_t corner_q29 =
+      rg_load_u32(plane) +
+      (place->cells[0].cell + 1) * (uint32_t)column_step_q29 +
+      (place->cells[1].cell + 1) * (uint32_t)row_step_q29;
   const int32_t sum_q27 = rg_multiply_high_add(
-      (corner_q29 + 2) >> 2, column_step_q29, place->cells[0].t_q30);
+      (int32_t)(corner_q29 + 2) >> 2, column_step_q29, place->cells[0].t_q30);
   return rg_multiply_high_add(sum_q27, row_step_q29, place->cells[1].t_q30);
 }
 
@@ -86,7 +87,8 @@ static RG_SHARED int32_t find_narrow_position(const uint8_t* grid, uint32_t c,
 
 /* The rest of rg_find_place() where control points have 16 bits. */
 static RG_NOINLINE int find_narrow_place(const uint8_t* blob, rg_place* place) {
-  const uint8_t* const grid = rg_find_section(blob, RG_SECTION_CENTRAL_GRID, 0);
+  const uint8_t* const grid =
+      blob + rg_load_u32(rg_find_entry(blob, RG_SECTION_CENTRAL_GRID, 0) + 4);
   for (uint32_t c = 0; c < 2; ++c) {
     int32_t down;
     place->position.q27[c] = find_narrow_position(grid, c, place, &down);
@@ -150,7 +152,8 @@ int rg_find_inverse(const uint8_t* inverse, const rg_chart_point* position,
   RG_UNROLL_SHARED
   for (uint32_t c = 0; c < 2; ++c, plane += 4, row += 2) {
     int32_t down;
-    found->pixel_q16[c] = 2 * find_narrow_position(inverse, c, &place, &down);
+    found->pixel_q16[c] =
+        rg_shift_left(find_narrow_position(inverse, c, &place, &down), 1);
     const int32_t across =
         blend_slopes(find_slope(row, t_q7), find_slope(row + 4 * columns, t_q7),
                      place.cells[1].t_q30 >> 23);

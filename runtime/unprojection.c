@@ -55,7 +55,7 @@ static RG_INLINE void find_line_point(const rg_camera* camera, rg_place* place,
   RG_UNROLL_ROWS
   for (int j = 0; j < 4; ++j, points += row_bytes)
     add_line_row(points, x_weights, rg_read_late(y_weights + j), sums_q26);
-  for (int c = 0; c < 3; ++c) point_q28[c] = 4 * sums_q26[c];
+  for (int c = 0; c < 3; ++c) point_q28[c] = rg_shift_left(sums_q26[c], 2);
 }
 
 rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,

@@ -129,6 +129,9 @@ class Camera:
                                        ctypes.c_uint32(len(data))))
         self.width, self.height = self._camera.width, self._camera.height
         self.is_central = self._camera.line_points == 0
+        status = _library.rg_select_remap(ctypes.byref(self._camera), ctypes.c_uint32(0))
+        if status != NO_REMAP:
+            _check(status)
 
     def unproject(self, points):
         """Directions (x, y, z) of pixels (x, y); None outside the calibrated area."""

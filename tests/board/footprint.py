@@ -15,7 +15,7 @@ import sys
 import tempfile
 
 # Sources that do not go on a board.
-HOST_ONLY = ("blob_write", "rg_status")
+HOST_ONLY = ("blob_write", "blob_fields", "blob_limits", "rg_status")
 RAYS = ("rg_camera_open", "rg_unproject", "rg_project")
 EVERYTHING = RAYS + (
     "rg_unproject_batch", "rg_project_batch", "rg_unproject_line", "rg_is_valid",
