@@ -6,14 +6,20 @@
 
 #include <stdint.h>
 
-#include "rg_status.h"
+#include "rg_blob.h"
 
 /* 0, or the status of a fault times -1: small constants make short code. */
 typedef int rg_fault;
 
+/* Where the table's last entry of each type is, or NULL. */
+typedef struct rg_entries {
+  const uint8_t* of[RG_NUM_SECTION_TYPES];
+} rg_entries;
+
 /* Address, header, section table, and the CRCs of all sections. After that
  * every section lies inside the blob and is as long as its fields. */
-rg_fault rg_check_table(const uint8_t* bytes, uint32_t num_bytes);
+rg_fault rg_check_table(const uint8_t* bytes, uint32_t num_bytes,
+                        rg_entries* entries);
 
 /* The index-th entry of a type in a section table that was checked, or NULL. */
 const uint8_t* rg_find_entry(const uint8_t* bytes, uint32_t type,

@@ -5,31 +5,18 @@
 #include "rg_blob.h"
 #include "wide_multiply.h"
 
-/* The first section of each type, or NULL. */
-typedef struct section_places {
-  const uint8_t* of[RG_NUM_SECTION_TYPES];
-} section_places;
-
 #define CRITICAL_TYPES                                       \
   (1u << RG_SECTION_CAMERA | 1u << RG_SECTION_CENTRAL_GRID | \
    1u << RG_SECTION_LINE_POINTS)
-#define KNOWN_TYPES                                                     \
-  (CRITICAL_TYPES | 1u << RG_SECTION_REMAP | 1u << RG_SECTION_QUALITY | \
-   1u << RG_SECTION_MASK | 1u << RG_SECTION_UNCERTAINTY |               \
-   1u << RG_SECTION_INVERSE)
-
-/* Flags, and how often a type stands; notes where the section lies. */
-static rg_fault check_entry(const uint8_t* entry, const uint8_t* section,
-                            section_places* places) {
+/* Flags, and how often a type stands. */
+static rg_fault check_entry(const uint8_t* entry, const rg_entries* entries) {
   const uint32_t type = rg_load_u16(entry), flags = rg_load_u16(entry + 2);
   if (flags > RG_SECTION_CRITICAL) return -RG_ERR_SECTION_FLAGS;
-  if (type >= RG_NUM_SECTION_TYPES || (KNOWN_TYPES >> type & 1u) == 0) return 0;
+  if (type >= RG_NUM_SECTION_TYPES || !entries->of[type]) return 0;
   if (flags != (CRITICAL_TYPES >> type & 1u)) return -RG_ERR_SECTION_FLAGS;
-  if (!places->of[type])
-    places->of[type] = section;
-  else if (type != RG_SECTION_REMAP)
-    return -RG_ERR_SECTION_DUPLICATE;
-  return 0;
+  return entries->of[type] != entry && type != RG_SECTION_REMAP
+             ? -RG_ERR_SECTION_DUPLICATE
+             : 0;
 }
 
 static rg_fault check_camera(const uint8_t* section) {
@@ -164,11 +151,15 @@ static rg_fault check_remap(const uint8_t* section, uint32_t size,
 
 /* A section's fields and arrays, by those of the camera and the grid, which may
  * not have been checked yet. */
-static rg_fault check_section(uint32_t type, const uint8_t* section,
-                              uint32_t size, const section_places* places) {
-  const uint8_t* const camera = places->of[RG_SECTION_CAMERA];
-  const uint8_t* const grid = places->of[RG_SECTION_CENTRAL_GRID];
-  switch (type) {
+static rg_fault check_section(const uint8_t* bytes, const uint8_t* entry,
+                              const rg_entries* entries) {
+  const uint8_t* const section = bytes + rg_load_u32(entry + 4);
+  const uint32_t size = rg_load_u32(entry + 8);
+  const uint8_t* const camera =
+      bytes + rg_load_u32(entries->of[RG_SECTION_CAMERA] + 4);
+  const uint8_t* const grid =
+      bytes + rg_load_u32(entries->of[RG_SECTION_CENTRAL_GRID] + 4);
+  switch (rg_load_u16(entry)) {
     case RG_SECTION_CAMERA:
       return check_camera(section);
     case RG_SECTION_CENTRAL_GRID:
@@ -188,58 +179,52 @@ static rg_fault check_section(uint32_t type, const uint8_t* section,
   }
 }
 
-static rg_fault check_blob(const uint8_t* bytes, uint32_t num_bytes,
-                           section_places* places) {
-  rg_fault fault = rg_check_table(bytes, num_bytes);
-  if (fault != 0) return fault;
+static rg_fault check_blob(const uint8_t* bytes, uint32_t num_bytes) {
+  rg_entries entries;
+  rg_fault fault = rg_check_table(bytes, num_bytes, &entries);
+  if (fault) return fault;
   if ((rg_load_u32(bytes + 20) | rg_load_u32(bytes + 24)) != 0)
     return -RG_ERR_RESERVED;
   const uint8_t* const table = bytes + RG_HEADER_SIZE;
   const uint8_t* const end =
       table + rg_load_u16(bytes + 16) * RG_SECTION_ENTRY_SIZE;
   const uint8_t* entry;
-  for (entry = table; entry != end; entry += RG_SECTION_ENTRY_SIZE) {
-    fault = check_entry(entry, bytes + rg_load_u32(entry + 4), places);
-    if (fault != 0) return fault;
-  }
-  if (!places->of[RG_SECTION_CAMERA] || !places->of[RG_SECTION_CENTRAL_GRID])
-    return -RG_ERR_SECTION_MISSING;
-  for (entry = table; entry != end; entry += RG_SECTION_ENTRY_SIZE) {
-    fault = check_section(rg_load_u16(entry), bytes + rg_load_u32(entry + 4),
-                          rg_load_u32(entry + 8), places);
-    if (fault != 0) return fault;
-  }
-  return 0;
-}
-
-/* 0 if there is no section of the type. */
-static uint32_t offset_of(const section_places* places, uint32_t type,
-                          const uint8_t* bytes) {
-  const uint8_t* const section = places->of[type];
-  return section ? (uint32_t)(section - bytes) : 0;
-}
-
-rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {
-  if (!blob) return RG_ERR_ARGUMENT;
-  section_places places = {{0}};
-  const uint8_t* const first = (const uint8_t*)bytes;
-  const rg_fault fault = check_blob(first, num_bytes, &places);
-  if (fault != 0) return (rg_status)-fault;
-  blob->bytes = first;
-  blob->size = rg_load_u32(first + 12);
-  blob->camera = offset_of(&places, RG_SECTION_CAMERA, first);
-  blob->grid = offset_of(&places, RG_SECTION_CENTRAL_GRID, first);
-  blob->remap = offset_of(&places, RG_SECTION_REMAP, first);
-  blob->quality = offset_of(&places, RG_SECTION_QUALITY, first);
-  blob->inverse = offset_of(&places, RG_SECTION_INVERSE, first);
-  blob->line_points = offset_of(&places, RG_SECTION_LINE_POINTS, first);
-  blob->mask = offset_of(&places, RG_SECTION_MASK, first);
-  blob->uncertainty = offset_of(&places, RG_SECTION_UNCERTAINTY, first);
-  return RG_OK;
+  for (entry = table; entry != end && !fault; entry += RG_SECTION_ENTRY_SIZE)
+    fault = check_entry(entry, &entries);
+  if (!fault &&
+      (!entries.of[RG_SECTION_CAMERA] || !entries.of[RG_SECTION_CENTRAL_GRID]))
+    fault = -RG_ERR_SECTION_MISSING;
+  for (entry = table; entry != end && !fault; entry += RG_SECTION_ENTRY_SIZE)
+    fault = check_section(bytes, entry, &entries);
+  return fault;
 }
 
 const uint8_t* rg_find_section(const uint8_t* bytes, uint32_t type,
                                uint32_t index) {
   const uint8_t* const entry = rg_find_entry(bytes, type, index);
   return entry ? bytes + rg_load_u32(entry + 4) : 0;
+}
+
+/* 0 if there is no section of the type. */
+static uint32_t offset_of(const uint8_t* bytes, uint32_t type) {
+  const uint8_t* const entry = rg_find_entry(bytes, type, 0);
+  return entry ? rg_load_u32(entry + 4) : 0;
+}
+
+rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {
+  if (!blob) return RG_ERR_ARGUMENT;
+  const uint8_t* const first = (const uint8_t*)bytes;
+  const rg_fault fault = check_blob(first, num_bytes);
+  if (fault) return (rg_status)-fault;
+  blob->bytes = first;
+  blob->size = rg_load_u32(first + 12);
+  blob->camera = offset_of(first, RG_SECTION_CAMERA);
+  blob->grid = offset_of(first, RG_SECTION_CENTRAL_GRID);
+  blob->remap = offset_of(first, RG_SECTION_REMAP);
+  blob->quality = offset_of(first, RG_SECTION_QUALITY);
+  blob->inverse = offset_of(first, RG_SECTION_INVERSE);
+  blob->line_points = offset_of(first, RG_SECTION_LINE_POINTS);
+  blob->mask = offset_of(first, RG_SECTION_MASK);
+  blob->uncertainty = offset_of(first, RG_SECTION_UNCERTAINTY);
+  return RG_OK;
 }

@@ -4,6 +4,13 @@
 #include "crc32.h"
 #include "rg_blob.h"
 
+/* Compilers would call memset. */
+#if defined(__GNUC__)
+#define RG_KEEP_LOOP() __asm__ volatile("")
+#else
+#define RG_KEEP_LOOP()
+#endif
+
 /* Magic, version, sizes, and the CRC over header and section table. */
 static rg_fault check_header(const uint8_t* bytes, uint32_t num_bytes) {
   if (num_bytes < RG_HEADER_SIZE) return -RG_ERR_TRUNCATED;
@@ -41,20 +48,22 @@ static const uint8_t kFieldsSizes[RG_NUM_SECTION_TYPES] = {
     RG_GRID_FIELDS_SIZE};
 
 /* What an entry of the table says of its section, but for its place. */
-static rg_fault check_entry(const uint8_t* entry, const uint8_t* section) {
+static rg_fault check_entry(const uint8_t* entry, const uint8_t* section,
+                            rg_entries* entries) {
   const uint32_t size = rg_load_u32(entry + 8);
   const uint32_t type = rg_load_u16(entry);
   if (rg_crc32(0, section, size) != rg_load_u32(entry + 12))
     return -RG_ERR_SECTION_CRC;
-  const uint32_t fields_size =
-      type < RG_NUM_SECTION_TYPES ? kFieldsSizes[type] : 0;
-  if (fields_size == 0 && (rg_load_u16(entry + 2) & RG_SECTION_CRITICAL) != 0)
-    return -RG_ERR_SECTION_UNKNOWN;
-  return size < fields_size ? -RG_ERR_SECTION_SIZE : 0;
+  if (type >= RG_NUM_SECTION_TYPES || kFieldsSizes[type] == 0)
+    return (rg_load_u16(entry + 2) & RG_SECTION_CRITICAL) != 0
+               ? -RG_ERR_SECTION_UNKNOWN
+               : 0;
+  entries->of[type] = entry;
+  return size < kFieldsSizes[type] ? -RG_ERR_SECTION_SIZE : 0;
 }
 
 /* The sections tile the blob, in the order of the table. */
-static rg_fault check_sections(const uint8_t* bytes) {
+static rg_fault check_sections(const uint8_t* bytes, rg_entries* entries) {
   const uint8_t* entry = bytes + RG_HEADER_SIZE;
   const uint8_t* const table_end =
       entry + rg_load_u16(bytes + 16) * RG_SECTION_ENTRY_SIZE;
@@ -65,7 +74,7 @@ static rg_fault check_sections(const uint8_t* bytes) {
     if (rg_load_u32(entry + 4) != (uint32_t)(section - bytes) || size == 0 ||
         size % 4 != 0 || size > rest)
       return -RG_ERR_SECTION_TABLE;
-    const rg_fault fault = check_entry(entry, section);
+    const rg_fault fault = check_entry(entry, section, entries);
     if (fault) return fault;
     section += size;
     rest -= size;
@@ -73,11 +82,16 @@ static rg_fault check_sections(const uint8_t* bytes) {
   return rest != 0 ? -RG_ERR_SECTION_TABLE : 0;
 }
 
-rg_fault rg_check_table(const uint8_t* bytes, uint32_t num_bytes) {
+rg_fault rg_check_table(const uint8_t* bytes, uint32_t num_bytes,
+                        rg_entries* entries) {
   if (!bytes) return -RG_ERR_ARGUMENT;
   if ((uintptr_t)bytes % 4 != 0) return -RG_ERR_MISALIGNED;
+  for (int type = 0; type < RG_NUM_SECTION_TYPES; ++type) {
+    entries->of[type] = 0;
+    RG_KEEP_LOOP();
+  }
   const rg_fault fault = check_header(bytes, num_bytes);
-  return fault ? fault : check_sections(bytes);
+  return fault ? fault : check_sections(bytes, entries);
 }
 
 const uint8_t* rg_find_entry(const uint8_t* bytes, uint32_t type,

@@ -68,16 +68,27 @@ static inline int32_t rg_multiply_high_subtract(int32_t sum, int32_t a,
 #endif
 }
 
+/* (a b) >> 16 */
+static inline int32_t rg_multiply_half(int32_t a, int16_t b) {
+#if RG_HAVE_SMMULR
+  int32_t result;
+  __asm__("smulwb %0, %1, %2" : "=r"(result) : "r"(a), "r"(b));
+  return result;
+#elif defined(__LP64__) || defined(_WIN64)
+  return (int32_t)(((int64_t)a * b) >> 16);
+#else
+  return (a >> 16) * b + (((a & 0xffff) * b) >> 16);
+#endif
+}
+
 /* sum + ((a b) >> 16) */
 static inline int32_t rg_multiply_half_add(int32_t sum, int32_t a, int16_t b) {
 #if RG_HAVE_SMMULR
   int32_t result;
   __asm__("smlawb %0, %1, %2, %3" : "=r"(result) : "r"(a), "r"(b), "r"(sum));
   return result;
-#elif defined(__LP64__) || defined(_WIN64)
-  return rg_add(sum, (int32_t)(((int64_t)a * b) >> 16));
 #else
-  return rg_add(sum, (a >> 16) * b + (((a & 0xffff) * b) >> 16));
+  return rg_add(sum, rg_multiply_half(a, b));
 #endif
 }
 
@@ -136,16 +147,30 @@ static inline int32_t rg_upper_word(int64_t sum) {
 #define RG_UNROLL_SHARED
 #endif
 
-/* In front of the loop over four rows, in which half of the instructions are,
- * and of a function for one of them: one after the other where a row is short,
- * or size does not matter. */
+/* In front of the loop over four rows, in which half of the instructions are:
+ * one after the other where a row is short, or size does not matter. */
 #if RG_HAVE_SMMULR || RG_IS_FAST
 #define RG_UNROLL_ROWS _Pragma("GCC unroll 4")
-#define RG_ROW RG_INLINE
 #else
 #define RG_UNROLL_ROWS
-#define RG_ROW RG_NOINLINE
 #endif
+
+/* A number that compilers do not know, so that a loop remains one where size
+ * matters. */
+static RG_INLINE uint32_t rg_times(uint32_t number) {
+#if defined(__GNUC__) && defined(__OPTIMIZE_SIZE__)
+  __asm__("" : "+r"(number));
+#endif
+  return number;
+}
+
+/* An address in a register of its own: loads of pairs want that. */
+static RG_INLINE const uint8_t* rg_keep_address(const uint8_t* p) {
+#if defined(__GNUC__) && !defined(__x86_64__)
+  __asm__("" : "+r"(p));
+#endif
+  return p;
+}
 
 /* A value that is read where it is used: registers are scarce there. */
 static RG_INLINE int32_t rg_read_late(int32_t* value) {

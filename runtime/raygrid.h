@@ -28,24 +28,16 @@ extern "C" {
 /* A whole number of pixels in q16. */
 #define RG_PIXEL(n) ((int32_t)((n)*65536))
 
-/* One axis of the calibrated area; x, then y. */
-typedef struct rg_axis {
-  int32_t low;    /* q16 px: the area's edge */
-  uint32_t span;  /* q16 px: to the other edge */
-  uint32_t scale; /* q32 cells per pixel */
-} rg_axis;
-
 /* An open camera: at most 64 bytes, owned by the caller, only read after
  * opening, so threads and interrupt handlers may share it. The fields are not
  * for use outside the library. */
 typedef struct rg_camera {
   const uint8_t* blob;
-  const uint8_t* control_points; /* of 32 bits, or NULL */
-  const uint8_t* remap;          /* the section in use, or NULL */
-  rg_axis axes[2];
-  uint16_t last_cell[2]; /* cells less 1 */
+  const uint8_t* grid; /* sections; NULL where there is none: */
+  const uint8_t* inverse;
+  const uint8_t* line_points; /* not the section, but its first point */
+  const uint8_t* remap;       /* the one in use */
   uint16_t width, height;
-  uint32_t inverse, line_points; /* sections in the blob, or 0 */
 } rg_camera;
 
 typedef struct rg_pixel {
@@ -118,7 +110,8 @@ uint32_t rg_unproject_batch(const rg_camera* camera, const rg_pixel* pixels,
  *            RG_OK is returned.
  *
  * RG_OK                done
- * RG_ERR_NOT_SEEN      no pixel of the calibrated area looks there
+ * RG_ERR_NOT_SEEN      no pixel of the calibrated area looks there, or only one
+ *                      151 degrees from the z axis or more
  * RG_ERR_NONCENTRAL    the camera is not central: not supported
  * RG_ERR_NO_INVERSE    the blob has no inverse grid: it is from before format
  *                      1.3

@@ -35,8 +35,8 @@ static RG_INLINE void rg_direction_of(const rg_chart_point* point,
  * limit_q30  c |c|, with c a cosine: directions farther from the z axis than
  *            that are refused at little cost. -2^30: none.
  *
- * 0, and *point untouched, for those, for (0, 0, 0), and where |a| or |b| would
- * reach 3.99. */
+ * 0, and *point untouched, for those, for (0, 0, 0), and from 151 degrees on,
+ * where a^2 + b^2 would reach 15. */
 int rg_chart_point_of(const rg_ray* direction, int32_t limit_q30,
                       rg_chart_point* point);
 

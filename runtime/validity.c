@@ -4,18 +4,16 @@
 #include "rg_blob.h"
 #include "surface.h"
 
-/* From the area's first pixel; 0 outside the area. */
-static int find_offset(const rg_camera* camera, rg_pixel pixel,
-                       uint32_t offset_q16[2]) {
-  offset_q16[0] = (uint32_t)pixel.x_q16 - (uint32_t)camera->axes[0].low;
-  offset_q16[1] = (uint32_t)pixel.y_q16 - (uint32_t)camera->axes[1].low;
-  return offset_q16[0] <= camera->axes[0].span &&
-         offset_q16[1] <= camera->axes[1].span;
+/* Whether a coordinate lies between the ends of the area. */
+static int is_between(const uint8_t* ends, int32_t q16) {
+  const uint32_t low_q16 = rg_load_u32(ends);
+  return (uint32_t)q16 - low_q16 <= rg_load_u32(ends + 8) - low_q16;
 }
 
 int rg_is_valid(const rg_camera* camera, rg_pixel pixel) {
-  uint32_t offset_q16[2];
-  if (!find_offset(camera, pixel, offset_q16)) return 0;
+  if (!is_between(camera->grid, pixel.x_q16) ||
+      !is_between(camera->grid + 4, pixel.y_q16))
+    return 0;
   const uint8_t* const entry = rg_find_entry(camera->blob, RG_SECTION_MASK, 0);
   if (!entry) return 1;
   const uint8_t* const section = camera->blob + rg_load_u32(entry + 4);
@@ -44,10 +42,9 @@ rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
   const uint32_t columns = rg_load_u16(section);
   rg_cell_position cells[2];
   for (uint32_t c = 0; c < 2; ++c) {
-    rg_axis axis = camera->axes[c];
-    axis.scale = rg_load_u32(section + 4 + 4 * c);
-    if (!rg_find_on_axis(&axis, rg_load_u16(section + 2 * c) - 2u,
-                         pixels_q16[c], &cells[c]))
+    if (!rg_find_on_axis(camera->grid + 4 * c, rg_load_u32(section + 4 + 4 * c),
+                         rg_load_u16(section + 2 * c) - 2u, pixels_q16[c],
+                         &cells[c]))
       return RG_ERR_OUTSIDE_AREA;
   }
   const uint32_t first =

@@ -23,7 +23,7 @@ EVERYTHING = RAYS + (
     "rg_mode_from_calibrated", "rg_match", "rg_select_remap", "rg_remap_size", "rg_remap",
     "rg_remap_source_rows", "rg_remap_grey")
 # .text of what these need.
-SETS = {"rays": RAYS, "rays, grey": RAYS + ("rg_remap_grey",), "everything": EVERYTHING}
+SETS = {"rays": RAYS, "rays, grey": RAYS + ("rg_select_remap", "rg_remap_grey"), "everything": EVERYTHING}
 STACKS = ("rg_camera_open", "rg_unproject", "rg_project", "rg_remap_grey", "rg_remap")
 GROWTH, SHRINKAGE = 1.02, 0.9
 

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bytes.h"
 #include "fuzz_target.h"
 #include "raygrid.h"
 
@@ -77,9 +78,8 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         (int32_t)(setting(data, 24) % ((camera.width % 16384u + 1) << 16)),
         (int32_t)(setting(data, 28) % ((camera.height % 16384u + 1) << 16))};
     try_pixel(&camera, inside);
-    const rg_pixel far_corner = {
-        (int32_t)((uint32_t)camera.axes[0].low + camera.axes[0].span),
-        (int32_t)((uint32_t)camera.axes[1].low + camera.axes[1].span)};
+    const rg_pixel far_corner = {rg_load_i32(camera.grid + 8),
+                                 rg_load_i32(camera.grid + 12)};
     try_pixel(&camera, far_corner);
     try_direction(&camera, &direction);
     try_mode(&camera, data, inside);
