@@ -26,20 +26,25 @@ static uint32_t num_control_points(const uint8_t* grid) {
   return (uint32_t)rg_load_u16(grid + 16) * rg_load_u16(grid + 18);
 }
 
+/* A grid's ends, with the scale behind them, and count on one axis. */
+static rg_fault check_axis(const uint8_t* ends, const uint8_t* count) {
+  const uint32_t cells = rg_load_u16(count) - 3u;
+  if (cells - 1 >= RG_MAX_GRID_SIZE - 3) return -RG_ERR_GRID_SIZE;
+  return rg_is_scale(rg_load_u32(ends + 20), cells,
+                     rg_load_u32(ends + 8) - rg_load_u32(ends))
+             ? 0
+             : -RG_ERR_GRID_SCALE;
+}
+
 rg_fault rg_check_grid(const uint8_t* section, uint32_t size) {
   const uint32_t fraction_bits = rg_load_u16(section + 30);
   if (rg_load_u16(section + 28) != RG_CHART_STEREOGRAPHIC ||
       fraction_bits - RG_NARROW_MIN_BITS >
           RG_CONTROL_POINT_BITS - RG_NARROW_MIN_BITS)
     return -RG_ERR_GRID_CHART;
-  for (uint32_t c = 0; c < 2; ++c) {
-    const uint8_t* const ends = section + 4 * c;
-    const uint32_t cells = rg_load_u16(section + 16 + 2 * c) - 3u;
-    if (cells - 1 >= RG_MAX_GRID_SIZE - 3) return -RG_ERR_GRID_SIZE;
-    if (!rg_is_scale(rg_load_u32(ends + 20), cells,
-                     rg_load_u32(ends + 8) - rg_load_u32(ends)))
-      return -RG_ERR_GRID_SCALE;
-  }
+  rg_fault fault = check_axis(section, section + 16);
+  if (!fault) fault = check_axis(section + 4, section + 18);
+  if (fault) return fault;
   const uint32_t count = num_control_points(section);
   return rg_check_extent(size, rg_load_u32(section + 32), RG_GRID_FIELDS_SIZE,
                          fraction_bits == RG_CONTROL_POINT_BITS

@@ -43,7 +43,7 @@ static RG_INLINE int find_step(const int32_t slopes_q5[2][2], uint32_t k,
 }
 
 /* Newton's method from where the inverse grid says, with its derivative. */
-static RG_SHARED int solve(const rg_camera* camera,
+static RG_INLINE int solve(const rg_camera* camera,
                            const rg_chart_point* target, int32_t pixel_q16[2]) {
   rg_place place;
   int32_t slopes_q5[2][2];
@@ -100,43 +100,49 @@ rg_status rg_project(const rg_camera* camera, const rg_ray* direction,
   return RG_OK;
 }
 
+#if RG_IS_FAST
+
 /* One thing for several points and then the next: fast processors work on
  * several points at once. */
 #define BLOCK_SIZE 8u
 
-/* Returns how many of up to BLOCK_SIZE points are seen. */
+/* Returns how many of BLOCK_SIZE points are seen; the camera can project. */
 static uint32_t project_block(const rg_camera* camera, const rg_ray* directions,
-                              rg_pixel* pixels, uint32_t num_points) {
+                              rg_pixel* pixels) {
   rg_chart_point targets[BLOCK_SIZE];
   int is_seen[BLOCK_SIZE];
   uint32_t num_seen = 0;
-  for (uint32_t i = 0; i < num_points; ++i)
+  for (uint32_t i = 0; i < BLOCK_SIZE; ++i)
     is_seen[i] = find_target(camera, &directions[i], &targets[i]);
-  for (uint32_t i = 0; i < num_points; ++i) {
+  for (uint32_t i = 0; i < BLOCK_SIZE; ++i) {
     int32_t found_q16[2];
-    if (is_seen[i] && solve(camera, &targets[i], found_q16)) {
-      pixels[i].x_q16 = found_q16[0];
-      pixels[i].y_q16 = found_q16[1];
+    if (is_seen[i] && solve(camera, &targets[i], found_q16))
       ++num_seen;
-    } else {
-      pixels[i].x_q16 = pixels[i].y_q16 = RG_NO_PIXEL;
-    }
+    else
+      found_q16[0] = found_q16[1] = RG_NO_PIXEL;
+    pixels[i].x_q16 = found_q16[0];
+    pixels[i].y_q16 = found_q16[1];
   }
   return num_seen;
 }
 
+#endif
+
 uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
                           rg_pixel* pixels, uint32_t num_points) {
+  const rg_pixel* const end = pixels + num_points;
   uint32_t num_seen = 0;
-  if (check_camera(camera) != RG_OK) {
-    for (uint32_t i = 0; i < num_points; ++i)
-      pixels[i].x_q16 = pixels[i].y_q16 = RG_NO_PIXEL;
-    return 0;
+#if RG_IS_FAST
+  if (check_camera(camera) == RG_OK)
+    for (; (uint32_t)(end - pixels) >= BLOCK_SIZE;
+         pixels += BLOCK_SIZE, directions += BLOCK_SIZE)
+      num_seen += project_block(camera, directions, pixels);
+#endif
+  for (; pixels != end; ++pixels, ++directions) {
+    if (rg_project(camera, directions, pixels) == RG_OK)
+      ++num_seen;
+    else
+      pixels->x_q16 = pixels->y_q16 = RG_NO_PIXEL;
   }
-  for (; num_points > BLOCK_SIZE; num_points -= BLOCK_SIZE) {
-    num_seen += project_block(camera, directions, pixels, BLOCK_SIZE);
-    directions += BLOCK_SIZE;
-    pixels += BLOCK_SIZE;
-  }
-  return num_seen + project_block(camera, directions, pixels, num_points);
+  return num_seen;
 }
