@@ -99,26 +99,19 @@ int rg_find_place(const uint8_t* grid, int32_t x, int32_t y, rg_place* place) {
   return 1;
 }
 
-/* Between a spline's slopes at two knots. */
-static RG_INLINE int32_t blend_slopes(int32_t first, int32_t second,
-                                      int32_t t_q7) {
-  return first * (128 - t_q7) + second * t_q7;
-}
-
-/* How one coordinate of residuals changes per cell along one axis, times 2^15:
- * differences of two cells at the four knots around. The residuals that begin
- * there lie so many bytes from each other, along that axis and beside it. */
-static RG_SHARED int32_t find_slope(const uint8_t* residual, uint32_t along,
-                                    uint32_t beside, int32_t t_along_q7,
-                                    int32_t t_beside_q7) {
-  int32_t slopes[2];
+/* How one coordinate of residuals changes per cell, times 2^15: the sum of
+ * differences of two cells at the four knots around, from residuals so many
+ * bytes apart. */
+static RG_SHARED int32_t find_slope(const uint8_t* residual, uint32_t apart,
+                                    uint32_t row_bytes,
+                                    const int32_t weights_q14[4]) {
+  int32_t sum = 0;
   RG_UNROLL_SHARED
-  for (int k = 0; k < 2; ++k, residual += beside)
-    slopes[k] = blend_slopes(
-        rg_load_i16(residual + 2 * along) - rg_load_i16(residual),
-        rg_load_i16(residual + 3 * along) - rg_load_i16(residual + along),
-        t_along_q7);
-  return blend_slopes(slopes[0], slopes[1], t_beside_q7);
+  for (uint32_t k = 0; k < 4; ++k) {
+    const uint8_t* const at = residual + 4 * (k & 1) + row_bytes * (k >> 1);
+    sum += weights_q14[k] * (rg_load_i16(at + apart) - rg_load_i16(at));
+  }
+  return sum;
 }
 
 void rg_find_slopes(const uint8_t* inverse, const rg_place* place,
@@ -129,13 +122,17 @@ void rg_find_slopes(const uint8_t* inverse, const rg_place* place,
   const uint32_t shift = rg_load_u16(inverse + 30) - RG_NARROW_MIN_BITS;
   const int32_t x_q7 = place->cells[0].t_q30 >> 23;
   const int32_t y_q7 = place->cells[1].t_q30 >> 23;
+  const int32_t weights_q14[4] = {(128 - x_q7) * (128 - y_q7),
+                                  x_q7 * (128 - y_q7), (128 - x_q7) * y_q7,
+                                  x_q7 * y_q7};
   const int32_t x_scale_q20 = (int32_t)(rg_load_u32(inverse + 20) >> 1);
   const int32_t y_scale_q20 = (int32_t)(rg_load_u32(inverse + 24) >> 1);
   RG_UNROLL_SHARED
   for (uint32_t c = 0; c < 2; ++c, plane += 4, residual += 2) {
     const int32_t across =
-        find_slope(residual + row_bytes, 4, row_bytes, x_q7, y_q7);
-    const int32_t down = find_slope(residual + 4, row_bytes, 4, y_q7, x_q7);
+        find_slope(residual + row_bytes, 8, row_bytes, weights_q14);
+    const int32_t down =
+        find_slope(residual + 4, 2 * row_bytes, row_bytes, weights_q14);
     slopes_q5[0][c] = rg_multiply_high(
         rg_add(rg_load_i32(plane + 8), across >> shift), x_scale_q20);
     slopes_q5[1][c] = rg_multiply_high(
