@@ -3,28 +3,6 @@
 #include "bytes.h"
 #include "rg_blob.h"
 
-rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {
-  if (!blob) return RG_ERR_ARGUMENT;
-  const uint8_t* sections[RG_NUM_SECTION_TYPES];
-  const rg_status status = rg_blob_check(bytes, num_bytes, sections);
-  if (status != RG_OK) return status;
-  uint32_t offsets[RG_NUM_SECTION_TYPES];
-  blob->bytes = (const uint8_t*)bytes;
-  for (int type = 0; type < RG_NUM_SECTION_TYPES; ++type)
-    offsets[type] =
-        sections[type] ? (uint32_t)(sections[type] - blob->bytes) : 0;
-  blob->size = rg_load_u32(blob->bytes + 12);
-  blob->camera = offsets[RG_SECTION_CAMERA];
-  blob->grid = offsets[RG_SECTION_CENTRAL_GRID];
-  blob->remap = offsets[RG_SECTION_REMAP];
-  blob->quality = offsets[RG_SECTION_QUALITY];
-  blob->inverse = offsets[RG_SECTION_INVERSE];
-  blob->line_points = offsets[RG_SECTION_LINE_POINTS];
-  blob->mask = offsets[RG_SECTION_MASK];
-  blob->uncertainty = offsets[RG_SECTION_UNCERTAINTY];
-  return RG_OK;
-}
-
 void rg_blob_camera(const rg_blob* blob, rg_camera_section* camera) {
   const uint8_t* section = blob->bytes + blob->camera;
   camera->width = rg_load_u16(section);

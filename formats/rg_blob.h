@@ -164,18 +164,13 @@ typedef struct rg_blob {
   uint32_t line_points, mask, uncertainty;
 } rg_blob;
 
-/* Validates num_bytes bytes.
+/* Validates num_bytes bytes, by every limit of SPEC.md, and finds the sections.
+ * The bytes are read in place and kept: they must outlive *blob.
  *
- * bytes     multiple of 4. Bytes after the blob's own end are not looked at.
- * sections  get the first section of each type, or NULL
+ * bytes  multiple of 4. Bytes after the blob's own end are not looked at.
  *
  * Nothing outside bytes[0, num_bytes) is read, whatever they hold. Every
  * status from RG_ERR_MISALIGNED to RG_ERR_UNCERTAINTY names one fault. */
-rg_status rg_blob_check(const void* bytes, uint32_t num_bytes,
-                        const uint8_t* sections[RG_NUM_SECTION_TYPES]);
-
-/* The same, and finds the sections. The bytes are read in place and kept: they
- * must outlive *blob. */
 rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob);
 
 /* Sections of a blob that rg_blob_open() accepted. The optional ones,

@@ -53,7 +53,7 @@ typedef enum rg_status {
 
   /* Use of an open camera. */
   RG_ERR_OUTSIDE_AREA = -50, /* pixel outside the calibrated area */
-  RG_ERR_NO_REMAP = -51,     /* the blob has no remap table */
+  RG_ERR_NO_REMAP = -51,     /* no remap table, or none is in use */
   RG_ERR_FRAME_SIZE = -52,   /* frame size or stride does not fit the blob */
   RG_ERR_ROWS = -53,         /* rows beyond the output's last */
   RG_ERR_NOT_SEEN = -54,     /* no pixel of the area sees the direction */

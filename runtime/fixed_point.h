@@ -11,6 +11,21 @@
 #define RG_HAVE_SMMULR 0
 #endif
 
+/* Modulo 2^32: values of a forged blob may add up to more than 32 bits, which
+ * then gives any result, but no undefined behaviour. */
+static inline int32_t rg_add(int32_t a, int32_t b) {
+  return (int32_t)((uint32_t)a + (uint32_t)b);
+}
+
+static inline int32_t rg_subtract(int32_t a, int32_t b) {
+  return (int32_t)((uint32_t)a - (uint32_t)b);
+}
+
+/* Likewise. */
+static inline int32_t rg_shift_left(int32_t a, int shift) {
+  return (int32_t)((uint32_t)a << shift);
+}
+
 /* (a b + 2^31) >> 32 */
 static inline int32_t rg_multiply_high(int32_t a, int32_t b) {
 #if RG_HAVE_SMMULR
@@ -33,7 +48,7 @@ static inline int32_t rg_multiply_high_add(int32_t sum, int32_t a, int32_t b) {
   __asm__("smmlar %0, %1, %2, %3" : "=r"(result) : "r"(a), "r"(b), "r"(sum));
   return result;
 #else
-  return sum + rg_multiply_high(a, b);
+  return rg_add(sum, rg_multiply_high(a, b));
 #endif
 }
 
@@ -47,9 +62,22 @@ static inline int32_t rg_multiply_high_subtract(int32_t sum, int32_t a,
 #elif RG_MULTIPLY_IN_PARTS
   uint32_t low;
   const int32_t high = rg_multiply_signed(a, b, &low);
-  return sum - high - (low > 0x80000000u);
+  return rg_subtract(sum, high + (low > 0x80000000u));
 #else
-  return sum + (int32_t)((INT64_C(0x80000000) - (int64_t)a * b) >> 32);
+  return rg_add(sum, (int32_t)((INT64_C(0x80000000) - (int64_t)a * b) >> 32));
+#endif
+}
+
+/* (a b) >> 16 */
+static inline int32_t rg_multiply_half(int32_t a, int16_t b) {
+#if RG_HAVE_SMMULR
+  int32_t result;
+  __asm__("smulwb %0, %1, %2" : "=r"(result) : "r"(a), "r"(b));
+  return result;
+#elif defined(__LP64__) || defined(_WIN64)
+  return (int32_t)(((int64_t)a * b) >> 16);
+#else
+  return (a >> 16) * b + (((a & 0xffff) * b) >> 16);
 #endif
 }
 
@@ -59,10 +87,8 @@ static inline int32_t rg_multiply_half_add(int32_t sum, int32_t a, int16_t b) {
   int32_t result;
   __asm__("smlawb %0, %1, %2, %3" : "=r"(result) : "r"(a), "r"(b), "r"(sum));
   return result;
-#elif defined(__LP64__) || defined(_WIN64)
-  return sum + (int32_t)(((int64_t)a * b) >> 16);
 #else
-  return sum + (a >> 16) * b + (((a & 0xffff) * b) >> 16);
+  return rg_add(sum, rg_multiply_half(a, b));
 #endif
 }
 
@@ -121,16 +147,30 @@ static inline int32_t rg_upper_word(int64_t sum) {
 #define RG_UNROLL_SHARED
 #endif
 
-/* In front of the loop over four rows, in which half of the instructions are,
- * and of a function for one of them: one after the other where a row is short,
- * or size does not matter. */
+/* In front of the loop over four rows, in which half of the instructions are:
+ * one after the other where a row is short, or size does not matter. */
 #if RG_HAVE_SMMULR || RG_IS_FAST
 #define RG_UNROLL_ROWS _Pragma("GCC unroll 4")
-#define RG_ROW RG_INLINE
 #else
 #define RG_UNROLL_ROWS
-#define RG_ROW RG_NOINLINE
 #endif
+
+/* A number that compilers do not know, so that a loop remains one where size
+ * matters. */
+static RG_INLINE uint32_t rg_times(uint32_t number) {
+#if defined(__GNUC__) && defined(__OPTIMIZE_SIZE__)
+  __asm__("" : "+r"(number));
+#endif
+  return number;
+}
+
+/* An address in a register of its own: loads of pairs want that. */
+static RG_INLINE const uint8_t* rg_keep_address(const uint8_t* p) {
+#if defined(__GNUC__) && !defined(__x86_64__)
+  __asm__("" : "+r"(p));
+#endif
+  return p;
+}
 
 /* A value that is read where it is used: registers are scarce there. */
 static RG_INLINE int32_t rg_read_late(int32_t* value) {

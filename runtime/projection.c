@@ -16,72 +16,59 @@
 #define EDGE_TOLERANCE_Q16 128u
 
 /* Moves a pixel into the area; 0 if it lies farther outside. */
-static int move_inside(const rg_camera* camera, uint32_t tolerance_q16,
-                       int32_t pixel_q16[2]) {
-  for (uint32_t c = 0; c < 2; ++c) {
-    const rg_axis* const axis = &camera->axes[c];
-    const uint32_t offset_q16 = (uint32_t)pixel_q16[c] - (uint32_t)axis->low;
-    if (offset_q16 <= axis->span) continue;
-    const int is_low = pixel_q16[c] < axis->low;
-    const uint32_t beyond_q16 =
-        is_low ? (uint32_t)axis->low - (uint32_t)pixel_q16[c]
-               : offset_q16 - axis->span;
-    if (beyond_q16 > tolerance_q16) return 0;
-    pixel_q16[c] = axis->low + (is_low ? 0 : (int32_t)axis->span);
-  }
-  return 1;
-}
-
-/* A distance on one axis of the chart, in cells of an inverse grid with that
- * scale; 0 if it is a cell or more. */
-static int cells_of(int32_t distance_q27, uint32_t scale, int32_t* cells_q31) {
-  const int32_t sign = distance_q27 >> 31; /* branches are hard to predict */
-  uint32_t low;
-  const uint32_t high = rg_multiply_unsigned(
-      (uint32_t)((distance_q27 ^ sign) - sign), scale, &low);
-  *cells_q31 = ((int32_t)(high << 15 | low >> 17) ^ sign) - sign;
-  return high >> 16 == 0;
-}
-
-/* Newton's step at a pixel of the area, with the inverse grid's derivative. */
-static RG_NOINLINE int find_step(const rg_camera* camera,
-                                 const rg_chart_point* target,
-                                 const rg_inverse_place* from,
-                                 int32_t step_q16[2]) {
-  const uint8_t* const inverse = camera->blob + camera->inverse;
-  rg_place place;
-  rg_find_place(camera, from->pixel_q16[0], from->pixel_q16[1], &place);
-  step_q16[0] = step_q16[1] = 0;
-  for (uint32_t c = 0; c < 2; ++c) {
-    int32_t cells_q31;
-    if (!cells_of(target->q27[c] - place.position.q27[c],
-                  rg_load_u32(inverse + 20 + 4 * c), &cells_q31))
+static RG_SHARED int move_inside(const uint8_t* area, uint32_t tolerance_q16,
+                                 int32_t pixel_q16[2]) {
+  const uint32_t num_axes = rg_times(2);
+  RG_UNROLL_SHARED
+  for (uint32_t c = 0; c < num_axes; ++c, area += 4) {
+    const int32_t low_q16 = rg_load_i32(area), high_q16 = rg_load_i32(area + 8);
+    int32_t inside_q16 = pixel_q16[c];
+    if (inside_q16 < low_q16) inside_q16 = low_q16;
+    if (inside_q16 > high_q16) inside_q16 = high_q16;
+    if (rg_magnitude(rg_subtract(pixel_q16[c], inside_q16)) > tolerance_q16)
       return 0;
-    for (int k = 0; k < 2; ++k)
-      step_q16[k] = rg_multiply_high_add(step_q16[k], from->by_cells_q17[c][k],
-                                         cells_q31);
+    pixel_q16[c] = inside_q16;
   }
   return 1;
 }
 
-/* Newton's method from where the inverse grid says; place ends at the pixel. */
+/* A step of Newton's method, of x or y: the product of slopes and the distance
+ * that is left; 0 if it is 8 px or more. */
+static RG_INLINE int find_step(const int32_t slopes_q5[2][2], uint32_t k,
+                               const int32_t rest_q27[2], int32_t* step_q16) {
+  const int64_t step_q32 = 0x8000 + rg_product(slopes_q5[0][k], rest_q27[0]) +
+                           rg_product(slopes_q5[1][k], rest_q27[1]);
+  *step_q16 = (int32_t)(step_q32 >> 16);
+  return (uint32_t)(step_q32 >> 32) + 8 < 16;
+}
+
+/* Newton's method from where the inverse grid says, with its derivative. */
 static RG_INLINE int solve(const rg_camera* camera,
-                           const rg_chart_point* target,
-                           rg_inverse_place* place) {
-  if (!rg_find_inverse(camera->blob + camera->inverse, target, place)) return 0;
+                           const rg_chart_point* target, int32_t pixel_q16[2]) {
+  rg_place place;
+  int32_t slopes_q5[2][2];
+  if (!rg_find_place(camera->inverse, target->q27[0], target->q27[1], &place))
+    return 0;
+  rg_find_slopes(camera->inverse, &place, slopes_q5);
+  for (int k = 0; k < 2; ++k)
+    pixel_q16[k] = rg_shift_left(place.value.q27[k], 1);
   for (uint32_t limit_q16 = FIRST_STEP_Q16; limit_q16 >= LAST_STEP_Q16;
        limit_q16 >>= 2) {
-    int32_t step_q16[2];
-    if (!move_inside(camera, limit_q16, place->pixel_q16) ||
-        !find_step(camera, target, place, step_q16))
-      return 0;
-    const uint32_t size_q16 =
-        rg_magnitude(step_q16[0]) | rg_magnitude(step_q16[1]);
+    if (!move_inside(camera->grid, limit_q16, pixel_q16)) return 0;
+    rg_find_place(camera->grid, pixel_q16[0], pixel_q16[1], &place);
+    int32_t rest_q27[2];
+    for (int c = 0; c < 2; ++c)
+      rest_q27[c] = rg_subtract(target->q27[c], place.value.q27[c]);
+    uint32_t size_q16 = 0;
+    for (uint32_t k = 0; k < 2; ++k) {
+      int32_t step_q16;
+      if (!find_step(slopes_q5, k, rest_q27, &step_q16)) return 0;
+      size_q16 |= rg_magnitude(step_q16);
+      pixel_q16[k] = rg_add(pixel_q16[k], step_q16);
+    }
     if (size_q16 > limit_q16) return 0;
-    place->pixel_q16[0] += step_q16[0];
-    place->pixel_q16[1] += step_q16[1];
     if (size_q16 < LAST_STEP_Q16)
-      return move_inside(camera, EDGE_TOLERANCE_Q16, place->pixel_q16);
+      return move_inside(camera->grid, EDGE_TOLERANCE_Q16, pixel_q16);
   }
   return 0;
 }
@@ -95,61 +82,67 @@ static rg_status check_camera(const rg_camera* camera) {
 /* The camera must have an inverse grid. */
 static int find_target(const rg_camera* camera, const rg_ray* direction,
                        rg_chart_point* target) {
-  const uint8_t* const inverse = camera->blob + camera->inverse;
-  return rg_chart_point_of(direction, rg_load_i32(inverse + 36), target);
+  return rg_chart_point_of(direction, rg_load_i32(camera->inverse + 36),
+                           target);
 }
 
 rg_status rg_project(const rg_camera* camera, const rg_ray* direction,
                      rg_pixel* pixel) {
   rg_chart_point target;
-  rg_inverse_place place;
+  int32_t found_q16[2];
   const rg_status status = check_camera(camera);
   if (status != RG_OK) return status;
   if (!find_target(camera, direction, &target) ||
-      !solve(camera, &target, &place))
+      !solve(camera, &target, found_q16))
     return RG_ERR_NOT_SEEN;
-  pixel->x_q16 = place.pixel_q16[0];
-  pixel->y_q16 = place.pixel_q16[1];
+  pixel->x_q16 = found_q16[0];
+  pixel->y_q16 = found_q16[1];
   return RG_OK;
 }
+
+#if RG_IS_FAST
 
 /* One thing for several points and then the next: fast processors work on
  * several points at once. */
 #define BLOCK_SIZE 8u
 
-/* Returns how many of up to BLOCK_SIZE points are seen. */
+/* Returns how many of BLOCK_SIZE points are seen; the camera can project. */
 static uint32_t project_block(const rg_camera* camera, const rg_ray* directions,
-                              rg_pixel* pixels, uint32_t num_points) {
+                              rg_pixel* pixels) {
   rg_chart_point targets[BLOCK_SIZE];
   int is_seen[BLOCK_SIZE];
   uint32_t num_seen = 0;
-  for (uint32_t i = 0; i < num_points; ++i)
+  for (uint32_t i = 0; i < BLOCK_SIZE; ++i)
     is_seen[i] = find_target(camera, &directions[i], &targets[i]);
-  for (uint32_t i = 0; i < num_points; ++i) {
-    rg_inverse_place place;
-    if (is_seen[i] && solve(camera, &targets[i], &place)) {
-      pixels[i].x_q16 = place.pixel_q16[0];
-      pixels[i].y_q16 = place.pixel_q16[1];
+  for (uint32_t i = 0; i < BLOCK_SIZE; ++i) {
+    int32_t found_q16[2];
+    if (is_seen[i] && solve(camera, &targets[i], found_q16))
       ++num_seen;
-    } else {
-      pixels[i].x_q16 = pixels[i].y_q16 = RG_NO_PIXEL;
-    }
+    else
+      found_q16[0] = found_q16[1] = RG_NO_PIXEL;
+    pixels[i].x_q16 = found_q16[0];
+    pixels[i].y_q16 = found_q16[1];
   }
   return num_seen;
 }
 
+#endif
+
 uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
                           rg_pixel* pixels, uint32_t num_points) {
+  const rg_pixel* const end = pixels + num_points;
   uint32_t num_seen = 0;
-  if (check_camera(camera) != RG_OK) {
-    for (uint32_t i = 0; i < num_points; ++i)
-      pixels[i].x_q16 = pixels[i].y_q16 = RG_NO_PIXEL;
-    return 0;
+#if RG_IS_FAST
+  if (check_camera(camera) == RG_OK)
+    for (; (uint32_t)(end - pixels) >= BLOCK_SIZE;
+         pixels += BLOCK_SIZE, directions += BLOCK_SIZE)
+      num_seen += project_block(camera, directions, pixels);
+#endif
+  for (; pixels != end; ++pixels, ++directions) {
+    if (rg_project(camera, directions, pixels) == RG_OK)
+      ++num_seen;
+    else
+      pixels->x_q16 = pixels->y_q16 = RG_NO_PIXEL;
   }
-  for (; num_points > BLOCK_SIZE; num_points -= BLOCK_SIZE) {
-    num_seen += project_block(camera, directions, pixels, BLOCK_SIZE);
-    directions += BLOCK_SIZE;
-    pixels += BLOCK_SIZE;
-  }
-  return num_seen + project_block(camera, directions, pixels, num_points);
+  return num_seen;
 }

@@ -28,24 +28,16 @@ extern "C" {
 /* A whole number of pixels in q16. */
 #define RG_PIXEL(n) ((int32_t)((n)*65536))
 
-/* One axis of the calibrated area; x, then y. */
-typedef struct rg_axis {
-  int32_t low;    /* q16 px: the area's edge */
-  uint32_t span;  /* q16 px: to the other edge */
-  uint32_t scale; /* q32 cells per pixel */
-} rg_axis;
-
 /* An open camera: at most 64 bytes, owned by the caller, only read after
  * opening, so threads and interrupt handlers may share it. The fields are not
  * for use outside the library. */
 typedef struct rg_camera {
   const uint8_t* blob;
-  const uint8_t* control_points; /* of 32 bits, or NULL */
-  const uint8_t* remap;          /* the section in use, or NULL */
-  rg_axis axes[2];
-  uint16_t last_cell[2]; /* cells less 1 */
+  const uint8_t* grid; /* sections; NULL where there is none: */
+  const uint8_t* inverse;
+  const uint8_t* line_points; /* not the section, but its first point */
+  const uint8_t* remap;       /* the one in use */
   uint16_t width, height;
-  uint32_t inverse, line_points; /* sections in the blob, or 0 */
 } rg_camera;
 
 typedef struct rg_pixel {
@@ -57,11 +49,12 @@ typedef struct rg_ray {
   int32_t x_q30, y_q30, z_q30;
 } rg_ray;
 
-/* Validates a blob and prepares a camera that reads it in place.
+/* Validates a blob and prepares a camera that reads it in place; no remap table
+ * is in use yet.
  *
  * bytes   multiple of 4; must stay where it is while the camera is in use.
  * RG_OK, or the first fault found (rg_status.h); the camera is then untouched.
- * Cost: one pass over the blob for its CRCs, one over its values. */
+ * Cost: one pass over the blob for its CRCs. */
 rg_status rg_camera_open(rg_camera* camera, const void* bytes,
                          uint32_t num_bytes);
 
@@ -97,7 +90,8 @@ rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
 int rg_is_valid(const rg_camera* camera, rg_pixel pixel);
 
 /* The standard deviation of projection at a pixel, in q12 pixels.
- * RG_ERR_UNKNOWN where the blob does not say, RG_ERR_OUTSIDE_AREA. */
+ * RG_ERR_UNKNOWN where the blob does not say, RG_ERR_OUTSIDE_AREA;
+ * RG_ERR_UNCERTAINTY where a forged one would be read beyond its values. */
 rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
                          uint16_t* pixels_q12);
 
@@ -116,7 +110,8 @@ uint32_t rg_unproject_batch(const rg_camera* camera, const rg_pixel* pixels,
  *            RG_OK is returned.
  *
  * RG_OK                done
- * RG_ERR_NOT_SEEN      no pixel of the calibrated area looks there
+ * RG_ERR_NOT_SEEN      no pixel of the calibrated area looks there, or only one
+ *                      151 degrees from the z axis or more
  * RG_ERR_NONCENTRAL    the camera is not central: not supported
  * RG_ERR_NO_INVERSE    the blob has no inverse grid: it is from before format
  *                      1.3
@@ -169,12 +164,15 @@ typedef enum rg_match_result {
 rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
                          uint16_t width, uint16_t height, const char* serial);
 
-/* Makes the index-th remap table of the blob, counted from 0, the one in use;
- * after opening that is the first. RG_ERR_NO_REMAP, and no change, if there is
- * none. */
+/* Validates the index-th remap table of the blob, counted from 0, and makes it
+ * the one in use: before the first frame, or point of an undistorted one. Not
+ * while others use the camera.
+ *
+ * RG_OK, RG_ERR_NO_REMAP if there is none, or the first fault found; then no
+ * change. Cost: one pass over the table. */
 rg_status rg_select_remap(rg_camera* camera, uint32_t index);
 
-/* Size of the undistorted image; RG_ERR_NO_REMAP if the blob has no table. */
+/* Size of the undistorted image; RG_ERR_NO_REMAP if no table is in use. */
 rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
                         uint16_t* height);
 
@@ -185,7 +183,7 @@ rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
  *              when RG_OK is returned.
  *
  * RG_OK                done
- * RG_ERR_NO_REMAP      the blob has no remap table, and so no virtual camera
+ * RG_ERR_NO_REMAP      no remap table is in use, and so no virtual camera
  * RG_ERR_OUTSIDE_AREA  pixel lies outside the calibrated area
  * RG_ERR_NOT_SEEN      it looks backwards, or 16384 px away or more */
 rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
@@ -277,7 +275,7 @@ typedef struct rg_target {
  * memory, by several threads. A plane of the target must not overlap another
  * one nor the frame; rows of planes with one stride may lie beside each other.
  *
- * RG_ERR_NO_REMAP      the blob has no remap table
+ * RG_ERR_NO_REMAP      no remap table is in use
  * RG_ERR_FORMAT        unknown format, border or sampling; clamping from a ring
  * RG_ERR_FRAME_SIZE    frame is not the camera's image, a stride is too small,
  *                      a size not a multiple of what the format wants

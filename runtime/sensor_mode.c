@@ -1,4 +1,6 @@
 /* Frames of other sensor modes than the calibrated one. */
+#include "blob_checks.h"
+#include "bytes.h"
 #include "fixed_point.h"
 #include "inverse.h"
 #include "raygrid.h"
@@ -100,18 +102,21 @@ static int is_part(int32_t offset_q16, uint32_t scale_q16, uint32_t size,
   return (uint32_t)offset_q16 + low <= calibrated_size << 16;
 }
 
-/* An empty serial fits every camera. */
+/* An empty serial fits every camera. expected: RG_TEXT_SIZE bytes; not checked
+ * on opening, so the last is taken for a zero whatever it is. */
 static int is_serial(const char* expected, const char* serial) {
   if (!serial || expected[0] == 0) return 1;
   uint32_t i = 0;
-  while (expected[i] != 0 && expected[i] == serial[i]) ++i;
+  while (i < RG_TEXT_SIZE - 1 && expected[i] != 0 && expected[i] == serial[i])
+    ++i;
   return expected[i] == serial[i];
 }
 
 rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
                          uint16_t width, uint16_t height, const char* serial) {
   const uint8_t* const identity =
-      rg_find_section(camera->blob, RG_SECTION_CAMERA, 0);
+      camera->blob +
+      rg_load_u32(rg_find_entry(camera->blob, RG_SECTION_CAMERA, 0) + 4);
   if (!is_serial((const char*)identity + 40, serial)) return RG_MATCH_NONE;
   if (!mode)
     return width == camera->width && height == camera->height ? RG_MATCH_EXACT

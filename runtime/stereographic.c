@@ -21,7 +21,6 @@ int rg_chart_point_of(const rg_ray* direction, int32_t limit_q30,
                       rg_chart_point* point) {
   const int32_t x = direction->x_q30, y = direction->y_q30;
   const int32_t z = direction->z_q30;
-  if ((x | y | z) == 0) return 0;
   /* Scaled so that the largest magnitude is in [1/2, 1]. */
   const int shift =
       rg_leading_zeros(bits_of(x) | bits_of(y) | bits_of(z) | 1) - 1;
@@ -34,14 +33,12 @@ int rg_chart_point_of(const rg_ray* direction, int32_t limit_q30,
   if ((z < 0 ? -z_square_q28 : z_square_q28) <
       2 * rg_multiply_high(limit_q30, 2 * square_q28))
     return 0;
-  const int32_t sum_q29 = square_root((uint32_t)square_q28) + (z_q30 >> 1);
-  /* |a| and |b| a little below 4. */
-  const int32_t limit_q29 = sum_q29 - (sum_q29 >> 9);
-  if ((int32_t)(rg_magnitude(x_q30) >> 3) >= limit_q29 ||
-      (int32_t)(rg_magnitude(y_q30) >> 3) >= limit_q29)
-    return 0;
+  const int32_t length_q29 = square_root((uint32_t)square_q28);
+  const int32_t sum_q29 = length_q29 + (z_q30 >> 1);
+  /* a^2 + b^2 = (n - z) / (n + z) is below 15; (0, 0, 0) ends here too. */
+  if (sum_q29 <= length_q29 >> 3) return 0;
   /* n + z = D 2^(3 - zeros) with D in [1/2, 1); 1 / D in q29. */
-  const int zeros = rg_leading_zeros((uint32_t)sum_q29); /* 1 to 8 */
+  const int zeros = rg_leading_zeros((uint32_t)sum_q29); /* 1 to 6 */
   const int32_t r_q29 = rg_reciprocal((uint32_t)sum_q29 << zeros);
   /* x / (n + z) = x / D 2^(zeros - 3) */
   point->q27[0] = rg_multiply_high(x_q30, r_q29) * (1 << (zeros - 1)) >> 2;

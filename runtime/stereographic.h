@@ -15,7 +15,8 @@ typedef struct rg_chart_point {
  * (2a, 2b, 1 - s) / (1 + s) with s = a^2 + b^2. */
 static RG_INLINE void rg_direction_of(const rg_chart_point* point,
                                       rg_ray* ray) {
-  const int32_t a_q29 = 4 * point->q27[0], b_q29 = 4 * point->q27[1];
+  const int32_t a_q29 = rg_shift_left(point->q27[0], 2);
+  const int32_t b_q29 = rg_shift_left(point->q27[1], 2);
   const uint32_t sum_q26 = (uint32_t)rg_multiply_high_add(
                                rg_multiply_high(a_q29, a_q29), b_q29, b_q29) +
                            (UINT32_C(1) << 26);
@@ -34,8 +35,8 @@ static RG_INLINE void rg_direction_of(const rg_chart_point* point,
  * limit_q30  c |c|, with c a cosine: directions farther from the z axis than
  *            that are refused at little cost. -2^30: none.
  *
- * 0, and *point untouched, for those, for (0, 0, 0), and where |a| or |b| would
- * reach 3.99. */
+ * 0, and *point untouched, for those, for (0, 0, 0), and from 151 degrees on,
+ * where a^2 + b^2 would reach 15. */
 int rg_chart_point_of(const rg_ray* direction, int32_t limit_q30,
                       rg_chart_point* point);
 

@@ -7,9 +7,9 @@
 rg_status rg_unproject(const rg_camera* camera, rg_pixel pixel, rg_ray* ray) {
   rg_place place;
   if (camera->line_points) return RG_ERR_NONCENTRAL;
-  if (!rg_find_place(camera, pixel.x_q16, pixel.y_q16, &place))
+  if (!rg_find_place(camera->grid, pixel.x_q16, pixel.y_q16, &place))
     return RG_ERR_OUTSIDE_AREA;
-  rg_direction_of(&place.position, ray);
+  rg_direction_of(&place.value, ray);
   return RG_OK;
 }
 
@@ -45,25 +45,23 @@ static RG_INLINE void add_line_row(const uint8_t* points,
 /* The camera must have line points. */
 static RG_INLINE void find_line_point(const rg_camera* camera, rg_place* place,
                                       int32_t point_q28[3]) {
-  const uint8_t* const section = camera->blob + camera->line_points;
-  const uint8_t* points =
-      section + rg_load_u32(section + 4) + 12 * place->first;
-  const uint32_t row_bytes = 12 * (camera->last_cell[0] + 4u);
+  const uint8_t* points = camera->line_points + 12 * place->first;
+  const uint32_t row_bytes = 12u * rg_load_u16(camera->grid + 16);
   const int32_t* const x_weights = place->weights_q31[0];
   int32_t* const y_weights = place->weights_q31[1];
   int32_t sums_q26[3] = {0, 0, 0};
   RG_UNROLL_ROWS
-  for (int j = 0; j < 4; ++j, points += row_bytes)
+  for (int j = 0; j < 4; ++j, points = rg_keep_address(points + row_bytes))
     add_line_row(points, x_weights, rg_read_late(y_weights + j), sums_q26);
-  for (int c = 0; c < 3; ++c) point_q28[c] = 4 * sums_q26[c];
+  for (int c = 0; c < 3; ++c) point_q28[c] = rg_shift_left(sums_q26[c], 2);
 }
 
 rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
                             rg_line* line) {
   rg_place place;
-  if (!rg_find_place(camera, pixel.x_q16, pixel.y_q16, &place))
+  if (!rg_find_place(camera->grid, pixel.x_q16, pixel.y_q16, &place))
     return RG_ERR_OUTSIDE_AREA;
-  rg_direction_of(&place.position, &line->direction);
+  rg_direction_of(&place.value, &line->direction);
   if (camera->line_points)
     find_line_point(camera, &place, line->point_q28);
   else

@@ -134,7 +134,8 @@ int main(int argc, char** argv) {
   uint8_t* blob = read_file(argv[1], &blob_size);
   if (!blob) return fail(INPUT, argv[1], "cannot be read");
   rg_camera camera;
-  const rg_status status = rg_camera_open(&camera, blob, blob_size);
+  rg_status status = rg_camera_open(&camera, blob, blob_size);
+  if (status == RG_OK) status = rg_select_remap(&camera, 0);
   if (status != RG_OK) {
     free(blob);
     return fail(BLOB, argv[1], rg_status_text(status));

@@ -100,7 +100,9 @@ std::unique_ptr<CameraModel> BlobCamera::ToModel() const {
 
 Image BlobCamera::Undistort(const Image& image, uint8_t border) const {
   uint16_t width = 0, height = 0;
-  rg_status status = rg_remap_size(&camera_, &width, &height);
+  rg_camera camera = camera_;
+  rg_status status = rg_select_remap(&camera, 0);
+  if (status == RG_OK) status = rg_remap_size(&camera, &width, &height);
   if (status != RG_OK) Refuse("blob", status);
   Image result;
   result.size = {width, height};
@@ -114,7 +116,7 @@ Image BlobCamera::Undistort(const Image& image, uint8_t border) const {
                             static_cast<uint16_t>(image.size.width),
                             static_cast<uint16_t>(image.size.height)};
     const rg_band band = {plane.data(), width, 0, height, border};
-    status = rg_remap_grey(&camera_, &frame, &band);
+    status = rg_remap_grey(&camera, &frame, &band);
     if (status != RG_OK) Refuse("image", status);
     for (size_t i = 0; i < plane.size(); ++i)
       result.pixels[i * image.channels + channel] = plane[i];

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "bytes.h"
 #include "camera/central_generic.h"
 #include "camera/noncentral_generic.h"
 #include "dataset/error.h"
@@ -287,15 +288,14 @@ struct PackingTruth {
 UnprojectionError MeasureUnprojection(const PackingTruth& truth,
                                       const rg_camera& packed,
                                       int num_threads) {
-  const auto first_of = [](const rg_axis& axis) {
-    return static_cast<int>(std::ceil(axis.low / 65536.0));
+  // The grid section begins with the area's two lower ends and two upper ones.
+  const auto end_px = [&](int k) {
+    return rg_load_i32(packed.grid + 4 * k) / 65536.0;
   };
-  const auto last_of = [](const rg_axis& axis) {
-    return static_cast<int>(
-        std::floor((axis.low + static_cast<double>(axis.span)) / 65536.0));
-  };
-  const int first_row = first_of(packed.axes[1]);
-  const int last_row = last_of(packed.axes[1]);
+  const int first = static_cast<int>(std::ceil(end_px(0)));
+  const int first_row = static_cast<int>(std::ceil(end_px(1)));
+  const int last = static_cast<int>(std::floor(end_px(2)));
+  const int last_row = static_cast<int>(std::floor(end_px(3)));
   const int num_rows = last_row - first_row + 1;
   constexpr double kHardlyTurn = 20;
   const double most_per_radian =
@@ -303,8 +303,6 @@ UnprojectionError MeasureUnprojection(const PackingTruth& truth,
   std::vector<UnprojectionError> worst(std::max(num_rows, 0));
   ParallelFor(num_rows, num_threads, [&](int row) {
     const int y = first_row + row;
-    const int first = first_of(packed.axes[0]);
-    const int last = last_of(packed.axes[0]);
     for (int x = first; x <= last; ++x) {
       const Eigen::Vector2d pixel(x, y);
       const bool is_trusted = truth.Trusts(pixel);

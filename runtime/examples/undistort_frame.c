@@ -67,7 +67,8 @@ int main(int argc, char** argv) {
   if (argc != 4) return fail("usage", "undistort_frame BLOB IN.nv12 OUT.nv12");
   rg_camera camera;
   const size_t size = read_file(argv[1], blob, sizeof(blob));
-  const rg_status status = rg_camera_open(&camera, blob, (uint32_t)size);
+  rg_status status = rg_camera_open(&camera, blob, (uint32_t)size);
+  if (status == RG_OK) status = rg_select_remap(&camera, 0);
   if (status != RG_OK) return fail(argv[1], rg_status_text(status));
   return undistort(&camera, argv[2], argv[3]);
 }

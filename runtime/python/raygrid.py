@@ -41,16 +41,11 @@ class Error(Exception):
         self.status = status
 
 
-class _Axis(ctypes.Structure):
-    _fields_ = [("low", ctypes.c_int32), ("span", ctypes.c_uint32), ("scale", ctypes.c_uint32)]
-
-
 class _Camera(ctypes.Structure):
-    _fields_ = [("blob", ctypes.c_void_p), ("control_points", ctypes.c_void_p),
-                ("remap", ctypes.c_void_p), ("axes", _Axis * 2),
-                ("last_cell", ctypes.c_uint16 * 2), ("width", ctypes.c_uint16),
-                ("height", ctypes.c_uint16), ("inverse", ctypes.c_uint32),
-                ("line_points", ctypes.c_uint32)]
+    _fields_ = [("blob", ctypes.c_void_p), ("grid", ctypes.c_void_p),
+                ("inverse", ctypes.c_void_p), ("line_points", ctypes.c_void_p),
+                ("remap", ctypes.c_void_p), ("width", ctypes.c_uint16),
+                ("height", ctypes.c_uint16)]
 
 
 class _Pixel(ctypes.Structure):
@@ -128,7 +123,10 @@ class Camera:
         _check(_library.rg_camera_open(ctypes.byref(self._camera), self._blob,
                                        ctypes.c_uint32(len(data))))
         self.width, self.height = self._camera.width, self._camera.height
-        self.is_central = self._camera.line_points == 0
+        self.is_central = self._camera.line_points is None
+        status = _library.rg_select_remap(ctypes.byref(self._camera), ctypes.c_uint32(0))
+        if status != NO_REMAP:
+            _check(status)
 
     def unproject(self, points):
         """Directions (x, y, z) of pixels (x, y); None outside the calibrated area."""
@@ -156,7 +154,7 @@ class Camera:
         """Pixels of directions or points (x, y, z) of any length; None where nothing is seen."""
         if not self.is_central:
             raise Error(-57)
-        if self._camera.inverse == 0:
+        if self._camera.inverse is None:
             raise Error(-60)
         rays = (ctypes.c_int32 * 3 * len(points))()
         for ray, point in zip(rays, points):

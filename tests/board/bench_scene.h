@@ -66,8 +66,9 @@ static void open_inner(uint8_t block_log2) {
                                      .control_points_q29 = control_points,
                                      .remap = &table,
                                      .residuals = residuals};
-  if (rg_blob_write(&contents, bytes, sizeof(bytes)) == RG_OK)
-    rg_camera_open(&inner, bytes, sizeof(bytes));
+  if (rg_blob_write(&contents, bytes, sizeof(bytes)) == RG_OK &&
+      rg_camera_open(&inner, bytes, sizeof(bytes)) == RG_OK)
+    rg_select_remap(&inner, 0);
 }
 
 /* Undistorts the frame into output. */
@@ -92,6 +93,7 @@ static rg_status remap_frame(rg_format format, const uint32_t strides[3]) {
 /* 0 on failure. */
 static int make_scene(uint8_t block_log2) {
   if (rg_camera_open(&lens, kLensBlob, sizeof(kLensBlob)) != RG_OK ||
+      rg_select_remap(&lens, 0) != RG_OK ||
       rg_camera_open(&narrow, kNarrowBlob, sizeof(kNarrowBlob)) != RG_OK ||
       rg_camera_open(&lines, kLinesBlob, sizeof(kLinesBlob)) != RG_OK ||
       rg_camera_open(&wide, kWideBlob, sizeof(kWideBlob)) != RG_OK)

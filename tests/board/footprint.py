@@ -15,7 +15,7 @@ import sys
 import tempfile
 
 # Sources that do not go on a board.
-HOST_ONLY = ("blob_write", "rg_status")
+HOST_ONLY = ("blob_write", "blob_fields", "blob_limits", "rg_status")
 RAYS = ("rg_camera_open", "rg_unproject", "rg_project")
 EVERYTHING = RAYS + (
     "rg_unproject_batch", "rg_project_batch", "rg_unproject_line", "rg_is_valid",
@@ -23,7 +23,7 @@ EVERYTHING = RAYS + (
     "rg_mode_from_calibrated", "rg_match", "rg_select_remap", "rg_remap_size", "rg_remap",
     "rg_remap_source_rows", "rg_remap_grey")
 # .text of what these need.
-SETS = {"rays": RAYS, "rays, grey": RAYS + ("rg_remap_grey",), "everything": EVERYTHING}
+SETS = {"rays": RAYS, "rays, grey": RAYS + ("rg_select_remap", "rg_remap_grey"), "everything": EVERYTHING}
 STACKS = ("rg_camera_open", "rg_unproject", "rg_project", "rg_remap_grey", "rg_remap")
 GROWTH, SHRINKAGE = 1.02, 0.9
 

@@ -17,7 +17,9 @@ namespace raygrid {
 /// The golden lens: 160 x 120 pixels, with a remap table.
 inline rg_camera OpenLens() {
   rg_camera camera;
-  if (rg_camera_open(&camera, kLensBlob, sizeof(kLensBlob)) != RG_OK) abort();
+  if (rg_camera_open(&camera, kLensBlob, sizeof(kLensBlob)) != RG_OK ||
+      rg_select_remap(&camera, 0) != RG_OK)
+    abort();
   return camera;
 }
 

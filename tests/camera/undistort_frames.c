@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
   rg_camera camera;
   uint16_t width, height;
   if (rg_camera_open(&camera, blob, (uint32_t)blob_size) != RG_OK ||
+      rg_select_remap(&camera, 0) != RG_OK ||
       rg_remap_size(&camera, &width, &height) != RG_OK)
     fail(argv[1]);
   const size_t frame_size = (size_t)camera.width * camera.height * 2;

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bytes.h"
 #include "fuzz_target.h"
 #include "raygrid.h"
 
@@ -65,6 +66,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (!bytes) return 0;
   rg_camera camera;
   if (rg_camera_open(&camera, bytes, blob_size) == RG_OK) {
+    rg_select_remap(&camera, 0);
     const rg_pixel pixel = {(int32_t)setting(data, 4),
                             (int32_t)setting(data, 8)};
     const rg_ray direction = {(int32_t)setting(data, 12),
@@ -73,12 +75,11 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     try_pixel(&camera, pixel);
     /* One that is likely to lie inside. */
     const rg_pixel inside = {
-        (int32_t)(setting(data, 24) % ((uint32_t)camera.width << 16)),
-        (int32_t)(setting(data, 28) % ((uint32_t)camera.height << 16))};
+        (int32_t)(setting(data, 24) % ((camera.width % 16384u + 1) << 16)),
+        (int32_t)(setting(data, 28) % ((camera.height % 16384u + 1) << 16))};
     try_pixel(&camera, inside);
-    const rg_pixel far_corner = {
-        camera.axes[0].low + (int32_t)camera.axes[0].span,
-        camera.axes[1].low + (int32_t)camera.axes[1].span};
+    const rg_pixel far_corner = {rg_load_i32(camera.grid + 8),
+                                 rg_load_i32(camera.grid + 12)};
     try_pixel(&camera, far_corner);
     try_direction(&camera, &direction);
     try_mode(&camera, data, inside);

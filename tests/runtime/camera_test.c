@@ -1,10 +1,12 @@
 #include <string.h>
 
-#include "golden_blobs.h"
+#include "blob_edit.h"
+#include "bytes.h"
+#include "example_blob.h"
 #include "raygrid.h"
 #include "unit_test.h"
 
-static uint8_t blob[sizeof(kExampleBlob)] __attribute__((aligned(4)));
+static uint8_t blob[sizeof(kWideBlob)] __attribute__((aligned(4)));
 
 static void handle_is_at_most_64_bytes(void** state) {
   (void)state;
@@ -23,10 +25,9 @@ static void damaged_blob_leaves_the_camera_untouched(void** state) {
   rg_camera camera, untouched;
   memset(&camera, 0x5a, sizeof(camera));
   memset(&untouched, 0x5a, sizeof(untouched));
-  memcpy(blob, kExampleBlob, sizeof(blob));
-  blob[sizeof(blob) - 1] ^= 1;
-  assert_int_equal(rg_camera_open(&camera, blob, sizeof(blob)),
-                   RG_ERR_SECTION_CRC);
+  memcpy(blob, kExampleBlob, SIZE);
+  blob[SIZE - 1] ^= 1;
+  assert_int_equal(rg_camera_open(&camera, blob, SIZE), RG_ERR_SECTION_CRC);
   assert_memory_equal(&camera, &untouched, sizeof(camera));
 }
 
@@ -39,12 +40,95 @@ static void null_is_refused(void** state) {
                    RG_ERR_ARGUMENT);
 }
 
+/* The example with other bytes in a half word, and CRCs that hold. */
+static rg_status open_with(uint32_t offset, uint16_t value, rg_camera* camera) {
+  memcpy(blob, kExampleBlob, SIZE);
+  rg_store_u16(blob + offset, value);
+  repair_crcs(blob, SIZE);
+  return rg_camera_open(camera, blob, SIZE);
+}
+
+static void what_rays_need_is_checked(void** state) {
+  (void)state;
+  rg_camera camera;
+  assert_int_equal(open_with(CAMERA - 64, 99, &camera), RG_ERR_SECTION_UNKNOWN);
+  assert_int_equal(open_with(GRID + 16, 1028, &camera), RG_ERR_GRID_SIZE);
+  assert_int_equal(open_with(GRID + 20, 0, &camera), RG_ERR_GRID_SCALE);
+  assert_int_equal(open_with(GRID + 30, 30, &camera), RG_ERR_GRID_CHART);
+  assert_int_equal(open_with(GRID + 32, 44, &camera), RG_ERR_SECTION_SIZE);
+}
+
+static void camera_or_grid_missing_is_refused(void** state) {
+  (void)state;
+  rg_camera camera;
+  for (uint32_t k = 0; k < 2; ++k) {
+    const blob_section section = section_of(kExampleBlob, k);
+    const uint32_t size = assemble_blob(&section, 1, blob);
+    assert_int_equal(rg_camera_open(&camera, blob, size),
+                     RG_ERR_SECTION_MISSING);
+  }
+}
+
+static void opening_chooses_no_table(void** state) {
+  (void)state;
+  rg_camera camera;
+  uint16_t width, height;
+  rg_camera_open(&camera, kExampleBlob, SIZE);
+  assert_int_equal(rg_remap_size(&camera, &width, &height), RG_ERR_NO_REMAP);
+}
+
+static void broken_table_is_refused_when_it_is_chosen(void** state) {
+  (void)state;
+  rg_camera camera;
+  assert_int_equal(open_with(REMAP, 17, &camera), RG_OK);
+  const rg_camera before = camera;
+  assert_int_equal(rg_select_remap(&camera, 0), RG_ERR_REMAP_BLOCK);
+  assert_memory_equal(&camera, &before, sizeof(camera));
+  assert_int_equal(open_with(REMAP + 8, 11 << 8 | 3, &camera), RG_OK);
+  assert_int_equal(rg_select_remap(&camera, 0), RG_ERR_REMAP_SHIFT);
+  assert_int_equal(open_with(VERTICES - 42, 0x7000, &camera), RG_OK);
+  assert_int_equal(rg_select_remap(&camera, 0), RG_ERR_REMAP_VERTEX);
+}
+
+/* A word of the wide blob's section of a type. */
+static void open_wide_with(uint32_t type, uint32_t offset, uint32_t value,
+                           rg_camera* camera) {
+  memcpy(blob, kWideBlob, sizeof(kWideBlob));
+  const uint8_t* const section = rg_find_section(blob, type, 0);
+  rg_store_u32(blob + (section - blob) + offset, value);
+  repair_crcs(blob, sizeof(kWideBlob));
+  assert_int_equal(rg_camera_open(camera, blob, sizeof(kWideBlob)), RG_OK);
+}
+
+static void mask_and_uncertainty_beyond_their_sections_are_not_read(
+    void** state) {
+  (void)state;
+  const rg_pixel pixel = {RG_PIXEL(80), RG_PIXEL(60)};
+  uint16_t sigma_q12;
+  rg_camera camera;
+  open_wide_with(RG_SECTION_MASK, 0, 0xffffffff, &camera);
+  rg_is_valid(&camera, pixel);
+  open_wide_with(RG_SECTION_MASK, 8, 0xfffff000, &camera);
+  assert_int_equal(rg_is_valid(&camera, pixel), 0);
+  open_wide_with(RG_SECTION_UNCERTAINTY, 12, 0xfffff000, &camera);
+  assert_int_equal(rg_uncertainty(&camera, pixel, &sigma_q12),
+                   RG_ERR_UNCERTAINTY);
+  open_wide_with(RG_SECTION_UNCERTAINTY, 12, 17, &camera);
+  assert_int_equal(rg_uncertainty(&camera, pixel, &sigma_q12),
+                   RG_ERR_UNCERTAINTY);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(handle_is_at_most_64_bytes),
       cmocka_unit_test(camera_is_opened),
       cmocka_unit_test(damaged_blob_leaves_the_camera_untouched),
       cmocka_unit_test(null_is_refused),
+      cmocka_unit_test(what_rays_need_is_checked),
+      cmocka_unit_test(camera_or_grid_missing_is_refused),
+      cmocka_unit_test(opening_chooses_no_table),
+      cmocka_unit_test(broken_table_is_refused_when_it_is_chosen),
+      cmocka_unit_test(mask_and_uncertainty_beyond_their_sections_are_not_read),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

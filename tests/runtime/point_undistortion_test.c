@@ -19,7 +19,10 @@ static int open_lens(void** state) {
     pixels[i].x_q16 = kLensRays[i].x;
     pixels[i].y_q16 = kLensRays[i].y;
   }
-  return rg_camera_open(&lens, kLensBlob, sizeof(kLensBlob)) == RG_OK ? 0 : -1;
+  return rg_camera_open(&lens, kLensBlob, sizeof(kLensBlob)) == RG_OK &&
+                 rg_select_remap(&lens, 0) == RG_OK
+             ? 0
+             : -1;
 }
 
 static int32_t distance(int32_t a, int32_t b) { return a > b ? a - b : b - a; }
@@ -82,6 +85,7 @@ static void open_with_field(uint32_t offset, uint32_t value,
   rg_store_u32(edited + (remap.bytes - kLensBlob) + offset, value);
   repair_crcs(edited, sizeof(edited));
   assert_int_equal(rg_camera_open(camera, edited, sizeof(edited)), RG_OK);
+  assert_int_equal(rg_select_remap(camera, 0), RG_OK);
 }
 
 static void any_virtual_camera_is_safe(void** state) {
@@ -102,12 +106,11 @@ static void any_virtual_camera_is_safe(void** state) {
   }
 }
 
-static void blob_without_remap_says_so(void** state) {
+static void camera_without_a_table_says_so(void** state) {
   (void)state;
   rg_camera camera;
   assert_int_equal(rg_camera_open(&camera, kWideBlob, sizeof(kWideBlob)),
                    RG_OK);
-  camera.remap = NULL;
   assert_int_equal(rg_undistort_point(&camera, pixels[0], &undistorted[0]),
                    RG_ERR_NO_REMAP);
 }
@@ -118,7 +121,7 @@ int main(void) {
       cmocka_unit_test(points_outside_the_area_are_refused),
       cmocka_unit_test(batch_equals_single_calls),
       cmocka_unit_test(any_virtual_camera_is_safe),
-      cmocka_unit_test(blob_without_remap_says_so),
+      cmocka_unit_test(camera_without_a_table_says_so),
   };
   return cmocka_run_group_tests(tests, open_lens, NULL);
 }

@@ -81,13 +81,10 @@ static int make_table(uint32_t style_index) {
   static uint8_t empty[128];
   const table_style* const style = &kStyles[style_index];
   rg_remap_section table;
-  uint8_t sizes[4];
   memset(&table, 0, sizeof(table));
   memset(&camera, 0, sizeof(camera));
   camera.width = (uint16_t)(2 * (1 + below(MAX_SIZE / 2)));
   camera.height = (uint16_t)(2 * (1 + below(MAX_SIZE / 2)));
-  rg_store_u16(sizes, camera.width);
-  rg_store_u16(sizes + 2, camera.height);
   table.width = (uint16_t)(2 * (1 + below(MAX_SIZE / 2)));
   table.height = (uint16_t)(2 * (1 + below(MAX_SIZE / 2)));
   table.block_log2 = (uint8_t)(3 + below(3));
@@ -132,9 +129,7 @@ static int make_table(uint32_t style_index) {
   assert_true(size <= sizeof(section_words));
   rg_write_remap(&table, residuals, SECTION);
   camera.remap = SECTION;
-  const uint8_t* sections[RG_NUM_SECTION_TYPES] = {NULL};
-  sections[RG_SECTION_CAMERA] = sizes;
-  return rg_check_section(RG_SECTION_REMAP, SECTION, size, sections) == 0;
+  return rg_check_remap(SECTION, size, camera.width, camera.height) == 0;
 }
 
 /* ---- A plain reading of the specification -------------------------------- */

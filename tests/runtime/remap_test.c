@@ -43,7 +43,7 @@ static int remap_whole_frame(void** state) {
   (void)state;
   memset(output, GUARD, sizeof(output));
   const rg_status opened = rg_camera_open(&lens, kLensBlob, sizeof(kLensBlob));
-  if (opened != RG_OK) return -1;
+  if (opened != RG_OK || rg_select_remap(&lens, 0) != RG_OK) return -1;
   const rg_frame frame = make_source(SOURCE_WIDTH);
   return remap_rows(&frame, 0, HEIGHT, whole) == RG_OK ? 0 : -1;
 }
@@ -64,6 +64,7 @@ static void example_is_the_golden_one(void** state) {
   rg_camera example;
   assert_int_equal(rg_camera_open(&example, kExampleBlob, sizeof(kExampleBlob)),
                    RG_OK);
+  assert_int_equal(rg_select_remap(&example, 0), RG_OK);
   make_test_frame(source, 64, 64, 48);
   const rg_frame frame = {source, 64, 64, 48};
   const rg_band band = {output, 16, 0, 8, GOLDEN_BORDER};
@@ -194,6 +195,7 @@ static void blob_without_remap_says_so(void** state) {
                                     section_of(kLensBlob, 1)};
   const uint32_t size = assemble_blob(sections, 2, blob);
   assert_int_equal(rg_camera_open(&lens, blob, size), RG_OK);
+  assert_int_equal(rg_select_remap(&lens, 0), RG_ERR_NO_REMAP);
   uint16_t width = 1, height = 2;
   assert_int_equal(rg_remap_size(&lens, &width, &height), RG_ERR_NO_REMAP);
   assert_int_equal(width, 1);
@@ -252,6 +254,7 @@ static void open_with_table(const rg_remap_section* table, rg_camera* camera) {
   assert_int_equal(rg_blob_write(&contents, bytes, sizeof(bytes)), RG_OK);
   assert_int_equal(rg_camera_open(camera, bytes, rg_blob_size(&contents)),
                    RG_OK);
+  assert_int_equal(rg_select_remap(camera, 0), RG_OK);
 }
 
 /* From a source of exactly its size into output; the source goes to source. */

@@ -69,12 +69,14 @@ static void chart_points_of_their_directions_come_back(void** state) {
     rg_ray ray;
     rg_chart_point back;
     rg_direction_of(&point, &ray);
-    if (!rg_chart_point_of(&ray, -(1 << 30), &back)) {
-      /* At most at the limit. */
-      assert_true(rg_magnitude(point.q27[0]) > 0x1fefff80u ||
-                  rg_magnitude(point.q27[1]) > 0x1fefff80u);
-      continue;
-    }
+    const int is_found = rg_chart_point_of(&ray, -(1 << 30), &back);
+    const int64_t a = point.q27[0], b = point.q27[1];
+    const int64_t beyond_q38 = (a * a + b * b - (INT64_C(15) << 54)) >> 16;
+    if (is_found)
+      assert_true(beyond_q38 < 1 << 23);
+    else
+      assert_true(beyond_q38 > -(1 << 23));
+    if (!is_found) continue;
     const int32_t a_q8 = point.q27[0] >> 19, b_q8 = point.q27[1] >> 19;
     const int32_t limit = 6 + 6 * ((a_q8 * a_q8 + b_q8 * b_q8) >> 16);
     assert_in_range(distance(back.q27[0], point.q27[0]), 0, limit);

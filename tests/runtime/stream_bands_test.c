@@ -41,6 +41,7 @@ static void streamed_frame_is_the_whole_one(void** state) {
   rg_camera camera;
   assert_int_equal(rg_camera_open(&camera, kWideBlob, sizeof(kWideBlob)),
                    RG_OK);
+  assert_int_equal(rg_select_remap(&camera, 0), RG_OK);
   const rg_frame whole = {frame, SENSOR_WIDTH, SENSOR_WIDTH, SENSOR_HEIGHT};
   const rg_band band = {expected, WIDTH, 0, HEIGHT, 0};
   assert_int_equal(rg_remap_grey(&camera, &whole, &band), RG_OK);
@@ -56,6 +57,7 @@ static void lens_that_wants_a_larger_ring_is_refused(void** state) {
   rg_camera camera;
   assert_int_equal(rg_camera_open(&camera, kLensBlob, sizeof(kLensBlob)),
                    RG_OK);
+  assert_int_equal(rg_select_remap(&camera, 0), RG_OK);
   assert_int_equal(stream_frame(&camera), RG_ERR_ROWS_MISSING);
 }
 

@@ -1,0 +1,230 @@
+/* rg_blob_open(): all limits of SPEC.md, "Sections", those too that no board
+ * depends on. */
+#include "blob_checks.h"
+#include "bytes.h"
+#include "rg_blob.h"
+#include "wide_multiply.h"
+
+#define CRITICAL_TYPES                                       \
+  (1u << RG_SECTION_CAMERA | 1u << RG_SECTION_CENTRAL_GRID | \
+   1u << RG_SECTION_LINE_POINTS)
+/* Flags, and how often a type stands. */
+static rg_fault check_entry(const uint8_t* entry, const rg_entries* entries) {
+  const uint32_t type = rg_load_u16(entry), flags = rg_load_u16(entry + 2);
+  if (flags > RG_SECTION_CRITICAL) return -RG_ERR_SECTION_FLAGS;
+  if (type >= RG_NUM_SECTION_TYPES || !entries->of[type]) return 0;
+  if (flags != (CRITICAL_TYPES >> type & 1u)) return -RG_ERR_SECTION_FLAGS;
+  return entries->of[type] != entry && type != RG_SECTION_REMAP
+             ? -RG_ERR_SECTION_DUPLICATE
+             : 0;
+}
+
+static rg_fault check_camera(const uint8_t* section) {
+  if (rg_load_u16(section) - 1u >= RG_MAX_IMAGE_SIZE ||
+      rg_load_u16(section + 2) - 1u >= RG_MAX_IMAGE_SIZE)
+    return -RG_ERR_IMAGE_SIZE;
+  if (rg_load_u32(section + 4) != 0) return -RG_ERR_RESERVED;
+  /* The last bytes of name and serial. */
+  return (section[39] | section[71]) != 0 ? -RG_ERR_TEXT : 0;
+}
+
+/* A grid's ends lie on the camera's image or, without one, in the chart. */
+static int are_ends_in_range(const uint8_t* ends, const uint8_t* camera) {
+  for (uint32_t c = 0; c < 2; ++c, ends += 4) {
+    int32_t lowest = -RG_CHART_LIMIT_Q27, highest = RG_CHART_LIMIT_Q27;
+    if (camera) {
+      lowest = -0x8000;
+      highest = (int32_t)((uint32_t)rg_load_u16(camera + 2 * c) << 16) - 0x8000;
+    }
+    const int32_t low = rg_load_i32(ends), high = rg_load_i32(ends + 8);
+    if (low < lowest || low >= high || high > highest) return 0;
+  }
+  return 1;
+}
+
+/* Control and line points have the same limit. */
+static int are_points_in_range(const uint8_t* points, const uint8_t* end) {
+  for (; points != end; points += 4)
+    if (rg_load_u32(points) + RG_CONTROL_POINT_LIMIT >
+        2u * RG_CONTROL_POINT_LIMIT)
+      return 0;
+  return 1;
+}
+
+/* step times the u16 at count, less 1 */
+static int64_t multiply(int32_t step, const uint8_t* count) {
+  uint32_t low;
+  const int32_t high = rg_multiply_signed(step, rg_load_u16(count) - 1, &low);
+  return (int64_t)(((uint64_t)(uint32_t)high << 32) | low);
+}
+
+/* The limit for all that the plane and residuals of the fraction bits may add
+ * up to: what the plane reaches at the corners and the largest residual. */
+static int is_plane_in_range(const uint8_t* plane, const uint8_t* section,
+                             uint32_t fraction_bits) {
+  const int32_t limit =
+      RG_CONTROL_POINT_LIMIT - (int32_t)(UINT32_C(1) << (44 - fraction_bits));
+  for (uint32_t k = 0; k < 8; ++k) {
+    const uint8_t* const at = plane + 4 * (k & 1);
+    int64_t value = rg_load_i32(at);
+    if (k & 2) value += multiply(rg_load_i32(at + 8), section + 16);
+    if (k & 4) value += multiply(rg_load_i32(at + 16), section + 18);
+    if (value > limit || value < -limit) return 0;
+  }
+  return 1;
+}
+
+/* The central grid or, without a camera, the inverse one. */
+static rg_fault check_grid(const uint8_t* section, uint32_t size,
+                           const uint8_t* camera) {
+  const uint32_t fraction_bits = rg_load_u16(section + 30);
+  const int is_wide = fraction_bits == RG_CONTROL_POINT_BITS;
+  if (camera && rg_load_u32(section + 36) != 0) return -RG_ERR_RESERVED;
+  if (is_wide && !camera) return -RG_ERR_GRID_CHART;
+  if (!are_ends_in_range(section, camera)) return -RG_ERR_AREA;
+  const rg_fault fault = rg_check_grid(section, size);
+  if (fault != 0) return fault;
+  const uint8_t* const data = section + rg_load_u32(section + 32);
+  return (is_wide ? are_points_in_range(data, section + size)
+                  : is_plane_in_range(data, section, fraction_bits))
+             ? 0
+             : -RG_ERR_CONTROL_POINT;
+}
+
+/* Whose grid may stand behind it, not checked yet: then the product of its
+ * counts may wrap, but the loop ends at the section's end. */
+static rg_fault check_line_points(const uint8_t* section, uint32_t size,
+                                  const uint8_t* grid) {
+  const rg_fault fault = rg_check_line_points(section, size, grid);
+  if (fault != 0) return fault;
+  if (rg_load_u16(section + 2) != 0) return -RG_ERR_RESERVED;
+  return are_points_in_range(section + rg_load_u32(section + 4), section + size)
+             ? 0
+             : -RG_ERR_LINE_POINT;
+}
+
+/* Of the central grid's area. */
+static rg_fault check_uncertainty(const uint8_t* section, uint32_t size,
+                                  const uint8_t* grid) {
+  for (uint32_t c = 0; c < 2; ++c) {
+    const uint8_t* const ends = grid + 4 * c;
+    const uint32_t intervals = rg_load_u16(section + 2 * c) - 1u;
+    if (intervals - 1 >= RG_MAX_UNCERTAINTY_SIZE - 1 ||
+        !rg_is_scale(rg_load_u32(section + 4 + 4 * c), intervals,
+                     rg_load_u32(ends + 8) - rg_load_u32(ends)))
+      return -RG_ERR_UNCERTAINTY;
+  }
+  const uint32_t num_values =
+      (uint32_t)rg_load_u16(section) * rg_load_u16(section + 2);
+  return rg_check_extent(size, rg_load_u32(section + 12),
+                         RG_UNCERTAINTY_FIELDS_SIZE, (num_values + 1) / 2 * 4);
+}
+
+static rg_fault check_mask(const uint8_t* section, uint32_t size,
+                           const uint8_t* camera) {
+  const uint32_t log2 = section[4];
+  if ((rg_load_u32(section + 4) >> 8) != 0) return -RG_ERR_RESERVED;
+  if (log2 - RG_MIN_MASK_CELL_LOG2 >
+      RG_MAX_MASK_CELL_LOG2 - RG_MIN_MASK_CELL_LOG2)
+    return -RG_ERR_MASK;
+  uint32_t num_cells = 1;
+  for (uint32_t c = 0; c < 4; c += 2) {
+    const uint32_t count = rg_load_u16(section + c);
+    if (count != ((rg_load_u16(camera + c) - 1u) >> log2) + 1)
+      return -RG_ERR_MASK;
+    num_cells *= count;
+  }
+  return rg_check_extent(size, rg_load_u32(section + 8), RG_MASK_FIELDS_SIZE,
+                         rg_mask_size(num_cells));
+}
+
+static rg_fault check_remap(const uint8_t* section, uint32_t size,
+                            const uint8_t* camera) {
+  if (section[10] == 0 && section[11] != 0) return -RG_ERR_RESERVED;
+  const rg_fault fault = rg_check_remap(section, size, rg_load_u16(camera),
+                                        rg_load_u16(camera + 2));
+  if (fault != 0) return fault;
+  return rg_load_u32(section + 52) == 0 || rg_load_u32(section + 56) == 0
+             ? -RG_ERR_REMAP_CAMERA
+             : 0;
+}
+
+/* A section's fields and arrays, by those of the camera and the grid, which may
+ * not have been checked yet. */
+static rg_fault check_section(const uint8_t* bytes, const uint8_t* entry,
+                              const rg_entries* entries) {
+  const uint8_t* const section = bytes + rg_load_u32(entry + 4);
+  const uint32_t size = rg_load_u32(entry + 8);
+  const uint8_t* const camera =
+      bytes + rg_load_u32(entries->of[RG_SECTION_CAMERA] + 4);
+  const uint8_t* const grid =
+      bytes + rg_load_u32(entries->of[RG_SECTION_CENTRAL_GRID] + 4);
+  switch (rg_load_u16(entry)) {
+    case RG_SECTION_CAMERA:
+      return check_camera(section);
+    case RG_SECTION_CENTRAL_GRID:
+      return check_grid(section, size, camera);
+    case RG_SECTION_REMAP:
+      return check_remap(section, size, camera);
+    case RG_SECTION_LINE_POINTS:
+      return check_line_points(section, size, grid);
+    case RG_SECTION_MASK:
+      return check_mask(section, size, camera);
+    case RG_SECTION_UNCERTAINTY:
+      return check_uncertainty(section, size, grid);
+    case RG_SECTION_INVERSE:
+      return check_grid(section, size, 0);
+    default:
+      return 0;
+  }
+}
+
+static rg_fault check_blob(const uint8_t* bytes, uint32_t num_bytes) {
+  rg_entries entries;
+  rg_fault fault = rg_check_table(bytes, num_bytes, &entries);
+  if (fault) return fault;
+  if ((rg_load_u32(bytes + 20) | rg_load_u32(bytes + 24)) != 0)
+    return -RG_ERR_RESERVED;
+  const uint8_t* const table = bytes + RG_HEADER_SIZE;
+  const uint8_t* const end =
+      table + rg_load_u16(bytes + 16) * RG_SECTION_ENTRY_SIZE;
+  const uint8_t* entry;
+  for (entry = table; entry != end && !fault; entry += RG_SECTION_ENTRY_SIZE)
+    fault = check_entry(entry, &entries);
+  if (!fault &&
+      (!entries.of[RG_SECTION_CAMERA] || !entries.of[RG_SECTION_CENTRAL_GRID]))
+    fault = -RG_ERR_SECTION_MISSING;
+  for (entry = table; entry != end && !fault; entry += RG_SECTION_ENTRY_SIZE)
+    fault = check_section(bytes, entry, &entries);
+  return fault;
+}
+
+const uint8_t* rg_find_section(const uint8_t* bytes, uint32_t type,
+                               uint32_t index) {
+  const uint8_t* const entry = rg_find_entry(bytes, type, index);
+  return entry ? bytes + rg_load_u32(entry + 4) : 0;
+}
+
+/* 0 if there is no section of the type. */
+static uint32_t offset_of(const uint8_t* bytes, uint32_t type) {
+  const uint8_t* const entry = rg_find_entry(bytes, type, 0);
+  return entry ? rg_load_u32(entry + 4) : 0;
+}
+
+rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {
+  if (!blob) return RG_ERR_ARGUMENT;
+  const uint8_t* const first = (const uint8_t*)bytes;
+  const rg_fault fault = check_blob(first, num_bytes);
+  if (fault) return (rg_status)-fault;
+  blob->bytes = first;
+  blob->size = rg_load_u32(first + 12);
+  blob->camera = offset_of(first, RG_SECTION_CAMERA);
+  blob->grid = offset_of(first, RG_SECTION_CENTRAL_GRID);
+  blob->remap = offset_of(first, RG_SECTION_REMAP);
+  blob->quality = offset_of(first, RG_SECTION_QUALITY);
+  blob->inverse = offset_of(first, RG_SECTION_INVERSE);
+  blob->line_points = offset_of(first, RG_SECTION_LINE_POINTS);
+  blob->mask = offset_of(first, RG_SECTION_MASK);
+  blob->uncertainty = offset_of(first, RG_SECTION_UNCERTAINTY);
+  return RG_OK;
+}
