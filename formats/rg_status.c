@@ -7,7 +7,8 @@ const char* rg_status_text(rg_status status) {
     case RG_ERR_ARGUMENT:
       return "invalid argument";
     case RG_ERR_MISALIGNED:
-      return "blob does not start at a multiple of 4 bytes";
+      return "blob does not start at a multiple of 4 bytes, or samples of 16 "
+             "bits at one of 2";
     case RG_ERR_BUFFER_TOO_SMALL:
       return "buffer too small for the blob";
     case RG_ERR_TRUNCATED:
@@ -77,7 +78,7 @@ const char* rg_status_text(rg_status status) {
     case RG_ERR_FRAME_SIZE:
       return "frame size or stride does not fit the blob";
     case RG_ERR_ROWS:
-      return "rows beyond the end of the output";
+      return "rows beyond the end of the output, or half a pair of rows";
     case RG_ERR_NOT_SEEN:
       return "no pixel of the calibrated area sees this direction";
     case RG_ERR_FORMAT:

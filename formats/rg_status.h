@@ -11,8 +11,9 @@ typedef enum rg_status {
   RG_OK = 0,
 
   /* The call itself. */
-  RG_ERR_ARGUMENT = -1,         /* a null pointer or an impossible value */
-  RG_ERR_MISALIGNED = -2,       /* the blob does not start at a multiple of 4 */
+  RG_ERR_ARGUMENT = -1,   /* a null pointer or an impossible value */
+  RG_ERR_MISALIGNED = -2, /* the blob does not start at a multiple of 4, or
+                             16-bit samples at one of 2 */
   RG_ERR_BUFFER_TOO_SMALL = -3, /* the writer's buffer cannot hold the blob */
 
   /* Header and section table (formats/SPEC.md, "Header"). */
@@ -55,7 +56,7 @@ typedef enum rg_status {
   RG_ERR_OUTSIDE_AREA = -50, /* pixel outside the calibrated area */
   RG_ERR_NO_REMAP = -51,     /* no remap table, or none is in use */
   RG_ERR_FRAME_SIZE = -52,   /* frame size or stride does not fit the blob */
-  RG_ERR_ROWS = -53,         /* rows beyond the output's last */
+  RG_ERR_ROWS = -53,         /* rows beyond the output's last, or half a pair */
   RG_ERR_NOT_SEEN = -54,     /* no pixel of the area sees the direction */
   RG_ERR_FORMAT = -55,       /* unknown pixel format, border or sampling */
   RG_ERR_ROWS_MISSING = -56, /* source rows that the ring does not hold */

@@ -80,7 +80,7 @@ typedef struct rg_line {
 /* rg_unproject() for any camera: the line that an image position sees. The
  * point of a central camera is (0, 0, 0).
  *
- * line  point within 5e-8 m of the B-spline; written only when RG_OK is
+ * line  point within 7e-8 m of the B-spline; written only when RG_OK is
  *       returned. RG_ERR_OUTSIDE_AREA as above. */
 rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
                             rg_line* line);
@@ -99,6 +99,16 @@ rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
  * Returns how many pixels lay inside. */
 uint32_t rg_unproject_batch(const rg_camera* camera, const rg_pixel* pixels,
                             rg_ray* rays, uint32_t num_pixels);
+
+/* The same for a row of pixels: first, and those to the right of it, one pixel
+ * apart. */
+uint32_t rg_unproject_row(const rg_camera* camera, rg_pixel first, rg_ray* rays,
+                          uint32_t num_pixels);
+
+/* rg_unproject_line() for num_pixels pixels. Lines of those outside the area
+ * become zeros. Returns how many pixels lay inside. */
+uint32_t rg_unproject_lines(const rg_camera* camera, const rg_pixel* pixels,
+                            rg_line* lines, uint32_t num_pixels);
 
 /* Turns a direction into the image position that sees it: rg_unproject() the
  * other way round. The blob's inverse grid says where about that is and how it
@@ -179,11 +189,13 @@ rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
 /* Moves an image position to where it lies in the undistorted image, whether
  * that is inside it or not.
  *
- * undistorted  within 0.001 px up to 85 degrees from the z axis; written only
+ * undistorted  up to 85 degrees from the z axis within 6e-6 of the virtual
+ *              camera's focal length (0.003 px if that is 500 px); written only
  *              when RG_OK is returned.
  *
  * RG_OK                done
  * RG_ERR_NO_REMAP      no remap table is in use, and so no virtual camera
+ * RG_ERR_NONCENTRAL    the camera has lines, not rays
  * RG_ERR_OUTSIDE_AREA  pixel lies outside the calibrated area
  * RG_ERR_NOT_SEEN      it looks backwards, or 16384 px away or more */
 rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
@@ -287,8 +299,9 @@ rg_status rg_remap(const rg_camera* camera, const rg_image* image,
                    const rg_target* target);
 
 /* The source rows that rows [first_row, first_row + num_rows) of the output
- * need: none is missing, and at most one at either end is not needed (a pair
- * where rows come in pairs). *num_source is 0 for a band without any source.
+ * need, clamped pixels apart: none is missing, and at most one at either end is
+ * not needed (a pair where rows come in pairs). *num_source is 0 for a band
+ * without any source.
  *
  * RG_ERR_NO_REMAP, RG_ERR_FORMAT, RG_ERR_ROWS as above. */
 rg_status rg_remap_source_rows(const rg_camera* camera, rg_format format,

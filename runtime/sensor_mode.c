@@ -13,16 +13,6 @@ static int is_scale(uint32_t scale_q16) {
   return scale_q16 >= UINT32_C(1) << 10 && scale_q16 <= MAX_SCALE_Q16;
 }
 
-/* (offset + 1/2) scale - 1/2, or 0 where that does not fit. */
-static int scale_up(int32_t offset_q16, uint32_t scale_q16, int32_t* q16) {
-  uint32_t low;
-  const int32_t from_edge = offset_q16 + 0x8000;
-  const int32_t high = rg_multiply_signed(from_edge, (int32_t)scale_q16, &low);
-  if (high >= LIMIT_Q16 >> 16 || high < -(LIMIT_Q16 >> 16)) return 0;
-  *q16 = rg_multiply_shift(from_edge, (int32_t)scale_q16, 16) - 0x8000;
-  return 1;
-}
-
 static int is_within_limit(int32_t q16) {
   return q16 < LIMIT_Q16 && q16 > -LIMIT_Q16;
 }
@@ -38,6 +28,19 @@ static int is_usable(const rg_mode* mode) {
          is_within_limit(mode->offset_y_q16);
 }
 
+/* One axis: (pixel + 1/2) scale - 1/2 + offset, or 0 where that does not fit.
+ */
+static int scale_up(int32_t pixel_q16, uint32_t scale_q16, int32_t offset_q16,
+                    int32_t* calibrated_q16) {
+  uint32_t low;
+  const int32_t from_edge = pixel_q16 + 0x8000;
+  const int32_t high = rg_multiply_signed(from_edge, (int32_t)scale_q16, &low);
+  if (high >= LIMIT_Q16 >> 16 || high <= -(LIMIT_Q16 >> 16)) return 0;
+  *calibrated_q16 = rg_multiply_shift(from_edge, (int32_t)scale_q16, 16) -
+                    0x8000 + offset_q16;
+  return is_within_limit(*calibrated_q16);
+}
+
 rg_status rg_mode_to_calibrated(const rg_mode* mode, rg_pixel pixel,
                                 rg_pixel* calibrated) {
   if (!is_usable(mode) || !is_within_limit(pixel.x_q16) ||
@@ -45,13 +48,14 @@ rg_status rg_mode_to_calibrated(const rg_mode* mode, rg_pixel pixel,
     return RG_ERR_ARGUMENT;
   if (mode->flip_x) pixel.x_q16 = flip(pixel.x_q16, mode->width);
   if (mode->flip_y) pixel.y_q16 = flip(pixel.y_q16, mode->height);
-  int32_t x_q16, y_q16;
+  rg_pixel scaled;
   if (!is_within_limit(pixel.x_q16) || !is_within_limit(pixel.y_q16) ||
-      !scale_up(pixel.x_q16, mode->scale_x_q16, &x_q16) ||
-      !scale_up(pixel.y_q16, mode->scale_y_q16, &y_q16))
+      !scale_up(pixel.x_q16, mode->scale_x_q16, mode->offset_x_q16,
+                &scaled.x_q16) ||
+      !scale_up(pixel.y_q16, mode->scale_y_q16, mode->offset_y_q16,
+                &scaled.y_q16))
     return RG_ERR_ARGUMENT;
-  calibrated->x_q16 = x_q16 + mode->offset_x_q16;
-  calibrated->y_q16 = y_q16 + mode->offset_y_q16;
+  *calibrated = scaled;
   return RG_OK;
 }
 
@@ -92,14 +96,15 @@ rg_status rg_mode_from_calibrated(const rg_mode* mode, rg_pixel calibrated,
   return RG_OK;
 }
 
-/* Whether the mode's pixels cover calibrated ones only, along one axis. */
+/* Whether the mode's pixels cover calibrated ones only, along one axis, but for
+ * what a scale is rounded by. */
 static int is_part(int32_t offset_q16, uint32_t scale_q16, uint32_t size,
                    uint32_t calibrated_size) {
   uint32_t low;
   if (offset_q16 < 0 || rg_multiply_unsigned(size, scale_q16, &low) != 0 ||
       low > 0x7fffffff)
     return 0;
-  return (uint32_t)offset_q16 + low <= calibrated_size << 16;
+  return (uint32_t)offset_q16 + low <= (calibrated_size << 16) + (size + 1) / 2;
 }
 
 /* An empty serial fits every camera. expected: RG_TEXT_SIZE bytes; not checked

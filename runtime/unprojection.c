@@ -69,14 +69,42 @@ rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
   return RG_OK;
 }
 
+/* 0 and a ray of zeros for a pixel outside the area. */
+static RG_SHARED uint32_t unproject_or_clear(const rg_camera* camera,
+                                             rg_pixel pixel, rg_ray* ray) {
+  if (rg_unproject(camera, pixel, ray) == RG_OK) return 1;
+  ray->x_q30 = ray->y_q30 = ray->z_q30 = 0;
+  return 0;
+}
+
 uint32_t rg_unproject_batch(const rg_camera* camera, const rg_pixel* pixels,
                             rg_ray* rays, uint32_t num_pixels) {
   uint32_t num_inside = 0;
+  for (uint32_t i = 0; i < num_pixels; ++i)
+    num_inside += unproject_or_clear(camera, pixels[i], &rays[i]);
+  return num_inside;
+}
+
+uint32_t rg_unproject_row(const rg_camera* camera, rg_pixel first, rg_ray* rays,
+                          uint32_t num_pixels) {
+  uint32_t num_inside = 0;
   for (uint32_t i = 0; i < num_pixels; ++i) {
-    if (rg_unproject(camera, pixels[i], &rays[i]) == RG_OK)
+    num_inside += unproject_or_clear(camera, first, &rays[i]);
+    first.x_q16 = (int32_t)((uint32_t)first.x_q16 + (uint32_t)RG_PIXEL(1));
+  }
+  return num_inside;
+}
+
+uint32_t rg_unproject_lines(const rg_camera* camera, const rg_pixel* pixels,
+                            rg_line* lines, uint32_t num_pixels) {
+  uint32_t num_inside = 0;
+  for (uint32_t i = 0; i < num_pixels; ++i) {
+    if (rg_unproject_line(camera, pixels[i], &lines[i]) == RG_OK) {
       ++num_inside;
-    else
-      rays[i].x_q30 = rays[i].y_q30 = rays[i].z_q30 = 0;
+    } else {
+      const rg_line none = {{0, 0, 0}, {0, 0, 0}};
+      lines[i] = none;
+    }
   }
   return num_inside;
 }

@@ -67,6 +67,28 @@ static void central_calls_refuse_a_camera_of_lines(void** state) {
                    RG_ERR_OUTSIDE_AREA);
 }
 
+static void lines_of_several_pixels_are_those_of_each(void** state) {
+  (void)state;
+  const rg_line none = {{0, 0, 0}, {0, 0, 0}};
+  rg_pixel pixels[NUM_POINTS + 1];
+  rg_line all[NUM_POINTS + 1];
+  for (size_t i = 0; i < NUM_POINTS; ++i) {
+    pixels[i].x_q16 = kLinePoints[i].x;
+    pixels[i].y_q16 = kLinePoints[i].y;
+  }
+  pixels[NUM_POINTS].x_q16 = RG_PIXEL(-11);
+  pixels[NUM_POINTS].y_q16 = RG_PIXEL(30);
+  memset(all, 0xff, sizeof(all));
+  assert_int_equal(rg_unproject_lines(&lines, pixels, all, NUM_POINTS + 1),
+                   NUM_POINTS);
+  for (size_t i = 0; i < NUM_POINTS; ++i) {
+    rg_line line;
+    assert_int_equal(rg_unproject_line(&lines, pixels[i], &line), RG_OK);
+    assert_memory_equal(&all[i], &line, sizeof(line));
+  }
+  assert_memory_equal(&all[NUM_POINTS], &none, sizeof(none));
+}
+
 static int is_valid(int32_t x_q16, int32_t y_q16) {
   const rg_pixel pixel = {x_q16, y_q16};
   return rg_is_valid(&wide, pixel);
@@ -120,6 +142,7 @@ int main(void) {
       cmocka_unit_test(points_are_the_golden_ones),
       cmocka_unit_test(directions_are_those_of_the_grid),
       cmocka_unit_test(central_calls_refuse_a_camera_of_lines),
+      cmocka_unit_test(lines_of_several_pixels_are_those_of_each),
       cmocka_unit_test(mask_tells_valid_pixels),
       cmocka_unit_test(without_mask_the_area_is_valid),
       cmocka_unit_test(uncertainty_is_bilinear),

@@ -98,6 +98,11 @@ static void impossible_modes_are_refused(void** state) {
   mode = make_mode(80, 60, 0, 0, 65 << 16);
   assert_int_equal(rg_mode_to_calibrated(&mode, pixel, &result),
                    RG_ERR_ARGUMENT);
+  /* Half the way from the limit, twice as far, and all the way again. */
+  mode = make_mode(80, 60, -(1 << 30) + 1, 0, 2 << 16);
+  const rg_pixel before = {-(1 << 29) - 32768, 0};
+  assert_int_equal(rg_mode_to_calibrated(&mode, before, &result),
+                   RG_ERR_ARGUMENT);
   assert_true(result.x_q16 == 3 && result.y_q16 == 4);
 }
 
@@ -118,6 +123,21 @@ static void parts_of_the_calibrated_frames_are_derivable(void** state) {
   assert_int_equal(rg_match(&lens, &crop, 60, 40, NULL), RG_MATCH_DERIVABLE);
   assert_int_equal(rg_match(&lens, &mirrored, 160, 120, NULL),
                    RG_MATCH_DERIVABLE);
+}
+
+/* No scale is exactly 160 / 107, and most are not. */
+static void scales_may_be_rounded_up(void** state) {
+  (void)state;
+  for (uint32_t width = 3; width <= 160; ++width) {
+    const uint32_t scale = ((160u << 17) / width + 1) / 2;
+    rg_mode mode = make_mode((uint16_t)width, 60, 0, 0, scale);
+    mode.scale_y_q16 = 2 << 16;
+    assert_true(rg_match(&lens, &mode, (uint16_t)width, 60, NULL) !=
+                RG_MATCH_NONE);
+    mode.scale_x_q16 = scale + 2;
+    assert_int_equal(rg_match(&lens, &mode, (uint16_t)width, 60, NULL),
+                     RG_MATCH_NONE);
+  }
 }
 
 static void anything_else_is_a_mismatch(void** state) {
@@ -153,6 +173,7 @@ int main(void) {
       cmocka_unit_test(impossible_modes_are_refused),
       cmocka_unit_test(frames_as_calibrated_match),
       cmocka_unit_test(parts_of_the_calibrated_frames_are_derivable),
+      cmocka_unit_test(scales_may_be_rounded_up),
       cmocka_unit_test(anything_else_is_a_mismatch),
       cmocka_unit_test(another_serial_is_a_mismatch),
   };

@@ -289,6 +289,22 @@ static void batch_equals_single_calls(void** state) {
   assert_int_equal(num_inside, num_singles);
 }
 
+static void row_equals_single_calls(void** state) {
+  (void)state;
+  const rg_pixel first = {-RG_PIXEL(3) + 7, RG_PIXEL(60)};
+  rg_pixel pixel = first;
+  memset(rays, 0xff, sizeof(rays));
+  const uint32_t num_inside = rg_unproject_row(&lens, first, rays, 166);
+  uint32_t num_singles = 0;
+  for (uint32_t i = 0; i < 166; ++i, pixel.x_q16 += RG_PIXEL(1)) {
+    rg_ray ray = {0, 0, 0};
+    num_singles += rg_unproject(&lens, pixel, &ray) == RG_OK;
+    assert_memory_equal(&rays[i], &ray, sizeof(ray));
+  }
+  assert_int_equal(num_inside, num_singles);
+  assert_in_range(num_inside, 100, 160);
+}
+
 static void empty_batch_writes_nothing(void** state) {
   (void)state;
   rays[0].x_q30 = 77;
@@ -325,6 +341,7 @@ int main(void) {
       cmocka_unit_test(far_edge_continues_the_last_cell),
       cmocka_unit_test(far_away_pixels_lie_outside),
       cmocka_unit_test(batch_equals_single_calls),
+      cmocka_unit_test(row_equals_single_calls),
       cmocka_unit_test(empty_batch_writes_nothing),
       cmocka_unit_test(rays_have_the_same_bits_on_every_target),
   };
