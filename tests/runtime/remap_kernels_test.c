@@ -34,8 +34,9 @@
 #define NUM_CASES 60u
 #endif
 
-static const char* const kNames[] = {"portable", "sse4", "avx2", "neon",
-                                     NULL /* the fastest, or the only one */};
+static const char* const kNames[] = {
+    "portable", "sse4", "avx2",
+    "avx512",   "neon", NULL /* the fastest, or the only one */};
 #define NUM_NAMES (sizeof(kNames) / sizeof(kNames[0]))
 
 static uint32_t state;
