@@ -1,7 +1,6 @@
-/* Bilinear blending by lookups in tables of 128 bytes: a group of pixels of
- * neighbouring rows, 32 samples in lanes of 16 bits, finds its source in a box
- * of bytes in two registers. Where a group needs a larger box, the AVX2 kernels
- * take over. */
+/* Bilinear blending by lookups in tables of 128 bytes: pixels of neighbouring
+ * rows, 32 samples in lanes of 16 bits, find their source in a box of bytes in
+ * two registers. Where they need a larger box, the AVX2 kernels take over. */
 #if defined(__x86_64__)
 
 #include <immintrin.h>
@@ -21,7 +20,8 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
-/* Rows whose positions are found together. */
+/* What is found together: so many pixels of so many rows. */
+#define TILE_PIXELS 8u
 #define TILE_ROWS 8u
 
 /* How far ahead memory is asked for: bytes of a row. */
@@ -29,141 +29,82 @@
 
 /* ---- Layouts ------------------------------------------------------------- */
 
-/* A group has 4 rows of 8 lanes and a box of 8 rows of 16 bytes, or 2 rows of
- * 16 lanes and a box of 4 rows of 32 bytes. Pixels of three channels have four
- * lanes. */
+/* Positions are found for a set of 4 rows of a tile, one pixel a lane. Samples
+ * are found for a group, one channel a lane: a set of one channel, half of its
+ * columns with two channels, and half of these rows with three or four, which
+ * have four lanes a pixel. The box of a group has 8 rows of 16 bytes, or 4 rows
+ * of 32. */
 typedef struct layout {
-  uint32_t channels, group_rows;
+  uint32_t channels;
+  int is_tile; /* runs are whole blocks of the size of a tile */
 } layout;
 
-INLINE uint32_t group_pixels(layout l) {
-  return 32 / l.group_rows / (l.channels == 3 ? 4 : l.channels);
-}
-INLINE uint32_t box_rows(layout l) { return 2 * l.group_rows; }
-/* Of a column in a box: 16 columns, or 8. */
-INLINE uint32_t column_bits(layout l) { return l.channels % 2 == 1 ? 4 : 3; }
+INLINE uint32_t num_halves(layout l) { return l.channels == 1 ? 1 : 2; }
+INLINE uint32_t group_rows(layout l) { return l.channels <= 2 ? 4 : 2; }
 
-#define FOUR(i) i, i, i, i
-#define EIGHT(i) FOUR(i), FOUR(i)
-#define SIXTEEN(i) EIGHT(i), EIGHT(i)
-#define WORDS(i) \
-  { SIXTEEN(i), SIXTEEN(i) }
+typedef uint8_t bytes_64 __attribute__((vector_size(64)));
+typedef uint16_t words_32 __attribute__((vector_size(64)));
+typedef uint32_t dwords_16 __attribute__((vector_size(64)));
 
-/* Vectors are read from memory: compilers would compose them anew in every
- * turn. */
-typedef struct lane_table {
-  uint16_t pixels[32];   /* of lanes, from the row's first */
-  uint16_t samples[32];  /* bytes from a pixel to left and right sample */
-  uint16_t x[4][32];     /* of groups: words of a tile */
-  uint16_t y[4][32];     /* likewise */
-  uint16_t scale[32];    /* indices for one */
-  uint16_t next_row[32]; /* indices from a box's row to the next */
-  uint32_t sizes[16];    /* as a tile: too large for a box */
-  uint32_t box_rows[16]; /* the first half of a box's rows, of each group */
-} lane_table;
-
-#define ROW_OF_8(...) __VA_ARGS__, __VA_ARGS__, __VA_ARGS__, __VA_ARGS__
-#define ROW_OF_16(...) __VA_ARGS__, __VA_ARGS__
-#define SAMPLES(...) \
-  { ROW_OF_8(__VA_ARGS__), ROW_OF_8(__VA_ARGS__) }
-#define FOUR_ROWS(i) \
-  { EIGHT(i), EIGHT(i + 2), EIGHT(i + 4), EIGHT(i + 6) }
-#define TWO_ROWS(i) \
-  { SIXTEEN(i), SIXTEEN(i + 2) }
-#define GROUPS_OF_4 \
-  {FOUR_ROWS(0), FOUR_ROWS(8)}, { FOUR_ROWS(16), FOUR_ROWS(24) }
-#define GROUPS_OF_2                                        \
-  {TWO_ROWS(0), TWO_ROWS(4), TWO_ROWS(8), TWO_ROWS(12)}, { \
-    TWO_ROWS(16), TWO_ROWS(20), TWO_ROWS(24), TWO_ROWS(28) \
-  }
-#define SIZES(columns, rows) \
-  { EIGHT(4096 * (columns - 1)), EIGHT(4096 * (rows - 1)) }
-
-static const lane_table kLanes[4] __attribute__((aligned(64))) = {
-    {{ROW_OF_8(0, 1, 2, 3, 4, 5, 6, 7)},
-     SAMPLES(0x100, 0x100, 0x100, 0x100),
-     GROUPS_OF_4,
-     WORDS(0x101),
-     WORDS(0x1010),
-     SIZES(16, 8),
-     {0, 1, 2, 3, 0, 1, 2, 3}},
-    {{ROW_OF_8(0, 0, 1, 1, 2, 2, 3, 3)},
-     SAMPLES(0x200, 0x301, 0x200, 0x301),
-     GROUPS_OF_4,
-     WORDS(0x202),
-     WORDS(0x1010),
-     SIZES(8, 8),
-     {0, 1, 2, 3, 0, 1, 2, 3}},
-    {{ROW_OF_16(FOUR(0), FOUR(1), FOUR(2), FOUR(3))},
-     SAMPLES(0x300, 0x401, 0x502, 0x502),
-     GROUPS_OF_2,
-     WORDS(0x101),
-     WORDS(0x2020),
-     SIZES(10, 4),
-     {0, 1, 0, 1, 0, 1, 0, 1}},
-    {{ROW_OF_16(FOUR(0), FOUR(1), FOUR(2), FOUR(3))},
-     SAMPLES(0x400, 0x501, 0x602, 0x703),
-     GROUPS_OF_2,
-     WORDS(0x404),
-     WORDS(0x2020),
-     SIZES(8, 4),
-     {0, 1, 0, 1, 0, 1, 0, 1}}};
-
-typedef struct shared_table {
-  uint16_t seven_bits[32], fifteen_bits[32];
-  uint16_t left_weight[32], right_weight[32], last_factor[32];
-  uint32_t tile_rows[16];
-  uint8_t index_of_three[64];    /* 16 row + column to 32 row + 3 column */
-  uint8_t bytes_of_three[64];    /* low bytes of three words of four */
-  uint32_t shift[8][4], half[8]; /* by log2 */
-} shared_table;
-
-#define COLUMNS_OF_THREE(i)                                               \
-  i, i + 3, i + 6, i + 9, i + 12, i + 15, i + 18, i + 21, i + 24, i + 27, \
-      i + 30, 0, 0, 0, 0, 0
-#define PIXELS_OF_THREE(i)                                                \
-  i, i + 2, i + 4, i + 8, i + 10, i + 12, i + 16, i + 18, i + 20, i + 24, \
-      i + 26, i + 28, 0, 0, 0, 0
-
-static const shared_table kShared __attribute__((aligned(64))) = {
-    WORDS(127),
-    WORDS(0x7fff),
-    WORDS(0xff01),
-    WORDS(128),
-    WORDS(0xff00),
-    {0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7},
-    {COLUMNS_OF_THREE(0), COLUMNS_OF_THREE(32), COLUMNS_OF_THREE(64),
-     COLUMNS_OF_THREE(96)},
-    {PIXELS_OF_THREE(0), PIXELS_OF_THREE(32)},
-    {{0}, {1}, {2}, {3}, {4}, {5}, {6}, {7}},
-    {0, 1, 2, 4, 8, 16, 32, 64}};
-
-typedef struct tables {
-  const lane_table* lanes;
-  const shared_table* shared;
-} tables;
-
-INLINE __m512i load_64(const void* bytes) { return _mm512_load_si512(bytes); }
-
-/* Constants of every group, in registers. */
-typedef struct constants {
-  __m512i seven_bits, fifteen_bits, left_weight, right_weight, last_factor;
-  __m512i scale, samples, next_row;
-} constants;
-
-INLINE __m512i keep_64(const void* bytes) {
-  __m512i value = load_64(bytes);
-  __asm__("" : "+v"(value));
-  return value;
+/* The compiler makes constants of what is made of these. */
+INLINE words_32 lane_numbers(void) {
+  const words_32 n = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10,
+                      11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21,
+                      22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
+  return n;
 }
 
-INLINE constants load_constants(const tables* t) {
-  const constants c = {
-      keep_64(t->shared->seven_bits),  keep_64(t->shared->fifteen_bits),
-      keep_64(t->shared->left_weight), keep_64(t->shared->right_weight),
-      keep_64(t->shared->last_factor), keep_64(t->lanes->scale),
-      keep_64(t->lanes->samples),      keep_64(t->lanes->next_row)};
-  return c;
+INLINE dwords_16 dword_numbers(void) {
+  const dwords_16 n = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+  return n;
+}
+
+INLINE bytes_64 byte_numbers(void) {
+  const bytes_64 n = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12,
+                      13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25,
+                      26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38,
+                      39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49, 50, 51,
+                      52, 53, 54, 55, 56, 57, 58, 59, 60, 61, 62, 63};
+  return n;
+}
+
+/* Of a set: words of a tile, of another one for the second half. */
+INLINE __m512i x_words(uint32_t set, layout l) {
+  const words_32 n = lane_numbers();
+  const words_32 other = num_halves(l) == 2 ? (n & 4) * 8 : n & 0;
+  return (__m512i)((n >> 3) * 2 + other + (uint16_t)(8 * set));
+}
+
+INLINE __m512i y_words(uint32_t set, layout l) {
+  return (__m512i)((words_32)x_words(set, l) + 16);
+}
+
+/* Of a group: words of its set. */
+INLINE words_32 pixel_words(uint32_t pair, uint32_t half, layout l) {
+  const words_32 n = lane_numbers();
+  const uint16_t first = (uint16_t)(16 * pair + 4 * half);
+  if (l.channels == 1) return n;
+  if (l.channels == 2) return (n >> 3) * 8 + (n >> 1 & 3) + first;
+  return (n >> 4) * 8 + (n >> 2 & 3) + first;
+}
+
+/* Bytes from a pixel to the left and right sample of a lane. */
+INLINE __m512i lane_samples(layout l) {
+  const words_32 n = lane_numbers();
+  const uint16_t last = l.channels == 1 ? 0 : l.channels == 2 ? 1 : 3;
+  return (__m512i)((n & last) * 0x0101 + (uint16_t)(0x0100 * l.channels));
+}
+
+/* Values that fill a register: in memory, since compilers would compose them
+ * anew in every turn. */
+typedef struct fills {
+  uint32_t seven_bits, fifteen_bits, left_weight, right_weight, last_factor;
+} fills;
+static const fills kFills = {0x007f007f, 0x7fff7fff, 0xff01ff01, 0x00800080,
+                             0xff00ff00};
+
+INLINE __m512i fill(uint32_t value) {
+  return _mm512_set1_epi32((int32_t)value);
 }
 
 /* ---- Positions ----------------------------------------------------------- */
@@ -181,40 +122,40 @@ INLINE __m512i load_position(const rg_position* p) {
 }
 
 /* (value + 2^(log2 - 1)) >> log2 */
-INLINE __m512i round_shift(__m512i value, uint32_t log2,
-                           const shared_table* shared) {
-  return _mm512_sra_epi32(
-      _mm512_add_epi32(value, _mm512_set1_epi32((int32_t)shared->half[log2])),
-      _mm_load_si128((const __m128i*)(const void*)shared->shift[log2]));
+INLINE __m512i round_shift(__m512i value, uint32_t log2) {
+  return _mm512_srav_epi32(
+      _mm512_add_epi32(value, _mm512_set1_epi32(1 << log2 >> 1)),
+      _mm512_set1_epi32((int32_t)log2));
 }
 
 /* Where rows r of the block meet the edge from a corner down to another. */
 INLINE __m512i find_edge(const rg_run* run, int corner, __m512i r,
-                         const shared_table* shared) {
+                         uint32_t height_log2) {
   const rg_position* const corners = run->block.corners;
   const __m512i top = load_position(&corners[corner]);
   const __m512i bottom = load_position(&corners[corner + 2]);
   return _mm512_add_epi32(
       top, round_shift(_mm512_mullo_epi32(_mm512_sub_epi32(bottom, top), r),
-                       run->block.height_log2, shared));
+                       height_log2));
 }
 
 /* Rows of the run from t on; behind the last row, that one again. */
-INLINE tile find_tile(const rg_run* run, uint32_t t,
-                      const shared_table* shared) {
-  const uint32_t row = run->first_row + t, num_rows = run->num_rows - t;
-  __m512i r = load_64(shared->tile_rows);
-  if (num_rows < TILE_ROWS)
-    r = _mm512_min_epi32(r, _mm512_set1_epi32((int32_t)num_rows - 1));
-  if (row != 0) r = _mm512_add_epi32(r, _mm512_set1_epi32((int32_t)row));
-  const __m512i left = find_edge(run, 0, r, shared);
-  const __m512i right = find_edge(run, 1, r, shared);
+INLINE tile find_tile(const rg_run* run, uint32_t t, layout l) {
+  __m512i r = (__m512i)(dword_numbers() & 7);
+  if (!l.is_tile) {
+    r = _mm512_add_epi32(r, _mm512_set1_epi32((int32_t)t));
+    r = _mm512_min_epi32(r, _mm512_set1_epi32(run->num_rows - 1));
+    r = _mm512_add_epi32(r, _mm512_set1_epi32(run->first_row));
+  }
+  const uint32_t height_log2 = l.is_tile ? 3 : run->block.height_log2;
+  const __m512i left = find_edge(run, 0, r, height_log2);
+  const __m512i right = find_edge(run, 1, r, height_log2);
   const rg_position origin = {{16, -4096 * run->first_source_row}};
   tile rows;
-  rows.step =
-      round_shift(_mm512_sub_epi32(right, left), run->block.width_log2, shared);
+  rows.step = round_shift(_mm512_sub_epi32(right, left),
+                          l.is_tile ? 3 : run->block.width_log2);
   rows.start = _mm512_add_epi32(left, load_position(&origin));
-  if (run->first_pixel != 0)
+  if (!l.is_tile)
     rows.start = _mm512_add_epi32(
         rows.start,
         _mm512_mullo_epi32(rows.step, _mm512_set1_epi32(run->first_pixel)));
@@ -230,21 +171,20 @@ typedef struct source_steps {
   __m256i upper_rows, lower_rows; /* of boxes, from their first */
 } source_steps;
 
-INLINE source_steps find_source_steps(const rg_run* run, layout l,
-                                      const lane_table* lanes) {
+INLINE source_steps find_source_steps(const rg_run* run, layout l) {
   const rg_position pixel = {{(int32_t)l.channels, (int32_t)run->stride}};
+  const __m512i rows = (__m512i)(dword_numbers() & (group_rows(l) - 1));
   source_steps s;
   s.pixel = load_position(&pixel);
   s.row = _mm256_set1_epi32((int32_t)run->stride);
-  s.upper_rows = _mm256_mullo_epi32(
-      s.row, _mm256_load_si256((const __m256i*)(const void*)lanes->box_rows));
+  s.upper_rows = _mm256_mullo_epi32(s.row, _mm512_castsi512_si256(rows));
   s.lower_rows = _mm256_add_epi32(
-      s.upper_rows, _mm256_slli_epi32(s.row, l.group_rows == 4 ? 2 : 1));
+      s.upper_rows, _mm256_slli_epi32(s.row, group_rows(l) == 4 ? 2 : 1));
   return s;
 }
 
-/* Where the boxes of a tile have their rows: the upper half of each box, then
- * the lower halves. */
+/* Where the boxes of a tile's groups, or of those of a half, have their rows:
+ * the upper half of each, and the lower halves. */
 typedef struct boxes {
   int32_t upper[8], lower[8];
 } boxes;
@@ -253,7 +193,7 @@ typedef struct boxes {
 INLINE __m512i find_least(__m512i a, __m512i b, layout l) {
   __m512i least = _mm512_min_epi32(a, b);
   least = _mm512_min_epi32(least, _mm512_shuffle_epi32(least, 0xb1));
-  if (l.group_rows == 4)
+  if (group_rows(l) == 4)
     least = _mm512_min_epi32(least, _mm512_shuffle_epi32(least, 0x4e));
   return least;
 }
@@ -261,7 +201,7 @@ INLINE __m512i find_least(__m512i a, __m512i b, layout l) {
 INLINE __m512i find_greatest(__m512i a, __m512i b, layout l) {
   __m512i greatest = _mm512_max_epi32(a, b);
   greatest = _mm512_max_epi32(greatest, _mm512_shuffle_epi32(greatest, 0xb1));
-  if (l.group_rows == 4)
+  if (group_rows(l) == 4)
     greatest = _mm512_max_epi32(greatest, _mm512_shuffle_epi32(greatest, 0x4e));
   return greatest;
 }
@@ -273,25 +213,29 @@ INLINE __m256i high_half(__m512i v) { return _mm512_extracti64x4_epi64(v, 1); }
  * that one. first: start, from the box. Returns whether boxes are large enough.
  */
 INLINE int find_boxes(const source_steps* s, __m512i start, __m512i end,
-                      layout l, const lane_table* lanes, __m512i* first,
-                      boxes* b) {
+                      layout l, __m512i* first, boxes* b) {
+  const uint32_t columns = 64 / group_rows(l) / l.channels;
+  const dwords_16 too_large =
+      4096 * (columns - 1) +
+      (dword_numbers() >> 3) * (4096 * (2 * group_rows(l) - columns));
   const __m512i pixel = _mm512_srli_epi32(find_least(start, end, l), 12);
   const __m512i origin = _mm512_slli_epi32(pixel, 12);
   const __m512i size = _mm512_sub_epi32(find_greatest(start, end, l), origin);
-  if (_mm512_cmpge_epu32_mask(size, load_64(lanes->sizes)) != 0) return 0;
+  if (_mm512_cmpge_epu32_mask(size, (__m512i)too_large) != 0) return 0;
   *first = _mm512_sub_epi32(start, origin);
   const __m512i offset = _mm512_mullo_epi32(pixel, s->pixel);
   const __m256i corner = _mm256_add_epi32(low_half(offset), high_half(offset));
   const __m256i lowest = _mm256_add_epi32(
       _mm256_mullo_epi32(_mm256_srli_epi32(high_half(size), 12), s->row),
       s->row);
-  /* By halves: whole registers would not be forwarded to the loads. */
+  /* By halves: a whole register would not be forwarded to the loads. */
   _mm256_storeu_si256(
       (__m256i*)(void*)b->upper,
       _mm256_add_epi32(corner, _mm256_min_epu32(s->upper_rows, lowest)));
   _mm256_storeu_si256(
       (__m256i*)(void*)b->lower,
       _mm256_add_epi32(corner, _mm256_min_epu32(s->lower_rows, lowest)));
+  __asm__("" : "+m"(*b)); /* read from there, not taken from lanes */
   return 1;
 }
 
@@ -307,7 +251,7 @@ INLINE __m256i load_32(const uint8_t* bytes) {
  * of 32. */
 INLINE __m512i load_rows(const uint8_t* data, const int32_t* offsets,
                          layout l) {
-  if (l.group_rows == 2)
+  if (group_rows(l) == 2)
     return _mm512_inserti64x4(
         _mm512_castsi256_si512(load_32(data + offsets[0])),
         load_32(data + offsets[1]), 1);
@@ -317,49 +261,80 @@ INLINE __m512i load_rows(const uint8_t* data, const int32_t* offsets,
   return _mm512_mask_broadcast_i32x4(rows, 0xf000, load_16(data + offsets[3]));
 }
 
+/* ---- Sets ---------------------------------------------------------------- */
+
+/* From the first pixels of halves to those of a set's lanes. */
+typedef struct lane_steps {
+  __m512i x, y;
+} lane_steps;
+
+INLINE lane_steps find_lane_steps(__m512i step, __m512i pixels, uint32_t set,
+                                  layout l) {
+  const lane_steps steps = {
+      _mm512_mullo_epi16(_mm512_permutexvar_epi16(x_words(set, l), step),
+                         pixels),
+      _mm512_mullo_epi16(_mm512_permutexvar_epi16(y_words(set, l), step),
+                         pixels)};
+  return steps;
+}
+
+/* Of each pixel: bytes from its box's start, weights of the left and right
+ * sample, and of the lower row. */
+typedef struct set {
+  __m512i offset, weights, wy_q15;
+} set;
+
+INLINE __m512i find_lanes(const __m512i* firsts, __m512i words, layout l) {
+  return num_halves(l) == 1
+             ? _mm512_permutexvar_epi16(words, firsts[0])
+             : _mm512_permutex2var_epi16(firsts[0], words, firsts[1]);
+}
+
+/* firsts: of the halves, from their boxes. */
+INLINE set find_set(const __m512i* firsts, uint32_t number,
+                    const lane_steps* steps, layout l, const fills* f) {
+  const __m512i x_q12 =
+      _mm512_add_epi16(find_lanes(firsts, x_words(number, l), l), steps->x);
+  const __m512i y_q12 =
+      _mm512_add_epi16(find_lanes(firsts, y_words(number, l), l), steps->y);
+  set s;
+  /* 16 row + column */
+  s.offset = _mm512_shldi_epi16(_mm512_srli_epi16(y_q12, 12), x_q12, 4);
+  if (l.channels == 2)
+    s.offset = _mm512_add_epi16(s.offset, _mm512_srli_epi16(x_q12, 12));
+  else if (l.channels >= 3)
+    s.offset = _mm512_permutexvar_epi8(
+        s.offset, (__m512i)((byte_numbers() >> 4) * 32 +
+                            (byte_numbers() & 15) * (uint8_t)l.channels));
+  /* bytes wx - 128 and -wx */
+  const __m512i wx =
+      _mm512_and_si512(_mm512_srli_epi16(x_q12, 5), fill(f->seven_bits));
+  s.weights = _mm512_add_epi16(_mm512_mullo_epi16(wx, fill(f->left_weight)),
+                               fill(f->right_weight));
+  s.wy_q15 =
+      _mm512_and_si512(_mm512_slli_epi16(y_q12, 3), fill(f->fifteen_bits));
+  return s;
+}
+
 /* ---- Groups -------------------------------------------------------------- */
 
-/* From a row's first pixel to each lane. */
-INLINE __m512i find_lane_steps(__m512i step, const uint16_t* words,
-                               __m512i pixels) {
-  return _mm512_mullo_epi16(_mm512_permutexvar_epi16(load_64(words), step),
-                            pixels);
-}
-
-INLINE __m512i find_lanes(__m512i first, const uint16_t* words,
-                          __m512i lane_steps) {
-  return _mm512_add_epi16(_mm512_permutexvar_epi16(load_64(words), first),
-                          lane_steps);
-}
-
-/* Indices of left and right samples in the box's upper row. x: the column is in
- * the highest bits. */
-INLINE __m512i find_indices(__m512i x, __m512i y_q12, layout l, const tables* t,
-                            const constants* c) {
-  /* row << column_bits | column */
-  const __m512i place =
-      l.channels % 2 == 1
-          ? _mm512_shldi_epi16(_mm512_srli_epi16(y_q12, 12), x, 4)
-          : _mm512_shldi_epi16(_mm512_srli_epi16(y_q12, 12), x, 3);
-  __m512i index = _mm512_mullo_epi16(place, c->scale);
-  if (l.channels == 3)
-    index = _mm512_permutexvar_epi8(index, load_64(t->shared->index_of_three));
-  return _mm512_add_epi16(index, c->samples);
-}
-
-/* Positions are the box's. Results in the low bytes of lanes. */
-INLINE __m512i blend_group(__m512i upper_half, __m512i lower_half, __m512i x,
-                           __m512i y_q12, layout l, const tables* t,
-                           const constants* c) {
-  const __m512i index = find_indices(x, y_q12, l, t, c);
-  /* bytes wx - 128 and -wx */
-  const __m512i wx = _mm512_and_si512(
-      _mm512_srli_epi16(x, l.channels % 2 == 1 ? 5 : 6), c->seven_bits);
-  const __m512i weights =
-      _mm512_add_epi16(_mm512_mullo_epi16(wx, c->left_weight), c->right_weight);
-  const __m512i wy_q15 =
-      _mm512_and_si512(_mm512_slli_epi16(y_q12, 3), c->fifteen_bits);
-  const __m512i next = _mm512_add_epi16(index, c->next_row);
+/* Results in the low bytes of lanes. */
+INLINE __m512i blend_group(const uint8_t* data, const boxes* b, const set* s,
+                           uint32_t g, uint32_t half, layout l,
+                           const fills* f) {
+  const words_32 words = pixel_words(group_rows(l) == 4 ? 0 : g & 1, half, l);
+  const __m512i upper_half = load_rows(data, b->upper + group_rows(l) * g, l);
+  const __m512i lower_half = load_rows(data, b->lower + group_rows(l) * g, l);
+  const __m512i index = _mm512_add_epi8(
+      _mm512_permutexvar_epi8((__m512i)(words * 0x0202), s->offset),
+      lane_samples(l));
+  const __m512i next =
+      _mm512_add_epi8(index, _mm512_set1_epi8((char)(64 / group_rows(l))));
+  __m512i weights = s->weights, wy_q15 = s->wy_q15;
+  if (l.channels != 1) {
+    weights = _mm512_permutexvar_epi16((__m512i)words, weights);
+    wy_q15 = _mm512_permutexvar_epi16((__m512i)words, wy_q15);
+  }
   /* -h of both rows */
   const __m512i upper = _mm512_maddubs_epi16(
       _mm512_permutex2var_epi8(upper_half, index, lower_half), weights);
@@ -369,64 +344,66 @@ INLINE __m512i blend_group(__m512i upper_half, __m512i lower_half, __m512i x,
   const __m512i v = _mm512_add_epi16(
       upper, _mm512_mulhrs_epi16(_mm512_sub_epi16(lower, upper), wy_q15));
   /* (v + 64) >> 7 */
-  return _mm512_mulhrs_epi16(v, c->last_factor);
+  return _mm512_mulhrs_epi16(v, fill(f->last_factor));
 }
 
 /* ---- Output -------------------------------------------------------------- */
 
-/* Where the rows of a segment's groups go, up to 16 bytes each. */
+/* Where the rows of a tile go: up to 32 bytes each. */
 typedef struct target {
   uint8_t* out;
   size_t stride;
   uint32_t num_rows;
-  int is_whole; /* all rows and pixels are wanted */
-  __mmask16 bytes;
+  int is_whole;    /* all of its rows and pixels are wanted */
+  __mmask32 bytes; /* of a row */
 } target;
 
-INLINE void store_part(const target* t, uint32_t r, __m128i bytes) {
-  if (r < t->num_rows)
-    _mm_mask_storeu_epi8(t->out + r * t->stride, t->bytes, bytes);
-}
-
-INLINE __m128i* row_of(const target* t, uint32_t r) {
-  return (__m128i*)(void*)(t->out + r * t->stride);
-}
-
-/* Row r of both groups of four. */
-INLINE void store_of_both(const target* t, uint32_t r, __m128i both) {
-  if (t->is_whole) {
-    _mm_storel_epi64(row_of(t, r), both);
-    _mm_storeh_pd((double*)(void*)row_of(t, r + 4), _mm_castsi128_pd(both));
+INLINE void store_row(const target* t, uint32_t r, __m256i bytes, layout l) {
+  uint8_t* const out = t->out + r * t->stride;
+  if (!t->is_whole) {
+    if (r < t->num_rows) _mm256_mask_storeu_epi8(out, t->bytes, bytes);
+  } else if (l.channels == 1) {
+    _mm_storel_epi64((__m128i*)(void*)out, _mm256_castsi256_si128(bytes));
+  } else if (l.channels == 2) {
+    _mm_storeu_si128((__m128i*)(void*)out, _mm256_castsi256_si128(bytes));
+  } else if (l.channels == 3) {
+    _mm256_mask_storeu_epi8(out, 0xffffff, bytes);
   } else {
-    store_part(t, r, both);
-    store_part(t, r + 4, _mm_unpackhi_epi64(both, both));
+    _mm256_storeu_si256((__m256i*)(void*)out, bytes);
   }
 }
 
-INLINE void store_fours(const target* t, __m512i v, __m512i w) {
-  const __m512i bytes = _mm512_packus_epi16(v, w);
-  store_of_both(t, 0, _mm512_castsi512_si128(bytes));
-  store_of_both(t, 1, _mm512_extracti32x4_epi32(bytes, 1));
-  store_of_both(t, 2, _mm512_extracti32x4_epi32(bytes, 2));
-  store_of_both(t, 3, _mm512_extracti32x4_epi32(bytes, 3));
+/* 16 bytes each of four rows from r on; of one channel, 8 bytes of these and of
+ * those four rows below. */
+INLINE void store_four(const target* t, uint32_t r, __m512i bytes, layout l) {
+#define STORE(k)                                                     \
+  do {                                                               \
+    const __m256i row =                                              \
+        _mm256_castsi128_si256(_mm512_extracti32x4_epi32(bytes, k)); \
+    store_row(t, r + (k), row, l);                                   \
+    if (l.channels == 1)                                             \
+      store_row(t, r + (k) + 4, _mm256_unpackhi_epi64(row, row), l); \
+  } while (0)
+  STORE(0);
+  STORE(1);
+  STORE(2);
+  STORE(3);
+#undef STORE
 }
 
-/* Rows r and r + 1. */
-INLINE void store_two(const target* t, uint32_t r, __m512i v, layout l,
-                      const shared_table* shared) {
-  const __m256i bytes = l.channels == 3
-                            ? low_half(_mm512_permutexvar_epi8(
-                                  load_64(shared->bytes_of_three), v))
-                            : _mm512_cvtepi16_epi8(v);
-  const __m128i first = _mm256_castsi256_si128(bytes);
-  const __m128i second = _mm256_extracti128_si256(bytes, 1);
-  if (t->is_whole && l.channels != 3) {
-    _mm_storeu_si128(row_of(t, r), first);
-    _mm_storeu_si128(row_of(t, r + 1), second);
-  } else {
-    store_part(t, r, first);
-    store_part(t, r + 1, second);
-  }
+/* Two rows from r on, whose halves are v and w. */
+INLINE void store_two(const target* t, uint32_t r, __m512i v, __m512i w,
+                      layout l) {
+  const bytes_64 b = byte_numbers() & 31;
+  const bytes_64 row = (byte_numbers() >> 5) * 32;
+  /* of three channels, the bytes of the fourth are left out */
+  const bytes_64 in_half = b % 12;
+  const bytes_64 index =
+      row + (l.channels == 3 ? b / 12 * 64 + in_half / 3 * 8 + in_half % 3 * 2
+                             : (b >> 4) * 64 + (b & 15) * 2);
+  const __m512i bytes = _mm512_permutex2var_epi8(v, (__m512i)index, w);
+  store_row(t, r, low_half(bytes), l);
+  store_row(t, r + 1, high_half(bytes), l);
 }
 
 /* Asks for what the blocks to the right will read and write: once for 64 bytes
@@ -441,66 +418,100 @@ INLINE void look_ahead(const uint8_t* data, const boxes* b, const target* t) {
   }
 }
 
-/* ---- Runs ---------------------------------------------------------------- */
+/* ---- Tiles --------------------------------------------------------------- */
 
-/* Returns how many pixels of the tile's rows were done, count at a time. */
-INLINE uint32_t blend_tile(const uint8_t* data, const source_steps* s,
-                           tile rows, target to, uint32_t n, uint32_t count,
-                           layout l, const tables* t) {
-  const lane_table* const lanes = t->lanes;
-  uint8_t* const out = to.out;
-  const constants c = load_constants(t);
-  const __m512i pixels = _mm512_min_epu16(
-      load_64(lanes->pixels), _mm512_set1_epi16((int16_t)(count - 1)));
-  /* Columns to the highest bits. */
-  const __m512i step = _mm512_mask_add_epi32(
-      rows.step, l.channels % 2 == 1 ? 0 : 0x00ff, rows.step, rows.step);
-  const __m512i span =
-      _mm512_mullo_epi32(rows.step, _mm512_set1_epi32((int32_t)count - 1));
-#define STEPS(g)                                                         \
-  const __m512i steps_x##g = find_lane_steps(step, lanes->x[g], pixels), \
-                steps_y##g = find_lane_steps(step, lanes->y[g], pixels)
-  STEPS(0);
-  STEPS(1);
-  STEPS(2);
-  STEPS(3);
-#undef STEPS
-  for (uint32_t k = 0; k < n; k += count) {
-    if (k + count > n) { /* the last segment begins earlier */
-      rows.start = _mm512_sub_epi32(
-          rows.start,
-          _mm512_mullo_epi32(rows.step,
-                             _mm512_set1_epi32((int32_t)(k + count - n))));
-      k = n - count;
-    }
-    const __m512i end = _mm512_add_epi32(rows.start, span);
-    __m512i first;
-    boxes b;
-    if (!find_boxes(s, rows.start, end, l, lanes, &first, &b)) return k;
-    __asm__("" : "+m"(b)); /* read from there, not taken from lanes */
-    first = _mm512_mask_add_epi32(first, l.channels % 2 == 1 ? 0 : 0x00ff,
-                                  first, first);
-    to.out = out + k * l.channels;
-    if (((uintptr_t)to.out & 63) < group_pixels(l) * l.channels)
-      look_ahead(data, &b, &to);
-#define GROUP(g)                                                \
-  blend_group(load_rows(data, b.upper + l.group_rows * (g), l), \
-              load_rows(data, b.lower + l.group_rows * (g), l), \
-              find_lanes(first, lanes->x[g], steps_x##g),       \
-              find_lanes(first, lanes->y[g], steps_y##g), l, t, &c)
-    if (l.group_rows == 4) {
-      store_fours(&to, GROUP(0), GROUP(1));
-    } else {
-      store_two(&to, 0, GROUP(0), l, t->shared);
-      store_two(&to, 2, GROUP(1), l, t->shared);
-      store_two(&to, 4, GROUP(2), l, t->shared);
-      store_two(&to, 6, GROUP(3), l, t->shared);
-    }
-#undef GROUP
-    rows.start = _mm512_add_epi32(end, rows.step);
-  }
-  return n;
+/* What the tiles of some rows have in common. */
+typedef struct tile_row {
+  lane_steps upper, lower; /* of both sets */
+  /* From the first pixel to the last, to the last of the first half, and to the
+   * first of the second. */
+  __m512i to_last, to_half, to_next_half;
+} tile_row;
+
+INLINE __m512i times(__m512i step, uint32_t pixels) {
+  return _mm512_mullo_epi32(step, _mm512_set1_epi32((int32_t)pixels));
 }
+
+INLINE tile_row find_tile_row(__m512i step, uint32_t num_pixels, layout l) {
+  const words_32 n = lane_numbers();
+  const uint32_t last = num_pixels - 1;
+  __m512i pixels = (__m512i)(num_halves(l) == 1 ? n & 7 : n & 3);
+  if (!l.is_tile) { /* behind the last pixel, that one again */
+    const __m512i lasts = _mm512_set1_epi16((int16_t)last);
+    pixels = _mm512_min_epu16((__m512i)(n & 7), lasts);
+    if (num_halves(l) == 2)
+      pixels =
+          _mm512_sub_epi16(pixels, _mm512_min_epu16((__m512i)(n & 4), lasts));
+  }
+  const tile_row row = {find_lane_steps(step, pixels, 0, l),
+                        find_lane_steps(step, pixels, 1, l), times(step, last),
+                        times(step, last < 3 ? last : 3),
+                        times(step, last < 4 ? last : 4)};
+  return row;
+}
+
+/* start: of its rows. Returns whether it was done. */
+INLINE int blend_tile(const uint8_t* data, const source_steps* s, __m512i start,
+                      const tile_row* row, const target* to, layout l,
+                      const fills* f) {
+  const __m512i end = _mm512_add_epi32(start, row->to_last);
+  boxes b[2];
+  __m512i firsts[2];
+  if (num_halves(l) == 1) {
+    if (!find_boxes(s, start, end, l, &firsts[0], &b[0])) return 0;
+  } else {
+    if (!find_boxes(s, start, _mm512_add_epi32(start, row->to_half), l,
+                    &firsts[0], &b[0]) ||
+        !find_boxes(s, _mm512_add_epi32(start, row->to_next_half), end, l,
+                    &firsts[1], &b[1]))
+      return 0;
+  }
+  if (((uintptr_t)to->out & 63) < TILE_PIXELS * l.channels)
+    look_ahead(data, &b[0], to);
+  const set upper = find_set(firsts, 0, &row->upper, l, f);
+  const set lower = find_set(firsts, 1, &row->lower, l, f);
+#define GROUP(g, half)                                                    \
+  blend_group(data, &b[half], (g)*group_rows(l) < 4 ? &upper : &lower, g, \
+              half, l, f)
+  if (l.channels == 1) {
+    store_four(to, 0, _mm512_packus_epi16(GROUP(0, 0), GROUP(1, 0)), l);
+  } else if (l.channels == 2) {
+    store_four(to, 0, _mm512_packus_epi16(GROUP(0, 0), GROUP(0, 1)), l);
+    store_four(to, 4, _mm512_packus_epi16(GROUP(1, 0), GROUP(1, 1)), l);
+  } else {
+    store_two(to, 0, GROUP(0, 0), GROUP(0, 1), l);
+    store_two(to, 2, GROUP(1, 0), GROUP(1, 1), l);
+    store_two(to, 4, GROUP(2, 0), GROUP(2, 1), l);
+    store_two(to, 6, GROUP(3, 0), GROUP(3, 1), l);
+  }
+#undef GROUP
+  return 1;
+}
+
+/* Returns how many pixels of the rows were done. */
+INLINE uint32_t blend_tiles(const uint8_t* data, const source_steps* s,
+                            tile rows, target to, uint32_t n, layout l,
+                            const fills* f) {
+  const uint32_t num_pixels = l.is_tile || n >= TILE_PIXELS ? TILE_PIXELS : n;
+  const tile_row row = find_tile_row(rows.step, num_pixels, l);
+  const __m512i to_next = times(rows.step, TILE_PIXELS);
+  uint8_t* const out = to.out;
+  uint32_t k = 0;
+  for (;;) {
+    to.out = out + k * l.channels;
+    if (!blend_tile(data, s, rows.start, &row, &to, l, f)) return k;
+    k += num_pixels;
+    if (l.is_tile || k == n) return n;
+    rows.start = _mm512_add_epi32(rows.start, to_next);
+    if (k + TILE_PIXELS > n) { /* the last tile begins earlier */
+      const uint32_t back = k + TILE_PIXELS - n;
+      rows.start = _mm512_sub_epi32(rows.start, times(rows.step, back));
+      k -= back;
+    }
+  }
+}
+
+/* ---- Runs ---------------------------------------------------------------- */
 
 /* Rows from t on, pixels from k on. */
 static void blend_elsewhere(const rg_run* run, uint32_t t, uint32_t num_rows,
@@ -515,47 +526,39 @@ static void blend_elsewhere(const rg_run* run, uint32_t t, uint32_t num_rows,
   other(&part);
 }
 
-INLINE void blend(const rg_run* run, layout l, rg_blend* other) {
-  const uint32_t n = run->num_pixels, num_rows = run->num_rows;
-  const uint32_t count = n < group_pixels(l) ? n : group_pixels(l);
-  if (run->stride > 1 << 18) {
-    other(run);
-    return;
-  }
-  tables c = {&kLanes[l.channels - 1], &kShared};
-  __asm__("" : "+r"(c.lanes), "+r"(c.shared)); /* contents are not known */
-  const source_steps s = find_source_steps(run, l, c.lanes);
+INLINE void blend_rows(const rg_run* run, layout l, rg_blend* other) {
+  const uint32_t n = run->num_pixels, num_rows = l.is_tile ? 8 : run->num_rows;
+  const uint32_t row_bytes = (n < TILE_PIXELS ? n : TILE_PIXELS) * l.channels;
+  const fills* f = &kFills;
+  __asm__("" : "+r"(f)); /* values are loaded from there */
+  const source_steps s = find_source_steps(run, l);
   target to = {run->out + run->out_pixel * l.channels, run->out_stride, 0, 0,
-               (__mmask16)((1u << count * l.channels) - 1)};
+               (__mmask32)((UINT64_C(1) << row_bytes) - 1)};
   for (uint32_t t = 0; t < num_rows; t += TILE_ROWS) {
     to.num_rows = num_rows - t < TILE_ROWS ? num_rows - t : TILE_ROWS;
-    to.is_whole = to.num_rows == TILE_ROWS && count == group_pixels(l);
-    const uint32_t done = blend_tile(run->data, &s, find_tile(run, t, c.shared),
-                                     to, n, count, l, &c);
+    to.is_whole = l.is_tile || (to.num_rows == TILE_ROWS && n >= TILE_PIXELS);
+    const uint32_t done =
+        blend_tiles(run->data, &s, find_tile(run, t, l), to, n, l, f);
     if (done != n) blend_elsewhere(run, t, to.num_rows, done, other);
     to.out += TILE_ROWS * to.stride;
   }
 }
 
-void rg_blend_1_avx512(const rg_run* run) {
-  const layout l = {1, 4};
-  blend(run, l, rg_blend_1_avx2);
+INLINE void blend(const rg_run* run, uint32_t channels, rg_blend* other) {
+  const layout parts = {channels, 0}, tiles = {channels, 1};
+  if (run->stride > 1 << 18)
+    other(run);
+  else if (run->block.width_log2 == 3 && run->block.height_log2 == 3 &&
+           run->num_pixels == TILE_PIXELS && run->num_rows == TILE_ROWS)
+    blend_rows(run, tiles, other);
+  else
+    blend_rows(run, parts, other);
 }
 
-void rg_blend_2_avx512(const rg_run* run) {
-  const layout l = {2, 4};
-  blend(run, l, rg_blend_2_avx2);
-}
-
-void rg_blend_3_avx512(const rg_run* run) {
-  const layout l = {3, 2};
-  blend(run, l, rg_blend_3_avx2);
-}
-
-void rg_blend_4_avx512(const rg_run* run) {
-  const layout l = {4, 2};
-  blend(run, l, rg_blend_4_avx2);
-}
+void rg_blend_1_avx512(const rg_run* run) { blend(run, 1, rg_blend_1_avx2); }
+void rg_blend_2_avx512(const rg_run* run) { blend(run, 2, rg_blend_2_avx2); }
+void rg_blend_3_avx512(const rg_run* run) { blend(run, 3, rg_blend_3_avx2); }
+void rg_blend_4_avx512(const rg_run* run) { blend(run, 4, rg_blend_4_avx2); }
 
 #if defined(__clang__)
 #pragma clang attribute pop
