@@ -99,9 +99,10 @@ INLINE __m512i lane_samples(layout l) {
  * anew in every turn. */
 typedef struct fills {
   uint32_t seven_bits, fifteen_bits, left_weight, right_weight, last_factor;
+  uint32_t both_bytes;
 } fills;
-static const fills kFills = {0x007f007f, 0x7fff7fff, 0xff01ff01, 0x00800080,
-                             0xff00ff00};
+static const fills kFills = {0x007f007f, 0x7fff7fff, 0xff01ff01,
+                             0x00800080, 0xff00ff00, 0x01010101};
 
 INLINE __m512i fill(uint32_t value) {
   return _mm512_set1_epi32((int32_t)value);
@@ -121,22 +122,23 @@ INLINE __m512i load_position(const rg_position* p) {
                                 p->q12[1]);
 }
 
-/* (value + 2^(log2 - 1)) >> log2 */
-INLINE __m512i round_shift(__m512i value, uint32_t log2) {
+/* (value + 2^(log2 - 1)) >> log2; 3 in tiles. */
+INLINE __m512i round_shift(__m512i value, uint32_t log2, layout l) {
+  if (l.is_tile)
+    return _mm512_srai_epi32(_mm512_add_epi32(value, _mm512_set1_epi32(4)), 3);
   return _mm512_srav_epi32(
       _mm512_add_epi32(value, _mm512_set1_epi32(1 << log2 >> 1)),
       _mm512_set1_epi32((int32_t)log2));
 }
 
 /* Where rows r of the block meet the edge from a corner down to another. */
-INLINE __m512i find_edge(const rg_run* run, int corner, __m512i r,
-                         uint32_t height_log2) {
+INLINE __m512i find_edge(const rg_run* run, int corner, __m512i r, layout l) {
   const rg_position* const corners = run->block.corners;
   const __m512i top = load_position(&corners[corner]);
   const __m512i bottom = load_position(&corners[corner + 2]);
   return _mm512_add_epi32(
       top, round_shift(_mm512_mullo_epi32(_mm512_sub_epi32(bottom, top), r),
-                       height_log2));
+                       run->block.height_log2, l));
 }
 
 /* Rows of the run from t on; behind the last row, that one again. */
@@ -147,13 +149,12 @@ INLINE tile find_tile(const rg_run* run, uint32_t t, layout l) {
     r = _mm512_min_epi32(r, _mm512_set1_epi32(run->num_rows - 1));
     r = _mm512_add_epi32(r, _mm512_set1_epi32(run->first_row));
   }
-  const uint32_t height_log2 = l.is_tile ? 3 : run->block.height_log2;
-  const __m512i left = find_edge(run, 0, r, height_log2);
-  const __m512i right = find_edge(run, 1, r, height_log2);
+  const __m512i left = find_edge(run, 0, r, l);
+  const __m512i right = find_edge(run, 1, r, l);
   const rg_position origin = {{16, -4096 * run->first_source_row}};
   tile rows;
-  rows.step = round_shift(_mm512_sub_epi32(right, left),
-                          l.is_tile ? 3 : run->block.width_log2);
+  rows.step =
+      round_shift(_mm512_sub_epi32(right, left), run->block.width_log2, l);
   rows.start = _mm512_add_epi32(left, load_position(&origin));
   if (!l.is_tile)
     rows.start = _mm512_add_epi32(
@@ -325,9 +326,11 @@ INLINE __m512i blend_group(const uint8_t* data, const boxes* b, const set* s,
   const words_32 words = pixel_words(group_rows(l) == 4 ? 0 : g & 1, half, l);
   const __m512i upper_half = load_rows(data, b->upper + group_rows(l) * g, l);
   const __m512i lower_half = load_rows(data, b->lower + group_rows(l) * g, l);
-  const __m512i index = _mm512_add_epi8(
-      _mm512_permutexvar_epi8((__m512i)(words * 0x0202), s->offset),
-      lane_samples(l));
+  const __m512i offsets =
+      l.channels == 1
+          ? _mm512_mullo_epi16(s->offset, fill(f->both_bytes))
+          : _mm512_permutexvar_epi8((__m512i)(words * 0x0202), s->offset);
+  const __m512i index = _mm512_add_epi8(offsets, lane_samples(l));
   const __m512i next =
       _mm512_add_epi8(index, _mm512_set1_epi8((char)(64 / group_rows(l))));
   __m512i weights = s->weights, wy_q15 = s->wy_q15;
@@ -350,20 +353,19 @@ INLINE __m512i blend_group(const uint8_t* data, const boxes* b, const set* s,
 /* ---- Output -------------------------------------------------------------- */
 
 /* Where the rows of a tile go: up to 32 bytes each. */
-typedef struct target {
+typedef struct tile_output {
   uint8_t* out;
   size_t stride;
   uint32_t num_rows;
   int is_whole;    /* all of its rows and pixels are wanted */
   __mmask32 bytes; /* of a row */
-} target;
+} tile_output;
 
-INLINE void store_row(const target* t, uint32_t r, __m256i bytes, layout l) {
+INLINE void store_row(const tile_output* t, uint32_t r, __m256i bytes,
+                      layout l) {
   uint8_t* const out = t->out + r * t->stride;
   if (!t->is_whole) {
     if (r < t->num_rows) _mm256_mask_storeu_epi8(out, t->bytes, bytes);
-  } else if (l.channels == 1) {
-    _mm_storel_epi64((__m128i*)(void*)out, _mm256_castsi256_si128(bytes));
   } else if (l.channels == 2) {
     _mm_storeu_si128((__m128i*)(void*)out, _mm256_castsi256_si128(bytes));
   } else if (l.channels == 3) {
@@ -373,16 +375,32 @@ INLINE void store_row(const target* t, uint32_t r, __m256i bytes, layout l) {
   }
 }
 
-/* 16 bytes each of four rows from r on; of one channel, 8 bytes of these and of
- * those four rows below. */
-INLINE void store_four(const target* t, uint32_t r, __m512i bytes, layout l) {
-#define STORE(k)                                                     \
-  do {                                                               \
-    const __m256i row =                                              \
-        _mm256_castsi128_si256(_mm512_extracti32x4_epi32(bytes, k)); \
-    store_row(t, r + (k), row, l);                                   \
-    if (l.channels == 1)                                             \
-      store_row(t, r + (k) + 4, _mm256_unpackhi_epi64(row, row), l); \
+/* 8 bytes each, of rows r and r + 4. */
+INLINE void store_both(const tile_output* t, uint32_t r, __m128i bytes,
+                       layout l) {
+  if (t->is_whole) {
+    uint8_t* const out = t->out + r * t->stride;
+    uint8_t* const below = out + 4 * t->stride;
+    _mm_storel_epi64((__m128i*)(void*)out, bytes);
+    _mm_storeh_pi((__m64*)(void*)below, _mm_castsi128_ps(bytes));
+  } else {
+    const __m128i high = _mm_unpackhi_epi64(bytes, bytes);
+    store_row(t, r, _mm256_castsi128_si256(bytes), l);
+    store_row(t, r + 4, _mm256_castsi128_si256(high), l);
+  }
+}
+
+/* 16 bytes of each of four rows from r on; of one channel, 8 of these and 8 of
+ * the four rows below. */
+INLINE void store_four(const tile_output* t, uint32_t r, __m512i rows,
+                       layout l) {
+#define STORE(k)                                               \
+  do {                                                         \
+    const __m128i bytes = _mm512_extracti32x4_epi32(rows, k);  \
+    if (l.channels == 1)                                       \
+      store_both(t, k, bytes, l);                              \
+    else                                                       \
+      store_row(t, r + (k), _mm256_castsi128_si256(bytes), l); \
   } while (0)
   STORE(0);
   STORE(1);
@@ -392,7 +410,7 @@ INLINE void store_four(const target* t, uint32_t r, __m512i bytes, layout l) {
 }
 
 /* Two rows from r on, whose halves are v and w. */
-INLINE void store_two(const target* t, uint32_t r, __m512i v, __m512i w,
+INLINE void store_two(const tile_output* t, uint32_t r, __m512i v, __m512i w,
                       layout l) {
   const bytes_64 b = byte_numbers() & 31;
   const bytes_64 row = (byte_numbers() >> 5) * 32;
@@ -408,7 +426,8 @@ INLINE void store_two(const target* t, uint32_t r, __m512i v, __m512i w,
 
 /* Asks for what the blocks to the right will read and write: once for 64 bytes
  * of output, which come from up to 128. */
-INLINE void look_ahead(const uint8_t* data, const boxes* b, const target* t) {
+INLINE void look_ahead(const uint8_t* data, const boxes* b,
+                       const tile_output* t) {
   for (uint32_t r = 0; r < TILE_ROWS; ++r) {
     __builtin_prefetch(data + b->upper[r] + AHEAD);
     __builtin_prefetch(data + b->upper[r] + AHEAD + 64);
@@ -452,7 +471,7 @@ INLINE tile_row find_tile_row(__m512i step, uint32_t num_pixels, layout l) {
 
 /* start: of its rows. Returns whether it was done. */
 INLINE int blend_tile(const uint8_t* data, const source_steps* s, __m512i start,
-                      const tile_row* row, const target* to, layout l,
+                      const tile_row* row, const tile_output* to, layout l,
                       const fills* f) {
   const __m512i end = _mm512_add_epi32(start, row->to_last);
   boxes b[2];
@@ -490,7 +509,7 @@ INLINE int blend_tile(const uint8_t* data, const source_steps* s, __m512i start,
 
 /* Returns how many pixels of the rows were done. */
 INLINE uint32_t blend_tiles(const uint8_t* data, const source_steps* s,
-                            tile rows, target to, uint32_t n, layout l,
+                            tile rows, tile_output to, uint32_t n, layout l,
                             const fills* f) {
   const uint32_t num_pixels = l.is_tile || n >= TILE_PIXELS ? TILE_PIXELS : n;
   const tile_row row = find_tile_row(rows.step, num_pixels, l);
@@ -532,8 +551,8 @@ INLINE void blend_rows(const rg_run* run, layout l, rg_blend* other) {
   const fills* f = &kFills;
   __asm__("" : "+r"(f)); /* values are loaded from there */
   const source_steps s = find_source_steps(run, l);
-  target to = {run->out + run->out_pixel * l.channels, run->out_stride, 0, 0,
-               (__mmask32)((UINT64_C(1) << row_bytes) - 1)};
+  tile_output to = {run->out + run->out_pixel * l.channels, run->out_stride, 0,
+                    0, (__mmask32)((UINT64_C(1) << row_bytes) - 1)};
   for (uint32_t t = 0; t < num_rows; t += TILE_ROWS) {
     to.num_rows = num_rows - t < TILE_ROWS ? num_rows - t : TILE_ROWS;
     to.is_whole = l.is_tile || (to.num_rows == TILE_ROWS && n >= TILE_PIXELS);
