@@ -248,18 +248,20 @@ INLINE __m256i load_32(const uint8_t* bytes) {
   return _mm256_loadu_si256((const __m256i*)(const void*)bytes);
 }
 
-/* Half a box: rows of 16 bytes, inserted by masks, which needs no shuffle; or
- * of 32. */
+/* Half a box: rows of 16 bytes, or of 32. */
 INLINE __m512i load_rows(const uint8_t* data, const int32_t* offsets,
                          layout l) {
   if (group_rows(l) == 2)
     return _mm512_inserti64x4(
         _mm512_castsi256_si512(load_32(data + offsets[0])),
         load_32(data + offsets[1]), 1);
-  __m512i rows = _mm512_castsi128_si512(load_16(data + offsets[0]));
-  rows = _mm512_mask_broadcast_i32x4(rows, 0x00f0, load_16(data + offsets[1]));
-  rows = _mm512_mask_broadcast_i32x4(rows, 0x0f00, load_16(data + offsets[2]));
-  return _mm512_mask_broadcast_i32x4(rows, 0xf000, load_16(data + offsets[3]));
+  const __m256i first = _mm256_inserti128_si256(
+      _mm256_castsi128_si256(load_16(data + offsets[0])),
+      load_16(data + offsets[1]), 1);
+  const __m256i second = _mm256_inserti128_si256(
+      _mm256_castsi128_si256(load_16(data + offsets[2])),
+      load_16(data + offsets[3]), 1);
+  return _mm512_inserti64x4(_mm512_castsi256_si512(first), second, 1);
 }
 
 /* ---- Sets ---------------------------------------------------------------- */
