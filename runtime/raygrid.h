@@ -261,9 +261,10 @@ typedef enum rg_sampling {
  * which every processor is alike have them built in, and this is not used. */
 typedef struct rg_kernels rg_kernels;
 
-/* By name, for measurements and tests: "portable", "sse4", "avx2", "neon"; the
- * fastest of this processor for NULL, found by instructions that may take a
- * microsecond in a virtual machine. NULL if there is none of that name. */
+/* By name, for measurements and tests: "portable", "sse4", "avx2", "avx512",
+ * "neon"; the fastest of this processor for NULL, found by instructions that
+ * may take a microsecond in a virtual machine. NULL if there is none of that
+ * name. */
 const rg_kernels* rg_find_kernels(const char* name);
 
 /* Rows [first_row, first_row + num_rows) of the undistorted image; even numbers

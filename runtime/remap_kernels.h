@@ -99,6 +99,8 @@ rg_blend rg_blend_1, rg_blend_2, rg_blend_3, rg_blend_4;
 
 rg_blend rg_blend_1_sse4, rg_blend_2_sse4, rg_blend_3_sse4, rg_blend_4_sse4;
 rg_blend rg_blend_1_avx2, rg_blend_2_avx2, rg_blend_3_avx2, rg_blend_4_avx2;
+rg_blend rg_blend_1_avx512, rg_blend_2_avx512, rg_blend_3_avx512,
+    rg_blend_4_avx512;
 rg_blend rg_blend_1_neon, rg_blend_2_neon, rg_blend_3_neon, rg_blend_4_neon;
 rg_blend rg_blend_1_helium, rg_blend_2_helium, rg_blend_3_helium,
     rg_blend_4_helium;

@@ -18,19 +18,41 @@ static const rg_kernels kAvx2 = {
     "avx2",
     {rg_blend_1_avx2, rg_blend_2_avx2, rg_blend_3_avx2, rg_blend_4_avx2}};
 
+static const rg_kernels kAvx512 = {"avx512",
+                                   {rg_blend_1_avx512, rg_blend_2_avx512,
+                                    rg_blend_3_avx512, rg_blend_4_avx512}};
+
 static int has_sse4(void) {
   uint32_t a, b, c, d;
   return __get_cpuid(1, &a, &b, &c, &d) && (c & bit_SSE4_1) != 0 &&
          (c & bit_SSSE3) != 0;
 }
 
-/* The processor has it, and the system keeps its registers. */
-static int has_avx2(void) {
+/* Whether the system keeps these registers: bits of XCR0. */
+static int keeps_registers(uint32_t wanted) {
   uint32_t a, b, c, d, enabled, high;
   if (!__get_cpuid(1, &a, &b, &c, &d) || (c & bit_OSXSAVE) == 0) return 0;
   __asm__("xgetbv" : "=a"(enabled), "=d"(high) : "c"(0));
-  return (enabled & 6) == 6 && __get_cpuid_count(7, 0, &a, &b, &c, &d) &&
+  return (enabled & wanted) == wanted;
+}
+
+#define XMM_YMM 0x06u
+#define MASKS_ZMM 0xe0u
+
+static int has_avx2(void) {
+  uint32_t a, b, c, d;
+  return keeps_registers(XMM_YMM) && __get_cpuid_count(7, 0, &a, &b, &c, &d) &&
          (b & bit_AVX2) != 0;
+}
+
+/* What kernels/avx512.c is compiled for, and AVX2, which it falls back on. */
+static int has_avx512(void) {
+  const uint32_t needed =
+      bit_AVX2 | bit_AVX512F | bit_AVX512DQ | bit_AVX512BW | bit_AVX512VL;
+  uint32_t a, b, c, d;
+  return keeps_registers(XMM_YMM | MASKS_ZMM) &&
+         __get_cpuid_count(7, 0, &a, &b, &c, &d) && (b & needed) == needed &&
+         (c & bit_AVX512VBMI) != 0 && (c & bit_AVX512VBMI2) != 0;
 }
 
 #endif
@@ -48,6 +70,7 @@ static int is_same(const char* a, const char* b) {
 
 const rg_kernels* rg_find_kernels(const char* name) {
 #if defined(__x86_64__)
+  if ((!name || is_same(name, kAvx512.name)) && has_avx512()) return &kAvx512;
   if ((!name || is_same(name, kAvx2.name)) && has_avx2()) return &kAvx2;
   if ((!name || is_same(name, kSse4.name)) && has_sse4()) return &kSse4;
 #elif defined(__aarch64__) || defined(__ARM_NEON)

@@ -81,7 +81,8 @@ static int make_image(const rg_camera* camera, const uint8_t* data,
 
 static int make_target(const rg_camera* camera, const uint8_t* data,
                        rg_format format, rg_target* target) {
-  static const char* const kNames[] = {"portable", "sse4", "avx2", NULL};
+  static const char* const kNames[] = {"portable", "sse4", "avx2", "avx512",
+                                       NULL};
   uint16_t width = 0, height = 0;
   rg_remap_size(camera, &width, &height);
   memset(target, 0, sizeof(*target));

@@ -200,7 +200,7 @@ struct Bench {
     std::vector<std::string> names = {"cv::remap"};
     std::vector<std::function<void()>> works = {opencv};
     std::vector<rg_target> targets;
-    for (const char* name : {"portable", "sse4", "avx2", "neon"}) {
+    for (const char* name : {"portable", "sse4", "avx2", "avx512", "neon"}) {
       target.kernels = rg_find_kernels(name);
       if (!target.kernels) continue;
       names.push_back(name);

@@ -1,0 +1,590 @@
+/* Bilinear blending by lookups in tables of 128 bytes: pixels of neighbouring
+ * rows, 32 samples in lanes of 16 bits, find their source in a box of bytes in
+ * two registers. Where they need a larger box, the AVX2 kernels take over. */
+#if defined(__x86_64__)
+
+#include <immintrin.h>
+#include <stddef.h>
+
+#include "remap_kernels.h"
+
+#if defined(__clang__)
+#pragma clang attribute push(                                   \
+    __attribute__((target("avx512f,avx512bw,avx512vl,avx512dq," \
+                          "avx512vbmi,avx512vbmi2"))),          \
+    apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx512f,avx512bw,avx512vl,avx512dq,avx512vbmi,avx512vbmi2")
+#endif
+
+#define INLINE static inline __attribute__((always_inline))
+
+/* What is found together: so many pixels of so many rows. */
+#define TILE_PIXELS 8u
+#define TILE_ROWS 8u
+
+/* How far ahead memory is asked for: bytes of a row. */
+#define AHEAD 128
+
+/* ---- Layouts ------------------------------------------------------------- */
+
+/* Positions are found for a set of 4 rows of a tile, one pixel a lane. Samples
+ * are found for a group, one channel a lane: a set of one channel, half of its
+ * columns with two channels, and half of these rows with three or four, which
+ * have four lanes a pixel. The box of a group has 8 rows of 16 bytes, or 4 rows
+ * of 32. */
+typedef struct layout {
+  uint32_t channels;
+  int is_tile; /* runs are whole blocks of the size of a tile */
+} layout;
+
+INLINE uint32_t num_halves(layout l) { return l.channels == 1 ? 1 : 2; }
+INLINE uint32_t group_rows(layout l) { return l.channels <= 2 ? 4 : 2; }
+
+typedef uint8_t bytes_64 __attribute__((vector_size(64)));
+typedef uint16_t words_32 __attribute__((vector_size(64)));
+typedef uint32_t dwords_16 __attribute__((vector_size(64)));
+
+/* The compiler makes constants of what is made of these. */
+INLINE words_32 lane_numbers(void) {
+  const words_32 n = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10,
+                      11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21,
+                      22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
+  return n;
+}
+
+INLINE dwords_16 dword_numbers(void) {
+  const dwords_16 n = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+  return n;
+}
+
+INLINE bytes_64 byte_numbers(void) {
+  const bytes_64 n = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12,
+                      13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25,
+                      26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38,
+                      39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49, 50, 51,
+                      52, 53, 54, 55, 56, 57, 58, 59, 60, 61, 62, 63};
+  return n;
+}
+
+/* Of a set: words of a tile, of another one for the second half. */
+INLINE __m512i x_words(uint32_t set, layout l) {
+  const words_32 n = lane_numbers();
+  const words_32 other = num_halves(l) == 2 ? (n & 4) * 8 : n & 0;
+  return (__m512i)((n >> 3) * 2 + other + (uint16_t)(8 * set));
+}
+
+INLINE __m512i y_words(uint32_t set, layout l) {
+  return (__m512i)((words_32)x_words(set, l) + 16);
+}
+
+/* Of a group: words of its set. */
+INLINE words_32 pixel_words(uint32_t pair, uint32_t half, layout l) {
+  const words_32 n = lane_numbers();
+  const uint16_t first = (uint16_t)(16 * pair + 4 * half);
+  if (l.channels == 1) return n;
+  if (l.channels == 2) return (n >> 3) * 8 + (n >> 1 & 3) + first;
+  return (n >> 4) * 8 + (n >> 2 & 3) + first;
+}
+
+/* Bytes from a pixel to the left and right sample of a lane. */
+INLINE __m512i lane_samples(layout l) {
+  const words_32 n = lane_numbers();
+  const uint16_t last = l.channels == 1 ? 0 : l.channels == 2 ? 1 : 3;
+  return (__m512i)((n & last) * 0x0101 + (uint16_t)(0x0100 * l.channels));
+}
+
+/* Values that fill a register: in memory, since compilers would compose them
+ * anew in every turn. */
+typedef struct fills {
+  uint32_t seven_bits, fifteen_bits, left_weight, right_weight, last_factor;
+  uint32_t both_bytes;
+} fills;
+static const fills kFills = {0x007f007f, 0x7fff7fff, 0xff01ff01,
+                             0x00800080, 0xff00ff00, 0x01010101};
+
+INLINE __m512i fill(uint32_t value) {
+  return _mm512_set1_epi32((int32_t)value);
+}
+
+/* ---- Positions ----------------------------------------------------------- */
+
+/* Of 8 rows, in 32 bits: x + 16 in the low half and y in the high. */
+typedef struct tile {
+  __m512i start, step;
+} tile;
+
+#define Y_LANES 0xff00
+
+INLINE __m512i load_position(const rg_position* p) {
+  return _mm512_mask_set1_epi32(_mm512_set1_epi32(p->q12[0]), Y_LANES,
+                                p->q12[1]);
+}
+
+/* (value + 2^(log2 - 1)) >> log2; 3 in tiles. */
+INLINE __m512i round_shift(__m512i value, uint32_t log2, layout l) {
+  if (l.is_tile)
+    return _mm512_srai_epi32(_mm512_add_epi32(value, _mm512_set1_epi32(4)), 3);
+  return _mm512_srav_epi32(
+      _mm512_add_epi32(value, _mm512_set1_epi32(1 << log2 >> 1)),
+      _mm512_set1_epi32((int32_t)log2));
+}
+
+/* Where rows r of the block meet the edge from a corner down to another. */
+INLINE __m512i find_edge(const rg_run* run, int corner, __m512i r, layout l) {
+  const rg_position* const corners = run->block.corners;
+  const __m512i top = load_position(&corners[corner]);
+  const __m512i bottom = load_position(&corners[corner + 2]);
+  return _mm512_add_epi32(
+      top, round_shift(_mm512_mullo_epi32(_mm512_sub_epi32(bottom, top), r),
+                       run->block.height_log2, l));
+}
+
+/* Rows of the run from t on; behind the last row, that one again. */
+INLINE tile find_tile(const rg_run* run, uint32_t t, layout l) {
+  __m512i r = (__m512i)(dword_numbers() & 7);
+  if (!l.is_tile) {
+    r = _mm512_add_epi32(r, _mm512_set1_epi32((int32_t)t));
+    r = _mm512_min_epi32(r, _mm512_set1_epi32(run->num_rows - 1));
+    r = _mm512_add_epi32(r, _mm512_set1_epi32(run->first_row));
+  }
+  const __m512i left = find_edge(run, 0, r, l);
+  const __m512i right = find_edge(run, 1, r, l);
+  const rg_position origin = {{16, -4096 * run->first_source_row}};
+  tile rows;
+  rows.step =
+      round_shift(_mm512_sub_epi32(right, left), run->block.width_log2, l);
+  rows.start = _mm512_add_epi32(left, load_position(&origin));
+  if (!l.is_tile)
+    rows.start = _mm512_add_epi32(
+        rows.start,
+        _mm512_mullo_epi32(rows.step, _mm512_set1_epi32(run->first_pixel)));
+  return rows;
+}
+
+/* ---- Boxes --------------------------------------------------------------- */
+
+/* Bytes to pixels and rows. */
+typedef struct source_steps {
+  __m512i pixel; /* of x and of y, as a tile */
+  __m256i row;
+  __m256i upper_rows, lower_rows; /* of boxes, from their first */
+} source_steps;
+
+INLINE source_steps find_source_steps(const rg_run* run, layout l) {
+  const rg_position pixel = {{(int32_t)l.channels, (int32_t)run->stride}};
+  const __m512i rows = (__m512i)(dword_numbers() & (group_rows(l) - 1));
+  source_steps s;
+  s.pixel = load_position(&pixel);
+  s.row = _mm256_set1_epi32((int32_t)run->stride);
+  s.upper_rows = _mm256_mullo_epi32(s.row, _mm512_castsi512_si256(rows));
+  s.lower_rows = _mm256_add_epi32(
+      s.upper_rows, _mm256_slli_epi32(s.row, group_rows(l) == 4 ? 2 : 1));
+  return s;
+}
+
+/* Where the boxes of a tile's groups, or of those of a half, have their rows:
+ * the upper half of each, and the lower halves. */
+typedef struct boxes {
+  int32_t upper[8], lower[8];
+} boxes;
+
+/* Least or greatest of the rows of each group, in all of them. */
+INLINE __m512i find_least(__m512i a, __m512i b, layout l) {
+  __m512i least = _mm512_min_epi32(a, b);
+  least = _mm512_min_epi32(least, _mm512_shuffle_epi32(least, 0xb1));
+  if (group_rows(l) == 4)
+    least = _mm512_min_epi32(least, _mm512_shuffle_epi32(least, 0x4e));
+  return least;
+}
+
+INLINE __m512i find_greatest(__m512i a, __m512i b, layout l) {
+  __m512i greatest = _mm512_max_epi32(a, b);
+  greatest = _mm512_max_epi32(greatest, _mm512_shuffle_epi32(greatest, 0xb1));
+  if (group_rows(l) == 4)
+    greatest = _mm512_max_epi32(greatest, _mm512_shuffle_epi32(greatest, 0x4e));
+  return greatest;
+}
+
+INLINE __m256i low_half(__m512i v) { return _mm512_castsi512_si256(v); }
+INLINE __m256i high_half(__m512i v) { return _mm512_extracti64x4_epi64(v, 1); }
+
+/* For rows from start to end. Rows below the lowest one that is needed become
+ * that one. first: start, from the box. Returns whether boxes are large enough.
+ */
+INLINE int find_boxes(const source_steps* s, __m512i start, __m512i end,
+                      layout l, __m512i* first, boxes* b) {
+  const uint32_t columns = 64 / group_rows(l) / l.channels;
+  const dwords_16 too_large =
+      4096 * (columns - 1) +
+      (dword_numbers() >> 3) * (4096 * (2 * group_rows(l) - columns));
+  const __m512i pixel = _mm512_srli_epi32(find_least(start, end, l), 12);
+  const __m512i origin = _mm512_slli_epi32(pixel, 12);
+  const __m512i size = _mm512_sub_epi32(find_greatest(start, end, l), origin);
+  if (_mm512_cmpge_epu32_mask(size, (__m512i)too_large) != 0) return 0;
+  *first = _mm512_sub_epi32(start, origin);
+  const __m512i offset = _mm512_mullo_epi32(pixel, s->pixel);
+  const __m256i corner = _mm256_add_epi32(low_half(offset), high_half(offset));
+  const __m256i lowest = _mm256_add_epi32(
+      _mm256_mullo_epi32(_mm256_srli_epi32(high_half(size), 12), s->row),
+      s->row);
+  /* By halves: a whole register would not be forwarded to the loads. */
+  _mm256_storeu_si256(
+      (__m256i*)(void*)b->upper,
+      _mm256_add_epi32(corner, _mm256_min_epu32(s->upper_rows, lowest)));
+  _mm256_storeu_si256(
+      (__m256i*)(void*)b->lower,
+      _mm256_add_epi32(corner, _mm256_min_epu32(s->lower_rows, lowest)));
+  __asm__("" : "+m"(*b)); /* read from there, not taken from lanes */
+  return 1;
+}
+
+INLINE __m128i load_16(const uint8_t* bytes) {
+  return _mm_loadu_si128((const __m128i*)(const void*)bytes);
+}
+
+INLINE __m256i load_32(const uint8_t* bytes) {
+  return _mm256_loadu_si256((const __m256i*)(const void*)bytes);
+}
+
+/* Half a box: rows of 16 bytes, or of 32. */
+INLINE __m512i load_rows(const uint8_t* data, const int32_t* offsets,
+                         layout l) {
+  if (group_rows(l) == 2)
+    return _mm512_inserti64x4(
+        _mm512_castsi256_si512(load_32(data + offsets[0])),
+        load_32(data + offsets[1]), 1);
+  const __m256i first = _mm256_inserti128_si256(
+      _mm256_castsi128_si256(load_16(data + offsets[0])),
+      load_16(data + offsets[1]), 1);
+  const __m256i second = _mm256_inserti128_si256(
+      _mm256_castsi128_si256(load_16(data + offsets[2])),
+      load_16(data + offsets[3]), 1);
+  return _mm512_inserti64x4(_mm512_castsi256_si512(first), second, 1);
+}
+
+/* ---- Sets ---------------------------------------------------------------- */
+
+/* From the first pixels of halves to those of a set's lanes. */
+typedef struct lane_steps {
+  __m512i x, y;
+} lane_steps;
+
+INLINE lane_steps find_lane_steps(__m512i step, __m512i pixels, uint32_t set,
+                                  layout l) {
+  const lane_steps steps = {
+      _mm512_mullo_epi16(_mm512_permutexvar_epi16(x_words(set, l), step),
+                         pixels),
+      _mm512_mullo_epi16(_mm512_permutexvar_epi16(y_words(set, l), step),
+                         pixels)};
+  return steps;
+}
+
+/* Of each pixel: bytes from its box's start, weights of the left and right
+ * sample, and of the lower row. */
+typedef struct set {
+  __m512i offset, weights, wy_q15;
+} set;
+
+INLINE __m512i find_lanes(const __m512i* firsts, __m512i words, layout l) {
+  return num_halves(l) == 1
+             ? _mm512_permutexvar_epi16(words, firsts[0])
+             : _mm512_permutex2var_epi16(firsts[0], words, firsts[1]);
+}
+
+/* firsts: of the halves, from their boxes. */
+INLINE set find_set(const __m512i* firsts, uint32_t number,
+                    const lane_steps* steps, layout l, const fills* f) {
+  const __m512i x_q12 =
+      _mm512_add_epi16(find_lanes(firsts, x_words(number, l), l), steps->x);
+  const __m512i y_q12 =
+      _mm512_add_epi16(find_lanes(firsts, y_words(number, l), l), steps->y);
+  set s;
+  /* 16 row + column */
+  s.offset = _mm512_shldi_epi16(_mm512_srli_epi16(y_q12, 12), x_q12, 4);
+  if (l.channels == 2)
+    s.offset = _mm512_add_epi16(s.offset, _mm512_srli_epi16(x_q12, 12));
+  else if (l.channels >= 3)
+    s.offset = _mm512_permutexvar_epi8(
+        s.offset, (__m512i)((byte_numbers() >> 4) * 32 +
+                            (byte_numbers() & 15) * (uint8_t)l.channels));
+  /* bytes wx - 128 and -wx */
+  const __m512i wx =
+      _mm512_and_si512(_mm512_srli_epi16(x_q12, 5), fill(f->seven_bits));
+  s.weights = _mm512_add_epi16(_mm512_mullo_epi16(wx, fill(f->left_weight)),
+                               fill(f->right_weight));
+  s.wy_q15 =
+      _mm512_and_si512(_mm512_slli_epi16(y_q12, 3), fill(f->fifteen_bits));
+  return s;
+}
+
+/* ---- Groups -------------------------------------------------------------- */
+
+/* Results in the low bytes of lanes. */
+INLINE __m512i blend_group(const uint8_t* data, const boxes* b, const set* s,
+                           uint32_t g, uint32_t half, layout l,
+                           const fills* f) {
+  const words_32 words = pixel_words(group_rows(l) == 4 ? 0 : g & 1, half, l);
+  const __m512i upper_half = load_rows(data, b->upper + group_rows(l) * g, l);
+  const __m512i lower_half = load_rows(data, b->lower + group_rows(l) * g, l);
+  const __m512i offsets =
+      l.channels == 1
+          ? _mm512_mullo_epi16(s->offset, fill(f->both_bytes))
+          : _mm512_permutexvar_epi8((__m512i)(words * 0x0202), s->offset);
+  const __m512i index = _mm512_add_epi8(offsets, lane_samples(l));
+  const __m512i next =
+      _mm512_add_epi8(index, _mm512_set1_epi8((char)(64 / group_rows(l))));
+  __m512i weights = s->weights, wy_q15 = s->wy_q15;
+  if (l.channels != 1) {
+    weights = _mm512_permutexvar_epi16((__m512i)words, weights);
+    wy_q15 = _mm512_permutexvar_epi16((__m512i)words, wy_q15);
+  }
+  /* -h of both rows */
+  const __m512i upper = _mm512_maddubs_epi16(
+      _mm512_permutex2var_epi8(upper_half, index, lower_half), weights);
+  const __m512i lower = _mm512_maddubs_epi16(
+      _mm512_permutex2var_epi8(upper_half, next, lower_half), weights);
+  /* -v = -h0 + ((h0 - h1) wy + 2^14) >> 15 */
+  const __m512i v = _mm512_add_epi16(
+      upper, _mm512_mulhrs_epi16(_mm512_sub_epi16(lower, upper), wy_q15));
+  /* (v + 64) >> 7 */
+  return _mm512_mulhrs_epi16(v, fill(f->last_factor));
+}
+
+/* ---- Output -------------------------------------------------------------- */
+
+/* Where the rows of a tile go: up to 32 bytes each. */
+typedef struct tile_output {
+  uint8_t* out;
+  size_t stride;
+  uint32_t num_rows;
+  int is_whole;    /* all of its rows and pixels are wanted */
+  __mmask32 bytes; /* of a row */
+} tile_output;
+
+INLINE void store_row(const tile_output* t, uint32_t r, __m256i bytes,
+                      layout l) {
+  uint8_t* const out = t->out + r * t->stride;
+  if (!t->is_whole) {
+    if (r < t->num_rows) _mm256_mask_storeu_epi8(out, t->bytes, bytes);
+  } else if (l.channels == 2) {
+    _mm_storeu_si128((__m128i*)(void*)out, _mm256_castsi256_si128(bytes));
+  } else if (l.channels == 3) {
+    _mm256_mask_storeu_epi8(out, 0xffffff, bytes);
+  } else {
+    _mm256_storeu_si256((__m256i*)(void*)out, bytes);
+  }
+}
+
+/* 8 bytes each, of rows r and r + 4. */
+INLINE void store_both(const tile_output* t, uint32_t r, __m128i bytes,
+                       layout l) {
+  if (t->is_whole) {
+    uint8_t* const out = t->out + r * t->stride;
+    uint8_t* const below = out + 4 * t->stride;
+    _mm_storel_epi64((__m128i*)(void*)out, bytes);
+    _mm_storeh_pi((__m64*)(void*)below, _mm_castsi128_ps(bytes));
+  } else {
+    const __m128i high = _mm_unpackhi_epi64(bytes, bytes);
+    store_row(t, r, _mm256_castsi128_si256(bytes), l);
+    store_row(t, r + 4, _mm256_castsi128_si256(high), l);
+  }
+}
+
+/* 16 bytes of each of four rows from r on; of one channel, 8 of these and 8 of
+ * the four rows below. */
+INLINE void store_four(const tile_output* t, uint32_t r, __m512i rows,
+                       layout l) {
+#define STORE(k)                                               \
+  do {                                                         \
+    const __m128i bytes = _mm512_extracti32x4_epi32(rows, k);  \
+    if (l.channels == 1)                                       \
+      store_both(t, k, bytes, l);                              \
+    else                                                       \
+      store_row(t, r + (k), _mm256_castsi128_si256(bytes), l); \
+  } while (0)
+  STORE(0);
+  STORE(1);
+  STORE(2);
+  STORE(3);
+#undef STORE
+}
+
+/* Two rows from r on, whose halves are v and w. */
+INLINE void store_two(const tile_output* t, uint32_t r, __m512i v, __m512i w,
+                      layout l) {
+  const bytes_64 b = byte_numbers() & 31;
+  const bytes_64 row = (byte_numbers() >> 5) * 32;
+  /* of three channels, the bytes of the fourth are left out */
+  const bytes_64 in_half = b % 12;
+  const bytes_64 index =
+      row + (l.channels == 3 ? b / 12 * 64 + in_half / 3 * 8 + in_half % 3 * 2
+                             : (b >> 4) * 64 + (b & 15) * 2);
+  const __m512i bytes = _mm512_permutex2var_epi8(v, (__m512i)index, w);
+  store_row(t, r, low_half(bytes), l);
+  store_row(t, r + 1, high_half(bytes), l);
+}
+
+/* Asks for what the blocks to the right will read and write: once for 64 bytes
+ * of output, which come from up to 128. */
+INLINE void look_ahead(const uint8_t* data, const boxes* b,
+                       const tile_output* t) {
+  for (uint32_t r = 0; r < TILE_ROWS; ++r) {
+    __builtin_prefetch(data + b->upper[r] + AHEAD);
+    __builtin_prefetch(data + b->upper[r] + AHEAD + 64);
+    __builtin_prefetch(data + b->lower[r] + AHEAD);
+    __builtin_prefetch(data + b->lower[r] + AHEAD + 64);
+    __builtin_prefetch(t->out + r * t->stride + AHEAD, 1);
+  }
+}
+
+/* ---- Tiles --------------------------------------------------------------- */
+
+/* What the tiles of some rows have in common. */
+typedef struct tile_row {
+  lane_steps upper, lower; /* of both sets */
+  /* From the first pixel to the last, to the last of the first half, and to the
+   * first of the second. */
+  __m512i to_last, to_half, to_next_half;
+} tile_row;
+
+INLINE __m512i times(__m512i step, uint32_t pixels) {
+  return _mm512_mullo_epi32(step, _mm512_set1_epi32((int32_t)pixels));
+}
+
+INLINE tile_row find_tile_row(__m512i step, uint32_t num_pixels, layout l) {
+  const words_32 n = lane_numbers();
+  const uint32_t last = num_pixels - 1;
+  __m512i pixels = (__m512i)(num_halves(l) == 1 ? n & 7 : n & 3);
+  if (!l.is_tile) { /* behind the last pixel, that one again */
+    const __m512i lasts = _mm512_set1_epi16((int16_t)last);
+    pixels = _mm512_min_epu16((__m512i)(n & 7), lasts);
+    if (num_halves(l) == 2)
+      pixels =
+          _mm512_sub_epi16(pixels, _mm512_min_epu16((__m512i)(n & 4), lasts));
+  }
+  const tile_row row = {find_lane_steps(step, pixels, 0, l),
+                        find_lane_steps(step, pixels, 1, l), times(step, last),
+                        times(step, last < 3 ? last : 3),
+                        times(step, last < 4 ? last : 4)};
+  return row;
+}
+
+/* start: of its rows. Returns whether it was done. */
+INLINE int blend_tile(const uint8_t* data, const source_steps* s, __m512i start,
+                      const tile_row* row, const tile_output* to, layout l,
+                      const fills* f) {
+  const __m512i end = _mm512_add_epi32(start, row->to_last);
+  boxes b[2];
+  __m512i firsts[2];
+  if (num_halves(l) == 1) {
+    if (!find_boxes(s, start, end, l, &firsts[0], &b[0])) return 0;
+  } else {
+    if (!find_boxes(s, start, _mm512_add_epi32(start, row->to_half), l,
+                    &firsts[0], &b[0]) ||
+        !find_boxes(s, _mm512_add_epi32(start, row->to_next_half), end, l,
+                    &firsts[1], &b[1]))
+      return 0;
+  }
+  if (((uintptr_t)to->out & 63) < TILE_PIXELS * l.channels)
+    look_ahead(data, &b[0], to);
+  const set upper = find_set(firsts, 0, &row->upper, l, f);
+  const set lower = find_set(firsts, 1, &row->lower, l, f);
+#define GROUP(g, half)                                                    \
+  blend_group(data, &b[half], (g)*group_rows(l) < 4 ? &upper : &lower, g, \
+              half, l, f)
+  if (l.channels == 1) {
+    store_four(to, 0, _mm512_packus_epi16(GROUP(0, 0), GROUP(1, 0)), l);
+  } else if (l.channels == 2) {
+    store_four(to, 0, _mm512_packus_epi16(GROUP(0, 0), GROUP(0, 1)), l);
+    store_four(to, 4, _mm512_packus_epi16(GROUP(1, 0), GROUP(1, 1)), l);
+  } else {
+    store_two(to, 0, GROUP(0, 0), GROUP(0, 1), l);
+    store_two(to, 2, GROUP(1, 0), GROUP(1, 1), l);
+    store_two(to, 4, GROUP(2, 0), GROUP(2, 1), l);
+    store_two(to, 6, GROUP(3, 0), GROUP(3, 1), l);
+  }
+#undef GROUP
+  return 1;
+}
+
+/* Returns how many pixels of the rows were done. */
+INLINE uint32_t blend_tiles(const uint8_t* data, const source_steps* s,
+                            tile rows, tile_output to, uint32_t n, layout l,
+                            const fills* f) {
+  const uint32_t num_pixels = l.is_tile || n >= TILE_PIXELS ? TILE_PIXELS : n;
+  const tile_row row = find_tile_row(rows.step, num_pixels, l);
+  const __m512i to_next = times(rows.step, TILE_PIXELS);
+  uint8_t* const out = to.out;
+  uint32_t k = 0;
+  for (;;) {
+    to.out = out + k * l.channels;
+    if (!blend_tile(data, s, rows.start, &row, &to, l, f)) return k;
+    k += num_pixels;
+    if (l.is_tile || k == n) return n;
+    rows.start = _mm512_add_epi32(rows.start, to_next);
+    if (k + TILE_PIXELS > n) { /* the last tile begins earlier */
+      const uint32_t back = k + TILE_PIXELS - n;
+      rows.start = _mm512_sub_epi32(rows.start, times(rows.step, back));
+      k -= back;
+    }
+  }
+}
+
+/* ---- Runs ---------------------------------------------------------------- */
+
+/* Rows from t on, pixels from k on. */
+static void blend_elsewhere(const rg_run* run, uint32_t t, uint32_t num_rows,
+                            uint32_t k, rg_blend* other) {
+  rg_run part = *run;
+  part.first_row = (uint8_t)(run->first_row + t);
+  part.num_rows = (uint8_t)num_rows;
+  part.out += (size_t)t * run->out_stride;
+  part.first_pixel = (uint8_t)(run->first_pixel + k);
+  part.num_pixels = (uint8_t)(run->num_pixels - k);
+  part.out_pixel += k;
+  other(&part);
+}
+
+INLINE void blend_rows(const rg_run* run, layout l, rg_blend* other) {
+  const uint32_t n = run->num_pixels, num_rows = l.is_tile ? 8 : run->num_rows;
+  const uint32_t row_bytes = (n < TILE_PIXELS ? n : TILE_PIXELS) * l.channels;
+  const fills* f = &kFills;
+  __asm__("" : "+r"(f)); /* values are loaded from there */
+  const source_steps s = find_source_steps(run, l);
+  tile_output to = {run->out + run->out_pixel * l.channels, run->out_stride, 0,
+                    0, (__mmask32)((UINT64_C(1) << row_bytes) - 1)};
+  for (uint32_t t = 0; t < num_rows; t += TILE_ROWS) {
+    to.num_rows = num_rows - t < TILE_ROWS ? num_rows - t : TILE_ROWS;
+    to.is_whole = l.is_tile || (to.num_rows == TILE_ROWS && n >= TILE_PIXELS);
+    const uint32_t done =
+        blend_tiles(run->data, &s, find_tile(run, t, l), to, n, l, f);
+    if (done != n) blend_elsewhere(run, t, to.num_rows, done, other);
+    to.out += TILE_ROWS * to.stride;
+  }
+}
+
+INLINE void blend(const rg_run* run, uint32_t channels, rg_blend* other) {
+  const layout parts = {channels, 0}, tiles = {channels, 1};
+  if (run->stride > 1 << 18)
+    other(run);
+  else if (run->block.width_log2 == 3 && run->block.height_log2 == 3 &&
+           run->num_pixels == TILE_PIXELS && run->num_rows == TILE_ROWS)
+    blend_rows(run, tiles, other);
+  else
+    blend_rows(run, parts, other);
+}
+
+void rg_blend_1_avx512(const rg_run* run) { blend(run, 1, rg_blend_1_avx2); }
+void rg_blend_2_avx512(const rg_run* run) { blend(run, 2, rg_blend_2_avx2); }
+void rg_blend_3_avx512(const rg_run* run) { blend(run, 3, rg_blend_3_avx2); }
+void rg_blend_4_avx512(const rg_run* run) { blend(run, 4, rg_blend_4_avx2); }
+
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+
+#endif
