@@ -12,34 +12,41 @@
 extern "C" {
 #endif
 
-/* A remap table for one lattice. */
-typedef struct rg_lattice_map {
-  const uint8_t* section;
-  const rg_lattice* lattice;
-  uint16_t width, height; /* of the source lattice */
-  rg_position min, max;   /* positions with a source, inclusive, q12 */
-} rg_lattice_map;
+/* Image coordinate c, q12, to the lattice's; bias is added where halves are
+ * rounded. */
+static inline int32_t rg_to_lattice(const rg_lattice* lattice, int c,
+                                    int32_t q12, int32_t bias) {
+  q12 -= lattice->half[c] * 2048;
+  return lattice->log2[c] == 0 ? q12 : (q12 + bias) >> 1;
+}
 
-void rg_lattice_map_open(rg_lattice_map* map, const uint8_t* section,
-                         const rg_lattice* lattice, uint32_t image_width,
-                         uint32_t image_height);
+/* A range of one coordinate of positions, inclusive. */
+typedef struct rg_range {
+  int32_t min_q12, max_q12;
+} rg_range;
+
+/* Coordinate c of the positions that have a source. */
+static RG_INLINE rg_range rg_source_range(const uint8_t* section,
+                                          const rg_lattice* lattice, int c) {
+  const uint8_t* const field = section + 12 + 4 * c;
+  const rg_range range = {rg_to_lattice(lattice, c, rg_load_i32(field), 1),
+                          rg_to_lattice(lattice, c, rg_load_i32(field + 8), 0)};
+  return range;
+}
 
 /* log2 of the output pixels that the parts of blocks are wide (axis 0) or high
  * (1): what the table says, but at least 16 for chroma, 8 of its own. */
 static inline uint32_t rg_part_log2(const uint8_t* section,
                                     const rg_lattice* lattice, int axis) {
-  const uint32_t half = axis == 0 ? lattice->half_x : lattice->half_y;
   if (section[10] == 0) return section[8];
-  return section[10] < 4 && half == 1 ? 4 : section[10];
+  return section[10] < 4 && lattice->half[axis] == 1 ? 4 : section[10];
 }
 
 /* A part of a block of the table, as the lattice has it. */
 void rg_lattice_block(const rg_lattice* lattice, rg_block* block);
 
-static inline int rg_is_between(const rg_position* min, const rg_position* max,
-                                const rg_position* p) {
-  return p->q12[0] >= min->q12[0] && p->q12[0] <= max->q12[0] &&
-         p->q12[1] >= min->q12[1] && p->q12[1] <= max->q12[1];
+static inline int rg_is_in(rg_range range, int32_t q12) {
+  return q12 >= range.min_q12 && q12 <= range.max_q12;
 }
 
 #ifdef __cplusplus

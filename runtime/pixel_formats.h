@@ -23,12 +23,12 @@ typedef enum rg_sample_kind {
 
 typedef struct rg_lattice {
   uint8_t plane;
-  uint8_t kind;                /* rg_sample_kind */
-  uint8_t first_sample;        /* of a row, counted in samples of the plane */
-  uint8_t sample_step;         /* from one lattice pixel to the next */
-  uint8_t num_channels;        /* consecutive samples of a lattice pixel */
-  uint8_t log2_x, log2_y;      /* image pixels per lattice pixel, as a power */
-  uint8_t half_x, half_y;      /* where lattice pixel (0, 0) is: half pixels */
+  uint8_t kind;         /* rg_sample_kind */
+  uint8_t first_sample; /* of a row, counted in samples of the plane */
+  uint8_t sample_step;  /* from one lattice pixel to the next */
+  uint8_t num_channels; /* consecutive samples of a lattice pixel */
+  uint8_t log2[2];      /* image pixels per lattice pixel, as a power: x, y */
+  uint8_t half[2];      /* where lattice pixel (0, 0) is: half pixels */
   uint8_t first_row, row_step; /* rows of the plane */
   uint8_t first_border;        /* index of the first channel's border value */
 } rg_lattice;
@@ -80,6 +80,9 @@ static inline void rg_store_sample(uint32_t kind, uint8_t* row, uint32_t index,
     rg_store_bits(row + 2, 4 * index, 15, value);
   }
 }
+
+/* The same, out of line. */
+void rg_put_sample(uint32_t kind, uint8_t* row, uint32_t index, uint32_t value);
 
 #ifdef __cplusplus
 }

@@ -1,47 +1,88 @@
 /* Undistortion of frames: formats/SPEC.md, "Remap arithmetic". One lattice of
  * the format after the other. */
 #include "planes.h"
-#include "remap_blocks.h"
+#include "remap_pixels.h"
 
 /* ---- Whole lattices ------------------------------------------------------ */
 
-/* Where the ring's rows are. */
-static void find_ring(const rg_image* image, remap_job* job) {
-  const uint32_t log2 = job->map.lattice->log2_y;
-  const uint32_t first = image->first_row;
-  job->is_ring = image->ring_rows != 0;
-  if (!job->is_ring) return;
-  job->ring_rows = (uint16_t)(image->ring_rows >> log2);
-  job->ring_start =
-      (uint16_t)((first - rg_remainder(first, image->ring_rows)) >> log2);
+/* Of a ring, the rows from one multiple of its size to the next follow each
+ * other in memory: those that the block's top lies in. Pixels of others are
+ * taken one by one. */
+static void choose_ring_rows(rg_remap_job* job) {
+  const rg_position* const corners = job->run.block.corners;
+  int32_t top = (job->size[1] - 1) << 12;
+  for (int k = 0; k < 4; ++k)
+    if (corners[k].q12[1] < top) top = corners[k].q12[1];
+  const uint32_t row = top < 0 ? 0 : (uint32_t)top >> 12;
+  const uint32_t first = row - (uint32_t)rg_remainder(row, job->ring_rows);
+  const uint32_t rest = job->size[1] - first;
+  job->run.first_source_row = (uint16_t)first;
+  job->num_rows = (uint16_t)(rest < job->ring_rows ? rest : job->ring_rows);
 }
 
-/* Functions of their own, this one and the checks, so that their stacks do not
- * add up. */
-static RG_NOINLINE void remap_lattice(const uint8_t* section,
-                                      const rg_image* image,
-                                      const rg_target* target,
-                                      const rg_lattice* lattice) {
-  const uint32_t plane = lattice->plane;
-  const uint32_t stride = image->planes[plane].stride;
-  const uint32_t out_stride = target->planes[plane].stride;
-  remap_job job;
-  rg_lattice_map_open(&job.map, section, lattice, image->width, image->height);
-  find_safe_region(&job);
-  find_ring(image, &job);
-  job.border = (uint8_t)target->border;
-  job.sampling = (uint8_t)target->sampling;
-  job.border_values = target->border_values + lattice->first_border;
-  job.kernels = rg_choose_kernels(target->kernels, stride);
-  job.run.data =
-      image->planes[plane].data + lattice->first_row * (size_t)stride;
-  job.run.stride = stride * lattice->row_step;
-  job.run.out_stride = out_stride * lattice->row_step;
+static void prepare_block(rg_remap_job* job) {
+  rg_lattice_block(job->lattice, &job->run.block);
+  if (job->ring_rows != 0) choose_ring_rows(job);
+}
+
+static RG_NOINLINE void fill_run(const rg_remap_job* job) {
+  const rg_target* const target = (const rg_target*)job->context;
+  if (target->border != RG_BORDER_KEEP)
+    rg_fill_run(&job->run, job->lattice,
+                target->border_values + job->lattice->first_border);
+}
+
+static RG_NOINLINE int remap_pixel(const rg_remap_job* job) {
+  return rg_remap_pixel(job, job->lattice, 0,
+                        ((const rg_target*)job->context)->sampling);
+}
+
+static void remap_run(rg_remap_job* job, rg_care care) {
+  if (care >= RG_CARE_PIXEL) {
+    if (care == RG_CARE_NO_SOURCE || !remap_pixel(job)) fill_run(job);
+  } else if (((const rg_target*)job->context)->sampling ==
+             RG_SAMPLING_NEAREST) {
+    rg_copy_lattice(&job->run, job->lattice);
+  } else {
+    rg_dispatch(rg_kernels_of(job), &job->run, job->lattice,
+                care == RG_CARE_NONE);
+  }
+}
+
+/* A function of its own, so that its stack and that of the checks do not add
+ * up. */
+static RG_NOINLINE rg_status remap_lattices(const uint8_t* section,
+                                            const rg_image* image,
+                                            const rg_target* target) {
+  const rg_lattice* lattice = 0;
+  rg_remap_job job;
+  job.remap_run = remap_run;
+  job.context = target;
+  job.walk.section = section;
+  job.walk.is_clamped = target->border == RG_BORDER_CLAMP;
   job.run.first_source_row = 0;
-  const uint32_t row = (uint32_t)target->first_row >> lattice->log2_y;
-  remap_rows(
-      &job, row, row + ((uint32_t)target->num_rows >> lattice->log2_y),
-      target->planes[plane].data + lattice->first_row * (size_t)out_stride);
+  for (uint32_t k = rg_format_lattices(image->format, &lattice); k != 0;
+       --k, ++lattice) {
+    const uint32_t plane = lattice->plane, log2 = lattice->log2[1];
+    const uint32_t stride = image->planes[plane].stride;
+    const uint32_t out_stride = target->planes[plane].stride;
+    const uint32_t row = (uint32_t)target->first_row >> log2;
+    job.lattice = lattice;
+    job.prepare_block =
+        (lattice->log2[0] | image->ring_rows) != 0 ? prepare_block : 0;
+    rg_set_kernels(&job, target->kernels, stride);
+    job.size[0] = (uint16_t)(image->width >> lattice->log2[0]);
+    job.size[1] = job.num_rows = (uint16_t)(image->height >> log2);
+    job.ring_rows = (uint16_t)(image->ring_rows >> log2);
+    job.run.data =
+        image->planes[plane].data + lattice->first_row * (size_t)stride;
+    job.run.stride = stride * lattice->row_step;
+    job.run.out =
+        target->planes[plane].data + lattice->first_row * (size_t)out_stride;
+    job.run.out_stride = out_stride * lattice->row_step;
+    rg_remap_rows(&job, row, row + ((uint32_t)target->num_rows >> log2));
+  }
+  return RG_OK;
 }
 
 /* ---- Checks -------------------------------------------------------------- */
@@ -58,7 +99,7 @@ static rg_status check_plane(const rg_lattice* lattice, const uint8_t* data,
 static rg_status check_lattice(const uint8_t* section, const rg_image* image,
                                const rg_target* target,
                                const rg_lattice* lattice) {
-  const uint32_t odd_rows = (1u << lattice->log2_y) - 1;
+  const uint32_t odd_rows = (1u << lattice->log2[1]) - 1;
   const uint32_t output_height = rg_load_u16(section + 2);
   if (((image->height | output_height | image->ring_rows) & odd_rows) != 0)
     return RG_ERR_FRAME_SIZE;
@@ -80,7 +121,7 @@ static void find_plane(const rg_lattice* lattice, const uint8_t* data,
   plane->data = data;
   plane->stride = stride;
   plane->row_bytes = rg_plane_row_bytes(lattice, width);
-  plane->num_rows = (num_rows >> lattice->log2_y) * lattice->row_step;
+  plane->num_rows = (num_rows >> lattice->log2[1]) * lattice->row_step;
 }
 
 static RG_NOINLINE int is_overlapping(const uint8_t* section,
@@ -135,10 +176,11 @@ rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
 
 static RG_NOINLINE rg_status check_frames(const rg_camera* camera,
                                           const rg_image* image,
-                                          const rg_target* target,
-                                          const rg_lattice* lattices,
-                                          uint32_t num_lattices) {
+                                          const rg_target* target) {
   const uint8_t* const section = camera->remap;
+  if (!section) return RG_ERR_NO_REMAP;
+  const rg_lattice* lattices = 0;
+  const uint32_t num_lattices = rg_format_lattices(image->format, &lattices);
   if (num_lattices == 0 || (uint32_t)target->border > RG_BORDER_KEEP ||
       (uint32_t)target->sampling > RG_SAMPLING_NEAREST ||
       (target->border == RG_BORDER_CLAMP && image->ring_rows != 0))
@@ -152,20 +194,15 @@ static RG_NOINLINE rg_status check_frames(const rg_camera* camera,
   }
   if ((uint32_t)target->first_row + target->num_rows > rg_load_u16(section + 2))
     return RG_ERR_ROWS;
-  if (is_overlapping(section, image, target, lattices, num_lattices))
-    return RG_ERR_OVERLAP;
-  return check_ring(camera, image, target);
+  return is_overlapping(section, image, target, lattices, num_lattices)
+             ? RG_ERR_OVERLAP
+             : RG_OK;
 }
 
 rg_status rg_remap(const rg_camera* camera, const rg_image* image,
                    const rg_target* target) {
-  if (!camera->remap) return RG_ERR_NO_REMAP;
-  const rg_lattice* lattices = 0;
-  const uint32_t num_lattices = rg_format_lattices(image->format, &lattices);
-  const rg_status status =
-      check_frames(camera, image, target, lattices, num_lattices);
-  if (status != RG_OK) return status;
-  for (uint32_t k = 0; k < num_lattices; ++k)
-    remap_lattice(camera->remap, image, target, &lattices[k]);
-  return RG_OK;
+  rg_status status = check_frames(camera, image, target);
+  if (status == RG_OK) status = check_ring(camera, image, target);
+  return status == RG_OK ? remap_lattices(camera->remap, image, target)
+                         : status;
 }

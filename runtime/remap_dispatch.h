@@ -50,9 +50,9 @@ static inline void rg_dispatch_grey(const rg_kernels* kernels,
 
 /* Channels of 8 bits that fill the plane; 0 of other lattices. */
 static inline uint32_t rg_interleaved(const rg_lattice* lattice) {
-  return lattice->kind == RG_SAMPLE_8 &&
-                 lattice->sample_step == lattice->num_channels
-             ? lattice->num_channels
+  const uint32_t channels = lattice->num_channels;
+  return lattice->kind == RG_SAMPLE_8 && lattice->sample_step == channels
+             ? channels
              : 0;
 }
 

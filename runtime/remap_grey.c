@@ -1,7 +1,25 @@
 /* rg_remap() for grey frames alone, with less code. */
-#define RG_GREY_ONLY
 #include "planes.h"
-#include "remap_blocks.h"
+#include "remap_pixels.h"
+
+static const rg_lattice kGrey = {0,      RG_SAMPLE_8, 0, 1, 1,
+                                 {0, 0}, {0, 0},      0, 1, 0};
+
+static RG_NOINLINE void fill_grey_run(const rg_remap_job* job) {
+  const uint16_t border = ((const rg_band*)job->context)->border;
+  rg_fill_run(&job->run, &kGrey, &border);
+}
+
+static RG_NOINLINE int remap_grey_pixel(const rg_remap_job* job) {
+  return rg_remap_pixel(job, &kGrey, 1, RG_SAMPLING_BILINEAR);
+}
+
+static void remap_grey_run(rg_remap_job* job, rg_care care) {
+  if (care < RG_CARE_PIXEL)
+    rg_dispatch_grey(rg_kernels_of(job), &job->run, care == RG_CARE_NONE);
+  else if (care == RG_CARE_NO_SOURCE || !remap_grey_pixel(job))
+    fill_grey_run(job);
+}
 
 /* A function of its own, so that its stack does not add up with the rest. */
 static RG_NOINLINE rg_status check_grey_frames(const rg_camera* camera,
@@ -25,24 +43,22 @@ rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
                         const rg_band* band) {
   const rg_status status = check_grey_frames(camera, frame, band);
   if (status != RG_OK) return status;
-  const uint8_t* const section = camera->remap;
-  const uint16_t border = band->border;
-  remap_job job;
-  job.map.section = section;
-  job.map.width = frame->width;
-  job.map.height = frame->height;
-  for (int c = 0; c < 2; ++c) {
-    job.map.min.q12[c] = rg_load_i32(section + 12 + 4 * c);
-    job.map.max.q12[c] = rg_load_i32(section + 20 + 4 * c);
-  }
-  find_safe_region(&job);
-  job.border_values = &border;
-  job.kernels = rg_choose_kernels(0, frame->stride);
+  rg_remap_job job;
+  job.lattice = &kGrey;
+  job.remap_run = remap_grey_run;
+  job.prepare_block = 0;
+  job.context = band;
+  rg_set_kernels(&job, 0, frame->stride);
+  job.size[0] = frame->width;
+  job.size[1] = job.num_rows = frame->height;
+  job.ring_rows = 0;
+  job.walk.is_clamped = 0;
+  job.walk.section = camera->remap;
   job.run.data = frame->data;
   job.run.stride = frame->stride;
   job.run.out_stride = band->stride;
+  job.run.out = band->data;
   job.run.first_source_row = 0;
-  remap_rows(&job, band->first_row, (uint32_t)band->first_row + band->num_rows,
-             band->data);
-  return RG_OK;
+  return rg_remap_rows(&job, band->first_row,
+                       (uint32_t)band->first_row + band->num_rows);
 }

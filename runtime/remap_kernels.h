@@ -32,12 +32,17 @@ typedef struct rg_run {
   uint8_t first_pixel, num_pixels; /* of the block's rows; neither num is 0 */
 } rg_run;
 
-/* Row r of a run: position (0, 0) is data. */
-static inline void rg_find_run_row(const rg_run* run, uint32_t r,
-                                   rg_block_row* row) {
-  rg_find_block_row(&run->block, run->first_row + r, row);
+/* From a row of the run's block: position (0, 0) becomes data. */
+static RG_INLINE void rg_move_to_run(const rg_run* run, rg_block_row* row) {
   row->start = rg_row_position(row, run->first_pixel);
   row->start.q12[1] -= (int32_t)run->first_source_row << 12;
+}
+
+/* Row r of a run. */
+static RG_INLINE void rg_find_run_row(const rg_run* run, uint32_t r,
+                                      rg_block_row* row) {
+  rg_find_row(&run->block, run->first_row + r, row);
+  rg_move_to_run(run, row);
 }
 
 /* What kernels may read beyond what they need: the row below a pixel's lower
@@ -118,6 +123,13 @@ void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice);
 #define RG_IN_REGISTER(value) ((void)(value))
 #endif
 
+/* A value that a loop before does not keep in a register. */
+#if defined(__ARM_FEATURE_SIMD32)
+#define RG_IN_MEMORY(value) __asm__("" : "+m"(value))
+#else
+#define RG_IN_MEMORY(value) ((void)(value))
+#endif
+
 /* Bytes 0 and 2 to halves, and bytes 1 and 3. */
 static inline uint32_t rg_even_bytes(uint32_t bytes) {
 #if defined(__ARM_FEATURE_SIMD32)
@@ -181,22 +193,35 @@ static inline uint32_t rg_rounding(uint32_t kind, int c) {
   return kind != RG_SAMPLE_8 ? 8 : c == 0 ? 16 : 0;
 }
 
-/* The four samples around a position to which the rounding was added; the right
- * ones lie right samples on. */
-static inline uint32_t rg_blend_samples(uint32_t kind, const uint8_t* upper,
-                                        const uint8_t* lower, uint32_t index,
-                                        uint32_t right, uint32_t x_q12,
-                                        uint32_t y_q12) {
+/* Of 8 bits: what lies around a position to which the rounding was added. The
+ * right samples lie right bytes on. */
+static RG_INLINE uint32_t rg_blend_bytes(const uint8_t* upper,
+                                         const uint8_t* lower, uint32_t right,
+                                         uint32_t x_q12, uint32_t y_q12) {
+  return rg_blend_8(upper[0] | (uint32_t)lower[0] << 16,
+                    upper[right] | (uint32_t)lower[right] << 16, x_q12, y_q12,
+                    RG_ROUNDING_8);
+}
+
+/* Of any kind: the right samples lie right samples on. */
+static RG_INLINE uint32_t rg_blend_samples(uint32_t kind, const uint8_t* upper,
+                                           const uint8_t* lower, uint32_t index,
+                                           uint32_t right, uint32_t x_q12,
+                                           uint32_t y_q12) {
+  if (kind == RG_SAMPLE_8)
+    return rg_blend_bytes(upper + index, lower + index, right, x_q12, y_q12);
   const uint32_t p00 = rg_load_sample(kind, upper, index);
   const uint32_t p01 = rg_load_sample(kind, upper, index + right);
   const uint32_t p10 = rg_load_sample(kind, lower, index);
   const uint32_t p11 = rg_load_sample(kind, lower, index + right);
-  if (kind == RG_SAMPLE_8)
-    return rg_blend_8(p00 | p10 << 16, p01 | p11 << 16, x_q12, y_q12,
-                      RG_ROUNDING_8);
   return rg_blend_16(p00, p01, p10, p11, (x_q12 >> 4) & 255,
                      (y_q12 >> 4) & 255);
 }
+
+/* The same, out of line. */
+uint32_t rg_mix_samples(uint32_t kind, const uint8_t* upper,
+                        const uint8_t* lower, uint32_t index, uint32_t right,
+                        uint32_t x_q12, uint32_t y_q12);
 
 #ifdef __cplusplus
 }

@@ -5,6 +5,8 @@
 
 #include <stdint.h>
 
+#include "fixed_point.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -21,35 +23,44 @@ typedef struct rg_block {
   uint8_t width_log2, height_log2;
 } rg_block;
 
-/* Walks along a row of parts of the blocks of a remap section, which must be
- * one that rg_blob_open() accepted. Along the lines above and below the parts,
- * positions come by forward differences. */
+/* Where stacks are large, what a block's parts have in common is kept from one
+ * to the next. */
+#if defined(__linux__) || defined(__LP64__) || defined(_WIN64)
+#define RG_KEEP_LINES 1
+#else
+#define RG_KEEP_LINES 0
+#endif
+
+/* A row of parts of the blocks of a remap section, which must be one that
+ * rg_blob_open() accepted. */
 typedef struct rg_block_walk {
-  const uint8_t* vertices[2]; /* the next ones, above and below */
-  rg_position affine[2];      /* likewise, without the residuals */
-  rg_position column_step;
-  rg_position ends[2]; /* of the lines above and below: right ends */
-  /* Of the same lines: where they are, times the number of parts,
-   * and rounded; how that changes to the next part; minus half the change of
-   * the latter. */
-  rg_position sums[2], steps[2], bends[2];
-  uint8_t residual_shift, vertex_size;
-  uint8_t part_log2[2];  /* output pixels of a part: across, down */
-  uint8_t num_log2[2];   /* parts of a block */
-  uint8_t bend_shift[2]; /* of the edges across, and down */
-  uint8_t row;           /* of the parts, within their block */
-  uint8_t next_part;     /* likewise */
-  uint8_t is_empty;      /* the table says that no pixel of the block that was
-                            last come to has a source */
-  const uint8_t* empty_blocks;
-  uint32_t next_block; /* bit of empty_blocks */
+  const uint8_t* section;
+  uint16_t row;         /* of parts */
+  uint16_t next_part;   /* in the row */
+  uint8_t part_log2[2]; /* output pixels of a part: across, down */
+  uint8_t is_empty;     /* the table says that no pixel of the last part's block
+                           has a source */
+  uint8_t is_clamped;   /* such pixels take the nearest source: none is empty */
+#if RG_KEEP_LINES
+  rg_position ends[4], bends[2]; /* as find_ends() has them */
+  /* Of the points along both lines: where the next ones are, times the number
+   * of parts, and rounded; how that changes to those after them. */
+  rg_position sums[2], steps[2];
+#endif
 } rg_block_walk;
 
 /* To the first part of row j of parts of 2^width_log2 x 2^height_log2 output
  * pixels: a block is 1 to 8 such parts wide and high, 1 in a table without
  * bends. */
-void rg_start_walk(const uint8_t* section, uint32_t width_log2,
-                   uint32_t height_log2, uint32_t j, rg_block_walk* walk);
+static inline void rg_start_walk(const uint8_t* section, uint32_t width_log2,
+                                 uint32_t height_log2, uint32_t j,
+                                 rg_block_walk* walk) {
+  walk->section = section;
+  walk->row = (uint16_t)j;
+  walk->next_part = 0;
+  walk->part_log2[0] = (uint8_t)width_log2;
+  walk->part_log2[1] = (uint8_t)height_log2;
+}
 
 /* The corners of the part, and on to the next one. */
 void rg_next_block(rg_block_walk* walk, rg_block* block);
@@ -71,21 +82,27 @@ static inline int32_t rg_part_of(int32_t from, int32_t to, uint32_t r,
   return rg_round_shift((int32_t)((uint32_t)(to - from) * r), shift);
 }
 
-/* Row r of a block, r less than its height. */
-static inline void rg_find_block_row(const rg_block* block, uint32_t r,
-                                     rg_block_row* row) {
+/* Coordinate c of row r of a block, r less than its height. */
+static RG_INLINE void rg_find_row_axis(const rg_block* block, uint32_t r, int c,
+                                       rg_block_row* row) {
   const rg_position* const corners = block->corners;
-  for (int c = 0; c < 2; ++c) {
-    const int32_t left =
-        corners[0].q12[c] +
-        rg_part_of(corners[0].q12[c], corners[2].q12[c], r, block->height_log2);
-    const int32_t right =
-        corners[1].q12[c] +
-        rg_part_of(corners[1].q12[c], corners[3].q12[c], r, block->height_log2);
-    row->start.q12[c] = left;
-    row->step.q12[c] = rg_round_shift(right - left, block->width_log2);
-  }
+  const int32_t left =
+      corners[0].q12[c] +
+      rg_part_of(corners[0].q12[c], corners[2].q12[c], r, block->height_log2);
+  const int32_t right =
+      corners[1].q12[c] +
+      rg_part_of(corners[1].q12[c], corners[3].q12[c], r, block->height_log2);
+  row->start.q12[c] = left;
+  row->step.q12[c] = rg_round_shift(right - left, block->width_log2);
 }
+
+/* Row r: in place, and out of line. */
+static RG_INLINE void rg_find_row(const rg_block* block, uint32_t r,
+                                  rg_block_row* row) {
+  rg_find_row_axis(block, r, 0, row);
+  rg_find_row_axis(block, r, 1, row);
+}
+void rg_find_block_row(const rg_block* block, uint32_t r, rg_block_row* row);
 
 static inline rg_position rg_row_position(const rg_block_row* row, uint32_t k) {
   rg_position p;

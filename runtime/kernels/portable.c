@@ -154,7 +154,7 @@ typedef struct edge_walk {
   int32_t sum, height;
 } edge_walk;
 
-static RG_SHARED void start_edges(const rg_run* run, int32_t origin_x,
+static RG_INLINE void start_edges(const rg_run* run, int32_t origin_x,
                                   edge_walk edges[4]) {
   const uint32_t log2 = run->block.height_log2;
   const int32_t half_step = INT32_C(1) << run->block.width_log2 >> 1;
@@ -199,8 +199,8 @@ static RG_INLINE int has_turns(blended rounding) {
 }
 
 /* A function of its own, so that the loop has all registers. */
-static RG_NOINLINE void blend_row_1(const rg_run* run, edge_walk edges[4],
-                                    uint8_t* out) {
+static RG_INLINE void blend_row_1(const rg_run* run, edge_walk edges[4],
+                                  uint8_t* out) {
   rg_block_row row;
   next_row(run, edges, &row);
   const uint32_t num_pixels = run->num_pixels;
@@ -228,7 +228,10 @@ void rg_blend_1(const rg_run* run) {
   start_edges(run, ORIGIN_X, edges);
   uint32_t rows = run->num_rows;
   do {
-    blend_row_1(run, edges, out);
+    uint8_t* const row = out;
+    RG_IN_MEMORY(out);
+    blend_row_1(run, edges, row);
+    RG_IN_MEMORY(run);
     out += run->out_stride;
   } while (--rows != 0);
 }
@@ -236,97 +239,75 @@ void rg_blend_1(const rg_run* run) {
 /* ---- Any lattice ----------------------------------------------------------
  */
 
-/* A row of a lattice of 8 bits. */
-static RG_SHARED void blend_row_8(const rg_run* run, const rg_lattice* lattice,
-                                  const rg_block_row* row, uint8_t* out) {
-  const uint32_t step = lattice->sample_step, stride = run->stride;
-  const uint32_t num_channels = lattice->num_channels;
-  const uint8_t* const data = run->data + lattice->first_sample;
-  const uint32_t step_x = (uint32_t)row->step.q12[0];
-  const uint32_t step_y = (uint32_t)row->step.q12[1];
-  uint32_t x_q12 = (uint32_t)row->start.q12[0] + 16;
-  uint32_t y_q12 = (uint32_t)row->start.q12[1];
-  out += lattice->first_sample + run->out_pixel * step;
-  for (uint32_t k = run->num_pixels; k != 0; --k, out += step) {
-    const uint8_t* upper =
-        data + (size_t)(y_q12 >> 12) * stride + (x_q12 >> 12) * step;
-    const uint8_t* lower = upper + stride;
-    for (uint32_t c = 0; c < num_channels; ++c, ++upper, ++lower)
-      out[c] = (uint8_t)rg_blend_8(upper[0] | (uint32_t)lower[0] << 16,
-                                   upper[step] | (uint32_t)lower[step] << 16,
-                                   x_q12, y_q12, RG_ROUNDING_8);
-    x_q12 += step_x;
-    y_q12 += step_y;
-  }
+uint32_t rg_mix_samples(uint32_t kind, const uint8_t* upper,
+                        const uint8_t* lower, uint32_t index, uint32_t right,
+                        uint32_t x_q12, uint32_t y_q12) {
+  return rg_blend_samples(kind, upper, lower, index, right, x_q12, y_q12);
 }
 
-/* Of more bits, one channel. */
-static RG_NOINLINE void blend_row_16(const rg_run* run,
-                                     const rg_lattice* lattice,
-                                     const rg_block_row* row, uint8_t* out) {
-  const uint32_t kind = lattice->kind, step = lattice->sample_step;
-  uint32_t x_q12 = (uint32_t)row->start.q12[0] + rg_rounding(kind, 0);
-  uint32_t y_q12 = (uint32_t)row->start.q12[1] + rg_rounding(kind, 1);
-  uint32_t target = lattice->first_sample + run->out_pixel * step;
-  for (uint32_t k = run->num_pixels; k != 0; --k, target += step) {
-    const uint8_t* const upper =
-        run->data + (size_t)(y_q12 >> 12) * run->stride;
-    const uint32_t index = lattice->first_sample + (x_q12 >> 12) * step;
-    rg_store_sample(kind, out, target,
-                    rg_blend_samples(kind, upper, upper + run->stride, index,
-                                     step, x_q12, y_q12));
-    x_q12 += (uint32_t)row->step.q12[0];
-    y_q12 += (uint32_t)row->step.q12[1];
-  }
-}
-
-static RG_SHARED void copy_row(const rg_run* run, const rg_lattice* lattice,
-                               const rg_block_row* row, uint8_t* out) {
-  const uint32_t kind = lattice->kind, step = lattice->sample_step;
-  const uint32_t num_channels = lattice->num_channels;
-  const uint32_t first = lattice->first_sample, stride = run->stride;
-  const uint8_t* const data = run->data;
-  const uint32_t step_x = (uint32_t)row->step.q12[0];
-  const uint32_t step_y = (uint32_t)row->step.q12[1];
-  uint32_t x_q12 = (uint32_t)row->start.q12[0] + 2048;
-  uint32_t y_q12 = (uint32_t)row->start.q12[1] + 2048;
-  uint32_t target = first + run->out_pixel * step;
-  for (uint32_t k = run->num_pixels; k != 0; --k, target += step) {
-    const uint8_t* const source = data + (size_t)(y_q12 >> 12) * stride;
-    const uint32_t index = first + (x_q12 >> 12) * step;
-    for (uint32_t c = 0; c < num_channels; ++c)
-      rg_store_sample(kind, out, target + c,
-                      rg_load_sample(kind, source, index + c));
-    x_q12 += step_x;
-    y_q12 += step_y;
-  }
+/* A pixel of several bytes a sample. */
+static RG_INLINE void do_wide_pixel(const rg_run* run,
+                                    const rg_lattice* lattice,
+                                    const uint8_t* upper, uint32_t index,
+                                    int is_copy, uint32_t x_q12, uint32_t y_q12,
+                                    uint8_t* out, uint32_t target) {
+  const uint32_t kind = lattice->kind, right = lattice->sample_step;
+  const uint8_t* const lower = upper + run->stride;
+  if (is_copy)
+    rg_put_sample(kind, out, target, rg_load_sample(kind, upper, index));
+  else if (RG_IS_FAST)
+    rg_store_sample(
+        kind, out, target,
+        rg_blend_samples(kind, upper, lower, index, right, x_q12, y_q12));
+  else
+    rg_put_sample(
+        kind, out, target,
+        rg_mix_samples(kind, upper, lower, index, right, x_q12, y_q12));
 }
 
 /* With lattice and sampling known to the compiler, where speed matters. */
 static RG_SHARED void do_rows(const rg_run* run, const rg_lattice* lattice,
                               int is_copy) {
+  const uint32_t kind = lattice->kind, step = lattice->sample_step;
+  const uint32_t stride = run->stride;
   uint8_t* out = run->out;
-  edge_walk edges[4];
-  start_edges(run, 0, edges);
-  uint32_t rows = run->num_rows;
+  uint32_t r = 0;
   do {
     rg_block_row row;
-    next_row(run, edges, &row);
-    if (is_copy)
-      copy_row(run, lattice, &row, out);
-    else if (lattice->kind == RG_SAMPLE_8)
-      blend_row_8(run, lattice, &row, out);
-    else
-      blend_row_16(run, lattice, &row, out);
+    rg_find_block_row(&run->block, run->first_row + r, &row);
+    rg_move_to_run(run, &row);
+    uint32_t x_q12 =
+        (uint32_t)row.start.q12[0] + (is_copy ? 2048 : rg_rounding(kind, 0));
+    uint32_t y_q12 =
+        (uint32_t)row.start.q12[1] + (is_copy ? 2048 : rg_rounding(kind, 1));
+    uint32_t target = lattice->first_sample + run->out_pixel * step;
+    for (uint32_t k = run->num_pixels; k != 0; --k, target += step) {
+      const uint8_t* const upper = run->data + (size_t)(y_q12 >> 12) * stride;
+      const uint32_t index = lattice->first_sample + (x_q12 >> 12) * step;
+      if (kind != RG_SAMPLE_8) {
+        do_wide_pixel(run, lattice, upper, index, is_copy, x_q12, y_q12, out,
+                      target);
+      } else {
+        for (uint32_t c = 0; c < lattice->num_channels; ++c) {
+          const uint8_t* const sample = upper + index + c;
+          out[target + c] =
+              is_copy ? *sample
+                      : (uint8_t)rg_blend_bytes(sample, sample + stride, step,
+                                                x_q12, y_q12);
+        }
+      }
+      x_q12 += (uint32_t)row.step.q12[0];
+      y_q12 += (uint32_t)row.step.q12[1];
+    }
     out += run->out_stride;
-  } while (--rows != 0);
+  } while (++r != run->num_rows);
 }
 
 static const rg_lattice kInterleaved[4] = {
-    {0, RG_SAMPLE_8, 0, 1, 1, 0, 0, 0, 0, 0, 1, 0},
-    {0, RG_SAMPLE_8, 0, 2, 2, 0, 0, 0, 0, 0, 1, 0},
-    {0, RG_SAMPLE_8, 0, 3, 3, 0, 0, 0, 0, 0, 1, 0},
-    {0, RG_SAMPLE_8, 0, 4, 4, 0, 0, 0, 0, 0, 1, 0}};
+    {0, RG_SAMPLE_8, 0, 1, 1, {0, 0}, {0, 0}, 0, 1, 0},
+    {0, RG_SAMPLE_8, 0, 2, 2, {0, 0}, {0, 0}, 0, 1, 0},
+    {0, RG_SAMPLE_8, 0, 3, 3, {0, 0}, {0, 0}, 0, 1, 0},
+    {0, RG_SAMPLE_8, 0, 4, 4, {0, 0}, {0, 0}, 0, 1, 0}};
 
 void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice) {
   do_rows(run, lattice, 0);

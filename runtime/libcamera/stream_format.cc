@@ -65,7 +65,7 @@ PlaneLayout LayOutPlane(const rg_lattice& lattice, uint32_t width,
   PlaneLayout layout;
   layout.row_bytes = rg_plane_row_bytes(&lattice, width);
   // Lattices of a Bayer plane share its rows.
-  layout.rows = lattice.row_step == 1 ? height >> lattice.log2_y : height;
+  layout.rows = lattice.row_step == 1 ? height >> lattice.log2[1] : height;
   const bool is_half_stride = lattice.plane != 0 && lattice.num_channels == 1;
   layout.stride = is_half_stride ? first_stride / 2 : first_stride;
   return layout;
@@ -113,7 +113,7 @@ StreamFormat MakeStreamFormat(const PixelFormatInfo& pixel_format,
   for (uint32_t i = 0; i < num_lattices; ++i) {
     const rg_lattice& lattice = lattices[i];
     const uint32_t row_bytes = rg_plane_row_bytes(&lattice, width);
-    if (row_bytes == 0 || (height & ((1u << lattice.log2_y) - 1)) != 0)
+    if (row_bytes == 0 || (height & ((1u << lattice.log2[1]) - 1)) != 0)
       throw bad_size;
     if (lattice.plane == 0 && stride == 0) stride = row_bytes;
     result.planes[lattice.plane] = LayOutPlane(lattice, width, height, stride);

@@ -92,29 +92,57 @@ def name_of(title):
 
 
 def read_call_graph(compiler, objects):
-    """Stack bytes of each function, and the functions that it calls. Those that it jumps to when
-    it is done need no stack beside its own."""
+    """Stack bytes of each function, and the functions that it calls, jumps to when it is done, so
+    that they need no stack beside its own, or takes the address of."""
     stack, calls = {}, {}
     for path in objects:
-        jumps = find_jumps(compiler, path)
+        jumps, taken = find_jumps(compiler, path), find_taken(compiler, path)
         with open(os.path.splitext(path)[0] + ".ci", encoding="utf-8") as file:
             text = file.read()
+        titles = {}
         for title, size in re.findall(r'node: { title: "([^"]+)" label: "[^"]*?(\d+) bytes', text):
             stack[title] = int(size)
+            titles[name_of(title)] = title
         for source, target in re.findall(r'sourcename: "([^"]+)" targetname: "([^"]+)"', text):
             is_jump = (name_of(source), name_of(target)) in jumps
-            calls.setdefault(source, set()).add((target, is_jump))
+            calls.setdefault(source, set()).add((target, "jump" if is_jump else "call"))
+        for source, target in taken:
+            if source in titles and target in titles:
+                calls.setdefault(titles[source], set()).add((titles[target], "taken"))
     return stack, calls
 
 
+def find_taken(compiler, path):
+    """Functions whose addresses an object's functions take, as (function, taken function)."""
+    output = subprocess.run([tool(compiler, "objdump"), "-r", path], check=True,
+                            capture_output=True, text=True).stdout
+    taken, function = set(), ""
+    for line in output.splitlines():
+        title = re.match(r"RELOCATION RECORDS FOR \[\.text\.(\w+)", line)
+        target = re.search(r"\bR_\w+\s+(?:\.text\.)?(\w+)", line)
+        function = title.group(1) if title else function if "FOR [" not in line else ""
+        if function and target and not re.search(r"CALL|JUMP|JAL|BRANCH", line):
+            taken.add((function, target.group(1)))
+    return taken
+
+
 def deepest(function, stack, calls, path=()):
-    """Stack of the deepest path from a function."""
+    """Stack of the deepest path from a function. Functions that are called by pointers are those
+    that a function of the path takes the address of."""
     if function in path:
         sys.exit(f"footprint: {function} calls itself")
-    own = stack.get(function, 0)
-    below = [deepest(callee, stack, calls, path + (function,)) + (0 if is_jump else own)
-             for callee, is_jump in calls.get(function, ())]
-    return max(below, default=own)
+    own, path = stack.get(function, 0), path + (function,)
+    below = [own]
+    for callee, kind in calls.get(function, ()):
+        if callee == "__indirect_call":
+            taken = [pointed for caller in path for pointed, kind in calls.get(caller, ())
+                     if kind == "taken"]
+            if not taken:
+                sys.exit(f"footprint: {function} calls a function that no one points to")
+            below += [own + deepest(pointed, stack, calls, path) for pointed in taken]
+        elif kind != "taken":
+            below.append((0 if kind == "jump" else own) + deepest(callee, stack, calls, path))
+    return max(below)
 
 
 def measure_text(arguments, objects, roots):

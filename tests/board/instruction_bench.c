@@ -46,7 +46,7 @@ static uint32_t read_clock(void) {
 
 static void print_cost(const char* name, uint32_t ticks, uint32_t count) {
   printf("%s %lu\n", name,
-         (unsigned long)(INSTRUCTIONS_OF(ticks) / (count / 100)));
+         (unsigned long)(INSTRUCTIONS_OF((uint64_t)ticks) * 100 / count));
 }
 
 /* What un-projects a pixel. */

@@ -100,16 +100,16 @@ RemapTable FitTable(const View& view, const VirtualCamera& target) {
 // Where the pixels of a lattice come from, as the runtime has it; far outside
 // where they have no source.
 cv::Mat2f Positions(const uint8_t* section, const rg_lattice& lattice,
-                    const ImageSize& size, const ImageSize& output) {
-  rg_lattice_map map;
-  rg_lattice_map_open(&map, section, &lattice, size.width, size.height);
-  const int width = output.width >> lattice.log2_x;
-  const int height = output.height >> lattice.log2_y;
+                    const ImageSize& output) {
+  const rg_range range_x = rg_source_range(section, &lattice, 0);
+  const rg_range range_y = rg_source_range(section, &lattice, 1);
+  const int width = output.width >> lattice.log2[0];
+  const int height = output.height >> lattice.log2[1];
   cv::Mat2f positions(height, width);
   const uint32_t part_log2[2] = {rg_part_log2(section, &lattice, 0),
                                  rg_part_log2(section, &lattice, 1)};
-  const int log2_x = part_log2[0] - lattice.log2_x;
-  const int log2_y = part_log2[1] - lattice.log2_y;
+  const int log2_x = part_log2[0] - lattice.log2[0];
+  const int log2_y = part_log2[1] - lattice.log2[1];
   for (int y = 0; y < height; ++y) {
     rg_block_walk walk;
     rg_start_walk(section, part_log2[0], part_log2[1], y >> log2_y, &walk);
@@ -123,8 +123,8 @@ cv::Mat2f Positions(const uint8_t* section, const rg_lattice& lattice,
         rg_find_block_row(&block, y & ((1 << log2_y) - 1), &row);
       }
       const rg_position p = rg_row_position(&row, in_block);
-      const bool valid =
-          !walk.is_empty && rg_is_between(&map.min, &map.max, &p);
+      const bool valid = !walk.is_empty && rg_is_in(range_x, p.q12[0]) &&
+                         rg_is_in(range_y, p.q12[1]);
       positions(y, x) = valid ? cv::Vec2f(p.q12[0] / 4096.f, p.q12[1] / 4096.f)
                               : cv::Vec2f(-1000, -1000);
     }
@@ -259,10 +259,9 @@ void RunView(const View& view, const ImageSize& size, Ratios* ratios) {
 
   const rg_lattice* lattices = nullptr;
   rg_format_lattices(RG_FORMAT_NV12, &lattices);
-  const cv::Mat2f luma_positions = Positions(section, lattices[0], size, size);
+  const cv::Mat2f luma_positions = Positions(section, lattices[0], size);
   const FixedMap luma = MakeFixedMap(luma_positions);
-  const FixedMap chroma =
-      MakeFixedMap(Positions(section, lattices[1], size, size));
+  const FixedMap chroma = MakeFixedMap(Positions(section, lattices[1], size));
   const cv::Mat grey = MakeImage(size.height, size.width, CV_8UC1);
   const cv::Mat pairs = MakeImage(size.height / 2, size.width / 2, CV_8UC2);
   const cv::Mat rgb = MakeImage(size.height, size.width, CV_8UC3);
