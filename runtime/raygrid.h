@@ -246,13 +246,15 @@ typedef enum rg_sampling {
   RG_SAMPLING_NEAREST
 } rg_sampling;
 
-/* The inner loops for a kind of processor; all give the same bits. Boards of
- * which every processor is alike have them built in, and this is not used. */
+/* The inner loops for a kind of processor; all give the same bits. Boards
+ * without Linux have them built in, and this is not used: RG_PORTABLE_KERNELS,
+ * defined as 1 for all files, then says that they be portable. */
 typedef struct rg_kernels rg_kernels;
 
-/* By name, for measurements and tests: "portable", "sse4", "avx2", "neon"; the
- * fastest of this processor for NULL, found by instructions that may take a
- * microsecond in a virtual machine. NULL if there is none of that name. */
+/* By name, for measurements and tests: "portable", "sse4", "avx2", "neon",
+ * "rvv"; the fastest of this processor for NULL, found by instructions that may
+ * take a microsecond in a virtual machine. NULL if there is none of that name.
+ */
 const rg_kernels* rg_find_kernels(const char* name);
 
 /* Rows [first_row, first_row + num_rows) of the undistorted image; even numbers
