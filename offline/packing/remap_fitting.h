@@ -21,10 +21,10 @@ struct RemapTable {
 
 /// The table with the largest parts of blocks, and of these the one with the
 /// fewest bytes, whose geometric error is at most max_error_px: vertices and
-/// bends are fitted to the exact positions of all pixels for about the least
-/// largest error, quantised, and then measured with the arithmetic of the
-/// runtime. Source positions outside the calibrated area
-/// become border. Throws Error(kQuality) if not even blocks of 8 keep the
+/// bends are fitted to the sources of all pixels for about the least largest
+/// error, quantised, and then measured with the arithmetic of the runtime. The
+/// same with any number of threads. Source positions outside the calibrated
+/// area become border. Throws Error(kQuality) if not even blocks of 8 keep the
 /// bound, Error(kUsage) if the images are too large for the format or the
 /// virtual camera sees nothing.
 RemapTable FitRemapTable(const CameraModel& camera,

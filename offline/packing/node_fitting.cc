@@ -1,0 +1,423 @@
+#include "packing/node_fitting.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+
+#include "dataset/parallel_for.h"
+
+namespace raygrid {
+namespace {
+
+constexpr int kCell = SourceMap::kCellSize;
+
+// Of a cell with a source at every pixel. The sums are integers, and exact.
+CellSums::Sources SumWholeCell(const SourceMap& map, int column, int row) {
+  CellSums::Sources sums;
+  for (int axis = 0; axis < 2; ++axis) {
+    double plain[kCell] = {}, by_y[kCell] = {};  // of the cell's columns
+    for (int y = 0; y < kCell; ++y) {
+      const int32_t* const units =
+          &map.sources[axis][map.Index(column * kCell, row * kCell + y)];
+      for (int x = 0; x < kCell; ++x) {
+        plain[x] += units[x];
+        by_y[x] += static_cast<double>(y) * units[x];
+      }
+    }
+    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+    for (int x = 0; x < kCell; ++x)
+      sum += Eigen::Vector4d(plain[x], x * plain[x], by_y[x], x * by_y[x]);
+    sums.col(axis) = sum / SourceMap::kUnitsPerPx;
+  }
+  return sums;
+}
+
+struct PartialSums {
+  CellSums::Sources sources = CellSums::Sources::Zero();
+  CellSums::Products products = CellSums::Products::Zero();
+};
+
+PartialSums SumCell(const SourceMap& map, int column, int row) {
+  PartialSums sums;
+  for (int y = 0; y < kCell; ++y) {
+    for (int x = 0; x < kCell; ++x) {
+      if (!map.IsKnown(column * kCell + x, row * kCell + y)) continue;
+      const Eigen::Vector4d powers(1, x, y, x * y);
+      sums.products += powers * powers.transpose();
+      sums.sources +=
+          powers * map.At(column * kCell + x, row * kCell + y).transpose();
+    }
+  }
+  return sums;
+}
+
+CellSums::Products WholeProducts() {
+  CellSums::Products products = CellSums::Products::Zero();
+  for (int y = 0; y < kCell; ++y) {
+    for (int x = 0; x < kCell; ++x) {
+      const Eigen::Vector4d powers(1, x, y, x * y);
+      products += powers * powers.transpose();
+    }
+  }
+  return products;
+}
+
+// What the nodes of a block are multiplied with to get the position of one of
+// its pixels: the four vertices, then, if it is bent, the bends of the upper,
+// lower, left and right edge. Bends count most in the middle of their edge, not
+// at all at its ends and on the opposite edge; between the corners of the parts
+// all is linear.
+template <int kNodes>
+class BlockBasis {
+ public:
+  using Nodes = std::array<int, kNodes>;
+  // For 1, x, y, x y of a pixel (x, y) of a cell.
+  using Factors = Eigen::Matrix<double, kNodes, 4>;
+
+  explicit BlockBasis(const Blocks& blocks)
+      : blocks_(blocks), cells_(blocks.size() / kCell) {
+    for (int row = 0; row < cells_; ++row)
+      for (int column = 0; column < cells_; ++column)
+        factors_.push_back(MakeFactors(column * kCell, row * kCell));
+  }
+
+  // Of the cell in a column and row of its block, and of all.
+  const Factors& Of(int column, int row) const {
+    return factors_[row * cells_ + column];
+  }
+  const std::vector<Factors>& factors() const { return factors_; }
+  int num_cells() const { return cells_; }  // along an edge
+
+  Nodes NodesOf(int i, int j) const {
+    Nodes nodes;
+    for (int k = 0; k < 4; ++k)
+      nodes[k] = blocks_.VertexIndex(i + k % 2, j + k / 2);
+    if constexpr (kNodes == 8) {
+      for (int k = 0; k < 2; ++k) {
+        nodes[4 + k] = blocks_.LeftBend(i + 1, j + k);
+        nodes[6 + k] = blocks_.UpperBend(i + k, j + 1);
+      }
+    }
+    return nodes;
+  }
+
+ private:
+  // A function's value at a cell's first pixel, and how it grows to the next.
+  struct Line {
+    double value, step;
+  };
+
+  Line Curve(int x) const {
+    const int n = blocks_.size(), part = 1 << blocks_.layout.part_log2;
+    const auto curve = [n](int at) { return 4.0 * at * (n - at) / (n * n); };
+    const int first = x / part * part;
+    const double step = (curve(first + part) - curve(first)) / part;
+    return {curve(first) + (x - first) * step, step};
+  }
+
+  // Of the cell at pixel (x, y) of a block.
+  Factors MakeFactors(int x, int y) const {
+    const double unit = 1.0 / blocks_.size();
+    const Line right = {x * unit, unit}, left = {1 - x * unit, -unit};
+    const Line down = {y * unit, unit}, up = {1 - y * unit, -unit};
+    Factors factors;
+    const auto set = [&factors](int node, const Line& across,
+                                const Line& along) {
+      factors.row(node) << across.value * along.value,
+          across.step * along.value, across.value * along.step,
+          across.step * along.step;
+    };
+    set(0, left, up);
+    set(1, right, up);
+    set(2, left, down);
+    set(3, right, down);
+    if constexpr (kNodes == 8) {
+      set(4, Curve(x), up);
+      set(5, Curve(x), down);
+      set(6, left, Curve(y));
+      set(7, right, Curve(y));
+    }
+    return factors;
+  }
+
+  const Blocks& blocks_;
+  int cells_;
+  std::vector<Factors> factors_;
+};
+
+// The least-squares problem of the nodes of used blocks. Second differences of
+// nodes of a kind are made small where pixels do not determine them.
+template <int kNodes>
+class NodeEquations {
+ public:
+  NodeEquations(const CellSums& sums, const Blocks& blocks)
+      : right_(NodePositions::Zero(blocks.num_nodes(), 2)),
+        diagonal_(Eigen::ArrayXd::Constant(blocks.num_nodes(), kHold)) {
+    const BlockBasis<kNodes> basis(blocks);
+    normals_ = {Normal::Zero()};
+    for (const Factors& factors : basis.factors())
+      normals_[kWhole] += Product(factors, sums.whole_products());
+    for (int j = 0; j < blocks.rows; ++j)
+      for (int i = 0; i < blocks.columns; ++i)
+        if (blocks.IsUsed(i, j)) AddBlock(sums, basis, i, j);
+    AddSmoothness(blocks);
+  }
+
+  // By conjugate gradients, of both coordinates at once, until no node alone
+  // could lessen the sum of squared errors by more than kTolerancePx squared.
+  NodePositions Solve() const {
+    NodePositions nodes = Start(), product(nodes.rows(), 2);
+    Multiply(nodes, &product);
+    NodePositions rest = right_ - product;
+    NodePositions scaled = rest.array().colwise() / diagonal_;
+    NodePositions direction = scaled;
+    PerCoordinate square = Dot(rest, scaled);
+    for (int k = 0; k < kMaxIterations; ++k) {
+      if (!((rest.array() * scaled.array()).maxCoeff() >
+            kTolerancePx * kTolerancePx))
+        break;
+      Multiply(direction, &product);
+      const PerCoordinate length = square / Dot(direction, product).max(kTiny);
+      nodes.array() += direction.array().rowwise() * length;
+      rest.array() -= product.array().rowwise() * length;
+      scaled = rest.array().colwise() / diagonal_;
+      const PerCoordinate next_square = Dot(rest, scaled);
+      const PerCoordinate ratio = next_square / square.max(kTiny);
+      direction = scaled.array() + direction.array().rowwise() * ratio;
+      square = next_square;
+    }
+    return nodes;
+  }
+
+ private:
+  static constexpr double kSmoothness = 1e-3, kHold = 1e-9, kTiny = 1e-300;
+  static constexpr double kTolerancePx = 1e-3;
+  static constexpr int kMaxIterations = 500;
+  using Factors = typename BlockBasis<kNodes>::Factors;
+  using Normal = Eigen::Matrix<double, kNodes, kNodes>;
+  using BlockPositions = Eigen::Matrix<double, kNodes, 2, Eigen::RowMajor>;
+  using PerCoordinate = Eigen::Array<double, 1, 2>;
+  struct Block {
+    int column, row;
+    typename BlockBasis<kNodes>::Nodes nodes;
+    BlockPositions right;
+    int normal;  // index
+  };
+  static constexpr int kWhole = 0;  // the normal of a block of whole cells
+  struct SecondDifference {
+    int middle, step;
+  };
+  // Origin, step to the next column, step to the next row of blocks.
+  using Affine = Eigen::Matrix<double, 3, 2>;
+
+  static Normal Product(const Factors& factors,
+                        const CellSums::Products& products) {
+    return factors * products * factors.transpose();
+  }
+  static PerCoordinate Dot(const NodePositions& a, const NodePositions& b) {
+    return (a.array() * b.array()).colwise().sum();
+  }
+
+  void AddBlock(const CellSums& sums, const BlockBasis<kNodes>& basis, int i,
+                int j) {
+    Block block = {i, j, basis.NodesOf(i, j), BlockPositions::Zero(), kWhole};
+    const int cells = basis.num_cells();
+    // The last block may reach beyond the cells.
+    const int columns = std::min(cells, sums.columns() - i * cells);
+    const int rows = std::min(cells, sums.rows() - j * cells);
+    bool is_whole = columns == cells && rows == cells;
+    Normal normal = Normal::Zero();
+    for (int row = j * cells; row < j * cells + rows; ++row) {
+      for (int column = i * cells; column < i * cells + columns; ++column) {
+        const Factors& factors = basis.Of(column % cells, row % cells);
+        block.right += factors.lazyProduct(sums.sources(column, row));
+        is_whole &= sums.IsWhole(column, row);
+      }
+    }
+    for (int row = j * cells; row < j * cells + rows && !is_whole; ++row)
+      for (int column = i * cells; column < i * cells + columns; ++column)
+        normal += Product(basis.Of(column % cells, row % cells),
+                          sums.products(column, row));
+    if (!is_whole) {
+      block.normal = static_cast<int>(normals_.size());
+      normals_.push_back(normal);
+    }
+    for (int k = 0; k < kNodes; ++k) {
+      right_.row(block.nodes[k]) += block.right.row(k);
+      diagonal_[block.nodes[k]] += normals_[block.normal](k, k);
+    }
+    blocks_.push_back(block);
+  }
+
+  void AddSmoothness(const Blocks& blocks) {
+    const std::vector<bool> needed = NeededNodes(blocks);
+    const auto add = [&](int k, int step) {
+      if (!needed[k - step] || !needed[k] || !needed[k + step]) return;
+      differences_.push_back({k, step});
+      diagonal_[k - step] += kSmoothness;
+      diagonal_[k] += 4 * kSmoothness;
+      diagonal_[k + step] += kSmoothness;
+    };
+    const int down = blocks.columns + 1;
+    for (int k = 0; k < blocks.num_nodes(); ++k) {
+      const int i = k % down, j = k % blocks.num_vertices() / down;
+      if (i > 0 && i < blocks.columns) add(k, 1);
+      if (j > 0 && j < blocks.rows) add(k, down);
+    }
+  }
+
+  // Vertices as the affine map closest to the pixels of each of their blocks
+  // has them; no bends.
+  NodePositions Start() const {
+    // An affine map that starts at a block, at its nodes.
+    Eigen::Matrix<double, kNodes, 3> at_nodes =
+        Eigen::Matrix<double, kNodes, 3>::Zero();
+    for (int k = 0; k < 4; ++k) at_nodes.row(k) << 1, k % 2, k / 2;
+    // One that starts at the first block, from there.
+    const auto from_block = [](const Block& block) {
+      Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
+      frame.row(0) << 1, block.column, block.row;
+      return frame;
+    };
+    Eigen::Matrix3d normal = kHold * Eigen::Matrix3d::Identity();
+    Affine right = Affine::Zero();
+    for (const Block& block : blocks_) {
+      const Eigen::Matrix<double, kNodes, 3> nodes =
+          at_nodes * from_block(block);
+      normal += nodes.transpose() * normals_[block.normal] * nodes;
+      right += nodes.transpose() * block.right;
+    }
+    const Affine overall = normal.ldlt().solve(right);
+
+    NodePositions start = NodePositions::Zero(right_.rows(), 2);
+    Eigen::ArrayXd weights = Eigen::ArrayXd::Constant(right_.rows(), kTiny);
+    for (const Block& block : blocks_) {
+      const Affine expected = from_block(block) * overall;
+      normal = at_nodes.transpose() * normals_[block.normal] * at_nodes;
+      right = at_nodes.transpose() * block.right - normal * expected;
+      const double num_pixels = normal(0, 0);
+      // Few pixels do not tell the steps.
+      normal.diagonal() += Eigen::Vector3d(kHold, 1e-2, 1e-2);
+      const Affine found = expected + normal.ldlt().solve(right);
+      for (int k = 0; k < 4; ++k) {
+        start.row(block.nodes[k]) += num_pixels * at_nodes.row(k) * found;
+        weights[block.nodes[k]] += num_pixels;
+      }
+    }
+    return start.array().colwise() / weights;
+  }
+
+  void Multiply(const NodePositions& nodes, NodePositions* product) const {
+    *product = kHold * nodes;
+    for (const Block& block : blocks_) {
+      BlockPositions own;
+      for (int k = 0; k < kNodes; ++k) own.row(k) = nodes.row(block.nodes[k]);
+      const BlockPositions result = normals_[block.normal].lazyProduct(own);
+      for (int k = 0; k < kNodes; ++k)
+        product->row(block.nodes[k]) += result.row(k);
+    }
+    for (const auto& [k, step] : differences_) {
+      const Eigen::RowVector2d weighted =
+          kSmoothness *
+          (nodes.row(k - step) - 2 * nodes.row(k) + nodes.row(k + step));
+      product->row(k - step) += weighted;
+      product->row(k) -= 2 * weighted;
+      product->row(k + step) += weighted;
+    }
+  }
+
+  std::vector<Block> blocks_;
+  std::vector<Normal> normals_;
+  std::vector<SecondDifference> differences_;
+  NodePositions right_;
+  Eigen::ArrayXd diagonal_;
+};
+
+NodePositions FitLeastSquares(const CellSums& sums, const Blocks& blocks) {
+  if (blocks.layout.IsBent()) return NodeEquations<8>(sums, blocks).Solve();
+  return NodeEquations<4>(sums, blocks).Solve();
+}
+
+// Where second derivatives are constant, the error of interpolation is a
+// parabola of some height in each direction. Least squares put its ends, the
+// vertices, 2/3 of the height to one side of the exact position; half of the
+// height, 3/4 of that, makes the largest error least. The same holds for the
+// parts between an edge's ends and its middle. Vertices beyond the image follow
+// the last one in it.
+NodePositions Balance(const SourceMap& map, const Blocks& blocks,
+                      const NodePositions& fitted) {
+  NodePositions moves = NodePositions::Zero(fitted.rows(), 2);
+  const std::vector<bool> needed = NeededNodes(blocks);
+  // What is lacking at an output pixel; nothing where that is not known.
+  const auto lack = [&](int x, int y, const Eigen::RowVector2d& position) {
+    if (x >= map.width || y >= map.height || !map.IsKnown(x, y))
+      return Eigen::RowVector2d(0, 0);
+    return Eigen::RowVector2d(0.25 * (map.At(x, y).transpose() - position));
+  };
+  for (int j = 0; j <= blocks.rows; ++j) {
+    for (int i = 0; i <= blocks.columns; ++i) {
+      const int in_i = std::min(i, blocks.columns - 1);
+      const int in_j = std::min(j, blocks.rows - 1);
+      const int vertex = blocks.VertexIndex(in_i, in_j);
+      if (needed[vertex])
+        moves.row(blocks.VertexIndex(i, j)) =
+            lack(in_i << blocks.size_log2(), in_j << blocks.size_log2(),
+                 fitted.row(vertex));
+    }
+  }
+  // The edge from vertex a to b, whose middle is output pixel (x, y).
+  const auto balance = [&](int a, int b, int bend, int x, int y) {
+    const Eigen::RowVector2d line = (fitted.row(a) + fitted.row(b)) / 2;
+    const Eigen::RowVector2d moved = (moves.row(a) + moves.row(b)) / 2;
+    moves.row(bend) = lack(x, y, line + fitted.row(bend)) - moved;
+  };
+  for (int j = 0; j <= blocks.rows && blocks.layout.IsBent(); ++j) {
+    for (int i = 0; i <= blocks.columns; ++i) {
+      const int x = i << blocks.size_log2(), y = j << blocks.size_log2();
+      const int half = blocks.size() / 2, k = blocks.VertexIndex(i, j);
+      if (i > 0 && needed[blocks.LeftBend(i, j)])
+        balance(k - 1, k, blocks.LeftBend(i, j), x - half, y);
+      if (j > 0 && needed[blocks.UpperBend(i, j)])
+        balance(blocks.VertexIndex(i, j - 1), k, blocks.UpperBend(i, j), x,
+                y - half);
+    }
+  }
+  return fitted + moves;
+}
+
+}  // namespace
+
+CellSums::CellSums(const SourceMap& map, int num_threads)
+    : columns_(map.columns),
+      rows_(map.rows),
+      sources_(map.cells.size()),
+      products_({WholeProducts()}),
+      which_(map.cells.size(), kWhole) {
+  std::vector<std::vector<Products>> partial(map.rows);
+  ParallelFor(map.rows, num_threads, [&](int row) {
+    for (int column = 0; column < map.columns; ++column) {
+      const int k = row * columns_ + column;
+      if (map.cells[k] == SourceMap::Cell::kWhole) {
+        sources_[k] = SumWholeCell(map, column, row);
+        continue;
+      }
+      const PartialSums sums = SumCell(map, column, row);
+      sources_[k] = sums.sources;
+      partial[row].push_back(sums.products);
+    }
+  });
+  for (int row = 0; row < map.rows; ++row) {
+    int next = static_cast<int>(products_.size());
+    for (int column = 0; column < map.columns; ++column)
+      if (map.cell(column, row) != SourceMap::Cell::kWhole)
+        which_[row * columns_ + column] = next++;
+    products_.insert(products_.end(), partial[row].begin(), partial[row].end());
+  }
+}
+
+NodePositions FitNodes(const SourceMap& map, const CellSums& sums,
+                       const Blocks& blocks) {
+  return Balance(map, blocks, FitLeastSquares(sums, blocks));
+}
+
+}  // namespace raygrid

@@ -1,0 +1,382 @@
+#include "packing/source_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "dataset/parallel_for.h"
+
+namespace raygrid {
+namespace {
+
+constexpr int kCell = SourceMap::kCellSize;
+// Sources are known up to so far outside of the rectangle, so that fits are not
+// one-sided at its edge.
+constexpr double kMarginPx = 1.5;
+// Where interpolation may be farther off, the model is asked.
+constexpr double kMaxDeviationPx = 2e-3;
+constexpr double kRoundingPx = 1.0 / SourceMap::kUnitsPerPx;  // at most
+
+Area SourceRectangle(const CameraModel& camera) {
+  const Area& area = camera.area();
+  const Area image = WholeImage(camera.image_size());
+  return {std::max(area.x0, image.x0), std::max(area.y0, image.y0),
+          std::min(area.x1, image.x1), std::min(area.y1, image.y1)};
+}
+
+// The sources of the cells' corners and of two more rows and columns on each
+// side of the image, as far as they are in the rectangle, and of two points
+// around those. It is spread from point to point, beginning in the middle, so
+// that each starts from its neighbour's source: a camera that folds over shows
+// some directions twice.
+class Lattice {
+ public:
+  Lattice(const CameraModel& camera, const VirtualCamera& virtual_camera,
+          const SourceMap& map)
+      : camera_(camera),
+        virtual_camera_(virtual_camera),
+        rectangle_(map.rectangle),
+        margin_px_(std::max(rectangle_.width(), rectangle_.height()) / 8),
+        columns_(map.columns + 1 + 2 * kRing),
+        rows_(map.rows + 1 + 2 * kRing),
+        points_(static_cast<size_t>(columns_) * rows_) {
+    StartFromSource(rectangle_.center());
+    Spread();
+    StartFromImage();
+    Spread();
+    StartFromSources();
+    Spread();
+    AddNeighbors();
+    FindDeviations();
+  }
+
+  // The upper left corner of a cell; NaN if it is not known.
+  const Eigen::Vector2d& At(int column, int row) const {
+    return points_[Index(column + kRing, row + kRing)].source;
+  }
+  bool IsSeen(int column, int row) const {
+    return points_[Index(column + kRing, row + kRing)].is_seen;
+  }
+  // How far off interpolation near a corner is at most; NaN if not known.
+  double Deviation(int column, int row) const {
+    return points_[Index(column + kRing, row + kRing)].deviation;
+  }
+
+ private:
+  static constexpr int kRing = 2;
+  struct Point {
+    Eigen::Vector2d source = Eigen::Vector2d(NAN, NAN);
+    double deviation = NAN;
+    bool is_tried = false;
+    bool is_seen = false;  // in the rectangle, or next to what is
+  };
+
+  int Index(int i, int j) const { return j * columns_ + i; }
+  bool Contains(int i, int j) const {
+    return i >= 0 && i < columns_ && j >= 0 && j < rows_;
+  }
+
+  void Try(int index, const Eigen::Vector2d* start) {
+    Point& point = points_[index];
+    if (point.is_tried) return;
+    point.is_tried = true;
+    const Eigen::Vector2d pixel((index % columns_ - kRing) * kCell,
+                                (index / columns_ - kRing) * kCell);
+    const auto source =
+        camera_.Project(virtual_camera_.Direction(pixel), start, margin_px_);
+    if (source) point.source = *source;
+  }
+
+  void MarkSeen(int index) {
+    if (points_[index].is_seen) return;
+    points_[index].is_seen = true;
+    seen_.push_back(index);
+  }
+
+  // The corners of the cell that a source is seen in.
+  void StartFromSource(const Eigen::Vector2d& source) {
+    const auto ray = camera_.Unproject(source);
+    if (!ray || !(ray->z() > 0)) return;
+    const Eigen::Vector2d pixel =
+        virtual_camera_.focal_px * ray->head<2>() / ray->z() +
+        virtual_camera_.center;
+    const Eigen::Array2d cell = (pixel.array() / kCell).floor() + kRing;
+    if (!(cell >= 0).all() || !(cell.x() < columns_ - 1) ||
+        !(cell.y() < rows_ - 1))
+      return;
+    for (int corner = 0; corner < 4; ++corner) {
+      const int index = Index(static_cast<int>(cell.x()) + corner % 2,
+                              static_cast<int>(cell.y()) + corner / 2);
+      Try(index, &source);
+      MarkSeen(index);
+    }
+  }
+
+  // The rectangle's corners, which may be seen in thin tips of the image, and
+  // what lies between, in case that what is seen is not connected.
+  void StartFromSources() {
+    constexpr int kSteps = 32;
+    for (int j = 0; j <= kSteps; ++j)
+      for (int i = 0; i <= kSteps; ++i)
+        StartFromSource({rectangle_.x0 + rectangle_.width() * i / kSteps,
+                         rectangle_.y0 + rectangle_.height() * j / kSteps});
+  }
+
+  // The image's corners and middles, in case that it is but a small part of the
+  // rectangle.
+  void StartFromImage() {
+    for (int k = 0; k < 9; ++k) {
+      const int index =
+          Index(k % 3 * (columns_ - 1) / 2, k / 3 * (rows_ - 1) / 2);
+      Try(index, nullptr);
+      if (rectangle_.Contains(points_[index].source)) MarkSeen(index);
+    }
+  }
+
+  // Calls visit(index) for the points around one.
+  template <typename Visit>
+  void ForNeighbors(int index, int distance, const Visit& visit) const {
+    for (int j = -distance; j <= distance; ++j)
+      for (int i = -distance; i <= distance; ++i)
+        if (Contains(index % columns_ + i, index / columns_ + j))
+          visit(index + Index(i, j));
+  }
+
+  void Spread() {
+    for (; num_spread_ < seen_.size(); ++num_spread_) {
+      const Eigen::Vector2d from = points_[seen_[num_spread_]].source;
+      if (!from.allFinite()) continue;
+      ForNeighbors(seen_[num_spread_], 1, [&](int index) {
+        Try(index, &from);
+        // Nearer to the rectangle than the point that it was found from.
+        const Eigen::Vector2d& source = points_[index].source;
+        if (rectangle_.Contains(source, (source - from).norm()))
+          MarkSeen(index);
+      });
+    }
+  }
+
+  void AddNeighbors() {
+    for (const int from : seen_) {
+      const Eigen::Vector2d& start = points_[from].source;
+      if (!start.allFinite()) continue;
+      ForNeighbors(from, kRing, [&](int index) { Try(index, &start); });
+    }
+  }
+
+  // Where fourth derivatives are constant, cubic interpolation between points
+  // with a fourth difference d is off by 3/128 d at most. 1/8 d leaves room for
+  // others, as those of a spline.
+  void FindDeviations() {
+    const auto fourth_difference = [&](int index, int step) {
+      const auto at = [&](int k) -> const Eigen::Vector2d& {
+        return points_[index + k * step].source;
+      };
+      return (at(-2) + at(2) - 4 * (at(-1) + at(1)) + 6 * at(0)).norm();
+    };
+    for (int j = kRing; j < rows_ - kRing; ++j)
+      for (int i = kRing; i < columns_ - kRing; ++i)
+        points_[Index(i, j)].deviation =
+            (fourth_difference(Index(i, j), 1) +
+             fourth_difference(Index(i, j), columns_)) /
+            8;
+  }
+
+  const CameraModel& camera_;
+  const VirtualCamera& virtual_camera_;
+  const Area rectangle_;
+  const double margin_px_;
+  const int columns_, rows_;
+  std::vector<Point> points_;
+  std::vector<int> seen_;
+  size_t num_spread_ = 0;  // of seen_
+};
+
+// How far off interpolation in a cell is at most; infinite where it cannot be,
+// NaN where nothing is seen.
+double CellDeviation(const Lattice& lattice, int column, int row) {
+  double worst = -1;
+  bool is_seen = false;
+  for (int corner = 0; corner < 4; ++corner) {
+    const int i = column + corner % 2, j = row + corner / 2;
+    is_seen |= lattice.IsSeen(i, j);
+    if (!std::isnan(lattice.Deviation(i, j)))
+      worst = std::max(worst, lattice.Deviation(i, j));
+  }
+  if (!is_seen) return NAN;
+  for (int j = row - 1; j <= row + 2; ++j)
+    for (int i = column - 1; i <= column + 2; ++i)
+      if (!lattice.At(i, j).allFinite()) return INFINITY;
+  return worst >= 0 && worst <= kMaxDeviationPx ? worst : INFINITY;
+}
+
+// What four values a cell apart are multiplied with for those between the inner
+// two: cubic interpolation.
+using Interpolation = Eigen::Matrix<double, kCell, 4>;
+Interpolation MakeInterpolation() {
+  Interpolation weights;
+  for (int k = 0; k < kCell; ++k) {
+    const double t = static_cast<double>(k) / kCell;
+    weights.row(k) << -t * (t - 1) * (t - 2) / 6,
+        (t + 1) * (t - 1) * (t - 2) / 2, -(t + 1) * t * (t - 2) / 2,
+        (t + 1) * t * (t - 1) / 6;
+  }
+  return weights;
+}
+
+// Of a cell's pixels, by coordinate and row; NaN where there is none.
+struct CellSources {
+  using Plane = Eigen::Matrix<double, kCell, kCell, Eigen::RowMajor>;
+  Plane planes[2];
+
+  Eigen::Vector2d At(int x, int y) const {
+    return {planes[0](y, x), planes[1](y, x)};
+  }
+  void Set(int x, int y, const Eigen::Vector2d& source) {
+    for (int axis = 0; axis < 2; ++axis) planes[axis](y, x) = source[axis];
+  }
+  bool AreIn(const Area& area) const {
+    return IsBetween(planes[0], area.x0, area.x1) &&
+           IsBetween(planes[1], area.y0, area.y1);
+  }
+
+ private:
+  static bool IsBetween(const Plane& plane, double low, double high) {
+    return plane.minCoeff<Eigen::PropagateNaN>() >= low &&
+           plane.maxCoeff<Eigen::PropagateNaN>() <= high;
+  }
+};
+
+CellSources InterpolateCell(const Lattice& lattice, int column, int row) {
+  static const Interpolation weights = MakeInterpolation();
+  CellSources sources;
+  for (int axis = 0; axis < 2; ++axis) {
+    Eigen::Matrix4d corners;
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < 4; ++i)
+        corners(j, i) = lattice.At(column + i - 1, row + j - 1)[axis];
+    const Eigen::Matrix<double, 4, kCell> across =
+        corners.lazyProduct(weights.transpose());
+    sources.planes[axis] = weights.lazyProduct(across);
+  }
+  return sources;
+}
+
+// A start is what was found before, or else the cell's corner.
+CellSources ProjectCell(const CameraModel& camera,
+                        const VirtualCamera& virtual_camera, int column,
+                        int row, const Eigen::Vector2d& corner) {
+  CellSources sources;
+  Eigen::Vector2d start = corner;
+  for (int y = 0; y < kCell; ++y) {
+    for (int x = 0; x < kCell; ++x) {
+      const Eigen::Vector2d pixel(column * kCell + x, row * kCell + y);
+      const auto source =
+          camera.Project(virtual_camera.Direction(pixel),
+                         start.allFinite() ? &start : nullptr, kMarginPx);
+      if (source) start = *source;
+      sources.Set(x, y, source.value_or(Eigen::Vector2d(NAN, NAN)));
+    }
+  }
+  return sources;
+}
+
+// Rounded, if it is not negative.
+int32_t ToUnits(double value_px) {
+  return static_cast<int32_t>(value_px * SourceMap::kUnitsPerPx + 0.5);
+}
+
+void ClearCell(int column, int row, SourceMap* map) {
+  for (auto& plane : map->sources)
+    for (int y = 0; y < kCell; ++y)
+      std::fill_n(&plane[map->Index(column * kCell, row * kCell + y)], kCell,
+                  SourceMap::kUnknown);
+  map->cell(column, row) = SourceMap::Cell::kEmpty;
+}
+
+void StoreWholeCell(int column, int row, const CellSources& sources,
+                    SourceMap* map) {
+  for (int axis = 0; axis < 2; ++axis) {
+    for (int y = 0; y < kCell; ++y) {
+      int32_t* const units =
+          &map->sources[axis][map->Index(column * kCell, row * kCell + y)];
+      const double* const values_px = &sources.planes[axis](y, 0);
+      for (int x = 0; x < kCell; ++x) units[x] = ToUnits(values_px[x]);
+    }
+  }
+  map->cell(column, row) = SourceMap::Cell::kWhole;
+}
+
+void StoreCell(int column, int row, const CellSources& sources,
+               SourceMap* map) {
+  const int x0 = column * kCell, y0 = row * kCell;
+  if (x0 + kCell <= map->width && y0 + kCell <= map->height &&
+      sources.AreIn(map->rectangle)) {
+    StoreWholeCell(column, row, sources, map);
+    return;
+  }
+  ClearCell(column, row, map);
+  SourceMap::Cell& cell = map->cell(column, row);
+  for (int y = y0; y < std::min(y0 + kCell, map->height); ++y) {
+    for (int x = x0; x < std::min(x0 + kCell, map->width); ++x) {
+      const Eigen::Vector2d source = sources.At(x - x0, y - y0);
+      if (!map->rectangle.Contains(source, kMarginPx)) continue;
+      for (int axis = 0; axis < 2; ++axis)
+        map->sources[axis][map->Index(x, y)] =
+            ToUnits(source[axis] + kMarginPx) - ToUnits(kMarginPx);
+      cell = std::max(cell, map->IsInside(source) ? SourceMap::Cell::kPartial
+                                                  : SourceMap::Cell::kOutside);
+    }
+  }
+}
+
+}  // namespace
+
+SourceMap MakeSourceMap(const CameraModel& camera,
+                        const VirtualCamera& virtual_camera, int num_threads) {
+  SourceMap map;
+  map.width = virtual_camera.size.width;
+  map.height = virtual_camera.size.height;
+  map.columns = (map.width + kCell - 1) / kCell;
+  map.rows = (map.height + kCell - 1) / kCell;
+  map.rectangle = SourceRectangle(camera);
+  map.cells.resize(static_cast<size_t>(map.columns) * map.rows);
+  for (auto& plane : map.sources)
+    plane.reset(new int32_t[map.cells.size() * kCell * kCell]);
+
+  const Lattice lattice(camera, virtual_camera, map);
+  std::vector<double> deviations;
+  for (int row = 0; row < map.rows; ++row) {
+    for (int column = 0; column < map.columns; ++column) {
+      deviations.push_back(CellDeviation(lattice, column, row));
+      if (std::isfinite(deviations.back()))
+        map.max_deviation_px =
+            std::max(map.max_deviation_px, deviations.back());
+    }
+  }
+  map.max_deviation_px += kRoundingPx;
+  ParallelFor(map.rows, num_threads, [&](int row) {
+    for (int column = 0; column < map.columns; ++column) {
+      const double deviation = deviations[row * map.columns + column];
+      if (std::isnan(deviation))
+        ClearCell(column, row, &map);
+      else if (std::isinf(deviation))
+        StoreCell(column, row,
+                  ProjectCell(camera, virtual_camera, column, row,
+                              lattice.At(column, row)),
+                  &map);
+      else
+        StoreCell(column, row, InterpolateCell(lattice, column, row), &map);
+    }
+  });
+  return map;
+}
+
+std::optional<Eigen::Vector2d> ExactSource(const CameraModel& camera,
+                                           const VirtualCamera& virtual_camera,
+                                           const SourceMap& map, int x, int y) {
+  const Eigen::Vector2d start = map.At(x, y);
+  return camera.Project(virtual_camera.Direction(Eigen::Vector2d(x, y)), &start,
+                        kMarginPx);
+}
+
+}  // namespace raygrid
