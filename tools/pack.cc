@@ -34,12 +34,36 @@ VirtualCamera ParseRemap(const CameraModel& camera, const std::string& text) {
       camera, ParseImageSize("--remap", text.substr(0, comma)), hfov_deg);
 }
 
+nlohmann::ordered_json FoundJson(const FoundPixels& pixels) {
+  return {{"pixels", pixels.num_pixels},
+          {"not_seen", pixels.num_lost},
+          {"off", pixels.num_off},
+          {"worst_px", pixels.worst_px},
+          {"not_invertible", pixels.num_unfindable}};
+}
+
+std::string ProjectionText(const ProjectionError& error) {
+  std::string text =
+      fmt::format("; projection within {:.2g} px", error.trusted.worst_px);
+  if (error.others.num_pixels > 0)
+    text += fmt::format(" where it is trusted, finds {:.4g} % elsewhere",
+                        100 * (1 - error.others.MissedPart()));
+  return text;
+}
+
 void Print(const Arguments& arguments, const PackedCamera& packed, bool json) {
   if (json) {
     nlohmann::ordered_json result = {
         {"bytes", packed.blob.size()},
         {"unproject_error_px", packed.unproject_error_px},
         {"unproject_error_rad", packed.unproject_error_rad}};
+    if (packed.projection) {
+      result["project_error_px"] = packed.projection->trusted.worst_px;
+      result["projection"] = {
+          {"trusted", FoundJson(packed.projection->trusted)},
+          {"others", FoundJson(packed.projection->others)}};
+    }
+    result["remarks"] = packed.remarks;
     if (packed.remap_error_px) {
       result["remap_error_px"] = *packed.remap_error_px;
       result["block_size"] = packed.block_size;
@@ -51,6 +75,7 @@ void Print(const Arguments& arguments, const PackedCamera& packed, bool json) {
   fmt::print("{}: {} bytes; un-projection within {:.2g} px, {:.2g} rad of {}",
              arguments.output, packed.blob.size(), packed.unproject_error_px,
              packed.unproject_error_rad, arguments.camera);
+  if (packed.projection) fmt::print("{}", ProjectionText(*packed.projection));
   if (packed.remap_error_px)
     fmt::print("; remap within {:.3f} px in blocks of {} px, parts of {} px",
                *packed.remap_error_px, packed.block_size, packed.part_size);
@@ -71,6 +96,8 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
   options.num_threads = common.threads;
   const PackedCamera packed = PackCamera(input.file, options);
   WriteFile(arguments.output, packed.blob);
+  for (const std::string& remark : packed.remarks)
+    fmt::print(stderr, "raygrid: {}: {}\n", arguments.camera, remark);
   if (!common.quiet || common.json) Print(arguments, packed, common.json);
 }
 

@@ -12,6 +12,7 @@
 #include "camera/noncentral_generic.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
+#include "packing/blob_camera.h"
 #include "packing/inverse_grid.h"
 #include "packing/narrow_grid.h"
 #include "packing/remap_fitting.h"
@@ -344,6 +345,68 @@ std::string WriteBlob(const rg_blob_contents& contents) {
   return std::string(reinterpret_cast<const char*>(words.data()), size);
 }
 
+// Why projection is not what the runtime promises; nothing if it is.
+std::optional<std::string> RemarkOnProjection(const ProjectionError& error,
+                                              bool has_mask) {
+  const FoundPixels& pixels = error.trusted;
+  const int64_t num_all = pixels.num_pixels + pixels.num_unfindable;
+  std::string faults;
+  const auto add = [&](int64_t count, const std::string& what) {
+    if (count > 0)
+      faults += fmt::format("{}{:.2g} % {}", faults.empty() ? "" : ", ",
+                            100.0 * count / num_all, what);
+  };
+  add(pixels.num_lost, "are not found");
+  add(pixels.num_off, fmt::format("are off by more than {} px, up to {:.2g} px",
+                                  kMaxProjectionErrorPx, pixels.worst_px));
+  add(pixels.num_unfindable,
+      "cannot be found, because others look where they do, or they look 151 "
+      "degrees from the axis");
+  if (faults.empty()) return std::nullopt;
+  return fmt::format(
+      "projection does not lead back to all {} pixels: {}; images with the "
+      "board there, or a larger --cell-px, make the camera smoother",
+      has_mask ? "trusted" : "of the area's", faults);
+}
+
+// Adds the inverse grid that leads back to the pixels of contents.
+class InverseSection {
+ public:
+  InverseSection(const BSplineSurface& surface, const TrustMask* trusted,
+                 int num_threads, rg_blob_contents* contents)
+      : contents_(contents) {
+    inverse_ = FitInverseGrid(
+        surface, trusted, [&](const InverseGrid& grid, double max_pixels) {
+          Point(grid);
+          return IsWritable(*contents_)
+                     ? std::optional(MeasureProjection(
+                           BlobCamera("blob", WriteBlob(*contents_)), trusted,
+                           max_pixels, num_threads))
+                     : std::nullopt;
+        });
+    contents_->inverse = nullptr;
+    if (inverse_) Point(inverse_->grid);
+  }
+  InverseSection(const InverseSection&) = delete;
+  InverseSection& operator=(const InverseSection&) = delete;
+
+  std::optional<ProjectionError> error() const {
+    return inverse_ ? std::optional(inverse_->error) : std::nullopt;
+  }
+
+ private:
+  void Point(const InverseGrid& grid) {
+    points_ = grid.points.section;
+    points_.residuals = grid.points.residuals.data();
+    contents_->inverse = &grid.section;
+    contents_->inverse_points = &points_;
+  }
+
+  rg_blob_contents* const contents_;
+  std::optional<MeasuredInverse> inverse_;
+  rg_narrow_grid points_ = {};
+};
+
 UnprojectionError MeasureBlob(const PackingTruth& truth,
                               const std::string& blob, int num_threads) {
   std::vector<uint32_t> words((blob.size() + 3) / 4);
@@ -381,7 +444,6 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   DrawIntoChart(trusted, &model);
   const PackingTruth truth = {central, model, trusted};
   const GridSection grid = QuantizeGrid(model);
-  std::optional<InverseGrid> inverse;
   const std::string name = PaddedText("name", file.name);
   const std::string serial = PaddedText("serial", file.serial);
   const rg_camera_section identity = {
@@ -392,32 +454,8 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   contents.camera = &identity;
   contents.grid = &grid.section;
   contents.control_points_q29 = grid.control_points.values.data();
-  if (!lines) {
-    inverse = MakeInverseGrid(model.surface(), trusted);
-    if (!inverse) FailFormat("no grid of 16 bits leads back to its pixels");
-    inverse->points.section.residuals = inverse->points.residuals.data();
-    contents.inverse = &inverse->section;
-    contents.inverse_points = &inverse->points.section;
-  }
-
   PackedCamera packed;
-  RemapTable remap;
-  if (options.remap) {
-    remap = FitRemapTable(central, *options.remap, options.max_error_px,
-                          options.num_threads);
-    remap.section.empty_blocks = remap.empty_blocks.data();
-    remap.section.bends = remap.bends.data();
-    contents.remap = &remap.section;
-    contents.residuals = remap.residuals.data();
-    packed.remap_error_px = remap.max_error_px;
-    packed.block_size = 1 << remap.section.block_log2;
-    packed.part_size = remap.section.part_log2 != 0
-                           ? 1 << remap.section.part_log2
-                           : packed.block_size;
-  }
-
-  // Once to measure, once more with the figures. Control points of 16 bits
-  // where they keep the bound.
+  // Control points of 16 bits where they keep the bound.
   const int num_threads = NumThreads(options.num_threads);
   std::optional<NarrowGrid> narrow = Narrow(grid.control_points);
   UnprojectionError error = {INFINITY, INFINITY};
@@ -439,6 +477,34 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
         fmt::format("packing would add {:.4f} px to un-projection, more "
                     "than {}",
                     error.px, kMaxPackingErrorPx));
+
+  std::optional<InverseSection> inverse;
+  if (!lines) {
+    inverse.emplace(model.surface(), trusted, num_threads, &contents);
+    packed.projection = inverse->error();
+    const std::optional<std::string> remark =
+        packed.projection
+            ? RemarkOnProjection(*packed.projection, trusted != nullptr)
+            : "no inverse grid of 16 bits leads back to pixels of this camera: "
+              "the blob un-projects and undistorts, but does not project";
+    if (remark) packed.remarks.push_back(*remark);
+  }
+
+  RemapTable remap;
+  if (options.remap) {
+    remap = FitRemapTable(central, *options.remap, options.max_error_px,
+                          options.num_threads);
+    remap.section.empty_blocks = remap.empty_blocks.data();
+    remap.section.bends = remap.bends.data();
+    contents.remap = &remap.section;
+    contents.residuals = remap.residuals.data();
+    packed.remap_error_px = remap.max_error_px;
+    packed.block_size = 1 << remap.section.block_log2;
+    packed.part_size = remap.section.part_log2 != 0
+                           ? 1 << remap.section.part_log2
+                           : packed.block_size;
+  }
+
   const rg_quality_section quality = QualityOf(file, error.px, error.rad);
   contents.quality = &quality;
   std::vector<int32_t> line_points;
