@@ -32,6 +32,8 @@ class BlobCamera {
   ImageSize image_size() const { return {camera_.width, camera_.height}; }
   bool has_remap() const { return blob_.remap != 0; }
 
+  bool CanProject() const { return camera_.inverse && !camera_.line_points; }
+
   /// By the runtime, in fixed point.
   std::optional<Eigen::Vector3d> Unproject(const Eigen::Vector2d& pixel) const;
 
