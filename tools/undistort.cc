@@ -33,8 +33,8 @@ BlobCamera PrepareBlob(const Arguments& arguments,
   ImageSize size;
   if (!arguments.size.empty()) size = ParseImageSize("--size", arguments.size);
   PackOptions options;
-  options.remap =
-      MakeVirtualCamera(*input.file.camera, size, arguments.hfov_deg);
+  options.remaps = {
+      MakeVirtualCamera(*input.file.camera, size, arguments.hfov_deg)};
   options.max_error_px = arguments.max_error_px;
   options.num_threads = common.threads;
   return BlobCamera("packed camera", PackCamera(input.file, options).blob);

@@ -22,6 +22,8 @@
 namespace raygrid {
 namespace {
 
+constexpr double kMaxMeasuredPixels = 1.6e7;
+
 [[noreturn]] void FailFormat(const std::string& what) {
   throw Error(ExitCode::kUsage, "this camera does not fit a blob: " + what);
 }
@@ -283,9 +285,10 @@ struct PackingTruth {
   }
 };
 
-// The runtime against the truth, at every pixel of the blob's area; in pixels
-// where it is trusted, and not where rays hardly turn from pixel to pixel, as
-// outside a fisheye's image circle.
+// The runtime against the truth, at every pixel of the blob's area, in those of
+// more than kMaxMeasuredPixels every few rows and columns; in pixels where it
+// is trusted, and not where rays hardly turn from pixel to pixel, as outside a
+// fisheye's image circle.
 UnprojectionError MeasureUnprojection(const PackingTruth& truth,
                                       const rg_camera& packed,
                                       int num_threads) {
@@ -297,14 +300,18 @@ UnprojectionError MeasureUnprojection(const PackingTruth& truth,
   const int first_row = static_cast<int>(std::ceil(end_px(1)));
   const int last = static_cast<int>(std::floor(end_px(2)));
   const int last_row = static_cast<int>(std::floor(end_px(3)));
-  const int num_rows = last_row - first_row + 1;
+  const double num_pixels = std::max(
+      1.0, static_cast<double>(last - first + 1) * (last_row - first_row + 1));
+  const int step =
+      static_cast<int>(std::ceil(std::sqrt(num_pixels / kMaxMeasuredPixels)));
+  const int num_rows = (last_row - first_row) / step + 1;
   constexpr double kHardlyTurn = 20;
   const double most_per_radian =
       kHardlyTurn * FewestPixelsPerRadian(truth.camera);
   std::vector<UnprojectionError> worst(std::max(num_rows, 0));
   ParallelFor(num_rows, num_threads, [&](int row) {
-    const int y = first_row + row;
-    for (int x = first; x <= last; ++x) {
+    const int y = first_row + step * row;
+    for (int x = first; x <= last; x += step) {
       const Eigen::Vector2d pixel(x, y);
       const bool is_trusted = truth.Trusts(pixel);
       const CameraModel& camera = is_trusted ? truth.camera : truth.elsewhere;
@@ -407,6 +414,41 @@ class InverseSection {
   rg_narrow_grid points_ = {};
 };
 
+// Remap tables as rg_blob_write() takes them.
+class RemapSections {
+ public:
+  PackedRemap Add(RemapTable table) {
+    const rg_remap_section& s = table.section;
+    const int block_size = 1 << s.block_log2;
+    const PackedRemap packed = {
+        {s.width, s.height},
+        table.max_error_px,
+        table.max_chroma_error_px,
+        block_size,
+        s.part_log2 != 0 ? 1 << s.part_log2 : block_size};
+    tables_.push_back(std::move(table));
+    return packed;
+  }
+
+  // What it points to lives as long as this, until the next Add().
+  void AddTo(rg_blob_contents* contents) {
+    for (RemapTable& table : tables_) {
+      table.section.empty_blocks = table.empty_blocks.data();
+      table.section.bends = table.bends.data();
+      contents_.push_back({&table.section, table.residuals.data()});
+    }
+    if (contents_.empty()) return;
+    contents->remap = contents_[0].section;
+    contents->residuals = contents_[0].residuals;
+    contents->more_remaps = contents_.data() + 1;
+    contents->num_more_remaps = static_cast<uint32_t>(contents_.size() - 1);
+  }
+
+ private:
+  std::vector<RemapTable> tables_;
+  std::vector<rg_remap_contents> contents_;
+};
+
 UnprojectionError MeasureBlob(const PackingTruth& truth,
                               const std::string& blob, int num_threads) {
   std::vector<uint32_t> words((blob.size() + 3) / 4);
@@ -485,25 +527,16 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
     const std::optional<std::string> remark =
         packed.projection
             ? RemarkOnProjection(*packed.projection, trusted != nullptr)
-            : "no inverse grid of 16 bits leads back to pixels of this camera: "
-              "the blob un-projects and undistorts, but does not project";
+            : "no inverse grid of 16 bits leads back to its pixels: the blob "
+              "does not project";
     if (remark) packed.remarks.push_back(*remark);
   }
 
-  RemapTable remap;
-  if (options.remap) {
-    remap = FitRemapTable(central, *options.remap, options.max_error_px,
-                          options.num_threads);
-    remap.section.empty_blocks = remap.empty_blocks.data();
-    remap.section.bends = remap.bends.data();
-    contents.remap = &remap.section;
-    contents.residuals = remap.residuals.data();
-    packed.remap_error_px = remap.max_error_px;
-    packed.block_size = 1 << remap.section.block_log2;
-    packed.part_size = remap.section.part_log2 != 0
-                           ? 1 << remap.section.part_log2
-                           : packed.block_size;
-  }
+  RemapSections remaps;
+  for (const VirtualCamera& virtual_camera : options.remaps)
+    packed.remaps.push_back(remaps.Add(FitRemapTable(
+        central, virtual_camera, options.max_error_px, options.num_threads)));
+  remaps.AddTo(&contents);
 
   const rg_quality_section quality = QualityOf(file, error.px, error.rad);
   contents.quality = &quality;

@@ -12,9 +12,18 @@
 namespace raygrid {
 
 struct PackOptions {
-  std::optional<VirtualCamera> remap;  ///< none: a blob without remap table
-  double max_error_px = 0.05;          ///< geometric error of the remap
+  std::vector<VirtualCamera> remaps;  ///< one table each
+  double max_error_px = 0.05;         ///< their geometric error
   int num_threads = 0;
+};
+
+/// A remap table of a blob.
+struct PackedRemap {
+  ImageSize size;
+  double error_px = 0;
+  double chroma_error_px = 0;  ///< in chroma's own pixels
+  int block_size = 0;
+  int part_size = 0;  ///< of bent blocks; otherwise as block_size
 };
 
 /// A blob and the errors that packing added.
@@ -24,9 +33,7 @@ struct PackedCamera {
   double unproject_error_px = 0;
   double unproject_error_rad = 0;
   std::optional<ProjectionError> projection;  ///< none: cannot project
-  std::optional<double> remap_error_px;
-  int block_size = 0;
-  int part_size = 0;  ///< of bent blocks; otherwise as block_size
+  std::vector<PackedRemap> remaps;
   std::vector<std::string> remarks;  ///< on what projection does not do
 };
 
