@@ -68,8 +68,9 @@ CentralGeneric AsGrid(const CameraModel& camera, const TrustMask* trusted) {
       area.x1 == camera.area().x1 && area.y1 == camera.area().y1)
     return *grid;
   double error = INFINITY;
-  for (double cells = 2; cells <= 128; cells *= std::sqrt(2.0)) {
-    const double cell_px = std::max(area.width(), area.height()) / cells;
+  for (int half_log2 = 2; half_log2 <= 14; ++half_log2) {
+    const double cell_px = std::max(area.width(), area.height()) /
+                           std::exp2(half_log2 / 2.0);  // 2 to 128 cells
     CentralGeneric fit =
         FitCentralGeneric(camera, area, NumControlPoints(area.width(), cell_px),
                           NumControlPoints(area.height(), cell_px));
