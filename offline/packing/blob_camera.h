@@ -45,9 +45,10 @@ class BlobCamera {
   /// The control points in double precision, for what the runtime does not do.
   std::unique_ptr<CameraModel> ToModel() const;
 
-  /// Undistorts an image by the runtime's remap, each channel on its own; the
-  /// image must have image_size().
-  Image Undistort(const Image& image, uint8_t border) const;
+  /// Undistorts an image by the runtime and one of the blob's remap tables,
+  /// each channel on its own; the image must have image_size().
+  Image Undistort(const Image& image, uint8_t border,
+                  uint32_t remap_index = 0) const;
 
  private:
   std::vector<uint32_t> words_;
