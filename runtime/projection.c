@@ -8,9 +8,9 @@
  * start lie; each further step a quarter of that. */
 #define FIRST_STEP_Q16 0x40000u /* 4 px */
 
-/* A step below 1/16 px is the last: what remains is its product with the error
+/* A step below 1/64 px is the last: what remains is its product with the error
  * of the derivative. */
-#define LAST_STEP_Q16 0x1000u
+#define LAST_STEP_Q16 0x400u
 
 /* Rounding may lead out of the area by this: 0.002 px. */
 #define EDGE_TOLERANCE_Q16 128u

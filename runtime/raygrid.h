@@ -112,7 +112,7 @@ uint32_t rg_unproject_lines(const rg_camera* camera, const rg_pixel* pixels,
 
 /* Turns a direction into the image position that sees it: rg_unproject() the
  * other way round. The blob's inverse grid says where about that is and how it
- * changes: one step from there is the rule, and four are the most.
+ * changes: one step from there is the rule, and five are the most.
  *
  * direction  camera axes, any length but zero: also a 3-D point, in any unit
  *            and number format that its three coordinates share.

@@ -345,8 +345,8 @@ double WorstOfChroma(const SourceMap& map, const std::vector<uint32_t>& words,
   const auto* section = reinterpret_cast<const uint8_t*>(words.data());
   const uint32_t width_log2 = rg_part_log2(section, &lattice, 0);
   const uint32_t height_log2 = rg_part_log2(section, &lattice, 1);
-  const int num_x = 1 << lattice.log2_x, num_y = 1 << lattice.log2_y;
-  const Eigen::Vector2d half(lattice.half_x / 2.0, lattice.half_y / 2.0);
+  const int num_x = 1 << lattice.log2[0], num_y = 1 << lattice.log2[1];
+  const Eigen::Vector2d half(lattice.half[0] / 2.0, lattice.half[1] / 2.0);
   const Eigen::Vector2d unit(num_x, num_y);
   // The sample's position in the lattice, if it counts.
   const auto source = [&](int x, int y) -> std::optional<Eigen::Vector2d> {

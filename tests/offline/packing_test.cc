@@ -345,7 +345,9 @@ TEST(PackCamera, MeasuresChroma) {
       PackCamera(GenericFile(), WithRemap(0.012)).remaps[0];
   EXPECT_GT(coarse.chroma_error_px, 0);
   EXPECT_LE(fine.chroma_error_px, 3.5 * fine.error_px);
-  if (coarse.part_size > 8) EXPECT_LE(coarse.chroma_error_px, coarse.error_px);
+  if (coarse.part_size > 8) {
+    EXPECT_LE(coarse.chroma_error_px, coarse.error_px);
+  }
 }
 
 TEST(BlobCamera, ProjectsAsTheCamera) {
