@@ -13,13 +13,12 @@ rg_fault rg_check_extent(uint32_t size, uint32_t data_offset,
   return 0;
 }
 
-/* The remainder is less than span. */
+/* cells 2^48 - scale span is at least 0 and less than span: in words, so that
+ * no compiler makes a 64-bit product of it. */
 int rg_is_scale(uint32_t scale, uint32_t cells, uint32_t span) {
   uint32_t low;
   const uint32_t high = rg_multiply_unsigned(scale, span, &low);
-  const uint64_t remainder =
-      ((uint64_t)cells << 48) - (((uint64_t)high << 32) | low);
-  return remainder < span;
+  return (cells << 16) - (low != 0) == high && 0u - low < span;
 }
 
 static uint32_t num_control_points(const uint8_t* grid) {

@@ -197,6 +197,7 @@ rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
  * RG_ERR_NO_REMAP      no remap table is in use, and so no virtual camera
  * RG_ERR_NONCENTRAL    the camera has lines, not rays
  * RG_ERR_OUTSIDE_AREA  pixel lies outside the calibrated area
+ * RG_ERR_NONCENTRAL    the camera has lines, not rays: not supported
  * RG_ERR_NOT_SEEN      it looks backwards, or 16384 px away or more */
 rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
                              rg_pixel* undistorted);
@@ -257,14 +258,15 @@ typedef enum rg_sampling {
   RG_SAMPLING_NEAREST
 } rg_sampling;
 
-/* The inner loops for a kind of processor; all give the same bits. Boards of
- * which every processor is alike have them built in, and this is not used. */
+/* The inner loops for a kind of processor; all give the same bits. Boards
+ * without Linux have them built in, and this is not used: RG_PORTABLE_KERNELS,
+ * defined as 1 for all files, then says that they be portable. */
 typedef struct rg_kernels rg_kernels;
 
 /* By name, for measurements and tests: "portable", "sse4", "avx2", "avx512",
- * "neon"; the fastest of this processor for NULL, found by instructions that
- * may take a microsecond in a virtual machine. NULL if there is none of that
- * name. */
+ * "neon", "rvv"; the fastest of this processor for NULL, found by instructions
+ * that may take a microsecond in a virtual machine. NULL if there is none of
+ * that name. */
 const rg_kernels* rg_find_kernels(const char* name);
 
 /* Rows [first_row, first_row + num_rows) of the undistorted image; even numbers

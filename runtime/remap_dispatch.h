@@ -4,9 +4,15 @@
 
 #include "remap_kernels.h"
 
-/* Processors of one architecture that differ: chosen when the program runs. */
-#if defined(__x86_64__) || defined(__aarch64__) || \
-    (defined(__arm__) && defined(__linux__))
+/* Defined as 1, all files are compiled for the portable kernels alone. */
+#if !defined(RG_PORTABLE_KERNELS)
+#define RG_PORTABLE_KERNELS 0
+#endif
+
+/* Where there is room for several: chosen when the program runs. */
+#if !RG_PORTABLE_KERNELS &&                         \
+    (defined(__x86_64__) || defined(__aarch64__) || \
+     (defined(__linux__) && (defined(__arm__) || defined(__riscv))))
 #define RG_CHOOSE_KERNELS 1
 #else
 #define RG_CHOOSE_KERNELS 0
@@ -14,10 +20,10 @@
 
 /* Those of a board: known when it is compiled, and without need of spare rows.
  */
-#if defined(__ARM_FEATURE_MVE)
+#if defined(__ARM_FEATURE_MVE) && !RG_PORTABLE_KERNELS
 #define RG_BUILT_IN(channels) rg_blend_##channels##_helium
 #define RG_ALL_BUILT_IN 1
-#elif defined(__riscv_vector)
+#elif defined(__riscv_vector) && !RG_PORTABLE_KERNELS
 #define RG_BUILT_IN(channels) rg_blend_##channels##_rvv
 #define RG_ALL_BUILT_IN 1
 #else
@@ -25,12 +31,16 @@
 #define RG_ALL_BUILT_IN 0
 #endif
 
+/* Whether kernels that were chosen may run: is_roomy where the spare rows are
+ * there, which those beside built-in ones do not need either. */
+#define RG_MAY_RUN(is_roomy) (RG_ALL_BUILT_IN || (is_roomy))
+
 /* wanted, or the fastest; NULL, which is the built-in ones, where rows are too
  * short for others. */
 static inline const rg_kernels* rg_choose_kernels(const rg_kernels* wanted,
                                                   uint32_t stride) {
 #if RG_CHOOSE_KERNELS
-  if (stride < RG_MIN_STRIDE) return 0;
+  if (!RG_MAY_RUN(stride >= RG_MIN_STRIDE)) return 0;
   return wanted ? wanted : rg_find_kernels(0);
 #else
   (void)wanted;
@@ -39,10 +49,9 @@ static inline const rg_kernels* rg_choose_kernels(const rg_kernels* wanted,
 #endif
 }
 
-/* is_roomy: the spare rows are there. */
 static inline void rg_dispatch_grey(const rg_kernels* kernels,
                                     const rg_run* run, int is_roomy) {
-  if (RG_CHOOSE_KERNELS && kernels && is_roomy)
+  if (RG_CHOOSE_KERNELS && kernels && RG_MAY_RUN(is_roomy))
     kernels->blend[0](run);
   else
     RG_BUILT_IN(1)(run);
@@ -59,7 +68,7 @@ static inline uint32_t rg_interleaved(const rg_lattice* lattice) {
 static inline void rg_dispatch(const rg_kernels* kernels, const rg_run* run,
                                const rg_lattice* lattice, int is_roomy) {
   const uint32_t channels = rg_interleaved(lattice);
-  if (RG_CHOOSE_KERNELS && kernels && is_roomy && channels != 0)
+  if (RG_CHOOSE_KERNELS && kernels && RG_MAY_RUN(is_roomy) && channels != 0)
     kernels->blend[channels - 1](run);
   else if (channels == 1)
     RG_BUILT_IN(1)(run);

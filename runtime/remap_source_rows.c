@@ -2,8 +2,9 @@
 #include "raygrid.h"
 #include "remap_blocks.h"
 
-/* Rounding moves a position by less than this, in q12. */
-#define SLACK 8
+/* In q12: a row's step is rounded by half, so its 32nd pixel by up to 16, and a
+ * pixel between such ends may be rounded the other way. */
+#define SLACK 33
 
 /* Rows of the image, [first, end); none while first >= end. */
 typedef struct image_rows {

@@ -63,6 +63,11 @@ static const rg_kernels kNeon = {
     {rg_blend_1_neon, rg_blend_2_neon, rg_blend_3_neon, rg_blend_4_neon}};
 #endif
 
+#if defined(__riscv_vector)
+static const rg_kernels kRvv = {
+    "rvv", {rg_blend_1_rvv, rg_blend_2_rvv, rg_blend_3_rvv, rg_blend_4_rvv}};
+#endif
+
 static int is_same(const char* a, const char* b) {
   while (*a && *a == *b) ++a, ++b;
   return *a == *b;
@@ -75,6 +80,8 @@ const rg_kernels* rg_find_kernels(const char* name) {
   if ((!name || is_same(name, kSse4.name)) && has_sse4()) return &kSse4;
 #elif defined(__aarch64__) || defined(__ARM_NEON)
   if (!name || is_same(name, kNeon.name)) return &kNeon;
+#elif defined(__riscv_vector)
+  if (!name || is_same(name, kRvv.name)) return &kRvv;
 #endif
   return !name || is_same(name, kPortable.name) ? &kPortable : 0;
 }

@@ -5,29 +5,34 @@
     direction = camera.unproject([(320, 240)])[0]
 
 Needs the shared library and nothing else: the one that RAYGRID_LIBRARY names, or that lies beside
-this file, or that the system finds. With numpy, any array of N x 2 or N x 3 numbers will do, and
-a frame may be an array; results are tuples, which numpy.array() takes.
+this file, in the installation or the build folder that this file belongs to, or that the system
+finds. With numpy, any array of N x 2 or N x 3 numbers will do, and a frame may be an array;
+results are tuples, which numpy.array() takes.
 """
 import ctypes
 import ctypes.util
+import math
+import operator
 import os
+import sysconfig
 from pathlib import Path
 
-OK, OUTSIDE_AREA, NO_REMAP, NOT_SEEN, UNKNOWN = 0, -50, -51, -54, -58
+OK, OUTSIDE_AREA, NO_REMAP, NOT_SEEN, NONCENTRAL, UNKNOWN, NO_INVERSE = (
+    0, -50, -51, -54, -57, -58, -60)
 NO_PIXEL = -2**31
 Q12, Q16, Q28, Q30 = 2**12, 2**16, 2**28, 2**30
 
-# Of each format: its number, then bytes a row of each plane takes, as a fraction of the width,
-# and rows of each plane, as a fraction of the height.
+# Of each format: its number, bits of a sample, then bytes a row of each plane takes, as a fraction
+# of the width, and rows of each plane, as a fraction of the height.
 FORMATS = {
-    "GREY8": (0, ((1, 1),)), "GREY16": (1, ((2, 1),)),
-    "GREY10P": (2, ((1.25, 1),)), "GREY12P": (3, ((1.5, 1),)),
-    "RGB24": (4, ((3, 1),)), "RGB32": (5, ((4, 1),)),
-    "YUYV": (6, ((2, 1),)), "UYVY": (7, ((2, 1),)),
-    "NV12": (8, ((1, 1), (1, 0.5))),
-    "YUV420": (9, ((1, 1), (0.5, 0.5), (0.5, 0.5))),
-    "BAYER8": (10, ((1, 1),)), "BAYER16": (11, ((2, 1),)),
-    "BAYER10P": (12, ((1.25, 1),)), "BAYER12P": (13, ((1.5, 1),)),
+    "GREY8": (0, 8, ((1, 1),)), "GREY16": (1, 16, ((2, 1),)),
+    "GREY10P": (2, 10, ((1.25, 1),)), "GREY12P": (3, 12, ((1.5, 1),)),
+    "RGB24": (4, 8, ((3, 1),)), "RGB32": (5, 8, ((4, 1),)),
+    "YUYV": (6, 8, ((2, 1),)), "UYVY": (7, 8, ((2, 1),)),
+    "NV12": (8, 8, ((1, 1), (1, 0.5))),
+    "YUV420": (9, 8, ((1, 1), (0.5, 0.5), (0.5, 0.5))),
+    "BAYER8": (10, 8, ((1, 1),)), "BAYER16": (11, 16, ((2, 1),)),
+    "BAYER10P": (12, 10, ((1.25, 1),)), "BAYER12P": (13, 12, ((1.5, 1),)),
 }
 BORDERS = {"value": 0, "clamp": 1, "keep": 2}
 SAMPLINGS = {"bilinear": 0, "nearest": 1}
@@ -74,13 +79,40 @@ class _Target(ctypes.Structure):
                 ("kernels", ctypes.c_void_p)]
 
 
+def _library_places():
+    """Where the library may lie: beside this file; PREFIX/lib*, of PREFIX/share/raygrid/python;
+    the host's build folder, of the sources."""
+    here = Path(__file__).resolve().parent
+    folders = [here]
+    if here.parts[-3:] == ("share", "raygrid", "python"):
+        names = ("lib", f"lib/{sysconfig.get_config_var('MULTIARCH')}", "lib64")
+        folders += [here.parents[2] / name for name in names]
+    if here.parts[-2:] == ("runtime", "python"):
+        folders.append(here.parents[1] / "build" / "host" / "runtime")
+    return [folder / "libraygrid.so" for folder in folders]
+
+
+def _find_library():
+    named = os.environ.get("RAYGRID_LIBRARY")
+    if named:
+        return named
+    places = _library_places()
+    for place in places:
+        if place.exists():
+            return str(place)
+    found = ctypes.util.find_library("raygrid")
+    if not found:
+        raise ImportError("libraygrid.so is neither " + " nor ".join(map(str, places))
+                          + " nor known to the system; name it in RAYGRID_LIBRARY")
+    return found
+
+
 def _load_library():
-    beside = Path(__file__).resolve().parent / "libraygrid.so"
-    path = (os.environ.get("RAYGRID_LIBRARY") or (beside if beside.exists() else None)
-            or ctypes.util.find_library("raygrid"))
-    if not path:
-        raise ImportError("libraygrid.so is not found; name it in RAYGRID_LIBRARY")
-    library = ctypes.CDLL(str(path))
+    path = _find_library()
+    try:
+        library = ctypes.CDLL(path)
+    except OSError as error:
+        raise ImportError(f"raygrid's library {path} cannot be loaded: {error}") from error
     library.rg_status_text.restype = ctypes.c_char_p
     library.rg_find_kernels.restype = ctypes.c_void_p
     for name in ("rg_unproject_batch", "rg_project_batch", "rg_undistort_points"):
@@ -97,7 +129,8 @@ def _check(status):
 
 
 def _pixels(points):
-    """Positions as the library wants them; too distant ones are in no camera's area."""
+    """Positions as the library wants them; those too distant, and what is no number, become ones
+    that are in no camera's area."""
     array = (_Pixel * len(points))()
     for pixel, (x, y) in zip(array, points):
         pixel.x, pixel.y = _fixed(x), _fixed(y)
@@ -105,7 +138,20 @@ def _pixels(points):
 
 
 def _fixed(value):
-    return max(1 - 2**31, min(2**31 - 1, round(float(value) * Q16)))
+    scaled = float(value) * Q16
+    if math.isnan(scaled):
+        return 1 - 2**31
+    return round(max(1 - 2**31, min(2**31 - 1, scaled)))
+
+
+def _direction(point):
+    """Q30, of a length that the library takes; (0, 0, 0), which no pixel sees, where a coordinate
+    is not finite."""
+    values = [float(v) for v in point]
+    largest = max(map(abs, values))
+    if largest == 0 or not all(map(math.isfinite, values)):
+        return [0, 0, 0]
+    return [round(v / largest * Q30) for v in values]
 
 
 def _positions(array):
@@ -113,10 +159,10 @@ def _positions(array):
 
 
 class Camera:
-    """A blob: the path of a file, or its bytes."""
+    """A blob: the path of a file, or its bytes. Its first remap table is in use, if it has any."""
 
     def __init__(self, blob):
-        data = blob if isinstance(blob, (bytes, bytearray)) else Path(blob).read_bytes()
+        data = blob if isinstance(blob, (bytes, bytearray, memoryview)) else Path(blob).read_bytes()
         self._blob = (ctypes.c_uint32 * (len(data) // 4 + 1))()  # a multiple of 4
         ctypes.memmove(self._blob, bytes(data), len(data))
         self._camera = _Camera()
@@ -124,9 +170,17 @@ class Camera:
                                        ctypes.c_uint32(len(data))))
         self.width, self.height = self._camera.width, self._camera.height
         self.is_central = self._camera.line_points is None
-        status = _library.rg_select_remap(ctypes.byref(self._camera), ctypes.c_uint32(0))
-        if status != NO_REMAP:
-            _check(status)
+        self.num_remaps = self._count_remaps()
+        if self.num_remaps != 0:
+            self.select_remap(0)
+
+    def _count_remaps(self):
+        """Remap tables of the blob, faulty ones too."""
+        count = 0
+        while _library.rg_select_remap(ctypes.byref(self._camera),
+                                       ctypes.c_uint32(count)) != NO_REMAP:
+            count += 1
+        return count
 
     def unproject(self, points):
         """Directions (x, y, z) of pixels (x, y); None outside the calibrated area."""
@@ -152,18 +206,20 @@ class Camera:
 
     def project(self, points):
         """Pixels of directions or points (x, y, z) of any length; None where nothing is seen."""
-        if not self.is_central:
-            raise Error(-57)
+        self._check_central()
         if self._camera.inverse is None:
-            raise Error(-60)
+            raise Error(NO_INVERSE)
         rays = (ctypes.c_int32 * 3 * len(points))()
         for ray, point in zip(rays, points):
-            largest = max(abs(float(v)) for v in point) or 1.0
-            ray[:] = [round(float(v) / largest * Q30) for v in point]
+            ray[:] = _direction(point)
         pixels = (_Pixel * len(points))()
         _library.rg_project_batch(ctypes.byref(self._camera), rays, pixels,
                                   ctypes.c_uint32(len(points)))
         return _positions(pixels)
+
+    def _check_central(self):
+        if not self.is_central:
+            raise Error(NONCENTRAL)
 
     def is_valid(self, points):
         """Whether the camera may be trusted at pixels."""
@@ -183,7 +239,8 @@ class Camera:
         return values
 
     def select_remap(self, index):
-        """Takes another remap table of the blob."""
+        """Takes another one of the blob's num_remaps remap tables, counted from 0, for
+        remap_size(), undistort() and undistort_points(). For two at a time, open two cameras."""
         _check(_library.rg_select_remap(ctypes.byref(self._camera), ctypes.c_uint32(index)))
 
     def remap_size(self):
@@ -195,6 +252,7 @@ class Camera:
 
     def undistort_points(self, points):
         """Where pixels lie in the undistorted image; None for those that have no place there."""
+        self._check_central()
         self.remap_size()
         result = (_Pixel * len(points))()
         _library.rg_undistort_points(ctypes.byref(self._camera), _pixels(points), result,
@@ -204,8 +262,9 @@ class Camera:
     def undistort(self, frame, pixel_format="GREY8", border="value", border_values=(0, 0, 0, 0),
                   sampling="bilinear"):
         """The undistorted frame, as bytes: planes after each other, rows without gaps, as the
-        frame has them."""
-        number, planes = FORMATS[pixel_format]
+        frame has them. Up to 4 border values, one of each channel."""
+        number, bits, planes = FORMATS[pixel_format]
+        values = _border_values(border_values, bits)
         data = bytes(frame)
         width, height = self.remap_size()
         output = ctypes.create_string_buffer(_frame_size(planes, width, height))
@@ -216,12 +275,19 @@ class Camera:
         source = ctypes.create_string_buffer(data, len(data))
         image = _Image(number, self.width, self.height, 0, 0, 0,
                        _planes(source, planes, self.width, self.height))
-        values = tuple(border_values) + (0,) * (4 - len(border_values))
         target = _Target(_planes(output, planes, width, height), 0, height, BORDERS[border],
                          SAMPLINGS[sampling], values, None)
         _check(_library.rg_remap(ctypes.byref(self._camera), ctypes.byref(image),
                                  ctypes.byref(target)))
         return output.raw
+
+
+def _border_values(values, bits):
+    """Those of all channels; 0 where none is given."""
+    values = tuple(map(operator.index, values))
+    if len(values) > 4 or not all(0 <= value < 2**bits for value in values):
+        raise ValueError(f"border values are up to 4 integers below {2**bits}, not {values}")
+    return values + (0,) * (4 - len(values))
 
 
 def _frame_size(planes, width, height):

@@ -38,7 +38,9 @@ int main(void) {
       know_remap_layout(BLOB[entry + 4] | (uint32_t)BLOB[entry + 5] << 8);
   }
   rg_camera camera;
-  if (rg_camera_open(&camera, words, sizeof words) == RG_OK)
-    (void)rg_select_remap(&camera, (uint32_t)Frama_C_interval(0, 3));
+  if (rg_camera_open(&camera, words, sizeof words) != RG_OK) return 0;
+  //@ loop unroll 3;
+  for (uint32_t index = 0; index < 3; ++index)
+    (void)rg_select_remap(&camera, index);
   return 0;
 }

@@ -15,18 +15,23 @@
 #define HEIGHT 48u
 
 static rg_camera lens, narrow, lines, wide, inner;
-static rg_pixel pixels[NUM_POINTS], wide_pixels[NUM_POINTS], points[NUM_POINTS];
-static rg_ray rays[NUM_POINTS], outside[NUM_POINTS];
+static rg_pixel pixels[NUM_POINTS], line_pixels[NUM_POINTS], points[NUM_POINTS];
+static rg_ray rays[NUM_POINTS], wide_rays[NUM_POINTS], outside[NUM_POINTS];
 static uint8_t source[WIDTH * HEIGHT * 4] __attribute__((aligned(4)));
 static uint8_t output[WIDTH * HEIGHT * 4] __attribute__((aligned(4)));
+
+/* In q16, from 0 to a number of pixels. */
+static int32_t random_position(uint32_t* random, uint32_t size) {
+  return (int32_t)((uint64_t)next_random(random) * size >> 16);
+}
 
 /* Random pixels of an area. */
 static void make_pixels(const rg_camera* camera, rg_pixel* result) {
   uint32_t random = 7;
   uint32_t num_made = 0;
   while (num_made < NUM_POINTS) {
-    const rg_pixel pixel = {(int32_t)(next_random(&random) >> 7),
-                            (int32_t)(next_random(&random) >> 7)};
+    const rg_pixel pixel = {random_position(&random, camera->width),
+                            random_position(&random, camera->height)};
     if (rg_is_valid(camera, pixel)) result[num_made++] = pixel;
   }
 }
@@ -100,11 +105,12 @@ static int make_scene(uint8_t block_log2) {
     return 0;
   open_inner(block_log2);
   make_pixels(&lens, pixels);
-  make_pixels(&wide, wide_pixels);
+  make_pixels(&lines, line_pixels);
   make_test_frame(source, 4 * WIDTH, 4 * WIDTH, HEIGHT);
-  rg_unproject_batch(&wide, wide_pixels, rays, NUM_POINTS);
+  make_pixels(&wide, points);
+  rg_unproject_batch(&wide, points, wide_rays, NUM_POINTS);
   for (uint32_t k = 0; k < NUM_POINTS; ++k) {
-    outside[k] = rays[k];
+    outside[k] = wide_rays[k];
     outside[k].z_q30 = -0x7fffffff;
   }
   return 1;

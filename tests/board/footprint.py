@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
-"""What the runtime costs on a microcontroller, against the tables of its README.
+"""What the runtime costs on a board, against the tables of its README.
 
 Flash, RAM and stack from the objects: what a firmware links that calls the entry points of a
 set; it may take no static memory and no symbol from outside. The stack is the deepest path of
-the compiler's call graph (-fcallgraph-info=su). Executed instructions from instruction_bench on
-an emulator that counts them. A figure that has grown by more than 2 % since the README's fails,
-and so does one that has shrunk by more than 10 %; --update writes the README's rows.
+the compiler's call graph (-fcallgraph-info=su). Executed instructions, of microcontrollers, from
+instruction_bench on an emulator that counts them. --update writes the README's rows.
 """
 import argparse
 import os
@@ -13,6 +12,8 @@ import re
 import subprocess
 import sys
 import tempfile
+
+import readme_table
 
 # Sources that do not go on a board.
 HOST_ONLY = ("blob_write", "blob_fields", "blob_limits", "rg_status")
@@ -23,9 +24,13 @@ EVERYTHING = RAYS + (
     "rg_undistort_points", "rg_mode_to_calibrated", "rg_mode_from_calibrated", "rg_match",
     "rg_select_remap", "rg_remap_size", "rg_remap", "rg_remap_source_rows", "rg_remap_grey")
 # .text of what these need.
-SETS = {"rays": RAYS, "rays, grey": RAYS + ("rg_select_remap", "rg_remap_grey"), "everything": EVERYTHING}
-STACKS = ("rg_camera_open", "rg_unproject", "rg_project", "rg_remap_grey", "rg_remap")
-GROWTH, SHRINKAGE = 1.02, 0.9
+SETS = {"rays": RAYS, "rays, grey": RAYS + ("rg_select_remap", "rg_remap_size", "rg_remap_grey"),
+        "everything": EVERYTHING}
+# Stack of these, each for itself, and the deepest of the others.
+STACKS = ("rg_camera_open", "rg_select_remap", "rg_unproject", "rg_unproject_line", "rg_project",
+          "rg_undistort_point", "rg_remap_grey", "rg_remap", "rg_remap_source_rows", "rg_match")
+TEXT_TABLE, STACK_TABLE = "| core | .text: rays |", "| core | stack: open |"
+INSTRUCTION_TABLE = "| core | un-project |"
 
 
 def parse_arguments():
@@ -36,7 +41,7 @@ def parse_arguments():
     parser.add_argument("--compiler", required=True)
     parser.add_argument("--formats", nargs="+", required=True)
     parser.add_argument("--runtime", nargs="+", required=True)
-    parser.add_argument("--bench", nargs=argparse.REMAINDER, required=True,
+    parser.add_argument("--bench", nargs=argparse.REMAINDER,
                         help="emulator, its options and the program; the last argument")
     return parser.parse_args()
 
@@ -53,22 +58,29 @@ def board_objects(objects):
 def link(compiler, objects, output, roots):
     """One object of what the roots need."""
     keep = [option for root in roots for option in ("-u", root)]
-    emulation = ["-m", "elf32lriscv"] if "riscv" in compiler else []
+    emulation = ["-m", "elf32lriscv"] if compiler.endswith("riscv64-unknown-elf-gcc") else []
     subprocess.run([tool(compiler, "ld"), *emulation, "-r", "--gc-sections", *keep, "-o", output,
                     *objects], check=True)
 
 
 def section_sizes(compiler, path):
-    """Bytes of (text, data, bss); text holds read-only data too."""
-    lines = subprocess.run([tool(compiler, "size"), path], check=True, capture_output=True,
+    """Bytes of code with constants, and of static memory. Constants that hold addresses are
+    .data.rel.ro in code that is independent of its position; tables for unwinding do not count."""
+    lines = subprocess.run([tool(compiler, "size"), "-A", path], check=True, capture_output=True,
                            text=True).stdout.splitlines()
-    return tuple(int(field) for field in lines[1].split()[:3])
+    sections = [line.split()[:2] for line in lines if line.startswith(".")]
+
+    def total(pattern):
+        return sum(int(size) for name, size in sections if re.match(pattern, name))
+    return (total(r"\.(text|s?rodata|data\.rel\.ro)"),
+            total(r"\.(s?data(?!\.rel\.ro)|s?bss|tdata|tbss)"))
 
 
 def undefined_symbols(compiler, path):
     output = subprocess.run([tool(compiler, "nm"), "-u", path], check=True, capture_output=True,
                             text=True).stdout
-    return [line.split()[-1] for line in output.splitlines() if line.strip()]
+    names = [line.split()[-1] for line in output.splitlines() if line.strip()]
+    return [name for name in names if name != "_GLOBAL_OFFSET_TABLE_"] # the linker's own
 
 
 def find_jumps(compiler, path):
@@ -79,11 +91,28 @@ def find_jumps(compiler, path):
     jumps, calls, caller = set(), set(), ""
     for line in output.splitlines():
         title = re.match(r"[0-9a-f]+ <(\w+)>:", line)
-        target = re.search(r"R_ARM_THM_(JUMP24|CALL)\s+(?:\.text\.)?(\w+)", line)
+        target = re.search(r"R_(?:ARM_THM|AARCH64)_(JUMP2|CALL)\d*\s+(?:\.text\.)?(\w+)", line)
         caller = title.group(1) if title else caller
         if target:
-            (jumps if target.group(1) == "JUMP24" else calls).add((caller, target.group(2)))
+            (jumps if target.group(1) == "JUMP2" else calls).add((caller, target.group(2)))
     return jumps - calls
+
+
+def find_taken(compiler, path):
+    """Functions whose addresses an object takes, as (function that takes it, or "" for data,
+    taken function)."""
+    output = subprocess.run([tool(compiler, "objdump"), "-r", path], check=True,
+                            capture_output=True, text=True).stdout
+    taken, taker = set(), None
+    for line in output.splitlines():
+        section = re.match(r"RELOCATION RECORDS FOR \[(\.\w+)(?:\.(\w+))?", line)
+        target = re.search(r"\bR_\w+\s+(?:\.text\.)?(\w+)", line)
+        if section:
+            takers = {".text": section.group(2), ".data": "", ".rodata": "", ".srodata": ""}
+            taker = takers.get(section.group(1))
+        elif taker is not None and target and not re.search(r"CALL|JUMP|JAL|BRANCH", line):
+            taken.add((taker, target.group(1)))
+    return taken
 
 
 def name_of(title):
@@ -93,8 +122,8 @@ def name_of(title):
 
 def read_call_graph(compiler, objects):
     """Stack bytes of each function, and the functions that it calls, jumps to when it is done, so
-    that they need no stack beside its own, or takes the address of."""
-    stack, calls = {}, {}
+    that they need no stack beside its own, or takes the address of; "" for data."""
+    stack, calls, takers = {}, {}, []
     for path in objects:
         jumps, taken = find_jumps(compiler, path), find_taken(compiler, path)
         with open(os.path.splitext(path)[0] + ".ci", encoding="utf-8") as file:
@@ -106,9 +135,11 @@ def read_call_graph(compiler, objects):
         for source, target in re.findall(r'sourcename: "([^"]+)" targetname: "([^"]+)"', text):
             is_jump = (name_of(source), name_of(target)) in jumps
             calls.setdefault(source, set()).add((target, "jump" if is_jump else "call"))
-        for source, target in taken:
-            if source in titles and target in titles:
-                calls.setdefault(titles[source], set()).add((titles[target], "taken"))
+        takers += [(titles.get(source, source), titles.get(target, target))
+                   for source, target in find_taken(compiler, path)]
+    for source, target in takers:
+        if target in stack:
+            calls.setdefault(source, set()).add((target, "taken"))
     return stack, calls
 
 
@@ -128,15 +159,15 @@ def find_taken(compiler, path):
 
 def deepest(function, stack, calls, path=()):
     """Stack of the deepest path from a function. Functions that are called by pointers are those
-    that a function of the path takes the address of."""
+    that data or a function of the path takes the address of."""
     if function in path:
         sys.exit(f"footprint: {function} calls itself")
     own, path = stack.get(function, 0), path + (function,)
     below = [own]
     for callee, kind in calls.get(function, ()):
         if callee == "__indirect_call":
-            taken = [pointed for caller in path for pointed, kind in calls.get(caller, ())
-                     if kind == "taken"]
+            taken = {pointed for caller in ("",) + path for pointed, kind in calls.get(caller, ())
+                     if kind == "taken"} - set(path)
             if not taken:
                 sys.exit(f"footprint: {function} calls a function that no one points to")
             below += [own + deepest(pointed, stack, calls, path) for pointed in taken]
@@ -150,29 +181,34 @@ def measure_text(arguments, objects, roots):
     with tempfile.TemporaryDirectory() as folder:
         linked = os.path.join(folder, "raygrid.o")
         link(arguments.compiler, objects, linked, roots)
-        text, data, bss = section_sizes(arguments.compiler, linked)
+        text, static = section_sizes(arguments.compiler, linked)
         undefined = undefined_symbols(arguments.compiler, linked)
-    if data or bss:
-        sys.exit(f"footprint: {data + bss} bytes of static memory")
+    if static:
+        sys.exit(f"footprint: {static} bytes of static memory")
     if undefined:
         sys.exit(f"footprint: needs symbols from outside: {', '.join(undefined)}")
     return text
 
 
-def measure_sizes(arguments):
+def measure_texts(arguments, objects):
     """Figures of the README's row of sizes."""
-    objects = board_objects(arguments.formats + arguments.runtime)
     texts = [measure_text(arguments, objects, roots) for roots in SETS.values()]
+    for name, text in zip(SETS, texts):
+        print(f".text of {name}: {text} B")
+    return texts
+
+
+def measure_stacks(arguments, objects):
+    """Figures of the README's row of stacks."""
     stack, calls = read_call_graph(arguments.compiler, objects)
     missing = [entry for entry in EVERYTHING if entry not in stack]
     if missing:
         sys.exit(f"footprint: no call graph for {missing}")
-    depths = [deepest(entry, stack, calls) for entry in STACKS]
-    for name, text in zip(SETS, texts):
-        print(f".text of {name}: {text} B")
-    for entry, depth in zip(STACKS, depths):
+    depths = {entry: deepest(entry, stack, calls) for entry in EVERYTHING}
+    for entry, depth in depths.items():
         print(f"stack of {entry}: {depth} B")
-    return texts + depths
+    others = max(depth for entry, depth in depths.items() if entry not in STACKS)
+    return [depths[entry] for entry in STACKS] + [others]
 
 
 def measure_instructions(command):
@@ -185,44 +221,14 @@ def measure_instructions(command):
     return [round(int(hundredths) / 100) for _, hundredths in figures]
 
 
-def row(core, figures):
-    return f"| {core} | " + " | ".join(map(str, figures)) + " |"
-
-
-def find_rows(lines, core):
-    """Numbers of the README's lines that are this core's: sizes, instructions."""
-    found = [k for k, line in enumerate(lines) if line.startswith(f"| {core} |")]
-    if len(found) != 2:
-        sys.exit(f"footprint: the README has {len(found)} rows of {core}, not 2")
-    return found
-
-
-def compare(expected_line, figures):
-    """Faults of figures against a row of the README."""
-    expected = [int(cell) for cell in expected_line.split("|")[2:-1]]
-    if len(expected) != len(figures):
-        return [f"{len(figures)} figures, but the README has {len(expected)}"]
-    return [f"{figure}, but the README says {limit}"
-            for figure, limit in zip(figures, expected)
-            if figure > limit * GROWTH or figure < limit * SHRINKAGE]
-
-
 def main():
     arguments = parse_arguments()
-    rows = [measure_sizes(arguments), measure_instructions(arguments.bench)]
-    with open(arguments.readme, encoding="utf-8") as file:
-        lines = file.read().split("\n")
-    places = find_rows(lines, arguments.core)
-    if arguments.update:
-        for place, figures in zip(places, rows):
-            lines[place] = row(arguments.core, figures)
-        with open(arguments.readme, "w", encoding="utf-8") as file:
-            file.write("\n".join(lines))
-        return
-    faults = [fault for place, figures in zip(places, rows)
-              for fault in compare(lines[place], figures)]
-    if faults:
-        sys.exit("footprint: " + "; ".join(faults) + "; if that is as it should be, --update")
+    objects = board_objects(arguments.formats + arguments.runtime)
+    tables = {TEXT_TABLE: measure_texts(arguments, objects),
+              STACK_TABLE: measure_stacks(arguments, objects)}
+    if arguments.bench:
+        tables[INSTRUCTION_TABLE] = measure_instructions(arguments.bench)
+    readme_table.settle(arguments.readme, arguments.core, tables, arguments.update)
 
 
 if __name__ == "__main__":

@@ -87,8 +87,6 @@ static rg_status unproject_line(const rg_camera* camera, rg_pixel pixel,
 }
 
 static void measure_points(void) {
-  static rg_pixel line_pixels[NUM_POINTS];
-  make_pixels(&lines, line_pixels);
   measure_unprojection("unproject", &lens, pixels, rg_unproject);
   measure_unprojection("unproject_narrow", &narrow, pixels, rg_unproject);
   measure_unprojection("unproject_line", &lines, line_pixels, unproject_line);
@@ -98,10 +96,9 @@ static void measure_points(void) {
     rg_undistort_point(&lens, pixels[k % NUM_POINTS], &points[k % NUM_POINTS]);
   print_cost("undistort_point", read_clock() - begin, NUM_POINTS * REPEATS);
 
-  rg_unproject_batch(&wide, wide_pixels, rays, NUM_POINTS);
   begin = read_clock();
   for (uint32_t k = 0; k < NUM_POINTS * REPEATS; ++k)
-    rg_project(&wide, &rays[k % NUM_POINTS], &points[k % NUM_POINTS]);
+    rg_project(&wide, &wide_rays[k % NUM_POINTS], &points[k % NUM_POINTS]);
   print_cost("project", read_clock() - begin, NUM_POINTS * REPEATS);
 
   begin = read_clock();

@@ -38,6 +38,21 @@ def find(folder, name):
     return found[0] if found else sys.exit(f"installation: {name} is missing")
 
 
+def check_module(prefix):
+    """The Python module finds the library that it was installed with, and says where it looked."""
+    module, library = find(prefix, "raygrid.py"), find(prefix, "libraygrid.so")
+    command = (sys.executable, "-B", "-c", "import raygrid; print(raygrid._library._name)")
+    place = {"PYTHONPATH": os.path.dirname(module), "RAYGRID_LIBRARY": ""}
+    found = run(*command, **place).strip()
+    if not os.path.samefile(found, library):
+        sys.exit(f"installation: the module takes {found}, not {library}")
+    os.rename(library, library + ".away")
+    done = subprocess.run(command, capture_output=True, text=True, check=False,
+                          env={**os.environ, **place})
+    if done.returncode == 0 or os.path.realpath(library) not in done.stderr:
+        sys.exit(f"installation: without the library, the module says '{done.stderr.strip()}'")
+
+
 def main():
     parser = argparse.ArgumentParser()
     for name in ("cmake", "build", "compiler", "flags", "consumer"):
@@ -65,10 +80,8 @@ def main():
             "-o", program)
         check_program(program)
 
-        module = os.path.dirname(find(prefix, "raygrid.py"))
         if "sanitize" not in arguments.flags:
-            run(sys.executable, "-B", "-c", "import raygrid; raygrid.Camera", PYTHONPATH=module,
-                RAYGRID_LIBRARY=find(prefix, "libraygrid.so"))
+            check_module(prefix)
 
 
 if __name__ == "__main__":

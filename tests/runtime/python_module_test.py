@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The Python module against the reference reader; with numpy where that is there."""
+import dataclasses
 import unittest
 import zlib
 
@@ -48,6 +49,15 @@ class ModuleTest(unittest.TestCase):
             self.assert_close(found, pixel, 0.002)
         self.assertEqual(camera.project([(0, 0, -1), (0, 0, 0)]), [None, None])
 
+    def test_what_is_no_number_lies_outside(self):
+        camera = open_blob(WIDE)
+        infinite, nan = float("inf"), float("nan")
+        odd = [(infinite, 60), (80, -infinite), (nan, 60), (80, nan), (1e308, 60)]
+        self.assertEqual(camera.unproject(odd), [None] * len(odd))
+        self.assertEqual(camera.undistort_points(odd), [None] * len(odd))
+        self.assertEqual(camera.is_valid(odd), [False] * len(odd))
+        self.assertEqual(camera.project([(0, 0, infinite), (nan, 0, 1)]), [None, None])
+
     def test_lines_are_the_references(self):
         camera = open_blob(LINES)
         self.assertFalse(camera.is_central)
@@ -55,8 +65,10 @@ class ModuleTest(unittest.TestCase):
         for line, pixel in zip(camera.unproject_lines(points), points):
             self.assert_close(line[0], reference.line_point(LINES, *pixel), 5e-8)
             self.assert_close(line[1], reference.unproject(LINES, *pixel), 1e-7)
-        with self.assertRaises(raygrid.Error):
-            camera.project([(0, 0, 1)])
+        for call in (camera.project, camera.undistort_points):
+            with self.assertRaises(raygrid.Error) as context:
+                call([(0, 0, 1)] if call == camera.project else points)
+            self.assertEqual(context.exception.status, raygrid.NONCENTRAL)
 
     def test_undistorted_points_are_the_references(self):
         camera = open_blob(LENS)
@@ -71,9 +83,39 @@ class ModuleTest(unittest.TestCase):
         output = open_blob(LENS).undistort(frame, border_values=(make_golden.BORDER,))
         self.assertEqual(zlib.crc32(output), make_golden.remap_crc(LENS))
 
+    def test_every_table_can_be_used(self):
+        table = LENS.remap
+        shifted = dataclasses.replace(table, origin=(table.origin[0] + 8192, table.origin[1]))
+        both = dataclasses.replace(LENS, more_remaps=(shifted,))
+        alone = dataclasses.replace(LENS, remap=shifted)
+        frame, border = make_golden.make_frame(160, 120), (make_golden.BORDER,)
+        camera = open_blob(both)
+        self.assertEqual(camera.num_remaps, 2)
+        for index, blob in ((0, LENS), (1, alone), (0, LENS)):
+            camera.select_remap(index)
+            self.assertEqual(zlib.crc32(camera.undistort(frame, border_values=border)),
+                             make_golden.remap_crc(blob))
+        for index in (2, -1):
+            with self.assertRaises(raygrid.Error) as context:
+                camera.select_remap(index)
+            self.assertEqual(context.exception.status, raygrid.NO_REMAP)
+        none = open_blob(dataclasses.replace(LENS, remap=None))
+        self.assertEqual(none.num_remaps, 0)
+        with self.assertRaises(raygrid.Error):
+            none.remap_size()
+
+    def test_border_values_fit_their_samples(self):
+        camera, frame = open_blob(LENS), bytes(160 * 120)
+        for values in ((-1,), (256,), (1, 2, 3, 4, 5)):
+            with self.assertRaises(ValueError):
+                camera.undistort(frame, border_values=values)
+        with self.assertRaises(TypeError):
+            camera.undistort(frame, border_values=(1.5,))
+        camera.undistort(frame * 2, "GREY16", border_values=(65535, 0, 0, 0))
+
     def test_every_format_has_the_size_the_library_wants(self):
         camera = open_blob(WIDE)
-        for name, (_, planes) in raygrid.FORMATS.items():
+        for name, (_, _, planes) in raygrid.FORMATS.items():
             size = sum(int(WIDE.camera.width * across) * int(WIDE.camera.height * down)
                        for across, down in planes)
             camera.undistort(bytes(size), name, sampling="nearest")
