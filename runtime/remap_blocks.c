@@ -189,8 +189,9 @@ static void remap_parts(rg_remap_job* job, uint32_t row, uint32_t num_rows) {
     run->num_pixels = (uint8_t)num_pixels;
     run->first_row = (uint8_t)first_row;
     run->num_rows = (uint8_t)num_rows;
-    const int is_safe = are_safe(&box, upper, lower) && !walk->is_empty;
-    const rg_care care = is_safe ? RG_CARE_NONE : find_block_care(job);
+    const rg_care care = are_safe(&box, upper, lower) && !walk->is_empty
+                             ? RG_CARE_NONE
+                             : find_block_care(job);
     if (care == RG_CARE_PIXEL)
       remap_segments(job, num_rows);
     else
