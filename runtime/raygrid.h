@@ -124,7 +124,7 @@ uint32_t rg_unproject_lines(const rg_camera* camera, const rg_pixel* pixels,
  *                      151 degrees from the z axis or more
  * RG_ERR_NONCENTRAL    the camera is not central: not supported
  * RG_ERR_NO_INVERSE    the blob has no inverse grid: it is from before format
- *                      1.3
+ *                      1.3, or of a camera that no such grid leads back to
  *
  * Cost per core in runtime/README.md. */
 rg_status rg_project(const rg_camera* camera, const rg_ray* direction,

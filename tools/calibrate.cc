@@ -155,6 +155,9 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
     fmt::print("{}", ReadFile((folder / "result.json").string()));
   else if (!common.quiet)
     PrintSummary(arguments, result);
+  if (packed && !common.quiet)
+    for (const std::string& remark : packed->remarks)
+      fmt::print(stderr, "raygrid: camera.raygrid: {}\n", remark);
   if (not_packed) throw *not_packed;
   if (result.checkpoint)
     throw Error(ExitCode::kNotConverged,

@@ -84,13 +84,15 @@ CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
 
 PackedCamera PackForReport(const CameraFile& file, int num_threads) {
   PackOptions options;
-  options.remap = MakeVirtualCamera(*file.camera, {}, 0);
+  options.remaps = {MakeVirtualCamera(*file.camera, {}, 0)};
   options.num_threads = num_threads;
   return PackCamera(file, options);
 }
 
 PackingFigures FiguresOf(const PackedCamera& packed) {
-  return {packed.blob.size(), packed.unproject_error_px, packed.remap_error_px};
+  return {packed.blob.size(), packed.unproject_error_px,
+          packed.remaps.empty() ? std::nullopt
+                                : std::optional(packed.remaps[0].error_px)};
 }
 
 int64_t PeakMemoryBytes() {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -15,7 +16,8 @@ namespace raygrid {
 namespace {
 
 struct Arguments {
-  std::string camera, output, remap, name, serial;
+  std::string camera, output, name, serial;
+  std::vector<std::string> remaps;
   double max_error_px = 0.05;
 };
 
@@ -34,26 +36,60 @@ VirtualCamera ParseRemap(const CameraModel& camera, const std::string& text) {
       camera, ParseImageSize("--remap", text.substr(0, comma)), hfov_deg);
 }
 
+nlohmann::ordered_json FoundJson(const FoundPixels& pixels) {
+  return {{"pixels", pixels.num_pixels},
+          {"not_seen", pixels.num_lost},
+          {"off", pixels.num_off},
+          {"worst_px", pixels.worst_px},
+          {"not_invertible", pixels.num_unfindable}};
+}
+
+std::string ProjectionText(const ProjectionError& error) {
+  std::string text =
+      fmt::format("; projection within {:.2g} px", error.trusted.worst_px);
+  if (error.others.num_pixels > 0)
+    text +=
+        fmt::format(" where it is trusted, finds {} % elsewhere",
+                    std::floor(1e4 * (1 - error.others.MissedPart())) / 100);
+  return text;
+}
+
 void Print(const Arguments& arguments, const PackedCamera& packed, bool json) {
   if (json) {
     nlohmann::ordered_json result = {
         {"bytes", packed.blob.size()},
         {"unproject_error_px", packed.unproject_error_px},
         {"unproject_error_rad", packed.unproject_error_rad}};
-    if (packed.remap_error_px) {
-      result["remap_error_px"] = *packed.remap_error_px;
-      result["block_size"] = packed.block_size;
-      result["part_size"] = packed.part_size;
+    if (packed.projection) {
+      result["project_error_px"] = packed.projection->trusted.worst_px;
+      result["projection"] = {
+          {"trusted", FoundJson(packed.projection->trusted)},
+          {"others", FoundJson(packed.projection->others)}};
     }
+    result["remarks"] = packed.remarks;
+    result["remaps"] = nlohmann::ordered_json::array();
+    for (const PackedRemap& remap : packed.remaps)
+      result["remaps"].push_back(
+          {{"size", {remap.size.width, remap.size.height}},
+           {"error_px", remap.error_px},
+           {"chroma_error_px", remap.chroma_error_px},
+           {"block_size", remap.block_size},
+           {"part_size", remap.part_size}});
     fmt::print("{}\n", result.dump(2));
     return;
   }
   fmt::print("{}: {} bytes; un-projection within {:.2g} px, {:.2g} rad of {}",
              arguments.output, packed.blob.size(), packed.unproject_error_px,
              packed.unproject_error_rad, arguments.camera);
-  if (packed.remap_error_px)
-    fmt::print("; remap within {:.3f} px in blocks of {} px, parts of {} px",
-               *packed.remap_error_px, packed.block_size, packed.part_size);
+  if (packed.projection) fmt::print("{}", ProjectionText(*packed.projection));
+  for (size_t k = 0; k < packed.remaps.size(); ++k) {
+    const PackedRemap& remap = packed.remaps[k];
+    fmt::print(
+        "; remap {} to {}x{} within {:.3f} px, chroma {:.3f} of its own, in "
+        "blocks of {} px, parts of {} px",
+        k, remap.size.width, remap.size.height, remap.error_px,
+        remap.chroma_error_px, remap.block_size, remap.part_size);
+  }
   fmt::print("\n");
 }
 
@@ -65,12 +101,14 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
   if (!arguments.name.empty()) input.file.name = arguments.name;
   if (!arguments.serial.empty()) input.file.serial = arguments.serial;
   PackOptions options;
-  if (!arguments.remap.empty())
-    options.remap = ParseRemap(*input.file.camera, arguments.remap);
+  for (const std::string& remap : arguments.remaps)
+    options.remaps.push_back(ParseRemap(*input.file.camera, remap));
   options.max_error_px = arguments.max_error_px;
   options.num_threads = common.threads;
   const PackedCamera packed = PackCamera(input.file, options);
   WriteFile(arguments.output, packed.blob);
+  for (const std::string& remark : packed.remarks)
+    fmt::print(stderr, "raygrid: {}: {}\n", arguments.camera, remark);
   if (!common.quiet || common.json) Print(arguments, packed, common.json);
 }
 
@@ -86,11 +124,16 @@ void AddPack(CLI::App* app, CommonOptions* common) {
   command->add_option("camera", arguments->camera, "camera.yaml")->required();
   command->add_option("-o,--output", arguments->output, "blob to write")
       ->required();
-  command->add_option("--remap", arguments->remap,
-                      "add an undistortion table: WxH or WxH,hfov=DEGREES");
   command
-      ->add_option("--max-error-px", arguments->max_error_px,
-                   "geometric error that the table may have")
+      ->add_option(
+          "--remap", arguments->remaps,
+          "add an undistortion table: WxH or WxH,hfov=DEGREES; several "
+          "make several, which programs choose by their number")
+      ->allow_extra_args(false);
+  command
+      ->add_option(
+          "--max-error-px", arguments->max_error_px,
+          "geometric error that the tables may have; chroma's own is printed")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_option("--name", arguments->name, "camera's name in the blob");

@@ -5,6 +5,7 @@
 #include "camera_input.h"
 #include "commands.h"
 #include "dataset/csv.h"
+#include "dataset/error.h"
 #include "dataset/files.h"
 
 namespace raygrid {
@@ -14,15 +15,33 @@ struct Arguments {
   std::string camera, points, output;
 };
 
+// By the fixed-point runtime if it is a blob.
+std::optional<Eigen::Vector2d> Project(const CameraInput& input,
+                                       const Eigen::Vector3d& point) {
+  return input.blob ? input.blob->Project(point)
+                    : input.file.camera->Project(point);
+}
+
+void RequireProjection(const std::string& path, const CameraInput& input) {
+  if (!input.blob || input.blob->CanProject()) return;
+  throw Error(ExitCode::kBlob,
+              fmt::format("{}: {}; use its camera.yaml", path,
+                          input.file.camera->IsCentral()
+                              ? "has no inverse grid and does not project"
+                              : "lines of a camera that is not central are not "
+                                "projected by the runtime"));
+}
+
 void Run(const Arguments& arguments, bool json) {
   const CameraInput input = ReadCamera(arguments.camera);
+  RequireProjection(arguments.camera, input);
   const CsvTable table(arguments.points, ReadFile(arguments.points),
                        {"x", "y", "z"});
   std::string text = "x,y,z,u,v,valid\n";
   for (size_t i = 0; i < table.num_rows(); ++i) {
     const Eigen::Vector3d point(table.Number(i, "x"), table.Number(i, "y"),
                                 table.Number(i, "z"));
-    const auto pixel = input.file.camera->Project(point);
+    const auto pixel = Project(input, point);
     text += fmt::format("{},{},{},", table.Text(i, "x"), table.Text(i, "y"),
                         table.Text(i, "z"));
     text += pixel ? fmt::format("{:.8f},{:.8f},1\n", pixel->x(), pixel->y())
@@ -38,7 +57,8 @@ void AddProject(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
       app, "project",
       "Pixels that show 3D points: x,y,z to x,y,z,u,v,valid; not valid outside "
-      "the calibrated area.",
+      "the calibrated area. A blob is evaluated by the fixed-point runtime, a "
+      "camera.yaml in double precision.",
       "raygrid project camera.yaml --points xyz.csv -o px.csv", common);
   auto arguments = std::make_shared<Arguments>();
   command->add_option("camera", arguments->camera, "camera.yaml or a blob")

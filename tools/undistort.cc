@@ -21,6 +21,7 @@ struct Arguments {
   std::vector<std::string> images;
   double hfov_deg = 0;
   double max_error_px = 0.05;
+  uint32_t remap_index = 0;
 };
 
 // The blob itself, if it has a table and no other one is asked for.
@@ -33,8 +34,8 @@ BlobCamera PrepareBlob(const Arguments& arguments,
   ImageSize size;
   if (!arguments.size.empty()) size = ParseImageSize("--size", arguments.size);
   PackOptions options;
-  options.remap =
-      MakeVirtualCamera(*input.file.camera, size, arguments.hfov_deg);
+  options.remaps = {
+      MakeVirtualCamera(*input.file.camera, size, arguments.hfov_deg)};
   options.max_error_px = arguments.max_error_px;
   options.num_threads = common.threads;
   return BlobCamera("packed camera", PackCamera(input.file, options).blob);
@@ -72,7 +73,7 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
   for (size_t i = 0; i < paths.size(); ++i) {
     const Image image = ReadImage(paths[i], false);
     RequireSize(paths[i], image.size, camera.image_size());
-    const Image result = camera.Undistort(image, 0);
+    const Image result = camera.Undistort(image, 0, arguments.remap_index);
     const std::filesystem::path path =
         std::filesystem::path(arguments.output) /
         (std::filesystem::path(paths[i]).stem().string() + ".png");
@@ -111,6 +112,8 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
   command->add_option("--frames", arguments->frames,
                       "folder for the images as raw grey frames, which "
                       "raygrid-undistort takes");
+  command->add_option("--remap-index", arguments->remap_index,
+                      "which of a blob's tables, from 0 on");
   command
       ->add_option("--rectify", arguments->rectify, "virtual camera: pinhole")
       ->capture_default_str();

@@ -1,5 +1,6 @@
 #include "camera/bspline_surface.h"
 
+#include <Eigen/LU>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cassert>
@@ -154,13 +155,24 @@ Eigen::Vector2d BSplineSurface::Evaluate(const Eigen::Vector2d& pixel,
   return value;
 }
 
+int MostlyHandedness(const BSplineSurface& surface) {
+  int sum = 0;
+  for (const Eigen::Vector2d& pixel : surface.SamplePixels(4)) {
+    Eigen::Matrix2d derivative;
+    surface.Evaluate(pixel, &derivative);
+    sum += derivative.determinant() < 0 ? -1 : 1;
+  }
+  return sum < 0 ? -1 : 1;
+}
+
 int NumControlPoints(double extent_px, double cell_px) {
   return std::max(1, static_cast<int>(std::ceil(extent_px / cell_px - 1e-9))) +
          3;
 }
 
 BSplineSurface FitSurface(const Area& area, int columns, int rows,
-                          const std::vector<SurfaceSample>& samples) {
+                          const std::vector<SurfaceSample>& samples,
+                          double smoothness) {
   BSplineSurface surface(area, columns, rows);
   SurfaceNormalMatrix normal(columns, rows);
   Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(surface.num_points(), 2);
@@ -176,7 +188,7 @@ BSplineSurface FitSurface(const Area& area, int columns, int rows,
     }
     normal.AddProduct<16>(index, weight, sample.weight);
   }
-  AddSmoothness(columns, rows, 1e-9, &normal);
+  AddSmoothness(columns, rows, smoothness, &normal);
 
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(
       normal.ToSparse());

@@ -61,6 +61,10 @@ class BSplineSurface {
   std::vector<Eigen::Vector2d> points_;
 };
 
+/// +1 or -1, the sign of the derivative's determinant in most of the area. It
+/// is the other one where the surface is folded.
+int MostlyHandedness(const BSplineSurface& surface);
+
 /// The number of control points along an extent for cells no longer than
 /// cell_px.
 int NumControlPoints(double extent_px, double cell_px);
@@ -73,9 +77,11 @@ struct SurfaceSample {
 };
 
 /// Least-squares surface through samples; where there are none, as smooth as
-/// possible (second differences, with a weight that samples outvote).
+/// possible: the squares of second differences count with weight smoothness,
+/// which samples are to outvote.
 BSplineSurface FitSurface(const Area& area, int columns, int rows,
-                          const std::vector<SurfaceSample>& samples);
+                          const std::vector<SurfaceSample>& samples,
+                          double smoothness = 1e-9);
 
 }  // namespace raygrid
 

@@ -98,10 +98,11 @@ std::unique_ptr<CameraModel> BlobCamera::ToModel() const {
                                              std::move(points));
 }
 
-Image BlobCamera::Undistort(const Image& image, uint8_t border) const {
+Image BlobCamera::Undistort(const Image& image, uint8_t border,
+                            uint32_t remap_index) const {
   uint16_t width = 0, height = 0;
   rg_camera camera = camera_;
-  rg_status status = rg_select_remap(&camera, 0);
+  rg_status status = rg_select_remap(&camera, remap_index);
   if (status == RG_OK) status = rg_remap_size(&camera, &width, &height);
   if (status != RG_OK) Refuse("blob", status);
   Image result;

@@ -32,6 +32,8 @@ class BlobCamera {
   ImageSize image_size() const { return {camera_.width, camera_.height}; }
   bool has_remap() const { return blob_.remap != 0; }
 
+  bool CanProject() const { return camera_.inverse && !camera_.line_points; }
+
   /// By the runtime, in fixed point.
   std::optional<Eigen::Vector3d> Unproject(const Eigen::Vector2d& pixel) const;
 
@@ -43,9 +45,10 @@ class BlobCamera {
   /// The control points in double precision, for what the runtime does not do.
   std::unique_ptr<CameraModel> ToModel() const;
 
-  /// Undistorts an image by the runtime's remap, each channel on its own; the
-  /// image must have image_size().
-  Image Undistort(const Image& image, uint8_t border) const;
+  /// Undistorts an image by the runtime and one of the blob's remap tables,
+  /// each channel on its own; the image must have image_size().
+  Image Undistort(const Image& image, uint8_t border,
+                  uint32_t remap_index = 0) const;
 
  private:
   std::vector<uint32_t> words_;

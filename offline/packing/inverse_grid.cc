@@ -2,75 +2,80 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <iterator>
+#include <tuple>
 
 namespace raygrid {
 namespace {
 
-// Of the longer side: as many as bring the start close enough, from few on.
-constexpr std::array<int, 7> kLongerSideCells = {6, 8, 10, 13, 16, 20, 24};
+// Of the longer side; beyond kMaxCellsForMore only for trusted pixels' sake.
+constexpr int kNumCells[] = {6, 8, 10, 13, 16, 20, 24, 32, 40, 48, 64};
+constexpr int kMaxCellsForMore = 24;
+// One step from there is right to what the runtime promises.
 constexpr double kCloseEnoughPx = 1.0 / 32;
 constexpr double kCloseEnoughSlope = 0.02;  // relative
-constexpr int kEdgeSamples = 400;
-constexpr int kInnerSamples = 80;
+// About three samples a cell along each axis.
+constexpr int kSamplesAcross = 200;
+constexpr int kEdgeSamples = 1000;
+// Trusted pixels outvote the others where both cannot be had.
+constexpr double kOthersWeight = 0.01;
+// Relative to the samples' weight: far below what it could do to them, but
+// keeps control points in reach that hardly any of them supports.
+constexpr double kSmoothness = 1e-4;
 // Chart positions have magnitudes below 4, and pixels below 16384.
 constexpr double kMaxChart = 4;
 constexpr double kMaxPixel = 16000;
+constexpr double kFewPixels = 3e4, kManyPixels = 1e6;
 
-// Pixels by chart position, of those that count.
+// Pixels by chart position: what is found by chart position is the pixel.
+struct InverseSamples {
+  std::vector<SurfaceSample> trusted, others;
+};
+
+// A surface's samples but where it is folded.
 class SurfaceSampling {
  public:
   SurfaceSampling(const BSplineSurface& surface, const TrustMask* trusted)
-      : surface_(surface), trusted_(trusted) {
-    for (int j = 0; j <= kInnerSamples; ++j)
-      for (int i = 0; i <= kInnerSamples; ++i)
-        handedness_ += HandednessAt(PixelAt(Part(i), Part(j)));
-  }
+      : surface_(surface),
+        trusted_(trusted),
+        handedness_(MostlyHandedness(surface)) {}
 
   // The area's edge densely, its inside more coarsely.
-  std::vector<SurfaceSample> Samples() const {
-    std::vector<SurfaceSample> samples;
+  InverseSamples Samples() const {
+    InverseSamples samples;
     for (int k = 0; k <= kEdgeSamples; ++k) {
       const double t = static_cast<double>(k) / kEdgeSamples;
-      Add(t, 0, &samples);
-      Add(t, 1, &samples);
-      Add(0, t, &samples);
-      Add(1, t, &samples);
+      for (const Eigen::Vector2d& part :
+           {Eigen::Vector2d(t, 0), Eigen::Vector2d(t, 1), Eigen::Vector2d(0, t),
+            Eigen::Vector2d(1, t)})
+        Add(part, &samples);
     }
-    for (int j = 1; j < kInnerSamples; ++j)
-      for (int i = 1; i < kInnerSamples; ++i) Add(Part(i), Part(j), &samples);
+    for (int j = 1; j < kSamplesAcross; ++j)
+      for (int i = 1; i < kSamplesAcross; ++i)
+        Add(Eigen::Vector2d(i, j) / kSamplesAcross, &samples);
     return samples;
   }
 
  private:
-  static double Part(int index) {
-    return static_cast<double>(index) / kInnerSamples;
-  }
-  Eigen::Vector2d PixelAt(double u, double v) const {
+  void Add(const Eigen::Vector2d& part, InverseSamples* samples) const {
     const Area& area = surface_.area();
-    return {area.x0 + u * area.width(), area.y0 + v * area.height()};
-  }
-  // +1 or -1; the other one where the surface is folded.
-  int HandednessAt(const Eigen::Vector2d& pixel) const {
+    const Eigen::Vector2d pixel(area.x0 + part.x() * area.width(),
+                                area.y0 + part.y() * area.height());
     Eigen::Matrix2d derivative;
-    surface_.Evaluate(pixel, &derivative);
-    return derivative.determinant() < 0 ? -1 : 1;
-  }
-  void Add(double u, double v, std::vector<SurfaceSample>* samples) const {
-    const Eigen::Vector2d pixel = PixelAt(u, v);
-    const Eigen::Vector2d chart = surface_.Evaluate(pixel);
-    if ((trusted_ && !trusted_->Trusts(pixel)) ||
-        HandednessAt(pixel) * handedness_ < 0 ||
+    const Eigen::Vector2d chart = surface_.Evaluate(pixel, &derivative);
+    if (derivative.determinant() * handedness_ <= 0 ||
         chart.cwiseAbs().maxCoeff() > kMaxChart)
       return;
-    // What is found by chart position is the pixel.
-    samples->push_back({chart, pixel});
+    if (!trusted_ || trusted_->Trusts(pixel))
+      samples->trusted.push_back({chart, pixel, 1});
+    else
+      samples->others.push_back({chart, pixel, kOthersWeight});
   }
 
   const BSplineSurface& surface_;
   const TrustMask* const trusted_;
-  int handedness_ = 0;  // of most of the surface, by sign
+  const int handedness_;
 };
 
 // A rectangle of the chart around all samples.
@@ -84,29 +89,6 @@ Area ChartAround(const std::vector<SurfaceSample>& samples) {
   low = (low - margin).max(-kMaxChart);
   high = (high + margin).min(kMaxChart);
   return {low.x(), low.y(), high.x(), high.y()};
-}
-
-BSplineSurface FitInverse(const Area& chart, int longer_side_cells,
-                          const std::vector<SurfaceSample>& samples) {
-  const double cell =
-      std::max(chart.width(), chart.height()) / longer_side_cells;
-  return FitSurface(chart, NumControlPoints(chart.width(), cell),
-                    NumControlPoints(chart.height(), cell), samples);
-}
-
-// Whether one step from the inverse's pixel, with its derivative, is enough
-// everywhere.
-bool IsCloseEnough(const BSplineSurface& surface, const BSplineSurface& inverse,
-                   const std::vector<SurfaceSample>& samples) {
-  return std::all_of(
-      samples.begin(), samples.end(), [&](const SurfaceSample& sample) {
-        Eigen::Matrix2d there, back;
-        surface.Evaluate(sample.value, &there);
-        const Eigen::Vector2d pixel = inverse.Evaluate(sample.pixel, &back);
-        return (pixel - sample.value).norm() <= kCloseEnoughPx &&
-               (back * there - Eigen::Matrix2d::Identity()).norm() <=
-                   kCloseEnoughSlope;
-      });
 }
 
 // c |c| of the widest sample, less a little.
@@ -132,36 +114,123 @@ ControlPoints Quantize(const BSplineSurface& inverse) {
   return points;
 }
 
+// The inverse of a surface over a rectangle of the chart.
+class InverseFitting {
+ public:
+  InverseFitting(const BSplineSurface& surface, const Area& chart,
+                 std::vector<SurfaceSample> samples)
+      : surface_(surface), chart_(chart), samples_(std::move(samples)) {}
+
+  BSplineSurface Fit(int longer_side_cells) const {
+    const double cell =
+        std::max(chart_.width(), chart_.height()) / longer_side_cells;
+    return FitSurface(chart_, NumControlPoints(chart_.width(), cell),
+                      NumControlPoints(chart_.height(), cell), samples_,
+                      kSmoothness);
+  }
+
+  // Nothing if 16 bits do not hold it.
+  std::optional<InverseGrid> InFixedPoint(const BSplineSurface& fit) const {
+    const std::optional<NarrowGrid> points = Narrow(Quantize(fit));
+    if (!points) return std::nullopt;
+    InverseGrid inverse;
+    inverse.points = *points;
+    rg_inverse_section& s = inverse.section;
+    s.a0_q27 = FixedPoint(chart_.x0, 27);
+    s.b0_q27 = FixedPoint(chart_.y0, 27);
+    s.a1_q27 = FixedPoint(chart_.x1, 27);
+    s.b1_q27 = FixedPoint(chart_.y1, 27);
+    s.columns = static_cast<uint16_t>(fit.columns());
+    s.rows = static_cast<uint16_t>(fit.rows());
+    s.scale_a_q21 = rg_grid_scale_q32(
+        s.columns - 3u, static_cast<uint32_t>(s.a1_q27 - s.a0_q27));
+    s.scale_b_q21 = rg_grid_scale_q32(
+        s.rows - 3u, static_cast<uint32_t>(s.b1_q27 - s.b0_q27));
+    s.cos_limit_q30 = FixedPoint(CosineLimit(samples_), 30);
+    return inverse;
+  }
+
+  // Whether one step from the inverse's pixel, with its derivative, is enough
+  // for all these samples.
+  bool IsCloseEnough(const BSplineSurface& inverse,
+                     const std::vector<SurfaceSample>& samples) const {
+    return std::all_of(
+        samples.begin(), samples.end(), [&](const SurfaceSample& sample) {
+          Eigen::Matrix2d there, back;
+          surface_.Evaluate(sample.value, &there);
+          const Eigen::Vector2d pixel = inverse.Evaluate(sample.pixel, &back);
+          return (pixel - sample.value).norm() <= kCloseEnoughPx &&
+                 (back * there - Eigen::Matrix2d::Identity()).norm() <=
+                     kCloseEnoughSlope;
+        });
+  }
+
+ private:
+  const BSplineSurface& surface_;
+  const Area chart_;
+  const std::vector<SurfaceSample> samples_;
+};
+
+bool IsBetter(const MeasuredInverse& a, const MeasuredInverse& b) {
+  const auto faults = [](const MeasuredInverse& inverse) {
+    return std::make_tuple(inverse.error.trusted.MissedPart(),
+                           inverse.error.others.MissedPart(),
+                           !inverse.is_close);
+  };
+  return faults(a) < faults(b);
+}
+
+// Searches the number of cells; *best is replaced by what is better. The sample
+// of few pixels only spares the one of many.
+void SearchCells(const InverseFitting& fitting,
+                 const std::vector<SurfaceSample>& trusted,
+                 const MeasureInverse& measure,
+                 std::optional<MeasuredInverse>* best) {
+  for (const int cells : kNumCells) {
+    if (cells > kMaxCellsForMore && *best &&
+        (*best)->error.trusted.AreAllFound())
+      return;
+    const BSplineSurface fit = fitting.Fit(cells);
+    const std::optional<InverseGrid> grid = fitting.InFixedPoint(fit);
+    if (!grid) continue;
+    std::optional<ProjectionError> error = measure(*grid, kFewPixels);
+    if (error && error->trusted.AreAllFound())
+      error = measure(*grid, kManyPixels);
+    if (!error) continue;
+    const MeasuredInverse made = {*grid, *error,
+                                  fitting.IsCloseEnough(fit, trusted)};
+    if (*best && !IsBetter(made, **best)) continue;
+    *best = made;
+    if (made.is_close && error->trusted.AreAllFound() &&
+        error->others.AreAllFound())
+      return;
+  }
+}
+
 }  // namespace
 
-std::optional<InverseGrid> MakeInverseGrid(const BSplineSurface& surface,
-                                           const TrustMask* trusted) {
-  const std::vector<SurfaceSample> samples =
-      SurfaceSampling(surface, trusted).Samples();
-  if (samples.empty()) return std::nullopt;
-  const Area chart = ChartAround(samples);
-  BSplineSurface fit;
-  for (const int cells : kLongerSideCells) {
-    fit = FitInverse(chart, cells, samples);
-    if (IsCloseEnough(surface, fit, samples)) break;
+std::optional<MeasuredInverse> FitInverseGrid(const BSplineSurface& surface,
+                                              const TrustMask* trusted,
+                                              const MeasureInverse& measure) {
+  const InverseSamples samples = SurfaceSampling(surface, trusted).Samples();
+  if (samples.trusted.empty()) return std::nullopt;
+  std::vector<SurfaceSample> all = samples.trusted;
+  all.insert(all.end(), samples.others.begin(), samples.others.end());
+  std::optional<MeasuredInverse> best;
+  const Area chart = ChartAround(all);
+  SearchCells({surface, chart, all}, samples.trusted, measure, &best);
+  if (!best || !best->error.trusted.AreAllFound()) {
+    const Area near = ChartAround(samples.trusted);
+    std::vector<SurfaceSample> around;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(around),
+                 [&](const SurfaceSample& sample) {
+                   return near.Contains(sample.pixel);
+                 });
+    if (around.size() < all.size())
+      SearchCells({surface, near, around}, samples.trusted, measure, &best);
   }
-  const std::optional<NarrowGrid> points = Narrow(Quantize(fit));
-  if (!points) return std::nullopt;
-  InverseGrid inverse;
-  inverse.points = *points;
-  rg_inverse_section& s = inverse.section;
-  s.a0_q27 = FixedPoint(chart.x0, 27);
-  s.b0_q27 = FixedPoint(chart.y0, 27);
-  s.a1_q27 = FixedPoint(chart.x1, 27);
-  s.b1_q27 = FixedPoint(chart.y1, 27);
-  s.columns = static_cast<uint16_t>(fit.columns());
-  s.rows = static_cast<uint16_t>(fit.rows());
-  s.scale_a_q21 = rg_grid_scale_q32(s.columns - 3u,
-                                    static_cast<uint32_t>(s.a1_q27 - s.a0_q27));
-  s.scale_b_q21 = rg_grid_scale_q32(s.rows - 3u,
-                                    static_cast<uint32_t>(s.b1_q27 - s.b0_q27));
-  s.cos_limit_q30 = FixedPoint(CosineLimit(samples), 30);
-  return inverse;
+  if (best) best->error = *measure(best->grid, kManyPixels);
+  return best;
 }
 
 }  // namespace raygrid

@@ -1,11 +1,13 @@
 #ifndef RAYGRID_PACKING_INVERSE_GRID_H
 #define RAYGRID_PACKING_INVERSE_GRID_H
 
+#include <functional>
 #include <optional>
 
 #include "camera/bspline_surface.h"
 #include "camera/camera_uncertainty.h"
 #include "packing/narrow_grid.h"
+#include "packing/projection_error.h"
 #include "rg_blob.h"
 
 namespace raygrid {
@@ -16,13 +18,27 @@ struct InverseGrid {
   NarrowGrid points;
 };
 
+/// What the runtime's projection does with an inverse grid, by about so many
+/// pixels; nothing if the format does not hold it.
+using MeasureInverse = std::function<std::optional<ProjectionError>(
+    const InverseGrid&, double max_pixels)>;
+
+struct MeasuredInverse {
+  InverseGrid grid;
+  ProjectionError error;
+  bool is_close = false;  ///< one step is right everywhere
+};
+
 /// Where a surface over the image reaches each chart position: the
-/// least-squares spline through a few thousand samples, with as few cells as
-/// bring projection to its end in one step. Pixels that are not trusted, or
-/// where the surface is folded, do not count; nullptr trusts all. Nothing if 16
-/// bits do not hold it.
-std::optional<InverseGrid> MakeInverseGrid(const BSplineSurface& surface,
-                                           const TrustMask* trusted);
+/// least-squares spline through samples of the whole area but where it is
+/// folded, with as few cells as let the runtime find all trusted pixels again,
+/// and up to 24 cells if that brings it there in one step or finds more of the
+/// others. If trusted pixels are lost even so, that of their surroundings
+/// alone, or else the one that loses fewest. nullptr trusts all. Nothing if no
+/// trusted pixel can be found by one.
+std::optional<MeasuredInverse> FitInverseGrid(const BSplineSurface& surface,
+                                              const TrustMask* trusted,
+                                              const MeasureInverse& measure);
 
 }  // namespace raygrid
 

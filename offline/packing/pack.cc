@@ -12,6 +12,7 @@
 #include "camera/noncentral_generic.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
+#include "packing/blob_camera.h"
 #include "packing/inverse_grid.h"
 #include "packing/narrow_grid.h"
 #include "packing/remap_fitting.h"
@@ -20,6 +21,8 @@
 
 namespace raygrid {
 namespace {
+
+constexpr double kMaxMeasuredPixels = 1.6e7;
 
 [[noreturn]] void FailFormat(const std::string& what) {
   throw Error(ExitCode::kUsage, "this camera does not fit a blob: " + what);
@@ -65,8 +68,9 @@ CentralGeneric AsGrid(const CameraModel& camera, const TrustMask* trusted) {
       area.x1 == camera.area().x1 && area.y1 == camera.area().y1)
     return *grid;
   double error = INFINITY;
-  for (double cells = 2; cells <= 128; cells *= std::sqrt(2.0)) {
-    const double cell_px = std::max(area.width(), area.height()) / cells;
+  for (int half_log2 = 2; half_log2 <= 14; ++half_log2) {
+    const double cell_px = std::max(area.width(), area.height()) /
+                           std::exp2(half_log2 / 2.0);  // 2 to 128 cells
     CentralGeneric fit =
         FitCentralGeneric(camera, area, NumControlPoints(area.width(), cell_px),
                           NumControlPoints(area.height(), cell_px));
@@ -282,9 +286,10 @@ struct PackingTruth {
   }
 };
 
-// The runtime against the truth, at every pixel of the blob's area; in pixels
-// where it is trusted, and not where rays hardly turn from pixel to pixel, as
-// outside a fisheye's image circle.
+// The runtime against the truth, at every pixel of the blob's area, in those of
+// more than kMaxMeasuredPixels every few rows and columns; in pixels where it
+// is trusted, and not where rays hardly turn from pixel to pixel, as outside a
+// fisheye's image circle.
 UnprojectionError MeasureUnprojection(const PackingTruth& truth,
                                       const rg_camera& packed,
                                       int num_threads) {
@@ -296,14 +301,18 @@ UnprojectionError MeasureUnprojection(const PackingTruth& truth,
   const int first_row = static_cast<int>(std::ceil(end_px(1)));
   const int last = static_cast<int>(std::floor(end_px(2)));
   const int last_row = static_cast<int>(std::floor(end_px(3)));
-  const int num_rows = last_row - first_row + 1;
+  const double num_pixels = std::max(
+      1.0, static_cast<double>(last - first + 1) * (last_row - first_row + 1));
+  const int step =
+      static_cast<int>(std::ceil(std::sqrt(num_pixels / kMaxMeasuredPixels)));
+  const int num_rows = (last_row - first_row) / step + 1;
   constexpr double kHardlyTurn = 20;
   const double most_per_radian =
       kHardlyTurn * FewestPixelsPerRadian(truth.camera);
   std::vector<UnprojectionError> worst(std::max(num_rows, 0));
   ParallelFor(num_rows, num_threads, [&](int row) {
-    const int y = first_row + row;
-    for (int x = first; x <= last; ++x) {
+    const int y = first_row + step * row;
+    for (int x = first; x <= last; x += step) {
       const Eigen::Vector2d pixel(x, y);
       const bool is_trusted = truth.Trusts(pixel);
       const CameraModel& camera = is_trusted ? truth.camera : truth.elsewhere;
@@ -344,6 +353,103 @@ std::string WriteBlob(const rg_blob_contents& contents) {
   return std::string(reinterpret_cast<const char*>(words.data()), size);
 }
 
+// Why projection is not what the runtime promises; nothing if it is.
+std::optional<std::string> RemarkOnProjection(const ProjectionError& error,
+                                              bool has_mask) {
+  const FoundPixels& pixels = error.trusted;
+  const int64_t num_all = pixels.num_pixels + pixels.num_unfindable;
+  std::string faults;
+  const auto add = [&](int64_t count, const std::string& what) {
+    if (count > 0)
+      faults += fmt::format("{}{:.2g} % {}", faults.empty() ? "" : ", ",
+                            100.0 * count / num_all, what);
+  };
+  add(pixels.num_lost, "are not found");
+  add(pixels.num_off, fmt::format("are off by more than {} px, up to {:.2g} px",
+                                  kMaxProjectionErrorPx, pixels.worst_px));
+  add(pixels.num_unfindable,
+      "cannot be found, because others look where they do, or they look 151 "
+      "degrees from the axis");
+  if (faults.empty()) return std::nullopt;
+  return fmt::format(
+      "projection does not lead back to all {} pixels: {}; images with the "
+      "board there, or a larger --cell-px, make the camera smoother",
+      has_mask ? "trusted" : "of the area's", faults);
+}
+
+// Adds the inverse grid that leads back to the pixels of contents.
+class InverseSection {
+ public:
+  InverseSection(const BSplineSurface& surface, const TrustMask* trusted,
+                 int num_threads, rg_blob_contents* contents)
+      : contents_(contents) {
+    inverse_ = FitInverseGrid(
+        surface, trusted, [&](const InverseGrid& grid, double max_pixels) {
+          Point(grid);
+          return IsWritable(*contents_)
+                     ? std::optional(MeasureProjection(
+                           BlobCamera("blob", WriteBlob(*contents_)), trusted,
+                           max_pixels, num_threads))
+                     : std::nullopt;
+        });
+    contents_->inverse = nullptr;
+    if (inverse_) Point(inverse_->grid);
+  }
+  InverseSection(const InverseSection&) = delete;
+  InverseSection& operator=(const InverseSection&) = delete;
+
+  std::optional<ProjectionError> error() const {
+    return inverse_ ? std::optional(inverse_->error) : std::nullopt;
+  }
+
+ private:
+  void Point(const InverseGrid& grid) {
+    points_ = grid.points.section;
+    points_.residuals = grid.points.residuals.data();
+    contents_->inverse = &grid.section;
+    contents_->inverse_points = &points_;
+  }
+
+  rg_blob_contents* const contents_;
+  std::optional<MeasuredInverse> inverse_;
+  rg_narrow_grid points_ = {};
+};
+
+// Remap tables as rg_blob_write() takes them.
+class RemapSections {
+ public:
+  PackedRemap Add(RemapTable table) {
+    const rg_remap_section& s = table.section;
+    const int block_size = 1 << s.block_log2;
+    const PackedRemap packed = {
+        {s.width, s.height},
+        table.max_error_px,
+        table.max_chroma_error_px,
+        block_size,
+        s.part_log2 != 0 ? 1 << s.part_log2 : block_size};
+    tables_.push_back(std::move(table));
+    return packed;
+  }
+
+  // What it points to lives as long as this, until the next Add().
+  void AddTo(rg_blob_contents* contents) {
+    for (RemapTable& table : tables_) {
+      table.section.empty_blocks = table.empty_blocks.data();
+      table.section.bends = table.bends.data();
+      contents_.push_back({&table.section, table.residuals.data()});
+    }
+    if (contents_.empty()) return;
+    contents->remap = contents_[0].section;
+    contents->residuals = contents_[0].residuals;
+    contents->more_remaps = contents_.data() + 1;
+    contents->num_more_remaps = static_cast<uint32_t>(contents_.size() - 1);
+  }
+
+ private:
+  std::vector<RemapTable> tables_;
+  std::vector<rg_remap_contents> contents_;
+};
+
 UnprojectionError MeasureBlob(const PackingTruth& truth,
                               const std::string& blob, int num_threads) {
   std::vector<uint32_t> words((blob.size() + 3) / 4);
@@ -381,7 +487,6 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   DrawIntoChart(trusted, &model);
   const PackingTruth truth = {central, model, trusted};
   const GridSection grid = QuantizeGrid(model);
-  std::optional<InverseGrid> inverse;
   const std::string name = PaddedText("name", file.name);
   const std::string serial = PaddedText("serial", file.serial);
   const rg_camera_section identity = {
@@ -392,32 +497,8 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   contents.camera = &identity;
   contents.grid = &grid.section;
   contents.control_points_q29 = grid.control_points.values.data();
-  if (!lines) {
-    inverse = MakeInverseGrid(model.surface(), trusted);
-    if (!inverse) FailFormat("no grid of 16 bits leads back to its pixels");
-    inverse->points.section.residuals = inverse->points.residuals.data();
-    contents.inverse = &inverse->section;
-    contents.inverse_points = &inverse->points.section;
-  }
-
   PackedCamera packed;
-  RemapTable remap;
-  if (options.remap) {
-    remap = FitRemapTable(central, *options.remap, options.max_error_px,
-                          options.num_threads);
-    remap.section.empty_blocks = remap.empty_blocks.data();
-    remap.section.bends = remap.bends.data();
-    contents.remap = &remap.section;
-    contents.residuals = remap.residuals.data();
-    packed.remap_error_px = remap.max_error_px;
-    packed.block_size = 1 << remap.section.block_log2;
-    packed.part_size = remap.section.part_log2 != 0
-                           ? 1 << remap.section.part_log2
-                           : packed.block_size;
-  }
-
-  // Once to measure, once more with the figures. Control points of 16 bits
-  // where they keep the bound.
+  // Control points of 16 bits where they keep the bound.
   const int num_threads = NumThreads(options.num_threads);
   std::optional<NarrowGrid> narrow = Narrow(grid.control_points);
   UnprojectionError error = {INFINITY, INFINITY};
@@ -439,6 +520,25 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
         fmt::format("packing would add {:.4f} px to un-projection, more "
                     "than {}",
                     error.px, kMaxPackingErrorPx));
+
+  std::optional<InverseSection> inverse;
+  if (!lines) {
+    inverse.emplace(model.surface(), trusted, num_threads, &contents);
+    packed.projection = inverse->error();
+    const std::optional<std::string> remark =
+        packed.projection
+            ? RemarkOnProjection(*packed.projection, trusted != nullptr)
+            : "no inverse grid of 16 bits leads back to its pixels: the blob "
+              "does not project";
+    if (remark) packed.remarks.push_back(*remark);
+  }
+
+  RemapSections remaps;
+  for (const VirtualCamera& virtual_camera : options.remaps)
+    packed.remaps.push_back(remaps.Add(FitRemapTable(
+        central, virtual_camera, options.max_error_px, options.num_threads)));
+  remaps.AddTo(&contents);
+
   const rg_quality_section quality = QualityOf(file, error.px, error.rad);
   contents.quality = &quality;
   std::vector<int32_t> line_points;

@@ -3,16 +3,27 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "dataset/camera_file.h"
+#include "packing/projection_error.h"
 #include "packing/virtual_camera.h"
 
 namespace raygrid {
 
 struct PackOptions {
-  std::optional<VirtualCamera> remap;  ///< none: a blob without remap table
-  double max_error_px = 0.05;          ///< geometric error of the remap
+  std::vector<VirtualCamera> remaps;  ///< one table each
+  double max_error_px = 0.05;         ///< their geometric error
   int num_threads = 0;
+};
+
+/// A remap table of a blob.
+struct PackedRemap {
+  ImageSize size;
+  double error_px = 0;
+  double chroma_error_px = 0;  ///< in chroma's own pixels
+  int block_size = 0;
+  int part_size = 0;  ///< of bent blocks; otherwise as block_size
 };
 
 /// A blob and the errors that packing added.
@@ -21,17 +32,19 @@ struct PackedCamera {
   /// Over the pixels of the area; in pixels, those of trusted cells.
   double unproject_error_px = 0;
   double unproject_error_rad = 0;
-  std::optional<double> remap_error_px;
-  int block_size = 0;
-  int part_size = 0;  ///< of bent blocks; otherwise as block_size
+  std::optional<ProjectionError> projection;  ///< none: cannot project
+  std::vector<PackedRemap> remaps;
+  std::vector<std::string> remarks;  ///< on what projection does not do
 };
 
 /// Packs a camera of any model; a central one that is not central-generic is
 /// fitted with the coarsest grid that follows it to kMaxPackingErrorPx. The
 /// errors are measured with the runtime's own arithmetic on the finished blob,
-/// and stored in it. The remap of a noncentral-generic camera is that of its
-/// directions: right for far scenes. Throws Error(kQuality) if the bounds
-/// cannot be kept, Error(kUsage) for a camera that the format cannot hold.
+/// and stored in it. A central camera gets an inverse grid if one can be had;
+/// remarks say where it does not lead back to trusted pixels. The remap of a
+/// noncentral-generic camera is that of its directions: right for far scenes.
+/// Throws Error(kQuality) if the bounds cannot be kept, Error(kUsage) for a
+/// camera that the format cannot hold.
 PackedCamera PackCamera(const CameraFile& file, const PackOptions& options);
 
 /// Un-projection error that a blob may add.

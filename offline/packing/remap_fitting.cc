@@ -10,9 +10,11 @@
 
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
+#include "lattice_map.h"
 #include "packing/node_fitting.h"
 #include "packing/remap_blocks.h"
 #include "packing/source_map.h"
+#include "pixel_formats.h"
 #include "remap_table.h"
 
 namespace raygrid {
@@ -336,6 +338,70 @@ class TableErrors {
   const int num_threads_, part_, num_part_rows_;
 };
 
+// The worst error of a lattice of chroma, by the map: a source is the mean of
+// those of the output pixels that a sample stands for.
+double WorstOfChroma(const SourceMap& map, const std::vector<uint32_t>& words,
+                     const rg_lattice& lattice, int num_threads) {
+  const auto* section = reinterpret_cast<const uint8_t*>(words.data());
+  const uint32_t width_log2 = rg_part_log2(section, &lattice, 0);
+  const uint32_t height_log2 = rg_part_log2(section, &lattice, 1);
+  const int num_x = 1 << lattice.log2_x, num_y = 1 << lattice.log2_y;
+  const Eigen::Vector2d half(lattice.half_x / 2.0, lattice.half_y / 2.0);
+  const Eigen::Vector2d unit(num_x, num_y);
+  // The sample's position in the lattice, if it counts.
+  const auto source = [&](int x, int y) -> std::optional<Eigen::Vector2d> {
+    Eigen::Vector2d sum(0, 0);
+    for (int j = y; j < y + num_y; ++j) {
+      for (int i = x; i < x + num_x; ++i) {
+        if (i >= map.width || j >= map.height || !map.IsKnown(i, j) ||
+            !map.rectangle.Contains(map.At(i, j)))
+          return std::nullopt;
+        sum += map.At(i, j);
+      }
+    }
+    return (sum / (num_x * num_y) - half).cwiseQuotient(unit);
+  };
+  const int part_height = 1 << height_log2;
+  std::vector<double> worst((map.height + part_height - 1) / part_height, 0);
+  ParallelFor(static_cast<int>(worst.size()), num_threads, [&](int j) {
+    rg_block_walk walk;
+    rg_start_walk(section, width_log2, height_log2, j, &walk);
+    for (int x0 = 0; x0 < map.width; x0 += 1 << width_log2) {
+      rg_block block;
+      rg_next_block(&walk, &block);
+      if (walk.is_empty) continue;
+      rg_lattice_block(&lattice, &block);
+      for (int r = 0; r < 1 << block.height_log2; ++r) {
+        rg_block_row row;
+        rg_find_block_row(&block, r, &row);
+        for (int k = 0; k < 1 << block.width_log2; ++k) {
+          const auto exact =
+              source(x0 + num_x * k, j * part_height + num_y * r);
+          if (!exact) continue;
+          const rg_position p = rg_row_position(&row, k);
+          worst[j] = std::max(
+              worst[j],
+              (Eigen::Vector2d(p.q12[0], p.q12[1]) / kQ12 - *exact).norm());
+        }
+      }
+    }
+  });
+  return *std::max_element(worst.begin(), worst.end());
+}
+
+double WorstOfChroma(const SourceMap& map, const RemapTable& table,
+                     int num_threads) {
+  const std::vector<uint32_t> words = SectionWords(table);
+  double worst = 0;
+  for (const rg_format format : {RG_FORMAT_NV12, RG_FORMAT_YUYV}) {
+    const rg_lattice* lattices;
+    rg_format_lattices(format, &lattices);
+    worst =
+        std::max(worst, WorstOfChroma(map, words, lattices[1], num_threads));
+  }
+  return worst;
+}
+
 // No table with parts of a size has a smaller worst error: no bilinear function
 // is closer to the sources at the corners, the edges' middles and the centre of
 // each part.
@@ -408,6 +474,7 @@ RemapTable FitRemapTable(const CameraModel& camera,
     if (!worst) continue;
     table.max_error_px = *worst;
     if (*worst <= max_error_px) {
+      table.max_chroma_error_px = WorstOfChroma(map, table, num_threads);
       table.section.bound_upx =
           static_cast<uint32_t>(std::min(max_error_px * 1e6, 4e9));
       table.section.max_error_upx =

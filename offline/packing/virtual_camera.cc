@@ -11,6 +11,8 @@ namespace raygrid {
 namespace {
 
 constexpr double kMaxFieldOfViewDeg = 170;
+// Blobs hold focal lengths in q16.
+constexpr double kMaxFocalPx = 65535;
 
 // Pixels per radian where the camera looks straight ahead, or else in the
 // middle of its area.
@@ -51,6 +53,15 @@ VirtualCamera MakeVirtualCamera(const CameraModel& camera, ImageSize size,
                             "has more than 0 and at most {}",
                             hfov_deg, kMaxFieldOfViewDeg));
   }
+  if (result.focal_px > kMaxFocalPx)
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format(
+            "a focal length of {:.0f} px for {} px of width: a blob "
+            "holds at most {}; ask for a field of view of at least "
+            "{:.3g} degrees, or for fewer pixels",
+            result.focal_px, size.width, kMaxFocalPx,
+            std::atan(size.width / 2.0 / kMaxFocalPx) * 360 / M_PI + 0.001));
   return result;
 }
 

@@ -23,7 +23,7 @@ struct VirtualCamera {
 
 /// size 0 x 0: as the camera's image. hfov_deg 0: as sharp in the middle as the
 /// camera's image is there, scaled to the size. Throws Error(kUsage) for a
-/// field of view that no pinhole has.
+/// field of view that no pinhole has, or a focal length above 65535 px.
 VirtualCamera MakeVirtualCamera(const CameraModel& camera, ImageSize size,
                                 double hfov_deg);
 

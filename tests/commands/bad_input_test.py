@@ -189,6 +189,12 @@ class BadInput(CommandTest):
             self.assert_refused(result, 1)
             self.assertFalse(os.path.exists(self.path("x.raygrid")))
 
+    def test_field_of_view_so_narrow_that_blobs_do_not_hold_its_focal_length(self):
+        result = run("pack", self.path("sim/true_camera.yaml"), "-o", self.path("x.raygrid"),
+                     "--remap", "640x480,hfov=0.5")
+        self.assert_refused(result, 1, "focal length")
+        self.assertFalse(os.path.exists(self.path("x.raygrid")))
+
     def test_bound_that_cannot_be_kept(self):
         result = run("pack", self.path("sim/true_camera.yaml"), "-o", self.path("x.raygrid"),
                      "--remap", "640x480", "--max-error-px", "0.0001")

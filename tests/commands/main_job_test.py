@@ -159,6 +159,36 @@ class MainJob(CommandTest):
                 self.assertAlmostEqual(float(pixel["u"]), float(a["x"]), delta=1e-5)
                 self.assertAlmostEqual(float(pixel["v"]), float(a["y"]), delta=1e-5)
 
+    def test_blobs_project_what_they_unproject_by_the_runtime(self):
+        pixels = [(x, y) for x in range(0, 640, 53) for y in range(0, 480, 47)]
+        path = write(self.path("px.csv"), "x,y\n" + "\n".join(f"{x},{y}" for x, y in pixels))
+        blob = self.path("out/camera.raygrid")
+        inside = [ray for ray in rows(run("unproject", blob, "--pixels", path).stdout) if ray["dx"]]
+        points = write(self.path("xyz.csv"), "x,y,z\n0,0,-1\n" + "\n".join(
+            ",".join(str(2.5 * float(ray[k])) for k in ("dx", "dy", "dz")) for ray in inside))
+        back = rows(run("project", blob, "--points", points).stdout)
+        self.assertEqual(back[0]["valid"], "0")
+        for ray, pixel in zip(inside, back[1:]):
+            self.assertEqual(pixel["valid"], "1")
+            self.assertAlmostEqual(float(pixel["u"]), float(ray["x"]), delta=0.002)
+            self.assertAlmostEqual(float(pixel["v"]), float(ray["y"]), delta=0.002)
+            q16 = 65536 * float(pixel["u"])  # the runtime's own format
+            self.assertAlmostEqual(q16, round(q16), delta=0.001)
+
+    def test_blobs_with_several_remap_tables(self):
+        blob = self.path("several.raygrid")
+        packed = run("pack", self.path("out/camera.yaml"), "-o", blob, "--remap", "640x480",
+                     "--remap", "320x200,hfov=30", "--json")
+        self.assert_done(packed)
+        tables = json.loads(packed.stdout)["remaps"]
+        self.assertEqual([table["size"] for table in tables], [[640, 480], [320, 200]])
+        for table in tables:
+            self.assertLessEqual(table["error_px"], 0.05)
+            self.assertGreater(table["chroma_error_px"], 0)
+        facts = json.loads(run("inspect", blob, "--json").stdout)
+        self.assertEqual([table["size"] for table in facts["remap_tables"]],
+                         [[640, 480], [320, 200]])
+
     def test_independent_reader_agrees_with_the_runtime(self):
         blob = self.path("out/camera.raygrid")
         frame = write(self.path("frame.raw"), bytes(

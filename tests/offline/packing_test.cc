@@ -32,7 +32,7 @@ VirtualCamera Virtual() {
 
 PackOptions WithRemap(double max_error_px = 0.05) {
   PackOptions options;
-  options.remap = Virtual();
+  options.remaps = {Virtual()};
   options.max_error_px = max_error_px;
   return options;
 }
@@ -54,12 +54,13 @@ TEST(PackCamera, IsSmallAndExact) {
   EXPECT_LE(Packed().unproject_error_px, 0.002);
   EXPECT_LE(Packed().unproject_error_rad, 1e-6);
   EXPECT_GT(Packed().unproject_error_rad, 0);
-  ASSERT_TRUE(Packed().remap_error_px);
-  EXPECT_LE(*Packed().remap_error_px, 0.05);
+  ASSERT_EQ(Packed().remaps.size(), 1u);
+  EXPECT_LE(Packed().remaps[0].error_px, 0.05);
   std::printf(
       "blob %zu bytes, blocks of %d, %.2g px, %.2g rad, remap %.3f px\n",
-      Packed().blob.size(), Packed().block_size, Packed().unproject_error_px,
-      Packed().unproject_error_rad, *Packed().remap_error_px);
+      Packed().blob.size(), Packed().remaps[0].block_size,
+      Packed().unproject_error_px, Packed().unproject_error_rad,
+      Packed().remaps[0].error_px);
 }
 
 TEST(PackCamera, GivesTheSameBytesEachTime) {
@@ -70,15 +71,15 @@ TEST(PackCamera, GivesTheSameBytesEachTime) {
 
 TEST(PackCamera, WithoutRemapIsSmaller) {
   const PackedCamera packed = PackCamera(GenericFile(), PackOptions());
-  EXPECT_FALSE(packed.remap_error_px);
+  EXPECT_TRUE(packed.remaps.empty());
   EXPECT_LT(packed.blob.size(), Packed().blob.size());
   EXPECT_FALSE(BlobCamera("packed", packed.blob).has_remap());
 }
 
 TEST(PackCamera, TighterBoundTakesSmallerBlocksAndIsKept) {
   const PackedCamera packed = PackCamera(GenericFile(), WithRemap(0.012));
-  EXPECT_LE(*packed.remap_error_px, 0.012);
-  EXPECT_LT(packed.block_size, Packed().block_size);
+  EXPECT_LE(packed.remaps[0].error_px, 0.012);
+  EXPECT_LT(packed.remaps[0].block_size, Packed().remaps[0].block_size);
   EXPECT_GT(packed.blob.size(), Packed().blob.size());
 }
 
@@ -127,10 +128,10 @@ TEST(PackCamera, PacksAFisheye) {
   CameraFile file;
   file.camera = std::make_shared<CentralGeneric>(ExampleFisheye());
   PackOptions options;
-  options.remap = MakeVirtualCamera(*file.camera, {640, 480}, 120);
+  options.remaps = {MakeVirtualCamera(*file.camera, {640, 480}, 120)};
   const PackedCamera packed = PackCamera(file, options);
   EXPECT_LE(packed.unproject_error_px, kMaxPackingErrorPx);
-  EXPECT_LE(*packed.remap_error_px, options.max_error_px);
+  EXPECT_LE(packed.remaps[0].error_px, options.max_error_px);
 }
 
 TEST(BlobCamera, UnprojectsAsTheCamera) {
@@ -227,6 +228,124 @@ TEST(BlobCamera, HoldsAFisheyeWhoseCornerLooksTooFarBackIfItIsNotTrusted) {
   EXPECT_THROW(PackCamera(file, PackOptions()), Error);
   file.uncertainty.reset();
   EXPECT_THROW(PackCamera(file, PackOptions()), Error);
+}
+
+// Every pixel of the area, there and back, of those that count.
+void ExpectAllFound(const FoundPixels& pixels) {
+  EXPECT_GT(pixels.num_pixels, 1000);
+  EXPECT_EQ(pixels.num_unfindable, 0);
+  EXPECT_EQ(pixels.num_lost, 0);
+  EXPECT_EQ(pixels.num_off, 0);
+  EXPECT_LE(pixels.worst_px, 0.002);
+}
+
+// Trusted in a few cells near the middle, as a camera that was calibrated with
+// few pictures of a small board.
+CameraFile HardlyTrusted(std::shared_ptr<const CameraModel> camera) {
+  CameraFile file;
+  file.camera = std::move(camera);
+  CameraUncertainty& known = file.uncertainty.emplace();
+  known.lattice = {2, 2, {0.01, 0.01, 0.01, 0.01}};
+  known.mask = TrustMask::Over(file.camera->image_size());
+  for (size_t k = 0; k < known.mask.is_trusted.size(); ++k)
+    known.mask.is_trusted[k] =
+        (known.mask.CellCenter(static_cast<int>(k)) - Eigen::Vector2d(350, 210))
+            .norm() < 50;
+  return file;
+}
+
+TEST(PackCamera, FindsTheWholeAreaAgainThoughHardlyAnyOfItIsTrusted) {
+  const std::shared_ptr<const CameraModel> fisheye =
+      std::make_shared<CentralGeneric>(ExampleFisheye());
+  for (const auto& camera : {GenericFile().camera, fisheye}) {
+    const CameraFile file = HardlyTrusted(camera);
+    const PackedCamera packed = PackCamera(file, PackOptions());
+    EXPECT_TRUE(packed.remarks.empty());
+    ASSERT_TRUE(packed.projection);
+    ExpectAllFound(packed.projection->trusted);
+    ExpectAllFound(packed.projection->others);
+    ExpectRoundTrips(BlobCamera("hardly trusted", packed.blob), *camera);
+  }
+}
+
+// The fisheye, with control points thrown about: no two cells are alike.
+CameraFile RoughFile(double throw_chart) {
+  CentralGeneric lens = ExampleFisheye();
+  Eigen::VectorXd parameters = lens.Parameters();
+  TestRandom random(4);
+  for (int k = 0; k < parameters.size() / 2; ++k)
+    parameters.segment<2>(2 * k) +=
+        random.PixelIn({-throw_chart, -throw_chart, throw_chart, throw_chart});
+  lens.SetParameters(parameters);
+  CameraFile file;
+  file.camera = std::make_shared<CentralGeneric>(lens);
+  return file;
+}
+
+TEST(PackCamera, RoughCamerasGetFinerInverseGrids) {
+  const PackedCamera smooth = PackCamera(RoughFile(0), PackOptions());
+  const PackedCamera rough = PackCamera(RoughFile(0.01), PackOptions());
+  ASSERT_TRUE(smooth.projection && rough.projection);
+  ExpectAllFound(smooth.projection->trusted);
+  ExpectAllFound(rough.projection->trusted);
+  EXPECT_TRUE(rough.remarks.empty());
+  EXPECT_GT(rough.blob.size(), smooth.blob.size());
+}
+
+TEST(PackCamera, SaysWhatProjectionMisses) {
+  const CameraFile file = RoughFile(0.2);
+  const PackedCamera packed = PackCamera(file, PackOptions());
+  ASSERT_TRUE(packed.projection);
+  EXPECT_GT(packed.projection->trusted.MissedPart(), 0);
+  EXPECT_GT(packed.projection->trusted.num_unfindable, 0);
+  ASSERT_EQ(packed.remarks.size(), 1u);
+  EXPECT_NE(packed.remarks[0].find("not found"), std::string::npos);
+  // The figures are the runtime's.
+  const BlobCamera blob("rough", packed.blob);
+  const ProjectionError again = MeasureProjection(blob, nullptr, 1e6, 1);
+  EXPECT_EQ(again.trusted.num_lost, packed.projection->trusted.num_lost);
+  EXPECT_EQ(again.trusted.worst_px, packed.projection->trusted.worst_px);
+}
+
+TEST(PackCamera, HoldsCamerasThatNoInverseGridLeadsBackTo) {
+  // Pixels beyond 16256 px do not fit one.
+  CameraFile file;
+  file.camera = std::make_shared<OpenCvModel>(
+      ImageSize{16384, 64}, WholeImage({16384, 64}),
+      OpenCvModel::ParameterArray{16000, 16000, 8192, 32, 0, 0, 0, 0, 0, 0, 0,
+                                  0});
+  const PackedCamera packed = PackCamera(file, PackOptions());
+  EXPECT_FALSE(packed.projection);
+  ASSERT_EQ(packed.remarks.size(), 1u);
+  const BlobCamera blob("wide", packed.blob);
+  EXPECT_FALSE(blob.CanProject());
+  EXPECT_TRUE(blob.Unproject({16000, 20}));
+}
+
+TEST(PackCamera, HoldsSeveralRemapTables) {
+  PackOptions options = WithRemap();
+  options.remaps.push_back(
+      MakeVirtualCamera(*GenericFile().camera, {320, 200}, 40));
+  const PackedCamera packed = PackCamera(GenericFile(), options);
+  ASSERT_EQ(packed.remaps.size(), 2u);
+  const BlobCamera blob("two", packed.blob);
+  for (uint32_t k = 0; k < 2; ++k) {
+    rg_camera camera = blob.camera();
+    uint16_t width, height;
+    ASSERT_EQ(rg_select_remap(&camera, k), RG_OK);
+    ASSERT_EQ(rg_remap_size(&camera, &width, &height), RG_OK);
+    EXPECT_EQ((ImageSize{width, height}), options.remaps[k].size);
+    EXPECT_EQ(packed.remaps[k].size, options.remaps[k].size);
+  }
+}
+
+TEST(PackCamera, MeasuresChroma) {
+  const PackedRemap coarse = Packed().remaps[0];
+  const PackedRemap fine =
+      PackCamera(GenericFile(), WithRemap(0.012)).remaps[0];
+  EXPECT_GT(coarse.chroma_error_px, 0);
+  EXPECT_LE(fine.chroma_error_px, 3.5 * fine.error_px);
+  if (coarse.part_size > 8) EXPECT_LE(coarse.chroma_error_px, coarse.error_px);
 }
 
 TEST(BlobCamera, ProjectsAsTheCamera) {
@@ -422,6 +541,14 @@ TEST(VirtualCamera, RefusesFieldsOfViewThatNoPinholeHas) {
     ExpectError(ExitCode::kUsage, {"field of view"}, [&] {
       MakeVirtualCamera(*GenericFile().camera, {640, 480}, hfov);
     });
+}
+
+TEST(VirtualCamera, RefusesFocalLengthsThatBlobsDoNotHold) {
+  const CameraModel& camera = *GenericFile().camera;
+  EXPECT_LT(MakeVirtualCamera(camera, {640, 480}, 0.56).focal_px, 65536);
+  ExpectError(ExitCode::kUsage, {"focal length", "0.561"}, [&] {
+    MakeVirtualCamera(camera, {640, 480}, 0.55);
+  });
 }
 
 TEST(PackCamera, RuntimeTellsUncertaintyAndTrustAsTheFileDoes) {
