@@ -31,6 +31,7 @@ static inline void rg_fill_bytes(const rg_run* run, uint32_t channels,
   for (uint32_t k = 0, c = 0; k < 24 && k < num_bytes; ++k) {
     pattern[k] = (uint8_t)values[c];
     c = c + 1 == channels ? 0 : c + 1;
+    RG_IN_REGISTER(c); /* else the compiler calls memset() */
   }
   for (uint32_t r = run->num_rows; r != 0; --r, out += run->out_stride) {
     uint32_t k = 0, phase = 0;
@@ -45,7 +46,7 @@ static inline void rg_fill_bytes(const rg_run* run, uint32_t channels,
 /* The border's values, of the lattice's channels. */
 static RG_INLINE void rg_fill_run(const rg_run* run, const rg_lattice* lattice,
                                   const uint16_t* values) {
-  if (RG_IS_FAST && rg_interleaved(lattice) != 0) {
+  if (RG_KEEP_LINES && RG_IS_FAST && rg_interleaved(lattice) != 0) {
     rg_fill_bytes(run, lattice->num_channels, values);
     return;
   }
