@@ -169,7 +169,8 @@ static void remap_parts(rg_remap_job* job, uint32_t row, uint32_t num_rows) {
   const rg_lattice* const lattice = job->lattice;
   const uint32_t width_log2 = walk->part_log2[0] - lattice->log2[0];
   const uint32_t height_log2 = walk->part_log2[1] - lattice->log2[1];
-  const uint32_t width = rg_load_u16(walk->section) >> lattice->log2[0];
+  const uint32_t width =
+      (uint32_t)rg_load_u16(walk->section) >> lattice->log2[0];
   const uint32_t first_row = row & ((1u << height_log2) - 1);
   const int is_moved = (lattice->log2[0] | lattice->log2[1]) != 0;
   const rg_lattice_lanes move =
