@@ -133,6 +133,77 @@ static OF_BLOCKS void start_part(rg_remap_job* job, uint32_t row,
   rg_next_block(&job->walk, &run->block);
 }
 
+#if RG_KEEP_LINES
+
+/* Where corners ask for no care. */
+typedef struct safe_box {
+  rg_lanes min, max;
+} safe_box;
+
+static safe_box find_safe_box(const rg_remap_job* job) {
+  int32_t min[2], max[2];
+  for (int c = 0; c < 2; ++c) {
+    const rg_range source = job->ranges[c];
+    const int32_t last_q12 = (job->size[c] - 1) * 4096;
+    min[c] = max_of(source.min_q12, 0) + SAFE_MARGIN;
+    max[c] = min_of(source.max_q12, last_q12) - SAFE_MARGIN;
+  }
+  if (RG_CHOOSE_KERNELS) max[1] -= RG_SPARE_Q12;
+  const safe_box box = {rg_twice(min[0], min[1]), rg_twice(max[0], max[1])};
+  return box;
+}
+
+static RG_INLINE int are_safe(const safe_box* box, rg_lanes upper,
+                              rg_lanes lower) {
+  const rg_lane_pairs beyond =
+      (rg_lane_pairs)((upper < box->min) | (upper > box->max) |
+                      (lower < box->min) | (lower > box->max));
+  return (beyond[0] | beyond[1]) == 0;
+}
+
+/* All parts of a row of parts, of a source that is no ring: so many rows from
+ * a row of the output on. */
+static void remap_parts(rg_remap_job* job, uint32_t row, uint32_t num_rows) {
+  rg_run* const run = &job->run;
+  rg_block_walk* const walk = &job->walk;
+  const rg_lattice* const lattice = job->lattice;
+  const uint32_t width_log2 = walk->part_log2[0] - lattice->log2[0];
+  const uint32_t height_log2 = walk->part_log2[1] - lattice->log2[1];
+  const uint32_t width =
+      (uint32_t)rg_load_u16(walk->section) >> lattice->log2[0];
+  const uint32_t first_row = row & ((1u << height_log2) - 1);
+  const int is_moved = (lattice->log2[0] | lattice->log2[1]) != 0;
+  const rg_lattice_lanes move =
+      rg_find_lattice_lanes(lattice, walk->part_log2[0]);
+  const safe_box box = find_safe_box(job);
+  run->block.width_log2 = (uint8_t)width_log2;
+  run->block.height_log2 = (uint8_t)height_log2;
+  run->out_pixel = 0;
+  for (uint32_t rest = width; rest != 0;) {
+    const uint32_t part_width = 1u << width_log2;
+    const uint32_t num_pixels = rest < part_width ? rest : part_width;
+    rg_lanes upper, lower;
+    rg_next_corners(walk, &upper, &lower);
+    if (is_moved) rg_lattice_corners(&move, &upper, &lower);
+    rg_store_corners(upper, lower, run->block.corners);
+    run->first_pixel = 0;
+    run->num_pixels = (uint8_t)num_pixels;
+    run->first_row = (uint8_t)first_row;
+    run->num_rows = (uint8_t)num_rows;
+    const rg_care care = are_safe(&box, upper, lower) && !walk->is_empty
+                             ? RG_CARE_NONE
+                             : find_block_care(job);
+    if (care == RG_CARE_PIXEL)
+      remap_segments(job, num_rows);
+    else
+      job->remap_run(job, care);
+    rest -= num_pixels;
+    run->out_pixel += num_pixels;
+  }
+}
+
+#endif
+
 rg_status rg_remap_rows(rg_remap_job* job, uint32_t row, uint32_t end) {
 #if RG_KEEP_LINES
   for (int c = 0; c < 2; ++c)
@@ -140,6 +211,9 @@ rg_status rg_remap_rows(rg_remap_job* job, uint32_t row, uint32_t end) {
 #endif
   while (row < end) {
     const uint32_t num_rows = start_parts(job, row, end);
+#if RG_KEEP_LINES
+    if (job->ring_rows == 0) remap_parts(job, row, num_rows);
+#endif
     for (;;) {
       const uint32_t rest = rest_of_row(job);
       if (rest == 0) break;

@@ -7,17 +7,6 @@
 #define LEFT_BEND 4
 #define UPPER_BEND 6
 
-static int32_t load_bend(const uint8_t* byte, uint32_t shift) {
-  return (int32_t)(int8_t)*byte * (1 << shift);
-}
-
-/* Point k of 2^log2 along a bent edge. */
-static int32_t along_edge(int32_t from, int32_t to, int32_t bend, uint32_t k,
-                          uint32_t log2) {
-  const int32_t rest = (int32_t)((1u << log2) - k);
-  return from + rg_round_shift((to - from + bend * rest) * (int32_t)k, log2);
-}
-
 static uint32_t vertex_size(const uint8_t* section) {
   return section[10] != 0 ? RG_BENT_VERTEX_SIZE : RG_VERTEX_SIZE;
 }
@@ -25,6 +14,122 @@ static uint32_t vertex_size(const uint8_t* section) {
 /* log2 of the parts of a block, across (axis 0) or down. */
 static uint32_t num_log2(const rg_block_walk* walk, uint32_t axis) {
   return (uint32_t)walk->section[8] - walk->part_log2[axis];
+}
+
+#if RG_KEEP_LINES
+
+static rg_lanes twice(rg_lane_pairs pairs, uint32_t k) {
+  const rg_lane_pairs both = {pairs[k], pairs[k]};
+  return (rg_lanes)both;
+}
+
+/* As along_edge(), for edges from one position to the other: where the lines
+ * cross them. */
+static rg_lanes cross_edges(const rg_block_walk* walk, rg_lanes edges,
+                            rg_lanes bends) {
+  const int32_t log2 = (int32_t)num_log2(walk, 1);
+  const rg_lanes from = twice((rg_lane_pairs)edges, 0);
+  const rg_lanes to = twice((rg_lane_pairs)edges, 1);
+  const rg_lanes sums = (to - from + bends * walk->rest) * walk->line;
+  return from + ((sums + (1 << log2 >> 1)) >> log2);
+}
+
+/* The signed byte on top of each lane. */
+static rg_lanes load_bends(uint32_t a, uint32_t b, uint32_t c, uint32_t d,
+                           uint32_t shift) {
+  const rg_modular_lanes bytes = {a, b, c, d};
+  return (rg_lanes)((rg_modular_lanes)((rg_lanes)bytes >> 24) << shift);
+}
+
+/* To the next column of vertices: where the lines cross it, and their bends
+ * from the column before to it, twice, if blocks have several parts. */
+static RG_INLINE rg_lanes next_column(rg_block_walk* walk, rg_lanes* turns) {
+  const uint8_t* const section = walk->section;
+  const uint8_t* const above = walk->above;
+  const uint8_t* const below = above + walk->row_size;
+  const uint32_t a = rg_load_u32(above), b = rg_load_u32(below);
+  const rg_modular_lanes halves = {a << 16, a, b << 16, b};
+  const rg_modular_lanes residuals = (rg_modular_lanes)((rg_lanes)halves >> 16)
+                                     << section[9];
+  const rg_lanes ends = (rg_lanes)(walk->plane + residuals);
+  const rg_lanes none = {0, 0, 0, 0};
+  walk->plane += walk->column_step;
+  *turns = none;
+  if (section[10] == 0) {
+    walk->above = above + RG_VERTEX_SIZE;
+    return ends;
+  }
+  walk->above = above + RG_BENT_VERTEX_SIZE;
+  const uint32_t shift = (uint32_t)section[11] - section[10];
+  const uint32_t c = rg_load_u32(above + LEFT_BEND);
+  const uint32_t d = rg_load_u32(below + LEFT_BEND);
+  if (num_log2(walk, 0) != 0)
+    *turns = 2 * cross_edges(walk,
+                             load_bends(c << 24, c << 16, d << 24, d << 16,
+                                        shift + walk->part_log2[0]),
+                             none);
+  return cross_edges(
+      walk, ends, load_bends(d << 8, d, d << 8, d, shift + walk->part_log2[1]));
+}
+
+/* To the first column. */
+static rg_lanes start_columns(rg_block_walk* walk) {
+  const uint8_t* const section = walk->section;
+  const uint32_t log2 = num_log2(walk, 1);
+  const uint32_t j = (uint32_t)walk->row >> log2;
+  const int32_t line = walk->row & ((1 << log2) - 1);
+  const int32_t rest = (1 << log2) - line;
+  const uint32_t columns = rg_load_u16(section + 4);
+  const uint8_t* const vertices = section + rg_load_u32(section + 76);
+  walk->row_size = columns * vertex_size(section);
+  walk->above = vertices + j * walk->row_size;
+  walk->marks = vertices + rg_load_u16(section + 6) * walk->row_size;
+  walk->next_mark = j * (columns - 1);
+  for (int k = 0; k < 4; ++k) {
+    /* Of pairs of 32 bits: origin, column_step, row_step. */
+    const uint8_t* const affine = section + 28 + 4 * (k & 1);
+    const uint32_t row = j + (uint32_t)(k >> 1);
+    walk->plane[k] = rg_load_u32(affine) + row * rg_load_u32(affine + 16);
+    walk->column_step[k] = rg_load_u32(affine + 8);
+    walk->line[k] = line + (k >> 1);
+    walk->rest[k] = rest - (k >> 1);
+  }
+  return next_column(walk, &walk->turns);
+}
+
+void rg_start_block(rg_block_walk* walk) {
+  const uint32_t log2 = num_log2(walk, 0);
+  const uint32_t column = (walk->next_part - 1u) >> log2;
+  const int32_t num = 1 << log2;
+  rg_lanes turns;
+  if (column == 0) walk->right = start_columns(walk);
+  const uint32_t mark = walk->next_mark++;
+  walk->is_empty = (walk->marks[mark >> 3] >> (mark & 7)) & 1;
+  const rg_lanes from = walk->right, to = next_column(walk, &turns);
+  walk->sums = from * num + num / 2;
+  walk->steps = to - from + (turns >> 1) * (num - 1);
+  walk->turns = turns;
+}
+
+void rg_next_block(rg_block_walk* walk, rg_block* block) {
+  rg_lanes upper, lower;
+  rg_next_corners(walk, &upper, &lower);
+  rg_store_corners(upper, lower, block->corners);
+  block->width_log2 = walk->part_log2[0];
+  block->height_log2 = walk->part_log2[1];
+}
+
+#else
+/* Whether a block of the row is marked as empty. */
+static uint8_t is_block_empty(const rg_block_walk* walk, uint32_t column) {
+  const uint8_t* const section = walk->section;
+  const uint32_t columns = rg_load_u16(section + 4);
+  const uint8_t* const marks =
+      section + rg_load_u32(section + 76) +
+      rg_load_u16(section + 6) * columns * vertex_size(section);
+  const uint32_t block =
+      ((uint32_t)walk->row >> num_log2(walk, 1)) * (columns - 1) + column;
+  return (marks[block >> 3] >> (block & 7)) & 1;
 }
 
 /* Where a column of vertices crosses the lines above and below the row of
@@ -53,93 +158,16 @@ static RG_SHARED const uint8_t* find_vertices(const rg_block_walk* walk,
   return above;
 }
 
-/* Whether a block of the row is marked as empty. */
-static uint8_t is_block_empty(const rg_block_walk* walk, uint32_t column) {
-  const uint8_t* const section = walk->section;
-  const uint32_t columns = rg_load_u16(section + 4);
-  const uint8_t* const marks =
-      section + rg_load_u32(section + 76) +
-      rg_load_u16(section + 6) * columns * vertex_size(section);
-  const uint32_t block =
-      ((uint32_t)walk->row >> num_log2(walk, 1)) * (columns - 1) + column;
-  return (marks[block >> 3] >> (block & 7)) & 1;
+static int32_t load_bend(const uint8_t* byte, uint32_t shift) {
+  return (int32_t)(int8_t)*byte * (1 << shift);
 }
 
-#if RG_KEEP_LINES
-
-/* From the vertices to the lines, which cross the edges between them; and the
- * lines' bends from the column before to this one. */
-static RG_NOINLINE void bend_ends(const rg_block_walk* walk,
-                                  const uint8_t* above, rg_position* ends,
-                                  rg_position* bends) {
-  const uint8_t* const section = walk->section;
-  const uint8_t* const below =
-      above + RG_BENT_VERTEX_SIZE * rg_load_u16(section + 4);
-  const uint32_t log2 = num_log2(walk, 1);
-  const uint32_t row = walk->row & ((1u << log2) - 1);
-  const uint32_t shift = (uint32_t)section[11] - section[10];
-  for (uint32_t c = 0; c < 2; ++c) {
-    const uint32_t across = shift + walk->part_log2[0];
-    const uint32_t down = shift + walk->part_log2[1];
-    const int32_t top = ends[0].q12[c], bottom = ends[2].q12[c];
-    const int32_t bend = load_bend(below + UPPER_BEND + c, down);
-    const int32_t top_bend = load_bend(above + LEFT_BEND + c, across);
-    const int32_t bottom_bend = load_bend(below + LEFT_BEND + c, across);
-    for (uint32_t k = 0; k < 2; ++k) {
-      ends[2 * k].q12[c] = along_edge(top, bottom, bend, row + k, log2);
-      bends[k].q12[c] = along_edge(top_bend, bottom_bend, 0, row + k, log2);
-    }
-  }
+/* Point k of 2^log2 along a bent edge. */
+static int32_t along_edge(int32_t from, int32_t to, int32_t bend, uint32_t k,
+                          uint32_t log2) {
+  const int32_t rest = (int32_t)((1u << log2) - k);
+  return from + rg_round_shift((to - from + bend * rest) * (int32_t)k, log2);
 }
-
-static void find_ends(const rg_block_walk* walk, uint32_t column,
-                      rg_position* ends, rg_position* bends) {
-  const uint8_t* const above = find_vertices(walk, column, ends);
-  if (walk->section[10] != 0) bend_ends(walk, above, ends, bends);
-}
-
-/* From a block's part to the next one by differences: the sum of k steps is
- * k (to - from + bend (num - k)). */
-void rg_next_block(rg_block_walk* walk, rg_block* block) {
-  const uint32_t log2 = num_log2(walk, 0);
-  const uint32_t part = walk->next_part++;
-  const int32_t num = 1 << log2;
-  rg_position* const ends = walk->ends;
-  rg_position* const corners = block->corners;
-  block->width_log2 = walk->part_log2[0];
-  block->height_log2 = walk->part_log2[1];
-  if (part == 0) find_ends(walk, 0, ends + 1, walk->bends);
-  if ((part & ((uint32_t)num - 1)) == 0) {
-    const uint32_t column = part >> log2;
-    walk->is_empty = is_block_empty(walk, column);
-    ends[0] = ends[1];
-    ends[2] = ends[3];
-    find_ends(walk, column + 1, ends + 1, walk->bends);
-    if (log2 == 0) { /* one part */
-      for (uint32_t k = 0; k < 4; ++k) corners[k] = ends[k];
-      return;
-    }
-    for (uint32_t k = 0; k < 2; ++k) {
-      for (int c = 0; c < 2; ++c) {
-        const int32_t from = ends[2 * k].q12[c];
-        walk->sums[k].q12[c] = from * num + num / 2;
-        walk->steps[k].q12[c] =
-            ends[2 * k + 1].q12[c] - from + walk->bends[k].q12[c] * (num - 1);
-      }
-    }
-  }
-  for (uint32_t k = 0; k < 2; ++k) {
-    for (int c = 0; c < 2; ++c) {
-      const int32_t sum = walk->sums[k].q12[c], step = walk->steps[k].q12[c];
-      corners[2 * k].q12[c] = sum >> log2;
-      corners[2 * k + 1].q12[c] = (sum + step) >> log2;
-      walk->sums[k].q12[c] = sum + step;
-      walk->steps[k].q12[c] = step - 2 * walk->bends[k].q12[c];
-    }
-  }
-}
-
-#else
 
 /* Across (axis 0) or down: the part's corners in place of an edge's ends,
  * coordinate c. */

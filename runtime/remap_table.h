@@ -4,6 +4,7 @@
 #define RAYGRID_REMAP_TABLE_H
 
 #include <stdint.h>
+#include <string.h>
 
 #include "fixed_point.h"
 
@@ -24,9 +25,14 @@ typedef struct rg_block {
 } rg_block;
 
 /* Where stacks are large, what a block's parts have in common is kept from one
- * to the next. */
-#if defined(__linux__) || defined(__LP64__) || defined(_WIN64)
+ * to the next, and both coordinates of two positions are computed together. */
+#if defined(__GNUC__) && \
+    (defined(__linux__) || defined(__LP64__) || defined(_WIN64))
 #define RG_KEEP_LINES 1
+/* x, y of one position and of another. */
+typedef int32_t rg_lanes __attribute__((vector_size(16)));
+typedef uint32_t rg_modular_lanes __attribute__((vector_size(16)));
+typedef int64_t rg_lane_pairs __attribute__((vector_size(16)));
 #else
 #define RG_KEEP_LINES 0
 #endif
@@ -42,10 +48,18 @@ typedef struct rg_block_walk {
                            has a source */
   uint8_t is_clamped;   /* such pixels take the nearest source: none is empty */
 #if RG_KEEP_LINES
-  rg_position ends[4], bends[2]; /* as find_ends() has them */
-  /* Of the points along both lines: where the next ones are, times the number
-   * of parts, and rounded; how that changes to those after them. */
-  rg_position sums[2], steps[2];
+  uint32_t row_size;            /* of vertices, in bytes */
+  uint32_t next_mark;           /* the next block's */
+  const uint8_t* marks;         /* of empty blocks, in bits */
+  const uint8_t* above;         /* the next column's vertex above the row */
+  rg_modular_lanes plane;       /* the next column's vertices above and below
+                                   the row but for their residuals */
+  rg_modular_lanes column_step; /* of that */
+  rg_lanes line, rest;          /* the lines above and below the row of parts,
+                                   counted in the block from above and below */
+  /* Of the lines: where they leave the last part; and where, times the number
+   * of parts, and rounded; how that changes to the next part; how that does. */
+  rg_lanes right, sums, steps, turns;
 #endif
 } rg_block_walk;
 
@@ -64,6 +78,41 @@ static inline void rg_start_walk(const uint8_t* section, uint32_t width_log2,
 
 /* The corners of the part, and on to the next one. */
 void rg_next_block(rg_block_walk* walk, rg_block* block);
+
+#if RG_KEEP_LINES
+
+static RG_INLINE rg_lanes rg_twice(int32_t x, int32_t y) {
+  const rg_lanes both = {x, y, x, y};
+  return both;
+}
+
+/* To the block that begins with the next part. */
+void rg_start_block(rg_block_walk* walk);
+
+/* As rg_next_block(): the corners on the line above and on that below. */
+static RG_INLINE void rg_next_corners(rg_block_walk* walk, rg_lanes* upper,
+                                      rg_lanes* lower) {
+  const uint32_t log2 = (uint32_t)walk->section[8] - walk->part_log2[0];
+  if ((walk->next_part++ & ((1u << log2) - 1)) == 0) rg_start_block(walk);
+  /* Differences: the sum of k steps is k (to - from + bend (num - k)). */
+  const rg_lane_pairs left = (rg_lane_pairs)walk->right;
+  walk->sums += walk->steps;
+  walk->steps -= walk->turns;
+  walk->right = walk->sums >> (int32_t)log2;
+  const rg_lane_pairs right = (rg_lane_pairs)walk->right;
+  const rg_lane_pairs above = {left[0], right[0]};
+  const rg_lane_pairs below = {left[1], right[1]};
+  *upper = (rg_lanes)above;
+  *lower = (rg_lanes)below;
+}
+
+static inline void rg_store_corners(rg_lanes upper, rg_lanes lower,
+                                    rg_position* corners) {
+  memcpy(corners, &upper, sizeof(upper));
+  memcpy(corners + 2, &lower, sizeof(lower));
+}
+
+#endif
 
 /* A row of a block: pixel k comes from start + k step. */
 typedef struct rg_block_row {
