@@ -58,55 +58,55 @@ static OF_BLOCKS rg_care find_block_care(const rg_remap_job* job) {
   return find_care(job, &low, &high);
 }
 
-/* Makes the run, of one row, end before pixel end or where its pixels begin to
- * need another care. */
-static RG_NOINLINE rg_care find_segment(rg_remap_job* job, uint32_t end) {
+/* Makes the run, of one row of a part, end before the row does or where its
+ * pixels begin to need another care. */
+static RG_NOINLINE rg_care find_segment(rg_remap_job* job) {
   rg_run* const run = &job->run;
   rg_block_row row;
   rg_find_block_row(&run->block, run->first_row, &row);
   rg_position p = rg_row_position(&row, run->first_pixel);
+  job->position = p;
   const rg_care care = find_care(job, &p, &p);
   uint32_t k = run->first_pixel;
   do {
     for (int c = 0; c < 2; ++c) p.q12[c] += row.step.q12[c];
     ++k;
-  } while (k < end && care != RG_CARE_PIXEL && find_care(job, &p, &p) == care);
+  } while (k < job->part_pixels && care != RG_CARE_PIXEL &&
+           find_care(job, &p, &p) == care);
   run->num_pixels = (uint8_t)(k - run->first_pixel);
   return care;
 }
 
-/* The run's rows one by one, each in segments. */
-static inline void remap_segments(rg_remap_job* job, uint32_t num_rows) {
+/* On to the pixels behind the run's segment. */
+static OF_BLOCKS void go_on_in_part(rg_remap_job* job) {
   rg_run* const run = &job->run;
-  const uint32_t end = run->num_pixels;
-  run->num_rows = 1;
-  for (uint32_t r = num_rows; r != 0; --r) {
-    do {
-      const rg_care care = find_segment(job, end);
-      job->remap_run(job, care);
-      run->first_pixel = (uint8_t)(run->first_pixel + run->num_pixels);
-      run->out_pixel += run->num_pixels;
-    } while (run->first_pixel < end);
-    run->first_pixel = 0;
-    run->out_pixel -= end;
-    ++run->first_row;
-    run->out += run->out_stride;
-  }
-  run->out -= (size_t)num_rows * run->out_stride;
+  const uint32_t end = job->part_pixels;
+  run->first_pixel = (uint8_t)(run->first_pixel + run->num_pixels);
+  run->out_pixel = (uint16_t)(run->out_pixel + run->num_pixels);
+  if (run->first_pixel < end) return;
+  run->first_pixel = 0;
+  run->out_pixel = (uint16_t)(run->out_pixel - end);
+  ++run->first_row;
+  run->out += run->out_stride;
+  if (--job->rows_left == 0)
+    run->out -= (size_t)job->part_rows * run->out_stride;
 }
 
-/* To the row of parts that a row of the output lies in: from there, how many
- * rows, less than end, it has. */
-static OF_BLOCKS uint32_t start_parts(rg_remap_job* job, uint32_t row,
-                                      uint32_t end) {
+/* To the row of parts below those that were done; 0 below the last one. */
+static OF_BLOCKS int start_parts(rg_remap_job* job) {
   const uint8_t* const section = job->walk.section;
+  job->run.out += (size_t)job->part_rows * job->run.out_stride;
+  const uint32_t row = (uint32_t)job->row + job->part_rows, end = job->end_row;
+  if (row >= end) return 0;
   const uint32_t width_log2 = rg_part_log2(section, job->lattice, 0);
   const uint32_t height_log2 = rg_part_log2(section, job->lattice, 1);
   const uint32_t rows_log2 = height_log2 - job->lattice->log2[1];
   const uint32_t part = row >> rows_log2;
   const uint32_t next = (part + 1) << rows_log2;
   rg_start_walk(section, width_log2, height_log2, part, &job->walk);
-  return (next < end ? next : end) - row;
+  job->row = (uint16_t)row;
+  job->part_rows = (uint8_t)((next < end ? next : end) - row);
+  return 1;
 }
 
 /* Pixels of the row from the next part on; 0 behind the last one. */
@@ -117,42 +117,53 @@ static inline uint32_t rest_of_row(const rg_remap_job* job) {
   return first < width ? (width - first) >> job->lattice->log2[0] : 0;
 }
 
-/* The run of the next part: so many rows from a row of the output on, of which
- * so many pixels are left. */
-static OF_BLOCKS void start_part(rg_remap_job* job, uint32_t row,
-                                 uint32_t num_rows, uint32_t rest) {
+/* The run of the next part, from which on the row has so many pixels. */
+static OF_BLOCKS void start_part(rg_remap_job* job, uint32_t rest) {
   rg_run* const run = &job->run;
   const rg_lattice* const lattice = job->lattice;
   const uint32_t part_width = 1u << job->walk.part_log2[0] >> lattice->log2[0];
   const uint32_t part_height = 1u << job->walk.part_log2[1] >> lattice->log2[1];
-  run->out_pixel = job->walk.next_part * part_width;
+  run->out_pixel = (uint16_t)(job->walk.next_part * part_width);
   run->first_pixel = 0;
   run->num_pixels = (uint8_t)(rest < part_width ? rest : part_width);
-  run->first_row = (uint8_t)(row & (part_height - 1));
-  run->num_rows = (uint8_t)num_rows;
+  run->first_row = (uint8_t)(job->row & (part_height - 1));
+  run->num_rows = job->rows_left = job->part_rows;
+  job->part_pixels = 0;
   rg_next_block(&job->walk, &run->block);
 }
 
-rg_status rg_remap_rows(rg_remap_job* job, uint32_t row, uint32_t end) {
+void rg_start_rows(rg_remap_job* job, uint32_t first_row, uint32_t num_rows) {
+  const uint32_t log2 = job->lattice->log2[1];
+  job->row = (uint16_t)(first_row >> log2);
+  job->end_row = (uint16_t)((first_row + num_rows) >> log2);
+  job->part_rows = 0;
 #if RG_KEEP_LINES
   for (int c = 0; c < 2; ++c)
     job->ranges[c] = rg_source_range(job->walk.section, job->lattice, c);
 #endif
-  while (row < end) {
-    const uint32_t num_rows = start_parts(job, row, end);
-    for (;;) {
-      const uint32_t rest = rest_of_row(job);
-      if (rest == 0) break;
-      start_part(job, row, num_rows, rest);
-      if (job->prepare_block) job->prepare_block(job);
-      const rg_care care = find_block_care(job);
-      if (care == RG_CARE_PIXEL)
-        remap_segments(job, num_rows);
-      else
-        job->remap_run(job, care);
-    }
-    job->run.out += (size_t)num_rows * job->run.out_stride;
-    row += num_rows;
+}
+
+int rg_next_part(rg_remap_job* job) {
+  uint32_t rest = job->part_rows == 0 ? 0 : rest_of_row(job);
+  if (rest == 0) {
+    if (!start_parts(job)) return 0;
+    rest = rest_of_row(job);
   }
-  return RG_OK;
+  start_part(job, rest);
+  return 1;
+}
+
+rg_care rg_next_run(rg_remap_job* job) {
+  if (job->part_pixels != 0) go_on_in_part(job);
+  if (job->rows_left == 0) return RG_CARE_END;
+  if (job->part_pixels == 0) {
+    const rg_care care = find_block_care(job);
+    if (care != RG_CARE_PIXEL) {
+      job->rows_left = 0;
+      return care;
+    }
+    job->part_pixels = job->run.num_pixels;
+    job->run.num_rows = 1;
+  }
+  return find_segment(job);
 }

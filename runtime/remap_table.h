@@ -32,7 +32,7 @@ typedef struct rg_block {
 #endif
 
 /* A row of parts of the blocks of a remap section, which must be one that
- * rg_blob_open() accepted. */
+ * rg_select_remap() accepted. */
 typedef struct rg_block_walk {
   const uint8_t* section;
   uint16_t row;         /* of parts */
