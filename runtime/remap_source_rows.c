@@ -48,12 +48,6 @@ static RG_NOINLINE void add_run(const rg_remap_job* job, rg_care care,
   }
 }
 
-/* 1 where the rows of a format, with this as its last lattice, come in pairs.
- */
-static uint32_t row_pairs(const rg_lattice* last) {
-  return (1u << last->log2[1]) - 1;
-}
-
 static RG_INLINE void add_part(rg_remap_job* job, row_needs* needs) {
   rg_lattice_block(job->lattice, &job->run.block);
   for (;;) {
@@ -63,6 +57,7 @@ static RG_INLINE void add_part(rg_remap_job* job, row_needs* needs) {
   }
 }
 
+/* Not yet rounded. */
 static RG_NOINLINE void find_source_rows(const rg_camera* camera,
                                          rg_format format, row_needs* needs) {
   rg_remap_job job;
@@ -81,7 +76,17 @@ static RG_NOINLINE void find_source_rows(const rg_camera* camera,
     rg_start_rows(&job, needs->first_row, needs->num_rows);
     while (rg_next_part(&job)) add_part(&job, needs);
   }
-  const uint32_t pairs = row_pairs(job.lattice - 1);
+}
+
+/* 1 where the rows of a format come in pairs; its last lattice tells. */
+static uint32_t row_pairs(rg_format format) {
+  const rg_lattice* lattices = 0;
+  const uint32_t num_lattices = rg_format_lattices(format, &lattices);
+  return (1u << lattices[num_lattices - 1].log2[1]) - 1;
+}
+
+static RG_NOINLINE void round_rows(rg_format format, row_needs* needs) {
+  const uint32_t pairs = row_pairs(format);
   if (needs->first_source >= needs->end_source)
     needs->first_source = needs->end_source = 0;
   needs->first_source = (uint16_t)(needs->first_source & ~pairs);
@@ -93,13 +98,10 @@ static RG_NOINLINE rg_status check_rows(const rg_camera* camera,
                                         const row_needs* needs) {
   const uint8_t* const section = camera->remap;
   if (!section) return RG_ERR_NO_REMAP;
-  const rg_lattice* lattices = 0;
-  const uint32_t num_lattices = rg_format_lattices(format, &lattices);
-  if (num_lattices == 0) return RG_ERR_FORMAT;
-  const uint32_t pairs = row_pairs(&lattices[num_lattices - 1]);
+  if ((uint32_t)format >= RG_NUM_FORMATS) return RG_ERR_FORMAT;
   const uint32_t first = needs->first_row, num_rows = needs->num_rows;
   return first + num_rows > rg_load_u16(section + 2) ||
-                 ((first | num_rows) & pairs) != 0
+                 ((first | num_rows) & row_pairs(format)) != 0
              ? RG_ERR_ROWS
              : RG_OK;
 }
@@ -111,6 +113,7 @@ rg_status rg_remap_source_rows(const rg_camera* camera, rg_format format,
   const rg_status status = check_rows(camera, format, &needs);
   if (status != RG_OK) return status;
   find_source_rows(camera, format, &needs);
+  round_rows(format, &needs);
   *first_source = needs.first_source;
   *num_source = (uint16_t)(needs.end_source - needs.first_source);
   return RG_OK;
@@ -123,6 +126,7 @@ rg_status rg_check_ring(const rg_camera* camera, const rg_image* image,
   needs.first_row = target->first_row;
   needs.num_rows = target->num_rows;
   find_source_rows(camera, image->format, &needs);
+  round_rows(image->format, &needs);
   return needs.first_source < needs.end_source &&
                  (needs.first_source < image->first_row ||
                   needs.end_source > image->first_row + image->num_rows)
