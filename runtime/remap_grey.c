@@ -9,18 +9,22 @@ static RG_NOINLINE void fill_grey_run(const rg_run* run, uint16_t border) {
   rg_fill_run(run, &kGrey, &border);
 }
 
-static RG_NOINLINE int remap_grey_pixel(const rg_remap_job* job) {
-  return rg_remap_pixel(job, &kGrey, 1, RG_SAMPLING_BILINEAR);
+static RG_NOINLINE void remap_grey_pixel(const rg_remap_job* job,
+                                         uint16_t border) {
+  if (!rg_remap_pixel(job, &kGrey, 1, RG_SAMPLING_BILINEAR))
+    fill_grey_run(&job->run, border);
 }
 
 static RG_INLINE void remap_grey_part(rg_remap_job* job, const rg_band* band) {
   for (;;) {
     const rg_care care = rg_next_run(job);
     if (care == RG_CARE_END) return;
-    if (care < RG_CARE_PIXEL)
-      rg_dispatch_grey(rg_kernels_of(job), &job->run, care == RG_CARE_NONE);
-    else if (care == RG_CARE_NO_SOURCE || !remap_grey_pixel(job))
+    if (care == RG_CARE_NO_SOURCE)
       fill_grey_run(&job->run, band->border);
+    else if (care == RG_CARE_PIXEL)
+      remap_grey_pixel(job, band->border);
+    else
+      rg_dispatch_grey(rg_kernels_of(job), &job->run, care == RG_CARE_NONE);
   }
 }
 
