@@ -50,11 +50,9 @@ static RG_INLINE void remap_run(const rg_remap_job* job,
 static RG_INLINE void remap_part(rg_remap_job* job, const rg_target* target) {
   rg_lattice_block(job->lattice, &job->run.block);
   if (job->ring_rows != 0) choose_ring_rows(job);
-  for (;;) {
-    const rg_care care = rg_next_run(job);
-    if (care == RG_CARE_END) return;
-    remap_run(job, target, care);
-  }
+  do {
+    remap_run(job, target, rg_next_run(job));
+  } while (job->rows_left != 0);
 }
 
 /* Before the runs of the job's lattice. */

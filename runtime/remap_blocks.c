@@ -74,6 +74,7 @@ static RG_NOINLINE rg_care find_segment(rg_remap_job* job) {
   } while (k < job->part_pixels && care != RG_CARE_PIXEL &&
            find_care(job, &p, &p) == care);
   run->num_pixels = (uint8_t)(k - run->first_pixel);
+  if (k >= job->part_pixels) --job->rows_left;
   return care;
 }
 
@@ -88,8 +89,6 @@ static OF_BLOCKS void go_on_in_part(rg_remap_job* job) {
   run->out_pixel = (uint16_t)(run->out_pixel - end);
   ++run->first_row;
   run->out += run->out_stride;
-  if (--job->rows_left == 0)
-    run->out -= (size_t)job->part_rows * run->out_stride;
 }
 
 /* To the row of parts below those that were done; 0 below the last one. */
@@ -128,7 +127,6 @@ static OF_BLOCKS void start_part(rg_remap_job* job, uint32_t rest) {
   run->num_pixels = (uint8_t)(rest < part_width ? rest : part_width);
   run->first_row = (uint8_t)(job->row & (part_height - 1));
   run->num_rows = job->rows_left = job->part_rows;
-  job->part_pixels = 0;
   rg_next_block(&job->walk, &run->block);
 }
 
@@ -136,7 +134,7 @@ void rg_start_rows(rg_remap_job* job, uint32_t first_row, uint32_t num_rows) {
   const uint32_t log2 = job->lattice->log2[1];
   job->row = (uint16_t)(first_row >> log2);
   job->end_row = (uint16_t)((first_row + num_rows) >> log2);
-  job->part_rows = 0;
+  job->part_rows = job->part_pixels = 0;
 #if RG_KEEP_LINES
   for (int c = 0; c < 2; ++c)
     job->ranges[c] = rg_source_range(job->walk.section, job->lattice, c);
@@ -144,6 +142,9 @@ void rg_start_rows(rg_remap_job* job, uint32_t first_row, uint32_t num_rows) {
 }
 
 int rg_next_part(rg_remap_job* job) {
+  if (job->part_pixels != 0) /* back to the part's first row */
+    job->run.out -= (size_t)(job->part_rows - 1u) * job->run.out_stride;
+  job->part_pixels = 0;
   uint32_t rest = job->part_rows == 0 ? 0 : rest_of_row(job);
   if (rest == 0) {
     if (!start_parts(job)) return 0;
@@ -154,9 +155,9 @@ int rg_next_part(rg_remap_job* job) {
 }
 
 rg_care rg_next_run(rg_remap_job* job) {
-  if (job->part_pixels != 0) go_on_in_part(job);
-  if (job->rows_left == 0) return RG_CARE_END;
-  if (job->part_pixels == 0) {
+  if (job->part_pixels != 0) {
+    go_on_in_part(job);
+  } else {
     const rg_care care = find_block_care(job);
     if (care != RG_CARE_PIXEL) {
       job->rows_left = 0;

@@ -15,13 +15,12 @@ extern "C" {
 
 /* What the pixels of a run ask for. */
 typedef enum rg_care {
-  RG_CARE_NONE,      /* their neighbours lie in the source, in rows that follow
-                        each other in memory, and so do the spare rows */
-  RG_CARE_SPARE,     /* the spare rows may not */
-  RG_CARE_PIXEL,     /* it is one pixel, which may have no source, or that may
-                        lack neighbours */
-  RG_CARE_NO_SOURCE, /* none has */
-  RG_CARE_END        /* there is none: the part is done */
+  RG_CARE_NONE,     /* their neighbours lie in the source, in rows that follow
+                       each other in memory, and so do the spare rows */
+  RG_CARE_SPARE,    /* the spare rows may not */
+  RG_CARE_PIXEL,    /* it is one pixel, which may have no source, or that may
+                       lack neighbours */
+  RG_CARE_NO_SOURCE /* none has */
 } rg_care;
 
 typedef struct rg_remap_job {
@@ -38,7 +37,7 @@ typedef struct rg_remap_job {
   uint8_t part_rows;     /* that the parts have; 0 before the first ones */
   uint8_t part_pixels;   /* of such a row, where the part at hand is done in
                             segments of rows; 0: not yet */
-  uint8_t rows_left;     /* of the part */
+  uint8_t rows_left;     /* of the part; 0: the run is the last one */
   rg_block_walk walk;
   rg_run run;
   rg_position position; /* of the pixel that a run of RG_CARE_PIXEL is */
@@ -88,7 +87,8 @@ void rg_start_rows(rg_remap_job* job, uint32_t first_row, uint32_t num_rows);
  * lattice's, and may choose the rows of the source. */
 int rg_next_part(rg_remap_job* job);
 
-/* The part's next run, and what its pixels ask for. */
+/* The part's next run, and what its pixels ask for; while rows_left is not 0,
+ * there is another one. */
 rg_care rg_next_run(rg_remap_job* job);
 
 #ifdef __cplusplus

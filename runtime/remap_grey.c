@@ -16,16 +16,15 @@ static RG_NOINLINE void remap_grey_pixel(const rg_remap_job* job,
 }
 
 static RG_INLINE void remap_grey_part(rg_remap_job* job, const rg_band* band) {
-  for (;;) {
+  do {
     const rg_care care = rg_next_run(job);
-    if (care == RG_CARE_END) return;
     if (care == RG_CARE_NO_SOURCE)
       fill_grey_run(&job->run, band->border);
     else if (care == RG_CARE_PIXEL)
       remap_grey_pixel(job, band->border);
     else
       rg_dispatch_grey(rg_kernels_of(job), &job->run, care == RG_CARE_NONE);
-  }
+  } while (job->rows_left != 0);
 }
 
 /* A function of its own, so that its stack does not add up with the rest. */

@@ -50,11 +50,10 @@ static RG_NOINLINE void add_run(const rg_remap_job* job, rg_care care,
 
 static RG_INLINE void add_part(rg_remap_job* job, row_needs* needs) {
   rg_lattice_block(job->lattice, &job->run.block);
-  for (;;) {
+  do {
     const rg_care care = rg_next_run(job);
-    if (care == RG_CARE_END) return;
     if (care != RG_CARE_NO_SOURCE) add_run(job, care, needs);
-  }
+  } while (job->rows_left != 0);
 }
 
 /* Not yet rounded. */
