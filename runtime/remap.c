@@ -2,13 +2,14 @@
  * the format after the other. */
 #include "planes.h"
 #include "remap_pixels.h"
+#include "remap_source_rows.h"
 
 /* ---- Whole lattices ------------------------------------------------------ */
 
 /* Of a ring, the rows from one multiple of its size to the next follow each
  * other in memory: those that the block's top lies in. Pixels of others are
  * taken one by one. */
-static void choose_ring_rows(rg_remap_job* job) {
+static RG_NOINLINE void choose_ring_rows(rg_remap_job* job) {
   const rg_position* const corners = job->run.block.corners;
   int32_t top = (job->size[1] - 1) << 12;
   for (int k = 0; k < 4; ++k)
@@ -20,33 +21,59 @@ static void choose_ring_rows(rg_remap_job* job) {
   job->num_rows = (uint16_t)(rest < job->ring_rows ? rest : job->ring_rows);
 }
 
-static void prepare_block(rg_remap_job* job) {
-  rg_lattice_block(job->lattice, &job->run.block);
-  if (job->ring_rows != 0) choose_ring_rows(job);
-}
-
-static RG_NOINLINE void fill_run(const rg_remap_job* job) {
-  const rg_target* const target = (const rg_target*)job->context;
+static RG_NOINLINE void fill_run(const rg_remap_job* job,
+                                 const rg_target* target) {
   if (target->border != RG_BORDER_KEEP)
     rg_fill_run(&job->run, job->lattice,
                 target->border_values + job->lattice->first_border);
 }
 
-static RG_NOINLINE int remap_pixel(const rg_remap_job* job) {
-  return rg_remap_pixel(job, job->lattice, 0,
-                        ((const rg_target*)job->context)->sampling);
+static RG_NOINLINE void remap_pixel(const rg_remap_job* job,
+                                    const rg_target* target) {
+  if (!rg_remap_pixel(job, job->lattice, 0, target->sampling))
+    fill_run(job, target);
 }
 
-static void remap_run(rg_remap_job* job, rg_care care) {
-  if (care >= RG_CARE_PIXEL) {
-    if (care == RG_CARE_NO_SOURCE || !remap_pixel(job)) fill_run(job);
-  } else if (((const rg_target*)job->context)->sampling ==
-             RG_SAMPLING_NEAREST) {
+static RG_INLINE void remap_run(const rg_remap_job* job,
+                                const rg_target* target, rg_care care) {
+  if (care == RG_CARE_NO_SOURCE)
+    fill_run(job, target);
+  else if (care == RG_CARE_PIXEL)
+    remap_pixel(job, target);
+  else if (target->sampling == RG_SAMPLING_NEAREST)
     rg_copy_lattice(&job->run, job->lattice);
-  } else {
+  else
     rg_dispatch(rg_kernels_of(job), &job->run, job->lattice,
                 care == RG_CARE_NONE);
-  }
+}
+
+static RG_INLINE void remap_part(rg_remap_job* job, const rg_target* target) {
+  rg_bring_to_lattice(job);
+  if (job->ring_rows != 0) choose_ring_rows(job);
+  do {
+    remap_run(job, target, rg_next_run(job));
+  } while (job->rows_left != 0);
+}
+
+/* Before the runs of the job's lattice. */
+static RG_NOINLINE void start_lattice(rg_remap_job* job, const rg_image* image,
+                                      const rg_target* target) {
+  const rg_lattice* const lattice = job->lattice;
+  const uint32_t plane = lattice->plane, log2 = lattice->log2[1];
+  const uint32_t stride = image->planes[plane].stride;
+  const uint32_t out_stride = target->planes[plane].stride;
+  rg_set_kernels(job, target->kernels, stride);
+  job->size[0] = (uint16_t)(image->width >> lattice->log2[0]);
+  job->size[1] = job->num_rows = (uint16_t)(image->height >> log2);
+  job->ring_rows = (uint16_t)(image->ring_rows >> log2);
+  job->run.data =
+      image->planes[plane].data + lattice->first_row * (size_t)stride;
+  job->run.stride = stride * lattice->row_step;
+  job->run.out =
+      target->planes[plane].data + lattice->first_row * (size_t)out_stride;
+  job->run.out_stride = out_stride * lattice->row_step;
+  job->run.first_source_row = 0;
+  rg_start_rows(job, target->first_row, target->num_rows);
 }
 
 /* A function of its own, so that its stack and that of the checks do not add
@@ -54,33 +81,13 @@ static void remap_run(rg_remap_job* job, rg_care care) {
 static RG_NOINLINE rg_status remap_lattices(const uint8_t* section,
                                             const rg_image* image,
                                             const rg_target* target) {
-  const rg_lattice* lattice = 0;
   rg_remap_job job;
-  job.remap_run = remap_run;
-  job.context = target;
   job.walk.section = section;
   job.walk.is_clamped = target->border == RG_BORDER_CLAMP;
-  job.run.first_source_row = 0;
-  for (uint32_t k = rg_format_lattices(image->format, &lattice); k != 0;
-       --k, ++lattice) {
-    const uint32_t plane = lattice->plane, log2 = lattice->log2[1];
-    const uint32_t stride = image->planes[plane].stride;
-    const uint32_t out_stride = target->planes[plane].stride;
-    const uint32_t row = (uint32_t)target->first_row >> log2;
-    job.lattice = lattice;
-    job.prepare_block =
-        (lattice->log2[0] | image->ring_rows) != 0 ? prepare_block : 0;
-    rg_set_kernels(&job, target->kernels, stride);
-    job.size[0] = (uint16_t)(image->width >> lattice->log2[0]);
-    job.size[1] = job.num_rows = (uint16_t)(image->height >> log2);
-    job.ring_rows = (uint16_t)(image->ring_rows >> log2);
-    job.run.data =
-        image->planes[plane].data + lattice->first_row * (size_t)stride;
-    job.run.stride = stride * lattice->row_step;
-    job.run.out =
-        target->planes[plane].data + lattice->first_row * (size_t)out_stride;
-    job.run.out_stride = out_stride * lattice->row_step;
-    rg_remap_rows(&job, row, row + ((uint32_t)target->num_rows >> log2));
+  for (uint32_t k = rg_format_lattices(image->format, &job.lattice); k != 0;
+       --k, ++job.lattice) {
+    start_lattice(&job, image, target);
+    while (rg_next_part(&job)) remap_part(&job, target);
   }
   return RG_OK;
 }
@@ -150,22 +157,6 @@ static RG_NOINLINE int is_overlapping(const uint8_t* section,
   return 0;
 }
 
-static rg_status check_ring(const rg_camera* camera, const rg_image* image,
-                            const rg_target* target) {
-  if (image->ring_rows == 0) return RG_OK;
-  uint16_t first = 0, num_rows = 0;
-  const rg_status status =
-      rg_remap_source_rows(camera, image->format, target->first_row,
-                           target->num_rows, &first, &num_rows);
-  if (status != RG_OK) return status;
-  if (image->num_rows > image->ring_rows ||
-      (num_rows != 0 &&
-       (first < image->first_row ||
-        first + num_rows > image->first_row + image->num_rows)))
-    return RG_ERR_ROWS_MISSING;
-  return RG_OK;
-}
-
 rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
                         uint16_t* height) {
   if (!camera->remap) return RG_ERR_NO_REMAP;
@@ -202,7 +193,8 @@ static RG_NOINLINE rg_status check_frames(const rg_camera* camera,
 rg_status rg_remap(const rg_camera* camera, const rg_image* image,
                    const rg_target* target) {
   rg_status status = check_frames(camera, image, target);
-  if (status == RG_OK) status = check_ring(camera, image, target);
+  if (status == RG_OK && image->ring_rows != 0)
+    status = rg_check_ring(camera, image, target);
   return status == RG_OK ? remap_lattices(camera->remap, image, target)
                          : status;
 }

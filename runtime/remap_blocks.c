@@ -58,55 +58,54 @@ static OF_BLOCKS rg_care find_block_care(const rg_remap_job* job) {
   return find_care(job, &low, &high);
 }
 
-/* Makes the run, of one row, end before pixel end or where its pixels begin to
- * need another care. */
-static RG_NOINLINE rg_care find_segment(rg_remap_job* job, uint32_t end) {
+/* Makes the run, of one row of a part, end before the row does or where its
+ * pixels begin to need another care. */
+static RG_NOINLINE rg_care find_segment(rg_remap_job* job) {
   rg_run* const run = &job->run;
   rg_block_row row;
   rg_find_block_row(&run->block, run->first_row, &row);
   rg_position p = rg_row_position(&row, run->first_pixel);
+  job->position = p;
   const rg_care care = find_care(job, &p, &p);
   uint32_t k = run->first_pixel;
   do {
     for (int c = 0; c < 2; ++c) p.q12[c] += row.step.q12[c];
     ++k;
-  } while (k < end && care != RG_CARE_PIXEL && find_care(job, &p, &p) == care);
+  } while (k < job->part_pixels && care != RG_CARE_PIXEL &&
+           find_care(job, &p, &p) == care);
   run->num_pixels = (uint8_t)(k - run->first_pixel);
+  if (k >= job->part_pixels) --job->rows_left;
   return care;
 }
 
-/* The run's rows one by one, each in segments. */
-static inline void remap_segments(rg_remap_job* job, uint32_t num_rows) {
+/* On to the pixels behind the run's segment. */
+static OF_BLOCKS void go_on_in_part(rg_remap_job* job) {
   rg_run* const run = &job->run;
-  const uint32_t end = run->num_pixels;
-  run->num_rows = 1;
-  for (uint32_t r = num_rows; r != 0; --r) {
-    do {
-      const rg_care care = find_segment(job, end);
-      job->remap_run(job, care);
-      run->first_pixel = (uint8_t)(run->first_pixel + run->num_pixels);
-      run->out_pixel += run->num_pixels;
-    } while (run->first_pixel < end);
-    run->first_pixel = 0;
-    run->out_pixel -= end;
-    ++run->first_row;
-    run->out += run->out_stride;
-  }
-  run->out -= (size_t)num_rows * run->out_stride;
+  const uint32_t end = job->part_pixels;
+  run->first_pixel = (uint8_t)(run->first_pixel + run->num_pixels);
+  run->out_pixel = (uint16_t)(run->out_pixel + run->num_pixels);
+  if (run->first_pixel < end) return;
+  run->first_pixel = 0;
+  run->out_pixel = (uint16_t)(run->out_pixel - end);
+  ++run->first_row;
+  run->out += run->out_stride;
 }
 
-/* To the row of parts that a row of the output lies in: from there, how many
- * rows, less than end, it has. */
-static OF_BLOCKS uint32_t start_parts(rg_remap_job* job, uint32_t row,
-                                      uint32_t end) {
+/* To the row of parts below those that were done; 0 below the last one. */
+static OF_BLOCKS int start_parts(rg_remap_job* job) {
   const uint8_t* const section = job->walk.section;
+  job->run.out += (size_t)job->part_rows * job->run.out_stride;
+  const uint32_t row = (uint32_t)job->row + job->part_rows, end = job->end_row;
+  if (row >= end) return 0;
   const uint32_t width_log2 = rg_part_log2(section, job->lattice, 0);
   const uint32_t height_log2 = rg_part_log2(section, job->lattice, 1);
   const uint32_t rows_log2 = height_log2 - job->lattice->log2[1];
   const uint32_t part = row >> rows_log2;
   const uint32_t next = (part + 1) << rows_log2;
   rg_start_walk(section, width_log2, height_log2, part, &job->walk);
-  return (next < end ? next : end) - row;
+  job->row = (uint16_t)row;
+  job->part_rows = (uint8_t)((next < end ? next : end) - row);
+  return 1;
 }
 
 /* Pixels of the row from the next part on; 0 behind the last one. */
@@ -117,30 +116,34 @@ static inline uint32_t rest_of_row(const rg_remap_job* job) {
   return first < width ? (width - first) >> job->lattice->log2[0] : 0;
 }
 
-/* The run of the next part: so many rows from a row of the output on, of which
- * so many pixels are left. */
-static OF_BLOCKS void start_part(rg_remap_job* job, uint32_t row,
-                                 uint32_t num_rows, uint32_t rest) {
+/* The run of the next part, from which on the row has so many pixels. */
+static OF_BLOCKS void start_part(rg_remap_job* job, uint32_t rest) {
   rg_run* const run = &job->run;
   const rg_lattice* const lattice = job->lattice;
   const uint32_t part_width = 1u << job->walk.part_log2[0] >> lattice->log2[0];
   const uint32_t part_height = 1u << job->walk.part_log2[1] >> lattice->log2[1];
-  run->out_pixel = job->walk.next_part * part_width;
+  run->out_pixel = (uint16_t)(job->walk.next_part * part_width);
   run->first_pixel = 0;
   run->num_pixels = (uint8_t)(rest < part_width ? rest : part_width);
-  run->first_row = (uint8_t)(row & (part_height - 1));
-  run->num_rows = (uint8_t)num_rows;
+  run->first_row = (uint8_t)(job->row & (part_height - 1));
+  run->num_rows = job->rows_left = job->part_rows;
+#if RG_KEEP_LINES
+  rg_lanes upper, lower;
+  rg_next_corners(&job->walk, &upper, &lower);
+  if ((lattice->log2[0] | lattice->log2[1]) != 0)
+    rg_lattice_corners(&job->move, &upper, &lower);
+  rg_store_corners(upper, lower, run->block.corners);
+  run->block.width_log2 = (uint8_t)(job->walk.part_log2[0] - lattice->log2[0]);
+  run->block.height_log2 = (uint8_t)(job->walk.part_log2[1] - lattice->log2[1]);
+#else
   rg_next_block(&job->walk, &run->block);
+#endif
 }
 
 #if RG_KEEP_LINES
 
-/* Where corners ask for no care. */
-typedef struct safe_box {
-  rg_lanes min, max;
-} safe_box;
-
-static safe_box find_safe_box(const rg_remap_job* job) {
+/* Of a source that is no ring. */
+static rg_safe_box find_safe_box(const rg_remap_job* job) {
   int32_t min[2], max[2];
   for (int c = 0; c < 2; ++c) {
     const rg_range source = job->ranges[c];
@@ -149,84 +152,69 @@ static safe_box find_safe_box(const rg_remap_job* job) {
     max[c] = min_of(source.max_q12, last_q12) - SAFE_MARGIN;
   }
   if (RG_CHOOSE_KERNELS) max[1] -= RG_SPARE_Q12;
-  const safe_box box = {rg_twice(min[0], min[1]), rg_twice(max[0], max[1])};
+  const rg_safe_box box = {rg_twice(min[0], min[1]), rg_twice(max[0], max[1])};
   return box;
 }
 
-static RG_INLINE int are_safe(const safe_box* box, rg_lanes upper,
-                              rg_lanes lower) {
+static RG_INLINE int are_corners_safe(const rg_remap_job* job) {
+  const rg_safe_box* const box = &job->safe;
+  rg_lanes upper, lower;
+  rg_load_corners(job->run.block.corners, &upper, &lower);
   const rg_lane_pairs beyond =
       (rg_lane_pairs)((upper < box->min) | (upper > box->max) |
                       (lower < box->min) | (lower > box->max));
   return (beyond[0] | beyond[1]) == 0;
 }
 
-/* All parts of a row of parts, of a source that is no ring: so many rows from
- * a row of the output on. */
-static void remap_parts(rg_remap_job* job, uint32_t row, uint32_t num_rows) {
-  rg_run* const run = &job->run;
-  rg_block_walk* const walk = &job->walk;
-  const rg_lattice* const lattice = job->lattice;
-  const uint32_t width_log2 = walk->part_log2[0] - lattice->log2[0];
-  const uint32_t height_log2 = walk->part_log2[1] - lattice->log2[1];
-  const uint32_t width =
-      (uint32_t)rg_load_u16(walk->section) >> lattice->log2[0];
-  const uint32_t first_row = row & ((1u << height_log2) - 1);
-  const int is_moved = (lattice->log2[0] | lattice->log2[1]) != 0;
-  const rg_lattice_lanes move =
-      rg_find_lattice_lanes(lattice, walk->part_log2[0]);
-  const safe_box box = find_safe_box(job);
-  run->block.width_log2 = (uint8_t)width_log2;
-  run->block.height_log2 = (uint8_t)height_log2;
-  run->out_pixel = 0;
-  for (uint32_t rest = width; rest != 0;) {
-    const uint32_t part_width = 1u << width_log2;
-    const uint32_t num_pixels = rest < part_width ? rest : part_width;
-    rg_lanes upper, lower;
-    rg_next_corners(walk, &upper, &lower);
-    if (is_moved) rg_lattice_corners(&move, &upper, &lower);
-    rg_store_corners(upper, lower, run->block.corners);
-    run->first_pixel = 0;
-    run->num_pixels = (uint8_t)num_pixels;
-    run->first_row = (uint8_t)first_row;
-    run->num_rows = (uint8_t)num_rows;
-    const rg_care care = are_safe(&box, upper, lower) && !walk->is_empty
-                             ? RG_CARE_NONE
-                             : find_block_care(job);
-    if (care == RG_CARE_PIXEL)
-      remap_segments(job, num_rows);
-    else
-      job->remap_run(job, care);
-    rest -= num_pixels;
-    run->out_pixel += num_pixels;
-  }
-}
-
 #endif
 
-rg_status rg_remap_rows(rg_remap_job* job, uint32_t row, uint32_t end) {
+/* Of the part at hand. */
+static OF_BLOCKS rg_care find_part_care(const rg_remap_job* job) {
+#if RG_KEEP_LINES
+  if (job->ring_rows == 0 && !job->walk.is_empty && are_corners_safe(job))
+    return RG_CARE_NONE;
+#endif
+  return find_block_care(job);
+}
+
+void rg_start_rows(rg_remap_job* job, uint32_t first_row, uint32_t num_rows) {
+  const uint32_t log2 = job->lattice->log2[1];
+  job->row = (uint16_t)(first_row >> log2);
+  job->end_row = (uint16_t)((first_row + num_rows) >> log2);
+  job->part_rows = job->part_pixels = 0;
 #if RG_KEEP_LINES
   for (int c = 0; c < 2; ++c)
     job->ranges[c] = rg_source_range(job->walk.section, job->lattice, c);
+  job->safe = find_safe_box(job);
+  job->move = rg_find_lattice_lanes(
+      job->lattice, rg_part_log2(job->walk.section, job->lattice, 0));
 #endif
-  while (row < end) {
-    const uint32_t num_rows = start_parts(job, row, end);
-#if RG_KEEP_LINES
-    if (job->ring_rows == 0) remap_parts(job, row, num_rows);
-#endif
-    for (;;) {
-      const uint32_t rest = rest_of_row(job);
-      if (rest == 0) break;
-      start_part(job, row, num_rows, rest);
-      if (job->prepare_block) job->prepare_block(job);
-      const rg_care care = find_block_care(job);
-      if (care == RG_CARE_PIXEL)
-        remap_segments(job, num_rows);
-      else
-        job->remap_run(job, care);
-    }
-    job->run.out += (size_t)num_rows * job->run.out_stride;
-    row += num_rows;
+}
+
+int rg_next_part(rg_remap_job* job) {
+  if (job->part_pixels != 0) /* back to the part's first row */
+    job->run.out -= (size_t)(job->part_rows - 1u) * job->run.out_stride;
+  job->part_pixels = 0;
+  uint32_t rest = job->part_rows == 0 ? 0 : rest_of_row(job);
+  if (rest == 0) {
+    if (!start_parts(job)) return 0;
+    rest = rest_of_row(job);
   }
-  return RG_OK;
+  start_part(job, rest);
+  return 1;
+}
+
+rg_care rg_next_run(rg_remap_job* job) {
+  if (job->part_pixels != 0) {
+    go_on_in_part(job);
+  } else {
+    const rg_care care = find_part_care(job);
+    if (care != RG_CARE_PIXEL) {
+      job->rows_left = 0;
+      return care;
+    }
+    job->part_pixels = job->run.num_pixels;
+    job->run.num_rows = 1;
+  }
+  return find_segment(job);
 }

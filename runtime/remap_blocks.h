@@ -1,6 +1,7 @@
-/* Block by block, what is done with one lattice of a frame. The runs of pixels
- * go to functions of the caller's, so that a program with grey frames alone has
- * no code of the others. */
+/* One lattice of a frame, block by block: a walk over runs of pixels, with
+ * which the caller does what is to be done, so that a program with grey frames
+ * alone has no code of the others, and the stack of the walk is free by then.
+ */
 #ifndef RAYGRID_REMAP_BLOCKS_H
 #define RAYGRID_REMAP_BLOCKS_H
 
@@ -22,33 +23,37 @@ typedef enum rg_care {
   RG_CARE_NO_SOURCE /* none has */
 } rg_care;
 
-typedef struct rg_remap_job rg_remap_job;
+#if RG_KEEP_LINES
+/* Where a part's corners ask for no care. */
+typedef struct rg_safe_box {
+  rg_lanes min, max;
+} rg_safe_box;
+#endif
 
-/* The run of the job. */
-typedef void rg_remap_run(rg_remap_job* job, rg_care care);
-
-/* Brings the corners of the run's block, which are in the image's pixels, to
- * the lattice's, and chooses the rows of the source. */
-typedef void rg_prepare_block(rg_remap_job* job);
-
-struct rg_remap_job {
+typedef struct rg_remap_job {
   const rg_lattice* lattice;
-  rg_remap_run* remap_run;
-  rg_prepare_block* prepare_block; /* may be 0 */
-  const void* context;             /* of these functions */
 #if RG_CHOOSE_KERNELS
   const rg_kernels* kernels;
 #endif
-  uint16_t size[2];   /* of the source lattice: width, height */
-  uint16_t ring_rows; /* likewise; 0: no ring */
-  uint16_t num_rows;  /* that follow each other in memory, from the run's
-                         first_source_row on */
+  uint16_t size[2];      /* of the source lattice: width, height */
+  uint16_t ring_rows;    /* likewise; 0: no ring */
+  uint16_t num_rows;     /* that follow each other in memory, from the run's
+                            first_source_row on */
+  uint16_t row, end_row; /* of the output: the first one of the row of parts at
+                            hand, and behind the last one to do */
+  uint8_t part_rows;     /* that the parts have; 0 before the first ones */
+  uint8_t part_pixels;   /* of such a row, where the part at hand is done in
+                            segments of rows; 0: not yet */
+  uint8_t rows_left;     /* of the part; 0: the run is the last one */
   rg_block_walk walk;
   rg_run run;
+  rg_position position; /* of the pixel that a run of RG_CARE_PIXEL is */
 #if RG_KEEP_LINES
   rg_range ranges[2]; /* as rg_job_range() has them */
+  rg_safe_box safe;
+  rg_lattice_lanes move;
 #endif
-};
+} rg_remap_job;
 
 /* Coordinate c of the positions that have a source, for the job's lattice. */
 static RG_INLINE rg_range rg_job_range(const rg_remap_job* job,
@@ -80,10 +85,29 @@ static inline const rg_kernels* rg_kernels_of(const rg_remap_job* job) {
 #endif
 }
 
-/* Rows [row, end) of the lattice's output. The job holds all but the walk's
- * place and the run's pixels; run.out is for the first row. Always
- * RG_OK, so that callers have no status to keep. */
-rg_status rg_remap_rows(rg_remap_job* job, uint32_t row, uint32_t end);
+/* Before the first part, of so many rows of the output, counted in pixels of
+ * the image. The job holds its lattice, kernels, sizes, the walk's section and
+ * is_clamped; and of the run, first_source_row, strides, data and out, which is
+ * for the first row. */
+void rg_start_rows(rg_remap_job* job, uint32_t first_row, uint32_t num_rows);
+
+/* To the next part of a block; 0 if there is none. The caller then brings it to
+ * the lattice, and may choose the rows of the source. */
+int rg_next_part(rg_remap_job* job);
+
+/* The corners of the run's block from the image's pixels to the lattice's. A
+ * program with grey frames alone does not need it. */
+static RG_INLINE void rg_bring_to_lattice(rg_remap_job* job) {
+#if RG_KEEP_LINES
+  (void)job; /* they are */
+#else
+  rg_lattice_block(job->lattice, &job->run.block);
+#endif
+}
+
+/* The part's next run, and what its pixels ask for; while rows_left is not 0,
+ * there is another one. */
+rg_care rg_next_run(rg_remap_job* job);
 
 #ifdef __cplusplus
 }

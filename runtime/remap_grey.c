@@ -5,20 +5,26 @@
 static const rg_lattice kGrey = {0,      RG_SAMPLE_8, 0, 1, 1,
                                  {0, 0}, {0, 0},      0, 1, 0};
 
-static RG_NOINLINE void fill_grey_run(const rg_remap_job* job) {
-  const uint16_t border = ((const rg_band*)job->context)->border;
-  rg_fill_run(&job->run, &kGrey, &border);
+static RG_NOINLINE void fill_grey_run(const rg_run* run, uint16_t border) {
+  rg_fill_run(run, &kGrey, &border);
 }
 
-static RG_NOINLINE int remap_grey_pixel(const rg_remap_job* job) {
-  return rg_remap_pixel(job, &kGrey, 1, RG_SAMPLING_BILINEAR);
+static RG_NOINLINE void remap_grey_pixel(const rg_remap_job* job,
+                                         uint16_t border) {
+  if (!rg_remap_pixel(job, &kGrey, 1, RG_SAMPLING_BILINEAR))
+    fill_grey_run(&job->run, border);
 }
 
-static void remap_grey_run(rg_remap_job* job, rg_care care) {
-  if (care < RG_CARE_PIXEL)
-    rg_dispatch_grey(rg_kernels_of(job), &job->run, care == RG_CARE_NONE);
-  else if (care == RG_CARE_NO_SOURCE || !remap_grey_pixel(job))
-    fill_grey_run(job);
+static RG_INLINE void remap_grey_part(rg_remap_job* job, const rg_band* band) {
+  do {
+    const rg_care care = rg_next_run(job);
+    if (care == RG_CARE_NO_SOURCE)
+      fill_grey_run(&job->run, band->border);
+    else if (care == RG_CARE_PIXEL)
+      remap_grey_pixel(job, band->border);
+    else
+      rg_dispatch_grey(rg_kernels_of(job), &job->run, care == RG_CARE_NONE);
+  } while (job->rows_left != 0);
 }
 
 /* A function of its own, so that its stack does not add up with the rest. */
@@ -45,9 +51,6 @@ rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
   if (status != RG_OK) return status;
   rg_remap_job job;
   job.lattice = &kGrey;
-  job.remap_run = remap_grey_run;
-  job.prepare_block = 0;
-  job.context = band;
   rg_set_kernels(&job, 0, frame->stride);
   job.size[0] = frame->width;
   job.size[1] = job.num_rows = frame->height;
@@ -59,6 +62,7 @@ rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
   job.run.out_stride = band->stride;
   job.run.out = band->data;
   job.run.first_source_row = 0;
-  return rg_remap_rows(&job, band->first_row,
-                       (uint32_t)band->first_row + band->num_rows);
+  rg_start_rows(&job, band->first_row, band->num_rows);
+  while (rg_next_part(&job)) remap_grey_part(&job, band);
+  return RG_OK;
 }

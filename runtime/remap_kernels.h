@@ -24,9 +24,9 @@ extern "C" {
 typedef struct rg_run {
   const uint8_t* data; /* row 0 of the source is first_source_row */
   uint32_t stride, out_stride;
-  uint8_t* out;       /* row first_row of the output, from its left end */
-  uint32_t out_pixel; /* first_pixel of the block, in the output's row */
+  uint8_t* out; /* row first_row of the output, from its left end */
   rg_block block;
+  uint16_t out_pixel; /* first_pixel of the block, in the output's row */
   uint16_t first_source_row;
   uint8_t first_row, num_rows;     /* of the block */
   uint8_t first_pixel, num_pixels; /* of the block's rows; neither num is 0 */
@@ -178,15 +178,6 @@ static RG_INLINE uint32_t rg_blend_8(uint32_t left, uint32_t right,
 #endif
 }
 
-/* Samples of up to 16 bits, 8-bit weights both ways: below 2^32 - 2^15. */
-static inline uint32_t rg_blend_16(uint32_t p00, uint32_t p01, uint32_t p10,
-                                   uint32_t p11, uint32_t wx_q8,
-                                   uint32_t wy_q8) {
-  const uint32_t upper_q8 = p00 * (256 - wx_q8) + p01 * wx_q8;
-  const uint32_t lower_q8 = p10 * (256 - wx_q8) + p11 * wx_q8;
-  return (upper_q8 * (256 - wy_q8) + lower_q8 * wy_q8 + 0x8000) >> 16;
-}
-
 /* Half the last bit that a position keeps across, and down: added before the
  * position is cut into pixel and weight. */
 static inline uint32_t rg_rounding(uint32_t kind, int c) {
@@ -203,25 +194,39 @@ static RG_INLINE uint32_t rg_blend_bytes(const uint8_t* upper,
                     RG_ROUNDING_8);
 }
 
-/* Of any kind: the right samples lie right samples on. */
-static RG_INLINE uint32_t rg_blend_samples(uint32_t kind, const uint8_t* upper,
-                                           const uint8_t* lower, uint32_t index,
-                                           uint32_t right, uint32_t x_q12,
-                                           uint32_t y_q12) {
+/* What lies around a position to which the rounding was added. */
+typedef struct rg_neighbors {
+  uint32_t x_q12, y_q12;
+  const uint8_t *upper, *lower; /* rows */
+  uint32_t right;               /* samples to the right ones */
+} rg_neighbors;
+
+/* Two samples of a row, of up to 16 bits, with 8-bit weights. */
+static RG_INLINE uint32_t rg_blend_pair(uint32_t kind, const rg_neighbors* at,
+                                        const uint8_t* row, uint32_t index) {
+  const uint32_t wx_q8 = (at->x_q12 >> 4) & 255;
+  const uint32_t left = rg_load_sample(kind, row, index);
+  const uint32_t right = rg_load_sample(kind, row, index + at->right);
+  return left * (256 - wx_q8) + right * wx_q8;
+}
+
+/* Of any kind: sample number index of the upper row, and its neighbours. Sums
+ * of samples of 16 bits are below 2^32 - 2^15. */
+static RG_INLINE uint32_t rg_blend_samples(uint32_t kind,
+                                           const rg_neighbors* at,
+                                           uint32_t index) {
   if (kind == RG_SAMPLE_8)
-    return rg_blend_bytes(upper + index, lower + index, right, x_q12, y_q12);
-  const uint32_t p00 = rg_load_sample(kind, upper, index);
-  const uint32_t p01 = rg_load_sample(kind, upper, index + right);
-  const uint32_t p10 = rg_load_sample(kind, lower, index);
-  const uint32_t p11 = rg_load_sample(kind, lower, index + right);
-  return rg_blend_16(p00, p01, p10, p11, (x_q12 >> 4) & 255,
-                     (y_q12 >> 4) & 255);
+    return rg_blend_bytes(at->upper + index, at->lower + index, at->right,
+                          at->x_q12, at->y_q12);
+  const uint32_t upper_q8 = rg_blend_pair(kind, at, at->upper, index);
+  if (!RG_IS_FAST) RG_IN_REGISTER(at); /* the rest is read when it is needed */
+  const uint32_t lower_q8 = rg_blend_pair(kind, at, at->lower, index);
+  const uint32_t wy_q8 = (at->y_q12 >> 4) & 255;
+  return (upper_q8 * (256 - wy_q8) + lower_q8 * wy_q8 + 0x8000) >> 16;
 }
 
 /* The same, out of line. */
-uint32_t rg_mix_samples(uint32_t kind, const uint8_t* upper,
-                        const uint8_t* lower, uint32_t index, uint32_t right,
-                        uint32_t x_q12, uint32_t y_q12);
+uint32_t rg_mix_samples(uint32_t kind, const rg_neighbors* at, uint32_t index);
 
 #ifdef __cplusplus
 }

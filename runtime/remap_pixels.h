@@ -53,7 +53,7 @@ static RG_INLINE void rg_fill_run(const rg_run* run, const rg_lattice* lattice,
   uint8_t* out = run->out;
   for (uint32_t r = run->num_rows; r != 0; --r, out += run->out_stride) {
     uint32_t index =
-        lattice->first_sample + run->out_pixel * lattice->sample_step;
+        (uint32_t)lattice->first_sample + run->out_pixel * lattice->sample_step;
     for (uint32_t k = run->num_pixels; k != 0; --k) {
       for (uint32_t c = 0; c < lattice->num_channels; ++c)
         rg_put(lattice, out, index + c, values[c]);
@@ -70,42 +70,35 @@ static RG_INLINE const uint8_t* rg_source_row(const rg_remap_job* job,
   return job->run.data + (size_t)row * job->run.stride;
 }
 
-/* The run's pixel, at a position that is moved into the lattice; 0 if it has no
+/* The run's pixel, at its position moved into the lattice; 0 if it has no
  * source. is_grey: the lattice is that of grey frames, for which nothing else
  * than bilinear blending is needed. */
 static RG_INLINE int rg_remap_pixel(const rg_remap_job* job,
                                     const rg_lattice* lattice, int is_grey,
                                     rg_sampling sampling) {
-  const rg_run* const run = &job->run;
   const uint32_t kind = lattice->kind, step = lattice->sample_step;
-  uint32_t neighbor[2]; /* one beyond the last has weight zero */
-  rg_block_row row;
-  rg_find_block_row(&run->block, run->first_row, &row);
-  rg_position p = rg_row_position(&row, run->first_pixel);
+  uint32_t q12[2], neighbor[2]; /* one beyond the last has weight zero */
   for (int c = 0; c < 2; ++c) {
     const rg_range range = rg_job_range(job, lattice, c);
-    const int32_t last = job->size[c] - 1;
-    int32_t moved = rg_clamp(p.q12[c], range.min_q12, range.max_q12);
-    if (moved != p.q12[c] && (is_grey || !job->walk.is_clamped)) return 0;
+    const int32_t last = job->size[c] - 1, position = job->position.q12[c];
+    int32_t moved = rg_clamp(position, range.min_q12, range.max_q12);
+    if (moved != position && (is_grey || !job->walk.is_clamped)) return 0;
     moved = rg_clamp(moved, 0, last << 12);
-    p.q12[c] = sampling == RG_SAMPLING_NEAREST
-                   ? (moved + 2048) & ~4095
-                   : moved + (int32_t)rg_rounding(kind, c);
-    neighbor[c] = p.q12[c] >> 12 < last;
+    q12[c] = sampling == RG_SAMPLING_NEAREST
+                 ? ((uint32_t)moved + 2048) & ~UINT32_C(4095)
+                 : (uint32_t)moved + rg_rounding(kind, c);
+    neighbor[c] = q12[c] >> 12 < (uint32_t)last;
   }
-  const uint32_t x_q12 = (uint32_t)p.q12[0], y_q12 = (uint32_t)p.q12[1];
-  const uint8_t* const upper = rg_source_row(job, is_grey, y_q12 >> 12);
-  const uint8_t* const lower =
-      rg_source_row(job, is_grey, (y_q12 >> 12) + neighbor[1]);
-  const uint32_t right = neighbor[0] ? step : 0;
-  const uint32_t index = lattice->first_sample + (x_q12 >> 12) * step;
-  const uint32_t target = lattice->first_sample + run->out_pixel * step;
+  const uint32_t row = q12[1] >> 12;
+  const rg_neighbors at = {q12[0], q12[1], rg_source_row(job, is_grey, row),
+                           rg_source_row(job, is_grey, row + neighbor[1]),
+                           neighbor[0] ? step : 0};
+  const uint32_t index = lattice->first_sample + (q12[0] >> 12) * step;
+  const uint32_t target = lattice->first_sample + job->run.out_pixel * step;
   for (uint32_t c = 0; c < lattice->num_channels; ++c)
-    rg_put(lattice, run->out, target + c,
-           is_grey ? rg_blend_bytes(upper + index, lower + index, right, x_q12,
-                                    y_q12)
-                   : rg_mix_samples(kind, upper, lower, index + c, right, x_q12,
-                                    y_q12));
+    rg_put(lattice, job->run.out, target + c,
+           is_grey ? rg_blend_samples(kind, &at, index + c)
+                   : rg_mix_samples(kind, &at, index + c));
   return 1;
 }
 

@@ -38,7 +38,7 @@ typedef int64_t rg_lane_pairs __attribute__((vector_size(16)));
 #endif
 
 /* A row of parts of the blocks of a remap section, which must be one that
- * rg_blob_open() accepted. */
+ * rg_select_remap() accepted. */
 typedef struct rg_block_walk {
   const uint8_t* section;
   uint16_t row;         /* of parts */
@@ -104,6 +104,12 @@ static RG_INLINE void rg_next_corners(rg_block_walk* walk, rg_lanes* upper,
   const rg_lane_pairs below = {left[1], right[1]};
   *upper = (rg_lanes)above;
   *lower = (rg_lanes)below;
+}
+
+static inline void rg_load_corners(const rg_position* corners, rg_lanes* upper,
+                                   rg_lanes* lower) {
+  memcpy(upper, corners, sizeof(*upper));
+  memcpy(lower, corners + 2, sizeof(*lower));
 }
 
 static inline void rg_store_corners(rg_lanes upper, rg_lanes lower,

@@ -99,11 +99,12 @@ uint32_t rg_unproject_lines(const rg_camera* camera, const rg_pixel* pixels,
                             rg_line* lines, uint32_t num_pixels) {
   uint32_t num_inside = 0;
   for (uint32_t i = 0; i < num_pixels; ++i) {
-    if (rg_unproject_line(camera, pixels[i], &lines[i]) == RG_OK) {
+    rg_line* const line = &lines[i];
+    if (rg_unproject_line(camera, pixels[i], line) == RG_OK) {
       ++num_inside;
     } else {
-      const rg_line none = {{0, 0, 0}, {0, 0, 0}};
-      lines[i] = none;
+      line->direction.x_q30 = line->direction.y_q30 = line->direction.z_q30 = 0;
+      line->point_q28[0] = line->point_q28[1] = line->point_q28[2] = 0;
     }
   }
   return num_inside;

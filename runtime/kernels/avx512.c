@@ -543,7 +543,7 @@ static void blend_elsewhere(const rg_run* run, uint32_t t, uint32_t num_rows,
   part.out += (size_t)t * run->out_stride;
   part.first_pixel = (uint8_t)(run->first_pixel + k);
   part.num_pixels = (uint8_t)(run->num_pixels - k);
-  part.out_pixel += k;
+  part.out_pixel = (uint16_t)(part.out_pixel + k);
   other(&part);
 }
 

@@ -239,37 +239,29 @@ void rg_blend_1(const rg_run* run) {
 /* ---- Any lattice ----------------------------------------------------------
  */
 
-uint32_t rg_mix_samples(uint32_t kind, const uint8_t* upper,
-                        const uint8_t* lower, uint32_t index, uint32_t right,
-                        uint32_t x_q12, uint32_t y_q12) {
-  return rg_blend_samples(kind, upper, lower, index, right, x_q12, y_q12);
+uint32_t rg_mix_samples(uint32_t kind, const rg_neighbors* at, uint32_t index) {
+  return rg_blend_samples(kind, at, index);
 }
 
-/* A pixel of several bytes a sample. */
-static RG_INLINE void do_wide_pixel(const rg_run* run,
-                                    const rg_lattice* lattice,
-                                    const uint8_t* upper, uint32_t index,
-                                    int is_copy, uint32_t x_q12, uint32_t y_q12,
-                                    uint8_t* out, uint32_t target) {
-  const uint32_t kind = lattice->kind, right = lattice->sample_step;
-  const uint8_t* const lower = upper + run->stride;
-  if (is_copy)
-    rg_put_sample(kind, out, target, rg_load_sample(kind, upper, index));
-  else if (RG_IS_FAST)
-    rg_store_sample(
-        kind, out, target,
-        rg_blend_samples(kind, upper, lower, index, right, x_q12, y_q12));
+/* is_copy: all neighbours are the same one. */
+static RG_INLINE void do_sample(uint32_t kind, const rg_neighbors* at,
+                                uint32_t index, int is_copy, uint8_t* out,
+                                uint32_t target) {
+  if (RG_IS_FAST)
+    rg_store_sample(kind, out, target,
+                    is_copy ? rg_load_sample(kind, at->upper, index)
+                            : rg_blend_samples(kind, at, index));
+  else if (kind == RG_SAMPLE_8)
+    out[target] = (uint8_t)rg_blend_samples(kind, at, index);
   else
-    rg_put_sample(
-        kind, out, target,
-        rg_mix_samples(kind, upper, lower, index, right, x_q12, y_q12));
+    rg_put_sample(kind, out, target, rg_mix_samples(kind, at, index));
 }
 
-/* With lattice and sampling known to the compiler, where speed matters. */
-static RG_SHARED void do_rows(const rg_run* run, const rg_lattice* lattice,
+static RG_INLINE void do_rows(const rg_run* run, const rg_lattice* lattice,
+                              uint32_t kind, uint32_t num_channels,
                               int is_copy) {
-  const uint32_t kind = lattice->kind, step = lattice->sample_step;
-  const uint32_t stride = run->stride;
+  const uint32_t step = lattice->sample_step;
+  const uint32_t right = is_copy ? 0 : step, below = is_copy ? 0 : run->stride;
   uint8_t* out = run->out;
   uint32_t r = 0;
   do {
@@ -282,25 +274,31 @@ static RG_SHARED void do_rows(const rg_run* run, const rg_lattice* lattice,
         (uint32_t)row.start.q12[1] + (is_copy ? 2048 : rg_rounding(kind, 1));
     uint32_t target = lattice->first_sample + run->out_pixel * step;
     for (uint32_t k = run->num_pixels; k != 0; --k, target += step) {
-      const uint8_t* const upper = run->data + (size_t)(y_q12 >> 12) * stride;
+      const uint8_t* const upper =
+          run->data + (size_t)(y_q12 >> 12) * run->stride;
       const uint32_t index = lattice->first_sample + (x_q12 >> 12) * step;
-      if (kind != RG_SAMPLE_8) {
-        do_wide_pixel(run, lattice, upper, index, is_copy, x_q12, y_q12, out,
-                      target);
-      } else {
-        for (uint32_t c = 0; c < lattice->num_channels; ++c) {
-          const uint8_t* const sample = upper + index + c;
-          out[target + c] =
-              is_copy ? *sample
-                      : (uint8_t)rg_blend_bytes(sample, sample + stride, step,
-                                                x_q12, y_q12);
-        }
-      }
+      const rg_neighbors at = {x_q12, y_q12, upper, upper + below, right};
+      for (uint32_t c = 0; c < num_channels; ++c)
+        do_sample(kind, &at, index + c, is_copy, out, target + c);
       x_q12 += (uint32_t)row.step.q12[0];
       y_q12 += (uint32_t)row.step.q12[1];
     }
     out += run->out_stride;
   } while (++r != run->num_rows);
+}
+
+/* With lattice and sampling known to the compiler, where speed matters. */
+static RG_SHARED void do_byte_rows(const rg_run* run, const rg_lattice* lattice,
+                                   int is_copy) {
+  do_rows(run, lattice, RG_SAMPLE_8, lattice->num_channels, is_copy);
+}
+
+static RG_SHARED void do_lattice(const rg_run* run, const rg_lattice* lattice,
+                                 int is_copy) {
+  if (lattice->kind == RG_SAMPLE_8)
+    do_byte_rows(run, lattice, is_copy);
+  else
+    do_rows(run, lattice, lattice->kind, 1, is_copy);
 }
 
 static const rg_lattice kInterleaved[4] = {
@@ -310,16 +308,16 @@ static const rg_lattice kInterleaved[4] = {
     {0, RG_SAMPLE_8, 0, 4, 4, {0, 0}, {0, 0}, 0, 1, 0}};
 
 void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice) {
-  do_rows(run, lattice, 0);
+  do_lattice(run, lattice, 0);
 }
 
-void rg_blend_2(const rg_run* run) { do_rows(run, &kInterleaved[1], 0); }
-void rg_blend_3(const rg_run* run) { do_rows(run, &kInterleaved[2], 0); }
-void rg_blend_4(const rg_run* run) { do_rows(run, &kInterleaved[3], 0); }
+void rg_blend_2(const rg_run* run) { do_byte_rows(run, &kInterleaved[1], 0); }
+void rg_blend_3(const rg_run* run) { do_byte_rows(run, &kInterleaved[2], 0); }
+void rg_blend_4(const rg_run* run) { do_byte_rows(run, &kInterleaved[3], 0); }
 
 void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice) {
   if (RG_IS_FAST && lattice->kind == RG_SAMPLE_8 && lattice->sample_step == 1)
-    do_rows(run, &kInterleaved[0], 1);
+    do_byte_rows(run, &kInterleaved[0], 1);
   else
-    do_rows(run, lattice, 1);
+    do_lattice(run, lattice, 1);
 }

@@ -527,7 +527,7 @@ static int make_run(rg_run* run) {
     run->first_row = run->first_pixel = 0;
     run->num_rows = run->num_pixels = (uint8_t)size;
   }
-  run->out_pixel = below(3) + run->first_pixel;
+  run->out_pixel = (uint16_t)(below(3) + run->first_pixel);
   return is_inside(run);
 }
 
