@@ -260,14 +260,26 @@ static RG_INLINE void do_sample(uint32_t kind, const rg_neighbors* at,
 static RG_INLINE void do_rows(const rg_run* run, const rg_lattice* lattice,
                               uint32_t kind, uint32_t num_channels,
                               int is_copy) {
+  edge_walk edges[4];
+#if RG_IS_FAST
+  const rg_run own = *run; /* which no byte that is stored can be part of */
+  run = &own;
+  start_edges(run, 0, edges);
+#else
+  (void)edges;
+#endif
   const uint32_t step = lattice->sample_step;
   const uint32_t right = is_copy ? 0 : step, below = is_copy ? 0 : run->stride;
   uint8_t* out = run->out;
   uint32_t r = 0;
   do {
     rg_block_row row;
-    rg_find_block_row(&run->block, run->first_row + r, &row);
-    rg_move_to_run(run, &row);
+    if (RG_IS_FAST) {
+      next_row(run, edges, &row);
+    } else {
+      rg_find_block_row(&run->block, run->first_row + r, &row);
+      rg_move_to_run(run, &row);
+    }
     uint32_t x_q12 =
         (uint32_t)row.start.q12[0] + (is_copy ? 2048 : rg_rounding(kind, 0));
     uint32_t y_q12 =
