@@ -128,6 +128,11 @@ static uint32_t project_block(const rg_camera* camera, const rg_ray* directions,
 
 #endif
 
+/* A function of its own, so that the loop below needs no register for it. */
+static RG_SHARED void set_unseen(rg_pixel* pixel) {
+  pixel->x_q16 = pixel->y_q16 = RG_NO_PIXEL;
+}
+
 uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
                           rg_pixel* pixels, uint32_t num_points) {
   const rg_pixel* const end = pixels + num_points;
@@ -142,7 +147,7 @@ uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
     if (rg_project(camera, directions, pixels) == RG_OK)
       ++num_seen;
     else
-      pixels->x_q16 = pixels->y_q16 = RG_NO_PIXEL;
+      set_unseen(pixels);
   }
   return num_seen;
 }
