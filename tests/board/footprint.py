@@ -125,7 +125,7 @@ def read_call_graph(compiler, objects):
     that they need no stack beside its own, or takes the address of; "" for data."""
     stack, calls, takers = {}, {}, []
     for path in objects:
-        jumps, taken = find_jumps(compiler, path), find_taken(compiler, path)
+        jumps = find_jumps(compiler, path)
         with open(os.path.splitext(path)[0] + ".ci", encoding="utf-8") as file:
             text = file.read()
         titles = {}
@@ -141,20 +141,6 @@ def read_call_graph(compiler, objects):
         if target in stack:
             calls.setdefault(source, set()).add((target, "taken"))
     return stack, calls
-
-
-def find_taken(compiler, path):
-    """Functions whose addresses an object's functions take, as (function, taken function)."""
-    output = subprocess.run([tool(compiler, "objdump"), "-r", path], check=True,
-                            capture_output=True, text=True).stdout
-    taken, function = set(), ""
-    for line in output.splitlines():
-        title = re.match(r"RELOCATION RECORDS FOR \[\.text\.(\w+)", line)
-        target = re.search(r"\bR_\w+\s+(?:\.text\.)?(\w+)", line)
-        function = title.group(1) if title else function if "FOR [" not in line else ""
-        if function and target and not re.search(r"CALL|JUMP|JAL|BRANCH", line):
-            taken.add((function, target.group(1)))
-    return taken
 
 
 def deepest(function, stack, calls, path=()):

@@ -99,7 +99,8 @@ static void impossible_modes_are_refused(void** state) {
   assert_int_equal(rg_mode_to_calibrated(&mode, pixel, &result),
                    RG_ERR_ARGUMENT);
   /* Half the way from the limit, twice as far, and all the way again. */
-  mode = make_mode(80, 60, -(1 << 30) + 1, 0, 2 << 16);
+  mode = make_mode(80, 60, 0, 0, 2 << 16);
+  mode.offset_x_q16 = -(1 << 30) + 1;
   const rg_pixel before = {-(1 << 29) - 32768, 0};
   assert_int_equal(rg_mode_to_calibrated(&mode, before, &result),
                    RG_ERR_ARGUMENT);
