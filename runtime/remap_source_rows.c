@@ -63,7 +63,7 @@ static RG_NOINLINE void find_source_rows(const rg_camera* camera,
   rg_remap_job job;
   job.walk.section = camera->remap;
   job.walk.is_clamped = 0;
-  job.run.out = 0;
+  job.run.out = (uint8_t*)needs; /* no byte of it is written */
   job.run.out_stride = 0;
   job.ring_rows = 0;
   job.run.first_source_row = 0;
