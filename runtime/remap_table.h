@@ -17,13 +17,6 @@ typedef struct rg_position {
   int32_t q12[2];
 } rg_position;
 
-/* A block, or a part of one, of 2^width_log2 x 2^height_log2 pixels, and where
- * its corners come from: top left, top right, bottom left, bottom right. */
-typedef struct rg_block {
-  rg_position corners[4];
-  uint8_t width_log2, height_log2;
-} rg_block;
-
 /* Where stacks are large, what a block's parts have in common is kept from one
  * to the next, and both coordinates of two positions are computed together. */
 #if defined(__GNUC__) && \
@@ -33,9 +26,18 @@ typedef struct rg_block {
 typedef int32_t rg_lanes __attribute__((vector_size(16)));
 typedef uint32_t rg_modular_lanes __attribute__((vector_size(16)));
 typedef int64_t rg_lane_pairs __attribute__((vector_size(16)));
+#define RG_FOR_LANES __attribute__((aligned(16)))
 #else
 #define RG_KEEP_LINES 0
+#define RG_FOR_LANES
 #endif
+
+/* A block, or a part of one, of 2^width_log2 x 2^height_log2 pixels, and where
+ * its corners come from: top left, top right, bottom left, bottom right. */
+typedef struct rg_block {
+  RG_FOR_LANES rg_position corners[4];
+  uint8_t width_log2, height_log2;
+} rg_block;
 
 /* A row of parts of the blocks of a remap section, which must be one that
  * rg_select_remap() accepted. */
@@ -106,14 +108,17 @@ static RG_INLINE void rg_next_corners(rg_block_walk* walk, rg_lanes* upper,
   *lower = (rg_lanes)below;
 }
 
+/* The corners of a block, which is aligned. */
 static inline void rg_load_corners(const rg_position* corners, rg_lanes* upper,
                                    rg_lanes* lower) {
+  corners = (const rg_position*)__builtin_assume_aligned(corners, 16);
   memcpy(upper, corners, sizeof(*upper));
   memcpy(lower, corners + 2, sizeof(*lower));
 }
 
 static inline void rg_store_corners(rg_lanes upper, rg_lanes lower,
                                     rg_position* corners) {
+  corners = (rg_position*)__builtin_assume_aligned(corners, 16);
   memcpy(corners, &upper, sizeof(upper));
   memcpy(corners + 2, &lower, sizeof(lower));
 }
