@@ -195,7 +195,6 @@ rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
  *
  * RG_OK                done
  * RG_ERR_NO_REMAP      no remap table is in use, and so no virtual camera
- * RG_ERR_NONCENTRAL    the camera has lines, not rays
  * RG_ERR_OUTSIDE_AREA  pixel lies outside the calibrated area
  * RG_ERR_NONCENTRAL    the camera has lines, not rays: not supported
  * RG_ERR_NOT_SEEN      it looks backwards, or 16384 px away or more */
