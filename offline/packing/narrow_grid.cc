@@ -7,7 +7,13 @@
 namespace raygrid {
 namespace {
 
-// The plane between opposite edges' means, of one coordinate.
+int32_t Rounded(double value) {
+  return static_cast<int32_t>(
+      std::lround(std::clamp(value, -2147483647.0, 2147483647.0)));
+}
+
+// The plane between opposite edges' means, of one coordinate. Where 32 bits do
+// not hold it, control points are far from what it then is.
 void FitPlane(const ControlPoints& points, int c, rg_narrow_grid* narrow) {
   const int right = points.columns - 1, bottom = points.rows - 1;
   const auto mean = [&](int i0, int i1, int j0, int j1) {
@@ -22,10 +28,10 @@ void FitPlane(const ControlPoints& points, int c, rg_narrow_grid* narrow) {
   const double down =
       (mean(0, right, bottom, bottom) - mean(0, right, 0, 0)) / bottom;
   const double middle = mean(0, right, 0, bottom);
-  narrow->column_step_q29[c] = static_cast<int32_t>(std::lround(across));
-  narrow->row_step_q29[c] = static_cast<int32_t>(std::lround(down));
-  narrow->origin_q29[c] = static_cast<int32_t>(
-      std::lround(middle - across * right / 2 - down * bottom / 2));
+  narrow->column_step_q29[c] = Rounded(across);
+  narrow->row_step_q29[c] = Rounded(down);
+  narrow->origin_q29[c] =
+      Rounded(middle - across * right / 2 - down * bottom / 2);
 }
 
 // What control points have beyond their plane.
@@ -35,7 +41,7 @@ std::vector<int64_t> BeyondPlane(const ControlPoints& points,
   for (size_t k = 0; k < points.values.size(); ++k) {
     const int64_t i = k / 2 % points.columns;
     const int64_t j = k / 2 / points.columns;
-    beyond.push_back(points.values[k] - plane.origin_q29[k % 2] -
+    beyond.push_back(int64_t{points.values[k]} - plane.origin_q29[k % 2] -
                      i * plane.column_step_q29[k % 2] -
                      j * plane.row_step_q29[k % 2]);
   }

@@ -1,9 +1,11 @@
 #include <cstdio>
 #include <functional>
+#include <limits>
 
 #include "camera/central_generic.h"
 #include "camera/noncentral_generic.h"
 #include "packing/blob_camera.h"
+#include "packing/narrow_grid.h"
 #include "packing/pack.h"
 #include "packing/virtual_camera.h"
 #include "simulation/simulated_camera.h"
@@ -307,19 +309,32 @@ TEST(PackCamera, SaysWhatProjectionMisses) {
   EXPECT_EQ(again.trusted.worst_px, packed.projection->trusted.worst_px);
 }
 
+TEST(Narrow, RefusesPointsFarFromTheirPlane) {
+  constexpr int32_t kLargest = std::numeric_limits<int32_t>::max();
+  ControlPoints points = {4, 5, {}};
+  for (int k = 0; k < 20; ++k)
+    points.values.insert(points.values.end(),
+                         {k % 2 ? kLargest : -kLargest, k / 4 % 2 ? 5 : 7});
+  EXPECT_FALSE(Narrow(points));
+  // The plane, drawn out to the first point, lies beyond 32 bits.
+  for (int k = 0; k < 20; ++k)
+    points.values[2 * k] = k == 0 || k >= 12 ? kLargest : -kLargest;
+  EXPECT_FALSE(Narrow(points));
+}
+
 TEST(PackCamera, HoldsCamerasThatNoInverseGridLeadsBackTo) {
   // Pixels beyond 16256 px do not fit one.
   CameraFile file;
   file.camera = std::make_shared<OpenCvModel>(
-      ImageSize{16384, 64}, WholeImage({16384, 64}),
-      OpenCvModel::ParameterArray{16000, 16000, 8192, 32, 0, 0, 0, 0, 0, 0, 0,
+      ImageSize{16384, 16}, WholeImage({16384, 16}),
+      OpenCvModel::ParameterArray{16000, 16000, 8192, 8, 0, 0, 0, 0, 0, 0, 0,
                                   0});
   const PackedCamera packed = PackCamera(file, PackOptions());
   EXPECT_FALSE(packed.projection);
   ASSERT_EQ(packed.remarks.size(), 1u);
   const BlobCamera blob("wide", packed.blob);
   EXPECT_FALSE(blob.CanProject());
-  EXPECT_TRUE(blob.Unproject({16000, 20}));
+  EXPECT_TRUE(blob.Unproject({16000, 8}));
 }
 
 TEST(PackCamera, HoldsSeveralRemapTables) {
