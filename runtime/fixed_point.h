@@ -70,25 +70,10 @@ static inline int32_t rg_multiply_high_subtract(int32_t sum, int32_t a,
 
 /* (a b) >> 16 */
 static inline int32_t rg_multiply_half(int32_t a, int16_t b) {
-#if RG_HAVE_SMMULR
-  int32_t result;
-  __asm__("smulwb %0, %1, %2" : "=r"(result) : "r"(a), "r"(b));
-  return result;
-#elif defined(__LP64__) || defined(_WIN64)
+#if defined(__LP64__) || defined(_WIN64)
   return (int32_t)(((int64_t)a * b) >> 16);
 #else
   return (a >> 16) * b + (((a & 0xffff) * b) >> 16);
-#endif
-}
-
-/* sum + ((a b) >> 16) */
-static inline int32_t rg_multiply_half_add(int32_t sum, int32_t a, int16_t b) {
-#if RG_HAVE_SMMULR
-  int32_t result;
-  __asm__("smlawb %0, %1, %2, %3" : "=r"(result) : "r"(a), "r"(b), "r"(sum));
-  return result;
-#else
-  return rg_add(sum, rg_multiply_half(a, b));
 #endif
 }
 

@@ -25,13 +25,43 @@ static RG_INLINE void add_row(const uint8_t* points, const int32_t w_q31[4],
   sums_q27[1] = rg_multiply_high_add(sums_q27[1], row_b, row_weight_q31);
 }
 
-/* The B-spline of one coordinate along a row of residuals of 16 bits, times
- * 2^15. */
-static RG_INLINE int32_t sum_row(const uint8_t* row, const int32_t w_q31[4]) {
-  int32_t sum = rg_multiply_half(w_q31[0], rg_load_i16(row));
-  sum = rg_multiply_half_add(sum, w_q31[1], rg_load_i16(row + 4));
-  sum = rg_multiply_half_add(sum, w_q31[2], rg_load_i16(row + 8));
-  return rg_multiply_half_add(sum, w_q31[3], rg_load_i16(row + 12));
+/* Both coordinates of a residual of 16 bits, times a weight. */
+static RG_INLINE void multiply_pair(const uint8_t* residual, int32_t w_q31,
+                                    int32_t products[2]) {
+#if RG_HAVE_SMMULR
+  const uint32_t pair = rg_load_u32(residual);
+  __asm__("smulwb %0, %1, %2" : "=r"(products[0]) : "r"(w_q31), "r"(pair));
+  __asm__("smulwt %0, %1, %2" : "=r"(products[1]) : "r"(w_q31), "r"(pair));
+#else
+  products[0] = rg_multiply_half(w_q31, rg_load_i16(residual));
+  products[1] = rg_multiply_half(w_q31, rg_load_i16(residual + 2));
+#endif
+}
+
+static RG_INLINE void multiply_pair_add(const uint8_t* residual, int32_t w_q31,
+                                        int32_t sums[2]) {
+#if RG_HAVE_SMMULR
+  const uint32_t pair = rg_load_u32(residual);
+  __asm__("smlawb %0, %1, %2, %0" : "+r"(sums[0]) : "r"(w_q31), "r"(pair));
+  __asm__("smlawt %0, %1, %2, %0" : "+r"(sums[1]) : "r"(w_q31), "r"(pair));
+#else
+  int32_t products[2];
+  multiply_pair(residual, w_q31, products);
+  for (int c = 0; c < 2; ++c) sums[c] = rg_add(sums[c], products[c]);
+#endif
+}
+
+/* As add_row(), of residuals, times 2^15. */
+static RG_INLINE void add_narrow_row(const uint8_t* residuals,
+                                     const int32_t w_q31[4],
+                                     int32_t row_weight_q31, int32_t sums[2]) {
+  int32_t row[2];
+  multiply_pair(residuals, w_q31[0], row);
+  multiply_pair_add(residuals + 4, w_q31[1], row);
+  multiply_pair_add(residuals + 8, w_q31[2], row);
+  multiply_pair_add(residuals + 12, w_q31[3], row);
+  for (int c = 0; c < 2; ++c)
+    sums[c] = rg_multiply_high_add(sums[c], row[c], row_weight_q31);
 }
 
 /* One coordinate of the plane. */
@@ -49,27 +79,26 @@ static RG_INLINE int32_t evaluate_plane(const uint8_t* plane,
   return rg_multiply_high_add(sum_q27, row_step_q29, place->cells[1].t_q30);
 }
 
-/* One coordinate of the spline in a grid of 16 bits, of its section. */
-static RG_SHARED int32_t find_narrow_value(const uint8_t* grid, uint32_t c,
-                                           const rg_place* place) {
-  const uint8_t* const plane = grid + rg_load_u32(grid + 32) + 4 * c;
-  const uint8_t* row = plane + RG_NARROW_PLANE_SIZE - 2 * c + 4 * place->first;
-  const uint32_t row_bytes = 4u * rg_load_u16(grid + 16);
-  const int shift = rg_load_u16(grid + 30) - 13; /* from 2^14 to q27 */
-  int32_t sum = 1 << (shift - 1);
+/* To place->value the B-spline of residuals, from the first row of them on. */
+static RG_SHARED int add_residuals(rg_place* place, const uint8_t* row,
+                                   uint32_t row_bytes, int shift) {
+  int32_t sums[2] = {1 << (shift - 1), 1 << (shift - 1)};
   RG_UNROLL_SHARED
   for (int j = 0; j < 4; ++j, row += row_bytes)
-    sum = rg_multiply_high_add(sum, sum_row(row, place->weights_q31[0]),
-                               place->weights_q31[1][j]);
-  return evaluate_plane(plane, place) + (sum >> shift);
+    add_narrow_row(row, place->weights_q31[0], place->weights_q31[1][j], sums);
+  for (int c = 0; c < 2; ++c)
+    place->value.q27[c] = rg_add(place->value.q27[c], sums[c] >> shift);
+  return 1;
 }
 
 /* The rest of rg_find_place() where control points have 16 bits. */
-static RG_NOINLINE int find_narrow_place(const uint8_t* grid, rg_place* place) {
-  RG_UNROLL_SHARED
-  for (uint32_t c = 0; c < 2; ++c)
-    place->value.q27[c] = find_narrow_value(grid, c, place);
-  return 1;
+static RG_NOINLINE int find_narrow_value(const uint8_t* grid, rg_place* place) {
+  const uint8_t* const plane = grid + rg_load_u32(grid + 32);
+  for (int c = 0; c < 2; ++c)
+    place->value.q27[c] = evaluate_plane(plane + 4 * c, place);
+  return add_residuals(place, plane + RG_NARROW_PLANE_SIZE + 4 * place->first,
+                       4u * rg_load_u16(grid + 16),
+                       rg_load_u16(grid + 30) - 13); /* from 2^14 to q27 */
 }
 
 int rg_find_place(const uint8_t* grid, int32_t x, int32_t y, rg_place* place) {
@@ -85,7 +114,7 @@ int rg_find_place(const uint8_t* grid, int32_t x, int32_t y, rg_place* place) {
   rg_bspline_weights(across.t_q30, place->weights_q31[0]);
   place->first = down.cell * columns + across.cell;
   if (rg_load_u16(grid + 30) != RG_CONTROL_POINT_BITS)
-    return find_narrow_place(grid, place);
+    return find_narrow_value(grid, place);
   const uint8_t* points = grid + rg_load_u32(grid + 32) + 8 * place->first;
   const uint32_t row_bytes = 8 * columns;
   const int32_t* const x_weights = place->weights_q31[0];
