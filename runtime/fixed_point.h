@@ -5,6 +5,11 @@
 
 #include "wide_multiply.h"
 
+/* Defined as 1, all files are compiled for the portable kernels alone. */
+#if !defined(RG_PORTABLE_KERNELS)
+#define RG_PORTABLE_KERNELS 0
+#endif
+
 #if defined(__ARM_FEATURE_DSP) && defined(__GNUC__) && !defined(__aarch64__)
 #define RG_HAVE_SMMULR 1
 #else

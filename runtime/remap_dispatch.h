@@ -4,11 +4,6 @@
 
 #include "remap_kernels.h"
 
-/* Defined as 1, all files are compiled for the portable kernels alone. */
-#if !defined(RG_PORTABLE_KERNELS)
-#define RG_PORTABLE_KERNELS 0
-#endif
-
 /* Where there is room for several: chosen when the program runs. */
 #if !RG_PORTABLE_KERNELS &&                         \
     (defined(__x86_64__) || defined(__aarch64__) || \

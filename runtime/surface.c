@@ -64,21 +64,6 @@ static RG_INLINE void add_narrow_row(const uint8_t* residuals,
     sums[c] = rg_multiply_high_add(sums[c], row[c], row_weight_q31);
 }
 
-/* One coordinate of the plane. */
-static RG_INLINE int32_t evaluate_plane(const uint8_t* plane,
-                                        const rg_place* place) {
-  const int32_t column_step_q29 = rg_load_i32(plane + 8);
-  const int32_t row_step_q29 = rg_load_i32(plane + 16);
-  /* The B-spline of 0, 1, 2, 3 is 1 + t. */
-  const uint32_t corner_q29 =
-      rg_load_u32(plane) +
-      (place->cells[0].cell + 1) * (uint32_t)column_step_q29 +
-      (place->cells[1].cell + 1) * (uint32_t)row_step_q29;
-  const int32_t sum_q27 = rg_multiply_high_add(
-      (int32_t)(corner_q29 + 2) >> 2, column_step_q29, place->cells[0].t_q30);
-  return rg_multiply_high_add(sum_q27, row_step_q29, place->cells[1].t_q30);
-}
-
 /* To place->value the B-spline of residuals, from the first row of them on. */
 static RG_SHARED int add_residuals(rg_place* place, const uint8_t* row,
                                    uint32_t row_bytes, int shift) {
@@ -95,28 +80,22 @@ static RG_SHARED int add_residuals(rg_place* place, const uint8_t* row,
 static RG_NOINLINE int find_narrow_value(const uint8_t* grid, rg_place* place) {
   const uint8_t* const plane = grid + rg_load_u32(grid + 32);
   for (int c = 0; c < 2; ++c)
-    place->value.q27[c] = evaluate_plane(plane + 4 * c, place);
+    place->value.q27[c] = rg_evaluate_plane(plane + 4 * c, place);
   return add_residuals(place, plane + RG_NARROW_PLANE_SIZE + 4 * place->first,
                        4u * rg_load_u16(grid + 16),
                        rg_load_u16(grid + 30) - 13); /* from 2^14 to q27 */
 }
 
 int rg_find_place(const uint8_t* grid, int32_t x, int32_t y, rg_place* place) {
-  rg_cell_position across, down;
-  const uint32_t columns = rg_load_u16(grid + 16);
-  if (!rg_find_on_axis(grid, rg_load_u32(grid + 20), columns - 4, x, &across) ||
-      !rg_find_on_axis(grid + 4, rg_load_u32(grid + 24),
-                       rg_load_u16(grid + 18) - 4u, y, &down))
-    return 0;
-  place->cells[0] = across;
-  place->cells[1] = down;
-  rg_bspline_weights(down.t_q30, place->weights_q31[1]);
-  rg_bspline_weights(across.t_q30, place->weights_q31[0]);
-  place->first = down.cell * columns + across.cell;
+#if RG_CHOOSE_SURFACE
+  if (__builtin_cpu_supports("avx2"))
+    return rg_find_place_avx2(grid, x, y, place);
+#endif
+  if (!rg_find_weights(grid, x, y, place)) return 0;
   if (rg_load_u16(grid + 30) != RG_CONTROL_POINT_BITS)
     return find_narrow_value(grid, place);
   const uint8_t* points = grid + rg_load_u32(grid + 32) + 8 * place->first;
-  const uint32_t row_bytes = 8 * columns;
+  const uint32_t row_bytes = 8u * rg_load_u16(grid + 16);
   const int32_t* const x_weights = place->weights_q31[0];
   int32_t* const y_weights = place->weights_q31[1];
   int32_t sums_q27[2] = {0, 0};

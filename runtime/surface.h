@@ -3,6 +3,7 @@
 #ifndef RAYGRID_SURFACE_H
 #define RAYGRID_SURFACE_H
 
+#include "bspline.h"
 #include "bytes.h"
 #include "raygrid.h"
 #include "stereographic.h"
@@ -43,6 +44,48 @@ typedef struct rg_place {
 
 /* Of a pixel in q16, or a chart position in q27; 0 if it lies outside. */
 int rg_find_place(const uint8_t* grid, int32_t x, int32_t y, rg_place* place);
+
+/* Where AVX2 may be there, which is found out when the program runs. */
+#if defined(__x86_64__) && defined(__GNUC__) && !RG_PORTABLE_KERNELS && \
+    !RG_MULTIPLY_IN_PARTS
+#define RG_CHOOSE_SURFACE 1
+#else
+#define RG_CHOOSE_SURFACE 0
+#endif
+int rg_find_place_avx2(const uint8_t* grid, int32_t x, int32_t y,
+                       rg_place* place);
+
+/* What rg_find_place() begins with: all of the place but its value. */
+static RG_INLINE int rg_find_weights(const uint8_t* grid, int32_t x, int32_t y,
+                                     rg_place* place) {
+  rg_cell_position across, down;
+  const uint32_t columns = rg_load_u16(grid + 16);
+  if (!rg_find_on_axis(grid, rg_load_u32(grid + 20), columns - 4, x, &across) ||
+      !rg_find_on_axis(grid + 4, rg_load_u32(grid + 24),
+                       rg_load_u16(grid + 18) - 4u, y, &down))
+    return 0;
+  place->cells[0] = across;
+  place->cells[1] = down;
+  rg_bspline_weights(down.t_q30, place->weights_q31[1]);
+  rg_bspline_weights(across.t_q30, place->weights_q31[0]);
+  place->first = down.cell * columns + across.cell;
+  return 1;
+}
+
+/* One coordinate of the plane that residuals of 16 bits lie about. */
+static RG_INLINE int32_t rg_evaluate_plane(const uint8_t* plane,
+                                           const rg_place* place) {
+  const int32_t column_step_q29 = rg_load_i32(plane + 8);
+  const int32_t row_step_q29 = rg_load_i32(plane + 16);
+  /* The B-spline of 0, 1, 2, 3 is 1 + t. */
+  const uint32_t corner_q29 =
+      rg_load_u32(plane) +
+      (place->cells[0].cell + 1) * (uint32_t)column_step_q29 +
+      (place->cells[1].cell + 1) * (uint32_t)row_step_q29;
+  const int32_t sum_q27 = rg_multiply_high_add(
+      (int32_t)(corner_q29 + 2) >> 2, column_step_q29, place->cells[0].t_q30);
+  return rg_multiply_high_add(sum_q27, row_step_q29, place->cells[1].t_q30);
+}
 
 /* How both coordinates of an inverse grid change along an axis of the chart, in
  * q5 pixels per unit. */

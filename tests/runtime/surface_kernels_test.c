@@ -1,0 +1,83 @@
+/* rg_find_place() with AVX2 has the bits of the portable code, which this is
+ * compiled with under another name: grids with any control points, even such
+ * that no camera has. */
+#include <string.h>
+
+#include "rg_blob.h"
+#include "surface.h"
+#include "test_frame.h"
+#include "unit_test.h"
+
+#define COLUMNS 7u
+#define ROWS 6u
+#define SIZE_Q16 ((int32_t)(100u << 16))
+#define POINTS 40u /* where a grid's control points begin */
+#define NUM_GRIDS 200
+#define NUM_PLACES 200
+
+int portable_find_place(const uint8_t* grid, int32_t x, int32_t y,
+                        rg_place* place);
+
+typedef struct random_grid {
+  /* Exactly as long as its control points reach. */
+  uint8_t bytes[POINTS + 8 * COLUMNS * ROWS];
+} random_grid;
+
+static random_grid make_grid(uint32_t fraction_bits, uint32_t* random) {
+  random_grid grid;
+  uint8_t* const p = grid.bytes;
+  for (size_t k = 0; k < sizeof(grid.bytes); ++k)
+    p[k] = (uint8_t)(next_random(random) >> 24);
+  rg_store_u32(p, 0);
+  rg_store_u32(p + 4, 0);
+  rg_store_u32(p + 8, (uint32_t)SIZE_Q16);
+  rg_store_u32(p + 12, (uint32_t)SIZE_Q16);
+  rg_store_u16(p + 16, COLUMNS);
+  rg_store_u16(p + 18, ROWS);
+  rg_store_u32(p + 20, rg_grid_scale_q32(COLUMNS - 3, SIZE_Q16));
+  rg_store_u32(p + 24, rg_grid_scale_q32(ROWS - 3, SIZE_Q16));
+  rg_store_u16(p + 30, (uint16_t)fraction_bits);
+  rg_store_u32(p + 32, POINTS);
+  return grid;
+}
+
+static void check_places(const random_grid* grid, uint32_t* random) {
+  for (int k = 0; k < NUM_PLACES; ++k) {
+    /* A few outside, and the far corner. */
+    const int32_t x =
+        k == 0 ? SIZE_Q16 : (int32_t)(next_random(random) % 6700000u) - 50000;
+    const int32_t y =
+        k == 0 ? SIZE_Q16 : (int32_t)(next_random(random) % 6700000u) - 50000;
+    rg_place place, expected;
+    memset(&place, 0, sizeof(place));
+    memset(&expected, 0, sizeof(expected));
+    assert_int_equal(rg_find_place(grid->bytes, x, y, &place),
+                     portable_find_place(grid->bytes, x, y, &expected));
+    assert_memory_equal(&place, &expected, sizeof(place));
+  }
+}
+
+static void test_has_the_portable_bits(void** state) {
+  uint32_t random = 3;
+  (void)state;
+#if RG_CHOOSE_SURFACE
+  if (!__builtin_cpu_supports("avx2")) skip();
+#else
+  skip();
+#endif
+  for (int k = 0; k < NUM_GRIDS; ++k) {
+    const random_grid wide = make_grid(RG_CONTROL_POINT_BITS, &random);
+    const uint32_t bits =
+        RG_NARROW_MIN_BITS +
+        next_random(&random) % (RG_NARROW_MAX_BITS - RG_NARROW_MIN_BITS + 1);
+    const random_grid narrow = make_grid(bits, &random);
+    check_places(&wide, &random);
+    check_places(&narrow, &random);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_has_the_portable_bits)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
