@@ -3,7 +3,6 @@
 #ifndef RAYGRID_SURFACE_H
 #define RAYGRID_SURFACE_H
 
-#include "bspline.h"
 #include "bytes.h"
 #include "raygrid.h"
 #include "stereographic.h"
@@ -45,19 +44,9 @@ typedef struct rg_place {
 /* Of a pixel in q16, or a chart position in q27; 0 if it lies outside. */
 int rg_find_place(const uint8_t* grid, int32_t x, int32_t y, rg_place* place);
 
-/* Where AVX2 may be there, which is found out when the program runs. */
-#if defined(__x86_64__) && defined(__GNUC__) && !RG_PORTABLE_KERNELS && \
-    !RG_MULTIPLY_IN_PARTS
-#define RG_CHOOSE_SURFACE 1
-#else
-#define RG_CHOOSE_SURFACE 0
-#endif
-int rg_find_place_avx2(const uint8_t* grid, int32_t x, int32_t y,
-                       rg_place* place);
-
-/* What rg_find_place() begins with: all of the place but its value. */
-static RG_INLINE int rg_find_weights(const uint8_t* grid, int32_t x, int32_t y,
-                                     rg_place* place) {
+/* What rg_find_place() begins with: the cells around the position. */
+static RG_INLINE int rg_find_cells(const uint8_t* grid, int32_t x, int32_t y,
+                                   rg_place* place) {
   rg_cell_position across, down;
   const uint32_t columns = rg_load_u16(grid + 16);
   if (!rg_find_on_axis(grid, rg_load_u32(grid + 20), columns - 4, x, &across) ||
@@ -66,8 +55,6 @@ static RG_INLINE int rg_find_weights(const uint8_t* grid, int32_t x, int32_t y,
     return 0;
   place->cells[0] = across;
   place->cells[1] = down;
-  rg_bspline_weights(down.t_q30, place->weights_q31[1]);
-  rg_bspline_weights(across.t_q30, place->weights_q31[0]);
   place->first = down.cell * columns + across.cell;
   return 1;
 }
@@ -91,5 +78,17 @@ static RG_INLINE int32_t rg_evaluate_plane(const uint8_t* plane,
  * q5 pixels per unit. */
 void rg_find_slopes(const uint8_t* inverse, const rg_place* place,
                     int32_t slopes_q5[2][2]);
+
+/* Where AVX2 may be there, which is found out when the program runs. */
+#if defined(__x86_64__) && defined(__GNUC__) && !RG_PORTABLE_KERNELS && \
+    !RG_MULTIPLY_IN_PARTS
+#define RG_CHOOSE_SURFACE 1
+#else
+#define RG_CHOOSE_SURFACE 0
+#endif
+int rg_find_place_avx2(const uint8_t* grid, int32_t x, int32_t y,
+                       rg_place* place);
+void rg_find_slopes_avx2(const uint8_t* inverse, const rg_place* place,
+                         int32_t slopes_q5[2][2]);
 
 #endif /* RAYGRID_SURFACE_H */

@@ -1,9 +1,9 @@
-/* rg_find_place(), both coordinates of four control points at once. */
+/* rg_find_place() and rg_find_slopes(), both coordinates of several control
+ * points at once. */
 #if defined(__x86_64__)
 
 #include <immintrin.h>
 
-#include "bspline.h"
 #include "bytes.h"
 #include "rg_blob.h"
 #include "surface.h"
@@ -20,14 +20,6 @@
 
 /* Of a row, or of the column of four rows: the weights in the lower halves of
  * 64 bits, and both coordinates, a b a b a b a b. */
-
-/* From registers: they are not in memory yet. */
-INLINE __m256i set_weights(const int32_t w_q31[4]) {
-  const __m128i first = _mm_cvtsi32_si128(w_q31[0]);
-  const __m128i third = _mm_cvtsi32_si128(w_q31[2]);
-  return _mm256_set_m128i(_mm_insert_epi32(third, w_q31[3], 2),
-                          _mm_insert_epi32(first, w_q31[1], 2));
-}
 
 /* rg_multiply_high() */
 INLINE __m256i multiply_high(__m256i points, __m256i weights) {
@@ -56,41 +48,79 @@ INLINE __m128i add_points(__m256i row, __m256i next) {
 }
 
 /* The sum of four rows: a b in the lower half. */
-INLINE __m128i add_rows(const __m256i rows[4], const int32_t w_q31[4]) {
+INLINE __m128i add_rows(const __m256i rows[4], __m256i weights) {
   const __m256i sums = _mm256_set_m128i(add_points(rows[2], rows[3]),
                                         add_points(rows[0], rows[1]));
-  const __m256i column = multiply_high(sums, set_weights(w_q31));
+  const __m256i column = multiply_high(sums, weights);
   return add_points(column, column);
 }
 
+/* Where the lower halves of 64 bits are not negative. */
+INLINE __m128i multiply_positive(__m128i a, __m128i b) {
+  const __m128i half = _mm_set1_epi64x(INT64_C(0x80000000));
+  return _mm_srli_epi64(_mm_add_epi64(_mm_mul_epi32(a, b), half), 32);
+}
+
+/* Of the four points across and down. */
+typedef struct weights {
+  __m256i across, down;
+} weights;
+
+INLINE void store_weights(__m256i w, int32_t w_q31[4]) {
+  const __m256i lower = _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6);
+  _mm_storeu_si128((__m128i*)w_q31, _mm256_castsi256_si128(
+                                        _mm256_permutevar8x32_epi32(w, lower)));
+}
+
+/* rg_bspline_weights() of both axes. */
+INLINE weights find_weights(rg_place* place) {
+  const __m128i sixth_q31 = _mm_set1_epi32(357913941);
+  const __m128i t = _mm_insert_epi32(_mm_cvtsi32_si128(place->cells[0].t_q30),
+                                     place->cells[1].t_q30, 2);
+  const __m128i t2 = _mm_slli_epi32(multiply_positive(t, t), 2);
+  const __m128i t3 = _mm_slli_epi32(multiply_positive(t2, t), 2);
+  const __m128i w3 = multiply_positive(t3, _mm_set1_epi32(1431655765));
+  const __m128i w0 =
+      _mm_sub_epi32(_mm_add_epi32(_mm_sub_epi32(sixth_q31, t), t2), w3);
+  const __m128i w2 =
+      _mm_add_epi32(_mm_add_epi32(sixth_q31, t), _mm_sub_epi32(t2, t3));
+  const __m128i w1 = _mm_sub_epi32(_mm_sub_epi32(_mm_set1_epi32(INT32_MIN), w0),
+                                   _mm_add_epi32(w2, w3));
+  const weights found = {
+      _mm256_set_m128i(_mm_unpacklo_epi64(w2, w3), _mm_unpacklo_epi64(w0, w1)),
+      _mm256_set_m128i(_mm_unpackhi_epi64(w2, w3), _mm_unpackhi_epi64(w0, w1))};
+  store_weights(found.across, place->weights_q31[0]);
+  store_weights(found.down, place->weights_q31[1]);
+  return found;
+}
+
 INLINE __m128i sum_points(const uint8_t* points, uint32_t row_bytes,
-                          const rg_place* place) {
-  const __m256i weights = set_weights(place->weights_q31[0]);
+                          const weights* w) {
   __m256i rows[4];
   _Pragma("GCC unroll 4") for (int j = 0; j < 4; ++j, points += row_bytes)
       rows[j] =
-          multiply_high(_mm256_loadu_si256((const __m256i*)points), weights);
-  return add_rows(rows, place->weights_q31[1]);
+          multiply_high(_mm256_loadu_si256((const __m256i*)points), w->across);
+  return add_rows(rows, w->down);
 }
 
 INLINE __m128i sum_residuals(const uint8_t* residuals, uint32_t row_bytes,
-                             const rg_place* place) {
-  const __m256i weights = set_weights(place->weights_q31[0]);
+                             const weights* w) {
   __m256i rows[4];
   _Pragma("GCC unroll 4") for (int j = 0; j < 4; ++j, residuals += row_bytes)
       rows[j] = multiply_half(
           _mm256_cvtepi16_epi32(_mm_loadu_si128((const __m128i*)residuals)),
-          weights);
-  return add_rows(rows, place->weights_q31[1]);
+          w->across);
+  return add_rows(rows, w->down);
 }
 
 /* Of control points of 16 bits. */
-INLINE __m128i find_narrow_value(const uint8_t* grid, const rg_place* place) {
+INLINE __m128i find_narrow_value(const uint8_t* grid, const rg_place* place,
+                                 const weights* w) {
   const uint8_t* const plane = grid + rg_load_u32(grid + 32);
   const int shift = rg_load_u16(grid + 30) - 13; /* from 2^14 to q27 */
   const __m128i sums = _mm_add_epi32(
       sum_residuals(plane + RG_NARROW_PLANE_SIZE + 4 * place->first,
-                    4u * rg_load_u16(grid + 16), place),
+                    4u * rg_load_u16(grid + 16), w),
       _mm_set1_epi32(1 << (shift - 1)));
   const __m128i value =
       _mm_insert_epi32(_mm_cvtsi32_si128(rg_evaluate_plane(plane, place)),
@@ -100,14 +130,68 @@ INLINE __m128i find_narrow_value(const uint8_t* grid, const rg_place* place) {
 
 int rg_find_place_avx2(const uint8_t* grid, int32_t x, int32_t y,
                        rg_place* place) {
-  if (!rg_find_weights(grid, x, y, place)) return 0;
+  if (!rg_find_cells(grid, x, y, place)) return 0;
+  const weights w = find_weights(place);
   const __m128i value =
       rg_load_u16(grid + 30) == RG_CONTROL_POINT_BITS
           ? sum_points(grid + rg_load_u32(grid + 32) + 8 * place->first,
-                       8u * rg_load_u16(grid + 16), place)
-          : find_narrow_value(grid, place);
+                       8u * rg_load_u16(grid + 16), &w)
+          : find_narrow_value(grid, place, &w);
   _mm_storel_epi64((__m128i*)place->value.q27, value);
   return 1;
+}
+
+/* ---- Slopes -------------------------------------------------------------- */
+
+/* Residuals of two neighbours, a b a b. */
+INLINE __m128i load_two(const uint8_t* residuals) {
+  return _mm_cvtepi16_epi32(_mm_loadl_epi64((const __m128i*)residuals));
+}
+
+/* Differences of two knots above and two below, bilinear between them: a b in
+ * the lower half. */
+INLINE __m128i blend_knots(__m128i above, __m128i below, __m128i w_above,
+                           __m128i w_below) {
+  const __m128i sums = _mm_add_epi32(_mm_mullo_epi32(above, w_above),
+                                     _mm_mullo_epi32(below, w_below));
+  return _mm_add_epi32(sums, _mm_unpackhi_epi64(sums, sums));
+}
+
+void rg_find_slopes_avx2(const uint8_t* inverse, const rg_place* place,
+                         int32_t slopes_q5[2][2]) {
+  const uint8_t* const plane = inverse + rg_load_u32(inverse + 32);
+  const uint32_t row_bytes = 4u * rg_load_u16(inverse + 16);
+  const uint8_t* const first = plane + RG_NARROW_PLANE_SIZE + 4 * place->first;
+  const uint8_t* const second = first + row_bytes;
+  const uint8_t* const third = second + row_bytes;
+  const int shift = rg_load_u16(inverse + 30) - (int)RG_NARROW_MIN_BITS;
+  const int x_q7 = place->cells[0].t_q30 >> 23;
+  const int y_q7 = place->cells[1].t_q30 >> 23;
+  const __m128i left_right = _mm_setr_epi32(128 - x_q7, 128 - x_q7, x_q7, x_q7);
+  const __m128i w_above =
+      _mm_mullo_epi32(left_right, _mm_set1_epi32(128 - y_q7));
+  const __m128i w_below = _mm_mullo_epi32(left_right, _mm_set1_epi32(y_q7));
+  const __m128i across = blend_knots(
+      _mm_sub_epi32(load_two(second + 8), load_two(second)),
+      _mm_sub_epi32(load_two(third + 8), load_two(third)), w_above, w_below);
+  const __m128i down = blend_knots(
+      _mm_sub_epi32(load_two(third + 4), load_two(first + 4)),
+      _mm_sub_epi32(load_two(third + row_bytes + 4), load_two(second + 4)),
+      w_above, w_below);
+  /* The steps of the plane follow each other, too. */
+  const __m128i slopes =
+      _mm_add_epi32(_mm_loadu_si128((const __m128i*)(plane + 8)),
+                    _mm_sra_epi32(_mm_unpacklo_epi64(across, down),
+                                  _mm_cvtsi32_si128(shift)));
+  const __m128i scale_q20 =
+      _mm_set_epi64x((int64_t)(rg_load_u32(inverse + 24) >> 1),
+                     (int64_t)(rg_load_u32(inverse + 20) >> 1));
+  const __m128i half = _mm_set1_epi64x(INT64_C(0x80000000));
+  const __m128i a = _mm_mul_epi32(slopes, scale_q20);
+  const __m128i b = _mm_mul_epi32(_mm_srli_epi64(slopes, 32), scale_q20);
+  _mm_storeu_si128((__m128i*)slopes_q5,
+                   _mm_blend_epi32(_mm_srli_epi64(_mm_add_epi64(a, half), 32),
+                                   _mm_add_epi64(b, half), 0xa));
 }
 
 #if defined(__clang__)

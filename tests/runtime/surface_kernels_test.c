@@ -1,6 +1,6 @@
-/* rg_find_place() with AVX2 has the bits of the portable code, which this is
- * compiled with under another name: grids with any control points, even such
- * that no camera has. */
+/* rg_find_place() and rg_find_slopes() with AVX2 have the bits of the portable
+ * code, which this is compiled with under other names: grids with any control
+ * points, even such that no camera has. */
 #include <string.h>
 
 #include "rg_blob.h"
@@ -11,15 +11,17 @@
 #define COLUMNS 7u
 #define ROWS 6u
 #define SIZE_Q16 ((int32_t)(100u << 16))
-#define POINTS 40u /* where a grid's control points begin */
+#define POINTS 40u /* where wide control points begin */
 #define NUM_GRIDS 200
 #define NUM_PLACES 200
 
 int portable_find_place(const uint8_t* grid, int32_t x, int32_t y,
                         rg_place* place);
+void portable_find_slopes(const uint8_t* inverse, const rg_place* place,
+                          int32_t slopes_q5[2][2]);
 
+/* The control points end where it does. */
 typedef struct random_grid {
-  /* Exactly as long as its control points reach. */
   uint8_t bytes[POINTS + 8 * COLUMNS * ROWS];
 } random_grid;
 
@@ -37,11 +39,22 @@ static random_grid make_grid(uint32_t fraction_bits, uint32_t* random) {
   rg_store_u32(p + 20, rg_grid_scale_q32(COLUMNS - 3, SIZE_Q16));
   rg_store_u32(p + 24, rg_grid_scale_q32(ROWS - 3, SIZE_Q16));
   rg_store_u16(p + 30, (uint16_t)fraction_bits);
-  rg_store_u32(p + 32, POINTS);
+  rg_store_u32(p + 32, fraction_bits == RG_CONTROL_POINT_BITS
+                           ? POINTS
+                           : sizeof(grid.bytes) - RG_NARROW_PLANE_SIZE -
+                                 4 * COLUMNS * ROWS);
   return grid;
 }
 
-static void check_places(const random_grid* grid, uint32_t* random) {
+static void check_slopes(const uint8_t* inverse, const rg_place* place) {
+  int32_t slopes_q5[2][2], expected_q5[2][2];
+  rg_find_slopes(inverse, place, slopes_q5);
+  portable_find_slopes(inverse, place, expected_q5);
+  assert_memory_equal(slopes_q5, expected_q5, sizeof(slopes_q5));
+}
+
+static void check_places(const random_grid* grid, int is_narrow,
+                         uint32_t* random) {
   for (int k = 0; k < NUM_PLACES; ++k) {
     /* A few outside, and the far corner. */
     const int32_t x =
@@ -51,9 +64,11 @@ static void check_places(const random_grid* grid, uint32_t* random) {
     rg_place place, expected;
     memset(&place, 0, sizeof(place));
     memset(&expected, 0, sizeof(expected));
-    assert_int_equal(rg_find_place(grid->bytes, x, y, &place),
+    const int is_inside = rg_find_place(grid->bytes, x, y, &place);
+    assert_int_equal(is_inside,
                      portable_find_place(grid->bytes, x, y, &expected));
     assert_memory_equal(&place, &expected, sizeof(place));
+    if (is_inside && is_narrow) check_slopes(grid->bytes, &place);
   }
 }
 
@@ -71,8 +86,8 @@ static void test_has_the_portable_bits(void** state) {
         RG_NARROW_MIN_BITS +
         next_random(&random) % (RG_NARROW_MAX_BITS - RG_NARROW_MIN_BITS + 1);
     const random_grid narrow = make_grid(bits, &random);
-    check_places(&wide, &random);
-    check_places(&narrow, &random);
+    check_places(&wide, 0, &random);
+    check_places(&narrow, 1, &random);
   }
 }
 
