@@ -19,6 +19,7 @@ struct Arguments {
   std::string camera, output, name, serial;
   std::vector<std::string> remaps;
   double max_error_px = 0.05;
+  bool wide_grid = false;
 };
 
 // "640x480" or "640x480,hfov=90".
@@ -104,6 +105,7 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
   for (const std::string& remap : arguments.remaps)
     options.remaps.push_back(ParseRemap(*input.file.camera, remap));
   options.max_error_px = arguments.max_error_px;
+  options.is_narrow_allowed = !arguments.wide_grid;
   options.num_threads = common.threads;
   const PackedCamera packed = PackCamera(input.file, options);
   WriteFile(arguments.output, packed.blob);
@@ -136,6 +138,11 @@ void AddPack(CLI::App* app, CommonOptions* common) {
           "geometric error that the tables may have; chroma's own is printed")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command->add_flag(
+      "--wide-grid", arguments->wide_grid,
+      "control points of 32 bits even where 16 are exact enough: a grid of "
+      "twice the size, un-projected in three quarters of the time by "
+      "microcontrollers");
   command->add_option("--name", arguments->name, "camera's name in the blob");
   command->add_option("--serial", arguments->serial,
                       "camera's serial number in the blob");

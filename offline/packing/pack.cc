@@ -500,7 +500,8 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   PackedCamera packed;
   // Control points of 16 bits where they keep the bound.
   const int num_threads = NumThreads(options.num_threads);
-  std::optional<NarrowGrid> narrow = Narrow(grid.control_points);
+  std::optional<NarrowGrid> narrow;
+  if (options.is_narrow_allowed) narrow = Narrow(grid.control_points);
   UnprojectionError error = {INFINITY, INFINITY};
   if (narrow) {
     narrow->section.residuals = narrow->residuals.data();

@@ -14,6 +14,7 @@ namespace raygrid {
 struct PackOptions {
   std::vector<VirtualCamera> remaps;  ///< one table each
   double max_error_px = 0.05;         ///< their geometric error
+  bool is_narrow_allowed = true;      ///< control points of 16 bits
   int num_threads = 0;
 };
 

@@ -309,6 +309,15 @@ TEST(PackCamera, SaysWhatProjectionMisses) {
   EXPECT_EQ(again.trusted.worst_px, packed.projection->trusted.worst_px);
 }
 
+TEST(PackCamera, TakesControlPointsOf32BitsIfAskedTo) {
+  PackOptions options;
+  options.is_narrow_allowed = false;
+  const PackedCamera narrow = PackCamera(GenericFile(), PackOptions());
+  const PackedCamera wide = PackCamera(GenericFile(), options);
+  EXPECT_GT(wide.blob.size(), narrow.blob.size() + 500);
+  EXPECT_LT(wide.unproject_error_rad, narrow.unproject_error_rad);
+}
+
 TEST(Narrow, RefusesPointsFarFromTheirPlane) {
   constexpr int32_t kLargest = std::numeric_limits<int32_t>::max();
   ControlPoints points = {4, 5, {}};
