@@ -59,12 +59,8 @@ static RG_INLINE void remap_part(rg_remap_job* job, const rg_target* target) {
 static RG_INLINE void remap_parts(rg_remap_job* job, const rg_target* target) {
   remap_part(job, target);
 #if RG_KEEP_LINES
-  while (rg_next_whole_part(job)) {
-    if (rg_is_part_safe(job))
-      remap_run(job, target, RG_CARE_NONE);
-    else
-      remap_part(job, target);
-  }
+  while (rg_do_safe_parts(job, job->lattice, target->sampling))
+    remap_part(job, target);
 #endif
 }
 

@@ -144,6 +144,39 @@ static RG_INLINE int rg_is_part_safe(const rg_remap_job* job) {
   return (beyond[0] | beyond[1]) == 0 && !job->walk.is_empty;
 }
 
+/* What does so for the job's parts; NULL if nothing does. */
+static RG_INLINE rg_blend_parts* rg_find_blend_parts(
+    const rg_remap_job* job, const rg_lattice* lattice) {
+#if RG_CHOOSE_KERNELS
+  const uint32_t channels = rg_interleaved(lattice);
+  const rg_block* const block = &job->run.block;
+  if (job->kernels && channels != 0 && block->width_log2 == 3 &&
+      block->height_log2 == 3 && job->part_rows == 8)
+    return job->kernels->blend_parts[channels - 1];
+#else
+  (void)job, (void)lattice;
+#endif
+  return 0;
+}
+
+/* As rg_blend_parts, for parts of any size and the job's lattice. */
+static RG_INLINE int rg_do_safe_parts(rg_remap_job* job,
+                                      const rg_lattice* lattice,
+                                      rg_sampling sampling) {
+  const int is_copy = sampling == RG_SAMPLING_NEAREST;
+  rg_blend_parts* const blend_parts =
+      is_copy ? 0 : rg_find_blend_parts(job, lattice);
+  if (blend_parts) return blend_parts(job);
+  while (rg_next_whole_part(job)) {
+    if (!rg_is_part_safe(job)) return 1;
+    if (is_copy)
+      rg_copy_lattice(&job->run, lattice);
+    else
+      rg_dispatch(rg_kernels_of(job), &job->run, lattice, 1);
+  }
+  return 0;
+}
+
 #endif
 
 #ifdef __cplusplus
