@@ -46,6 +46,8 @@ void rg_start_columns(rg_block_walk* walk) {
   walk->right = rg_next_column(walk, &turns);
 }
 
+void rg_start_block(rg_block_walk* walk) { rg_enter_block(walk); }
+
 void rg_next_block(rg_block_walk* walk, rg_block* block) {
   rg_lanes upper, lower;
   if (walk->next_part == 0) rg_start_columns(walk);

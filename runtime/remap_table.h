@@ -147,8 +147,8 @@ static RG_INLINE rg_lanes rg_next_column(rg_block_walk* walk, rg_lanes* turns) {
       walk, ends, rg_load_bends(d << 8, d, d << 8, d, walk->bend_shift[1]));
 }
 
-/* To the block that begins with the next part. */
-static RG_INLINE void rg_start_block(rg_block_walk* walk) {
+/* To the block that begins with the next part: in place, and out of line. */
+static RG_INLINE void rg_enter_block(rg_block_walk* walk) {
   const int32_t log2 = walk->num_log2[0];
   const uint32_t mark = walk->next_mark++;
   walk->is_empty = (walk->marks[mark >> 3] >> (mark & 7)) & 1;
@@ -160,12 +160,19 @@ static RG_INLINE void rg_start_block(rg_block_walk* walk) {
   walk->turns = turns;
 }
 
+void rg_start_block(rg_block_walk* walk);
+
 /* As rg_next_block(), behind the first column: the corners on the line above
  * and on that below. */
 static RG_INLINE void rg_next_corners(rg_block_walk* walk, rg_lanes* upper,
                                       rg_lanes* lower) {
   const int32_t log2 = walk->num_log2[0];
-  if ((walk->next_part++ & ((1u << log2) - 1)) == 0) rg_start_block(walk);
+  if ((walk->next_part++ & ((1u << log2) - 1)) == 0) {
+    if (RG_IS_FAST)
+      rg_enter_block(walk);
+    else
+      rg_start_block(walk);
+  }
   /* Differences: the sum of k steps is k (to - from + bend (num - k)). */
   const rg_lane_pairs left = (rg_lane_pairs)walk->right;
   walk->sums += walk->steps;
