@@ -55,6 +55,15 @@ static RG_INLINE void remap_part(rg_remap_job* job, const rg_target* target) {
   } while (job->rows_left != 0);
 }
 
+/* The part at hand, and some to its right. */
+static RG_INLINE void remap_parts(rg_remap_job* job, const rg_target* target) {
+  remap_part(job, target);
+#if RG_KEEP_LINES
+  while (rg_do_safe_parts(job, job->lattice, target->sampling))
+    remap_part(job, target);
+#endif
+}
+
 /* Before the runs of the job's lattice. */
 static RG_NOINLINE void start_lattice(rg_remap_job* job, const rg_image* image,
                                       const rg_target* target) {
@@ -87,7 +96,7 @@ static RG_NOINLINE rg_status remap_lattices(const uint8_t* section,
   for (uint32_t k = rg_format_lattices(image->format, &job.lattice); k != 0;
        --k, ++job.lattice) {
     start_lattice(&job, image, target);
-    while (rg_next_part(&job)) remap_part(&job, target);
+    while (rg_next_part(&job)) remap_parts(&job, target);
   }
   return RG_OK;
 }

@@ -128,11 +128,8 @@ static OF_BLOCKS void start_part(rg_remap_job* job, uint32_t rest) {
   run->first_row = (uint8_t)(job->row & (part_height - 1));
   run->num_rows = job->rows_left = job->part_rows;
 #if RG_KEEP_LINES
-  rg_lanes upper, lower;
-  rg_next_corners(&job->walk, &upper, &lower);
-  if ((lattice->log2[0] | lattice->log2[1]) != 0)
-    rg_lattice_corners(&job->move, &upper, &lower);
-  rg_store_corners(upper, lower, run->block.corners);
+  if (job->walk.next_part == 0) rg_start_columns(&job->walk);
+  rg_find_corners(job);
   run->block.width_log2 = (uint8_t)(job->walk.part_log2[0] - lattice->log2[0]);
   run->block.height_log2 = (uint8_t)(job->walk.part_log2[1] - lattice->log2[1]);
 #else
@@ -142,7 +139,6 @@ static OF_BLOCKS void start_part(rg_remap_job* job, uint32_t rest) {
 
 #if RG_KEEP_LINES
 
-/* Of a source that is no ring. */
 static rg_safe_box find_safe_box(const rg_remap_job* job) {
   int32_t min[2], max[2];
   for (int c = 0; c < 2; ++c) {
@@ -152,18 +148,9 @@ static rg_safe_box find_safe_box(const rg_remap_job* job) {
     max[c] = min_of(source.max_q12, last_q12) - SAFE_MARGIN;
   }
   if (RG_CHOOSE_KERNELS) max[1] -= RG_SPARE_Q12;
+  if (job->ring_rows != 0) max[1] = min[1] - 1;
   const rg_safe_box box = {rg_twice(min[0], min[1]), rg_twice(max[0], max[1])};
   return box;
-}
-
-static RG_INLINE int are_corners_safe(const rg_remap_job* job) {
-  const rg_safe_box* const box = &job->safe;
-  rg_lanes upper, lower;
-  rg_load_corners(job->run.block.corners, &upper, &lower);
-  const rg_lane_pairs beyond =
-      (rg_lane_pairs)((upper < box->min) | (upper > box->max) |
-                      (lower < box->min) | (lower > box->max));
-  return (beyond[0] | beyond[1]) == 0;
 }
 
 #endif
@@ -171,8 +158,7 @@ static RG_INLINE int are_corners_safe(const rg_remap_job* job) {
 /* Of the part at hand. */
 static OF_BLOCKS rg_care find_part_care(const rg_remap_job* job) {
 #if RG_KEEP_LINES
-  if (job->ring_rows == 0 && !job->walk.is_empty && are_corners_safe(job))
-    return RG_CARE_NONE;
+  if (rg_is_part_safe(job)) return RG_CARE_NONE;
 #endif
   return find_block_care(job);
 }
@@ -185,9 +171,11 @@ void rg_start_rows(rg_remap_job* job, uint32_t first_row, uint32_t num_rows) {
 #if RG_KEEP_LINES
   for (int c = 0; c < 2; ++c)
     job->ranges[c] = rg_source_range(job->walk.section, job->lattice, c);
+  const uint8_t* const section = job->walk.section;
+  const uint32_t width_log2 = rg_part_log2(section, job->lattice, 0);
   job->safe = find_safe_box(job);
-  job->move = rg_find_lattice_lanes(
-      job->lattice, rg_part_log2(job->walk.section, job->lattice, 0));
+  job->move = rg_find_lattice_lanes(job->lattice, width_log2);
+  job->whole_parts = (uint16_t)(rg_load_u16(section) >> width_log2);
 #endif
 }
 

@@ -24,7 +24,7 @@ typedef enum rg_care {
 } rg_care;
 
 #if RG_KEEP_LINES
-/* Where a part's corners ask for no care. */
+/* Where a part's corners ask for no care: nowhere, if the source is a ring. */
 typedef struct rg_safe_box {
   rg_lanes min, max;
 } rg_safe_box;
@@ -49,7 +49,8 @@ typedef struct rg_remap_job {
   rg_run run;
   rg_position position; /* of the pixel that a run of RG_CARE_PIXEL is */
 #if RG_KEEP_LINES
-  rg_range ranges[2]; /* as rg_job_range() has them */
+  uint16_t whole_parts; /* that a row of parts has, from the left */
+  rg_range ranges[2];   /* as rg_job_range() has them */
   rg_safe_box safe;
   rg_lattice_lanes move;
 #endif
@@ -108,6 +109,75 @@ static RG_INLINE void rg_bring_to_lattice(rg_remap_job* job) {
 /* The part's next run, and what its pixels ask for; while rows_left is not 0,
  * there is another one. */
 rg_care rg_next_run(rg_remap_job* job);
+
+#if RG_KEEP_LINES
+
+/* The corners of the next part, as the lattice has them. */
+static RG_INLINE void rg_find_corners(rg_remap_job* job) {
+  const rg_lattice* const lattice = job->lattice;
+  rg_lanes upper, lower;
+  rg_next_corners(&job->walk, &upper, &lower);
+  if ((lattice->log2[0] | lattice->log2[1]) != 0)
+    rg_lattice_corners(&job->move, &upper, &lower);
+  rg_store_corners(upper, lower, job->run.block.corners);
+}
+
+/* As rg_next_part(), where neither the part at hand, which was done in one run,
+ * nor the next one is cut off by the right border; else 0. */
+static RG_INLINE int rg_next_whole_part(rg_remap_job* job) {
+  if (job->part_pixels != 0 || job->walk.next_part >= job->whole_parts)
+    return 0;
+  job->run.out_pixel = (uint16_t)(job->run.out_pixel + job->run.num_pixels);
+  job->rows_left = job->part_rows;
+  rg_find_corners(job);
+  return 1;
+}
+
+/* Whether the part at hand is a run of RG_CARE_NONE. */
+static RG_INLINE int rg_is_part_safe(const rg_remap_job* job) {
+  const rg_safe_box* const box = &job->safe;
+  rg_lanes upper, lower;
+  rg_load_corners(job->run.block.corners, &upper, &lower);
+  const rg_lane_pairs beyond =
+      (rg_lane_pairs)((upper < box->min) | (upper > box->max) |
+                      (lower < box->min) | (lower > box->max));
+  return (beyond[0] | beyond[1]) == 0 && !job->walk.is_empty;
+}
+
+/* What does so for the job's parts; NULL if nothing does. */
+static RG_INLINE rg_blend_parts* rg_find_blend_parts(
+    const rg_remap_job* job, const rg_lattice* lattice) {
+#if RG_CHOOSE_KERNELS
+  const uint32_t channels = rg_interleaved(lattice);
+  const rg_block* const block = &job->run.block;
+  if (job->kernels && channels != 0 && block->width_log2 == 3 &&
+      block->height_log2 == 3 && job->part_rows == 8)
+    return job->kernels->blend_parts[channels - 1];
+#else
+  (void)job, (void)lattice;
+#endif
+  return 0;
+}
+
+/* As rg_blend_parts, for parts of any size and the job's lattice. */
+static RG_INLINE int rg_do_safe_parts(rg_remap_job* job,
+                                      const rg_lattice* lattice,
+                                      rg_sampling sampling) {
+  const int is_copy = sampling == RG_SAMPLING_NEAREST;
+  rg_blend_parts* const blend_parts =
+      is_copy ? 0 : rg_find_blend_parts(job, lattice);
+  if (blend_parts) return blend_parts(job);
+  while (rg_next_whole_part(job)) {
+    if (!rg_is_part_safe(job)) return 1;
+    if (is_copy)
+      rg_copy_lattice(&job->run, lattice);
+    else
+      rg_dispatch(rg_kernels_of(job), &job->run, lattice, 1);
+  }
+  return 0;
+}
+
+#endif
 
 #ifdef __cplusplus
 }

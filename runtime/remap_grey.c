@@ -27,6 +27,15 @@ static RG_INLINE void remap_grey_part(rg_remap_job* job, const rg_band* band) {
   } while (job->rows_left != 0);
 }
 
+/* The part at hand, and some to its right. */
+static RG_INLINE void remap_grey_parts(rg_remap_job* job, const rg_band* band) {
+  remap_grey_part(job, band);
+#if RG_KEEP_LINES
+  while (rg_do_safe_parts(job, &kGrey, RG_SAMPLING_BILINEAR))
+    remap_grey_part(job, band);
+#endif
+}
+
 /* A function of its own, so that its stack does not add up with the rest. */
 static RG_NOINLINE rg_status check_grey_frames(const rg_camera* camera,
                                                const rg_frame* frame,
@@ -63,6 +72,6 @@ rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
   job.run.out = band->data;
   job.run.first_source_row = 0;
   rg_start_rows(&job, band->first_row, band->num_rows);
-  while (rg_next_part(&job)) remap_grey_part(&job, band);
+  while (rg_next_part(&job)) remap_grey_parts(&job, band);
   return RG_OK;
 }

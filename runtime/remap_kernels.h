@@ -95,9 +95,15 @@ static inline int rg_fits_offsets(const rg_run* run, uint32_t num_pixels,
 
 /* Bilinear, 8 bits: pixels of 1, 2, 3 and 4 interleaved channels. */
 typedef void rg_blend(const rg_run* run);
+/* The parts of a row to the right of the one at hand, which was done in one
+ * run, as far as they are whole and safe; parts have 8 x 8 pixels. Returns
+ * whether the one then at hand is to be done, with care. */
+struct rg_remap_job;
+typedef int rg_blend_parts(struct rg_remap_job* job);
 struct rg_kernels {
   const char* name;
   rg_blend* blend[4];
+  rg_blend_parts* blend_parts[4]; /* NULL: none */
 };
 
 rg_blend rg_blend_1, rg_blend_2, rg_blend_3, rg_blend_4;
@@ -106,6 +112,8 @@ rg_blend rg_blend_1_sse4, rg_blend_2_sse4, rg_blend_3_sse4, rg_blend_4_sse4;
 rg_blend rg_blend_1_avx2, rg_blend_2_avx2, rg_blend_3_avx2, rg_blend_4_avx2;
 rg_blend rg_blend_1_avx512, rg_blend_2_avx512, rg_blend_3_avx512,
     rg_blend_4_avx512;
+rg_blend_parts rg_blend_parts_1_avx512, rg_blend_parts_2_avx512,
+    rg_blend_parts_3_avx512, rg_blend_parts_4_avx512;
 rg_blend rg_blend_1_neon, rg_blend_2_neon, rg_blend_3_neon, rg_blend_4_neon;
 rg_blend rg_blend_1_helium, rg_blend_2_helium, rg_blend_3_helium,
     rg_blend_4_helium;

@@ -3,10 +3,6 @@
 #include "bytes.h"
 #include "rg_blob.h"
 
-/* Offsets in a vertex that has bends: of the edges to its left and above. */
-#define LEFT_BEND 4
-#define UPPER_BEND 6
-
 static uint32_t vertex_size(const uint8_t* section) {
   return section[10] != 0 ? RG_BENT_VERTEX_SIZE : RG_VERTEX_SIZE;
 }
@@ -18,62 +14,7 @@ static uint32_t num_log2(const rg_block_walk* walk, uint32_t axis) {
 
 #if RG_KEEP_LINES
 
-static rg_lanes twice(rg_lane_pairs pairs, uint32_t k) {
-  const rg_lane_pairs both = {pairs[k], pairs[k]};
-  return (rg_lanes)both;
-}
-
-/* As along_edge(), for edges from one position to the other: where the lines
- * cross them. */
-static rg_lanes cross_edges(const rg_block_walk* walk, rg_lanes edges,
-                            rg_lanes bends) {
-  const int32_t log2 = (int32_t)num_log2(walk, 1);
-  const rg_lanes from = twice((rg_lane_pairs)edges, 0);
-  const rg_lanes to = twice((rg_lane_pairs)edges, 1);
-  const rg_lanes sums = (to - from + bends * walk->rest) * walk->line;
-  return from + ((sums + (1 << log2 >> 1)) >> log2);
-}
-
-/* The signed byte on top of each lane. */
-static rg_lanes load_bends(uint32_t a, uint32_t b, uint32_t c, uint32_t d,
-                           uint32_t shift) {
-  const rg_modular_lanes bytes = {a, b, c, d};
-  return (rg_lanes)((rg_modular_lanes)((rg_lanes)bytes >> 24) << shift);
-}
-
-/* To the next column of vertices: where the lines cross it, and their bends
- * from the column before to it, twice, if blocks have several parts. */
-static RG_INLINE rg_lanes next_column(rg_block_walk* walk, rg_lanes* turns) {
-  const uint8_t* const section = walk->section;
-  const uint8_t* const above = walk->above;
-  const uint8_t* const below = above + walk->row_size;
-  const uint32_t a = rg_load_u32(above), b = rg_load_u32(below);
-  const rg_modular_lanes halves = {a << 16, a, b << 16, b};
-  const rg_modular_lanes residuals = (rg_modular_lanes)((rg_lanes)halves >> 16)
-                                     << section[9];
-  const rg_lanes ends = (rg_lanes)(walk->plane + residuals);
-  const rg_lanes none = {0, 0, 0, 0};
-  walk->plane += walk->column_step;
-  *turns = none;
-  if (section[10] == 0) {
-    walk->above = above + RG_VERTEX_SIZE;
-    return ends;
-  }
-  walk->above = above + RG_BENT_VERTEX_SIZE;
-  const uint32_t shift = (uint32_t)section[11] - section[10];
-  const uint32_t c = rg_load_u32(above + LEFT_BEND);
-  const uint32_t d = rg_load_u32(below + LEFT_BEND);
-  if (num_log2(walk, 0) != 0)
-    *turns = 2 * cross_edges(walk,
-                             load_bends(c << 24, c << 16, d << 24, d << 16,
-                                        shift + walk->part_log2[0]),
-                             none);
-  return cross_edges(
-      walk, ends, load_bends(d << 8, d, d << 8, d, shift + walk->part_log2[1]));
-}
-
-/* To the first column. */
-static rg_lanes start_columns(rg_block_walk* walk) {
+void rg_start_columns(rg_block_walk* walk) {
   const uint8_t* const section = walk->section;
   const uint32_t log2 = num_log2(walk, 1);
   const uint32_t j = (uint32_t)walk->row >> log2;
@@ -81,10 +22,18 @@ static rg_lanes start_columns(rg_block_walk* walk) {
   const int32_t rest = (1 << log2) - line;
   const uint32_t columns = rg_load_u16(section + 4);
   const uint8_t* const vertices = section + rg_load_u32(section + 76);
-  walk->row_size = columns * vertex_size(section);
+  const int32_t bend_shift = section[11] - section[10];
+  rg_lanes turns;
+  walk->vertex_size = vertex_size(section);
+  walk->row_size = columns * walk->vertex_size;
   walk->above = vertices + j * walk->row_size;
   walk->marks = vertices + rg_load_u16(section + 6) * walk->row_size;
   walk->next_mark = j * (columns - 1);
+  walk->residual_shift = section[9];
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    walk->num_log2[axis] = (int32_t)num_log2(walk, axis);
+    walk->bend_shift[axis] = bend_shift + walk->part_log2[axis];
+  }
   for (int k = 0; k < 4; ++k) {
     /* Of pairs of 32 bits: origin, column_step, row_step. */
     const uint8_t* const affine = section + 28 + 4 * (k & 1);
@@ -94,25 +43,14 @@ static rg_lanes start_columns(rg_block_walk* walk) {
     walk->line[k] = line + (k >> 1);
     walk->rest[k] = rest - (k >> 1);
   }
-  return next_column(walk, &walk->turns);
+  walk->right = rg_next_column(walk, &turns);
 }
 
-void rg_start_block(rg_block_walk* walk) {
-  const uint32_t log2 = num_log2(walk, 0);
-  const uint32_t column = (walk->next_part - 1u) >> log2;
-  const int32_t num = 1 << log2;
-  rg_lanes turns;
-  if (column == 0) walk->right = start_columns(walk);
-  const uint32_t mark = walk->next_mark++;
-  walk->is_empty = (walk->marks[mark >> 3] >> (mark & 7)) & 1;
-  const rg_lanes from = walk->right, to = next_column(walk, &turns);
-  walk->sums = from * num + num / 2;
-  walk->steps = to - from + (turns >> 1) * (num - 1);
-  walk->turns = turns;
-}
+void rg_start_block(rg_block_walk* walk) { rg_enter_block(walk); }
 
 void rg_next_block(rg_block_walk* walk, rg_block* block) {
   rg_lanes upper, lower;
+  if (walk->next_part == 0) rg_start_columns(walk);
   rg_next_corners(walk, &upper, &lower);
   rg_store_corners(upper, lower, block->corners);
   block->width_log2 = walk->part_log2[0];
@@ -191,13 +129,13 @@ static RG_NOINLINE void find_part(const rg_block_walk* walk,
   const uint32_t shift = (uint32_t)section[11] - section[10];
   const uint32_t across = shift + walk->part_log2[0];
   for (uint32_t c = 0; c < 2; ++c) {
-    const uint32_t place = RG_BENT_VERTEX_SIZE + LEFT_BEND + c;
+    const uint32_t place = RG_BENT_VERTEX_SIZE + RG_LEFT_BEND + c;
     int32_t bends[2] = {load_bend(vertex + place, across),
                         load_bend(below + place, across)};
     cut_edge(walk, 1, &bends[0], &bends[1], 0);
     for (uint32_t i = 0; i < 2; ++i)
       cut_edge(walk, 1, &corners[i].q12[c], &corners[2 + i].q12[c],
-               load_bend(below + i * RG_BENT_VERTEX_SIZE + UPPER_BEND + c,
+               load_bend(below + i * RG_BENT_VERTEX_SIZE + RG_UPPER_BEND + c,
                          shift + walk->part_log2[1]));
     for (uint32_t i = 0; i < 2; ++i)
       cut_edge(walk, 0, &corners[2 * i].q12[c], &corners[2 * i + 1].q12[c],

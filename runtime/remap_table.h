@@ -6,11 +6,17 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "bytes.h"
 #include "fixed_point.h"
+#include "rg_blob.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* Offsets in a vertex that has bends: of the edges to its left and above. */
+#define RG_LEFT_BEND 4
+#define RG_UPPER_BEND 6
 
 /* x, y */
 typedef struct rg_position {
@@ -50,8 +56,9 @@ typedef struct rg_block_walk {
                            has a source */
   uint8_t is_clamped;   /* such pixels take the nearest source: none is empty */
 #if RG_KEEP_LINES
-  uint32_t row_size;            /* of vertices, in bytes */
-  uint32_t next_mark;           /* the next block's */
+  uint32_t vertex_size, row_size; /* of vertices, in bytes */
+  int32_t residual_shift, bend_shift[2], num_log2[2]; /* of a block's parts */
+  uint32_t next_mark;                                 /* the next block's */
   const uint8_t* marks;         /* of empty blocks, in bits */
   const uint8_t* above;         /* the next column's vertex above the row */
   rg_modular_lanes plane;       /* the next column's vertices above and below
@@ -88,19 +95,89 @@ static RG_INLINE rg_lanes rg_twice(int32_t x, int32_t y) {
   return both;
 }
 
-/* To the block that begins with the next part. */
+/* To the first column of vertices. */
+void rg_start_columns(rg_block_walk* walk);
+
+static RG_INLINE rg_lanes rg_twice_pair(rg_lanes lanes, uint32_t k) {
+  const rg_lane_pairs pairs = (rg_lane_pairs)lanes;
+  const rg_lane_pairs both = {pairs[k], pairs[k]};
+  return (rg_lanes)both;
+}
+
+/* Where the lines cross edges from one position to the other. */
+static RG_INLINE rg_lanes rg_cross_edges(const rg_block_walk* walk,
+                                         rg_lanes edges, rg_lanes bends) {
+  const int32_t log2 = walk->num_log2[1];
+  const rg_lanes from = rg_twice_pair(edges, 0);
+  const rg_lanes to = rg_twice_pair(edges, 1);
+  const rg_lanes sums = (to - from + bends * walk->rest) * walk->line;
+  return from + ((sums + (1 << log2 >> 1)) >> log2);
+}
+
+/* The signed byte on top of each lane. */
+static RG_INLINE rg_lanes rg_load_bends(uint32_t a, uint32_t b, uint32_t c,
+                                        uint32_t d, int32_t shift) {
+  const rg_modular_lanes bytes = {a, b, c, d};
+  return (rg_lanes)((rg_modular_lanes)((rg_lanes)bytes >> 24) << shift);
+}
+
+/* To the next column of vertices: where the lines cross it, and their bends
+ * from the column before to it, twice, if blocks have several parts. */
+static RG_INLINE rg_lanes rg_next_column(rg_block_walk* walk, rg_lanes* turns) {
+  const uint8_t* const above = walk->above;
+  const uint8_t* const below = above + walk->row_size;
+  const uint32_t a = rg_load_u32(above), b = rg_load_u32(below);
+  const rg_modular_lanes halves = {a << 16, a, b << 16, b};
+  const rg_modular_lanes residuals = (rg_modular_lanes)((rg_lanes)halves >> 16)
+                                     << walk->residual_shift;
+  const rg_lanes ends = (rg_lanes)(walk->plane + residuals);
+  const rg_lanes none = {0, 0, 0, 0};
+  walk->plane += walk->column_step;
+  walk->above = above + walk->vertex_size;
+  *turns = none;
+  if (walk->vertex_size != RG_BENT_VERTEX_SIZE) return ends;
+  const uint32_t c = rg_load_u32(above + RG_LEFT_BEND);
+  const uint32_t d = rg_load_u32(below + RG_LEFT_BEND);
+  if (walk->num_log2[0] != 0)
+    *turns = 2 * rg_cross_edges(walk,
+                                rg_load_bends(c << 24, c << 16, d << 24,
+                                              d << 16, walk->bend_shift[0]),
+                                none);
+  return rg_cross_edges(
+      walk, ends, rg_load_bends(d << 8, d, d << 8, d, walk->bend_shift[1]));
+}
+
+/* To the block that begins with the next part: in place, and out of line. */
+static RG_INLINE void rg_enter_block(rg_block_walk* walk) {
+  const int32_t log2 = walk->num_log2[0];
+  const uint32_t mark = walk->next_mark++;
+  walk->is_empty = (walk->marks[mark >> 3] >> (mark & 7)) & 1;
+  rg_lanes turns;
+  const rg_lanes from = walk->right, to = rg_next_column(walk, &turns);
+  const rg_lanes bends = turns >> 1;
+  walk->sums = (rg_lanes)((rg_modular_lanes)from << log2) + (1 << log2 >> 1);
+  walk->steps = to - from - bends + (rg_lanes)((rg_modular_lanes)bends << log2);
+  walk->turns = turns;
+}
+
 void rg_start_block(rg_block_walk* walk);
 
-/* As rg_next_block(): the corners on the line above and on that below. */
+/* As rg_next_block(), behind the first column: the corners on the line above
+ * and on that below. */
 static RG_INLINE void rg_next_corners(rg_block_walk* walk, rg_lanes* upper,
                                       rg_lanes* lower) {
-  const uint32_t log2 = (uint32_t)walk->section[8] - walk->part_log2[0];
-  if ((walk->next_part++ & ((1u << log2) - 1)) == 0) rg_start_block(walk);
+  const int32_t log2 = walk->num_log2[0];
+  if ((walk->next_part++ & ((1u << log2) - 1)) == 0) {
+    if (RG_IS_FAST)
+      rg_enter_block(walk);
+    else
+      rg_start_block(walk);
+  }
   /* Differences: the sum of k steps is k (to - from + bend (num - k)). */
   const rg_lane_pairs left = (rg_lane_pairs)walk->right;
   walk->sums += walk->steps;
   walk->steps -= walk->turns;
-  walk->right = walk->sums >> (int32_t)log2;
+  walk->right = walk->sums >> log2;
   const rg_lane_pairs right = (rg_lane_pairs)walk->right;
   const rg_lane_pairs above = {left[0], right[0]};
   const rg_lane_pairs below = {left[1], right[1]};

@@ -5,6 +5,7 @@
 #if defined(__x86_64__)
 
 #include <immintrin.h>
+#include <stddef.h>
 
 #include "remap_kernels.h"
 
@@ -21,8 +22,8 @@
 /* Rows whose positions are found together. */
 #define TILE_ROWS 8u
 
-/* How far ahead memory is asked for: bytes of a row. */
-#define AHEAD 128u
+/* How far to the right memory is asked for: bytes of a row. */
+#define AHEAD 128
 
 /* How the 8 lanes of 16 bits that a row has are used. */
 typedef struct layout {
@@ -77,6 +78,7 @@ typedef struct run_source {
   const uint8_t* data;
   size_t stride, out_stride;
   uint32_t num_pixels;
+  int looks_below;
   __m256i stride_lanes;
   __m256i top[4], height[4]; /* of the left edge, x and y, and the right one */
   __m256i half_height, half_width, first_pixel;
@@ -90,6 +92,7 @@ INLINE run_source find_source(const rg_run* run) {
   s.stride = run->stride;
   s.out_stride = run->out_stride;
   s.num_pixels = run->num_pixels;
+  s.looks_below = run->block.height_log2 < 5;
   s.stride_lanes = _mm256_set1_epi32((int32_t)run->stride);
 #define EDGE(k, corner, c)                        \
   s.top[k] = _mm256_set1_epi32(p[corner].q12[c]); \
@@ -162,10 +165,38 @@ INLINE __m256i find_offsets(const run_source* s, __m256i x, __m256i y,
                                    : _mm256_add_epi32(twice, twice));
 }
 
-/* Asks for what the blocks to the right will read and write. */
-INLINE void look_ahead(const uint8_t* source, const uint8_t* out) {
-  _mm_prefetch((const char*)source + AHEAD, _MM_HINT_T0);
-  __builtin_prefetch(out + AHEAD, 1);
+/* What memory is asked for: bytes away from what a row reads and writes. */
+typedef struct outlook {
+  ptrdiff_t source, out;
+} outlook;
+
+/* Of the second tile below, which is far enough ahead for memory, and rows
+ * seldom turn that much. Large parts of many channels fill the nearest cache in
+ * between: there, to the right. first, last: offsets of a tile's rows. */
+INLINE outlook find_outlook(const run_source* s, uint32_t first, uint32_t last,
+                            uint32_t channels) {
+  outlook look = {AHEAD, AHEAD};
+  if (s->looks_below || channels <= 2) {
+    look.source = 2 * ((ptrdiff_t)last - (ptrdiff_t)first);
+    look.out = (ptrdiff_t)(2 * TILE_ROWS * s->out_stride);
+  }
+  return look;
+}
+
+/* Once for 64 bytes of output, which come from up to 128. */
+INLINE int is_line_begun(const uint8_t* out, uint32_t num_bytes) {
+  return ((uintptr_t)out & 63) < num_bytes;
+}
+
+INLINE void look_on(const run_source* s, const outlook* look,
+                    const uint8_t* source, const uint8_t* out) {
+  source += look->source;
+  _mm_prefetch((const char*)source, _MM_HINT_T0);
+  _mm_prefetch((const char*)source + 64, _MM_HINT_T0);
+  source += s->stride;
+  _mm_prefetch((const char*)source, _MM_HINT_T0);
+  _mm_prefetch((const char*)source + 64, _MM_HINT_T0);
+  __builtin_prefetch(out + look->out, 1);
 }
 
 /* ---- Blending ------------------------------------------------------------ */
@@ -341,6 +372,9 @@ INLINE void blend_tile(const run_source* s, tile rows, uint32_t num_rows,
     window_starts w;
     find_windows(s, &rows, up, l, &w);
     uint8_t* target = out + k * l.channels;
+    const int looks = is_line_begun(target, 8);
+    const outlook look = find_outlook(
+        s, w.offsets[0], w.offsets[(TILE_ROWS - 1) * per_row], l.channels);
     for (uint32_t r = 0; r < num_rows; r += 2) {
       const uint32_t *offset = w.offsets + r * per_row,
                      *start = w.starts + r * per_row;
@@ -348,9 +382,9 @@ INLINE void blend_tile(const run_source* s, tile rows, uint32_t num_rows,
           s->data + offset[0], s->data + offset[1],
           l.is_halved ? s->data + offset[2] : s->data,
           l.is_halved ? s->data + offset[3] : s->data};
-      if (k == 0) {
-        look_ahead(at[0], target);
-        look_ahead(at[per_row], target + s->out_stride);
+      if (looks) {
+        look_on(s, &look, at[0], target);
+        look_on(s, &look, at[per_row], target + s->out_stride);
       }
       const __m256i x =
           _mm256_add_epi16(to_lanes(start, 0, l.is_halved), lanes.x[r / 2]);
@@ -463,8 +497,9 @@ INLINE void store_pixels(__m256i v, uint8_t* out, uint32_t channels) {
 }
 
 /* A row from (x, y), x + 16. */
-INLINE void blend_row(const run_source* s, int32_t x, int32_t y, int32_t step_x,
-                      int32_t step_y, uint8_t* out, uint32_t channels) {
+INLINE void blend_row(const run_source* s, const outlook* look, int32_t x,
+                      int32_t y, int32_t step_x, int32_t step_y, uint8_t* out,
+                      uint32_t channels) {
   const int32_t n = (int32_t)s->num_pixels;
   const __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
   const __m256i lanes_x = _mm256_mullo_epi32(_mm256_set1_epi32(step_x), lane);
@@ -480,7 +515,8 @@ INLINE void blend_row(const run_source* s, int32_t x, int32_t y, int32_t step_x,
                         find_offsets(s, xs, ys, channels));
     __asm__("" : "+m"(offsets)); /* read from there, not taken from lanes */
     uint8_t* const target = out + (uint32_t)k * channels;
-    look_ahead(s->data + offsets[0], target);
+    if (is_line_begun(target, 8 * channels))
+      look_on(s, look, s->data + offsets[0], target);
     const __m256i wy_q15 = _mm256_srli_epi32(_mm256_slli_epi32(ys, 20), 17);
     const __m256i wx = find_weights(xs);
     const __m256i v = blend_pixels(s, offsets, wx, wy_q15, channels, 0);
@@ -492,14 +528,19 @@ INLINE void blend_row(const run_source* s, int32_t x, int32_t y, int32_t step_x,
 
 INLINE void blend_rows(const run_source* s, const tile* rows, uint32_t num_rows,
                        uint8_t* out, uint32_t channels) {
+  uint32_t offsets[TILE_ROWS];
+  _mm256_storeu_si256((__m256i*)(void*)offsets,
+                      find_offsets(s, rows->x, rows->y, channels));
+  const outlook look =
+      find_outlook(s, offsets[0], offsets[TILE_ROWS - 1], channels);
   int32_t values[4][TILE_ROWS];
   _mm256_storeu_si256((__m256i*)(void*)values[0], rows->x);
   _mm256_storeu_si256((__m256i*)(void*)values[1], rows->y);
   _mm256_storeu_si256((__m256i*)(void*)values[2], rows->step_x);
   _mm256_storeu_si256((__m256i*)(void*)values[3], rows->step_y);
   for (uint32_t r = 0; r < num_rows; ++r, out += s->out_stride)
-    blend_row(s, values[0][r], values[1][r], values[2][r], values[3][r], out,
-              channels);
+    blend_row(s, &look, values[0][r], values[1][r], values[2][r], values[3][r],
+              out, channels);
 }
 
 /* ---- Runs ---------------------------------------------------------------- */

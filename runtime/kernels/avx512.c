@@ -6,7 +6,7 @@
 #include <immintrin.h>
 #include <stddef.h>
 
-#include "remap_kernels.h"
+#include "remap_blocks.h"
 
 #if defined(__clang__)
 #pragma clang attribute push(                                   \
@@ -24,7 +24,10 @@
 #define TILE_PIXELS 8u
 #define TILE_ROWS 8u
 
-/* How far ahead memory is asked for: bytes of a row. */
+/* Of rows, in bytes, that offsets are found for. */
+#define MAX_STRIDE (1u << 18)
+
+/* How far to the right memory is asked for: bytes of a row. */
 #define AHEAD 128
 
 /* ---- Layouts ------------------------------------------------------------- */
@@ -36,7 +39,7 @@
  * of 32. */
 typedef struct layout {
   uint32_t channels;
-  int is_tile; /* runs are whole blocks of the size of a tile */
+  int is_tile; /* a run is a whole part of the size of a tile */
 } layout;
 
 INLINE uint32_t num_halves(layout l) { return l.channels == 1 ? 1 : 2; }
@@ -131,14 +134,19 @@ INLINE __m512i round_shift(__m512i value, uint32_t log2, layout l) {
       _mm512_set1_epi32((int32_t)log2));
 }
 
-/* Where rows r of the block meet the edge from a corner down to another. */
-INLINE __m512i find_edge(const rg_run* run, int corner, __m512i r, layout l) {
-  const rg_position* const corners = run->block.corners;
-  const __m512i top = load_position(&corners[corner]);
-  const __m512i bottom = load_position(&corners[corner + 2]);
-  return _mm512_add_epi32(
-      top, round_shift(_mm512_mullo_epi32(_mm512_sub_epi32(bottom, top), r),
-                       run->block.height_log2, l));
+/* Position k of two. */
+INLINE __m512i spread(rg_lanes two, int32_t k) {
+  const dwords_16 lanes = (dword_numbers() >> 3) + 2 * (uint32_t)k;
+  return _mm512_permutexvar_epi32((__m512i)lanes,
+                                  _mm512_castsi128_si512((__m128i)two));
+}
+
+/* Where rows r of the block meet the left (0) or right (1) edge. */
+INLINE __m512i find_edge(const rg_run* run, rg_lanes upper, rg_lanes lower,
+                         int32_t k, __m512i r, layout l) {
+  const __m512i down = _mm512_mullo_epi32(spread(lower - upper, k), r);
+  return _mm512_add_epi32(spread(upper, k),
+                          round_shift(down, run->block.height_log2, l));
 }
 
 /* Rows of the run from t on; behind the last row, that one again. */
@@ -149,8 +157,10 @@ INLINE tile find_tile(const rg_run* run, uint32_t t, layout l) {
     r = _mm512_min_epi32(r, _mm512_set1_epi32(run->num_rows - 1));
     r = _mm512_add_epi32(r, _mm512_set1_epi32(run->first_row));
   }
-  const __m512i left = find_edge(run, 0, r, l);
-  const __m512i right = find_edge(run, 1, r, l);
+  rg_lanes upper, lower;
+  rg_load_corners(run->block.corners, &upper, &lower);
+  const __m512i left = find_edge(run, upper, lower, 0, r, l);
+  const __m512i right = find_edge(run, upper, lower, 1, r, l);
   const rg_position origin = {{16, -4096 * run->first_source_row}};
   tile rows;
   rows.step =
@@ -359,6 +369,7 @@ typedef struct tile_output {
   uint8_t* out;
   size_t stride;
   uint32_t num_rows;
+  int looks_below; /* what memory is asked for */
   int is_whole;    /* all of its rows and pixels are wanted */
   __mmask32 bytes; /* of a row */
 } tile_output;
@@ -426,16 +437,21 @@ INLINE void store_two(const tile_output* t, uint32_t r, __m512i v, __m512i w,
   store_row(t, r + 1, high_half(bytes), l);
 }
 
-/* Asks for what the blocks to the right will read and write: once for 64 bytes
- * of output, which come from up to 128. */
-INLINE void look_ahead(const uint8_t* data, const boxes* b,
-                       const tile_output* t) {
+/* Asks for what the second tile below, and those to its right, will read and
+ * write: once for 64 bytes of output, which come from up to 128. That is far
+ * enough ahead for memory, and rows seldom turn that much. Large parts of many
+ * channels fill the nearest cache in between: there, for what is to the right.
+ */
+INLINE void look_on(const uint8_t* data, const boxes* b, const tile_output* t) {
+  const uint8_t* const out =
+      t->out + (t->looks_below ? 2 * TILE_ROWS * t->stride : AHEAD);
+  data += t->looks_below ? 4 * (b->upper[4] - b->upper[0]) : AHEAD;
   for (uint32_t r = 0; r < TILE_ROWS; ++r) {
-    __builtin_prefetch(data + b->upper[r] + AHEAD);
-    __builtin_prefetch(data + b->upper[r] + AHEAD + 64);
-    __builtin_prefetch(data + b->lower[r] + AHEAD);
-    __builtin_prefetch(data + b->lower[r] + AHEAD + 64);
-    __builtin_prefetch(t->out + r * t->stride + AHEAD, 1);
+    __builtin_prefetch(data + b->upper[r]);
+    __builtin_prefetch(data + b->upper[r] + 64);
+    __builtin_prefetch(data + b->lower[r]);
+    __builtin_prefetch(data + b->lower[r] + 64);
+    __builtin_prefetch(out + r * t->stride, 1);
   }
 }
 
@@ -488,7 +504,7 @@ INLINE int blend_tile(const uint8_t* data, const source_steps* s, __m512i start,
       return 0;
   }
   if (((uintptr_t)to->out & 63) < TILE_PIXELS * l.channels)
-    look_ahead(data, &b[0], to);
+    look_on(data, &b[0], to);
   const set upper = find_set(firsts, 0, &row->upper, l, f);
   const set lower = find_set(firsts, 1, &row->lower, l, f);
 #define GROUP(g, half)                                                    \
@@ -513,7 +529,7 @@ INLINE int blend_tile(const uint8_t* data, const source_steps* s, __m512i start,
 INLINE uint32_t blend_tiles(const uint8_t* data, const source_steps* s,
                             tile rows, tile_output to, uint32_t n, layout l,
                             const fills* f) {
-  const uint32_t num_pixels = l.is_tile || n >= TILE_PIXELS ? TILE_PIXELS : n;
+  const uint32_t num_pixels = n < TILE_PIXELS ? n : TILE_PIXELS;
   const tile_row row = find_tile_row(rows.step, num_pixels, l);
   const __m512i to_next = times(rows.step, TILE_PIXELS);
   uint8_t* const out = to.out;
@@ -522,7 +538,7 @@ INLINE uint32_t blend_tiles(const uint8_t* data, const source_steps* s,
     to.out = out + k * l.channels;
     if (!blend_tile(data, s, rows.start, &row, &to, l, f)) return k;
     k += num_pixels;
-    if (l.is_tile || k == n) return n;
+    if (k == n) return n;
     rows.start = _mm512_add_epi32(rows.start, to_next);
     if (k + TILE_PIXELS > n) { /* the last tile begins earlier */
       const uint32_t back = k + TILE_PIXELS - n;
@@ -547,17 +563,26 @@ static void blend_elsewhere(const rg_run* run, uint32_t t, uint32_t num_rows,
   other(&part);
 }
 
-INLINE void blend_rows(const rg_run* run, layout l, rg_blend* other) {
-  const uint32_t n = run->num_pixels, num_rows = l.is_tile ? 8 : run->num_rows;
-  const uint32_t row_bytes = (n < TILE_PIXELS ? n : TILE_PIXELS) * l.channels;
+INLINE void blend(const rg_run* run, uint32_t channels, rg_blend* other) {
+  const layout l = {channels, 0};
+  const uint32_t n = run->num_pixels, num_rows = run->num_rows;
+  const uint32_t row_bytes = (n < TILE_PIXELS ? n : TILE_PIXELS) * channels;
+  if (run->stride > MAX_STRIDE) {
+    other(run);
+    return;
+  }
   const fills* f = &kFills;
   __asm__("" : "+r"(f)); /* values are loaded from there */
   const source_steps s = find_source_steps(run, l);
-  tile_output to = {run->out + run->out_pixel * l.channels, run->out_stride, 0,
-                    0, (__mmask32)((UINT64_C(1) << row_bytes) - 1)};
+  tile_output to = {run->out + run->out_pixel * channels,
+                    run->out_stride,
+                    0,
+                    run->block.height_log2 < 5 || channels <= 2,
+                    0,
+                    (__mmask32)((UINT64_C(1) << row_bytes) - 1)};
   for (uint32_t t = 0; t < num_rows; t += TILE_ROWS) {
     to.num_rows = num_rows - t < TILE_ROWS ? num_rows - t : TILE_ROWS;
-    to.is_whole = l.is_tile || (to.num_rows == TILE_ROWS && n >= TILE_PIXELS);
+    to.is_whole = to.num_rows == TILE_ROWS && n >= TILE_PIXELS;
     const uint32_t done =
         blend_tiles(run->data, &s, find_tile(run, t, l), to, n, l, f);
     if (done != n) blend_elsewhere(run, t, to.num_rows, done, other);
@@ -565,21 +590,41 @@ INLINE void blend_rows(const rg_run* run, layout l, rg_blend* other) {
   }
 }
 
-INLINE void blend(const rg_run* run, uint32_t channels, rg_blend* other) {
-  const layout parts = {channels, 0}, tiles = {channels, 1};
-  if (run->stride > 1 << 18)
-    other(run);
-  else if (run->block.width_log2 == 3 && run->block.height_log2 == 3 &&
-           run->num_pixels == TILE_PIXELS && run->num_rows == TILE_ROWS)
-    blend_rows(run, tiles, other);
-  else
-    blend_rows(run, parts, other);
+/* A part is a tile. */
+INLINE int blend_parts(rg_remap_job* job, uint32_t channels, rg_blend* other) {
+  const layout l = {channels, 1};
+  rg_remap_job own = *job; /* which no byte that is stored can be part of */
+  const fills* f = &kFills;
+  __asm__("" : "+r"(f));
+  const source_steps s = find_source_steps(&own.run, l);
+  tile_output to = {0, own.run.out_stride, TILE_ROWS, 1, 1, 0};
+  int is_next;
+  while ((is_next = rg_next_whole_part(&own)) && rg_is_part_safe(&own)) {
+    const tile rows = find_tile(&own.run, 0, l);
+    const tile_row row = find_tile_row(rows.step, TILE_PIXELS, l);
+    to.out = own.run.out + own.run.out_pixel * channels;
+    if (own.run.stride > MAX_STRIDE ||
+        !blend_tile(own.run.data, &s, rows.start, &row, &to, l, f)) {
+      const rg_run run = own.run;
+      other(&run);
+    }
+  }
+  *job = own;
+  return is_next;
 }
 
-void rg_blend_1_avx512(const rg_run* run) { blend(run, 1, rg_blend_1_avx2); }
-void rg_blend_2_avx512(const rg_run* run) { blend(run, 2, rg_blend_2_avx2); }
-void rg_blend_3_avx512(const rg_run* run) { blend(run, 3, rg_blend_3_avx2); }
-void rg_blend_4_avx512(const rg_run* run) { blend(run, 4, rg_blend_4_avx2); }
+#define KERNELS(channels)                                          \
+  void rg_blend_##channels##_avx512(const rg_run* run) {           \
+    blend(run, channels, rg_blend_##channels##_avx2);              \
+  }                                                                \
+  int rg_blend_parts_##channels##_avx512(rg_remap_job* job) {      \
+    return blend_parts(job, channels, rg_blend_##channels##_avx2); \
+  }
+KERNELS(1)
+KERNELS(2)
+KERNELS(3)
+KERNELS(4)
+#undef KERNELS
 
 #if defined(__clang__)
 #pragma clang attribute pop

@@ -262,9 +262,21 @@ static RG_INLINE void do_rows(const rg_run* run, const rg_lattice* lattice,
                               int is_copy) {
   edge_walk edges[4];
 #if RG_IS_FAST
-  const rg_run own = *run; /* which no byte that is stored can be part of */
-  run = &own;
+  /* Of its own, which no byte that is stored can be part of. Value by value:
+   * some were stored just now, by themselves. */
+  rg_run own;
+  own.data = run->data;
+  own.stride = run->stride;
+  own.out_stride = run->out_stride;
+  own.out = run->out;
+  own.block.width_log2 = run->block.width_log2;
+  own.block.height_log2 = run->block.height_log2;
+  own.out_pixel = run->out_pixel;
+  own.num_rows = run->num_rows;
+  own.first_pixel = run->first_pixel;
+  own.num_pixels = run->num_pixels;
   start_edges(run, 0, edges);
+  run = &own;
 #else
   (void)edges;
 #endif
