@@ -82,9 +82,8 @@ static inline int rg_fits_offsets(const rg_run* run, uint32_t num_pixels,
     for (int c = 0; c < 2; ++c) {
       const int32_t step = rg_edge_step(run, k, c);
       const uint32_t size = (uint32_t)(step < 0 ? -step : step) + 2;
-      const uint32_t last_q12 = (num_pixels - 1) * size + 4111;
-      if (size > 65536 || last_q12 > 65535) return 0;
-      beyond[c] = last_q12 >> 12;
+      if (size > (65535 - 4111) / (num_pixels - 1)) return 0;
+      beyond[c] = ((num_pixels - 1) * size + 4111) >> 12;
     }
     if (run->stride > 65535 ||
         beyond[1] * run->stride + beyond[0] * channels > 65535)
