@@ -51,10 +51,24 @@ static OF_BLOCKS rg_care find_care(const rg_remap_job* job,
                                                            : care;
 }
 
-/* Makes the run, of one row of a part, end before the row does: where all of
- * its pixels ask for the same, or behind its first one. */
+/* On to the pixels behind the run's, which lie in one row of a part. */
+static RG_INLINE void go_on_in_part(rg_remap_job* job) {
+  rg_run* const run = &job->run;
+  const uint32_t end = job->part_pixels;
+  run->first_pixel = (uint8_t)(run->first_pixel + run->num_pixels);
+  run->out_pixel = (uint16_t)(run->out_pixel + run->num_pixels);
+  if (run->first_pixel < end) return;
+  run->first_pixel = 0;
+  run->out_pixel = (uint16_t)(run->out_pixel - end);
+  ++run->first_row;
+  run->out += run->out_stride;
+}
+
+/* The run of a row's next pixels that ask for the same: all that are left, half
+ * of them, and so on, or one. */
 static RG_NOINLINE rg_care find_segment(rg_remap_job* job) {
   rg_run* const run = &job->run;
+  go_on_in_part(job);
   uint32_t num = (uint32_t)job->part_pixels - run->first_pixel;
   rg_block_row row;
   rg_position ends[2];
@@ -71,19 +85,6 @@ static RG_NOINLINE rg_care find_segment(rg_remap_job* job) {
   run->num_pixels = (uint8_t)num;
   if (run->first_pixel + num == job->part_pixels) --job->rows_left;
   return care;
-}
-
-/* On to the pixels behind the run's segment. */
-static OF_BLOCKS void go_on_in_part(rg_remap_job* job) {
-  rg_run* const run = &job->run;
-  const uint32_t end = job->part_pixels;
-  run->first_pixel = (uint8_t)(run->first_pixel + run->num_pixels);
-  run->out_pixel = (uint16_t)(run->out_pixel + run->num_pixels);
-  if (run->first_pixel < end) return;
-  run->first_pixel = 0;
-  run->out_pixel = (uint16_t)(run->out_pixel - end);
-  ++run->first_row;
-  run->out += run->out_stride;
 }
 
 /* To the row of parts below those that were done; 0 below the last one. */
@@ -205,16 +206,16 @@ int rg_next_part(rg_remap_job* job) {
 }
 
 rg_care rg_next_run(rg_remap_job* job) {
-  if (job->part_pixels != 0) {
-    go_on_in_part(job);
-  } else {
+  rg_run* const run = &job->run;
+  if (job->part_pixels == 0) {
     const rg_care care = find_part_care(job);
     if (care != RG_CARE_PIXEL) {
       job->rows_left = 0;
       return care;
     }
-    job->part_pixels = job->run.num_pixels;
-    job->run.num_rows = 1;
+    job->part_pixels = run->num_pixels;
+    run->num_pixels = 0; /* none of them is done */
+    run->num_rows = 1;
   }
   return find_segment(job);
 }
