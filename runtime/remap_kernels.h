@@ -22,14 +22,14 @@ extern "C" {
 /* Pixels of a block. The source pixel of each, and its right, lower and
  * diagonal neighbours, lie in the image. */
 typedef struct rg_run {
-  const uint8_t* data; /* row 0 of the source is first_source_row */
-  uint32_t stride, out_stride;
-  uint8_t* out; /* row first_row of the output, from its left end */
-  rg_block block;
   uint16_t out_pixel; /* first_pixel of the block, in the output's row */
   uint16_t first_source_row;
   uint8_t first_row, num_rows;     /* of the block */
   uint8_t first_pixel, num_pixels; /* of the block's rows; neither num is 0 */
+  const uint8_t* data;             /* row 0 of the source is first_source_row */
+  uint32_t stride, out_stride;
+  uint8_t* out; /* row first_row of the output, from its left end */
+  rg_block block;
 } rg_run;
 
 /* From a row of the run's block: position (0, 0) becomes data. */
