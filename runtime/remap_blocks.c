@@ -66,7 +66,7 @@ static RG_INLINE void go_on_in_part(rg_remap_job* job) {
 
 /* The run of a row's next pixels that ask for the same: all that are left, half
  * of them, and so on, or one. */
-static RG_NOINLINE rg_care find_segment(rg_remap_job* job) {
+static RG_INLINE rg_care find_segment(rg_remap_job* job) {
   rg_run* const run = &job->run;
   go_on_in_part(job);
   uint32_t num = (uint32_t)job->part_pixels - run->first_pixel;
@@ -88,7 +88,7 @@ static RG_NOINLINE rg_care find_segment(rg_remap_job* job) {
 }
 
 /* To the row of parts below those that were done; 0 below the last one. */
-static OF_BLOCKS int start_parts(rg_remap_job* job) {
+static RG_INLINE int start_parts(rg_remap_job* job) {
   rg_run* const run = &job->run;
   run->out += (size_t)job->part_rows * run->out_stride;
   const uint32_t row = (uint32_t)job->row + job->part_rows, end = job->end_row;
@@ -104,7 +104,7 @@ static OF_BLOCKS int start_parts(rg_remap_job* job) {
   return 1;
 }
 
-/* That of the next part. */
+/* The block of the next part. */
 static RG_INLINE void find_block(rg_remap_job* job) {
 #if RG_KEEP_LINES
   const rg_lattice* const lattice = job->lattice;

@@ -217,9 +217,13 @@ void rg_next_block(rg_block_walk* walk, rg_block* block) {
 #endif
 
 void rg_find_block_row(const rg_block* block, uint32_t r, rg_block_row* row) {
+#if RG_KEEP_LINES
+  rg_find_row(block, r, row);
+#else
   const int end = (int)rg_times(2);
   int c = 0;
   do {
     rg_find_row_axis(block, r, c, row);
   } while (++c != end);
+#endif
 }

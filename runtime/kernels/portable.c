@@ -198,7 +198,9 @@ static RG_INLINE int has_turns(blended rounding) {
   return rounding >> (8 * sizeof(blended) - 1) != 0;
 }
 
-/* A function of its own, so that the loop has all registers. */
+/* Where an odd row enters the loop at its middle. */
+#define IS_SHORT (!RG_IS_FAST && !RG_KEEP_LINES)
+
 static RG_INLINE void blend_row_1(const rg_run* run, edge_walk edges[4],
                                   uint8_t* out) {
   rg_block_row row;
@@ -208,7 +210,7 @@ static RG_INLINE void blend_row_1(const rg_run* run, edge_walk edges[4],
   row_walk walk;
   start_walk(run, &row, &walk);
   if ((num_pixels & 1) != 0) { /* half a turn */
-    if (!RG_IS_FAST) goto second;
+    if (IS_SHORT) goto second;
     *out++ = (uint8_t)blend_pixel(&walk, rounding);
     step_on(&walk);
     rounding += TURN;
@@ -221,7 +223,7 @@ static RG_INLINE void blend_row_1(const rg_run* run, edge_walk edges[4],
   second:
     *out++ = (uint8_t)blend_pixel(&walk, rounding);
     step_on(&walk);
-    if (!RG_IS_FAST) RG_IN_REGISTER(out);
+    if (IS_SHORT) RG_IN_REGISTER(out);
     rounding += TURN;
   } while (has_turns(rounding));
 }
