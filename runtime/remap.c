@@ -30,7 +30,7 @@ static RG_NOINLINE void fill_run(const rg_remap_job* job,
 
 static RG_NOINLINE void remap_pixel(const rg_remap_job* job,
                                     const rg_target* target) {
-  if (!rg_remap_pixel(job, job->lattice, 0, target->sampling))
+  if (!rg_remap_pixel(job, job->lattice, target->sampling))
     fill_run(job, target);
 }
 

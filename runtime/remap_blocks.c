@@ -4,7 +4,7 @@
 
 /* More than rounding moves the positions of a block beyond its corners, and
  * than a position is rounded by, in q12. */
-#define SAFE_MARGIN 64
+#define MARGIN 64
 
 static inline int32_t min_of(int32_t a, int32_t b) { return a < b ? a : b; }
 static inline int32_t max_of(int32_t a, int32_t b) { return a > b ? a : b; }
@@ -16,70 +16,43 @@ static inline int32_t max_of(int32_t a, int32_t b) { return a > b ? a : b; }
 #define OF_BLOCKS RG_SHARED
 #endif
 
-/* What coordinate c of positions between two values asks for. */
+/* What positions ask for, coordinate c of which lies between two values. */
 static RG_INLINE rg_care find_axis_care(const rg_remap_job* job, int c,
                                         int32_t low, int32_t high) {
   const rg_range source = rg_job_range(job, job->lattice, c);
   const int32_t first = c == 0 ? 0 : job->run.first_source_row;
   const int32_t num = c == 0 ? job->size[0] : job->num_rows;
-  const int32_t end =
-      min_of(source.max_q12, (first + num - 1) * 4096) - SAFE_MARGIN;
-  if (high < source.min_q12 - SAFE_MARGIN || low > source.max_q12 + SAFE_MARGIN)
-    return RG_CARE_NO_SOURCE;
-  if (low < max_of(source.min_q12, first * 4096) + SAFE_MARGIN || high > end)
+  const int32_t end = min_of(source.max_q12, (first + num - 1) * 4096);
+  low -= MARGIN;
+  high += MARGIN;
+  if (high < source.min_q12 || low > source.max_q12) return RG_CARE_NO_SOURCE;
+  if (low < max_of(source.min_q12, first * 4096) || high > end)
     return RG_CARE_PIXEL;
   return RG_CHOOSE_KERNELS && c == 1 && high > end - RG_SPARE_Q12
              ? RG_CARE_SPARE
              : RG_CARE_NONE;
 }
 
-/* The greater care of both coordinates. */
+/* What positions ask for that lie between some: the greater care of both
+ * coordinates. */
 static OF_BLOCKS rg_care find_care(const rg_remap_job* job,
-                                   const rg_position* low,
-                                   const rg_position* high) {
-  const rg_care x = find_axis_care(job, 0, low->q12[0], high->q12[0]);
-  const rg_care y = find_axis_care(job, 1, low->q12[1], high->q12[1]);
-  const rg_care care = x > y ? x : y;
+                                   const rg_position* p, uint32_t num) {
+  rg_care care = RG_CARE_NONE;
+  for (int c = 0; c < 2; ++c) {
+    int32_t low = p[0].q12[c], high = low;
+    for (uint32_t k = num; --k != 0;) {
+      low = min_of(low, p[k].q12[c]);
+      high = max_of(high, p[k].q12[c]);
+    }
+    const rg_care axis_care = find_axis_care(job, c, low, high);
+    if (axis_care > care) care = axis_care;
+  }
   return care == RG_CARE_NO_SOURCE && job->walk.is_clamped ? RG_CARE_PIXEL
                                                            : care;
 }
 
-/* Of all pixels of the run's block. */
-static OF_BLOCKS rg_care find_block_care(const rg_remap_job* job) {
-  const rg_position* const p = job->run.block.corners;
-  rg_position low, high;
-  if (job->walk.is_empty && !job->walk.is_clamped) return RG_CARE_NO_SOURCE;
-  for (int c = 0; c < 2; ++c) {
-    const int32_t a = p[0].q12[c], b = p[1].q12[c];
-    const int32_t d = p[2].q12[c], e = p[3].q12[c];
-    low.q12[c] = min_of(min_of(a, b), min_of(d, e));
-    high.q12[c] = max_of(max_of(a, b), max_of(d, e));
-  }
-  return find_care(job, &low, &high);
-}
-
-/* Makes the run, of one row of a part, end before the row does or where its
- * pixels begin to need another care. */
-static RG_NOINLINE rg_care find_segment(rg_remap_job* job) {
-  rg_run* const run = &job->run;
-  rg_block_row row;
-  rg_find_block_row(&run->block, run->first_row, &row);
-  rg_position p = rg_row_position(&row, run->first_pixel);
-  job->position = p;
-  const rg_care care = find_care(job, &p, &p);
-  uint32_t k = run->first_pixel;
-  do {
-    for (int c = 0; c < 2; ++c) p.q12[c] += row.step.q12[c];
-    ++k;
-  } while (k < job->part_pixels && care != RG_CARE_PIXEL &&
-           find_care(job, &p, &p) == care);
-  run->num_pixels = (uint8_t)(k - run->first_pixel);
-  if (k >= job->part_pixels) --job->rows_left;
-  return care;
-}
-
-/* On to the pixels behind the run's segment. */
-static OF_BLOCKS void go_on_in_part(rg_remap_job* job) {
+/* On to the pixels behind the run's, which lie in one row of a part. */
+static RG_INLINE void go_on_in_part(rg_remap_job* job) {
   rg_run* const run = &job->run;
   const uint32_t end = job->part_pixels;
   run->first_pixel = (uint8_t)(run->first_pixel + run->num_pixels);
@@ -91,49 +64,57 @@ static OF_BLOCKS void go_on_in_part(rg_remap_job* job) {
   run->out += run->out_stride;
 }
 
+/* The run of a row's next pixels that ask for the same: all that are left, half
+ * of them, and so on, or one. */
+static RG_INLINE rg_care find_segment(rg_remap_job* job) {
+  rg_run* const run = &job->run;
+  go_on_in_part(job);
+  uint32_t num = (uint32_t)job->part_pixels - run->first_pixel;
+  rg_block_row row;
+  rg_position ends[2];
+  rg_care care;
+  rg_find_block_row(&run->block, run->first_row, &row);
+  job->position = ends[0] = rg_row_position(&row, run->first_pixel);
+  for (;; num >>= 1) {
+    for (int c = 0; c < 2; ++c)
+      ends[1].q12[c] =
+          ends[0].q12[c] + (int32_t)(num - 1) * rg_read_late(&row.step.q12[c]);
+    care = find_care(job, ends, 2);
+    if (care != RG_CARE_PIXEL || num == 1) break;
+  }
+  run->num_pixels = (uint8_t)num;
+  if (run->first_pixel + num == job->part_pixels) --job->rows_left;
+  return care;
+}
+
 /* To the row of parts below those that were done; 0 below the last one. */
-static OF_BLOCKS int start_parts(rg_remap_job* job) {
-  const uint8_t* const section = job->walk.section;
-  job->run.out += (size_t)job->part_rows * job->run.out_stride;
+static RG_INLINE int start_parts(rg_remap_job* job) {
+  rg_run* const run = &job->run;
+  run->out += (size_t)job->part_rows * run->out_stride;
   const uint32_t row = (uint32_t)job->row + job->part_rows, end = job->end_row;
   if (row >= end) return 0;
-  const uint32_t width_log2 = rg_part_log2(section, job->lattice, 0);
-  const uint32_t height_log2 = rg_part_log2(section, job->lattice, 1);
-  const uint32_t rows_log2 = height_log2 - job->lattice->log2[1];
-  const uint32_t part = row >> rows_log2;
-  const uint32_t next = (part + 1) << rows_log2;
-  rg_start_walk(section, width_log2, height_log2, part, &job->walk);
+  const uint32_t log2 =
+      (uint32_t)job->walk.part_log2[1] - job->lattice->log2[1];
+  const uint32_t part = row >> log2;
+  const uint32_t next = (part + 1) << log2;
+  rg_start_parts(&job->walk, part);
+  run->first_row = (uint8_t)(row - (part << log2));
   job->row = (uint16_t)row;
   job->part_rows = (uint8_t)((next < end ? next : end) - row);
   return 1;
 }
 
-/* Pixels of the row from the next part on; 0 behind the last one. */
-static inline uint32_t rest_of_row(const rg_remap_job* job) {
-  const uint32_t width = rg_load_u16(job->walk.section);
-  const uint32_t first = (uint32_t)job->walk.next_part
-                         << job->walk.part_log2[0];
-  return first < width ? (width - first) >> job->lattice->log2[0] : 0;
-}
-
-/* The run of the next part, from which on the row has so many pixels. */
-static OF_BLOCKS void start_part(rg_remap_job* job, uint32_t rest) {
-  rg_run* const run = &job->run;
-  const rg_lattice* const lattice = job->lattice;
-  const uint32_t part_width = 1u << job->walk.part_log2[0] >> lattice->log2[0];
-  const uint32_t part_height = 1u << job->walk.part_log2[1] >> lattice->log2[1];
-  run->out_pixel = (uint16_t)(job->walk.next_part * part_width);
-  run->first_pixel = 0;
-  run->num_pixels = (uint8_t)(rest < part_width ? rest : part_width);
-  run->first_row = (uint8_t)(job->row & (part_height - 1));
-  run->num_rows = job->rows_left = job->part_rows;
+/* The block of the next part. */
+static RG_INLINE void find_block(rg_remap_job* job) {
 #if RG_KEEP_LINES
+  const rg_lattice* const lattice = job->lattice;
+  rg_block* const block = &job->run.block;
   if (job->walk.next_part == 0) rg_start_columns(&job->walk);
   rg_find_corners(job);
-  run->block.width_log2 = (uint8_t)(job->walk.part_log2[0] - lattice->log2[0]);
-  run->block.height_log2 = (uint8_t)(job->walk.part_log2[1] - lattice->log2[1]);
+  block->width_log2 = (uint8_t)(job->walk.part_log2[0] - lattice->log2[0]);
+  block->height_log2 = (uint8_t)(job->walk.part_log2[1] - lattice->log2[1]);
 #else
-  rg_next_block(&job->walk, &run->block);
+  rg_next_block(&job->walk, &job->run.block);
 #endif
 }
 
@@ -144,8 +125,8 @@ static rg_safe_box find_safe_box(const rg_remap_job* job) {
   for (int c = 0; c < 2; ++c) {
     const rg_range source = job->ranges[c];
     const int32_t last_q12 = (job->size[c] - 1) * 4096;
-    min[c] = max_of(source.min_q12, 0) + SAFE_MARGIN;
-    max[c] = min_of(source.max_q12, last_q12) - SAFE_MARGIN;
+    min[c] = max_of(source.min_q12, 0) + MARGIN;
+    max[c] = min_of(source.max_q12, last_q12) - MARGIN;
   }
   if (RG_CHOOSE_KERNELS) max[1] -= RG_SPARE_Q12;
   if (job->ring_rows != 0) max[1] = min[1] - 1;
@@ -156,53 +137,74 @@ static rg_safe_box find_safe_box(const rg_remap_job* job) {
 #endif
 
 /* Of the part at hand. */
-static OF_BLOCKS rg_care find_part_care(const rg_remap_job* job) {
+static RG_INLINE rg_care find_part_care(const rg_remap_job* job) {
+  if (job->walk.is_empty && !job->walk.is_clamped) return RG_CARE_NO_SOURCE;
 #if RG_KEEP_LINES
   if (rg_is_part_safe(job)) return RG_CARE_NONE;
 #endif
-  return find_block_care(job);
+  return find_care(job, job->run.block.corners, 4);
 }
 
 void rg_start_rows(rg_remap_job* job, uint32_t first_row, uint32_t num_rows) {
-  const uint32_t log2 = job->lattice->log2[1];
-  job->row = (uint16_t)(first_row >> log2);
-  job->end_row = (uint16_t)((first_row + num_rows) >> log2);
+  const rg_lattice* const lattice = job->lattice;
+  rg_block_walk* const walk = &job->walk;
+  for (int axis = 0; axis < 2; ++axis)
+    walk->part_log2[axis] = (uint8_t)rg_part_log2(walk->section, lattice, axis);
+  job->row = (uint16_t)(first_row >> lattice->log2[1]);
+  job->end_row = (uint16_t)((first_row + num_rows) >> lattice->log2[1]);
   job->part_rows = job->part_pixels = 0;
 #if RG_KEEP_LINES
   for (int c = 0; c < 2; ++c)
-    job->ranges[c] = rg_source_range(job->walk.section, job->lattice, c);
-  const uint8_t* const section = job->walk.section;
-  const uint32_t width_log2 = rg_part_log2(section, job->lattice, 0);
+    job->ranges[c] = rg_source_range(walk->section, lattice, c);
   job->safe = find_safe_box(job);
-  job->move = rg_find_lattice_lanes(job->lattice, width_log2);
-  job->whole_parts = (uint16_t)(rg_load_u16(section) >> width_log2);
+  job->move = rg_find_lattice_lanes(lattice, walk->part_log2[0]);
+  job->whole_parts =
+      (uint16_t)(rg_load_u16(walk->section) >> walk->part_log2[0]);
 #endif
 }
 
-int rg_next_part(rg_remap_job* job) {
-  if (job->part_pixels != 0) /* back to the part's first row */
-    job->run.out -= (size_t)(job->part_rows - 1u) * job->run.out_stride;
-  job->part_pixels = 0;
-  uint32_t rest = job->part_rows == 0 ? 0 : rest_of_row(job);
-  if (rest == 0) {
-    if (!start_parts(job)) return 0;
-    rest = rest_of_row(job);
+/* To the next part, but for its block; 0 if there is none. */
+static OF_BLOCKS int go_to_part(rg_remap_job* job) {
+  rg_run* const run = &job->run;
+  const rg_block_walk* const walk = &job->walk;
+  if (job->part_pixels != 0) { /* back to the part's first row */
+    const uint32_t rows = job->part_rows - 1u;
+    run->out -= (size_t)rows * run->out_stride;
+    run->first_row = (uint8_t)(run->first_row - rows);
   }
-  start_part(job, rest);
+  const uint32_t log2 = job->lattice->log2[0];
+  const uint32_t width = (uint32_t)rg_load_u16(walk->section) >> log2;
+  const uint32_t part_width = 1u << walk->part_log2[0] >> log2;
+  uint32_t first = walk->next_part * part_width;
+  if (job->part_rows == 0 || first >= width) {
+    if (!start_parts(job)) return 0;
+    first = 0;
+  }
+  const uint32_t rest = width - first;
+  run->out_pixel = (uint16_t)first;
+  run->first_pixel = job->part_pixels = 0;
+  run->num_pixels = (uint8_t)(rest < part_width ? rest : part_width);
+  run->num_rows = job->rows_left = job->part_rows;
+  return 1;
+}
+
+int rg_next_part(rg_remap_job* job) {
+  if (!go_to_part(job)) return 0;
+  find_block(job);
   return 1;
 }
 
 rg_care rg_next_run(rg_remap_job* job) {
-  if (job->part_pixels != 0) {
-    go_on_in_part(job);
-  } else {
+  rg_run* const run = &job->run;
+  if (job->part_pixels == 0) {
     const rg_care care = find_part_care(job);
     if (care != RG_CARE_PIXEL) {
       job->rows_left = 0;
       return care;
     }
-    job->part_pixels = job->run.num_pixels;
-    job->run.num_rows = 1;
+    job->part_pixels = run->num_pixels;
+    run->num_pixels = 0; /* none of them is done */
+    run->num_rows = 1;
   }
   return find_segment(job);
 }

@@ -45,8 +45,8 @@ typedef struct rg_remap_job {
   uint8_t part_pixels;   /* of such a row, where the part at hand is done in
                             segments of rows; 0: not yet */
   uint8_t rows_left;     /* of the part; 0: the run is the last one */
-  rg_block_walk walk;
   rg_run run;
+  rg_block_walk walk;
   rg_position position; /* of the pixel that a run of RG_CARE_PIXEL is */
 #if RG_KEEP_LINES
   uint16_t whole_parts; /* that a row of parts has, from the left */

@@ -9,10 +9,23 @@ static RG_NOINLINE void fill_grey_run(const rg_run* run, uint16_t border) {
   rg_fill_run(run, &kGrey, &border);
 }
 
+/* A position with a source lies in the frame; a neighbour beyond that has
+ * weight zero. */
 static RG_NOINLINE void remap_grey_pixel(const rg_remap_job* job,
-                                         uint16_t border) {
-  if (!rg_remap_pixel(job, &kGrey, 1, RG_SAMPLING_BILINEAR))
-    fill_grey_run(&job->run, border);
+                                         uint8_t border) {
+  const rg_run* const run = &job->run;
+  const int32_t x_q12 = job->position.q12[0], y_q12 = job->position.q12[1];
+  uint8_t* const out = run->out + run->out_pixel;
+  *out = border;
+  if (!rg_is_in(rg_job_range(job, &kGrey, 0), x_q12) ||
+      !rg_is_in(rg_job_range(job, &kGrey, 1), y_q12))
+    return;
+  const uint32_t x = (uint32_t)x_q12 + rg_rounding(RG_SAMPLE_8, 0);
+  const uint32_t y = (uint32_t)y_q12, column = x >> 12, row = y >> 12;
+  const uint8_t* const upper = run->data + (size_t)row * run->stride + column;
+  const uint8_t* const lower =
+      row + 1 < job->size[1] ? upper + run->stride : upper;
+  *out = (uint8_t)rg_blend_bytes(upper, lower, column + 1 < job->size[0], x, y);
 }
 
 static RG_INLINE void remap_grey_part(rg_remap_job* job, const rg_band* band) {

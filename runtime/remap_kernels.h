@@ -22,14 +22,14 @@ extern "C" {
 /* Pixels of a block. The source pixel of each, and its right, lower and
  * diagonal neighbours, lie in the image. */
 typedef struct rg_run {
-  const uint8_t* data; /* row 0 of the source is first_source_row */
-  uint32_t stride, out_stride;
-  uint8_t* out; /* row first_row of the output, from its left end */
-  rg_block block;
   uint16_t out_pixel; /* first_pixel of the block, in the output's row */
   uint16_t first_source_row;
   uint8_t first_row, num_rows;     /* of the block */
   uint8_t first_pixel, num_pixels; /* of the block's rows; neither num is 0 */
+  const uint8_t* data;             /* row 0 of the source is first_source_row */
+  uint32_t stride, out_stride;
+  uint8_t* out; /* row first_row of the output, from its left end */
+  rg_block block;
 } rg_run;
 
 /* From a row of the run's block: position (0, 0) becomes data. */
@@ -82,9 +82,8 @@ static inline int rg_fits_offsets(const rg_run* run, uint32_t num_pixels,
     for (int c = 0; c < 2; ++c) {
       const int32_t step = rg_edge_step(run, k, c);
       const uint32_t size = (uint32_t)(step < 0 ? -step : step) + 2;
-      const uint32_t last_q12 = (num_pixels - 1) * size + 4111;
-      if (size > 65536 || last_q12 > 65535) return 0;
-      beyond[c] = last_q12 >> 12;
+      if (size > (65535 - 4111) / (num_pixels - 1)) return 0;
+      beyond[c] = ((num_pixels - 1) * size + 4111) >> 12;
     }
     if (run->stride > 65535 ||
         beyond[1] * run->stride + beyond[0] * channels > 65535)

@@ -58,37 +58,23 @@ void rg_next_block(rg_block_walk* walk, rg_block* block) {
 }
 
 #else
-/* Whether a block of the row is marked as empty. */
-static uint8_t is_block_empty(const rg_block_walk* walk, uint32_t column) {
-  const uint8_t* const section = walk->section;
-  const uint32_t columns = rg_load_u16(section + 4);
-  const uint8_t* const marks =
-      section + rg_load_u32(section + 76) +
-      rg_load_u16(section + 6) * columns * vertex_size(section);
-  const uint32_t block =
-      ((uint32_t)walk->row >> num_log2(walk, 1)) * (columns - 1) + column;
-  return (marks[block >> 3] >> (block & 7)) & 1;
-}
-
-/* Where a column of vertices crosses the lines above and below the row of
- * parts: ends[0] and ends[2]. So far, where it crosses those of the blocks. */
-static RG_SHARED const uint8_t* find_vertices(const rg_block_walk* walk,
-                                              uint32_t column,
+/* Where vertices (i, j) and (i, j + 1) stand: ends[0] and ends[2]. Returns the
+ * former. */
+static RG_SHARED const uint8_t* find_vertices(const uint8_t* section,
+                                              uint32_t i, uint32_t j,
                                               rg_position* ends) {
-  const uint8_t* const section = walk->section;
-  const uint32_t j = (uint32_t)walk->row >> num_log2(walk, 1);
-  const uint32_t size = vertex_size(section);
   const uint32_t columns = rg_load_u16(section + 4);
+  const uint32_t size = vertex_size(section);
   const uint8_t* const above =
-      section + rg_load_u32(section + 76) + (j * columns + column) * size;
+      section + rg_load_u32(section + 76) + (j * columns + i) * size;
   const uint8_t* const below = above + columns * size;
-  const int32_t scale = 1 << section[9];
   for (uint32_t c = 0; c < 2; ++c) {
     /* Of pairs of 32 bits: origin, column_step, row_step. */
     const uint8_t* const affine = section + 28 + 4 * c;
     const uint32_t row_step = rg_load_u32(affine + 16);
     const uint32_t plane =
-        rg_load_u32(affine) + column * rg_load_u32(affine + 8) + j * row_step;
+        rg_load_u32(affine) + i * rg_load_u32(affine + 8) + j * row_step;
+    const int32_t scale = 1 << section[9];
     ends[0].q12[c] = (int32_t)plane + rg_load_i16(above + 2 * c) * scale;
     ends[2].q12[c] =
         (int32_t)(plane + row_step) + rg_load_i16(below + 2 * c) * scale;
@@ -143,22 +129,39 @@ static RG_NOINLINE void find_part(const rg_block_walk* walk,
   }
 }
 
+/* Whether block (i, j) is marked as empty. */
+static uint8_t is_block_empty(const uint8_t* section, uint32_t i, uint32_t j) {
+  const uint32_t columns = rg_load_u16(section + 4);
+  const uint32_t num_vertices = rg_load_u16(section + 6) * columns;
+  const uint8_t* const marks =
+      section + rg_load_u32(section + 76) + num_vertices * vertex_size(section);
+  const uint32_t block = j * (columns - 1) + i;
+  return (marks[block >> 3] >> (block & 7)) & 1;
+}
+
 /* Each part from the vertices of its block: nothing is kept. */
 void rg_next_block(rg_block_walk* walk, rg_block* block) {
-  const uint32_t log2 = num_log2(walk, 0);
-  const uint32_t part = walk->next_part++;
-  const uint32_t column = part >> log2;
+  const uint8_t* const section = walk->section;
+  const uint32_t i = (uint32_t)walk->next_part++ >> num_log2(walk, 0);
+  const uint32_t j = (uint32_t)walk->row >> num_log2(walk, 1);
   block->width_log2 = walk->part_log2[0];
   block->height_log2 = walk->part_log2[1];
-  walk->is_empty = is_block_empty(walk, column);
-  rg_position* const corners = block->corners;
-  find_vertices(walk, column + 1, corners + 1);
-  const uint8_t* const vertex = find_vertices(walk, column, corners);
-  if (walk->section[10] != 0) find_part(walk, vertex, corners);
+  walk->is_empty = is_block_empty(section, i, j);
+  find_vertices(section, i + 1, j, block->corners + 1);
+  const uint8_t* const vertex = find_vertices(section, i, j, block->corners);
+  if (section[10] != 0) find_part(walk, vertex, block->corners);
 }
 
 #endif
 
 void rg_find_block_row(const rg_block* block, uint32_t r, rg_block_row* row) {
+#if RG_KEEP_LINES
   rg_find_row(block, r, row);
+#else
+  const int end = (int)rg_times(2);
+  int c = 0;
+  do {
+    rg_find_row_axis(block, r, c, row);
+  } while (++c != end);
+#endif
 }

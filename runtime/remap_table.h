@@ -72,17 +72,21 @@ typedef struct rg_block_walk {
 #endif
 } rg_block_walk;
 
-/* To the first part of row j of parts of 2^width_log2 x 2^height_log2 output
- * pixels: a block is 1 to 8 such parts wide and high, 1 in a table without
- * bends. */
+/* To the first part of row j of parts, the sizes of which are known. */
+static inline void rg_start_parts(rg_block_walk* walk, uint32_t j) {
+  walk->row = (uint16_t)j;
+  walk->next_part = 0;
+}
+
+/* The same, of parts of 2^width_log2 x 2^height_log2 output pixels: a block is
+ * 1 to 8 such parts wide and high, 1 in a table without bends. */
 static inline void rg_start_walk(const uint8_t* section, uint32_t width_log2,
                                  uint32_t height_log2, uint32_t j,
                                  rg_block_walk* walk) {
   walk->section = section;
-  walk->row = (uint16_t)j;
-  walk->next_part = 0;
   walk->part_log2[0] = (uint8_t)width_log2;
   walk->part_log2[1] = (uint8_t)height_log2;
+  rg_start_parts(walk, j);
 }
 
 /* The corners of the part, and on to the next one. */

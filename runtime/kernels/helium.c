@@ -14,38 +14,47 @@
 
 #define ROWS 4
 
-/* Some rows of a run at once: where the least x and y of a first segment lie,
- * and how far these are from its first lane. */
-typedef struct row_group {
-  int32_t x[ROWS], y[ROWS], step_x[ROWS], step_y[ROWS], back[ROWS], up[ROWS];
-} row_group;
+/* What a row begins with: where the least x and y of a first segment lie, the
+ * steps, and how far these are from its first lane. Of ROWS rows at once, and
+ * so ROWS apart. */
+enum {
+  X = 0 * ROWS,
+  STEP_X = 1 * ROWS,
+  BACK = 2 * ROWS,
+  Y = 3 * ROWS,
+  STEP_Y = 4 * ROWS,
+  UP = 5 * ROWS,
+  GROUP_SIZE = 6 * ROWS
+};
 
-/* One coordinate of rows from row r of the block on. */
-INLINE void find_rows(const rg_run* run, int c, uint32_t r, int32_t origin,
-                      int32_t* start, int32_t* steps, int32_t* to_least) {
+/* One coordinate of rows that are so far down in the block. */
+INLINE void find_rows(const rg_run* run, int c, int32x4_t row, int32_t origin,
+                      int32_t width_shift, int32_t height_shift,
+                      int32_t* values) {
   const rg_position* const p = run->block.corners;
-  const int32_t shift = -(int32_t)run->block.height_log2;
-  const int32x4_t row = vreinterpretq_s32_u32(vidupq_n_u32(r, 1));
   int32x4_t down = vmulq_n_s32(row, p[2].q12[c] - p[0].q12[c]);
   const int32x4_t left =
-      vaddq_n_s32(vrshlq_n_s32(down, shift), p[0].q12[c] - origin);
+      vaddq_n_s32(vrshlq_n_s32(down, height_shift), p[0].q12[c] - origin);
   down = vmulq_n_s32(row, p[3].q12[c] - p[1].q12[c]);
   const int32x4_t right =
-      vaddq_n_s32(vrshlq_n_s32(down, shift), p[1].q12[c] - origin);
-  const int32x4_t step =
-      vrshlq_n_s32(vsubq_s32(right, left), -(int32_t)run->block.width_log2);
+      vaddq_n_s32(vrshlq_n_s32(down, height_shift), p[1].q12[c] - origin);
+  const int32x4_t step = vrshlq_n_s32(vsubq_s32(right, left), width_shift);
   const int32x4_t back =
       vminq_s32(vmulq_n_s32(step, LANES - 1), vdupq_n_s32(0));
-  vstrwq_s32(start, vaddq_s32(vmlaq_n_s32(left, step, run->first_pixel), back));
-  vstrwq_s32(steps, step);
-  vstrwq_s32(to_least, back);
+  vstrwq_s32(values + X,
+             vaddq_s32(vmlaq_n_s32(left, step, run->first_pixel), back));
+  vstrwq_s32(values + STEP_X, step);
+  vstrwq_s32(values + BACK, back);
 }
 
 static RG_NOINLINE void find_row_group(const rg_run* run, uint32_t r,
-                                       row_group* rows) {
-  find_rows(run, 0, r, -16, rows->x, rows->step_x, rows->back);
-  find_rows(run, 1, r, run->first_source_row << 12, rows->y, rows->step_y,
-            rows->up);
+                                       int32_t* values) {
+  const int32x4_t row = vreinterpretq_s32_u32(vidupq_n_u32(r, 1));
+  const int32_t width_shift = -(int32_t)run->block.width_log2;
+  const int32_t height_shift = -(int32_t)run->block.height_log2;
+  find_rows(run, 0, row, -16, width_shift, height_shift, values);
+  find_rows(run, 1, row, run->first_source_row << 12, width_shift, height_shift,
+            values + Y);
 }
 
 /* One row of samples across, times 128. */
@@ -84,26 +93,24 @@ INLINE void blend_segment(const uint8_t* base, uint32_t stride,
   }
 }
 
-/* Row k of a group. */
-INLINE void blend_row(const rg_run* run, const row_group* rows, uint32_t k,
+/* The second segment has so many pixels that the first one has not. */
+INLINE void blend_row(const rg_run* run, const int32_t* row, uint32_t pixels,
                       uint32_t channels, uint8_t* out) {
   const uint8_t* const data = run->data;
   const uint32_t stride = run->stride;
-  const uint32_t num_pixels = run->num_pixels;
-  const uint32_t step_x = (uint32_t)rows->step_x[k];
-  const uint32_t step_y = (uint32_t)rows->step_y[k];
-  uint32_t x = (uint32_t)rows->x[k], y = (uint32_t)rows->y[k];
+  const uint32_t step_x = (uint32_t)row[STEP_X];
+  const uint32_t step_y = (uint32_t)row[STEP_Y];
+  uint32_t x = (uint32_t)row[X], y = (uint32_t)row[Y];
   const uint16x8_t lane = vidupq_n_u16(0, 1);
   const uint16x8_t lanes_x =
-      vsubq_n_u16(vmulq_n_u16(lane, (uint16_t)step_x), (uint16_t)rows->back[k]);
+      vsubq_n_u16(vmulq_n_u16(lane, (uint16_t)step_x), (uint16_t)row[BACK]);
   const uint16x8_t lanes_y =
-      vsubq_n_u16(vmulq_n_u16(lane, (uint16_t)step_y), (uint16_t)rows->up[k]);
-  uint8_t* const last = out + (num_pixels - LANES) * channels;
-  /* The second segment may begin within the first. */
-  uint32_t pixels = (num_pixels - 1) % LANES + 1;
+      vsubq_n_u16(vmulq_n_u16(lane, (uint16_t)step_y), (uint16_t)row[UP]);
+  uint8_t* const last = out + (run->num_pixels - LANES) * channels;
   for (;;) {
-    const uint8_t* const base =
-        data + (y >> 12) * stride + (x >> 12) * channels;
+    const uint8_t* base = data + (x >> 12) * channels;
+    RG_IN_REGISTER(base); /* else more sums than two */
+    base += (y >> 12) * stride;
     blend_segment(base, stride, channels,
                   vaddq_n_u16(lanes_x, (uint16_t)(x & 4095)),
                   vaddq_n_u16(lanes_y, (uint16_t)(y & 4095)), out);
@@ -116,37 +123,39 @@ INLINE void blend_row(const rg_run* run, const row_group* rows, uint32_t k,
 }
 
 /* Functions of their own, so that their loops have all registers. */
-typedef void blend_one_row(const rg_run* run, const row_group* rows, uint32_t k,
-                           uint8_t* out);
-#define ROW_OF(channels)                                                    \
-  static RG_NOINLINE void blend_row_##channels##_helium(                    \
-      const rg_run* run, const row_group* rows, uint32_t k, uint8_t* out) { \
-    blend_row(run, rows, k, channels, out);                                 \
+typedef void blend_one_row(const rg_run* run, const int32_t* row,
+                           uint32_t pixels, uint8_t* out);
+#define ROW_OF(channels)                                                      \
+  static RG_NOINLINE void blend_row_##channels##_helium(                      \
+      const rg_run* run, const int32_t* row, uint32_t pixels, uint8_t* out) { \
+    blend_row(run, row, pixels, channels, out);                               \
   }
 ROW_OF(1)
 ROW_OF(2)
 ROW_OF(3)
 ROW_OF(4)
 
-INLINE void blend(const rg_run* run, uint32_t channels, blend_one_row* blend_k,
-                  rg_blend* portable) {
+INLINE void blend(const rg_run* run, uint32_t channels,
+                  blend_one_row* blend_one, rg_blend* portable) {
   if (run->num_pixels < LANES || !rg_fits_offsets(run, LANES, channels)) {
     portable(run);
     return;
   }
+  /* The second segment of a row may begin within the first. */
+  const uint32_t pixels = (run->num_pixels - 1u) % LANES + 1;
   uint8_t* out = run->out + run->out_pixel * channels;
   uint32_t r = run->first_row, rest = run->num_rows;
   do {
-    const uint32_t num_rows = rest < ROWS ? rest : ROWS;
-    row_group rows;
-    uint32_t k = 0;
-    find_row_group(run, r, &rows);
-    do {
-      blend_k(run, &rows, k, out);
-      out += run->out_stride;
-    } while (++k != num_rows);
+    int32_t values[GROUP_SIZE];
+    const int32_t* row = values;
+    uint32_t num_rows = rest < ROWS ? rest : ROWS;
+    find_row_group(run, r, values);
     r += num_rows;
     rest -= num_rows;
+    do {
+      blend_one(run, row++, pixels, out);
+      out += run->out_stride;
+    } while (--num_rows != 0);
   } while (rest != 0);
 }
 

@@ -198,26 +198,32 @@ static RG_INLINE int has_turns(blended rounding) {
   return rounding >> (8 * sizeof(blended) - 1) != 0;
 }
 
-/* A function of its own, so that the loop has all registers. */
+/* Where an odd row enters the loop at its middle. */
+#define IS_SHORT (!RG_IS_FAST && !RG_KEEP_LINES)
+
 static RG_INLINE void blend_row_1(const rg_run* run, edge_walk edges[4],
                                   uint8_t* out) {
   rg_block_row row;
   next_row(run, edges, &row);
   const uint32_t num_pixels = run->num_pixels;
-  blended rounding = ROUNDING - (num_pixels >> 1) * TURN;
+  blended rounding = ROUNDING - ((num_pixels + 1) >> 1) * TURN;
   row_walk walk;
   start_walk(run, &row, &walk);
-  if ((num_pixels & 1) != 0) {
+  if ((num_pixels & 1) != 0) { /* half a turn */
+    if (IS_SHORT) goto second;
     *out++ = (uint8_t)blend_pixel(&walk, rounding);
     step_on(&walk);
+    rounding += TURN;
     if (!has_turns(rounding)) return;
   }
   do {
     *out++ = (uint8_t)blend_pixel(&walk, rounding);
     step_on(&walk);
     RG_IN_REGISTER(out);
+  second:
     *out++ = (uint8_t)blend_pixel(&walk, rounding);
     step_on(&walk);
+    if (IS_SHORT) RG_IN_REGISTER(out);
     rounding += TURN;
   } while (has_turns(rounding));
 }
@@ -230,6 +236,7 @@ void rg_blend_1(const rg_run* run) {
   do {
     uint8_t* const row = out;
     RG_IN_MEMORY(out);
+    RG_IN_MEMORY(rows);
     blend_row_1(run, edges, row);
     RG_IN_MEMORY(run);
     out += run->out_stride;
