@@ -9,10 +9,6 @@
 #include "planes.h"
 #include "remap_blocks.h"
 
-static inline int32_t rg_clamp(int32_t value, int32_t min, int32_t max) {
-  return value < min ? min : value > max ? max : value;
-}
-
 static RG_INLINE void rg_put(const rg_lattice* lattice, uint8_t* row,
                              uint32_t index, uint32_t value) {
   if (lattice->kind == RG_SAMPLE_8)
@@ -97,8 +93,7 @@ static RG_INLINE int rg_remap_pixel(const rg_remap_job* job,
   const uint32_t target = lattice->first_sample + job->run.out_pixel * step;
   for (uint32_t c = 0; c < lattice->num_channels; ++c)
     rg_put(lattice, job->run.out, target + c,
-           is_grey ? rg_blend_samples(kind, &at, index + c)
-                   : rg_mix_samples(kind, &at, index + c));
+           rg_blend_samples(kind, &at, index + c));
   return 1;
 }
 
