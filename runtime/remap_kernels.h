@@ -123,13 +123,6 @@ void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice);
 #define RG_IN_REGISTER(value) ((void)(value))
 #endif
 
-/* A value that a loop before does not keep in a register. */
-#if defined(__ARM_FEATURE_SIMD32)
-#define RG_IN_MEMORY(value) __asm__("" : "+m"(value))
-#else
-#define RG_IN_MEMORY(value) ((void)(value))
-#endif
-
 /* Bytes 0 and 2 to halves, and bytes 1 and 3. */
 static inline uint32_t rg_even_bytes(uint32_t bytes) {
 #if defined(__ARM_FEATURE_SIMD32)
