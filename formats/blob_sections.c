@@ -120,10 +120,9 @@ rg_fault rg_check_remap(const uint8_t* section, uint32_t size, uint32_t width,
       size, data_offset, RG_REMAP_FIELDS_SIZE,
       vertex_size * columns * rows + rg_mask_size((columns - 1) * (rows - 1)));
   if (fault != 0) return fault;
-  const uint8_t* const residuals = section + data_offset;
-  return are_vertices_in_range(section, section, residuals, vertex_size) &&
-                 are_vertices_in_range(section, section + 4, residuals + 2,
-                                       vertex_size)
-             ? 0
-             : -RG_ERR_REMAP_VERTEX;
+  for (uint32_t c = 0; c < 2; ++c)
+    if (!are_vertices_in_range(section, section + 4 * c,
+                               section + data_offset + 2 * c, vertex_size))
+      return -RG_ERR_REMAP_VERTEX;
+  return 0;
 }
