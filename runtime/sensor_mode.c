@@ -69,8 +69,8 @@ static int convert_axis(const mode_axis* axis, int is_to_calibrated,
     return 0;
   if (is_to_calibrated)
     at_q16 += axis->offset_q16;
-  else if (axis->is_flipped)
-    at_q16 = last_q16 - at_q16;
+  else
+    at_q16 = axis->is_flipped ? last_q16 - at_q16 : at_q16;
   *q16 = at_q16;
   return is_within_limit(at_q16);
 }
@@ -130,7 +130,7 @@ rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
   if (!is_serial((const char*)identity + 40, serial)) return RG_MATCH_NONE;
   int is_exact = 1;
   for (int c = 0; c < 2; ++c) {
-    const uint32_t size = c == 0 ? width : height;
+    const uint16_t size = c == 0 ? width : height;
     const uint32_t calibrated_size = c == 0 ? camera->width : camera->height;
     is_exact &= size == calibrated_size;
     if (!mode) continue;
