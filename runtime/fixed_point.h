@@ -170,6 +170,13 @@ static RG_INLINE int32_t rg_read_late(int32_t* value) {
   return *value;
 }
 
+/* A value that a loop before does not keep in a register. */
+#if defined(__ARM_FEATURE_SIMD32)
+#define RG_IN_MEMORY(value) __asm__("" : "+m"(value))
+#else
+#define RG_IN_MEMORY(value) ((void)(value))
+#endif
+
 /* |value|, 2^31 for the lowest. */
 static inline uint32_t rg_magnitude(int32_t value) {
   return value < 0 ? 0u - (uint32_t)value : (uint32_t)value;

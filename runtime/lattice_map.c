@@ -6,13 +6,17 @@ void rg_lattice_block(const rg_lattice* lattice, rg_block* block) {
   if ((lattice->log2[0] | lattice->log2[1]) == 0) return; /* image pixels */
   const uint32_t shift = block->width_log2 + 1u;
   for (int c = 0; c < 2; ++c) {
-    int32_t from[4];
-    for (uint32_t k = 0; k < 4; ++k) from[k] = block->corners[k].q12[c];
-    for (uint32_t k = 0; k < 4; ++k) {
-      const int32_t across = (from[k | 1] - from[k & 2]) * lattice->half[0];
-      const int32_t down = (from[k | 2] - from[k & 1]) * lattice->half[1];
-      block->corners[k].q12[c] = rg_to_lattice(
-          lattice, c, from[k] + rg_round_shift(across + down, shift), 1);
+    rg_position* corner = block->corners;
+    const int32_t half_y = lattice->half[1];
+    const int32_t left = (corner[2].q12[c] - corner[0].q12[c]) * half_y;
+    const int32_t right = (corner[3].q12[c] - corner[1].q12[c]) * half_y;
+    for (int k = 0; k < 2; ++k, corner += 2) {
+      const int32_t from = corner[0].q12[c], to = corner[1].q12[c];
+      const int32_t edge = (to - from) * lattice->half[0];
+      corner[0].q12[c] = rg_to_lattice(
+          lattice, c, from + rg_round_shift(edge + left, shift), 1);
+      corner[1].q12[c] = rg_to_lattice(
+          lattice, c, to + rg_round_shift(edge + right, shift), 1);
     }
   }
   block->width_log2 = (uint8_t)(block->width_log2 - lattice->log2[0]);

@@ -16,8 +16,8 @@ extern "C" {
  * rounded. */
 static inline int32_t rg_to_lattice(const rg_lattice* lattice, int c,
                                     int32_t q12, int32_t bias) {
-  q12 -= lattice->half[c] * 2048;
-  return lattice->log2[c] == 0 ? q12 : (q12 + bias) >> 1;
+  const int32_t log2 = lattice->log2[c]; /* 0 or 1 */
+  return (q12 - lattice->half[c] * 2048 + bias * log2) >> log2;
 }
 
 /* A range of one coordinate of positions, inclusive. */
@@ -91,8 +91,8 @@ static RG_INLINE void rg_lattice_corners(const rg_lattice_lanes* lattice,
 
 #endif
 
-static inline int rg_is_in(rg_range range, int32_t q12) {
-  return q12 >= range.min_q12 && q12 <= range.max_q12;
+static inline int32_t rg_clamp(int32_t value, int32_t min, int32_t max) {
+  return value < min ? min : value > max ? max : value;
 }
 
 #ifdef __cplusplus

@@ -11,10 +11,13 @@
 #define MAX_DOUBLINGS 11
 
 /* focal x / z + center, with 1 / z = reciprocal 2^(doublings - 2); 0 if that
- * lies beyond the limit. */
-static int project_coordinate(int32_t x_q30, int32_t reciprocal_q29,
-                              int doublings, uint32_t focal_q16,
-                              int32_t center_q16, int32_t* pixel_q16) {
+ * lies beyond the limit. intrinsics: focal, and behind the other axis' one,
+ * center. */
+static RG_INLINE int project_coordinate(const uint8_t* intrinsics,
+                                        int32_t reciprocal_q29, int doublings,
+                                        int32_t x_q30, int32_t* pixel_q16) {
+  const uint32_t focal_q16 = rg_load_u32(intrinsics);
+  const int32_t center_q16 = rg_load_i32(intrinsics + 8);
   const int32_t ratio_q28 = 2 * rg_multiply_high(x_q30, reciprocal_q29);
   uint32_t low;
   const uint32_t high =
@@ -28,9 +31,8 @@ static int project_coordinate(int32_t x_q30, int32_t reciprocal_q29,
       (int32_t)(((high << (32 - shift)) | (low >> shift)) + half);
   const int32_t sum_q16 =
       center_q16 + (ratio_q28 < 0 ? -distance_q16 : distance_q16);
-  if (sum_q16 >= PIXEL_LIMIT_Q16 || sum_q16 <= -PIXEL_LIMIT_Q16) return 0;
   *pixel_q16 = sum_q16;
-  return 1;
+  return sum_q16 < PIXEL_LIMIT_Q16 && sum_q16 > -PIXEL_LIMIT_Q16;
 }
 
 rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
@@ -44,16 +46,13 @@ rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
   const int doublings = rg_leading_zeros((uint32_t)ray.z_q30);
   if (doublings > MAX_DOUBLINGS) return RG_ERR_NOT_SEEN;
   const int32_t r_q29 = rg_reciprocal((uint32_t)ray.z_q30 << doublings);
-  rg_pixel found;
-  if (!project_coordinate(ray.x_q30, r_q29, doublings,
-                          rg_load_u32(section + 52), rg_load_i32(section + 60),
-                          &found.x_q16) ||
-      !project_coordinate(ray.y_q30, r_q29, doublings,
-                          rg_load_u32(section + 56), rg_load_i32(section + 64),
-                          &found.y_q16))
-    return RG_ERR_NOT_SEEN;
-  undistorted->x_q16 = found.x_q16;
-  undistorted->y_q16 = found.y_q16;
+  int32_t found_q16[2] = {ray.x_q30, ray.y_q30}; /* until they are projected */
+  for (int c = 0; c < 2; ++c)
+    if (!project_coordinate(section + 52 + 4 * c, r_q29, doublings,
+                            found_q16[c], &found_q16[c]))
+      return RG_ERR_NOT_SEEN;
+  undistorted->x_q16 = found_q16[0];
+  undistorted->y_q16 = found_q16[1];
   return RG_OK;
 }
 

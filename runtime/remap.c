@@ -25,13 +25,47 @@ static RG_NOINLINE void fill_run(const rg_remap_job* job,
                                  const rg_target* target) {
   if (target->border != RG_BORDER_KEEP)
     rg_fill_run(&job->run, job->lattice,
-                target->border_values + job->lattice->first_border);
+                target->border_values + job->lattice->index);
 }
 
+static RG_INLINE const uint8_t* source_row(const rg_remap_job* job,
+                                           uint32_t row) {
+  if (job->ring_rows != 0) row = (uint32_t)rg_remainder(row, job->ring_rows);
+  return job->run.data + (size_t)row * job->run.stride;
+}
+
+/* Coordinate c of the position in the source that the run's only pixel takes,
+ * rounded; -1 where there is none. */
+static RG_SHARED int32_t find_position(const rg_remap_job* job,
+                                       const rg_target* target, int c) {
+  int32_t moved = rg_nearest_source(job, c);
+  if (moved != job->position.q12[c] && target->border != RG_BORDER_CLAMP)
+    return -1;
+  moved = rg_clamp(moved, 0, (job->size[c] - 1) << 12);
+  return target->sampling == RG_SAMPLING_NEAREST
+             ? (moved + 2048) & ~4095
+             : moved + (int32_t)rg_rounding(job->lattice->kind, c);
+}
+
+/* The run's only pixel, with every check. */
 static RG_NOINLINE void remap_pixel(const rg_remap_job* job,
                                     const rg_target* target) {
-  if (!rg_remap_pixel(job, job->lattice, target->sampling))
+  const int32_t x_q12 = find_position(job, target, 0);
+  const int32_t y_q12 = find_position(job, target, 1);
+  if ((x_q12 | y_q12) < 0) {
     fill_run(job, target);
+    return;
+  }
+  rg_neighbors at;
+  at.x_q12 = (uint32_t)x_q12;
+  at.y_q12 = (uint32_t)y_q12;
+  /* Neighbours beyond the last have weight zero. */
+  const uint32_t row = at.y_q12 >> 12;
+  at.upper = source_row(job, row);
+  at.lower = source_row(job, row + (row + 1 < job->size[1]));
+  at.right =
+      (at.x_q12 >> 12) + 1 < job->size[0] ? job->lattice->sample_step : 0;
+  rg_blend_pixel(job->lattice, &at, job->run.out, job->run.out_pixel);
 }
 
 static RG_INLINE void remap_run(const rg_remap_job* job,
@@ -68,20 +102,18 @@ static RG_INLINE void remap_parts(rg_remap_job* job, const rg_target* target) {
 static RG_NOINLINE void start_lattice(rg_remap_job* job, const rg_image* image,
                                       const rg_target* target) {
   const rg_lattice* const lattice = job->lattice;
-  const uint32_t plane = lattice->plane, log2 = lattice->log2[1];
+  const uint32_t plane = lattice->plane;
   const uint32_t stride = image->planes[plane].stride;
   const uint32_t out_stride = target->planes[plane].stride;
   rg_set_kernels(job, target->kernels, stride);
-  job->size[0] = (uint16_t)(image->width >> lattice->log2[0]);
-  job->size[1] = job->num_rows = (uint16_t)(image->height >> log2);
-  job->ring_rows = (uint16_t)(image->ring_rows >> log2);
+  rg_set_source(job, image->width, image->height);
+  job->ring_rows = (uint16_t)(image->ring_rows >> lattice->log2[1]);
   job->run.data =
       image->planes[plane].data + lattice->first_row * (size_t)stride;
   job->run.stride = stride * lattice->row_step;
   job->run.out =
       target->planes[plane].data + lattice->first_row * (size_t)out_stride;
   job->run.out_stride = out_stride * lattice->row_step;
-  job->run.first_source_row = 0;
   rg_start_rows(job, target->first_row, target->num_rows);
 }
 
@@ -91,10 +123,12 @@ static RG_NOINLINE rg_status remap_lattices(const uint8_t* section,
                                             const rg_image* image,
                                             const rg_target* target) {
   rg_remap_job job;
+  rg_lattice lattice;
+  job.lattice = &lattice;
   job.walk.section = section;
   job.walk.is_clamped = target->border == RG_BORDER_CLAMP;
-  for (uint32_t k = rg_format_lattices(image->format, &job.lattice); k != 0;
-       --k, ++job.lattice) {
+  for (uint32_t k = 0; rg_find_lattice(image->format, k, &lattice);
+       k = lattice.index + 1u) {
     start_lattice(&job, image, target);
     while (rg_next_part(&job)) remap_parts(&job, target);
   }
@@ -103,67 +137,65 @@ static RG_NOINLINE rg_status remap_lattices(const uint8_t* section,
 
 /* ---- Checks -------------------------------------------------------------- */
 
-static rg_status check_plane(const rg_lattice* lattice, const uint8_t* data,
-                             uint32_t stride, uint32_t width) {
-  const uint32_t row_bytes = rg_plane_row_bytes(lattice, width);
-  if (row_bytes == 0 || stride < row_bytes) return RG_ERR_FRAME_SIZE;
-  if (lattice->kind == RG_SAMPLE_16 && (((uintptr_t)data | stride) & 1) != 0)
-    return RG_ERR_MISALIGNED;
+/* The plane of a lattice of an image, or of so many rows of one. */
+static RG_NOINLINE rg_status find_plane(const rg_lattice* lattice,
+                                        uint32_t width, uint32_t num_rows,
+                                        rg_plane* plane) {
+  plane->row_bytes = rg_plane_row_bytes(lattice, width);
+  plane->num_rows = (num_rows >> lattice->log2[1]) * lattice->row_step;
+  if (plane->row_bytes == 0 || plane->stride < plane->row_bytes)
+    return RG_ERR_FRAME_SIZE;
+  return lattice->kind == RG_SAMPLE_16 &&
+                 (((uintptr_t)plane->data | plane->stride) & 1) != 0
+             ? RG_ERR_MISALIGNED
+             : RG_OK;
+}
+
+/* Of image and target, whose formats, sizes and rows are right. */
+static RG_NOINLINE rg_status check_planes(const uint8_t* section,
+                                          const rg_image* image,
+                                          const rg_target* target) {
+  const uint32_t source_rows =
+      image->ring_rows != 0 ? image->ring_rows : image->height;
+  rg_plane planes[6]; /* three of the image, three of the target */
+  rg_lattice lattice;
+  for (uint32_t k = 0; k < 6; ++k) planes[k].num_rows = 0;
+  for (uint32_t k = 0; rg_find_lattice(image->format, k, &lattice); ++k) {
+    const uint32_t p = lattice.plane;
+    planes[p].data = image->planes[p].data;
+    planes[p].stride = image->planes[p].stride;
+    planes[p + 3].data = target->planes[p].data;
+    planes[p + 3].stride = target->planes[p].stride;
+    rg_status status =
+        find_plane(&lattice, image->width, source_rows, &planes[p]);
+    if (status == RG_OK)
+      status = find_plane(&lattice, rg_load_u16(section), target->num_rows,
+                          &planes[p + 3]);
+    if (status != RG_OK) return status;
+  }
+  for (uint32_t written = 3; written < 6; ++written)
+    for (uint32_t k = 0; k < written; ++k)
+      if (rg_do_planes_overlap(&planes[written], &planes[k]))
+        return RG_ERR_OVERLAP;
   return RG_OK;
 }
 
-static rg_status check_lattice(const uint8_t* section, const rg_image* image,
-                               const rg_target* target,
-                               const rg_lattice* lattice) {
-  const uint32_t odd_rows = (1u << lattice->log2[1]) - 1;
-  const uint32_t output_height = rg_load_u16(section + 2);
-  if (((image->height | output_height | image->ring_rows) & odd_rows) != 0)
-    return RG_ERR_FRAME_SIZE;
-  if (((target->first_row | target->num_rows) & odd_rows) != 0)
-    return RG_ERR_ROWS;
-  const uint32_t plane = lattice->plane;
+static RG_NOINLINE rg_status check_frames(const rg_camera* camera,
+                                          const rg_image* image,
+                                          const rg_target* target) {
   const rg_status status =
-      check_plane(lattice, image->planes[plane].data,
-                  image->planes[plane].stride, image->width);
+      rg_check_rows(camera, image->format, target->first_row, target->num_rows);
   if (status != RG_OK) return status;
-  return check_plane(lattice, target->planes[plane].data,
-                     target->planes[plane].stride, rg_load_u16(section));
-}
-
-/* The lattice's plane of an image, or of so many rows of one. */
-static void find_plane(const rg_lattice* lattice, const uint8_t* data,
-                       uint32_t stride, uint32_t width, uint32_t num_rows,
-                       rg_plane* plane) {
-  plane->data = data;
-  plane->stride = stride;
-  plane->row_bytes = rg_plane_row_bytes(lattice, width);
-  plane->num_rows = (num_rows >> lattice->log2[1]) * lattice->row_step;
-}
-
-static RG_NOINLINE int is_overlapping(const uint8_t* section,
-                                      const rg_image* image,
-                                      const rg_target* target,
-                                      const rg_lattice* lattices,
-                                      uint32_t num_lattices) {
-  const uint32_t source_rows =
-      image->ring_rows != 0 ? image->ring_rows : image->height;
-  rg_plane written, other;
-  for (uint32_t k = 0; k < num_lattices; ++k) {
-    const uint32_t p = lattices[k].plane;
-    find_plane(&lattices[k], target->planes[p].data, target->planes[p].stride,
-               rg_load_u16(section), target->num_rows, &written);
-    for (uint32_t j = 0; j < num_lattices; ++j) {
-      const uint32_t q = lattices[j].plane;
-      find_plane(&lattices[j], image->planes[q].data, image->planes[q].stride,
-                 image->width, source_rows, &other);
-      if (rg_do_planes_overlap(&written, &other)) return 1;
-      if (q <= p) continue;
-      find_plane(&lattices[j], target->planes[q].data, target->planes[q].stride,
-                 rg_load_u16(section), target->num_rows, &other);
-      if (rg_do_planes_overlap(&written, &other)) return 1;
-    }
-  }
-  return 0;
+  if ((uint32_t)target->border > RG_BORDER_KEEP ||
+      (uint32_t)target->sampling > RG_SAMPLING_NEAREST ||
+      (target->border == RG_BORDER_CLAMP && image->ring_rows != 0))
+    return RG_ERR_FORMAT;
+  const uint32_t heights = (uint32_t)image->height | image->ring_rows |
+                           rg_load_u16(camera->remap + 2);
+  if (image->width != camera->width || image->height != camera->height ||
+      (heights & rg_row_pairs(image->format)) != 0)
+    return RG_ERR_FRAME_SIZE;
+  return check_planes(camera->remap, image, target);
 }
 
 rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
@@ -174,36 +206,28 @@ rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
   return RG_OK;
 }
 
-static RG_NOINLINE rg_status check_frames(const rg_camera* camera,
-                                          const rg_image* image,
-                                          const rg_target* target) {
-  const uint8_t* const section = camera->remap;
-  if (!section) return RG_ERR_NO_REMAP;
-  const rg_lattice* lattices = 0;
-  const uint32_t num_lattices = rg_format_lattices(image->format, &lattices);
-  if (num_lattices == 0 || (uint32_t)target->border > RG_BORDER_KEEP ||
-      (uint32_t)target->sampling > RG_SAMPLING_NEAREST ||
-      (target->border == RG_BORDER_CLAMP && image->ring_rows != 0))
-    return RG_ERR_FORMAT;
-  if (image->width != camera->width || image->height != camera->height)
-    return RG_ERR_FRAME_SIZE;
-  for (uint32_t k = 0; k < num_lattices; ++k) {
-    const rg_status status =
-        check_lattice(section, image, target, &lattices[k]);
-    if (status != RG_OK) return status;
-  }
-  if ((uint32_t)target->first_row + target->num_rows > rg_load_u16(section + 2))
-    return RG_ERR_ROWS;
-  return is_overlapping(section, image, target, lattices, num_lattices)
-             ? RG_ERR_OVERLAP
-             : RG_OK;
+/* Whether a ring holds rows as rg_find_source_rows() has them. */
+static RG_NOINLINE int are_rows_there(const rg_image* image, uint32_t rows) {
+  const uint32_t first = rows & 0xffff, num_rows = rows >> 16;
+  return image->num_rows <= image->ring_rows &&
+         (num_rows == 0 ||
+          (first >= image->first_row &&
+           first + num_rows <= (uint32_t)image->first_row + image->num_rows));
+}
+
+static RG_NOINLINE rg_status remap_ring(const rg_camera* camera,
+                                        const rg_image* image,
+                                        const rg_target* target) {
+  const int32_t rows = rg_find_source_rows(camera, image->format,
+                                           target->first_row, target->num_rows);
+  if (!are_rows_there(image, (uint32_t)rows)) return RG_ERR_ROWS_MISSING;
+  return remap_lattices(camera->remap, image, target);
 }
 
 rg_status rg_remap(const rg_camera* camera, const rg_image* image,
                    const rg_target* target) {
-  rg_status status = check_frames(camera, image, target);
-  if (status == RG_OK && image->ring_rows != 0)
-    status = rg_check_ring(camera, image, target);
-  return status == RG_OK ? remap_lattices(camera->remap, image, target)
-                         : status;
+  const rg_status status = check_frames(camera, image, target);
+  if (status != RG_OK) return status;
+  if (image->ring_rows != 0) return remap_ring(camera, image, target);
+  return remap_lattices(camera->remap, image, target);
 }

@@ -86,6 +86,14 @@ static inline const rg_kernels* rg_kernels_of(const rg_remap_job* job) {
 #endif
 }
 
+/* The size of the source, in pixels of the image. */
+static inline void rg_set_source(rg_remap_job* job, uint32_t width,
+                                 uint32_t height) {
+  job->size[0] = (uint16_t)(width >> job->lattice->log2[0]);
+  job->size[1] = job->num_rows = (uint16_t)(height >> job->lattice->log2[1]);
+  job->run.first_source_row = 0;
+}
+
 /* Before the first part, of so many rows of the output, counted in pixels of
  * the image. The job holds its lattice, kernels, sizes, the walk's section and
  * is_clamped; and of the run, first_source_row, strides, data and out, which is

@@ -2,8 +2,8 @@
 #include "planes.h"
 #include "remap_pixels.h"
 
-static const rg_lattice kGrey = {0,      RG_SAMPLE_8, 0, 1, 1,
-                                 {0, 0}, {0, 0},      0, 1, 0};
+static const rg_lattice kGrey = {RG_SAMPLE_8, 0,      0, 1, 1,
+                                 {0, 0},      {0, 0}, 0, 1, 0};
 
 static RG_NOINLINE void fill_grey_run(const rg_run* run, uint16_t border) {
   rg_fill_run(run, &kGrey, &border);

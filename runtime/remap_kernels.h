@@ -130,13 +130,6 @@ void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice);
 #define RG_IN_REGISTER(value) ((void)(value))
 #endif
 
-/* A value that a loop before does not keep in a register. */
-#if defined(__ARM_FEATURE_SIMD32)
-#define RG_IN_MEMORY(value) __asm__("" : "+m"(value))
-#else
-#define RG_IN_MEMORY(value) ((void)(value))
-#endif
-
 /* Bytes 0 and 2 to halves, and bytes 1 and 3. */
 static inline uint32_t rg_even_bytes(uint32_t bytes) {
 #if defined(__ARM_FEATURE_SIMD32)
@@ -209,31 +202,50 @@ typedef struct rg_neighbors {
 } rg_neighbors;
 
 /* Two samples of a row, of up to 16 bits, with 8-bit weights. */
-static RG_INLINE uint32_t rg_blend_pair(uint32_t kind, const rg_neighbors* at,
-                                        const uint8_t* row, uint32_t index) {
+static inline uint32_t rg_blend_pair(const rg_neighbors* at, uint32_t left,
+                                     uint32_t right) {
   const uint32_t wx_q8 = (at->x_q12 >> 4) & 255;
-  const uint32_t left = rg_load_sample(kind, row, index);
-  const uint32_t right = rg_load_sample(kind, row, index + at->right);
   return left * (256 - wx_q8) + right * wx_q8;
 }
 
-/* Of any kind: sample number index of the upper row, and its neighbours. Sums
- * of samples of 16 bits are below 2^32 - 2^15. */
-static RG_INLINE uint32_t rg_blend_samples(uint32_t kind,
-                                           const rg_neighbors* at,
-                                           uint32_t index) {
-  if (kind == RG_SAMPLE_8)
-    return rg_blend_bytes(at->upper + index, at->lower + index, at->right,
-                          at->x_q12, at->y_q12);
-  const uint32_t upper_q8 = rg_blend_pair(kind, at, at->upper, index);
-  if (!RG_IS_FAST) RG_IN_REGISTER(at); /* the rest is read when it is needed */
-  const uint32_t lower_q8 = rg_blend_pair(kind, at, at->lower, index);
+/* Each field is read when it is needed: that takes less stack. */
+#if RG_IS_FAST
+#define RG_READ_LATE(at) ((void)(at))
+#else
+#define RG_READ_LATE(at) RG_IN_REGISTER(at)
+#endif
+
+/* Of more than 8 bits: sample number index of the upper row, and its
+ * neighbours. Sums of samples of 16 bits are below 2^32 - 2^15. */
+static RG_INLINE uint32_t rg_blend_wide(uint32_t kind, const rg_neighbors* at,
+                                        uint32_t index) {
+  uint32_t left = rg_load_sample(kind, at->upper, index);
+  RG_READ_LATE(at);
+  uint32_t right = rg_load_sample(kind, at->upper, index + at->right);
+  RG_READ_LATE(at);
+  const uint32_t upper_q8 = rg_blend_pair(at, left, right);
+  left = rg_load_sample(kind, at->lower, index);
+  RG_READ_LATE(at);
+  right = rg_load_sample(kind, at->lower, index + at->right);
+  RG_READ_LATE(at);
+  const uint32_t lower_q8 = rg_blend_pair(at, left, right);
   const uint32_t wy_q8 = (at->y_q12 >> 4) & 255;
   return (upper_q8 * (256 - wy_q8) + lower_q8 * wy_q8 + 0x8000) >> 16;
 }
 
-/* The same, out of line. */
-uint32_t rg_mix_samples(uint32_t kind, const rg_neighbors* at, uint32_t index);
+/* Of any kind. */
+static RG_INLINE uint32_t rg_blend_samples(uint32_t kind,
+                                           const rg_neighbors* at,
+                                           uint32_t index) {
+  return kind == RG_SAMPLE_8
+             ? rg_blend_bytes(at->upper + index, at->lower + index, at->right,
+                              at->x_q12, at->y_q12)
+             : rg_blend_wide(kind, at, index);
+}
+
+/* A pixel of any lattice, to the output's row. */
+void rg_blend_pixel(const rg_lattice* lattice, const rg_neighbors* at,
+                    uint8_t* row, uint32_t out_pixel);
 
 #ifdef __cplusplus
 }

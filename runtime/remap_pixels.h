@@ -9,10 +9,6 @@
 #include "planes.h"
 #include "remap_blocks.h"
 
-static inline int32_t rg_clamp(int32_t value, int32_t min, int32_t max) {
-  return value < min ? min : value > max ? max : value;
-}
-
 static RG_INLINE void rg_put(const rg_lattice* lattice, uint8_t* row,
                              uint32_t index, uint32_t value) {
   if (lattice->kind == RG_SAMPLE_8)
@@ -61,42 +57,6 @@ static RG_INLINE void rg_fill_run(const rg_run* run, const rg_lattice* lattice,
       RG_IN_REGISTER(index); /* else the compiler calls memset() */
     }
   }
-}
-
-static inline const uint8_t* rg_source_row(const rg_remap_job* job,
-                                           uint32_t row) {
-  if (job->ring_rows != 0) row = (uint32_t)rg_remainder(row, job->ring_rows);
-  return job->run.data + (size_t)row * job->run.stride;
-}
-
-/* The run's pixel, at its position moved into the lattice; 0 if it has no
- * source. */
-static RG_INLINE int rg_remap_pixel(const rg_remap_job* job,
-                                    const rg_lattice* lattice,
-                                    rg_sampling sampling) {
-  const uint32_t kind = lattice->kind, step = lattice->sample_step;
-  uint32_t q12[2], neighbor[2]; /* one beyond the last has weight zero */
-  for (int c = 0; c < 2; ++c) {
-    const rg_range range = rg_job_range(job, lattice, c);
-    const int32_t last = job->size[c] - 1, position = job->position.q12[c];
-    int32_t moved = rg_clamp(position, range.min_q12, range.max_q12);
-    if (moved != position && !job->walk.is_clamped) return 0;
-    moved = rg_clamp(moved, 0, last << 12);
-    q12[c] = sampling == RG_SAMPLING_NEAREST
-                 ? ((uint32_t)moved + 2048) & ~UINT32_C(4095)
-                 : (uint32_t)moved + rg_rounding(kind, c);
-    neighbor[c] = q12[c] >> 12 < (uint32_t)last;
-  }
-  const uint32_t row = q12[1] >> 12;
-  const rg_neighbors at = {q12[0], q12[1], rg_source_row(job, row),
-                           rg_source_row(job, row + neighbor[1]),
-                           neighbor[0] ? step : 0};
-  const uint32_t index = lattice->first_sample + (q12[0] >> 12) * step;
-  const uint32_t target = lattice->first_sample + job->run.out_pixel * step;
-  for (uint32_t c = 0; c < lattice->num_channels; ++c)
-    rg_put(lattice, job->run.out, target + c,
-           rg_mix_samples(kind, &at, index + c));
-  return 1;
 }
 
 #endif /* RAYGRID_REMAP_PIXELS_H */

@@ -1,18 +1,28 @@
-/* Whether a ring of rows has what a band of the output needs. */
+/* Which rows of the source a band of the output needs. */
 #ifndef RAYGRID_REMAP_SOURCE_ROWS_H
 #define RAYGRID_REMAP_SOURCE_ROWS_H
 
-#include "raygrid.h"
+#include "remap_blocks.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* Of arguments of rg_remap() that have passed its other checks.
+/* Whether the output has such rows.
  *
- * RG_ERR_ROWS_MISSING */
-rg_status rg_check_ring(const rg_camera* camera, const rg_image* image,
-                        const rg_target* target);
+ * RG_ERR_NO_REMAP, RG_ERR_FORMAT, RG_ERR_ROWS */
+rg_status rg_check_rows(const rg_camera* camera, rg_format format,
+                        uint32_t first_row, uint32_t num_rows);
+
+/* The first row of the source that rows of the output need, and in the upper
+ * half how many there are; or a status of rg_check_rows(), which is negative.
+ */
+int32_t rg_find_source_rows(const rg_camera* camera, rg_format format,
+                            uint32_t first_row, uint32_t num_rows);
+
+/* Coordinate c of the position that is nearest to the job's and has a source.
+ */
+int32_t rg_nearest_source(const rg_remap_job* job, int c);
 
 #ifdef __cplusplus
 }

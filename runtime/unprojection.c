@@ -13,47 +13,85 @@ rg_status rg_unproject(const rg_camera* camera, rg_pixel pixel, rg_ray* ray) {
   return RG_OK;
 }
 
-/* A row of four points of a line, and the column of four rows. Each product is
- * rounded, q28 to q27 and to q26. */
-static RG_INLINE void add_line_row(const uint8_t* points,
-                                   const int32_t w_q31[4],
-                                   int32_t row_weight_q31,
-                                   int32_t sums_q26[3]) {
-  int32_t b, a = rg_load_i32_pair(points, &b);
-  int32_t row_x = rg_multiply_high(a, w_q31[0]);
-  int32_t row_y = rg_multiply_high(b, w_q31[0]);
-  a = rg_load_i32_pair(points + 8, &b);
-  int32_t row_z = rg_multiply_high(a, w_q31[0]);
-  row_x = rg_multiply_high_add(row_x, b, w_q31[1]);
-  a = rg_load_i32_pair(points + 16, &b);
-  row_y = rg_multiply_high_add(row_y, a, w_q31[1]);
-  row_z = rg_multiply_high_add(row_z, b, w_q31[1]);
-  a = rg_load_i32_pair(points + 24, &b);
-  row_x = rg_multiply_high_add(row_x, a, w_q31[2]);
-  row_y = rg_multiply_high_add(row_y, b, w_q31[2]);
-  a = rg_load_i32_pair(points + 32, &b);
-  row_z = rg_multiply_high_add(row_z, a, w_q31[2]);
-  row_x = rg_multiply_high_add(row_x, b, w_q31[3]);
-  a = rg_load_i32_pair(points + 40, &b);
-  row_y = rg_multiply_high_add(row_y, a, w_q31[3]);
-  row_z = rg_multiply_high_add(row_z, b, w_q31[3]);
-  sums_q26[0] = rg_multiply_high_add(sums_q26[0], row_x, row_weight_q31);
-  sums_q26[1] = rg_multiply_high_add(sums_q26[1], row_y, row_weight_q31);
-  sums_q26[2] = rg_multiply_high_add(sums_q26[2], row_z, row_weight_q31);
+/* The B-spline of a row of four points of a line, and the column of four rows.
+ * Each product is rounded, q28 to q27 and to q26. Returns the row's last point.
+ */
+static RG_INLINE const uint8_t* add_line_row(const uint8_t* points,
+                                             const int32_t w_q31[4],
+                                             const int32_t** row_weight_q31,
+                                             int32_t sums_q26[3]) {
+#if RG_HAVE_SMMULR && defined(__thumb2__) && defined(__OPTIMIZE__)
+  /* Compilers would load pairs, of which there are more, and run out of
+   * registers. */
+  int32_t x, y, z, w0, w1;
+  __asm__(
+      "ldmia %[points]!, {r0, r1, r2}\n\t"
+      "ldrd %[w0], %[w1], %[first_weights]\n\t"
+      "smmulr %[x], r0, %[w0]\n\t"
+      "smmulr %[y], r1, %[w0]\n\t"
+      "smmulr %[z], r2, %[w0]\n\t"
+      "ldmia %[points]!, {r0, r1, r2}\n\t"
+      "smmlar %[x], r0, %[w1], %[x]\n\t"
+      "smmlar %[y], r1, %[w1], %[y]\n\t"
+      "smmlar %[z], r2, %[w1], %[z]\n\t"
+      "ldmia %[points]!, {r0, r1, r2}\n\t"
+      "ldrd %[w0], %[w1], %[last_weights]\n\t"
+      "smmlar %[x], r0, %[w0], %[x]\n\t"
+      "smmlar %[y], r1, %[w0], %[y]\n\t"
+      "smmlar %[z], r2, %[w0], %[z]\n\t"
+      "ldmia %[points], {r0, r1, r2}\n\t"
+      "smmlar %[x], r0, %[w1], %[x]\n\t"
+      "smmlar %[y], r1, %[w1], %[y]\n\t"
+      "smmlar %[z], r2, %[w1], %[z]\n\t"
+      "ldr %[w0], [%[row_weight]], #4\n\t"
+      "smmlar %[sum_x], %[x], %[w0], %[sum_x]\n\t"
+      "smmlar %[sum_y], %[y], %[w0], %[sum_y]\n\t"
+      "smmlar %[sum_z], %[z], %[w0], %[sum_z]"
+      : [points] "+r"(points), [row_weight] "+r"(*row_weight_q31),
+        [sum_x] "+r"(sums_q26[0]), [sum_y] "+r"(sums_q26[1]),
+        [sum_z] "+r"(sums_q26[2]), [x] "=&r"(x), [y] "=&r"(y), [z] "=&r"(z),
+        [w0] "=&r"(w0), [w1] "=&r"(w1)
+      : [first_weights] "m"(*(const int32_t(*)[2])w_q31),
+        [last_weights] "m"(*(const int32_t(*)[2])(w_q31 + 2)),
+        "m"(**row_weight_q31), "m"(*(const uint8_t(*)[48])points)
+      : "r0", "r1", "r2");
+  return points;
+#else
+  int32_t x = rg_multiply_high(rg_load_i32(points), w_q31[0]);
+  int32_t y = rg_multiply_high(rg_load_i32(points + 4), w_q31[0]);
+  int32_t z = rg_multiply_high(rg_load_i32(points + 8), w_q31[0]);
+  RG_UNROLL_SHARED
+  for (int k = 1; k < 4; ++k) {
+    points += 12;
+    x = rg_multiply_high_add(x, rg_load_i32(points), w_q31[k]);
+    y = rg_multiply_high_add(y, rg_load_i32(points + 4), w_q31[k]);
+    z = rg_multiply_high_add(z, rg_load_i32(points + 8), w_q31[k]);
+  }
+  const int32_t weight_q31 = *(*row_weight_q31)++;
+  sums_q26[0] = rg_multiply_high_add(sums_q26[0], x, weight_q31);
+  sums_q26[1] = rg_multiply_high_add(sums_q26[1], y, weight_q31);
+  sums_q26[2] = rg_multiply_high_add(sums_q26[2], z, weight_q31);
+  return points;
+#endif
 }
 
 /* The camera must have line points. */
-static RG_INLINE void find_line_point(const rg_camera* camera, rg_place* place,
+static RG_INLINE void find_line_point(const rg_camera* camera,
+                                      const rg_place* place,
                                       int32_t point_q28[3]) {
   const uint8_t* points = camera->line_points + 12 * place->first;
-  const uint32_t row_bytes = 12u * rg_load_u16(camera->grid + 16);
-  const int32_t* const x_weights = place->weights_q31[0];
-  int32_t* const y_weights = place->weights_q31[1];
+  const uint32_t rest_of_row = 12u * (rg_load_u16(camera->grid + 16) - 3u);
+  const int32_t* row_weight = place->weights_q31[1];
   int32_t sums_q26[3] = {0, 0, 0};
-  RG_UNROLL_ROWS
-  for (int j = 0; j < 4; ++j, points = rg_keep_address(points + row_bytes))
-    add_line_row(points, x_weights, rg_read_late(y_weights + j), sums_q26);
-  for (int c = 0; c < 3; ++c) point_q28[c] = rg_shift_left(sums_q26[c], 2);
+  RG_UNROLL_SHARED
+  while (row_weight != place->weights_q31[1] + 4)
+    points =
+        add_line_row(points, place->weights_q31[0], &row_weight, sums_q26) +
+        rest_of_row;
+  RG_IN_MEMORY(point_q28);
+  point_q28[0] = rg_shift_left(sums_q26[0], 2);
+  point_q28[1] = rg_shift_left(sums_q26[1], 2);
+  point_q28[2] = rg_shift_left(sums_q26[2], 2);
 }
 
 rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,

@@ -40,27 +40,30 @@ rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
   const uint8_t* const section = camera->blob + rg_load_u32(entry + 4);
   const int32_t pixels_q16[2] = {pixel.x_q16, pixel.y_q16};
   const uint32_t columns = rg_load_u16(section);
-  rg_cell_position cells[2];
-  for (uint32_t c = 0; c < 2; ++c) {
+  /* Of 8 bits: a value below 2^16 and both weights fill 32 bits. */
+  uint32_t weights_q8[2][2], first = 0;
+  for (int c = 1; c >= 0; --c) {
+    rg_cell_position position;
     if (!rg_find_on_axis(camera->grid + 4 * c, rg_load_u32(section + 4 + 4 * c),
                          rg_load_u16(section + 2 * c) - 2u, pixels_q16[c],
-                         &cells[c]))
+                         &position))
       return RG_ERR_OUTSIDE_AREA;
+    first = first * columns + position.cell;
+    weights_q8[c][1] = (uint32_t)position.t_q30 >> 22;
+    weights_q8[c][0] = 256 - weights_q8[c][1];
   }
-  const uint32_t first =
-      rg_load_u32(section + 12) + 2 * (cells[1].cell * columns + cells[0].cell);
-  /* Weights of 8 bits: a value below 2^16 and both weights fill 32 bits. */
-  const uint32_t tx_q8 = (uint32_t)cells[0].t_q30 >> 22;
-  const uint32_t ty_q8 = (uint32_t)cells[1].t_q30 >> 22;
+  /* Checked here, not on opening. */
+  const uint32_t size = rg_load_u32(entry + 8);
+  uint32_t at = rg_load_u32(section + 12) + 2 * first;
+  if (at % 2 != 0 || at >= size || at + 2 * columns + 2 >= size)
+    return RG_ERR_UNCERTAINTY;
   uint32_t sum_q28 = 0x8000;
-  for (uint32_t k = 0; k < 4; ++k) {
-    /* Checked here, not on opening. */
-    const uint32_t at = first + 2 * ((k & 1) + (k >> 1) * columns);
-    if (at % 2 != 0 || at >= rg_load_u32(entry + 8)) return RG_ERR_UNCERTAINTY;
-    const uint32_t value_q12 = rg_load_u16(section + at);
-    if (value_q12 == RG_UNKNOWN_UNCERTAINTY) return RG_ERR_UNKNOWN;
-    sum_q28 += value_q12 * ((k & 1) ? tx_q8 : 256 - tx_q8) *
-               ((k >> 1) ? ty_q8 : 256 - ty_q8);
+  for (int row = 0; row < 2; ++row, at += 2 * columns - 4) {
+    for (int column = 0; column < 2; ++column, at += 2) {
+      const uint32_t value_q12 = rg_load_u16(section + at);
+      if (value_q12 == RG_UNKNOWN_UNCERTAINTY) return RG_ERR_UNKNOWN;
+      sum_q28 += value_q12 * weights_q8[0][column] * weights_q8[1][row];
+    }
   }
   *pixels_q12 = (uint16_t)(sum_q28 >> 16);
   return RG_OK;

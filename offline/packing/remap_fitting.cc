@@ -394,10 +394,9 @@ double WorstOfChroma(const SourceMap& map, const RemapTable& table,
   const std::vector<uint32_t> words = SectionWords(table);
   double worst = 0;
   for (const rg_format format : {RG_FORMAT_NV12, RG_FORMAT_YUYV}) {
-    const rg_lattice* lattices;
-    rg_format_lattices(format, &lattices);
-    worst =
-        std::max(worst, WorstOfChroma(map, words, lattices[1], num_threads));
+    rg_lattice lattice;
+    rg_find_lattice(format, 1, &lattice);
+    worst = std::max(worst, WorstOfChroma(map, words, lattice, num_threads));
   }
   return worst;
 }

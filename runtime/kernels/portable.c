@@ -246,22 +246,50 @@ void rg_blend_1(const rg_run* run) {
 /* ---- Any lattice ----------------------------------------------------------
  */
 
-uint32_t rg_mix_samples(uint32_t kind, const rg_neighbors* at, uint32_t index) {
-  return rg_blend_samples(kind, at, index);
+static RG_SHARED uint32_t mix_samples(uint32_t kind, const rg_neighbors* at,
+                                      uint32_t index) {
+  return rg_blend_wide(kind, at, index);
 }
 
-/* is_copy: all neighbours are the same one. */
-static RG_INLINE void do_sample(uint32_t kind, const rg_neighbors* at,
-                                uint32_t index, int is_copy, uint8_t* out,
-                                uint32_t target) {
-  if (RG_IS_FAST)
-    rg_store_sample(kind, out, target,
+static RG_SHARED void mix_bytes(const rg_neighbors* at, uint32_t index,
+                                uint8_t* out, uint32_t num_channels) {
+  do {
+    *out++ = (uint8_t)rg_blend_bytes(at->upper + index, at->lower + index,
+                                     at->right, at->x_q12, at->y_q12);
+    ++index;
+  } while (--num_channels != 0);
+}
+
+static RG_INLINE uint32_t first_sample_of(const rg_lattice* lattice,
+                                          uint32_t pixel) {
+  return lattice->first_sample + pixel * lattice->sample_step;
+}
+
+void rg_blend_pixel(const rg_lattice* lattice, const rg_neighbors* at,
+                    uint8_t* row, uint32_t out_pixel) {
+  const uint32_t index = first_sample_of(lattice, at->x_q12 >> 12);
+  if (lattice->kind == RG_SAMPLE_8) {
+    mix_bytes(at, index, row + first_sample_of(lattice, out_pixel),
+              lattice->num_channels);
+  } else {
+    const uint32_t value = mix_samples(lattice->kind, at, index);
+    RG_READ_LATE(lattice);
+    rg_put_sample(lattice->kind, row, first_sample_of(lattice, out_pixel),
+                  value);
+  }
+}
+
+/* With all that the compiler knows of the lattice. is_copy: all neighbours are
+ * the same one. */
+static RG_INLINE void do_pixel(const rg_lattice* lattice, uint32_t kind,
+                               uint32_t num_channels, const rg_neighbors* at,
+                               int is_copy, uint8_t* row, uint32_t out_pixel) {
+  uint32_t index = first_sample_of(lattice, at->x_q12 >> 12);
+  uint32_t target = first_sample_of(lattice, out_pixel);
+  for (uint32_t c = 0; c < num_channels; ++c, ++index, ++target)
+    rg_store_sample(kind, row, target,
                     is_copy ? rg_load_sample(kind, at->upper, index)
                             : rg_blend_samples(kind, at, index));
-  else if (kind == RG_SAMPLE_8)
-    out[target] = (uint8_t)rg_blend_samples(kind, at, index);
-  else
-    rg_put_sample(kind, out, target, rg_mix_samples(kind, at, index));
 }
 
 static RG_INLINE void do_rows(const rg_run* run, const rg_lattice* lattice,
@@ -287,8 +315,9 @@ static RG_INLINE void do_rows(const rg_run* run, const rg_lattice* lattice,
 #else
   (void)edges;
 #endif
-  const uint32_t step = lattice->sample_step;
-  const uint32_t right = is_copy ? 0 : step, below = is_copy ? 0 : run->stride;
+  const uint32_t below = is_copy ? 0 : run->stride;
+  rg_neighbors at;
+  at.right = is_copy ? 0 : lattice->sample_step;
   uint8_t* out = run->out;
   uint32_t r = 0;
   do {
@@ -299,56 +328,55 @@ static RG_INLINE void do_rows(const rg_run* run, const rg_lattice* lattice,
       rg_find_block_row(&run->block, run->first_row + r, &row);
       rg_move_to_run(run, &row);
     }
-    uint32_t x_q12 =
+    if (!RG_IS_FAST)
+      kind = lattice->kind; /* read late: that takes less stack */
+    at.x_q12 =
         (uint32_t)row.start.q12[0] + (is_copy ? 2048 : rg_rounding(kind, 0));
-    uint32_t y_q12 =
+    at.y_q12 =
         (uint32_t)row.start.q12[1] + (is_copy ? 2048 : rg_rounding(kind, 1));
-    uint32_t target = lattice->first_sample + run->out_pixel * step;
-    for (uint32_t k = run->num_pixels; k != 0; --k, target += step) {
-      const uint8_t* const upper =
-          run->data + (size_t)(y_q12 >> 12) * run->stride;
-      const uint32_t index = lattice->first_sample + (x_q12 >> 12) * step;
-      const rg_neighbors at = {x_q12, y_q12, upper, upper + below, right};
-      for (uint32_t c = 0; c < num_channels; ++c)
-        do_sample(kind, &at, index + c, is_copy, out, target + c);
-      x_q12 += (uint32_t)row.step.q12[0];
-      y_q12 += (uint32_t)row.step.q12[1];
+    for (uint32_t k = 0; k < run->num_pixels; ++k) {
+      at.upper = run->data + (size_t)(at.y_q12 >> 12) * run->stride;
+      at.lower = at.upper + below;
+      if (RG_IS_FAST)
+        do_pixel(lattice, kind, num_channels, &at, is_copy, out,
+                 run->out_pixel + k);
+      else
+        rg_blend_pixel(lattice, &at, out, run->out_pixel + k);
+      at.x_q12 += (uint32_t)row.step.q12[0];
+      at.y_q12 += (uint32_t)row.step.q12[1];
     }
     out += run->out_stride;
   } while (++r != run->num_rows);
 }
 
 /* With lattice and sampling known to the compiler, where speed matters. */
-static RG_SHARED void do_byte_rows(const rg_run* run, const rg_lattice* lattice,
-                                   int is_copy) {
-  do_rows(run, lattice, RG_SAMPLE_8, lattice->num_channels, is_copy);
-}
-
 static RG_SHARED void do_lattice(const rg_run* run, const rg_lattice* lattice,
                                  int is_copy) {
-  if (lattice->kind == RG_SAMPLE_8)
-    do_byte_rows(run, lattice, is_copy);
+  if (!RG_IS_FAST)
+    do_rows(run, lattice, lattice->kind, lattice->num_channels, is_copy);
+  else if (lattice->kind == RG_SAMPLE_8)
+    do_rows(run, lattice, RG_SAMPLE_8, lattice->num_channels, is_copy);
   else
     do_rows(run, lattice, lattice->kind, 1, is_copy);
 }
 
 static const rg_lattice kInterleaved[4] = {
-    {0, RG_SAMPLE_8, 0, 1, 1, {0, 0}, {0, 0}, 0, 1, 0},
-    {0, RG_SAMPLE_8, 0, 2, 2, {0, 0}, {0, 0}, 0, 1, 0},
-    {0, RG_SAMPLE_8, 0, 3, 3, {0, 0}, {0, 0}, 0, 1, 0},
-    {0, RG_SAMPLE_8, 0, 4, 4, {0, 0}, {0, 0}, 0, 1, 0}};
+    {RG_SAMPLE_8, 0, 0, 1, 1, {0, 0}, {0, 0}, 0, 1, 0},
+    {RG_SAMPLE_8, 0, 0, 2, 2, {0, 0}, {0, 0}, 0, 1, 0},
+    {RG_SAMPLE_8, 0, 0, 3, 3, {0, 0}, {0, 0}, 0, 1, 0},
+    {RG_SAMPLE_8, 0, 0, 4, 4, {0, 0}, {0, 0}, 0, 1, 0}};
 
 void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice) {
   do_lattice(run, lattice, 0);
 }
 
-void rg_blend_2(const rg_run* run) { do_byte_rows(run, &kInterleaved[1], 0); }
-void rg_blend_3(const rg_run* run) { do_byte_rows(run, &kInterleaved[2], 0); }
-void rg_blend_4(const rg_run* run) { do_byte_rows(run, &kInterleaved[3], 0); }
+void rg_blend_2(const rg_run* run) { do_lattice(run, &kInterleaved[1], 0); }
+void rg_blend_3(const rg_run* run) { do_lattice(run, &kInterleaved[2], 0); }
+void rg_blend_4(const rg_run* run) { do_lattice(run, &kInterleaved[3], 0); }
 
 void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice) {
   if (RG_IS_FAST && lattice->kind == RG_SAMPLE_8 && lattice->sample_step == 1)
-    do_byte_rows(run, &kInterleaved[0], 1);
+    do_lattice(run, &kInterleaved[0], 1);
   else
     do_lattice(run, lattice, 1);
 }

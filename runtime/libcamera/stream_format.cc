@@ -107,11 +107,8 @@ StreamFormat MakeStreamFormat(const PixelFormatInfo& pixel_format,
     throw bad_size;
   result.width = static_cast<uint16_t>(width);
   result.height = static_cast<uint16_t>(height);
-  const rg_lattice* lattices;
-  const uint32_t num_lattices =
-      rg_format_lattices(pixel_format.format, &lattices);
-  for (uint32_t i = 0; i < num_lattices; ++i) {
-    const rg_lattice& lattice = lattices[i];
+  rg_lattice lattice;
+  for (uint32_t i = 0; rg_find_lattice(pixel_format.format, i, &lattice); ++i) {
     const uint32_t row_bytes = rg_plane_row_bytes(&lattice, width);
     if (row_bytes == 0 || (height & ((1u << lattice.log2[1]) - 1)) != 0)
       throw bad_size;

@@ -17,11 +17,9 @@ static uint32_t plane_rows(rg_format format, uint32_t plane, uint32_t rows) {
 }
 
 static uint32_t row_bytes(rg_format format, uint32_t plane, uint32_t width) {
-  const rg_lattice* lattices = NULL;
-  const uint32_t num_lattices = rg_format_lattices(format, &lattices);
-  for (uint32_t k = 0; k < num_lattices; ++k)
-    if (lattices[k].plane == plane)
-      return rg_plane_row_bytes(&lattices[k], width);
+  rg_lattice lattice;
+  for (uint32_t k = 0; rg_find_lattice(format, k, &lattice); ++k)
+    if (lattice.plane == plane) return rg_plane_row_bytes(&lattice, width);
   return 0;
 }
 

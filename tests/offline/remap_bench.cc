@@ -123,8 +123,10 @@ cv::Mat2f Positions(const uint8_t* section, const rg_lattice& lattice,
         rg_find_block_row(&block, y & ((1 << log2_y) - 1), &row);
       }
       const rg_position p = rg_row_position(&row, in_block);
-      const bool valid = !walk.is_empty && rg_is_in(range_x, p.q12[0]) &&
-                         rg_is_in(range_y, p.q12[1]);
+      const bool valid =
+          !walk.is_empty &&
+          rg_clamp(p.q12[0], range_x.min_q12, range_x.max_q12) == p.q12[0] &&
+          rg_clamp(p.q12[1], range_y.min_q12, range_y.max_q12) == p.q12[1];
       positions(y, x) = valid ? cv::Vec2f(p.q12[0] / 4096.f, p.q12[1] / 4096.f)
                               : cv::Vec2f(-1000, -1000);
     }
@@ -257,8 +259,9 @@ void RunView(const View& view, const ImageSize& size, Ratios* ratios) {
   bench.camera.height = static_cast<uint16_t>(size.height);
   bench.camera.remap = section;
 
-  const rg_lattice* lattices = nullptr;
-  rg_format_lattices(RG_FORMAT_NV12, &lattices);
+  rg_lattice lattices[2];
+  for (uint32_t k = 0; k < 2; ++k)
+    rg_find_lattice(RG_FORMAT_NV12, k, &lattices[k]);
   const cv::Mat2f luma_positions = Positions(section, lattices[0], size);
   const FixedMap luma = MakeFixedMap(luma_positions);
   const FixedMap chroma = MakeFixedMap(Positions(section, lattices[1], size));

@@ -38,9 +38,9 @@ const uint8_t* RowOf(const rg_image& image, int plane, uint32_t row) {
 
 SampleRow SamplesOf(const PixelFormatInfo& pixel_format, const rg_image& image,
                     uint32_t row) {
-  const rg_lattice* lattices;
-  rg_format_lattices(pixel_format.format, &lattices);
-  return {static_cast<rg_sample_kind>(lattices[0].kind), pixel_format.bits - 8,
+  rg_lattice lattice;
+  rg_find_lattice(pixel_format.format, 0, &lattice);
+  return {static_cast<rg_sample_kind>(lattice.kind), pixel_format.bits - 8,
           RowOf(image, 0, row)};
 }
 
