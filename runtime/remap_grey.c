@@ -9,6 +9,10 @@ static RG_NOINLINE void fill_grey_run(const rg_run* run, uint16_t border) {
   rg_fill_run(run, &kGrey, &border);
 }
 
+static inline int is_in(rg_range range, int32_t q12) {
+  return q12 >= range.min_q12 && q12 <= range.max_q12;
+}
+
 /* A position with a source lies in the frame; a neighbour beyond that has
  * weight zero. */
 static RG_NOINLINE void remap_grey_pixel(const rg_remap_job* job,
@@ -17,8 +21,8 @@ static RG_NOINLINE void remap_grey_pixel(const rg_remap_job* job,
   const int32_t x_q12 = job->position.q12[0], y_q12 = job->position.q12[1];
   uint8_t* const out = run->out + run->out_pixel;
   *out = border;
-  if (!rg_is_in(rg_job_range(job, &kGrey, 0), x_q12) ||
-      !rg_is_in(rg_job_range(job, &kGrey, 1), y_q12))
+  if (!is_in(rg_job_range(job, &kGrey, 0), x_q12) ||
+      !is_in(rg_job_range(job, &kGrey, 1), y_q12))
     return;
   const uint32_t x = (uint32_t)x_q12 + rg_rounding(RG_SAMPLE_8, 0);
   const uint32_t y = (uint32_t)y_q12, column = x >> 12, row = y >> 12;

@@ -1,5 +1,5 @@
-/* Pixels with every check, and without a source: for functions that know the
- * lattice and the border, or do not. */
+/* Pixels without a source: for functions that know the lattice and the border,
+ * or do not. */
 #ifndef RAYGRID_REMAP_PIXELS_H
 #define RAYGRID_REMAP_PIXELS_H
 

@@ -36,6 +36,21 @@ std::string TemporaryName(const std::string& path) {
   return fmt::format("{}.part-{}", path, getpid());
 }
 
+// What there is under a name and is no file: a pipe or a device, which gets the
+// contents and stays what it is.
+bool IsStream(const std::string& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  return fs::exists(status) && !fs::is_regular_file(status);
+}
+
+// The file that a link leads to: that one is replaced, and the link stays.
+std::string FollowLinks(const std::string& path) {
+  std::error_code error;
+  const fs::path file = fs::canonical(path, error);
+  return error ? path : file.string();
+}
+
 // Returns 0 or an errno.
 int WriteWhole(const std::string& path, const std::string& contents) {
   const int file =
@@ -52,6 +67,10 @@ int WriteWhole(const std::string& path, const std::string& contents) {
   }
   if (close(file) != 0 && error == 0) error = errno;
   return error;
+}
+
+int Rename(const std::string& from, const std::string& to) {
+  return rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
 }
 
 }  // namespace
@@ -71,7 +90,7 @@ std::string ReadFile(const std::string& path) {
 }
 
 void OutputFiles::Add(const std::string& path, std::string contents) {
-  files_.push_back({path, std::move(contents)});
+  files_.push_back({FollowLinks(path), std::move(contents)});
 }
 
 void OutputFiles::Commit() {
@@ -84,15 +103,18 @@ void OutputFiles::Commit() {
     if (fs::is_directory(file.path, ignored)) Fail(file.path, EISDIR);
   }
   for (const File& file : files_) {
+    if (IsStream(file.path)) continue;
     const int error = WriteWhole(TemporaryName(file.path), file.contents);
     if (error == 0) continue;
     remove_temporaries();
     Fail(file.path, error);
   }
   for (const File& file : files_) {
-    if (rename(TemporaryName(file.path).c_str(), file.path.c_str()) == 0)
-      continue;
-    const int error = errno;
+    const int error =
+        IsStream(file.path)
+            ? WriteWhole(file.path, file.contents)
+            : Rename(TemporaryName(file.path), file.path);
+    if (error == 0) continue;
     remove_temporaries();
     Fail(file.path, error);
   }

@@ -1,6 +1,9 @@
 #include "dataset/files.h"
 
+#include <sys/stat.h>
+
 #include <filesystem>
+#include <thread>
 
 #include "dataset/image_files.h"
 #include "dataset/parallel_for.h"
@@ -77,6 +80,23 @@ TEST(OutputFiles, FailureLeavesOlderFilesAsTheyWere) {
     ExpectNothingWritten("a", bad, folder);
     EXPECT_EQ(ReadFile(folder / "a"), "old");
   }
+}
+
+TEST(OutputFiles, LinksAndPipesStayWhatTheyAre) {
+  const TemporaryFolder folder;
+  const std::string pipe = folder / "pipe";
+  WriteFile(folder / "file", "old");
+  fs::create_symlink("file", folder / "link");
+  WriteFile(folder / "link", "new");
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(ReadFile(folder / "file"), "new");
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::string read;
+  std::thread reader([&] { read = ReadFile(pipe); });
+  WriteFile(pipe, "through");
+  reader.join();
+  EXPECT_EQ(read, "through");
+  EXPECT_TRUE(fs::is_fifo(pipe));
 }
 
 TEST(RequireWritableFolder, MakesTheFolderAndLeavesItEmpty) {
