@@ -6,15 +6,16 @@ import signal
 import subprocess
 import time
 
-from command_test import CommandTest, main, programs, read, run
+from command_test import CommandTest, SIMULATED_PATTERN, main, programs, read, run, write
 
 
 class Interruption(CommandTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        result = run("simulate", "--images", 9, "--features-per-image", 100, "-o",
-                     cls.path("sim"))
+        cls.board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
+        result = run("simulate", "--images", 9, "--features-per-image", 100, "--pattern",
+                     cls.board, "-o", cls.path("sim"))
         assert result.returncode == 0, result.stderr
 
     def arguments(self, output, *more):
@@ -77,12 +78,12 @@ class Interruption(CommandTest):
 
     def test_a_rig_is_gone_on_from(self):
         self.assert_done(run("simulate", "--images", 12, "--features-per-image", 60, "--cameras",
-                             2, "-o", self.path("rig")))
+                             2, "--pattern", self.board, "-o", self.path("rig")))
 
         def arguments(output, *more):
             return ["calibrate", "--features", self.path("rig/features.csv"), "--image-size",
                     "640x480", "--pattern", self.path("rig/pattern.yaml"), "--cell-px", 120,
-                    "--threads", 1, "-o", self.path(output), *more]
+                    "--skip-comparison", "--threads", 1, "-o", self.path(output), *more]
 
         started = time.monotonic()
         self.assert_done(run(*arguments("rig-whole")))
