@@ -38,7 +38,8 @@ static inline uint32_t rg_mask_size(uint32_t num_bits) {
 }
 
 /* A central or inverse grid. */
-rg_fault rg_check_grid(const uint8_t* section, uint32_t size);
+rg_fault rg_check_grid(const uint8_t* section, uint32_t size,
+                       uint32_t max_fraction_bits);
 
 /* grid: that of the blob, checked. */
 rg_fault rg_check_line_points(const uint8_t* section, uint32_t size,

@@ -80,9 +80,9 @@ static rg_fault check_grid(const uint8_t* section, uint32_t size,
   const uint32_t fraction_bits = rg_load_u16(section + 30);
   const int is_wide = fraction_bits == RG_CONTROL_POINT_BITS;
   if (camera && rg_load_u32(section + 36) != 0) return -RG_ERR_RESERVED;
-  if (is_wide && !camera) return -RG_ERR_GRID_CHART;
   if (!are_ends_in_range(section, camera)) return -RG_ERR_AREA;
-  const rg_fault fault = rg_check_grid(section, size);
+  const rg_fault fault = rg_check_grid(
+      section, size, camera ? RG_CONTROL_POINT_BITS : RG_NARROW_MAX_BITS);
   if (fault != 0) return fault;
   const uint8_t* const data = section + rg_load_u32(section + 32);
   return (is_wide ? are_points_in_range(data, section + size)

@@ -35,11 +35,12 @@ static rg_fault check_axis(const uint8_t* ends, const uint8_t* count) {
              : -RG_ERR_GRID_SCALE;
 }
 
-rg_fault rg_check_grid(const uint8_t* section, uint32_t size) {
+rg_fault rg_check_grid(const uint8_t* section, uint32_t size,
+                       uint32_t max_fraction_bits) {
   const uint32_t fraction_bits = rg_load_u16(section + 30);
   if (rg_load_u16(section + 28) != RG_CHART_STEREOGRAPHIC ||
       fraction_bits - RG_NARROW_MIN_BITS >
-          RG_CONTROL_POINT_BITS - RG_NARROW_MIN_BITS)
+          max_fraction_bits - RG_NARROW_MIN_BITS)
     return -RG_ERR_GRID_CHART;
   rg_fault fault = check_axis(section, section + 16);
   if (!fault) fault = check_axis(section + 4, section + 18);

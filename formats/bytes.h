@@ -3,7 +3,17 @@
 #ifndef RAYGRID_BYTES_H
 #define RAYGRID_BYTES_H
 
+#include <stddef.h>
 #include <stdint.h>
+/* The one function of a library that may be called; only where there is one
+ * does a header declare it. */
+#if __STDC_HOSTED__
+#include <string.h>
+#elif defined(__cplusplus)
+extern "C" void* memcpy(void*, const void*, size_t);
+#else
+void* memcpy(void*, const void*, size_t);
+#endif
 
 #if defined(__GNUC__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
 

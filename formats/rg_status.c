@@ -74,7 +74,7 @@ const char* rg_status_text(rg_status status) {
     case RG_ERR_OUTSIDE_AREA:
       return "pixel lies outside the calibrated area";
     case RG_ERR_NO_REMAP:
-      return "blob has no remap table";
+      return "blob has no such remap table, or none is in use";
     case RG_ERR_FRAME_SIZE:
       return "frame size or stride does not fit the blob";
     case RG_ERR_ROWS:

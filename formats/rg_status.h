@@ -6,6 +6,9 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#if defined(__GNUC__)
+#pragma GCC visibility push(default)
+#endif
 
 typedef enum rg_status {
   RG_OK = 0,
@@ -69,6 +72,9 @@ typedef enum rg_status {
 /* The status as a short English text, for messages; never NULL. */
 const char* rg_status_text(rg_status status);
 
+#if defined(__GNUC__)
+#pragma GCC visibility pop
+#endif
 #ifdef __cplusplus
 }
 #endif

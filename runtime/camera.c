@@ -2,6 +2,7 @@
 #include "bytes.h"
 #include "raygrid.h"
 #include "rg_blob.h"
+#include "surface.h"
 
 /* Fails to compile if the handle outgrows what raygrid.h promises. */
 typedef char rg_camera_fits_64_bytes[sizeof(rg_camera) <= 64 ? 1 : -1];
@@ -13,13 +14,14 @@ static rg_fault open_rays(rg_camera* camera, const uint8_t* blob,
   const uint8_t* entry = entries->of[RG_SECTION_CENTRAL_GRID];
   if (!identity || !entry) return -RG_ERR_SECTION_MISSING;
   const uint8_t* const grid = blob + rg_load_u32(entry + 4);
-  rg_fault fault = rg_check_grid(grid, rg_load_u32(entry + 8));
+  rg_fault fault =
+      rg_check_grid(grid, rg_load_u32(entry + 8), RG_CONTROL_POINT_BITS);
   if (fault) return fault;
   const uint8_t* inverse = 0;
   entry = entries->of[RG_SECTION_INVERSE];
   if (entry) {
     inverse = blob + rg_load_u32(entry + 4);
-    fault = rg_check_grid(inverse, rg_load_u32(entry + 8));
+    fault = rg_check_grid(inverse, rg_load_u32(entry + 8), RG_NARROW_MAX_BITS);
     if (fault) return fault;
   }
   const uint8_t* line_points = 0;
@@ -35,6 +37,7 @@ static rg_fault open_rays(rg_camera* camera, const uint8_t* blob,
   camera->inverse = inverse;
   camera->line_points = line_points;
   camera->remap = 0;
+  camera->surface = rg_best_surface();
   camera->width = rg_load_u16(blob + rg_load_u32(identity + 4));
   camera->height = rg_load_u16(blob + rg_load_u32(identity + 4) + 2);
   return 0;

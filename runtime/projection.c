@@ -34,7 +34,7 @@ static RG_SHARED int move_inside(const uint8_t* area, uint32_t tolerance_q16,
 
 /* A step of Newton's method, of x or y: the product of slopes and the distance
  * that is left; 0 if it is 8 px or more. */
-static RG_INLINE int find_step(const int32_t slopes_q5[2][2], uint32_t k,
+static RG_INLINE int find_step(int32_t slopes_q5[2][2], uint32_t k,
                                const int32_t rest_q27[2], int32_t* step_q16) {
   const int64_t step_q32 = 0x8000 + rg_product(slopes_q5[0][k], rest_q27[0]) +
                            rg_product(slopes_q5[1][k], rest_q27[1]);
@@ -47,15 +47,16 @@ static RG_INLINE int solve(const rg_camera* camera,
                            const rg_chart_point* target, int32_t pixel_q16[2]) {
   rg_place place;
   int32_t slopes_q5[2][2];
-  if (!rg_find_place(camera->inverse, target->q27[0], target->q27[1], &place))
+  if (!rg_find_in_grid(camera, camera->inverse, target->q27[0], target->q27[1],
+                       &place))
     return 0;
-  rg_find_slopes(camera->inverse, &place, slopes_q5);
+  rg_find_inverse_slopes(camera, &place, slopes_q5);
   for (int k = 0; k < 2; ++k)
     pixel_q16[k] = rg_shift_left(place.value.q27[k], 1);
   for (uint32_t limit_q16 = FIRST_STEP_Q16; limit_q16 >= LAST_STEP_Q16;
        limit_q16 >>= 2) {
     if (!move_inside(camera->grid, limit_q16, pixel_q16)) return 0;
-    rg_find_place(camera->grid, pixel_q16[0], pixel_q16[1], &place);
+    rg_find_in_grid(camera, camera->grid, pixel_q16[0], pixel_q16[1], &place);
     int32_t rest_q27[2];
     for (int c = 0; c < 2; ++c)
       rest_q27[c] = rg_subtract(target->q27[c], place.value.q27[c]);

@@ -20,6 +20,9 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#if defined(__GNUC__)
+#pragma GCC visibility push(default)
+#endif
 
 #define RAYGRID_VERSION_MAJOR 0
 #define RAYGRID_VERSION_MINOR 1
@@ -38,6 +41,7 @@ typedef struct rg_camera {
   const uint8_t* line_points; /* not the section, but its first point */
   const uint8_t* remap;       /* the one in use */
   uint16_t width, height;
+  uint16_t surface; /* the kernels of rays */
 } rg_camera;
 
 typedef struct rg_pixel {
@@ -57,6 +61,15 @@ typedef struct rg_ray {
  * Cost: one pass over the blob for its CRCs. */
 rg_status rg_camera_open(rg_camera* camera, const void* bytes,
                          uint32_t num_bytes);
+
+/* Chooses what computes this camera's rays and projections; all gives the same
+ * bits. Not while others use the camera.
+ *
+ * name  NULL, the fastest that the processor has, as rg_camera_open() does;
+ *       "portable"; or "avx2", on x86-64
+ *
+ * RG_OK, or RG_ERR_ARGUMENT for what is not there; then no change. */
+rg_status rg_choose_ray_kernels(rg_camera* camera, const char* name);
 
 /* Turns an image position into the direction it looks at: the cubic B-spline
  * surface of the paper's central model (section "Camera Model") in
@@ -197,7 +210,8 @@ rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
  * RG_ERR_NO_REMAP      no remap table is in use, and so no virtual camera
  * RG_ERR_OUTSIDE_AREA  pixel lies outside the calibrated area
  * RG_ERR_NONCENTRAL    the camera has lines, not rays: not supported
- * RG_ERR_NOT_SEEN      it looks backwards, or 16384 px away or more */
+ * RG_ERR_NOT_SEEN      it looks backwards, or comes to lie 16384 px or more
+ * away from pixel (0, 0) or from the virtual camera's centre */
 rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
                              rg_pixel* undistorted);
 
@@ -329,6 +343,9 @@ typedef struct rg_band {
 rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
                         const rg_band* band);
 
+#if defined(__GNUC__)
+#pragma GCC visibility pop
+#endif
 #ifdef __cplusplus
 }
 #endif

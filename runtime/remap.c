@@ -143,7 +143,8 @@ static RG_NOINLINE rg_status find_plane(const rg_lattice* lattice,
                                         rg_plane* plane) {
   plane->row_bytes = rg_plane_row_bytes(lattice, width);
   plane->num_rows = (num_rows >> lattice->log2[1]) * lattice->row_step;
-  if (plane->row_bytes == 0 || plane->stride < plane->row_bytes)
+  if (plane->row_bytes == 0 || plane->stride < plane->row_bytes ||
+      plane->stride > INT32_MAX) /* two rows are counted in 32 bits */
     return RG_ERR_FRAME_SIZE;
   return lattice->kind == RG_SAMPLE_16 &&
                  (((uintptr_t)plane->data | plane->stride) & 1) != 0

@@ -5,8 +5,8 @@
 #include "remap_kernels.h"
 
 /* Where there is room for several: chosen when the program runs. */
-#if !RG_PORTABLE_KERNELS &&                         \
-    (defined(__x86_64__) || defined(__aarch64__) || \
+#if !RG_PORTABLE_KERNELS &&                                                \
+    ((defined(__x86_64__) && defined(__SSE2__)) || defined(__aarch64__) || \
      (defined(__linux__) && (defined(__arm__) || defined(__riscv))))
 #define RG_CHOOSE_KERNELS 1
 #else

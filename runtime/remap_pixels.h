@@ -4,7 +4,6 @@
 #define RAYGRID_REMAP_PIXELS_H
 
 #include <stddef.h>
-#include <string.h>
 
 #include "planes.h"
 #include "remap_blocks.h"

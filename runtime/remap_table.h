@@ -4,7 +4,6 @@
 #define RAYGRID_REMAP_TABLE_H
 
 #include <stdint.h>
-#include <string.h>
 
 #include "bytes.h"
 #include "fixed_point.h"
@@ -25,8 +24,9 @@ typedef struct rg_position {
 
 /* Where stacks are large, what a block's parts have in common is kept from one
  * to the next, and both coordinates of two positions are computed together. */
-#if defined(__GNUC__) && \
-    (defined(__linux__) || defined(__LP64__) || defined(_WIN64))
+#if defined(__GNUC__) &&                                            \
+    (defined(__linux__) || defined(__LP64__) || defined(_WIN64)) && \
+    (!defined(__x86_64__) || defined(__SSE2__))
 #define RG_KEEP_LINES 1
 /* x, y of one position and of another. */
 typedef int32_t rg_lanes __attribute__((vector_size(16)));

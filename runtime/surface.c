@@ -87,10 +87,6 @@ static RG_NOINLINE int find_narrow_value(const uint8_t* grid, rg_place* place) {
 }
 
 int rg_find_place(const uint8_t* grid, int32_t x, int32_t y, rg_place* place) {
-#if RG_CHOOSE_SURFACE
-  if (__builtin_cpu_supports("avx2"))
-    return rg_find_place_avx2(grid, x, y, place);
-#endif
   if (!rg_find_cells(grid, x, y, place)) return 0;
   rg_bspline_weights(place->cells[1].t_q30, place->weights_q31[1]);
   rg_bspline_weights(place->cells[0].t_q30, place->weights_q31[0]);
@@ -126,12 +122,6 @@ static RG_SHARED int32_t find_slope(const uint8_t* residual, uint32_t apart,
 
 void rg_find_slopes(const uint8_t* inverse, const rg_place* place,
                     int32_t slopes_q5[2][2]) {
-#if RG_CHOOSE_SURFACE
-  if (__builtin_cpu_supports("avx2")) {
-    rg_find_slopes_avx2(inverse, place, slopes_q5);
-    return;
-  }
-#endif
   const uint8_t* plane = inverse + rg_load_u32(inverse + 32);
   const uint8_t* residual = plane + RG_NARROW_PLANE_SIZE + 4 * place->first;
   const uint32_t row_bytes = 4u * rg_load_u16(inverse + 16);

@@ -7,7 +7,7 @@
 rg_status rg_unproject(const rg_camera* camera, rg_pixel pixel, rg_ray* ray) {
   rg_place place;
   if (camera->line_points) return RG_ERR_NONCENTRAL;
-  if (!rg_find_place(camera->grid, pixel.x_q16, pixel.y_q16, &place))
+  if (!rg_find_in_grid(camera, camera->grid, pixel.x_q16, pixel.y_q16, &place))
     return RG_ERR_OUTSIDE_AREA;
   rg_direction_of(&place.value, ray);
   return RG_OK;
@@ -97,7 +97,7 @@ static RG_INLINE void find_line_point(const rg_camera* camera,
 rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
                             rg_line* line) {
   rg_place place;
-  if (!rg_find_place(camera->grid, pixel.x_q16, pixel.y_q16, &place))
+  if (!rg_find_in_grid(camera, camera->grid, pixel.x_q16, pixel.y_q16, &place))
     return RG_ERR_OUTSIDE_AREA;
   rg_direction_of(&place.value, &line->direction);
   if (camera->line_points)

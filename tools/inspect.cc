@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "bytes.h"
 #include "camera_input.h"
 #include "commands.h"
 #include "dataset/dataset.h"
@@ -97,6 +98,9 @@ Json BlobFacts(const BlobCamera& camera) {
   Json json = {{"kind", "blob"},
                {"valid", true},
                {"bytes", blob.size},
+               {"format", fmt::format("{}.{}", rg_load_u16(blob.bytes + 8),
+                                      rg_load_u16(blob.bytes + 10))},
+               {"projects", camera.CanProject()},
                {"camera",
                 {{"name", identity.name},
                  {"serial", identity.serial},

@@ -28,10 +28,11 @@ VirtualCamera ParseRemap(const CameraModel& camera, const std::string& text) {
   double hfov_deg = 0;
   char end;
   if (comma != std::string::npos &&
-      std::sscanf(text.c_str() + comma, ",hfov=%lf%c", &hfov_deg, &end) != 1)
+      (std::sscanf(text.c_str() + comma, ",hfov=%lf%c", &hfov_deg, &end) != 1 ||
+       hfov_deg == 0))
     throw Error(ExitCode::kUsage,
                 fmt::format("--remap {}: expected WIDTHxHEIGHT or "
-                            "WIDTHxHEIGHT,hfov=DEGREES",
+                            "WIDTHxHEIGHT,hfov=DEGREES, more than 0",
                             text));
   return MakeVirtualCamera(
       camera, ParseImageSize("--remap", text.substr(0, comma)), hfov_deg);

@@ -1,6 +1,11 @@
 /* raygrid-undistort: the runtime as a program. A blob and a raw grey frame in,
  * the undistorted frame out. Standard C files, so that it also runs on bare
  * metal with semihosting. */
+#if defined(__unix__)
+#define _XOPEN_SOURCE 700
+#include <sys/stat.h>
+#endif
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -45,18 +50,36 @@ static uint8_t* read_file(const char* path, uint32_t* size) {
   return bytes;
 }
 
+/* The next number in the header of a PGM file, behind white space and
+ * comments, and on behind it; 0 if there is none. */
+static uint32_t next_number(const uint8_t** at, const uint8_t* end) {
+  const uint8_t* p = *at;
+  while (p != end && (isspace(*p) || *p == '#')) {
+    if (*p == '#')
+      while (p != end && *p != '\n') ++p;
+    else
+      ++p;
+  }
+  uint32_t number = 0;
+  for (; p != end && isdigit(*p) && number < 100000; ++p)
+    number = 10 * number + (uint32_t)(*p - '0');
+  *at = p;
+  return number;
+}
+
 /* The pixels in a frame file, NULL if it is of another size. */
 static const uint8_t* find_pixels(const uint8_t* bytes, uint32_t size,
                                   uint32_t width, uint32_t height) {
   const uint32_t num_pixels = width * height;
+  const uint8_t *p = bytes + 2, *const end = bytes + size;
   if (size == num_pixels) return bytes;
-  char header[40];
-  const int length = snprintf(header, sizeof(header), "P5\n%lu %lu\n255\n",
-                              (unsigned long)width, (unsigned long)height);
-  if (size == num_pixels + (uint32_t)length &&
-      memcmp(bytes, header, (size_t)length) == 0)
-    return bytes + length;
-  return NULL;
+  if (size < num_pixels || memcmp(bytes, "P5", 2) != 0) return NULL;
+  if (next_number(&p, end) != width || next_number(&p, end) != height ||
+      next_number(&p, end) != 255)
+    return NULL;
+  return p != end && isspace(*p) && (uint32_t)(end - p) == num_pixels + 1
+             ? p + 1
+             : NULL;
 }
 
 static int has_suffix(const char* text, const char* suffix) {
@@ -77,27 +100,49 @@ static int write_pixels(const char* path, int as_pgm, const uint8_t* pixels,
   return fclose(file) == 0 && good;
 }
 
+#if defined(__unix__)
+
+/* What is under the name and no file, such as a pipe, gets the frame and stays
+ * what it is. */
+static int is_stream(const char* path) {
+  struct stat status;
+  return stat(path, &status) == 0 && !S_ISREG(status.st_mode);
+}
+
 /* Beside the target first, so that no half frame is ever seen under its name;
- * semihosting cannot rename. */
+ * of a link, beside what it leads to. */
 static int write_frame(const char* path, const uint8_t* pixels, uint32_t width,
                        uint32_t height) {
-  char written[1024];
-#if defined(__unix__)
-  const char* const suffix = ".part";
-#else
-  const char* const suffix = "";
-#endif
-  if (snprintf(written, sizeof(written), "%s%s", path, suffix) >=
-      (int)sizeof(written))
-    return 0;
-  int good =
-      write_pixels(written, has_suffix(path, ".pgm"), pixels, width, height);
-#if defined(__unix__)
-  good = good && rename(written, path) == 0;
-#endif
-  if (!good) remove(written);
+  const int as_pgm = has_suffix(path, ".pgm");
+  if (is_stream(path)) return write_pixels(path, as_pgm, pixels, width, height);
+  char* const real = realpath(path, NULL);
+  const char* const target = real ? real : path;
+  const size_t size = strlen(target) + sizeof(".part");
+  char* const part = (char*)malloc(size);
+  int good = 0;
+  if (part) {
+    snprintf(part, size, "%s.part", target);
+    good = write_pixels(part, as_pgm, pixels, width, height) &&
+           rename(part, target) == 0;
+    if (!good) remove(part);
+  }
+  free(part);
+  free(real);
   return good;
 }
+
+#else
+
+/* Semihosting cannot rename. */
+static int write_frame(const char* path, const uint8_t* pixels, uint32_t width,
+                       uint32_t height) {
+  const int good =
+      write_pixels(path, has_suffix(path, ".pgm"), pixels, width, height);
+  if (!good) remove(path);
+  return good;
+}
+
+#endif
 
 static int undistort(const rg_camera* camera, const uint8_t* pixels,
                      const char* out_path) {

@@ -106,9 +106,11 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
       ->required();
   command->add_option("--size", arguments->size,
                       "WxH of the output (default: as the images)");
-  command->add_option("--hfov", arguments->hfov_deg,
-                      "horizontal field of view in degrees (default: as sharp "
-                      "in the middle as the image)");
+  command
+      ->add_option("--hfov", arguments->hfov_deg,
+                   "horizontal field of view in degrees (default: as sharp "
+                   "in the middle as the image)")
+      ->check(CLI::PositiveNumber);
   command->add_option("--frames", arguments->frames,
                       "folder for the images as raw grey frames, which "
                       "raygrid-undistort takes");

@@ -12,13 +12,20 @@ static int fail(const char* where, const char* what) {
   return 1;
 }
 
+static double number(const char* text) {
+  char* end;
+  const double value = strtod(text, &end);
+  if (end == text || *end != 0) exit(fail(text, "is not a number"));
+  return value;
+}
+
 static int32_t to_pixel(const char* text) {
-  return (int32_t)lround(strtod(text, NULL) * 65536);
+  return (int32_t)lround(number(text) * 65536);
 }
 
 /* (a, b) turned by an angle. */
 static void turn(int32_t* a, int32_t* b, const char* degrees) {
-  const double angle = strtod(degrees, NULL) * 3.14159265358979323846 / 180;
+  const double angle = number(degrees) * 3.14159265358979323846 / 180;
   const double c = cos(angle), s = sin(angle), x = *a, y = *b;
   *a = (int32_t)lround(c * x - s * y);
   *b = (int32_t)lround(s * x + c * y);

@@ -2,12 +2,12 @@
  * by table lookup: the pixels of a segment read at most 16 contiguous bytes of
  * each of three rows, so that byte shuffles take the place of a gather.
  * Elsewhere each pixel's samples are loaded by themselves. */
-#if defined(__x86_64__)
+#include "remap_dispatch.h"
+
+#if RG_CHOOSE_KERNELS && defined(__x86_64__)
 
 #include <immintrin.h>
 #include <stddef.h>
-
-#include "remap_kernels.h"
 
 #if defined(__clang__)
 #pragma clang attribute push(__attribute__((target("avx2"))), \

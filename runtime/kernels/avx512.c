@@ -1,12 +1,12 @@
 /* Bilinear blending by lookups in tables of 128 bytes: pixels of neighbouring
  * rows, 32 samples in lanes of 16 bits, find their source in a box of bytes in
  * two registers. Where they need a larger box, the AVX2 kernels take over. */
-#if defined(__x86_64__)
+#include "remap_blocks.h"
+
+#if RG_CHOOSE_KERNELS && defined(__x86_64__)
 
 #include <immintrin.h>
 #include <stddef.h>
-
-#include "remap_blocks.h"
 
 #if defined(__clang__)
 #pragma clang attribute push(                                   \

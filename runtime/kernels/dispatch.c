@@ -1,5 +1,21 @@
 /* The kernels that this processor has. */
 #include "remap_dispatch.h"
+#include "surface.h"
+
+static int is_same(const char* a, const char* b) {
+  while (*a && *a == *b) ++a, ++b;
+  return *a == *b;
+}
+
+rg_status rg_choose_ray_kernels(rg_camera* camera, const char* name) {
+  uint16_t surface = rg_best_surface();
+  if (name && is_same(name, "portable"))
+    surface = RG_SURFACE_PORTABLE;
+  else if (name && (surface == RG_SURFACE_PORTABLE || !is_same(name, "avx2")))
+    return RG_ERR_ARGUMENT;
+  camera->surface = surface;
+  return RG_OK;
+}
 
 #if RG_CHOOSE_KERNELS
 
@@ -8,7 +24,7 @@ static const rg_kernels kPortable = {
 
 #if defined(__x86_64__)
 
-#include <cpuid.h>
+#include "x86_features.h"
 
 static const rg_kernels kSse4 = {
     "sse4",
@@ -33,29 +49,12 @@ static int has_sse4(void) {
          (c & bit_SSSE3) != 0;
 }
 
-/* Whether the system keeps these registers: bits of XCR0. */
-static int keeps_registers(uint32_t wanted) {
-  uint32_t a, b, c, d, enabled, high;
-  if (!__get_cpuid(1, &a, &b, &c, &d) || (c & bit_OSXSAVE) == 0) return 0;
-  __asm__("xgetbv" : "=a"(enabled), "=d"(high) : "c"(0));
-  return (enabled & wanted) == wanted;
-}
-
-#define XMM_YMM 0x06u
-#define MASKS_ZMM 0xe0u
-
-static int has_avx2(void) {
-  uint32_t a, b, c, d;
-  return keeps_registers(XMM_YMM) && __get_cpuid_count(7, 0, &a, &b, &c, &d) &&
-         (b & bit_AVX2) != 0;
-}
-
 /* What kernels/avx512.c is compiled for, and AVX2, which it falls back on. */
 static int has_avx512(void) {
   const uint32_t needed =
-      bit_AVX2 | bit_AVX512F | bit_AVX512DQ | bit_AVX512BW | bit_AVX512VL;
+      bit_AVX512F | bit_AVX512DQ | bit_AVX512BW | bit_AVX512VL;
   uint32_t a, b, c, d;
-  return keeps_registers(XMM_YMM | MASKS_ZMM) &&
+  return rg_has_avx2() && rg_keeps_registers(RG_MASKS_ZMM) &&
          __get_cpuid_count(7, 0, &a, &b, &c, &d) && (b & needed) == needed &&
          (c & bit_AVX512VBMI) != 0 && (c & bit_AVX512VBMI2) != 0;
 }
@@ -76,15 +75,10 @@ static const rg_kernels kRvv = {
     {0, 0, 0, 0}};
 #endif
 
-static int is_same(const char* a, const char* b) {
-  while (*a && *a == *b) ++a, ++b;
-  return *a == *b;
-}
-
 const rg_kernels* rg_find_kernels(const char* name) {
 #if defined(__x86_64__)
   if ((!name || is_same(name, kAvx512.name)) && has_avx512()) return &kAvx512;
-  if ((!name || is_same(name, kAvx2.name)) && has_avx2()) return &kAvx2;
+  if ((!name || is_same(name, kAvx2.name)) && rg_has_avx2()) return &kAvx2;
   if ((!name || is_same(name, kSse4.name)) && has_sse4()) return &kSse4;
 #elif defined(__aarch64__) || defined(__ARM_NEON)
   if (!name || is_same(name, kNeon.name)) return &kNeon;

@@ -1,12 +1,13 @@
 /* Bilinear blending by gathers of 8 pixels, of any steps whose offsets fit into
  * 16 bits. Nothing is read but the pixels' own neighbours: lanes behind the
  * last pixel are predicated away. */
+#include "remap_kernels.h"
+
 #if defined(__ARM_FEATURE_MVE)
 
 #include <arm_mve.h>
 
 #include "fixed_point.h"
-#include "remap_kernels.h"
 
 #define INLINE static inline __attribute__((always_inline))
 

@@ -1,12 +1,12 @@
 /* Bilinear blending by table lookup on 32-bit Arm: 8 lanes of a row, whose
  * pixels read at most 16 contiguous bytes of each of three rows. Runs with
  * larger steps go to the portable kernels. */
+#include "remap_kernels.h"
+
 #if defined(__arm__) && defined(__ARM_NEON)
 
 #include <arm_neon.h>
 #include <stddef.h>
-
-#include "remap_kernels.h"
 
 #define INLINE static inline __attribute__((always_inline))
 

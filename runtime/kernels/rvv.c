@@ -2,11 +2,11 @@
  * fit into 16 bits; version 1.0 of the vector extension, in the assembler's
  * words, as compilers have no other ones yet. Nothing is read but the pixels'
  * own neighbours. */
+#include "remap_kernels.h"
+
 #if defined(__riscv_vector)
 
 #include <stddef.h>
-
-#include "remap_kernels.h"
 
 #define INLINE static inline __attribute__((always_inline))
 

@@ -1,12 +1,12 @@
 /* Bilinear blending by table lookup, as in avx2.c, with half its width: 8 lanes
  * of one row, whose pixels read at most 16 contiguous bytes of each of three
  * rows. Runs with larger steps go to the portable kernels. */
-#if defined(__x86_64__)
+#include "remap_dispatch.h"
+
+#if RG_CHOOSE_KERNELS && defined(__x86_64__)
 
 #include <smmintrin.h>
 #include <stddef.h>
-
-#include "remap_kernels.h"
 
 #if defined(__clang__)
 #pragma clang attribute push(__attribute__((target("sse4.1"))), \

@@ -1,12 +1,19 @@
 /* rg_find_place() and rg_find_slopes(), both coordinates of several control
  * points at once. */
-#if defined(__x86_64__)
+#include "surface.h"
+
+#if RG_CHOOSE_SURFACE
 
 #include <immintrin.h>
 
 #include "bytes.h"
 #include "rg_blob.h"
-#include "surface.h"
+#include "x86_features.h"
+
+/* In front of all that is compiled for AVX2. */
+uint16_t rg_best_surface(void) {
+  return rg_has_avx2() ? RG_SURFACE_AVX2 : RG_SURFACE_PORTABLE;
+}
 
 #if defined(__clang__)
 #pragma clang attribute push(__attribute__((target("avx2"))), \

@@ -50,7 +50,7 @@ class _Camera(ctypes.Structure):
     _fields_ = [("blob", ctypes.c_void_p), ("grid", ctypes.c_void_p),
                 ("inverse", ctypes.c_void_p), ("line_points", ctypes.c_void_p),
                 ("remap", ctypes.c_void_p), ("width", ctypes.c_uint16),
-                ("height", ctypes.c_uint16)]
+                ("height", ctypes.c_uint16), ("surface", ctypes.c_uint16)]
 
 
 class _Pixel(ctypes.Structure):
@@ -241,6 +241,8 @@ class Camera:
     def select_remap(self, index):
         """Takes another one of the blob's num_remaps remap tables, counted from 0, for
         remap_size(), undistort() and undistort_points(). For two at a time, open two cameras."""
+        if not 0 <= index < 2**32:
+            raise Error(NO_REMAP)
         _check(_library.rg_select_remap(ctypes.byref(self._camera), ctypes.c_uint32(index)))
 
     def remap_size(self):
@@ -263,7 +265,7 @@ class Camera:
                   sampling="bilinear"):
         """The undistorted frame, as bytes: planes after each other, rows without gaps, as the
         frame has them. Up to 4 border values, one of each channel."""
-        number, bits, planes = FORMATS[pixel_format]
+        number, bits, planes = _named(pixel_format, FORMATS)
         values = _border_values(border_values, bits)
         data = bytes(frame)
         width, height = self.remap_size()
@@ -275,11 +277,17 @@ class Camera:
         source = ctypes.create_string_buffer(data, len(data))
         image = _Image(number, self.width, self.height, 0, 0, 0,
                        _planes(source, planes, self.width, self.height))
-        target = _Target(_planes(output, planes, width, height), 0, height, BORDERS[border],
-                         SAMPLINGS[sampling], values, None)
+        target = _Target(_planes(output, planes, width, height), 0, height,
+                         _named(border, BORDERS), _named(sampling, SAMPLINGS), values, None)
         _check(_library.rg_remap(ctypes.byref(self._camera), ctypes.byref(image),
                                  ctypes.byref(target)))
         return output.raw
+
+
+def _named(name, values):
+    if name not in values:
+        raise ValueError(f"{name!r} is none of {', '.join(values)}")
+    return values[name]
 
 
 def _border_values(values, bits):

@@ -183,7 +183,7 @@ class BadInput(CommandTest):
         self.assert_refused(result, 2, "line 3")
 
     def test_field_of_view_that_no_pinhole_has(self):
-        for hfov in ("180", "-10", "nan"):
+        for hfov in ("180", "-10", "nan", "0"):
             result = run("pack", self.path("sim/true_camera.yaml"), "-o", self.path("x.raygrid"),
                          "--remap", "640x480,hfov=" + hfov)
             self.assert_refused(result, 1)

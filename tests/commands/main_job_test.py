@@ -6,6 +6,8 @@ import json
 import math
 import os
 import re
+import stat
+import subprocess
 
 from command_test import (CommandTest, PATTERN, SIMULATED_PATTERN, main, programs, read, run,
                           write)
@@ -201,6 +203,30 @@ class MainJob(CommandTest):
         self.assert_done(result)
         self.assertEqual(read(self.path("c.raw")), read(self.path("python.raw")))
 
+    def test_frames_may_be_any_pgm_and_go_into_pipes(self):
+        blob, pixels = self.path("out/camera.raygrid"), bytes(range(256)) * 1200
+        raw = write(self.path("any.raw"), pixels)
+        pgm = write(self.path("any.pgm"), b"P5 # grey\n640\t480 255\n" + pixels)
+        expected = run(blob, raw, self.path("flat.raw"), program=programs.undistort)
+        self.assert_done(expected)
+        os.mkfifo(self.path("pipe"))
+        with open(self.path("piped.raw"), "wb") as piped, \
+                subprocess.Popen(["cat", self.path("pipe")], stdout=piped):
+            result = run(blob, pgm, self.path("pipe"), program=programs.undistort)
+        self.assert_done(result)
+        self.assertEqual(read(self.path("piped.raw")), read(self.path("flat.raw")))
+        self.assertEqual(result.stdout, expected.stdout)
+        self.assertTrue(stat.S_ISFIFO(os.stat(self.path("pipe")).st_mode))
+        os.symlink("flat.raw", self.path("link"))
+        self.assert_done(run(blob, pgm, self.path("link"), program=programs.undistort))
+        self.assertTrue(os.path.islink(self.path("link")))
+        for damaged in (b"P5 640 480 254\n" + pixels, b"P5 640 480 255\n" + pixels[:-1],
+                        b"P5 640" + pixels):
+            result = run(blob, write(self.path("bad.pgm"), damaged), self.path("none.raw"),
+                         program=programs.undistort)
+            self.assert_refused(result, 2)
+            self.assertFalse(os.path.exists(self.path("none.raw")))
+
     def test_inspect_says_what_a_blob_holds(self):
         result = run("inspect", self.path("out/camera.raygrid"))
         self.assert_done(result)
@@ -212,6 +238,8 @@ class MainJob(CommandTest):
         self.assertEqual(facts["camera"], {"name": "front", "serial": "42",
                                            "image_size": [640, 480]})
         self.assertIn(facts["grid"]["bits"], (16, 32))
+        self.assertRegex(facts["format"], r"^1\.\d$")
+        self.assertTrue(facts["projects"])
         self.assertEqual(facts["remap_tables"][0]["size"], [640, 480])
         result = run("inspect", self.path("out/camera.yaml"), "--json")
         self.assertEqual(json.loads(result.stdout)["model"], "central-generic")

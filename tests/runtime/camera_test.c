@@ -58,6 +58,19 @@ static void what_rays_need_is_checked(void** state) {
   assert_int_equal(open_with(GRID + 32, 44, &camera), RG_ERR_SECTION_SIZE);
 }
 
+static void inverse_grids_are_narrow(void** state) {
+  (void)state;
+  rg_camera camera;
+  assert_int_equal(rg_camera_open(&camera, kWideBlob, sizeof(kWideBlob)),
+                   RG_OK);
+  memcpy(blob, kWideBlob, sizeof(kWideBlob));
+  rg_store_u16(blob + (camera.inverse - camera.blob) + 30,
+               RG_CONTROL_POINT_BITS);
+  repair_crcs(blob, sizeof(kWideBlob));
+  assert_int_equal(rg_camera_open(&camera, blob, sizeof(kWideBlob)),
+                   RG_ERR_GRID_CHART);
+}
+
 static void camera_or_grid_missing_is_refused(void** state) {
   (void)state;
   rg_camera camera;
@@ -125,6 +138,7 @@ int main(void) {
       cmocka_unit_test(damaged_blob_leaves_the_camera_untouched),
       cmocka_unit_test(null_is_refused),
       cmocka_unit_test(what_rays_need_is_checked),
+      cmocka_unit_test(inverse_grids_are_narrow),
       cmocka_unit_test(camera_or_grid_missing_is_refused),
       cmocka_unit_test(opening_chooses_no_table),
       cmocka_unit_test(broken_table_is_refused_when_it_is_chosen),

@@ -95,7 +95,7 @@ class ModuleTest(unittest.TestCase):
             camera.select_remap(index)
             self.assertEqual(zlib.crc32(camera.undistort(frame, border_values=border)),
                              make_golden.remap_crc(blob))
-        for index in (2, -1):
+        for index in (2, -1, 2**32):
             with self.assertRaises(raygrid.Error) as context:
                 camera.select_remap(index)
             self.assertEqual(context.exception.status, raygrid.NO_REMAP)
@@ -103,6 +103,12 @@ class ModuleTest(unittest.TestCase):
         self.assertEqual(none.num_remaps, 0)
         with self.assertRaises(raygrid.Error):
             none.remap_size()
+
+    def test_names_that_are_none_are_told(self):
+        camera, frame = open_blob(LENS), bytes(160 * 120)
+        for names in ({"pixel_format": "GREY9"}, {"border": "none"}, {"sampling": "cubic"}):
+            with self.assertRaisesRegex(ValueError, "is none of"):
+                camera.undistort(frame, **names)
 
     def test_border_values_fit_their_samples(self):
         camera, frame = open_blob(LENS), bytes(160 * 120)

@@ -291,6 +291,8 @@ static void wrong_calls_are_refused(void** state) {
   image = nv12;
   image.planes[1].stride = SOURCE_WIDTH - 1;
   check_refused(image, whole_nv12, RG_ERR_FRAME_SIZE);
+  image.planes[1].stride = UINT32_C(1) << 31;
+  check_refused(image, whole_nv12, RG_ERR_FRAME_SIZE);
   image = nv12;
   image.width = SOURCE_WIDTH - 2;
   check_refused(image, whole_nv12, RG_ERR_FRAME_SIZE);

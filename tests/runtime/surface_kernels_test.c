@@ -1,6 +1,5 @@
-/* rg_find_place() and rg_find_slopes() with AVX2 have the bits of the portable
- * code, which this is compiled with under other names: grids with any control
- * points, even such that no camera has. */
+/* rg_find_place_avx2() and rg_find_slopes_avx2() have the bits of the portable
+ * code: grids with any control points, even such that no camera has. */
 #include <string.h>
 
 #include "rg_blob.h"
@@ -15,10 +14,7 @@
 #define NUM_GRIDS 200
 #define NUM_PLACES 200
 
-int portable_find_place(const uint8_t* grid, int32_t x, int32_t y,
-                        rg_place* place);
-void portable_find_slopes(const uint8_t* inverse, const rg_place* place,
-                          int32_t slopes_q5[2][2]);
+#if RG_CHOOSE_SURFACE
 
 /* The control points end where it does. */
 typedef struct random_grid {
@@ -48,8 +44,8 @@ static random_grid make_grid(uint32_t fraction_bits, uint32_t* random) {
 
 static void check_slopes(const uint8_t* inverse, const rg_place* place) {
   int32_t slopes_q5[2][2], expected_q5[2][2];
-  rg_find_slopes(inverse, place, slopes_q5);
-  portable_find_slopes(inverse, place, expected_q5);
+  rg_find_slopes_avx2(inverse, place, slopes_q5);
+  rg_find_slopes(inverse, place, expected_q5);
   assert_memory_equal(slopes_q5, expected_q5, sizeof(slopes_q5));
 }
 
@@ -64,9 +60,8 @@ static void check_places(const random_grid* grid, int is_narrow,
     rg_place place, expected;
     memset(&place, 0, sizeof(place));
     memset(&expected, 0, sizeof(expected));
-    const int is_inside = rg_find_place(grid->bytes, x, y, &place);
-    assert_int_equal(is_inside,
-                     portable_find_place(grid->bytes, x, y, &expected));
+    const int is_inside = rg_find_place_avx2(grid->bytes, x, y, &place);
+    assert_int_equal(is_inside, rg_find_place(grid->bytes, x, y, &expected));
     assert_memory_equal(&place, &expected, sizeof(place));
     if (is_inside && is_narrow) check_slopes(grid->bytes, &place);
   }
@@ -75,11 +70,7 @@ static void check_places(const random_grid* grid, int is_narrow,
 static void test_has_the_portable_bits(void** state) {
   uint32_t random = 3;
   (void)state;
-#if RG_CHOOSE_SURFACE
-  if (!__builtin_cpu_supports("avx2")) skip();
-#else
-  skip();
-#endif
+  if (rg_best_surface() != RG_SURFACE_AVX2) skip();
   for (int k = 0; k < NUM_GRIDS; ++k) {
     const random_grid wide = make_grid(RG_CONTROL_POINT_BITS, &random);
     const uint32_t bits =
@@ -90,6 +81,15 @@ static void test_has_the_portable_bits(void** state) {
     check_places(&narrow, 1, &random);
   }
 }
+
+#else
+
+static void test_has_the_portable_bits(void** state) {
+  (void)state;
+  skip();
+}
+
+#endif
 
 int main(void) {
   const struct CMUnitTest tests[] = {

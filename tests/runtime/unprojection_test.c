@@ -312,8 +312,7 @@ static void empty_batch_writes_nothing(void** state) {
   assert_int_equal(rays[0].x_q30, 77);
 }
 
-static void rays_have_the_same_bits_on_every_target(void** state) {
-  (void)state;
+static uint32_t crc_of_rays(void) {
   uint32_t crc = 0;
   for (uint32_t k = 0; k < 2 * NUM_RANDOM; ++k) {
     const uint32_t i = k % NUM_RANDOM;
@@ -325,13 +324,33 @@ static void rays_have_the_same_bits_on_every_target(void** state) {
     rg_store_i32(bytes + 8, rays[i].z_q30);
     crc = rg_crc32(crc, bytes, sizeof(bytes));
   }
+  return crc;
+}
+
+static void rays_have_the_same_bits_on_every_target(void** state) {
+  (void)state;
+  const uint32_t crc = crc_of_rays();
   printf("rays CRC %08lx\n", (unsigned long)crc);
   assert_int_equal(crc, RAYS_CRC);
+}
+
+static void kernels_of_rays_can_be_chosen(void** state) {
+  static const char* const kNames[] = {"avx2", "portable", NULL};
+  (void)state;
+  for (int k = 0; k < 3; ++k) {
+    const rg_status status = rg_choose_ray_kernels(&lens, kNames[k]);
+    assert_int_equal(rg_choose_ray_kernels(&narrow, kNames[k]), status);
+    assert_int_equal(status,
+                     k == 0 && status != RG_OK ? RG_ERR_ARGUMENT : RG_OK);
+    assert_int_equal(crc_of_rays(), RAYS_CRC);
+  }
+  assert_int_equal(rg_choose_ray_kernels(&lens, "avx"), RG_ERR_ARGUMENT);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(rays_are_the_golden_ones),
+      cmocka_unit_test(kernels_of_rays_can_be_chosen),
       cmocka_unit_test(rays_of_16_bits_are_the_golden_ones),
       cmocka_unit_test(rays_are_within_1e_7_of_the_spline_in_doubles),
       cmocka_unit_test(rays_are_right_up_to_the_limit_of_the_chart),

@@ -1,0 +1,29 @@
+/* What an x86-64 processor has, and the system keeps registers of. */
+#ifndef RAYGRID_X86_FEATURES_H
+#define RAYGRID_X86_FEATURES_H
+
+#if defined(__x86_64__)
+
+#include <cpuid.h>
+#include <stdint.h>
+
+/* Bits of XCR0. */
+#define RG_XMM_YMM 0x06u
+#define RG_MASKS_ZMM 0xe0u
+
+static inline int rg_keeps_registers(uint32_t wanted) {
+  uint32_t a, b, c, d, enabled, high;
+  if (!__get_cpuid(1, &a, &b, &c, &d) || (c & bit_OSXSAVE) == 0) return 0;
+  __asm__("xgetbv" : "=a"(enabled), "=d"(high) : "c"(0));
+  return (enabled & wanted) == wanted;
+}
+
+static inline int rg_has_avx2(void) {
+  uint32_t a, b, c, d;
+  return rg_keeps_registers(RG_XMM_YMM) &&
+         __get_cpuid_count(7, 0, &a, &b, &c, &d) && (b & bit_AVX2) != 0;
+}
+
+#endif
+
+#endif /* RAYGRID_X86_FEATURES_H */
