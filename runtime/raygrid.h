@@ -200,7 +200,8 @@ rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
                         uint16_t* height);
 
 /* Moves an image position to where it lies in the undistorted image, whether
- * that is inside it or not.
+ * that is inside it or not. Of a camera of lines: where it does if what it sees
+ * is far away, as for frames.
  *
  * undistorted  up to 85 degrees from the z axis within 6e-6 of the virtual
  *              camera's focal length (0.003 px if that is 500 px); written only
@@ -209,9 +210,8 @@ rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
  * RG_OK                done
  * RG_ERR_NO_REMAP      no remap table is in use, and so no virtual camera
  * RG_ERR_OUTSIDE_AREA  pixel lies outside the calibrated area
- * RG_ERR_NONCENTRAL    the camera has lines, not rays: not supported
  * RG_ERR_NOT_SEEN      it looks backwards, or comes to lie 16384 px or more
- * away from pixel (0, 0) or from the virtual camera's centre */
+ *                      away from pixel (0, 0) or the virtual camera's centre */
 rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
                              rg_pixel* undistorted);
 

@@ -206,7 +206,8 @@ class Camera:
 
     def project(self, points):
         """Pixels of directions or points (x, y, z) of any length; None where nothing is seen."""
-        self._check_central()
+        if not self.is_central:
+            raise Error(NONCENTRAL)
         if self._camera.inverse is None:
             raise Error(NO_INVERSE)
         rays = (ctypes.c_int32 * 3 * len(points))()
@@ -216,10 +217,6 @@ class Camera:
         _library.rg_project_batch(ctypes.byref(self._camera), rays, pixels,
                                   ctypes.c_uint32(len(points)))
         return _positions(pixels)
-
-    def _check_central(self):
-        if not self.is_central:
-            raise Error(NONCENTRAL)
 
     def is_valid(self, points):
         """Whether the camera may be trusted at pixels."""
@@ -254,7 +251,6 @@ class Camera:
 
     def undistort_points(self, points):
         """Where pixels lie in the undistorted image; None for those that have no place there."""
-        self._check_central()
         self.remap_size()
         result = (_Pixel * len(points))()
         _library.rg_undistort_points(ctypes.byref(self._camera), _pixels(points), result,
