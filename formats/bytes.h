@@ -10,9 +10,9 @@
 #if __STDC_HOSTED__
 #include <string.h>
 #elif defined(__cplusplus)
-extern "C" void* memcpy(void*, const void*, size_t);
+extern "C" void* memcpy(void* to, const void* from, size_t num_bytes);
 #else
-void* memcpy(void*, const void*, size_t);
+void* memcpy(void* to, const void* from, size_t num_bytes);
 #endif
 
 #if defined(__GNUC__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__

@@ -20,7 +20,8 @@ static RG_INLINE const uint8_t* add_line_row(const uint8_t* points,
                                              const int32_t w_q31[4],
                                              const int32_t** row_weight_q31,
                                              int32_t sums_q26[3]) {
-#if RG_HAVE_SMMULR && defined(__thumb2__) && defined(__OPTIMIZE__)
+#if RG_HAVE_SMMULR && defined(__thumb2__) && defined(__OPTIMIZE__) && \
+    !defined(__clang__)
   /* Compilers would load pairs, of which there are more, and run out of
    * registers. */
   int32_t x, y, z, w0, w1;
