@@ -25,30 +25,21 @@ static RG_INLINE void add_row(const uint8_t* points, const int32_t w_q31[4],
   sums_q27[1] = rg_multiply_high_add(sums_q27[1], row_b, row_weight_q31);
 }
 
-/* Both coordinates of a residual of 16 bits, times a weight. */
+#if RG_HAVE_SMMULR
+
+/* Both coordinates of a residual of 16 bits, a word, times a weight. */
 static RG_INLINE void multiply_pair(const uint8_t* residual, int32_t w_q31,
                                     int32_t products[2]) {
-#if RG_HAVE_SMMULR
   const uint32_t pair = rg_load_u32(residual);
   __asm__("smulwb %0, %1, %2" : "=r"(products[0]) : "r"(w_q31), "r"(pair));
   __asm__("smulwt %0, %1, %2" : "=r"(products[1]) : "r"(w_q31), "r"(pair));
-#else
-  products[0] = rg_multiply_half(w_q31, rg_load_i16(residual));
-  products[1] = rg_multiply_half(w_q31, rg_load_i16(residual + 2));
-#endif
 }
 
 static RG_INLINE void multiply_pair_add(const uint8_t* residual, int32_t w_q31,
                                         int32_t sums[2]) {
-#if RG_HAVE_SMMULR
   const uint32_t pair = rg_load_u32(residual);
   __asm__("smlawb %0, %1, %2, %0" : "+r"(sums[0]) : "r"(w_q31), "r"(pair));
   __asm__("smlawt %0, %1, %2, %0" : "+r"(sums[1]) : "r"(w_q31), "r"(pair));
-#else
-  int32_t products[2];
-  multiply_pair(residual, w_q31, products);
-  for (int c = 0; c < 2; ++c) sums[c] = rg_add(sums[c], products[c]);
-#endif
 }
 
 /* As add_row(), of residuals, times 2^15. */
@@ -75,6 +66,35 @@ static RG_SHARED int add_residuals(rg_place* place, const uint8_t* row,
     place->value.q27[c] = rg_add(place->value.q27[c], sums[c] >> shift);
   return 1;
 }
+
+#else
+
+/* One coordinate of a row of residuals, times 2^15. */
+static RG_INLINE int32_t sum_row(const uint8_t* residuals,
+                                 const int32_t w_q31[4]) {
+  int32_t sum = rg_multiply_half(w_q31[0], rg_load_i16(residuals));
+  sum = rg_add(sum, rg_multiply_half(w_q31[1], rg_load_i16(residuals + 4)));
+  sum = rg_add(sum, rg_multiply_half(w_q31[2], rg_load_i16(residuals + 8)));
+  return rg_add(sum, rg_multiply_half(w_q31[3], rg_load_i16(residuals + 12)));
+}
+
+/* Likewise, one coordinate after the other: registers are few. */
+static RG_SHARED int add_residuals(rg_place* place, const uint8_t* first,
+                                   uint32_t row_bytes, int shift) {
+  RG_UNROLL_SHARED
+  for (int c = 0; c < 2; ++c) {
+    const uint8_t* row = first + 2 * c;
+    int32_t sum = 1 << (shift - 1);
+    RG_UNROLL_SHARED
+    for (int j = 0; j < 4; ++j, row += row_bytes)
+      sum = rg_multiply_high_add(sum, sum_row(row, place->weights_q31[0]),
+                                 place->weights_q31[1][j]);
+    place->value.q27[c] = rg_add(place->value.q27[c], sum >> shift);
+  }
+  return 1;
+}
+
+#endif
 
 /* The rest of rg_find_place() where control points have 16 bits. */
 static RG_NOINLINE int find_narrow_value(const uint8_t* grid, rg_place* place) {
