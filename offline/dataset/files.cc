@@ -110,10 +110,9 @@ void OutputFiles::Commit() {
     Fail(file.path, error);
   }
   for (const File& file : files_) {
-    const int error =
-        IsStream(file.path)
-            ? WriteWhole(file.path, file.contents)
-            : Rename(TemporaryName(file.path), file.path);
+    const int error = IsStream(file.path)
+                          ? WriteWhole(file.path, file.contents)
+                          : Rename(TemporaryName(file.path), file.path);
     if (error == 0) continue;
     remove_temporaries();
     Fail(file.path, error);

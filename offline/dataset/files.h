@@ -11,8 +11,8 @@ std::string ReadFile(const std::string& path);
 
 /// Files that appear together: all are written beside their targets first, and
 /// renamed only when every one is complete. Throws Error(kOutput) and leaves
-/// nothing behind otherwise. Missing folders are made. Links stay, and what they
-/// lead to is replaced; pipes and devices stay, and get the contents.
+/// nothing behind otherwise. Missing folders are made. Links stay, and what
+/// they lead to is replaced; pipes and devices stay, and get the contents.
 class OutputFiles {
  public:
   void Add(const std::string& path, std::string contents);

@@ -9,13 +9,9 @@
 #include <immintrin.h>
 #include <stddef.h>
 
-#if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("avx2"))), \
-                             apply_to = function)
-#else
-#pragma GCC push_options
-#pragma GCC target("avx2")
-#endif
+#include "x86_features.h"
+
+RG_BEGIN_FEATURES("avx2")
 
 #define INLINE static inline __attribute__((always_inline))
 
@@ -593,10 +589,6 @@ void rg_blend_2_avx2(const rg_run* run) { blend(run, 2, rg_blend_2); }
 void rg_blend_3_avx2(const rg_run* run) { blend(run, 3, rg_blend_3); }
 void rg_blend_4_avx2(const rg_run* run) { blend(run, 4, rg_blend_4); }
 
-#if defined(__clang__)
-#pragma clang attribute pop
-#else
-#pragma GCC pop_options
-#endif
+RG_END_FEATURES
 
 #endif

@@ -8,15 +8,9 @@
 #include <immintrin.h>
 #include <stddef.h>
 
-#if defined(__clang__)
-#pragma clang attribute push(                                   \
-    __attribute__((target("avx512f,avx512bw,avx512vl,avx512dq," \
-                          "avx512vbmi,avx512vbmi2"))),          \
-    apply_to = function)
-#else
-#pragma GCC push_options
-#pragma GCC target("avx512f,avx512bw,avx512vl,avx512dq,avx512vbmi,avx512vbmi2")
-#endif
+#include "x86_features.h"
+
+RG_BEGIN_FEATURES("avx512f,avx512bw,avx512vl,avx512dq,avx512vbmi,avx512vbmi2")
 
 #define INLINE static inline __attribute__((always_inline))
 
@@ -626,10 +620,6 @@ KERNELS(3)
 KERNELS(4)
 #undef KERNELS
 
-#if defined(__clang__)
-#pragma clang attribute pop
-#else
-#pragma GCC pop_options
-#endif
+RG_END_FEATURES
 
 #endif

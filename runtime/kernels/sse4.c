@@ -8,13 +8,9 @@
 #include <smmintrin.h>
 #include <stddef.h>
 
-#if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("sse4.1"))), \
-                             apply_to = function)
-#else
-#pragma GCC push_options
-#pragma GCC target("sse4.1")
-#endif
+#include "x86_features.h"
+
+RG_BEGIN_FEATURES("sse4.1")
 
 #define INLINE static inline __attribute__((always_inline))
 
@@ -166,10 +162,6 @@ void rg_blend_4_sse4(const rg_run* run) {
   blend(run, l, rg_blend_4);
 }
 
-#if defined(__clang__)
-#pragma clang attribute pop
-#else
-#pragma GCC pop_options
-#endif
+RG_END_FEATURES
 
 #endif

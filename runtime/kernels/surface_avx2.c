@@ -15,13 +15,7 @@ uint16_t rg_best_surface(void) {
   return rg_has_avx2() ? RG_SURFACE_AVX2 : RG_SURFACE_PORTABLE;
 }
 
-#if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("avx2"))), \
-                             apply_to = function)
-#else
-#pragma GCC push_options
-#pragma GCC target("avx2")
-#endif
+RG_BEGIN_FEATURES("avx2")
 
 #define INLINE static inline __attribute__((always_inline))
 
@@ -201,10 +195,6 @@ void rg_find_slopes_avx2(const uint8_t* inverse, const rg_place* place,
                                    _mm_add_epi64(b, half), 0xa));
 }
 
-#if defined(__clang__)
-#pragma clang attribute pop
-#else
-#pragma GCC pop_options
-#endif
+RG_END_FEATURES
 
 #endif

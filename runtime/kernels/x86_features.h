@@ -1,4 +1,5 @@
-/* What an x86-64 processor has, and the system keeps registers of. */
+/* What an x86-64 processor has, and the system keeps registers of; functions
+ * for those that have more than all. */
 #ifndef RAYGRID_X86_FEATURES_H
 #define RAYGRID_X86_FEATURES_H
 
@@ -23,6 +24,19 @@ static inline int rg_has_avx2(void) {
   return rg_keeps_registers(RG_XMM_YMM) &&
          __get_cpuid_count(7, 0, &a, &b, &c, &d) && (b & bit_AVX2) != 0;
 }
+
+/* Between these, functions are compiled for a processor with such features. */
+#define RG_PRAGMA(text) _Pragma(#text)
+#if defined(__clang__)
+#define RG_BEGIN_FEATURES(names)                                 \
+  RG_PRAGMA(clang attribute push(__attribute__((target(names))), \
+                                 apply_to = function))
+#define RG_END_FEATURES RG_PRAGMA(clang attribute pop)
+#else
+#define RG_BEGIN_FEATURES(names) \
+  RG_PRAGMA(GCC push_options) RG_PRAGMA(GCC target(names))
+#define RG_END_FEATURES RG_PRAGMA(GCC pop_options)
+#endif
 
 #endif
 

@@ -70,7 +70,7 @@ static void check_places(const random_grid* grid, int is_narrow,
 static void test_has_the_portable_bits(void** state) {
   uint32_t random = 3;
   (void)state;
-  if (rg_best_surface() != RG_SURFACE_AVX2) skip();
+  if (rg_best_surface() != RG_SURFACE_AVX2) skip(); /* no such processor */
   for (int k = 0; k < NUM_GRIDS; ++k) {
     const random_grid wide = make_grid(RG_CONTROL_POINT_BITS, &random);
     const uint32_t bits =
@@ -86,7 +86,7 @@ static void test_has_the_portable_bits(void** state) {
 
 static void test_has_the_portable_bits(void** state) {
   (void)state;
-  skip();
+  skip(); /* AVX2 is x86-64's */
 }
 
 #endif
