@@ -45,8 +45,11 @@ rg_fault rg_check_grid(const uint8_t* section, uint32_t size,
 rg_fault rg_check_line_points(const uint8_t* section, uint32_t size,
                               const uint8_t* grid);
 
-/* A table for source images of a size. */
+/* A table for source images of a size, but for its vertices. */
 rg_fault rg_check_remap(const uint8_t* section, uint32_t size, uint32_t width,
                         uint32_t height);
+
+/* Those of a table that was checked. */
+rg_fault rg_check_vertices(const uint8_t* section);
 
 #endif /* RAYGRID_BLOB_CHECKS_H */

@@ -141,8 +141,9 @@ static rg_fault check_mask(const uint8_t* section, uint32_t size,
 static rg_fault check_remap(const uint8_t* section, uint32_t size,
                             const uint8_t* camera) {
   if (section[10] == 0 && section[11] != 0) return -RG_ERR_RESERVED;
-  const rg_fault fault = rg_check_remap(section, size, rg_load_u16(camera),
-                                        rg_load_u16(camera + 2));
+  rg_fault fault = rg_check_remap(section, size, rg_load_u16(camera),
+                                  rg_load_u16(camera + 2));
+  if (fault == 0) fault = rg_check_vertices(section);
   if (fault != 0) return fault;
   return rg_load_u32(section + 52) == 0 || rg_load_u32(section + 56) == 0
              ? -RG_ERR_REMAP_CAMERA

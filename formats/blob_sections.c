@@ -60,25 +60,6 @@ rg_fault rg_check_line_points(const uint8_t* section, uint32_t size,
                          12 * num_control_points(grid));
 }
 
-/* One coordinate of all vertices: -limit < vertex < limit. Its fields and
- * residuals lie behind the other's. Sums are modulo 2^32, as the spec says. */
-static int are_vertices_in_range(const uint8_t* section, const uint8_t* fields,
-                                 const uint8_t* residual,
-                                 uint32_t vertex_size) {
-  uint32_t row_start = rg_load_u32(fields + 28) + RG_VERTEX_LIMIT_Q12 - 1;
-  for (uint32_t rows = rg_load_u16(section + 6); rows > 0; --rows) {
-    uint32_t affine = row_start;
-    for (uint32_t columns = rg_load_u16(section + 4); columns > 0; --columns) {
-      const uint32_t offset = (uint32_t)rg_load_i16(residual) << section[9];
-      if (affine + offset >= 2u * RG_VERTEX_LIMIT_Q12 - 1) return 0;
-      affine += rg_load_u32(fields + 36);
-      residual += vertex_size;
-    }
-    row_start += rg_load_u32(fields + 44);
-  }
-  return 1;
-}
-
 /* One axis of a remap: sizes and source. */
 static rg_fault check_remap_axis(const uint8_t* section, uint32_t axis,
                                  uint32_t source_size) {
@@ -114,14 +95,36 @@ rg_fault rg_check_remap(const uint8_t* section, uint32_t size, uint32_t width,
   const uint32_t columns = rg_load_u16(section + 4);
   const uint32_t rows = rg_load_u16(section + 6);
   const uint32_t data_offset = rg_load_u32(section + 76);
-  fault = rg_check_extent(
+  return rg_check_extent(
       size, data_offset, RG_REMAP_FIELDS_SIZE,
       vertex_size * columns * rows + rg_mask_size((columns - 1) * (rows - 1)));
-  if (fault != 0) return fault;
-  const uint8_t* const residuals = section + data_offset;
+}
+
+/* One coordinate of all vertices: -limit < vertex < limit. Its fields and
+ * residuals lie behind the other's. Sums are modulo 2^32, as the spec says. */
+static int are_vertices_in_range(const uint8_t* section, const uint8_t* fields,
+                                 const uint8_t* residual) {
+  const uint32_t vertex_size =
+      section[10] != 0 ? RG_BENT_VERTEX_SIZE : RG_VERTEX_SIZE;
+  uint32_t row_start = rg_load_u32(fields + 28) + RG_VERTEX_LIMIT_Q12 - 1;
+  for (uint32_t rows = rg_load_u16(section + 6); rows > 0; --rows) {
+    uint32_t affine = row_start;
+    for (uint32_t columns = rg_load_u16(section + 4); columns > 0; --columns) {
+      const uint32_t offset = (uint32_t)rg_load_i16(residual) << section[9];
+      if (affine + offset >= 2u * RG_VERTEX_LIMIT_Q12 - 1) return 0;
+      affine += rg_load_u32(fields + 36);
+      residual += vertex_size;
+    }
+    row_start += rg_load_u32(fields + 44);
+  }
+  return 1;
+}
+
+rg_fault rg_check_vertices(const uint8_t* section) {
+  const uint8_t* const residuals = section + rg_load_u32(section + 76);
   for (uint32_t axis = 0; axis < 2; ++axis)
     if (!are_vertices_in_range(section, section + 4 * axis,
-                               residuals + 2 * axis, vertex_size))
+                               residuals + 2 * axis))
       return -RG_ERR_REMAP_VERTEX;
   return 0;
 }

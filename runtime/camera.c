@@ -1,6 +1,7 @@
 #include "blob_checks.h"
 #include "bytes.h"
 #include "raygrid.h"
+#include "remap_table.h"
 #include "rg_blob.h"
 #include "surface.h"
 
@@ -58,8 +59,10 @@ rg_status rg_select_remap(rg_camera* camera, uint32_t index) {
       rg_find_entry(camera->blob, RG_SECTION_REMAP, index);
   if (!entry) return RG_ERR_NO_REMAP;
   const uint8_t* const section = camera->blob + rg_load_u32(entry + 4);
-  const rg_fault fault = rg_check_remap(section, rg_load_u32(entry + 8),
-                                        camera->width, camera->height);
+  rg_fault fault = rg_check_remap(section, rg_load_u32(entry + 8),
+                                  camera->width, camera->height);
+  /* Elsewhere, what is done with any harms nothing. */
+  if (RG_KEEP_LINES && fault == 0) fault = rg_check_vertices(section);
   if (fault) return (rg_status)-fault;
   camera->remap = section;
   return RG_OK;

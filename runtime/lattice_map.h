@@ -16,8 +16,9 @@ extern "C" {
  * rounded. */
 static inline int32_t rg_to_lattice(const rg_lattice* lattice, int c,
                                     int32_t q12, int32_t bias) {
-  const int32_t log2 = lattice->log2[c]; /* 0 or 1 */
-  return (q12 - lattice->half[c] * 2048 + bias * log2) >> log2;
+  const uint32_t log2 = lattice->log2[c]; /* 0 or 1 */
+  const uint32_t moved = (uint32_t)q12 - lattice->half[c] * 2048u;
+  return (int32_t)(moved + (uint32_t)bias * log2) >> log2;
 }
 
 /* A range of one coordinate of positions, inclusive. */
@@ -38,8 +39,9 @@ static RG_INLINE rg_range rg_source_range(const uint8_t* section,
  * (1): what the table says, but at least 16 for chroma, 8 of its own. */
 static inline uint32_t rg_part_log2(const uint8_t* section,
                                     const rg_lattice* lattice, int axis) {
-  if (section[10] == 0) return section[8];
-  return section[10] < 4 && lattice->half[axis] == 1 ? 4 : section[10];
+  const uint32_t part_log2 = section[10];
+  if (part_log2 == 0) return section[8];
+  return part_log2 < 4 && lattice->half[axis] == 1 ? 4 : part_log2;
 }
 
 /* A part of a block of the table, as the lattice has it. */

@@ -11,21 +11,24 @@
  * taken one by one. */
 static RG_NOINLINE void choose_ring_rows(rg_remap_job* job) {
   const rg_position* const corners = job->run.block.corners;
-  int32_t top = (job->size[1] - 1) << 12;
-  for (int k = 0; k < 4; ++k)
+  int32_t top = (job->size[1] - 1) << 12, bottom = 0;
+  for (int k = 0; k < 4; ++k) {
     if (corners[k].q12[1] < top) top = corners[k].q12[1];
+    if (corners[k].q12[1] > bottom) bottom = corners[k].q12[1];
+  }
   const uint32_t row = top < 0 ? 0 : (uint32_t)top >> 12;
   const uint32_t first = row - (uint32_t)rg_remainder(row, job->ring_rows);
   const uint32_t rest = job->size[1] - first;
   job->run.first_source_row = (uint16_t)first;
-  job->num_rows = (uint16_t)(rest < job->ring_rows ? rest : job->ring_rows);
+  uint32_t num = rest < job->ring_rows ? rest : job->ring_rows;
+#if !RG_KEEP_LINES
+  if (((uint32_t)bottom + RG_POSITION_MARGIN) >> 12 >= first + num - 1) num = 0;
+#endif
+  job->num_rows = (uint16_t)num;
 }
 
-static RG_NOINLINE void fill_run(const rg_remap_job* job,
-                                 const rg_target* target) {
-  if (target->border != RG_BORDER_KEEP)
-    rg_fill_run(&job->run, job->lattice,
-                target->border_values + job->lattice->index);
+static RG_INLINE const rg_target* target_of(const rg_remap_job* job) {
+  return (const rg_target*)job->how;
 }
 
 static RG_INLINE const uint8_t* source_row(const rg_remap_job* job,
@@ -34,79 +37,117 @@ static RG_INLINE const uint8_t* source_row(const rg_remap_job* job,
   return job->run.data + (size_t)row * job->run.stride;
 }
 
-/* Coordinate c of the position in the source that the run's only pixel takes,
- * rounded; -1 where there is none. */
-static RG_SHARED int32_t find_position(const rg_remap_job* job,
-                                       const rg_target* target, int c) {
-  int32_t moved = rg_nearest_source(job, c);
-  if (moved != job->position.q12[c] && target->border != RG_BORDER_CLAMP)
-    return -1;
-  moved = rg_clamp(moved, 0, (job->size[c] - 1) << 12);
-  return target->sampling == RG_SAMPLING_NEAREST
-             ? (moved + 2048) & ~4095
-             : moved + (int32_t)rg_rounding(job->lattice->kind, c);
+/* Rounded to the last bit that is kept, coordinate c. */
+static RG_INLINE uint32_t round_position(const rg_remap_job* job, int32_t q12,
+                                         int c) {
+  return target_of(job)->sampling == RG_SAMPLING_NEAREST
+             ? ((uint32_t)q12 + 2048) & ~4095u
+             : (uint32_t)q12 + rg_rounding(job->lattice.kind, c);
 }
 
-/* The run's only pixel, with every check. */
-static RG_NOINLINE void remap_pixel(const rg_remap_job* job,
-                                    const rg_target* target) {
-  const int32_t x_q12 = find_position(job, target, 0);
-  const int32_t y_q12 = find_position(job, target, 1);
-  if ((x_q12 | y_q12) < 0) {
-    fill_run(job, target);
-    return;
-  }
+/* Coordinate c of the nearest position that has a source. */
+static RG_SHARED int32_t nearest_source(const rg_remap_job* job, int32_t q12,
+                                        int c) {
+  const rg_range range = job->ranges[c];
+  return rg_clamp(rg_clamp(q12, range.min_q12, range.max_q12), 0,
+                  (job->size[c] - 1) << 12);
+}
+
+/* The run's only pixel; neighbours beyond the last have weight zero. */
+static RG_INLINE void blend_with_care(rg_remap_job* job,
+                                      const rg_position* position) {
   rg_neighbors at;
-  at.x_q12 = (uint32_t)x_q12;
-  at.y_q12 = (uint32_t)y_q12;
-  /* Neighbours beyond the last have weight zero. */
+  at.x_q12 = round_position(job, nearest_source(job, position->q12[0], 0), 0);
+  at.y_q12 = round_position(job, nearest_source(job, position->q12[1], 1), 1);
   const uint32_t row = at.y_q12 >> 12;
   at.upper = source_row(job, row);
   at.lower = source_row(job, row + (row + 1 < job->size[1]));
-  at.right =
-      (at.x_q12 >> 12) + 1 < job->size[0] ? job->lattice->sample_step : 0;
-  rg_blend_pixel(job->lattice, &at, job->run.out, job->run.out_pixel);
+  at.right = (at.x_q12 >> 12) + 1 < job->size[0] ? job->lattice.sample_step : 0;
+  rg_blend_pixel(&job->lattice, &at, job->run.out, job->run.out_pixel);
 }
 
-static RG_INLINE void remap_run(const rg_remap_job* job,
-                                const rg_target* target, rg_care care) {
+/* With every check. */
+static void remap_pixel(rg_remap_job* job, const rg_position* position) {
+  const rg_target* const target = target_of(job);
+  const rg_lattice* const lattice = &job->lattice;
+  if (target->border == RG_BORDER_CLAMP || rg_has_source(job, position, 0)) {
+    blend_with_care(job, position);
+  } else if (target->border != RG_BORDER_KEEP) {
+    const uint16_t* value = target->border_values + lattice->index;
+    uint32_t index = rg_first_sample(lattice, job->run.out_pixel);
+    for (uint32_t c = lattice->num_channels; c != 0; --c)
+      rg_put_sample(lattice->kind, job->run.out, index++, *value++);
+  }
+}
+
+#if RG_KEEP_LINES
+
+static RG_NOINLINE void fill_run(const rg_remap_job* job) {
+  const rg_target* const target = target_of(job);
+  if (target->border != RG_BORDER_KEEP)
+    rg_fill_run(&job->run, &job->lattice,
+                target->border_values + job->lattice.index);
+}
+
+static RG_INLINE void remap_run(rg_remap_job* job, rg_care care) {
   if (care == RG_CARE_NO_SOURCE)
-    fill_run(job, target);
-  else if (care == RG_CARE_PIXEL)
-    remap_pixel(job, target);
-  else if (target->sampling == RG_SAMPLING_NEAREST)
-    rg_copy_lattice(&job->run, job->lattice);
+    fill_run(job);
+  else if (target_of(job)->sampling == RG_SAMPLING_NEAREST)
+    rg_copy_lattice(&job->run, &job->lattice);
   else
-    rg_dispatch(rg_kernels_of(job), &job->run, job->lattice,
+    rg_dispatch(rg_kernels_of(job), &job->run, &job->lattice,
                 care == RG_CARE_NONE);
 }
 
-static RG_INLINE void remap_part(rg_remap_job* job, const rg_target* target) {
+#else
+
+static void remap_safe_pixel(rg_remap_job* job, const rg_position* position) {
+  const rg_run* const run = &job->run;
+  rg_neighbors at;
+  at.x_q12 = round_position(job, position->q12[0], 0);
+  at.y_q12 = round_position(job, position->q12[1], 1);
+  at.upper =
+      run->data + ((at.y_q12 >> 12) - run->first_source_row) * run->stride;
+  at.lower = at.upper + run->stride;
+  at.right = job->lattice.sample_step;
+  rg_blend_pixel(&job->lattice, &at, run->out, run->out_pixel);
+}
+
+/* What has no built-in kernel goes pixel by pixel, as borders do. */
+static RG_INLINE void remap_run(rg_remap_job* job, rg_care care) {
+  (void)care;
+  if (target_of(job)->sampling == RG_SAMPLING_NEAREST ||
+      !rg_blend_built_in(&job->run, rg_interleaved(&job->lattice)))
+    rg_do_pixels(job, remap_safe_pixel);
+}
+
+#endif
+
+static RG_INLINE void remap_part(rg_remap_job* job) {
   rg_bring_to_lattice(job);
   if (job->ring_rows != 0) choose_ring_rows(job);
-  do {
-    remap_run(job, target, rg_next_run(job));
-  } while (job->rows_left != 0);
+  rg_do_part(job, remap_run, remap_pixel);
 }
 
 /* The part at hand, and some to its right. */
-static RG_INLINE void remap_parts(rg_remap_job* job, const rg_target* target) {
-  remap_part(job, target);
+static RG_INLINE void remap_parts(rg_remap_job* job) {
+  remap_part(job);
 #if RG_KEEP_LINES
-  while (rg_do_safe_parts(job, job->lattice, target->sampling))
-    remap_part(job, target);
+  while (rg_do_safe_parts(job, &job->lattice, target_of(job)->sampling))
+    remap_part(job);
 #endif
 }
 
 /* Before the runs of the job's lattice. */
-static RG_NOINLINE void start_lattice(rg_remap_job* job, const rg_image* image,
-                                      const rg_target* target) {
-  const rg_lattice* const lattice = job->lattice;
+static RG_NOINLINE void start_lattice(rg_remap_job* job,
+                                      const rg_camera* camera,
+                                      const rg_image* image) {
+  const rg_target* const target = target_of(job);
+  const rg_lattice* const lattice = &job->lattice;
   const uint32_t plane = lattice->plane;
   const uint32_t stride = image->planes[plane].stride;
   const uint32_t out_stride = target->planes[plane].stride;
   rg_set_kernels(job, target->kernels, stride);
-  rg_set_source(job, image->width, image->height);
   job->ring_rows = (uint16_t)(image->ring_rows >> lattice->log2[1]);
   job->run.data =
       image->planes[plane].data + lattice->first_row * (size_t)stride;
@@ -114,23 +155,22 @@ static RG_NOINLINE void start_lattice(rg_remap_job* job, const rg_image* image,
   job->run.out =
       target->planes[plane].data + lattice->first_row * (size_t)out_stride;
   job->run.out_stride = out_stride * lattice->row_step;
-  rg_start_rows(job, target->first_row, target->num_rows);
+  rg_start_lattice(job, camera, target->first_row, target->num_rows);
 }
 
 /* A function of its own, so that its stack and that of the checks do not add
  * up. */
-static RG_NOINLINE rg_status remap_lattices(const uint8_t* section,
+static RG_NOINLINE rg_status remap_lattices(const rg_camera* camera,
                                             const rg_image* image,
                                             const rg_target* target) {
   rg_remap_job job;
-  rg_lattice lattice;
-  job.lattice = &lattice;
-  job.walk.section = section;
+  job.how = target;
+  job.walk.section = camera->remap;
   job.walk.is_clamped = target->border == RG_BORDER_CLAMP;
-  for (uint32_t k = 0; rg_find_lattice(image->format, k, &lattice);
-       k = lattice.index + 1u) {
-    start_lattice(&job, image, target);
-    while (rg_next_part(&job)) remap_parts(&job, target);
+  for (uint32_t k = 0; rg_find_lattice(image->format, k, &job.lattice);
+       k = job.lattice.index + 1u) {
+    start_lattice(&job, camera, image);
+    while (rg_next_part(&job)) remap_parts(&job);
   }
   return RG_OK;
 }
@@ -222,7 +262,7 @@ static RG_NOINLINE rg_status remap_ring(const rg_camera* camera,
   const int32_t rows = rg_find_source_rows(camera, image->format,
                                            target->first_row, target->num_rows);
   if (!are_rows_there(image, (uint32_t)rows)) return RG_ERR_ROWS_MISSING;
-  return remap_lattices(camera->remap, image, target);
+  return remap_lattices(camera, image, target);
 }
 
 rg_status rg_remap(const rg_camera* camera, const rg_image* image,
@@ -230,5 +270,5 @@ rg_status rg_remap(const rg_camera* camera, const rg_image* image,
   const rg_status status = check_frames(camera, image, target);
   if (status != RG_OK) return status;
   if (image->ring_rows != 0) return remap_ring(camera, image, target);
-  return remap_lattices(camera->remap, image, target);
+  return remap_lattices(camera, image, target);
 }

@@ -1,30 +1,21 @@
+/* The walk where speed matters more than size. */
 #include "remap_blocks.h"
 
+#if RG_KEEP_LINES
 #include <stddef.h>
-
-/* More than rounding moves the positions of a block beyond its corners, and
- * than a position is rounded by, in q12. */
-#define MARGIN 64
 
 static inline int32_t min_of(int32_t a, int32_t b) { return a < b ? a : b; }
 static inline int32_t max_of(int32_t a, int32_t b) { return a > b ? a : b; }
 
-/* Short where stacks and programs are; elsewhere fast. */
-#if RG_KEEP_LINES
-#define OF_BLOCKS RG_INLINE
-#else
-#define OF_BLOCKS RG_SHARED
-#endif
-
 /* What positions ask for, coordinate c of which lies between two values. */
 static RG_INLINE rg_care find_axis_care(const rg_remap_job* job, int c,
                                         int32_t low, int32_t high) {
-  const rg_range source = rg_job_range(job, job->lattice, c);
+  const rg_range source = job->ranges[c];
   const int32_t first = c == 0 ? 0 : job->run.first_source_row;
   const int32_t num = c == 0 ? job->size[0] : job->num_rows;
   const int32_t end = min_of(source.max_q12, (first + num - 1) * 4096);
-  low -= MARGIN;
-  high += MARGIN;
+  low -= RG_POSITION_MARGIN;
+  high += RG_POSITION_MARGIN;
   if (high < source.min_q12 || low > source.max_q12) return RG_CARE_NO_SOURCE;
   if (low < max_of(source.min_q12, first * 4096) || high > end)
     return RG_CARE_PIXEL;
@@ -35,7 +26,7 @@ static RG_INLINE rg_care find_axis_care(const rg_remap_job* job, int c,
 
 /* What positions ask for that lie between some: the greater care of both
  * coordinates. */
-static OF_BLOCKS rg_care find_care(const rg_remap_job* job,
+static RG_INLINE rg_care find_care(const rg_remap_job* job,
                                    const rg_position* p, uint32_t num) {
   rg_care care = RG_CARE_NONE;
   for (int c = 0; c < 2; ++c) {
@@ -55,7 +46,7 @@ static OF_BLOCKS rg_care find_care(const rg_remap_job* job,
 static RG_INLINE void go_on_in_part(rg_remap_job* job) {
   rg_run* const run = &job->run;
   const uint32_t end = job->part_pixels;
-  run->first_pixel = (uint8_t)(run->first_pixel + run->num_pixels);
+  run->first_pixel = (uint16_t)(run->first_pixel + run->num_pixels);
   run->out_pixel = (uint16_t)(run->out_pixel + run->num_pixels);
   if (run->first_pixel < end) return;
   run->first_pixel = 0;
@@ -82,7 +73,7 @@ static RG_INLINE rg_care find_segment(rg_remap_job* job) {
     care = find_care(job, ends, 2);
     if (care != RG_CARE_PIXEL || num == 1) break;
   }
-  run->num_pixels = (uint8_t)num;
+  run->num_pixels = (uint16_t)num;
   if (run->first_pixel + num == job->part_pixels) --job->rows_left;
   return care;
 }
@@ -93,12 +84,11 @@ static RG_INLINE int start_parts(rg_remap_job* job) {
   run->out += (size_t)job->part_rows * run->out_stride;
   const uint32_t row = (uint32_t)job->row + job->part_rows, end = job->end_row;
   if (row >= end) return 0;
-  const uint32_t log2 =
-      (uint32_t)job->walk.part_log2[1] - job->lattice->log2[1];
+  const uint32_t log2 = (uint32_t)job->walk.part_log2[1] - job->lattice.log2[1];
   const uint32_t part = row >> log2;
   const uint32_t next = (part + 1) << log2;
   rg_start_parts(&job->walk, part);
-  run->first_row = (uint8_t)(row - (part << log2));
+  run->first_row = (uint16_t)(row - (part << log2));
   job->row = (uint16_t)row;
   job->part_rows = (uint8_t)((next < end ? next : end) - row);
   return 1;
@@ -106,27 +96,21 @@ static RG_INLINE int start_parts(rg_remap_job* job) {
 
 /* The block of the next part. */
 static RG_INLINE void find_block(rg_remap_job* job) {
-#if RG_KEEP_LINES
-  const rg_lattice* const lattice = job->lattice;
+  const rg_lattice* const lattice = &job->lattice;
   rg_block* const block = &job->run.block;
   if (job->walk.next_part == 0) rg_start_columns(&job->walk);
   rg_find_corners(job);
   block->width_log2 = (uint8_t)(job->walk.part_log2[0] - lattice->log2[0]);
   block->height_log2 = (uint8_t)(job->walk.part_log2[1] - lattice->log2[1]);
-#else
-  rg_next_block(&job->walk, &job->run.block);
-#endif
 }
-
-#if RG_KEEP_LINES
 
 static rg_safe_box find_safe_box(const rg_remap_job* job) {
   int32_t min[2], max[2];
   for (int c = 0; c < 2; ++c) {
     const rg_range source = job->ranges[c];
     const int32_t last_q12 = (job->size[c] - 1) * 4096;
-    min[c] = max_of(source.min_q12, 0) + MARGIN;
-    max[c] = min_of(source.max_q12, last_q12) - MARGIN;
+    min[c] = max_of(source.min_q12, 0) + RG_POSITION_MARGIN;
+    max[c] = min_of(source.max_q12, last_q12) - RG_POSITION_MARGIN;
   }
   if (RG_CHOOSE_KERNELS) max[1] -= RG_SPARE_Q12;
   if (job->ring_rows != 0) max[1] = min[1] - 1;
@@ -134,45 +118,31 @@ static rg_safe_box find_safe_box(const rg_remap_job* job) {
   return box;
 }
 
-#endif
-
 /* Of the part at hand. */
 static RG_INLINE rg_care find_part_care(const rg_remap_job* job) {
   if (job->walk.is_empty && !job->walk.is_clamped) return RG_CARE_NO_SOURCE;
-#if RG_KEEP_LINES
   if (rg_is_part_safe(job)) return RG_CARE_NONE;
-#endif
   return find_care(job, job->run.block.corners, 4);
 }
 
-void rg_start_rows(rg_remap_job* job, uint32_t first_row, uint32_t num_rows) {
-  const rg_lattice* const lattice = job->lattice;
-  rg_block_walk* const walk = &job->walk;
-  for (int axis = 0; axis < 2; ++axis)
-    walk->part_log2[axis] = (uint8_t)rg_part_log2(walk->section, lattice, axis);
-  job->row = (uint16_t)(first_row >> lattice->log2[1]);
-  job->end_row = (uint16_t)((first_row + num_rows) >> lattice->log2[1]);
-  job->part_rows = job->part_pixels = 0;
-#if RG_KEEP_LINES
-  for (int c = 0; c < 2; ++c)
-    job->ranges[c] = rg_source_range(walk->section, lattice, c);
+void rg_start_lanes(rg_remap_job* job) {
+  const rg_block_walk* const walk = &job->walk;
   job->safe = find_safe_box(job);
-  job->move = rg_find_lattice_lanes(lattice, walk->part_log2[0]);
+  job->move = rg_find_lattice_lanes(&job->lattice, walk->part_log2[0]);
   job->whole_parts =
       (uint16_t)(rg_load_u16(walk->section) >> walk->part_log2[0]);
-#endif
 }
 
 /* To the next part, but for its block; 0 if there is none. */
-static OF_BLOCKS int go_to_part(rg_remap_job* job) {
+static RG_INLINE int go_to_part(rg_remap_job* job) {
   rg_run* const run = &job->run;
   const rg_block_walk* const walk = &job->walk;
   if (job->part_pixels != 0) { /* back to the part's first row */
     const uint32_t rows = job->part_rows - 1u;
     run->out -= (size_t)rows * run->out_stride;
-    run->first_row = (uint8_t)(run->first_row - rows);
+    run->first_row = (uint16_t)(run->first_row - rows);
   }
-  const uint32_t log2 = job->lattice->log2[0];
+  const uint32_t log2 = job->lattice.log2[0];
   const uint32_t width = (uint32_t)rg_load_u16(walk->section) >> log2;
   const uint32_t part_width = 1u << walk->part_log2[0] >> log2;
   uint32_t first = walk->next_part * part_width;
@@ -183,7 +153,7 @@ static OF_BLOCKS int go_to_part(rg_remap_job* job) {
   const uint32_t rest = width - first;
   run->out_pixel = (uint16_t)first;
   run->first_pixel = job->part_pixels = 0;
-  run->num_pixels = (uint8_t)(rest < part_width ? rest : part_width);
+  run->num_pixels = (uint16_t)(rest < part_width ? rest : part_width);
   run->num_rows = job->rows_left = job->part_rows;
   return 1;
 }
@@ -202,9 +172,11 @@ rg_care rg_next_run(rg_remap_job* job) {
       job->rows_left = 0;
       return care;
     }
-    job->part_pixels = run->num_pixels;
+    job->part_pixels = (uint8_t)run->num_pixels;
     run->num_pixels = 0; /* none of them is done */
     run->num_rows = 1;
   }
   return find_segment(job);
 }
+
+#endif

@@ -13,6 +13,10 @@
 extern "C" {
 #endif
 
+/* More than rounding moves the positions of a block beyond its corners, and
+ * than a position is rounded by, in q12. */
+#define RG_POSITION_MARGIN 64
+
 /* What the pixels of a run ask for. */
 typedef enum rg_care {
   RG_CARE_NONE,     /* their neighbours lie in the source, in rows that follow
@@ -23,6 +27,11 @@ typedef enum rg_care {
   RG_CARE_NO_SOURCE /* none has */
 } rg_care;
 
+/* What is done with a run; and with one of RG_CARE_PIXEL at a position. */
+struct rg_remap_job;
+typedef void rg_do_run(struct rg_remap_job* job, rg_care care);
+typedef void rg_do_pixel(struct rg_remap_job* job, const rg_position* position);
+
 #if RG_KEEP_LINES
 /* Where a part's corners ask for no care: nowhere, if the source is a ring. */
 typedef struct rg_safe_box {
@@ -31,41 +40,34 @@ typedef struct rg_safe_box {
 #endif
 
 typedef struct rg_remap_job {
-  const rg_lattice* lattice;
+  rg_block_walk walk;
+  rg_lattice lattice;
+  uint16_t size[2];   /* of the source lattice: width, height */
+  uint16_t ring_rows; /* likewise; 0: no ring */
+  uint16_t num_rows;  /* that follow each other in memory, from the run's
+                         first_source_row on; 0: the part's do not */
+  uint16_t row;       /* of the output: the first one of the row of parts at
+                         hand; where size matters, of the next one */
+  uint16_t end_row;   /* behind the last one to do */
+#if RG_KEEP_LINES
+  uint8_t part_rows;   /* that the parts have; 0 before the first ones */
+  uint8_t part_pixels; /* of such a row, where the part at hand is done in
+                          segments of rows; 0: not yet */
+  uint8_t rows_left;   /* of the part; 0: the run is the last one */
+#endif
+  rg_run run;
+  const void* how; /* for what does runs and pixels */
 #if RG_CHOOSE_KERNELS
   const rg_kernels* kernels;
 #endif
-  uint16_t size[2];      /* of the source lattice: width, height */
-  uint16_t ring_rows;    /* likewise; 0: no ring */
-  uint16_t num_rows;     /* that follow each other in memory, from the run's
-                            first_source_row on */
-  uint16_t row, end_row; /* of the output: the first one of the row of parts at
-                            hand, and behind the last one to do */
-  uint8_t part_rows;     /* that the parts have; 0 before the first ones */
-  uint8_t part_pixels;   /* of such a row, where the part at hand is done in
-                            segments of rows; 0: not yet */
-  uint8_t rows_left;     /* of the part; 0: the run is the last one */
-  rg_run run;
-  rg_block_walk walk;
-  rg_position position; /* of the pixel that a run of RG_CARE_PIXEL is */
+  rg_range ranges[2]; /* of the positions that have a source: x, y */
 #if RG_KEEP_LINES
+  rg_position position; /* of the pixel that a run of RG_CARE_PIXEL is */
   uint16_t whole_parts; /* that a row of parts has, from the left */
-  rg_range ranges[2];   /* as rg_job_range() has them */
   rg_safe_box safe;
   rg_lattice_lanes move;
 #endif
 } rg_remap_job;
-
-/* Coordinate c of the positions that have a source, for the job's lattice. */
-static RG_INLINE rg_range rg_job_range(const rg_remap_job* job,
-                                       const rg_lattice* lattice, int c) {
-#if RG_KEEP_LINES
-  (void)lattice;
-  return job->ranges[c];
-#else
-  return rg_source_range(job->walk.section, lattice, c);
-#endif
-}
 
 /* wanted, or the fastest, as the frame's rows allow it. */
 static inline void rg_set_kernels(rg_remap_job* job, const rg_kernels* wanted,
@@ -87,22 +89,56 @@ static inline const rg_kernels* rg_kernels_of(const rg_remap_job* job) {
 }
 
 /* The size of the source, in pixels of the image. */
-static inline void rg_set_source(rg_remap_job* job, uint32_t width,
-                                 uint32_t height) {
-  job->size[0] = (uint16_t)(width >> job->lattice->log2[0]);
-  job->size[1] = job->num_rows = (uint16_t)(height >> job->lattice->log2[1]);
+static RG_INLINE void rg_set_source(rg_remap_job* job, uint32_t width,
+                                    uint32_t height) {
+  job->size[0] = (uint16_t)(width >> job->lattice.log2[0]);
+  job->size[1] = job->num_rows = (uint16_t)(height >> job->lattice.log2[1]);
   job->run.first_source_row = 0;
 }
 
+#if RG_KEEP_LINES
+/* What rg_start_rows() does for speed. */
+void rg_start_lanes(rg_remap_job* job);
+#endif
+
 /* Before the first part, of so many rows of the output, counted in pixels of
- * the image. The job holds its lattice, kernels, sizes, the walk's section and
- * is_clamped; and of the run, first_source_row, strides, data and out, which is
- * for the first row. */
-void rg_start_rows(rg_remap_job* job, uint32_t first_row, uint32_t num_rows);
+ * the image. The job holds its lattice, kernels, sizes, and the walk's section
+ * and is_clamped; and of the run, first_source_row, strides, data and out,
+ * which is for the first row. */
+static RG_INLINE void rg_start_rows(rg_remap_job* job,
+                                    const rg_lattice* lattice,
+                                    uint32_t first_row, uint32_t num_rows) {
+  rg_block_walk* const walk = &job->walk;
+  const uint8_t* const section = walk->section;
+  const uint32_t across_log2 = rg_part_log2(section, lattice, 0);
+  const uint32_t down_log2 = rg_part_log2(section, lattice, 1);
+  walk->part_log2[0] = (uint8_t)across_log2;
+  walk->part_log2[1] = (uint8_t)down_log2;
+  for (int c = 0; c < 2; ++c)
+    job->ranges[c] = rg_source_range(section, lattice, c);
+  job->row = (uint16_t)(first_row >> lattice->log2[1]);
+  job->end_row = (uint16_t)((first_row + num_rows) >> lattice->log2[1]);
+#if RG_KEEP_LINES
+  job->part_rows = job->part_pixels = 0;
+  rg_start_lanes(job);
+#else
+  job->run.first_pixel = job->run.num_rows = 0;
+  walk->next_part = UINT16_MAX;       /* behind the last of a row */
+#endif
+}
 
 /* To the next part of a block; 0 if there is none. The caller then brings it to
  * the lattice, and may choose the rows of the source. */
+#if RG_KEEP_LINES
 int rg_next_part(rg_remap_job* job);
+#else
+int rg_go_to_part(rg_remap_job* job); /* all but its block */
+static RG_INLINE int rg_next_part(rg_remap_job* job) {
+  if (!rg_go_to_part(job)) return 0;
+  rg_next_block(&job->walk, &job->run.block);
+  return 1;
+}
+#endif
 
 /* The corners of the run's block from the image's pixels to the lattice's. A
  * program with grey frames alone does not need it. */
@@ -110,19 +146,76 @@ static RG_INLINE void rg_bring_to_lattice(rg_remap_job* job) {
 #if RG_KEEP_LINES
   (void)job; /* they are */
 #else
-  rg_lattice_block(job->lattice, &job->run.block);
+  rg_lattice_block(&job->lattice, &job->run.block);
 #endif
 }
+
+/* Whether positions that are no farther than a margin from one all have a
+ * source: out of line where size matters. */
+static RG_INLINE int rg_is_in_ranges(const rg_remap_job* job,
+                                     const rg_position* position,
+                                     int32_t margin) {
+  if (job->walk.is_empty) return 0;
+  for (int c = 0; c < 2; ++c) {
+    const int32_t q12 = position->q12[c];
+    if (q12 < job->ranges[c].min_q12 + margin ||
+        q12 > job->ranges[c].max_q12 - margin)
+      return 0;
+  }
+  return 1;
+}
+#if RG_KEEP_LINES
+static RG_INLINE int rg_has_source(const rg_remap_job* job,
+                                   const rg_position* position,
+                                   int32_t margin) {
+  return rg_is_in_ranges(job, position, margin);
+}
+#else
+int rg_has_source(const rg_remap_job* job, const rg_position* position,
+                  int32_t margin);
+#endif
+
+#if RG_KEEP_LINES
 
 /* The part's next run, and what its pixels ask for; while rows_left is not 0,
  * there is another one. */
 rg_care rg_next_run(rg_remap_job* job);
 
+#else
+
+/* Whether all pixels of the part ask for no care. */
+int rg_is_part_safe(const rg_remap_job* job);
+
+/* A part pixel by pixel, each as a run of RG_CARE_PIXEL. */
+void rg_do_pixels(rg_remap_job* job, rg_do_pixel* on_pixel);
+
+#endif
+
+/* The part at hand: runs as long as they ask for the same, or, where size
+ * matters, the part as one run or pixel by pixel. */
+static RG_INLINE void rg_do_part(rg_remap_job* job, rg_do_run* on_run,
+                                 rg_do_pixel* on_pixel) {
+#if RG_KEEP_LINES
+  do {
+    const rg_care care = rg_next_run(job);
+    if (care == RG_CARE_PIXEL)
+      on_pixel(job, &job->position);
+    else
+      on_run(job, care);
+  } while (job->rows_left != 0);
+#else
+  if (rg_is_part_safe(job))
+    on_run(job, RG_CARE_NONE);
+  else
+    rg_do_pixels(job, on_pixel);
+#endif
+}
+
 #if RG_KEEP_LINES
 
 /* The corners of the next part, as the lattice has them. */
 static RG_INLINE void rg_find_corners(rg_remap_job* job) {
-  const rg_lattice* const lattice = job->lattice;
+  const rg_lattice* const lattice = &job->lattice;
   rg_lanes upper, lower;
   rg_next_corners(&job->walk, &upper, &lower);
   if ((lattice->log2[0] | lattice->log2[1]) != 0)

@@ -4,8 +4,9 @@
 
 #include "remap_kernels.h"
 
-/* Where there is room for several: chosen when the program runs. */
-#if !RG_PORTABLE_KERNELS &&                                                \
+/* Where there is room for several: chosen when the program runs. The small walk
+ * knows no spare rows. */
+#if RG_KEEP_LINES && !RG_PORTABLE_KERNELS &&                               \
     ((defined(__x86_64__) && defined(__SSE2__)) || defined(__aarch64__) || \
      (defined(__linux__) && (defined(__arm__) || defined(__riscv))))
 #define RG_CHOOSE_KERNELS 1
@@ -60,12 +61,9 @@ static inline uint32_t rg_interleaved(const rg_lattice* lattice) {
              : 0;
 }
 
-static inline void rg_dispatch(const rg_kernels* kernels, const rg_run* run,
-                               const rg_lattice* lattice, int is_roomy) {
-  const uint32_t channels = rg_interleaved(lattice);
-  if (RG_CHOOSE_KERNELS && kernels && RG_MAY_RUN(is_roomy) && channels != 0)
-    kernels->blend[channels - 1](run);
-  else if (channels == 1)
+/* By those that every program has; 0 if there are none for so many channels. */
+static inline int rg_blend_built_in(const rg_run* run, uint32_t channels) {
+  if (channels == 1)
     RG_BUILT_IN(1)(run);
   else if (RG_ALL_BUILT_IN && channels == 2)
     RG_BUILT_IN(2)(run);
@@ -74,6 +72,16 @@ static inline void rg_dispatch(const rg_kernels* kernels, const rg_run* run,
   else if (RG_ALL_BUILT_IN && channels == 4)
     RG_BUILT_IN(4)(run);
   else
+    return 0;
+  return 1;
+}
+
+static inline void rg_dispatch(const rg_kernels* kernels, const rg_run* run,
+                               const rg_lattice* lattice, int is_roomy) {
+  const uint32_t channels = rg_interleaved(lattice);
+  if (RG_CHOOSE_KERNELS && kernels && RG_MAY_RUN(is_roomy) && channels != 0)
+    kernels->blend[channels - 1](run);
+  else if (!rg_blend_built_in(run, channels))
     rg_blend_lattice(run, lattice);
 }
 

@@ -5,25 +5,27 @@
 static const rg_lattice kGrey = {RG_SAMPLE_8, 0,      0, 1, 1,
                                  {0, 0},      {0, 0}, 0, 1, 0};
 
-static RG_NOINLINE void fill_grey_run(const rg_run* run, uint16_t border) {
-  rg_fill_run(run, &kGrey, &border);
+static RG_INLINE uint8_t border_of(const rg_remap_job* job) {
+  return ((const rg_band*)job->how)->border;
 }
 
-static inline int is_in(rg_range range, int32_t q12) {
-  return q12 >= range.min_q12 && q12 <= range.max_q12;
+static void do_grey_run(rg_remap_job* job, rg_care care) {
+  if (care == RG_CARE_NO_SOURCE) {
+    const uint16_t border = border_of(job);
+    rg_fill_run(&job->run, &kGrey, &border);
+  } else {
+    rg_dispatch_grey(rg_kernels_of(job), &job->run, care == RG_CARE_NONE);
+  }
 }
 
 /* A position with a source lies in the frame; a neighbour beyond that has
  * weight zero. */
-static RG_NOINLINE void remap_grey_pixel(const rg_remap_job* job,
-                                         uint8_t border) {
+static void do_grey_pixel(rg_remap_job* job, const rg_position* position) {
   const rg_run* const run = &job->run;
-  const int32_t x_q12 = job->position.q12[0], y_q12 = job->position.q12[1];
+  const int32_t x_q12 = position->q12[0], y_q12 = position->q12[1];
   uint8_t* const out = run->out + run->out_pixel;
-  *out = border;
-  if (!is_in(rg_job_range(job, &kGrey, 0), x_q12) ||
-      !is_in(rg_job_range(job, &kGrey, 1), y_q12))
-    return;
+  *out = border_of(job);
+  if (!rg_has_source(job, position, 0)) return;
   const uint32_t x = (uint32_t)x_q12 + rg_rounding(RG_SAMPLE_8, 0);
   const uint32_t y = (uint32_t)y_q12, column = x >> 12, row = y >> 12;
   const uint8_t* const upper = run->data + (size_t)row * run->stride + column;
@@ -32,24 +34,12 @@ static RG_NOINLINE void remap_grey_pixel(const rg_remap_job* job,
   *out = (uint8_t)rg_blend_bytes(upper, lower, column + 1 < job->size[0], x, y);
 }
 
-static RG_INLINE void remap_grey_part(rg_remap_job* job, const rg_band* band) {
-  do {
-    const rg_care care = rg_next_run(job);
-    if (care == RG_CARE_NO_SOURCE)
-      fill_grey_run(&job->run, band->border);
-    else if (care == RG_CARE_PIXEL)
-      remap_grey_pixel(job, band->border);
-    else
-      rg_dispatch_grey(rg_kernels_of(job), &job->run, care == RG_CARE_NONE);
-  } while (job->rows_left != 0);
-}
-
 /* The part at hand, and some to its right. */
-static RG_INLINE void remap_grey_parts(rg_remap_job* job, const rg_band* band) {
-  remap_grey_part(job, band);
+static RG_INLINE void remap_grey_parts(rg_remap_job* job) {
+  rg_do_part(job, do_grey_run, do_grey_pixel);
 #if RG_KEEP_LINES
   while (rg_do_safe_parts(job, &kGrey, RG_SAMPLING_BILINEAR))
-    remap_grey_part(job, band);
+    rg_do_part(job, do_grey_run, do_grey_pixel);
 #endif
 }
 
@@ -75,20 +65,22 @@ rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
                         const rg_band* band) {
   const rg_status status = check_grey_frames(camera, frame, band);
   if (status != RG_OK) return status;
-  rg_remap_job job;
-  job.lattice = &kGrey;
-  rg_set_kernels(&job, 0, frame->stride);
-  job.size[0] = frame->width;
-  job.size[1] = job.num_rows = frame->height;
-  job.ring_rows = 0;
-  job.walk.is_clamped = 0;
-  job.walk.section = camera->remap;
-  job.run.data = frame->data;
-  job.run.stride = frame->stride;
-  job.run.out_stride = band->stride;
-  job.run.out = band->data;
-  job.run.first_source_row = 0;
-  rg_start_rows(&job, band->first_row, band->num_rows);
-  while (rg_next_part(&job)) remap_grey_parts(&job, band);
+  rg_remap_job on_stack;
+  rg_remap_job* job = &on_stack;
+  RG_IN_REGISTER(job);
+  for (int axis = 0; axis < 2; ++axis) /* the rest is not used */
+    job->lattice.log2[axis] = job->lattice.half[axis] = 0;
+  job->how = band;
+  rg_set_kernels(job, 0, frame->stride);
+  rg_set_source(job, frame->width, frame->height);
+  job->ring_rows = 0;
+  job->walk.is_clamped = 0;
+  job->walk.section = camera->remap;
+  job->run.data = frame->data;
+  job->run.stride = frame->stride;
+  job->run.out = band->data;
+  job->run.out_stride = band->stride;
+  rg_start_rows(job, &kGrey, band->first_row, band->num_rows);
+  while (rg_next_part(job)) remap_grey_parts(job);
   return RG_OK;
 }

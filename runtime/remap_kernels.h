@@ -24,11 +24,12 @@ extern "C" {
 typedef struct rg_run {
   uint16_t out_pixel; /* first_pixel of the block, in the output's row */
   uint16_t first_source_row;
-  uint8_t first_row, num_rows;     /* of the block */
-  uint8_t first_pixel, num_pixels; /* of the block's rows; neither num is 0 */
-  const uint8_t* data;             /* row 0 of the source is first_source_row */
-  uint32_t stride, out_stride;
+  uint16_t first_row, num_rows;     /* of the block */
+  uint16_t first_pixel, num_pixels; /* of the block's rows; neither num is 0 */
+  const uint8_t* data; /* row 0 of the source is first_source_row */
+  uint32_t stride;
   uint8_t* out; /* row first_row of the output, from its left end */
+  uint32_t out_stride;
   rg_block block;
 } rg_run;
 
@@ -164,10 +165,7 @@ static RG_INLINE uint32_t rg_blend_8(uint32_t left, uint32_t right,
   const uint32_t h_q7 = (right - left) * wx_q7 + (left << 7);
 #if defined(__ARM_FEATURE_SIMD32)
   /* h0 (4096 - wy) + h1 wy: one instruction */
-  uint32_t factor = 65535, one = 4096;
-  RG_IN_REGISTER(factor);
-  RG_IN_REGISTER(one);
-  const uint32_t weights = wy_q12 * factor + one;
+  const uint32_t weights = (wy_q12 << 16) - wy_q12 + 4096;
   return (uint32_t)__smlad((int16x2_t)h_q7, (int16x2_t)weights,
                            (int32_t)rounding) >>
          19;
@@ -243,9 +241,28 @@ static RG_INLINE uint32_t rg_blend_samples(uint32_t kind,
              : rg_blend_wide(kind, at, index);
 }
 
+/* Of more than 8 bits: a sample. Of 8 bits: so many that follow each other. */
+uint32_t rg_mix_samples(uint32_t kind, const rg_neighbors* at, uint32_t index);
+void rg_mix_bytes(const rg_neighbors* at, uint32_t index, uint8_t* out,
+                  uint32_t num_channels);
+
+static RG_INLINE uint32_t rg_first_sample(const rg_lattice* lattice,
+                                          uint32_t pixel) {
+  return lattice->first_sample + pixel * lattice->sample_step;
+}
+
 /* A pixel of any lattice, to the output's row. */
-void rg_blend_pixel(const rg_lattice* lattice, const rg_neighbors* at,
-                    uint8_t* row, uint32_t out_pixel);
+static RG_INLINE void rg_blend_pixel(const rg_lattice* lattice,
+                                     const rg_neighbors* at, uint8_t* row,
+                                     uint32_t out_pixel) {
+  const uint32_t index = rg_first_sample(lattice, at->x_q12 >> 12);
+  const uint32_t target = rg_first_sample(lattice, out_pixel);
+  if (lattice->kind == RG_SAMPLE_8)
+    rg_mix_bytes(at, index, row + target, lattice->num_channels);
+  else
+    rg_put_sample(lattice->kind, row, target,
+                  rg_mix_samples(lattice->kind, at, index));
+}
 
 #ifdef __cplusplus
 }

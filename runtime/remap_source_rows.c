@@ -3,7 +3,6 @@
 /* All that is kept meanwhile is in one place: that takes less stack. */
 typedef struct row_search {
   rg_remap_job job;
-  rg_lattice lattice; /* the job's */
   const rg_camera* camera;
   rg_format format;
   uint8_t next_lattice;
@@ -17,7 +16,7 @@ typedef struct row_search {
 
 /* Adds what a position needs: the image rows of its lattice's rows. */
 static RG_NOINLINE void add_position(row_search* search, int32_t y_q12) {
-  const uint32_t log2 = search->lattice.log2[1];
+  const uint32_t log2 = search->job.lattice.log2[1];
   int32_t first = (y_q12 - SLACK) >> 12;
   int32_t end = ((y_q12 + SLACK) >> 12) + 2;
   if (first < 0) first = 0;
@@ -28,21 +27,12 @@ static RG_NOINLINE void add_position(row_search* search, int32_t y_q12) {
   if (end > search->end_source) search->end_source = (uint16_t)end;
 }
 
-int32_t rg_nearest_source(const rg_remap_job* job, int c) {
-  const rg_range range = rg_job_range(job, job->lattice, c);
-  return rg_clamp(job->position.q12[c], range.min_q12, range.max_q12);
-}
-
 /* Adds what a run's pixels need that have a source. Positions are bilinear in a
  * block: where all have one, those of the run's corners will do. */
-static RG_NOINLINE void add_run(row_search* search, rg_care care) {
-  const rg_remap_job* const job = &search->job;
+static RG_NOINLINE void add_run(rg_remap_job* job, rg_care care) {
+  row_search* const search = (row_search*)job;
   const rg_run* const run = &job->run;
   if (care == RG_CARE_NO_SOURCE) return;
-  if (care == RG_CARE_PIXEL &&
-      (rg_nearest_source(job, 0) != job->position.q12[0] ||
-       rg_nearest_source(job, 1) != job->position.q12[1]))
-    return;
   uint32_t r = run->first_row;
   for (uint32_t k = 0; k < 2; ++k, r += run->num_rows - 1u) {
     rg_block_row row;
@@ -53,14 +43,23 @@ static RG_NOINLINE void add_run(row_search* search, rg_care care) {
   }
 }
 
+static void add_pixel(rg_remap_job* job, const rg_position* position) {
+  if (rg_has_source(job, position, 0))
+    add_position((row_search*)job, position->q12[1]);
+}
+
+void rg_start_lattice(rg_remap_job* job, const rg_camera* camera,
+                      uint32_t first_row, uint32_t num_rows) {
+  rg_set_source(job, camera->width, camera->height);
+  rg_start_rows(job, &job->lattice, first_row, num_rows);
+}
+
 /* 0 if there is none. */
 static RG_NOINLINE int start_next_lattice(row_search* search) {
   rg_remap_job* const job = &search->job;
-  if (!rg_find_lattice(search->format, search->next_lattice++,
-                       &search->lattice))
+  if (!rg_find_lattice(search->format, search->next_lattice++, &job->lattice))
     return 0;
-  rg_set_source(job, search->camera->width, search->camera->height);
-  rg_start_rows(job, search->first_row, search->num_rows);
+  rg_start_lattice(job, search->camera, search->first_row, search->num_rows);
   return 1;
 }
 
@@ -95,7 +94,6 @@ int32_t rg_find_source_rows(const rg_camera* camera, rg_format format,
   search.num_rows = (uint16_t)num_rows;
   search.first_source = UINT16_MAX;
   search.end_source = search.next_lattice = 0;
-  search.job.lattice = &search.lattice;
   search.job.walk.section = camera->remap;
   search.job.walk.is_clamped = 0;
   search.job.ring_rows = 0;
@@ -106,9 +104,7 @@ int32_t rg_find_source_rows(const rg_camera* camera, rg_format format,
   while (start_next_lattice(&search)) {
     while (rg_next_part(&search.job)) {
       rg_bring_to_lattice(&search.job);
-      do {
-        add_run(&search, rg_next_run(&search.job));
-      } while (search.job.rows_left != 0);
+      rg_do_part(&search.job, add_run, add_pixel);
     }
   }
   return round_rows(&search);

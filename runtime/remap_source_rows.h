@@ -20,9 +20,10 @@ rg_status rg_check_rows(const rg_camera* camera, rg_format format,
 int32_t rg_find_source_rows(const rg_camera* camera, rg_format format,
                             uint32_t first_row, uint32_t num_rows);
 
-/* Coordinate c of the position that is nearest to the job's and has a source.
- */
-int32_t rg_nearest_source(const rg_remap_job* job, int c);
+/* Before the first part of the job's lattice: rg_set_source(),
+ * rg_start_rows(). */
+void rg_start_lattice(rg_remap_job* job, const rg_camera* camera,
+                      uint32_t first_row, uint32_t num_rows);
 
 #ifdef __cplusplus
 }

@@ -74,10 +74,10 @@ static RG_SHARED const uint8_t* find_vertices(const uint8_t* section,
     const uint32_t row_step = rg_load_u32(affine + 16);
     const uint32_t plane =
         rg_load_u32(affine) + i * rg_load_u32(affine + 8) + j * row_step;
-    const int32_t scale = 1 << section[9];
-    ends[0].q12[c] = (int32_t)plane + rg_load_i16(above + 2 * c) * scale;
-    ends[2].q12[c] =
-        (int32_t)(plane + row_step) + rg_load_i16(below + 2 * c) * scale;
+    const uint32_t upper = (uint32_t)rg_load_i16(above + 2 * c) << section[9];
+    const uint32_t lower = (uint32_t)rg_load_i16(below + 2 * c) << section[9];
+    ends[0].q12[c] = (int32_t)(plane + upper);
+    ends[2].q12[c] = (int32_t)(plane + row_step + lower);
   }
   return above;
 }
@@ -86,11 +86,12 @@ static int32_t load_bend(const uint8_t* byte, uint32_t shift) {
   return (int32_t)(int8_t)*byte * (1 << shift);
 }
 
-/* Point k of 2^log2 along a bent edge. */
+/* Point k of 2^log2 along a bent edge; modulo 2^32. */
 static int32_t along_edge(int32_t from, int32_t to, int32_t bend, uint32_t k,
                           uint32_t log2) {
-  const int32_t rest = (int32_t)((1u << log2) - k);
-  return from + rg_round_shift((to - from + bend * rest) * (int32_t)k, log2);
+  const uint32_t sum =
+      (uint32_t)to - (uint32_t)from + (uint32_t)bend * ((1u << log2) - k);
+  return rg_add(from, rg_round_shift(sum * k, log2));
 }
 
 /* Across (axis 0) or down: the part's corners in place of an edge's ends,

@@ -23,26 +23,33 @@ typedef struct rg_position {
 } rg_position;
 
 /* Where stacks are large, what a block's parts have in common is kept from one
- * to the next, and both coordinates of two positions are computed together. */
+ * to the next, and both coordinates of two positions are computed together.
+ * Defined as 0, all files are compiled for the small walk. */
+#if !defined(RG_KEEP_LINES)
 #if defined(__GNUC__) &&                                            \
     (defined(__linux__) || defined(__LP64__) || defined(_WIN64)) && \
     (!defined(__x86_64__) || defined(__SSE2__))
 #define RG_KEEP_LINES 1
+#else
+#define RG_KEEP_LINES 0
+#endif
+#endif
+
+#if RG_KEEP_LINES
 /* x, y of one position and of another. */
 typedef int32_t rg_lanes __attribute__((vector_size(16)));
 typedef uint32_t rg_modular_lanes __attribute__((vector_size(16)));
 typedef int64_t rg_lane_pairs __attribute__((vector_size(16)));
 #define RG_FOR_LANES __attribute__((aligned(16)))
 #else
-#define RG_KEEP_LINES 0
 #define RG_FOR_LANES
 #endif
 
 /* A block, or a part of one, of 2^width_log2 x 2^height_log2 pixels, and where
  * its corners come from: top left, top right, bottom left, bottom right. */
 typedef struct rg_block {
-  RG_FOR_LANES rg_position corners[4];
   uint8_t width_log2, height_log2;
+  RG_FOR_LANES rg_position corners[4];
 } rg_block;
 
 /* A row of parts of the blocks of a remap section, which must be one that
@@ -211,30 +218,30 @@ typedef struct rg_block_row {
   rg_position start, step;
 } rg_block_row;
 
-/* (value + 2^(shift - 1)) >> shift */
-static inline int32_t rg_round_shift(int32_t value, uint32_t shift) {
-  return (value + (INT32_C(1) << shift >> 1)) >> shift;
+/* (value + 2^(shift - 1)) >> shift; the sum modulo 2^32. */
+static RG_INLINE int32_t rg_round_shift(uint32_t value, uint32_t shift) {
+  return (int32_t)(value + (UINT32_C(1) << shift >> 1)) >> shift;
 }
 
-/* round((to - from) r / 2^shift); the product modulo 2^32, which it only
- * reaches where the table of a broken lens does. */
-static inline int32_t rg_part_of(int32_t from, int32_t to, uint32_t r,
-                                 uint32_t shift) {
-  return rg_round_shift((int32_t)((uint32_t)(to - from) * r), shift);
+/* from + round((to - from) r / 2^shift), modulo 2^32. */
+static RG_INLINE int32_t rg_point_between(int32_t from, int32_t to, uint32_t r,
+                                          uint32_t shift) {
+  return rg_add(from,
+                rg_round_shift(((uint32_t)to - (uint32_t)from) * r, shift));
 }
 
-/* Coordinate c of row r of a block, r less than its height. */
+/* Coordinate c of row r of a block, r less than its height. Modulo 2^32, as all
+ * that a forged table may bring there. */
 static RG_INLINE void rg_find_row_axis(const rg_block* block, uint32_t r, int c,
                                        rg_block_row* row) {
   const rg_position* const corners = block->corners;
-  const int32_t left =
-      corners[0].q12[c] +
-      rg_part_of(corners[0].q12[c], corners[2].q12[c], r, block->height_log2);
-  const int32_t right =
-      corners[1].q12[c] +
-      rg_part_of(corners[1].q12[c], corners[3].q12[c], r, block->height_log2);
+  const int32_t left = rg_point_between(corners[0].q12[c], corners[2].q12[c], r,
+                                        block->height_log2);
+  const int32_t right = rg_point_between(corners[1].q12[c], corners[3].q12[c],
+                                         r, block->height_log2);
   row->start.q12[c] = left;
-  row->step.q12[c] = rg_round_shift(right - left, block->width_log2);
+  row->step.q12[c] =
+      rg_round_shift((uint32_t)right - (uint32_t)left, block->width_log2);
 }
 
 /* Row r: in place, and out of line. */

@@ -246,13 +246,12 @@ void rg_blend_1(const rg_run* run) {
 /* ---- Any lattice ----------------------------------------------------------
  */
 
-static RG_SHARED uint32_t mix_samples(uint32_t kind, const rg_neighbors* at,
-                                      uint32_t index) {
+uint32_t rg_mix_samples(uint32_t kind, const rg_neighbors* at, uint32_t index) {
   return rg_blend_wide(kind, at, index);
 }
 
-static RG_SHARED void mix_bytes(const rg_neighbors* at, uint32_t index,
-                                uint8_t* out, uint32_t num_channels) {
+void rg_mix_bytes(const rg_neighbors* at, uint32_t index, uint8_t* out,
+                  uint32_t num_channels) {
   do {
     *out++ = (uint8_t)rg_blend_bytes(at->upper + index, at->lower + index,
                                      at->right, at->x_q12, at->y_q12);
@@ -260,32 +259,13 @@ static RG_SHARED void mix_bytes(const rg_neighbors* at, uint32_t index,
   } while (--num_channels != 0);
 }
 
-static RG_INLINE uint32_t first_sample_of(const rg_lattice* lattice,
-                                          uint32_t pixel) {
-  return lattice->first_sample + pixel * lattice->sample_step;
-}
-
-void rg_blend_pixel(const rg_lattice* lattice, const rg_neighbors* at,
-                    uint8_t* row, uint32_t out_pixel) {
-  const uint32_t index = first_sample_of(lattice, at->x_q12 >> 12);
-  if (lattice->kind == RG_SAMPLE_8) {
-    mix_bytes(at, index, row + first_sample_of(lattice, out_pixel),
-              lattice->num_channels);
-  } else {
-    const uint32_t value = mix_samples(lattice->kind, at, index);
-    RG_READ_LATE(lattice);
-    rg_put_sample(lattice->kind, row, first_sample_of(lattice, out_pixel),
-                  value);
-  }
-}
-
 /* With all that the compiler knows of the lattice. is_copy: all neighbours are
  * the same one. */
 static RG_INLINE void do_pixel(const rg_lattice* lattice, uint32_t kind,
                                uint32_t num_channels, const rg_neighbors* at,
                                int is_copy, uint8_t* row, uint32_t out_pixel) {
-  uint32_t index = first_sample_of(lattice, at->x_q12 >> 12);
-  uint32_t target = first_sample_of(lattice, out_pixel);
+  uint32_t index = rg_first_sample(lattice, at->x_q12 >> 12);
+  uint32_t target = rg_first_sample(lattice, out_pixel);
   for (uint32_t c = 0; c < num_channels; ++c, ++index, ++target)
     rg_store_sample(kind, row, target,
                     is_copy ? rg_load_sample(kind, at->upper, index)
