@@ -104,10 +104,10 @@ static RG_INLINE int find_reach(const rg_run* run, uint32_t channels,
     const int32_t width = corners[1].q12[c] - corners[0].q12[c];
     const int32_t height = corners[2].q12[c] - corners[0].q12[c];
     const int32_t lower_width = corners[3].q12[c] - corners[2].q12[c];
-    const int32_t across = width >> (run->block.width_log2 - 3);
-    const int32_t down = height >> (run->block.height_log2 - 3);
+    const int32_t across = (width >> run->block.width_log2) * (TILE - 1);
+    const int32_t down = (height >> run->block.height_log2) * (TILE - 1);
     /* The edges of any tile differ less from these than those of the block. */
-    const uint32_t slack = 2 * rg_magnitude(lower_width - width) + TILE_MARGIN;
+    const uint32_t slack = rg_magnitude(lower_width - width) + TILE_MARGIN;
     const uint32_t extent =
         rg_magnitude(across) + rg_magnitude(down) + 2 * slack + 4095;
     if (extent > UINT16_MAX) return 0;
