@@ -12,19 +12,19 @@ static inline uint32_t load_pair(const uint8_t* p) {
 
 /* ---- Tiles ---------------------------------------------------------------
  *
- * 8 x 8 pixels, in loops over all of them that compilers make vectors of. Lanes
- * are a tile's rows, so that one sum leads to the next column. Sources are
- * counted in 16 bits from a pixel nearby. */
-#if RG_IS_FAST && defined(__SSE2__) && \
-    (defined(__clang__) || (defined(__GNUC__) && __GNUC__ >= 12))
+ * 8 x 8 pixels, in loops over all of them that GCC makes vectors of; clang 14
+ * does so with few, which is slower than one pixel after the other. Lanes are a
+ * tile's rows, so that one sum leads to the next column. Sources are counted in
+ * 16 bits from a pixel nearby. */
+#if RG_IS_FAST && defined(__SSE2__) && defined(__GNUC__) && __GNUC__ >= 12
 #define HAS_TILES 1
 
 #define TILE 8
 #define TILE_PIXELS (TILE * TILE)
 
-/* x, y of where rows begin, and end: times the height of the block and rounded,
- * for one row; how that changes to the next row. Half a step is added to the
- * ends. */
+/* x, y of where a row begins, and where it ends, times the height of the block;
+ * what rounds them is added, to the ends also what rounds a step. And how these
+ * change to the next row. */
 typedef struct tile_edges {
   int32_t sums[4], heights[4];
   uint32_t width_log2, height_log2;
@@ -91,13 +91,13 @@ static RG_INLINE void go_right(tile_rows* rows) {
 #define TILE_MARGIN 64
 
 /* Whether a run is made of tiles, and their sources can be counted in 16 bits,
- * the offsets of 1 or 2 channels too. They begin so far before that of a tile's
- * first pixel at most. */
+ * the offsets of 1 or 2 channels too. reach: how far before the source of a
+ * tile's first pixel those of others lie at most, in q12. */
 static RG_INLINE int find_reach(const rg_run* run, uint32_t channels,
                                 int32_t reach[2]) {
   const rg_position* const corners = run->block.corners;
   uint32_t pixels[2];
-  if (run->first_pixel != 0 ||
+  if (run->first_pixel != 0 || run->stride > UINT16_MAX ||
       ((run->num_pixels | run->num_rows) & (TILE - 1)) != 0)
     return 0;
   for (int c = 0; c < 2; ++c) {
@@ -115,9 +115,8 @@ static RG_INLINE int find_reach(const rg_run* run, uint32_t channels,
     reach[c] =
         (int32_t)slack - (across < 0 ? across : 0) - (down < 0 ? down : 0);
   }
-  return channels <= 2
-             ? pixels[1] * run->stride + pixels[0] * channels <= UINT16_MAX
-             : run->stride <= UINT16_MAX;
+  return channels > 2 ||
+         pixels[1] * run->stride + pixels[0] * channels <= UINT16_MAX;
 }
 
 /* The pixel, or row, that the sources of a tile are counted from. */
@@ -195,7 +194,7 @@ static RG_INLINE uint16_t blend_lane(uint32_t upper_left, uint32_t upper_right,
   const int16_t down_q7 = (int16_t)(lower_q7 - upper_q7);
   const int16_t wy_q15 = (int16_t)((y_q12 & 4095) << 3);
   /* The product in two halves; the lower one is a multiple of 8. */
-  const uint16_t high = (uint16_t)((int32_t)down_q7 * wy_q15 >> 16);
+  const uint16_t high = (uint16_t)(((int32_t)down_q7 * wy_q15) >> 16);
   const uint16_t low = (uint16_t)((uint16_t)down_q7 * (uint32_t)wy_q15);
   const uint16_t rounded = (uint16_t)((low >> 3) + 2047) >> 12;
   return (uint16_t)(upper_q7 + 64 + 2 * high + rounded) >> 7;
