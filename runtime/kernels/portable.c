@@ -165,19 +165,15 @@ static RG_INLINE size_t offset_of(const tile* t, uint32_t i,
 /* What belongs to pixels: planes of channels, or of words. */
 typedef uint16_t tile_planes[4][TILE_PIXELS];
 
-/* Two neighbours, byte by byte: as many words of two bytes as there are
- * channels. */
-static RG_INLINE void load_neighbors(const tile* t, const uint8_t* upper,
-                                     size_t stride, uint32_t channels,
-                                     tile_planes upper_words,
-                                     tile_planes lower_words) {
+/* Of two neighbours: two bytes of the upper row, and of the lower one. */
+static RG_INLINE void load_words(const tile* t, const uint8_t* upper,
+                                 size_t stride, uint32_t channels,
+                                 uint16_t* upper_words, uint16_t* lower_words) {
   const uint8_t* const lower = upper + stride;
   for (uint32_t i = 0; i < TILE_PIXELS; ++i) {
     const size_t offset = offset_of(t, i, channels);
-    for (uint32_t k = 0; k < channels; ++k) {
-      upper_words[k][i] = (uint16_t)load_pair(upper + offset + 2 * k);
-      lower_words[k][i] = (uint16_t)load_pair(lower + offset + 2 * k);
-    }
+    upper_words[i] = (uint16_t)load_pair(upper + offset);
+    lower_words[i] = (uint16_t)load_pair(lower + offset);
   }
 }
 
@@ -200,17 +196,17 @@ static RG_INLINE uint16_t blend_lane(uint32_t upper_left, uint32_t upper_right,
   return (uint16_t)(upper_q7 + 64 + 2 * high + rounded) >> 7;
 }
 
-static RG_INLINE void blend_channel(const tile* t, tile_planes upper_words,
-                                    tile_planes lower_words, uint32_t channels,
-                                    uint32_t channel, uint16_t* out) {
-  const uint32_t left = channel >> 1, left_shift = 8 * (channel & 1);
-  const uint32_t next = channel + channels;
-  const uint32_t right = next >> 1, right_shift = 8 * (next & 1);
+/* Byte k of two neighbours. */
+static RG_INLINE uint32_t byte_of(tile_planes words, uint32_t k, uint32_t i) {
+  return (k & 1) != 0 ? words[k >> 1][i] >> 8 : words[k >> 1][i] & 255;
+}
+
+static RG_INLINE void blend_channel(const tile* t, tile_planes upper,
+                                    tile_planes lower, uint32_t channels,
+                                    uint32_t c, uint16_t* out) {
   for (uint32_t i = 0; i < TILE_PIXELS; ++i)
-    out[i] = blend_lane((upper_words[left][i] >> left_shift) & 255,
-                        (upper_words[right][i] >> right_shift) & 255,
-                        (lower_words[left][i] >> left_shift) & 255,
-                        (lower_words[right][i] >> right_shift) & 255,
+    out[i] = blend_lane(byte_of(upper, c, i), byte_of(upper, c + channels, i),
+                        byte_of(lower, c, i), byte_of(lower, c + channels, i),
                         t->x_q12[i], t->y_q12[i]);
 }
 
@@ -244,10 +240,13 @@ static RG_INLINE void store_tile(tile_planes values, uint32_t channels,
 static RG_INLINE void blend_tile(const tile* t, const uint8_t* data,
                                  size_t stride, uint32_t channels, uint8_t* out,
                                  size_t out_stride) {
-  tile_planes upper_words, lower_words, values;
-  load_neighbors(t, data, stride, channels, upper_words, lower_words);
-  for (uint32_t c = 0; c < channels; ++c)
-    blend_channel(t, upper_words, lower_words, channels, c, values[c]);
+  tile_planes upper, lower, values;
+  for (uint32_t k = 0; k < channels; ++k)
+    load_words(t, data + 2 * k, stride, channels, upper[k], lower[k]);
+  blend_channel(t, upper, lower, channels, 0, values[0]);
+  if (channels > 1) blend_channel(t, upper, lower, channels, 1, values[1]);
+  if (channels > 2) blend_channel(t, upper, lower, channels, 2, values[2]);
+  if (channels > 3) blend_channel(t, upper, lower, channels, 3, values[3]);
   store_tile(values, channels, out, out_stride);
 }
 
