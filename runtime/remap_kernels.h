@@ -119,6 +119,25 @@ rg_blend rg_blend_1_helium, rg_blend_2_helium, rg_blend_3_helium,
     rg_blend_4_helium;
 rg_blend rg_blend_1_rvv, rg_blend_2_rvv, rg_blend_3_rvv, rg_blend_4_rvv;
 
+/* The portable ones where compilers make vectors of loops: 1 to 4 interleaved
+ * channels of 8 bits, bilinear, or one, nearest. Return whether the run was
+ * done, which is made of tiles of 8 x 8 pixels then. */
+#if RG_IS_FAST && defined(__SSE2__) && defined(__GNUC__) && __GNUC__ >= 12
+#define RG_HAS_TILES 1
+int rg_blend_tiles(const rg_run* run, uint32_t channels);
+int rg_copy_tiles(const rg_run* run);
+#else
+#define RG_HAS_TILES 0
+static inline int rg_blend_tiles(const rg_run* run, uint32_t channels) {
+  (void)run, (void)channels;
+  return 0;
+}
+static inline int rg_copy_tiles(const rg_run* run) {
+  (void)run;
+  return 0;
+}
+#endif
+
 /* Any lattice, bilinear; nearest. */
 void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice);
 void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice);

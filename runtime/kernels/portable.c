@@ -229,6 +229,7 @@ static RG_INLINE void blend_row_1(const rg_run* run, edge_walk edges[4],
 }
 
 void rg_blend_1(const rg_run* run) {
+  if (rg_blend_tiles(run, 1)) return;
   uint8_t* out = run->out + run->out_pixel;
   edge_walk edges[4];
   start_edges(run, ORIGIN_X, edges);
@@ -350,13 +351,22 @@ void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice) {
   do_lattice(run, lattice, 0);
 }
 
-void rg_blend_2(const rg_run* run) { do_lattice(run, &kInterleaved[1], 0); }
-void rg_blend_3(const rg_run* run) { do_lattice(run, &kInterleaved[2], 0); }
-void rg_blend_4(const rg_run* run) { do_lattice(run, &kInterleaved[3], 0); }
+void rg_blend_2(const rg_run* run) {
+  if (!rg_blend_tiles(run, 2)) do_lattice(run, &kInterleaved[1], 0);
+}
+
+void rg_blend_3(const rg_run* run) {
+  if (!rg_blend_tiles(run, 3)) do_lattice(run, &kInterleaved[2], 0);
+}
+
+void rg_blend_4(const rg_run* run) {
+  if (!rg_blend_tiles(run, 4)) do_lattice(run, &kInterleaved[3], 0);
+}
 
 void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice) {
-  if (RG_IS_FAST && lattice->kind == RG_SAMPLE_8 && lattice->sample_step == 1)
-    do_lattice(run, &kInterleaved[0], 1);
-  else
+  if (RG_IS_FAST && lattice->kind == RG_SAMPLE_8 && lattice->sample_step == 1) {
+    if (!rg_copy_tiles(run)) do_lattice(run, &kInterleaved[0], 1);
+  } else {
     do_lattice(run, lattice, 1);
+  }
 }

@@ -454,6 +454,14 @@ static void every_kernel_gives_the_specified_bits(void** unused) {
 
 #define RUN_STRIDE (4 * RUN_WIDTH + 4)
 
+static uint8_t source[RUN_STRIDE * RUN_HEIGHT];
+
+/* Of the upper bits: the lower ones come again after 2^16. */
+static void fill_source(void) {
+  for (uint32_t i = 0; i < sizeof(source); ++i)
+    source[i] = (uint8_t)(below(1u << 24) >> 16);
+}
+
 /* By name; in place of the fastest ones, those that are built in. */
 static const rg_kernels* find_kernels(uint32_t name) {
 #if defined(__ARM_FEATURE_MVE)
@@ -534,7 +542,6 @@ static int make_run(rg_run* run) {
 }
 
 static void runs_at_the_limits_are_as_the_portable_ones(void** unused) {
-  static uint8_t source[RUN_STRIDE * RUN_HEIGHT];
   static rg_blend* const kPortable[4] = {rg_blend_1, rg_blend_2, rg_blend_3,
                                          rg_blend_4};
   const uint32_t out_stride = 4 * 40;
@@ -543,7 +550,7 @@ static void runs_at_the_limits_are_as_the_portable_ones(void** unused) {
   (void)unused;
   for (uint32_t n = 0; n < NUM_NAMES; ++n) kernels[n] = find_kernels(n);
   state = 99;
-  for (uint32_t i = 0; i < sizeof(source); ++i) source[i] = (uint8_t)below(256);
+  fill_source();
   for (uint32_t k = 0; k < NUM_RUNS; ++k) {
     rg_run run;
     if (!make_run(&run)) continue;
@@ -569,6 +576,74 @@ static void runs_at_the_limits_are_as_the_portable_ones(void** unused) {
   assert_true(num_checked > NUM_RUNS / 20);
 }
 
+/* ---- Whole blocks, whose rows the portable kernels may take together ----- */
+
+/* How far 8 pixels and 8 rows lead, in q12, is about as far as 16 bits count.
+ * Lies in so many rows of the source, 32 or 200. */
+static void make_block(rg_run* run, uint32_t num_rows) {
+  rg_position* const corners = run->block.corners;
+  const uint32_t log2 = num_rows == 32 ? 3 : 3 + below(3);
+  const int32_t tiles = 1 << (log2 - 3);
+  for (int c = 0; c < 2; ++c) {
+    const int is_low = c == 1 && num_rows == 32;
+    const int32_t reach = is_low || below(2) == 0 ? 30000 : 64000;
+    const int32_t across = between(-reach, reach);
+    const int32_t rest = reach - (across < 0 ? -across : across);
+    const int32_t down = between(-rest, rest);
+    const int32_t turn =
+        below(2) == 0 ? between(-64, 64) : between(-20000, 20000);
+    corners[0].q12[c] = edge_position(is_low ? 15 : 100);
+    corners[1].q12[c] = corners[0].q12[c] + across * tiles;
+    corners[2].q12[c] = corners[0].q12[c] + down * tiles;
+    corners[3].q12[c] = corners[2].q12[c] + across * tiles + turn;
+  }
+  run->block.width_log2 = run->block.height_log2 = (uint8_t)log2;
+  run->num_pixels = run->num_rows = (uint8_t)(1u << log2);
+}
+
+static void do_portably(const rg_run* run, uint32_t channels, int is_copy) {
+  static rg_blend* const kPortable[4] = {rg_blend_1, rg_blend_2, rg_blend_3,
+                                         rg_blend_4};
+  const rg_lattice lattice = {
+      RG_SAMPLE_8, 0, 0, (uint8_t)channels, (uint8_t)channels, {0, 0}, {0, 0},
+      0,           1, 0};
+  if (is_copy)
+    rg_copy_lattice(run, &lattice);
+  else
+    kPortable[channels - 1](run);
+}
+
+static void blocks_are_as_their_rows(void** unused) {
+  const uint32_t out_stride = 4 * 40;
+  (void)unused;
+  state = 7;
+  fill_source();
+  for (uint32_t k = 0; k < NUM_RUNS / 4; ++k) {
+    const uint32_t channels = 1 + below(4);
+    const uint32_t num_rows = below(8) == 0 ? 32 : 200;
+    const int is_copy = below(4) == 0;
+    rg_run run;
+    memset(&run, 0, sizeof(run));
+    make_block(&run, num_rows);
+    run.data = source;
+    run.stride = 1024 + below((uint32_t)sizeof(source) / num_rows - 1024);
+    run.out_stride = out_stride;
+    run.out_pixel = (uint16_t)below(3);
+    memset(expected[0], GUARD, 33 * out_stride);
+    memset(output[0], GUARD, 33 * out_stride);
+    run.out = output[0];
+    do_portably(&run, channels, is_copy);
+    for (uint32_t r = 0; r < run.num_pixels; ++r) {
+      run.first_row = (uint8_t)r;
+      run.num_rows = 1;
+      run.out = expected[0] + r * out_stride;
+      do_portably(&run, channels, is_copy);
+    }
+    if (memcmp(output[0], expected[0], 33 * out_stride) != 0)
+      fail_msg("%u channels, block %u", (unsigned)channels, (unsigned)k);
+  }
+}
+
 static void kernels_are_found_by_name(void** unused) {
   (void)unused;
   for (uint32_t name = 0; name + 1 < NUM_NAMES; ++name)
@@ -582,6 +657,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_kernel_gives_the_specified_bits),
       cmocka_unit_test(runs_at_the_limits_are_as_the_portable_ones),
+      cmocka_unit_test(blocks_are_as_their_rows),
       cmocka_unit_test(kernels_are_found_by_name),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
