@@ -249,7 +249,7 @@ static RG_INLINE void copy_tile(const tile* t, const uint8_t* data,
                                 uint32_t channels, uint8_t* out,
                                 size_t out_stride) {
   for (uint32_t r = 0; r < TILE; ++r, out += out_stride)
-    for (uint32_t k = 0; k < TILE; ++k) {
+    _Pragma("GCC unroll 8") for (uint32_t k = 0; k < TILE; ++k) {
       const uint8_t* const from = data + offset_of(t, k * TILE + r, channels);
       for (uint32_t c = 0; c < channels; ++c) out[k * channels + c] = from[c];
     }
