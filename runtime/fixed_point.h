@@ -149,7 +149,8 @@ static inline int32_t rg_upper_word(int64_t sum) {
  * matters. */
 static RG_INLINE uint32_t rg_times(uint32_t number) {
 #if defined(__GNUC__) && defined(__OPTIMIZE_SIZE__)
-  __asm__("" : "+r"(number));
+  __asm__ volatile("" : "+r"(number));
+  if (number == 0) __builtin_unreachable();
 #endif
   return number;
 }
