@@ -5,10 +5,14 @@
 
 /* sqrt(s) in q29, for s_q28 from 2^26 to below 2^30: s in [1/4, 4). */
 static int32_t square_root(uint32_t s_q28) {
-  const int is_from_1 = s_q28 >> 28 != 0;
-  const uint32_t u_q32 = s_q28 << (4 - 2 * is_from_1); /* s or s / 4 */
-  return rg_multiply_high((int32_t)(u_q32 >> 1), rg_inverse_root(u_q32))
-         << (1 + is_from_1);
+  uint32_t u_q31 = s_q28 << 1; /* s / 4, or s */
+  int shift = 2;
+  if (u_q31 < UINT32_C(1) << 29) {
+    u_q31 <<= 2;
+    shift = 1;
+  }
+  return rg_multiply_high((int32_t)u_q31, rg_inverse_root((int32_t)u_q31))
+         << shift;
 }
 
 /* All bits but the sign's that a value needs. */
@@ -28,8 +32,8 @@ int rg_chart_point_of(const rg_ray* direction, int32_t limit_q30,
   const int32_t y_q30 = (int32_t)((uint32_t)y << shift) >> 1;
   const int32_t z_q30 = (int32_t)((uint32_t)z << shift) >> 1;
   const int32_t z_square_q28 = rg_multiply_high(z_q30, z_q30);
-  const int32_t square_q28 = rg_multiply_high(x_q30, x_q30) +
-                             rg_multiply_high(y_q30, y_q30) + z_square_q28;
+  const int32_t square_q28 = rg_multiply_high_add(
+      rg_multiply_high_add(z_square_q28, x_q30, x_q30), y_q30, y_q30);
   if ((z < 0 ? -z_square_q28 : z_square_q28) <
       2 * rg_multiply_high(limit_q30, 2 * square_q28))
     return 0;
