@@ -89,14 +89,14 @@ static inline uint32_t rg_multiply_high_unsigned(uint32_t a, uint32_t b) {
   return high + (low >> 31);
 }
 
-/* (a b + 2^(shift - 1)) >> shift for 1 <= shift <= 31; the result must fit. */
+/* (a b + 2^(shift - 1)) >> shift for 2 <= shift <= 31; twice the result must
+ * fit. */
 static inline int32_t rg_multiply_shift(int32_t a, int32_t b, int shift) {
   uint32_t low;
   const int32_t high = rg_multiply_signed(a, b, &low);
-  const uint32_t rounded = low + (UINT32_C(1) << (shift - 1));
-  const uint32_t carry = rounded < low;
-  return (int32_t)((((uint32_t)high + carry) << (32 - shift)) |
-                   (rounded >> shift));
+  const int32_t twice =
+      (int32_t)(((uint32_t)high << (33 - shift)) | (low >> (shift - 1)));
+  return (twice >> 1) + (twice & 1);
 }
 
 /* a b. Sums of products are rounded once, by rg_upper_word(). */

@@ -131,26 +131,21 @@ static uint32_t project_block(const rg_camera* camera, const rg_ray* directions,
 
 #endif
 
-/* A function of its own, so that the loop below needs no register for it. */
-static RG_SHARED void set_unseen(rg_pixel* pixel) {
-  pixel->x_q16 = pixel->y_q16 = RG_NO_PIXEL;
-}
-
 uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
                           rg_pixel* pixels, uint32_t num_points) {
-  const rg_pixel* const end = pixels + num_points;
   uint32_t num_seen = 0;
 #if RG_IS_FAST
   if (check_camera(camera) == RG_OK)
-    for (; (uint32_t)(end - pixels) >= BLOCK_SIZE;
-         pixels += BLOCK_SIZE, directions += BLOCK_SIZE)
+    for (; num_points >= BLOCK_SIZE; num_points -= BLOCK_SIZE,
+                                     pixels += BLOCK_SIZE,
+                                     directions += BLOCK_SIZE)
       num_seen += project_block(camera, directions, pixels);
 #endif
-  for (; pixels != end; ++pixels, ++directions) {
+  for (; num_points > 0; --num_points, ++pixels, ++directions) {
     if (rg_project(camera, directions, pixels) == RG_OK)
       ++num_seen;
     else
-      set_unseen(pixels);
+      pixels->x_q16 = pixels->y_q16 = RG_NO_PIXEL;
   }
   return num_seen;
 }

@@ -123,28 +123,24 @@ rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
   return RG_OK;
 }
 
-/* 0 and a ray of zeros for a pixel outside the area. */
-static RG_SHARED uint32_t unproject_or_clear(const rg_camera* camera,
-                                             rg_pixel pixel, rg_ray* ray) {
-  if (rg_unproject(camera, pixel, ray) == RG_OK) return 1;
-  ray->x_q30 = ray->y_q30 = ray->z_q30 = 0;
-  return 0;
-}
-
 uint32_t rg_unproject_batch(const rg_camera* camera, const rg_pixel* pixels,
                             rg_ray* rays, uint32_t num_pixels) {
   uint32_t num_inside = 0;
-  for (uint32_t i = 0; i < num_pixels; ++i)
-    num_inside += unproject_or_clear(camera, pixels[i], &rays[i]);
+  for (; num_pixels > 0; --num_pixels, ++pixels, ++rays) {
+    if (rg_unproject(camera, *pixels, rays) == RG_OK)
+      ++num_inside;
+    else
+      rays->x_q30 = rays->y_q30 = rays->z_q30 = 0;
+  }
   return num_inside;
 }
 
 uint32_t rg_unproject_row(const rg_camera* camera, rg_pixel first, rg_ray* rays,
                           uint32_t num_pixels) {
   uint32_t num_inside = 0;
-  for (uint32_t i = 0; i < num_pixels; ++i) {
-    num_inside += unproject_or_clear(camera, first, &rays[i]);
-    first.x_q16 = (int32_t)((uint32_t)first.x_q16 + (uint32_t)RG_PIXEL(1));
+  for (; num_pixels > 0; --num_pixels, ++rays) {
+    num_inside += rg_unproject_batch(camera, &first, rays, 1);
+    first.x_q16 = rg_add(first.x_q16, RG_PIXEL(1));
   }
   return num_inside;
 }
@@ -152,13 +148,13 @@ uint32_t rg_unproject_row(const rg_camera* camera, rg_pixel first, rg_ray* rays,
 uint32_t rg_unproject_lines(const rg_camera* camera, const rg_pixel* pixels,
                             rg_line* lines, uint32_t num_pixels) {
   uint32_t num_inside = 0;
-  for (uint32_t i = 0; i < num_pixels; ++i) {
-    rg_line* const line = &lines[i];
-    if (rg_unproject_line(camera, pixels[i], line) == RG_OK) {
+  for (; num_pixels > 0; --num_pixels, ++pixels, ++lines) {
+    if (rg_unproject_line(camera, *pixels, lines) == RG_OK) {
       ++num_inside;
     } else {
-      line->direction.x_q30 = line->direction.y_q30 = line->direction.z_q30 = 0;
-      line->point_q28[0] = line->point_q28[1] = line->point_q28[2] = 0;
+      lines->direction.x_q30 = lines->direction.y_q30 = lines->direction.z_q30 =
+          0;
+      lines->point_q28[0] = lines->point_q28[1] = lines->point_q28[2] = 0;
     }
   }
   return num_inside;
