@@ -137,6 +137,22 @@ static inline int32_t rg_upper_word(int64_t sum) {
 #define RG_UNROLL_SHARED
 #endif
 
+/* Rows of four points in assembler: compilers would load words one by one, and
+ * run out of registers. */
+#if RG_HAVE_SMMULR && defined(__thumb2__) && defined(__OPTIMIZE__) && \
+    !defined(__clang__)
+#define RG_ROWS_IN_ASSEMBLER 1
+#else
+#define RG_ROWS_IN_ASSEMBLER 0
+#endif
+
+/* Whether a loop goes on that has four turns, counted in bits of a length below
+ * 2^30 which are lost when that is shifted: no register is needed for it. */
+static RG_INLINE int rg_turn(uint32_t* length) {
+  *length += UINT32_C(1) << 30;
+  return *length >= UINT32_C(1) << 30;
+}
+
 /* In front of the loop over four rows, in which half of the instructions are:
  * one after the other where a row is short, or size does not matter. */
 #if RG_HAVE_SMMULR || RG_IS_FAST

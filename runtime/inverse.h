@@ -11,10 +11,9 @@
 int32_t rg_reciprocal(uint32_t d_q32);
 
 /* 1 / sqrt(u) in q29, relative error below 8e-9, for u_q31 from 2^29 on: u in
- * [1/4, 1). */
+ * [1/4, 1). r <- r + r (1 - u r^2) / 2: errors 0.024, 8.7e-4, 1.1e-6, rounding.
+ */
 static RG_INLINE int32_t rg_inverse_root(int32_t u_q31) {
-  /* r <- r + r (1 - u r^2) / 2: relative error 0.024, 8.7e-4, 1.1e-6, rounding.
-   */
   /* 2.6708 - u (3.2854 - 1.6386 u) */
   const int32_t slope_q29 = 1763812404 - rg_multiply_high(u_q31, 1759398850);
   int32_t r_q29 = 1433893831 - 2 * rg_multiply_high(u_q31, slope_q29);

@@ -5,8 +5,44 @@
 #include "fixed_point.h"
 #include "rg_blob.h"
 
-/* A row of four control points, and the column of four rows. Each product is
- * rounded, q29 to q28 and to q27. */
+/* The B-spline of 4 x 4 control points, to place->value: rows, and the column
+ * of four rows. Each product is rounded, q29 to q28 and to q27. */
+#if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST
+
+static RG_INLINE void sum_rows(const uint8_t* points, uint32_t columns,
+                               rg_place* place) {
+  const int32_t(*weights_q31)[4] = place->weights_q31;
+  int32_t a_q27 = 0, b_q27 = 0;
+  __asm__(
+      "ldmia %[weights]!, {r6, r8, r9, r10}\n"
+      "1:\n\t"
+      "ldmia.w %[points], {r1, r2, r4, r5}\n\t"
+      "smmulr r1, r1, r6\n\t"
+      "smmulr r2, r2, r6\n\t"
+      "smmlar r1, r4, r8, r1\n\t"
+      "smmlar r2, r5, r8, r2\n\t"
+      "ldrd r4, r5, [%[points], #16]\n\t"
+      "smmlar r1, r4, r9, r1\n\t"
+      "smmlar r2, r5, r9, r2\n\t"
+      "ldrd r4, r5, [%[points], #24]\n\t"
+      "smmlar r1, r4, r10, r1\n\t"
+      "smmlar r2, r5, r10, r2\n\t"
+      "ldr r4, [%[weights]], #4\n\t"
+      "add %[points], %[points], %[columns], lsl #3\n\t"
+      "smmlar %[a], r1, r4, %[a]\n\t"
+      "smmlar %[b], r2, r4, %[b]\n\t"
+      "adds %[columns], %[columns], #0x40000000\n\t"
+      "bcc 1b"
+      : [points] "+r"(points), [columns] "+r"(columns), [a] "+r"(a_q27),
+        [b] "+r"(b_q27), [weights] "+r"(weights_q31)
+      :
+      : "r1", "r2", "r4", "r5", "r6", "r8", "r9", "r10", "cc", "memory");
+  place->value.q27[0] = a_q27;
+  place->value.q27[1] = b_q27;
+}
+
+#else
+
 static RG_INLINE void add_row(const uint8_t* points, const int32_t w_q31[4],
                               int32_t row_weight_q31, int32_t sums_q27[2]) {
   int32_t b, a = rg_load_i32_pair(points, &b);
@@ -25,42 +61,8 @@ static RG_INLINE void add_row(const uint8_t* points, const int32_t w_q31[4],
   sums_q27[1] = rg_multiply_high_add(sums_q27[1], row_b, row_weight_q31);
 }
 
-/* To place->value the B-spline of 4 x 4 control points. */
 static RG_INLINE void sum_rows(const uint8_t* points, uint32_t columns,
                                rg_place* place) {
-#if RG_HAVE_SMMULR && defined(__thumb2__) && defined(__OPTIMIZE_SIZE__) && \
-    !defined(__clang__)
-  /* A loop that compilers would run out of registers for. Its turns are counted
-   * in the bits of columns that become 2^32 and more. */
-  const int32_t(*weights_q31)[4] = place->weights_q31;
-  int32_t a = 0, b = 0;
-  __asm__(
-      "ldmia %[weights]!, {r5, r6, r8, r9}\n"
-      "1:\n\t"
-      "ldmia.w %[points], {r0, r1, r2, r4}\n\t"
-      "smmulr r0, r0, r5\n\t"
-      "smmulr r1, r1, r5\n\t"
-      "smmlar r0, r2, r6, r0\n\t"
-      "smmlar r1, r4, r6, r1\n\t"
-      "ldrd r2, r4, [%[points], #16]\n\t"
-      "smmlar r0, r2, r8, r0\n\t"
-      "smmlar r1, r4, r8, r1\n\t"
-      "ldrd r2, r4, [%[points], #24]\n\t"
-      "smmlar r0, r2, r9, r0\n\t"
-      "smmlar r1, r4, r9, r1\n\t"
-      "ldr r2, [%[weights]], #4\n\t"
-      "add %[points], %[points], %[columns], lsl #3\n\t"
-      "smmlar %[a], r0, r2, %[a]\n\t"
-      "smmlar %[b], r1, r2, %[b]\n\t"
-      "adds %[columns], %[columns], #0x40000000\n\t"
-      "bcc 1b"
-      : [points] "+r"(points), [columns] "+r"(columns), [a] "+r"(a),
-        [b] "+r"(b), [weights] "+r"(weights_q31)
-      :
-      : "r0", "r1", "r2", "r4", "r5", "r6", "r8", "r9", "cc", "memory");
-  place->value.q27[0] = a;
-  place->value.q27[1] = b;
-#else
   int32_t sums_q27[2] = {0, 0};
   RG_UNROLL_ROWS
   for (int j = 0; j < 4; ++j, points = rg_keep_address(points + 8 * columns))
@@ -68,52 +70,51 @@ static RG_INLINE void sum_rows(const uint8_t* points, uint32_t columns,
             rg_read_late(place->weights_q31[1] + j), sums_q27);
   place->value.q27[0] = sums_q27[0];
   place->value.q27[1] = sums_q27[1];
+}
+
 #endif
-}
 
-#if RG_HAVE_SMMULR
+/* Likewise of residuals of 16 bits, times 2^15, and of what rounds them later.
+ */
+#if RG_ROWS_IN_ASSEMBLER
 
-/* Both coordinates of a residual of 16 bits, a word, times a weight. */
-static RG_INLINE void multiply_pair(const uint8_t* residual, int32_t w_q31,
-                                    int32_t products[2]) {
-  const uint32_t pair = rg_load_u32(residual);
-  __asm__("smulwb %0, %1, %2" : "=r"(products[0]) : "r"(w_q31), "r"(pair));
-  __asm__("smulwt %0, %1, %2" : "=r"(products[1]) : "r"(w_q31), "r"(pair));
-}
-
-static RG_INLINE void multiply_pair_add(const uint8_t* residual, int32_t w_q31,
-                                        int32_t sums[2]) {
-  const uint32_t pair = rg_load_u32(residual);
-  __asm__("smlawb %0, %1, %2, %0" : "+r"(sums[0]) : "r"(w_q31), "r"(pair));
-  __asm__("smlawt %0, %1, %2, %0" : "+r"(sums[1]) : "r"(w_q31), "r"(pair));
-}
-
-/* As add_row(), of residuals, times 2^15. */
-static RG_INLINE void add_narrow_row(const uint8_t* residuals,
-                                     const int32_t w_q31[4],
-                                     int32_t row_weight_q31, int32_t sums[2]) {
-  int32_t row[2];
-  multiply_pair(residuals, w_q31[0], row);
-  multiply_pair_add(residuals + 4, w_q31[1], row);
-  multiply_pair_add(residuals + 8, w_q31[2], row);
-  multiply_pair_add(residuals + 12, w_q31[3], row);
-  for (int c = 0; c < 2; ++c)
-    sums[c] = rg_multiply_high_add(sums[c], row[c], row_weight_q31);
-}
-
-/* The B-spline of residuals, from the first row of them on, and what rounds. */
-static RG_INLINE void sum_residuals(const rg_place* place, const uint8_t* row,
-                                    uint32_t row_bytes, int32_t half,
-                                    int32_t sums[2]) {
-  sums[0] = sums[1] = half;
-  RG_UNROLL_SHARED
-  for (int j = 0; j < 4; ++j, row += row_bytes)
-    add_narrow_row(row, place->weights_q31[0], place->weights_q31[1][j], sums);
+/* Both coordinates of a residual are a word. */
+static RG_INLINE void sum_narrow_rows(const uint8_t* residuals,
+                                      uint32_t columns, int32_t half,
+                                      rg_place* place) {
+  const int32_t w0 = place->weights_q31[0][0], w1 = place->weights_q31[0][1];
+  const int32_t w2 = place->weights_q31[0][2], w3 = place->weights_q31[0][3];
+  const int32_t* row_weight_q31 = place->weights_q31[1];
+  int32_t a = half, b = half;
+  do {
+    __asm__(
+        "ldrd r0, r1, [%[residuals]]\n\t"
+        "smulwt r2, %[w0], r0\n\t"
+        "smulwb r0, %[w0], r0\n\t"
+        "smlawt r2, %[w1], r1, r2\n\t"
+        "smlawb r0, %[w1], r1, r0\n\t"
+        "ldr r1, [%[residuals], #8]\n\t"
+        "smlawt r2, %[w2], r1, r2\n\t"
+        "smlawb r0, %[w2], r1, r0\n\t"
+        "ldr r1, [%[residuals], #12]\n\t"
+        "smlawt r2, %[w3], r1, r2\n\t"
+        "smlawb r0, %[w3], r1, r0\n\t"
+        "ldr r1, [%[row_weight]], #4\n\t"
+        "smmlar %[a], r0, r1, %[a]\n\t"
+        "smmlar %[b], r2, r1, %[b]"
+        : [a] "+r"(a), [b] "+r"(b), [row_weight] "+r"(row_weight_q31)
+        : [residuals] "r"(residuals), [w0] "r"(w0), [w1] "r"(w1), [w2] "r"(w2),
+          [w3] "r"(w3)
+        : "r0", "r1", "r2", "memory");
+    residuals += 4 * columns;
+  } while (rg_turn(&columns));
+  place->value.q27[0] = a;
+  place->value.q27[1] = b;
 }
 
 #else
 
-/* One coordinate of a row of residuals, times 2^15. */
+/* One coordinate of a row of residuals. */
 static RG_INLINE int32_t sum_row(const uint8_t* residuals,
                                  const int32_t w_q31[4]) {
   int32_t sum = rg_multiply_half(w_q31[0], rg_load_i16(residuals));
@@ -122,19 +123,19 @@ static RG_INLINE int32_t sum_row(const uint8_t* residuals,
   return rg_add(sum, rg_multiply_half(w_q31[3], rg_load_i16(residuals + 12)));
 }
 
-/* Likewise, one coordinate after the other: registers are few. */
-static RG_INLINE void sum_residuals(const rg_place* place, const uint8_t* first,
-                                    uint32_t row_bytes, int32_t half,
-                                    int32_t sums[2]) {
+/* One coordinate after the other: registers are few. */
+static RG_INLINE void sum_narrow_rows(const uint8_t* residuals,
+                                      uint32_t columns, int32_t half,
+                                      rg_place* place) {
   RG_UNROLL_SHARED
   for (int c = 0; c < 2; ++c) {
-    const uint8_t* row = first + 2 * c;
+    const uint8_t* row = residuals + 2 * c;
     int32_t sum = half;
     RG_UNROLL_SHARED
-    for (int j = 0; j < 4; ++j, row += row_bytes)
+    for (int j = 0; j < 4; ++j, row += 4 * columns)
       sum = rg_multiply_high_add(sum, sum_row(row, place->weights_q31[0]),
                                  place->weights_q31[1][j]);
-    sums[c] = sum;
+    place->value.q27[c] = sum;
   }
 }
 
@@ -145,9 +146,9 @@ static RG_NOINLINE rg_status find_narrow_value(const uint8_t* grid,
                                                rg_place* place) {
   const uint8_t* plane = grid + rg_load_u32(grid + 32);
   const int shift = rg_load_u16(grid + 30) - 13; /* from 2^14 to q27 */
+  sum_narrow_rows(plane + RG_NARROW_PLANE_SIZE + 4 * place->first,
+                  rg_load_u16(grid + 16), 1 << (shift - 1), place);
   int32_t* value = place->value.q27;
-  sum_residuals(place, plane + RG_NARROW_PLANE_SIZE + 4 * place->first,
-                4u * rg_load_u16(grid + 16), 1 << (shift - 1), value);
   RG_UNROLL_SHARED
   for (uint32_t axes = rg_times(2); axes > 0; --axes, ++value, plane += 4)
     *value = rg_add(rg_evaluate_plane(plane, place), *value >> shift);
