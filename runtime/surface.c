@@ -144,10 +144,11 @@ static RG_INLINE void sum_narrow_rows(const uint8_t* residuals,
 /* The rest of rg_find_place() where control points have 16 bits. */
 static RG_NOINLINE rg_status find_narrow_value(const uint8_t* grid,
                                                rg_place* place) {
+  sum_narrow_rows(
+      grid + rg_load_u32(grid + 32) + RG_NARROW_PLANE_SIZE + 4 * place->first,
+      rg_load_u16(grid + 16), 1 << (rg_load_u16(grid + 30) - 14), place);
   const uint8_t* plane = grid + rg_load_u32(grid + 32);
   const int shift = rg_load_u16(grid + 30) - 13; /* from 2^14 to q27 */
-  sum_narrow_rows(plane + RG_NARROW_PLANE_SIZE + 4 * place->first,
-                  rg_load_u16(grid + 16), 1 << (shift - 1), place);
   int32_t* value = place->value.q27;
   RG_UNROLL_SHARED
   for (uint32_t axes = rg_times(2); axes > 0; --axes, ++value, plane += 4)
