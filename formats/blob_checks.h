@@ -13,7 +13,7 @@
 typedef int rg_fault;
 
 /* Compilers would write a short loop out, or call memset for it. */
-#if defined(__GNUC__) && defined(__OPTIMIZE_SIZE__)
+#if defined(__GNUC__) && defined(__OPTIMIZE__)
 #define RG_KEEP_LOOP(index) __asm__("" : "+r"(index))
 #else
 #define RG_KEEP_LOOP(index) ((void)(index))
@@ -34,8 +34,7 @@ const uint8_t* rg_find_entry(const uint8_t* bytes, uint32_t type,
                              uint32_t index);
 
 /* scale = floor(cells 2^48 / span): cells 2^48 - scale span is at least 0 and
- * less than span. In words, so that no compiler makes a 64-bit product of it.
- */
+ * less than span. */
 static inline int rg_is_scale(uint32_t scale, uint32_t cells, uint32_t span) {
   uint32_t low;
   const uint32_t high = rg_multiply_unsigned(scale, span, &low);

@@ -161,8 +161,8 @@ static RG_INLINE int rg_turn(uint32_t* length) {
 #define RG_UNROLL_ROWS
 #endif
 
-/* A number that compilers do not know, so that a loop remains one where size
- * matters. */
+/* A number above 0 that compilers do not know, so that a loop remains one where
+ * size matters. */
 static RG_INLINE uint32_t rg_times(uint32_t number) {
 #if defined(__GNUC__) && defined(__OPTIMIZE_SIZE__)
   __asm__ volatile("" : "+r"(number));

@@ -36,12 +36,12 @@ static RG_INLINE int move_inside(const uint8_t* area, uint32_t tolerance_q16,
 static RG_INLINE uint32_t take_step(int32_t slopes_q5[2][2],
                                     const int32_t rest_q27[2],
                                     int32_t* pixel_q16) {
-  const int32_t* slope_q5 = slopes_q5[0];
+  const int32_t *a_slope_q5 = slopes_q5[0], *b_slope_q5 = slopes_q5[1];
   uint32_t size_q16 = 0;
   RG_UNROLL_SHARED
-  for (uint32_t axes = rg_times(2); axes > 0; --axes, ++slope_q5) {
-    const int64_t step_q32 = 0x8000 + rg_product(slope_q5[0], rest_q27[0]) +
-                             rg_product(slope_q5[2], rest_q27[1]);
+  for (uint32_t axes = rg_times(2); axes > 0; --axes) {
+    const int64_t step_q32 = 0x8000 + rg_product(*a_slope_q5++, rest_q27[0]) +
+                             rg_product(*b_slope_q5++, rest_q27[1]);
     const int32_t step_q16 = (int32_t)(step_q32 >> 16);
     if ((uint32_t)(step_q32 >> 32) + 8 >= 16) return UINT32_MAX;
     size_q16 |= rg_magnitude(step_q16);
@@ -62,6 +62,7 @@ static RG_INLINE int solve(const rg_camera* camera,
   rg_find_inverse_slopes(camera, &place, slopes_q5);
   for (int k = 0; k < 2; ++k)
     pixel_q16[k] = rg_shift_left(place.value.q27[k], 1);
+  /* Of the next step, and of how far outside it may begin. */
   uint32_t limit_q16 = FIRST_STEP_Q16;
   while (move_inside(camera->grid, limit_q16, pixel_q16)) {
     if (limit_q16 < LAST_STEP_Q16) return limit_q16 == EDGE_TOLERANCE_Q16;
