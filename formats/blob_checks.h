@@ -7,9 +7,17 @@
 #include <stdint.h>
 
 #include "rg_blob.h"
+#include "wide_multiply.h"
 
 /* 0, or the status of a fault times -1: small constants make short code. */
 typedef int rg_fault;
+
+/* Compilers would write a short loop out, or call memset for it. */
+#if defined(__GNUC__) && defined(__OPTIMIZE__)
+#define RG_KEEP_LOOP(index) __asm__("" : "+r"(index))
+#else
+#define RG_KEEP_LOOP(index) ((void)(index))
+#endif
 
 /* Where the table's last entry of each type is, or NULL. */
 typedef struct rg_entries {
@@ -25,8 +33,14 @@ rg_fault rg_check_table(const uint8_t* bytes, uint32_t num_bytes,
 const uint8_t* rg_find_entry(const uint8_t* bytes, uint32_t type,
                              uint32_t index);
 
-/* scale = floor(cells 2^48 / span) */
-int rg_is_scale(uint32_t scale, uint32_t cells, uint32_t span);
+/* scale = floor(cells 2^48 / span): cells 2^48 - scale span is at least 0 and
+ * less than span. */
+static inline int rg_is_scale(uint32_t scale, uint32_t cells, uint32_t span) {
+  uint32_t low;
+  const uint32_t high = rg_multiply_unsigned(scale, span, &low);
+  const uint64_t product = ((uint64_t)high << 32) | low;
+  return ((uint64_t)cells << 48) - product < span;
+}
 
 /* The section's arrays start behind its fields and fill it to the end. */
 rg_fault rg_check_extent(uint32_t size, uint32_t data_offset,

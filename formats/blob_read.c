@@ -4,13 +4,6 @@
 #include "crc32.h"
 #include "rg_blob.h"
 
-/* Compilers would call memset. */
-#if defined(__GNUC__)
-#define RG_KEEP_LOOP() __asm__ volatile("")
-#else
-#define RG_KEEP_LOOP()
-#endif
-
 /* Magic, version, sizes, and the CRC over header and section table. */
 static rg_fault check_header(const uint8_t* bytes, uint32_t num_bytes) {
   if (num_bytes < RG_HEADER_SIZE) return -RG_ERR_TRUNCATED;
@@ -64,22 +57,21 @@ static rg_fault check_entry(const uint8_t* entry, const uint8_t* section,
 
 /* The sections tile the blob, in the order of the table. */
 static rg_fault check_sections(const uint8_t* bytes, rg_entries* entries) {
+  const uint32_t total_size = rg_load_u32(bytes + 12);
   const uint8_t* entry = bytes + RG_HEADER_SIZE;
-  const uint8_t* const table_end =
-      entry + rg_load_u16(bytes + 16) * RG_SECTION_ENTRY_SIZE;
-  const uint8_t* section = table_end;
-  uint32_t rest = rg_load_u32(bytes + 12) - (uint32_t)(table_end - bytes);
+  uint32_t offset =
+      RG_HEADER_SIZE + rg_load_u16(bytes + 16) * RG_SECTION_ENTRY_SIZE;
+  const uint8_t* const table_end = bytes + offset;
   for (; entry != table_end; entry += RG_SECTION_ENTRY_SIZE) {
     const uint32_t size = rg_load_u32(entry + 8);
-    if (rg_load_u32(entry + 4) != (uint32_t)(section - bytes) || size == 0 ||
-        size % 4 != 0 || size > rest)
+    if (rg_load_u32(entry + 4) != offset || size % 4 != 0 ||
+        size - 1 >= total_size - offset)
       return -RG_ERR_SECTION_TABLE;
-    const rg_fault fault = check_entry(entry, section, entries);
+    const rg_fault fault = check_entry(entry, bytes + offset, entries);
     if (fault) return fault;
-    section += size;
-    rest -= size;
+    offset += size;
   }
-  return rest != 0 ? -RG_ERR_SECTION_TABLE : 0;
+  return offset != total_size ? -RG_ERR_SECTION_TABLE : 0;
 }
 
 rg_fault rg_check_table(const uint8_t* bytes, uint32_t num_bytes,
@@ -88,7 +80,7 @@ rg_fault rg_check_table(const uint8_t* bytes, uint32_t num_bytes,
   if ((uintptr_t)bytes % 4 != 0) return -RG_ERR_MISALIGNED;
   for (int type = 0; type < RG_NUM_SECTION_TYPES; ++type) {
     entries->of[type] = 0;
-    RG_KEEP_LOOP();
+    RG_KEEP_LOOP(type);
   }
   const rg_fault fault = check_header(bytes, num_bytes);
   return fault ? fault : check_sections(bytes, entries);
@@ -97,9 +89,9 @@ rg_fault rg_check_table(const uint8_t* bytes, uint32_t num_bytes,
 const uint8_t* rg_find_entry(const uint8_t* bytes, uint32_t type,
                              uint32_t index) {
   const uint8_t* entry = bytes + RG_HEADER_SIZE;
-  const uint8_t* const end =
-      entry + rg_load_u16(bytes + 16) * RG_SECTION_ENTRY_SIZE;
-  for (; entry < end; entry += RG_SECTION_ENTRY_SIZE)
+  for (uint32_t rest = rg_load_u16(bytes + 16); rest > 0; --rest) {
     if (rg_load_u16(entry) == type && index-- == 0) return entry;
+    entry += RG_SECTION_ENTRY_SIZE;
+  }
   return 0;
 }

@@ -13,26 +13,8 @@ rg_fault rg_check_extent(uint32_t size, uint32_t data_offset,
   return 0;
 }
 
-/* cells 2^48 - scale span is at least 0 and less than span: in words, so that
- * no compiler makes a 64-bit product of it. */
-int rg_is_scale(uint32_t scale, uint32_t cells, uint32_t span) {
-  uint32_t low;
-  const uint32_t high = rg_multiply_unsigned(scale, span, &low);
-  return (cells << 16) - (low != 0) == high && 0u - low < span;
-}
-
 static uint32_t num_control_points(const uint8_t* grid) {
   return (uint32_t)rg_load_u16(grid + 16) * rg_load_u16(grid + 18);
-}
-
-/* A grid's ends, with the scale behind them, and count on one axis. */
-static rg_fault check_axis(const uint8_t* ends, const uint8_t* count) {
-  const uint32_t cells = rg_load_u16(count) - 3u;
-  if (cells - 1 >= RG_MAX_GRID_SIZE - 3) return -RG_ERR_GRID_SIZE;
-  return rg_is_scale(rg_load_u32(ends + 20), cells,
-                     rg_load_u32(ends + 8) - rg_load_u32(ends))
-             ? 0
-             : -RG_ERR_GRID_SCALE;
 }
 
 rg_fault rg_check_grid(const uint8_t* section, uint32_t size,
@@ -42,9 +24,15 @@ rg_fault rg_check_grid(const uint8_t* section, uint32_t size,
       fraction_bits - RG_NARROW_MIN_BITS >
           max_fraction_bits - RG_NARROW_MIN_BITS)
     return -RG_ERR_GRID_CHART;
-  rg_fault fault = check_axis(section, section + 16);
-  if (!fault) fault = check_axis(section + 4, section + 18);
-  if (fault) return fault;
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    RG_KEEP_LOOP(axis);
+    const uint8_t* const ends = section + 4 * axis;
+    const uint32_t cells = rg_load_u16(section + 16 + 2 * axis) - 3u;
+    if (cells - 1 >= RG_MAX_GRID_SIZE - 3) return -RG_ERR_GRID_SIZE;
+    if (!rg_is_scale(rg_load_u32(ends + 20), cells,
+                     rg_load_u32(ends + 8) - rg_load_u32(ends)))
+      return -RG_ERR_GRID_SCALE;
+  }
   const uint32_t count = num_control_points(section);
   return rg_check_extent(size, rg_load_u32(section + 32), RG_GRID_FIELDS_SIZE,
                          fraction_bits == RG_CONTROL_POINT_BITS

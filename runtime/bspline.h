@@ -13,17 +13,17 @@
  * of the control points only. */
 static RG_INLINE void rg_bspline_weights(int32_t t_q30,
                                          int32_t weights_q31[4]) {
-  const int32_t sixth_q31 = 357913941, sixth_q33 = 1431655765;
+  const int32_t sixth_q31 = 357913941, third_q32 = 1431655764;
   const int32_t t2_q30 = 4 * rg_multiply_high(t_q30, t_q30);
-  const int32_t t3_q30 = 4 * rg_multiply_high(t2_q30, t_q30);
-  /* q30 are the halves in q31. */
-  const int32_t w3 = rg_multiply_high(t3_q30, sixth_q33);
-  const int32_t w0 = sixth_q31 - t_q30 + t2_q30 - w3;
-  const int32_t w2 = sixth_q31 + t_q30 + (t2_q30 - t3_q30);
-  weights_q31[0] = w0;
+  const int32_t t3_q28 = rg_multiply_high(t2_q30, t_q30);
+  /* q30 are the halves in q31, q28 the eighths: t^3 / 6 is 4/3 of that. */
+  const int32_t even_q31 = sixth_q31 + t2_q30;
+  const int32_t w0_and_w3 = even_q31 - t_q30;
+  const int32_t w2 = even_q31 - 4 * t3_q28 + t_q30;
+  const int32_t w3 = rg_multiply_high_add(t3_q28, t3_q28, third_q32);
+  weights_q31[0] = w0_and_w3 - w3;
   /* The second takes what rounding left, so that the sum is exact. */
-  weights_q31[1] =
-      (int32_t)(0x80000000u - (uint32_t)w0 - (uint32_t)w2 - (uint32_t)w3);
+  weights_q31[1] = (int32_t)(0x80000000u - (uint32_t)w0_and_w3 - (uint32_t)w2);
   weights_q31[2] = w2;
   weights_q31[3] = w3;
 }

@@ -39,17 +39,18 @@ static rg_fault open_rays(rg_camera* camera, const uint8_t* blob,
   camera->line_points = line_points;
   camera->remap = 0;
   camera->surface = rg_best_surface();
-  camera->width = rg_load_u16(blob + rg_load_u32(identity + 4));
-  camera->height = rg_load_u16(blob + rg_load_u32(identity + 4) + 2);
+  const uint8_t* const size = blob + rg_load_u32(identity + 4);
+  camera->width = rg_load_u16(size);
+  camera->height = rg_load_u16(size + 2);
   return 0;
 }
 
 rg_status rg_camera_open(rg_camera* camera, const void* bytes,
                          uint32_t num_bytes) {
-  if (!camera) return RG_ERR_ARGUMENT;
   const uint8_t* const blob = (const uint8_t*)bytes;
   rg_entries entries;
-  rg_fault fault = rg_check_table(blob, num_bytes, &entries);
+  rg_fault fault =
+      camera ? rg_check_table(blob, num_bytes, &entries) : -RG_ERR_ARGUMENT;
   if (!fault) fault = open_rays(camera, blob, &entries);
   return (rg_status)-fault;
 }

@@ -89,14 +89,14 @@ static inline uint32_t rg_multiply_high_unsigned(uint32_t a, uint32_t b) {
   return high + (low >> 31);
 }
 
-/* (a b + 2^(shift - 1)) >> shift for 1 <= shift <= 31; the result must fit. */
+/* (a b + 2^(shift - 1)) >> shift for 2 <= shift <= 31; twice the result must
+ * fit. */
 static inline int32_t rg_multiply_shift(int32_t a, int32_t b, int shift) {
   uint32_t low;
   const int32_t high = rg_multiply_signed(a, b, &low);
-  const uint32_t rounded = low + (UINT32_C(1) << (shift - 1));
-  const uint32_t carry = rounded < low;
-  return (int32_t)((((uint32_t)high + carry) << (32 - shift)) |
-                   (rounded >> shift));
+  const int32_t twice =
+      (int32_t)(((uint32_t)high << (33 - shift)) | (low >> (shift - 1)));
+  return (twice >> 1) + (twice & 1);
 }
 
 /* a b. Sums of products are rounded once, by rg_upper_word(). */
@@ -137,6 +137,22 @@ static inline int32_t rg_upper_word(int64_t sum) {
 #define RG_UNROLL_SHARED
 #endif
 
+/* Rows of four points in assembler: compilers would load words one by one, and
+ * run out of registers. */
+#if RG_HAVE_SMMULR && defined(__thumb2__) && defined(__OPTIMIZE__) && \
+    !defined(__clang__)
+#define RG_ROWS_IN_ASSEMBLER 1
+#else
+#define RG_ROWS_IN_ASSEMBLER 0
+#endif
+
+/* Whether a loop goes on that has four turns, counted in bits of a length below
+ * 2^30 which are lost when that is shifted: no register is needed for it. */
+static RG_INLINE int rg_turn(uint32_t* length) {
+  *length += UINT32_C(1) << 30;
+  return *length >= UINT32_C(1) << 30;
+}
+
 /* In front of the loop over four rows, in which half of the instructions are:
  * one after the other where a row is short, or size does not matter. */
 #if RG_HAVE_SMMULR || RG_IS_FAST
@@ -145,11 +161,12 @@ static inline int32_t rg_upper_word(int64_t sum) {
 #define RG_UNROLL_ROWS
 #endif
 
-/* A number that compilers do not know, so that a loop remains one where size
- * matters. */
+/* A number above 0 that compilers do not know, so that a loop remains one where
+ * size matters. */
 static RG_INLINE uint32_t rg_times(uint32_t number) {
 #if defined(__GNUC__) && defined(__OPTIMIZE_SIZE__)
-  __asm__("" : "+r"(number));
+  __asm__ volatile("" : "+r"(number));
+  if (number == 0) __builtin_unreachable();
 #endif
   return number;
 }

@@ -5,14 +5,14 @@
 #include "inverse.h"
 #include "raygrid.h"
 
-#define PIXEL_LIMIT_Q16 (INT32_C(1) << 30) /* 16384 px */
+#define PIXEL_LIMIT_Q16 (UINT32_C(1) << 30) /* 16384 px */
 
 /* Rays closer to the image plane than 1/1024 rad have no pixel. */
-#define MAX_DOUBLINGS 11
+#define MIN_Z_Q30 (INT32_C(1) << 20)
 
 /* focal x / z + center, with 1 / z = reciprocal 2^(doublings - 2); 0 if that
- * lies beyond the limit. intrinsics: focal, and behind the other axis' one,
- * center. */
+ * lies beyond the limit, or as far from the center. intrinsics: focal, and
+ * behind the other axis' one, center. */
 static RG_INLINE int project_coordinate(const uint8_t* intrinsics,
                                         int32_t reciprocal_q29, int doublings,
                                         int32_t x_q30, int32_t* pixel_q16) {
@@ -22,17 +22,14 @@ static RG_INLINE int project_coordinate(const uint8_t* intrinsics,
   uint32_t low;
   const uint32_t high =
       rg_multiply_unsigned(rg_magnitude(ratio_q28), focal_q16, &low);
-  const int shift = 30 - doublings; /* 19 to 29 */
-  if (high >> (shift - 2) != 0 || center_q16 >= PIXEL_LIMIT_Q16 ||
-      center_q16 <= -PIXEL_LIMIT_Q16)
-    return 0;
-  const uint32_t half = (low >> (shift - 1)) & 1;
-  const int32_t distance_q16 =
-      (int32_t)(((high << (32 - shift)) | (low >> shift)) + half);
+  const int shift = 29 - doublings; /* 18 to 28 */
+  if (high >> (shift - 1) != 0) return 0;
+  const uint32_t distance_q17 = (high << (32 - shift)) | (low >> shift);
+  const int32_t distance_q16 = (int32_t)((distance_q17 + 1) >> 1);
   const int32_t sum_q16 =
-      center_q16 + (ratio_q28 < 0 ? -distance_q16 : distance_q16);
+      rg_add(center_q16, ratio_q28 < 0 ? -distance_q16 : distance_q16);
   *pixel_q16 = sum_q16;
-  return sum_q16 < PIXEL_LIMIT_Q16 && sum_q16 > -PIXEL_LIMIT_Q16;
+  return rg_magnitude(sum_q16) < PIXEL_LIMIT_Q16;
 }
 
 rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
@@ -44,9 +41,8 @@ rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
   const rg_ray* const ray = &line.direction;
   const rg_status status = rg_unproject_line(camera, pixel, &line);
   if (status != RG_OK) return status;
-  if (ray->z_q30 <= 0) return RG_ERR_NOT_SEEN;
-  const int doublings = rg_leading_zeros((uint32_t)ray->z_q30);
-  if (doublings > MAX_DOUBLINGS) return RG_ERR_NOT_SEEN;
+  if (ray->z_q30 < MIN_Z_Q30) return RG_ERR_NOT_SEEN;
+  const int doublings = rg_leading_zeros((uint32_t)ray->z_q30); /* 1 to 11 */
   const int32_t r_q29 = rg_reciprocal((uint32_t)ray->z_q30 << doublings);
   found_q16[0] = ray->x_q30; /* until they are projected */
   found_q16[1] = ray->y_q30;
@@ -62,11 +58,11 @@ rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
 uint32_t rg_undistort_points(const rg_camera* camera, const rg_pixel* pixels,
                              rg_pixel* undistorted, uint32_t num_points) {
   uint32_t num_seen = 0;
-  for (uint32_t i = 0; i < num_points; ++i) {
-    if (rg_undistort_point(camera, pixels[i], &undistorted[i]) == RG_OK)
+  for (; num_points > 0; --num_points, ++pixels, ++undistorted) {
+    if (rg_undistort_point(camera, *pixels, undistorted) == RG_OK)
       ++num_seen;
     else
-      undistorted[i].x_q16 = undistorted[i].y_q16 = RG_NO_PIXEL;
+      undistorted->x_q16 = undistorted->y_q16 = RG_NO_PIXEL;
   }
   return num_seen;
 }

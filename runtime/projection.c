@@ -16,30 +16,39 @@
 #define EDGE_TOLERANCE_Q16 128u
 
 /* Moves a pixel into the area; 0 if it lies farther outside. */
-static RG_SHARED int move_inside(const uint8_t* area, uint32_t tolerance_q16,
-                                 int32_t pixel_q16[2]) {
-  const uint32_t num_axes = rg_times(2);
+static RG_INLINE int move_inside(const uint8_t* area, uint32_t tolerance_q16,
+                                 int32_t* pixel_q16) {
   RG_UNROLL_SHARED
-  for (uint32_t c = 0; c < num_axes; ++c, area += 4) {
+  for (uint32_t axes = rg_times(2); axes > 0; --axes, area += 4) {
     const int32_t low_q16 = rg_load_i32(area), high_q16 = rg_load_i32(area + 8);
-    int32_t inside_q16 = pixel_q16[c];
+    int32_t inside_q16 = *pixel_q16;
     if (inside_q16 < low_q16) inside_q16 = low_q16;
     if (inside_q16 > high_q16) inside_q16 = high_q16;
-    if (rg_magnitude(rg_subtract(pixel_q16[c], inside_q16)) > tolerance_q16)
+    if (rg_magnitude(rg_subtract(*pixel_q16, inside_q16)) > tolerance_q16)
       return 0;
-    pixel_q16[c] = inside_q16;
+    *pixel_q16++ = inside_q16;
   }
   return 1;
 }
 
-/* A step of Newton's method, of x or y: the product of slopes and the distance
- * that is left; 0 if it is 8 px or more. */
-static RG_INLINE int find_step(int32_t slopes_q5[2][2], uint32_t k,
-                               const int32_t rest_q27[2], int32_t* step_q16) {
-  const int64_t step_q32 = 0x8000 + rg_product(slopes_q5[0][k], rest_q27[0]) +
-                           rg_product(slopes_q5[1][k], rest_q27[1]);
-  *step_q16 = (int32_t)(step_q32 >> 16);
-  return (uint32_t)(step_q32 >> 32) + 8 < 16;
+/* A step of Newton's method: the product of slopes and the distance that is
+ * left. Its length, or more where it is 8 px or more. */
+static RG_INLINE uint32_t take_step(int32_t slopes_q5[2][2],
+                                    const int32_t rest_q27[2],
+                                    int32_t* pixel_q16) {
+  const int32_t *a_slope_q5 = slopes_q5[0], *b_slope_q5 = slopes_q5[1];
+  uint32_t size_q16 = 0;
+  RG_UNROLL_SHARED
+  for (uint32_t axes = rg_times(2); axes > 0; --axes) {
+    const int64_t step_q32 = 0x8000 + rg_product(*a_slope_q5++, rest_q27[0]) +
+                             rg_product(*b_slope_q5++, rest_q27[1]);
+    const int32_t step_q16 = (int32_t)(step_q32 >> 16);
+    if ((uint32_t)(step_q32 >> 32) + 8 >= 16) return UINT32_MAX;
+    size_q16 |= rg_magnitude(step_q16);
+    *pixel_q16 = rg_add(*pixel_q16, step_q16);
+    ++pixel_q16;
+  }
+  return size_q16;
 }
 
 /* Newton's method from where the inverse grid says, with its derivative. */
@@ -47,29 +56,23 @@ static RG_INLINE int solve(const rg_camera* camera,
                            const rg_chart_point* target, int32_t pixel_q16[2]) {
   rg_place place;
   int32_t slopes_q5[2][2];
-  if (!rg_find_in_grid(camera, camera->inverse, target->q27[0], target->q27[1],
-                       &place))
+  if (rg_find_in_grid(camera, camera->inverse, target->q27[0], target->q27[1],
+                      &place) != RG_OK)
     return 0;
   rg_find_inverse_slopes(camera, &place, slopes_q5);
   for (int k = 0; k < 2; ++k)
     pixel_q16[k] = rg_shift_left(place.value.q27[k], 1);
-  for (uint32_t limit_q16 = FIRST_STEP_Q16; limit_q16 >= LAST_STEP_Q16;
-       limit_q16 >>= 2) {
-    if (!move_inside(camera->grid, limit_q16, pixel_q16)) return 0;
+  /* Of the next step, and of how far outside it may begin. */
+  uint32_t limit_q16 = FIRST_STEP_Q16;
+  while (move_inside(camera->grid, limit_q16, pixel_q16)) {
+    if (limit_q16 < LAST_STEP_Q16) return limit_q16 == EDGE_TOLERANCE_Q16;
     rg_find_in_grid(camera, camera->grid, pixel_q16[0], pixel_q16[1], &place);
     int32_t rest_q27[2];
     for (int c = 0; c < 2; ++c)
       rest_q27[c] = rg_subtract(target->q27[c], place.value.q27[c]);
-    uint32_t size_q16 = 0;
-    for (uint32_t k = 0; k < 2; ++k) {
-      int32_t step_q16;
-      if (!find_step(slopes_q5, k, rest_q27, &step_q16)) return 0;
-      size_q16 |= rg_magnitude(step_q16);
-      pixel_q16[k] = rg_add(pixel_q16[k], step_q16);
-    }
+    const uint32_t size_q16 = take_step(slopes_q5, rest_q27, pixel_q16);
     if (size_q16 > limit_q16) return 0;
-    if (size_q16 < LAST_STEP_Q16)
-      return move_inside(camera->grid, EDGE_TOLERANCE_Q16, pixel_q16);
+    limit_q16 = size_q16 < LAST_STEP_Q16 ? EDGE_TOLERANCE_Q16 : limit_q16 >> 2;
   }
   return 0;
 }
@@ -129,26 +132,21 @@ static uint32_t project_block(const rg_camera* camera, const rg_ray* directions,
 
 #endif
 
-/* A function of its own, so that the loop below needs no register for it. */
-static RG_SHARED void set_unseen(rg_pixel* pixel) {
-  pixel->x_q16 = pixel->y_q16 = RG_NO_PIXEL;
-}
-
 uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
                           rg_pixel* pixels, uint32_t num_points) {
-  const rg_pixel* const end = pixels + num_points;
   uint32_t num_seen = 0;
 #if RG_IS_FAST
   if (check_camera(camera) == RG_OK)
-    for (; (uint32_t)(end - pixels) >= BLOCK_SIZE;
-         pixels += BLOCK_SIZE, directions += BLOCK_SIZE)
+    for (; num_points >= BLOCK_SIZE; num_points -= BLOCK_SIZE,
+                                     pixels += BLOCK_SIZE,
+                                     directions += BLOCK_SIZE)
       num_seen += project_block(camera, directions, pixels);
 #endif
-  for (; pixels != end; ++pixels, ++directions) {
+  for (; num_points > 0; --num_points, ++pixels, ++directions) {
     if (rg_project(camera, directions, pixels) == RG_OK)
       ++num_seen;
     else
-      set_unseen(pixels);
+      pixels->x_q16 = pixels->y_q16 = RG_NO_PIXEL;
   }
   return num_seen;
 }

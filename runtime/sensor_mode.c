@@ -8,11 +8,7 @@
 
 #define MIN_SCALE_Q16 (UINT32_C(1) << 10)
 #define MAX_SCALE_Q16 (UINT32_C(64) << 16)
-#define LIMIT_Q16 (INT32_C(1) << 30)
-
-static int is_within_limit(int32_t q16) {
-  return q16 < LIMIT_Q16 && q16 > -LIMIT_Q16;
-}
+#define LIMIT_Q16 (UINT32_C(1) << 30)
 
 typedef struct mode_axis {
   uint32_t size;
@@ -30,32 +26,32 @@ static RG_NOINLINE int find_mode_axis(const rg_mode* mode, int c,
   axis->is_flipped = c == 0 ? mode->flip_x : mode->flip_y;
   return axis->size - 1 < RG_MAX_IMAGE_SIZE &&
          axis->scale_q16 - MIN_SCALE_Q16 <= MAX_SCALE_Q16 - MIN_SCALE_Q16 &&
-         is_within_limit(axis->offset_q16);
+         rg_magnitude(axis->offset_q16) < LIMIT_Q16;
 }
 
 /* (q16 + 1/2) factor / 2^shift - 1/2, shift from 16 to 31; 0 where that does
  * not fit. */
 static int scale_position(int32_t factor, int shift, int32_t* q16) {
   uint32_t low;
-  const int32_t from_edge = *q16 + 0x8000, limit = 1 << (shift - 2);
+  const int32_t from_edge = *q16 + 0x8000;
   const int32_t high = rg_multiply_signed(from_edge, factor, &low);
-  if (high >= limit || high <= -limit) return 0;
+  if (rg_magnitude(high) >> (shift - 2) != 0) return 0;
   *q16 = rg_multiply_shift(from_edge, factor, shift) - 0x8000;
   return 1;
 }
 
 /* Flips, scales and moves a coordinate to calibrated frames, or does so
  * backwards; 0 where that does not fit. */
-static int convert_axis(const mode_axis* axis, int is_to_calibrated,
-                        int32_t* q16) {
+static RG_INLINE int convert_axis(const mode_axis* axis, int is_to_calibrated,
+                                  int32_t* q16) {
   const int32_t last_q16 = (int32_t)((axis->size - 1) << 16);
   int32_t at_q16 = *q16, factor = (int32_t)axis->scale_q16;
   int shift = 16;
-  if (!is_within_limit(at_q16)) return 0;
+  const uint32_t distance_q16 = rg_magnitude(at_q16);
   if (is_to_calibrated) {
-    if (axis->is_flipped) at_q16 = last_q16 - at_q16;
+    if (axis->is_flipped) at_q16 = rg_subtract(last_q16, at_q16);
   } else {
-    at_q16 -= axis->offset_q16;
+    at_q16 = rg_subtract(at_q16, axis->offset_q16);
     /* scale = D 2^(16 - zeros) with D in [1/2, 1); 1 / D in q29. */
     const int zeros = rg_leading_zeros(axis->scale_q16);
     factor = rg_reciprocal(axis->scale_q16 << zeros);
@@ -65,20 +61,20 @@ static int convert_axis(const mode_axis* axis, int is_to_calibrated,
       shift = 31;
     }
   }
-  if (!is_within_limit(at_q16) || !scale_position(factor, shift, &at_q16))
-    return 0;
+  if ((distance_q16 | rg_magnitude(at_q16)) >= LIMIT_Q16) return 0;
+  if (!scale_position(factor, shift, &at_q16)) return 0;
   if (is_to_calibrated)
     at_q16 += axis->offset_q16;
   else
     at_q16 = axis->is_flipped ? last_q16 - at_q16 : at_q16;
   *q16 = at_q16;
-  return is_within_limit(at_q16);
+  return rg_magnitude(at_q16) < LIMIT_Q16;
 }
 
-static RG_NOINLINE rg_status convert(const rg_mode* mode, rg_pixel pixel,
+static RG_NOINLINE rg_status convert(const rg_mode* mode, const rg_pixel* pixel,
                                      rg_pixel* converted,
                                      int is_to_calibrated) {
-  int32_t q16[2] = {pixel.x_q16, pixel.y_q16};
+  int32_t q16[2] = {pixel->x_q16, pixel->y_q16};
   for (int c = 0; c < 2; ++c) {
     mode_axis axis;
     if (!find_mode_axis(mode, c, &axis) ||
@@ -92,22 +88,20 @@ static RG_NOINLINE rg_status convert(const rg_mode* mode, rg_pixel pixel,
 
 rg_status rg_mode_to_calibrated(const rg_mode* mode, rg_pixel pixel,
                                 rg_pixel* calibrated) {
-  return convert(mode, pixel, calibrated, 1);
+  return convert(mode, &pixel, calibrated, 1);
 }
 
 rg_status rg_mode_from_calibrated(const rg_mode* mode, rg_pixel calibrated,
                                   rg_pixel* pixel) {
-  return convert(mode, calibrated, pixel, 0);
+  return convert(mode, &calibrated, pixel, 0);
 }
 
 /* Whether the mode's pixels cover calibrated ones only, along one axis, but for
  * what a scale is rounded by. */
 static int is_part(const mode_axis* axis, uint32_t calibrated_size) {
   uint32_t low;
-  if (axis->offset_q16 < 0 ||
-      rg_multiply_unsigned(axis->size, axis->scale_q16, &low) != 0 ||
-      low > 0x7fffffff)
-    return 0;
+  const uint32_t high = rg_multiply_unsigned(axis->size, axis->scale_q16, &low);
+  if (high != 0 || ((low | (uint32_t)axis->offset_q16) >> 31) != 0) return 0;
   return (uint32_t)axis->offset_q16 + low <=
          (calibrated_size << 16) + (axis->size + 1) / 2;
 }
@@ -116,10 +110,9 @@ static int is_part(const mode_axis* axis, uint32_t calibrated_size) {
  * on opening, so the last is taken for a zero whatever it is. */
 static int is_serial(const char* expected, const char* serial) {
   if (!serial || expected[0] == 0) return 1;
-  uint32_t i = 0;
-  while (i < RG_TEXT_SIZE - 1 && expected[i] != 0 && expected[i] == serial[i])
-    ++i;
-  return expected[i] == serial[i];
+  for (uint32_t i = 0; expected[i] == serial[i]; ++i)
+    if (expected[i] == 0 || i == RG_TEXT_SIZE - 1) return 1;
+  return 0;
 }
 
 rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
@@ -128,18 +121,18 @@ rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
       camera->blob +
       rg_load_u32(rg_find_entry(camera->blob, RG_SECTION_CAMERA, 0) + 4);
   if (!is_serial((const char*)identity + 40, serial)) return RG_MATCH_NONE;
-  int is_exact = 1;
+  const rg_match_result inexact = mode ? RG_MATCH_DERIVABLE : RG_MATCH_NONE;
+  rg_match_result result = RG_MATCH_EXACT;
   for (int c = 0; c < 2; ++c) {
     const uint16_t size = c == 0 ? width : height;
     const uint32_t calibrated_size = c == 0 ? camera->width : camera->height;
-    is_exact &= size == calibrated_size;
+    if (size != calibrated_size) result = inexact;
     if (!mode) continue;
     mode_axis axis;
     if (!find_mode_axis(mode, c, &axis) || axis.size != size ||
         !is_part(&axis, calibrated_size))
       return RG_MATCH_NONE;
-    is_exact &= axis.scale_q16 == 65536 && !axis.is_flipped;
+    if (axis.scale_q16 != 65536 || axis.is_flipped) result = inexact;
   }
-  if (is_exact) return RG_MATCH_EXACT;
-  return mode ? RG_MATCH_DERIVABLE : RG_MATCH_NONE;
+  return result;
 }

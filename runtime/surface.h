@@ -41,8 +41,10 @@ typedef struct rg_place {
   int32_t weights_q31[2][4]; /* across, down */
 } rg_place;
 
-/* Of a pixel in q16, or a chart position in q27; 0 if it lies outside. */
-int rg_find_place(const uint8_t* grid, int32_t x, int32_t y, rg_place* place);
+/* Of a pixel in q16, or a chart position in q27; RG_ERR_OUTSIDE_AREA if it lies
+ * outside. */
+rg_status rg_find_place(const uint8_t* grid, int32_t x, int32_t y,
+                        rg_place* place);
 
 /* What rg_find_place() begins with: the cells around the position. */
 static RG_INLINE int rg_find_cells(const uint8_t* grid, int32_t x, int32_t y,
@@ -92,8 +94,8 @@ void rg_find_slopes(const uint8_t* inverse, const rg_place* place,
 #define RG_SURFACE_PORTABLE 0
 #define RG_SURFACE_AVX2 1
 
-int rg_find_place_avx2(const uint8_t* grid, int32_t x, int32_t y,
-                       rg_place* place);
+rg_status rg_find_place_avx2(const uint8_t* grid, int32_t x, int32_t y,
+                             rg_place* place);
 void rg_find_slopes_avx2(const uint8_t* inverse, const rg_place* place,
                          int32_t slopes_q5[2][2]);
 
@@ -105,9 +107,9 @@ static inline uint16_t rg_best_surface(void) { return RG_SURFACE_PORTABLE; }
 #endif
 
 /* rg_find_place() in one of the camera's grids. */
-static RG_INLINE int rg_find_in_grid(const rg_camera* camera,
-                                     const uint8_t* grid, int32_t x, int32_t y,
-                                     rg_place* place) {
+static RG_INLINE rg_status rg_find_in_grid(const rg_camera* camera,
+                                           const uint8_t* grid, int32_t x,
+                                           int32_t y, rg_place* place) {
 #if RG_CHOOSE_SURFACE
   if (camera->surface == RG_SURFACE_AVX2)
     return rg_find_place_avx2(grid, x, y, place);

@@ -4,13 +4,21 @@
 #include "raygrid.h"
 #include "surface.h"
 
+/* rg_direction_of(), once where size matters. */
+static RG_SHARED void find_direction(int32_t a_q27, int32_t b_q27,
+                                     rg_ray* ray) {
+  const rg_chart_point point = {{a_q27, b_q27}};
+  rg_direction_of(&point, ray);
+}
+
 rg_status rg_unproject(const rg_camera* camera, rg_pixel pixel, rg_ray* ray) {
   rg_place place;
   if (camera->line_points) return RG_ERR_NONCENTRAL;
-  if (!rg_find_in_grid(camera, camera->grid, pixel.x_q16, pixel.y_q16, &place))
-    return RG_ERR_OUTSIDE_AREA;
-  rg_direction_of(&place.value, ray);
-  return RG_OK;
+  const rg_status status =
+      rg_find_in_grid(camera, camera->grid, pixel.x_q16, pixel.y_q16, &place);
+  if (status == RG_OK)
+    find_direction(place.value.q27[0], place.value.q27[1], ray);
+  return status;
 }
 
 /* The B-spline of a row of four points of a line, and the column of four rows.
@@ -20,10 +28,7 @@ static RG_INLINE const uint8_t* add_line_row(const uint8_t* points,
                                              const int32_t w_q31[4],
                                              const int32_t** row_weight_q31,
                                              int32_t sums_q26[3]) {
-#if RG_HAVE_SMMULR && defined(__thumb2__) && defined(__OPTIMIZE__) && \
-    !defined(__clang__)
-  /* Compilers would load pairs, of which there are more, and run out of
-   * registers. */
+#if RG_ROWS_IN_ASSEMBLER
   int32_t x, y, z, w0, w1;
   __asm__(
       "ldmia %[points]!, {r0, r1, r2}\n\t"
@@ -76,19 +81,23 @@ static RG_INLINE const uint8_t* add_line_row(const uint8_t* points,
 #endif
 }
 
-/* The camera must have line points. */
+/* (0, 0, 0) of a central camera. */
 static RG_INLINE void find_line_point(const rg_camera* camera,
                                       const rg_place* place,
                                       int32_t point_q28[3]) {
-  const uint8_t* points = camera->line_points + 12 * place->first;
-  const uint32_t rest_of_row = 12u * (rg_load_u16(camera->grid + 16) - 3u);
-  const int32_t* row_weight = place->weights_q31[1];
   int32_t sums_q26[3] = {0, 0, 0};
-  RG_UNROLL_SHARED
-  while (row_weight != place->weights_q31[1] + 4)
-    points =
-        add_line_row(points, place->weights_q31[0], &row_weight, sums_q26) +
-        rest_of_row;
+  if (camera->line_points) {
+    const uint8_t* points = camera->line_points + 12 * place->first;
+    const int32_t* row_weight = place->weights_q31[1];
+    uint32_t rest_of_row =
+        3 * (rg_load_u16(camera->grid + 16) - 3u); /* words */
+    RG_UNROLL_SHARED
+    do
+      points =
+          add_line_row(points, place->weights_q31[0], &row_weight, sums_q26) +
+          4 * rest_of_row;
+    while (rg_turn(&rest_of_row));
+  }
   RG_IN_MEMORY(point_q28);
   point_q28[0] = rg_shift_left(sums_q26[0], 2);
   point_q28[1] = rg_shift_left(sums_q26[1], 2);
@@ -98,38 +107,34 @@ static RG_INLINE void find_line_point(const rg_camera* camera,
 rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
                             rg_line* line) {
   rg_place place;
-  if (!rg_find_in_grid(camera, camera->grid, pixel.x_q16, pixel.y_q16, &place))
-    return RG_ERR_OUTSIDE_AREA;
-  rg_direction_of(&place.value, &line->direction);
-  if (camera->line_points)
+  rg_status status =
+      rg_find_in_grid(camera, camera->grid, pixel.x_q16, pixel.y_q16, &place);
+  if (status == RG_OK) {
+    find_direction(place.value.q27[0], place.value.q27[1], &line->direction);
+    RG_IN_MEMORY(status);
     find_line_point(camera, &place, line->point_q28);
-  else
-    line->point_q28[0] = line->point_q28[1] = line->point_q28[2] = 0;
-  return RG_OK;
-}
-
-/* 0 and a ray of zeros for a pixel outside the area. */
-static RG_SHARED uint32_t unproject_or_clear(const rg_camera* camera,
-                                             rg_pixel pixel, rg_ray* ray) {
-  if (rg_unproject(camera, pixel, ray) == RG_OK) return 1;
-  ray->x_q30 = ray->y_q30 = ray->z_q30 = 0;
-  return 0;
+  }
+  return status;
 }
 
 uint32_t rg_unproject_batch(const rg_camera* camera, const rg_pixel* pixels,
                             rg_ray* rays, uint32_t num_pixels) {
   uint32_t num_inside = 0;
-  for (uint32_t i = 0; i < num_pixels; ++i)
-    num_inside += unproject_or_clear(camera, pixels[i], &rays[i]);
+  for (; num_pixels > 0; --num_pixels, ++pixels, ++rays) {
+    if (rg_unproject(camera, *pixels, rays) == RG_OK)
+      ++num_inside;
+    else
+      rays->x_q30 = rays->y_q30 = rays->z_q30 = 0;
+  }
   return num_inside;
 }
 
 uint32_t rg_unproject_row(const rg_camera* camera, rg_pixel first, rg_ray* rays,
                           uint32_t num_pixels) {
   uint32_t num_inside = 0;
-  for (uint32_t i = 0; i < num_pixels; ++i) {
-    num_inside += unproject_or_clear(camera, first, &rays[i]);
-    first.x_q16 = (int32_t)((uint32_t)first.x_q16 + (uint32_t)RG_PIXEL(1));
+  for (; num_pixels > 0; --num_pixels, ++rays) {
+    num_inside += rg_unproject_batch(camera, &first, rays, 1);
+    first.x_q16 = rg_add(first.x_q16, RG_PIXEL(1));
   }
   return num_inside;
 }
@@ -137,13 +142,13 @@ uint32_t rg_unproject_row(const rg_camera* camera, rg_pixel first, rg_ray* rays,
 uint32_t rg_unproject_lines(const rg_camera* camera, const rg_pixel* pixels,
                             rg_line* lines, uint32_t num_pixels) {
   uint32_t num_inside = 0;
-  for (uint32_t i = 0; i < num_pixels; ++i) {
-    rg_line* const line = &lines[i];
-    if (rg_unproject_line(camera, pixels[i], line) == RG_OK) {
+  for (; num_pixels > 0; --num_pixels, ++pixels, ++lines) {
+    if (rg_unproject_line(camera, *pixels, lines) == RG_OK) {
       ++num_inside;
     } else {
-      line->direction.x_q30 = line->direction.y_q30 = line->direction.z_q30 = 0;
-      line->point_q28[0] = line->point_q28[1] = line->point_q28[2] = 0;
+      lines->direction.x_q30 = lines->direction.y_q30 = lines->direction.z_q30 =
+          0;
+      lines->point_q28[0] = lines->point_q28[1] = lines->point_q28[2] = 0;
     }
   }
   return num_inside;

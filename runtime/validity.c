@@ -40,8 +40,7 @@ rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
   const uint8_t* const section = camera->blob + rg_load_u32(entry + 4);
   const int32_t pixels_q16[2] = {pixel.x_q16, pixel.y_q16};
   const uint32_t columns = rg_load_u16(section);
-  /* Of 8 bits: a value below 2^16 and both weights fill 32 bits. */
-  uint32_t weights_q8[2][2], first = 0;
+  uint32_t t_q8[2], first = 0;
   for (int c = 1; c >= 0; --c) {
     rg_cell_position position;
     if (!rg_find_on_axis(camera->grid + 4 * c, rg_load_u32(section + 4 + 4 * c),
@@ -49,22 +48,27 @@ rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
                          &position))
       return RG_ERR_OUTSIDE_AREA;
     first = first * columns + position.cell;
-    weights_q8[c][1] = (uint32_t)position.t_q30 >> 22;
-    weights_q8[c][0] = 256 - weights_q8[c][1];
+    t_q8[c] = (uint32_t)position.t_q30 >> 22;
   }
   /* Checked here, not on opening. */
   const uint32_t size = rg_load_u32(entry + 8);
-  uint32_t at = rg_load_u32(section + 12) + 2 * first;
+  const uint32_t at = rg_load_u32(section + 12) + 2 * first;
   if (at % 2 != 0 || at >= size || at + 2 * columns + 2 >= size)
     return RG_ERR_UNCERTAINTY;
-  uint32_t sum_q28 = 0x8000;
-  for (int row = 0; row < 2; ++row, at += 2 * columns - 4) {
-    for (int column = 0; column < 2; ++column, at += 2) {
-      const uint32_t value_q12 = rg_load_u16(section + at);
-      if (value_q12 == RG_UNKNOWN_UNCERTAINTY) return RG_ERR_UNKNOWN;
-      sum_q28 += value_q12 * weights_q8[0][column] * weights_q8[1][row];
-    }
+  /* Bilinear; a value below 2^16 and weights of 8 bits fill 32 bits. */
+  const uint8_t* values = section + at;
+  uint32_t above_q20 = 0, below_q20 = 0;
+  for (uint32_t rows = rg_times(2); rows > 0; --rows, values += 2 * columns) {
+    const uint32_t left_q12 = rg_load_u16(values);
+    const uint32_t right_q12 = rg_load_u16(values + 2);
+    if (left_q12 == RG_UNKNOWN_UNCERTAINTY ||
+        right_q12 == RG_UNKNOWN_UNCERTAINTY)
+      return RG_ERR_UNKNOWN;
+    above_q20 = below_q20;
+    below_q20 = 256 * left_q12 + t_q8[0] * (right_q12 - left_q12);
   }
-  *pixels_q12 = (uint16_t)(sum_q28 >> 16);
+  *pixels_q12 = (uint16_t)((256 * above_q20 +
+                            t_q8[1] * (below_q20 - above_q20) + 0x8000) >>
+                           16);
   return RG_OK;
 }

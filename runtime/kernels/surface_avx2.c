@@ -129,9 +129,9 @@ INLINE __m128i find_narrow_value(const uint8_t* grid, const rg_place* place,
   return _mm_add_epi32(value, _mm_sra_epi32(sums, _mm_cvtsi32_si128(shift)));
 }
 
-int rg_find_place_avx2(const uint8_t* grid, int32_t x, int32_t y,
-                       rg_place* place) {
-  if (!rg_find_cells(grid, x, y, place)) return 0;
+rg_status rg_find_place_avx2(const uint8_t* grid, int32_t x, int32_t y,
+                             rg_place* place) {
+  if (!rg_find_cells(grid, x, y, place)) return RG_ERR_OUTSIDE_AREA;
   const weights w = find_weights(place);
   const __m128i value =
       rg_load_u16(grid + 30) == RG_CONTROL_POINT_BITS
@@ -139,7 +139,7 @@ int rg_find_place_avx2(const uint8_t* grid, int32_t x, int32_t y,
                        8u * rg_load_u16(grid + 16), &w)
           : find_narrow_value(grid, place, &w);
   _mm_storel_epi64((__m128i*)place->value.q27, value);
-  return 1;
+  return RG_OK;
 }
 
 /* ---- Slopes -------------------------------------------------------------- */

@@ -148,9 +148,11 @@ static void check_starts(const rg_camera* camera) {
         end_q16(camera, 1) + (height - 0x8000) / 40 * (k / 51)};
     rg_place place, beside, start;
     int32_t slopes_q5[2][2];
-    assert_true(rg_find_place(grid, pixel.x_q16, pixel.y_q16, &place));
-    assert_true(rg_find_place(camera->inverse, place.value.q27[0],
-                              place.value.q27[1], &start));
+    assert_int_equal(rg_find_place(grid, pixel.x_q16, pixel.y_q16, &place),
+                     RG_OK);
+    assert_int_equal(rg_find_place(camera->inverse, place.value.q27[0],
+                                   place.value.q27[1], &start),
+                     RG_OK);
     const rg_pixel found = {2 * start.value.q27[0], 2 * start.value.q27[1]};
     assert_in_range(pixel_error(pixel, found), 0, 4096);
     rg_find_slopes(camera->inverse, &start, slopes_q5);

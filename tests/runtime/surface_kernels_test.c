@@ -60,10 +60,10 @@ static void check_places(const random_grid* grid, int is_narrow,
     rg_place place, expected;
     memset(&place, 0, sizeof(place));
     memset(&expected, 0, sizeof(expected));
-    const int is_inside = rg_find_place_avx2(grid->bytes, x, y, &place);
-    assert_int_equal(is_inside, rg_find_place(grid->bytes, x, y, &expected));
+    const rg_status status = rg_find_place_avx2(grid->bytes, x, y, &place);
+    assert_int_equal(status, rg_find_place(grid->bytes, x, y, &expected));
     assert_memory_equal(&place, &expected, sizeof(place));
-    if (is_inside && is_narrow) check_slopes(grid->bytes, &place);
+    if (status == RG_OK && is_narrow) check_slopes(grid->bytes, &place);
   }
 }
 
