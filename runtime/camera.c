@@ -1,7 +1,7 @@
 #include "blob_checks.h"
 #include "bytes.h"
+#include "fixed_point.h"
 #include "raygrid.h"
-#include "remap_table.h"
 #include "rg_blob.h"
 #include "surface.h"
 

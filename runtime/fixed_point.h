@@ -10,6 +10,19 @@
 #define RG_PORTABLE_KERNELS 0
 #endif
 
+/* Where stacks are large, what a block's parts have in common is kept from one
+ * to the next, and both coordinates of two positions are computed together.
+ * Defined as 0, all files are compiled for the small walk. */
+#if !defined(RG_KEEP_LINES)
+#if defined(__GNUC__) &&                                            \
+    (defined(__linux__) || defined(__LP64__) || defined(_WIN64)) && \
+    (!defined(__x86_64__) || defined(__SSE2__))
+#define RG_KEEP_LINES 1
+#else
+#define RG_KEEP_LINES 0
+#endif
+#endif
+
 #if defined(__ARM_FEATURE_DSP) && defined(__GNUC__) && !defined(__aarch64__)
 #define RG_HAVE_SMMULR 1
 #else

@@ -192,7 +192,8 @@ rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
  * while others use the camera.
  *
  * RG_OK, RG_ERR_NO_REMAP if there is none, or the first fault found; then no
- * change. Cost: one pass over the table. */
+ * change. Cost: one pass over the table on Linux and 64-bit processors, which
+ * refuse RG_ERR_REMAP_VERTEX; others do not look for it, and do no harm. */
 rg_status rg_select_remap(rg_camera* camera, uint32_t index);
 
 /* Size of the undistorted image; RG_ERR_NO_REMAP if no table is in use. */

@@ -8,7 +8,7 @@
 
 /* Of a ring, the rows from one multiple of its size to the next follow each
  * other in memory: those that the block's top lies in. Pixels of others are
- * taken one by one. */
+ * taken one by one; in the small walk, all of a part that has such. */
 static RG_NOINLINE void choose_ring_rows(rg_remap_job* job) {
   const rg_position* const corners = job->run.block.corners;
   int32_t top = (job->size[1] - 1) << 12, bottom = 0;
@@ -22,7 +22,9 @@ static RG_NOINLINE void choose_ring_rows(rg_remap_job* job) {
   job->run.first_source_row = (uint16_t)first;
   uint32_t num = rest < job->ring_rows ? rest : job->ring_rows;
 #if !RG_KEEP_LINES
-  if (((uint32_t)bottom + RG_POSITION_MARGIN) >> 12 >= first + num - 1) num = 0;
+  const int32_t begin = (int32_t)(first << 12) + RG_POSITION_MARGIN;
+  const int32_t end = (int32_t)((first + num - 1) << 12) - RG_POSITION_MARGIN;
+  if (top < begin || bottom > end) num = 0;
 #endif
   job->num_rows = (uint16_t)num;
 }
@@ -106,10 +108,13 @@ static void remap_safe_pixel(rg_remap_job* job, const rg_position* position) {
   rg_neighbors at;
   at.x_q12 = round_position(job, position->q12[0], 0);
   at.y_q12 = round_position(job, position->q12[1], 1);
-  at.upper =
-      run->data + ((at.y_q12 >> 12) - run->first_source_row) * run->stride;
-  at.lower = at.upper + run->stride;
-  at.right = job->lattice.sample_step;
+  const uint32_t row = (at.y_q12 >> 12) - run->first_source_row;
+  at.upper = at.lower = run->data + (size_t)row * run->stride;
+  at.right = 0;
+  if (target_of(job)->sampling != RG_SAMPLING_NEAREST) {
+    at.lower += run->stride;
+    at.right = job->lattice.sample_step;
+  }
   rg_blend_pixel(&job->lattice, &at, run->out, run->out_pixel);
 }
 

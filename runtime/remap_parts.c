@@ -39,7 +39,8 @@ int rg_has_source(const rg_remap_job* job, const rg_position* position,
   return rg_is_in_ranges(job, position, margin);
 }
 
-/* A lattice may end half a pixel before the positions with a source. */
+/* A lattice may end half a pixel before the positions with a source. (The
+ * nearest pixel of such a position is not beyond its last, either.) */
 #define MARGIN (RG_POSITION_MARGIN + 2048)
 
 int rg_is_part_safe(const rg_remap_job* job) {

@@ -22,19 +22,6 @@ typedef struct rg_position {
   int32_t q12[2];
 } rg_position;
 
-/* Where stacks are large, what a block's parts have in common is kept from one
- * to the next, and both coordinates of two positions are computed together.
- * Defined as 0, all files are compiled for the small walk. */
-#if !defined(RG_KEEP_LINES)
-#if defined(__GNUC__) &&                                            \
-    (defined(__linux__) || defined(__LP64__) || defined(_WIN64)) && \
-    (!defined(__x86_64__) || defined(__SSE2__))
-#define RG_KEEP_LINES 1
-#else
-#define RG_KEEP_LINES 0
-#endif
-#endif
-
 #if RG_KEEP_LINES
 /* x, y of one position and of another. */
 typedef int32_t rg_lanes __attribute__((vector_size(16)));

@@ -4,7 +4,7 @@
 #include "bytes.h"
 #include "example_blob.h"
 #include "raygrid.h"
-#include "remap_table.h"
+#include "fixed_point.h"
 #include "unit_test.h"
 
 static uint8_t blob[sizeof(kWideBlob)] __attribute__((aligned(4)));
