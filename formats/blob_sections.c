@@ -92,8 +92,8 @@ rg_fault rg_check_remap(const uint8_t* section, uint32_t size, uint32_t width,
  * residuals lie behind the other's. Sums are modulo 2^32, as the spec says. */
 static int are_vertices_in_range(const uint8_t* section, const uint8_t* fields,
                                  const uint8_t* residual) {
-  const uint32_t vertex_size =
-      section[10] != 0 ? RG_BENT_VERTEX_SIZE : RG_VERTEX_SIZE;
+  uint32_t vertex_size = RG_VERTEX_SIZE;
+  if (section[10] != 0) vertex_size = RG_BENT_VERTEX_SIZE;
   uint32_t row_start = rg_load_u32(fields + 28) + RG_VERTEX_LIMIT_Q12 - 1;
   for (uint32_t rows = rg_load_u16(section + 6); rows > 0; --rows) {
     uint32_t affine = row_start;

@@ -74,12 +74,13 @@ static void remap_pixel(rg_remap_job* job, const rg_position* position) {
   const rg_lattice* const lattice = &job->lattice;
   if (target->border == RG_BORDER_CLAMP || rg_has_source(job, position, 0)) {
     blend_with_care(job, position);
-  } else if (target->border != RG_BORDER_KEEP) {
-    const uint16_t* value = target->border_values + lattice->index;
-    uint32_t index = rg_first_sample(lattice, job->run.out_pixel);
-    for (uint32_t c = lattice->num_channels; c != 0; --c)
-      rg_put_sample(lattice->kind, job->run.out, index++, *value++);
+    return;
   }
+  if (target->border == RG_BORDER_KEEP) return;
+  const uint16_t* value = target->border_values + lattice->index;
+  uint32_t index = rg_first_sample(lattice, job->run.out_pixel);
+  for (uint32_t c = lattice->num_channels; c != 0; --c)
+    rg_put_sample(lattice->kind, job->run.out, index++, *value++);
 }
 
 #if RG_KEEP_LINES

@@ -79,10 +79,11 @@ static inline int rg_blend_built_in(const rg_run* run, uint32_t channels) {
 static inline void rg_dispatch(const rg_kernels* kernels, const rg_run* run,
                                const rg_lattice* lattice, int is_roomy) {
   const uint32_t channels = rg_interleaved(lattice);
-  if (RG_CHOOSE_KERNELS && kernels && RG_MAY_RUN(is_roomy) && channels != 0)
+  if (RG_CHOOSE_KERNELS && kernels && RG_MAY_RUN(is_roomy) && channels != 0) {
     kernels->blend[channels - 1](run);
-  else if (!rg_blend_built_in(run, channels))
-    rg_blend_lattice(run, lattice);
+    return;
+  }
+  if (!rg_blend_built_in(run, channels)) rg_blend_lattice(run, lattice);
 }
 
 #endif /* RAYGRID_REMAP_DISPATCH_H */
