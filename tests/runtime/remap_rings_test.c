@@ -124,29 +124,40 @@ static void rings_give_what_frames_give(void** context) {
   }
 }
 
+/* Of one block of 8, for frames of 32 x 32 pixels. */
+static rg_remap_section new_table(uint16_t width, uint16_t height) {
+  static const uint8_t empty[4] = {0};
+  rg_remap_section table;
+  memset(&table, 0, sizeof(table));
+  table.width = width;
+  table.height = height;
+  table.block_log2 = 3;
+  table.columns = table.rows = 2;
+  table.max_x_q12 = table.max_y_q12 = 31 << 12;
+  table.fx_q16 = table.fy_q16 = 1;
+  table.empty_blocks = empty;
+  return table;
+}
+
+static void use_table(const rg_remap_section* table) {
+  static const int16_t residuals[8] = {0};
+  rg_write_remap(table, residuals, SECTION);
+  memset(&camera, 0, sizeof(camera));
+  camera.width = camera.height = 32;
+  camera.remap = SECTION;
+}
+
 /* A source row that begins a ring, and corners that lie just below it: rounding
  * of steps takes pixels above it. */
 static void rounding_may_lead_before_a_ring(void** context) {
   (void)context;
-  static const int16_t residuals[8] = {0};
-  static const uint8_t empty[4] = {0};
   uint8_t rows[4 * 32];
   for (uint32_t i = 0; i < sizeof(rows); ++i) rows[i] = (uint8_t)(10 + i / 32);
-  rg_remap_section table;
-  memset(&table, 0, sizeof(table));
-  table.width = table.height = 8;
-  table.block_log2 = 3;
-  table.columns = table.rows = 2;
-  table.max_x_q12 = table.max_y_q12 = 31 << 12;
+  rg_remap_section table = new_table(8, 8);
   table.origin_x_q12 = table.column_step_x_q12 = 8 << 12;
   table.origin_y_q12 = (12 << 12) + 6;
   table.column_step_y_q12 = -6;
-  table.fx_q16 = table.fy_q16 = 1;
-  table.empty_blocks = empty;
-  rg_write_remap(&table, residuals, SECTION);
-  memset(&camera, 0, sizeof(camera));
-  camera.width = camera.height = 32;
-  camera.remap = SECTION;
+  use_table(&table);
   rg_image image;
   rg_target target;
   uint8_t out[64];
@@ -170,22 +181,9 @@ static void rounding_may_lead_before_a_ring(void** context) {
 /* Of such a table there is no frame, but its rows may be asked for. */
 static void lattice_of_no_pixels_needs_no_rows(void** context) {
   (void)context;
-  static const int16_t residuals[8] = {0};
-  static const uint8_t empty[4] = {0};
-  rg_remap_section table;
-  memset(&table, 0, sizeof(table));
-  table.width = 1;
-  table.height = 2;
-  table.block_log2 = 3;
-  table.columns = table.rows = 2;
-  table.max_x_q12 = table.max_y_q12 = 31 << 12;
+  rg_remap_section table = new_table(1, 2);
   table.origin_x_q12 = -50000;
-  table.fx_q16 = table.fy_q16 = 1;
-  table.empty_blocks = empty;
-  rg_write_remap(&table, residuals, SECTION);
-  memset(&camera, 0, sizeof(camera));
-  camera.width = camera.height = 32;
-  camera.remap = SECTION;
+  use_table(&table);
   uint16_t first, num;
   assert_int_equal(
       rg_remap_source_rows(&camera, RG_FORMAT_NV12, 0, 2, &first, &num), RG_OK);
