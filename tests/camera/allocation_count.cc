@@ -4,7 +4,7 @@
 #include <cstddef>
 
 // Sanitizers have a malloc of their own, and so have other C libraries.
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+#if defined(__GLIBC__) && !defined(RAYGRID_SANITIZED)
 
 static std::atomic<int64_t> num_allocations{0};
 

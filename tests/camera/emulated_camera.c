@@ -511,7 +511,7 @@ static void serve(usb_camera* camera) {
 }
 
 int main(int argc, char** argv) {
-  unsigned width, height, rate;
+  unsigned width = 0, height = 0, rate = 0;
   if ((argc != 5 && argc != 6) ||
       sscanf(argv[2], "%ux%u", &width, &height) != 2 ||
       sscanf(argv[3], "%u", &rate) != 1 || rate == 0)

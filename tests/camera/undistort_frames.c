@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
   uint8_t* const blob = read_file(argv[1], &blob_size);
   uint8_t* const frames = read_file(argv[2], &size);
   rg_camera camera;
-  uint16_t width, height;
+  uint16_t width = 0, height = 0;
   if (rg_camera_open(&camera, blob, (uint32_t)blob_size) != RG_OK ||
       rg_select_remap(&camera, 0) != RG_OK ||
       rg_remap_size(&camera, &width, &height) != RG_OK)

@@ -48,8 +48,10 @@ std::vector<BoardPointTriple> Matches(const std::array<Pose, 3>& poses,
                                       int count, TestRandom* random) {
   std::vector<BoardPointTriple> matches;
   for (int i = 0; i < 100 * count; ++i) {
-    const Eigen::Vector3d ray(random->Uniform(-1, 1), random->Uniform(-1, 1),
-                              1);
+    // The same with every compiler: arguments are drawn in any order.
+    const double y = random->Uniform(-1, 1);
+    const double x = random->Uniform(-1, 1);
+    const Eigen::Vector3d ray(x, y, 1);
     BoardPointTriple match;
     bool all = true;
     for (int view = 0; view < 3 && all; ++view) {

@@ -434,7 +434,8 @@ Checkpoint ExampleCheckpoint() {
   again.image_size = {640, 480};
   again.images = {{"a.png", {{0, 3, 4, {1.0 / 3, 2}}}}, {"b.png", {}}};
   checkpoint.trials = {{2, 80.0 / 3, {{"a.png", 0, 3, 4, {1, 2}, {0.1, -1}}}}};
-  Checkpoint::Adjustment& adjustment = checkpoint.adjustment.emplace();
+  checkpoint.adjustment = Checkpoint::Adjustment();
+  Checkpoint::Adjustment& adjustment = *checkpoint.adjustment;
   adjustment.camera = Eigen::Vector3d(1, 2, 1.0 / 7);
   adjustment.poses = {{RotationFromVector({0.1, 0.2, 0.3}), {1, 2, 3}}};
   adjustment.points = {{0, 0.1, 0.2}};

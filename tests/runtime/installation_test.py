@@ -80,8 +80,7 @@ def main():
             "-o", program)
         check_program(program)
 
-        if "sanitize" not in arguments.flags:
-            check_module(prefix)
+        check_module(prefix)
 
 
 if __name__ == "__main__":

@@ -130,7 +130,7 @@ typedef struct exact_memory {
 
 static exact_memory new_memory(size_t size) {
   exact_memory memory = {NULL, NULL, 0};
-#if defined(__linux__) && !defined(__SANITIZE_ADDRESS__)
+#if defined(__linux__) && !defined(RAYGRID_SANITIZED)
   const size_t page = (size_t)sysconf(_SC_PAGESIZE);
   const size_t inner = (size + page - 1) / page * page;
   memory.num_pages_bytes = inner + 2 * page;

@@ -1,4 +1,5 @@
 #include <array>
+#include <cstdarg>
 #include <cstdio>
 
 #include "frame_output.h"
@@ -9,10 +10,12 @@ namespace {
 
 class Header {
  public:
-  template <typename... Values>
-  void Add(const char* format, Values... values) {
-    const int added = std::snprintf(text_.data() + size_, text_.size() - size_,
-                                    format, values...);
+  [[gnu::format(printf, 2, 3)]] void Add(const char* format, ...) {
+    va_list values;
+    va_start(values, format);
+    const int added = std::vsnprintf(text_.data() + size_, text_.size() - size_,
+                                     format, values);
+    va_end(values);
     if (added > 0) size_ += static_cast<size_t>(added);
   }
   const char* data() const { return text_.data(); }
