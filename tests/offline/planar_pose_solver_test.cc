@@ -1,6 +1,7 @@
 #include "initialization/planar_pose_solver.h"
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -134,31 +135,96 @@ TEST(SolveThreeViews, SolvesAllExactCases) {
   }
 }
 
-TEST(SolveThreeViews, ErrsInProportionToNoise) {
+// Two boards' points on one ray, of the position on the first board that it
+// meets.
+Eigen::VectorXd SeenOnOthers(const Eigen::VectorXd& views,
+                             const Eigen::Vector2d& first) {
+  const Eigen::Vector3d center = views.head<3>();
+  const Eigen::Vector3d ray = Eigen::Vector3d(first.x(), first.y(), 0) - center;
+  Eigen::VectorXd seen(4);
+  for (int k = 0; k < 2; ++k) {
+    const Pose board_from_first =
+        Pose{RotationFromVector(views.segment<3>(3 + 6 * k)),
+             views.segment<3>(6 + 6 * k)}
+            .Inverse();
+    const Eigen::Vector3d from = board_from_first * center;
+    const Eigen::Vector3d direction = board_from_first.rotation * ray;
+    seen.segment<2>(2 * k) =
+        (from - from.z() / direction.z() * direction).head<2>();
+  }
+  return seen;
+}
+
+// The bound of Cramer and Rao: standard deviation of the centre, in metres,
+// below which no unbiased estimate from points of unit deviation gets.
+double LeastDeviation(const Case& exact) {
+  const Pose first_from_camera = exact.camera_from_board[0].Inverse();
+  Eigen::VectorXd views(15);
+  views.head<3>() = first_from_camera.translation;
+  for (int k = 0; k < 2; ++k) {
+    const Pose pose = first_from_camera * exact.camera_from_board[k + 1];
+    const Eigen::AngleAxisd turn(pose.rotation);
+    views.segment<3>(3 + 6 * k) = turn.angle() * turn.axis();
+    views.segment<3>(6 + 6 * k) = pose.translation;
+  }
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(15, 15);
+  for (const BoardPointTriple& match : exact.matches) {
+    const Eigen::MatrixXd by_views = CentralDifference(
+        [&](const Eigen::VectorXd& at) { return SeenOnOthers(at, match[0]); },
+        views, 1e-6);
+    const Eigen::MatrixXd by_first = CentralDifference(
+        [&](const Eigen::VectorXd& at) { return SeenOnOthers(views, at); },
+        match[0], 1e-6);
+    // Where the ray meets the first board is known with noise, too.
+    const Eigen::Matrix4d covariance =
+        Eigen::Matrix4d::Identity() + by_first * by_first.transpose();
+    information += by_views.transpose() * covariance.inverse() * by_views;
+  }
+  const Eigen::MatrixXd covariance = information.inverse();
+  return std::sqrt(covariance.topLeftCorner<3, 3>().trace());
+}
+
+double Mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / values.size();
+}
+
+// Errors of the centre over its least deviation. Those of an efficient estimate
+// are 0.80 (in one direction) to 0.92 (in all) in the mean and at most 1.96 in
+// 19 of 20 draws. The means of 300 draws scatter by 0.04, quantiles by 0.1.
+TEST(SolveThreeViews, ErrsLittleMoreThanNoiseDemands) {
+  TestRandom random(2);
+  double sum_linear = 0, sum_refined = 0;
   for (const double sigma_m : {1e-5, 1e-4, 5e-4}) {
-    TestRandom random(2);
-    std::vector<double> linear, refined, standardized;
-    for (int i = 0; i < 100; ++i) {
-      Case noisy = RandomCase(200, &random);
+    std::vector<double> linear, refined, said;
+    for (int i = 0; i < 300; ++i) {
+      Case noisy = RandomCase(50, &random);
+      const Eigen::Vector3d center =
+          noisy.camera_from_board[0].Inverse().translation;
+      const double least_m = sigma_m * LeastDeviation(noisy);
       AddNoise(sigma_m, &random, &noisy.matches);
       ThreeViewsSolution solution = SolveThreeViews(noisy.matches);
       ASSERT_EQ(solution.status, ThreeViewsStatus::kSolved) << i;
-      linear.push_back(ErrorsOf(solution.views, noisy).translation);
+      linear.push_back((solution.views.center - center).norm() / least_m);
       const ThreeViewsFit fit =
           RefineThreeViews(noisy.matches, &solution.views);
       ASSERT_TRUE(fit.converged) << i;
-      refined.push_back(ErrorsOf(solution.views, noisy).translation);
-      standardized.push_back(refined.back() / fit.center_uncertainty);
+      refined.push_back((solution.views.center - center).norm() / least_m);
+      said.push_back(fit.center_uncertainty * center.norm() / least_m);
     }
-    // 0.1 mm is a thousandth of what the board is seen to be wide.
-    EXPECT_LT(Quantile(linear, 0.5), 20 * sigma_m) << sigma_m;
-    EXPECT_LT(Quantile(linear, 0.95), 100 * sigma_m) << sigma_m;
-    EXPECT_LT(Quantile(refined, 0.5), 20 * sigma_m) << sigma_m;
-    EXPECT_LT(Quantile(refined, 0.95), Quantile(linear, 0.95)) << sigma_m;
-    // What it says of its own uncertainty is about true.
-    EXPECT_GT(Quantile(standardized, 0.5), 0.3) << sigma_m;
-    EXPECT_LT(Quantile(standardized, 0.5), 2) << sigma_m;
+    EXPECT_LT(Mean(linear), 1.25) << sigma_m;
+    EXPECT_LT(Quantile(linear, 0.95), 1.5 * 1.96) << sigma_m;
+    EXPECT_LT(Mean(refined), 1.15) << sigma_m;
+    EXPECT_GT(Mean(refined), 0.65) << sigma_m;
+    EXPECT_LT(Quantile(refined, 0.95), 1.5 * 1.96) << sigma_m;
+    // What it says of its own uncertainty is true but for a factor, and no
+    // boast.
+    EXPECT_GT(Quantile(said, 0.05), 1) << sigma_m;
+    EXPECT_LT(Quantile(said, 0.95), 3) << sigma_m;
+    sum_linear += Mean(linear);
+    sum_refined += Mean(refined);
   }
+  // By a thirteenth, with a deviation of one in eighty.
+  EXPECT_LT(sum_refined, sum_linear);
 }
 
 TEST(SolveThreeViews, LeavesOutSingleOutliers) {
