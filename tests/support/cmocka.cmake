@@ -34,11 +34,13 @@ function(raygrid_c_test name)
   set_tests_properties(${name} PROPERTIES TIMEOUT 120)
 endfunction()
 
-# The walk of small boards, compiled into a program in front of the library's.
-function(raygrid_small_walk name)
+# The walk of small boards, in front of the library's in programs that link it.
+if(RAYGRID_HOST)
+  add_library(raygrid_small_walk OBJECT)
   foreach(source camera lattice_map remap remap_blocks remap_grey remap_parts remap_source_rows
       remap_table kernels/dispatch kernels/portable kernels/tiles)
-    target_sources(${name} PRIVATE ${PROJECT_SOURCE_DIR}/runtime/${source}.c)
+    target_sources(raygrid_small_walk PRIVATE ${PROJECT_SOURCE_DIR}/runtime/${source}.c)
   endforeach()
-  target_compile_definitions(${name} PRIVATE RG_KEEP_LINES=0)
-endfunction()
+  target_compile_definitions(raygrid_small_walk PUBLIC RG_KEEP_LINES=0)
+  target_link_libraries(raygrid_small_walk PRIVATE raygrid_runtime raygrid_warnings)
+endif()
