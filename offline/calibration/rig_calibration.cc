@@ -171,7 +171,7 @@ RigHeldOut CrossValidateRig(const Names& names,
                             const Pattern& pattern,
                             const CalibrationOptions& options,
                             const std::vector<double>& cells_px) {
-  constexpr size_t kFolds = 4;
+  constexpr size_t kNumFolds = 4;
   const Names instants = Instants(datasets);
   Dataset counted;
   counted.images.resize(instants.size());
@@ -184,7 +184,8 @@ RigHeldOut CrossValidateRig(const Names& names,
     if (ShouldStop(options)) return;
     Names test;
     for (size_t i = 0; i < instants.size(); ++i)
-      if (i % kFolds == static_cast<size_t>(fold)) test.push_back(instants[i]);
+      if (i % kNumFolds == static_cast<size_t>(fold))
+        test.push_back(instants[i]);
     folds[fold] = EvaluateFold(names, datasets, pattern, options.model,
                                cells_px, test, serial);
   });

@@ -30,7 +30,7 @@ Pose ParsePose(const YAML::Node& node) {
 }
 
 // Throws what yaml-cpp throws, and InputError without the file's name.
-std::vector<RigFileCamera> Parse(const YAML::Node& root) {
+std::vector<RigFileCamera> ParseCameras(const YAML::Node& root) {
   if (!root.IsMap() || !root["raygrid_rig"])
     throw InputError("not a rig (no 'raygrid_rig: 1')");
   if (root["raygrid_rig"].as<int>() != 1)
@@ -53,7 +53,7 @@ std::vector<RigFileCamera> Parse(const YAML::Node& root) {
 std::vector<RigFileCamera> ReadRigFile(const std::string& path) {
   const std::string text = ReadFile(path);
   try {
-    return Parse(YAML::Load(text));
+    return ParseCameras(YAML::Load(text));
   } catch (const YAML::Exception& error) {
     const std::string place =
         error.mark.is_null()

@@ -13,7 +13,7 @@ namespace raygrid {
 namespace {
 
 constexpr int kWidth = 800, kLegendHeight = 90, kMargin = 20;
-const cv::Vec3b kOutside(128, 128, 128), kHatch(255, 255, 255);
+const cv::Vec3b kUnknown(128, 128, 128), kHatch(255, 255, 255);
 
 cv::Vec3b ScaleColor(double part) {
   const auto color = ColorOf(ColorScale::kEven, part);
@@ -80,7 +80,7 @@ Image UncertaintyPicture(const CameraUncertainty& uncertainty,
       const Eigen::Vector2d pixel((x + 0.5) / scale - 0.5,
                                   (y + 0.5) / scale - 0.5);
       cv::Vec3b& color = picture.at<cv::Vec3b>(y, x);
-      color = kOutside;
+      color = kUnknown;
       if (!area.Contains(pixel)) continue;
       const double deviation = uncertainty.lattice.At(area, pixel);
       if (std::isfinite(deviation))

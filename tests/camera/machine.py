@@ -66,6 +66,8 @@ def make_frames(grey_frames, width, height, count):
     """YUYV frames with the luma of the grey ones in turn, chroma that differs everywhere, and a
     number in squares in the middle, so that no two are the same."""
     cell = 16
+    ramp = bytes(i & 255 for i in range(256 + width // 2))
+    steep = [bytes((3 * x - y) & 255 for x in range(width // 2)) for y in range(256)]
     frames = []
     for k in range(count):
         grey = bytearray(grey_frames[k % len(grey_frames)])
@@ -76,10 +78,10 @@ def make_frames(grey_frames, width, height, count):
                 grey[y * width + left:y * width + left + cell] = bytes([value]) * cell
         frame = bytearray(2 * width * height)
         frame[0::2] = grey
-        half = range(width // 2)
         for y in range(height):
             row = 2 * width * y
-            frame[row + 1:row + 2 * width:4] = bytes((x + y + k) & 255 for x in half)
-            frame[row + 3:row + 2 * width:4] = bytes((3 * x - y) & 255 for x in half)
+            start = (y + k) & 255
+            frame[row + 1:row + 2 * width:4] = ramp[start:start + width // 2]
+            frame[row + 3:row + 2 * width:4] = steep[y & 255]
         frames.append(bytes(frame))
     return frames

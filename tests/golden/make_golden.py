@@ -6,6 +6,7 @@ With --check, compare what would be written with what is there instead.
 
 import argparse
 import dataclasses
+import functools
 import math
 import sys
 import zlib
@@ -615,6 +616,13 @@ def get_sample(kind: str, row: bytes, index: int) -> int:
     return group[index % count] << bits | low
 
 
+def get_samples(kind: str, row: bytes, first: int, step: int, count: int) -> list[int]:
+    """Every so many samples of a row of bytes."""
+    if kind == "u8":
+        return list(row[first:first + count * step:step])
+    return [get_sample(kind, row, first + i * step) for i in range(count)]
+
+
 def put_sample(kind: str, row: bytearray, index: int, value: int) -> None:
     """The other way round."""
     if kind == "u8":
@@ -657,8 +665,8 @@ def remap_channel(blob: reference.Blob, place: Placement, channel: int,
                   border: str | None, nearest: bool) -> None:
     """One channel of a lattice."""
     first = place.first + channel
-    samples = [[get_sample(place.kind, source[lattice_row(place, j)], first + i * place.step)
-                for i in range(blob.camera.width >> place.lattice.lx)]
+    samples = [get_samples(place.kind, source[lattice_row(place, j)], first, place.step,
+                           blob.camera.width >> place.lattice.lx)
                for j in range(blob.camera.height >> place.lattice.ly)]
     value = BORDER_VALUES[place.border + channel] if border == "value" else border
     bits = 8 if place.kind == "u8" else 16
@@ -703,6 +711,7 @@ def table_line(pair: Iterable[int], ray: Iterable[int]) -> str:
             f" {{{', '.join(map(str, ray))}}}}},")
 
 
+@functools.cache
 def make_frame(width: int, height: int) -> bytes:
     """The test image: a gradient and noise."""
     lcg = Lcg(FRAME_SEED)
