@@ -384,7 +384,7 @@ TEST(Calibrate, PassesBoardsOfPoints) {
   parameters[ThinPrismFisheye::kCy] = 240;
   const ThinPrismFisheye lens({640, 480}, {-1, -1, 640, 480}, parameters);
   SimulationOptions simulation;
-  simulation.num_images = 40;
+  simulation.num_images = 20;
   simulation.features_per_image = 100;
   CalibrationOptions options;
   options.model = "thin-prism-fisheye";
