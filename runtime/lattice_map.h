@@ -44,7 +44,12 @@ static inline uint32_t rg_part_log2(const uint8_t* section,
   return part_log2 < 4 && lattice->half[axis] == 1 ? 4 : part_log2;
 }
 
-/* A part of a block of the table, as the lattice has it. */
+/* The corners of a part of a block of the table, so many output pixels wide, as
+ * the lattice has them. */
+void rg_move_corners(const rg_lattice* lattice, uint32_t part_width_log2,
+                     rg_position corners[4]);
+
+/* The same, and its size. */
 void rg_lattice_block(const rg_lattice* lattice, rg_block* block);
 
 #if RG_KEEP_LINES

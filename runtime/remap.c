@@ -72,7 +72,7 @@ static RG_INLINE void blend_with_care(rg_remap_job* job,
 static void remap_pixel(rg_remap_job* job, const rg_position* position) {
   const rg_target* const target = target_of(job);
   const rg_lattice* const lattice = &job->lattice;
-  if (target->border == RG_BORDER_CLAMP || rg_has_source(job, position, 0)) {
+  if (target->border == RG_BORDER_CLAMP || rg_has_source(job, position)) {
     blend_with_care(job, position);
     return;
   }
@@ -109,7 +109,7 @@ static void remap_safe_pixel(rg_remap_job* job, const rg_position* position) {
   rg_neighbors at;
   at.x_q12 = round_position(job, position->q12[0], 0);
   at.y_q12 = round_position(job, position->q12[1], 1);
-  const uint32_t row = (at.y_q12 >> 12) - run->first_source_row;
+  const uint32_t row = at.y_q12 >> 12;
   at.upper = at.lower = run->data + (size_t)row * run->stride;
   at.right = 0;
   if (target_of(job)->sampling != RG_SAMPLING_NEAREST) {
@@ -119,12 +119,15 @@ static void remap_safe_pixel(rg_remap_job* job, const rg_position* position) {
   rg_blend_pixel(&job->lattice, &at, run->out, run->out_pixel);
 }
 
-/* What has no built-in kernel goes pixel by pixel, as borders do. */
+/* What has no built-in kernel goes pixel by pixel, as borders do. Rows of a
+ * ring are counted from the first one in its memory. */
 static RG_INLINE void remap_run(rg_remap_job* job, rg_care care) {
   (void)care;
+  for (int k = 0; k < 4; ++k)
+    job->run.block.corners[k].q12[1] -= job->run.first_source_row << 12;
   if (target_of(job)->sampling == RG_SAMPLING_NEAREST ||
-      !rg_blend_built_in(&job->run, rg_interleaved(&job->lattice)))
-    rg_do_pixels(job, remap_safe_pixel);
+      !rg_blend_part(job, rg_interleaved(&job->lattice)))
+    rg_do_rows(job, remap_safe_pixel);
 }
 
 #endif

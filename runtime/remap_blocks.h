@@ -112,8 +112,7 @@ static RG_INLINE void rg_start_rows(rg_remap_job* job,
   const uint8_t* const section = walk->section;
   const uint32_t across_log2 = rg_part_log2(section, lattice, 0);
   const uint32_t down_log2 = rg_part_log2(section, lattice, 1);
-  walk->part_log2[0] = (uint8_t)across_log2;
-  walk->part_log2[1] = (uint8_t)down_log2;
+  rg_set_parts(walk, across_log2, down_log2);
   for (int c = 0; c < 2; ++c)
     job->ranges[c] = rg_source_range(section, lattice, c);
   job->row = (uint16_t)(first_row >> lattice->log2[1]);
@@ -122,23 +121,17 @@ static RG_INLINE void rg_start_rows(rg_remap_job* job,
   job->part_rows = job->part_pixels = 0;
   rg_start_lanes(job);
 #else
-  job->run.first_pixel = job->run.num_rows = 0;
-  walk->next_part = UINT16_MAX;       /* behind the last of a row */
+  rg_run* const run = &job->run;
+  run->block.width_log2 = (uint8_t)(across_log2 - lattice->log2[0]);
+  run->block.height_log2 = (uint8_t)(down_log2 - lattice->log2[1]);
+  run->num_rows = 0;
+  run->out_pixel = run->num_pixels = UINT16_MAX; /* behind a row's last part */
 #endif
 }
 
 /* To the next part of a block; 0 if there is none. The caller then brings it to
  * the lattice, and may choose the rows of the source. */
-#if RG_KEEP_LINES
 int rg_next_part(rg_remap_job* job);
-#else
-int rg_go_to_part(rg_remap_job* job); /* all but its block */
-static RG_INLINE int rg_next_part(rg_remap_job* job) {
-  if (!rg_go_to_part(job)) return 0;
-  rg_next_block(&job->walk, &job->run.block);
-  return 1;
-}
-#endif
 
 /* The corners of the run's block from the image's pixels to the lattice's. A
  * program with grey frames alone does not need it. */
@@ -146,33 +139,24 @@ static RG_INLINE void rg_bring_to_lattice(rg_remap_job* job) {
 #if RG_KEEP_LINES
   (void)job; /* they are */
 #else
-  rg_lattice_block(&job->lattice, &job->run.block);
+  rg_move_corners(&job->lattice, job->walk.part_log2[0],
+                  job->run.block.corners);
 #endif
 }
 
-/* Whether positions that are no farther than a margin from one all have a
- * source: out of line where size matters. */
-static RG_INLINE int rg_is_in_ranges(const rg_remap_job* job,
-                                     const rg_position* position,
-                                     int32_t margin) {
-  if (job->walk.is_empty) return 0;
-  for (int c = 0; c < 2; ++c) {
-    const int32_t q12 = position->q12[c];
-    if (q12 < job->ranges[c].min_q12 + margin ||
-        q12 > job->ranges[c].max_q12 - margin)
-      return 0;
-  }
-  return 1;
-}
+/* Whether a position has a source. */
 #if RG_KEEP_LINES
 static RG_INLINE int rg_has_source(const rg_remap_job* job,
-                                   const rg_position* position,
-                                   int32_t margin) {
-  return rg_is_in_ranges(job, position, margin);
+                                   const rg_position* position) {
+  if (job->walk.is_empty) return 0;
+  for (int c = 0; c < 2; ++c)
+    if (position->q12[c] < job->ranges[c].min_q12 ||
+        position->q12[c] > job->ranges[c].max_q12)
+      return 0;
+  return 1;
 }
 #else
-int rg_has_source(const rg_remap_job* job, const rg_position* position,
-                  int32_t margin);
+int rg_has_source(const rg_remap_job* job, const rg_position* position);
 #endif
 
 #if RG_KEEP_LINES
@@ -186,8 +170,21 @@ rg_care rg_next_run(rg_remap_job* job);
 /* Whether all pixels of the part ask for no care. */
 int rg_is_part_safe(const rg_remap_job* job);
 
-/* A part pixel by pixel, each as a run of RG_CARE_PIXEL. */
-void rg_do_pixels(rg_remap_job* job, rg_do_pixel* on_pixel);
+/* Row by row, the part pixel by pixel, each as a run of RG_CARE_PIXEL; or, if
+ * on_pixel is NULL, by the kernel for grey pixels, where none is built in. */
+void rg_do_rows(rg_remap_job* job, rg_do_pixel* on_pixel);
+
+/* The part, which asks for no care, by the kernel for so many channels; 0 if
+ * there is none. */
+static RG_INLINE int rg_blend_part(rg_remap_job* job, uint32_t channels) {
+#if RG_ALL_BUILT_IN
+  return rg_blend_built_in(&job->run, channels);
+#else
+  if (channels != 1) return 0;
+  rg_do_rows(job, NULL);
+  return 1;
+#endif
+}
 
 #endif
 
@@ -207,7 +204,7 @@ static RG_INLINE void rg_do_part(rg_remap_job* job, rg_do_run* on_run,
   if (rg_is_part_safe(job))
     on_run(job, RG_CARE_NONE);
   else
-    rg_do_pixels(job, on_pixel);
+    rg_do_rows(job, on_pixel);
 #endif
 }
 

@@ -5,33 +5,45 @@
 static const rg_lattice kGrey = {RG_SAMPLE_8, 0,      0, 1, 1,
                                  {0, 0},      {0, 0}, 0, 1, 0};
 
+static inline uint32_t min_of(uint32_t a, uint32_t b) { return a < b ? a : b; }
+
 static RG_INLINE uint8_t border_of(const rg_remap_job* job) {
   return ((const rg_band*)job->how)->border;
 }
 
 static void do_grey_run(rg_remap_job* job, rg_care care) {
+#if RG_KEEP_LINES
   if (care == RG_CARE_NO_SOURCE) {
     const uint16_t border = border_of(job);
     rg_fill_run(&job->run, &kGrey, &border);
   } else {
     rg_dispatch_grey(rg_kernels_of(job), &job->run, care == RG_CARE_NONE);
   }
+#else
+  (void)care;
+  (void)rg_blend_part(job, 1);
+#endif
 }
 
-/* A position with a source lies in the frame; a neighbour beyond that has
- * weight zero. */
+/* A position with a source lies in the frame. At the last column its weight is
+ * zero, or all if one counts from the column before; likewise at the last row.
+ */
 static void do_grey_pixel(rg_remap_job* job, const rg_position* position) {
   const rg_run* const run = &job->run;
-  const int32_t x_q12 = position->q12[0], y_q12 = position->q12[1];
-  uint8_t* const out = run->out + run->out_pixel;
-  *out = border_of(job);
-  if (!rg_has_source(job, position, 0)) return;
-  const uint32_t x = (uint32_t)x_q12 + rg_rounding(RG_SAMPLE_8, 0);
-  const uint32_t y = (uint32_t)y_q12, column = x >> 12, row = y >> 12;
-  const uint8_t* const upper = run->data + (size_t)row * run->stride + column;
-  const uint8_t* const lower =
-      row + 1 < job->size[1] ? upper + run->stride : upper;
-  *out = (uint8_t)rg_blend_bytes(upper, lower, column + 1 < job->size[0], x, y);
+  uint32_t value = border_of(job);
+  if (rg_has_source(job, position)) {
+    const uint32_t x = (uint32_t)position->q12[0] + rg_rounding(RG_SAMPLE_8, 0);
+    const uint32_t y = (uint32_t)position->q12[1];
+    const uint32_t column = min_of(x >> 12, job->size[0] - 2u);
+    const uint32_t row = min_of(y >> 12, job->size[1] - 2u);
+    const uint8_t* const upper = run->data + (size_t)row * run->stride + column;
+    const uint8_t* const lower = upper + run->stride;
+    value = rg_blend_8(upper[0] | (uint32_t)lower[0] << 16,
+                       upper[1] | (uint32_t)lower[1] << 16,
+                       (x >> 5) - (column << 7), y - (row << 12),
+                       RG_ROUNDING_8);
+  }
+  run->out[run->out_pixel] = (uint8_t)value;
 }
 
 /* The part at hand, and some to its right. */

@@ -172,14 +172,12 @@ static inline uint32_t rg_odd_bytes(uint32_t bytes) {
 /* What both roundings of a blended pixel of 8 bits are together. */
 #define RG_ROUNDING_8 UINT32_C(0x407ff)
 
-/* 7-bit weights across, 12-bit weights down, both roundings in one. Samples are
- * the upper row's in the low half, the lower row's in the high. Bits above the
- * lowest 8 are those above 27 of the rounding. */
+/* With weights across, up to 128, and down, up to 4096; both roundings in one.
+ * Samples are the upper row's in the low half, the lower row's in the high.
+ * Bits above the lowest 8 are those above 27 of the rounding. */
 static RG_INLINE uint32_t rg_blend_8(uint32_t left, uint32_t right,
-                                     uint32_t x_q12, uint32_t y_q12,
+                                     uint32_t wx_q7, uint32_t wy_q12,
                                      uint32_t rounding) {
-  const uint32_t wx_q7 = (x_q12 >> 5) & 127;
-  const uint32_t wy_q12 = y_q12 & 4095;
   /* h0 below and h1 above 16 bits */
   const uint32_t h_q7 = (right - left) * wx_q7 + (left << 7);
 #if defined(__ARM_FEATURE_SIMD32)
@@ -207,8 +205,8 @@ static RG_INLINE uint32_t rg_blend_bytes(const uint8_t* upper,
                                          const uint8_t* lower, uint32_t right,
                                          uint32_t x_q12, uint32_t y_q12) {
   return rg_blend_8(upper[0] | (uint32_t)lower[0] << 16,
-                    upper[right] | (uint32_t)lower[right] << 16, x_q12, y_q12,
-                    RG_ROUNDING_8);
+                    upper[right] | (uint32_t)lower[right] << 16,
+                    (x_q12 >> 5) & 127, y_q12 & 4095, RG_ROUNDING_8);
 }
 
 /* What lies around a position to which the rounding was added. */

@@ -37,14 +37,15 @@ static RG_NOINLINE void add_run(rg_remap_job* job, rg_care care) {
   for (uint32_t k = 0; k < 2; ++k, r += run->num_rows - 1u) {
     rg_block_row row;
     rg_find_block_row(&run->block, r, &row);
-    const int32_t y_q12 = row.start.q12[1] + row.step.q12[1] * run->first_pixel;
+    const int32_t first_pixel = RG_KEEP_LINES ? run->first_pixel : 0;
+    const int32_t y_q12 = row.start.q12[1] + row.step.q12[1] * first_pixel;
     add_position(search, y_q12);
     add_position(search, y_q12 + row.step.q12[1] * (run->num_pixels - 1));
   }
 }
 
 static void add_pixel(rg_remap_job* job, const rg_position* position) {
-  if (rg_has_source(job, position, 0))
+  if (rg_has_source(job, position))
     add_position((row_search*)job, position->q12[1]);
 }
 

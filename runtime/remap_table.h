@@ -43,13 +43,13 @@ typedef struct rg_block {
  * rg_select_remap() accepted. */
 typedef struct rg_block_walk {
   const uint8_t* section;
-  uint16_t row;         /* of parts */
-  uint16_t next_part;   /* in the row */
   uint8_t part_log2[2]; /* output pixels of a part: across, down */
   uint8_t is_empty;     /* the table says that no pixel of the last part's block
                            has a source */
   uint8_t is_clamped;   /* such pixels take the nearest source: none is empty */
 #if RG_KEEP_LINES
+  uint16_t row;                       /* of parts */
+  uint16_t next_part;                 /* in the row */
   uint32_t vertex_size, row_size; /* of vertices, in bytes */
   int32_t residual_shift, bend_shift[2], num_log2[2]; /* of a block's parts */
   uint32_t next_mark;                                 /* the next block's */
@@ -63,30 +63,58 @@ typedef struct rg_block_walk {
   /* Of the lines: where they leave the last part; and where, times the number
    * of parts, and rounded; how that changes to the next part; how that does. */
   rg_lanes right, sums, steps, turns;
+#else
+  /* In eighths of a block: */
+  uint8_t part[2]; /* size of a part */
+  int16_t across;  /* where the next part begins; before the first one's column
+                      of vertices, a part before that */
+  uint16_t down;   /* where the row of parts begins */
+  int32_t from[4]; /* where the lines above and below the row of parts cross the
+                      left side of the block */
 #endif
 } rg_block_walk;
 
 /* To the first part of row j of parts, the sizes of which are known. */
-static inline void rg_start_parts(rg_block_walk* walk, uint32_t j) {
+static RG_INLINE void rg_start_parts(rg_block_walk* walk, uint32_t j) {
+#if RG_KEEP_LINES
   walk->row = (uint16_t)j;
   walk->next_part = 0;
+#else
+  walk->across = (int16_t)-walk->part[0];
+  walk->down = (uint16_t)(j * walk->part[1]);
+#endif
 }
 
-/* The same, of parts of 2^width_log2 x 2^height_log2 output pixels: a block is
- * 1 to 8 such parts wide and high, 1 in a table without bends. */
+/* Parts of 2^width_log2 x 2^height_log2 output pixels: a block is 1 to 8 such
+ * parts wide and high, 1 in a table without bends. */
+static RG_INLINE void rg_set_parts(rg_block_walk* walk, uint32_t width_log2,
+                                   uint32_t height_log2) {
+  walk->part_log2[0] = (uint8_t)width_log2;
+  walk->part_log2[1] = (uint8_t)height_log2;
+#if !RG_KEEP_LINES
+  walk->part[0] = (uint8_t)((8u << width_log2) >> walk->section[8]);
+  walk->part[1] = (uint8_t)((8u << height_log2) >> walk->section[8]);
+#endif
+}
+
+/* Both. */
 static inline void rg_start_walk(const uint8_t* section, uint32_t width_log2,
                                  uint32_t height_log2, uint32_t j,
                                  rg_block_walk* walk) {
   walk->section = section;
-  walk->part_log2[0] = (uint8_t)width_log2;
-  walk->part_log2[1] = (uint8_t)height_log2;
+  rg_set_parts(walk, width_log2, height_log2);
   rg_start_parts(walk, j);
 }
 
 /* The corners of the part, and on to the next one. */
 void rg_next_block(rg_block_walk* walk, rg_block* block);
 
-#if RG_KEEP_LINES
+#if !RG_KEEP_LINES
+
+/* The same, but for the part's size. */
+void rg_next_corners(rg_block_walk* walk, rg_position* corners);
+
+#else
 
 static RG_INLINE rg_lanes rg_twice(int32_t x, int32_t y) {
   const rg_lanes both = {x, y, x, y};
