@@ -3,10 +3,6 @@
 #include "bytes.h"
 #include "rg_blob.h"
 
-static uint32_t vertex_size(const uint8_t* section) {
-  return section[10] != 0 ? RG_BENT_VERTEX_SIZE : RG_VERTEX_SIZE;
-}
-
 #if RG_KEEP_LINES
 
 /* log2 of the parts of a block, across (axis 0) or down. */
@@ -24,7 +20,7 @@ void rg_start_columns(rg_block_walk* walk) {
   const uint8_t* const vertices = section + rg_load_u32(section + 76);
   const int32_t bend_shift = section[11] - section[10];
   rg_lanes turns;
-  walk->vertex_size = vertex_size(section);
+  walk->vertex_size = rg_vertex_size(section);
   walk->row_size = columns * walk->vertex_size;
   walk->above = vertices + j * walk->row_size;
   walk->marks = vertices + rg_load_u16(section + 6) * walk->row_size;
@@ -58,109 +54,81 @@ void rg_next_block(rg_block_walk* walk, rg_block* block) {
 }
 
 #else
-/* From one point, through so much, to another one; bend is eight times the
- * table's, times the number of parts. */
-typedef struct bent_line {
-  int32_t from;
-  uint32_t line;
-  int32_t bend;
-} bent_line;
-
-/* So many eighths along it: SPEC.md, "Bends", along(), all of it times the
- * number by which a block has fewer parts than eight; modulo 2^32. */
-static RG_NOINLINE int32_t along(const bent_line* line, int32_t eighths) {
-  const uint32_t bend = (uint32_t)(line->bend * (8 - eighths) >> 3);
-  const uint32_t sum = (line->line + bend) * (uint32_t)eighths;
-  return rg_add(line->from, (int32_t)(sum + 4) >> 3);
+/* Of a place: the block, and how many eighths of it are before it. */
+static RG_INLINE uint32_t block_of(uint32_t place) {
+  return (uint16_t)place >> 3;
 }
+static RG_INLINE uint32_t eighths_of(uint32_t place) { return place & 7; }
 
-/* A column of vertices between two rows of them. */
-typedef struct vertex_column {
-  const uint8_t *above, *below;
-  uint32_t i, j;
-} vertex_column;
-
-/* Coordinate c: the column itself; and the bends of what leads to it from the
- * left, in the table's own size. Without bends, others are read, of which
- * nothing remains. */
-static RG_NOINLINE void find_lines(const rg_block_walk* walk,
-                                   const vertex_column* column, uint32_t c,
-                                   bent_line lines[2]) {
-  const uint8_t* const section = walk->section;
-  const uint32_t across_log2 = walk->part_log2[0];
-  const uint8_t* const affine = section + 28 + 4 * c;
-  const uint32_t row_step = rg_load_u32(affine + 16);
-  const uint32_t plane = rg_load_u32(affine) +
-                         column->i * rg_load_u32(affine + 8) +
-                         column->j * row_step;
-  const int32_t upper = rg_load_i16(column->above + 2 * c);
-  const int32_t lower = rg_load_i16(column->below + 2 * c);
-  lines[0].from = (int32_t)(plane + ((uint32_t)upper << section[9]));
-  lines[0].line = row_step + ((uint32_t)(lower - upper) << section[9]);
-  const uint32_t shift = (uint32_t)section[11] - section[10];
-  const int8_t* const bends_above = (const int8_t*)column->above + c;
-  const int8_t* const bends_below = (const int8_t*)column->below + c;
-  const int32_t first = bends_above[RG_LEFT_BEND];
-  const int32_t last = bends_below[RG_LEFT_BEND];
-  lines[0].bend = bends_below[RG_UPPER_BEND] * (1 << (shift + section[8]));
-  lines[1].from = first * (1 << (shift + across_log2));
-  lines[1].line = (uint32_t)((last - first) * (1 << (shift + across_log2)));
-  lines[1].bend = 0;
-}
-
-/* Of the column at the right of the block that begins at or before walk->across
- * eighths; whether that is marked as empty. */
-static RG_NOINLINE void find_column(rg_block_walk* walk,
-                                    vertex_column* column) {
-  const uint8_t* const section = walk->section;
-  const uint32_t columns = rg_load_u16(section + 4);
-  const uint32_t row_size = columns * vertex_size(section);
-  const int32_t i = walk->across >> 3, j = walk->down >> 3;
-  const uint8_t* const vertices = section + rg_load_u32(section + 76);
-  const uint8_t* const marks =
-      vertices + rg_load_u16(section + 6) * row_size;
-  const int32_t mark = j * ((int32_t)columns - 1) + i;
-  walk->is_empty = (marks[mark >> 3] >> (mark & 7)) & 1;
-  column->i = (uint32_t)(i + 1);
-  column->j = (uint32_t)j;
-  column->above =
-      vertices + (uint32_t)j * row_size + column->i * vertex_size(section);
-  column->below = column->above + row_size;
-}
-
-/* Coordinate c of the corners of the part whose left side is walk->across
- * eighths; before the first column, of none. */
-static RG_NOINLINE void find_axis(rg_block_walk* walk,
-                                  const vertex_column* column, uint32_t c,
-                                  rg_position* corners) {
-  bent_line lines[3];
-  find_lines(walk, column, c, lines);
-  const uint32_t num_log2 = walk->section[8] - walk->part_log2[0];
-  const int32_t left = walk->across & 7, right = left + walk->part[0];
-  int32_t eighths = walk->down & 7;
-  for (uint32_t k = 0; k < 2; ++k) {
-    int32_t* const from = &walk->from[2 * k + c];
-    const int32_t to = along(&lines[0], eighths);
-    lines[2].from = *from;
-    lines[2].line = (uint32_t)to - (uint32_t)*from;
-    lines[2].bend = along(&lines[1], eighths) * (1 << num_log2);
-    if (walk->across >= 0) {
-      corners[2 * k].q12[c] = along(&lines[2], left);
-      corners[2 * k + 1].q12[c] = along(&lines[2], right);
-    }
-    if (right == 8) *from = to;
-    eighths += walk->part[1];
+/* In place of an edge's ends, those of the part at a place. SPEC.md, "Bends",
+ * along(): k and 2^n are multiplied by what makes 2^n eight, and so is bend, by
+ * which the result stays the same; modulo 2^32. */
+static RG_NOINLINE void cut_edge(int32_t* from, int32_t* to, int32_t bend,
+                                 uint32_t place) {
+  const uint32_t first = (uint32_t)*from, line = (uint32_t)*to - first;
+  uint32_t k = eighths_of(place);
+  for (;;) {
+    const int32_t aside = bend * (int32_t)(8 - k) >> 3;
+    const uint32_t sum = (line + (uint32_t)aside) * k;
+    *from = rg_add((int32_t)first, (int32_t)(sum + 4) >> 3);
+    if (from == to) break;
+    from = to;
+    k += place >> 16;
   }
 }
 
-void rg_next_corners(rg_block_walk* walk, rg_position* corners) {
-  vertex_column column;
-  do {
-    find_column(walk, &column);
-    find_axis(walk, &column, 0, corners);
-    find_axis(walk, &column, 1, corners);
-    walk->across = (int16_t)(walk->across + walk->part[0]);
-  } while (walk->across == 0);
+static int32_t load_bend(const uint8_t* byte, uint32_t shift) {
+  return (int32_t)(int8_t)*byte * (1 << shift);
+}
+
+/* A coordinate of the part's corners: from corner on, every other one; affine
+ * is section + 4 c for coordinate c, above the block's upper left vertex + c.
+ * In a table without bends, others are read, of which nothing remains. */
+static RG_NOINLINE void find_axis(const rg_block_walk* walk,
+                                  const uint8_t* affine, const uint8_t* above,
+                                  int32_t* corner) {
+  const uint8_t* below = above + walk->row_size;
+  const uint32_t c = (uint32_t)(affine - walk->section) >> 2;
+  const uint32_t row_step = rg_load_u32(affine + 44);
+  uint32_t plane = rg_load_u32(affine + 28) +
+                   block_of(walk->place[0]) * rg_load_u32(affine + 36) +
+                   block_of(walk->place[1]) * row_step;
+  int32_t bends[2];
+  for (uint32_t side = 0; side < 2; ++side, corner += 2) {
+    const uint32_t shift = walk->section[9], bend_shift = walk->bend_shift[0];
+    const uint32_t upper = (uint32_t)rg_load_i16(above + c) << shift;
+    const uint32_t lower = (uint32_t)rg_load_i16(below + c) << shift;
+    corner[0] = (int32_t)(plane + upper);
+    corner[4] = (int32_t)(plane + row_step + lower);
+    cut_edge(&corner[0], &corner[4],
+             load_bend(below + RG_UPPER_BEND, walk->bend_shift[1]),
+             walk->place[1]);
+    bends[0] = load_bend(above + RG_LEFT_BEND, bend_shift);
+    bends[1] = load_bend(below + RG_LEFT_BEND, bend_shift);
+    plane += rg_load_u32(affine + 36);
+    above += walk->vertex_size;
+    below += walk->vertex_size;
+  }
+  cut_edge(&bends[0], &bends[1], 0, walk->place[1]);
+  const uint32_t num_log2 = walk->bend_shift[1] - walk->bend_shift[0];
+  corner -= 4;
+  cut_edge(&corner[0], &corner[2], bends[0] * (1 << num_log2), walk->place[0]);
+  cut_edge(&corner[4], &corner[6], bends[1] * (1 << num_log2), walk->place[0]);
+}
+
+void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
+  const uint8_t* const section = walk->section;
+  const uint32_t i = block_of(walk->place[0]), j = block_of(walk->place[1]);
+  const uint8_t* const vertices = section + rg_load_u32(section + 76);
+  const uint8_t* const marks =
+      vertices + rg_load_u16(section + 6) * walk->row_size;
+  const uint32_t mark = j * (rg_load_u16(section + 4) - 1u) + i;
+  walk->is_empty = (marks[mark >> 3] >> (mark & 7)) & 1;
+  const uint8_t* const above =
+      vertices + j * walk->row_size + i * walk->vertex_size;
+  find_axis(walk, section, above, &corners->q12[0]);
+  find_axis(walk, section + 4, above + 1, &corners->q12[1]);
+  walk->place[0] += walk->place[0] >> 16;
 }
 
 void rg_next_block(rg_block_walk* walk, rg_block* block) {

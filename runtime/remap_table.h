@@ -64,15 +64,18 @@ typedef struct rg_block_walk {
    * of parts, and rounded; how that changes to the next part; how that does. */
   rg_lanes right, sums, steps, turns;
 #else
-  /* In eighths of a block: */
-  uint8_t part[2]; /* size of a part */
-  int16_t across;  /* where the next part begins; before the first one's column
-                      of vertices, a part before that */
-  uint16_t down;   /* where the row of parts begins */
-  int32_t from[4]; /* where the lines above and below the row of parts cross the
-                      left side of the block */
+  uint8_t vertex_size;   /* in bytes */
+  uint8_t bend_shift[2]; /* of edges across, times the part's width in blocks;
+                            of edges down */
+  uint16_t row_size;     /* of vertices, in bytes */
+  uint32_t place[2]; /* in eighths of a block: where the next part begins, across
+                        and down, and in the upper half, how large it is */
 #endif
 } rg_block_walk;
+
+static inline uint32_t rg_vertex_size(const uint8_t* section) {
+  return section[10] != 0 ? RG_BENT_VERTEX_SIZE : RG_VERTEX_SIZE;
+}
 
 /* To the first part of row j of parts, the sizes of which are known. */
 static RG_INLINE void rg_start_parts(rg_block_walk* walk, uint32_t j) {
@@ -80,8 +83,9 @@ static RG_INLINE void rg_start_parts(rg_block_walk* walk, uint32_t j) {
   walk->row = (uint16_t)j;
   walk->next_part = 0;
 #else
-  walk->across = (int16_t)-walk->part[0];
-  walk->down = (uint16_t)(j * walk->part[1]);
+  walk->place[0] &= UINT32_C(0xffff0000);
+  walk->place[1] &= UINT32_C(0xffff0000);
+  walk->place[1] += j * (walk->place[1] >> 16);
 #endif
 }
 
@@ -92,8 +96,14 @@ static RG_INLINE void rg_set_parts(rg_block_walk* walk, uint32_t width_log2,
   walk->part_log2[0] = (uint8_t)width_log2;
   walk->part_log2[1] = (uint8_t)height_log2;
 #if !RG_KEEP_LINES
-  walk->part[0] = (uint8_t)((8u << width_log2) >> walk->section[8]);
-  walk->part[1] = (uint8_t)((8u << height_log2) >> walk->section[8]);
+  const uint8_t* const section = walk->section;
+  const uint32_t shift = (uint32_t)section[11] - section[10];
+  walk->vertex_size = (uint8_t)rg_vertex_size(section);
+  walk->row_size = (uint16_t)(rg_load_u16(section + 4) * walk->vertex_size);
+  walk->bend_shift[0] = (uint8_t)(shift + width_log2);
+  walk->bend_shift[1] = (uint8_t)(shift + section[8]);
+  walk->place[0] = (UINT32_C(8) << width_log2 >> section[8]) << 16;
+  walk->place[1] = (UINT32_C(8) << height_log2 >> section[8]) << 16;
 #endif
 }
 
@@ -112,7 +122,7 @@ void rg_next_block(rg_block_walk* walk, rg_block* block);
 #if !RG_KEEP_LINES
 
 /* The same, but for the part's size. */
-void rg_next_corners(rg_block_walk* walk, rg_position* corners);
+void rg_next_corners(rg_block_walk* walk, rg_position corners[4]);
 
 #else
 
