@@ -8,8 +8,9 @@
 
 /* Of a ring, the rows from one multiple of its size to the next follow each
  * other in memory: those that the block's top lies in. Pixels of others are
- * taken one by one; in the small walk, all of a part that has such. */
-static RG_NOINLINE void choose_ring_rows(rg_remap_job* job) {
+ * taken one by one; in the small walk, all of a part that has such, for which
+ * this returns 0. */
+static RG_NOINLINE int choose_ring_rows(rg_remap_job* job) {
   const rg_position* const corners = job->run.block.corners;
   int32_t top = (job->size[1] - 1) << 12, bottom = 0;
   for (int k = 0; k < 4; ++k) {
@@ -19,14 +20,16 @@ static RG_NOINLINE void choose_ring_rows(rg_remap_job* job) {
   const uint32_t row = top < 0 ? 0 : (uint32_t)top >> 12;
   const uint32_t first = row - (uint32_t)rg_remainder(row, job->ring_rows);
   const uint32_t rest = job->size[1] - first;
+  const uint32_t num = rest < job->ring_rows ? rest : job->ring_rows;
   job->run.first_source_row = (uint16_t)first;
-  uint32_t num = rest < job->ring_rows ? rest : job->ring_rows;
-#if !RG_KEEP_LINES
+#if RG_KEEP_LINES
+  job->num_rows = (uint16_t)num;
+  return 1;
+#else
   const int32_t begin = (int32_t)(first << 12) + RG_POSITION_MARGIN;
   const int32_t end = (int32_t)((first + num - 1) << 12) - RG_POSITION_MARGIN;
-  if (top < begin || bottom > end) num = 0;
+  return top >= begin && bottom <= end;
 #endif
-  job->num_rows = (uint16_t)num;
 }
 
 static RG_INLINE const rg_target* target_of(const rg_remap_job* job) {
@@ -123,8 +126,9 @@ static void remap_safe_pixel(rg_remap_job* job, const rg_position* position) {
  * ring are counted from the first one in its memory. */
 static RG_INLINE void remap_run(rg_remap_job* job, rg_care care) {
   (void)care;
-  for (int k = 0; k < 4; ++k)
-    job->run.block.corners[k].q12[1] -= job->run.first_source_row << 12;
+  if (job->ring_rows != 0)
+    for (int k = 0; k < 4; ++k)
+      job->run.block.corners[k].q12[1] -= job->run.first_source_row << 12;
   if (target_of(job)->sampling == RG_SAMPLING_NEAREST ||
       !rg_blend_part(job, rg_interleaved(&job->lattice)))
     rg_do_rows(job, remap_safe_pixel);
@@ -134,7 +138,14 @@ static RG_INLINE void remap_run(rg_remap_job* job, rg_care care) {
 
 static RG_INLINE void remap_part(rg_remap_job* job) {
   rg_bring_to_lattice(job);
-  if (job->ring_rows != 0) choose_ring_rows(job);
+  const int is_apart = job->ring_rows != 0 && !choose_ring_rows(job);
+#if !RG_KEEP_LINES
+  if (is_apart) {
+    rg_do_rows(job, remap_pixel);
+    return;
+  }
+#endif
+  (void)is_apart;
   rg_do_part(job, remap_run, remap_pixel);
 }
 

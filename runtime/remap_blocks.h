@@ -5,6 +5,8 @@
 #ifndef RAYGRID_REMAP_BLOCKS_H
 #define RAYGRID_REMAP_BLOCKS_H
 
+#include <stddef.h>
+
 #include "lattice_map.h"
 #include "remap_dispatch.h"
 #include "remap_kernels.h"
@@ -44,8 +46,12 @@ typedef struct rg_remap_job {
   rg_lattice lattice;
   uint16_t size[2];   /* of the source lattice: width, height */
   uint16_t ring_rows; /* likewise; 0: no ring */
-  uint16_t num_rows;  /* that follow each other in memory, from the run's
-                         first_source_row on; 0: the part's do not */
+#if RG_KEEP_LINES
+  uint16_t num_rows; /* that follow each other in memory, from the run's
+                        first_source_row on */
+#else
+  uint16_t width; /* of the output, in the lattice's pixels */
+#endif
   uint16_t row;       /* of the output: the first one of the row of parts at
                          hand; where size matters, of the next one */
   uint16_t end_row;   /* behind the last one to do */
@@ -92,8 +98,11 @@ static inline const rg_kernels* rg_kernels_of(const rg_remap_job* job) {
 static RG_INLINE void rg_set_source(rg_remap_job* job, uint32_t width,
                                     uint32_t height) {
   job->size[0] = (uint16_t)(width >> job->lattice.log2[0]);
-  job->size[1] = job->num_rows = (uint16_t)(height >> job->lattice.log2[1]);
+  job->size[1] = (uint16_t)(height >> job->lattice.log2[1]);
+#if RG_KEEP_LINES
+  job->num_rows = job->size[1];
   job->run.first_source_row = 0;
+#endif
 }
 
 #if RG_KEEP_LINES
@@ -124,8 +133,9 @@ static RG_INLINE void rg_start_rows(rg_remap_job* job,
   rg_run* const run = &job->run;
   run->block.width_log2 = (uint8_t)(across_log2 - lattice->log2[0]);
   run->block.height_log2 = (uint8_t)(down_log2 - lattice->log2[1]);
+  job->width = (uint16_t)(rg_load_u16(section) >> lattice->log2[0]);
   run->num_rows = 0;
-  run->out_pixel = run->num_pixels = UINT16_MAX; /* behind a row's last part */
+  run->out_pixel = run->num_pixels = job->width; /* behind a row's last part */
 #endif
 }
 
@@ -144,6 +154,13 @@ static RG_INLINE void rg_bring_to_lattice(rg_remap_job* job) {
 #endif
 }
 
+#if !RG_KEEP_LINES
+/* Whether so many positions have a source, and what is no farther than a margin
+ * from them. */
+int rg_have_sources(const rg_remap_job* job, const rg_position* positions,
+                    uint32_t num, uint32_t margin);
+#endif
+
 /* Whether a position has a source. */
 #if RG_KEEP_LINES
 static RG_INLINE int rg_has_source(const rg_remap_job* job,
@@ -156,7 +173,10 @@ static RG_INLINE int rg_has_source(const rg_remap_job* job,
   return 1;
 }
 #else
-int rg_has_source(const rg_remap_job* job, const rg_position* position);
+static RG_INLINE int rg_has_source(const rg_remap_job* job,
+                                   const rg_position* position) {
+  return rg_have_sources(job, position, 1, 0);
+}
 #endif
 
 #if RG_KEEP_LINES
@@ -167,8 +187,15 @@ rg_care rg_next_run(rg_remap_job* job);
 
 #else
 
-/* Whether all pixels of the part ask for no care. */
-int rg_is_part_safe(const rg_remap_job* job);
+/* A lattice may end half a pixel before the positions with a source. (The
+ * nearest pixel of such a position is not beyond its last, either.) */
+#define RG_LATTICE_MARGIN (RG_POSITION_MARGIN + 2048)
+
+/* Whether all pixels of the part ask for no care, unless the source is a ring.
+ */
+static RG_INLINE int rg_is_part_safe(const rg_remap_job* job) {
+  return rg_have_sources(job, job->run.block.corners, 4, RG_LATTICE_MARGIN);
+}
 
 /* Row by row, the part pixel by pixel, each as a run of RG_CARE_PIXEL; or, if
  * on_pixel is NULL, by the kernel for grey pixels, where none is built in. */

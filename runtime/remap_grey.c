@@ -80,13 +80,18 @@ rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
   rg_remap_job on_stack;
   rg_remap_job* job = &on_stack;
   RG_IN_REGISTER(job);
+#if RG_KEEP_LINES
   for (int axis = 0; axis < 2; ++axis) /* the rest is not used */
     job->lattice.log2[axis] = job->lattice.half[axis] = 0;
-  job->how = band;
-  rg_set_kernels(job, 0, frame->stride);
   rg_set_source(job, frame->width, frame->height);
   job->ring_rows = 0;
   job->walk.is_clamped = 0;
+#else
+  job->size[0] = frame->width;
+  job->size[1] = frame->height;
+#endif
+  job->how = band;
+  rg_set_kernels(job, 0, frame->stride);
   job->walk.section = camera->remap;
   job->run.data = frame->data;
   job->run.stride = frame->stride;

@@ -24,25 +24,20 @@ static RG_INLINE int start_parts(rg_remap_job* job) {
 
 int rg_next_part(rg_remap_job* job) {
   rg_run* const run = &job->run;
-  const uint32_t width =
-      (uint32_t)rg_load_u16(job->walk.section) >> job->lattice.log2[0];
   uint32_t pixel = (uint32_t)run->out_pixel + run->num_pixels;
-  if (pixel >= width) {
+  if (pixel >= job->width) {
     if (!start_parts(job)) return 0;
     pixel = 0;
   }
   run->out_pixel = (uint16_t)pixel;
   run->num_pixels =
-      (uint16_t)min_of(width - pixel, 1u << run->block.width_log2);
+      (uint16_t)min_of(job->width - pixel, 1u << run->block.width_log2);
   rg_next_corners(&job->walk, run->block.corners);
   return 1;
 }
 
-/* Whether so many positions have a source, and what is no farther than a margin
- * from them. */
-static RG_NOINLINE int have_sources(const rg_remap_job* job,
-                                    const rg_position* positions, uint32_t num,
-                                    uint32_t margin) {
+int rg_have_sources(const rg_remap_job* job, const rg_position* positions,
+                    uint32_t num, uint32_t margin) {
   const int32_t* q12 = positions->q12;
   if (job->walk.is_empty) return 0;
   for (num *= 2; num != 0; --num) {
@@ -52,19 +47,6 @@ static RG_NOINLINE int have_sources(const rg_remap_job* job,
     if (at - margin > size || at + margin > size) return 0;
   }
   return 1;
-}
-
-int rg_has_source(const rg_remap_job* job, const rg_position* position) {
-  return have_sources(job, position, 1, 0);
-}
-
-/* A lattice may end half a pixel before the positions with a source. (The
- * nearest pixel of such a position is not beyond its last, either.) */
-#define MARGIN (RG_POSITION_MARGIN + 2048)
-
-int rg_is_part_safe(const rg_remap_job* job) {
-  return job->num_rows != 0 &&
-         have_sources(job, job->run.block.corners, 4, MARGIN);
 }
 
 /* The pixels of a row, one by one. */
