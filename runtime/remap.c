@@ -60,7 +60,8 @@ static RG_SHARED int32_t nearest_source(const rg_remap_job* job, int32_t q12,
 
 /* The run's only pixel; neighbours beyond the last have weight zero. */
 static RG_INLINE void blend_with_care(rg_remap_job* job,
-                                      const rg_position* position) {
+                                      const rg_position* position,
+                                      uint32_t out_pixel) {
   rg_neighbors at;
   at.x_q12 = round_position(job, nearest_source(job, position->q12[0], 0), 0);
   at.y_q12 = round_position(job, nearest_source(job, position->q12[1], 1), 1);
@@ -68,20 +69,21 @@ static RG_INLINE void blend_with_care(rg_remap_job* job,
   at.upper = source_row(job, row);
   at.lower = source_row(job, row + (row + 1 < job->size[1]));
   at.right = (at.x_q12 >> 12) + 1 < job->size[0] ? job->lattice.sample_step : 0;
-  rg_blend_pixel(&job->lattice, &at, job->run.out, job->run.out_pixel);
+  rg_blend_pixel(&job->lattice, &at, job->run.out, out_pixel);
 }
 
 /* With every check. */
-static void remap_pixel(rg_remap_job* job, const rg_position* position) {
+static void remap_pixel(rg_remap_job* job, const rg_position* position,
+                        uint32_t out_pixel) {
   const rg_target* const target = target_of(job);
   const rg_lattice* const lattice = &job->lattice;
   if (target->border == RG_BORDER_CLAMP || rg_has_source(job, position)) {
-    blend_with_care(job, position);
+    blend_with_care(job, position, out_pixel);
     return;
   }
   if (target->border == RG_BORDER_KEEP) return;
   const uint16_t* value = target->border_values + lattice->index;
-  uint32_t index = rg_first_sample(lattice, job->run.out_pixel);
+  uint32_t index = rg_first_sample(lattice, out_pixel);
   for (uint32_t c = lattice->num_channels; c != 0; --c)
     rg_put_sample(lattice->kind, job->run.out, index++, *value++);
 }
@@ -107,7 +109,8 @@ static RG_INLINE void remap_run(rg_remap_job* job, rg_care care) {
 
 #else
 
-static void remap_safe_pixel(rg_remap_job* job, const rg_position* position) {
+static void remap_safe_pixel(rg_remap_job* job, const rg_position* position,
+                             uint32_t out_pixel) {
   const rg_run* const run = &job->run;
   rg_neighbors at;
   at.x_q12 = round_position(job, position->q12[0], 0);
@@ -119,7 +122,7 @@ static void remap_safe_pixel(rg_remap_job* job, const rg_position* position) {
     at.lower += run->stride;
     at.right = job->lattice.sample_step;
   }
-  rg_blend_pixel(&job->lattice, &at, run->out, run->out_pixel);
+  rg_blend_pixel(&job->lattice, &at, run->out, out_pixel);
 }
 
 /* What has no built-in kernel goes pixel by pixel, as borders do. Rows of a

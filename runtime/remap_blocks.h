@@ -32,7 +32,8 @@ typedef enum rg_care {
 /* What is done with a run; and with one of RG_CARE_PIXEL at a position. */
 struct rg_remap_job;
 typedef void rg_do_run(struct rg_remap_job* job, rg_care care);
-typedef void rg_do_pixel(struct rg_remap_job* job, const rg_position* position);
+typedef void rg_do_pixel(struct rg_remap_job* job, const rg_position* position,
+                         uint32_t out_pixel);
 
 #if RG_KEEP_LINES
 /* Where a part's corners ask for no care: nowhere, if the source is a ring. */
@@ -149,8 +150,10 @@ static RG_INLINE void rg_bring_to_lattice(rg_remap_job* job) {
 #if RG_KEEP_LINES
   (void)job; /* they are */
 #else
-  rg_move_corners(&job->lattice, job->walk.part_log2[0],
-                  job->run.block.corners);
+  rg_block* const block = &job->run.block;
+  rg_move_corners(&job->lattice,
+                  (uint32_t)block->width_log2 + job->lattice.log2[0],
+                  block->corners);
 #endif
 }
 
@@ -197,15 +200,18 @@ static RG_INLINE int rg_is_part_safe(const rg_remap_job* job) {
   return rg_have_sources(job, job->run.block.corners, 4, RG_LATTICE_MARGIN);
 }
 
-/* Row by row, the part pixel by pixel, each as a run of RG_CARE_PIXEL; or, if
- * on_pixel is NULL, by the kernel for grey pixels, where none is built in. */
+/* Row by row, the part pixel by pixel, or, if on_pixel is NULL, by the kernel
+ * for grey pixels, where none is built in. The run's out is then below the
+ * part. */
 void rg_do_rows(rg_remap_job* job, rg_do_pixel* on_pixel);
 
-/* The part, which asks for no care, by the kernel for so many channels; 0 if
- * there is none. */
+/* The same by the kernel for so many channels, of a part that asks for no care;
+ * 0 if there is none. */
 static RG_INLINE int rg_blend_part(rg_remap_job* job, uint32_t channels) {
 #if RG_ALL_BUILT_IN
-  return rg_blend_built_in(&job->run, channels);
+  if (!rg_blend_built_in(&job->run, channels)) return 0;
+  job->run.out += (size_t)job->run.num_rows * job->run.out_stride;
+  return 1;
 #else
   if (channels != 1) return 0;
   rg_do_rows(job, NULL);
@@ -223,7 +229,7 @@ static RG_INLINE void rg_do_part(rg_remap_job* job, rg_do_run* on_run,
   do {
     const rg_care care = rg_next_run(job);
     if (care == RG_CARE_PIXEL)
-      on_pixel(job, &job->position);
+      on_pixel(job, &job->position, job->run.out_pixel);
     else
       on_run(job, care);
   } while (job->rows_left != 0);

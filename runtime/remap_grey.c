@@ -28,7 +28,8 @@ static void do_grey_run(rg_remap_job* job, rg_care care) {
 /* A position with a source lies in the frame. At the last column its weight is
  * zero, or all if one counts from the column before; likewise at the last row.
  */
-static void do_grey_pixel(rg_remap_job* job, const rg_position* position) {
+static void do_grey_pixel(rg_remap_job* job, const rg_position* position,
+                          uint32_t out_pixel) {
   const rg_run* const run = &job->run;
   uint32_t value = border_of(job);
   if (rg_has_source(job, position)) {
@@ -43,7 +44,7 @@ static void do_grey_pixel(rg_remap_job* job, const rg_position* position) {
                        (x >> 5) - (column << 7), y - (row << 12),
                        RG_ROUNDING_8);
   }
-  run->out[run->out_pixel] = (uint8_t)value;
+  run->out[out_pixel] = (uint8_t)value;
 }
 
 /* The part at hand, and some to its right. */

@@ -15,7 +15,6 @@ static RG_INLINE int start_parts(rg_remap_job* job) {
   const uint32_t row = job->row, part = row >> log2;
   if (row >= job->end_row) return 0;
   job->row = (uint16_t)min_of((part + 1) << log2, job->end_row);
-  run->out += (size_t)run->num_rows * run->out_stride;
   run->first_row = (uint16_t)(row - (part << log2));
   run->num_rows = (uint16_t)(job->row - row);
   rg_start_parts(&job->walk, part);
@@ -28,6 +27,8 @@ int rg_next_part(rg_remap_job* job) {
   if (pixel >= job->width) {
     if (!start_parts(job)) return 0;
     pixel = 0;
+  } else { /* back to the part's first row */
+    run->out -= (size_t)run->num_rows * run->out_stride;
   }
   run->out_pixel = (uint16_t)pixel;
   run->num_pixels =
@@ -52,14 +53,13 @@ int rg_have_sources(const rg_remap_job* job, const rg_position* positions,
 /* The pixels of a row, one by one. */
 static RG_INLINE void do_row(rg_remap_job* job, rg_block_row* row,
                              rg_do_pixel* on_pixel) {
-  uint32_t k = job->run.num_pixels;
+  uint32_t pixel = job->run.out_pixel, num = job->run.num_pixels;
   do {
-    on_pixel(job, &row->start);
+    on_pixel(job, &row->start, pixel);
     row->start.q12[0] = rg_add(row->start.q12[0], row->step.q12[0]);
     row->start.q12[1] = rg_add(row->start.q12[1], row->step.q12[1]);
-    ++job->run.out_pixel;
-  } while (--k != 0);
-  job->run.out_pixel = (uint16_t)(job->run.out_pixel - job->run.num_pixels);
+    ++pixel;
+  } while (--num != 0);
 }
 
 void rg_do_rows(rg_remap_job* job, rg_do_pixel* on_pixel) {
@@ -76,7 +76,6 @@ void rg_do_rows(rg_remap_job* job, rg_do_pixel* on_pixel) {
       rg_blend_grey_row(run, &row, run->out + run->out_pixel);
     run->out += run->out_stride;
   } while (--rows != 0);
-  run->out -= (size_t)run->num_rows * run->out_stride;
 }
 
 #endif

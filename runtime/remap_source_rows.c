@@ -44,7 +44,9 @@ static RG_NOINLINE void add_run(rg_remap_job* job, rg_care care) {
   }
 }
 
-static void add_pixel(rg_remap_job* job, const rg_position* position) {
+static void add_pixel(rg_remap_job* job, const rg_position* position,
+                      uint32_t out_pixel) {
+  (void)out_pixel;
   if (rg_has_source(job, position))
     add_position((row_search*)job, position->q12[1]);
 }

@@ -39,15 +39,23 @@ typedef struct rg_block {
   RG_FOR_LANES rg_position corners[4];
 } rg_block;
 
+#if !RG_KEEP_LINES
+/* Of a part on an axis, in eighths of a block: what is before it, and its size.
+ */
+typedef struct rg_span {
+  uint16_t before, size;
+} rg_span;
+#endif
+
 /* A row of parts of the blocks of a remap section, which must be one that
  * rg_select_remap() accepted. */
 typedef struct rg_block_walk {
   const uint8_t* section;
-  uint8_t part_log2[2]; /* output pixels of a part: across, down */
   uint8_t is_empty;     /* the table says that no pixel of the last part's block
                            has a source */
   uint8_t is_clamped;   /* such pixels take the nearest source: none is empty */
 #if RG_KEEP_LINES
+  uint8_t part_log2[2];               /* output pixels of a part: across, down */
   uint16_t row;                       /* of parts */
   uint16_t next_part;                 /* in the row */
   uint32_t vertex_size, row_size; /* of vertices, in bytes */
@@ -68,8 +76,7 @@ typedef struct rg_block_walk {
   uint8_t bend_shift[2]; /* of edges across, times the part's width in blocks;
                             of edges down */
   uint16_t row_size;     /* of vertices, in bytes */
-  uint32_t place[2]; /* in eighths of a block: where the next part begins, across
-                        and down, and in the upper half, how large it is */
+  rg_span spans[2];    /* of the next part across, of the row of parts down */
 #endif
 } rg_block_walk;
 
@@ -83,9 +90,8 @@ static RG_INLINE void rg_start_parts(rg_block_walk* walk, uint32_t j) {
   walk->row = (uint16_t)j;
   walk->next_part = 0;
 #else
-  walk->place[0] &= UINT32_C(0xffff0000);
-  walk->place[1] &= UINT32_C(0xffff0000);
-  walk->place[1] += j * (walk->place[1] >> 16);
+  walk->spans[0].before = 0;
+  walk->spans[1].before = (uint16_t)(j * walk->spans[1].size);
 #endif
 }
 
@@ -93,17 +99,21 @@ static RG_INLINE void rg_start_parts(rg_block_walk* walk, uint32_t j) {
  * parts wide and high, 1 in a table without bends. */
 static RG_INLINE void rg_set_parts(rg_block_walk* walk, uint32_t width_log2,
                                    uint32_t height_log2) {
+#if RG_KEEP_LINES
   walk->part_log2[0] = (uint8_t)width_log2;
   walk->part_log2[1] = (uint8_t)height_log2;
-#if !RG_KEEP_LINES
+#else
   const uint8_t* const section = walk->section;
+  const uint32_t block_log2 = section[8];
   const uint32_t shift = (uint32_t)section[11] - section[10];
-  walk->vertex_size = (uint8_t)rg_vertex_size(section);
-  walk->row_size = (uint16_t)(rg_load_u16(section + 4) * walk->vertex_size);
+  const uint32_t vertex_size = rg_vertex_size(section);
+  const uint32_t columns = rg_load_u16(section + 4);
+  walk->vertex_size = (uint8_t)vertex_size;
+  walk->row_size = (uint16_t)(columns * vertex_size);
   walk->bend_shift[0] = (uint8_t)(shift + width_log2);
-  walk->bend_shift[1] = (uint8_t)(shift + section[8]);
-  walk->place[0] = (UINT32_C(8) << width_log2 >> section[8]) << 16;
-  walk->place[1] = (UINT32_C(8) << height_log2 >> section[8]) << 16;
+  walk->bend_shift[1] = (uint8_t)(shift + block_log2);
+  walk->spans[0].size = (uint16_t)(8u << width_log2 >> block_log2);
+  walk->spans[1].size = (uint16_t)(8u << height_log2 >> block_log2);
 #endif
 }
 

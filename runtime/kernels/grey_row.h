@@ -14,16 +14,16 @@ typedef struct rg_edge_walk {
 } rg_edge_walk;
 
 /* x and y of the block's left edge, and of its right one. */
-static RG_INLINE void rg_start_edges(const rg_run* run, rg_edge_walk edges[4]) {
-  const rg_position* const corners = run->block.corners;
+static RG_INLINE void rg_start_edges(const rg_run* run, rg_edge_walk* edges) {
   const uint32_t log2 = run->block.height_log2;
-  for (uint32_t k = 0; k < 4; ++k) {
-    const uint32_t top = (uint32_t)corners[k >> 1].q12[k & 1];
-    const uint32_t height = (uint32_t)corners[2 + (k >> 1)].q12[k & 1] - top;
-    edges[k].height = height;
-    edges[k].sum =
-        (top << log2) + height * run->first_row + (1u << log2 >> 1);
-  }
+  const int32_t *top = run->block.corners[0].q12,
+                *const bottom = run->block.corners[2].q12;
+  do {
+    const uint32_t from = (uint32_t)*top, height = (uint32_t)top[4] - from;
+    edges->height = height;
+    edges->sum = (from << log2) + height * run->first_row + (1u << log2 >> 1);
+    ++edges;
+  } while (++top != bottom);
 }
 
 static RG_INLINE int32_t rg_next_on_edge(rg_edge_walk* edge, uint32_t log2) {
