@@ -44,7 +44,6 @@ typedef struct rg_safe_box {
 
 typedef struct rg_remap_job {
   rg_block_walk walk;
-  rg_lattice lattice;
   uint16_t size[2];   /* of the source lattice: width, height */
   uint16_t ring_rows; /* likewise; 0: no ring */
 #if RG_KEEP_LINES
@@ -68,6 +67,7 @@ typedef struct rg_remap_job {
   const rg_kernels* kernels;
 #endif
   rg_range ranges[2]; /* of the positions that have a source: x, y */
+  rg_lattice lattice;
 #if RG_KEEP_LINES
   rg_position position; /* of the pixel that a run of RG_CARE_PIXEL is */
   uint16_t whole_parts; /* that a row of parts has, from the left */

@@ -37,12 +37,13 @@ static void do_grey_pixel(rg_remap_job* job, const rg_position* position,
     const uint32_t y = (uint32_t)position->q12[1];
     const uint32_t column = min_of(x >> 12, job->size[0] - 2u);
     const uint32_t row = min_of(y >> 12, job->size[1] - 2u);
-    const uint8_t* const upper = run->data + (size_t)row * run->stride + column;
-    const uint8_t* const lower = upper + run->stride;
-    value = rg_blend_8(upper[0] | (uint32_t)lower[0] << 16,
-                       upper[1] | (uint32_t)lower[1] << 16,
-                       (x >> 5) - (column << 7), y - (row << 12),
-                       RG_ROUNDING_8);
+    const uint8_t* const upper = run->data + row * run->stride + column;
+    const uint32_t pixels =
+        rg_load_pair(upper) | rg_load_pair(upper + run->stride) << 16;
+    uint32_t wy_q12 = y - (row << 12);
+    RG_IN_REGISTER(wy_q12);
+    value = rg_blend_8(rg_even_bytes(pixels), rg_odd_bytes(pixels),
+                       (x >> 5) - (column << 7), wy_q12, RG_ROUNDING_8);
   }
   run->out[out_pixel] = (uint8_t)value;
 }

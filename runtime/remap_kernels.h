@@ -150,6 +150,11 @@ void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice);
 #define RG_IN_REGISTER(value) ((void)(value))
 #endif
 
+/* Two neighbours, the left one in the low byte. */
+static inline uint32_t rg_load_pair(const uint8_t* p) {
+  return p[0] | (uint32_t)p[1] << 8;
+}
+
 /* Bytes 0 and 2 to halves, and bytes 1 and 3. */
 static inline uint32_t rg_even_bytes(uint32_t bytes) {
 #if defined(__ARM_FEATURE_SIMD32)

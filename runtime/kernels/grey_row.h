@@ -50,11 +50,6 @@ static RG_INLINE void rg_next_row(const rg_run* run, rg_edge_walk edges[4],
 
 /* ---- Grey pixels --------------------------------------------------------- */
 
-/* Two neighbours, the left one in the low byte. */
-static inline uint32_t load_pair(const uint8_t* p) {
-  return p[0] | (uint32_t)p[1] << 8;
-}
-
 /* From one pixel of a row to the next: three ways, by what registers hold. */
 #if defined(__ARM_FEATURE_SIMD32)
 
@@ -98,7 +93,7 @@ static RG_INLINE uint32_t blend_pixel(const row_walk* walk, blended rounding) {
   RG_IN_REGISTER(upper); /* likewise */
   upper -= (int32_t)walk->x_q12 >> 12;
   RG_IN_REGISTER(upper);
-  const uint32_t pixels = load_pair(upper) | load_pair(upper + walk->stride)
+  const uint32_t pixels = rg_load_pair(upper) | rg_load_pair(upper + walk->stride)
                                                  << 16;
   const uint32_t right = rg_odd_bytes(pixels);
   const uint32_t difference = pixels - right * walk->apart; /* left - right */
@@ -140,7 +135,7 @@ static RG_INLINE uint64_t blend_pixel(const row_walk* walk, blended rounding) {
   const uint8_t* const upper =
       walk->data + ((position & UINT32_MAX) >> 12) * stride + (position >> 44);
   const uint64_t bytes = UINT64_C(0x000000ff000000ff);
-  const uint64_t pixels = load_pair(upper) | (uint64_t)load_pair(upper + stride)
+  const uint64_t pixels = rg_load_pair(upper) | (uint64_t)rg_load_pair(upper + stride)
                                                  << 32;
   const uint64_t left = pixels & bytes, right = (pixels >> 8) & bytes;
   const uint64_t h_q7 = (right - left) * ((position >> 37) & 127) + (left << 7);
@@ -178,7 +173,7 @@ static RG_INLINE void step_on(row_walk* walk) {
 static RG_INLINE uint32_t blend_pixel(const row_walk* walk, blended rounding) {
   const uint8_t* const upper =
       walk->data + (walk->y_q12 >> 12) * walk->stride + (walk->x_q12 >> 12);
-  const uint32_t pixels = load_pair(upper) | load_pair(upper + walk->stride)
+  const uint32_t pixels = rg_load_pair(upper) | rg_load_pair(upper + walk->stride)
                                                  << 16;
   return rg_blend_8(rg_even_bytes(pixels), rg_odd_bytes(pixels),
                     (walk->x_q12 >> 5) & 127, walk->y_q12 & 4095, rounding);
