@@ -29,11 +29,8 @@ typedef enum rg_care {
   RG_CARE_NO_SOURCE /* none has */
 } rg_care;
 
-/* What is done with a run; and with one of RG_CARE_PIXEL at a position. */
-struct rg_remap_job;
+/* What is done with a run. */
 typedef void rg_do_run(struct rg_remap_job* job, rg_care care);
-typedef void rg_do_pixel(struct rg_remap_job* job, const rg_position* position,
-                         uint32_t out_pixel);
 
 #if RG_KEEP_LINES
 /* Where a part's corners ask for no care: nowhere, if the source is a ring. */
@@ -52,9 +49,9 @@ typedef struct rg_remap_job {
 #else
   uint16_t width; /* of the output, in the lattice's pixels */
 #endif
-  uint16_t row;       /* of the output: the first one of the row of parts at
-                         hand; where size matters, of the next one */
-  uint16_t end_row;   /* behind the last one to do */
+  uint16_t row;     /* of the output: the first one of the row of parts at
+                       hand; where size matters, of the next one */
+  uint16_t end_row; /* behind the last one to do */
 #if RG_KEEP_LINES
   uint8_t part_rows;   /* that the parts have; 0 before the first ones */
   uint8_t part_pixels; /* of such a row, where the part at hand is done in

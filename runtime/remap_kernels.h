@@ -93,12 +93,16 @@ static inline int rg_fits_offsets(const rg_run* run, uint32_t num_pixels,
   return 1;
 }
 
+/* What is done with a pixel of the output that comes from a position. */
+struct rg_remap_job;
+typedef void rg_do_pixel(struct rg_remap_job* job, const rg_position* position,
+                         uint32_t out_pixel);
+
 /* Bilinear, 8 bits: pixels of 1, 2, 3 and 4 interleaved channels. */
 typedef void rg_blend(const rg_run* run);
 /* The parts of a row to the right of the one at hand, which was done in one
  * run, as far as they are whole and safe; parts have 8 x 8 pixels. Returns
  * whether the one then at hand is to be done, with care. */
-struct rg_remap_job;
 typedef int rg_blend_parts(struct rg_remap_job* job);
 struct rg_kernels {
   const char* name;

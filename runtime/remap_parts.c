@@ -1,10 +1,10 @@
 /* The walk where stacks and programs are small. */
+#include "grey_row.h"
+#include "grey_row_thumb2.h"
 #include "remap_blocks.h"
 
 #if !RG_KEEP_LINES
 #include <stddef.h>
-
-#include "kernels/grey_row.h"
 
 static inline uint32_t min_of(uint32_t a, uint32_t b) { return a < b ? a : b; }
 
@@ -51,30 +51,40 @@ int rg_have_sources(const rg_remap_job* job, const rg_position* positions,
 }
 
 /* The pixels of a row, one by one. */
-static RG_INLINE void do_row(rg_remap_job* job, rg_block_row* row,
+static RG_INLINE void do_row(rg_remap_job* job, const rg_block_row* row,
                              rg_do_pixel* on_pixel) {
   uint32_t pixel = job->run.out_pixel, num = job->run.num_pixels;
+  rg_position position = row->start;
   do {
-    on_pixel(job, &row->start, pixel);
-    row->start.q12[0] = rg_add(row->start.q12[0], row->step.q12[0]);
-    row->start.q12[1] = rg_add(row->start.q12[1], row->step.q12[1]);
+    on_pixel(job, &position, pixel);
+    position.q12[0] = rg_add(position.q12[0], row->step.q12[0]);
+    position.q12[1] = rg_add(position.q12[1], row->step.q12[1]);
     ++pixel;
   } while (--num != 0);
 }
 
+#if !RG_GREY_ROW_IN_ASSEMBLER
+/* The next row, blended unless its pixels are done one by one. */
+static RG_INLINE void rg_next_grey_row(const rg_remap_job* job,
+                                       rg_grey_rows* rows, rg_block_row* row) {
+  const rg_run* const run = &job->run;
+  rg_next_row(run, &rows->edges, row);
+  if (!RG_ALL_BUILT_IN && !rows->on_pixel)
+    rg_blend_grey_row(run, row, rows->rounding, run->out + run->out_pixel);
+}
+#endif
+
 void rg_do_rows(rg_remap_job* job, rg_do_pixel* on_pixel) {
-  rg_run* const run = &job->run;
-  rg_edge_walk edges[4];
-  rg_start_edges(run, edges);
-  uint32_t rows = run->num_rows;
+  rg_grey_rows walk;
+  rg_start_grey_rows(&job->run, on_pixel, &walk);
+  uint32_t rows = job->run.num_rows;
   do {
     rg_block_row row;
-    rg_next_row(run, edges, &row);
-    if (RG_ALL_BUILT_IN || on_pixel)
-      do_row(job, &row, on_pixel);
-    else
-      rg_blend_grey_row(run, &row, run->out + run->out_pixel);
-    run->out += run->out_stride;
+    RG_IN_MEMORY(rows);
+    rg_next_grey_row(job, &walk, &row);
+    RG_IN_MEMORY(job);
+    if (walk.on_pixel) do_row(job, &row, walk.on_pixel);
+    job->run.out += job->run.out_stride;
   } while (--rows != 0);
 }
 

@@ -51,13 +51,13 @@ typedef struct rg_span {
  * rg_select_remap() accepted. */
 typedef struct rg_block_walk {
   const uint8_t* section;
-  uint8_t is_empty;     /* the table says that no pixel of the last part's block
-                           has a source */
-  uint8_t is_clamped;   /* such pixels take the nearest source: none is empty */
+  uint8_t is_empty;   /* the table says that no pixel of the last part's block
+                         has a source */
+  uint8_t is_clamped; /* such pixels take the nearest source: none is empty */
 #if RG_KEEP_LINES
-  uint8_t part_log2[2];               /* output pixels of a part: across, down */
-  uint16_t row;                       /* of parts */
-  uint16_t next_part;                 /* in the row */
+  uint8_t part_log2[2];           /* output pixels of a part: across, down */
+  uint16_t row;                   /* of parts */
+  uint16_t next_part;             /* in the row */
   uint32_t vertex_size, row_size; /* of vertices, in bytes */
   int32_t residual_shift, bend_shift[2], num_log2[2]; /* of a block's parts */
   uint32_t next_mark;                                 /* the next block's */
@@ -76,7 +76,7 @@ typedef struct rg_block_walk {
   uint8_t bend_shift[2]; /* of edges across, times the part's width in blocks;
                             of edges down */
   uint16_t row_size;     /* of vertices, in bytes */
-  rg_span spans[2];    /* of the next part across, of the row of parts down */
+  rg_span spans[2];      /* of the next part across, of the row of parts down */
 #endif
 } rg_block_walk;
 

@@ -1,0 +1,109 @@
+/* The next row of the small walk for Thumb-2 with the DSP extension: compilers
+ * would not keep in registers what a row needs. */
+#ifndef RAYGRID_GREY_ROW_THUMB2_H
+#define RAYGRID_GREY_ROW_THUMB2_H
+
+#include <stddef.h>
+
+#include "grey_row.h"
+#include "remap_blocks.h"
+
+#if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_KEEP_LINES && !RG_ALL_BUILT_IN
+#define RG_GREY_ROW_IN_ASSEMBLER 1
+
+/* x is mirrored, 4079 - x = 4095 - (x + 16): its fraction is the left samples'
+ * weight less one. upper is data + row stride + column; then
+ *   pixels = upper[0], upper[1], lower[0], lower[1]
+ *   right = upper[1], lower[1] as halves; left - right = pixels - 257 right
+ *   h = (left - right) (fraction + 1) + 128 right, both rows at once
+ *   weights = 4096 - wy, wy as halves = 65535 wy + 4096 */
+#define RG_BLEND_PIXEL          \
+  "lsrs r7, r1, #12\n\t"        \
+  "mla r7, r5, r7, r4\n\t"      \
+  "sub r7, r7, r0, asr #12\n\t" \
+  "ldrh ip, [r7, r5]\n\t"       \
+  "ldrh r7, [r7]\n\t"           \
+  "orr r7, r7, ip, lsl #16\n\t" \
+  "uxtb16 ip, r7, ror #8\n\t"   \
+  "mls r7, ip, r11, r7\n\t"     \
+  "ubfx lr, r0, #5, #7\n\t"     \
+  "add ip, r7, ip, lsl #7\n\t"  \
+  "mla ip, r7, lr, ip\n\t"      \
+  "ubfx r7, r1, #0, #12\n\t"    \
+  "mla r7, r7, r9, r10\n\t"     \
+  "smlad r7, ip, r7, r8\n\t"    \
+  "lsrs r7, r7, #19\n\t"        \
+  "strb r7, [r6], #1\n\t"       \
+  "subs r0, r0, r2\n\t"         \
+  "adds r1, r1, r3\n\t"
+
+static RG_INLINE void rg_next_grey_row(const rg_remap_job* job,
+                                       rg_grey_rows* rows, rg_block_row* row) {
+  register int32_t x __asm__("r0");
+  register int32_t y __asm__("r1");
+  register int32_t step_x __asm__("r2");
+  register int32_t step_y __asm__("r3");
+  register rg_grey_rows* rows_at __asm__("ip") = rows;
+  register const rg_remap_job* job_at __asm__("lr") = job;
+  __asm__ volatile(
+      /* sums, and those of the row below */
+      "ldm ip, {r0-r7}\n\t"
+      "adds r4, r4, r0\n\t"
+      "adds r5, r5, r1\n\t"
+      "adds r6, r6, r2\n\t"
+      "adds r7, r7, r3\n\t"
+      "stm ip, {r4-r7}\n\t"
+      /* start and step */
+      "ldrb r4, [lr, %[height_log2]]\n\t"
+      "asrs r0, r0, r4\n\t"
+      "asrs r1, r1, r4\n\t"
+      "asrs r2, r2, r4\n\t"
+      "asrs r3, r3, r4\n\t"
+      "ldrb r4, [lr, %[width_log2]]\n\t"
+      "subs r2, r2, r0\n\t"
+      "subs r3, r3, r1\n\t"
+      "asrs r2, r2, r4\n\t"
+      "adc r2, r2, #0\n\t" /* the last bit that was shifted out */
+      "asrs r3, r3, r4\n\t"
+      "adc r3, r3, #0\n\t"
+      "ldrd r8, r4, [ip, %[rounding]]\n\t"
+      "cmp r4, #0\n\t"
+      "bne 3f\n\t"
+      /* the pixels */
+      "movw r4, #4079\n\t"
+      "subs r0, r4, r0\n\t"
+      "ldr r6, [lr, %[out]]\n\t"
+      "ldrd r4, r5, [lr, %[data]]\n\t"
+      "ldrh r7, [lr, %[out_pixel]]\n\t"
+      "add r6, r6, r7\n\t"
+      "ldrh r7, [lr, %[num_pixels]]\n\t"
+      "movw r9, #65535\n\t"
+      "mov r10, #4096\n\t"
+      "movw r11, #257\n\t"
+      "lsls r7, r7, #31\n\t"
+      "bmi 2f\n"
+      "1:\n\t" RG_BLEND_PIXEL "2:\n\t" RG_BLEND_PIXEL
+      "adds r8, r8, #0x8000000\n\t"
+      "bmi 1b\n"
+      "3:"
+      : "=r"(x), "=r"(y), "=r"(step_x), "=r"(step_y), "+r"(rows_at),
+        "+r"(job_at)
+      : [height_log2] "i"(offsetof(rg_remap_job, run.block.height_log2)),
+        [width_log2] "i"(offsetof(rg_remap_job, run.block.width_log2)),
+        [rounding] "i"(offsetof(rg_grey_rows, rounding)),
+        [data] "i"(offsetof(rg_remap_job, run.data)),
+        [out] "i"(offsetof(rg_remap_job, run.out)),
+        [out_pixel] "i"(offsetof(rg_remap_job, run.out_pixel)),
+        [num_pixels] "i"(offsetof(rg_remap_job, run.num_pixels))
+      : "r4", "r5", "r6", "r7", "r8", "r9", "r10", "r11", "cc", "memory");
+  row->start.q12[0] = x;
+  row->start.q12[1] = y;
+  row->step.q12[0] = step_x;
+  row->step.q12[1] = step_y;
+}
+
+#else
+#define RG_GREY_ROW_IN_ASSEMBLER 0
+#endif
+
+#endif /* RAYGRID_GREY_ROW_THUMB2_H */
