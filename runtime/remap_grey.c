@@ -54,11 +54,7 @@ static RG_NOINLINE rg_status check_grey_frames(const rg_camera* camera,
     return RG_ERR_FRAME_SIZE;
   const uint32_t end_row = (uint32_t)band->first_row + band->num_rows;
   if (end_row > rg_load_u16(section + 2)) return RG_ERR_ROWS;
-  const rg_plane source = {frame->data, frame->stride, frame->width,
-                           frame->height};
-  const rg_plane written = {band->data, band->stride, rg_load_u16(section),
-                            band->num_rows};
-  return rg_do_planes_overlap(&source, &written) ? RG_ERR_OVERLAP : RG_OK;
+  return rg_check_overlap(rg_load_u16(section), frame, band);
 }
 
 rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
