@@ -6,6 +6,7 @@
 
 #include <stdint.h>
 
+#include "bytes.h"
 #include "rg_blob.h"
 #include "wide_multiply.h"
 
@@ -39,14 +40,26 @@ typedef struct rg_sections {
   rg_section of[RG_NUM_SECTION_TYPES];
 } rg_sections;
 
-/* Address, header, section table, and the CRCs of all sections. After that
- * every section lies inside the blob and is as long as its fields. */
+/* Address (not NULL), header, section table, and the CRCs of all sections.
+ * After that every section lies inside the blob and is as long as its fields.
+ */
 rg_fault rg_check_table(const uint8_t* bytes, uint32_t num_bytes,
                         rg_sections* sections);
 
 /* The index-th entry of a type in a section table that was checked, or NULL. */
-const uint8_t* rg_find_entry(const uint8_t* bytes, uint32_t type,
-                             uint32_t index);
+static inline const uint8_t* rg_find_entry(const uint8_t* bytes, uint32_t type,
+                                           uint32_t index) {
+  const uint8_t* entry = bytes + RG_HEADER_SIZE - RG_SECTION_ENTRY_SIZE;
+  uint32_t rest = rg_load_u16(bytes + 16); /* at least 1 */
+  do {
+    entry += RG_SECTION_ENTRY_SIZE;
+    if (rg_load_u16(entry) == type) {
+      if (index == 0) return entry;
+      --index;
+    }
+  } while (--rest != 0);
+  return 0;
+}
 
 /* scale = floor(cells 2^48 / span): cells 2^48 - scale span is at least 0 and
  * less than span. */

@@ -212,7 +212,7 @@ static uint32_t offset_of(const uint8_t* bytes, uint32_t type) {
 }
 
 rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {
-  if (!blob) return RG_ERR_ARGUMENT;
+  if (!blob || !bytes) return RG_ERR_ARGUMENT;
   const uint8_t* const first = (const uint8_t*)bytes;
   const rg_fault fault = check_blob(first, num_bytes);
   if (fault) return (rg_status)-fault;

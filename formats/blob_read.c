@@ -26,7 +26,7 @@ static rg_fault check_sections(const uint8_t* bytes, rg_sections* sections) {
   const uint8_t* const table_end =
       entry + rg_load_u16(bytes + 16) * RG_SECTION_ENTRY_SIZE;
   const uint8_t* section = table_end;
-  for (; entry != table_end; entry += RG_SECTION_ENTRY_SIZE) {
+  do {
     const uint32_t size = rg_load_u32(entry + 8);
     if (bytes + rg_load_u32(entry + 4) != section || size % 4 != 0 ||
         size - 1 >= (uint32_t)(end - section))
@@ -38,20 +38,21 @@ static rg_fault check_sections(const uint8_t* bytes, rg_sections* sections) {
       if ((rg_load_u16(entry + 2) & RG_SECTION_CRITICAL) != 0)
         return -RG_ERR_SECTION_UNKNOWN;
     } else {
-      sections->of[type].bytes = section;
-      sections->of[type].size = size;
+      rg_section* found = &sections->of[type];
+      RG_FORGET(found);
+      found->bytes = section;
+      found->size = size;
       if (size < kFieldsSizes[type]) return -RG_ERR_SECTION_SIZE;
     }
     section += size;
-  }
+    entry += RG_SECTION_ENTRY_SIZE;
+  } while (entry != table_end);
   return section != end ? -RG_ERR_SECTION_TABLE : 0;
 }
 
 rg_fault rg_check_table(const uint8_t* bytes, uint32_t num_bytes,
                         rg_sections* sections) {
-  rg_fault fault = rg_fault_of(RG_ERR_ARGUMENT);
-  if (!bytes) return fault;
-  fault = rg_fault_of(RG_ERR_MISALIGNED);
+  rg_fault fault = rg_fault_of(RG_ERR_MISALIGNED);
   if ((uintptr_t)bytes % 4 != 0) return fault;
   for (int type = 0; type < RG_NUM_SECTION_TYPES; ++type) {
     sections->of[type].bytes = 0;
@@ -80,14 +81,4 @@ rg_fault rg_check_table(const uint8_t* bytes, uint32_t num_bytes,
                                 bytes + RG_HEADER_SIZE, table_size);
   if (crc != rg_load_u32(bytes + 28)) return -RG_ERR_HEADER_CRC;
   return check_sections(bytes, sections);
-}
-
-const uint8_t* rg_find_entry(const uint8_t* bytes, uint32_t type,
-                             uint32_t index) {
-  const uint8_t* entry = bytes + RG_HEADER_SIZE;
-  for (uint32_t rest = rg_load_u16(bytes + 16); rest > 0; --rest) {
-    if (rg_load_u16(entry) == type && index-- == 0) return entry;
-    entry += RG_SECTION_ENTRY_SIZE;
-  }
-  return 0;
 }

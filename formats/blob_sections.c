@@ -21,6 +21,7 @@ static uint32_t num_control_points(const uint8_t* grid) {
 
 rg_fault rg_check_grid(const uint8_t* section, uint32_t size,
                        uint32_t max_fraction_bits) {
+  if (!section) return 0;
   const uint32_t fraction_bits = rg_load_u16(section + 30);
   rg_fault fault = rg_fault_of(RG_ERR_GRID_CHART);
   if (rg_load_u16(section + 28) != RG_CHART_STEREOGRAPHIC ||
@@ -30,11 +31,12 @@ rg_fault rg_check_grid(const uint8_t* section, uint32_t size,
   uint32_t counts = rg_load_u32(section + 16);
   fault = rg_fault_of(RG_ERR_GRID_SIZE);
   if (((counts - 0x40004u) & 0xfc00fc00u) != 0) return fault;
-  for (const uint8_t* ends = section; counts != 0; counts >>= 16, ends += 4)
+  const uint8_t* ends = section;
+  for (; counts != 0; counts >>= 16, ends += 4)
     if (!rg_is_scale(rg_load_u32(ends + 20), (counts & 0xffff) - 3,
                      rg_load_u32(ends + 8) - rg_load_u32(ends)))
       return -RG_ERR_GRID_SCALE;
-  RG_FORGET(section);
+  section = ends - 8; /* one register is enough for both */
   const uint32_t num_points = num_control_points(section);
   return rg_check_extent(section + 32, size, RG_GRID_FIELDS_SIZE,
                          rg_load_u16(section + 30) == RG_CONTROL_POINT_BITS
@@ -44,6 +46,7 @@ rg_fault rg_check_grid(const uint8_t* section, uint32_t size,
 
 rg_fault rg_check_line_points(const uint8_t* section, uint32_t size,
                               const uint8_t* grid) {
+  if (!section) return 0;
   if (rg_load_u16(section) != RG_LINE_POINT_BITS) return -RG_ERR_LINE_POINT;
   return rg_check_extent(section + 4, size, RG_LINE_POINTS_FIELDS_SIZE,
                          12 * num_control_points(grid));

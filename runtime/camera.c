@@ -17,9 +17,9 @@ static rg_fault check_rays(const rg_sections* sections) {
     return -RG_ERR_SECTION_MISSING;
   rg_fault fault =
       rg_check_grid(grid->bytes, grid->size, RG_CONTROL_POINT_BITS);
-  if (!fault && inverse->bytes)
+  if (!fault)
     fault = rg_check_grid(inverse->bytes, inverse->size, RG_NARROW_MAX_BITS);
-  if (!fault && line_points->bytes)
+  if (!fault)
     fault = rg_check_line_points(line_points->bytes, line_points->size,
                                  grid->bytes);
   return fault;
@@ -27,9 +27,10 @@ static rg_fault check_rays(const rg_sections* sections) {
 
 rg_status rg_camera_open(rg_camera* camera, const void* bytes,
                          uint32_t num_bytes) {
-  const uint8_t* const blob = camera ? (const uint8_t*)bytes : 0;
+  const uint8_t* const blob = (const uint8_t*)bytes;
   rg_sections sections;
-  rg_fault fault = rg_check_table(blob, num_bytes, &sections);
+  rg_fault fault = -RG_ERR_ARGUMENT;
+  if (camera && blob) fault = rg_check_table(blob, num_bytes, &sections);
   if (!fault) fault = check_rays(&sections);
   if (fault) return (rg_status)-fault;
   camera->blob = blob;
@@ -47,16 +48,16 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
 }
 
 rg_status rg_select_remap(rg_camera* camera, uint32_t index) {
+  rg_fault fault = -RG_ERR_NO_REMAP;
   const uint8_t* const entry =
       rg_find_entry(camera->blob, RG_SECTION_REMAP, index);
-  if (!entry) return RG_ERR_NO_REMAP;
-  const uint8_t* const section = camera->blob + rg_load_u32(entry + 4);
-  rg_fault fault =
-      rg_check_remap(section, rg_load_u32(entry + 8),
-                     camera->width | (uint32_t)camera->height << 16);
-  /* Elsewhere, what is done with any harms nothing. */
-  if (RG_KEEP_LINES && fault == 0) fault = rg_check_vertices(section);
-  if (fault) return (rg_status)-fault;
-  camera->remap = section;
-  return RG_OK;
+  if (entry) {
+    const uint8_t* const section = camera->blob + rg_load_u32(entry + 4);
+    fault = rg_check_remap(section, rg_load_u32(entry + 8),
+                           camera->width | (uint32_t)camera->height << 16);
+    /* Elsewhere, what is done with any harms nothing. */
+    if (RG_KEEP_LINES && fault == 0) fault = rg_check_vertices(section);
+    if (fault == 0) camera->remap = section;
+  }
+  return (rg_status)-fault;
 }

@@ -11,9 +11,9 @@ uintptr_t rg_remainder(uintptr_t a, uintptr_t b) {
 /* Two intervals meet if the last of one is not so far behind the first of the
  * other as both are long, less 1; that may wrap. First all bytes from the first
  * row to the last are such an interval, then, modulo the stride, a row. */
-rg_status rg_check_overlap(uint32_t row_bytes, const rg_frame* frame,
-                           const rg_band* band) {
-  if (band->num_rows == 0) return RG_OK;
+rg_fault rg_check_overlap(uint32_t row_bytes, const rg_frame* frame,
+                          const rg_band* band) {
+  if (band->num_rows == 0) return 0;
   const uintptr_t stride = band->stride;
   const uintptr_t length = (uintptr_t)frame->width + row_bytes - 1;
   const uintptr_t last_row = (uintptr_t)(band->num_rows - 1u) * stride;
@@ -21,9 +21,9 @@ rg_status rg_check_overlap(uint32_t row_bytes, const rg_frame* frame,
       (uintptr_t)band->data + last_row + row_bytes - 1 - (uintptr_t)frame->data;
   const uintptr_t lengths =
       (uintptr_t)(frame->height - 1u) * frame->stride + last_row + length;
-  if (distance >= lengths) return RG_OK;
   /* Rows may lie beside each other. */
-  if (frame->stride == stride && rg_remainder(distance, stride) >= length)
-    return RG_OK;
-  return RG_ERR_OVERLAP;
+  if (distance >= lengths ||
+      (frame->stride == stride && rg_remainder(distance, stride) >= length))
+    return 0;
+  return rg_fault_of(RG_ERR_OVERLAP);
 }
