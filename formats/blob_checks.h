@@ -70,7 +70,9 @@ static inline int rg_is_scale(uint32_t scale, uint32_t cells, uint32_t span) {
   return high == cells << 16 && 0u - low < span;
 }
 
-/* A section's arrays start behind its fields and fill it to the end. */
+/* A section's arrays start behind its fields and fill it to the end.
+ *
+ * data_offset  the field */
 rg_fault rg_check_extent(const uint8_t* data_offset, uint32_t size,
                          uint32_t fields_size, uint32_t data_size);
 
@@ -79,11 +81,11 @@ static inline uint32_t rg_mask_size(uint32_t num_bits) {
   return (num_bits + 31) / 32 * 4;
 }
 
-/* A central or inverse grid. */
+/* A central or inverse grid; NULL has no fault. */
 rg_fault rg_check_grid(const uint8_t* section, uint32_t size,
                        uint32_t max_fraction_bits);
 
-/* grid: that of the blob, checked. */
+/* NULL has no fault. grid: that of the blob, checked. */
 rg_fault rg_check_line_points(const uint8_t* section, uint32_t size,
                               const uint8_t* grid);
 

@@ -28,8 +28,8 @@ static rg_fault check_sections(const uint8_t* bytes, rg_sections* sections) {
   const uint8_t* section = table_end;
   do {
     const uint32_t size = rg_load_u32(entry + 8);
-    if (bytes + rg_load_u32(entry + 4) != section || size % 4 != 0 ||
-        size - 1 >= (uint32_t)(end - section))
+    if (rg_load_u32(entry + 4) != (uint32_t)(section - bytes) ||
+        size % 4 != 0 || size - 1 >= (uint32_t)(end - section))
       return -RG_ERR_SECTION_TABLE;
     if (rg_crc32(0, section, size) != rg_load_u32(entry + 12))
       return -RG_ERR_SECTION_CRC;
@@ -39,7 +39,7 @@ static rg_fault check_sections(const uint8_t* bytes, rg_sections* sections) {
         return -RG_ERR_SECTION_UNKNOWN;
     } else {
       rg_section* found = &sections->of[type];
-      RG_FORGET(found);
+      RG_FORGET(found); /* both are stored with one instruction */
       found->bytes = section;
       found->size = size;
       if (size < kFieldsSizes[type]) return -RG_ERR_SECTION_SIZE;

@@ -15,6 +15,9 @@ rg_fault rg_check_extent(const uint8_t* data_offset, uint32_t size,
   return fault;
 }
 
+/* The same for both axes, whose sizes and counts are the halves of words. */
+#define BOTH(number) ((number)*0x10001u)
+
 static uint32_t num_control_points(const uint8_t* grid) {
   return (uint32_t)rg_load_u16(grid + 16) * rg_load_u16(grid + 18);
 }
@@ -27,16 +30,18 @@ rg_fault rg_check_grid(const uint8_t* section, uint32_t size,
   if (rg_load_u16(section + 28) != RG_CHART_STEREOGRAPHIC ||
       fraction_bits < RG_NARROW_MIN_BITS || fraction_bits > max_fraction_bits)
     return fault;
-  /* Columns and rows, in the halves of a word, less 4 are below 1024. */
   uint32_t counts = rg_load_u32(section + 16);
   fault = rg_fault_of(RG_ERR_GRID_SIZE);
-  if (((counts - 0x40004u) & 0xfc00fc00u) != 0) return fault;
+  /* Less 4 they are below 1024. */
+  if (((counts - BOTH(RG_MIN_GRID_SIZE)) &
+       ~BOTH(RG_MAX_GRID_SIZE - RG_MIN_GRID_SIZE)) != 0)
+    return fault;
   const uint8_t* ends = section;
   for (; counts != 0; counts >>= 16, ends += 4)
     if (!rg_is_scale(rg_load_u32(ends + 20), (counts & 0xffff) - 3,
                      rg_load_u32(ends + 8) - rg_load_u32(ends)))
       return -RG_ERR_GRID_SCALE;
-  section = ends - 8; /* one register is enough for both */
+  section = ends - 8; /* takes no register in the loop */
   const uint32_t num_points = num_control_points(section);
   return rg_check_extent(section + 32, size, RG_GRID_FIELDS_SIZE,
                          rg_load_u16(section + 30) == RG_CONTROL_POINT_BITS
@@ -52,13 +57,15 @@ rg_fault rg_check_line_points(const uint8_t* section, uint32_t size,
                          12 * num_control_points(grid));
 }
 
-/* Sizes and counts of both axes lie in the halves of words. */
 rg_fault rg_check_remap(const uint8_t* section, uint32_t size,
                         uint32_t source_size) {
-  const uint32_t ones = 0x10001;
-  uint32_t last_source = source_size - ones;
-  const uint32_t last = rg_load_u32(section) - ones;
-  if (((last | last_source) & 0xe000e000u) != 0) return -RG_ERR_REMAP_SIZE;
+  /* Less 1, all sizes are below 2^13. */
+  const uint32_t last = rg_load_u32(section) - BOTH(1);
+  const uint32_t last_source = source_size - BOTH(1);
+  if (((last | last_source) & ~BOTH(RG_MAX_REMAP_SIZE - 1)) != 0)
+    return -RG_ERR_REMAP_SIZE;
+
+  /* Blocks of 8 px without bends, or of 16 px, and of two sizes above. */
   const uint32_t block_log2 = section[8], part_log2 = section[10];
   uint32_t above = block_log2 - 3, vertex_size = RG_VERTEX_SIZE;
   if (part_log2 != 0) {
@@ -67,14 +74,16 @@ rg_fault rg_check_remap(const uint8_t* section, uint32_t size,
     vertex_size = RG_BENT_VERTEX_SIZE;
   }
   if (above > 2) return -RG_ERR_REMAP_BLOCK;
-  const uint32_t blocks = ((last >> block_log2) & 0xffff03ffu) + ones;
-  if (blocks + ones != rg_load_u32(section + 4)) return -RG_ERR_REMAP_BLOCK;
+  /* Without the bits that came from the other half. */
+  const uint32_t last_blocks = (last >> block_log2) & ~0xfc00u;
+  if (last_blocks + BOTH(2) != rg_load_u32(section + 4))
+    return -RG_ERR_REMAP_BLOCK;
   if (section[9] > RG_MAX_RESIDUAL_SHIFT || section[11] > RG_MAX_BEND_SHIFT)
     return -RG_ERR_REMAP_SHIFT;
   const uint32_t max_x = rg_load_u32(section + 20);
   const uint32_t max_y = rg_load_u32(section + 24);
   uint32_t last_x = last_source & 0xffff;
-  RG_FORGET(last_x);
+  RG_FORGET(last_x); /* no mask for what is shifted */
   if (rg_load_u32(section + 12) > max_x || max_x > last_x << 12 ||
       rg_load_u32(section + 16) > max_y || max_y > last_source >> 16 << 12)
     return -RG_ERR_REMAP_SOURCE;

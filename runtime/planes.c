@@ -8,6 +8,8 @@ uintptr_t rg_remainder(uintptr_t a, uintptr_t b) {
 }
 #endif
 
+static uintptr_t address_of(const uint8_t* data) { return (uintptr_t)data; }
+
 /* Two intervals meet if the last of one is not so far behind the first of the
  * other as both are long, less 1; that may wrap. First all bytes from the first
  * row to the last are such an interval, then, modulo the stride, a row. */
@@ -17,8 +19,8 @@ rg_fault rg_check_overlap(uint32_t row_bytes, const rg_frame* frame,
   const uintptr_t stride = band->stride;
   const uintptr_t length = (uintptr_t)frame->width + row_bytes - 1;
   const uintptr_t last_row = (uintptr_t)(band->num_rows - 1u) * stride;
-  const uintptr_t distance =
-      (uintptr_t)band->data + last_row + row_bytes - 1 - (uintptr_t)frame->data;
+  const uintptr_t distance = address_of(band->data) - address_of(frame->data) +
+                             last_row + row_bytes - 1;
   const uintptr_t lengths =
       (uintptr_t)(frame->height - 1u) * frame->stride + last_row + length;
   /* Rows may lie beside each other. */
