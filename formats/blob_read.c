@@ -54,9 +54,12 @@ rg_fault rg_check_table(const uint8_t* bytes, uint32_t num_bytes,
                         rg_sections* sections) {
   rg_fault fault = rg_fault_of(RG_ERR_MISALIGNED);
   if ((uintptr_t)bytes % 4 != 0) return fault;
-  for (int type = 0; type < RG_NUM_SECTION_TYPES; ++type) {
-    sections->of[type].bytes = 0;
-    RG_FORGET(type);
+  rg_section* absent = sections->of;
+  for (int types = RG_NUM_SECTION_TYPES; types != 0; --types) {
+    absent->bytes = 0;
+    absent->size = 0;
+    ++absent;
+    RG_FORGET(absent);
   }
   fault = rg_fault_of(RG_ERR_TRUNCATED);
   if (num_bytes < RG_HEADER_SIZE) return fault;
