@@ -200,13 +200,16 @@ static RG_NOINLINE rg_status remap_lattices(const rg_camera* camera,
 
 /* ---- Checks -------------------------------------------------------------- */
 
-/* The plane of a lattice of an image, or of so many rows of one. */
+/* The plane of a lattice of an image, or of so many rows of one, as bytes. */
 static RG_NOINLINE rg_status find_plane(const rg_lattice* lattice,
                                         uint32_t width, uint32_t num_rows,
-                                        rg_plane* plane) {
-  plane->row_bytes = rg_plane_row_bytes(lattice, width);
-  plane->num_rows = (num_rows >> lattice->log2[1]) * lattice->row_step;
-  if (plane->row_bytes == 0 || plane->stride < plane->row_bytes ||
+                                        rg_frame* plane) {
+  /* Below 2^16: the width is that of a remap, at most 8192 pixels. */
+  const uint32_t row_bytes = rg_plane_row_bytes(lattice, width);
+  plane->width = (uint16_t)row_bytes;
+  plane->height =
+      (uint16_t)((num_rows >> lattice->log2[1]) * lattice->row_step);
+  if (row_bytes == 0 || plane->stride < row_bytes ||
       plane->stride > INT32_MAX) /* two rows are counted in 32 bits */
     return RG_ERR_FRAME_SIZE;
   return lattice->kind == RG_SAMPLE_16 &&
@@ -221,26 +224,31 @@ static RG_NOINLINE rg_status check_planes(const uint8_t* section,
                                           const rg_target* target) {
   const uint32_t source_rows =
       image->ring_rows != 0 ? image->ring_rows : image->height;
-  rg_plane planes[6]; /* three of the image, three of the target */
+  rg_frame planes[6]; /* each of the image, and behind it the target's */
+  uint32_t num_planes = 0;
   rg_lattice lattice;
-  for (uint32_t k = 0; k < 6; ++k) planes[k].num_rows = 0;
   for (uint32_t k = 0; rg_find_lattice(image->format, k, &lattice); ++k) {
     const uint32_t p = lattice.plane;
-    planes[p].data = image->planes[p].data;
-    planes[p].stride = image->planes[p].stride;
-    planes[p + 3].data = target->planes[p].data;
-    planes[p + 3].stride = target->planes[p].stride;
-    rg_status status =
-        find_plane(&lattice, image->width, source_rows, &planes[p]);
+    rg_frame* const plane = &planes[2 * p];
+    plane[0].data = image->planes[p].data;
+    plane[0].stride = image->planes[p].stride;
+    plane[1].data = target->planes[p].data;
+    plane[1].stride = target->planes[p].stride;
+    rg_status status = find_plane(&lattice, image->width, source_rows, plane);
     if (status == RG_OK)
       status = find_plane(&lattice, rg_load_u16(section), target->num_rows,
-                          &planes[p + 3]);
+                          plane + 1);
     if (status != RG_OK) return status;
+    num_planes = 2 * p + 2;
   }
-  for (uint32_t written = 3; written < 6; ++written)
-    for (uint32_t k = 0; k < written; ++k)
-      if (rg_do_planes_overlap(&planes[written], &planes[k]))
+  for (uint32_t k = 1; k < num_planes; k += 2) {
+    const rg_band written = {target->planes[k / 2].data, planes[k].stride, 0,
+                             planes[k].height, 0};
+    for (uint32_t other = 0; other < num_planes; ++other)
+      if (other != k &&
+          rg_check_overlap(planes[k].width, &planes[other], &written) != 0)
         return RG_ERR_OVERLAP;
+  }
   return RG_OK;
 }
 

@@ -58,27 +58,26 @@ static RG_INLINE void remap_grey_parts(rg_remap_job* job) {
 }
 
 /* A function of its own, so that its stack does not add up with the rest. */
-static RG_NOINLINE rg_status check_grey_frames(const rg_camera* camera,
-                                               const rg_frame* frame,
-                                               const rg_band* band) {
+static RG_NOINLINE rg_fault check_grey_frames(const rg_camera* camera,
+                                              const rg_frame* frame,
+                                              const rg_band* band) {
   const uint8_t* const section = camera->remap;
-  if (!section) return RG_ERR_NO_REMAP;
+  rg_fault fault = rg_fault_of(RG_ERR_NO_REMAP);
+  if (!section) return fault;
+  fault = rg_fault_of(RG_ERR_FRAME_SIZE);
   if (frame->width != camera->width || frame->height != camera->height ||
       frame->stride < frame->width || band->stride < rg_load_u16(section))
-    return RG_ERR_FRAME_SIZE;
+    return fault;
   const uint32_t end_row = (uint32_t)band->first_row + band->num_rows;
-  if (end_row > rg_load_u16(section + 2)) return RG_ERR_ROWS;
-  const rg_plane source = {frame->data, frame->stride, frame->width,
-                           frame->height};
-  const rg_plane written = {band->data, band->stride, rg_load_u16(section),
-                            band->num_rows};
-  return rg_do_planes_overlap(&source, &written) ? RG_ERR_OVERLAP : RG_OK;
+  fault = rg_fault_of(RG_ERR_ROWS);
+  if (end_row > rg_load_u16(section + 2)) return fault;
+  return rg_check_overlap(rg_load_u16(section), frame, band);
 }
 
 rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
                         const rg_band* band) {
-  const rg_status status = check_grey_frames(camera, frame, band);
-  if (status != RG_OK) return status;
+  const rg_fault fault = check_grey_frames(camera, frame, band);
+  if (fault) return (rg_status)-fault;
   rg_remap_job on_stack;
   rg_remap_job* job = &on_stack;
   RG_IN_REGISTER(job);
