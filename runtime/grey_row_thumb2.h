@@ -8,7 +8,9 @@
 #include "grey_row.h"
 #include "remap_blocks.h"
 
-#if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_KEEP_LINES && !RG_ALL_BUILT_IN
+/* GCC 11 is the first one whose asm goto has results. */
+#if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_KEEP_LINES && \
+    !RG_ALL_BUILT_IN && __GNUC__ >= 11
 #define RG_GREY_ROW_IN_ASSEMBLER 1
 
 /* x is mirrored, 4079 - x = 4095 - (x + 16): its fraction is the left samples'
@@ -37,7 +39,7 @@
   "subs r0, r0, r2\n\t"         \
   "adds r1, r1, r3\n\t"
 
-static RG_INLINE void rg_next_grey_row(const rg_remap_job* job,
+static RG_INLINE int rg_next_grey_row(const rg_remap_job* job,
                                        rg_grey_rows* rows, rg_block_row* row) {
   register int32_t x __asm__("r0");
   register int32_t y __asm__("r1");
@@ -45,7 +47,7 @@ static RG_INLINE void rg_next_grey_row(const rg_remap_job* job,
   register int32_t step_y __asm__("r3");
   register rg_grey_rows* rows_at __asm__("ip") = rows;
   register const rg_remap_job* job_at __asm__("lr") = job;
-  __asm__ volatile(
+  __asm__ goto(
       /* sums, and those of the row below */
       "ldm ip, {r0-r7}\n\t"
       "adds r4, r4, r0\n\t"
@@ -68,7 +70,7 @@ static RG_INLINE void rg_next_grey_row(const rg_remap_job* job,
       "adc r3, r3, #0\n\t"
       "ldrd r8, r4, [ip, %[rounding]]\n\t"
       "cmp r4, #0\n\t"
-      "bne 3f\n\t"
+      "bne %l[is_apart]\n\t"
       /* the pixels */
       "movw r4, #4079\n\t"
       "subs r0, r4, r0\n\t"
@@ -84,8 +86,7 @@ static RG_INLINE void rg_next_grey_row(const rg_remap_job* job,
       "bmi 2f\n"
       "1:\n\t" RG_BLEND_PIXEL "2:\n\t" RG_BLEND_PIXEL
       "adds r8, r8, #0x8000000\n\t"
-      "bmi 1b\n"
-      "3:"
+      "bmi 1b"
       : "=r"(x), "=r"(y), "=r"(step_x), "=r"(step_y), "+r"(rows_at),
         "+r"(job_at)
       : [height_log2] "i"(offsetof(rg_remap_job, run.block.height_log2)),
@@ -95,11 +96,15 @@ static RG_INLINE void rg_next_grey_row(const rg_remap_job* job,
         [out] "i"(offsetof(rg_remap_job, run.out)),
         [out_pixel] "i"(offsetof(rg_remap_job, run.out_pixel)),
         [num_pixels] "i"(offsetof(rg_remap_job, run.num_pixels))
-      : "r4", "r5", "r6", "r7", "r8", "r9", "r10", "r11", "cc", "memory");
+      : "r4", "r5", "r6", "r7", "r8", "r9", "r10", "r11", "cc", "memory"
+      : is_apart);
+  return 0;
+is_apart:
   row->start.q12[0] = x;
   row->start.q12[1] = y;
   row->step.q12[0] = step_x;
   row->step.q12[1] = step_y;
+  return 1;
 }
 
 #else

@@ -64,13 +64,15 @@ static RG_INLINE void do_row(rg_remap_job* job, const rg_block_row* row,
 }
 
 #if !RG_GREY_ROW_IN_ASSEMBLER
-/* The next row, blended unless its pixels are done one by one. */
-static RG_INLINE void rg_next_grey_row(const rg_remap_job* job,
+/* The next row is blended, or found, if its pixels are done one by one: then 1.
+ */
+static RG_INLINE int rg_next_grey_row(const rg_remap_job* job,
                                        rg_grey_rows* rows, rg_block_row* row) {
   const rg_run* const run = &job->run;
   rg_next_row(run, &rows->edges, row);
-  if (!RG_ALL_BUILT_IN && !rows->on_pixel)
-    rg_blend_grey_row(run, row, rows->rounding, run->out + run->out_pixel);
+  if (RG_ALL_BUILT_IN || rows->on_pixel) return 1;
+  rg_blend_grey_row(run, row, rows->rounding, run->out + run->out_pixel);
+  return 0;
 }
 #endif
 
@@ -81,9 +83,8 @@ void rg_do_rows(rg_remap_job* job, rg_do_pixel* on_pixel) {
   do {
     rg_block_row row;
     RG_IN_MEMORY(rows);
-    rg_next_grey_row(job, &walk, &row);
+    if (rg_next_grey_row(job, &walk, &row)) do_row(job, &row, walk.on_pixel);
     RG_IN_MEMORY(job);
-    if (walk.on_pixel) do_row(job, &row, walk.on_pixel);
     job->run.out += job->run.out_stride;
   } while (--rows != 0);
 }

@@ -59,6 +59,7 @@ void rg_next_block(rg_block_walk* walk, rg_block* block) {
  * which the result stays the same; modulo 2^32. */
 static RG_NOINLINE void cut_edge(int32_t* from, int32_t* to, int32_t bend,
                                  const rg_span* span) {
+  if (span->size == 8) return; /* that is the block */
   const uint32_t first = (uint32_t)*from, line = (uint32_t)*to - first;
   uint32_t k = span->before & 7;
   for (;;) {
