@@ -193,7 +193,7 @@ static RG_NOINLINE rg_status remap_lattices(const rg_camera* camera,
   for (uint32_t k = 0; rg_find_lattice(image->format, k, &job.lattice);
        k = job.lattice.index + 1u) {
     start_lattice(&job, camera, image);
-    while (rg_next_part(&job)) remap_parts(&job);
+    rg_do_parts(&job, remap_parts);
   }
   return RG_OK;
 }

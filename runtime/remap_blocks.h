@@ -122,9 +122,11 @@ static RG_INLINE void rg_start_rows(rg_remap_job* job,
   rg_set_parts(walk, across_log2, down_log2);
   for (int c = 0; c < 2; ++c)
     job->ranges[c] = rg_source_range(section, lattice, c);
-  job->row = (uint16_t)(first_row >> lattice->log2[1]);
-  job->end_row = (uint16_t)((first_row + num_rows) >> lattice->log2[1]);
+  const uint32_t row = first_row >> lattice->log2[1];
+  const uint32_t end_row = (first_row + num_rows) >> lattice->log2[1];
 #if RG_KEEP_LINES
+  job->row = (uint16_t)row;
+  job->end_row = (uint16_t)end_row;
   job->part_rows = job->part_pixels = 0;
   rg_start_lanes(job);
 #else
@@ -132,14 +134,56 @@ static RG_INLINE void rg_start_rows(rg_remap_job* job,
   run->block.width_log2 = (uint8_t)(across_log2 - lattice->log2[0]);
   run->block.height_log2 = (uint8_t)(down_log2 - lattice->log2[1]);
   job->width = (uint16_t)(rg_load_u16(section) >> lattice->log2[0]);
-  run->num_rows = 0;
-  run->out_pixel = run->num_pixels = job->width; /* behind a row's last part */
+  run->first_row = (uint16_t)row;
+  run->num_rows = (uint16_t)(end_row - row);
 #endif
 }
 
-/* To the next part of a block; 0 if there is none. The caller then brings it to
- * the lattice, and may choose the rows of the source. */
+/* What is done with a part of a block: it is brought to the lattice, and the
+ * rows of the source may be chosen. */
+typedef void rg_on_part(rg_remap_job* job);
+
+#if RG_KEEP_LINES
+
+/* To the next part; 0 if there is none. */
 int rg_next_part(rg_remap_job* job);
+
+static RG_INLINE void rg_do_parts(rg_remap_job* job, rg_on_part* on_part) {
+  while (rg_next_part(job)) on_part(job);
+}
+
+#else
+
+static inline uint32_t rg_lesser(uint32_t a, uint32_t b) {
+  return a < b ? a : b;
+}
+
+static RG_INLINE void rg_do_parts(rg_remap_job* job, rg_on_part* on_part) {
+  rg_run* const run = &job->run;
+  const uint32_t part_width = 1u << run->block.width_log2;
+  const uint32_t height_log2 = run->block.height_log2;
+  const uint32_t part_height = 1u << height_log2;
+  uint32_t row = run->first_row;
+  for (uint32_t rest = run->num_rows; rest != 0; rest -= run->num_rows) {
+    uint8_t* const out = run->out;
+    const uint32_t first_row = row & (part_height - 1);
+    run->first_row = (uint16_t)first_row;
+    run->num_rows = (uint16_t)rg_lesser(part_height - first_row, rest);
+    rg_start_parts(&job->walk, row >> height_log2);
+    uint32_t pixel = 0;
+    do {
+      run->out = out;
+      run->out_pixel = (uint16_t)pixel;
+      run->num_pixels = (uint16_t)rg_lesser(job->width - pixel, part_width);
+      rg_next_corners(&job->walk, run->block.corners);
+      on_part(job);
+      pixel += part_width;
+    } while (pixel < job->width);
+    row += run->num_rows;
+  }
+}
+
+#endif
 
 /* The corners of the run's block from the image's pixels to the lattice's. A
  * program with grey frames alone does not need it. */

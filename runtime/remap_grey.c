@@ -99,6 +99,6 @@ rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
   job->run.out = band->data;
   job->run.out_stride = band->stride;
   rg_start_rows(job, &kGrey, band->first_row, band->num_rows);
-  while (rg_next_part(job)) remap_grey_parts(job);
+  rg_do_parts(job, remap_grey_parts);
   return RG_OK;
 }

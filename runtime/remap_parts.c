@@ -6,37 +6,6 @@
 #if !RG_KEEP_LINES
 #include <stddef.h>
 
-static inline uint32_t min_of(uint32_t a, uint32_t b) { return a < b ? a : b; }
-
-/* To the row of parts below those that were done; 0 below the last one. */
-static RG_INLINE int start_parts(rg_remap_job* job) {
-  rg_run* const run = &job->run;
-  const uint32_t log2 = run->block.height_log2;
-  const uint32_t row = job->row, part = row >> log2;
-  if (row >= job->end_row) return 0;
-  job->row = (uint16_t)min_of((part + 1) << log2, job->end_row);
-  run->first_row = (uint16_t)(row - (part << log2));
-  run->num_rows = (uint16_t)(job->row - row);
-  rg_start_parts(&job->walk, part);
-  return 1;
-}
-
-int rg_next_part(rg_remap_job* job) {
-  rg_run* const run = &job->run;
-  uint32_t pixel = (uint32_t)run->out_pixel + run->num_pixels;
-  if (pixel >= job->width) {
-    if (!start_parts(job)) return 0;
-    pixel = 0;
-  } else { /* back to the part's first row */
-    run->out -= (size_t)run->num_rows * run->out_stride;
-  }
-  run->out_pixel = (uint16_t)pixel;
-  run->num_pixels =
-      (uint16_t)min_of(job->width - pixel, 1u << run->block.width_log2);
-  rg_next_corners(&job->walk, run->block.corners);
-  return 1;
-}
-
 int rg_have_sources(const rg_remap_job* job, const rg_position* positions,
                     uint32_t num, uint32_t margin) {
   const int32_t* q12 = positions->q12;
