@@ -39,7 +39,11 @@ static inline int32_t rg_subtract(int32_t a, int32_t b) {
   return (int32_t)((uint32_t)a - (uint32_t)b);
 }
 
-/* Likewise. */
+static inline uint32_t rg_lesser(uint32_t a, uint32_t b) {
+  return a < b ? a : b;
+}
+
+/* Modulo 2^32, too. */
 static inline int32_t rg_shift_left(int32_t a, int shift) {
   return (int32_t)((uint32_t)a << shift);
 }

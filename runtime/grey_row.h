@@ -9,31 +9,30 @@
 
 /* ---- Edges --------------------------------------------------------------- */
 
-/* x and y of the left edge, and of the right one, row by row: sums >>
- * height_log2, modulo 2^32; heights are what sums change by. */
-typedef struct rg_edges {
-  uint32_t sums[4], heights[4];
-} rg_edges;
+/* x and y of the left edge, and of the right one, row by row: four sums >>
+ * height_log2, modulo 2^32; and behind them, four heights that these change by.
+ */
+typedef uint32_t rg_edges[8];
 
-static RG_INLINE void rg_start_edges(const rg_run* run, rg_edges* edges) {
+/* edges may be the corners themselves. */
+static RG_INLINE void rg_start_edges(const rg_run* run, const int32_t* corner,
+                                     uint32_t* edge) {
   const uint32_t log2 = run->block.height_log2;
-  const int32_t* corner = run->block.corners->q12;
   const int32_t* const bottom = corner + 4;
-  uint32_t* sum = edges->sums;
   do {
     const uint32_t top = (uint32_t)*corner;
     const uint32_t height = (uint32_t)corner[4] - top;
-    sum[4] = height;
-    *sum++ = (top << log2) + height * run->first_row + (1u << log2 >> 1);
+    edge[4] = height;
+    *edge++ = (top << log2) + height * run->first_row + (1u << log2 >> 1);
   } while (++corner != bottom);
 }
 
 /* Coordinate c of the next row. */
-static RG_INLINE void rg_next_row_axis(const rg_block* block, rg_edges* edges,
+static RG_INLINE void rg_next_row_axis(const rg_block* block, uint32_t* edges,
                                        int c, rg_block_row* row) {
-  const uint32_t left = edges->sums[c], right = edges->sums[2 + c];
-  edges->sums[c] = left + edges->heights[c];
-  edges->sums[2 + c] = right + edges->heights[2 + c];
+  const uint32_t left = edges[c], right = edges[2 + c];
+  edges[c] = left + edges[4 + c];
+  edges[2 + c] = right + edges[6 + c];
   const int32_t start = (int32_t)left >> block->height_log2;
   const int32_t end = (int32_t)right >> block->height_log2;
   row->start.q12[c] = start;
@@ -42,7 +41,7 @@ static RG_INLINE void rg_next_row_axis(const rg_block* block, rg_edges* edges,
 }
 
 /* The next row of the run, to which position (0, 0) is data. */
-static RG_INLINE void rg_next_row(const rg_run* run, rg_edges* edges,
+static RG_INLINE void rg_next_row(const rg_run* run, uint32_t* edges,
                                   rg_block_row* row) {
   rg_next_row_axis(&run->block, edges, 0, row);
   rg_next_row_axis(&run->block, edges, 1, row);
@@ -235,21 +234,11 @@ static RG_INLINE void rg_blend_grey_row(const rg_run* run,
   } while (rg_has_turns(rounding));
 }
 
-/* ---- Rows of the small walk ---------------------------------------------- */
-
-/* Rows are blended, or, if on_pixel is not NULL, only found. */
-typedef struct rg_grey_rows {
-  rg_edges edges;
-  rg_blended rounding;
+/* What is done with rows: their pixels one by one, or, if on_pixel is NULL, the
+ * kernel, which begins with a rounding. */
+typedef struct rg_row_kind {
   rg_do_pixel* on_pixel;
-} rg_grey_rows;
-
-static RG_INLINE void rg_start_grey_rows(const rg_run* run,
-                                         rg_do_pixel* on_pixel,
-                                         rg_grey_rows* rows) {
-  rows->on_pixel = on_pixel;
-  rows->rounding = rg_rounding_of(run->num_pixels);
-  rg_start_edges(run, &rows->edges);
-}
+  rg_blended rounding;
+} rg_row_kind;
 
 #endif /* RAYGRID_GREY_ROW_H */

@@ -40,15 +40,16 @@
   "adds r1, r1, r3\n\t"
 
 static RG_INLINE int rg_next_grey_row(const rg_remap_job* job,
-                                       rg_grey_rows* rows, rg_block_row* row) {
+                                      const rg_row_kind* kind,
+                                      rg_block_row* row) {
   register int32_t x __asm__("r0");
   register int32_t y __asm__("r1");
   register int32_t step_x __asm__("r2");
   register int32_t step_y __asm__("r3");
-  register rg_grey_rows* rows_at __asm__("ip") = rows;
   register const rg_remap_job* job_at __asm__("lr") = job;
   __asm__ goto(
       /* sums, and those of the row below */
+      "add ip, lr, %[edges]\n\t"
       "ldm ip, {r0-r7}\n\t"
       "adds r4, r4, r0\n\t"
       "adds r5, r5, r1\n\t"
@@ -68,7 +69,7 @@ static RG_INLINE int rg_next_grey_row(const rg_remap_job* job,
       "adc r2, r2, #0\n\t" /* the last bit that was shifted out */
       "asrs r3, r3, r4\n\t"
       "adc r3, r3, #0\n\t"
-      "ldrd r8, r4, [ip, %[rounding]]\n\t"
+      "ldr r4, %[on_pixel]\n\t"
       "cmp r4, #0\n\t"
       "bne %l[is_apart]\n\t"
       /* the pixels */
@@ -79,6 +80,7 @@ static RG_INLINE int rg_next_grey_row(const rg_remap_job* job,
       "ldrh r7, [lr, %[out_pixel]]\n\t"
       "add r6, r6, r7\n\t"
       "ldrh r7, [lr, %[num_pixels]]\n\t"
+      "ldr r8, %[rounding]\n\t"
       "movw r9, #65535\n\t"
       "mov r10, #4096\n\t"
       "movw r11, #257\n\t"
@@ -87,16 +89,16 @@ static RG_INLINE int rg_next_grey_row(const rg_remap_job* job,
       "1:\n\t" RG_BLEND_PIXEL "2:\n\t" RG_BLEND_PIXEL
       "adds r8, r8, #0x8000000\n\t"
       "bmi 1b"
-      : "=r"(x), "=r"(y), "=r"(step_x), "=r"(step_y), "+r"(rows_at),
-        "+r"(job_at)
-      : [height_log2] "i"(offsetof(rg_remap_job, run.block.height_log2)),
+      : "=r"(x), "=r"(y), "=r"(step_x), "=r"(step_y), "+r"(job_at)
+      : [on_pixel] "m"(kind->on_pixel), [rounding] "m"(kind->rounding),
+        [edges] "i"(offsetof(rg_remap_job, run.block.corners)),
+        [height_log2] "i"(offsetof(rg_remap_job, run.block.height_log2)),
         [width_log2] "i"(offsetof(rg_remap_job, run.block.width_log2)),
-        [rounding] "i"(offsetof(rg_grey_rows, rounding)),
         [data] "i"(offsetof(rg_remap_job, run.data)),
         [out] "i"(offsetof(rg_remap_job, run.out)),
         [out_pixel] "i"(offsetof(rg_remap_job, run.out_pixel)),
         [num_pixels] "i"(offsetof(rg_remap_job, run.num_pixels))
-      : "r4", "r5", "r6", "r7", "r8", "r9", "r10", "r11", "cc", "memory"
+      : "r4", "r5", "r6", "r7", "r8", "r9", "r10", "r11", "ip", "cc", "memory"
       : is_apart);
   return 0;
 is_apart:

@@ -134,7 +134,7 @@ static RG_INLINE void remap_run(rg_remap_job* job, rg_care care) {
       job->run.block.corners[k].q12[1] -= job->run.first_source_row << 12;
   if (target_of(job)->sampling == RG_SAMPLING_NEAREST ||
       !rg_blend_part(job, rg_interleaved(&job->lattice)))
-    rg_do_rows(job, remap_safe_pixel);
+    rg_do_pixels(job, remap_safe_pixel);
 }
 
 #endif
@@ -144,7 +144,7 @@ static RG_INLINE void remap_part(rg_remap_job* job) {
   const int is_apart = job->ring_rows != 0 && !choose_ring_rows(job);
 #if !RG_KEEP_LINES
   if (is_apart) {
-    rg_do_rows(job, remap_pixel);
+    rg_do_pixels(job, remap_pixel);
     return;
   }
 #endif
@@ -193,7 +193,7 @@ static RG_NOINLINE rg_status remap_lattices(const rg_camera* camera,
   for (uint32_t k = 0; rg_find_lattice(image->format, k, &job.lattice);
        k = job.lattice.index + 1u) {
     start_lattice(&job, camera, image);
-    rg_do_parts(&job, remap_parts);
+    while (rg_next_part(&job)) remap_parts(&job);
   }
   return RG_OK;
 }

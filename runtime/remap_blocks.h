@@ -108,82 +108,44 @@ static RG_INLINE void rg_set_source(rg_remap_job* job, uint32_t width,
 void rg_start_lanes(rg_remap_job* job);
 #endif
 
+/* What the job needs of the table, for any rows. It holds its kernels, sizes,
+ * and the walk's section and is_clamped; and of the run, first_source_row,
+ * strides and data. */
+static RG_INLINE void rg_set_table(rg_remap_job* job,
+                                   const rg_lattice* lattice) {
+  const uint8_t* const section = job->walk.section;
+  const uint8_t across_log2 = rg_part_log2(section, lattice, 0);
+  const uint8_t down_log2 = rg_part_log2(section, lattice, 1);
+  rg_set_parts(&job->walk, across_log2, down_log2);
+  for (int c = 0; c < 2; ++c)
+    job->ranges[c] = rg_source_range(section, lattice, c);
+#if !RG_KEEP_LINES
+  job->run.block.width_log2 = (uint8_t)(across_log2 - lattice->log2[0]);
+  job->run.block.height_log2 = (uint8_t)(down_log2 - lattice->log2[1]);
+  job->width = (uint16_t)(rg_load_u16(section) >> lattice->log2[0]);
+#endif
+}
+
 /* Before the first part, of so many rows of the output, counted in pixels of
- * the image. The job holds its lattice, kernels, sizes, and the walk's section
- * and is_clamped; and of the run, first_source_row, strides, data and out,
- * which is for the first row. */
+ * the image; run->out is for the first row. */
 static RG_INLINE void rg_start_rows(rg_remap_job* job,
                                     const rg_lattice* lattice,
                                     uint32_t first_row, uint32_t num_rows) {
-  rg_block_walk* const walk = &job->walk;
-  const uint8_t* const section = walk->section;
-  const uint32_t across_log2 = rg_part_log2(section, lattice, 0);
-  const uint32_t down_log2 = rg_part_log2(section, lattice, 1);
-  rg_set_parts(walk, across_log2, down_log2);
-  for (int c = 0; c < 2; ++c)
-    job->ranges[c] = rg_source_range(section, lattice, c);
-  const uint32_t row = first_row >> lattice->log2[1];
-  const uint32_t end_row = (first_row + num_rows) >> lattice->log2[1];
+  rg_set_table(job, lattice);
+  job->row = (uint16_t)(first_row >> lattice->log2[1]);
+  job->end_row = (uint16_t)((first_row + num_rows) >> lattice->log2[1]);
 #if RG_KEEP_LINES
-  job->row = (uint16_t)row;
-  job->end_row = (uint16_t)end_row;
   job->part_rows = job->part_pixels = 0;
   rg_start_lanes(job);
 #else
-  rg_run* const run = &job->run;
-  run->block.width_log2 = (uint8_t)(across_log2 - lattice->log2[0]);
-  run->block.height_log2 = (uint8_t)(down_log2 - lattice->log2[1]);
-  job->width = (uint16_t)(rg_load_u16(section) >> lattice->log2[0]);
-  run->first_row = (uint16_t)row;
-  run->num_rows = (uint16_t)(end_row - row);
+  job->run.num_rows = job->run.out_pixel = 0;
+  job->run.num_pixels = job->width; /* behind a row's last part */
 #endif
 }
 
-/* What is done with a part of a block: it is brought to the lattice, and the
- * rows of the source may be chosen. */
-typedef void rg_on_part(rg_remap_job* job);
-
-#if RG_KEEP_LINES
-
-/* To the next part; 0 if there is none. */
+/* To the next part of a block; 0 if there is none. The caller then brings it to
+ * the lattice, and may choose the rows of the source. */
 int rg_next_part(rg_remap_job* job);
-
-static RG_INLINE void rg_do_parts(rg_remap_job* job, rg_on_part* on_part) {
-  while (rg_next_part(job)) on_part(job);
-}
-
-#else
-
-static inline uint32_t rg_lesser(uint32_t a, uint32_t b) {
-  return a < b ? a : b;
-}
-
-static RG_INLINE void rg_do_parts(rg_remap_job* job, rg_on_part* on_part) {
-  rg_run* const run = &job->run;
-  const uint32_t part_width = 1u << run->block.width_log2;
-  const uint32_t height_log2 = run->block.height_log2;
-  const uint32_t part_height = 1u << height_log2;
-  uint32_t row = run->first_row;
-  for (uint32_t rest = run->num_rows; rest != 0; rest -= run->num_rows) {
-    uint8_t* const out = run->out;
-    const uint32_t first_row = row & (part_height - 1);
-    run->first_row = (uint16_t)first_row;
-    run->num_rows = (uint16_t)rg_lesser(part_height - first_row, rest);
-    rg_start_parts(&job->walk, row >> height_log2);
-    uint32_t pixel = 0;
-    do {
-      run->out = out;
-      run->out_pixel = (uint16_t)pixel;
-      run->num_pixels = (uint16_t)rg_lesser(job->width - pixel, part_width);
-      rg_next_corners(&job->walk, run->block.corners);
-      on_part(job);
-      pixel += part_width;
-    } while (pixel < job->width);
-    row += run->num_rows;
-  }
-}
-
-#endif
 
 /* The corners of the run's block from the image's pixels to the lattice's. A
  * program with grey frames alone does not need it. */
@@ -241,13 +203,18 @@ static RG_INLINE int rg_is_part_safe(const rg_remap_job* job) {
   return rg_have_sources(job, job->run.block.corners, 4, RG_LATTICE_MARGIN);
 }
 
-/* Row by row, the part pixel by pixel, or, if on_pixel is NULL, by the kernel
- * for grey pixels, where none is built in. The run's out is then below the
- * part. */
+/* Each of these leaves the run's out below the part. */
+
+/* The part, pixel by pixel. */
+void rg_do_pixels(rg_remap_job* job, rg_do_pixel* on_pixel);
+
+/* The same with less code but more stack, and nothing of the corners left; or,
+ * if on_pixel is NULL, by the kernel for grey pixels, where none is built in.
+ */
 void rg_do_rows(rg_remap_job* job, rg_do_pixel* on_pixel);
 
-/* The same by the kernel for so many channels, of a part that asks for no care;
- * 0 if there is none. */
+/* By the kernel for so many channels, of a part that asks for no care; 0 if
+ * there is none. */
 static RG_INLINE int rg_blend_part(rg_remap_job* job, uint32_t channels) {
 #if RG_ALL_BUILT_IN
   if (!rg_blend_built_in(&job->run, channels)) return 0;
@@ -278,7 +245,7 @@ static RG_INLINE void rg_do_part(rg_remap_job* job, rg_do_run* on_run,
   if (rg_is_part_safe(job))
     on_run(job, RG_CARE_NONE);
   else
-    rg_do_rows(job, on_pixel);
+    rg_do_pixels(job, on_pixel);
 #endif
 }
 

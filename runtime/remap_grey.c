@@ -5,24 +5,8 @@
 static const rg_lattice kGrey = {RG_SAMPLE_8, 0,      0, 1, 1,
                                  {0, 0},      {0, 0}, 0, 1, 0};
 
-static inline uint32_t min_of(uint32_t a, uint32_t b) { return a < b ? a : b; }
-
 static RG_INLINE uint8_t border_of(const rg_remap_job* job) {
   return ((const rg_band*)job->how)->border;
-}
-
-static void do_grey_run(rg_remap_job* job, rg_care care) {
-#if RG_KEEP_LINES
-  if (care == RG_CARE_NO_SOURCE) {
-    const uint16_t border = border_of(job);
-    rg_fill_run(&job->run, &kGrey, &border);
-  } else {
-    rg_dispatch_grey(rg_kernels_of(job), &job->run, care == RG_CARE_NONE);
-  }
-#else
-  (void)care;
-  (void)rg_blend_part(job, 1);
-#endif
 }
 
 /* A position with a source lies in the frame. At the last column its weight is
@@ -35,9 +19,9 @@ static void do_grey_pixel(rg_remap_job* job, const rg_position* position,
   if (rg_has_source(job, position)) {
     const uint32_t x = (uint32_t)position->q12[0] + rg_rounding(RG_SAMPLE_8, 0);
     const uint32_t y = (uint32_t)position->q12[1];
-    const uint32_t column = min_of(x >> 12, job->size[0] - 2u);
-    const uint32_t row = min_of(y >> 12, job->size[1] - 2u);
-    const uint8_t* const upper = run->data + row * run->stride + column;
+    const uint32_t column = rg_lesser(x >> 12, job->size[0] - 2u);
+    const uint32_t row = rg_lesser(y >> 12, job->size[1] - 2u);
+    const uint8_t* const upper = run->data + (size_t)row * run->stride + column;
     const uint32_t pixels =
         rg_load_pair(upper) | rg_load_pair(upper + run->stride) << 16;
     uint32_t wy_q12 = y - (row << 12);
@@ -48,14 +32,71 @@ static void do_grey_pixel(rg_remap_job* job, const rg_position* position,
   run->out[out_pixel] = (uint8_t)value;
 }
 
-/* The part at hand, and some to its right. */
-static RG_INLINE void remap_grey_parts(rg_remap_job* job) {
-  rg_do_part(job, do_grey_run, do_grey_pixel);
 #if RG_KEEP_LINES
-  while (rg_do_safe_parts(job, &kGrey, RG_SAMPLING_BILINEAR))
-    rg_do_part(job, do_grey_run, do_grey_pixel);
-#endif
+
+static void do_grey_run(rg_remap_job* job, rg_care care) {
+  if (care == RG_CARE_NO_SOURCE) {
+    const uint16_t border = border_of(job);
+    rg_fill_run(&job->run, &kGrey, &border);
+  } else {
+    rg_dispatch_grey(rg_kernels_of(job), &job->run, care == RG_CARE_NONE);
+  }
 }
+
+static RG_INLINE void do_grey_band(rg_remap_job* job, const rg_frame* frame,
+                                   const rg_band* band) {
+  for (int axis = 0; axis < 2; ++axis) /* the rest is not used */
+    job->lattice.log2[axis] = job->lattice.half[axis] = 0;
+  rg_set_source(job, frame->width, frame->height);
+  job->ring_rows = 0;
+  job->walk.is_clamped = 0;
+  rg_start_rows(job, &kGrey, band->first_row, band->num_rows);
+  while (rg_next_part(job)) {
+    do { /* the part at hand, and some to its right */
+      rg_do_part(job, do_grey_run, do_grey_pixel);
+    } while (rg_do_safe_parts(job, &kGrey, RG_SAMPLING_BILINEAR));
+  }
+}
+
+#else
+
+static RG_INLINE void do_grey_part(rg_remap_job* job) {
+  const int is_safe = rg_is_part_safe(job);
+  if (!RG_ALL_BUILT_IN)
+    rg_do_rows(job, is_safe ? NULL : do_grey_pixel);
+  else if (!is_safe || !rg_blend_part(job, 1))
+    rg_do_rows(job, do_grey_pixel);
+}
+
+/* What rg_next_part() does, in place. */
+static RG_INLINE void do_grey_band(rg_remap_job* job, const rg_frame* frame,
+                                   const rg_band* band) {
+  rg_run* const run = &job->run;
+  job->size[0] = frame->width;
+  job->size[1] = frame->height;
+  rg_set_table(job, &kGrey);
+  const uint32_t log2 = run->block.height_log2, part = 1u << log2;
+  uint32_t row = band->first_row;
+  for (uint32_t rest = band->num_rows; rest != 0; rest -= run->num_rows) {
+    uint8_t* const out = run->out;
+    const uint32_t first_row = row & (part - 1);
+    run->first_row = (uint16_t)first_row;
+    run->num_rows = (uint16_t)rg_lesser(part - first_row, rest);
+    rg_start_parts(&job->walk, row >> log2);
+    uint32_t pixel = 0;
+    do {
+      run->out = out;
+      run->out_pixel = (uint16_t)pixel;
+      run->num_pixels = (uint16_t)rg_lesser(job->width - pixel, part);
+      rg_next_corners(&job->walk, run->block.corners);
+      do_grey_part(job);
+      pixel += part;
+    } while (pixel < job->width);
+    row += run->num_rows;
+  }
+}
+
+#endif
 
 /* A function of its own, so that its stack does not add up with the rest. */
 static RG_NOINLINE rg_fault check_grey_frames(const rg_camera* camera,
@@ -77,28 +118,18 @@ static RG_NOINLINE rg_fault check_grey_frames(const rg_camera* camera,
 rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
                         const rg_band* band) {
   const rg_fault fault = check_grey_frames(camera, frame, band);
-  if (fault) return (rg_status)-fault;
-  rg_remap_job on_stack;
-  rg_remap_job* job = &on_stack;
-  RG_IN_REGISTER(job);
-#if RG_KEEP_LINES
-  for (int axis = 0; axis < 2; ++axis) /* the rest is not used */
-    job->lattice.log2[axis] = job->lattice.half[axis] = 0;
-  rg_set_source(job, frame->width, frame->height);
-  job->ring_rows = 0;
-  job->walk.is_clamped = 0;
-#else
-  job->size[0] = frame->width;
-  job->size[1] = frame->height;
-#endif
-  job->how = band;
-  rg_set_kernels(job, 0, frame->stride);
-  job->walk.section = camera->remap;
-  job->run.data = frame->data;
-  job->run.stride = frame->stride;
-  job->run.out = band->data;
-  job->run.out_stride = band->stride;
-  rg_start_rows(job, &kGrey, band->first_row, band->num_rows);
-  rg_do_parts(job, remap_grey_parts);
-  return RG_OK;
+  if (!fault) {
+    rg_remap_job on_stack;
+    rg_remap_job* job = &on_stack;
+    RG_IN_REGISTER(job);
+    job->how = band;
+    rg_set_kernels(job, 0, frame->stride);
+    job->walk.section = camera->remap;
+    job->run.data = frame->data;
+    job->run.stride = frame->stride;
+    job->run.out = band->data;
+    job->run.out_stride = band->stride;
+    do_grey_band(job, frame, band);
+  }
+  return (rg_status)-fault;
 }

@@ -4,7 +4,35 @@
 #include "remap_blocks.h"
 
 #if !RG_KEEP_LINES
-#include <stddef.h>
+
+/* To the row of parts below those that were done; 0 below the last one. */
+static RG_INLINE int start_parts(rg_remap_job* job) {
+  rg_run* const run = &job->run;
+  const uint32_t log2 = run->block.height_log2;
+  const uint32_t row = job->row, part = row >> log2;
+  if (row >= job->end_row) return 0;
+  job->row = (uint16_t)rg_lesser((part + 1) << log2, job->end_row);
+  run->first_row = (uint16_t)(row - (part << log2));
+  run->num_rows = (uint16_t)(job->row - row);
+  rg_start_parts(&job->walk, part);
+  return 1;
+}
+
+int rg_next_part(rg_remap_job* job) {
+  rg_run* const run = &job->run;
+  uint32_t pixel = (uint32_t)run->out_pixel + run->num_pixels;
+  if (pixel >= job->width) {
+    if (!start_parts(job)) return 0;
+    pixel = 0;
+  } else { /* back to the part's first row */
+    run->out -= (size_t)run->num_rows * run->out_stride;
+  }
+  run->out_pixel = (uint16_t)pixel;
+  run->num_pixels =
+      (uint16_t)rg_lesser(job->width - pixel, 1u << run->block.width_log2);
+  rg_next_corners(&job->walk, run->block.corners);
+  return 1;
+}
 
 int rg_have_sources(const rg_remap_job* job, const rg_position* positions,
                     uint32_t num, uint32_t margin) {
@@ -17,6 +45,23 @@ int rg_have_sources(const rg_remap_job* job, const rg_position* positions,
     if (at - margin > size || at + margin > size) return 0;
   }
   return 1;
+}
+
+void rg_do_pixels(rg_remap_job* job, rg_do_pixel* on_pixel) {
+  rg_block_row row;
+  uint32_t r = 0;
+  do {
+    RG_IN_REGISTER(job);
+    rg_find_block_row(&job->run.block, job->run.first_row + r, &row);
+    uint32_t pixel = job->run.out_pixel;
+    const uint32_t end = pixel + job->run.num_pixels;
+    do {
+      on_pixel(job, &row.start, pixel);
+      row.start.q12[0] = rg_add(row.start.q12[0], row.step.q12[0]);
+      row.start.q12[1] = rg_add(row.start.q12[1], row.step.q12[1]);
+    } while (++pixel != end);
+    job->run.out += job->run.out_stride;
+  } while (++r != job->run.num_rows);
 }
 
 /* The pixels of a row, one by one. */
@@ -33,26 +78,28 @@ static RG_INLINE void do_row(rg_remap_job* job, const rg_block_row* row,
 }
 
 #if !RG_GREY_ROW_IN_ASSEMBLER
-/* The next row is blended, or found, if its pixels are done one by one: then 1.
- */
-static RG_INLINE int rg_next_grey_row(const rg_remap_job* job,
-                                       rg_grey_rows* rows, rg_block_row* row) {
-  const rg_run* const run = &job->run;
-  rg_next_row(run, &rows->edges, row);
-  if (RG_ALL_BUILT_IN || rows->on_pixel) return 1;
-  rg_blend_grey_row(run, row, rows->rounding, run->out + run->out_pixel);
+/* The next row, from the corners as edges, by the kernel; or found, if its
+ * pixels are done one by one: then 1. */
+static RG_INLINE int rg_next_grey_row(rg_remap_job* job,
+                                      const rg_row_kind* kind,
+                                      rg_block_row* row) {
+  rg_run* const run = &job->run;
+  rg_next_row(run, (uint32_t*)run->block.corners->q12, row);
+  if (RG_ALL_BUILT_IN || kind->on_pixel) return 1;
+  rg_blend_grey_row(run, row, kind->rounding, run->out + run->out_pixel);
   return 0;
 }
 #endif
 
 void rg_do_rows(rg_remap_job* job, rg_do_pixel* on_pixel) {
-  rg_grey_rows walk;
-  rg_start_grey_rows(&job->run, on_pixel, &walk);
+  const rg_row_kind kind = {on_pixel, rg_rounding_of(job->run.num_pixels)};
+  int32_t* const corners = job->run.block.corners->q12;
   uint32_t rows = job->run.num_rows;
+  rg_start_edges(&job->run, corners, (uint32_t*)corners);
   do {
     rg_block_row row;
     RG_IN_MEMORY(rows);
-    if (rg_next_grey_row(job, &walk, &row)) do_row(job, &row, walk.on_pixel);
+    if (rg_next_grey_row(job, &kind, &row)) do_row(job, &row, kind.on_pixel);
     RG_IN_MEMORY(job);
     job->run.out += job->run.out_stride;
   } while (--rows != 0);

@@ -51,11 +51,6 @@ static void add_pixel(rg_remap_job* job, const rg_position* position,
     add_position((row_search*)job, position->q12[1]);
 }
 
-static RG_INLINE void add_part(rg_remap_job* job) {
-  rg_bring_to_lattice(job);
-  rg_do_part(job, add_run, add_pixel);
-}
-
 void rg_start_lattice(rg_remap_job* job, const rg_camera* camera,
                       uint32_t first_row, uint32_t num_rows) {
   /* Of a table that is too narrow for it, a lattice has no pixels. */
@@ -112,7 +107,10 @@ int32_t rg_find_source_rows(const rg_camera* camera, rg_format format,
   const rg_status status = check_search(&search);
   if (status != RG_OK) return status;
   while (start_next_lattice(&search)) {
-    rg_do_parts(&search.job, add_part);
+    while (rg_next_part(&search.job)) {
+      rg_bring_to_lattice(&search.job);
+      rg_do_part(&search.job, add_run, add_pixel);
+    }
   }
   return round_rows(&search);
 }

@@ -85,9 +85,10 @@ static RG_NOINLINE void find_axis(const rg_block_walk* walk,
   const uint8_t* below = above + walk->row_size;
   const uint32_t c = (uint32_t)(affine - walk->section) >> 2;
   const uint32_t row_step = rg_load_u32(affine + 44);
-  uint32_t plane = rg_load_u32(affine + 28) +
-                   ((uint32_t)walk->spans[0].before >> 3) * rg_load_u32(affine + 36) +
-                   ((uint32_t)walk->spans[1].before >> 3) * row_step;
+  uint32_t plane =
+      rg_load_u32(affine + 28) +
+      ((uint32_t)walk->spans[0].before >> 3) * rg_load_u32(affine + 36) +
+      ((uint32_t)walk->spans[1].before >> 3) * row_step;
   int32_t bends[2];
   for (uint32_t side = 0; side < 2; ++side, corner += 2) {
     const uint32_t shift = walk->section[9], bend_shift = walk->bend_shift[0];
@@ -113,7 +114,8 @@ static RG_NOINLINE void find_axis(const rg_block_walk* walk,
 
 void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
   const uint8_t* const section = walk->section;
-  const uint32_t i = ((uint32_t)walk->spans[0].before >> 3), j = ((uint32_t)walk->spans[1].before >> 3);
+  const uint32_t i = ((uint32_t)walk->spans[0].before >> 3),
+                 j = ((uint32_t)walk->spans[1].before >> 3);
   const uint8_t* const vertices = section + rg_load_u32(section + 76);
   const uint8_t* const marks =
       vertices + rg_load_u16(section + 6) * walk->row_size;

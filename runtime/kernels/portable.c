@@ -9,12 +9,12 @@ void rg_blend_1(const rg_run* run) {
   if (rg_blend_tiles(run, 1)) return;
   uint8_t* out = run->out + run->out_pixel;
   rg_edges edges;
-  rg_start_edges(run, &edges);
+  rg_start_edges(run, run->block.corners->q12, edges);
   uint32_t rows = run->num_rows;
   const rg_blended rounding = rg_rounding_of(run->num_pixels);
   do {
     rg_block_row row;
-    rg_next_row(run, &edges, &row);
+    rg_next_row(run, edges, &row);
     rg_blend_grey_row(run, &row, rounding, out);
     out += run->out_stride;
   } while (--rows != 0);
@@ -67,7 +67,7 @@ static RG_INLINE void do_rows(const rg_run* run, const rg_lattice* lattice,
   own.num_rows = run->num_rows;
   own.first_pixel = run->first_pixel;
   own.num_pixels = run->num_pixels;
-  rg_start_edges(run, &edges);
+  rg_start_edges(run, run->block.corners->q12, edges);
   run = &own;
 #else
   (void)edges;
@@ -80,7 +80,7 @@ static RG_INLINE void do_rows(const rg_run* run, const rg_lattice* lattice,
   do {
     rg_block_row row;
     if (RG_IS_FAST) {
-      rg_next_row(run, &edges, &row);
+      rg_next_row(run, edges, &row);
     } else {
       rg_find_block_row(&run->block, run->first_row + r, &row);
       rg_move_to_run(run, &row);
