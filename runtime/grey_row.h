@@ -40,14 +40,11 @@ static RG_INLINE void rg_next_row_axis(const rg_block* block, uint32_t* edges,
       rg_round_shift((uint32_t)end - (uint32_t)start, block->width_log2);
 }
 
-/* The next row of the run, to which position (0, 0) is data. */
-static RG_INLINE void rg_next_row(const rg_run* run, uint32_t* edges,
+/* The block's next row. */
+static RG_INLINE void rg_next_row(const rg_block* block, uint32_t* edges,
                                   rg_block_row* row) {
-  rg_next_row_axis(&run->block, edges, 0, row);
-  rg_next_row_axis(&run->block, edges, 1, row);
-#if RG_KEEP_LINES /* elsewhere, both are 0 */
-  rg_move_to_run(run, row);
-#endif
+  rg_next_row_axis(block, edges, 0, row);
+  rg_next_row_axis(block, edges, 1, row);
 }
 
 /* ---- Grey pixels --------------------------------------------------------- */

@@ -7,30 +7,51 @@
 /* ---- Whole lattices ------------------------------------------------------ */
 
 /* Of a ring, the rows from one multiple of its size to the next follow each
- * other in memory: those that the block's top lies in. Pixels of others are
- * taken one by one; in the small walk, all of a part that has such, for which
- * this returns 0. */
-static RG_NOINLINE int choose_ring_rows(rg_remap_job* job) {
+ * other in memory: from the first one of those that the block's top lies in,
+ * so many. */
+static RG_INLINE uint32_t find_ring_rows(const rg_remap_job* job, int32_t top,
+                                         uint32_t* first) {
+  const uint32_t row = top < 0 ? 0 : (uint32_t)top >> 12;
+  *first = row - (uint32_t)rg_remainder(row, job->ring_rows);
+  const uint32_t rest = job->size[1] - *first;
+  return rest < job->ring_rows ? rest : job->ring_rows;
+}
+
+#if RG_KEEP_LINES
+
+/* Pixels of other rows are taken one by one. */
+static RG_NOINLINE void choose_ring_rows(rg_remap_job* job) {
   const rg_position* const corners = job->run.block.corners;
-  int32_t top = (job->size[1] - 1) << 12, bottom = 0;
-  for (int k = 0; k < 4; ++k) {
+  int32_t top = (job->size[1] - 1) << 12;
+  for (int k = 0; k < 4; ++k)
+    if (corners[k].q12[1] < top) top = corners[k].q12[1];
+  uint32_t first;
+  job->num_rows = (uint16_t)find_ring_rows(job, top, &first);
+  job->run.first_source_row = (uint16_t)first;
+}
+
+#else
+
+/* Whether all rows that a safe part needs follow each other: its corners are
+ * then counted from the first one in memory. */
+static RG_NOINLINE int move_to_ring(rg_remap_job* job) {
+  rg_position* const corners = job->run.block.corners;
+  int32_t top = corners[0].q12[1], bottom = top;
+  for (int k = 1; k < 4; ++k) {
     if (corners[k].q12[1] < top) top = corners[k].q12[1];
     if (corners[k].q12[1] > bottom) bottom = corners[k].q12[1];
   }
-  const uint32_t row = top < 0 ? 0 : (uint32_t)top >> 12;
-  const uint32_t first = row - (uint32_t)rg_remainder(row, job->ring_rows);
-  const uint32_t rest = job->size[1] - first;
-  const uint32_t num = rest < job->ring_rows ? rest : job->ring_rows;
-  job->run.first_source_row = (uint16_t)first;
-#if RG_KEEP_LINES
-  job->num_rows = (uint16_t)num;
+  uint32_t first;
+  const uint32_t num = find_ring_rows(job, top, &first);
+  const int32_t first_q12 = (int32_t)(first << 12);
+  if (top - first_q12 < RG_POSITION_MARGIN ||
+      bottom - first_q12 > (int32_t)((num - 1) << 12) - RG_POSITION_MARGIN)
+    return 0;
+  for (int k = 0; k < 4; ++k) corners[k].q12[1] -= first_q12;
   return 1;
-#else
-  const int32_t begin = (int32_t)(first << 12) + RG_POSITION_MARGIN;
-  const int32_t end = (int32_t)((first + num - 1) << 12) - RG_POSITION_MARGIN;
-  return top >= begin && bottom <= end;
-#endif
 }
+
+#endif
 
 static RG_INLINE const rg_target* target_of(const rg_remap_job* job) {
   return (const rg_target*)job->how;
@@ -47,13 +68,18 @@ static RG_INLINE uint32_t round_position(const rg_remap_job* job, int32_t q12,
                                          int c) {
   return target_of(job)->sampling == RG_SAMPLING_NEAREST
              ? ((uint32_t)q12 + 2048) & ~4095u
-             : (uint32_t)q12 + rg_rounding(job->lattice.kind, c);
+             : (uint32_t)q12 + rg_rounding(job->lattice->kind, c);
 }
 
 /* Coordinate c of the nearest position that has a source. */
 static RG_SHARED int32_t nearest_source(const rg_remap_job* job, int32_t q12,
                                         int c) {
+#if RG_KEEP_LINES
   const rg_range range = job->ranges[c];
+#else
+  const uint8_t* const min = job->ranges + 4 * c;
+  const rg_range range = {rg_load_i32(min), rg_load_i32(min + 8)};
+#endif
   return rg_clamp(rg_clamp(q12, range.min_q12, range.max_q12), 0,
                   (job->size[c] - 1) << 12);
 }
@@ -68,15 +94,16 @@ static RG_INLINE void blend_with_care(rg_remap_job* job,
   const uint32_t row = at.y_q12 >> 12;
   at.upper = source_row(job, row);
   at.lower = source_row(job, row + (row + 1 < job->size[1]));
-  at.right = (at.x_q12 >> 12) + 1 < job->size[0] ? job->lattice.sample_step : 0;
-  rg_blend_pixel(&job->lattice, &at, job->run.out, out_pixel);
+  at.right =
+      (at.x_q12 >> 12) + 1 < job->size[0] ? job->lattice->sample_step : 0;
+  rg_blend_pixel(job->lattice, &at, job->run.out, out_pixel);
 }
 
 /* With every check. */
 static void remap_pixel(rg_remap_job* job, const rg_position* position,
                         uint32_t out_pixel) {
   const rg_target* const target = target_of(job);
-  const rg_lattice* const lattice = &job->lattice;
+  const rg_lattice* const lattice = job->lattice;
   if (target->border == RG_BORDER_CLAMP || rg_has_source(job, position)) {
     blend_with_care(job, position, out_pixel);
     return;
@@ -93,17 +120,17 @@ static void remap_pixel(rg_remap_job* job, const rg_position* position,
 static RG_NOINLINE void fill_run(const rg_remap_job* job) {
   const rg_target* const target = target_of(job);
   if (target->border != RG_BORDER_KEEP)
-    rg_fill_run(&job->run, &job->lattice,
-                target->border_values + job->lattice.index);
+    rg_fill_run(&job->run, job->lattice,
+                target->border_values + job->lattice->index);
 }
 
 static RG_INLINE void remap_run(rg_remap_job* job, rg_care care) {
   if (care == RG_CARE_NO_SOURCE)
     fill_run(job);
   else if (target_of(job)->sampling == RG_SAMPLING_NEAREST)
-    rg_copy_lattice(&job->run, &job->lattice);
+    rg_copy_lattice(&job->run, job->lattice);
   else
-    rg_dispatch(rg_kernels_of(job), &job->run, &job->lattice,
+    rg_dispatch(rg_kernels_of(job), &job->run, job->lattice,
                 care == RG_CARE_NONE);
 }
 
@@ -120,43 +147,38 @@ static void remap_safe_pixel(rg_remap_job* job, const rg_position* position,
   at.right = 0;
   if (target_of(job)->sampling != RG_SAMPLING_NEAREST) {
     at.lower += run->stride;
-    at.right = job->lattice.sample_step;
+    at.right = job->lattice->sample_step;
   }
-  rg_blend_pixel(&job->lattice, &at, run->out, out_pixel);
+  rg_blend_pixel(job->lattice, &at, run->out, out_pixel);
 }
 
-/* What has no built-in kernel goes pixel by pixel, as borders do. Rows of a
- * ring are counted from the first one in its memory. */
-static RG_INLINE void remap_run(rg_remap_job* job, rg_care care) {
-  (void)care;
-  if (job->ring_rows != 0)
-    for (int k = 0; k < 4; ++k)
-      job->run.block.corners[k].q12[1] -= job->run.first_source_row << 12;
+/* What has no built-in kernel goes pixel by pixel, as borders do. */
+static RG_INLINE void remap_safe_part(rg_remap_job* job) {
   if (target_of(job)->sampling == RG_SAMPLING_NEAREST ||
-      !rg_blend_part(job, rg_interleaved(&job->lattice)))
+      !rg_blend_part(job, rg_interleaved(job->lattice)))
     rg_do_pixels(job, remap_safe_pixel);
 }
 
 #endif
 
 static RG_INLINE void remap_part(rg_remap_job* job) {
-  rg_bring_to_lattice(job);
-  const int is_apart = job->ring_rows != 0 && !choose_ring_rows(job);
-#if !RG_KEEP_LINES
-  if (is_apart) {
-    rg_do_pixels(job, remap_pixel);
-    return;
-  }
-#endif
-  (void)is_apart;
+#if RG_KEEP_LINES
+  if (job->ring_rows != 0) choose_ring_rows(job);
   rg_do_part(job, remap_run, remap_pixel);
+#else
+  rg_bring_to_lattice(job);
+  if (rg_is_part_safe(job) && (job->ring_rows == 0 || move_to_ring(job)))
+    remap_safe_part(job);
+  else
+    rg_do_pixels(job, remap_pixel);
+#endif
 }
 
 /* The part at hand, and some to its right. */
 static RG_INLINE void remap_parts(rg_remap_job* job) {
   remap_part(job);
 #if RG_KEEP_LINES
-  while (rg_do_safe_parts(job, &job->lattice, target_of(job)->sampling))
+  while (rg_do_safe_parts(job, job->lattice, target_of(job)->sampling))
     remap_part(job);
 #endif
 }
@@ -166,7 +188,7 @@ static RG_NOINLINE void start_lattice(rg_remap_job* job,
                                       const rg_camera* camera,
                                       const rg_image* image) {
   const rg_target* const target = target_of(job);
-  const rg_lattice* const lattice = &job->lattice;
+  const rg_lattice* const lattice = job->lattice;
   const uint32_t plane = lattice->plane;
   const uint32_t stride = image->planes[plane].stride;
   const uint32_t out_stride = target->planes[plane].stride;
@@ -187,12 +209,20 @@ static RG_NOINLINE rg_status remap_lattices(const rg_camera* camera,
                                             const rg_image* image,
                                             const rg_target* target) {
   rg_remap_job job;
+  rg_lattice lattice;
+#if !RG_KEEP_LINES
+  rg_ranges ranges;
+#endif
+  job.lattice = &lattice;
   job.how = target;
   job.walk.section = camera->remap;
   job.walk.is_clamped = target->border == RG_BORDER_CLAMP;
-  for (uint32_t k = 0; rg_find_lattice(image->format, k, &job.lattice);
-       k = job.lattice.index + 1u) {
+  for (uint32_t k = 0; rg_find_lattice(image->format, k, &lattice);
+       k = lattice.index + 1u) {
     start_lattice(&job, camera, image);
+#if !RG_KEEP_LINES
+    rg_set_ranges(&job, &lattice, &ranges);
+#endif
     while (rg_next_part(&job)) remap_parts(&job);
   }
   return RG_OK;

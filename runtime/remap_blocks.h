@@ -47,7 +47,7 @@ typedef struct rg_remap_job {
   uint16_t num_rows; /* that follow each other in memory, from the run's
                         first_source_row on */
 #else
-  uint16_t width; /* of the output, in the lattice's pixels */
+  uint16_t width;        /* of the output, in the lattice's pixels */
 #endif
   uint16_t row;     /* of the output: the first one of the row of parts at
                        hand; where size matters, of the next one */
@@ -63,8 +63,12 @@ typedef struct rg_remap_job {
 #if RG_CHOOSE_KERNELS
   const rg_kernels* kernels;
 #endif
+#if RG_KEEP_LINES
   rg_range ranges[2]; /* of the positions that have a source: x, y */
-  rg_lattice lattice;
+#else
+  const uint8_t* ranges; /* likewise, as a table's section has them */
+#endif
+  const rg_lattice* lattice;
 #if RG_KEEP_LINES
   rg_position position; /* of the pixel that a run of RG_CARE_PIXEL is */
   uint16_t whole_parts; /* that a row of parts has, from the left */
@@ -95,8 +99,8 @@ static inline const rg_kernels* rg_kernels_of(const rg_remap_job* job) {
 /* The size of the source, in pixels of the image. */
 static RG_INLINE void rg_set_source(rg_remap_job* job, uint32_t width,
                                     uint32_t height) {
-  job->size[0] = (uint16_t)(width >> job->lattice.log2[0]);
-  job->size[1] = (uint16_t)(height >> job->lattice.log2[1]);
+  job->size[0] = (uint16_t)(width >> job->lattice->log2[0]);
+  job->size[1] = (uint16_t)(height >> job->lattice->log2[1]);
 #if RG_KEEP_LINES
   job->num_rows = job->size[1];
   job->run.first_source_row = 0;
@@ -108,18 +112,40 @@ static RG_INLINE void rg_set_source(rg_remap_job* job, uint32_t width,
 void rg_start_lanes(rg_remap_job* job);
 #endif
 
+#if !RG_KEEP_LINES
+
+/* A lattice's own ranges of positions: its job's ranges point to them. */
+typedef struct rg_ranges {
+  uint8_t bytes[16];
+} rg_ranges;
+
+static RG_INLINE void rg_set_ranges(rg_remap_job* job,
+                                    const rg_lattice* lattice,
+                                    rg_ranges* ranges) {
+  for (int c = 0; c < 2; ++c) {
+    const rg_range range = rg_source_range(job->walk.section, lattice, c);
+    rg_store_i32(ranges->bytes + 4 * c, range.min_q12);
+    rg_store_i32(ranges->bytes + 8 + 4 * c, range.max_q12);
+  }
+  job->ranges = ranges->bytes;
+}
+
+#endif
+
 /* What the job needs of the table, for any rows. It holds its kernels, sizes,
- * and the walk's section and is_clamped; and of the run, first_source_row,
- * strides and data. */
+ * and the walk's section and is_clamped; and of the run, strides and data. */
 static RG_INLINE void rg_set_table(rg_remap_job* job,
                                    const rg_lattice* lattice) {
   const uint8_t* const section = job->walk.section;
   const uint8_t across_log2 = rg_part_log2(section, lattice, 0);
   const uint8_t down_log2 = rg_part_log2(section, lattice, 1);
   rg_set_parts(&job->walk, across_log2, down_log2);
+#if RG_KEEP_LINES
   for (int c = 0; c < 2; ++c)
     job->ranges[c] = rg_source_range(section, lattice, c);
-#if !RG_KEEP_LINES
+#else
+  job->ranges = section + 12;
+  if (RG_ALL_BUILT_IN) job->run.first_pixel = job->run.first_source_row = 0;
   job->run.block.width_log2 = (uint8_t)(across_log2 - lattice->log2[0]);
   job->run.block.height_log2 = (uint8_t)(down_log2 - lattice->log2[1]);
   job->width = (uint16_t)(rg_load_u16(section) >> lattice->log2[0]);
@@ -154,8 +180,8 @@ static RG_INLINE void rg_bring_to_lattice(rg_remap_job* job) {
   (void)job; /* they are */
 #else
   rg_block* const block = &job->run.block;
-  rg_move_corners(&job->lattice,
-                  (uint32_t)block->width_log2 + job->lattice.log2[0],
+  rg_move_corners(job->lattice,
+                  (uint32_t)block->width_log2 + job->lattice->log2[0],
                   block->corners);
 #endif
 }
@@ -253,7 +279,7 @@ static RG_INLINE void rg_do_part(rg_remap_job* job, rg_do_run* on_run,
 
 /* The corners of the next part, as the lattice has them. */
 static RG_INLINE void rg_find_corners(rg_remap_job* job) {
-  const rg_lattice* const lattice = &job->lattice;
+  const rg_lattice* const lattice = job->lattice;
   rg_lanes upper, lower;
   rg_next_corners(&job->walk, &upper, &lower);
   if ((lattice->log2[0] | lattice->log2[1]) != 0)

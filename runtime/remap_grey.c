@@ -45,8 +45,7 @@ static void do_grey_run(rg_remap_job* job, rg_care care) {
 
 static RG_INLINE void do_grey_band(rg_remap_job* job, const rg_frame* frame,
                                    const rg_band* band) {
-  for (int axis = 0; axis < 2; ++axis) /* the rest is not used */
-    job->lattice.log2[axis] = job->lattice.half[axis] = 0;
+  job->lattice = &kGrey;
   rg_set_source(job, frame->width, frame->height);
   job->ring_rows = 0;
   job->walk.is_clamped = 0;

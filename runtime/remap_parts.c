@@ -39,9 +39,10 @@ int rg_have_sources(const rg_remap_job* job, const rg_position* positions,
   const int32_t* q12 = positions->q12;
   if (job->walk.is_empty) return 0;
   for (num *= 2; num != 0; --num) {
-    const rg_range* const range = &job->ranges[num & 1];
-    const uint32_t size = (uint32_t)(range->max_q12 - range->min_q12);
-    const uint32_t at = (uint32_t)*q12++ - (uint32_t)range->min_q12;
+    const uint8_t* const range = job->ranges + 4 * (num & 1);
+    const uint32_t min = rg_load_u32(range);
+    const uint32_t size = rg_load_u32(range + 8) - min;
+    const uint32_t at = (uint32_t)*q12++ - min;
     if (at - margin > size || at + margin > size) return 0;
   }
   return 1;
@@ -84,7 +85,7 @@ static RG_INLINE int rg_next_grey_row(rg_remap_job* job,
                                       const rg_row_kind* kind,
                                       rg_block_row* row) {
   rg_run* const run = &job->run;
-  rg_next_row(run, (uint32_t*)run->block.corners->q12, row);
+  rg_next_row(&run->block, (uint32_t*)run->block.corners->q12, row);
   if (RG_ALL_BUILT_IN || kind->on_pixel) return 1;
   rg_blend_grey_row(run, row, kind->rounding, run->out + run->out_pixel);
   return 0;

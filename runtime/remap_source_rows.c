@@ -3,6 +3,10 @@
 /* All that is kept meanwhile is in one place: that takes less stack. */
 typedef struct row_search {
   rg_remap_job job;
+  rg_lattice lattice;
+#if !RG_KEEP_LINES
+  rg_ranges ranges;
+#endif
   const rg_camera* camera;
   rg_format format;
   uint8_t next_lattice;
@@ -16,7 +20,7 @@ typedef struct row_search {
 
 /* Adds what a position needs: the image rows of its lattice's rows. */
 static RG_NOINLINE void add_position(row_search* search, int32_t y_q12) {
-  const uint32_t log2 = search->job.lattice.log2[1];
+  const uint32_t log2 = search->lattice.log2[1];
   int32_t first = (y_q12 - SLACK) >> 12;
   int32_t end = ((y_q12 + SLACK) >> 12) + 2;
   if (first < 0) first = 0;
@@ -54,17 +58,22 @@ static void add_pixel(rg_remap_job* job, const rg_position* position,
 void rg_start_lattice(rg_remap_job* job, const rg_camera* camera,
                       uint32_t first_row, uint32_t num_rows) {
   /* Of a table that is too narrow for it, a lattice has no pixels. */
-  if (rg_load_u16(job->walk.section) >> job->lattice.log2[0] == 0) num_rows = 0;
+  if (rg_load_u16(job->walk.section) >> job->lattice->log2[0] == 0)
+    num_rows = 0;
   rg_set_source(job, camera->width, camera->height);
-  rg_start_rows(job, &job->lattice, first_row, num_rows);
+  rg_start_rows(job, job->lattice, first_row, num_rows);
 }
 
 /* 0 if there is none. */
 static RG_NOINLINE int start_next_lattice(row_search* search) {
   rg_remap_job* const job = &search->job;
-  if (!rg_find_lattice(search->format, search->next_lattice++, &job->lattice))
+  if (!rg_find_lattice(search->format, search->next_lattice++,
+                       &search->lattice))
     return 0;
   rg_start_lattice(job, search->camera, search->first_row, search->num_rows);
+#if !RG_KEEP_LINES
+  rg_set_ranges(job, &search->lattice, &search->ranges);
+#endif
   return 1;
 }
 
@@ -93,6 +102,7 @@ static RG_NOINLINE rg_status check_search(const row_search* search) {
 int32_t rg_find_source_rows(const rg_camera* camera, rg_format format,
                             uint32_t first_row, uint32_t num_rows) {
   row_search search;
+  search.job.lattice = &search.lattice;
   search.camera = camera;
   search.format = format;
   search.first_row = (uint16_t)first_row;

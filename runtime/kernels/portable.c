@@ -14,7 +14,8 @@ void rg_blend_1(const rg_run* run) {
   const rg_blended rounding = rg_rounding_of(run->num_pixels);
   do {
     rg_block_row row;
-    rg_next_row(run, edges, &row);
+    rg_next_row(&run->block, edges, &row);
+    rg_move_to_run(run, &row);
     rg_blend_grey_row(run, &row, rounding, out);
     out += run->out_stride;
   } while (--rows != 0);
@@ -66,6 +67,7 @@ static RG_INLINE void do_rows(const rg_run* run, const rg_lattice* lattice,
   own.out_pixel = run->out_pixel;
   own.num_rows = run->num_rows;
   own.first_pixel = run->first_pixel;
+  own.first_source_row = run->first_source_row;
   own.num_pixels = run->num_pixels;
   rg_start_edges(run, run->block.corners->q12, edges);
   run = &own;
@@ -80,11 +82,11 @@ static RG_INLINE void do_rows(const rg_run* run, const rg_lattice* lattice,
   do {
     rg_block_row row;
     if (RG_IS_FAST) {
-      rg_next_row(run, edges, &row);
+      rg_next_row(&run->block, edges, &row);
     } else {
       rg_find_block_row(&run->block, run->first_row + r, &row);
-      rg_move_to_run(run, &row);
     }
+    rg_move_to_run(run, &row);
     if (!RG_IS_FAST)
       kind = lattice->kind; /* read late: that takes less stack */
     at.x_q12 =
