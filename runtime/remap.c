@@ -84,30 +84,28 @@ static RG_SHARED int32_t nearest_source(const rg_remap_job* job, int32_t q12,
                   (job->size[c] - 1) << 12);
 }
 
-/* The run's only pixel; neighbours beyond the last have weight zero. */
-static RG_INLINE void blend_with_care(rg_remap_job* job,
-                                      const rg_position* position,
-                                      uint32_t out_pixel) {
-  rg_neighbors at;
-  at.x_q12 = round_position(job, nearest_source(job, position->q12[0], 0), 0);
-  at.y_q12 = round_position(job, nearest_source(job, position->q12[1], 1), 1);
-  const uint32_t row = at.y_q12 >> 12;
-  at.upper = source_row(job, row);
-  at.lower = source_row(job, row + (row + 1 < job->size[1]));
-  at.right =
-      (at.x_q12 >> 12) + 1 < job->size[0] ? job->lattice->sample_step : 0;
-  rg_blend_pixel(job->lattice, &at, job->run.out, out_pixel);
+/* What lies around a position; neighbours beyond the last have weight zero. */
+static RG_INLINE void find_neighbors(const rg_remap_job* job,
+                                     const rg_position* position,
+                                     rg_neighbors* at) {
+  at->x_q12 = round_position(job, nearest_source(job, position->q12[0], 0), 0);
+  at->y_q12 = round_position(job, nearest_source(job, position->q12[1], 1), 1);
+  const uint32_t row = at->y_q12 >> 12;
+  at->upper = source_row(job, row);
+  at->lower = source_row(job, row + (row + 1 < job->size[1]));
+  at->right =
+      (at->x_q12 >> 12) + 1 < job->size[0] ? job->lattice->sample_step : 0;
 }
 
-/* With every check. */
-static void remap_pixel(rg_remap_job* job, const rg_position* position,
-                        uint32_t out_pixel) {
+static RG_INLINE int takes_source(const rg_remap_job* job,
+                                  const rg_position* position) {
+  return target_of(job)->border == RG_BORDER_CLAMP ||
+         rg_has_source(job, position);
+}
+
+static RG_INLINE void put_border(const rg_remap_job* job, uint32_t out_pixel) {
   const rg_target* const target = target_of(job);
   const rg_lattice* const lattice = job->lattice;
-  if (target->border == RG_BORDER_CLAMP || rg_has_source(job, position)) {
-    blend_with_care(job, position, out_pixel);
-    return;
-  }
   if (target->border == RG_BORDER_KEEP) return;
   const uint16_t* value = target->border_values + lattice->index;
   uint32_t index = rg_first_sample(lattice, out_pixel);
@@ -116,6 +114,18 @@ static void remap_pixel(rg_remap_job* job, const rg_position* position,
 }
 
 #if RG_KEEP_LINES
+
+/* With every check. */
+static void remap_pixel(rg_remap_job* job, const rg_position* position,
+                        uint32_t out_pixel) {
+  if (takes_source(job, position)) {
+    rg_neighbors at;
+    find_neighbors(job, position, &at);
+    rg_blend_pixel(job->lattice, &at, job->run.out, out_pixel);
+  } else {
+    put_border(job, out_pixel);
+  }
+}
 
 static RG_NOINLINE void fill_run(const rg_remap_job* job) {
   const rg_target* const target = target_of(job);
@@ -136,27 +146,45 @@ static RG_INLINE void remap_run(rg_remap_job* job, rg_care care) {
 
 #else
 
-static void remap_safe_pixel(rg_remap_job* job, const rg_position* position,
-                             uint32_t out_pixel) {
-  const rg_run* const run = &job->run;
-  rg_neighbors at;
-  at.x_q12 = round_position(job, position->q12[0], 0);
-  at.y_q12 = round_position(job, position->q12[1], 1);
-  const uint32_t row = at.y_q12 >> 12;
-  at.upper = at.lower = run->data + (size_t)row * run->stride;
-  at.right = 0;
+/* The same of a part that asks for no care. */
+static RG_INLINE void find_safe_neighbors(const rg_remap_job* job,
+                                          const rg_position* position,
+                                          rg_neighbors* at) {
+  at->x_q12 = round_position(job, position->q12[0], 0);
+  at->y_q12 = round_position(job, position->q12[1], 1);
+  at->upper = at->lower =
+      job->run.data + (size_t)(at->y_q12 >> 12) * job->run.stride;
+  at->right = 0;
   if (target_of(job)->sampling != RG_SAMPLING_NEAREST) {
-    at.lower += run->stride;
-    at.right = job->lattice->sample_step;
+    at->lower += job->run.stride;
+    at->right = job->lattice->sample_step;
   }
-  rg_blend_pixel(job->lattice, &at, run->out, out_pixel);
 }
 
-/* What has no built-in kernel goes pixel by pixel, as borders do. */
-static RG_INLINE void remap_safe_part(rg_remap_job* job) {
-  if (target_of(job)->sampling == RG_SAMPLING_NEAREST ||
-      !rg_blend_part(job, rg_interleaved(job->lattice)))
-    rg_do_pixels(job, remap_safe_pixel);
+/* What has no built-in kernel, and what asks for care: pixel by pixel, in one
+ * function, which takes less stack. */
+static RG_NOINLINE void remap_pixels(rg_remap_job* job) {
+  rg_block_row row;
+  rg_neighbors at;
+  uint32_t r = 0;
+  do {
+    RG_IN_REGISTER(job);
+    rg_find_block_row(&job->run.block, job->run.first_row + r, &row);
+    uint32_t pixel = job->run.out_pixel;
+    do {
+      if (job->walk.is_safe || takes_source(job, &row.start)) {
+        if (job->walk.is_safe)
+          find_safe_neighbors(job, &row.start, &at);
+        else
+          find_neighbors(job, &row.start, &at);
+        rg_blend_pixel(job->lattice, &at, job->run.out, pixel);
+      } else {
+        put_border(job, pixel);
+      }
+      rg_go_on_in_row(&row);
+    } while (++pixel != (uint32_t)job->run.out_pixel + job->run.num_pixels);
+    job->run.out += job->run.out_stride;
+  } while (++r != job->run.num_rows);
 }
 
 #endif
@@ -167,10 +195,11 @@ static RG_INLINE void remap_part(rg_remap_job* job) {
   rg_do_part(job, remap_run, remap_pixel);
 #else
   rg_bring_to_lattice(job);
-  if (rg_is_part_safe(job) && (job->ring_rows == 0 || move_to_ring(job)))
-    remap_safe_part(job);
-  else
-    rg_do_pixels(job, remap_pixel);
+  job->walk.is_safe = (uint8_t)(rg_is_part_safe(job) &&
+                                (job->ring_rows == 0 || move_to_ring(job)));
+  if (!job->walk.is_safe || target_of(job)->sampling == RG_SAMPLING_NEAREST ||
+      !rg_blend_part(job, rg_interleaved(job->lattice)))
+    remap_pixels(job);
 #endif
 }
 
@@ -183,10 +212,20 @@ static RG_INLINE void remap_parts(rg_remap_job* job) {
 #endif
 }
 
+/* What there is while a lattice is done. */
+typedef struct lattice_job {
+  rg_remap_job job;
+  rg_lattice lattice;
+#if !RG_KEEP_LINES
+  rg_ranges ranges;
+#endif
+} lattice_job;
+
 /* Before the runs of the job's lattice. */
-static RG_NOINLINE void start_lattice(rg_remap_job* job,
+static RG_NOINLINE void start_lattice(lattice_job* whole,
                                       const rg_camera* camera,
                                       const rg_image* image) {
+  rg_remap_job* const job = &whole->job;
   const rg_target* const target = target_of(job);
   const rg_lattice* const lattice = job->lattice;
   const uint32_t plane = lattice->plane;
@@ -201,6 +240,9 @@ static RG_NOINLINE void start_lattice(rg_remap_job* job,
       target->planes[plane].data + lattice->first_row * (size_t)out_stride;
   job->run.out_stride = out_stride * lattice->row_step;
   rg_start_lattice(job, camera, target->first_row, target->num_rows);
+#if !RG_KEEP_LINES
+  rg_set_ranges(job, lattice, &whole->ranges);
+#endif
 }
 
 /* A function of its own, so that its stack and that of the checks do not add
@@ -208,22 +250,18 @@ static RG_NOINLINE void start_lattice(rg_remap_job* job,
 static RG_NOINLINE rg_status remap_lattices(const rg_camera* camera,
                                             const rg_image* image,
                                             const rg_target* target) {
-  rg_remap_job job;
-  rg_lattice lattice;
-#if !RG_KEEP_LINES
-  rg_ranges ranges;
+  lattice_job whole;
+  rg_remap_job* const job = &whole.job;
+  job->lattice = &whole.lattice;
+  job->how = target;
+  job->walk.section = camera->remap;
+#if RG_KEEP_LINES
+  job->walk.is_clamped = target->border == RG_BORDER_CLAMP;
 #endif
-  job.lattice = &lattice;
-  job.how = target;
-  job.walk.section = camera->remap;
-  job.walk.is_clamped = target->border == RG_BORDER_CLAMP;
-  for (uint32_t k = 0; rg_find_lattice(image->format, k, &lattice);
-       k = lattice.index + 1u) {
-    start_lattice(&job, camera, image);
-#if !RG_KEEP_LINES
-    rg_set_ranges(&job, &lattice, &ranges);
-#endif
-    while (rg_next_part(&job)) remap_parts(&job);
+  for (uint32_t k = 0; rg_find_lattice(image->format, k, &whole.lattice);
+       k = whole.lattice.index + 1u) {
+    start_lattice(&whole, camera, image);
+    while (rg_next_part(job)) remap_parts(job);
   }
   return RG_OK;
 }

@@ -58,8 +58,7 @@ void rg_do_pixels(rg_remap_job* job, rg_do_pixel* on_pixel) {
     const uint32_t end = pixel + job->run.num_pixels;
     do {
       on_pixel(job, &row.start, pixel);
-      row.start.q12[0] = rg_add(row.start.q12[0], row.step.q12[0]);
-      row.start.q12[1] = rg_add(row.start.q12[1], row.step.q12[1]);
+      rg_go_on_in_row(&row);
     } while (++pixel != end);
     job->run.out += job->run.out_stride;
   } while (++r != job->run.num_rows);

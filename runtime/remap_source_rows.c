@@ -110,7 +110,9 @@ int32_t rg_find_source_rows(const rg_camera* camera, rg_format format,
   search.first_source = UINT16_MAX;
   search.end_source = search.next_lattice = 0;
   search.job.walk.section = camera->remap;
+#if RG_KEEP_LINES
   search.job.walk.is_clamped = 0;
+#endif
   search.job.ring_rows = 0;
   search.job.run.out = (uint8_t*)&search; /* no byte of it is written */
   search.job.run.out_stride = 0;

@@ -51,13 +51,13 @@ typedef struct rg_span {
  * rg_select_remap() accepted. */
 typedef struct rg_block_walk {
   const uint8_t* section;
-  uint8_t is_empty;   /* the table says that no pixel of the last part's block
-                         has a source */
-  uint8_t is_clamped; /* such pixels take the nearest source: none is empty */
+  uint8_t is_empty; /* the table says that no pixel of the last part's block
+                       has a source */
 #if RG_KEEP_LINES
-  uint8_t part_log2[2];           /* output pixels of a part: across, down */
-  uint16_t row;                   /* of parts */
-  uint16_t next_part;             /* in the row */
+  uint8_t is_clamped;   /* such pixels take the nearest source: none is empty */
+  uint8_t part_log2[2]; /* output pixels of a part: across, down */
+  uint16_t row;         /* of parts */
+  uint16_t next_part;   /* in the row */
   uint32_t vertex_size, row_size; /* of vertices, in bytes */
   int32_t residual_shift, bend_shift[2], num_log2[2]; /* of a block's parts */
   uint32_t next_mark;                                 /* the next block's */
@@ -75,6 +75,7 @@ typedef struct rg_block_walk {
   uint8_t vertex_size;   /* in bytes */
   uint8_t bend_shift[2]; /* of edges across, times the part's width in blocks;
                             of edges down */
+  uint8_t is_safe;       /* for the caller */
   uint16_t row_size;     /* of vertices, in bytes */
   rg_span spans[2];      /* of the next part across, of the row of parts down */
 #endif
@@ -286,6 +287,12 @@ static RG_INLINE void rg_find_row(const rg_block* block, uint32_t r,
   rg_find_row_axis(block, r, 1, row);
 }
 void rg_find_block_row(const rg_block* block, uint32_t r, rg_block_row* row);
+
+/* To the row's next pixel, which it then begins with. */
+static RG_INLINE void rg_go_on_in_row(rg_block_row* row) {
+  for (int c = 0; c < 2; ++c)
+    row->start.q12[c] = rg_add(row->start.q12[c], row->step.q12[c]);
+}
 
 static inline rg_position rg_row_position(const rg_block_row* row, uint32_t k) {
   rg_position p;
