@@ -233,9 +233,11 @@ static RG_INLINE void rg_blend_grey_row(const rg_run* run,
 
 /* What is done with rows: their pixels one by one, or, if on_pixel is NULL, the
  * kernel, which begins with a rounding. */
-typedef struct rg_row_kind {
+typedef struct rg_grey_rows {
+  struct rg_remap_job* job;
   rg_do_pixel* on_pixel;
   rg_blended rounding;
-} rg_row_kind;
+  uint32_t rest; /* that are not done */
+} rg_grey_rows;
 
 #endif /* RAYGRID_GREY_ROW_H */

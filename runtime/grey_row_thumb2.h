@@ -39,14 +39,13 @@
   "subs r0, r0, r2\n\t"         \
   "adds r1, r1, r3\n\t"
 
-static RG_INLINE int rg_next_grey_row(const rg_remap_job* job,
-                                      const rg_row_kind* kind,
+static RG_INLINE int rg_next_grey_row(const rg_grey_rows* rows,
                                       rg_block_row* row) {
   register int32_t x __asm__("r0");
   register int32_t y __asm__("r1");
   register int32_t step_x __asm__("r2");
   register int32_t step_y __asm__("r3");
-  register const rg_remap_job* job_at __asm__("lr") = job;
+  register const rg_remap_job* job_at __asm__("lr") = rows->job;
   __asm__ goto(
       /* sums, and those of the row below */
       "add ip, lr, %[edges]\n\t"
@@ -90,7 +89,7 @@ static RG_INLINE int rg_next_grey_row(const rg_remap_job* job,
       "adds r8, r8, #0x8000000\n\t"
       "bmi 1b"
       : "=r"(x), "=r"(y), "=r"(step_x), "=r"(step_y), "+r"(job_at)
-      : [on_pixel] "m"(kind->on_pixel), [rounding] "m"(kind->rounding),
+      : [on_pixel] "m"(rows->on_pixel), [rounding] "m"(rows->rounding),
         [edges] "i"(offsetof(rg_remap_job, run.block.corners)),
         [height_log2] "i"(offsetof(rg_remap_job, run.block.height_log2)),
         [width_log2] "i"(offsetof(rg_remap_job, run.block.width_log2)),

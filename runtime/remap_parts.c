@@ -64,45 +64,40 @@ void rg_do_pixels(rg_remap_job* job, rg_do_pixel* on_pixel) {
   } while (++r != job->run.num_rows);
 }
 
-/* The pixels of a row, one by one. */
-static RG_INLINE void do_row(rg_remap_job* job, const rg_block_row* row,
-                             rg_do_pixel* on_pixel) {
-  uint32_t pixel = job->run.out_pixel, num = job->run.num_pixels;
-  rg_position position = row->start;
-  do {
-    on_pixel(job, &position, pixel);
-    position.q12[0] = rg_add(position.q12[0], row->step.q12[0]);
-    position.q12[1] = rg_add(position.q12[1], row->step.q12[1]);
-    ++pixel;
-  } while (--num != 0);
-}
-
 #if !RG_GREY_ROW_IN_ASSEMBLER
 /* The next row, from the corners as edges, by the kernel; or found, if its
  * pixels are done one by one: then 1. */
-static RG_INLINE int rg_next_grey_row(rg_remap_job* job,
-                                      const rg_row_kind* kind,
+static RG_INLINE int rg_next_grey_row(const rg_grey_rows* rows,
                                       rg_block_row* row) {
-  rg_run* const run = &job->run;
+  rg_run* const run = &rows->job->run;
   rg_next_row(&run->block, (uint32_t*)run->block.corners->q12, row);
-  if (RG_ALL_BUILT_IN || kind->on_pixel) return 1;
-  rg_blend_grey_row(run, row, kind->rounding, run->out + run->out_pixel);
+  if (RG_ALL_BUILT_IN || rows->on_pixel) return 1;
+  rg_blend_grey_row(run, row, rows->rounding, run->out + run->out_pixel);
   return 0;
 }
 #endif
 
 void rg_do_rows(rg_remap_job* job, rg_do_pixel* on_pixel) {
-  const rg_row_kind kind = {on_pixel, rg_rounding_of(job->run.num_pixels)};
+  rg_grey_rows rows = {job, on_pixel, rg_rounding_of(job->run.num_pixels),
+                       job->run.num_rows};
   int32_t* const corners = job->run.block.corners->q12;
-  uint32_t rows = job->run.num_rows;
   rg_start_edges(&job->run, corners, (uint32_t*)corners);
   do {
     rg_block_row row;
+    if (rg_next_grey_row(&rows, &row)) {
+      uint32_t pixel = rows.job->run.out_pixel;
+      uint32_t num = rows.job->run.num_pixels;
+      rg_position position = row.start;
+      do {
+        rows.on_pixel(rows.job, &position, pixel);
+        position.q12[0] = rg_add(position.q12[0], row.step.q12[0]);
+        position.q12[1] = rg_add(position.q12[1], row.step.q12[1]);
+        ++pixel;
+      } while (--num != 0);
+    }
     RG_IN_MEMORY(rows);
-    if (rg_next_grey_row(job, &kind, &row)) do_row(job, &row, kind.on_pixel);
-    RG_IN_MEMORY(job);
-    job->run.out += job->run.out_stride;
-  } while (--rows != 0);
+    rows.job->run.out += rows.job->run.out_stride;
+  } while (--rows.rest != 0);
 }
 
 #endif
