@@ -74,14 +74,15 @@ static RG_INLINE void do_grey_band(rg_remap_job* job, const rg_frame* frame,
   job->size[0] = frame->width;
   job->size[1] = frame->height;
   rg_set_table(job, &kGrey);
-  const uint32_t log2 = run->block.height_log2, part = 1u << log2;
-  uint32_t row = band->first_row;
-  for (uint32_t rest = band->num_rows; rest != 0; rest -= run->num_rows) {
+  uint32_t row = band->first_row, rest = band->num_rows;
+  for (; rest != 0; rest -= run->num_rows) {
+    const uint32_t log2 = run->block.height_log2, part = 1u << log2;
     uint8_t* const out = run->out;
     const uint32_t first_row = row & (part - 1);
     run->first_row = (uint16_t)first_row;
     run->num_rows = (uint16_t)rg_lesser(part - first_row, rest);
     rg_start_parts(&job->walk, row >> log2);
+    row += run->num_rows;
     uint32_t pixel = 0;
     do {
       run->out = out;
@@ -91,7 +92,6 @@ static RG_INLINE void do_grey_band(rg_remap_job* job, const rg_frame* frame,
       do_grey_part(job);
       pixel += part;
     } while (pixel < job->width);
-    row += run->num_rows;
   }
 }
 
@@ -116,7 +116,7 @@ static RG_NOINLINE rg_fault check_grey_frames(const rg_camera* camera,
 
 rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
                         const rg_band* band) {
-  const rg_fault fault = check_grey_frames(camera, frame, band);
+  rg_fault fault = check_grey_frames(camera, frame, band);
   if (!fault) {
     rg_remap_job on_stack;
     rg_remap_job* job = &on_stack;
@@ -129,6 +129,8 @@ rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
     job->run.out = band->data;
     job->run.out_stride = band->stride;
     do_grey_band(job, frame, band);
+    fault = 0;
+    RG_IN_REGISTER(fault); /* not the one above, kept meanwhile */
   }
   return (rg_status)-fault;
 }
