@@ -54,6 +54,9 @@ void rg_next_block(rg_block_walk* walk, rg_block* block) {
 }
 
 #else
+
+#if !RG_CORNERS_IN_ASSEMBLER
+
 /* In place of an edge's ends, those of the part at a place. SPEC.md, "Bends",
  * along(): k and 2^n are multiplied by what makes 2^n eight, and so is bend, by
  * which the result stays the same; bend is four times that; modulo 2^32. */
@@ -128,6 +131,8 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
   find_axis(walk, section + 4, above + 1, &corners->q12[1]);
   walk->spans[0].before += walk->spans[0].size;
 }
+
+#endif
 
 static uint8_t part_log2(const rg_block_walk* walk, const rg_span* span) {
   uint32_t log2 = walk->section[8];

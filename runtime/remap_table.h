@@ -39,6 +39,13 @@ typedef struct rg_block {
   RG_FOR_LANES rg_position corners[4];
 } rg_block;
 
+/* rg_next_corners(): kernels/thumb2.c. */
+#if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_KEEP_LINES
+#define RG_CORNERS_IN_ASSEMBLER 1
+#else
+#define RG_CORNERS_IN_ASSEMBLER 0
+#endif
+
 #if !RG_KEEP_LINES
 /* Of a part on an axis, in q16 blocks: what is before it, and its size. */
 typedef struct rg_span {
