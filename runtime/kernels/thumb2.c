@@ -11,8 +11,8 @@ typedef struct corner_search {
   rg_block_walk* walk;
   rg_position* corner;  /* the left one of the row at hand */
   const uint8_t* above; /* the vertex to the left above the part */
-  uint32_t vertex_size;
-  uint32_t left; /* along the left edge; before that, column_step */
+  const uint8_t* section;
+  uint32_t left;
 } corner_search;
 
 /* As in formats/SPEC.md, "Bends", but for t = k / 2^n in q30, and bends times
@@ -25,6 +25,7 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
   __asm__ volatile(
       /* r3 = i, r4 = j, r5 = size of a vertex, r7 = of a row of them */
       "ldr r2, [r0]\n\t"
+      "str r2, %[section]\n\t"
       "ldrh r3, [r0, %[across] + 2]\n\t"
       "ldrh r4, [r0, %[down] + 2]\n\t"
       "ldrh r6, [r2, #4]\n\t"
@@ -34,7 +35,7 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "movs r5, #8\n"
       "1:\n\t"
       "mul r7, r6, r5\n\t"
-      "str r5, %[vertex_size]\n\t"
+      "mov r10, r5\n\t"
       /* r6 = j columns + i, r3 = j (columns - 1) + i */
       "muls r6, r4\n\t"
       "adds r6, r3\n\t"
@@ -56,11 +57,6 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "strb r1, [r0, %[is_empty]]\n\t"
       /* r10: of residuals, r11: of the edges down, times four; r12 = t in q16
        */
-      "ldrb r10, [r2, #9]\n\t"
-      "ldrb r1, [r0, %[bend_shift]]\n\t"
-      "ldrb r2, [r0, %[num_log2]]\n\t"
-      "adds r1, r2\n\t"
-      "mov r11, r1\n\t"
       "ldrh r12, [r0, %[down]]\n"
       /* On the line above the part, then on that below; r6: y, then x. */
       "2:\n\t"
@@ -68,11 +64,11 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "3:\n\t"
       /* r8 = origin + i column_step + j row_step, r9 = row_step */
       "ldr r4, %[walk]\n\t"
-      "ldr r2, [r4]\n\t"
+      "ldr r2, %[section]\n\t"
       "add r2, r2, r6, lsl #2\n\t"
       "ldr r0, [r2, #28]\n\t"
       "ldr r1, [r2, #36]\n\t"
-      "str r1, %[left]\n\t"
+      "mov r11, r1\n\t"
       "ldrh r3, [r4, %[across] + 2]\n\t"
       "mla r0, r1, r3, r0\n\t"
       "ldrh r3, [r4, %[down] + 2]\n\t"
@@ -81,25 +77,23 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       /* left, and r8 = right: along the edges down */
       "ldr r5, %[above]\n\t"
       "adds r5, r6\n\t"
-      "mov r3, r12\n\t"
-      "lsls r3, r3, #14\n\t"
+      "lsl r3, r12, #14\n\t"
       "bl 4f\n\t"
-      "ldr r0, %[left]\n\t"
-      "add r8, r0\n\t"
+      "add r4, r8\n\t"
       "str r4, %[left]\n\t"
-      "ldr r4, %[vertex_size]\n\t"
-      "adds r5, r4\n\t"
+      "add r8, r11\n\t"
+      "add r5, r10\n\t"
       "bl 4f\n\t"
-      "mov r8, r4\n\t"
+      "add r8, r4\n\t"
       /* r4 = bend = along(h10, h11, 0, t) */
-      "adds r5, #4\n\t"
-      "ldrsb r0, [r5]\n\t"
-      "ldrsb r1, [r5, r7]\n\t"
+      "movs r2, #4\n\t"
+      "ldrsb r0, [r5, r2]\n\t"
+      "adds r5, r7\n\t"
+      "ldrsb r1, [r5, r2]\n\t"
       "ldr r5, %[walk]\n\t"
       "ldrb r4, [r5, %[bend_shift]]\n\t"
       "lsls r0, r4\n\t"
       "lsls r1, r4\n\t"
-      "movs r2, #0\n\t"
       "bl 5f\n\t"
       /* along(left, right, bend, t) where the part begins and ends */
       "ldr r0, %[left]\n\t"
@@ -134,13 +128,16 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "adds r4, r5, r7\n\t"
       "ldrsh r1, [r4, r6]\n\t"
       "ldrsb r2, [r4, #6]\n\t"
-      "mov r4, r10\n\t"
+      "ldr r4, %[walk]\n\t"
+      "ldrh r4, [r4, %[bend_shift]]\n\t"
+      "lsls r2, r4\n\t"
+      "lsrs r4, r4, #8\n\t"
+      "lsls r2, r4\n\t"
+      "ldr r4, %[section]\n\t"
+      "ldrb r4, [r4, #9]\n\t"
       "lsls r0, r4\n\t"
       "lsls r1, r4\n\t"
-      "add r0, r8\n\t"
-      "add r1, r8\n\t"
-      "add r1, r9\n\t"
-      "lsl r2, r2, r11\n"
+      "add r1, r9\n"
       /* r4 = along(r0, r1, r2 / 4, r3) */
       "5:\n\t"
       "rsb r4, r3, #0x40000000\n\t"
@@ -151,7 +148,7 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "bx lr\n"
       "6:"
       : [corner] "+m"(search.corner), [above] "=m"(search.above),
-        [vertex_size] "=m"(search.vertex_size), [left] "=m"(search.left),
+        [section] "=m"(search.section), [left] "=m"(search.left),
         "+r"(r0)
       : [walk] "m"(search.walk),
         [is_empty] "i"(offsetof(rg_block_walk, is_empty)),
