@@ -68,7 +68,7 @@ static RG_INLINE uint32_t round_position(const rg_remap_job* job, int32_t q12,
                                          int c) {
   return target_of(job)->sampling == RG_SAMPLING_NEAREST
              ? ((uint32_t)q12 + 2048) & ~4095u
-             : (uint32_t)q12 + rg_rounding(job->lattice->kind, c);
+             : (uint32_t)q12 + rg_rounding(rg_lattice_of(job)->kind, c);
 }
 
 /* Coordinate c of the nearest position that has a source. */
@@ -93,8 +93,9 @@ static RG_INLINE void find_neighbors(const rg_remap_job* job,
   const uint32_t row = at->y_q12 >> 12;
   at->upper = source_row(job, row);
   at->lower = source_row(job, row + (row + 1 < job->size[1]));
-  at->right =
-      (at->x_q12 >> 12) + 1 < job->size[0] ? job->lattice->sample_step : 0;
+  at->right = (at->x_q12 >> 12) + 1 < job->size[0]
+                  ? rg_lattice_of(job)->sample_step
+                  : 0;
 }
 
 static RG_INLINE int takes_source(const rg_remap_job* job,
@@ -105,7 +106,7 @@ static RG_INLINE int takes_source(const rg_remap_job* job,
 
 static RG_INLINE void put_border(const rg_remap_job* job, uint32_t out_pixel) {
   const rg_target* const target = target_of(job);
-  const rg_lattice* const lattice = job->lattice;
+  const rg_lattice* const lattice = rg_lattice_of(job);
   if (target->border == RG_BORDER_KEEP) return;
   const uint16_t* value = target->border_values + lattice->index;
   uint32_t index = rg_first_sample(lattice, out_pixel);
@@ -121,7 +122,7 @@ static void remap_pixel(rg_remap_job* job, const rg_position* position,
   if (takes_source(job, position)) {
     rg_neighbors at;
     find_neighbors(job, position, &at);
-    rg_blend_pixel(job->lattice, &at, job->run.out, out_pixel);
+    rg_blend_pixel(rg_lattice_of(job), &at, job->run.out, out_pixel);
   } else {
     put_border(job, out_pixel);
   }
@@ -130,17 +131,17 @@ static void remap_pixel(rg_remap_job* job, const rg_position* position,
 static RG_NOINLINE void fill_run(const rg_remap_job* job) {
   const rg_target* const target = target_of(job);
   if (target->border != RG_BORDER_KEEP)
-    rg_fill_run(&job->run, job->lattice,
-                target->border_values + job->lattice->index);
+    rg_fill_run(&job->run, rg_lattice_of(job),
+                target->border_values + rg_lattice_of(job)->index);
 }
 
 static RG_INLINE void remap_run(rg_remap_job* job, rg_care care) {
   if (care == RG_CARE_NO_SOURCE)
     fill_run(job);
   else if (target_of(job)->sampling == RG_SAMPLING_NEAREST)
-    rg_copy_lattice(&job->run, job->lattice);
+    rg_copy_lattice(&job->run, rg_lattice_of(job));
   else
-    rg_dispatch(rg_kernels_of(job), &job->run, job->lattice,
+    rg_dispatch(rg_kernels_of(job), &job->run, rg_lattice_of(job),
                 care == RG_CARE_NONE);
 }
 
@@ -157,7 +158,7 @@ static RG_INLINE void find_safe_neighbors(const rg_remap_job* job,
   at->right = 0;
   if (target_of(job)->sampling != RG_SAMPLING_NEAREST) {
     at->lower += job->run.stride;
-    at->right = job->lattice->sample_step;
+    at->right = rg_lattice_of(job)->sample_step;
   }
 }
 
@@ -177,7 +178,7 @@ static RG_NOINLINE void remap_pixels(rg_remap_job* job) {
           find_safe_neighbors(job, &row.start, &at);
         else
           find_neighbors(job, &row.start, &at);
-        rg_blend_pixel(job->lattice, &at, job->run.out, pixel);
+        rg_blend_pixel(rg_lattice_of(job), &at, job->run.out, pixel);
       } else {
         put_border(job, pixel);
       }
@@ -198,7 +199,7 @@ static RG_INLINE void remap_part(rg_remap_job* job) {
   job->walk.is_safe = (uint8_t)(rg_is_part_safe(job) &&
                                 (job->ring_rows == 0 || move_to_ring(job)));
   if (!job->walk.is_safe || target_of(job)->sampling == RG_SAMPLING_NEAREST ||
-      !rg_blend_part(job, rg_interleaved(job->lattice)))
+      !rg_blend_part(job, rg_interleaved(rg_lattice_of(job))))
     remap_pixels(job);
 #endif
 }
@@ -207,27 +208,18 @@ static RG_INLINE void remap_part(rg_remap_job* job) {
 static RG_INLINE void remap_parts(rg_remap_job* job) {
   remap_part(job);
 #if RG_KEEP_LINES
-  while (rg_do_safe_parts(job, job->lattice, target_of(job)->sampling))
+  while (rg_do_safe_parts(job, rg_lattice_of(job), target_of(job)->sampling))
     remap_part(job);
 #endif
 }
 
-/* What there is while a lattice is done. */
-typedef struct lattice_job {
-  rg_remap_job job;
-  rg_lattice lattice;
-#if !RG_KEEP_LINES
-  rg_ranges ranges;
-#endif
-} lattice_job;
-
 /* Before the runs of the job's lattice. */
-static RG_NOINLINE void start_lattice(lattice_job* whole,
+static RG_NOINLINE void start_lattice(rg_lattice_job* whole,
                                       const rg_camera* camera,
                                       const rg_image* image) {
   rg_remap_job* const job = &whole->job;
   const rg_target* const target = target_of(job);
-  const rg_lattice* const lattice = job->lattice;
+  const rg_lattice* const lattice = rg_lattice_of(job);
   const uint32_t plane = lattice->plane;
   const uint32_t stride = image->planes[plane].stride;
   const uint32_t out_stride = target->planes[plane].stride;
@@ -241,7 +233,7 @@ static RG_NOINLINE void start_lattice(lattice_job* whole,
   job->run.out_stride = out_stride * lattice->row_step;
   rg_start_lattice(job, camera, target->first_row, target->num_rows);
 #if !RG_KEEP_LINES
-  rg_set_ranges(job, lattice, &whole->ranges);
+  rg_set_ranges(whole);
 #endif
 }
 
@@ -250,12 +242,12 @@ static RG_NOINLINE void start_lattice(lattice_job* whole,
 static RG_NOINLINE rg_status remap_lattices(const rg_camera* camera,
                                             const rg_image* image,
                                             const rg_target* target) {
-  lattice_job whole;
+  rg_lattice_job whole;
   rg_remap_job* const job = &whole.job;
-  job->lattice = &whole.lattice;
   job->how = target;
   job->walk.section = camera->remap;
 #if RG_KEEP_LINES
+  job->lattice = &whole.lattice;
   job->walk.is_clamped = target->border == RG_BORDER_CLAMP;
 #endif
   for (uint32_t k = 0; rg_find_lattice(image->format, k, &whole.lattice);

@@ -68,14 +68,32 @@ typedef struct rg_remap_job {
 #else
   const uint8_t* ranges; /* likewise, as a table's section has them */
 #endif
-  const rg_lattice* lattice;
 #if RG_KEEP_LINES
+  const rg_lattice* lattice;
   rg_position position; /* of the pixel that a run of RG_CARE_PIXEL is */
   uint16_t whole_parts; /* that a row of parts has, from the left */
   rg_safe_box safe;
   rg_lattice_lanes move;
 #endif
 } rg_remap_job;
+
+/* A job with its own lattice, to be taken for the job itself. */
+typedef struct rg_lattice_job {
+  rg_remap_job job;
+  rg_lattice lattice;
+#if !RG_KEEP_LINES
+  uint8_t ranges[16]; /* of the lattice, as a section has those of the image */
+#endif
+} rg_lattice_job;
+
+/* Of a job that has one. */
+static RG_INLINE const rg_lattice* rg_lattice_of(const rg_remap_job* job) {
+#if RG_KEEP_LINES
+  return job->lattice;
+#else
+  return &((const rg_lattice_job*)job)->lattice;
+#endif
+}
 
 /* wanted, or the fastest, as the frame's rows allow it. */
 static inline void rg_set_kernels(rg_remap_job* job, const rg_kernels* wanted,
@@ -99,8 +117,8 @@ static inline const rg_kernels* rg_kernels_of(const rg_remap_job* job) {
 /* The size of the source, in pixels of the image. */
 static RG_INLINE void rg_set_source(rg_remap_job* job, uint32_t width,
                                     uint32_t height) {
-  job->size[0] = (uint16_t)(width >> job->lattice->log2[0]);
-  job->size[1] = (uint16_t)(height >> job->lattice->log2[1]);
+  job->size[0] = (uint16_t)(width >> rg_lattice_of(job)->log2[0]);
+  job->size[1] = (uint16_t)(height >> rg_lattice_of(job)->log2[1]);
 #if RG_KEEP_LINES
   job->num_rows = job->size[1];
   job->run.first_source_row = 0;
@@ -114,20 +132,15 @@ void rg_start_lanes(rg_remap_job* job);
 
 #if !RG_KEEP_LINES
 
-/* A lattice's own ranges of positions: its job's ranges point to them. */
-typedef struct rg_ranges {
-  uint8_t bytes[16];
-} rg_ranges;
-
-static RG_INLINE void rg_set_ranges(rg_remap_job* job,
-                                    const rg_lattice* lattice,
-                                    rg_ranges* ranges) {
+/* To those of the lattice, from those of the image. */
+static RG_INLINE void rg_set_ranges(rg_lattice_job* whole) {
   for (int c = 0; c < 2; ++c) {
-    const rg_range range = rg_source_range(job->walk.section, lattice, c);
-    rg_store_i32(ranges->bytes + 4 * c, range.min_q12);
-    rg_store_i32(ranges->bytes + 8 + 4 * c, range.max_q12);
+    const rg_range range =
+        rg_source_range(whole->job.walk.section, &whole->lattice, c);
+    rg_store_i32(whole->ranges + 4 * c, range.min_q12);
+    rg_store_i32(whole->ranges + 8 + 4 * c, range.max_q12);
   }
-  job->ranges = ranges->bytes;
+  whole->job.ranges = whole->ranges;
 }
 
 #endif
@@ -180,8 +193,8 @@ static RG_INLINE void rg_bring_to_lattice(rg_remap_job* job) {
   (void)job; /* they are */
 #else
   rg_block* const block = &job->run.block;
-  rg_move_corners(job->lattice,
-                  (uint32_t)block->width_log2 + job->lattice->log2[0],
+  rg_move_corners(rg_lattice_of(job),
+                  (uint32_t)block->width_log2 + rg_lattice_of(job)->log2[0],
                   block->corners);
 #endif
 }
@@ -279,7 +292,7 @@ static RG_INLINE void rg_do_part(rg_remap_job* job, rg_do_run* on_run,
 
 /* The corners of the next part, as the lattice has them. */
 static RG_INLINE void rg_find_corners(rg_remap_job* job) {
-  const rg_lattice* const lattice = job->lattice;
+  const rg_lattice* const lattice = rg_lattice_of(job);
   rg_lanes upper, lower;
   rg_next_corners(&job->walk, &upper, &lower);
   if ((lattice->log2[0] | lattice->log2[1]) != 0)

@@ -54,21 +54,24 @@ void rg_next_block(rg_block_walk* walk, rg_block* block) {
 }
 
 #else
+
+#if !RG_CORNERS_IN_ASSEMBLER
+
 /* In place of an edge's ends, those of the part at a place. SPEC.md, "Bends",
  * along(): k and 2^n are multiplied by what makes 2^n eight, and so is bend, by
- * which the result stays the same; modulo 2^32. */
+ * which the result stays the same; bend is four times that; modulo 2^32. */
 static RG_NOINLINE void cut_edge(int32_t* from, int32_t* to, int32_t bend,
                                  const rg_span* span) {
-  if (span->size == 8) return; /* that is the block */
+  if (span->size == 0x10000) return; /* that is the block */
   const uint32_t first = (uint32_t)*from, line = (uint32_t)*to - first;
-  uint32_t k = span->before & 7;
+  uint32_t k = (span->before & 0xffff) >> 13;
   for (;;) {
-    const int32_t aside = bend * (int32_t)(8 - k) >> 3;
+    const int32_t aside = bend * (int32_t)(8 - k) >> 5;
     const uint32_t sum = (line + (uint32_t)aside) * k;
     *from = rg_add((int32_t)first, (int32_t)(sum + 4) >> 3);
     if (from == to) break;
     from = to;
-    k += span->size;
+    k += span->size >> 13;
   }
 }
 
@@ -82,56 +85,59 @@ static int32_t load_bend(const uint8_t* byte, uint32_t shift) {
 static RG_NOINLINE void find_axis(const rg_block_walk* walk,
                                   const uint8_t* affine, const uint8_t* above,
                                   int32_t* corner) {
-  const uint8_t* below = above + walk->row_size;
-  const uint32_t c = (uint32_t)(affine - walk->section) >> 2;
+  const uint8_t* const section = walk->section;
+  const uint32_t size = rg_vertex_size(section);
+  const uint8_t* below = above + rg_load_u16(section + 4) * size;
+  const uint32_t c = (uint32_t)(affine - section) >> 2;
   const uint32_t row_step = rg_load_u32(affine + 44);
-  uint32_t plane =
-      rg_load_u32(affine + 28) +
-      ((uint32_t)walk->spans[0].before >> 3) * rg_load_u32(affine + 36) +
-      ((uint32_t)walk->spans[1].before >> 3) * row_step;
+  uint32_t plane = rg_load_u32(affine + 28) +
+                   (walk->spans[0].before >> 16) * rg_load_u32(affine + 36) +
+                   (walk->spans[1].before >> 16) * row_step;
   int32_t bends[2];
   for (uint32_t side = 0; side < 2; ++side, corner += 2) {
-    const uint32_t shift = walk->section[9], bend_shift = walk->bend_shift[0];
+    const uint32_t shift = section[9], bend_shift = walk->bend_shift;
     const uint32_t upper = (uint32_t)rg_load_i16(above + c) << shift;
     const uint32_t lower = (uint32_t)rg_load_i16(below + c) << shift;
     corner[0] = (int32_t)(plane + upper);
     corner[4] = (int32_t)(plane + row_step + lower);
     cut_edge(&corner[0], &corner[4],
-             load_bend(below + RG_UPPER_BEND, walk->bend_shift[1]),
+             load_bend(below + RG_UPPER_BEND, bend_shift + walk->num_log2),
              &walk->spans[1]);
     bends[0] = load_bend(above + RG_LEFT_BEND, bend_shift);
     bends[1] = load_bend(below + RG_LEFT_BEND, bend_shift);
     plane += rg_load_u32(affine + 36);
-    above += walk->vertex_size;
-    below += walk->vertex_size;
+    above += size;
+    below += size;
   }
   cut_edge(&bends[0], &bends[1], 0, &walk->spans[1]);
-  const uint32_t num_log2 = walk->bend_shift[1] - walk->bend_shift[0];
+  const int32_t num = 1 << walk->num_log2;
   corner -= 4;
-  cut_edge(&corner[0], &corner[2], bends[0] * (1 << num_log2), &walk->spans[0]);
-  cut_edge(&corner[4], &corner[6], bends[1] * (1 << num_log2), &walk->spans[0]);
+  cut_edge(&corner[0], &corner[2], bends[0] * num, &walk->spans[0]);
+  cut_edge(&corner[4], &corner[6], bends[1] * num, &walk->spans[0]);
 }
 
 void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
   const uint8_t* const section = walk->section;
-  const uint32_t i = ((uint32_t)walk->spans[0].before >> 3),
-                 j = ((uint32_t)walk->spans[1].before >> 3);
+  const uint32_t size = rg_vertex_size(section);
+  const uint32_t columns = rg_load_u16(section + 4);
+  const uint32_t j = walk->spans[1].before >> 16;
+  const uint32_t vertex = j * columns + (walk->spans[0].before >> 16);
+  const uint32_t mark = vertex - j;
   const uint8_t* const vertices = section + rg_load_u32(section + 76);
   const uint8_t* const marks =
-      vertices + rg_load_u16(section + 6) * walk->row_size;
-  const uint32_t mark = j * (rg_load_u16(section + 4) - 1u) + i;
+      vertices + rg_load_u16(section + 6) * columns * size;
   walk->is_empty = (marks[mark >> 3] >> (mark & 7)) & 1;
-  const uint8_t* const above =
-      vertices + j * walk->row_size + i * walk->vertex_size;
+  const uint8_t* const above = vertices + vertex * size;
   find_axis(walk, section, above, &corners->q12[0]);
   find_axis(walk, section + 4, above + 1, &corners->q12[1]);
-  walk->spans[0].before =
-      (uint16_t)(walk->spans[0].before + walk->spans[0].size);
+  walk->spans[0].before += walk->spans[0].size;
 }
+
+#endif
 
 static uint8_t part_log2(const rg_block_walk* walk, const rg_span* span) {
   uint32_t log2 = walk->section[8];
-  for (uint32_t size = span->size; size < 8; size *= 2) --log2;
+  for (uint32_t size = span->size; size < 0x10000; size *= 2) --log2;
   return (uint8_t)log2;
 }
 

@@ -39,11 +39,17 @@ typedef struct rg_block {
   RG_FOR_LANES rg_position corners[4];
 } rg_block;
 
+/* rg_next_corners(): kernels/thumb2.c. */
+#if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_KEEP_LINES
+#define RG_CORNERS_IN_ASSEMBLER 1
+#else
+#define RG_CORNERS_IN_ASSEMBLER 0
+#endif
+
 #if !RG_KEEP_LINES
-/* Of a part on an axis, in eighths of a block: what is before it, and its size.
- */
+/* Of a part on an axis, in q16 blocks: what is before it, and its size. */
 typedef struct rg_span {
-  uint16_t before, size;
+  uint32_t before, size;
 } rg_span;
 #endif
 
@@ -72,12 +78,10 @@ typedef struct rg_block_walk {
    * of parts, and rounded; how that changes to the next part; how that does. */
   rg_lanes right, sums, steps, turns;
 #else
-  uint8_t vertex_size;   /* in bytes */
-  uint8_t bend_shift[2]; /* of edges across, times the part's width in blocks;
-                            of edges down */
-  uint8_t is_safe;       /* for the caller */
-  uint16_t row_size;     /* of vertices, in bytes */
-  rg_span spans[2];      /* of the next part across, of the row of parts down */
+  uint8_t is_safe;    /* for the caller */
+  uint8_t bend_shift; /* of the section, if that has such wide parts */
+  uint8_t num_log2;   /* of four times a block's parts across */
+  rg_span spans[2];   /* of the next part across, of the row of parts down */
 #endif
 } rg_block_walk;
 
@@ -92,7 +96,7 @@ static RG_INLINE void rg_start_parts(rg_block_walk* walk, uint32_t j) {
   walk->next_part = 0;
 #else
   walk->spans[0].before = 0;
-  walk->spans[1].before = (uint16_t)(j * walk->spans[1].size);
+  walk->spans[1].before = j * walk->spans[1].size;
 #endif
 }
 
@@ -105,16 +109,11 @@ static RG_INLINE void rg_set_parts(rg_block_walk* walk, uint32_t width_log2,
   walk->part_log2[1] = (uint8_t)height_log2;
 #else
   const uint8_t* const section = walk->section;
-  const uint32_t block_log2 = section[8];
-  const uint32_t shift = (uint32_t)section[11] - section[10];
-  const uint32_t vertex_size = rg_vertex_size(section);
-  const uint32_t columns = rg_load_u16(section + 4);
-  walk->vertex_size = (uint8_t)vertex_size;
-  walk->row_size = (uint16_t)(columns * vertex_size);
-  walk->bend_shift[0] = (uint8_t)(shift + width_log2);
-  walk->bend_shift[1] = (uint8_t)(shift + block_log2);
-  walk->spans[0].size = (uint16_t)(8u << width_log2 >> block_log2);
-  walk->spans[1].size = (uint16_t)(8u << height_log2 >> block_log2);
+  const uint32_t num_log2 = section[8] + 2u - width_log2;
+  walk->bend_shift = (uint8_t)(section[11] + width_log2 - section[10]);
+  walk->num_log2 = (uint8_t)num_log2;
+  walk->spans[0].size = (uint32_t)0x40000 >> num_log2;
+  walk->spans[1].size = (uint32_t)0x40000 >> (section[8] + 2u - height_log2);
 #endif
 }
 
