@@ -204,6 +204,14 @@ static RG_INLINE int32_t rg_read_late(int32_t* value) {
   return *value;
 }
 
+/* A value in a register: else the compiler composes it anew where it is used.
+ */
+#if defined(__GNUC__)
+#define RG_IN_REGISTER(value) __asm__("" : "+r"(value))
+#else
+#define RG_IN_REGISTER(value) ((void)(value))
+#endif
+
 /* A value that a loop before does not keep in a register. */
 #if defined(__ARM_FEATURE_SIMD32)
 #define RG_IN_MEMORY(value) __asm__("" : "+m"(value))

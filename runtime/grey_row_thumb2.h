@@ -76,8 +76,6 @@ static RG_INLINE int rg_next_grey_row(const rg_grey_rows* rows,
       "subs r0, r4, r0\n\t"
       "ldr r6, [lr, %[out]]\n\t"
       "ldrd r4, r5, [lr, %[data]]\n\t"
-      "ldrh r7, [lr, %[out_pixel]]\n\t"
-      "add r6, r6, r7\n\t"
       "ldrh r7, [lr, %[num_pixels]]\n\t"
       "ldr r8, %[rounding]\n\t"
       "movw r9, #65535\n\t"
@@ -95,7 +93,6 @@ static RG_INLINE int rg_next_grey_row(const rg_grey_rows* rows,
         [width_log2] "i"(offsetof(rg_remap_job, run.block.width_log2)),
         [data] "i"(offsetof(rg_remap_job, run.data)),
         [out] "i"(offsetof(rg_remap_job, run.out)),
-        [out_pixel] "i"(offsetof(rg_remap_job, run.out_pixel)),
         [num_pixels] "i"(offsetof(rg_remap_job, run.num_pixels))
       : "r4", "r5", "r6", "r7", "r8", "r9", "r10", "r11", "ip", "cc", "memory"
       : is_apart);

@@ -158,7 +158,8 @@ static RG_INLINE void rg_set_table(rg_remap_job* job,
     job->ranges[c] = rg_source_range(section, lattice, c);
 #else
   job->ranges = section + 12;
-  if (RG_ALL_BUILT_IN) job->run.first_pixel = job->run.first_source_row = 0;
+  if (RG_ALL_BUILT_IN)
+    job->run.out_pixel = job->run.first_pixel = job->run.first_source_row = 0;
   job->run.block.width_log2 = (uint8_t)(across_log2 - lattice->log2[0]);
   job->run.block.height_log2 = (uint8_t)(down_log2 - lattice->log2[1]);
   job->width = (uint16_t)(rg_load_u16(section) >> lattice->log2[0]);
@@ -249,7 +250,7 @@ void rg_do_pixels(rg_remap_job* job, rg_do_pixel* on_pixel);
 
 /* The same with less code but more stack, and nothing of the corners left; or,
  * if on_pixel is NULL, by the kernel for grey pixels, where none is built in.
- */
+ * The run's out begins with the part's first pixel, and is counted from it. */
 void rg_do_rows(rg_remap_job* job, rg_do_pixel* on_pixel);
 
 /* By the kernel for so many channels, of a part that asks for no care; 0 if
@@ -261,7 +262,9 @@ static RG_INLINE int rg_blend_part(rg_remap_job* job, uint32_t channels) {
   return 1;
 #else
   if (channels != 1) return 0;
+  job->run.out += job->run.out_pixel;
   rg_do_rows(job, NULL);
+  job->run.out -= job->run.out_pixel;
   return 1;
 #endif
 }

@@ -49,6 +49,7 @@ static RG_INLINE void do_grey_band(rg_remap_job* job, const rg_frame* frame,
   rg_set_source(job, frame->width, frame->height);
   job->ring_rows = 0;
   job->walk.is_clamped = 0;
+  job->run.out = band->data;
   rg_start_rows(job, &kGrey, band->first_row, band->num_rows);
   while (rg_next_part(job)) {
     do { /* the part at hand, and some to its right */
@@ -74,24 +75,25 @@ static RG_INLINE void do_grey_band(rg_remap_job* job, const rg_frame* frame,
   job->size[0] = frame->width;
   job->size[1] = frame->height;
   rg_set_table(job, &kGrey);
+  uint8_t* out = band->data;
   uint32_t row = band->first_row, rest = band->num_rows;
-  for (; rest != 0; rest -= run->num_rows) {
+  while (rest != 0) {
     const uint32_t log2 = run->block.height_log2, part = 1u << log2;
-    uint8_t* const out = run->out;
     const uint32_t first_row = row & (part - 1);
     run->first_row = (uint16_t)first_row;
     run->num_rows = (uint16_t)rg_lesser(part - first_row, rest);
     rg_start_parts(&job->walk, row >> log2);
-    row += run->num_rows;
     uint32_t pixel = 0;
     do {
-      run->out = out;
-      run->out_pixel = (uint16_t)pixel;
+      run->out = out + pixel;
       run->num_pixels = (uint16_t)rg_lesser(job->width - pixel, part);
       rg_next_corners(&job->walk, run->block.corners);
       do_grey_part(job);
       pixel += part;
     } while (pixel < job->width);
+    out += (size_t)run->num_rows * run->out_stride;
+    row += run->num_rows;
+    rest -= run->num_rows;
   }
 }
 
@@ -126,7 +128,6 @@ rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
     job->walk.section = camera->remap;
     job->run.data = frame->data;
     job->run.stride = frame->stride;
-    job->run.out = band->data;
     job->run.out_stride = band->stride;
     do_grey_band(job, frame, band);
     fault = 0;

@@ -147,14 +147,6 @@ static inline int rg_copy_tiles(const rg_run* run) {
 void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice);
 void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice);
 
-/* A value in a register: else the compiler composes it anew where it is used.
- */
-#if defined(__GNUC__)
-#define RG_IN_REGISTER(value) __asm__("" : "+r"(value))
-#else
-#define RG_IN_REGISTER(value) ((void)(value))
-#endif
-
 /* Two neighbours, the left one in the low byte. */
 static inline uint32_t rg_load_pair(const uint8_t* p) {
   return p[0] | (uint32_t)p[1] << 8;

@@ -38,13 +38,15 @@ int rg_have_sources(const rg_remap_job* job, const rg_position* positions,
                     uint32_t num, uint32_t margin) {
   const int32_t* q12 = positions->q12;
   if (job->walk.is_empty) return 0;
-  for (num *= 2; num != 0; --num) {
-    const uint8_t* const range = job->ranges + 4 * (num & 1);
+  num *= 2;
+  do {
+    const uint8_t* range = job->ranges + 4 * (num & 1);
+    RG_IN_REGISTER(range);
     const uint32_t min = rg_load_u32(range);
     const uint32_t size = rg_load_u32(range + 8) - min;
     const uint32_t at = (uint32_t)*q12++ - min;
     if (at - margin > size || at + margin > size) return 0;
-  }
+  } while (--num != 0);
   return 1;
 }
 
@@ -72,7 +74,7 @@ static RG_INLINE int rg_next_grey_row(const rg_grey_rows* rows,
   rg_run* const run = &rows->job->run;
   rg_next_row(&run->block, (uint32_t*)run->block.corners->q12, row);
   if (RG_ALL_BUILT_IN || rows->on_pixel) return 1;
-  rg_blend_grey_row(run, row, rows->rounding, run->out + run->out_pixel);
+  rg_blend_grey_row(run, row, rows->rounding, run->out);
   return 0;
 }
 #endif
@@ -85,15 +87,13 @@ void rg_do_rows(rg_remap_job* job, rg_do_pixel* on_pixel) {
   do {
     rg_block_row row;
     if (rg_next_grey_row(&rows, &row)) {
-      uint32_t pixel = rows.job->run.out_pixel;
-      uint32_t num = rows.job->run.num_pixels;
+      uint32_t pixel = 0;
       rg_position position = row.start;
       do {
         rows.on_pixel(rows.job, &position, pixel);
         position.q12[0] = rg_add(position.q12[0], row.step.q12[0]);
         position.q12[1] = rg_add(position.q12[1], row.step.q12[1]);
-        ++pixel;
-      } while (--num != 0);
+      } while (++pixel != rows.job->run.num_pixels);
     }
     RG_IN_MEMORY(rows);
     rows.job->run.out += rows.job->run.out_stride;

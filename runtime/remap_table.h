@@ -95,7 +95,9 @@ static RG_INLINE void rg_start_parts(rg_block_walk* walk, uint32_t j) {
   walk->row = (uint16_t)j;
   walk->next_part = 0;
 #else
-  walk->spans[0].before = 0;
+  uint32_t first = 0;
+  RG_IN_REGISTER(first); /* else a loop around this keeps it */
+  walk->spans[0].before = first;
   walk->spans[1].before = j * walk->spans[1].size;
 #endif
 }
@@ -109,11 +111,12 @@ static RG_INLINE void rg_set_parts(rg_block_walk* walk, uint32_t width_log2,
   walk->part_log2[1] = (uint8_t)height_log2;
 #else
   const uint8_t* const section = walk->section;
-  const uint32_t num_log2 = section[8] + 2u - width_log2;
+  const uint32_t whole_log2 = section[8] + 2u; /* of four blocks */
+  const uint32_t num_log2 = whole_log2 - width_log2;
   walk->bend_shift = (uint8_t)(section[11] + width_log2 - section[10]);
   walk->num_log2 = (uint8_t)num_log2;
-  walk->spans[0].size = (uint32_t)0x40000 >> num_log2;
-  walk->spans[1].size = (uint32_t)0x40000 >> (section[8] + 2u - height_log2);
+  walk->spans[0].size = UINT32_C(0x40000) >> num_log2;
+  walk->spans[1].size = UINT32_C(0x40000) >> (whole_log2 - height_log2);
 #endif
 }
 
