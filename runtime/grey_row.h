@@ -231,8 +231,8 @@ static RG_INLINE void rg_blend_grey_row(const rg_run* run,
   } while (rg_has_turns(rounding));
 }
 
-/* What is done with rows: their pixels one by one, or, if on_pixel is NULL, the
- * kernel, which begins with a rounding. */
+/* What is done with rows: the kernel, which begins with a rounding; or, if that
+ * is 0, their pixels one by one. */
 typedef struct rg_grey_rows {
   struct rg_remap_job* job;
   rg_do_pixel* on_pixel;

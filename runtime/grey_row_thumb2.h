@@ -39,6 +39,13 @@
   "subs r0, r0, r2\n\t"         \
   "adds r1, r1, r3\n\t"
 
+/* A row of n pixels takes half of them, rounded up, as turns, which are counted
+ * in the upper four bits; the one below them says that n is odd: the first turn
+ * is half a one then. */
+static RG_INLINE rg_blended rg_first_rounding(const rg_run* run) {
+  return RG_ROUNDING_8 - ((uint32_t)run->num_pixels << 27);
+}
+
 static RG_INLINE int rg_next_grey_row(const rg_grey_rows* rows,
                                       rg_block_row* row) {
   register int32_t x __asm__("r0");
@@ -68,32 +75,30 @@ static RG_INLINE int rg_next_grey_row(const rg_grey_rows* rows,
       "adc r2, r2, #0\n\t" /* the last bit that was shifted out */
       "asrs r3, r3, r4\n\t"
       "adc r3, r3, #0\n\t"
-      "ldr r4, %[on_pixel]\n\t"
-      "cmp r4, #0\n\t"
-      "bne %l[is_apart]\n\t"
+      "ldr r8, %[rounding]\n\t"
+      "lsls r7, r8, #4\n\t"
+      "beq %l[is_apart]\n\t"
       /* the pixels */
       "movw r4, #4079\n\t"
-      "subs r0, r4, r0\n\t"
-      "ldr r6, [lr, %[out]]\n\t"
+      "sub r0, r4, r0\n\t"
+      "ldrd r6, r7, [lr, %[out]]\n\t"
+      "add r7, r6\n\t"
+      "str r7, [lr, %[out]]\n\t"
       "ldrd r4, r5, [lr, %[data]]\n\t"
-      "ldrh r7, [lr, %[num_pixels]]\n\t"
-      "ldr r8, %[rounding]\n\t"
       "movw r9, #65535\n\t"
       "mov r10, #4096\n\t"
       "movw r11, #257\n\t"
-      "lsls r7, r7, #31\n\t"
       "bmi 2f\n"
       "1:\n\t" RG_BLEND_PIXEL "2:\n\t" RG_BLEND_PIXEL
-      "adds r8, r8, #0x8000000\n\t"
-      "bmi 1b"
+      "adds r8, r8, #0x10000000\n\t"
+      "bcc 1b"
       : "=r"(x), "=r"(y), "=r"(step_x), "=r"(step_y), "+r"(job_at)
-      : [on_pixel] "m"(rows->on_pixel), [rounding] "m"(rows->rounding),
+      : [rounding] "m"(rows->rounding),
         [edges] "i"(offsetof(rg_remap_job, run.block.corners)),
         [height_log2] "i"(offsetof(rg_remap_job, run.block.height_log2)),
         [width_log2] "i"(offsetof(rg_remap_job, run.block.width_log2)),
         [data] "i"(offsetof(rg_remap_job, run.data)),
-        [out] "i"(offsetof(rg_remap_job, run.out)),
-        [num_pixels] "i"(offsetof(rg_remap_job, run.num_pixels))
+        [out] "i"(offsetof(rg_remap_job, run.out))
       : "r4", "r5", "r6", "r7", "r8", "r9", "r10", "r11", "ip", "cc", "memory"
       : is_apart);
   return 0;

@@ -67,22 +67,29 @@ void rg_do_pixels(rg_remap_job* job, rg_do_pixel* on_pixel) {
 }
 
 #if !RG_GREY_ROW_IN_ASSEMBLER
+
+static RG_INLINE rg_blended rg_first_rounding(const rg_run* run) {
+  return rg_rounding_of(run->num_pixels);
+}
+
 /* The next row, from the corners as edges, by the kernel; or found, if its
  * pixels are done one by one: then 1. */
 static RG_INLINE int rg_next_grey_row(const rg_grey_rows* rows,
                                       rg_block_row* row) {
   rg_run* const run = &rows->job->run;
   rg_next_row(&run->block, (uint32_t*)run->block.corners->q12, row);
-  if (RG_ALL_BUILT_IN || rows->on_pixel) return 1;
+  if (RG_ALL_BUILT_IN || rows->rounding == 0) return 1;
   rg_blend_grey_row(run, row, rows->rounding, run->out);
+  run->out += run->out_stride;
   return 0;
 }
+
 #endif
 
 void rg_do_rows(rg_remap_job* job, rg_do_pixel* on_pixel) {
-  rg_grey_rows rows = {job, on_pixel, rg_rounding_of(job->run.num_pixels),
-                       job->run.num_rows};
+  rg_grey_rows rows = {job, on_pixel, 0, job->run.num_rows};
   int32_t* const corners = job->run.block.corners->q12;
+  if (!on_pixel) rows.rounding = rg_first_rounding(&job->run);
   rg_start_edges(&job->run, corners, (uint32_t*)corners);
   do {
     rg_block_row row;
@@ -94,9 +101,9 @@ void rg_do_rows(rg_remap_job* job, rg_do_pixel* on_pixel) {
         position.q12[0] = rg_add(position.q12[0], row.step.q12[0]);
         position.q12[1] = rg_add(position.q12[1], row.step.q12[1]);
       } while (++pixel != rows.job->run.num_pixels);
+      rows.job->run.out += rows.job->run.out_stride;
     }
     RG_IN_MEMORY(rows);
-    rows.job->run.out += rows.job->run.out_stride;
   } while (--rows.rest != 0);
 }
 

@@ -85,6 +85,12 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "add r5, r10\n\t"
       "bl 4f\n\t"
       "add r8, r4\n\t"
+      /* That is all if a block is one part wide. */
+      "ldr r4, %[walk]\n\t"
+      "ldrb r2, [r4, %[num_log2]]\n\t"
+      "ldr r4, %[left]\n\t"
+      "cmp r2, #2\n\t"
+      "beq 6f\n\t"
       /* r4 = bend = along(h10, h11, 0, t) */
       "movs r2, #4\n\t"
       "ldrsb r0, [r5, r2]\n\t"
@@ -103,13 +109,17 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "ldrh r3, [r5, %[across]]\n\t"
       "lsls r3, r3, #14\n\t"
       "bl 5f\n\t"
+      "mov r11, r4\n\t"
       "ldr r5, [r5, %[across] + 4]\n\t"
       "add r3, r3, r5, lsl #14\n\t"
+      "bl 5f\n\t"
+      "mov r8, r4\n\t"
+      "mov r4, r11\n"
+      "6:\n\t"
       "ldr r5, %[corner]\n\t"
       "add r5, r5, r6, lsl #2\n\t"
       "str r4, [r5]\n\t"
-      "bl 5f\n\t"
-      "str r4, [r5, #8]\n\t"
+      "str r8, [r5, #8]\n\t"
       "subs r6, #1\n\t"
       "bpl 3b\n\t"
       "adds r5, #16\n\t"
@@ -121,7 +131,7 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "cmp r12, r1\n\t"
       "add r12, r2\n\t"
       "beq 2b\n\t"
-      "b 6f\n"
+      "b 7f\n"
       /* r4 = along the edge down from the vertex at r5, which is r6 beside */
       "4:\n\t"
       "ldrsh r0, [r5, r6]\n\t"
@@ -146,7 +156,7 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "lsls r4, r4, #2\n\t"
       "smmlar r4, r4, r3, r0\n\t"
       "bx lr\n"
-      "6:"
+      "7:"
       : [corner] "+m"(search.corner), [above] "=m"(search.above),
         [section] "=m"(search.section), [left] "=m"(search.left), "+r"(r0)
       : [walk] "m"(search.walk),
