@@ -234,10 +234,10 @@ static RG_INLINE void rg_blend_grey_row(const rg_run* run,
 /* What is done with rows: the kernel, which begins with a rounding; or, if that
  * is 0, their pixels one by one. */
 typedef struct rg_grey_rows {
-  struct rg_remap_job* job;
+  rg_position* corners; /* of a job's block, as edges */
   rg_do_pixel* on_pixel;
   rg_blended rounding;
-  uint32_t rest; /* that are not done */
+  uint32_t rest;        /* that are not done */
 } rg_grey_rows;
 
 #endif /* RAYGRID_GREY_ROW_H */

@@ -39,6 +39,10 @@
   "subs r0, r0, r2\n\t"         \
   "adds r1, r1, r3\n\t"
 
+/* Where a field of a run is, in bytes. */
+#define RG_FROM_CORNERS(field) \
+  ((int)offsetof(rg_run, field) - (int)offsetof(rg_run, block.corners))
+
 /* A row of n pixels takes half of them, rounded up, as turns, which are counted
  * in the upper four bits; the one below them says that n is odd: the first turn
  * is half a one then. */
@@ -52,16 +56,15 @@ static RG_INLINE int rg_next_grey_row(const rg_grey_rows* rows,
   register int32_t y __asm__("r1");
   register int32_t step_x __asm__("r2");
   register int32_t step_y __asm__("r3");
-  register const rg_remap_job* job_at __asm__("lr") = rows->job;
+  register const rg_position* corners __asm__("lr") = rows->corners;
   __asm__ goto(
       /* sums, and those of the row below */
-      "add ip, lr, %[edges]\n\t"
-      "ldm ip, {r0-r7}\n\t"
+      "ldm lr, {r0-r7}\n\t"
       "adds r4, r4, r0\n\t"
       "adds r5, r5, r1\n\t"
       "adds r6, r6, r2\n\t"
       "adds r7, r7, r3\n\t"
-      "stm ip, {r4-r7}\n\t"
+      "stm lr, {r4-r7}\n\t"
       /* start and step */
       "ldrb r4, [lr, %[height_log2]]\n\t"
       "asrs r0, r0, r4\n\t"
@@ -92,13 +95,11 @@ static RG_INLINE int rg_next_grey_row(const rg_grey_rows* rows,
       "1:\n\t" RG_BLEND_PIXEL "2:\n\t" RG_BLEND_PIXEL
       "adds r8, r8, #0x10000000\n\t"
       "bcc 1b"
-      : "=r"(x), "=r"(y), "=r"(step_x), "=r"(step_y), "+r"(job_at)
+      : "=r"(x), "=r"(y), "=r"(step_x), "=r"(step_y), "+r"(corners)
       : [rounding] "m"(rows->rounding),
-        [edges] "i"(offsetof(rg_remap_job, run.block.corners)),
-        [height_log2] "i"(offsetof(rg_remap_job, run.block.height_log2)),
-        [width_log2] "i"(offsetof(rg_remap_job, run.block.width_log2)),
-        [data] "i"(offsetof(rg_remap_job, run.data)),
-        [out] "i"(offsetof(rg_remap_job, run.out))
+        [height_log2] "i"(RG_FROM_CORNERS(block.height_log2)),
+        [width_log2] "i"(RG_FROM_CORNERS(block.width_log2)),
+        [data] "i"(RG_FROM_CORNERS(data)), [out] "i"(RG_FROM_CORNERS(out))
       : "r4", "r5", "r6", "r7", "r8", "r9", "r10", "r11", "ip", "cc", "memory"
       : is_apart);
   return 0;

@@ -4,6 +4,7 @@
 #include "remap_blocks.h"
 
 #if !RG_KEEP_LINES
+#include <stddef.h>
 
 /* To the row of parts below those that were done; 0 below the last one. */
 static RG_INLINE int start_parts(rg_remap_job* job) {
@@ -66,6 +67,11 @@ void rg_do_pixels(rg_remap_job* job, rg_do_pixel* on_pixel) {
   } while (++r != job->run.num_rows);
 }
 
+static RG_INLINE rg_remap_job* job_of(const rg_grey_rows* rows) {
+  return (rg_remap_job*)(void*)((uint8_t*)rows->corners -
+                                offsetof(rg_remap_job, run.block.corners));
+}
+
 #if !RG_GREY_ROW_IN_ASSEMBLER
 
 static RG_INLINE rg_blended rg_first_rounding(const rg_run* run) {
@@ -76,7 +82,7 @@ static RG_INLINE rg_blended rg_first_rounding(const rg_run* run) {
  * pixels are done one by one: then 1. */
 static RG_INLINE int rg_next_grey_row(const rg_grey_rows* rows,
                                       rg_block_row* row) {
-  rg_run* const run = &rows->job->run;
+  rg_run* const run = &job_of(rows)->run;
   rg_next_row(&run->block, (uint32_t*)run->block.corners->q12, row);
   if (RG_ALL_BUILT_IN || rows->rounding == 0) return 1;
   rg_blend_grey_row(run, row, rows->rounding, run->out);
@@ -86,23 +92,31 @@ static RG_INLINE int rg_next_grey_row(const rg_grey_rows* rows,
 
 #endif
 
+/* The row that was found, pixel by pixel. */
+static RG_INLINE void do_row(const rg_grey_rows* rows,
+                             const rg_block_row* row) {
+  rg_remap_job* const job = job_of(rows);
+  rg_position position = row->start;
+  uint32_t pixel = 0;
+  do {
+    rows->on_pixel(job, &position, pixel);
+    for (int c = 0; c < 2; ++c)
+      position.q12[c] = rg_add(position.q12[c], row->step.q12[c]);
+  } while (++pixel != job->run.num_pixels);
+  job->run.out += job->run.out_stride;
+}
+
 void rg_do_rows(rg_remap_job* job, rg_do_pixel* on_pixel) {
-  rg_grey_rows rows = {job, on_pixel, 0, job->run.num_rows};
-  int32_t* const corners = job->run.block.corners->q12;
+  rg_grey_rows rows;
+  rows.corners = job->run.block.corners;
+  rows.on_pixel = on_pixel;
+  rows.rest = job->run.num_rows;
+  rows.rounding = 0;
   if (!on_pixel) rows.rounding = rg_first_rounding(&job->run);
-  rg_start_edges(&job->run, corners, (uint32_t*)corners);
+  rg_start_edges(&job->run, rows.corners->q12, (uint32_t*)rows.corners->q12);
   do {
     rg_block_row row;
-    if (rg_next_grey_row(&rows, &row)) {
-      uint32_t pixel = 0;
-      rg_position position = row.start;
-      do {
-        rows.on_pixel(rows.job, &position, pixel);
-        position.q12[0] = rg_add(position.q12[0], row.step.q12[0]);
-        position.q12[1] = rg_add(position.q12[1], row.step.q12[1]);
-      } while (++pixel != rows.job->run.num_pixels);
-      rows.job->run.out += rows.job->run.out_stride;
-    }
+    if (rg_next_grey_row(&rows, &row)) do_row(&rows, &row);
     RG_IN_MEMORY(rows);
   } while (--rows.rest != 0);
 }
