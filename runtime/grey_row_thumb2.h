@@ -50,15 +50,15 @@ static RG_INLINE rg_blended rg_first_rounding(const rg_run* run) {
   return RG_ROUNDING_8 - ((uint32_t)run->num_pixels << 27);
 }
 
-static RG_INLINE int rg_next_grey_row(const rg_grey_rows* rows,
-                                      rg_block_row* row) {
+static RG_INLINE int rg_do_grey_rows(rg_grey_rows* rows, rg_block_row* row) {
   register int32_t x __asm__("r0");
   register int32_t y __asm__("r1");
   register int32_t step_x __asm__("r2");
   register int32_t step_y __asm__("r3");
-  register const rg_position* corners __asm__("lr") = rows->corners;
   __asm__ goto(
       /* sums, and those of the row below */
+      "0:\n\t"
+      "ldr lr, %[corners]\n\t"
       "ldm lr, {r0-r7}\n\t"
       "adds r4, r4, r0\n\t"
       "adds r5, r5, r1\n\t"
@@ -94,13 +94,18 @@ static RG_INLINE int rg_next_grey_row(const rg_grey_rows* rows,
       "bmi 2f\n"
       "1:\n\t" RG_BLEND_PIXEL "2:\n\t" RG_BLEND_PIXEL
       "adds r8, r8, #0x10000000\n\t"
-      "bcc 1b"
-      : "=r"(x), "=r"(y), "=r"(step_x), "=r"(step_y), "+r"(corners)
-      : [rounding] "m"(rows->rounding),
+      "bcc 1b\n\t"
+      "ldr r7, %[rest]\n\t"
+      "subs r7, r7, #1\n\t"
+      "str r7, %[rest]\n\t"
+      "bne 0b"
+      : "=r"(x), "=r"(y), "=r"(step_x), "=r"(step_y), [rest] "+m"(rows->rest)
+      : [corners] "m"(rows->corners), [rounding] "m"(rows->rounding),
         [height_log2] "i"(RG_FROM_CORNERS(block.height_log2)),
         [width_log2] "i"(RG_FROM_CORNERS(block.width_log2)),
         [data] "i"(RG_FROM_CORNERS(data)), [out] "i"(RG_FROM_CORNERS(out))
-      : "r4", "r5", "r6", "r7", "r8", "r9", "r10", "r11", "ip", "cc", "memory"
+      : "r4", "r5", "r6", "r7", "r8", "r9", "r10", "r11", "ip", "lr", "cc",
+        "memory"
       : is_apart);
   return 0;
 is_apart:

@@ -78,15 +78,16 @@ static RG_INLINE rg_blended rg_first_rounding(const rg_run* run) {
   return rg_rounding_of(run->num_pixels);
 }
 
-/* The next row, from the corners as edges, by the kernel; or found, if its
- * pixels are done one by one: then 1. */
-static RG_INLINE int rg_next_grey_row(const rg_grey_rows* rows,
-                                      rg_block_row* row) {
+/* The rows, from the corners as edges, by the kernel; or finds the next one, if
+ * its pixels are done one by one: then 1. */
+static RG_INLINE int rg_do_grey_rows(rg_grey_rows* rows, rg_block_row* row) {
   rg_run* const run = &job_of(rows)->run;
-  rg_next_row(&run->block, (uint32_t*)run->block.corners->q12, row);
-  if (RG_ALL_BUILT_IN || rows->rounding == 0) return 1;
-  rg_blend_grey_row(run, row, rows->rounding, run->out);
-  run->out += run->out_stride;
+  do {
+    rg_next_row(&run->block, (uint32_t*)rows->corners->q12, row);
+    if (RG_ALL_BUILT_IN || rows->rounding == 0) return 1;
+    rg_blend_grey_row(run, row, rows->rounding, run->out);
+    run->out += run->out_stride;
+  } while (--rows->rest != 0);
   return 0;
 }
 
@@ -114,11 +115,11 @@ void rg_do_rows(rg_remap_job* job, rg_do_pixel* on_pixel) {
   rows.rounding = 0;
   if (!on_pixel) rows.rounding = rg_first_rounding(&job->run);
   rg_start_edges(&job->run, rows.corners->q12, (uint32_t*)rows.corners->q12);
-  do {
-    rg_block_row row;
-    if (rg_next_grey_row(&rows, &row)) do_row(&rows, &row);
-    RG_IN_MEMORY(rows);
-  } while (--rows.rest != 0);
+  rg_block_row row;
+  while (rg_do_grey_rows(&rows, &row)) {
+    do_row(&rows, &row);
+    if (--rows.rest == 0) break;
+  }
 }
 
 #endif
