@@ -66,9 +66,11 @@ static RG_INLINE const uint8_t* source_row(const rg_remap_job* job,
 /* Rounded to the last bit that is kept, coordinate c. */
 static RG_INLINE uint32_t round_position(const rg_remap_job* job, int32_t q12,
                                          int c) {
-  return target_of(job)->sampling == RG_SAMPLING_NEAREST
-             ? ((uint32_t)q12 + 2048) & ~4095u
-             : (uint32_t)q12 + rg_rounding(rg_lattice_of(job)->kind, c);
+  if (target_of(job)->sampling != RG_SAMPLING_NEAREST)
+    return (uint32_t)q12 + rg_rounding(rg_lattice_of(job)->kind, c);
+  uint32_t pixel = ((uint32_t)q12 + 2048) >> 12;
+  RG_IN_REGISTER(pixel); /* else a mask is kept in one */
+  return pixel << 12;
 }
 
 /* Coordinate c of the nearest position that has a source. */
