@@ -62,7 +62,8 @@ rg_fault rg_check_remap(const uint8_t* section, uint32_t size,
   /* Less 1, all sizes are below 2^13. */
   const uint32_t last = rg_load_u32(section) - BOTH(1);
   const uint32_t last_source = source_size - BOTH(1);
-  if (((last | last_source) & ~BOTH(RG_MAX_REMAP_SIZE - 1)) != 0)
+  if (((last | last_source | (source_size - BOTH(RG_MIN_REMAP_SOURCE))) &
+       ~BOTH(RG_MAX_REMAP_SIZE - 1)) != 0)
     return -RG_ERR_REMAP_SIZE;
 
   /* Blocks of 8 px without bends, or of 16 px, and of two sizes above. */
