@@ -10,14 +10,14 @@
  * along(A, Z, b, t) = A + round(t (Z - A + b (1 - t))). */
 void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
   /* For these, no register is left. */
-  rg_block_walk* const kept = walk;
+  rg_block_walk* kept = walk;
   rg_position* corner = corners;
-  const uint8_t *section, *above;
+  const uint8_t* above;
+  uint32_t vertex_size;
   register rg_block_walk* r0 __asm__("r0") = walk;
   __asm__ volatile(
-      /* i, j, and the size of a vertex: r10; of a row of them: r7 */
+      /* i, j, and sizes of a vertex and of a row of them: r10 */
       "ldr r2, [r0]\n\t"
-      "str r2, %[section]\n\t"
       "ldrh r3, [r0, %[across] + 2]\n\t"
       "ldrh r4, [r0, %[down] + 2]\n\t"
       "ldrh r6, [r2, #4]\n\t"
@@ -26,18 +26,17 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "cbz r1, 1f\n\t"
       "movs r5, #8\n"
       "1:\n\t"
-      "mul r7, r6, r5\n\t"
-      "mov r10, r5\n\t"
+      "str r5, %[vertex_size]\n\t"
+      "mul r10, r6, r5\n\t"
       /* The vertex j columns + i, and the bit j (columns - 1) + i */
       "muls r6, r4\n\t"
       "adds r6, r3\n\t"
       "subs r3, r6, r4\n\t"
       /* vertices + rows row_size, and the vertex's address */
       "ldrh r1, [r2, #6]\n\t"
-      "muls r1, r7\n\t"
       "ldr r4, [r2, #76]\n\t"
       "adds r4, r2\n\t"
-      "adds r1, r4\n\t"
+      "mla r1, r1, r10, r4\n\t"
       "muls r6, r5\n\t"
       "adds r6, r4\n\t"
       "str r6, %[above]\n\t"
@@ -53,10 +52,10 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "2:\n\t"
       "movs r6, #1\n"
       "3:\n\t"
-      /* origin + i column_step + j row_step: r8; column_step: r11; row_step:
-       * r9 */
+      /* row_step: r9; origin + i column_step + j row_step: r8; that and
+       * column_step: r11 */
       "ldr r4, %[walk]\n\t"
-      "ldr r2, %[section]\n\t"
+      "ldr r2, [r4]\n\t"
       "add r2, r2, r6, lsl #2\n\t"
       "ldr r0, [r2, #28]\n\t"
       "ldr r1, [r2, #36]\n\t"
@@ -66,22 +65,22 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "ldrh r3, [r4, %[down] + 2]\n\t"
       "ldr r9, [r2, #44]\n\t"
       "mla r8, r9, r3, r0\n\t"
-      /* left: r11, right: r8 */
+      "add r11, r8\n\t"
+      /* left: r8, right: r11 */
       "ldr r5, %[above]\n\t"
       "adds r5, r6\n\t"
       "lsl r3, r12, #14\n\t"
       "bl 4f\n\t"
-      "add r4, r8\n\t"
-      "add r8, r11\n\t"
-      "mov r11, r4\n\t"
-      "add r5, r10\n\t"
-      "bl 4f\n\t"
       "add r8, r4\n\t"
+      "ldr r4, %[vertex_size]\n\t"
+      "adds r5, r4\n\t"
+      "bl 4f\n\t"
+      "add r11, r4\n\t"
       /* bend = along(h10, h11, 0, t): with 1 for 0, as 1 - t rounds to 0 or t
        * is 0 */
       "movs r2, #4\n\t"
       "ldrsb r0, [r5, r2]\n\t"
-      "adds r5, r7\n\t"
+      "add r5, r10\n\t"
       "ldrsb r1, [r5, r2]\n\t"
       "ldr r5, %[walk]\n\t"
       "ldrb r4, [r5, %[bend_shift]]\n\t"
@@ -89,8 +88,8 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "lsls r1, r4\n\t"
       "bl 5f\n\t"
       /* along(left, right, bend, t) where the part begins, and where it ends */
-      "mov r0, r11\n\t"
-      "mov r1, r8\n\t"
+      "mov r0, r8\n\t"
+      "mov r1, r11\n\t"
       "ldrb r2, [r5, %[num_log2]]\n\t"
       "lsl r2, r4, r2\n\t"
       "ldrh r3, [r5, %[across]]\n\t"
@@ -115,10 +114,11 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "add r12, r2\n\t"
       "beq 2b\n\t"
       "b 6f\n"
-      /* r4 = along(P0, P1, v1, t) less r8, from the vertex at r5 - r6 down */
+      /* r4 = along(P0, P1, v1, t) without the plane, from the vertex at r5 - r6
+       */
       "4:\n\t"
       "ldrsh r0, [r5, r6]\n\t"
-      "adds r4, r5, r7\n\t"
+      "add r4, r5, r10\n\t"
       "ldrsh r1, [r4, r6]\n\t"
       "ldrsb r2, [r4, #6]\n\t"
       "ldr r4, %[walk]\n\t"
@@ -126,7 +126,8 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "lsls r2, r4\n\t"
       "lsrs r4, r4, #8\n\t"
       "lsls r2, r4\n\t"
-      "ldr r4, %[section]\n\t"
+      "ldr r4, %[walk]\n\t"
+      "ldr r4, [r4]\n\t"
       "ldrb r4, [r4, #9]\n\t"
       "lsls r0, r4\n\t"
       "lsls r1, r4\n\t"
@@ -140,15 +141,15 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "smmlar r4, r4, r3, r0\n\t"
       "bx lr\n"
       "6:"
-      : [corner] "+m"(corner), [above] "=m"(above), [section] "=m"(section),
-        "+r"(r0)
-      : [walk] "m"(kept), [is_empty] "i"(offsetof(rg_block_walk, is_empty)),
+      : [walk] "+m"(kept), [corner] "+m"(corner), [above] "=m"(above),
+        [vertex_size] "=m"(vertex_size), "+r"(r0)
+      : [is_empty] "i"(offsetof(rg_block_walk, is_empty)),
         [bend_shift] "i"(offsetof(rg_block_walk, bend_shift)),
         [num_log2] "i"(offsetof(rg_block_walk, num_log2)),
         [across] "i"(offsetof(rg_block_walk, spans)),
         [down] "i"(offsetof(rg_block_walk, spans) + sizeof(rg_span))
-      : "r1", "r2", "r3", "r4", "r5", "r6", "r7", "r8", "r9", "r10", "r11",
-        "r12", "lr", "cc", "memory");
+      : "r1", "r2", "r3", "r4", "r5", "r6", "r8", "r9", "r10", "r11", "r12",
+        "lr", "cc", "memory");
   r0->spans[0].before += r0->spans[0].size;
 }
 
