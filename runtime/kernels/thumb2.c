@@ -1,13 +1,14 @@
-/* The corners of parts on Cortex-M with the DSP extension, where size matters:
- * compilers run out of registers. */
+/* The corners of parts on Cortex-M with the DSP extension, where size matters.
+ */
 #include "remap_table.h"
 
 #if RG_CORNERS_IN_ASSEMBLER
 
 #include <stddef.h>
 
-/* formats/SPEC.md, "Bends", with t for k / 2^n and bends times 2^n:
- * along(A, Z, b, t) = A + round(t (Z - A + b (1 - t))). */
+/* formats/SPEC.md, "Bends", with t = k / 2^n and bends times 2^n:
+ *     along(A, Z, b, t) = A + round(t (Z - A + b (1 - t)))
+ * r7 may be the frame pointer. */
 void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
   /* For these, no register is left. */
   rg_block_walk* kept = walk;
@@ -76,8 +77,8 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "adds r5, r4\n\t"
       "bl 4f\n\t"
       "add r11, r4\n\t"
-      /* bend = along(h10, h11, 0, t): with 1 for 0, as 1 - t rounds to 0 or t
-       * is 0 */
+      /* bend = along(h10, h11, 0, t); 1 does for 0, as t or floor(1 - t) is 0
+       */
       "movs r2, #4\n\t"
       "ldrsb r0, [r5, r2]\n\t"
       "add r5, r10\n\t"
