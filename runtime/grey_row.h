@@ -237,7 +237,7 @@ typedef struct rg_grey_rows {
   rg_position* corners; /* of a job's block, as edges */
   rg_do_pixel* on_pixel;
   rg_blended rounding;
-  uint32_t rest;        /* that are not done */
+  uint32_t rest; /* that are not done */
 } rg_grey_rows;
 
 #endif /* RAYGRID_GREY_ROW_H */

@@ -58,8 +58,8 @@ void rg_next_block(rg_block_walk* walk, rg_block* block) {
 #if !RG_CORNERS_IN_ASSEMBLER
 
 /* In place of an edge's ends, those of the part at a place. SPEC.md, "Bends",
- * along(): k and 2^n are multiplied by what makes 2^n eight, and so is bend, by
- * which the result stays the same; bend is four times that; modulo 2^32. */
+ * along(), with eight for 2^n: k is multiplied by what makes it so. bend is b
+ * times 4 2^n; modulo 2^32. */
 static RG_NOINLINE void cut_edge(int32_t* from, int32_t* to, int32_t bend,
                                  const rg_span* span) {
   if (span->size == 0x10000) return; /* that is the block */

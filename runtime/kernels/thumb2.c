@@ -1,31 +1,24 @@
-/* The corners of parts on microcontrollers with the DSP extension, where size
- * matters: compilers run out of registers. */
+/* The corners of parts on Cortex-M with the DSP extension, where size matters.
+ */
 #include "remap_table.h"
 
 #if RG_CORNERS_IN_ASSEMBLER
 
 #include <stddef.h>
 
-/* What has no register. */
-typedef struct corner_search {
-  rg_block_walk* walk;
-  rg_position* corner;  /* the left one of the row at hand */
-  const uint8_t* above; /* the vertex to the left above the part */
-  const uint8_t* section;
-  uint32_t left;
-} corner_search;
-
-/* As in formats/SPEC.md, "Bends", but for t = k / 2^n in q30, and bends times
- * 2^n: along(A, Z, b, t) = A + round(t (Z - A + b (1 - t))). */
+/* formats/SPEC.md, "Bends", with t = k / 2^n and bends times 2^n:
+ *     along(A, Z, b, t) = A + round(t (Z - A + b (1 - t)))
+ * r7 may be the frame pointer. */
 void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
-  corner_search search;
-  search.walk = walk;
-  search.corner = corners;
+  /* For these, no register is left. */
+  rg_block_walk* kept = walk;
+  rg_position* corner = corners;
+  const uint8_t* above;
+  uint32_t vertex_size;
   register rg_block_walk* r0 __asm__("r0") = walk;
   __asm__ volatile(
-      /* r3 = i, r4 = j, r5 = size of a vertex, r7 = of a row of them */
+      /* i, j, and sizes of a vertex and of a row of them: r10 */
       "ldr r2, [r0]\n\t"
-      "str r2, %[section]\n\t"
       "ldrh r3, [r0, %[across] + 2]\n\t"
       "ldrh r4, [r0, %[down] + 2]\n\t"
       "ldrh r6, [r2, #4]\n\t"
@@ -34,37 +27,36 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "cbz r1, 1f\n\t"
       "movs r5, #8\n"
       "1:\n\t"
-      "mul r7, r6, r5\n\t"
-      "mov r10, r5\n\t"
-      /* r6 = j columns + i, r3 = j (columns - 1) + i */
+      "str r5, %[vertex_size]\n\t"
+      "mul r10, r6, r5\n\t"
+      /* The vertex j columns + i, and the bit j (columns - 1) + i */
       "muls r6, r4\n\t"
       "adds r6, r3\n\t"
       "subs r3, r6, r4\n\t"
-      /* above = vertices + r6 vertex_size, r1 = vertices + rows row_size */
+      /* vertices + rows row_size, and the vertex's address */
       "ldrh r1, [r2, #6]\n\t"
-      "muls r1, r7\n\t"
       "ldr r4, [r2, #76]\n\t"
       "adds r4, r2\n\t"
-      "adds r1, r4\n\t"
+      "mla r1, r1, r10, r4\n\t"
       "muls r6, r5\n\t"
       "adds r6, r4\n\t"
       "str r6, %[above]\n\t"
-      /* is_empty = bit r3 of those at r1, in words */
+      /* is_empty: of a word of bits */
       "lsrs r4, r3, #5\n\t"
       "ldr r1, [r1, r4, lsl #2]\n\t"
       "rors r1, r3\n\t"
       "and r1, r1, #1\n\t"
       "strb r1, [r0, %[is_empty]]\n\t"
-      /* r10: of residuals, r11: of the edges down, times four; r12 = t in q16
-       */
+      /* t down in q16: r12 */
       "ldrh r12, [r0, %[down]]\n"
-      /* On the line above the part, then on that below; r6: y, then x. */
+      /* On the line above the part, then below it; for y, then x: r6 = 1, 0 */
       "2:\n\t"
       "movs r6, #1\n"
       "3:\n\t"
-      /* r8 = origin + i column_step + j row_step, r9 = row_step */
+      /* row_step: r9; origin + i column_step + j row_step: r8; that and
+       * column_step: r11 */
       "ldr r4, %[walk]\n\t"
-      "ldr r2, %[section]\n\t"
+      "ldr r2, [r4]\n\t"
       "add r2, r2, r6, lsl #2\n\t"
       "ldr r0, [r2, #28]\n\t"
       "ldr r1, [r2, #36]\n\t"
@@ -74,57 +66,56 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "ldrh r3, [r4, %[down] + 2]\n\t"
       "ldr r9, [r2, #44]\n\t"
       "mla r8, r9, r3, r0\n\t"
-      /* left, and r8 = right: along the edges down */
+      "add r11, r8\n\t"
+      /* left: r8, right: r11 */
       "ldr r5, %[above]\n\t"
       "adds r5, r6\n\t"
       "lsl r3, r12, #14\n\t"
       "bl 4f\n\t"
-      "add r4, r8\n\t"
-      "str r4, %[left]\n\t"
-      "add r8, r11\n\t"
-      "add r5, r10\n\t"
-      "bl 4f\n\t"
       "add r8, r4\n\t"
+      "ldr r4, %[vertex_size]\n\t"
+      "adds r5, r4\n\t"
+      "bl 4f\n\t"
+      "add r11, r4\n\t"
       /* That is all if a block is one part wide. */
       "ldr r4, %[walk]\n\t"
       "ldrb r2, [r4, %[num_log2]]\n\t"
-      "ldr r4, %[left]\n\t"
       "cmp r2, #2\n\t"
       "beq 6f\n\t"
-      /* r4 = bend = along(h10, h11, 0, t) */
+      /* bend = along(h10, h11, 0, t); 1 does for 0, as t or floor(1 - t) is 0
+       */
       "movs r2, #4\n\t"
       "ldrsb r0, [r5, r2]\n\t"
-      "adds r5, r7\n\t"
+      "add r5, r10\n\t"
       "ldrsb r1, [r5, r2]\n\t"
       "ldr r5, %[walk]\n\t"
       "ldrb r4, [r5, %[bend_shift]]\n\t"
       "lsls r0, r4\n\t"
       "lsls r1, r4\n\t"
       "bl 5f\n\t"
-      /* along(left, right, bend, t) where the part begins and ends */
-      "ldr r0, %[left]\n\t"
-      "mov r1, r8\n\t"
+      /* along(left, right, bend, t) where the part begins, and where it ends */
+      "mov r0, r8\n\t"
+      "mov r1, r11\n\t"
       "ldrb r2, [r5, %[num_log2]]\n\t"
       "lsl r2, r4, r2\n\t"
       "ldrh r3, [r5, %[across]]\n\t"
       "lsls r3, r3, #14\n\t"
       "bl 5f\n\t"
-      "mov r11, r4\n\t"
+      "mov r8, r4\n\t"
       "ldr r5, [r5, %[across] + 4]\n\t"
       "add r3, r3, r5, lsl #14\n\t"
       "bl 5f\n\t"
-      "mov r8, r4\n\t"
-      "mov r4, r11\n"
+      "mov r11, r4\n"
       "6:\n\t"
       "ldr r5, %[corner]\n\t"
       "add r5, r5, r6, lsl #2\n\t"
-      "str r4, [r5]\n\t"
-      "str r8, [r5, #8]\n\t"
+      "str r8, [r5]\n\t"
+      "str r11, [r5, #8]\n\t"
       "subs r6, #1\n\t"
       "bpl 3b\n\t"
       "adds r5, #16\n\t"
       "str r5, %[corner]\n\t"
-      /* Again if t was that of the line above. */
+      /* Was this t that of the line above? */
       "ldr r0, %[walk]\n\t"
       "ldrh r1, [r0, %[down]]\n\t"
       "ldr r2, [r0, %[down] + 4]\n\t"
@@ -132,10 +123,11 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "add r12, r2\n\t"
       "beq 2b\n\t"
       "b 7f\n"
-      /* r4 = along the edge down from the vertex at r5, which is r6 beside */
+      /* r4 = along(P0, P1, v1, t) without the plane, from the vertex at r5 - r6
+       */
       "4:\n\t"
       "ldrsh r0, [r5, r6]\n\t"
-      "adds r4, r5, r7\n\t"
+      "add r4, r5, r10\n\t"
       "ldrsh r1, [r4, r6]\n\t"
       "ldrsb r2, [r4, #6]\n\t"
       "ldr r4, %[walk]\n\t"
@@ -143,12 +135,13 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "lsls r2, r4\n\t"
       "lsrs r4, r4, #8\n\t"
       "lsls r2, r4\n\t"
-      "ldr r4, %[section]\n\t"
+      "ldr r4, %[walk]\n\t"
+      "ldr r4, [r4]\n\t"
       "ldrb r4, [r4, #9]\n\t"
       "lsls r0, r4\n\t"
       "lsls r1, r4\n\t"
       "add r1, r9\n"
-      /* r4 = along(r0, r1, r2 / 4, r3) */
+      /* r4 = along(r0, r1, r2 / 4, r3), t in q30 */
       "5:\n\t"
       "rsb r4, r3, #0x40000000\n\t"
       "smmla r4, r4, r2, r1\n\t"
@@ -157,16 +150,15 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "smmlar r4, r4, r3, r0\n\t"
       "bx lr\n"
       "7:"
-      : [corner] "+m"(search.corner), [above] "=m"(search.above),
-        [section] "=m"(search.section), [left] "=m"(search.left), "+r"(r0)
-      : [walk] "m"(search.walk),
-        [is_empty] "i"(offsetof(rg_block_walk, is_empty)),
+      : [walk] "+m"(kept), [corner] "+m"(corner), [above] "=m"(above),
+        [vertex_size] "=m"(vertex_size), "+r"(r0)
+      : [is_empty] "i"(offsetof(rg_block_walk, is_empty)),
         [bend_shift] "i"(offsetof(rg_block_walk, bend_shift)),
         [num_log2] "i"(offsetof(rg_block_walk, num_log2)),
         [across] "i"(offsetof(rg_block_walk, spans)),
         [down] "i"(offsetof(rg_block_walk, spans) + sizeof(rg_span))
-      : "r1", "r2", "r3", "r4", "r5", "r6", "r7", "r8", "r9", "r10", "r11",
-        "r12", "lr", "cc", "memory");
+      : "r1", "r2", "r3", "r4", "r5", "r6", "r8", "r9", "r10", "r11", "r12",
+        "lr", "cc", "memory");
   r0->spans[0].before += r0->spans[0].size;
 }
 

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "blob_edit.h"
+#include "bytes.h"
 #include "crc32.h"
 #include "golden_blobs.h"
 #include "raygrid.h"
