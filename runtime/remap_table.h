@@ -39,6 +39,13 @@ typedef struct rg_block {
   RG_FOR_LANES rg_position corners[4];
 } rg_block;
 
+/* rg_next_corners() of kernels/thumb2.c: compilers run out of registers. */
+#if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_KEEP_LINES
+#define RG_CORNERS_IN_ASSEMBLER 1
+#else
+#define RG_CORNERS_IN_ASSEMBLER 0
+#endif
+
 #if !RG_KEEP_LINES
 /* Of a part on an axis, in q16 blocks: what is before it, and its size. */
 typedef struct rg_span {
@@ -71,8 +78,8 @@ typedef struct rg_block_walk {
    * of parts, and rounded; how that changes to the next part; how that does. */
   rg_lanes right, sums, steps, turns;
 #else
-  uint8_t bend_shift; /* of the section, if that has such wide parts */
-  uint8_t num_log2;   /* of four times a block's parts across */
+  uint8_t bend_shift; /* for parts of this width */
+  uint8_t num_log2;   /* log2 of four times a block's parts across */
   rg_span spans[2];   /* of the next part across, of the row of parts down */
 #endif
 } rg_block_walk;
