@@ -157,7 +157,7 @@ static inline int32_t rg_upper_word(int64_t sum) {
 /* Rows of four points in assembler: compilers would load words one by one, and
  * run out of registers. */
 #if RG_HAVE_SMMULR && defined(__thumb2__) && defined(__OPTIMIZE__) && \
-    !defined(__clang__)
+    !defined(__clang__) && !defined(__ARMEB__)
 #define RG_ROWS_IN_ASSEMBLER 1
 #else
 #define RG_ROWS_IN_ASSEMBLER 0

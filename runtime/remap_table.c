@@ -62,9 +62,8 @@ void rg_next_block(rg_block_walk* walk, rg_block* block) {
  * times 4 2^n; modulo 2^32. */
 static RG_NOINLINE void cut_edge(int32_t* from, int32_t* to, int32_t bend,
                                  const rg_span* span) {
-  if (span->size == 0x10000) return; /* that is the block */
   const uint32_t first = (uint32_t)*from, line = (uint32_t)*to - first;
-  uint32_t k = (span->before & 0xffff) >> 13;
+  uint32_t k = span->before << 16 >> 29;
   for (;;) {
     const int32_t aside = bend * (int32_t)(8 - k) >> 5;
     const uint32_t sum = (line + (uint32_t)aside) * k;
@@ -79,36 +78,40 @@ static int32_t load_bend(const uint8_t* byte, uint32_t shift) {
   return (int32_t)(int8_t)*byte * (1 << shift);
 }
 
-/* A coordinate of the part's corners: from corner on, every other one; affine
- * is section + 4 c for coordinate c, above the block's upper left vertex + c.
- * In a table without bends, others are read, of which nothing remains. */
-static RG_NOINLINE void find_axis(const rg_block_walk* walk,
-                                  const uint8_t* affine, const uint8_t* above,
-                                  int32_t* corner) {
+/* A coordinate of the part's corners: from corner on, every other one; vertex
+ * is the block's upper left one's number. */
+static RG_INLINE void find_axis(const rg_block_walk* walk, uint32_t c,
+                                uint32_t vertex, int32_t* corner) {
   const uint8_t* const section = walk->section;
   const uint32_t size = rg_vertex_size(section);
+  const uint8_t* const affine = section + 4 * c;
+  const uint8_t* above =
+      section + rg_load_u32(section + 76) + vertex * size + c;
   const uint8_t* below = above + rg_load_u16(section + 4) * size;
-  const uint32_t c = (uint32_t)(affine - section) >> 2;
   const uint32_t row_step = rg_load_u32(affine + 44);
   uint32_t plane = rg_load_u32(affine + 28) +
                    (walk->spans[0].before >> 16) * rg_load_u32(affine + 36) +
                    (walk->spans[1].before >> 16) * row_step;
+  const uint32_t bend_shift = walk->bend_shift;
   int32_t bends[2];
   for (uint32_t side = 0; side < 2; ++side, corner += 2) {
-    const uint32_t shift = section[9], bend_shift = walk->bend_shift;
+    const uint32_t shift = section[9];
     const uint32_t upper = (uint32_t)rg_load_i16(above + c) << shift;
     const uint32_t lower = (uint32_t)rg_load_i16(below + c) << shift;
     corner[0] = (int32_t)(plane + upper);
     corner[4] = (int32_t)(plane + row_step + lower);
-    cut_edge(&corner[0], &corner[4],
-             load_bend(below + RG_UPPER_BEND, bend_shift + walk->num_log2),
-             &walk->spans[1]);
-    bends[0] = load_bend(above + RG_LEFT_BEND, bend_shift);
-    bends[1] = load_bend(below + RG_LEFT_BEND, bend_shift);
     plane += rg_load_u32(affine + 36);
+    if (size == RG_BENT_VERTEX_SIZE) {
+      cut_edge(&corner[0], &corner[4],
+               load_bend(below + RG_UPPER_BEND, bend_shift + walk->num_log2),
+               &walk->spans[1]);
+      bends[0] = load_bend(above + RG_LEFT_BEND, bend_shift);
+      bends[1] = load_bend(below + RG_LEFT_BEND, bend_shift);
+    }
     above += size;
     below += size;
   }
+  if (size != RG_BENT_VERTEX_SIZE) return; /* the block is the part */
   cut_edge(&bends[0], &bends[1], 0, &walk->spans[1]);
   const int32_t num = 1 << walk->num_log2;
   corner -= 4;
@@ -118,18 +121,19 @@ static RG_NOINLINE void find_axis(const rg_block_walk* walk,
 
 void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
   const uint8_t* const section = walk->section;
-  const uint32_t size = rg_vertex_size(section);
   const uint32_t columns = rg_load_u16(section + 4);
   const uint32_t j = walk->spans[1].before >> 16;
   const uint32_t vertex = j * columns + (walk->spans[0].before >> 16);
   const uint32_t mark = vertex - j;
-  const uint8_t* const vertices = section + rg_load_u32(section + 76);
   const uint8_t* const marks =
-      vertices + rg_load_u16(section + 6) * columns * size;
+      section + rg_load_u32(section + 76) +
+      rg_load_u16(section + 6) * columns * rg_vertex_size(section);
   walk->is_empty = (marks[mark >> 3] >> (mark & 7)) & 1;
-  const uint8_t* const above = vertices + vertex * size;
-  find_axis(walk, section, above, &corners->q12[0]);
-  find_axis(walk, section + 4, above + 1, &corners->q12[1]);
+  const uint32_t end = rg_times(2);
+  uint32_t c = 0;
+  do {
+    find_axis(walk, c, vertex, &corners->q12[c]);
+  } while (++c != end);
   walk->spans[0].before += walk->spans[0].size;
 }
 

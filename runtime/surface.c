@@ -11,7 +11,7 @@
 
 static RG_INLINE void sum_rows(const uint8_t* points, uint32_t columns,
                                rg_place* place) {
-  const int32_t(*weights_q31)[4] = place->weights_q31;
+  const int32_t* weights_q31 = place->weights_q31[0];
   int32_t a_q27 = 0, b_q27 = 0;
   __asm__(
       "ldmia %[weights]!, {r6, r8, r9, r10}\n"
