@@ -240,7 +240,18 @@ rg_care rg_next_run(rg_remap_job* job);
 /* Whether all pixels of the part ask for no care, unless the source is a ring.
  */
 static RG_INLINE int rg_is_part_safe(const rg_remap_job* job) {
-  return rg_have_sources(job, job->run.block.corners, 4, RG_LATTICE_MARGIN);
+  const rg_position* const corners = job->run.block.corners;
+  if (!RG_ALL_BUILT_IN)
+    return rg_have_sources(job, corners, 4, RG_LATTICE_MARGIN);
+  /* As such kernels are fast, this is to be so as well. */
+  for (int c = 0; c < 2; ++c) {
+    const uint8_t* const range = job->ranges + 4 * c;
+    const int32_t min = rg_load_i32(range) + RG_LATTICE_MARGIN;
+    const int32_t max = rg_load_i32(range + 8) - RG_LATTICE_MARGIN;
+    for (int k = 0; k < 4; ++k)
+      if (corners[k].q12[c] < min || corners[k].q12[c] > max) return 0;
+  }
+  return !job->walk.is_empty;
 }
 
 /* Each of these leaves the run's out below the part. */

@@ -62,10 +62,14 @@ static RG_INLINE void do_grey_band(rg_remap_job* job, const rg_frame* frame,
 
 static RG_INLINE void do_grey_part(rg_remap_job* job) {
   const int is_safe = rg_is_part_safe(job);
-  if (!RG_ALL_BUILT_IN)
-    rg_do_rows(job, is_safe ? NULL : do_grey_pixel);
-  else if (!is_safe || !rg_blend_part(job, 1))
+#if RG_ALL_BUILT_IN
+  if (is_safe)
+    RG_BUILT_IN(1)(&job->run);
+  else
     rg_do_rows(job, do_grey_pixel);
+#else
+  rg_do_rows(job, is_safe ? NULL : do_grey_pixel);
+#endif
 }
 
 /* What rg_next_part() does, in place. */
