@@ -116,7 +116,8 @@ static int make_table(uint32_t style_index, uint32_t size_multiple) {
   assert_true(size <= sizeof(section_words));
   rg_write_remap(&table, residuals, SECTION);
   camera.remap = SECTION;
-  return rg_check_remap(SECTION, size, camera.width, camera.height) == 0 &&
+  return rg_check_remap(SECTION, size,
+                        camera.width | (uint32_t)camera.height << 16) == 0 &&
          rg_check_vertices(SECTION) == 0;
 }
 

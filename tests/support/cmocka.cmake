@@ -37,7 +37,7 @@ endfunction()
 # The walk of small boards, compiled into a program in front of the library's.
 function(raygrid_small_walk name)
   foreach(source camera lattice_map remap remap_blocks remap_grey remap_parts remap_source_rows
-      remap_table kernels/dispatch kernels/portable kernels/tiles)
+      remap_table kernels/dispatch kernels/portable kernels/thumb2 kernels/tiles)
     target_sources(${name} PRIVATE ${PROJECT_SOURCE_DIR}/runtime/${source}.c)
   endforeach()
   target_compile_definitions(${name} PRIVATE RG_KEEP_LINES=0)
