@@ -8,10 +8,18 @@
 #include "grey_row.h"
 #include "remap_blocks.h"
 
-/* GCC 11 is the first one whose asm goto has results. */
+/* GCC 11 is the first one whose asm goto has results. All registers are used:
+ * where one holds a frame pointer, this is to be defined as 0. */
+#if !defined(RG_GREY_ROW_IN_ASSEMBLER)
 #if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_KEEP_LINES && \
-    !RG_ALL_BUILT_IN && __GNUC__ >= 11
+    !RG_ALL_BUILT_IN && defined(__ARM_FEATURE_UNALIGNED) && __GNUC__ >= 11
 #define RG_GREY_ROW_IN_ASSEMBLER 1
+#else
+#define RG_GREY_ROW_IN_ASSEMBLER 0
+#endif
+#endif
+
+#if RG_GREY_ROW_IN_ASSEMBLER
 
 /* x is mirrored, 4079 - x = 4095 - (x + 16): its fraction is the left samples'
  * weight less one. upper is data + row stride + column; then
@@ -99,7 +107,8 @@ static RG_INLINE int rg_do_grey_rows(rg_grey_rows* rows, rg_block_row* row) {
       "subs r7, r7, #1\n\t"
       "str r7, %[rest]\n\t"
       "bne 0b"
-      : "=r"(x), "=r"(y), "=r"(step_x), "=r"(step_y), [rest] "+m"(rows->rest)
+      : "=&r"(x), "=&r"(y), "=&r"(step_x),
+        "=&r"(step_y), [rest] "+m"(rows->rest)
       : [corners] "m"(rows->corners), [rounding] "m"(rows->rounding),
         [height_log2] "i"(RG_FROM_CORNERS(block.height_log2)),
         [width_log2] "i"(RG_FROM_CORNERS(block.width_log2)),
@@ -116,8 +125,6 @@ is_apart:
   return 1;
 }
 
-#else
-#define RG_GREY_ROW_IN_ASSEMBLER 0
 #endif
 
 #endif /* RAYGRID_GREY_ROW_THUMB2_H */

@@ -187,6 +187,12 @@ static RG_INLINE void rg_start_rows(rg_remap_job* job,
  * the lattice, and may choose the rows of the source. */
 int rg_next_part(rg_remap_job* job);
 
+#if !RG_KEEP_LINES
+/* Whether no position has a source: a range of the image's pixels without one
+ * of the lattice's. */
+int rg_is_void(const rg_remap_job* job);
+#endif
+
 /* The corners of the run's block from the image's pixels to the lattice's. A
  * program with grey frames alone does not need it. */
 static RG_INLINE void rg_bring_to_lattice(rg_remap_job* job) {
@@ -197,6 +203,7 @@ static RG_INLINE void rg_bring_to_lattice(rg_remap_job* job) {
   rg_move_corners(rg_lattice_of(job),
                   (uint32_t)block->width_log2 + rg_lattice_of(job)->log2[0],
                   block->corners);
+  if (rg_is_void(job)) job->walk.is_empty = 1;
 #endif
 }
 

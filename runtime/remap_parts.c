@@ -35,6 +35,12 @@ int rg_next_part(rg_remap_job* job) {
   return 1;
 }
 
+int rg_is_void(const rg_remap_job* job) {
+  const uint8_t* const ranges = job->ranges;
+  return rg_load_i32(ranges) > rg_load_i32(ranges + 8) ||
+         rg_load_i32(ranges + 4) > rg_load_i32(ranges + 12);
+}
+
 int rg_have_sources(const rg_remap_job* job, const rg_position* positions,
                     uint32_t num, uint32_t margin) {
   const int32_t* q12 = positions->q12;
@@ -97,8 +103,9 @@ static RG_INLINE int rg_do_grey_rows(rg_grey_rows* rows, rg_block_row* row) {
 static RG_INLINE void do_row(const rg_grey_rows* rows,
                              const rg_block_row* row) {
   rg_remap_job* const job = job_of(rows);
-  rg_position position = row->start;
+  rg_position position;
   uint32_t pixel = 0;
+  position = row->start;
   do {
     rows->on_pixel(job, &position, pixel);
     for (int c = 0; c < 2; ++c)
