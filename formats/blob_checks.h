@@ -6,44 +6,74 @@
 
 #include <stdint.h>
 
+#include "bytes.h"
 #include "rg_blob.h"
 #include "wide_multiply.h"
 
 /* 0, or the status of a fault times -1: small constants make short code. */
 typedef int rg_fault;
 
-/* Compilers would write a short loop out, or call memset for it. */
+/* What compilers know of a value is forgotten: they would write a short loop
+ * out, or call memset for it, or keep what can be read again. */
 #if defined(__GNUC__) && defined(__OPTIMIZE__)
-#define RG_KEEP_LOOP(index) __asm__("" : "+r"(index))
+#define RG_FORGET(value) __asm__("" : "+r"(value))
 #else
-#define RG_KEEP_LOOP(index) ((void)(index))
+#define RG_FORGET(value) ((void)(value))
 #endif
 
-/* Where the table's last entry of each type is, or NULL. */
-typedef struct rg_entries {
-  const uint8_t* of[RG_NUM_SECTION_TYPES];
-} rg_entries;
+/* A fault before the tests that find it: these then need no code but a jump. */
+static inline rg_fault rg_fault_of(rg_status status) {
+  rg_fault fault = -(rg_fault)status;
+#if defined(__GNUC__) && defined(__OPTIMIZE_SIZE__)
+  __asm__("" : "+r"(fault) : : "cc");
+#endif
+  return fault;
+}
 
-/* Address, header, section table, and the CRCs of all sections. After that
- * every section lies inside the blob and is as long as its fields. */
+typedef struct rg_section {
+  const uint8_t* bytes; /* NULL: there is none */
+  uint32_t size;
+} rg_section;
+
+/* The last one of each type. */
+typedef struct rg_sections {
+  rg_section of[RG_NUM_SECTION_TYPES];
+} rg_sections;
+
+/* Address (not NULL), header, section table, and the CRCs of all sections.
+ * After that every section lies inside the blob and is as long as its fields.
+ */
 rg_fault rg_check_table(const uint8_t* bytes, uint32_t num_bytes,
-                        rg_entries* entries);
+                        rg_sections* sections);
 
 /* The index-th entry of a type in a section table that was checked, or NULL. */
-const uint8_t* rg_find_entry(const uint8_t* bytes, uint32_t type,
-                             uint32_t index);
+static inline const uint8_t* rg_find_entry(const uint8_t* bytes, uint32_t type,
+                                           uint32_t index) {
+  const uint8_t* entry = bytes + RG_HEADER_SIZE - RG_SECTION_ENTRY_SIZE;
+  uint32_t rest = rg_load_u16(bytes + 16); /* at least 1 */
+  do {
+    entry += RG_SECTION_ENTRY_SIZE;
+    if (rg_load_u16(entry) == type) {
+      if (index == 0) return entry;
+      --index;
+    }
+  } while (--rest != 0);
+  return 0;
+}
 
 /* scale = floor(cells 2^48 / span): cells 2^48 - scale span is at least 0 and
  * less than span. */
 static inline int rg_is_scale(uint32_t scale, uint32_t cells, uint32_t span) {
   uint32_t low;
-  const uint32_t high = rg_multiply_unsigned(scale, span, &low);
-  const uint64_t product = ((uint64_t)high << 32) | low;
-  return ((uint64_t)cells << 48) - product < span;
+  uint32_t high = rg_multiply_unsigned(scale, span, &low);
+  if (low != 0) ++high; /* borrowed */
+  return high == cells << 16 && 0u - low < span;
 }
 
-/* The section's arrays start behind its fields and fill it to the end. */
-rg_fault rg_check_extent(uint32_t size, uint32_t data_offset,
+/* A section's arrays start behind its fields and fill it to the end.
+ *
+ * data_offset  the field */
+rg_fault rg_check_extent(const uint8_t* data_offset, uint32_t size,
                          uint32_t fields_size, uint32_t data_size);
 
 /* Bytes of one bit for each of so many, padded to words. */
@@ -51,17 +81,19 @@ static inline uint32_t rg_mask_size(uint32_t num_bits) {
   return (num_bits + 31) / 32 * 4;
 }
 
-/* A central or inverse grid. */
+/* A central or inverse grid; NULL has no fault. */
 rg_fault rg_check_grid(const uint8_t* section, uint32_t size,
                        uint32_t max_fraction_bits);
 
-/* grid: that of the blob, checked. */
+/* NULL has no fault. grid: that of the blob, checked. */
 rg_fault rg_check_line_points(const uint8_t* section, uint32_t size,
                               const uint8_t* grid);
 
-/* A table for source images of a size, but for its vertices. */
-rg_fault rg_check_remap(const uint8_t* section, uint32_t size, uint32_t width,
-                        uint32_t height);
+/* A table for source images of a size, but for its vertices.
+ *
+ * source_size  width, and height times 2^16 */
+rg_fault rg_check_remap(const uint8_t* section, uint32_t size,
+                        uint32_t source_size);
 
 /* Those of a table that was checked. */
 rg_fault rg_check_vertices(const uint8_t* section);

@@ -9,12 +9,14 @@
   (1u << RG_SECTION_CAMERA | 1u << RG_SECTION_CENTRAL_GRID | \
    1u << RG_SECTION_LINE_POINTS)
 /* Flags, and how often a type stands. */
-static rg_fault check_entry(const uint8_t* entry, const rg_entries* entries) {
+static rg_fault check_entry(const uint8_t* bytes, const uint8_t* entry,
+                            const rg_sections* sections) {
   const uint32_t type = rg_load_u16(entry), flags = rg_load_u16(entry + 2);
   if (flags > RG_SECTION_CRITICAL) return -RG_ERR_SECTION_FLAGS;
-  if (type >= RG_NUM_SECTION_TYPES || !entries->of[type]) return 0;
+  if (type >= RG_NUM_SECTION_TYPES || !sections->of[type].bytes) return 0;
   if (flags != (CRITICAL_TYPES >> type & 1u)) return -RG_ERR_SECTION_FLAGS;
-  return entries->of[type] != entry && type != RG_SECTION_REMAP
+  return sections->of[type].bytes != bytes + rg_load_u32(entry + 4) &&
+                 type != RG_SECTION_REMAP
              ? -RG_ERR_SECTION_DUPLICATE
              : 0;
 }
@@ -116,8 +118,8 @@ static rg_fault check_uncertainty(const uint8_t* section, uint32_t size,
   }
   const uint32_t num_values =
       (uint32_t)rg_load_u16(section) * rg_load_u16(section + 2);
-  return rg_check_extent(size, rg_load_u32(section + 12),
-                         RG_UNCERTAINTY_FIELDS_SIZE, (num_values + 1) / 2 * 4);
+  return rg_check_extent(section + 12, size, RG_UNCERTAINTY_FIELDS_SIZE,
+                         (num_values + 1) / 2 * 4);
 }
 
 static rg_fault check_mask(const uint8_t* section, uint32_t size,
@@ -134,15 +136,14 @@ static rg_fault check_mask(const uint8_t* section, uint32_t size,
       return -RG_ERR_MASK;
     num_cells *= count;
   }
-  return rg_check_extent(size, rg_load_u32(section + 8), RG_MASK_FIELDS_SIZE,
+  return rg_check_extent(section + 8, size, RG_MASK_FIELDS_SIZE,
                          rg_mask_size(num_cells));
 }
 
 static rg_fault check_remap(const uint8_t* section, uint32_t size,
                             const uint8_t* camera) {
   if (section[10] == 0 && section[11] != 0) return -RG_ERR_RESERVED;
-  rg_fault fault = rg_check_remap(section, size, rg_load_u16(camera),
-                                  rg_load_u16(camera + 2));
+  rg_fault fault = rg_check_remap(section, size, rg_load_u32(camera));
   if (fault == 0) fault = rg_check_vertices(section);
   if (fault != 0) return fault;
   return rg_load_u32(section + 52) == 0 || rg_load_u32(section + 56) == 0
@@ -153,13 +154,11 @@ static rg_fault check_remap(const uint8_t* section, uint32_t size,
 /* A section's fields and arrays, by those of the camera and the grid, which may
  * not have been checked yet. */
 static rg_fault check_section(const uint8_t* bytes, const uint8_t* entry,
-                              const rg_entries* entries) {
+                              const rg_sections* sections) {
   const uint8_t* const section = bytes + rg_load_u32(entry + 4);
   const uint32_t size = rg_load_u32(entry + 8);
-  const uint8_t* const camera =
-      bytes + rg_load_u32(entries->of[RG_SECTION_CAMERA] + 4);
-  const uint8_t* const grid =
-      bytes + rg_load_u32(entries->of[RG_SECTION_CENTRAL_GRID] + 4);
+  const uint8_t* const camera = sections->of[RG_SECTION_CAMERA].bytes;
+  const uint8_t* const grid = sections->of[RG_SECTION_CENTRAL_GRID].bytes;
   switch (rg_load_u16(entry)) {
     case RG_SECTION_CAMERA:
       return check_camera(section);
@@ -181,8 +180,8 @@ static rg_fault check_section(const uint8_t* bytes, const uint8_t* entry,
 }
 
 static rg_fault check_blob(const uint8_t* bytes, uint32_t num_bytes) {
-  rg_entries entries;
-  rg_fault fault = rg_check_table(bytes, num_bytes, &entries);
+  rg_sections sections;
+  rg_fault fault = rg_check_table(bytes, num_bytes, &sections);
   if (fault) return fault;
   if ((rg_load_u32(bytes + 20) | rg_load_u32(bytes + 24)) != 0)
     return -RG_ERR_RESERVED;
@@ -191,12 +190,12 @@ static rg_fault check_blob(const uint8_t* bytes, uint32_t num_bytes) {
       table + rg_load_u16(bytes + 16) * RG_SECTION_ENTRY_SIZE;
   const uint8_t* entry;
   for (entry = table; entry != end && !fault; entry += RG_SECTION_ENTRY_SIZE)
-    fault = check_entry(entry, &entries);
-  if (!fault &&
-      (!entries.of[RG_SECTION_CAMERA] || !entries.of[RG_SECTION_CENTRAL_GRID]))
+    fault = check_entry(bytes, entry, &sections);
+  if (!fault && (!sections.of[RG_SECTION_CAMERA].bytes ||
+                 !sections.of[RG_SECTION_CENTRAL_GRID].bytes))
     fault = -RG_ERR_SECTION_MISSING;
   for (entry = table; entry != end && !fault; entry += RG_SECTION_ENTRY_SIZE)
-    fault = check_section(bytes, entry, &entries);
+    fault = check_section(bytes, entry, &sections);
   return fault;
 }
 
@@ -213,7 +212,7 @@ static uint32_t offset_of(const uint8_t* bytes, uint32_t type) {
 }
 
 rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {
-  if (!blob) return RG_ERR_ARGUMENT;
+  if (!blob || !bytes) return RG_ERR_ARGUMENT;
   const uint8_t* const first = (const uint8_t*)bytes;
   const rg_fault fault = check_blob(first, num_bytes);
   if (fault) return (rg_status)-fault;

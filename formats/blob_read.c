@@ -4,27 +4,6 @@
 #include "crc32.h"
 #include "rg_blob.h"
 
-/* Magic, version, sizes, and the CRC over header and section table. */
-static rg_fault check_header(const uint8_t* bytes, uint32_t num_bytes) {
-  if (num_bytes < RG_HEADER_SIZE) return -RG_ERR_TRUNCATED;
-  if (rg_load_u32(bytes) != 0x47594152u || rg_load_u32(bytes + 4) != 0x444952u)
-    return -RG_ERR_MAGIC; /* "RAYG", "RID\0" */
-  if (rg_load_u16(bytes + 8) != RG_FORMAT_MAJOR) return -RG_ERR_VERSION;
-
-  const uint32_t total_size = rg_load_u32(bytes + 12);
-  const uint32_t num_sections = rg_load_u16(bytes + 16);
-  const uint32_t table_size = num_sections * RG_SECTION_ENTRY_SIZE;
-  if (total_size > num_bytes) return -RG_ERR_TRUNCATED;
-  if (total_size % 4 != 0 || rg_load_u16(bytes + 18) != RG_HEADER_SIZE ||
-      num_sections - 1 >= RG_MAX_SECTIONS ||
-      RG_HEADER_SIZE + table_size > total_size)
-    return -RG_ERR_HEADER;
-
-  const uint32_t crc = rg_crc32(rg_crc32(0, bytes, RG_HEADER_SIZE - 4),
-                                bytes + RG_HEADER_SIZE, table_size);
-  return crc != rg_load_u32(bytes + 28) ? -RG_ERR_HEADER_CRC : 0;
-}
-
 /* Bytes of the fields of each type of section; 0: unknown. A table, since
  * Armv6-M compilers would call their library for a switch. */
 static const uint8_t kFieldsSizes[RG_NUM_SECTION_TYPES] = {
@@ -40,58 +19,69 @@ static const uint8_t kFieldsSizes[RG_NUM_SECTION_TYPES] = {
     0, /* a start for projection, until version 1.2 */
     RG_GRID_FIELDS_SIZE};
 
-/* What an entry of the table says of its section, but for its place. */
-static rg_fault check_entry(const uint8_t* entry, const uint8_t* section,
-                            rg_entries* entries) {
-  const uint32_t size = rg_load_u32(entry + 8);
-  const uint32_t type = rg_load_u16(entry);
-  if (rg_crc32(0, section, size) != rg_load_u32(entry + 12))
-    return -RG_ERR_SECTION_CRC;
-  if (type >= RG_NUM_SECTION_TYPES || kFieldsSizes[type] == 0)
-    return (rg_load_u16(entry + 2) & RG_SECTION_CRITICAL) != 0
-               ? -RG_ERR_SECTION_UNKNOWN
-               : 0;
-  entries->of[type] = entry;
-  return size < kFieldsSizes[type] ? -RG_ERR_SECTION_SIZE : 0;
-}
-
 /* The sections tile the blob, in the order of the table. */
-static rg_fault check_sections(const uint8_t* bytes, rg_entries* entries) {
-  const uint32_t total_size = rg_load_u32(bytes + 12);
+static rg_fault check_sections(const uint8_t* bytes, rg_sections* sections) {
+  const uint8_t* const end = bytes + rg_load_u32(bytes + 12);
   const uint8_t* entry = bytes + RG_HEADER_SIZE;
-  uint32_t offset =
-      RG_HEADER_SIZE + rg_load_u16(bytes + 16) * RG_SECTION_ENTRY_SIZE;
-  const uint8_t* const table_end = bytes + offset;
-  for (; entry != table_end; entry += RG_SECTION_ENTRY_SIZE) {
+  const uint8_t* const table_end =
+      entry + rg_load_u16(bytes + 16) * RG_SECTION_ENTRY_SIZE;
+  const uint8_t* section = table_end;
+  do {
     const uint32_t size = rg_load_u32(entry + 8);
-    if (rg_load_u32(entry + 4) != offset || size % 4 != 0 ||
-        size - 1 >= total_size - offset)
+    if (rg_load_u32(entry + 4) != (uint32_t)(section - bytes) ||
+        size % 4 != 0 || size - 1 >= (uint32_t)(end - section))
       return -RG_ERR_SECTION_TABLE;
-    const rg_fault fault = check_entry(entry, bytes + offset, entries);
-    if (fault) return fault;
-    offset += size;
-  }
-  return offset != total_size ? -RG_ERR_SECTION_TABLE : 0;
+    if (rg_crc32(0, section, size) != rg_load_u32(entry + 12))
+      return -RG_ERR_SECTION_CRC;
+    const uint32_t type = rg_load_u16(entry);
+    if (type >= RG_NUM_SECTION_TYPES || kFieldsSizes[type] == 0) {
+      if ((rg_load_u16(entry + 2) & RG_SECTION_CRITICAL) != 0)
+        return -RG_ERR_SECTION_UNKNOWN;
+    } else {
+      rg_section* found = &sections->of[type];
+      RG_FORGET(found); /* both are stored with one instruction */
+      found->bytes = section;
+      found->size = size;
+      if (size < kFieldsSizes[type]) return -RG_ERR_SECTION_SIZE;
+    }
+    section += size;
+    entry += RG_SECTION_ENTRY_SIZE;
+  } while (entry != table_end);
+  return section != end ? -RG_ERR_SECTION_TABLE : 0;
 }
 
 rg_fault rg_check_table(const uint8_t* bytes, uint32_t num_bytes,
-                        rg_entries* entries) {
-  if (!bytes) return -RG_ERR_ARGUMENT;
-  if ((uintptr_t)bytes % 4 != 0) return -RG_ERR_MISALIGNED;
-  for (int type = 0; type < RG_NUM_SECTION_TYPES; ++type) {
-    entries->of[type] = 0;
-    RG_KEEP_LOOP(type);
+                        rg_sections* sections) {
+  rg_fault fault = rg_fault_of(RG_ERR_MISALIGNED);
+  if ((uintptr_t)bytes % 4 != 0) return fault;
+  rg_section* absent = sections->of;
+  for (int types = RG_NUM_SECTION_TYPES; types != 0; --types) {
+    absent->bytes = 0;
+    absent->size = 0;
+    ++absent;
+    RG_FORGET(absent);
   }
-  const rg_fault fault = check_header(bytes, num_bytes);
-  return fault ? fault : check_sections(bytes, entries);
-}
+  fault = rg_fault_of(RG_ERR_TRUNCATED);
+  if (num_bytes < RG_HEADER_SIZE) return fault;
+  fault = rg_fault_of(RG_ERR_MAGIC); /* "RAYG", "RID\0" */
+  if (rg_load_u32(bytes) != 0x47594152u || rg_load_u32(bytes + 4) != 0x444952u)
+    return fault;
+  fault = rg_fault_of(RG_ERR_VERSION);
+  if (rg_load_u16(bytes + 8) != RG_FORMAT_MAJOR) return fault;
 
-const uint8_t* rg_find_entry(const uint8_t* bytes, uint32_t type,
-                             uint32_t index) {
-  const uint8_t* entry = bytes + RG_HEADER_SIZE;
-  for (uint32_t rest = rg_load_u16(bytes + 16); rest > 0; --rest) {
-    if (rg_load_u16(entry) == type && index-- == 0) return entry;
-    entry += RG_SECTION_ENTRY_SIZE;
-  }
-  return 0;
+  const uint32_t total_size = rg_load_u32(bytes + 12);
+  const uint32_t num_sections = rg_load_u16(bytes + 16);
+  const uint32_t table_size = num_sections * RG_SECTION_ENTRY_SIZE;
+  fault = rg_fault_of(RG_ERR_TRUNCATED);
+  if (total_size > num_bytes) return fault;
+  fault = rg_fault_of(RG_ERR_HEADER);
+  if (total_size % 4 != 0 || rg_load_u16(bytes + 18) != RG_HEADER_SIZE ||
+      num_sections - 1 >= RG_MAX_SECTIONS ||
+      RG_HEADER_SIZE + table_size > total_size)
+    return fault;
+
+  const uint32_t crc = rg_crc32(rg_crc32(0, bytes, RG_HEADER_SIZE - 4),
+                                bytes + RG_HEADER_SIZE, table_size);
+  if (crc != rg_load_u32(bytes + 28)) return -RG_ERR_HEADER_CRC;
+  return check_sections(bytes, sections);
 }

@@ -57,6 +57,7 @@ SINGLE_TYPES = (TYPE_CAMERA, TYPE_GRID, TYPE_QUALITY, TYPE_LINE_POINTS,
 
 MAX_IMAGE_SIDE = 16384
 MAX_REMAP_SIDE = 8192
+MIN_REMAP_SOURCE = 2
 TEXT_SIZE = 32
 HALF_PIXEL_Q16 = 1 << 15
 CONTROL_POINT_COUNTS = range(4, 1028)
@@ -569,8 +570,9 @@ def check_remap_size(remap: Remap, camera: Camera) -> None:
     for side in (remap.width, remap.height):
         require(1 <= side <= MAX_REMAP_SIDE, "RG_ERR_REMAP_SIZE",
                 f"the output has {remap.width} x {remap.height} pixels")
-    require(max(camera.width, camera.height) <= MAX_REMAP_SIDE, "RG_ERR_REMAP_SIZE",
-            f"the source has {camera.width} x {camera.height} pixels")
+    for side in (camera.width, camera.height):
+        require(MIN_REMAP_SOURCE <= side <= MAX_REMAP_SIDE, "RG_ERR_REMAP_SIZE",
+                f"the source has {camera.width} x {camera.height} pixels")
 
 
 def check_remap_blocks(remap: Remap, columns: int, rows: int) -> None:

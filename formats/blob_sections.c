@@ -4,14 +4,19 @@
 #include "rg_blob.h"
 #include "wide_multiply.h"
 
-rg_fault rg_check_extent(uint32_t size, uint32_t data_offset,
+rg_fault rg_check_extent(const uint8_t* data_offset, uint32_t size,
                          uint32_t fields_size, uint32_t data_size) {
-  if (data_offset < fields_size || data_offset % 4 != 0)
-    return -RG_ERR_DATA_OFFSET;
-  if (data_offset > size || size - data_offset != data_size)
-    return -RG_ERR_SECTION_SIZE;
-  return 0;
+  const uint32_t offset = rg_load_u32(data_offset);
+  rg_fault fault = rg_fault_of(RG_ERR_DATA_OFFSET);
+  if (offset >= fields_size && offset % 4 == 0) {
+    fault = rg_fault_of(RG_ERR_SECTION_SIZE);
+    if (offset <= size && size - offset == data_size) fault = 0;
+  }
+  return fault;
 }
+
+/* The same for both axes, whose sizes and counts are the halves of words. */
+#define BOTH(number) ((number)*0x10001u)
 
 static uint32_t num_control_points(const uint8_t* grid) {
   return (uint32_t)rg_load_u16(grid + 16) * rg_load_u16(grid + 18);
@@ -19,72 +24,74 @@ static uint32_t num_control_points(const uint8_t* grid) {
 
 rg_fault rg_check_grid(const uint8_t* section, uint32_t size,
                        uint32_t max_fraction_bits) {
+  if (!section) return 0;
   const uint32_t fraction_bits = rg_load_u16(section + 30);
+  rg_fault fault = rg_fault_of(RG_ERR_GRID_CHART);
   if (rg_load_u16(section + 28) != RG_CHART_STEREOGRAPHIC ||
-      fraction_bits - RG_NARROW_MIN_BITS >
-          max_fraction_bits - RG_NARROW_MIN_BITS)
-    return -RG_ERR_GRID_CHART;
-  for (uint32_t axis = 0; axis < 2; ++axis) {
-    RG_KEEP_LOOP(axis);
-    const uint8_t* const ends = section + 4 * axis;
-    const uint32_t cells = rg_load_u16(section + 16 + 2 * axis) - 3u;
-    if (cells - 1 >= RG_MAX_GRID_SIZE - 3) return -RG_ERR_GRID_SIZE;
-    if (!rg_is_scale(rg_load_u32(ends + 20), cells,
+      fraction_bits < RG_NARROW_MIN_BITS || fraction_bits > max_fraction_bits)
+    return fault;
+  uint32_t counts = rg_load_u32(section + 16);
+  fault = rg_fault_of(RG_ERR_GRID_SIZE);
+  /* Less 4 they are below 1024. */
+  if (((counts - BOTH(RG_MIN_GRID_SIZE)) &
+       ~BOTH(RG_MAX_GRID_SIZE - RG_MIN_GRID_SIZE)) != 0)
+    return fault;
+  const uint8_t* ends = section;
+  for (; counts != 0; counts >>= 16, ends += 4)
+    if (!rg_is_scale(rg_load_u32(ends + 20), (counts & 0xffff) - 3,
                      rg_load_u32(ends + 8) - rg_load_u32(ends)))
       return -RG_ERR_GRID_SCALE;
-  }
-  const uint32_t count = num_control_points(section);
-  return rg_check_extent(size, rg_load_u32(section + 32), RG_GRID_FIELDS_SIZE,
-                         fraction_bits == RG_CONTROL_POINT_BITS
-                             ? 8 * count
-                             : RG_NARROW_PLANE_SIZE + 4 * count);
+  section = ends - 8; /* takes no register in the loop */
+  const uint32_t num_points = num_control_points(section);
+  return rg_check_extent(section + 32, size, RG_GRID_FIELDS_SIZE,
+                         rg_load_u16(section + 30) == RG_CONTROL_POINT_BITS
+                             ? 8 * num_points
+                             : RG_NARROW_PLANE_SIZE + 4 * num_points);
 }
 
 rg_fault rg_check_line_points(const uint8_t* section, uint32_t size,
                               const uint8_t* grid) {
+  if (!section) return 0;
   if (rg_load_u16(section) != RG_LINE_POINT_BITS) return -RG_ERR_LINE_POINT;
-  return rg_check_extent(size, rg_load_u32(section + 4),
-                         RG_LINE_POINTS_FIELDS_SIZE,
+  return rg_check_extent(section + 4, size, RG_LINE_POINTS_FIELDS_SIZE,
                          12 * num_control_points(grid));
 }
 
-/* One axis of a remap: sizes and source. */
-static rg_fault check_remap_axis(const uint8_t* section, uint32_t axis,
-                                 uint32_t source_size) {
-  const uint32_t size = rg_load_u16(section + 2 * axis);
-  const uint32_t num_vertices = rg_load_u16(section + 4 + 2 * axis);
-  const uint8_t* const fields = section + 4 * axis;
-  const int32_t low = rg_load_i32(fields + 12), high = rg_load_i32(fields + 20);
-  if (size - 1 >= RG_MAX_REMAP_SIZE || source_size > RG_MAX_REMAP_SIZE)
+rg_fault rg_check_remap(const uint8_t* section, uint32_t size,
+                        uint32_t source_size) {
+  /* Less 1, all sizes are below 2^13. */
+  const uint32_t last = rg_load_u32(section) - BOTH(1);
+  const uint32_t last_source = source_size - BOTH(1);
+  if (((last | last_source | (source_size - BOTH(RG_MIN_REMAP_SOURCE))) &
+       ~BOTH(RG_MAX_REMAP_SIZE - 1)) != 0)
     return -RG_ERR_REMAP_SIZE;
-  if (num_vertices != ((size - 1) >> section[8]) + 2)
-    return -RG_ERR_REMAP_BLOCK;
-  if (low < 0 || low > high || high > (int32_t)((source_size - 1) << 12))
-    return -RG_ERR_REMAP_SOURCE;
-  return 0;
-}
 
-rg_fault rg_check_remap(const uint8_t* section, uint32_t size, uint32_t width,
-                        uint32_t height) {
+  /* Blocks of 8 px without bends, or of 16 px, and of two sizes above. */
   const uint32_t block_log2 = section[8], part_log2 = section[10];
-  uint32_t vertex_size = RG_VERTEX_SIZE;
-  if (part_log2 == 0) {
-    if (block_log2 - 3u > 2) return -RG_ERR_REMAP_BLOCK;
-  } else {
+  uint32_t above = block_log2 - 3, vertex_size = RG_VERTEX_SIZE;
+  if (part_log2 != 0) {
+    if (part_log2 - 3 >= above) return -RG_ERR_REMAP_BLOCK;
+    --above;
     vertex_size = RG_BENT_VERTEX_SIZE;
-    if (part_log2 < 3 || part_log2 >= block_log2 || block_log2 > 6)
-      return -RG_ERR_REMAP_BLOCK;
   }
+  if (above > 2) return -RG_ERR_REMAP_BLOCK;
+  /* Without the bits that came from the other half. */
+  const uint32_t last_blocks = (last >> block_log2) & ~0xfc00u;
+  if (last_blocks + BOTH(2) != rg_load_u32(section + 4))
+    return -RG_ERR_REMAP_BLOCK;
   if (section[9] > RG_MAX_RESIDUAL_SHIFT || section[11] > RG_MAX_BEND_SHIFT)
     return -RG_ERR_REMAP_SHIFT;
-  rg_fault fault = check_remap_axis(section, 0, width);
-  if (fault == 0) fault = check_remap_axis(section, 1, height);
-  if (fault != 0) return fault;
+  const uint32_t max_x = rg_load_u32(section + 20);
+  const uint32_t max_y = rg_load_u32(section + 24);
+  uint32_t last_x = last_source & 0xffff;
+  RG_FORGET(last_x); /* no mask for what is shifted */
+  if (rg_load_u32(section + 12) > max_x || max_x > last_x << 12 ||
+      rg_load_u32(section + 16) > max_y || max_y > last_source >> 16 << 12)
+    return -RG_ERR_REMAP_SOURCE;
   const uint32_t columns = rg_load_u16(section + 4);
   const uint32_t rows = rg_load_u16(section + 6);
-  const uint32_t data_offset = rg_load_u32(section + 76);
   return rg_check_extent(
-      size, data_offset, RG_REMAP_FIELDS_SIZE,
+      section + 76, size, RG_REMAP_FIELDS_SIZE,
       vertex_size * columns * rows + rg_mask_size((columns - 1) * (rows - 1)));
 }
 

@@ -48,6 +48,7 @@ enum rg_section_type {
 #define RG_TEXT_SIZE 32u /* name and serial, zero-padded */
 #define RG_MAX_IMAGE_SIZE 16384u
 #define RG_MAX_REMAP_SIZE 8192u
+#define RG_MIN_REMAP_SOURCE 2u
 #define RG_MIN_GRID_SIZE 4u
 #define RG_MAX_GRID_SIZE 1027u
 #define RG_CHART_STEREOGRAPHIC 1u

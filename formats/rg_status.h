@@ -43,7 +43,7 @@ typedef enum rg_status {
   RG_ERR_GRID_SCALE = -34,    /* cells per pixel contradict area and size */
   RG_ERR_GRID_CHART = -35,    /* unknown chart or fraction bits */
   RG_ERR_CONTROL_POINT = -36, /* a control point beyond the chart's limit */
-  RG_ERR_REMAP_SIZE = -37,    /* output size, or source too large to remap */
+  RG_ERR_REMAP_SIZE = -37,    /* size of the output, or of the source */
   RG_ERR_REMAP_BLOCK = -38,   /* block or part size, or vertex counts */
   RG_ERR_REMAP_SHIFT = -39,   /* residual or bend shift */
   RG_ERR_REMAP_SOURCE = -40,  /* source rectangle empty or outside the image */

@@ -13,7 +13,11 @@
  * of the control points only. */
 static RG_INLINE void rg_bspline_weights(int32_t t_q30,
                                          int32_t weights_q31[4]) {
-  const int32_t sixth_q31 = 357913941, third_q32 = 1431655764;
+  int32_t sixth_q31 = 357913941;
+#if RG_HAVE_SMMULR && defined(__OPTIMIZE_SIZE__)
+  __asm__("" : "+r"(sixth_q31)); /* the third comes from it, not from memory */
+#endif
+  const int32_t third_q32 = 4 * sixth_q31;
   const int32_t t2_q30 = 4 * rg_multiply_high(t_q30, t_q30);
   const int32_t t3_q28 = rg_multiply_high(t2_q30, t_q30);
   /* q30 are the halves in q31, q28 the eighths: t^3 / 6 is 4/3 of that. */

@@ -39,7 +39,11 @@ static inline int32_t rg_subtract(int32_t a, int32_t b) {
   return (int32_t)((uint32_t)a - (uint32_t)b);
 }
 
-/* Likewise. */
+static inline uint32_t rg_lesser(uint32_t a, uint32_t b) {
+  return a < b ? a : b;
+}
+
+/* Modulo 2^32, too. */
 static inline int32_t rg_shift_left(int32_t a, int shift) {
   return (int32_t)((uint32_t)a << shift);
 }
@@ -153,7 +157,7 @@ static inline int32_t rg_upper_word(int64_t sum) {
 /* Rows of four points in assembler: compilers would load words one by one, and
  * run out of registers. */
 #if RG_HAVE_SMMULR && defined(__thumb2__) && defined(__OPTIMIZE__) && \
-    !defined(__clang__)
+    !defined(__clang__) && !defined(__ARMEB__)
 #define RG_ROWS_IN_ASSEMBLER 1
 #else
 #define RG_ROWS_IN_ASSEMBLER 0
@@ -199,6 +203,14 @@ static RG_INLINE int32_t rg_read_late(int32_t* value) {
 #endif
   return *value;
 }
+
+/* A value in a register: else the compiler composes it anew where it is used.
+ */
+#if defined(__GNUC__)
+#define RG_IN_REGISTER(value) __asm__("" : "+r"(value))
+#else
+#define RG_IN_REGISTER(value) ((void)(value))
+#endif
 
 /* A value that a loop before does not keep in a register. */
 #if defined(__ARM_FEATURE_SIMD32)

@@ -37,14 +37,19 @@ static RG_INLINE rg_range rg_source_range(const uint8_t* section,
 
 /* log2 of the output pixels that the parts of blocks are wide (axis 0) or high
  * (1): what the table says, but at least 16 for chroma, 8 of its own. */
-static inline uint32_t rg_part_log2(const uint8_t* section,
-                                    const rg_lattice* lattice, int axis) {
-  const uint32_t part_log2 = section[10];
+static inline uint8_t rg_part_log2(const uint8_t* section,
+                                   const rg_lattice* lattice, int axis) {
+  const uint8_t part_log2 = section[10];
   if (part_log2 == 0) return section[8];
   return part_log2 < 4 && lattice->half[axis] == 1 ? 4 : part_log2;
 }
 
-/* A part of a block of the table, as the lattice has it. */
+/* The corners of a part of a block of the table, so many output pixels wide, as
+ * the lattice has them. */
+void rg_move_corners(const rg_lattice* lattice, uint32_t part_width_log2,
+                     rg_position corners[4]);
+
+/* The same, and its size. */
 void rg_lattice_block(const rg_lattice* lattice, rg_block* block);
 
 #if RG_KEEP_LINES

@@ -1,27 +1,31 @@
 #include "planes.h"
 
+#if !RG_HAVE_DIVISION
 uintptr_t rg_remainder(uintptr_t a, uintptr_t b) {
-  for (int shift = 15; shift >= 0; --shift)
+  for (int shift = 16; shift >= 0; --shift)
     if (a >> shift >= b) a -= b << shift;
   return a;
 }
+#endif
 
-static uintptr_t end_of(const rg_plane* plane) {
-  return (uintptr_t)plane->data +
-         (uintptr_t)(plane->num_rows - 1) * plane->stride + plane->row_bytes;
-}
+static uintptr_t address_of(const uint8_t* data) { return (uintptr_t)data; }
 
-int rg_do_planes_overlap(const rg_plane* a, const rg_plane* b) {
-  if (a->num_rows == 0 || b->num_rows == 0) return 0;
-  if (a->data > b->data) {
-    const rg_plane* const first = b;
-    b = a;
-    a = first;
-  }
-  if ((uintptr_t)b->data >= end_of(a)) return 0;
-  if (a->stride != b->stride) return 1;
+/* Two intervals meet if the last of one is not so far behind the first of the
+ * other as both are long, less 1; that may wrap. First all bytes from the first
+ * row to the last are such an interval, then, modulo the stride, a row. */
+rg_fault rg_check_overlap(uint32_t row_bytes, const rg_frame* frame,
+                          const rg_band* band) {
+  if (band->num_rows == 0) return 0;
+  const uintptr_t stride = band->stride;
+  const uintptr_t length = (uintptr_t)frame->width + row_bytes - 1;
+  const uintptr_t last_row = (uintptr_t)(band->num_rows - 1u) * stride;
+  const uintptr_t distance = address_of(band->data) - address_of(frame->data) +
+                             last_row + row_bytes - 1;
+  const uintptr_t lengths =
+      (uintptr_t)(frame->height - 1u) * frame->stride + last_row + length;
   /* Rows may lie beside each other. */
-  const uintptr_t offset = rg_remainder((uintptr_t)b->data - (uintptr_t)a->data,
-                                        (uintptr_t)a->stride);
-  return offset < a->row_bytes || offset + b->row_bytes > a->stride;
+  if (distance >= lengths ||
+      (frame->stride == stride && rg_remainder(distance, stride) >= length))
+    return 0;
+  return rg_fault_of(RG_ERR_OVERLAP);
 }

@@ -4,21 +4,28 @@
 
 #include <stdint.h>
 
+#include "blob_checks.h"
+#include "raygrid.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-typedef struct rg_plane {
-  const uint8_t* data;
-  uint32_t stride, row_bytes, num_rows;
-} rg_plane;
+/* A fault if a byte of a row of the frame, of one byte a pixel, is one
+ * of a row of the band, whose rows have so many bytes. Where the strides
+ * differ: if such a byte lies between the first and the last of the other. */
+rg_fault rg_check_overlap(uint32_t row_bytes, const rg_frame* frame,
+                          const rg_band* band);
 
-/* 1 if a byte of a row of one is a byte of a row of the other. Of planes with
- * different strides: if it lies between their first bytes and last ones. */
-int rg_do_planes_overlap(const rg_plane* a, const rg_plane* b);
-
-/* a mod b for a / b below 2^16, without division, which not every core has. */
+/* a mod b for a / b below 2^17: not every core has division. */
+#if defined(__ARM_FEATURE_IDIV) || defined(__riscv_div) || \
+    defined(__aarch64__) || defined(__x86_64__)
+#define RG_HAVE_DIVISION 1
+static inline uintptr_t rg_remainder(uintptr_t a, uintptr_t b) { return a % b; }
+#else
+#define RG_HAVE_DIVISION 0
 uintptr_t rg_remainder(uintptr_t a, uintptr_t b);
+#endif
 
 #ifdef __cplusplus
 }

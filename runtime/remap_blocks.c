@@ -84,7 +84,8 @@ static RG_INLINE int start_parts(rg_remap_job* job) {
   run->out += (size_t)job->part_rows * run->out_stride;
   const uint32_t row = (uint32_t)job->row + job->part_rows, end = job->end_row;
   if (row >= end) return 0;
-  const uint32_t log2 = (uint32_t)job->walk.part_log2[1] - job->lattice.log2[1];
+  const uint32_t log2 =
+      (uint32_t)job->walk.part_log2[1] - job->lattice->log2[1];
   const uint32_t part = row >> log2;
   const uint32_t next = (part + 1) << log2;
   rg_start_parts(&job->walk, part);
@@ -96,7 +97,7 @@ static RG_INLINE int start_parts(rg_remap_job* job) {
 
 /* The block of the next part. */
 static RG_INLINE void find_block(rg_remap_job* job) {
-  const rg_lattice* const lattice = &job->lattice;
+  const rg_lattice* const lattice = job->lattice;
   rg_block* const block = &job->run.block;
   if (job->walk.next_part == 0) rg_start_columns(&job->walk);
   rg_find_corners(job);
@@ -128,7 +129,7 @@ static RG_INLINE rg_care find_part_care(const rg_remap_job* job) {
 void rg_start_lanes(rg_remap_job* job) {
   const rg_block_walk* const walk = &job->walk;
   job->safe = find_safe_box(job);
-  job->move = rg_find_lattice_lanes(&job->lattice, walk->part_log2[0]);
+  job->move = rg_find_lattice_lanes(job->lattice, walk->part_log2[0]);
   job->whole_parts =
       (uint16_t)(rg_load_u16(walk->section) >> walk->part_log2[0]);
 }
@@ -142,7 +143,7 @@ static RG_INLINE int go_to_part(rg_remap_job* job) {
     run->out -= (size_t)rows * run->out_stride;
     run->first_row = (uint16_t)(run->first_row - rows);
   }
-  const uint32_t log2 = job->lattice.log2[0];
+  const uint32_t log2 = job->lattice->log2[0];
   const uint32_t width = (uint32_t)rg_load_u16(walk->section) >> log2;
   const uint32_t part_width = 1u << walk->part_log2[0] >> log2;
   uint32_t first = walk->next_part * part_width;

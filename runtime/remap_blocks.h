@@ -5,6 +5,8 @@
 #ifndef RAYGRID_REMAP_BLOCKS_H
 #define RAYGRID_REMAP_BLOCKS_H
 
+#include <stddef.h>
+
 #include "lattice_map.h"
 #include "remap_dispatch.h"
 #include "remap_kernels.h"
@@ -27,10 +29,8 @@ typedef enum rg_care {
   RG_CARE_NO_SOURCE /* none has */
 } rg_care;
 
-/* What is done with a run; and with one of RG_CARE_PIXEL at a position. */
-struct rg_remap_job;
+/* What is done with a run. */
 typedef void rg_do_run(struct rg_remap_job* job, rg_care care);
-typedef void rg_do_pixel(struct rg_remap_job* job, const rg_position* position);
 
 #if RG_KEEP_LINES
 /* Where a part's corners ask for no care: nowhere, if the source is a ring. */
@@ -41,14 +41,17 @@ typedef struct rg_safe_box {
 
 typedef struct rg_remap_job {
   rg_block_walk walk;
-  rg_lattice lattice;
   uint16_t size[2];   /* of the source lattice: width, height */
   uint16_t ring_rows; /* likewise; 0: no ring */
-  uint16_t num_rows;  /* that follow each other in memory, from the run's
-                         first_source_row on; 0: the part's do not */
-  uint16_t row;       /* of the output: the first one of the row of parts at
-                         hand; where size matters, of the next one */
-  uint16_t end_row;   /* behind the last one to do */
+#if RG_KEEP_LINES
+  uint16_t num_rows; /* that follow each other in memory, from the run's
+                        first_source_row on */
+#else
+  uint16_t width;        /* of the output, in the lattice's pixels */
+#endif
+  uint16_t row;     /* of the output: the first one of the row of parts at
+                       hand; where size matters, of the next one */
+  uint16_t end_row; /* behind the last one to do */
 #if RG_KEEP_LINES
   uint8_t part_rows;   /* that the parts have; 0 before the first ones */
   uint8_t part_pixels; /* of such a row, where the part at hand is done in
@@ -60,14 +63,37 @@ typedef struct rg_remap_job {
 #if RG_CHOOSE_KERNELS
   const rg_kernels* kernels;
 #endif
-  rg_range ranges[2]; /* of the positions that have a source: x, y */
 #if RG_KEEP_LINES
+  rg_range ranges[2]; /* of the positions that have a source: x, y */
+#else
+  const uint8_t* ranges; /* likewise, as a table's section has them */
+#endif
+#if RG_KEEP_LINES
+  const rg_lattice* lattice;
   rg_position position; /* of the pixel that a run of RG_CARE_PIXEL is */
   uint16_t whole_parts; /* that a row of parts has, from the left */
   rg_safe_box safe;
   rg_lattice_lanes move;
 #endif
 } rg_remap_job;
+
+/* A job with its own lattice, to be taken for the job itself. */
+typedef struct rg_lattice_job {
+  rg_remap_job job;
+  rg_lattice lattice;
+#if !RG_KEEP_LINES
+  uint8_t ranges[16]; /* of the lattice, as a section has those of the image */
+#endif
+} rg_lattice_job;
+
+/* Of a job that has one. */
+static RG_INLINE const rg_lattice* rg_lattice_of(const rg_remap_job* job) {
+#if RG_KEEP_LINES
+  return job->lattice;
+#else
+  return &((const rg_lattice_job*)job)->lattice;
+#endif
+}
 
 /* wanted, or the fastest, as the frame's rows allow it. */
 static inline void rg_set_kernels(rg_remap_job* job, const rg_kernels* wanted,
@@ -91,9 +117,12 @@ static inline const rg_kernels* rg_kernels_of(const rg_remap_job* job) {
 /* The size of the source, in pixels of the image. */
 static RG_INLINE void rg_set_source(rg_remap_job* job, uint32_t width,
                                     uint32_t height) {
-  job->size[0] = (uint16_t)(width >> job->lattice.log2[0]);
-  job->size[1] = job->num_rows = (uint16_t)(height >> job->lattice.log2[1]);
+  job->size[0] = (uint16_t)(width >> rg_lattice_of(job)->log2[0]);
+  job->size[1] = (uint16_t)(height >> rg_lattice_of(job)->log2[1]);
+#if RG_KEEP_LINES
+  job->num_rows = job->size[1];
   job->run.first_source_row = 0;
+#endif
 }
 
 #if RG_KEEP_LINES
@@ -101,43 +130,67 @@ static RG_INLINE void rg_set_source(rg_remap_job* job, uint32_t width,
 void rg_start_lanes(rg_remap_job* job);
 #endif
 
+#if !RG_KEEP_LINES
+
+/* To those of the lattice, from those of the image. */
+static RG_INLINE void rg_set_ranges(rg_lattice_job* whole) {
+  for (int c = 0; c < 2; ++c) {
+    const rg_range range =
+        rg_source_range(whole->job.walk.section, &whole->lattice, c);
+    rg_store_i32(whole->ranges + 4 * c, range.min_q12);
+    rg_store_i32(whole->ranges + 8 + 4 * c, range.max_q12);
+  }
+  whole->job.ranges = whole->ranges;
+}
+
+#endif
+
+/* What the job needs of the table, for any rows. It holds its kernels, sizes,
+ * and the walk's section and is_clamped; and of the run, strides and data. */
+static RG_INLINE void rg_set_table(rg_remap_job* job,
+                                   const rg_lattice* lattice) {
+  const uint8_t* const section = job->walk.section;
+  const uint8_t across_log2 = rg_part_log2(section, lattice, 0);
+  const uint8_t down_log2 = rg_part_log2(section, lattice, 1);
+  rg_set_parts(&job->walk, across_log2, down_log2);
+#if RG_KEEP_LINES
+  for (int c = 0; c < 2; ++c)
+    job->ranges[c] = rg_source_range(section, lattice, c);
+#else
+  job->ranges = section + 12;
+  if (RG_ALL_BUILT_IN)
+    job->run.out_pixel = job->run.first_pixel = job->run.first_source_row = 0;
+  job->run.block.width_log2 = (uint8_t)(across_log2 - lattice->log2[0]);
+  job->run.block.height_log2 = (uint8_t)(down_log2 - lattice->log2[1]);
+  job->width = (uint16_t)(rg_load_u16(section) >> lattice->log2[0]);
+#endif
+}
+
 /* Before the first part, of so many rows of the output, counted in pixels of
- * the image. The job holds its lattice, kernels, sizes, and the walk's section
- * and is_clamped; and of the run, first_source_row, strides, data and out,
- * which is for the first row. */
+ * the image; run->out is for the first row. */
 static RG_INLINE void rg_start_rows(rg_remap_job* job,
                                     const rg_lattice* lattice,
                                     uint32_t first_row, uint32_t num_rows) {
-  rg_block_walk* const walk = &job->walk;
-  const uint8_t* const section = walk->section;
-  const uint32_t across_log2 = rg_part_log2(section, lattice, 0);
-  const uint32_t down_log2 = rg_part_log2(section, lattice, 1);
-  walk->part_log2[0] = (uint8_t)across_log2;
-  walk->part_log2[1] = (uint8_t)down_log2;
-  for (int c = 0; c < 2; ++c)
-    job->ranges[c] = rg_source_range(section, lattice, c);
+  rg_set_table(job, lattice);
   job->row = (uint16_t)(first_row >> lattice->log2[1]);
   job->end_row = (uint16_t)((first_row + num_rows) >> lattice->log2[1]);
 #if RG_KEEP_LINES
   job->part_rows = job->part_pixels = 0;
   rg_start_lanes(job);
 #else
-  job->run.first_pixel = job->run.num_rows = 0;
-  walk->next_part = UINT16_MAX;       /* behind the last of a row */
+  job->run.num_rows = job->run.out_pixel = 0;
+  job->run.num_pixels = job->width; /* behind a row's last part */
 #endif
 }
 
 /* To the next part of a block; 0 if there is none. The caller then brings it to
  * the lattice, and may choose the rows of the source. */
-#if RG_KEEP_LINES
 int rg_next_part(rg_remap_job* job);
-#else
-int rg_go_to_part(rg_remap_job* job); /* all but its block */
-static RG_INLINE int rg_next_part(rg_remap_job* job) {
-  if (!rg_go_to_part(job)) return 0;
-  rg_next_block(&job->walk, &job->run.block);
-  return 1;
-}
+
+#if !RG_KEEP_LINES
+/* Whether no position has a source: a range of the image's pixels without one
+ * of the lattice's. */
+int rg_is_void(const rg_remap_job* job);
 #endif
 
 /* The corners of the run's block from the image's pixels to the lattice's. A
@@ -146,33 +199,37 @@ static RG_INLINE void rg_bring_to_lattice(rg_remap_job* job) {
 #if RG_KEEP_LINES
   (void)job; /* they are */
 #else
-  rg_lattice_block(&job->lattice, &job->run.block);
+  rg_block* const block = &job->run.block;
+  rg_move_corners(rg_lattice_of(job),
+                  (uint32_t)block->width_log2 + rg_lattice_of(job)->log2[0],
+                  block->corners);
+  if (rg_is_void(job)) job->walk.is_empty = 1;
 #endif
 }
 
-/* Whether positions that are no farther than a margin from one all have a
- * source: out of line where size matters. */
-static RG_INLINE int rg_is_in_ranges(const rg_remap_job* job,
-                                     const rg_position* position,
-                                     int32_t margin) {
-  if (job->walk.is_empty) return 0;
-  for (int c = 0; c < 2; ++c) {
-    const int32_t q12 = position->q12[c];
-    if (q12 < job->ranges[c].min_q12 + margin ||
-        q12 > job->ranges[c].max_q12 - margin)
-      return 0;
-  }
-  return 1;
-}
+#if !RG_KEEP_LINES
+/* Whether so many positions have a source, and what is no farther than a margin
+ * from them. */
+int rg_have_sources(const rg_remap_job* job, const rg_position* positions,
+                    uint32_t num, uint32_t margin);
+#endif
+
+/* Whether a position has a source. */
 #if RG_KEEP_LINES
 static RG_INLINE int rg_has_source(const rg_remap_job* job,
-                                   const rg_position* position,
-                                   int32_t margin) {
-  return rg_is_in_ranges(job, position, margin);
+                                   const rg_position* position) {
+  if (job->walk.is_empty) return 0;
+  for (int c = 0; c < 2; ++c)
+    if (position->q12[c] < job->ranges[c].min_q12 ||
+        position->q12[c] > job->ranges[c].max_q12)
+      return 0;
+  return 1;
 }
 #else
-int rg_has_source(const rg_remap_job* job, const rg_position* position,
-                  int32_t margin);
+static RG_INLINE int rg_has_source(const rg_remap_job* job,
+                                   const rg_position* position) {
+  return rg_have_sources(job, position, 1, 0);
+}
 #endif
 
 #if RG_KEEP_LINES
@@ -183,11 +240,52 @@ rg_care rg_next_run(rg_remap_job* job);
 
 #else
 
-/* Whether all pixels of the part ask for no care. */
-int rg_is_part_safe(const rg_remap_job* job);
+/* A lattice may end half a pixel before the positions with a source. (The
+ * nearest pixel of such a position is not beyond its last, either.) */
+#define RG_LATTICE_MARGIN (RG_POSITION_MARGIN + 2048)
 
-/* A part pixel by pixel, each as a run of RG_CARE_PIXEL. */
+/* Whether all pixels of the part ask for no care, unless the source is a ring.
+ */
+static RG_INLINE int rg_is_part_safe(const rg_remap_job* job) {
+  const rg_position* const corners = job->run.block.corners;
+  if (!RG_ALL_BUILT_IN)
+    return rg_have_sources(job, corners, 4, RG_LATTICE_MARGIN);
+  /* As such kernels are fast, this is to be so as well. */
+  for (int c = 0; c < 2; ++c) {
+    const uint8_t* const range = job->ranges + 4 * c;
+    const int32_t min = rg_load_i32(range) + RG_LATTICE_MARGIN;
+    const int32_t max = rg_load_i32(range + 8) - RG_LATTICE_MARGIN;
+    for (int k = 0; k < 4; ++k)
+      if (corners[k].q12[c] < min || corners[k].q12[c] > max) return 0;
+  }
+  return !job->walk.is_empty;
+}
+
+/* Each of these leaves the run's out below the part. */
+
+/* The part, pixel by pixel. */
 void rg_do_pixels(rg_remap_job* job, rg_do_pixel* on_pixel);
+
+/* The same with less code but more stack, and nothing of the corners left; or,
+ * if on_pixel is NULL, by the kernel for grey pixels, where none is built in.
+ * The run's out begins with the part's first pixel, and is counted from it. */
+void rg_do_rows(rg_remap_job* job, rg_do_pixel* on_pixel);
+
+/* By the kernel for so many channels, of a part that asks for no care; 0 if
+ * there is none. */
+static RG_INLINE int rg_blend_part(rg_remap_job* job, uint32_t channels) {
+#if RG_ALL_BUILT_IN
+  if (!rg_blend_built_in(&job->run, channels)) return 0;
+  job->run.out += (size_t)job->run.num_rows * job->run.out_stride;
+  return 1;
+#else
+  if (channels != 1) return 0;
+  job->run.out += job->run.out_pixel;
+  rg_do_rows(job, NULL);
+  job->run.out -= job->run.out_pixel;
+  return 1;
+#endif
+}
 
 #endif
 
@@ -199,7 +297,7 @@ static RG_INLINE void rg_do_part(rg_remap_job* job, rg_do_run* on_run,
   do {
     const rg_care care = rg_next_run(job);
     if (care == RG_CARE_PIXEL)
-      on_pixel(job, &job->position);
+      on_pixel(job, &job->position, job->run.out_pixel);
     else
       on_run(job, care);
   } while (job->rows_left != 0);
@@ -215,7 +313,7 @@ static RG_INLINE void rg_do_part(rg_remap_job* job, rg_do_run* on_run,
 
 /* The corners of the next part, as the lattice has them. */
 static RG_INLINE void rg_find_corners(rg_remap_job* job) {
-  const rg_lattice* const lattice = &job->lattice;
+  const rg_lattice* const lattice = rg_lattice_of(job);
   rg_lanes upper, lower;
   rg_next_corners(&job->walk, &upper, &lower);
   if ((lattice->log2[0] | lattice->log2[1]) != 0)

@@ -26,7 +26,8 @@ typedef struct rg_run {
   uint16_t first_source_row;
   uint16_t first_row, num_rows;     /* of the block */
   uint16_t first_pixel, num_pixels; /* of the block's rows; neither num is 0 */
-  const uint8_t* data; /* row 0 of the source is first_source_row */
+  /* row 0 of the source is first_source_row */
+  const uint8_t* data;
   uint32_t stride;
   uint8_t* out; /* row first_row of the output, from its left end */
   uint32_t out_stride;
@@ -93,12 +94,16 @@ static inline int rg_fits_offsets(const rg_run* run, uint32_t num_pixels,
   return 1;
 }
 
+/* What is done with a pixel of the output that comes from a position. */
+struct rg_remap_job;
+typedef void rg_do_pixel(struct rg_remap_job* job, const rg_position* position,
+                         uint32_t out_pixel);
+
 /* Bilinear, 8 bits: pixels of 1, 2, 3 and 4 interleaved channels. */
 typedef void rg_blend(const rg_run* run);
 /* The parts of a row to the right of the one at hand, which was done in one
  * run, as far as they are whole and safe; parts have 8 x 8 pixels. Returns
  * whether the one then at hand is to be done, with care. */
-struct rg_remap_job;
 typedef int rg_blend_parts(struct rg_remap_job* job);
 struct rg_kernels {
   const char* name;
@@ -142,13 +147,10 @@ static inline int rg_copy_tiles(const rg_run* run) {
 void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice);
 void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice);
 
-/* A value in a register: else the compiler composes it anew where it is used.
- */
-#if defined(__GNUC__)
-#define RG_IN_REGISTER(value) __asm__("" : "+r"(value))
-#else
-#define RG_IN_REGISTER(value) ((void)(value))
-#endif
+/* Two neighbours, the left one in the low byte. */
+static inline uint32_t rg_load_pair(const uint8_t* p) {
+  return p[0] | (uint32_t)p[1] << 8;
+}
 
 /* Bytes 0 and 2 to halves, and bytes 1 and 3. */
 static inline uint32_t rg_even_bytes(uint32_t bytes) {
@@ -172,14 +174,12 @@ static inline uint32_t rg_odd_bytes(uint32_t bytes) {
 /* What both roundings of a blended pixel of 8 bits are together. */
 #define RG_ROUNDING_8 UINT32_C(0x407ff)
 
-/* 7-bit weights across, 12-bit weights down, both roundings in one. Samples are
- * the upper row's in the low half, the lower row's in the high. Bits above the
- * lowest 8 are those above 27 of the rounding. */
+/* With weights across, up to 128, and down, up to 4096; both roundings in one.
+ * Samples are the upper row's in the low half, the lower row's in the high.
+ * Bits above the lowest 8 are those above 27 of the rounding. */
 static RG_INLINE uint32_t rg_blend_8(uint32_t left, uint32_t right,
-                                     uint32_t x_q12, uint32_t y_q12,
+                                     uint32_t wx_q7, uint32_t wy_q12,
                                      uint32_t rounding) {
-  const uint32_t wx_q7 = (x_q12 >> 5) & 127;
-  const uint32_t wy_q12 = y_q12 & 4095;
   /* h0 below and h1 above 16 bits */
   const uint32_t h_q7 = (right - left) * wx_q7 + (left << 7);
 #if defined(__ARM_FEATURE_SIMD32)
@@ -207,8 +207,8 @@ static RG_INLINE uint32_t rg_blend_bytes(const uint8_t* upper,
                                          const uint8_t* lower, uint32_t right,
                                          uint32_t x_q12, uint32_t y_q12) {
   return rg_blend_8(upper[0] | (uint32_t)lower[0] << 16,
-                    upper[right] | (uint32_t)lower[right] << 16, x_q12, y_q12,
-                    RG_ROUNDING_8);
+                    upper[right] | (uint32_t)lower[right] << 16,
+                    (x_q12 >> 5) & 127, y_q12 & 4095, RG_ROUNDING_8);
 }
 
 /* What lies around a position to which the rounding was added. */

@@ -3,16 +3,12 @@
 #include "bytes.h"
 #include "rg_blob.h"
 
-static uint32_t vertex_size(const uint8_t* section) {
-  return section[10] != 0 ? RG_BENT_VERTEX_SIZE : RG_VERTEX_SIZE;
-}
+#if RG_KEEP_LINES
 
 /* log2 of the parts of a block, across (axis 0) or down. */
 static uint32_t num_log2(const rg_block_walk* walk, uint32_t axis) {
   return (uint32_t)walk->section[8] - walk->part_log2[axis];
 }
-
-#if RG_KEEP_LINES
 
 void rg_start_columns(rg_block_walk* walk) {
   const uint8_t* const section = walk->section;
@@ -24,7 +20,7 @@ void rg_start_columns(rg_block_walk* walk) {
   const uint8_t* const vertices = section + rg_load_u32(section + 76);
   const int32_t bend_shift = section[11] - section[10];
   rg_lanes turns;
-  walk->vertex_size = vertex_size(section);
+  walk->vertex_size = rg_vertex_size(section);
   walk->row_size = columns * walk->vertex_size;
   walk->above = vertices + j * walk->row_size;
   walk->marks = vertices + rg_load_u16(section + 6) * walk->row_size;
@@ -58,99 +54,101 @@ void rg_next_block(rg_block_walk* walk, rg_block* block) {
 }
 
 #else
-/* Where vertices (i, j) and (i, j + 1) stand: ends[0] and ends[2]. Returns the
- * former. */
-static RG_SHARED const uint8_t* find_vertices(const uint8_t* section,
-                                              uint32_t i, uint32_t j,
-                                              rg_position* ends) {
-  const uint32_t columns = rg_load_u16(section + 4);
-  const uint32_t size = vertex_size(section);
-  const uint8_t* const above =
-      section + rg_load_u32(section + 76) + (j * columns + i) * size;
-  const uint8_t* const below = above + columns * size;
-  for (uint32_t c = 0; c < 2; ++c) {
-    /* Of pairs of 32 bits: origin, column_step, row_step. */
-    const uint8_t* const affine = section + 28 + 4 * c;
-    const uint32_t row_step = rg_load_u32(affine + 16);
-    const uint32_t plane =
-        rg_load_u32(affine) + i * rg_load_u32(affine + 8) + j * row_step;
-    const uint32_t upper = (uint32_t)rg_load_i16(above + 2 * c) << section[9];
-    const uint32_t lower = (uint32_t)rg_load_i16(below + 2 * c) << section[9];
-    ends[0].q12[c] = (int32_t)(plane + upper);
-    ends[2].q12[c] = (int32_t)(plane + row_step + lower);
+
+#if !RG_CORNERS_IN_ASSEMBLER
+
+/* In place of an edge's ends, those of the part at a place. SPEC.md, "Bends",
+ * along(), with eight for 2^n: k is multiplied by what makes it so. bend is b
+ * times 4 2^n; modulo 2^32. */
+static RG_NOINLINE void cut_edge(int32_t* from, int32_t* to, int32_t bend,
+                                 const rg_span* span) {
+  const uint32_t first = (uint32_t)*from, line = (uint32_t)*to - first;
+  uint32_t k = span->before << 16 >> 29;
+  for (;;) {
+    const int32_t aside = bend * (int32_t)(8 - k) >> 5;
+    const uint32_t sum = (line + (uint32_t)aside) * k;
+    *from = rg_add((int32_t)first, (int32_t)(sum + 4) >> 3);
+    if (from == to) break;
+    from = to;
+    k += span->size >> 13;
   }
-  return above;
 }
 
 static int32_t load_bend(const uint8_t* byte, uint32_t shift) {
   return (int32_t)(int8_t)*byte * (1 << shift);
 }
 
-/* Point k of 2^log2 along a bent edge; modulo 2^32. */
-static int32_t along_edge(int32_t from, int32_t to, int32_t bend, uint32_t k,
-                          uint32_t log2) {
-  const uint32_t sum =
-      (uint32_t)to - (uint32_t)from + (uint32_t)bend * ((1u << log2) - k);
-  return rg_add(from, rg_round_shift(sum * k, log2));
-}
-
-/* Across (axis 0) or down: the part's corners in place of an edge's ends,
- * coordinate c. */
-static RG_NOINLINE void cut_edge(const rg_block_walk* walk, uint32_t axis,
-                                 int32_t* from, int32_t* to, int32_t bend) {
-  const uint32_t log2 = num_log2(walk, axis);
-  const uint32_t part = axis == 0 ? walk->next_part - 1u : walk->row;
-  const uint32_t k = part & ((1u << log2) - 1);
-  const int32_t a = *from, b = *to;
-  *from = along_edge(a, b, bend, k, log2);
-  *to = along_edge(a, b, bend, k + 1, log2);
-}
-
-/* From the corners of a block, the first of which is the vertex given, to those
- * of the part. */
-static RG_NOINLINE void find_part(const rg_block_walk* walk,
-                                  const uint8_t* vertex, rg_position* corners) {
+/* A coordinate of the part's corners: from corner on, every other one; vertex
+ * is the block's upper left one's number. */
+static RG_INLINE void find_axis(const rg_block_walk* walk, uint32_t c,
+                                uint32_t vertex, int32_t* corner) {
   const uint8_t* const section = walk->section;
-  const uint8_t* const below =
-      vertex + RG_BENT_VERTEX_SIZE * rg_load_u16(section + 4);
-  const uint32_t shift = (uint32_t)section[11] - section[10];
-  const uint32_t across = shift + walk->part_log2[0];
-  for (uint32_t c = 0; c < 2; ++c) {
-    const uint32_t place = RG_BENT_VERTEX_SIZE + RG_LEFT_BEND + c;
-    int32_t bends[2] = {load_bend(vertex + place, across),
-                        load_bend(below + place, across)};
-    cut_edge(walk, 1, &bends[0], &bends[1], 0);
-    for (uint32_t i = 0; i < 2; ++i)
-      cut_edge(walk, 1, &corners[i].q12[c], &corners[2 + i].q12[c],
-               load_bend(below + i * RG_BENT_VERTEX_SIZE + RG_UPPER_BEND + c,
-                         shift + walk->part_log2[1]));
-    for (uint32_t i = 0; i < 2; ++i)
-      cut_edge(walk, 0, &corners[2 * i].q12[c], &corners[2 * i + 1].q12[c],
-               bends[i]);
+  const uint32_t size = rg_vertex_size(section);
+  const uint8_t* const affine = section + 4 * c;
+  const uint8_t* above =
+      section + rg_load_u32(section + 76) + vertex * size + c;
+  const uint8_t* below = above + rg_load_u16(section + 4) * size;
+  const uint32_t row_step = rg_load_u32(affine + 44);
+  uint32_t plane = rg_load_u32(affine + 28) +
+                   (walk->spans[0].before >> 16) * rg_load_u32(affine + 36) +
+                   (walk->spans[1].before >> 16) * row_step;
+  const uint32_t bend_shift = walk->bend_shift;
+  int32_t bends[2];
+  for (uint32_t side = 0; side < 2; ++side, corner += 2) {
+    const uint32_t shift = section[9];
+    const uint32_t upper = (uint32_t)rg_load_i16(above + c) << shift;
+    const uint32_t lower = (uint32_t)rg_load_i16(below + c) << shift;
+    corner[0] = (int32_t)(plane + upper);
+    corner[4] = (int32_t)(plane + row_step + lower);
+    plane += rg_load_u32(affine + 36);
+    if (size == RG_BENT_VERTEX_SIZE) {
+      cut_edge(&corner[0], &corner[4],
+               load_bend(below + RG_UPPER_BEND, bend_shift + walk->num_log2),
+               &walk->spans[1]);
+      bends[0] = load_bend(above + RG_LEFT_BEND, bend_shift);
+      bends[1] = load_bend(below + RG_LEFT_BEND, bend_shift);
+    }
+    above += size;
+    below += size;
   }
+  if (size != RG_BENT_VERTEX_SIZE) return; /* the block is the part */
+  cut_edge(&bends[0], &bends[1], 0, &walk->spans[1]);
+  const int32_t num = 1 << walk->num_log2;
+  corner -= 4;
+  cut_edge(&corner[0], &corner[2], bends[0] * num, &walk->spans[0]);
+  cut_edge(&corner[4], &corner[6], bends[1] * num, &walk->spans[0]);
 }
 
-/* Whether block (i, j) is marked as empty. */
-static uint8_t is_block_empty(const uint8_t* section, uint32_t i, uint32_t j) {
-  const uint32_t columns = rg_load_u16(section + 4);
-  const uint32_t num_vertices = rg_load_u16(section + 6) * columns;
-  const uint8_t* const marks =
-      section + rg_load_u32(section + 76) + num_vertices * vertex_size(section);
-  const uint32_t block = j * (columns - 1) + i;
-  return (marks[block >> 3] >> (block & 7)) & 1;
-}
-
-/* Each part from the vertices of its block: nothing is kept. */
-void rg_next_block(rg_block_walk* walk, rg_block* block) {
+void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
   const uint8_t* const section = walk->section;
-  const uint32_t i = (uint32_t)walk->next_part++ >> num_log2(walk, 0);
-  const uint32_t j = (uint32_t)walk->row >> num_log2(walk, 1);
-  block->width_log2 = walk->part_log2[0];
-  block->height_log2 = walk->part_log2[1];
-  walk->is_empty = is_block_empty(section, i, j);
-  find_vertices(section, i + 1, j, block->corners + 1);
-  const uint8_t* const vertex = find_vertices(section, i, j, block->corners);
-  if (section[10] != 0) find_part(walk, vertex, block->corners);
+  const uint32_t columns = rg_load_u16(section + 4);
+  const uint32_t j = walk->spans[1].before >> 16;
+  const uint32_t vertex = j * columns + (walk->spans[0].before >> 16);
+  const uint32_t mark = vertex - j;
+  const uint8_t* const marks =
+      section + rg_load_u32(section + 76) +
+      rg_load_u16(section + 6) * columns * rg_vertex_size(section);
+  walk->is_empty = (marks[mark >> 3] >> (mark & 7)) & 1;
+  const uint32_t end = rg_times(2);
+  uint32_t c = 0;
+  do {
+    find_axis(walk, c, vertex, &corners->q12[c]);
+  } while (++c != end);
+  walk->spans[0].before += walk->spans[0].size;
+}
+
+#endif
+
+static uint8_t part_log2(const rg_block_walk* walk, const rg_span* span) {
+  uint32_t log2 = walk->section[8];
+  for (uint32_t size = span->size; size < 0x10000; size *= 2) --log2;
+  return (uint8_t)log2;
+}
+
+void rg_next_block(rg_block_walk* walk, rg_block* block) {
+  block->width_log2 = part_log2(walk, &walk->spans[0]);
+  block->height_log2 = part_log2(walk, &walk->spans[1]);
+  rg_next_corners(walk, block->corners);
 }
 
 #endif

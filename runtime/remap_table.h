@@ -39,17 +39,33 @@ typedef struct rg_block {
   RG_FOR_LANES rg_position corners[4];
 } rg_block;
 
+/* rg_next_corners() of kernels/thumb2.c: compilers run out of registers. Helium
+ * is faster where there are no bends without it. */
+#if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_KEEP_LINES && \
+    !defined(__ARM_FEATURE_MVE)
+#define RG_CORNERS_IN_ASSEMBLER 1
+#else
+#define RG_CORNERS_IN_ASSEMBLER 0
+#endif
+
+#if !RG_KEEP_LINES
+/* Of a part on an axis, in q16 blocks: what is before it, and its size. */
+typedef struct rg_span {
+  uint32_t before, size;
+} rg_span;
+#endif
+
 /* A row of parts of the blocks of a remap section, which must be one that
  * rg_select_remap() accepted. */
 typedef struct rg_block_walk {
   const uint8_t* section;
+  uint8_t is_empty; /* the table says that no pixel of the last part's block
+                       has a source */
+#if RG_KEEP_LINES
+  uint8_t is_clamped;   /* such pixels take the nearest source: none is empty */
+  uint8_t part_log2[2]; /* output pixels of a part: across, down */
   uint16_t row;         /* of parts */
   uint16_t next_part;   /* in the row */
-  uint8_t part_log2[2]; /* output pixels of a part: across, down */
-  uint8_t is_empty;     /* the table says that no pixel of the last part's block
-                           has a source */
-  uint8_t is_clamped;   /* such pixels take the nearest source: none is empty */
-#if RG_KEEP_LINES
   uint32_t vertex_size, row_size; /* of vertices, in bytes */
   int32_t residual_shift, bend_shift[2], num_log2[2]; /* of a block's parts */
   uint32_t next_mark;                                 /* the next block's */
@@ -63,30 +79,67 @@ typedef struct rg_block_walk {
   /* Of the lines: where they leave the last part; and where, times the number
    * of parts, and rounded; how that changes to the next part; how that does. */
   rg_lanes right, sums, steps, turns;
+#else
+  uint8_t is_safe;    /* for the caller */
+  uint8_t bend_shift; /* for parts of this width */
+  uint8_t num_log2;   /* log2 of four times a block's parts across */
+  rg_span spans[2];   /* of the next part across, of the row of parts down */
 #endif
 } rg_block_walk;
 
-/* To the first part of row j of parts, the sizes of which are known. */
-static inline void rg_start_parts(rg_block_walk* walk, uint32_t j) {
-  walk->row = (uint16_t)j;
-  walk->next_part = 0;
+static inline uint32_t rg_vertex_size(const uint8_t* section) {
+  return section[10] != 0 ? RG_BENT_VERTEX_SIZE : RG_VERTEX_SIZE;
 }
 
-/* The same, of parts of 2^width_log2 x 2^height_log2 output pixels: a block is
- * 1 to 8 such parts wide and high, 1 in a table without bends. */
+/* To the first part of row j of parts, the sizes of which are known. */
+static RG_INLINE void rg_start_parts(rg_block_walk* walk, uint32_t j) {
+#if RG_KEEP_LINES
+  walk->row = (uint16_t)j;
+  walk->next_part = 0;
+#else
+  uint32_t first = 0;
+  RG_IN_REGISTER(first); /* else a loop around this keeps it */
+  walk->spans[0].before = first;
+  walk->spans[1].before = j * walk->spans[1].size;
+#endif
+}
+
+/* Parts of 2^width_log2 x 2^height_log2 output pixels: a block is 1 to 8 such
+ * parts wide and high, 1 in a table without bends. */
+static RG_INLINE void rg_set_parts(rg_block_walk* walk, uint32_t width_log2,
+                                   uint32_t height_log2) {
+#if RG_KEEP_LINES
+  walk->part_log2[0] = (uint8_t)width_log2;
+  walk->part_log2[1] = (uint8_t)height_log2;
+#else
+  const uint8_t* const section = walk->section;
+  const uint32_t whole_log2 = section[8] + 2u; /* of four blocks */
+  const uint32_t num_log2 = whole_log2 - width_log2;
+  walk->bend_shift = (uint8_t)(section[11] + width_log2 - section[10]);
+  walk->num_log2 = (uint8_t)num_log2;
+  walk->spans[0].size = UINT32_C(0x40000) >> num_log2;
+  walk->spans[1].size = UINT32_C(0x40000) >> (whole_log2 - height_log2);
+#endif
+}
+
+/* Both. */
 static inline void rg_start_walk(const uint8_t* section, uint32_t width_log2,
                                  uint32_t height_log2, uint32_t j,
                                  rg_block_walk* walk) {
   walk->section = section;
-  walk->part_log2[0] = (uint8_t)width_log2;
-  walk->part_log2[1] = (uint8_t)height_log2;
+  rg_set_parts(walk, width_log2, height_log2);
   rg_start_parts(walk, j);
 }
 
 /* The corners of the part, and on to the next one. */
 void rg_next_block(rg_block_walk* walk, rg_block* block);
 
-#if RG_KEEP_LINES
+#if !RG_KEEP_LINES
+
+/* The same, but for the part's size. */
+void rg_next_corners(rg_block_walk* walk, rg_position corners[4]);
+
+#else
 
 static RG_INLINE rg_lanes rg_twice(int32_t x, int32_t y) {
   const rg_lanes both = {x, y, x, y};
@@ -238,6 +291,12 @@ static RG_INLINE void rg_find_row(const rg_block* block, uint32_t r,
   rg_find_row_axis(block, r, 1, row);
 }
 void rg_find_block_row(const rg_block* block, uint32_t r, rg_block_row* row);
+
+/* To the row's next pixel, which it then begins with. */
+static RG_INLINE void rg_go_on_in_row(rg_block_row* row) {
+  for (int c = 0; c < 2; ++c)
+    row->start.q12[c] = rg_add(row->start.q12[c], row->step.q12[c]);
+}
 
 static inline rg_position rg_row_position(const rg_block_row* row, uint32_t k) {
   rg_position p;

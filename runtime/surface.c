@@ -11,7 +11,7 @@
 
 static RG_INLINE void sum_rows(const uint8_t* points, uint32_t columns,
                                rg_place* place) {
-  const int32_t(*weights_q31)[4] = place->weights_q31;
+  const int32_t* weights_q31 = place->weights_q31[0];
   int32_t a_q27 = 0, b_q27 = 0;
   __asm__(
       "ldmia %[weights]!, {r6, r8, r9, r10}\n"
@@ -88,24 +88,24 @@ static RG_INLINE void sum_narrow_rows(const uint8_t* residuals,
   int32_t a = half, b = half;
   do {
     __asm__(
-        "ldrd r0, r1, [%[residuals]]\n\t"
-        "smulwt r2, %[w0], r0\n\t"
-        "smulwb r0, %[w0], r0\n\t"
-        "smlawt r2, %[w1], r1, r2\n\t"
-        "smlawb r0, %[w1], r1, r0\n\t"
-        "ldr r1, [%[residuals], #8]\n\t"
-        "smlawt r2, %[w2], r1, r2\n\t"
-        "smlawb r0, %[w2], r1, r0\n\t"
-        "ldr r1, [%[residuals], #12]\n\t"
-        "smlawt r2, %[w3], r1, r2\n\t"
-        "smlawb r0, %[w3], r1, r0\n\t"
-        "ldr r1, [%[row_weight]], #4\n\t"
-        "smmlar %[a], r0, r1, %[a]\n\t"
-        "smmlar %[b], r2, r1, %[b]"
+        "ldrd r1, r2, [%[residuals]]\n\t"
+        "smulwt r5, %[w0], r1\n\t"
+        "smulwb r1, %[w0], r1\n\t"
+        "smlawt r5, %[w1], r2, r5\n\t"
+        "smlawb r1, %[w1], r2, r1\n\t"
+        "ldr r2, [%[residuals], #8]\n\t"
+        "smlawt r5, %[w2], r2, r5\n\t"
+        "smlawb r1, %[w2], r2, r1\n\t"
+        "ldr r2, [%[residuals], #12]\n\t"
+        "smlawt r5, %[w3], r2, r5\n\t"
+        "smlawb r1, %[w3], r2, r1\n\t"
+        "ldr r2, [%[row_weight]], #4\n\t"
+        "smmlar %[a], r1, r2, %[a]\n\t"
+        "smmlar %[b], r5, r2, %[b]"
         : [a] "+r"(a), [b] "+r"(b), [row_weight] "+r"(row_weight_q31)
         : [residuals] "r"(residuals), [w0] "r"(w0), [w1] "r"(w1), [w2] "r"(w2),
           [w3] "r"(w3)
-        : "r0", "r1", "r2", "memory");
+        : "r1", "r2", "r5", "memory");
     residuals += 4 * columns;
   } while (rg_turn(&columns));
   place->value.q27[0] = a;
@@ -141,9 +141,16 @@ static RG_INLINE void sum_narrow_rows(const uint8_t* residuals,
 
 #endif
 
+/* Where speed matters, a place in a wide grid has all registers. */
+#if RG_IS_FAST
+#define RG_RARE RG_NOINLINE
+#else
+#define RG_RARE RG_INLINE
+#endif
+
 /* The rest of rg_find_place() where control points have 16 bits. */
-static RG_NOINLINE rg_status find_narrow_value(const uint8_t* grid,
-                                               rg_place* place) {
+static RG_RARE void find_narrow_value(const uint8_t* grid, rg_place* place) {
+  grid = rg_keep_address(grid);
   sum_narrow_rows(
       grid + rg_load_u32(grid + 32) + RG_NARROW_PLANE_SIZE + 4 * place->first,
       rg_load_u16(grid + 16), 1 << (rg_load_u16(grid + 30) - 14), place);
@@ -153,7 +160,6 @@ static RG_NOINLINE rg_status find_narrow_value(const uint8_t* grid,
   RG_UNROLL_SHARED
   for (uint32_t axes = rg_times(2); axes > 0; --axes, ++value, plane += 4)
     *value = rg_add(rg_evaluate_plane(plane, place), *value >> shift);
-  return RG_OK;
 }
 
 rg_status rg_find_place(const uint8_t* grid, int32_t x, int32_t y,
@@ -161,10 +167,11 @@ rg_status rg_find_place(const uint8_t* grid, int32_t x, int32_t y,
   if (!rg_find_cells(grid, x, y, place)) return RG_ERR_OUTSIDE_AREA;
   rg_bspline_weights(place->cells[1].t_q30, place->weights_q31[1]);
   rg_bspline_weights(place->cells[0].t_q30, place->weights_q31[0]);
-  if (rg_load_u16(grid + 30) != RG_CONTROL_POINT_BITS)
-    return find_narrow_value(grid, place);
-  sum_rows(grid + rg_load_u32(grid + 32) + 8 * place->first,
-           rg_load_u16(grid + 16), place);
+  if (rg_load_u16(grid + 30) == RG_CONTROL_POINT_BITS)
+    sum_rows(grid + rg_load_u32(grid + 32) + 8 * place->first,
+             rg_load_u16(grid + 16), place);
+  else
+    find_narrow_value(grid, place);
   return RG_OK;
 }
 

@@ -91,6 +91,9 @@ static int make_table(uint32_t style_index, uint32_t size_multiple) {
     table.max_x_q12 = between(table.min_x_q12, last_x);
     table.min_y_q12 = between(0, last_y / 2);
     table.max_y_q12 = between(table.min_y_q12, last_y);
+    /* a range without positions of the lattices of half as many pixels */
+    if (below(4) == 0) table.max_x_q12 = table.min_x_q12;
+    if (below(4) == 0) table.max_y_q12 = table.min_y_q12;
   }
   const int32_t block = 1 << table.block_log2;
   table.column_step_x_q12 = block * between(style->min_x, style->max_x);
@@ -116,7 +119,8 @@ static int make_table(uint32_t style_index, uint32_t size_multiple) {
   assert_true(size <= sizeof(section_words));
   rg_write_remap(&table, residuals, SECTION);
   camera.remap = SECTION;
-  return rg_check_remap(SECTION, size, camera.width, camera.height) == 0 &&
+  return rg_check_remap(SECTION, size,
+                        camera.width | (uint32_t)camera.height << 16) == 0 &&
          rg_check_vertices(SECTION) == 0;
 }
 

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "blob_edit.h"
+#include "bytes.h"
 #include "crc32.h"
 #include "golden_blobs.h"
 #include "raygrid.h"
@@ -205,6 +206,21 @@ static void blob_without_remap_says_so(void** state) {
   check_guards(output, output + sizeof(output));
 }
 
+/* A pixel's neighbours must be in the image. */
+static void source_of_one_column_or_row_is_refused(void** state) {
+  (void)state;
+  static uint8_t blob[sizeof(kLensBlob)] __attribute__((aligned(4)));
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    memcpy(blob, kLensBlob, sizeof(blob));
+    uint8_t* const size =
+        blob + (section_of(kLensBlob, 0).bytes - kLensBlob) + 2 * axis;
+    rg_store_u16(size, 1);
+    repair_crcs(blob, sizeof(blob));
+    assert_int_equal(rg_camera_open(&lens, blob, sizeof(blob)), RG_OK);
+    assert_int_equal(rg_select_remap(&lens, 0), RG_ERR_REMAP_SIZE);
+  }
+}
+
 /* ---- Tables that move the image: output (u, v) is source (u, v) + shift ---
  */
 
@@ -331,6 +347,7 @@ int main(void) {
       TEST(rows_below_the_output_are_refused),
       TEST(size_of_the_output_is_told),
       TEST(blob_without_remap_says_so),
+      TEST(source_of_one_column_or_row_is_refused),
       TEST(table_without_motion_copies_the_frame),
       TEST(half_a_pixel_to_the_right_averages_neighbours),
       TEST(half_a_pixel_down_averages_neighbours),

@@ -38,7 +38,7 @@ endfunction()
 if(RAYGRID_HOST)
   add_library(raygrid_small_walk OBJECT)
   foreach(source camera lattice_map remap remap_blocks remap_grey remap_parts remap_source_rows
-      remap_table kernels/dispatch kernels/portable kernels/tiles)
+      remap_table kernels/dispatch kernels/portable kernels/thumb2 kernels/tiles)
     target_sources(raygrid_small_walk PRIVATE ${PROJECT_SOURCE_DIR}/runtime/${source}.c)
   endforeach()
   target_compile_definitions(raygrid_small_walk PUBLIC RG_KEEP_LINES=0)
