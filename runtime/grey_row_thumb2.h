@@ -9,17 +9,11 @@
 #include "remap_blocks.h"
 
 /* GCC 11 is the first one whose asm goto has results. All registers are used:
- * where one holds a frame pointer, this is to be defined as 0. */
-#if !defined(RG_GREY_ROW_IN_ASSEMBLER)
+ * RG_KEEP_FRAME_POINTER is to be defined where one holds a frame pointer. */
 #if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_KEEP_LINES && \
-    !RG_ALL_BUILT_IN && defined(__ARM_FEATURE_UNALIGNED) && __GNUC__ >= 11
+    !RG_ALL_BUILT_IN && defined(__ARM_FEATURE_UNALIGNED) &&  \
+    !defined(RG_KEEP_FRAME_POINTER) && __GNUC__ >= 11
 #define RG_GREY_ROW_IN_ASSEMBLER 1
-#else
-#define RG_GREY_ROW_IN_ASSEMBLER 0
-#endif
-#endif
-
-#if RG_GREY_ROW_IN_ASSEMBLER
 
 /* x is mirrored, 4079 - x = 4095 - (x + 16): its fraction is the left samples'
  * weight less one. upper is data + row stride + column; then
@@ -125,6 +119,8 @@ is_apart:
   return 1;
 }
 
+#else
+#define RG_GREY_ROW_IN_ASSEMBLER 0
 #endif
 
 #endif /* RAYGRID_GREY_ROW_THUMB2_H */
