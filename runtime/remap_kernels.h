@@ -26,8 +26,7 @@ typedef struct rg_run {
   uint16_t first_source_row;
   uint16_t first_row, num_rows;     /* of the block */
   uint16_t first_pixel, num_pixels; /* of the block's rows; neither num is 0 */
-  /* row 0 of the source is first_source_row */
-  const uint8_t* data;
+  const uint8_t* data; /* row 0 of the source is first_source_row */
   uint32_t stride;
   uint8_t* out; /* row first_row of the output, from its left end */
   uint32_t out_stride;
