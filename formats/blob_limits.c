@@ -33,13 +33,13 @@ static rg_fault check_camera(const uint8_t* section) {
 /* A grid's ends lie on the camera's image or, without one, in the chart. */
 static int are_ends_in_range(const uint8_t* ends, const uint8_t* camera) {
   for (uint32_t c = 0; c < 2; ++c, ends += 4) {
-    int32_t lowest = -RG_CHART_LIMIT_Q27, highest = RG_CHART_LIMIT_Q27;
-    if (camera) {
-      lowest = -0x8000;
-      highest = (int32_t)((uint32_t)rg_load_u16(camera + 2 * c) << 16) - 0x8000;
-    }
+    const int32_t lowest = camera ? -0x8000 : -RG_CHART_LIMIT_Q27;
+    const uint32_t range = camera ? (uint32_t)rg_load_u16(camera + 2 * c) << 16
+                                  : 2u * RG_CHART_LIMIT_Q27;
     const int32_t low = rg_load_i32(ends), high = rg_load_i32(ends + 8);
-    if (low < lowest || low >= high || high > highest) return 0;
+    if (low < lowest || low >= high ||
+        (uint32_t)high - (uint32_t)lowest > range)
+      return 0;
   }
   return 1;
 }

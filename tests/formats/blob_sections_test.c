@@ -180,6 +180,22 @@ static void sections_may_stand_in_any_order(void** state) {
   assert_memory_equal(edited + blob.quality, kExampleBlob + QUALITY, 40);
 }
 
+/* The grid's area is checked by a width that is not. */
+static void wrong_width_behind_the_grid_is_refused(void** state) {
+  (void)state;
+  static const uint8_t widths[][2] = {
+      {1, 0x40}, {0, 0x80}, {1, 0x80}, {0xff, 0xff}};
+  blob_section sections[5];
+  take_sections(sections);
+  const blob_section grid_first[2] = {sections[1], sections[0]};
+  for (uint32_t k = 0; k < 4; ++k) {
+    const uint32_t size = assemble_blob(grid_first, 2, edited);
+    memcpy(edited + size - sections[0].size, widths[k], 2);
+    repair_crcs(edited, size);
+    assert_int_equal(open_copy(edited, size), RG_ERR_IMAGE_SIZE);
+  }
+}
+
 static void first_of_two_remaps_is_used(void** state) {
   (void)state;
   blob_section sections[5];
@@ -295,6 +311,7 @@ int main(void) {
       cmocka_unit_test(unknown_flag_of_an_unknown_section_is_refused),
       cmocka_unit_test(empty_section_is_refused),
       cmocka_unit_test(sections_may_stand_in_any_order),
+      cmocka_unit_test(wrong_width_behind_the_grid_is_refused),
       cmocka_unit_test(first_of_two_remaps_is_used),
       cmocka_unit_test(fault_in_the_second_remap_is_refused),
       cmocka_unit_test(camera_and_grid_suffice),
