@@ -2,6 +2,7 @@
  * spline surface with the inverse grid's derivative. Pairs are x, y. */
 #include "bytes.h"
 #include "fixed_point.h"
+#include "rg_blob.h"
 #include "surface.h"
 
 /* The first step may be as long as this, and so far outside the area may the
@@ -77,12 +78,6 @@ static RG_INLINE int solve(const rg_camera* camera,
   return 0;
 }
 
-/* Whether rays can be projected. */
-static rg_status check_camera(const rg_camera* camera) {
-  if (camera->line_points) return RG_ERR_NONCENTRAL;
-  return camera->inverse ? RG_OK : RG_ERR_NO_INVERSE;
-}
-
 /* The camera must have an inverse grid. */
 static int find_target(const rg_camera* camera, const rg_ray* direction,
                        rg_chart_point* target) {
@@ -90,18 +85,25 @@ static int find_target(const rg_camera* camera, const rg_ray* direction,
                            target);
 }
 
-rg_status rg_project(const rg_camera* camera, const rg_ray* direction,
-                     rg_pixel* pixel) {
+/* rg_project(), of lines too: to the pixel whose line has the direction. */
+static RG_SHARED rg_status find_pixel(const rg_camera* camera,
+                                      const rg_ray* direction,
+                                      rg_pixel* pixel) {
   rg_chart_point target;
   int32_t found_q16[2];
-  const rg_status status = check_camera(camera);
-  if (status != RG_OK) return status;
+  if (!camera->inverse) return RG_ERR_NO_INVERSE;
   if (!find_target(camera, direction, &target) ||
       !solve(camera, &target, found_q16))
     return RG_ERR_NOT_SEEN;
   pixel->x_q16 = found_q16[0];
   pixel->y_q16 = found_q16[1];
   return RG_OK;
+}
+
+rg_status rg_project(const rg_camera* camera, const rg_ray* direction,
+                     rg_pixel* pixel) {
+  if (camera->line_points) return RG_ERR_NONCENTRAL;
+  return find_pixel(camera, direction, pixel);
 }
 
 #if RG_IS_FAST
@@ -136,7 +138,7 @@ uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
                           rg_pixel* pixels, uint32_t num_points) {
   uint32_t num_seen = 0;
 #if RG_IS_FAST
-  if (check_camera(camera) == RG_OK)
+  if (camera->inverse && !camera->line_points)
     for (; num_points >= BLOCK_SIZE; num_points -= BLOCK_SIZE,
                                      pixels += BLOCK_SIZE,
                                      directions += BLOCK_SIZE)
@@ -149,4 +151,66 @@ uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
       pixels->x_q16 = pixels->y_q16 = RG_NO_PIXEL;
   }
   return num_seen;
+}
+
+/* ---- Points seen along lines --------------------------------------------- */
+
+/* Two pixels as near to each other as this have the same line. */
+#define SAME_LINE_Q16 0x100u /* 1/256 px */
+
+/* The direction of a point, seen from a line's. */
+static RG_INLINE void look_from(const int32_t origin_q28[3],
+                                const rg_point* point, uint32_t shift,
+                                rg_ray* direction) {
+  direction->x_q30 = rg_subtract(point->x, origin_q28[0] >> shift);
+  direction->y_q30 = rg_subtract(point->y, origin_q28[1] >> shift);
+  direction->z_q30 = rg_subtract(point->z, origin_q28[2] >> shift);
+}
+
+static RG_INLINE int is_near(rg_pixel pixel, rg_pixel other) {
+  return (rg_magnitude(rg_subtract(pixel.x_q16, other.x_q16)) |
+          rg_magnitude(rg_subtract(pixel.y_q16, other.y_q16))) < SAME_LINE_Q16;
+}
+
+/* From the largest coordinate to twice that. */
+static RG_INLINE uint32_t size_of(const rg_point* point) {
+  return rg_bits_of(point->x) | rg_bits_of(point->y) | rg_bits_of(point->z);
+}
+
+/* Lines through nearly the point, each at the pixel that looks where the point
+ * lies, seen from the last one's point. The last one may be to blame if there
+ * is no such pixel: then one that looks less far away from the z axis, by an
+ * angle of about 2^-closeness, which is a quarter of that for the next line. */
+rg_status rg_project_point(const rg_camera* camera, const rg_point* point,
+                           uint32_t fraction_bits, rg_pixel* pixel) {
+  union {
+    rg_line line;
+    rg_pixel pixel; /* over the line's point, when that is done with */
+  } found;
+  rg_pixel last = {RG_NO_PIXEL, RG_NO_PIXEL};
+  rg_ray* const direction = &found.line.direction;
+  if (fraction_bits > RG_POINT_MAX_BITS) return RG_ERR_ARGUMENT;
+  for (int c = 0; c < 3; ++c) found.line.point_q28[c] = 0;
+  /* closeness, above the shift to fraction_bits: they share a register. */
+  uint32_t closeness_and_shift = 4 << 8 | (RG_LINE_POINT_BITS - fraction_bits);
+  do {
+    look_from(found.line.point_q28, point, (uint8_t)closeness_and_shift,
+              direction);
+    rg_status status = find_pixel(camera, direction, &found.pixel);
+    if (!camera->line_points ||
+        (status == RG_OK && is_near(found.pixel, last))) {
+      if (status == RG_OK) *pixel = found.pixel;
+      return status;
+    }
+    if (status != RG_OK) {
+      const uint32_t pull = size_of(point) >> (closeness_and_shift >> 8);
+      direction->z_q30 = rg_add(direction->z_q30, (int32_t)pull);
+      status = find_pixel(camera, direction, &found.pixel);
+      if (status != RG_OK) return status;
+    }
+    last = found.pixel;
+    rg_unproject_line(camera, found.pixel, &found.line);
+    closeness_and_shift += 2 << 8;
+  } while (closeness_and_shift < 24 << 8);
+  return RG_ERR_NOT_SEEN;
 }

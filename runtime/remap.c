@@ -175,8 +175,8 @@ static RG_NOINLINE void remap_pixels(rg_remap_job* job) {
     rg_find_block_row(&job->run.block, job->run.first_row + r, &row);
     uint32_t pixel = job->run.out_pixel;
     do {
-      if (job->walk.is_safe || takes_source(job, &row.start)) {
-        if (job->walk.is_safe)
+      if (job->run.block.is_safe || takes_source(job, &row.start)) {
+        if (job->run.block.is_safe)
           find_safe_neighbors(job, &row.start, &at);
         else
           find_neighbors(job, &row.start, &at);
@@ -198,9 +198,11 @@ static RG_INLINE void remap_part(rg_remap_job* job) {
   rg_do_part(job, remap_run, remap_pixel);
 #else
   rg_bring_to_lattice(job);
-  job->walk.is_safe = (uint8_t)(rg_is_part_safe(job) &&
-                                (job->ring_rows == 0 || move_to_ring(job)));
-  if (!job->walk.is_safe || target_of(job)->sampling == RG_SAMPLING_NEAREST ||
+  job->run.block.is_safe =
+      (uint8_t)(rg_is_part_safe(job) &&
+                (job->ring_rows == 0 || move_to_ring(job)));
+  if (!job->run.block.is_safe ||
+      target_of(job)->sampling == RG_SAMPLING_NEAREST ||
       !rg_blend_part(job, rg_interleaved(rg_lattice_of(job))))
     remap_pixels(job);
 #endif

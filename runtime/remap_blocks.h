@@ -132,13 +132,16 @@ void rg_start_lanes(rg_remap_job* job);
 
 #if !RG_KEEP_LINES
 
-/* To those of the lattice, from those of the image. */
+/* To those of the lattice, from those of the image: one of these may be without
+ * any of the lattice's positions. */
 static RG_INLINE void rg_set_ranges(rg_lattice_job* whole) {
+  whole->job.walk.is_void = 0;
   for (int c = 0; c < 2; ++c) {
     const rg_range range =
         rg_source_range(whole->job.walk.section, &whole->lattice, c);
     rg_store_i32(whole->ranges + 4 * c, range.min_q12);
     rg_store_i32(whole->ranges + 8 + 4 * c, range.max_q12);
+    if (range.min_q12 > range.max_q12) whole->job.walk.is_void = 1;
   }
   whole->job.ranges = whole->ranges;
 }
@@ -187,12 +190,6 @@ static RG_INLINE void rg_start_rows(rg_remap_job* job,
  * the lattice, and may choose the rows of the source. */
 int rg_next_part(rg_remap_job* job);
 
-#if !RG_KEEP_LINES
-/* Whether no position has a source: a range of the image's pixels without one
- * of the lattice's. */
-int rg_is_void(const rg_remap_job* job);
-#endif
-
 /* The corners of the run's block from the image's pixels to the lattice's. A
  * program with grey frames alone does not need it. */
 static RG_INLINE void rg_bring_to_lattice(rg_remap_job* job) {
@@ -203,7 +200,7 @@ static RG_INLINE void rg_bring_to_lattice(rg_remap_job* job) {
   rg_move_corners(rg_lattice_of(job),
                   (uint32_t)block->width_log2 + rg_lattice_of(job)->log2[0],
                   block->corners);
-  if (rg_is_void(job)) job->walk.is_empty = 1;
+  if (job->walk.is_void) job->walk.is_empty = 1;
 #endif
 }
 

@@ -35,12 +35,6 @@ int rg_next_part(rg_remap_job* job) {
   return 1;
 }
 
-int rg_is_void(const rg_remap_job* job) {
-  const uint8_t* const ranges = job->ranges;
-  return rg_load_i32(ranges) > rg_load_i32(ranges + 8) ||
-         rg_load_i32(ranges + 4) > rg_load_i32(ranges + 12);
-}
-
 int rg_have_sources(const rg_remap_job* job, const rg_position* positions,
                     uint32_t num, uint32_t margin) {
   const int32_t* q12 = positions->q12;

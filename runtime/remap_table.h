@@ -36,6 +36,9 @@ typedef int64_t rg_lane_pairs __attribute__((vector_size(16)));
  * its corners come from: top left, top right, bottom left, bottom right. */
 typedef struct rg_block {
   uint8_t width_log2, height_log2;
+#if !RG_KEEP_LINES
+  uint8_t is_safe; /* none of its pixels asks for care, not even a ring's */
+#endif
   RG_FOR_LANES rg_position corners[4];
 } rg_block;
 
@@ -80,7 +83,7 @@ typedef struct rg_block_walk {
    * of parts, and rounded; how that changes to the next part; how that does. */
   rg_lanes right, sums, steps, turns;
 #else
-  uint8_t is_safe;    /* for the caller */
+  uint8_t is_void;    /* all of the lattice's are, whatever the table says */
   uint8_t bend_shift; /* for parts of this width */
   uint8_t num_log2;   /* log2 of four times a block's parts across */
   rg_span spans[2];   /* of the next part across, of the row of parts down */

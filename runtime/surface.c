@@ -165,8 +165,8 @@ static RG_RARE void find_narrow_value(const uint8_t* grid, rg_place* place) {
 rg_status rg_find_place(const uint8_t* grid, int32_t x, int32_t y,
                         rg_place* place) {
   if (!rg_find_cells(grid, x, y, place)) return RG_ERR_OUTSIDE_AREA;
-  rg_bspline_weights(place->cells[1].t_q30, place->weights_q31[1]);
-  rg_bspline_weights(place->cells[0].t_q30, place->weights_q31[0]);
+  rg_bspline_weights(place->t_q30[1], place->weights_q31[1]);
+  rg_bspline_weights(place->t_q30[0], place->weights_q31[0]);
   if (rg_load_u16(grid + 30) == RG_CONTROL_POINT_BITS)
     sum_rows(grid + rg_load_u32(grid + 32) + 8 * place->first,
              rg_load_u16(grid + 16), place);
@@ -185,8 +185,8 @@ static RG_INLINE int32_t blend(int32_t a, int32_t b, int32_t t_q7) {
  * residuals so many bytes apart. */
 static RG_SHARED int32_t find_slope(const uint8_t* residual, uint32_t apart,
                                     uint32_t row_bytes, const rg_place* place) {
-  const int32_t x_q7 = place->cells[0].t_q30 >> 23;
-  const int32_t y_q7 = place->cells[1].t_q30 >> 23;
+  const int32_t x_q7 = place->t_q30[0] >> 23;
+  const int32_t y_q7 = place->t_q30[1] >> 23;
   int32_t above = 0, below = 0;
   RG_UNROLL_SHARED
   for (uint32_t rows = rg_times(2); rows > 0; --rows, residual += row_bytes) {

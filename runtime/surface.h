@@ -36,9 +36,10 @@ static RG_INLINE int rg_find_on_axis(const uint8_t* ends, uint32_t scale,
 /* A position in a grid, central or inverse, and what its spline is there. */
 typedef struct rg_place {
   rg_chart_point value; /* of an inverse grid: pixels in q15 */
-  uint32_t first;       /* of the 16 control points around it */
-  rg_cell_position cells[2];
-  int32_t weights_q31[2][4]; /* across, down */
+  uint32_t cells;       /* across, and down in the upper half */
+  int32_t t_q30[2];     /* how far into them, across and down */
+  uint32_t first;       /* of the 16 control points around */
+  int32_t weights_q31[2][4];
 } rg_place;
 
 /* Of a pixel in q16, or a chart position in q27; RG_ERR_OUTSIDE_AREA if it lies
@@ -55,9 +56,11 @@ static RG_INLINE int rg_find_cells(const uint8_t* grid, int32_t x, int32_t y,
       !rg_find_on_axis(grid + 4, rg_load_u32(grid + 24),
                        rg_load_u16(grid + 18) - 4u, y, &down))
     return 0;
-  place->cells[0] = across;
-  place->cells[1] = down;
+  /* In the order in which registers are stored in pairs. */
+  place->cells = down.cell << 16 | across.cell;
+  place->t_q30[0] = across.t_q30;
   place->first = down.cell * columns + across.cell;
+  place->t_q30[1] = down.t_q30;
   return 1;
 }
 
@@ -69,11 +72,11 @@ static RG_INLINE int32_t rg_evaluate_plane(const uint8_t* plane,
   /* The B-spline of 0, 1, 2, 3 is 1 + t. */
   const uint32_t corner_q29 =
       rg_load_u32(plane) +
-      (place->cells[0].cell + 1) * (uint32_t)column_step_q29 +
-      (place->cells[1].cell + 1) * (uint32_t)row_step_q29;
+      ((place->cells & 0xffff) + 1) * (uint32_t)column_step_q29 +
+      ((place->cells >> 16) + 1) * (uint32_t)row_step_q29;
   const int32_t sum_q27 = rg_multiply_high_add(
-      (int32_t)(corner_q29 + 2) >> 2, column_step_q29, place->cells[0].t_q30);
-  return rg_multiply_high_add(sum_q27, row_step_q29, place->cells[1].t_q30);
+      (int32_t)(corner_q29 + 2) >> 2, column_step_q29, place->t_q30[0]);
+  return rg_multiply_high_add(sum_q27, row_step_q29, place->t_q30[1]);
 }
 
 /* How both coordinates of an inverse grid change along an axis of the chart, in

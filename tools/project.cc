@@ -25,11 +25,9 @@ std::optional<Eigen::Vector2d> Project(const CameraInput& input,
 void RequireProjection(const std::string& path, const CameraInput& input) {
   if (!input.blob || input.blob->CanProject()) return;
   throw Error(ExitCode::kBlob,
-              fmt::format("{}: {}; use its camera.yaml", path,
-                          input.file.camera->IsCentral()
-                              ? "has no inverse grid and does not project"
-                              : "lines of a camera that is not central are not "
-                                "projected by the runtime"));
+              fmt::format("{}: has no inverse grid and does not project; pack "
+                          "it again, or use its camera.yaml",
+                          path));
 }
 
 void Run(const Arguments& arguments, bool json) {

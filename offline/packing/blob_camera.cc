@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -17,6 +18,13 @@ namespace {
   throw Error(ExitCode::kBlob,
               fmt::format("{}: {}; pack it again from camera.yaml", name,
                           rg_status_text(status)));
+}
+
+// Fraction bits that leave a point's coordinates below 2^30, if 0 or more.
+int FractionBits(const Eigen::Vector3d& point) {
+  int exponent = 0;
+  std::frexp(point.cwiseAbs().maxCoeff(), &exponent);
+  return std::min(30 - exponent, static_cast<int>(RG_POINT_MAX_BITS));
 }
 
 // One channel of interleaved pixels.
@@ -62,13 +70,21 @@ std::optional<ObservationLine> BlobCamera::Line(
 
 std::optional<Eigen::Vector2d> BlobCamera::Project(
     const Eigen::Vector3d& point) const {
-  const Eigen::Vector3d q30 = point.normalized() * (1 << 30);
-  if (!q30.allFinite()) return std::nullopt;
-  const rg_ray direction = {static_cast<int32_t>(std::lround(q30.x())),
-                            static_cast<int32_t>(std::lround(q30.y())),
-                            static_cast<int32_t>(std::lround(q30.z()))};
+  const bool has_lines = camera_.line_points;
+  const int bits = FractionBits(point);
+  const Eigen::Vector3d scaled =
+      has_lines ? Eigen::Vector3d(point * std::ldexp(1, bits))
+                : Eigen::Vector3d(point.normalized() * (1 << 30));
+  if (!scaled.allFinite()) return std::nullopt;
+  const Eigen::Matrix<int32_t, 3, 1> rounded =
+      scaled.array().round().cast<int32_t>();
+  const rg_point metres = {rounded.x(), rounded.y(), rounded.z()};
+  const rg_ray direction = {rounded.x(), rounded.y(), rounded.z()};
   rg_pixel pixel;
-  if (rg_project(&camera_, &direction, &pixel) != RG_OK) return std::nullopt;
+  if ((has_lines
+           ? rg_project_point(&camera_, &metres, std::max(bits, 0), &pixel)
+           : rg_project(&camera_, &direction, &pixel)) != RG_OK)
+    return std::nullopt;
   return Eigen::Vector2d(pixel.x_q16, pixel.y_q16) / 65536;
 }
 

@@ -32,12 +32,12 @@ class BlobCamera {
   ImageSize image_size() const { return {camera_.width, camera_.height}; }
   bool has_remap() const { return blob_.remap != 0; }
 
-  bool CanProject() const { return camera_.inverse && !camera_.line_points; }
+  bool CanProject() const { return camera_.inverse; }
 
   /// By the runtime, in fixed point.
   std::optional<Eigen::Vector3d> Unproject(const Eigen::Vector2d& pixel) const;
 
-  /// Likewise, for a direction or a point.
+  /// Likewise, for a point; for a direction, too, if the camera is central.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point) const;
 
   std::optional<ObservationLine> Line(const Eigen::Vector2d& pixel) const;

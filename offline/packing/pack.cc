@@ -522,17 +522,16 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
                     "than {}",
                     error.px, kMaxPackingErrorPx));
 
-  std::optional<InverseSection> inverse;
-  if (!lines) {
-    inverse.emplace(model.surface(), trusted, num_threads, &contents);
-    packed.projection = inverse->error();
-    const std::optional<std::string> remark =
-        packed.projection
-            ? RemarkOnProjection(*packed.projection, trusted != nullptr)
-            : "no inverse grid of 16 bits leads back to its pixels: the blob "
-              "does not project";
-    if (remark) packed.remarks.push_back(*remark);
-  }
+  // To the pixels that look into a direction, also where those are of lines.
+  const InverseSection inverse(model.surface(), trusted, num_threads,
+                               &contents);
+  packed.projection = inverse.error();
+  const std::optional<std::string> remark =
+      packed.projection
+          ? RemarkOnProjection(*packed.projection, trusted != nullptr)
+          : "no inverse grid of 16 bits leads back to its pixels: the blob "
+            "does not project";
+  if (remark) packed.remarks.push_back(*remark);
 
   RemapSections remaps;
   for (const VirtualCamera& virtual_camera : options.remaps)

@@ -76,8 +76,8 @@ INLINE void store_weights(__m256i w, int32_t w_q31[4]) {
 /* rg_bspline_weights() of both axes. */
 INLINE weights find_weights(rg_place* place) {
   const __m128i sixth_q31 = _mm_set1_epi32(357913941);
-  const __m128i t = _mm_insert_epi32(_mm_cvtsi32_si128(place->cells[0].t_q30),
-                                     place->cells[1].t_q30, 2);
+  const __m128i t =
+      _mm_insert_epi32(_mm_cvtsi32_si128(place->t_q30[0]), place->t_q30[1], 2);
   const __m128i t2 = _mm_slli_epi32(multiply_positive(t, t), 2);
   const __m128i t3 = _mm_slli_epi32(multiply_positive(t2, t), 2);
   const __m128i w3 = multiply_positive(t3, _mm_set1_epi32(1431655765));
@@ -166,8 +166,8 @@ void rg_find_slopes_avx2(const uint8_t* inverse, const rg_place* place,
   const uint8_t* const second = first + row_bytes;
   const uint8_t* const third = second + row_bytes;
   const int shift = rg_load_u16(inverse + 30) - (int)RG_NARROW_MIN_BITS;
-  const int x_q7 = place->cells[0].t_q30 >> 23;
-  const int y_q7 = place->cells[1].t_q30 >> 23;
+  const int x_q7 = place->t_q30[0] >> 23;
+  const int y_q7 = place->t_q30[1] >> 23;
   const __m128i left_right = _mm_setr_epi32(128 - x_q7, 128 - x_q7, x_q7, x_q7);
   const __m128i w_above =
       _mm_mullo_epi32(left_right, _mm_set1_epi32(128 - y_q7));

@@ -21,6 +21,7 @@ OK, OUTSIDE_AREA, NO_REMAP, NOT_SEEN, NONCENTRAL, UNKNOWN, NO_INVERSE = (
     0, -50, -51, -54, -57, -58, -60)
 NO_PIXEL = -2**31
 Q12, Q16, Q28, Q30 = 2**12, 2**16, 2**28, 2**30
+POINT_MAX_BITS = 24
 
 # Of each format: its number, bits of a sample, then bytes a row of each plane takes, as a fraction
 # of the width, and rows of each plane, as a fraction of the height.
@@ -154,6 +155,16 @@ def _direction(point):
     return [round(v / largest * Q30) for v in values]
 
 
+def _in_metres(point):
+    """Fixed point below 2^30, and its fraction bits; (0, 0, 0), which no pixel sees, where a
+    coordinate is not finite."""
+    values = [float(v) for v in point]
+    if not all(map(math.isfinite, values)):
+        return [0, 0, 0], 0
+    bits = min(30 - math.frexp(max(map(abs, values)))[1], POINT_MAX_BITS)
+    return [round(math.ldexp(v, bits)) for v in values], max(bits, 0)
+
+
 def _positions(array):
     return [None if p.x == NO_PIXEL else (p.x / Q16, p.y / Q16) for p in array]
 
@@ -205,11 +216,12 @@ class Camera:
         return lines
 
     def project(self, points):
-        """Pixels of directions or points (x, y, z) of any length; None where nothing is seen."""
-        if not self.is_central:
-            raise Error(NONCENTRAL)
+        """Pixels of points (x, y, z), for central cameras in any unit, so directions too, else in
+        metres; None where nothing is seen."""
         if self._camera.inverse is None:
             raise Error(NO_INVERSE)
+        if not self.is_central:
+            return _positions(self._project_point(point) for point in points)
         rays = (ctypes.c_int32 * 3 * len(points))()
         for ray, point in zip(rays, points):
             ray[:] = _direction(point)
@@ -217,6 +229,15 @@ class Camera:
         _library.rg_project_batch(ctypes.byref(self._camera), rays, pixels,
                                   ctypes.c_uint32(len(points)))
         return _positions(pixels)
+
+    def _project_point(self, point):
+        """A pixel of a camera of lines."""
+        values, bits = _in_metres(point)
+        pixel = _Pixel()
+        if _library.rg_project_point(ctypes.byref(self._camera), (ctypes.c_int32 * 3)(*values),
+                                     ctypes.c_uint32(bits), ctypes.byref(pixel)) != OK:
+            return _Pixel(NO_PIXEL, NO_PIXEL)
+        return pixel
 
     def is_valid(self, points):
         """Whether the camera may be trusted at pixels."""

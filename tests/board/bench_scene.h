@@ -14,9 +14,10 @@
 #define WIDTH 64u
 #define HEIGHT 48u
 
-static rg_camera lens, narrow, lines, wide, inner;
+static rg_camera lens, narrow, lines, seen_lines, wide, inner;
 static rg_pixel pixels[NUM_POINTS], line_pixels[NUM_POINTS], points[NUM_POINTS];
 static rg_ray rays[NUM_POINTS], wide_rays[NUM_POINTS], outside[NUM_POINTS];
+static rg_point near_points[NUM_POINTS];
 static uint8_t source[WIDTH * HEIGHT * 4] __attribute__((aligned(4)));
 static uint8_t output[WIDTH * HEIGHT * 4] __attribute__((aligned(4)));
 
@@ -33,6 +34,18 @@ static void make_pixels(const rg_camera* camera, rg_pixel* result) {
     const rg_pixel pixel = {random_position(&random, camera->width),
                             random_position(&random, camera->height)};
     if (rg_is_valid(camera, pixel)) result[num_made++] = pixel;
+  }
+}
+
+/* Points 1 m along the lines of random pixels. */
+static void make_near_points(void) {
+  make_pixels(&seen_lines, points);
+  for (uint32_t k = 0; k < NUM_POINTS; ++k) {
+    rg_line line = {{0, 0, 0}, {0, 0, 0}};
+    rg_unproject_line(&seen_lines, points[k], &line);
+    near_points[k].x = (line.point_q28[0] >> 4) + (line.direction.x_q30 >> 6);
+    near_points[k].y = (line.point_q28[1] >> 4) + (line.direction.y_q30 >> 6);
+    near_points[k].z = (line.point_q28[2] >> 4) + (line.direction.z_q30 >> 6);
   }
 }
 
@@ -101,11 +114,14 @@ static int make_scene(uint8_t block_log2) {
       rg_select_remap(&lens, 0) != RG_OK ||
       rg_camera_open(&narrow, kNarrowBlob, sizeof(kNarrowBlob)) != RG_OK ||
       rg_camera_open(&lines, kLinesBlob, sizeof(kLinesBlob)) != RG_OK ||
+      rg_camera_open(&seen_lines, kSeenLinesBlob, sizeof(kSeenLinesBlob)) !=
+          RG_OK ||
       rg_camera_open(&wide, kWideBlob, sizeof(kWideBlob)) != RG_OK)
     return 0;
   open_inner(block_log2);
   make_pixels(&lens, pixels);
   make_pixels(&lines, line_pixels);
+  make_near_points();
   make_test_frame(source, 4 * WIDTH, 4 * WIDTH, HEIGHT);
   make_pixels(&wide, points);
   rg_unproject_batch(&wide, points, wide_rays, NUM_POINTS);

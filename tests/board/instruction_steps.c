@@ -35,6 +35,11 @@ static void project(void) {
   rg_project_batch(&wide, wide_rays, points, NUM_TRACED);
 }
 
+static void project_points(void) {
+  for (uint32_t k = 0; k < NUM_TRACED; ++k)
+    rg_project_point(&seen_lines, &near_points[k], 24, &points[k]);
+}
+
 static void refuse(void) {
   rg_project_batch(&wide, outside, points, NUM_TRACED);
 }
@@ -64,9 +69,10 @@ typedef struct traced_call {
   {#name, name, WIDTH * HEIGHT, 5}, { #name "_16", name, WIDTH* HEIGHT, 4 }
 static const traced_call kCalls[] = {
     POINTS(unproject),        POINTS(unproject_narrow), POINTS(unproject_lines),
-    POINTS(undistort_points), POINTS(project),          POINTS(refuse),
-    REMAPS(remap_grey8),      REMAPS(remap_grey16),     REMAPS(remap_nv12),
-    REMAPS(remap_yuyv),       REMAPS(remap_rgb24),      REMAPS(remap_bayer10p)};
+    POINTS(undistort_points), POINTS(project),          POINTS(project_points),
+    POINTS(refuse),           REMAPS(remap_grey8),      REMAPS(remap_grey16),
+    REMAPS(remap_nv12),       REMAPS(remap_yuyv),       REMAPS(remap_rgb24),
+    REMAPS(remap_bayer10p)};
 #define NUM_CALLS (sizeof(kCalls) / sizeof(kCalls[0]))
 
 int main(int argc, char** argv) {

@@ -27,8 +27,8 @@ Point = tuple[float, float]
 Ray = tuple[float, float, float]
 
 UNKNOWN = 0xFFFFFFFF
-Q12, Q16, Q17, Q27 = 1 << 12, 1 << 16, 1 << 17, 1 << 27
-Q28, Q29, Q30 = 1 << 28, 1 << 29, 1 << 30
+Q12, Q16, Q17, Q24 = 1 << 12, 1 << 16, 1 << 17, 1 << 24
+Q27, Q28, Q29, Q30 = 1 << 27, 1 << 28, 1 << 29, 1 << 30
 BORDER = 7
 FRAME_SEED = 2025
 CHART_POINTS = ((0, 0), (1, -1), (0.25, 0.5), (-0.5, 0.125), (1, 0), (-1, 1),
@@ -361,6 +361,19 @@ def make_narrow(lens: reference.Blob) -> reference.Blob:
     return dataclasses.replace(blob, inverse=make_inverse(blob, TURNED_LENS, (8, 6)))
 
 
+def make_seen_lines(narrow: reference.Blob) -> reference.Blob:
+    """The narrow camera with lines through an entrance pupil that moves, by up to 6 mm."""
+    grid = narrow.grid
+    points = []
+    for j in range(-1, grid.rows - 1):
+        for i in range(-1, grid.columns - 1):
+            a = 1.6 * i / (grid.columns - 3) - 0.8
+            b = 1.2 * j / (grid.rows - 3) - 0.6
+            points.append(tuple(round(value * Q28) for value in (
+                0.001 + 0.002 * a - 0.001 * b, 0.003 * a * b - 0.0005, 0.006 * (a * a + b * b))))
+    return dataclasses.replace(narrow, line_points=tuple(points))
+
+
 def narrow_grid(grid: reference.CentralGrid) -> reference.CentralGrid:
     """A grid's control points as a plane and 16 bits."""
     fits = [narrow_fit(grid, axis) for axis in (0, 1)]
@@ -543,6 +556,60 @@ def projection_lines(blob: reference.Blob, lens: Lens) -> Iterator[str]:
 
 
 UNSEEN = "INT32_MIN"
+
+
+def seen_exactly(blob: reference.Blob, point: Ray, start: Point) -> Point:
+    """The pixel whose line goes through a point, by Newton's method in double precision with
+    differences of 1/64 px into the area; start is the nearest pixel of the area or close to it."""
+    grid = blob.grid
+    middle = ((grid.x0 + grid.x1) / 2 / Q16, (grid.y0 + grid.y1) / 2 / Q16)
+    ends = ((grid.x0 / Q16, grid.x1 / Q16), (grid.y0 / Q16, grid.y1 / Q16))
+
+    def miss(pixel: Point) -> Point:
+        origin = reference.line_point(blob, *pixel)
+        wanted = chart_of(tuple(p - o for p, o in zip(point, origin)))
+        found = chart_of(reference.unproject(blob, *pixel))
+        return wanted[0] - found[0], wanted[1] - found[1]
+
+    x, y = start
+    for _ in range(12):
+        inside = tuple(min(max(value, low), high) for value, (low, high) in zip((x, y), ends))
+        steps = [math.copysign(1 / 64, centre - value) for centre, value in zip(middle, inside)]
+        here = miss(inside)
+        across = [(value - base) / steps[0]
+                  for value, base in zip(miss((inside[0] + steps[0], inside[1])), here)]
+        down = [(value - base) / steps[1]
+                for value, base in zip(miss((inside[0], inside[1] + steps[1])), here)]
+        determinant = across[0] * down[1] - across[1] * down[0]
+        x = inside[0] - (here[0] * down[1] - here[1] * down[0]) / determinant
+        y = inside[1] - (across[0] * here[1] - across[1] * here[0]) / determinant
+    return x, y
+
+
+def point_lines(blob: reference.Blob) -> Iterator[str]:
+    """Entries of a table of points in q24 m and the pixels that see them: on the lines of pixels
+    inside and at the edge of the area, and up to 2 px outside of it."""
+    lcg = Lcg(5)
+    grid = blob.grid
+    ends = ((grid.x0 / Q16, grid.x1 / Q16), (grid.y0 / Q16, grid.y1 / Q16))
+    for k in range(240):
+        start = [low + (high - low) * lcg.below(Q16) / Q16 for low, high in ends]
+        if k % 3 != 0:  # near an edge
+            axis, end = k % 2, k // 2 % 2
+            inwards = 2 ** -(lcg.below(8)) * (1 - 2 * end)
+            start[axis] = ends[axis][end] + inwards
+        distance = 0.1 * 1.5 ** lcg.below(17)
+        origin, ray = reference.line_point(blob, *start), reference.unproject(blob, *start)
+        point = [o + distance * r for o, r in zip(origin, ray)]
+        if k % 6 == 1:  # across that edge
+            point = [value + distance * 0.02 * (lcg.below(3) - 1) for value in point]
+        point_q24 = [round(value * Q24) for value in point]
+        x, y = seen_exactly(blob, tuple(value / Q24 for value in point_q24), tuple(start))
+        outside = max(max(low - value, value - high) for value, (low, high) in zip((x, y), ends))
+        if abs(outside) < 0.004:
+            continue  # too near to the edge to be told
+        seen = (round(x * Q16), round(y * Q16)) if outside < 0 else (UNSEEN, UNSEEN)
+        yield table_line(seen, point_q24)
 
 
 # Frames of every format: the lattices of SPEC.md and where their samples lie
@@ -793,6 +860,14 @@ def header_lines(example: reference.Blob, lens: reference.Blob,
     yield "/* q16 pixels of kLinesBlob, and their lines' points in q28. */"
     yield "static const golden_ray kLinePoints[] = {"
     yield from line_lines(make_lines(example))
+    yield "};"
+    yield ""
+    seen_lines = make_seen_lines(make_narrow(lens))
+    yield "/* The narrow camera with lines instead of rays. */"
+    yield from blob_lines("kSeenLinesBlob", reference.serialize(seen_lines))
+    yield "/* q16 pixels of kSeenLinesBlob, or INT32_MIN, that see points in q24 m. */"
+    yield "static const golden_ray kSeenPoints[] = {"
+    yield from point_lines(seen_lines)
     yield "};"
     yield ""
     yield "/* Frames of each rg_format undistorted with kWideBlob: border of"

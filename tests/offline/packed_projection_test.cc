@@ -1,5 +1,6 @@
 // Projection by blobs: inverse grids, and what is said where they lose pixels.
 #include "camera/central_generic.h"
+#include "camera/noncentral_generic.h"
 #include "packed_cameras.h"
 #include "packing/projection_error.h"
 
@@ -30,6 +31,66 @@ TEST(BlobCamera, ProjectsWhatItUnprojects) {
   file.camera = std::make_shared<CentralGeneric>(ExampleFisheye());
   const PackedCamera packed = PackCamera(file, PackOptions());
   ExpectRoundTrips(BlobCamera("fisheye", packed.blob), *file.camera);
+}
+
+// The fisheye, its entrance pupil moving forwards and sideways by millimetres.
+CameraFile FisheyeWithPupil() {
+  const CentralGeneric lens = ExampleFisheye();
+  const BSplineSurface& directions = lens.surface();
+  std::vector<Eigen::Vector3d> points;
+  for (const Eigen::Vector2d& chart : directions.points())
+    points.emplace_back(0.002 * chart.y(), 0.001 - 0.001 * chart.x(),
+                        0.003 * chart.squaredNorm());
+  CameraFile file;
+  file.camera = std::make_shared<NonCentralGeneric>(lens.image_size(),
+                                                    directions, points);
+  return file;
+}
+
+// All over the area, its edge among them, also where the pupil moves by a sixth
+// of the point's distance a radian.
+TEST(BlobCamera, ProjectsThePointsOnLines) {
+  const CameraFile file = FisheyeWithPupil();
+  const BlobCamera blob("lines", PackCamera(file, PackOptions()).blob);
+  ASSERT_TRUE(blob.CanProject());
+  const Area& area = file.camera->area();
+  for (const double metres : {0.1, 0.5, 20.0, 1e5}) {
+    double worst_px = 0;
+    for (int j = 0; j <= 45; ++j) {
+      for (int i = 0; i <= 60; ++i) {
+        const Eigen::Vector2d pixel(
+            std::round((area.x0 + area.width() * i / 60) * 65536) / 65536,
+            std::round((area.y0 + area.height() * j / 45) * 65536) / 65536);
+        const auto line = blob.Line(pixel);
+        if (!line) continue;
+        const auto seen = blob.Project(line->origin + metres * line->direction);
+        ASSERT_TRUE(seen) << pixel.transpose() << " from " << metres << " m";
+        worst_px = std::max(worst_px, (*seen - pixel).norm());
+      }
+    }
+    EXPECT_LT(worst_px, 0.002) << metres << " m";
+  }
+}
+
+TEST(BlobCamera, ProjectsPointsAsTheCameraOfLines) {
+  const CameraFile file = FisheyeWithPupil();
+  const BlobCamera blob("lines", PackCamera(file, PackOptions()).blob);
+  TestRandom random(6);
+  int num_seen = 0, num_hidden = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Eigen::Vector2d xy = random.PixelIn({-1.2, -1.2, 1.2, 1.2});
+    const Eigen::Vector3d point(xy.x(), xy.y(), random.Uniform(-0.3, 0.5));
+    if (point.norm() < 0.1) continue;
+    const auto exact = file.camera->Project(point);
+    const auto pixel = blob.Project(point);
+    if (exact && !file.camera->area().Contains(*exact, -0.01)) continue;
+    ASSERT_EQ(!exact, !pixel) << point.transpose();
+    ++(exact ? num_seen : num_hidden);
+    if (!exact) continue;
+    EXPECT_LT((*exact - *pixel).norm(), 0.002) << point.transpose();
+  }
+  EXPECT_GT(num_seen, 500);
+  EXPECT_GT(num_hidden, 100);
 }
 
 // A fisheye that is trusted around its middle, the control points of a corner

@@ -1,4 +1,5 @@
-/* Lines of non-central cameras, and how far pixels may be trusted. */
+/* Lines of non-central cameras, both ways, and how far pixels may be trusted.
+ */
 #include <string.h>
 
 #include "bytes.h"
@@ -13,11 +14,17 @@
 /* The points, the same on every target. */
 #define POINTS_CRC 0x5c1cd907u
 
-static rg_camera lines, wide, example;
+/* Of points: 0.002 px. The pixels, the same on every target. */
+#define MAX_PIXEL_ERROR_Q16 131
+#define PIXELS_CRC 0x6a9b9f08u
+#define NUM_SEEN_POINTS (sizeof(kSeenPoints) / sizeof(kSeenPoints[0]))
+
+static rg_camera lines, seen_lines, wide, example;
 
 static int open_cameras(void** state) {
   (void)state;
   return rg_camera_open(&lines, kLinesBlob, sizeof(kLinesBlob)) ||
+         rg_camera_open(&seen_lines, kSeenLinesBlob, sizeof(kSeenLinesBlob)) ||
          rg_camera_open(&example, kExampleBlob, sizeof(kExampleBlob)) ||
          rg_camera_open(&wide, kWideBlob, sizeof(kWideBlob));
 }
@@ -89,6 +96,112 @@ static void lines_of_several_pixels_are_those_of_each(void** state) {
   assert_memory_equal(&all[NUM_POINTS], &none, sizeof(none));
 }
 
+static rg_point golden_point(size_t i) {
+  const int32_t* const q24 = kSeenPoints[i].ray_q30;
+  const rg_point point = {q24[0], q24[1], q24[2]};
+  return point;
+}
+
+static int32_t difference(int32_t a, int32_t b) {
+  return a < b ? b - a : a - b;
+}
+
+static void points_are_seen_by_the_golden_pixels(void** state) {
+  (void)state;
+  uint32_t crc = 0;
+  int32_t worst = 0;
+  for (size_t i = 0; i < NUM_SEEN_POINTS; ++i) {
+    const golden_ray* const golden = &kSeenPoints[i];
+    const rg_point point = golden_point(i);
+    const int is_seen = golden->x != RG_NO_PIXEL;
+    rg_pixel pixel = {1, 2};
+    assert_int_equal(rg_project_point(&seen_lines, &point, 24, &pixel),
+                     is_seen ? RG_OK : RG_ERR_NOT_SEEN);
+    if (is_seen) {
+      const int32_t x = difference(pixel.x_q16, golden->x);
+      const int32_t y = difference(pixel.y_q16, golden->y);
+      if (worst < x) worst = x;
+      if (worst < y) worst = y;
+    } else {
+      assert_true(pixel.x_q16 == 1 && pixel.y_q16 == 2);
+    }
+    uint8_t bytes[8];
+    rg_store_i32(bytes, pixel.x_q16);
+    rg_store_i32(bytes + 4, pixel.y_q16);
+    crc = rg_crc32(crc, bytes, sizeof(bytes));
+  }
+  print_message("worst error %d q16\n", (int)worst);
+  assert_in_range(worst, 0, MAX_PIXEL_ERROR_Q16);
+  assert_int_equal(crc, PIXELS_CRC);
+}
+
+/* Far away, where roundings do not matter. */
+static void points_are_those_of_other_formats(void** state) {
+  (void)state;
+  int num_far = 0;
+  for (size_t i = 0; i < NUM_SEEN_POINTS; ++i) {
+    const rg_point point = golden_point(i);
+    const rg_point coarse = {point.x >> 6, point.y >> 6, point.z >> 6};
+    rg_pixel fine_pixel, pixel;
+    if (point.z < 20 << 24 ||
+        rg_project_point(&seen_lines, &point, 24, &fine_pixel) != RG_OK)
+      continue;
+    ++num_far;
+    assert_int_equal(rg_project_point(&seen_lines, &coarse, 18, &pixel), RG_OK);
+    assert_in_range(difference(pixel.x_q16, fine_pixel.x_q16), 0, 8);
+    assert_in_range(difference(pixel.y_q16, fine_pixel.y_q16), 0, 8);
+  }
+  assert_in_range(num_far, 10, NUM_SEEN_POINTS);
+}
+
+static void more_fraction_bits_are_refused(void** state) {
+  (void)state;
+  const rg_point ahead = {0, 0, 1 << 25};
+  rg_pixel pixel = {1, 2};
+  assert_int_equal(
+      rg_project_point(&seen_lines, &ahead, RG_POINT_MAX_BITS + 1, &pixel),
+      RG_ERR_ARGUMENT);
+  assert_int_equal(rg_project_point(&wide, &ahead, UINT32_MAX, &pixel),
+                   RG_ERR_ARGUMENT);
+  assert_true(pixel.x_q16 == 1 && pixel.y_q16 == 2);
+}
+
+static void points_of_a_central_camera_are_directions(void** state) {
+  (void)state;
+  for (size_t i = 0; i < NUM_SEEN_POINTS; ++i) {
+    const rg_point point = golden_point(i);
+    const rg_ray direction = {point.x, point.y, point.z};
+    rg_pixel by_point = {1, 2}, by_direction = {1, 2};
+    assert_int_equal(rg_project_point(&wide, &point, 7, &by_point),
+                     rg_project(&wide, &direction, &by_direction));
+    assert_memory_equal(&by_point, &by_direction, sizeof(by_point));
+  }
+}
+
+static void lines_without_an_inverse_see_no_points(void** state) {
+  (void)state;
+  const rg_point ahead = {0, 0, 1 << 20};
+  rg_pixel pixel = {1, 2};
+  assert_int_equal(rg_project_point(&lines, &ahead, 20, &pixel),
+                   RG_ERR_NO_INVERSE);
+  assert_true(pixel.x_q16 == 1 && pixel.y_q16 == 2);
+}
+
+static void no_line_sees_the_centre_or_what_lies_behind(void** state) {
+  (void)state;
+  static const rg_point points[] = {{0, 0, 0},
+                                    {0, 0, -1048576},
+                                    {1, -1, -1},
+                                    {INT32_MIN, INT32_MIN, INT32_MIN},
+                                    {INT32_MAX, 0, INT32_MIN}};
+  for (size_t i = 0; i < sizeof(points) / sizeof(points[0]); ++i) {
+    rg_pixel pixel = {1, 2};
+    assert_int_equal(rg_project_point(&seen_lines, &points[i], 20, &pixel),
+                     RG_ERR_NOT_SEEN);
+    assert_true(pixel.x_q16 == 1 && pixel.y_q16 == 2);
+  }
+}
+
 static int is_valid(int32_t x_q16, int32_t y_q16) {
   const rg_pixel pixel = {x_q16, y_q16};
   return rg_is_valid(&wide, pixel);
@@ -143,6 +256,12 @@ int main(void) {
       cmocka_unit_test(directions_are_those_of_the_grid),
       cmocka_unit_test(central_calls_refuse_a_camera_of_lines),
       cmocka_unit_test(lines_of_several_pixels_are_those_of_each),
+      cmocka_unit_test(points_are_seen_by_the_golden_pixels),
+      cmocka_unit_test(points_are_those_of_other_formats),
+      cmocka_unit_test(more_fraction_bits_are_refused),
+      cmocka_unit_test(points_of_a_central_camera_are_directions),
+      cmocka_unit_test(lines_without_an_inverse_see_no_points),
+      cmocka_unit_test(no_line_sees_the_centre_or_what_lies_behind),
       cmocka_unit_test(mask_tells_valid_pixels),
       cmocka_unit_test(without_mask_the_area_is_valid),
       cmocka_unit_test(uncertainty_is_bilinear),

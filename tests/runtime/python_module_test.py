@@ -67,7 +67,17 @@ class ModuleTest(unittest.TestCase):
             self.assert_close(line[1], reference.unproject(LINES, *pixel), 1e-7)
         with self.assertRaises(raygrid.Error) as context:
             camera.project([(0, 0, 1)])
-        self.assertEqual(context.exception.status, raygrid.NONCENTRAL)
+        self.assertEqual(context.exception.status, raygrid.NO_INVERSE)
+
+    def test_lines_see_the_points_on_them(self):
+        camera = open_blob(make_golden.make_seen_lines(make_golden.make_narrow(LENS)))
+        for metres in (0.3, 7, 1e5):
+            points = [[o + metres * d for o, d in zip(*line)]
+                      for line in camera.unproject_lines(PIXELS)]
+            for found, pixel in zip(camera.project(points), PIXELS):
+                self.assert_close(found, pixel, 0.002)
+        nan = float("nan")
+        self.assertEqual(camera.project([(0, 0, -1), (0, 0, 0), (nan, 0, 1)]), [None] * 3)
 
     def test_undistorted_points_are_the_references(self):
         self.check_undistorted_points(LENS, PIXELS)
