@@ -158,13 +158,27 @@ uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
 /* Two pixels as near to each other as this have the same line. */
 #define SAME_LINE_Q16 0x100u /* 1/256 px */
 
-/* The direction of a point, seen from a line's. */
-static RG_INLINE void look_from(const int32_t origin_q28[3],
-                                const rg_point* point, uint32_t shift,
-                                rg_ray* direction) {
-  direction->x_q30 = rg_subtract(point->x, origin_q28[0] >> shift);
-  direction->y_q30 = rg_subtract(point->y, origin_q28[1] >> shift);
-  direction->z_q30 = rg_subtract(point->z, origin_q28[2] >> shift);
+static RG_INLINE int32_t find_difference(int32_t point, int32_t at_q28,
+                                         int32_t along_q30, int32_t d_q30,
+                                         uint32_t shift) {
+  return rg_subtract(
+      point, rg_multiply_high_subtract(at_q28, along_q30, d_q30) >> shift);
+}
+
+/* To the direction of a point, seen from the line's place that is nearest to
+ * the camera's centre: from the point less (point . direction) direction. */
+static RG_INLINE void look_from(rg_line* line, const rg_point* point,
+                                uint32_t shift) {
+  const int32_t* const at_q28 = line->point_q28;
+  rg_ray* const d = &line->direction;
+  const int32_t along_q26 = rg_multiply_high_add(
+      rg_multiply_high_add(rg_multiply_high(at_q28[0], d->x_q30), at_q28[1],
+                           d->y_q30),
+      at_q28[2], d->z_q30);
+  const int32_t along_q30 = rg_shift_left(along_q26, 4);
+  d->x_q30 = find_difference(point->x, at_q28[0], along_q30, d->x_q30, shift);
+  d->y_q30 = find_difference(point->y, at_q28[1], along_q30, d->y_q30, shift);
+  d->z_q30 = find_difference(point->z, at_q28[2], along_q30, d->z_q30, shift);
 }
 
 static RG_INLINE int is_near(rg_pixel pixel, rg_pixel other) {
@@ -190,12 +204,12 @@ rg_status rg_project_point(const rg_camera* camera, const rg_point* point,
   rg_pixel last = {RG_NO_PIXEL, RG_NO_PIXEL};
   rg_ray* const direction = &found.line.direction;
   if (fraction_bits > RG_POINT_MAX_BITS) return RG_ERR_ARGUMENT;
-  for (int c = 0; c < 3; ++c) found.line.point_q28[c] = 0;
+  direction->x_q30 = point->x;
+  direction->y_q30 = point->y;
+  direction->z_q30 = point->z;
   /* closeness, above the shift to fraction_bits: they share a register. */
   uint32_t closeness_and_shift = 4 << 8 | (RG_LINE_POINT_BITS - fraction_bits);
   do {
-    look_from(found.line.point_q28, point, (uint8_t)closeness_and_shift,
-              direction);
     rg_status status = find_pixel(camera, direction, &found.pixel);
     if (!camera->line_points ||
         (status == RG_OK && is_near(found.pixel, last))) {
@@ -210,6 +224,7 @@ rg_status rg_project_point(const rg_camera* camera, const rg_point* point,
     }
     last = found.pixel;
     rg_unproject_line(camera, found.pixel, &found.line);
+    look_from(&found.line, point, (uint8_t)closeness_and_shift);
     closeness_and_shift += 2 << 8;
   } while (closeness_and_shift < 24 << 8);
   return RG_ERR_NOT_SEEN;
