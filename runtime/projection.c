@@ -155,76 +155,77 @@ uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
 
 /* ---- Points seen along lines --------------------------------------------- */
 
-/* Two pixels as near to each other as this have the same line. */
-#define SAME_LINE_Q16 0x100u /* 1/256 px */
-
-static RG_INLINE int32_t find_difference(int32_t point, int32_t at_q28,
-                                         int32_t along_q30, int32_t d_q30,
-                                         uint32_t shift) {
-  return rg_subtract(
-      point, rg_multiply_high_subtract(at_q28, along_q30, d_q30) >> shift);
-}
-
-/* To the direction of a point, seen from the line's place that is nearest to
- * the camera's centre: from the point less (point . direction) direction. */
-static RG_INLINE void look_from(rg_line* line, const rg_point* point,
-                                uint32_t shift) {
-  const int32_t* const at_q28 = line->point_q28;
-  rg_ray* const d = &line->direction;
-  const int32_t along_q26 = rg_multiply_high_add(
-      rg_multiply_high_add(rg_multiply_high(at_q28[0], d->x_q30), at_q28[1],
-                           d->y_q30),
-      at_q28[2], d->z_q30);
-  const int32_t along_q30 = rg_shift_left(along_q26, 4);
-  d->x_q30 = find_difference(point->x, at_q28[0], along_q30, d->x_q30, shift);
-  d->y_q30 = find_difference(point->y, at_q28[1], along_q30, d->y_q30, shift);
-  d->z_q30 = find_difference(point->z, at_q28[2], along_q30, d->z_q30, shift);
-}
+/* Two pixels less than this apart have the same line. */
+#define SAME_LINE_Q16 0x80u /* 1/512 px */
 
 static RG_INLINE int is_near(rg_pixel pixel, rg_pixel other) {
-  return (rg_magnitude(rg_subtract(pixel.x_q16, other.x_q16)) |
-          rg_magnitude(rg_subtract(pixel.y_q16, other.y_q16))) < SAME_LINE_Q16;
+  const uint32_t x = (uint32_t)pixel.x_q16 - (uint32_t)other.x_q16;
+  const uint32_t y = (uint32_t)pixel.y_q16 - (uint32_t)other.y_q16;
+  return ((x + SAME_LINE_Q16) | (y + SAME_LINE_Q16)) < 2 * SAME_LINE_Q16;
 }
 
-/* From the largest coordinate to twice that. */
-static RG_INLINE uint32_t size_of(const rg_point* point) {
-  return rg_bits_of(point->x) | rg_bits_of(point->y) | rg_bits_of(point->z);
+/* From the largest coordinate's magnitude to twice that. */
+static RG_INLINE uint32_t size_of(const rg_ray* direction) {
+  return rg_bits_of(direction->x_q30) | rg_bits_of(direction->y_q30) |
+         rg_bits_of(direction->z_q30);
+}
+
+/* A line; or a direction in place of its own, and the pixel found for that in
+ * place of its point: stacks are small. */
+typedef union rg_line_words {
+  rg_line line;
+  int32_t words[6];
+  rg_pixel pixel;
+} rg_line_words;
+
+/* The direction of a point, seen from where the line is nearest to the camera's
+ * centre: from o - (o . d) d. */
+static RG_SHARED void look_from(rg_line_words* line, const int32_t point[3],
+                                uint32_t shift) {
+  int32_t* word = line->words;
+  int32_t along_q26 = 0;
+  RG_UNROLL_SHARED
+  for (uint32_t axes = rg_times(3); axes > 0; --axes, ++word)
+    along_q26 = rg_multiply_high_add(along_q26, word[0], word[3]);
+  const int32_t along_q28 = rg_shift_left(along_q26, 2);
+  word = line->words;
+  RG_UNROLL_SHARED
+  for (uint32_t axes = rg_times(3); axes > 0; --axes, ++word) {
+    const int32_t part_q26 = rg_multiply_high(along_q28, word[3]);
+    const int32_t nearest_q28 = rg_subtract(*word, rg_shift_left(part_q26, 2));
+    word[3] = rg_subtract(*point++, nearest_q28 >> shift);
+  }
 }
 
 /* Lines through nearly the point, each at the pixel that looks where the point
- * lies, seen from the last one's point. The last one may be to blame if there
- * is no such pixel: then one that looks less far away from the z axis, by an
- * angle of about 2^-closeness, which is a quarter of that for the next line. */
-rg_status rg_project_point(const rg_camera* camera, const rg_point* point,
+ * lies, seen from the last one. The last one may be to blame if there is no
+ * such pixel: then one that looks less far away from the z axis, by an angle of
+ * about 2^-closeness, which is a quarter of that for the next line. */
+rg_status rg_project_point(const rg_camera* camera, const int32_t point[3],
                            uint32_t fraction_bits, rg_pixel* pixel) {
-  union {
-    rg_line line;
-    rg_pixel pixel; /* over the line's point, when that is done with */
-  } found;
+  rg_line_words found;
   rg_pixel last = {RG_NO_PIXEL, RG_NO_PIXEL};
-  rg_ray* const direction = &found.line.direction;
   if (fraction_bits > RG_POINT_MAX_BITS) return RG_ERR_ARGUMENT;
-  direction->x_q30 = point->x;
-  direction->y_q30 = point->y;
-  direction->z_q30 = point->z;
+  for (int c = 0; c < 3; ++c) found.words[3 + c] = point[c];
   /* closeness, above the shift to fraction_bits: they share a register. */
   uint32_t closeness_and_shift = 4 << 8 | (RG_LINE_POINT_BITS - fraction_bits);
   do {
-    rg_status status = find_pixel(camera, direction, &found.pixel);
+    rg_status status = find_pixel(camera, &found.line.direction, &found.pixel);
     if (!camera->line_points ||
         (status == RG_OK && is_near(found.pixel, last))) {
       if (status == RG_OK) *pixel = found.pixel;
       return status;
     }
     if (status != RG_OK) {
-      const uint32_t pull = size_of(point) >> (closeness_and_shift >> 8);
-      direction->z_q30 = rg_add(direction->z_q30, (int32_t)pull);
-      status = find_pixel(camera, direction, &found.pixel);
+      const uint32_t pull =
+          size_of(&found.line.direction) >> (closeness_and_shift >> 8);
+      found.words[5] = rg_add(found.words[5], (int32_t)pull);
+      status = find_pixel(camera, &found.line.direction, &found.pixel);
       if (status != RG_OK) return status;
     }
     last = found.pixel;
     rg_unproject_line(camera, found.pixel, &found.line);
-    look_from(&found.line, point, (uint8_t)closeness_and_shift);
+    look_from(&found, point, (uint8_t)closeness_and_shift);
     closeness_and_shift += 2 << 8;
   } while (closeness_and_shift < 24 << 8);
   return RG_ERR_NOT_SEEN;

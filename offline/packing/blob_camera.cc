@@ -78,12 +78,11 @@ std::optional<Eigen::Vector2d> BlobCamera::Project(
   if (!scaled.allFinite()) return std::nullopt;
   const Eigen::Matrix<int32_t, 3, 1> rounded =
       scaled.array().round().cast<int32_t>();
-  const rg_point metres = {rounded.x(), rounded.y(), rounded.z()};
   const rg_ray direction = {rounded.x(), rounded.y(), rounded.z()};
   rg_pixel pixel;
-  if ((has_lines
-           ? rg_project_point(&camera_, &metres, std::max(bits, 0), &pixel)
-           : rg_project(&camera_, &direction, &pixel)) != RG_OK)
+  if ((has_lines ? rg_project_point(&camera_, rounded.data(), std::max(bits, 0),
+                                    &pixel)
+                 : rg_project(&camera_, &direction, &pixel)) != RG_OK)
     return std::nullopt;
   return Eigen::Vector2d(pixel.x_q16, pixel.y_q16) / 65536;
 }

@@ -17,7 +17,7 @@
 static rg_camera lens, narrow, lines, seen_lines, wide, inner;
 static rg_pixel pixels[NUM_POINTS], line_pixels[NUM_POINTS], points[NUM_POINTS];
 static rg_ray rays[NUM_POINTS], wide_rays[NUM_POINTS], outside[NUM_POINTS];
-static rg_point near_points[NUM_POINTS];
+static int32_t near_points[NUM_POINTS][3];
 static uint8_t source[WIDTH * HEIGHT * 4] __attribute__((aligned(4)));
 static uint8_t output[WIDTH * HEIGHT * 4] __attribute__((aligned(4)));
 
@@ -43,9 +43,9 @@ static void make_near_points(void) {
   for (uint32_t k = 0; k < NUM_POINTS; ++k) {
     rg_line line = {{0, 0, 0}, {0, 0, 0}};
     rg_unproject_line(&seen_lines, points[k], &line);
-    near_points[k].x = (line.point_q28[0] >> 4) + (line.direction.x_q30 >> 6);
-    near_points[k].y = (line.point_q28[1] >> 4) + (line.direction.y_q30 >> 6);
-    near_points[k].z = (line.point_q28[2] >> 4) + (line.direction.z_q30 >> 6);
+    near_points[k][0] = (line.point_q28[0] >> 4) + (line.direction.x_q30 >> 6);
+    near_points[k][1] = (line.point_q28[1] >> 4) + (line.direction.y_q30 >> 6);
+    near_points[k][2] = (line.point_q28[2] >> 4) + (line.direction.z_q30 >> 6);
   }
 }
 

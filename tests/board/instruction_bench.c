@@ -103,7 +103,7 @@ static void measure_points(void) {
 
   begin = read_clock();
   for (uint32_t k = 0; k < NUM_POINTS * REPEATS; ++k)
-    rg_project_point(&seen_lines, &near_points[k % NUM_POINTS], 24,
+    rg_project_point(&seen_lines, near_points[k % NUM_POINTS], 24,
                      &points[k % NUM_POINTS]);
   print_cost("project_point", read_clock() - begin, NUM_POINTS * REPEATS);
 

@@ -37,7 +37,7 @@ static void project(void) {
 
 static void project_points(void) {
   for (uint32_t k = 0; k < NUM_TRACED; ++k)
-    rg_project_point(&seen_lines, &near_points[k], 24, &points[k]);
+    rg_project_point(&seen_lines, near_points[k], 24, &points[k]);
 }
 
 static void refuse(void) {

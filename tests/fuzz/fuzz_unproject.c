@@ -41,7 +41,7 @@ static void try_direction(const rg_camera* camera, const rg_ray* direction) {
           "a projected pixel lies in the area");
 }
 
-static void try_point(const rg_camera* camera, const rg_point* point,
+static void try_point(const rg_camera* camera, const int32_t point[3],
                       uint32_t fraction_bits) {
   rg_pixel pixel;
   rg_line line;
@@ -56,11 +56,11 @@ static void try_on_line(const rg_camera* camera, rg_pixel pixel,
   rg_line line;
   if (rg_unproject_line(camera, pixel, &line) != RG_OK) return;
   const int shift = (int)(distance % 10);
-  const rg_point point = {
+  const int32_t point[3] = {
       (line.point_q28[0] >> 4) + (line.direction.x_q30 >> shift),
       (line.point_q28[1] >> 4) + (line.direction.y_q30 >> shift),
       (line.point_q28[2] >> 4) + (line.direction.z_q30 >> shift)};
-  try_point(camera, &point, 24);
+  try_point(camera, point, 24);
 }
 
 static void try_mode(const rg_camera* camera, const uint8_t* data,
@@ -104,8 +104,9 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
                                  rg_load_i32(camera.grid + 12)};
     try_pixel(&camera, far_corner);
     try_direction(&camera, &direction);
-    const rg_point point = {direction.x_q30, direction.y_q30, direction.z_q30};
-    try_point(&camera, &point, data[3] % 32u);
+    const int32_t point[3] = {direction.x_q30, direction.y_q30,
+                              direction.z_q30};
+    try_point(&camera, point, data[3] % 32u);
     try_on_line(&camera, inside, data[28]);
     try_mode(&camera, data, inside);
   }
