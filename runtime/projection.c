@@ -164,6 +164,10 @@ static RG_INLINE int is_near(rg_pixel pixel, rg_pixel other) {
   return ((x + SAME_LINE_Q16) | (y + SAME_LINE_Q16)) < 2 * SAME_LINE_Q16;
 }
 
+/* Of the last line: its pixel will do, since more turns would only repeat how
+ * the point's format rounds. */
+#define LAST_CLOSENESS 22u
+
 /* From the largest coordinate's magnitude to twice that. */
 static RG_INLINE uint32_t size_of(const rg_ray* direction) {
   return rg_bits_of(direction->x_q30) | rg_bits_of(direction->y_q30) |
@@ -199,8 +203,8 @@ static RG_SHARED void look_from(rg_line_words* line, const int32_t point[3],
 
 /* Lines through nearly the point, each at the pixel that looks where the point
  * lies, seen from the last one. The last one may be to blame if there is no
- * such pixel: then one that looks less far away from the z axis, by an angle of
- * about 2^-closeness, which is a quarter of that for the next line. */
+ * such pixel: then one that looks less far away from the z axis, by about
+ * 2^-closeness sin(theta), and a quarter of that for the next line. */
 rg_status rg_project_point(const rg_camera* camera, const int32_t point[3],
                            uint32_t fraction_bits, rg_pixel* pixel) {
   rg_line_words found;
@@ -208,11 +212,12 @@ rg_status rg_project_point(const rg_camera* camera, const int32_t point[3],
   if (fraction_bits > RG_POINT_MAX_BITS) return RG_ERR_ARGUMENT;
   for (int c = 0; c < 3; ++c) found.words[3 + c] = point[c];
   /* closeness, above the shift to fraction_bits: they share a register. */
-  uint32_t closeness_and_shift = 4 << 8 | (RG_LINE_POINT_BITS - fraction_bits);
+  uint32_t closeness_and_shift = RG_LINE_POINT_BITS - fraction_bits;
   do {
     rg_status status = find_pixel(camera, &found.line.direction, &found.pixel);
     if (!camera->line_points ||
-        (status == RG_OK && is_near(found.pixel, last))) {
+        (status == RG_OK && (is_near(found.pixel, last) ||
+                             closeness_and_shift >= LAST_CLOSENESS << 8))) {
       if (status == RG_OK) *pixel = found.pixel;
       return status;
     }
@@ -227,6 +232,6 @@ rg_status rg_project_point(const rg_camera* camera, const int32_t point[3],
     rg_unproject_line(camera, found.pixel, &found.line);
     look_from(&found, point, (uint8_t)closeness_and_shift);
     closeness_and_shift += 2 << 8;
-  } while (closeness_and_shift < 24 << 8);
+  } while (closeness_and_shift < (LAST_CLOSENESS + 2) << 8);
   return RG_ERR_NOT_SEEN;
 }

@@ -151,26 +151,27 @@ uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
 /* Turns a 3-D point into the image position that sees it, for any camera: of a
  * camera of lines, the one whose line goes through the point.
  *
- * point          x, y, z in camera axes, in metres times 2^fraction_bits
- * fraction_bits  0 to RG_POINT_MAX_BITS; coordinates are less than
- *                2^(31 - fraction_bits) - 8 metres: 120 m with 24, 2040 m with
- *                20, in steps of 6e-8 m and 1e-6 m
- * pixel          within 0.002 px of the lines' exact inverse at a point that is
- *                one such step away; written only when RG_OK is returned. For
- *                that, and to be found at all, lines that differ by a radian
- *                must pass the camera's centre at places that differ by less
- *                than a quarter of the point's distance.
+ * point          x, y, z in camera axes, in metres times 2^fraction_bits, all
+ *                less than 2^30 in magnitude: 64 m with 24 bits, 1 km with 20
+ * fraction_bits  0 to RG_POINT_MAX_BITS, the more the better
+ * pixel          within 0.002 px of the one whose line, by rg_unproject_line(),
+ *                goes through a point at most two steps of that format away;
+ *                written only when RG_OK is returned
+ *
+ * For that, lines that differ by a radian must pass the camera's centre at
+ * places that differ by less than a sixth of the point's distance, and all of
+ * them within a tenth of it times the sine of half the field of view.
  *
  * RG_ERR_ARGUMENT      more fraction_bits
  * RG_OK, or what rg_project() returns instead, but not RG_ERR_NONCENTRAL.
  *
  * Cost: three to four rg_project() and two to three rg_unproject_line() where
- * these differ by hundredths of the distance, at most twenty and ten; one
- * rg_project() of a central camera. */
+ * those places differ by hundredths of the distance; near the edge of the area,
+ * or outside of it, up to 24 and 12. One rg_project() of a central camera. */
 rg_status rg_project_point(const rg_camera* camera, const int32_t point[3],
                            uint32_t fraction_bits, rg_pixel* pixel);
 
-#define RG_POINT_MAX_BITS 24u
+#define RG_POINT_MAX_BITS 27u
 
 /* A coordinate that no pixel has. */
 #define RG_NO_PIXEL INT32_MIN

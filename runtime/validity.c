@@ -38,17 +38,17 @@ rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
       rg_find_entry(camera->blob, RG_SECTION_UNCERTAINTY, 0);
   if (!entry) return RG_ERR_UNKNOWN;
   const uint8_t* const section = camera->blob + rg_load_u32(entry + 4);
-  const int32_t pixels_q16[2] = {pixel.x_q16, pixel.y_q16};
   const uint32_t columns = rg_load_u16(section);
-  uint32_t t_q8[2], first = 0;
-  for (int c = 1; c >= 0; --c) {
+  uint32_t x_q8 = 0, y_q8 = 0, first = 0;
+  int32_t q16 = pixel.y_q16;
+  for (int c = 1; c >= 0; --c, q16 = pixel.x_q16) {
     rg_cell_position position;
     if (!rg_find_on_axis(camera->grid + 4 * c, rg_load_u32(section + 4 + 4 * c),
-                         rg_load_u16(section + 2 * c) - 2u, pixels_q16[c],
-                         &position))
+                         rg_load_u16(section + 2 * c) - 2u, q16, &position))
       return RG_ERR_OUTSIDE_AREA;
     first = first * columns + position.cell;
-    t_q8[c] = (uint32_t)position.t_q30 >> 22;
+    y_q8 = x_q8;
+    x_q8 = (uint32_t)position.t_q30 >> 22;
   }
   /* Checked here, not on opening. */
   const uint32_t size = rg_load_u32(entry + 8);
@@ -65,10 +65,10 @@ rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
         right_q12 == RG_UNKNOWN_UNCERTAINTY)
       return RG_ERR_UNKNOWN;
     above_q20 = below_q20;
-    below_q20 = 256 * left_q12 + t_q8[0] * (right_q12 - left_q12);
+    below_q20 = 256 * left_q12 + x_q8 * (right_q12 - left_q12);
   }
-  *pixels_q12 = (uint16_t)((256 * above_q20 +
-                            t_q8[1] * (below_q20 - above_q20) + 0x8000) >>
-                           16);
+  *pixels_q12 =
+      (uint16_t)((256 * above_q20 + y_q8 * (below_q20 - above_q20) + 0x8000) >>
+                 16);
   return RG_OK;
 }

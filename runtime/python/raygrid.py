@@ -21,7 +21,7 @@ OK, OUTSIDE_AREA, NO_REMAP, NOT_SEEN, NONCENTRAL, UNKNOWN, NO_INVERSE = (
     0, -50, -51, -54, -57, -58, -60)
 NO_PIXEL = -2**31
 Q12, Q16, Q28, Q30 = 2**12, 2**16, 2**28, 2**30
-POINT_MAX_BITS = 24
+POINT_MAX_BITS = 27
 
 # Of each format: its number, bits of a sample, then bytes a row of each plane takes, as a fraction
 # of the width, and rows of each plane, as a fraction of the height.

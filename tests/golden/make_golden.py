@@ -362,7 +362,8 @@ def make_narrow(lens: reference.Blob) -> reference.Blob:
 
 
 def make_seen_lines(narrow: reference.Blob) -> reference.Blob:
-    """The narrow camera with lines through an entrance pupil that moves, by up to 6 mm."""
+    """The narrow camera with lines through an entrance pupil that moves outwards and backwards, by
+    up to 6 mm: from the centre, what the edge sees looks as if it were outside."""
     grid = narrow.grid
     points = []
     for j in range(-1, grid.rows - 1):
@@ -370,7 +371,7 @@ def make_seen_lines(narrow: reference.Blob) -> reference.Blob:
             a = 1.6 * i / (grid.columns - 3) - 0.8
             b = 1.2 * j / (grid.rows - 3) - 0.6
             points.append(tuple(round(value * Q28) for value in (
-                0.001 + 0.002 * a - 0.001 * b, 0.003 * a * b - 0.0005, 0.006 * (a * a + b * b))))
+                0.0004 + 0.003 * a - 0.001 * b, 0.002 * b - 0.0003, -0.006 * (a * a + b * b))))
     return dataclasses.replace(narrow, line_points=tuple(points))
 
 

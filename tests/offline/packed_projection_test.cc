@@ -33,14 +33,15 @@ TEST(BlobCamera, ProjectsWhatItUnprojects) {
   ExpectRoundTrips(BlobCamera("fisheye", packed.blob), *file.camera);
 }
 
-// The fisheye, its entrance pupil moving forwards and sideways by millimetres.
+// The fisheye, its entrance pupil moving backwards and sideways by millimetres:
+// from the centre, what its edge sees looks as if it were outside.
 CameraFile FisheyeWithPupil() {
   const CentralGeneric lens = ExampleFisheye();
   const BSplineSurface& directions = lens.surface();
   std::vector<Eigen::Vector3d> points;
   for (const Eigen::Vector2d& chart : directions.points())
-    points.emplace_back(0.002 * chart.y(), 0.001 - 0.001 * chart.x(),
-                        0.003 * chart.squaredNorm());
+    points.emplace_back(0.002 * chart.x(), 0.001 - 0.001 * chart.x(),
+                        -0.002 * chart.squaredNorm());
   CameraFile file;
   file.camera = std::make_shared<NonCentralGeneric>(lens.image_size(),
                                                     directions, points);
