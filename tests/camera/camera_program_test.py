@@ -185,7 +185,7 @@ class CameraProgram(unittest.TestCase):
         for arguments in ((), ("flat.raygrid", "--nonsense"), ("flat.raygrid", "--frames"),
                           ("flat.raygrid", "--frames", "0"), ("flat.raygrid", "--frames", "1.5"),
                           ("flat.raygrid", "--size", "640"), ("flat.raygrid", "--size", "0x5"),
-                          ("flat.raygrid", "--http", "70000"), ("flat.raygrid", "--http", ":1"),
+                          ("flat.raygrid", "--http", "70000"), ("flat.raygrid", "--http-name", "x"), ("flat.raygrid", "--http", ":1"),
                           ("flat.raygrid", "--png"), ("flat.raygrid", "other.raygrid"),
                           ("flat.raygrid", "--from", "frames.yuyv"),
                           ("flat.raygrid", "--points", "-", "-o", "x"),
@@ -259,9 +259,19 @@ class CameraProgram(unittest.TestCase):
         connection.sendall(request)
         return connection
 
+    @staticmethod
+    def request(port, path):
+        return f"GET {path} HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n".encode()
+
+    def status(self, port, request):
+        """The status of the answer to a raw request; 0: there is none."""
+        with self.send(port, request) as connection, connection.makefile("rb") as stream:
+            answer = re.match(rb"HTTP/1\.[01] ([0-9]{3}) ", stream.readline())
+            return int(answer[1]) if answer else 0
+
     def pictures(self, port, path, count):
         """So many JPEGs of a stream."""
-        with self.send(port, f"GET {path} HTTP/1.1\r\nHost: x\r\n\r\n".encode()) as connection, \
+        with self.send(port, self.request(port, path)) as connection, \
                 connection.makefile("rb") as stream:
             self.assertIn(b"200", stream.readline())
             result = []
@@ -306,6 +316,66 @@ class CameraProgram(unittest.TestCase):
         raised.exception.close()
         self.assert_ends(process, 0, signal.SIGTERM)
 
+    def host_statuses(self, port, hosts):
+        return {host: self.status(port, f"GET / HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n"
+                                  "\r\n".encode("latin-1")) for host in hosts}
+
+    def test_requests_under_other_names_are_refused(self):
+        process, port = self.serve("--http-name", "cam.example", "--http-name", "far.example:99")
+        name = socket.gethostname()
+        own = ["localhost", "LocalHost", "127.0.0.1", "127.0.0.2", "[::1]", "[0:0:0:0:0:0:0:1]",
+               name, name + ".local", "cam.example"]
+        own = [f"{host}:{port}" for host in own] + ["cam.example", "far.example:99"]
+        for host, status in self.host_statuses(port, own).items():
+            self.assertEqual(status, 200, host)
+        other = ["evil.example", f"evil.example:{port}", "localhost", f"localhost:{port + 1}",
+                 f"localhost:{port}:{port}", f"localhost.evil.example:{port}",
+                 f"127.0.0.1.evil.example:{port}", f"127.1:{port}", f"128.0.0.1:{port}",
+                 f"::1:{port}", f"[::2]:{port}", f"[::1]x:{port}", f"[::1:{port}", f"x@localhost:{port}",
+                 f"localhost:{port}, evil.example", f"localhost :{port}", f"localhost:{port}x",
+                 "far.example", f"far.example:{port}", "cam.example:1", f":{port}", ":", "", "]",
+                 "\xff" * 1000]
+        for host, status in self.host_statuses(port, other).items():
+            self.assertIn(status, (400, 421), host)
+        for fields in (f"Host: localhost:{port}\r\nHost: evil.example\r\n",
+                       f"Host: evil.example\r\nHost: localhost:{port}\r\n", ""):
+            for version in ("1.0", "1.1"):
+                request = f"GET /before HTTP/{version}\r\n{fields}\r\n".encode()
+                self.assertIn(self.status(port, request), (400, 421), fields)
+        self.assert_ends(process, 0, signal.SIGTERM)
+
+    def test_nothing_may_follow_a_path(self):
+        process, port = self.serve()
+        for path in ("/before%00x", "/before%00", "/%00", "/after%00/../..", "/befor%65"):
+            self.assertEqual(self.status(port, self.request(port, path)), 404, path)
+        self.assert_ends(process, 0, signal.SIGTERM)
+
+    def test_clients_that_drip_do_not_hold_the_others_up(self):
+        process, port = self.serve()
+        dripping = [self.send(port, b"G") for _ in range(16)]
+        rest = iter(self.request(port, "/")[1:])
+        for _ in range(3):
+            byte = bytes([next(rest)])
+            for connection in dripping:
+                try:
+                    connection.sendall(byte)
+                except OSError:
+                    pass
+            start = time.monotonic()
+            self.assertIn("raygrid-camera", self.ask(port))
+            self.assertEqual(len(self.pictures(port, "/after", 2)), 2)
+            self.assertLess(time.monotonic() - start, 1)
+            time.sleep(1)
+        # Nor do those that take pictures so.
+        watching = [self.send(port, self.request(port, "/before")) for _ in range(16)]
+        for connection in watching:
+            connection.recv(1)
+        self.assertIn("raygrid-camera", self.ask(port))
+        self.assertEqual(self.status(port, self.request(port, "/before")), 503)
+        for connection in dripping + watching:
+            connection.close()
+        self.assert_ends(process, 0, signal.SIGTERM)
+
     def test_malformed_requests_do_no_harm(self):
         process, port = self.serve()
         requests = [b"\0" * 100, b"GET\r\n\r\n", b"GET / HTTP/9.9\r\n\r\n", b"\r\n" * 1000,
@@ -329,7 +399,7 @@ class CameraProgram(unittest.TestCase):
 
     def test_slow_and_many_clients_do_not_hold_the_others_up(self):
         process, port = self.serve()
-        request = b"GET /after HTTP/1.1\r\nHost: x\r\n\r\n"
+        request = self.request(port, "/after")
         # Never read from; more than are served.
         slow = [self.send(port, request) for _ in range(8)]
         self.assertGreater(len(set(self.pictures(port, "/before", 20))), 1)
@@ -345,7 +415,7 @@ class CameraProgram(unittest.TestCase):
 
     def test_clients_that_come_and_go(self):
         process, port = self.serve()
-        request = b"GET /before HTTP/1.1\r\nHost: x\r\n\r\n"
+        request = self.request(port, "/before")
 
         def come_and_go():
             for _ in range(20):

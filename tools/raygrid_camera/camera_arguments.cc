@@ -41,6 +41,8 @@ const char kCameraHelp[] =
     "                     given up for a newer one\n"
     "  --http [ADDRESS:]PORT  a page with frames before and after, at\n"
     "                     127.0.0.1 unless told otherwise\n"
+    "  --http-name NAME[:PORT]  a name besides the machine's own, and its\n"
+    "                     addresses', that the page may be asked for by\n"
     "  --points FILE      undistorts positions instead of pixels: lines x,y "
     "of\n"
     "                     FILE (- is standard input) to lines x,y,u,v on\n"
@@ -103,12 +105,12 @@ SensorCrop ParseCrop(const char* text) {
 void ParseHttp(const std::string& text, CameraArguments* arguments) {
   const size_t colon = text.rfind(':');
   if (colon != std::string::npos) {
-    arguments->http_address = text.substr(0, colon);
-    if (arguments->http_address.empty()) FailUsage("--http: no address");
+    arguments->http.number = text.substr(0, colon);
+    if (arguments->http.number.empty()) FailUsage("--http: no address");
   }
   const std::string port =
       colon == std::string::npos ? text : text.substr(colon + 1);
-  arguments->http_port =
+  arguments->http.port =
       static_cast<uint16_t>(ParseCount("--http", port.c_str(), 1, 65535));
 }
 
@@ -129,6 +131,7 @@ enum Option : int {
   kFrames,
   kEveryFrame,
   kHttp,
+  kHttpName,
   kPoints,
   kQuiet
 };
@@ -150,6 +153,7 @@ const option kOptions[] = {
     {"frames", required_argument, nullptr, kFrames},
     {"every-frame", no_argument, nullptr, kEveryFrame},
     {"http", required_argument, nullptr, kHttp},
+    {"http-name", required_argument, nullptr, kHttpName},
     {"points", required_argument, nullptr, kPoints},
     {"quiet", no_argument, nullptr, kQuiet},
     {nullptr, 0, nullptr, 0}};
@@ -192,6 +196,9 @@ void TakeOption(int which, CameraArguments* arguments) {
     case kHttp:
       ParseHttp(optarg, arguments);
       break;
+    case kHttpName:
+      arguments->http.more_names.push_back(optarg);
+      break;
     case kPoints:
       arguments->points = optarg;
       break;
@@ -220,8 +227,10 @@ void CheckTogether(const CameraArguments& arguments) {
   if (arguments.as_png && (arguments.output.empty() || arguments.output == "-"))
     FailUsage("--png: needs a folder, -o DIR");
   if (!arguments.points.empty() &&
-      (!arguments.output.empty() || arguments.http_port != 0))
+      (!arguments.output.empty() || arguments.http.port != 0))
     FailUsage("--points: instead of -o and --http");
+  if (!arguments.http.more_names.empty() && arguments.http.port == 0)
+    FailUsage("--http-name: needs --http");
   if (!arguments.recording.empty() && arguments.format.empty())
     FailUsage("--from: needs --format");
 }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "frame_source.h"
+#include "preview_server.h"
 
 namespace raygrid {
 
@@ -23,9 +24,8 @@ struct CameraArguments {
   bool every_frame = false;
   uint64_t num_frames = 0;  // 0: until it is stopped
   double timeout_s = 5;
-  std::string points;  // file; "-": standard input
-  std::string http_address = "127.0.0.1";
-  uint16_t http_port = 0;  // 0: no server
+  std::string points;   // file; "-": standard input
+  PreviewAddress http;  // port 0: no server
   bool is_list = false, is_help = false, is_quiet = false;
 };
 

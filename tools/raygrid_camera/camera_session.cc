@@ -41,12 +41,11 @@ std::unique_ptr<FrameOutput> MakeOutput(const CameraArguments& arguments,
 std::unique_ptr<PreviewServer> MakePreview(const CameraArguments& arguments,
                                            const StreamFormat& before,
                                            const StreamFormat& after) {
-  if (arguments.http_port == 0) return nullptr;
-  auto preview = std::make_unique<PreviewServer>(
-      arguments.http_address, arguments.http_port, before, after);
+  if (arguments.http.port == 0) return nullptr;
+  auto preview = std::make_unique<PreviewServer>(arguments.http, before, after);
   if (!arguments.is_quiet)
-    std::fprintf(stderr, "http://%s:%u/\n", arguments.http_address.c_str(),
-                 arguments.http_port);
+    std::fprintf(stderr, "http://%s:%u/\n", arguments.http.number.c_str(),
+                 arguments.http.port);
   return preview;
 }
 

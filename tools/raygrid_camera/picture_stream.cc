@@ -8,6 +8,8 @@
 namespace raygrid {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr size_t kPartHeader = 128;  // at most
 constexpr size_t kPiece = 64 * 1024;
 constexpr char kType[] = "multipart/x-mixed-replace; boundary=frame";
@@ -17,6 +19,7 @@ constexpr char kType[] = "multipart/x-mixed-replace; boundary=frame";
 struct PictureStream::Client {
   PictureStream* stream;
   MHD_Connection* connection;
+  Clock::time_point* since;
   std::vector<uint8_t> part;  // the one being sent
   size_t sent = 0;
   uint64_t number = 0;
@@ -53,10 +56,12 @@ void PictureStream::WakeAll() {
   waiting_.clear();
 }
 
-MHD_Result PictureStream::Answer(MHD_Connection* connection) {
+MHD_Result PictureStream::Answer(MHD_Connection* connection,
+                                 Clock::time_point* since) {
   auto client = std::make_unique<Client>();
   client->stream = this;
   client->connection = connection;
+  client->since = since;
   client->part.reserve(max_size_);
   MHD_Response* const response = MHD_create_response_from_callback(
       MHD_SIZE_UNKNOWN, kPiece, &PictureStream::ReadOf, client.get(),
@@ -93,12 +98,14 @@ ssize_t PictureStream::Read(Client* client, char* bytes, size_t size) {
     if (is_ended_) return MHD_CONTENT_READER_END_OF_STREAM;
     if (client->number == number_) {
       waiting_.push_back(client);
+      *client->since = Clock::time_point::max();
       MHD_suspend_connection(client->connection);
       return 0;
     }
     client->part = part_;
     client->number = number_;
     client->sent = 0;
+    *client->since = Clock::now();
   }
   const size_t piece = std::min(size, client->part.size() - client->sent);
   std::memcpy(bytes, client->part.data() + client->sent, piece);

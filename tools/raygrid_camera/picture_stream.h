@@ -4,6 +4,7 @@
 #include <microhttpd.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <mutex>
 #include <vector>
@@ -22,7 +23,12 @@ class PictureStream {
   bool has_clients() const { return num_clients_ > 0; }
 
   /// The endless answer to a request.
-  MHD_Result Answer(MHD_Connection* connection);
+  ///
+  /// since  when the picture that is being sent was begun; its end of time
+  /// while
+  ///        there is none
+  MHD_Result Answer(MHD_Connection* connection,
+                    std::chrono::steady_clock::time_point* since);
 
  private:
   struct Client;

@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <microhttpd.h>
 #include <netdb.h>
+#include <strings.h>
 
 #include <atomic>
 #include <cerrno>
@@ -13,6 +14,8 @@
 #include <vector>
 
 #include "camera_error.h"
+#include "client_places.h"
+#include "host_names.h"
 #include "jpeg_encoder.h"
 #include "picture_rows.h"
 #include "picture_stream.h"
@@ -21,7 +24,8 @@
 namespace raygrid {
 namespace {
 
-constexpr unsigned kMaxClients = 16;
+constexpr size_t kMaxClients = 16;         // that watch, and that ask
+constexpr unsigned kMaxConnections = 48;   // and some that are sent away
 constexpr size_t kMaxRequest = 16 * 1024;  // memory of a connection
 constexpr unsigned kTimeout_s = 10;
 
@@ -58,6 +62,11 @@ MHD_Result AnswerText(MHD_Connection* connection, unsigned status,
   const MHD_Result queued = MHD_queue_response(connection, status, response);
   MHD_destroy_response(response);
   return queued;
+}
+
+// Paths are compared as they came: what %00 stands for would end them.
+size_t KeepEscapes(void*, MHD_Connection*, char* text) {
+  return std::strlen(text);
 }
 
 // Rows of all planes to bytes without gaps.
@@ -97,7 +106,7 @@ struct View {
 
 class PreviewServer::Impl {
  public:
-  Impl(const std::string& address, uint16_t port, const StreamFormat& before,
+  Impl(const PreviewAddress& address, const StreamFormat& before,
        const StreamFormat& after);
   ~Impl();
   void OnFrame(const CapturedFrame& before, const UndistortedFrame& after);
@@ -109,9 +118,13 @@ class PreviewServer::Impl {
                              size_t* body_size, void** state);
   MHD_Result Answer(MHD_Connection* connection, const std::string& path,
                     const std::string& method);
+  MHD_Result AnswerPictures(MHD_Connection* connection, PictureStream* stream);
+  bool IsAskedByOwnName(MHD_Connection* connection) const;
   void Encode();
 
   View before_, after_;
+  ClientPlaces places_{kMaxClients};
+  std::unique_ptr<HostNames> names_;
   std::mutex mutex_;
   std::condition_variable changed_;
   bool is_full_ = false, is_stopped_ = false;  // the frames' copies
@@ -119,24 +132,28 @@ class PreviewServer::Impl {
   std::thread encoder_;
 };
 
-PreviewServer::Impl::Impl(const std::string& address, uint16_t port,
+PreviewServer::Impl::Impl(const PreviewAddress& address,
                           const StreamFormat& before, const StreamFormat& after)
     : before_(before), after_(after) {
-  const auto parsed = ParseAddress(address, port);
+  const auto parsed = ParseAddress(address.number, address.port);
+  names_ = std::make_unique<HostNames>(parsed->ai_addr, address.port,
+                                       address.more_names);
   unsigned flags =
       MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_POLL | MHD_ALLOW_SUSPEND_RESUME;
   if (parsed->ai_family == AF_INET6) flags |= MHD_USE_IPv6;
   daemon_ = MHD_start_daemon(
-      flags, port, nullptr, nullptr, &Impl::AnswerOf, this,
+      flags, address.port, nullptr, nullptr, &Impl::AnswerOf, this,
       MHD_OPTION_SOCK_ADDR, parsed->ai_addr, MHD_OPTION_CONNECTION_LIMIT,
-      kMaxClients, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kMaxRequest,
+      kMaxConnections, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kMaxRequest,
       MHD_OPTION_CONNECTION_TIMEOUT, kTimeout_s,
-      MHD_OPTION_LISTENING_ADDRESS_REUSE, 1u, MHD_OPTION_END);
+      MHD_OPTION_LISTENING_ADDRESS_REUSE, 1u, MHD_OPTION_NOTIFY_CONNECTION,
+      &ClientPlaces::OnConnection, &places_, MHD_OPTION_UNESCAPE_CALLBACK,
+      &KeepEscapes, nullptr, MHD_OPTION_END);
   if (!daemon_)
     throw CameraError(CameraExit::kOutput,
-                      "--http: " + address + ":" + std::to_string(port) +
-                          " cannot be served (" + std::strerror(errno) +
-                          "); choose another port");
+                      "--http: " + address.number + ":" +
+                          std::to_string(address.port) + " cannot be served (" +
+                          std::strerror(errno) + "); choose another port");
   encoder_ = std::thread(&Impl::Encode, this);
 }
 
@@ -189,15 +206,54 @@ MHD_Result PreviewServer::Impl::AnswerOf(void* server,
   return static_cast<Impl*>(server)->Answer(connection, path, method);
 }
 
+// Every field Host, and at least one, has a name of this server.
+bool PreviewServer::Impl::IsAskedByOwnName(MHD_Connection* connection) const {
+  struct Fields {
+    const HostNames* names;
+    sockaddr_storage reached;
+    bool is_asked, is_own;
+  } fields = {names_.get(), {}, false, true};
+  socklen_t size = sizeof(fields.reached);
+  getsockname(ClientPlaces::Of(connection)->socket,
+              reinterpret_cast<sockaddr*>(&fields.reached), &size);
+  MHD_get_connection_values_n(
+      connection, MHD_HEADER_KIND,
+      [](void* to, MHD_ValueKind, const char* key, size_t, const char* value,
+         size_t value_size) {
+        Fields* const found = static_cast<Fields*>(to);
+        if (strcasecmp(key, MHD_HTTP_HEADER_HOST) != 0) return MHD_YES;
+        found->is_asked = true;
+        found->is_own &= found->names->IsOwn(
+            std::string(value ? value : "", value_size),
+            reinterpret_cast<const sockaddr*>(&found->reached));
+        return MHD_YES;
+      },
+      &fields);
+  return fields.is_asked && fields.is_own;
+}
+
+MHD_Result PreviewServer::Impl::AnswerPictures(MHD_Connection* connection,
+                                               PictureStream* stream) {
+  ClientPlaces::Client* const client = ClientPlaces::Of(connection);
+  if (!places_.LetWatch(client))
+    return AnswerText(connection, MHD_HTTP_SERVICE_UNAVAILABLE, "text/plain",
+                      "others watch already; try again later\n");
+  return stream->Answer(connection, &client->since);
+}
+
 // Paths are compared, never opened; bodies are not read.
 MHD_Result PreviewServer::Impl::Answer(MHD_Connection* connection,
                                        const std::string& path,
                                        const std::string& method) {
+  if (!IsAskedByOwnName(connection))
+    return AnswerText(connection, MHD_HTTP_MISDIRECTED_REQUEST, "text/plain",
+                      "not this server's name; raygrid-camera --http-name "
+                      "NAME adds one\n");
   if (method != "GET")
     return AnswerText(connection, MHD_HTTP_METHOD_NOT_ALLOWED, "text/plain",
                       "only GET\n");
-  if (path == "/before") return before_.stream.Answer(connection);
-  if (path == "/after") return after_.stream.Answer(connection);
+  if (path == "/before") return AnswerPictures(connection, &before_.stream);
+  if (path == "/after") return AnswerPictures(connection, &after_.stream);
   if (path == "/")
     return AnswerText(connection, MHD_HTTP_OK, "text/html; charset=utf-8",
                       kPreviewPage);
@@ -205,10 +261,10 @@ MHD_Result PreviewServer::Impl::Answer(MHD_Connection* connection,
                     "there is /, /before and /after\n");
 }
 
-PreviewServer::PreviewServer(const std::string& address, uint16_t port,
+PreviewServer::PreviewServer(const PreviewAddress& address,
                              const StreamFormat& before,
                              const StreamFormat& after)
-    : impl_(std::make_unique<Impl>(address, port, before, after)) {}
+    : impl_(std::make_unique<Impl>(address, before, after)) {}
 
 PreviewServer::~PreviewServer() = default;
 
