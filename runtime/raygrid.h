@@ -280,7 +280,7 @@ typedef struct rg_image {
                                    ring_rows */
   struct {
     const uint8_t* data;
-    uint32_t stride; /* bytes from one row to the next */
+    uint32_t stride; /* bytes from one row to the next, less than 2^31 */
   } planes[3];
 } rg_image;
 
@@ -312,15 +312,16 @@ const rg_kernels* rg_find_kernels(const char* name);
  * where the format's rows come in pairs (NV12, YUV420, Bayer). */
 typedef struct rg_target {
   struct {
-    uint8_t* data; /* where first_row goes, or the chroma row of it */
-    uint32_t stride;
+    uint8_t* data;   /* where first_row goes, or the chroma row of it */
+    uint32_t stride; /* less than 2^31 */
   } planes[3];
   uint16_t first_row, num_rows;
   rg_border border;
   rg_sampling sampling;
-  uint16_t border_values[4]; /* of each channel: interleaved ones as they lie in
-                                memory; Y, first and second chroma; Bayer as in
-                                the top-left 2 x 2 pixels */
+  uint16_t border_values[4]; /* of each channel: RGB as it lies in memory; where
+                                there is chroma, packed or not, Y, then the
+                                chroma that comes first in memory, and the other
+                                one; Bayer as in the top-left 2 x 2 pixels */
   const rg_kernels* kernels; /* NULL: found anew by each call */
 } rg_target;
 
@@ -331,8 +332,9 @@ typedef struct rg_target {
  *
  * RG_ERR_NO_REMAP      no remap table is in use
  * RG_ERR_FORMAT        unknown format, border or sampling; clamping from a ring
- * RG_ERR_FRAME_SIZE    frame is not the camera's image, a stride is too small,
- *                      a size not a multiple of what the format wants
+ * RG_ERR_FRAME_SIZE    frame is not the camera's image, a stride is too small
+ *                      or 2^31 bytes or more, a size not a multiple of what the
+ *                      format wants
  * RG_ERR_MISALIGNED    16-bit samples at odd addresses
  * RG_ERR_ROWS          the band ends below the output, or cuts a pair of rows
  * RG_ERR_OVERLAP       a plane of the target lies in another plane
@@ -345,7 +347,9 @@ rg_status rg_remap(const rg_camera* camera, const rg_image* image,
  * not needed (a pair where rows come in pairs). *num_source is 0 for a band
  * without any source.
  *
- * RG_ERR_NO_REMAP, RG_ERR_FORMAT, RG_ERR_ROWS as above. */
+ * RG_ERR_NO_REMAP, RG_ERR_FORMAT, RG_ERR_ROWS as above; RG_ERR_FRAME_SIZE where
+ * the camera's image or the undistorted one has no such format, as its height
+ * is odd. */
 rg_status rg_remap_source_rows(const rg_camera* camera, rg_format format,
                                uint16_t first_row, uint16_t num_rows,
                                uint16_t* first_source, uint16_t* num_source);

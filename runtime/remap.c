@@ -326,10 +326,8 @@ static RG_NOINLINE rg_status check_frames(const rg_camera* camera,
       (uint32_t)target->sampling > RG_SAMPLING_NEAREST ||
       (target->border == RG_BORDER_CLAMP && image->ring_rows != 0))
     return RG_ERR_FORMAT;
-  const uint32_t heights = (uint32_t)image->height | image->ring_rows |
-                           rg_load_u16(camera->remap + 2);
   if (image->width != camera->width || image->height != camera->height ||
-      (heights & rg_row_pairs(image->format)) != 0)
+      (image->ring_rows & rg_row_pairs(image->format)) != 0)
     return RG_ERR_FRAME_SIZE;
   return check_planes(camera->remap, image, target);
 }

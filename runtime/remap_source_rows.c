@@ -84,10 +84,11 @@ rg_status rg_check_rows(const rg_camera* camera, rg_format format,
                         uint32_t first_row, uint32_t num_rows) {
   if (!camera->remap) return RG_ERR_NO_REMAP;
   if ((uint32_t)format >= RG_NUM_FORMATS) return RG_ERR_FORMAT;
-  return ((first_row | num_rows) & rg_row_pairs(format)) != 0 ||
-                 first_row + num_rows > rg_load_u16(camera->remap + 2)
-             ? RG_ERR_ROWS
-             : RG_OK;
+  const uint32_t pairs = rg_row_pairs(format);
+  const uint32_t height = rg_load_u16(camera->remap + 2);
+  if (((first_row | num_rows) & pairs) != 0 || first_row + num_rows > height)
+    return RG_ERR_ROWS;
+  return ((camera->height | height) & pairs) != 0 ? RG_ERR_FRAME_SIZE : RG_OK;
 }
 
 static RG_NOINLINE rg_status check_search(const row_search* search) {

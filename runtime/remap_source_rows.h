@@ -8,9 +8,10 @@
 extern "C" {
 #endif
 
-/* Whether the output has such rows.
+/* Whether the output has such rows, and the heights of source and output suit
+ * the format.
  *
- * RG_ERR_NO_REMAP, RG_ERR_FORMAT, RG_ERR_ROWS */
+ * RG_ERR_NO_REMAP, RG_ERR_FORMAT, RG_ERR_ROWS, RG_ERR_FRAME_SIZE */
 rg_status rg_check_rows(const rg_camera* camera, rg_format format,
                         uint32_t first_row, uint32_t num_rows);
 

@@ -281,7 +281,8 @@ class Camera:
     def undistort(self, frame, pixel_format="GREY8", border="value", border_values=(0, 0, 0, 0),
                   sampling="bilinear"):
         """The undistorted frame, as bytes: planes after each other, rows without gaps, as the
-        frame has them. Up to 4 border values, one of each channel."""
+        frame has them. Up to 4 border values, one of each channel; with chroma in any order: Y,
+        then the chroma that comes first in memory, and the other one."""
         number, bits, planes = _named(pixel_format, FORMATS)
         values = _border_values(border_values, bits)
         data = bytes(frame)

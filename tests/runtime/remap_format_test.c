@@ -273,6 +273,46 @@ static void rows_told_are_needed(void** state) {
   with_every_table(check_rows_told);
 }
 
+/* Channels of black frames, and whether what is border has their values. */
+static void check_border(rg_format format, uint32_t plane,
+                         const uint8_t channels[4]) {
+  const uint32_t bytes = row_bytes(format, plane, WIDTH);
+  const uint8_t* row = output[plane];
+  uint32_t found = 0;
+  for (uint32_t y = 0; y < rows_of(format, plane, HEIGHT); ++y) {
+    for (uint32_t i = 0; i < bytes; ++i) {
+      if (row[i] == 0) continue;
+      assert_int_equal(row[i], channels[i % 4]);
+      found |= 1u << (i % 4);
+    }
+    row += bytes + PADDING;
+  }
+  assert_int_equal(found, 15);
+}
+
+static void border_values_are_luma_first_and_second_chroma(void** state) {
+  (void)state;
+  static const struct {
+    rg_format format;
+    uint8_t channels[3][4]; /* of each plane's bytes */
+  } kCases[] = {{RG_FORMAT_YUYV, {{1, 2, 1, 3}}},
+                {RG_FORMAT_UYVY, {{2, 1, 3, 1}}},
+                {RG_FORMAT_NV12, {{1, 1, 1, 1}, {2, 3, 2, 3}}},
+                {RG_FORMAT_YUV420, {{1, 1, 1, 1}, {2, 2, 2, 2}, {3, 3, 3, 3}}}};
+  for (uint32_t k = 0; k < sizeof(kCases) / sizeof(kCases[0]); ++k) {
+    const rg_format format = kCases[k].format;
+    const rg_image image = make_image(format);
+    memset(source, 0, sizeof(source));
+    rg_target target = make_target(format, 0);
+    for (uint16_t c = 0; c < 4; ++c)
+      target.border_values[c] = (uint16_t)(c + 1);
+    assert_int_equal(rg_remap(&wide, &image, &target), RG_OK);
+    for (uint32_t plane = 0; plane < 3; ++plane)
+      if (row_bytes(format, plane, WIDTH) != 0)
+        check_border(format, plane, kCases[k].channels[plane]);
+  }
+}
+
 /* And not a byte of the target is touched. */
 static void check_refused(rg_image image, rg_target target,
                           rg_status expected) {
@@ -392,6 +432,7 @@ int main(void) {
       cmocka_unit_test(bands_make_the_frame),
       cmocka_unit_test(rings_of_the_rows_needed_make_the_frame),
       cmocka_unit_test(rows_told_are_needed),
+      cmocka_unit_test(border_values_are_luma_first_and_second_chroma),
       cmocka_unit_test(wrong_calls_are_refused),
       cmocka_unit_test(overlapping_planes_are_refused),
       cmocka_unit_test(odd_addresses_of_words_are_refused),

@@ -1,5 +1,4 @@
-/* A block whose inner rows' rounding leads farther out than that of its first
- * and last row. */
+/* Rows of the source that a band is told to need. */
 #include <string.h>
 
 #include "raygrid.h"
@@ -13,29 +12,33 @@ static uint32_t words[256];
 static uint16_t frame[SOURCE * SOURCE], other[SOURCE * SOURCE];
 static uint16_t out[OUTPUT * OUTPUT], other_out[OUTPUT * OUTPUT];
 
-/* One block of 32 x 32 pixels, as large in the source, from row 20 and a bit;
- * its right edge is 15 q12 lower, its lower edge 16, its last corner one
- * more. */
-static rg_status make_camera(int32_t y_q12, rg_camera* camera) {
+/* One block of 32 x 32 pixels, as wide in the source, of about one row; its
+ * right edge is 15 q12 lower, its lower edge 16, its last corner one more:
+ * inner rows' rounding leads farther out than that of its first and last row.
+ */
+static rg_status make_camera(uint16_t height, int32_t y_q12,
+                             rg_camera* camera) {
   static const char kNoText[RG_TEXT_SIZE] = {0};
   static const int32_t kControlPoints[2 * 4 * 4] = {0};
   static const uint8_t kNoEmptyBlocks[4] = {0};
   static const int16_t kResiduals[2 * 2 * 2] = {0, 0, 0, 0, 0, 0, 0, 1};
-  const rg_camera_section identity = {SOURCE, SOURCE, kNoText, kNoText};
+  const rg_camera_section identity = {SOURCE, height, kNoText, kNoText};
   rg_grid_section grid;
   memset(&grid, 0, sizeof(grid));
-  grid.x1_q16 = grid.y1_q16 = RG_PIXEL(SOURCE - 1);
+  grid.x1_q16 = RG_PIXEL(SOURCE - 1);
+  grid.y1_q16 = RG_PIXEL(height - 1);
   grid.columns = grid.rows = 4;
-  grid.scale_x_q32 = grid.scale_y_q32 =
-      rg_grid_scale_q32(1, RG_PIXEL(SOURCE - 1));
+  grid.scale_x_q32 = rg_grid_scale_q32(1, (uint32_t)grid.x1_q16);
+  grid.scale_y_q32 = rg_grid_scale_q32(1, (uint32_t)grid.y1_q16);
   rg_remap_section remap;
   memset(&remap, 0, sizeof(remap));
   remap.width = remap.height = OUTPUT;
   remap.columns = remap.rows = 2;
   remap.block_log2 = 5;
-  remap.max_x_q12 = remap.max_y_q12 = (SOURCE - 1) << 12;
+  remap.max_x_q12 = (SOURCE - 1) << 12;
+  remap.max_y_q12 = (height - 1) << 12;
   remap.origin_x_q12 = 2 << 12;
-  remap.origin_y_q12 = (20 << 12) + y_q12;
+  remap.origin_y_q12 = y_q12;
   remap.column_step_x_q12 = 32 << 12;
   remap.column_step_y_q12 = 15;
   remap.row_step_y_q12 = 16;
@@ -76,7 +79,7 @@ static void no_row_is_missing_however_positions_are_rounded(void** state) {
   for (int32_t y_q12 = -45; y_q12 <= 45; ++y_q12) {
     rg_camera camera;
     uint16_t first, num_rows;
-    assert_int_equal(make_camera(y_q12, &camera), RG_OK);
+    assert_int_equal(make_camera(SOURCE, (20 << 12) + y_q12, &camera), RG_OK);
     assert_int_equal(rg_remap_source_rows(&camera, RG_FORMAT_GREY16, 0, OUTPUT,
                                           &first, &num_rows),
                      RG_OK);
@@ -92,9 +95,29 @@ static void no_row_is_missing_however_positions_are_rounded(void** state) {
   }
 }
 
+/* Up to the last row of 41. */
+static void no_rows_are_told_that_no_frame_has(void** state) {
+  (void)state;
+  rg_camera camera;
+  assert_int_equal(make_camera(41, (39 << 12) + 100, &camera), RG_OK);
+  for (int format = 0; format < RG_NUM_FORMATS; ++format) {
+    uint16_t first = 77, num_rows = 77;
+    const rg_status status = rg_remap_source_rows(&camera, (rg_format)format, 0,
+                                                  OUTPUT, &first, &num_rows);
+    if (format < RG_FORMAT_NV12) {
+      assert_int_equal(status, RG_OK);
+      assert_int_equal(first + num_rows, 41);
+    } else {
+      assert_int_equal(status, RG_ERR_FRAME_SIZE);
+      assert_int_equal(first + num_rows, 2 * 77);
+    }
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(no_row_is_missing_however_positions_are_rounded),
+      cmocka_unit_test(no_rows_are_told_that_no_frame_has),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
