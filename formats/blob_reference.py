@@ -3,12 +3,13 @@
 
 Written from SPEC.md alone, for comparison with the implementation in C. Section names in the
 docstrings ("Header", "Central grid", ...) are those of SPEC.md. Everything is plain integers,
-except un-projection, which is in double precision.
+except "Meaning": un-projection in double precision, which the arithmetic of rays rounds.
 """
 
 import argparse
 import csv
 import dataclasses
+import functools
 import itertools
 import math
 import struct
@@ -150,15 +151,23 @@ class CentralGrid:
     fraction_bits: int = FRACTION_BITS  # fewer: a plane and residuals of 16 bits
     plane: tuple[int, ...] = ()  # origin, column step, row step: each a, b in q29
 
-    @property
+    @functools.cached_property
     def scale_x(self) -> int:
         """Central grid: scale_x, q32 cells per pixel."""
         return grid_scale(self.columns, self.x0, self.x1)
 
-    @property
+    @functools.cached_property
     def scale_y(self) -> int:
         """Central grid: scale_y, q32 cells per pixel."""
         return grid_scale(self.rows, self.y0, self.y1)
+
+    @functools.cached_property
+    def residuals(self) -> tuple[Pair, ...]:
+        """Central grid: what narrow control points have beyond their plane, as stored."""
+        shift = FRACTION_BITS - self.fraction_bits
+        return tuple((a - plane_a >> shift, b - plane_b >> shift)
+                     for (a, b), (plane_a, plane_b)
+                     in zip(self.control_points, plane_points(self, self.plane)))
 
 
 @dataclass(frozen=True)
@@ -691,7 +700,7 @@ def read_uncertainty(section: bytes, grid: CentralGrid) -> Uncertainty:
     return dataclasses.replace(found, values=values[:count])
 
 
-# Un-projection
+# Meaning
 
 
 def unproject(blob: Blob, x_px: float, y_px: float) -> tuple[float, float, float] | None:
@@ -755,6 +764,317 @@ def direction(a: float, b: float) -> tuple[float, float, float]:
     """Central grid, "Meaning": the inverse of the stereographic projection."""
     square = a * a + b * b
     return 2 * a / (1 + square), 2 * b / (1 + square), (1 - square) / (1 + square)
+
+
+# Arithmetic of rays
+
+
+Vector = tuple[int, int, int]
+
+SIXTH_Q31 = 357913941
+AREA_TOLERANCE = 128
+LAST_STEP = 1 << 10
+FIRST_STEP = 1 << 18
+SAME_LINE = 128
+LAST_CLOSENESS = 22
+POINT_MAX_BITS = 27
+
+
+def high(a: int, b: int) -> int:
+    """Arithmetic of rays: hi(a, b)."""
+    return a * b + (1 << 31) >> 32
+
+
+def leading_zeros(value: int) -> int:
+    """Arithmetic of rays: zeros(v)."""
+    return 32 - value.bit_length()
+
+
+class Place(NamedTuple):
+    """Arithmetic of rays, "Places": cell (i, j), fractions t and s, and the weights of columns
+    and of rows."""
+
+    i: int
+    j: int
+    t: int
+    s: int
+    across: tuple[int, int, int, int]
+    down: tuple[int, int, int, int]
+
+
+def find_place(grid: CentralGrid, x: int, y: int) -> Place | None:
+    """Arithmetic of rays, "Places": None outside."""
+    if not (grid.x0 <= x <= grid.x1 and grid.y0 <= y <= grid.y1):
+        return None
+    i, t = cell_of((x - grid.x0) * grid.scale_x, grid.columns)
+    j, s = cell_of((y - grid.y0) * grid.scale_y, grid.rows)
+    return Place(i, j, t, s, weights_q31(t), weights_q31(s))
+
+
+def cell_of(cells_q48: int, count: int) -> Pair:
+    """Arithmetic of rays, "Places": cell and fraction in q30."""
+    cell = min(cells_q48 >> 48, count - 4)
+    return cell, cells_q48 - (cell << 48) >> 18
+
+
+def weights_q31(t: int) -> tuple[int, int, int, int]:
+    """Arithmetic of rays, "Places": W_0 to W_3."""
+    square = 4 * high(t, t)
+    cube = high(square, t)
+    even = SIXTH_Q31 + square
+    w3 = cube + high(cube, 4 * SIXTH_Q31)
+    w2 = even - 4 * cube + t
+    return even - t - w3, (1 << 31) - (even - t) - w2, w2, w3
+
+
+def spline_sum(points: tuple, columns: int, place: Place) -> tuple[int, ...]:
+    """Arithmetic of rays, "Values": of wide control points, or points of lines."""
+    sums = [0] * len(points[0])
+    first = place.j * columns + place.i
+    for weight_down in place.down:
+        row = points[first:first + 4]
+        for c in range(len(sums)):
+            sums[c] += high(sum(high(point[c], weight)
+                                for point, weight in zip(row, place.across)), weight_down)
+        first += columns
+    return tuple(fit(value, 32) for value in sums)
+
+
+def value_at(grid: CentralGrid, place: Place) -> tuple[int, ...]:
+    """Arithmetic of rays, "Values": both coordinates, in 2 bits less than the control points."""
+    if grid.fraction_bits == FRACTION_BITS:
+        return spline_sum(grid.control_points, grid.columns, place)
+    result = []
+    for c in (0, 1):
+        total = 1 << grid.fraction_bits - 14
+        first = place.j * grid.columns + place.i
+        for weight_down in place.down:
+            row = grid.residuals[first:first + 4]
+            total += high(sum(weight * point[c] >> 16
+                              for point, weight in zip(row, place.across)), weight_down)
+            first += grid.columns
+        result.append(fit(plane_value(grid, place, c) + (fit(total, 32) >> grid.fraction_bits - 13),
+                          32))
+    return tuple(result)
+
+
+def plane_value(grid: CentralGrid, place: Place, c: int) -> int:
+    """Arithmetic of rays, "Values": the plane of narrow control points."""
+    origin, column_step, row_step = grid.plane[c], grid.plane[2 + c], grid.plane[4 + c]
+    corner = fit(origin + (place.i + 1) * column_step + (place.j + 1) * row_step, 32)
+    return (corner + 2 >> 2) + high(column_step, place.t) + high(row_step, place.s)
+
+
+def reciprocal(d: int) -> int:
+    """Arithmetic of rays: 1 / d in q29, d in q31 from 1/2 to 1."""
+    r = 1515870810 - high(d, 2021161080)
+    for _ in range(3):
+        excess = fit(16 * high(d, r) - (1 << 32), 32)
+        r += (1 << 31) - r * excess >> 32
+    return r
+
+
+def inverse_root(u: int) -> int:
+    """Arithmetic of rays: 1 / sqrt(u) in q29, u in q31 from 1/4 to 1."""
+    r = 1433893831 - 2 * high(u, 1763812404 - high(u, 1759398850))
+    for _ in range(3):
+        r += high(r, fit((1 << 31) - 16 * high(u, 4 * high(r, r)), 32))
+    return r
+
+
+def chart_direction(a_q27: int, b_q27: int) -> Vector:
+    """Arithmetic of rays, "Directions": q30."""
+    a, b = 4 * a_q27, 4 * b_q27
+    total = (1 << 26) + high(a, a) + high(b, b)
+    zeros = leading_zeros(total)
+    r = reciprocal((total << zeros) >> 1) >> 5 - zeros
+    return 16 * high(a, r), 16 * high(b, r), 2 * r - (1 << 30)
+
+
+def unproject_q16(blob: Blob, x: int, y: int) -> Vector | None:
+    """Arithmetic of rays, "Directions": of a pixel in q16, in q30; None outside the area."""
+    place = find_place(blob.grid, x, y)
+    return None if place is None else chart_direction(*value_at(blob.grid, place))
+
+
+def unproject_line_q16(blob: Blob, x: int, y: int) -> tuple[Vector, Vector] | None:
+    """Arithmetic of rays, "Directions": the point in q28 m and the direction in q30 of a pixel's
+    line; the point is 0 without line points."""
+    place = find_place(blob.grid, x, y)
+    if place is None:
+        return None
+    point = (0, 0, 0)
+    if blob.line_points is not None:
+        point = tuple(fit(4 * value, 32)
+                      for value in spline_sum(blob.line_points, blob.grid.columns, place))
+    return point, chart_direction(*value_at(blob.grid, place))
+
+
+def bits_of(vector: Vector) -> int:
+    """Arithmetic of rays: bits(x) | bits(y) | bits(z)."""
+    x, y, z = (value ^ value >> 31 for value in vector)
+    return x | y | z
+
+
+def chart_of_direction(direction_q: Vector, cos_limit: int) -> Pair | None:
+    """Arithmetic of rays, "Chart positions": q27; None for directions that are not seen."""
+    if not any(direction_q):
+        return None
+    shift = leading_zeros(bits_of(direction_q) | 1) - 1
+    x, y, z = ((value << shift) >> 1 for value in direction_q)
+    z_square = high(z, z)
+    square = z_square + high(x, x) + high(y, y)
+    if (-z_square if z < 0 else z_square) < 2 * high(cos_limit, 2 * square):
+        return None
+    length = square_root(square)
+    total = length + (z >> 1)
+    if total <= length >> 3:
+        return None
+    zeros = leading_zeros(total)
+    r = reciprocal((total << zeros) >> 1)
+    return tuple(fit(high(value, r) << zeros - 1, 32) >> 2 for value in (x, y))
+
+
+def square_root(square_q28: int) -> int:
+    """Arithmetic of rays, "Chart positions": q29."""
+    u, shift = 2 * square_q28, 2
+    if u < 1 << 29:
+        u, shift = 4 * u, 1
+    return high(u, inverse_root(u)) << shift
+
+
+def slopes_at(grid: CentralGrid, place: Place) -> tuple[Pair, Pair]:
+    """Arithmetic of rays, "Projection": how x and y of an inverse grid change along a, then
+    along b, in q5 px."""
+    x, y = place.t >> 23, place.s >> 23
+    shift = grid.fraction_bits - NARROW_FRACTION_BITS.start
+
+    def residual(n: int, m: int, c: int) -> int:
+        return grid.residuals[(place.j + m) * grid.columns + place.i + n][c]
+
+    def across(n: int, m: int, c: int) -> int:
+        return residual(n + 2, m, c) - residual(n, m, c)
+
+    def down(n: int, m: int, c: int) -> int:
+        return residual(n, m + 2, c) - residual(n, m, c)
+
+    def blend(first: int, second: int, t: int) -> int:
+        return fit(128 * first + t * (second - first), 32)
+
+    result = []
+    for difference, (n, m), step, scale in ((across, (0, 1), 2, grid.scale_x),
+                                            (down, (1, 0), 4, grid.scale_y)):
+        result.append(tuple(
+            high(grid.plane[step + c] + (blend(
+                blend(difference(n, m, c), difference(n + 1, m, c), x),
+                blend(difference(n, m + 1, c), difference(n + 1, m + 1, c), x), y) >> shift),
+                 scale >> 1) for c in (0, 1)))
+    return result[0], result[1]
+
+
+def move_inside(grid: CentralGrid, pixel: Pair, tolerance: int) -> Pair | None:
+    """Arithmetic of rays, "Projection": into the area; None from farther outside."""
+    x, y = pixel
+    inside = min(max(x, grid.x0), grid.x1), min(max(y, grid.y0), grid.y1)
+    return inside if max(abs(x - inside[0]), abs(y - inside[1])) <= tolerance else None
+
+
+def project_q16(blob: Blob, direction_q: Vector) -> Pair | None:
+    """Arithmetic of rays, "Projection": the pixel, in q16, that looks along a direction; None if
+    there is none."""
+    if blob.inverse is None:
+        raise BlobError("RG_ERR_NO_INVERSE", "the blob has no inverse grid")
+    target = chart_of_direction(direction_q, blob.inverse.cos_limit)
+    place = None if target is None else find_place(blob.inverse.grid, *target)
+    if place is None:
+        return None
+    x, y = (2 * value for value in value_at(blob.inverse.grid, place))
+    return solve(blob.grid, target, (x, y), slopes_at(blob.inverse.grid, place))
+
+
+def solve(grid: CentralGrid, target: Pair, start: Pair, slopes: tuple[Pair, Pair]) -> Pair | None:
+    """Arithmetic of rays, "Projection": Newton's method."""
+    limit = FIRST_STEP
+    pixel = move_inside(grid, start, limit)
+    while pixel is not None and limit >= LAST_STEP:
+        a, b = value_at(grid, find_place(grid, *pixel))
+        rest_a, rest_b = target[0] - a, target[1] - b
+        steps = [slopes[0][c] * rest_a + slopes[1][c] * rest_b + (1 << 15) >> 16 for c in (0, 1)]
+        size = abs(steps[0]) | abs(steps[1])
+        if size > limit:
+            return None
+        limit = AREA_TOLERANCE if size < LAST_STEP else limit >> 2
+        pixel = move_inside(grid, (pixel[0] + steps[0], pixel[1] + steps[1]), limit)
+    return pixel if limit == AREA_TOLERANCE else None
+
+
+def project_point_q16(blob: Blob, point: Vector, fraction_bits: int) -> Pair | None:
+    """Arithmetic of rays, "Points": the pixel, in q16, that sees a point; None if there is none."""
+    require(0 <= fraction_bits <= POINT_MAX_BITS, "RG_ERR_ARGUMENT",
+            f"a point has {fraction_bits} fraction bits")
+    if blob.line_points is None:
+        return project_q16(blob, point)
+    seen, last = point, None
+    for closeness in range(0, LAST_CLOSENESS + 1, 2):
+        found = project_q16(blob, seen)
+        if found is not None and (closeness == LAST_CLOSENESS or are_near(found, last)):
+            return found
+        if found is None:
+            pulled = wrap32(seen[2] + (bits_of(seen) >> closeness))
+            found = project_q16(blob, (seen[0], seen[1], pulled))
+            if found is None:
+                return None
+        last = found
+        seen = look_from(unproject_line_q16(blob, *found), point, LINE_POINT_BITS - fraction_bits)
+    return None
+
+
+def are_near(pixel: Pair, last: Pair | None) -> bool:
+    """Arithmetic of rays, "Points": whether two pixels have the same line."""
+    return last is not None and all(-SAME_LINE <= here - there < SAME_LINE
+                                    for here, there in zip(pixel, last))
+
+
+def look_from(line: tuple[Vector, Vector], point: Vector, shift: int) -> Vector:
+    """Arithmetic of rays, "Points": the direction of a point from where a line is nearest to the
+    camera's centre."""
+    origin, ray = line
+    along = wrap32(4 * sum(high(o, d) for o, d in zip(origin, ray)))
+    return tuple(wrap32(p - (wrap32(o - 4 * high(along, d)) >> shift))
+                 for p, o, d in zip(point, origin, ray))
+
+
+# Trust
+
+
+def is_valid_q16(blob: Blob, x: int, y: int) -> bool:
+    """Validity mask: whether a pixel in q16 is valid."""
+    grid, mask = blob.grid, blob.mask
+    if not (grid.x0 <= x <= grid.x1 and grid.y0 <= y <= grid.y1):
+        return False
+    if mask is None:
+        return True
+    shift = 16 + mask.cell_log2
+    column = min(x + HALF_PIXEL_Q16 >> shift, mask.columns - 1)
+    row = min(y + HALF_PIXEL_Q16 >> shift, mask.rows - 1)
+    return mask.bits[row * mask.columns + column]
+
+
+def uncertainty_q12(blob: Blob, x: int, y: int) -> int | None:
+    """Uncertainty: at a pixel in q16, in q12 px; None where it is not known, and outside the
+    area."""
+    grid, found = blob.grid, blob.uncertainty
+    if found is None or not (grid.x0 <= x <= grid.x1 and grid.y0 <= y <= grid.y1):
+        return None
+    scale_x, scale_y = found.scales(grid)
+    i, t = cell_of((x - grid.x0) * scale_x, found.columns + 2)
+    j, s = cell_of((y - grid.y0) * scale_y, found.rows + 2)
+    first = j * found.columns + i
+    rows = [found.values[start:start + 2] for start in (first, first + found.columns)]
+    if UNKNOWN_UNCERTAINTY in rows[0] + rows[1]:
+        return None
+    above, below = (256 * left + (t >> 22) * (right - left) for left, right in rows)
+    return 256 * above + (s >> 22) * (below - above) + (1 << 15) >> 16
 
 
 # Remapping
@@ -1095,11 +1415,7 @@ def pack_grid(grid: CentralGrid) -> bytes:
 
 def pack_narrow_points(grid: CentralGrid) -> bytes:
     """Central grid: a plane and residuals of 16 bits."""
-    residuals = (tuple((value - base) >> FRACTION_BITS - grid.fraction_bits
-                       for value, base in zip(point, plane_point))
-                 for point, plane_point in zip(grid.control_points,
-                                               plane_points(grid, grid.plane)))
-    return PLANE.pack(*grid.plane) + pack_pairs("<hh", residuals)
+    return PLANE.pack(*grid.plane) + pack_pairs("<hh", grid.residuals)
 
 
 def pack_remap(remap: Remap) -> bytes:
@@ -1238,25 +1554,46 @@ def run_check(arguments: argparse.Namespace) -> int:
     return result
 
 
-def csv_pixels(lines: Iterable[str]) -> Iterator[tuple[float, float]]:
-    """Text files: the columns x and y of a CSV; `#` starts a comment."""
-    contents = (line.partition("#")[0].strip() for line in lines)
-    reader = csv.DictReader(line for line in contents if line)
-    for row in reader:
+def csv_rows(lines: Iterable[str], columns: tuple[str, ...], kind: type) -> Iterator[tuple]:
+    """Text files: numbers of some columns of a CSV without quotes."""
+    contents = (line.strip() for line in lines if not line.startswith("#"))
+    for row in csv.DictReader(line for line in contents if line):
         try:
-            yield float(row["x"]), float(row["y"])
+            yield tuple(kind(row[column]) for column in columns)
         except (KeyError, TypeError) as error:
-            raise ValueError("the CSV needs the columns x and y") from error
+            raise ValueError(f"the CSV needs the columns {', '.join(columns)}") from error
 
 
 def run_unproject(arguments: argparse.Namespace) -> int:
     """Print the direction of each pixel that standard input lists."""
     blob = parse(arguments.file.read_bytes())
+    if arguments.bits:
+        return print_lines(blob)
     print("x,y,dx,dy,dz")
-    for x, y in csv_pixels(sys.stdin):
+    for x, y in csv_rows(sys.stdin, ("x", "y"), float):
         ray = unproject(blob, x, y)
         tail = ["", "", ""] if ray is None else [f"{value:.17g}" for value in ray]
         print(",".join([f"{x:.17g}", f"{y:.17g}", *tail]))
+    return 0
+
+
+def print_lines(blob: Blob) -> int:
+    """Print the line of each pixel in q16 that standard input lists, in the runtime's bits."""
+    print("x_q16,y_q16,dx_q30,dy_q30,dz_q30,ox_q28,oy_q28,oz_q28")
+    for x, y in csv_rows(sys.stdin, ("x_q16", "y_q16"), int):
+        line = unproject_line_q16(blob, x, y)
+        tail = [""] * 6 if line is None else [*line[1], *line[0]]
+        print(",".join(map(str, [x, y, *tail])))
+    return 0
+
+
+def run_project(arguments: argparse.Namespace) -> int:
+    """Print the pixel of each direction or point that standard input lists."""
+    blob = parse(arguments.file.read_bytes())
+    print("x,y,z,x_q16,y_q16")
+    for point in csv_rows(sys.stdin, ("x", "y", "z"), int):
+        pixel = project_point_q16(blob, point, arguments.fraction_bits)
+        print(",".join(map(str, [*point, *(pixel or ("", ""))])))
     return 0
 
 
@@ -1276,6 +1613,7 @@ def build_parser() -> argparse.ArgumentParser:
             ("inspect", run_inspect, "print the fields"),
             ("check", run_check, "print a status for each file; exit 8 if one is refused"),
             ("unproject", run_unproject, "directions of the pixels of a CSV on standard input"),
+            ("project", run_project, "pixels of the directions of a CSV on standard input"),
             ("remap", run_remap, "remap a frame of width * height bytes"),
             ("hexdump", run_hexdump, "print the bytes")):
         command = commands.add_parser(name, help=summary, description=summary)
@@ -1290,6 +1628,12 @@ def add_arguments(command: argparse.ArgumentParser, name: str) -> None:
         command.add_argument("files", type=Path, nargs="+", metavar="FILE")
         return
     command.add_argument("file", type=Path, metavar="FILE")
+    if name == "unproject":
+        command.add_argument("--bits", action="store_true",
+                             help="columns x_q16, y_q16: lines in the runtime's bits")
+    if name == "project":
+        command.add_argument("--fraction-bits", type=int, default=0, metavar="N",
+                             help="points are in metres times 2^N, directions any")
     if name == "remap":
         command.add_argument("input", type=Path, metavar="IN.raw")
         command.add_argument("output", type=Path, metavar="OUT.raw")
