@@ -10,7 +10,7 @@ import unittest
 import blob_reference as reference
 import make_golden
 
-COUNT = int(os.environ.get("RAYGRID_REFERENCE_COUNT", "10000"))  # pixels, and as many points
+COUNT = int(os.environ.get("RAYGRID_REFERENCE_COUNT", "10000"))  # or more: pixels, points
 NONE = -2**31
 LARGEST = 2**31 - 1
 
@@ -261,7 +261,8 @@ class ReferenceBits(unittest.TestCase):
 
     def test_trust(self):
         wide = self.blobs["wide"]
-        edge = dataclasses.replace(wide.grid, x1=(320 << 16) - (1 << 15), y1=(240 << 16) - (1 << 15))
+        edge = dataclasses.replace(wide.grid, x1=(320 << 16) - (1 << 15),
+                                   y1=(240 << 16) - (1 << 15))
         blobs = {"wide": wide, "to the edge": dataclasses.replace(wide, grid=edge),
                  "lens": self.blobs["lens"]}
         found = self.compare(blobs, self.pixels, lambda camera, pixel: (
