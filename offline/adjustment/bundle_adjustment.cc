@@ -213,9 +213,10 @@ constexpr double kFewDetermined = 0.02;  // part of a group
 class WeightUpdate {
  public:
   // The variance of the group's parameters is taken for no smaller than
-  // smallest_variance. Returns how much the weight's logarithm changed.
+  // smallest_variance, the weight for no smaller than least_weight. Returns how
+  // much the weight's logarithm changed.
   double Update(const GroupEvidence& group, double residual_variance,
-                double smallest_variance, double* weight) {
+                double smallest_variance, double least_weight, double* weight) {
     const double variance =
         std::max(group.squared_distance / group.determined, smallest_variance);
     double change = std::log(residual_variance / variance / *weight);
@@ -226,8 +227,9 @@ class WeightUpdate {
       change /= 1 - factor;
       last_change_ = 0;
     }
-    *weight *= std::exp(change);
-    return std::abs(change);
+    const double before = *weight;
+    *weight = std::max(before * std::exp(change), least_weight);
+    return std::abs(std::log(*weight / before));
   }
 
  private:
@@ -306,9 +308,11 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
 
     double change = 0;
     for (size_t g = 0; g < groups.size(); ++g)
-      change = std::max(change, updates[g].Update(evidence[g], variance,
-                                                  kNegligiblePx * kNegligiblePx,
-                                                  &groups[g].group->weight));
+      change = std::max(change,
+                        updates[g].Update(evidence[g], variance,
+                                          kNegligiblePx * kNegligiblePx,
+                                          groups[g].group->firmness * variance,
+                                          &groups[g].group->weight));
     if (!fixed.fix_points &&
         points.determined < kFewDetermined * points.count) {
       // The board is as nominal as these observations can tell.
@@ -322,7 +326,7 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
           std::max(change, updates.back().Update(points, variance,
                                                  kNegligiblePx * kNegligiblePx *
                                                      square_metres_per_pixel,
-                                                 &prior->points_weight));
+                                                 0, &prior->points_weight));
     if (change < kStableChange && decrease < kStableCost) break;
   }
   AdjustmentSummary summary =

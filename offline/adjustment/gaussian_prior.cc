@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "camera/central_radial.h"
+#include "camera/decentring.h"
 #include "camera/noncentral_generic.h"
 #include "camera/opencv.h"
 #include "camera/stereographic.h"
@@ -248,17 +249,6 @@ struct Coefficient {
   int order;  // of the displacement in the radius
 };
 
-// The farthest corner's distance from the centre, in focal lengths.
-double CornerRadius(const Area& area, const Eigen::Vector2d& center,
-                    double focal_px) {
-  double radius = 0;
-  for (const double x : {area.x0, area.x1})
-    for (const double y : {area.y0, area.y1})
-      radius =
-          std::max(radius, (Eigen::Vector2d(x, y) - center).norm() / focal_px);
-  return radius;
-}
-
 PriorGroup CoefficientGroup(const std::vector<Coefficient>& coefficients,
                             double focal_px, double radius,
                             int num_parameters) {
@@ -270,6 +260,36 @@ PriorGroup CoefficientGroup(const std::vector<Coefficient>& coefficients,
     group.precision.insert(coefficient.parameter, coefficient.parameter) =
         moved_px * moved_px;
   }
+  return group;
+}
+
+// The polynomials' coefficients, and the order of each.
+std::vector<Coefficient> RadialCoefficients(const ParametricModel& lens) {
+  std::vector<Coefficient> coefficients;
+  if (dynamic_cast<const ThinPrismFisheye*>(&lens)) {
+    for (int k = 0; k < 4; ++k)
+      coefficients.push_back({ThinPrismFisheye::kK1 + k, 2 * k + 3});
+  } else {
+    for (int k = 0; k < 3; ++k) {
+      coefficients.push_back({OpenCvModel::kK1 + k, 2 * k + 3});
+      coefficients.push_back({OpenCvModel::kK4 + k, 2 * k + 3});
+    }
+  }
+  return coefficients;
+}
+
+PriorGroup DecentringGroup(const ParametricModel& lens, const Area& area,
+                           int num_features) {
+  const Eigen::VectorXd pixels = DecentringPixels(lens, area);
+  PriorGroup group;
+  group.precision.resize(pixels.size(), pixels.size());
+  for (Eigen::Index k = 0; k < pixels.size(); ++k) {
+    if (pixels[k] == 0) continue;
+    group.precision.insert(k, k) = pixels[k] * pixels[k];
+    ++group.rank;
+  }
+  // An error has two coordinates.
+  group.firmness = 2.0 * num_features * kDecentringPart * kDecentringPart;
   return group;
 }
 
@@ -301,42 +321,25 @@ PriorGroup RadialGroup(const CentralRadial& lens) {
 
 }  // namespace
 
-CameraPrior DistortionPrior(const ParametricModel& lens, const Area& area) {
+CameraPrior DistortionPrior(const ParametricModel& lens, const Area& area,
+                            int num_features) {
   const Eigen::VectorXd parameters = lens.Parameters();
   const int num_parameters = lens.NumParameters();
   CameraPrior prior;
   prior.mean = Eigen::VectorXd::Zero(num_parameters);
   prior.orientation = Eigen::MatrixXd::Zero(num_parameters, 0);
 
-  int first = 0;  // of the parameters that act everywhere
-  std::vector<Coefficient> coefficients;
+  const int first = FirstCommonParameter(lens);
+  const double focal_px = parameters[first];
+  const double radius = CornerRadius(lens, area);
   if (const auto* radial = dynamic_cast<const CentralRadial*>(&lens)) {
-    using Lens = CentralRadial;
-    first = static_cast<int>(radial->spline().size());
     prior.mean.head(first) = parameters.head(first);
     prior.groups.push_back(RadialGroup(*radial));
-    for (const int k : {Lens::kP1, Lens::kP2, Lens::kSx1, Lens::kSy1})
-      coefficients.push_back({first + k, 2});
-  } else if (dynamic_cast<const ThinPrismFisheye*>(&lens)) {
-    using Lens = ThinPrismFisheye;
-    for (int k = 0; k < 4; ++k)
-      coefficients.push_back({Lens::kK1 + k, 2 * k + 3});
-    for (const int k : {Lens::kP1, Lens::kP2, Lens::kSx1, Lens::kSy1})
-      coefficients.push_back({k, 2});
   } else {
-    using Lens = OpenCvModel;
-    for (int k = 0; k < 3; ++k) {
-      coefficients.push_back({Lens::kK1 + k, 2 * k + 3});
-      coefficients.push_back({Lens::kK4 + k, 2 * k + 3});
-    }
-    for (const int k : {Lens::kP1, Lens::kP2}) coefficients.push_back({k, 2});
+    prior.groups.push_back(CoefficientGroup(RadialCoefficients(lens), focal_px,
+                                            radius, num_parameters));
   }
-  // All models begin with fx, fy, cx, cy.
-  const double focal_px = parameters[first];
-  const double radius =
-      CornerRadius(area, parameters.segment<2>(first + 2), focal_px);
-  prior.groups.push_back(
-      CoefficientGroup(coefficients, focal_px, radius, num_parameters));
+  prior.groups.push_back(DecentringGroup(lens, area, num_features));
   return prior;
 }
 

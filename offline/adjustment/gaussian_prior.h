@@ -20,6 +20,9 @@ struct PriorGroup {
   Eigen::SparseMatrix<double> precision;  ///< K, over all parameters
   int rank = 0;                           ///< of K, less the free directions
   double weight = 0;
+  /// The weight is at least so many of the residuals' variance, however far the
+  /// parameters depart.
+  double firmness = 0;
   Eigen::MatrixXd free;   ///< D; may have no columns
   Eigen::MatrixXd freed;  ///< R
 
@@ -85,8 +88,11 @@ CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m);
 /// corner of an area by: high orders that the observations say little about
 /// stay small, where they would otherwise fold the image beyond the outermost
 /// features. Focal lengths and centre are free. A radial spline scatters
-/// smoothly around where it is, as a group of its own.
-CameraPrior DistortionPrior(const ParametricModel& lens, const Area& area);
+/// smoothly around where it is, as a group of its own. So do the terms that
+/// tilt the lens, whose weight is at least what camera/decentring.h asks for
+/// with so many features.
+CameraPrior DistortionPrior(const ParametricModel& lens, const Area& area,
+                            int num_features);
 
 }  // namespace raygrid
 

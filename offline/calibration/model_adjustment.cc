@@ -63,6 +63,13 @@ void GoOn(const Checkpoint::Adjustment& from, GaussianPrior* prior,
   prior->points_weight = from.points_weight;
 }
 
+int NumFeatures(const CalibrationProblem& problem, int camera) {
+  size_t count = 0;
+  for (const View& view : problem.views)
+    if (view.camera == camera) count += view.observations.size();
+  return static_cast<int>(count);
+}
+
 // Parametric cameras from where the state is.
 AdjustmentSummary AdjustLenses(const CalibrationProblem& problem,
                                const AdjustmentOptions& options,
@@ -71,7 +78,8 @@ AdjustmentSummary AdjustLenses(const CalibrationProblem& problem,
   for (size_t c = 0; c < state->cameras.size(); ++c)
     prior->cameras.push_back(DistortionPrior(
         dynamic_cast<const ParametricModel&>(*state->cameras[c]),
-        FeatureArea(problem, static_cast<int>(c))));
+        FeatureArea(problem, static_cast<int>(c)),
+        NumFeatures(problem, static_cast<int>(c))));
   return AdjustInTwoSteps(problem, options, prior, state);
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "camera/central_radial.h"
+#include "camera/decentring.h"
 #include "camera/opencv.h"
 #include "camera/pose.h"
 #include "camera/thin_prism_fisheye.h"
@@ -36,19 +37,42 @@ std::vector<Sample> SampleRays(const CameraModel& camera, const Area& area) {
   return samples;
 }
 
-// Where the camera looks straight ahead, and its focal length there; as far as
-// it does, or else from the samples' spread.
+// The rotation after which the middle of the area looks straight ahead and its
+// row of pixels along x: a start that does not depend on the camera's own
+// frame.
+Eigen::Quaterniond LevelFromCamera(const CameraModel& camera,
+                                   const Area& area) {
+  constexpr double kStepPart = 0.05;
+  const Eigen::Vector2d step(kStepPart * area.width(), 0);
+  const auto middle = camera.Unproject(area.center());
+  const auto right = camera.Unproject(area.center() + step);
+  if (!middle || !right) return Eigen::Quaterniond::Identity();
+  Eigen::Matrix3d level_from_camera;
+  level_from_camera.row(2) = middle->transpose();
+  level_from_camera.row(0) =
+      (*right - middle->dot(*right) * *middle).normalized().transpose();
+  level_from_camera.row(1) =
+      level_from_camera.row(2).cross(level_from_camera.row(0));
+  return Eigen::Quaterniond(level_from_camera);
+}
+
+// Where the camera, turned so, looks straight ahead, and its focal length
+// there; as far as it does, or else from the samples' spread.
 struct Center {
   Eigen::Vector2d pixel;
   double focal_px;
 };
 
-Center CenterOf(const CameraModel& camera, const Area& area,
-                const std::vector<Sample>& samples) {
+Center CenterOf(const CameraModel& camera, const Eigen::Quaterniond& rotation,
+                const Area& area, const std::vector<Sample>& samples) {
+  const Eigen::Matrix3d matrix = rotation.toRotationMatrix();
   LinearizedProjection linear;
-  if (camera.Linearize({0, 0, 1}, nullptr, 0, &linear))
+  if (camera.Linearize(matrix.row(2).transpose(), nullptr, 0, &linear)) {
+    const Eigen::Matrix<double, 2, 3> by_turned =
+        linear.by_point * matrix.transpose();
     return {linear.pixel,
-            std::sqrt(std::abs(linear.by_point.leftCols<2>().determinant()))};
+            std::sqrt(std::abs(by_turned.leftCols<2>().determinant()))};
+  }
   double widest = 0.1;
   for (const Sample& sample : samples)
     widest = std::max(
@@ -93,6 +117,17 @@ std::vector<std::unique_ptr<ParametricModel>> Starts(
   return starts;
 }
 
+// What a lens is fitted to, and what its tilt costs: the sum of the squared
+// parameters with these weights.
+struct Target {
+  std::vector<Sample> samples;
+  Eigen::VectorXd decentring_weights;
+};
+
+double DecentringCost(const ParametricModel& model, const Target& target) {
+  return model.Parameters().cwiseAbs2().dot(target.decentring_weights);
+}
+
 // The least-squares problem; the rotation's update comes last.
 struct Equations {
   double cost = 0;
@@ -100,8 +135,9 @@ struct Equations {
   Eigen::VectorXd gradient;
 };
 
-double CostOf(const ParametricModel& model, const Eigen::Quaterniond& rotation,
-              const std::vector<Sample>& samples) {
+double SquaredErrors(const ParametricModel& model,
+                     const Eigen::Quaterniond& rotation,
+                     const std::vector<Sample>& samples) {
   double cost = 0;
   for (const Sample& sample : samples) {
     const auto pixel =
@@ -111,6 +147,12 @@ double CostOf(const ParametricModel& model, const Eigen::Quaterniond& rotation,
                   : kLostPx * kLostPx;
   }
   return cost;
+}
+
+double CostOf(const ParametricModel& model, const Eigen::Quaterniond& rotation,
+              const Target& target) {
+  return SquaredErrors(model, rotation, target.samples) +
+         DecentringCost(model, target);
 }
 
 // What keeps parameters of no effect, as a spline's beyond the samples, smooth
@@ -135,14 +177,21 @@ void AddRidge(const ParametricModel& model, Equations* equations) {
   }
 }
 
+void AddDecentring(const ParametricModel& model, const Target& target,
+                   Equations* equations) {
+  const Eigen::VectorXd& weights = target.decentring_weights;
+  const Eigen::Index count = weights.size();
+  equations->normal.diagonal().head(count) += weights;
+  equations->gradient.head(count) += weights.cwiseProduct(model.Parameters());
+}
+
 Equations Linearize(const ParametricModel& model,
-                    const Eigen::Quaterniond& rotation,
-                    const std::vector<Sample>& samples) {
+                    const Eigen::Quaterniond& rotation, const Target& target) {
   const int num_parameters = model.NumParameters(), size = num_parameters + 3;
   Equations equations;
   equations.normal.setZero(size, size);
   equations.gradient.setZero(size);
-  for (const Sample& sample : samples) {
+  for (const Sample& sample : target.samples) {
     const Eigen::Vector3d ray = rotation * sample.ray;
     LinearizedProjection linear;
     if (!model.Linearize(ray, nullptr, kAnywherePx, &linear)) continue;
@@ -161,19 +210,19 @@ Equations Linearize(const ParametricModel& model,
     equations.gradient += row.transpose() * error;
   }
   AddRidge(model, &equations);
+  AddDecentring(model, target, &equations);
   return equations;
 }
 
 // Levenberg-Marquardt. Returns the cost.
-double Refine(const std::vector<Sample>& samples, bool free_rotation,
-              FittedModel* fit) {
+double Refine(const Target& target, bool free_rotation, FittedModel* fit) {
   constexpr int kMaxIterations = 100;
   constexpr double kConverged = 1e-10;
   ParametricModel& model = *fit->model;
-  double cost = CostOf(model, fit->model_from_camera, samples), lambda = 1e-4;
+  double cost = CostOf(model, fit->model_from_camera, target), lambda = 1e-4;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const Equations equations =
-        Linearize(model, fit->model_from_camera, samples);
+        Linearize(model, fit->model_from_camera, target);
     const Eigen::Index size =
         equations.gradient.size() - (free_rotation ? 0 : 3);
     const double before = cost;
@@ -190,8 +239,8 @@ double Refine(const std::vector<Sample>& samples, bool free_rotation,
       Eigen::Quaterniond rotation = fit->model_from_camera;
       if (free_rotation)
         rotation = (RotationFromVector(step.tail<3>()) * rotation).normalized();
-      const double next_cost = CostOf(
-          dynamic_cast<const ParametricModel&>(*next), rotation, samples);
+      const double next_cost =
+          CostOf(dynamic_cast<const ParametricModel&>(*next), rotation, target);
       if (!(next_cost < cost)) continue;
       model.SetParameters(next->Parameters());
       fit->model_from_camera = rotation;
@@ -200,6 +249,28 @@ double Refine(const std::vector<Sample>& samples, bool free_rotation,
       break;
     }
     if (!(cost < (1 - kConverged) * before)) break;
+  }
+  return cost;
+}
+
+double RmsPx(const FittedModel& fit, const std::vector<Sample>& samples) {
+  return std::sqrt(SquaredErrors(*fit.model, fit.model_from_camera, samples) /
+                   static_cast<double>(std::max<size_t>(1, samples.size())));
+}
+
+// Against a rotation that is free, the lens's tilt is held, at first as a lens
+// with bumps needs it, then as firmly as what it leaves asks for.
+double RefineWithRotation(const Area& area, Target* target, FittedModel* fit) {
+  constexpr int kRounds = 3;
+  constexpr double kFirstRmsPx = 1.0 / 3;
+  const Eigen::VectorXd pixels = DecentringPixels(*fit->model, area);
+  double cost = 0, rms_px = kFirstRmsPx;
+  for (int round = 0; round < kRounds; ++round) {
+    target->decentring_weights =
+        static_cast<double>(target->samples.size()) *
+        (kDecentringPart * rms_px * pixels).cwiseAbs2();
+    cost = Refine(*target, true, fit);
+    rms_px = RmsPx(*fit, target->samples);
   }
   return cost;
 }
@@ -214,19 +285,41 @@ bool IsParametricModel(const std::string& name) {
 FittedModel FitParametricModel(const std::string& name,
                                const CameraModel& camera, const Area& area,
                                bool free_rotation) {
-  const std::vector<Sample> samples = SampleRays(camera, area);
-  const Center center = CenterOf(camera, area, samples);
+  const Eigen::Quaterniond start_from_camera =
+      free_rotation ? LevelFromCamera(camera, area)
+                    : Eigen::Quaterniond::Identity();
+  Target target;
+  target.samples = SampleRays(camera, area);
+  for (Sample& sample : target.samples)
+    sample.ray = start_from_camera * sample.ray;
+  const Center center =
+      CenterOf(camera, start_from_camera, area, target.samples);
   FittedModel best;
   double best_cost = INFINITY;
-  for (auto& start : Starts(name, camera, center, samples)) {
+  for (auto& start : Starts(name, camera, center, target.samples)) {
     FittedModel fit;
     fit.model = std::move(start);
-    const double cost = Refine(samples, free_rotation, &fit);
+    target.decentring_weights.setZero(fit.model->NumParameters());
+    const double cost = free_rotation ? RefineWithRotation(area, &target, &fit)
+                                      : Refine(target, false, &fit);
     if (best.model && !(cost < best_cost)) continue;
     best = std::move(fit);
     best_cost = cost;
   }
+  best.rms_px = RmsPx(best, target.samples);
+  best.model_from_camera =
+      (best.model_from_camera * start_from_camera).normalized();
   return best;
+}
+
+FittedModel FitNearestModel(const std::string& name, const CameraModel& camera,
+                            const Area& area) {
+  constexpr double kWorthPart = 0.02, kAlwaysCloseEnoughPx = 0.005;
+  FittedModel level = FitParametricModel(name, camera, area, false);
+  if (level.rms_px <= kAlwaysCloseEnoughPx) return level;
+  FittedModel turned = FitParametricModel(name, camera, area, true);
+  return turned.rms_px < (1 - kWorthPart) * level.rms_px ? std::move(turned)
+                                                         : std::move(level);
 }
 
 }  // namespace raygrid

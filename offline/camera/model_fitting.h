@@ -16,16 +16,24 @@ struct FittedModel {
   /// Over the area of the camera that it was fitted to.
   std::unique_ptr<ParametricModel> model;
   Eigen::Quaterniond model_from_camera = Eigen::Quaterniond::Identity();
+  double rms_px = 0;  ///< error that is left, over the lattice
 };
 
 /// The parametric model closest to a camera over an area: least squares on how
 /// far it projects directions from their pixels, over a lattice of those that
-/// the camera knows directions of. Directions that the model cannot have, as
-/// OpenCV's behind the camera, have no say. If free_rotation, the model may
-/// look elsewhere, as no calibration can tell.
+/// the camera knows directions of, and on the lens's tilt
+/// (camera/decentring.h). Directions that the model cannot have, as OpenCV's
+/// behind the camera, have no say. If free_rotation, the model may look
+/// elsewhere, as no calibration can tell; the result then does not depend on
+/// the camera's own frame.
 FittedModel FitParametricModel(const std::string& name,
                                const CameraModel& camera, const Area& area,
                                bool free_rotation);
+
+/// FitParametricModel(), with a rotation only where more than 0.005 px are left
+/// without one, and at least 2 % less with it.
+FittedModel FitNearestModel(const std::string& name, const CameraModel& camera,
+                            const Area& area);
 
 }  // namespace raygrid
 

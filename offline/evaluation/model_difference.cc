@@ -118,23 +118,16 @@ Pose BestMotion(const std::vector<LinePair>& pairs, bool are_central) {
   return pose;
 }
 
-}  // namespace
-
-ModelDifference CompareModels(const CameraModel& first,
-                              const CameraModel& second, double step_px,
-                              double distance_m) {
-  const std::vector<LinePair> pairs =
-      SampleLines(first, second, step_px, distance_m);
+ModelDifference DifferenceAfter(const std::vector<LinePair>& pairs,
+                                const Pose& first_from_second,
+                                bool are_central) {
   ModelDifference difference;
-  if (pairs.empty()) return difference;
-  const bool are_central = first.IsCentral() && second.IsCentral();
-  difference.first_from_second = BestMotion(pairs, are_central);
-
+  difference.first_from_second = first_from_second;
   double sum = 0;
   std::vector<double> norms;
   for (const LinePair& pair : pairs) {
     difference.pixels.push_back(pair.pixel);
-    difference.error_px.push_back(ErrorPx(pair, difference.first_from_second));
+    difference.error_px.push_back(ErrorPx(pair, first_from_second));
     if (!are_central)
       difference.inverse_distances.push_back(pair.inverse_distance);
     norms.push_back(difference.error_px.back().norm());
@@ -145,6 +138,27 @@ ModelDifference CompareModels(const CameraModel& first,
   difference.p99_px = Quantile(norms, 0.99);
   difference.max_px = Quantile(norms, 1);
   return difference;
+}
+
+}  // namespace
+
+ModelDifference CompareModels(const CameraModel& first,
+                              const CameraModel& second, double step_px,
+                              double distance_m) {
+  const std::vector<LinePair> pairs =
+      SampleLines(first, second, step_px, distance_m);
+  if (pairs.empty()) return {};
+  const bool are_central = first.IsCentral() && second.IsCentral();
+  return DifferenceAfter(pairs, BestMotion(pairs, are_central), are_central);
+}
+
+ModelDifference CompareTurnedModels(
+    const CameraModel& first, const CameraModel& second, double step_px,
+    const Eigen::Quaterniond& first_from_second) {
+  const std::vector<LinePair> pairs = SampleLines(first, second, step_px, 1);
+  if (pairs.empty()) return {};
+  return DifferenceAfter(pairs, {first_from_second, Eigen::Vector3d::Zero()},
+                         true);
 }
 
 }  // namespace raygrid

@@ -95,9 +95,9 @@ inline GaussianPrior PriorOf(const SmallProblem& problem) {
   GaussianPrior prior;
   for (const auto& camera : problem.state.cameras) {
     CameraPrior distortion = DistortionPrior(
-        dynamic_cast<const OpenCvModel&>(*camera), WholeImage({640, 480}));
+        dynamic_cast<const OpenCvModel&>(*camera), WholeImage({640, 480}), 0);
     distortion.mean = camera->Parameters();
-    distortion.groups[0].weight = 0.5;
+    for (PriorGroup& group : distortion.groups) group.weight = 0.5;
     distortion.groups.push_back(PriorOfCenter());
     prior.cameras.push_back(distortion);
   }
