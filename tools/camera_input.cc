@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "camera/camera_frame.h"
+#include "camera/turned_camera.h"
 #include "dataset/csv.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
@@ -25,6 +27,17 @@ CameraInput ReadCamera(const std::string& path) {
   input.file.name = identity.name;
   input.file.serial = identity.serial;
   return input;
+}
+
+std::optional<Eigen::Quaterniond> TurnIntoCameraFrame(CameraFile* file) {
+  const CameraFrame frame = FindCameraFrame(*file->camera);
+  if (frame.AngleRad() <= kMaxFrameTurnRad) return std::nullopt;
+  if (file->camera->IsCentral())
+    file->camera =
+        std::make_unique<TurnedCamera>(*file->camera, frame.frame_from_camera);
+  else
+    file->camera = Turned(*file->camera, frame.frame_from_camera);
+  return frame.frame_from_camera;
 }
 
 ImageSize ParseImageSize(const std::string& option, const std::string& text) {

@@ -1,6 +1,7 @@
 #ifndef RAYGRID_TOOLS_CAMERA_INPUT_H
 #define RAYGRID_TOOLS_CAMERA_INPUT_H
 
+#include <Eigen/Geometry>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +18,11 @@ struct CameraInput {
 };
 
 CameraInput ReadCamera(const std::string& path);
+
+/// Turns a grid into the frame of its nearest lens (camera/camera_frame.h),
+/// which calibrations before version 0.2 did not. Returns the rotation of the
+/// new frame from the old one, if there was any need.
+std::optional<Eigen::Quaterniond> TurnIntoCameraFrame(CameraFile* file);
 
 /// "640x480"; throws Error(kUsage) naming the option.
 ImageSize ParseImageSize(const std::string& option, const std::string& text);

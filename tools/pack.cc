@@ -95,6 +95,16 @@ void Print(const Arguments& arguments, const PackedCamera& packed, bool json) {
   fmt::print("\n");
 }
 
+std::string TurnRemark(const Eigen::Quaterniond& q) {
+  return fmt::format(
+      "its frame is turned by {:.2f} degrees against its lens's, as "
+      "calibrations before version 0.2 left it; the blob has the lens's frame: "
+      "multiply poses by the quaternion ({:.9f}, {:.9f}, {:.9f}, {:.9f}) "
+      "(w, x, y, z) from the left, or calibrate anew",
+      q.angularDistance(Eigen::Quaterniond::Identity()) * 180 / M_PI, q.w(),
+      q.x(), q.y(), q.z());
+}
+
 void Run(const Arguments& arguments, const CommonOptions& common) {
   CameraInput input = ReadCamera(arguments.camera);
   if (input.blob)
@@ -102,13 +112,15 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
                 arguments.camera + ": is a blob already; pack a camera.yaml");
   if (!arguments.name.empty()) input.file.name = arguments.name;
   if (!arguments.serial.empty()) input.file.serial = arguments.serial;
+  const auto blob_from_camera = TurnIntoCameraFrame(&input.file);
   PackOptions options;
   for (const std::string& remap : arguments.remaps)
     options.remaps.push_back(ParseRemap(*input.file.camera, remap));
   options.max_error_px = arguments.max_error_px;
   options.is_narrow_allowed = !arguments.wide_grid;
   options.num_threads = common.threads;
-  const PackedCamera packed = PackCamera(input.file, options);
+  PackedCamera packed = PackCamera(input.file, options);
+  if (blob_from_camera) packed.remarks.push_back(TurnRemark(*blob_from_camera));
   WriteFile(arguments.output, packed.blob);
   for (const std::string& remark : packed.remarks)
     fmt::print(stderr, "raygrid: {}: {}\n", arguments.camera, remark);

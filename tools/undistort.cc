@@ -31,6 +31,7 @@ BlobCamera PrepareBlob(const Arguments& arguments,
   if (input.blob && input.blob->has_remap() && arguments.size.empty() &&
       arguments.hfov_deg == 0)
     return *std::move(input.blob);
+  if (!input.blob) TurnIntoCameraFrame(&input.file);
   ImageSize size;
   if (!arguments.size.empty()) size = ParseImageSize("--size", arguments.size);
   PackOptions options;

@@ -23,6 +23,14 @@ Pose AdjustmentState::CameraFromPattern(const View& view) const {
   return camera_from_rig[view.camera] * rig_from_pattern[view.pose];
 }
 
+void AdjustmentState::MoveRigToFirstCamera() {
+  const Pose first_from_rig = camera_from_rig.front();
+  const Pose rig_from_first = first_from_rig.Inverse();
+  for (Pose& pose : camera_from_rig) pose = pose * rig_from_first;
+  camera_from_rig.front() = {};
+  for (Pose& pose : rig_from_pattern) pose = first_from_rig * pose;
+}
+
 int AdjustmentState::NumCameraParameters() const {
   int count = 0;
   for (const auto& camera : cameras) count += camera->NumParameters();

@@ -41,6 +41,8 @@ struct AdjustmentState {
   const CameraModel& camera() const { return *cameras.front(); }
 
   Pose CameraFromPattern(const View& view) const;
+  /// The first camera's frame becomes the rig's.
+  void MoveRigToFirstCamera();
   int NumCameraParameters() const;  ///< of all cameras together
 };
 

@@ -7,6 +7,7 @@
 #include "calibration/camera_evaluation.h"
 #include "calibration/camera_result.h"
 #include "calibration/camera_start.h"
+#include "calibration/frame_adjustment.h"
 #include "calibration/parametric_comparison.h"
 #include "calibration/stopwatch.h"
 #include "dataset/error.h"
@@ -43,6 +44,7 @@ CalibrationResult Calibrate(const Dataset& measured, const Pattern& pattern,
               &start.adjusted,
               checkpoint.adjustment ? &*checkpoint.adjustment : nullptr);
   if (start.is_complete) checkpoint.adjustment = ProgressOf(start.adjusted);
+  AdjustInCameraFrames(adjustment, &start.adjusted);
   AlignBoards(pattern, &start.adjusted);
   FillResult(pattern, start.adjusted, 0, options.num_threads, &result);
   result.seconds["adjustment"] = adjustment_time.Seconds();

@@ -188,15 +188,6 @@ AdjustmentSummary Adjust(const std::string& model,
   return AdjustGrids(problem, starts, options, prior, state);
 }
 
-// The first camera's frame is the rig's.
-void MoveRigToFirstCamera(AdjustmentState* state) {
-  const Pose first_from_rig = state->camera_from_rig.front();
-  const Pose rig_from_first = first_from_rig.Inverse();
-  for (Pose& pose : state->camera_from_rig) pose = pose * rig_from_first;
-  state->camera_from_rig.front() = {};
-  for (Pose& pose : state->rig_from_pattern) pose = first_from_rig * pose;
-}
-
 // The frame of a camera whose lines do not meet has its origin at the point
 // nearest to all of them; observations cannot tell.
 void CenterLines(AdjustmentState* state) {
@@ -210,7 +201,7 @@ void CenterLines(AdjustmentState* state) {
     state->camera_from_rig[c].translation -= origin;
     have_moved = true;
   }
-  if (have_moved) MoveRigToFirstCamera(state);
+  if (have_moved) state->MoveRigToFirstCamera();
 }
 
 // Of each camera: the third quartile of the residuals + 6 interquartile ranges
@@ -306,7 +297,11 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
         adjusted->problem.views, options, &adjusted->prior, &adjusted->state);
   else if (have_removed)
     adjust(nullptr);
-  for (size_t c = 0; c < lenses.size(); ++c) {
+  FinishCameras(adjusted);
+}
+
+void FinishCameras(Adjusted* adjusted) {
+  for (size_t c = 0; c < adjusted->state.cameras.size(); ++c) {
     std::unique_ptr<CameraModel>& camera = adjusted->state.cameras[c];
     if (const auto* lens = dynamic_cast<const ParametricModel*>(camera.get()))
       camera =

@@ -33,6 +33,11 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
                  const AdjustmentOptions& options, Adjusted* adjusted,
                  const Checkpoint::Adjustment* go_on_from = nullptr);
 
+/// What no feature tells, after an adjustment: parametric cameras over the
+/// features' area, unseen control points within what a blob can hold, the
+/// origin of lines that do not meet at the point nearest to them.
+void FinishCameras(Adjusted* adjusted);
+
 /// Of a single camera.
 Checkpoint::Adjustment ProgressOf(const Adjusted& adjusted);
 

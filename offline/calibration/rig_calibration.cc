@@ -8,6 +8,7 @@
 #include "calibration/camera_evaluation.h"
 #include "calibration/camera_result.h"
 #include "calibration/camera_start.h"
+#include "calibration/frame_adjustment.h"
 #include "calibration/parametric_comparison.h"
 #include "calibration/rig_evaluation.h"
 #include "calibration/rig_start.h"
@@ -266,6 +267,7 @@ RigResult CalibrateRig(const std::vector<RigCameraInput>& cameras,
   AdjustmentOptions stoppable = adjustment;
   stoppable.should_stop = options.should_stop;
   AdjustModel(pattern, options.model, cells_px, stoppable, &adjusted);
+  AdjustInCameraFrames(stoppable, &adjusted);
   AlignBoards(pattern, &adjusted);
   FillRig(pattern, options, adjusted, &result);
   result.seconds["adjustment"] = adjustment_time.Seconds();

@@ -1,0 +1,82 @@
+#include "calibration/frame_adjustment.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "camera/camera_frame.h"
+#include "camera/noncentral_generic.h"
+
+namespace raygrid {
+namespace {
+
+// A fiftieth of the turn that a frame may need.
+constexpr double kStillRad = kMaxFrameTurnRad / 50;
+
+// The prior of a grid that is turned: around the turned mean, as strong as it
+// was. The lines' points are believed to lie around the origin in any frame.
+CameraPrior TurnedPrior(const CameraPrior& prior, const CameraModel& camera,
+                        const Eigen::Quaterniond& turned_from_camera) {
+  const std::unique_ptr<CameraModel> mean = camera.Clone();
+  mean->SetParameters(prior.mean);
+  const std::unique_ptr<CameraModel> base = Turned(*mean, turned_from_camera);
+  CameraPrior turned;
+  if (const auto* lines = dynamic_cast<const NonCentralGeneric*>(base.get())) {
+    constexpr double kAnyDistanceM = 1;
+    turned = NonCentralPrior(lines->CentralPart(), kAnyDistanceM);
+    turned.groups.back() = prior.groups.back();
+  } else {
+    turned = SmoothnessPrior(dynamic_cast<const CentralGeneric&>(*base));
+  }
+  for (size_t g = 0; g < turned.groups.size(); ++g)
+    turned.groups[g].weight = prior.groups[g].weight;
+  return turned;
+}
+
+void TurnCamera(size_t camera, const Eigen::Quaterniond& turned_from_camera,
+                Adjusted* adjusted) {
+  AdjustmentState& state = adjusted->state;
+  adjusted->prior.cameras[camera] =
+      TurnedPrior(adjusted->prior.cameras[camera], *state.cameras[camera],
+                  turned_from_camera);
+  state.cameras[camera] = Turned(*state.cameras[camera], turned_from_camera);
+  state.camera_from_rig[camera] =
+      Pose{turned_from_camera, Eigen::Vector3d::Zero()} *
+      state.camera_from_rig[camera];
+}
+
+// Returns whether any camera had to be turned. The nearest lenses are found
+// once, and kept.
+bool TurnCameras(std::vector<std::string>* lenses, Adjusted* adjusted) {
+  bool have_turned = false;
+  for (size_t c = 0; c < lenses->size(); ++c) {
+    const CameraFrame frame =
+        FindCameraFrame(*adjusted->state.cameras[c], (*lenses)[c]);
+    (*lenses)[c] = frame.lens;
+    if (frame.AngleRad() < kStillRad) continue;
+    TurnCamera(c, frame.frame_from_camera, adjusted);
+    have_turned = true;
+  }
+  if (have_turned) adjusted->state.MoveRigToFirstCamera();
+  return have_turned;
+}
+
+}  // namespace
+
+void AdjustInCameraFrames(const AdjustmentOptions& options,
+                          Adjusted* adjusted) {
+  constexpr int kMaxRounds = 5;
+  AdjustmentOptions as_before = options;
+  as_before.fix_points = options.fix_points || !HavePointsMoved(*adjusted);
+  std::vector<std::string> lenses(adjusted->state.cameras.size());
+  for (int round = 0; round < kMaxRounds; ++round) {
+    if (!TurnCameras(&lenses, adjusted)) return;
+    const double noise_px = adjusted->summary.noise_px;
+    adjusted->summary = AdjustBundle(adjusted->problem.views, adjusted->prior,
+                                     as_before, &adjusted->state);
+    adjusted->summary.noise_px = noise_px;
+    FinishCameras(adjusted);
+  }
+}
+
+}  // namespace raygrid

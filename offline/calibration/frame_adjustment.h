@@ -1,0 +1,17 @@
+#ifndef RAYGRID_CALIBRATION_FRAME_ADJUSTMENT_H
+#define RAYGRID_CALIBRATION_FRAME_ADJUSTMENT_H
+
+#include "calibration/model_adjustment.h"
+
+namespace raygrid {
+
+/// Brings adjusted cameras into the frames that they ought to have
+/// (camera/camera_frame.h), with their priors, poses, and relative poses, and
+/// adjusts all once more there, since a turned surface is not quite a surface
+/// of the same grid; again until no camera needs to be turned. Parametric
+/// cameras have their frames already.
+void AdjustInCameraFrames(const AdjustmentOptions& options, Adjusted* adjusted);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CALIBRATION_FRAME_ADJUSTMENT_H

@@ -1,0 +1,47 @@
+#include "camera/camera_frame.h"
+
+#include <vector>
+
+#include "camera/model_fitting.h"
+#include "camera/noncentral_generic.h"
+#include "camera/turned_camera.h"
+
+namespace raygrid {
+
+CameraFrame FindCameraFrame(const CameraModel& camera,
+                            const std::string& lens) {
+  constexpr double kNearer = 0.98;
+  if (dynamic_cast<const ParametricModel*>(&camera))
+    return {camera.Name(), Eigen::Quaterniond::Identity()};
+  const std::vector<std::string> lenses =
+      lens.empty() ? std::vector<std::string>{"opencv", "thin-prism-fisheye",
+                                              "central-radial"}
+                   : std::vector<std::string>{lens};
+  CameraFrame frame;
+  double least_px = INFINITY;
+  for (const std::string& name : lenses) {
+    const FittedModel fit =
+        FitParametricModel(name, camera, camera.area(), true);
+    if (!(fit.rms_px < kNearer * least_px)) continue;
+    least_px = fit.rms_px;
+    frame = {name, fit.model_from_camera};
+  }
+  return frame;
+}
+
+std::unique_ptr<CameraModel> Turned(
+    const CameraModel& camera, const Eigen::Quaterniond& turned_from_camera) {
+  const TurnedCamera exact(camera, turned_from_camera);
+  if (const auto* grid = dynamic_cast<const CentralGeneric*>(&camera))
+    return FitCentralGeneric(exact, camera.area(), grid->surface().columns(),
+                             grid->surface().rows())
+        .Clone();
+  if (const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera))
+    return FitNonCentralGeneric(exact, camera.area(),
+                                lines->directions().columns(),
+                                lines->directions().rows())
+        .Clone();
+  return exact.Clone();
+}
+
+}  // namespace raygrid

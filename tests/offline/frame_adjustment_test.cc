@@ -1,0 +1,105 @@
+// The frames that calibrations end in.
+
+#include "calibration/frame_adjustment.h"
+
+#include "calibration/calibration.h"
+#include "calibration/rig_calibration.h"
+#include "camera/camera_frame.h"
+#include "camera/model_fitting.h"
+#include "simulation/simulated_rig.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+Pattern TwoBoards() {
+  Pattern pattern = ChessboardPattern(14, 10, 0.03);
+  pattern.boards.push_back(pattern.boards.front());
+  pattern.boards.back().id = 1;
+  return pattern;
+}
+
+// Bent boards, few images: what a lens does not follow pulls at its axis.
+SimulatedRigObservations Simulate(const std::string& lens, int num_cameras) {
+  SimulationOptions options;
+  options.num_images = 6;
+  options.features_per_image = 100;
+  options.board_bend_m = 0.001;
+  return SimulateRig(
+      CamerasInARow(SimulatedLens(lens, {640, 480}), num_cameras, 0.05),
+      TwoBoards(), options);
+}
+
+CalibrationOptions Coarse(const std::string& model) {
+  CalibrationOptions options;
+  options.model = model;
+  options.cell_px = 80;
+  options.num_threads = 2;
+  return options;
+}
+
+double FitTurnRad(const CameraModel& camera) {
+  return FindCameraFrame(camera).AngleRad();
+}
+
+double AxisRad(const CameraModel& camera) {
+  return std::acos(camera.Unproject(camera.area().center()).value().z());
+}
+
+// How far residuals are from those of the result's camera, poses and boards.
+double ResidualChangePx(const CalibrationResult& result) {
+  double change = 0;
+  for (const FeatureResidual& residual : result.training) {
+    const auto pose = std::find_if(
+        result.poses.begin(), result.poses.end(), [&](const BoardPose& p) {
+          return p.image == residual.image && p.board == residual.board;
+        });
+    const Board& board = *result.pattern.FindBoard(residual.board);
+    const auto pixel = result.camera.camera->Project(
+        pose->camera_from_board *
+            board.points[board.PointIndex(residual.column, residual.row)],
+        &residual.pixel, 10);
+    change = std::max(
+        change, (pixel.value() - residual.pixel - residual.error_px).norm());
+  }
+  return change;
+}
+
+void ExpectFrameOfTheNearestLens(const std::string& lens,
+                                 const std::string& model) {
+  const Dataset dataset = Simulate(lens, 1).datasets.front();
+  CalibrationOptions options = Coarse(model);
+  options.hold_out = {dataset.images.front().image};
+  const CalibrationResult result = Calibrate(dataset, TwoBoards(), options);
+  const CameraModel& camera = *result.camera.camera;
+  EXPECT_LT(FitTurnRad(camera), kMaxFrameTurnRad) << lens << " " << model;
+  EXPECT_LT(AxisRad(camera), 2.5 * M_PI / 180) << lens << " " << model;
+  EXPECT_LT(ResidualChangePx(result), 1e-9) << lens << " " << model;
+}
+
+TEST(CameraFrames, AreThoseOfTheNearestLens) {
+  for (const char* model : {"central-generic", "noncentral-generic",
+                            "central-radial", "thin-prism-fisheye", "opencv"})
+    ExpectFrameOfTheNearestLens("example", model);
+  ExpectFrameOfTheNearestLens("wide", "central-generic");
+  ExpectFrameOfTheNearestLens("glass", "noncentral-generic");
+}
+
+TEST(CameraFrames, OfRigsTurnRelativePosesToo) {
+  const SimulatedRigObservations seen = Simulate("example", 2);
+  CalibrationOptions options = Coarse("central-generic");
+  options.hold_out = {seen.datasets[0].images.front().image};
+  const RigResult result = CalibrateRig(
+      {{"a", seen.datasets[0], {}, {}}, {"b", seen.datasets[1], {}, {}}},
+      TwoBoards(), options);
+  EXPECT_LT(result.camera_from_rig[0].rotation.angularDistance(
+                Eigen::Quaterniond::Identity()),
+            1e-12);
+  for (const CalibrationResult& camera : result.cameras) {
+    EXPECT_LT(FitTurnRad(*camera.camera.camera), kMaxFrameTurnRad);
+    EXPECT_LT(ResidualChangePx(camera), 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace raygrid
