@@ -8,6 +8,7 @@
 #include "calibration/camera_evaluation.h"
 #include "camera_input.h"
 #include "commands.h"
+#include "dataset/csv.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_files.h"
@@ -140,8 +141,8 @@ std::string FormatCsv(const ModelDifference& difference) {
 std::string FormatCsv(const PredictionComparison& prediction) {
   std::string csv = "image,features,first_mean_px,second_mean_px\n";
   for (const ImagePrediction& image : prediction.images)
-    csv += fmt::format("{},{},{:.6f},{:.6f}\n", image.image, image.num_features,
-                       image.first_px, image.second_px);
+    csv += fmt::format("{},{},{:.6f},{:.6f}\n", CsvField(image.image),
+                       image.num_features, image.first_px, image.second_px);
   return csv;
 }
 

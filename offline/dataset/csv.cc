@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <sstream>
 
 #include "dataset/error.h"
+#include "dataset/text_encoding.h"
 
 namespace raygrid {
 namespace {
@@ -19,16 +19,94 @@ std::string Trim(const std::string& text) {
   return text.substr(first, text.find_last_not_of(spaces) - first + 1);
 }
 
-std::vector<std::string> Split(const std::string& line) {
-  std::vector<std::string> fields;
-  size_t start = 0;
-  for (;;) {
-    const size_t comma = line.find(',', start);
-    fields.push_back(Trim(line.substr(start, comma - start)));
-    if (comma == std::string::npos) return fields;
-    start = comma + 1;
+// The records of a CSV text, one after the other.
+class RecordReader {
+ public:
+  RecordReader(const std::string& name, const std::string& text)
+      : name_(name), text_(text) {}
+
+  // The next one that is neither empty nor a comment; false at the end.
+  bool Read(std::vector<std::string>* fields) {
+    while (place_ < text_.size()) {
+      const size_t end = std::min(text_.find('\n', place_), text_.size());
+      record_line_ = line_;
+      if (text_[place_] != '#' &&
+          !Trim(text_.substr(place_, end - place_)).empty()) {
+        ReadFields(fields);
+        return true;
+      }
+      Skip(end);
+    }
+    return false;
   }
-}
+
+  // Where the record began that was read last.
+  int record_line() const { return record_line_; }
+
+ private:
+  void ReadFields(std::vector<std::string>* fields) {
+    fields->clear();
+    for (;;) {
+      place_ = std::min(text_.find_first_not_of(" \t", place_), text_.size());
+      fields->push_back(Now() == '"' ? QuotedField() : PlainField());
+      if (Now() != ',') break;
+      ++place_;
+    }
+    Skip(place_);
+  }
+
+  std::string PlainField() {
+    const size_t end =
+        std::min(text_.find_first_of(",\n\"", place_), text_.size());
+    const std::string field = Trim(text_.substr(place_, end - place_));
+    place_ = end;
+    if (Now() == '"')
+      Fail(
+          "a quote within a field; put the whole field in quotes, and write "
+          "its own twice");
+    return field;
+  }
+
+  std::string QuotedField() {
+    std::string field;
+    for (++place_;; ++place_) {
+      const size_t quote = text_.find('"', place_);
+      if (quote == std::string::npos)
+        Fail("a quote is opened and not closed; close it");
+      field.append(text_, place_, quote - place_);
+      line_ += static_cast<int>(std::count(
+          text_.begin() + Offset(place_), text_.begin() + Offset(quote), '\n'));
+      place_ = quote + 1;
+      if (Now() != '"') break;
+      field += '"';
+    }
+    place_ = std::min(text_.find_first_not_of(" \t\r", place_), text_.size());
+    if (place_ < text_.size() && Now() != ',' && Now() != '\n')
+      Fail("more after a closing quote; write a quote within a field twice");
+    return field;
+  }
+
+  // To the line after the one that ends here.
+  void Skip(size_t end_of_line) {
+    place_ = end_of_line + 1;
+    ++line_;
+  }
+
+  char Now() const { return place_ < text_.size() ? text_[place_] : '\n'; }
+
+  static std::ptrdiff_t Offset(size_t place) {
+    return static_cast<std::ptrdiff_t>(place);
+  }
+
+  [[noreturn]] void Fail(const char* what) const {
+    throw InputError(fmt::format("{}, line {}: {}", name_, record_line_, what));
+  }
+
+  const std::string& name_;
+  const std::string& text_;
+  size_t place_ = 0;
+  int line_ = 1, record_line_ = 1;
+};
 
 template <typename T>
 bool Parse(const std::string& text, T* value) {
@@ -42,27 +120,31 @@ bool Parse(const std::string& text, T* value) {
 CsvTable::CsvTable(const std::string& name, const std::string& text,
                    const std::vector<std::string>& required_columns)
     : name_(name) {
-  std::istringstream stream(text);
-  std::string line;
-  for (int number = 1; std::getline(stream, line); ++number) {
-    line = Trim(line.substr(0, line.find('#')));
-    if (line.empty()) continue;
-    std::vector<std::string> fields = Split(line);
+  RequireTextFile(name, text);
+  RecordReader reader(name, text);
+  std::vector<std::string> fields;
+  while (reader.Read(&fields)) {
     if (header_.empty()) {
-      header_ = std::move(fields);
+      header_ = fields;
       continue;
     }
     if (fields.size() != header_.size())
       throw InputError(fmt::format(
-          "{}, line {}: {} fields where the header has {}; mend the line",
-          name_, number, fields.size(), header_.size()));
-    rows_.push_back({number, std::move(fields)});
+          "{}, line {}: {} fields where the header has {}; mend the line, or "
+          "put names with commas in quotes",
+          name_, reader.record_line(), fields.size(), header_.size()));
+    rows_.push_back({reader.record_line(), fields});
   }
   for (const std::string& column : required_columns)
     if (!HasColumn(column))
       throw InputError(
           fmt::format("{}: no column '{}' in the header; expected {}", name_,
                       column, fmt::join(required_columns, ",")));
+  for (const std::string& column : header_)
+    if (!column.empty() &&
+        std::count(header_.begin(), header_.end(), column) > 1)
+      throw InputError(fmt::format("{}: the header has '{}' twice; keep one",
+                                   name_, column));
 }
 
 int CsvTable::ColumnIndex(const std::string& column) const {
@@ -100,6 +182,15 @@ int CsvTable::Integer(size_t row, const std::string& column) const {
 
 std::string CsvTable::Place(size_t row) const {
   return fmt::format("{}, line {}", name_, rows_[row].line);
+}
+
+std::string CsvField(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos &&
+      text == Trim(text) && text.compare(0, 1, "#") != 0)
+    return text;
+  std::string field = "\"";
+  for (const char c : text) field += c == '"' ? "\"\"" : std::string(1, c);
+  return field + "\"";
 }
 
 }  // namespace raygrid

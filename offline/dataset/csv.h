@@ -6,12 +6,15 @@
 
 namespace raygrid {
 
-/// A CSV text with a header line. Fields are trimmed; '#' starts a comment;
-/// empty lines are skipped. Numbers are read without regard to the locale.
+/// A CSV text with a header line, as RFC 4180 has it: a field in quotes holds
+/// commas, line ends and, written twice, quotes. Beyond it, lines that begin
+/// with '#' and empty lines are skipped, and spaces around fields are no part
+/// of them. Numbers are read without regard to the locale.
 class CsvTable {
  public:
-  /// name is used in errors. Throws InputError if a required column is missing
-  /// or a line has another number of fields than the header.
+  /// name is used in errors. Throws InputError if the text is not UTF-8, a
+  /// required column is missing, a column is there twice, or a line has another
+  /// number of fields than the header.
   CsvTable(const std::string& name, const std::string& text,
            const std::vector<std::string>& required_columns);
 
@@ -37,6 +40,9 @@ class CsvTable {
   std::vector<std::string> header_;
   std::vector<Row> rows_;
 };
+
+/// Text as a field, in quotes if it needs them.
+std::string CsvField(const std::string& text);
 
 }  // namespace raygrid
 

@@ -33,11 +33,13 @@ class ImageIndex {
 // Each line led by prefix.
 std::string FeatureLines(const std::string& prefix, const Dataset& dataset) {
   std::string text;
-  for (const ImageFeatures& image : dataset.images)
+  for (const ImageFeatures& image : dataset.images) {
+    const std::string name = CsvField(image.image);
     for (const Feature& feature : image.features)
-      text += fmt::format("{}{},{},{},{},{:.5f},{:.5f}\n", prefix, image.image,
+      text += fmt::format("{}{},{},{},{},{:.5f},{:.5f}\n", prefix, name,
                           feature.board, feature.column, feature.row,
                           feature.pixel.x(), feature.pixel.y());
+  }
   return text;
 }
 
@@ -50,8 +52,8 @@ std::string PoseLines(const std::string& prefix,
     const Eigen::Vector3d& t = pose.camera_from_board.translation;
     text += fmt::format(
         "{}{},{},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f}\n", prefix,
-        pose.image, pose.board, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(),
-        t.z());
+        CsvField(pose.image), pose.board, q.w(), q.x(), q.y(), q.z(), t.x(),
+        t.y(), t.z());
   }
   return text;
 }
@@ -110,7 +112,7 @@ std::string FormatFeatures(const Dataset& dataset) {
 std::string FormatFeatures(const std::vector<NamedDataset>& cameras) {
   std::string text = "camera,image,board,column,row,x,y\n";
   for (const NamedDataset& camera : cameras)
-    text += FeatureLines(camera.camera + ",", camera.dataset);
+    text += FeatureLines(CsvField(camera.camera) + ",", camera.dataset);
   return text;
 }
 
@@ -168,7 +170,7 @@ std::string FormatPoses(const std::vector<BoardPose>& poses) {
 std::string FormatPoses(const std::vector<NamedPoses>& cameras) {
   std::string text = "camera,image,board,qw,qx,qy,qz,tx,ty,tz\n";
   for (const NamedPoses& camera : cameras)
-    text += PoseLines(camera.camera + ",", camera.poses);
+    text += PoseLines(CsvField(camera.camera) + ",", camera.poses);
   return text;
 }
 

@@ -19,8 +19,8 @@ void AddLines(const std::string& prefix, const char* set,
   for (const FeatureResidual& r : residuals)
     fmt::format_to(std::back_inserter(*text),
                    "{}{},{},{},{},{},{:.4f},{:.4f},{:.5f},{:.5f}\n", prefix,
-                   set, r.image, r.board, r.column, r.row, r.pixel.x(),
-                   r.pixel.y(), r.error_px.x(), r.error_px.y());
+                   set, CsvField(r.image), r.board, r.column, r.row,
+                   r.pixel.x(), r.pixel.y(), r.error_px.x(), r.error_px.y());
 }
 
 void AddLines(const std::string& prefix, const CalibrationResult& result,
@@ -50,7 +50,7 @@ std::string FormatResiduals(const CalibrationResult& result) {
 std::string FormatResiduals(const RigResult& result) {
   std::string text = std::string("camera,") + kHeader;
   for (size_t c = 0; c < result.cameras.size(); ++c) {
-    const std::string prefix = result.cameras[c].camera.name + ",";
+    const std::string prefix = CsvField(result.cameras[c].camera.name) + ",";
     AddLines(prefix, result.cameras[c], &text);
     if (c < result.held_out.size())
       AddLines(prefix, "held-out-in-rig", result.held_out[c], &text);

@@ -46,7 +46,8 @@ TEST(ReadFeatures, AcceptsCommentsExtraColumnsSpacesAndCarriageReturns) {
                               "# found by hand\r\n"
                               "\r\n"
                               "row, column,note,image,x,y,board\r\n"
-                              "  2 ,1,blurred,a.png, 3.5 ,4,0  # doubtful\r\n"
+                              "  2 ,1,blurred,a.png, 3.5 ,4,0\r\n"
+                              "# doubtful\r\n"
                               "\r\n"
                               "3,1,,a.png,5,6,0")
                               .at("");
@@ -89,6 +90,39 @@ TEST(ReadFeatures, RefusesLinesWithAnotherNumberOfFields) {
   ExpectRefused(std::string(kHeader) + "\na.png,0,0,0,1,2,3\n", {"line 3"});
 }
 
+TEST(ReadFeatures, TakesNamesAsTheyAre) {
+  const Dataset dataset = Read(std::string(kHeader) +
+                               "#1.png,0,9,9,1,2\n"  // a comment
+                               "\"#1.png\",0,0,0,1,2\r\n"
+                               "a#1.png,0,0,0,1,2\n"
+                               " \"a,b.png\" ,0,0,0,1,2\n"
+                               "\"a \"\"b\"\".png\",0,0,0,1,2\n"
+                               "\"a\nb.png\",0,0,0,1,2\n"
+                               "\" a.png\",0,0,0,1,2\n")
+                              .at("");
+  std::vector<std::string> names;
+  for (const ImageFeatures& image : dataset.images)
+    names.push_back(image.image);
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"#1.png", "a#1.png", "a,b.png",
+                                      "a \"b\".png", "a\nb.png", " a.png"}));
+}
+
+TEST(ReadFeatures, RefusesQuotesOutOfPlaceNamingTheLine) {
+  const std::string start = std::string(kHeader) + "\"a\nb\",0,0,0,1,2\n";
+  ExpectRefused(start + "\"a,0,0,0,1,2\n", {"line 4", "not closed"});
+  ExpectRefused(start + "a\"b,0,0,0,1,2\n", {"line 4", "quote"});
+  ExpectRefused(start + "\"a\"b,0,0,0,1,2\n", {"line 4", "quote"});
+  ExpectRefused(start + "a,b,0,0,0,1,2\n", {"line 4", "quotes"});
+  ExpectRefused(start + "a\xe9,0,0,0,1,2\n", {"line 4", "UTF-8"});
+}
+
+TEST(ReadFeatures, RefusesByteOrderMarksAndColumnsTwice) {
+  ExpectRefused(std::string("\xef\xbb\xbf") + kHeader + "a,0,0,0,1,2\n",
+                {"byte order mark"});
+  ExpectRefused("image,board,column,row,x,y,x\na,0,0,0,1,2,3\n", {"'x' twice"});
+}
+
 TEST(ReadFeatures, RefusesFeaturesStatedTwice) {
   ExpectRefused(std::string(kHeader) +
                     "a.png,0,3,4,1,2\n"
@@ -106,15 +140,18 @@ TEST(ReadFeatures, RefusesFilesWithoutFeatures) {
 TEST(ReadFeatures, InvertsFormatFeatures) {
   Dataset dataset;
   TestRandom random(1);
-  for (const char* image : {"z.png", "a.png"}) {
+  const std::vector<std::string> names = {
+      "z.png",   "#1.jpg", "a,b.png", "say \"a\".png",  "a\nb.png",
+      " a.png ", "a\r",    "\"",      "caf\xc3\xa9.png"};
+  for (const std::string& image : names) {
     dataset.images.push_back({image, {}});
     for (int i = 0; i < 50; ++i)
       dataset.images.back().features.push_back(
           {i % 3, i, 2 * i, random.PixelIn({0, 0, 640, 480})});
   }
   const Dataset read = Read(FormatFeatures(dataset)).at("");
-  ASSERT_EQ(read.images.size(), 2u);
-  for (int k = 0; k < 2; ++k) {
+  ASSERT_EQ(read.images.size(), names.size());
+  for (size_t k = 0; k < names.size(); ++k) {
     EXPECT_EQ(read.images[k].image, dataset.images[k].image);
     ASSERT_EQ(read.images[k].features.size(), 50u);
     for (int i = 0; i < 50; ++i)
@@ -208,6 +245,15 @@ TEST(RequireConsistent, RefusesForeignFeatures) {
     ExpectError(ExitCode::kInput, {"f.csv", "a.png"}, [&] {
       RequireConsistent("f.csv", OneFeature(feature), pattern);
     });
+}
+
+TEST(FormatPoses, KeepsNames) {
+  const TemporaryFolder folder;
+  const std::string name = "#1, \"left\"\n.png";
+  WriteFile(folder / "poses.csv",
+            FormatPoses({{"left", {{name, 4, {}}}}, {"right", {}}}));
+  const auto poses = ReadPoses(folder / "poses.csv");
+  EXPECT_EQ(poses.at("left").at(0).image, name);
 }
 
 TEST(FormatPoses, WritesUnitQuaternionsWithPositiveRealPart) {

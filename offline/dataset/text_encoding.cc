@@ -1,0 +1,98 @@
+#include "dataset/text_encoding.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+
+#include "dataset/error.h"
+
+namespace raygrid {
+namespace {
+
+struct Character {
+  uint32_t code = 0;
+  size_t num_bytes = 0;  // 0: not UTF-8
+};
+
+// The character that text begins with; text is not empty.
+Character FirstCharacter(std::string_view text) {
+  const auto lead = static_cast<uint8_t>(text[0]);
+  if (lead < 0x80) return {lead, 1};
+  const size_t num_bytes = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
+  if (lead < 0xc2 || lead > 0xf4 || text.size() < num_bytes) return {};
+  uint32_t code = lead & (0x7fu >> num_bytes);
+  for (size_t k = 1; k < num_bytes; ++k) {
+    const auto byte = static_cast<uint8_t>(text[k]);
+    if ((byte & 0xc0) != 0x80) return {};
+    code = code << 6 | (byte & 0x3f);
+  }
+  const bool is_overlong =
+      (num_bytes == 3 && code < 0x800) || (num_bytes == 4 && code < 0x10000);
+  const bool is_surrogate = code >= 0xd800 && code <= 0xdfff;
+  if (is_overlong || is_surrogate || code > 0x10ffff) return {};
+  return {code, num_bytes};
+}
+
+// Control characters of ASCII and Latin-1; line and paragraph separators; and
+// what changes the direction of the text around it.
+bool IsControl(uint32_t code) {
+  return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0x200e ||
+         code == 0x200f || (code >= 0x2028 && code <= 0x202e) ||
+         (code >= 0x2066 && code <= 0x2069);
+}
+
+}  // namespace
+
+size_t FindNoUtf8(std::string_view text) {
+  for (size_t i = 0; i < text.size();) {
+    const Character character = FirstCharacter(text.substr(i));
+    if (character.num_bytes == 0 || character.code == 0) return i;
+    i += character.num_bytes;
+  }
+  return std::string_view::npos;
+}
+
+std::string Printable(std::string_view text) {
+  std::string printable;
+  for (size_t i = 0; i < text.size();) {
+    const Character character = FirstCharacter(text.substr(i));
+    const size_t num_bytes = std::max<size_t>(1, character.num_bytes);
+    if (text[i] == '\n')
+      printable += "\\n";
+    else if (character.num_bytes > 0 && !IsControl(character.code))
+      printable += text.substr(i, num_bytes);
+    else
+      for (size_t k = 0; k < num_bytes; ++k)
+        printable +=
+            fmt::format("\\x{:02x}", static_cast<uint8_t>(text[i + k]));
+    i += num_bytes;
+  }
+  return printable;
+}
+
+void RequireTextFile(const std::string& path, std::string_view contents) {
+  for (const char* mark : {"\xef\xbb\xbf", "\xff\xfe", "\xfe\xff"})
+    if (contents.substr(0, std::string_view(mark).size()) == mark)
+      throw InputError(path +
+                       ": begins with a byte order mark; save it as UTF-8 "
+                       "without one");
+  const size_t place = FindNoUtf8(contents);
+  if (place == std::string_view::npos) return;
+  const auto line =
+      1 + std::count(contents.begin(),
+                     contents.begin() + static_cast<std::ptrdiff_t>(place),
+                     '\n');
+  throw InputError(fmt::format(
+      "{}, line {}: not UTF-8 text; save it in this encoding", path, line));
+}
+
+void RequireStorableName(const std::string& what, const std::string& name) {
+  if (FindNoUtf8(name) != std::string::npos)
+    throw InputError(fmt::format(
+        "{} '{}': a name that is not UTF-8 fits in no file of results; "
+        "rename it",
+        what, Printable(name)));
+}
+
+}  // namespace raygrid

@@ -1,0 +1,27 @@
+#ifndef RAYGRID_DATASET_TEXT_ENCODING_H
+#define RAYGRID_DATASET_TEXT_ENCODING_H
+
+#include <string>
+#include <string_view>
+
+namespace raygrid {
+
+/// The position of the first byte that does not belong to UTF-8 text, the
+/// byte 0 among them; npos if all do.
+size_t FindNoUtf8(std::string_view text);
+
+/// Text as one line for a terminal: control characters and what is not UTF-8
+/// are written as \n, \x1b and so on.
+std::string Printable(std::string_view text);
+
+/// Throws InputError if a text file is not UTF-8, or begins with a byte order
+/// mark.
+void RequireTextFile(const std::string& path, std::string_view contents);
+
+/// Throws InputError if a name is not UTF-8, and so fits in no output; what is
+/// used in the error, as in "image".
+void RequireStorableName(const std::string& what, const std::string& name);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_DATASET_TEXT_ENCODING_H
