@@ -8,6 +8,8 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_files.h"
+#include "dataset/output_folder.h"
+#include "dataset/text_encoding.h"
 #include "interruption.h"
 #include "packing/blob_camera.h"
 #include "report/checkpoint_json.h"
@@ -140,17 +142,17 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
     extras.packing = FiguresOf(*packed);
     extras.example = ExampleImage(paths, result, arguments, packed->blob);
   }
+  OutputFolder output(arguments.output);
   OutputFiles files;
-  AddResultFiles(result, extras, arguments.output, &files);
-  if (packed) files.Add((folder / "camera.raygrid").string(), packed->blob);
+  AddResultFiles(result, extras, output.path(), &files);
+  if (packed) files.Add(output.path() + "/camera.raygrid", packed->blob);
   if (result.checkpoint)
-    files.Add(resume_path, FormatCheckpoints({*result.checkpoint}, inputs));
+    files.Add(output.path() + "/resume.json",
+              FormatCheckpoints({*result.checkpoint}, inputs));
   files.Commit();
-  if (!result.checkpoint) std::filesystem::remove(resume_path);
-  if (extras.thumbnails.empty())  // of an earlier result's images
-    std::filesystem::remove(folder / "thumbnails.json");
-  AddReports(arguments.output, &files);
+  AddReports(output.path(), &files);
   files.Commit();
+  output.Commit(ResultFiles(arguments.output));
   if (common.json)
     fmt::print("{}", ReadFile((folder / "result.json").string()));
   else if (!common.quiet)

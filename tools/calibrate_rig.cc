@@ -11,6 +11,9 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_files.h"
+#include "dataset/output_folder.h"
+#include "dataset/rig_file.h"
+#include "dataset/text_encoding.h"
 #include "interruption.h"
 #include "report/checkpoint_json.h"
 #include "report/result_folder.h"
@@ -281,20 +284,17 @@ void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
       thumbnails.push_back(
           MakeThumbnails(camera.dataset, camera.paths, common.threads));
   }
+  OutputFolder output(arguments.output);
   OutputFiles files;
-  AddFiles(result, packed, thumbnails, common.seed, arguments.output, &files);
+  AddFiles(result, packed, thumbnails, common.seed, output.path(), &files);
   const std::vector<Checkpoint> checkpoints = CheckpointsOf(result);
   if (!checkpoints.empty())
-    files.Add(resume_path, FormatCheckpoints(checkpoints, inputs));
+    files.Add(output.path() + "/resume.json",
+              FormatCheckpoints(checkpoints, inputs));
   files.Commit();
-  if (checkpoints.empty()) std::filesystem::remove(resume_path);
-  for (size_t c = 0; c < thumbnails.size(); ++c)
-    if (thumbnails[c].empty())  // of an earlier result's images
-      std::filesystem::remove(std::filesystem::path(arguments.output) /
-                              result.cameras[c].camera.name /
-                              "thumbnails.json");
-  AddReports(arguments.output, &files);
+  AddReports(output.path(), &files);
   files.Commit();
+  output.Commit(ResultFiles(arguments.output));
   if (common.json)
     fmt::print(
         "{}", ReadFile((std::filesystem::path(arguments.output) / "result.json")

@@ -17,19 +17,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void Fail(const std::string& path, int error) {
-  throw Error(ExitCode::kOutput,
-              fmt::format("{}: cannot be written ({}); choose another place "
-                          "with -o, or make room there",
-                          path, std::strerror(error)));
-}
-
 // The folder of a path, created if need be.
 void MakeFolderOf(const std::string& path) {
   const fs::path folder = fs::path(path).parent_path();
   std::error_code error;
   if (!folder.empty()) fs::create_directories(folder, error);
-  if (error) Fail(folder.string(), error.value());
+  if (error) FailToWrite(folder.string(), error.value());
 }
 
 std::string TemporaryName(const std::string& path) {
@@ -38,10 +31,13 @@ std::string TemporaryName(const std::string& path) {
 
 // What there is under a name and is no file: a pipe or a device, which gets the
 // contents and stays what it is.
-bool IsStream(const std::string& path) {
+bool IsStream(const std::string& path, Links links) {
   std::error_code ignored;
-  const fs::file_status status = fs::status(path, ignored);
-  return fs::exists(status) && !fs::is_regular_file(status);
+  const fs::file_status status = links == Links::kFollow
+                                     ? fs::status(path, ignored)
+                                     : fs::symlink_status(path, ignored);
+  return fs::exists(status) && !fs::is_regular_file(status) &&
+         !fs::is_symlink(status);
 }
 
 // The file that a link leads to: that one is replaced, and the link stays.
@@ -52,9 +48,7 @@ std::string FollowLinks(const std::string& path) {
 }
 
 // Returns 0 or an errno.
-int WriteWhole(const std::string& path, const std::string& contents) {
-  const int file =
-      open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+int WriteTo(int file, const std::string& contents) {
   if (file < 0) return errno;
   int error = 0;
   for (size_t done = 0; done < contents.size() && error == 0;) {
@@ -69,11 +63,32 @@ int WriteWhole(const std::string& path, const std::string& contents) {
   return error;
 }
 
+// Into a pipe or a device.
+int WriteStream(const std::string& path, const std::string& contents) {
+  return WriteTo(open(path.c_str(), O_WRONLY | O_CLOEXEC), contents);
+}
+
+// A new file; what a program that was killed left under this name goes.
+int WriteNew(const std::string& path, const std::string& contents) {
+  unlink(path.c_str());
+  return WriteTo(
+      open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
+           0666),
+      contents);
+}
+
 int Rename(const std::string& from, const std::string& to) {
   return rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
 }
 
 }  // namespace
+
+void FailToWrite(const std::string& path, int error) {
+  throw Error(ExitCode::kOutput,
+              fmt::format("{}: cannot be written ({}); choose another place "
+                          "with -o, or make room there",
+                          path, std::strerror(error)));
+}
 
 std::string ReadFile(const std::string& path) {
   std::error_code error;
@@ -89,8 +104,10 @@ std::string ReadFile(const std::string& path) {
   return contents.str();
 }
 
-void OutputFiles::Add(const std::string& path, std::string contents) {
-  files_.push_back({FollowLinks(path), std::move(contents)});
+void OutputFiles::Add(const std::string& path, std::string contents,
+                      Links links) {
+  files_.push_back({links == Links::kFollow ? FollowLinks(path) : path,
+                    std::move(contents), links});
 }
 
 void OutputFiles::Commit() {
@@ -100,22 +117,24 @@ void OutputFiles::Commit() {
   for (const File& file : files_) {
     MakeFolderOf(file.path);
     std::error_code ignored;
-    if (fs::is_directory(file.path, ignored)) Fail(file.path, EISDIR);
+    if (fs::is_directory(file.path, ignored) &&
+        !(file.links == Links::kReplace && fs::is_symlink(file.path, ignored)))
+      FailToWrite(file.path, EISDIR);
   }
   for (const File& file : files_) {
-    if (IsStream(file.path)) continue;
-    const int error = WriteWhole(TemporaryName(file.path), file.contents);
+    if (IsStream(file.path, file.links)) continue;
+    const int error = WriteNew(TemporaryName(file.path), file.contents);
     if (error == 0) continue;
     remove_temporaries();
-    Fail(file.path, error);
+    FailToWrite(file.path, error);
   }
   for (const File& file : files_) {
-    const int error = IsStream(file.path)
-                          ? WriteWhole(file.path, file.contents)
+    const int error = IsStream(file.path, file.links)
+                          ? WriteStream(file.path, file.contents)
                           : Rename(TemporaryName(file.path), file.path);
     if (error == 0) continue;
     remove_temporaries();
-    Fail(file.path, error);
+    FailToWrite(file.path, error);
   }
   files_.clear();
 }
@@ -129,9 +148,9 @@ void WriteFile(const std::string& path, std::string contents) {
 void RequireWritableFolder(const std::string& folder) {
   const std::string probe = (fs::path(folder) / ".raygrid").string();
   MakeFolderOf(probe);
-  const int error = WriteWhole(TemporaryName(probe), "");
+  const int error = WriteNew(TemporaryName(probe), "");
   unlink(TemporaryName(probe).c_str());
-  if (error != 0) Fail(folder, error);
+  if (error != 0) FailToWrite(folder, error);
 }
 
 }  // namespace raygrid

@@ -9,21 +9,32 @@ namespace raygrid {
 /// A whole file as bytes; throws InputError if it cannot be read.
 std::string ReadFile(const std::string& path);
 
+/// Whether a link in the place of a file is the user's, who wants what it leads
+/// to replaced, or is itself in the way.
+enum class Links { kFollow, kReplace };
+
 /// Files that appear together: all are written beside their targets first, and
 /// renamed only when every one is complete. Throws Error(kOutput) and leaves
-/// nothing behind otherwise. Missing folders are made. Links stay, and what
-/// they lead to is replaced; pipes and devices stay, and get the contents.
+/// nothing behind otherwise. Missing folders are made. Pipes and devices stay,
+/// and get the contents; so do they that links lead to, unless these are
+/// replaced.
 class OutputFiles {
  public:
-  void Add(const std::string& path, std::string contents);
+  void Add(const std::string& path, std::string contents,
+           Links links = Links::kFollow);
   void Commit();
 
  private:
   struct File {
     std::string path, contents;
+    Links links;
   };
   std::vector<File> files_;
 };
+
+/// Throws the Error(kOutput) of a path that cannot be written, for the reason
+/// that errno gave.
+[[noreturn]] void FailToWrite(const std::string& path, int error);
 
 /// One file alone.
 void WriteFile(const std::string& path, std::string contents);

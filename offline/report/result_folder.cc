@@ -120,7 +120,8 @@ void AddCameraReport(const std::string& folder, const std::string& json,
   RequireMatching(folder, figures.result);
   files->Add(In(folder, "report.html"),
              FormatHtmlReport(figures.result, figures.packing,
-                              ReadExample(folder), ReadThumbnails(folder)));
+                              ReadExample(folder), ReadThumbnails(folder)),
+             Links::kReplace);
 }
 
 void AddRigReports(const std::string& folder, const std::string& json,
@@ -146,12 +147,15 @@ void AddRigReports(const std::string& folder, const std::string& json,
     Complete(ReadResultCamera(In(folder, cameras[c].file)), rig.pattern, name,
              &tables, &rig.cameras[c]);
     RequireMatching(folder, rig.cameras[c]);
-    files->Add(
-        In(folder, name + "/report.html"),
-        FormatHtmlReport(rig.cameras[c], figures.packing[c], std::nullopt,
-                         ReadThumbnails(In(folder, name))));
+    if (fs::is_symlink(In(folder, name)))
+      throw InputError(In(folder, name) +
+                       ": a link, where a folder was expected");
+    files->Add(In(folder, name + "/report.html"),
+               FormatHtmlReport(rig.cameras[c], figures.packing[c],
+                                std::nullopt, ReadThumbnails(In(folder, name))),
+               Links::kReplace);
   }
-  files->Add(In(folder, "report.html"), FormatRigReport(rig));
+  files->Add(In(folder, "report.html"), FormatRigReport(rig), Links::kReplace);
 }
 
 }  // namespace
@@ -197,6 +201,30 @@ void AddResultFiles(const RigResult& result,
   files->Add(In(folder, "result.json"),
              FormatResultJson(result, extras[0].seed,
                               extras[0].peak_memory_bytes, packing));
+}
+
+std::set<std::string> ResultFiles(const std::string& folder) {
+  const std::vector<std::string> of_camera = {"camera.raygrid", "camera.yaml",
+                                              "report.html", kThumbnails,
+                                              "uncertainty.png"};
+  std::set<std::string> files(of_camera.begin(), of_camera.end());
+  files.insert({"example_after.png", "example_before.png", "features.csv",
+                "pattern.yaml", "poses.csv", "residuals.csv", "result.json",
+                "resume.json", "rig.yaml"});
+  // Of a program that was killed while it wrote.
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (name.rfind("resume.json.part-", 0) == 0) files.insert(name);
+  }
+  try {
+    for (const RigFileCamera& camera : ReadRigFile(In(folder, "rig.yaml")))
+      for (const std::string& file : of_camera)
+        files.insert(camera.name + "/" + file);
+  } catch (const InputError&) {
+    // No rig.
+  }
+  return files;
 }
 
 void AddReports(const std::string& folder, OutputFiles* files) {

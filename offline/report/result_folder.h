@@ -4,6 +4,7 @@
 #define RAYGRID_REPORT_RESULT_FOLDER_H
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,10 @@ void AddResultFiles(const CalibrationResult& result, const ResultExtras& extras,
 void AddResultFiles(const RigResult& result,
                     const std::vector<ResultExtras>& extras,
                     const std::string& folder, OutputFiles* files);
+
+/// The files that a result may have in a folder, those of the cameras among
+/// them if it has a rig's: what goes when another result is written there.
+std::set<std::string> ResultFiles(const std::string& folder);
 
 /// report.html from the other files of the folder; for a rig NAME/report.html
 /// of each camera as well. Throws InputError where one is missing, malformed or

@@ -1,6 +1,7 @@
 #include "dataset/files.h"
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <thread>
@@ -97,6 +98,33 @@ TEST(OutputFiles, LinksAndPipesStayWhatTheyAre) {
   reader.join();
   EXPECT_EQ(read, "through");
   EXPECT_TRUE(fs::is_fifo(pipe));
+}
+
+TEST(OutputFiles, ReplacesLinksThatAreNotTheUsers) {
+  const TemporaryFolder folder;
+  WriteFile(folder / "file", "mine");
+  fs::create_directory(folder / "directory");
+  for (const char* target : {"file", "directory", "/dev/null", "nowhere"}) {
+    fs::create_symlink(target, folder / "link");
+    OutputFiles files;
+    files.Add(folder / "link", "new", Links::kReplace);
+    files.Commit();
+    EXPECT_FALSE(fs::is_symlink(folder / "link")) << target;
+    EXPECT_EQ(ReadFile(folder / "link"), "new") << target;
+    fs::remove(folder / "link");
+  }
+  EXPECT_EQ(ReadFile(folder / "file"), "mine");
+  EXPECT_EQ(folder.Count(), 2);
+}
+
+TEST(OutputFiles, WriteThroughNoLinkThatStandsWhereTheyAreMade) {
+  const TemporaryFolder folder;
+  WriteFile(folder / "mine", "mine");
+  fs::create_symlink("mine",
+                     folder / ("file.part-" + std::to_string(getpid())));
+  WriteFile(folder / "file", "new");
+  EXPECT_EQ(ReadFile(folder / "file"), "new");
+  EXPECT_EQ(ReadFile(folder / "mine"), "mine");
 }
 
 TEST(RequireWritableFolder, MakesTheFolderAndLeavesItEmpty) {

@@ -389,6 +389,30 @@ TEST(RigReport, HasOtherModelsOfEachCamera) {
   EXPECT_FALSE(Has(FormatRigReport(rig), "Other models"));
 }
 
+TEST(RigReport, NoTextReachesItAsMarkup) {
+  RigResult rig = ExampleRig();
+  rig.verdict = {kAttack, {kAttack}};
+  for (CalibrationResult& camera : rig.cameras) {
+    camera.verdict = rig.verdict;
+    camera.parametric_models[0].model = kAttack;
+    camera.camera.name = kAttack;
+    camera.poses[0].image = kAttack;
+  }
+  const std::string html = WithoutLibrary(FormatRigReport(rig));
+  EXPECT_FALSE(Has(html, "<svg"));
+  EXPECT_FALSE(Has(html, "\"'></script"));
+}
+
+TEST(ResultFolder, FollowsNoLink) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out";
+  WriteResultTo(out, PlainResult());
+  WriteFile(folder / "mine", "mine");
+  std::filesystem::create_symlink("../mine", out + "/report.html");
+  EXPECT_TRUE(Has(ReportOf(out), "</html>"));
+  EXPECT_EQ(ReadFile(folder / "mine"), "mine");
+}
+
 TEST(Pictures, HaveTheImagesSize) {
   const CalibrationResult result = ExampleResult();
   const ImageSize size = {640, 480};

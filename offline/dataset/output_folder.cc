@@ -1,0 +1,285 @@
+#include "dataset/output_folder.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "dataset/files.h"
+
+namespace raygrid {
+namespace {
+
+namespace fs = std::filesystem;
+
+// ---- The hidden folder -----------------------------------------------------
+
+// Its name within the folder, and a number.
+constexpr char kWithin[] = ".raygrid-";
+
+// The folder of this name, locked: a new one, or what is left of a program that
+// was killed, emptied. None if another program is at work there, or it is
+// another user's.
+std::optional<int> LockNewFolder(const std::string& path) {
+  const bool is_new = mkdir(path.c_str(), 0700) == 0;
+  if (!is_new && errno != EEXIST) FailToWrite(path, errno);
+  const int file =
+      open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (file < 0) return std::nullopt;
+  struct stat status;
+  std::error_code ignored;
+  if (fstat(file, &status) == 0 && status.st_uid == geteuid() &&
+      flock(file, LOCK_EX | LOCK_NB) == 0) {
+    for (const auto& entry : fs::directory_iterator(path, ignored))
+      fs::remove_all(entry.path(), ignored);
+    if (fs::is_empty(path, ignored)) return file;
+  }
+  close(file);
+  return std::nullopt;
+}
+
+bool IsMountPoint(const std::string& folder) {
+  struct statx status;
+  return statx(AT_FDCWD, folder.c_str(), 0, STATX_TYPE, &status) == 0 &&
+         (status.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0;
+}
+
+bool IsWorkingDirectoryIn(const fs::path& folder) {
+  std::error_code error;
+  const fs::path here = fs::current_path(error);
+  return !error &&
+         std::mismatch(folder.begin(), folder.end(), here.begin(), here.end())
+                 .first == folder.end();
+}
+
+// Beside the folder if they can change places; else within it.
+std::string HiddenPrefix(const fs::path& folder) {
+  const fs::path parent = folder.parent_path();
+  const bool is_beside = folder.has_relative_path() &&
+                         access(parent.c_str(), W_OK | X_OK) == 0 &&
+                         !IsMountPoint(folder) && !IsWorkingDirectoryIn(folder);
+  return is_beside ? (parent / ("." + folder.filename().string() + ".raygrid-"))
+                         .string()
+                   : (folder / kWithin).string();
+}
+
+// ---- Contents --------------------------------------------------------------
+
+// Paths within a folder; parents come before what they hold.
+using Paths = std::set<std::string>;
+
+struct Contents {
+  Paths files, folders;
+};
+
+// All that is in a folder but a hidden folder of ours; links are files.
+Contents List(const std::string& folder, const std::string& hidden) {
+  Contents contents;
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(folder, error), end;
+       !error && it != end; it.increment(error)) {
+    if (it->path() == hidden) {
+      it.disable_recursion_pending();
+      continue;
+    }
+    const bool is_folder = it->is_directory() && !it->is_symlink();
+    (is_folder ? contents.folders : contents.files)
+        .insert(it->path().lexically_relative(folder).string());
+  }
+  if (error) FailToWrite(folder, error.value());
+  return contents;
+}
+
+bool Has(const Paths& paths, const std::string& path) {
+  return paths.count(path) > 0;
+}
+
+// Whether a file is there no more when the new ones are: one of the same name
+// takes its place, or none does.
+bool IsToGo(const std::string& path, const Contents& written,
+            const Paths& stale) {
+  return Has(written.files, path) || Has(written.folders, path) ||
+         Has(stale, path);
+}
+
+bool HoldsStale(const std::string& folder, const Paths& stale) {
+  return std::any_of(stale.begin(), stale.end(), [&](const std::string& file) {
+    return fs::path(file).parent_path() == folder;
+  });
+}
+
+void Synchronize(const std::string& path) {
+  const int file = open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
+  if (file < 0) FailToWrite(path, errno);
+  const int error = fsync(file) == 0 ? 0 : errno;
+  close(file);
+  // Some file systems cannot do it for folders.
+  if (error != 0 && error != EINVAL) FailToWrite(path, error);
+}
+
+// Of the folder's files those that were written, not those of others.
+void SynchronizeAll(const std::string& folder, const Contents& written) {
+  for (const std::string& path : written.files)
+    Synchronize(folder + "/" + path);
+  for (const std::string& path : List(folder, "").folders)
+    Synchronize(folder + "/" + path);
+  Synchronize(folder);
+}
+
+// ---- All at once -----------------------------------------------------------
+
+// Mode and owner; false if they cannot be had.
+bool CopyOwner(const std::string& from, const std::string& to) {
+  struct stat status, own;
+  if (stat(from.c_str(), &status) != 0 || stat(to.c_str(), &own) != 0 ||
+      chmod(to.c_str(), status.st_mode & 07777) != 0)
+    return false;
+  return (status.st_uid == own.st_uid && status.st_gid == own.st_gid) ||
+         chown(to.c_str(), status.st_uid, status.st_gid) == 0;
+}
+
+// The old folder's files that are neither replaced nor stale, under a second
+// name in the new one; false, and none of them, if one cannot have that.
+bool LinkOthers(const std::string& folder, const Contents& old,
+                const std::string& hidden, const Contents& written,
+                const Paths& stale) {
+  std::vector<std::string> linked;
+  for (const std::string& path : old.files) {
+    if (IsToGo(path, written, stale)) continue;
+    const std::string link = hidden + "/" + path;
+    std::error_code ignored;
+    fs::create_directories(fs::path(link).parent_path(), ignored);
+    if (linkat(AT_FDCWD, (folder + "/" + path).c_str(), AT_FDCWD, link.c_str(),
+               0) == 0) {
+      linked.push_back(link);
+      continue;
+    }
+    for (const std::string& done : linked) unlink(done.c_str());
+    return false;
+  }
+  return true;
+}
+
+// Folders of the old contents that are neither written nor of stale files.
+bool HasFoldersOfOthers(const Contents& old, const Contents& written,
+                        const Paths& stale) {
+  return std::any_of(
+      old.folders.begin(), old.folders.end(), [&](const std::string& folder) {
+        return !Has(written.folders, folder) && !HoldsStale(folder, stale);
+      });
+}
+
+// The old files are now in the hidden folder: those that were listed go, and
+// what somebody added since is put back.
+void RemoveOld(const std::string& hidden, const std::string& folder,
+               const Contents& listed) {
+  const Contents now = List(hidden, "");
+  for (const std::string& path : now.files) {
+    const std::string file = hidden + "/" + path;
+    if (Has(listed.files, path))
+      unlink(file.c_str());
+    else
+      std::rename(file.c_str(), (folder + "/" + path).c_str());
+  }
+  for (auto path = now.folders.rbegin(); path != now.folders.rend(); ++path)
+    rmdir((hidden + "/" + *path).c_str());
+  rmdir(hidden.c_str());
+}
+
+// False if the folders cannot change places.
+bool Exchange(const std::string& folder, const Contents& old,
+              const std::string& hidden, const Contents& written,
+              const Paths& stale) {
+  if (fs::path(hidden).parent_path() == folder ||
+      HasFoldersOfOthers(old, written, stale) || !CopyOwner(folder, hidden) ||
+      !LinkOthers(folder, old, hidden, written, stale))
+    return false;
+  SynchronizeAll(hidden, written);
+  if (renameat2(AT_FDCWD, hidden.c_str(), AT_FDCWD, folder.c_str(),
+                RENAME_EXCHANGE) != 0) {
+    for (const std::string& path : List(hidden, "").files)
+      if (!Has(written.files, path)) unlink((hidden + "/" + path).c_str());
+    return false;
+  }
+  Synchronize(fs::path(folder).parent_path().string());
+  RemoveOld(hidden, folder, old);
+  return true;
+}
+
+// ---- One by one ------------------------------------------------------------
+
+// The hidden folder is within the folder, so that no step is one to another
+// file system.
+void MoveOneByOne(const std::string& folder, const Contents& old,
+                  const std::string& hidden, const Contents& written,
+                  const Paths& stale) {
+  SynchronizeAll(hidden, written);
+  for (const std::string& path : old.files)
+    if (IsToGo(path, written, stale)) unlink((folder + "/" + path).c_str());
+  for (const std::string& path : old.folders)
+    if (!Has(written.folders, path) && HoldsStale(path, stale))
+      rmdir((folder + "/" + path).c_str());  // unless others have files there
+  for (const std::string& path : written.folders) {
+    const std::string made = folder + "/" + path;
+    if (mkdir(made.c_str(), 0777) != 0 && errno != EEXIST)
+      FailToWrite(made, errno);
+  }
+  for (const std::string& path : written.files) {
+    const std::string file = folder + "/" + path;
+    if (std::rename((hidden + "/" + path).c_str(), file.c_str()) != 0)
+      FailToWrite(file, errno);
+  }
+  for (const std::string& path : written.folders)
+    Synchronize(folder + "/" + path);
+  Synchronize(folder);
+}
+
+}  // namespace
+
+OutputFolder::OutputFolder(const std::string& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!error) folder_ = fs::canonical(folder, error).string();
+  if (error) FailToWrite(folder, error.value());
+  const std::string prefix = HiddenPrefix(folder_);
+  for (int k = 0; lock_ < 0; ++k) {
+    if (k == 100) FailToWrite(hidden_, EEXIST);
+    hidden_ = prefix + std::to_string(k);
+    lock_ = LockNewFolder(hidden_).value_or(-1);
+  }
+}
+
+OutputFolder::~OutputFolder() {
+  std::error_code ignored;
+  if (!hidden_.empty()) fs::remove_all(hidden_, ignored);
+  close(lock_);
+}
+
+void OutputFolder::Commit(const std::set<std::string>& stale) {
+  const Contents old = List(folder_, hidden_), written = List(hidden_, "");
+  for (const std::string& path : written.files)
+    if (Has(old.folders, path)) FailToWrite(folder_ + "/" + path, EISDIR);
+  if (Exchange(folder_, old, hidden_, written, stale)) {
+    hidden_.clear();
+    return;
+  }
+  const std::string within = folder_ + "/" + kWithin;
+  if (fs::path(hidden_).parent_path() != folder_) {
+    std::error_code ignored;
+    fs::remove_all(within, ignored);
+    if (std::rename(hidden_.c_str(), within.c_str()) != 0)
+      FailToWrite(folder_, errno);
+    hidden_ = within;
+  }
+  MoveOneByOne(folder_, old, hidden_, written, stale);
+}
+
+}  // namespace raygrid
