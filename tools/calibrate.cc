@@ -96,12 +96,14 @@ void PrintSummary(const CalibrateArguments& arguments,
         1000 * result.line_spread->rms_m, 1000 * result.line_spread->max_m);
   fmt::print("  verdict: {}\n", result.verdict.word);
   for (const std::string& reason : result.verdict.reasons)
-    fmt::print("    {}\n", reason);
-  fmt::print("  results in {}\n", arguments.output);
+    fmt::print("    {}\n", Printable(reason));
+  fmt::print("  results in {}\n", Printable(arguments.output));
 }
 
 void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
                const FeaturesByCamera& given) {
+  RequireBlobText("--name", arguments.name);
+  RequireBlobText("--serial", arguments.serial);
   const Pattern pattern = ReadPattern(arguments.pattern);
   const std::vector<std::string> paths = FindImages(arguments.images);
   RequireWritableFolder(arguments.output);

@@ -33,12 +33,7 @@ NamedValue Parse(const std::string& text) {
 
 // Names become folders and fields of CSV files.
 void RequireCameraName(const std::string& name) {
-  const bool is_plain =
-      !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
-        return std::isalnum(static_cast<unsigned char>(c)) || c == '_' ||
-               c == '-';
-      });
-  if (!is_plain)
+  if (!IsRigCameraName(name))
     throw Error(ExitCode::kUsage,
                 fmt::format("camera name '{}': give it one of letters, digits, "
                             "'-' and '_'",
@@ -235,8 +230,8 @@ void PrintSummary(const CalibrateArguments& arguments,
         baseline.num_shared_views);
   fmt::print("  verdict: {}\n", result.verdict.word);
   for (const std::string& reason : result.verdict.reasons)
-    fmt::print("    {}\n", reason);
-  fmt::print("  results in {}\n", arguments.output);
+    fmt::print("    {}\n", Printable(reason));
+  fmt::print("  results in {}\n", Printable(arguments.output));
 }
 
 // Of all cameras, or of none.

@@ -6,6 +6,8 @@
 
 #include "crc32.h"
 #include "dataset/error.h"
+#include "dataset/files.h"
+#include "dataset/text_encoding.h"
 #include "features/camera_refinement.h"
 #include "features/feature_detection.h"
 #include "interruption.h"
@@ -33,11 +35,11 @@ Measurements Measure(const std::vector<std::string>& paths,
   FolderDetection detection =
       DetectFeatures(paths, pattern, {}, &cache, common.threads, progress);
   for (const SkippedImage& skipped : detection.skipped)
-    fmt::print(stderr, "raygrid: skipped {}: {}\n", skipped.path,
-               skipped.reason);
+    fmt::print(stderr, "raygrid: skipped {}: {}\n", Printable(skipped.path),
+               Printable(skipped.reason));
   if (!common.quiet)
     for (const std::string& remark : SummarizeRemarks(detection))
-      fmt::print(stderr, "raygrid: {}\n", remark);
+      fmt::print(stderr, "raygrid: {}\n", Printable(remark));
   return {std::move(detection.dataset), std::move(detection.paths)};
 }
 

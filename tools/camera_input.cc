@@ -10,6 +10,7 @@
 #include "dataset/csv.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/text_encoding.h"
 
 namespace raygrid {
 
@@ -24,8 +25,9 @@ CameraInput ReadCamera(const std::string& path) {
   input.file.camera = input.blob->ToModel();
   rg_camera_section identity;
   rg_blob_camera(&input.blob->blob(), &identity);
-  input.file.name = identity.name;
-  input.file.serial = identity.serial;
+  // The format asks for UTF-8, and readers do not check it.
+  input.file.name = Printable(identity.name);
+  input.file.serial = Printable(identity.serial);
   return input;
 }
 

@@ -10,6 +10,7 @@
 #include "camera_input.h"
 #include "dataset/error.h"
 #include "dataset/image_files.h"
+#include "dataset/text_encoding.h"
 
 namespace raygrid {
 namespace {
@@ -129,7 +130,8 @@ void Print(const CameraCheck& check) {
       "  each as if it alone had moved, found 99 times of 100; shift and tilt "
       "differ little to a board\n");
   for (const RejectedImage& image : check.rejected_images)
-    fmt::print("not used: {} ({})\n", image.image, image.reason);
+    fmt::print("not used: {} ({})\n", Printable(image.image),
+               Printable(image.reason));
 }
 
 void Run(const Arguments& arguments, const CommonOptions& common) {

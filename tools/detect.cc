@@ -10,6 +10,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/parallel_for.h"
+#include "dataset/text_encoding.h"
 #include "features/detection_pictures.h"
 #include "features/feature_detection.h"
 #include "progress_bar.h"
@@ -47,13 +48,13 @@ FolderDetection Detect(const Arguments& arguments,
 
 void WarnOfSkipped(const FolderDetection& found) {
   for (const SkippedImage& skipped : found.skipped)
-    fmt::print(stderr, "raygrid: {}: skipped: {}\n", skipped.path,
-               skipped.reason);
+    fmt::print(stderr, "raygrid: {}: skipped: {}\n", Printable(skipped.path),
+               Printable(skipped.reason));
 }
 
 void WarnOfRemarks(const FolderDetection& found) {
   for (const std::string& remark : SummarizeRemarks(found))
-    fmt::print(stderr, "raygrid: {}\n", remark);
+    fmt::print(stderr, "raygrid: {}\n", Printable(remark));
 }
 
 int NumWithFeatures(const FolderDetection& found) {
@@ -147,7 +148,7 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
         "{}\n",
         found.dataset.num_features(), NumWithFeatures(found),
         found.images.size() + found.skipped.size(), found.skipped.size(),
-        NumRejected(found), arguments.output);
+        NumRejected(found), Printable(arguments.output));
 }
 
 void AddDetectionOptions(CLI::App* command, Arguments* arguments) {

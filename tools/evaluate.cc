@@ -11,6 +11,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/rig_file.h"
+#include "dataset/text_encoding.h"
 
 namespace raygrid {
 namespace {
@@ -50,7 +51,8 @@ void Print(const Evaluation& evaluation) {
     fmt::print("; {} outside the calibrated area", evaluation.outside_area);
   fmt::print("\n");
   for (const RejectedImage& image : evaluation.rejected_images)
-    fmt::print("not used: {} ({})\n", image.image, image.reason);
+    fmt::print("not used: {} ({})\n", Printable(image.image),
+               Printable(image.reason));
 }
 
 void RequireResiduals(size_t count) {

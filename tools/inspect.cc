@@ -12,6 +12,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/rig_file.h"
+#include "dataset/text_encoding.h"
 
 namespace raygrid {
 namespace {
@@ -102,8 +103,8 @@ Json BlobFacts(const BlobCamera& camera) {
                                       rg_load_u16(blob.bytes + 10))},
                {"projects", camera.CanProject()},
                {"camera",
-                {{"name", identity.name},
-                 {"serial", identity.serial},
+                {{"name", Printable(identity.name)},
+                 {"serial", Printable(identity.serial)},
                  {"image_size", {identity.width, identity.height}}}},
                {"grid",
                 {{"of", blob.line_points ? "lines" : "directions"},
@@ -202,7 +203,7 @@ Json FactsOf(const std::string& path) {
 // ---- Text ------------------------------------------------------------------
 
 std::string ValueText(const Json& value) {
-  if (value.is_string()) return "'" + value.get<std::string>() + "'";
+  if (value.is_string()) return "'" + Printable(value.get<std::string>()) + "'";
   if (value.is_boolean()) return value ? "yes" : "no";
   if (value.is_number_float()) return fmt::format("{:.6g}", double(value));
   if (!value.is_array()) return value.dump();

@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/freed_memory.h"
+#include "dataset/text_encoding.h"
 
 namespace raygrid {
 
@@ -30,7 +31,7 @@ CLI::App* AddCommand(CLI::App* app, const std::string& name,
 namespace {
 
 int Fail(ExitCode code, const std::string& message) {
-  fmt::print(stderr, "raygrid: {}\n", message);
+  std::fputs(fmt::format("raygrid: {}\n", Printable(message)).c_str(), stderr);
   return static_cast<int>(code);
 }
 

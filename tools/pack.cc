@@ -106,6 +106,8 @@ std::string TurnRemark(const Eigen::Quaterniond& q) {
 }
 
 void Run(const Arguments& arguments, const CommonOptions& common) {
+  RequireBlobText("--name", arguments.name);
+  RequireBlobText("--serial", arguments.serial);
   CameraInput input = ReadCamera(arguments.camera);
   if (input.blob)
     throw Error(ExitCode::kUsage,

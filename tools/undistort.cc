@@ -86,7 +86,8 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
     bar.Show("undistortion", static_cast<double>(i + 1) / paths.size());
   }
   if (common.json)
-    fmt::print("{}\n", written.dump(2));
+    fmt::print("{}\n", written.dump(2, ' ', false,
+                                    nlohmann::json::error_handler_t::replace));
   else if (!common.quiet)
     fmt::print("{} images undistorted to {}\n", paths.size(), arguments.output);
 }

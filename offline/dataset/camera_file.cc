@@ -13,6 +13,7 @@
 #include "camera/thin_prism_fisheye.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/yaml_file.h"
 
 namespace raygrid {
 namespace {
@@ -362,6 +363,7 @@ void EmitModel(const CameraModel& camera, YAML::Emitter* out) {
 
 CameraFile ReadCameraFile(const std::string& path) {
   const std::string text = ReadFile(path);
+  RequireYamlFile(path, text);
   try {
     return Parse(YAML::Load(text));
   } catch (const YAML::Exception& error) {

@@ -9,6 +9,7 @@
 
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/yaml_file.h"
 
 namespace raygrid {
 namespace {
@@ -193,6 +194,7 @@ const Board* Pattern::FindBoard(int id) const {
 Pattern ParsePattern(const std::string& name, const std::string& yaml) {
   Pattern pattern;
   pattern.yaml = yaml;
+  RequireYamlFile(name, yaml);
   YAML::Node root;
   try {
     root = YAML::Load(yaml);

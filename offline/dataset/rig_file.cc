@@ -3,11 +3,15 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <set>
 
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/text_encoding.h"
+#include "dataset/yaml_file.h"
 
 namespace raygrid {
 namespace {
@@ -39,6 +43,10 @@ std::vector<RigFileCamera> ParseCameras(const YAML::Node& root) {
   std::set<std::string> names;
   for (const auto& entry : root["cameras"]) {
     const std::string name = entry.first.as<std::string>();
+    if (!IsRigCameraName(name))
+      throw InputError(fmt::format(
+          "camera '{}': a name has letters, digits, '-' and '_' alone",
+          Printable(name)));
     if (!names.insert(name).second)
       throw InputError(fmt::format("two cameras of the name '{}'", name));
     cameras.push_back({name, entry.second["file"].as<std::string>(),
@@ -50,8 +58,15 @@ std::vector<RigFileCamera> ParseCameras(const YAML::Node& root) {
 
 }  // namespace
 
+bool IsRigCameraName(const std::string& name) {
+  return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-';
+  });
+}
+
 std::vector<RigFileCamera> ReadRigFile(const std::string& path) {
   const std::string text = ReadFile(path);
+  RequireYamlFile(path, text);
   try {
     return ParseCameras(YAML::Load(text));
   } catch (const YAML::Exception& error) {

@@ -15,6 +15,10 @@ struct RigFileCamera {
   Pose camera_from_rig;
 };
 
+/// Whether a camera may be called so: names become folders, and links in the
+/// report. They have letters, digits, '-' and '_'.
+bool IsRigCameraName(const std::string& name);
+
 /// rig.yaml, in the file's order. Throws InputError.
 std::vector<RigFileCamera> ReadRigFile(const std::string& path);
 std::string FormatRigFile(const std::vector<RigFileCamera>& cameras);

@@ -13,6 +13,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/parallel_for.h"
+#include "dataset/text_encoding.h"
 #include "features/aprilgrid.h"
 #include "features/charuco.h"
 #include "features/chessboard.h"
@@ -164,6 +165,7 @@ std::string FileName(const std::string& path) {
 void RequireDistinctNames(const std::vector<std::string>& paths) {
   std::map<std::string, std::string> path_of_name;
   for (const std::string& path : paths) {
+    RequireStorableName("image", FileName(path));
     const auto [place, is_new] = path_of_name.emplace(FileName(path), path);
     if (!is_new)
       throw InputError(

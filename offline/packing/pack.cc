@@ -12,6 +12,7 @@
 #include "camera/noncentral_generic.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
+#include "dataset/text_encoding.h"
 #include "packing/blob_camera.h"
 #include "packing/inverse_grid.h"
 #include "packing/narrow_grid.h"
@@ -177,9 +178,7 @@ std::vector<int32_t> QuantizeLinePoints(const NonCentralGeneric& camera,
 
 // A zero-padded text of RG_TEXT_SIZE bytes.
 std::string PaddedText(const char* what, const std::string& text) {
-  if (text.size() >= RG_TEXT_SIZE || text.find('\0') != std::string::npos)
-    throw Error(ExitCode::kUsage, fmt::format("{} '{}': at most {} bytes", what,
-                                              text, RG_TEXT_SIZE - 1));
+  RequireBlobText(what, text);
   std::string padded = text;
   padded.resize(RG_TEXT_SIZE, '\0');
   return padded;
@@ -462,6 +461,15 @@ UnprojectionError MeasureBlob(const PackingTruth& truth,
 }
 
 }  // namespace
+
+void RequireBlobText(const char* what, const std::string& text) {
+  const std::string place = fmt::format("{} '{}'", what, Printable(text));
+  if (FindNoUtf8(text) != std::string::npos)
+    throw Error(ExitCode::kUsage, place + ": not UTF-8 text; give another");
+  if (text.size() >= RG_TEXT_SIZE)
+    throw Error(ExitCode::kUsage,
+                fmt::format("{}: at most {} bytes", place, RG_TEXT_SIZE - 1));
+}
 
 PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   const CameraModel& camera = *file.camera;

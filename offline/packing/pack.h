@@ -48,6 +48,10 @@ struct PackedCamera {
 /// camera that the format cannot hold.
 PackedCamera PackCamera(const CameraFile& file, const PackOptions& options);
 
+/// Throws Error(kUsage) for a name or a serial number that no blob can hold;
+/// what says which.
+void RequireBlobText(const char* what, const std::string& text);
+
 /// Un-projection error that a blob may add.
 constexpr double kMaxPackingErrorPx = 0.002;
 /// And one with control points of 16 bits.

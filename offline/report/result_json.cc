@@ -165,7 +165,7 @@ std::string FormatResultJson(const CalibrationResult& result, uint64_t seed,
   json["peak_memory_bytes"] = peak_memory_bytes;
   json["seed"] = seed;
   AddVerdict(result.verdict, &json);
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string FormatResultJson(
@@ -198,7 +198,7 @@ std::string FormatResultJson(
   json["peak_memory_bytes"] = peak_memory_bytes;
   json["seed"] = seed;
   AddVerdict(result.verdict, &json);
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 // ---- Reading ---------------------------------------------------------------

@@ -45,6 +45,8 @@ TEST(RigFile, RefusesWhatIsMalformed) {
         replaced("raygrid_rig", "raygrid_rag"), replaced("aft-2", "left"),
         replaced("w: 1.0", "w: 1.1"), replaced("w: 1.0", "w: .nan"),
         replaced("rotation", "turn"), replaced("translation", "shift"),
+        replaced("aft-2", "../aft"), replaced("aft-2", "javascript:a//"),
+        replaced("aft-2", "a\\nb"), replaced("w: 1.0", "w: 1, w: 1.0"),
         replaced("file", "path"), replaced("x: -0.125", "x: .inf"),
         std::string("raygrid_rig: 1\ncameras:\n"), std::string("- a\n"),
         std::string("raygrid_rig: [\n")})
