@@ -27,6 +27,8 @@ std::string EscapeHtml(const std::string& text) {
       escaped += "&amp;";
     else if (c == '"')
       escaped += "&quot;";
+    else if (c == '\'')
+      escaped += "&#39;";
     else
       escaped += c;
   }

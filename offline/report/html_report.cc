@@ -45,8 +45,8 @@ std::string ComparisonSection(const CalibrationResult& result) {
       "<b>" + result.camera.camera->Name() + "</b>", result.num_parameters,
       *result.camera.training, result.camera.held_out, result.bias_kl)};
   for (const ModelFigures& other : result.parametric_models)
-    rows.push_back(ModelRow(other.model, other.num_parameters, other.training,
-                            other.held_out, other.bias_kl));
+    rows.push_back(ModelRow(EscapeHtml(other.model), other.num_parameters,
+                            other.training, other.held_out, other.bias_kl));
   if (result.noise_bias_kl)
     rows.push_back({"pure noise", "", "", "", "",
                     fmt::format("{:.3f}", *result.noise_bias_kl)});

@@ -42,8 +42,9 @@ std::string BoardFigure(const Board& board, const BoardShape& shape) {
 std::string Px(double value) { return fmt::format("{:.4f}", value); }
 
 std::string VerdictSection(const Verdict& verdict) {
-  std::string html = fmt::format(
-      "<div class=\"verdict {0}\"><h2>Verdict: {0}</h2>\n", verdict.word);
+  std::string html =
+      fmt::format("<div class=\"verdict {0}\"><h2>Verdict: {0}</h2>\n",
+                  EscapeHtml(verdict.word));
   if (!verdict.reasons.empty()) html += "<ul>\n";
   for (const std::string& reason : verdict.reasons)
     html += fmt::format("<li>{}</li>\n", EscapeHtml(reason));

@@ -16,7 +16,8 @@ std::string CamerasTable(const RigResult& result) {
     const std::string name = EscapeHtml(camera.camera.name);
     const ImageSize& size = camera.camera.camera->image_size();
     rows.push_back({fmt::format("<a href=\"{0}/report.html\">{0}</a>", name),
-                    camera.verdict.word, camera.camera.camera->Name(),
+                    EscapeHtml(camera.verdict.word),
+                    camera.camera.camera->Name(),
                     std::to_string(camera.num_parameters),
                     std::to_string(camera.features.images.size()),
                     fmt::format("{} &times; {}", size.width, size.height)});
@@ -59,8 +60,9 @@ std::string RigComparisonTable(const RigResult& result) {
                  camera.num_parameters, *camera.camera.training,
                  camera.camera.held_out, camera.bias_kl));
     for (const ModelFigures& other : camera.parametric_models)
-      rows.push_back(ModelRow(name + other.model, other.num_parameters,
-                              other.training, other.held_out, other.bias_kl));
+      rows.push_back(ModelRow(name + EscapeHtml(other.model),
+                              other.num_parameters, other.training,
+                              other.held_out, other.bias_kl));
     if (camera.noise_bias_kl)
       rows.push_back({name + "pure noise", "", "", "", "",
                       fmt::format("{:.3f}", *camera.noise_bias_kl)});

@@ -1,3 +1,4 @@
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "dataset/error.h"
@@ -263,6 +264,73 @@ TEST(ResultFolder, MissingFilesAndOtherVersionsAreNamed) {
     ExpectError(ExitCode::kInput, {"result.json", "calibrate again"},
                 [&] { ReportOf(out); });
   }
+}
+
+TEST(HtmlReport, ScriptMakesNoMarkupOfData) {
+  const std::string html = WithoutLibrary(ExampleReport());
+  for (const char* way : {"innerHTML", "outerHTML", "insertAdjacentHTML",
+                          "document.write", "eval(", "Function("})
+    EXPECT_FALSE(Has(html, way)) << way;
+}
+
+// What a browser would run, in an element's text or in an attribute.
+const char kAttack[] = "\"'></script><svg/onload=alert(1)>";
+
+// Each text of a JSON document in turn, and each key, is the attack.
+void ForEachAttack(const nlohmann::ordered_json& json,
+                   const std::function<void(const std::string&)>& use) {
+  const nlohmann::ordered_json flat = json.flatten();
+  for (const auto& [path, value] : flat.items()) {
+    if (!value.is_string()) continue;
+    auto attacked = flat;
+    attacked[path] = kAttack;
+    use(attacked.unflatten().dump());
+  }
+}
+
+// A page without the attack, or none.
+void ExpectHarmless(const std::string& folder, const std::string& what) {
+  std::filesystem::remove(folder + "/report.html");
+  try {
+    ReportOf(folder);
+  } catch (const InputError&) {
+    return;
+  }
+  std::string pages = WithoutLibrary(ReadFile(folder + "/report.html"));
+  for (const char* camera : {"/left/report.html", "/right/report.html"})
+    if (std::filesystem::exists(folder + camera))
+      pages += WithoutLibrary(ReadFile(folder + camera));
+  EXPECT_FALSE(Has(pages, "<svg")) << what;
+  EXPECT_FALSE(Has(pages, "\"'></script")) << what;
+}
+
+TEST(ResultFolder, NoTextInItReachesThePageAsMarkup) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out";
+  CalibrationResult result = PlainResult();
+  WriteResultTo(out, result);
+  ForEachAttack(nlohmann::ordered_json::parse(ReadFile(out + "/result.json")),
+                [&](const std::string& attacked) {
+                  WriteFile(out + "/result.json", attacked);
+                  ExpectHarmless(out, attacked);
+                });
+  result.camera.name = kAttack;
+  for (auto* set : {&result.training, &result.held_out})
+    for (FeatureResidual& residual : *set) residual.image = kAttack;
+  result.features.images[0].image = kAttack;
+  result.poses[0].image = kAttack;
+  OutputFiles files;
+  ResultExtras extras;
+  extras.thumbnails = {{kAttack, "a JPEG file"}};
+  AddResultFiles(result, extras, out, &files);
+  files.Commit();
+  ExpectHarmless(out, "names");
+  EXPECT_TRUE(std::filesystem::exists(out + "/report.html"));
+  WriteFile(out + "/thumbnails.json",
+            nlohmann::json(
+                {{"raygrid_thumbnails", 1}, {"images", {{kAttack, kAttack}}}})
+                .dump());
+  ExpectHarmless(out, "thumbnails");
 }
 
 TEST(ResultJson, HoldsTheFigures) {
