@@ -1,6 +1,9 @@
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -35,6 +38,41 @@ int Fail(ExitCode code, const std::string& message) {
   return static_cast<int>(code);
 }
 
+// Ranges let NaN pass, which is neither below nor above them.
+void RefuseNumbersThatAreNone(CLI::App* app) {
+  for (CLI::Option* option : app->get_options())
+    if (option->get_type_name().rfind("FLOAT", 0) == 0)
+      option->check(CLI::Validator(
+          [](const std::string& text) {
+            double value = 0;
+            return CLI::detail::lexical_cast(text, value) &&
+                           !std::isfinite(value)
+                       ? text + " is not a finite number"
+                       : std::string();
+          },
+          ""));
+  for (CLI::App* command : app->get_subcommands({}))
+    RefuseNumbersThatAreNone(command);
+}
+
+// Files that the program opens must not become its standard output. What is
+// printed is refused where that was closed, and messages are lost.
+void OccupyStandardStreams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) < 0)
+      open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);
+}
+
+bool IsOutputLost() {
+  return std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
+}
+
+int FailToPrint() {
+  return Fail(ExitCode::kOutput,
+              "standard output cannot be written; what the command found is "
+              "in its files alone, if anywhere");
+}
+
 int Run(int argc, char** argv) {
   CLI::App app(
       "Camera calibration with generic models, and blobs for the "
@@ -59,6 +97,7 @@ int Run(int argc, char** argv) {
   AddProject(&app, &common);
   AddSimulate(&app, &common);
   AddExperiment(&app, &common);
+  RefuseNumbersThatAreNone(&app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
@@ -79,14 +118,17 @@ int main(int argc, char** argv) {
   // machine only if they are cut alike.
   Eigen::setCpuCacheSizes(32 << 10, 512 << 10, 4 << 20);
   raygrid::KeepFreedMemory();
+  raygrid::OccupyStandardStreams();
   try {
-    return raygrid::Run(argc, argv);
+    const int code = raygrid::Run(argc, argv);
+    return code == 0 && raygrid::IsOutputLost() ? raygrid::FailToPrint() : code;
   } catch (const raygrid::Error& error) {
     return raygrid::Fail(error.code(), error.what());
   } catch (const std::bad_alloc&) {
     return raygrid::Fail(raygrid::ExitCode::kInput,
                          "not enough memory for this input");
   } catch (const std::exception& error) {
+    if (raygrid::IsOutputLost()) return raygrid::FailToPrint();
     return raygrid::Fail(raygrid::ExitCode::kInput, error.what());
   }
 }

@@ -29,7 +29,7 @@ VirtualCamera ParseRemap(const CameraModel& camera, const std::string& text) {
   char end;
   if (comma != std::string::npos &&
       (std::sscanf(text.c_str() + comma, ",hfov=%lf%c", &hfov_deg, &end) != 1 ||
-       hfov_deg == 0))
+       !(hfov_deg > 0) || !std::isfinite(hfov_deg)))
     throw Error(ExitCode::kUsage,
                 fmt::format("--remap {}: expected WIDTHxHEIGHT or "
                             "WIDTHxHEIGHT,hfov=DEGREES, more than 0",

@@ -1,0 +1,164 @@
+#!/usr/bin/env python3
+"""Names are data, and results that cannot be printed are not lost without a word."""
+import json
+import os
+import subprocess
+import unittest
+
+from command_test import CommandTest, SIMULATED_PATTERN, main, programs, read, run, write
+
+NAMES = ["#1.png", "a,b.png", "a\nb.png", 'say "a".png', " a.png ", "caf\u00e9.png",
+         "\x1b[31mred.png", "<img src=x onerror=alert(1)>.png", "</script>.png", "'.png", "a#.png",
+         "9.png", "10.png", "11.png"]
+
+
+def quoted(name):
+    return '"' + name.replace('"', '""') + '"'
+
+
+class Names(CommandTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
+        result = run("simulate", "--images", len(NAMES), "--features-per-image", 40, "--pattern",
+                     board, "-o", cls.path("sim"))
+        assert result.returncode == 0, result.stderr
+        cls.plain = read(cls.path("sim/features.csv")).decode()
+        cls.camera = cls.path("sim/true_camera.yaml")
+
+    def features(self, names, quote=quoted):
+        """The simulated features, of images with these names."""
+        header, *lines = self.plain.splitlines()
+        images = sorted({line.split(",")[0] for line in lines})
+        new = {image: quote(name) for image, name in zip(images, names)}
+        lines = [new[line.split(",")[0]] + "," + line.split(",", 1)[1] for line in lines]
+        return write(self.path("features.csv"),
+                     "\n".join([header] + lines).encode("utf-8", "surrogateescape") + b"\n")
+
+    def calibrate(self, features, *more, output="out"):
+        return run("calibrate", "--features", features, "--image-size", "640x480", "--pattern",
+                   self.path("sim/pattern.yaml"), "--model", "opencv", "--skip-comparison", "-o",
+                   self.path(output), *more)
+
+    def test_names_come_through_a_calibration_as_they_are(self):
+        self.assert_done(self.calibrate(self.features(NAMES)))
+        facts = json.loads(run("inspect", self.path("out/features.csv"), "--json").stdout)
+        self.assertEqual(facts["cameras"][0]["images"], len(NAMES))
+        html = read(self.path("out/report.html")).decode()
+        for name in ("<img src=x", "</script>."):
+            self.assertNotIn(name, html)
+        self.assertIn("&lt;img src=x", html)
+        self.assert_done(run("report", self.path("out")))
+        self.assertEqual(read(self.path("out/report.html")).decode(), html)
+        evaluated = run("evaluate", self.path("out/camera.yaml"), "--features",
+                        self.path("out/features.csv"), "--pattern", self.path("out/pattern.yaml"))
+        self.assert_done(evaluated)
+        self.assertNotIn("\x1b", evaluated.stdout)
+
+    def test_names_without_quotes_are_refused_where_they_need_some(self):
+        plain = self.features(["a,b.png"] + NAMES[11:] + NAMES[:10], quote=lambda name: name)
+        self.assert_refused(self.calibrate(plain), 2, "features.csv, line", "quotes")
+
+    def test_names_that_are_not_utf8_are_refused_before_the_work(self):
+        latin = self.features(["caf\udce9.png"] + NAMES[1:])
+        self.assert_refused(self.calibrate(latin, output="latin"), 2, "features.csv, line 2",
+                            "UTF-8")
+        os.makedirs(self.path("photos"))
+        try:
+            write(os.fsencode(self.path("photos/")) + b"caf\xe9.pgm", b"P5\n1 1\n255\n0")
+        except OSError:
+            self.skipTest("names are UTF-8 here")
+        for command in (["detect", self.path("photos"), "-o", self.path("latin.csv")],
+                        ["calibrate", self.path("photos"), "-o", self.path("latin")]):
+            result = run(*command, "--pattern", self.path("sim/pattern.yaml"))
+            self.assert_refused(result, 2, "caf\\xe9.pgm", "rename")
+        self.assert_nothing_in(self.path("latin"))
+
+    def test_camera_names_that_no_blob_holds_are_refused_before_the_work(self):
+        for option in ("--name", "--serial"):
+            for name in (b"caf\xe9", b"x" * 32):
+                for command in (["pack", self.camera, "-o", self.path("never.raygrid")],
+                                ["calibrate", "--features", self.path("nowhere.csv"),
+                                 "--image-size", "640x480", "--pattern",
+                                 self.path("nowhere.yaml"), "-o", self.path("never")]):
+                    if command[0] == "calibrate":
+                        command[2] = self.features(NAMES)
+                    result = subprocess.run(
+                        [os.fsencode(part) for part in [programs.raygrid, *command, option]]
+                        + [name], capture_output=True, text=True, check=False)
+                    self.assert_refused(result, 1, option)
+        for never in ("never", "never.raygrid"):
+            self.assertFalse(os.path.exists(self.path(never)))
+
+    def test_a_camera_file_that_is_not_utf8_is_refused(self):
+        text = read(self.camera).replace(b"model:", b"name: caf\xe9\nmodel:")
+        result = run("pack", write(self.path("latin.yaml"), text), "-o",
+                     self.path("latin.raygrid"))
+        self.assert_refused(result, 2, "latin.yaml, line 2", "UTF-8")
+
+    def test_keys_that_stand_twice_are_refused_by_name(self):
+        camera = read(self.camera).decode()
+        twice = write(self.path("twice.yaml"), camera.replace(
+            "image_size:", "image_size: [640, 480]\nimage_size:", 1))
+        self.assert_refused(run("inspect", twice), 2, "twice.yaml, line 5", "'image_size'")
+        pattern = write(self.path("squares.yaml"), SIMULATED_PATTERN.replace(
+            "square_m: 0.03", "square_m: 0.03, square_m: 0.3"))
+        self.assert_refused(run("inspect", pattern), 2, "squares.yaml, line 3", "'square_m'")
+        # Aliases of aliases, which would be endless if they were followed.
+        many = "a0: &a0 [x, x]\n" + "".join(
+            f"a{k}: &a{k} [{', '.join(['*a%d' % (k - 1)] * 9)}]\n" for k in range(1, 30))
+        write(self.path("aliases.yaml"), "raygrid_pattern: 1\n" + many)
+        self.assert_refused(run("inspect", self.path("aliases.yaml")), 2, "boards")
+
+    def test_numbers_that_are_none_are_refused(self):
+        output = ["-o", self.path("nan")]
+        for arguments in (["simulate", "--noise-px"], ["simulate", "--exposure"],
+                          ["simulate", "--baseline-m"], ["pack", self.camera, "--max-error-px"],
+                          ["undistort", self.camera, self.camera, "--hfov"],
+                          ["undistort", self.camera, self.camera, "--max-error-px"],
+                          ["pattern", "chessboard", "--columns", 9, "--rows", 6, "--square-mm"],
+                          ["pattern", "chessboard", "--columns", 9, "--rows", 6, "--square-mm",
+                           20, "--dpi"],
+                          ["compare", self.camera, self.camera, "--distance-m"],
+                          ["pack", self.camera, "--remap=640x480,hfov=nan"],
+                          ["calibrate", "--features", self.path("sim/features.csv"), "--image-size",
+                           "640x480", "--pattern", self.path("sim/pattern.yaml"), "--cell-px"]):
+            for number in ("nan", "inf", "-nan"):
+                last = [] if "=" in str(arguments[-1]) else [number]
+                self.assert_refused(run(*arguments, *last, *output), 1)
+                self.assert_nothing_in(self.path("nan"))
+
+    @unittest.skipUnless(os.path.exists("/dev/full"), "no /dev/full")
+    def test_results_that_cannot_be_printed_are_an_error(self):
+        blob = self.path("camera.raygrid")
+        self.assert_done(run("pack", self.camera, "-o", blob))
+        points = write(self.path("xyz.csv"), "x,y,z\n0,0,1\n")
+        pixels = write(self.path("px.csv"), "x,y\n100,100\n")
+        image = write(self.path("white/a.pgm"), b"P5\n640 480\n255\n" + b"\xff" * 307200)
+        out = ["-o", self.path("printed")]
+        commands = [
+            ["inspect", blob], ["inspect", self.camera], ["project", self.camera, "--points", points],
+            ["unproject", blob, "--pixels", pixels], ["pack", self.camera, "-o", blob],
+            ["compare", self.camera, self.camera], ["undistort", blob, image, *out],
+            ["fit", self.camera, "--model", "opencv", "-o", self.path("fit.yaml")],
+            ["evaluate", self.camera, "--features", self.path("sim/features.csv"), "--pattern",
+             self.path("sim/pattern.yaml")],
+            ["simulate", "--images", 2, *out], ["experiment", "--list"],
+            ["pattern", "chessboard", "--columns", 4, "--rows", 3, "--square-mm", 20, "--dpi", 30,
+             *out]]
+        for command in commands:
+            for more in ([], ["--json"]):
+                line = [programs.raygrid, *map(str, command), *more]
+                printed = run(*command, *more)
+                self.assert_done(printed)
+                if not printed.stdout:
+                    continue
+                for how in ("> /dev/full", ">&-"):
+                    lost = subprocess.run(["sh", "-c", f'"$@" {how}', "sh", *line],
+                                          capture_output=True, text=True, check=False)
+                    self.assert_refused(lost, 7, "standard output")
+
+
+if __name__ == "__main__":
+    main(__name__)
