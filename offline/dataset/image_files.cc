@@ -182,6 +182,11 @@ std::vector<std::string> FindImages(const std::vector<std::string>& paths) {
                        "pgm); name another");
     images.insert(images.end(), found.begin(), found.end());
   }
+  std::sort(images.begin(), images.end(),
+            [](const std::string& a, const std::string& b) {
+              return std::make_pair(fs::path(a).filename(), a) <
+                     std::make_pair(fs::path(b).filename(), b);
+            });
   return images;
 }
 

@@ -37,8 +37,9 @@ GreyLevels DecodeGreyLevels(const std::string& name, const std::string& bytes);
 
 std::string EncodePng(const Image& image);
 
-/// The image files among paths, and in those that are folders; each folder in
-/// alphabetical order. Throws InputError if there is none.
+/// The image files among paths, and in those that are folders, in the order of
+/// their names, whatever the order of paths. Throws InputError if a folder has
+/// none.
 std::vector<std::string> FindImages(const std::vector<std::string>& paths);
 
 }  // namespace raygrid

@@ -178,6 +178,20 @@ TEST(ImageFiles, FoldersGiveTheirImagesInOrder) {
   EXPECT_EQ(found[3], "other.png");
 }
 
+TEST(ImageFiles, OrderIsThatOfTheirNamesWhateverWasGivenFirst) {
+  const TemporaryFolder folder;
+  for (const char* name : {"x/b.png", "x/d.png", "y/a.png", "y/c.png"})
+    WriteFile(folder / name, "");
+  const std::vector<std::string> expected = {
+      folder / "y/a.png", folder / "x/b.png", folder / "y/c.png",
+      folder / "x/d.png"};
+  EXPECT_EQ(FindImages({folder / "x", folder / "y"}), expected);
+  EXPECT_EQ(FindImages({folder / "y", folder / "x"}), expected);
+  EXPECT_EQ(FindImages({folder / "x/d.png", folder / "y/c.png",
+                        folder / "x/b.png", folder / "y/a.png"}),
+            expected);
+}
+
 TEST(ImageFiles, FoldersWithoutImagesAreRefused) {
   const TemporaryFolder folder;
   WriteFile(folder / "in/notes.txt", "");
