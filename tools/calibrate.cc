@@ -109,7 +109,6 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
   RequireWritableFolder(arguments.output);
 
   const std::filesystem::path folder = arguments.output;
-  const std::string resume_path = (folder / "resume.json").string();
   std::string inputs;
   CalibrationResult result;
   std::optional<PackedCamera> packed;
@@ -121,9 +120,11 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
     const Measurements measurements =
         GatherFeatures(arguments, common, paths, given, pattern, &bar);
     options.measure_again = AgainIn(measurements, arguments, common.threads);
-    inputs = InputsOf(arguments, {measurements}, pattern);
-    if (arguments.resume)
-      options.resume = ReadCheckpoints(resume_path, inputs).front();
+    inputs = InputsOf(arguments, common, {measurements}, pattern);
+    CheckpointFile checkpoint(arguments.output, inputs, 1);
+    if (arguments.resume) checkpoint.Read();
+    options.resume = checkpoint.Of(0);
+    options.keep = [&](const Checkpoint& done) { checkpoint.Keep(0, done); };
     NoteInterruptions();
     result = Calibrate(measurements.dataset, pattern, options);
     result.camera.name = arguments.name;
@@ -246,7 +247,8 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
                     "measured again through a first camera");
   command->add_flag("--resume", arguments->resume,
                     "go on from where a calibration with the same features, "
-                    "options and output folder was interrupted (Ctrl-C)");
+                    "options and output folder was interrupted or killed; the "
+                    "result is that of one that was not");
   command->add_flag("--skip-comparison", arguments->skip_comparison,
                     "do not calibrate parametric models as well, to compare "
                     "with in the report");

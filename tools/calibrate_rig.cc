@@ -146,15 +146,14 @@ RigMeasurements Gather(const CalibrateArguments& arguments,
 // With the checkpoints of an interrupted calibration, if there are any.
 std::vector<RigCameraInput> CamerasOf(const RigMeasurements& rig,
                                       const CalibrateArguments& arguments,
-                                      const std::vector<Checkpoint>& resume,
-                                      int num_threads) {
+                                      int num_threads,
+                                      CheckpointFile* checkpoints) {
   std::vector<RigCameraInput> cameras;
   for (size_t c = 0; c < rig.names.size(); ++c) {
-    cameras.push_back({rig.names[c],
-                       rig.cameras[c].dataset,
-                       AgainIn(rig.cameras[c], arguments, num_threads),
-                       {}});
-    if (c < resume.size()) cameras.back().resume = resume[c];
+    cameras.push_back(
+        {rig.names[c], rig.cameras[c].dataset,
+         AgainIn(rig.cameras[c], arguments, num_threads), checkpoints->Of(c),
+         [=](const Checkpoint& done) { checkpoints->Keep(c, done); }});
   }
   return cameras;
 }
@@ -257,8 +256,6 @@ void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
   RequireNothingForOneCamera(arguments);
   const Pattern pattern = ReadPattern(arguments.pattern);
   RequireWritableFolder(arguments.output);
-  const std::string resume_path =
-      (std::filesystem::path(arguments.output) / "resume.json").string();
   std::string inputs;
   RigResult result;
   PackedCameras packed;
@@ -267,12 +264,13 @@ void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
     ProgressBar bar(common.quiet);
     const CalibrationOptions options = OptionsOf(arguments, common, &bar);
     const RigMeasurements rig = Gather(arguments, common, given, pattern, &bar);
-    inputs = InputsOf(arguments, rig.cameras, pattern);
-    std::vector<Checkpoint> resume;
-    if (arguments.resume) resume = ReadCheckpoints(resume_path, inputs);
+    inputs = InputsOf(arguments, common, rig.cameras, pattern);
+    CheckpointFile checkpoints(arguments.output, inputs, rig.cameras.size());
+    if (arguments.resume) checkpoints.Read();
     NoteInterruptions();
-    result = CalibrateRig(CamerasOf(rig, arguments, resume, common.threads),
-                          pattern, options);
+    result =
+        CalibrateRig(CamerasOf(rig, arguments, common.threads, &checkpoints),
+                     pattern, options);
     bar.Show("packing", 0.9);
     packed = PackAll(result, common.threads);
     for (const Measurements& camera : rig.cameras)

@@ -1,16 +1,20 @@
 #include "calibration_input.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <sys/resource.h>
 
-#include "crc32.h"
+#include <exception>
+#include <filesystem>
+#include <utility>
+
+#include "dataset/content_hash.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/text_encoding.h"
 #include "features/camera_refinement.h"
 #include "features/feature_detection.h"
 #include "interruption.h"
+#include "report/checkpoint_json.h"
 
 namespace raygrid {
 namespace {
@@ -120,19 +124,73 @@ void PrintUncertainty(const CameraUncertainty& uncertainty,
 }
 
 std::string InputsOf(const CalibrateArguments& arguments,
+                     const CommonOptions& common,
                      const std::vector<Measurements>& cameras,
                      const Pattern& pattern) {
-  std::string text = FormatPattern(pattern);
-  for (const Measurements& camera : cameras)
-    text += FormatFeatures(camera.dataset) +
-            fmt::format("{} {} {}", camera.dataset.image_size.width,
-                        camera.dataset.image_size.height, camera.paths.size());
-  text += fmt::format("{} {} {} {} {}", arguments.model, arguments.cell_px,
-                      arguments.flat_board, arguments.measure_once,
-                      fmt::join(arguments.hold_out, ","));
-  return fmt::format("{:08x}",
-                     rg_crc32(0, reinterpret_cast<const uint8_t*>(text.data()),
-                              static_cast<uint32_t>(text.size())));
+  ContentHash hash;
+  hash.Add(RAYGRID_VERSION);
+  hash.Add(FormatPattern(pattern));
+  for (const Measurements& camera : cameras) {
+    const ImageSize& size = camera.dataset.image_size;
+    hash.Add(
+        fmt::format("{} {} {}", size.width, size.height, camera.paths.size()));
+    for (const ImageFeatures& image : camera.dataset.images) {
+      hash.Add(image.image);
+      for (const Feature& f : image.features)
+        hash.Add(fmt::format("{} {} {} {:.17g} {:.17g}", f.board, f.column,
+                             f.row, f.pixel.x(), f.pixel.y()));
+    }
+  }
+  hash.Add(fmt::format("{} {} {} {} {}", arguments.model, arguments.cell_px,
+                       arguments.flat_board, arguments.measure_once,
+                       common.seed));
+  for (const std::string& image : arguments.hold_out) hash.Add(image);
+  return hash.Text();
+}
+
+// ---- Checkpoints -----------------------------------------------------------
+
+namespace {
+using Clock = std::chrono::steady_clock;
+}
+
+CheckpointFile::CheckpointFile(const std::string& folder,
+                               const std::string& inputs, size_t num_cameras)
+    : path_((std::filesystem::path(folder) / "resume.json").string()),
+      inputs_(inputs),
+      checkpoints_(num_cameras) {}
+
+void CheckpointFile::Read() {
+  std::vector<Checkpoint> read = ReadCheckpoints(path_, inputs_);
+  if (read.size() != checkpoints_.size())
+    throw InputError(path_ +
+                     ": is of a rig of other cameras; run without "
+                     "--resume");
+  checkpoints_ = std::move(read);
+}
+
+void CheckpointFile::Keep(size_t camera, const Checkpoint& checkpoint) {
+  checkpoints_[camera] = checkpoint;
+  const auto start = Clock::now();
+  if (start < next_write_) return;
+  try {
+    OutputFiles files;
+    files.Add(path_, FormatCheckpoints(checkpoints_, inputs_), Links::kReplace);
+    files.Commit();
+    is_written_ = true;
+  } catch (const Error&) {
+    // The result is worth having without.
+  }
+  // Writing takes a tenth of the time at most.
+  const auto end = Clock::now();
+  next_write_ = end + 9 * (end - start);
+}
+
+CheckpointFile::~CheckpointFile() {
+  if (is_written_ && std::uncaught_exceptions() > 0) {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
 }
 
 }  // namespace raygrid

@@ -2,6 +2,7 @@
 #ifndef RAYGRID_TOOLS_CALIBRATION_INPUT_H
 #define RAYGRID_TOOLS_CALIBRATION_INPUT_H
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -51,8 +52,35 @@ MeasureAgain AgainIn(const Measurements& measurements,
 
 /// Tells features, pattern and what matters of the options from others.
 std::string InputsOf(const CalibrateArguments& arguments,
+                     const CommonOptions& common,
                      const std::vector<Measurements>& cameras,
                      const Pattern& pattern);
+
+/// resume.json while a calibration is at work: a program that is killed leaves
+/// it. The result that is written to the folder takes it away, and so does a
+/// calibration that fails.
+class CheckpointFile {
+ public:
+  /// inputs are InputsOf() those cameras.
+  CheckpointFile(const std::string& folder, const std::string& inputs,
+                 size_t num_cameras);
+  ~CheckpointFile();
+  CheckpointFile(const CheckpointFile&) = delete;
+  CheckpointFile& operator=(const CheckpointFile&) = delete;
+
+  /// Takes up what was written before; throws as ReadCheckpoints().
+  void Read();
+  const Checkpoint& Of(size_t camera) const { return checkpoints_[camera]; }
+
+  /// Writes them all, now or with one of the next.
+  void Keep(size_t camera, const Checkpoint& checkpoint);
+
+ private:
+  std::string path_, inputs_;
+  std::vector<Checkpoint> checkpoints_;
+  std::chrono::steady_clock::time_point next_write_ = {};
+  bool is_written_ = false;
+};
 
 /// Throws Error(kUsage). Without measure_again.
 CalibrationOptions OptionsOf(const CalibrateArguments& arguments,

@@ -39,11 +39,8 @@ CalibrationResult Calibrate(const Dataset& measured, const Pattern& pattern,
   const Stopwatch adjustment_time;
   AdjustmentOptions adjustment = AdjustmentOptionsOf(options);
   adjustment.should_stop = options.should_stop;
-  Checkpoint& checkpoint = start.checkpoint;
   AdjustModel(pattern, options.model, {result.cell_px}, adjustment,
-              &start.adjusted,
-              checkpoint.adjustment ? &*checkpoint.adjustment : nullptr);
-  if (start.is_complete) checkpoint.adjustment = ProgressOf(start.adjusted);
+              &start.adjusted);
   AdjustInCameraFrames(adjustment, &start.adjusted);
   AlignBoards(pattern, &start.adjusted);
   FillResult(pattern, start.adjusted, 0, options.num_threads, &result);
@@ -62,8 +59,7 @@ CalibrationResult Calibrate(const Dataset& measured, const Pattern& pattern,
         CompareParametricModels(start.split, pattern, options, parametric);
     result.seconds["comparison"] = comparison_time.Seconds();
   }
-  if (!result.converged && ShouldStop(options))
-    result.checkpoint = std::move(checkpoint);
+  if (ShouldStop(options)) result.checkpoint = std::move(start.checkpoint);
   JudgeResult(&result);
   if (options.progress) options.progress("done", 1);
   return result;

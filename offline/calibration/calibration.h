@@ -11,6 +11,9 @@
 
 namespace raygrid {
 
+/// Told what need not be done again, whenever there is more of it.
+using KeepCheckpoint = std::function<void(const Checkpoint&)>;
+
 /// Told the stage and how much of the whole is done, 0 to 1.
 using Progress = std::function<void(const std::string& stage, double done)>;
 
@@ -30,8 +33,10 @@ struct CalibrationOptions {
   Progress progress;
   /// Once true, the best state so far is the result.
   std::function<bool()> should_stop;
-  /// Of the same features and options; may be empty.
+  /// Of the same features and options; may be empty. The result is to the bit
+  /// that of a calibration without interruption.
   std::optional<Checkpoint> resume;
+  KeepCheckpoint keep;
 };
 
 /// From features to a camera: parametric start, features measured again,

@@ -14,6 +14,10 @@
 namespace raygrid {
 namespace {
 
+void Keep(const CalibrationOptions& options, const Checkpoint& checkpoint) {
+  if (options.keep) options.keep(checkpoint);
+}
+
 // Both have the same features.
 double RmsMovePx(const Dataset& before, const Dataset& after) {
   double sum = 0;
@@ -65,14 +69,14 @@ void ValidateResolutions(const Pattern& pattern,
                          const std::function<void(double)>& progress,
                          const std::vector<double>& cells, CameraStart* start) {
   const Dataset& training = start->split.training;
-  CrossValidate(training, pattern,
-                {options.model, options.flat_board, options.num_threads,
-                 progress, options.should_stop},
-                cells, &start->checkpoint.trials);
+  CrossValidate(
+      training, pattern,
+      {options.model, options.flat_board, options.num_threads, progress,
+       options.should_stop, [&] { Keep(options, start->checkpoint); }},
+      cells, &start->checkpoint.trials);
   const std::vector<Trial> trials =
       JoinFolds(start->checkpoint.trials, NumFoldsToTry(training), cells);
-  start->is_complete = !trials.empty();
-  if (!start->is_complete) return;
+  if (trials.empty()) return;
   CalibrationResult& result = start->result;
   for (const Trial& trial : trials)
     result.cell_candidates.push_back(Summarize(trial));
@@ -96,6 +100,7 @@ void StartAgain(const Dataset& measured, const Pattern& pattern,
     again = MeasureFeaturesAgain(measured, pattern, options, adjustment,
                                  start->adjusted);
   if (!again) return;
+  Keep(options, start->checkpoint);
   start->result.measured_again_rms_px = RmsMovePx(measured, *again);
   start->split = SplitImages(*again, options.hold_out);
   start->adjusted = AdjustStart(start->split.training, pattern, adjustment);

@@ -15,7 +15,6 @@ struct CameraStart {
   Adjusted adjusted;         ///< a parametric camera, by the training images
   CalibrationResult result;  ///< what is known so far
   Checkpoint checkpoint;     ///< what is done so far
-  bool is_complete = true;   ///< false if it was told to stop
 };
 
 /// Throws Error(kUsage).

@@ -108,7 +108,6 @@ void CrossValidate(const Dataset& dataset, const Pattern& pattern,
   serial.should_stop = options.should_stop;
   int num_done = 0;
   std::mutex mutex;
-  std::vector<char> is_done(missing.size(), false);
   ParallelFor(static_cast<int>(missing.size()), num_threads, [&](int i) {
     Checkpoint::Trial& trial = missing[i];
     Adjusted adjusted = starts[trial.fold];
@@ -120,14 +119,13 @@ void CrossValidate(const Dataset& dataset, const Pattern& pattern,
         EvaluateCamera(adjusted.state.camera(), splits[trial.fold].test,
                        AdjustedPattern(pattern, adjusted), 1)
             .residuals;
-    is_done[i] = true;
     const std::lock_guard<std::mutex> lock(mutex);
+    done->push_back(std::move(trial));
+    if (options.on_done) options.on_done();
     if (options.progress)
       options.progress(static_cast<double>(++num_done) /
                        static_cast<double>(missing.size()));
   });
-  for (size_t i = 0; i < missing.size(); ++i)
-    if (is_done[i]) done->push_back(std::move(missing[i]));
 }
 
 std::vector<Trial> JoinFolds(const std::vector<Checkpoint::Trial>& done,

@@ -34,6 +34,8 @@ struct ValidationOptions {
   int num_threads = 0;
   std::function<void(double)> progress;
   std::function<bool()> should_stop;
+  /// Called when *done has grown, by one thread at a time.
+  std::function<void()> on_done;
 };
 
 /// A grid resolution and the held-out residuals over all folds.

@@ -42,26 +42,7 @@ using Lenses = std::vector<std::unique_ptr<CameraModel>>;
 struct Starts {
   const Lenses& lenses;
   const std::vector<double>& cells_px;
-  const Checkpoint::Adjustment* go_on_from = nullptr;
 };
-
-// Where an adjustment was, if it was of the same grid, images and board.
-void GoOn(const Checkpoint::Adjustment& from, GaussianPrior* prior,
-          AdjustmentState* state) {
-  std::vector<PriorGroup>& groups = prior->cameras.front().groups;
-  if (state->cameras.size() != 1 ||
-      from.camera.size() != state->camera().NumParameters() ||
-      from.poses.size() != state->rig_from_pattern.size() ||
-      from.points.size() != state->points.size() ||
-      from.prior_weights.size() != groups.size())
-    return;
-  state->cameras.front()->SetParameters(from.camera);
-  state->rig_from_pattern = from.poses;
-  state->points = from.points;
-  for (size_t g = 0; g < groups.size(); ++g)
-    groups[g].weight = from.prior_weights[g];
-  prior->points_weight = from.points_weight;
-}
 
 int NumFeatures(const CalibrationProblem& problem, int camera) {
   size_t count = 0;
@@ -138,7 +119,6 @@ AdjustmentSummary AdjustGrids(const CalibrationProblem& problem,
     prior->cameras.push_back(SmoothnessPrior(base));
     state->cameras[c] = base.Clone();
   }
-  if (starts.go_on_from) GoOn(*starts.go_on_from, prior, state);
   return AdjustInTwoSteps(problem, options, prior, state);
 }
 
@@ -173,7 +153,6 @@ AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
                                               *state->cameras[c]))
                             .Clone();
   }
-  if (starts.go_on_from) GoOn(*starts.go_on_from, prior, state);
   return AdjustInTwoSteps(problem, options, prior, state);
 }
 
@@ -274,16 +253,14 @@ AdjustmentSummary AdjustParametric(const CalibrationProblem& problem,
 
 void AdjustModel(const Pattern& pattern, const std::string& model,
                  const std::vector<double>& cells_px,
-                 const AdjustmentOptions& options, Adjusted* adjusted,
-                 const Checkpoint::Adjustment* go_on_from) {
+                 const AdjustmentOptions& options, Adjusted* adjusted) {
   const Lenses lenses = CopyCameras(adjusted->state);
   const std::vector<Area> areas = FeatureAreas(adjusted->problem);
-  const auto adjust = [&](const Checkpoint::Adjustment* from) {
-    adjusted->summary =
-        Adjust(model, adjusted->problem, {lenses, cells_px, from}, options,
-               &adjusted->prior, &adjusted->state);
+  const auto adjust = [&] {
+    adjusted->summary = Adjust(model, adjusted->problem, {lenses, cells_px},
+                               options, &adjusted->prior, &adjusted->state);
   };
-  adjust(go_on_from);
+  adjust();
   const auto removed =
       RemoveOutliers(pattern, adjusted->summary.residuals, &adjusted->problem);
   bool have_removed = false;
@@ -296,7 +273,7 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
     adjusted->summary = AdjustWithLearnedPrior(
         adjusted->problem.views, options, &adjusted->prior, &adjusted->state);
   else if (have_removed)
-    adjust(nullptr);
+    adjust();
   FinishCameras(adjusted);
 }
 
@@ -324,18 +301,6 @@ void AlignBoards(const Pattern& pattern, Adjusted* adjusted) {
                         {poses.begin(), poses.end()}});
   }
   AlignToNominal(boards, &adjusted->state);
-}
-
-Checkpoint::Adjustment ProgressOf(const Adjusted& adjusted) {
-  const AdjustmentState& state = adjusted.state;
-  Checkpoint::Adjustment progress = {state.camera().Parameters(),
-                                     state.rig_from_pattern,
-                                     state.points,
-                                     {},
-                                     adjusted.prior.points_weight};
-  for (const PriorGroup& group : adjusted.prior.cameras.front().groups)
-    progress.prior_weights.push_back(group.weight);
-  return progress;
 }
 
 bool HavePointsMoved(const Adjusted& adjusted) {

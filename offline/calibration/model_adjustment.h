@@ -6,7 +6,6 @@
 
 #include "adjustment/bundle_adjustment.h"
 #include "calibration/calibration_problem.h"
-#include "evaluation/checkpoint.h"
 
 namespace raygrid {
 
@@ -26,20 +25,15 @@ AdjustmentSummary AdjustParametric(const CalibrationProblem& problem,
                                    AdjustmentState* state);
 
 /// On to the model asked for: adjusted, outliers removed, once more. Cells for
-/// each camera. A single camera that is a grid goes on from where it was
-/// interrupted, if that is given and was of the same grid and images.
+/// each camera.
 void AdjustModel(const Pattern& pattern, const std::string& model,
                  const std::vector<double>& cells_px,
-                 const AdjustmentOptions& options, Adjusted* adjusted,
-                 const Checkpoint::Adjustment* go_on_from = nullptr);
+                 const AdjustmentOptions& options, Adjusted* adjusted);
 
 /// What no feature tells, after an adjustment: parametric cameras over the
 /// features' area, unseen control points within what a blob can hold, the
 /// origin of lines that do not meet at the point nearest to them.
 void FinishCameras(Adjusted* adjusted);
-
-/// Of a single camera.
-Checkpoint::Adjustment ProgressOf(const Adjusted& adjusted);
 
 /// Brings boards whose points were free to where they are nominally.
 void AlignBoards(const Pattern& pattern, Adjusted* adjusted);

@@ -19,10 +19,14 @@ std::vector<FeatureResidual> HeldOut(const Split& split, const Pattern& pattern,
   const int num_folds = NumFoldsToTry(split.training);
   if (num_folds == 0) return {};
   std::vector<Checkpoint::Trial> done;
-  CrossValidate(
-      split.training, pattern,
-      {model, options.flat_board, options.num_threads, {}, options.should_stop},
-      {0}, &done);
+  CrossValidate(split.training, pattern,
+                {model,
+                 options.flat_board,
+                 options.num_threads,
+                 {},
+                 options.should_stop,
+                 {}},
+                {0}, &done);
   const std::vector<Trial> trials = JoinFolds(done, num_folds, {0});
   return trials.empty() ? std::vector<FeatureResidual>()
                         : trials.front().held_out;
@@ -57,7 +61,8 @@ std::vector<ModelFigures> CompareParametricModels(
   for (const char* model : {"opencv", "thin-prism-fisheye", "central-radial"}) {
     if (model == options.model || ShouldStop(options)) continue;
     try {
-      models.push_back(Measure(split, pattern, options, model, start));
+      ModelFigures figures = Measure(split, pattern, options, model, start);
+      if (!ShouldStop(options)) models.push_back(std::move(figures));
     } catch (const Error&) {
       // A fisheye may be beyond what a model can say.
     }

@@ -87,6 +87,7 @@ std::vector<CameraStart> StartCameras(
     CalibrationOptions own = options;
     own.measure_again = cameras[c].measure_again;
     own.resume = cameras[c].resume;
+    own.keep = cameras[c].keep;
     own.progress = [&](const std::string& stage, double done) {
       if (options.progress)
         options.progress(cameras[c].name + ": " + stage,

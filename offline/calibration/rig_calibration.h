@@ -16,6 +16,7 @@ struct RigCameraInput {
   Dataset dataset;
   MeasureAgain measure_again;        ///< without: features stay as they are
   std::optional<Checkpoint> resume;  ///< of the same features and options
+  KeepCheckpoint keep = nullptr;
 };
 
 /// From the features of cameras on a rig to cameras and their poses: each

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "dataset/content_hash.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 
@@ -19,31 +20,9 @@ namespace fs = std::filesystem;
 constexpr int kDetectorVersion = 7;
 constexpr const char* kExtension = ".detection";
 
-__extension__ using Uint128 = unsigned __int128;
-
-// FNV-1a of 128 bits. Parts are told apart: "ab", "c" is not "a", "bc".
-class Hash {
- public:
-  void Add(const std::string& part) {
-    AddBytes(part);
-    AddBytes(fmt::format(" {} ", part.size()));
-  }
-  std::string Text() const {
-    return fmt::format("{:016x}{:016x}", static_cast<uint64_t>(state_ >> 64),
-                       static_cast<uint64_t>(state_));
-  }
-
- private:
-  void AddBytes(const std::string& bytes) {
-    constexpr Uint128 kPrime = (Uint128{1} << 88) + 0x13b;
-    for (const unsigned char byte : bytes) state_ = (state_ ^ byte) * kPrime;
-  }
-  Uint128 state_ = (Uint128{0x6c62272e07bb0142} << 64) + 0x62b821756295c58d;
-};
-
 // Of an entry under its key, so that one under another's name is not taken.
 std::string Checksum(const std::string& key, const std::string& entry) {
-  Hash hash;
+  ContentHash hash;
   hash.Add(key);
   hash.Add(entry);
   return hash.Text();
@@ -130,7 +109,7 @@ std::string DetectionCache::DefaultFolder() {
 std::string DetectionCache::Key(const std::string& image_bytes,
                                 const Pattern& pattern,
                                 const DetectionOptions& options) {
-  Hash hash;
+  ContentHash hash;
   hash.Add(RAYGRID_VERSION);
   hash.Add(fmt::format("{} {} {}", kDetectorVersion,
                        static_cast<int>(options.refinement),

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "dataset/content_hash.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 
@@ -11,19 +12,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-template <typename Vector>
-Json VectorJson(const Vector& vector) {
-  return std::vector<double>(vector.data(), vector.data() + vector.size());
-}
+constexpr int kVersion = 3;
 
-template <typename Vector>
-Vector ParseVector(const Json& json) {
-  const auto values = json.get<std::vector<double>>();
-  if (Vector::SizeAtCompileTime != Eigen::Dynamic &&
-      static_cast<int>(values.size()) != Vector::SizeAtCompileTime)
-    throw InputError("a vector has too many or too few numbers");
-  return Eigen::Map<const Vector>(values.data(),
-                                  static_cast<Eigen::Index>(values.size()));
+// Of what the file is about and what it holds: the result goes by both.
+std::string Checksum(const std::string& inputs, const Json& cameras) {
+  ContentHash hash;
+  hash.Add(inputs);
+  hash.Add(cameras.dump());
+  return hash.Text();
 }
 
 Eigen::Vector2d ParsePixel(const Json& x, const Json& y) {
@@ -78,45 +74,12 @@ Checkpoint::Trial ParseTrial(const Json& json) {
   return trial;
 }
 
-// ---- Adjustment ------------------------------------------------------------
-
-Json AdjustmentJson(const Checkpoint::Adjustment& adjustment) {
-  Json json = {{"camera", VectorJson(adjustment.camera)},
-               {"prior_weights", adjustment.prior_weights},
-               {"points_weight", adjustment.points_weight},
-               {"poses", Json::array()},
-               {"points", Json::array()}};
-  for (const Pose& pose : adjustment.poses)
-    json["poses"].push_back(
-        {VectorJson(pose.rotation.coeffs()), VectorJson(pose.translation)});
-  for (const Eigen::Vector3d& point : adjustment.points)
-    json["points"].push_back(VectorJson(point));
-  return json;
-}
-
-Checkpoint::Adjustment ParseAdjustment(const Json& json) {
-  Checkpoint::Adjustment adjustment;
-  adjustment.camera = ParseVector<Eigen::VectorXd>(json.at("camera"));
-  adjustment.prior_weights =
-      json.at("prior_weights").get<std::vector<double>>();
-  adjustment.points_weight = json.at("points_weight");
-  for (const Json& pose : json.at("poses"))
-    adjustment.poses.push_back(
-        {Eigen::Quaterniond(ParseVector<Eigen::Vector4d>(pose.at(0))),
-         ParseVector<Eigen::Vector3d>(pose.at(1))});
-  for (const Json& point : json.at("points"))
-    adjustment.points.push_back(ParseVector<Eigen::Vector3d>(point));
-  return adjustment;
-}
-
 Checkpoint Parse(const Json& json) {
   Checkpoint checkpoint;
   if (json.contains("measured_again"))
     checkpoint.measured_again = ParseFeatures(json.at("measured_again"));
   for (const Json& trial : json.at("trials"))
     checkpoint.trials.push_back(ParseTrial(trial));
-  if (json.contains("adjustment"))
-    checkpoint.adjustment = ParseAdjustment(json.at("adjustment"));
   return checkpoint;
 }
 
@@ -126,8 +89,6 @@ Json CheckpointJson(const Checkpoint& checkpoint) {
     json["measured_again"] = FeaturesJson(*checkpoint.measured_again);
   for (const Checkpoint::Trial& trial : checkpoint.trials)
     json["trials"].push_back(TrialJson(trial));
-  if (checkpoint.adjustment)
-    json["adjustment"] = AdjustmentJson(*checkpoint.adjustment);
   return json;
 }
 
@@ -135,10 +96,13 @@ Json CheckpointJson(const Checkpoint& checkpoint) {
 
 std::string FormatCheckpoints(const std::vector<Checkpoint>& checkpoints,
                               const std::string& inputs) {
-  Json json = {
-      {"raygrid_resume", 2}, {"inputs", inputs}, {"cameras", Json::array()}};
+  Json cameras = Json::array();
   for (const Checkpoint& checkpoint : checkpoints)
-    json["cameras"].push_back(CheckpointJson(checkpoint));
+    cameras.push_back(CheckpointJson(checkpoint));
+  Json json = {{"raygrid_resume", kVersion},
+               {"inputs", inputs},
+               {"checksum", Checksum(inputs, cameras)}};
+  json["cameras"] = std::move(cameras);
   return json.dump() + "\n";
 }
 
@@ -151,10 +115,13 @@ std::vector<Checkpoint> ReadCheckpoints(const std::string& path,
   const std::string text = ReadFile(path);
   try {
     const Json json = Json::parse(text);
-    if (json.at("raygrid_resume") != 2)
+    if (json.at("raygrid_resume") != kVersion)
       throw InputError("unknown version of resume.json");
     if (json.at("inputs") != inputs)
-      throw InputError("is of other features, pattern or options");
+      throw InputError(
+          "is of other features, pattern, options or another version");
+    if (json.at("checksum") != Checksum(inputs, json.at("cameras")))
+      throw InputError("was changed since it was written");
     std::vector<Checkpoint> checkpoints;
     for (const Json& camera : json.at("cameras"))
       checkpoints.push_back(Parse(camera));

@@ -13,7 +13,7 @@ namespace raygrid {
 std::string FormatCheckpoints(const std::vector<Checkpoint>& checkpoints,
                               const std::string& inputs);
 
-/// Throws InputError: no such file, malformed, or of other inputs.
+/// Throws InputError: no such file, malformed, altered, or of other inputs.
 std::vector<Checkpoint> ReadCheckpoints(const std::string& path,
                                         const std::string& inputs);
 

@@ -526,13 +526,6 @@ Checkpoint ExampleCheckpoint() {
   again.image_size = {640, 480};
   again.images = {{"a.png", {{0, 3, 4, {1.0 / 3, 2}}}}, {"b.png", {}}};
   checkpoint.trials = {{2, 80.0 / 3, {{"a.png", 0, 3, 4, {1, 2}, {0.1, -1}}}}};
-  checkpoint.adjustment = Checkpoint::Adjustment();
-  Checkpoint::Adjustment& adjustment = *checkpoint.adjustment;
-  adjustment.camera = Eigen::Vector3d(1, 2, 1.0 / 7);
-  adjustment.poses = {{RotationFromVector({0.1, 0.2, 0.3}), {1, 2, 3}}};
-  adjustment.points = {{0, 0.1, 0.2}};
-  adjustment.prior_weights = {0.5};
-  adjustment.points_weight = 1e7;
   return checkpoint;
 }
 
@@ -545,8 +538,8 @@ TEST(Checkpoint, IsReadBackExactly) {
   EXPECT_EQ(FormatCheckpoints(read, "cafe"), text);
   ASSERT_EQ(read.size(), 2u);
   const Checkpoint& first = read[0];
-  ASSERT_TRUE(first.adjustment && first.measured_again);
-  EXPECT_EQ(first.adjustment->camera, ExampleCheckpoint().adjustment->camera);
+  ASSERT_TRUE(first.measured_again);
+  EXPECT_EQ(first.measured_again->images[0].features[0].pixel.x(), 1.0 / 3);
   EXPECT_EQ(first.trials[0].cell_px, 80.0 / 3);
   EXPECT_EQ(first.trials[0].held_out[0].error_px.y(), -1);
 }
@@ -565,6 +558,20 @@ TEST(Checkpoint, OfOtherInputsOrMalformedIsRefused) {
             R"({"raygrid_resume": 2, "inputs": "cafe", "cameras": []})")}) {
     WriteFile(path, broken);
     EXPECT_THROW(ReadCheckpoints(path, "cafe"), InputError) << broken;
+  }
+}
+
+TEST(Checkpoint, ThatWasAlteredIsRefused) {
+  const std::string text = FormatCheckpoints({ExampleCheckpoint(), {}}, "cafe");
+  const TemporaryFolder folder;
+  const std::string path = folder / "resume.json";
+  for (const char* number : {"-1.0", "3,4,1.0", "0.3333", "640"}) {
+    std::string altered = text;
+    altered.replace(altered.find(number), 1, "2");
+    ASSERT_NE(altered, text) << number;
+    WriteFile(path, altered);
+    ExpectError(ExitCode::kInput, {"resume.json", "changed"},
+                [&] { ReadCheckpoints(path, "cafe"); });
   }
 }
 
