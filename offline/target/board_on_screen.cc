@@ -23,6 +23,14 @@ Area ExtentInSquares(const Board& board) {
   return {extent_m.x0 / s, extent_m.y0 / s, extent_m.x1 / s, extent_m.y1 / s};
 }
 
+void RequirePixelPitch(double pixels_per_inch) {
+  if (!(pixels_per_inch > 0) || !std::isfinite(pixels_per_inch))
+    throw Error(ExitCode::kUsage,
+                fmt::format("--dpi {:g}: a screen has more than 0 pixels per "
+                            "inch",
+                            pixels_per_inch));
+}
+
 void DrawOnScreen(const ScreenBoards& boards, const Board& board, cairo_t* cr) {
   const Area extent = ExtentInSquares(board);
   const double margin_px = std::floor(kMarginSquares * boards.square_px);
@@ -41,13 +49,21 @@ void DrawOnScreen(const ScreenBoards& boards, const Board& board, cairo_t* cr) {
 }  // namespace
 
 ScreenBoards PlanScreenBoards(std::vector<Board> boards,
-                              const ImageSize& screen) {
+                              const ImageSize& screen, int wanted_px) {
   RequirePossibleBoards(boards);
   const Area extent = ExtentInSquares(boards.front());
-  const double square_px = std::floor(
+  const double largest_px = std::floor(
       std::min(screen.width / (extent.width() + 2 * kMarginSquares),
                screen.height / (extent.height() + 2 * kMarginSquares)) +
       1e-9);
+  if (wanted_px > largest_px)
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("--screen {}x{}: squares of {} pixels do not fit, at most "
+                    "{:g} do; take smaller ones, or neither --dpi nor "
+                    "--square-px for the largest",
+                    screen.width, screen.height, wanted_px, largest_px));
+  const double square_px = wanted_px != 0 ? wanted_px : largest_px;
   if (std::max(screen.width, screen.height) > 32767 || square_px < 4)
     throw Error(ExitCode::kUsage,
                 fmt::format("--screen {}x{}: its squares would be {:g} pixels "
@@ -63,18 +79,26 @@ ScreenBoards PlanScreenBoards(std::vector<Board> boards,
   return plan;
 }
 
+int SquarePx(const Board& board, double pixels_per_inch) {
+  RequirePixelPitch(pixels_per_inch);
+  const double square_px = board.square_m / 0.0254 * pixels_per_inch;
+  // More than any screen has, and less than any board needs.
+  return static_cast<int>(std::lround(std::clamp(square_px, 1.0, 1e6)));
+}
+
 ScreenBoards WithPixelPitch(ScreenBoards boards, double pixels_per_inch) {
-  if (!(pixels_per_inch > 0) || !std::isfinite(pixels_per_inch))
-    throw Error(ExitCode::kUsage,
-                fmt::format("--dpi {:g}: a screen has more than 0 pixels per "
-                            "inch",
-                            pixels_per_inch));
+  RequirePixelPitch(pixels_per_inch);
   const double square_m = boards.square_px * 0.0254 / pixels_per_inch;
   for (Board& board : boards.boards) {
     board.marker_m *= square_m / board.square_m;
     board.square_m = square_m;
   }
   return boards;
+}
+
+ScreenLength LengthToMeasure(const Board& board) {
+  const Eigen::Vector3d last = board.NominalPoints().back() / board.square_m;
+  return {last.x() >= last.y(), std::max(last.x(), last.y())};
 }
 
 std::string ScreenYaml(const ScreenBoards& boards) {

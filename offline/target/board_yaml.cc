@@ -33,16 +33,6 @@ std::string KeysOfKind(const Board& board) {
   return keys;
 }
 
-std::string YamlOf(const std::vector<Board>& boards) {
-  std::string yaml = "raygrid_pattern: 1\nboards:\n";
-  for (const Board& board : boards)
-    yaml += fmt::format(
-        "  - {{id: {}, kind: {}, columns: {}, rows: {}, square_m: {:.9g}{}}}\n",
-        board.id, board.kind, board.columns, board.rows, board.square_m,
-        KeysOfKind(board));
-  return yaml;
-}
-
 std::vector<Board> MeanScaled(std::vector<Board> boards,
                               const PrintScale& scale) {
   for (Board& board : boards) {
@@ -66,10 +56,20 @@ std::string WithScaledPoints(const std::string& yaml,
 
 }  // namespace
 
+std::string BoardsYaml(const std::vector<Board>& boards) {
+  std::string yaml = "raygrid_pattern: 1\nboards:\n";
+  for (const Board& board : boards)
+    yaml += fmt::format(
+        "  - {{id: {}, kind: {}, columns: {}, rows: {}, square_m: {:.9g}{}}}\n",
+        board.id, board.kind, board.columns, board.rows, board.square_m,
+        KeysOfKind(board));
+  return yaml;
+}
+
 std::string BoardsYaml(const std::vector<Board>& boards,
                        const BoardPlace& place, const PrintScale& scale) {
   const std::string yaml =
-      YamlOf(MeanScaled(boards, scale)) +
+      BoardsYaml(MeanScaled(boards, scale)) +
       fmt::format(
           "page: {{width_m: {:.9g}, height_m: {:.9g}, first_feature_m: "
           "[{:.9g}, {:.9g}]}}\n",
@@ -80,7 +80,7 @@ std::string BoardsYaml(const std::vector<Board>& boards,
 
 void RequirePossibleBoards(const std::vector<Board>& boards) {
   try {
-    ParsePattern("the pattern", YamlOf(boards));
+    ParsePattern("the pattern", BoardsYaml(boards));
     for (const Board& board : boards) BoardAppearance{board};
   } catch (const InputError& error) {
     throw Error(ExitCode::kUsage, error.what());

@@ -22,6 +22,9 @@ struct PrintScale {
   double x = 1, y = 1;
 };
 
+/// pattern.yaml without a page.
+std::string BoardsYaml(const std::vector<Board>& boards);
+
 /// pattern.yaml; what it says of the page is what was drawn.
 std::string BoardsYaml(const std::vector<Board>& boards,
                        const BoardPlace& place, const PrintScale& scale);

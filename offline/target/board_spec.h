@@ -1,0 +1,35 @@
+/// Boards said in one word, for those who have no pattern.yaml.
+#ifndef RAYGRID_TARGET_BOARD_SPEC_H
+#define RAYGRID_TARGET_BOARD_SPEC_H
+
+#include <string>
+
+#include "dataset/pattern.h"
+
+namespace raygrid {
+
+/// The board that `raygrid pattern KIND` makes of the same values:
+///
+///     KIND:COLUMNSxROWS:LENGTH[:NAME=VALUE]...
+///
+///     chessboard:9x6:25mm                     inner corners; side of a square
+///     charuco:8x5:28mm:marker=21mm            likewise
+///     aprilgrid:6x6:24mm                      tags; side of a tag's black
+///     star:16x23:11.132mm                     stars; distance between them
+///
+/// A LENGTH is a number with mm, cm or m. NAMEs are those of the command's
+/// options: marker (a LENGTH), dictionary, legacy (without a value) and
+/// first-marker of charuco; spacing-ratio and first-marker of aprilgrid;
+/// segments, tags, tag-id and tag-squares of star; boards of these three.
+/// Throws Error(kUsage).
+Pattern ParseBoardSpec(const std::string& spec);
+
+/// Whether a text has a colon and is no file's name.
+bool IsBoardSpec(const std::string& path_or_spec);
+
+/// pattern.yaml, or a board's spec. Throws Error(kUsage), InputError.
+Pattern ReadPatternOrSpec(const std::string& path_or_spec);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_TARGET_BOARD_SPEC_H
