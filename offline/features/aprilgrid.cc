@@ -8,7 +8,6 @@
 
 #include "features/corner_growth.h"
 #include "features/seen_markers.h"
-#include "features/tag_detection.h"
 
 namespace raygrid {
 namespace {
@@ -51,7 +50,9 @@ void Undo(const Preparation& preparation, DetectedTag* tag) {
   }
 }
 
-std::vector<DetectedTag> FindTags(const GreyImage& image) {
+}  // namespace
+
+std::vector<DetectedTag> FindGridTags(const GreyImage& image) {
   const cv::Mat grey = ReadableImage(image);
   const TagDetector detector(TagFamily::k36h11WideBorder, {});
   std::vector<DetectedTag> found;
@@ -70,8 +71,6 @@ std::vector<DetectedTag> FindTags(const GreyImage& image) {
   }
   return found;
 }
-
-}  // namespace
 
 struct AprilGridLocator::Data {
   explicit Data(const Board& b)
@@ -148,7 +147,7 @@ AprilGridLocator::AprilGridLocator(const Board& board)
 AprilGridLocator::~AprilGridLocator() = default;
 
 ImageDetection AprilGridLocator::Locate(const GreyImage& image) const {
-  const std::vector<DetectedTag> tags = FindTags(image);
+  const std::vector<DetectedTag> tags = FindGridTags(image);
   const MarkerConstellation seen = data_->Constellation(tags);
   const MarkerConstellation fitting = seen.Consistent();
   ImageDetection located;
@@ -166,7 +165,8 @@ ImageDetection AprilGridLocator::Locate(const GreyImage& image) const {
     located.remarks.push_back(
         fmt::format("tag {} is not on board {}", tags[0].id, data_->board.id));
   if (fitting.size() == 0 &&
-      data_->Constellation(FindTags(Mirrored(image))).Consistent().size() > 0)
+      data_->Constellation(FindGridTags(Mirrored(image))).Consistent().size() >
+          0)
     located.remarks.push_back(
         fmt::format("board {} is seen mirrored", data_->board.id));
   return located;

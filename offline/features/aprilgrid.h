@@ -2,8 +2,10 @@
 #define RAYGRID_FEATURES_APRILGRID_H
 
 #include <memory>
+#include <vector>
 
 #include "features/detection.h"
+#include "features/tag_detection.h"
 
 namespace raygrid {
 
@@ -20,6 +22,9 @@ class AprilGridLocator {
   struct Data;
   std::unique_ptr<Data> data_;
 };
+
+/// All tags with a border of two cells, whatever board they are on.
+std::vector<DetectedTag> FindGridTags(const GreyImage& image);
 
 }  // namespace raygrid
 

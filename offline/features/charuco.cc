@@ -166,9 +166,11 @@ ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
           .Features();
   constexpr int kFewMarkers = 4;
   if (markers.size() < kFewMarkers &&
-      data_->NumConsistentMarkers(Mirrored(image)) > markers.size())
+      data_->NumConsistentMarkers(Mirrored(image)) > markers.size()) {
     located.remarks.push_back(
         fmt::format("board {} is seen mirrored", board.id));
+    located.features.clear();  // corners that look alike, numbered by chance
+  }
   return located;
 }
 

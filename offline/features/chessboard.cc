@@ -355,4 +355,22 @@ ImageDetection ChessboardLocator::Locate(const GreyImage& image) const {
   return located;
 }
 
+std::optional<ChessboardSize> SeenChessboardSize(const GreyImage& image) {
+  constexpr int kMaxSide = 30, kMinSide = 3;
+  constexpr double kMinFilled = 0.95;
+  std::optional<ChessboardSize> size;
+  ChessLatticeFinder(kMaxSide).Find(image, [&](const FeatureLattice& seen) {
+    const Rectangle part = SeenPart(image, seen);
+    if (std::min(part.columns(), part.rows()) < kMinSide) return false;
+    int num_found = 0;
+    for (int row = part.top; row <= part.bottom; ++row)
+      for (int column = part.left; column <= part.right; ++column)
+        num_found += seen.Has(column, row);
+    if (num_found < kMinFilled * part.columns() * part.rows()) return false;
+    size = {part.columns(), part.rows()};
+    return true;
+  });
+  return size;
+}
+
 }  // namespace raygrid

@@ -2,6 +2,7 @@
 #define RAYGRID_FEATURES_CHESSBOARD_H
 
 #include <memory>
+#include <optional>
 
 #include "features/detection.h"
 
@@ -30,6 +31,13 @@ class ChessboardLocator {
   struct Data;
   std::unique_ptr<Data> data_;
 };
+
+/// How many inner corners a chessboard in an image has along its sides, as it
+/// is seen; of the first one that is seen without gaps.
+struct ChessboardSize {
+  int columns = 0, rows = 0;
+};
+std::optional<ChessboardSize> SeenChessboardSize(const GreyImage& image);
 
 }  // namespace raygrid
 

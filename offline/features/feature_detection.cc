@@ -199,8 +199,8 @@ ImageSize CommonSize(const std::vector<std::string>& paths,
     for (size_t i = first; i < paths.size(); ++i)
       if (outcomes[i].seen && outcomes[i].seen->size != here)
         throw InputError(fmt::format(
-            "{}: {} x {} pixels where {} has {} x {}; calibrate one camera "
-            "mode at a time",
+            "these images look like two cameras: {} has {} x {} pixels, {} has "
+            "{} x {}; calibrate one camera, and one mode of it, at a time",
             paths[i], outcomes[i].seen->size.width,
             outcomes[i].seen->size.height, paths[first], here.width,
             here.height));

@@ -1,0 +1,24 @@
+/// What images show where a board is not found as the pattern says it is.
+#ifndef RAYGRID_FEATURES_BOARD_GUESS_H
+#define RAYGRID_FEATURES_BOARD_GUESS_H
+
+#include <optional>
+#include <string>
+
+#include "features/feature_detection.h"
+
+namespace raygrid {
+
+/// For a pattern of one chessboard, ChArUco board or AprilGrid that not enough
+/// images show as a whole: looks into some of them for other numbers of columns
+/// and rows, other dictionaries and kinds, and for mirrored boards. If most of
+/// them agree on one, says so in a line, with what to do; pattern_name is named
+/// there. What was found of the board as asked for is by chance then.
+std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
+                                           const Pattern& pattern,
+                                           const std::string& pattern_name,
+                                           int num_threads);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_FEATURES_BOARD_GUESS_H
