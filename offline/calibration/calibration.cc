@@ -10,6 +10,7 @@
 #include "calibration/frame_adjustment.h"
 #include "calibration/parametric_comparison.h"
 #include "calibration/stopwatch.h"
+#include "calibration/two_cameras.h"
 #include "dataset/error.h"
 
 namespace raygrid {
@@ -34,6 +35,10 @@ CalibrationResult Calibrate(const Dataset& measured, const Pattern& pattern,
   CameraStart start =
       StartCamera(measured, pattern, options, options.hold_out.empty());
   CalibrationResult result = std::move(start.result);
+  if (!ShouldStop(options))
+    result.two_cameras =
+        FindTwoCameras(start.split.training, pattern, start.adjusted,
+                       AdjustmentOptionsOf(options));
   if (options.progress) options.progress("bundle adjustment", 0.8);
   const Adjusted parametric = start.adjusted;
   const Stopwatch adjustment_time;
@@ -57,6 +62,11 @@ CalibrationResult Calibrate(const Dataset& measured, const Pattern& pattern,
     const Stopwatch comparison_time;
     result.parametric_models =
         CompareParametricModels(start.split, pattern, options, parametric);
+    if (options.model == "central-generic" && !ShouldStop(options) &&
+        NeighborsErrAlike(result))
+      if (auto figures = TryNoncentral(start.split, pattern, options,
+                                       parametric, result.cell_px))
+        result.parametric_models.push_back(std::move(*figures));
     result.seconds["comparison"] = comparison_time.Seconds();
   }
   if (ShouldStop(options)) result.checkpoint = std::move(start.checkpoint);

@@ -25,6 +25,7 @@ using MeasureAgain = std::function<Dataset(const CameraModel&, const Pattern&,
 struct CalibrationOptions {
   std::string model = "central-generic";  ///< or a parametric one
   double cell_px = 0;                     ///< 0: chosen by held-out error
+  bool any_distance = false;              ///< boards may be more than 20 m away
   bool flat_board = false;  ///< keep the pattern's points as they are given
   std::vector<std::string> hold_out;  ///< images not to calibrate with
   MeasureAgain measure_again;         ///< without: features stay as they are
@@ -41,7 +42,7 @@ struct CalibrationOptions {
 
 /// From features to a camera: parametric start, features measured again,
 /// bundle adjustment, grid, held-out evaluation. Throws Error: kTooFew,
-/// kInitialization.
+/// kInitialization, kUsage for boards further away than likely.
 CalibrationResult Calibrate(const Dataset& dataset, const Pattern& pattern,
                             const CalibrationOptions& options);
 

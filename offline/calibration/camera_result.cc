@@ -122,6 +122,39 @@ int CountDifferent(const std::vector<BoardPose>& poses) {
   return static_cast<int>(different.size());
 }
 
+const std::vector<FeatureResidual>& JudgedResiduals(
+    const CalibrationResult& result) {
+  return result.held_out.empty() ? result.training : result.held_out;
+}
+
+std::vector<FeatureResidual> WithoutImages(
+    std::vector<FeatureResidual> residuals,
+    const std::set<std::string>& images) {
+  residuals.erase(
+      std::remove_if(residuals.begin(), residuals.end(),
+                     [&](const auto& r) { return images.count(r.image) > 0; }),
+      residuals.end());
+  return residuals;
+}
+
+void AddWhatWasTried(const CalibrationResult& result,
+                     CalibrationFigures* figures) {
+  constexpr double kBetterPart = 0.99;
+  double best_px = result.camera.held_out
+                       ? kBetterPart * result.camera.held_out->median_px
+                       : 0;
+  for (const ModelFigures& other : result.parametric_models) {
+    figures->noncentral_was_tried |= other.model == "noncentral-generic";
+    if (!other.held_out || other.held_out->median_px >= best_px) continue;
+    best_px = other.held_out->median_px;
+    figures->better_model = {other.model, best_px};
+  }
+  const auto& cells = result.cell_candidates;
+  figures->cells_were_chosen = cells.size() > 1;
+  if (figures->cells_were_chosen && cells.back().cell_px == result.cell_px)
+    figures->finer_cells_px = result.cell_px / 2;
+}
+
 CalibrationFigures FiguresOf(const CalibrationResult& result,
                              const std::set<std::string>& images_apart) {
   CalibrationFigures figures;
@@ -139,6 +172,7 @@ CalibrationFigures FiguresOf(const CalibrationResult& result,
   figures.held_out = result.camera.held_out;
   figures.neighbor_correlation = result.neighbor_correlation;
   figures.images_apart.assign(images_apart.begin(), images_apart.end());
+  figures.two_cameras = result.two_cameras;
   figures.different_views = CountDifferent(result.poses);
   const std::vector<Eigen::Vector3d> normals = SeenNormals(result);
   if (normals.size() == result.poses.size()) figures.tilt_rad = TiltOf(normals);
@@ -147,10 +181,10 @@ CalibrationFigures FiguresOf(const CalibrationResult& result,
   if (const auto& uncertainty = result.camera.uncertainty) {
     figures.median_deviation_px = uncertainty->lattice.MedianPx();
     figures.trusted_part =
-        uncertainty->TrustedPart(figures.image_size, figures.area) /
-        PartOfImage(figures.area, figures.image_size);
+        uncertainty->TrustedPart(figures.image_size, figures.area);
     figures.trusted_px = uncertainty->max_deviation_px;
   }
+  AddWhatWasTried(result, &figures);
   return figures;
 }
 
@@ -187,15 +221,20 @@ void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
 void JudgeResult(CalibrationResult* result) {
   if (!result->held_out.empty())
     result->camera.held_out = ComputeErrorFigures(result->held_out);
-  std::vector<FeatureResidual> residuals =
-      result->held_out.empty() ? result->training : result->held_out;
+  const std::vector<FeatureResidual>& residuals = JudgedResiduals(*result);
   const std::set<std::string> apart = ImagesApart(residuals);
-  residuals.erase(
-      std::remove_if(residuals.begin(), residuals.end(),
-                     [&](const auto& r) { return apart.count(r.image) > 0; }),
-      residuals.end());
-  result->neighbor_correlation = NeighborCorrelation(residuals);
+  result->neighbor_correlation =
+      NeighborCorrelation(WithoutImages(residuals, apart));
   result->verdict = JudgeCalibration(FiguresOf(*result, apart));
+}
+
+bool NeighborsErrAlike(const CalibrationResult& result) {
+  const std::vector<FeatureResidual>& residuals = JudgedResiduals(result);
+  if (residuals.empty()) return false;
+  return ErrAlike(
+      NeighborCorrelation(WithoutImages(residuals, ImagesApart(residuals)))
+          .value_or(0),
+      ComputeErrorFigures(residuals));
 }
 
 }  // namespace raygrid

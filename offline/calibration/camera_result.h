@@ -14,6 +14,10 @@ void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
 /// Figures of the held-out residuals, if there are any, and the verdict.
 void JudgeResult(CalibrationResult* result);
 
+/// Whether there is more than noise in the errors, and so much that a verdict
+/// will say it.
+bool NeighborsErrAlike(const CalibrationResult& result);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_CALIBRATION_CAMERA_RESULT_H

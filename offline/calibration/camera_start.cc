@@ -10,6 +10,7 @@
 #include "camera/model_fitting.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
+#include "evaluation/residual_statistics.h"
 
 namespace raygrid {
 namespace {
@@ -107,6 +108,23 @@ void StartAgain(const Dataset& measured, const Pattern& pattern,
   start->result.seconds["measuring_again"] = again_time.Seconds();
 }
 
+// Boards that are mostly far away have their lengths in another unit: the
+// images do not tell.
+void AskAboutDistance(const Adjusted& adjusted) {
+  constexpr double kFarM = 20;
+  std::vector<double> distances_m;
+  for (const View& view : adjusted.problem.views)
+    distances_m.push_back(
+        adjusted.state.CameraFromPattern(view).translation.norm());
+  const double median_m = Quantile(distances_m, 0.5);
+  if (median_m > kFarM)
+    throw Error(ExitCode::kUsage,
+                fmt::format("boards {:.3g} m away (median)? the pattern's "
+                            "square_m, in metres, makes them so; correct it, "
+                            "or --yes if that is meant",
+                            median_m));
+}
+
 }  // namespace
 
 void RequireKnownModel(const std::string& model) {
@@ -145,6 +163,7 @@ CameraStart StartCamera(const Dataset& measured, const Pattern& pattern,
   const Stopwatch start_time;
   start.split = SplitImages(measured, options.hold_out);
   start.adjusted = AdjustStart(start.split.training, pattern, adjustment);
+  if (!options.any_distance) AskAboutDistance(start.adjusted);
   result.seconds["start"] = start_time.Seconds();
 
   if (options.measure_again && !ShouldStop(options)) {

@@ -1,5 +1,7 @@
 #include "calibration/parametric_comparison.h"
 
+#include <algorithm>
+
 #include "calibration/camera_evaluation.h"
 #include "calibration/camera_result.h"
 #include "calibration/camera_start.h"
@@ -10,7 +12,7 @@ namespace {
 
 std::vector<FeatureResidual> HeldOut(const Split& split, const Pattern& pattern,
                                      const CalibrationOptions& options,
-                                     const std::string& model,
+                                     const std::string& model, double cell_px,
                                      const CalibrationResult& result) {
   if (!split.test.images.empty())
     return EvaluateCamera(*result.camera.camera, split.test, result.pattern,
@@ -26,18 +28,19 @@ std::vector<FeatureResidual> HeldOut(const Split& split, const Pattern& pattern,
                  {},
                  options.should_stop,
                  {}},
-                {0}, &done);
-  const std::vector<Trial> trials = JoinFolds(done, num_folds, {0});
+                {cell_px}, &done);
+  const std::vector<Trial> trials = JoinFolds(done, num_folds, {cell_px});
   return trials.empty() ? std::vector<FeatureResidual>()
                         : trials.front().held_out;
 }
 
 ModelFigures Measure(const Split& split, const Pattern& pattern,
                      const CalibrationOptions& options,
-                     const std::string& model, Adjusted adjusted) {
+                     const std::string& model, double cell_px,
+                     Adjusted adjusted) {
   AdjustmentOptions adjustment = AdjustmentOptionsOf(options);
   adjustment.should_stop = options.should_stop;
-  AdjustModel(pattern, model, {0}, adjustment, &adjusted);
+  AdjustModel(pattern, model, {cell_px}, adjustment, &adjusted);
   AlignBoards(pattern, &adjusted);
   CalibrationResult result;
   FillResult(pattern, adjusted, 0, options.num_threads, &result);
@@ -47,7 +50,7 @@ ModelFigures Measure(const Split& split, const Pattern& pattern,
   figures.training = *result.camera.training;
   figures.bias_kl = result.bias_kl;
   const std::vector<FeatureResidual> held_out =
-      HeldOut(split, pattern, options, model, result);
+      HeldOut(split, pattern, options, model, cell_px, result);
   if (!held_out.empty()) figures.held_out = ComputeErrorFigures(held_out);
   return figures;
 }
@@ -61,13 +64,28 @@ std::vector<ModelFigures> CompareParametricModels(
   for (const char* model : {"opencv", "thin-prism-fisheye", "central-radial"}) {
     if (model == options.model || ShouldStop(options)) continue;
     try {
-      ModelFigures figures = Measure(split, pattern, options, model, start);
+      ModelFigures figures = Measure(split, pattern, options, model, 0, start);
       if (!ShouldStop(options)) models.push_back(std::move(figures));
     } catch (const Error&) {
       // A fisheye may be beyond what a model can say.
     }
   }
   return models;
+}
+
+std::optional<ModelFigures> TryNoncentral(const Split& split,
+                                          const Pattern& pattern,
+                                          const CalibrationOptions& options,
+                                          const Adjusted& start,
+                                          double cell_px) {
+  const std::string model = "noncentral-generic";
+  const double finest_px = CellCandidates(split.training, model).back();
+  try {
+    return Measure(split, pattern, options, model, std::max(cell_px, finest_px),
+                   start);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
 }
 
 }  // namespace raygrid

@@ -1,6 +1,7 @@
 #ifndef RAYGRID_CALIBRATION_PARAMETRIC_COMPARISON_H
 #define RAYGRID_CALIBRATION_PARAMETRIC_COMPARISON_H
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,15 @@ namespace raygrid {
 std::vector<ModelFigures> CompareParametricModels(
     const Split& split, const Pattern& pattern,
     const CalibrationOptions& options, const Adjusted& start);
+
+/// noncentral-generic likewise, with cells like those of a central grid, or
+/// larger where the features do not tell so many parameters. Nothing if it
+/// cannot be adjusted.
+std::optional<ModelFigures> TryNoncentral(const Split& split,
+                                          const Pattern& pattern,
+                                          const CalibrationOptions& options,
+                                          const Adjusted& start,
+                                          double cell_px);
 
 }  // namespace raygrid
 

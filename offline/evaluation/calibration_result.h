@@ -53,6 +53,7 @@ struct CalibrationResult {
   bool cross_validated = false;
   std::vector<RejectedImage> rejected_images;
   std::vector<FeatureResidual> rejected_features;
+  std::optional<TwoCameras> two_cameras;
   std::vector<CellCandidate> cell_candidates;
   double cell_px = 0;  ///< of the grid; 0 for a parametric model
   int num_parameters = 0;
@@ -60,8 +61,10 @@ struct CalibrationResult {
   /// Of a calibration that was told to stop before it was done.
   std::optional<Checkpoint> checkpoint;
   std::optional<double> bias_kl;
-  std::optional<double> noise_bias_kl;          ///< what pure noise would have
-  std::vector<ModelFigures> parametric_models;  ///< for comparison
+  std::optional<double> noise_bias_kl;  ///< what pure noise would have
+  /// For comparison; noncentral-generic, too, where a central one errs alike
+  /// between neighbours.
+  std::vector<ModelFigures> parametric_models;
   /// Of the held-out residuals, or else of the training ones.
   std::optional<double> neighbor_correlation;
   std::optional<LineSpread> line_spread;  ///< of a camera that is not central

@@ -166,7 +166,7 @@ std::optional<double> NoiseBias(const std::vector<FeatureResidual>& residuals,
 
 std::set<std::string> ImagesApart(
     const std::vector<FeatureResidual>& residuals) {
-  constexpr double kManyTimes = 5;
+  constexpr double kManyTimes = 5, kNegligiblePx = 0.02;
   std::map<std::string, std::vector<double>> norms;
   for (const FeatureResidual& r : residuals)
     norms[r.image].push_back(r.error_px.norm());
@@ -177,7 +177,8 @@ std::set<std::string> ImagesApart(
   std::set<std::string> apart;
   size_t i = 0;
   for (const auto& [image, values] : norms)
-    if (medians[i++] > kManyTimes * usual) apart.insert(image);
+    if (medians[i++] > std::max(kManyTimes * usual, kNegligiblePx))
+      apart.insert(image);
   return apart;
 }
 

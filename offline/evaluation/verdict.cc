@@ -1,6 +1,7 @@
 #include "evaluation/verdict.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +17,8 @@ constexpr double kEnoughArea = 0.5;    // part of the image
 constexpr double kGoodMedianPx = 0.3;  // corners of a sharp chessboard
 constexpr double kUsableMedianPx = 2;
 constexpr double kOverfitRatio = 1.5;
-constexpr double kNothingPx = 0.001;  // smaller errors are arithmetic's
+// Nothing is said of less than this, nor of a tenth of the noise.
+constexpr double kNegligiblePx = 0.02, kNegligiblePart = 0.1;
 // What views may leave open of a camera: with a warning, and at all.
 constexpr double kOpenPx = 1, kLostPx = 5;
 constexpr double kEnoughTrusted = 0.5;  // part of the calibrated area
@@ -36,6 +38,10 @@ void Warn(const std::string& reason, Verdict* verdict) {
 void Fail(const std::string& reason, Verdict* verdict) {
   verdict->word = "fail";
   verdict->reasons.push_back(reason);
+}
+
+bool IsNegligible(double error_px, const ErrorFigures& noise) {
+  return error_px < std::max(kNegligiblePx, kNegligiblePart * noise.rms_px);
 }
 
 // The first of several images.
@@ -93,7 +99,19 @@ void JudgeSides(const CalibrationFigures& figures, Verdict* verdict) {
        verdict);
 }
 
+std::string Counted(const std::vector<std::string>& images) {
+  return fmt::format("{} images ({})", images.size(), Named(images));
+}
+
 void JudgeImagesApart(const CalibrationFigures& figures, Verdict* verdict) {
+  if (figures.two_cameras) {
+    Fail(fmt::format("these images look like two cameras: {} and {}, or one "
+                     "whose focus changed; calibrate each alone",
+                     Counted(figures.two_cameras->first),
+                     Counted(figures.two_cameras->second)),
+         verdict);
+    return;
+  }
   if (figures.images_apart.empty()) return;
   Warn(fmt::format("{} images do not fit the others ({}): another camera, "
                    "focus or board, or misread features; calibrate without "
@@ -120,10 +138,13 @@ void JudgeUncertainty(const CalibrationFigures& figures, Verdict* verdict) {
       Fail(reason, verdict);
     else
       Warn(reason, verdict);
-  } else if (*figures.trusted_part < kEnoughTrusted) {
-    Warn(fmt::format("only {:.0f} % of the calibrated area is known to {:.2g} "
-                     "px; take more views, tilted all ways, near and far, into "
-                     "the corners",
+  } else if (*figures.trusted_part <
+                 kEnoughTrusted *
+                     PartOfImage(figures.area, figures.image_size) &&
+             !IsNegligible(median_px, figures.training)) {
+    Warn(fmt::format("only {:.0f} % of the image is trusted, which is known to "
+                     "{:.4f} px; take more views, tilted all ways, near and "
+                     "far, into the corners",
                      100 * *figures.trusted_part, *figures.trusted_px),
          verdict);
   }
@@ -159,26 +180,56 @@ void JudgeRejectedImages(const CalibrationFigures& figures, Verdict* verdict) {
          verdict);
 }
 
-std::string BetterModel(const std::string& model) {
-  if (model == "noncentral-generic") return "try smaller cells";
-  if (model == "central-generic")
-    return "try smaller cells, or noncentral-generic if lines may not meet in "
-           "a point, as behind glass";
-  return "try central-generic";
+bool IsGrid(const CalibrationFigures& figures) {
+  return figures.model == "central-generic" ||
+         figures.model == "noncentral-generic";
+}
+
+// Nothing that was tried already.
+std::string AdviceAgainstSharedErrors(const CalibrationFigures& figures) {
+  std::vector<std::string> advice;
+  if (!IsGrid(figures)) {
+    advice.push_back("try --model central-generic");
+  } else {
+    if (figures.finer_cells_px > 0)
+      advice.push_back(fmt::format("try smaller cells, --cell-px {:.0f}",
+                                   figures.finer_cells_px));
+    else if (!figures.cells_were_chosen)
+      advice.push_back("try --cell-px auto, which looks for better cells");
+    if (figures.model == "central-generic" && !figures.noncentral_was_tried)
+      advice.push_back(
+          "try --model noncentral-generic if lines may not meet in a point, as "
+          "behind glass");
+  }
+  if (advice.empty())
+    return "other grids were tried and are no better; look for blur, motion "
+           "and single images that stand out in the report";
+  return fmt::to_string(fmt::join(advice, ", or "));
+}
+
+void JudgeOtherModels(const CalibrationFigures& figures, Verdict* verdict) {
+  if (!figures.better_model || !figures.held_out) return;
+  Remark(
+      fmt::format("{} predicts held-out images better, with {:.4f} px "
+                  "(median) against {:.4f} px: raygrid calibrate ... "
+                  "--model {}",
+                  figures.better_model->model, figures.better_model->median_px,
+                  figures.held_out->median_px, figures.better_model->model),
+      verdict);
 }
 
 void JudgeNeighbors(const CalibrationFigures& figures, Verdict* verdict) {
   const double correlation = figures.neighbor_correlation.value_or(0);
   const ErrorFigures& errors =
       figures.held_out ? *figures.held_out : figures.training;
-  if (correlation <= kSystematicPart || errors.rms_px < kNothingPx) return;
+  if (figures.two_cameras || !ErrAlike(correlation, errors)) return;
   Warn(fmt::format(
            "neighbouring features err alike (correlation {:.2f}): "
            "about {:.2f} px are not noise, but the model's error or "
            "the detector's{}; {}",
            correlation, errors.rms_px * std::sqrt(correlation),
-           correlation > kStrangePart ? ", or images of two cameras" : "",
-           BetterModel(figures.model)),
+           correlation > kStrangePart ? ", or images of several cameras" : "",
+           AdviceAgainstSharedErrors(figures)),
        verdict);
 }
 
@@ -201,7 +252,8 @@ void JudgeOverfit(const CalibrationFigures& figures, Verdict* verdict) {
   if (!figures.held_out) return;
   const double held_out = figures.held_out->median_px;
   const double training = figures.training.median_px;
-  if (held_out > std::max(kOverfitRatio * training, kNothingPx))
+  if (held_out > kOverfitRatio * training &&
+      !IsNegligible(held_out - training, figures.training))
     Warn(fmt::format("the held-out error is {:.2g} px, the training error "
                      "{:.2g} px; take more images",
                      held_out, training),
@@ -210,6 +262,11 @@ void JudgeOverfit(const CalibrationFigures& figures, Verdict* verdict) {
 
 }  // namespace
 
+bool ErrAlike(double neighbor_correlation, const ErrorFigures& errors) {
+  return neighbor_correlation > kSystematicPart &&
+         errors.rms_px * std::sqrt(neighbor_correlation) >= kNegligiblePx;
+}
+
 double PartOfImage(const Area& area, const ImageSize& size) {
   return area.width() * area.height() /
          (static_cast<double>(size.width) * size.height);
@@ -217,6 +274,8 @@ double PartOfImage(const Area& area, const ImageSize& size) {
 
 Verdict JudgeCalibration(const CalibrationFigures& figures) {
   Verdict verdict = {"pass", {}};
+  // First what else would be better.
+  if (!figures.interrupted) JudgeOtherModels(figures, &verdict);
   for (const auto judge : {JudgeConvergence, JudgeNumberOfImages, JudgeArea,
                            JudgeViews, JudgeSides, JudgeRejectedImages})
     judge(figures, &verdict);

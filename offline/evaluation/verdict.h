@@ -11,6 +11,17 @@
 
 namespace raygrid {
 
+/// Another model, and its held-out error.
+struct BetterModel {
+  std::string model;
+  double median_px = 0;
+};
+
+/// The images of two cameras that were taken for one's.
+struct TwoCameras {
+  std::vector<std::string> first, second;
+};
+
 /// What a verdict is formed on.
 struct CalibrationFigures {
   std::string model;
@@ -23,14 +34,22 @@ struct CalibrationFigures {
   std::optional<ErrorFigures> held_out;
   std::optional<double> neighbor_correlation;  ///< without images apart
   std::vector<std::string> images_apart;  ///< that err far more than others
+  std::optional<TwoCameras> two_cameras;
   int boards_seen = 0, different_views = 0;
   /// Of each time that a board is seen from behind.
   std::vector<std::string> images_from_behind;
   std::optional<double> tilt_rad;  ///< between two boards; of flat ones only
-  /// How well the camera is known, the part of its area that is known to
+  /// How well the camera is known, the part of the image that is known to
   /// trusted_px.
   std::optional<double> median_deviation_px, trusted_part, trusted_px;
   FoldOver fold_over;
+  /// The one that predicts held-out images best, of those that were tried and
+  /// are better.
+  std::optional<BetterModel> better_model;
+  bool noncentral_was_tried = false;
+  bool cells_were_chosen = false;  ///< by held-out error, of several
+  /// Finer than all that were tried, of which the finest was best; 0 otherwise.
+  double finer_cells_px = 0;
 };
 
 /// "pass", "warn" or "fail", and why, with what to do. Reasons of a "pass" are
@@ -39,6 +58,10 @@ struct Verdict {
   std::string word;
   std::vector<std::string> reasons;
 };
+
+/// Whether more of the errors than noise is shared by neighbours, and so much
+/// that it matters.
+bool ErrAlike(double neighbor_correlation, const ErrorFigures& errors);
 
 double PartOfImage(const Area& area, const ImageSize& size);
 

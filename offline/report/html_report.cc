@@ -242,6 +242,7 @@ std::string FormatHtmlReport(const CalibrationResult& result,
   html += BoardSection(result.pattern);
   html += CandidateSection(result);
   html += RejectedSection(result);
+  html += WordsSection();
   return html + PageEnd(PageData(result, thumbnails));
 }
 

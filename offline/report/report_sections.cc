@@ -87,6 +87,20 @@ std::string BoardSection(const Pattern& pattern) {
   return html + "</div>\n";
 }
 
+std::string WordsSection() {
+  return "<h2>Words</h2>\n<ul>\n"
+         "<li><b>trusted</b>: the part of the image where the camera is known "
+         "to half the features' noise, or to 0.025 px.</li>\n"
+         "<li><b>leave open</b>: how far, in the median pixel, projections may "
+         "move before the features contradict (one standard deviation).</li>\n"
+         "<li><b>bias</b>: how unlike noise the residuals of one region of the "
+         "image are; compare with what pure noise would have.</li>\n"
+         "<li><b>correlation</b>: the part of the squared errors that "
+         "neighbouring features share; 0 is pure noise.</li>\n"
+         "<li><b>held out</b>: errors in images that the camera was not "
+         "calibrated with.</li>\n</ul>\n";
+}
+
 std::string SpaceSection() {
   return "<div class=\"script\"><h2>Cameras and boards in space</h2>\n"
          "<figure><figcaption>Drag to turn, wheel or pinch to zoom. Axes of "

@@ -31,6 +31,9 @@ std::string ModelTable(const std::vector<HtmlRow>& rows);
 /// The canvas of cameras and boards in space.
 std::string SpaceSection();
 
+/// What the words of verdict and tables mean, a line each.
+std::string WordsSection();
+
 /// A picture of each board's heights.
 std::string BoardSection(const Pattern& pattern);
 

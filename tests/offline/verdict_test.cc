@@ -122,12 +122,26 @@ TEST(Verdict, SuspectsThePatternWhereMostImagesHaveTooFewFeatures) {
   EXPECT_TRUE(HasReason(JudgeCalibration(figures), "40 images were rejected"));
 }
 
-TEST(Verdict, SuspectsTwoCamerasWhereNearlyAllErrorIsShared) {
+TEST(Verdict, FailsImagesOfTwoCameras) {
+  CalibrationFigures figures = GoodFigures();
+  figures.neighbor_correlation = 0.6;
+  figures.two_cameras = {{"left1.png", "left2.png"}, {"right1.png"}};
+  const Verdict verdict = JudgeCalibration(figures);
+  EXPECT_EQ(verdict.word, "fail");
+  ASSERT_EQ(verdict.reasons.size(), 1u);
+  EXPECT_TRUE(HasReason(verdict,
+                        "these images look like two cameras: 2 images "
+                        "(left1.png, ...) and 1 images (right1.png)"));
+}
+
+TEST(Verdict, SuspectsSeveralCamerasWhereNearlyAllErrorIsShared) {
   CalibrationFigures figures = GoodFigures();
   figures.neighbor_correlation = 0.95;
-  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "images of two cameras"));
+  EXPECT_TRUE(
+      HasReason(JudgeCalibration(figures), "images of several cameras"));
   figures.neighbor_correlation = 0.6;
-  EXPECT_FALSE(HasReason(JudgeCalibration(figures), "images of two cameras"));
+  EXPECT_FALSE(
+      HasReason(JudgeCalibration(figures), "images of several cameras"));
 }
 
 TEST(Verdict, AdvisesNoModelThatIsInUse) {
@@ -136,10 +150,63 @@ TEST(Verdict, AdvisesNoModelThatIsInUse) {
   EXPECT_TRUE(HasReason(JudgeCalibration(figures), "noncentral-generic"));
   figures.model = "noncentral-generic";
   EXPECT_FALSE(HasReason(JudgeCalibration(figures), "noncentral-generic"));
-  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "smaller cells"));
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "--cell-px auto"));
   figures.model = "opencv";
   EXPECT_TRUE(HasReason(JudgeCalibration(figures), "central-generic"));
   EXPECT_FALSE(HasReason(JudgeCalibration(figures), "smaller cells"));
+}
+
+TEST(Verdict, AdvisesNothingThatWasTried) {
+  CalibrationFigures figures = GoodFigures();
+  figures.neighbor_correlation = 0.6;
+  figures.cells_were_chosen = true;
+  figures.finer_cells_px = 13.4;
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "--cell-px 13"));
+  figures.finer_cells_px = 0;
+  EXPECT_FALSE(HasReason(JudgeCalibration(figures), "cells"));
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "noncentral-generic"));
+  figures.noncentral_was_tried = true;
+  EXPECT_FALSE(HasReason(JudgeCalibration(figures), "noncentral-generic"));
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "are no better"));
+}
+
+TEST(Verdict, SaysFirstWhichModelPredictsBetter) {
+  CalibrationFigures figures = GoodFigures();
+  figures.images_used = 5;
+  figures.held_out->median_px = 0.413;
+  figures.better_model = {"opencv", 0.407};
+  const Verdict verdict = JudgeCalibration(figures);
+  ASSERT_FALSE(verdict.reasons.empty());
+  EXPECT_EQ(verdict.reasons[0],
+            "opencv predicts held-out images better, with 0.4070 px (median) "
+            "against 0.4130 px: raygrid calibrate ... --model opencv");
+  CalibrationFigures good = GoodFigures();
+  good.better_model = {"opencv", 0.1};
+  EXPECT_EQ(JudgeCalibration(good).word, "pass");
+}
+
+TEST(Verdict, SaysNothingOfHundredthsOfAPixel) {
+  CalibrationFigures figures = GoodFigures();
+  figures.training = {0.002, 0.003, 0.02, 3000};
+  figures.held_out = {0.004, 0.005, 0.03, 3000};
+  figures.neighbor_correlation = 0.6;
+  figures.median_deviation_px = 0.004;
+  figures.trusted_part = 0.1;
+  figures.trusted_px = 0.0015;
+  const Verdict verdict = JudgeCalibration(figures);
+  EXPECT_EQ(verdict.word, "pass");
+  EXPECT_TRUE(verdict.reasons.empty());
+}
+
+TEST(Verdict, SaysNothingOfATenthOfTheNoise) {
+  CalibrationFigures figures = GoodFigures();
+  figures.training = {0.6, 0.8, 3, 3000};
+  figures.held_out = {0.6, 0.8, 3, 3000};
+  figures.median_deviation_px = 0.07;
+  figures.trusted_part = 0.1;
+  EXPECT_FALSE(HasReason(JudgeCalibration(figures), "trusted"));
+  figures.median_deviation_px = 0.09;
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "10 % of the image"));
 }
 
 TEST(Verdict, ErrorsOfArithmeticAreNoMatter) {
@@ -193,6 +260,7 @@ TEST(Verdict, WarnsOfEachWeakness) {
   expect_warning(figures);
   figures = GoodFigures();
   figures.trusted_part = 0.2;
+  figures.median_deviation_px = 0.08;
   expect_warning(figures);
   figures = GoodFigures();
   figures.images_apart = {"other.png"};

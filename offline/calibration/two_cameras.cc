@@ -1,0 +1,290 @@
+#include "calibration/two_cameras.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "calibration/camera_evaluation.h"
+#include "calibration/starting_camera.h"
+#include "dataset/error.h"
+
+namespace raygrid {
+namespace {
+
+constexpr size_t kMinImages = 4;  // of each camera
+// Of the residuals' RMS, by two cameras: what chance or bending of one lens
+// explains is far less.
+constexpr double kMuchBetter = 0.8;
+
+std::vector<FeatureResidual> ResidualsOf(const Pattern& pattern,
+                                         const Adjusted& adjusted,
+                                         int num_threads) {
+  std::vector<FeatureResidual> list;
+  const auto& views = adjusted.problem.views;
+  const std::vector<Residual> residuals =
+      ComputeResiduals(adjusted.state, views, num_threads);
+  size_t index = 0;
+  for (size_t v = 0; v < views.size(); ++v) {
+    for (const Observation& observation : views[v].observations) {
+      const Residual& residual = residuals[index++];
+      if (!residual.valid) continue;
+      const Feature feature =
+          adjusted.problem.FeatureOf(pattern, static_cast<int>(v), observation);
+      list.push_back({adjusted.problem.images[v], feature.board, feature.column,
+                      feature.row, observation.pixel, residual.error_px});
+    }
+  }
+  return list;
+}
+
+bool ErrAlike(const std::vector<FeatureResidual>& residuals) {
+  return !residuals.empty() &&
+         ErrAlike(NeighborCorrelation(residuals).value_or(0),
+                  ComputeErrorFigures(residuals));
+}
+
+// A name without its digits.
+std::string Stem(const std::string& name) {
+  std::string stem;
+  for (const char c : name)
+    if (!std::isdigit(static_cast<unsigned char>(c))) stem += c;
+  return stem;
+}
+
+using Names = std::set<std::string>;
+
+std::optional<Names> FirstOfTwoStems(const Dataset& dataset) {
+  std::map<std::string, Names> by_stem;
+  for (const ImageFeatures& image : dataset.images)
+    by_stem[Stem(image.image)].insert(image.image);
+  if (by_stem.size() != 2) return std::nullopt;
+  return by_stem.begin()->second;
+}
+
+// The images whose residuals, as a field over the image, are on one side of
+// their mean: along the few directions in which they differ most.
+std::vector<Names> SplitsByResiduals(
+    const std::vector<FeatureResidual>& residuals, const ImageSize& size) {
+  constexpr int kNumSplits = 3;
+  constexpr int kCells = 3;
+  constexpr int kNumValues = 2 * kCells * kCells;
+  std::map<std::string, std::pair<Eigen::VectorXd, Eigen::VectorXd>> fields;
+  for (const FeatureResidual& r : residuals) {
+    auto& [sum, count] =
+        fields
+            .try_emplace(r.image, Eigen::VectorXd::Zero(kNumValues),
+                         Eigen::VectorXd::Zero(kNumValues))
+            .first->second;
+    const auto cell = [](double x, int width) {
+      return std::clamp(static_cast<int>(kCells * x / width), 0, kCells - 1);
+    };
+    const int k = 2 * (cell(r.pixel.y(), size.height) * kCells +
+                       cell(r.pixel.x(), size.width));
+    sum.segment<2>(k) += r.error_px;
+    count.segment<2>(k).array() += 1;
+  }
+  Eigen::MatrixXd rows(fields.size(), kNumValues);
+  int row = 0;
+  for (const auto& [image, field] : fields)
+    rows.row(row++) =
+        (field.first.array() / field.second.array().max(1)).matrix();
+  const Eigen::RowVectorXd mean = rows.colwise().mean();
+  rows.rowwise() -= mean;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(rows.transpose() *
+                                                              rows);
+  std::vector<Names> splits(kNumSplits);
+  for (int k = 0; k < kNumSplits; ++k) {
+    const Eigen::VectorXd along =
+        rows * solver.eigenvectors().col(kNumValues - 1 - k);
+    row = 0;
+    for (const auto& [image, field] : fields)
+      if (along[row++] > 0) splits[k].insert(image);
+  }
+  return splits;
+}
+
+// The first half by their names: files of two cameras in one folder.
+Names FirstHalf(const Dataset& dataset) {
+  Names all;
+  for (const ImageFeatures& image : dataset.images) all.insert(image.image);
+  return {all.begin(), std::next(all.begin(), all.size() / 2)};
+}
+
+std::vector<Names> SplitsToTry(const Dataset& dataset,
+                               const std::vector<FeatureResidual>& residuals) {
+  if (const auto stems = FirstOfTwoStems(dataset)) return {*stems};
+  std::vector<Names> splits = SplitsByResiduals(residuals, dataset.image_size);
+  splits.push_back(FirstHalf(dataset));
+  return splits;
+}
+
+struct TwoParts {
+  Dataset first, second;
+};
+
+TwoParts SplitBy(const Dataset& dataset, const Names& first) {
+  TwoParts parts;
+  parts.first.image_size = parts.second.image_size = dataset.image_size;
+  for (const ImageFeatures& image : dataset.images)
+    (first.count(image.image) > 0 ? parts.first : parts.second)
+        .images.push_back(image);
+  return parts;
+}
+
+double SquareSum(const std::vector<FeatureResidual>& residuals) {
+  double sum = 0;
+  for (const FeatureResidual& r : residuals) sum += r.error_px.squaredNorm();
+  return sum;
+}
+
+double MeanSquare(const std::vector<FeatureResidual>& residuals) {
+  return residuals.empty()
+             ? INFINITY
+             : SquareSum(residuals) / static_cast<double>(residuals.size());
+}
+
+double MeanSquareOfBoth(const std::vector<FeatureResidual>& a,
+                        const std::vector<FeatureResidual>& b) {
+  return (SquareSum(a) + SquareSum(b)) /
+         static_cast<double>(a.size() + b.size());
+}
+
+std::vector<std::string> NamesOf(const Dataset& dataset) {
+  std::vector<std::string> names;
+  for (const ImageFeatures& image : dataset.images)
+    names.push_back(image.image);
+  return names;
+}
+
+// Residuals of a camera of its own whose board may bend, too; none if it cannot
+// be adjusted.
+std::vector<FeatureResidual> FullyAdjusted(const Dataset& dataset,
+                                           const Pattern& pattern,
+                                           const AdjustmentOptions& options) {
+  try {
+    Adjusted adjusted = AdjustStart(dataset, pattern, options);
+    AdjustModel(pattern, adjusted.state.camera().Name(), {0}, options,
+                &adjusted);
+    return ResidualsOf(pattern, adjusted, options.num_threads);
+  } catch (const Error&) {
+    return {};
+  }
+}
+
+// Two cameras, each adjusted to its part; nothing if one cannot be.
+class TwoFits {
+ public:
+  TwoFits(const Dataset& dataset, const Pattern& pattern, const Names& names,
+          const AdjustmentOptions& options)
+      : pattern_(pattern), options_(options), parts_(SplitBy(dataset, names)) {
+    if (std::min(parts_.first.images.size(), parts_.second.images.size()) <
+        kMinImages)
+      return;
+    try {
+      for (const Dataset* part : {&parts_.first, &parts_.second}) {
+        fits_.push_back(AdjustStart(*part, pattern, options));
+        residuals_.push_back(
+            ResidualsOf(pattern, fits_.back(), options.num_threads));
+      }
+    } catch (const Error&) {
+      fits_.clear();
+    }
+  }
+
+  bool AreFitted() const { return fits_.size() == 2; }
+
+  double MeanSquare() const {
+    return MeanSquareOfBoth(residuals_[0], residuals_[1]);
+  }
+
+  // The images that the first camera predicts better.
+  Names PreferringFirst(const Dataset& dataset) const {
+    std::map<std::string, double> better;
+    for (int k = 0; k < 2; ++k) {
+      std::map<std::string, std::vector<FeatureResidual>> by_image;
+      for (const FeatureResidual& r :
+           EvaluateCamera(fits_[k].state.camera(), dataset,
+                          AdjustedPattern(pattern_, fits_[k]),
+                          options_.num_threads)
+               .residuals)
+        by_image[r.image].push_back(r);
+      for (const ImageFeatures& image : dataset.images)
+        better[image.image] +=
+            (k == 0 ? -1 : 1) *
+            std::min(1e6, raygrid::MeanSquare(by_image[image.image]));
+    }
+    Names first;
+    for (const auto& [image, value] : better)
+      if (value > 0) first.insert(image);
+    return first;
+  }
+
+ private:
+  const Pattern& pattern_;
+  const AdjustmentOptions& options_;
+  TwoParts parts_;
+  std::vector<Adjusted> fits_;
+  std::vector<std::vector<FeatureResidual>> residuals_;
+};
+
+// The split whose two cameras fit best, if it is worth a closer look.
+std::optional<Names> BestSplit(const Dataset& training, const Pattern& pattern,
+                               const std::vector<FeatureResidual>& residuals,
+                               const AdjustmentOptions& options) {
+  constexpr int kMaxRounds = 4;
+  constexpr double kWorthAnotherLook = 0.9;
+  double best = kWorthAnotherLook * MeanSquare(residuals);
+  std::optional<Names> best_split;
+  for (Names first : SplitsToTry(training, residuals)) {
+    double before = MeanSquare(residuals);
+    for (int round = 0; round < kMaxRounds; ++round) {
+      const TwoFits fits(training, pattern, first, options);
+      if (!fits.AreFitted()) break;
+      const double mean_square = fits.MeanSquare();
+      if (mean_square < best) {
+        best = mean_square;
+        best_split = first;
+      }
+      if (mean_square > kWorthAnotherLook * before) break;
+      before = mean_square;
+      const Names again = fits.PreferringFirst(training);
+      if (again == first) break;
+      first = again;
+    }
+  }
+  return best_split;
+}
+
+}  // namespace
+
+std::optional<TwoCameras> FindTwoCameras(const Dataset& training,
+                                         const Pattern& pattern,
+                                         const Adjusted& joint,
+                                         const AdjustmentOptions& options) {
+  if (training.images.size() < 2 * kMinImages) return std::nullopt;
+  const std::vector<FeatureResidual> residuals =
+      ResidualsOf(pattern, joint, options.num_threads);
+  if (!ErrAlike(residuals)) return std::nullopt;
+  const auto first = BestSplit(training, pattern, residuals, options);
+  if (!first) return std::nullopt;
+  const TwoParts parts = SplitBy(training, *first);
+  const std::vector<FeatureResidual> of_all =
+      FullyAdjusted(training, pattern, options);
+  const std::vector<FeatureResidual> of_first =
+      FullyAdjusted(parts.first, pattern, options);
+  const std::vector<FeatureResidual> of_second =
+      FullyAdjusted(parts.second, pattern, options);
+  if (!ErrAlike(of_all) || of_first.empty() || ErrAlike(of_first) ||
+      of_second.empty() || ErrAlike(of_second) ||
+      MeanSquareOfBoth(of_first, of_second) >
+          kMuchBetter * kMuchBetter * MeanSquare(of_all))
+    return std::nullopt;
+  TwoCameras two = {NamesOf(parts.first), NamesOf(parts.second)};
+  if (two.second < two.first) std::swap(two.first, two.second);
+  return two;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,102 @@
+// Photographs of other boards than the pattern says.
+
+#include "features/board_guess.h"
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "boards_to_print.h"
+#include "dataset/files.h"
+#include "support.h"
+#include "target/board_sheet.h"
+#include "target/board_yaml.h"
+
+namespace raygrid {
+namespace {
+
+Pattern PatternOf(const Board& board) {
+  return ParsePattern("the pattern", BoardsYaml({board}));
+}
+
+// Printed pages, seen from the front.
+class BoardGuess : public testing::Test {
+ protected:
+  void Photograph(const Board& board, bool is_mirrored = false) {
+    const BoardSheets sheets = PlanBoardSheets({board}, ParsePage("A4"));
+    const std::string png = SheetPng(sheets, board, 100);
+    const std::vector<char> bytes(png.begin(), png.end());
+    cv::Mat image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+    if (is_mirrored) cv::flip(image, image, 1);
+    for (const char* name : {"a.png", "b.png"}) {
+      paths_.push_back(folder_ / name);
+      cv::imwrite(paths_.back(), image);
+    }
+  }
+
+  // What is said, or nothing.
+  std::string GuessFor(const Board& asked) {
+    const Pattern pattern = PatternOf(asked);
+    const FolderDetection found =
+        DetectFeatures(paths_, pattern, {}, nullptr, 2, nullptr);
+    num_features_ = static_cast<int>(found.dataset.num_features());
+    return GuessOtherBoard(found, pattern, "p.yaml", 2).value_or("");
+  }
+
+  TemporaryFolder folder_;
+  std::vector<std::string> paths_;
+  int num_features_ = 0;
+};
+
+TEST_F(BoardGuess, FindsOtherSizesOfChessboards) {
+  Photograph(Chessboard(9, 6, 25));
+  EXPECT_EQ(GuessFor(Chessboard(10, 7, 25)),
+            "this looks like 9 x 6 inner corners (2 of 2 images looked at), "
+            "not 10 x 7 inner corners; correct columns and rows in p.yaml");
+  EXPECT_NE(GuessFor(Chessboard(8, 6, 25)).find("like 9 x 6 inner"),
+            std::string::npos);
+  EXPECT_NE(GuessFor(Chessboard(5, 8, 25)).find("like 6 x 9 inner"),
+            std::string::npos);
+}
+
+TEST_F(BoardGuess, SaysNothingOfTheBoardAskedFor) {
+  Photograph(Chessboard(9, 6, 25));
+  EXPECT_EQ(GuessFor(Chessboard(9, 6, 20)), "");
+  EXPECT_EQ(GuessFor(Chessboard(6, 9, 20)), "");
+  EXPECT_EQ(num_features_, 108);
+}
+
+TEST_F(BoardGuess, FindsOtherDictionariesAndSizesOfCharucoBoards) {
+  Photograph(Charuco(8, 5, 28));
+  Board asked = Charuco(8, 5, 28);
+  EXPECT_EQ(GuessFor(asked), "");
+  asked.dictionary = "DICT_5X5_100";
+  EXPECT_EQ(GuessFor(asked),
+            "this looks like 8 x 5 inner corners with markers of DICT_4X4_50 "
+            "(2 of 2 images looked at), not 8 x 5 inner corners with markers "
+            "of DICT_5X5_100; correct the dictionary in p.yaml");
+  for (const int columns : {7, 9})
+    EXPECT_NE(GuessFor(Charuco(columns, 5, 28)).find("like 8 x 5 inner"),
+              std::string::npos);
+  EXPECT_NE(GuessFor(Chessboard(8, 5, 28)).find("correct the kind of board"),
+            std::string::npos);
+}
+
+TEST_F(BoardGuess, FindsMirroredCharucoBoards) {
+  Photograph(Charuco(8, 5, 28), true);
+  EXPECT_EQ(GuessFor(Charuco(8, 5, 28)),
+            "this looks like a mirrored board of 8 x 5 inner corners with "
+            "markers of DICT_4X4_50 (2 of 2 images looked at), not 8 x 5 inner "
+            "corners with markers of DICT_4X4_50; mirror the images back, or "
+            "print the board the right way round");
+  EXPECT_EQ(num_features_, 0);
+}
+
+TEST_F(BoardGuess, FindsOtherSizesOfAprilGrids) {
+  Photograph(AprilGrid(6, 5, 24));
+  EXPECT_EQ(GuessFor(AprilGrid(6, 5, 24)), "");
+  EXPECT_NE(GuessFor(AprilGrid(5, 6, 24)).find("an AprilGrid of 6 x 5 tags"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace raygrid
