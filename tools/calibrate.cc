@@ -12,6 +12,7 @@
 #include "dataset/text_encoding.h"
 #include "interruption.h"
 #include "packing/blob_camera.h"
+#include "pattern_input.h"
 #include "report/checkpoint_json.h"
 #include "report/pictures.h"
 #include "report/result_folder.h"
@@ -40,10 +41,10 @@ Measurements GatherFeatures(const CalibrateArguments& arguments,
                             const FeaturesByCamera& given,
                             const Pattern& pattern, ProgressBar* bar) {
   const Measurements measurements =
-      paths.empty() ? GivenFeatures(arguments, given)
-                    : Measure(paths, pattern, common, [bar](double done) {
-                        bar->Show("detection", 0.2 * done);
-                      });
+      paths.empty()
+          ? GivenFeatures(arguments, given)
+          : Measure(paths, pattern, arguments.pattern, common,
+                    [bar](double done) { bar->Show("detection", 0.2 * done); });
   RequireUsable(
       arguments.features.empty() ? "detected features" : arguments.features,
       arguments, measurements, pattern);
@@ -104,7 +105,7 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
                const FeaturesByCamera& given) {
   RequireBlobText("--name", arguments.name);
   RequireBlobText("--serial", arguments.serial);
-  const Pattern pattern = ReadPattern(arguments.pattern);
+  const Pattern pattern = MeantPattern(arguments.pattern, common);
   const std::vector<std::string> paths = FindImages(arguments.images);
   RequireWritableFolder(arguments.output);
 
@@ -223,8 +224,8 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
                    "are called by this number then")
       ->check(CLI::IsMember({"name", "number"}))
       ->capture_default_str();
-  command->add_option("--pattern", arguments->pattern, "pattern.yaml")
-      ->required();
+  AddPatternOption(command, &arguments->pattern)->required();
+  AddYes(command, common);
   command
       ->add_option("--model", arguments->model,
                    "central-generic, noncentral-generic, central-radial, "

@@ -15,6 +15,7 @@
 #include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
 #include "interruption.h"
+#include "pattern_input.h"
 #include "report/checkpoint_json.h"
 #include "report/result_folder.h"
 
@@ -121,10 +122,12 @@ RigMeasurements MeasureAll(const CalibrateArguments& arguments,
   for (size_t c = 0; c < cameras.size(); ++c) {
     const std::string& name = cameras[c].name;
     rig.names.push_back(name);
-    rig.cameras.push_back(Measure(paths[c], pattern, common, [&](double done) {
-      bar->Show(name + ": detection", 0.2 * (static_cast<double>(c) + done) /
-                                          static_cast<double>(cameras.size()));
-    }));
+    rig.cameras.push_back(
+        Measure(paths[c], pattern, arguments.pattern, common, [&](double done) {
+          bar->Show(name + ": detection",
+                    0.2 * (static_cast<double>(c) + done) /
+                        static_cast<double>(cameras.size()));
+        }));
     RequireUsable("camera " + name, arguments, rig.cameras.back(), pattern);
   }
   return rig;
@@ -254,7 +257,7 @@ void RequireNothingForOneCamera(const CalibrateArguments& arguments) {
 void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
             const FeaturesByCamera& given) {
   RequireNothingForOneCamera(arguments);
-  const Pattern pattern = ReadPattern(arguments.pattern);
+  const Pattern pattern = MeantPattern(arguments.pattern, common);
   RequireWritableFolder(arguments.output);
   std::string inputs;
   RigResult result;

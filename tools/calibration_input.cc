@@ -11,6 +11,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/text_encoding.h"
+#include "features/board_guess.h"
 #include "features/camera_refinement.h"
 #include "features/feature_detection.h"
 #include "interruption.h"
@@ -33,7 +34,8 @@ double ParseCellPx(const std::string& text) {
 }  // namespace
 
 Measurements Measure(const std::vector<std::string>& paths,
-                     const Pattern& pattern, const CommonOptions& common,
+                     const Pattern& pattern, const std::string& pattern_name,
+                     const CommonOptions& common,
                      const std::function<void(double)>& progress) {
   const DetectionCache cache(DetectionCache::DefaultFolder());
   FolderDetection detection =
@@ -41,6 +43,9 @@ Measurements Measure(const std::vector<std::string>& paths,
   for (const SkippedImage& skipped : detection.skipped)
     fmt::print(stderr, "raygrid: skipped {}: {}\n", Printable(skipped.path),
                Printable(skipped.reason));
+  if (const auto other =
+          GuessOtherBoard(detection, pattern, pattern_name, common.threads))
+    throw Error(ExitCode::kTooFew, *other);
   if (!common.quiet)
     for (const std::string& remark : SummarizeRemarks(detection))
       fmt::print(stderr, "raygrid: {}\n", Printable(remark));
@@ -81,6 +86,7 @@ CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
   options.compare_models = !arguments.skip_comparison;
   options.hold_out = arguments.hold_out;
   options.num_threads = common.threads;
+  options.any_distance = common.yes;
   options.should_stop = IsInterrupted;
   options.progress = [bar](const std::string& stage, double done) {
     bar->Show(stage, 0.2 + 0.7 * done);

@@ -36,9 +36,11 @@ struct Measurements {
 };
 
 /// Detects the pattern; images that cannot be used are named on stderr, and the
-/// others are gone on with.
+/// others are gone on with. Throws Error(kTooFew) if they show another board
+/// than the pattern, whose name is for messages.
 Measurements Measure(const std::vector<std::string>& paths,
-                     const Pattern& pattern, const CommonOptions& common,
+                     const Pattern& pattern, const std::string& pattern_name,
+                     const CommonOptions& common,
                      const std::function<void(double)>& progress);
 
 /// Throws Error(kTooFew) without features, and as RequireConsistent.

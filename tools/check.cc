@@ -11,6 +11,7 @@
 #include "dataset/error.h"
 #include "dataset/image_files.h"
 #include "dataset/text_encoding.h"
+#include "pattern_input.h"
 
 namespace raygrid {
 namespace {
@@ -44,8 +45,9 @@ Dataset Gather(const Arguments& arguments, const CommonOptions& common,
     RequireConsistent(arguments.features, dataset, pattern);
     return dataset;
   }
-  Dataset dataset =
-      Measure(FindImages(arguments.images), pattern, common, {}).dataset;
+  Dataset dataset = Measure(FindImages(arguments.images), pattern,
+                            PatternPath(arguments), common, {})
+                        .dataset;
   if (dataset.num_features() == 0)
     throw Error(ExitCode::kTooFew, "no board found in the images");
   if (dataset.image_size != size)
@@ -138,7 +140,7 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
   if (arguments.images.empty() == arguments.features.empty())
     throw Error(ExitCode::kUsage, "check: give either images or --features");
   const CameraInput input = ReadCamera(arguments.camera);
-  const Pattern pattern = ReadPattern(PatternPath(arguments));
+  const Pattern pattern = GivenPattern(PatternPath(arguments));
   const CameraCheck check =
       CheckCamera(input.file, Gather(arguments, common, input.file, pattern),
                   pattern, common.threads);
@@ -170,8 +172,8 @@ void AddCheck(CLI::App* app, CommonOptions* common) {
   command->add_option("images", arguments->images, "images or folders");
   command->add_option("--features", arguments->features,
                       "features.csv instead of images");
-  command->add_option("--pattern", arguments->pattern,
-                      "pattern.yaml (default: that beside the camera)");
+  AddPatternOption(command, &arguments->pattern,
+                   "; default: pattern.yaml beside the camera");
   command->callback([arguments, common] { Run(*arguments, *common); });
 }
 

@@ -15,6 +15,7 @@ struct CommonOptions {
   uint64_t seed = 0;
   bool quiet = false;
   bool json = false;
+  bool yes = false;  ///< lengths that look like mistakes are meant
 };
 
 /// A command with the common options and an example in its help.

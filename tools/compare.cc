@@ -14,6 +14,7 @@
 #include "dataset/image_files.h"
 #include "evaluation/model_difference.h"
 #include "evaluation/prediction_comparison.h"
+#include "pattern_input.h"
 #include "report/pictures.h"
 
 namespace raygrid {
@@ -39,7 +40,7 @@ struct Comparison {
 PredictionComparison Predict(const Arguments& arguments,
                              const CameraModel& first,
                              const CameraModel& second, int num_threads) {
-  const Pattern pattern = ReadPattern(arguments.pattern);
+  const Pattern pattern = GivenPattern(arguments.pattern);
   auto cameras = ReadFeatures(arguments.features);
   if (cameras.size() > 1)
     throw InputError(arguments.features +
@@ -257,8 +258,7 @@ void AddCompare(CLI::App* app, CommonOptions* common) {
       ->capture_default_str();
   command->add_option("--features", arguments->features,
                       "features.csv that both cameras predict");
-  command->add_option("--pattern", arguments->pattern,
-                      "pattern.yaml, with --features");
+  AddPatternOption(command, &arguments->pattern, "; with --features");
   command->add_option("-o,--output", arguments->output,
                       "folder for pictures and tables");
   command->callback([arguments, common] { Run(*arguments, *common); });

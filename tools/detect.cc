@@ -11,8 +11,10 @@
 #include "dataset/files.h"
 #include "dataset/parallel_for.h"
 #include "dataset/text_encoding.h"
+#include "features/board_guess.h"
 #include "features/detection_pictures.h"
 #include "features/feature_detection.h"
+#include "pattern_input.h"
 #include "progress_bar.h"
 
 namespace raygrid {
@@ -35,9 +37,8 @@ const std::map<std::string, Refinement> kRefinements = {
     {"corner-subpix", Refinement::kCornerSubpix},
     {"none", Refinement::kNone}};
 
-FolderDetection Detect(const Arguments& arguments,
+FolderDetection Detect(const Arguments& arguments, const Pattern& pattern,
                        const CommonOptions& common) {
-  const Pattern pattern = ReadPattern(arguments.pattern);
   const std::vector<std::string> paths = FindImages(arguments.images);
   const DetectionCache cache(arguments.no_cache ? "" : arguments.cache);
   ProgressBar bar(common.quiet);
@@ -128,13 +129,17 @@ std::string FormatJson(const FolderDetection& found, double seconds) {
 
 void Run(const Arguments& arguments, const CommonOptions& common) {
   const auto start = std::chrono::steady_clock::now();
-  const FolderDetection found = Detect(arguments, common);
+  const Pattern pattern = MeantPattern(arguments.pattern, common);
+  const FolderDetection found = Detect(arguments, pattern, common);
   WarnOfSkipped(found);
   OutputFiles overlays;
   if (!arguments.overlay.empty()) {
     AddOverlays(arguments, found, common.threads, &overlays);
     overlays.Commit();  // they show why nothing was found, too
   }
+  if (const auto other =
+          GuessOtherBoard(found, pattern, arguments.pattern, common.threads))
+    throw Error(ExitCode::kTooFew, *other);
   RequireFeatures(found, arguments);
   if (!common.quiet) WarnOfRemarks(found);
   WriteFile(arguments.output, FormatFeatures(found.dataset));
@@ -190,8 +195,8 @@ void AddDetect(CLI::App* app, CommonOptions* common) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("images", arguments->images, "images or folders")
       ->required();
-  command->add_option("--pattern", arguments->pattern, "pattern.yaml")
-      ->required();
+  AddPatternOption(command, &arguments->pattern)->required();
+  AddYes(command, common);
   command->add_option("-o,--output", arguments->output, "features.csv to write")
       ->required();
   command->add_option("--overlay", arguments->overlay,

@@ -12,6 +12,7 @@
 #include "dataset/files.h"
 #include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
+#include "pattern_input.h"
 
 namespace raygrid {
 namespace {
@@ -64,7 +65,7 @@ void RequireResiduals(size_t count) {
 
 void RunCamera(const Arguments& arguments, const CommonOptions& common) {
   const CameraInput input = ReadCamera(arguments.camera);
-  const Pattern pattern = ReadPattern(arguments.pattern);
+  const Pattern pattern = GivenPattern(arguments.pattern);
   Dataset dataset = ReadSingleCamera(arguments.features);
   dataset.image_size = input.file.camera->image_size();
   RequireConsistent(arguments.features, dataset, pattern);
@@ -96,7 +97,7 @@ std::vector<Dataset> ReadRigFeatures(
 
 void RunRig(const Arguments& arguments, const CommonOptions& common) {
   const std::vector<RigFileCamera> files = ReadRigFile(arguments.camera);
-  const Pattern pattern = ReadPattern(arguments.pattern);
+  const Pattern pattern = GivenPattern(arguments.pattern);
   std::vector<Dataset> datasets = ReadRigFeatures(arguments.features, files);
   const std::filesystem::path folder =
       std::filesystem::path(arguments.camera).parent_path();
@@ -162,10 +163,9 @@ void AddEvaluate(CLI::App* app, CommonOptions* common) {
       ->required();
   command->add_option("--features", arguments->features, "features.csv")
       ->required();
-  command
-      ->add_option("--pattern", arguments->pattern,
-                   "pattern.yaml: the one that calibrate wrote has the board "
-                   "as it really is")
+  AddPatternOption(command, &arguments->pattern,
+                   ". The one that calibrate wrote has the board as it really "
+                   "is")
       ->required();
   command->callback([arguments, common] { Run(*arguments, *common); });
 }

@@ -12,6 +12,7 @@
 #include "dataset/files.h"
 #include "dataset/rig_file.h"
 #include "experiments/experiment_files.h"
+#include "pattern_input.h"
 #include "progress_bar.h"
 
 namespace raygrid {
@@ -95,7 +96,7 @@ ExperimentData ReadData(const Arguments& arguments) {
   data.features = cameras.begin()->second;
   data.features->image_size =
       ParseImageSize("--image-size", arguments.image_size);
-  data.pattern = ReadPattern(arguments.pattern);
+  data.pattern = GivenPattern(arguments.pattern);
   RequireConsistent(arguments.features, *data.features, data.pattern);
   return data;
 }
@@ -171,8 +172,7 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
                       "the user's own features.csv, instead of simulated ones");
   command->add_option("--image-size", arguments->image_size,
                       "WxH, with --features");
-  command->add_option("--pattern", arguments->pattern,
-                      "pattern.yaml, with --features");
+  AddPatternOption(command, &arguments->pattern, "; with --features");
   command
       ->add_option("--hold-out", arguments->hold_out,
                    "images to test with (default: every fifth)")

@@ -13,6 +13,7 @@
 #include "dataset/files.h"
 #include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
+#include "target/board_spec.h"
 
 namespace raygrid {
 namespace {
@@ -187,6 +188,7 @@ Json FeaturesFacts(const std::string& path) {
 }
 
 Json FactsOf(const std::string& path) {
+  if (IsBoardSpec(path)) return PatternFacts(ParseBoardSpec(path));
   const std::string bytes = ReadFile(path);
   if (IsBlob(path, bytes)) return BlobFacts(BlobCamera(path, bytes));
   if (bytes.find("raygrid_camera:") != std::string::npos)
@@ -270,7 +272,10 @@ void AddInspect(CLI::App* app, CommonOptions* common) {
       "verifies blobs.",
       "raygrid inspect front.raygrid", common);
   auto path = std::make_shared<std::string>();
-  command->add_option("file", *path, "file")->required();
+  command
+      ->add_option("file", *path,
+                   "file, or a board in a word, as chessboard:9x6:25mm")
+      ->required();
   command->callback([path, common] { Run(*path, *common); });
 }
 

@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "pattern_input.h"
 #include "target/board_on_screen.h"
 #include "target/board_sheet.h"
 #include "target/marker_boards.h"
@@ -24,6 +25,7 @@ constexpr double kPrintDpi = 300;
 struct OutputOptions {
   std::string page = "A4", screen, output;
   std::optional<double> dpi;
+  int square_px = 0;
   double measured_x_mm = 0, measured_y_mm = 0;
 };
 
@@ -59,10 +61,43 @@ std::string FormatJson(const std::string& yaml, nlohmann::ordered_json json) {
   return json.dump(2);
 }
 
+// With the resolution of the screen, squares are as large as asked for; without
+// it, what is asked for is what was measured.
+ScreenBoards PlanForScreen(const std::vector<Board>& boards,
+                           const OutputOptions& options) {
+  const ImageSize screen = ParseScreen(options.screen);
+  if (!options.dpi) return PlanScreenBoards(boards, screen, options.square_px);
+  const int square_px = options.square_px != 0
+                            ? options.square_px
+                            : SquarePx(boards.front(), *options.dpi);
+  return WithPixelPitch(PlanScreenBoards(boards, screen, square_px),
+                        *options.dpi);
+}
+
+// What to measure on the monitor, and what to type then: the same picture with
+// its true lengths.
+std::string HowToMeasure(const ScreenBoards& plan,
+                         const OutputOptions& options) {
+  const Board& board = plan.boards.front();
+  const ScreenLength length = LengthToMeasure(board);
+  const bool is_largest = !options.dpi && options.square_px == 0;
+  return fmt::format(
+      "measure {:g} squares on the screen, from the first {} of a {} to the "
+      "last: {:.2f} mm in pattern.yaml; if it is L mm, do this again with {}"
+      "{} L/{:g}{}",
+      length.squares,
+      board.kind == "star"        ? "star's centre"
+      : board.kind == "aprilgrid" ? "tag's edge"
+                                  : "inner corner",
+      length.is_row ? "row" : "column", 1000 * length.squares * board.square_m,
+      is_largest ? "" : fmt::format("--square-px {} ", plan.square_px),
+      board.kind == "aprilgrid" ? "--tag-mm" : "--square-mm", length.squares,
+      options.dpi ? " and without --dpi" : "");
+}
+
 void WriteForScreen(const std::vector<Board>& boards,
                     const OutputOptions& options, const CommonOptions& common) {
-  ScreenBoards plan = PlanScreenBoards(boards, ParseScreen(options.screen));
-  if (options.dpi) plan = WithPixelPitch(plan, *options.dpi);
+  const ScreenBoards plan = PlanForScreen(boards, options);
   const std::filesystem::path folder = options.output;
   OutputFiles files;
   const std::string yaml = ScreenYaml(plan);
@@ -72,13 +107,16 @@ void WriteForScreen(const std::vector<Board>& boards,
               ScreenPng(plan, board));
   files.Commit();
   if (common.json)
-    fmt::print("{}\n", FormatJson(yaml, {{"square_px", plan.square_px}}));
+    fmt::print("{}\n",
+               FormatJson(yaml, {{"square_px", plan.square_px},
+                                 {"squares_to_measure",
+                                  LengthToMeasure(boards[0]).squares}}));
   else if (!common.quiet)
     fmt::print(
         "pattern.yaml and {} picture(s) in {}; show one pixel for pixel: "
-        "squares are {} pixels wide, {:.4f} mm in pattern.yaml\n",
+        "squares are {} pixels wide, {:.4f} mm in pattern.yaml\n{}\n",
         plan.boards.size(), options.output, plan.square_px,
-        1000 * plan.boards[0].square_m);
+        1000 * plan.boards[0].square_m, HowToMeasure(plan, options));
 }
 
 void WriteForPrint(const std::vector<Board>& boards,
@@ -118,8 +156,15 @@ void AddOutputOptions(CLI::App* command, OutputOptions* options) {
                       "resolution of the PNG, 300 if not given; of the screen");
   CLI::Option* const screen = command->add_option(
       "--screen", options->screen,
-      "WIDTHxHEIGHT in pixels: only a PNG for this monitor. Lengths are as "
-      "its --dpi says, or as given: measure them on the screen");
+      "WIDTHxHEIGHT in pixels: only a PNG for this monitor. With its --dpi, "
+      "squares are as large as asked for, but for whole pixels; without, as "
+      "large as fits, and lengths as given: measure them on the screen");
+  command
+      ->add_option("--square-px", options->square_px,
+                   "side of a square on the screen in pixels (of an AprilGrid: "
+                   "of a tag), instead")
+      ->needs(screen)
+      ->check(CLI::Range(4, 32767));
   CLI::Option* const x = command->add_option(
       "--measured-x-mm", options->measured_x_mm,
       "how long the ruler below the board really is on the print. All other "
@@ -138,11 +183,17 @@ void Finish(CLI::App* command, const MakeBoards& make_boards,
             CommonOptions* common) {
   const auto options = std::make_shared<OutputOptions>();
   AddOutputOptions(command, options.get());
-  command->callback([options, make_boards, common] {
+  AddYes(command, common);
+  command->callback([command, options, make_boards, common] {
+    const std::vector<Board> boards = make_boards();
+    AskAboutLengths(
+        "", boards,
+        command->get_name() == "aprilgrid" ? "--tag-mm" : "--square-mm",
+        *common);
     if (options->screen.empty())
-      WriteForPrint(make_boards(), *options, *common);
+      WriteForPrint(boards, *options, *common);
     else
-      WriteForScreen(make_boards(), *options, *common);
+      WriteForScreen(boards, *options, *common);
   });
 }
 
@@ -291,6 +342,22 @@ void AddPattern(CLI::App* app, CommonOptions* common) {
   CLI::App* pattern = app->add_subcommand(
       "pattern", "Makes targets to print, or to show on a monitor.");
   pattern->require_subcommand(1);
+  pattern->footer(
+      "Other commands take a board in a word instead of pattern.yaml:\n"
+      "  KIND:COLUMNSxROWS:LENGTH[:NAME=VALUE]...\n"
+      "  chessboard:9x6:25mm           inner corners; side of a square\n"
+      "  charuco:8x5:28mm:marker=21mm  likewise; more: "
+      "dictionary=DICT_4X4_50,\n"
+      "                                legacy, first-marker=0, boards=1\n"
+      "  aprilgrid:6x6:24mm            tags; side of a tag's black square;\n"
+      "                                more: spacing-ratio=0.3, "
+      "first-marker=0,\n"
+      "                                boards=1\n"
+      "  star:16x23:11mm               stars; distance between them; more:\n"
+      "                                segments=16, tags=1, tag-id=0,\n"
+      "                                tag-squares, boards=1\n"
+      "Lengths have mm, cm or m. The board is that of 'raygrid pattern KIND' "
+      "with\nthe same values.");
   AddStar(pattern, common);
   AddChessboard(pattern, common);
   AddCharuco(pattern, common);

@@ -14,6 +14,7 @@
 #include "dataset/files.h"
 #include "dataset/parallel_for.h"
 #include "dataset/rig_file.h"
+#include "pattern_input.h"
 #include "progress_bar.h"
 #include "simulation/board_bend.h"
 #include "simulation/image_rendering.h"
@@ -52,7 +53,7 @@ std::shared_ptr<const CameraModel> MakeCamera(const Arguments& arguments) {
 
 Pattern MakePattern(const Arguments& arguments) {
   return arguments.pattern.empty() ? ChessboardPattern(30, 24, 0.02)
-                                   : ReadPattern(arguments.pattern);
+                                   : GivenPattern(arguments.pattern);
 }
 
 // A lens as a fine grid over the image.
@@ -327,10 +328,9 @@ void AddImagingOptions(CLI::App* command, Arguments* arguments) {
 }
 
 void AddCameraOptions(CLI::App* command, Arguments* arguments) {
-  command->add_option("--pattern", arguments->pattern,
-                      "pattern.yaml (default: a chessboard); several boards "
-                      "are rendered side by side; without --render the first "
-                      "is observed");
+  AddPatternOption(command, &arguments->pattern,
+                   "; default: a chessboard. Several boards are rendered side "
+                   "by side; without --render the first is observed");
   CLI::Option* const lens =
       command
           ->add_option("--lens", arguments->lens,

@@ -49,6 +49,22 @@ class Detect(CommandTest):
         self.assertGreaterEqual(found["seconds"], 0)
         self.assertEqual(len(read(self.out).splitlines()), 109)
 
+    def test_another_board_is_named(self):
+        for spec in ("chessboard:10x7:20mm", "chessboard:8x6:20mm"):
+            for command in ("detect", "calibrate"):
+                out = self.path("another-board")
+                self.assert_refused(
+                    run(command, self.path("photos"), "--pattern", spec, "-o", out), 3,
+                    "this looks like 9 x 6 inner corners", "correct columns and rows in " + spec)
+                self.assert_nothing_in(out)
+
+    def test_a_board_in_a_word_is_found_like_that_of_a_file(self):
+        self.assert_done(self.detect(self.path("photos"), "--no-cache"))
+        features = read(self.out)
+        self.pattern = "chessboard:9x6:20mm"
+        self.assert_done(self.detect(self.path("photos"), "--no-cache"))
+        self.assertEqual(read(self.out), features)
+
     def test_damaged_image_among_others_is_named_and_skipped(self):
         result = self.detect(self.folder_with(aa_png=self.sheet[:len(self.sheet) // 2]),
                              "--no-cache", "--json")

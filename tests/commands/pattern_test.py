@@ -83,12 +83,37 @@ class PatternCommand(CommandTest):
         self.assertIn("[0.198000000, 0.125000000, 0.000000000]", yaml)
 
     def test_monitor(self):
-        folder = self.pattern("star", "--columns", 16, "--rows", 9, "--square-mm", 20, "--screen",
-                              "800x600", "--dpi", 101.6)
+        star = ("star", "--columns", 16, "--rows", 9, "--screen", "800x600", "--square-mm")
+        folder = self.pattern(*star, 8.3, "--dpi", 101.6)
         self.assertEqual(set(os.listdir(folder)), {"pattern.yaml", "pattern.png"})
         png = read(os.path.join(folder, "pattern.png"))
         self.assertEqual(struct.unpack(">II", png[16:24]), (800, 600))
-        self.assertIn("square_m: 0.011,", self.yaml(folder))  # 44 pixels of 0.25 mm
+        self.assertIn("square_m: 0.00825,", self.yaml(folder))  # 33 pixels of 0.25 mm
+        self.refused(*star, 20, "--dpi", 101.6, words=["80 pixels", "at most 44"])
+        self.refused(*star, 20, "--square-px", 45, words=["at most 44"])
+
+    def test_what_to_measure_on_a_monitor_and_to_type_then(self):
+        def made(kind, *arguments):
+            folder = self.path(self.id())
+            result = run("pattern", kind, "--screen", "1920x1080", *arguments, "-o", folder)
+            self.assert_done(result)
+            return read(os.path.join(folder, "pattern.png")), self.yaml(folder), result.stdout
+        star = ("star", "--columns", 16, "--rows", 23)
+        picture, yaml, said = made(*star, "--dpi", 92, "--square-mm", 10)
+        self.assertIn("square_m: 0.00993913043,", yaml)  # 36 pixels, not as large as fits
+        self.assertIn("measure 22 squares on the screen, from the first star's centre of a column "
+                      "to the last: 218.66 mm", said)
+        self.assertIn("with --square-px 36 --square-mm L/22 and without --dpi", said)
+        again, yaml, said = made(*star, "--square-px", 36, "--square-mm", 220 / 22)
+        self.assertEqual(picture, again)
+        self.assertIn("square_m: 0.01,", yaml)
+        self.assertIn("with --square-px 36 --square-mm L/22\n", said)
+        _, _, said = made("chessboard", "--columns", 9, "--rows", 6, "--square-mm", 25)
+        self.assertIn("measure 8 squares", said)
+        self.assertIn("from the first inner corner of a row to the last: 200.00 mm", said)
+        self.assertIn("do this again with --square-mm L/8\n", said)
+        _, _, said = made("aprilgrid", "--tag-columns", 6, "--tag-rows", 3, "--tag-mm", 20)
+        self.assertIn("again with --tag-mm L/7.5\n", said)
 
     def test_json_says_what_was_made(self):
         size = ("--columns", 9, "--rows", 6, "--square-mm", 25, "--dpi", 50, "--json", "-o")
@@ -98,7 +123,32 @@ class PatternCommand(CommandTest):
             {"id": 0, "kind": "chessboard", "columns": 9, "rows": 6, "square_m": 0.025}]})
         result = run("pattern", "chessboard", "--screen", "800x600", *size, self.path("json"))
         self.assert_done(result)
-        self.assertEqual(json.loads(result.stdout)["square_px"], 72)
+        made = json.loads(result.stdout)
+        self.assertEqual((made["square_px"], made["squares_to_measure"]), (49, 8))  # at 50 dpi
+
+    def test_lengths_that_look_like_mistakes_are_asked_about(self):
+        size = ("--columns", 9, "--rows", 6, "--square-mm")
+        for kind, arguments, words in (
+                ("chessboard", (*size, 0.025), ["--square-mm 25?", "0.025 mm", "--yes"]),
+                ("chessboard", (*size, 25000, "--screen", "800x600"), ["--square-mm 25?", "25 m"]),
+                ("chessboard", (*size, 900), ["board of 7.2 m?", "--square-mm 900", "--yes"]),
+                ("aprilgrid", ("--tag-columns", 6, "--tag-rows", 5, "--tag-mm", 0.03),
+                 ["--tag-mm 30?", "--yes"])):
+            self.refused(kind, *arguments, words=words)
+        self.pattern("chessboard", *size, 0.5, "--dpi", 30, "--yes")
+        for spec, words in (("chessboard:9x6:25m", ["square_m: 0.025?", "25 m", "--yes"]),
+                            ("chessboard:9x6:0.025mm", ["square_m: 0.025?", "--yes"]),
+                            ("chessboard:9x6:0.9m", ["a board of 7.2 m?", "--yes"])):
+            for command in (("detect", self.folder, "-o", self.path("never.csv")),
+                            ("calibrate", "--features", self.path("none.csv"), "--image-size",
+                             "640x480", "-o", self.path("never"))):
+                features = "image,board,column,row,x,y\na.png,0,0,0,1,2\n"
+                with open(self.path("none.csv"), "w", encoding="utf8") as file:
+                    file.write(features)
+                result = run(*command, "--pattern", spec)
+                self.assert_refused(result, 1, spec, *words)
+                self.assertNotIn("if that is meant", run(*command, "--pattern", spec,
+                                                         "--yes").stderr)
 
     def test_wrong_usage(self):
         size = ("--columns", 16, "--rows", 23, "--square-mm")
@@ -120,6 +170,53 @@ class PatternCommand(CommandTest):
                      "--boards", 0, words=["--boards"])
         self.refused("aprilgrid", "--tag-columns", 0, "--tag-rows", 5, "--tag-mm", 24,
                      words=["--tag-columns"])
+
+    def test_a_board_in_a_word_is_that_of_the_command(self):
+        def boards(yaml):
+            return [line for line in yaml.splitlines() if line.startswith("  - ")]
+        for spec, kind, arguments in (
+                ("chessboard:9x6:25mm", "chessboard", "--columns 9 --rows 6 --square-mm 25"),
+                ("charuco:6x4:2.5cm:marker=18mm", "charuco",
+                 "--columns 6 --rows 4 --square-mm 25 --marker-mm 18"),
+                ("charuco:6x5:25mm:legacy:marker=18mm:dictionary=DICT_5X5_100:boards=2:"
+                 "first-marker=3", "charuco",
+                 "--columns 6 --rows 5 --square-mm 25 --marker-mm 18 --legacy --boards 2 "
+                 "--first-marker 3 --dictionary DICT_5X5_100"),
+                ("aprilgrid:6x5:0.024m:spacing-ratio=0.25", "aprilgrid",
+                 "--tag-columns 6 --tag-rows 5 --tag-mm 24 --spacing-ratio 0.25"),
+                ("star:16x23:11.132mm", "star", "--columns 16 --rows 23 --square-mm 11.132"),
+                ("star:12x9:15mm:segments=8:tags=2:tag-id=10:tag-squares=2:boards=2", "star",
+                 "--columns 12 --rows 9 --square-mm 15 --segments 8 --tags 2 --tag-id 10 "
+                 "--tag-squares 2 --boards 2")):
+            folder = self.pattern(kind, *arguments.split(), "--dpi", 30)
+            seen = self.path(self.id())
+            self.assert_done(run("simulate", "--pattern", spec, "--images", 1, "-o", seen))
+            self.assertEqual(boards(self.yaml(seen)), boards(self.yaml(folder)), spec)
+        result = run("inspect", "charuco:8x5:28mm:marker=21mm")
+        self.assert_done(result)
+        self.assertIn("kind 'charuco', features 8 x 5, square 0.028 m", result.stdout)
+
+    def test_a_word_that_is_no_board_is_refused_by_name(self):
+        for spec, words in (
+                ("chessboard:9x6", "COLUMNSxROWS:LENGTH"),
+                ("chessboard:9x6:25", "'25' is no length"),
+                ("chessboard:9x6:-25mm", "no length"),
+                ("chessboard:9x6:25mm:marker=3mm", "no 'marker'"),
+                ("chessboard:9x:25mm", "'9x' is no size"),
+                ("chessboard:9x6a:25mm", "no size"),
+                ("chessboard:1x6:25mm", "2 to 1000"),
+                ("chessboard:99999999999x6:25mm", "no size"),
+                ("chesboard:9x6:25mm", "no board is of kind 'chesboard'"),
+                ("charuco:6x4:25mm", "marker="),
+                ("charuco:6x4:25mm:marker=30mm", "marker_m"),
+                ("charuco:6x4:25mm:marker=18mm:marker=18mm", "twice"),
+                ("charuco:6x4:25mm:marker=18mm:first-marker=1.5", "first-marker=1.5"),
+                ("charuco:6x4:25mm:marker=18mm:dictionary=X", "'X'"),
+                ("aprilgrid:501x6:25mm", "500"),
+                ("star:16x23:11mm:tags=", "'tags' has no value"),
+                ("star:16x23:11mm:segments=7", "--segments")):
+            self.assert_refused(run("detect", self.folder, "--pattern", spec, "-o",
+                                    self.path("never.csv")), 1, spec, words)
 
     def test_every_kind_has_help_with_an_example(self):
         for kind in ("star", "chessboard", "charuco", "aprilgrid"):

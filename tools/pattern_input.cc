@@ -1,0 +1,106 @@
+#include "pattern_input.h"
+
+#include <fmt/format.h>
+
+#include "dataset/error.h"
+#include "target/board_spec.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kLeastSquareM = 0.001, kLargestSquareM = 1;
+constexpr double kLargestBoardM = 5;
+
+bool IsLikelySquare(double square_m) {
+  return square_m >= kLeastSquareM && square_m <= kLargestSquareM;
+}
+
+// A length in metres as it was given, or in words of pattern.yaml.
+std::string Given(double square_m, const std::string& mm_option) {
+  return mm_option.empty() ? fmt::format("square_m: {:g}", square_m)
+                           : fmt::format("{} {:g}", mm_option, 1000 * square_m);
+}
+
+// The same number with another unit, if that makes a likely square.
+std::string Suggestion(double square_m, const std::string& mm_option) {
+  for (const double factor : {1e-3, 1e3})
+    if (IsLikelySquare(factor * square_m))
+      return fmt::format("{}? ", Given(factor * square_m, mm_option));
+  return "";
+}
+
+double WidestM(const Board& board) {
+  if (board.points.empty()) return 0;
+  Eigen::Vector3d low = board.points.front(), high = low;
+  for (const Eigen::Vector3d& point : board.points) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+  return (high - low).maxCoeff();
+}
+
+// Empty if nothing is strange.
+std::string Question(const Board& board, const std::string& mm_option) {
+  const bool has_squares = board.kind != "points";
+  if (has_squares && !IsLikelySquare(board.square_m))
+    return fmt::format(
+        "{}{} makes squares of {:g} {}", Suggestion(board.square_m, mm_option),
+        Given(board.square_m, mm_option),
+        board.square_m < 1 ? 1000 * board.square_m : board.square_m,
+        board.square_m < 1 ? "mm" : "m");
+  const double widest_m = std::max(
+      WidestM(board),
+      has_squares ? board.square_m * (std::max(board.columns, board.rows) - 1)
+                  : 0);
+  if (widest_m > kLargestBoardM)
+    return fmt::format("a board of {:.3g} m? {}", widest_m,
+                       has_squares ? Given(board.square_m, mm_option) +
+                                         fmt::format(" with {} x {} features",
+                                                     board.columns, board.rows)
+                                   : "its xyz are metres");
+  return "";
+}
+
+}  // namespace
+
+CLI::Option* AddPatternOption(CLI::App* command, std::string* pattern,
+                              const std::string& remark) {
+  return command->add_option(
+      "--pattern", *pattern,
+      "pattern.yaml, or a board in a word, as chessboard:9x6:25mm (raygrid "
+      "pattern --help)" +
+          remark);
+}
+
+Pattern GivenPattern(const std::string& pattern) {
+  return ReadPatternOrSpec(pattern);
+}
+
+void AddYes(CLI::App* command, CommonOptions* common) {
+  command->add_flag("--yes", common->yes,
+                    "lengths that look like mistakes are meant: squares "
+                    "outside 1 mm to 1 m, boards of more than 5 m, boards more "
+                    "than 20 m away");
+}
+
+void AskAboutLengths(const std::string& source,
+                     const std::vector<Board>& boards,
+                     const std::string& mm_option,
+                     const CommonOptions& common) {
+  if (common.yes) return;
+  for (const Board& board : boards) {
+    const std::string question = Question(board, mm_option);
+    if (!question.empty())
+      throw Error(ExitCode::kUsage,
+                  fmt::format("{}{}; --yes if that is meant",
+                              source.empty() ? "" : source + ": ", question));
+  }
+}
+
+Pattern MeantPattern(const std::string& text, const CommonOptions& common) {
+  Pattern pattern = GivenPattern(text);
+  AskAboutLengths(text, pattern.boards, "", common);
+  return pattern;
+}
+
+}  // namespace raygrid
