@@ -288,5 +288,17 @@ class MainJob(CommandTest):
         self.assertEqual(len(files), 13)
 
 
+class Claims(CommandTest):
+    def test_check_claims_the_false_alarms_that_were_measured(self):
+        readme = os.path.join(os.path.dirname(programs.reference), "../offline/README.md")
+        text = " ".join(read(readme).decode().split())
+        measured = re.search(r"(\d+) of 1,000 cameras raise an alarm with 240 features an image "
+                             r"and (\d+) of 1,000 with 600", text)
+        words = " ".join(run("check", "--help").stdout.split())
+        self.assertIn("{} to {} of 1,000".format(*measured.groups()), words)
+        rarer_than = int(re.search(r"less than once in (\d+) times", words).group(1))
+        self.assertLess(max(map(int, measured.groups())), 1000 / rarer_than)
+
+
 if __name__ == "__main__":
     main(__name__)
