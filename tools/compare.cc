@@ -203,7 +203,15 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
   if (arguments.features.empty() != arguments.pattern.empty())
     throw Error(ExitCode::kUsage,
                 "compare: --features and --pattern need each other");
-  if (!arguments.output.empty()) RequireWritableFolder(arguments.output);
+  if (!arguments.output.empty()) {
+    const std::filesystem::path folder = arguments.output;
+    RequireNoInputReplaced({arguments.first, arguments.second,
+                            arguments.features, arguments.pattern},
+                           {(folder / "difference.csv").string(),
+                            (folder / "difference.json").string(),
+                            (folder / "predictions.csv").string()});
+    RequireWritableFolder(arguments.output);
+  }
   const Comparison comparison = Compare(arguments, common.threads);
   if (!arguments.output.empty()) Write(comparison, arguments.output);
   const ModelDifference& d = comparison.difference;

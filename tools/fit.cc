@@ -75,6 +75,7 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
                 fmt::format("--model {}: not a model that can be fitted; use "
                             "opencv, thin-prism-fisheye or central-radial",
                             arguments.model));
+  RequireNoInputReplaced({arguments.camera}, {arguments.output});
   const Fit fit = FitCamera(arguments);
   WriteFile(arguments.output, FormatCameraFile(fit.file));
   if (common.json) {

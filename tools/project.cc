@@ -31,6 +31,8 @@ void RequireProjection(const std::string& path, const CameraInput& input) {
 }
 
 void Run(const Arguments& arguments, bool json) {
+  RequireNoInputReplaced({arguments.camera, arguments.points},
+                         {arguments.output});
   const CameraInput input = ReadCamera(arguments.camera);
   RequireProjection(arguments.camera, input);
   const CsvTable table(arguments.points, ReadFile(arguments.points),

@@ -21,6 +21,8 @@ std::string FormatVector(const Eigen::Vector3d& vector) {
 }
 
 void Run(const Arguments& arguments, bool json) {
+  RequireNoInputReplaced({arguments.camera, arguments.pixels},
+                         {arguments.output});
   const CameraInput input = ReadCamera(arguments.camera);
   const CsvTable table(arguments.pixels, ReadFile(arguments.pixels),
                        {"x", "y"});

@@ -2,12 +2,15 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <optional>
 #include <sstream>
 
 #include "dataset/error.h"
@@ -94,6 +97,8 @@ std::string ReadFile(const std::string& path) {
   std::error_code error;
   if (fs::is_directory(path, error))
     throw InputError(path + ": is a folder, where a file was expected");
+  if (fs::is_character_file(path, error) || fs::is_block_file(path, error))
+    throw InputError(path + ": is a device, where a file was expected");
   std::ifstream file(path, std::ios::binary);
   std::stringstream contents;
   if (file) contents << file.rdbuf();
@@ -143,6 +148,29 @@ void WriteFile(const std::string& path, std::string contents) {
   OutputFiles files;
   files.Add(path, std::move(contents));
   files.Commit();
+}
+
+void RequireNoInputReplaced(const std::vector<std::string>& inputs,
+                            const std::vector<std::string>& outputs) {
+  using Identity = std::pair<dev_t, ino_t>;
+  const auto identify = [](const std::string& path) {
+    struct stat status = {};
+    const bool is_file =
+        stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode);
+    return is_file ? std::optional(Identity(status.st_dev, status.st_ino))
+                   : std::nullopt;
+  };
+  std::map<Identity, std::string> input_of;
+  for (const std::string& path : inputs)
+    if (const auto identity = identify(path)) input_of[*identity] = path;
+  for (const std::string& path : outputs) {
+    const auto identity = identify(path);
+    if (identity && input_of.count(*identity))
+      throw Error(ExitCode::kOutput,
+                  fmt::format("{}: would replace the input {}; choose another "
+                              "place for what is written",
+                              path, input_of[*identity]));
+  }
 }
 
 void RequireWritableFolder(const std::string& folder) {

@@ -6,7 +6,8 @@
 
 namespace raygrid {
 
-/// A whole file as bytes; throws InputError if it cannot be read.
+/// A whole file or pipe as bytes; throws InputError if it cannot be read, and
+/// for devices, some of which never end.
 std::string ReadFile(const std::string& path);
 
 /// Whether a link in the place of a file is the user's, who wants what it leads
@@ -38,6 +39,11 @@ class OutputFiles {
 
 /// One file alone.
 void WriteFile(const std::string& path, std::string contents);
+
+/// Throws Error(kOutput) if a file to be written is one that is read, under
+/// whatever name; empty names are none.
+void RequireNoInputReplaced(const std::vector<std::string>& inputs,
+                            const std::vector<std::string>& outputs);
 
 /// Throws Error(kOutput) early if files cannot be made in a folder, which is
 /// created if it does not exist.
