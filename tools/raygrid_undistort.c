@@ -20,8 +20,9 @@ static const char kHelp[] =
     "\n"
     "Usage: raygrid-undistort BLOB IN OUT\n"
     "  BLOB  packed with --remap\n"
-    "  IN    raw frame, 8 bits a pixel, of the size the blob is for; or PGM\n"
-    "  OUT   raw frame; PGM if the name ends in .pgm\n"
+    "  IN    raw frame of the size the blob is for, 8 bits a pixel or 16\n"
+    "        (little-endian); or PGM of 8 bits\n"
+    "  OUT   raw frame of as many bits; PGM if the name ends in .pgm\n"
     "Prints the output's size and CRC-32.\n"
     "\n"
     "Example:\n"
@@ -67,12 +68,15 @@ static uint32_t next_number(const uint8_t** at, const uint8_t* end) {
   return number;
 }
 
-/* The pixels in a frame file, NULL if it is of another size. */
+/* The pixels in a frame file and the bytes of each, NULL if it is of another
+ * size. */
 static const uint8_t* find_pixels(const uint8_t* bytes, uint32_t size,
-                                  uint32_t width, uint32_t height) {
+                                  uint32_t width, uint32_t height,
+                                  uint32_t* pixel_bytes) {
   const uint32_t num_pixels = width * height;
   const uint8_t *p = bytes + 2, *const end = bytes + size;
-  if (size == num_pixels) return bytes;
+  *pixel_bytes = size == 2 * num_pixels ? 2 : 1;
+  if (size == *pixel_bytes * num_pixels) return bytes;
   if (size < num_pixels || memcmp(bytes, "P5", 2) != 0) return NULL;
   if (next_number(&p, end) != width || next_number(&p, end) != height ||
       next_number(&p, end) != 255)
@@ -87,16 +91,38 @@ static int has_suffix(const char* text, const char* suffix) {
   return n >= m && strcmp(text + n - m, suffix) == 0;
 }
 
-static int write_pixels(const char* path, int as_pgm, const uint8_t* pixels,
-                        uint32_t width, uint32_t height) {
+/* An undistorted frame. */
+struct picture {
+  uint8_t* pixels;
+  uint32_t width, height, pixel_bytes;
+};
+
+static size_t num_bytes(const struct picture* picture) {
+  return (size_t)picture->width * picture->height * picture->pixel_bytes;
+}
+
+/* PGM has the upper byte first. */
+static void swap_bytes(uint8_t* pixels, size_t size) {
+  for (size_t i = 0; i + 1 < size; i += 2) {
+    const uint8_t low = pixels[i];
+    pixels[i] = pixels[i + 1];
+    pixels[i + 1] = low;
+  }
+}
+
+static int write_pixels(const char* path, int as_pgm,
+                        const struct picture* picture) {
   FILE* file = fopen(path, "wb");
   if (!file) return 0;
   int good = 1;
-  if (as_pgm)
-    good = fprintf(file, "P5\n%lu %lu\n255\n", (unsigned long)width,
-                   (unsigned long)height) > 0;
-  const size_t num_pixels = (size_t)width * height;
-  good = good && fwrite(pixels, 1, num_pixels, file) == num_pixels;
+  const size_t size = num_bytes(picture);
+  if (as_pgm) {
+    good = fprintf(file, "P5\n%lu %lu\n%d\n", (unsigned long)picture->width,
+                   (unsigned long)picture->height,
+                   picture->pixel_bytes == 2 ? 65535 : 255) > 0;
+    if (picture->pixel_bytes == 2) swap_bytes(picture->pixels, size);
+  }
+  good = good && fwrite(picture->pixels, 1, size, file) == size;
   return fclose(file) == 0 && good;
 }
 
@@ -111,10 +137,9 @@ static int is_stream(const char* path) {
 
 /* Beside the target first, so that no half frame is ever seen under its name;
  * of a link, beside what it leads to. */
-static int write_frame(const char* path, const uint8_t* pixels, uint32_t width,
-                       uint32_t height) {
+static int write_frame(const char* path, const struct picture* picture) {
   const int as_pgm = has_suffix(path, ".pgm");
-  if (is_stream(path)) return write_pixels(path, as_pgm, pixels, width, height);
+  if (is_stream(path)) return write_pixels(path, as_pgm, picture);
   char* const real = realpath(path, NULL);
   const char* const target = real ? real : path;
   const size_t size = strlen(target) + sizeof(".part");
@@ -122,8 +147,7 @@ static int write_frame(const char* path, const uint8_t* pixels, uint32_t width,
   int good = 0;
   if (part) {
     snprintf(part, size, "%s.part", target);
-    good = write_pixels(part, as_pgm, pixels, width, height) &&
-           rename(part, target) == 0;
+    good = write_pixels(part, as_pgm, picture) && rename(part, target) == 0;
     if (!good) remove(part);
   }
   free(part);
@@ -134,10 +158,8 @@ static int write_frame(const char* path, const uint8_t* pixels, uint32_t width,
 #else
 
 /* Semihosting cannot rename. */
-static int write_frame(const char* path, const uint8_t* pixels, uint32_t width,
-                       uint32_t height) {
-  const int good =
-      write_pixels(path, has_suffix(path, ".pgm"), pixels, width, height);
+static int write_frame(const char* path, const struct picture* picture) {
+  const int good = write_pixels(path, has_suffix(path, ".pgm"), picture);
   if (!good) remove(path);
   return good;
 }
@@ -145,25 +167,36 @@ static int write_frame(const char* path, const uint8_t* pixels, uint32_t width,
 #endif
 
 static int undistort(const rg_camera* camera, const uint8_t* pixels,
-                     const char* out_path) {
+                     uint32_t pixel_bytes, const char* out_path) {
   uint16_t width, height;
   rg_status status = rg_remap_size(camera, &width, &height);
   if (status != RG_OK) return fail(BLOB, "blob", rg_status_text(status));
-  uint8_t* out = (uint8_t*)malloc((size_t)width * height);
-  if (!out) return fail(INPUT, "output", "not enough memory");
-  const rg_frame frame = {pixels, camera->width, camera->width, camera->height};
-  const rg_band band = {out, width, 0, height, 0};
+  struct picture picture = {NULL, width, height, pixel_bytes};
+  picture.pixels = (uint8_t*)malloc(num_bytes(&picture));
+  if (!picture.pixels) return fail(INPUT, "output", "not enough memory");
+  rg_image frame = {0};
+  frame.format = pixel_bytes == 2 ? RG_FORMAT_GREY16 : RG_FORMAT_GREY8;
+  frame.width = camera->width;
+  frame.height = camera->height;
+  frame.planes[0].data = pixels;
+  frame.planes[0].stride = camera->width * pixel_bytes;
+  rg_target target = {0};
+  target.planes[0].data = picture.pixels;
+  target.planes[0].stride = width * pixel_bytes;
+  target.num_rows = height;
   int code = DONE;
-  status = rg_remap_grey(camera, &frame, &band);
+  status = rg_remap(camera, &frame, &target);
+  const uint32_t crc = status == RG_OK ? rg_crc32(0, picture.pixels,
+                                                  (uint32_t)num_bytes(&picture))
+                                       : 0;
   if (status != RG_OK)
     code = fail(BLOB, "blob", rg_status_text(status));
-  else if (!write_frame(out_path, out, width, height))
+  else if (!write_frame(out_path, &picture))
     code = fail(OUTPUT, out_path, "cannot be written; choose another place");
   else
     printf("%lu x %lu, CRC %08lx\n", (unsigned long)width,
-           (unsigned long)height,
-           (unsigned long)rg_crc32(0, out, (uint32_t)width * height));
-  free(out);
+           (unsigned long)height, (unsigned long)crc);
+  free(picture.pixels);
   return code;
 }
 
@@ -190,9 +223,10 @@ int main(int argc, char** argv) {
   if (!frame) {
     fail(INPUT, argv[2], "cannot be read");
   } else {
-    const uint8_t* pixels =
-        find_pixels(frame, frame_size, camera.width, camera.height);
-    code = pixels ? undistort(&camera, pixels, argv[3])
+    uint32_t pixel_bytes;
+    const uint8_t* pixels = find_pixels(frame, frame_size, camera.width,
+                                        camera.height, &pixel_bytes);
+    code = pixels ? undistort(&camera, pixels, pixel_bytes, argv[3])
                   : fail(INPUT, argv[2],
                          "is not a grey frame of the size that the blob is "
                          "for");
