@@ -15,6 +15,9 @@ namespace raygrid {
 namespace {
 
 constexpr int kMaxFeaturesAlongSide = 1000;
+// No board is beyond these; arithmetic far beyond ends in nonsense.
+constexpr double kMinSquareM = 1e-6, kMaxSquareM = 100;
+constexpr double kMaxCoordinateM = kMaxFeaturesAlongSide * kMaxSquareM;
 
 // A value of a board; throws with the board's number and the key.
 template <typename T>
@@ -114,9 +117,13 @@ std::vector<Eigen::Vector3d> ParsePoints(const std::string& place,
   std::vector<Eigen::Vector3d> points;
   for (const YAML::Node& item : list) {
     const auto xyz = item.as<std::vector<double>>();
-    if (xyz.size() != 3 || !std::isfinite(xyz[0] + xyz[1] + xyz[2]))
-      throw InputError(
-          fmt::format("{}: a point is not three finite numbers", place));
+    const auto is_far = [](double x) {
+      return !(std::abs(x) <= kMaxCoordinateM);
+    };
+    if (xyz.size() != 3 || std::any_of(xyz.begin(), xyz.end(), is_far))
+      throw InputError(fmt::format(
+          "{}: a point is not three numbers of metres, at most {:g}", place,
+          kMaxCoordinateM));
     points.emplace_back(xyz[0], xyz[1], xyz[2]);
   }
   return points;
@@ -142,11 +149,14 @@ Board ParseBoard(const std::string& place, const YAML::Node& node) {
     board.rows = Value<int>(place, node, "rows");
     board.square_m = Value<double>(place, node, "square_m");
     if (std::min(board.columns, board.rows) < 2 ||
-        std::max(board.columns, board.rows) > kMaxFeaturesAlongSide ||
-        !(board.square_m > 0) || !std::isfinite(board.square_m))
+        std::max(board.columns, board.rows) > kMaxFeaturesAlongSide)
+      throw InputError(fmt::format("{}: columns and rows must be 2 to {}",
+                                   place, kMaxFeaturesAlongSide));
+    if (!(board.square_m >= kMinSquareM && board.square_m <= kMaxSquareM))
       throw InputError(
-          fmt::format("{}: columns and rows must be 2 to {}, square_m positive",
-                      place, kMaxFeaturesAlongSide));
+          fmt::format("{}: square_m is {:g}; in metres, it must be 1e-6 (1 µm) "
+                      "to {:g}",
+                      place, board.square_m, kMaxSquareM));
     if (board.kind == "star") ParseStar(place, node, &board);
     if (board.kind == "charuco") ParseCharuco(place, node, &board);
     if (board.kind == "aprilgrid") ParseAprilGrid(place, node, &board);

@@ -64,6 +64,20 @@ TEST(Pattern, ListsOfPointsMayHaveRows) {
     ExpectRefused(WithBoards(start + size + ", " + points), {"6 points"});
 }
 
+TEST(Pattern, SquaresAreFromAMicrometreToAHundredMetres) {
+  for (const char* square_m : {"1e-6", "0.025", "100"})
+    EXPECT_EQ(ParsePattern("p", Chessboard("4", "3", square_m)).boards.size(),
+              1u);
+  for (const char* square_m :
+       {"1e-300", "9.9e-7", "0", "-0.025", "100.1", "1e300", ".nan", ".inf"})
+    ExpectRefused(Chessboard("4", "3", square_m), {"square_m", "metres"});
+  for (const char* x : {"1e300", "-1e6", ".inf", ".nan"})
+    ExpectRefused(WithBoards("  - {id: 0, kind: points, xyz: [[0, 0, 0], "
+                             "[0.1, 0, 0], [0, 0.1, " +
+                             std::string(x) + "]]}\n"),
+                  {"metres"});
+}
+
 TEST(Pattern, FindsBoardsById) {
   const Pattern pattern = ChessboardPattern(4, 3, 0.025);
   EXPECT_EQ(pattern.FindBoard(0), &pattern.boards[0]);
