@@ -70,6 +70,7 @@ CalibrationResult Calibrate(const Dataset& measured, const Pattern& pattern,
     result.seconds["comparison"] = comparison_time.Seconds();
   }
   if (ShouldStop(options)) result.checkpoint = std::move(start.checkpoint);
+  NameUnusedImages(measured, options.skipped, &result);
   JudgeResult(&result);
   if (options.progress) options.progress("done", 1);
   return result;

@@ -29,6 +29,8 @@ struct CalibrationOptions {
   bool flat_board = false;  ///< keep the pattern's points as they are given
   std::vector<std::string> hold_out;  ///< images not to calibrate with
   MeasureAgain measure_again;         ///< without: features stay as they are
+  /// Images that were given, but not measured; the result names them.
+  std::vector<RejectedImage> skipped;
   bool compare_models = false;  ///< with parametric ones, which takes time
   int num_threads = 0;
   Progress progress;

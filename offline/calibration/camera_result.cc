@@ -1,5 +1,7 @@
 #include "calibration/camera_result.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <map>
@@ -216,6 +218,28 @@ void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
       *result->camera.camera, uncertainty ? &uncertainty->mask : nullptr);
   if (!result->camera.camera->IsCentral())
     result->line_spread = MeasureLineSpread(*result->camera.camera);
+}
+
+void NameUnusedImages(const Dataset& measured,
+                      const std::vector<RejectedImage>& skipped,
+                      CalibrationResult* result) {
+  std::vector<RejectedImage>& rejected = result->rejected_images;
+  std::set<std::string> named;
+  for (const ImageFeatures& image : result->features.images)
+    if (!image.features.empty()) named.insert(image.image);
+  for (const FeatureResidual& residual : result->held_out)
+    named.insert(residual.image);
+  for (const RejectedImage& image : rejected) named.insert(image.image);
+  for (const ImageFeatures& image : measured.images) {
+    if (!named.insert(image.image).second) continue;
+    const bool is_few = image.features.size() < kMinViewFeatures;
+    rejected.push_back(
+        {image.image,
+         is_few ? fmt::format("only {} features", image.features.size())
+                : "could not be localised",
+         is_few});
+  }
+  rejected.insert(rejected.end(), skipped.begin(), skipped.end());
 }
 
 void JudgeResult(CalibrationResult* result) {

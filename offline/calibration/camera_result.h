@@ -11,6 +11,13 @@ namespace raygrid {
 void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
                 int num_threads, CalibrationResult* result);
 
+/// Adds to the rejected images those measured that are neither used nor held
+/// out nor rejected already, and those skipped: each that was given is in one
+/// of the lists.
+void NameUnusedImages(const Dataset& measured,
+                      const std::vector<RejectedImage>& skipped,
+                      CalibrationResult* result);
+
 /// Figures of the held-out residuals, if there are any, and the verdict.
 void JudgeResult(CalibrationResult* result);
 

@@ -295,6 +295,9 @@ RigResult CalibrateRig(const std::vector<RigCameraInput>& cameras,
   if (ShouldStop(options))
     for (size_t c = 0; c < cameras.size(); ++c)
       result.cameras[c].checkpoint = std::move(starts[c].checkpoint);
+  for (size_t c = 0; c < cameras.size(); ++c)
+    NameUnusedImages(cameras[c].dataset, cameras[c].skipped,
+                     &result.cameras[c]);
   for (CalibrationResult& camera : result.cameras) JudgeResult(&camera);
   result.verdict = JudgeRig(result);
   report("done", 1);

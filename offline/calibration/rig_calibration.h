@@ -17,6 +17,7 @@ struct RigCameraInput {
   MeasureAgain measure_again;        ///< without: features stay as they are
   std::optional<Checkpoint> resume;  ///< of the same features and options
   KeepCheckpoint keep = nullptr;
+  std::vector<RejectedImage> skipped = {};  ///< given, but not measured
 };
 
 /// From the features of cameras on a rig to cameras and their poses: each
