@@ -31,19 +31,18 @@ Measurements GivenFeatures(const CalibrateArguments& arguments,
   Dataset dataset = given.begin()->second;
   dataset.image_size =
       ParseImageSize("--image-size", arguments.image_sizes.front());
-  return {dataset, {}};
+  return {dataset, {}, {}, {}};
 }
 
 // Either detected in images or read.
 Measurements GatherFeatures(const CalibrateArguments& arguments,
                             const CommonOptions& common,
-                            const std::vector<std::string>& paths,
                             const FeaturesByCamera& given,
                             const Pattern& pattern, ProgressBar* bar) {
   const Measurements measurements =
-      paths.empty()
+      arguments.images.empty()
           ? GivenFeatures(arguments, given)
-          : Measure(paths, pattern, arguments.pattern, common,
+          : Measure(arguments.images, pattern, arguments.pattern, common,
                     [bar](double done) { bar->Show("detection", 0.2 * done); });
   RequireUsable(
       arguments.features.empty() ? "detected features" : arguments.features,
@@ -106,11 +105,12 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
   RequireBlobText("--name", arguments.name);
   RequireBlobText("--serial", arguments.serial);
   const Pattern pattern = MeantPattern(arguments.pattern, common);
-  const std::vector<std::string> paths = FindImages(arguments.images);
+  RequireNoInputReplaced(arguments, FindImages(arguments.images).paths);
   RequireWritableFolder(arguments.output);
 
   const std::filesystem::path folder = arguments.output;
   std::string inputs;
+  std::vector<std::string> paths;  // of the images
   CalibrationResult result;
   std::optional<PackedCamera> packed;
   Thumbnails thumbnails;
@@ -119,8 +119,9 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
     ProgressBar bar(common.quiet);
     CalibrationOptions options = OptionsOf(arguments, common, &bar);
     const Measurements measurements =
-        GatherFeatures(arguments, common, paths, given, pattern, &bar);
+        GatherFeatures(arguments, common, given, pattern, &bar);
     options.measure_again = AgainIn(measurements, arguments, common.threads);
+    options.skipped = measurements.skipped;
     inputs = InputsOf(arguments, common, {measurements}, pattern);
     CheckpointFile checkpoint(arguments.output, inputs, 1);
     if (arguments.resume) checkpoint.Read();
@@ -128,6 +129,7 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
     options.keep = [&](const Checkpoint& done) { checkpoint.Keep(0, done); };
     NoteInterruptions();
     result = Calibrate(measurements.dataset, pattern, options);
+    AddLeftOut(measurements, &result);
     result.camera.name = arguments.name;
     result.camera.serial = arguments.serial;
     bar.Show("packing", 0.9);
@@ -138,6 +140,7 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
     }
     thumbnails = MakeThumbnails(measurements.dataset, measurements.paths,
                                 common.threads);
+    paths = measurements.paths;
   }
 
   ResultExtras extras = {
@@ -257,6 +260,7 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
   command->add_option("--serial", arguments->serial, "camera's serial number");
   command->add_option("-o,--output", arguments->output, "folder to write to")
       ->required();
+  AddHugeOption(command);
   command->callback([arguments, common] { Run(*arguments, *common); });
 }
 

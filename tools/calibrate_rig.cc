@@ -103,7 +103,7 @@ RigMeasurements GivenFeatures(const CalibrateArguments& arguments,
   for (const auto& [name, dataset] : given) {
     RequireCameraName(name);
     rig.names.push_back(name);
-    rig.cameras.push_back({dataset, {}});
+    rig.cameras.push_back({dataset, {}, {}, {}});
     rig.cameras.back().dataset.image_size = SizeOf(name, arguments);
     RequireUsable(arguments.features + ", camera " + name, arguments,
                   rig.cameras.back(), pattern);
@@ -115,19 +115,19 @@ RigMeasurements MeasureAll(const CalibrateArguments& arguments,
                            const CommonOptions& common, const Pattern& pattern,
                            ProgressBar* bar) {
   const std::vector<NamedValue> cameras = ParseCameras(arguments);
-  std::vector<std::vector<std::string>> paths;
   for (const NamedValue& camera : cameras)
-    paths.push_back(FindImages({camera.value}));
+    FindImages({camera.value});  // throws before anything takes long
   RigMeasurements rig;
   for (size_t c = 0; c < cameras.size(); ++c) {
     const std::string& name = cameras[c].name;
     rig.names.push_back(name);
     rig.cameras.push_back(
-        Measure(paths[c], pattern, arguments.pattern, common, [&](double done) {
-          bar->Show(name + ": detection",
-                    0.2 * (static_cast<double>(c) + done) /
-                        static_cast<double>(cameras.size()));
-        }));
+        Measure({cameras[c].value}, pattern, arguments.pattern, common,
+                [&](double done) {
+                  bar->Show(name + ": detection",
+                            0.2 * (static_cast<double>(c) + done) /
+                                static_cast<double>(cameras.size()));
+                }));
     RequireUsable("camera " + name, arguments, rig.cameras.back(), pattern);
   }
   return rig;
@@ -156,7 +156,8 @@ std::vector<RigCameraInput> CamerasOf(const RigMeasurements& rig,
     cameras.push_back(
         {rig.names[c], rig.cameras[c].dataset,
          AgainIn(rig.cameras[c], arguments, num_threads), checkpoints->Of(c),
-         [=](const Checkpoint& done) { checkpoints->Keep(c, done); }});
+         [=](const Checkpoint& done) { checkpoints->Keep(c, done); },
+         rig.cameras[c].skipped});
   }
   return cameras;
 }
@@ -258,6 +259,7 @@ void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
             const FeaturesByCamera& given) {
   RequireNothingForOneCamera(arguments);
   const Pattern pattern = MeantPattern(arguments.pattern, common);
+  RequireNoInputReplaced(arguments, {});
   RequireWritableFolder(arguments.output);
   std::string inputs;
   RigResult result;
@@ -275,6 +277,8 @@ void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
         CalibrateRig(CamerasOf(rig, arguments, common.threads, &checkpoints),
                      pattern, options);
     bar.Show("packing", 0.9);
+    for (size_t c = 0; c < rig.cameras.size(); ++c)
+      AddLeftOut(rig.cameras[c], &result.cameras[c]);
     packed = PackAll(result, common.threads);
     for (const Measurements& camera : rig.cameras)
       thumbnails.push_back(

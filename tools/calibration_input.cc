@@ -31,25 +31,59 @@ double ParseCellPx(const std::string& text) {
   return value;
 }
 
+// Named by the last part of their paths, as images are everywhere.
+std::vector<RejectedImage> SayAndList(const std::vector<SkippedImage>& images) {
+  std::vector<RejectedImage> list;
+  for (const SkippedImage& image : images) {
+    fmt::print(stderr, "raygrid: skipped {}: {}\n", Printable(image.path),
+               Printable(image.reason));
+    list.push_back(
+        {std::filesystem::path(image.path).filename().string(), image.reason});
+  }
+  return list;
+}
+
 }  // namespace
 
-Measurements Measure(const std::vector<std::string>& paths,
+Measurements Measure(const std::vector<std::string>& images,
                      const Pattern& pattern, const std::string& pattern_name,
                      const CommonOptions& common,
                      const std::function<void(double)>& progress) {
+  const FoundImages found = FindImages(images);
   const DetectionCache cache(DetectionCache::DefaultFolder());
-  FolderDetection detection =
-      DetectFeatures(paths, pattern, {}, &cache, common.threads, progress);
-  for (const SkippedImage& skipped : detection.skipped)
-    fmt::print(stderr, "raygrid: skipped {}: {}\n", Printable(skipped.path),
-               Printable(skipped.reason));
+  FolderDetection detection = DetectFeatures(found.paths, pattern, {}, &cache,
+                                             common.threads, progress);
+  Measurements measurements;
+  measurements.skipped = SayAndList(detection.skipped);
+  measurements.left_out = SayAndList(found.left_out);
   if (const auto other =
           GuessOtherBoard(detection, pattern, pattern_name, common.threads))
     throw Error(ExitCode::kTooFew, *other);
-  if (!common.quiet)
+  if (!common.quiet) {
     for (const std::string& remark : SummarizeRemarks(detection))
       fmt::print(stderr, "raygrid: {}\n", Printable(remark));
-  return {std::move(detection.dataset), std::move(detection.paths)};
+    if (!detection.turned.empty())
+      fmt::print(stderr, "raygrid: {}\n",
+                 Printable(RemarkOnTurned(detection.turned)));
+  }
+  measurements.dataset = std::move(detection.dataset);
+  measurements.paths = std::move(detection.paths);
+  return measurements;
+}
+
+void RequireNoInputReplaced(const CalibrateArguments& arguments,
+                            const std::vector<std::string>& images) {
+  std::vector<std::string> inputs = images, outputs;
+  inputs.push_back(arguments.pattern);
+  inputs.push_back(arguments.features);
+  for (const char* name :
+       {"camera.raygrid", "camera.yaml", "example_after.png",
+        "example_before.png", "features.csv", "pattern.yaml", "poses.csv",
+        "report.html", "residuals.csv", "result.json", "resume.json",
+        "rig.yaml", "thumbnails.json", "uncertainty.png"})
+    outputs.push_back(
+        (std::filesystem::path(arguments.output) / name).string());
+  RequireNoInputReplaced(inputs, outputs);
 }
 
 void RequireUsable(const std::string& source,
@@ -75,6 +109,12 @@ MeasureAgain AgainIn(const Measurements& measurements,
                                {&camera, &found_pattern, poses}, {},
                                num_threads, nullptr);
   };
+}
+
+void AddLeftOut(const Measurements& measurements, CalibrationResult* result) {
+  result->rejected_images.insert(result->rejected_images.end(),
+                                 measurements.left_out.begin(),
+                                 measurements.left_out.end());
 }
 
 CalibrationOptions OptionsOf(const CalibrateArguments& arguments,

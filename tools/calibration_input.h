@@ -32,13 +32,16 @@ using FeaturesByCamera = std::map<std::string, Dataset>;
 /// What is calibrated with, and the images that it was measured in, if any.
 struct Measurements {
   Dataset dataset;
-  std::vector<std::string> paths;  ///< of the dataset's images
+  std::vector<std::string> paths;       ///< of the dataset's images
+  std::vector<RejectedImage> skipped;   ///< could not be measured
+  std::vector<RejectedImage> left_out;  ///< no photographs
 };
 
-/// Detects the pattern; images that cannot be used are named on stderr, and the
+/// Detects the pattern in images and folders; those that cannot be used are
+/// named on stderr, and the
 /// others are gone on with. Throws Error(kTooFew) if they show another board
 /// than the pattern, whose name is for messages.
-Measurements Measure(const std::vector<std::string>& paths,
+Measurements Measure(const std::vector<std::string>& images,
                      const Pattern& pattern, const std::string& pattern_name,
                      const CommonOptions& common,
                      const std::function<void(double)>& progress);
@@ -48,9 +51,17 @@ void RequireUsable(const std::string& source,
                    const CalibrateArguments& arguments,
                    const Measurements& measurements, const Pattern& pattern);
 
+/// Throws Error(kOutput) if the result would replace the pattern, the features
+/// or an image.
+void RequireNoInputReplaced(const CalibrateArguments& arguments,
+                            const std::vector<std::string>& images);
+
 /// For images; empty for features alone, or if they are to be kept.
 MeasureAgain AgainIn(const Measurements& measurements,
                      const CalibrateArguments& arguments, int num_threads);
+
+/// Names what is no photograph, which a verdict does not count.
+void AddLeftOut(const Measurements& measurements, CalibrationResult* result);
 
 /// Tells features, pattern and what matters of the options from others.
 std::string InputsOf(const CalibrateArguments& arguments,

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +11,7 @@
 #include "dataset/csv.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/image_header.h"
 #include "dataset/text_encoding.h"
 
 namespace raygrid {
@@ -43,15 +45,20 @@ std::optional<Eigen::Quaterniond> TurnIntoCameraFrame(CameraFile* file) {
 }
 
 ImageSize ParseImageSize(const std::string& option, const std::string& text) {
-  ImageSize size;
-  char end;
-  if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &end) !=
-          2 ||
-      size.width < 1 || size.height < 1)
+  uint64_t width = 0, height = 0;
+  const char* const end = text.data() + text.size();
+  const auto at_x = std::from_chars(text.data(), end, width);
+  auto at_end = at_x;
+  if (at_x.ec == std::errc() && at_x.ptr != end && *at_x.ptr == 'x')
+    at_end = std::from_chars(at_x.ptr + 1, end, height);
+  if (at_end.ec != std::errc() || at_end.ptr != end || width < 1 || height < 1)
     throw Error(
         ExitCode::kUsage,
         fmt::format("{} {}: expected WIDTHxHEIGHT, as 640x480", option, text));
-  return size;
+  const std::string why = WhySizeIsRefused(width, height);
+  if (!why.empty())
+    throw Error(ExitCode::kUsage, fmt::format("{}: {}", option, why));
+  return {static_cast<int>(width), static_cast<int>(height)};
 }
 
 void PrintOrWrite(const std::string& path, const std::string& text) {

@@ -24,7 +24,8 @@ CameraInput ReadCamera(const std::string& path);
 /// new frame from the old one, if there was any need.
 std::optional<Eigen::Quaterniond> TurnIntoCameraFrame(CameraFile* file);
 
-/// "640x480"; throws Error(kUsage) naming the option.
+/// "640x480"; throws Error(kUsage) naming the option, for larger sizes than
+/// images may have too.
 ImageSize ParseImageSize(const std::string& option, const std::string& text);
 
 /// Prints text, or writes it to a file if one is named.

@@ -32,8 +32,10 @@ std::string PatternPath(const Arguments& arguments) {
   return beside.string();
 }
 
+// Images that could not be measured are added to those rejected.
 Dataset Gather(const Arguments& arguments, const CommonOptions& common,
-               const CameraFile& file, const Pattern& pattern) {
+               const CameraFile& file, const Pattern& pattern,
+               std::vector<RejectedImage>* rejected) {
   const ImageSize size = file.camera->image_size();
   if (!arguments.features.empty()) {
     auto cameras = ReadFeatures(arguments.features);
@@ -45,9 +47,11 @@ Dataset Gather(const Arguments& arguments, const CommonOptions& common,
     RequireConsistent(arguments.features, dataset, pattern);
     return dataset;
   }
-  Dataset dataset = Measure(FindImages(arguments.images), pattern,
-                            PatternPath(arguments), common, {})
-                        .dataset;
+  Measurements measurements =
+      Measure(arguments.images, pattern, PatternPath(arguments), common, {});
+  for (const auto& images : {measurements.skipped, measurements.left_out})
+    rejected->insert(rejected->end(), images.begin(), images.end());
+  Dataset dataset = std::move(measurements.dataset);
   if (dataset.num_features() == 0)
     throw Error(ExitCode::kTooFew, "no board found in the images");
   if (dataset.image_size != size)
@@ -141,9 +145,12 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
     throw Error(ExitCode::kUsage, "check: give either images or --features");
   const CameraInput input = ReadCamera(arguments.camera);
   const Pattern pattern = GivenPattern(PatternPath(arguments));
-  const CameraCheck check =
-      CheckCamera(input.file, Gather(arguments, common, input.file, pattern),
-                  pattern, common.threads);
+  std::vector<RejectedImage> rejected;
+  const Dataset dataset =
+      Gather(arguments, common, input.file, pattern, &rejected);
+  CameraCheck check = CheckCamera(input.file, dataset, pattern, common.threads);
+  check.rejected_images.insert(check.rejected_images.end(), rejected.begin(),
+                               rejected.end());
   if (common.json)
     fmt::print("{}\n", ToJson(check).dump(2));
   else if (!common.quiet)
@@ -174,6 +181,7 @@ void AddCheck(CLI::App* app, CommonOptions* common) {
                       "features.csv instead of images");
   AddPatternOption(command, &arguments->pattern,
                    "; default: pattern.yaml beside the camera");
+  AddHugeOption(command);
   command->callback([arguments, common] { Run(*arguments, *common); });
 }
 

@@ -23,6 +23,9 @@ CLI::App* AddCommand(CLI::App* app, const std::string& name,
                      const std::string& description, const std::string& example,
                      CommonOptions* common);
 
+/// --huge, for commands that read images or are told their size.
+void AddHugeOption(CLI::App* command);
+
 void AddCalibrate(CLI::App* app, CommonOptions* common);
 void AddCheck(CLI::App* app, CommonOptions* common);
 void AddCompare(CLI::App* app, CommonOptions* common);

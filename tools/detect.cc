@@ -22,6 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr char kCoverage[] = "coverage.png";
+
 struct Arguments {
   std::vector<std::string> images;
   std::string pattern, output, overlay;
@@ -37,14 +39,41 @@ const std::map<std::string, Refinement> kRefinements = {
     {"corner-subpix", Refinement::kCornerSubpix},
     {"none", Refinement::kNone}};
 
+// "a.jpg" and "a.png" may both be there.
+std::string OverlayName(const std::string& path) {
+  const fs::path name = fs::path(path).filename();
+  return name.extension() == ".png" ? name.string() : name.string() + ".png";
+}
+
+std::string OverlayPath(const Arguments& arguments, const std::string& name) {
+  return (fs::path(arguments.overlay) / name).string();
+}
+
+void RequireInputsStay(const Arguments& arguments,
+                       const std::vector<std::string>& images) {
+  std::vector<std::string> inputs = images, outputs = {arguments.output};
+  inputs.push_back(arguments.pattern);
+  if (!arguments.overlay.empty()) {
+    outputs.push_back(OverlayPath(arguments, kCoverage));
+    for (const std::string& path : images)
+      outputs.push_back(OverlayPath(arguments, OverlayName(path)));
+  }
+  RequireNoInputReplaced(inputs, outputs);
+}
+
 FolderDetection Detect(const Arguments& arguments, const Pattern& pattern,
                        const CommonOptions& common) {
-  const std::vector<std::string> paths = FindImages(arguments.images);
+  const FoundImages images = FindImages(arguments.images);
+  RequireInputsStay(arguments, images.paths);
   const DetectionCache cache(arguments.no_cache ? "" : arguments.cache);
   ProgressBar bar(common.quiet);
-  return DetectFeatures(paths, pattern, arguments.detection,
-                        arguments.no_cache ? nullptr : &cache, common.threads,
-                        [&bar](double done) { bar.Show("detection", done); });
+  FolderDetection found =
+      DetectFeatures(images.paths, pattern, arguments.detection,
+                     arguments.no_cache ? nullptr : &cache, common.threads,
+                     [&bar](double done) { bar.Show("detection", done); });
+  found.skipped.insert(found.skipped.end(), images.left_out.begin(),
+                       images.left_out.end());
+  return found;
 }
 
 void WarnOfSkipped(const FolderDetection& found) {
@@ -56,6 +85,9 @@ void WarnOfSkipped(const FolderDetection& found) {
 void WarnOfRemarks(const FolderDetection& found) {
   for (const std::string& remark : SummarizeRemarks(found))
     fmt::print(stderr, "raygrid: {}\n", Printable(remark));
+  if (!found.turned.empty())
+    fmt::print(stderr, "raygrid: {}\n",
+               Printable(RemarkOnTurned(found.turned)));
 }
 
 int NumWithFeatures(const FolderDetection& found) {
@@ -83,15 +115,8 @@ void RequireFeatures(const FolderDetection& found, const Arguments& arguments) {
                           found.images.size(), seen, arguments.pattern));
 }
 
-// "a.jpg" and "a.png" may both be there.
-std::string OverlayName(const std::string& path) {
-  const fs::path name = fs::path(path).filename();
-  return name.extension() == ".png" ? name.string() : name.string() + ".png";
-}
-
 void AddOverlays(const Arguments& arguments, const FolderDetection& found,
                  int num_threads, OutputFiles* files) {
-  const fs::path folder = arguments.overlay;
   const int count = static_cast<int>(found.paths.size());
   std::vector<std::string> pictures(count);
   ParallelFor(count, NumThreads(num_threads), [&](int i) {
@@ -99,9 +124,9 @@ void AddOverlays(const Arguments& arguments, const FolderDetection& found,
         MakeGreyImage(ReadGreyLevels(found.paths[i])), found.images[i]));
   });
   for (int i = 0; i < count; ++i)
-    files->Add((folder / OverlayName(found.paths[i])).string(),
+    files->Add(OverlayPath(arguments, OverlayName(found.paths[i])),
                std::move(pictures[i]));
-  files->Add((folder / "coverage.png").string(),
+  files->Add(OverlayPath(arguments, kCoverage),
              EncodePng(DrawCoverage(found.dataset)));
 }
 
@@ -122,6 +147,7 @@ std::string FormatJson(const FolderDetection& found, double seconds) {
       json["without_features"].push_back(
           {{"image", found.dataset.images[i].image},
            {"remarks", found.images[i].remarks}});
+  json["turned"] = found.turned;
   json["seconds"] = seconds;
   return json.dump(2, ' ', false,
                    nlohmann::ordered_json::error_handler_t::replace);
@@ -203,6 +229,7 @@ void AddDetect(CLI::App* app, CommonOptions* common) {
                       "folder for images with the features drawn on them, and "
                       "for coverage.png");
   AddDetectionOptions(command, arguments.get());
+  AddHugeOption(command);
   command->callback([arguments, common] { Run(*arguments, *common); });
 }
 

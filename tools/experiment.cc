@@ -209,6 +209,7 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
                    "standard deviation, grey levels")
       ->check(CLI::Range(0.0, 255.0))
       ->capture_default_str();
+  AddHugeOption(command);
   command->callback([arguments, common] { Run(*arguments, *common); });
 }
 

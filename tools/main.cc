@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/freed_memory.h"
+#include "dataset/image_header.h"
 #include "dataset/text_encoding.h"
 
 namespace raygrid {
@@ -29,6 +30,12 @@ CLI::App* AddCommand(CLI::App* app, const std::string& name,
   command->add_flag("--quiet", common->quiet, "print errors only");
   command->add_flag("--json", common->json, "print the result as JSON");
   return command;
+}
+
+void AddHugeOption(CLI::App* command) {
+  command->add_flag_callback(
+      "--huge", AllowHugeImages,
+      fmt::format("take images of more than {} pixels a side", kMaxSidePx));
 }
 
 namespace {

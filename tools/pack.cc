@@ -108,6 +108,7 @@ std::string TurnRemark(const Eigen::Quaterniond& q) {
 void Run(const Arguments& arguments, const CommonOptions& common) {
   RequireBlobText("--name", arguments.name);
   RequireBlobText("--serial", arguments.serial);
+  RequireNoInputReplaced({arguments.camera}, {arguments.output});
   CameraInput input = ReadCamera(arguments.camera);
   if (input.blob)
     throw Error(ExitCode::kUsage,
@@ -161,6 +162,7 @@ void AddPack(CLI::App* app, CommonOptions* common) {
   command->add_option("--name", arguments->name, "camera's name in the blob");
   command->add_option("--serial", arguments->serial,
                       "camera's serial number in the blob");
+  AddHugeOption(command);
   command->callback([arguments, common] { Run(*arguments, *common); });
 }
 

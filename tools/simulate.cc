@@ -12,6 +12,7 @@
 #include "dataset/camera_file.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/image_header.h"
 #include "dataset/parallel_for.h"
 #include "dataset/rig_file.h"
 #include "pattern_input.h"
@@ -45,8 +46,13 @@ constexpr double kTruthCells = 80;
 constexpr double kGapSquares = 2;
 
 std::shared_ptr<const CameraModel> MakeCamera(const Arguments& arguments) {
-  if (!arguments.camera.empty())
-    return ReadCamera(arguments.camera).file.camera;
+  if (!arguments.camera.empty()) {
+    auto camera = ReadCamera(arguments.camera).file.camera;
+    const ImageSize size = camera->image_size();
+    const std::string why = WhySizeIsRefused(size.width, size.height);
+    if (!why.empty()) throw InputError(arguments.camera + ": " + why);
+    return camera;
+  }
   return SimulatedLens(arguments.lens,
                        ParseImageSize("--size", arguments.size));
 }
@@ -273,6 +279,16 @@ std::string FormatJson(const SimulatedObservations& observations) {
   return json.dump(2);
 }
 
+void RequireInputsStay(const Arguments& arguments) {
+  std::vector<std::string> outputs;
+  for (const char* name :
+       {"features.csv", "pattern.yaml", "true_camera.yaml", "true_pattern.yaml",
+        "true_poses.csv", "true_rig.yaml"})
+    outputs.push_back(
+        (std::filesystem::path(arguments.output) / name).string());
+  RequireNoInputReplaced({arguments.pattern, arguments.camera}, outputs);
+}
+
 void Run(Arguments arguments, const CommonOptions& common) {
   arguments.poses.max_tilt_rad = arguments.max_tilt_deg * M_PI / 180;
   arguments.simulation.board_bend_m = arguments.board_bend_mm / 1000;
@@ -280,6 +296,7 @@ void Run(Arguments arguments, const CommonOptions& common) {
     throw Error(ExitCode::kUsage, "--min-square-px exceeds --max-square-px");
   if (arguments.render && arguments.cameras > 1)
     throw Error(ExitCode::kUsage, "--render: with one camera only");
+  RequireInputsStay(arguments);
   const SimulatedObservations observations =
       arguments.render        ? Render(arguments, common)
       : arguments.cameras > 1 ? ObserveRig(arguments, common)
@@ -400,6 +417,7 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
   AddImagingOptions(command, arguments.get());
   command->add_option("-o,--output", arguments->output, "folder to write to")
       ->required();
+  AddHugeOption(command);
   command->callback([arguments, common] { Run(*arguments, *common); });
 }
 

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <cstring>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -52,39 +54,86 @@ void RequireSize(const std::string& path, const ImageSize& size,
                             expected.height));
 }
 
-// The image as a board gets it from a grey camera: bytes, row by row.
-void AddRawFrame(const Arguments& arguments, const std::string& path,
-                 OutputFiles* files) {
-  const Image grey = ReadImage(path, true);
-  const std::filesystem::path target =
-      std::filesystem::path(arguments.frames) /
-      (std::filesystem::path(path).stem().string() + ".raw");
-  files->Add(target.string(),
-             std::string(grey.pixels.begin(), grey.pixels.end()));
+// Where an image goes, and its raw frame if one is asked for.
+struct Targets {
+  std::string image, frame;
+};
+
+std::string Target(const std::string& folder, const std::string& path,
+                   const char* extension) {
+  const std::string stem = std::filesystem::path(path).stem().string();
+  return (std::filesystem::path(folder) / (stem + extension)).string();
+}
+
+// Throws where two images would get one name, or one would replace an input.
+std::vector<Targets> TargetsOf(const Arguments& arguments,
+                               const std::vector<std::string>& paths) {
+  std::vector<Targets> targets;
+  std::map<std::string, std::string> path_of_target;
+  for (const std::string& path : paths) {
+    targets.push_back({Target(arguments.output, path, ".png"), ""});
+    if (!arguments.frames.empty())
+      targets.back().frame = Target(arguments.frames, path, ".raw");
+    const std::string& target = targets.back().image;
+    const auto [place, is_new] = path_of_target.emplace(target, path);
+    if (!is_new)
+      throw InputError(fmt::format(
+          "{} and {} would both become {}; rename one, or undistort "
+          "to two folders",
+          place->second, path, target));
+  }
+  std::vector<std::string> inputs = paths, outputs;
+  inputs.push_back(arguments.camera);
+  for (const Targets& target : targets)
+    outputs.insert(outputs.end(), {target.image, target.frame});
+  RequireNoInputReplaced(inputs, outputs);
+  return targets;
+}
+
+// The image as a board gets it from a grey camera, row by row: bytes, or 16
+// bits in little-endian order.
+std::string RawFrame(const std::string& path) {
+  const Image grey = ReadGreyAsStored(path);
+  std::string frame(grey.pixels.begin(), grey.pixels.end());
+  if (grey.sample_bytes == 1) return frame;
+  for (size_t i = 0; i < frame.size(); i += 2) {
+    uint16_t sample;
+    std::memcpy(&sample, &grey.pixels[i], sizeof(sample));
+    frame[i] = static_cast<char>(sample & 255);
+    frame[i + 1] = static_cast<char>(sample >> 8);
+  }
+  return frame;
 }
 
 void Run(const Arguments& arguments, const CommonOptions& common) {
   if (arguments.rectify != "pinhole")
     throw Error(ExitCode::kUsage, "--rectify: this version knows pinhole");
+  const FoundImages found = FindImages(arguments.images);
+  const std::vector<std::string>& paths = found.paths;
+  const std::vector<Targets> targets = TargetsOf(arguments, paths);
   RequireWritableFolder(arguments.output);
   const BlobCamera camera = PrepareBlob(arguments, common);
-  const std::vector<std::string> paths = FindImages(arguments.images);
+  for (const SkippedImage& image : found.left_out)
+    fmt::print(stderr, "raygrid: skipped {}: {}\n", image.path, image.reason);
+  std::vector<std::string> turned;
   ProgressBar bar(common.quiet);
   nlohmann::ordered_json written = {{"images", nlohmann::json::array()}};
   for (size_t i = 0; i < paths.size(); ++i) {
-    const Image image = ReadImage(paths[i], false);
+    const Image image = ReadImageAsStored(paths[i]);
     RequireSize(paths[i], image.size, camera.image_size());
-    const Image result = camera.Undistort(image, 0, arguments.remap_index);
-    const std::filesystem::path path =
-        std::filesystem::path(arguments.output) /
-        (std::filesystem::path(paths[i]).stem().string() + ".png");
+    if (image.is_turned) turned.push_back(paths[i]);
     OutputFiles files;
-    files.Add(path.string(), EncodePng(result));
-    if (!arguments.frames.empty()) AddRawFrame(arguments, paths[i], &files);
+    files.Add(targets[i].image,
+              EncodePng(camera.Undistort(image, 0, arguments.remap_index)));
+    if (!targets[i].frame.empty())
+      files.Add(targets[i].frame, RawFrame(paths[i]));
     files.Commit();
-    written["images"].push_back({{"image", paths[i]}, {"file", path.string()}});
+    written["images"].push_back(
+        {{"image", paths[i]}, {"file", targets[i].image}});
     bar.Show("undistortion", static_cast<double>(i + 1) / paths.size());
   }
+  if (!turned.empty() && !common.quiet)
+    fmt::print(stderr, "raygrid: {}\n", RemarkOnTurned(turned));
   if (common.json)
     fmt::print("{}\n", written.dump(2, ' ', false,
                                     nlohmann::json::error_handler_t::replace));
@@ -97,7 +146,9 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
 void AddUndistort(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
       app, "undistort",
-      "Undistorts images with the code that runs on the board.",
+      "Undistorts images with the code that runs on the board. Grey images "
+      "stay grey, 16 bits stay 16 bits. x.jpg becomes x.png; images that would "
+      "get one name are refused.",
       "raygrid undistort camera.yaml photos/ -o flat/ --hfov 80", common);
   auto arguments = std::make_shared<Arguments>();
   command->add_option("camera", arguments->camera, "camera.yaml or a blob")
@@ -114,8 +165,8 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
                    "in the middle as the image)")
       ->check(CLI::PositiveNumber);
   command->add_option("--frames", arguments->frames,
-                      "folder for the images as raw grey frames, which "
-                      "raygrid-undistort takes");
+                      "folder for the images as raw grey frames of 8 or 16 "
+                      "bits, which raygrid-undistort takes");
   command->add_option("--remap-index", arguments->remap_index,
                       "which of a blob's tables, from 0 on");
   command
@@ -126,6 +177,7 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
                    "geometric error that the table may have")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  AddHugeOption(command);
   command->callback([arguments, common] { Run(*arguments, *common); });
 }
 

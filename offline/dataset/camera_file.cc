@@ -13,6 +13,7 @@
 #include "camera/thin_prism_fisheye.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/image_header.h"
 #include "dataset/yaml_file.h"
 
 namespace raygrid {
@@ -214,6 +215,10 @@ CameraFile Parse(const YAML::Node& root) {
   const auto rectangle = root["area"].as<std::vector<double>>();
   if (size.size() != 2 || size[0] < 1 || size[1] < 1)
     throw InputError("image_size: not two positive integers");
+  if (std::max(size[0], size[1]) > kMaxHugeSidePx)
+    throw InputError(
+        fmt::format("image_size: no camera has more than {} pixels a side",
+                    kMaxHugeSidePx));
   if (rectangle.size() != 4 || !(rectangle[0] < rectangle[2]) ||
       !(rectangle[1] < rectangle[3]) || !(rectangle[0] >= -0.5) ||
       !(rectangle[1] >= -0.5) || !(rectangle[2] <= size[0] - 0.5) ||

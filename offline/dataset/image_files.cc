@@ -1,11 +1,13 @@
 #include "dataset/image_files.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
+#include <climits>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -15,6 +17,7 @@
 
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/image_header.h"
 
 namespace raygrid {
 namespace {
@@ -69,31 +72,68 @@ bool IsCutJpeg(const std::string& bytes) {
   return end == std::string::npos || end + kMaxTrailingBytes < bytes.size();
 }
 
-bool HasImageExtension(const fs::path& path) {
-  static const std::set<std::string> extensions = {".png", ".jpg",  ".jpeg",
-                                                   ".tif", ".tiff", ".bmp",
-                                                   ".pgm", ".ppm",  ".webp"};
+std::string LowerExtension(const fs::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
-  return extensions.count(extension) > 0;
+  return extension;
 }
 
-std::vector<std::string> ImagesInFolder(const std::string& folder) {
-  std::vector<std::string> images;
+const std::set<std::string> kReadKinds = {
+    ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".webp"};
+const std::set<std::string> kOtherKinds = {
+    ".arw",  ".avif", ".cr2", ".cr3", ".dng", ".exr", ".gif",
+    ".heic", ".heif", ".jp2", ".jxl", ".nef", ".raf"};
+
+// Pictures that calibrate and detect --overlay write into their folders.
+const std::set<std::string> kOwnPictures = {"coverage.png", "example_after.png",
+                                            "example_before.png",
+                                            "uncertainty.png"};
+
+void AddImagesInFolder(const std::string& folder, FoundImages* found) {
+  std::set<std::string> paths;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error))
-    if (HasImageExtension(entry.path()))
-      images.push_back(entry.path().string());
+    paths.insert(entry.path().string());
   if (error)
     throw InputError(
         fmt::format("{}: cannot be read ({})", folder, error.message()));
-  std::sort(images.begin(), images.end());
-  return images;
+  const size_t num_before = found->paths.size();
+  for (const std::string& path : paths) {
+    const std::string extension = LowerExtension(path);
+    if (kOwnPictures.count(fs::path(path).filename().string()))
+      found->left_out.push_back(
+          {path, "a picture that raygrid writes, no photograph"});
+    else if (kReadKinds.count(extension))
+      found->paths.push_back(path);
+    else if (kOtherKinds.count(extension))
+      found->left_out.push_back(
+          {path, "a kind of image that is not read; convert it to PNG"});
+  }
+  if (found->paths.size() == num_before)
+    throw InputError(folder +
+                     ": no images in this folder (png, jpg, tif, bmp, pgm); "
+                     "name another");
 }
 
-// As OpenCV has it, but never a damaged image; flags are cv::imdecode()'s.
-cv::Mat Decode(const std::string& name, const std::string& bytes, int flags) {
+// OpenCV turns TIFF images whatever its flags say, unless their tag asks for
+// nothing.
+std::string WithoutOrientation(std::string bytes, const ImageHeader& header) {
+  const bool is_little_endian = bytes[0] == 'I';
+  const size_t last = header.orientation_bytes - 1;
+  for (size_t i = 0; i <= last; ++i)
+    bytes[header.orientation_at + i] = i == (is_little_endian ? 0 : last);
+  return bytes;
+}
+
+// As OpenCV has it, but as stored, and never a damaged image; flags are
+// cv::imdecode()'s.
+cv::Mat Decode(const std::string& name, const std::string& file, int flags) {
+  const ImageHeader header = ParseImageHeader(name, file);
+  std::string upright;
+  if (header.orientation > 1 && header.orientation_bytes > 0)
+    upright = WithoutOrientation(file, header);
+  const std::string& bytes = upright.empty() ? file : upright;
   cv::Mat decoded;
   bool is_damaged = IsCutJpeg(bytes);
   if (!bytes.empty() && !is_damaged) {
@@ -128,24 +168,56 @@ double FullScale(const cv::Mat& image) {
   return FullScale(brightest);
 }
 
-}  // namespace
+// The same for 8 or 16 bits.
+cv::Mat DecodeIntegers(const std::string& name, const std::string& bytes,
+                       int flags) {
+  const cv::Mat decoded = Decode(name, bytes, flags);
+  if (decoded.depth() != CV_8U && decoded.depth() != CV_16U)
+    throw InputError(name +
+                     ": pixels of neither 8 nor 16 bits; convert it to PNG");
+  return decoded;
+}
 
-Image ReadImage(const std::string& path, bool grey) {
-  const cv::Mat decoded = Decode(
-      path, ReadFile(path), grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR);
+Image Read(const std::string& path, int flags) {
+  const std::string bytes = ReadImageFile(path);
+  const cv::Mat decoded = DecodeIntegers(path, bytes, flags);
   Image image;
   image.size = {decoded.cols, decoded.rows};
   image.channels = decoded.channels();
+  image.sample_bytes = static_cast<int>(decoded.elemSize1());
   image.pixels.assign(decoded.datastart, decoded.dataend);
+  image.is_turned = ParseImageHeader(path, bytes).orientation != 1;
   return image;
+}
+
+}  // namespace
+
+std::string ReadImageFile(const std::string& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    throw InputError(path + ": no regular file; images are read from those");
+  const uintmax_t size = fs::file_size(path, error);
+  if (!error && size > INT_MAX)
+    throw InputError(path + ": 2 GiB or more; make the image smaller");
+  return ReadFile(path);
+}
+
+Image ReadImage(const std::string& path, bool grey) {
+  return Read(path, grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR);
+}
+
+Image ReadImageAsStored(const std::string& path) {
+  return Read(path, cv::IMREAD_UNCHANGED);
+}
+
+Image ReadGreyAsStored(const std::string& path) {
+  return Read(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
 }
 
 GreyLevels DecodeGreyLevels(const std::string& name, const std::string& bytes) {
   const cv::Mat decoded =
-      Decode(name, bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
-  if (decoded.depth() != CV_8U && decoded.depth() != CV_16U)
-    throw InputError(name +
-                     ": pixels of neither 8 nor 16 bits; convert it to PNG");
+      DecodeIntegers(name, bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
   GreyLevels grey;
   grey.size = {decoded.cols, decoded.rows};
   grey.levels.resize(decoded.total());
@@ -155,39 +227,42 @@ GreyLevels DecodeGreyLevels(const std::string& name, const std::string& bytes) {
 }
 
 GreyLevels ReadGreyLevels(const std::string& path) {
-  return DecodeGreyLevels(path, ReadFile(path));
+  return DecodeGreyLevels(path, ReadImageFile(path));
 }
 
 std::string EncodePng(const Image& image) {
-  const cv::Mat pixels(image.size.height, image.size.width,
-                       CV_8UC(image.channels),
-                       const_cast<uint8_t*>(image.pixels.data()));
+  const cv::Mat pixels(
+      image.size.height, image.size.width,
+      CV_MAKETYPE(image.sample_bytes == 1 ? CV_8U : CV_16U, image.channels),
+      const_cast<uint8_t*>(image.pixels.data()));
   std::vector<uint8_t> encoded;
   cv::imencode(".png", pixels, encoded);
   return std::string(encoded.begin(), encoded.end());
 }
 
-std::vector<std::string> FindImages(const std::vector<std::string>& paths) {
-  std::vector<std::string> images;
+FoundImages FindImages(const std::vector<std::string>& paths) {
+  FoundImages found;
   for (const std::string& path : paths) {
     std::error_code error;
-    if (!fs::is_directory(path, error)) {
-      images.push_back(path);
-      continue;
-    }
-    const std::vector<std::string> found = ImagesInFolder(path);
-    if (found.empty())
-      throw InputError(path +
-                       ": no images in this folder (png, jpg, tif, bmp, "
-                       "pgm); name another");
-    images.insert(images.end(), found.begin(), found.end());
+    if (fs::is_directory(path, error))
+      AddImagesInFolder(path, &found);
+    else
+      found.paths.push_back(path);
   }
-  std::sort(images.begin(), images.end(),
+  std::sort(found.paths.begin(), found.paths.end(),
             [](const std::string& a, const std::string& b) {
               return std::make_pair(fs::path(a).filename(), a) <
                      std::make_pair(fs::path(b).filename(), b);
             });
-  return images;
+  return found;
+}
+
+std::string RemarkOnTurned(const std::vector<std::string>& names) {
+  if (names.empty()) return "";
+  return fmt::format(
+      "{}: tagged to be shown turned or mirrored (EXIF); used as stored, in "
+      "the sensor's rows and columns",
+      fmt::join(names, ", "));
 }
 
 }  // namespace raygrid

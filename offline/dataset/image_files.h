@@ -9,18 +9,32 @@
 
 namespace raygrid {
 
-/// 8-bit image; rows without padding, channels interleaved (1: grey, 3: BGR).
+/// Rows without padding, channels interleaved (1: grey, 3: BGR, 4: BGRA).
 struct Image {
   ImageSize size;
   int channels = 1;
+  int sample_bytes =
+      1;  ///< of each channel; 2: 16 bits as processors have them
   std::vector<uint8_t> pixels;
+  bool is_turned = false;  ///< its file asks to be shown turned
 
-  size_t stride() const { return static_cast<size_t>(size.width) * channels; }
+  size_t stride() const {
+    return static_cast<size_t>(size.width) * channels * sample_bytes;
+  }
 };
 
-/// Reads PNG, JPEG, TIFF, BMP, PGM and what else OpenCV reads; without the
-/// camera's rotation tag. Throws InputError.
+/// An image file's bytes. Throws InputError: no regular file, 2 GiB or more.
+std::string ReadImageFile(const std::string& path);
+
+/// Reads PNG, JPEG, TIFF, BMP, PGM and its kin, and WebP, as 8 bits, grey or
+/// BGR. Pixels are as stored, whatever a tag says of showing them turned: those
+/// are the sensor's rows and columns, which the lens was mounted to. Throws
+/// InputError, for larger images than ParseImageHeader() allows too.
 Image ReadImage(const std::string& path, bool grey);
+
+/// The same with the file's own channels and 8 or 16 bits; or grey, as deep.
+Image ReadImageAsStored(const std::string& path);
+Image ReadGreyAsStored(const std::string& path);
 
 /// A photograph in shades of grey, as finely as the file has them.
 struct GreyLevels {
@@ -35,12 +49,28 @@ GreyLevels ReadGreyLevels(const std::string& path);
 /// The same from a file's bytes; name is used in errors.
 GreyLevels DecodeGreyLevels(const std::string& name, const std::string& bytes);
 
+/// With the image's channels and depth.
 std::string EncodePng(const Image& image);
+
+/// A file that is not used, and why.
+struct SkippedImage {
+  std::string path, reason;
+};
+
+struct FoundImages {
+  std::vector<std::string> paths;
+  /// In folders: pictures that raygrid wrote, and kinds that are not read.
+  std::vector<SkippedImage> left_out;
+};
 
 /// The image files among paths, and in those that are folders, in the order of
 /// their names, whatever the order of paths. Throws InputError if a folder has
 /// none.
-std::vector<std::string> FindImages(const std::vector<std::string>& paths);
+FoundImages FindImages(const std::vector<std::string>& paths);
+
+/// What to say of images whose files ask to be shown turned (EXIF); empty for
+/// none.
+std::string RemarkOnTurned(const std::vector<std::string>& names);
 
 }  // namespace raygrid
 

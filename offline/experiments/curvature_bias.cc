@@ -181,7 +181,7 @@ struct Photograph {
 std::vector<Photograph> FindPhotographs(const ExperimentOptions& options) {
   const ExperimentData& data = options.data;
   std::map<std::string, Photograph> by_name;
-  for (const std::string& path : FindImages(data.images))
+  for (const std::string& path : FindImages(data.images).paths)
     by_name[std::filesystem::path(path).filename().string()].path = path;
   std::vector<RejectedImage> rejected;
   const CalibrationProblem problem =

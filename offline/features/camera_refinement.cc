@@ -117,8 +117,7 @@ Dataset RefineThroughCamera(const std::vector<std::string>& paths,
   ParallelFor(count, NumThreads(num_threads), [&](int i) {
     if (!dataset.images[i].features.empty())
       refined.images[i] = refiner.Refine(
-          MakeGreyImage(DecodeGreyLevels(paths[i], ReadFile(paths[i]))),
-          dataset.images[i]);
+          MakeGreyImage(ReadGreyLevels(paths[i])), dataset.images[i]);
     const std::lock_guard<std::mutex> lock(mutex);
     if (progress) progress(static_cast<double>(++num_done) / count);
   });

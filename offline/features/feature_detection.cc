@@ -11,7 +11,7 @@
 #include <tuple>
 
 #include "dataset/error.h"
-#include "dataset/files.h"
+#include "dataset/image_header.h"
 #include "dataset/parallel_for.h"
 #include "dataset/text_encoding.h"
 #include "features/aprilgrid.h"
@@ -119,6 +119,7 @@ namespace {
 struct Outcome {
   std::optional<SeenImage> seen;
   std::string failure;
+  bool is_turned = false;  // its file asks to be shown turned
 };
 
 class ImageReader {
@@ -132,9 +133,11 @@ class ImageReader {
 
   Outcome Read(const std::string& path) const {
     try {
-      return {See(path, ReadFile(path)), ""};
+      const std::string bytes = ReadImageFile(path);
+      const bool is_turned = ParseImageHeader(path, bytes).orientation != 1;
+      return {See(path, bytes), "", is_turned};
     } catch (const InputError& error) {
-      return {std::nullopt, error.what()};
+      return {std::nullopt, error.what(), false};
     }
   }
 
@@ -237,6 +240,7 @@ FolderDetection Collect(const std::vector<std::string>& paths,
       folder.dataset.images.push_back(
           {FileName(paths[i]), seen->detection.features});
       folder.paths.push_back(paths[i]);
+      if (outcomes[i].is_turned) folder.turned.push_back(FileName(paths[i]));
       folder.images.push_back(std::move(seen->detection));
     }
   }

@@ -26,17 +26,13 @@ class PatternDetector {
   std::unique_ptr<Data> data_;
 };
 
-struct SkippedImage {
-  std::string path;
-  std::string reason;
-};
-
 /// What a folder of images shows.
 struct FolderDetection {
   Dataset dataset;                     ///< without the images that were skipped
   std::vector<std::string> paths;      ///< of the dataset's images
   std::vector<ImageDetection> images;  ///< likewise
   std::vector<SkippedImage> skipped;   ///< damaged, or of another size
+  std::vector<std::string> turned;     ///< names, for RemarkOnTurned()
 };
 
 /// What was noticed in images, and why those without a board have none: each

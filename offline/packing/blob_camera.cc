@@ -29,10 +29,23 @@ int FractionBits(const Eigen::Vector3d& point) {
 
 // One channel of interleaved pixels.
 std::vector<uint8_t> Channel(const Image& image, int channel) {
-  std::vector<uint8_t> plane;
-  for (size_t i = channel; i < image.pixels.size(); i += image.channels)
-    plane.push_back(image.pixels[i]);
+  std::vector<uint8_t> plane(image.pixels.size() / image.channels);
+  const int pixel_bytes = image.channels * image.sample_bytes;
+  const uint8_t* from = image.pixels.data() + channel * image.sample_bytes;
+  for (size_t i = 0; i < plane.size(); i += image.sample_bytes) {
+    std::copy_n(from, image.sample_bytes, &plane[i]);
+    from += pixel_bytes;
+  }
   return plane;
+}
+
+void SetChannel(const std::vector<uint8_t>& plane, int channel, Image* image) {
+  const int pixel_bytes = image->channels * image->sample_bytes;
+  uint8_t* to = image->pixels.data() + channel * image->sample_bytes;
+  for (size_t i = 0; i < plane.size(); i += image->sample_bytes) {
+    std::copy_n(&plane[i], image->sample_bytes, to);
+    to += pixel_bytes;
+  }
 }
 
 }  // namespace
@@ -123,19 +136,26 @@ Image BlobCamera::Undistort(const Image& image, uint8_t border,
   Image result;
   result.size = {width, height};
   result.channels = image.channels;
-  result.pixels.resize(static_cast<size_t>(width) * height * image.channels);
-  std::vector<uint8_t> plane(static_cast<size_t>(width) * height);
+  result.sample_bytes = image.sample_bytes;
+  result.pixels.resize(result.stride() * height);
+  std::vector<uint8_t> plane(result.pixels.size() / image.channels);
   for (int channel = 0; channel < image.channels; ++channel) {
     const std::vector<uint8_t> source = Channel(image, channel);
-    const rg_frame frame = {source.data(),
-                            static_cast<uint32_t>(image.size.width),
-                            static_cast<uint16_t>(image.size.width),
-                            static_cast<uint16_t>(image.size.height)};
-    const rg_band band = {plane.data(), width, 0, height, border};
-    status = rg_remap_grey(&camera, &frame, &band);
+    rg_image frame = {};
+    frame.format = image.sample_bytes == 1 ? RG_FORMAT_GREY8 : RG_FORMAT_GREY16;
+    frame.width = static_cast<uint16_t>(image.size.width);
+    frame.height = static_cast<uint16_t>(image.size.height);
+    frame.planes[0] = {
+        source.data(),
+        static_cast<uint32_t>(image.size.width * image.sample_bytes)};
+    rg_target target = {};
+    target.planes[0] = {plane.data(),
+                        static_cast<uint32_t>(width * image.sample_bytes)};
+    target.num_rows = height;
+    target.border_values[0] = border;
+    status = rg_remap(&camera, &frame, &target);
     if (status != RG_OK) Refuse("image", status);
-    for (size_t i = 0; i < plane.size(); ++i)
-      result.pixels[i * image.channels + channel] = plane[i];
+    SetChannel(plane, channel, &result);
   }
   return result;
 }

@@ -46,7 +46,8 @@ class BlobCamera {
   std::unique_ptr<CameraModel> ToModel() const;
 
   /// Undistorts an image by the runtime and one of the blob's remap tables,
-  /// each channel on its own; the image must have image_size().
+  /// each channel on its own, of 8 or 16 bits; the image must have
+  /// image_size().
   Image Undistort(const Image& image, uint8_t border,
                   uint32_t remap_index = 0) const;
 

@@ -32,11 +32,11 @@ def main(module):
     unittest.main(module=module, argv=[module] + rest, verbosity=2)
 
 
-def run(*arguments, program=None):
+def run(*arguments, program=None, timeout=300):
     """Runs raygrid, or another program, without a terminal."""
     command = [program or programs.raygrid, *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL,
-                          timeout=300, check=False)
+                          timeout=timeout, check=False)
 
 
 def write(path, contents):

@@ -127,6 +127,25 @@ TEST(OutputFiles, WriteThroughNoLinkThatStandsWhereTheyAreMade) {
   EXPECT_EQ(ReadFile(folder / "mine"), "mine");
 }
 
+TEST(RequireNoInputReplaced, KnowsAFileUnderAnyName) {
+  const TemporaryFolder folder;
+  WriteFile(folder / "a", "1");
+  WriteFile(folder / "b", "2");
+  fs::create_symlink("a", folder / "link");
+  fs::create_hard_link(folder / "a", folder / "twin");
+  const std::vector<std::string> inputs = {folder / "b", folder / "a", ""};
+  for (const char* name : {"a", "./b", "link", "twin"})
+    ExpectError(ExitCode::kOutput, {name, "would replace"},
+                [&] { RequireNoInputReplaced(inputs, {folder / name}); });
+  RequireNoInputReplaced(inputs, {folder / "c", ""});
+  RequireNoInputReplaced({"/dev/null"}, {"/dev/null"});
+}
+
+TEST(ReadFile, DevicesAreRefused) {
+  for (const char* device : {"/dev/zero", "/dev/null"})
+    ExpectError(ExitCode::kInput, {device}, [&] { ReadFile(device); });
+}
+
 TEST(RequireWritableFolder, MakesTheFolderAndLeavesItEmpty) {
   const TemporaryFolder folder;
   RequireWritableFolder(folder / "new/results");
@@ -170,7 +189,7 @@ TEST(ImageFiles, FoldersGiveTheirImagesInOrder) {
   const TemporaryFolder folder;
   for (const char* name : {"b.PNG", "a.jpg", "notes.txt", "c.tiff"})
     WriteFile(folder / "in" + std::string("/") + name, "");
-  const auto found = FindImages({folder / "in", "other.png"});
+  const auto found = FindImages({folder / "in", "other.png"}).paths;
   ASSERT_EQ(found.size(), 4u);
   EXPECT_EQ(fs::path(found[0]).filename(), "a.jpg");
   EXPECT_EQ(fs::path(found[1]).filename(), "b.PNG");
@@ -185,11 +204,27 @@ TEST(ImageFiles, OrderIsThatOfTheirNamesWhateverWasGivenFirst) {
   const std::vector<std::string> expected = {
       folder / "y/a.png", folder / "x/b.png", folder / "y/c.png",
       folder / "x/d.png"};
-  EXPECT_EQ(FindImages({folder / "x", folder / "y"}), expected);
-  EXPECT_EQ(FindImages({folder / "y", folder / "x"}), expected);
+  EXPECT_EQ(FindImages({folder / "x", folder / "y"}).paths, expected);
+  EXPECT_EQ(FindImages({folder / "y", folder / "x"}).paths, expected);
   EXPECT_EQ(FindImages({folder / "x/d.png", folder / "y/c.png",
-                        folder / "x/b.png", folder / "y/a.png"}),
+                        folder / "x/b.png", folder / "y/a.png"})
+                .paths,
             expected);
+}
+
+TEST(ImageFiles, PicturesOfRaygridAndUnknownKindsAreLeftOutOfFolders) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.png", "coverage.png", "example_after.png",
+                           "example_before.png", "uncertainty.png", "b.HEIC"})
+    WriteFile(folder / "in" + std::string("/") + name, "");
+  const FoundImages found =
+      FindImages({folder / "in", folder / "in/coverage.png"});
+  EXPECT_EQ(found.paths, (std::vector<std::string>{
+                             folder / "in/a.png", folder / "in/coverage.png"}));
+  ASSERT_EQ(found.left_out.size(), 5u);
+  EXPECT_EQ(found.left_out[0].path, folder / "in/b.HEIC");
+  EXPECT_NE(found.left_out[0].reason.find("convert"), std::string::npos);
+  EXPECT_NE(found.left_out[1].reason.find("raygrid"), std::string::npos);
 }
 
 TEST(ImageFiles, FoldersWithoutImagesAreRefused) {

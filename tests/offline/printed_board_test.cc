@@ -136,7 +136,9 @@ void ExpectFeaturesInPlace(const Board& drawn) {
   const Board& board = pattern.boards[0];
   const cv::Mat page = Rasterised(SheetsPdf(sheets), kDpi);
   if (page.empty()) GTEST_SKIP() << "no pdftoppm; install poppler-utils";
-  Image image = {{page.cols, page.rows}, 1, {page.datastart, page.dataend}};
+  Image image;
+  image.size = {page.cols, page.rows};
+  image.pixels.assign(page.datastart, page.dataend);
   const ImageDetection seen =
       PatternDetector(pattern, {}).Detect(MakeGreyImage(image));
   size_t num_features = 0;

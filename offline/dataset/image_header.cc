@@ -1,0 +1,287 @@
+#include "dataset/image_header.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cctype>
+#include <stdexcept>
+
+#include "dataset/error.h"
+
+namespace raygrid {
+namespace {
+
+std::atomic<bool> huge_is_allowed{false};
+
+enum class Order { kBigEndian, kLittleEndian };
+
+// Numbers in a file; std::out_of_range where it has ended.
+class Bytes {
+ public:
+  Bytes(const std::string& bytes, Order order) : bytes_(bytes), order_(order) {}
+
+  uint64_t Number(size_t at, size_t count) const {
+    uint64_t number = 0;
+    for (size_t i = 0; i < count; ++i) {
+      const size_t k = order_ == Order::kBigEndian ? i : count - 1 - i;
+      number = number << 8 | static_cast<uint8_t>(bytes_.at(at + k));
+    }
+    return number;
+  }
+  bool HasAt(size_t at, const char* text, size_t size) const {
+    return at <= bytes_.size() && bytes_.compare(at, size, text, size) == 0;
+  }
+  size_t size() const { return bytes_.size(); }
+
+ private:
+  const std::string& bytes_;
+  Order order_;
+};
+
+// Sizes as files have them, before any limit.
+struct RawHeader {
+  uint64_t width = 0, height = 0;
+  // A tile of a TIFF file is decoded whole, however small the image is.
+  uint64_t tile_width = 0, tile_height = 0;
+  int orientation = 1;
+  size_t orientation_at = 0, orientation_bytes = 0;
+};
+
+// ---- TIFF, and EXIF, which is TIFF without an image -------------------------
+
+// A number of a directory's entry: 1, 2, 4 or 8 bytes by its type, else 0.
+size_t BytesOfType(uint64_t type) {
+  switch (type) {
+    case 1:  // BYTE
+      return 1;
+    case 3:  // SHORT
+      return 2;
+    case 4:  // LONG
+      return 4;
+    case 16:  // LONG8
+      return 8;
+    default:
+      return 0;
+  }
+}
+
+bool IsTagOfSize(uint64_t tag) {
+  return tag == 256 || tag == 257 || tag == 322 || tag == 323;
+}
+
+// The first directory of the TIFF data from start on.
+void ParseTiff(const std::string& bytes, size_t start, RawHeader* header) {
+  const Order order = bytes.compare(start, 2, "II") == 0 ? Order::kLittleEndian
+                                                         : Order::kBigEndian;
+  const Bytes file(bytes, order);
+  const bool is_big = file.Number(start + 2, 2) == 43;  // BigTIFF
+  const size_t offset_bytes = is_big ? 8 : 4;
+  const size_t count_bytes = is_big ? 8 : 2;
+  const size_t entry_bytes = is_big ? 20 : 12;
+  const uint64_t offset = file.Number(start + (is_big ? 8 : 4), offset_bytes);
+  if (offset > bytes.size()) throw std::out_of_range("TIFF directory");
+  const size_t directory = start + offset;
+  const uint64_t num_entries = file.Number(directory, count_bytes);
+  for (uint64_t i = 0; i < num_entries; ++i) {
+    const size_t entry = directory + count_bytes + i * entry_bytes;
+    const size_t value_at = entry + entry_bytes - offset_bytes;
+    const size_t value_bytes = BytesOfType(file.Number(entry + 2, 2));
+    const uint64_t tag = file.Number(entry, 2);
+    const bool is_number = value_bytes > 0 && value_bytes <= offset_bytes;
+    if (!is_number && IsTagOfSize(tag)) throw std::out_of_range("TIFF size");
+    if (!is_number) continue;
+    const uint64_t value = file.Number(value_at, value_bytes);
+    switch (tag) {
+      case 256:
+        header->width = std::max(header->width, value);
+        break;
+      case 257:
+        header->height = std::max(header->height, value);
+        break;
+      case 274:
+        if (value < 1 || value > 8) break;
+        header->orientation = static_cast<int>(value);
+        header->orientation_at = value_at;
+        header->orientation_bytes = value_bytes;
+        break;
+      case 322:
+        header->tile_width = std::max(header->tile_width, value);
+        break;
+      case 323:
+        header->tile_height = std::max(header->tile_height, value);
+        break;
+      default:
+        break;
+    }
+  }
+}
+
+// A damaged tag turns nothing.
+int ExifOrientation(const std::string& bytes, size_t start) {
+  RawHeader exif;
+  try {
+    ParseTiff(bytes, start, &exif);
+  } catch (const std::out_of_range&) {
+    return 1;
+  }
+  return exif.orientation;
+}
+
+// ---- The other kinds --------------------------------------------------------
+
+void ParsePng(const std::string& bytes, RawHeader* header) {
+  const Bytes file(bytes, Order::kBigEndian);
+  header->width = file.Number(16, 4);
+  header->height = file.Number(20, 4);
+  for (size_t chunk = 8; chunk + 12 <= file.size();
+       chunk += 12 + file.Number(chunk, 4)) {
+    if (file.HasAt(chunk + 4, "eXIf", 4))
+      header->orientation = ExifOrientation(bytes, chunk + 8);
+    if (file.HasAt(chunk + 4, "IEND", 4)) break;
+  }
+}
+
+// Segments up to the frame's header.
+void ParseJpeg(const std::string& bytes, RawHeader* header) {
+  const Bytes file(bytes, Order::kBigEndian);
+  for (size_t at = 2;;) {
+    while (file.Number(at, 1) != 0xff) ++at;
+    while (file.Number(at, 1) == 0xff) ++at;
+    const uint64_t marker = file.Number(at++, 1);
+    const bool stands_alone = marker <= 1 || (marker >= 0xd0 && marker <= 0xd9);
+    if (stands_alone) continue;
+    const bool is_frame = marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 &&
+                          marker != 0xc8 && marker != 0xcc;
+    if (is_frame) {
+      header->height = file.Number(at + 3, 2);
+      header->width = file.Number(at + 5, 2);
+      return;
+    }
+    if (marker == 0xe1 && file.HasAt(at + 2, "Exif\0\0", 6))
+      header->orientation = ExifOrientation(bytes, at + 8);
+    at += file.Number(at, 2);
+  }
+}
+
+void ParseBmp(const std::string& bytes, RawHeader* header) {
+  const Bytes file(bytes, Order::kLittleEndian);
+  const bool is_old = file.Number(14, 4) == 12;
+  header->width = is_old ? file.Number(18, 2) : file.Number(18, 4);
+  header->height = is_old ? file.Number(20, 2) : file.Number(22, 4);
+  // Rows from the top downwards have a negative height.
+  if (!is_old && header->height >> 31)
+    header->height = (uint64_t{1} << 32) - header->height;
+}
+
+// PBM, PGM and PPM.
+void ParsePnm(const std::string& bytes, RawHeader* header) {
+  size_t at = 2;
+  for (uint64_t* number : {&header->width, &header->height}) {
+    while (std::isspace(static_cast<uint8_t>(bytes.at(at))) ||
+           bytes[at] == '#') {
+      if (bytes[at] == '#')
+        while (bytes.at(at) != '\n') ++at;
+      ++at;
+    }
+    for (; std::isdigit(static_cast<uint8_t>(bytes.at(at))); ++at)
+      *number = std::min<uint64_t>(10 * *number + (bytes[at] - '0'),
+                                   uint64_t{1} << 32);
+  }
+}
+
+void ParseWebp(const std::string& bytes, RawHeader* header) {
+  const Bytes file(bytes, Order::kLittleEndian);
+  if (file.HasAt(12, "VP8 ", 4)) {
+    header->width = file.Number(26, 2) & 0x3fff;
+    header->height = file.Number(28, 2) & 0x3fff;
+  } else if (file.HasAt(12, "VP8L", 4)) {
+    const uint64_t sizes = file.Number(21, 4);
+    header->width = (sizes & 0x3fff) + 1;
+    header->height = (sizes >> 14 & 0x3fff) + 1;
+  } else if (file.HasAt(12, "VP8X", 4)) {
+    header->width = file.Number(24, 3) + 1;
+    header->height = file.Number(27, 3) + 1;
+  }
+  for (size_t chunk = 12; chunk + 8 <= file.size();) {
+    if (file.HasAt(chunk, "EXIF", 4)) {
+      const bool has_name = file.HasAt(chunk + 8, "Exif\0\0", 6);
+      header->orientation = ExifOrientation(bytes, chunk + (has_name ? 14 : 8));
+    }
+    const uint64_t size = file.Number(chunk + 4, 4);
+    chunk += 8 + size + size % 2;
+  }
+}
+
+// False for files of other kinds.
+bool Parse(const std::string& bytes, RawHeader* header) {
+  const Bytes file(bytes, Order::kBigEndian);
+  const auto starts = [&file](const char* text, size_t size) {
+    return file.HasAt(0, text, size);
+  };
+  if (starts("\x89PNG\r\n\x1a\n", 8))
+    ParsePng(bytes, header);
+  else if (starts("\xff\xd8", 2))
+    ParseJpeg(bytes, header);
+  else if (starts("II*\0", 4) || starts("MM\0*", 4) || starts("II+\0", 4) ||
+           starts("MM\0+", 4))
+    ParseTiff(bytes, 0, header);
+  else if (starts("BM", 2))
+    ParseBmp(bytes, header);
+  else if (starts("P", 1) && bytes.size() > 2 && bytes[1] >= '1' &&
+           bytes[1] <= '6')
+    ParsePnm(bytes, header);
+  else if (starts("RIFF", 4) && file.HasAt(8, "WEBP", 4))
+    ParseWebp(bytes, header);
+  else
+    return false;
+  return true;
+}
+
+void RequireAllowed(const std::string& name, uint64_t width, uint64_t height) {
+  const std::string why = WhySizeIsRefused(width, height);
+  if (!why.empty()) throw InputError(name + ": " + why);
+}
+
+[[noreturn]] void RefuseDamaged(const std::string& name) {
+  throw InputError(name +
+                   ": not an image, or damaged; remove it or replace it");
+}
+
+}  // namespace
+
+void AllowHugeImages() { huge_is_allowed = true; }
+
+std::string WhySizeIsRefused(uint64_t width, uint64_t height) {
+  const uint64_t side = std::max(width, height);
+  if (!huge_is_allowed && side > kMaxSidePx)
+    return fmt::format("{} x {} pixels; more than {} a side need --huge", width,
+                       height, kMaxSidePx);
+  if (side > kMaxHugeSidePx ||
+      width * height > static_cast<uint64_t>(kMaxHugePixels))
+    return fmt::format(
+        "{} x {} pixels; even --huge allows {} a side and {} in all at most",
+        width, height, kMaxHugeSidePx, kMaxHugePixels);
+  return "";
+}
+
+ImageHeader ParseImageHeader(const std::string& name,
+                             const std::string& bytes) {
+  RawHeader raw;
+  try {
+    if (!Parse(bytes, &raw)) RefuseDamaged(name);
+  } catch (const std::out_of_range&) {
+    RefuseDamaged(name);
+  }
+  if (raw.width == 0 || raw.height == 0) RefuseDamaged(name);
+  RequireAllowed(name, raw.width, raw.height);
+  RequireAllowed(name + ", a tile", raw.tile_width, raw.tile_height);
+  ImageHeader header;
+  header.size = {static_cast<int>(raw.width), static_cast<int>(raw.height)};
+  header.orientation = raw.orientation;
+  header.orientation_at = raw.orientation_at;
+  header.orientation_bytes = raw.orientation_bytes;
+  return header;
+}
+
+}  // namespace raygrid

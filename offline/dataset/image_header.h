@@ -1,0 +1,40 @@
+#ifndef RAYGRID_DATASET_IMAGE_HEADER_H
+#define RAYGRID_DATASET_IMAGE_HEADER_H
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "camera/area.h"
+
+namespace raygrid {
+
+/// What an image file says of itself before its pixels.
+struct ImageHeader {
+  ImageSize size;
+  /// As EXIF counts: 1 is to be shown as stored, 2 to 8 turned or mirrored.
+  int orientation = 1;
+  /// TIFF: where the orientation's number stands in the file, and its bytes.
+  size_t orientation_at = 0, orientation_bytes = 0;
+};
+
+/// Of PNG, JPEG, TIFF, BMP, PGM and its kin, and WebP. Throws InputError: other
+/// kinds, damage, sizes that are refused.
+ImageHeader ParseImageHeader(const std::string& name, const std::string& bytes);
+
+/// Larger images are refused unless AllowHugeImages() was called: they take
+/// minutes and gigabytes, and most are no photographs.
+constexpr int kMaxSidePx = 16384;
+/// What --huge allows: indices of pixels stay within 31 bits.
+constexpr int kMaxHugeSidePx = 65535;
+constexpr int64_t kMaxHugePixels = int64_t{1} << 30;
+
+/// For the rest of the program.
+void AllowHugeImages();
+
+/// Why an image may not be of this size; empty if it may.
+std::string WhySizeIsRefused(uint64_t width, uint64_t height);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_DATASET_IMAGE_HEADER_H
