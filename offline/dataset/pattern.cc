@@ -15,6 +15,8 @@ namespace raygrid {
 namespace {
 
 constexpr int kMaxFeaturesAlongSide = 1000;
+// Of all boards. Every point is adjusted and written, seen or not.
+constexpr size_t kMaxPoints = 100000;
 // No board is beyond these; arithmetic far beyond ends in nonsense.
 constexpr double kMinSquareM = 1e-6, kMaxSquareM = 100;
 constexpr double kMaxCoordinateM = kMaxFeaturesAlongSide * kMaxSquareM;
@@ -129,6 +131,14 @@ std::vector<Eigen::Vector3d> ParsePoints(const std::string& place,
   return points;
 }
 
+void RequireFewPoints(const std::string& place, size_t count) {
+  if (count > kMaxPoints)
+    throw InputError(
+        fmt::format("{}: {} feature points, and a pattern may have {} in all; "
+                    "give columns and rows as they are",
+                    place, count, kMaxPoints));
+}
+
 Board ParseBoard(const std::string& place, const YAML::Node& node) {
   Board board;
   board.id = Value<int>(place, node, "id");
@@ -152,6 +162,7 @@ Board ParseBoard(const std::string& place, const YAML::Node& node) {
         std::max(board.columns, board.rows) > kMaxFeaturesAlongSide)
       throw InputError(fmt::format("{}: columns and rows must be 2 to {}",
                                    place, kMaxFeaturesAlongSide));
+    RequireFewPoints(place, board.num_points());
     if (!(board.square_m >= kMinSquareM && board.square_m <= kMaxSquareM))
       throw InputError(
           fmt::format("{}: square_m is {:g}; in metres, it must be 1e-6 (1 µm) "
@@ -219,6 +230,7 @@ Pattern ParsePattern(const std::string& name, const std::string& yaml) {
     throw InputError(fmt::format("{}: unknown version of pattern.yaml", name));
   if (!root["boards"].IsSequence() || root["boards"].size() == 0)
     throw InputError(fmt::format("{}: 'boards' is no list with a board", name));
+  size_t num_points = 0;
   try {
     for (size_t i = 0; i < root["boards"].size(); ++i) {
       const std::string place = fmt::format("{}, board {}", name, i + 1);
@@ -228,6 +240,8 @@ Pattern ParsePattern(const std::string& name, const std::string& yaml) {
       if (pattern.FindBoard(board.id))
         throw InputError(
             fmt::format("{}: id {} stands twice", place, board.id));
+      num_points += board.points.size();
+      RequireFewPoints(place, num_points);
       pattern.boards.push_back(std::move(board));
     }
     RequireDistinctTags(name, pattern);

@@ -64,6 +64,19 @@ TEST(Pattern, ListsOfPointsMayHaveRows) {
     ExpectRefused(WithBoards(start + size + ", " + points), {"6 points"});
 }
 
+TEST(Pattern, BoardsHaveAHundredThousandPointsInAllAtMost) {
+  EXPECT_EQ(ParsePattern("p", Chessboard("1000", "100", "0.01"))
+                .boards[0]
+                .points.size(),
+            100000u);
+  ExpectRefused(Chessboard("1000", "1000", "0.01"), {"1000000 feature points"});
+  std::string boards;
+  for (int id = 0; id < 12; ++id)
+    boards += "  - {id: " + std::to_string(id) +
+              ", kind: chessboard, columns: 100, rows: 100, square_m: 0.01}\n";
+  ExpectRefused(WithBoards(boards), {"board 11", "110000 feature points"});
+}
+
 TEST(Pattern, SquaresAreFromAMicrometreToAHundredMetres) {
   for (const char* square_m : {"1e-6", "0.025", "100"})
     EXPECT_EQ(ParsePattern("p", Chessboard("4", "3", square_m)).boards.size(),
