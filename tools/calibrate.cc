@@ -129,17 +129,20 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
     options.keep = [&](const Checkpoint& done) { checkpoint.Keep(0, done); };
     NoteInterruptions();
     result = Calibrate(measurements.dataset, pattern, options);
+    FinishUndisturbed();
     AddLeftOut(measurements, &result);
     result.camera.name = arguments.name;
     result.camera.serial = arguments.serial;
     bar.Show("packing", 0.9);
     try {
-      packed = PackForReport(result.camera, common.threads);
+      if (!result.checkpoint)
+        packed = PackForReport(result.camera, common.threads);
     } catch (const Error& error) {
       not_packed = error;
     }
-    thumbnails = MakeThumbnails(measurements.dataset, measurements.paths,
-                                common.threads);
+    if (!result.checkpoint)
+      thumbnails = MakeThumbnails(measurements.dataset, measurements.paths,
+                                  common.threads);
     paths = measurements.paths;
   }
 

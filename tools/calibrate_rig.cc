@@ -175,6 +175,7 @@ PackedCameras PackAll(const RigResult& result, int num_threads) {
   for (const CalibrationResult& camera : result.cameras) {
     try {
       packed.cameras.push_back(std::nullopt);
+      if (camera.checkpoint) continue;
       packed.cameras.back() = PackForReport(camera.camera, num_threads);
     } catch (const Error& error) {
       packed.not_packed = error;
@@ -277,6 +278,7 @@ void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
         CalibrateRig(CamerasOf(rig, arguments, common.threads, &checkpoints),
                      pattern, options);
     bar.Show("packing", 0.9);
+    FinishUndisturbed();
     for (size_t c = 0; c < rig.cameras.size(); ++c)
       AddLeftOut(rig.cameras[c], &result.cameras[c]);
     packed = PackAll(result, common.threads);

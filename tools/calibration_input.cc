@@ -31,6 +31,8 @@ double ParseCellPx(const std::string& text) {
   return value;
 }
 
+struct Interruption {};
+
 // Named by the last part of their paths, as images are everywhere.
 std::vector<RejectedImage> SayAndList(const std::vector<SkippedImage>& images) {
   std::vector<RejectedImage> list;
@@ -105,9 +107,16 @@ MeasureAgain AgainIn(const Measurements& measurements,
   return [&measurements, num_threads](const CameraModel& camera,
                                       const Pattern& found_pattern,
                                       const std::vector<BoardPose>& poses) {
-    return RefineThroughCamera(measurements.paths, measurements.dataset,
-                               {&camera, &found_pattern, poses}, {},
-                               num_threads, nullptr);
+    const auto go_on = [](double) {
+      if (IsInterrupted()) throw Interruption();
+    };
+    try {
+      return RefineThroughCamera(measurements.paths, measurements.dataset,
+                                 {&camera, &found_pattern, poses}, {},
+                                 num_threads, go_on);
+    } catch (const Interruption&) {
+      return measurements.dataset;
+    }
   };
 }
 
@@ -138,6 +147,7 @@ PackedCamera PackForReport(const CameraFile& file, int num_threads) {
   PackOptions options;
   options.remaps = {MakeVirtualCamera(*file.camera, {}, 0)};
   options.num_threads = num_threads;
+  options.should_stop = IsInterrupted;
   return PackCamera(file, options);
 }
 

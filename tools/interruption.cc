@@ -1,5 +1,7 @@
 #include "interruption.h"
 
+#include <unistd.h>
+
 #include <atomic>
 #include <csignal>
 
@@ -7,13 +9,23 @@ namespace raygrid {
 namespace {
 
 std::atomic<bool> is_interrupted{false};
-static_assert(std::atomic<bool>::is_always_lock_free,
+std::atomic<bool> is_heard{false};
+std::atomic<int> interruption{0};  // the signal
+static_assert(std::atomic<int>::is_always_lock_free &&
+                  std::atomic<bool>::is_always_lock_free,
               "a signal handler may write it");
 
-void Note(int) {
+void EndUnheard(int) {
+  if (!is_heard) raise(interruption);
+}
+
+void Note(int number) {
+  constexpr unsigned kPatienceS = 1;
+  interruption = number;
   is_interrupted = true;
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
+  alarm(kPatienceS);
 }
 
 }  // namespace
@@ -24,8 +36,16 @@ void NoteInterruptions() {
   action.sa_flags = SA_RESTART;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  action.sa_handler = EndUnheard;
+  sigaction(SIGALRM, &action, nullptr);
 }
 
-bool IsInterrupted() { return is_interrupted; }
+bool IsInterrupted() {
+  if (!is_interrupted) return false;
+  is_heard = true;
+  return true;
+}
+
+void FinishUndisturbed() { is_heard = true; }
 
 }  // namespace raygrid

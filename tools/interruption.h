@@ -4,11 +4,16 @@
 namespace raygrid {
 
 /// From here on the first SIGINT or SIGTERM is only noted, so that what was
-/// found so far can be written; the second one ends the program at once, as
-/// each does otherwise.
+/// found so far can be written. If nothing has asked IsInterrupted() a second
+/// later, work that hears nothing is being done: the program ends, as by each
+/// second signal, and as by the first one otherwise.
 void NoteInterruptions();
 
 bool IsInterrupted();
+
+/// From here on results are complete or being written, and a first signal no
+/// longer ends the program by not being heard.
+void FinishUndisturbed();
 
 }  // namespace raygrid
 

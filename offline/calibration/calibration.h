@@ -18,7 +18,8 @@ using KeepCheckpoint = std::function<void(const Checkpoint&)>;
 using Progress = std::function<void(const std::string& stage, double done)>;
 
 /// Measures the features of a dataset once more, through a first camera: its
-/// model, the pattern as it was found to be, where the boards stood.
+/// model, the pattern as it was found to be, where the boards stood. May return
+/// anything once should_stop says so.
 using MeasureAgain = std::function<Dataset(const CameraModel&, const Pattern&,
                                            const std::vector<BoardPose>&)>;
 

@@ -61,7 +61,10 @@ std::optional<Dataset> MeasureFeaturesAgain(const Dataset& dataset,
     if (poses[v])
       known.push_back(
           {problem.images[v], pattern.boards[problem.boards[v]].id, *poses[v]});
-  return options.measure_again(first.state.camera(), adjusted_pattern, known);
+  Dataset again =
+      options.measure_again(first.state.camera(), adjusted_pattern, known);
+  if (ShouldStop(options)) return std::nullopt;  // it may not be complete
+  return again;
 }
 
 // Chooses the resolution; the held-out residuals are those of the chosen one.

@@ -380,10 +380,12 @@ std::optional<std::string> RemarkOnProjection(const ProjectionError& error,
 class InverseSection {
  public:
   InverseSection(const BSplineSurface& surface, const TrustMask* trusted,
-                 int num_threads, rg_blob_contents* contents)
+                 int num_threads, const std::function<void()>& go_on,
+                 rg_blob_contents* contents)
       : contents_(contents) {
     inverse_ = FitInverseGrid(
         surface, trusted, [&](const InverseGrid& grid, double max_pixels) {
+          go_on();
           Point(grid);
           return IsWritable(*contents_)
                      ? std::optional(MeasureProjection(
@@ -508,6 +510,12 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   PackedCamera packed;
   // Control points of 16 bits where they keep the bound.
   const int num_threads = NumThreads(options.num_threads);
+  const auto go_on = [&options] {
+    if (options.should_stop && options.should_stop())
+      throw Error(ExitCode::kNotConverged,
+                  "interrupted before the camera was packed; pack makes the "
+                  "blob of camera.yaml");
+  };
   std::optional<NarrowGrid> narrow;
   if (options.is_narrow_allowed) narrow = Narrow(grid.control_points);
   UnprojectionError error = {INFINITY, INFINITY};
@@ -531,7 +539,7 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
                     error.px, kMaxPackingErrorPx));
 
   // To the pixels that look into a direction, also where those are of lines.
-  const InverseSection inverse(model.surface(), trusted, num_threads,
+  const InverseSection inverse(model.surface(), trusted, num_threads, go_on,
                                &contents);
   packed.projection = inverse.error();
   const std::optional<std::string> remark =
@@ -543,8 +551,9 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
 
   RemapSections remaps;
   for (const VirtualCamera& virtual_camera : options.remaps)
-    packed.remaps.push_back(remaps.Add(FitRemapTable(
-        central, virtual_camera, options.max_error_px, options.num_threads)));
+    packed.remaps.push_back(
+        remaps.Add(FitRemapTable(central, virtual_camera, options.max_error_px,
+                                 options.num_threads, go_on)));
   remaps.AddTo(&contents);
 
   const rg_quality_section quality = QualityOf(file, error.px, error.rad);

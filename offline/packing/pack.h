@@ -1,6 +1,7 @@
 #ifndef RAYGRID_PACKING_PACK_H
 #define RAYGRID_PACKING_PACK_H
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,8 @@ struct PackOptions {
   double max_error_px = 0.05;         ///< their geometric error
   bool is_narrow_allowed = true;      ///< control points of 16 bits
   int num_threads = 0;
+  /// Once true, packing ends by Error(kNotConverged).
+  std::function<bool()> should_stop = {};
 };
 
 /// A remap table of a blob.

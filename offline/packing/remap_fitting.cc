@@ -446,13 +446,16 @@ void RequireFormatLimits(const CameraModel& camera,
 
 RemapTable FitRemapTable(const CameraModel& camera,
                          const VirtualCamera& virtual_camera,
-                         double max_error_px, int num_threads) {
+                         double max_error_px, int num_threads,
+                         const std::function<void()>& go_on) {
   RequireFormatLimits(camera, virtual_camera);
   num_threads = NumThreads(num_threads);
   const SourceMap map = MakeSourceMap(camera, virtual_camera, num_threads);
+  go_on();
   const CellSums sums(map, num_threads);
   RemapTable table;
   for (const BlockLayout& layout : kLayouts) {
+    go_on();
     const bool is_last = &layout == std::end(kLayouts) - 1;
     if (!is_last && LeastError(map, layout.SmallestLog2()) > max_error_px)
       continue;
@@ -463,6 +466,7 @@ RemapTable FitRemapTable(const CameraModel& camera,
                   "check --hfov");
     FillFields(map.rectangle, virtual_camera, blocks, &table);
     const NodePositions nodes = FitNodes(map, sums, blocks);
+    go_on();
     if (!QuantizeVertices(blocks, nodes, &table) ||
         !QuantizeBends(blocks, nodes, &table))
       continue;

@@ -2,6 +2,7 @@
 #define RAYGRID_PACKING_REMAP_FITTING_H
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "camera/camera_model.h"
@@ -29,10 +30,11 @@ struct RemapTable {
 /// same with any number of threads. Source positions outside the calibrated
 /// area become border. Throws Error(kQuality) if not even blocks of 8 keep the
 /// bound, Error(kUsage) if the images are too large for the format or the
-/// virtual camera sees nothing.
-RemapTable FitRemapTable(const CameraModel& camera,
-                         const VirtualCamera& virtual_camera,
-                         double max_error_px, int num_threads);
+/// virtual camera sees nothing. go_on is called now and then, and may throw.
+RemapTable FitRemapTable(
+    const CameraModel& camera, const VirtualCamera& virtual_camera,
+    double max_error_px, int num_threads,
+    const std::function<void()>& go_on = [] {});
 
 }  // namespace raygrid
 
