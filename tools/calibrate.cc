@@ -171,15 +171,8 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
     for (const std::string& remark : packed->remarks)
       fmt::print(stderr, "raygrid: camera.raygrid: {}\n", remark);
   if (not_packed) throw *not_packed;
-  if (result.checkpoint)
-    throw Error(ExitCode::kNotConverged,
-                fmt::format("interrupted; {} holds the best state so far, "
-                            "--resume goes on from there",
-                            arguments.output));
-  if (!result.converged)
-    throw Error(ExitCode::kNotConverged,
-                "the adjustment did not converge; the files hold its last "
-                "state, add images or remove blurred ones");
+  RequireSuccess(result.verdict, result.checkpoint.has_value(),
+                 arguments.output);
 }
 
 void Run(const CalibrateArguments& arguments, const CommonOptions& common) {

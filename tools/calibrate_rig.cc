@@ -304,15 +304,7 @@ void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
   else if (!common.quiet)
     PrintSummary(arguments, result);
   if (packed.not_packed) throw *packed.not_packed;
-  if (!checkpoints.empty())
-    throw Error(ExitCode::kNotConverged,
-                fmt::format("interrupted; {} holds the best state so far, "
-                            "--resume goes on from there",
-                            arguments.output));
-  if (!result.converged)
-    throw Error(ExitCode::kNotConverged,
-                "the adjustment did not converge; the files hold its last "
-                "state, add images or remove blurred ones");
+  RequireSuccess(result.verdict, !checkpoints.empty(), arguments.output);
 }
 
 }  // namespace raygrid

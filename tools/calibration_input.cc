@@ -179,6 +179,20 @@ void PrintUncertainty(const CameraUncertainty& uncertainty,
       100 * uncertainty.TrustedPart(camera.image_size(), camera.area()));
 }
 
+void RequireSuccess(const Verdict& verdict, bool is_interrupted,
+                    const std::string& folder) {
+  if (is_interrupted)
+    throw Error(ExitCode::kNotConverged,
+                fmt::format("interrupted; {} holds the best state so far, "
+                            "--resume goes on from there",
+                            folder));
+  if (verdict.word == "fail")
+    throw Error(ExitCode::kQuality,
+                fmt::format("verdict: fail: {}; do not use the camera in {} "
+                            "before that is mended",
+                            verdict.failure, folder));
+}
+
 std::string InputsOf(const CalibrateArguments& arguments,
                      const CommonOptions& common,
                      const std::vector<Measurements>& cameras,

@@ -110,6 +110,12 @@ void PrintFigures(const char* name, const ErrorFigures& figures);
 void PrintUncertainty(const CameraUncertainty& uncertainty,
                       const CameraModel& camera);
 
+/// What the exit code says of a calibration whose files are written: throws
+/// Error(kNotConverged) if it was interrupted, Error(kQuality) if its verdict
+/// is "fail".
+void RequireSuccess(const Verdict& verdict, bool is_interrupted,
+                    const std::string& folder);
+
 /// Calibrates a rig: in folders of images, or with the features given.
 void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
             const FeaturesByCamera& given);

@@ -15,12 +15,31 @@
 #include "dataset/text_encoding.h"
 
 namespace raygrid {
+namespace {
+
+// As in README.md.
+constexpr char kExitCodes[] =
+    "Exit codes:\n"
+    "  0  done\n"
+    "  1  wrong usage\n"
+    "  2  an input cannot be read or is malformed\n"
+    "  3  too few features or images\n"
+    "  4  initialisation failed\n"
+    "  5  did not converge: calibrate was interrupted, its files are written;\n"
+    "     or fit found no model that fits\n"
+    "  6  a quality gate failed: calibrate's verdict is fail, or check says\n"
+    "     DEGRADED, either with all its output; or no blob or table holds the\n"
+    "     camera within its bounds\n"
+    "  7  an output cannot be written\n"
+    "  8  a blob is corrupt, unsupported or does not match";
+
+}  // namespace
 
 CLI::App* AddCommand(CLI::App* app, const std::string& name,
                      const std::string& description, const std::string& example,
                      CommonOptions* common) {
   CLI::App* command = app->add_subcommand(name, description);
-  command->footer("Example:\n  " + example);
+  command->footer("Example:\n  " + example + "\n\n" + kExitCodes);
   command
       ->add_option("--threads", common->threads, "threads; 0 means all cores")
       ->check(CLI::Range(0, 1024))
@@ -87,7 +106,8 @@ int Run(int argc, char** argv) {
   app.name("raygrid");
   app.set_version_flag("--version", "raygrid " RAYGRID_VERSION);
   app.require_subcommand(1);
-  app.footer("raygrid COMMAND --help explains a command.");
+  app.footer("raygrid COMMAND --help explains a command.\n\n" +
+             std::string(kExitCodes));
   CommonOptions common;
   AddPattern(&app, &common);
   AddDetect(&app, &common);

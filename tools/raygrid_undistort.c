@@ -24,6 +24,8 @@ static const char kHelp[] =
     "        (little-endian); or PGM of 8 bits\n"
     "  OUT   raw frame of as many bits; PGM if the name ends in .pgm\n"
     "Prints the output's size and CRC-32.\n"
+    "Exit codes: 0 done, 1 usage, 2 blob or frame cannot be read, 7 output, "
+    "8 blob.\n"
     "\n"
     "Example:\n"
     "  raygrid-undistort camera.raygrid frame.raw flat.pgm\n";

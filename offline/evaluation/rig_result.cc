@@ -71,6 +71,8 @@ Verdict JudgeRig(const RigResult& result) {
   std::vector<std::vector<FeatureResidual>> alone;
   for (size_t c = 0; c < result.cameras.size(); ++c) {
     const CalibrationResult& camera = result.cameras[c];
+    if (camera.verdict.word == "fail" && verdict.word != "fail")
+      verdict.failure = camera.camera.name + ": " + camera.verdict.failure;
     worsen(camera.verdict.word);
     for (const std::string& reason : camera.verdict.reasons)
       verdict.reasons.push_back(camera.camera.name + ": " + reason);

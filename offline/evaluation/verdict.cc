@@ -36,6 +36,7 @@ void Warn(const std::string& reason, Verdict* verdict) {
 }
 
 void Fail(const std::string& reason, Verdict* verdict) {
+  if (verdict->word != "fail") verdict->failure = reason;
   verdict->word = "fail";
   verdict->reasons.push_back(reason);
 }

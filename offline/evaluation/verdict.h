@@ -57,6 +57,7 @@ struct CalibrationFigures {
 struct Verdict {
   std::string word;
   std::vector<std::string> reasons;
+  std::string failure = {};  ///< the first reason of a "fail"
 };
 
 /// Whether more of the errors than noise is shared by neighbours, and so much
