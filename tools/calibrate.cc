@@ -112,9 +112,8 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
   std::string inputs;
   std::vector<std::string> paths;  // of the images
   CalibrationResult result;
-  std::optional<PackedCamera> packed;
+  PackedCamera packed;
   Thumbnails thumbnails;
-  std::optional<Error> not_packed;  // the other files are worth having even so
   {
     ProgressBar bar(common.quiet);
     CalibrationOptions options = OptionsOf(arguments, common, &bar);
@@ -134,28 +133,24 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
     result.camera.name = arguments.name;
     result.camera.serial = arguments.serial;
     bar.Show("packing", 0.9);
-    try {
-      if (!result.checkpoint)
-        packed = PackForReport(result.camera, common.threads);
-    } catch (const Error& error) {
-      not_packed = error;
-    }
-    if (!result.checkpoint)
+    if (!result.checkpoint) {
+      packed = PackWhatCanBe(result.camera, common.threads, IsInterrupted);
       thumbnails = MakeThumbnails(measurements.dataset, measurements.paths,
                                   common.threads);
+    }
     paths = measurements.paths;
   }
 
   ResultExtras extras = {
       common.seed, PeakMemoryBytes(), {}, {}, std::move(thumbnails)};
-  if (packed) {
-    extras.packing = FiguresOf(*packed);
-    extras.example = ExampleImage(paths, result, arguments, packed->blob);
-  }
+  if (!result.checkpoint) extras.packing = FiguresOf(packed);
+  if (!packed.remaps.empty())
+    extras.example = ExampleImage(paths, result, arguments, packed.blob);
   OutputFolder output(arguments.output);
   OutputFiles files;
   AddResultFiles(result, extras, output.path(), &files);
-  if (packed) files.Add(output.path() + "/camera.raygrid", packed->blob);
+  if (!packed.blob.empty())
+    files.Add(output.path() + "/camera.raygrid", packed.blob);
   if (result.checkpoint)
     files.Add(output.path() + "/resume.json",
               FormatCheckpoints({*result.checkpoint}, inputs));
@@ -167,10 +162,7 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
     fmt::print("{}", ReadFile((folder / "result.json").string()));
   else if (!common.quiet)
     PrintSummary(arguments, result);
-  if (packed && !common.quiet)
-    for (const std::string& remark : packed->remarks)
-      fmt::print(stderr, "raygrid: camera.raygrid: {}\n", remark);
-  if (not_packed) throw *not_packed;
+  if (!common.quiet) PrintRemarks("camera.raygrid", packed);
   RequireSuccess(result.verdict, result.checkpoint.has_value(),
                  arguments.output);
 }

@@ -164,38 +164,19 @@ std::vector<RigCameraInput> CamerasOf(const RigMeasurements& rig,
 
 // ---- Output ----------------------------------------------------------------
 
-// The cameras as blobs, and why one is none.
-struct PackedCameras {
-  std::vector<std::optional<PackedCamera>> cameras;
-  std::optional<Error> not_packed;
-};
-
-PackedCameras PackAll(const RigResult& result, int num_threads) {
-  PackedCameras packed;
-  for (const CalibrationResult& camera : result.cameras) {
-    try {
-      packed.cameras.push_back(std::nullopt);
-      if (camera.checkpoint) continue;
-      packed.cameras.back() = PackForReport(camera.camera, num_threads);
-    } catch (const Error& error) {
-      packed.not_packed = error;
-    }
-  }
-  return packed;
-}
-
-void AddFiles(const RigResult& result, const PackedCameras& packed,
+void AddFiles(const RigResult& result, const std::vector<PackedCamera>& packed,
               const std::vector<Thumbnails>& thumbnails, uint64_t seed,
               const std::string& folder, OutputFiles* files) {
   std::vector<ResultExtras> extras;
   for (size_t c = 0; c < result.cameras.size(); ++c) {
     extras.push_back({seed, PeakMemoryBytes(), {}, {}, thumbnails[c]});
-    if (!packed.cameras[c]) continue;
-    extras.back().packing = FiguresOf(*packed.cameras[c]);
+    if (!result.cameras[c].checkpoint)
+      extras.back().packing = FiguresOf(packed[c]);
+    if (packed[c].blob.empty()) continue;
     files->Add((std::filesystem::path(folder) / result.cameras[c].camera.name /
                 "camera.raygrid")
                    .string(),
-               packed.cameras[c]->blob);
+               packed[c].blob);
   }
   AddResultFiles(result, extras, folder, files);
 }
@@ -264,7 +245,7 @@ void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
   RequireWritableFolder(arguments.output);
   std::string inputs;
   RigResult result;
-  PackedCameras packed;
+  std::vector<PackedCamera> packed;
   std::vector<Thumbnails> thumbnails;
   {
     ProgressBar bar(common.quiet);
@@ -281,7 +262,11 @@ void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
     FinishUndisturbed();
     for (size_t c = 0; c < rig.cameras.size(); ++c)
       AddLeftOut(rig.cameras[c], &result.cameras[c]);
-    packed = PackAll(result, common.threads);
+    for (const CalibrationResult& camera : result.cameras)
+      packed.push_back(
+          camera.checkpoint
+              ? PackedCamera()
+              : PackWhatCanBe(camera.camera, common.threads, IsInterrupted));
     for (const Measurements& camera : rig.cameras)
       thumbnails.push_back(
           MakeThumbnails(camera.dataset, camera.paths, common.threads));
@@ -303,7 +288,10 @@ void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
                            .string()));
   else if (!common.quiet)
     PrintSummary(arguments, result);
-  if (packed.not_packed) throw *packed.not_packed;
+  if (!common.quiet)
+    for (size_t c = 0; c < packed.size(); ++c)
+      PrintRemarks(result.cameras[c].camera.name + "/camera.raygrid",
+                   packed[c]);
   RequireSuccess(result.verdict, !checkpoints.empty(), arguments.output);
 }
 

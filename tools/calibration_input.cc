@@ -143,18 +143,16 @@ CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
   return options;
 }
 
-PackedCamera PackForReport(const CameraFile& file, int num_threads) {
-  PackOptions options;
-  options.remaps = {MakeVirtualCamera(*file.camera, {}, 0)};
-  options.num_threads = num_threads;
-  options.should_stop = IsInterrupted;
-  return PackCamera(file, options);
-}
-
 PackingFigures FiguresOf(const PackedCamera& packed) {
   return {packed.blob.size(), packed.unproject_error_px,
           packed.remaps.empty() ? std::nullopt
-                                : std::optional(packed.remaps[0].error_px)};
+                                : std::optional(packed.remaps[0].error_px),
+          packed.remarks};
+}
+
+void PrintRemarks(const std::string& name, const PackedCamera& packed) {
+  for (const std::string& remark : packed.remarks)
+    fmt::print(stderr, "raygrid: {}: {}\n", name, remark);
 }
 
 int64_t PeakMemoryBytes() {

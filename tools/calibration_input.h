@@ -99,9 +99,10 @@ class CheckpointFile {
 CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
                              const CommonOptions& common, ProgressBar* bar);
 
-PackedCamera PackForReport(const CameraFile& file, int num_threads);
-
 PackingFigures FiguresOf(const PackedCamera& packed);
+
+/// What a blob lacks, on standard error; name is for it.
+void PrintRemarks(const std::string& name, const PackedCamera& packed);
 
 int64_t PeakMemoryBytes();
 

@@ -26,7 +26,7 @@ namespace {
 constexpr double kMaxMeasuredPixels = 1.6e7;
 
 [[noreturn]] void FailFormat(const std::string& what) {
-  throw Error(ExitCode::kUsage, "this camera does not fit a blob: " + what);
+  throw Error(ExitCode::kQuality, "this camera does not fit a blob: " + what);
 }
 
 int32_t Q16(double value) {
@@ -451,6 +451,34 @@ class RemapSections {
   std::vector<rg_remap_contents> contents_;
 };
 
+// Of the view that is as sharp as the image, or of the calibrated area's.
+std::optional<RemapTable> FitDefaultTable(const CameraModel& camera,
+                                          double max_error_px, int num_threads,
+                                          const std::function<void()>& go_on,
+                                          std::vector<std::string>* remarks) {
+  std::string fault;
+  try {
+    return FitRemapTable(camera, MakeVirtualCamera(camera, {}, 0), max_error_px,
+                         num_threads, go_on);
+  } catch (const Error& error) {
+    fault = error.what();
+  }
+  try {
+    RemapTable table = FitRemapTable(camera, MakeVirtualCameraOfArea(camera),
+                                     max_error_px, num_threads, go_on);
+    remarks->push_back(
+        "its undistortion table shows the calibrated area alone, which lies "
+        "far from where the camera looks, or too close to the side");
+    return table;
+  } catch (const Error&) {
+    remarks->push_back(
+        "has no undistortion table, which raygrid pack --remap may make of "
+        "another view: " +
+        fault);
+    return std::nullopt;
+  }
+}
+
 UnprojectionError MeasureBlob(const PackingTruth& truth,
                               const std::string& blob, int num_threads) {
   std::vector<uint32_t> words((blob.size() + 3) / 4);
@@ -477,7 +505,7 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   const CameraModel& camera = *file.camera;
   const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera);
   if (!camera.IsCentral() && !lines)
-    throw Error(ExitCode::kUsage,
+    throw Error(ExitCode::kQuality,
                 fmt::format("a {} camera cannot be packed; fit it with "
                             "noncentral-generic first",
                             camera.Name()));
@@ -551,9 +579,12 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
 
   RemapSections remaps;
   for (const VirtualCamera& virtual_camera : options.remaps)
-    packed.remaps.push_back(
-        remaps.Add(FitRemapTable(central, virtual_camera, options.max_error_px,
-                                 options.num_threads, go_on)));
+    packed.remaps.push_back(remaps.Add(FitRemapTable(
+        central, virtual_camera, options.max_error_px, num_threads, go_on)));
+  if (options.has_default_remap)
+    if (auto table = FitDefaultTable(central, options.max_error_px, num_threads,
+                                     go_on, &packed.remarks))
+      packed.remaps.push_back(remaps.Add(*std::move(table)));
   remaps.AddTo(&contents);
 
   const rg_quality_section quality = QualityOf(file, error.px, error.rad);
@@ -573,6 +604,21 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   }
   packed.blob = WriteBlob(contents);
   return packed;
+}
+
+PackedCamera PackWhatCanBe(const CameraFile& file, int num_threads,
+                           const std::function<bool()>& should_stop) {
+  PackOptions options;
+  options.num_threads = num_threads;
+  options.should_stop = should_stop;
+  options.has_default_remap = true;
+  try {
+    return PackCamera(file, options);
+  } catch (const Error& error) {
+    PackedCamera none;
+    none.remarks = {fmt::format("is left out: {}", error.what())};
+    return none;
+  }
 }
 
 }  // namespace raygrid

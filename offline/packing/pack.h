@@ -14,8 +14,10 @@ namespace raygrid {
 
 struct PackOptions {
   std::vector<VirtualCamera> remaps;  ///< one table each
-  double max_error_px = 0.05;         ///< their geometric error
-  bool is_narrow_allowed = true;      ///< control points of 16 bits
+  /// One more of the view that the camera can give; a remark if it has none.
+  bool has_default_remap = false;
+  double max_error_px = 0.05;     ///< their geometric error
+  bool is_narrow_allowed = true;  ///< control points of 16 bits
   int num_threads = 0;
   /// Once true, packing ends by Error(kNotConverged).
   std::function<bool()> should_stop = {};
@@ -38,7 +40,7 @@ struct PackedCamera {
   double unproject_error_rad = 0;
   std::optional<ProjectionError> projection;  ///< none: cannot project
   std::vector<PackedRemap> remaps;
-  std::vector<std::string> remarks;  ///< on what projection does not do
+  std::vector<std::string> remarks;  ///< on what it lacks
 };
 
 /// Packs a camera of any model; a central one that is not central-generic is
@@ -47,13 +49,20 @@ struct PackedCamera {
 /// and stored in it. A central camera gets an inverse grid if one can be had;
 /// remarks say where it does not lead back to trusted pixels. The remap of a
 /// noncentral-generic camera is that of its directions: right for far scenes.
-/// Throws Error(kQuality) if the bounds cannot be kept, Error(kUsage) for a
-/// camera that the format cannot hold.
+/// Throws Error(kQuality) if the bounds cannot be kept or the format cannot
+/// hold the camera.
 PackedCamera PackCamera(const CameraFile& file, const PackOptions& options);
 
 /// Throws Error(kUsage) for a name or a serial number that no blob can hold;
 /// what says which.
 void RequireBlobText(const char* what, const std::string& text);
+
+/// A blob with a table as large as the camera's images: as sharp as they are in
+/// the middle, or else of the calibrated area alone. Remarks say why it lacks
+/// the table, or why there are no bytes at all; nothing is thrown for that,
+/// nor if it is told to stop.
+PackedCamera PackWhatCanBe(const CameraFile& file, int num_threads,
+                           const std::function<bool()>& should_stop = {});
 
 /// Un-projection error that a blob may add.
 constexpr double kMaxPackingErrorPx = 0.002;

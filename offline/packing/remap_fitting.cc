@@ -463,7 +463,7 @@ RemapTable FitRemapTable(const CameraModel& camera,
     if (std::count(blocks.used.begin(), blocks.used.end(), true) == 0)
       throw Error(ExitCode::kUsage,
                   "the virtual camera sees nothing of the calibrated area; "
-                  "check --hfov");
+                  "ask for a larger field of view");
     FillFields(map.rectangle, virtual_camera, blocks, &table);
     const NodePositions nodes = FitNodes(map, sums, blocks);
     go_on();
@@ -488,7 +488,7 @@ RemapTable FitRemapTable(const CameraModel& camera,
   throw Error(ExitCode::kQuality,
               fmt::format("the remap's geometric error is {:.3f} px with the "
                           "smallest blocks; allow that with --max-error-px, or "
-                          "ask for a smaller --hfov",
+                          "ask for a smaller field of view",
                           table.max_error_px));
 }
 

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "dataset/error.h"
@@ -28,6 +30,23 @@ double CentralFocalLength(const CameraModel& camera) {
   const Eigen::Matrix2d product =
       projection.by_point * projection.by_point.transpose();
   return std::pow(product.determinant(), 0.25);
+}
+
+// Where a pinhole image of focal length 1 shows the area, as far as it does.
+Eigen::AlignedBox2d ImageOfArea(const CameraModel& camera) {
+  constexpr int kSteps = 32;
+  const double least_z = std::cos(70 * M_PI / 180);
+  Eigen::AlignedBox2d box;
+  const Area& area = camera.area();
+  for (int j = 0; j <= kSteps; ++j) {
+    for (int i = 0; i <= kSteps; ++i) {
+      const auto ray = camera.Unproject({area.x0 + area.width() * i / kSteps,
+                                         area.y0 + area.height() * j / kSteps});
+      if (ray && ray->z() > least_z)
+        box.extend(Eigen::Vector2d(ray->head<2>() / ray->z()));
+    }
+  }
+  return box;
 }
 
 }  // namespace
@@ -62,6 +81,25 @@ VirtualCamera MakeVirtualCamera(const CameraModel& camera, ImageSize size,
             "{:.3g} degrees, or for fewer pixels",
             result.focal_px, size.width, kMaxFocalPx,
             std::atan(size.width / 2.0 / kMaxFocalPx) * 360 / M_PI + 0.001));
+  return result;
+}
+
+VirtualCamera MakeVirtualCameraOfArea(const CameraModel& camera) {
+  // Blobs hold centres in q16, too.
+  constexpr double kMaxCenterPx = 32767;
+  const Eigen::AlignedBox2d seen = ImageOfArea(camera);
+  VirtualCamera result;
+  result.size = camera.image_size();
+  const Eigen::Vector2d size(result.size.width, result.size.height);
+  if (!seen.isEmpty()) {
+    result.focal_px = (size.array() / seen.sizes().array()).minCoeff();
+    result.center =
+        (size.array() - 1).matrix() / 2 - result.focal_px * seen.center();
+  }
+  if (seen.isEmpty() || !(result.focal_px <= kMaxFocalPx) ||
+      !(result.center.cwiseAbs().maxCoeff() <= kMaxCenterPx))
+    throw Error(ExitCode::kQuality,
+                "no pinhole image shows the calibrated area");
   return result;
 }
 

@@ -87,12 +87,16 @@ void AddTrustRows(const CalibrationResult& result, std::vector<HtmlRow>* rows) {
 }
 
 void AddPackingRows(const PackingFigures& packing, std::vector<HtmlRow>* rows) {
-  rows->push_back({"blob", fmt::format("{} bytes", packing.blob_bytes)});
-  rows->push_back({"un-projection error added by packing",
-                   fmt::format("{:.2g} px", packing.unproject_error_px)});
+  if (packing.blob_bytes > 0) {
+    rows->push_back({"blob", fmt::format("{} bytes", packing.blob_bytes)});
+    rows->push_back({"un-projection error added by packing",
+                     fmt::format("{:.2g} px", packing.unproject_error_px)});
+  }
   if (packing.remap_error_px)
     rows->push_back({"remap geometry error",
                      fmt::format("{:.3f} px", *packing.remap_error_px)});
+  for (const std::string& remark : packing.remarks)
+    rows->push_back({"camera.raygrid", EscapeHtml(remark)});
 }
 
 std::string CameraSection(const CalibrationResult& result,

@@ -21,9 +21,12 @@ Json FiguresJson(const ErrorFigures& figures) {
 }
 
 Json PackingJson(const PackingFigures& packing) {
-  Json json = {{"blob_bytes", packing.blob_bytes},
-               {"unproject_error_px", packing.unproject_error_px}};
+  Json json = Json::object();
+  if (packing.blob_bytes > 0)
+    json = {{"blob_bytes", packing.blob_bytes},
+            {"unproject_error_px", packing.unproject_error_px}};
   if (packing.remap_error_px) json["remap_error_px"] = *packing.remap_error_px;
+  if (!packing.remarks.empty()) json["remarks"] = packing.remarks;
   return json;
 }
 
@@ -243,6 +246,18 @@ void ParseMore(const Json& json, CalibrationResult* result) {
   }
 }
 
+PackingFigures ParsePacking(const Json& json) {
+  PackingFigures packing;
+  if (json.contains("blob_bytes")) {
+    packing.blob_bytes = json.at("blob_bytes").get<size_t>();
+    packing.unproject_error_px = json.at("unproject_error_px").get<double>();
+  }
+  packing.remap_error_px = NumberIfAny(json, "remap_error_px");
+  if (json.contains("remarks"))
+    packing.remarks = json.at("remarks").get<std::vector<std::string>>();
+  return packing;
+}
+
 // Of one camera, alone or in a rig.
 ResultFigures ParseCamera(const Json& json) {
   ResultFigures figures;
@@ -267,12 +282,7 @@ ResultFigures ParseCamera(const Json& json) {
   ParseMore(json, &result);
   result.verdict = {json.at("verdict").get<std::string>(),
                     json.at("reasons").get<std::vector<std::string>>()};
-  if (json.contains("packing")) {
-    const Json& packing = json.at("packing");
-    figures.packing = {packing.at("blob_bytes").get<size_t>(),
-                       packing.at("unproject_error_px").get<double>(),
-                       NumberIfAny(packing, "remap_error_px")};
-  }
+  if (json.contains("packing")) figures.packing = ParsePacking(json["packing"]);
   return figures;
 }
 

@@ -13,9 +13,10 @@ namespace raygrid {
 
 /// What packing found.
 struct PackingFigures {
-  size_t blob_bytes = 0;
+  size_t blob_bytes = 0;  ///< 0: there is no blob
   double unproject_error_px = 0;
   std::optional<double> remap_error_px;
+  std::vector<std::string> remarks = {};  ///< on what the blob lacks
 };
 
 /// result.json. The memory figure and the seconds differ from run to run;

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Exit codes: what README.md says of them, and what a calibration ends with."""
+"""Exit codes: what README.md says of them, and that nothing ends without one."""
 import json
 import os
 import re
@@ -66,6 +66,67 @@ class Verdicts(CommandTest):
     def test_a_verdict_of_warn_ends_in_0(self):
         self.assert_done(self.calibrate())
         self.assertEqual(self.result()["verdict"], "warn")
+
+
+class CamerasThatNoBlobHolds(CommandTest):
+    """They are cameras all the same."""
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
+
+    def calibrate(self, features, size, *more):
+        self.out = self.path(self.id())
+        write(self.out + "/camera.raygrid", b"of an earlier calibration")
+        return run("calibrate", "--features", features, "--image-size", size, "--pattern",
+                   self.board, "--skip-comparison", "--flat-board", "-o", self.out, *more)
+
+    def simulate(self, *arguments):
+        folder = self.path(self.id() + "-seen")
+        self.assert_done(run("simulate", "--images", 8, "--features-per-image", 60, "--pattern",
+                             self.board, *arguments, "-o", folder))
+        return folder + "/features.csv"
+
+    def check_files(self, *words):
+        """A camera and a report; what the blob lacks stands in both files."""
+        self.assert_done(run("inspect", self.out + "/camera.yaml"))
+        remark = json.loads(read(self.out + "/result.json"))["packing"]["remarks"][-1]
+        report = read(self.out + "/report.html").decode()
+        for word in words:
+            self.assertIn(word, remark)
+            self.assertIn(word, report)
+
+    def test_image_larger_than_a_blob_can_say(self):
+        result = self.calibrate(self.simulate("--size", "20000x15000", "--lens", "pinhole"),
+                                "20000x15000", "--model", "opencv")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("camera.raygrid: is left out", result.stderr)
+        self.check_files("is left out", "16384")
+        self.assertNotIn("camera.raygrid", os.listdir(self.out))
+
+    def test_image_larger_than_a_table_can_be(self):
+        result = self.calibrate(self.simulate("--size", "8200x1600", "--lens", "pinhole"),
+                                "8200x1600", "--model", "opencv")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("no undistortion table", result.stderr)
+        self.check_files("no undistortion table", "8192")
+        self.assert_done(run("inspect", self.out + "/camera.raygrid"))
+
+    def test_one_image_many_times(self):
+        lines = read(self.simulate()).decode().splitlines()
+        first = [line for line in lines[1:] if line.startswith("sim0000")]
+        features = write(self.path("alike.csv"), "\n".join(lines[:1] + [
+            line.replace("sim0000", f"copy{k}") for k in range(6) for line in first]) + "\n")
+        result = self.calibrate(features, "640x480", "--cell-px", 160, "--quiet")
+        self.assert_refused(result, 6, "verdict: fail")
+        self.assert_done(run("inspect", self.out + "/camera.yaml"))
+        self.assertTrue(os.path.exists(self.out + "/report.html"))
+
+    def test_name_longer_than_a_blob_can_hold_is_refused_before_work(self):
+        result = run("calibrate", "--features", self.simulate(), "--image-size", "640x480",
+                     "--pattern", self.board, "--name", "x" * 32, "-o", self.path("unnamed"))
+        self.assert_refused(result, 1, "--name", "31 bytes")
+        self.assertFalse(os.path.exists(self.path("unnamed")))
 
 
 if __name__ == "__main__":
