@@ -60,7 +60,8 @@ void AddHugeOption(CLI::App* command) {
 namespace {
 
 int Fail(ExitCode code, const std::string& message) {
-  std::fputs(fmt::format("raygrid: {}\n", Printable(message)).c_str(), stderr);
+  const std::string line = "raygrid: " + Printable(message) + "\n";
+  std::fputs(line.c_str(), stderr);  // throws nothing
   return static_cast<int>(code);
 }
 

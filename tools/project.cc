@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "camera_input.h"
@@ -15,11 +17,22 @@ struct Arguments {
   std::string camera, points, output;
 };
 
+// A point with the same image, the square of which is a number: to a central
+// camera a point's distance does not matter, to others not beyond 2^100 m.
+Eigen::Vector3d Moderate(const Eigen::Vector3d& point, bool is_central) {
+  constexpr int kFarAway = 100;
+  int exponent = 0;
+  std::frexp(point.cwiseAbs().maxCoeff(), &exponent);
+  const int shift = is_central ? -exponent : std::min(0, kFarAway - exponent);
+  return point.unaryExpr([shift](double x) { return std::ldexp(x, shift); });
+}
+
 // By the fixed-point runtime if it is a blob.
 std::optional<Eigen::Vector2d> Project(const CameraInput& input,
                                        const Eigen::Vector3d& point) {
-  return input.blob ? input.blob->Project(point)
-                    : input.file.camera->Project(point);
+  const CameraModel& camera = *input.file.camera;
+  const Eigen::Vector3d moderate = Moderate(point, camera.IsCentral());
+  return input.blob ? input.blob->Project(moderate) : camera.Project(moderate);
 }
 
 void RequireProjection(const std::string& path, const CameraInput& input) {

@@ -18,7 +18,8 @@ inline int NumThreads(int requested) {
 
 /// Calls body(i) once for each i in [0, count), on several threads. Results are
 /// the same for every number of threads as long as body(i) writes only what
-/// belongs to i. The first exception is rethrown here.
+/// belongs to i. Fewer threads do it where no more can be made. The first
+/// exception is rethrown here.
 template <typename Body>
 void ParallelFor(int count, int num_threads, const Body& body) {
   num_threads = std::min(num_threads, count);
@@ -41,7 +42,10 @@ void ParallelFor(int count, int num_threads, const Body& body) {
     }
   };
   std::vector<std::thread> threads;
-  for (int t = 1; t < num_threads; ++t) threads.emplace_back(work);
+  try {
+    for (int t = 1; t < num_threads; ++t) threads.emplace_back(work);
+  } catch (const std::exception&) {  // those there are do the rest's work, too
+  }
   work();
   for (std::thread& thread : threads) thread.join();
   if (error) std::rethrow_exception(error);

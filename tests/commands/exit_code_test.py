@@ -3,8 +3,10 @@
 import json
 import os
 import re
+import resource
+import subprocess
 
-from command_test import CommandTest, SIMULATED_PATTERN, main, read, run, write
+from command_test import (CommandTest, SIMULATED_PATTERN, main, programs, read, run, write)
 
 README = os.path.join(os.path.dirname(__file__), "../../README.md")
 COMMANDS = ("calibrate", "check", "compare", "detect", "evaluate", "experiment", "fit", "inspect",
@@ -127,6 +129,49 @@ class CamerasThatNoBlobHolds(CommandTest):
                      "--pattern", self.board, "--name", "x" * 32, "-o", self.path("unnamed"))
         self.assert_refused(result, 1, "--name", "31 bytes")
         self.assertFalse(os.path.exists(self.path("unnamed")))
+
+
+class Ends(CommandTest):
+    """Without threads, without standard output: no abort."""
+    def test_threads_that_cannot_be_made(self):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_STACK, (1 << 30, 1 << 30))
+            resource.setrlimit(resource.RLIMIT_AS, (3 << 29, 3 << 29))
+
+        self.assert_done(run("simulate", "--images", 4, "--features-per-image", 60, "-o",
+                             self.path("sim")))
+        blob = self.path("front.raygrid")
+        with subprocess.Popen([programs.raygrid, "pack", self.path("sim/true_camera.yaml"), "-o",
+                               blob, "--threads", "8"], stderr=subprocess.PIPE,
+                              stdout=subprocess.PIPE, preexec_fn=limit) as process:
+            error = process.communicate(timeout=60)[1]
+        self.assertEqual(process.returncode, 0, error)
+        self.assert_done(run("inspect", blob))
+
+    def test_nothing_to_print_on(self):
+        for arguments, codes in ((["inspect", self.path("missing.yaml")], {2}),
+                                 (["pattern", "chessboard", "--columns", "9", "--rows", "6",
+                                   "--square-mm", "20", "-o", self.path("board")], {0, 7})):
+            with subprocess.Popen([programs.raygrid, *arguments], stdin=subprocess.DEVNULL,
+                                  preexec_fn=lambda: (os.close(1), os.close(2))) as process:
+                self.assertIn(process.wait(timeout=60), codes, arguments)
+        self.assert_done(run("inspect", self.path("board/pattern.yaml")))
+
+    def test_points_of_any_length_are_projected(self):
+        self.assert_done(run("simulate", "--images", 4, "--features-per-image", 60, "-o",
+                             self.path("seen")))
+        camera, blob = self.path("seen/true_camera.yaml"), self.path("seen.raygrid")
+        self.assert_done(run("pack", camera, "-o", blob))
+        scales = ("", "e154", "e300", "e-160", "e-300")
+        points = write(self.path("xyz.csv"), "x,y,z\n" + "".join(
+            f"1{e},-2{e},9{e}\n" for e in scales) + "-1e300,2e300,-9e300\n")
+        for name in (camera, blob):
+            rows = json.loads(run("project", name, "--points", points, "--json").stdout)
+            for row in rows[:-1]:
+                self.assertEqual(row["valid"], 1)
+                self.assertAlmostEqual(row["u"], rows[0]["u"], places=6)
+                self.assertAlmostEqual(row["v"], rows[0]["v"], places=6)
+            self.assertEqual(rows[-1]["valid"], 0)
 
 
 if __name__ == "__main__":
