@@ -47,12 +47,31 @@ double TotalCost(const std::vector<Residual>& residuals, double huber_px) {
   return CompareCosts(residuals, residuals, huber_px).first;
 }
 
-// Tries damped steps until one lowers the cost. Returns the relative decrease,
-// 0 if none was found.
-double TakeStep(const NormalEquations& equations,
-                const std::vector<View>& views, const GaussianPrior& prior,
-                const AdjustmentOptions& options, double* lambda,
-                AdjustmentState* state, std::vector<Residual>* residuals) {
+// What a step did.
+struct StepEffect {
+  double decrease = 0;          // of the cost, relative
+  double moved_deviations = 0;  // as MovedDeviations()
+};
+
+// How far a step moved the observed points' images beside how far the noise
+// lets the solution scatter (D. Bates, D. Watts, "A Relative Offset
+// Orthogonality Convergence Criterion for Nonlinear Least Squares", 1981).
+double MovedDeviations(const std::vector<Residual>& before,
+                       const std::vector<Residual>& after, double huber_px,
+                       double num_parameters) {
+  double moved = 0;
+  for (size_t i = 0; i < before.size(); ++i)
+    if (before[i].valid && after[i].valid)
+      moved += (after[i].error_px - before[i].error_px).squaredNorm();
+  return std::sqrt(moved / num_parameters /
+                   ResidualVariance(after, huber_px, num_parameters));
+}
+
+// Tries damped steps until one lowers the cost; nothing is done if none does.
+StepEffect TakeStep(const NormalEquations& equations,
+                    const std::vector<View>& views, const GaussianPrior& prior,
+                    const AdjustmentOptions& options, double* lambda,
+                    AdjustmentState* state, std::vector<Residual>* residuals) {
   const double prior_cost = PriorCost(prior, *state, options);
   for (; *lambda < kMaxLambda; *lambda *= 10) {
     AdjustmentStep step;
@@ -65,12 +84,16 @@ double TakeStep(const NormalEquations& equations,
     const double before = costs.first + prior_cost;
     const double after = costs.second + PriorCost(prior, next, options);
     if (!(after < before) || costs.num_common == 0) continue;
+    const ParameterLayout layout(*state,
+                                 {options.fix_cameras, options.fix_points});
+    const double moved = MovedDeviations(*residuals, next_residuals,
+                                         options.huber_px, layout.size);
     *state = std::move(next);
     *residuals = std::move(next_residuals);
     *lambda = std::max(*lambda / 10, kMinLambda);
-    return (before - after) / before;
+    return {(before - after) / before, moved};
   }
-  return 0;
+  return {};
 }
 
 bool ShouldStop(const AdjustmentOptions& options) {
@@ -83,6 +106,10 @@ void Report(const AdjustmentOptions& options, int iteration,
     options.progress(iteration, TotalCost(residuals, options.huber_px));
 }
 
+// A single step may move little before others that move much, along a valley.
+constexpr int kEnoughStanding = 3;
+constexpr double kStandstillDecrease = 1e-5;
+
 AdjustmentSummary Adjust(const std::vector<View>& views,
                          const GaussianPrior& prior,
                          const AdjustmentOptions& options, double lambda,
@@ -90,14 +117,19 @@ AdjustmentSummary Adjust(const std::vector<View>& views,
   AdjustmentSummary summary;
   summary.residuals = ComputeResiduals(*state, views, options.num_threads);
   summary.initial_cost = TotalCost(summary.residuals, options.huber_px);
+  int num_standing = 0;  // steps in a row
   while (summary.num_iterations < options.max_iterations &&
          !summary.converged && !ShouldStop(options)) {
     ++summary.num_iterations;
-    const double decrease =
+    const StepEffect effect =
         TakeStep(*builder->Build(
                      prior, {options.fix_cameras, options.fix_points}, *state),
                  views, prior, options, &lambda, state, &summary.residuals);
-    summary.converged = decrease < options.relative_tolerance;
+    const bool stands = effect.decrease < kStandstillDecrease &&
+                        effect.moved_deviations < options.standstill;
+    num_standing = stands ? num_standing + 1 : 0;
+    summary.converged = effect.decrease < options.relative_tolerance ||
+                        num_standing >= kEnoughStanding;
     Report(options, summary.num_iterations, summary.residuals);
   }
   summary.final_cost = TotalCost(summary.residuals, options.huber_px);
@@ -292,7 +324,8 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
         builder.Build(*prior, fixed_parameters, *state);
     const double tried_lambda = lambda;
     const double decrease =
-        TakeStep(*equations, views, *prior, fixed, &lambda, state, &residuals);
+        TakeStep(*equations, views, *prior, fixed, &lambda, state, &residuals)
+            .decrease;
     Report(options, round, residuals);
     const std::vector<double> determined = NumDetermined(
         *equations, layout, groups, prior->points_weight, tried_lambda);

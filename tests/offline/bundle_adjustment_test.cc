@@ -140,6 +140,7 @@ AdjustmentOptions Thorough(bool fix_points) {
   options.fix_points = fix_points;
   options.max_iterations = 200;
   options.relative_tolerance = 1e-13;
+  options.standstill = 0;
   options.num_threads = 1;
   return options;
 }
@@ -320,6 +321,34 @@ struct GridProblem {
     prior.points_weight = 1e5;
   }
 };
+
+// Far from Huber's parabola steps shrink by a constant factor: they lower the
+// cost by some millionths for a long time.
+TEST(AdjustBundle, HasConvergedWhereStepsChangeNothingAnyMore) {
+  constexpr double kNoisePx = 2;
+  SmallProblem problem = MakeSmallProblem({10, 12, kNoisePx});
+  AdjustmentOptions options;
+  options.huber_px = 0.01;
+  options.num_threads = 1;
+  AdjustmentState state = problem.state;
+  const AdjustmentSummary summary =
+      AdjustBundle(problem.views, PriorOf(problem), options, &state);
+  EXPECT_TRUE(summary.converged);
+  options.standstill = 0;
+  options.relative_tolerance = 1e-10;
+  options.max_iterations = 3000;
+  const AdjustmentSummary thorough =
+      AdjustBundle(problem.views, PriorOf(problem), options, &problem.state);
+  EXPECT_TRUE(thorough.converged);
+  double moved = 0;
+  for (size_t i = 0; i < summary.residuals.size(); ++i)
+    moved += (summary.residuals[i].error_px - thorough.residuals[i].error_px)
+                 .squaredNorm();
+  moved = std::sqrt(moved / static_cast<double>(summary.residuals.size()));
+  std::printf("%d iterations, %d; %.4f px apart\n", summary.num_iterations,
+              thorough.num_iterations, moved);
+  EXPECT_LT(moved, 0.05 * kNoisePx);
+}
 
 TEST(AdjustBundle, IsTheSameWithAnyNumberOfThreads) {
   const GridProblem grid(30);

@@ -7,9 +7,11 @@
 #include <string>
 
 #include "calibration/camera_evaluation.h"
+#include "calibration/starting_camera.h"
 #include "camera/thin_prism_fisheye.h"
 #include "evaluation/line_spread.h"
 #include "evaluation/model_difference.h"
+#include "random_calibration.h"
 #include "simulation/line_lens.h"
 #include "simulation/simulated_camera.h"
 #include "simulation/simulated_observations.h"
@@ -272,6 +274,19 @@ TEST(Calibrate, AdjustsEveryModel) {
       CalibrateSeenBy(*SimulatedLens("pinhole", {640, 480}), "opencv");
   EXPECT_EQ(pinhole.camera.camera->Name(), "opencv");
   EXPECT_LT(pinhole.camera.held_out->median_px, 0.3);
+}
+
+// A few of those that convergence_bench tries.
+TEST(AdjustModel, ParametricModelsConverge) {
+  for (int seed = 0; seed < 8; ++seed) {
+    const RandomCalibration c = MakeRandomCalibration(seed, 10, 30);
+    AdjustmentOptions options;
+    options.num_threads = 2;
+    options.fix_points = c.flat_board;
+    Adjusted adjusted = AdjustStart(c.dataset, c.pattern, options);
+    AdjustModel(c.pattern, c.model, {0}, options, &adjusted);
+    EXPECT_TRUE(adjusted.summary.converged) << seed << ": " << c.model;
+  }
 }
 
 TEST(Calibrate, LinesOfACentralLensMeet) {
