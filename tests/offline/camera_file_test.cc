@@ -145,6 +145,15 @@ TEST(CameraFile, SplinesThatAreNoneAreRefused) {
   ExpectRefused(Replaced(radial, "sx1", "sx2"));
 }
 
+TEST(CameraFile, SizesThatNoCameraHasAreRefused) {
+  const std::string generic = FormatCameraFile(GenericFile());
+  const size_t size = generic.find("image_size: [") + 13;
+  const size_t length = generic.find(']', size) - size;
+  for (const char* bad : {"1000000, 1000", "1000, 65536", "0, 480", "640, -1",
+                          "4294967936, 480", "640"})
+    ExpectRefused(std::string(generic).replace(size, length, bad));
+}
+
 TEST(CameraFile, WrongCountsAreRefused) {
   const std::string generic = FormatCameraFile(GenericFile());
   ExpectRefused(Replaced(generic, "columns: 7", "columns: 8"));

@@ -1,0 +1,288 @@
+#!/usr/bin/env python3
+"""Random small inputs to all commands: each ends by itself within 60 s and 1 GB, with an exit code
+of the README, and says why where it fails. By hand: --count 2000, --seed N, --only N for one."""
+import argparse
+import os
+import random
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+from command_test import SIMULATED_PATTERN, read, write
+from images_test import chunk, exif, png, tiff
+
+MAX_SECONDS, MAX_BYTES = 60, 1 << 30
+NUMBERS = ("0", "1", "-1", "0.02", "1e-6", "1e-9", "1e-300", "1e300", ".nan", ".inf", "1e999", "7",
+           "640", "1000", "65536", "2147483647", "4294967936", "99999999999999999999", "x", "''",
+           "[]")
+SIZES = ("64x48", "160x120", "1x1", "0x0", "16385x2", "65536x65536", "1000000x1000000",
+         "4294967936x480", "640", "-1x5", "nanxnan")
+
+
+class Case:
+    """The files and the command of one number; the same ones for the same seed."""
+
+    def __init__(self, folder, base, seed, index):
+        self.random = random.Random(f"{seed} {index}")
+        self.folder, self.base, self.count = folder, base, 0
+        commands = sorted(name[4:] for name in dir(self) if name.startswith("run_"))
+        self.name = commands[index % len(commands)]
+        self.arguments = [self.name] + [str(word) for word in getattr(self, "run_" + self.name)()]
+
+    def chance(self, part):
+        return self.random.random() < part
+
+    def path(self, end):
+        self.count += 1
+        return os.path.join(self.folder, f"{self.count}{end}")
+
+    def file(self, end, contents):
+        return write(self.path(end), contents)
+
+    # ---- Inputs -----------------------------------------------------------------
+
+    def damaged(self, contents):
+        """Bytes changed, cut or doubled, in some cases."""
+        contents = bytearray(contents)
+        for _ in range(self.random.choice((0, 0, 1, 3, 30))):
+            if contents:
+                contents[self.random.randrange(len(contents))] = self.random.randrange(256)
+        if self.chance(0.1):
+            del contents[self.random.randrange(len(contents) + 1):]
+        if self.chance(0.05):
+            contents += bytes(contents)
+        return bytes(contents)
+
+    def with_numbers(self, text, part=0.15):
+        """Some numbers of a text file are others."""
+        words = text.replace("[", "[ ").replace(",", " , ").replace("]", " ]").split(" ")
+        places = [i for i, word in enumerate(words) if word.strip("-").replace(".", "").isdigit()]
+        for i in places:
+            if self.chance(part / max(1, len(places)) ** 0.5):
+                words[i] = self.random.choice(NUMBERS)
+        return " ".join(words)
+
+    def image(self):
+        size = self.random.choice(((64, 48), (160, 120), (33, 1), (640, 480)))
+        pixels = [self.random.choice((0, 128, 255))] * (size[0] * size[1])
+        kind = self.random.randrange(8)
+        if kind == 0:
+            end, contents = ".png", png(pixels, size=size, chunks=chunk(b"eXIf", exif(6)))
+        elif kind == 1:
+            end, contents = ".tif", tiff(pixels, self.random.randrange(12), size)
+        elif kind == 2:
+            width, height = self.random.choice(((30000, 30000), (1, 1 << 31), (0, 5), size))
+            end, contents = ".pgm", b"P5 %d %d 255\n" % (width, height) + bytes(pixels)
+        elif kind == 3:
+            path = self.path(".png")
+            self.random.choice((os.mkfifo, lambda p: os.symlink("/dev/zero", p), os.mkdir))(path)
+            return path
+        elif kind == 4:
+            end, contents = ".png", png([257 * level for level in pixels], bits=16, size=size)
+        else:
+            photos = sorted(name for name in os.listdir(self.base) if name.endswith(".png"))
+            end, contents = ".png", read(os.path.join(self.base, self.random.choice(photos)))
+        return self.file(end, self.damaged(contents) if self.chance(0.5) else contents)
+
+    def images(self):
+        if self.chance(0.5):
+            return [self.base]
+        return [self.image() for _ in range(self.random.choice((1, 2, 5)))]
+
+    def text(self, name, end, part=0.15):
+        contents = read(os.path.join(self.base, name))
+        if self.chance(0.5):
+            contents = self.with_numbers(contents.decode(), part).encode()
+        elif self.chance(0.5):
+            contents = self.damaged(contents)
+        return self.file(end, contents)
+
+    def pattern(self):
+        kind = self.random.choice(("chessboard", "star", "charuco", "aprilgrid", "points", "other"))
+        if self.chance(0.5):
+            return self.text("pattern.yaml", ".yaml", 0.8)
+        sides = [self.random.choice((2, 3, 8, 14, 100, 1000, 1001, -1, "x")) for _ in range(2)]
+        board = (f"id: 0, kind: {kind}, columns: {sides[0]}, rows: {sides[1]}, square_m: "
+                 f"{self.random.choice(NUMBERS)}, marker_m: {self.random.choice(NUMBERS)}, "
+                 "dictionary: DICT_4X4_50, spacing_ratio: 0.3, segments: 16, "
+                 "tags: [{id: 0, column: 1, row: 1, squares: 4}], xyz: [[0, 0, 0], [1, 0, 0]]")
+        boards = "".join(f"  - {{{board.replace('id: 0', f'id: {i}', 1)}}}\n"
+                         for i in range(self.random.choice((1, 1, 3, 200))))
+        return self.file(".yaml", "raygrid_pattern: 1\nboards:\n" + boards)
+
+    def camera(self):
+        if self.chance(0.3):
+            return self.file(".raygrid", self.damaged(read(os.path.join(self.base, "c.raygrid"))))
+        return self.text("true_camera.yaml", ".yaml")
+
+    def features(self):
+        return self.text("features.csv", ".csv", 0.3)
+
+    def numbers(self, columns):
+        rows = [",".join(self.random.choice(NUMBERS) for _ in columns)
+                for _ in range(self.random.choice((0, 1, 5)))]
+        return self.file(".csv", self.damaged("\n".join([",".join(columns)] + rows).encode()))
+
+    def size(self):
+        return self.random.choice(SIZES)
+
+    # ---- Commands ---------------------------------------------------------------
+
+    def run_calibrate(self):
+        measured = (["--features", self.features(), "--image-size",
+                     "160x120" if self.chance(0.7) else self.size()]
+                    if self.chance(0.6) else [*self.images(), "--measure-once"])
+        model = self.random.choice(("opencv", "central-generic", "noncentral-generic",
+                                    "central-radial", "thin-prism-fisheye", "none"))
+        return [*measured, "--pattern", self.pattern(), "--model", model, "--cell-px",
+                self.random.choice(("40", "160", "2", "0", "nan", "1e300", "auto")),
+                "--skip-comparison", "-o", self.path("")]
+
+    def run_check(self):
+        return [self.camera(), *self.images(), "--pattern", self.pattern()]
+
+    def run_compare(self):
+        return [self.camera(), self.camera(), "-o", self.path("")]
+
+    def run_detect(self):
+        return [*self.images(), "--pattern", self.pattern(), "-o", self.path(".csv"), "--overlay",
+                self.path(""), "--no-cache"]
+
+    def run_evaluate(self):
+        return [self.camera(), "--features", self.features(), "--pattern", self.pattern()]
+
+    def run_experiment(self):
+        return ["curvature-bias", "--features", self.features(), "--image-size", self.size(),
+                "--pattern", self.pattern(), "--camera", self.camera(), "--image", self.image(),
+                "-o", self.path("")]
+
+    def run_fit(self):
+        model = self.random.choice(("opencv", "central-radial", "thin-prism-fisheye"))
+        return [self.camera(), "--model", model, "-o", self.path(".yaml")]
+
+    def run_inspect(self):
+        return [self.random.choice((self.camera, self.pattern, self.features, self.image))()]
+
+    def run_pack(self):
+        remap = self.size() + self.random.choice(("", ",hfov=60", ",hfov=179.9", ",hfov=1e-9"))
+        return [self.camera(), "--remap", remap, "-o", self.path(".raygrid")]
+
+    def run_pattern(self):
+        kind = self.random.choice(("chessboard", "star", "charuco", "aprilgrid"))
+        side = lambda: self.random.choice(("2", "8", "14", "1000", "0", "-3", "1001"))
+        return [kind, "--columns", side(), "--rows", side(), "--square-mm",
+                self.random.choice(("0.001", "1", "20", "1e6", "1e-300", "nan")), "--dpi",
+                self.random.choice(("1", "50", "72", "1e9")), "-o", self.path("")]
+
+    def run_project(self):
+        return [self.camera(), "--points", self.numbers("xyz")]
+
+    def run_report(self):
+        folder = self.path("")
+        shutil.copytree(os.path.join(self.base, "result"), folder)
+        for _ in range(self.random.choice((1, 2))):
+            path = os.path.join(folder, self.random.choice(sorted(os.listdir(folder))))
+            text = read(path)
+            if path.endswith((".json", ".yaml", ".csv")) and self.chance(0.5):
+                write(path, self.with_numbers(text.decode("latin-1"), 1))
+            else:
+                write(path, self.damaged(text))
+        return [folder]
+
+    def run_simulate(self):
+        camera = (["--camera", self.camera()] if self.chance(0.5) else
+                  ["--lens", "pinhole", "--size", self.size()])
+        return [*camera, "--pattern", self.pattern(), "--images", "2", "--samples-per-pixel", "1",
+                *(["--render"] if self.chance(0.5) else []), "-o", self.path("")]
+
+    def run_undistort(self):
+        return [self.camera(), *self.images(), "--size", self.size(), "--hfov",
+                self.random.choice(("60", "179.99", "1e-9", "0")), "-o", self.path("")]
+
+    def run_unproject(self):
+        return [self.camera(), "--pixels", self.numbers("xy")]
+
+
+def limit_memory():
+    """A run beyond this fails as one beyond MAX_BYTES does, and leaves the machine alone."""
+    resource.setrlimit(resource.RLIMIT_AS, (16 << 30, 16 << 30))
+
+
+def what_is_wrong(raygrid, arguments):
+    """How a run ends that ought to have ended otherwise; and its seconds and bytes."""
+    with tempfile.TemporaryFile() as output:
+        started = time.monotonic()
+        process = subprocess.Popen([raygrid, *arguments, "--threads", "2"], stdout=output,
+                                   stderr=output, stdin=subprocess.DEVNULL,
+                                   preexec_fn=limit_memory)
+        while True:
+            number, status, usage = os.wait4(process.pid, os.WNOHANG)
+            seconds = time.monotonic() - started
+            if number or seconds > MAX_SECONDS:
+                break
+            time.sleep(0.01)
+        if not number:
+            process.kill()
+            _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = code = os.waitstatus_to_exitcode(status)
+        output.seek(0)
+        text = output.read().decode("utf-8", "replace")
+    figures = (seconds, 1024 * usage.ru_maxrss)
+    if seconds > MAX_SECONDS:
+        return f"takes more than {MAX_SECONDS} s", figures
+    if figures[1] > MAX_BYTES:
+        return f"takes {figures[1] / (1 << 20):.0f} MiB", figures
+    if not 0 <= code <= 8:
+        return f"ends with {code}: {text[-300:]}", figures
+    if code and "raygrid: " not in text:
+        return f"ends with {code} and says nothing", figures
+    return "", figures
+
+
+def make_base(raygrid, folder):
+    """Good inputs, which cases are made from."""
+    pattern = write(os.path.join(folder, "pattern.yaml"), SIMULATED_PATTERN)
+    for arguments in (
+            ("simulate", "--render", "--lens", "wide", "--size", "160x120", "--images", "9",
+             "--samples-per-pixel", "2", "--pattern", pattern, "-o", folder + "/sim"),
+            ("pack", folder + "/sim/true_camera.yaml", "--remap", "160x120", "-o",
+             folder + "/sim/c.raygrid"),
+            ("calibrate", "--features", folder + "/sim/features.csv", "--image-size", "160x120",
+             "--pattern", pattern, "--model", "opencv", "--skip-comparison", "-o",
+             folder + "/sim/result")):
+        result = subprocess.run([raygrid, *arguments], capture_output=True, text=True, check=False)
+        assert result.returncode in (0, 6), result.stderr
+    return folder + "/sim"
+
+
+def sweep():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--raygrid", required=True)
+    parser.add_argument("--count", type=int, default=48)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--only", type=int)
+    options, _ = parser.parse_known_args()
+    num_wrong, slowest, largest = 0, (0, 0), (0, 0)
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["XDG_CACHE_HOME"] = folder + "/cache"
+        base = make_base(options.raygrid, folder)
+        indices = range(options.count) if options.only is None else [options.only]
+        for index in indices:
+            with tempfile.TemporaryDirectory() as place:
+                case = Case(place, base, options.seed, index)
+                wrong, (seconds, size) = what_is_wrong(options.raygrid, case.arguments)
+                slowest, largest = max(slowest, (seconds, index)), max(largest, (size, index))
+                if wrong:
+                    num_wrong += 1
+                    print(f"case {index}: raygrid {' '.join(case.arguments)}\n  {wrong}",
+                          flush=True)
+    print(f"{len(indices)} runs, {num_wrong} end otherwise; slowest {slowest[0]:.1f} s (case "
+          f"{slowest[1]}), largest {largest[0] / (1 << 20):.0f} MiB (case {largest[1]})")
+    return 1 if num_wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(sweep())
