@@ -178,7 +178,7 @@ cv::Mat DecodeIntegers(const std::string& name, const std::string& bytes,
   return decoded;
 }
 
-Image Read(const std::string& path, int flags) {
+Image ReadWith(int flags, const std::string& path) {
   const std::string bytes = ReadImageFile(path);
   const cv::Mat decoded = DecodeIntegers(path, bytes, flags);
   Image image;
@@ -204,15 +204,15 @@ std::string ReadImageFile(const std::string& path) {
 }
 
 Image ReadImage(const std::string& path, bool grey) {
-  return Read(path, grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR);
+  return ReadWith(grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR, path);
 }
 
 Image ReadImageAsStored(const std::string& path) {
-  return Read(path, cv::IMREAD_UNCHANGED);
+  return ReadWith(cv::IMREAD_UNCHANGED, path);
 }
 
 Image ReadGreyAsStored(const std::string& path) {
-  return Read(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+  return ReadWith(cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH, path);
 }
 
 GreyLevels DecodeGreyLevels(const std::string& name, const std::string& bytes) {

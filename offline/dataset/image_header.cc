@@ -214,7 +214,7 @@ void ParseWebp(const std::string& bytes, RawHeader* header) {
 }
 
 // False for files of other kinds.
-bool Parse(const std::string& bytes, RawHeader* header) {
+bool ParseByKind(const std::string& bytes, RawHeader* header) {
   const Bytes file(bytes, Order::kBigEndian);
   const auto starts = [&file](const char* text, size_t size) {
     return file.HasAt(0, text, size);
@@ -269,7 +269,7 @@ ImageHeader ParseImageHeader(const std::string& name,
                              const std::string& bytes) {
   RawHeader raw;
   try {
-    if (!Parse(bytes, &raw)) RefuseDamaged(name);
+    if (!ParseByKind(bytes, &raw)) RefuseDamaged(name);
   } catch (const std::out_of_range&) {
     RefuseDamaged(name);
   }
