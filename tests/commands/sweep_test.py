@@ -42,7 +42,13 @@ class Case:
     def file(self, end, contents):
         return write(self.path(end), contents)
 
-    # ---- Inputs -----------------------------------------------------------------
+    # ---- Inputs: good ones, or odd and damaged ones --------------------------------
+
+    def good(self, *names):
+        """A good file, in most cases: one bad input is to be refused, not several."""
+        if self.chance(0.65):
+            return os.path.join(self.base, self.random.choice(names))
+        return None
 
     def damaged(self, contents):
         """Bytes changed, cut or doubled, in some cases."""
@@ -88,9 +94,8 @@ class Case:
         return self.file(end, self.damaged(contents) if self.chance(0.5) else contents)
 
     def images(self):
-        if self.chance(0.5):
-            return [self.base]
-        return [self.image() for _ in range(self.random.choice((1, 2, 5)))]
+        odd = [self.image() for _ in range(self.random.choice((1, 2, 5)))]
+        return self.random.choice(([self.base], [self.base, *odd], odd))
 
     def text(self, name, end, part=0.15):
         contents = read(os.path.join(self.base, name))
@@ -101,6 +106,9 @@ class Case:
         return self.file(end, contents)
 
     def pattern(self):
+        path = self.good("pattern.yaml")
+        if path:
+            return path
         kind = self.random.choice(("chessboard", "star", "charuco", "aprilgrid", "points", "other"))
         if self.chance(0.5):
             return self.text("pattern.yaml", ".yaml", 0.8)
@@ -114,12 +122,15 @@ class Case:
         return self.file(".yaml", "raygrid_pattern: 1\nboards:\n" + boards)
 
     def camera(self):
+        path = self.good("true_camera.yaml", "c.raygrid")
+        if path:
+            return path
         if self.chance(0.3):
             return self.file(".raygrid", self.damaged(read(os.path.join(self.base, "c.raygrid"))))
         return self.text("true_camera.yaml", ".yaml")
 
     def features(self):
-        return self.text("features.csv", ".csv", 0.3)
+        return self.good("features.csv") or self.text("features.csv", ".csv", 0.3)
 
     def numbers(self, columns):
         rows = [",".join(self.random.choice(NUMBERS) for _ in columns)
@@ -127,6 +138,8 @@ class Case:
         return self.file(".csv", self.damaged("\n".join([",".join(columns)] + rows).encode()))
 
     def size(self):
+        if self.chance(0.65):
+            return "160x120"
         return self.random.choice(SIZES)
 
     # ---- Commands ---------------------------------------------------------------
@@ -208,7 +221,9 @@ class Case:
 
 def limit_memory():
     """A run beyond this fails as one beyond MAX_BYTES does, and leaves the machine alone."""
-    resource.setrlimit(resource.RLIMIT_AS, (16 << 30, 16 << 30))
+    _, most = resource.getrlimit(resource.RLIMIT_AS)
+    limit = 16 << 30 if most == resource.RLIM_INFINITY else min(most, 16 << 30)
+    resource.setrlimit(resource.RLIMIT_AS, (limit, most))
 
 
 def what_is_wrong(raygrid, arguments):
