@@ -14,7 +14,7 @@ class ResultFolder(CommandTest):
     def setUpClass(cls):
         super().setUpClass()
         board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
-        result = run("simulate", "--images", 12, "--features-per-image", 60, "--pattern", board,
+        result = run("simulate", "--images", 8, "--features-per-image", 40, "--pattern", board,
                      "-o", cls.path("sim"))
         assert result.returncode == 0, result.stderr
 

@@ -3,6 +3,7 @@
 #include "calibration/calibration.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -149,6 +150,52 @@ TEST(Calibrate, GivesTheSameBytesWithAnyNumberOfThreads) {
   EXPECT_EQ(cameras[0], cameras[1]);
   EXPECT_EQ(patterns[0], patterns[1]);
   EXPECT_EQ(poses[0], poses[1]);
+}
+
+// All that a result says.
+std::string TextOf(const CalibrationResult& result) {
+  std::string text = FormatCameraFile(result.camera) +
+                     FormatPattern(result.pattern) + FormatPoses(result.poses);
+  const auto add = [&text](double value) { text += std::to_string(value); };
+  for (const auto* set : {&result.training, &result.held_out})
+    for (const FeatureResidual& residual : *set) add(residual.error_px.norm());
+  for (const ModelFigures& model : result.parametric_models) {
+    text += model.model;
+    add(model.training.rms_px);
+    add(model.held_out ? model.held_out->rms_px : -1);
+  }
+  return text;
+}
+
+TEST(Calibrate, IsTheSameToTheBitWhenItWasInterrupted) {
+  const Dataset dataset = Simulate(8);
+  int polls = 0, last_poll = 1 << 30;
+  CalibrationOptions options = Coarse();
+  options.num_threads = 1;
+  options.compare_models = true;
+  options.measure_again = [&](const CameraModel&, const Pattern&,
+                              const std::vector<BoardPose>&) {
+    Dataset again = dataset;
+    again.images[0].features[0].pixel.x() += 0.01;
+    return again;
+  };
+  options.should_stop = [&] { return ++polls > last_poll; };
+  const std::string whole = TextOf(Calibrate(dataset, TestBoard(), options));
+  const int all_polls = polls;
+  // In the cross-validation, and among the other models; what a signal leaves,
+  // and what a kill does.
+  for (const double part : {0.4, 0.97}) {
+    std::optional<Checkpoint> kept;
+    options.keep = [&](const Checkpoint& checkpoint) { kept = checkpoint; };
+    options.resume.reset();
+    polls = 0;
+    last_poll = static_cast<int>(part * all_polls);
+    const CalibrationResult first = Calibrate(dataset, TestBoard(), options);
+    ASSERT_TRUE(first.checkpoint && kept) << part;
+    last_poll = 1 << 30;
+    options.resume = part < 0.5 ? kept : first.checkpoint;
+    EXPECT_EQ(TextOf(Calibrate(dataset, TestBoard(), options)), whole) << part;
+  }
 }
 
 TEST(Calibrate, GoesOnWithTheFeaturesMeasuredAgain) {
