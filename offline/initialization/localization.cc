@@ -45,14 +45,27 @@ Eigen::Quaterniond FacingRotation(const std::vector<Sight>& sights) {
   return Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ());
 }
 
+// About as large as the board, and a power of two, which loses no digits.
+double UnitOf(const std::vector<Sight>& sights) {
+  double extent = 0;
+  for (const Sight& sight : sights)
+    extent = std::max(extent, (sight.point - sights.front().point).norm());
+  return extent > 0 ? std::exp2(std::ceil(std::log2(extent))) : 1;
+}
+
+// OpenCV takes points closer together than some millimetres for a single one,
+// so they are told it in another unit than metres.
 std::optional<Pose> PoseFromPerspective(const std::vector<Sight>& sights) {
+  if (sights.empty()) return std::nullopt;
+  const double unit = UnitOf(sights);
   const Eigen::Quaterniond facing = FacingRotation(sights);
   std::vector<cv::Point3d> points;
   std::vector<cv::Point2d> pixels;
   for (const Sight& sight : sights) {
     const Eigen::Vector3d ray = facing * sight.ray;
     if (ray.z() < 0.1) continue;
-    points.emplace_back(sight.point.x(), sight.point.y(), sight.point.z());
+    const Eigen::Vector3d point = sight.point / unit;
+    points.emplace_back(point.x(), point.y(), point.z());
     pixels.emplace_back(ray.x() / ray.z(), ray.y() / ray.z());
   }
   if (points.size() < 4) return std::nullopt;
@@ -71,7 +84,7 @@ std::optional<Pose> PoseFromPerspective(const std::vector<Sight>& sights) {
       r.norm(), r.norm() > 0 ? Eigen::Vector3d(r.normalized())
                              : Eigen::Vector3d::UnitX());
   return Pose{facing.inverse() * Eigen::Quaterniond(board_rotation),
-              facing.inverse() * t};
+              facing.inverse() * (unit * t)};
 }
 
 // Reprojection error to first order in the angle between ray and point: the

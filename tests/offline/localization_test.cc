@@ -62,6 +62,27 @@ TEST(Localize, RecoversExactPoses) {
   }
 }
 
+// As under a microscope, or from far away.
+TEST(Localize, FindsBoardsOfAnySize) {
+  const SimulatedCamera camera = ExampleSimulatedCamera();
+  TestRandom random(4);
+  for (int count = 0; count < 60;) {
+    const Pose pose =
+        PoseAlong(*camera.Unproject(random.PixelIn(camera.area())), &random);
+    const auto matches = Seen(camera, pose);
+    if (matches.size() < 20) continue;
+    ++count;
+    for (const double scale : {1e-4, 1e-2, 1e3}) {
+      auto scaled = matches;
+      for (PointOnPixel& match : scaled) match.point *= scale;
+      auto found = Localize(camera, scaled);
+      ASSERT_TRUE(found) << scale;
+      found->translation /= scale;
+      ExpectPose(found, pose, 1e-6);
+    }
+  }
+}
+
 // Exactly, as if they were not there.
 TEST(Localize, IsNotMovedByGrossOutliers) {
   const SimulatedCamera camera = ExampleSimulatedCamera();
