@@ -157,6 +157,17 @@ void AddWhatWasTried(const CalibrationResult& result,
     figures->finer_cells_px = result.cell_px / 2;
 }
 
+// Pixels' width by their height, in radians, in the middle of the area.
+std::optional<double> PixelAspect(const CameraModel& camera) {
+  const Eigen::Vector2d pixel = camera.area().center();
+  const auto line = camera.Line(pixel);
+  LinearizedProjection projection;
+  if (!line ||
+      !camera.Linearize(line->origin + line->direction, &pixel, 1, &projection))
+    return std::nullopt;
+  return projection.by_point.row(1).norm() / projection.by_point.row(0).norm();
+}
+
 CalibrationFigures FiguresOf(const CalibrationResult& result,
                              const std::set<std::string>& images_apart) {
   CalibrationFigures figures;
@@ -180,6 +191,7 @@ CalibrationFigures FiguresOf(const CalibrationResult& result,
   if (normals.size() == result.poses.size()) figures.tilt_rad = TiltOf(normals);
   AddSides(result, &figures);
   figures.fold_over = result.fold_over;
+  figures.pixel_aspect = PixelAspect(*result.camera.camera);
   if (const auto& uncertainty = result.camera.uncertainty) {
     figures.median_deviation_px = uncertainty->lattice.MedianPx();
     figures.trusted_part =

@@ -21,6 +21,7 @@ constexpr double kOverfitRatio = 1.5;
 constexpr double kNegligiblePx = 0.02, kNegligiblePart = 0.1;
 // What views may leave open of a camera: with a warning, and at all.
 constexpr double kOpenPx = 1, kLostPx = 5;
+constexpr double kMaxAspect = 4;        // anamorphic lenses have 2
 constexpr double kEnoughTrusted = 0.5;  // part of the calibrated area
 // Of the squared residuals; five standard errors where there are fewest pairs.
 constexpr double kSystematicPart = 0.25;
@@ -149,6 +150,15 @@ void JudgeUncertainty(const CalibrationFigures& figures, Verdict* verdict) {
                      100 * *figures.trusted_part, *figures.trusted_px),
          verdict);
   }
+}
+
+void JudgePixels(const CalibrationFigures& figures, Verdict* verdict) {
+  const double aspect = figures.pixel_aspect.value_or(1);
+  if (aspect > 1 / kMaxAspect && aspect < kMaxAspect) return;
+  Fail(fmt::format("pixels are {:.2g} times as wide as high, which no camera's "
+                   "are; check the images' size and the pattern",
+                   aspect),
+       verdict);
 }
 
 // Corners beyond a fisheye's image circle fold over in good calibrations too.
@@ -282,8 +292,9 @@ Verdict JudgeCalibration(const CalibrationFigures& figures) {
     judge(figures, &verdict);
   // Errors of a state on its way say nothing.
   if (figures.interrupted) return verdict;
-  for (const auto judge : {JudgeImagesApart, JudgeUncertainty, JudgeFoldOver,
-                           JudgeNeighbors, JudgeHeldOutError, JudgeOverfit})
+  for (const auto judge :
+       {JudgeImagesApart, JudgeUncertainty, JudgeFoldOver, JudgePixels,
+        JudgeNeighbors, JudgeHeldOutError, JudgeOverfit})
     judge(figures, &verdict);
   return verdict;
 }

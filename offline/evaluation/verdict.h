@@ -50,6 +50,7 @@ struct CalibrationFigures {
   bool cells_were_chosen = false;  ///< by held-out error, of several
   /// Finer than all that were tried, of which the finest was best; 0 otherwise.
   double finer_cells_px = 0;
+  std::optional<double> pixel_aspect;  ///< width by height, in the middle
 };
 
 /// "pass", "warn" or "fail", and why, with what to do. Reasons of a "pass" are

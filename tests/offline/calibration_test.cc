@@ -387,6 +387,17 @@ TEST(Calibrate, FailsWhereNoBoardIsTilted) {
   EXPECT_TRUE(HasReason(result, "all boards are parallel"));
 }
 
+TEST(Calibrate, FailsWherePixelsAreLikeNoCameras) {
+  Dataset dataset = Simulate(8);
+  dataset.image_size.height = 48;
+  for (ImageFeatures& image : dataset.images)
+    for (Feature& feature : image.features)
+      feature.pixel.y() = (feature.pixel.y() + 0.5) / 10 - 0.5;
+  const CalibrationResult result = Calibrate(dataset, TestBoard(), Coarse());
+  EXPECT_EQ(result.verdict.word, "fail");
+  EXPECT_TRUE(HasReason(result, "times as wide as high"));
+}
+
 TEST(Calibrate, FailsWhereAllViewsAreTheSame) {
   const CalibrationResult result =
       Calibrate(Observe(std::vector<Pose>(12, PoseOver(0, 0, 0.5, 0.6))),
