@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "camera/camera_frame.h"
@@ -59,6 +60,20 @@ ImageSize ParseImageSize(const std::string& option, const std::string& text) {
   if (!why.empty())
     throw Error(ExitCode::kUsage, fmt::format("{}: {}", option, why));
   return {static_cast<int>(width), static_cast<int>(height)};
+}
+
+void RequireApart(const std::vector<std::string>& images,
+                  const std::string& folder) {
+  for (const std::string& image : images) {
+    const auto among = std::filesystem::absolute(image).parent_path();
+    std::error_code ignored;
+    if (std::filesystem::equivalent(among, folder, ignored))
+      throw Error(ExitCode::kOutput,
+                  fmt::format("{}: holds the image {}, and what is written "
+                              "would be taken for images the next time; "
+                              "choose another folder",
+                              folder, image));
+  }
 }
 
 void PrintOrWrite(const std::string& path, const std::string& text) {

@@ -28,6 +28,11 @@ std::optional<Eigen::Quaterniond> TurnIntoCameraFrame(CameraFile* file);
 /// images may have too.
 ImageSize ParseImageSize(const std::string& option, const std::string& text);
 
+/// Throws Error(kOutput) if pictures would be written among the images that they
+/// are made from, where they would be taken for images the next time.
+void RequireApart(const std::vector<std::string>& images,
+                  const std::string& folder);
+
 /// Prints text, or writes it to a file if one is named.
 void PrintOrWrite(const std::string& path, const std::string& text);
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "camera_input.h"
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
@@ -59,6 +60,7 @@ void RequireInputsStay(const Arguments& arguments,
       outputs.push_back(OverlayPath(arguments, OverlayName(path)));
   }
   RequireNoInputReplaced(inputs, outputs);
+  if (!arguments.overlay.empty()) RequireApart(images, arguments.overlay);
 }
 
 FolderDetection Detect(const Arguments& arguments, const Pattern& pattern,

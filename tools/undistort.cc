@@ -87,6 +87,7 @@ std::vector<Targets> TargetsOf(const Arguments& arguments,
   for (const Targets& target : targets)
     outputs.insert(outputs.end(), {target.image, target.frame});
   RequireNoInputReplaced(inputs, outputs);
+  RequireApart(paths, arguments.output);
   return targets;
 }
 

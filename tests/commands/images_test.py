@@ -182,6 +182,16 @@ class Images(CommandTest):
             with self.subTest(arguments[0]):
                 self.assert_kept(path, read(path), run(*arguments))
 
+    def test_pictures_are_not_written_among_the_images(self):
+        folder = self.path("jpg")
+        image = write(os.path.join(folder, "a.pgm"), b"P5 160 120 255\n" + bytes(scene()))
+        pattern = write(self.path("p.yaml"), SIMULATED_PATTERN)
+        for result in (self.undistort(folder, to="jpg"), self.undistort(image, to="jpg/."),
+                       run("detect", folder, "--pattern", pattern, "-o", self.path("f.csv"),
+                           "--overlay", folder)):
+            self.assert_refused(result, 7, "a.pgm", "choose another folder")
+        self.assertEqual(os.listdir(folder), ["a.pgm"])
+
     # ---- Turned images ----------------------------------------------------------
 
     def test_images_tagged_as_turned_are_named_and_used_as_stored(self):
