@@ -53,7 +53,9 @@ class Spec {
       begin = end + 1;
     }
     if (parts.size() < 3)
-      Refuse("write KIND:COLUMNSxROWS:LENGTH, as chessboard:9x6:25mm");
+      Refuse(
+          "no such file, and no board: write KIND:COLUMNSxROWS:LENGTH, as "
+          "chessboard:9x6:25mm");
     kind = parts[0];
     TakeSize(parts[1]);
     length_m = LengthM(parts[2]);
@@ -174,10 +176,10 @@ std::vector<Board> BoardsOf(Spec* spec) {
   if (spec->kind == "charuco") return CharucoOf(board, spec);
   if (spec->kind == "aprilgrid") return AprilGridOf(board, spec);
   if (spec->kind != "chessboard")
-    Refuse(
-        fmt::format("no board is of kind '{}'; use chessboard, charuco, "
-                    "aprilgrid or star, or name a pattern.yaml",
-                    spec->kind));
+    Refuse(fmt::format(
+        "no such file, and no board is of kind '{}'; use chessboard, charuco, "
+        "aprilgrid or star, or name a pattern.yaml",
+        spec->kind));
   spec->RequireAllAsked();
   RequirePossibleBoards({board});
   return {board};
