@@ -35,10 +35,15 @@ CalibrationResult Calibrate(const Dataset& measured, const Pattern& pattern,
   CameraStart start =
       StartCamera(measured, pattern, options, options.hold_out.empty());
   CalibrationResult result = std::move(start.result);
-  if (!ShouldStop(options))
-    result.two_cameras =
-        FindTwoCameras(start.split.training, pattern, start.adjusted,
-                       AdjustmentOptionsOf(options));
+  if (!ShouldStop(options)) {
+    const Stopwatch two_cameras_time;
+    AdjustmentOptions stoppable = AdjustmentOptionsOf(options);
+    stoppable.should_stop = options.should_stop;
+    result.two_cameras = FindTwoCameras(start.split.training, pattern,
+                                        start.adjusted, stoppable);
+    if (ShouldStop(options)) result.two_cameras.reset();
+    result.seconds["two_cameras"] = two_cameras_time.Seconds();
+  }
   if (options.progress) options.progress("bundle adjustment", 0.8);
   const Adjusted parametric = start.adjusted;
   const Stopwatch adjustment_time;

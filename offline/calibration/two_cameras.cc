@@ -14,7 +14,8 @@
 namespace raygrid {
 namespace {
 
-constexpr size_t kMinImages = 4;  // of each camera
+constexpr size_t kMinImages = 4;     // of each camera
+constexpr size_t kMaxFeatures = 60;  // of an image, to look for parts
 // Of the residuals' RMS, by two cameras: what chance or bending of one lens
 // explains is far less.
 constexpr double kMuchBetter = 0.8;
@@ -174,23 +175,35 @@ std::vector<FeatureResidual> FullyAdjusted(const Dataset& dataset,
   }
 }
 
-// Two cameras, each adjusted to its part; nothing if one cannot be.
+// The views of some images, or of all others.
+Adjusted PartOf(const Adjusted& joint, const Names& names, bool is_first) {
+  Adjusted part = joint;
+  std::vector<bool> remove;
+  std::vector<Pose> kept;
+  for (size_t v = 0; v < joint.problem.views.size(); ++v) {
+    remove.push_back((names.count(joint.problem.images[v]) > 0) != is_first);
+    // Each view has a pose of its own, in the order of the views.
+    if (!remove.back()) kept.push_back(joint.state.rig_from_pattern[v]);
+  }
+  RemoveViews(remove, &part.problem);
+  part.state.rig_from_pattern = std::move(kept);
+  return part;
+}
+
+// Two cameras, each adjusted to its part of the views from where the one stands
+// that is adjusted to all.
 class TwoFits {
  public:
-  TwoFits(const Dataset& dataset, const Pattern& pattern, const Names& names,
+  TwoFits(const Adjusted& joint, const Pattern& pattern, const Names& names,
           const AdjustmentOptions& options)
-      : pattern_(pattern), options_(options), parts_(SplitBy(dataset, names)) {
-    if (std::min(parts_.first.images.size(), parts_.second.images.size()) <
-        kMinImages)
-      return;
-    try {
-      for (const Dataset* part : {&parts_.first, &parts_.second}) {
-        fits_.push_back(AdjustStart(*part, pattern, options));
-        residuals_.push_back(
-            ResidualsOf(pattern, fits_.back(), options.num_threads));
-      }
-    } catch (const Error&) {
-      fits_.clear();
+      : pattern_(pattern), options_(options) {
+    for (const bool is_first : {true, false}) {
+      Adjusted part = PartOf(joint, names, is_first);
+      if (part.problem.views.size() < kMinImages) return;
+      AdjustParametric(part.problem, options, &part.state);
+      residuals_.push_back(ResidualsOf(pattern, part, options.num_threads));
+      if (residuals_.back().empty()) return;
+      fits_.push_back(std::move(part));
     }
   }
 
@@ -225,28 +238,59 @@ class TwoFits {
  private:
   const Pattern& pattern_;
   const AdjustmentOptions& options_;
-  TwoParts parts_;
   std::vector<Adjusted> fits_;
   std::vector<std::vector<FeatureResidual>> residuals_;
 };
 
-// The split whose two cameras fit best, if it is worth a closer look.
-std::optional<Names> BestSplit(const Dataset& training, const Pattern& pattern,
+// Every so many, so that no more than max_count are left.
+template <typename T>
+std::vector<T> Thinned(const std::vector<T>& all, size_t max_count) {
+  const size_t step = (all.size() + max_count - 1) / max_count;
+  std::vector<T> thinned;
+  for (size_t i = 0; i < all.size(); i += step) thinned.push_back(all[i]);
+  return thinned;
+}
+
+// As much as tells the dozen parameters of a lens, of two cameras.
+Dataset Thinned(const Dataset& all) {
+  constexpr size_t kMaxImages = 40;
+  Dataset thinned = all;
+  thinned.images = Thinned(all.images, kMaxImages);
+  for (ImageFeatures& image : thinned.images)
+    image.features = Thinned(image.features, kMaxFeatures);
+  return thinned;
+}
+
+// The views of a thinned dataset.
+Adjusted OnlyOf(const Adjusted& joint, const Dataset& thinned) {
+  const std::vector<std::string> names = NamesOf(thinned);
+  Adjusted only = PartOf(joint, {names.begin(), names.end()}, true);
+  for (View& view : only.problem.views)
+    view.observations = Thinned(view.observations, kMaxFeatures);
+  return only;
+}
+
+// The split of all images whose two cameras fit some of them best, if it is
+// worth a closer look.
+std::optional<Names> BestSplit(const Dataset& all, const Pattern& pattern,
+                               const Adjusted& joint,
                                const std::vector<FeatureResidual>& residuals,
                                const AdjustmentOptions& options) {
   constexpr int kMaxRounds = 4;
   constexpr double kWorthAnotherLook = 0.9;
   double best = kWorthAnotherLook * MeanSquare(residuals);
   std::optional<Names> best_split;
-  for (Names first : SplitsToTry(training, residuals)) {
+  const Dataset training = Thinned(all);
+  const Adjusted thinned = OnlyOf(joint, training);
+  for (Names first : SplitsToTry(all, residuals)) {
     double before = MeanSquare(residuals);
     for (int round = 0; round < kMaxRounds; ++round) {
-      const TwoFits fits(training, pattern, first, options);
+      const TwoFits fits(thinned, pattern, first, options);
       if (!fits.AreFitted()) break;
       const double mean_square = fits.MeanSquare();
       if (mean_square < best) {
         best = mean_square;
-        best_split = first;
+        best_split = fits.PreferringFirst(all);
       }
       if (mean_square > kWorthAnotherLook * before) break;
       before = mean_square;
@@ -268,7 +312,7 @@ std::optional<TwoCameras> FindTwoCameras(const Dataset& training,
   const std::vector<FeatureResidual> residuals =
       ResidualsOf(pattern, joint, options.num_threads);
   if (!ErrAlike(residuals)) return std::nullopt;
-  const auto first = BestSplit(training, pattern, residuals, options);
+  const auto first = BestSplit(training, pattern, joint, residuals, options);
   if (!first) return std::nullopt;
   const TwoParts parts = SplitBy(training, *first);
   const std::vector<FeatureResidual> of_all =

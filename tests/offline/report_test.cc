@@ -135,6 +135,12 @@ TEST(HtmlReport, GivesOtherModelsAndTheBiasOfNoise) {
                   "<b>0.200</b>"));
 }
 
+TEST(HtmlReport, ExplainsItsWordsInALineEach) {
+  const std::string html = ExampleReport();
+  for (const char* word : {"trusted", "leave open", "bias", "correlation"})
+    EXPECT_TRUE(Has(html, std::string("<li><b>") + word + "</b>: ")) << word;
+}
+
 TEST(HtmlReport, WorksWithoutHeldOutImagesAndExample) {
   CalibrationResult result = ExampleResult();
   result.held_out.clear();

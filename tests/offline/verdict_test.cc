@@ -198,6 +198,19 @@ TEST(Verdict, SaysNothingOfHundredthsOfAPixel) {
   EXPECT_TRUE(verdict.reasons.empty());
 }
 
+// As calibrate prints it, and the report.
+TEST(Verdict, CountsWhatIsTrustedByTheImage) {
+  CalibrationFigures figures = GoodFigures();
+  figures.area = {0, 0, 400, 480};
+  figures.median_deviation_px = 0.08;
+  figures.trusted_part = 0.25;
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures),
+                        "only 25 % of the image is trusted, known to 0.0500 "
+                        "px"));
+  figures.trusted_part = 0.35;  // more than half of the calibrated area
+  EXPECT_EQ(JudgeCalibration(figures).word, "pass");
+}
+
 TEST(Verdict, SaysNothingOfATenthOfTheNoise) {
   CalibrationFigures figures = GoodFigures();
   figures.training = {0.6, 0.8, 3, 3000};
