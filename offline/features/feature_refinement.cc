@@ -42,31 +42,55 @@ void Reject(const Board& board, int column, int row, const std::string& reason,
   lattice->Remove(column, row);
 }
 
+// How much farther from where its neighbours say a feature may be whose square
+// holds the whole window, in which nothing else is symmetric: as far as they
+// are in doubt, and others are not near.
+double DoubtPx(const std::vector<Correspondence>& around,
+               const LocalMapping& predicted, int degree, int window_px) {
+  constexpr double kMaxSquares = 0.3;
+  const double most_px = kMaxSquares * predicted.SpacingPx();
+  if (predicted.SpacingPx() < window_px) return 0;
+  if (degree == 1) return most_px;  // no curvature is known
+  LocalMapping lower;
+  if (FitLocalMapping(around, degree - 1, &lower) == 0) return 0;
+  return std::min(most_px, (lower.center - predicted.center).norm());
+}
+
 // How far a feature lies from where its neighbours say, over what is tolerated;
-// 0 where they say nothing.
+// 0 where they say nothing. Some are told best by a polynomial, others with
+// perspective: a feature is in line that is where either says.
 double RelativeDeviation(const FeatureLattice& lattice, int column, int row,
-                         const Tolerance& tolerance) {
-  LocalMapping predicted;
+                         const Tolerance& tolerance, int window_px) {
+  LocalMapping predicted, in_perspective;
   const auto around = lattice.Around(column, row, 2, false);
-  if (around.size() < 4 || !FitLocalMapping(around, kMaxDegree, &predicted))
-    return 0;
-  const double tolerance_px =
-      tolerance.px + tolerance.squares * predicted.SpacingPx();
+  const int degree = FitLocalMapping(around, kMaxDegree, &predicted);
+  if (around.size() < 4 || degree == 0) return 0;
   // Fewer neighbours, on one side only, predict less well.
   const double slack = around.size() >= 12 ? 1 : around.size() >= 8 ? 2 : 4;
-  return (lattice.at(column, row) - predicted.center).norm() /
-         (tolerance_px * slack);
+  double tolerance_px =
+      (tolerance.px + tolerance.squares * predicted.SpacingPx()) * slack;
+  const Eigen::Vector2d& pixel = lattice.at(column, row);
+  double deviation_px = (pixel - predicted.center).norm();
+  if (deviation_px > tolerance_px &&
+      FitPerspectiveMapping(around, 2, &in_perspective))
+    deviation_px =
+        std::min(deviation_px, (pixel - in_perspective.center).norm());
+  if (deviation_px > tolerance_px)
+    tolerance_px =
+        std::max(tolerance_px, DoubtPx(around, predicted, degree, window_px));
+  return deviation_px / tolerance_px;
 }
 
 // Removes the worst outlier, until there is none.
 void RejectOutliers(const Board& board, const Tolerance& tolerance,
-                    FeatureLattice* lattice, ImageDetection* detection) {
+                    int window_px, FeatureLattice* lattice,
+                    ImageDetection* detection) {
   for (;;) {
     double worst = 1;
     int worst_column = -1, worst_row = -1;
     for (const Feature& f : lattice->Features()) {
       const double deviation =
-          RelativeDeviation(*lattice, f.column, f.row, tolerance);
+          RelativeDeviation(*lattice, f.column, f.row, tolerance, window_px);
       if (deviation <= worst) continue;
       worst = deviation;
       worst_column = f.column;
@@ -294,7 +318,7 @@ void FeatureRefiner::Data::RefineOnce(const GreyImage& image,
       Reject(board, feature.column, feature.row, reason, &refined, detection);
   }
   *lattice = refined;
-  RejectOutliers(board, kRefined, lattice, detection);
+  RejectOutliers(board, kRefined, options.window_px, lattice, detection);
 }
 
 // Roughly, to make the neighbours accurate; then with the curvature they tell.
@@ -335,13 +359,15 @@ ImageDetection FeatureRefiner::Refine(
   FeatureLattice lattice(data_->board);
   for (const Feature& feature : approximate)
     lattice.Set(feature.column, feature.row, feature.pixel);
-  RejectOutliers(data_->board, kApproximate, &lattice, &detection);
+  RejectOutliers(data_->board, kApproximate, data_->options.window_px, &lattice,
+                 &detection);
   switch (data_->options.refinement) {
     case Refinement::kNone:
       break;
     case Refinement::kCornerSubpix:
       data_->RefineByCorners(image, &lattice, &detection);
-      RejectOutliers(data_->board, kRefined, &lattice, &detection);
+      RejectOutliers(data_->board, kRefined, data_->options.window_px, &lattice,
+                     &detection);
       break;
     default:
       data_->RefineBySymmetry(image, &lattice, &detection);
