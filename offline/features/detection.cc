@@ -42,4 +42,18 @@ GreyImage Mirrored(GreyImage image) {
   return image;
 }
 
+GreyImage Halved(const GreyImage& image) {
+  GreyLevels half;
+  half.size = {image.size.width / 2, image.size.height / 2};
+  half.levels.reserve(static_cast<size_t>(half.size.width) * half.size.height);
+  for (int y = 0; y < half.size.height; ++y) {
+    const float* upper =
+        &image.levels[static_cast<size_t>(2 * y) * image.size.width];
+    const float* lower = upper + image.size.width;
+    for (int x = 0; x < half.size.width; ++x, upper += 2, lower += 2)
+      half.levels.push_back((upper[0] + upper[1] + lower[0] + lower[1]) / 4);
+  }
+  return MakeGreyImage(std::move(half));
+}
+
 }  // namespace raygrid

@@ -41,6 +41,10 @@ GreyImage MakeGreyImage(GreyLevels grey);
 /// Left and right exchanged.
 GreyImage Mirrored(GreyImage image);
 
+/// Half as wide and high: pixel (x, y) is the mean of four, (2 x, 2 y) the
+/// first of them.
+GreyImage Halved(const GreyImage& image);
+
 struct RejectedFeature {
   Feature feature;
   std::string reason;  ///< a few words

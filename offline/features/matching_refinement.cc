@@ -74,18 +74,16 @@ Rendering Render(const StarTexture& texture, const SymmetryMask& mask,
   return rendering;
 }
 
-// The samples that stay in the image when the centre moves by margin_px; every
-// stride-th of them.
+// The samples that stay in the image when the centre moves by margin_px.
 Rendering Inside(const Rendering& rendering, const ImageSize& size,
-                 const Eigen::Vector2d& center, double margin_px,
-                 size_t stride) {
+                 const Eigen::Vector2d& center, double margin_px) {
   Rendering inside;
   const double x0 = margin_px - center.x(), y0 = margin_px - center.y();
   const double x1 = size.width - 1 - margin_px - center.x();
   const double y1 = size.height - 1 - margin_px - center.y();
   for (auto* column : {&inside.x, &inside.y, &inside.white})
-    column->reserve(rendering.size() / stride + 1);
-  for (size_t i = 0; i < rendering.size(); i += stride) {
+    column->reserve(rendering.size());
+  for (size_t i = 0; i < rendering.size(); ++i) {
     const double x = rendering.x[i], y = rendering.y[i];
     if (!(x >= x0 && x <= x1 && y >= y0 && y <= y1)) continue;
     inside.x.push_back(rendering.x[i]);
@@ -119,39 +117,85 @@ float MiddleLevel(const GreyImage& image, const Eigen::Vector2d& at) {
                   index(at.y(), image.size.height));
 }
 
-// The whole-pixel shift with the highest correlation at nearest pixels.
+// Samples at nearest pixels, shifted by whole ones.
+class ShiftedSamples {
+ public:
+  ShiftedSamples(const GreyImage& image, const Rendering& rendering,
+                 const Eigen::Vector2d& start, int reach)
+      : image_(image), middle_(MiddleLevel(image, start)) {
+    const Eigen::Array2f first = start.array().cast<float>() + 0.5f;
+    const Eigen::Array2i size(image.size.width, image.size.height);
+    for (size_t i = 0; i < rendering.size(); i += kStride) {
+      const Eigen::Array2f at(rendering.x[i], rendering.y[i]);
+      const Eigen::Array2i pixel = (first + at).floor().cast<int>();
+      stay_inside_ &= (pixel >= reach).all() && (pixel < size - reach).all();
+      pixels_.push_back(pixel);
+      indices_.push_back(pixel.y() * image.size.width + pixel.x());
+      white_.push_back(rendering.white[i]);
+      all_.q += rendering.white[i];
+      all_.qq += rendering.white[i] * rendering.white[i];
+    }
+    all_.n = static_cast<double>(white_.size());
+  }
+
+  // Of those that a shift leaves in the image; -1 if they are too few.
+  double Correlation(int x, int y) const {
+    const Moments moments = stay_inside_ ? OfAll(x, y) : OfThoseInside(x, y);
+    return moments.n * kStride < kMinSamples ? -1 : moments.Correlation();
+  }
+
+ private:
+  static constexpr size_t kStride = 3;
+
+  Moments OfAll(int x, int y) const {
+    const float* shifted = image_.levels.data();
+    const int shift = y * image_.size.width + x;
+    float p = 0, pp = 0, pq = 0;
+    for (size_t i = 0; i < indices_.size(); ++i) {
+      const float level = shifted[indices_[i] + shift] - middle_;
+      p += level;
+      pp += level * level;
+      pq += level * white_[i];
+    }
+    return {all_.n, p, all_.q, pp, pq, all_.qq};
+  }
+
+  Moments OfThoseInside(int x, int y) const {
+    Moments moments;
+    for (size_t i = 0; i < pixels_.size(); ++i) {
+      const int column = pixels_[i].x() + x, row = pixels_[i].y() + y;
+      if (column < 0 || row < 0 || column >= image_.size.width ||
+          row >= image_.size.height)
+        continue;
+      const double level = image_.at(column, row) - middle_, q = white_[i];
+      ++moments.n;
+      moments.p += level;
+      moments.q += q;
+      moments.pp += level * level;
+      moments.pq += level * q;
+      moments.qq += q * q;
+    }
+    return moments;
+  }
+
+  const GreyImage& image_;
+  float middle_;
+  std::vector<Eigen::Array2i> pixels_;
+  std::vector<int> indices_;
+  std::vector<float> white_;
+  bool stay_inside_ = true;
+  Moments all_;  // what is the same for all shifts
+};
+
+// The whole-pixel shift with the highest correlation.
 Eigen::Vector2d BestShift(const GreyImage& image, const Rendering& rendering,
                           const Eigen::Vector2d& start, int reach) {
-  const Rendering samples = Inside(rendering, image.size, start, reach + 1, 3);
-  if (samples.size() * 3 < kMinSamples) return start;
-  const float middle = MiddleLevel(image, start);
-  Moments moments;
-  std::vector<int> indices;
-  for (size_t i = 0; i < samples.size(); ++i) {
-    indices.push_back(static_cast<int>(start.y() + samples.y[i] + 0.5) *
-                          image.size.width +
-                      static_cast<int>(start.x() + samples.x[i] + 0.5));
-    moments.q += samples.white[i];
-    moments.qq += samples.white[i] * samples.white[i];
-  }
-  moments.n = static_cast<double>(samples.size());
+  const ShiftedSamples samples(image, rendering, start, reach);
   Eigen::Vector2d best = start;
   double best_correlation = -1;
   for (int y = -reach; y <= reach; ++y) {
     for (int x = -reach; x <= reach; ++x) {
-      const float* shifted = image.levels.data();
-      const int shift = y * image.size.width + x;
-      float p = 0, pp = 0, pq = 0;
-      for (size_t i = 0; i < indices.size(); ++i) {
-        const float level = shifted[indices[i] + shift] - middle;
-        p += level;
-        pp += level * level;
-        pq += level * samples.white[i];
-      }
-      moments.p = p;
-      moments.pp = pp;
-      moments.pq = pq;
-      const double correlation = moments.Correlation();
+      const double correlation = samples.Correlation(x, y);
       if (correlation <= best_correlation) continue;
       best_correlation = correlation;
       best = start + Eigen::Vector2d(x, y);
@@ -166,7 +210,7 @@ class Matching {
   Matching(const GreyImage& image, const Rendering& rendering,
            const Eigen::Vector2d& start)
       : image_(image),
-        samples_(Inside(rendering, image.size, start, kMaxShiftPx + 1, 1)),
+        samples_(Inside(rendering, image.size, start, kMaxShiftPx + 1)),
         middle_(MiddleLevel(image, start)) {
     const size_t whole = samples_.size() - samples_.size() % kLanes;
     for (auto* column : {&samples_.x, &samples_.y, &samples_.white})

@@ -11,6 +11,9 @@ namespace {
 // In stars that are smaller the segments run together, and rows of them are
 // mistaken for each other.
 constexpr double kMinSpacingPx = 8;
+constexpr double kMaxSearchPx = 9;
+// Of the images in which stars are sought that may be farther away.
+constexpr double kSmallestScale = 8;
 
 // From four correspondences; its denominator is 1 in the middle of them.
 std::optional<Eigen::Matrix3d> Homography(
@@ -57,15 +60,19 @@ bool IsInside(const ImageSize& size, const Eigen::Vector2d& pixel,
          pixel.y() <= size.height - 1 - margin;
 }
 
-// Whether the star's square lies in the image.
-bool IsWhollyVisible(const ImageSize& size, const LocalMapping& mapping) {
+// Whether the star's square lies in the image, as far as it reaches to each
+// side of the star; or would, if the image were wider by slack_px all around.
+bool IsVisible(const ImageSize& size, const LocalMapping& mapping,
+               double reach_px, double slack_px) {
   constexpr double kMarginPx = -0.5;
-  for (const double u : {-0.5, 0.5})
-    for (const double v : {-0.5, 0.5})
-      if (!IsInside(size,
-                    mapping.center + mapping.linear * Eigen::Vector2d(u, v),
-                    kMarginPx))
-        return false;
+  for (const double u : {-0.5, 0.5}) {
+    for (const double v : {-0.5, 0.5}) {
+      const Eigen::Vector2d corner = mapping.linear * Eigen::Vector2d(u, v);
+      const Eigen::Vector2d pixel =
+          mapping.center + corner.cwiseMax(-reach_px).cwiseMin(reach_px);
+      if (!IsInside(size, pixel, kMarginPx - slack_px)) return false;
+    }
+  }
   return true;
 }
 
@@ -109,7 +116,7 @@ StarGrowth::StarGrowth(const GreyImage& image, const Board& board,
 void StarGrowth::Grow() {
   // The sure ones first: they tell where the others must be.
   for (const double min_correlation : {0.7, 0.5, 0.35}) {
-    std::fill(tried_with_.begin(), tried_with_.end(), 0);
+    std::fill(tried_with_.begin(), tried_with_.end(), -1);
     for (const SeenTag& seen : tags_)
       if (lattice_.num_found() < kMinStarsOnBoard || !HasStarBeside(seen.tag))
         StartBeside(seen, min_correlation);
@@ -202,8 +209,8 @@ bool StarGrowth::Sweep(double min_correlation) {
   std::vector<std::array<int, 3>> candidates;
   for (int row = 0; row < board_.rows; ++row) {
     for (int column = 0; column < board_.columns; ++column) {
-      if (lattice_.Has(column, row) || !HasDirectNeighbour(column, row) ||
-          !board_.HasFeature(column, row))
+      if (lattice_.Has(column, row) || !board_.HasFeature(column, row) ||
+          !(HasDirectNeighbour(column, row) || IsBesideTag(column, row)))
         continue;
       const int count = lattice_.CountAround(column, row);
       if (count > tried_with_[board_.PointIndex(column, row)])
@@ -218,6 +225,14 @@ bool StarGrowth::Sweep(double min_correlation) {
     if (Predict(column, row, &mapping) &&
         Try(column, row, mapping, -count >= 8 ? 0.12 : 0.25, min_correlation))
       continue;
+    constexpr double kElsewhere = 0.05;  // squares
+    LocalMapping other;
+    if (FitPerspectiveMapping(lattice_.Around(column, row, 2, false), 2,
+                              &other) &&
+        (other.center - mapping.center).norm() >
+            kElsewhere * other.SpacingPx() &&
+        Try(column, row, other, 0.12, min_correlation))
+      continue;
     // Between a tag and the board's edge a lattice goes on by a row or two.
     constexpr int kFew = 10;
     if (-count <= kFew &&
@@ -226,6 +241,16 @@ bool StarGrowth::Sweep(double min_correlation) {
       Try(column, row, mapping, 0.25, min_correlation);
   }
   return lattice_.num_found() > before;
+}
+
+// Of one that was seen: it tells where the star is, whatever lies between.
+bool StarGrowth::IsBesideTag(int column, int row) const {
+  return std::any_of(tags_.begin(), tags_.end(), [&](const SeenTag& seen) {
+    const BoardTag& tag = seen.tag;
+    return column >= tag.column - 1 && row >= tag.row - 1 &&
+           column <= tag.column + tag.squares + 1 &&
+           row <= tag.row + tag.squares + 1;
+  });
 }
 
 bool StarGrowth::HasDirectNeighbour(int column, int row) const {
@@ -244,7 +269,8 @@ bool StarGrowth::Predict(int column, int row, LocalMapping* mapping) const {
          PredictFromTag(column, row, around, mapping);
 }
 
-// What the homography of the nearest tag says, moved as the nearest star is.
+// What the homography of the nearest tag says, moved as the nearest star is, if
+// there is one.
 bool StarGrowth::PredictFromTag(int column, int row,
                                 const std::vector<Correspondence>& around,
                                 LocalMapping* mapping) const {
@@ -256,16 +282,19 @@ bool StarGrowth::PredictFromTag(int column, int row,
     const Eigen::Vector2d middle(seen.tag.column + half, seen.tag.row + half);
     const double distance = (middle - place).norm();
     const auto predicted = MappingAt(seen.homography, place);
-    if (distance > least_distance || !predicted || around.empty()) continue;
-    const Correspondence& star =
-        *std::min_element(around.begin(), around.end(),
-                          [](const Correspondence& a, const Correspondence& b) {
-                            return a.offset.norm() < b.offset.norm();
-                          });
-    const auto at_star = MappingAt(seen.homography, place + star.offset);
-    if (!at_star) continue;
-    *mapping = *predicted;
-    mapping->center += star.pixel - at_star->center;
+    if (distance > least_distance || !predicted) continue;
+    LocalMapping moved = *predicted;
+    if (!around.empty()) {
+      const Correspondence& star = *std::min_element(
+          around.begin(), around.end(),
+          [](const Correspondence& a, const Correspondence& b) {
+            return a.offset.norm() < b.offset.norm();
+          });
+      const auto at_star = MappingAt(seen.homography, place + star.offset);
+      if (!at_star) continue;
+      moved.center += star.pixel - at_star->center;
+    }
+    *mapping = moved;
     least_distance = distance;
     is_predicted = true;
   }
@@ -274,32 +303,78 @@ bool StarGrowth::PredictFromTag(int column, int row,
 
 bool StarGrowth::Try(int column, int row, const LocalMapping& mapping,
                      double search_squares, double min_correlation) {
+  const double spacing_px = mapping.SpacingPx();
+  const double search_px =
+      std::min(search_squares * spacing_px, kMaxSearchPx * kSmallestScale);
+  // What lies beyond the window may be cut off.
+  const double window_reach_px = options_.window_px / 2;
+  if (!IsVisible(image_.size, mapping, window_reach_px, search_px))
+    return false;  // nothing to be seen
   const auto refuse = [&](const char* reason) {
-    attempts_[{row, column}] = {mapping.center, reason};
+    // A star that the image's edge may hide is not sought in vain.
+    if (IsVisible(image_.size, mapping, INFINITY, 0))
+      attempts_[{row, column}] = {mapping.center, reason};
     return false;
   };
-  const double spacing_px = mapping.SpacingPx();
-  if (!IsInside(image_.size, mapping.center, 0) ||
-      !IsWhollyVisible(image_.size, mapping))
-    return false;  // nothing to be seen
-  if (spacing_px < kMinSpacingPx) return refuse("too small");
-  constexpr double kMaxSearchPx = 9;
-  const double search_px =
-      std::clamp(search_squares * spacing_px, 1.0, kMaxSearchPx);
+  if (!(spacing_px >= kMinSpacingPx)) return refuse("too small");
   const SymmetryMask& mask =
       masks_.size() == 1 ? masks_[0] : masks_[board_.PointIndex(column, row)];
-  const MatchingResult match =
-      MatchStar(image_, texture_, mask, mapping, options_.window_px, search_px);
+  const MatchingResult match = Match(mask, mapping, search_px);
   if (!match.is_converged)
     return refuse(match.factor < 0 ? "colours inverted" : "no star");
   if (match.correlation <
       std::max(min_correlation, alike_ * CorrelationAround(column, row)))
     return refuse("unlike a star");
-  if (IsTaken(column, row, match.center, spacing_px))
+  LocalMapping found = mapping;
+  found.center = match.center;
+  if (!IsVisible(image_.size, mapping, window_reach_px, 0) &&
+      !IsVisible(image_.size, found, window_reach_px, 0))
+    return false;
+  if (IsTaken(column, row, match.center, spacing_px) ||
+      TurnsBack(column, row, match.center))
     return refuse("another star's place");
   lattice_.Set(column, row, match.center);
   correlations_[board_.PointIndex(column, row)] = match.correlation;
   return true;
+}
+
+// A star that may be farther away is sought in a smaller image, where the
+// window holds more of it.
+MatchingResult StarGrowth::Match(const SymmetryMask& mask,
+                                 const LocalMapping& mapping,
+                                 double search_px) {
+  constexpr double kSurely = 0.7;
+  const MatchingResult near =
+      MatchStar(image_, texture_, mask, mapping, options_.window_px,
+                std::clamp(search_px, 1.0, kMaxSearchPx));
+  if (search_px <= kMaxSearchPx ||
+      (near.is_converged && near.correlation >= kSurely))
+    return near;
+  int level = 0;
+  double scale = 1;
+  while (search_px > kMaxSearchPx * scale) {
+    ++level;
+    scale *= 2;
+  }
+  LocalMapping smaller = mapping;
+  smaller.center = (mapping.center.array() + 0.5) / scale - 0.5;
+  smaller.linear /= scale;
+  const MatchingResult rough =
+      MatchStar(Smaller(level), texture_, mask, smaller, options_.window_px,
+                search_px / scale);
+  if (!rough.is_converged) return near;
+  LocalMapping moved = mapping;
+  moved.center = (rough.center.array() + 0.5) * scale - 0.5;
+  const MatchingResult far =
+      MatchStar(image_, texture_, mask, moved, options_.window_px, 1 + scale);
+  return far.is_converged && far.correlation > near.correlation ? far : near;
+}
+
+// Halved so many times.
+const GreyImage& StarGrowth::Smaller(int level) {
+  while (static_cast<int>(smaller_.size()) < level)
+    smaller_.push_back(Halved(smaller_.empty() ? image_ : smaller_.back()));
+  return smaller_[level - 1];
 }
 
 // The mean of the neighbours'; 0 if there are none.
@@ -322,6 +397,24 @@ bool StarGrowth::IsTaken(int column, int row, const Eigen::Vector2d& pixel,
   constexpr double kMinDistance = 0.6;  // of the spacing
   for (const Correspondence& other : lattice_.Around(column, row, 3, false))
     if ((other.pixel - pixel).norm() < kMinDistance * spacing_px) return true;
+  return false;
+}
+
+// Whether a row or column of stars would not go on there as it does before: a
+// polynomial may fold beyond the last of them.
+bool StarGrowth::TurnsBack(int column, int row,
+                           const Eigen::Vector2d& pixel) const {
+  constexpr double kMinPart = 0.3;  // of the step before
+  for (const auto& [u, v] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
+    if (!lattice_.Has(column + u, row + v) ||
+        !lattice_.Has(column + 2 * u, row + 2 * v))
+      continue;
+    const Eigen::Vector2d& last = lattice_.at(column + u, row + v);
+    const Eigen::Vector2d before =
+        last - lattice_.at(column + 2 * u, row + 2 * v);
+    if ((pixel - last).dot(before) < kMinPart * before.squaredNorm())
+      return true;
+  }
   return false;
 }
 

@@ -72,11 +72,16 @@ class StarGrowth {
   void StartBeside(const SeenTag& seen, double min_correlation);
   bool Sweep(double min_correlation);
   bool HasDirectNeighbour(int column, int row) const;
+  bool IsBesideTag(int column, int row) const;
   bool Predict(int column, int row, LocalMapping* mapping) const;
   bool PredictFromTag(int column, int row,
                       const std::vector<Correspondence>& around,
                       LocalMapping* mapping) const;
+  MatchingResult Match(const SymmetryMask& mask, const LocalMapping& mapping,
+                       double search_px);
+  const GreyImage& Smaller(int level);
   double CorrelationAround(int column, int row) const;
+  bool TurnsBack(int column, int row, const Eigen::Vector2d& pixel) const;
   bool IsTaken(int column, int row, const Eigen::Vector2d& pixel,
                double spacing_px) const;
 
@@ -86,10 +91,11 @@ class StarGrowth {
   const std::vector<SymmetryMask>& masks_;
   const DetectionOptions& options_;
   std::vector<SeenTag> tags_;
+  std::vector<GreyImage> smaller_;  // each half as large as the one before
   FeatureLattice lattice_;
   double alike_ = 0;
   std::vector<double> correlations_;  // by place
-  std::vector<int> tried_with_;       // how many neighbours, by place
+  std::vector<int> tried_with_;       // how many neighbours, by place; or -1
   // By row and column: where a star was sought in vain, and why.
   std::map<std::pair<int, int>, std::pair<Eigen::Vector2d, std::string>>
       attempts_;

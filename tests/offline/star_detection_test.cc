@@ -258,5 +258,89 @@ TEST(StarDetector, FindsStarsOfABoardWhoseTagIsCutOff) {
   }
 }
 
+// A board so near that its squares are this wide where star (4, 4) is seen,
+// turned about its columns.
+struct NearBoard {
+  std::string lens = "pinhole";
+  double square_px = 0, tilt_deg = 0;
+  Eigen::Vector2d pixel = {14, 30};
+};
+
+Pose PoseOf(const NearBoard& near, const CameraModel& camera) {
+  constexpr double kAside = 0.01;
+  const double focal_px = (camera.Project({kAside, 0, 1}).value() -
+                           camera.Project({0, 0, 1}).value())
+                              .x() /
+                          kAside;
+  const Eigen::Vector3d ray = camera.Unproject(near.pixel).value();
+  Pose pose;
+  pose.rotation =
+      Eigen::AngleAxisd(near.tilt_deg * M_PI / 180, Eigen::Vector3d::UnitY());
+  pose.translation = ray * (focal_px * kSquare / near.square_px / ray.z()) -
+                     pose.rotation * Eigen::Vector3d(4, 4, 0) * kSquare;
+  return pose;
+}
+
+// Of all stars whose window lies in the image.
+Errors MeasureNear(const NearBoard& near) {
+  std::string board = BoardYaml(0, 16, 15, 16, 0, 6, 5);
+  const std::string large_tag = "squares: 4";
+  board.replace(board.find(large_tag), large_tag.size(), "squares: 2");
+  const Pattern pattern = PatternOf(board);
+  const BoardSurface surface(pattern.boards[0]);
+  const auto camera = SimulatedLens(near.lens, kSize);
+  const Pose pose = PoseOf(near, *camera);
+  const GreyImage image =
+      WithNoise(RenderImage(PixelRays(*camera, kThreads), {{&surface, pose}},
+                            ImagingOptions(), kThreads),
+                1);
+  std::map<FeatureKey, Eigen::Vector2d> found;
+  for (const Feature& f : StarDetector(pattern, {}).Detect(image).features)
+    found[{f.row, f.column}] = f.pixel;
+  constexpr double kWindowPx = 11.5;
+  Errors errors;
+  size_t num_seen = 0;
+  for (const Feature& f : VisibleFeatures(*camera, pattern.boards[0], pose)) {
+    const auto place = found.find({f.row, f.column});
+    const bool is_found = place != found.end();
+    num_seen += is_found;
+    if (!WholeImage(kSize).Contains(f.pixel, -kWindowPx)) continue;
+    if (is_found) Add(place->second - f.pixel, &errors);
+    ++errors.num_visible;
+    errors.num_visible_found += is_found;
+    if (!is_found)
+      std::printf("missed (%d, %d) at %.1f, %.1f\n", f.column, f.row,
+                  f.pixel.x(), f.pixel.y());
+  }
+  EXPECT_EQ(num_seen, found.size());
+  Print(near.lens, errors);
+  return errors;
+}
+
+TEST(StarDetector, FindsStarsWhoseSquaresTheImagesEdgeCuts) {
+  for (const double square_px : {60, 90, 120}) {
+    const Errors errors = MeasureNear({"pinhole", square_px});
+    EXPECT_GT(errors.num_visible, 12) << square_px;
+    EXPECT_EQ(errors.num_visible_found, errors.num_visible) << square_px;
+    EXPECT_LE(errors.largest, 0.1) << square_px;
+  }
+}
+
+TEST(StarDetector, FindsLargeStarsThatALensHasMovedFar) {
+  const Errors errors = MeasureNear({"wide", 80, 0, {150, 60}});
+  EXPECT_GT(errors.num_visible, 12);
+  EXPECT_EQ(errors.num_visible_found, errors.num_visible);
+  EXPECT_LE(errors.largest, 0.1);
+}
+
+TEST(StarDetector, FindsLargeStarsInStrongPerspective) {
+  for (const double tilt_deg : {-50, -30, 30}) {
+    const Errors errors = MeasureNear({"pinhole", 70, tilt_deg, {60, 60}});
+    EXPECT_GT(errors.num_visible, 12) << tilt_deg;
+    EXPECT_EQ(errors.num_visible_found, errors.num_visible) << tilt_deg;
+    EXPECT_LE(errors.largest, 0.1) << tilt_deg;
+  }
+}
+
 }  // namespace
 }  // namespace raygrid

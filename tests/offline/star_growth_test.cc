@@ -45,6 +45,28 @@ TEST(SeenTagsOf, HoldsAroundATagWhoseBoardGoesOnBehindTheHorizon) {
   }
 }
 
+TEST(FitPerspectiveMapping, PredictsWhatAHomographyShows) {
+  std::vector<Correspondence> columns;
+  const Eigen::Vector2d place(8, 8);
+  for (int column = 9; column < 12; ++column)
+    for (int row = 8; row < 13; ++row)
+      columns.push_back({Eigen::Vector2d(column, row) - place,
+                         Seen(Eigen::Vector2d(column, row))});
+  LocalMapping mapping, polynomial;
+  EXPECT_EQ(FitPerspectiveMapping(columns, 2, &mapping), 2);
+  EXPECT_LT((mapping.center - Seen(place)).norm(), 1e-3);
+  EXPECT_EQ(FitLocalMapping(columns, 2, &polynomial), 2);
+  EXPECT_GT((polynomial.center - Seen(place)).norm(), 1);
+}
+
+TEST(FitPerspectiveMapping, NeedsMoreThanALine) {
+  std::vector<Correspondence> line;
+  for (int row = 0; row < 8; ++row)
+    line.push_back({Eigen::Vector2d(1, row), Eigen::Vector2d(50, 20 * row)});
+  LocalMapping mapping;
+  EXPECT_EQ(FitPerspectiveMapping(line, 2, &mapping), 0);
+}
+
 // Stars around the tag, each where the star a row further is seen.
 bool AgreesAfterASlip(int rows) {
   const Board board = BoardOfOneTag();
