@@ -25,12 +25,15 @@ namespace raygrid {
 namespace {
 
 constexpr double kMinStarPx = 12, kMaxErrorPx = 0.5;
+// From the image's edge to a star whose window is seen: half of its 21 px, and
+// a pixel that refinement leaves out.
+constexpr double kWindowPx = 11.5;
 
 struct Arguments {
   int num_images = 1000, only = -1, threads = 2;
   uint64_t seed = 1;
   std::string save;
-  bool list = false, plain = false, many_tags = false;
+  bool list = false, plain = false, many_tags = false, large_squares = false;
 };
 
 // A lens with its pixels' rays.
@@ -69,8 +72,9 @@ Target MakeTarget(const StarBoardOptions &options) {
   return target;
 }
 
-// Of many tags, which large boards have room for, one is nearly always seen.
-std::vector<Target> MakeTargets(bool many_tags) {
+// Of many tags, which large boards have room for, one is nearly always seen; of
+// large squares the image has room for few, and for small tags only.
+std::vector<Target> MakeTargets(bool many_tags, bool large_squares) {
   std::vector<Target> targets;
   const auto add = [&](int columns, int rows, int segments, int num_boards,
                        int few, int many) {
@@ -81,6 +85,7 @@ std::vector<Target> MakeTargets(bool many_tags) {
     options.segments = segments;
     options.num_boards = num_boards;
     options.num_tags = many_tags ? many : few;
+    if (large_squares) options.tag_squares = 2;
     targets.push_back(MakeTarget(options));
   };
   add(16, 15, 16, 1, 1, 4);
@@ -137,6 +142,9 @@ enum class TagView { kNone, kPartly, kWholly };
 
 using FeatureKey = std::tuple<int, int, int>;  // board, row, column
 
+// How a star lies in an image.
+enum class StarView { kNotToBeFound, kCutByEdge, kWholly };
+
 struct Count {
   int visible = 0, found = 0;
 
@@ -153,9 +161,17 @@ struct Count {
 struct Outcome {
   TagView tag = TagView::kNone;  // that is seen best
   Count stars;
+  std::array<Count, 3> cut_stars_by_tag;  // of their own board
+  double largest_of_cut = 0;
   std::array<Count, 3> stars_by_tag;  // of their own board
   int num_features = 0, num_wrong = 0;
   double sum_of_squares = 0, largest = 0, ms = 0;
+
+  Count cut_stars() const {
+    Count sum;
+    for (const Count &count : cut_stars_by_tag) sum.Add(count);
+    return sum;
+  }
 };
 
 struct Scene {
@@ -176,24 +192,47 @@ struct Scene {
       return std::nullopt;
     return pixel;
   }
-  bool IsToBeFound(size_t board, int column, int row) const;
+  std::optional<std::array<Eigen::Vector2d, 4>> CornersAround(
+      const Feature &star, double reach_squares) const;
+  StarView ViewOf(const Feature &star) const;
   TagView ViewOf(size_t board, const BoardTag &tag) const;
 };
 
-// Whether a star's square is wholly seen and not too small.
-bool Scene::IsToBeFound(size_t board, int column, int row) const {
+// Of the square that reaches so far from a star's centre; nothing where one is
+// not seen.
+std::optional<std::array<Eigen::Vector2d, 4>> Scene::CornersAround(
+    const Feature &star, double reach_squares) const {
+  constexpr double kSigns[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
   std::array<Eigen::Vector2d, 4> corners;
-  const double offsets[4][2] = {
-      {-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
   for (int k = 0; k < 4; ++k) {
     const auto corner =
-        Project(board, column + offsets[k][0], row + offsets[k][1]);
-    if (!corner) return false;
+        Project(star.board, star.column + reach_squares * kSigns[k][0],
+                star.row + reach_squares * kSigns[k][1]);
+    if (!corner) return std::nullopt;
     corners[k] = *corner;
   }
+  return corners;
+}
+
+double ShortestSide(const std::array<Eigen::Vector2d, 4> &corners) {
+  double shortest = INFINITY;
   for (int k = 0; k < 4; ++k)
-    if ((corners[k] - corners[(k + 1) % 4]).norm() < kMinStarPx) return false;
-  return true;
+    shortest = std::min(shortest, (corners[k] - corners[(k + 1) % 4]).norm());
+  return shortest;
+}
+
+// Small ones are not to be found.
+StarView Scene::ViewOf(const Feature &star) const {
+  constexpr double kHalf = 0.5, kNear = 0.05;
+  if (const auto corners = CornersAround(star, kHalf))
+    return ShortestSide(*corners) < kMinStarPx ? StarView::kNotToBeFound
+                                               : StarView::kWholly;
+  const auto near = CornersAround(star, kNear);
+  const Area pixels = WholeImage(camera->model->image_size());
+  return near && ShortestSide(*near) >= 2 * kNear * kMinStarPx &&
+                 pixels.Contains(star.pixel, -kWindowPx)
+             ? StarView::kCutByEdge
+             : StarView::kNotToBeFound;
 }
 
 // Of its black square.
@@ -212,17 +251,23 @@ TagView Scene::ViewOf(size_t board, const BoardTag &tag) const {
 }
 
 Scene MakeScene(const std::vector<Camera> &cameras,
-                const std::vector<Target> &targets, uint64_t seed, bool plain,
+                const std::vector<Target> &targets, const Arguments &arguments,
                 int index) {
-  Random random(seed * 1000003 + index);
+  Random random(arguments.seed * 1000003 + index);
   Scene scene;
   scene.camera = &cameras[index % cameras.size()];
   scene.target = &targets[random.Index(static_cast<int>(targets.size()))];
-  scene.imaging = plain ? PlainImaging(&random) : RandomImaging(&random);
+  scene.imaging =
+      arguments.plain ? PlainImaging(&random) : RandomImaging(&random);
   const double square_m = scene.target->pattern.boards[0].square_m;
-  scene.pose =
-      RandomPoses(*scene.camera->model, scene.target->center_m, square_m, 1,
-                  PoseOptions(), seed * 7919 + static_cast<uint64_t>(index))[0];
+  PoseOptions options;
+  if (arguments.large_squares) {
+    options.min_square_px = 30;
+    options.max_square_px = 150;
+  }
+  scene.pose = RandomPoses(
+      *scene.camera->model, scene.target->center_m, square_m, 1, options,
+      arguments.seed * 7919 + static_cast<uint64_t>(index))[0];
   return scene;
 }
 
@@ -244,7 +289,7 @@ void AddError(double error, Outcome *outcome) {
 
 Outcome Compare(const Scene &scene, const std::vector<Feature> &found) {
   Outcome outcome;
-  std::map<FeatureKey, Eigen::Vector2d> truth;
+  std::map<FeatureKey, Feature> truth;
   const auto &boards = scene.target->pattern.boards;
   std::vector<TagView> views(boards.size(), TagView::kNone);
   for (size_t b = 0; b < boards.size(); ++b) {
@@ -253,7 +298,7 @@ Outcome Compare(const Scene &scene, const std::vector<Feature> &found) {
     outcome.tag = std::max(outcome.tag, views[b]);
     for (const Feature &f :
          VisibleFeatures(*scene.camera->model, boards[b], scene.PoseOf(b)))
-      truth[{f.board, f.row, f.column}] = f.pixel;
+      truth[{f.board, f.row, f.column}] = f;
   }
   std::set<FeatureKey> has;
   for (const Feature &f : found) {
@@ -261,17 +306,21 @@ Outcome Compare(const Scene &scene, const std::vector<Feature> &found) {
     has.insert(key);
     const auto place = truth.find(key);
     constexpr double kNotThere = 1000;
-    AddError(
-        place == truth.end() ? kNotThere : (f.pixel - place->second).norm(),
-        &outcome);
+    const bool is_there = place != truth.end();
+    const double error =
+        is_there ? (f.pixel - place->second.pixel).norm() : kNotThere;
+    AddError(error, &outcome);
+    if (is_there && scene.ViewOf(place->second) == StarView::kCutByEdge)
+      outcome.largest_of_cut = std::max(outcome.largest_of_cut, error);
   }
-  for (const auto &[key, pixel] : truth) {
-    const auto [board, row, column] = key;
-    if (!scene.IsToBeFound(board, column, row)) continue;
+  for (const auto &[key, feature] : truth) {
+    const StarView view = scene.ViewOf(feature);
     const Count star = {1, static_cast<int>(has.count(key))};
-    outcome.stars.Add(star);
-    outcome.stars_by_tag[static_cast<int>(views[board])].Add(star);
+    const int tag = static_cast<int>(views[feature.board]);
+    if (view == StarView::kWholly) outcome.stars_by_tag[tag].Add(star);
+    if (view == StarView::kCutByEdge) outcome.cut_stars_by_tag[tag].Add(star);
   }
+  for (const Count &count : outcome.stars_by_tag) outcome.stars.Add(count);
   return outcome;
 }
 
@@ -300,16 +349,21 @@ struct Summary {
   int num_images = 0;
   std::array<int, 3> num_by_tag = {0, 0, 0};
   Count stars, stars_in_images_with_tag;
-  std::array<Count, 3> stars_by_tag;
+  std::array<Count, 3> stars_by_tag, cut_stars_by_tag;
   int num_features = 0, num_wrong = 0;
   double sum_of_squares = 0, largest = 0, ms = 0, longest_ms = 0;
+  double largest_of_cut = 0;
 
   void Add(const Outcome &o) {
     ++num_images;
     ++num_by_tag[static_cast<int>(o.tag)];
     stars.Add(o.stars);
     if (o.tag == TagView::kWholly) stars_in_images_with_tag.Add(o.stars);
-    for (int k = 0; k < 3; ++k) stars_by_tag[k].Add(o.stars_by_tag[k]);
+    for (int k = 0; k < 3; ++k) {
+      stars_by_tag[k].Add(o.stars_by_tag[k]);
+      cut_stars_by_tag[k].Add(o.cut_stars_by_tag[k]);
+    }
+    largest_of_cut = std::max(largest_of_cut, o.largest_of_cut);
     num_features += o.num_features;
     num_wrong += o.num_wrong;
     sum_of_squares += o.sum_of_squares;
@@ -327,6 +381,14 @@ struct Summary {
                 std::sqrt(sum_of_squares / std::max(1, num_features)), largest,
                 num_wrong, ms / std::max(1, num_images), longest_ms);
   }
+  void PrintCut(const std::string &name) const {
+    std::printf("%-10s ", name.c_str());
+    for (const int tag : {2, 1, 0})
+      std::printf("%7d %6.2f ", cut_stars_by_tag[tag].visible,
+                  cut_stars_by_tag[tag].Percent());
+    std::printf("%8.3f %15.3f\n", largest_of_cut,
+                ms / std::max(1, num_features));
+  }
 };
 
 void PrintHead() {
@@ -342,23 +404,34 @@ void PrintHead() {
       "> 0.5", "mean", "most");
 }
 
+void PrintHeadOfCut() {
+  std::printf(
+      "\nStars more than %.1f px from the image's edge that it cuts the "
+      "squares "
+      "of, and %% of them found.\n\n%-10s %14s %14s %14s %8s %15s\n",
+      kWindowPx, "", "tag wholly", "tag partly", "no tag", "largest",
+      "ms, any feature");
+}
+
 void PrintOne(int index, const Scene &scene, const Outcome &o) {
   std::printf(
-      "%4d %-10s %4d px, %d board(s), tag %d: %3d of %3d, largest %.3f, wrong "
-      "%d, %.0f ms; exposure %.2f, blur %.1f\n",
+      "%4d %-10s %4d px, %d board(s), tag %d: %3d of %3d, cut %3d of %3d, "
+      "largest %.3f, %.3f, wrong %d, %.0f ms; exposure %.2f, blur %.1f\n",
       index, scene.camera->lens.c_str(),
       scene.camera->model->image_size().width,
       static_cast<int>(scene.target->surfaces.size()), static_cast<int>(o.tag),
-      o.stars.found, o.stars.visible, o.largest, o.num_wrong, o.ms,
+      o.stars.found, o.stars.visible, o.cut_stars().found,
+      o.cut_stars().visible, o.largest, o.largest_of_cut, o.num_wrong, o.ms,
       scene.imaging.exposure, scene.imaging.blur_px);
 }
 
 void Run(const Arguments &arguments) {
   const std::vector<Camera> cameras = MakeCameras(arguments.threads);
-  const std::vector<Target> targets = MakeTargets(arguments.many_tags);
+  const std::vector<Target> targets =
+      MakeTargets(arguments.many_tags, arguments.large_squares);
   std::vector<Outcome> outcomes(arguments.num_images);
   const auto scene = [&](int i) {
-    return MakeScene(cameras, targets, arguments.seed, arguments.plain, i);
+    return MakeScene(cameras, targets, arguments, i);
   };
   if (arguments.only >= 0) {
     const Scene one = scene(arguments.only);
@@ -377,12 +450,17 @@ void Run(const Arguments &arguments) {
     summaries[scene(i).camera->lens].Add(outcomes[i]);
     total.Add(outcomes[i]);
     const Outcome &o = outcomes[i];
-    if (arguments.list && (o.stars.found < o.stars.visible || o.num_wrong > 0))
+    if (arguments.list &&
+        (o.stars.found < o.stars.visible ||
+         o.cut_stars().found < o.cut_stars().visible || o.num_wrong > 0))
       PrintOne(i, scene(i), o);
   }
   PrintHead();
   for (const auto &[lens, summary] : summaries) summary.Print(lens);
   total.Print("all");
+  PrintHeadOfCut();
+  for (const auto &[lens, summary] : summaries) summary.PrintCut(lens);
+  total.PrintCut("all");
 }
 
 }  // namespace
@@ -406,6 +484,9 @@ int main(int argc, char **argv) {
       "--many-tags", arguments.many_tags,
       "four or six tags on large boards; by default one, on one of the "
       "six patterns two");
+  app.add_flag("--large-squares", arguments.large_squares,
+               "30 to 150 px wide, and tags of two squares; by default 12 to "
+               "30 px");
   app.add_flag("--list", arguments.list, "images in which stars are missed");
   app.add_option("--only", arguments.only, "one image, by number");
   app.add_option("--save", arguments.save, "its PNG file");
