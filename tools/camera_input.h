@@ -20,7 +20,7 @@ struct CameraInput {
 CameraInput ReadCamera(const std::string& path);
 
 /// Turns a grid into the frame of its nearest lens (camera/camera_frame.h),
-/// which calibrations before version 0.2 did not. Returns the rotation of the
+/// which earlier calibrations did not. Returns the rotation of the
 /// new frame from the old one, if there was any need.
 std::optional<Eigen::Quaterniond> TurnIntoCameraFrame(CameraFile* file);
 
@@ -28,8 +28,8 @@ std::optional<Eigen::Quaterniond> TurnIntoCameraFrame(CameraFile* file);
 /// images may have too.
 ImageSize ParseImageSize(const std::string& option, const std::string& text);
 
-/// Throws Error(kOutput) if pictures would be written among the images that they
-/// are made from, where they would be taken for images the next time.
+/// Throws Error(kOutput) if pictures would be written among the images that
+/// they are made from, where they would be taken for images the next time.
 void RequireApart(const std::vector<std::string>& images,
                   const std::string& folder);
 

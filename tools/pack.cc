@@ -98,7 +98,7 @@ void Print(const Arguments& arguments, const PackedCamera& packed, bool json) {
 std::string TurnRemark(const Eigen::Quaterniond& q) {
   return fmt::format(
       "its frame is turned by {:.2f} degrees against its lens's, as "
-      "calibrations before version 0.2 left it; the blob has the lens's frame: "
+      "earlier calibrations left it; the blob has the lens's frame: "
       "multiply poses by the quaternion ({:.9f}, {:.9f}, {:.9f}, {:.9f}) "
       "(w, x, y, z) from the left, or calibrate anew",
       q.angularDistance(Eigen::Quaterniond::Identity()) * 180 / M_PI, q.w(),

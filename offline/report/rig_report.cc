@@ -102,7 +102,8 @@ std::string FormatRigReport(const RigResult& result) {
   return PageStart("Rig calibration") + VerdictSection(result.verdict) +
          CamerasTable(result) + RigErrorTable(result) +
          RigComparisonTable(result) + BaselineTable(result) + SpaceSection() +
-         BoardSection(result.pattern) + WordsSection() + PageEnd(PageData(result));
+         BoardSection(result.pattern) + WordsSection() +
+         PageEnd(PageData(result));
 }
 
 }  // namespace raygrid
