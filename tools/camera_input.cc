@@ -35,8 +35,9 @@ CameraInput ReadCamera(const std::string& path) {
 }
 
 std::optional<Eigen::Quaterniond> TurnIntoCameraFrame(CameraFile* file) {
+  constexpr double kAstrayRad = 1 * M_PI / 180;
   const CameraFrame frame = FindCameraFrame(*file->camera);
-  if (frame.AngleRad() <= kMaxFrameTurnRad) return std::nullopt;
+  if (frame.AngleRad() <= kAstrayRad) return std::nullopt;
   if (file->camera->IsCentral())
     file->camera =
         std::make_unique<TurnedCamera>(*file->camera, frame.frame_from_camera);

@@ -19,9 +19,11 @@ struct CameraInput {
 
 CameraInput ReadCamera(const std::string& path);
 
-/// Turns a grid into the frame of its nearest lens (camera/camera_frame.h),
-/// which earlier calibrations did not. Returns the rotation of the
-/// new frame from the old one, if there was any need.
+/// Turns a grid that looks more than a degree off its lens's axes, as earlier
+/// calibrations left some, into the frame of its nearest lens
+/// (camera/camera_frame.h). Local distortion moves that frame by less, so that
+/// known cameras stay as they are. Returns the rotation of the new frame from
+/// the old one, if there was any need.
 std::optional<Eigen::Quaterniond> TurnIntoCameraFrame(CameraFile* file);
 
 /// "640x480"; throws Error(kUsage) naming the option, for larger sizes than

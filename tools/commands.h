@@ -23,6 +23,9 @@ CLI::App* AddCommand(CLI::App* app, const std::string& name,
                      const std::string& description, const std::string& example,
                      CommonOptions* common);
 
+/// What each exit code means, for a help's end.
+std::string ExitCodesHelp();
+
 /// --huge, for commands that read images or are told their size.
 void AddHugeOption(CLI::App* command);
 

@@ -35,6 +35,8 @@ constexpr char kExitCodes[] =
 
 }  // namespace
 
+std::string ExitCodesHelp() { return kExitCodes; }
+
 CLI::App* AddCommand(CLI::App* app, const std::string& name,
                      const std::string& description, const std::string& example,
                      CommonOptions* common) {

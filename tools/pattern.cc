@@ -357,7 +357,8 @@ void AddPattern(CLI::App* app, CommonOptions* common) {
       "                                segments=16, tags=1, tag-id=0,\n"
       "                                tag-squares, boards=1\n"
       "Lengths have mm, cm or m. The board is that of 'raygrid pattern KIND' "
-      "with\nthe same values.");
+      "with\nthe same values.\n\n" +
+      ExitCodesHelp());
   AddStar(pattern, common);
   AddChessboard(pattern, common);
   AddCharuco(pattern, common);

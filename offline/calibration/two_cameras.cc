@@ -19,6 +19,7 @@ constexpr size_t kMaxFeatures = 60;  // of an image, to look for parts
 // Of the residuals' RMS, by two cameras: what chance or bending of one lens
 // explains is far less.
 constexpr double kMuchBetter = 0.8;
+constexpr size_t kNumChanceSplits = 2;
 
 std::vector<FeatureResidual> ResidualsOf(const Pattern& pattern,
                                          const Adjusted& adjusted,
@@ -302,6 +303,39 @@ std::optional<Names> BestSplit(const Dataset& all, const Pattern& pattern,
   return best_split;
 }
 
+// The mean square of two cameras that are fully adjusted to parts of the
+// images; infinite if they cannot be, or still err alike and must not.
+double MeanSquareOfParts(const TwoParts& parts, const Pattern& pattern,
+                         const AdjustmentOptions& options, bool may_err_alike) {
+  std::vector<FeatureResidual> residuals[2];
+  for (const int k : {0, 1}) {
+    residuals[k] =
+        FullyAdjusted(k == 0 ? parts.first : parts.second, pattern, options);
+    if (residuals[k].empty() || (!may_err_alike && ErrAlike(residuals[k])))
+      return INFINITY;
+  }
+  return MeanSquareOfBoth(residuals[0], residuals[1]);
+}
+
+// The smallest mean square of parts as large as two, whose images stand at
+// equal distances in the order of names. A lens that no camera follows is
+// followed better in parts, whichever they are.
+double MeanSquareByChance(const Dataset& dataset, size_t num_first,
+                          const Pattern& pattern,
+                          const AdjustmentOptions& options) {
+  double least = INFINITY;
+  const std::vector<std::string> names = NamesOf(dataset);
+  for (size_t split = 0; split < kNumChanceSplits; ++split) {
+    Names first;
+    for (size_t k = 0; k < num_first; ++k)
+      first.insert(
+          names[(k * names.size() / num_first + split) % names.size()]);
+    least = std::min(least, MeanSquareOfParts(SplitBy(dataset, first), pattern,
+                                              options, true));
+  }
+  return least;
+}
+
 }  // namespace
 
 std::optional<TwoCameras> FindTwoCameras(const Dataset& training,
@@ -317,14 +351,12 @@ std::optional<TwoCameras> FindTwoCameras(const Dataset& training,
   const TwoParts parts = SplitBy(training, *first);
   const std::vector<FeatureResidual> of_all =
       FullyAdjusted(training, pattern, options);
-  const std::vector<FeatureResidual> of_first =
-      FullyAdjusted(parts.first, pattern, options);
-  const std::vector<FeatureResidual> of_second =
-      FullyAdjusted(parts.second, pattern, options);
-  if (!ErrAlike(of_all) || of_first.empty() || ErrAlike(of_first) ||
-      of_second.empty() || ErrAlike(of_second) ||
-      MeanSquareOfBoth(of_first, of_second) >
-          kMuchBetter * kMuchBetter * MeanSquare(of_all))
+  if (!ErrAlike(of_all)) return std::nullopt;
+  const double bound = kMuchBetter * kMuchBetter;
+  const double of_two = MeanSquareOfParts(parts, pattern, options, false);
+  if (of_two > bound * MeanSquare(of_all) ||
+      of_two > bound * MeanSquareByChance(training, parts.first.images.size(),
+                                          pattern, options))
     return std::nullopt;
   TwoCameras two = {NamesOf(parts.first), NamesOf(parts.second)};
   if (two.second < two.first) std::swap(two.first, two.second);

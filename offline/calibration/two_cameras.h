@@ -12,8 +12,9 @@ namespace raygrid {
 /// features err alike with the one parametric camera, and no longer with two,
 /// each adjusted to a part of the images. The parts are those of two kinds of
 /// names (left01.jpg, right01.jpg), or else what residuals suggest. A lens that
-/// a parametric camera does not follow errs alike in parts, too, and is no
-/// reason to say so.
+/// a parametric camera does not follow errs alike in parts, too, and is
+/// followed better in any parts: two cameras do much better than parts by
+/// chance.
 std::optional<TwoCameras> FindTwoCameras(const Dataset& training,
                                          const Pattern& pattern,
                                          const Adjusted& joint,

@@ -107,7 +107,7 @@ std::string Counted(const std::vector<std::string>& images) {
 
 void JudgeImagesApart(const CalibrationFigures& figures, Verdict* verdict) {
   if (figures.two_cameras) {
-    Fail(fmt::format("these images look like two cameras: {} and {}, or one "
+    Warn(fmt::format("these images look like two cameras: {} and {}, or one "
                      "whose focus changed; calibrate each alone",
                      Counted(figures.two_cameras->first),
                      Counted(figures.two_cameras->second)),

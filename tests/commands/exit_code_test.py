@@ -99,8 +99,8 @@ class CamerasThatNoBlobHolds(CommandTest):
             self.assertIn(word, report)
 
     def test_image_larger_than_a_blob_can_say(self):
-        result = self.calibrate(self.simulate("--size", "20000x15000", "--lens", "pinhole"),
-                                "20000x15000", "--model", "opencv")
+        result = self.calibrate(self.simulate("--size", "20000x15000", "--lens", "pinhole", "--huge"),
+                                "20000x15000", "--model", "opencv", "--huge")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("camera.raygrid: is left out", result.stderr)
         self.check_files("is left out", "16384")

@@ -115,7 +115,10 @@ class MainJob(CommandTest):
         self.assertLess(figures["rms_px"], figures["max_px"])
         compared = run("compare", self.path("out/camera.yaml"), self.path("fitted.yaml"), "--json")
         self.assert_done(compared)
-        self.assertAlmostEqual(json.loads(compared.stdout)["rms_px"], figures["rms_px"], places=6)
+        # compare takes the best rotation out, fit only one that is worth it.
+        compared_px = json.loads(compared.stdout)["rms_px"]
+        self.assertLessEqual(compared_px, figures["rms_px"])
+        self.assertGreater(compared_px, 0.98 * figures["rms_px"])
 
     def test_fit_names_the_models_that_there_are(self):
         result = run("fit", self.path("out/camera.yaml"), "--model", "pinhole", "-o",

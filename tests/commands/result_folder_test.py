@@ -21,7 +21,7 @@ class ResultFolder(CommandTest):
     def calibrate(self, output, features="sim/features.csv", size="640x480"):
         return run("calibrate", "--features", self.path(features), "--image-size", size,
                    "--pattern", self.path("sim/pattern.yaml"), "--model", "opencv",
-                   "--skip-comparison", "-o", self.path(output))
+                   "--skip-comparison", "--huge", "-o", self.path(output))
 
     def test_files_of_an_earlier_result_go_and_those_of_others_stay(self):
         output = self.path("stale")
