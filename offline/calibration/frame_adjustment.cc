@@ -1,8 +1,6 @@
 #include "calibration/frame_adjustment.h"
 
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "camera/camera_frame.h"
 #include "camera/noncentral_generic.h"
@@ -45,14 +43,11 @@ void TurnCamera(size_t camera, const Eigen::Quaterniond& turned_from_camera,
       state.camera_from_rig[camera];
 }
 
-// Returns whether any camera had to be turned. The nearest lenses are found
-// once, and kept.
-bool TurnCameras(std::vector<std::string>* lenses, Adjusted* adjusted) {
+// Returns whether any camera had to be turned.
+bool TurnCameras(Adjusted* adjusted) {
   bool have_turned = false;
-  for (size_t c = 0; c < lenses->size(); ++c) {
-    const CameraFrame frame =
-        FindCameraFrame(*adjusted->state.cameras[c], (*lenses)[c]);
-    (*lenses)[c] = frame.lens;
+  for (size_t c = 0; c < adjusted->state.cameras.size(); ++c) {
+    const CameraFrame frame = FindCameraFrame(*adjusted->state.cameras[c]);
     if (frame.AngleRad() < kStillRad) continue;
     TurnCamera(c, frame.frame_from_camera, adjusted);
     have_turned = true;
@@ -68,9 +63,8 @@ void AdjustInCameraFrames(const AdjustmentOptions& options,
   constexpr int kMaxRounds = 5;
   AdjustmentOptions as_before = options;
   as_before.fix_points = options.fix_points || !HavePointsMoved(*adjusted);
-  std::vector<std::string> lenses(adjusted->state.cameras.size());
   for (int round = 0; round < kMaxRounds; ++round) {
-    if (!TurnCameras(&lenses, adjusted)) return;
+    if (!TurnCameras(adjusted)) return;
     const double noise_px = adjusted->summary.noise_px;
     adjusted->summary = AdjustBundle(adjusted->problem.views, adjusted->prior,
                                      as_before, &adjusted->state);

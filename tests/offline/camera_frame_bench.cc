@@ -1,7 +1,7 @@
 // The frames of random calibrations: how far each is turned from that of the
 // nearest parametric lens, and where the middle of the image looks. Run by
 // hand:
-//   camera_frame_bench [--count N] [--seed N]
+//   camera_frame_bench [--count N] [--first N] [--seed N]
 
 #include <algorithm>
 #include <cmath>
@@ -92,15 +92,16 @@ Frame FrameOf(const CameraModel& camera) {
   return frame;
 }
 
-void Run(int count, uint64_t seed) {
+void Run(int count, int first, uint64_t seed) {
   Random random(seed);
   double worst_deg = 0;
   int num_failed = 0;
   std::printf(
       "lens model size images boards bend noise cell: held-out, turn, "
       "axis, fit opencv thin-prism radial\n");
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < first + count; ++i) {
     const Case c = RandomCase(&random);
+    if (i < first) continue;
     std::printf("%s %s %dx%d %d %d %.4f %.3f %.0f: ", c.lens.c_str(),
                 c.model.c_str(), c.size.width, c.size.height, c.num_images,
                 c.num_boards, c.bend_m, c.noise_px, c.cell_px);
@@ -143,14 +144,16 @@ void Run(int count, uint64_t seed) {
 }  // namespace raygrid
 
 int main(int argc, char** argv) {
-  int count = 200;
+  int count = 200, first = 0;
   uint64_t seed = 1;
   for (int i = 1; i + 1 < argc; i += 2) {
     if (std::strcmp(argv[i], "--count") == 0)
       count = std::atoi(argv[i + 1]);
+    else if (std::strcmp(argv[i], "--first") == 0)
+      first = std::atoi(argv[i + 1]);
     else if (std::strcmp(argv[i], "--seed") == 0)
       seed = std::strtoull(argv[i + 1], nullptr, 10);
   }
-  raygrid::Run(count, seed);
+  raygrid::Run(count, first, seed);
   return 0;
 }
