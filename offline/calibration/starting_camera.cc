@@ -7,6 +7,7 @@
 #include <numeric>
 #include <set>
 
+#include "calibration/evenly_chosen.h"
 #include "camera/model_fitting.h"
 #include "dataset/error.h"
 #include "evaluation/residual_statistics.h"
@@ -102,16 +103,6 @@ void RemoveGrossOutliers(const Pattern& pattern, int num_threads,
   }
 }
 
-// Every so many, so that no more than max_count are left.
-template <typename T>
-std::vector<T> Thinned(const std::vector<T>& all, size_t max_count) {
-  const size_t step = (all.size() + max_count - 1) / max_count;
-  std::vector<T> thinned;
-  for (size_t i = 0; i < all.size(); i += std::max<size_t>(1, step))
-    thinned.push_back(all[i]);
-  return thinned;
-}
-
 // As much as tells the dozen parameters of a lens.
 Adjusted Thinned(const Adjusted& all) {
   constexpr size_t kMaxViews = 100, kMaxFeatures = 60;
@@ -120,10 +111,10 @@ Adjusted Thinned(const Adjusted& all) {
   std::vector<size_t> indices(problem.views.size());
   std::iota(indices.begin(), indices.end(), 0);
   std::vector<bool> remove(indices.size(), true);
-  for (const size_t v : Thinned(indices, kMaxViews)) remove[v] = false;
+  for (const size_t v : EvenlyChosen(indices, kMaxViews)) remove[v] = false;
   RemoveViews(remove, &problem);
   for (View& view : problem.views)
-    view.observations = Thinned(view.observations, kMaxFeatures);
+    view.observations = EvenlyChosen(view.observations, kMaxFeatures);
   return thinned;
 }
 

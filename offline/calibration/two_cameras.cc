@@ -8,14 +8,15 @@
 #include <set>
 
 #include "calibration/camera_evaluation.h"
+#include "calibration/evenly_chosen.h"
 #include "calibration/starting_camera.h"
 #include "dataset/error.h"
 
 namespace raygrid {
 namespace {
 
-constexpr size_t kMinImages = 4;     // of each camera
-constexpr size_t kMaxFeatures = 60;  // of an image, to look for parts
+constexpr size_t kMinPartImages = 4;  // of each camera
+constexpr size_t kMaxFeatures = 60;   // of an image, to look for parts
 // Of the residuals' RMS, by two cameras: what chance or bending of one lens
 // explains is far less.
 constexpr double kMuchBetter = 0.8;
@@ -200,7 +201,7 @@ class TwoFits {
       : pattern_(pattern), options_(options) {
     for (const bool is_first : {true, false}) {
       Adjusted part = PartOf(joint, names, is_first);
-      if (part.problem.views.size() < kMinImages) return;
+      if (part.problem.views.size() < kMinPartImages) return;
       AdjustParametric(part.problem, options, &part.state);
       residuals_.push_back(ResidualsOf(pattern, part, options.num_threads));
       if (residuals_.back().empty()) return;
@@ -243,22 +244,13 @@ class TwoFits {
   std::vector<std::vector<FeatureResidual>> residuals_;
 };
 
-// Every so many, so that no more than max_count are left.
-template <typename T>
-std::vector<T> Thinned(const std::vector<T>& all, size_t max_count) {
-  const size_t step = (all.size() + max_count - 1) / max_count;
-  std::vector<T> thinned;
-  for (size_t i = 0; i < all.size(); i += step) thinned.push_back(all[i]);
-  return thinned;
-}
-
 // As much as tells the dozen parameters of a lens, of two cameras.
 Dataset Thinned(const Dataset& all) {
   constexpr size_t kMaxImages = 40;
   Dataset thinned = all;
-  thinned.images = Thinned(all.images, kMaxImages);
+  thinned.images = EvenlyChosen(all.images, kMaxImages);
   for (ImageFeatures& image : thinned.images)
-    image.features = Thinned(image.features, kMaxFeatures);
+    image.features = EvenlyChosen(image.features, kMaxFeatures);
   return thinned;
 }
 
@@ -267,7 +259,7 @@ Adjusted OnlyOf(const Adjusted& joint, const Dataset& thinned) {
   const std::vector<std::string> names = NamesOf(thinned);
   Adjusted only = PartOf(joint, {names.begin(), names.end()}, true);
   for (View& view : only.problem.views)
-    view.observations = Thinned(view.observations, kMaxFeatures);
+    view.observations = EvenlyChosen(view.observations, kMaxFeatures);
   return only;
 }
 
@@ -342,7 +334,7 @@ std::optional<TwoCameras> FindTwoCameras(const Dataset& training,
                                          const Pattern& pattern,
                                          const Adjusted& joint,
                                          const AdjustmentOptions& options) {
-  if (training.images.size() < 2 * kMinImages) return std::nullopt;
+  if (training.images.size() < 2 * kMinPartImages) return std::nullopt;
   const std::vector<FeatureResidual> residuals =
       ResidualsOf(pattern, joint, options.num_threads);
   if (!ErrAlike(residuals)) return std::nullopt;
