@@ -179,10 +179,14 @@ CameraPrior DirectionsPrior(const BSplineSurface& base, int per_point) {
   // which have no say in it, are in everything else.
   const double middle = pixels[base.num_points() / 2];
   prior.orientation.setZero(per_point * base.num_points(), 3);
-  for (int k = 0; k < base.num_points(); ++k)
+  // Where the lens folds or is continued, a unit of the chart is any number of
+  // pixels; nothing is seen there that could hold the camera.
+  for (int k = 0; k < base.num_points(); ++k) {
+    const double scale = pixels[k] / middle;
     prior.orientation.middleRows<2>(per_point * k) =
-        std::pow(pixels[k] / middle, 2) *
+        std::pow(std::min(scale, 1 / scale), 2) *
         ChartRotationDerivative(base.points()[k]);
+  }
   prior.orientation /= std::sqrt(base.num_points());
   prior.orientation_weight = middle * middle;
   return prior;

@@ -60,7 +60,7 @@ bool TurnCameras(Adjusted* adjusted) {
 
 void AdjustInCameraFrames(const AdjustmentOptions& options,
                           Adjusted* adjusted) {
-  constexpr int kMaxRounds = 5;
+  constexpr int kMaxRounds = 8;
   AdjustmentOptions as_before = options;
   as_before.fix_points = options.fix_points || !HavePointsMoved(*adjusted);
   for (int round = 0; round < kMaxRounds; ++round) {

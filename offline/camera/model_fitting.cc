@@ -122,6 +122,7 @@ std::vector<std::unique_ptr<ParametricModel>> Starts(
 struct Target {
   std::vector<Sample> samples;
   Eigen::VectorXd decentring_weights;
+  double lost_px = kLostPx;  // larger errors have no say
 };
 
 double DecentringCost(const ParametricModel& model, const Target& target) {
@@ -135,24 +136,27 @@ struct Equations {
   Eigen::VectorXd gradient;
 };
 
-double SquaredErrors(const ParametricModel& model,
-                     const Eigen::Quaterniond& rotation,
-                     const std::vector<Sample>& samples) {
-  double cost = 0;
-  for (const Sample& sample : samples) {
+// How far each sample is projected from its pixel, but for those that are lost.
+std::vector<double> ErrorsPx(const ParametricModel& model,
+                             const Eigen::Quaterniond& rotation,
+                             const Target& target) {
+  std::vector<double> errors;
+  for (const Sample& sample : target.samples) {
     const auto pixel =
         model.Project(rotation * sample.ray, nullptr, kAnywherePx);
-    cost += pixel ? std::min((*pixel - sample.pixel).squaredNorm(),
-                             kLostPx * kLostPx)
-                  : kLostPx * kLostPx;
+    errors.push_back(
+        pixel ? std::min((*pixel - sample.pixel).norm(), target.lost_px)
+              : target.lost_px);
   }
-  return cost;
+  return errors;
 }
 
 double CostOf(const ParametricModel& model, const Eigen::Quaterniond& rotation,
               const Target& target) {
-  return SquaredErrors(model, rotation, target.samples) +
-         DecentringCost(model, target);
+  double cost = DecentringCost(model, target);
+  for (const double error : ErrorsPx(model, rotation, target))
+    cost += error * error;
+  return cost;
 }
 
 // What keeps parameters of no effect, as a spline's beyond the samples, smooth
@@ -196,7 +200,7 @@ Equations Linearize(const ParametricModel& model,
     LinearizedProjection linear;
     if (!model.Linearize(ray, nullptr, kAnywherePx, &linear)) continue;
     const Eigen::Vector2d error = linear.pixel - sample.pixel;
-    if (error.norm() > kLostPx) continue;
+    if (error.norm() > target.lost_px) continue;
     Eigen::MatrixXd row = Eigen::MatrixXd::Zero(2, size);
     for (int k = 0; k < linear.num_nodes; ++k)
       row.col(linear.node_parameter[k]) +=
@@ -253,26 +257,50 @@ double Refine(const Target& target, bool free_rotation, FittedModel* fit) {
   return cost;
 }
 
-double RmsPx(const FittedModel& fit, const std::vector<Sample>& samples) {
-  return std::sqrt(SquaredErrors(*fit.model, fit.model_from_camera, samples) /
-                   static_cast<double>(std::max<size_t>(1, samples.size())));
+// The errors of the samples that are fitted best, which are this part of all,
+// from the smallest on.
+std::vector<double> SmallestErrors(const FittedModel& fit, const Target& target,
+                                   double part) {
+  std::vector<double> errors =
+      ErrorsPx(*fit.model, fit.model_from_camera, target);
+  std::sort(errors.begin(), errors.end());
+  errors.resize(static_cast<size_t>(
+      std::ceil(part * static_cast<double>(errors.size()))));
+  return errors;
+}
+
+double RmsPx(const FittedModel& fit, const Target& target) {
+  const std::vector<double> errors =
+      SmallestErrors(fit, target, FittedModel::kCountedPart);
+  double sum = 0;
+  for (const double error : errors) sum += error * error;
+  return errors.empty() ? 0
+                        : std::sqrt(sum / static_cast<double>(errors.size()));
 }
 
 // Against a rotation that is free, the lens's tilt is held, at first as a lens
-// with bumps needs it, then as firmly as what it leaves asks for.
+// with bumps needs it, then as firmly as what it leaves asks for. What is far
+// off the rest then has no say: a grid's corners that nothing was seen in.
+// Returns what is left.
 double RefineWithRotation(const Area& area, Target* target, FittedModel* fit) {
-  constexpr int kRounds = 3;
-  constexpr double kFirstRmsPx = 1.0 / 3;
+  constexpr int kRounds = 4;
+  constexpr double kFirstRmsPx = 1.0 / 3, kFarOff = 10, kNeverFarOffPx = 1;
   const Eigen::VectorXd pixels = DecentringPixels(*fit->model, area);
-  double cost = 0, rms_px = kFirstRmsPx;
+  double rms_px = kFirstRmsPx;
+  target->lost_px = kLostPx;
   for (int round = 0; round < kRounds; ++round) {
     target->decentring_weights =
         static_cast<double>(target->samples.size()) *
         (kDecentringPart * rms_px * pixels).cwiseAbs2();
-    cost = Refine(*target, true, fit);
-    rms_px = RmsPx(*fit, target->samples);
+    Refine(*target, true, fit);
+    rms_px = RmsPx(*fit, *target);
+    const std::vector<double> half = SmallestErrors(*fit, *target, 0.5);
+    if (!half.empty())
+      target->lost_px =
+          std::clamp(kFarOff * half.back(), kNeverFarOffPx, kLostPx);
   }
-  return cost;
+  target->lost_px = kLostPx;
+  return RmsPx(*fit, *target);
 }
 
 }  // namespace
@@ -306,7 +334,7 @@ FittedModel FitParametricModel(const std::string& name,
     best = std::move(fit);
     best_cost = cost;
   }
-  best.rms_px = RmsPx(best, target.samples);
+  best.rms_px = RmsPx(best, target);
   best.model_from_camera =
       (best.model_from_camera * start_from_camera).normalized();
   return best;

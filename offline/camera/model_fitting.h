@@ -16,7 +16,9 @@ struct FittedModel {
   /// Over the area of the camera that it was fitted to.
   std::unique_ptr<ParametricModel> model;
   Eigen::Quaterniond model_from_camera = Eigen::Quaterniond::Identity();
-  double rms_px = 0;  ///< error that is left, over the lattice
+  /// Error that is left, over this part of the lattice, which is fitted best.
+  double rms_px = 0;
+  static constexpr double kCountedPart = 0.9;
 };
 
 /// The parametric model closest to a camera over an area: least squares on how
