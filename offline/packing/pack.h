@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "dataset/camera_file.h"
+#include "packing/blob_limits.h"
 #include "packing/projection_error.h"
 #include "packing/virtual_camera.h"
 
@@ -63,11 +64,6 @@ void RequireBlobText(const char* what, const std::string& text);
 /// nor if it is told to stop.
 PackedCamera PackWhatCanBe(const CameraFile& file, int num_threads,
                            const std::function<bool()>& should_stop = {});
-
-/// Un-projection error that a blob may add.
-constexpr double kMaxPackingErrorPx = 0.002;
-/// And one with control points of 16 bits.
-constexpr double kMaxNarrowErrorRad = 1e-6;
 
 }  // namespace raygrid
 

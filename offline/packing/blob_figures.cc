@@ -1,0 +1,73 @@
+#include "packing/blob_figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace raygrid {
+namespace {
+
+// A figure in its integer unit, rounded up; unknown if there is none.
+uint32_t Figure(std::optional<double> value, double unit) {
+  if (!value) return RG_UNKNOWN_FIGURE;
+  return static_cast<uint32_t>(
+      std::min(std::ceil(*value / unit), RG_UNKNOWN_FIGURE - 1.0));
+}
+
+}  // namespace
+
+void UncertaintySections::AddTo(rg_blob_contents* contents) {
+  mask.bits = bits.data();
+  contents->uncertainty = &uncertainty;
+  contents->uncertainties_q12 = values_q12.data();
+  contents->mask = &mask;
+}
+
+UncertaintySections QuantizeUncertainty(const CameraUncertainty& known,
+                                        const rg_grid_section& grid) {
+  UncertaintySections sections;
+  rg_uncertainty_section& u = sections.uncertainty;
+  u.columns = static_cast<uint16_t>(known.lattice.columns);
+  u.rows = static_cast<uint16_t>(known.lattice.rows);
+  u.scale_x_q32 = rg_grid_scale_q32(u.columns - 1u, grid.x1_q16 - grid.x0_q16);
+  u.scale_y_q32 = rg_grid_scale_q32(u.rows - 1u, grid.y1_q16 - grid.y0_q16);
+  for (const double value : known.lattice.deviation_px)
+    sections.values_q12.push_back(
+        std::isfinite(value)
+            ? static_cast<uint16_t>(std::min(std::ceil(std::ldexp(value, 12)),
+                                             RG_UNKNOWN_UNCERTAINTY - 1.0))
+            : RG_UNKNOWN_UNCERTAINTY);
+
+  const TrustMask& mask = known.mask;
+  sections.mask.columns = static_cast<uint16_t>(mask.columns);
+  sections.mask.rows = static_cast<uint16_t>(mask.rows);
+  sections.mask.cell_log2 =
+      static_cast<uint8_t>(std::lround(std::log2(mask.cell_px)));
+  sections.bits.assign((mask.is_trusted.size() + 31) / 32 * 4, 0);
+  for (size_t k = 0; k < mask.is_trusted.size(); ++k)
+    if (mask.is_trusted[k]) sections.bits[k / 8] |= 1u << k % 8;
+  return sections;
+}
+
+rg_quality_section QualityOf(const CameraFile& file,
+                             const UnprojectionError& packing) {
+  const auto figure = [](const std::optional<ErrorFigures>& figures,
+                         double ErrorFigures::*member) {
+    return Figure(figures ? std::optional((*figures).*member) : std::nullopt,
+                  1e-6);
+  };
+  rg_quality_section quality = {};
+  quality.training_median_upx = figure(file.training, &ErrorFigures::median_px);
+  quality.training_rms_upx = figure(file.training, &ErrorFigures::rms_px);
+  quality.training_max_upx = figure(file.training, &ErrorFigures::max_px);
+  quality.training_count = file.training ? file.training->count : 0;
+  quality.held_out_median_upx = figure(file.held_out, &ErrorFigures::median_px);
+  quality.held_out_rms_upx = figure(file.held_out, &ErrorFigures::rms_px);
+  quality.held_out_max_upx = figure(file.held_out, &ErrorFigures::max_px);
+  quality.held_out_count = file.held_out ? file.held_out->count : 0;
+  quality.packing_error_npx = Figure(packing.px, 1e-9);
+  quality.packing_error_prad = Figure(packing.rad, 1e-12);
+  return quality;
+}
+
+}  // namespace raygrid

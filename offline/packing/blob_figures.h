@@ -1,0 +1,35 @@
+#ifndef RAYGRID_PACKING_BLOB_FIGURES_H
+#define RAYGRID_PACKING_BLOB_FIGURES_H
+
+#include <cstdint>
+#include <vector>
+
+#include "dataset/camera_file.h"
+#include "packing/unprojection_error.h"
+#include "rg_blob.h"
+
+namespace raygrid {
+
+/// What a camera file says of how well the camera is known, in the format's
+/// integers.
+struct UncertaintySections {
+  rg_uncertainty_section uncertainty = {};
+  rg_mask_section mask = {};
+  std::vector<uint16_t> values_q12;
+  std::vector<uint8_t> bits;
+
+  /// What it points to lives as long as this.
+  void AddTo(rg_blob_contents* contents);
+};
+
+/// known: over the area of the blob's grid.
+UncertaintySections QuantizeUncertainty(const CameraUncertainty& known,
+                                        const rg_grid_section& grid);
+
+/// The errors of calibration, as the file has them, and of packing; rounded up.
+rg_quality_section QualityOf(const CameraFile& file,
+                             const UnprojectionError& packing);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_PACKING_BLOB_FIGURES_H

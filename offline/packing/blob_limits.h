@@ -1,0 +1,22 @@
+#ifndef RAYGRID_PACKING_BLOB_LIMITS_H
+#define RAYGRID_PACKING_BLOB_LIMITS_H
+
+#include <string>
+
+#include "dataset/error.h"
+
+namespace raygrid {
+
+/// Un-projection error that a blob may add.
+constexpr double kMaxPackingErrorPx = 0.002;
+/// Un-projection error that a blob with control points of 16 bits may add.
+constexpr double kMaxNarrowErrorRad = 1e-6;
+
+/// Throws Error(kQuality): the format cannot hold the camera; what says why.
+[[noreturn]] inline void ThrowDoesNotFitBlob(const std::string& what) {
+  throw Error(ExitCode::kQuality, "this camera does not fit a blob: " + what);
+}
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_PACKING_BLOB_LIMITS_H

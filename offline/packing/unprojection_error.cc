@@ -1,0 +1,99 @@
+#include "packing/unprojection_error.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "bytes.h"
+#include "dataset/parallel_for.h"
+#include "packing/blob_limits.h"
+#include "raygrid.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kMaxMeasuredPixels = 1.6e7;
+
+// How many pixels lie along a radian of rays where they turn fastest, across
+// the middle of the area; a fisheye's are alike everywhere in its image circle.
+double FewestPixelsPerRadian(const CameraModel& camera) {
+  constexpr int kSteps = 16;
+  const Area& area = camera.area();
+  const auto ray_at = [&](int step) {
+    return camera.Unproject(
+        {area.x0 + area.width() * step / kSteps, (area.y0 + area.y1) / 2});
+  };
+  double fewest = INFINITY;
+  for (int k = 0; k < kSteps; ++k) {
+    const auto from = ray_at(k), to = ray_at(k + 1);
+    if (from && to)
+      fewest =
+          std::min(fewest, area.width() / kSteps / from->cross(*to).norm());
+  }
+  return fewest;
+}
+
+UnprojectionError MeasureOpened(const PackingTruth& truth,
+                                const rg_camera& packed, int num_threads) {
+  // The grid section begins with the area's two lower ends and two upper ones.
+  const auto end_px = [&](int k) {
+    return rg_load_i32(packed.grid + 4 * k) / 65536.0;
+  };
+  const int first = static_cast<int>(std::ceil(end_px(0)));
+  const int first_row = static_cast<int>(std::ceil(end_px(1)));
+  const int last = static_cast<int>(std::floor(end_px(2)));
+  const int last_row = static_cast<int>(std::floor(end_px(3)));
+  const double num_pixels = std::max(
+      1.0, static_cast<double>(last - first + 1) * (last_row - first_row + 1));
+  const int step =
+      static_cast<int>(std::ceil(std::sqrt(num_pixels / kMaxMeasuredPixels)));
+  const int num_rows = (last_row - first_row) / step + 1;
+  constexpr double kHardlyTurn = 20;
+  const double most_per_radian =
+      kHardlyTurn * FewestPixelsPerRadian(truth.camera);
+  std::vector<UnprojectionError> worst(std::max(num_rows, 0));
+  ParallelFor(num_rows, num_threads, [&](int row) {
+    const int y = first_row + step * row;
+    for (int x = first; x <= last; x += step) {
+      const Eigen::Vector2d pixel(x, y);
+      const bool is_trusted = truth.Trusts(pixel);
+      const CameraModel& camera = is_trusted ? truth.camera : truth.elsewhere;
+      const auto exact = camera.Unproject(pixel);
+      LinearizedProjection projection;
+      rg_ray ray;
+      if (!exact || !camera.Linearize(*exact, &pixel, 1, &projection) ||
+          rg_unproject(&packed, {x * 65536, y * 65536}, &ray) != RG_OK)
+        continue;
+      const Eigen::Vector3d direction =
+          Eigen::Vector3d(ray.x_q30, ray.y_q30, ray.z_q30) / (1 << 30);
+      worst[row].rad = std::max(worst[row].rad, direction.cross(*exact).norm());
+      if (is_trusted && projection.by_point.norm() < most_per_radian)
+        worst[row].px =
+            std::max(worst[row].px, (projection.by_point * direction).norm());
+    }
+  });
+  UnprojectionError total;
+  for (const UnprojectionError& error : worst) {
+    total.px = std::max(total.px, error.px);
+    total.rad = std::max(total.rad, error.rad);
+  }
+  return total;
+}
+
+}  // namespace
+
+UnprojectionError MeasureUnprojection(const PackingTruth& truth,
+                                      const std::string& blob,
+                                      int num_threads) {
+  std::vector<uint32_t> words((blob.size() + 3) / 4);
+  std::memcpy(words.data(), blob.data(), blob.size());
+  rg_camera packed;
+  const rg_status status =
+      rg_camera_open(&packed, words.data(), static_cast<uint32_t>(blob.size()));
+  if (status != RG_OK) ThrowDoesNotFitBlob(rg_status_text(status));
+  return MeasureOpened(truth, packed, num_threads);
+}
+
+}  // namespace raygrid
