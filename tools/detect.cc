@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/image_room.h"
 #include "dataset/parallel_for.h"
 #include "dataset/text_encoding.h"
 #include "features/board_guess.h"
@@ -122,6 +123,7 @@ void AddOverlays(const Arguments& arguments, const FolderDetection& found,
   const int count = static_cast<int>(found.paths.size());
   std::vector<std::string> pictures(count);
   ParallelFor(count, NumThreads(num_threads), [&](int i) {
+    const ImageRoom room(found.dataset.image_size);
     pictures[i] = EncodePng(DrawDetection(
         MakeGreyImage(ReadGreyLevels(found.paths[i])), found.images[i]));
   });

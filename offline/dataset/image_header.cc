@@ -243,6 +243,26 @@ void RequireAllowed(const std::string& name, uint64_t width, uint64_t height) {
   if (!why.empty()) throw InputError(name + ": " + why);
 }
 
+// Photographs are not so much smaller than their pixels; what is takes
+// gigabytes of memory for kilobytes of file.
+void RequireLikelyContents(const std::string& name, const RawHeader& header,
+                           size_t num_bytes) {
+  constexpr struct {
+    uint64_t num_pixels, max_pixels_per_byte;
+  } kBounds[] = {{1 << 24, 500}, {1 << 26, 100}};
+  const uint64_t num_pixels = header.width * header.height;
+  const bool is_likely =
+      std::all_of(std::begin(kBounds), std::end(kBounds), [&](const auto& b) {
+        return num_pixels <= b.num_pixels ||
+               num_pixels <= b.max_pixels_per_byte * num_bytes;
+      });
+  if (huge_is_allowed || is_likely) return;
+  throw InputError(
+      fmt::format("{}: {} x {} pixels in {} bytes are no photograph; if they "
+                  "are meant, they need --huge",
+                  name, header.width, header.height, num_bytes));
+}
+
 [[noreturn]] void RefuseDamaged(const std::string& name) {
   throw InputError(name +
                    ": not an image, or damaged; remove it or replace it");
@@ -275,6 +295,7 @@ ImageHeader ParseImageHeader(const std::string& name,
   }
   if (raw.width == 0 || raw.height == 0) RefuseDamaged(name);
   RequireAllowed(name, raw.width, raw.height);
+  RequireLikelyContents(name, raw, bytes.size());
   RequireAllowed(name + ", a tile", raw.tile_width, raw.tile_height);
   ImageHeader header;
   header.size = {static_cast<int>(raw.width), static_cast<int>(raw.height)};

@@ -7,6 +7,7 @@
 #include <opencv2/aruco.hpp>
 #include <tuple>
 
+#include "dataset/image_room.h"
 #include "dataset/parallel_for.h"
 #include "features/aprilgrid.h"
 #include "features/chessboard.h"
@@ -360,6 +361,7 @@ std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
   std::vector<std::optional<Guess>> guesses(chosen.size());
   ParallelFor(
       static_cast<int>(chosen.size()), NumThreads(num_threads), [&](int i) {
+        const ImageRoom room(found.dataset.image_size);
         guesses[i] = GuessFrom(
             MakeGreyImage(ReadGreyLevels(found.paths[chosen[i]])), asked);
       });

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "dataset/files.h"
+#include "dataset/image_room.h"
 #include "dataset/parallel_for.h"
 #include "features/feature_refinement.h"
 
@@ -115,9 +116,11 @@ Dataset RefineThroughCamera(const std::vector<std::string>& paths,
   std::mutex mutex;
   int num_done = 0;
   ParallelFor(count, NumThreads(num_threads), [&](int i) {
-    if (!dataset.images[i].features.empty())
+    if (!dataset.images[i].features.empty()) {
+      const ImageRoom room(dataset.image_size);
       refined.images[i] = refiner.Refine(
           MakeGreyImage(ReadGreyLevels(paths[i])), dataset.images[i]);
+    }
     const std::lock_guard<std::mutex> lock(mutex);
     if (progress) progress(static_cast<double>(++num_done) / count);
   });

@@ -31,6 +31,11 @@ GreyImage MakeGreyImage(const Image& image) {
   return MakeGreyImage(std::move(grey));
 }
 
+bool CanShowBoard(const ImageSize& size) {
+  constexpr int kMinSidePx = 32;
+  return std::min(size.width, size.height) >= kMinSidePx;
+}
+
 GreyImage Mirrored(GreyImage image) {
   const int width = image.size.width;
   for (int row = 0; row < image.size.height; ++row) {

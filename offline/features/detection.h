@@ -38,6 +38,10 @@ struct GreyImage {
 GreyImage MakeGreyImage(const Image& image);
 GreyImage MakeGreyImage(GreyLevels grey);
 
+/// False for images so small that no board is in them; libraries are not made
+/// for those.
+bool CanShowBoard(const ImageSize& size);
+
 /// Left and right exchanged.
 GreyImage Mirrored(GreyImage image);
 

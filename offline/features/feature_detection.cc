@@ -7,11 +7,14 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <new>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <tuple>
 
 #include "dataset/error.h"
 #include "dataset/image_header.h"
+#include "dataset/image_room.h"
 #include "dataset/parallel_for.h"
 #include "dataset/text_encoding.h"
 #include "features/aprilgrid.h"
@@ -96,9 +99,7 @@ PatternDetector::PatternDetector(const Pattern& pattern,
 PatternDetector::~PatternDetector() = default;
 
 ImageDetection PatternDetector::Detect(const GreyImage& image) const {
-  // No board is as small, and libraries are not made for such images.
-  constexpr int kMinSidePx = 32;
-  if (std::min(image.size.width, image.size.height) < kMinSidePx) return {};
+  if (!CanShowBoard(image.size)) return {};
   ImageDetection detection;
   if (data_->stars) detection = data_->stars->Detect(image);
   for (const Data::SingleBoard& board : data_->boards) {
@@ -134,20 +135,32 @@ class ImageReader {
   Outcome Read(const std::string& path) const {
     try {
       const std::string bytes = ReadImageFile(path);
-      const bool is_turned = ParseImageHeader(path, bytes).orientation != 1;
-      return {See(path, bytes), "", is_turned};
+      const ImageHeader header = ParseImageHeader(path, bytes);
+      if (!CanShowBoard(header.size))
+        throw InputError(
+            fmt::format("{}: {} x {} pixels; too small for a board", path,
+                        header.size.width, header.size.height));
+      return {See(path, bytes, header.size), "", header.orientation != 1};
     } catch (const InputError& error) {
       return {std::nullopt, error.what(), false};
+    } catch (const std::bad_alloc&) {
+      return {std::nullopt, path + ": needs more memory than there is", false};
+    } catch (const cv::Exception& error) {
+      return {std::nullopt,
+              fmt::format("{}: cannot be worked on ({})", path, error.err),
+              false};
     }
   }
 
  private:
-  SeenImage See(const std::string& path, const std::string& bytes) const {
+  SeenImage See(const std::string& path, const std::string& bytes,
+                const ImageSize& size) const {
     std::string key;
     if (cache_) {
       key = DetectionCache::Key(bytes, pattern_, options_);
       if (const auto seen = cache_->Find(key)) return *seen;
     }
+    const ImageRoom room(size);
     const GreyImage image = MakeGreyImage(DecodeGreyLevels(path, bytes));
     const SeenImage seen = {image.size, detector_.Detect(image)};
     if (cache_) cache_->Store(key, seen);

@@ -72,6 +72,13 @@ cv::Mat Brightened(const GreyImage& image) {
   return brightened;
 }
 
+// libapriltag counts the rows and columns that it looks at in 15 bits.
+float LeastDecimation(const cv::Mat& image) {
+  constexpr int kMaxLookedAt = 32767;
+  return static_cast<float>(1 + (std::max(image.cols, image.rows) - 1) /
+                                    kMaxLookedAt);
+}
+
 // libapriltag puts (0, 0) at the corner of the top-left pixel.
 Eigen::Vector2d FromPixelCorner(const double position[2]) {
   return {position[0] - 0.5, position[1] - 0.5};
@@ -82,23 +89,26 @@ Eigen::Vector2d FromPixelCorner(const double position[2]) {
 struct TagDetector::Data {
   FamilyPointer family;
   DetectorPointer detector;
-  float min_margin;
+  float decimate, min_margin;
 };
 
 TagDetector::TagDetector(TagFamily family, const TagOptions& options)
     : data_(new Data{MakeFamily(family),
                      {apriltag_detector_create(), apriltag_detector_destroy},
+                     options.decimate,
                      options.min_margin}) {
   apriltag_detector_t* detector = data_->detector.get();
   apriltag_detector_add_family_bits(detector, data_->family.get(),
                                     options.max_wrong_bits);
   detector->nthreads = 1;
-  detector->quad_decimate = options.decimate;
   detector->qtp.max_line_fit_mse = options.max_line_fit_mse;
 }
 TagDetector::~TagDetector() = default;
 
 std::vector<DetectedTag> TagDetector::Detect(const cv::Mat& image) const {
+  if (!CanShowBoard({image.cols, image.rows})) return {};
+  data_->detector->quad_decimate =
+      std::max(data_->decimate, LeastDecimation(image));
   image_u8_t view = {image.cols, image.rows, static_cast<int32_t>(image.step),
                      image.data};
   zarray_t* found = apriltag_detector_detect(data_->detector.get(), &view);

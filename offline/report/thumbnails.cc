@@ -8,6 +8,7 @@
 
 #include "dataset/error.h"
 #include "dataset/image_files.h"
+#include "dataset/image_room.h"
 #include "dataset/parallel_for.h"
 #include "report/html.h"
 #include "report/pictures.h"
@@ -53,6 +54,7 @@ Thumbnails MakeThumbnails(const Dataset& dataset,
   std::vector<std::string> files(count);
   ParallelFor(count, NumThreads(num_threads), [&](int i) {
     try {
+      const ImageRoom room(dataset.image_size);
       images[i] = Shrunk(ReadImage(paths[i], true), width_px);
       files[i] = EncodeJpeg(images[i]);
     } catch (const InputError&) {

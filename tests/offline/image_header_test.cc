@@ -116,7 +116,7 @@ void ExpectRefused(const std::string& file, const std::string& word) {
 }
 
 TEST(ImageHeader, LargerImagesThanAllowedAreRefused) {
-  EXPECT_EQ(ParseImageHeader("a", "P5 16384 16384 255\n").size.width, 16384);
+  EXPECT_EQ(ParseImageHeader("a", "P5 16384 1024 255\n").size.width, 16384);
   ExpectRefused("P5 16385 1 255\n", "--huge");
   ExpectRefused("P5 1 4294967936 255\n", "--huge");
   ExpectRefused("P5 99999999999999999999999 1 255\n", "--huge");
@@ -136,6 +136,18 @@ TEST(ImageHeader, LargerImagesThanAllowedAreRefused) {
     ExpectRefused(
         Tiff({{kWidth, type, 20000}, {kWidth, kLong, 8}, {kHeight, kLong, 8}}),
         "damaged");
+}
+
+TEST(ImageHeader, ManyPixelsOfFewBytesAreRefused) {
+  const std::string small = "P5 4096 4096 255\n", many = "P5 4096 4097 255\n";
+  EXPECT_EQ(ParseImageHeader("a", small).size.height, 4096);
+  ExpectRefused(many, "4096 x 4097 pixels in 17 bytes");
+  EXPECT_EQ(ParseImageHeader("a", many + std::string(33600, ' ')).size.height,
+            4097);
+  const std::string huge = "P5 16384 16384 255\n";
+  ExpectRefused(huge + std::string(2600000, ' '), "--huge");
+  EXPECT_EQ(ParseImageHeader("a", huge + std::string(2700000, ' ')).size.height,
+            16384);
 }
 
 TEST(ImageHeader, OtherKindsAreRefused) {
