@@ -3,7 +3,10 @@
  * metal with semihosting. */
 #if defined(__unix__)
 #define _XOPEN_SOURCE 700
+#include <fcntl.h>
+#include <signal.h>
 #include <sys/stat.h>
+#include <unistd.h>
 #endif
 #include <ctype.h>
 #include <stdio.h>
@@ -22,7 +25,8 @@ static const char kHelp[] =
     "  BLOB  packed with --remap\n"
     "  IN    raw frame of the size the blob is for, 8 bits a pixel or 16\n"
     "        (little-endian); or PGM of 8 bits\n"
-    "  OUT   raw frame of as many bits; PGM if the name ends in .pgm\n"
+    "  OUT   raw frame of as many bits; PGM if the name ends in .pgm; neither\n"
+    "        BLOB nor IN\n"
     "Prints the output's size and CRC-32.\n"
     "Exit codes: 0 done, 1 usage, 2 blob or frame cannot be read, 7 output, "
     "8 blob.\n"
@@ -35,9 +39,37 @@ static int fail(int code, const char* where, const char* what) {
   return code;
 }
 
+#if defined(__unix__)
+
+/* A pipe that nobody writes to would be waited for. */
+static int is_readable(const char* path) {
+  struct stat status;
+  return stat(path, &status) == 0 && S_ISREG(status.st_mode);
+}
+
+/* Under whatever names. */
+static int are_one_file(const char* a, const char* b) {
+  struct stat of_a, of_b;
+  return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 &&
+         of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
+}
+
+#else
+
+static int is_readable(const char* path) {
+  (void)path;
+  return 1;
+}
+
+static int are_one_file(const char* a, const char* b) {
+  return strcmp(a, b) == 0;
+}
+
+#endif
+
 /* A whole file; malloc aligns it more than the blob needs. NULL on failure. */
 static uint8_t* read_file(const char* path, uint32_t* size) {
-  FILE* file = fopen(path, "rb");
+  FILE* file = is_readable(path) ? fopen(path, "rb") : NULL;
   if (!file) return NULL;
   uint8_t* bytes = NULL;
   long length = -1;
@@ -112,9 +144,8 @@ static void swap_bytes(uint8_t* pixels, size_t size) {
   }
 }
 
-static int write_pixels(const char* path, int as_pgm,
-                        const struct picture* picture) {
-  FILE* file = fopen(path, "wb");
+/* Closes the file. */
+static int write_pixels(FILE* file, int as_pgm, const struct picture* picture) {
   if (!file) return 0;
   int good = 1;
   const size_t size = num_bytes(picture);
@@ -137,20 +168,27 @@ static int is_stream(const char* path) {
   return stat(path, &status) == 0 && !S_ISREG(status.st_mode);
 }
 
+/* A file that was not there. */
+static FILE* create(const char* path) {
+  const int number = open(path, O_WRONLY | O_CREAT | O_EXCL, 0666);
+  return number < 0 ? NULL : fdopen(number, "wb");
+}
+
 /* Beside the target first, so that no half frame is ever seen under its name;
  * of a link, beside what it leads to. */
 static int write_frame(const char* path, const struct picture* picture) {
   const int as_pgm = has_suffix(path, ".pgm");
-  if (is_stream(path)) return write_pixels(path, as_pgm, picture);
+  if (is_stream(path)) return write_pixels(fopen(path, "wb"), as_pgm, picture);
   char* const real = realpath(path, NULL);
   const char* const target = real ? real : path;
-  const size_t size = strlen(target) + sizeof(".part");
+  const size_t size = strlen(target) + sizeof(".part-") + 20;
   char* const part = (char*)malloc(size);
   int good = 0;
   if (part) {
-    snprintf(part, size, "%s.part", target);
-    good = write_pixels(part, as_pgm, picture) && rename(part, target) == 0;
-    if (!good) remove(part);
+    snprintf(part, size, "%s.part-%ld", target, (long)getpid());
+    FILE* const file = create(part);
+    good = write_pixels(file, as_pgm, picture) && rename(part, target) == 0;
+    if (file && !good) remove(part);
   }
   free(part);
   free(real);
@@ -161,7 +199,8 @@ static int write_frame(const char* path, const struct picture* picture) {
 
 /* Semihosting cannot rename. */
 static int write_frame(const char* path, const struct picture* picture) {
-  const int good = write_pixels(path, has_suffix(path, ".pgm"), picture);
+  const int good =
+      write_pixels(fopen(path, "wb"), has_suffix(path, ".pgm"), picture);
   if (!good) remove(path);
   return good;
 }
@@ -195,20 +234,29 @@ static int undistort(const rg_camera* camera, const uint8_t* pixels,
     code = fail(BLOB, "blob", rg_status_text(status));
   else if (!write_frame(out_path, &picture))
     code = fail(OUTPUT, out_path, "cannot be written; choose another place");
-  else
-    printf("%lu x %lu, CRC %08lx\n", (unsigned long)width,
-           (unsigned long)height, (unsigned long)crc);
+  else if (printf("%lu x %lu, CRC %08lx\n", (unsigned long)width,
+                  (unsigned long)height, (unsigned long)crc) < 0 ||
+           fflush(stdout) != 0)
+    code = fail(OUTPUT, "standard output", "cannot be written");
   free(picture.pixels);
   return code;
 }
 
 int main(int argc, char** argv) {
   if (argc == 2 && strcmp(argv[1], "--help") == 0) {
-    fputs(kHelp, stdout);
+    if (fputs(kHelp, stdout) < 0 || fflush(stdout) != 0)
+      return fail(OUTPUT, "standard output", "cannot be written");
     return DONE;
   }
   if (argc != 4)
     return fail(USAGE, "usage", "raygrid-undistort BLOB IN OUT; see --help");
+  for (int i = 1; i <= 2; ++i)
+    if (are_one_file(argv[i], argv[3]))
+      return fail(OUTPUT, argv[3],
+                  "would replace an input; choose another place");
+#if defined(__unix__)
+  signal(SIGXFSZ, SIG_IGN); /* writing fails instead */
+#endif
 
   uint32_t blob_size, frame_size;
   uint8_t* blob = read_file(argv[1], &blob_size);
