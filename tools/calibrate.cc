@@ -141,6 +141,9 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
     paths = measurements.paths;
   }
 
+  std::vector<Checkpoint> checkpoints;
+  if (result.checkpoint) checkpoints.push_back(*result.checkpoint);
+  KeepFinishedResult(arguments.output, checkpoints, inputs);
   ResultExtras extras = {
       common.seed, PeakMemoryBytes(), {}, {}, std::move(thumbnails)};
   if (!result.checkpoint) extras.packing = FiguresOf(packed);
@@ -151,9 +154,9 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
   AddResultFiles(result, extras, output.path(), &files);
   if (!packed.blob.empty())
     files.Add(output.path() + "/camera.raygrid", packed.blob);
-  if (result.checkpoint)
+  if (!checkpoints.empty())
     files.Add(output.path() + "/resume.json",
-              FormatCheckpoints({*result.checkpoint}, inputs));
+              FormatCheckpoints(checkpoints, inputs));
   files.Commit();
   AddReports(output.path(), &files);
   files.Commit();
@@ -240,7 +243,9 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
   command->add_flag("--resume", arguments->resume,
                     "go on from where a calibration with the same features, "
                     "options and output folder was interrupted or killed; the "
-                    "result is that of one that was not");
+                    "result is that of one that was not. An interrupted "
+                    "calibration writes the best state so far, but not over a "
+                    "finished result");
   command->add_flag("--skip-comparison", arguments->skip_comparison,
                     "do not calibrate parametric models as well, to compare "
                     "with in the report");

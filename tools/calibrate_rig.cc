@@ -271,10 +271,11 @@ void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
       thumbnails.push_back(
           MakeThumbnails(camera.dataset, camera.paths, common.threads));
   }
+  const std::vector<Checkpoint> checkpoints = CheckpointsOf(result);
+  KeepFinishedResult(arguments.output, checkpoints, inputs);
   OutputFolder output(arguments.output);
   OutputFiles files;
   AddFiles(result, packed, thumbnails, common.seed, output.path(), &files);
-  const std::vector<Checkpoint> checkpoints = CheckpointsOf(result);
   if (!checkpoints.empty())
     files.Add(output.path() + "/resume.json",
               FormatCheckpoints(checkpoints, inputs));

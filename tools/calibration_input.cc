@@ -16,6 +16,7 @@
 #include "features/feature_detection.h"
 #include "interruption.h"
 #include "report/checkpoint_json.h"
+#include "report/result_folder.h"
 
 namespace raygrid {
 namespace {
@@ -189,6 +190,20 @@ void RequireSuccess(const Verdict& verdict, bool is_interrupted,
                 fmt::format("verdict: fail: {}; do not use the camera in {} "
                             "before that is mended",
                             verdict.failure, folder));
+}
+
+void KeepFinishedResult(const std::string& folder,
+                        const std::vector<Checkpoint>& checkpoints,
+                        const std::string& inputs) {
+  if (checkpoints.empty() || !HasFinishedResult(folder)) return;
+  OutputFiles files;
+  files.Add((std::filesystem::path(folder) / "resume.json").string(),
+            FormatCheckpoints(checkpoints, inputs), Links::kReplace);
+  files.Commit();
+  throw Error(ExitCode::kNotConverged,
+              fmt::format("interrupted; {} keeps the finished result that it "
+                          "held before, --resume goes on with this one",
+                          folder));
 }
 
 std::string InputsOf(const CalibrateArguments& arguments,

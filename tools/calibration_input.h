@@ -117,6 +117,13 @@ void PrintUncertainty(const CameraUncertainty& uncertainty,
 void RequireSuccess(const Verdict& verdict, bool is_interrupted,
                     const std::string& folder);
 
+/// What was found so far replaces no finished result: where the folder holds
+/// one, this writes resume.json alone and throws Error(kNotConverged).
+/// Without checkpoints, nothing was interrupted.
+void KeepFinishedResult(const std::string& folder,
+                        const std::vector<Checkpoint>& checkpoints,
+                        const std::string& inputs);
+
 /// Calibrates a rig: in folders of images, or with the features given.
 void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
             const FeaturesByCamera& given);

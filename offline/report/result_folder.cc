@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "dataset/error.h"
 #include "dataset/rig_file.h"
@@ -225,6 +226,19 @@ std::set<std::string> ResultFiles(const std::string& folder) {
     // No rig.
   }
   return files;
+}
+
+bool HasFinishedResult(const std::string& folder) {
+  if (!fs::exists(In(folder, "camera.yaml")) &&
+      !fs::exists(In(folder, "rig.yaml")))
+    return false;
+  try {
+    const auto json = nlohmann::json::parse(ReadFile(In(folder, "result.json")),
+                                            nullptr, false);
+    return !json.is_object() || json.value("status", "") != "interrupted";
+  } catch (const std::exception&) {
+    return true;  // a camera is one without its figures, too
+  }
 }
 
 void AddReports(const std::string& folder, OutputFiles* files) {

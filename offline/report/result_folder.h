@@ -37,6 +37,9 @@ void AddResultFiles(const RigResult& result,
 /// them if it has a rig's: what goes when another result is written there.
 std::set<std::string> ResultFiles(const std::string& folder);
 
+/// Whether a folder holds the result of a calibration that came to its end.
+bool HasFinishedResult(const std::string& folder);
+
 /// report.html from the other files of the folder; for a rig NAME/report.html
 /// of each camera as well. Throws InputError where one is missing, malformed or
 /// of another version.

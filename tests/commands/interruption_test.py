@@ -23,11 +23,11 @@ class Interruption(CommandTest):
                 "640x480", "--pattern", self.path("sim/pattern.yaml"), "--threads", 1, "-o",
                 self.path(output), *more]
 
-    def interrupted(self, arguments, number, seconds):
+    def interrupted(self, arguments, number, seconds, attempts=8):
         """Sends a calibration a signal after some time, another one if that is too early or too
         late, and waits for its end."""
         command = [programs.raygrid, *map(str, arguments)]
-        for _ in range(8):
+        for _ in range(attempts):
             with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                   text=True) as process:
                 time.sleep(seconds)
@@ -38,13 +38,17 @@ class Interruption(CommandTest):
             seconds *= 0.7 if process.returncode >= 0 else 1.5  # done, or being packed
         return process.returncode, error
 
-    def without_times(self, output):
-        """A result's files; what was measured of the run itself is left out of result.json."""
+    def files_in(self, output):
         files = {}
         for place, _, names in os.walk(self.path(output)):
             for name in names:
                 path = os.path.join(place, name)
                 files[os.path.relpath(path, self.path(output))] = read(path)
+        return files
+
+    def without_times(self, output):
+        """A result's files; what was measured of the run itself is left out of result.json."""
+        files = self.files_in(output)
         result = json.loads(files["result.json"])
         for key in ("seconds", "peak_memory_bytes"):
             del result[key]
@@ -103,6 +107,26 @@ class Interruption(CommandTest):
 
                 self.assert_done(run(*self.arguments(output, "--resume")))
                 self.assert_same_bytes(output, "whole")
+
+    def test_a_finished_result_is_kept(self):
+        started = time.monotonic()
+        self.assert_done(run(*self.arguments("finished")))
+        seconds = time.monotonic() - started
+        arguments = self.arguments("finished", "--seed", 1)
+        for part in (0.5, 0.35, 0.7, 0.25, 0.9):
+            before = self.files_in("finished")
+            code, error = self.interrupted(arguments, signal.SIGTERM, part * seconds, attempts=1)
+            if code == 5:
+                break
+        self.assertEqual(code, 5, error)
+        self.assertIn("keeps the finished result", error)
+        self.assertEqual(error.count("\n"), 1, error)
+        after = self.files_in("finished")
+        self.assertTrue(after.pop("resume.json"))
+        self.assertTrue(after == before)
+        self.assert_done(run(*arguments, "--resume"))
+        self.assert_done(run(*self.arguments("at-once", "--seed", 1)))
+        self.assert_same_bytes("finished", "at-once")
 
     def test_a_calibration_that_is_killed_again_and_again_is_gone_on_from(self):
         arguments = self.arguments("killed", "--skip-comparison")
