@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -149,6 +150,7 @@ int main(int argc, char** argv) {
   Eigen::setCpuCacheSizes(32 << 10, 512 << 10, 4 << 20);
   raygrid::KeepFreedMemory();
   raygrid::OccupyStandardStreams();
+  std::signal(SIGXFSZ, SIG_IGN);  // writing fails instead
   try {
     const int code = raygrid::Run(argc, argv);
     return code == 0 && raygrid::IsOutputLost() ? raygrid::FailToPrint() : code;

@@ -25,6 +25,20 @@ namespace fs = std::filesystem;
 // Its name within the folder, and a number.
 constexpr char kWithin[] = ".raygrid-";
 
+// Empties and locks a folder; 0, or an errno.
+int LockEmptied(const std::string& path, int file) {
+  struct stat status;
+  if (fstat(file, &status) != 0) return errno;
+  if (status.st_uid != geteuid()) return EPERM;
+  if (flock(file, LOCK_EX | LOCK_NB) != 0) return errno;
+  std::error_code error, ignored;
+  for (const auto& entry : fs::directory_iterator(path, ignored))
+    fs::remove_all(entry.path(), ignored);
+  const bool is_empty = fs::is_empty(path, error);
+  if (error) return error.value();
+  return is_empty ? 0 : ENOTEMPTY;
+}
+
 // The folder of this name, locked: a new one, or what is left of a program that
 // was killed, emptied. None if another program is at work there, or it is
 // another user's.
@@ -33,16 +47,13 @@ std::optional<int> LockNewFolder(const std::string& path) {
   if (!is_new && errno != EEXIST) FailToWrite(path, errno);
   const int file =
       open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-  if (file < 0) return std::nullopt;
-  struct stat status;
-  std::error_code ignored;
-  if (fstat(file, &status) == 0 && status.st_uid == geteuid() &&
-      flock(file, LOCK_EX | LOCK_NB) == 0) {
-    for (const auto& entry : fs::directory_iterator(path, ignored))
-      fs::remove_all(entry.path(), ignored);
-    if (fs::is_empty(path, ignored)) return file;
+  const int error = file < 0 ? errno : LockEmptied(path, file);
+  if (error == 0) return file;
+  if (file >= 0) close(file);
+  if (is_new && error != EWOULDBLOCK) {  // the next one would fail likewise
+    rmdir(path.c_str());
+    FailToWrite(path, error);
   }
-  close(file);
   return std::nullopt;
 }
 
@@ -258,9 +269,11 @@ OutputFolder::OutputFolder(const std::string& folder) {
 }
 
 OutputFolder::~OutputFolder() {
-  std::error_code ignored;
-  if (!hidden_.empty()) fs::remove_all(hidden_, ignored);
+  std::error_code error, ignored;
+  if (!hidden_.empty()) fs::remove_all(hidden_, error);
   close(lock_);
+  // The lock's descriptor may be the one that there was none for.
+  if (error) fs::remove_all(hidden_, ignored);
 }
 
 void OutputFolder::Commit(const std::set<std::string>& stale) {

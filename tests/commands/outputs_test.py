@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """What is written replaces no input, and what cannot be written is said."""
 import os
+import resource
 import subprocess
 
 from command_test import CommandTest, SIMULATED_PATTERN, main, programs, read, run, write
@@ -55,6 +56,45 @@ class Outputs(CommandTest):
                           (self.path("c.raygrid"), self.path("pipe"))):
             result = self.undistort(*arguments, self.path("never.raw"), timeout=10)
             self.assert_refused(result, 2, "pipe", "cannot be read")
+
+    # ---- Limits of the shell ----------------------------------------------------
+
+    def limited(self, limit, value, *arguments, program=None):
+        return subprocess.run(
+            [program or programs.raygrid, *map(str, arguments)], capture_output=True, text=True,
+            stdin=subprocess.DEVNULL, check=False,
+            preexec_fn=lambda: resource.setrlimit(limit, (value, value)))
+
+    def calibration(self, output):
+        return ("calibrate", "--features", self.path("sim/features.csv"), "--image-size",
+                "160x120", "--pattern", self.path("board.yaml"), "--model", "opencv",
+                "--skip-comparison", "--quiet", "-o", self.path(output))
+
+    def test_a_limit_on_the_size_of_files_is_a_failure_to_write(self):
+        frame = write(self.path("small/in.raw"), FRAME)
+        result = self.limited(resource.RLIMIT_FSIZE, 4096, self.path("c.raygrid"), frame,
+                              self.path("small/out.raw"), program=programs.undistort)
+        self.assert_refused(result, 7, "cannot be written")
+        result = self.limited(resource.RLIMIT_FSIZE, 1024, "pack",
+                              self.path("sim/true_camera.yaml"), "-o", self.path("small/c.raygrid"))
+        self.assert_refused(result, 7, "cannot be written")
+        self.assertEqual(os.listdir(self.path("small")), ["in.raw"])
+        result = self.limited(resource.RLIMIT_FSIZE, 4096, *self.calibration("limits/size"))
+        self.assert_refused(result, 7, "cannot be written")
+        self.assert_nothing_in(self.path("limits/size"))
+        self.assertEqual(os.listdir(self.path("limits")), ["size"])
+
+    def test_a_limit_on_open_files_leaves_nothing_behind(self):
+        for limit in (4, 5, 6):
+            with self.subTest(limit):
+                result = self.limited(resource.RLIMIT_NOFILE, limit,
+                                      *self.calibration("open/files"))
+                if result.returncode == 0:
+                    break
+                self.assert_refused(result, 7, "Too many open files")
+                # What was calibrated need not be calibrated again.
+                self.assertIn(os.listdir(self.path("open/files")), ([], ["resume.json"]))
+                self.assertEqual(os.listdir(self.path("open")), ["files"])
 
 
 if __name__ == "__main__":
