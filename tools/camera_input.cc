@@ -18,10 +18,13 @@
 namespace raygrid {
 
 CameraInput ReadCamera(const std::string& path) {
-  const std::string bytes = ReadFile(path);
+  return ParseCamera(path, ReadFile(path));
+}
+
+CameraInput ParseCamera(const std::string& path, const std::string& bytes) {
   CameraInput input;
   if (!IsBlob(path, bytes)) {
-    input.file = ReadCameraFile(path);
+    input.file = ParseCameraFile(path, bytes);
     return input;
   }
   input.blob.emplace(path, bytes);

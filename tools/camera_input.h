@@ -18,6 +18,12 @@ struct CameraInput {
 };
 
 CameraInput ReadCamera(const std::string& path);
+/// The same of a file's bytes; path is used in errors.
+CameraInput ParseCamera(const std::string& path, const std::string& bytes);
+
+/// Says so on standard error if the camera's calibration failed, which results
+/// do not show.
+void WarnOfFailedCalibration(const std::string& path, const CameraFile& file);
 
 /// Turns a grid that looks more than a degree off its lens's axes, as earlier
 /// calibrations left some, into the frame of its nearest lens

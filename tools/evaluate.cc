@@ -63,8 +63,9 @@ void RequireResiduals(size_t count) {
                 "of this camera?");
 }
 
-void RunCamera(const Arguments& arguments, const CommonOptions& common) {
-  const CameraInput input = ReadCamera(arguments.camera);
+void RunCamera(const Arguments& arguments, const std::string& bytes,
+               const CommonOptions& common) {
+  const CameraInput input = ParseCamera(arguments.camera, bytes);
   const Pattern pattern = GivenPattern(arguments.pattern);
   Dataset dataset = ReadSingleCamera(arguments.features);
   dataset.image_size = input.file.camera->image_size();
@@ -95,8 +96,9 @@ std::vector<Dataset> ReadRigFeatures(
   return datasets;
 }
 
-void RunRig(const Arguments& arguments, const CommonOptions& common) {
-  const std::vector<RigFileCamera> files = ReadRigFile(arguments.camera);
+void RunRig(const Arguments& arguments, const std::string& text,
+            const CommonOptions& common) {
+  const std::vector<RigFileCamera> files = ParseRigFile(arguments.camera, text);
   const Pattern pattern = GivenPattern(arguments.pattern);
   std::vector<Dataset> datasets = ReadRigFeatures(arguments.features, files);
   const std::filesystem::path folder =
@@ -139,10 +141,11 @@ void RunRig(const Arguments& arguments, const CommonOptions& common) {
 }
 
 void Run(const Arguments& arguments, const CommonOptions& common) {
-  if (ReadFile(arguments.camera).find("raygrid_rig:") == std::string::npos)
-    RunCamera(arguments, common);
+  const std::string bytes = ReadFile(arguments.camera);
+  if (bytes.find("raygrid_rig:") == std::string::npos)
+    RunCamera(arguments, bytes, common);
   else
-    RunRig(arguments, common);
+    RunRig(arguments, bytes, common);
 }
 
 }  // namespace

@@ -166,9 +166,9 @@ Json PatternFacts(const Pattern& pattern) {
   return json;
 }
 
-Json RigFacts(const std::string& path) {
+Json RigFacts(const std::vector<RigFileCamera>& cameras) {
   Json json = {{"kind", "rig"}, {"cameras", Json::array()}};
-  for (const RigFileCamera& camera : ReadRigFile(path)) {
+  for (const RigFileCamera& camera : cameras) {
     const Eigen::Vector3d center = camera.camera_from_rig.Inverse().translation;
     json["cameras"].push_back(
         {{"name", camera.name},
@@ -178,9 +178,9 @@ Json RigFacts(const std::string& path) {
   return json;
 }
 
-Json FeaturesFacts(const std::string& path) {
+Json FeaturesFacts(const std::map<std::string, Dataset>& cameras) {
   Json json = {{"kind", "features"}, {"cameras", Json::array()}};
-  for (const auto& [camera, dataset] : ReadFeatures(path))
+  for (const auto& [camera, dataset] : cameras)
     json["cameras"].push_back({{"name", camera},
                                {"features", dataset.num_features()},
                                {"images", dataset.images.size()}});
@@ -192,11 +192,13 @@ Json FactsOf(const std::string& path) {
   const std::string bytes = ReadFile(path);
   if (IsBlob(path, bytes)) return BlobFacts(BlobCamera(path, bytes));
   if (bytes.find("raygrid_camera:") != std::string::npos)
-    return CameraFacts(ReadCameraFile(path));
-  if (bytes.find("raygrid_rig:") != std::string::npos) return RigFacts(path);
+    return CameraFacts(ParseCameraFile(path, bytes));
+  if (bytes.find("raygrid_rig:") != std::string::npos)
+    return RigFacts(ParseRigFile(path, bytes));
   if (bytes.find("raygrid_pattern:") != std::string::npos)
-    return PatternFacts(ReadPattern(path));
-  if (bytes.find("board") != std::string::npos) return FeaturesFacts(path);
+    return PatternFacts(ParsePattern(path, bytes));
+  if (bytes.find("board") != std::string::npos)
+    return FeaturesFacts(ParseFeatures(path, bytes));
   throw InputError(path +
                    ": neither a blob, a camera, a rig, a pattern, nor "
                    "features");

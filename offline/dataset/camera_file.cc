@@ -367,7 +367,10 @@ void EmitModel(const CameraModel& camera, YAML::Emitter* out) {
 }  // namespace
 
 CameraFile ReadCameraFile(const std::string& path) {
-  const std::string text = ReadFile(path);
+  return ParseCameraFile(path, ReadFile(path));
+}
+
+CameraFile ParseCameraFile(const std::string& path, const std::string& text) {
   RequireYamlFile(path, text);
   try {
     return Parse(YAML::Load(text));

@@ -80,7 +80,12 @@ size_t Dataset::num_features() const {
 }
 
 std::map<std::string, Dataset> ReadFeatures(const std::string& path) {
-  const CsvTable table(path, ReadFile(path),
+  return ParseFeatures(path, ReadFile(path));
+}
+
+std::map<std::string, Dataset> ParseFeatures(const std::string& path,
+                                             const std::string& text) {
+  const CsvTable table(path, text,
                        {"image", "board", "column", "row", "x", "y"});
   const bool has_camera = table.HasColumn("camera");
   std::map<std::string, Dataset> datasets;

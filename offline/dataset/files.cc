@@ -6,12 +6,13 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
+#include <functional>
 #include <map>
 #include <optional>
-#include <sstream>
+#include <thread>
 
 #include "dataset/error.h"
 
@@ -66,9 +67,67 @@ int WriteTo(int file, const std::string& contents) {
   return error;
 }
 
+// How long the other end of a pipe may take to come.
+constexpr auto kPatience = std::chrono::seconds(5);
+
+// Calls is_there until it returns true; false if it does not for too long.
+bool WaitFor(const std::function<bool()>& is_there) {
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (!is_there()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return true;
+}
+
 // Into a pipe or a device.
 int WriteStream(const std::string& path, const std::string& contents) {
-  return WriteTo(open(path.c_str(), O_WRONLY | O_CLOEXEC), contents);
+  int file = -1;
+  WaitFor([&] {
+    file = open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
+    return file >= 0 || errno != ENXIO;  // of pipes: nobody reads
+  });
+  if (file >= 0) fcntl(file, F_SETFL, 0);  // from here on, slow readers may be
+  return WriteTo(file, contents);
+}
+
+// ---- Reading ---------------------------------------------------------------
+
+class OpenFile {
+ public:
+  explicit OpenFile(const std::string& path)
+      : file_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
+  ~OpenFile() {
+    if (file_ >= 0) close(file_);
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  int number() const { return file_; }
+
+ private:
+  int file_;
+};
+
+// Whether something has been written to a pipe, or is going to be: without a
+// writer, there is its end. What is read goes to contents.
+bool HasWriter(int pipe, std::string* contents) {
+  char first;
+  const ssize_t size = read(pipe, &first, 1);
+  if (size == 1) contents->push_back(first);
+  return size != 0;
+}
+
+// The rest of a file; returns 0 or an errno.
+int ReadRest(int file, std::string* contents) {
+  std::vector<char> buffer(1 << 16);
+  for (;;) {
+    const ssize_t size = read(file, buffer.data(), buffer.size());
+    if (size == 0) return 0;
+    if (size > 0)
+      contents->append(buffer.data(), static_cast<size_t>(size));
+    else if (errno != EINTR)
+      return errno;
+  }
 }
 
 // A new file; what a program that was killed left under this name goes.
@@ -99,14 +158,23 @@ std::string ReadFile(const std::string& path) {
     throw InputError(path + ": is a folder, where a file was expected");
   if (fs::is_character_file(path, error) || fs::is_block_file(path, error))
     throw InputError(path + ": is a device, where a file was expected");
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream contents;
-  if (file) contents << file.rdbuf();
-  if (!file)
+  const OpenFile file(path);
+  std::string contents;
+  if (file.number() >= 0 && fs::is_fifo(path, error) &&
+      !WaitFor([&] { return HasWriter(file.number(), &contents); }))
+    throw InputError(path +
+                     ": a pipe that nobody writes to; name a file, or start "
+                     "what writes to it first");
+  int failure = file.number() < 0 ? errno : 0;
+  if (failure == 0) {
+    fcntl(file.number(), F_SETFL, 0);  // a slow writer is waited for
+    failure = ReadRest(file.number(), &contents);
+  }
+  if (failure != 0)
     throw InputError(
         fmt::format("{}: cannot be read ({}); check the name and permissions",
-                    path, std::strerror(errno ? errno : EIO)));
-  return contents.str();
+                    path, std::strerror(failure)));
+  return contents;
 }
 
 void OutputFiles::Add(const std::string& path, std::string contents,

@@ -6,8 +6,9 @@
 
 namespace raygrid {
 
-/// A whole file or pipe as bytes; throws InputError if it cannot be read, and
-/// for devices, some of which never end.
+/// A whole file or pipe as bytes; throws InputError if it cannot be read, for
+/// devices, some of which never end, and for pipes that nobody writes to within
+/// a few seconds.
 std::string ReadFile(const std::string& path);
 
 /// Whether a link in the place of a file is the user's, who wants what it leads

@@ -65,7 +65,11 @@ bool IsRigCameraName(const std::string& name) {
 }
 
 std::vector<RigFileCamera> ReadRigFile(const std::string& path) {
-  const std::string text = ReadFile(path);
+  return ParseRigFile(path, ReadFile(path));
+}
+
+std::vector<RigFileCamera> ParseRigFile(const std::string& path,
+                                        const std::string& text) {
   RequireYamlFile(path, text);
   try {
     return ParseCameras(YAML::Load(text));
