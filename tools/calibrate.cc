@@ -229,12 +229,10 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
       ->add_option("--cell-px", arguments->cell_px,
                    "largest cell of the grid; auto chooses by held-out error")
       ->capture_default_str();
-  command
-      ->add_option("--hold-out", arguments->hold_out,
-                   "images (of a rig: instants) to evaluate with instead of "
-                   "calibrating with them "
-                   "(default: cross-validation)")
-      ->delimiter(',');
+  AddHoldOut(command,
+             "images (of a rig: instants) to evaluate with instead of "
+             "calibrating with them (default: cross-validation)",
+             &arguments->hold_out);
   command->add_flag("--flat-board", arguments->flat_board,
                     "trust the pattern's points as they are given");
   command->add_flag("--measure-once", arguments->measure_once,

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace raygrid {
 
@@ -25,6 +26,10 @@ CLI::App* AddCommand(CLI::App* app, const std::string& name,
 
 /// What each exit code means, for a help's end.
 std::string ExitCodesHelp();
+
+/// --hold-out, names of images; help says what they are for.
+void AddHoldOut(CLI::App* command, const std::string& help,
+                std::vector<std::string>* names);
 
 /// --huge, for commands that read images or are told their size.
 void AddHugeOption(CLI::App* command);

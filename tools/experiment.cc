@@ -101,10 +101,26 @@ ExperimentData ReadData(const Arguments& arguments) {
   return data;
 }
 
+// What all files of an experiment's result are called, up to their endings.
+std::string BaseName(const Experiment& experiment, const std::string& folder) {
+  return (std::filesystem::path(folder) / experiment.name).string();
+}
+
+void RequireInputsStay(const Experiment& experiment,
+                       const Arguments& arguments) {
+  const std::vector<std::string> images = FindImages(arguments.images).paths;
+  std::vector<std::string> inputs = {arguments.features, arguments.pattern};
+  for (const auto& more : {arguments.cameras, arguments.rigs, images})
+    inputs.insert(inputs.end(), more.begin(), more.end());
+  const std::string base = BaseName(experiment, arguments.output);
+  RequireNoInputReplaced(inputs,
+                         {base + ".csv", base + ".json", base + ".svg"});
+  RequireApart(images, arguments.output);  // pictures are written, too
+}
+
 void WriteResult(const Experiment& experiment, const ExperimentResult& result,
                  const std::string& folder) {
-  const std::string base =
-      (std::filesystem::path(folder) / experiment.name).string();
+  const std::string base = BaseName(experiment, folder);
   OutputFiles files;
   files.Add(base + ".csv", FormatExperimentCsv(result));
   files.Add(base + ".json", FormatExperimentJson(experiment.name, result));
@@ -130,6 +146,7 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
   else
     options.num_images = experiment.num_images;
   RequireUse(experiment, arguments);
+  RequireInputsStay(experiment, arguments);
   options.data = ReadData(arguments);
   options.seed = common.seed;
   options.num_threads = common.threads;
@@ -173,10 +190,8 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
   command->add_option("--image-size", arguments->image_size,
                       "WxH, with --features");
   AddPatternOption(command, &arguments->pattern, "; with --features");
-  command
-      ->add_option("--hold-out", arguments->hold_out,
-                   "images to test with (default: every fifth)")
-      ->delimiter(',');
+  AddHoldOut(command, "images to test with (default: every fifth)",
+             &arguments->hold_out);
   command
       ->add_option("--camera", arguments->cameras,
                    "the user's own camera.yaml or blob; may be repeated")

@@ -10,6 +10,7 @@
 #include <new>
 
 #include "commands.h"
+#include "dataset/csv.h"
 #include "dataset/error.h"
 #include "dataset/freed_memory.h"
 #include "dataset/image_header.h"
@@ -54,6 +55,26 @@ CLI::App* AddCommand(CLI::App* app, const std::string& name,
   return command;
 }
 
+void AddHoldOut(CLI::App* command, const std::string& help,
+                std::vector<std::string>* names) {
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--hold-out",
+          [names](const std::vector<std::string>& texts) {
+            try {
+              for (const std::string& text : texts)
+                for (std::string& name : ParseCsvRecord("--hold-out", text))
+                  names->push_back(std::move(name));
+            } catch (const InputError& error) {
+              throw Error(ExitCode::kUsage, error.what());
+            }
+          },
+          help +
+              "; one name, or several with commas between them, where names "
+              "with commas of their own are in quotes: '\"a,b.png\",c.png'")
+      ->type_name("NAMES");
+}
+
 void AddHugeOption(CLI::App* command) {
   command->add_flag_callback(
       "--huge", AllowHugeImages,
@@ -69,20 +90,41 @@ int Fail(ExitCode code, const std::string& message) {
 }
 
 // Ranges let NaN pass, which is neither below nor above them.
-void RefuseNumbersThatAreNone(CLI::App* app) {
-  for (CLI::Option* option : app->get_options())
-    if (option->get_type_name().rfind("FLOAT", 0) == 0)
-      option->check(CLI::Validator(
-          [](const std::string& text) {
-            double value = 0;
-            return CLI::detail::lexical_cast(text, value) &&
-                           !std::isfinite(value)
-                       ? text + " is not a finite number"
-                       : std::string();
-          },
-          ""));
+std::string WhyNotFinite(const std::string& text) {
+  double value = 0;
+  return CLI::detail::lexical_cast(text, value) && !std::isfinite(value)
+             ? text + " is not a finite number"
+             : std::string();
+}
+
+// Negative ones would be taken for huge ones.
+std::string WhyNegative(const std::string& text) {
+  return text.find('-') == std::string::npos ? std::string()
+                                             : text + " is negative";
+}
+
+// As of a variable in a script that was never set.
+std::string WhyEmpty(const std::string& text) {
+  return text.empty() ? "an empty text; leave the option out, or say what is "
+                        "meant"
+                      : std::string();
+}
+
+// What the library lets pass in every option of a kind.
+void RefuseValuesThatAreNone(CLI::App* app) {
+  for (CLI::Option* option : app->get_options()) {
+    const std::string type = option->get_type_name();
+    const bool may_be_empty =
+        option->check_name("--name") || option->check_name("--serial");
+    if (type.rfind("FLOAT", 0) == 0)
+      option->check(CLI::Validator(WhyNotFinite, ""));
+    else if (type.rfind("UINT", 0) == 0)
+      option->check(CLI::Validator(WhyNegative, ""));
+    else if (option->get_expected_max() > 0 && !may_be_empty)
+      option->check(CLI::Validator(WhyEmpty, ""));
+  }
   for (CLI::App* command : app->get_subcommands({}))
-    RefuseNumbersThatAreNone(command);
+    RefuseValuesThatAreNone(command);
 }
 
 // Files that the program opens must not become its standard output. What is
@@ -128,7 +170,7 @@ int Run(int argc, char** argv) {
   AddProject(&app, &common);
   AddSimulate(&app, &common);
   AddExperiment(&app, &common);
-  RefuseNumbersThatAreNone(&app);
+  RefuseValuesThatAreNone(&app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

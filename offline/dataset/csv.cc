@@ -40,14 +40,24 @@ class RecordReader {
     return false;
   }
 
+  // The next one whatever it is; false if there is more behind it.
+  bool ReadLast(std::vector<std::string>* fields) {
+    ReadFields(fields);
+    return place_ >= text_.size();
+  }
+
   // Where the record began that was read last.
   int record_line() const { return record_line_; }
 
  private:
+  static constexpr size_t kMaxFields = 1000;
+
   void ReadFields(std::vector<std::string>* fields) {
     fields->clear();
     for (;;) {
       place_ = std::min(text_.find_first_not_of(" \t", place_), text_.size());
+      if (fields->size() == kMaxFields)
+        Fail("more than 1000 fields; no table here has as many");
       fields->push_back(Now() == '"' ? QuotedField() : PlainField());
       if (Now() != ',') break;
       ++place_;
@@ -182,6 +192,17 @@ int CsvTable::Integer(size_t row, const std::string& column) const {
 
 std::string CsvTable::Place(size_t row) const {
   return fmt::format("{}, line {}", name_, rows_[row].line);
+}
+
+std::vector<std::string> ParseCsvRecord(const std::string& name,
+                                        const std::string& text) {
+  RecordReader reader(name, text);
+  std::vector<std::string> fields;
+  if (!reader.ReadLast(&fields))
+    throw InputError(name +
+                     ": more than one line; put names with line ends in "
+                     "quotes");
+  return fields;
 }
 
 std::string CsvField(const std::string& text) {

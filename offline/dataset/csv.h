@@ -14,7 +14,7 @@ class CsvTable {
  public:
   /// name is used in errors. Throws InputError if the text is not UTF-8, a
   /// required column is missing, a column is there twice, or a line has another
-  /// number of fields than the header.
+  /// number of fields than the header, or more than 1000.
   CsvTable(const std::string& name, const std::string& text,
            const std::vector<std::string>& required_columns);
 
@@ -40,6 +40,11 @@ class CsvTable {
   std::vector<std::string> header_;
   std::vector<Row> rows_;
 };
+
+/// The fields of a text of one record, as CsvTable has them, but with no
+/// comments; name is used in errors. Throws InputError.
+std::vector<std::string> ParseCsvRecord(const std::string& name,
+                                        const std::string& text);
 
 /// Text as a field, in quotes if it needs them.
 std::string CsvField(const std::string& text);

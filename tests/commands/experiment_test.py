@@ -323,6 +323,17 @@ cameras:
         self.assert_done(result)
         self.assertIn("raygrid experiment pattern-segments -o", result.stdout)
 
+    def test_inputs_stay(self):
+        folder = self.path("own")
+        features = write(os.path.join(folder, "model-comparison.csv"), "image,board,column\n")
+        result = run("experiment", "model-comparison", "--features", features, "--pattern",
+                     "chessboard:9x6:25mm", "--image-size", "640x480", "-o", folder)
+        self.assert_refused(result, 7, "model-comparison.csv", "would replace the input")
+        image = write(os.path.join(folder, "x.pgm"), b"P5 64 48 255\n" + bytes(64 * 48))
+        result = run("experiment", "curvature-bias", "--image", image, "-o", folder)
+        self.assert_refused(result, 7, "x.pgm", "another folder")
+        self.assertEqual(sorted(os.listdir(folder)), ["model-comparison.csv", "x.pgm"])
+
     def test_wrong_usage(self):
         folder = self.path("refused")
         for arguments, word in ((("magic", "-o", folder), "--list"),

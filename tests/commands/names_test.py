@@ -56,6 +56,18 @@ class Names(CommandTest):
         self.assert_done(evaluated)
         self.assertNotIn("\x1b", evaluated.stdout)
 
+    def test_images_of_any_name_are_held_out(self):
+        features = self.features(NAMES)
+        for held_out in (["#1.png"], ['"a,b.png",9.png'], ['"a,b.png"', '"say ""a"".png"'],
+                         ['"a\nb.png"'], ["9.png,10.png", "11.png"]):
+            with self.subTest(held_out):
+                options = [word for text in held_out for word in ("--hold-out", text)]
+                self.assert_done(self.calibrate(features, *options, output="held"))
+                result = json.loads(read(self.path("held/result.json")))
+                count = sum(text.count(".png") for text in held_out)
+                self.assertEqual(result["images"]["used"], len(NAMES) - count)
+        self.assert_refused(self.calibrate(features, "--hold-out", '"a.png'), 1, "--hold-out")
+
     def test_names_without_quotes_are_refused_where_they_need_some(self):
         plain = self.features(["a,b.png"] + NAMES[11:] + NAMES[:10], quote=lambda name: name)
         self.assert_refused(self.calibrate(plain), 2, "features.csv, line", "quotes")
