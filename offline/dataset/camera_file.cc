@@ -19,6 +19,18 @@
 namespace raygrid {
 namespace {
 
+// Their squares and those of their products are numbers too.
+constexpr double kLargestNumber = 1e12;
+
+// Any number that a camera consists of: neither NaN nor beyond arithmetic.
+double Number(const YAML::Node& node, const std::string& name) {
+  const double number = node.as<double>();
+  if (!(std::abs(number) <= kLargestNumber))
+    throw InputError(
+        fmt::format("{}: not a number, or beyond {:g}", name, kLargestNumber));
+  return number;
+}
+
 // A surface of directions; of what else each control point has,
 // numbers_per_point in all, others gets the rest.
 BSplineSurface ParseGrid(const YAML::Node& root, const Area& area,
@@ -38,12 +50,12 @@ BSplineSurface ParseGrid(const YAML::Node& root, const Area& area,
   BSplineSurface surface(area, columns, rows);
   int index = 0;
   for (const YAML::Node& point : points) {
-    const auto value = point.as<std::vector<double>>();
-    if (value.size() != numbers_per_point ||
-        !std::all_of(value.begin(), value.end(),
-                     [](double number) { return std::isfinite(number); }))
-      throw InputError(fmt::format("control_points: not {} finite numbers each",
+    if (!point.IsSequence() || point.size() != numbers_per_point)
+      throw InputError(fmt::format("control_points: not {} numbers each",
                                    numbers_per_point));
+    std::vector<double> value;
+    for (const YAML::Node& number : point)
+      value.push_back(Number(number, "control_points"));
     surface.points()[index++] = {value[0], value[1]};
     others->emplace_back(value.begin() + 2, value.end());
   }
@@ -75,11 +87,9 @@ std::shared_ptr<CameraModel> ParseNonCentralGeneric(const YAML::Node& root,
 void ParseParameters(const YAML::Node& root,
                      const std::vector<std::string>& names,
                      double* parameters) {
-  for (size_t k = 0; k < names.size(); ++k) {
-    parameters[k] = root["parameters"][names[k]].as<double>();
-    if (!std::isfinite(parameters[k]))
-      throw InputError(fmt::format("parameters: {} is not finite", names[k]));
-  }
+  for (size_t k = 0; k < names.size(); ++k)
+    parameters[k] =
+        Number(root["parameters"][names[k]], "parameters: " + names[k]);
 }
 
 template <typename Model>
@@ -97,14 +107,13 @@ std::shared_ptr<CameraModel> ParseCentralRadial(const YAML::Node& root,
                                                 const Area& area) {
   const YAML::Node radial = root["radial"];
   const double max_angle_rad = radial["max_angle_rad"].as<double>();
-  const auto spline = radial["spline"].as<std::vector<double>>();
+  std::vector<double> spline;
+  for (const YAML::Node& number : radial["spline"])
+    spline.push_back(Number(number, "radial: spline"));
   if (!(max_angle_rad > 0) || !(max_angle_rad <= 3.1))
     throw InputError("radial: max_angle_rad must be in (0, 3.1]");
   if (spline.size() < 3 || spline.size() > 1000)
     throw InputError("radial: spline must have 3 to 1000 numbers");
-  for (const double value : spline)
-    if (!std::isfinite(value))
-      throw InputError("radial: a number of spline is not finite");
   CentralRadial::OtherParameters others = {};
   ParseParameters(
       root,
@@ -116,8 +125,9 @@ std::shared_ptr<CameraModel> ParseCentralRadial(const YAML::Node& root,
 
 std::optional<ErrorFigures> ParseFigures(const YAML::Node& node) {
   if (!node) return std::nullopt;
-  return ErrorFigures{node["median_px"].as<double>(),
-                      node["rms_px"].as<double>(), node["max_px"].as<double>(),
+  return ErrorFigures{Number(node["median_px"], "quality: median_px"),
+                      Number(node["rms_px"], "quality: rms_px"),
+                      Number(node["max_px"], "quality: max_px"),
                       node["count"].as<int>()};
 }
 
@@ -141,7 +151,7 @@ DeviationLattice ParseDeviations(const YAML::Node& node) {
     for (const YAML::Node& value : row) {
       lattice.deviation_px.push_back(value.IsNull() ? NAN : value.as<double>());
       if (!value.IsNull() && !(lattice.deviation_px.back() >= 0))
-        throw InputError("uncertainty: deviation_px is negative");
+        throw InputError("uncertainty: deviation_px is negative or none");
     }
   }
   return lattice;
@@ -163,10 +173,9 @@ ErrorModes ParseModes(const YAML::Node& node) {
                 2 * modes.columns * modes.rows);
     std::vector<Eigen::Vector2d>& field = modes.displacements_px.emplace_back();
     for (int i = 0; i < modes.columns * modes.rows; ++i) {
-      field.emplace_back(mode[2 * i].as<double>(),
-                         mode[2 * i + 1].as<double>());
-      if (!field.back().allFinite())
-        throw InputError("modes: displacements_px is not finite");
+      const char* const name = "modes: displacements_px";
+      field.emplace_back(Number(mode[2 * i], name),
+                         Number(mode[2 * i + 1], name));
     }
   }
   return modes;
@@ -195,12 +204,16 @@ TrustMask ParseMask(const YAML::Node& node, const ImageSize& size) {
 
 std::optional<CameraUncertainty> ParseUncertainty(const YAML::Node& root,
                                                   const ImageSize& size) {
-  if (!root["uncertainty"] || !root["trusted"]) return std::nullopt;
+  if (!root["uncertainty"] && !root["trusted"]) return std::nullopt;
+  if (!root["uncertainty"] || !root["trusted"])
+    throw InputError(
+        "'uncertainty' and 'trusted' belong together, and one is missing; "
+        "take the whole file");
   CameraUncertainty uncertainty;
   uncertainty.lattice = ParseDeviations(root["uncertainty"]);
   uncertainty.mask = ParseMask(root["trusted"], size);
   uncertainty.max_deviation_px =
-      root["trusted"]["max_deviation_px"].as<double>();
+      Number(root["trusted"]["max_deviation_px"], "trusted: max_deviation_px");
   uncertainty.modes = ParseModes(root["uncertainty"]["modes"]);
   return uncertainty;
 }
@@ -246,6 +259,8 @@ CameraFile Parse(const YAML::Node& root) {
   if (root["quality"]) {
     file.training = ParseFigures(root["quality"]["training"]);
     file.held_out = ParseFigures(root["quality"]["held_out"]);
+    if (root["quality"]["verdict"])
+      file.verdict = root["quality"]["verdict"].as<std::string>();
   }
   file.uncertainty = ParseUncertainty(root, image_size);
   return file;
@@ -405,14 +420,17 @@ std::string FormatCameraFile(const CameraFile& file) {
   for (const double edge : {area.x0, area.y0, area.x1, area.y1})
     out << fmt::format("{:.17g}", edge);
   out << YAML::EndSeq;
-  EmitModel(camera, &out);
   if (file.training || file.held_out) {
     out << YAML::Key << "quality" << YAML::Value << YAML::BeginMap;
+    if (!file.verdict.empty())
+      out << YAML::Key << "verdict" << YAML::Value << file.verdict;
     EmitFigures("training", file.training, &out);
     EmitFigures("held_out", file.held_out, &out);
     out << YAML::EndMap;
   }
   if (file.uncertainty) EmitUncertainty(*file.uncertainty, &out);
+  // What no camera lacks comes last: a file that was cut is none.
+  EmitModel(camera, &out);
   out << YAML::EndMap;
   return std::string(out.c_str()) + "\n";
 }

@@ -20,6 +20,7 @@ struct ErrorFigures {
 struct CameraFile {
   std::shared_ptr<const CameraModel> camera;
   std::string name, serial;
+  std::string verdict;  ///< the calibration's: "pass", "warn", "fail"; or ""
   std::optional<ErrorFigures> training, held_out;
   std::optional<CameraUncertainty> uncertainty;
 };

@@ -270,6 +270,9 @@ std::string FormatPattern(const Pattern& pattern) {
     board.SetStyle(YAML::EmitterStyle::Block);
     board[pattern.boards[i].kind == "points" ? "xyz" : "points"] = points;
   }
+  // What no pattern lacks comes last: a file that was cut is none.
+  root.remove("raygrid_pattern");
+  root["raygrid_pattern"] = 1;
   YAML::Emitter emitter;
   emitter << root;
   return std::string(emitter.c_str()) + "\n";

@@ -85,7 +85,7 @@ std::vector<RigFileCamera> ParseRigFile(const std::string& path,
 }
 
 std::string FormatRigFile(const std::vector<RigFileCamera>& cameras) {
-  std::string text = "raygrid_rig: 1\ncameras:\n";
+  std::string text = "cameras:\n";
   for (const RigFileCamera& camera : cameras) {
     Eigen::Quaterniond q = camera.camera_from_rig.rotation;
     if (q.w() < 0) q.coeffs() = -q.coeffs();
@@ -99,7 +99,8 @@ std::string FormatRigFile(const std::vector<RigFileCamera>& cameras) {
         camera.name, camera.file, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(),
         t.z());
   }
-  return text;
+  // What no rig lacks comes last: a file that was cut is none.
+  return text + "raygrid_rig: 1\n";
 }
 
 }  // namespace raygrid

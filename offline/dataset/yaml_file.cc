@@ -4,6 +4,8 @@
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
+#include <cstring>
 #include <set>
 #include <sstream>
 #include <vector>
@@ -41,10 +43,14 @@ class DuplicateKeyFinder : public YAML::EventHandler {
   void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
                   YAML::EmitterStyle::value) override {
     OnValue(mark, "");
+    is_map_ = is_map_ || open_.empty();
     open_.push_back({});
     open_.back().is_map = true;
   }
   void OnMapEnd() override { open_.pop_back(); }
+
+  // Whether the document is a map, as those of cameras, patterns and rigs are.
+  bool is_map() const { return is_map_; }
 
  private:
   struct Collection {
@@ -66,7 +72,45 @@ class DuplicateKeyFinder : public YAML::EventHandler {
 
   const std::string& path_;
   std::vector<Collection> open_;
+  bool is_map_ = false;
 };
+
+// A number or word that the last line ends with may have been longer, unless
+// the line ends.
+void RequireWholeLastLine(const std::string& path, const std::string& text) {
+  const size_t last = text.find_last_not_of(" \t\r");
+  if (last == std::string::npos || std::strchr("\n}]", text[last])) return;
+  throw InputError(path +
+                   ": ends within a line, as if it was cut; take the whole "
+                   "file, or end the line");
+}
+
+// The parser takes a quote that nothing follows for an empty text.
+void RequireClosedQuote(const std::string& path, const std::string& text) {
+  const size_t last = text.find_last_not_of(" \t\r\n");
+  if (last == std::string::npos || !std::strchr("\"'", text[last])) return;
+  const size_t line = text.rfind('\n', last) + 1;
+  if (std::count(text.begin() + static_cast<std::ptrdiff_t>(line), text.end(),
+                 text[last]) %
+          2 !=
+      0)
+    throw InputError(path +
+                     ": ends with a quote that is not closed, as if it was "
+                     "cut; take the whole file");
+}
+
+// Parsers of one document do not look at what follows it.
+void RequireNothingMore(const std::string& path, YAML::Parser* parser) {
+  const char* const what = "more behind the end of the file's contents";
+  DuplicateKeyFinder ignored(path);
+  try {
+    if (!parser->HandleNextDocument(ignored)) return;
+  } catch (const YAML::Exception& error) {
+    throw InputError(fmt::format("{}, line {}: {} ({}); remove it", path,
+                                 error.mark.line + 1, what, error.msg));
+  }
+  throw InputError(fmt::format("{}: {}; remove it", path, what));
+}
 
 }  // namespace
 
@@ -74,11 +118,15 @@ void RequireYamlFile(const std::string& path, const std::string& text) {
   RequireTextFile(path, text);
   std::istringstream stream(text);
   DuplicateKeyFinder finder(path);
+  YAML::Parser parser(stream);
   try {
-    YAML::Parser(stream).HandleNextDocument(finder);
+    parser.HandleNextDocument(finder);
   } catch (const YAML::Exception&) {
-    // Parsing it says what is wrong.
+    return;  // parsing it says what is wrong
   }
+  RequireNothingMore(path, &parser);
+  RequireClosedQuote(path, text);
+  if (finder.is_map()) RequireWholeLastLine(path, text);
 }
 
 }  // namespace raygrid

@@ -2,6 +2,7 @@
 """Bad input gets its exit code and one line, and leaves nothing half-written."""
 import os
 import random
+import subprocess
 
 from command_test import CommandTest, PATTERN, main, programs, read, run, write
 
@@ -176,6 +177,74 @@ class BadInput(CommandTest):
                          ("model: central-generic", "model: other"), ("area: [", "area: [700, ")):
             bad = write(self.path("bad_camera.yaml"), text.replace(old, new, 1))
             self.assert_refused(run("inspect", bad), 2, "bad_camera.yaml")
+
+    def test_camera_beyond_arithmetic(self):
+        lines = read(self.path("sim/true_camera.yaml")).decode().splitlines()
+        point = max(i for i, line in enumerate(lines) if line.startswith("  - ["))
+        for number in ("1e308", "-1e13", ".nan", ".inf"):
+            bad = [*lines[:point], f"  - [{number}, 0.5]", *lines[point + 1:], ""]
+            path = write(self.path("far.yaml"), "\n".join(bad))
+            pixels = write(self.path("px.csv"), "x,y\n1,2\n")
+            self.assert_refused(run("unproject", path, "--pixels", pixels), 2, "far.yaml",
+                                "control_points")
+
+    def test_files_that_were_cut(self):
+        """Wherever it is: never another camera, or another board."""
+        result = run("calibrate", "--features", self.path("sim/features.csv"), "--image-size",
+                     "640x480", "--pattern", self.path("sim/pattern.yaml"), "--model", "opencv",
+                     "--skip-comparison", "-o", self.path("whole"))
+        self.assert_done(result)
+        for name in ("whole/camera.yaml", "whole/pattern.yaml", "sim/true_camera.yaml"):
+            good = read(self.path(name))
+            random.seed(3)
+            line_ends = [i + 1 for i, byte in enumerate(good) if byte == ord("\n")][:-1]
+            cuts = {*random.sample(range(len(good) - 3), 8), *random.sample(line_ends, 5),
+                    *line_ends[:7], *line_ends[-5:]}
+            for size in sorted(cuts):
+                path = write(self.path("cut.yaml"), good[:size])
+                with self.subTest(name, size=size):
+                    self.assert_refused(run("inspect", path), 2, "cut.yaml")
+
+    def test_half_of_what_a_camera_is_known_by(self):
+        self.assert_refused(run("inspect", write(
+            self.path("half.yaml"), read(self.path("sim/true_camera.yaml")) + b"uncertainty:\n")),
+            2, "half.yaml", "belong together")
+
+    def test_more_behind_the_end_of_a_file(self):
+        for more, words in (("---\nraygrid_pattern: 1\n", "more behind the end"),
+                            ("'", "not closed"), ('"', "not closed"), ("'\n", "not closed"),
+                            ('"\n\n', "not closed"), ("]\n", "not YAML"), ("'cut", "not YAML")):
+            with self.subTest(more):
+                path = write(self.path("more.yaml"), PATTERN + more)
+                self.assert_refused(run("inspect", path), 2, "more.yaml", words)
+
+    def test_a_last_line_that_may_have_been_longer(self):
+        block = ("raygrid_pattern: 1\nboards:\n  - id: 0\n    kind: chessboard\n    columns: 9\n"
+                 "    rows: 6\n    square_m: 0.025")
+        self.assert_refused(run("inspect", write(self.path("last.yaml"), block[:-1])), 2,
+                            "last.yaml", "ends within a line")
+        self.assert_done(run("inspect", write(self.path("last.yaml"), block + "\n")))
+        self.assert_done(run("inspect", write(self.path("last.yaml"), PATTERN.rstrip("\n"))))
+
+    def test_a_line_of_millions_of_fields(self):
+        path = write(self.path("commas.csv"), b"," * 20000000 + b"\n")
+        with subprocess.Popen([programs.raygrid, "unproject", self.path("good.raygrid"), "--pixels",
+                               path], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+            error = process.stderr.read().decode()
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+        self.assertEqual(process.returncode, 2, error)
+        self.assertIn("commas.csv, line 1", error)
+        self.assertLess(usage.ru_maxrss, 200000)
+
+    def test_values_that_are_none(self):
+        simulate = ("simulate", "--images", 2)
+        for arguments, word in (((*simulate, "--seed", "-1", "-o", self.path("none")), "--seed"),
+                                ((*simulate, "-o", ""), "-o"), ((*simulate, "--output="), "-o"),
+                                (("inspect", ""), "file")):
+            with self.subTest(arguments):
+                self.assert_refused(run(*arguments), 1, word)
+        self.assertFalse(os.path.exists(self.path("none")))
 
     def test_pixel_that_is_not_a_number(self):
         path = write(self.path("bad_px.csv"), "x,y\n1,2\nnan,3\n")

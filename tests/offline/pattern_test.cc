@@ -108,7 +108,7 @@ TEST(Pattern, OtherDocumentsAreRefused) {
   ExpectRefused("[1, 2]", {"raygrid_pattern"});
   ExpectRefused("boards: []", {"raygrid_pattern"});
   ExpectRefused("raygrid_pattern: 2\nboards: []", {"version"});
-  ExpectRefused("raygrid_pattern: 1", {"boards"});
+  ExpectRefused("raygrid_pattern: 1\n", {"boards"});
   ExpectRefused("raygrid_pattern: 1\nboards: []", {"boards"});
   ExpectRefused("raygrid_pattern: 1\nboards: [5]", {"board 1"});
 }
