@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Random small inputs to all commands: each ends by itself within 60 s and 1 GB, with an exit code
-of the README, and says why where it fails. By hand: --count 2000, --seed N, --only N for one."""
+of the README, says why where it fails, in words of its own, and leaves nothing half-written. By
+hand: --count 2000, --seed N, --only N for one."""
 import argparse
 import os
 import random
@@ -12,14 +13,21 @@ import tempfile
 import time
 
 from command_test import SIMULATED_PATTERN, read, write
+from image_size_test import black_png
 from images_test import chunk, exif, png, tiff
 
 MAX_SECONDS, MAX_BYTES = 60, 1 << 30
-NUMBERS = ("0", "1", "-1", "0.02", "1e-6", "1e-9", "1e-300", "1e300", ".nan", ".inf", "1e999", "7",
-           "640", "1000", "65536", "2147483647", "4294967936", "99999999999999999999", "x", "''",
-           "[]")
-SIZES = ("64x48", "160x120", "1x1", "0x0", "16385x2", "65536x65536", "1000000x1000000",
-         "4294967936x480", "640", "-1x5", "nanxnan")
+NUMBERS = ("0", "1", "-1", "0.02", "1e-6", "1e-9", "1e-300", "1e300", "1e308", "1e12", ".nan",
+           ".inf", "1e999", "7", "640", "1000", "65536", "2147483647", "4294967936",
+           "99999999999999999999", "x", "''", "[]")
+SIZES = ("64x48", "160x120", "1x1", "2x2", "0x0", "8192x8192", "16384x40", "16385x2",
+         "65536x65536", "1000000x1000000", "4294967936x480", "640", "-1x5", "nanxnan")
+IMAGE_SIZES = ((64, 48), (160, 120), (640, 480), (33, 1), (1, 1), (2, 2), (3, 40), (31, 31),
+               (32, 32), (40, 16384), (16384, 33))
+# Far more pixels than bytes.
+LARGE = {"black.png": (16000, 16000), "wide.png": (16384, 3000), "large.png": (8000, 8000)}
+WORDS = ("chessboard:14x10:30mm", "charuco:8x5:28mm:marker=21mm", "aprilgrid:6x6:24mm",
+         "star:16x23:11mm", "chessboard:9x6", "chessboard:1x1:1km", "star:1000x1000:1mm")
 
 
 class Case:
@@ -31,6 +39,13 @@ class Case:
         commands = sorted(name[4:] for name in dir(self) if name.startswith("run_"))
         self.name = commands[index % len(commands)]
         self.arguments = [self.name] + [str(word) for word in getattr(self, "run_" + self.name)()]
+        if self.chance(0.03):
+            self.arguments += ["--seed", self.random.choice(("-1", "7", "18446744073709551616"))]
+        self.limits = {}
+        if self.chance(0.04):
+            self.limits[resource.RLIMIT_FSIZE] = self.random.choice((0, 100, 5000, 100000))
+        if self.chance(0.04):
+            self.limits[resource.RLIMIT_NOFILE] = self.random.choice((4, 5, 6, 8, 12))
 
     def chance(self, part):
         return self.random.random() < part
@@ -38,6 +53,21 @@ class Case:
     def path(self, end):
         self.count += 1
         return os.path.join(self.folder, f"{self.count}{end}")
+
+    def no_file(self):
+        """What stands where a file was expected."""
+        path = self.path("")
+        self.random.choice((os.mkfifo, lambda p: os.symlink("/dev/zero", p), os.mkdir,
+                            lambda p: os.symlink(p, p), lambda p: os.symlink("/dev/full", p)))(path)
+        return path
+
+    def output(self, end=""):
+        """Where to write: a new place, in most cases."""
+        if self.chance(0.93):
+            return self.path(end)
+        return self.random.choice((self.no_file, lambda: "", lambda: self.file(end, b"old"),
+                                   lambda: os.path.join(self.file("", b"old"), "below"),
+                                   lambda: "/dev/full"))()
 
     def file(self, end, contents):
         return write(self.path(end), contents)
@@ -72,8 +102,10 @@ class Case:
         return " ".join(words)
 
     def image(self):
-        size = self.random.choice(((64, 48), (160, 120), (33, 1), (640, 480)))
+        size = self.random.choice(IMAGE_SIZES)
         pixels = [self.random.choice((0, 128, 255))] * (size[0] * size[1])
+        if self.chance(0.04):
+            return os.path.join(self.base + "-large", self.random.choice(sorted(LARGE)))
         kind = self.random.randrange(8)
         if kind == 0:
             end, contents = ".png", png(pixels, size=size, chunks=chunk(b"eXIf", exif(6)))
@@ -83,9 +115,7 @@ class Case:
             width, height = self.random.choice(((30000, 30000), (1, 1 << 31), (0, 5), size))
             end, contents = ".pgm", b"P5 %d %d 255\n" % (width, height) + bytes(pixels)
         elif kind == 3:
-            path = self.path(".png")
-            self.random.choice((os.mkfifo, lambda p: os.symlink("/dev/zero", p), os.mkdir))(path)
-            return path
+            return self.no_file()
         elif kind == 4:
             end, contents = ".png", png([257 * level for level in pixels], bits=16, size=size)
         else:
@@ -98,6 +128,8 @@ class Case:
         return self.random.choice(([self.base], [self.base, *odd], odd))
 
     def text(self, name, end, part=0.15):
+        if self.chance(0.04):
+            return self.no_file()
         contents = read(os.path.join(self.base, name))
         if self.chance(0.5):
             contents = self.with_numbers(contents.decode(), part).encode()
@@ -109,6 +141,8 @@ class Case:
         path = self.good("pattern.yaml")
         if path:
             return path
+        if self.chance(0.3):
+            return self.random.choice(WORDS)
         kind = self.random.choice(("chessboard", "star", "charuco", "aprilgrid", "points", "other"))
         if self.chance(0.5):
             return self.text("pattern.yaml", ".yaml", 0.8)
@@ -133,6 +167,10 @@ class Case:
         return self.good("features.csv") or self.text("features.csv", ".csv", 0.3)
 
     def numbers(self, columns):
+        if self.chance(0.05):
+            return self.no_file()
+        if self.chance(0.05):
+            return self.file(".csv", b"," * 5000000)
         rows = [",".join(self.random.choice(NUMBERS) for _ in columns)
                 for _ in range(self.random.choice((0, 1, 5)))]
         return self.file(".csv", self.damaged("\n".join([",".join(columns)] + rows).encode()))
@@ -150,19 +188,21 @@ class Case:
                     if self.chance(0.6) else [*self.images(), "--measure-once"])
         model = self.random.choice(("opencv", "central-generic", "noncentral-generic",
                                     "central-radial", "thin-prism-fisheye", "none"))
+        names = ("sim0001.png", '"a,b"', '"', ",,", "x" * 9000)
+        held_out = ["--hold-out", self.random.choice(names)]
         return [*measured, "--pattern", self.pattern(), "--model", model, "--cell-px",
                 self.random.choice(("40", "160", "2", "0", "nan", "1e300", "auto")),
-                "--skip-comparison", "-o", self.path("")]
+                "--skip-comparison", *(held_out if self.chance(0.1) else []), "-o", self.output()]
 
     def run_check(self):
         return [self.camera(), *self.images(), "--pattern", self.pattern()]
 
     def run_compare(self):
-        return [self.camera(), self.camera(), "-o", self.path("")]
+        return [self.camera(), self.camera(), "-o", self.output()]
 
     def run_detect(self):
-        return [*self.images(), "--pattern", self.pattern(), "-o", self.path(".csv"), "--overlay",
-                self.path(""), "--no-cache"]
+        return [*self.images(), "--pattern", self.pattern(), "-o", self.output(".csv"), "--overlay",
+                self.output(), "--no-cache"]
 
     def run_evaluate(self):
         return [self.camera(), "--features", self.features(), "--pattern", self.pattern()]
@@ -170,29 +210,28 @@ class Case:
     def run_experiment(self):
         return ["curvature-bias", "--features", self.features(), "--image-size", self.size(),
                 "--pattern", self.pattern(), "--camera", self.camera(), "--image", self.image(),
-                "-o", self.path("")]
+                "-o", self.output()]
 
     def run_fit(self):
         model = self.random.choice(("opencv", "central-radial", "thin-prism-fisheye"))
-        return [self.camera(), "--model", model, "-o", self.path(".yaml")]
+        return [self.camera(), "--model", model, "-o", self.output(".yaml")]
 
     def run_inspect(self):
-        # No image: a pipe that nobody writes to is waited for where text is read.
-        return [self.random.choice((self.camera, self.pattern, self.features))()]
+        return [self.random.choice((self.camera, self.pattern, self.features, self.image))()]
 
     def run_pack(self):
         remap = self.size() + self.random.choice(("", ",hfov=60", ",hfov=179.9", ",hfov=1e-9"))
-        return [self.camera(), "--remap", remap, "-o", self.path(".raygrid")]
+        return [self.camera(), "--remap", remap, "-o", self.output(".raygrid")]
 
     def run_pattern(self):
         kind = self.random.choice(("chessboard", "star", "charuco", "aprilgrid"))
         side = lambda: self.random.choice(("2", "8", "14", "1000", "0", "-3", "1001"))
         return [kind, "--columns", side(), "--rows", side(), "--square-mm",
                 self.random.choice(("0.001", "1", "20", "1e6", "1e-300", "nan")), "--dpi",
-                self.random.choice(("1", "50", "72", "1e9")), "-o", self.path("")]
+                self.random.choice(("1", "50", "72", "1e9")), "-o", self.output()]
 
     def run_project(self):
-        return [self.camera(), "--points", self.numbers("xyz")]
+        return [self.camera(), "--points", self.numbers("xyz"), *self.printed_or_written()]
 
     def run_report(self):
         folder = self.path("")
@@ -210,30 +249,41 @@ class Case:
         camera = (["--camera", self.camera()] if self.chance(0.5) else
                   ["--lens", "pinhole", "--size", self.size()])
         return [*camera, "--pattern", self.pattern(), "--images", "2", "--samples-per-pixel", "1",
-                *(["--render"] if self.chance(0.5) else []), "-o", self.path("")]
+                *(["--render"] if self.chance(0.5) else []), "-o", self.output()]
 
     def run_undistort(self):
         return [self.camera(), *self.images(), "--size", self.size(), "--hfov",
-                self.random.choice(("60", "179.99", "1e-9", "0")), "-o", self.path("")]
+                self.random.choice(("60", "179.99", "1e-9", "0")), "-o", self.output()]
 
     def run_unproject(self):
-        return [self.camera(), "--pixels", self.numbers("xy")]
+        return [self.camera(), "--pixels", self.numbers("xy"), *self.printed_or_written()]
+
+    def printed_or_written(self):
+        return self.random.choice(([], ["--json"], ["-o", self.output(".csv")]))
 
 
-def limit_memory():
-    """A run beyond this fails as one beyond MAX_BYTES does, and leaves the machine alone."""
+def set_limits(limits):
+    """Of the case; and of memory: a run beyond that fails as one beyond MAX_BYTES does, and leaves
+    the machine alone."""
+    for kind, limit in limits.items():
+        resource.setrlimit(kind, (limit, limit))
     _, most = resource.getrlimit(resource.RLIMIT_AS)
     limit = 16 << 30 if most == resource.RLIM_INFINITY else min(most, 16 << 30)
     resource.setrlimit(resource.RLIMIT_AS, (limit, most))
 
 
-def what_is_wrong(raygrid, arguments):
+def half_written(folder):
+    return [name for _, folders, names in os.walk(folder) for name in folders + names
+            if ".part-" in name or ".raygrid-" in name]
+
+
+def what_is_wrong(raygrid, case):
     """How a run ends that ought to have ended otherwise; and its seconds and bytes."""
     with tempfile.TemporaryFile() as output:
         started = time.monotonic()
-        process = subprocess.Popen([raygrid, *arguments, "--threads", "2"], stdout=output,
-                                   stderr=output, stdin=subprocess.DEVNULL,
-                                   preexec_fn=limit_memory)
+        process = subprocess.Popen([raygrid, *case.arguments, "--threads", "2"], stdout=output,
+                                   stderr=output, stdin=subprocess.DEVNULL, cwd=case.folder,
+                                   preexec_fn=lambda: set_limits(case.limits))
         while True:
             number, status, usage = os.wait4(process.pid, os.WNOHANG)
             seconds = time.monotonic() - started
@@ -253,8 +303,15 @@ def what_is_wrong(raygrid, arguments):
         return f"takes {figures[1] / (1 << 20):.0f} MiB", figures
     if not 0 <= code <= 8:
         return f"ends with {code}: {text[-300:]}", figures
-    if code and "raygrid: " not in text:
+    is_printed = resource.RLIMIT_FSIZE not in case.limits
+    if code and is_printed and "raygrid: " not in text:
         return f"ends with {code} and says nothing", figures
+    for word in ("OpenCV", "terminate called", "Assertion", "std::", "json.exception"):
+        if word in text:
+            return f"says {word}: {text[-300:]}", figures
+    left = half_written(case.folder)
+    if left:
+        return f"ends with {code} and leaves {left[:3]}: {text[-200:]}", figures
     return "", figures
 
 
@@ -271,7 +328,30 @@ def make_base(raygrid, folder):
              folder + "/sim/result")):
         result = subprocess.run([raygrid, *arguments], capture_output=True, text=True, check=False)
         assert result.returncode in (0, 6), result.stderr
+    for name, size in LARGE.items():
+        write(f"{folder}/sim-large/{name}", black_png(*size))
     return folder + "/sim"
+
+
+class Summary:
+    """How many runs there were, and the worst of them."""
+    def __init__(self):
+        self.num_runs = self.num_wrong = 0
+        self.slowest = self.largest = (0, 0)
+
+    def add(self, index, case, wrong, figures):
+        self.num_runs += 1
+        self.slowest = max(self.slowest, (figures[0], index))
+        self.largest = max(self.largest, (figures[1], index))
+        if wrong:
+            self.num_wrong += 1
+            print(f"case {index}: raygrid {' '.join(case.arguments)} {case.limits or ''}\n"
+                  f"  {wrong}", flush=True)
+
+    def print(self):
+        print(f"{self.num_runs} runs, {self.num_wrong} end otherwise; slowest "
+              f"{self.slowest[0]:.1f} s (case {self.slowest[1]}), largest "
+              f"{self.largest[0] / (1 << 20):.0f} MiB (case {self.largest[1]})", flush=True)
 
 
 def sweep():
@@ -281,23 +361,20 @@ def sweep():
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", type=int)
     options, _ = parser.parse_known_args()
-    num_wrong, slowest, largest = 0, (0, 0), (0, 0)
+    summary = Summary()
     with tempfile.TemporaryDirectory() as folder:
         os.environ["XDG_CACHE_HOME"] = folder + "/cache"
         base = make_base(options.raygrid, folder)
         indices = range(options.count) if options.only is None else [options.only]
-        for index in indices:
-            with tempfile.TemporaryDirectory() as place:
-                case = Case(place, base, options.seed, index)
-                wrong, (seconds, size) = what_is_wrong(options.raygrid, case.arguments)
-                slowest, largest = max(slowest, (seconds, index)), max(largest, (size, index))
-                if wrong:
-                    num_wrong += 1
-                    print(f"case {index}: raygrid {' '.join(case.arguments)}\n  {wrong}",
-                          flush=True)
-    print(f"{len(indices)} runs, {num_wrong} end otherwise; slowest {slowest[0]:.1f} s (case "
-          f"{slowest[1]}), largest {largest[0] / (1 << 20):.0f} MiB (case {largest[1]})")
-    return 1 if num_wrong else 0
+        try:
+            for index in indices:
+                with tempfile.TemporaryDirectory() as place:
+                    case = Case(place, base, options.seed, index)
+                    summary.add(index, case, *what_is_wrong(options.raygrid, case))
+        except KeyboardInterrupt:
+            print("interrupted")
+    summary.print()
+    return 1 if summary.num_wrong or summary.num_runs < len(indices) else 0
 
 
 if __name__ == "__main__":
