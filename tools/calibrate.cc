@@ -79,7 +79,7 @@ void PrintSummary(const CalibrateArguments& arguments,
         "  features measured again through a first camera: moved by "
         "{:.4f} px (RMS)\n",
         *result.measured_again_rms_px);
-  PrintFigures("training", *result.camera.training);
+  PrintTraining(result);
   if (result.camera.held_out) {
     PrintFigures("held out", *result.camera.held_out);
     if (result.cross_validated) fmt::print("            by cross-validation\n");

@@ -196,7 +196,7 @@ void PrintSummary(const CalibrateArguments& arguments,
                camera.features.images.size());
     if (camera.cell_px > 0) fmt::print(", cells of {:.0f} px", camera.cell_px);
     fmt::print("\n");
-    PrintFigures("training", *camera.camera.training);
+    PrintTraining(camera);
     if (camera.camera.held_out)
       PrintFigures("held out", *camera.camera.held_out);
   }

@@ -169,6 +169,14 @@ void PrintFigures(const char* name, const ErrorFigures& figures) {
       name, figures.median_px, figures.rms_px, figures.max_px, figures.count);
 }
 
+void PrintTraining(const CalibrationResult& result) {
+  PrintFigures("training", *result.camera.training);
+  if (const size_t count = NumWithoutError(result))
+    fmt::print(
+        "            {} more features are where this camera projects nothing\n",
+        count);
+}
+
 void PrintUncertainty(const CameraUncertainty& uncertainty,
                       const CameraModel& camera) {
   fmt::print(

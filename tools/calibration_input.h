@@ -108,6 +108,9 @@ int64_t PeakMemoryBytes();
 
 void PrintFigures(const char* name, const ErrorFigures& figures);
 
+/// The training errors, and how many features have none.
+void PrintTraining(const CalibrationResult& result);
+
 void PrintUncertainty(const CameraUncertainty& uncertainty,
                       const CameraModel& camera);
 

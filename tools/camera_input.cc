@@ -37,6 +37,14 @@ CameraInput ParseCamera(const std::string& path, const std::string& bytes) {
   return input;
 }
 
+void WarnOfFailedCalibration(const std::string& path, const CameraFile& file) {
+  if (file.verdict == "fail")
+    fmt::print(stderr,
+               "raygrid: {}: its calibration failed; see the report, and "
+               "calibrate again before it is relied on\n",
+               Printable(path));
+}
+
 std::optional<Eigen::Quaterniond> TurnIntoCameraFrame(CameraFile* file) {
   constexpr double kAstrayRad = 1 * M_PI / 180;
   const CameraFrame frame = FindCameraFrame(*file->camera);
@@ -97,6 +105,8 @@ std::string CsvAsJson(const std::string& csv,
     for (const std::string& column : columns) {
       if (table.Text(i, column).empty())
         row[column] = nullptr;
+      else if (column == "valid")
+        row[column] = table.Number(i, column) != 0;
       else
         row[column] = table.Number(i, column);
     }

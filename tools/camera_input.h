@@ -44,7 +44,8 @@ void RequireApart(const std::vector<std::string>& images,
 /// Prints text, or writes it to a file if one is named.
 void PrintOrWrite(const std::string& path, const std::string& text);
 
-/// A CSV of numbers as an array of objects, empty fields as null.
+/// A CSV of numbers as an array of objects, empty fields as null, a column
+/// "valid" as true and false.
 std::string CsvAsJson(const std::string& csv,
                       const std::vector<std::string>& columns);
 

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <chrono>
 #include <filesystem>
@@ -93,6 +94,23 @@ void WarnOfRemarks(const FolderDetection& found) {
                Printable(RemarkOnTurned(found.turned)));
 }
 
+// Their names, or the first of many.
+void NameThoseWithoutFeatures(const FolderDetection& found) {
+  constexpr size_t kMaxNames = 20;
+  std::vector<std::string> names;
+  for (size_t i = 0; i < found.images.size(); ++i)
+    if (found.images[i].features.empty())
+      names.push_back(found.dataset.images[i].image);
+  if (names.empty()) return;
+  const size_t num_others = names.size() - std::min(names.size(), kMaxNames);
+  names.resize(names.size() - num_others);
+  fmt::print(stderr, "raygrid: no board found in {}{}\n",
+             Printable(fmt::format("{}", fmt::join(names, ", "))),
+             num_others == 0
+                 ? std::string()
+                 : fmt::format(" and {} others; --json names all", num_others));
+}
+
 int NumWithFeatures(const FolderDetection& found) {
   int count = 0;
   for (const ImageDetection& image : found.images)
@@ -171,7 +189,10 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
           GuessOtherBoard(found, pattern, arguments.pattern, common.threads))
     throw Error(ExitCode::kTooFew, *other);
   RequireFeatures(found, arguments);
-  if (!common.quiet) WarnOfRemarks(found);
+  if (!common.quiet) {
+    NameThoseWithoutFeatures(found);
+    WarnOfRemarks(found);
+  }
   WriteFile(arguments.output, FormatFeatures(found.dataset));
   const std::chrono::duration<double> seconds =
       std::chrono::steady_clock::now() - start;

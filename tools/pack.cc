@@ -110,6 +110,7 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
   RequireBlobText("--serial", arguments.serial);
   RequireNoInputReplaced({arguments.camera}, {arguments.output});
   CameraInput input = ReadCamera(arguments.camera);
+  if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
   if (input.blob)
     throw Error(ExitCode::kUsage,
                 arguments.camera + ": is a blob already; pack a camera.yaml");

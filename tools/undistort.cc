@@ -30,6 +30,7 @@ struct Arguments {
 BlobCamera PrepareBlob(const Arguments& arguments,
                        const CommonOptions& common) {
   CameraInput input = ReadCamera(arguments.camera);
+  if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
   if (input.blob && input.blob->has_remap() && arguments.size.empty() &&
       arguments.hfov_deg == 0)
     return *std::move(input.blob);

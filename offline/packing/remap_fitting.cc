@@ -485,11 +485,17 @@ RemapTable FitRemapTable(const CameraModel& camera,
       return table;
     }
   }
+  // More is no picture that anybody means.
+  constexpr double kUsefulErrorPx = 1;
   throw Error(ExitCode::kQuality,
               fmt::format("the remap's geometric error is {:.3f} px with the "
-                          "smallest blocks; allow that with --max-error-px, or "
-                          "ask for a smaller field of view",
-                          table.max_error_px));
+                          "smallest blocks; {}",
+                          table.max_error_px,
+                          table.max_error_px <= kUsefulErrorPx
+                              ? "allow that with --max-error-px, or ask for a "
+                                "smaller field of view"
+                              : "ask for a smaller field of view, or calibrate "
+                                "again if the camera is no good there"));
 }
 
 }  // namespace raygrid

@@ -24,8 +24,11 @@ constexpr char kThumbnails[] = "thumbnails.json";
 
 // ---- Writing ---------------------------------------------------------------
 
-void AddCameraFiles(const CameraFile& camera, const Thumbnails& thumbnails,
-                    const std::string& folder, OutputFiles* files) {
+void AddCameraFiles(const CalibrationResult& result,
+                    const Thumbnails& thumbnails, const std::string& folder,
+                    OutputFiles* files) {
+  CameraFile camera = result.camera;
+  camera.verdict = result.verdict.word;
   files->Add(In(folder, "camera.yaml"), FormatCameraFile(camera));
   if (camera.uncertainty)
     files->Add(In(folder, "uncertainty.png"),
@@ -163,7 +166,7 @@ void AddRigReports(const std::string& folder, const std::string& json,
 
 void AddResultFiles(const CalibrationResult& result, const ResultExtras& extras,
                     const std::string& folder, OutputFiles* files) {
-  AddCameraFiles(result.camera, extras.thumbnails, folder, files);
+  AddCameraFiles(result, extras.thumbnails, folder, files);
   files->Add(In(folder, "pattern.yaml"), FormatPattern(result.pattern));
   files->Add(In(folder, "features.csv"), FormatFeatures(result.features));
   files->Add(In(folder, "poses.csv"), FormatPoses(result.poses));
@@ -191,8 +194,7 @@ void AddResultFiles(const RigResult& result,
     poses.push_back({name, camera.poses});
     rig.push_back({name, name + "/camera.yaml", result.camera_from_rig[c]});
     packing.push_back(extras[c].packing);
-    AddCameraFiles(camera.camera, extras[c].thumbnails, In(folder, name),
-                   files);
+    AddCameraFiles(camera, extras[c].thumbnails, In(folder, name), files);
   }
   files->Add(In(folder, "rig.yaml"), FormatRigFile(rig));
   files->Add(In(folder, "pattern.yaml"), FormatPattern(result.pattern));

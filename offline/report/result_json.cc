@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "dataset/error.h"
@@ -64,6 +65,8 @@ void AddCamera(const CalibrationResult& result, Json* json) {
                        {"rejected", RejectedJson(result.rejected_images)}};
   Json features = {{"used", result.features.num_features()},
                    {"rejected", result.rejected_features.size()}};
+  if (const size_t count = NumWithoutError(result))
+    features["used_without_error"] = count;
   if (result.measured_again_rms_px)
     features["measured_again_rms_px"] = *result.measured_again_rms_px;
   (*json)["features"] = features;
@@ -155,6 +158,11 @@ Json RejectedInRig(const RigResult& result) {
 }
 
 }  // namespace
+
+size_t NumWithoutError(const CalibrationResult& result) {
+  return std::max(result.features.num_features(), result.training.size()) -
+         result.training.size();
+}
 
 std::string FormatResultJson(const CalibrationResult& result, uint64_t seed,
                              int64_t peak_memory_bytes,

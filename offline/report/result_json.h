@@ -19,6 +19,10 @@ struct PackingFigures {
   std::vector<std::string> remarks = {};  ///< on what the blob lacks
 };
 
+/// Features that were calibrated with and that the final camera projects
+/// nowhere, so that they are in no figures of errors.
+size_t NumWithoutError(const CalibrationResult& result);
+
 /// result.json. The memory figure and the seconds differ from run to run;
 /// everything else is the same for the same input.
 std::string FormatResultJson(

@@ -109,6 +109,14 @@ class Detect(CommandTest):
         self.assertIn("tag 5 is on no board of the pattern (tag5.png)", result.stderr)
         self.assertEqual(self.detect(folder, "--no-cache", "--quiet").stderr, "")
 
+    def test_images_without_a_board_are_named_in_the_text_as_well(self):
+        size = png_size(self.sheet)
+        folder = self.folder_with(blank_pgm=blank(*size), empty_pgm=blank(*size))
+        result = self.detect(folder, "--no-cache")
+        self.assert_done(result)
+        self.assertIn("no board found in blank.pgm, empty.pgm\n", result.stderr)
+        self.assertEqual(self.detect(folder, "--no-cache", "--quiet").stderr, "")
+
     def test_overlays_show_every_image_and_the_coverage(self):
         seen = self.path("seen")
         folder = self.folder_with(blank_pgm=blank(*png_size(self.sheet)))

@@ -56,6 +56,12 @@ class Verdicts(CommandTest):
         self.assertTrue(any(reason in result.stderr for reason in self.result()["reasons"]))
         self.assertLessEqual({"camera.yaml", "report.html", "pattern.yaml"},
                              set(os.listdir(self.out)))
+        # Who goes on with it is told.
+        result = run("pack", self.out + "/camera.yaml", "-o", self.path("failed.raygrid"))
+        self.assertIn("camera.yaml: its calibration failed", result.stderr)
+        image = write(self.path("i/x.pgm"), b"P5 640 480 255\n" + bytes(640 * 480))
+        result = run("undistort", self.out + "/camera.yaml", image, "-o", self.path("o"))
+        self.assertIn("camera.yaml: its calibration failed", result.stderr)
 
     def test_a_rig_that_fails_is_written_and_ends_in_6(self):
         result = self.calibrate("--board-bend-mm", 60, "--cameras", 2)
@@ -85,7 +91,8 @@ class CamerasThatNoBlobHolds(CommandTest):
 
     def simulate(self, *arguments):
         folder = self.path(self.id() + "-seen")
-        self.assert_done(run("simulate", "--images", 8, "--features-per-image", 60, "--pattern",
+        images = () if "--images" in arguments else ("--images", 8)
+        self.assert_done(run("simulate", *images, "--features-per-image", 60, "--pattern",
                              self.board, *arguments, "-o", folder))
         return folder + "/features.csv"
 
@@ -113,6 +120,36 @@ class CamerasThatNoBlobHolds(CommandTest):
         self.assertIn("no undistortion table", result.stderr)
         self.check_files("no undistortion table", "8192")
         self.assert_done(run("inspect", self.out + "/camera.raygrid"))
+
+    def test_image_as_large_as_images_may_be(self):
+        size = "16384x16384"
+        features = self.simulate("--size", size, "--lens", "pinhole")
+        result = self.calibrate(features, size, "--model", "opencv")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("no undistortion table", result.stderr)
+        self.check_files("no undistortion table", "8192")
+        self.assert_done(run("inspect", self.out + "/camera.raygrid"))
+        self.assert_done(run("pack", self.out + "/camera.yaml", "-o", self.path("16384.raygrid")))
+
+    def test_camera_that_looks_back(self):
+        """240 degrees from the left edge to the right one, 300 from corner to corner."""
+        lens = write(self.path("240.yaml"), """raygrid_camera: 1
+model: thin-prism-fisheye
+image_size: [640, 480]
+area: [-0.5, -0.5, 639.5, 479.5]
+parameters: {fx: 152.8, fy: 152.8, cx: 319.5, cy: 239.5, k1: 0, k2: 0, k3: 0, k4: 0, p1: 0, p2: 0,
+  sx1: 0, sy1: 0}
+""")
+        features = self.simulate("--camera", lens, "--images", 40)
+        result = self.calibrate(features, "640x480", "--model", "thin-prism-fisheye")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assert_done(run("inspect", self.out + "/camera.raygrid"))
+        result = self.calibrate(features, "640x480", "--cell-px", 160)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.check_files("is left out", "151 degrees")
+        self.assertNotIn("camera.raygrid", os.listdir(self.out))
+        result = run("pack", self.out + "/camera.yaml", "-o", self.path("240.raygrid"))
+        self.assert_refused(result, 6, "151 degrees")
 
     def test_one_image_many_times(self):
         lines = read(self.simulate()).decode().splitlines()
@@ -168,10 +205,10 @@ class Ends(CommandTest):
         for name in (camera, blob):
             rows = json.loads(run("project", name, "--points", points, "--json").stdout)
             for row in rows[:-1]:
-                self.assertEqual(row["valid"], 1)
+                self.assertIs(row["valid"], True)
                 self.assertAlmostEqual(row["u"], rows[0]["u"], places=6)
                 self.assertAlmostEqual(row["v"], rows[0]["v"], places=6)
-            self.assertEqual(rows[-1]["valid"], 0)
+            self.assertIs(rows[-1]["valid"], False)
 
 
 if __name__ == "__main__":
