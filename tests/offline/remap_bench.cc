@@ -1,7 +1,11 @@
 // Times undistortion against cv::remap with fixed-point maps of the same
 // positions, one thread, and compares images with exact bilinear
 // interpolation. Run by hand:
-//   remap_bench [WIDTH...]    of 640, 1280, 1920, 3840; all without any
+//   remap_bench [--write FOLDER] [WIDTH...]
+//     WIDTH     of 640, 1280, 1920, 3840; all without any
+//     --write   also writes maps and frames of the last width, for the timing
+//     of
+//               another OpenCV (tools/measure/remap_rival.py)
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -10,6 +14,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <random>
@@ -19,6 +24,7 @@
 #include "camera/opencv.h"
 #include "camera/thin_prism_fisheye.h"
 #include "dataset/error.h"
+#include "dataset/files.h"
 #include "lattice_map.h"
 #include "packing/remap_fitting.h"
 #include "packing/virtual_camera.h"
@@ -134,6 +140,15 @@ cv::Mat2f Positions(const uint8_t* section, const rg_lattice& lattice,
   return positions;
 }
 
+// Writes pixels without a header; not if folder is empty.
+void WriteRaw(const std::string& folder, const std::string& name,
+              const cv::Mat& mat) {
+  if (folder.empty()) return;
+  WriteFile(folder + "/" + name,
+            std::string(reinterpret_cast<const char*>(mat.data),
+                        mat.total() * mat.elemSize()));
+}
+
 struct FixedMap {
   cv::Mat pixels, weights, nearest;
 };
@@ -234,7 +249,8 @@ void SetPlane(int plane, const cv::Mat& source, cv::Mat* output,
   target->planes[plane].stride = static_cast<uint32_t>(output->step);
 }
 
-void RunView(const View& view, const ImageSize& size, Ratios* ratios) {
+void RunView(const View& view, const ImageSize& size, const std::string& folder,
+             Ratios* ratios) {
   const VirtualCamera target_camera =
       MakeVirtualCamera(*view.camera, size, view.hfov_deg);
   double begin = Now();
@@ -264,13 +280,19 @@ void RunView(const View& view, const ImageSize& size, Ratios* ratios) {
     rg_find_lattice(RG_FORMAT_NV12, k, &lattices[k]);
   const cv::Mat2f luma_positions = Positions(section, lattices[0], size);
   const FixedMap luma = MakeFixedMap(luma_positions);
-  const FixedMap chroma = MakeFixedMap(Positions(section, lattices[1], size));
+  const cv::Mat2f chroma_positions = Positions(section, lattices[1], size);
+  const FixedMap chroma = MakeFixedMap(chroma_positions);
   const cv::Mat grey = MakeImage(size.height, size.width, CV_8UC1);
   const cv::Mat pairs = MakeImage(size.height / 2, size.width / 2, CV_8UC2);
   const cv::Mat rgb = MakeImage(size.height, size.width, CV_8UC3);
   cv::Mat grey_out = grey.clone(), pairs_out = pairs.clone(),
           rgb_out = rgb.clone();
   cv::Mat grey_cv, pairs_cv, rgb_cv;
+  WriteRaw(folder, view.name + ".luma.positions", luma_positions);
+  WriteRaw(folder, view.name + ".chroma.positions", chroma_positions);
+  WriteRaw(folder, "grey", grey);
+  WriteRaw(folder, "pairs", pairs);
+  WriteRaw(folder, "rgb", rgb);
 
   rg_image image = {};
   rg_target target = {};
@@ -305,14 +327,31 @@ void RunView(const View& view, const ImageSize& size, Ratios* ratios) {
   std::fflush(stdout);
 }
 
-int Main(int argc, char** argv) {
+// What lies in the folder, for the other program.
+void WriteSummary(const std::string& folder, const ImageSize& size,
+                  const std::vector<View>& views) {
+  nlohmann::json json = {
+      {"opencv", CV_VERSION}, {"columns", size.width}, {"rows", size.height}};
+  for (const View& view : views) json["views"].push_back(view.name);
+  if (!folder.empty()) WriteFile(folder + "/views.json", json.dump(1) + "\n");
+}
+
+int Main(std::vector<std::string> arguments) {
   cv::setNumThreads(1);
+  std::string folder;
+  if (arguments.size() >= 2 && arguments[0] == "--write") {
+    folder = arguments[1];
+    arguments.erase(arguments.begin(), arguments.begin() + 2);
+  }
   Ratios ratios;
   for (const ImageSize& size : kSizes) {
-    bool wanted = argc == 1;
-    for (int k = 1; k < argc; ++k) wanted |= std::atoi(argv[k]) == size.width;
-    if (!wanted) continue;
-    for (const View& view : MakeViews(size)) RunView(view, size, &ratios);
+    const std::string width = std::to_string(size.width);
+    if (!arguments.empty() &&
+        std::count(arguments.begin(), arguments.end(), width) == 0)
+      continue;
+    const std::vector<View> views = MakeViews(size);
+    for (const View& view : views) RunView(view, size, folder, &ratios);
+    WriteSummary(folder, size, views);
   }
   std::printf("\nTimes faster than cv::remap, geometric means:\n");
   for (const auto& [name, logs] : ratios) {
@@ -326,4 +365,6 @@ int Main(int argc, char** argv) {
 }  // namespace
 }  // namespace raygrid
 
-int main(int argc, char** argv) { return raygrid::Main(argc, argv); }
+int main(int argc, char** argv) {
+  return raygrid::Main(std::vector<std::string>(argv + 1, argv + argc));
+}
