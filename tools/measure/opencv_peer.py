@@ -1,0 +1,158 @@
+"""OpenCV's calibrations of one set: opencv_peer.py JOB.json RESULT.json"""
+import cv2
+import numpy as np
+
+import peer
+
+cv2.setNumThreads(1)
+
+TERMS = {5: 0, 8: cv2.CALIB_RATIONAL_MODEL, 12: cv2.CALIB_RATIONAL_MODEL | cv2.CALIB_THIN_PRISM_MODEL,
+         14: cv2.CALIB_RATIONAL_MODEL | cv2.CALIB_THIN_PRISM_MODEL | cv2.CALIB_TILTED_MODEL}
+CRITERIA = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-9)
+GOOD_PX = 1  # better than that, no other start is tried
+
+
+def pixels_of(data):
+    return [v.pixels.astype(np.float32) for v in data.train]
+
+
+def points_of(data):
+    return [data.flat_board()[v.places].astype(np.float32) for v in data.train]
+
+
+def guess(data):
+    focal = data.focal_px
+    width, height = data.image_size
+    return np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1]])
+
+
+def best_start(data, run):
+    """The result (RMS first) of the library's own start, or where that is bad of a rough focal length too."""
+    results = []
+    for matrix in (None, guess(data)):
+        try:
+            results.append(run(matrix))
+        except cv2.error:
+            continue
+        if results[-1][0] < GOOD_PX:
+            break
+    results = [r for r in results if np.isfinite(r[0])]
+    if not results:
+        raise peer.NotPossible("ends in an error from every start")
+    return min(results, key=lambda r: r[0])
+
+
+def perspective(matrix, terms):
+    def project(points):
+        pixels, _ = cv2.projectPoints(points, np.zeros(3), np.zeros(3), matrix, terms)
+        return np.where(points[:, 2:] > 0, pixels.reshape(-1, 2), np.nan)
+    return project
+
+
+def calibrate(data, flags):
+    def run(matrix):
+        start = 0 if matrix is None else cv2.CALIB_USE_INTRINSIC_GUESS
+        return cv2.calibrateCamera(points_of(data), pixels_of(data), data.image_size, matrix, None,
+                                   flags=flags | start, criteria=CRITERIA)[:3]
+    _, matrix, terms = best_start(data, run)
+    return matrix, terms
+
+
+def flat(data, number):
+    matrix, terms = calibrate(data, TERMS[number])
+    return peer.Camera(perspective(matrix, terms), data.flat_board(), 4 + number)
+
+
+def released(data, number):
+    """calibrateCameraRO, which takes views of the same corners only."""
+    places = data.train[0].places
+    if not all(np.array_equal(v.places, places) for v in data.train):
+        raise peer.NotPossible("takes only views that all show the same corners")
+    if len(places) < len(data.flat_board()):
+        raise peer.NotPossible("takes only views that show the whole board")
+
+    def run(matrix):
+        start = 0 if matrix is None else cv2.CALIB_USE_INTRINSIC_GUESS
+        out = cv2.calibrateCameraRO(points_of(data), pixels_of(data), data.image_size, data.columns - 1,
+                                    matrix, None, flags=TERMS[number] | start, criteria=CRITERIA)
+        return out[0], out[1], out[2], out[5]
+    _, matrix, terms, points = best_start(data, run)
+    board = np.empty_like(data.flat_board())
+    board[places] = points.reshape(-1, 3)
+    return peer.Camera(perspective(matrix, terms), board, 4 + number)
+
+
+# ---- cv::fisheye -------------------------------------------------------------
+
+def equidistant(matrix, terms):
+    """cv::fisheye's model, beyond 90 degrees from the axis too."""
+    def project(points):
+        r = np.hypot(points[:, 0], points[:, 1])
+        angle = np.arctan2(r, points[:, 2])
+        bent = angle * (1 + sum(k * angle ** (2 * i + 2) for i, k in enumerate(terms.ravel())))
+        ratio = bent / np.maximum(r, 1e-12)
+        x, y = points[:, 0] * ratio, points[:, 1] * ratio
+        return np.stack([matrix[0, 0] * x + matrix[0, 1] * y + matrix[0, 2],
+                         matrix[1, 1] * y + matrix[1, 2]], axis=1)
+    return project
+
+
+def fisheye_flag(name):
+    """OpenCV 5 has these flags among all others."""
+    return getattr(cv2.fisheye, "CALIB_" + name, None) or getattr(cv2, "CALIB_" + name)
+
+
+def fisheye(data):
+    """From two starts, with and without its check of each view, and then without the views that it
+    calls ill-conditioned. Of these, what leaves out the fewest views, and then has the least RMS."""
+    points = [p.reshape(1, -1, 3).astype(np.float64) for p in points_of(data)]  # OpenCV 5 takes rows only
+    pixels = [p.reshape(1, -1, 2).astype(np.float64) for p in pixels_of(data)]
+    criteria = (CRITERIA[0], 200, 1e-9)
+
+    def run(matrix, flags):
+        kept = list(range(len(points)))
+        while len(kept) > len(points) // 2:
+            try:
+                return (-len(kept),) + cv2.fisheye.calibrate(
+                    [points[i] for i in kept], [pixels[i] for i in kept], data.image_size,
+                    None if matrix is None else matrix.copy(), np.zeros((4, 1)), flags=flags,
+                    criteria=criteria)[:3]
+            except cv2.error as error:
+                words = str(error).split("input array ")
+                if len(words) < 2:
+                    raise
+                del kept[int(words[1].split()[0].rstrip(")"))]
+        raise cv2.error("too many views are left out")
+
+    base = fisheye_flag("RECOMPUTE_EXTRINSIC") | fisheye_flag("FIX_SKEW")
+    results = []
+    for check in (0, fisheye_flag("CHECK_COND")):
+        for matrix in (None, guess(data)):
+            start = 0 if matrix is None else fisheye_flag("USE_INTRINSIC_GUESS")
+            try:
+                results.append(run(matrix, base | check | start))
+            except cv2.error:
+                pass
+    results = [r for r in results if np.isfinite(r[1]) and np.all(np.isfinite(r[3]))]
+    if not results:
+        raise peer.NotPossible("ends in an error from every start")
+    _, _, matrix, terms = min(results, key=lambda r: r[:2])
+    return peer.Camera(equidistant(matrix, terms), data.flat_board(), 8)
+
+
+def rows_of(data):
+    version = {"peer": "OpenCV", "version": cv2.__version__}
+    terms = (5, 12) if data.few else tuple(TERMS)
+    for number in terms:
+        yield peer.row_of(data, {**version, "model": f"calibrateCamera, {number} terms", "board": "flat"},
+                          lambda n=number: flat(data, n))
+    for number in terms:
+        yield peer.row_of(data, {**version, "model": f"calibrateCameraRO, {number} terms",
+                                 "board": "free"}, lambda n=number: released(data, n))
+    if not data.few:
+        yield peer.row_of(data, {**version, "model": "fisheye::calibrate", "board": "flat"},
+                          lambda: fisheye(data))
+
+
+if __name__ == "__main__":
+    peer.main(rows_of)
