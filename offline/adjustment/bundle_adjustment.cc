@@ -67,11 +67,23 @@ double MovedDeviations(const std::vector<Residual>& before,
                    ResidualVariance(after, huber_px, num_parameters));
 }
 
+int NumValid(const std::vector<Residual>& residuals) {
+  return static_cast<int>(
+      std::count_if(residuals.begin(), residuals.end(),
+                    [](const Residual& residual) { return residual.valid; }));
+}
+
+// Costs are compared by the observations that both states can project. So steps
+// that lose an observation lower the cost, and its return raises it: the two
+// may take turns for ever.
+enum class Losses { kAllowed, kRefused };
+
 // Tries damped steps until one lowers the cost; nothing is done if none does.
 StepEffect TakeStep(const NormalEquations& equations,
                     const std::vector<View>& views, const GaussianPrior& prior,
-                    const AdjustmentOptions& options, double* lambda,
-                    AdjustmentState* state, std::vector<Residual>* residuals) {
+                    const AdjustmentOptions& options, Losses losses,
+                    double* lambda, AdjustmentState* state,
+                    std::vector<Residual>* residuals) {
   const double prior_cost = PriorCost(prior, *state, options);
   for (; *lambda < kMaxLambda; *lambda *= 10) {
     AdjustmentStep step;
@@ -84,6 +96,8 @@ StepEffect TakeStep(const NormalEquations& equations,
     const double before = costs.first + prior_cost;
     const double after = costs.second + PriorCost(prior, next, options);
     if (!(after < before) || costs.num_common == 0) continue;
+    if (losses == Losses::kRefused && costs.num_common < NumValid(*residuals))
+      continue;
     const ParameterLayout layout(*state,
                                  {options.fix_cameras, options.fix_points});
     const double moved = MovedDeviations(*residuals, next_residuals,
@@ -109,6 +123,8 @@ void Report(const AdjustmentOptions& options, int iteration,
 // A single step may move little before others that move much, along a valley.
 constexpr int kEnoughStanding = 3;
 constexpr double kStandstillDecrease = 1e-5;
+// Adjustments that end are nearly always done by then.
+constexpr int kStepsWithLosses = 50;
 
 AdjustmentSummary Adjust(const std::vector<View>& views,
                          const GaussianPrior& prior,
@@ -121,10 +137,13 @@ AdjustmentSummary Adjust(const std::vector<View>& views,
   while (summary.num_iterations < options.max_iterations &&
          !summary.converged && !ShouldStop(options)) {
     ++summary.num_iterations;
-    const StepEffect effect =
-        TakeStep(*builder->Build(
-                     prior, {options.fix_cameras, options.fix_points}, *state),
-                 views, prior, options, &lambda, state, &summary.residuals);
+    const Losses losses = summary.num_iterations <= kStepsWithLosses
+                              ? Losses::kAllowed
+                              : Losses::kRefused;
+    const StepEffect effect = TakeStep(
+        *builder->Build(prior, {options.fix_cameras, options.fix_points},
+                        *state),
+        views, prior, options, losses, &lambda, state, &summary.residuals);
     const bool stands = effect.decrease < kStandstillDecrease &&
                         effect.moved_deviations < options.standstill;
     num_standing = stands ? num_standing + 1 : 0;
@@ -324,7 +343,8 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
         builder.Build(*prior, fixed_parameters, *state);
     const double tried_lambda = lambda;
     const double decrease =
-        TakeStep(*equations, views, *prior, fixed, &lambda, state, &residuals)
+        TakeStep(*equations, views, *prior, fixed, Losses::kAllowed, &lambda,
+                 state, &residuals)
             .decrease;
     Report(options, round, residuals);
     const std::vector<double> determined = NumDetermined(

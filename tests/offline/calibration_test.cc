@@ -8,6 +8,7 @@
 #include <string>
 
 #include "calibration/camera_evaluation.h"
+#include "calibration/model_adjustment.h"
 #include "calibration/starting_camera.h"
 #include "camera/thin_prism_fisheye.h"
 #include "evaluation/line_spread.h"
@@ -87,6 +88,17 @@ TEST(Calibrate, FeaturesWithoutABoardHaveNoStart) {
       feature.pixel = random.PixelIn({0, 0, 639, 479});
   ExpectError(ExitCode::kInitialization, {},
               [&] { Calibrate(dataset, TestBoard(), Coarse()); });
+}
+
+// A feature behind a wide lens that steps lose and find again: after 50 steps
+// none may be lost, or they would go round in a circle.
+TEST(AdjustModel, ConvergesWhereFeaturesAreLostAndFound) {
+  const RandomCalibration c = MakeRandomCalibration(289, 10, 300);
+  AdjustmentOptions options;
+  options.num_threads = 2;
+  Adjusted adjusted = AdjustStart(c.dataset, c.pattern, options);
+  AdjustModel(c.pattern, c.model, {0}, options, &adjusted);
+  EXPECT_TRUE(adjusted.summary.converged);
 }
 
 TEST(Calibrate, HeldOutImagesAreNotCalibratedWith) {

@@ -1,6 +1,6 @@
 // Calibrates simulated cameras with parametric models, and counts those that
 // did not converge. Run by hand:
-//   convergence_bench [--count 500] [--first 0] [--threads N]
+//   convergence_bench [--count 500] [--first 0] [--threads N] [--steps]
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -17,11 +17,15 @@ namespace raygrid {
 namespace {
 
 // Prints a line, and returns whether it converged.
-bool Run(int seed, int num_threads) {
+bool Run(int seed, int num_threads, bool print_steps) {
   const RandomCalibration c = MakeRandomCalibration(seed, 10, 300);
   AdjustmentOptions options;
   options.num_threads = num_threads;
   options.fix_points = c.flat_board;
+  if (print_steps)
+    options.progress = [](int iteration, double cost) {
+      std::printf("\n  %3d %.8g", iteration, cost);
+    };
   std::printf("%3d %-18s of %-10s %3zu images, %5zu features, %s board: ", seed,
               c.model.c_str(), c.lens.c_str(), c.dataset.images.size(),
               c.dataset.num_features(), c.flat_board ? "flat" : "free");
@@ -52,11 +56,13 @@ int main(int argc, char** argv) {
   app.add_option("--count", count)->capture_default_str();
   app.add_option("--first", first, "seed of the first")->capture_default_str();
   app.add_option("--threads", num_threads)->capture_default_str();
+  bool print_steps = false;
+  app.add_flag("--steps", print_steps, "print the cost after each step");
   CLI11_PARSE(app, argc, argv);
   raygrid::KeepFreedMemory();  // as raygrid does
   int num_failed = 0;
   for (int seed = first; seed < first + count; ++seed)
-    num_failed += !raygrid::Run(seed, num_threads);
+    num_failed += !raygrid::Run(seed, num_threads, print_steps);
   std::printf("%d of %d did not converge\n", num_failed, count);
   return num_failed == 0 ? 0 : 1;
 }
