@@ -66,11 +66,15 @@ ReducedView Reduce(const KnownCamera& camera, const PlacedView& view,
   for (size_t i = 0; i < view.size(); ++i) {
     const PlacedFeature& feature = view[i];
     const Eigen::Index row = 2 * static_cast<Eigen::Index>(i);
+    // Where it is projected: at the pixel observed, a movement that poses make
+    // up for nearly would differ from them by its gradient times the noise, and
+    // explain noise by noise.
+    const Eigen::Vector2d pixel = feature.pixel - feature.error_px;
     by_pose.middleRows<2>(row) = feature.by_pose;
     for (Eigen::Index k = 0; k < num_modes; ++k)
-      all.block<2, 1>(row, k) = camera.modes.At(k, camera.area, feature.pixel);
+      all.block<2, 1>(row, k) = camera.modes.At(k, camera.area, pixel);
     all.block<2, kNumMovements>(row, num_modes) =
-        DisplacementsAt(camera, feature.pixel);
+        DisplacementsAt(camera, pixel);
     const double norm = feature.error_px.norm();
     all.block<2, 1>(row, num_modes + kNumMovements) =
         feature.error_px * std::min(1.0, clip_px / std::max(norm, 1e-12));
@@ -115,6 +119,29 @@ Information Gather(const std::vector<ReducedView>& views, double noise_px) {
   return information;
 }
 
+// A symmetric matrix in units in which all its diagonal elements are one, and
+// its directions that are told apart from nothing. A pinhole's board sees a
+// shift of the image and a tilt of the sensor as the same.
+struct ToldApart {
+  Eigen::VectorXd unit;     // of each parameter
+  Eigen::MatrixXd vectors;  // columns
+  Eigen::VectorXd values;   // eigenvalues
+};
+
+ToldApart DirectionsTold(const Eigen::MatrixXd& matrix) {
+  constexpr double kSmallest = 1e-6;
+  ToldApart told;
+  told.unit = matrix.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      told.unit.asDiagonal() * matrix * told.unit.asDiagonal());
+  const Eigen::Index size = matrix.rows();
+  Eigen::Index first = 0;  // they are in increasing order
+  while (first < size && solver.eigenvalues()[first] < kSmallest) ++first;
+  told.vectors = solver.eigenvectors().rightCols(size - first);
+  told.values = solver.eigenvalues().tail(size - first);
+  return told;
+}
+
 // Some movements, all others being zero.
 struct Estimate {
   Eigen::VectorXd values, deviations;
@@ -139,29 +166,16 @@ Estimate EstimateOf(const Information& information,
   Eigen::VectorXd right(size);
   for (Eigen::Index i = 0; i < size; ++i)
     right[i] = information.right[parameters[i]];
-  // In units in which all diagonal elements are one; what cannot be told apart
-  // is left out.
-  constexpr double kSmallest = 1e-6;
-  const Eigen::VectorXd unit =
-      matrix.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      unit.asDiagonal() * matrix * unit.asDiagonal());
-  const Eigen::VectorXd scaled = unit.cwiseProduct(right);
+  const ToldApart told = DirectionsTold(matrix);
+  const Eigen::VectorXd along =
+      told.vectors.transpose() * told.unit.cwiseProduct(right);
+  const Eigen::VectorXd shares = along.cwiseQuotient(told.values);
   Estimate estimate;
-  estimate.values.setZero(size);
-  Eigen::VectorXd variances = Eigen::VectorXd::Zero(size);
-  for (Eigen::Index k = 0; k < size; ++k) {
-    const double value = solver.eigenvalues()[k];
-    if (value < kSmallest) continue;
-    const Eigen::VectorXd vector = solver.eigenvectors().col(k);
-    const double along = vector.dot(scaled);
-    estimate.values += along / value * vector;
-    variances += vector.cwiseAbs2() / value;
-    estimate.chi_squared += along * along / value;
-    ++estimate.freedoms;
-  }
-  estimate.values = unit.cwiseProduct(estimate.values);
-  estimate.deviations = unit.cwiseProduct(variances.cwiseSqrt());
+  estimate.values = told.unit.cwiseProduct(told.vectors * shares);
+  estimate.deviations = told.unit.cwiseProduct(
+      (told.vectors.cwiseAbs2() * told.values.cwiseInverse()).cwiseSqrt());
+  estimate.chi_squared = along.dot(shares);
+  estimate.freedoms = static_cast<int>(told.values.size());
   return estimate;
 }
 
@@ -210,16 +224,21 @@ struct LocalTest {
 LocalTest TestLocal(const Information& information, double rest_px) {
   constexpr double kSmallest = 1e-6;
   const auto& matrix = information.matrix;
-  const Eigen::LDLT<Eigen::MatrixXd> smooth(
-      matrix.topLeftCorner<kNumSmooth, kNumSmooth>());
-  const Eigen::MatrixXd mixed = matrix.topRightCorner<kNumSmooth, kNumLocal>();
+  const ToldApart told =
+      DirectionsTold(matrix.topLeftCorner<kNumSmooth, kNumSmooth>());
+  // R with R R^T the inverse of what smooth movements are told by.
+  const Eigen::MatrixXd root =
+      told.unit.asDiagonal() * told.vectors *
+      told.values.cwiseSqrt().cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd mixed =
+      root.transpose() * matrix.topRightCorner<kNumSmooth, kNumLocal>();
   const Eigen::MatrixXd local =
       matrix.bottomRightCorner<kNumLocal, kNumLocal>() -
-      mixed.transpose() * smooth.solve(mixed);
+      mixed.transpose() * mixed;
   const Eigen::VectorXd right =
       information.right.tail<kNumLocal>() -
       mixed.transpose() *
-          smooth.solve(information.right.head<kNumSmooth>().eval());
+          (root.transpose() * information.right.head<kNumSmooth>());
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(local);
   LocalTest test;
   for (int k = 0; k < kNumLocal; ++k) {

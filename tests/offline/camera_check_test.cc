@@ -6,6 +6,7 @@
 
 #include "calibration/calibration.h"
 #include "simulation/simulated_camera.h"
+#include "simulation/simulated_lenses.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
 
@@ -99,6 +100,46 @@ TEST(CheckCamera, LeavesUnchangedCamerasAlone) {
         features_per_image);
     EXPECT_LE(alarms.count, alarms.draws / 100);
   }
+}
+
+// What alarms there are for cameras of a lens that is not changed, of which
+// some images have calibrated a model.
+struct Unchanged {
+  std::string lens, model;
+  int num_images;
+  double cell_px;
+};
+
+int CountFalseAlarms(const Unchanged& unchanged, int num_cameras,
+                     int num_draws) {
+  const auto lens = SimulatedLens(unchanged.lens, {640, 480});
+  const auto observe = [&](int num_images, uint64_t seed) {
+    SimulationOptions options;
+    options.num_images = num_images;
+    options.seed = seed;
+    return SimulateObservations(*lens, TestBoard(), options).dataset;
+  };
+  int count = 0;
+  for (int c = 0; c < num_cameras; ++c) {
+    CalibrationOptions options;
+    options.model = unchanged.model;
+    options.cell_px = unchanged.cell_px;
+    options.flat_board = true;
+    const uint64_t seed = 5000 + 1000 * c;
+    const CalibrationResult result =
+        Calibrate(observe(unchanged.num_images, seed), TestBoard(), options);
+    for (int draw = 1; draw <= num_draws; ++draw)
+      count +=
+          CheckCamera(result.camera, observe(5, seed + draw), result.pattern, 1)
+              .change.is_degraded;
+  }
+  std::printf("%s, %s: %d alarms of %d\n", unchanged.lens.c_str(),
+              unchanged.model.c_str(), count, num_cameras * num_draws);
+  return count;
+}
+
+TEST(CheckCamera, LeavesPinholesOfFourteenImagesAlone) {
+  EXPECT_LE(CountFalseAlarms({"pinhole", "opencv", 14, 0}, 4, 50), 2);
 }
 
 TEST(CheckCamera, FindsAScaleOfThreeInAThousand) {
