@@ -31,7 +31,9 @@ Measurements GivenFeatures(const CalibrateArguments& arguments,
   Dataset dataset = given.begin()->second;
   dataset.image_size =
       ParseImageSize("--image-size", arguments.image_sizes.front());
-  return {dataset, {}, {}, {}};
+  Measurements measurements = {dataset, {}, {}, {}};
+  LeaveOutCopies(&measurements);
+  return measurements;
 }
 
 // Either detected in images or read.

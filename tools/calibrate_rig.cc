@@ -105,6 +105,7 @@ RigMeasurements GivenFeatures(const CalibrateArguments& arguments,
     rig.names.push_back(name);
     rig.cameras.push_back({dataset, {}, {}, {}});
     rig.cameras.back().dataset.image_size = SizeOf(name, arguments);
+    LeaveOutCopies(&rig.cameras.back());
     RequireUsable(arguments.features + ", camera " + name, arguments,
                   rig.cameras.back(), pattern);
   }

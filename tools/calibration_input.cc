@@ -10,6 +10,7 @@
 #include "dataset/content_hash.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/repeated_images.h"
 #include "dataset/text_encoding.h"
 #include "features/board_guess.h"
 #include "features/camera_refinement.h"
@@ -48,6 +49,28 @@ std::vector<RejectedImage> SayAndList(const std::vector<SkippedImage>& images) {
 
 }  // namespace
 
+void LeaveOutCopies(Measurements* measurements) {
+  Dataset& dataset = measurements->dataset;
+  std::vector<std::string>& paths = measurements->paths;
+  const std::vector<std::optional<size_t>> repeated = RepeatedImages(dataset);
+  std::vector<SkippedImage> copies;
+  for (size_t i = 0; i < repeated.size(); ++i)
+    if (repeated[i])
+      copies.push_back(
+          {dataset.images[i].image, "shows the same as " +
+                                        dataset.images[*repeated[i]].image +
+                                        ", which is used once"});
+  for (size_t i = repeated.size(); i-- > 0;) {
+    if (!repeated[i]) continue;
+    const auto index = static_cast<std::ptrdiff_t>(i);
+    dataset.images.erase(dataset.images.begin() + index);
+    if (!paths.empty()) paths.erase(paths.begin() + index);
+  }
+  const std::vector<RejectedImage> named = SayAndList(copies);
+  measurements->left_out.insert(measurements->left_out.end(), named.begin(),
+                                named.end());
+}
+
 Measurements Measure(const std::vector<std::string>& images,
                      const Pattern& pattern, const std::string& pattern_name,
                      const CommonOptions& common,
@@ -71,6 +94,7 @@ Measurements Measure(const std::vector<std::string>& images,
   }
   measurements.dataset = std::move(detection.dataset);
   measurements.paths = std::move(detection.paths);
+  LeaveOutCopies(&measurements);
   return measurements;
 }
 

@@ -34,7 +34,7 @@ struct Measurements {
   Dataset dataset;
   std::vector<std::string> paths;       ///< of the dataset's images
   std::vector<RejectedImage> skipped;   ///< could not be measured
-  std::vector<RejectedImage> left_out;  ///< no photographs
+  std::vector<RejectedImage> left_out;  ///< no photographs, copies
 };
 
 /// Detects the pattern in images and folders; those that cannot be used are
@@ -45,6 +45,10 @@ Measurements Measure(const std::vector<std::string>& images,
                      const Pattern& pattern, const std::string& pattern_name,
                      const CommonOptions& common,
                      const std::function<void(double)>& progress);
+
+/// Images that show the same as others to 0.001 px leave, and are named: a copy
+/// would be predicted by a camera that was calibrated with it.
+void LeaveOutCopies(Measurements* measurements);
 
 /// Throws Error(kTooFew) without features, and as RequireConsistent.
 void RequireUsable(const std::string& source,

@@ -151,11 +151,12 @@ parameters: {fx: 152.8, fy: 152.8, cx: 319.5, cy: 239.5, k1: 0, k2: 0, k3: 0, k4
         result = run("pack", self.out + "/camera.yaml", "-o", self.path("240.raygrid"))
         self.assert_refused(result, 6, "151 degrees")
 
-    def test_one_image_many_times(self):
+    def test_one_view_many_times(self):
         lines = read(self.simulate()).decode().splitlines()
-        first = [line for line in lines[1:] if line.startswith("sim0000")]
+        first = [line.split(",") for line in lines[1:] if line.startswith("sim0000")]
         features = write(self.path("alike.csv"), "\n".join(lines[:1] + [
-            line.replace("sim0000", f"copy{k}") for k in range(6) for line in first]) + "\n")
+            ",".join([f"view{k}.png", *line[1:4], str(float(line[4]) + 0.01 * k), line[5]])
+            for k in range(6) for line in first]) + "\n")
         result = self.calibrate(features, "640x480", "--cell-px", 160, "--quiet")
         self.assert_refused(result, 6, "verdict: fail")
         self.assert_done(run("inspect", self.out + "/camera.yaml"))

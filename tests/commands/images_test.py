@@ -256,6 +256,22 @@ class Boards(CommandTest):
                             ("z3.png", "features"), ("z4.heic", "PNG"), ("z5.png", "features")):
             self.assertIn(words, reasons[name])
 
+    def test_copies_are_named_and_used_once(self):
+        folder = self.folder_with(**{f"z{name}": photo for name, photo in self.photos.items()
+                                     if name < "sim0004"})
+        done = self.calibrate(folder)
+        self.assert_done(done)
+        images = self.images_of_result()
+        self.assertEqual(images["used"] + len(images["rejected"]), 13)
+        self.assertLessEqual(images["used"], 9)
+        reasons = {image["image"]: image["reason"] for image in images["rejected"]}
+        for name in ("sim0000.png", "sim0003.png"):
+            self.assertIn(f"the same as {name}", reasons[f"z{name}"])
+        self.assertIn("zsim0000.png", done.stderr)
+        with_copies = read(os.path.join(self.out, "camera.yaml"))
+        self.assert_done(self.calibrate(self.path("sim"), to=self.path("once")))
+        self.assertEqual(with_copies, read(self.path("once/camera.yaml")))
+
     def test_pictures_of_an_earlier_result_are_no_views(self):
         folder = self.folder_with()
         results = []
