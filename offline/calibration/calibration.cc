@@ -76,7 +76,7 @@ CalibrationResult Calibrate(const Dataset& measured, const Pattern& pattern,
   }
   if (ShouldStop(options)) result.checkpoint = std::move(start.checkpoint);
   NameUnusedImages(measured, options.skipped, &result);
-  JudgeResult(&result);
+  JudgeResult(options.num_threads, &result);
   if (options.progress) options.progress("done", 1);
   return result;
 }

@@ -1,7 +1,9 @@
 #include "calibration/camera_check.h"
 
 #include <cmath>
+#include <map>
 #include <set>
+#include <tuple>
 
 #include "adjustment/reprojection_error.h"
 #include "calibration/calibration_problem.h"
@@ -21,9 +23,13 @@ double FocalPx(const CameraModel& camera) {
   return 2 * kStepPx / std::acos(std::min(1.0, left->dot(*right)));
 }
 
+bool IsKnown(const CameraFile& file) {
+  return file.training && file.uncertainty &&
+         !file.uncertainty->modes.displacements_px.empty();
+}
+
 KnownCamera Known(const CameraFile& file) {
-  if (!file.training || !file.uncertainty ||
-      file.uncertainty->modes.displacements_px.empty())
+  if (!IsKnown(file))
     throw InputError(
         "the camera file does not say how well the camera is known; check "
         "needs a camera.yaml that this version of calibrate wrote");
@@ -60,6 +66,25 @@ PlacedView Place(const CameraModel& camera, const Pose& pose,
   return placed;
 }
 
+using FeaturePlace = std::tuple<std::string, int, int, int>;
+
+// Of features that other cameras have predicted.
+using PredictionErrors = std::map<FeaturePlace, Eigen::Vector2d>;
+
+Dataset FeaturesOf(const std::vector<FeatureResidual>& residuals,
+                   const ImageSize& size, PredictionErrors* errors) {
+  Dataset dataset;
+  dataset.image_size = size;
+  for (const FeatureResidual& r : residuals) {
+    if (dataset.images.empty() || dataset.images.back().image != r.image)
+      dataset.images.push_back({r.image, {}});
+    dataset.images.back().features.push_back(
+        {r.board, r.column, r.row, r.pixel});
+    (*errors)[{r.image, r.board, r.column, r.row}] = r.error_px;
+  }
+  return dataset;
+}
+
 }  // namespace
 
 CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
@@ -90,6 +115,43 @@ CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
   check.num_images = static_cast<int>(images.size());
   check.change = TestForChange(known, views);
   return check;
+}
+
+MovementErrors ErrorsBeyondModes(const CameraFile& file,
+                                 const std::vector<FeatureResidual>& held_out,
+                                 double calibrating_part,
+                                 const Pattern& pattern, int num_threads) {
+  constexpr size_t kAtATime = 5;  // as `check` is usually given
+  constexpr size_t kFewest = 8;   // tell no standard deviation
+  PredictionErrors errors;
+  const Dataset dataset =
+      FeaturesOf(held_out, file.camera->image_size(), &errors);
+  if (!IsKnown(file) || dataset.images.size() < kFewest) return {};
+  KnownCamera known = Known(file);
+  for (auto& mode : known.modes.displacements_px)
+    for (Eigen::Vector2d& displacement : mode)
+      displacement /= std::sqrt(calibrating_part);
+  known.modes.rest_px /= std::sqrt(calibrating_part);
+  std::vector<RejectedImage> ignored;
+  const CalibrationProblem problem = BuildProblem({dataset}, pattern, &ignored);
+  const std::vector<std::optional<Pose>> poses =
+      LocalizeViews(*file.camera, 0, problem, num_threads);
+  std::vector<std::vector<PlacedView>> groups;
+  std::set<std::string> images;
+  for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
+    if (!poses[v]) continue;
+    PlacedView view = Place(*file.camera, *poses[v], problem, v, pattern);
+    if (view.size() < kMinViewFeatures) continue;
+    const int board = pattern.boards[problem.boards[v]].id;
+    for (PlacedFeature& feature : view)
+      feature.error_px =
+          -errors.at({problem.images[v], board, feature.column, feature.row});
+    const bool is_new = images.insert(problem.images[v]).second;
+    if (groups.empty() || (is_new && images.size() % kAtATime == 1))
+      groups.emplace_back();
+    groups.back().push_back(std::move(view));
+  }
+  return ErrorsBeyond(known, groups);
 }
 
 }  // namespace raygrid

@@ -22,6 +22,16 @@ struct CameraCheck {
 CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
                         const Pattern& pattern, int num_threads);
 
+/// What the images of a camera show beyond what its file says of its errors
+/// (evaluation/camera_change.h, ErrorsBeyond), by how they were predicted
+/// without having calibrated it: each by a camera that as large a part of the
+/// images as calibrating_part has calibrated. Zeros if the file says nothing,
+/// and for fewer than eight images.
+MovementErrors ErrorsBeyondModes(const CameraFile& file,
+                                 const std::vector<FeatureResidual>& held_out,
+                                 double calibrating_part,
+                                 const Pattern& pattern, int num_threads);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_CALIBRATION_CAMERA_CHECK_H

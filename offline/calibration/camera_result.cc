@@ -7,7 +7,9 @@
 #include <map>
 #include <set>
 
+#include "calibration/camera_check.h"
 #include "calibration/camera_trust.h"
+#include "calibration/cross_validation.h"
 
 namespace raygrid {
 namespace {
@@ -254,13 +256,18 @@ void NameUnusedImages(const Dataset& measured,
   rejected.insert(rejected.end(), skipped.begin(), skipped.end());
 }
 
-void JudgeResult(CalibrationResult* result) {
+void JudgeResult(int num_threads, CalibrationResult* result) {
   if (!result->held_out.empty())
     result->camera.held_out = ComputeErrorFigures(result->held_out);
   const std::vector<FeatureResidual>& residuals = JudgedResiduals(*result);
   const std::set<std::string> apart = ImagesApart(residuals);
   result->neighbor_correlation =
       NeighborCorrelation(WithoutImages(residuals, apart));
+  if (result->camera.uncertainty && !result->held_out.empty())
+    result->camera.uncertainty->modes.beyond = ErrorsBeyondModes(
+        result->camera, WithoutImages(result->held_out, apart),
+        result->cross_validated ? kCrossValidatingPart : 1, result->pattern,
+        num_threads);
   result->verdict = JudgeCalibration(FiguresOf(*result, apart));
 }
 

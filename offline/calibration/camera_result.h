@@ -18,8 +18,9 @@ void NameUnusedImages(const Dataset& measured,
                       const std::vector<RejectedImage>& skipped,
                       CalibrationResult* result);
 
-/// Figures of the held-out residuals, if there are any, and the verdict.
-void JudgeResult(CalibrationResult* result);
+/// Figures of the held-out residuals, if there are any, what they show beyond
+/// the camera's modes, and the verdict.
+void JudgeResult(int num_threads, CalibrationResult* result);
 
 /// Whether there is more than noise in the errors, and so much that a verdict
 /// will say it.

@@ -15,6 +15,7 @@ namespace raygrid {
 namespace {
 
 constexpr size_t kFolds = 4;
+static_assert(kCrossValidatingPart == 1 - 1.0 / kFolds);
 constexpr int kMaxGridParameters = 2600;  // tried
 // The coarsest resolution whose loss is within this part of the best is chosen.
 constexpr double kAsGoodAs = 0.005;

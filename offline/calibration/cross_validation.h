@@ -19,6 +19,9 @@ Split SplitImages(const Dataset& dataset,
 Split SplitImages(const Dataset& dataset,
                   const std::vector<std::string>& test_images);
 
+/// The part of the images that each camera is calibrated with.
+constexpr double kCrossValidatingPart = 0.75;
+
 /// Of four folds: none for few images, one for many, which take long and need
 /// no more.
 int NumFoldsToTry(const Dataset& dataset);

@@ -298,7 +298,8 @@ RigResult CalibrateRig(const std::vector<RigCameraInput>& cameras,
   for (size_t c = 0; c < cameras.size(); ++c)
     NameUnusedImages(cameras[c].dataset, cameras[c].skipped,
                      &result.cameras[c]);
-  for (CalibrationResult& camera : result.cameras) JudgeResult(&camera);
+  for (CalibrationResult& camera : result.cameras)
+    JudgeResult(options.num_threads, &camera);
   result.verdict = JudgeRig(result);
   report("done", 1);
   return result;

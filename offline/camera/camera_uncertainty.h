@@ -42,6 +42,15 @@ struct TrustMask {
   }
 };
 
+/// Standard deviations of what moves the images of an unchanged camera beyond
+/// its modes: the part by which they grow, shifts, turns of the sensor about
+/// its vertical and horizontal axes, and local displacements, in an axis each.
+struct MovementErrors {
+  double scale = 0, shift_px = 0, tilt_rad = 0, local_px = 0;
+
+  bool HasSmooth() const { return scale > 0 || shift_px > 0 || tilt_rad > 0; }
+};
+
 /// How errors of a camera in one place go with those in others: its error is
 /// about a sum of these displacements, each times a standard normal number of
 /// its own. On a lattice from corner to corner of the area, row by row,
@@ -49,7 +58,8 @@ struct TrustMask {
 struct ErrorModes {
   int columns = 0, rows = 0;
   std::vector<std::vector<Eigen::Vector2d>> displacements_px;
-  double rest_px = 0;  ///< standard deviation of what they leave, in an axis
+  double rest_px = 0;     ///< standard deviation of what they leave, in an axis
+  MovementErrors beyond;  ///< as seen in images that did not calibrate it
 
   Eigen::Vector2d At(size_t mode, const Area& area,
                      const Eigen::Vector2d& pixel) const;

@@ -157,6 +157,19 @@ DeviationLattice ParseDeviations(const YAML::Node& node) {
   return lattice;
 }
 
+// It is missing in files of earlier versions.
+MovementErrors ParseBeyond(const YAML::Node& node) {
+  if (!node) return {};
+  const MovementErrors beyond = {
+      node["scale"].as<double>(), node["shift_px"].as<double>(),
+      node["tilt_rad"].as<double>(), node["local_px"].as<double>()};
+  for (const double deviation :
+       {beyond.scale, beyond.shift_px, beyond.tilt_rad, beyond.local_px})
+    if (!(deviation >= 0 && std::isfinite(deviation)))
+      throw InputError("modes: beyond is negative or not finite");
+  return beyond;
+}
+
 // modes is missing in files of earlier versions.
 ErrorModes ParseModes(const YAML::Node& node) {
   ErrorModes modes;
@@ -168,6 +181,7 @@ ErrorModes ParseModes(const YAML::Node& node) {
     throw InputError("modes: columns and rows must be 2 to 65");
   modes.rest_px = node["rest_px"].as<double>();
   if (!(modes.rest_px >= 0)) throw InputError("modes: rest_px is negative");
+  modes.beyond = ParseBeyond(node["beyond"]);
   for (const YAML::Node& mode : node["displacements_px"]) {
     RequireList(mode, "modes: one of displacements_px",
                 2 * modes.columns * modes.rows);
@@ -282,8 +296,16 @@ void EmitModes(const ErrorModes& modes, YAML::Emitter* out) {
   *out << YAML::Key << "modes" << YAML::Value << YAML::BeginMap << YAML::Key
        << "columns" << YAML::Value << modes.columns << YAML::Key << "rows"
        << YAML::Value << modes.rows << YAML::Key << "rest_px" << YAML::Value
-       << fmt::format("{:.6f}", modes.rest_px) << YAML::Key
-       << "displacements_px" << YAML::Value << YAML::BeginSeq;
+       << fmt::format("{:.6f}", modes.rest_px) << YAML::Key << "beyond"
+       << YAML::Value << YAML::Flow << YAML::BeginMap << YAML::Key << "scale"
+       << YAML::Value << fmt::format("{:.8f}", modes.beyond.scale) << YAML::Key
+       << "shift_px" << YAML::Value
+       << fmt::format("{:.6f}", modes.beyond.shift_px) << YAML::Key
+       << "tilt_rad" << YAML::Value
+       << fmt::format("{:.8f}", modes.beyond.tilt_rad) << YAML::Key
+       << "local_px" << YAML::Value
+       << fmt::format("{:.6f}", modes.beyond.local_px) << YAML::EndMap
+       << YAML::Key << "displacements_px" << YAML::Value << YAML::BeginSeq;
   for (const auto& field : modes.displacements_px) {
     *out << YAML::Flow << YAML::BeginSeq;
     for (const Eigen::Vector2d& displacement : field)

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -179,18 +180,19 @@ Estimate EstimateOf(const Information& information,
   return estimate;
 }
 
-// The chi-squared variable that raises an alarm (ChiSquaredSigmas(), solved).
-double AlarmChiSquared(int freedoms) {
+// ChiSquaredSigmas(), solved. Of one degree of freedom, it is no use below.
+double ChiSquaredAt(double sigmas, int freedoms) {
+  constexpr double kLeast = 0.02;  // of the degrees of freedom
   const double k = freedoms;
-  return k *
-         std::pow(1 - 2 / (9 * k) + kAlarmSigmas * std::sqrt(2 / (9 * k)), 3);
+  const double root = 1 - 2 / (9 * k) + sigmas * std::sqrt(2 / (9 * k));
+  return k * std::max(kLeast, std::pow(root, 3));
 }
 
 // By how many standard deviations something must move in order to raise an
 // alarm 99 times in a hundred: a chi-squared variable that is not central has
 // a nearly normal cube root (Abdel-Aty, 1954).
 double MovementFound(int freedoms) {
-  const double k = freedoms, alarm = AlarmChiSquared(freedoms);
+  const double k = freedoms, alarm = ChiSquaredAt(kAlarmSigmas, freedoms);
   double low = 0, high = 1e3;
   for (int round = 0; round < 60; ++round) {
     const double squared = (low + high) / 2, mean = k + squared;
@@ -202,27 +204,50 @@ double MovementFound(int freedoms) {
   return std::sqrt(high);
 }
 
-// How much of a movement is found 99 times in a hundred, whichever its
-// direction.
-double FoundFrom(const Information& information,
-                 const std::vector<int>& parameters) {
-  constexpr double kNone = 1e-12;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      MatrixOf(information, parameters));
-  return MovementFound(static_cast<int>(parameters.size())) /
-         std::sqrt(std::max(solver.eigenvalues()[0], kNone));
-}
-
-// Chi-squared of local movements once smooth ones are allowed for. What the
-// camera's modes leave of its errors may be local too, and adds its variance to
-// that of the noise.
-struct LocalTest {
+// What a test of some movements finds, each of which the calibration's own
+// errors may be, with a standard deviation in every direction.
+struct GroupTest {
   double chi_squared = 0;
   int freedoms = 0;
+  double information = 0;  // summed over the directions
+  Eigen::VectorXd values, deviations;
+  double found_from = 0;  // whichever the direction, 99 times in a hundred
 };
 
-LocalTest TestLocal(const Information& information, double rest_px) {
-  constexpr double kSmallest = 1e-6;
+GroupTest TestGroup(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right,
+                    double deviation) {
+  constexpr double kSmallest = 1e-6, kNone = 1e-12;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
+  const Eigen::Index size = matrix.rows();
+  const double own = deviation * deviation;
+  GroupTest test;
+  test.values.setZero(size);
+  Eigen::VectorXd variances = Eigen::VectorXd::Zero(size);
+  for (Eigen::Index k = 0; k < size; ++k) {
+    const double value = solver.eigenvalues()[k];
+    if (value < kSmallest * solver.eigenvalues()[size - 1]) continue;
+    const Eigen::VectorXd vector = solver.eigenvectors().col(k);
+    const double moved = vector.dot(right) / value, variance = 1 / value + own;
+    test.values += moved * vector;
+    variances += variance * vector.cwiseAbs2();
+    test.chi_squared += moved * moved / variance;
+    test.information += value;
+    ++test.freedoms;
+  }
+  test.deviations = variances.cwiseSqrt();
+  test.found_from =
+      MovementFound(static_cast<int>(size)) *
+      std::sqrt(1 / std::max(solver.eigenvalues()[0], kNone) + own);
+  return test;
+}
+
+// Local movements, once smooth ones are allowed for.
+struct LocalEquations {
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd right;
+};
+
+LocalEquations WithoutSmooth(const Information& information) {
   const auto& matrix = information.matrix;
   const ToldApart told =
       DirectionsTold(matrix.topLeftCorner<kNumSmooth, kNumSmooth>());
@@ -232,24 +257,32 @@ LocalTest TestLocal(const Information& information, double rest_px) {
       told.values.cwiseSqrt().cwiseInverse().asDiagonal();
   const Eigen::MatrixXd mixed =
       root.transpose() * matrix.topRightCorner<kNumSmooth, kNumLocal>();
-  const Eigen::MatrixXd local =
-      matrix.bottomRightCorner<kNumLocal, kNumLocal>() -
-      mixed.transpose() * mixed;
-  const Eigen::VectorXd right =
-      information.right.tail<kNumLocal>() -
-      mixed.transpose() *
-          (root.transpose() * information.right.head<kNumSmooth>());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(local);
-  LocalTest test;
-  for (int k = 0; k < kNumLocal; ++k) {
-    const double value = solver.eigenvalues()[k];
-    if (value < kSmallest * solver.eigenvalues()[kNumLocal - 1]) continue;
-    const double along = solver.eigenvectors().col(k).dot(right);
-    test.chi_squared +=
-        along * along / (value + value * value * rest_px * rest_px);
-    ++test.freedoms;
-  }
-  return test;
+  return {matrix.bottomRightCorner<kNumLocal, kNumLocal>() -
+              mixed.transpose() * mixed,
+          information.right.tail<kNumLocal>() -
+              mixed.transpose() *
+                  (root.transpose() * information.right.head<kNumSmooth>())};
+}
+
+constexpr int kNumGroups = 4;
+using GroupTests = std::array<GroupTest, kNumGroups>;  // as in MovementErrors
+
+std::array<double, kNumGroups> DeviationsOf(const ErrorModes& modes) {
+  const MovementErrors& beyond = modes.beyond;
+  return {beyond.scale, beyond.shift_px, beyond.tilt_rad,
+          std::hypot(modes.rest_px, beyond.local_px)};
+}
+
+GroupTests TestGroups(const Information& information, const ErrorModes& modes) {
+  const auto deviations = DeviationsOf(modes);
+  const auto smooth = [&](int first, int count, double deviation) {
+    return TestGroup(information.matrix.block(first, first, count, count),
+                     information.right.segment(first, count), deviation);
+  };
+  const LocalEquations local = WithoutSmooth(information);
+  return {smooth(kScale, 1, deviations[0]), smooth(kShift, 2, deviations[1]),
+          smooth(kTilt, 2, deviations[2]),
+          TestGroup(local.matrix, local.right, deviations[3])};
 }
 
 // ---- Noise -----------------------------------------------------------------
@@ -298,19 +331,15 @@ std::vector<int> Range(int first, int count) {
 
 Movement MovementOf(const std::string& name,
                     const std::vector<std::string>& parameters,
-                    const Information& information, int first) {
-  const std::vector<int> range =
-      Range(first, static_cast<int>(parameters.size()));
-  const Estimate estimate = EstimateOf(information, range);
+                    const GroupTest& test) {
   Movement movement;
   movement.name = name;
+  movement.sigmas = ChiSquaredSigmas(test.chi_squared, test.freedoms);
   movement.parameters = parameters;
-  for (Eigen::Index k = 0; k < estimate.values.size(); ++k) {
-    movement.values.push_back(estimate.values[k]);
-    movement.deviations.push_back(estimate.deviations[k]);
-  }
-  movement.sigmas = ChiSquaredSigmas(estimate.chi_squared, estimate.freedoms);
-  movement.found_from = FoundFrom(information, range);
+  if (parameters.empty()) return movement;
+  movement.values.assign(test.values.begin(), test.values.end());
+  movement.deviations.assign(test.deviations.begin(), test.deviations.end());
+  movement.found_from = test.found_from;
   return movement;
 }
 
@@ -347,12 +376,20 @@ std::vector<std::string> Explain(const Information& information,
   return {"scale", "shift", "tilt"};
 }
 
-void FindLargestLocal(const KnownCamera& camera, const Estimate& local,
-                      CameraChange* change) {
+// Directions that are hardly seen count as little as they are, if movements
+// are as large in all others as their chi-squared variable says.
+void FindLargestLocal(const KnownCamera& camera, const LocalEquations& local,
+                      const GroupTest& test, CameraChange* change) {
+  const double moved_px2 =
+      std::max(0.0, test.chi_squared - test.freedoms) / test.information;
+  const Eigen::VectorXd values =
+      (local.matrix * moved_px2 +
+       Eigen::MatrixXd::Identity(kNumLocal, kNumLocal))
+          .ldlt()
+          .solve(moved_px2 * local.right);
   for (int node = 0; node < kLocalColumns * kLocalRows; ++node) {
-    const double norm = local.values.segment<2>(2 * node).norm();
-    const double deviation = local.deviations.segment<2>(2 * node).norm();
-    if (norm <= change->largest_local_px || norm < 2 * deviation) continue;
+    const double norm = values.segment<2>(2 * node).norm();
+    if (norm <= change->largest_local_px) continue;
     change->largest_local_px = norm;
     change->largest_local_pixel = {
         camera.area.x0 +
@@ -360,6 +397,47 @@ void FindLargestLocal(const KnownCamera& camera, const Estimate& local,
         camera.area.y0 +
             camera.area.height() * (node / kLocalColumns) / (kLocalRows - 1)};
   }
+}
+
+// The errors of views, and information on movements at the noise that they are
+// judged by.
+struct Judged {
+  std::vector<ReducedView> reduced;
+  Information information;
+  int num_features = 0;
+  double noise_px = 0;
+};
+
+Judged Judge(const KnownCamera& camera, const std::vector<PlacedView>& views) {
+  // The median norm of two-dimensional normal noise is 1.18 of its deviation.
+  const double clip_px =
+      kClipSigmas * std::max(camera.noise_px, MedianErrorPx(views) / 1.18);
+  Judged judged;
+  for (const PlacedView& view : views) {
+    judged.reduced.push_back(Reduce(camera, view, clip_px));
+    judged.num_features += static_cast<int>(view.size());
+  }
+  const Estimate first = EstimateOf(Gather(judged.reduced, camera.noise_px),
+                                    Range(0, kNumMovements));
+  const std::vector<Eigen::VectorXd> remainders =
+      Remainders(judged.reduced, first.values);
+  double sum = 0;
+  for (const Eigen::VectorXd& remainder : remainders)
+    sum += remainder.squaredNorm();
+  const double freedoms = std::max(
+      1.0, 2.0 * judged.num_features - 6.0 * static_cast<double>(views.size()) -
+               first.freedoms);
+  judged.noise_px = std::max(camera.noise_px, std::sqrt(sum / freedoms)) *
+                    std::sqrt(Inflation(views, remainders));
+  judged.information = Gather(judged.reduced, judged.noise_px);
+  return judged;
+}
+
+std::vector<std::string> SignificantOf(const std::vector<Movement>& movements) {
+  std::vector<std::string> names;
+  for (const Movement& movement : movements)
+    if (movement.sigmas > kAlarmSigmas) names.push_back(movement.name);
+  return names;
 }
 
 }  // namespace
@@ -373,69 +451,79 @@ double ChiSquaredSigmas(double chi_squared, int freedoms) {
 
 CameraChange TestForChange(const KnownCamera& camera,
                            const std::vector<PlacedView>& views) {
-  // The median norm of two-dimensional normal noise is 1.18 of its deviation.
-  const double clip_px =
-      kClipSigmas * std::max(camera.noise_px, MedianErrorPx(views) / 1.18);
-  std::vector<ReducedView> reduced;
+  const Judged judged = Judge(camera, views);
+  const Information& information = judged.information;
   CameraChange change;
-  for (const PlacedView& view : views) {
-    reduced.push_back(Reduce(camera, view, clip_px));
-    change.num_features += static_cast<int>(view.size());
-  }
-  const std::vector<int> smooth = Range(0, kNumSmooth);
-  const std::vector<int> all = Range(0, kNumMovements);
-
-  const Information by_known_noise = Gather(reduced, camera.noise_px);
-  const Estimate first = EstimateOf(by_known_noise, all);
-  const std::vector<Eigen::VectorXd> remainders =
-      Remainders(reduced, first.values);
-  double sum = 0;
-  for (const Eigen::VectorXd& remainder : remainders)
-    sum += remainder.squaredNorm();
-  const double freedoms = std::max(
-      1.0, 2.0 * change.num_features - 6.0 * static_cast<double>(views.size()) -
-               first.freedoms);
-  change.noise_px = std::max(camera.noise_px, std::sqrt(sum / freedoms)) *
-                    std::sqrt(Inflation(views, remainders));
-
-  const Information information = Gather(reduced, change.noise_px);
-  const Estimate of_smooth = EstimateOf(information, smooth);
-  const Estimate of_all = EstimateOf(information, all);
+  change.num_features = judged.num_features;
+  change.noise_px = judged.noise_px;
+  const Estimate of_smooth = EstimateOf(information, Range(0, kNumSmooth));
+  const GroupTests tests = TestGroups(information, camera.modes);
   change.movements = {
-      MovementOf("scale", {"part"}, information, kScale),
-      MovementOf("shift", {"x_px", "y_px"}, information, kShift),
-      MovementOf("tilt", {"about_y_rad", "about_x_rad"}, information, kTilt)};
-  change.smooth_sigmas = change.movements[0].sigmas;
+      MovementOf("scale", {"part"}, tests[0]),
+      MovementOf("shift", {"x_px", "y_px"}, tests[1]),
+      MovementOf("tilt", {"about_y_rad", "about_x_rad"}, tests[2])};
   for (const Movement& movement : change.movements)
     change.smooth_sigmas = std::max(change.smooth_sigmas, movement.sigmas);
-  const LocalTest of_local = TestLocal(information, camera.modes.rest_px);
-  change.local_sigmas =
-      ChiSquaredSigmas(of_local.chi_squared, of_local.freedoms);
+  const GroupTest& of_local = tests[3];
+  const Movement local = MovementOf("local", {}, of_local);
+  change.local_sigmas = local.sigmas;
   // A local change looks a little like smooth ones.
   const bool is_local = change.local_sigmas > kAlarmSigmas;
   const bool is_mostly_smooth = of_smooth.chi_squared > of_local.chi_squared;
   if (change.smooth_sigmas > kAlarmSigmas && (!is_local || is_mostly_smooth))
-    change.moved = Explain(information, of_smooth.chi_squared);
-  Movement local;
-  local.name = "local";
-  local.sigmas = change.local_sigmas;
+    change.moved = camera.modes.beyond.HasSmooth()
+                       ? SignificantOf(change.movements)
+                       : Explain(information, of_smooth.chi_squared);
   if (is_local) {
     change.moved.push_back("local");
-    FindLargestLocal(
-        camera, EstimateOf(information, Range(kNumSmooth, kNumLocal)), &change);
+    FindLargestLocal(camera, WithoutSmooth(information), of_local, &change);
   }
   change.movements.push_back(local);
   change.is_degraded = !change.moved.empty();
 
   const Eigen::VectorXd fitted =
-      is_local ? of_all.values
+      is_local ? EstimateOf(information, Range(0, kNumMovements)).values
                : (Eigen::VectorXd(kNumMovements) << of_smooth.values,
                   Eigen::VectorXd::Zero(kNumLocal))
                      .finished();
-  for (const ReducedView& view : reduced)
+  for (const ReducedView& view : judged.reduced)
     change.rms_px += (view.by_movements * fitted).squaredNorm();
   change.rms_px = std::sqrt(change.rms_px / std::max(1, change.num_features));
   return change;
+}
+
+MovementErrors ErrorsBeyond(
+    const KnownCamera& camera,
+    const std::vector<std::vector<PlacedView>>& unchanged) {
+  constexpr double kChanceSigmas = 1.645;  // one in twenty
+  std::array<double, kNumGroups> chi_squared = {}, information = {};
+  std::array<int, kNumGroups> freedoms = {};
+  for (const std::vector<PlacedView>& views : unchanged) {
+    const GroupTests tests =
+        TestGroups(Judge(camera, views).information, camera.modes);
+    for (int g = 0; g < kNumGroups; ++g) {
+      chi_squared[g] += tests[g].chi_squared;
+      information[g] += tests[g].information;
+      freedoms[g] += tests[g].freedoms;
+    }
+  }
+  const auto is_more_than_chance = [&](int g) {
+    return ChiSquaredSigmas(chi_squared[g], freedoms[g]) > kChanceSigmas;
+  };
+  // What is local looks a little like the others, whose few degrees of freedom
+  // may not show it.
+  constexpr int kLocal = 3;
+  const bool is_local = is_more_than_chance(kLocal);
+  std::array<double, kNumGroups> deviations = {};
+  for (int g = 0; g < kNumGroups; ++g) {
+    if (!is_local && !is_more_than_chance(g)) continue;
+    // In so many cases the variable is smaller once in twenty times.
+    const double largest =
+        chi_squared[g] / ChiSquaredAt(-kChanceSigmas, freedoms[g]);
+    deviations[g] =
+        std::sqrt(std::max(0.0, largest - 1) * freedoms[g] / information[g]);
+  }
+  return {deviations[0], deviations[1], deviations[2], deviations[3]};
 }
 
 }  // namespace raygrid

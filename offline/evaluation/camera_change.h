@@ -67,6 +67,17 @@ struct CameraChange {
 CameraChange TestForChange(const KnownCamera& camera,
                            const std::vector<PlacedView>& views);
 
+/// How much more than a camera's modes say images of it move that are not of a
+/// changed camera, and did not calibrate it: in groups of a few images each, as
+/// many as will be tested. What they share beyond noise has causes that no
+/// covariance contains: a model that does not follow its lens, errors that
+/// features share. Zero for what chance makes once in twenty; otherwise, and of
+/// all movements if local ones are more than that, the standard deviation that
+/// is larger in one of twenty cases only.
+MovementErrors ErrorsBeyond(
+    const KnownCamera& camera,
+    const std::vector<std::vector<PlacedView>>& unchanged);
+
 /// How many standard deviations of a normal variable, one-sided, are as rare as
 /// a chi-squared variable of this size or more (Wilson, Hilferty, 1931).
 double ChiSquaredSigmas(double chi_squared, int freedoms);

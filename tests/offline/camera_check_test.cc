@@ -142,6 +142,12 @@ TEST(CheckCamera, LeavesPinholesOfFourteenImagesAlone) {
   EXPECT_LE(CountFalseAlarms({"pinhole", "opencv", 14, 0}, 4, 50), 2);
 }
 
+// Cells of 160 px leave 0.015 px of a pinhole, which no covariance contains.
+TEST(CheckCamera, LeavesGridsAloneThatDoNotFollowTheirLens) {
+  EXPECT_LE(CountFalseAlarms({"pinhole", "central-generic", 14, 160}, 4, 50),
+            2);
+}
+
 TEST(CheckCamera, FindsAScaleOfThreeInAThousand) {
   const Alarms alarms = CountAlarms([](TestRandom* random) -> Move {
     const double scale = random->Uniform(0, 1) < 0.5 ? 0.997 : 1.003;
@@ -220,6 +226,23 @@ TEST(CheckCamera, FindsALocalChange) {
   EXPECT_GE(alarms.count, 0.99 * alarms.draws);
   EXPECT_GE(alarms.moved.at("local"), 0.95 * alarms.draws);
   EXPECT_LE(alarms.moved["scale"], 0.2 * alarms.draws);
+}
+
+TEST(CheckCamera, SaysWhereALocalChangeIsAndHowLarge) {
+  const Eigen::Vector2d place(220, 300);
+  for (int draw = 0; draw < 5; ++draw) {
+    const Dataset dataset =
+        Moved(Observe(5, 600, 4000 + draw),
+              [&](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
+                const double distance = (pixel - place).norm() / 60;
+                return pixel + 0.4 * std::exp(-distance * distance / 2) *
+                                   Eigen::Vector2d(1, 1);
+              });
+    const CameraChange change =
+        CheckCamera(Cameras()[0], dataset, TestBoard(), 1).change;
+    EXPECT_NEAR(change.largest_local_px, 0.35, 0.25);
+    EXPECT_LT((change.largest_local_pixel - place).norm(), 110);
+  }
 }
 
 TEST(CheckCamera, NeedsToKnowHowWellTheCameraIsKnown) {

@@ -28,8 +28,11 @@ CameraUncertainty ExampleUncertainty() {
   for (size_t k = 0; k < uncertainty.mask.is_trusted.size(); k += 3)
     uncertainty.mask.is_trusted[k] = true;
   uncertainty.max_deviation_px = 0.025;
-  uncertainty.modes = {
-      2, 2, {{{0.01, 0.02}, {0.03, 0}, {-0.5, 0}, {0, 0.125}}}, 0.004};
+  uncertainty.modes = {2,
+                       2,
+                       {{{0.01, 0.02}, {0.03, 0}, {-0.5, 0}, {0, 0.125}}},
+                       0.004,
+                       {0.001, 0.375, 0.0005, 0.03}};
   return uncertainty;
 }
 
@@ -229,6 +232,10 @@ TEST(CameraFile, KeepsUncertaintyAndMask) {
   EXPECT_EQ(read.uncertainty->modes.rest_px, 0.004);
   EXPECT_EQ(read.uncertainty->modes.displacements_px,
             file.uncertainty->modes.displacements_px);
+  EXPECT_EQ(read.uncertainty->modes.beyond.scale, 0.001);
+  EXPECT_EQ(read.uncertainty->modes.beyond.shift_px, 0.375);
+  EXPECT_EQ(read.uncertainty->modes.beyond.tilt_rad, 0.0005);
+  EXPECT_EQ(read.uncertainty->modes.beyond.local_px, 0.03);
   EXPECT_EQ(FormatCameraFile(read), text);
 }
 
@@ -244,6 +251,7 @@ TEST(CameraFile, RefusesAMalformedMaskOrLattice) {
            {"#..", "#."},
            {"0.250000", "-1"},
            {"0.250000", "0.25, 0.3"},
+           {"shift_px: 0.375000", "shift_px: -1"},
            {"rest_px: 0.004", "rest_px: -1"},
            {"-0.50000", ".nan"},
            {"-0.50000", "-0.5, 1"},

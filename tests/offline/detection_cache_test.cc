@@ -136,8 +136,8 @@ TEST(DetectionCache, DetectionTakesWhatItHoldsAndRepairsIt) {
   const DetectionCache cache(folder / "cache");
   const Pattern pattern = ChessboardPattern(9, 6, 0.025);
   Image image;
-  image.size = {8, 8};
-  image.pixels.assign(64, 100);
+  image.size = {40, 40};
+  image.pixels.assign(1600, 100);
   const std::string bytes = EncodePng(image);
   WriteFile(folder / "a.png", bytes);
   SeenImage planted = Example();
