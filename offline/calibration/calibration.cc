@@ -67,10 +67,9 @@ CalibrationResult Calibrate(const Dataset& measured, const Pattern& pattern,
     const Stopwatch comparison_time;
     result.parametric_models =
         CompareParametricModels(start.split, pattern, options, parametric);
-    if (options.model == "central-generic" && !ShouldStop(options) &&
-        NeighborsErrAlike(result))
-      if (auto figures = TryNoncentral(start.split, pattern, options,
-                                       parametric, result.cell_px))
+    if (!ShouldStop(options) && NeighborsErrAlike(result))
+      if (auto figures = TryAnotherGrid(start.split, pattern, options,
+                                        parametric, result.cell_px))
         result.parametric_models.push_back(std::move(*figures));
     result.seconds["comparison"] = comparison_time.Seconds();
   }

@@ -10,6 +10,7 @@
 #include "calibration/camera_check.h"
 #include "calibration/camera_trust.h"
 #include "calibration/cross_validation.h"
+#include "evaluation/prediction_comparison.h"
 
 namespace raygrid {
 namespace {
@@ -141,6 +142,25 @@ std::vector<FeatureResidual> WithoutImages(
   return residuals;
 }
 
+// How far errors of neighbours are alike that are not what the images leave
+// open: a camera that few have calibrated errs smoothly over the image, and so
+// do its predictions; the errors of the features that calibrated it do not.
+std::optional<double> SharedCorrelation(const CalibrationResult& result,
+                                        const std::set<std::string>& apart) {
+  const auto held_out =
+      NeighborCorrelation(WithoutImages(JudgedResiduals(result), apart));
+  const auto training =
+      NeighborCorrelation(WithoutImages(result.training, apart));
+  if (!held_out || !training) return held_out;
+  return std::min(*held_out, *training);
+}
+
+bool PredictsBetter(const ModelFigures& other,
+                    const CalibrationResult& result) {
+  return ComparePredictions(result.held_out, other.held_out_residuals)
+             .Better() == std::string("second");
+}
+
 void AddWhatWasTried(const CalibrationResult& result,
                      CalibrationFigures* figures) {
   constexpr double kBetterPart = 0.99;
@@ -149,7 +169,10 @@ void AddWhatWasTried(const CalibrationResult& result,
                        : 0;
   for (const ModelFigures& other : result.parametric_models) {
     figures->noncentral_was_tried |= other.model == "noncentral-generic";
-    if (!other.held_out || other.held_out->median_px >= best_px) continue;
+    figures->generic_was_tried |= other.model == "central-generic";
+    if (!other.held_out || other.held_out->median_px >= best_px ||
+        !PredictsBetter(other, result))
+      continue;
     best_px = other.held_out->median_px;
     figures->better_model = {other.model, best_px};
   }
@@ -185,7 +208,7 @@ CalibrationFigures FiguresOf(const CalibrationResult& result,
       [](const auto& image) { return image.has_too_few_features; }));
   figures.training = *result.camera.training;
   figures.held_out = result.camera.held_out;
-  figures.neighbor_correlation = result.neighbor_correlation;
+  figures.neighbor_correlation = SharedCorrelation(result, images_apart);
   figures.images_apart.assign(images_apart.begin(), images_apart.end());
   figures.two_cameras = result.two_cameras;
   figures.different_views = CountDifferent(result.poses);
@@ -274,10 +297,8 @@ void JudgeResult(int num_threads, CalibrationResult* result) {
 bool NeighborsErrAlike(const CalibrationResult& result) {
   const std::vector<FeatureResidual>& residuals = JudgedResiduals(result);
   if (residuals.empty()) return false;
-  return ErrAlike(
-      NeighborCorrelation(WithoutImages(residuals, ImagesApart(residuals)))
-          .value_or(0),
-      ComputeErrorFigures(residuals));
+  return ErrAlike(SharedCorrelation(result, ImagesApart(residuals)).value_or(0),
+                  ComputeErrorFigures(residuals));
 }
 
 }  // namespace raygrid

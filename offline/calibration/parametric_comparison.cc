@@ -49,9 +49,10 @@ ModelFigures Measure(const Split& split, const Pattern& pattern,
   figures.num_parameters = result.num_parameters;
   figures.training = *result.camera.training;
   figures.bias_kl = result.bias_kl;
-  const std::vector<FeatureResidual> held_out =
+  figures.held_out_residuals =
       HeldOut(split, pattern, options, model, cell_px, result);
-  if (!held_out.empty()) figures.held_out = ComputeErrorFigures(held_out);
+  if (!figures.held_out_residuals.empty())
+    figures.held_out = ComputeErrorFigures(figures.held_out_residuals);
   return figures;
 }
 
@@ -73,16 +74,22 @@ std::vector<ModelFigures> CompareParametricModels(
   return models;
 }
 
-std::optional<ModelFigures> TryNoncentral(const Split& split,
-                                          const Pattern& pattern,
-                                          const CalibrationOptions& options,
-                                          const Adjusted& start,
-                                          double cell_px) {
-  const std::string model = "noncentral-generic";
-  const double finest_px = CellCandidates(split.training, model).back();
+std::optional<ModelFigures> TryAnotherGrid(const Split& split,
+                                           const Pattern& pattern,
+                                           const CalibrationOptions& options,
+                                           const Adjusted& start,
+                                           double cell_px) {
+  if (options.model == "noncentral-generic") return std::nullopt;
+  const std::string model = options.model == "central-generic"
+                                ? "noncentral-generic"
+                                : "central-generic";
+  constexpr size_t kMediumCandidate = 2;  // where there are no cells yet
+  const std::vector<double> cells = CellCandidates(split.training, model);
+  const size_t medium = std::min(kMediumCandidate, cells.size() - 1);
+  if (cell_px <= 0) cell_px = cells[medium];
   try {
-    return Measure(split, pattern, options, model, std::max(cell_px, finest_px),
-                   start);
+    return Measure(split, pattern, options, model,
+                   std::max(cell_px, cells.back()), start);
   } catch (const Error&) {
     return std::nullopt;
   }

@@ -19,14 +19,14 @@ std::vector<ModelFigures> CompareParametricModels(
     const Split& split, const Pattern& pattern,
     const CalibrationOptions& options, const Adjusted& start);
 
-/// noncentral-generic likewise, with cells like those of a central grid, or
-/// larger where the features do not tell so many parameters. Nothing if it
-/// cannot be adjusted.
-std::optional<ModelFigures> TryNoncentral(const Split& split,
-                                          const Pattern& pattern,
-                                          const CalibrationOptions& options,
-                                          const Adjusted& start,
-                                          double cell_px);
+/// noncentral-generic beside a central grid, and central-generic beside a
+/// parametric model, likewise: with cells of the same size, or larger where the
+/// features do not tell so many parameters. Nothing if it cannot be adjusted.
+std::optional<ModelFigures> TryAnotherGrid(const Split& split,
+                                           const Pattern& pattern,
+                                           const CalibrationOptions& options,
+                                           const Adjusted& start,
+                                           double cell_px);
 
 }  // namespace raygrid
 

@@ -36,6 +36,7 @@ struct ModelFigures {
   ErrorFigures training;
   std::optional<ErrorFigures> held_out;
   std::optional<double> bias_kl;
+  std::vector<FeatureResidual> held_out_residuals;  ///< not kept in files
 };
 
 /// What a calibration found.

@@ -201,6 +201,12 @@ bool IsGrid(const CalibrationFigures& figures) {
 std::string AdviceAgainstSharedErrors(const CalibrationFigures& figures) {
   std::vector<std::string> advice;
   if (!IsGrid(figures)) {
+    const bool is_generic_better =
+        figures.better_model &&
+        figures.better_model->model == "central-generic";
+    if (figures.generic_was_tried && !is_generic_better)
+      return "central-generic was tried and is not shown to be better; look "
+             "for blur, motion and single images that stand out in the report";
     advice.push_back("try --model central-generic");
   } else {
     if (figures.finer_cells_px > 0)

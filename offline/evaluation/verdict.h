@@ -32,7 +32,9 @@ struct CalibrationFigures {
   int images_with_too_few_features = 0;  ///< of those rejected
   ErrorFigures training;
   std::optional<ErrorFigures> held_out;
-  std::optional<double> neighbor_correlation;  ///< without images apart
+  /// Without images apart: of held-out errors, or of training errors if that
+  /// is less; what a camera of few images errs by, only the former share.
+  std::optional<double> neighbor_correlation;
   std::vector<std::string> images_apart;  ///< that err far more than others
   std::optional<TwoCameras> two_cameras;
   int boards_seen = 0, different_views = 0;
@@ -46,7 +48,7 @@ struct CalibrationFigures {
   /// The one that predicts held-out images best, of those that were tried and
   /// are better.
   std::optional<BetterModel> better_model;
-  bool noncentral_was_tried = false;
+  bool noncentral_was_tried = false, generic_was_tried = false;
   bool cells_were_chosen = false;  ///< by held-out error, of several
   /// Finer than all that were tried, of which the finest was best; 0 otherwise.
   double finer_cells_px = 0;

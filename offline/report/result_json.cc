@@ -233,8 +233,8 @@ std::optional<double> NumberIfAny(const Json& json, const char* key) {
 
 ModelFigures ParseModel(const Json& json) {
   return {json.at("model").get<std::string>(), json.at("parameters").get<int>(),
-          ParseFigures(json.at("training")), FiguresIfAny(json, "held_out"),
-          NumberIfAny(json, "bias_kl")};
+          ParseFigures(json.at("training")),   FiguresIfAny(json, "held_out"),
+          NumberIfAny(json, "bias_kl"),        {}};
 }
 
 void ParseMore(const Json& json, CalibrationResult* result) {

@@ -47,7 +47,8 @@ CalibrationResult ExampleResult() {
                                20,
                                {0.2, 0.3, 1, 60},
                                ErrorFigures{0.3, 0.4, 1, 60},
-                               1.5}};
+                               1.5,
+                               {}}};
   result.pattern = ChessboardPattern(60, 5, 0.01);
   result.poses = {{"b.png", 0, {Eigen::Quaterniond::Identity(), {0, 0, 1}}}};
   result.verdict = {"warn", {"only 2 images; take 10 or more"}};

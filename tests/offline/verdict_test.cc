@@ -170,6 +170,16 @@ TEST(Verdict, AdvisesNothingThatWasTried) {
   EXPECT_TRUE(HasReason(JudgeCalibration(figures), "are no better"));
 }
 
+TEST(Verdict, SendsNobodyFromModelToModelAndBack) {
+  CalibrationFigures figures = GoodFigures();
+  figures.model = "opencv";
+  figures.neighbor_correlation = 0.6;
+  figures.generic_was_tried = true;
+  EXPECT_FALSE(HasReason(JudgeCalibration(figures), "--model central-generic"));
+  figures.better_model = {"central-generic", 0.1};
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures), "--model central-generic"));
+}
+
 TEST(Verdict, SaysFirstWhichModelPredictsBetter) {
   CalibrationFigures figures = GoodFigures();
   figures.images_used = 5;
