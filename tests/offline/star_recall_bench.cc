@@ -1,149 +1,39 @@
 // How many stars are found in rendered images, and how well. Run by hand.
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <map>
-#include <mutex>
 #include <opencv2/core.hpp>
 #include <set>
 #include <tuple>
 
 #include "dataset/files.h"
 #include "dataset/parallel_for.h"
-#include "features/star_detection.h"
-#include "simulation/image_rendering.h"
-#include "simulation/random.h"
-#include "simulation/simulated_lenses.h"
-#include "simulation/simulated_observations.h"
-#include "target/star_boards.h"
+#include "star_recall_scenes.h"
 
 namespace raygrid {
 namespace {
 
-constexpr double kMinStarPx = 12, kMaxErrorPx = 0.5;
-// From the image's edge to a star whose window is seen: half of its 21 px, and
-// a pixel that refinement leaves out.
-constexpr double kWindowPx = 11.5;
-
 struct Arguments {
   int num_images = 1000, only = -1, threads = 2;
-  uint64_t seed = 1;
-  std::string save;
-  bool list = false, plain = false, many_tags = false, large_squares = false;
-};
+  SceneOptions scenes;
+  std::string keep;  // a folder; or empty
+  bool list = false;
 
-// A lens with its pixels' rays.
-struct Camera {
-  std::string lens;
-  std::unique_ptr<CameraModel> model;
-  std::unique_ptr<PixelRays> rays;
-};
-
-// What is printed, and how to detect it.
-struct Target {
-  Pattern pattern;
-  std::vector<BoardSurface> surfaces;
-  std::vector<Eigen::Vector3d> corners_m;  // where the boards' origins are
-  Eigen::Vector3d center_m;
-  std::unique_ptr<StarDetector> detector;
-};
-
-// Boards side by side, as raygrid simulate puts them.
-Target MakeTarget(const StarBoardOptions &options) {
-  constexpr double kGapSquares = 4;
-  Target target;
-  target.pattern.boards = StarBoards(options);
-  double x_m = 0;
-  for (Board &board : target.pattern.boards) {
-    board.points = board.NominalPoints();
-    target.surfaces.emplace_back(board);
-    target.corners_m.emplace_back(x_m, 0, 0);
-    x_m += board.points.back().x() + kGapSquares * board.square_m;
+  // Where an image is kept; empty if it is not.
+  std::string FileOf(int index) const {
+    return keep.empty() ? "" : fmt::format("{}/{:04d}.png", keep, index);
   }
-  const Board &last = target.pattern.boards.back();
-  target.center_m = {(x_m - kGapSquares * last.square_m) / 2,
-                     last.points.back().y() / 2, 0};
-  target.detector =
-      std::make_unique<StarDetector>(target.pattern, DetectionOptions());
-  return target;
-}
-
-// Of many tags, which large boards have room for, one is nearly always seen; of
-// large squares the image has room for few, and for small tags only.
-std::vector<Target> MakeTargets(bool many_tags, bool large_squares) {
-  std::vector<Target> targets;
-  const auto add = [&](int columns, int rows, int segments, int num_boards,
-                       int few, int many) {
-    StarBoardOptions options;
-    options.columns = columns;
-    options.rows = rows;
-    options.square_mm = 12;
-    options.segments = segments;
-    options.num_boards = num_boards;
-    options.num_tags = many_tags ? many : few;
-    if (large_squares) options.tag_squares = 2;
-    targets.push_back(MakeTarget(options));
-  };
-  add(16, 15, 16, 1, 1, 4);
-  add(24, 16, 16, 1, 1, 6);
-  add(12, 10, 16, 2, 1, 1);
-  add(16, 15, 12, 1, 1, 4);
-  add(24, 16, 8, 1, 2, 6);
-  add(12, 12, 20, 2, 1, 1);
-  return targets;
-}
-
-std::vector<Camera> MakeCameras(int num_threads) {
-  std::vector<Camera> cameras;
-  for (const char *lens :
-       {"pinhole", "example", "wide", "fisheye", "fisheye190"}) {
-    for (const ImageSize &size : {ImageSize{640, 480}, ImageSize{1280, 800}}) {
-      if (std::string(lens) == "example" && size.width != 640) continue;
-      Camera camera;
-      camera.lens = lens;
-      camera.model = SimulatedLens(lens, size);
-      camera.rays = std::make_unique<PixelRays>(*camera.model, num_threads);
-      cameras.push_back(std::move(camera));
-    }
-  }
-  return cameras;
-}
-
-// Well exposed and sharp, with the noise of a good camera.
-ImagingOptions PlainImaging(Random *random) {
-  ImagingOptions imaging;
-  imaging.blur_px = 0.7;
-  imaging.read_noise = 2;
-  imaging.samples_per_pixel = 8;
-  imaging.seed = static_cast<uint64_t>(random->Uniform(0, 1e15));
-  return imaging;
-}
-
-// Often blurred, noisy, too dark or too bright.
-ImagingOptions RandomImaging(Random *random) {
-  ImagingOptions imaging;
-  imaging.blur_px = random->Uniform(0.5, 1.5);
-  imaging.read_noise = random->Uniform(1, 4);
-  imaging.shot_noise = random->Uniform(0, 0.05);
-  imaging.vignetting = random->Uniform(0, 0.5);
-  imaging.samples_per_pixel = 4;
-  const double light = random->Uniform(0, 1);
-  if (light < 0.15) imaging.exposure = random->Uniform(0.2, 0.5);
-  if (light > 0.85) imaging.exposure = random->Uniform(1.2, 1.8);
-  imaging.seed = static_cast<uint64_t>(random->Uniform(0, 1e15));
-  return imaging;
-}
-
-enum class TagView { kNone, kPartly, kWholly };
+};
 
 using FeatureKey = std::tuple<int, int, int>;  // board, row, column
-
-// How a star lies in an image.
-enum class StarView { kNotToBeFound, kCutByEdge, kWholly };
 
 struct Count {
   int visible = 0, found = 0;
@@ -157,6 +47,37 @@ struct Count {
   }
 };
 
+// By how wide stars' squares are.
+constexpr std::array<double, 4> kSizesPx = {15, 30, 60, 120};
+constexpr size_t kNumSizes = kSizesPx.size() + 1;
+
+size_t SizeIndex(double size_px) {
+  return std::upper_bound(kSizesPx.begin(), kSizesPx.end(), size_px) -
+         kSizesPx.begin();
+}
+
+// Of stars of one view, on boards of which a tag is wholly seen.
+struct BySize {
+  std::array<Count, kNumSizes> counts;
+  std::array<double, kNumSizes> largest = {};
+  std::map<std::string, int> missed;  // by reason
+
+  void Add(const BySize &other) {
+    for (size_t k = 0; k < kNumSizes; ++k) {
+      counts[k].Add(other.counts[k]);
+      largest[k] = std::max(largest[k], other.largest[k]);
+    }
+    for (const auto &[reason, count] : other.missed) missed[reason] += count;
+  }
+};
+
+// A star that was not found.
+struct Missed {
+  Feature star;
+  bool is_cut;
+  std::string reason;
+};
+
 // What is to be found in an image, and what was.
 struct Outcome {
   TagView tag = TagView::kNone;  // that is seen best
@@ -166,6 +87,8 @@ struct Outcome {
   std::array<Count, 3> stars_by_tag;  // of their own board
   int num_features = 0, num_wrong = 0;
   double sum_of_squares = 0, largest = 0, ms = 0;
+  std::array<BySize, 2> by_size;  // wholly seen, cut
+  std::vector<Missed> missed;     // where a tag of the board is wholly seen
 
   Count cut_stars() const {
     Count sum;
@@ -174,112 +97,6 @@ struct Outcome {
   }
 };
 
-struct Scene {
-  const Camera *camera;
-  const Target *target;
-  Pose pose;
-  ImagingOptions imaging;
-
-  Pose PoseOf(size_t board) const {
-    return {pose.rotation, pose * target->corners_m[board]};
-  }
-  std::optional<Eigen::Vector2d> Project(size_t board, double column,
-                                         double row) const {
-    const double s = target->pattern.boards[board].square_m;
-    const auto pixel = camera->model->Project(
-        PoseOf(board) * Eigen::Vector3d(column * s, row * s, 0));
-    if (!pixel || !WholeImage(camera->model->image_size()).Contains(*pixel))
-      return std::nullopt;
-    return pixel;
-  }
-  std::optional<std::array<Eigen::Vector2d, 4>> CornersAround(
-      const Feature &star, double reach_squares) const;
-  StarView ViewOf(const Feature &star) const;
-  TagView ViewOf(size_t board, const BoardTag &tag) const;
-};
-
-// Of the square that reaches so far from a star's centre; nothing where one is
-// not seen.
-std::optional<std::array<Eigen::Vector2d, 4>> Scene::CornersAround(
-    const Feature &star, double reach_squares) const {
-  constexpr double kSigns[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-  std::array<Eigen::Vector2d, 4> corners;
-  for (int k = 0; k < 4; ++k) {
-    const auto corner =
-        Project(star.board, star.column + reach_squares * kSigns[k][0],
-                star.row + reach_squares * kSigns[k][1]);
-    if (!corner) return std::nullopt;
-    corners[k] = *corner;
-  }
-  return corners;
-}
-
-double ShortestSide(const std::array<Eigen::Vector2d, 4> &corners) {
-  double shortest = INFINITY;
-  for (int k = 0; k < 4; ++k)
-    shortest = std::min(shortest, (corners[k] - corners[(k + 1) % 4]).norm());
-  return shortest;
-}
-
-// Small ones are not to be found.
-StarView Scene::ViewOf(const Feature &star) const {
-  constexpr double kHalf = 0.5, kNear = 0.05;
-  if (const auto corners = CornersAround(star, kHalf))
-    return ShortestSide(*corners) < kMinStarPx ? StarView::kNotToBeFound
-                                               : StarView::kWholly;
-  const auto near = CornersAround(star, kNear);
-  const Area pixels = WholeImage(camera->model->image_size());
-  return near && ShortestSide(*near) >= 2 * kNear * kMinStarPx &&
-                 pixels.Contains(star.pixel, -kWindowPx)
-             ? StarView::kCutByEdge
-             : StarView::kNotToBeFound;
-}
-
-// Of its black square.
-TagView Scene::ViewOf(size_t board, const BoardTag &tag) const {
-  const double cell = tag.squares / 10.0;
-  constexpr int kNumSteps = 8;
-  int num_seen = 0;
-  for (int j = 0; j <= kNumSteps; ++j)
-    for (int i = 0; i <= kNumSteps; ++i)
-      num_seen += Project(board, tag.column + cell * (1 + 8.0 * i / kNumSteps),
-                          tag.row + cell * (1 + 8.0 * j / kNumSteps))
-                      .has_value();
-  if (num_seen == 0) return TagView::kNone;
-  return num_seen == (kNumSteps + 1) * (kNumSteps + 1) ? TagView::kWholly
-                                                       : TagView::kPartly;
-}
-
-Scene MakeScene(const std::vector<Camera> &cameras,
-                const std::vector<Target> &targets, const Arguments &arguments,
-                int index) {
-  Random random(arguments.seed * 1000003 + index);
-  Scene scene;
-  scene.camera = &cameras[index % cameras.size()];
-  scene.target = &targets[random.Index(static_cast<int>(targets.size()))];
-  scene.imaging =
-      arguments.plain ? PlainImaging(&random) : RandomImaging(&random);
-  const double square_m = scene.target->pattern.boards[0].square_m;
-  PoseOptions options;
-  if (arguments.large_squares) {
-    options.min_square_px = 30;
-    options.max_square_px = 150;
-  }
-  scene.pose = RandomPoses(
-      *scene.camera->model, scene.target->center_m, square_m, 1, options,
-      arguments.seed * 7919 + static_cast<uint64_t>(index))[0];
-  return scene;
-}
-
-Image Photograph(const Scene &scene) {
-  std::vector<PlacedBoard> placed;
-  for (size_t b = 0; b < scene.target->surfaces.size(); ++b)
-    placed.push_back({&scene.target->surfaces[b], scene.PoseOf(b)});
-  return AddNoiseAndQuantize(
-      RenderImage(*scene.camera->rays, placed, scene.imaging, 1),
-      scene.imaging);
-}
-
 void AddError(double error, Outcome *outcome) {
   ++outcome->num_features;
   outcome->num_wrong += error > kMaxErrorPx;
@@ -287,40 +104,91 @@ void AddError(double error, Outcome *outcome) {
   outcome->sum_of_squares += error * error;
 }
 
-Outcome Compare(const Scene &scene, const std::vector<Feature> &found) {
-  Outcome outcome;
+FeatureKey KeyOf(const Feature &f) { return {f.board, f.row, f.column}; }
+
+// By board, row, column.
+std::map<FeatureKey, Feature> TruthOf(const Scene &scene) {
   std::map<FeatureKey, Feature> truth;
   const auto &boards = scene.target->pattern.boards;
-  std::vector<TagView> views(boards.size(), TagView::kNone);
-  for (size_t b = 0; b < boards.size(); ++b) {
-    for (const BoardTag &tag : boards[b].tags)
-      views[b] = std::max(views[b], scene.ViewOf(b, tag));
-    outcome.tag = std::max(outcome.tag, views[b]);
+  for (size_t b = 0; b < boards.size(); ++b)
     for (const Feature &f :
          VisibleFeatures(*scene.camera->model, boards[b], scene.PoseOf(b)))
-      truth[{f.board, f.row, f.column}] = f;
+      truth[KeyOf(f)] = f;
+  return truth;
+}
+
+// Why stars were not found, and what to say of those that were not sought.
+class Reasons {
+ public:
+  explicit Reasons(const ImageDetection &detection) {
+    for (const Feature &f : detection.features) boards_.insert(f.board);
+    for (const RejectedFeature &r : detection.rejected)
+      reasons_.emplace(KeyOf(r.feature), r.reason);
   }
-  std::set<FeatureKey> has;
-  for (const Feature &f : found) {
-    const FeatureKey key(f.board, f.row, f.column);
-    has.insert(key);
-    const auto place = truth.find(key);
+
+  std::string Of(const Feature &star) const {
+    const auto known = reasons_.find(KeyOf(star));
+    if (boards_.count(star.board) == 0) return "board not found";
+    return known != reasons_.end() ? known->second : "not sought";
+  }
+
+ private:
+  std::set<int> boards_;
+  std::map<FeatureKey, std::string> reasons_;
+};
+
+// How well each board's tag is seen that is seen best.
+std::vector<TagView> TagViews(const Scene &scene) {
+  const auto &boards = scene.target->pattern.boards;
+  std::vector<TagView> views(boards.size(), TagView::kNone);
+  for (size_t b = 0; b < boards.size(); ++b)
+    for (const BoardTag &tag : boards[b].tags)
+      views[b] = std::max(views[b], scene.ViewOf(b, tag));
+  return views;
+}
+
+void AddStar(const Scene &scene, const Feature &star, TagView tag,
+             const Feature *found, const Reasons &reasons, Outcome *outcome) {
+  const StarView view = scene.ViewOf(star);
+  if (view == StarView::kNotToBeFound) return;
+  const bool is_cut = view == StarView::kCutByEdge;
+  const Count count = {1, found != nullptr};
+  const double error = found ? (found->pixel - star.pixel).norm() : 0;
+  auto &by_tag = is_cut ? outcome->cut_stars_by_tag : outcome->stars_by_tag;
+  by_tag[static_cast<int>(tag)].Add(count);
+  if (!is_cut) outcome->stars.Add(count);
+  if (is_cut)
+    outcome->largest_of_cut = std::max(outcome->largest_of_cut, error);
+  if (tag != TagView::kWholly) return;
+  BySize &by_size = outcome->by_size[is_cut];
+  const size_t size = SizeIndex(scene.SizePx(star));
+  by_size.counts[size].Add(count);
+  by_size.largest[size] = std::max(by_size.largest[size], error);
+  if (found) return;
+  outcome->missed.push_back({star, is_cut, reasons.Of(star)});
+  ++by_size.missed[reasons.Of(star)];
+}
+
+Outcome Compare(const Scene &scene, const ImageDetection &detection) {
+  Outcome outcome;
+  const std::vector<TagView> views = TagViews(scene);
+  outcome.tag = *std::max_element(views.begin(), views.end());
+  const std::map<FeatureKey, Feature> truth = TruthOf(scene);
+  std::map<FeatureKey, Feature> found;
+  for (const Feature &f : detection.features) {
     constexpr double kNotThere = 1000;
-    const bool is_there = place != truth.end();
-    const double error =
-        is_there ? (f.pixel - place->second.pixel).norm() : kNotThere;
-    AddError(error, &outcome);
-    if (is_there && scene.ViewOf(place->second) == StarView::kCutByEdge)
-      outcome.largest_of_cut = std::max(outcome.largest_of_cut, error);
+    found[KeyOf(f)] = f;
+    const auto place = truth.find(KeyOf(f));
+    AddError(place == truth.end() ? kNotThere
+                                  : (f.pixel - place->second.pixel).norm(),
+             &outcome);
   }
-  for (const auto &[key, feature] : truth) {
-    const StarView view = scene.ViewOf(feature);
-    const Count star = {1, static_cast<int>(has.count(key))};
-    const int tag = static_cast<int>(views[feature.board]);
-    if (view == StarView::kWholly) outcome.stars_by_tag[tag].Add(star);
-    if (view == StarView::kCutByEdge) outcome.cut_stars_by_tag[tag].Add(star);
+  const Reasons reasons(detection);
+  for (const auto &[key, star] : truth) {
+    const auto place = found.find(key);
+    AddStar(scene, star, views[star.board],
+            place == found.end() ? nullptr : &place->second, reasons, &outcome);
   }
-  for (const Count &count : outcome.stars_by_tag) outcome.stars.Add(count);
   return outcome;
 }
 
@@ -332,14 +200,21 @@ double ThreadMs() {
          1e-6 * static_cast<double>(time.tv_nsec);
 }
 
-Outcome Measure(const Scene &scene, const std::string &save) {
+// Rendered, or as it was kept.
+GreyImage ImageOf(const Scene &scene, const std::string &file) {
+  if (!file.empty() && std::filesystem::exists(file))
+    return MakeGreyImage(ReadImage(file, true));
   const Image image = Photograph(scene);
-  if (!save.empty()) WriteFile(save, EncodePng(image));
-  const GreyImage grey = MakeGreyImage(image);
+  if (!file.empty()) WriteFile(file, EncodePng(image));
+  return MakeGreyImage(image);
+}
+
+Outcome Measure(const Scene &scene, const std::string &file) {
+  const GreyImage grey = ImageOf(scene, file);
   const double start_ms = ThreadMs();
   const ImageDetection detection = scene.target->detector->Detect(grey);
   const double ms = ThreadMs() - start_ms;
-  Outcome outcome = Compare(scene, detection.features);
+  Outcome outcome = Compare(scene, detection);
   outcome.ms = ms;
   return outcome;
 }
@@ -350,6 +225,7 @@ struct Summary {
   std::array<int, 3> num_by_tag = {0, 0, 0};
   Count stars, stars_in_images_with_tag;
   std::array<Count, 3> stars_by_tag, cut_stars_by_tag;
+  std::array<BySize, 2> by_size;
   int num_features = 0, num_wrong = 0;
   double sum_of_squares = 0, largest = 0, ms = 0, longest_ms = 0;
   double largest_of_cut = 0;
@@ -363,6 +239,7 @@ struct Summary {
       stars_by_tag[k].Add(o.stars_by_tag[k]);
       cut_stars_by_tag[k].Add(o.cut_stars_by_tag[k]);
     }
+    for (int k = 0; k < 2; ++k) by_size[k].Add(o.by_size[k]);
     largest_of_cut = std::max(largest_of_cut, o.largest_of_cut);
     num_features += o.num_features;
     num_wrong += o.num_wrong;
@@ -389,6 +266,20 @@ struct Summary {
     std::printf("%8.3f %15.3f\n", largest_of_cut,
                 ms / std::max(1, num_features));
   }
+  void PrintBySize(const std::string &name, bool is_cut) const {
+    std::printf("%-10s ", name.c_str());
+    for (size_t k = 0; k < kNumSizes; ++k)
+      std::printf("%7d %6.2f %6.3f ", by_size[is_cut].counts[k].visible,
+                  by_size[is_cut].counts[k].Percent(),
+                  by_size[is_cut].largest[k]);
+    std::printf("\n");
+  }
+  void PrintMissed(const std::string &name) const {
+    for (const bool is_cut : {false, true})
+      for (const auto &[reason, count] : by_size[is_cut].missed)
+        std::printf("%-10s %-6s %7d %s\n", name.c_str(),
+                    is_cut ? "cut" : "wholly", count, reason.c_str());
+  }
 };
 
 void PrintHead() {
@@ -413,6 +304,18 @@ void PrintHeadOfCut() {
       "ms, any feature");
 }
 
+void PrintHeadBySize(bool is_cut) {
+  std::printf(
+      "\nStars %s, on boards of which a tag is wholly seen, by the width of "
+      "their squares:\nhow many, %% found, largest error in px.\n\n%-10s ",
+      is_cut ? "cut by the edge" : "wholly seen", "");
+  for (size_t k = 0; k < kNumSizes; ++k)
+    std::printf(k < kSizesPx.size() ? "%13s< %3.0f px " : "%14s%3.0f px ",
+                k < kSizesPx.size() ? "" : "from ",
+                kSizesPx[std::min(k, kSizesPx.size() - 1)]);
+  std::printf("\n");
+}
+
 void PrintOne(int index, const Scene &scene, const Outcome &o) {
   std::printf(
       "%4d %-10s %4d px, %d board(s), tag %d: %3d of %3d, cut %3d of %3d, "
@@ -425,22 +328,45 @@ void PrintOne(int index, const Scene &scene, const Outcome &o) {
       scene.imaging.exposure, scene.imaging.blur_px);
 }
 
+void PrintTables(const std::map<std::string, Summary> &summaries,
+                 const Summary &total) {
+  PrintHead();
+  for (const auto &[lens, summary] : summaries) summary.Print(lens);
+  total.Print("all");
+  PrintHeadOfCut();
+  for (const auto &[lens, summary] : summaries) summary.PrintCut(lens);
+  total.PrintCut("all");
+  for (const bool is_cut : {false, true}) {
+    PrintHeadBySize(is_cut);
+    for (const auto &[lens, summary] : summaries)
+      summary.PrintBySize(lens, is_cut);
+    total.PrintBySize("all", is_cut);
+  }
+  std::printf("\nThose that were not found.\n\n");
+  for (const auto &[lens, summary] : summaries) summary.PrintMissed(lens);
+}
+
 void Run(const Arguments &arguments) {
-  const std::vector<Camera> cameras = MakeCameras(arguments.threads);
-  const std::vector<Target> targets =
-      MakeTargets(arguments.many_tags, arguments.large_squares);
+  const std::deque<Camera> cameras = MakeCameras(arguments.scenes.squares);
+  const std::vector<Target> targets = MakeTargets(arguments.scenes);
   std::vector<Outcome> outcomes(arguments.num_images);
   const auto scene = [&](int i) {
-    return MakeScene(cameras, targets, arguments, i);
+    return MakeScene(cameras, targets, arguments.scenes, i);
   };
   if (arguments.only >= 0) {
     const Scene one = scene(arguments.only);
-    PrintOne(arguments.only, one, Measure(one, arguments.save));
+    const Outcome outcome = Measure(one, arguments.FileOf(arguments.only));
+    PrintOne(arguments.only, one, outcome);
+    for (const Missed &missed : outcome.missed)
+      std::printf("board %d, column %d, row %d at %.1f, %.1f%s: %s\n",
+                  missed.star.board, missed.star.column, missed.star.row,
+                  missed.star.pixel.x(), missed.star.pixel.y(),
+                  missed.is_cut ? ", cut" : "", missed.reason.c_str());
     return;
   }
   std::atomic<int> num_done{0};
   ParallelFor(arguments.num_images, arguments.threads, [&](int i) {
-    outcomes[i] = Measure(scene(i), "");
+    outcomes[i] = Measure(scene(i), arguments.FileOf(i));
     std::fprintf(stderr, "\r%d of %d", ++num_done, arguments.num_images);
   });
   std::fprintf(stderr, "\n");
@@ -455,12 +381,7 @@ void Run(const Arguments &arguments) {
          o.cut_stars().found < o.cut_stars().visible || o.num_wrong > 0))
       PrintOne(i, scene(i), o);
   }
-  PrintHead();
-  for (const auto &[lens, summary] : summaries) summary.Print(lens);
-  total.Print("all");
-  PrintHeadOfCut();
-  for (const auto &[lens, summary] : summaries) summary.PrintCut(lens);
-  total.PrintCut("all");
+  PrintTables(summaries, total);
 }
 
 }  // namespace
@@ -468,28 +389,37 @@ void Run(const Arguments &arguments) {
 
 int main(int argc, char **argv) {
   raygrid::Arguments arguments;
+  using raygrid::Squares;
   CLI::App app("Recall and accuracy of star detection in rendered images.");
   app.add_option("--images", arguments.num_images, "number of images")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  app.add_option("--seed", arguments.seed, "of everything random")
+  app.add_option("--seed", arguments.scenes.seed, "of everything random")
       ->capture_default_str();
   app.add_option("--threads", arguments.threads, "number of threads")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  app.add_flag("--plain", arguments.plain,
+  app.add_flag("--plain", arguments.scenes.is_plain,
                "well exposed and sharp images, noise 2 of 255; by default many "
                "are blurred, noisy, dark or overexposed");
   app.add_flag(
-      "--many-tags", arguments.many_tags,
+      "--many-tags", arguments.scenes.has_many_tags,
       "four or six tags on large boards; by default one, on one of the "
       "six patterns two");
-  app.add_flag("--large-squares", arguments.large_squares,
-               "30 to 150 px wide, and tags of two squares; by default 12 to "
-               "30 px");
+  const std::map<std::string, Squares> squares = {
+      {"ordinary", Squares::kOrdinary},
+      {"large", Squares::kLarge},
+      {"close", Squares::kClose}};
+  app.add_option("--squares", arguments.scenes.squares,
+                 "ordinary: 12 to 30 px wide; large: 30 to 150 px, and tags of "
+                 "two squares; close: 60 to 120 px in images 1280 px wide, one "
+                 "board of 16 x 23 stars, and tags of four or five squares")
+      ->transform(CLI::CheckedTransformer(squares));
   app.add_flag("--list", arguments.list, "images in which stars are missed");
   app.add_option("--only", arguments.only, "one image, by number");
-  app.add_option("--save", arguments.save, "its PNG file");
+  app.add_option("--keep", arguments.keep,
+                 "a folder of images (0000.png ...) of the same options: those "
+                 "that are there are not rendered again");
   CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
   raygrid::Run(arguments);
