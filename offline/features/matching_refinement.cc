@@ -30,7 +30,7 @@ struct Places {
   std::vector<float> x, y;
 };
 
-Places PlacesInWindow(int window_px) {
+Places MakePlaces(int window_px) {
   Places places;
   std::mt19937 engine(1);
   const auto uniform = [&engine] {
@@ -43,6 +43,15 @@ Places PlacesInWindow(int window_px) {
       places.y.push_back(static_cast<float>(y) + uniform());
     }
   }
+  return places;
+}
+
+// Made anew only where the window is another one.
+const Places& PlacesInWindow(int window_px) {
+  thread_local int made_for = 0;
+  thread_local Places places;
+  if (made_for != window_px) places = MakePlaces(window_px);
+  made_for = window_px;
   return places;
 }
 

@@ -101,18 +101,19 @@ SymmetryPatch::SymmetryPatch(const GreyImage& image, Refinement refinement,
   std::vector<float> levels = Enlarged(square, count);
   if (refinement != Refinement::kGradientsXY &&
       refinement != Refinement::kGradientMagnitude) {
-    channels_ = {std::move(levels)};
+    channels_.push_back(std::move(levels));
     return;
   }
   std::vector<float> gx, gy;
   Gradients(levels, side_, &gx, &gy);
   if (refinement == Refinement::kGradientsXY) {
-    channels_ = {std::move(gx), std::move(gy)};
+    channels_.push_back(std::move(gx));
+    channels_.push_back(std::move(gy));
     return;
   }
   for (size_t i = 0; i < gx.size(); ++i)
     gx[i] = std::sqrt(gx[i] * gx[i] + gy[i] * gy[i]);
-  channels_ = {std::move(gx)};
+  channels_.push_back(std::move(gx));
 }
 
 SymmetryPatch::Reflection SymmetryPatch::ReflectionOf(

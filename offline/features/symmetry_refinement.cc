@@ -101,16 +101,15 @@ class PairMaker {
 };
 
 // As many as fill whole vectors.
-Pairs MakePairs(const ImageSize& size, const SymmetrySamples& samples,
-                const SymmetryMask& mask, const LocalMapping& start) {
+void MakePairs(const ImageSize& size, const SymmetrySamples& samples,
+               const SymmetryMask& mask, const LocalMapping& start,
+               Pairs* pairs) {
   const PairMaker maker(size, samples.window_px, start);
-  Pairs pairs;
-  pairs.Resize(samples.x.size());
+  pairs->Resize(samples.x.size());
   size_t count = 0;
   for (size_t i = 0; i < samples.x.size(); ++i)
-    count += maker.Make(samples.x[i], samples.y[i], mask, count, &pairs);
-  pairs.Resize(count - count % kLanes);
-  return pairs;
+    count += maker.Make(samples.x[i], samples.y[i], mask, count, pairs);
+  pairs->Resize(count - count % kLanes);
 }
 
 template <int N>
@@ -381,7 +380,9 @@ SymmetryResult RefineSymmetry(const GreyImage& image,
                               const SymmetryOptions& options) {
   SymmetryResult result;
   result.mapping = start;
-  const Pairs pairs = MakePairs(image.size, samples, mask, start);
+  // Kept for the next feature: new ones would be filled with zeros first.
+  thread_local Pairs pairs;
+  MakePairs(image.size, samples, mask, start, &pairs);
   constexpr size_t kMinPart = 7;  // of the window, 30 of 220 pixels
   if (pairs.size() * kMinPart < samples.x.size()) return result;
   // One more for the start's fraction of a pixel, one for interpolation.
