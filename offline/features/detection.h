@@ -49,6 +49,15 @@ GreyImage Mirrored(GreyImage image);
 /// first of them.
 GreyImage Halved(const GreyImage& image);
 
+/// A place in an image that was halved until it is of 1 / scale of the size,
+/// and back.
+inline Eigen::Vector2d ToSmaller(const Eigen::Vector2d& pixel, double scale) {
+  return (pixel.array() + 0.5) / scale - 0.5;
+}
+inline Eigen::Vector2d FromSmaller(const Eigen::Vector2d& pixel, double scale) {
+  return (pixel.array() + 0.5) * scale - 0.5;
+}
+
 struct RejectedFeature {
   Feature feature;
   std::string reason;  ///< a few words

@@ -162,9 +162,12 @@ std::optional<LooseLatticeFinder::Seed> LooseLatticeFinder::SeedAt(
 
 // Some, the best first; removes the candidates that were tried.
 std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::FindSeeds(
-    const GreyImage& image, std::vector<StarCandidate>* candidates) const {
+    const GreyImage& smaller, double scale,
+    std::vector<StarCandidate>* candidates) const {
   constexpr size_t kEnough = 4;
-  const std::vector<StarCandidate> all = *candidates;
+  std::vector<StarCandidate> all = *candidates;
+  for (StarCandidate& candidate : all)
+    candidate.pixel = ToSmaller(candidate.pixel, scale);
   std::vector<Seed> seeds;
   // Not in order: the corners of squares may all have less scatter than the
   // stars.
@@ -173,7 +176,7 @@ std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::FindSeeds(
        trial < kMaxTrials && !candidates->empty() && seeds.size() < kEnough;
        ++trial) {
     const auto chosen = candidates->begin() + random() % candidates->size();
-    const auto seed = SeedAt(image, all, chosen->pixel);
+    const auto seed = SeedAt(smaller, all, ToSmaller(chosen->pixel, scale));
     if (seed) seeds.push_back(*seed);
     candidates->erase(chosen);
   }
@@ -213,11 +216,14 @@ FeatureLattice LooseLatticeFinder::GrowFrom(const GreyImage& image,
 }
 
 std::vector<FeatureLattice> LooseLatticeFinder::Find(
-    const GreyImage& image, std::vector<StarCandidate>* candidates) const {
+    const GreyImage& image, const GreyImage& smaller, double scale,
+    std::vector<StarCandidate>* candidates) const {
   // Half stars along the board's edges are less like stars than those beside;
   // so are stars where the image gets coarse.
   constexpr double kAlike = 0.6, kLessAlike = 0.5;
-  for (const Seed& seed : FindSeeds(image, candidates)) {
+  for (Seed seed : FindSeeds(smaller, scale, candidates)) {
+    seed.mapping.center = FromSmaller(seed.mapping.center, scale);
+    seed.mapping.linear *= scale;
     std::vector<FeatureLattice> lattices = {GrowFrom(image, seed, kAlike),
                                             GrowFrom(image, seed, kLessAlike)};
     if (lattices[1].num_found() < kMinStars) continue;
@@ -226,6 +232,11 @@ std::vector<FeatureLattice> LooseLatticeFinder::Find(
       lattices.push_back(GrowFrom(image, other, kLessAlike));
     }
     RemoveExplained(lattices[1], candidates);
+    lattices.erase(std::remove_if(lattices.begin(), lattices.end(),
+                                  [](const FeatureLattice& lattice) {
+                                    return lattice.num_found() < kMinStars;
+                                  }),
+                   lattices.end());
     return lattices;
   }
   return {};

@@ -26,9 +26,13 @@ class LooseLatticeFinder {
   /// then with doubtful stars; nothing if there is none. Of stars of four
   /// segments the lattices between them too. Its places count from
   /// anywhere, right and down as on a board that is turned by some quarter
-  /// turns. Candidates on it and those that were tried are removed.
+  /// turns. Candidates on it and those that were tried are removed. The first
+  /// stars are sought in a smaller image, of 1 / scale of the size, in which
+  /// large ones hardly differ from ordinary ones; candidates and lattices are
+  /// in the image's pixels.
   std::vector<FeatureLattice> Find(
-      const GreyImage& image, std::vector<StarCandidate>* candidates) const;
+      const GreyImage& image, const GreyImage& smaller, double scale,
+      std::vector<StarCandidate>* candidates) const;
 
  private:
   Board board_;  // large enough wherever the first star is
@@ -43,7 +47,7 @@ class LooseLatticeFinder {
   std::optional<Seed> SeedAt(const GreyImage& image,
                              const std::vector<StarCandidate>& candidates,
                              const Eigen::Vector2d& center) const;
-  std::vector<Seed> FindSeeds(const GreyImage& image,
+  std::vector<Seed> FindSeeds(const GreyImage& smaller, double scale,
                               std::vector<StarCandidate>* candidates) const;
   std::vector<Seed> LookAlikes(const Seed& seed) const;
   FeatureLattice GrowFrom(const GreyImage& image, const Seed& seed,

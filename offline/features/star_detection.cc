@@ -57,12 +57,11 @@ class Search {
   void Run() {
     GrowFromTags(DetectTags(image_, TagSearch::kQuick));
     if (IsComplete()) return;
-    candidates_ = FindStarCandidates(image_);
-    for (size_t b = 0; b < boards_.size(); ++b)
-      if (IsFound(b)) RemoveExplained(growths_[b]->lattice(), &candidates_);
-    for (const auto& [segments, finder] : finders_)
-      GrowFromLooseLattices(segments, *finder);
-    if (SeesOtherStars() && !IsQuickSearchThorough(image_.size))
+    LookForLooseLattices(image_, 1);
+    const bool sees_other_stars = SeesOtherStars();
+    LookInSmallerImages();
+    if (sees_other_stars && !IsComplete() &&
+        !IsQuickSearchThorough(image_.size))
       GrowFromTags(DetectTags(image_, TagSearch::kThorough));
   }
 
@@ -78,6 +77,11 @@ class Search {
   }
   bool IsSeen(size_t board) const {
     return growths_[board] && growths_[board]->IsSound(kMaxInVain);
+  }
+  bool IsEachSeen() const {
+    for (size_t b = 0; b < boards_.size(); ++b)
+      if (!IsSeen(b)) return false;
+    return true;
   }
   bool IsComplete() const {
     for (size_t b = 0; b < boards_.size(); ++b)
@@ -126,7 +130,30 @@ class Search {
     if (growth->AgreesWithTags()) Put(b, std::move(growth));
   }
 
-  void GrowFromLooseLattices(int segments, const LooseLatticeFinder& finder) {
+  // In an image of 1 / scale of the size.
+  void LookForLooseLattices(const GreyImage& smaller, double scale) {
+    candidates_ = FindStarCandidates(smaller);
+    for (StarCandidate& candidate : candidates_)
+      candidate.pixel = FromSmaller(candidate.pixel, scale);
+    for (size_t b = 0; b < boards_.size(); ++b)
+      if (IsFound(b)) RemoveExplained(growths_[b]->lattice(), &candidates_);
+    for (const auto& [segments, finder] : finders_)
+      GrowFromLooseLattices(segments, *finder, smaller, scale);
+  }
+
+  // Within a large star's square there is much that looks like small ones.
+  void LookInSmallerImages() {
+    constexpr double kSmallestScale = 4;
+    GreyImage smaller = image_;
+    for (double scale = 2; scale <= kSmallestScale && !IsEachSeen();
+         scale *= 2) {
+      smaller = Halved(smaller);
+      LookForLooseLattices(smaller, scale);
+    }
+  }
+
+  void GrowFromLooseLattices(int segments, const LooseLatticeFinder& finder,
+                             const GreyImage& smaller, double scale) {
     for (int k = 0; k < kMaxLooseLattices; ++k) {
       std::vector<size_t> missing;
       std::vector<const TaggedBoard*> tagged;
@@ -136,7 +163,7 @@ class Search {
         tagged.push_back(&boards_[b]->tagged);
       }
       if (missing.empty() || !SeesOtherStars()) return;
-      const auto lattices = finder.Find(image_, &candidates_);
+      const auto lattices = finder.Find(image_, smaller, scale, &candidates_);
       if (lattices.empty()) return;
       sees_unnamed_stars_ |= !GrowFromFirstNamed(lattices, missing, tagged);
     }

@@ -330,7 +330,7 @@ bool StarGrowth::Try(int column, int row, const LocalMapping& mapping,
   if (!IsVisible(image_.size, mapping, window_reach_px, 0) &&
       !IsVisible(image_.size, found, window_reach_px, 0))
     return false;
-  if (IsTaken(column, row, match.center, spacing_px) ||
+  if (IsTaken(column, row, match.center, mapping) ||
       TurnsBack(column, row, match.center))
     return refuse("another star's place");
   lattice_.Set(column, row, match.center);
@@ -357,14 +357,14 @@ MatchingResult StarGrowth::Match(const SymmetryMask& mask,
     scale *= 2;
   }
   LocalMapping smaller = mapping;
-  smaller.center = (mapping.center.array() + 0.5) / scale - 0.5;
+  smaller.center = ToSmaller(mapping.center, scale);
   smaller.linear /= scale;
   const MatchingResult rough =
       MatchStar(Smaller(level), texture_, mask, smaller, options_.window_px,
                 search_px / scale);
   if (!rough.is_converged) return near;
   LocalMapping moved = mapping;
-  moved.center = (rough.center.array() + 0.5) * scale - 0.5;
+  moved.center = FromSmaller(rough.center, scale);
   const MatchingResult far =
       MatchStar(image_, texture_, mask, moved, options_.window_px, 1 + scale);
   return far.is_converged && far.correlation > near.correlation ? far : near;
@@ -391,12 +391,16 @@ double StarGrowth::CorrelationAround(int column, int row) const {
   return sum / std::max(1, count);
 }
 
-// Whether another star was found there.
+// Whether another star was found there. Where squares are sheared, a diagonal
+// neighbour may be nearer than the next one in a row.
 bool StarGrowth::IsTaken(int column, int row, const Eigen::Vector2d& pixel,
-                         double spacing_px) const {
-  constexpr double kMinDistance = 0.6;  // of the spacing
-  for (const Correspondence& other : lattice_.Around(column, row, 3, false))
-    if ((other.pixel - pixel).norm() < kMinDistance * spacing_px) return true;
+                         const LocalMapping& mapping) const {
+  constexpr double kMinDistance = 0.6;  // of where the two should be
+  for (const Correspondence& other : lattice_.Around(column, row, 3, false)) {
+    const double expected_px =
+        std::min(mapping.SpacingPx(), (mapping.linear * other.offset).norm());
+    if ((other.pixel - pixel).norm() < kMinDistance * expected_px) return true;
+  }
   return false;
 }
 

@@ -81,9 +81,9 @@ class StarGrowth {
                        double search_px);
   const GreyImage& Smaller(int level);
   double CorrelationAround(int column, int row) const;
-  bool TurnsBack(int column, int row, const Eigen::Vector2d& pixel) const;
   bool IsTaken(int column, int row, const Eigen::Vector2d& pixel,
-               double spacing_px) const;
+               const LocalMapping& mapping) const;
+  bool TurnsBack(int column, int row, const Eigen::Vector2d& pixel) const;
 
   const GreyImage& image_;
   const Board& board_;

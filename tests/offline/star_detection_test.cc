@@ -326,6 +326,21 @@ TEST(StarDetector, FindsStarsWhoseSquaresTheImagesEdgeCuts) {
   }
 }
 
+// Half of the tag: squares of 60 px, within which there is much that looks like
+// stars.
+TEST(StarDetector, FindsLargeStarsOfABoardWhoseTagIsCutOff) {
+  const auto camera = SimulatedLens("pinhole", {1280, 800});
+  const PixelRays rays(*camera, kThreads);
+  const Pattern pattern = PatternOf(BoardYaml(0, 16, 15, 16, 0, 6, 5));
+  const BoardSurface surface(pattern.boards[0]);
+  Pose pose = PoseOf({"pinhole", 60, 20, {100, 200}}, *camera);
+  pose.translation.x() -= 5.5 * kSquare;
+  const GreyImage image = WithNoise(
+      RenderImage(rays, {{&surface, pose}}, ImagingOptions(), kThreads), 1);
+  ASSERT_TRUE(DetectTags(image, TagSearch::kThorough).empty());
+  EXPECT_GT(StarDetector(pattern, {}).Detect(image).features.size(), 80u);
+}
+
 TEST(StarDetector, FindsLargeStarsThatALensHasMovedFar) {
   const Errors errors = MeasureNear({"wide", 80, 0, {150, 60}});
   EXPECT_GT(errors.num_visible, 12);
