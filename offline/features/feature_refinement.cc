@@ -26,6 +26,11 @@ constexpr double kMinContrast = 0.5;      // grey levels
 // Standard deviation along the less certain direction: 0.5 px are eight of
 // them.
 constexpr double kMaxDeviationPx = 0.06;
+// How far a polynomial over three squares may be wrong about a window: parts of
+// what it bends there, and of how much another over two squares bends it
+// differently. Measured behind lenses to 190 degrees.
+constexpr double kPartOfBend = 0.07, kPartOfDifference = 0.1;
+constexpr double kSmallBendPx = 0.25;  // of no consequence
 constexpr const char* kNotInLine = "not in line with its neighbours";
 constexpr int kMaxStrayOutliers = 2;  // more of them are no accident
 
@@ -107,6 +112,27 @@ bool Predicted(const FeatureLattice& lattice, const Feature& feature,
   return FitLocalMapping(
              lattice.Around(feature.column, feature.row, kReach, false),
              kMaxDegree, mapping) > 0;
+}
+
+// The most that two mappings differ in how they bend a line through the
+// feature, a radius away from it in the image of a third: in the even parts,
+// which point symmetry is blind to.
+double BendPx(const LocalMapping& a, const LocalMapping& b,
+              const LocalMapping& scale, double radius_px) {
+  constexpr int kDirections = 8;
+  const Eigen::Matrix2d inverse = scale.linear.inverse();
+  const auto bend = [](const LocalMapping& m, const Eigen::Vector2d& s) {
+    return Eigen::Vector2d((m(s) + m(-s)) / 2 - m.center);
+  };
+  double most = 0;
+  for (int k = 0; k < kDirections; ++k) {
+    const double angle = k * M_PI / kDirections;
+    const Eigen::Vector2d s =
+        inverse *
+        (radius_px * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+    most = std::max(most, (bend(a, s) - bend(b, s)).norm());
+  }
+  return most;
 }
 
 void RejectLonely(const Board& board, FeatureLattice* lattice,
@@ -231,6 +257,8 @@ struct FeatureRefiner::Data {
   SymmetryResult Symmetry(const GreyImage& image, const Feature& feature,
                           const LocalMapping& start, bool center_only,
                           const Round& round) const;
+  double BendDeviationPx(const Feature& feature, const FeatureLattice& lattice,
+                         const LocalMapping& mapping) const;
   std::string RefineOne(const GreyImage& image, const Feature& feature,
                         const Round& round, const FeatureLattice& lattice,
                         Eigen::Vector2d* pixel) const;
@@ -269,6 +297,24 @@ SymmetryResult FeatureRefiner::Data::Symmetry(const GreyImage& image,
                         start, symmetry);
 }
 
+// What symmetry takes for a shift of the centre, or would: the standard
+// deviation of what the mapping does not know of it.
+double FeatureRefiner::Data::BendDeviationPx(
+    const Feature& feature, const FeatureLattice& lattice,
+    const LocalMapping& mapping) const {
+  const double radius_px = options.window_px / 3.0;
+  const double bend_px = BendPx(mapping, LocalMapping(), mapping, radius_px);
+  if (bend_px < kSmallBendPx) return 0;
+  LocalMapping nearer;
+  const bool is_known =
+      FitLocalMapping(
+          lattice.Around(feature.column, feature.row, kReach - 1, true),
+          kMaxDegree, &nearer) > 0;
+  const double difference_px =
+      is_known ? BendPx(mapping, nearer, mapping, radius_px) : bend_px;
+  return std::max(kPartOfBend * bend_px, kPartOfDifference * difference_px);
+}
+
 const std::vector<SymmetryMask>& FeatureRefiner::masks() const {
   return data_->masks;
 }
@@ -299,6 +345,10 @@ std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
     return "not symmetric";
   if (round.is_last && !(result.deviation_px < kMaxDeviationPx))
     return "lost in noise";
+  if (round.is_last && degree > 1 &&
+      !(std::hypot(result.deviation_px,
+                   BendDeviationPx(feature, lattice, start)) < kMaxDeviationPx))
+    return "too strongly bent";
   *pixel = result.mapping.center;
   return {};
 }
