@@ -19,7 +19,7 @@
 namespace raygrid {
 namespace {
 
-// As in README.md.
+// The exit codes in the words of README.md.
 constexpr char kExitCodes[] =
     "Exit codes:\n"
     "  0  done\n"

@@ -21,7 +21,7 @@ std::string Given(double square_m, const std::string& mm_option) {
                            : fmt::format("{} {:g}", mm_option, 1000 * square_m);
 }
 
-// The same number with another unit, if that makes a likely square.
+// A number that was given with another unit, if that makes a likely square.
 std::string Suggestion(double square_m, const std::string& mm_option) {
   for (const double factor : {1e-3, 1e3})
     if (IsLikelySquare(factor * square_m))

@@ -47,7 +47,7 @@ double TotalCost(const std::vector<Residual>& residuals, double huber_px) {
   return CompareCosts(residuals, residuals, huber_px).first;
 }
 
-// What a step did.
+// How far a step of the adjustment got.
 struct StepEffect {
   double decrease = 0;          // of the cost, relative
   double moved_deviations = 0;  // as MovedDeviations()

@@ -37,8 +37,9 @@ struct CalibrationOptions {
   Progress progress;
   /// Once true, the best state so far is the result.
   std::function<bool()> should_stop;
-  /// Of the same features and options; may be empty. The result is to the bit
-  /// that of a calibration without interruption.
+  /// The checkpoint of an interrupted calibration with the same features and
+  /// options, or none. The result is to the bit that of a calibration without
+  /// interruption.
   std::optional<Checkpoint> resume;
   KeepCheckpoint keep;
 };

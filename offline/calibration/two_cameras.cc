@@ -17,8 +17,8 @@ namespace {
 
 constexpr size_t kMinPartImages = 4;  // of each camera
 constexpr size_t kMaxFeatures = 60;   // of an image, to look for parts
-// Of the residuals' RMS, by two cameras: what chance or bending of one lens
-// explains is far less.
+// Two cameras leave less than this part of one camera's RMS residual. Chance,
+// or one lens that bends, lowers it far less.
 constexpr double kMuchBetter = 0.8;
 constexpr size_t kNumChanceSplits = 2;
 
@@ -244,7 +244,8 @@ class TwoFits {
   std::vector<std::vector<FeatureResidual>> residuals_;
 };
 
-// As much as tells the dozen parameters of a lens, of two cameras.
+// A part of the features that suffices to tell the dozen parameters of two
+// lenses.
 Dataset Thinned(const Dataset& all) {
   constexpr size_t kMaxImages = 40;
   Dataset thinned = all;

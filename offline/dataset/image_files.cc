@@ -126,8 +126,8 @@ std::string WithoutOrientation(std::string bytes, const ImageHeader& header) {
   return bytes;
 }
 
-// As OpenCV has it, but as stored, and never a damaged image; flags are
-// cv::imdecode()'s.
+// Decodes an image with OpenCV, as it is stored; a damaged one is an error.
+// flags are cv::imdecode()'s.
 cv::Mat Decode(const std::string& name, const std::string& file, int flags) {
   const ImageHeader header = ParseImageHeader(name, file);
   std::string upright;
@@ -168,7 +168,7 @@ double FullScale(const cv::Mat& image) {
   return FullScale(brightest);
 }
 
-// The same for 8 or 16 bits.
+// Decodes an image of 8 or 16 bits a channel; others are an error.
 cv::Mat DecodeIntegers(const std::string& name, const std::string& bytes,
                        int flags) {
   const cv::Mat decoded = Decode(name, bytes, flags);

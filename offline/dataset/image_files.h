@@ -32,8 +32,9 @@ std::string ReadImageFile(const std::string& path);
 /// InputError, for larger images than ParseImageHeader() allows too.
 Image ReadImage(const std::string& path, bool grey);
 
-/// The same with the file's own channels and 8 or 16 bits; or grey, as deep.
+/// A photograph with the channels and the depth (8 or 16 bits) of its file.
 Image ReadImageAsStored(const std::string& path);
+/// A photograph in shades of grey, with the depth (8 or 16 bits) of its file.
 Image ReadGreyAsStored(const std::string& path);
 
 /// A photograph in shades of grey, as finely as the file has them.

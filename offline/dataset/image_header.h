@@ -12,14 +12,14 @@ namespace raygrid {
 /// What an image file says of itself before its pixels.
 struct ImageHeader {
   ImageSize size;
-  /// As EXIF counts: 1 is to be shown as stored, 2 to 8 turned or mirrored.
+  /// EXIF's number: 1 is to be shown as stored, 2 to 8 turned or mirrored.
   int orientation = 1;
   /// TIFF: where the orientation's number stands in the file, and its bytes.
   size_t orientation_at = 0, orientation_bytes = 0;
 };
 
-/// Of PNG, JPEG, TIFF, BMP, PGM and its kin, and WebP. Throws InputError: other
-/// kinds, damage, sizes that are refused.
+/// Reads the header of a PNG, JPEG, TIFF, BMP, PNM (PGM and its kin) or WebP
+/// file. Throws InputError: other kinds, damage, sizes that are refused.
 ImageHeader ParseImageHeader(const std::string& name, const std::string& bytes);
 
 /// Larger images are refused unless AllowHugeImages() was called: they take

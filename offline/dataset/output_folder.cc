@@ -136,7 +136,7 @@ void Synchronize(const std::string& path) {
   if (error != 0 && error != EINVAL) FailToWrite(path, error);
 }
 
-// Of the folder's files those that were written, not those of others.
+// Brings the written files of a folder to the disk, not those of others.
 void SynchronizeAll(const std::string& folder, const Contents& written) {
   for (const std::string& path : written.files)
     Synchronize(folder + "/" + path);

@@ -15,7 +15,8 @@ namespace raygrid {
 namespace {
 
 constexpr int kMaxFeaturesAlongSide = 1000;
-// Of all boards. Every point is adjusted and written, seen or not.
+// Points of all boards together. Every point is adjusted and written, seen or
+// not.
 constexpr size_t kMaxPoints = 100000;
 // No board is beyond these; arithmetic far beyond ends in nonsense.
 constexpr double kMinSquareM = 1e-6, kMaxSquareM = 100;

@@ -30,7 +30,7 @@ ModelDifference CompareModels(const CameraModel& first,
                               const CameraModel& second, double step_px,
                               double distance_m = 1);
 
-/// The same of two central cameras, after a rotation that is known.
+/// The difference of two central cameras after a rotation that is known.
 ModelDifference CompareTurnedModels(
     const CameraModel& first, const CameraModel& second, double step_px,
     const Eigen::Quaterniond& first_from_second);

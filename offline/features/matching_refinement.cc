@@ -147,7 +147,8 @@ class ShiftedSamples {
     all_.n = static_cast<double>(white_.size());
   }
 
-  // Of those that a shift leaves in the image; -1 if they are too few.
+  // The correlation of the samples that a shift leaves in the image; -1 if
+  // they are too few.
   double Correlation(int x, int y) const {
     const Moments moments = stay_inside_ ? OfAll(x, y) : OfThoseInside(x, y);
     return moments.n * kStride < kMinSamples ? -1 : moments.Correlation();

@@ -27,9 +27,10 @@ struct VirtualCamera {
 VirtualCamera MakeVirtualCamera(const CameraModel& camera, ImageSize size,
                                 double hfov_deg);
 
-/// As large as the camera's image, and just wide enough for what the calibrated
-/// area shows less than 70 degrees off the axis. Throws Error(kQuality) if that
-/// is nothing, or so far off that a blob cannot hold the view.
+/// A view as large as the camera's image, and just wide enough for what the
+/// calibrated area shows less than 70 degrees off the axis. Throws
+/// Error(kQuality) if that is nothing, or so far off that a blob cannot hold
+/// the view.
 VirtualCamera MakeVirtualCameraOfArea(const CameraModel& camera);
 
 }  // namespace raygrid

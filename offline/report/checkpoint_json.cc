@@ -14,7 +14,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 3;
 
-// Of what the file is about and what it holds: the result goes by both.
+// A checksum over what the checkpoint is about and what it holds: the result
+// goes by both.
 std::string Checksum(const std::string& inputs, const Json& cameras) {
   ContentHash hash;
   hash.Add(inputs);

@@ -214,7 +214,7 @@ std::set<std::string> ResultFiles(const std::string& folder) {
   files.insert({"example_after.png", "example_before.png", "features.csv",
                 "pattern.yaml", "poses.csv", "residuals.csv", "result.json",
                 "resume.json", "rig.yaml"});
-  // Of a program that was killed while it wrote.
+  // Checkpoints that a killed program was writing are the result's, too.
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();

@@ -43,7 +43,7 @@ class ResultFolder(CommandTest):
 
     def test_no_blob_of_another_camera_stays_where_there_is_none_of_this_one(self):
         self.assert_done(self.calibrate("unpacked"))
-        # The same camera with pixels so small that no blob can say how many there are.
+        # The first camera with pixels so small that no blob can say how many there are.
         large = re.sub(r"([\d.]+),([\d.]+)$",
                        lambda match: "%.4f,%.4f" % tuple(40 * float(x) for x in match.groups()),
                        read(self.path("sim/features.csv")).decode(), flags=re.MULTILINE)

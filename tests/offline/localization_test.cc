@@ -62,7 +62,7 @@ TEST(Localize, RecoversExactPoses) {
   }
 }
 
-// As under a microscope, or from far away.
+// Boards under a microscope, and boards seen from far away.
 TEST(Localize, FindsBoardsOfAnySize) {
   const SimulatedCamera camera = ExampleSimulatedCamera();
   TestRandom random(4);

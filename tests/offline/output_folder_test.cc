@@ -195,7 +195,7 @@ TEST(OutputFolder, KillsLeaveTheOldFilesOrTheNewOnes) {
   }
   EXPECT_GT(num_old, 50);
   EXPECT_GT(num_new, 5);
-  // What killed ones left beside goes with the next that is written.
+  // Hidden folders of killed writers go with the next folder that is written.
   Replace(out);
   EXPECT_EQ(FilesIn(folder / "").size(), after.size());
 }

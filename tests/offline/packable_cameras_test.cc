@@ -20,6 +20,15 @@ PackedCamera PackLens(const OpenCvModel& lens) {
   return PackWhatCanBe(file, 2);
 }
 
+// Packs with the table that a user gets who asks for no special view.
+void PackUsualView(const CameraModel& camera) {
+  PackOptions options;
+  options.remaps = {MakeVirtualCamera(camera, {}, 0)};
+  CameraFile file;
+  file.camera = camera.Clone();
+  PackCamera(file, options);
+}
+
 void ExpectRemark(const std::string& words, const PackedCamera& packed) {
   ASSERT_EQ(packed.remarks.size(), 1u)
       << testing::PrintToString(packed.remarks);
@@ -31,17 +40,11 @@ TEST(PackWhatCanBe, IsThatOfPackWhereAllCanBe) {
   EXPECT_EQ(PackWhatCanBe(GenericFile(), 2).blob, Packed().blob);
 }
 
-// Seen 60 degrees and more off the axis.
+// The area is seen 60 degrees and more off the axis.
 TEST(PackWhatCanBe, ShowsTheAreaWhereTheUsualViewShowsNothingOfIt) {
   const OpenCvModel lens =
       Lens({640, 480}, {375, 140, 475, 340}, 60, {200, 240}, 0.05);
-  ExpectError(ExitCode::kUsage, {"sees nothing"}, [&] {
-    PackOptions options;
-    options.remaps = {MakeVirtualCamera(lens, {}, 0)};
-    CameraFile file;
-    file.camera = lens.Clone();
-    PackCamera(file, options);
-  });
+  ExpectError(ExitCode::kUsage, {"sees nothing"}, [&] { PackUsualView(lens); });
   const PackedCamera packed = PackLens(lens);
   ExpectRemark("calibrated area alone", packed);
   ASSERT_EQ(packed.remaps.size(), 1u);
@@ -59,13 +62,8 @@ TEST(PackWhatCanBe, ShowsTheAreaWhereTheUsualViewShowsNothingOfIt) {
 TEST(PackWhatCanBe, ShowsTheAreaWhereTheUsualTableIsNotExact) {
   const OpenCvModel lens =
       Lens({640, 480}, {142.2337, 140, 342.2337, 340}, 60, {168, 236}, 0.26);
-  ExpectError(ExitCode::kQuality, {"geometric error"}, [&] {
-    PackOptions options;
-    options.remaps = {MakeVirtualCamera(lens, {}, 0)};
-    CameraFile file;
-    file.camera = lens.Clone();
-    PackCamera(file, options);
-  });
+  ExpectError(ExitCode::kQuality, {"geometric error"},
+              [&] { PackUsualView(lens); });
   const PackedCamera packed = PackLens(lens);
   EXPECT_FALSE(packed.blob.empty());
   ASSERT_EQ(packed.remarks.size(), 1u);

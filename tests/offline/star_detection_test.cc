@@ -281,7 +281,7 @@ Pose PoseOf(const NearBoard& near, const CameraModel& camera) {
   return pose;
 }
 
-// Of all stars whose window lies in the image.
+// Errors of all stars whose window lies in the image.
 Errors MeasureNear(const NearBoard& near) {
   std::string board = BoardYaml(0, 16, 15, 16, 0, 6, 5);
   const std::string large_tag = "squares: 4";

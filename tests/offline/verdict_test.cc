@@ -208,7 +208,7 @@ TEST(Verdict, SaysNothingOfHundredthsOfAPixel) {
   EXPECT_TRUE(verdict.reasons.empty());
 }
 
-// As calibrate prints it, and the report.
+// calibrate and the report print the same figure.
 TEST(Verdict, CountsWhatIsTrustedByTheImage) {
   CalibrationFigures figures = GoodFigures();
   figures.area = {0, 0, 400, 480};

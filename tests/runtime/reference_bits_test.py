@@ -158,7 +158,7 @@ def pixels_of(grid, count, generator):
 
 
 def directions_of(blob, count, generator):
-    """Of all lengths and ways, and more of those that the area sees."""
+    """Directions of all lengths and ways, and more of those that the area sees."""
     yield from itertools.product((NONE, -1, 0, 1, LARGEST), repeat=3)
     for k in range(count - 125):
         if k % 4 == 0:
