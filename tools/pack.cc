@@ -136,7 +136,7 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
 void AddPack(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
       app, "pack", "Packs a camera into a blob for the board.",
-      "raygrid pack camera.yaml -o front.raygrid --remap 640x480,hfov=80 "
+      "raygrid pack camera.yaml -o front.raygrid --remap 640x480,hfov=60 "
       "--serial 0042",
       common);
   auto arguments = std::make_shared<Arguments>();

@@ -89,7 +89,7 @@ def measure_blob(options):
     subprocess.run([options.raygrid, "calibrate", os.path.join(options.photographs, "left"), "--pattern",
                     pattern, "-o", result, "--quiet"], check=True)
     subprocess.run([options.raygrid, "pack", os.path.join(result, "camera.yaml"), "-o", blob,
-                    "--remap", "640x480,hfov=80", "--quiet"], check=True)
+                    "--remap", "640x480,hfov=60", "--quiet"], check=True)
     datasets.write_json(os.path.join(folder, "blob.json"), {"bytes": os.path.getsize(blob)})
 
 

@@ -164,5 +164,5 @@ def readme_figures(results, blob_bytes):
         lines.append(f"| {number(row['test']['median'])} px | {by_name[name]['job']['title']} | {name_of(row)} | "
                      f"{model} | {board} |")
     lines.append(f"| {blob_bytes / 1000:.1f} kB | left camera's photographs | raygrid | "
-                 "`pack --remap 640x480,hfov=80` | free |")
+                 "`pack --remap 640x480,hfov=60` | free |")
     return lines
