@@ -511,15 +511,15 @@ MovementErrors ErrorsBeyond(
     return ChiSquaredSigmas(chi_squared[g], freedoms[g]) > kChanceSigmas;
   };
   // What is local looks a little like the others, whose few degrees of freedom
-  // may not show it.
+  // may not show it: they get the deviation that is larger in one of six cases.
   constexpr int kLocal = 3;
   const bool is_local = is_more_than_chance(kLocal);
   std::array<double, kNumGroups> deviations = {};
   for (int g = 0; g < kNumGroups; ++g) {
     if (!is_local && !is_more_than_chance(g)) continue;
-    // In so many cases the variable is smaller once in twenty times.
-    const double largest =
-        chi_squared[g] / ChiSquaredAt(-kChanceSigmas, freedoms[g]);
+    // The chi-squared variable is smaller as rarely as that.
+    const double below = is_more_than_chance(g) ? -kChanceSigmas : -1;
+    const double largest = chi_squared[g] / ChiSquaredAt(below, freedoms[g]);
     deviations[g] =
         std::sqrt(std::max(0.0, largest - 1) * freedoms[g] / information[g]);
   }

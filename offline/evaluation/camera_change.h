@@ -71,9 +71,10 @@ CameraChange TestForChange(const KnownCamera& camera,
 /// changed camera, and did not calibrate it: in groups of a few images each, as
 /// many as will be tested. What they share beyond noise has causes that no
 /// covariance contains: a model that does not follow its lens, errors that
-/// features share. Zero for what chance makes once in twenty; otherwise, and of
-/// all movements if local ones are more than that, the standard deviation that
-/// is larger in one of twenty cases only.
+/// features share. Zero for what chance makes once in twenty; otherwise the
+/// standard deviation that is larger in one of twenty cases only. If local
+/// movements are more than chance, others that are not get the one that is
+/// larger in one of six cases.
 MovementErrors ErrorsBeyond(
     const KnownCamera& camera,
     const std::vector<std::vector<PlacedView>>& unchanged);
