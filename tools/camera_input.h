@@ -18,7 +18,7 @@ struct CameraInput {
 };
 
 CameraInput ReadCamera(const std::string& path);
-/// The same of a file's bytes; path is used in errors.
+/// The camera in a file's bytes; path is used in errors.
 CameraInput ParseCamera(const std::string& path, const std::string& bytes);
 
 /// Says so on standard error if the camera's calibration failed, which results

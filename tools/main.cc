@@ -103,7 +103,8 @@ std::string WhyNegative(const std::string& text) {
                                              : text + " is negative";
 }
 
-// As of a variable in a script that was never set.
+// Why an option refuses an empty text, which a script's variable gives that was
+// never set.
 std::string WhyEmpty(const std::string& text) {
   return text.empty() ? "an empty text; leave the option out, or say what is "
                         "meant"

@@ -68,7 +68,7 @@ PlacedView Place(const CameraModel& camera, const Pose& pose,
 
 using FeaturePlace = std::tuple<std::string, int, int, int>;
 
-// Of features that other cameras have predicted.
+// Errors of features that other cameras have predicted.
 using PredictionErrors = std::map<FeaturePlace, Eigen::Vector2d>;
 
 Dataset FeaturesOf(const std::vector<FeatureResidual>& residuals,

@@ -27,7 +27,7 @@ struct CameraFile {
 
 /// Throws InputError.
 CameraFile ReadCameraFile(const std::string& path);
-/// The same of a file's text; path is used in errors.
+/// The camera in a file's text; path is used in errors.
 CameraFile ParseCameraFile(const std::string& path, const std::string& text);
 std::string FormatCameraFile(const CameraFile& file);
 

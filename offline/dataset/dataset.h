@@ -36,7 +36,7 @@ struct Dataset {
 /// keep the file's order. Throws InputError for malformed files, non-finite
 /// positions, and features stated twice.
 std::map<std::string, Dataset> ReadFeatures(const std::string& path);
-/// The same of a file's text; path is used in errors.
+/// The features in a file's text; path is used in errors.
 std::map<std::string, Dataset> ParseFeatures(const std::string& path,
                                              const std::string& text);
 std::string FormatFeatures(const Dataset& dataset);

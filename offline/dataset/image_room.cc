@@ -9,7 +9,7 @@
 namespace raygrid {
 namespace {
 
-// Of all images together.
+// How many pixels all images may have together that are in work at a time.
 int64_t MaxPixels() {
   constexpr int64_t kBytesPerPixel = 50;  // while boards are sought
   const int64_t pages = sysconf(_SC_PHYS_PAGES);

@@ -21,7 +21,7 @@ bool IsRigCameraName(const std::string& name);
 
 /// rig.yaml, in the file's order. Throws InputError.
 std::vector<RigFileCamera> ReadRigFile(const std::string& path);
-/// The same of a file's text; path is used in errors.
+/// The rig in a file's text; path is used in errors.
 std::vector<RigFileCamera> ParseRigFile(const std::string& path,
                                         const std::string& text);
 std::string FormatRigFile(const std::vector<RigFileCamera>& cameras);
