@@ -7,6 +7,7 @@
 
 #include "camera/central_radial.h"
 #include "camera/decentring.h"
+#include "camera/noncentral_generic.h"
 #include "camera/opencv.h"
 #include "camera/pose.h"
 #include "camera/thin_prism_fisheye.h"
@@ -313,6 +314,8 @@ bool IsParametricModel(const std::string& name) {
 FittedModel FitParametricModel(const std::string& name,
                                const CameraModel& camera, const Area& area,
                                bool free_rotation) {
+  if (const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera))
+    return FitParametricModel(name, lines->CentralPart(), area, free_rotation);
   const Eigen::Quaterniond start_from_camera =
       free_rotation ? LevelFromCamera(camera, area)
                     : Eigen::Quaterniond::Identity();

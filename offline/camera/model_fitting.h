@@ -27,7 +27,7 @@ struct FittedModel {
 /// (camera/decentring.h). Directions that the model cannot have, as OpenCV's
 /// behind the camera, have no say. If free_rotation, the model may look
 /// elsewhere, as no calibration can tell; the result then does not depend on
-/// the camera's own frame.
+/// the camera's own frame. A camera of lines is fitted by their directions.
 FittedModel FitParametricModel(const std::string& name,
                                const CameraModel& camera, const Area& area,
                                bool free_rotation);

@@ -8,14 +8,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "calibration/calibration.h"
 #include "camera/camera_frame.h"
 #include "camera/model_fitting.h"
-#include "camera/noncentral_generic.h"
 #include "dataset/error.h"
 #include "simulation/random.h"
 #include "simulation/simulated_lenses.h"
@@ -78,17 +76,14 @@ double AngleDeg(const Eigen::Quaterniond& rotation) {
 }
 
 Frame FrameOf(const CameraModel& camera) {
-  std::unique_ptr<CameraModel> central = camera.Clone();
-  if (const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera))
-    central = lines->CentralPart().Clone();
   Frame frame;
-  frame.turn_deg = kDegreesPerRad * FindCameraFrame(*central).AngleRad();
-  if (const auto ray = central->Unproject(camera.area().center()))
+  frame.turn_deg = kDegreesPerRad * FindCameraFrame(camera).AngleRad();
+  if (const auto ray = camera.Unproject(camera.area().center()))
     frame.axis_deg = kDegreesPerRad * std::acos(std::min(1.0, ray->z()));
   int index = 0;
   for (const char* model : {"opencv", "thin-prism-fisheye", "central-radial"})
     frame.fit_deg[index++] = AngleDeg(
-        FitNearestModel(model, *central, central->area()).model_from_camera);
+        FitNearestModel(model, camera, camera.area()).model_from_camera);
   return frame;
 }
 
