@@ -6,6 +6,7 @@
 #include "dataset/content_hash.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/json_error.h"
 
 namespace raygrid {
 namespace {
@@ -130,7 +131,7 @@ std::vector<Checkpoint> ReadCheckpoints(const std::string& path,
     return checkpoints;
   } catch (const Json::exception& error) {
     throw InputError(path + ": malformed; run without --resume (" +
-                     error.what() + ")");
+                     JsonProblem(error) + ")");
   } catch (const InputError& error) {
     throw InputError(path + ": " + error.what() + "; run without --resume");
   }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/error.h"
+#include "dataset/json_error.h"
 
 namespace raygrid {
 namespace {
@@ -333,7 +334,7 @@ auto Parsed(const std::string& path, const Function& parse) {
     return parse();
   } catch (const nlohmann::json::exception& error) {
     throw InputError(
-        fmt::format("{}: {}; calibrate again", path, error.what()));
+        fmt::format("{}: {}; calibrate again", path, JsonProblem(error)));
   }
 }
 

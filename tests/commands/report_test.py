@@ -117,6 +117,11 @@ class Report(Calibrated):
         shutil.copytree(self.path("out"), folder)
         write(os.path.join(folder, "result.json"), "{}")
         self.assert_refused(run("report", folder), 2, "another version")
+        result = json.loads(read(self.path("out/result.json")))
+        write(os.path.join(folder, "result.json"), json.dumps({**result, "parameters": [1]}))
+        refusal = run("report", folder)
+        self.assert_refused(refusal, 2, "result.json", "type must be number, but is array")
+        self.assertNotIn("json.exception", refusal.stderr)
         shutil.copy(self.path("out/result.json"), folder)
         for text, word in (("{}", "malformed"), ('{"raygrid_thumbnails": 2}', "another version")):
             write(os.path.join(folder, "thumbnails.json"), text)
