@@ -122,13 +122,14 @@ class Renderer {
     Eigen::Vector3d camera_in_board;
   };
 
-  bool PlaceInBlock(const BoardInSpace& board, int column, int row,
-                    BlockOfBoard* block) const;
+  bool PlaceInBlock(const BoardInSpace& board, const RowsOfRays& rays,
+                    int column, int row, BlockOfBoard* block) const;
   void PaintSmooth(const BlockOfBoard& block, float* samples) const;
   void PaintEdgeOn(const BlockOfBoard& block, float* samples) const;
   void PaintSample(const BoardSurface& surface, const Eigen::Vector2d& point_m,
                    const Footprint& footprint, float* sample) const;
-  void RenderBlock(int column, int row, float* samples) const;
+  void RenderBlock(const RowsOfRays& rays, int column, int row,
+                   float* samples) const;
   void FilterAlongRow(float* samples, float* filtered) const;
   int SamplesStride() const {
     return (width_ + 2 * kernel_.radius_px) * samples_;
@@ -145,15 +146,15 @@ class Renderer {
 };
 
 // False if the board is not seen there.
-bool Renderer::PlaceInBlock(const BoardInSpace& board, int column, int row,
-                            BlockOfBoard* block) const {
+bool Renderer::PlaceInBlock(const BoardInSpace& board, const RowsOfRays& rays,
+                            int column, int row, BlockOfBoard* block) const {
   block->surface = board.surface;
   block->depth = 0;
   Eigen::Vector2d low(1e300, 1e300), high(-1e300, -1e300);
   double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
   int count = 0;
   for (int k = 0; k < 9; ++k) {
-    const ObservationLine& line = rays_.Line(column + k % 3, row + k / 3);
+    const ObservationLine& line = rays.Line(column + k % 3, row + k / 3);
     if (std::isnan(line.direction.x())) return false;
     block->lines[k] = {
         board.board_from_camera * line.origin + board.camera_in_board,
@@ -228,14 +229,15 @@ void Renderer::PaintEdgeOn(const BlockOfBoard& block, float* samples) const {
 }
 
 // Samples of 2 x 2 pixels, the far boards first.
-void Renderer::RenderBlock(int column, int row, float* samples) const {
+void Renderer::RenderBlock(const RowsOfRays& rays, int column, int row,
+                           float* samples) const {
   for (int j = 0; j < 2 * samples_; ++j)
     std::fill_n(samples + j * SamplesStride(), 2 * samples_,
                 static_cast<float>(options_.background_level));
   std::vector<BlockOfBoard> seen;
   BlockOfBoard block;
   for (const BoardInSpace& board : boards_)
-    if (PlaceInBlock(board, column, row, &block)) seen.push_back(block);
+    if (PlaceInBlock(board, rays, column, row, &block)) seen.push_back(block);
   std::sort(seen.begin(), seen.end(),
             [](const auto& a, const auto& b) { return a.depth > b.depth; });
   for (const BlockOfBoard& board : seen) {
@@ -265,6 +267,9 @@ void Renderer::RenderRows(int first, int last, float* levels) const {
   // Rows that the kernel reaches, in blocks of two.
   const int begin = std::max(0, first - kernel_.radius_px) / 2 * 2;
   const int end = std::min(height_, last + kernel_.radius_px);
+  // A block of two that would leave the image begins a row earlier.
+  const auto rays =
+      rays_.Rows(std::min(begin, height_ - 2), std::min(end + 1, height_));
   std::vector<float> samples(static_cast<size_t>(SamplesStride()) * 2 *
                              samples_);
   Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows(
@@ -273,7 +278,7 @@ void Renderer::RenderRows(int first, int last, float* levels) const {
     const int row = std::min(y, height_ - 2);
     for (int x = 0; x < width_; x += 2) {
       const int column = std::min(x, width_ - 2);
-      RenderBlock(column, row,
+      RenderBlock(*rays, column, row,
                   samples.data() + (kernel_.radius_px + column) * samples_);
     }
     for (int j = 0; j < 2 * samples_; ++j) {
@@ -343,18 +348,33 @@ void AddNoise(const RenderedImage& image, const ImagingOptions& options,
 
 }  // namespace
 
-PixelRays::PixelRays(const CameraModel& camera, int num_threads)
-    : size_(camera.image_size()),
-      lines_(static_cast<size_t>(size_.width + 1) * (size_.height + 1)) {
-  ParallelFor(size_.height + 1, num_threads, [&](int row) {
-    for (int column = 0; column <= size_.width; ++column) {
+RowsOfRays::RowsOfRays(const CameraModel& camera, int first, int last,
+                       int num_threads)
+    : columns_(camera.image_size().width + 1),
+      first_row_(first),
+      lines_(static_cast<size_t>(last + 1 - first) * columns_) {
+  ParallelFor(last + 1 - first, num_threads, [&](int row) {
+    for (int column = 0; column < columns_; ++column) {
       ObservationLine& line =
-          lines_[static_cast<size_t>(row) * (size_.width + 1) + column];
-      const auto found = LineNear(camera, {column - 0.5, row - 0.5});
+          lines_[static_cast<size_t>(row) * columns_ + column];
+      const auto found =
+          LineNear(camera, {column - 0.5, first_row_ + row - 0.5});
       line.direction.setConstant(std::numeric_limits<double>::quiet_NaN());
       if (found) line = *found;
     }
   });
+}
+
+PixelRays::PixelRays(const CameraModel& camera, int num_threads)
+    : camera_(camera.Clone()) {
+  constexpr size_t kMaxPixels = 5000000;
+  const ImageSize& image = size();
+  if (static_cast<size_t>(image.width) * image.height <= kMaxPixels)
+    all_ = std::make_shared<RowsOfRays>(camera, 0, image.height, num_threads);
+}
+
+std::shared_ptr<const RowsOfRays> PixelRays::Rows(int first, int last) const {
+  return all_ ? all_ : std::make_shared<RowsOfRays>(*camera_, first, last, 1);
 }
 
 RenderedImage RenderImage(const PixelRays& rays,

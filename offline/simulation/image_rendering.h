@@ -4,6 +4,7 @@
 #define RAYGRID_SIMULATION_IMAGE_RENDERING_H
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,24 +16,39 @@
 
 namespace raygrid {
 
-/// The observation lines of all corners of pixels: made once per camera, used
-/// for many images.
-class PixelRays {
+/// The observation lines of the corners of some rows of pixels.
+class RowsOfRays {
  public:
-  /// Up to a pixel beyond the camera's area its lines are extrapolated: areas
-  /// end at the outermost pixels' centres, images at their corners.
-  PixelRays(const CameraModel& camera, int num_threads);
+  /// Of rows [first, last). Up to a pixel beyond the camera's area its lines
+  /// are extrapolated: areas end at the outermost pixels' centres, images at
+  /// their corners.
+  RowsOfRays(const CameraModel& camera, int first, int last, int num_threads);
 
-  const ImageSize& size() const { return size_; }
   /// Of pixel corner (column - 0.5, row - 0.5); its direction is NaN if there
   /// is none.
   const ObservationLine& Line(int column, int row) const {
-    return lines_[static_cast<size_t>(row) * (size_.width + 1) + column];
+    return lines_[static_cast<size_t>(row - first_row_) * columns_ + column];
   }
 
  private:
-  ImageSize size_;
+  int columns_, first_row_;
   std::vector<ObservationLine> lines_;
+};
+
+/// The observation lines of all corners of pixels: made once per camera, used
+/// for many images. Those of images of more than 5 million pixels would take
+/// too much memory, and are made row by row when asked for.
+class PixelRays {
+ public:
+  PixelRays(const CameraModel& camera, int num_threads);
+
+  const ImageSize& size() const { return camera_->image_size(); }
+  /// Rows [first, last), at least.
+  std::shared_ptr<const RowsOfRays> Rows(int first, int last) const;
+
+ private:
+  std::shared_ptr<const CameraModel> camera_;
+  std::shared_ptr<const RowsOfRays> all_;  // null where there are too many
 };
 
 /// How light becomes numbers. Grey levels are of 255, before gamma.

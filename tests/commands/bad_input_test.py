@@ -228,17 +228,30 @@ class BadInput(CommandTest):
 
     def test_a_line_of_millions_of_fields(self):
         path = write(self.path("commas.csv"), b"," * 20000000 + b"\n")
+        code, error, kilobytes = self.run_measured("unproject", self.path("good.raygrid"),
+                                                   "--pixels", path)
+        self.assertEqual(code, 2, error)
+        self.assertIn("commas.csv, line 1", error)
+        self.assertLess(kilobytes, 200000)
+
+    def test_a_simulated_image_of_many_pixels(self):
+        code, error, kilobytes = self.run_measured(
+            "simulate", "--lens", "pinhole", "--size", "16000x400", "--images", "1", "--render",
+            "--samples-per-pixel", "1", "--threads", "1", "-o", self.path("large"))
+        self.assertEqual(code, 0, error)
+        self.assertLess(kilobytes, 250000)
+
+    def run_measured(self, *arguments):
+        """Exit code, standard error, and kilobytes of memory."""
         # Freed memory, which sanitizers keep by default, is not the program's.
         options = os.environ.get("ASAN_OPTIONS", "") + ":quarantine_size_mb=1"
-        with subprocess.Popen([programs.raygrid, "unproject", self.path("good.raygrid"), "--pixels",
-                               path], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        with subprocess.Popen([programs.raygrid, *arguments], stdout=subprocess.DEVNULL,
+                              stderr=subprocess.PIPE,
                               env={**os.environ, "ASAN_OPTIONS": options}) as process:
             error = process.stderr.read().decode()
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
-        self.assertEqual(process.returncode, 2, error)
-        self.assertIn("commas.csv, line 1", error)
-        self.assertLess(usage.ru_maxrss, 200000)
+        return process.returncode, error, usage.ru_maxrss
 
     def test_values_that_are_none(self):
         simulate = ("simulate", "--images", 2)
