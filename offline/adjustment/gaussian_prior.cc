@@ -132,15 +132,19 @@ Eigen::Matrix2d ChartDerivative(const BSplineSurface& surface,
   return derivative;
 }
 
-// How many pixels a unit of the chart is, around each control point.
+// How many pixels a unit of the chart is there.
+double PixelsPerChartUnitAt(const BSplineSurface& surface,
+                            const Eigen::Vector2d& pixel) {
+  return 1 / std::sqrt(std::abs(ChartDerivative(surface, pixel).determinant()));
+}
+
+// The same around each control point.
 std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
   std::vector<double> scales;
   for (int j = 0; j < surface.rows(); ++j)
     for (int i = 0; i < surface.columns(); ++i)
       scales.push_back(
-          1 / std::sqrt(std::abs(
-                  ChartDerivative(surface, ControlPointPixel(surface, i, j))
-                      .determinant())));
+          PixelsPerChartUnitAt(surface, ControlPointPixel(surface, i, j)));
   return scales;
 }
 
@@ -167,28 +171,48 @@ Eigen::MatrixXd ByFocalLengthsAndCenter(const BSplineSurface& surface,
   return directions;
 }
 
+// The rotations of the directions of pixels all over the area, in pixels, as a
+// linear function of the control points. Over the control points themselves the
+// camera could turn while those at its corners, that little is seen of, turned
+// the other way.
+Eigen::MatrixXd RotationOverArea(const BSplineSurface& surface, int per_point,
+                                 double middle_px) {
+  constexpr int kPerCell = 4;
+  Eigen::MatrixXd rotation =
+      Eigen::MatrixXd::Zero(per_point * surface.num_points(), 3);
+  const std::vector<Eigen::Vector2d> pixels = surface.SamplePixels(kPerCell);
+  for (const Eigen::Vector2d& pixel : pixels) {
+    // Where the lens folds or is continued, a unit of the chart is any number
+    // of pixels; nothing is seen there that could hold the camera.
+    const double scale = PixelsPerChartUnitAt(surface, pixel) / middle_px;
+    const Eigen::Matrix<double, 2, 3> by_rotation =
+        std::pow(std::min(scale, 1 / scale), 2) *
+        ChartRotationDerivative(surface.Evaluate(pixel));
+    const SplineSupport support = surface.Support(pixel);
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < 4; ++i)
+        rotation.middleRows<2>(
+            per_point *
+            ((support.row + j) * surface.columns() + support.column + i)) +=
+            support.wx[i] * support.wy[j] * by_rotation;
+  }
+  return rotation / static_cast<double>(pixels.size());
+}
+
 // Of directions that are the first two of a control point's parameters; without
 // the mean.
 CameraPrior DirectionsPrior(const BSplineSurface& base, int per_point) {
-  const std::vector<double> pixels = PixelsPerChartUnit(base);
   CameraPrior prior;
-  prior.groups = {SmoothField(base, {per_point, 0, 2}, pixels)};
+  prior.groups = {
+      SmoothField(base, {per_point, 0, 2}, PixelsPerChartUnit(base))};
   prior.groups[0].Free(ByFocalLengthsAndCenter(base, per_point));
   // Of displacements in pixels: in the chart, those behind the camera, which
   // nothing is seen of, would outweigh all others. As firm as the observations,
   // which have no say in it, are in everything else.
-  const double middle = pixels[base.num_points() / 2];
-  prior.orientation.setZero(per_point * base.num_points(), 3);
-  // Where the lens folds or is continued, a unit of the chart is any number of
-  // pixels; nothing is seen there that could hold the camera.
-  for (int k = 0; k < base.num_points(); ++k) {
-    const double scale = pixels[k] / middle;
-    prior.orientation.middleRows<2>(per_point * k) =
-        std::pow(std::min(scale, 1 / scale), 2) *
-        ChartRotationDerivative(base.points()[k]);
-  }
-  prior.orientation /= std::sqrt(base.num_points());
-  prior.orientation_weight = middle * middle;
+  const double middle_px = PixelsPerChartUnitAt(base, base.area().center());
+  prior.orientation = std::sqrt(base.num_points()) *
+                      RotationOverArea(base, per_point, middle_px);
+  prior.orientation_weight = middle_px * middle_px;
   return prior;
 }
 
@@ -218,10 +242,14 @@ double CameraPrior::Cost(const Eigen::VectorXd& parameters) const {
   double cost = 0;
   for (const PriorGroup& group : groups)
     cost += group.weight / 2 * group.SquaredDistance(difference);
-  if (orientation.cols() > 0)
-    cost += orientation_weight / 2 *
-            (orientation.transpose() * difference).squaredNorm();
-  return cost;
+  return cost +
+         orientation_weight / 2 * OrientationError(parameters).squaredNorm();
+}
+
+Eigen::VectorXd CameraPrior::OrientationError(
+    const Eigen::VectorXd& parameters) const {
+  if (orientation.cols() == 0) return Eigen::VectorXd(0);
+  return orientation.transpose() * (parameters - mean) - orientation_difference;
 }
 
 CameraPrior SmoothnessPrior(const CentralGeneric& base) {

@@ -47,15 +47,18 @@ Eigen::VectorXd WithoutFree(const Eigen::MatrixXd& free,
 /// lie around a parametric lens, with smooth differences. Costs, beside the
 /// residuals':
 ///   sum over groups of weight / 2 (c - c0)^T (K - R R^T) (c - c0)
-///   + orientation_weight / 2 |G^T (c - c0)|^2
+///   + orientation_weight / 2 |G^T (c - c0) - g0|^2
 struct CameraPrior {
   Eigen::VectorXd mean;
   std::vector<PriorGroup> groups;
 
   Eigen::MatrixXd orientation;  ///< G, three columns; may be empty
+  Eigen::Vector3d orientation_difference = Eigen::Vector3d::Zero();  ///< g0
   double orientation_weight = 0;
 
   double Cost(const Eigen::VectorXd& parameters) const;
+  /// G^T (c - c0) - g0; empty if G is.
+  Eigen::VectorXd OrientationError(const Eigen::VectorXd& parameters) const;
 };
 
 /// Priors of all cameras, or of none; and of the pattern's points around their

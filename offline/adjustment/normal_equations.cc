@@ -53,7 +53,7 @@ void AddCameraPrior(const CameraPrior& prior, int first,
   const Eigen::MatrixXd& g = prior.orientation;
   if (g.cols() == 0) return;
   equations->gradient.segment(first, difference.size()) +=
-      prior.orientation_weight * (g * (g.transpose() * difference));
+      prior.orientation_weight * (g * prior.OrientationError(parameters));
   equations->root.block(first, columns.root, g.rows(), g.cols()) =
       std::sqrt(prior.orientation_weight) * g;
 }

@@ -31,13 +31,17 @@ CameraPrior TurnedPrior(const CameraPrior& prior, const CameraModel& camera,
   return turned;
 }
 
+// Turned surfaces are fitted anew, and what nothing is seen of, as corners
+// behind a fold, then lies anywhere: only the state's own orientation is one
+// that can be held.
 void TurnCamera(size_t camera, const Eigen::Quaterniond& turned_from_camera,
                 Adjusted* adjusted) {
   AdjustmentState& state = adjusted->state;
-  adjusted->prior.cameras[camera] =
-      TurnedPrior(adjusted->prior.cameras[camera], *state.cameras[camera],
-                  turned_from_camera);
+  CameraPrior& prior = adjusted->prior.cameras[camera];
+  prior = TurnedPrior(prior, *state.cameras[camera], turned_from_camera);
   state.cameras[camera] = Turned(*state.cameras[camera], turned_from_camera);
+  prior.orientation_difference =
+      prior.OrientationError(state.cameras[camera]->Parameters());
   state.camera_from_rig[camera] =
       Pose{turned_from_camera, Eigen::Vector3d::Zero()} *
       state.camera_from_rig[camera];
@@ -60,11 +64,12 @@ bool TurnCameras(Adjusted* adjusted) {
 
 void AdjustInCameraFrames(const AdjustmentOptions& options,
                           Adjusted* adjusted) {
-  constexpr int kMaxRounds = 8;
+  constexpr int kRounds = 3;
   AdjustmentOptions as_before = options;
   as_before.fix_points = options.fix_points || !HavePointsMoved(*adjusted);
-  for (int round = 0; round < kMaxRounds; ++round) {
+  for (int round = 1; round <= kRounds; ++round) {
     if (!TurnCameras(adjusted)) return;
+    as_before.fix_cameras = options.fix_cameras || round == kRounds;
     const double noise_px = adjusted->summary.noise_px;
     adjusted->summary = AdjustBundle(adjusted->problem.views, adjusted->prior,
                                      as_before, &adjusted->state);

@@ -8,8 +8,9 @@ namespace raygrid {
 /// Brings adjusted cameras into the frames that they ought to have
 /// (camera/camera_frame.h), with their priors, poses, and relative poses, and
 /// adjusts all once more there, since a turned surface is not quite a surface
-/// of the same grid; again until no camera needs to be turned. Parametric
-/// cameras have their frames already.
+/// of the same grid; again where cameras then need a turn, and at last, when
+/// that is small, without their shapes. Parametric cameras have their frames
+/// already.
 void AdjustInCameraFrames(const AdjustmentOptions& options, Adjusted* adjusted);
 
 }  // namespace raygrid

@@ -221,6 +221,7 @@ TEST(Calibrate, GoesOnWithTheFeaturesMeasuredAgain) {
   const Dataset noisy = Simulate(6);
   const std::string held_out = noisy.images[4].image;
   CalibrationOptions options = HoldingOut({held_out});
+  options.cell_px = 80;  // else the lens's bumps are most of what is left
   const CalibrationResult once = Calibrate(noisy, TestBoard(), options);
   int num_calls = 0;
   options.measure_again = [&](const CameraModel& camera, const Pattern& pattern,

@@ -85,6 +85,28 @@ TEST(CameraFrames, AreThoseOfTheNearestLens) {
   ExpectFrameOfTheNearestLens("glass", "noncentral-generic");
 }
 
+// Half of so coarse a grid's control points lie around the image, and might
+// turn against the rest.
+TEST(CameraFrames, OfCoarseGridsAreFoundToo) {
+  SimulationOptions simulation;
+  simulation.num_images = 19;
+  simulation.features_per_image = 120;
+  simulation.noise_px = 0.004;
+  simulation.seed = 139;
+  Pattern pattern = ChessboardPattern(18, 13, 0.02);
+  pattern.boards.push_back(pattern.boards.front());
+  pattern.boards.back().id = 1;
+  const Dataset dataset =
+      SimulateRig(CamerasInARow(SimulatedLens("noncentral", {480, 640}), 1, 0),
+                  pattern, simulation)
+          .datasets.front();
+  CalibrationOptions options = Coarse("noncentral-generic");
+  options.cell_px = 120;
+  options.hold_out = {dataset.images.front().image};
+  const CalibrationResult result = Calibrate(dataset, pattern, options);
+  EXPECT_LT(FitTurnRad(*result.camera.camera), kMaxFrameTurnRad);
+}
+
 TEST(CameraFrames, OfRigsTurnRelativePosesToo) {
   const SimulatedRigObservations seen = Simulate("example", 2);
   CalibrationOptions options = Coarse("central-generic");

@@ -55,6 +55,28 @@ TEST(SmoothnessPrior, ScattersAsItHolds) {
   EXPECT_LT((without * without.transpose() - expected).norm(), 1e-9 * k.norm());
 }
 
+// Of a grid turned by 1e-3, but for its corners, which turn back ten times as
+// far, and which hardly any pixel is seen through.
+TEST(SmoothnessPrior, HoldsTheOrientationOfWhatIsSeen) {
+  const CentralGeneric base = Base();
+  const CameraPrior prior = SmoothnessPrior(base);
+  const BSplineSurface& surface = base.surface();
+  Eigen::VectorXd turned = prior.mean, but_corners = prior.mean;
+  for (int k = 0; k < surface.num_points(); ++k) {
+    const Eigen::Vector2d step =
+        1e-3 * ChartRotationDerivative(surface.points()[k]).col(0);
+    const int column = k % surface.columns(), row = k / surface.columns();
+    const bool is_corner = (column == 0 || column == surface.columns() - 1) &&
+                           (row == 0 || row == surface.rows() - 1);
+    turned.segment<2>(2 * k) += step;
+    but_corners.segment<2>(2 * k) += (is_corner ? -10 : 1) * step;
+  }
+  const Eigen::VectorXd error = prior.OrientationError(turned);
+  EXPECT_GT(error.norm(), 0);
+  EXPECT_LT((prior.OrientationError(but_corners) - error).norm(),
+            0.02 * error.norm());
+}
+
 TEST(NonCentralPrior, CostsNothingAtItsMean) {
   const CameraPrior prior = NonCentralPrior(Base(), kDistance);
   ASSERT_EQ(prior.groups.size(), 2u);
