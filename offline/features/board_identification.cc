@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "features/lattice_lens.h"
 #include "features/star_growth.h"
 
 namespace raygrid {
@@ -52,12 +53,18 @@ Cells CellsOf(const TaggedBoard& tagged) {
   return cells;
 }
 
-// The mappings around a lattice's places, made when first asked for.
+// Where cells are seen by the mappings around a lattice's places, made when
+// first asked for; or by the lens that explains the whole lattice.
 class CellReader {
  public:
   CellReader(const GreyImage& image, const FeatureLattice& lattice, int reach,
              int degree)
       : image_(image), lattice_(lattice), reach_(reach), degree_(degree) {}
+  CellReader(const GreyImage& image, const FeatureLattice& lattice,
+             const LatticeLens& lens)
+      : image_(image), lattice_(lattice), lens_(lens) {}
+
+  bool has_lens() const { return lens_.has_value(); }
 
   // That a place on the lattice is seen there.
   void Add(const Eigen::Vector2d& place, const Eigen::Vector2d& pixel) {
@@ -72,19 +79,21 @@ class CellReader {
     const Eigen::Vector2d center = placement.OnLattice(cell.center);
     const int column = static_cast<int>(std::lround(center.x()));
     const int row = static_cast<int>(std::lround(center.y()));
-    const std::optional<LocalMapping>& mapping = MappingAt(column, row);
-    if (!mapping) return std::nullopt;
-    const Eigen::Vector2d offset = center - Eigen::Vector2d(column, row);
+    if (!lens_ && !MappingAt(column, row)) return std::nullopt;
+    const auto seen_at =
+        [&](const Eigen::Vector2d& place) -> std::optional<Eigen::Vector2d> {
+      if (lens_) return lens_->Project(place);
+      return (*MappingAt(column, row))(place - Eigen::Vector2d(column, row));
+    };
     constexpr int kMinSamples = 6;  // of nine
     double sum = 0;
     int count = 0;
     for (const double v : {-0.25, 0.0, 0.25}) {
       for (const double u : {-0.25, 0.0, 0.25}) {
-        const Eigen::Vector2d pixel =
-            (*mapping)(offset + cell.side * Eigen::Vector2d(u, v));
-        if (!WholeImage(image_.size).Contains(pixel)) continue;
-        sum += image_.at(static_cast<int>(std::lround(pixel.x())),
-                         static_cast<int>(std::lround(pixel.y())));
+        const auto pixel = seen_at(center + cell.side * Eigen::Vector2d(u, v));
+        if (!pixel || !WholeImage(image_.size).Contains(*pixel)) continue;
+        sum += image_.at(static_cast<int>(std::lround(pixel->x())),
+                         static_cast<int>(std::lround(pixel->y())));
         ++count;
       }
     }
@@ -113,7 +122,8 @@ class CellReader {
 
   const GreyImage& image_;
   const FeatureLattice& lattice_;
-  int reach_, degree_;
+  int reach_ = 0, degree_ = 0;
+  std::optional<LatticeLens> lens_;
   std::vector<Correspondence> known_;  // offsets from the place (0, 0)
   std::map<std::pair<int, int>, std::optional<LocalMapping>> mappings_;
 };
@@ -192,6 +202,8 @@ class Identification {
     // Beyond the stars a quadratic polynomial may predict better.
     for (const int degree : {3, 2})
       readers_.emplace_back(image, lattice, tag_squares / 2 + 3, degree);
+    if (const auto lens = LatticeLens::Fit(stars_, image.size))
+      readers_.emplace_back(image, lattice, *lens);
   }
 
   std::optional<LatticePlacement> Run() {
@@ -277,7 +289,7 @@ class Identification {
     double chance = 1;
     for (CellReader& reader : readers_) {
       chance = std::min(chance, ChanceOf(placement, false, &reader));
-      if (corners.empty()) continue;
+      if (corners.empty() || reader.has_lens()) continue;
       CellReader with_corners = reader;
       for (const Correspondence& corner : corners)
         with_corners.Add(corner.offset, corner.pixel);

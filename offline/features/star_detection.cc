@@ -127,6 +127,7 @@ class Search {
   void GrowFrom(size_t b, std::vector<SeenTag> tags) {
     auto growth = MakeGrowth(b, std::move(tags));
     growth->Grow();
+    growth->GrowAcrossGaps();
     if (growth->AgreesWithTags()) Put(b, std::move(growth));
   }
 
@@ -222,6 +223,7 @@ class Search {
         growth->Set(place.x(), place.y(), star.pixel);
     }
     growth->Grow();
+    growth->GrowAcrossGaps();
     RemoveExplained(growth->lattice(), &candidates_);
     Put(b, std::move(growth));
   }

@@ -125,6 +125,30 @@ void StarGrowth::Grow() {
   }
 }
 
+void StarGrowth::GrowAcrossGaps() {
+  constexpr double kMinCorrelation = 0.5;
+  const auto lens = LatticeLens::Fit(lattice_.Features(), image_.size);
+  if (!lens || !TryByLens(*lens, kMinCorrelation)) return;
+  while (Sweep(kMinCorrelation)) {
+  }
+}
+
+// At places that no others are beside; false if nothing was found.
+bool StarGrowth::TryByLens(const LatticeLens& lens, double min_correlation) {
+  constexpr double kSearchSquares = 0.1;
+  const int before = lattice_.num_found();
+  for (int row = 0; row < board_.rows; ++row) {
+    for (int column = 0; column < board_.columns; ++column) {
+      if (lattice_.Has(column, row) || !board_.HasFeature(column, row) ||
+          HasDirectNeighbour(column, row))
+        continue;
+      const auto mapping = lens.Around(Eigen::Vector2d(column, row));
+      if (mapping) Try(column, row, *mapping, kSearchSquares, min_correlation);
+    }
+  }
+  return lattice_.num_found() > before;
+}
+
 bool StarGrowth::Agrees(const SeenTag& seen) const {
   constexpr int kReach = 2;
   constexpr double kMaxError = 0.5;  // squares

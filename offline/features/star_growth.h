@@ -10,6 +10,7 @@
 
 #include "features/detection.h"
 #include "features/feature_lattice.h"
+#include "features/lattice_lens.h"
 #include "features/matching_refinement.h"
 #include "features/symmetry_mask.h"
 #include "features/tag_detection.h"
@@ -55,6 +56,9 @@ class StarGrowth {
            double search_squares, double min_correlation);
   /// Looks around the tags, then beside each star, until there are no more.
   void Grow();
+  /// Looks where the lens that explains what is found shows stars that nothing
+  /// found is beside, as behind a tag at the image's edge; and beside those.
+  void GrowAcrossGaps();
 
   /// Whether the stars around each tag are where its corners say.
   bool AgreesWithTags() const;
@@ -71,6 +75,7 @@ class StarGrowth {
   bool HasStarBeside(const BoardTag& tag) const;
   void StartBeside(const SeenTag& seen, double min_correlation);
   bool Sweep(double min_correlation);
+  bool TryByLens(const LatticeLens& lens, double min_correlation);
   bool HasDirectNeighbour(int column, int row) const;
   bool IsBesideTag(int column, int row) const;
   bool Predict(int column, int row, LocalMapping* mapping) const;

@@ -264,6 +264,8 @@ struct NearBoard {
   std::string lens = "pinhole";
   double square_px = 0, tilt_deg = 0;
   Eigen::Vector2d pixel = {14, 30};
+  ImageSize size = kSize;
+  int tag_squares = 2;
 };
 
 Pose PoseOf(const NearBoard& near, const CameraModel& camera) {
@@ -285,10 +287,11 @@ Pose PoseOf(const NearBoard& near, const CameraModel& camera) {
 Errors MeasureNear(const NearBoard& near) {
   std::string board = BoardYaml(0, 16, 15, 16, 0, 6, 5);
   const std::string large_tag = "squares: 4";
-  board.replace(board.find(large_tag), large_tag.size(), "squares: 2");
+  board.replace(board.find(large_tag), large_tag.size(),
+                "squares: " + std::to_string(near.tag_squares));
   const Pattern pattern = PatternOf(board);
   const BoardSurface surface(pattern.boards[0]);
-  const auto camera = SimulatedLens(near.lens, kSize);
+  const auto camera = SimulatedLens(near.lens, near.size);
   const Pose pose = PoseOf(near, *camera);
   const GreyImage image =
       WithNoise(RenderImage(PixelRays(*camera, kThreads), {{&surface, pose}},
@@ -304,7 +307,7 @@ Errors MeasureNear(const NearBoard& near) {
     const auto place = found.find({f.row, f.column});
     const bool is_found = place != found.end();
     num_seen += is_found;
-    if (!WholeImage(kSize).Contains(f.pixel, -kWindowPx)) continue;
+    if (!WholeImage(near.size).Contains(f.pixel, -kWindowPx)) continue;
     if (is_found) Add(place->second - f.pixel, &errors);
     ++errors.num_visible;
     errors.num_visible_found += is_found;
@@ -346,6 +349,27 @@ TEST(StarDetector, FindsLargeStarsThatALensHasMovedFar) {
   EXPECT_GT(errors.num_visible, 12);
   EXPECT_EQ(errors.num_visible_found, errors.num_visible);
   EXPECT_LE(errors.largest, 0.1);
+}
+
+// Neither a homography nor the stars around follow a tag that is bent over much
+// of the image; the lens that explains the stars does.
+TEST(StarDetector, NamesBoardsOfBentTags) {
+  for (const auto& [lens, square_px, x, y] :
+       {std::tuple("fisheye", 140, 100, 150),
+        std::tuple("fisheye190", 100, 350, 400)}) {
+    const Errors errors =
+        MeasureNear({lens, double(square_px), 0, {x, y}, {1000, 800}, 4});
+    EXPECT_GE(errors.FoundFraction(), 0.95) << lens;
+    EXPECT_LE(errors.largest, 0.2) << lens;
+  }
+}
+
+// The tag lies between them and all others.
+TEST(StarDetector, FindsStarsBehindATagAtTheImagesEdge) {
+  const Errors errors =
+      MeasureNear({"fisheye", 140, 0, {600, 400}, {1000, 800}, 4});
+  EXPECT_GE(errors.FoundFraction(), 0.85);
+  EXPECT_LE(errors.largest, 0.2);
 }
 
 TEST(StarDetector, FindsLargeStarsInStrongPerspective) {

@@ -1,0 +1,112 @@
+#include "features/lattice_lens.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <random>
+
+#include "camera/pose.h"
+#include "simulation/simulated_lenses.h"
+
+namespace raygrid {
+namespace {
+
+constexpr ImageSize kSize = {1280, 800};
+
+// A board of 16 x 12 squares of 1, tilted, close to the camera: it fills most
+// of the view.
+Pose CloseBoard(double distance) {
+  return {Eigen::Quaterniond(
+              Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 0.5, 0).normalized())),
+          Eigen::Vector3d(-7.5, -5.5, distance)};
+}
+
+bool IsInTheHole(int column, int row) {
+  return column >= 9 && column <= 13 && row >= 4 && row <= 8;
+}
+
+// Those in the image, but for a hole as of a tag.
+std::vector<Feature> FeaturesAround(const CameraModel& camera,
+                                    const Pose& pose) {
+  std::vector<Feature> features;
+  for (int row = 0; row < 12; ++row) {
+    for (int column = 0; column < 16; ++column) {
+      const auto pixel = camera.Project(pose * Eigen::Vector3d(column, row, 0));
+      if (pixel && camera.area().Contains(*pixel) && !IsInTheHole(column, row))
+        features.push_back({0, column, row, *pixel});
+    }
+  }
+  return features;
+}
+
+void ExpectKnowsTheHole(const std::string& lens, double distance,
+                        double tolerance_px) {
+  const auto camera = SimulatedLens(lens, kSize);
+  const Pose pose = CloseBoard(distance);
+  const auto fit = LatticeLens::Fit(FeaturesAround(*camera, pose), kSize);
+  ASSERT_TRUE(fit) << lens;
+  int count = 0;
+  for (int row = 4; row <= 8; ++row) {
+    for (int column = 9; column <= 13; ++column) {
+      const auto truth =
+          camera->Project(pose * Eigen::Vector3d(column, row, 0));
+      if (!truth || !camera->area().Contains(*truth)) continue;
+      const auto seen = fit->Project(Eigen::Vector2d(column, row));
+      ASSERT_TRUE(seen) << lens << " " << column << " " << row;
+      EXPECT_LT((*seen - *truth).norm(), tolerance_px) << lens;
+      ++count;
+    }
+  }
+  EXPECT_GT(count, 10) << lens;
+}
+
+TEST(LatticeLens, KnowsWhereAHoleIsSeenBehindAnyLens) {
+  ExpectKnowsTheHole("pinhole", 14, 0.1);
+  ExpectKnowsTheHole("wide", 8, 3);
+  ExpectKnowsTheHole("fisheye", 6, 3);
+  ExpectKnowsTheHole("fisheye190", 4, 3);
+}
+
+TEST(LatticeLens, SaysHowTheBoardAppears) {
+  const auto camera = SimulatedLens("pinhole", kSize);
+  const Pose pose = CloseBoard(14);
+  const auto fit = LatticeLens::Fit(FeaturesAround(*camera, pose), kSize);
+  ASSERT_TRUE(fit);
+  const Eigen::Vector2d place(11, 6);
+  const auto mapping = fit->Around(place);
+  ASSERT_TRUE(mapping);
+  EXPECT_EQ(mapping->center, *fit->Project(place));
+  const Eigen::Vector2d right =
+      *camera->Project(pose * Eigen::Vector3d(11.1, 6, 0)) -
+      *camera->Project(pose * Eigen::Vector3d(10.9, 6, 0));
+  EXPECT_LT((5 * right - mapping->linear.col(0)).norm(), 0.5);
+}
+
+// A polynomial leads anywhere beyond what it was fitted to.
+TEST(LatticeLens, SaysNothingFarBeyondTheFeatures) {
+  const auto camera = SimulatedLens("wide", kSize);
+  std::vector<Feature> middle;
+  for (const Feature& feature : FeaturesAround(*camera, CloseBoard(14)))
+    if (feature.column >= 4 && feature.column <= 9) middle.push_back(feature);
+  const auto fit = LatticeLens::Fit(middle, kSize);
+  ASSERT_TRUE(fit);
+  EXPECT_TRUE(fit->Project(Eigen::Vector2d(10, 6)));
+  EXPECT_FALSE(fit->Project(Eigen::Vector2d(60, 6)));
+  EXPECT_FALSE(fit->Around(Eigen::Vector2d(60, 6)));
+}
+
+TEST(LatticeLens, IsNotFittedToFewOrToNoLattice) {
+  const auto camera = SimulatedLens("pinhole", kSize);
+  std::vector<Feature> features = FeaturesAround(*camera, CloseBoard(14));
+  std::mt19937 random(1);
+  std::vector<Feature> scattered = features;
+  for (Feature& feature : scattered)
+    feature.pixel = {random() % 1280, random() % 800};
+  EXPECT_FALSE(LatticeLens::Fit(scattered, kSize));
+  features.resize(19);
+  EXPECT_FALSE(LatticeLens::Fit(features, kSize));
+  EXPECT_FALSE(LatticeLens::Fit({}, kSize));
+}
+
+}  // namespace
+}  // namespace raygrid
