@@ -2,6 +2,7 @@
 """Ctrl-C during a calibration, and going on."""
 import json
 import os
+import shutil
 import signal
 import subprocess
 import time
@@ -35,6 +36,8 @@ class Interruption(CommandTest):
                 _, error = process.communicate(timeout=120)
             if "--resume" in error:
                 break
+            if process.returncode == 0:  # a finished result would be kept
+                shutil.rmtree(arguments[arguments.index("-o") + 1])
             seconds *= 0.7 if process.returncode >= 0 else 1.5  # done, or being packed
         return process.returncode, error
 
