@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // To be raised when the same image shows something else than before.
-constexpr int kDetectorVersion = 9;
+constexpr int kDetectorVersion = 10;
 constexpr const char* kExtension = ".detection";
 
 // Of an entry under its key, so that one under another's name is not taken.
