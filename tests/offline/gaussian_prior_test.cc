@@ -55,8 +55,8 @@ TEST(SmoothnessPrior, ScattersAsItHolds) {
   EXPECT_LT((without * without.transpose() - expected).norm(), 1e-9 * k.norm());
 }
 
-// Of a grid turned by 1e-3, but for its corners, which turn back ten times as
-// far, and which hardly any pixel is seen through.
+// A grid is turned by 1e-3, and its corners, which hardly any pixel is seen
+// through, back by ten times as much: that is a turn all the same.
 TEST(SmoothnessPrior, HoldsTheOrientationOfWhatIsSeen) {
   const CentralGeneric base = Base();
   const CameraPrior prior = SmoothnessPrior(base);

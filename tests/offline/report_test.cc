@@ -3,7 +3,6 @@
 
 #include "dataset/error.h"
 #include "dataset/files.h"
-#include "report/checkpoint_json.h"
 #include "report/html.h"
 #include "report/html_report.h"
 #include "report/pictures.h"
@@ -11,7 +10,6 @@
 #include "report/result_folder.h"
 #include "report/result_json.h"
 #include "report/rig_report.h"
-#include "report/uncertainty_picture.h"
 #include "support.h"
 
 namespace raygrid {
@@ -486,126 +484,6 @@ TEST(ResultFolder, FollowsNoLink) {
   std::filesystem::create_symlink("../mine", out + "/report.html");
   EXPECT_TRUE(Has(ReportOf(out), "</html>"));
   EXPECT_EQ(ReadFile(folder / "mine"), "mine");
-}
-
-TEST(Pictures, HaveTheImagesSize) {
-  const CalibrationResult result = ExampleResult();
-  const ImageSize size = {640, 480};
-  const Area area = {10, 10, 600, 400};
-  for (const Image& picture :
-       {CoveragePicture(result.training, size, area),
-        DirectionPicture(result.training, size, area),
-        MagnitudePicture(result.training, size, area, 0.3),
-        DirectionPicture({}, size, area)}) {
-    EXPECT_EQ(picture.size, size);
-    EXPECT_EQ(picture.pixels.size(), 640u * 480u * picture.channels);
-  }
-}
-
-std::vector<uint8_t> PixelOf(const Image& image, int x, int y) {
-  const auto at = image.pixels.begin() + 3 * (image.size.width * y + x);
-  return {at, at + 3};
-}
-
-TEST(Pictures, DirectionIsThatOfTheNearestResidual) {
-  const std::vector<FeatureResidual> residuals = {
-      {"a", 0, 0, 0, {100, 200}, {1, 0}}, {"a", 0, 0, 0, {500, 200}, {0, 3}}};
-  const Image picture =
-      DirectionPicture(residuals, {640, 480}, {0, 0, 639, 479});
-  const Image legend = DirectionLegend(101);
-  EXPECT_EQ(PixelOf(picture, 50, 400), PixelOf(legend, 95, 50));
-  EXPECT_EQ(PixelOf(picture, 600, 10), PixelOf(legend, 50, 95));
-  EXPECT_NE(PixelOf(picture, 50, 400), PixelOf(picture, 600, 10));
-}
-
-TEST(Pictures, FeaturesOnTheImagesEdgeAreDrawnToo) {
-  const std::vector<FeatureResidual> residuals = {
-      {"a", 0, 0, 0, {-0.5, -0.5}, {1, 0}},
-      {"a", 0, 0, 0, {639.49, 479.49}, {0, 0}}};
-  const Image picture =
-      MagnitudePicture(residuals, {640, 480}, {-0.5, -0.5, 639.5, 479.5}, 1);
-  EXPECT_NE(PixelOf(picture, 0, 0), PixelOf(picture, 639, 479));
-}
-
-Checkpoint ExampleCheckpoint() {
-  Checkpoint checkpoint;
-  Dataset& again = checkpoint.measured_again.emplace();
-  again.image_size = {640, 480};
-  again.images = {{"a.png", {{0, 3, 4, {1.0 / 3, 2}}}}, {"b.png", {}}};
-  checkpoint.trials = {{2, 80.0 / 3, {{"a.png", 0, 3, 4, {1, 2}, {0.1, -1}}}}};
-  return checkpoint;
-}
-
-TEST(Checkpoint, IsReadBackExactly) {
-  const std::string text = FormatCheckpoints({ExampleCheckpoint(), {}}, "cafe");
-  const TemporaryFolder folder;
-  WriteFile(folder / "resume.json", text);
-  const std::vector<Checkpoint> read =
-      ReadCheckpoints(folder / "resume.json", "cafe");
-  EXPECT_EQ(FormatCheckpoints(read, "cafe"), text);
-  ASSERT_EQ(read.size(), 2u);
-  const Checkpoint& first = read[0];
-  ASSERT_TRUE(first.measured_again);
-  EXPECT_EQ(first.measured_again->images[0].features[0].pixel.x(), 1.0 / 3);
-  EXPECT_EQ(first.trials[0].cell_px, 80.0 / 3);
-  EXPECT_EQ(first.trials[0].held_out[0].error_px.y(), -1);
-}
-
-TEST(Checkpoint, OfOtherInputsOrMalformedIsRefused) {
-  const std::string text = FormatCheckpoints({ExampleCheckpoint(), {}}, "cafe");
-  const TemporaryFolder folder;
-  const std::string path = folder / "resume.json";
-  EXPECT_THROW(ReadCheckpoints(path, "cafe"), InputError);
-  WriteFile(path, text);
-  EXPECT_THROW(ReadCheckpoints(path, "beef"), InputError);
-  for (const std::string& broken :
-       {text.substr(0, text.size() / 2), std::string("{}"), std::string("[]"),
-        std::string(R"({"raygrid_resume": 3, "inputs": "cafe"})"),
-        std::string(
-            R"({"raygrid_resume": 3, "inputs": "cafe", "cameras": []})")}) {
-    WriteFile(path, broken);
-    EXPECT_THROW(ReadCheckpoints(path, "cafe"), InputError) << broken;
-  }
-}
-
-TEST(Checkpoint, ThatWasAlteredIsRefused) {
-  const std::string text = FormatCheckpoints({ExampleCheckpoint(), {}}, "cafe");
-  const TemporaryFolder folder;
-  const std::string path = folder / "resume.json";
-  for (const char* number : {"-1.0", "3,4,1.0", "0.3333", "640"}) {
-    std::string altered = text;
-    altered.replace(altered.find(number), 1, "2");
-    ASSERT_NE(altered, text) << number;
-    WriteFile(path, altered);
-    ExpectError(ExitCode::kInput, {"resume.json", "changed"},
-                [&] { ReadCheckpoints(path, "cafe"); });
-  }
-}
-
-TEST(UncertaintyPicture, IsHatchedWhereNotTrustedAndGreyOutside) {
-  CameraUncertainty uncertainty;
-  uncertainty.lattice = {2, 2, {0.001, 0.001, 0.001, 0.001}};
-  uncertainty.max_deviation_px = 0.01;
-  uncertainty.mask = TrustMask::Over({800, 600});
-  for (int cell = 0; cell < uncertainty.mask.columns * uncertainty.mask.rows;
-       ++cell)
-    uncertainty.mask.is_trusted[cell] =
-        uncertainty.mask.CellCenter(cell).x() < 400;
-  const Image image =
-      UncertaintyPicture(uncertainty, {800, 600}, {100, 100, 700, 500});
-  EXPECT_EQ(image.size.width, 800);
-  const auto count_colors = [&image](int first_x, int last_x) {
-    std::set<std::vector<uint8_t>> colors;
-    for (int x = first_x; x < last_x; ++x) {
-      const uint8_t* pixel = image.pixels.data() + 300 * image.stride() + 3 * x;
-      colors.insert({pixel, pixel + 3});
-    }
-    return colors;
-  };
-  EXPECT_EQ(count_colors(10, 90),
-            (std::set<std::vector<uint8_t>>{{128, 128, 128}}));
-  EXPECT_EQ(count_colors(120, 380).size(), 1u);
-  EXPECT_EQ(count_colors(420, 680).size(), 2u);
 }
 
 }  // namespace

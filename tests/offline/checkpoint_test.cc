@@ -1,0 +1,65 @@
+#include "dataset/error.h"
+#include "dataset/files.h"
+#include "report/checkpoint_json.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+Checkpoint ExampleCheckpoint() {
+  Checkpoint checkpoint;
+  Dataset& again = checkpoint.measured_again.emplace();
+  again.image_size = {640, 480};
+  again.images = {{"a.png", {{0, 3, 4, {1.0 / 3, 2}}}}, {"b.png", {}}};
+  checkpoint.trials = {{2, 80.0 / 3, {{"a.png", 0, 3, 4, {1, 2}, {0.1, -1}}}}};
+  return checkpoint;
+}
+
+TEST(Checkpoint, IsReadBackExactly) {
+  const std::string text = FormatCheckpoints({ExampleCheckpoint(), {}}, "cafe");
+  const TemporaryFolder folder;
+  WriteFile(folder / "resume.json", text);
+  const std::vector<Checkpoint> read =
+      ReadCheckpoints(folder / "resume.json", "cafe");
+  EXPECT_EQ(FormatCheckpoints(read, "cafe"), text);
+  ASSERT_EQ(read.size(), 2u);
+  const Checkpoint& first = read[0];
+  ASSERT_TRUE(first.measured_again);
+  EXPECT_EQ(first.measured_again->images[0].features[0].pixel.x(), 1.0 / 3);
+  EXPECT_EQ(first.trials[0].cell_px, 80.0 / 3);
+  EXPECT_EQ(first.trials[0].held_out[0].error_px.y(), -1);
+}
+
+TEST(Checkpoint, OfOtherInputsOrMalformedIsRefused) {
+  const std::string text = FormatCheckpoints({ExampleCheckpoint(), {}}, "cafe");
+  const TemporaryFolder folder;
+  const std::string path = folder / "resume.json";
+  EXPECT_THROW(ReadCheckpoints(path, "cafe"), InputError);
+  WriteFile(path, text);
+  EXPECT_THROW(ReadCheckpoints(path, "beef"), InputError);
+  for (const std::string& broken :
+       {text.substr(0, text.size() / 2), std::string("{}"), std::string("[]"),
+        std::string(R"({"raygrid_resume": 3, "inputs": "cafe"})"),
+        std::string(
+            R"({"raygrid_resume": 3, "inputs": "cafe", "cameras": []})")}) {
+    WriteFile(path, broken);
+    EXPECT_THROW(ReadCheckpoints(path, "cafe"), InputError) << broken;
+  }
+}
+
+TEST(Checkpoint, ThatWasAlteredIsRefused) {
+  const std::string text = FormatCheckpoints({ExampleCheckpoint(), {}}, "cafe");
+  const TemporaryFolder folder;
+  const std::string path = folder / "resume.json";
+  for (const char* number : {"-1.0", "3,4,1.0", "0.3333", "640"}) {
+    std::string altered = text;
+    altered.replace(altered.find(number), 1, "2");
+    ASSERT_NE(altered, text) << number;
+    WriteFile(path, altered);
+    ExpectError(ExitCode::kInput, {"resume.json", "changed"},
+                [&] { ReadCheckpoints(path, "cafe"); });
+  }
+}
+
+}  // namespace
+}  // namespace raygrid
