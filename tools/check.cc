@@ -170,12 +170,10 @@ void AddCheck(CLI::App* app, CommonOptions* common) {
       "was calibrated: OK, or DEGRADED (exit code 6) and what moved, with its "
       "significance. An unchanged camera is called degraded less than once in "
       "100 times where 60 images or so have calibrated a model that follows "
-      "its "
-      "lens: 6 to 9 of 1,000 were in simulations. Where 14 images have, it is "
-      "up to once in 50 times, and once in 14 where a parametric model does "
-      "not "
-      "follow the lens; what the calibration's held-out images show beyond its "
-      "covariance is allowed for.",
+      "its lens: 6 to 9 of 1,000 were in simulations. Where 14 images have, it "
+      "is up to once in 50 times, and once in 14 where a parametric model does "
+      "not follow the lens; what the calibration's held-out images show beyond "
+      "its covariance is allowed for.",
       "raygrid check result/camera.yaml field/*.jpg", common);
   auto arguments = std::make_shared<Arguments>();
   command

@@ -132,13 +132,13 @@ Eigen::Matrix2d ChartDerivative(const BSplineSurface& surface,
   return derivative;
 }
 
-// How many pixels a unit of the chart is there.
+// How many pixels a unit of the chart is at a pixel.
 double PixelsPerChartUnitAt(const BSplineSurface& surface,
                             const Eigen::Vector2d& pixel) {
   return 1 / std::sqrt(std::abs(ChartDerivative(surface, pixel).determinant()));
 }
 
-// The same around each control point.
+// How many pixels a unit of the chart is around each control point.
 std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
   std::vector<double> scales;
   for (int j = 0; j < surface.rows(); ++j)
@@ -182,8 +182,8 @@ Eigen::MatrixXd RotationOverArea(const BSplineSurface& surface, int per_point,
       Eigen::MatrixXd::Zero(per_point * surface.num_points(), 3);
   const std::vector<Eigen::Vector2d> pixels = surface.SamplePixels(kPerCell);
   for (const Eigen::Vector2d& pixel : pixels) {
-    // Where the lens folds or is continued, a unit of the chart is any number
-    // of pixels; nothing is seen there that could hold the camera.
+    // Pixels where the lens folds or is continued count for little: a unit of
+    // the chart is any number of pixels there, and nothing is seen.
     const double scale = PixelsPerChartUnitAt(surface, pixel) / middle_px;
     const Eigen::Matrix<double, 2, 3> by_rotation =
         std::pow(std::min(scale, 1 / scale), 2) *

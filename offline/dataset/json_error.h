@@ -6,8 +6,8 @@
 
 namespace raygrid {
 
-/// What is wrong with a JSON file, without the library's name of the exception:
-/// "type must be number, but is array".
+/// The fault of a JSON file, "type must be number, but is array", without the
+/// library's name of the exception.
 inline std::string JsonProblem(const nlohmann::json::exception& error) {
   const std::string text = error.what();
   const size_t name_end = text.find("] ");

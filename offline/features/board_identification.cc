@@ -53,8 +53,9 @@ Cells CellsOf(const TaggedBoard& tagged) {
   return cells;
 }
 
-// Where cells are seen by the mappings around a lattice's places, made when
-// first asked for; or by the lens that explains the whole lattice.
+// Reads cells' grey levels. The mappings around a lattice's places, made when
+// first asked for, tell where cells are seen, or else the lens that explains
+// the whole lattice.
 class CellReader {
  public:
   CellReader(const GreyImage& image, const FeatureLattice& lattice, int reach,

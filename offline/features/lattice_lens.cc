@@ -114,8 +114,8 @@ double AngleRad(const LensParameters& parameters,
   return std::atan2(std::hypot(point[0], point[1]), point[2]);
 }
 
-// As far from the axis as the errors' places and a fifth farther, or until
-// pixels hardly move with the angle any more.
+// The lens is believed to a fifth beyond the widest angle of the errors'
+// places, and no farther than pixels still move with the angle.
 double MaxAngleRad(const std::vector<ReprojectionError>& errors,
                    const LensParameters& parameters) {
   constexpr double kFarther = 1.2, kMinSlope = 0.2, kStepRad = 0.01;

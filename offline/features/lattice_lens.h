@@ -23,8 +23,8 @@ class LatticeLens {
   static std::optional<LatticeLens> Fit(const std::vector<Feature>& features,
                                         const ImageSize& size);
 
-  /// Where a place on the lattice, in squares, is seen; nothing farther from
-  /// the axis than the features tell, to a fifth of their largest angle.
+  /// The pixel where a place on the lattice, in squares, is seen; nothing where
+  /// its angle from the axis is a fifth larger than any feature's.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector2d& place) const;
   /// How the board appears around a place.
   std::optional<LocalMapping> Around(const Eigen::Vector2d& place) const;

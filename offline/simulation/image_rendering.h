@@ -19,13 +19,13 @@ namespace raygrid {
 /// The observation lines of the corners of some rows of pixels.
 class RowsOfRays {
  public:
-  /// Of rows [first, last). Up to a pixel beyond the camera's area its lines
-  /// are extrapolated: areas end at the outermost pixels' centres, images at
-  /// their corners.
+  /// Makes those of rows [first, last). Up to a pixel beyond the camera's area
+  /// lines are extrapolated: areas end at the outermost pixels' centres, images
+  /// at their corners.
   RowsOfRays(const CameraModel& camera, int first, int last, int num_threads);
 
-  /// Of pixel corner (column - 0.5, row - 0.5); its direction is NaN if there
-  /// is none.
+  /// The line of pixel corner (column - 0.5, row - 0.5); its direction is NaN if
+  /// there is none.
   const ObservationLine& Line(int column, int row) const {
     return lines_[static_cast<size_t>(row - first_row_) * columns_ + column];
   }
@@ -43,7 +43,7 @@ class PixelRays {
   PixelRays(const CameraModel& camera, int num_threads);
 
   const ImageSize& size() const { return camera_->image_size(); }
-  /// Rows [first, last), at least.
+  /// The lines of rows [first, last), at least.
   std::shared_ptr<const RowsOfRays> Rows(int first, int last) const;
 
  private:
