@@ -80,11 +80,16 @@ class CellReader {
     const Eigen::Vector2d center = placement.OnLattice(cell.center);
     const int column = static_cast<int>(std::lround(center.x()));
     const int row = static_cast<int>(std::lround(center.y()));
-    if (!lens_ && !MappingAt(column, row)) return std::nullopt;
+    const LocalMapping* mapping = nullptr;
+    if (!lens_) {
+      const std::optional<LocalMapping>& known = MappingAt(column, row);
+      if (!known) return std::nullopt;
+      mapping = &*known;
+    }
     const auto seen_at =
         [&](const Eigen::Vector2d& place) -> std::optional<Eigen::Vector2d> {
       if (lens_) return lens_->Project(place);
-      return (*MappingAt(column, row))(place - Eigen::Vector2d(column, row));
+      return (*mapping)(place - Eigen::Vector2d(column, row));
     };
     constexpr int kMinSamples = 6;  // of nine
     double sum = 0;
@@ -188,6 +193,22 @@ SeenFrame FrameOf(std::vector<SeenCell> cells, bool is_whole) {
   return frame;
 }
 
+// Where a board's edge is steep, a lattice may have gone on beyond it, along
+// what looks like halves of stars; squares there are not as wide as the lens
+// says.
+void RemoveUnexplained(const LatticeLens& lens, std::vector<Feature>* stars) {
+  constexpr double kMaxErrorSquares = 0.15;
+  stars->erase(
+      std::remove_if(stars->begin(), stars->end(),
+                     [&](const Feature& star) {
+                       const auto seen =
+                           lens.Around(Eigen::Vector2d(star.column, star.row));
+                       return !seen || (seen->center - star.pixel).norm() >
+                                           kMaxErrorSquares * seen->SpacingPx();
+                     }),
+      stars->end());
+}
+
 class Identification {
  public:
   Identification(const GreyImage& image, const FeatureLattice& lattice,
@@ -203,8 +224,10 @@ class Identification {
     // Beyond the stars a quadratic polynomial may predict better.
     for (const int degree : {3, 2})
       readers_.emplace_back(image, lattice, tag_squares / 2 + 3, degree);
-    if (const auto lens = LatticeLens::Fit(stars_, image.size))
+    if (const auto lens = LatticeLens::Fit(stars_, image.size)) {
       readers_.emplace_back(image, lattice, *lens);
+      RemoveUnexplained(*lens, &stars_);
+    }
   }
 
   std::optional<LatticePlacement> Run() {
