@@ -8,7 +8,9 @@
 
 #include "features/feature_lattice.h"
 #include "features/image_noise.h"
+#include "features/outliers.h"
 #include "features/symmetry_refinement.h"
+#include "features/window_mapping.h"
 
 namespace raygrid {
 namespace {
@@ -18,7 +20,7 @@ constexpr int kReach = 3;  // neighbours that tell the mapping
 constexpr int kMaxDegree = 3;
 
 // Bounds of what is plausible.
-constexpr double kMinSpacingPx = 5;
+constexpr double kMinWidthPx = 5.5;
 constexpr double kMaxMovePx = 2;
 constexpr double kMaxMoveSquares = 0.03;  // of large ones
 constexpr double kMaxAsymmetry = 0.6;     // of the contrast
@@ -26,85 +28,9 @@ constexpr double kMinContrast = 0.5;      // grey levels
 // Standard deviation along the less certain direction: 0.5 px are eight of
 // them.
 constexpr double kMaxDeviationPx = 0.06;
-// How far a polynomial over three squares may be wrong about a window: parts of
-// what it bends there, and of how much another over two squares bends it
-// differently. Measured behind lenses to 190 degrees.
-constexpr double kPartOfBend = 0.07, kPartOfDifference = 0.1;
-constexpr double kSmallBendPx = 0.25;  // of no consequence
-constexpr const char* kNotInLine = "not in line with its neighbours";
 constexpr int kMaxStrayOutliers = 2;  // more of them are no accident
 
-// How far a feature may lie from where its neighbours say.
-struct Tolerance {
-  double px, squares;
-};
 constexpr Tolerance kApproximate = {2, 0.1}, kRefined = {0.25, 0.03};
-
-void Reject(const Board& board, int column, int row, const std::string& reason,
-            FeatureLattice* lattice, ImageDetection* detection) {
-  detection->rejected.push_back(
-      {{board.id, column, row, lattice->at(column, row)}, reason});
-  lattice->Remove(column, row);
-}
-
-// How much farther from where its neighbours say a feature may be whose square
-// holds the whole window, in which nothing else is symmetric: as far as they
-// are in doubt, and others are not near.
-double DoubtPx(const std::vector<Correspondence>& around,
-               const LocalMapping& predicted, int degree, int window_px) {
-  constexpr double kMaxSquares = 0.3;
-  const double most_px = kMaxSquares * predicted.SpacingPx();
-  if (predicted.SpacingPx() < window_px) return 0;
-  if (degree == 1) return most_px;  // no curvature is known
-  LocalMapping lower;
-  if (FitLocalMapping(around, degree - 1, &lower) == 0) return 0;
-  return std::min(most_px, (lower.center - predicted.center).norm());
-}
-
-// How far a feature lies from where its neighbours say, over what is tolerated;
-// 0 where they say nothing. Some are told best by a polynomial, others with
-// perspective: a feature is in line that is where either says.
-double RelativeDeviation(const FeatureLattice& lattice, int column, int row,
-                         const Tolerance& tolerance, int window_px) {
-  LocalMapping predicted, in_perspective;
-  const auto around = lattice.Around(column, row, 2, false);
-  const int degree = FitLocalMapping(around, kMaxDegree, &predicted);
-  if (around.size() < 4 || degree == 0) return 0;
-  // Fewer neighbours, on one side only, predict less well.
-  const double slack = around.size() >= 12 ? 1 : around.size() >= 8 ? 2 : 4;
-  double tolerance_px =
-      (tolerance.px + tolerance.squares * predicted.SpacingPx()) * slack;
-  const Eigen::Vector2d& pixel = lattice.at(column, row);
-  double deviation_px = (pixel - predicted.center).norm();
-  if (deviation_px > tolerance_px &&
-      FitPerspectiveMapping(around, 2, &in_perspective))
-    deviation_px =
-        std::min(deviation_px, (pixel - in_perspective.center).norm());
-  if (deviation_px > tolerance_px)
-    tolerance_px =
-        std::max(tolerance_px, DoubtPx(around, predicted, degree, window_px));
-  return deviation_px / tolerance_px;
-}
-
-// Removes the worst outlier, until there is none.
-void RejectOutliers(const Board& board, const Tolerance& tolerance,
-                    int window_px, FeatureLattice* lattice,
-                    ImageDetection* detection) {
-  for (;;) {
-    double worst = 1;
-    int worst_column = -1, worst_row = -1;
-    for (const Feature& f : lattice->Features()) {
-      const double deviation =
-          RelativeDeviation(*lattice, f.column, f.row, tolerance, window_px);
-      if (deviation <= worst) continue;
-      worst = deviation;
-      worst_column = f.column;
-      worst_row = f.row;
-    }
-    if (worst_column < 0) return;
-    Reject(board, worst_column, worst_row, kNotInLine, lattice, detection);
-  }
-}
 
 // Where a feature's neighbours say that it is.
 bool Predicted(const FeatureLattice& lattice, const Feature& feature,
@@ -112,27 +38,6 @@ bool Predicted(const FeatureLattice& lattice, const Feature& feature,
   return FitLocalMapping(
              lattice.Around(feature.column, feature.row, kReach, false),
              kMaxDegree, mapping) > 0;
-}
-
-// The most that two mappings differ in how they bend a line through the
-// feature, a radius away from it in the image of a third: in the even parts,
-// which point symmetry is blind to.
-double BendPx(const LocalMapping& a, const LocalMapping& b,
-              const LocalMapping& scale, double radius_px) {
-  constexpr int kDirections = 8;
-  const Eigen::Matrix2d inverse = scale.linear.inverse();
-  const auto bend = [](const LocalMapping& m, const Eigen::Vector2d& s) {
-    return Eigen::Vector2d((m(s) + m(-s)) / 2 - m.center);
-  };
-  double most = 0;
-  for (int k = 0; k < kDirections; ++k) {
-    const double angle = k * M_PI / kDirections;
-    const Eigen::Vector2d s =
-        inverse *
-        (radius_px * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
-    most = std::max(most, (bend(a, s) - bend(b, s)).norm());
-  }
-  return most;
 }
 
 void RejectLonely(const Board& board, FeatureLattice* lattice,
@@ -257,11 +162,9 @@ struct FeatureRefiner::Data {
   SymmetryResult Symmetry(const GreyImage& image, const Feature& feature,
                           const LocalMapping& start, bool center_only,
                           const Round& round) const;
-  double BendDeviationPx(const Feature& feature, const FeatureLattice& lattice,
-                         const LocalMapping& mapping) const;
   std::string RefineOne(const GreyImage& image, const Feature& feature,
                         const Round& round, const FeatureLattice& lattice,
-                        Eigen::Vector2d* pixel) const;
+                        WindowMappings* windows, Eigen::Vector2d* pixel) const;
   void RefineOnce(const GreyImage& image, const Round& round,
                   FeatureLattice* lattice, ImageDetection* detection) const;
   void RefineBySymmetry(const GreyImage& image, FeatureLattice* lattice,
@@ -297,24 +200,6 @@ SymmetryResult FeatureRefiner::Data::Symmetry(const GreyImage& image,
                         start, symmetry);
 }
 
-// What symmetry takes for a shift of the centre, or would: the standard
-// deviation of what the mapping does not know of it.
-double FeatureRefiner::Data::BendDeviationPx(
-    const Feature& feature, const FeatureLattice& lattice,
-    const LocalMapping& mapping) const {
-  const double radius_px = options.window_px / 3.0;
-  const double bend_px = BendPx(mapping, LocalMapping(), mapping, radius_px);
-  if (bend_px < kSmallBendPx) return 0;
-  LocalMapping nearer;
-  const bool is_known =
-      FitLocalMapping(
-          lattice.Around(feature.column, feature.row, kReach - 1, true),
-          kMaxDegree, &nearer) > 0;
-  const double difference_px =
-      is_known ? BendPx(mapping, nearer, mapping, radius_px) : bend_px;
-  return std::max(kPartOfBend * bend_px, kPartOfDifference * difference_px);
-}
-
 const std::vector<SymmetryMask>& FeatureRefiner::masks() const {
   return data_->masks;
 }
@@ -324,18 +209,18 @@ std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
                                             const Feature& feature,
                                             const Round& round,
                                             const FeatureLattice& lattice,
+                                            WindowMappings* windows,
                                             Eigen::Vector2d* pixel) const {
-  LocalMapping start;
-  const int degree =
-      FitLocalMapping(lattice.Around(feature.column, feature.row, kReach, true),
-                      kMaxDegree, &start);
-  if (degree == 0) return "too few neighbours";
-  if (start.SpacingPx() < kMinSpacingPx) return "too small";
+  const WindowMapping window = windows->At(feature.column, feature.row);
+  if (window.degree == 0) return "too few neighbours";
+  LocalMapping start = window.mapping;
+  const bool center_only = window.degree > 1;
+  if (start.CircleWidthPx() < kMinWidthPx) return "too small";
   start.center = feature.pixel;
-  SymmetryResult result = Symmetry(image, feature, start, degree > 1, round);
+  SymmetryResult result = Symmetry(image, feature, start, center_only, round);
   LocalMapping predicted;
   if (!result.is_converged && Predicted(lattice, feature, &predicted))
-    result = Symmetry(image, feature, predicted, degree > 1, round);
+    result = Symmetry(image, feature, predicted, center_only, round);
   if (!result.is_converged) return "no centre of symmetry near";
   if (result.contrast < kMinContrast) return "no contrast";
   // Noise is in each value, and in both values of a difference.
@@ -345,9 +230,9 @@ std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
     return "not symmetric";
   if (round.is_last && !(result.deviation_px < kMaxDeviationPx))
     return "lost in noise";
-  if (round.is_last && degree > 1 &&
-      !(std::hypot(result.deviation_px,
-                   BendDeviationPx(feature, lattice, start)) < kMaxDeviationPx))
+  if (round.is_last &&
+      !(std::hypot(result.deviation_px, window.bend_deviation_px) <
+        kMaxDeviationPx))
     return "too strongly bent";
   *pixel = result.mapping.center;
   return {};
@@ -358,17 +243,19 @@ void FeatureRefiner::Data::RefineOnce(const GreyImage& image,
                                       FeatureLattice* lattice,
                                       ImageDetection* detection) const {
   FeatureLattice refined = *lattice;
+  WindowMappings windows(board, *lattice, image.size, options.window_px);
   for (const Feature& feature : lattice->Features()) {
     Eigen::Vector2d pixel;
     const std::string reason =
-        RefineOne(image, feature, round, *lattice, &pixel);
+        RefineOne(image, feature, round, *lattice, &windows, &pixel);
     if (reason.empty())
       refined.Set(feature.column, feature.row, pixel);
     else
       Reject(board, feature.column, feature.row, reason, &refined, detection);
   }
   *lattice = refined;
-  RejectOutliers(board, kRefined, options.window_px, lattice, detection);
+  RejectOutliers(board, image.size, kRefined, options.window_px, lattice,
+                 detection);
 }
 
 // Roughly, to make the neighbours accurate; then with the curvature they tell.
@@ -409,15 +296,15 @@ ImageDetection FeatureRefiner::Refine(
   FeatureLattice lattice(data_->board);
   for (const Feature& feature : approximate)
     lattice.Set(feature.column, feature.row, feature.pixel);
-  RejectOutliers(data_->board, kApproximate, data_->options.window_px, &lattice,
-                 &detection);
+  RejectOutliers(data_->board, image.size, kApproximate,
+                 data_->options.window_px, &lattice, &detection);
   switch (data_->options.refinement) {
     case Refinement::kNone:
       break;
     case Refinement::kCornerSubpix:
       data_->RefineByCorners(image, &lattice, &detection);
-      RejectOutliers(data_->board, kRefined, data_->options.window_px, &lattice,
-                     &detection);
+      RejectOutliers(data_->board, image.size, kRefined,
+                     data_->options.window_px, &lattice, &detection);
       break;
     default:
       data_->RefineBySymmetry(image, &lattice, &detection);

@@ -13,7 +13,18 @@ namespace {
 
 using LensParameters = LatticeLens::Parameters;
 
-enum { kFocal, kK1, kK2, kCenterX, kCenterY, kRotation, kTranslation = 8 };
+enum {
+  kFocal,
+  kK1,
+  kK2,
+  kCenterX,
+  kCenterY,
+  kRotation,
+  kTranslation = kRotation + 3,
+  kNumParameters = kTranslation + 3
+};
+
+static_assert(std::tuple_size_v<LensParameters> == kNumParameters);
 
 // A place in the camera's frame.
 template <typename T>
@@ -148,7 +159,7 @@ void Adjust(const std::vector<ReprojectionError>& errors,
   ceres::Problem problem;
   for (const ReprojectionError& e : errors)
     problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<ReprojectionError, 2, 11>(
+        new ceres::AutoDiffCostFunction<ReprojectionError, 2, kNumParameters>(
             new ReprojectionError(e)),
         new ceres::CauchyLoss(kFarOffPx), parameters->data());
   ceres::Solver::Options options;
@@ -190,20 +201,33 @@ std::optional<Eigen::Vector2d> LatticeLens::Project(
   return SeenAt(parameters_.data(), place);
 }
 
+std::optional<std::vector<Correspondence>> LatticeLens::Sample(
+    const Eigen::Vector2d& place, double reach) const {
+  constexpr int kSteps = 2;
+  std::vector<Correspondence> samples;
+  for (int row = -kSteps; row <= kSteps; ++row) {
+    for (int column = -kSteps; column <= kSteps; ++column) {
+      const Eigen::Vector2d offset =
+          reach / kSteps * Eigen::Vector2d(column, row);
+      const auto pixel = Project(place + offset);
+      if (!pixel) return std::nullopt;
+      samples.push_back({offset, *pixel});
+    }
+  }
+  return samples;
+}
+
 std::optional<LocalMapping> LatticeLens::Around(
     const Eigen::Vector2d& place) const {
-  constexpr double kStep = 0.5;
-  const auto center = Project(place);
-  if (!center) return std::nullopt;
-  LocalMapping mapping;
-  mapping.center = *center;
-  for (int k = 0; k < 2; ++k) {
-    const Eigen::Vector2d step = kStep * Eigen::Vector2d::Unit(k);
-    const auto before = Project(place - step), after = Project(place + step);
-    if (!before || !after) return std::nullopt;
-    mapping.linear.col(k) = (*after - *before) / (2 * kStep);
+  constexpr int kDegree = 3;
+  for (const double reach : {1.0, 0.5}) {
+    const auto around = Sample(place, reach);
+    LocalMapping mapping;
+    if (!around || FitLocalMapping(*around, kDegree, &mapping) == 0) continue;
+    mapping.center = SeenAt(parameters_.data(), place);
+    return mapping;
   }
-  return mapping;
+  return std::nullopt;
 }
 
 }  // namespace raygrid

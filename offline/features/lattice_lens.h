@@ -26,7 +26,8 @@ class LatticeLens {
   /// The pixel where a place on the lattice, in squares, is seen; nothing where
   /// its angle from the axis is a fifth larger than any feature's.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector2d& place) const;
-  /// How the board appears around a place.
+  /// How the board appears within a square of a place, or half of one where the
+  /// lens is not known farther: a polynomial of degree 3.
   std::optional<LocalMapping> Around(const Eigen::Vector2d& place) const;
 
   /// f in pixels, k1, k2; the centre in pixels; the pose: the rotation vector
@@ -36,6 +37,8 @@ class LatticeLens {
  private:
   LatticeLens(const Parameters& parameters, double max_angle_rad)
       : parameters_(parameters), max_angle_rad_(max_angle_rad) {}
+  std::optional<std::vector<Correspondence>> Sample(
+      const Eigen::Vector2d& place, double reach) const;
 
   Parameters parameters_;
   double max_angle_rad_;  // from the axis

@@ -1,6 +1,7 @@
 #include "features/local_mapping.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -131,6 +132,10 @@ Eigen::Vector2d LocalMapping::operator()(const Eigen::Vector2d& offset) const {
 
 double LocalMapping::SpacingPx() const {
   return std::min(linear.col(0).norm(), linear.col(1).norm());
+}
+
+double LocalMapping::CircleWidthPx() const {
+  return linear.jacobiSvd().singularValues()[1];
 }
 
 int FitLocalMapping(const std::vector<Correspondence>& correspondences,

@@ -25,6 +25,9 @@ struct LocalMapping {
 
   /// A square's width or height in the image, the smaller one.
   double SpacingPx() const;
+  /// How wide a circle in a square appears where it is narrowest: less than the
+  /// spacing where a square is foreshortened along its diagonal.
+  double CircleWidthPx() const;
 };
 
 /// m(s).

@@ -2,24 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <random>
 
-#include "camera/pose.h"
+#include "close_board.h"
 #include "simulation/simulated_lenses.h"
 
 namespace raygrid {
 namespace {
 
-constexpr ImageSize kSize = {1280, 800};
-
-// A board of 16 x 12 squares of 1, tilted, close to the camera: it fills most
-// of the view.
-Pose CloseBoard(double distance) {
-  return {Eigen::Quaterniond(
-              Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 0.5, 0).normalized())),
-          Eigen::Vector3d(-7.5, -5.5, distance)};
-}
+constexpr ImageSize kSize = kCloseViewSize;
 
 bool IsInTheHole(int column, int row) {
   return column >= 9 && column <= 13 && row >= 4 && row <= 8;
@@ -29,13 +20,9 @@ bool IsInTheHole(int column, int row) {
 std::vector<Feature> FeaturesAround(const CameraModel& camera,
                                     const Pose& pose) {
   std::vector<Feature> features;
-  for (int row = 0; row < 12; ++row) {
-    for (int column = 0; column < 16; ++column) {
-      const auto pixel = camera.Project(pose * Eigen::Vector3d(column, row, 0));
-      if (pixel && camera.area().Contains(*pixel) && !IsInTheHole(column, row))
-        features.push_back({0, column, row, *pixel});
-    }
-  }
+  const Board board = StarsOfOneMetre();
+  for (const Feature& f : SeenLattice(camera, pose, board).Features())
+    if (!IsInTheHole(f.column, f.row)) features.push_back(f);
   return features;
 }
 
@@ -48,9 +35,8 @@ void ExpectKnowsTheHole(const std::string& lens, double distance,
   int count = 0;
   for (int row = 4; row <= 8; ++row) {
     for (int column = 9; column <= 13; ++column) {
-      const auto truth =
-          camera->Project(pose * Eigen::Vector3d(column, row, 0));
-      if (!truth || !camera->area().Contains(*truth)) continue;
+      const auto truth = SeenAt(*camera, pose, Eigen::Vector2d(column, row));
+      if (!truth) continue;
       const auto seen = fit->Project(Eigen::Vector2d(column, row));
       ASSERT_TRUE(seen) << lens << " " << column << " " << row;
       EXPECT_LT((*seen - *truth).norm(), tolerance_px) << lens;
