@@ -186,6 +186,7 @@ struct Scene {
   std::optional<std::array<Eigen::Vector2d, 4>> CornersAround(
       const Feature &star, double reach_squares) const;
   double SizePx(const Feature &star) const;
+  bool SeesWindowOf(const Feature &star) const;
   StarView ViewOf(const Feature &star) const;
   TagView ViewOf(size_t board, const BoardTag &tag) const;
 };
@@ -220,14 +221,28 @@ inline double Scene::SizePx(const Feature &star) const {
   return near ? ShortestSide(*near) / (2 * kNear) : 0;
 }
 
+// Whether a star's window lies in the image, and in the image circle.
+inline bool Scene::SeesWindowOf(const Feature &star) const {
+  if (!WholeImage(camera->model->image_size()).Contains(star.pixel, -kWindowPx))
+    return false;
+  constexpr int kDirections = 16;
+  for (int k = 0; k < kDirections; ++k) {
+    const double angle = 2 * M_PI * k / kDirections;
+    const Eigen::Vector2d rim =
+        star.pixel +
+        kWindowPx * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    if (!camera->model->Unproject(rim)) return false;
+  }
+  return true;
+}
+
 // Small ones are not to be found.
 inline StarView Scene::ViewOf(const Feature &star) const {
   constexpr double kHalf = 0.5;
   if (const auto corners = CornersAround(star, kHalf))
     return ShortestSide(*corners) < kMinStarPx ? StarView::kNotToBeFound
                                                : StarView::kWholly;
-  const Area pixels = WholeImage(camera->model->image_size());
-  return SizePx(star) >= kMinStarPx && pixels.Contains(star.pixel, -kWindowPx)
+  return SizePx(star) >= kMinStarPx && SeesWindowOf(star)
              ? StarView::kCutByEdge
              : StarView::kNotToBeFound;
 }
