@@ -25,7 +25,7 @@ extern "C" {
 #endif
 
 #define RAYGRID_VERSION_MAJOR 0
-#define RAYGRID_VERSION_MINOR 1
+#define RAYGRID_VERSION_MINOR 2
 #define RAYGRID_VERSION_PATCH 0
 
 /* A whole number of pixels in q16. */
