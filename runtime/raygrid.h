@@ -81,7 +81,7 @@ rg_status rg_choose_ray_kernels(rg_camera* camera, const char* name);
  * RG_ERR_OUTSIDE_AREA  pixel lies outside the calibrated area
  * RG_ERR_NONCENTRAL    the camera has lines, not rays: rg_unproject_line()
  *
- * No loop depends on the data; cost per core in runtime/README.md. */
+ * No loop depends on the data; cost per core in runtime/COST.md. */
 rg_status rg_unproject(const rg_camera* camera, rg_pixel pixel, rg_ray* ray);
 
 /* A line in space: from the point, in metres, along the direction. */
@@ -139,7 +139,7 @@ uint32_t rg_unproject_lines(const rg_camera* camera, const rg_pixel* pixels,
  * RG_ERR_NO_INVERSE    the blob has no inverse grid: it is from before format
  *                      1.3, or of a camera that no such grid leads back to
  *
- * Cost per core in runtime/README.md. */
+ * Cost per core in runtime/COST.md. */
 rg_status rg_project(const rg_camera* camera, const rg_ray* direction,
                      rg_pixel* pixel);
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""What the runtime costs on a board, against the tables of its README.
+"""What the runtime costs on a board, against the ceilings of budgets.toml.
 
 Flash, RAM and stack from the objects: what a firmware links that calls the entry points of a
 set; it may take no static memory and no symbol from outside. The stack is the deepest path of
 the compiler's call graph (-fcallgraph-info=su). Executed instructions, of microcontrollers, from
-instruction_bench on an emulator that counts them. --update writes the README's rows.
+instruction_bench on an emulator that counts them. --update writes the core's rows of COST.md.
 """
 import argparse
 import os
@@ -13,7 +13,7 @@ import subprocess
 import sys
 import tempfile
 
-import readme_table
+import cost_tables
 
 # Sources that do not go on a board.
 HOST_ONLY = ("blob_write", "blob_fields", "blob_limits", "rg_status")
@@ -25,22 +25,19 @@ EVERYTHING = RAYS + (
     "rg_mode_from_calibrated", "rg_match", "rg_select_remap", "rg_remap_size", "rg_remap",
     "rg_remap_source_rows", "rg_remap_grey", "rg_choose_ray_kernels")
 # .text of what these need.
-SETS = {"rays": RAYS, "rays, grey": RAYS + ("rg_select_remap", "rg_remap_size", "rg_remap_grey"),
+SETS = {"rays": RAYS, "grey": RAYS + ("rg_select_remap", "rg_remap_size", "rg_remap_grey"),
         "everything": EVERYTHING}
 # Stack of these, each for itself, and the deepest of the others.
 STACKS = ("rg_camera_open", "rg_select_remap", "rg_unproject", "rg_unproject_line", "rg_project",
           "rg_undistort_point", "rg_remap_grey", "rg_remap", "rg_remap_source_rows", "rg_match")
 # What calls by a pointer that may be NULL, and then does not.
 MAY_CALL_NOTHING = ("rg_do_rows",)
-TEXT_TABLE, STACK_TABLE = "| core | .text: rays |", "| core | stack: open |"
-INSTRUCTION_TABLE = "| core | un-project |"
 
 
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--core", required=True)
-    parser.add_argument("--readme", required=True)
-    parser.add_argument("--update", action="store_true")
+    cost_tables.add_arguments(parser)
     parser.add_argument("--compiler", required=True)
     parser.add_argument("--formats", nargs="+", required=True)
     parser.add_argument("--runtime", nargs="+", required=True)
@@ -180,15 +177,15 @@ def measure_text(arguments, objects, roots):
 
 
 def measure_texts(arguments, objects):
-    """Figures of the README's row of sizes."""
-    texts = [measure_text(arguments, objects, roots) for roots in SETS.values()]
-    for name, text in zip(SETS, texts):
+    """Bytes of .text of each set."""
+    texts = {name: measure_text(arguments, objects, roots) for name, roots in SETS.items()}
+    for name, text in texts.items():
         print(f".text of {name}: {text} B")
     return texts
 
 
 def measure_stacks(arguments, objects):
-    """Figures of the README's row of stacks."""
+    """Bytes of stack of the calls that stand by themselves, and the most of all others."""
     stack, calls = read_call_graph(arguments.compiler, objects)
     missing = [entry for entry in EVERYTHING if entry not in stack]
     if missing:
@@ -197,27 +194,26 @@ def measure_stacks(arguments, objects):
     for entry, depth in depths.items():
         print(f"stack of {entry}: {depth} B")
     others = max(depth for entry, depth in depths.items() if entry not in STACKS)
-    return [depths[entry] for entry in STACKS] + [others]
+    return {**{entry: depths[entry] for entry in STACKS}, "others": others}
 
 
 def measure_instructions(command):
-    """Figures of the README's row of instructions, per call or pixel."""
+    """Instructions per call or pixel, by the bench's names."""
     output = subprocess.run(command, check=True, stdout=subprocess.PIPE,
                             stderr=subprocess.STDOUT, text=True).stdout
-    figures = [line.split() for line in output.splitlines() if line.strip()]
-    for name, hundredths in figures:
+    figures = dict(line.split() for line in output.splitlines() if line.strip())
+    for name, hundredths in figures.items():
         print(f"instructions of {name}: {int(hundredths) / 100}")
-    return [round(int(hundredths) / 100) for _, hundredths in figures]
+    return {name: round(int(hundredths) / 100) for name, hundredths in figures.items()}
 
 
 def main():
     arguments = parse_arguments()
     objects = board_objects(arguments.formats + arguments.runtime)
-    tables = {TEXT_TABLE: measure_texts(arguments, objects),
-              STACK_TABLE: measure_stacks(arguments, objects)}
+    kinds = {"text": measure_texts(arguments, objects), "stack": measure_stacks(arguments, objects)}
     if arguments.bench:
-        tables[INSTRUCTION_TABLE] = measure_instructions(arguments.bench)
-    readme_table.settle(arguments.readme, arguments.core, tables, arguments.update)
+        kinds["instructions"] = measure_instructions(arguments.bench)
+    cost_tables.settle(arguments, arguments.core, kinds)
 
 
 if __name__ == "__main__":

@@ -1,16 +1,15 @@
 #!/usr/bin/env python3
-"""Executed instructions of the runtime's calls on Linux boards, against the tables of its README.
+"""Executed instructions of the runtime's calls on Linux boards, against the ceilings of
+budgets.toml.
 
 QEMU's user mode notes every instruction, with the function that it belongs to; a call's are those
-between two of mark_call(). --update writes the README's rows.
+between two of mark_call(). --update writes the target's rows of COST.md.
 """
 import argparse
 import subprocess
 import sys
 
-import readme_table
-
-POINTS_TABLE, FRAMES_TABLE = "| target | un-project |", "| target | GREY8 |"
+import cost_tables
 
 
 def count_calls(emulator, program):
@@ -47,16 +46,15 @@ def measure(emulator, program):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--target", required=True)
-    parser.add_argument("--readme", required=True)
-    parser.add_argument("--update", action="store_true")
+    cost_tables.add_arguments(parser)
     parser.add_argument("--program", required=True)
     parser.add_argument("--emulator", nargs=argparse.REMAINDER, required=True)
     arguments = parser.parse_args()
     figures = measure(arguments.emulator, arguments.program)
-    is_frame = {name: name.startswith("remap") for name in figures}
-    tables = {title: [figures[name] for name in figures if is_frame[name] == frames]
-              for title, frames in ((POINTS_TABLE, False), (FRAMES_TABLE, True))}
-    readme_table.settle(arguments.readme, arguments.target, tables, arguments.update)
+    kinds = {"points": {}, "frames": {}}
+    for name, figure in figures.items():
+        kinds["frames" if name.startswith("remap") else "points"][name] = figure
+    cost_tables.settle(arguments, arguments.target, kinds)
 
 
 if __name__ == "__main__":
