@@ -1,4 +1,4 @@
-/* Pixel -> direction. Error budget in runtime/README.md. */
+/* Pixel -> direction. Error budget in runtime/DESIGN.md. */
 #include "bytes.h"
 #include "fixed_point.h"
 #include "raygrid.h"

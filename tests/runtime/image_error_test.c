@@ -1,5 +1,5 @@
 /* Undistorted pictures against bilinear interpolation in double at the same
- * positions, those of the table's own arithmetic. Prints what README.md says of
+ * positions, those of the table's own arithmetic. Prints what DESIGN.md says of
  * the image error. */
 #include <math.h>
 #include <stdio.h>
