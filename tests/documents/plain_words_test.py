@@ -20,6 +20,7 @@ LIMITS = {
     "README.md": GOOD,
     "CHANGELOG.md": GOOD,
     "CONTRIBUTING.md": GOOD,
+    "formats/SPEC.md": GOOD,
     "runtime/README.md": GOOD,
     "runtime/DESIGN.md": GOOD,
     "runtime/COST.md": GOOD,
