@@ -14,13 +14,14 @@ import statistics
 import sys
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
-# Words of the median sentence, and of the longest paragraph.
+# Words of the median sentence, and of the longest paragraph. Limits only ever fall.
 GOOD = (17, 120)
 LIMITS = {
     "README.md": GOOD,
     "CHANGELOG.md": GOOD,
     "CONTRIBUTING.md": GOOD,
     "formats/SPEC.md": GOOD,
+    "offline/README.md": (22, 120),
     "runtime/README.md": GOOD,
     "runtime/DESIGN.md": GOOD,
     "runtime/COST.md": GOOD,
