@@ -10,12 +10,12 @@
 
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
-#include "lattice_map.h"
+#include "frames/lattice_map.h"
+#include "frames/pixel_formats.h"
+#include "frames/remap_table.h"
 #include "packing/node_fitting.h"
 #include "packing/remap_blocks.h"
 #include "packing/source_map.h"
-#include "pixel_formats.h"
-#include "remap_table.h"
 
 namespace raygrid {
 namespace {

@@ -2,14 +2,14 @@
  * by table lookup: the pixels of a segment read at most 16 contiguous bytes of
  * each of three rows, so that byte shuffles take the place of a gather.
  * Elsewhere each pixel's samples are loaded by themselves. */
-#include "remap_dispatch.h"
+#include "kernels/remap_dispatch.h"
 
 #if RG_CHOOSE_KERNELS && defined(__x86_64__)
 
 #include <immintrin.h>
 #include <stddef.h>
 
-#include "x86_features.h"
+#include "kernels/x86_features.h"
 
 RG_BEGIN_FEATURES("avx2")
 

@@ -1,14 +1,14 @@
 /* Bilinear blending by lookups in tables of 128 bytes: pixels of neighbouring
  * rows, 32 samples in lanes of 16 bits, find their source in a box of bytes in
  * two registers. Where they need a larger box, the AVX2 kernels take over. */
-#include "remap_blocks.h"
+#include "frames/remap_blocks.h"
 
 #if RG_CHOOSE_KERNELS && defined(__x86_64__)
 
 #include <immintrin.h>
 #include <stddef.h>
 
-#include "x86_features.h"
+#include "kernels/x86_features.h"
 
 RG_BEGIN_FEATURES("avx512f,avx512bw,avx512vl,avx512dq,avx512vbmi,avx512vbmi2")
 

@@ -1,6 +1,6 @@
 /* The kernels that this processor has. */
-#include "remap_dispatch.h"
-#include "surface.h"
+#include "kernels/remap_dispatch.h"
+#include "rays/surface.h"
 
 static int is_same(const char* a, const char* b) {
   while (*a && *a == *b) ++a, ++b;
@@ -24,7 +24,7 @@ static const rg_kernels kPortable = {
 
 #if defined(__x86_64__)
 
-#include "x86_features.h"
+#include "kernels/x86_features.h"
 
 static const rg_kernels kSse4 = {
     "sse4",

@@ -1,7 +1,7 @@
 /* Bilinear blending by table lookup: 8 lanes read at most 16 contiguous bytes
  * of each of three rows (32 for three channels), so that table lookups take the
  * place of a gather. Runs with larger steps go to the portable kernels. */
-#include "remap_kernels.h"
+#include "kernels/remap_kernels.h"
 
 #if defined(__aarch64__)
 

@@ -2,8 +2,8 @@
 #include <stddef.h>
 
 #include "fixed_point.h"
-#include "grey_row.h"
-#include "remap_kernels.h"
+#include "kernels/grey_row.h"
+#include "kernels/remap_kernels.h"
 
 void rg_blend_1(const rg_run* run) {
   if (rg_blend_tiles(run, 1)) return;

@@ -1,14 +1,14 @@
 /* Bilinear blending by table lookup, as in avx2.c, with half its width: 8 lanes
  * of one row, whose pixels read at most 16 contiguous bytes of each of three
  * rows. Runs with larger steps go to the portable kernels. */
-#include "remap_dispatch.h"
+#include "kernels/remap_dispatch.h"
 
 #if RG_CHOOSE_KERNELS && defined(__x86_64__)
 
 #include <smmintrin.h>
 #include <stddef.h>
 
-#include "x86_features.h"
+#include "kernels/x86_features.h"
 
 RG_BEGIN_FEATURES("sse4.1")
 

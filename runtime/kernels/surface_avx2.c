@@ -1,14 +1,14 @@
 /* rg_find_place() and rg_find_slopes(), both coordinates of several control
  * points at once. */
-#include "surface.h"
+#include "rays/surface.h"
 
 #if RG_CHOOSE_SURFACE
 
 #include <immintrin.h>
 
 #include "bytes.h"
+#include "kernels/x86_features.h"
 #include "rg_blob.h"
-#include "x86_features.h"
 
 /* In front of all that is compiled for AVX2. */
 uint16_t rg_best_surface(void) {

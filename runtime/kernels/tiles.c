@@ -5,7 +5,7 @@
  */
 #include <stddef.h>
 
-#include "remap_kernels.h"
+#include "kernels/remap_kernels.h"
 
 #if RG_HAS_TILES
 

@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "camera_error.h"
-#include "pixel_formats.h"
+#include "frames/pixel_formats.h"
 #include "rg_blob.h"
 
 namespace raygrid {

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "frames/pixel_formats.h"
 #include "fuzz_target.h"
-#include "pixel_formats.h"
 #include "raygrid.h"
 
 #define MAX_PLANE (1u << 20) /* larger ones only take time */

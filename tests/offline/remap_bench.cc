@@ -25,7 +25,7 @@
 #include "camera/thin_prism_fisheye.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
-#include "lattice_map.h"
+#include "frames/lattice_map.h"
 #include "packing/remap_fitting.h"
 #include "packing/virtual_camera.h"
 #include "raygrid.h"

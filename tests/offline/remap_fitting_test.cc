@@ -11,8 +11,8 @@
 #include "camera/central_generic.h"
 #include "camera/opencv.h"
 #include "camera/thin_prism_fisheye.h"
+#include "frames/remap_table.h"
 #include "packing/virtual_camera.h"
-#include "remap_table.h"
 #include "support.h"
 
 namespace raygrid {

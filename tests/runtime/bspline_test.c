@@ -1,4 +1,4 @@
-#include "bspline.h"
+#include "rays/bspline.h"
 
 #include "test_frame.h"
 #include "unit_test.h"

@@ -5,9 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "frames/remap_table.h"
 #include "golden_blobs.h"
 #include "raygrid.h"
-#include "remap_table.h"
 #include "rg_blob.h"
 #include "test_frame.h"
 #include "unit_test.h"

@@ -1,4 +1,4 @@
-#include "planes.h"
+#include "frames/planes.h"
 
 #include <string.h>
 

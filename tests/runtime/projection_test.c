@@ -6,7 +6,7 @@
 #include "crc32.h"
 #include "golden_blobs.h"
 #include "raygrid.h"
-#include "surface.h"
+#include "rays/surface.h"
 #include "test_frame.h"
 #include "unit_test.h"
 

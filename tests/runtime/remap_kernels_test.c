@@ -6,7 +6,7 @@
 #if defined(__linux__)
 #define _GNU_SOURCE
 #endif
-#include "remap_kernels.h"
+#include "kernels/remap_kernels.h"
 
 #include <stdio.h>
 

@@ -6,7 +6,7 @@
 #endif
 #include <string.h>
 
-#include "pixel_formats.h"
+#include "frames/pixel_formats.h"
 #include "random_tables.h"
 
 #if defined(__x86_64__)

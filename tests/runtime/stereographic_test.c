@@ -1,7 +1,7 @@
-#include "stereographic.h"
+#include "rays/stereographic.h"
 
 #include "fixed_point.h"
-#include "inverse.h"
+#include "rays/inverse.h"
 #include "test_frame.h"
 #include "unit_test.h"
 

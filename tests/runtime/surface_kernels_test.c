@@ -2,8 +2,8 @@
  * code: grids with any control points, even such that no camera has. */
 #include <string.h>
 
+#include "rays/surface.h"
 #include "rg_blob.h"
-#include "surface.h"
 #include "test_frame.h"
 #include "unit_test.h"
 

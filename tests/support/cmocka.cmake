@@ -37,8 +37,9 @@ endfunction()
 # The walk of small boards, in front of the library's in programs that link it.
 if(RAYGRID_HOST)
   add_library(raygrid_small_walk OBJECT)
-  foreach(source camera lattice_map remap remap_blocks remap_grey remap_parts remap_source_rows
-      remap_table kernels/dispatch kernels/portable kernels/thumb2 kernels/tiles)
+  foreach(source rays/camera frames/lattice_map frames/remap frames/remap_blocks
+      frames/remap_grey frames/remap_parts frames/remap_source_rows frames/remap_table
+      kernels/dispatch kernels/portable kernels/tiles cortex_m/thumb2)
     target_sources(raygrid_small_walk PRIVATE ${PROJECT_SOURCE_DIR}/runtime/${source}.c)
   endforeach()
   target_compile_definitions(raygrid_small_walk PUBLIC RG_KEEP_LINES=0)

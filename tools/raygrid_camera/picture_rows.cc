@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "pixel_formats.h"
+#include "frames/pixel_formats.h"
 
 namespace raygrid {
 namespace {

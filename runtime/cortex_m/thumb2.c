@@ -1,0 +1,165 @@
+/* The corners of parts on Cortex-M with the DSP extension, where size matters.
+ */
+#include "frames/remap_table.h"
+
+#if RG_CORNERS_IN_ASSEMBLER
+
+#include <stddef.h>
+
+/* formats/SPEC.md, "Bends", with t = k / 2^n and bends times 2^n:
+ *     along(A, Z, b, t) = A + round(t (Z - A + b (1 - t)))
+ * r7 may be the frame pointer. */
+void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
+  /* For these, no register is left. */
+  rg_block_walk* kept = walk;
+  rg_position* corner = corners;
+  const uint8_t* above;
+  uint32_t vertex_size;
+  register rg_block_walk* r0 __asm__("r0") = walk;
+  __asm__ volatile(
+      /* i, j, and sizes of a vertex and of a row of them: r10 */
+      "ldr r2, [r0]\n\t"
+      "ldrh r3, [r0, %[across] + 2]\n\t"
+      "ldrh r4, [r0, %[down] + 2]\n\t"
+      "ldrh r6, [r2, #4]\n\t"
+      "ldrb r1, [r2, #10]\n\t"
+      "movs r5, #4\n\t"
+      "cbz r1, 1f\n\t"
+      "movs r5, #8\n"
+      "1:\n\t"
+      "str r5, %[vertex_size]\n\t"
+      "mul r10, r6, r5\n\t"
+      /* The vertex j columns + i, and the bit j (columns - 1) + i */
+      "muls r6, r4\n\t"
+      "adds r6, r3\n\t"
+      "subs r3, r6, r4\n\t"
+      /* vertices + rows row_size, and the vertex's address */
+      "ldrh r1, [r2, #6]\n\t"
+      "ldr r4, [r2, #76]\n\t"
+      "adds r4, r2\n\t"
+      "mla r1, r1, r10, r4\n\t"
+      "muls r6, r5\n\t"
+      "adds r6, r4\n\t"
+      "str r6, %[above]\n\t"
+      /* is_empty: of a word of bits */
+      "lsrs r4, r3, #5\n\t"
+      "ldr r1, [r1, r4, lsl #2]\n\t"
+      "rors r1, r3\n\t"
+      "and r1, r1, #1\n\t"
+      "strb r1, [r0, %[is_empty]]\n\t"
+      /* t down in q16: r12 */
+      "ldrh r12, [r0, %[down]]\n"
+      /* On the line above the part, then below it; for y, then x: r6 = 1, 0 */
+      "2:\n\t"
+      "movs r6, #1\n"
+      "3:\n\t"
+      /* row_step: r9; origin + i column_step + j row_step: r8; that and
+       * column_step: r11 */
+      "ldr r4, %[walk]\n\t"
+      "ldr r2, [r4]\n\t"
+      "add r2, r2, r6, lsl #2\n\t"
+      "ldr r0, [r2, #28]\n\t"
+      "ldr r1, [r2, #36]\n\t"
+      "mov r11, r1\n\t"
+      "ldrh r3, [r4, %[across] + 2]\n\t"
+      "mla r0, r1, r3, r0\n\t"
+      "ldrh r3, [r4, %[down] + 2]\n\t"
+      "ldr r9, [r2, #44]\n\t"
+      "mla r8, r9, r3, r0\n\t"
+      "add r11, r8\n\t"
+      /* left: r8, right: r11 */
+      "ldr r5, %[above]\n\t"
+      "adds r5, r6\n\t"
+      "lsl r3, r12, #14\n\t"
+      "bl 4f\n\t"
+      "add r8, r4\n\t"
+      "ldr r4, %[vertex_size]\n\t"
+      "adds r5, r4\n\t"
+      "bl 4f\n\t"
+      "add r11, r4\n\t"
+      /* That is all if a block is one part wide. */
+      "ldr r4, %[walk]\n\t"
+      "ldrb r2, [r4, %[num_log2]]\n\t"
+      "cmp r2, #2\n\t"
+      "beq 6f\n\t"
+      /* bend = along(h10, h11, 0, t); 1 does for 0, as t or floor(1 - t) is 0
+       */
+      "movs r2, #4\n\t"
+      "ldrsb r0, [r5, r2]\n\t"
+      "add r5, r10\n\t"
+      "ldrsb r1, [r5, r2]\n\t"
+      "ldr r5, %[walk]\n\t"
+      "ldrb r4, [r5, %[bend_shift]]\n\t"
+      "lsls r0, r4\n\t"
+      "lsls r1, r4\n\t"
+      "bl 5f\n\t"
+      /* along(left, right, bend, t) where the part begins, and where it ends */
+      "mov r0, r8\n\t"
+      "mov r1, r11\n\t"
+      "ldrb r2, [r5, %[num_log2]]\n\t"
+      "lsl r2, r4, r2\n\t"
+      "ldrh r3, [r5, %[across]]\n\t"
+      "lsls r3, r3, #14\n\t"
+      "bl 5f\n\t"
+      "mov r8, r4\n\t"
+      "ldr r5, [r5, %[across] + 4]\n\t"
+      "add r3, r3, r5, lsl #14\n\t"
+      "bl 5f\n\t"
+      "mov r11, r4\n"
+      "6:\n\t"
+      "ldr r5, %[corner]\n\t"
+      "add r5, r5, r6, lsl #2\n\t"
+      "str r8, [r5]\n\t"
+      "str r11, [r5, #8]\n\t"
+      "subs r6, #1\n\t"
+      "bpl 3b\n\t"
+      "adds r5, #16\n\t"
+      "str r5, %[corner]\n\t"
+      /* Was this t that of the line above? */
+      "ldr r0, %[walk]\n\t"
+      "ldrh r1, [r0, %[down]]\n\t"
+      "ldr r2, [r0, %[down] + 4]\n\t"
+      "cmp r12, r1\n\t"
+      "add r12, r2\n\t"
+      "beq 2b\n\t"
+      "b 7f\n"
+      /* r4 = along(P0, P1, v1, t) without the plane, from the vertex at r5 - r6
+       */
+      "4:\n\t"
+      "ldrsh r0, [r5, r6]\n\t"
+      "add r4, r5, r10\n\t"
+      "ldrsh r1, [r4, r6]\n\t"
+      "ldrsb r2, [r4, #6]\n\t"
+      "ldr r4, %[walk]\n\t"
+      "ldrh r4, [r4, %[bend_shift]]\n\t"
+      "lsls r2, r4\n\t"
+      "lsrs r4, r4, #8\n\t"
+      "lsls r2, r4\n\t"
+      "ldr r4, %[walk]\n\t"
+      "ldr r4, [r4]\n\t"
+      "ldrb r4, [r4, #9]\n\t"
+      "lsls r0, r4\n\t"
+      "lsls r1, r4\n\t"
+      "add r1, r9\n"
+      /* r4 = along(r0, r1, r2 / 4, r3), t in q30 */
+      "5:\n\t"
+      "rsb r4, r3, #0x40000000\n\t"
+      "smmla r4, r4, r2, r1\n\t"
+      "subs r4, r0\n\t"
+      "lsls r4, r4, #2\n\t"
+      "smmlar r4, r4, r3, r0\n\t"
+      "bx lr\n"
+      "7:"
+      : [walk] "+m"(kept), [corner] "+m"(corner), [above] "=m"(above),
+        [vertex_size] "=m"(vertex_size), "+r"(r0)
+      : [is_empty] "i"(offsetof(rg_block_walk, is_empty)),
+        [bend_shift] "i"(offsetof(rg_block_walk, bend_shift)),
+        [num_log2] "i"(offsetof(rg_block_walk, num_log2)),
+        [across] "i"(offsetof(rg_block_walk, spans)),
+        [down] "i"(offsetof(rg_block_walk, spans) + sizeof(rg_span))
+      : "r1", "r2", "r3", "r4", "r5", "r6", "r8", "r9", "r10", "r11", "r12",
+        "lr", "cc", "memory");
+  r0->spans[0].before += r0->spans[0].size;
+}
+
+#endif

@@ -1,0 +1,109 @@
+/* Where the pixels of a lattice come from, in the lattice's own pixels:
+ * formats/SPEC.md, "Lattices". */
+#ifndef RAYGRID_LATTICE_MAP_H
+#define RAYGRID_LATTICE_MAP_H
+
+#include <stdint.h>
+
+#include "frames/pixel_formats.h"
+#include "frames/remap_table.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Image coordinate c, q12, to the lattice's; bias is added where halves are
+ * rounded. */
+static inline int32_t rg_to_lattice(const rg_lattice* lattice, int c,
+                                    int32_t q12, int32_t bias) {
+  const uint32_t log2 = lattice->log2[c]; /* 0 or 1 */
+  const uint32_t moved = (uint32_t)q12 - lattice->half[c] * 2048u;
+  return (int32_t)(moved + (uint32_t)bias * log2) >> log2;
+}
+
+/* A range of one coordinate of positions, inclusive. */
+typedef struct rg_range {
+  int32_t min_q12, max_q12;
+} rg_range;
+
+/* Coordinate c of the positions that have a source. */
+static RG_INLINE rg_range rg_source_range(const uint8_t* section,
+                                          const rg_lattice* lattice, int c) {
+  const uint8_t* const field = section + 12 + 4 * c;
+  const rg_range range = {rg_to_lattice(lattice, c, rg_load_i32(field), 1),
+                          rg_to_lattice(lattice, c, rg_load_i32(field + 8), 0)};
+  return range;
+}
+
+/* log2 of the output pixels that the parts of blocks are wide (axis 0) or high
+ * (1): what the table says, but at least 16 for chroma, 8 of its own. */
+static inline uint8_t rg_part_log2(const uint8_t* section,
+                                   const rg_lattice* lattice, int axis) {
+  const uint8_t part_log2 = section[10];
+  if (part_log2 == 0) return section[8];
+  return part_log2 < 4 && lattice->half[axis] == 1 ? 4 : part_log2;
+}
+
+/* The corners of a part of a block of the table, so many output pixels wide, as
+ * the lattice has them. */
+void rg_move_corners(const rg_lattice* lattice, uint32_t part_width_log2,
+                     rg_position corners[4]);
+
+/* The same, and its size. */
+void rg_lattice_block(const rg_lattice* lattice, rg_block* block);
+
+#if RG_KEEP_LINES
+
+/* What a lattice does to the corners of parts: rg_lattice_block(). */
+typedef struct rg_lattice_lanes {
+  rg_lanes offset, is_coarse; /* of a coordinate: half pixels; all bits where
+                                 the lattice has fewer pixels */
+  int32_t half[2], shift;
+} rg_lattice_lanes;
+
+static RG_INLINE rg_lattice_lanes
+rg_find_lattice_lanes(const rg_lattice* lattice, uint32_t part_width_log2) {
+  const rg_lattice_lanes found = {
+      rg_twice(lattice->half[0] * 2048, lattice->half[1] * 2048),
+      rg_twice(-(int32_t)lattice->log2[0], -(int32_t)lattice->log2[1]),
+      {lattice->half[0], lattice->half[1]},
+      (int32_t)part_width_log2 + 1};
+  return found;
+}
+
+/* The corners on a line that they are moved along, and by down. */
+static RG_INLINE rg_lanes rg_to_lattice_lanes(const rg_lattice_lanes* lattice,
+                                              rg_lanes corners, rg_lanes across,
+                                              rg_lanes down) {
+  const rg_lanes moved = across * lattice->half[0] + down * lattice->half[1];
+  const rg_lanes at = corners +
+                      ((moved + (1 << lattice->shift >> 1)) >> lattice->shift) -
+                      lattice->offset;
+  return at ^ ((at ^ ((at + 1) >> 1)) & lattice->is_coarse);
+}
+
+static RG_INLINE rg_lanes rg_edge_lanes(rg_lanes corners) {
+  const rg_lane_pairs pairs = (rg_lane_pairs)corners;
+  const rg_lane_pairs from = {pairs[0], pairs[0]};
+  const rg_lane_pairs to = {pairs[1], pairs[1]};
+  return (rg_lanes)to - (rg_lanes)from;
+}
+
+static RG_INLINE void rg_lattice_corners(const rg_lattice_lanes* lattice,
+                                         rg_lanes* upper, rg_lanes* lower) {
+  const rg_lanes down = *lower - *upper;
+  *upper = rg_to_lattice_lanes(lattice, *upper, rg_edge_lanes(*upper), down);
+  *lower = rg_to_lattice_lanes(lattice, *lower, rg_edge_lanes(*lower), down);
+}
+
+#endif
+
+static inline int32_t rg_clamp(int32_t value, int32_t min, int32_t max) {
+  return value < min ? min : value > max ? max : value;
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* RAYGRID_LATTICE_MAP_H */

@@ -1,0 +1,31 @@
+#include "frames/planes.h"
+
+#if !RG_HAVE_DIVISION
+uintptr_t rg_remainder(uintptr_t a, uintptr_t b) {
+  for (int shift = 16; shift >= 0; --shift)
+    if (a >> shift >= b) a -= b << shift;
+  return a;
+}
+#endif
+
+static uintptr_t address_of(const uint8_t* data) { return (uintptr_t)data; }
+
+/* Two intervals meet if the last of one is not so far behind the first of the
+ * other as both are long, less 1; that may wrap. First all bytes from the first
+ * row to the last are such an interval, then, modulo the stride, a row. */
+rg_fault rg_check_overlap(uint32_t row_bytes, const rg_frame* frame,
+                          const rg_band* band) {
+  if (band->num_rows == 0) return 0;
+  const uintptr_t stride = band->stride;
+  const uintptr_t length = (uintptr_t)frame->width + row_bytes - 1;
+  const uintptr_t last_row = (uintptr_t)(band->num_rows - 1u) * stride;
+  const uintptr_t distance = address_of(band->data) - address_of(frame->data) +
+                             last_row + row_bytes - 1;
+  const uintptr_t lengths =
+      (uintptr_t)(frame->height - 1u) * frame->stride + last_row + length;
+  /* Rows may lie beside each other. */
+  if (distance >= lengths ||
+      (frame->stride == stride && rg_remainder(distance, stride) >= length))
+    return 0;
+  return rg_fault_of(RG_ERR_OVERLAP);
+}

@@ -1,0 +1,63 @@
+#include "blob_checks.h"
+#include "bytes.h"
+#include "fixed_point.h"
+#include "raygrid.h"
+#include "rays/surface.h"
+#include "rg_blob.h"
+
+/* Fails to compile if the handle outgrows what raygrid.h promises. */
+typedef char rg_camera_fits_64_bytes[sizeof(rg_camera) <= 64 ? 1 : -1];
+
+/* The sections that rays need. */
+static rg_fault check_rays(const rg_sections* sections) {
+  const rg_section* const grid = &sections->of[RG_SECTION_CENTRAL_GRID];
+  const rg_section* const inverse = &sections->of[RG_SECTION_INVERSE];
+  const rg_section* const line_points = &sections->of[RG_SECTION_LINE_POINTS];
+  if (!sections->of[RG_SECTION_CAMERA].bytes || !grid->bytes)
+    return -RG_ERR_SECTION_MISSING;
+  rg_fault fault =
+      rg_check_grid(grid->bytes, grid->size, RG_CONTROL_POINT_BITS);
+  if (!fault)
+    fault = rg_check_grid(inverse->bytes, inverse->size, RG_NARROW_MAX_BITS);
+  if (!fault)
+    fault = rg_check_line_points(line_points->bytes, line_points->size,
+                                 grid->bytes);
+  return fault;
+}
+
+rg_status rg_camera_open(rg_camera* camera, const void* bytes,
+                         uint32_t num_bytes) {
+  const uint8_t* const blob = (const uint8_t*)bytes;
+  rg_sections sections;
+  rg_fault fault = -RG_ERR_ARGUMENT;
+  if (camera && blob) fault = rg_check_table(blob, num_bytes, &sections);
+  if (!fault) fault = check_rays(&sections);
+  if (fault) return (rg_status)-fault;
+  camera->blob = blob;
+  camera->grid = sections.of[RG_SECTION_CENTRAL_GRID].bytes;
+  camera->inverse = sections.of[RG_SECTION_INVERSE].bytes;
+  const uint8_t* line_points = sections.of[RG_SECTION_LINE_POINTS].bytes;
+  if (line_points) line_points += rg_load_u32(line_points + 4);
+  camera->line_points = line_points;
+  camera->remap = 0;
+  camera->surface = rg_best_surface();
+  const uint32_t size = rg_load_u32(sections.of[RG_SECTION_CAMERA].bytes);
+  camera->width = (uint16_t)size;
+  camera->height = (uint16_t)(size >> 16);
+  return RG_OK;
+}
+
+rg_status rg_select_remap(rg_camera* camera, uint32_t index) {
+  rg_fault fault = -RG_ERR_NO_REMAP;
+  const uint8_t* const entry =
+      rg_find_entry(camera->blob, RG_SECTION_REMAP, index);
+  if (entry) {
+    const uint8_t* const section = camera->blob + rg_load_u32(entry + 4);
+    fault = rg_check_remap(section, rg_load_u32(entry + 8),
+                           camera->width | (uint32_t)camera->height << 16);
+    /* Elsewhere, what is done with any harms nothing. */
+    if (RG_KEEP_LINES && fault == 0) fault = rg_check_vertices(section);
+    if (fault == 0) camera->remap = section;
+  }
+  return (rg_status)-fault;
+}

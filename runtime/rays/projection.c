@@ -1,0 +1,237 @@
+/* Direction -> pixel: what the inverse grid says, then Newton's method on the
+ * spline surface with the inverse grid's derivative. Pairs are x, y. */
+#include "bytes.h"
+#include "fixed_point.h"
+#include "rays/surface.h"
+#include "rg_blob.h"
+
+/* The first step may be as long as this, and so far outside the area may the
+ * start lie; each further step a quarter of that. */
+#define FIRST_STEP_Q16 0x40000u /* 4 px */
+
+/* A step below 1/64 px is the last: what remains is its product with the error
+ * of the derivative. */
+#define LAST_STEP_Q16 0x400u
+
+/* Rounding may lead out of the area by this: 0.002 px. */
+#define EDGE_TOLERANCE_Q16 128u
+
+/* Moves a pixel into the area; 0 if it lies farther outside. */
+static RG_INLINE int move_inside(const uint8_t* area, uint32_t tolerance_q16,
+                                 int32_t* pixel_q16) {
+  RG_UNROLL_SHARED
+  for (uint32_t axes = rg_times(2); axes > 0; --axes, area += 4) {
+    const int32_t low_q16 = rg_load_i32(area), high_q16 = rg_load_i32(area + 8);
+    int32_t inside_q16 = *pixel_q16;
+    if (inside_q16 < low_q16) inside_q16 = low_q16;
+    if (inside_q16 > high_q16) inside_q16 = high_q16;
+    if (rg_magnitude(rg_subtract(*pixel_q16, inside_q16)) > tolerance_q16)
+      return 0;
+    *pixel_q16++ = inside_q16;
+  }
+  return 1;
+}
+
+/* A step of Newton's method: the product of slopes and the distance that is
+ * left. Its length, or more where it is 8 px or more. */
+static RG_INLINE uint32_t take_step(int32_t slopes_q5[2][2],
+                                    const int32_t rest_q27[2],
+                                    int32_t* pixel_q16) {
+  const int32_t *a_slope_q5 = slopes_q5[0], *b_slope_q5 = slopes_q5[1];
+  uint32_t size_q16 = 0;
+  RG_UNROLL_SHARED
+  for (uint32_t axes = rg_times(2); axes > 0; --axes) {
+    const int64_t step_q32 = 0x8000 + rg_product(*a_slope_q5++, rest_q27[0]) +
+                             rg_product(*b_slope_q5++, rest_q27[1]);
+    const int32_t step_q16 = (int32_t)(step_q32 >> 16);
+    if ((uint32_t)(step_q32 >> 32) + 8 >= 16) return UINT32_MAX;
+    size_q16 |= rg_magnitude(step_q16);
+    *pixel_q16 = rg_add(*pixel_q16, step_q16);
+    ++pixel_q16;
+  }
+  return size_q16;
+}
+
+/* Newton's method from where the inverse grid says, with its derivative. */
+static RG_INLINE int solve(const rg_camera* camera,
+                           const rg_chart_point* target, int32_t pixel_q16[2]) {
+  rg_place place;
+  int32_t slopes_q5[2][2];
+  if (rg_find_in_grid(camera, camera->inverse, target->q27[0], target->q27[1],
+                      &place) != RG_OK)
+    return 0;
+  rg_find_inverse_slopes(camera, &place, slopes_q5);
+  for (int k = 0; k < 2; ++k)
+    pixel_q16[k] = rg_shift_left(place.value.q27[k], 1);
+  /* Of the next step, and of how far outside it may begin. */
+  uint32_t limit_q16 = FIRST_STEP_Q16;
+  while (move_inside(camera->grid, limit_q16, pixel_q16)) {
+    if (limit_q16 < LAST_STEP_Q16) return limit_q16 == EDGE_TOLERANCE_Q16;
+    rg_find_in_grid(camera, camera->grid, pixel_q16[0], pixel_q16[1], &place);
+    int32_t rest_q27[2];
+    for (int c = 0; c < 2; ++c)
+      rest_q27[c] = rg_subtract(target->q27[c], place.value.q27[c]);
+    const uint32_t size_q16 = take_step(slopes_q5, rest_q27, pixel_q16);
+    if (size_q16 > limit_q16) return 0;
+    limit_q16 = size_q16 < LAST_STEP_Q16 ? EDGE_TOLERANCE_Q16 : limit_q16 >> 2;
+  }
+  return 0;
+}
+
+/* The camera must have an inverse grid. */
+static int find_target(const rg_camera* camera, const rg_ray* direction,
+                       rg_chart_point* target) {
+  return rg_chart_point_of(direction, rg_load_i32(camera->inverse + 36),
+                           target);
+}
+
+/* rg_project(), of lines too: to the pixel whose line has the direction. */
+static RG_SHARED rg_status find_pixel(const rg_camera* camera,
+                                      const rg_ray* direction,
+                                      rg_pixel* pixel) {
+  rg_chart_point target;
+  int32_t found_q16[2];
+  if (!camera->inverse) return RG_ERR_NO_INVERSE;
+  if (!find_target(camera, direction, &target) ||
+      !solve(camera, &target, found_q16))
+    return RG_ERR_NOT_SEEN;
+  pixel->x_q16 = found_q16[0];
+  pixel->y_q16 = found_q16[1];
+  return RG_OK;
+}
+
+rg_status rg_project(const rg_camera* camera, const rg_ray* direction,
+                     rg_pixel* pixel) {
+  if (camera->line_points) return RG_ERR_NONCENTRAL;
+  return find_pixel(camera, direction, pixel);
+}
+
+#if RG_IS_FAST
+
+/* One thing for several points and then the next: fast processors work on
+ * several points at once. */
+#define BLOCK_SIZE 8u
+
+/* Returns how many of BLOCK_SIZE points are seen; the camera can project. */
+static uint32_t project_block(const rg_camera* camera, const rg_ray* directions,
+                              rg_pixel* pixels) {
+  rg_chart_point targets[BLOCK_SIZE];
+  int is_seen[BLOCK_SIZE];
+  uint32_t num_seen = 0;
+  for (uint32_t i = 0; i < BLOCK_SIZE; ++i)
+    is_seen[i] = find_target(camera, &directions[i], &targets[i]);
+  for (uint32_t i = 0; i < BLOCK_SIZE; ++i) {
+    int32_t found_q16[2];
+    if (is_seen[i] && solve(camera, &targets[i], found_q16))
+      ++num_seen;
+    else
+      found_q16[0] = found_q16[1] = RG_NO_PIXEL;
+    pixels[i].x_q16 = found_q16[0];
+    pixels[i].y_q16 = found_q16[1];
+  }
+  return num_seen;
+}
+
+#endif
+
+uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
+                          rg_pixel* pixels, uint32_t num_points) {
+  uint32_t num_seen = 0;
+#if RG_IS_FAST
+  if (camera->inverse && !camera->line_points)
+    for (; num_points >= BLOCK_SIZE; num_points -= BLOCK_SIZE,
+                                     pixels += BLOCK_SIZE,
+                                     directions += BLOCK_SIZE)
+      num_seen += project_block(camera, directions, pixels);
+#endif
+  for (; num_points > 0; --num_points, ++pixels, ++directions) {
+    if (rg_project(camera, directions, pixels) == RG_OK)
+      ++num_seen;
+    else
+      pixels->x_q16 = pixels->y_q16 = RG_NO_PIXEL;
+  }
+  return num_seen;
+}
+
+/* ---- Points seen along lines --------------------------------------------- */
+
+/* Two pixels less than this apart have the same line. */
+#define SAME_LINE_Q16 0x80u /* 1/512 px */
+
+static RG_INLINE int is_near(rg_pixel pixel, rg_pixel other) {
+  const uint32_t x = (uint32_t)pixel.x_q16 - (uint32_t)other.x_q16;
+  const uint32_t y = (uint32_t)pixel.y_q16 - (uint32_t)other.y_q16;
+  return ((x + SAME_LINE_Q16) | (y + SAME_LINE_Q16)) < 2 * SAME_LINE_Q16;
+}
+
+/* Of the last line: its pixel will do, since more turns would only repeat how
+ * the point's format rounds. */
+#define LAST_CLOSENESS 22u
+
+/* From the largest coordinate's magnitude to twice that. */
+static RG_INLINE uint32_t size_of(const rg_ray* direction) {
+  return rg_bits_of(direction->x_q30) | rg_bits_of(direction->y_q30) |
+         rg_bits_of(direction->z_q30);
+}
+
+/* A line; or a direction in place of its own, and the pixel found for that in
+ * place of its point: stacks are small. */
+typedef union rg_line_words {
+  rg_line line;
+  int32_t words[6];
+  rg_pixel pixel;
+} rg_line_words;
+
+/* The direction of a point, seen from where the line is nearest to the camera's
+ * centre: from o - (o . d) d. */
+static RG_SHARED void look_from(rg_line_words* line, const int32_t point[3],
+                                uint32_t shift) {
+  int32_t* word = line->words;
+  int32_t along_q26 = 0;
+  RG_UNROLL_SHARED
+  for (uint32_t axes = rg_times(3); axes > 0; --axes, ++word)
+    along_q26 = rg_multiply_high_add(along_q26, word[0], word[3]);
+  const int32_t along_q28 = rg_shift_left(along_q26, 2);
+  word = line->words;
+  RG_UNROLL_SHARED
+  for (uint32_t axes = rg_times(3); axes > 0; --axes, ++word) {
+    const int32_t part_q26 = rg_multiply_high(along_q28, word[3]);
+    const int32_t nearest_q28 = rg_subtract(*word, rg_shift_left(part_q26, 2));
+    word[3] = rg_subtract(*point++, nearest_q28 >> shift);
+  }
+}
+
+/* Lines through nearly the point, each at the pixel that looks where the point
+ * lies, seen from the last one. The last one may be to blame if there is no
+ * such pixel: then one that looks less far away from the z axis, by about
+ * 2^-closeness sin(theta), and a quarter of that for the next line. */
+rg_status rg_project_point(const rg_camera* camera, const int32_t point[3],
+                           uint32_t fraction_bits, rg_pixel* pixel) {
+  rg_line_words found;
+  rg_pixel last = {RG_NO_PIXEL, RG_NO_PIXEL};
+  if (fraction_bits > RG_POINT_MAX_BITS) return RG_ERR_ARGUMENT;
+  for (int c = 0; c < 3; ++c) found.words[3 + c] = point[c];
+  /* closeness, above the shift to fraction_bits: they share a register. */
+  uint32_t closeness_and_shift = RG_LINE_POINT_BITS - fraction_bits;
+  do {
+    rg_status status = find_pixel(camera, &found.line.direction, &found.pixel);
+    if (!camera->line_points ||
+        (status == RG_OK && (is_near(found.pixel, last) ||
+                             closeness_and_shift >= LAST_CLOSENESS << 8))) {
+      if (status == RG_OK) *pixel = found.pixel;
+      return status;
+    }
+    if (status != RG_OK) {
+      const uint32_t pull =
+          size_of(&found.line.direction) >> (closeness_and_shift >> 8);
+      found.words[5] = rg_add(found.words[5], (int32_t)pull);
+      status = find_pixel(camera, &found.line.direction, &found.pixel);
+      if (status != RG_OK) return status;
+    }
+    last = found.pixel;
+    rg_unproject_line(camera, found.pixel, &found.line);
+    look_from(&found, point, (uint8_t)closeness_and_shift);
+    closeness_and_shift += 2 << 8;
+  } while (closeness_and_shift < (LAST_CLOSENESS + 2) << 8);
+  return RG_ERR_NOT_SEEN;
+}

@@ -1,0 +1,138 @@
+/* Frames of other sensor modes than the calibrated one. */
+#include "blob_checks.h"
+#include "bytes.h"
+#include "fixed_point.h"
+#include "raygrid.h"
+#include "rays/inverse.h"
+#include "rg_blob.h"
+
+#define MIN_SCALE_Q16 (UINT32_C(1) << 10)
+#define MAX_SCALE_Q16 (UINT32_C(64) << 16)
+#define LIMIT_Q16 (UINT32_C(1) << 30)
+
+typedef struct mode_axis {
+  uint32_t size;
+  int32_t offset_q16;
+  uint32_t scale_q16;
+  int is_flipped;
+} mode_axis;
+
+/* Axis c of a mode; 0 if it is impossible. */
+static RG_NOINLINE int find_mode_axis(const rg_mode* mode, int c,
+                                      mode_axis* axis) {
+  axis->size = c == 0 ? mode->width : mode->height;
+  axis->offset_q16 = c == 0 ? mode->offset_x_q16 : mode->offset_y_q16;
+  axis->scale_q16 = c == 0 ? mode->scale_x_q16 : mode->scale_y_q16;
+  axis->is_flipped = c == 0 ? mode->flip_x : mode->flip_y;
+  return axis->size - 1 < RG_MAX_IMAGE_SIZE &&
+         axis->scale_q16 - MIN_SCALE_Q16 <= MAX_SCALE_Q16 - MIN_SCALE_Q16 &&
+         rg_magnitude(axis->offset_q16) < LIMIT_Q16;
+}
+
+/* (q16 + 1/2) factor / 2^shift - 1/2, shift from 16 to 31; 0 where that does
+ * not fit. */
+static int scale_position(int32_t factor, int shift, int32_t* q16) {
+  uint32_t low;
+  const int32_t from_edge = *q16 + 0x8000;
+  const int32_t high = rg_multiply_signed(from_edge, factor, &low);
+  if (rg_magnitude(high) >> (shift - 2) != 0) return 0;
+  *q16 = rg_multiply_shift(from_edge, factor, shift) - 0x8000;
+  return 1;
+}
+
+/* Flips, scales and moves a coordinate to calibrated frames, or does so
+ * backwards; 0 where that does not fit. */
+static RG_INLINE int convert_axis(const mode_axis* axis, int is_to_calibrated,
+                                  int32_t* q16) {
+  const int32_t last_q16 = (int32_t)((axis->size - 1) << 16);
+  int32_t at_q16 = *q16, factor = (int32_t)axis->scale_q16;
+  int shift = 16;
+  const uint32_t distance_q16 = rg_magnitude(at_q16);
+  if (is_to_calibrated) {
+    if (axis->is_flipped) at_q16 = rg_subtract(last_q16, at_q16);
+  } else {
+    at_q16 = rg_subtract(at_q16, axis->offset_q16);
+    /* scale = D 2^(16 - zeros) with D in [1/2, 1); 1 / D in q29. */
+    const int zeros = rg_leading_zeros(axis->scale_q16);
+    factor = rg_reciprocal(axis->scale_q16 << zeros);
+    shift = 45 - zeros; /* 23 to 36 */
+    if (shift > 31) {   /* positions are then short enough for fewer bits */
+      factor >>= shift - 31;
+      shift = 31;
+    }
+  }
+  if ((distance_q16 | rg_magnitude(at_q16)) >= LIMIT_Q16) return 0;
+  if (!scale_position(factor, shift, &at_q16)) return 0;
+  if (is_to_calibrated)
+    at_q16 += axis->offset_q16;
+  else
+    at_q16 = axis->is_flipped ? last_q16 - at_q16 : at_q16;
+  *q16 = at_q16;
+  return rg_magnitude(at_q16) < LIMIT_Q16;
+}
+
+static RG_NOINLINE rg_status convert(const rg_mode* mode, const rg_pixel* pixel,
+                                     rg_pixel* converted,
+                                     int is_to_calibrated) {
+  int32_t q16[2] = {pixel->x_q16, pixel->y_q16};
+  for (int c = 0; c < 2; ++c) {
+    mode_axis axis;
+    if (!find_mode_axis(mode, c, &axis) ||
+        !convert_axis(&axis, is_to_calibrated, &q16[c]))
+      return RG_ERR_ARGUMENT;
+  }
+  converted->x_q16 = q16[0];
+  converted->y_q16 = q16[1];
+  return RG_OK;
+}
+
+rg_status rg_mode_to_calibrated(const rg_mode* mode, rg_pixel pixel,
+                                rg_pixel* calibrated) {
+  return convert(mode, &pixel, calibrated, 1);
+}
+
+rg_status rg_mode_from_calibrated(const rg_mode* mode, rg_pixel calibrated,
+                                  rg_pixel* pixel) {
+  return convert(mode, &calibrated, pixel, 0);
+}
+
+/* Whether the mode's pixels cover calibrated ones only, along one axis, but for
+ * what a scale is rounded by. */
+static int is_part(const mode_axis* axis, uint32_t calibrated_size) {
+  uint32_t low;
+  const uint32_t high = rg_multiply_unsigned(axis->size, axis->scale_q16, &low);
+  if (high != 0 || ((low | (uint32_t)axis->offset_q16) >> 31) != 0) return 0;
+  return (uint32_t)axis->offset_q16 + low <=
+         (calibrated_size << 16) + (axis->size + 1) / 2;
+}
+
+/* An empty serial fits every camera. expected: RG_TEXT_SIZE bytes; not checked
+ * on opening, so the last is taken for a zero whatever it is. */
+static int is_serial(const char* expected, const char* serial) {
+  if (!serial || expected[0] == 0) return 1;
+  for (uint32_t i = 0; expected[i] == serial[i]; ++i)
+    if (expected[i] == 0 || i == RG_TEXT_SIZE - 1) return 1;
+  return 0;
+}
+
+rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
+                         uint16_t width, uint16_t height, const char* serial) {
+  const uint8_t* const identity =
+      camera->blob +
+      rg_load_u32(rg_find_entry(camera->blob, RG_SECTION_CAMERA, 0) + 4);
+  if (!is_serial((const char*)identity + 40, serial)) return RG_MATCH_NONE;
+  const rg_match_result inexact = mode ? RG_MATCH_DERIVABLE : RG_MATCH_NONE;
+  rg_match_result result = RG_MATCH_EXACT;
+  for (int c = 0; c < 2; ++c) {
+    const uint16_t size = c == 0 ? width : height;
+    const uint32_t calibrated_size = c == 0 ? camera->width : camera->height;
+    if (size != calibrated_size) result = inexact;
+    if (!mode) continue;
+    mode_axis axis;
+    if (!find_mode_axis(mode, c, &axis) || axis.size != size ||
+        !is_part(&axis, calibrated_size))
+      return RG_MATCH_NONE;
+    if (axis.scale_q16 != 65536 || axis.is_flipped) result = inexact;
+  }
+  return result;
+}

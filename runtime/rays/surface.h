@@ -1,0 +1,136 @@
+/* The spline surface over the calibrated area: the chart position of a pixel.
+ */
+#ifndef RAYGRID_SURFACE_H
+#define RAYGRID_SURFACE_H
+
+#include "bytes.h"
+#include "raygrid.h"
+#include "rays/stereographic.h"
+#include "wide_multiply.h"
+
+/* A position on one axis of a grid: in which cell, and how far into it, 1
+ * included. */
+typedef struct rg_cell_position {
+  uint32_t cell;
+  int32_t t_q30;
+} rg_cell_position;
+
+/* On an axis from the i32 at ends to that two behind it; 0 if value lies
+ * outside. */
+static RG_INLINE int rg_find_on_axis(const uint8_t* ends, uint32_t scale,
+                                     uint32_t last_cell, int32_t value,
+                                     rg_cell_position* position) {
+  const uint32_t first = rg_load_u32(ends);
+  const uint32_t offset = (uint32_t)value - first;
+  if (offset > rg_load_u32(ends + 8) - first) return 0;
+  uint32_t low;
+  const uint32_t high = rg_multiply_unsigned(offset, scale, &low);
+  uint32_t cell = high >> 16;
+  if (cell > last_cell) cell = last_cell; /* the far edge */
+  const uint32_t t_q16 = high - (cell << 16);
+  position->cell = cell;
+  position->t_q30 = (int32_t)((t_q16 << 14) | (low >> 18));
+  return 1;
+}
+
+/* A position in a grid, central or inverse, and what its spline is there. */
+typedef struct rg_place {
+  rg_chart_point value; /* of an inverse grid: pixels in q15 */
+  uint32_t cells;       /* across, and down in the upper half */
+  int32_t t_q30[2];     /* how far into them, across and down */
+  uint32_t first;       /* of the 16 control points around */
+  int32_t weights_q31[2][4];
+} rg_place;
+
+/* Of a pixel in q16, or a chart position in q27; RG_ERR_OUTSIDE_AREA if it lies
+ * outside. */
+rg_status rg_find_place(const uint8_t* grid, int32_t x, int32_t y,
+                        rg_place* place);
+
+/* What rg_find_place() begins with: the cells around the position. */
+static RG_INLINE int rg_find_cells(const uint8_t* grid, int32_t x, int32_t y,
+                                   rg_place* place) {
+  rg_cell_position across, down;
+  const uint32_t columns = rg_load_u16(grid + 16);
+  if (!rg_find_on_axis(grid, rg_load_u32(grid + 20), columns - 4, x, &across) ||
+      !rg_find_on_axis(grid + 4, rg_load_u32(grid + 24),
+                       rg_load_u16(grid + 18) - 4u, y, &down))
+    return 0;
+  /* In the order in which registers are stored in pairs. */
+  place->cells = down.cell << 16 | across.cell;
+  place->t_q30[0] = across.t_q30;
+  place->first = down.cell * columns + across.cell;
+  place->t_q30[1] = down.t_q30;
+  return 1;
+}
+
+/* One coordinate of the plane that residuals of 16 bits lie about. */
+static RG_INLINE int32_t rg_evaluate_plane(const uint8_t* plane,
+                                           const rg_place* place) {
+  const int32_t column_step_q29 = rg_load_i32(plane + 8);
+  const int32_t row_step_q29 = rg_load_i32(plane + 16);
+  /* The B-spline of 0, 1, 2, 3 is 1 + t. */
+  const uint32_t corner_q29 =
+      rg_load_u32(plane) +
+      ((place->cells & 0xffff) + 1) * (uint32_t)column_step_q29 +
+      ((place->cells >> 16) + 1) * (uint32_t)row_step_q29;
+  const int32_t sum_q27 = rg_multiply_high_add(
+      (int32_t)(corner_q29 + 2) >> 2, column_step_q29, place->t_q30[0]);
+  return rg_multiply_high_add(sum_q27, row_step_q29, place->t_q30[1]);
+}
+
+/* How both coordinates of an inverse grid change along an axis of the chart, in
+ * q5 pixels per unit. */
+void rg_find_slopes(const uint8_t* inverse, const rg_place* place,
+                    int32_t slopes_q5[2][2]);
+
+/* ---- Of a camera, with its kernels -------------------------------------- */
+
+/* Where there may be AVX2: found out when a camera is opened. */
+#if defined(__x86_64__) && defined(__SSE2__) && defined(__GNUC__) && \
+    !RG_PORTABLE_KERNELS && !RG_MULTIPLY_IN_PARTS
+#define RG_CHOOSE_SURFACE 1
+#else
+#define RG_CHOOSE_SURFACE 0
+#endif
+
+#define RG_SURFACE_PORTABLE 0
+#define RG_SURFACE_AVX2 1
+
+rg_status rg_find_place_avx2(const uint8_t* grid, int32_t x, int32_t y,
+                             rg_place* place);
+void rg_find_slopes_avx2(const uint8_t* inverse, const rg_place* place,
+                         int32_t slopes_q5[2][2]);
+
+/* The fastest. */
+#if RG_CHOOSE_SURFACE
+uint16_t rg_best_surface(void);
+#else
+static inline uint16_t rg_best_surface(void) { return RG_SURFACE_PORTABLE; }
+#endif
+
+/* rg_find_place() in one of the camera's grids. */
+static RG_INLINE rg_status rg_find_in_grid(const rg_camera* camera,
+                                           const uint8_t* grid, int32_t x,
+                                           int32_t y, rg_place* place) {
+#if RG_CHOOSE_SURFACE
+  if (camera->surface == RG_SURFACE_AVX2)
+    return rg_find_place_avx2(grid, x, y, place);
+#endif
+  (void)camera;
+  return rg_find_place(grid, x, y, place);
+}
+
+static RG_INLINE void rg_find_inverse_slopes(const rg_camera* camera,
+                                             const rg_place* place,
+                                             int32_t slopes_q5[2][2]) {
+#if RG_CHOOSE_SURFACE
+  if (camera->surface == RG_SURFACE_AVX2) {
+    rg_find_slopes_avx2(camera->inverse, place, slopes_q5);
+    return;
+  }
+#endif
+  rg_find_slopes(camera->inverse, place, slopes_q5);
+}
+
+#endif /* RAYGRID_SURFACE_H */
