@@ -1,8 +1,8 @@
 /* Every set of kernels that this processor has gives the bits of a plain
- * reading of formats/SPEC.md, on random tables: mild, steep, mirrored and
- * broken ones, of even and odd sizes, with every border. Frames lie in memory
- * of exactly their size; where there are pages, one that cannot be read begins
- * where a frame ends, or ends where it begins. */
+ * reading of formats/SPEC.md (plain_remap.c), on random tables: mild, steep,
+ * mirrored and broken ones, of even and odd sizes, with every border. Frames
+ * lie in memory of exactly their size; where there are pages, one that cannot
+ * be read begins where a frame ends, or ends where it begins. */
 #if defined(__linux__)
 #define _GNU_SOURCE
 #endif
@@ -10,7 +10,7 @@
 
 #include <stdio.h>
 
-#include "bytes.h"
+#include "plain_remap.h"
 #include "random_tables.h"
 
 #define GUARD 0xc3u
@@ -26,175 +26,6 @@ static const char* const kNames[] = {
     "portable", "sse4", "avx2", "avx512",
     "neon",     "rvv",  NULL /* the fastest, or the only one */};
 #define NUM_NAMES (sizeof(kNames) / sizeof(kNames[0]))
-
-/* ---- A plain reading of the specification -------------------------------- */
-
-static int64_t rounded(int64_t value, uint32_t n) {
-  return n == 0 ? value : (value + ((int64_t)1 << (n - 1))) >> n;
-}
-
-typedef struct plane_lattice {
-  uint32_t channels, l, h;
-} plane_lattice;
-
-typedef struct point {
-  int64_t c[2];
-} point;
-
-static const uint8_t* vertex_bytes(uint32_t i, uint32_t j) {
-  rg_remap_section t;
-  rg_read_remap(SECTION, &t);
-  return t.vertices + (t.part_log2 == 0 ? 4 : 8) * (j * t.columns + i);
-}
-
-static point vertex(uint32_t i, uint32_t j) {
-  rg_remap_section t;
-  rg_read_remap(SECTION, &t);
-  const uint8_t* const residual = vertex_bytes(i, j);
-  const point p = {
-      {(int64_t)t.origin_x_q12 + (int64_t)i * t.column_step_x_q12 +
-           (int64_t)j * t.row_step_x_q12 +
-           (int64_t)rg_load_i16(residual) * ((int64_t)1 << t.residual_shift),
-       (int64_t)t.origin_y_q12 + (int64_t)i * t.column_step_y_q12 +
-           (int64_t)j * t.row_step_y_q12 +
-           (int64_t)rg_load_i16(residual + 2) *
-               ((int64_t)1 << t.residual_shift)}};
-  return p;
-}
-
-/* Of the edge that leads to vertex (i, j) from the left, or from above, with
- * 2^n parts along it. */
-static point bend(uint32_t i, uint32_t j, int from_above, uint32_t n) {
-  const int8_t* const bytes =
-      (const int8_t*)(vertex_bytes(i, j) + (from_above ? 6 : 4));
-  const int64_t unit = (int64_t)1
-                       << (SECTION[11] + SECTION[8] - n - SECTION[10]);
-  const point p = {{bytes[0] * unit, bytes[1] * unit}};
-  return p;
-}
-
-static int64_t along(int64_t from, int64_t to, int64_t bend, int64_t k,
-                     uint32_t n) {
-  const int64_t rest = ((int64_t)1 << n) - k;
-  return from + rounded((to - from + bend * rest) * k, n);
-}
-
-/* Where the corner common to parts (i - 1, j - 1) and (i, j) comes from, with
- * 2^n parts along a block's edge. */
-static point node(uint32_t i, uint32_t j, uint32_t n) {
-  if (SECTION[10] == 0) return vertex(i, j);
-  const uint32_t column = i == 0 ? 0 : (i - 1) >> n;
-  const uint32_t row = j == 0 ? 0 : (j - 1) >> n;
-  const uint32_t across = i - (column << n), down = j - (row << n);
-  point p;
-  for (int c = 0; c < 2; ++c) {
-    int64_t ends[2];
-    for (uint32_t k = 0; k < 2; ++k)
-      ends[k] =
-          along(vertex(column + k, row).c[c], vertex(column + k, row + 1).c[c],
-                bend(column + k, row + 1, 1, n).c[c], down, n);
-    const int64_t h = along(bend(column + 1, row, 0, n).c[c],
-                            bend(column + 1, row + 1, 0, n).c[c], 0, down, n);
-    p.c[c] = along(ends[0], ends[1], h, across, n);
-  }
-  return p;
-}
-
-/* log2 of a part's size in output pixels. */
-static uint32_t part_log2(plane_lattice lattice) {
-  if (SECTION[10] == 0) return SECTION[8];
-  return lattice.h == 1 && SECTION[10] == 3 ? 4 : SECTION[10];
-}
-
-/* Corner k of part (i, j), as the lattice has it. */
-static point corner(plane_lattice lattice, uint32_t i, uint32_t j, uint32_t k) {
-  const uint32_t log2 = part_log2(lattice), n = SECTION[8] - log2;
-  const uint32_t x = i + (k & 1), y = j + (k >> 1);
-  const point here = node(x, y, n);
-  const point left = node(i, y, n), right = node(i + 1, y, n);
-  const point top = node(x, j, n), bottom = node(x, j + 1, n);
-  point q;
-  for (int c = 0; c < 2; ++c)
-    q.c[c] = rounded(here.c[c] +
-                         rounded((right.c[c] - left.c[c]) * lattice.h +
-                                     (bottom.c[c] - top.c[c]) * lattice.h,
-                                 log2 + 1) -
-                         2048 * (int64_t)lattice.h,
-                     lattice.l);
-  return q;
-}
-
-/* Source position of pixel (x, y) of a part of 2^log2 lattice pixels with these
- * corners. */
-static point position(const point* q, uint32_t x, uint32_t y, uint32_t log2) {
-  point p;
-  for (int c = 0; c < 2; ++c) {
-    const int64_t left = q[0].c[c] + rounded((q[2].c[c] - q[0].c[c]) * y, log2);
-    const int64_t right =
-        q[1].c[c] + rounded((q[3].c[c] - q[1].c[c]) * y, log2);
-    p.c[c] = left + x * rounded(right - left, log2);
-  }
-  return p;
-}
-
-static int64_t clamp(int64_t value, int64_t low, int64_t high) {
-  return value < low ? low : value > high ? high : value;
-}
-
-/* One plane of interleaved 8-bit samples. */
-static void remap_plainly(plane_lattice lattice, const uint8_t* source,
-                          uint32_t stride, const rg_target* target,
-                          const uint16_t* border, uint8_t* out,
-                          uint32_t out_stride) {
-  rg_remap_section t;
-  rg_read_remap(SECTION, &t);
-  const uint32_t n = lattice.channels;
-  const int64_t half = 2048 * (int64_t)lattice.h;
-  const int64_t min[2] = {rounded(t.min_x_q12 - half, lattice.l),
-                          rounded(t.min_y_q12 - half, lattice.l)};
-  const int64_t max[2] = {(t.max_x_q12 - half) >> lattice.l,
-                          (t.max_y_q12 - half) >> lattice.l};
-  const int64_t last[2] = {(camera.width >> lattice.l) - 1,
-                           (camera.height >> lattice.l) - 1};
-  point corners[4];
-  for (uint32_t y = 0; y < (uint32_t)t.height >> lattice.l; ++y) {
-    for (uint32_t x = 0; x < (uint32_t)t.width >> lattice.l; ++x) {
-      uint8_t* const pixel = out + y * out_stride + n * x;
-      const uint32_t part = part_log2(lattice) - lattice.l;
-      const uint32_t mask = (1u << part) - 1;
-      for (uint32_t k = 0; k < 4 && (x & mask) == 0; ++k)
-        corners[k] = corner(lattice, x >> part, y >> part, k);
-      point p = position(corners, x & mask, y & mask, part);
-      const uint32_t log2 = t.block_log2 - lattice.l;
-      const uint32_t block = (y >> log2) * (t.columns - 1u) + (x >> log2);
-      const int is_empty = (t.empty_blocks[block / 8] >> block % 8) & 1;
-      const int has_source = p.c[0] >= min[0] && p.c[0] <= max[0] &&
-                             p.c[1] >= min[1] && p.c[1] <= max[1];
-      if ((is_empty || !has_source) && target->border != RG_BORDER_CLAMP) {
-        for (uint32_t c = 0; c < n && target->border == RG_BORDER_VALUE; ++c)
-          pixel[c] = (uint8_t)border[c];
-        continue;
-      }
-      for (int c = 0; c < 2; ++c) {
-        if (!has_source) p.c[c] = clamp(p.c[c], min[c], max[c]);
-        p.c[c] = clamp(p.c[c], 0, last[c] * 4096);
-        if (target->sampling == RG_SAMPLING_NEAREST)
-          p.c[c] = (p.c[c] + 2048) / 4096 * 4096;
-      }
-      const int64_t column = (p.c[0] + 16) >> 12, row = p.c[1] >> 12;
-      const int64_t wx = ((p.c[0] + 16) >> 5) & 127, wy = p.c[1] & 4095;
-      const int64_t right = column < last[0] ? n : 0;
-      const int64_t below_it = row < last[1] ? stride : 0;
-      for (uint32_t c = 0; c < n; ++c) {
-        const uint8_t* const i = source + row * stride + column * n + c;
-        const int64_t h0 = i[0] * (128 - wx) + i[right] * wx;
-        const int64_t h1 = i[below_it] * (128 - wx) + i[below_it + right] * wx;
-        const int64_t v = h0 - (((h0 - h1) * wy * 8 + 16384) >> 15);
-        pixel[c] = (uint8_t)((v + 64) >> 7);
-      }
-    }
-  }
-}
 
 /* ---- Frames -------------------------------------------------------------- */
 
@@ -223,7 +54,9 @@ static void check_frame(const frame_style* style) {
   exact_memory sources[3];
   uint32_t row_bytes[3];
   uint16_t width, height;
+  rg_remap_section table;
   rg_remap_size(&camera, &width, &height);
+  rg_read_remap(SECTION, &table);
   memset(&image, 0, sizeof(image));
   memset(&target, 0, sizeof(target));
   image.format = style->format;
@@ -251,9 +84,12 @@ static void check_frame(const frame_style* style) {
     target.planes[k].stride = row_bytes[k] + below(9);
     target.planes[k].data = output[k] + MARGIN;
     memset(expected[k], GUARD, sizeof(expected[k]));
-    remap_plainly(lattice, bytes_of_plane, image.planes[k].stride, &target,
-                  kBorder + (style->num_planes == 1 ? 0 : k),
-                  expected[k] + MARGIN, target.planes[k].stride);
+    const plain_source plain = {bytes_of_plane, image.planes[k].stride,
+                                camera.width, camera.height};
+    const plain_target wanted = {expected[k] + MARGIN, target.planes[k].stride,
+                                 target.border, target.sampling,
+                                 kBorder + (style->num_planes == 1 ? 0 : k)};
+    remap_plainly(&table, lattice, &plain, &wanted);
   }
   for (uint32_t name = 0; name < NUM_NAMES; ++name) {
     target.kernels = rg_find_kernels(kNames[name]);
