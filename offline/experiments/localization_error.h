@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "experiments/experiment.h"
-#include "features/detection.h"
+#include "features/board_view/detection.h"
 
 namespace raygrid {
 

@@ -9,9 +9,9 @@
 
 #include "dataset/image_room.h"
 #include "dataset/parallel_for.h"
-#include "features/aprilgrid.h"
-#include "features/chessboard.h"
-#include "features/seen_markers.h"
+#include "features/squares/aprilgrid.h"
+#include "features/squares/chessboard.h"
+#include "features/squares/seen_markers.h"
 
 namespace raygrid {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "features/detection.h"
+#include "features/board_view/detection.h"
 
 namespace raygrid {
 

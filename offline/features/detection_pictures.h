@@ -1,7 +1,7 @@
 #ifndef RAYGRID_FEATURES_DETECTION_PICTURES_H
 #define RAYGRID_FEATURES_DETECTION_PICTURES_H
 
-#include "features/detection.h"
+#include "features/board_view/detection.h"
 
 namespace raygrid {
 

@@ -17,11 +17,11 @@
 #include "dataset/image_room.h"
 #include "dataset/parallel_for.h"
 #include "dataset/text_encoding.h"
-#include "features/aprilgrid.h"
-#include "features/charuco.h"
-#include "features/chessboard.h"
-#include "features/feature_refinement.h"
-#include "features/star_detection.h"
+#include "features/refinement/feature_refinement.h"
+#include "features/squares/aprilgrid.h"
+#include "features/squares/charuco.h"
+#include "features/squares/chessboard.h"
+#include "features/star/star_detection.h"
 
 namespace raygrid {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "features/detection.h"
+#include "features/board_view/detection.h"
 #include "features/detection_cache.h"
 
 namespace raygrid {

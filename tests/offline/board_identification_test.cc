@@ -1,9 +1,9 @@
-#include "features/board_identification.h"
+#include "features/star/board_identification.h"
 
 #include <algorithm>
 #include <cstdio>
 
-#include "features/board_layout.h"
+#include "features/star/board_layout.h"
 #include "support.h"
 #include "target/star_boards.h"
 

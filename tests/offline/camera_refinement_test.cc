@@ -1,11 +1,11 @@
-#include "features/camera_refinement.h"
+#include "features/refinement/camera_refinement.h"
 
 #include <cstdio>
 #include <map>
 #include <utility>
 
-#include "features/feature_refinement.h"
-#include "features/star_detection.h"
+#include "features/refinement/feature_refinement.h"
+#include "features/star/star_detection.h"
 #include "simulation/image_rendering.h"
 #include "simulation/simulated_lenses.h"
 #include "simulation/simulated_observations.h"

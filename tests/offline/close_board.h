@@ -6,7 +6,7 @@
 
 #include "camera/camera_model.h"
 #include "camera/pose.h"
-#include "features/feature_lattice.h"
+#include "features/board_view/feature_lattice.h"
 
 namespace raygrid {
 

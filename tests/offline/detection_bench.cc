@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "dataset/parallel_for.h"
-#include "features/feature_refinement.h"
-#include "features/star_detection.h"
-#include "features/star_growth.h"
-#include "features/tag_detection.h"
+#include "features/board_view/tag_detection.h"
+#include "features/refinement/feature_refinement.h"
+#include "features/star/star_detection.h"
+#include "features/star/star_growth.h"
 #include "simulation/image_rendering.h"
 #include "simulation/simulated_lenses.h"
 

@@ -1,4 +1,4 @@
-#include "features/lattice_lens.h"
+#include "features/board_view/lattice_lens.h"
 
 #include <gtest/gtest.h>
 

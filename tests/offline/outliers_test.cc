@@ -1,4 +1,4 @@
-#include "features/outliers.h"
+#include "features/refinement/outliers.h"
 
 #include <gtest/gtest.h>
 

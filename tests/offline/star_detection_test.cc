@@ -1,6 +1,6 @@
-#include "features/star_detection.h"
+#include "features/star/star_detection.h"
 
-#include "features/tag_detection.h"
+#include "features/board_view/tag_detection.h"
 #include "star_scenes.h"
 
 namespace raygrid {

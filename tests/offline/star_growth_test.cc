@@ -1,4 +1,4 @@
-#include "features/star_growth.h"
+#include "features/star/star_growth.h"
 
 #include <gtest/gtest.h>
 

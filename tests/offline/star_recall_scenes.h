@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "features/star_detection.h"
+#include "features/star/star_detection.h"
 #include "simulation/image_rendering.h"
 #include "simulation/random.h"
 #include "simulation/simulated_lenses.h"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "features/feature_detection.h"
-#include "features/star_detection.h"
+#include "features/star/star_detection.h"
 #include "simulation/image_rendering.h"
 #include "simulation/simulated_lenses.h"
 #include "simulation/simulated_observations.h"

@@ -1,8 +1,8 @@
 #include <cmath>
 
-#include "features/float_lanes.h"
-#include "features/symmetry_patch.h"
-#include "features/symmetry_refinement.h"
+#include "features/refinement/float_lanes.h"
+#include "features/refinement/symmetry_patch.h"
+#include "features/refinement/symmetry_refinement.h"
 #include "support.h"
 
 namespace raygrid {

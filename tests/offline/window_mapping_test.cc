@@ -1,4 +1,4 @@
-#include "features/window_mapping.h"
+#include "features/refinement/window_mapping.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,52 @@
+#ifndef RAYGRID_FEATURES_BOARD_VIEW_FEATURE_LATTICE_H
+#define RAYGRID_FEATURES_BOARD_VIEW_FEATURE_LATTICE_H
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "dataset/dataset.h"
+#include "features/board_view/local_mapping.h"
+
+namespace raygrid {
+
+/// The features of one board found so far, by their places.
+class FeatureLattice {
+ public:
+  explicit FeatureLattice(const Board& board);
+
+  bool IsOnBoard(int column, int row) const {
+    return column >= 0 && row >= 0 && column < board_->columns &&
+           row < board_->rows;
+  }
+  bool Has(int column, int row) const {
+    return IsOnBoard(column, row) && found_[board_->PointIndex(column, row)];
+  }
+  const Eigen::Vector2d& at(int column, int row) const {
+    return pixels_[board_->PointIndex(column, row)];
+  }
+  void Set(int column, int row, const Eigen::Vector2d& pixel);
+  void Remove(int column, int row);
+  int num_found() const { return num_found_; }
+
+  /// The found ones at most reach columns and rows away from a place; offsets
+  /// from there in squares, nearer ones with more weight.
+  std::vector<Correspondence> Around(int column, int row, int reach,
+                                     bool with_itself) const;
+
+  /// How many of the 24 places around are found.
+  int CountAround(int column, int row) const;
+
+  /// By row and column.
+  std::vector<Feature> Features() const;
+
+ private:
+  const Board* board_;
+  std::vector<Eigen::Vector2d> places_;  // in squares
+  std::vector<Eigen::Vector2d> pixels_;
+  std::vector<char> found_;
+  int num_found_ = 0;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_FEATURES_BOARD_VIEW_FEATURE_LATTICE_H

@@ -1,0 +1,187 @@
+#include "features/board_view/tag_detection.h"
+
+#include <apriltag/apriltag.h>
+#include <apriltag/tag25h9.h>
+#include <apriltag/tag36h11.h>
+#include <apriltag/tagStandard41h12.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace raygrid {
+namespace {
+
+using FamilyPointer =
+    std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)>;
+using DetectorPointer =
+    std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)>;
+
+// The code's cells count from the corner of the black square.
+void WidenBorder(apriltag_family_t* family) {
+  for (uint32_t bit = 0; bit < family->nbits; ++bit) {
+    ++family->bit_x[bit];
+    ++family->bit_y[bit];
+  }
+  family->width_at_border += 2;
+  family->total_width += 2;
+}
+
+FamilyPointer MakeFamily(TagFamily kind) {
+  switch (kind) {
+    case TagFamily::k25h9:
+      return {tag25h9_create(), tag25h9_destroy};
+    case TagFamily::kStandard41h12:
+      return {tagStandard41h12_create(), tagStandard41h12_destroy};
+    default:
+      FamilyPointer family(tag36h11_create(), tag36h11_destroy);
+      if (kind == TagFamily::k36h11WideBorder) WidenBorder(family.get());
+      return family;
+  }
+}
+
+cv::Mat View(const GreyImage& image) {
+  return cv::Mat(image.size.height, image.size.width, CV_8U,
+                 const_cast<uint8_t*>(image.bytes.data()));
+}
+
+// The grey level that a part of the pixels stay below.
+int Quantile(const std::vector<uint8_t>& bytes, double part) {
+  std::array<size_t, 256> histogram = {};
+  for (const uint8_t byte : bytes) ++histogram[byte];
+  const auto limit =
+      static_cast<size_t>(part * static_cast<double>(bytes.size()));
+  size_t below = 0;
+  int level = 0;
+  while (level < 255 && (below += histogram[level]) <= limit) ++level;
+  return level;
+}
+
+// libapriltag's bounds are grey levels: dark images are brightened.
+cv::Mat Brightened(const GreyImage& image) {
+  constexpr double kBright = 200, kMinGain = 1.5, kMaxGain = 8;
+  const double gain =
+      std::min(kMaxGain, kBright / std::max(1, Quantile(image.bytes, 0.99)));
+  if (gain < kMinGain) return View(image);
+  const cv::Mat levels(image.size.height, image.size.width, CV_32F,
+                       const_cast<float*>(image.levels.data()));
+  cv::Mat brightened;
+  levels.convertTo(brightened, CV_8U, gain);
+  return brightened;
+}
+
+// libapriltag counts the rows and columns that it looks at in 15 bits.
+float LeastDecimation(const cv::Mat& image) {
+  constexpr int kMaxLookedAt = 32767;
+  return static_cast<float>(1 + (std::max(image.cols, image.rows) - 1) /
+                                    kMaxLookedAt);
+}
+
+// libapriltag puts (0, 0) at the corner of the top-left pixel.
+Eigen::Vector2d FromPixelCorner(const double position[2]) {
+  return {position[0] - 0.5, position[1] - 0.5};
+}
+
+}  // namespace
+
+struct TagDetector::Data {
+  FamilyPointer family;
+  DetectorPointer detector;
+  float decimate, min_margin;
+};
+
+TagDetector::TagDetector(TagFamily family, const TagOptions& options)
+    : data_(new Data{MakeFamily(family),
+                     {apriltag_detector_create(), apriltag_detector_destroy},
+                     options.decimate,
+                     options.min_margin}) {
+  apriltag_detector_t* detector = data_->detector.get();
+  apriltag_detector_add_family_bits(detector, data_->family.get(),
+                                    options.max_wrong_bits);
+  detector->nthreads = 1;
+  detector->qtp.max_line_fit_mse = options.max_line_fit_mse;
+}
+TagDetector::~TagDetector() = default;
+
+std::vector<DetectedTag> TagDetector::Detect(const cv::Mat& image) const {
+  if (!CanShowBoard({image.cols, image.rows})) return {};
+  data_->detector->quad_decimate =
+      std::max(data_->decimate, LeastDecimation(image));
+  image_u8_t view = {image.cols, image.rows, static_cast<int32_t>(image.step),
+                     image.data};
+  zarray_t* found = apriltag_detector_detect(data_->detector.get(), &view);
+  std::vector<DetectedTag> tags;
+  for (int i = 0; i < zarray_size(found); ++i) {
+    apriltag_detection_t* detection;
+    zarray_get(found, i, &detection);
+    if (detection->decision_margin < data_->min_margin) continue;
+    DetectedTag tag;
+    tag.id = detection->id;
+    // From the bottom left, counter-clockwise.
+    for (int k = 0; k < 4; ++k)
+      tag.corners[k] = FromPixelCorner(detection->p[3 - k]);
+    tags.push_back(tag);
+  }
+  apriltag_detections_destroy(found);
+  std::stable_sort(
+      tags.begin(), tags.end(),
+      [](const DetectedTag& a, const DetectedTag& b) { return a.id < b.id; });
+  return tags;
+}
+
+namespace {
+
+// Behind a fisheye a tag's cells lie a little beside where a homography expects
+// them: one wrong bit is forgiven; eleven make another tag. And its edges are
+// curved.
+TagOptions OfStarBoards(float decimate) {
+  TagOptions options;
+  options.decimate = decimate;
+  options.max_wrong_bits = 1;
+  options.max_line_fit_mse = 60;
+  options.min_margin = 20;
+  return options;
+}
+
+std::vector<DetectedTag> DetectIn(const cv::Mat& image, TagFamily family,
+                                  float decimate) {
+  return TagDetector(family, OfStarBoards(decimate)).Detect(image);
+}
+
+float QuickDecimation(const ImageSize& size) {
+  return IsQuickSearchThorough(size) ? 1 : 2;
+}
+
+}  // namespace
+
+bool IsQuickSearchThorough(const ImageSize& size) {
+  constexpr int kMinPixelsToDecimate = 500000;
+  return size.width * size.height < kMinPixelsToDecimate;
+}
+
+std::vector<DetectedTag> DetectTags(const GreyImage& image, TagSearch search) {
+  return DetectIn(
+      Brightened(image), TagFamily::k36h11,
+      search == TagSearch::kThorough ? 1 : QuickDecimation(image.size));
+}
+
+std::vector<std::string> DescribeOtherTags(const GreyImage& image) {
+  std::vector<std::string> seen;
+  const float decimate = QuickDecimation(image.size);
+  const cv::Mat view = Brightened(image);
+  cv::Mat mirrored;
+  cv::flip(view, mirrored, 1);
+  for (const DetectedTag& tag : DetectIn(mirrored, TagFamily::k36h11, decimate))
+    seen.push_back(fmt::format("mirrored tag {}", tag.id));
+  const std::pair<const char*, TagFamily> others[] = {
+      {"tag25h9", TagFamily::k25h9},
+      {"tagStandard41h12", TagFamily::kStandard41h12}};
+  for (const auto& [name, family] : others)
+    for (const DetectedTag& tag : DetectIn(view, family, decimate))
+      seen.push_back(fmt::format("tag {} of family {}", tag.id, name));
+  return seen;
+}
+
+}  // namespace raygrid

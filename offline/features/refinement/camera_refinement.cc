@@ -1,0 +1,130 @@
+#include "features/refinement/camera_refinement.h"
+
+#include <Eigen/LU>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "dataset/files.h"
+#include "dataset/image_room.h"
+#include "dataset/parallel_for.h"
+#include "features/refinement/feature_refinement.h"
+
+namespace raygrid {
+namespace {
+
+// A point of the board's plane, from one of its features, in squares.
+Eigen::Vector3d Beside(const Board& board, const Feature& feature,
+                       const Eigen::Vector2d& offset) {
+  Eigen::Vector3d point =
+      board.points[board.PointIndex(feature.column, feature.row)];
+  point.head<2>() += board.square_m * offset;
+  return point;
+}
+
+using PoseOfView = std::map<std::pair<std::string, int>, Pose>;
+
+PoseOfView ByView(const std::vector<BoardPose>& poses) {
+  PoseOfView pose_of_view;
+  for (const BoardPose& pose : poses)
+    pose_of_view[{pose.image, pose.board}] = pose.camera_from_board;
+  return pose_of_view;
+}
+
+class Refiner {
+ public:
+  Refiner(const KnownScene& scene, const DetectionOptions& options)
+      : scene_(scene), options_(options), pose_of_view_(ByView(scene.poses)) {
+    for (const Board& board : scene.pattern->boards)
+      boards_.push_back(
+          {&board, std::make_unique<FeatureRefiner>(board, options)});
+  }
+
+  ImageFeatures Refine(const GreyImage& image,
+                       const ImageFeatures& measured) const {
+    ImageFeatures refined = {measured.image, {}};
+    for (const auto& [board, refiner] : boards_) {
+      std::vector<Feature> features;
+      for (const Feature& feature : measured.features)
+        if (feature.board == board->id) features.push_back(feature);
+      const auto pose = pose_of_view_.find({measured.image, board->id});
+      if (pose != pose_of_view_.end())
+        features = refiner->RefineWith(
+            image, features, [this, &pose, b = board](const Feature& feature) {
+              return MappingThroughCamera(*scene_.camera, pose->second, *b,
+                                          feature, options_.window_px);
+            });
+      refined.features.insert(refined.features.end(), features.begin(),
+                              features.end());
+    }
+    return refined;
+  }
+
+ private:
+  const KnownScene& scene_;
+  const DetectionOptions& options_;
+  PoseOfView pose_of_view_;
+  std::vector<std::pair<const Board*, std::unique_ptr<FeatureRefiner>>> boards_;
+};
+
+}  // namespace
+
+std::optional<LocalMapping> MappingThroughCamera(const CameraModel& camera,
+                                                 const Pose& camera_from_board,
+                                                 const Board& board,
+                                                 const Feature& feature,
+                                                 int window_px) {
+  const auto project = [&](const Eigen::Vector2d& offset) {
+    return camera.Project(camera_from_board * Beside(board, feature, offset),
+                          &feature.pixel, window_px);
+  };
+  // The linear part first: it tells how many squares the window spans.
+  constexpr double kStep = 0.05;
+  const auto x0 = project({-kStep, 0}), x1 = project({kStep, 0});
+  const auto y0 = project({0, -kStep}), y1 = project({0, kStep});
+  if (!x0 || !x1 || !y0 || !y1) return std::nullopt;
+  Eigen::Matrix2d linear;
+  linear << (*x1 - *x0) / (2 * kStep), (*y1 - *y0) / (2 * kStep);
+  const Eigen::Matrix2d inverse = linear.inverse();
+  if (!inverse.allFinite()) return std::nullopt;
+
+  constexpr int kSteps = 3;  // from the centre to the window's edge
+  constexpr int kDegree = 3;
+  std::vector<Correspondence> around;
+  for (int j = -kSteps; j <= kSteps; ++j) {
+    for (int i = -kSteps; i <= kSteps; ++i) {
+      const Eigen::Vector2d offset =
+          inverse * (Eigen::Vector2d(i, j) * (0.5 * window_px / kSteps));
+      if (const auto pixel = project(offset))
+        around.push_back({offset, *pixel, 1});
+    }
+  }
+  LocalMapping mapping;
+  if (FitLocalMapping(around, kDegree, &mapping) < kDegree) return std::nullopt;
+  mapping.center = feature.pixel;
+  return mapping;
+}
+
+Dataset RefineThroughCamera(const std::vector<std::string>& paths,
+                            const Dataset& dataset, const KnownScene& scene,
+                            const DetectionOptions& options, int num_threads,
+                            const std::function<void(double)>& progress) {
+  const Refiner refiner(scene, options);
+  Dataset refined = dataset;
+  const int count = static_cast<int>(paths.size());
+  std::mutex mutex;
+  int num_done = 0;
+  ParallelFor(count, NumThreads(num_threads), [&](int i) {
+    if (!dataset.images[i].features.empty()) {
+      const ImageRoom room(dataset.image_size);
+      refined.images[i] = refiner.Refine(
+          MakeGreyImage(ReadGreyLevels(paths[i])), dataset.images[i]);
+    }
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (progress) progress(static_cast<double>(++num_done) / count);
+  });
+  return refined;
+}
+
+}  // namespace raygrid

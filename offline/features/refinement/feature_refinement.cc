@@ -1,0 +1,335 @@
+#include "features/refinement/feature_refinement.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+
+#include "features/board_view/feature_lattice.h"
+#include "features/board_view/image_noise.h"
+#include "features/refinement/outliers.h"
+#include "features/refinement/symmetry_refinement.h"
+#include "features/refinement/window_mapping.h"
+
+namespace raygrid {
+namespace {
+
+constexpr int kRoughSamplesPerPixel = 1, kSamplesPerPixel = 8;
+constexpr int kReach = 3;  // neighbours that tell the mapping
+constexpr int kMaxDegree = 3;
+
+// Bounds of what is plausible.
+constexpr double kMinWidthPx = 5.5;
+constexpr double kMaxMovePx = 2;
+constexpr double kMaxMoveSquares = 0.03;  // of large ones
+constexpr double kMaxAsymmetry = 0.6;     // of the contrast
+constexpr double kMinContrast = 0.5;      // grey levels
+// Standard deviation along the less certain direction: 0.5 px are eight of
+// them.
+constexpr double kMaxDeviationPx = 0.06;
+constexpr int kMaxStrayOutliers = 2;  // more of them are no accident
+
+constexpr Tolerance kApproximate = {2, 0.1}, kRefined = {0.25, 0.03};
+
+// Where a feature's neighbours say that it is.
+bool Predicted(const FeatureLattice& lattice, const Feature& feature,
+               LocalMapping* mapping) {
+  return FitLocalMapping(
+             lattice.Around(feature.column, feature.row, kReach, false),
+             kMaxDegree, mapping) > 0;
+}
+
+void RejectLonely(const Board& board, FeatureLattice* lattice,
+                  ImageDetection* detection) {
+  for (const Feature& f : lattice->Features()) {
+    const int c = f.column, r = f.row;
+    const int neighbours = lattice->Has(c - 1, r) + lattice->Has(c + 1, r) +
+                           lattice->Has(c, r - 1) + lattice->Has(c, r + 1);
+    if (neighbours < 1) Reject(board, c, r, "alone", lattice, detection);
+  }
+}
+
+using Place = Eigen::Vector2i;  // column, row
+
+bool Has(const FeatureLattice& lattice, const Place& p) {
+  return lattice.Has(p.x(), p.y());
+}
+
+// From a feature to the next one in a row or column.
+struct Way {
+  Place to;
+  bool is_sound;  // as long as the steps before and after it tell
+};
+
+// Nothing if there is no feature near, or none that tells how long it ought to
+// be.
+std::optional<Way> WayFrom(const FeatureLattice& lattice, const Place& from,
+                           const Place& step) {
+  constexpr int kMaxSteps = 3;
+  constexpr double kToleranceSteps = 0.5;
+  const auto at = [&](const Place& p) { return lattice.at(p.x(), p.y()); };
+  int num_steps = 1;
+  while (!Has(lattice, from + num_steps * step))
+    if (++num_steps > kMaxSteps) return std::nullopt;
+  const Place to = from + num_steps * step;
+  Eigen::Vector2d one_step(0, 0);
+  int count = 0;
+  for (const Place& p : {Place(from - step), to}) {
+    if (!Has(lattice, p) || !Has(lattice, p + step)) continue;
+    one_step += at(p + step) - at(p);
+    ++count;
+  }
+  if (count < 2 && num_steps > 1) return std::nullopt;
+  if (count == 0) return Way{to, true};
+  one_step /= count;
+  const double deviation_px = (at(to) - at(from) - num_steps * one_step).norm();
+  return Way{to, deviation_px <= kToleranceSteps * one_step.norm()};
+}
+
+const std::array<Place, 4> kSteps = {Place(1, 0), Place(-1, 0), Place(0, 1),
+                                     Place(0, -1)};
+
+// Features that sound ways lead to from each other, the largest group first.
+std::vector<std::vector<Place>> Groups(const FeatureLattice& lattice) {
+  std::vector<std::vector<Place>> groups;
+  FeatureLattice left = lattice;
+  const auto take = [&left](const Place& p, std::vector<Place>* group) {
+    left.Remove(p.x(), p.y());
+    group->push_back(p);
+  };
+  for (const Feature& first : lattice.Features()) {
+    if (!left.Has(first.column, first.row)) continue;
+    std::vector<Place> group;
+    take({first.column, first.row}, &group);
+    for (size_t i = 0; i < group.size(); ++i) {
+      for (const Place& step : kSteps) {
+        const auto way = WayFrom(lattice, group[i], step);
+        if (way && way->is_sound && Has(left, way->to)) take(way->to, &group);
+      }
+    }
+    groups.push_back(std::move(group));
+  }
+  std::stable_sort(
+      groups.begin(), groups.end(),
+      [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  return groups;
+}
+
+bool IsAtASeam(const FeatureLattice& lattice, const Place& p) {
+  return std::any_of(kSteps.begin(), kSteps.end(), [&](const Place& step) {
+    const auto way = WayFrom(lattice, p, step);
+    return way && !way->is_sound;
+  });
+}
+
+// Where features were not in line, the growth may have come upon other stars
+// than it thought: those on one side, all in line with each other, are not the
+// ones that they are taken for.
+void RejectGroupsApart(const Board& board, FeatureLattice* lattice,
+                       ImageDetection* detection) {
+  // Its corners are not evenly spaced, and known by their own tags.
+  if (board.kind == "aprilgrid") return;
+  const auto groups = Groups(*lattice);
+  bool is_in_doubt =
+      std::count_if(detection->rejected.begin(), detection->rejected.end(),
+                    [](const auto& r) { return r.reason == kNotInLine; }) >
+      kMaxStrayOutliers;
+  for (const auto& group : groups)
+    for (const Place& p : group) is_in_doubt |= IsAtASeam(*lattice, p);
+  if (!is_in_doubt) return;
+  for (size_t g = 1; g < groups.size(); ++g)
+    for (const Place& p : groups[g])
+      Reject(board, p.x(), p.y(), "apart from the others", lattice, detection);
+}
+
+}  // namespace
+
+// All features once, each with what its neighbours tell before.
+struct Round {
+  const SymmetrySamples* samples;
+  double max_move_px, max_move_squares;  // whichever is more
+  double noise;                          // of the image, grey levels
+  bool is_last;
+};
+
+struct FeatureRefiner::Data {
+  Board board;
+  DetectionOptions options;
+  std::vector<SymmetryMask> masks;
+  SymmetrySamples rough_samples, samples;
+
+  SymmetryResult Symmetry(const GreyImage& image, const Feature& feature,
+                          const LocalMapping& start, bool center_only,
+                          const Round& round) const;
+  std::string RefineOne(const GreyImage& image, const Feature& feature,
+                        const Round& round, const FeatureLattice& lattice,
+                        WindowMappings* windows, Eigen::Vector2d* pixel) const;
+  void RefineOnce(const GreyImage& image, const Round& round,
+                  FeatureLattice* lattice, ImageDetection* detection) const;
+  void RefineBySymmetry(const GreyImage& image, FeatureLattice* lattice,
+                        ImageDetection* detection) const;
+  void RefineByCorners(const GreyImage& image, FeatureLattice* lattice,
+                       ImageDetection* detection) const;
+};
+
+FeatureRefiner::FeatureRefiner(const Board& board,
+                               const DetectionOptions& options)
+    : data_(new Data{
+          board, options, SymmetryMask::OfBoard(board),
+          MakeSymmetrySamples(options.window_px, kRoughSamplesPerPixel),
+          MakeSymmetrySamples(options.window_px, kSamplesPerPixel)}) {}
+FeatureRefiner::~FeatureRefiner() = default;
+
+SymmetryResult FeatureRefiner::Data::Symmetry(const GreyImage& image,
+                                              const Feature& feature,
+                                              const LocalMapping& start,
+                                              bool center_only,
+                                              const Round& round) const {
+  SymmetryOptions symmetry;
+  symmetry.refinement = options.refinement;
+  symmetry.inverts_colors = ReflectionInvertsColors(board);
+  symmetry.center_only = center_only;
+  symmetry.noise = round.noise;
+  // Half a window away there is nothing to go by.
+  symmetry.max_move_px =
+      std::clamp(round.max_move_squares * start.SpacingPx(), round.max_move_px,
+                 std::max(round.max_move_px, options.window_px / 3.0));
+  return RefineSymmetry(image, *round.samples,
+                        masks[board.PointIndex(feature.column, feature.row)],
+                        start, symmetry);
+}
+
+const std::vector<SymmetryMask>& FeatureRefiner::masks() const {
+  return data_->masks;
+}
+
+// Empty, or the reason to reject the feature.
+std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
+                                            const Feature& feature,
+                                            const Round& round,
+                                            const FeatureLattice& lattice,
+                                            WindowMappings* windows,
+                                            Eigen::Vector2d* pixel) const {
+  const WindowMapping window = windows->At(feature.column, feature.row);
+  if (window.degree == 0) return "too few neighbours";
+  LocalMapping start = window.mapping;
+  const bool center_only = window.degree > 1;
+  if (start.CircleWidthPx() < kMinWidthPx) return "too small";
+  start.center = feature.pixel;
+  SymmetryResult result = Symmetry(image, feature, start, center_only, round);
+  LocalMapping predicted;
+  if (!result.is_converged && Predicted(lattice, feature, &predicted))
+    result = Symmetry(image, feature, predicted, center_only, round);
+  if (!result.is_converged) return "no centre of symmetry near";
+  if (result.contrast < kMinContrast) return "no contrast";
+  // Noise is in each value, and in both values of a difference.
+  const double noise2 = round.noise * round.noise;
+  if (std::pow(result.rms, 2) - 2 * noise2 >
+      std::pow(kMaxAsymmetry, 2) * (std::pow(result.contrast, 2) - noise2))
+    return "not symmetric";
+  if (round.is_last && !(result.deviation_px < kMaxDeviationPx))
+    return "lost in noise";
+  if (round.is_last &&
+      !(std::hypot(result.deviation_px, window.bend_deviation_px) <
+        kMaxDeviationPx))
+    return "too strongly bent";
+  *pixel = result.mapping.center;
+  return {};
+}
+
+void FeatureRefiner::Data::RefineOnce(const GreyImage& image,
+                                      const Round& round,
+                                      FeatureLattice* lattice,
+                                      ImageDetection* detection) const {
+  FeatureLattice refined = *lattice;
+  WindowMappings windows(board, *lattice, image.size, options.window_px);
+  for (const Feature& feature : lattice->Features()) {
+    Eigen::Vector2d pixel;
+    const std::string reason =
+        RefineOne(image, feature, round, *lattice, &windows, &pixel);
+    if (reason.empty())
+      refined.Set(feature.column, feature.row, pixel);
+    else
+      Reject(board, feature.column, feature.row, reason, &refined, detection);
+  }
+  *lattice = refined;
+  RejectOutliers(board, image.size, kRefined, options.window_px, lattice,
+                 detection);
+}
+
+// Roughly, to make the neighbours accurate; then with the curvature they tell.
+void FeatureRefiner::Data::RefineBySymmetry(const GreyImage& image,
+                                            FeatureLattice* lattice,
+                                            ImageDetection* detection) const {
+  const double noise = NoiseOf(image);
+  RefineOnce(image, {&rough_samples, kMaxMovePx, kMaxMoveSquares, noise, false},
+             lattice, detection);
+  RefineOnce(image, {&samples, kMaxMovePx / 4, 0, noise, true}, lattice,
+             detection);
+}
+
+void FeatureRefiner::Data::RefineByCorners(const GreyImage& image,
+                                           FeatureLattice* lattice,
+                                           ImageDetection* detection) const {
+  const cv::Mat view(image.size.height, image.size.width, CV_8U,
+                     const_cast<uint8_t*>(image.bytes.data()));
+  const int half = options.window_px / 2;
+  for (const Feature& f : lattice->Features()) {
+    std::vector<cv::Point2f> corner = {
+        {static_cast<float>(f.pixel.x()), static_cast<float>(f.pixel.y())}};
+    cv::cornerSubPix(
+        view, corner, cv::Size(half, half), cv::Size(-1, -1),
+        cv::TermCriteria(cv::TermCriteria::EPS + cv::TermCriteria::COUNT, 100,
+                         1e-4));
+    const Eigen::Vector2d pixel(corner[0].x, corner[0].y);
+    if ((pixel - f.pixel).norm() > kMaxMovePx)
+      Reject(board, f.column, f.row, "no corner near", lattice, detection);
+    else
+      lattice->Set(f.column, f.row, pixel);
+  }
+}
+
+ImageDetection FeatureRefiner::Refine(
+    const GreyImage& image, const std::vector<Feature>& approximate) const {
+  ImageDetection detection;
+  FeatureLattice lattice(data_->board);
+  for (const Feature& feature : approximate)
+    lattice.Set(feature.column, feature.row, feature.pixel);
+  RejectOutliers(data_->board, image.size, kApproximate,
+                 data_->options.window_px, &lattice, &detection);
+  switch (data_->options.refinement) {
+    case Refinement::kNone:
+      break;
+    case Refinement::kCornerSubpix:
+      data_->RefineByCorners(image, &lattice, &detection);
+      RejectOutliers(data_->board, image.size, kRefined,
+                     data_->options.window_px, &lattice, &detection);
+      break;
+    default:
+      data_->RefineBySymmetry(image, &lattice, &detection);
+  }
+  RejectLonely(data_->board, &lattice, &detection);
+  RejectGroupsApart(data_->board, &lattice, &detection);
+  detection.features = lattice.Features();
+  return detection;
+}
+
+std::vector<Feature> FeatureRefiner::RefineWith(
+    const GreyImage& image, std::vector<Feature> features,
+    const TellMapping& tell_mapping) const {
+  if (data_->options.refinement == Refinement::kNone ||
+      data_->options.refinement == Refinement::kCornerSubpix)
+    return features;
+  const Round round = {&data_->samples, kMaxMovePx / 4, 0, 0, true};
+  for (Feature& feature : features) {
+    const auto mapping = tell_mapping(feature);
+    if (!mapping) continue;
+    const SymmetryResult result =
+        data_->Symmetry(image, feature, *mapping, true, round);
+    if (result.is_converged) feature.pixel = result.mapping.center;
+  }
+  return features;
+}
+
+}  // namespace raygrid

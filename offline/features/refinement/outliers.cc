@@ -1,0 +1,112 @@
+#include "features/refinement/outliers.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "features/board_view/lattice_lens.h"
+#include "features/board_view/local_mapping.h"
+
+namespace raygrid {
+namespace {
+
+// How much farther from where its neighbours say a feature may be whose square
+// holds the whole window, in which nothing else is symmetric: as far as they
+// are in doubt, and others are not near.
+double DoubtPx(const std::vector<Correspondence>& around,
+               const LocalMapping& predicted, int degree, int window_px) {
+  constexpr double kMaxSquares = 0.3;
+  const double most_px = kMaxSquares * predicted.SpacingPx();
+  if (predicted.SpacingPx() < window_px) return 0;
+  if (degree == 1) return most_px;  // no curvature is known
+  LocalMapping lower;
+  if (FitLocalMapping(around, degree - 1, &lower) == 0) return 0;
+  return std::min(most_px, (lower.center - predicted.center).norm());
+}
+
+// Judges the features of one lattice, which others are removed from meanwhile.
+class LineJudge {
+ public:
+  LineJudge(const Board& board, const ImageSize& size,
+            const Tolerance& tolerance, int window_px,
+            const FeatureLattice& lattice)
+      : board_(board),
+        size_(size),
+        tolerance_(tolerance),
+        window_px_(window_px),
+        lattice_(lattice) {}
+
+  // How far a feature lies from where the others say, over what is tolerated; 0
+  // where they say nothing.
+  double RelativeDeviation(int column, int row) {
+    LocalMapping predicted;
+    const auto around = lattice_.Around(column, row, 2, false);
+    const int degree = FitLocalMapping(around, 3, &predicted);
+    if (around.size() < 4 || degree == 0) return 0;
+    const double tolerance_px =
+        tolerance_.px + tolerance_.squares * predicted.SpacingPx();
+    // Fewer neighbours, on one side only, predict less well.
+    const double slack = around.size() >= 12 ? 1 : around.size() >= 8 ? 2 : 4;
+    const Eigen::Vector2d& pixel = lattice_.at(column, row);
+    const double deviation =
+        (pixel - predicted.center).norm() / (tolerance_px * slack);
+    if (deviation <= 1) return deviation;
+    double least = deviation;
+    LocalMapping in_perspective;
+    if (FitPerspectiveMapping(around, 2, &in_perspective))
+      least = std::min(least, (pixel - in_perspective.center).norm() /
+                                  (tolerance_px * slack));
+    if (least > 1)
+      if (const auto seen = SeenByLens(column, row))
+        least = std::min(least, (pixel - *seen).norm() / tolerance_px);
+    if (least <= 1) return least;
+    const double doubt_px = DoubtPx(around, predicted, degree, window_px_);
+    return least * std::min(1.0, tolerance_px * slack / doubt_px);
+  }
+
+ private:
+  std::optional<Eigen::Vector2d> SeenByLens(int column, int row) {
+    // The tags' corners of an AprilGrid are not evenly spaced.
+    if (!is_lens_made_ && board_.kind != "aprilgrid")
+      lens_ = LatticeLens::Fit(lattice_.Features(), size_);
+    is_lens_made_ = true;
+    return lens_ ? lens_->Project(Eigen::Vector2d(column, row)) : std::nullopt;
+  }
+
+  const Board& board_;
+  ImageSize size_;
+  Tolerance tolerance_;
+  int window_px_;
+  const FeatureLattice& lattice_;
+  bool is_lens_made_ = false;
+  std::optional<LatticeLens> lens_;
+};
+
+}  // namespace
+
+void Reject(const Board& board, int column, int row, const std::string& reason,
+            FeatureLattice* lattice, ImageDetection* detection) {
+  detection->rejected.push_back(
+      {{board.id, column, row, lattice->at(column, row)}, reason});
+  lattice->Remove(column, row);
+}
+
+void RejectOutliers(const Board& board, const ImageSize& size,
+                    const Tolerance& tolerance, int window_px,
+                    FeatureLattice* lattice, ImageDetection* detection) {
+  LineJudge judge(board, size, tolerance, window_px, *lattice);
+  for (;;) {
+    double worst = 1;
+    int worst_column = -1, worst_row = -1;
+    for (const Feature& f : lattice->Features()) {
+      const double deviation = judge.RelativeDeviation(f.column, f.row);
+      if (deviation <= worst) continue;
+      worst = deviation;
+      worst_column = f.column;
+      worst_row = f.row;
+    }
+    if (worst_column < 0) return;
+    Reject(board, worst_column, worst_row, kNotInLine, lattice, detection);
+  }
+}
+
+}  // namespace raygrid

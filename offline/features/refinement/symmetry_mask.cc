@@ -1,0 +1,77 @@
+#include "features/refinement/symmetry_mask.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "appearance/board_appearance.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kCellSquares = 2 * SymmetryMask::kReach / SymmetryMask::kCells;
+
+// How near to what is not symmetric blur may reach, in squares; half of what
+// lies between a corner's edges and a marker's cells at most, or the edges
+// would be lost.
+double MarginSquares(const Board& board) {
+  constexpr double kMargin = 0.15, kTagBorder = 0.2;
+  double between = kMargin / 0.57;
+  if (board.kind == "charuco")
+    between = (board.square_m - board.marker_m) / 2 / board.square_m;
+  if (board.kind == "aprilgrid")
+    between = std::min(kTagBorder, board.spacing_ratio);
+  return std::min(kMargin, std::max(0.57 * between, 1.1 * kCellSquares));
+}
+
+// Off the lattice of cells, so that no sample falls on the edge of a segment.
+Eigen::Vector2d CellOffset(int i, int j) {
+  return {(i + 0.51) * kCellSquares - SymmetryMask::kReach,
+          (j + 0.507) * kCellSquares - SymmetryMask::kReach};
+}
+
+std::vector<char> AsymmetricCells(const BoardAppearance& appearance,
+                                  const Board& board, int feature) {
+  constexpr int n = SymmetryMask::kCells;
+  const bool inverts = ReflectionInvertsColors(board);
+  const Eigen::Vector2d center = board.NominalPoints()[feature].head<2>();
+  std::vector<char> is_asymmetric(n * n);
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const Eigen::Vector2d offset = CellOffset(i, j) * board.square_m;
+      is_asymmetric[j * n + i] =
+          (appearance.IsBlack(center + offset) ==
+           appearance.IsBlack(center - offset)) == inverts;
+    }
+  }
+  return is_asymmetric;
+}
+
+// Whether a cell within the margin is set.
+bool IsNear(const std::vector<char>& cells, double margin, int i, int j) {
+  constexpr int n = SymmetryMask::kCells;
+  const int reach = static_cast<int>(margin / kCellSquares);
+  for (int y = std::max(j - reach, 0); y <= std::min(j + reach, n - 1); ++y)
+    for (int x = std::max(i - reach, 0); x <= std::min(i + reach, n - 1); ++x)
+      if (cells[y * n + x] && std::hypot(x - i, y - j) * kCellSquares < margin)
+        return true;
+  return false;
+}
+
+}  // namespace
+
+std::vector<SymmetryMask> SymmetryMask::OfBoard(const Board& board) {
+  const BoardAppearance appearance(board);
+  const double margin = MarginSquares(board);
+  std::vector<SymmetryMask> masks(board.num_points());
+  for (int feature = 0; feature < board.num_points(); ++feature) {
+    const std::vector<char> cells = AsymmetricCells(appearance, board, feature);
+    for (int j = 0; j < kCells; ++j)
+      for (int i = 0; i < kCells; ++i)
+        masks[feature].cells_[j * kCells + i] =
+            !IsNear(cells, margin, i, j) &&
+            !IsNear(cells, margin, kCells - 1 - i, kCells - 1 - j);
+  }
+  return masks;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,43 @@
+#ifndef RAYGRID_FEATURES_REFINEMENT_SYMMETRY_MASK_H
+#define RAYGRID_FEATURES_REFINEMENT_SYMMETRY_MASK_H
+
+#include <vector>
+
+#include "dataset/pattern.h"
+
+namespace raygrid {
+
+/// Where around a feature its board is point-symmetric: cells over offsets of
+/// -kReach to kReach squares. Tags, markers and the board's edge are not, nor
+/// what lies so near to them that blur mixes it with them.
+class SymmetryMask {
+ public:
+  static constexpr double kReach = 1.5;
+  static constexpr int kCells = 48;
+
+  SymmetryMask() : cells_(kCells * kCells, 0) {}
+
+  bool IsSymmetric(float u, float v) const {
+    constexpr float kScale = static_cast<float>(kCells / (2 * kReach));
+    const int i = static_cast<int>((u + static_cast<float>(kReach)) * kScale);
+    const int j = static_cast<int>((v + static_cast<float>(kReach)) * kScale);
+    return i >= 0 && j >= 0 && i < kCells && j < kCells &&
+           cells_[j * kCells + i] != 0;
+  }
+
+  /// One for each feature of the board, by PointIndex().
+  static std::vector<SymmetryMask> OfBoard(const Board& board);
+
+ private:
+  std::vector<char> cells_;
+};
+
+/// True for stars of 6, 10, 14 ... segments: point reflection turns black into
+/// white.
+inline bool ReflectionInvertsColors(const Board& board) {
+  return board.kind == "star" && board.segments % 4 == 2;
+}
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_FEATURES_REFINEMENT_SYMMETRY_MASK_H

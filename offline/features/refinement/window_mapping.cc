@@ -1,0 +1,105 @@
+#include "features/refinement/window_mapping.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace raygrid {
+namespace {
+
+constexpr int kReach = 3;  // squares, of the neighbours that are asked
+constexpr int kMaxDegree = 3;
+constexpr double kSmallBendPx = 0.25;  // of no consequence
+// How far a polynomial over three squares may be wrong about a window: parts of
+// what it bends there, and of how much another over two squares bends it
+// differently. Measured behind lenses to 190 degrees.
+constexpr double kPartOfBend = 0.07, kPartOfDifference = 0.1;
+// How far the lens may be: a part of what it bends, and of how far the
+// neighbours are from where it shows them.
+constexpr double kPartOfLensBend = 0.02, kPartOfError = 0.15;
+
+// The most that a mapping bends a line through the feature, a radius away from
+// it in the image; or that two mappings bend it differently. These are the even
+// parts, which point symmetry is blind to.
+double BendPx(const LocalMapping& a, const LocalMapping& b,
+              const LocalMapping& scale, double radius_px) {
+  constexpr int kDirections = 8;
+  const Eigen::Matrix2d inverse = scale.linear.inverse();
+  const auto bend = [](const LocalMapping& m, const Eigen::Vector2d& s) {
+    return Eigen::Vector2d((m(s) + m(-s)) / 2 - m.center);
+  };
+  double most = 0;
+  for (int k = 0; k < kDirections; ++k) {
+    const double angle = k * M_PI / kDirections;
+    const Eigen::Vector2d s =
+        inverse *
+        (radius_px * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+    most = std::max(most, (bend(a, s) - bend(b, s)).norm());
+  }
+  return most;
+}
+
+double BendPx(const LocalMapping& mapping, double radius_px) {
+  return BendPx(mapping, LocalMapping(), mapping, radius_px);
+}
+
+// How far features are seen from where a mapping shows them, but for a shift.
+double ScatterPx(const LocalMapping& mapping,
+                 const std::vector<Correspondence>& around) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  double sum2 = 0;
+  for (const Correspondence& c : around) {
+    const Eigen::Vector2d error = mapping(c.offset) - c.pixel;
+    sum += error;
+    sum2 += error.squaredNorm();
+  }
+  const double count = static_cast<double>(around.size());
+  return std::sqrt(std::max(0.0, (sum2 - sum.squaredNorm() / count) / count));
+}
+
+}  // namespace
+
+const std::optional<LatticeLens>& WindowMappings::Lens() {
+  // The tags' corners of an AprilGrid are not evenly spaced.
+  if (!is_lens_made_ && board_.kind != "aprilgrid")
+    lens_ = LatticeLens::Fit(lattice_.Features(), size_);
+  is_lens_made_ = true;
+  return lens_;
+}
+
+std::optional<WindowMapping> WindowMappings::ByLens(int column, int row) {
+  if (!Lens()) return std::nullopt;
+  const auto seen = Lens()->Around(Eigen::Vector2d(column, row));
+  const auto around = lattice_.Around(column, row, 1, true);
+  constexpr size_t kMinAround = 3;
+  if (!seen || around.size() < kMinAround) return std::nullopt;
+  return WindowMapping{*seen, kMaxDegree,
+                       std::max(kPartOfLensBend * BendPx(*seen, window_px_ / 3),
+                                kPartOfError * ScatterPx(*seen, around))};
+}
+
+WindowMapping WindowMappings::At(int column, int row) {
+  WindowMapping window;
+  window.degree = FitLocalMapping(lattice_.Around(column, row, kReach, true),
+                                  kMaxDegree, &window.mapping);
+  // A plane mapping is adjusted with the centre.
+  if (window.degree <= 1) return window;
+  const double radius_px = window_px_ / 3;
+  const double bend_px = BendPx(window.mapping, radius_px);
+  if (bend_px < kSmallBendPx) return window;
+  LocalMapping nearer;
+  const bool is_known =
+      FitLocalMapping(lattice_.Around(column, row, kReach - 1, true),
+                      kMaxDegree, &nearer) > 0;
+  const double difference_px =
+      is_known ? BendPx(window.mapping, nearer, window.mapping, radius_px)
+               : bend_px;
+  window.bend_deviation_px =
+      std::max(kPartOfBend * bend_px, kPartOfDifference * difference_px);
+  const auto by_lens = ByLens(column, row);
+  if (by_lens && by_lens->bend_deviation_px < window.bend_deviation_px)
+    return *by_lens;
+  return window;
+}
+
+}  // namespace raygrid

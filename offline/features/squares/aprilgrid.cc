@@ -1,0 +1,175 @@
+#include "features/squares/aprilgrid.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "features/squares/corner_growth.h"
+#include "features/squares/seen_markers.h"
+
+namespace raygrid {
+namespace {
+
+// Black squares touch the corners of the tags, and blur joins them to one shape
+// that is no square. Where white has grown into black by some pixels, they are
+// apart. Cells of few pixels are told from each other only when enlarged.
+struct Preparation {
+  int scale;
+  int growth_px;  // of the enlarged image
+};
+constexpr Preparation kPreparations[] = {{1, 0}, {2, 1}, {1, 1},
+                                         {2, 2}, {1, 2}, {1, 3}};
+constexpr double kMaxPixelsToEnlarge = 2.5e6;
+
+constexpr double kMinCorrelations[] = {0.7, 0.6};
+
+cv::Mat Prepared(const cv::Mat& image, const Preparation& preparation) {
+  cv::Mat prepared = image;
+  if (preparation.scale > 1)
+    cv::resize(image, prepared, cv::Size(), preparation.scale,
+               preparation.scale, cv::INTER_CUBIC);
+  if (preparation.growth_px == 0) return prepared;
+  const int side = 2 * preparation.growth_px + 1;
+  cv::Mat grown;
+  cv::dilate(prepared, grown, cv::Mat::ones(side, side, CV_8U));
+  return grown;
+}
+
+// The corners in the image as it was.
+void Undo(const Preparation& preparation, DetectedTag* tag) {
+  const std::array<Eigen::Vector2d, 4> c = tag->corners;
+  for (int k = 0; k < 4; ++k) {
+    const Eigen::Vector2d outwards = (c[k] - c[(k + 1) % 4]).normalized() +
+                                     (c[k] - c[(k + 3) % 4]).normalized();
+    tag->corners[k] =
+        ((c[k] + preparation.growth_px * outwards).array() + 0.5) /
+            preparation.scale -
+        0.5;
+  }
+}
+
+}  // namespace
+
+std::vector<DetectedTag> FindGridTags(const GreyImage& image) {
+  const cv::Mat grey = ReadableImage(image);
+  const TagDetector detector(TagFamily::k36h11WideBorder, {});
+  std::vector<DetectedTag> found;
+  for (const Preparation& preparation : kPreparations) {
+    if (preparation.scale > 1 &&
+        static_cast<double>(grey.total()) > kMaxPixelsToEnlarge)
+      continue;
+    const size_t num_before = found.size();
+    for (DetectedTag& tag : detector.Detect(Prepared(grey, preparation))) {
+      if (std::any_of(found.begin(), found.begin() + num_before,
+                      [&](const DetectedTag& f) { return f.id == tag.id; }))
+        continue;
+      Undo(preparation, &tag);
+      found.push_back(tag);
+    }
+  }
+  return found;
+}
+
+struct AprilGridLocator::Data {
+  explicit Data(const Board& b)
+      : board(b),
+        markers(BoardAppearance(b).markers()),
+        points_m(b.NominalPoints()),
+        growth(b) {}
+
+  Board board;
+  std::vector<PlacedMarker> markers;
+  std::vector<Eigen::Vector3d> points_m;
+  CornerGrowth growth;
+
+  std::vector<SeenMarker> OnBoard(const std::vector<DetectedTag>& tags,
+                                  int quarter_turns) const;
+  MarkerConstellation Constellation(const std::vector<DetectedTag>& tags) const;
+  void FindCornersOf(const GreyImage& image, const MarkerConstellation& tags,
+                     const SeenMarker& tag, FeatureLattice* lattice) const;
+  double pitch_m() const { return board.square_m * (1 + board.spacing_ratio); }
+};
+
+// The board's tags, each turned on the page as often as stated.
+std::vector<SeenMarker> AprilGridLocator::Data::OnBoard(
+    const std::vector<DetectedTag>& tags, int quarter_turns) const {
+  std::vector<SeenMarker> seen;
+  for (const DetectedTag& tag : tags) {
+    const auto place = std::find_if(
+        markers.begin(), markers.end(),
+        [&](const PlacedMarker& marker) { return marker.id == tag.id; });
+    if (place == markers.end()) continue;
+    SeenMarker marker;
+    marker.index = static_cast<int>(place - markers.begin());
+    for (int k = 0; k < 4; ++k)
+      marker.corners_px[k] = tag.corners[(k + quarter_turns) % 4];
+    seen.push_back(marker);
+  }
+  return seen;
+}
+
+// Generators of boards do not agree which side of a tag is up: the way that
+// makes neighbours fit together is the right one.
+MarkerConstellation AprilGridLocator::Data::Constellation(
+    const std::vector<DetectedTag>& tags) const {
+  MarkerConstellation best(markers, pitch_m(), OnBoard(tags, 0));
+  for (int quarter_turns = 1; quarter_turns < 4; ++quarter_turns) {
+    const MarkerConstellation turned(markers, pitch_m(),
+                                     OnBoard(tags, quarter_turns));
+    if (turned.Agreement() > best.Agreement()) best = turned;
+  }
+  return best;
+}
+
+void AprilGridLocator::Data::FindCornersOf(const GreyImage& image,
+                                           const MarkerConstellation& tags,
+                                           const SeenMarker& tag,
+                                           FeatureLattice* lattice) const {
+  const Eigen::Vector2d place = markers[tag.index].corner / pitch_m();
+  const int left = 2 * static_cast<int>(std::lround(place.x()));
+  const int top = 2 * static_cast<int>(std::lround(place.y()));
+  for (int row = top; row < top + 2; ++row) {
+    for (int column = left; column < left + 2; ++column) {
+      const Eigen::Vector2d corner_m =
+          points_m[board.PointIndex(column, row)].head<2>();
+      constexpr double kSearchSquares = 0.1;
+      growth.Find(image, column, row,
+                  tags.MappingAt(corner_m, board.square_m, {tag}),
+                  kSearchSquares, {kMinCorrelations[0]}, lattice);
+    }
+  }
+}
+
+AprilGridLocator::AprilGridLocator(const Board& board)
+    : data_(std::make_unique<Data>(board)) {}
+AprilGridLocator::~AprilGridLocator() = default;
+
+ImageDetection AprilGridLocator::Locate(const GreyImage& image) const {
+  const std::vector<DetectedTag> tags = FindGridTags(image);
+  const MarkerConstellation seen = data_->Constellation(tags);
+  const MarkerConstellation fitting = seen.Consistent();
+  ImageDetection located;
+  FeatureLattice lattice(data_->board);
+  for (const SeenMarker& tag : fitting.seen())
+    data_->FindCornersOf(image, fitting, tag, &lattice);
+  for (const double min_correlation : kMinCorrelations)
+    data_->growth.Grow(image, {min_correlation}, &lattice);
+  located.features = lattice.Features();
+  if (seen.size() > 0 && fitting.size() == 0)
+    located.remarks.push_back(
+        fmt::format("board {}: {} tags seen, none confirmed by another",
+                    data_->board.id, seen.size()));
+  if (seen.size() == 0 && !tags.empty())
+    located.remarks.push_back(
+        fmt::format("tag {} is not on board {}", tags[0].id, data_->board.id));
+  if (fitting.size() == 0 &&
+      data_->Constellation(FindGridTags(Mirrored(image))).Consistent().size() >
+          0)
+    located.remarks.push_back(
+        fmt::format("board {} is seen mirrored", data_->board.id));
+  return located;
+}
+
+}  // namespace raygrid

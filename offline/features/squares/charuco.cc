@@ -1,0 +1,177 @@
+#include "features/squares/charuco.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <opencv2/aruco.hpp>
+
+#include "features/squares/corner_growth.h"
+#include "features/squares/seen_markers.h"
+
+namespace raygrid {
+namespace {
+
+// In squares: corners touch markers whose centre is 0.71 away; the next ones
+// are at 1.58.
+constexpr double kAdjacentDistance = 1;
+constexpr double kNearDistance = 2.3;
+constexpr int kMaxNearMarkers = 4;
+
+cv::Mat InnerBits(const MarkerBits& bits) {
+  cv::Mat inner(bits.size - 2, bits.size - 2, CV_8U);
+  for (int row = 0; row < inner.rows; ++row)
+    for (int column = 0; column < inner.cols; ++column)
+      inner.at<uint8_t>(row, column) = !bits.at(column + 1, row + 1);
+  return inner;
+}
+
+// Of the board's markers only, in their order: others cannot be mistaken for
+// them.
+cv::Ptr<cv::aruco::Dictionary> MakeDictionary(
+    const std::vector<PlacedMarker>& markers) {
+  auto dictionary = cv::makePtr<cv::aruco::Dictionary>();
+  dictionary->markerSize = markers[0].bits.size - 2;
+  const int num_bits = dictionary->markerSize * dictionary->markerSize;
+  int least_distance = num_bits;
+  for (const PlacedMarker& marker : markers) {
+    const cv::Mat bits = InnerBits(marker.bits);
+    if (!dictionary->bytesList.empty())
+      for (int id = 0; id < dictionary->bytesList.rows; ++id)
+        least_distance = std::min(least_distance,
+                                  dictionary->getDistanceToId(bits, id, true));
+    dictionary->bytesList.push_back(
+        cv::aruco::Dictionary::getByteListFromBits(bits));
+  }
+  dictionary->maxCorrectionBits = std::max(0, (least_distance - 1) / 2);
+  return dictionary;
+}
+
+Board WithOtherLayout(Board board) {
+  board.is_legacy = !board.is_legacy;
+  return board;
+}
+
+// The layouts differ only where the number of rows of squares is even.
+bool HasTwoLayouts(const Board& board) { return (board.rows + 1) % 2 == 0; }
+
+}  // namespace
+
+struct CharucoLocator::Data {
+  explicit Data(const Board& b)
+      : board(b),
+        markers(BoardAppearance(b).markers()),
+        other_markers(BoardAppearance(WithOtherLayout(b)).markers()),
+        dictionary(MakeDictionary(markers)),
+        growth(b),
+        other_growth(WithOtherLayout(b)) {}
+
+  Board board;
+  std::vector<PlacedMarker> markers, other_markers;
+  cv::Ptr<cv::aruco::Dictionary> dictionary;
+  CornerGrowth growth, other_growth;
+
+  std::vector<SeenMarker> FindMarkers(const GreyImage& image) const;
+  FeatureLattice FindCorners(const GreyImage& image,
+                             const MarkerConstellation& markers,
+                             const CornerGrowth& drawn) const;
+  int NumConsistentMarkers(const GreyImage& image) const;
+  double pitch_m() const { return M_SQRT2 * board.square_m; }
+};
+
+int CharucoLocator::Data::NumConsistentMarkers(const GreyImage& image) const {
+  return MarkerConstellation(markers, pitch_m(), FindMarkers(image))
+      .Consistent()
+      .size();
+}
+
+std::vector<SeenMarker> CharucoLocator::Data::FindMarkers(
+    const GreyImage& image) const {
+  std::vector<std::vector<cv::Point2f>> corners;
+  std::vector<int> ids;
+  try {
+    cv::aruco::detectMarkers(ReadableImage(image), dictionary, corners, ids);
+  } catch (const cv::Exception&) {
+    return {};  // images too small to hold a marker
+  }
+  std::vector<SeenMarker> seen;
+  for (size_t i = 0; i < ids.size(); ++i) {
+    SeenMarker marker;
+    marker.index = ids[i];
+    for (int k = 0; k < 4; ++k)
+      marker.corners_px[k] = {corners[i][k].x, corners[i][k].y};
+    seen.push_back(marker);
+  }
+  return seen;
+}
+
+// First those at markers, then outwards from them.
+FeatureLattice CharucoLocator::Data::FindCorners(
+    const GreyImage& image, const MarkerConstellation& constellation,
+    const CornerGrowth& drawn) const {
+  FeatureLattice lattice(board);
+  constexpr double kMinCorrelations[] = {0.7, 0.6};
+  for (int row = 0; row < board.rows; ++row) {
+    for (int column = 0; column < board.columns; ++column) {
+      const Eigen::Vector2d corner_m(column * board.square_m,
+                                     row * board.square_m);
+      const std::vector<SeenMarker> near = constellation.Nearest(
+          corner_m, kNearDistance * board.square_m, kMaxNearMarkers);
+      if (near.empty() || constellation.Distance(near[0], corner_m) >
+                              kAdjacentDistance * board.square_m)
+        continue;
+      constexpr double kSearchSquares = 0.15;
+      drawn.Find(image, column, row,
+                 constellation.MappingAt(corner_m, board.square_m, near),
+                 kSearchSquares, {kMinCorrelations[0]}, &lattice);
+    }
+  }
+  for (const double min_correlation : kMinCorrelations)
+    drawn.Grow(image, {min_correlation}, &lattice);
+  return lattice;
+}
+
+CharucoLocator::CharucoLocator(const Board& board)
+    : data_(std::make_unique<Data>(board)) {}
+CharucoLocator::~CharucoLocator() = default;
+
+ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
+  const Board& board = data_->board;
+  const std::vector<SeenMarker> seen = data_->FindMarkers(image);
+  ImageDetection located;
+  MarkerConstellation markers(data_->markers, data_->pitch_m(), seen);
+  bool is_other = false;
+  if (HasTwoLayouts(board)) {
+    const MarkerConstellation other(data_->other_markers, data_->pitch_m(),
+                                    seen);
+    is_other = other.Agreement() > std::max(0, markers.Agreement());
+    if (is_other) {
+      markers = other;
+      located.remarks.push_back(fmt::format(
+          "board {}: its markers lie as in {}; set 'legacy: {}' in the pattern",
+          board.id, board.is_legacy ? "OpenCV 4.6 and later" : "OpenCV < 4.6",
+          !board.is_legacy));
+    }
+  }
+  const int num_seen = markers.size();
+  markers = markers.Consistent();
+  if (num_seen > 0 && markers.size() == 0)
+    located.remarks.push_back(
+        fmt::format("board {}: {} markers seen, none confirmed by another",
+                    board.id, num_seen));
+  located.features =
+      data_
+          ->FindCorners(image, markers,
+                        is_other ? data_->other_growth : data_->growth)
+          .Features();
+  constexpr int kFewMarkers = 4;
+  if (markers.size() < kFewMarkers &&
+      data_->NumConsistentMarkers(Mirrored(image)) > markers.size()) {
+    located.remarks.push_back(
+        fmt::format("board {} is seen mirrored", board.id));
+    located.features.clear();  // corners that look alike, numbered by chance
+  }
+  return located;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,376 @@
+#include "features/squares/chessboard.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <tuple>
+
+#include "features/squares/chess_lattice.h"
+#include "features/squares/corner_growth.h"
+#include "features/squares/corner_matching.h"
+
+namespace raygrid {
+namespace {
+
+bool IsEven(int value) { return value % 2 == 0; }
+
+// Places of the lattice, inclusive.
+struct Rectangle {
+  int left = 0, top = 0, right = -1, bottom = -1;
+
+  int columns() const { return right - left + 1; }
+  int rows() const { return bottom - top + 1; }
+  bool operator<(const Rectangle& other) const {
+    return std::tie(left, top, right, bottom) <
+           std::tie(other.left, other.top, other.right, other.bottom);
+  }
+};
+
+Rectangle Bounds(const FeatureLattice& lattice) {
+  Rectangle bounds;
+  for (const Feature& f : lattice.Features()) {
+    if (bounds.columns() < 1) bounds = {f.column, f.row, f.column, f.row};
+    bounds.left = std::min(bounds.left, f.column);
+    bounds.top = std::min(bounds.top, f.row);
+    bounds.right = std::max(bounds.right, f.column);
+    bounds.bottom = std::max(bounds.bottom, f.row);
+  }
+  return bounds;
+}
+
+// Whether a row or column of places is that of a board: most of its corners
+// that the image would show are found.
+bool IsWellFilled(const GreyImage& image, const FeatureLattice& lattice,
+                  const Rectangle& line) {
+  constexpr int kMinFound = 2;
+  int num_found = 0, num_missing = 0;
+  for (int row = line.top; row <= line.bottom; ++row) {
+    for (int column = line.left; column <= line.right; ++column) {
+      LocalMapping prediction;
+      if (lattice.Has(column, row))
+        ++num_found;
+      else if (PredictFeature(lattice, column, row, &prediction))
+        num_missing += WholeImage(image.size)
+                           .Contains(prediction.center,
+                                     -prediction.linear.cwiseAbs().maxCoeff());
+    }
+  }
+  return num_found >= kMinFound && num_found > num_missing;
+}
+
+// What of the lattice is believed: a few squares beyond a board's edge may
+// happen to look like its own.
+Rectangle SeenPart(const GreyImage& image, const FeatureLattice& lattice) {
+  Rectangle part = Bounds(lattice);
+  for (;;) {
+    if (part.columns() < 1 || part.rows() < 1) return part;
+    const auto [left, top, right, bottom] = part;
+    if (!IsWellFilled(image, lattice, {left, top, left, bottom}))
+      ++part.left;
+    else if (!IsWellFilled(image, lattice, {right, top, right, bottom}))
+      --part.right;
+    else if (!IsWellFilled(image, lattice, {left, top, right, top}))
+      ++part.top;
+    else if (!IsWellFilled(image, lattice, {left, bottom, right, bottom}))
+      --part.bottom;
+    else
+      return part;
+  }
+}
+
+// A place one square beyond an outermost corner, where the outermost squares
+// end if it is the board's.
+struct Beyond {
+  LocalMapping mapping;  // as predicted
+  int to_column = 0, to_row = 0;
+  bool is_dark = false;  // right below it, if there were a corner
+
+  bool IsOutside(const Eigen::Vector2d& offset) const {
+    return offset.x() * to_column + offset.y() * to_row > 0;
+  }
+  bool IsBlack(const Eigen::Vector2d& offset) const {
+    return !IsOutside(offset) &&
+           ((offset.x() > 0) == (offset.y() > 0)) == is_dark;
+  }
+};
+
+// Whether the paper around a board is as bright as its white squares: what
+// covers the board is not.
+bool IsPaperOutside(const GreyImage& image, const Beyond& place) {
+  double black = 0, white = 0;
+  std::vector<double> outside;
+  for (const double x : {-0.3, 0.3}) {
+    for (const double y : {-0.3, 0.3}) {
+      const Eigen::Vector2d offset(x, y);
+      const auto level = MeanLevel(image, place.mapping, offset);
+      if (!level) return false;
+      if (place.IsOutside(offset))
+        outside.push_back(*level);
+      else
+        (place.IsBlack(offset) ? black : white) = *level;
+    }
+  }
+  constexpr double kTolerance = 0.15;  // of the contrast
+  return std::all_of(outside.begin(), outside.end(), [&](double level) {
+    return std::fabs(level - white) < kTolerance * (white - black);
+  });
+}
+
+// Whether the squares beyond the outermost corners are seen to be the last
+// ones, with paper around them.
+bool EndsTowards(const GreyImage& image, const FeatureLattice& lattice,
+                 const Rectangle& part, int to_column, int to_row) {
+  int num_seen = 0, num_ends = 0;
+  for (int row = part.top; row <= part.bottom; ++row) {
+    for (int column = part.left; column <= part.right; ++column) {
+      const bool is_outermost = to_column < 0   ? column == part.left
+                                : to_column > 0 ? column == part.right
+                                : to_row < 0    ? row == part.top
+                                                : row == part.bottom;
+      if (!is_outermost || !lattice.Has(column, row)) continue;
+      const int beyond_column = column + to_column, beyond_row = row + to_row;
+      Beyond place = {
+          {}, to_column, to_row, IsEven(beyond_column + beyond_row)};
+      if (!lattice.IsOnBoard(beyond_column, beyond_row) ||
+          !PredictFeature(lattice, beyond_column, beyond_row, &place.mapping))
+        continue;
+      const DrawnPatch end(0.5, [&](const Eigen::Vector2d& offset) {
+        return place.IsBlack(offset);
+      });
+      constexpr double kSearchSquares = 0.12, kMinCorrelation = 0.72;
+      constexpr double kMinVisible = 0.9;
+      const PatchMatch match =
+          FindPatch(image, end, place.mapping,
+                    std::max(1.0, kSearchSquares * place.mapping.SpacingPx()),
+                    kMinVisible);
+      if (match.correlation <= -1) continue;
+      ++num_seen;
+      place.mapping.center = match.pixel;
+      num_ends +=
+          match.correlation > kMinCorrelation && IsPaperOutside(image, place);
+    }
+  }
+  constexpr int kMinEnds = 2;
+  return num_ends >= kMinEnds && 3 * num_ends >= 2 * num_seen;
+}
+
+// How the places of a lattice are those of a board.
+struct Numbering {
+  Rectangle place;        // of the board on the lattice
+  int quarter_turns = 0;  // of the board, clockwise as seen
+  bool is_mirrored = false;
+
+  // Column and row on the board.
+  std::array<int, 2> Of(const Board& board, int column, int row) const {
+    const int i = column - place.left, j = row - place.top;
+    const int last_column = board.columns - 1, last_row = board.rows - 1;
+    const std::array<int, 2> upright =
+        quarter_turns == 0   ? std::array{i, j}
+        : quarter_turns == 1 ? std::array{j, last_row - i}
+        : quarter_turns == 2 ? std::array{last_column - i, last_row - j}
+                             : std::array{last_column - j, i};
+    if (is_mirrored) return {last_column - upright[0], upright[1]};
+    return upright;
+  }
+
+  // On boards it is dark right below features of even column + row.
+  bool HasRightColours(const Board& board) const {
+    const auto [column, row] = Of(board, place.left, place.top);
+    const bool is_dark =
+        IsEven(place.left + place.top + quarter_turns + is_mirrored);
+    return IsEven(column + row) == is_dark;
+  }
+};
+
+// Where the board's columns lead in the image, by numbers of quarter turns.
+std::array<Eigen::Vector2d, 4> Directions(const FeatureLattice& lattice) {
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();
+  Eigen::Vector2d down = Eigen::Vector2d::Zero();
+  for (const Feature& f : lattice.Features()) {
+    if (lattice.Has(f.column + 1, f.row))
+      right += lattice.at(f.column + 1, f.row) - f.pixel;
+    if (lattice.Has(f.column, f.row + 1))
+      down += lattice.at(f.column, f.row + 1) - f.pixel;
+  }
+  right.normalize();
+  down.normalize();
+  return {right, down, -right, -down};
+}
+
+const Numbering& MostUpright(const std::vector<Numbering>& numberings,
+                             const FeatureLattice& lattice) {
+  const auto directions = Directions(lattice);
+  const auto uprightness = [&](const Numbering& numbering) {
+    const double x = directions[numbering.quarter_turns].x();
+    return numbering.is_mirrored ? -x : x;
+  };
+  return *std::max_element(numberings.begin(), numberings.end(),
+                           [&](const Numbering& a, const Numbering& b) {
+                             return uprightness(a) < uprightness(b);
+                           });
+}
+
+// The places of a board on the lattice that hold a part of it, whose ends are
+// those of the board where it is seen to end.
+struct Ends {
+  bool left = false, top = false, right = false, bottom = false;
+};
+std::vector<Rectangle> PossiblePlaces(const Rectangle& part, const Ends& ends,
+                                      int columns, int rows) {
+  std::vector<Rectangle> places;
+  for (int top = part.bottom - rows + 1; top <= part.top; ++top) {
+    for (int left = part.right - columns + 1; left <= part.left; ++left) {
+      const Rectangle place = {left, top, left + columns - 1, top + rows - 1};
+      if ((!ends.left || place.left == part.left) &&
+          (!ends.top || place.top == part.top) &&
+          (!ends.right || place.right == part.right) &&
+          (!ends.bottom || place.bottom == part.bottom))
+        places.push_back(place);
+    }
+  }
+  return places;
+}
+
+}  // namespace
+
+struct ChessboardLocator::Data {
+  explicit Data(const Board& b)
+      : board(b), finder(std::max(b.columns, b.rows)), growth(b) {}
+
+  Board board;
+  ChessLatticeFinder finder;
+  CornerGrowth growth;
+
+  std::vector<Numbering> Numberings(const Rectangle& part, const Ends& ends,
+                                    bool is_mirrored) const;
+  std::optional<Numbering> Number(const GreyImage& image,
+                                  const FeatureLattice& lattice,
+                                  const Rectangle& part,
+                                  std::string* remark) const;
+};
+
+// All ways, whatever the colours.
+std::vector<Numbering> ChessboardLocator::Data::Numberings(
+    const Rectangle& part, const Ends& ends, bool is_mirrored) const {
+  std::vector<Numbering> numberings;
+  for (int turns = 0; turns < 4; ++turns) {
+    const int columns = IsEven(turns) ? board.columns : board.rows;
+    const int rows = IsEven(turns) ? board.rows : board.columns;
+    for (const Rectangle& place : PossiblePlaces(part, ends, columns, rows))
+      numberings.push_back({place, turns, is_mirrored});
+  }
+  return numberings;
+}
+
+// Numbers a part as on the board, if there is one way only; else there is a
+// remark.
+std::optional<Numbering> ChessboardLocator::Data::Number(
+    const GreyImage& image, const FeatureLattice& lattice,
+    const Rectangle& part, std::string* remark) const {
+  const auto right_ones = [&](std::vector<Numbering> numberings) {
+    numberings.erase(std::remove_if(numberings.begin(), numberings.end(),
+                                    [&](const Numbering& numbering) {
+                                      return !numbering.HasRightColours(board);
+                                    }),
+                     numberings.end());
+    return numberings;
+  };
+  const auto is_one_place = [](const std::vector<Numbering>& numberings) {
+    for (const Numbering& numbering : numberings)
+      if (numbering.place < numberings[0].place ||
+          numberings[0].place < numbering.place)
+        return false;
+    return !numberings.empty();
+  };
+  const std::vector<Numbering> all = Numberings(part, {}, false);
+  if (all.empty()) return std::nullopt;
+  std::vector<Numbering> right = right_ones(all);
+  if (is_one_place(right)) return MostUpright(right, lattice);
+  if (right.empty()) {
+    // With both sides odd, mirroring swaps the colours; with both even nothing
+    // does but swapped ink.
+    const bool is_mirrored = !IsEven(board.columns) && !IsEven(board.rows);
+    *remark = fmt::format(
+        is_mirrored ? "board {} is mirrored, or its colours are swapped"
+                    : "the colours of board {} are swapped",
+        board.id);
+    return MostUpright(Numberings(part, {}, is_mirrored), lattice);
+  }
+  const auto ends_towards = [&](int to_column, int to_row) {
+    return EndsTowards(image, lattice, part, to_column, to_row);
+  };
+  const Ends ends = {ends_towards(-1, 0), ends_towards(0, -1),
+                     ends_towards(1, 0), ends_towards(0, 1)};
+  right = right_ones(Numberings(part, ends, false));
+  if (is_one_place(right)) return MostUpright(right, lattice);
+  *remark =
+      right.empty()
+          ? fmt::format("a chessboard of {} x {} corners, unlike board {}",
+                        part.columns(), part.rows(), board.id)
+          : fmt::format("board {}: {} x {} corners are seen, but not which",
+                        board.id, part.columns(), part.rows());
+  return std::nullopt;
+}
+
+ChessboardLocator::ChessboardLocator(const Board& board)
+    : data_(std::make_unique<Data>(board)) {}
+ChessboardLocator::~ChessboardLocator() = default;
+
+ImageDetection ChessboardLocator::Locate(const GreyImage& image) const {
+  const Board& board = data_->board;
+  ImageDetection located;
+  std::string in_vain;
+  int most_in_vain = 0;
+  const auto is_wanted = [&](const FeatureLattice& seen) {
+    const Rectangle part = SeenPart(image, seen);
+    std::string remark;
+    const auto numbering = data_->Number(image, seen, part, &remark);
+    if (!numbering) {
+      if (seen.num_found() > most_in_vain) {
+        most_in_vain = seen.num_found();
+        in_vain = remark;
+      }
+      return false;
+    }
+    FeatureLattice lattice(board);
+    for (const Feature& f : seen.Features()) {
+      const auto [column, row] = numbering->Of(board, f.column, f.row);
+      if (lattice.IsOnBoard(column, row)) lattice.Set(column, row, f.pixel);
+    }
+    if (remark.empty())  // else the drawing is not as seen
+      for (const double min_correlation : {0.7, 0.6})
+        data_->growth.Grow(image, {min_correlation}, &lattice);
+    else
+      located.remarks.push_back(remark);
+    located.features = lattice.Features();
+    return true;
+  };
+  data_->finder.Find(image, is_wanted);
+  if (located.features.empty() && !in_vain.empty())
+    located.remarks.push_back(in_vain);
+  return located;
+}
+
+std::optional<ChessboardSize> SeenChessboardSize(const GreyImage& image) {
+  constexpr int kMaxSide = 30, kMinSide = 3;
+  constexpr double kMinFilled = 0.95;
+  std::optional<ChessboardSize> size;
+  ChessLatticeFinder(kMaxSide).Find(image, [&](const FeatureLattice& seen) {
+    const Rectangle part = SeenPart(image, seen);
+    if (std::min(part.columns(), part.rows()) < kMinSide) return false;
+    int num_found = 0;
+    for (int row = part.top; row <= part.bottom; ++row)
+      for (int column = part.left; column <= part.right; ++column)
+        num_found += seen.Has(column, row);
+    if (num_found < kMinFilled * part.columns() * part.rows()) return false;
+    size = {part.columns(), part.rows()};
+    return true;
+  });
+  return size;
+}
+
+}  // namespace raygrid

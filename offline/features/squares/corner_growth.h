@@ -1,0 +1,42 @@
+#ifndef RAYGRID_FEATURES_SQUARES_CORNER_GROWTH_H
+#define RAYGRID_FEATURES_SQUARES_CORNER_GROWTH_H
+
+#include <vector>
+
+#include "features/board_view/detection.h"
+#include "features/board_view/feature_lattice.h"
+#include "features/squares/corner_matching.h"
+
+namespace raygrid {
+
+/// Finds the features of a board that has squares, approximately: each where
+/// the image looks like the drawing, near where its neighbours say.
+class CornerGrowth {
+ public:
+  explicit CornerGrowth(const Board& board);
+
+  /// Looks for one feature.
+  bool Find(const GreyImage& image, int column, int row,
+            const LocalMapping& prediction, double search_squares,
+            const PatchCriterion& criterion, FeatureLattice* lattice) const;
+  /// Looks for all others, outwards from those that are found.
+  void Grow(const GreyImage& image, const PatchCriterion& criterion,
+            FeatureLattice* lattice) const;
+
+ private:
+  bool Sweep(const GreyImage& image, const PatchCriterion& criterion,
+             std::vector<int>* tried_with, FeatureLattice* lattice) const;
+
+  Board board_;
+  // By place. The near ones tell more exactly where a corner is if the
+  // neighbours predict the squares' shape badly.
+  std::vector<DrawnPatch> patches_, near_patches_;
+};
+
+/// Where a feature must be, as its neighbours have it.
+bool PredictFeature(const FeatureLattice& lattice, int column, int row,
+                    LocalMapping* prediction);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_FEATURES_SQUARES_CORNER_GROWTH_H

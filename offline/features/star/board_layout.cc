@@ -1,0 +1,305 @@
+#include "features/star/board_layout.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "appearance/board_appearance.h"
+
+namespace raygrid {
+namespace {
+
+// The area around each place of a lattice, a square wide, in parts.
+constexpr int kPartsPerSquare = 8;
+constexpr int kNumParts = kPartsPerSquare * kPartsPerSquare;
+constexpr int kReach = 4;           // stars that tell where a place is seen
+constexpr int kMaxBeyond = 2;       // squares from a star
+constexpr double kMinContrast = 8;  // grey levels
+// Of the parts that a placement tells, wrong; and of those not on stars.
+constexpr double kMaxWrong = 0.1, kMaxWrongBesideStars = 0.15;
+// In how many parts, and of how many squares, a placement must be right where
+// another is wrong.
+constexpr int kMinMoreRight = 12, kMinSquaresRight = 2;
+constexpr double kMaxWrongWhereRivalIsRight = 0.15;
+
+// The middle of a part, from that of its square.
+Eigen::Vector2d PartOffset(int part) {
+  return Eigen::Vector2d(part % kPartsPerSquare + 0.5,
+                         part / kPartsPerSquare + 0.5) /
+             kPartsPerSquare -
+         Eigen::Vector2d(0.5, 0.5);
+}
+
+enum class Shade : char { kUnsure, kWhite, kBlack };
+
+template <typename IsBlack>
+Shade ShadeOf(const Eigen::Vector2d& middle, const IsBlack& is_black_at) {
+  constexpr double kMargin = 0.045;  // squares
+  const bool is_black = is_black_at(middle);
+  for (const double v : {-kMargin, kMargin})
+    for (const double u : {-kMargin, kMargin})
+      if (is_black_at(middle + Eigen::Vector2d(u, v)) != is_black)
+        return Shade::kUnsure;
+  return is_black ? Shade::kBlack : Shade::kWhite;
+}
+
+// What a board looks like, in parts; unsure where an edge passes.
+class ExpectedParts {
+ public:
+  explicit ExpectedParts(const Board& board)
+      : columns_(board.columns + 2), rows_(board.rows + 2) {
+    const BoardAppearance appearance(board);
+    shades_.reserve(static_cast<size_t>(columns_) * rows_ * kNumParts);
+    for (int row = 0; row < rows_; ++row)
+      for (int column = 0; column < columns_; ++column)
+        for (int part = 0; part < kNumParts; ++part)
+          shades_.push_back(
+              ShadeOf(Eigen::Vector2d(column - 1, row - 1) + PartOffset(part),
+                      [&](const Eigen::Vector2d& p) {
+                        return appearance.IsBlack(board.square_m * p);
+                      }));
+  }
+
+  // A square beyond the outermost features, too; farther away nothing is known.
+  bool Knows(const Eigen::Vector2i& place) const {
+    return place.x() >= -1 && place.y() >= -1 && place.x() < columns_ - 1 &&
+           place.y() < rows_ - 1;
+  }
+  Shade At(const Eigen::Vector2i& place, const Eigen::Vector2d& offset) const {
+    const Eigen::Array2i part = ((offset.array() + 0.5) * kPartsPerSquare)
+                                    .floor()
+                                    .cast<int>()
+                                    .max(0)
+                                    .min(kPartsPerSquare - 1);
+    const size_t square =
+        static_cast<size_t>(place.y() + 1) * columns_ + place.x() + 1;
+    return shades_[square * kNumParts + part.y() * kPartsPerSquare + part.x()];
+  }
+
+ private:
+  int columns_, rows_;
+  std::vector<Shade> shades_;
+};
+
+// A part that is clearly black or white.
+struct SeenPart {
+  Eigen::Vector2i place;  // on the lattice
+  Eigen::Vector2d offset;
+  bool is_black, is_on_star;
+};
+
+struct Levels {
+  double white = 0, black = 0;
+};
+
+class PartReader {
+ public:
+  PartReader(const GreyImage& image, const FeatureLattice& lattice,
+             int segments)
+      : image_(image),
+        lattice_(lattice),
+        segments_(segments),
+        stars_(lattice.Features()) {}
+
+  std::vector<SeenPart> ReadAll() {
+    std::vector<SeenPart> seen;
+    for (const Eigen::Vector2i& place : PlacesAroundStars())
+      ReadPlace(place, &seen);
+    return seen;
+  }
+
+ private:
+  std::vector<Eigen::Vector2i> PlacesAroundStars() const {
+    std::vector<Eigen::Vector2i> places;
+    for (const Feature& star : stars_)
+      for (int v = -kMaxBeyond; v <= kMaxBeyond; ++v)
+        for (int u = -kMaxBeyond; u <= kMaxBeyond; ++u)
+          if (lattice_.IsOnBoard(star.column + u, star.row + v))
+            places.emplace_back(star.column + u, star.row + v);
+    const auto is_before = [](const Eigen::Vector2i& a,
+                              const Eigen::Vector2i& b) {
+      return std::pair(a.y(), a.x()) < std::pair(b.y(), b.x());
+    };
+    std::sort(places.begin(), places.end(), is_before);
+    places.erase(std::unique(places.begin(), places.end()), places.end());
+    return places;
+  }
+
+  std::optional<double> LevelAt(const LocalMapping& mapping,
+                                const Eigen::Vector2d& offset) const {
+    const Eigen::Vector2d pixel = mapping(offset);
+    if (!WholeImage(image_.size).Contains(pixel)) return std::nullopt;
+    return image_.at(static_cast<int>(std::lround(pixel.x())),
+                     static_cast<int>(std::lround(pixel.y())));
+  }
+
+  // Of the nearest star's segments.
+  std::optional<Levels> LevelsNear(const Eigen::Vector2i& place) const {
+    const Feature& star = *std::min_element(
+        stars_.begin(), stars_.end(), [&](const Feature& a, const Feature& b) {
+          return (Eigen::Vector2i(a.column, a.row) - place).squaredNorm() <
+                 (Eigen::Vector2i(b.column, b.row) - place).squaredNorm();
+        });
+    LocalMapping mapping;
+    if (!FitLocalMapping(lattice_.Around(star.column, star.row, kReach, true),
+                         2, &mapping))
+      return std::nullopt;
+    double sums[2] = {0, 0};
+    int counts[2] = {0, 0};
+    for (int part = 0; part < kNumParts; ++part) {
+      const Eigen::Vector2d offset = PartOffset(part);
+      const auto level = LevelAt(mapping, offset);
+      if (!level) continue;
+      const Shade shade = ShadeOf(offset, [&](const Eigen::Vector2d& p) {
+        return IsBlackInStar(segments_, p.x(), p.y());
+      });
+      if (shade == Shade::kUnsure) continue;
+      const bool is_black = shade == Shade::kBlack;
+      sums[is_black] += *level;
+      ++counts[is_black];
+    }
+    if (std::min(counts[0], counts[1]) < 4) return std::nullopt;
+    const Levels levels = {sums[0] / counts[0], sums[1] / counts[1]};
+    if (levels.white - levels.black < kMinContrast) return std::nullopt;
+    return levels;
+  }
+
+  void ReadPlace(const Eigen::Vector2i& place,
+                 std::vector<SeenPart>* seen) const {
+    LocalMapping mapping;
+    if (!FitLocalMapping(lattice_.Around(place.x(), place.y(), kReach, true), 2,
+                         &mapping))
+      return;
+    if (!WholeImage(image_.size).Contains(mapping.center, 20)) return;
+    const auto levels = LevelsNear(place);
+    if (!levels) return;
+    for (int part = 0; part < kNumParts; ++part) {
+      const Eigen::Vector2d offset = PartOffset(part);
+      const auto level = LevelAt(mapping, offset);
+      if (!level) continue;
+      constexpr double kClearly = 0.35;
+      const double whiteness =
+          (*level - levels->black) / (levels->white - levels->black);
+      if (std::abs(whiteness - 0.5) < 0.5 - kClearly) continue;
+      seen->push_back(
+          {place, offset, whiteness < 0.5, lattice_.Has(place.x(), place.y())});
+    }
+  }
+
+  const GreyImage& image_;
+  const FeatureLattice& lattice_;
+  int segments_;
+  std::vector<Feature> stars_;
+};
+
+// What a placement says of what is seen: 1 if it is right, -1 if it is wrong,
+// 0 if it says nothing.
+struct Verdicts {
+  std::vector<signed char> of_parts;
+  int num_right = 0, num_wrong = 0;
+  int num_right_beside = 0, num_wrong_beside = 0;  // where no star is found
+
+  bool IsPlausible() const {
+    return num_wrong <= kMaxWrong * (num_right + num_wrong) &&
+           num_wrong_beside <=
+               kMaxWrongBesideStars * (num_right_beside + num_wrong_beside);
+  }
+};
+
+Verdicts VerdictsOf(const LatticePlacement& placement,
+                    const ExpectedParts& expected,
+                    const std::vector<SeenPart>& seen) {
+  Verdicts verdicts;
+  verdicts.of_parts.reserve(seen.size());
+  for (const SeenPart& part : seen) {
+    const Eigen::Vector2i place =
+        placement.OnBoard(part.place.x(), part.place.y());
+    signed char verdict = 0;
+    if (expected.Knows(place)) {
+      const Eigen::Vector2d on_board = placement.OnBoard(
+          Eigen::Vector2d(part.place.cast<double>() + part.offset));
+      const Shade shade = expected.At(place, on_board - place.cast<double>());
+      if (shade != Shade::kUnsure)
+        verdict = (shade == Shade::kBlack) == part.is_black ? 1 : -1;
+    } else if (part.is_on_star) {
+      verdict = -1;
+    }
+    verdicts.of_parts.push_back(verdict);
+    verdicts.num_right += verdict > 0;
+    verdicts.num_wrong += verdict < 0;
+    verdicts.num_right_beside += verdict > 0 && !part.is_on_star;
+    verdicts.num_wrong_beside += verdict < 0 && !part.is_on_star;
+  }
+  return verdicts;
+}
+
+bool Refutes(const Verdicts& a, const Verdicts& b,
+             const std::vector<SeenPart>& seen) {
+  int num_a = 0, num_b = 0, num_squares = 0;
+  const Eigen::Vector2i* last_square = nullptr;
+  for (size_t i = 0; i < seen.size(); ++i) {
+    num_b += a.of_parts[i] < 0 && b.of_parts[i] > 0;
+    if (a.of_parts[i] <= 0 || b.of_parts[i] >= 0) continue;
+    ++num_a;
+    num_squares += !last_square || *last_square != seen[i].place;
+    last_square = &seen[i].place;
+  }
+  return num_a - num_b >= kMinMoreRight && num_squares >= kMinSquaresRight &&
+         num_b <= kMaxWrongWhereRivalIsRight * (num_a + num_b);
+}
+
+}  // namespace
+
+std::optional<LatticePlacement> PlaceByLayout(const GreyImage& image,
+                                              const FeatureLattice& lattice,
+                                              const Board& board) {
+  const auto placements = PossiblePlacements(lattice.Features(), board);
+  if (placements.empty()) return std::nullopt;
+  const std::vector<SeenPart> seen =
+      PartReader(image, lattice, board.segments).ReadAll();
+  const ExpectedParts expected(board);
+  std::vector<Verdicts> verdicts;
+  verdicts.reserve(placements.size());
+  for (const LatticePlacement& placement : placements)
+    verdicts.push_back(VerdictsOf(placement, expected, seen));
+  const auto best = std::min_element(verdicts.begin(), verdicts.end(),
+                                     [](const Verdicts& a, const Verdicts& b) {
+                                       return a.num_wrong - a.num_right <
+                                              b.num_wrong - b.num_right;
+                                     });
+  if (!best->IsPlausible()) return std::nullopt;
+  for (const Verdicts& rival : verdicts)
+    if (&rival != &*best && !Refutes(*best, rival, seen)) return std::nullopt;
+  return placements[best - verdicts.begin()];
+}
+
+bool LieOnBoard(const std::vector<Feature>& others,
+                const FeatureLattice& lattice,
+                const LatticePlacement& placement, const Board& board) {
+  constexpr double kMaxSquaresAway = 6;  // as far as a lattice tells
+  constexpr int kMaxOnBoard = 2;
+  const std::vector<Feature> stars = lattice.Features();
+  int num_on_board = 0;
+  for (const Feature& other : others) {
+    const Feature& star = *std::min_element(
+        stars.begin(), stars.end(), [&](const Feature& a, const Feature& b) {
+          return (a.pixel - other.pixel).squaredNorm() <
+                 (b.pixel - other.pixel).squaredNorm();
+        });
+    LocalMapping mapping;
+    if (!FitLocalMapping(lattice.Around(star.column, star.row, 2, true), 1,
+                         &mapping))
+      continue;
+    const Eigen::Vector2d offset =
+        mapping.linear.inverse() * (other.pixel - star.pixel);
+    if (!(offset.cwiseAbs().maxCoeff() <= kMaxSquaresAway)) continue;
+    const Eigen::Vector2d p = placement.OnBoard(
+        Eigen::Vector2d(Eigen::Vector2d(star.column, star.row) + offset));
+    num_on_board += p.x() > -0.5 && p.y() > -0.5 &&
+                    p.x() < board.columns - 0.5 && p.y() < board.rows - 0.5;
+  }
+  return num_on_board > kMaxOnBoard;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,169 @@
+#include "features/star/star_candidates.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "features/board_view/image_noise.h"
+
+namespace raygrid {
+namespace {
+
+// Edges count by a Gaussian around the place, of this standard deviation: a
+// quarter of the smallest star's side.
+constexpr double kSigmaPx = 2.6;
+constexpr int kRadiusPx = 6;
+constexpr int kNumScales = 3;  // each half as large as the one before
+constexpr double kMaxScatter = 0.35;
+// Edges must point at the place from several sides.
+constexpr double kMinIsotropy = 0.25;
+constexpr size_t kMaxCandidates = 3000;
+constexpr double kMinGradient = 2;  // RMS, grey levels a pixel; in dark images
+constexpr double kMinGradientOverNoise = 1;  // will do
+
+// Products of gradients, and what of them is scattered around each pixel.
+struct GradientMaps {
+  cv::Mat xx, xy, yy;
+  cv::Mat scatter;  // S / T
+  cv::Mat energy;   // T, over the sum of its weights
+};
+
+// w(d) d^power for d = -kRadiusPx ... kRadiusPx.
+cv::Mat Kernel(int power) {
+  cv::Mat kernel(2 * kRadiusPx + 1, 1, CV_32F);
+  double sum = 0;
+  for (int d = -kRadiusPx; d <= kRadiusPx; ++d)
+    sum += std::exp(-d * d / (2 * kSigmaPx * kSigmaPx));
+  for (int d = -kRadiusPx; d <= kRadiusPx; ++d)
+    kernel.at<float>(d + kRadiusPx) =
+        static_cast<float>(std::exp(-d * d / (2 * kSigmaPx * kSigmaPx)) / sum *
+                           std::pow(d, power));
+  return kernel;
+}
+
+cv::Mat Filtered(const cv::Mat& image, int power_x, int power_y) {
+  cv::Mat filtered;
+  // The filter is a correlation, so that odd powers keep their sign.
+  cv::sepFilter2D(image, filtered, CV_32F, Kernel(power_x), Kernel(power_y),
+                  cv::Point(-1, -1), 0, cv::BORDER_REFLECT);
+  return filtered;
+}
+
+// S(c) = sum w (g . (x - c))^2 and T(c) = sum w |g|^2 |x - c|^2 / 2, the same
+// for gradients g of any direction.
+GradientMaps MakeMaps(const cv::Mat& image) {
+  cv::Mat gx, gy;
+  cv::Scharr(image, gx, CV_32F, 1, 0, 1 / 32.0);
+  cv::Scharr(image, gy, CV_32F, 0, 1, 1 / 32.0);
+  GradientMaps maps;
+  maps.xx = gx.mul(gx);
+  maps.xy = gx.mul(gy);
+  maps.yy = gy.mul(gy);
+  const cv::Mat all = maps.xx + maps.yy;
+  const cv::Mat s = Filtered(maps.xx, 2, 0) + 2 * Filtered(maps.xy, 1, 1) +
+                    Filtered(maps.yy, 0, 2);
+  maps.energy = (Filtered(all, 2, 0) + Filtered(all, 0, 2)) / 2;
+  maps.scatter = s / (maps.energy + 1e-3f);
+  return maps;
+}
+
+bool IsLeastAround(const cv::Mat& map, int x, int y) {
+  constexpr int kReach = 2;
+  const float value = map.at<float>(y, x);
+  for (int dy = -kReach; dy <= kReach; ++dy)
+    for (int dx = -kReach; dx <= kReach; ++dx)
+      if (map.at<float>(y + dy, x + dx) < value) return false;
+  return true;
+}
+
+// How the edges' directions are spread, 0 to 1; and where they meet.
+struct Junction {
+  double isotropy = 0;
+  Eigen::Vector2d offset = {0, 0};
+};
+
+Junction Examine(const GradientMaps& maps, int x, int y) {
+  Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();
+  for (int dy = -kRadiusPx; dy <= kRadiusPx; ++dy) {
+    for (int dx = -kRadiusPx; dx <= kRadiusPx; ++dx) {
+      const double weight =
+          std::exp(-(dx * dx + dy * dy) / (2 * kSigmaPx * kSigmaPx));
+      Eigen::Matrix2d product;
+      product << maps.xx.at<float>(y + dy, x + dx),
+          maps.xy.at<float>(y + dy, x + dx), maps.xy.at<float>(y + dy, x + dx),
+          maps.yy.at<float>(y + dy, x + dx);
+      sum += weight * product;
+      right += weight * product * Eigen::Vector2d(dx, dy);
+    }
+  }
+  Junction junction;
+  const double trace = sum.trace();
+  if (trace <= 0) return junction;
+  junction.isotropy = 4 * sum.determinant() / (trace * trace);
+  if (junction.isotropy > 1e-3) junction.offset = sum.inverse() * right;
+  return junction;
+}
+
+void FindAtScale(const cv::Mat& image, double scale, double min_gradient,
+                 std::vector<StarCandidate>* candidates) {
+  const GradientMaps maps = MakeMaps(image);
+  const double min_energy = min_gradient * min_gradient * kSigmaPx * kSigmaPx;
+  for (int y = kRadiusPx; y < image.rows - kRadiusPx; ++y) {
+    for (int x = kRadiusPx; x < image.cols - kRadiusPx; ++x) {
+      const float scatter = maps.scatter.at<float>(y, x);
+      if (scatter > kMaxScatter || maps.energy.at<float>(y, x) < min_energy ||
+          !IsLeastAround(maps.scatter, x, y))
+        continue;
+      const Junction junction = Examine(maps, x, y);
+      constexpr double kMaxOffsetPx = 2;
+      if (junction.isotropy < kMinIsotropy ||
+          junction.offset.norm() > kMaxOffsetPx)
+        continue;
+      const Eigen::Vector2d place = Eigen::Vector2d(x, y) + junction.offset;
+      candidates->push_back({(place.array() + 0.5) * scale - 0.5, scatter});
+    }
+  }
+}
+
+// Without those that are found at another scale with less scatter.
+std::vector<StarCandidate> Distinct(std::vector<StarCandidate> candidates) {
+  constexpr double kSamePx = 3;
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const StarCandidate& a, const StarCandidate& b) {
+                     return a.scatter < b.scatter;
+                   });
+  if (candidates.size() > kMaxCandidates) candidates.resize(kMaxCandidates);
+  std::vector<StarCandidate> distinct;
+  for (const StarCandidate& candidate : candidates)
+    if (std::none_of(distinct.begin(), distinct.end(),
+                     [&](const StarCandidate& other) {
+                       return (other.pixel - candidate.pixel).norm() < kSamePx;
+                     }))
+      distinct.push_back(candidate);
+  return distinct;
+}
+
+}  // namespace
+
+std::vector<StarCandidate> FindStarCandidates(const GreyImage& image) {
+  const double min_gradient =
+      std::min(kMinGradient, kMinGradientOverNoise * NoiseOf(image) + 0.2);
+  std::vector<StarCandidate> found;
+  cv::Mat scaled(image.size.height, image.size.width, CV_32F,
+                 const_cast<float*>(image.levels.data()));
+  double scale = 1;
+  for (int k = 0; k < kNumScales; ++k) {
+    if (std::min(scaled.cols, scaled.rows) < 4 * kRadiusPx) break;
+    FindAtScale(scaled, scale, min_gradient, &found);
+    cv::Mat half;
+    cv::resize(scaled, half, cv::Size(scaled.cols / 2, scaled.rows / 2), 0, 0,
+               cv::INTER_AREA);
+    scaled = half;
+    scale *= 2;
+  }
+  return Distinct(std::move(found));
+}
+
+}  // namespace raygrid

@@ -1,0 +1,322 @@
+#include "features/star/star_detection.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "features/board_view/tag_detection.h"
+#include "features/refinement/feature_refinement.h"
+#include "features/star/board_identification.h"
+#include "features/star/board_layout.h"
+#include "features/star/loose_lattice.h"
+#include "features/star/star_growth.h"
+
+namespace raygrid {
+namespace {
+
+// Fewer places that look like stars are no board.
+constexpr size_t kMinCandidates = 8;
+constexpr int kMaxLooseLattices = 3;
+// Places where a star was sought in vain, for each that was found: with more it
+// is not believed; with fewer it may still have lost its way at an image's rim.
+constexpr double kMaxInVain = 0.25, kMaxInVainIfFound = 0.05;
+
+struct StarBoard {
+  StarBoard(const Board& board, const DetectionOptions& options)
+      : tagged(board), texture(board.segments), refiner(board, options) {}
+
+  const Board& board() const { return tagged.board; }
+
+  TaggedBoard tagged;
+  StarTexture texture;
+  FeatureRefiner refiner;
+};
+
+using StarBoards = std::vector<std::unique_ptr<StarBoard>>;
+using LooseFinders = std::map<int, std::unique_ptr<LooseLatticeFinder>>;
+
+bool IsOnABoard(const DetectedTag& tag, const StarBoards& boards) {
+  return std::any_of(boards.begin(), boards.end(), [&](const auto& star) {
+    return !SeenTagsOf(star->board(), {tag}).empty();
+  });
+}
+
+// One image: what is found on each board, by ever more effort.
+class Search {
+ public:
+  Search(const GreyImage& image, const StarBoards& boards,
+         const LooseFinders& finders, const DetectionOptions& options)
+      : image_(image),
+        boards_(boards),
+        finders_(finders),
+        options_(options),
+        growths_(boards.size()) {}
+
+  void Run() {
+    GrowFromTags(DetectTags(image_, TagSearch::kQuick));
+    if (IsComplete()) return;
+    LookForLooseLattices(image_, 1);
+    const bool sees_other_stars = SeesOtherStars();
+    LookInSmallerImages();
+    if (sees_other_stars && !IsComplete() &&
+        !IsQuickSearchThorough(image_.size))
+      GrowFromTags(DetectTags(image_, TagSearch::kThorough));
+  }
+
+  const std::vector<DetectedTag>& tags() const { return tags_; }
+  // nullptr where nothing of a board is seen.
+  const StarGrowth* growth(size_t board) const { return growths_[board].get(); }
+  // Of which nothing tells the board.
+  bool sees_unnamed_stars() const { return sees_unnamed_stars_; }
+
+ private:
+  bool IsFound(size_t board) const {
+    return growths_[board] && growths_[board]->IsSound(kMaxInVainIfFound);
+  }
+  bool IsSeen(size_t board) const {
+    return growths_[board] && growths_[board]->IsSound(kMaxInVain);
+  }
+  bool IsEachSeen() const {
+    for (size_t b = 0; b < boards_.size(); ++b)
+      if (!IsSeen(b)) return false;
+    return true;
+  }
+  bool IsComplete() const {
+    for (size_t b = 0; b < boards_.size(); ++b)
+      if (!IsFound(b)) return false;
+    return true;
+  }
+  // Whether there may be more than what is found.
+  bool SeesOtherStars() const {
+    return !IsComplete() && candidates_.size() >= kMinCandidates;
+  }
+  bool SeesUnknownTag() const {
+    return std::any_of(tags_.begin(), tags_.end(), [&](const auto& tag) {
+      return !IsOnABoard(tag, boards_);
+    });
+  }
+  // The one with more stars is right.
+  void Put(size_t board, std::unique_ptr<StarGrowth> growth) {
+    if (!growths_[board] ||
+        growth->lattice().num_found() > growths_[board]->lattice().num_found())
+      growths_[board] = std::move(growth);
+  }
+
+  std::unique_ptr<StarGrowth> MakeGrowth(size_t b,
+                                         std::vector<SeenTag> tags) const {
+    return std::make_unique<StarGrowth>(
+        image_, boards_[b]->board(), boards_[b]->texture,
+        boards_[b]->refiner.masks(), options_, std::move(tags));
+  }
+
+  void GrowFromTags(std::vector<DetectedTag> tags) {
+    tags_ = std::move(tags);
+    for (size_t b = 0; b < boards_.size(); ++b) {
+      if (IsFound(b)) continue;
+      std::vector<SeenTag> seen = SeenTagsOf(boards_[b]->board(), tags_);
+      if (seen.empty()) continue;
+      GrowFrom(b, seen);
+      // At an image's rim a tag may lead astray.
+      for (size_t k = 0; seen.size() > 1 && k < seen.size() && !IsFound(b); ++k)
+        GrowFrom(b, {seen[k]});
+    }
+  }
+
+  void GrowFrom(size_t b, std::vector<SeenTag> tags) {
+    auto growth = MakeGrowth(b, std::move(tags));
+    growth->Grow();
+    growth->GrowAcrossGaps();
+    if (growth->AgreesWithTags()) Put(b, std::move(growth));
+  }
+
+  // In an image of 1 / scale of the size.
+  void LookForLooseLattices(const GreyImage& smaller, double scale) {
+    candidates_ = FindStarCandidates(smaller);
+    for (StarCandidate& candidate : candidates_)
+      candidate.pixel = FromSmaller(candidate.pixel, scale);
+    for (size_t b = 0; b < boards_.size(); ++b)
+      if (IsFound(b)) RemoveExplained(growths_[b]->lattice(), &candidates_);
+    for (const auto& [segments, finder] : finders_)
+      GrowFromLooseLattices(segments, *finder, smaller, scale);
+  }
+
+  // Within a large star's square there is much that looks like small ones.
+  void LookInSmallerImages() {
+    constexpr double kSmallestScale = 4;
+    GreyImage smaller = image_;
+    for (double scale = 2; scale <= kSmallestScale && !IsEachSeen();
+         scale *= 2) {
+      smaller = Halved(smaller);
+      LookForLooseLattices(smaller, scale);
+    }
+  }
+
+  void GrowFromLooseLattices(int segments, const LooseLatticeFinder& finder,
+                             const GreyImage& smaller, double scale) {
+    for (int k = 0; k < kMaxLooseLattices; ++k) {
+      std::vector<size_t> missing;
+      std::vector<const TaggedBoard*> tagged;
+      for (size_t b = 0; b < boards_.size(); ++b) {
+        if (boards_[b]->board().segments != segments || IsFound(b)) continue;
+        missing.push_back(b);
+        tagged.push_back(&boards_[b]->tagged);
+      }
+      if (missing.empty() || !SeesOtherStars()) return;
+      const auto lattices = finder.Find(image_, smaller, scale, &candidates_);
+      if (lattices.empty()) return;
+      sees_unnamed_stars_ |= !GrowFromFirstNamed(lattices, missing, tagged);
+    }
+  }
+
+  // Whether one of the lattices, which are of the same stars, has a name.
+  bool GrowFromFirstNamed(const std::vector<FeatureLattice>& lattices,
+                          const std::vector<size_t>& missing,
+                          const std::vector<const TaggedBoard*>& tagged) {
+    // The layout does not tell a chessboard's lattices from those between.
+    const bool is_chessboard = tagged[0]->board.segments == 4;
+    for (const FeatureLattice& lattice : lattices) {
+      auto placement = IdentifyBoard(image_, lattice, tags_, tagged);
+      if (!placement && !is_chessboard)
+        placement = PlaceOnTheOnlyOneLeft(lattice, missing);
+      if (!placement) continue;
+      GrowFromLattice(missing[placement->board], lattice, *placement);
+      return true;
+    }
+    return false;
+  }
+
+  // Beside all others of its stars a board of theirs is the one that is left,
+  // whatever is seen of its tags.
+  std::optional<LatticePlacement> PlaceOnTheOnlyOneLeft(
+      const FeatureLattice& lattice, const std::vector<size_t>& missing) const {
+    const auto is_left = [&](size_t b) { return !IsSeen(b); };
+    const auto left = std::find_if(missing.begin(), missing.end(), is_left);
+    if (left == missing.end() ||
+        std::find_if(left + 1, missing.end(), is_left) != missing.end() ||
+        SeesUnknownTag())
+      return std::nullopt;
+    std::vector<Feature> others;
+    for (size_t b = 0; b < boards_.size(); ++b) {
+      if (!IsSeen(b)) continue;
+      const std::vector<Feature> found = growths_[b]->lattice().Features();
+      others.insert(others.end(), found.begin(), found.end());
+    }
+    if (others.empty()) return std::nullopt;
+    const Board& board = boards_[*left]->board();
+    auto placement = PlaceByLayout(image_, lattice, board);
+    if (!placement || LieOnBoard(others, lattice, *placement, board))
+      return std::nullopt;
+    placement->board = static_cast<int>(left - missing.begin());
+    return placement;
+  }
+
+  void GrowFromLattice(size_t b, const FeatureLattice& lattice,
+                       const LatticePlacement& placement) {
+    const Board& board = boards_[b]->board();
+    auto growth = MakeGrowth(b, {});
+    for (const Feature& star : lattice.Features()) {
+      const Eigen::Vector2i place = placement.OnBoard(star.column, star.row);
+      if (growth->lattice().IsOnBoard(place.x(), place.y()) &&
+          board.HasFeature(place.x(), place.y()))
+        growth->Set(place.x(), place.y(), star.pixel);
+    }
+    growth->Grow();
+    growth->GrowAcrossGaps();
+    RemoveExplained(growth->lattice(), &candidates_);
+    Put(b, std::move(growth));
+  }
+
+  const GreyImage& image_;
+  const StarBoards& boards_;
+  const LooseFinders& finders_;
+  const DetectionOptions& options_;
+  std::vector<DetectedTag> tags_;
+  std::vector<std::unique_ptr<StarGrowth>> growths_;  // by board
+  std::vector<StarCandidate> candidates_;
+  bool sees_unnamed_stars_ = false;
+};
+
+void Append(const std::vector<RejectedFeature>& from,
+            std::vector<RejectedFeature>* to) {
+  to->insert(to->end(), from.begin(), from.end());
+}
+
+}  // namespace
+
+struct StarDetector::Data {
+  StarBoards boards;
+  LooseFinders loose_finders;  // by the number of segments
+  DetectionOptions options;
+
+  void Refine(const GreyImage& image, const StarBoard& star,
+              const StarGrowth& growth, ImageDetection* detection) const;
+  std::vector<std::string> UnknownTags(
+      const std::vector<DetectedTag>& tags) const;
+};
+
+void StarDetector::Data::Refine(const GreyImage& image, const StarBoard& star,
+                                const StarGrowth& growth,
+                                ImageDetection* detection) const {
+  ImageDetection found =
+      star.refiner.Refine(image, growth.lattice().Features());
+  Append(growth.Rejected(), &detection->rejected);
+  Append(found.rejected, &detection->rejected);
+  if (found.features.size() < kMinStarsOnBoard) {
+    detection->remarks.push_back(
+        fmt::format("board {}: its tag is seen, but fewer than {} stars",
+                    star.board().id, kMinStarsOnBoard));
+    return;
+  }
+  detection->features.insert(detection->features.end(), found.features.begin(),
+                             found.features.end());
+}
+
+std::vector<std::string> StarDetector::Data::UnknownTags(
+    const std::vector<DetectedTag>& tags) const {
+  std::vector<std::string> unknown;
+  for (const DetectedTag& tag : tags)
+    if (!IsOnABoard(tag, boards))
+      unknown.push_back(
+          fmt::format("tag {} is on no board of the pattern", tag.id));
+  return unknown;
+}
+
+StarDetector::StarDetector(const Pattern& pattern,
+                           const DetectionOptions& options)
+    : data_(new Data) {
+  data_->options = options;
+  std::map<int, int> max_sides;
+  for (const Board& board : pattern.boards) {
+    if (board.kind != "star") continue;
+    data_->boards.push_back(std::make_unique<StarBoard>(board, options));
+    int& max_side = max_sides[board.segments];
+    max_side = std::max({max_side, board.columns, board.rows});
+  }
+  for (const auto& [segments, max_side] : max_sides)
+    data_->loose_finders[segments] =
+        std::make_unique<LooseLatticeFinder>(segments, max_side, options);
+}
+StarDetector::~StarDetector() = default;
+
+ImageDetection StarDetector::Detect(const GreyImage& image) const {
+  Search search(image, data_->boards, data_->loose_finders, data_->options);
+  search.Run();
+  ImageDetection detection;
+  for (size_t b = 0; b < data_->boards.size(); ++b)
+    if (search.growth(b))
+      data_->Refine(image, *data_->boards[b], *search.growth(b), &detection);
+  for (const std::string& remark : data_->UnknownTags(search.tags()))
+    detection.remarks.push_back(remark);
+  if (search.tags().empty() && detection.features.empty())
+    for (const std::string& seen : DescribeOtherTags(image))
+      detection.remarks.push_back("no tag of the pattern, but " + seen);
+  if (search.sees_unnamed_stars() && detection.features.empty() &&
+      detection.remarks.empty())
+    detection.remarks.push_back(
+        "stars are seen, but not enough of a tag to tell the board");
+  return detection;
+}
+
+}  // namespace raygrid

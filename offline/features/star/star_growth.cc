@@ -1,0 +1,449 @@
+#include "features/star/star_growth.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace raygrid {
+namespace {
+
+// In stars that are smaller the segments run together, and rows of them are
+// mistaken for each other.
+constexpr double kMinSpacingPx = 8;
+constexpr double kMaxSearchPx = 9;
+// Of the images in which stars are sought that may be farther away.
+constexpr double kSmallestScale = 8;
+
+// From four correspondences; its denominator is 1 in the middle of them.
+std::optional<Eigen::Matrix3d> Homography(
+    const std::array<Eigen::Vector2d, 4>& from,
+    const std::array<Eigen::Vector2d, 4>& to) {
+  const Eigen::Vector2d middle = (from[0] + from[1] + from[2] + from[3]) / 4;
+  Eigen::Matrix<double, 8, 8> a;
+  Eigen::Matrix<double, 8, 1> b;
+  for (int k = 0; k < 4; ++k) {
+    const double x = from[k].x() - middle.x(), y = from[k].y() - middle.y();
+    const double u = to[k].x(), v = to[k].y();
+    a.row(2 * k) << x, y, 1, 0, 0, 0, -u * x, -u * y;
+    a.row(2 * k + 1) << 0, 0, 0, x, y, 1, -v * x, -v * y;
+    b.segment<2>(2 * k) = to[k];
+  }
+  const Eigen::Matrix<double, 8, 1> h = a.fullPivLu().solve(b);
+  if (!h.allFinite()) return std::nullopt;
+  Eigen::Matrix3d homography;
+  homography << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], 1;
+  Eigen::Matrix3d from_middle = Eigen::Matrix3d::Identity();
+  from_middle.topRightCorner<2, 1>() = -middle;
+  return homography * from_middle;
+}
+
+// A homography as a mapping of offsets from a place; nothing where it does not
+// reach, at the horizon and behind it.
+std::optional<LocalMapping> MappingAt(const Eigen::Matrix3d& homography,
+                                      const Eigen::Vector2d& place) {
+  const Eigen::Vector3d origin = homography * place.homogeneous();
+  constexpr double kMinDenominator = 0.2;
+  if (origin.z() < kMinDenominator) return std::nullopt;
+  LocalMapping mapping;
+  mapping.center = origin.hnormalized();
+  mapping.perspective = homography.block<1, 2>(2, 0).transpose() / origin.z();
+  mapping.linear = homography.topLeftCorner<2, 2>() / origin.z() -
+                   mapping.center * mapping.perspective.transpose();
+  return mapping;
+}
+
+bool IsInside(const ImageSize& size, const Eigen::Vector2d& pixel,
+              double margin) {
+  return pixel.x() >= margin && pixel.y() >= margin &&
+         pixel.x() <= size.width - 1 - margin &&
+         pixel.y() <= size.height - 1 - margin;
+}
+
+// Whether the star's square lies in the image, as far as it reaches to each
+// side of the star; or would, if the image were wider by slack_px all around.
+bool IsVisible(const ImageSize& size, const LocalMapping& mapping,
+               double reach_px, double slack_px) {
+  constexpr double kMarginPx = -0.5;
+  for (const double u : {-0.5, 0.5}) {
+    for (const double v : {-0.5, 0.5}) {
+      const Eigen::Vector2d corner = mapping.linear * Eigen::Vector2d(u, v);
+      const Eigen::Vector2d pixel =
+          mapping.center + corner.cwiseMax(-reach_px).cwiseMin(reach_px);
+      if (!IsInside(size, pixel, kMarginPx - slack_px)) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+std::array<Eigen::Vector2d, 4> CornersOnBoard(const BoardTag& tag) {
+  const double cell = tag.squares / 10.0;
+  const double x0 = tag.column + cell, x1 = tag.column + tag.squares - cell;
+  const double y0 = tag.row + cell, y1 = tag.row + tag.squares - cell;
+  return {Eigen::Vector2d(x0, y0), {x1, y0}, {x1, y1}, {x0, y1}};
+}
+
+std::vector<SeenTag> SeenTagsOf(const Board& board,
+                                const std::vector<DetectedTag>& detected) {
+  std::vector<SeenTag> seen;
+  for (const DetectedTag& found : detected) {
+    for (const BoardTag& tag : board.tags) {
+      if (tag.id != found.id) continue;
+      const auto homography = Homography(CornersOnBoard(tag), found.corners);
+      if (homography) seen.push_back({tag, found.corners, *homography});
+    }
+  }
+  return seen;
+}
+
+StarGrowth::StarGrowth(const GreyImage& image, const Board& board,
+                       const StarTexture& texture,
+                       const std::vector<SymmetryMask>& masks,
+                       const DetectionOptions& options,
+                       std::vector<SeenTag> tags)
+    : image_(image),
+      board_(board),
+      texture_(texture),
+      masks_(masks),
+      options_(options),
+      tags_(std::move(tags)),
+      lattice_(board),
+      correlations_(board.num_points(), 0),
+      tried_with_(board.num_points(), 0) {}
+
+void StarGrowth::Grow() {
+  // The sure ones first: they tell where the others must be.
+  for (const double min_correlation : {0.7, 0.5, 0.35}) {
+    std::fill(tried_with_.begin(), tried_with_.end(), -1);
+    for (const SeenTag& seen : tags_)
+      if (lattice_.num_found() < kMinStarsOnBoard || !HasStarBeside(seen.tag))
+        StartBeside(seen, min_correlation);
+    while (Sweep(min_correlation)) {
+    }
+  }
+}
+
+void StarGrowth::GrowAcrossGaps() {
+  constexpr double kMinCorrelation = 0.5;
+  const auto lens = LatticeLens::Fit(lattice_.Features(), image_.size);
+  if (!lens || !TryByLens(*lens, kMinCorrelation)) return;
+  while (Sweep(kMinCorrelation)) {
+  }
+}
+
+// At places that no others are beside; false if nothing was found.
+bool StarGrowth::TryByLens(const LatticeLens& lens, double min_correlation) {
+  constexpr double kSearchSquares = 0.1;
+  const int before = lattice_.num_found();
+  for (int row = 0; row < board_.rows; ++row) {
+    for (int column = 0; column < board_.columns; ++column) {
+      if (lattice_.Has(column, row) || !board_.HasFeature(column, row) ||
+          HasDirectNeighbour(column, row))
+        continue;
+      const auto mapping = lens.Around(Eigen::Vector2d(column, row));
+      if (mapping) Try(column, row, *mapping, kSearchSquares, min_correlation);
+    }
+  }
+  return lattice_.num_found() > before;
+}
+
+bool StarGrowth::Agrees(const SeenTag& seen) const {
+  constexpr int kReach = 2;
+  constexpr double kMaxError = 0.5;  // squares
+  const std::array<Eigen::Vector2d, 4> corners = CornersOnBoard(seen.tag);
+  for (int k = 0; k < 4; ++k) {
+    const Eigen::Vector2i place = corners[k].array().round().cast<int>();
+    LocalMapping mapping;
+    if (FitLocalMapping(lattice_.Around(place.x(), place.y(), kReach, true), 1,
+                        &mapping) == 0)
+      continue;
+    const Eigen::Vector2d error =
+        mapping(corners[k] - place.cast<double>()) - seen.corners[k];
+    if (error.norm() > kMaxError * mapping.SpacingPx()) return false;
+  }
+  return true;
+}
+
+bool StarGrowth::AgreesWithTags() const {
+  return std::all_of(tags_.begin(), tags_.end(),
+                     [&](const SeenTag& seen) { return Agrees(seen); });
+}
+
+bool StarGrowth::IsSound(double max_in_vain) const {
+  return lattice_.num_found() >= kMinStarsOnBoard &&
+         Rejected().size() <= max_in_vain * lattice_.num_found();
+}
+
+std::vector<RejectedFeature> StarGrowth::Rejected() const {
+  std::vector<RejectedFeature> rejected;
+  for (const auto& [feature, reason] : attempts_)
+    if (!lattice_.Has(feature.second, feature.first))
+      rejected.push_back(
+          {{board_.id, feature.second, feature.first, reason.first},
+           reason.second});
+  return rejected;
+}
+
+bool StarGrowth::HasStarBeside(const BoardTag& tag) const {
+  for (int row = tag.row - 1; row <= tag.row + tag.squares + 1; ++row)
+    for (int column = tag.column - 1; column <= tag.column + tag.squares + 1;
+         ++column)
+      if (lattice_.Has(column, row)) return true;
+  return false;
+}
+
+// The surest of the stars around a tag, one square away from it: the others,
+// which a homography may miss behind a fisheye, are found beside it.
+void StarGrowth::StartBeside(const SeenTag& seen, double min_correlation) {
+  constexpr double kSearchSquares = 0.3;
+  const BoardTag& tag = seen.tag;
+  double best_correlation = 0;
+  std::pair<int, int> best;  // column, row
+  Eigen::Vector2d best_pixel;
+  for (int row = tag.row - 1; row <= tag.row + tag.squares + 1; ++row) {
+    for (int column = tag.column - 1; column <= tag.column + tag.squares + 1;
+         ++column) {
+      if (!lattice_.IsOnBoard(column, row) || !board_.HasFeature(column, row) ||
+          lattice_.Has(column, row))
+        continue;
+      const auto mapping =
+          MappingAt(seen.homography, Eigen::Vector2d(column, row));
+      if (!mapping ||
+          !Try(column, row, *mapping, kSearchSquares, min_correlation))
+        continue;
+      const double correlation = correlations_[board_.PointIndex(column, row)];
+      if (correlation > best_correlation) {
+        best_correlation = correlation;
+        best = {column, row};
+        best_pixel = lattice_.at(column, row);
+      }
+      lattice_.Remove(column, row);
+    }
+  }
+  if (best_correlation == 0) return;
+  lattice_.Set(best.first, best.second, best_pixel);
+  correlations_[board_.PointIndex(best.first, best.second)] = best_correlation;
+}
+
+// One pass over the places beside found ones, those with the most neighbours
+// first; false if nothing was found.
+bool StarGrowth::Sweep(double min_correlation) {
+  std::vector<std::array<int, 3>> candidates;
+  for (int row = 0; row < board_.rows; ++row) {
+    for (int column = 0; column < board_.columns; ++column) {
+      if (lattice_.Has(column, row) || !board_.HasFeature(column, row) ||
+          !(HasDirectNeighbour(column, row) || IsBesideTag(column, row)))
+        continue;
+      const int count = lattice_.CountAround(column, row);
+      if (count > tried_with_[board_.PointIndex(column, row)])
+        candidates.push_back({-count, row, column});
+    }
+  }
+  std::sort(candidates.begin(), candidates.end());
+  const int before = lattice_.num_found();
+  for (const auto& [count, row, column] : candidates) {
+    tried_with_[board_.PointIndex(column, row)] = -count;
+    LocalMapping mapping;
+    if (Predict(column, row, &mapping) &&
+        Try(column, row, mapping, -count >= 8 ? 0.12 : 0.25, min_correlation))
+      continue;
+    constexpr double kElsewhere = 0.05;  // squares
+    LocalMapping other;
+    if (FitPerspectiveMapping(lattice_.Around(column, row, 2, false), 2,
+                              &other) &&
+        (other.center - mapping.center).norm() >
+            kElsewhere * other.SpacingPx() &&
+        Try(column, row, other, 0.12, min_correlation))
+      continue;
+    // Between a tag and the board's edge a lattice goes on by a row or two.
+    constexpr int kFew = 10;
+    if (-count <= kFew &&
+        PredictFromTag(column, row, lattice_.Around(column, row, 3, false),
+                       &mapping))
+      Try(column, row, mapping, 0.25, min_correlation);
+  }
+  return lattice_.num_found() > before;
+}
+
+// Of one that was seen: it tells where the star is, whatever lies between.
+bool StarGrowth::IsBesideTag(int column, int row) const {
+  return std::any_of(tags_.begin(), tags_.end(), [&](const SeenTag& seen) {
+    const BoardTag& tag = seen.tag;
+    return column >= tag.column - 1 && row >= tag.row - 1 &&
+           column <= tag.column + tag.squares + 1 &&
+           row <= tag.row + tag.squares + 1;
+  });
+}
+
+bool StarGrowth::HasDirectNeighbour(int column, int row) const {
+  return lattice_.Has(column - 1, row) || lattice_.Has(column + 1, row) ||
+         lattice_.Has(column, row - 1) || lattice_.Has(column, row + 1);
+}
+
+bool StarGrowth::Predict(int column, int row, LocalMapping* mapping) const {
+  std::vector<Correspondence> around = lattice_.Around(column, row, 2, false);
+  if (around.size() < 6) around = lattice_.Around(column, row, 3, false);
+  constexpr size_t kEnoughWithoutTag = 4;
+  if (around.size() < kEnoughWithoutTag &&
+      PredictFromTag(column, row, around, mapping))
+    return true;
+  return FitLocalMapping(around, 2, mapping) > 0 ||
+         PredictFromTag(column, row, around, mapping);
+}
+
+// What the homography of the nearest tag says, moved as the nearest star is, if
+// there is one.
+bool StarGrowth::PredictFromTag(int column, int row,
+                                const std::vector<Correspondence>& around,
+                                LocalMapping* mapping) const {
+  const Eigen::Vector2d place(column, row);
+  double least_distance = 6;  // squares
+  bool is_predicted = false;
+  for (const SeenTag& seen : tags_) {
+    const double half = seen.tag.squares / 2.0;
+    const Eigen::Vector2d middle(seen.tag.column + half, seen.tag.row + half);
+    const double distance = (middle - place).norm();
+    const auto predicted = MappingAt(seen.homography, place);
+    if (distance > least_distance || !predicted) continue;
+    LocalMapping moved = *predicted;
+    if (!around.empty()) {
+      const Correspondence& star = *std::min_element(
+          around.begin(), around.end(),
+          [](const Correspondence& a, const Correspondence& b) {
+            return a.offset.norm() < b.offset.norm();
+          });
+      const auto at_star = MappingAt(seen.homography, place + star.offset);
+      if (!at_star) continue;
+      moved.center += star.pixel - at_star->center;
+    }
+    *mapping = moved;
+    least_distance = distance;
+    is_predicted = true;
+  }
+  return is_predicted;
+}
+
+bool StarGrowth::Try(int column, int row, const LocalMapping& mapping,
+                     double search_squares, double min_correlation) {
+  const double spacing_px = mapping.SpacingPx();
+  const double search_px =
+      std::min(search_squares * spacing_px, kMaxSearchPx * kSmallestScale);
+  // What lies beyond the window may be cut off.
+  const double window_reach_px = options_.window_px / 2;
+  if (!IsVisible(image_.size, mapping, window_reach_px, search_px))
+    return false;  // nothing to be seen
+  const auto refuse = [&](const char* reason) {
+    // A star that the image's edge may hide is not sought in vain.
+    if (IsVisible(image_.size, mapping, INFINITY, 0))
+      attempts_[{row, column}] = {mapping.center, reason};
+    return false;
+  };
+  if (!(spacing_px >= kMinSpacingPx)) return refuse("too small");
+  const SymmetryMask& mask =
+      masks_.size() == 1 ? masks_[0] : masks_[board_.PointIndex(column, row)];
+  const MatchingResult match = Match(mask, mapping, search_px);
+  if (!match.is_converged)
+    return refuse(match.factor < 0 ? "colours inverted" : "no star");
+  if (match.correlation <
+      std::max(min_correlation, alike_ * CorrelationAround(column, row)))
+    return refuse("unlike a star");
+  LocalMapping found = mapping;
+  found.center = match.center;
+  if (!IsVisible(image_.size, mapping, window_reach_px, 0) &&
+      !IsVisible(image_.size, found, window_reach_px, 0))
+    return false;
+  if (IsTaken(column, row, match.center, mapping) ||
+      TurnsBack(column, row, match.center))
+    return refuse("another star's place");
+  lattice_.Set(column, row, match.center);
+  correlations_[board_.PointIndex(column, row)] = match.correlation;
+  return true;
+}
+
+// A star that may be farther away is sought in a smaller image, where the
+// window holds more of it.
+MatchingResult StarGrowth::Match(const SymmetryMask& mask,
+                                 const LocalMapping& mapping,
+                                 double search_px) {
+  constexpr double kSurely = 0.7;
+  const MatchingResult near =
+      MatchStar(image_, texture_, mask, mapping, options_.window_px,
+                std::clamp(search_px, 1.0, kMaxSearchPx));
+  if (search_px <= kMaxSearchPx ||
+      (near.is_converged && near.correlation >= kSurely))
+    return near;
+  int level = 0;
+  double scale = 1;
+  while (search_px > kMaxSearchPx * scale) {
+    ++level;
+    scale *= 2;
+  }
+  LocalMapping smaller = mapping;
+  smaller.center = ToSmaller(mapping.center, scale);
+  smaller.linear /= scale;
+  const MatchingResult rough =
+      MatchStar(Smaller(level), texture_, mask, smaller, options_.window_px,
+                search_px / scale);
+  if (!rough.is_converged) return near;
+  LocalMapping moved = mapping;
+  moved.center = FromSmaller(rough.center, scale);
+  const MatchingResult far =
+      MatchStar(image_, texture_, mask, moved, options_.window_px, 1 + scale);
+  return far.is_converged && far.correlation > near.correlation ? far : near;
+}
+
+// Halved so many times.
+const GreyImage& StarGrowth::Smaller(int level) {
+  while (static_cast<int>(smaller_.size()) < level)
+    smaller_.push_back(Halved(smaller_.empty() ? image_ : smaller_.back()));
+  return smaller_[level - 1];
+}
+
+// The mean of the neighbours'; 0 if there are none.
+double StarGrowth::CorrelationAround(int column, int row) const {
+  double sum = 0;
+  int count = 0;
+  for (int r = row - 1; r <= row + 1; ++r) {
+    for (int c = column - 1; c <= column + 1; ++c) {
+      if (!lattice_.Has(c, r)) continue;
+      sum += correlations_[board_.PointIndex(c, r)];
+      ++count;
+    }
+  }
+  return sum / std::max(1, count);
+}
+
+// Whether another star was found there. Where squares are sheared, a diagonal
+// neighbour may be nearer than the next one in a row.
+bool StarGrowth::IsTaken(int column, int row, const Eigen::Vector2d& pixel,
+                         const LocalMapping& mapping) const {
+  constexpr double kMinDistance = 0.6;  // of where the two should be
+  for (const Correspondence& other : lattice_.Around(column, row, 3, false)) {
+    const double expected_px =
+        std::min(mapping.SpacingPx(), (mapping.linear * other.offset).norm());
+    if ((other.pixel - pixel).norm() < kMinDistance * expected_px) return true;
+  }
+  return false;
+}
+
+// Whether a row or column of stars would not go on there as it does before: a
+// polynomial may fold beyond the last of them.
+bool StarGrowth::TurnsBack(int column, int row,
+                           const Eigen::Vector2d& pixel) const {
+  constexpr double kMinPart = 0.3;  // of the step before
+  for (const auto& [u, v] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
+    if (!lattice_.Has(column + u, row + v) ||
+        !lattice_.Has(column + 2 * u, row + 2 * v))
+      continue;
+    const Eigen::Vector2d& last = lattice_.at(column + u, row + v);
+    const Eigen::Vector2d before =
+        last - lattice_.at(column + 2 * u, row + 2 * v);
+    if ((pixel - last).dot(before) < kMinPart * before.squaredNorm())
+      return true;
+  }
+  return false;
+}
+
+}  // namespace raygrid
