@@ -1,6 +1,6 @@
 // Boards of each kind for tests of what is printed.
-#ifndef RAYGRID_BOARDS_TO_PRINT_H
-#define RAYGRID_BOARDS_TO_PRINT_H
+#ifndef RAYGRID_TESTS_OFFLINE_BOARDS_TO_PRINT_H
+#define RAYGRID_TESTS_OFFLINE_BOARDS_TO_PRINT_H
 
 #include "dataset/pattern.h"
 #include "target/star_boards.h"
@@ -42,4 +42,4 @@ inline StarBoardOptions Stars(int columns, int rows, double square_mm) {
 
 }  // namespace raygrid
 
-#endif  // RAYGRID_BOARDS_TO_PRINT_H
+#endif  // RAYGRID_TESTS_OFFLINE_BOARDS_TO_PRINT_H

@@ -1,6 +1,6 @@
 // Photographs of boards, drawn with the truth beside them.
-#ifndef RAYGRID_PHOTOGRAPHS_H
-#define RAYGRID_PHOTOGRAPHS_H
+#ifndef RAYGRID_TESTS_OFFLINE_PHOTOGRAPHS_H
+#define RAYGRID_TESTS_OFFLINE_PHOTOGRAPHS_H
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
@@ -178,4 +178,4 @@ inline Image Mirrored(const Photograph& photograph) {
 
 }  // namespace raygrid
 
-#endif  // RAYGRID_PHOTOGRAPHS_H
+#endif  // RAYGRID_TESTS_OFFLINE_PHOTOGRAPHS_H

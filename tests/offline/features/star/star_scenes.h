@@ -1,7 +1,7 @@
 // Images of star boards through simulated lenses, with the truth beside them,
 // and how far detected features are from it.
-#ifndef RAYGRID_STAR_SCENES_H
-#define RAYGRID_STAR_SCENES_H
+#ifndef RAYGRID_TESTS_OFFLINE_FEATURES_STAR_STAR_SCENES_H
+#define RAYGRID_TESTS_OFFLINE_FEATURES_STAR_STAR_SCENES_H
 
 #include <algorithm>
 #include <cstdio>
@@ -227,4 +227,4 @@ inline Errors Measure(const Scene& scene, const StarDetector& detector,
 
 }  // namespace raygrid
 
-#endif  // RAYGRID_STAR_SCENES_H
+#endif  // RAYGRID_TESTS_OFFLINE_FEATURES_STAR_STAR_SCENES_H

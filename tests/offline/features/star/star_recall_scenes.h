@@ -1,6 +1,6 @@
 // Star boards, lenses and light of star_recall_bench, at random.
-#ifndef RAYGRID_STAR_RECALL_SCENES_H
-#define RAYGRID_STAR_RECALL_SCENES_H
+#ifndef RAYGRID_TESTS_OFFLINE_FEATURES_STAR_STAR_RECALL_SCENES_H
+#define RAYGRID_TESTS_OFFLINE_FEATURES_STAR_STAR_RECALL_SCENES_H
 
 #include <algorithm>
 #include <array>
@@ -304,4 +304,4 @@ inline Image Photograph(const Scene &scene) {
 
 }  // namespace raygrid
 
-#endif  // RAYGRID_STAR_RECALL_SCENES_H
+#endif  // RAYGRID_TESTS_OFFLINE_FEATURES_STAR_STAR_RECALL_SCENES_H
