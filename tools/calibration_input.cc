@@ -13,7 +13,7 @@
 #include "dataset/repeated_images.h"
 #include "dataset/text_encoding.h"
 #include "features/board_guess.h"
-#include "features/feature_detection.h"
+#include "features/pattern_detector.h"
 #include "features/refinement/camera_refinement.h"
 #include "interruption.h"
 #include "report/checkpoint_json.h"

@@ -16,7 +16,7 @@
 #include "dataset/text_encoding.h"
 #include "features/board_guess.h"
 #include "features/detection_pictures.h"
-#include "features/feature_detection.h"
+#include "features/pattern_detector.h"
 #include "pattern_input.h"
 #include "progress_bar.h"
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "calibration/camera_evaluation.h"
+#include "calibration/camera_preparation.h"
 #include "calibration/camera_result.h"
-#include "calibration/camera_start.h"
 #include "calibration/frame_adjustment.h"
 #include "calibration/parametric_comparison.h"
 #include "calibration/stopwatch.h"
@@ -32,8 +32,8 @@ CalibrationResult Calibrate(const Dataset& measured, const Pattern& pattern,
                             const CalibrationOptions& options) {
   RequireKnownModel(options.model);
   RequireHeldOutImagesExist(measured, options.hold_out);
-  CameraStart start =
-      StartCamera(measured, pattern, options, options.hold_out.empty());
+  PreparedCamera start =
+      PrepareCamera(measured, pattern, options, options.hold_out.empty());
   CalibrationResult result = std::move(start.result);
   if (!ShouldStop(options)) {
     const Stopwatch two_cameras_time;

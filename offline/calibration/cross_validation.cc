@@ -7,7 +7,7 @@
 
 #include "calibration/camera_evaluation.h"
 #include "calibration/model_adjustment.h"
-#include "calibration/starting_camera.h"
+#include "calibration/starting_lens.h"
 #include "camera/noncentral_generic.h"
 #include "dataset/parallel_for.h"
 
@@ -103,7 +103,7 @@ void CrossValidate(const Dataset& dataset, const Pattern& pattern,
   std::vector<Adjusted> starts(num_folds);
   ParallelFor(num_folds, num_threads, [&](int fold) {
     if (is_fold_needed[fold] && !should_stop())
-      starts[fold] = AdjustStart(splits[fold].training, pattern, serial);
+      starts[fold] = AdjustStartingLens(splits[fold].training, pattern, serial);
   });
 
   serial.should_stop = options.should_stop;

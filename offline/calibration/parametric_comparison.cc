@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "calibration/camera_evaluation.h"
+#include "calibration/camera_preparation.h"
 #include "calibration/camera_result.h"
-#include "calibration/camera_start.h"
 #include "dataset/error.h"
 
 namespace raygrid {

@@ -6,14 +6,14 @@
 #include <set>
 
 #include "calibration/camera_evaluation.h"
+#include "calibration/camera_preparation.h"
 #include "calibration/camera_result.h"
-#include "calibration/camera_start.h"
 #include "calibration/frame_adjustment.h"
 #include "calibration/parametric_comparison.h"
 #include "calibration/rig_evaluation.h"
 #include "calibration/rig_start.h"
 #include "calibration/rig_uncertainty.h"
-#include "calibration/starting_camera.h"
+#include "calibration/starting_lens.h"
 #include "calibration/stopwatch.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
@@ -79,10 +79,10 @@ auto NamingCamera(const std::string& name, const Function& function) {
   }
 }
 
-std::vector<CameraStart> StartCameras(
+std::vector<PreparedCamera> PrepareCameras(
     const std::vector<RigCameraInput>& cameras, const Pattern& pattern,
     const CalibrationOptions& options) {
-  std::vector<CameraStart> starts;
+  std::vector<PreparedCamera> starts;
   for (size_t c = 0; c < cameras.size(); ++c) {
     CalibrationOptions own = options;
     own.measure_again = cameras[c].measure_again;
@@ -95,7 +95,7 @@ std::vector<CameraStart> StartCameras(
                              static_cast<double>(cameras.size()));
     };
     starts.push_back(NamingCamera(cameras[c].name, [&] {
-      return StartCamera(cameras[c].dataset, pattern, own, false);
+      return PrepareCamera(cameras[c].dataset, pattern, own, false);
     }));
   }
   return starts;
@@ -151,7 +151,7 @@ RigHeldOut EvaluateFold(const Names& names,
   try {
     for (const Dataset& dataset : datasets) {
       const Split split = SplitImages(dataset, test_instants);
-      starts.push_back(AdjustStart(split.training, pattern, options));
+      starts.push_back(AdjustStartingLens(split.training, pattern, options));
       test.push_back(split.test);
     }
     std::vector<std::vector<RejectedImage>> rejected;
@@ -239,12 +239,13 @@ RigResult CalibrateRig(const std::vector<RigCameraInput>& cameras,
 
   RigResult result;
   const Stopwatch start_time;
-  std::vector<CameraStart> starts = StartCameras(cameras, pattern, options);
+  std::vector<PreparedCamera> starts =
+      PrepareCameras(cameras, pattern, options);
   std::vector<Adjusted> alone;
   std::vector<Dataset> training, test;
   std::vector<double> cells_px;
   for (size_t c = 0; c < cameras.size(); ++c) {
-    CameraStart& start = starts[c];
+    PreparedCamera& start = starts[c];
     start.result.camera.name = names[c];
     start.result.held_out.clear();  // of the camera without the rig
     alone.push_back(std::move(start.adjusted));

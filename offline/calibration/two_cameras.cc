@@ -9,7 +9,7 @@
 
 #include "calibration/camera_evaluation.h"
 #include "calibration/evenly_chosen.h"
-#include "calibration/starting_camera.h"
+#include "calibration/starting_lens.h"
 #include "dataset/error.h"
 
 namespace raygrid {
@@ -168,7 +168,7 @@ std::vector<FeatureResidual> FullyAdjusted(const Dataset& dataset,
                                            const Pattern& pattern,
                                            const AdjustmentOptions& options) {
   try {
-    Adjusted adjusted = AdjustStart(dataset, pattern, options);
+    Adjusted adjusted = AdjustStartingLens(dataset, pattern, options);
     AdjustModel(pattern, adjusted.state.camera().Name(), {0}, options,
                 &adjusted);
     return ResidualsOf(pattern, adjusted, options.num_threads);

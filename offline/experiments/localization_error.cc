@@ -8,7 +8,7 @@
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
 #include "evaluation/residual_statistics.h"
-#include "features/feature_detection.h"
+#include "features/pattern_detector.h"
 #include "simulation/image_rendering.h"
 #include "simulation/simulated_lenses.h"
 #include "simulation/simulated_observations.h"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "features/feature_detection.h"
+#include "features/pattern_detector.h"
 
 namespace raygrid {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "appearance/board_appearance.h"
-#include "features/feature_detection.h"
+#include "features/pattern_detector.h"
 #include "support.h"
 
 namespace raygrid {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "calibration/model_adjustment.h"
-#include "calibration/starting_camera.h"
+#include "calibration/starting_lens.h"
 #include "dataset/freed_memory.h"
 #include "dataset/parallel_for.h"
 #include "evaluation/model_difference.h"
@@ -76,7 +76,7 @@ Run TimeCalibration(const Case& c, int num_threads) {
   AdjustmentOptions options;
   options.num_threads = num_threads;
   const double start = Now(), start_cpu = CpuSeconds();
-  Adjusted adjusted = AdjustStart(dataset, pattern, options);
+  Adjusted adjusted = AdjustStartingLens(dataset, pattern, options);
   const double middle = Now(), middle_cpu = CpuSeconds();
   AdjustModel(pattern, "central-generic", {c.cell_px}, options, &adjusted);
   AlignBoards(pattern, &adjusted);

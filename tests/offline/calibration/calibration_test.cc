@@ -9,7 +9,7 @@
 
 #include "calibration/camera_evaluation.h"
 #include "calibration/model_adjustment.h"
-#include "calibration/starting_camera.h"
+#include "calibration/starting_lens.h"
 #include "camera/thin_prism_fisheye.h"
 #include "evaluation/line_spread.h"
 #include "evaluation/model_difference.h"
@@ -96,7 +96,7 @@ TEST(AdjustModel, ConvergesWhereFeaturesAreLostAndFound) {
   const RandomCalibration c = MakeRandomCalibration(289, 10, 300);
   AdjustmentOptions options;
   options.num_threads = 2;
-  Adjusted adjusted = AdjustStart(c.dataset, c.pattern, options);
+  Adjusted adjusted = AdjustStartingLens(c.dataset, c.pattern, options);
   AdjustModel(c.pattern, c.model, {0}, options, &adjusted);
   EXPECT_TRUE(adjusted.summary.converged);
 }
@@ -343,7 +343,7 @@ TEST(AdjustModel, ParametricModelsConverge) {
     AdjustmentOptions options;
     options.num_threads = 2;
     options.fix_points = c.flat_board;
-    Adjusted adjusted = AdjustStart(c.dataset, c.pattern, options);
+    Adjusted adjusted = AdjustStartingLens(c.dataset, c.pattern, options);
     AdjustModel(c.pattern, c.model, {0}, options, &adjusted);
     EXPECT_TRUE(adjusted.summary.converged) << seed << ": " << c.model;
   }

@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "calibration/model_adjustment.h"
-#include "calibration/starting_camera.h"
+#include "calibration/starting_lens.h"
 #include "dataset/error.h"
 #include "dataset/freed_memory.h"
 #include "evaluation/residual_statistics.h"
@@ -31,7 +31,7 @@ bool Run(int seed, int num_threads, bool print_steps) {
               c.dataset.num_features(), c.flat_board ? "flat" : "free");
   std::fflush(stdout);
   try {
-    Adjusted adjusted = AdjustStart(c.dataset, c.pattern, options);
+    Adjusted adjusted = AdjustStartingLens(c.dataset, c.pattern, options);
     AdjustModel(c.pattern, c.model, {0}, options, &adjusted);
     std::vector<double> norms;
     for (const Residual& residual : adjusted.summary.residuals)

@@ -13,7 +13,7 @@
 #include "adjustment/covariance.h"
 #include "calibration/camera_trust.h"
 #include "calibration/model_adjustment.h"
-#include "calibration/starting_camera.h"
+#include "calibration/starting_lens.h"
 #include "dataset/parallel_for.h"
 #include "evaluation/model_difference.h"
 #include "evaluation/residual_statistics.h"
@@ -91,7 +91,7 @@ void RunCells(int num_images, int num_draws, int seed, double cell_px) {
   simulation.num_images = num_images;
   simulation.noise_px = 0;
   AdjustmentOptions options;
-  const Adjusted start = AdjustStart(
+  const Adjusted start = AdjustStartingLens(
       SimulateObservations(ExampleSimulatedCamera(), pattern, simulation)
           .dataset,
       pattern, options);

@@ -3,7 +3,7 @@
 #include <cstdlib>
 
 #include "dataset/files.h"
-#include "features/feature_detection.h"
+#include "features/pattern_detector.h"
 #include "support.h"
 
 namespace raygrid {

@@ -1,7 +1,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "dataset/files.h"
-#include "features/feature_detection.h"
+#include "features/pattern_detector.h"
 #include "photographs.h"
 
 namespace raygrid {

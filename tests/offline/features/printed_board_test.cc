@@ -6,7 +6,7 @@
 #include "appearance/board_appearance.h"
 #include "boards_to_print.h"
 #include "dataset/files.h"
-#include "features/feature_detection.h"
+#include "features/pattern_detector.h"
 #include "support.h"
 #include "target/board_sheet.h"
 

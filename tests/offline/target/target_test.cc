@@ -10,7 +10,7 @@
 #include "boards_to_print.h"
 #include "dataset/files.h"
 #include "dataset/pattern.h"
-#include "features/feature_detection.h"
+#include "features/pattern_detector.h"
 #include "simulation/image_rendering.h"
 #include "simulation/simulated_lenses.h"
 #include "support.h"

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "features/feature_detection.h"
+#include "features/pattern_detector.h"
 #include "photographs.h"
 #include "simulation/image_rendering.h"
 #include "simulation/simulated_lenses.h"

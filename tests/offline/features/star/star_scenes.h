@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "features/feature_detection.h"
+#include "features/pattern_detector.h"
 #include "features/star/star_detection.h"
 #include "simulation/image_rendering.h"
 #include "simulation/simulated_lenses.h"

@@ -1,5 +1,5 @@
-#ifndef RAYGRID_FEATURES_FEATURE_DETECTION_H
-#define RAYGRID_FEATURES_FEATURE_DETECTION_H
+#ifndef RAYGRID_FEATURES_PATTERN_DETECTOR_H
+#define RAYGRID_FEATURES_PATTERN_DETECTOR_H
 
 #include <functional>
 #include <memory>
@@ -56,4 +56,4 @@ Dataset DetectFeatures(const std::vector<std::string>& image_paths,
 
 }  // namespace raygrid
 
-#endif  // RAYGRID_FEATURES_FEATURE_DETECTION_H
+#endif  // RAYGRID_FEATURES_PATTERN_DETECTOR_H

@@ -1,4 +1,4 @@
-#include "features/feature_detection.h"
+#include "features/pattern_detector.h"
 
 #include <fmt/format.h>
 

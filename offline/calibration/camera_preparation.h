@@ -1,5 +1,5 @@
-#ifndef RAYGRID_CALIBRATION_CAMERA_START_H
-#define RAYGRID_CALIBRATION_CAMERA_START_H
+#ifndef RAYGRID_CALIBRATION_CAMERA_PREPARATION_H
+#define RAYGRID_CALIBRATION_CAMERA_PREPARATION_H
 
 #include <string>
 
@@ -10,7 +10,7 @@
 namespace raygrid {
 
 /// A camera ready for its model.
-struct CameraStart {
+struct PreparedCamera {
   Split split;               ///< features as measured last
   Adjusted adjusted;         ///< a parametric camera, by the training images
   CalibrationResult result;  ///< what is known so far
@@ -27,10 +27,10 @@ AdjustmentOptions AdjustmentOptionsOf(const CalibrationOptions& options);
 /// Parametric start, features measured again, resolution of the grid.
 /// Cross-validates where it takes this to choose the resolution or, if wanted,
 /// to know the held-out error. Throws Error: kTooFew, kInitialization.
-CameraStart StartCamera(const Dataset& measured, const Pattern& pattern,
-                        const CalibrationOptions& options,
-                        bool want_held_out_error);
+PreparedCamera PrepareCamera(const Dataset& measured, const Pattern& pattern,
+                             const CalibrationOptions& options,
+                             bool want_held_out_error);
 
 }  // namespace raygrid
 
-#endif  // RAYGRID_CALIBRATION_CAMERA_START_H
+#endif  // RAYGRID_CALIBRATION_CAMERA_PREPARATION_H

@@ -1,4 +1,4 @@
-#include "calibration/starting_camera.h"
+#include "calibration/starting_lens.h"
 
 #include <fmt/format.h>
 
@@ -269,8 +269,8 @@ void RequireImages(const CalibrationProblem& problem) {
 
 }  // namespace
 
-Adjusted AdjustStart(const Dataset& dataset, const Pattern& pattern,
-                     const AdjustmentOptions& options) {
+Adjusted AdjustStartingLens(const Dataset& dataset, const Pattern& pattern,
+                            const AdjustmentOptions& options) {
   Adjusted all;
   all.problem = BuildProblem({dataset}, pattern, &all.rejected_images);
   all.rejected_features.resize(1);  // of one camera

@@ -1,11 +1,11 @@
-#include "calibration/camera_start.h"
+#include "calibration/camera_preparation.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "calibration/starting_camera.h"
+#include "calibration/starting_lens.h"
 #include "calibration/stopwatch.h"
 #include "camera/model_fitting.h"
 #include "dataset/error.h"
@@ -71,7 +71,8 @@ std::optional<Dataset> MeasureFeaturesAgain(const Dataset& dataset,
 void ValidateResolutions(const Pattern& pattern,
                          const CalibrationOptions& options,
                          const std::function<void(double)>& progress,
-                         const std::vector<double>& cells, CameraStart* start) {
+                         const std::vector<double>& cells,
+                         PreparedCamera* start) {
   const Dataset& training = start->split.training;
   CrossValidate(
       training, pattern,
@@ -97,7 +98,7 @@ void ValidateResolutions(const Pattern& pattern,
 // them; none if it is told to stop.
 void StartAgain(const Dataset& measured, const Pattern& pattern,
                 const CalibrationOptions& options,
-                const AdjustmentOptions& adjustment, CameraStart* start) {
+                const AdjustmentOptions& adjustment, PreparedCamera* start) {
   const Stopwatch again_time;
   std::optional<Dataset>& again = start->checkpoint.measured_again;
   if (!again)
@@ -107,7 +108,8 @@ void StartAgain(const Dataset& measured, const Pattern& pattern,
   Keep(options, start->checkpoint);
   start->result.measured_again_rms_px = RmsMovePx(measured, *again);
   start->split = SplitImages(*again, options.hold_out);
-  start->adjusted = AdjustStart(start->split.training, pattern, adjustment);
+  start->adjusted =
+      AdjustStartingLens(start->split.training, pattern, adjustment);
   start->result.seconds["measuring_again"] = again_time.Seconds();
 }
 
@@ -151,21 +153,22 @@ AdjustmentOptions AdjustmentOptionsOf(const CalibrationOptions& options) {
   return adjustment;
 }
 
-CameraStart StartCamera(const Dataset& measured, const Pattern& pattern,
-                        const CalibrationOptions& options,
-                        bool want_held_out_error) {
+PreparedCamera PrepareCamera(const Dataset& measured, const Pattern& pattern,
+                             const CalibrationOptions& options,
+                             bool want_held_out_error) {
   const auto report = [&options](const std::string& stage, double done) {
     if (options.progress) options.progress(stage, done);
   };
   const AdjustmentOptions adjustment = AdjustmentOptionsOf(options);
-  CameraStart start;
+  PreparedCamera start;
   CalibrationResult& result = start.result;
   if (options.resume) start.checkpoint = *options.resume;
 
   report("start", 0);
   const Stopwatch start_time;
   start.split = SplitImages(measured, options.hold_out);
-  start.adjusted = AdjustStart(start.split.training, pattern, adjustment);
+  start.adjusted =
+      AdjustStartingLens(start.split.training, pattern, adjustment);
   if (!options.any_distance) AskAboutDistance(start.adjusted);
   result.seconds["start"] = start_time.Seconds();
 

@@ -1,0 +1,16 @@
+#ifndef RAYGRID_CALIBRATION_STARTING_LENS_H
+#define RAYGRID_CALIBRATION_STARTING_LENS_H
+
+#include "calibration/model_adjustment.h"
+#include "dataset/dataset.h"
+
+namespace raygrid {
+
+/// A starting lens from nothing but the observations, adjusted. Throws Error:
+/// kTooFew, kInitialization.
+Adjusted AdjustStartingLens(const Dataset& dataset, const Pattern& pattern,
+                            const AdjustmentOptions& options);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CALIBRATION_STARTING_LENS_H
