@@ -1,5 +1,3 @@
-#include "initialization/localization.h"
-
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
@@ -9,6 +7,7 @@
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
 #include "experiments/calibrated_cameras.h"
+#include "initialization/localization.h"
 #include "simulation/random.h"
 
 namespace raygrid {
