@@ -10,9 +10,10 @@
 #define RG_PORTABLE_KERNELS 0
 #endif
 
-/* Where stacks are large, what a block's parts have in common is kept from one
- * to the next, and both coordinates of two positions are computed together.
- * Defined as 0, all files are compiled for the small walk. */
+/* RG_KEEP_LINES is 1 where stacks are large. What a block's parts have in
+ * common is then kept from one to the next, and both coordinates of two
+ * positions are computed together. Where it is defined as 0, all files are
+ * compiled for the small walk. */
 #if !defined(RG_KEEP_LINES)
 #if defined(__GNUC__) &&                                            \
     (defined(__linux__) || defined(__LP64__) || defined(_WIN64)) && \

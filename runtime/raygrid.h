@@ -113,8 +113,8 @@ rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
 uint32_t rg_unproject_batch(const rg_camera* camera, const rg_pixel* pixels,
                             rg_ray* rays, uint32_t num_pixels);
 
-/* The same for a row of pixels: first, and those to the right of it, one pixel
- * apart. */
+/* rg_unproject_batch() for a row of pixels: first, and those to the right of
+ * it, one pixel apart. */
 uint32_t rg_unproject_row(const rg_camera* camera, rg_pixel first, rg_ray* rays,
                           uint32_t num_pixels);
 
@@ -246,11 +246,11 @@ rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
 uint32_t rg_undistort_points(const rg_camera* camera, const rg_pixel* pixels,
                              rg_pixel* undistorted, uint32_t num_points);
 
-/* What frames hold; the undistorted frame holds the same. The order of colours
- * does not matter: the names in brackets are the same to this library. Samples
- * of more than 8 bits are little-endian. Packed ones are as on CSI-2. Sizes of
- * formats from YUYV on are even; of 10-bit packed ones multiples of 4, of
- * 12-bit packed ones of 2. */
+/* The contents of frames; the undistorted frame holds the same. The order of
+ * colours does not matter: the names in brackets are the same to this library.
+ * Samples of more than 8 bits are little-endian. Packed ones are as on CSI-2.
+ * Sizes of formats from YUYV on are even; of 10-bit packed ones multiples of 4,
+ * of 12-bit packed ones of 2. */
 typedef enum rg_format {
   RG_FORMAT_GREY8,   /* GREY, R8 */
   RG_FORMAT_GREY16,  /* Y10, Y12, Y14, Y16: in the low bits of 16 */
@@ -284,7 +284,7 @@ typedef struct rg_image {
   } planes[3];
 } rg_image;
 
-/* What becomes of pixels that the camera does not see, or that lie outside the
+/* The values of pixels that the camera does not see, or that lie outside the
  * calibrated area. */
 typedef enum rg_border {
   RG_BORDER_VALUE, /* border_values */

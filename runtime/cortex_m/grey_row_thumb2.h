@@ -41,7 +41,7 @@
   "subs r0, r0, r2\n\t"         \
   "adds r1, r1, r3\n\t"
 
-/* Where a field of a run is, in bytes. */
+/* The offset of a run's field from its block's corners, in bytes. */
 #define RG_FROM_CORNERS(field) \
   ((int)offsetof(rg_run, field) - (int)offsetof(rg_run, block.corners))
 

@@ -1,5 +1,5 @@
-/* What the board gives to stream_bands.c: the blob, in flash, and the ways of
- * rows in and out. */
+/* Rows in and out of stream_bands.c: the functions that the board gives, and
+ * the one that it calls. */
 #ifndef RAYGRID_STREAM_BANDS_H
 #define RAYGRID_STREAM_BANDS_H
 

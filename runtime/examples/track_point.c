@@ -1,5 +1,6 @@
-/* Where a far point comes to lie when the camera turns, as a gyroscope says: a
- * tracker looks for it there, and as far around as the camera is uncertain.
+/* Finds where a far point comes to lie when the camera turns, as a gyroscope
+ * says: a tracker looks for it there, and as far around as the camera is
+ * uncertain.
  *   track_point BLOB X Y YAW_DEG PITCH_DEG */
 #include <math.h>
 #include <stdio.h>

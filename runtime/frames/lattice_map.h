@@ -1,4 +1,4 @@
-/* Where the pixels of a lattice come from, in the lattice's own pixels:
+/* The source positions of a lattice's pixels, in the lattice's own pixels:
  * formats/SPEC.md, "Lattices". */
 #ifndef RAYGRID_LATTICE_MAP_H
 #define RAYGRID_LATTICE_MAP_H
@@ -49,12 +49,12 @@ static inline uint8_t rg_part_log2(const uint8_t* section,
 void rg_move_corners(const rg_lattice* lattice, uint32_t part_width_log2,
                      rg_position corners[4]);
 
-/* The same, and its size. */
+/* The corners of a part, as the lattice has them, and the part's size. */
 void rg_lattice_block(const rg_lattice* lattice, rg_block* block);
 
 #if RG_KEEP_LINES
 
-/* What a lattice does to the corners of parts: rg_lattice_block(). */
+/* The change that a lattice makes to corners of parts: rg_lattice_block(). */
 typedef struct rg_lattice_lanes {
   rg_lanes offset, is_coarse; /* of a coordinate: half pixels; all bits where
                                  the lattice has fewer pixels */

@@ -12,7 +12,7 @@ static const uint32_t kLattices[] = {
     01011111101, 02011111101, 00021110002, /* 14: Bayer */
     00121112002, 00021110212, 00121112212};
 
-/* Of each rg_format. */
+/* The sample kind and the lattices of each rg_format. */
 #define FORMAT(kind, first_lattice, num_lattices) \
   ((kind) << 6 | ((num_lattices)-1) << 4 | (first_lattice))
 static const uint8_t kFormats[RG_NUM_FORMATS] = {

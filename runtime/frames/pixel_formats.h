@@ -1,7 +1,6 @@
-/* What the samples of a frame are: lattices. A lattice is a regular grid of
- * samples of one kind that is remapped onto itself: the luma of NV12, its
- * chroma pairs, or one of the four colours of a Bayer frame. formats/SPEC.md,
- * "Lattices". */
+/* The samples of a frame, as lattices. A lattice is a regular grid of samples
+ * of one kind that is remapped onto itself: the luma of NV12, its chroma pairs,
+ * or one of the four colours of a Bayer frame. formats/SPEC.md, "Lattices". */
 #ifndef RAYGRID_PIXEL_FORMATS_H
 #define RAYGRID_PIXEL_FORMATS_H
 
@@ -78,7 +77,7 @@ static inline void rg_store_sample(uint32_t kind, uint8_t* row, uint32_t index,
   }
 }
 
-/* The same, out of line. */
+/* rg_store_sample(), out of line. */
 void rg_put_sample(uint32_t kind, uint8_t* row, uint32_t index, uint32_t value);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* Where planes of frames lie in memory. */
+/* The places of frames' planes in memory. */
 #ifndef RAYGRID_PLANES_H
 #define RAYGRID_PLANES_H
 

@@ -6,9 +6,9 @@
 
 /* ---- Whole lattices ------------------------------------------------------ */
 
-/* Of a ring, the rows from one multiple of its size to the next follow each
- * other in memory: from the first one of those that the block's top lies in,
- * so many. */
+/* Rows of a ring, from one multiple of its size to the next, follow each other
+ * in memory. Returns how many of these lie around the block's top, and the
+ * first one. */
 static RG_INLINE uint32_t find_ring_rows(const rg_remap_job* job, int32_t top,
                                          uint32_t* first) {
   const uint32_t row = top < 0 ? 0 : (uint32_t)top >> 12;
@@ -86,7 +86,7 @@ static RG_SHARED int32_t nearest_source(const rg_remap_job* job, int32_t q12,
                   (job->size[c] - 1) << 12);
 }
 
-/* What lies around a position; neighbours beyond the last have weight zero. */
+/* The neighbours around a position; those beyond the last have weight zero. */
 static RG_INLINE void find_neighbors(const rg_remap_job* job,
                                      const rg_position* position,
                                      rg_neighbors* at) {
@@ -149,7 +149,7 @@ static RG_INLINE void remap_run(rg_remap_job* job, rg_care care) {
 
 #else
 
-/* The same of a part that asks for no care. */
+/* The neighbours around a position of a part that asks for no care. */
 static RG_INLINE void find_safe_neighbors(const rg_remap_job* job,
                                           const rg_position* position,
                                           rg_neighbors* at) {
@@ -164,8 +164,8 @@ static RG_INLINE void find_safe_neighbors(const rg_remap_job* job,
   }
 }
 
-/* What has no built-in kernel, and what asks for care: pixel by pixel, in one
- * function, which takes less stack. */
+/* Does pixels one by one, where no kernel is built in or the run asks for care.
+ * One function for both takes less stack. */
 static RG_NOINLINE void remap_pixels(rg_remap_job* job) {
   rg_block_row row;
   rg_neighbors at;
@@ -282,7 +282,8 @@ static RG_NOINLINE rg_status find_plane(const rg_lattice* lattice,
              : RG_OK;
 }
 
-/* Of image and target, whose formats, sizes and rows are right. */
+/* Checks the planes of image and target, whose formats, sizes and rows are
+ * right. */
 static RG_NOINLINE rg_status check_planes(const uint8_t* section,
                                           const rg_image* image,
                                           const rg_target* target) {

@@ -7,7 +7,8 @@
 static inline int32_t min_of(int32_t a, int32_t b) { return a < b ? a : b; }
 static inline int32_t max_of(int32_t a, int32_t b) { return a > b ? a : b; }
 
-/* What positions ask for, coordinate c of which lies between two values. */
+/* The care that positions ask for, coordinate c of which lies between two
+ * values. */
 static RG_INLINE rg_care find_axis_care(const rg_remap_job* job, int c,
                                         int32_t low, int32_t high) {
   const rg_range source = job->ranges[c];
@@ -24,7 +25,7 @@ static RG_INLINE rg_care find_axis_care(const rg_remap_job* job, int c,
              : RG_CARE_NONE;
 }
 
-/* What positions ask for that lie between some: the greater care of both
+/* The care that positions between some others ask for: the greater care of both
  * coordinates. */
 static RG_INLINE rg_care find_care(const rg_remap_job* job,
                                    const rg_position* p, uint32_t num) {
@@ -119,7 +120,7 @@ static rg_safe_box find_safe_box(const rg_remap_job* job) {
   return box;
 }
 
-/* Of the part at hand. */
+/* The care that the part at hand asks for. */
 static RG_INLINE rg_care find_part_care(const rg_remap_job* job) {
   if (job->walk.is_empty && !job->walk.is_clamped) return RG_CARE_NO_SOURCE;
   if (rg_is_part_safe(job)) return RG_CARE_NONE;

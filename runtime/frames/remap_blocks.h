@@ -19,7 +19,7 @@ extern "C" {
  * than a position is rounded by, in q12. */
 #define RG_POSITION_MARGIN 64
 
-/* What the pixels of a run ask for. */
+/* The care that the pixels of a run ask for. */
 typedef enum rg_care {
   RG_CARE_NONE,     /* their neighbours lie in the source, in rows that follow
                        each other in memory, and so do the spare rows */
@@ -29,11 +29,12 @@ typedef enum rg_care {
   RG_CARE_NO_SOURCE /* none has */
 } rg_care;
 
-/* What is done with a run. */
+/* A function that is called for each run, with the care that it asks for. */
 typedef void rg_do_run(struct rg_remap_job* job, rg_care care);
 
 #if RG_KEEP_LINES
-/* Where a part's corners ask for no care: nowhere, if the source is a ring. */
+/* The box of positions in which a part's corners ask for no care. No position
+ * lies in it if the source is a ring. */
 typedef struct rg_safe_box {
   rg_lanes min, max;
 } rg_safe_box;
@@ -86,7 +87,7 @@ typedef struct rg_lattice_job {
 #endif
 } rg_lattice_job;
 
-/* Of a job that has one. */
+/* The lattice of a job that has one. */
 static RG_INLINE const rg_lattice* rg_lattice_of(const rg_remap_job* job) {
 #if RG_KEEP_LINES
   return job->lattice;
@@ -126,7 +127,7 @@ static RG_INLINE void rg_set_source(rg_remap_job* job, uint32_t width,
 }
 
 #if RG_KEEP_LINES
-/* What rg_start_rows() does for speed. */
+/* The work that rg_start_rows() does for speed. */
 void rg_start_lanes(rg_remap_job* job);
 #endif
 
@@ -148,8 +149,9 @@ static RG_INLINE void rg_set_ranges(rg_lattice_job* whole) {
 
 #endif
 
-/* What the job needs of the table, for any rows. It holds its kernels, sizes,
- * and the walk's section and is_clamped; and of the run, strides and data. */
+/* Sets what the job needs of the table, for any rows. The job holds its
+ * kernels, sizes, and the walk's section and is_clamped; and of the run,
+ * strides and data. */
 static RG_INLINE void rg_set_table(rg_remap_job* job,
                                    const rg_lattice* lattice) {
   const uint8_t* const section = job->walk.section;
@@ -247,7 +249,7 @@ static RG_INLINE int rg_is_part_safe(const rg_remap_job* job) {
   const rg_position* const corners = job->run.block.corners;
   if (!RG_ALL_BUILT_IN)
     return rg_have_sources(job, corners, 4, RG_LATTICE_MARGIN);
-  /* As such kernels are fast, this is to be so as well. */
+  /* Built-in kernels are fast, so that this check is to be fast as well. */
   for (int c = 0; c < 2; ++c) {
     const uint8_t* const range = job->ranges + 4 * c;
     const int32_t min = rg_load_i32(range) + RG_LATTICE_MARGIN;
@@ -263,9 +265,10 @@ static RG_INLINE int rg_is_part_safe(const rg_remap_job* job) {
 /* The part, pixel by pixel. */
 void rg_do_pixels(rg_remap_job* job, rg_do_pixel* on_pixel);
 
-/* The same with less code but more stack, and nothing of the corners left; or,
- * if on_pixel is NULL, by the kernel for grey pixels, where none is built in.
- * The run's out begins with the part's first pixel, and is counted from it. */
+/* Does a part with less code than rg_do_pixels() but more stack, and leaves
+ * nothing of the corners. If on_pixel is NULL, the kernel for grey pixels does
+ * it, where none is built in. The run's out begins with the part's first pixel,
+ * and is counted from it. */
 void rg_do_rows(rg_remap_job* job, rg_do_pixel* on_pixel);
 
 /* By the kernel for so many channels, of a part that asks for no care; 0 if
@@ -318,8 +321,8 @@ static RG_INLINE void rg_find_corners(rg_remap_job* job) {
   rg_store_corners(upper, lower, job->run.block.corners);
 }
 
-/* As rg_next_part(), where neither the part at hand, which was done in one run,
- * nor the next one is cut off by the right border; else 0. */
+/* Goes on as rg_next_part() does if neither the part at hand, which was done in
+ * one run, nor the next one is cut off by the right border; else returns 0. */
 static RG_INLINE int rg_next_whole_part(rg_remap_job* job) {
   if (job->part_pixels != 0 || job->walk.next_part >= job->whole_parts)
     return 0;
@@ -340,7 +343,7 @@ static RG_INLINE int rg_is_part_safe(const rg_remap_job* job) {
   return (beyond[0] | beyond[1]) == 0 && !job->walk.is_empty;
 }
 
-/* What does so for the job's parts; NULL if nothing does. */
+/* The kernel that blends the safe parts of a row; NULL if none does. */
 static RG_INLINE rg_blend_parts* rg_find_blend_parts(
     const rg_remap_job* job, const rg_lattice* lattice) {
 #if RG_CHOOSE_KERNELS
@@ -355,7 +358,7 @@ static RG_INLINE rg_blend_parts* rg_find_blend_parts(
   return 0;
 }
 
-/* As rg_blend_parts, for parts of any size and the job's lattice. */
+/* An rg_blend_parts for parts of any size and the job's lattice. */
 static RG_INLINE int rg_do_safe_parts(rg_remap_job* job,
                                       const rg_lattice* lattice,
                                       rg_sampling sampling) {

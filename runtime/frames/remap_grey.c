@@ -72,7 +72,7 @@ static RG_INLINE void do_grey_part(rg_remap_job* job) {
 #endif
 }
 
-/* What rg_next_part() does, in place. */
+/* Remaps a band, with the steps of rg_next_part() in place. */
 static RG_INLINE void do_grey_band(rg_remap_job* job, const rg_frame* frame,
                                    const rg_band* band) {
   rg_run* const run = &job->run;

@@ -16,8 +16,8 @@ static RG_INLINE void rg_put(const rg_lattice* lattice, uint8_t* row,
     rg_put_sample(lattice->kind, row, index, value);
 }
 
-/* Of channels of 8 bits that fill the plane: 8 bytes at once, which begin with
- * the first channel again after three such steps at most. */
+/* Fills pixels whose channels of 8 bits fill the plane: 8 bytes at once, which
+ * begin with the first channel again after three such steps at most. */
 static inline void rg_fill_bytes(const rg_run* run, uint32_t channels,
                                  const uint16_t* values) {
   uint8_t pattern[24];

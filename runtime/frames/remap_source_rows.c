@@ -53,7 +53,7 @@ static void add_pixel(rg_remap_job* job, const rg_position* position,
 
 void rg_start_lattice(rg_remap_job* job, const rg_camera* camera,
                       uint32_t first_row, uint32_t num_rows) {
-  /* Of a table that is too narrow for it, a lattice has no pixels. */
+  /* A lattice has no pixels if the table is too narrow for it. */
   if (rg_load_u16(job->walk.section) >> rg_lattice_of(job)->log2[0] == 0)
     num_rows = 0;
   rg_set_source(job, camera->width, camera->height);

@@ -31,7 +31,7 @@ void rg_start_columns(rg_block_walk* walk) {
     walk->bend_shift[axis] = bend_shift + walk->part_log2[axis];
   }
   for (int k = 0; k < 4; ++k) {
-    /* Of pairs of 32 bits: origin, column_step, row_step. */
+    /* Fields that are pairs of 32 bits: origin, column_step, row_step. */
     const uint8_t* const affine = section + 28 + 4 * (k & 1);
     const uint32_t row = j + (uint32_t)(k >> 1);
     walk->plane[k] = rg_load_u32(affine) + row * rg_load_u32(affine + 16);

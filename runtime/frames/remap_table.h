@@ -1,5 +1,5 @@
-/* Where the pixels of a block come from: formats/SPEC.md, "Remap arithmetic".
- * All positions are q12 source pixels. */
+/* The source positions of a block's pixels: formats/SPEC.md, "Remap
+ * arithmetic". All positions are q12 source pixels. */
 #ifndef RAYGRID_REMAP_TABLE_H
 #define RAYGRID_REMAP_TABLE_H
 
@@ -52,7 +52,8 @@ typedef struct rg_block {
 #endif
 
 #if !RG_KEEP_LINES
-/* Of a part on an axis, in q16 blocks: what is before it, and its size. */
+/* The extent of a part on an axis, in q16 blocks: what is before it, and its
+ * size. */
 typedef struct rg_span {
   uint32_t before, size;
 } rg_span;
@@ -79,8 +80,9 @@ typedef struct rg_block_walk {
   rg_modular_lanes column_step; /* of that */
   rg_lanes line, rest;          /* the lines above and below the row of parts,
                                    counted in the block from above and below */
-  /* Of the lines: where they leave the last part; and where, times the number
-   * of parts, and rounded; how that changes to the next part; how that does. */
+  /* The lines at the last part's end: right has their positions; sums are these
+   * times the number of parts, and rounded; steps change sums to the next part,
+   * and turns change steps. */
   rg_lanes right, sums, steps, turns;
 #else
   uint8_t is_void;    /* all of the lattice's are, whatever the table says */
@@ -125,7 +127,7 @@ static RG_INLINE void rg_set_parts(rg_block_walk* walk, uint32_t width_log2,
 #endif
 }
 
-/* Both. */
+/* Sets the section and the parts' size, and goes to the first part of row j. */
 static inline void rg_start_walk(const uint8_t* section, uint32_t width_log2,
                                  uint32_t height_log2, uint32_t j,
                                  rg_block_walk* walk) {
@@ -139,7 +141,7 @@ void rg_next_block(rg_block_walk* walk, rg_block* block);
 
 #if !RG_KEEP_LINES
 
-/* The same, but for the part's size. */
+/* The corners of the part, without its size, and on to the next one. */
 void rg_next_corners(rg_block_walk* walk, rg_position corners[4]);
 
 #else
@@ -158,7 +160,7 @@ static RG_INLINE rg_lanes rg_twice_pair(rg_lanes lanes, uint32_t k) {
   return (rg_lanes)both;
 }
 
-/* Where the lines cross edges from one position to the other. */
+/* The points where the lines cross edges from one position to the other. */
 static RG_INLINE rg_lanes rg_cross_edges(const rg_block_walk* walk,
                                          rg_lanes edges, rg_lanes bends) {
   const int32_t log2 = walk->num_log2[1];
@@ -216,8 +218,8 @@ static RG_INLINE void rg_enter_block(rg_block_walk* walk) {
 
 void rg_start_block(rg_block_walk* walk);
 
-/* As rg_next_block(), behind the first column: the corners on the line above
- * and on that below. */
+/* Goes on as rg_next_block() does, behind the first column: the corners on the
+ * line above and on that below. */
 static RG_INLINE void rg_next_corners(rg_block_walk* walk, rg_lanes* upper,
                                       rg_lanes* lower) {
   const int32_t log2 = walk->num_log2[0];

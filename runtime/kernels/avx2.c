@@ -44,7 +44,8 @@ INLINE __m256i lane_pixels(layout l) {
   return LANES(0, 0, 1, 1, 2, 2, 3, 3);
 }
 
-/* Where the window of each lane has the first pixel's left and right sample. */
+/* The bytes of each lane's window with the first pixel's left and right sample.
+ */
 INLINE __m256i lane_offsets(layout l) {
   if (l.channels == 1 && l.is_halved)
     return LANES(0x100, 0x100, 0x100, 0x100, 0x908, 0x908, 0x908, 0x908);
@@ -68,8 +69,8 @@ INLINE __m256i choose(__m256i a, __m256i b, __m256i mask) {
 
 /* ---- Positions ----------------------------------------------------------- */
 
-/* What a run's rows have in common: read once, as stores to the output might
- * change the run for all that the compiler knows. */
+/* The source of a run, and what its rows have in common. It is read once, as
+ * stores to the output might change the run for all that the compiler knows. */
 typedef struct run_source {
   const uint8_t* data;
   size_t stride, out_stride;
@@ -111,7 +112,7 @@ INLINE run_source find_source(const rg_run* run) {
   return s;
 }
 
-/* Where 8 rows start, x + 16 and y, and their steps. */
+/* The starts of 8 rows, x + 16 and y, and their steps. */
 typedef struct tile {
   __m256i x, y, step_x, step_y;
 } tile;
@@ -161,12 +162,12 @@ INLINE __m256i find_offsets(const run_source* s, __m256i x, __m256i y,
                                    : _mm256_add_epi32(twice, twice));
 }
 
-/* What memory is asked for: bytes away from what a row reads and writes. */
+/* The memory that is asked for: bytes away from what a row reads and writes. */
 typedef struct outlook {
   ptrdiff_t source, out;
 } outlook;
 
-/* Of the second tile below, which is far enough ahead for memory, and rows
+/* The outlook to the second tile below: far enough ahead for memory, and rows
  * seldom turn that much. Large parts of many channels fill the nearest cache in
  * between: there, to the right. first, last: offsets of a tile's rows. */
 INLINE outlook find_outlook(const run_source* s, uint32_t first, uint32_t last,
@@ -217,7 +218,7 @@ INLINE __m256i blend_down(__m256i upper, __m256i lower, __m256i wy_q15) {
 
 /* ---- By windows ---------------------------------------------------------- */
 
-/* Of the windows of a segment: where they start, and x in q12 and y in q15 of
+/* The windows of a segment: where they start, and x in q12 and y in q15 of
  * their first pixels from there, in the low and the high half. Those of a row
  * follow each other. */
 typedef struct window_starts {

@@ -14,11 +14,12 @@ RG_BEGIN_FEATURES("avx512f,avx512bw,avx512vl,avx512dq,avx512vbmi,avx512vbmi2")
 
 #define INLINE static inline __attribute__((always_inline))
 
-/* What is found together: so many pixels of so many rows. */
+/* The size of a tile: so many pixels of so many rows, which are found together.
+ */
 #define TILE_PIXELS 8u
 #define TILE_ROWS 8u
 
-/* Of rows, in bytes, that offsets are found for. */
+/* The largest stride of rows, in bytes, that offsets are found for. */
 #define MAX_STRIDE (1u << 18)
 
 /* How far to the right memory is asked for: bytes of a row. */
@@ -65,7 +66,7 @@ INLINE bytes_64 byte_numbers(void) {
   return n;
 }
 
-/* Of a set: words of a tile, of another one for the second half. */
+/* The words of a tile that a set takes; of another tile for the second half. */
 INLINE __m512i x_words(uint32_t set, layout l) {
   const words_32 n = lane_numbers();
   const words_32 other = num_halves(l) == 2 ? (n & 4) * 8 : n & 0;
@@ -76,7 +77,7 @@ INLINE __m512i y_words(uint32_t set, layout l) {
   return (__m512i)((words_32)x_words(set, l) + 16);
 }
 
-/* Of a group: words of its set. */
+/* The words of its set that a group takes. */
 INLINE words_32 pixel_words(uint32_t pair, uint32_t half, layout l) {
   const words_32 n = lane_numbers();
   const uint16_t first = (uint16_t)(16 * pair + 4 * half);
@@ -107,7 +108,8 @@ INLINE __m512i fill(uint32_t value) {
 
 /* ---- Positions ----------------------------------------------------------- */
 
-/* Of 8 rows, in 32 bits: x + 16 in the low half and y in the high. */
+/* The starts and steps of 8 rows, in 32 bits: x + 16 in the low half and y in
+ * the high. */
 typedef struct tile {
   __m512i start, step;
 } tile;
@@ -135,7 +137,7 @@ INLINE __m512i spread(rg_lanes two, int32_t k) {
                                   _mm512_castsi128_si512((__m128i)two));
 }
 
-/* Where rows r of the block meet the left (0) or right (1) edge. */
+/* The points where rows r of the block meet the left (0) or right (1) edge. */
 INLINE __m512i find_edge(const rg_run* run, rg_lanes upper, rg_lanes lower,
                          int32_t k, __m512i r, layout l) {
   const __m512i down = _mm512_mullo_epi32(spread(lower - upper, k), r);
@@ -188,8 +190,8 @@ INLINE source_steps find_source_steps(const rg_run* run, layout l) {
   return s;
 }
 
-/* Where the boxes of a tile's groups, or of those of a half, have their rows:
- * the upper half of each, and the lower halves. */
+/* The offsets of the rows of the boxes of a tile's groups, or of those of a
+ * half: the upper half of each, and the lower halves. */
 typedef struct boxes {
   int32_t upper[8], lower[8];
 } boxes;
@@ -285,8 +287,8 @@ INLINE lane_steps find_lane_steps(__m512i step, __m512i pixels, uint32_t set,
   return steps;
 }
 
-/* Of each pixel: bytes from its box's start, weights of the left and right
- * sample, and of the lower row. */
+/* Each pixel of a set: bytes from the start of its box, weights of the left and
+ * right sample, and of the lower row. */
 typedef struct set {
   __m512i offset, weights, wy_q15;
 } set;
@@ -358,7 +360,7 @@ INLINE __m512i blend_group(const uint8_t* data, const boxes* b, const set* s,
 
 /* ---- Output -------------------------------------------------------------- */
 
-/* Where the rows of a tile go: up to 32 bytes each. */
+/* The output of a tile's rows: up to 32 bytes each. */
 typedef struct tile_output {
   uint8_t* out;
   size_t stride;
@@ -451,7 +453,7 @@ INLINE void look_on(const uint8_t* data, const boxes* b, const tile_output* t) {
 
 /* ---- Tiles --------------------------------------------------------------- */
 
-/* What the tiles of some rows have in common. */
+/* The steps that the tiles of some rows have in common. */
 typedef struct tile_row {
   lane_steps upper, lower; /* of both sets */
   /* From the first pixel to the last, to the last of the first half, and to the

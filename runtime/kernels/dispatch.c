@@ -49,7 +49,8 @@ static int has_sse4(void) {
          (c & bit_SSSE3) != 0;
 }
 
-/* What kernels/avx512.c is compiled for, and AVX2, which it falls back on. */
+/* Whether there is all that kernels/avx512.c is compiled for, and AVX2, which
+ * it falls back on. */
 static int has_avx512(void) {
   const uint32_t needed =
       bit_AVX512F | bit_AVX512DQ | bit_AVX512BW | bit_AVX512VL;

@@ -198,7 +198,7 @@ static RG_INLINE int rg_has_turns(rg_blended rounding) {
   return rounding >> (8 * sizeof(rg_blended) - 1) != 0;
 }
 
-/* Where an odd row enters the loop at its middle. */
+/* Whether an odd row enters the loop at its middle. */
 #define RG_ENTERS_LOOP (!RG_IS_FAST && !RG_KEEP_LINES)
 
 /* The rounding that a row of so many pixels begins with. */
@@ -231,8 +231,8 @@ static RG_INLINE void rg_blend_grey_row(const rg_run* run,
   } while (rg_has_turns(rounding));
 }
 
-/* What is done with rows: the kernel, which begins with a rounding; or, if that
- * is 0, their pixels one by one. */
+/* Rows that are to be done by the kernel, which begins with a rounding; or, if
+ * that is 0, pixel by pixel. */
 typedef struct rg_grey_rows {
   rg_position* corners; /* of a job's block, as edges */
   rg_do_pixel* on_pixel;

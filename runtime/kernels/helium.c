@@ -15,9 +15,9 @@
 
 #define ROWS 4
 
-/* What a row begins with: where the least x and y of a first segment lie, the
- * steps, and how far these are from its first lane. Of ROWS rows at once, and
- * so ROWS apart. */
+/* The values that a row begins with: where the least x and y of a first segment
+ * lie, the steps, and how far these are from its first lane. ROWS rows have
+ * them at once, so that they are ROWS apart. */
 enum {
   X = 0 * ROWS,
   STEP_X = 1 * ROWS,

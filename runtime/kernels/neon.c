@@ -18,8 +18,8 @@ typedef struct layout {
 static const uint16_t kLanePixels[2][8] = {{0, 1, 2, 3, 4, 5, 6, 7},
                                            {0, 0, 0, 0, 1, 1, 1, 1}};
 
-/* Where the window has the left samples of a segment's first pixel, and the
- * right ones. */
+/* The bytes of the window with the left samples of a segment's first pixel, and
+ * with the right ones. */
 static const uint8_t kLaneOffsets[2][16] = {
     {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1},
     {0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 6, 7, 4, 5, 6, 7}};
@@ -69,9 +69,9 @@ INLINE row_line next_row(row_steps* rows) {
 
 #define MAX_PIXELS 32 /* of a row */
 
-/* Where the windows of a row's segments start: at the first lane's x and the
- * least y of the lanes; and where the first lane is from there, x in q12 and y
- * in q15. */
+/* The windows of a row's segments, which start at the first lane's x and the
+ * least y of the lanes; and the first lane from there, x in q12 and y in q15.
+ */
 typedef struct row_segments {
   uint32_t offsets[MAX_PIXELS / 2];
   uint16_t starts[MAX_PIXELS / 2][2];
@@ -150,7 +150,7 @@ INLINE lanes cut(uint16x8_t x_q12, uint16x8_t y_q15) {
   return cut;
 }
 
-/* What the segments of a run, and of a row, have in common. */
+/* The constants that the segments of a run, and of a row, have in common. */
 typedef struct segment_constants {
   const uint8_t *row0, *row1, *row2; /* the first ones */
   uint8x16_t offsets;

@@ -21,7 +21,8 @@ static const uint16_t kLanePixels[4][8] = {{0, 1, 2, 3, 4, 5, 6, 7},
                                            {0, 0, 0, 1, 1, 1, 1, 1},
                                            {0, 0, 0, 0, 1, 1, 1, 1}};
 
-/* Likewise: where the window has the first pixel's left sample. */
+/* By channels less 1: the byte of the window with the first pixel's left
+ * sample, for each lane. */
 static const uint8_t kLaneOffsets[4][8] = {{0, 0, 0, 0, 0, 0, 0, 0},
                                            {0, 1, 0, 1, 0, 1, 0, 1},
                                            {0, 1, 2, 0, 1, 2, 2, 2},

@@ -55,8 +55,8 @@ static RG_INLINE void do_rows(const rg_run* run, const rg_lattice* lattice,
                               int is_copy) {
   rg_edges edges;
 #if RG_IS_FAST
-  /* Of its own, which no byte that is stored can be part of. Value by value:
-   * some were stored just now, by themselves. */
+  /* A copy of the run, which no byte that is stored can be part of. It is made
+   * value by value, as some were stored just now, by themselves. */
   rg_run own;
   own.data = run->data;
   own.stride = run->stride;

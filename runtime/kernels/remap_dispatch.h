@@ -4,8 +4,8 @@
 
 #include "kernels/remap_kernels.h"
 
-/* Where there is room for several: chosen when the program runs. The small walk
- * knows no spare rows. */
+/* RG_CHOOSE_KERNELS is 1 where there is room for several kernels: they are
+ * chosen when the program runs. The small walk knows no spare rows. */
 #if RG_KEEP_LINES && !RG_PORTABLE_KERNELS &&                               \
     ((defined(__x86_64__) && defined(__SSE2__)) || defined(__aarch64__) || \
      (defined(__linux__) && (defined(__arm__) || defined(__riscv))))

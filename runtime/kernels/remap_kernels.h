@@ -46,13 +46,14 @@ static RG_INLINE void rg_find_run_row(const rg_run* run, uint32_t r,
   rg_move_to_run(run, row);
 }
 
-/* What kernels may read beyond what they need: the row below a pixel's lower
+/* Kernels may read beyond what they need: the row below a pixel's lower
  * neighbours, and bytes of the row below that. */
 #define RG_SPARE_Q12 (2 * 4096)
 #define RG_MIN_STRIDE 32u
 
-/* What pixels of the block's upper (0) and lower (1) edge are apart. Steps of
- * rows lie between these but for rounding, which is less than 2. */
+/* The step between neighbouring pixels of the block's upper (0) or lower (1)
+ * edge. Steps of rows lie between these but for rounding, which is less than 2.
+ */
 static inline int32_t rg_edge_step(const rg_run* run, uint32_t k, int c) {
   const rg_position* const edge = run->block.corners + 2 * k;
   return (edge[1].q12[c] - edge[0].q12[c]) >> run->block.width_log2;
@@ -93,7 +94,7 @@ static inline int rg_fits_offsets(const rg_run* run, uint32_t num_pixels,
   return 1;
 }
 
-/* What is done with a pixel of the output that comes from a position. */
+/* A function that does a pixel of the output, which comes from a position. */
 struct rg_remap_job;
 typedef void rg_do_pixel(struct rg_remap_job* job, const rg_position* position,
                          uint32_t out_pixel);
@@ -170,7 +171,7 @@ static inline uint32_t rg_odd_bytes(uint32_t bytes) {
 #endif
 }
 
-/* What both roundings of a blended pixel of 8 bits are together. */
+/* The sum of both roundings of a blended pixel of 8 bits. */
 #define RG_ROUNDING_8 UINT32_C(0x407ff)
 
 /* With weights across, up to 128, and down, up to 4096; both roundings in one.
@@ -200,7 +201,7 @@ static inline uint32_t rg_rounding(uint32_t kind, int c) {
   return kind != RG_SAMPLE_8 ? 8 : c == 0 ? 16 : 0;
 }
 
-/* Of 8 bits: what lies around a position to which the rounding was added. The
+/* The blend of the bytes around a position to which the rounding was added. The
  * right samples lie right bytes on. */
 static RG_INLINE uint32_t rg_blend_bytes(const uint8_t* upper,
                                          const uint8_t* lower, uint32_t right,
@@ -210,7 +211,7 @@ static RG_INLINE uint32_t rg_blend_bytes(const uint8_t* upper,
                     (x_q12 >> 5) & 127, y_q12 & 4095, RG_ROUNDING_8);
 }
 
-/* What lies around a position to which the rounding was added. */
+/* The neighbours around a position to which the rounding was added. */
 typedef struct rg_neighbors {
   uint32_t x_q12, y_q12;
   const uint8_t *upper, *lower; /* rows */
@@ -231,8 +232,8 @@ static inline uint32_t rg_blend_pair(const rg_neighbors* at, uint32_t left,
 #define RG_READ_LATE(at) RG_IN_REGISTER(at)
 #endif
 
-/* Of more than 8 bits: sample number index of the upper row, and its
- * neighbours. Sums of samples of 16 bits are below 2^32 - 2^15. */
+/* The blend of samples of more than 8 bits: sample number index of the upper
+ * row, and its neighbours. Sums of samples of 16 bits are below 2^32 - 2^15. */
 static RG_INLINE uint32_t rg_blend_wide(uint32_t kind, const rg_neighbors* at,
                                         uint32_t index) {
   uint32_t left = rg_load_sample(kind, at->upper, index);
@@ -249,7 +250,7 @@ static RG_INLINE uint32_t rg_blend_wide(uint32_t kind, const rg_neighbors* at,
   return (upper_q8 * (256 - wy_q8) + lower_q8 * wy_q8 + 0x8000) >> 16;
 }
 
-/* Of any kind. */
+/* The blend of samples of any kind. */
 static RG_INLINE uint32_t rg_blend_samples(uint32_t kind,
                                            const rg_neighbors* at,
                                            uint32_t index) {
@@ -259,7 +260,8 @@ static RG_INLINE uint32_t rg_blend_samples(uint32_t kind,
              : rg_blend_wide(kind, at, index);
 }
 
-/* Of more than 8 bits: a sample. Of 8 bits: so many that follow each other. */
+/* rg_mix_samples() blends one sample of more than 8 bits, rg_mix_bytes() so
+ * many of 8 bits that follow each other. */
 uint32_t rg_mix_samples(uint32_t kind, const rg_neighbors* at, uint32_t index);
 void rg_mix_bytes(const rg_neighbors* at, uint32_t index, uint8_t* out,
                   uint32_t num_channels);

@@ -27,7 +27,7 @@ INLINE __m128i lane_pixels(layout l) {
   return _mm_setr_epi16(0, 0, 0, 0, 1, 1, 1, 1);
 }
 
-/* Where the window has the first pixel's left and right sample. */
+/* The bytes of the window with the first pixel's left and right sample. */
 INLINE __m128i lane_offsets(layout l) {
   if (l.channels == 1) return _mm_set1_epi16(0x100);
   if (l.channels == 2)

@@ -19,8 +19,8 @@ RG_BEGIN_FEATURES("avx2")
 
 #define INLINE static inline __attribute__((always_inline))
 
-/* Of a row, or of the column of four rows: the weights in the lower halves of
- * 64 bits, and both coordinates, a b a b a b a b. */
+/* Registers of a row, or of the column of four rows: the weights are in the
+ * lower halves of 64 bits, the coordinates are a b a b a b a b. */
 
 /* rg_multiply_high() */
 INLINE __m256i multiply_high(__m256i points, __m256i weights) {
@@ -56,13 +56,13 @@ INLINE __m128i add_rows(const __m256i rows[4], __m256i weights) {
   return add_points(column, column);
 }
 
-/* Where the lower halves of 64 bits are not negative. */
+/* rg_multiply_high() of the lower halves of 64 bits, which are not negative. */
 INLINE __m128i multiply_positive(__m128i a, __m128i b) {
   const __m128i half = _mm_set1_epi64x(INT64_C(0x80000000));
   return _mm_srli_epi64(_mm_add_epi64(_mm_mul_epi32(a, b), half), 32);
 }
 
-/* Of the four points across and down. */
+/* The weights of the four points across and down. */
 typedef struct weights {
   __m256i across, down;
 } weights;
@@ -114,7 +114,7 @@ INLINE __m128i sum_residuals(const uint8_t* residuals, uint32_t row_bytes,
   return add_rows(rows, w->down);
 }
 
-/* Of control points of 16 bits. */
+/* The value at a place of a grid with control points of 16 bits. */
 INLINE __m128i find_narrow_value(const uint8_t* grid, const rg_place* place,
                                  const weights* w) {
   const uint8_t* const plane = grid + rg_load_u32(grid + 32);

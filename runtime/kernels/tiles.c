@@ -157,10 +157,11 @@ static RG_INLINE size_t offset_of(const tile* t, uint32_t i,
   return channels <= 2 ? t->offsets[i] : t->far_offsets[i];
 }
 
-/* What belongs to pixels: planes of channels, or of words. */
+/* Planes of values of a tile's pixels: of channels, or of words. */
 typedef uint16_t tile_planes[4][TILE_PIXELS];
 
-/* Of two neighbours: two bytes of the upper row, and of the lower one. */
+/* Loads the words of two neighbours: two bytes of the upper row, and of the
+ * lower one. */
 static RG_INLINE void load_words(const tile* t, const uint8_t* upper,
                                  size_t stride, uint32_t channels,
                                  uint16_t* upper_words, uint16_t* lower_words) {
@@ -172,7 +173,7 @@ static RG_INLINE void load_words(const tile* t, const uint8_t* upper,
   }
 }
 
-/* As rg_blend_8(), in lanes of 16 bits. */
+/* rg_blend_8() in lanes of 16 bits. */
 static RG_INLINE uint16_t blend_lane(uint32_t upper_left, uint32_t upper_right,
                                      uint32_t lower_left, uint32_t lower_right,
                                      uint16_t x_q12, uint16_t y_q12) {

@@ -1,5 +1,5 @@
-/* What an x86-64 processor has, and the system keeps registers of; functions
- * for those that have more than all. */
+/* Features that an x86-64 processor has, and the system keeps registers of;
+ * functions for processors that have more than all do. */
 #ifndef RAYGRID_X86_FEATURES_H
 #define RAYGRID_X86_FEATURES_H
 

@@ -14,7 +14,7 @@ enum class CameraExit {
   kBlob = 8  // corrupt, or for another stream
 };
 
-/// What, where, and what to do, in one line.
+/// An error in one line: what, where, and what to do.
 class CameraError : public std::runtime_error {
  public:
   CameraError(CameraExit code, const std::string& message)

@@ -1,4 +1,4 @@
-/// Where frames come from: a camera, or memory.
+/// A source of frames: a camera, or memory.
 #ifndef RAYGRID_LIBCAMERA_FRAME_SOURCE_H
 #define RAYGRID_LIBCAMERA_FRAME_SOURCE_H
 
@@ -24,7 +24,7 @@ inline bool operator==(const SensorCrop& a, const SensorCrop& b) {
   return a.x == b.x && a.y == b.y && a.width == b.width && a.height == b.height;
 }
 
-/// What the camera tells of a frame.
+/// The values that the camera tells of a frame.
 struct FrameInfo {
   uint32_t sequence;
   uint64_t timestamp_ns;

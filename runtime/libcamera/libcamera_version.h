@@ -1,4 +1,4 @@
-/// What differs between versions of libcamera: Debian 12's 0.0.3 is the oldest
+/// Differences between versions of libcamera: Debian 12's 0.0.3 is the oldest
 /// that is supported; 0.4.0 and 0.7.2 were compiled with.
 #ifndef RAYGRID_LIBCAMERA_LIBCAMERA_VERSION_H
 #define RAYGRID_LIBCAMERA_LIBCAMERA_VERSION_H

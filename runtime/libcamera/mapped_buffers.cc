@@ -20,8 +20,8 @@ struct PlanePlace {
   uint64_t offset, length;
 };
 
-// Where each of the format's planes lies. A buffer has them apart, or all in
-// its one plane, one behind the other.
+// The places of the format's planes. A buffer has them apart, or all in its one
+// plane, one behind the other.
 std::array<PlanePlace, 3> FindPlanes(const StreamFormat& format,
                                      const FrameBuffer& buffer) {
   std::array<PlanePlace, 3> places = {};

@@ -1,4 +1,4 @@
-/// What the frames of a stream hold, and how they lie in memory.
+/// The format of a stream's frames: what they hold, and how they lie in memory.
 #ifndef RAYGRID_LIBCAMERA_STREAM_FORMAT_H
 #define RAYGRID_LIBCAMERA_STREAM_FORMAT_H
 

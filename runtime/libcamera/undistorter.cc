@@ -8,7 +8,8 @@ namespace {
 // How soon a request to stop is noticed.
 constexpr std::chrono::milliseconds kPatience(50);
 
-// As the camera's frames, in the size of the remap table.
+// The format of undistorted frames: the camera's, in the size of the remap
+// table.
 StreamFormat MakeOutputFormat(const rg_camera& camera,
                               const StreamFormat& input) {
   uint16_t width, height;

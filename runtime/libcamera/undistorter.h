@@ -55,7 +55,7 @@ class Undistorter {
               const UndistorterOptions& options);
   ~Undistorter() { Stop(); }
 
-  /// Of the frames it gives out.
+  /// The format of the frames that it gives out.
   const StreamFormat& format() const { return format_; }
 
   void Start(FrameObserver* observer = nullptr);

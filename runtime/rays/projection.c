@@ -63,7 +63,7 @@ static RG_INLINE int solve(const rg_camera* camera,
   rg_find_inverse_slopes(camera, &place, slopes_q5);
   for (int k = 0; k < 2; ++k)
     pixel_q16[k] = rg_shift_left(place.value.q27[k], 1);
-  /* Of the next step, and of how far outside it may begin. */
+  /* The limit of the next step, and of how far outside it may begin. */
   uint32_t limit_q16 = FIRST_STEP_Q16;
   while (move_inside(camera->grid, limit_q16, pixel_q16)) {
     if (limit_q16 < LAST_STEP_Q16) return limit_q16 == EDGE_TOLERANCE_Q16;
@@ -164,8 +164,8 @@ static RG_INLINE int is_near(rg_pixel pixel, rg_pixel other) {
   return ((x + SAME_LINE_Q16) | (y + SAME_LINE_Q16)) < 2 * SAME_LINE_Q16;
 }
 
-/* Of the last line: its pixel will do, since more turns would only repeat how
- * the point's format rounds. */
+/* The closeness of the last line: its pixel will do, since more turns would
+ * only repeat how the point's format rounds. */
 #define LAST_CLOSENESS 22u
 
 /* From the largest coordinate's magnitude to twice that. */

@@ -74,11 +74,11 @@ static RG_INLINE void sum_rows(const uint8_t* points, uint32_t columns,
 
 #endif
 
-/* Likewise of residuals of 16 bits, times 2^15, and of what rounds them later.
- */
+/* sum_narrow_rows() sums weighted residuals of 16 bits, times 2^15, and what
+ * rounds them later. */
 #if RG_ROWS_IN_ASSEMBLER
 
-/* Both coordinates of a residual are a word. */
+/* A residual is a word with both coordinates. */
 static RG_INLINE void sum_narrow_rows(const uint8_t* residuals,
                                       uint32_t columns, int32_t half,
                                       rg_place* place) {
@@ -141,7 +141,8 @@ static RG_INLINE void sum_narrow_rows(const uint8_t* residuals,
 
 #endif
 
-/* Where speed matters, a place in a wide grid has all registers. */
+/* RG_RARE keeps rare cases out of line where speed matters, so that a place in
+ * a wide grid has all registers. */
 #if RG_IS_FAST
 #define RG_RARE RG_NOINLINE
 #else

@@ -42,12 +42,12 @@ typedef struct rg_place {
   int32_t weights_q31[2][4];
 } rg_place;
 
-/* Of a pixel in q16, or a chart position in q27; RG_ERR_OUTSIDE_AREA if it lies
- * outside. */
+/* Finds the place of a pixel in q16, or of a chart position in q27;
+ * RG_ERR_OUTSIDE_AREA if it lies outside. */
 rg_status rg_find_place(const uint8_t* grid, int32_t x, int32_t y,
                         rg_place* place);
 
-/* What rg_find_place() begins with: the cells around the position. */
+/* Finds the cells around the position, with which rg_find_place() begins. */
 static RG_INLINE int rg_find_cells(const uint8_t* grid, int32_t x, int32_t y,
                                    rg_place* place) {
   rg_cell_position across, down;
@@ -86,7 +86,8 @@ void rg_find_slopes(const uint8_t* inverse, const rg_place* place,
 
 /* ---- Of a camera, with its kernels -------------------------------------- */
 
-/* Where there may be AVX2: found out when a camera is opened. */
+/* RG_CHOOSE_SURFACE is 1 where there may be AVX2, which is found out when a
+ * camera is opened. */
 #if defined(__x86_64__) && defined(__SSE2__) && defined(__GNUC__) && \
     !RG_PORTABLE_KERNELS && !RG_MULTIPLY_IN_PARTS
 #define RG_CHOOSE_SURFACE 1

@@ -1,4 +1,4 @@
-/* What the blob says of how far a pixel may be trusted. */
+/* The validity of pixels: how far the blob says that they may be trusted. */
 #include "blob_checks.h"
 #include "bytes.h"
 #include "rays/surface.h"
