@@ -1,6 +1,6 @@
-/* What readers check before they use a blob: all of them its table and CRCs,
- * and of each section what keeps its use within its bounds; rg_blob_open() the
- * rest as well. SPEC.md, "Duties". */
+/* Checks of a blob before its use: SPEC.md, "Duties". All readers check its
+ * table and CRCs, and of each section what keeps its use within its bounds.
+ * rg_blob_open() checks the rest as well. */
 #ifndef RAYGRID_BLOB_CHECKS_H
 #define RAYGRID_BLOB_CHECKS_H
 
@@ -13,8 +13,9 @@
 /* 0, or the status of a fault times -1: small constants make short code. */
 typedef int rg_fault;
 
-/* What compilers know of a value is forgotten: they would write a short loop
- * out, or call memset for it, or keep what can be read again. */
+/* RG_FORGET() makes compilers forget what they know of a value. Else they would
+ * write a short loop out, or call memset for it, or keep what can be read
+ * again. */
 #if defined(__GNUC__) && defined(__OPTIMIZE__)
 #define RG_FORGET(value) __asm__("" : "+r"(value))
 #else

@@ -105,7 +105,7 @@ static rg_fault check_line_points(const uint8_t* section, uint32_t size,
              : -RG_ERR_LINE_POINT;
 }
 
-/* Of the central grid's area. */
+/* Checks the uncertainty section, which covers the central grid's area. */
 static rg_fault check_uncertainty(const uint8_t* section, uint32_t size,
                                   const uint8_t* grid) {
   for (uint32_t c = 0; c < 2; ++c) {

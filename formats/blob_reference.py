@@ -260,7 +260,7 @@ class Uncertainty:
 
 @dataclass(frozen=True)
 class Blob:
-    """What this reader takes from a blob; `remap` is the first remap section."""
+    """The contents that this reader takes from a blob; `remap` is the first remap section."""
 
 
     camera: Camera

@@ -1,4 +1,5 @@
-/* What keeps the use of each section within its bounds: SPEC.md, "Sections". */
+/* The checks that keep the use of each section within its bounds: SPEC.md,
+ * "Sections". */
 #include "blob_checks.h"
 #include "bytes.h"
 #include "rg_blob.h"
@@ -15,7 +16,8 @@ rg_fault rg_check_extent(const uint8_t* data_offset, uint32_t size,
   return fault;
 }
 
-/* The same for both axes, whose sizes and counts are the halves of words. */
+/* A number in both halves of a word, for both axes: their sizes and counts are
+ * such halves. */
 #define BOTH(number) ((number)*0x10001u)
 
 static uint32_t num_control_points(const uint8_t* grid) {

@@ -94,7 +94,7 @@ static void write_narrow(const rg_narrow_grid* narrow, uint32_t count,
                  (uint16_t)narrow->residuals[i]);
 }
 
-/* What the fields of both kinds of grid have in common behind the scales. */
+/* The fields behind the scales that both kinds of grid have in common. */
 static void write_number_format(uint32_t fraction_bits, uint8_t* section) {
   rg_store_u16(section + 28, RG_CHART_STEREOGRAPHIC);
   rg_store_u16(section + 30, (uint16_t)fraction_bits);
@@ -345,7 +345,7 @@ static int has_blocks(const rg_remap_section* remap) {
          remap->rows <= RG_MAX_REMAP_SIZE / 8 + 1;
 }
 
-/* What would make the sizes themselves meaningless. */
+/* Counts beyond these limits would make the sizes themselves meaningless. */
 static rg_status check_counts(const rg_blob_contents* contents) {
   if (contents->grid->columns > RG_MAX_GRID_SIZE ||
       contents->grid->rows > RG_MAX_GRID_SIZE)

@@ -123,7 +123,8 @@ typedef struct rg_remap_section {
                                   pixel of it has a source */
 } rg_remap_section;
 
-/* What is known of the calibration. RG_UNKNOWN_FIGURE where not measured. */
+/* The figures known of the calibration. RG_UNKNOWN_FIGURE where not measured.
+ */
 typedef struct rg_quality_section {
   uint32_t training_median_upx, training_rms_upx, training_max_upx;
   uint32_t training_count;
