@@ -1,6 +1,6 @@
-/* What Frama-C's EVA is asked about the loader: a golden blob of which all but
- * the layout may be anything. Known are the header, where sections lie, and how
- * large remap tables are; fields, values, texts and CRCs are not.
+/* The loader as Frama-C's EVA analyses it: it loads a golden blob of which all
+ * but the layout may be anything. Known are the header, where sections lie, and
+ * how large remap tables are; fields, values, texts and CRCs are not.
  *
  *   -DBLOB=kWideBlob, ...: the golden blob */
 #include <__fc_builtin.h>

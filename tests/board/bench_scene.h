@@ -1,4 +1,4 @@
-/* What the instruction counters measure: cameras, pixels, directions, frames.
+/* The scene of the instruction counters: cameras, pixels, directions, frames.
  */
 #ifndef RAYGRID_BENCH_SCENE_H
 #define RAYGRID_BENCH_SCENE_H

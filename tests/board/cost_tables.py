@@ -41,7 +41,7 @@ def write_rows(cost, target, kinds):
 
 
 def find_faults(kind, budget, target, figures):
-    """What is wrong with a kind's figures, given the kind's table of budgets.toml.
+    """The faults of a kind's figures, given the kind's table of budgets.toml.
 
     A figure below half of its ceiling is one, too: what should be measured did not run, or
     the ceiling no longer tells anything. Stacks differ more than that among calls of one ceiling.

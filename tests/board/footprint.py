@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the runtime costs on a board, against the ceilings of budgets.toml.
+"""The cost of the runtime on a board, against the ceilings of budgets.toml.
 
 Flash, RAM and stack from the objects: what a firmware links that calls the entry points of a
 set; it may take no static memory and no symbol from outside. The stack is the deepest path of
@@ -30,7 +30,7 @@ SETS = {"rays": RAYS, "grey": RAYS + ("rg_select_remap", "rg_remap_size", "rg_re
 # Stack of these, each for itself, and the deepest of the others.
 STACKS = ("rg_camera_open", "rg_select_remap", "rg_unproject", "rg_unproject_line", "rg_project",
           "rg_undistort_point", "rg_remap_grey", "rg_remap", "rg_remap_source_rows", "rg_match")
-# What calls by a pointer that may be NULL, and then does not.
+# Functions that call by a pointer that may be NULL, and then do not.
 MAY_CALL_NOTHING = ("rg_do_rows",)
 
 

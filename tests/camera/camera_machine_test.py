@@ -183,7 +183,7 @@ class CameraInMachine(unittest.TestCase):
         return frames, sequences
 
     def counts(self, name):
-        """What the program said at its end."""
+        """The counts that the program said at its end."""
         counted = re.search(r"(\d+) arrived, (\d+) undistorted, (\d+) taken, (\d+) dropped, "
                             r"(\d+) damaged, (\d+) missed", self.read(name + ".err"))
         self.assertIsNotNone(counted, self.read(name + ".err"))

@@ -1,4 +1,4 @@
-/// What the tests of the frame pipeline share: an open camera, and frames.
+/// An open camera, and frames, for the tests of the frame pipeline.
 #ifndef RAYGRID_TEST_CAMERA_SUPPORT_H
 #define RAYGRID_TEST_CAMERA_SUPPORT_H
 

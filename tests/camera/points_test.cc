@@ -15,7 +15,7 @@ namespace {
 
 bool Never() { return false; }
 
-// What a file of points becomes.
+// The output for a file of points.
 std::string Undistorted(const std::string& points,
                         const std::optional<rg_mode>& mode = std::nullopt) {
   const std::filesystem::path folder =

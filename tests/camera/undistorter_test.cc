@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPatience(50);
 
-// What rg_remap() alone makes of a frame.
+// The frame that rg_remap() alone makes of a frame.
 std::vector<uint8_t> Expect(const rg_camera& camera, const StreamFormat& format,
                             const uint8_t* frame, const rg_target& like) {
   const uint8_t* planes[3] = {frame, frame, frame};

@@ -1,4 +1,4 @@
-"""What the command tests share: running a program, and a few files to run it on."""
+"""Helpers of the command tests: running a program, and a few files to run it on."""
 import argparse
 import os
 import subprocess

@@ -30,7 +30,7 @@ class Experiment(CommandTest):
         return list(csv.DictReader(lines)), files
 
     def experiment(self, name, threads=2, *options):
-        """The same, run only once."""
+        """The rows and files of run_experiment(), which runs only once."""
         arguments = (name, threads, *options)
         if arguments not in self.done:
             self.done[arguments] = self.run_experiment(*arguments)

@@ -129,7 +129,7 @@ class MainJob(CommandTest):
 
     def test_compare_needs_cameras_of_one_size(self):
         other = read(self.path("out/camera.yaml")).replace(b"[640, 480]", b"[1280, 960]")
-        # What is said of places in the image.
+        # Keys about places in the image, which would lie outside, are left out.
         other = re.sub(rb"(?ms)^(uncertainty|trusted):.*?(?=^\S|\Z)", b"", other)
         write(self.path("other.yaml"), other)
         result = run("compare", self.path("out/camera.yaml"), self.path("other.yaml"))

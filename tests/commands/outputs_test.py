@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What is written replaces no input, and what cannot be written is said."""
+"""An output replaces no input, and a command says what cannot be written."""
 import os
 import resource
 import subprocess
@@ -92,7 +92,7 @@ class Outputs(CommandTest):
                 if result.returncode == 0:
                     break
                 self.assert_refused(result, 7, "Too many open files")
-                # What was calibrated need not be calibrated again.
+                # A checkpoint may stay: what was calibrated need not be calibrated again.
                 self.assertIn(os.listdir(self.path("open/files")), ([], ["resume.json"]))
                 self.assertEqual(os.listdir(self.path("open")), ["files"])
 

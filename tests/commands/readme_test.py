@@ -28,7 +28,7 @@ class Readme(unittest.TestCase):
 
     @classmethod
     def block(cls, title):
-        """What stands below a title, as far as the next of its rank."""
+        """The text below a title, as far as the next of its rank."""
         rank = title.split()[0]
         found = re.search(rf"^{re.escape(title)}\n(.*?)(?=^#{{2,{len(rank)}}} |\Z)", cls.benchmarks,
                           re.MULTILINE | re.DOTALL)

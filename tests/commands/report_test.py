@@ -17,7 +17,7 @@ NUM_IMAGES, PER_IMAGE = 1000, 240  # of the largest report
 
 
 def browse(page, *options, width=1200, height=900):
-    """What Chromium makes of a page, and what it complains about."""
+    """Chromium's text for a page with these options, and its complaints."""
     with tempfile.TemporaryDirectory() as profile:
         result = subprocess.run(
             [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr",

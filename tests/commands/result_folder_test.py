@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What calibrate writes is one unit: nothing of an earlier result is left in its folder."""
+"""The files that calibrate writes are one unit: nothing of an earlier result is left in its folder."""
 import os
 import re
 

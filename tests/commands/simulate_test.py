@@ -72,7 +72,7 @@ class Simulate(CommandTest):
             self.assertAlmostEqual(float(feature["y"]), float(pixel["v"]), delta=tolerance)
 
     def assert_detected(self, folder):
-        """What the images show is where features.csv says."""
+        """Features are seen in the images where features.csv says."""
         found = self.path("found.csv")
         self.assert_done(run("detect", folder, "--pattern", os.path.join(folder, "pattern.yaml"),
                              "--no-cache", "-o", found))

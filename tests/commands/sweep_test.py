@@ -55,14 +55,14 @@ class Case:
         return os.path.join(self.folder, f"{self.count}{end}")
 
     def no_file(self):
-        """What stands where a file was expected."""
+        """A name of something else, where a file was expected."""
         path = self.path("")
         self.random.choice((os.mkfifo, lambda p: os.symlink("/dev/zero", p), os.mkdir,
                             lambda p: os.symlink(p, p), lambda p: os.symlink("/dev/full", p)))(path)
         return path
 
     def output(self, end=""):
-        """Where to write: a new place, in most cases."""
+        """A place to write to: a new one, in most cases."""
         if self.chance(0.93):
             return self.path(end)
         return self.random.choice((self.no_file, lambda: "", lambda: self.file(end, b"old"),
@@ -263,8 +263,8 @@ class Case:
 
 
 def set_limits(limits):
-    """Of the case; and of memory: a run beyond that fails as one beyond MAX_BYTES does, and leaves
-    the machine alone."""
+    """Sets the case's limits, and one of memory: a run beyond that fails as one beyond MAX_BYTES
+    does, and leaves the machine alone."""
     for kind, limit in limits.items():
         resource.setrlimit(kind, (limit, limit))
     _, most = resource.getrlimit(resource.RLIMIT_AS)

@@ -137,7 +137,7 @@ static const field_fault kFieldFaults[] = {
     {"last vertex too far down", REMAP + 48, 4, 1u << 25, RG_ERR_REMAP_VERTEX},
 };
 
-/* The same, but values that are still allowed. */
+/* Values that one field of kExampleBlob may still have. */
 static const field_fault kAllowedFields[] = {
     {"a higher minor version", 10, 2, 65535, RG_OK},
     {"largest image", CAMERA, 4, 8192u << 16 | 8192u, RG_OK},

@@ -1,4 +1,4 @@
-/* What sections hold, and that they may stand in any order. */
+/* Sections hold what they should, and may stand in any order. */
 #include <string.h>
 
 #include "blob_edit.h"

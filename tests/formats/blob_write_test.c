@@ -9,7 +9,7 @@
 
 static uint8_t written[8192] __attribute__((aligned(4)));
 
-/* What a golden blob holds, for altering and writing. */
+/* The contents of a golden blob, for altering and writing. */
 typedef struct camera_parts {
   rg_camera_section camera;
   rg_grid_section grid;

@@ -233,7 +233,7 @@ static const golden_ray kLensRays[] = {
     {6965087, 7498993, {-447338797, -667232320, 712467920}},
 };
 
-/* The same lens with control points of 16 bits and an inverse grid. */
+/* The lens of kLensBlob with control points of 16 bits and an inverse grid. */
 static const uint8_t kNarrowBlob[964] GOLDEN_ALIGNED = {
     0x52, 0x41, 0x59, 0x47, 0x52, 0x49, 0x44, 0x00, 0x01, 0x00, 0x03, 0x00,
     0xc4, 0x03, 0x00, 0x00, 0x03, 0x00, 0x20, 0x00, 0x00, 0x00, 0x00, 0x00,
@@ -382,7 +382,7 @@ static const golden_ray kNarrowRays[] = {
     {6965087, 7498993, {-447337784, -667232429, 712468454}},
 };
 
-/* The same pixels in the undistorted image, q16, or INT32_MIN. */
+/* The pixels of kLensRays in the undistorted image, q16, or INT32_MIN. */
 static const int32_t kLensUndistorted[][2] = {
     {8996389, 5371045},
     {4209504, 4431507},
@@ -1693,7 +1693,7 @@ static const uint32_t kFormatCrcs[][3] = {
     {0x13c410dfu, 0x2f5a852au, 0xd5f7605bu},
 };
 
-/* The same camera with two tables with bends: version 1.4. */
+/* The camera of kWideBlob with two tables with bends: version 1.4. */
 static const uint8_t kBentBlob[1644] GOLDEN_ALIGNED = {
     0x52, 0x41, 0x59, 0x47, 0x52, 0x49, 0x44, 0x00, 0x01, 0x00, 0x04, 0x00,
     0x6c, 0x06, 0x00, 0x00, 0x04, 0x00, 0x20, 0x00, 0x00, 0x00, 0x00, 0x00,

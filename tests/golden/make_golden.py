@@ -141,7 +141,7 @@ def clamp_to_area(grid: reference.CentralGrid, x: float, y: float) -> Point:
 
 @dataclass(frozen=True)
 class View:
-    """What a remap table is asked for."""
+    """The view that a remap table is made for."""
 
     width: int
     height: int
@@ -153,7 +153,7 @@ class View:
     part_log2: int = 0
 
     def ray(self, u: float, v: float) -> Ray:
-        """Where the output pixel (u, v) looks."""
+        """The direction in which the output pixel (u, v) looks."""
         return ((u - (self.width - 1) / 2) / self.focal,
                 (v - (self.height - 1) / 2) / self.focal, 1.0)
 
@@ -420,7 +420,7 @@ WIDE_LENS = Lens(centre=(158.2, 121.4), focal=74.0, k=0.25,
 
 def make_inverse(blob: reference.Blob, lens: Lens,
                  cells: tuple[int, int]) -> reference.InverseGrid:
-    """Where the blob's grid sees chart positions, to third order."""
+    """The grid of pixels that see chart positions in the blob's grid, to third order."""
     charts = [chart_of(reference.unproject(blob, x, y))
               for x, y in area_samples(blob.grid)]
     corners = []
@@ -754,7 +754,7 @@ def format_lines(blob: reference.Blob) -> Iterator[str]:
 
 
 def undistorted_lines(blob: reference.Blob) -> Iterator[str]:
-    """Where the pixels of pixel_lines() lie in the undistorted image."""
+    """Entries of a table of the pixels of pixel_lines() in the undistorted image."""
     for x, y in golden_pixels(blob.grid):
         ray = reference.unproject(blob, x / Q16, y / Q16)
         scaled = [blob.remap.fx * ray[0], blob.remap.fy * ray[1]]
@@ -837,14 +837,14 @@ def header_lines(example: reference.Blob, lens: reference.Blob,
     yield from pixel_lines(lens)
     yield "};"
     yield ""
-    yield "/* The same lens with control points of 16 bits and an inverse grid. */"
+    yield "/* The lens of kLensBlob with control points of 16 bits and an inverse grid. */"
     yield from blob_lines("kNarrowBlob", reference.serialize(make_narrow(lens)))
     yield "/* q16 pixels of kNarrowBlob. */"
     yield "static const golden_ray kNarrowRays[] = {"
     yield from pixel_lines(make_narrow(lens))
     yield "};"
     yield ""
-    yield "/* The same pixels in the undistorted image, q16, or INT32_MIN. */"
+    yield "/* The pixels of kLensRays in the undistorted image, q16, or INT32_MIN. */"
     yield "static const int32_t kLensUndistorted[][2] = {"
     yield from undistorted_lines(lens)
     yield "};"
@@ -880,7 +880,7 @@ def header_lines(example: reference.Blob, lens: reference.Blob,
     yield "};"
     yield ""
     bent = make_bent(wide)
-    yield "/* The same camera with two tables with bends: version 1.4. */"
+    yield "/* The camera of kWideBlob with two tables with bends: version 1.4. */"
     yield from blob_lines("kBentBlob", reference.serialize(bent))
     for name, table in (("kBentFormatCrcs", bent.remap), ("kMoreBentFormatCrcs",
                                                           bent.more_remaps[0])):
@@ -927,7 +927,7 @@ def spec_with_dump(spec: str, data: bytes) -> str:
 
 
 def expected_files() -> dict[Path, str]:
-    """What the two files should hold."""
+    """The texts that the two files should hold."""
     example, lens, wide = make_example(), make_lens(), make_wide()
     spec = SPEC_PATH.read_text(encoding="utf-8")
     return {

@@ -157,7 +157,8 @@ inline Eigen::MatrixXd DenseByParameter(const LinearizedProjection& linear,
   return dense;
 }
 
-/// Likewise by every parameter, of a camera rebuilt with it changed.
+/// Expects Linearize()'s derivative by every parameter to be that of a camera
+/// rebuilt with the parameter changed.
 inline void ExpectDerivativeByParameter(const CameraModel& camera, double step,
                                         double tolerance) {
   TestRandom random(13);

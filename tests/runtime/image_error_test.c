@@ -136,7 +136,7 @@ static void add_table(const void* blob, uint32_t size, uint32_t index,
   }
 }
 
-/* Of tables without and with bends. */
+/* The error of images over tables without and with bends. */
 static image_error measure(const char* name,
                            uint8_t (*make)(uint32_t x, uint32_t y)) {
   image_error error = {0, 0, 0, 0};

@@ -14,7 +14,8 @@
 /* The points, the same on every target. */
 #define POINTS_CRC 0x5c1cd907u
 
-/* Of points: 0.002 px. The pixels, the same on every target. */
+/* The pixels of points are off by 0.002 px at most, and the same on every
+ * target. */
 #define MAX_PIXEL_ERROR_Q16 131
 #define PIXELS_CRC 0x69a5d19cu
 #define NUM_SEEN_POINTS (sizeof(kSeenPoints) / sizeof(kSeenPoints[0]))
@@ -145,8 +146,8 @@ static void points_are_seen_by_the_golden_pixels(void** state) {
   assert_int_equal(crc, PIXELS_CRC);
 }
 
-/* What is left of a pixel where a format rounds a point at one metre by a pixel
- * or more: any answer but none. */
+/* Points are seen in coarse formats, too. A format that rounds a point at one
+ * metre by a pixel or more may give any answer but none. */
 static void coarse_points_are_seen(void** state) {
   (void)state;
   for (uint32_t bits = 0; bits <= 24; ++bits) {

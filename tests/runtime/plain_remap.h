@@ -24,8 +24,8 @@ typedef struct plain_source {
   uint32_t width, height;
 } plain_source;
 
-/* Where a plane goes, and what becomes of pixels without a source: border has
- * a value for each channel. */
+/* A plane of the target image, and the values of pixels without a source:
+ * border has one for each channel. */
 typedef struct plain_target {
   uint8_t* data;
   uint32_t stride; /* bytes */

@@ -205,7 +205,7 @@ static void check_ring(rg_format format, uint32_t band_rows) {
     assert_int_equal(rg_remap_source_rows(&wide, format, (uint16_t)row,
                                           (uint16_t)band_rows, &first, &count),
                      RG_OK);
-    /* As few rows as are needed, or some more. */
+    /* The ring has as few rows as are needed, or some more. */
     ring.ring_rows = (uint16_t)(count + row % 3 * 2 + (count == 0 ? 2u : 0u));
     for (uint32_t plane = 0; plane < 3; ++plane) {
       memory[plane] = malloc(rows_of(format, plane, ring.ring_rows) *

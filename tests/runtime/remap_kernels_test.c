@@ -143,7 +143,7 @@ static void every_kernel_gives_the_specified_bits(void** unused) {
 
 static uint8_t source[RUN_STRIDE * RUN_HEIGHT];
 
-/* Of the upper bits: the lower ones come again after 2^16. */
+/* Random samples, of the upper bits: the lower ones come again after 2^16. */
 static void fill_source(void) {
   for (uint32_t i = 0; i < sizeof(source); ++i)
     source[i] = (uint8_t)(below(1u << 24) >> 16);

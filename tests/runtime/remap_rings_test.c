@@ -124,7 +124,7 @@ static void rings_give_what_frames_give(void** context) {
   }
 }
 
-/* Of one block of 8, for frames of 32 x 32 pixels. */
+/* A table of one block of 8, for frames of 32 x 32 pixels. */
 static rg_remap_section new_table(uint16_t width, uint16_t height) {
   static const uint8_t empty[4] = {0};
   rg_remap_section table;
@@ -178,7 +178,8 @@ static void rounding_may_lead_before_a_ring(void** context) {
   for (uint32_t i = 0; i < sizeof(out); ++i) assert_int_equal(out[i], 10);
 }
 
-/* Of such a table there is no frame, but its rows may be asked for. */
+/* The chroma lattice of a table of one column has no pixels: there is no frame,
+ * but its rows may be asked for. */
 static void lattice_of_no_pixels_needs_no_rows(void** context) {
   (void)context;
   rg_remap_section table = new_table(1, 2);

@@ -41,8 +41,9 @@ AdjustmentOptions Options() {
   return options;
 }
 
-// Where the lattice's true rays are seen, less the rotation that brings those
-// among observations nearest to where they truly are.
+// Pixel errors of the places where the lattice's true rays are seen, less the
+// rotation that brings those among observations nearest to where they truly
+// are.
 Eigen::VectorXd Errors(const CameraModel& camera, const CameraModel& truth,
                        const std::vector<PixelUncertainty>& pixels) {
   const Eigen::Index size = 2 * static_cast<Eigen::Index>(pixels.size());

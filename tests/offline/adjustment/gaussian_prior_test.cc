@@ -121,8 +121,8 @@ TEST(NonCentralPrior, HoldsDirectionsAsTheCentralOneDoes) {
       1e-12);
 }
 
-// What observations do not see must be held: K has full rank. Focal lengths and
-// centre, which they do see, are held by little.
+// K has full rank: parameters that observations do not see must be held. Focal
+// lengths and centre, which they do see, are held by little.
 TEST(NonCentralPrior, LeavesNoParameterQuiteFree) {
   const CameraPrior prior = NonCentralPrior(Base(), kDistance);
   Eigen::MatrixXd sum =
@@ -148,7 +148,8 @@ TEST(NonCentralPrior, PrefersPointsThatDoNotDrift) {
   const auto pupil = [](const Eigen::Vector3d& d, Eigen::Index) {
     return Eigen::Vector3d(0, 0, 0.002 * (1 - d.z()));
   };
-  // The same lines: no points are smoother than these.
+  // Points that drift along the pupil's lines, which stay the same: no points
+  // are smoother than the pupil's.
   const auto drifted = [&](const Eigen::Vector3d& d, Eigen::Index k) {
     return Eigen::Vector3d(pupil(d, k) + 0.002 * (k % 2 ? 1 : -1) * d);
   };

@@ -61,7 +61,7 @@ inline SmallProblem MakeSmallProblem(const SmallProblemSizes& sizes) {
   return problem;
 }
 
-/// Of a lens's principal point, one direction of it free.
+/// The prior of a lens's principal point, one direction of it free.
 inline PriorGroup PriorOfCenter() {
   Eigen::SparseMatrix<double> precision(OpenCvModel::kCount,
                                         OpenCvModel::kCount);

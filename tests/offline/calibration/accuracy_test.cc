@@ -1,4 +1,5 @@
-// What a calibration finds against the truth that it was simulated with.
+// The camera that a calibration finds, against the truth that it was simulated
+// with.
 
 #include <cstdio>
 

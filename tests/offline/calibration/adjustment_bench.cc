@@ -41,7 +41,7 @@ double Now() {
       .count();
 }
 
-// Of all threads; less disturbed by other programs.
+// CPU time of all threads; less disturbed by other programs.
 double CpuSeconds() {
   rusage usage;
   getrusage(RUSAGE_SELF, &usage);

@@ -45,7 +45,7 @@ const std::vector<CameraFile>& Cameras() {
 
 using Move = std::function<Eigen::Vector2d(const Eigen::Vector2d&)>;
 
-// What the camera sees once its pixels have moved.
+// The features that the camera sees once its pixels have moved.
 Dataset Moved(Dataset dataset, const Move& move) {
   const Area image = WholeImage(dataset.image_size);
   for (ImageFeatures& features : dataset.images) {
@@ -102,8 +102,8 @@ TEST(CheckCamera, LeavesUnchangedCamerasAlone) {
   }
 }
 
-// What alarms there are for cameras of a lens that is not changed, of which
-// some images have calibrated a model.
+// A lens that is not changed, and the model that some images of it have
+// calibrated: each alarm is false.
 struct Unchanged {
   std::string lens, model;
   int num_images;
@@ -177,7 +177,7 @@ TEST(CheckCamera, FindsAShiftOfHalfAPixel) {
   EXPECT_GE(fewer.count, 0.8 * fewer.draws);
 }
 
-// What is said to be found is.
+// Scales as small as the check says that it would find are found.
 TEST(CheckCamera, TellsHowLittleItWouldFind) {
   int num_found = 0, draws = 0;
   TestRandom random(8);

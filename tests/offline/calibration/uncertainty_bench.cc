@@ -40,7 +40,7 @@ struct Draw {
   double seconds = 0, covariance_seconds = 0;
 };
 
-// What camera.yaml states of trusted pixels.
+// The variance that camera.yaml states of trusted pixels.
 double StatedPx2(const PixelUncertainty& pixel) {
   return pixel.noise_px2.trace() + pixel.smoothing_px.squaredNorm();
 }

@@ -9,7 +9,7 @@ namespace {
 
 using Model = OpenCvModel;
 
-// What OpenCV makes of the same parameters.
+// OpenCV's projection of a point with the same parameters.
 Eigen::Vector2d ProjectByOpenCv(const Eigen::VectorXd& p,
                                 const Eigen::Vector3d& point) {
   const cv::Matx33d matrix(p[Model::kFx], 0, p[Model::kCx],  //

@@ -34,7 +34,8 @@ TEST(ThinPrismFisheye, SeesBehindItself) {
   EXPECT_LT(ray->z(), -0.3);
 }
 
-// The same coefficients, where OpenCV's model has them and it is valid.
+// The lens agrees with OpenCV's model where that has its coefficients and is
+// valid.
 TEST(ThinPrismFisheye, AgreesWithOpenCvsFisheye) {
   const Model lens(kSize, WholeImage(kSize),
                    {280, 282, 402, 396, 0.02, -0.01, 0.002, -1e-4, 0, 0, 0, 0});

@@ -85,7 +85,8 @@ TEST(ImageHeader, JpegSaysHowItIsToBeShown) {
     EXPECT_EQ(ReadGreyLevels(folder / "turned.jpg").levels,
               ReadGreyLevels(folder / "upright.jpg").levels);
   }
-  // What no standard knows, and what ends before it is said.
+  // An orientation that no standard knows counts as upright, and so does a file
+  // that ends before it says one.
   EXPECT_EQ(ParseImageHeader("a", WithExif(upright, 9)).orientation, 1);
   std::string damaged = WithExif(upright, 6);
   damaged[17] = '\x7f';  // the directory lies beyond the file

@@ -11,7 +11,7 @@ TEST(SignedRankProbability, IsThatOfTables) {
   // All of one sign: two of 2^n outcomes.
   EXPECT_DOUBLE_EQ(SignedRankProbability({1, 2, 3, 4, 5}), 2.0 / 32);
   EXPECT_DOUBLE_EQ(SignedRankProbability({-1, -2, -3, -4, -5}), 2.0 / 32);
-  // Of ten differences, sums of ranks of 8 or less: 25 of 1024, on each side.
+  // Sums of ranks of 8 or less, of ten differences: 25 of 1024, on each side.
   EXPECT_DOUBLE_EQ(SignedRankProbability({-1, 2, 3, 4, 5, 6, -7, 8, 9, 10}),
                    50.0 / 1024);
 }

@@ -33,7 +33,7 @@ class BoardGuess : public testing::Test {
     }
   }
 
-  // What is said, or nothing.
+  // The guess that is told the user, or nothing.
   std::string GuessFor(const Board& asked) {
     const Pattern pattern = PatternOf(asked);
     const FolderDetection found =

@@ -58,7 +58,7 @@ double Milliseconds(const std::function<void()>& work) {
       .count();
 }
 
-// Of seven runs after a first one.
+// The median of seven runs after a first one.
 double MedianMs(const std::function<void()>& work) {
   work();
   std::vector<double> times;

@@ -57,7 +57,8 @@ bool IsNearFeature(const Eigen::Vector2d& pixel, const Dataset& dataset,
   return false;
 }
 
-// Where localised views have features, after the best rotation.
+// Expects pixels near features of localised views to be near the truth, after
+// the best rotation.
 void ExpectNearTruth(const CameraModel& camera, const GenericStart& start,
                      const SimulatedObservations& observations) {
   const ModelDifference difference = CompareModels(camera, start.camera, 10);

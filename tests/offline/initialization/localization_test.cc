@@ -28,7 +28,7 @@ Pose PoseAlong(const Eigen::Vector3d& direction, TestRandom* random) {
           direction.normalized() * random->Uniform(0.4, 0.9)};
 }
 
-// What of the board the camera sees.
+// The points of the board that the camera sees.
 std::vector<PointOnPixel> Seen(const CameraModel& camera, const Pose& pose) {
   std::vector<PointOnPixel> matches;
   for (const Eigen::Vector3d& point : BoardPoints()) {

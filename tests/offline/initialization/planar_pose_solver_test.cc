@@ -31,7 +31,8 @@ Pose PoseTilted(double tilt, TestRandom* random) {
            random->Uniform(0.25, 0.6)}};
 }
 
-// Where a ray meets a board, if it does within its edges and from the front.
+// The point where a ray meets a board, if it does within its edges and from the
+// front.
 std::optional<Eigen::Vector2d> OnBoard(const Pose& pose,
                                        const Eigen::Vector3d& ray) {
   const Pose back = pose.Inverse();
@@ -49,7 +50,8 @@ std::vector<BoardPointTriple> Matches(const std::array<Pose, 3>& poses,
                                       int count, TestRandom* random) {
   std::vector<BoardPointTriple> matches;
   for (int i = 0; i < 100 * count; ++i) {
-    // The same with every compiler: arguments are drawn in any order.
+    // The numbers are drawn one by one, the same with every compiler: it may
+    // draw arguments in any order.
     const double y = random->Uniform(-1, 1);
     const double x = random->Uniform(-1, 1);
     const Eigen::Vector3d ray(x, y, 1);
@@ -175,7 +177,7 @@ double LeastDeviation(const Case& exact) {
     const Eigen::MatrixXd by_first = CentralDifference(
         [&](const Eigen::VectorXd& at) { return SeenOnOthers(views, at); },
         match[0], 1e-6);
-    // Where the ray meets the first board is known with noise, too.
+    // The point where the ray meets the first board is known with noise, too.
     const Eigen::Matrix4d covariance =
         Eigen::Matrix4d::Identity() + by_first * by_first.transpose();
     information += by_views.transpose() * covariance.inverse() * by_views;
@@ -216,8 +218,7 @@ TEST(SolveThreeViews, ErrsLittleMoreThanNoiseDemands) {
     EXPECT_LT(Mean(refined), 1.15) << sigma_m;
     EXPECT_GT(Mean(refined), 0.65) << sigma_m;
     EXPECT_LT(Quantile(refined, 0.95), 1.5 * 1.96) << sigma_m;
-    // What it says of its own uncertainty is true but for a factor, and no
-    // boast.
+    // The solver's own uncertainty is true but for a factor, and no boast.
     EXPECT_GT(Quantile(said, 0.05), 1) << sigma_m;
     EXPECT_LT(Quantile(said, 0.95), 3) << sigma_m;
     sum_linear += Mean(linear);

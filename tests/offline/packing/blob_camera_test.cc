@@ -59,7 +59,7 @@ TEST(IsBlob, KnowsNamesAndContents) {
   EXPECT_FALSE(IsBlob("x", ""));
 }
 
-// Where an undistorted pixel comes from; nothing near the area's edge.
+// The place that an undistorted pixel comes from; nothing near the area's edge.
 std::optional<Eigen::Vector2d> Source(const VirtualCamera& virtual_camera,
                                       int x, int y) {
   const auto source = GenericFile().camera->Project(

@@ -62,7 +62,7 @@ std::vector<View> MakeViews(const ImageSize& size) {
   return views;
 }
 
-// Of this thread alone, so that other load does not count.
+// CPU time of this thread alone, so that other load does not count.
 double Now() {
   timespec time;
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -103,8 +103,8 @@ RemapTable FitTable(const View& view, const VirtualCamera& target) {
   }
 }
 
-// Where the pixels of a lattice come from, as the runtime has it; far outside
-// where they have no source.
+// The source positions of a lattice's pixels, as the runtime has them; far
+// outside where they have no source.
 cv::Mat2f Positions(const uint8_t* section, const rg_lattice& lattice,
                     const ImageSize& output) {
   const rg_range range_x = rg_source_range(section, &lattice, 0);
@@ -327,7 +327,7 @@ void RunView(const View& view, const ImageSize& size, const std::string& folder,
   std::fflush(stdout);
 }
 
-// What lies in the folder, for the other program.
+// The list of the folder's contents, for the other program.
 void WriteSummary(const std::string& folder, const ImageSize& size,
                   const std::vector<View>& views) {
   nlohmann::json json = {

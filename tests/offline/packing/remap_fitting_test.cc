@@ -74,7 +74,7 @@ class PlainTable {
   }
 
  private:
-  // Where the corner of parts at an output pixel comes from.
+  // The source position of the corner of parts at an output pixel.
   Eigen::Vector2d Corner(int x, int y) const {
     const int block = 1 << section_.block_log2;
     const int i = x / block, j = y / block;
@@ -174,7 +174,7 @@ TEST(FitRemapTable, KeepsThreeHundredthsOfAPixelInTwoHundredthsOfAByte) {
         1 << table.section.block_log2, 1 << table.section.part_log2,
         table.max_error_px,
         static_cast<double>(BytesOf(table)) / kSize.width / kSize.height);
-    // What was measured is true of pixels anywhere.
+    // The error that was measured is true of pixels anywhere.
     const PlainTable plain(table);
     TestRandom random(3);
     double worst = 0;

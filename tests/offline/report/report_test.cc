@@ -278,7 +278,7 @@ TEST(HtmlReport, ScriptMakesNoMarkupOfData) {
     EXPECT_FALSE(Has(html, way)) << way;
 }
 
-// What a browser would run, in an element's text or in an attribute.
+// A text that a browser would run, in an element's text or in an attribute.
 const char kAttack[] = "\"'></script><svg/onload=alert(1)>";
 
 // Each text of a JSON document in turn, and each key, is the attack.

@@ -49,7 +49,7 @@ double InkInRow(const RenderedImage& image, int row, int first, int last) {
   return ink;
 }
 
-// Where the board's edge x = x_m crosses a row of the image.
+// The column where the board's edge x = x_m crosses a row of the image.
 double EdgeInRow(const CameraModel& camera, const Pose& pose,
                  const BoardBend& bend, double x_m, double row, double y_m) {
   Eigen::Vector2d pixel;

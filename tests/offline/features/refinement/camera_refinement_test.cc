@@ -130,8 +130,8 @@ TEST(FeatureRefiner, IsMoreAccurateWithWhatTheCameraTells) {
   }
 }
 
-// As a growth leaves them that has come upon the wrong stars on its way round
-// the tag.
+// The stars are as a growth leaves them that has come upon the wrong ones on
+// its way round the tag.
 TEST(FeatureRefiner, RejectsStarsThatAreTakenForTheirNeighbours) {
   const Pattern pattern = StarPattern();
   const Board& board = pattern.boards[0];

@@ -125,7 +125,7 @@ TEST(Chessboard, BoardInALargeImageIsFound) {
   const Photograph photograph(pattern.boards[0], kTilted);
   cv::Mat large;
   cv::resize(photograph.mat, large, cv::Size(), 5, 5, cv::INTER_CUBIC);
-  // As blurred as it is, it wants a large window.
+  // The enlarged image is so blurred that it wants a large window.
   std::vector<Feature> features =
       Detected(ToGrey(large), pattern, {Refinement::kIntensities, 51}).features;
   ASSERT_EQ(features.size(), 54u);

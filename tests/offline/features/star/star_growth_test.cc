@@ -17,8 +17,8 @@ Board BoardOfOneTag() {
       .boards[0];
 }
 
-// Where places on the board are seen: a square is 20 px at the tag's middle,
-// and the horizon passes between the tag and the board's first star.
+// The pixel where a place on the board is seen: a square is 20 px at the tag's
+// middle, and the horizon passes between the tag and the board's first star.
 Eigen::Vector2d Seen(const Eigen::Vector2d& place) {
   const Eigen::Vector2d offset = place - Eigen::Vector2d(12, 11);
   return Eigen::Vector2d(300, 200) +

@@ -27,7 +27,7 @@ struct Arguments {
   std::string keep;  // a folder; or empty
   bool list = false;
 
-  // Where an image is kept; empty if it is not.
+  // The file that an image is kept in; empty if it is not kept.
   std::string FileOf(int index) const {
     return keep.empty() ? "" : fmt::format("{}/{:04d}.png", keep, index);
   }
@@ -56,7 +56,7 @@ size_t SizeIndex(double size_px) {
          kSizesPx.begin();
 }
 
-// Of stars of one view, on boards of which a tag is wholly seen.
+// Stars of one view, by size, on boards of which a tag is wholly seen.
 struct BySize {
   std::array<Count, kNumSizes> counts;
   std::array<double, kNumSizes> largest = {};
@@ -78,7 +78,7 @@ struct Missed {
   std::string reason;
 };
 
-// What is to be found in an image, and what was.
+// The stars and tags to be found in an image, and what was found.
 struct Outcome {
   TagView tag = TagView::kNone;  // that is seen best
   Count stars;
@@ -192,7 +192,7 @@ Outcome Compare(const Scene &scene, const ImageDetection &detection) {
   return outcome;
 }
 
-// What this thread has computed, whatever else the machine does.
+// CPU time of this thread, whatever else the machine does.
 double ThreadMs() {
   timespec time;
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);

@@ -41,7 +41,7 @@ struct Camera {
   std::string lens;
   std::unique_ptr<CameraModel> model;
 
-  // Of its pixels, made when first asked for.
+  // The rays of the camera's pixels, made when first asked for.
   const PixelRays &Rays() const {
     std::call_once(made_,
                    [this] { rays_ = std::make_unique<PixelRays>(*model, 1); });
@@ -53,7 +53,7 @@ struct Camera {
   mutable std::unique_ptr<PixelRays> rays_;
 };
 
-// What is printed, and how to detect it.
+// The printed boards, and their detector.
 struct Target {
   Pattern pattern;
   std::vector<BoardSurface> surfaces;
@@ -82,8 +82,9 @@ inline Target MakeTarget(const StarBoardOptions &options) {
   return target;
 }
 
-// Of many tags, which large boards have room for, one is nearly always seen; of
-// large squares the image has room for few, and for small tags only.
+// Boards to be seen. Large ones have room for many tags, of which one is nearly
+// always seen. An image has room for few large squares, and so for small tags
+// only.
 inline std::vector<Target> MakeTargets(const SceneOptions &scenes) {
   std::vector<Target> targets;
   const auto add = [&](int columns, int rows, int segments, int num_boards,
@@ -191,8 +192,8 @@ struct Scene {
   TagView ViewOf(size_t board, const BoardTag &tag) const;
 };
 
-// Of the square that reaches so far from a star's centre; nothing where one is
-// not seen.
+// The corners of the square that reaches so far from a star's centre; nothing
+// where one is not seen.
 inline std::optional<std::array<Eigen::Vector2d, 4>> Scene::CornersAround(
     const Feature &star, double reach_squares) const {
   constexpr double kSigns[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
@@ -247,7 +248,7 @@ inline StarView Scene::ViewOf(const Feature &star) const {
              : StarView::kNotToBeFound;
 }
 
-// Of its black square.
+// The view of a tag's black square.
 inline TagView Scene::ViewOf(size_t board, const BoardTag &tag) const {
   const double cell = tag.squares / 10.0;
   constexpr int kNumSteps = 8;
