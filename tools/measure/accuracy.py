@@ -30,7 +30,7 @@ def find_corners(job, options):
 
 
 def start(job, options):
-    """What every peer of a set needs: corners, and poses to start from."""
+    """Makes what every peer of a set needs: corners, and poses to start from."""
     if "kind" in job:
         find_corners(job, options)
     job["poses"] = raygrid_peer.write_starts(job, options.raygrid)

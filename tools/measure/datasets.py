@@ -9,7 +9,7 @@ import numpy as np
 
 
 class View:
-    """What one image shows of the board: places of the board's corners, and their pixels."""
+    """The board in one image: places of the board's corners, and their pixels."""
 
     def __init__(self, image):
         self.image = image

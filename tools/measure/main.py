@@ -1,4 +1,4 @@
-"""What tools/measure_readme runs once all is built and installed."""
+"""The measurements that tools/measure_readme runs once all is built and installed."""
 import argparse
 import os
 import shutil

@@ -32,8 +32,8 @@ def observations(data):
 
 
 def start_poses(data):
-    """Of the boards in the camera's frame, from those that all programs localise from. mrcal's own start
-    fails on some sets."""
+    """Poses of the boards in the camera's frame, from those that all programs localise from. mrcal's own
+    start fails on some sets."""
     return np.array([np.concatenate([mrcal.r_from_R(rotation), translation])
                      for rotation, translation in (data.starts[v.image] for v in data.train)])
 

@@ -1,4 +1,4 @@
-"""What the peers share: each calibration becomes a row of results."""
+"""The part that the peers share: each calibration becomes a row of results."""
 import os
 import sys
 import time

@@ -31,7 +31,7 @@ def load(folder, name, rows, columns, channels, kind):
 
 
 class Maps:
-    """Where the pixels of one plane come from: as floats, and as OpenCV's fixed-point numbers."""
+    """The source positions of one plane's pixels: as floats, and as OpenCV's fixed-point numbers."""
 
     def __init__(self, folder, prefix, rows, columns):
         self.positions = load(folder, prefix + ".positions", rows, columns, 2, np.float32)
