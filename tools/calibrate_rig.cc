@@ -22,7 +22,7 @@
 namespace raygrid {
 namespace {
 
-// What comes before and after the '=' of NAME=VALUE; all is value without one.
+// The texts before and after the '=' of NAME=VALUE; all is value without one.
 struct NamedValue {
   std::string name, value;
 };
@@ -220,7 +220,7 @@ void PrintSummary(const CalibrateArguments& arguments,
   fmt::print("  results in {}\n", Printable(arguments.output));
 }
 
-// Of all cameras, or of none.
+// The checkpoints of all cameras, or none.
 std::vector<Checkpoint> CheckpointsOf(const RigResult& result) {
   std::vector<Checkpoint> checkpoints;
   for (const CalibrationResult& camera : result.cameras)

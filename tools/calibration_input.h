@@ -1,4 +1,4 @@
-/// What calibrate does alike for one camera and for a rig.
+/// The parts of calibrate that are alike for one camera and for a rig.
 #ifndef RAYGRID_TOOLS_CALIBRATION_INPUT_H
 #define RAYGRID_TOOLS_CALIBRATION_INPUT_H
 
@@ -29,7 +29,8 @@ struct CalibrateArguments {
 
 using FeaturesByCamera = std::map<std::string, Dataset>;
 
-/// What is calibrated with, and the images that it was measured in, if any.
+/// The features to calibrate with, and the images that they were measured in,
+/// if any.
 struct Measurements {
   Dataset dataset;
   std::vector<std::string> paths;       ///< of the dataset's images
@@ -105,7 +106,7 @@ CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
 
 PackingFigures FiguresOf(const PackedCamera& packed);
 
-/// What a blob lacks, on standard error; name is for it.
+/// Prints what a blob lacks, on standard error; name is for it.
 void PrintRemarks(const std::string& name, const PackedCamera& packed);
 
 int64_t PeakMemoryBytes();
@@ -118,15 +119,15 @@ void PrintTraining(const CalibrationResult& result);
 void PrintUncertainty(const CameraUncertainty& uncertainty,
                       const CameraModel& camera);
 
-/// What the exit code says of a calibration whose files are written: throws
+/// Throws what the exit code says of a calibration whose files are written:
 /// Error(kNotConverged) if it was interrupted, Error(kQuality) if its verdict
 /// is "fail".
 void RequireSuccess(const Verdict& verdict, bool is_interrupted,
                     const std::string& folder);
 
-/// What was found so far replaces no finished result: where the folder holds
-/// one, this writes resume.json alone and throws Error(kNotConverged).
-/// Without checkpoints, nothing was interrupted.
+/// Keeps a finished result from being replaced by what was found so far: where
+/// the folder holds one, this writes resume.json alone and throws
+/// Error(kNotConverged). Without checkpoints, nothing was interrupted.
 void KeepFinishedResult(const std::string& folder,
                         const std::vector<Checkpoint>& checkpoints,
                         const std::string& inputs);

@@ -24,7 +24,7 @@ CLI::App* AddCommand(CLI::App* app, const std::string& name,
                      const std::string& description, const std::string& example,
                      CommonOptions* common);
 
-/// What each exit code means, for a help's end.
+/// The meaning of each exit code, for a help's end.
 std::string ExitCodesHelp();
 
 /// --hold-out, names of images; help says what they are for.

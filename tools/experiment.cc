@@ -101,7 +101,7 @@ ExperimentData ReadData(const Arguments& arguments) {
   return data;
 }
 
-// What all files of an experiment's result are called, up to their endings.
+// The path of all files of an experiment's result, up to their endings.
 std::string BaseName(const Experiment& experiment, const std::string& folder) {
   return (std::filesystem::path(folder) / experiment.name).string();
 }

@@ -21,7 +21,7 @@ struct Arguments {
 // About so many places along the longer side are compared.
 constexpr double kPlaces = 160;
 
-// What a model leaves of a camera.
+// A model fitted to a camera, and its difference from that.
 struct Fit {
   CameraFile file;
   ModelDifference difference;

@@ -18,7 +18,7 @@
 namespace raygrid {
 namespace {
 
-// What a file holds: printed as it is, or as lines of text.
+// The contents of a file, printed as they are, or as lines of text.
 using Json = nlohmann::ordered_json;
 
 // ---- Blobs -----------------------------------------------------------------

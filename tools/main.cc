@@ -111,7 +111,7 @@ std::string WhyEmpty(const std::string& text) {
                       : std::string();
 }
 
-// What the library lets pass in every option of a kind.
+// Refuses values that the library lets pass in every option of a kind.
 void RefuseValuesThatAreNone(CLI::App* app) {
   for (CLI::Option* option : app->get_options()) {
     const std::string type = option->get_type_name();

@@ -74,8 +74,8 @@ ScreenBoards PlanForScreen(const std::vector<Board>& boards,
                         *options.dpi);
 }
 
-// What to measure on the monitor, and what to type then: the same picture with
-// its true lengths.
+// Says what to measure on the monitor, and what to type then: the same picture
+// with its true lengths.
 std::string HowToMeasure(const ScreenBoards& plan,
                          const OutputOptions& options) {
   const Board& board = plan.boards.front();

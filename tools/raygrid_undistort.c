@@ -161,8 +161,8 @@ static int write_pixels(FILE* file, int as_pgm, const struct picture* picture) {
 
 #if defined(__unix__)
 
-/* What is under the name and no file, such as a pipe, gets the frame and stays
- * what it is. */
+/* A stream is what is under the name and no file, such as a pipe. It gets the
+ * frame and stays what it is. */
 static int is_stream(const char* path) {
   struct stat status;
   return stat(path, &status) == 0 && !S_ISREG(status.st_mode);

@@ -73,7 +73,7 @@ std::shared_ptr<const CameraModel> AsGrid(const CameraModel& lens) {
   return FitNonCentralGeneric(lens, image, columns, rows).Clone();
 }
 
-// As camera.yaml.
+// The true camera as a camera.yaml.
 std::string FormatTruth(const CameraModel& camera, bool is_from_file) {
   CameraFile truth;
   truth.camera = is_from_file ? camera.Clone() : AsGrid(camera);
@@ -190,7 +190,7 @@ class Photographer {
   SimulatedObservations truth_;
 };
 
-// What several cameras see.
+// The observations of several cameras.
 SimulatedObservations ObserveRig(const Arguments& arguments,
                                  const CommonOptions& common) {
   const std::shared_ptr<const CameraModel> camera = MakeCamera(arguments);

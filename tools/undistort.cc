@@ -55,7 +55,7 @@ void RequireSize(const std::string& path, const ImageSize& size,
                             expected.height));
 }
 
-// Where an image goes, and its raw frame if one is asked for.
+// The paths of an image, and of its raw frame if one is asked for.
 struct Targets {
   std::string image, frame;
 };

@@ -88,7 +88,7 @@ class FrameLoop {
     }
   }
 
-  // What waits is written too, when a signal or the source ended it.
+  // Writes the frames that wait, too, when a signal or the source ended it.
   void Finish() {
     while (!IsEnough() && !undistorter_->is_finished()) TakeFrame();
     statistics_.ShowAtTheEnd(source_.counts(), *undistorter_);

@@ -1,4 +1,4 @@
-/// Where undistorted frames go.
+/// The outputs of undistorted frames.
 #ifndef RAYGRID_CAMERA_FRAME_OUTPUT_H
 #define RAYGRID_CAMERA_FRAME_OUTPUT_H
 
@@ -30,7 +30,7 @@ std::unique_ptr<FrameOutput> MakePngFiles(const std::string& folder,
 /// takes nothing is waited for a second more.
 std::unique_ptr<FrameOutput> MakePipe(int fd, std::function<bool()> is_stopped);
 
-/// What plays the pipe.
+/// The commands that play the pipe.
 std::string DescribePipe(const StreamFormat& format, double frames_per_second);
 
 }  // namespace raygrid

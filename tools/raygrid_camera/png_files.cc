@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-// What libpng's callbacks need. They must not throw: libpng is C.
+// The state that libpng's callbacks need. They must not throw: libpng is C.
 struct PngWriting {
   WholeFile* file;
   std::optional<CameraError> error;
