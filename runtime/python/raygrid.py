@@ -23,8 +23,8 @@ NO_PIXEL = -2**31
 Q12, Q16, Q28, Q30 = 2**12, 2**16, 2**28, 2**30
 POINT_MAX_BITS = 27
 
-# Of each format: its number, bits of a sample, then bytes a row of each plane takes, as a fraction
-# of the width, and rows of each plane, as a fraction of the height.
+# Each format's number, bits of a sample, then bytes a row of each plane takes, as a fraction of the
+# width, and rows of each plane, as a fraction of the height.
 FORMATS = {
     "GREY8": (0, 8, ((1, 1),)), "GREY16": (1, 16, ((2, 1),)),
     "GREY10P": (2, 10, ((1.25, 1),)), "GREY12P": (3, 12, ((1.5, 1),)),
@@ -40,7 +40,7 @@ SAMPLINGS = {"bilinear": 0, "nearest": 1}
 
 
 class Error(Exception):
-    """What the library refuses; status is its number."""
+    """A refusal by the library; status is its number."""
 
     def __init__(self, status):
         super().__init__(_library.rg_status_text(status).decode())
@@ -81,8 +81,8 @@ class _Target(ctypes.Structure):
 
 
 def _library_places():
-    """Where the library may lie: beside this file; PREFIX/lib*, of PREFIX/share/raygrid/python;
-    the host's build folder, of the sources."""
+    """Paths that the library may have: beside this file; in PREFIX/lib*, of
+    PREFIX/share/raygrid/python; in the host's build folder, of the sources."""
     here = Path(__file__).resolve().parent
     folders = [here]
     if here.parts[-3:] == ("share", "raygrid", "python"):
@@ -271,7 +271,7 @@ class Camera:
         return width.value, height.value
 
     def undistort_points(self, points):
-        """Where pixels lie in the undistorted image; None for those that have no place there."""
+        """Positions of pixels in the undistorted image; None for those that have no place there."""
         self.remap_size()
         result = (_Pixel * len(points))()
         _library.rg_undistort_points(ctypes.byref(self._camera), _pixels(points), result,
