@@ -249,8 +249,8 @@ uint32_t rg_undistort_points(const rg_camera* camera, const rg_pixel* pixels,
 /* The contents of frames; the undistorted frame holds the same. The order of
  * colours does not matter: the names in brackets are the same to this library.
  * Samples of more than 8 bits are little-endian. Packed ones are as on CSI-2.
- * Sizes of formats from YUYV on are even; of 10-bit packed ones multiples of 4,
- * of 12-bit packed ones of 2. */
+ * Sizes of formats from YUYV to BAYER12P are even; of 10-bit packed ones
+ * multiples of 4, of 12-bit packed ones of 2. */
 typedef enum rg_format {
   RG_FORMAT_GREY8,   /* GREY, R8 */
   RG_FORMAT_GREY16,  /* Y10, Y12, Y14, Y16: in the low bits of 16 */
@@ -266,6 +266,7 @@ typedef enum rg_format {
   RG_FORMAT_BAYER16, /* 10, 12, 14 or 16 bits in the low bits of 16 */
   RG_FORMAT_BAYER10P,
   RG_FORMAT_BAYER12P,
+  RG_FORMAT_RGB565, /* RGBP: red in the high bits of 16, little-endian */
   RG_NUM_FORMATS
 } rg_format;
 
@@ -335,7 +336,7 @@ typedef struct rg_target {
  * RG_ERR_FRAME_SIZE    frame is not the camera's image, a stride is too small
  *                      or 2^31 bytes or more, a size not a multiple of what the
  *                      format wants
- * RG_ERR_MISALIGNED    16-bit samples at odd addresses
+ * RG_ERR_MISALIGNED    16-bit samples, or RGB565, at odd addresses
  * RG_ERR_ROWS          the band ends below the output, or cuts a pair of rows
  * RG_ERR_OVERLAP       a plane of the target lies in another plane
  * RG_ERR_ROWS_MISSING  the ring does not hold the rows that the band needs */

@@ -33,7 +33,8 @@ enum {
   NV12 = UYVY + 3,
   YUV420 = NV12 + 2,
   BAYER = YUV420 + 3,
-  NUM_LATTICES = BAYER + 4
+  RGB565 = BAYER + 4,
+  NUM_LATTICES = RGB565 + 3
 };
 
 static const uint32_t kLattices[] = {
@@ -54,7 +55,10 @@ static const uint32_t kLattices[] = {
     COLOUR(0, 0), /* BAYER */
     COLOUR(1, 0),
     COLOUR(0, 1),
-    COLOUR(1, 1)};
+    COLOUR(1, 1),
+    SAMPLES(0, 4) | CHANNELS(1) | EVERY_PIXEL, /* RGB565 */
+    SAMPLES(1, 4) | CHANNELS(1) | EVERY_PIXEL,
+    SAMPLES(2, 4) | CHANNELS(1) | EVERY_PIXEL};
 
 /* A format in 16 bits. */
 #define FORMAT_ROW_PAIRS 1u /* its rows come in pairs */
@@ -78,7 +82,8 @@ static const uint16_t kFormats[] = {FORMAT(RG_SAMPLE_8, ONE_SAMPLE, 1, 0),
                                     FORMAT(RG_SAMPLE_8, BAYER, 4, 1),
                                     FORMAT(RG_SAMPLE_16, BAYER, 4, 1),
                                     FORMAT(RG_SAMPLE_10P, BAYER, 4, 1),
-                                    FORMAT(RG_SAMPLE_12P, BAYER, 4, 1)};
+                                    FORMAT(RG_SAMPLE_12P, BAYER, 4, 1),
+                                    FORMAT(RG_SAMPLE_565, RGB565, 3, 0)};
 
 /* Fails to compile where a table lacks an entry, or an index does not fit. */
 #define ASSERT_LATTICES(name, condition) \
@@ -88,7 +93,7 @@ ASSERT_LATTICES(every_format_has_an_entry,
 ASSERT_LATTICES(every_lattice_has_its_place,
                 sizeof(kLattices) / sizeof(kLattices[0]) == NUM_LATTICES);
 ASSERT_LATTICES(lattices_fit_their_index, NUM_LATTICES <= 128);
-ASSERT_LATTICES(kinds_fit_their_field, RG_SAMPLE_16 < 32);
+ASSERT_LATTICES(kinds_fit_their_field, RG_SAMPLE_565 < 32);
 ASSERT_LATTICES(fields_are_all_between_kind_and_index,
                 offsetof(rg_lattice, kind) == 0 &&
                     offsetof(rg_lattice, plane) == 1 &&
@@ -117,6 +122,7 @@ uint32_t rg_plane_row_bytes(const rg_lattice* lattice, uint32_t width) {
   if ((width & ((1u << log2) - 1)) != 0) return 0;
   if (kind == RG_SAMPLE_8) return num_samples;
   if (kind == RG_SAMPLE_16) return 2 * num_samples;
+  if (kind == RG_SAMPLE_565) return num_samples >> 1;
   const uint32_t num_groups = num_samples >> kind;
   return num_groups << kind == num_samples ? num_samples + num_groups : 0;
 }

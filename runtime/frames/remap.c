@@ -276,7 +276,7 @@ static RG_NOINLINE rg_status find_plane(const rg_lattice* lattice,
   if (row_bytes == 0 || plane->stride < row_bytes ||
       plane->stride > INT32_MAX) /* two rows are counted in 32 bits */
     return RG_ERR_FRAME_SIZE;
-  return lattice->kind == RG_SAMPLE_16 &&
+  return lattice->kind >= RG_SAMPLE_16 &&
                  (((uintptr_t)plane->data | plane->stride) & 1) != 0
              ? RG_ERR_MISALIGNED
              : RG_OK;

@@ -35,6 +35,7 @@ constexpr PixelFormatInfo kFormats[] = {
     {"BGRA8888", RG_FORMAT_RGB32, kRgb, 8, {1, 2, 3}},
     {"XVUY8888", RG_FORMAT_RGB32, kYuv, 8, {0, 1, 2}},
     {"AVUY8888", RG_FORMAT_RGB32, kYuv, 8, {0, 1, 2}},
+    {"RGB565", RG_FORMAT_RGB565, kRgb, 8, {0, 1, 2}},
     {"YUYV", RG_FORMAT_YUYV, kYuv, 8, {0, 1, 3}},
     {"YVYU", RG_FORMAT_YUYV, kYuv, 8, {0, 3, 1}},
     {"UYVY", RG_FORMAT_UYVY, kYuv, 8, {1, 0, 2}},

@@ -82,6 +82,11 @@ TEST(PictureRows, ColoursAreWhereTheFormatHasThem) {
   EXPECT_EQ(ColourOf("XBGR8888", Repeat({10, 20, 30, 0}, 4)), colour);
   EXPECT_EQ(ColourOf("RGBX8888", Repeat({0, 30, 20, 10}, 4)), colour);
   EXPECT_EQ(ColourOf("BGRX8888", Repeat({0, 10, 20, 30}, 4)), colour);
+  // 1, 40 and 3 of 31, 63 and 31: 0x0d03, the low byte first.
+  EXPECT_EQ(ColourOf("RGB565", Repeat({0x03, 0x0d}, 4)),
+            (std::vector<int>{8, 162, 24}));
+  EXPECT_EQ(ColourOf("RGB565", Repeat({0xff, 0xff}, 4)),
+            (std::vector<int>{255, 255, 255}));
   EXPECT_EQ(ColourOf("SRGGB8", {10, 20, 20, 30}), colour);
   EXPECT_EQ(ColourOf("SGRBG8", {20, 10, 30, 20}), colour);
   EXPECT_EQ(ColourOf("SGBRG8", {20, 30, 10, 20}), colour);

@@ -1691,6 +1691,7 @@ static const uint32_t kFormatCrcs[][3] = {
     {0x1f2bf82au, 0x74b39572u, 0x3405c592u},
     {0xddaa2ef0u, 0x9c30f38du, 0x1cc5d942u},
     {0x13c410dfu, 0x2f5a852au, 0xd5f7605bu},
+    {0xfdcc777bu, 0x9b6f69e1u, 0xb0cc21e5u},
 };
 
 /* The camera of kWideBlob with two tables with bends: version 1.4. */
@@ -1849,6 +1850,7 @@ static const uint32_t kBentFormatCrcs[][3] = {
     {0xc61646a0u, 0x2313e12fu, 0x3d06796fu},
     {0x57e8cc3fu, 0x8e910823u, 0x7f5c9500u},
     {0x4da9b56cu, 0x5790c1b7u, 0x647a2d65u},
+    {0x013e100bu, 0xb1dfcdd3u, 0xd4790df2u},
 };
 
 static const uint32_t kMoreBentFormatCrcs[][3] = {
@@ -1866,6 +1868,7 @@ static const uint32_t kMoreBentFormatCrcs[][3] = {
     {0xd81a8352u, 0xd81a8352u, 0x83f9a7eau},
     {0x35cbc321u, 0x35cbc321u, 0xe30fa41du},
     {0xe0f24babu, 0xe0f24babu, 0xa048096cu},
+    {0xb03dd35au, 0xb03dd35au, 0xbe1e5592u},
 };
 
 /* q29 chart positions, up to the limit. */

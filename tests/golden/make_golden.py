@@ -621,7 +621,7 @@ class Placement(NamedTuple):
 
     lattice: reference.Lattice
     plane: int
-    kind: str  # u8, u16, 10p, 12p
+    kind: str  # u8, u16, 10p, 12p, 565
     first: int
     step: int
     channels: int
@@ -652,8 +652,11 @@ FORMATS: tuple[tuple[Placement, ...], ...] = (
     (Placement(LUMA, 0, "u8", 0, 1, 1, 0), Placement(CHROMA_420, 1, "u8", 0, 1, 1, 1),
      Placement(CHROMA_420, 2, "u8", 0, 1, 1, 2)),
     *(bayer(kind) for kind in ("u8", "u16", "10p", "12p")),
+    tuple(Placement(LUMA, 0, "565", field, 4, 1, field) for field in (0, 1, 2)),
 )
-BYTES_PER_8_SAMPLES = {"u8": 8, "u16": 16, "10p": 10, "12p": 12}
+# Shift and mask of red, green and blue: four samples are a word, the fourth of them nothing.
+FIELDS_565 = ((11, 31), (5, 63), (0, 31))
+BYTES_PER_8_SAMPLES = {"u8": 8, "u16": 16, "10p": 10, "12p": 12, "565": 4}
 BORDER_VALUES = (201, 17, 130, 66)
 KEPT_BYTE = 0xa5
 # Border and sampling of the golden frames: value, clamp, keep.
@@ -678,6 +681,9 @@ def get_sample(kind: str, row: bytes, index: int) -> int:
         return row[index]
     if kind == "u16":
         return row[2 * index] + 256 * row[2 * index + 1]
+    if kind == "565":
+        shift, mask = FIELDS_565[index % 4]
+        return get_sample("u16", row, index // 4) >> shift & mask
     count, bits = (4, 2) if kind == "10p" else (2, 4)
     group = row[index // count * (count + 1):][:count + 1]
     low = group[count] >> (bits * (index % count)) & ((1 << bits) - 1)
@@ -697,6 +703,10 @@ def put_sample(kind: str, row: bytearray, index: int, value: int) -> None:
         row[index] = value & 255
     elif kind == "u16":
         row[2 * index:2 * index + 2] = value.to_bytes(2, "little")
+    elif kind == "565":
+        shift, mask = FIELDS_565[index % 4]
+        others = get_sample("u16", row, index // 4) & ~(mask << shift)
+        put_sample("u16", row, index // 4, others | (value & mask) << shift)
     else:
         count, bits = (4, 2) if kind == "10p" else (2, 4)
         group, k = index // count * (count + 1), index % count

@@ -24,7 +24,7 @@ typedef struct plane_size {
 static const plane_size kPlanes[RG_NUM_FORMATS][3] = {
     {{8, 1}},  {{16, 1}}, {{10, 1}}, {{12, 1}},        {{24, 1}},
     {{32, 1}}, {{16, 1}}, {{16, 1}}, {{8, 1}, {8, 2}}, {{8, 1}, {4, 2}, {4, 2}},
-    {{8, 1}},  {{16, 1}}, {{10, 1}}, {{12, 1}}};
+    {{8, 1}},  {{16, 1}}, {{10, 1}}, {{12, 1}},        {{16, 1}}};
 
 /* A table of a blob, and the CRCs of its frames. */
 typedef struct golden_table {

@@ -49,6 +49,17 @@ void ReadGreyRow(const SampleRow& samples, uint32_t width, uint8_t* rgb) {
     std::fill_n(rgb + size_t{3} * x, 3, samples[x]);
 }
 
+// Red, green and blue of 5, 6 and 5 bits; their high bits fill the low ones.
+void ReadFieldsRow(const uint8_t* words, uint32_t width, uint8_t* rgb) {
+  for (uint32_t x = 0; x < width; ++x, rgb += 3)
+    for (uint32_t i = 0; i < 3; ++i) {
+      const uint32_t bits = i == 1 ? 6 : 5;
+      const uint32_t value = rg_load_sample(RG_SAMPLE_565, words, 4 * x + i);
+      rgb[i] =
+          static_cast<uint8_t>(value << (8 - bits) | value >> (2 * bits - 8));
+    }
+}
+
 void ReadInterleavedRow(const PixelFormatInfo& pixel_format,
                         const rg_image& image, uint32_t row, uint8_t* rgb) {
   const int step = pixel_format.format == RG_FORMAT_RGB24 ? 3 : 4;
@@ -108,6 +119,8 @@ void ReadPictureRow(const PixelFormatInfo& pixel_format, const rg_image& image,
     case RG_FORMAT_RGB24:
     case RG_FORMAT_RGB32:
       return ReadInterleavedRow(pixel_format, image, row, rgb);
+    case RG_FORMAT_RGB565:
+      return ReadFieldsRow(RowOf(image, 0, row), image.width, rgb);
     case RG_FORMAT_YUYV:
     case RG_FORMAT_UYVY:
       return ReadPairedRow(pixel_format, image, row, rgb);
