@@ -147,7 +147,8 @@ RigMeasurements Gather(const CalibrateArguments& arguments,
   return rig;
 }
 
-// With the checkpoints of an interrupted calibration, if there are any.
+// The cameras of a rig with the checkpoints of an interrupted calibration, if
+// there are any.
 std::vector<RigCameraInput> CamerasOf(const RigMeasurements& rig,
                                       const CalibrateArguments& arguments,
                                       int num_threads,

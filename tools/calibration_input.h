@@ -61,7 +61,8 @@ void RequireUsable(const std::string& source,
 void RequireNoInputReplaced(const CalibrateArguments& arguments,
                             const std::vector<std::string>& images);
 
-/// For images; empty for features alone, or if they are to be kept.
+/// The way to measure images again; empty for features alone, or if they are to
+/// be kept.
 MeasureAgain AgainIn(const Measurements& measurements,
                      const CalibrateArguments& arguments, int num_threads);
 

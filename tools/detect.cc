@@ -94,7 +94,7 @@ void WarnOfRemarks(const FolderDetection& found) {
                Printable(RemarkOnTurned(found.turned)));
 }
 
-// Their names, or the first of many.
+// Names the images without features, or the first of many.
 void NameThoseWithoutFeatures(const FolderDetection& found) {
   constexpr size_t kMaxNames = 20;
   std::vector<std::string> names;

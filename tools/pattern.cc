@@ -178,7 +178,8 @@ void AddOutputOptions(CLI::App* command, OutputOptions* options) {
       ->required();
 }
 
-// To be called when the options of the board itself are there.
+// Finishes a command; to be called when the options of the board itself are
+// there.
 void Finish(CLI::App* command, const MakeBoards& make_boards,
             CommonOptions* common) {
   const auto options = std::make_shared<OutputOptions>();

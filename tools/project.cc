@@ -27,7 +27,7 @@ Eigen::Vector3d Moderate(const Eigen::Vector3d& point, bool is_central) {
   return point.unaryExpr([shift](double x) { return std::ldexp(x, shift); });
 }
 
-// By the fixed-point runtime if it is a blob.
+// Projects by the fixed-point runtime if the input is a blob.
 std::optional<Eigen::Vector2d> Project(const CameraInput& input,
                                        const Eigen::Vector3d& point) {
   const CameraModel& camera = *input.file.camera;

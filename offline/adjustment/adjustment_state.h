@@ -16,14 +16,14 @@ struct Observation {
   Eigen::Vector2d pixel;
 };
 
-/// What one camera saw of a board that stood at one of the poses.
+/// The view that one camera had of a board that stood at one of the poses.
 struct View {
   std::vector<Observation> observations;
   int camera = 0, pose = 0;
 };
 
-/// What bundle adjustment changes. A single camera is a rig of one. Copies are
-/// deep.
+/// The unknowns of bundle adjustment. A single camera is a rig of one. Copies
+/// are deep.
 struct AdjustmentState {
   std::vector<std::unique_ptr<CameraModel>> cameras;
   std::vector<Pose> camera_from_rig;    ///< the first stays as it is

@@ -160,9 +160,9 @@ AdjustmentSummary Adjust(const std::vector<View>& views,
 // So little damping that it does not count as knowledge of the parameters.
 constexpr double kLearningLambda = 1e-6;
 
-// Of a group of parameters under the prior: how many of them there are, how
-// many the observations determine, and their squared distance from its mean (in
-// K's metric).
+// The evidence on a group of parameters under the prior: how many of them there
+// are, how many the observations determine, and their squared distance from the
+// prior's mean (in K's metric).
 struct GroupEvidence {
   double count = 0, determined = 0, squared_distance = 0;
 };
@@ -233,7 +233,7 @@ std::vector<double> NumDetermined(const NormalEquations& equations,
   return result;
 }
 
-// Each group's, and last the points'.
+// The evidence of each group, and last that of the points.
 std::vector<GroupEvidence> EvidenceOf(const std::vector<CameraGroup>& groups,
                                       const GaussianPrior& prior,
                                       const std::vector<double>& determined,

@@ -17,9 +17,9 @@ struct AdjustmentOptions {
   int max_iterations = 200;
   /// Converged when a step lowers the cost by less than this part of it.
   double relative_tolerance = 1e-7;
-  /// Also when several steps in a row lower it next to nothing and move the
-  /// observed points' images by less than this part of the standard deviations
-  /// that the noise gives them.
+  /// Converged, too, when several steps in a row lower the cost next to nothing
+  /// and move the observed points' images by less than this part of the
+  /// standard deviations that the noise gives them.
   double standstill = 0.01;
   int num_threads = 0;
   /// Asked between iterations; the best state so far stays.

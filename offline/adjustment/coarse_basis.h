@@ -55,7 +55,7 @@ class SparseRow {
       const int count = RunFrom(begin), first = used_[begin];
       for (int k = 0; k < 6; ++k)
         AddRun(first, count, by_pose.col(k), &with_pose->coeffRef(first, k));
-      // As far as the end of the run, beyond the triangle.
+      // The sums go to the end of the run, beyond the triangle.
       for (size_t b = 0; b < begin + count; ++b)
         AddRun(first, count, {x_[used_[b]], y_[used_[b]]},
                &with_itself->coeffRef(first, used_[b]));

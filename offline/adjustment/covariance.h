@@ -14,7 +14,7 @@ struct PixelUncertainty {
   Eigen::Vector2d pixel;
   /// How it would scatter, were the noise drawn anew.
   Eigen::Matrix2d noise_px2;
-  /// By how much the prior has moved it, as estimated: noise apart, the error.
+  /// The move of the pixel by the prior, as estimated: noise apart, the error.
   Eigen::Vector2d smoothing_px;
   /// How far it may be from the truth: also what the prior leaves open where
   /// observations do not tell.
@@ -25,7 +25,8 @@ struct PixelUncertainty {
 /// Standard deviation in the worse direction.
 double WorseDeviation(const Eigen::Matrix2d& covariance);
 
-/// For pixels from corner to corner of a camera's area, row by row.
+/// The options of the uncertainty at pixels from corner to corner of a camera's
+/// area, row by row.
 struct UncertaintyOptions {
   int columns = 17, rows = 13;
   int max_exact_unknowns = 2500;

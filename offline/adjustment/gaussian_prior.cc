@@ -21,7 +21,7 @@ struct Term {
   double factor;
 };
 
-// Those parameters of each control point, out of per_point, that make a field.
+// The parameters of each control point, out of per_point, that make a field.
 struct FieldParameters {
   int per_point, first, count;
 };
@@ -199,16 +199,17 @@ Eigen::MatrixXd RotationOverArea(const BSplineSurface& surface, int per_point,
   return rotation / static_cast<double>(pixels.size());
 }
 
-// Of directions that are the first two of a control point's parameters; without
-// the mean.
+// The prior, without its mean, of directions that are the first two of a
+// control point's parameters.
 CameraPrior DirectionsPrior(const BSplineSurface& base, int per_point) {
   CameraPrior prior;
   prior.groups = {
       SmoothField(base, {per_point, 0, 2}, PixelsPerChartUnit(base))};
   prior.groups[0].Free(ByFocalLengthsAndCenter(base, per_point));
-  // Of displacements in pixels: in the chart, those behind the camera, which
-  // nothing is seen of, would outweigh all others. As firm as the observations,
-  // which have no say in it, are in everything else.
+  // The orientation is that of displacements in pixels: in the chart,
+  // displacements behind the camera, which nothing is seen of, would outweigh
+  // all others. The orientation is as firm as the observations, which have no
+  // say in it, are in everything else.
   const double middle_px = PixelsPerChartUnitAt(base, base.area().center());
   prior.orientation = std::sqrt(base.num_points()) *
                       RotationOverArea(base, per_point, middle_px);

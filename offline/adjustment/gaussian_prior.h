@@ -37,15 +37,15 @@ struct PriorGroup {
   }
 };
 
-/// Of a random vector of covariance K, what is of covariance K - R R^T:
+/// Turns a random vector b of covariance K into one of covariance K - R R^T:
 /// (I - (1 - kHeld) K D D^T) b.
 Eigen::VectorXd WithoutFree(const Eigen::MatrixXd& free,
                             const Eigen::MatrixXd& freed,
                             const Eigen::VectorXd& random);
 
-/// What is believed of a camera's parameters before the observations: that they
-/// lie around a parametric lens, with smooth differences. Costs, beside the
-/// residuals':
+/// The belief about a camera's parameters before the observations: they lie
+/// around a parametric lens, with smooth differences. The prior costs, beside
+/// the residuals:
 ///   sum over groups of weight / 2 (c - c0)^T (K - R R^T) (c - c0)
 ///   + orientation_weight / 2 |G^T (c - c0) - g0|^2
 struct CameraPrior {
@@ -78,9 +78,10 @@ struct GaussianPrior {
 /// to base's.
 CameraPrior SmoothnessPrior(const CentralGeneric& base);
 
-/// Likewise of the directions of a grid of lines, and, as a group of its own,
-/// of the lines' points around the origin: three smooth fields, in the pixels
-/// that their displacement across the line moves a point's image at distance_m.
+/// The smoothness prior of the directions of a grid of lines, and, as a group
+/// of its own, of the lines' points around the origin: three smooth fields, in
+/// the pixels that their displacement across the line moves a point's image at
+/// distance_m.
 ///
 /// Observations see neither a shift of all points together, which the poses
 /// undo, nor their drift along the lines, o(x) -> o(x) + f(x) d(x). In both,

@@ -14,7 +14,7 @@ struct GridShape {
 
   int num_nodes() const { return columns * rows; }
   int num_parameters() const { return num_nodes() * per_node; }
-  /// With cells of the grid twice as long.
+  /// The shape of the grid with cells twice as long.
   GridShape Halved() const;
 };
 

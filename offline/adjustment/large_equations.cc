@@ -477,7 +477,7 @@ bool LargeEquations::SolveFor(double lambda, const Eigen::MatrixXd& right,
                               Eigen::MatrixXd* solution) const {
   System system;
   if (!MakeSystem(lambda, &system)) return false;
-  // From one set of equations to the next they change little.
+  // The solution changes little from one set of equations to the next.
   Eigen::MatrixXd& last = memory_->last_solution;
   const bool has_last =
       last.rows() == right.rows() && last.cols() == right.cols();

@@ -92,10 +92,10 @@ class LargeEquations : public NormalEquations {
   CameraLevels LevelsOf(int camera, const Eigen::SparseMatrix<double>& a) const;
   Eigen::VectorXd Precondition(const Preconditioner& preconditioner,
                                const Eigen::VectorXd& residual) const;
-  // From *x, or from zero if it is empty.
+  // Solves by conjugate gradients from *x, or from zero if it is empty.
   bool ConjugateGradients(const System& system, const Eigen::VectorXd& right,
                           Eigen::VectorXd* x) const;
-  // With a preconditioner that serves.
+  // Solves with a preconditioner that serves.
   bool SolveSystem(const System& system, const Eigen::VectorXd& right,
                    Eigen::VectorXd* x) const;
 
@@ -111,7 +111,7 @@ class LargeEquations : public NormalEquations {
   std::shared_ptr<Memory> memory_;
 };
 
-/// What equations can use of those before them.
+/// The memory of equations: all that later ones can use of them.
 class LargeEquations::Memory {
  private:
   friend class LargeEquations;

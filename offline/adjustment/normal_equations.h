@@ -19,12 +19,13 @@ struct AdjustmentStep {
   std::vector<Eigen::Matrix<double, 6, 1>> poses;
 };
 
-/// What has no equations; cameras are fixed with their poses in the rig.
+/// The parameters without equations; cameras are fixed with their poses in the
+/// rig.
 struct FixedParameters {
   bool cameras = false, points = false;
 };
 
-/// Where parameters stand in a vector of them all but the rig poses: cameras,
+/// The places of parameters in a vector of them all but the rig poses: cameras,
 /// their poses in the rig, points.
 struct ParameterLayout {
   ParameterLayout(const AdjustmentState& state, const FixedParameters& fixed);
@@ -38,7 +39,7 @@ struct ParameterLayout {
   int NumCameraParameters(int camera) const {
     return first_camera[camera + 1] - first_camera[camera];
   }
-  /// Of a camera but the first.
+  /// The place of the pose of a camera but the first.
   int CameraPose(int camera) const {
     return first_camera.back() + 6 * (camera - 1);
   }

@@ -24,7 +24,8 @@ struct Residual {
 struct LinearizedResidual {
   Residual residual;
   int camera = 0, pose = 0, point = 0;
-  /// By the updates of UpdatedPose() of camera_from_rig and rig_from_pattern.
+  /// The derivatives by the updates of UpdatedPose() of camera_from_rig and
+  /// rig_from_pattern.
   Eigen::Matrix<double, 2, 6> by_camera_pose, by_pose;
   Eigen::Matrix<double, 2, 3> by_point;
   LinearizedProjection projection;  ///< derivatives by the camera's parameters
@@ -34,7 +35,7 @@ struct LinearizedResidual {
 std::vector<Residual> ComputeResiduals(const AdjustmentState& state,
                                        const std::vector<View>& views,
                                        int num_threads);
-/// Those of one view.
+/// The linearized residuals of one view.
 std::vector<LinearizedResidual> LinearizeView(const AdjustmentState& state,
                                               const View& view);
 

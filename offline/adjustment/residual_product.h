@@ -59,7 +59,8 @@ class ResidualProduct {
   }
 
  private:
-  // Of a spline surface, each a K-vector; those of a row follow each other.
+  // The nodes of a spline surface, each a K-vector; those of a row follow each
+  // other.
   static constexpr int kNumNodes = 16, kNodesInARow = 4;
 
   template <int K>

@@ -13,7 +13,7 @@ namespace raygrid {
 /// parameters is a column of 2 k numbers.
 struct ViewJacobian {
   int camera = 0, pose = 0;
-  /// As in LinearizedProjection.
+  /// The numbers and places of parameters, as in LinearizedProjection.
   int num_nodes = 0, num_per_node = 0, num_global = 0, first_global = 0;
 
   std::vector<int> points;
@@ -32,18 +32,18 @@ struct ViewJacobian {
     return Eigen::Map<const Eigen::Matrix<double, 2, N>>(
         derivatives.col(column).data());
   }
-  /// Likewise, of a size known at run time.
+  /// A column of derivatives as a matrix of a size known at run time.
   static Eigen::Map<const Eigen::Matrix2Xd> Block(
       const Eigen::MatrixXd& derivatives, int column) {
     return {derivatives.col(column).data(), 2, derivatives.rows() / 2};
   }
 };
 
-/// Of the residuals of one view.
+/// The weighted Jacobian of the residuals of one view.
 ViewJacobian WeightedJacobian(const std::vector<LinearizedResidual>& residuals,
                               double huber_px);
 
-/// Of each view. Same result for any number of threads.
+/// The weighted Jacobian of each view. Same result for any number of threads.
 std::vector<ViewJacobian> WeightedJacobians(const AdjustmentState& state,
                                             const std::vector<View>& views,
                                             double huber_px, int num_threads);

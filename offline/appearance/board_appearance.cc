@@ -35,8 +35,8 @@ Polygon Clipped(Polygon polygon, const Area& area) {
   return ClippedAt(polygon, 1, 1, area.y1);
 }
 
-// Where the ray at an angle, counter-clockwise from up, leaves the square of
-// half width 1.
+// The point where the ray at an angle, counter-clockwise from up, leaves the
+// square of half width 1.
 Eigen::Vector2d OnSquare(double angle) {
   const Eigen::Vector2d direction(-std::sin(angle), -std::cos(angle));
   return direction / direction.cwiseAbs().maxCoeff();
@@ -88,8 +88,8 @@ std::vector<PlacedMarker> CharucoMarkers(const Board& board) {
   return markers;
 }
 
-// As Kalibr draws them: tags with a black border of two cells, numbered row by
-// row from the bottom left.
+// The tags of an AprilGrid as Kalibr draws them: with a black border of two
+// cells, numbered row by row from the bottom left.
 std::vector<PlacedMarker> AprilGridTags(const Board& board) {
   std::vector<PlacedMarker> markers;
   const int columns = board.columns / 2, rows = board.rows / 2;

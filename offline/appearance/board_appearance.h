@@ -1,5 +1,5 @@
-/// What a board looks like: where the ink is. The printed page, the rendered
-/// image and the template that is matched are all made from this.
+/// The look of a board: where the ink is. The printed page, the rendered image
+/// and the template that is matched are all made from it.
 #ifndef RAYGRID_APPEARANCE_BOARD_APPEARANCE_H
 #define RAYGRID_APPEARANCE_BOARD_APPEARANCE_H
 

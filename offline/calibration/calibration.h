@@ -44,8 +44,8 @@ struct CalibrationOptions {
   KeepCheckpoint keep;
 };
 
-/// From features to a camera: parametric start, features measured again,
-/// bundle adjustment, grid, held-out evaluation. Throws Error: kTooFew,
+/// Calibrates a camera from features: parametric start, features measured
+/// again, bundle adjustment, grid, held-out evaluation. Throws Error: kTooFew,
 /// kInitialization, kUsage for boards further away than likely.
 CalibrationResult Calibrate(const Dataset& dataset, const Pattern& pattern,
                             const CalibrationOptions& options);

@@ -22,12 +22,12 @@ struct CalibrationProblem {
   std::vector<int> first_points;    ///< of each board
   std::vector<Eigen::Vector3d> nominal;
 
-  /// What a view's observation was made of.
+  /// The feature that a view's observation was made of.
   Feature FeatureOf(const Pattern& pattern, int view,
                     const Observation& observation) const;
 };
 
-/// Fewer of one board in one image are not used.
+/// The fewest features of one board in one image that are used.
 constexpr size_t kMinViewFeatures = 8;
 
 /// One view for each board in each image of each camera. Images of one name are

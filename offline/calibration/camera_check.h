@@ -22,11 +22,11 @@ struct CameraCheck {
 CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
                         const Pattern& pattern, int num_threads);
 
-/// What the images of a camera show beyond what its file says of its errors
-/// (evaluation/camera_change.h, ErrorsBeyond), by how they were predicted
-/// without having calibrated it: each by a camera that as large a part of the
-/// images as calibrating_part has calibrated. Zeros if the file says nothing,
-/// and for fewer than eight images.
+/// The errors that the images of a camera show beyond those that its file
+/// states (evaluation/camera_change.h, ErrorsBeyond), by how the images were
+/// predicted without having calibrated the camera: each by a camera that as
+/// large a part of the images as calibrating_part has calibrated. Zeros if the
+/// file states nothing, and for fewer than eight images.
 MovementErrors ErrorsBeyondModes(const CameraFile& file,
                                  const std::vector<FeatureResidual>& held_out,
                                  double calibrating_part,

@@ -22,7 +22,7 @@ void AddResiduals(const CameraModel& camera, const Pose& camera_from_pattern,
                   const Pattern& pattern, const CalibrationProblem& problem,
                   int view, Evaluation* evaluation);
 
-/// Each image localised with the camera and the pattern as they are.
+/// Localises each image with the camera and the pattern as they are.
 Evaluation EvaluateCamera(const CameraModel& camera, const Dataset& dataset,
                           const Pattern& pattern, int num_threads);
 

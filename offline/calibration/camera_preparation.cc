@@ -19,7 +19,8 @@ void Keep(const CalibrationOptions& options, const Checkpoint& checkpoint) {
   if (options.keep) options.keep(checkpoint);
 }
 
-// Both have the same features.
+// The RMS distance between features before and after; both datasets have the
+// same features.
 double RmsMovePx(const Dataset& before, const Dataset& after) {
   double sum = 0;
   size_t count = 0;

@@ -7,7 +7,7 @@
 
 namespace raygrid {
 
-/// What a camera was adjusted to, and the figures of its training features.
+/// Fills in the adjusted camera and the figures of its training features.
 void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
                 int num_threads, CalibrationResult* result);
 

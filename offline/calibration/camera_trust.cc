@@ -13,7 +13,7 @@ namespace {
 // noise's. At 0.5, four standard deviations of a pixel are twice the noise.
 constexpr double kTrustedPart = 0.5;
 constexpr double kAlwaysTrustedPx = 0.025;  // however little noise there is
-// And with so many features within so many cells to all sides.
+// A trusted cell also has so many features within so many cells to all sides.
 constexpr int kMinFeatures = 3, kNearCells = 2;
 
 // About square, and not more than a blob can hold.
@@ -100,7 +100,7 @@ ErrorModes ModesOf(const Eigen::MatrixXd& joint_px2,
     rest_px2 -= variance;
     Eigen::VectorXd mode =
         std::sqrt(variance) * solver.eigenvectors().col(last - k);
-    // Its sign is nobody's.
+    // The sign of a mode is nobody's.
     Eigen::Index largest;
     mode.cwiseAbs().maxCoeff(&largest);
     if (mode[largest] < 0) mode = -mode;
@@ -155,7 +155,8 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
   uncertainty.mask =
       MaskOf(adjusted, camera, total, uncertainty.max_deviation_px);
   uncertainty.modes = ModesOf(joint_px2, size);
-  // Where observations are few, what smoothing takes away cannot be estimated.
+  // The deviation that smoothing takes away cannot be estimated where
+  // observations are few.
   uncertainty.lattice = seen;
   for (size_t i = 0; i < pixels.size(); ++i)
     if (!uncertainty.mask.Trusts(pixels[i].pixel))

@@ -22,8 +22,8 @@ Split SplitImages(const Dataset& dataset,
 /// The part of the images that each camera is calibrated with.
 constexpr double kCrossValidatingPart = 0.75;
 
-/// Of four folds: none for few images, one for many, which take long and need
-/// no more.
+/// The number of folds to try, of four: none for few images, one for many,
+/// which take long and need no more.
 int NumFoldsToTry(const Dataset& dataset);
 
 /// Cells as parts of the longer side: coarse enough for a handful of images,

@@ -122,7 +122,7 @@ AdjustmentSummary AdjustGrids(const CalibrationProblem& problem,
   return AdjustInTwoSteps(problem, options, prior, state);
 }
 
-// Of the points that a camera sees, in front of it.
+// The mean distance of the points that a camera sees, in front of it.
 double MeanDistance(const CalibrationProblem& problem, size_t camera,
                     const AdjustmentState& state) {
   double sum = 0;
@@ -183,8 +183,8 @@ void CenterLines(AdjustmentState* state) {
   if (have_moved) state->MoveRigToFirstCamera();
 }
 
-// Of each camera: the third quartile of the residuals + 6 interquartile ranges
-// (paper's supplement, "Bundle adjustment details").
+// The outlier threshold of each camera: the third quartile of the residuals + 6
+// interquartile ranges (paper's supplement, "Bundle adjustment details").
 std::vector<double> OutlierThresholds(const std::vector<Residual>& residuals,
                                       const CalibrationProblem& problem) {
   std::vector<std::vector<double>> norms(problem.image_sizes.size());

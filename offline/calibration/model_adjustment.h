@@ -24,14 +24,14 @@ AdjustmentSummary AdjustParametric(const CalibrationProblem& problem,
                                    const AdjustmentOptions& options,
                                    AdjustmentState* state);
 
-/// On to the model asked for: adjusted, outliers removed, once more. Cells for
-/// each camera.
+/// Goes on to the model asked for: adjusted, outliers removed, once more. Cells
+/// for each camera.
 void AdjustModel(const Pattern& pattern, const std::string& model,
                  const std::vector<double>& cells_px,
                  const AdjustmentOptions& options, Adjusted* adjusted);
 
-/// What no feature tells, after an adjustment: parametric cameras over the
-/// features' area, unseen control points within what a blob can hold, the
+/// Settles after an adjustment what no feature tells: parametric cameras over
+/// the features' area, unseen control points within what a blob can hold, the
 /// origin of lines that do not meet at the point nearest to them.
 void FinishCameras(Adjusted* adjusted);
 

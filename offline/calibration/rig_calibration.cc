@@ -69,7 +69,8 @@ void RequireInstantsExist(const std::vector<RigCameraInput>& cameras,
           fmt::format("--hold-out {}: no features of such an instant", name));
 }
 
-// What fails for one camera says for which.
+// Calls a function for one camera; an Error that it throws then names the
+// camera.
 template <typename Function>
 auto NamingCamera(const std::string& name, const Function& function) {
   try {
@@ -103,7 +104,8 @@ std::vector<PreparedCamera> PrepareCameras(
 
 // ---- Held-out error --------------------------------------------------------
 
-// Of each camera: of images localised alone, and by the rig.
+// The held-out residuals of each camera: of images localised alone, and by the
+// rig.
 struct RigHeldOut {
   std::vector<std::vector<FeatureResidual>> alone, together;
 

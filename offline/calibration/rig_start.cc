@@ -65,7 +65,7 @@ std::vector<Views> ViewsOfPoses(const CalibrationProblem& problem) {
   return views;
 }
 
-// Where one camera and another saw a board at one instant.
+// The pairs of views in which two cameras saw a board at one instant.
 std::vector<std::pair<int, int>> SharedViews(const CalibrationProblem& problem,
                                              int first, int second) {
   std::vector<std::pair<int, int>> shared;
@@ -97,7 +97,7 @@ struct RelativePose {
   double error_px = INFINITY;  // in half of the shared views at most
 };
 
-// Of what the shared views say one by one.
+// The best of the relative poses that the shared views give one by one.
 RelativePose BestRelativePose(const Joined& joined, const CameraModel& second,
                               const std::vector<std::pair<int, int>>& shared,
                               int num_threads) {
@@ -180,7 +180,8 @@ std::vector<Pose> PlaceCameras(const std::vector<std::string>& names,
   }
 }
 
-// Of each pose, what the view says that explains all of the pose's views best.
+// The rig's poses, each from the view that explains all of the pose's views
+// best.
 std::vector<Pose> PlaceRig(const Joined& joined, const AdjustmentState& state) {
   std::vector<Pose> rig_from_pattern;
   for (const Views& views : ViewsOfPoses(joined.problem)) {

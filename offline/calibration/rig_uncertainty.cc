@@ -8,8 +8,8 @@
 namespace raygrid {
 namespace {
 
-// Of the poses of all cameras but the first, in units of the residuals'
-// variance; empty if the equations are singular.
+// The covariance of the poses of all cameras but the first, in units of the
+// residuals' variance; empty if the equations are singular.
 Eigen::MatrixXd PoseCovariance(const Adjusted& adjusted,
                                const AdjustmentOptions& options) {
   const AdjustmentState& state = adjusted.state;

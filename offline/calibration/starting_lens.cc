@@ -58,7 +58,7 @@ Adjusted Localized(const CameraModel& lens, const Adjusted& all,
       kept.push_back(*poses[v]);
   }
   RemoveViews(remove, &problem);
-  // In the order of the views, each of which has its own.
+  // The poses are in the order of the views, each of which has its own.
   state.rig_from_pattern = kept;
   return localized;
 }
@@ -103,7 +103,8 @@ void RemoveGrossOutliers(const Pattern& pattern, int num_threads,
   }
 }
 
-// As much as tells the dozen parameters of a lens.
+// The views and features that are enough to tell the dozen parameters of a
+// lens.
 Adjusted Thinned(const Adjusted& all) {
   constexpr size_t kMaxViews = 100, kMaxFeatures = 60;
   Adjusted thinned = all;
@@ -177,8 +178,8 @@ size_t NumFeatures(const CalibrationProblem& problem) {
   return count;
 }
 
-// From linear equations for pinholes, and for radially symmetric lenses of any
-// field of view.
+// Starts from linear equations for pinholes, and for radially symmetric lenses
+// of any field of view.
 std::vector<std::unique_ptr<CameraModel>> ParametricStarts(
     const Dataset& dataset, const Pattern& pattern) {
   std::vector<std::unique_ptr<CameraModel>> starts;
@@ -189,7 +190,8 @@ std::vector<std::unique_ptr<CameraModel>> ParametricStarts(
   return starts;
 }
 
-// For any central lens: the parametric one nearest to what three views tell.
+// The start for any central lens: the parametric one nearest to what three
+// views tell.
 std::unique_ptr<CameraModel> GenericStartingLens(const Dataset& dataset,
                                                  const Pattern& pattern,
                                                  int num_threads) {

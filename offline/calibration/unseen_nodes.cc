@@ -9,7 +9,7 @@
 namespace raygrid {
 namespace {
 
-// Of a camera's directions; nothing if it has no grid.
+// The grid of a camera's directions; nullptr if it has none.
 const BSplineSurface* GridOf(const CameraModel& camera) {
   if (const auto* grid = dynamic_cast<const CentralGeneric*>(&camera))
     return &grid->surface();

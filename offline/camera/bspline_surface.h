@@ -36,8 +36,8 @@ class BSplineSurface {
   const std::vector<Eigen::Vector2d>& points() const { return points_; }
   std::vector<Eigen::Vector2d>& points() { return points_; }
 
-  /// Where a control point lies in the image; the outermost ring outside the
-  /// area.
+  /// The place of a control point in the image; the outermost ring lies outside
+  /// the area.
   Eigen::Vector2d PixelOf(int index) const {
     return {area_.x0 + (index % columns_ - 1) * cell_width(),
             area_.y0 + (index / columns_ - 1) * cell_height()};

@@ -23,7 +23,8 @@ struct LinearizedProjection {
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, 3> by_point;  ///< d pixel / d point
 
-  /// The same for all projections of a camera: nodes may have no weight.
+  /// The numbers of nodes and of their parameters, the same for all projections
+  /// of a camera: nodes may have no weight.
   int num_nodes = 0, num_per_node = 0;
   std::array<int, kMaxNodes> node_parameter;  ///< the first one of each node
   std::array<double, kMaxNodes> node_weight;
@@ -42,7 +43,7 @@ class CameraModel {
  public:
   virtual ~CameraModel() = default;
 
-  /// As in camera.yaml: "central-generic", "opencv".
+  /// The model's name as in camera.yaml: "central-generic", "opencv".
   virtual std::string Name() const = 0;
   virtual std::unique_ptr<CameraModel> Clone() const = 0;
 
@@ -63,8 +64,8 @@ class CameraModel {
     return ObservationLine{Eigen::Vector3d::Zero(), *direction};
   }
 
-  /// Where a point, or a central camera's direction of any length, is seen;
-  /// nothing if that is not within the area widened by margin_px. A
+  /// The pixel at which a point, or a central camera's direction of any length,
+  /// is seen; nothing if it is not within the area widened by margin_px. A
   /// start, near the result, saves time.
   virtual std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point,
                                                  const Eigen::Vector2d* start,

@@ -28,7 +28,7 @@ struct TrustMask {
   int columns = 0, rows = 0;
   std::vector<bool> is_trusted;  ///< row by row
 
-  /// With cells about a fortieth of the longer side, none trusted.
+  /// A mask with cells about a fortieth of the longer side, none trusted.
   static TrustMask Over(const ImageSize& size);
   /// Cells of an image's rows and columns.
   static int NumCells(int num_pixels, int cell_px) {

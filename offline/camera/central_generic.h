@@ -26,8 +26,8 @@ class CentralGeneric : public CameraModel {
                                          double margin_px) const override;
   using CameraModel::Project;
 
-  /// By implicit differentiation: the projection x of a point p solves
-  /// s(x) = chart(p), with s = sum_k w_k(x) c_k the spline surface, so
+  /// Linearizes by implicit differentiation: the projection x of a point p
+  /// solves s(x) = chart(p), with s = sum_k w_k(x) c_k the spline surface, so
   ///   dx/dp = (ds/dx)^-1 dchart/dp  and  dx/dc_k = -(ds/dx)^-1 w_k.
   bool Linearize(const Eigen::Vector3d& point, const Eigen::Vector2d* start,
                  double margin_px,

@@ -29,7 +29,7 @@ RadialSupport<T> SupportOf(const T& theta, double cell_rad,
   const int cell = std::clamp(static_cast<int>(std::floor(ValueOf(position))),
                               0, num_parameters - 2);
   const T t = position - static_cast<double>(cell), s = 1.0 - t;
-  // Of s_(cell - 1) .. s_(cell + 2).
+  // The weights of s_(cell - 1) .. s_(cell + 2).
   const std::array<T, 4> w = {
       s * s * s / 6.0, (4.0 + t * t * (3.0 * t - 6.0)) / 6.0,
       (4.0 + s * s * (3.0 * s - 6.0)) / 6.0, t * t * t / 6.0};

@@ -18,7 +18,7 @@ namespace raygrid {
 /// to max_angle or the first angle at which theta g stops to grow.
 class CentralRadial : public ParametricModel {
  public:
-  /// They follow the spline's control points.
+  /// The other parameters, which follow the spline's control points.
   enum { kFx, kFy, kCx, kCy, kP1, kP2, kSx1, kSy1, kNumOthers };
   using OtherParameters = std::array<double, kNumOthers>;
 
@@ -44,7 +44,7 @@ class CentralRadial : public ParametricModel {
   /// The spline's control points, then the others.
   Eigen::VectorXd Parameters() const override;
   void SetParameters(const Eigen::VectorXd& parameters) override;
-  /// Of the others.
+  /// The names of the parameters that are no control points.
   const std::vector<std::string>& ParameterNames() const override;
   std::unique_ptr<ParametricModel> OverArea(const Area& area) const override {
     return std::make_unique<CentralRadial>(image_size(), area, max_angle_rad_,

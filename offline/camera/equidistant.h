@@ -1,4 +1,4 @@
-/// What the fisheye models share: equidistant coordinates of a point,
+/// The base of the fisheye models: equidistant coordinates of a point,
 ///   (u, v) = theta (x, y) / rho,  rho = |(x, y)|,  theta = atan2(rho, z),
 /// which are smooth up to straight backwards, and a distortion of them:
 ///   u' = u g(theta) + 2 p1 u v + p2 (theta^2 + 2 u^2) + sx1 theta^2

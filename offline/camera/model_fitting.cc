@@ -57,8 +57,8 @@ Eigen::Quaterniond LevelFromCamera(const CameraModel& camera,
   return Eigen::Quaterniond(level_from_camera);
 }
 
-// Where the camera, turned so, looks straight ahead, and its focal length
-// there; as far as it does, or else from the samples' spread.
+// The pixel at which the turned camera looks straight ahead, and its focal
+// length there; from the samples' spread if it does not look straight ahead.
 struct Center {
   Eigen::Vector2d pixel;
   double focal_px;
@@ -118,8 +118,8 @@ std::vector<std::unique_ptr<ParametricModel>> Starts(
   return starts;
 }
 
-// What a lens is fitted to, and what its tilt costs: the sum of the squared
-// parameters with these weights.
+// The target that a lens is fitted to, and the cost of its tilt: the sum of the
+// squared parameters with these weights.
 struct Target {
   std::vector<Sample> samples;
   Eigen::VectorXd decentring_weights;
@@ -160,8 +160,8 @@ double CostOf(const ParametricModel& model, const Eigen::Quaterniond& rotation,
   return cost;
 }
 
-// What keeps parameters of no effect, as a spline's beyond the samples, smooth
-// and small.
+// Adds equations that keep parameters of no effect, such as a spline's beyond
+// the samples, smooth and small.
 void AddRidge(const ParametricModel& model, Equations* equations) {
   constexpr double kWeightPx = 1e-3;
   const Eigen::VectorXd parameters = model.Parameters();

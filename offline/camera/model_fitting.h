@@ -13,7 +13,7 @@ namespace raygrid {
 bool IsParametricModel(const std::string& name);
 
 struct FittedModel {
-  /// Over the area of the camera that it was fitted to.
+  /// The fitted model, over the area of the camera that it was fitted to.
   std::unique_ptr<ParametricModel> model;
   Eigen::Quaterniond model_from_camera = Eigen::Quaterniond::Identity();
   /// Error that is left, over this part of the lattice, which is fitted best.

@@ -63,7 +63,8 @@ std::optional<ObservationLine> NonCentralGeneric::Line(
   return ObservationLine{line.origin, FromChart(line.chart)};
 }
 
-// As a start where Newton's method from the centre went astray.
+// The pixel of the nearest control point: a start where Newton's method from
+// the centre went astray.
 Eigen::Vector2d NonCentralGeneric::NearestControlPoint(
     const Eigen::Vector3d& point) const {
   double smallest = std::numeric_limits<double>::infinity();

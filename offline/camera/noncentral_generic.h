@@ -35,15 +35,15 @@ class NonCentralGeneric : public CameraModel {
                                          double margin_px) const override;
   using CameraModel::Project;
 
-  /// By implicit differentiation: the projection x of a point p solves
-  /// chart(p - o(x)) = s(x). With C the chart's derivative at p - o and
+  /// Linearizes by implicit differentiation: the projection x of a point p
+  /// solves chart(p - o(x)) = s(x). With C the chart's derivative at p - o and
   /// D = ds/dx + C do/dx,
   ///   dx/dp = D^-1 C,  dx/do_k = -w_k D^-1 C,  dx/ds_k = -w_k D^-1.
   bool Linearize(const Eigen::Vector3d& point, const Eigen::Vector2d* start,
                  double margin_px,
                  LinearizedProjection* projection) const override;
 
-  /// Of each control point, row by row: a, b, and the point.
+  /// The parameters of each control point, row by row: a, b, and the point.
   Eigen::VectorXd Parameters() const override;
   void SetParameters(const Eigen::VectorXd& parameters) override;
 

@@ -12,7 +12,7 @@ namespace {
 
 using Model = OpenCvModel;
 
-// From normalised coordinates to pixels; the equations of the header.
+// The pixels of normalised coordinates; the equations of the header.
 template <typename T>
 Eigen::Matrix<T, 2, 1> Distort(const T& x, const T& y, const T* p) {
   const T r2 = x * x + y * y;

@@ -15,7 +15,7 @@ class ParametricModel : public CameraModel {
  public:
   virtual const std::vector<std::string>& ParameterNames() const = 0;
 
-  /// The same parameters over another area.
+  /// The model with these parameters over another area.
   virtual std::unique_ptr<ParametricModel> OverArea(const Area& area) const = 0;
 
  protected:

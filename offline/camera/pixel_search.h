@@ -12,7 +12,7 @@
 
 namespace raygrid {
 
-/// Where an error vanishes, and minus its derivative there.
+/// The pixel where an error vanishes, and minus the error's derivative there.
 struct PixelSolution {
   Eigen::Vector2d pixel;
   Eigen::Matrix2d derivative;

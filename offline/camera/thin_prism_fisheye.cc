@@ -16,7 +16,7 @@ T RadialFactor(const T& theta2, const T* p) {
                         theta2 * (p[Model::kK3] + theta2 * p[Model::kK4])));
 }
 
-// From equidistant coordinates to pixels; the equations of the header.
+// The pixels of equidistant coordinates; the equations of the header.
 template <typename T>
 Eigen::Matrix<T, 2, 1> Distort(const Eigen::Matrix<T, 2, 1>& uv, const T* p) {
   const PlanarDistortion<T> planar = {

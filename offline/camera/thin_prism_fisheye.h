@@ -39,7 +39,7 @@ class ThinPrismFisheye : public ParametricModel {
                  double margin_px,
                  LinearizedProjection* projection) const override;
 
-  /// In the order of the enumeration.
+  /// The parameters in the order of the enumeration.
   Eigen::VectorXd Parameters() const override;
   void SetParameters(const Eigen::VectorXd& parameters) override;
   const std::vector<std::string>& ParameterNames() const override;
@@ -47,7 +47,7 @@ class ThinPrismFisheye : public ParametricModel {
     return std::make_unique<ThinPrismFisheye>(image_size(), area, parameters_);
   }
 
-  /// Where the model ends.
+  /// The angle theta at which the model ends.
   double max_theta() const { return max_theta_; }
 
  private:

@@ -19,7 +19,8 @@
 namespace raygrid {
 namespace {
 
-// Their squares and those of their products are numbers too.
+// The largest number in a file: squares of such numbers and of their products
+// are numbers too.
 constexpr double kLargestNumber = 1e12;
 
 // Any number that a camera consists of: neither NaN nor beyond arithmetic.
@@ -157,7 +158,7 @@ DeviationLattice ParseDeviations(const YAML::Node& node) {
   return lattice;
 }
 
-// It is missing in files of earlier versions.
+// The section is missing in files of earlier versions.
 MovementErrors ParseBeyond(const YAML::Node& node) {
   if (!node) return {};
   const MovementErrors beyond = {
@@ -412,7 +413,7 @@ CameraFile ParseCameraFile(const std::string& path, const std::string& text) {
   try {
     return Parse(YAML::Load(text));
   } catch (const YAML::Exception& error) {
-    // Where a key is missing there is no place to name.
+    // A missing key has no line in the file to name.
     const std::string place =
         error.mark.is_null()
             ? path
@@ -451,7 +452,8 @@ std::string FormatCameraFile(const CameraFile& file) {
     out << YAML::EndMap;
   }
   if (file.uncertainty) EmitUncertainty(*file.uncertainty, &out);
-  // What no camera lacks comes last: a file that was cut is none.
+  // The model, which no camera lacks, comes last: a file that was cut is no
+  // camera.
   EmitModel(camera, &out);
   out << YAML::EndMap;
   return std::string(out.c_str()) + "\n";

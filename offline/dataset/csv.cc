@@ -46,7 +46,7 @@ class RecordReader {
     return place_ >= text_.size();
   }
 
-  // Where the record began that was read last.
+  // The line on which the record began that was read last.
   int record_line() const { return record_line_; }
 
  private:
@@ -96,7 +96,7 @@ class RecordReader {
     return field;
   }
 
-  // To the line after the one that ends here.
+  // Skips to the line after the one that ends here.
   void Skip(size_t end_of_line) {
     place_ = end_of_line + 1;
     ++line_;

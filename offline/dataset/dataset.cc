@@ -30,7 +30,7 @@ class ImageIndex {
   std::map<std::pair<std::string, std::string>, size_t> index_;
 };
 
-// Each line led by prefix.
+// The lines of features, each led by prefix.
 std::string FeatureLines(const std::string& prefix, const Dataset& dataset) {
   std::string text;
   for (const ImageFeatures& image : dataset.images) {

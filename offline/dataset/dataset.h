@@ -24,7 +24,7 @@ struct ImageFeatures {
   std::vector<Feature> features;
 };
 
-/// What one camera saw.
+/// The features that one camera saw.
 struct Dataset {
   ImageSize image_size;
   std::vector<ImageFeatures> images;
@@ -41,12 +41,13 @@ std::map<std::string, Dataset> ParseFeatures(const std::string& path,
                                              const std::string& text);
 std::string FormatFeatures(const Dataset& dataset);
 
-/// What a camera of a rig saw. Images of one name show one instant.
+/// The features that a camera of a rig saw. Images of one name show one
+/// instant.
 struct NamedDataset {
   std::string camera;
   Dataset dataset;
 };
-/// Led by a column that names the camera.
+/// The text of features.csv, led by a column that names the camera.
 std::string FormatFeatures(const std::vector<NamedDataset>& cameras);
 
 /// Gives images the last number in their file names for a name, without leading
@@ -59,7 +60,7 @@ void NameImagesByNumber(const std::string& source, Dataset* dataset);
 void RequireConsistent(const std::string& name, const Dataset& dataset,
                        const Pattern& pattern);
 
-/// Where a board stood in an image.
+/// The pose of a board in an image.
 struct BoardPose {
   std::string image;
   int board = 0;
@@ -69,7 +70,7 @@ struct BoardPose {
 /// poses.csv.
 std::string FormatPoses(const std::vector<BoardPose>& poses);
 
-/// Likewise what a camera of a rig saw.
+/// The poses of the boards that a camera of a rig saw.
 struct NamedPoses {
   std::string camera;
   std::vector<BoardPose> poses;

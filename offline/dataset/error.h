@@ -19,7 +19,8 @@ enum class ExitCode {
   kBlob = 8      ///< a blob is corrupt, unsupported or does not match
 };
 
-/// What stops a command: one line that says what, where, and what to do.
+/// An error that stops a command: one line that says what, where, and what to
+/// do.
 class Error : public std::runtime_error {
  public:
   Error(ExitCode code, const std::string& message)

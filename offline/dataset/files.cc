@@ -33,8 +33,8 @@ std::string TemporaryName(const std::string& path) {
   return fmt::format("{}.part-{}", path, getpid());
 }
 
-// What there is under a name and is no file: a pipe or a device, which gets the
-// contents and stays what it is.
+// Whether a name is that of a pipe or a device, not of a file: a stream gets
+// the contents and stays what it is.
 bool IsStream(const std::string& path, Links links) {
   std::error_code ignored;
   const fs::file_status status = links == Links::kFollow

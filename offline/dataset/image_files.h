@@ -47,10 +47,10 @@ struct GreyLevels {
 /// or 14 bits into 16: the brightest pixel tells which bits are in use. Throws
 /// InputError.
 GreyLevels ReadGreyLevels(const std::string& path);
-/// The same from a file's bytes; name is used in errors.
+/// Reads grey levels from a file's bytes; name is used in errors.
 GreyLevels DecodeGreyLevels(const std::string& name, const std::string& bytes);
 
-/// With the image's channels and depth.
+/// The PNG file of an image, with the image's channels and depth.
 std::string EncodePng(const Image& image);
 
 /// A file that is not used, and why.
@@ -60,7 +60,8 @@ struct SkippedImage {
 
 struct FoundImages {
   std::vector<std::string> paths;
-  /// In folders: pictures that raygrid wrote, and kinds that are not read.
+  /// The files in folders that are left out: pictures that raygrid wrote, and
+  /// kinds that are not read.
   std::vector<SkippedImage> left_out;
 };
 
@@ -69,7 +70,7 @@ struct FoundImages {
 /// none.
 FoundImages FindImages(const std::vector<std::string>& paths);
 
-/// What to say of images whose files ask to be shown turned (EXIF); empty for
+/// The remark on images whose files ask to be shown turned (EXIF); empty for
 /// none.
 std::string RemarkOnTurned(const std::vector<std::string>& names);
 

@@ -9,7 +9,7 @@
 
 namespace raygrid {
 
-/// What an image file says of itself before its pixels.
+/// The properties of an image that its file states before the pixels.
 struct ImageHeader {
   ImageSize size;
   /// EXIF's number: 1 is to be shown as stored, 2 to 8 turned or mirrored.
@@ -25,11 +25,11 @@ ImageHeader ParseImageHeader(const std::string& name, const std::string& bytes);
 /// Larger images are refused unless AllowHugeImages() was called: they take
 /// minutes and gigabytes, and most are no photographs.
 constexpr int kMaxSidePx = 16384;
-/// What --huge allows: indices of pixels stay within 31 bits.
+/// The limits that --huge allows: indices of pixels stay within 31 bits.
 constexpr int kMaxHugeSidePx = 65535;
 constexpr int64_t kMaxHugePixels = int64_t{1} << 30;
 
-/// For the rest of the program.
+/// Allows huge images for the rest of the program.
 void AllowHugeImages();
 
 /// Why an image may not be of this size; empty if it may.

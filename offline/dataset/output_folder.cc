@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 // ---- The hidden folder -----------------------------------------------------
 
-// Its name within the folder, and a number.
+// The hidden folder's name within the folder, before its number.
 constexpr char kWithin[] = ".raygrid-";
 
 // Empties and locks a folder; 0, or an errno.

@@ -11,10 +11,10 @@ namespace raygrid {
 /// program that is killed leaves the old files or the new ones, never some of
 /// each. Files of others in the folder stay.
 ///
-/// Where folders cannot change places (a mount point, the working directory, a
-/// folder of others within, a file system that cannot do it), the old files go
-/// before the new ones come, one by one: whoever is killed then leaves some of
-/// the new ones.
+/// The old files go one by one, before the new ones come, where folders cannot
+/// change places (a mount point, the working directory, a folder of others
+/// within, a file system that cannot do it): whoever is killed then leaves some
+/// of the new ones.
 class OutputFolder {
  public:
   /// Makes the folder if there is none, and the hidden one. Throws
@@ -28,9 +28,9 @@ class OutputFolder {
   /// The hidden folder: where to write.
   const std::string& path() const { return hidden_; }
 
-  /// What was written takes the place of the folder's files of the same names,
-  /// and of stale ones: those go, by their paths in the folder. Throws
-  /// Error(kOutput), and the folder is as it was.
+  /// Puts what was written in the place of the folder's files of the same
+  /// names, and of stale ones: those, given by their paths in the folder, go.
+  /// Throws Error(kOutput), and the folder is as it was.
   void Commit(const std::set<std::string>& stale);
 
  private:

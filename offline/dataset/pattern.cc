@@ -182,7 +182,7 @@ Board ParseBoard(const std::string& place, const YAML::Node& node) {
   return board;
 }
 
-// Where a column or a row of features lies.
+// The place of a column or a row of features.
 double Place(const Board& board, int index) {
   if (board.kind != "aprilgrid") return index * board.square_m;
   return board.square_m * (index / 2 * (1 + board.spacing_ratio) + index % 2);
@@ -271,7 +271,8 @@ std::string FormatPattern(const Pattern& pattern) {
     board.SetStyle(YAML::EmitterStyle::Block);
     board[pattern.boards[i].kind == "points" ? "xyz" : "points"] = points;
   }
-  // What no pattern lacks comes last: a file that was cut is none.
+  // The key that no pattern lacks comes last: a file that was cut is no
+  // pattern.
   root.remove("raygrid_pattern");
   root["raygrid_pattern"] = 1;
   YAML::Emitter emitter;

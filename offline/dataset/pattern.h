@@ -32,24 +32,25 @@ struct Board {
   double spacing_ratio = 0;  ///< AprilGrid: gap between tags / square_m
   int first_marker = 0;      ///< ChArUco, AprilGrid: the lowest marker number
 
-  /// Where the features are, row by row: nominal, or as a calibration found
+  /// The places of the features, row by row: nominal, or as a calibration found
   /// them.
   std::vector<Eigen::Vector3d> points;
 
   int num_points() const { return columns * rows; }
-  /// column and row within the board.
+  /// The index of the point at a column and row within the board.
   int PointIndex(int column, int row) const { return row * columns + column; }
   /// False for positions on or inside a tag of a star board.
   bool HasFeature(int column, int row) const;
-  /// In the plane z = 0: (column, row) square_m, but for AprilGrids, whose
-  /// features are the corners of the tags' black squares.
+  /// The nominal points, in the plane z = 0: (column, row) square_m, but for
+  /// AprilGrids, whose features are the corners of the tags' black squares.
   std::vector<Eigen::Vector3d> NominalPoints() const;
 };
 
 /// pattern.yaml.
 struct Pattern {
   std::vector<Board> boards;
-  /// As read, so that keys that are not used here are kept on writing.
+  /// The file's text as read, so that keys that are not used here are kept on
+  /// writing.
   std::string yaml;
 
   /// nullptr if there is no such board.

@@ -99,7 +99,7 @@ std::string FormatRigFile(const std::vector<RigFileCamera>& cameras) {
         camera.name, camera.file, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(),
         t.z());
   }
-  // What no rig lacks comes last: a file that was cut is none.
+  // The key that no rig lacks comes last: a file that was cut is no rig.
   return text + "raygrid_rig: 1\n";
 }
 

@@ -39,7 +39,7 @@ struct ModelFigures {
   std::vector<FeatureResidual> held_out_residuals;  ///< not kept in files
 };
 
-/// What a calibration found.
+/// The result of a calibration.
 struct CalibrationResult {
   CameraFile camera;
   Pattern pattern;   ///< points where they were found to be
@@ -48,8 +48,8 @@ struct CalibrationResult {
   /// How far features moved when measured again through a first camera.
   std::optional<double> measured_again_rms_px;
   std::vector<FeatureResidual> training;
-  /// Of the images in hold_out, or else by cross-validation: each image
-  /// localised with a camera calibrated without it.
+  /// The residuals of the images in hold_out, or else of cross-validation: each
+  /// image localised with a camera calibrated without it.
   std::vector<FeatureResidual> held_out;
   bool cross_validated = false;
   std::vector<RejectedImage> rejected_images;
@@ -59,14 +59,15 @@ struct CalibrationResult {
   double cell_px = 0;  ///< of the grid; 0 for a parametric model
   int num_parameters = 0;
   bool converged = false;
-  /// Of a calibration that was told to stop before it was done.
+  /// The checkpoint of a calibration that was told to stop before it was done.
   std::optional<Checkpoint> checkpoint;
   std::optional<double> bias_kl;
   std::optional<double> noise_bias_kl;  ///< what pure noise would have
-  /// For comparison; noncentral-generic, too, where a central one errs alike
-  /// between neighbours.
+  /// The parametric models, for comparison; noncentral-generic, too, where a
+  /// central one errs alike between neighbours.
   std::vector<ModelFigures> parametric_models;
-  /// Of the held-out residuals, or else of the training ones.
+  /// The correlation between neighbours of the held-out residuals, or else of
+  /// the training ones.
   std::optional<double> neighbor_correlation;
   std::optional<LineSpread> line_spread;  ///< of a camera that is not central
   FoldOver fold_over;

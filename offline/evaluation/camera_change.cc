@@ -67,9 +67,9 @@ ReducedView Reduce(const KnownCamera& camera, const PlacedView& view,
   for (size_t i = 0; i < view.size(); ++i) {
     const PlacedFeature& feature = view[i];
     const Eigen::Index row = 2 * static_cast<Eigen::Index>(i);
-    // Where it is projected: at the pixel observed, a movement that poses make
-    // up for nearly would differ from them by its gradient times the noise, and
-    // explain noise by noise.
+    // The pixel where the feature is projected: at the pixel observed, a
+    // movement that poses nearly make up for would differ from them by its
+    // gradient times the noise, and explain noise by noise.
     const Eigen::Vector2d pixel = feature.pixel - feature.error_px;
     by_pose.middleRows<2>(row) = feature.by_pose;
     for (Eigen::Index k = 0; k < num_modes; ++k)
@@ -188,9 +188,9 @@ double ChiSquaredAt(double sigmas, int freedoms) {
   return k * std::max(kLeast, std::pow(root, 3));
 }
 
-// By how many standard deviations something must move in order to raise an
-// alarm 99 times in a hundred: a chi-squared variable that is not central has
-// a nearly normal cube root (Abdel-Aty, 1954).
+// The number of standard deviations that something must move by in order to
+// raise an alarm 99 times in a hundred: a chi-squared variable that is not
+// central has a nearly normal cube root (Abdel-Aty, 1954).
 double MovementFound(int freedoms) {
   const double k = freedoms, alarm = ChiSquaredAt(kAlarmSigmas, freedoms);
   double low = 0, high = 1e3;
@@ -204,7 +204,7 @@ double MovementFound(int freedoms) {
   return std::sqrt(high);
 }
 
-// What a test of some movements finds, each of which the calibration's own
+// The findings of a test of some movements, each of which the calibration's own
 // errors may be, with a standard deviation in every direction.
 struct GroupTest {
   double chi_squared = 0;
@@ -287,7 +287,7 @@ GroupTests TestGroups(const Information& information, const ErrorModes& modes) {
 
 // ---- Noise -----------------------------------------------------------------
 
-// What is left once all movements are fitted.
+// The errors left once all movements are fitted.
 std::vector<Eigen::VectorXd> Remainders(const std::vector<ReducedView>& views,
                                         const Eigen::VectorXd& movements) {
   std::vector<Eigen::VectorXd> remainders;
@@ -296,8 +296,9 @@ std::vector<Eigen::VectorXd> Remainders(const std::vector<ReducedView>& views,
   return remainders;
 }
 
-// By how much variances of smooth sums grow if neighbours err alike: errors
-// that are correlated by r from one feature to the next, in both directions.
+// The factor by which variances of smooth sums grow if neighbours err alike:
+// errors that are correlated by r from one feature to the next, in both
+// directions.
 double Inflation(const std::vector<PlacedView>& views,
                  const std::vector<Eigen::VectorXd>& remainders) {
   std::vector<FeatureResidual> residuals;
@@ -510,8 +511,9 @@ MovementErrors ErrorsBeyond(
   const auto is_more_than_chance = [&](int g) {
     return ChiSquaredSigmas(chi_squared[g], freedoms[g]) > kChanceSigmas;
   };
-  // What is local looks a little like the others, whose few degrees of freedom
-  // may not show it: they get the deviation that is larger in one of six cases.
+  // A local movement looks a little like the others, whose few degrees of
+  // freedom may not show it: they get the deviation that is larger in one of
+  // six cases.
   constexpr int kLocal = 3;
   const bool is_local = is_more_than_chance(kLocal);
   std::array<double, kNumGroups> deviations = {};

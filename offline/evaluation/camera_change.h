@@ -19,7 +19,7 @@ struct PlacedFeature {
 };
 using PlacedView = std::vector<PlacedFeature>;
 
-/// What is known of the camera.
+/// The known properties of the camera.
 struct KnownCamera {
   ImageSize size;
   Area area;
@@ -56,7 +56,7 @@ struct CameraChange {
 
 /// Displacements of an unchanged camera are noise, errors of the calibration,
 /// with the covariance that its modes have, and those that poses make up for.
-/// What more there is is tested for being a change of scale, a shift of the
+/// Any other displacement is tested for being a change of scale, a shift of the
 /// image, a tilt of the sensor, or local, on a lattice of 6 x 4; each by
 /// generalised least squares. Degraded if one of the four has a probability
 /// below 1/1000. One test of all that is smooth would have five degrees of

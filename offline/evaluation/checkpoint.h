@@ -9,8 +9,8 @@
 
 namespace raygrid {
 
-/// What an interrupted calibration of one camera need not do again: stages that
-/// were done, each of which gives the same again. An adjustment that was under
+/// The finished stages that an interrupted calibration of one camera need not
+/// do again, each of which gives the same again. An adjustment that was under
 /// way starts anew; from where it was it would end elsewhere, by what its
 /// tolerance allows.
 struct Checkpoint {

@@ -6,14 +6,15 @@
 
 namespace raygrid {
 
-/// Where a camera is mirrored against most of its area, so that two pixels look
-/// along one ray.
+/// The part of a camera that is mirrored against most of its area, so that two
+/// pixels look along one ray.
 struct FoldOver {
   double part = 0;          ///< of the area
   double trusted_part = 0;  ///< of the area: folded and trusted
 };
 
-/// By the middles of square cells of the area. nullptr trusts none.
+/// Measures the fold by the middles of square cells of the area. nullptr trusts
+/// none.
 FoldOver MeasureFoldOver(const CameraModel& camera, const TrustMask* trusted);
 
 }  // namespace raygrid

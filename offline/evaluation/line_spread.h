@@ -14,7 +14,7 @@ struct LineSpread {
   double rms_m = 0, max_m = 0;
 };
 
-/// Of lines all over the area.
+/// The spread of lines all over the area.
 LineSpread MeasureLineSpread(const CameraModel& camera);
 
 }  // namespace raygrid

@@ -10,12 +10,14 @@
 namespace raygrid {
 namespace {
 
-// What a pixel sees in both cameras, far away or at a distance.
+// The lines along which a pixel looks in two cameras, far away or at a
+// distance.
 struct LinePair {
   Eigen::Vector2d pixel;
   ObservationLine first, second;
   double inverse_distance = 0;
-  // Of the first camera, by the direction from its line's origin.
+  // The derivative of the first camera's pixel by the direction from its line's
+  // origin.
   Eigen::Matrix<double, 2, 3> pixel_by_direction;
 };
 

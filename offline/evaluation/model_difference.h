@@ -13,7 +13,8 @@ struct ModelDifference {
   Pose first_from_second;  ///< best motion between their lines
   std::vector<Eigen::Vector2d> pixels;
   std::vector<Eigen::Vector2d> error_px;  ///< by the first camera's projection
-  /// Of what was seen there, 1/m; empty for two central cameras.
+  /// The inverse distances of what was seen there, 1/m; empty for two central
+  /// cameras.
   std::vector<double> inverse_distances;
   double median_px = 0, rms_px = 0, p99_px = 0, max_px = 0;
 };

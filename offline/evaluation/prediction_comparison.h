@@ -21,9 +21,10 @@ struct PredictionComparison {
   int num_left_out = 0;        ///< features of one camera only
   std::vector<ImagePrediction> images;
   int num_first_better = 0, num_second_better = 0;  ///< images
-  /// Of images that differ so one-sidedly, or more so, if the cameras were as
-  /// good as each other: Wilcoxon's signed ranks (1945) of the images' mean
-  /// errors, two-sided. Features of one image share its pose, images nothing.
+  /// The probability of images that differ so one-sidedly, or more so, if the
+  /// cameras were as good as each other: Wilcoxon's signed ranks (1945) of the
+  /// images' mean errors, two-sided. Features of one image share its pose,
+  /// images nothing.
   double probability = 1;
 
   /// "first", "second", or "neither" if chance makes such images more often

@@ -22,15 +22,15 @@ struct Baseline {
   std::optional<double> distance_sd_m, rotation_sd_rad;
 };
 
-/// What the calibration of a rig found. Each camera's held-out residuals are
-/// those of images localised alone, as for a single camera.
+/// The result of calibrating a rig. Each camera's held-out residuals are those
+/// of images localised alone, as for a single camera.
 struct RigResult {
   std::vector<CalibrationResult> cameras;
   std::vector<Pose> camera_from_rig;  ///< the first camera's frame is the rig's
   Pattern pattern;                    ///< points where they were found to be
   std::vector<Baseline> baselines;    ///< of every two cameras
-  /// By camera, with each board localised once for an instant by all cameras
-  /// that see it: what the cameras' poses are worth.
+  /// The held-out residuals by camera, with each board localised once for an
+  /// instant by all cameras that see it: what the cameras' poses are worth.
   std::vector<std::vector<FeatureResidual>> held_out;
   bool cross_validated = false;
   bool converged = false;

@@ -19,11 +19,12 @@ constexpr double kUsableMedianPx = 2;
 constexpr double kOverfitRatio = 1.5;
 // Nothing is said of less than this, nor of a tenth of the noise.
 constexpr double kNegligiblePx = 0.02, kNegligiblePart = 0.1;
-// What views may leave open of a camera: with a warning, and at all.
+// The error that views may leave open in a camera: with a warning, and at all.
 constexpr double kOpenPx = 1, kLostPx = 5;
 constexpr double kMaxAspect = 4;        // anamorphic lenses have 2
 constexpr double kEnoughTrusted = 0.5;  // part of the calibrated area
-// Of the squared residuals; five standard errors where there are fewest pairs.
+// The systematic part of the squared residuals that is too much; five standard
+// errors where there are fewest pairs.
 constexpr double kSystematicPart = 0.25;
 constexpr double kStrangePart = 0.9;
 

@@ -22,7 +22,7 @@ struct TwoCameras {
   std::vector<std::string> first, second;
 };
 
-/// What a verdict is formed on.
+/// The figures that a verdict is formed on.
 struct CalibrationFigures {
   std::string model;
   bool converged = false, interrupted = false;
@@ -38,14 +38,14 @@ struct CalibrationFigures {
   std::vector<std::string> images_apart;  ///< that err far more than others
   std::optional<TwoCameras> two_cameras;
   int boards_seen = 0, different_views = 0;
-  /// Of each time that a board is seen from behind.
+  /// The image of each time that a board is seen from behind.
   std::vector<std::string> images_from_behind;
   std::optional<double> tilt_rad;  ///< between two boards; of flat ones only
   /// How well the camera is known, the part of the image that is known to
   /// trusted_px.
   std::optional<double> median_deviation_px, trusted_part, trusted_px;
   FoldOver fold_over;
-  /// The one that predicts held-out images best, of those that were tried and
+  /// The model that predicts held-out images best, of those that were tried and
   /// are better.
   std::optional<BetterModel> better_model;
   bool noncentral_was_tried = false, generic_was_tried = false;

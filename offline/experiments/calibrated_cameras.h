@@ -11,7 +11,7 @@
 
 namespace raygrid {
 
-/// What to calibrate with, and what to test with.
+/// The features to calibrate with, and the images to test with.
 struct ExperimentFeatures {
   Dataset dataset;
   Pattern pattern;
@@ -38,7 +38,7 @@ CalibrationResult CalibrateModel(const ExperimentFeatures& features,
                                  const ModelChoice& choice,
                                  const ExperimentOptions& options);
 
-/// Where all cameras are calibrated.
+/// The area in which all cameras are calibrated.
 Area CommonArea(const std::vector<NamedCamera>& cameras);
 
 }  // namespace raygrid

@@ -42,7 +42,7 @@ double RoundStep(double at_least) {
   return 10 * power;
 }
 
-// From values to places in the picture.
+// The axes of a chart, from values to places in the picture.
 class Axes {
  public:
   explicit Axes(const Chart& chart) : is_logarithmic_(chart.is_logarithmic) {
@@ -135,7 +135,7 @@ std::string Marker(int style, double x, double y) {
   }
 }
 
-// Then every second label stands lower.
+// Whether ticks are so crowded that every second label stands lower.
 bool AreTicksCrowded(const Chart& chart, const Axes& axes) {
   constexpr double kLetter = 7.5;
   for (size_t i = 1; i < chart.ticks.size(); ++i) {

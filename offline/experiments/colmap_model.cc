@@ -84,7 +84,7 @@ ImageSize ReadSize(const std::string& path) {
   return size;
 }
 
-// Also tells which index each point's number has.
+// Reads the points, and tells which index each point's number has.
 std::vector<Eigen::Vector3d> ReadPoints(const std::string& path,
                                         std::map<int64_t, int>* indices) {
   WordLines lines(path);

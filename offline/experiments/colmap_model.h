@@ -9,8 +9,8 @@
 
 namespace raygrid {
 
-/// What structure from motion made of a user's images. Its camera's parameters
-/// are of no use here.
+/// The structure from motion of a user's images. Its camera's parameters are of
+/// no use here.
 struct ColmapModel {
   struct Observation {
     Eigen::Vector2d pixel;  ///< (0, 0) in the middle of the first pixel

@@ -28,7 +28,8 @@ constexpr int kNumWindows = 4;
 constexpr int kColumns = 14, kRows = 10;
 constexpr double kSquareM = 0.02;
 
-// Without and with the curvature of the mapping within the window.
+// The ways of measuring: without and with the curvature of the mapping within
+// the window.
 enum Way { kHomography, kCurved, kNumWays };
 
 Board MakeBoard() {

@@ -45,7 +45,7 @@ struct ExperimentData {
   double nearest_m = 0;             ///< of what they show; 0 if not told
 };
 
-/// What all experiments are asked for.
+/// The options that all experiments have.
 struct ExperimentOptions {
   int num_images = 24;
   ImageSize size = {640, 480};

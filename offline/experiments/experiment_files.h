@@ -7,7 +7,7 @@
 
 namespace raygrid {
 
-/// For people: the conditions, and the table in aligned columns.
+/// The result for people: the conditions, and the table in aligned columns.
 std::string FormatExperimentText(const ExperimentResult& result);
 /// The conditions as comments, then the table.
 std::string FormatExperimentCsv(const ExperimentResult& result);

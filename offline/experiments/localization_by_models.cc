@@ -38,7 +38,8 @@ std::vector<PointOnPixel> MakeScene(const CameraModel& truth, const Area& area,
   return scene;
 }
 
-// By number of frames averaged: how far the camera's place is from the truth.
+// The errors by number of frames averaged: how far the camera's place is from
+// the truth.
 using ErrorsM = std::vector<double>;
 
 ErrorsM LocalizeScene(const CameraModel& camera,

@@ -70,7 +70,7 @@ std::vector<Pose> ChoosePoses(const CameraModel& camera,
   return chosen;
 }
 
-// By PointIndex(): detected less true, where a feature was found.
+// The errors by PointIndex(): detected less true, where a feature was found.
 using FeatureErrors = std::vector<std::optional<Eigen::Array2d>>;
 
 FeatureErrors ErrorsOf(const std::vector<Feature>& found,
@@ -154,7 +154,7 @@ bool IsFoundInAll(const Outcomes& outcomes, int image, int index) {
   return true;
 }
 
-// By image: the indices of the features found in all boards in all ways.
+// The indices, by image, of the features found in all boards in all ways.
 std::vector<std::vector<int>> FoundInAll(const Outcomes& outcomes,
                                          int num_images) {
   std::vector<std::vector<int>> found(num_images);

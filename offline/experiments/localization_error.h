@@ -17,7 +17,7 @@ struct DetectedBoard {
   std::vector<DetectionOptions> ways;
 };
 
-/// Of one board and one way, over all images.
+/// The error of one board and one way of detecting it, over all images.
 struct LocalizationError {
   int num_visible = 0, num_found = 0;
   int num_compared = 0;      ///< found in every board and way
@@ -38,9 +38,9 @@ Board ExperimentChessboard();
 std::vector<LocalizationError> MeasureLocalization(
     const std::vector<DetectedBoard>& boards, const ExperimentOptions& options);
 
-/// What MeasureLocalization() does, in words.
+/// The conditions of MeasureLocalization(), in words.
 std::vector<Condition> LocalizationConditions(const ExperimentOptions& options);
-/// The same on a line.
+/// The conditions of MeasureLocalization() on a line.
 std::string LocalizationNote(const ExperimentOptions& options);
 
 /// Columns of a table after the first ones, and their cells.

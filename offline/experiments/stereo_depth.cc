@@ -24,7 +24,7 @@ constexpr int kFrames = 4;
 
 // ---- Scene -----------------------------------------------------------------
 
-// From 0 to 1, the same for the same place.
+// A hash of a place, from 0 to 1, the same for the same place.
 double Hash(int64_t x, int64_t y) {
   uint64_t h = static_cast<uint64_t>(x) * 0x9e3779b97f4a7c15u ^
                static_cast<uint64_t>(y) * 0xc2b2ae3d27d4eb4fu;
@@ -61,7 +61,7 @@ Eigen::Vector3d OnWall(const ObservationLine& line) {
   return line.origin + depth * line.direction;
 }
 
-// Without noise.
+// A photograph without noise.
 cv::Mat Photograph(const CameraModel& camera, const Pose& left_from_camera,
                    int num_threads) {
   const ImageSize& size = camera.image_size();
@@ -97,8 +97,9 @@ cv::Mat WithNoise(const cv::Mat& levels, double read_noise, uint64_t seed) {
 
 // ---- Depth -----------------------------------------------------------------
 
-// Of one image's map and of the mean of several, whose matching errors are
-// still those of single windows; and of medians over blocks of it.
+// The depth errors of one image's map and of the mean of several, whose
+// matching errors are still those of single windows; and of medians over blocks
+// of that mean.
 struct DepthErrors {
   double one_median_mm = 0, mean_median_mm = 0, blocks_rms_mm = 0, scale = 1;
   int columns = 0;
@@ -200,7 +201,7 @@ Image DepthLegend(double limit_mm) {
 
 // ---- A user's pair ---------------------------------------------------------
 
-// As sharp in the middle as the left image.
+// The focal length that shows the middle as sharply as the left image.
 double MiddleFocalPx(const CameraModel& camera) {
   constexpr double kStepPx = 4;
   const Eigen::Vector2d middle = camera.area().center(), step(kStepPx, 0);

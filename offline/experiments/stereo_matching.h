@@ -22,14 +22,14 @@ struct Matching {
 
 double BaselineM(const NamedStereo& cameras);
 
-/// What stands before the left camera, in its frame.
+/// A point before the left camera, in that camera's frame.
 struct StereoPoint {
   Eigen::Vector2d left_pixel;
   Eigen::Vector3d point;
 };
 
-/// Over a lattice of the rectified left image, row by row; nothing where
-/// nothing matched.
+/// The points over a lattice of the rectified left image, row by row; nothing
+/// where nothing matched.
 struct StereoCloud {
   int columns = 0;
   std::vector<std::optional<StereoPoint>> points;
@@ -40,7 +40,7 @@ StereoCloud MatchStereo(const NamedStereo& cameras, const Matching& matching,
                         const cv::Mat& left, const cv::Mat& right,
                         int num_threads);
 
-/// What a pixel of the left image shows, in the left camera's frame.
+/// The point that a pixel of the left image shows, in the left camera's frame.
 using Surface =
     std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>;
 

@@ -174,7 +174,8 @@ double EndErrorPercent(const Walk& walk, const std::vector<Pose>& path,
   return 100 * (end - CentersOf(reference).back()).norm() / walk.Length();
 }
 
-// From the truth, the first places being brought together.
+// The error of the walk's end against the truth, the first places being brought
+// together.
 double EndErrorPercent(const Adjusted& found, const Walk& truth) {
   std::vector<Eigen::Vector3d> from = CentersOf(found.camera_from_world),
                                to = CentersOf(truth.camera_from_world);
@@ -184,9 +185,9 @@ double EndErrorPercent(const Adjusted& found, const Walk& truth) {
                          truth.camera_from_world, from, to);
 }
 
-// From another adjustment of the same observations, whose noise is the same:
-// points that the first images see are brought together, which tell more than
-// places that may lie on a line.
+// The difference of the walk's end from that of another adjustment of the same
+// observations, whose noise is the same: points that the first images see are
+// brought together, which tell more than places that may lie on a line.
 double EndDifferencePercent(const Adjusted& found, const Adjusted& reference,
                             const Walk& walk) {
   std::set<int> seen;

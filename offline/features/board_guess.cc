@@ -16,8 +16,8 @@
 namespace raygrid {
 namespace {
 
-// What one image shows; columns and rows as in pattern.yaml, those that are
-// seen.
+// The guess from one image; columns and rows as in pattern.yaml, only those
+// that are seen.
 struct Guess {
   std::string kind;
   std::string dictionary;  // of a ChArUco board, without its number of markers
@@ -25,7 +25,8 @@ struct Guess {
   int columns = 0, rows = 0;
   int max_marker = 0;
 
-  // What images of one board have in common: rows of markers may be hidden.
+  // The key that guesses from images of one board have in common: rows of
+  // markers may be hidden.
   auto Key() const {
     return std::make_tuple(kind, dictionary, is_mirrored, columns,
                            kind == "chessboard" ? rows : 0);
@@ -147,7 +148,7 @@ bool IsAsAsked(const Guess& guess, const Board& asked) {
                                   guess.dictionary) == 0;
 }
 
-// What was asked for comes first: others must be better.
+// The number asked for comes first: others must be better.
 std::vector<int> AcrossToTry(int asked_across) {
   std::vector<int> tries = {asked_across};
   for (int across = 2; across <= kMaxAcross; ++across)
@@ -277,7 +278,7 @@ void TurnAs(const Board& asked, Guess* guess) {
     std::swap(guess->columns, guess->rows);
 }
 
-// What most guesses agree on.
+// The guess that most images agree on.
 std::optional<Guess> MostVoted(const std::vector<std::optional<Guess>>& guesses,
                                int* num_votes) {
   std::map<decltype(Guess().Key()), int> votes;

@@ -1,4 +1,5 @@
-/// What images show where a board is not found as the pattern says it is.
+/// Guesses of what images show where a board is not found as the pattern says
+/// it is.
 #ifndef RAYGRID_FEATURES_BOARD_GUESS_H
 #define RAYGRID_FEATURES_BOARD_GUESS_H
 

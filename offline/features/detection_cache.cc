@@ -16,11 +16,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// To be raised when the same image shows something else than before.
+// The version to raise when the same image shows something else than before.
 constexpr int kDetectorVersion = 10;
 constexpr const char* kExtension = ".detection";
 
-// Of an entry under its key, so that one under another's name is not taken.
+// The checksum of an entry under its key, so that an entry under another's name
+// is not taken.
 std::string Checksum(const std::string& key, const std::string& entry) {
   ContentHash hash;
   hash.Add(key);
@@ -68,7 +69,7 @@ Feature ParseFeature(std::istringstream* line) {
   return feature;
 }
 
-// Of text whose checksum is right.
+// The image's detection in a text whose checksum is right.
 SeenImage ParseEntry(const std::string& entry) {
   SeenImage seen;
   std::istringstream lines(entry);

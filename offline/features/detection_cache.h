@@ -8,8 +8,8 @@
 
 namespace raygrid {
 
-/// What one image showed, and its size, which is not known before it is
-/// decoded.
+/// The detection in one image, and the image's size, which is not known before
+/// it is decoded.
 struct SeenImage {
   ImageSize size;
   ImageDetection detection;
@@ -22,8 +22,8 @@ class DetectionCache {
   /// The folder is made when the first file is.
   explicit DetectionCache(std::string folder) : folder_(std::move(folder)) {}
 
-  /// Where the user keeps such files: raygrid in $XDG_CACHE_HOME or ~/.cache;
-  /// empty if there is no such place.
+  /// The folder in which the user keeps such files: raygrid in $XDG_CACHE_HOME
+  /// or ~/.cache; empty if there is no such place.
   static std::string DefaultFolder();
 
   /// A hash of everything that the detection depends on, this version of the

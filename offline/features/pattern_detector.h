@@ -26,7 +26,7 @@ class PatternDetector {
   std::unique_ptr<Data> data_;
 };
 
-/// What a folder of images shows.
+/// The detections in a folder of images.
 struct FolderDetection {
   Dataset dataset;                     ///< without the images that were skipped
   std::vector<std::string> paths;      ///< of the dataset's images
@@ -35,8 +35,8 @@ struct FolderDetection {
   std::vector<std::string> turned;     ///< names, for RemarkOnTurned()
 };
 
-/// What was noticed in images, and why those without a board have none: each
-/// with the number of its images and the name of the first.
+/// The remarks on images, and why those without a board have none: each with
+/// the number of its images and the name of the first.
 std::vector<std::string> SummarizeRemarks(const FolderDetection& folder);
 
 /// Detects the pattern in all images; told how much is done. Images without a
@@ -49,7 +49,7 @@ FolderDetection DetectFeatures(const std::vector<std::string>& image_paths,
                                const DetectionCache* cache, int num_threads,
                                const std::function<void(double)>& progress);
 
-/// The same with default options, without a cache.
+/// Detects the pattern in all images with default options, without a cache.
 Dataset DetectFeatures(const std::vector<std::string>& image_paths,
                        const Pattern& pattern, int num_threads,
                        const std::function<void(double)>& progress);

@@ -54,8 +54,8 @@ class ViewFeatures {
         pixels_[board.PointIndex(feature.column, feature.row)] = feature.pixel;
   }
 
-  // Of the square that is width wide and begins at a place; false unless all
-  // of its features are there.
+  // The corners of the square that is width wide and begins at a place; false
+  // unless all of its features are there.
   bool FindSquare(int column, int row, int width, Corners* pixels,
                   Corners* points) const {
     const int dx[4] = {0, width, width, 0}, dy[4] = {0, 0, width, width};

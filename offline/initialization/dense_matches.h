@@ -43,7 +43,7 @@ std::vector<DenseView> FormDenseViews(const Dataset& dataset,
                                       const Pattern& pattern,
                                       const PixelLattice& lattice);
 
-/// What three views show at the pixels that all of them cover.
+/// The points that three views show at the pixels that all of them cover.
 std::vector<BoardPointTriple> CommonMatches(const DenseView& first,
                                             const DenseView& second,
                                             const DenseView& third);

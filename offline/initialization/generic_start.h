@@ -28,8 +28,8 @@ struct StartingView {
 struct GenericStart {
   CentralGeneric camera;  ///< over the rectangle of all features
   std::vector<StartingView> views;
-  /// Of the reprojection errors of the localised views' features; features
-  /// that have no projection count as infinite.
+  /// The median of the reprojection errors of the localised views' features;
+  /// features that have no projection count as infinite.
   double median_error_px = 0;
 };
 

@@ -156,8 +156,8 @@ double MedianErrorPx(const std::vector<Sight>& sights, const Pose& pose) {
   return *middle;
 }
 
-// From all sights; should most of them not agree, also from parts of them,
-// which hold fewer outliers.
+// The best pose from all sights; should most of them not agree, also from parts
+// of them, which hold fewer outliers.
 std::optional<Pose> BestPose(const std::vector<Sight>& sights) {
   constexpr size_t kParts = 6;
   constexpr double kGoodPx = 1;

@@ -42,7 +42,8 @@ std::vector<double> AngleErrors(const std::vector<PointOnRay>& matches,
   return errors;
 }
 
-// From homogeneous points, in units of the board about its seen part, to rays.
+// The homography from homogeneous points, in units of the board about its seen
+// part, to rays.
 struct BoardHomography {
   Eigen::Vector2d centroid;
   double unit_m = 1;
@@ -185,7 +186,7 @@ Pose RefinePose(const std::vector<PointOnRay>& matches, const Pose& start) {
   return pose;
 }
 
-// What of a view has directions.
+// The matches of a view whose pixels have directions.
 std::vector<PointOnRay> MatchesWithDirections(const DenseView& view,
                                               const PixelwiseModel& model) {
   std::vector<PointOnRay> matches;

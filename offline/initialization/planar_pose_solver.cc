@@ -219,7 +219,8 @@ ThreeViews InMetres(const ThreeViews& normalized,
   return views;
 }
 
-// Where the centre sees a board's point on the first board, and where it is.
+// The point of the first board where the centre sees another board's point,
+// less the point where it is on the first board.
 struct TransferError {
   const BoardPointTriple& match;
 

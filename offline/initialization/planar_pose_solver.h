@@ -8,7 +8,7 @@
 
 namespace raygrid {
 
-/// Where on a board's plane z = 0, in metres, each of three views saw it at one
+/// The points on a board's plane z = 0, in metres, that three views saw at one
 /// and the same pixel.
 using BoardPointTriple = std::array<Eigen::Vector2d, 3>;
 

@@ -16,8 +16,9 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-// Without gross outliers: features far from the middles between their
-// neighbours on either side. Those beside them on an edge may go too.
+// The features without gross outliers, which are far from the middles between
+// their neighbours on either side. Features beside an outlier on an edge may go
+// too.
 std::vector<Feature> Consistent(const std::vector<Feature>& features) {
   constexpr double kTimesMedian = 8, kAlwaysPx = 2;
   std::map<std::pair<int, int>, const Feature*> at;

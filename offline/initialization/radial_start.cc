@@ -100,7 +100,8 @@ double CenterCost(const std::vector<PlanarView>& views,
   return cost;
 }
 
-// By pattern search around the image's centre, within a tenth of its size.
+// Finds the centre by pattern search around the image's centre, within a tenth
+// of its size.
 Eigen::Vector2d FindCenter(const std::vector<PlanarView>& views,
                            const ImageSize& size) {
   const Eigen::Vector2d middle((size.width - 1) / 2.0, (size.height - 1) / 2.0);
@@ -294,7 +295,7 @@ struct Degrees {
 };
 constexpr Degrees kDegrees[] = {{1, 1}, {1, 2}, {1, 3}, {2, 3}, {2, 4}};
 
-// From one view to all.
+// Solves from one view to all.
 std::optional<RadialSolution> SolveFromView(
     const std::vector<CylindricalView>& views, size_t first,
     const Degrees& degrees) {

@@ -34,10 +34,11 @@ class BlobCamera {
 
   bool CanProject() const { return camera_.inverse; }
 
-  /// By the runtime, in fixed point.
+  /// The ray of a pixel by the runtime, in fixed point.
   std::optional<Eigen::Vector3d> Unproject(const Eigen::Vector2d& pixel) const;
 
-  /// Likewise, for a point; for a direction, too, if the camera is central.
+  /// The pixel of a point by the runtime, in fixed point; of a direction, too,
+  /// if the camera is central.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point) const;
 
   std::optional<ObservationLine> Line(const Eigen::Vector2d& pixel) const;

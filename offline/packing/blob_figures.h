@@ -10,15 +10,16 @@
 
 namespace raygrid {
 
-/// What a camera file says of how well the camera is known, in the format's
-/// integers.
+/// The sections that say how well a camera is known, from its file, in the
+/// format's integers.
 struct UncertaintySections {
   rg_uncertainty_section uncertainty = {};
   rg_mask_section mask = {};
   std::vector<uint16_t> values_q12;
   std::vector<uint8_t> bits;
 
-  /// What it points to lives as long as this.
+  /// Adds the sections to contents, which point to memory that lives as long as
+  /// this.
   void AddTo(rg_blob_contents* contents);
 };
 

@@ -9,7 +9,8 @@
 namespace raygrid {
 namespace {
 
-// Of the longer side; beyond kMaxCellsForMore only for trusted pixels' sake.
+// The numbers of cells along the longer side; beyond kMaxCellsForMore only for
+// trusted pixels' sake.
 constexpr int kNumCells[] = {6, 8, 10, 13, 16, 20, 24, 32, 40, 48, 64};
 constexpr int kMaxCellsForMore = 24;
 // One step from there is right to what the runtime promises.

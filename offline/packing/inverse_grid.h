@@ -18,8 +18,8 @@ struct InverseGrid {
   NarrowGrid points;
 };
 
-/// What the runtime's projection does with an inverse grid, by about so many
-/// pixels; nothing if the format does not hold it.
+/// Measures the runtime's projection with an inverse grid, by about so many
+/// pixels; nothing if the format does not hold the grid.
 using MeasureInverse = std::function<std::optional<ProjectionError>(
     const InverseGrid&, double max_pixels)>;
 
@@ -29,13 +29,13 @@ struct MeasuredInverse {
   bool is_close = false;  ///< one step is right everywhere
 };
 
-/// Where a surface over the image reaches each chart position: the
-/// least-squares spline through samples of the whole area but where it is
-/// folded, with as few cells as let the runtime find all trusted pixels again,
-/// and up to 24 cells if that brings it there in one step or finds more of the
-/// others. If trusted pixels are lost even so, that of their surroundings
-/// alone, or else the one that loses fewest. nullptr trusts all. Nothing if no
-/// trusted pixel can be found by one.
+/// The inverse of a surface over the image, with a pixel for each chart
+/// position: the least-squares spline through samples of the whole area but
+/// where it is folded, with as few cells as let the runtime find all trusted
+/// pixels again, and up to 24 cells if that brings it there in one step or
+/// finds more of the others. If trusted pixels are lost even so, the spline
+/// through samples of their surroundings alone, or else the one that loses
+/// fewest. nullptr trusts all. Nothing if no trusted pixel can be found by one.
 std::optional<MeasuredInverse> FitInverseGrid(const BSplineSurface& surface,
                                               const TrustMask* trusted,
                                               const MeasureInverse& measure);

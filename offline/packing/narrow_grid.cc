@@ -34,7 +34,7 @@ void FitPlane(const ControlPoints& points, int c, rg_narrow_grid* narrow) {
       Rounded(middle - across * right / 2 - down * bottom / 2);
 }
 
-// What control points have beyond their plane.
+// The differences of control points from their plane.
 std::vector<int64_t> BeyondPlane(const ControlPoints& points,
                                  const rg_narrow_grid& plane) {
   std::vector<int64_t> beyond;

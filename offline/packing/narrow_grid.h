@@ -21,7 +21,8 @@ struct NarrowGrid {
   std::vector<int16_t> residuals;
 };
 
-/// With as many fraction bits as fit; nothing where 16 bits do not reach.
+/// The grid with as many fraction bits as fit; nothing where 16 bits do not
+/// reach.
 std::optional<NarrowGrid> Narrow(const ControlPoints& points);
 
 }  // namespace raygrid

@@ -11,7 +11,8 @@ namespace {
 
 constexpr int kCell = SourceMap::kCellSize;
 
-// Of a cell with a source at every pixel. The sums are integers, and exact.
+// The sums of a cell with a source at every pixel. They are integers, and
+// exact.
 CellSums::Sources SumWholeCell(const SourceMap& map, int column, int row) {
   CellSums::Sources sums;
   for (int axis = 0; axis < 2; ++axis) {
@@ -62,8 +63,8 @@ CellSums::Products WholeProducts() {
   return products;
 }
 
-// What the nodes of a block are multiplied with to get the position of one of
-// its pixels: the four vertices, then, if it is bent, the bends of the upper,
+// The weights of a block's nodes in the position of one of its pixels: those of
+// the four vertices, then, if the block is bent, of the bends of the upper,
 // lower, left and right edge. Bends count most in the middle of their edge, not
 // at all at its ends and on the opposite edge; between the corners of the parts
 // all is linear.
@@ -71,7 +72,7 @@ template <int kNodes>
 class BlockBasis {
  public:
   using Nodes = std::array<int, kNodes>;
-  // For 1, x, y, x y of a pixel (x, y) of a cell.
+  // The factors for 1, x, y, x y of a pixel (x, y) of a cell.
   using Factors = Eigen::Matrix<double, kNodes, 4>;
 
   explicit BlockBasis(const Blocks& blocks)
@@ -81,7 +82,7 @@ class BlockBasis {
         factors_.push_back(MakeFactors(column * kCell, row * kCell));
   }
 
-  // Of the cell in a column and row of its block, and of all.
+  // The factors of the cell in a column and row of its block, and of all cells.
   const Factors& Of(int column, int row) const {
     return factors_[row * cells_ + column];
   }
@@ -115,7 +116,7 @@ class BlockBasis {
     return {curve(first) + (x - first) * step, step};
   }
 
-  // Of the cell at pixel (x, y) of a block.
+  // The factors of the cell at pixel (x, y) of a block.
   Factors MakeFactors(int x, int y) const {
     const double unit = 1.0 / blocks_.size();
     const Line right = {x * unit, unit}, left = {1 - x * unit, -unit};
@@ -163,8 +164,9 @@ class NodeEquations {
     AddSmoothness(blocks);
   }
 
-  // By conjugate gradients, of both coordinates at once, until no node alone
-  // could lessen the sum of squared errors by more than kTolerancePx squared.
+  // Solves by conjugate gradients, for both coordinates at once, until no node
+  // alone could lessen the sum of squared errors by more than kTolerancePx
+  // squared.
   NodePositions Solve() const {
     NodePositions nodes = Start(), product(nodes.rows(), 2);
     Multiply(nodes, &product);
@@ -338,17 +340,17 @@ NodePositions FitLeastSquares(const CellSums& sums, const Blocks& blocks) {
   return NodeEquations<4>(sums, blocks).Solve();
 }
 
-// Where second derivatives are constant, the error of interpolation is a
-// parabola of some height in each direction. Least squares put its ends, the
-// vertices, 2/3 of the height to one side of the exact position; half of the
-// height, 3/4 of that, makes the largest error least. The same holds for the
-// parts between an edge's ends and its middle. Vertices beyond the image follow
-// the last one in it.
+// Moves vertices so that the largest error is least. The error of interpolation
+// is a parabola of some height in each direction where second derivatives are
+// constant. Least squares put its ends, the vertices, 2/3 of the height to one
+// side of the exact position; half of the height, 3/4 of that, makes the
+// largest error least. This holds for the parts between an edge's ends and its
+// middle too. Vertices beyond the image follow the last one in it.
 NodePositions Balance(const SourceMap& map, const Blocks& blocks,
                       const NodePositions& fitted) {
   NodePositions moves = NodePositions::Zero(fitted.rows(), 2);
   const std::vector<bool> needed = NeededNodes(blocks);
-  // What is lacking at an output pixel; nothing where that is not known.
+  // The move that an output pixel lacks; nothing where it is not known.
   const auto lack = [&](int x, int y, const Eigen::RowVector2d& position) {
     if (x >= map.width || y >= map.height || !map.IsKnown(x, y))
       return Eigen::RowVector2d(0, 0);

@@ -13,9 +13,10 @@ namespace raygrid {
 /// a least-squares fit needs: positions in a block are bilinear within a cell.
 class CellSums {
  public:
-  /// Of 1, x, y, x y of a cell's pixel (x, y) times its source, in pixels.
+  /// The sums of 1, x, y, x y of a cell's pixel (x, y) times its source, in
+  /// pixels.
   using Sources = Eigen::Matrix<double, 4, 2, Eigen::RowMajor>;
-  /// Of 1, x, y, x y times each other.
+  /// The sums of 1, x, y, x y times each other.
   using Products = Eigen::Matrix4d;
 
   CellSums(const SourceMap& map, int num_threads);
@@ -46,7 +47,7 @@ class CellSums {
 /// The source of each vertex and the bends, in pixels, row by row of nodes.
 using NodePositions = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
 
-/// Those that give about the least largest error. Of nodes of used blocks only.
+/// The nodes, of used blocks only, that give about the least largest error.
 NodePositions FitNodes(const SourceMap& map, const CellSums& sums,
                        const Blocks& blocks);
 

@@ -218,7 +218,8 @@ class RemapSections {
       packed->remaps.push_back(Add(*std::move(table)));
   }
 
-  // What it points to lives as long as this.
+  // Adds the tables to contents, which point to memory that lives as long as
+  // this.
   void AddTo(rg_blob_contents* contents) {
     for (RemapTable& table : tables_) {
       table.section.empty_blocks = table.empty_blocks.data();
@@ -265,7 +266,7 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   const CameraModel& camera = *file.camera;
   const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera);
   RequirePackable(camera);
-  // What a camera of lines sees of far scenes.
+  // The central part of a camera of lines, which sees far scenes.
   const std::optional<CentralGeneric> far =
       lines ? std::optional(lines->CentralPart()) : std::nullopt;
   const CameraModel& central = far ? *far : camera;

@@ -36,7 +36,8 @@ struct PackedRemap {
 /// A blob and the errors that packing added.
 struct PackedCamera {
   std::string blob;
-  /// Over the pixels of the area; in pixels, those of trusted cells.
+  /// The errors of un-projection over the pixels of the area; in pixels, those
+  /// of trusted cells.
   double unproject_error_px = 0;
   double unproject_error_rad = 0;
   std::optional<ProjectionError> projection;  ///< none: cannot project

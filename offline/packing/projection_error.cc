@@ -14,7 +14,7 @@ namespace {
 // tan(151 / 2 degrees), less a little: the runtime's own limit.
 constexpr double kMaxChartRadius = 3.85;
 
-// Both ends of a side of the area, and the pixels between them at this step.
+// The two ends of a side of the area, and the pixels between them at this step.
 std::vector<double> Positions(double from, double to, int step) {
   std::vector<double> positions = {from};
   for (double x = std::ceil(from); x < to; x += step)

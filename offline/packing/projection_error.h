@@ -31,12 +31,12 @@ struct ProjectionError {
   FoundPixels others;
 };
 
-/// What the runtime's projection may be off.
+/// The largest error that the runtime's projection may have.
 constexpr double kMaxProjectionErrorPx = 0.002;
 
-/// Over the pixels of the area and its edge, or, if these are more than
-/// max_pixels, those of every few rows and columns, against the blob's own
-/// surface in double precision. The blob has an inverse grid.
+/// Measures the projection over the pixels of the area and its edge, or, if
+/// these are more than max_pixels, those of every few rows and columns, against
+/// the blob's own surface in double precision. The blob has an inverse grid.
 ProjectionError MeasureProjection(const BlobCamera& blob,
                                   const TrustMask* trusted, double max_pixels,
                                   int num_threads);

@@ -166,9 +166,9 @@ std::vector<uint32_t> SectionWords(const RemapTable& table) {
   return words;
 }
 
-// What is wrong about an output pixel: the distance of its position from the
-// exact one, which may be off by the margin; for a pixel without exact
-// position, how far inside the rectangle the table puts it.
+// The error of an output pixel: the distance of its position from the exact
+// one, which may be off by the margin; for a pixel without exact position, how
+// far inside the rectangle the table puts it.
 double PixelError(const Area& rectangle,
                   const std::optional<Eigen::Vector2d>& exact, double margin_px,
                   const Eigen::Vector2d& position) {
@@ -289,7 +289,8 @@ class TableErrors {
     return PixelError(map_.rectangle, source, 0, position);
   }
 
-  // Of a part all pixels of which have sources in the rectangle.
+  // The worst error of a part all of whose pixels have sources in the
+  // rectangle.
   double WorstOfWholePart(int x0, int y0, const rg_block& block) const {
     constexpr int kLanes = SourceMap::kCellSize;
     using Integers = Eigen::Array<int32_t, kLanes, 1>;
@@ -317,7 +318,7 @@ class TableErrors {
            SourceMap::kUnitsPerPx;
   }
 
-  // Of the pixels that are enough off.
+  // The worst error of a row of parts, of the pixels that are enough off.
   double ExactWorstOfPartRow(int j, double enough) const {
     double worst = 0;
     ForParts(j, [&](int x0, const rg_block& block) {

@@ -18,8 +18,8 @@ struct RemapTable {
   std::vector<int8_t> bends;  ///< four a vertex, or none
   std::vector<uint8_t> empty_blocks;
   double max_error_px = 0;  ///< over all output pixels, in the board's integers
-  /// Likewise of U and V in NV12 and YUYV, in their own pixels; not where their
-  /// sources end.
+  /// The largest error of U and V in NV12 and YUYV, in their own pixels; not
+  /// where their sources end.
   double max_chroma_error_px = 0;
 };
 

@@ -12,7 +12,7 @@ constexpr int kCell = SourceMap::kCellSize;
 // Sources are known up to so far outside of the rectangle, so that fits are not
 // one-sided at its edge.
 constexpr double kMarginPx = 1.5;
-// Where interpolation may be farther off, the model is asked.
+// The deviation of interpolation above which the model is asked.
 constexpr double kMaxDeviationPx = 2e-3;
 constexpr double kRoundingPx = 1.0 / SourceMap::kUnitsPerPx;  // at most
 
@@ -163,9 +163,10 @@ class Lattice {
     }
   }
 
-  // Where fourth derivatives are constant, cubic interpolation between points
-  // with a fourth difference d is off by 3/128 d at most. 1/8 d leaves room for
-  // others, as those of a spline.
+  // Finds by how much the interpolation deviates: where fourth derivatives are
+  // constant, cubic interpolation between points with a fourth difference d is
+  // off by 3/128 d at most. 1/8 d leaves room for others, such as those of a
+  // spline.
   void FindDeviations() {
     const auto fourth_difference = [&](int index, int step) {
       const auto at = [&](int k) -> const Eigen::Vector2d& {
@@ -209,8 +210,8 @@ double CellDeviation(const Lattice& lattice, int column, int row) {
   return worst >= 0 && worst <= kMaxDeviationPx ? worst : INFINITY;
 }
 
-// What four values a cell apart are multiplied with for those between the inner
-// two: cubic interpolation.
+// The weights of four values a cell apart for those between the inner two:
+// cubic interpolation.
 using Interpolation = Eigen::Matrix<double, kCell, 4>;
 Interpolation MakeInterpolation() {
   Interpolation weights;
@@ -223,7 +224,8 @@ Interpolation MakeInterpolation() {
   return weights;
 }
 
-// Of a cell's pixels, by coordinate and row; NaN where there is none.
+// The sources of a cell's pixels, by coordinate and row; NaN where there is
+// none.
 struct CellSources {
   using Plane = Eigen::Matrix<double, kCell, kCell, Eigen::RowMajor>;
   Plane planes[2];

@@ -12,7 +12,7 @@
 
 namespace raygrid {
 
-/// Where the pixels of a virtual camera's image, the output pixels, come from.
+/// The sources of the pixels of a virtual camera's image, the output pixels.
 struct SourceMap {
   /// Cells are squares of output pixels.
   static constexpr int kCellLog2 = 3, kCellSize = 1 << kCellLog2;
@@ -26,15 +26,15 @@ struct SourceMap {
   static constexpr int32_t kUnknown = INT32_MIN;
 
   int width = 0, height = 0;
-  /// Of cells. Those at the right and lower edge may reach beyond the image,
-  /// where no source is known.
+  /// The numbers of cells. Cells at the right and lower edge may reach beyond
+  /// the image, where no source is known.
   int columns = 0, rows = 0;
   /// Sources that count: within the calibrated area and the pixels' centres.
   /// Others are only known near it.
   Area rectangle;
   /// No source is farther off from the model's.
   double max_deviation_px = 0;
-  /// Both coordinates in units, row by row of whole cells.
+  /// The two coordinates of the sources, in units, row by row of whole cells.
   std::unique_ptr<int32_t[]> sources[2];
   std::vector<Cell> cells;
 
@@ -50,7 +50,8 @@ struct SourceMap {
     const size_t k = Index(x, y);
     return Eigen::Vector2d(sources[0][k], sources[1][k]) / kUnitsPerPx;
   }
-  /// In the rectangle, or no farther from it than the map may be off.
+  /// Whether a source is in the rectangle, or no farther from it than the map
+  /// may be off.
   bool IsInside(const Eigen::Vector2d& source) const {
     return rectangle.Contains(source, max_deviation_px);
   }

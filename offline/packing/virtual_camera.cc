@@ -32,7 +32,8 @@ double CentralFocalLength(const CameraModel& camera) {
   return std::pow(product.determinant(), 0.25);
 }
 
-// Where a pinhole image of focal length 1 shows the area, as far as it does.
+// The box in which a pinhole image of focal length 1 shows the area, as far as
+// it does.
 Eigen::AlignedBox2d ImageOfArea(const CameraModel& camera) {
   constexpr int kSteps = 32;
   const double least_z = std::cos(70 * M_PI / 180);

@@ -17,12 +17,12 @@ std::string Base64(const std::string& bytes);
 using HtmlRow = std::vector<std::string>;
 std::string HtmlTable(const HtmlRow& head, const std::vector<HtmlRow>& rows);
 
-/// What a picture's axes and colours mean.
+/// The meaning of a picture's axes and colours.
 struct PictureAxes {
   std::string x_label, y_label;
   std::vector<std::string> x_ticks, y_ticks;  ///< even, from the top left
 };
-/// From low to high, in words.
+/// A bar of colours from low to high, in words.
 struct ColorBar {
   ColorScale scale = ColorScale::kEven;
   std::string label, low, high;

@@ -147,7 +147,7 @@ std::map<std::string, std::vector<double>> NormsByImage(
   return norms;
 }
 
-// Without the script, and on paper, a table says what the bars do.
+// The table that says what the bars do, without the script and on paper.
 std::string ImageTable(const CalibrationResult& result) {
   auto training = NormsByImage(result.training);
   auto held_out = NormsByImage(result.held_out);

@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Residuals = std::vector<FeatureResidual>;
 
-// As many as a page can hold; each image loses the same part.
+// The most residuals that a page can hold; each image loses the same part.
 constexpr size_t kMaxResiduals = 600000;
 constexpr size_t kMaxBoards = 300;
 
@@ -227,7 +227,7 @@ Json CameraInSpace(const CameraModel& camera, const std::string& name,
           {"rays", rays}};
 }
 
-// Each board once for an instant, by the first camera that saw it.
+// Adds each board once for an instant, by the first camera that saw it.
 void AddBoards(const CalibrationResult& camera, const Pattern& pattern,
                const Pose& rig_from_camera,
                std::map<std::pair<std::string, int>, Json>* boards) {

@@ -12,11 +12,11 @@ namespace raygrid {
 /// Small JPEG files as Base64, by the names of their images.
 using ThumbnailTexts = std::map<std::string, std::string>;
 
-/// What the page's script draws, as JSON: residuals of every image, their
+/// The JSON that the page's script draws: residuals of every image, their
 /// distribution, the grid's control points, lines, and where the boards stood.
 std::string PageData(const CalibrationResult& result,
                      const ThumbnailTexts& thumbnails = {});
-/// Cameras and boards in space.
+/// The JSON of the cameras and boards of a rig in space.
 std::string PageData(const RigResult& result);
 
 }  // namespace raygrid

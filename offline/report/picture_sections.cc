@@ -31,7 +31,7 @@ PictureAxes AreaAxes(const Area& area) {
   return {"x, px", "y, px", ticks(area.x0, area.x1), ticks(area.y0, area.y1)};
 }
 
-// What pictures are made of, in their pixels.
+// The data that pictures are made of, in their pixels.
 struct PictureSpace {
   double scale = 1;  // picture / image
   ImageSize size;

@@ -8,7 +8,7 @@
 
 namespace raygrid {
 
-/// Where in the image features were seen, and the calibrated area.
+/// The places in the image where features were seen, and the calibrated area.
 Image CoveragePicture(const std::vector<FeatureResidual>& residuals,
                       const ImageSize& size, const Area& area);
 

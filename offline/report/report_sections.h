@@ -1,4 +1,4 @@
-// What the report of a camera and that of a rig have in common.
+// The sections that the reports of a camera and of a rig have in common.
 #ifndef RAYGRID_REPORT_REPORT_SECTIONS_H
 #define RAYGRID_REPORT_REPORT_SECTIONS_H
 
@@ -31,7 +31,7 @@ std::string ModelTable(const std::vector<HtmlRow>& rows);
 /// The canvas of cameras and boards in space.
 std::string SpaceSection();
 
-/// What the words of verdict and tables mean, a line each.
+/// The meaning of the words of verdict and tables, a line each.
 std::string WordsSection();
 
 /// A picture of each board's heights.

@@ -22,7 +22,8 @@ struct ResidualSets {
 std::string FormatResiduals(const CalibrationResult& result);
 std::string FormatResiduals(const RigResult& result);
 
-/// By camera name, "" where the file has no such column. Throws InputError.
+/// The residuals by camera name, "" where the file has no such column. Throws
+/// InputError.
 std::map<std::string, ResidualSets> ReadResiduals(const std::string& path);
 
 }  // namespace raygrid

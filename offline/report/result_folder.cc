@@ -60,7 +60,7 @@ CameraFile ReadResultCamera(const std::string& path) {
   return ReadCameraFile(path);
 }
 
-// What files of one line an item say of each camera.
+// The tables, files of one line an item, of each camera.
 struct Tables {
   std::map<std::string, Dataset> features;
   std::map<std::string, std::vector<BoardPose>> poses;

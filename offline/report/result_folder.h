@@ -16,7 +16,7 @@
 
 namespace raygrid {
 
-/// What goes into the files beside the result.
+/// The extras of a result folder: what goes into the files beside the result.
 struct ResultExtras {
   uint64_t seed = 0;
   int64_t peak_memory_bytes = 0;

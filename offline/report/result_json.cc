@@ -52,7 +52,7 @@ Json ModelJson(const ModelFigures& figures) {
   return json;
 }
 
-// What is known of one camera, alone or in a rig.
+// Adds what is known of one camera, alone or in a rig.
 void AddCamera(const CalibrationResult& result, Json* json) {
   const CameraModel& camera = *result.camera.camera;
   (*json)["model"] = camera.Name();
@@ -267,7 +267,7 @@ PackingFigures ParsePacking(const Json& json) {
   return packing;
 }
 
-// Of one camera, alone or in a rig.
+// Parses the figures of one camera, alone or in a rig.
 ResultFigures ParseCamera(const Json& json) {
   ResultFigures figures;
   CalibrationResult& result = figures.result;

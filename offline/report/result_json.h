@@ -11,7 +11,7 @@
 
 namespace raygrid {
 
-/// What packing found.
+/// The findings of packing.
 struct PackingFigures {
   size_t blob_bytes = 0;  ///< 0: there is no blob
   double unproject_error_px = 0;

@@ -49,7 +49,7 @@ std::string RigErrorTable(const RigResult& result) {
   return "<h2>Reprojection error</h2>\n" + ErrorTable(rows);
 }
 
-// Of each camera, in its own images.
+// The table of each camera's models, compared in its own images.
 std::string RigComparisonTable(const RigResult& result) {
   std::vector<HtmlRow> rows;
   for (const CalibrationResult& camera : result.cameras) {

@@ -28,7 +28,7 @@ std::string EncodeJpeg(const Image& image) {
   return {bytes.begin(), bytes.end()};
 }
 
-// As wide as so many images of this shape may be.
+// The width of so many images of this shape that fit into the limit.
 int WidthFor(int count, const ImageSize& size) {
   constexpr double kBytesPerPixel = 0.12;
   const double pixels = kMaxBytes / std::max(1, count) / kBytesPerPixel;
@@ -58,7 +58,7 @@ Thumbnails MakeThumbnails(const Dataset& dataset,
       images[i] = Shrunk(ReadImage(paths[i], true), width_px);
       files[i] = EncodeJpeg(images[i]);
     } catch (const InputError&) {
-      // Of an image that is gone.
+      // An image that is gone has no thumbnail.
     }
   });
   while (TotalBytes(files) > kMaxBytes && width_px > kMinWidthPx) {

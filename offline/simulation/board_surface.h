@@ -23,8 +23,8 @@ class BoardSurface {
     Eigen::Vector2d board_m;
     double depth = 0;  ///< t of the line
   };
-  /// Where a line, in the board's coordinates, meets the front of the surface,
-  /// on the paper or beside it.
+  /// The point where a line, in the board's coordinates, meets the front of the
+  /// surface, on the paper or beside it.
   std::optional<Point> Intersect(const ObservationLine& line) const;
 
   double InkFraction(const Eigen::Vector2d& center_m,

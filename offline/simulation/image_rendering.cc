@@ -80,8 +80,8 @@ Kernel LensKernel(double blur_px, int samples_per_pixel) {
   return kernel;
 }
 
-// What one board puts into 2 x 2 pixels: intersections with the 3 x 3 lines at
-// their corners.
+// The contribution of one board to 2 x 2 pixels: intersections with the 3 x 3
+// lines at their corners.
 struct BlockOfBoard {
   const BoardSurface* surface = nullptr;
   std::array<ObservationLine, 9> lines;  // in the board's coordinates
@@ -141,7 +141,7 @@ class Renderer {
   const int width_, height_;
   const Kernel kernel_;
   std::vector<BoardInSpace> boards_;
-  // Of quadratic interpolation at the samples of two pixels.
+  // The basis of quadratic interpolation at the samples of two pixels.
   std::vector<std::array<double, 3>> basis_;
 };
 

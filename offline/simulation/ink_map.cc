@@ -13,7 +13,7 @@ constexpr double kMaxCells = 4e6;
 // cell's, are within kReach.
 constexpr double kReach = 1.5, kKnown = 1.56;
 constexpr double kMaxPatchRadius = 0.75;
-// For telling the colours beside an edge; below kKnown - kReach.
+// The distance for telling the colours beside an edge; below kKnown - kReach.
 constexpr double kBeside = 0.05;
 constexpr double kSameLine = 1e-6;
 // Patches with several edges are divided into this many parts each way.

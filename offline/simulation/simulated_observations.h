@@ -38,7 +38,7 @@ SimulatedObservations SimulateObservations(const CameraModel& camera,
 std::vector<Feature> VisibleFeatures(const CameraModel& camera,
                                      const Board& board, const Pose& pose);
 
-/// Where boards are held to be photographed.
+/// The poses in which boards are held to be photographed.
 struct PoseOptions {
   /// Width of a square in the image, where the board is not tilted.
   double min_square_px = 12, max_square_px = 30;

@@ -16,7 +16,7 @@ namespace raygrid {
 void DrawBoard(const BoardAppearance& appearance, const Eigen::Vector2d& corner,
                double units_per_m, cairo_t* cr);
 
-/// For cairo's surfaces that write to a std::string.
+/// Appends bytes to a std::string, for cairo's surfaces that write to one.
 cairo_status_t AppendBytes(void* text, const unsigned char* data,
                            unsigned int length);
 

@@ -16,7 +16,7 @@ namespace {
 constexpr double kMarginSquares = 0.5;  // white, around the ink
 constexpr double kGrey = 0.5;
 
-// What the board's ink spans, in squares.
+// The extent of the board's ink, in squares.
 Area ExtentInSquares(const Board& board) {
   const Area extent_m = BoardAppearance(board).extent_m();
   const double s = board.square_m;

@@ -31,8 +31,8 @@ int SquarePx(const Board& board, double pixels_per_inch);
 /// The boards with their lengths on a monitor of this pixel pitch.
 ScreenBoards WithPixelPitch(ScreenBoards boards, double pixels_per_inch);
 
-/// What to measure on the monitor: from the first feature to the last of a row,
-/// or of a column where that is longer.
+/// The length to measure on the monitor: from the first feature to the last of
+/// a row, or of a column where that is longer.
 struct ScreenLength {
   bool is_row = true;
   double squares = 0;

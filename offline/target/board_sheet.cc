@@ -25,7 +25,7 @@ constexpr int kMaxRulerMm = 200;
 
 Page Turned(const Page& page) { return {page.height_mm, page.width_mm}; }
 
-// What margins and rulers leave.
+// The width and height that margins and rulers leave.
 double FreeWidth(const Page& page) {
   return page.width_mm - 2 * kMarginMm - kBesideBoardMm;
 }
@@ -88,7 +88,8 @@ std::string LargestCounts(const Board& board, const Page& page) {
                           page.height_mm, advice));
 }
 
-// In the middle of the page, or as near as the ruler at the right allows.
+// Places the board in the middle of the page, or as near as the ruler at the
+// right allows.
 Area PlaceBoard(const Eigen::Vector2d& size_mm, const Page& page) {
   const double x =
       std::min((page.width_mm - size_mm.x()) / 2,
@@ -106,7 +107,7 @@ int RulerLength(const Page& page) {
   return space_mm >= 50 ? space_mm / 50 * 50 : std::max(10, space_mm / 10 * 10);
 }
 
-// To the right from (0, 0), with ticks up.
+// Draws a ruler to the right from (0, 0), with ticks up.
 void DrawRuler(int length_mm, cairo_t* cr) {
   cairo_set_line_width(cr, 0.15);
   cairo_move_to(cr, 0, 0);
@@ -150,7 +151,7 @@ void DrawText(const std::string& text, const Page& page, cairo_t* cr) {
   cairo_show_text(cr, text.c_str());
 }
 
-// In user units of a millimetre.
+// Draws a sheet in user units of a millimetre.
 void DrawSheet(const BoardSheets& sheets, const Board& board, cairo_t* cr) {
   cairo_set_source_rgb(cr, 1, 1, 1);
   cairo_paint(cr);
@@ -257,7 +258,7 @@ std::string SheetsPdf(const BoardSheets& sheets) {
   cairo_surface_t* surface = cairo_pdf_surface_create_for_stream(
       AppendBytes, &pdf, sheets.page.width_mm * kPointsPerMm,
       sheets.page.height_mm * kPointsPerMm);
-  // The same input gives the same file, whatever the clock says.
+  // A fixed date: the same input gives the same file, whatever the clock says.
   cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE,
                                  "2000-01-01T00:00:00Z");
   cairo_t* cr = cairo_create(surface);

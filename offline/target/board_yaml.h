@@ -9,7 +9,7 @@
 
 namespace raygrid {
 
-/// Where the boards lie on their pages or screens.
+/// The places of the boards on their pages or screens.
 struct BoardPlace {
   double width_mm = 0, height_mm = 0;  ///< of the page
   Eigen::Vector2d first_feature_mm;    ///< from its top-left corner

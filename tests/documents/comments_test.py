@@ -13,7 +13,7 @@ import sys
 
 ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 # Limits only ever fall.
-LIMITS = {"formats": 0, "offline": 213, "runtime": 0, "tests": 0, "tools": 0}
+LIMITS = {"formats": 0, "offline": 0, "runtime": 0, "tests": 0, "tools": 0}
 # Literals are matched first, so that nothing in them is taken for a comment.
 TOKEN = re.compile(r"""
     (?P<literal> R"(?P<mark>[^\s()\\]*)\(.*?\)(?P=mark)" | "(?:\\.|[^"\\\n])*" | '(?:\\.|[^'\\\n])+' )

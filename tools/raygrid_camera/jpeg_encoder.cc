@@ -26,7 +26,7 @@ void IgnoreMessage(j_common_ptr) {}
 
 void StartBuffer(j_compress_ptr) {}
 
-// Only when the buffer is full.
+// Leaves the encoder; called only when the buffer is full.
 boolean LeaveOnFullBuffer(j_compress_ptr jpeg) {
   LeaveOnError(reinterpret_cast<j_common_ptr>(jpeg));
   return FALSE;

@@ -63,7 +63,7 @@ struct RejectedFeature {
   std::string reason;  ///< a few words
 };
 
-/// What one image shows.
+/// The features that one image shows, and those rejected.
 struct ImageDetection {
   std::vector<Feature> features;  ///< by board, row, column
   std::vector<RejectedFeature> rejected;

@@ -36,7 +36,7 @@ class FeatureLattice {
   /// How many of the 24 places around are found.
   int CountAround(int column, int row) const;
 
-  /// By row and column.
+  /// The features by row and column.
   std::vector<Feature> Features() const;
 
  private:

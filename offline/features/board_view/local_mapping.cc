@@ -20,7 +20,7 @@ Eigen::Matrix<double, kTerms, 1> Monomials(const Eigen::Vector2d& offset,
   return monomials;
 }
 
-// Of normal equations, scaled to a diagonal of ones; false if they are near
+// Solves normal equations, scaled to a diagonal of ones; false if they are near
 // singular.
 template <int kTerms, int kColumns>
 bool SolveScaled(Eigen::Matrix<double, kTerms, kTerms> normal,
@@ -68,7 +68,8 @@ bool FitPolynomial(const std::vector<Correspondence>& correspondences,
   return true;
 }
 
-// With a perspective that is known, of the highest degree that is determined.
+// Fits a mapping with a known perspective, of the highest degree that is
+// determined.
 int FitPolynomial(const std::vector<Correspondence>& correspondences,
                   int max_degree, const Eigen::Vector2d& perspective,
                   LocalMapping* mapping) {
@@ -86,7 +87,7 @@ int FitPolynomial(const std::vector<Correspondence>& correspondences,
   return 0;
 }
 
-// Of the homography nearest to correspondences.
+// Fits the perspective of the homography nearest to correspondences.
 bool FitPerspective(const std::vector<Correspondence>& correspondences,
                     Eigen::Vector2d* perspective) {
   constexpr size_t kMinCount = 5;

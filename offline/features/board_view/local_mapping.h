@@ -48,7 +48,7 @@ struct Correspondence {
 int FitLocalMapping(const std::vector<Correspondence>& correspondences,
                     int max_degree, LocalMapping* mapping);
 
-/// The same with the perspective of the homography nearest to the
+/// Fits a mapping with the perspective of the homography nearest to the
 /// correspondences: where this is strong, as in squares that fill much of an
 /// image, it predicts better than a polynomial. 0, too, if no homography comes
 /// near.

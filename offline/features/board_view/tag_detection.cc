@@ -119,7 +119,7 @@ std::vector<DetectedTag> TagDetector::Detect(const cv::Mat& image) const {
     if (detection->decision_margin < data_->min_margin) continue;
     DetectedTag tag;
     tag.id = detection->id;
-    // From the bottom left, counter-clockwise.
+    // The corners go from the bottom left, counter-clockwise.
     for (int k = 0; k < 4; ++k)
       tag.corners[k] = FromPixelCorner(detection->p[3 - k]);
     tags.push_back(tag);

@@ -65,8 +65,8 @@ std::vector<DetectedTag> DetectTags(const GreyImage& image,
 /// Whether images of this size are not large.
 bool IsQuickSearchThorough(const ImageSize& size);
 
-/// What there is where DetectTags() finds nothing: "mirrored tag 3", "tag 3 of
-/// family tag25h9". For messages.
+/// Describes other tags where DetectTags() finds nothing: "mirrored tag 3",
+/// "tag 3 of family tag25h9". For messages.
 std::vector<std::string> DescribeOtherTags(const GreyImage& image);
 
 }  // namespace raygrid

@@ -21,7 +21,7 @@ std::optional<LocalMapping> MappingThroughCamera(const CameraModel& camera,
                                                  const Feature& feature,
                                                  int window_px);
 
-/// What is known once a camera is calibrated.
+/// The scene as it is known once a camera is calibrated.
 struct KnownScene {
   const CameraModel* camera;
   const Pattern* pattern;  ///< points where they were found to be

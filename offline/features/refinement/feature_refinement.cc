@@ -32,7 +32,7 @@ constexpr int kMaxStrayOutliers = 2;  // more of them are no accident
 
 constexpr Tolerance kApproximate = {2, 0.1}, kRefined = {0.25, 0.03};
 
-// Where a feature's neighbours say that it is.
+// Predicts the place of a feature from its neighbours.
 bool Predicted(const FeatureLattice& lattice, const Feature& feature,
                LocalMapping* mapping) {
   return FitLocalMapping(
@@ -56,7 +56,7 @@ bool Has(const FeatureLattice& lattice, const Place& p) {
   return lattice.Has(p.x(), p.y());
 }
 
-// From a feature to the next one in a row or column.
+// The way from a feature to the next one in a row or column.
 struct Way {
   Place to;
   bool is_sound;  // as long as the steps before and after it tell
@@ -123,12 +123,12 @@ bool IsAtASeam(const FeatureLattice& lattice, const Place& p) {
   });
 }
 
-// Where features were not in line, the growth may have come upon other stars
-// than it thought: those on one side, all in line with each other, are not the
-// ones that they are taken for.
+// Rejects groups of features apart from the others. Where features were not in
+// line, the growth may have come upon other stars than it thought: those on one
+// side, all in line with each other, are not the ones that they are taken for.
 void RejectGroupsApart(const Board& board, FeatureLattice* lattice,
                        ImageDetection* detection) {
-  // Its corners are not evenly spaced, and known by their own tags.
+  // An AprilGrid's corners are not evenly spaced, and known by their own tags.
   if (board.kind == "aprilgrid") return;
   const auto groups = Groups(*lattice);
   bool is_in_doubt =

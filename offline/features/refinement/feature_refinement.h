@@ -21,7 +21,7 @@ class FeatureRefiner {
   FeatureRefiner(const Board& board, const DetectionOptions& options);
   ~FeatureRefiner();
 
-  /// Of the board's features.
+  /// The symmetry masks of the board's features.
   const std::vector<SymmetryMask>& masks() const;
 
   ImageDetection Refine(const GreyImage& image,

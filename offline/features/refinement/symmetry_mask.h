@@ -7,9 +7,9 @@
 
 namespace raygrid {
 
-/// Where around a feature its board is point-symmetric: cells over offsets of
-/// -kReach to kReach squares. Tags, markers and the board's edge are not, nor
-/// what lies so near to them that blur mixes it with them.
+/// The places around a feature where its board is point-symmetric: cells over
+/// offsets of -kReach to kReach squares. Tags, markers and the board's edge are
+/// not, nor are places so near to them that blur mixes them.
 class SymmetryMask {
  public:
   static constexpr double kReach = 1.5;

@@ -23,20 +23,20 @@ class SymmetryPatch {
 
   /// Values in a row, and rows.
   int side() const { return side_; }
-  /// Where pixel (x, y) lies in the channels' rows.
+  /// The position of pixel (x, y) in the channels' rows.
   Eigen::Vector2d FromPixel(const Eigen::Vector2d& pixel) const {
     return kEnlargement * (pixel - origin_.cast<double>());
   }
   const std::vector<std::vector<float>>& channels() const { return channels_; }
 
-  /// What point reflection of the pattern does to the channels: it keeps the
+  /// The effect of the pattern's point reflection on the channels: it keeps the
   /// values (1) or turns their sign (-1), about an unknown middle if
   /// has_middle.
   struct Reflection {
     float sign;
     bool has_middle;
   };
-  /// For a pattern whose colours it keeps, or inverts.
+  /// The reflection of a pattern whose colours it keeps, or inverts.
   Reflection ReflectionOf(bool inverts_colors) const;
 
  private:

@@ -100,7 +100,7 @@ class PairMaker {
   float x1_, y1_, reach_;
 };
 
-// As many as fill whole vectors.
+// Makes as many pairs as fill whole vectors.
 void MakePairs(const ImageSize& size, const SymmetrySamples& samples,
                const SymmetryMask& mask, const LocalMapping& start,
                Pairs* pairs) {
@@ -149,7 +149,7 @@ class Problem {
   }
 
  private:
-  // Of a LocalMapping, in enlarged pixels.
+  // The parameters of a LocalMapping, in enlarged pixels.
   struct Parameters {
     float a00, a01, a10, a11, h0, h1, cx, cy;
   };
@@ -308,11 +308,11 @@ bool Minimize(const Problem<N>& problem, double max_move_px,
   return true;
 }
 
-// Of the centre: s^2 H^-1, where s^2 is the mean square of the differences as
-// far as noise explains it, twice as strong as it seems: what is not symmetric
-// adds to them too. A pixel's noise is in all its samples alike, which count as
-// one. Noise has gradients, which tell nothing of the centre: H is without
-// them. Both factors are measured on white noise.
+// The standard deviation of the centre: s^2 H^-1, where s^2 is the mean square
+// of the differences as far as noise explains it, twice as strong as it seems:
+// what is not symmetric adds to them too. A pixel's noise is in all its samples
+// alike, which count as one. Noise has gradients, which tell nothing of the
+// centre: H is without them. The two factors are measured on white noise.
 template <int N>
 double DeviationPx(const System<N>& system, int samples_per_pixel,
                    double noise) {

@@ -13,8 +13,9 @@ namespace raygrid {
 struct WindowMapping {
   LocalMapping mapping;
   int degree = 0;  ///< of its polynomial; 0 if it is not known
-  /// What symmetry takes for a shift of the centre, or would: the standard
-  /// deviation of what the mapping does not know of the lens's bend, in pixels.
+  /// The lens's bend that symmetry takes, or would take, for a shift of the
+  /// centre: the standard deviation of the part that the mapping does not know,
+  /// in pixels.
   double bend_deviation_px = 0;
 };
 

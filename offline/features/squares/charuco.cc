@@ -26,8 +26,8 @@ cv::Mat InnerBits(const MarkerBits& bits) {
   return inner;
 }
 
-// Of the board's markers only, in their order: others cannot be mistaken for
-// them.
+// A dictionary of the board's markers only, in their order: others cannot be
+// mistaken for them.
 cv::Ptr<cv::aruco::Dictionary> MakeDictionary(
     const std::vector<PlacedMarker>& markers) {
   auto dictionary = cv::makePtr<cv::aruco::Dictionary>();

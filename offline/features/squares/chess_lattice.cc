@@ -13,7 +13,8 @@ namespace {
 
 constexpr int kMaxSaddles = 3000;
 constexpr int kMaxSeeds = 400;
-// What is cut off by the image's edge may be the corner of a single square.
+// The criterion for a patch: one that the image's edge cuts off may be the
+// corner of a single square.
 constexpr PatchCriterion kCriterion = {0.72, 0.9};
 constexpr int kMinCorners = 6;
 

@@ -15,7 +15,7 @@ namespace raygrid {
 /// row it is dark.
 class ChessLatticeFinder {
  public:
-  /// For boards of at most max_side corners along each side.
+  /// A finder for boards of at most max_side corners along each side.
   explicit ChessLatticeFinder(int max_side);
 
   const Board& canvas() const { return canvas_; }

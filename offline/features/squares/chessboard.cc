@@ -62,8 +62,8 @@ bool IsWellFilled(const GreyImage& image, const FeatureLattice& lattice,
   return num_found >= kMinFound && num_found > num_missing;
 }
 
-// What of the lattice is believed: a few squares beyond a board's edge may
-// happen to look like its own.
+// The part of the lattice that is believed: a few squares beyond a board's edge
+// may happen to look like its own.
 Rectangle SeenPart(const GreyImage& image, const FeatureLattice& lattice) {
   Rectangle part = Bounds(lattice);
   for (;;) {
@@ -186,7 +186,8 @@ struct Numbering {
   }
 };
 
-// Where the board's columns lead in the image, by numbers of quarter turns.
+// The directions of the board's columns in the image, by numbers of quarter
+// turns.
 std::array<Eigen::Vector2d, 4> Directions(const FeatureLattice& lattice) {
   Eigen::Vector2d right = Eigen::Vector2d::Zero();
   Eigen::Vector2d down = Eigen::Vector2d::Zero();

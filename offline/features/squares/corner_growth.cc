@@ -12,9 +12,9 @@ constexpr double kMinSpacingPx = 5;
 constexpr double kNear = 0.4;          // of the patches' reach
 constexpr double kMinNearReachPx = 5;  // more than blur
 
-// As far as corners of black squares can be told from each other. An AprilGrid
-// is like a chessboard as far as the tags' borders and the black squares
-// between them go: what the tags say may be turned.
+// The reach of a patch: as far as corners of black squares can be told from
+// each other. An AprilGrid is like a chessboard as far as the tags' borders and
+// the black squares between them go: the tags' insides may be turned.
 double PatchReach(const Board& board) {
   constexpr double kHalfSquare = 0.5, kTagBorder = 0.2;
   return board.kind == "aprilgrid" ? std::min(kTagBorder, board.spacing_ratio)

@@ -28,12 +28,12 @@ class CornerGrowth {
              std::vector<int>* tried_with, FeatureLattice* lattice) const;
 
   Board board_;
-  // By place. The near ones tell more exactly where a corner is if the
-  // neighbours predict the squares' shape badly.
+  // The patches by place. The near ones tell more exactly where a corner is if
+  // the neighbours predict the squares' shape badly.
   std::vector<DrawnPatch> patches_, near_patches_;
 };
 
-/// Where a feature must be, as its neighbours have it.
+/// Predicts the place of a feature from its neighbours.
 bool PredictFeature(const FeatureLattice& lattice, int column, int row,
                     LocalMapping* prediction);
 

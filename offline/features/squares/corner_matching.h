@@ -11,8 +11,8 @@
 
 namespace raygrid {
 
-/// What surrounds a place on a board, to each side as far as it reaches: how
-/// bright it is, sampled row by row.
+/// The surroundings of a place on a board, to each side as far as reach: their
+/// brightness, sampled row by row.
 class DrawnPatch {
  public:
   static constexpr int kSamples = 12;  // along each axis

@@ -102,7 +102,7 @@ LocalMapping MarkerConstellation::MappingAt(
   return mapping;
 }
 
-// Where the board's plane is in the image.
+// The homography from the board's plane to the image.
 Eigen::Matrix3d MarkerConstellation::ImageFromBoard(
     const std::vector<SeenMarker>& markers) const {
   std::vector<cv::Point2d> board, image;
@@ -153,7 +153,8 @@ bool MarkerConstellation::Confirms(const SeenMarker& witness,
       (board_from_image * marker.center_px().homogeneous()).hnormalized();
   const Eigen::Vector2d expected = CenterOnBoard(marker);
   const double distance = (expected - CenterOnBoard(witness)).norm();
-  // Also false where a degenerate witness makes the position not a number.
+  // The comparison is false, too, where a degenerate witness makes the position
+  // not a number.
   return (found - expected).norm() <
          kTolerance * pitch_m_ + kTolerancePerDistance * distance;
 }

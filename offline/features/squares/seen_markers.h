@@ -1,5 +1,5 @@
-/// What ChArUco boards and AprilGrids have in common: square markers seen in an
-/// image, some of them wrongly.
+/// Square markers seen in an image, some of them wrongly: the common part of
+/// ChArUco boards and AprilGrids.
 #ifndef RAYGRID_FEATURES_SQUARES_SEEN_MARKERS_H
 #define RAYGRID_FEATURES_SQUARES_SEEN_MARKERS_H
 
@@ -16,7 +16,8 @@ namespace raygrid {
 
 struct SeenMarker {
   int index = 0;  ///< among the board's markers
-  /// Of its outermost cells: from the top left, clockwise as printed.
+  /// The corners of the marker's outermost cells: from the top left, clockwise
+  /// as printed.
   std::array<Eigen::Vector2d, 4> corners_px;
 
   Eigen::Vector2d center_px() const;
@@ -34,18 +35,18 @@ class MarkerConstellation {
   MarkerConstellation(const std::vector<PlacedMarker>& placed, double pitch_m,
                       const std::vector<SeenMarker>& seen);
 
-  /// Without the markers that most of their neighbours contradict, or that have
-  /// no neighbour to confirm them.
+  /// The constellation without the markers that most of their neighbours
+  /// contradict, or that have no neighbour to confirm them.
   MarkerConstellation Consistent() const;
   /// How many pairs of neighbours confirm each other, less those that do not.
   int Agreement() const;
 
   const std::vector<SeenMarker>& seen() const { return seen_; }
   int size() const { return static_cast<int>(seen_.size()); }
-  /// From here to a marker's centre on the board, metres.
+  /// The distance from a point to a marker's centre on the board, metres.
   double Distance(const SeenMarker& marker,
                   const Eigen::Vector2d& point_m) const;
-  /// Those within a distance from a point, nearest first, count at most.
+  /// The markers within a distance from a point, nearest first, count at most.
   std::vector<SeenMarker> Nearest(const Eigen::Vector2d& point_m,
                                   double distance_m, int count) const;
   /// How the board around a point is seen, from all corners of some markers, in

@@ -12,10 +12,11 @@
 namespace raygrid {
 namespace {
 
-// That a board of none of the tags looks so: nine cells, as far as the stars
-// leave one placement.
+// The probability, at most, that a board of none of the tags looks so: nine
+// cells, as far as the stars leave one placement.
 constexpr double kMaxByChance = 2e-3;
-// Of another placement, where there is doubt.
+// Another placement is no rival if it looks so by chance with at least this
+// probability, where there is doubt.
 constexpr double kMaxRivalByChance = 5e-2;
 constexpr double kRivalOverBest = 1e4;  // will do too
 constexpr double kMaxWrongFrame = 0.1;
@@ -29,7 +30,7 @@ struct Cell {
   bool is_black;
 };
 
-// Those of all tags: white margins and black borders, and codes.
+// The cells of all tags: white margins and black borders, and codes.
 struct Cells {
   std::vector<Cell> frames, codes;
 };
@@ -67,7 +68,7 @@ class CellReader {
 
   bool has_lens() const { return lens_.has_value(); }
 
-  // That a place on the lattice is seen there.
+  // Adds that a place on the lattice is seen at a pixel.
   void Add(const Eigen::Vector2d& place, const Eigen::Vector2d& pixel) {
     known_.push_back({place, pixel, 1});
     mappings_.clear();
@@ -150,8 +151,9 @@ struct SeenCell {
   bool is_black;
 };
 
-// What is seen of a tag's frame, as far from the stars as it is as it must be:
-// farther away they do not tell where it is, or it is behind the image's rim.
+// The visible frame of a tag, as far from the stars as its cells are as they
+// must be: cells farther away do not tell where the frame is, or lie behind the
+// image's rim.
 struct SeenFrame {
   double threshold = 0;  // between black and white
   double max_distance = -1;
@@ -193,9 +195,9 @@ SeenFrame FrameOf(std::vector<SeenCell> cells, bool is_whole) {
   return frame;
 }
 
-// Where a board's edge is steep, a lattice may have gone on beyond it, along
-// what looks like halves of stars; squares there are not as wide as the lens
-// says.
+// Removes stars that the lens does not explain: beyond a board's steep edge, a
+// lattice may have gone on along what looks like halves of stars; squares there
+// are not as wide as the lens says.
 void RemoveUnexplained(const LatticeLens& lens, std::vector<Feature>* stars) {
   constexpr double kMaxErrorSquares = 0.15;
   stars->erase(

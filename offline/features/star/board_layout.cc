@@ -16,9 +16,10 @@ constexpr int kNumParts = kPartsPerSquare * kPartsPerSquare;
 constexpr int kReach = 4;           // stars that tell where a place is seen
 constexpr int kMaxBeyond = 2;       // squares from a star
 constexpr double kMinContrast = 8;  // grey levels
-// Of the parts that a placement tells, wrong; and of those not on stars.
+// The share of the parts told by a placement that may be wrong; and of those
+// not on stars.
 constexpr double kMaxWrong = 0.1, kMaxWrongBesideStars = 0.15;
-// In how many parts, and of how many squares, a placement must be right where
+// The number of parts, and of squares, in which a placement must be right where
 // another is wrong.
 constexpr int kMinMoreRight = 12, kMinSquaresRight = 2;
 constexpr double kMaxWrongWhereRivalIsRight = 0.15;
@@ -44,7 +45,7 @@ Shade ShadeOf(const Eigen::Vector2d& middle, const IsBlack& is_black_at) {
   return is_black ? Shade::kBlack : Shade::kWhite;
 }
 
-// What a board looks like, in parts; unsure where an edge passes.
+// The look of a board, in parts; unsure where an edge passes.
 class ExpectedParts {
  public:
   explicit ExpectedParts(const Board& board)
@@ -134,7 +135,7 @@ class PartReader {
                      static_cast<int>(std::lround(pixel.y())));
   }
 
-  // Of the nearest star's segments.
+  // The grey levels of the nearest star's segments.
   std::optional<Levels> LevelsNear(const Eigen::Vector2i& place) const {
     const Feature& star = *std::min_element(
         stars_.begin(), stars_.end(), [&](const Feature& a, const Feature& b) {
@@ -193,8 +194,8 @@ class PartReader {
   std::vector<Feature> stars_;
 };
 
-// What a placement says of what is seen: 1 if it is right, -1 if it is wrong,
-// 0 if it says nothing.
+// The verdicts of a placement on each part that is seen: 1 if it is right, -1
+// if it is wrong, 0 if it says nothing.
 struct Verdicts {
   std::vector<signed char> of_parts;
   int num_right = 0, num_wrong = 0;

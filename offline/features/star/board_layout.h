@@ -10,10 +10,11 @@
 
 namespace raygrid {
 
-/// Where a lattice of stars lies on a board that is known to be the one, told
-/// by all that is seen of the board: its edges, the place of its tags, and what
-/// is seen of them. Nothing unless the board looks as it must, and each other
-/// placement is refuted: where it would look otherwise, it does not look so.
+/// The placement of a lattice of stars on a board that is known to be the one,
+/// told by all that is seen of the board: its edges, the place of its tags, and
+/// the visible parts of them. Nothing unless the board looks as it must, and
+/// each other placement is refuted: where it would look otherwise, it does not
+/// look so.
 std::optional<LatticePlacement> PlaceByLayout(const GreyImage& image,
                                               const FeatureLattice& lattice,
                                               const Board& board);

@@ -7,8 +7,9 @@
 namespace raygrid {
 namespace {
 
-// Of the stars, where the board has none: on its tags, and beyond its edges,
-// where paper may look like half a star of few segments.
+// The largest parts of the stars that may lie where the board has none: on its
+// tags, and beyond its edges, where paper may look like half a star of few
+// segments.
 constexpr double kMaxOnTags = 0.2, kMaxBeyond = 0.4;
 
 // (column, row) turned by quarters, clockwise on the board.

@@ -8,7 +8,8 @@
 
 namespace raygrid {
 
-/// Where a lattice of stars lies on a board: turned by quarters, then moved.
+/// The placement of a lattice of stars on a board: turned by quarters, then
+/// moved.
 struct LatticePlacement {
   int board = 0;  ///< its number among those asked about
   int quarter_turns = 0;

@@ -10,15 +10,15 @@
 
 namespace raygrid {
 
-/// By how many quarter turns a lattice of such stars looks the same: by all
-/// four, by 0 and 2, or by none.
+/// The number of quarter turns by which a lattice of such stars looks the same:
+/// 4 for all, 2 for 0 and 2, 1 for none but 0.
 int QuarterTurnsThatKeepStars(int segments);
 
 /// Stars without a board: finds lattices of them where candidates are, whatever
 /// board they are on and wherever on it.
 class LooseLatticeFinder {
  public:
-  /// For boards of such stars with at most this many columns and rows.
+  /// A finder for boards of such stars with at most this many columns and rows.
   LooseLatticeFinder(int segments, int max_side,
                      const DetectionOptions& options);
 

@@ -127,7 +127,8 @@ void FindAtScale(const cv::Mat& image, double scale, double min_gradient,
   }
 }
 
-// Without those that are found at another scale with less scatter.
+// The candidates without those that are found at another scale with less
+// scatter.
 std::vector<StarCandidate> Distinct(std::vector<StarCandidate> candidates) {
   constexpr double kSamePx = 3;
   std::stable_sort(candidates.begin(), candidates.end(),

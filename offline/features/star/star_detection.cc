@@ -68,7 +68,7 @@ class Search {
   const std::vector<DetectedTag>& tags() const { return tags_; }
   // nullptr where nothing of a board is seen.
   const StarGrowth* growth(size_t board) const { return growths_[board].get(); }
-  // Of which nothing tells the board.
+  // True if there are stars of which nothing tells the board.
   bool sees_unnamed_stars() const { return sees_unnamed_stars_; }
 
  private:
@@ -97,7 +97,7 @@ class Search {
       return !IsOnABoard(tag, boards_);
     });
   }
-  // The one with more stars is right.
+  // Puts a growth in place of one with fewer stars: the one with more is right.
   void Put(size_t board, std::unique_ptr<StarGrowth> growth) {
     if (!growths_[board] ||
         growth->lattice().num_found() > growths_[board]->lattice().num_found())
@@ -131,7 +131,7 @@ class Search {
     if (growth->AgreesWithTags()) Put(b, std::move(growth));
   }
 
-  // In an image of 1 / scale of the size.
+  // Looks for loose lattices in an image of 1 / scale of the size.
   void LookForLooseLattices(const GreyImage& smaller, double scale) {
     candidates_ = FindStarCandidates(smaller);
     for (StarCandidate& candidate : candidates_)

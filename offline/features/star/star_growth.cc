@@ -8,14 +8,16 @@
 namespace raygrid {
 namespace {
 
-// In stars that are smaller the segments run together, and rows of them are
-// mistaken for each other.
+// The least spacing of stars: in smaller ones the segments run together, and
+// rows of them are mistaken for each other.
 constexpr double kMinSpacingPx = 8;
 constexpr double kMaxSearchPx = 9;
-// Of the images in which stars are sought that may be farther away.
+// The scale of the smallest images in which stars that may be farther away are
+// sought.
 constexpr double kSmallestScale = 8;
 
-// From four correspondences; its denominator is 1 in the middle of them.
+// The homography of four correspondences; its denominator is 1 in the middle of
+// them.
 std::optional<Eigen::Matrix3d> Homography(
     const std::array<Eigen::Vector2d, 4>& from,
     const std::array<Eigen::Vector2d, 4>& to) {
@@ -267,7 +269,8 @@ bool StarGrowth::Sweep(double min_correlation) {
   return lattice_.num_found() > before;
 }
 
-// Of one that was seen: it tells where the star is, whatever lies between.
+// Whether a place is beside a tag that was seen: such a tag tells where the
+// star is, whatever lies between.
 bool StarGrowth::IsBesideTag(int column, int row) const {
   return std::any_of(tags_.begin(), tags_.end(), [&](const SeenTag& seen) {
     const BoardTag& tag = seen.tag;
@@ -293,8 +296,8 @@ bool StarGrowth::Predict(int column, int row, LocalMapping* mapping) const {
          PredictFromTag(column, row, around, mapping);
 }
 
-// What the homography of the nearest tag says, moved as the nearest star is, if
-// there is one.
+// Predicts a star by the homography of the nearest tag, moved as the nearest
+// star is, if there is one.
 bool StarGrowth::PredictFromTag(int column, int row,
                                 const std::vector<Correspondence>& around,
                                 LocalMapping* mapping) const {
@@ -330,7 +333,7 @@ bool StarGrowth::Try(int column, int row, const LocalMapping& mapping,
   const double spacing_px = mapping.SpacingPx();
   const double search_px =
       std::min(search_squares * spacing_px, kMaxSearchPx * kSmallestScale);
-  // What lies beyond the window may be cut off.
+  // The part of a star beyond the window may be cut off.
   const double window_reach_px = options_.window_px / 2;
   if (!IsVisible(image_.size, mapping, window_reach_px, search_px))
     return false;  // nothing to be seen

@@ -17,7 +17,7 @@
 
 namespace raygrid {
 
-/// On a board, or it is not believed.
+/// The fewest stars on a board that is believed.
 constexpr int kMinStarsOnBoard = 5;
 
 /// A tag of a board, seen in the image.
@@ -67,7 +67,7 @@ class StarGrowth {
   bool IsSound(double max_in_vain) const;
 
   const FeatureLattice& lattice() const { return lattice_; }
-  /// Where stars were sought in vain, and why.
+  /// The places where stars were sought in vain, and why.
   std::vector<RejectedFeature> Rejected() const;
 
  private:
@@ -101,7 +101,7 @@ class StarGrowth {
   double alike_ = 0;
   std::vector<double> correlations_;  // by place
   std::vector<int> tried_with_;       // how many neighbours, by place; or -1
-  // By row and column: where a star was sought in vain, and why.
+  // The attempts by row and column: where a star was sought in vain, and why.
   std::map<std::pair<int, int>, std::pair<Eigen::Vector2d, std::string>>
       attempts_;
 };
