@@ -8,12 +8,7 @@
 #include "frames/remap_blocks.h"
 #include "kernels/grey_row.h"
 
-/* GCC 11 is the first one whose asm goto has results. All registers are used:
- * RG_KEEP_FRAME_POINTER is to be defined where one holds a frame pointer. */
-#if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_KEEP_LINES && \
-    !RG_ALL_BUILT_IN && defined(__ARM_FEATURE_UNALIGNED) &&  \
-    !defined(RG_KEEP_FRAME_POINTER) && __GNUC__ >= 11
-#define RG_GREY_ROW_IN_ASSEMBLER 1
+#if RG_GREY_ROW_IN_ASSEMBLER
 
 /* x is mirrored, 4079 - x = 4095 - (x + 16): its fraction is the left samples'
  * weight less one. upper is data + row stride + column; then
@@ -119,8 +114,6 @@ is_apart:
   return 1;
 }
 
-#else
-#define RG_GREY_ROW_IN_ASSEMBLER 0
-#endif
+#endif /* RG_GREY_ROW_IN_ASSEMBLER */
 
 #endif /* RAYGRID_GREY_ROW_THUMB2_H */

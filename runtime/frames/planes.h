@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include "blob_checks.h"
+#include "config.h"
 #include "raygrid.h"
 
 #ifdef __cplusplus
@@ -18,12 +19,9 @@ rg_fault rg_check_overlap(uint32_t row_bytes, const rg_frame* frame,
                           const rg_band* band);
 
 /* a mod b for a / b below 2^17: not every core has division. */
-#if defined(__ARM_FEATURE_IDIV) || defined(__riscv_div) || \
-    defined(__aarch64__) || defined(__x86_64__)
-#define RG_HAVE_DIVISION 1
+#if RG_HAVE_DIVISION
 static inline uintptr_t rg_remainder(uintptr_t a, uintptr_t b) { return a % b; }
 #else
-#define RG_HAVE_DIVISION 0
 uintptr_t rg_remainder(uintptr_t a, uintptr_t b);
 #endif
 

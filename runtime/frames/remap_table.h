@@ -42,15 +42,6 @@ typedef struct rg_block {
   RG_FOR_LANES rg_position corners[4];
 } rg_block;
 
-/* rg_next_corners() of kernels/thumb2.c: compilers run out of registers. Helium
- * is faster where there are no bends without it. */
-#if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_KEEP_LINES && \
-    !defined(__ARM_FEATURE_MVE)
-#define RG_CORNERS_IN_ASSEMBLER 1
-#else
-#define RG_CORNERS_IN_ASSEMBLER 0
-#endif
-
 #if !RG_KEEP_LINES
 /* The extent of a part on an axis, in q16 blocks: what is before it, and its
  * size. */

@@ -69,7 +69,7 @@ static const rg_kernels kNeon = {
     {0, 0, 0, 0}};
 #endif
 
-#if defined(__riscv_vector)
+#if RG_HAVE_RVV
 static const rg_kernels kRvv = {
     "rvv",
     {rg_blend_1_rvv, rg_blend_2_rvv, rg_blend_3_rvv, rg_blend_4_rvv},
@@ -83,7 +83,7 @@ const rg_kernels* rg_find_kernels(const char* name) {
   if ((!name || is_same(name, kSse4.name)) && has_sse4()) return &kSse4;
 #elif defined(__aarch64__) || defined(__ARM_NEON)
   if (!name || is_same(name, kNeon.name)) return &kNeon;
-#elif defined(__riscv_vector)
+#elif RG_HAVE_RVV
   if (!name || is_same(name, kRvv.name)) return &kRvv;
 #endif
   return !name || is_same(name, kPortable.name) ? &kPortable : 0;

@@ -50,7 +50,7 @@ static RG_INLINE void rg_next_row(const rg_block* block, uint32_t* edges,
 /* ---- Grey pixels --------------------------------------------------------- */
 
 /* From one pixel of a row to the next: three ways, by what registers hold. */
-#if defined(__ARM_FEATURE_SIMD32)
+#if RG_HAVE_SIMD32
 
 /* x is mirrored, 4095 - (x + 16): its fraction is the left samples' weight
  * less one. */

@@ -3,7 +3,7 @@
  * last pixel are predicated away. */
 #include "kernels/remap_kernels.h"
 
-#if defined(__ARM_FEATURE_MVE)
+#if RG_HAVE_HELIUM
 
 #include <arm_mve.h>
 

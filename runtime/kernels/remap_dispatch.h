@@ -4,27 +4,14 @@
 
 #include "kernels/remap_kernels.h"
 
-/* RG_CHOOSE_KERNELS is 1 where there is room for several kernels: they are
- * chosen when the program runs. The small walk knows no spare rows. */
-#if RG_KEEP_LINES && !RG_PORTABLE_KERNELS &&                               \
-    ((defined(__x86_64__) && defined(__SSE2__)) || defined(__aarch64__) || \
-     (defined(__linux__) && (defined(__arm__) || defined(__riscv))))
-#define RG_CHOOSE_KERNELS 1
-#else
-#define RG_CHOOSE_KERNELS 0
-#endif
-
 /* Those of a board: known when it is compiled, and without need of spare rows.
  */
-#if defined(__ARM_FEATURE_MVE) && !RG_PORTABLE_KERNELS
+#if RG_ALL_BUILT_IN && RG_HAVE_HELIUM
 #define RG_BUILT_IN(channels) rg_blend_##channels##_helium
-#define RG_ALL_BUILT_IN 1
-#elif defined(__riscv_vector) && !RG_PORTABLE_KERNELS
+#elif RG_ALL_BUILT_IN
 #define RG_BUILT_IN(channels) rg_blend_##channels##_rvv
-#define RG_ALL_BUILT_IN 1
 #else
 #define RG_BUILT_IN(channels) rg_blend_##channels
-#define RG_ALL_BUILT_IN 0
 #endif
 
 /* Whether kernels that were chosen may run: is_roomy where the spare rows are

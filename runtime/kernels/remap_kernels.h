@@ -6,7 +6,8 @@
 
 #include <stdint.h>
 
-#if defined(__ARM_FEATURE_SIMD32)
+#include "config.h"
+#if RG_HAVE_SIMD32
 #include <arm_acle.h>
 #endif
 
@@ -127,12 +128,10 @@ rg_blend rg_blend_1_rvv, rg_blend_2_rvv, rg_blend_3_rvv, rg_blend_4_rvv;
 /* The portable ones where compilers make vectors of loops: 1 to 4 interleaved
  * channels of 8 bits, bilinear, or one, nearest. Return whether the run was
  * done, which is made of tiles of 8 x 8 pixels then. */
-#if RG_IS_FAST && defined(__SSE2__) && defined(__GNUC__) && __GNUC__ >= 12
-#define RG_HAS_TILES 1
+#if RG_HAS_TILES
 int rg_blend_tiles(const rg_run* run, uint32_t channels);
 int rg_copy_tiles(const rg_run* run);
 #else
-#define RG_HAS_TILES 0
 static inline int rg_blend_tiles(const rg_run* run, uint32_t channels) {
   (void)run, (void)channels;
   return 0;
@@ -154,7 +153,7 @@ static inline uint32_t rg_load_pair(const uint8_t* p) {
 
 /* Bytes 0 and 2 to halves, and bytes 1 and 3. */
 static inline uint32_t rg_even_bytes(uint32_t bytes) {
-#if defined(__ARM_FEATURE_SIMD32)
+#if RG_HAVE_SIMD32
   return (uint32_t)__uxtb16(bytes);
 #else
   return bytes & 0x00ff00ff;
@@ -162,7 +161,7 @@ static inline uint32_t rg_even_bytes(uint32_t bytes) {
 }
 
 static inline uint32_t rg_odd_bytes(uint32_t bytes) {
-#if defined(__ARM_FEATURE_SIMD32)
+#if RG_HAVE_SIMD32
   uint32_t odd = bytes; /* the compiler would rotate first */
   __asm__("uxtb16 %0, %1, ror #8" : "=r"(odd) : "r"(odd));
   return odd;
@@ -182,7 +181,7 @@ static RG_INLINE uint32_t rg_blend_8(uint32_t left, uint32_t right,
                                      uint32_t rounding) {
   /* h0 below and h1 above 16 bits */
   const uint32_t h_q7 = (right - left) * wx_q7 + (left << 7);
-#if defined(__ARM_FEATURE_SIMD32)
+#if RG_HAVE_SIMD32
   /* h0 (4096 - wy) + h1 wy: one instruction */
   const uint32_t weights = (wy_q12 << 16) - wy_q12 + 4096;
   return (uint32_t)__smlad((int16x2_t)h_q7, (int16x2_t)weights,

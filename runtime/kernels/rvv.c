@@ -4,7 +4,7 @@
  * own neighbours. */
 #include "kernels/remap_kernels.h"
 
-#if defined(__riscv_vector)
+#if RG_HAVE_RVV
 
 #include <stddef.h>
 

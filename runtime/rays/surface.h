@@ -86,15 +86,6 @@ void rg_find_slopes(const uint8_t* inverse, const rg_place* place,
 
 /* ---- Of a camera, with its kernels -------------------------------------- */
 
-/* RG_CHOOSE_SURFACE is 1 where there may be AVX2, which is found out when a
- * camera is opened. */
-#if defined(__x86_64__) && defined(__SSE2__) && defined(__GNUC__) && \
-    !RG_PORTABLE_KERNELS && !RG_MULTIPLY_IN_PARTS
-#define RG_CHOOSE_SURFACE 1
-#else
-#define RG_CHOOSE_SURFACE 0
-#endif
-
 #define RG_SURFACE_PORTABLE 0
 #define RG_SURFACE_AVX2 1
 
