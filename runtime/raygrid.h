@@ -248,9 +248,12 @@ uint32_t rg_undistort_points(const rg_camera* camera, const rg_pixel* pixels,
 
 /* The contents of frames; the undistorted frame holds the same. The order of
  * colours does not matter: the names in brackets are the same to this library.
- * Samples of more than 8 bits are little-endian. Packed ones are as on CSI-2.
- * Sizes of formats from YUYV to BAYER12P are even; of 10-bit packed ones
- * multiples of 4, of 12-bit packed ones of 2. */
+ * Samples of more than 8 bits are little-endian, words of RGB565 too. Packed
+ * samples are as on CSI-2.
+ *
+ * Widths of formats from YUYV to BAYER12P are even; those of 10-bit packed ones
+ * are multiples of 4, of 12-bit packed ones of 2. Heights of NV12, YUV420 and
+ * Bayer are even, since their rows come in pairs. */
 typedef enum rg_format {
   RG_FORMAT_GREY8,   /* GREY, R8 */
   RG_FORMAT_GREY16,  /* Y10, Y12, Y14, Y16: in the low bits of 16 */
@@ -266,7 +269,8 @@ typedef enum rg_format {
   RG_FORMAT_BAYER16, /* 10, 12, 14 or 16 bits in the low bits of 16 */
   RG_FORMAT_BAYER10P,
   RG_FORMAT_BAYER12P,
-  RG_FORMAT_RGB565, /* RGBP: red in the high bits of 16, little-endian */
+  RG_FORMAT_RGB565, /* RGBP: words of 16 bits, red in the high 5, then green in
+                       6, blue in 5 */
   RG_NUM_FORMATS
 } rg_format;
 
@@ -319,7 +323,8 @@ typedef struct rg_target {
   uint16_t first_row, num_rows;
   rg_border border;
   rg_sampling sampling;
-  uint16_t border_values[4]; /* of each channel: RGB as it lies in memory; where
+  uint16_t border_values[4]; /* of each channel: RGB as it lies in memory; of
+                                RGB565 red to 31, green to 63, blue to 31; where
                                 there is chroma, packed or not, Y, then the
                                 chroma that comes first in memory, and the other
                                 one; Bayer as in the top-left 2 x 2 pixels */
@@ -336,7 +341,8 @@ typedef struct rg_target {
  * RG_ERR_FRAME_SIZE    frame is not the camera's image, a stride is too small
  *                      or 2^31 bytes or more, a size not a multiple of what the
  *                      format wants
- * RG_ERR_MISALIGNED    16-bit samples, or RGB565, at odd addresses
+ * RG_ERR_MISALIGNED    samples or words of 16 bits at an odd address, or with
+ *                      an odd stride
  * RG_ERR_ROWS          the band ends below the output, or cuts a pair of rows
  * RG_ERR_OVERLAP       a plane of the target lies in another plane
  * RG_ERR_ROWS_MISSING  the ring does not hold the rows that the band needs */
@@ -349,8 +355,8 @@ rg_status rg_remap(const rg_camera* camera, const rg_image* image,
  * without any source.
  *
  * RG_ERR_NO_REMAP, RG_ERR_FORMAT, RG_ERR_ROWS as above; RG_ERR_FRAME_SIZE where
- * the camera's image or the undistorted one has no such format, as its height
- * is odd. */
+ * rows come in pairs, and the height of the camera's image or that of the
+ * undistorted one is odd. */
 rg_status rg_remap_source_rows(const rg_camera* camera, rg_format format,
                                uint16_t first_row, uint16_t num_rows,
                                uint16_t* first_source, uint16_t* num_source);

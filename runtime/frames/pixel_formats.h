@@ -42,7 +42,8 @@ typedef struct rg_lattice {
  * has fewer, or is no format. */
 int rg_find_lattice(rg_format format, uint32_t index, rg_lattice* lattice);
 
-/* 1 where rows of a format, which must be one, come in pairs, else 0. */
+/* 1 where the rows of a format come in pairs, else 0. The format is below
+ * RG_NUM_FORMATS. */
 uint32_t rg_row_pairs(rg_format format);
 
 /* Bytes that a row of the lattice's plane takes; 0 where the width is not a
