@@ -10,11 +10,14 @@ import re
 import sys
 
 ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
+# Stages of the calibrator with a page on why they are as they are.
+STAGES = ("features",)
 DOCUMENTS = ("README.md", "CONTRIBUTING.md", "runtime/README.md", "runtime/DESIGN.md",
-             "runtime/COST.md", "runtime/libcamera/README.md")
+             "runtime/COST.md", "runtime/libcamera/README.md", "offline/README.md",
+             "offline/MEASURED.md", *(f"offline/{stage}/DESIGN.md" for stage in STAGES))
 NAMED = re.compile(r"`([\w./*-]+\.(?:c|h|cc|py|js|md|txt|toml|json|\*))`")
 # Files that a command writes.
-MADE = {"raygrid.c", "result.json"}
+MADE = {"raygrid.c", "result.json", "resume.json", "thumbnails.json"}
 NO_FOLDERS = {".git", "build"}
 
 
