@@ -11,10 +11,11 @@ import sys
 
 ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 # Stages of the calibrator with a page on why they are as they are.
-STAGES = ("features",)
+STAGES = ("features", "dataset", "packing")
 DOCUMENTS = ("README.md", "CONTRIBUTING.md", "runtime/README.md", "runtime/DESIGN.md",
              "runtime/COST.md", "runtime/libcamera/README.md", "offline/README.md",
-             "offline/MEASURED.md", *(f"offline/{stage}/DESIGN.md" for stage in STAGES))
+             "offline/MEASURED.md", "offline/experiments/README.md",
+             *(f"offline/{stage}/DESIGN.md" for stage in STAGES))
 NAMED = re.compile(r"`([\w./*-]+\.(?:c|h|cc|py|js|md|txt|toml|json|\*))`")
 # Files that a command writes.
 MADE = {"raygrid.c", "result.json", "resume.json", "thumbnails.json"}
