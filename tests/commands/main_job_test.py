@@ -293,8 +293,8 @@ class MainJob(CommandTest):
 
 class Claims(CommandTest):
     def test_check_claims_the_false_alarms_that_were_measured(self):
-        readme = os.path.join(os.path.dirname(programs.reference), "../offline/README.md")
-        text = " ".join(read(readme).decode().split())
+        page = os.path.join(os.path.dirname(programs.reference), "../offline/MEASURED.md")
+        text = " ".join(read(page).decode().split())
         measured = re.search(r"(\d+) of 1,000 cameras raise an alarm with 240 features an image "
                              r"and (\d+) of 1,000 with 600", text)
         words = " ".join(run("check", "--help").stdout.split())
