@@ -9,7 +9,7 @@ namespace raygrid {
 /// The paper's central generic model: a grid of control points over the
 /// calibrated area, interpolated by a cubic B-spline surface (section "Camera
 /// Model"). The control points are stereographic coordinates of directions
-/// instead of unit vectors; offline/README.md says why.
+/// instead of unit vectors; offline/camera/DESIGN.md says why.
 class CentralGeneric : public CameraModel {
  public:
   /// The surface's area is the calibrated area.

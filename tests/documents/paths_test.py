@@ -11,7 +11,8 @@ import sys
 
 ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 # Stages of the calibrator with a page on why they are as they are.
-STAGES = ("features", "dataset", "packing")
+STAGES = ("adjustment", "calibration", "camera", "dataset", "evaluation", "features",
+          "initialization", "packing", "report")
 DOCUMENTS = ("README.md", "CONTRIBUTING.md", "runtime/README.md", "runtime/DESIGN.md",
              "runtime/COST.md", "runtime/libcamera/README.md", "offline/README.md",
              "offline/MEASURED.md", "offline/experiments/README.md",
