@@ -51,10 +51,10 @@ rg_fault rg_check_table(const uint8_t* bytes, uint32_t num_bytes,
 static inline const uint8_t* rg_find_entry(const uint8_t* bytes, uint32_t type,
                                            uint32_t index) {
   const uint8_t* entry = bytes + RG_HEADER_SIZE - RG_SECTION_ENTRY_SIZE;
-  uint32_t rest = rg_load_u16(bytes + 16); /* at least 1 */
+  uint32_t rest = rg_load_u16(bytes + RG_HEADER_SECTION_COUNT); /* at least 1 */
   do {
     entry += RG_SECTION_ENTRY_SIZE;
-    if (rg_load_u16(entry) == type) {
+    if (rg_load_u16(entry + RG_ENTRY_TYPE) == type) {
       if (index == 0) return entry;
       --index;
     }

@@ -11,32 +11,40 @@
 /* Flags, and how often a type stands. */
 static rg_fault check_entry(const uint8_t* bytes, const uint8_t* entry,
                             const rg_sections* sections) {
-  const uint32_t type = rg_load_u16(entry), flags = rg_load_u16(entry + 2);
+  const uint32_t type = rg_load_u16(entry + RG_ENTRY_TYPE);
+  const uint32_t flags = rg_load_u16(entry + RG_ENTRY_FLAGS);
   if (flags > RG_SECTION_CRITICAL) return -RG_ERR_SECTION_FLAGS;
   if (type >= RG_NUM_SECTION_TYPES || !sections->of[type].bytes) return 0;
   if (flags != (CRITICAL_TYPES >> type & 1u)) return -RG_ERR_SECTION_FLAGS;
-  return sections->of[type].bytes != bytes + rg_load_u32(entry + 4) &&
+  return sections->of[type].bytes !=
+                     bytes + rg_load_u32(entry + RG_ENTRY_OFFSET) &&
                  type != RG_SECTION_REMAP
              ? -RG_ERR_SECTION_DUPLICATE
              : 0;
 }
 
 static rg_fault check_camera(const uint8_t* section) {
-  if (rg_load_u16(section) - 1u >= RG_MAX_IMAGE_SIZE ||
-      rg_load_u16(section + 2) - 1u >= RG_MAX_IMAGE_SIZE)
+  if (rg_load_u16(section + RG_CAMERA_WIDTH) - 1u >= RG_MAX_IMAGE_SIZE ||
+      rg_load_u16(section + RG_CAMERA_HEIGHT) - 1u >= RG_MAX_IMAGE_SIZE)
     return -RG_ERR_IMAGE_SIZE;
-  if (rg_load_u32(section + 4) != 0) return -RG_ERR_RESERVED;
+  if (rg_load_u32(section + RG_CAMERA_RESERVED) != 0) return -RG_ERR_RESERVED;
   /* The last bytes of name and serial. */
-  return (section[39] | section[71]) != 0 ? -RG_ERR_TEXT : 0;
+  return (section[RG_CAMERA_NAME + RG_TEXT_SIZE - 1] |
+          section[RG_CAMERA_SERIAL + RG_TEXT_SIZE - 1]) != 0
+             ? -RG_ERR_TEXT
+             : 0;
 }
 
-/* A grid's ends lie on the camera's image or, without one, in the chart. */
-static int are_ends_in_range(const uint8_t* ends, const uint8_t* camera) {
-  for (uint32_t c = 0; c < 2; ++c, ends += 4) {
+/* A grid's ends lie on the camera's image or, without one, in the chart. axis:
+ * the grid. */
+static int are_ends_in_range(const uint8_t* axis, const uint8_t* camera) {
+  for (uint32_t c = 0; c < 2; ++c, axis += 4) {
     const int32_t lowest = camera ? -0x8000 : -RG_CHART_LIMIT_Q27;
-    const uint32_t range = camera ? (uint32_t)rg_load_u16(camera + 2 * c) << 16
-                                  : 2u * RG_CHART_LIMIT_Q27;
-    const int32_t low = rg_load_i32(ends), high = rg_load_i32(ends + 8);
+    const uint32_t range =
+        camera ? (uint32_t)rg_load_u16(camera + RG_CAMERA_WIDTH + 2 * c) << 16
+               : 2u * RG_CHART_LIMIT_Q27;
+    const int32_t low = rg_load_i32(axis + RG_GRID_X0);
+    const int32_t high = rg_load_i32(axis + RG_GRID_X1);
     if (low < lowest || low >= high ||
         (uint32_t)high - (uint32_t)lowest > range)
       return 0;
@@ -67,10 +75,14 @@ static int is_plane_in_range(const uint8_t* plane, const uint8_t* section,
   const int32_t limit =
       RG_CONTROL_POINT_LIMIT - (int32_t)(UINT32_C(1) << (44 - fraction_bits));
   for (uint32_t k = 0; k < 8; ++k) {
-    const uint8_t* const at = plane + 4 * (k & 1);
-    int64_t value = rg_load_i32(at);
-    if (k & 2) value += multiply(rg_load_i32(at + 8), section + 16);
-    if (k & 4) value += multiply(rg_load_i32(at + 16), section + 18);
+    const uint8_t* const axis = plane + 4 * (k & 1);
+    int64_t value = rg_load_i32(axis + RG_PLANE_ORIGIN);
+    if (k & 2)
+      value += multiply(rg_load_i32(axis + RG_PLANE_COLUMN_STEP),
+                        section + RG_GRID_COLUMNS);
+    if (k & 4)
+      value += multiply(rg_load_i32(axis + RG_PLANE_ROW_STEP),
+                        section + RG_GRID_ROWS);
     if (value > limit || value < -limit) return 0;
   }
   return 1;
@@ -79,14 +91,16 @@ static int is_plane_in_range(const uint8_t* plane, const uint8_t* section,
 /* The central grid or, without a camera, the inverse one. */
 static rg_fault check_grid(const uint8_t* section, uint32_t size,
                            const uint8_t* camera) {
-  const uint32_t fraction_bits = rg_load_u16(section + 30);
+  const uint32_t fraction_bits = rg_load_u16(section + RG_GRID_FRACTION_BITS);
   const int is_wide = fraction_bits == RG_CONTROL_POINT_BITS;
-  if (camera && rg_load_u32(section + 36) != 0) return -RG_ERR_RESERVED;
+  if (camera && rg_load_u32(section + RG_GRID_RESERVED) != 0)
+    return -RG_ERR_RESERVED;
   if (!are_ends_in_range(section, camera)) return -RG_ERR_AREA;
   const rg_fault fault = rg_check_grid(
       section, size, camera ? RG_CONTROL_POINT_BITS : RG_NARROW_MAX_BITS);
   if (fault != 0) return fault;
-  const uint8_t* const data = section + rg_load_u32(section + 32);
+  const uint8_t* const data =
+      section + rg_load_u32(section + RG_GRID_DATA_OFFSET);
   return (is_wide ? are_points_in_range(data, section + size)
                   : is_plane_in_range(data, section, fraction_bits))
              ? 0
@@ -99,8 +113,11 @@ static rg_fault check_line_points(const uint8_t* section, uint32_t size,
                                   const uint8_t* grid) {
   const rg_fault fault = rg_check_line_points(section, size, grid);
   if (fault != 0) return fault;
-  if (rg_load_u16(section + 2) != 0) return -RG_ERR_RESERVED;
-  return are_points_in_range(section + rg_load_u32(section + 4), section + size)
+  if (rg_load_u16(section + RG_LINE_POINTS_RESERVED) != 0)
+    return -RG_ERR_RESERVED;
+  return are_points_in_range(
+             section + rg_load_u32(section + RG_LINE_POINTS_DATA_OFFSET),
+             section + size)
              ? 0
              : -RG_ERR_LINE_POINT;
 }
@@ -109,44 +126,52 @@ static rg_fault check_line_points(const uint8_t* section, uint32_t size,
 static rg_fault check_uncertainty(const uint8_t* section, uint32_t size,
                                   const uint8_t* grid) {
   for (uint32_t c = 0; c < 2; ++c) {
-    const uint8_t* const ends = grid + 4 * c;
-    const uint32_t intervals = rg_load_u16(section + 2 * c) - 1u;
+    const uint8_t* const axis = grid + 4 * c;
+    const uint32_t intervals =
+        rg_load_u16(section + RG_UNCERTAINTY_COLUMNS + 2 * c) - 1u;
     if (intervals - 1 >= RG_MAX_UNCERTAINTY_SIZE - 1 ||
-        !rg_is_scale(rg_load_u32(section + 4 + 4 * c), intervals,
-                     rg_load_u32(ends + 8) - rg_load_u32(ends)))
+        !rg_is_scale(
+            rg_load_u32(section + RG_UNCERTAINTY_SCALE_X + 4 * c), intervals,
+            rg_load_u32(axis + RG_GRID_X1) - rg_load_u32(axis + RG_GRID_X0)))
       return -RG_ERR_UNCERTAINTY;
   }
   const uint32_t num_values =
-      (uint32_t)rg_load_u16(section) * rg_load_u16(section + 2);
-  return rg_check_extent(section + 12, size, RG_UNCERTAINTY_FIELDS_SIZE,
-                         (num_values + 1) / 2 * 4);
+      (uint32_t)rg_load_u16(section + RG_UNCERTAINTY_COLUMNS) *
+      rg_load_u16(section + RG_UNCERTAINTY_ROWS);
+  return rg_check_extent(section + RG_UNCERTAINTY_DATA_OFFSET, size,
+                         RG_UNCERTAINTY_FIELDS_SIZE, (num_values + 1) / 2 * 4);
 }
 
 static rg_fault check_mask(const uint8_t* section, uint32_t size,
                            const uint8_t* camera) {
-  const uint32_t log2 = section[4];
-  if ((rg_load_u32(section + 4) >> 8) != 0) return -RG_ERR_RESERVED;
+  const uint32_t log2 = section[RG_MASK_CELL_LOG2];
+  /* The reserved fields fill the word that it begins. */
+  if ((rg_load_u32(section + RG_MASK_CELL_LOG2) >> 8) != 0)
+    return -RG_ERR_RESERVED;
   if (log2 - RG_MIN_MASK_CELL_LOG2 >
       RG_MAX_MASK_CELL_LOG2 - RG_MIN_MASK_CELL_LOG2)
     return -RG_ERR_MASK;
   uint32_t num_cells = 1;
   for (uint32_t c = 0; c < 4; c += 2) {
-    const uint32_t count = rg_load_u16(section + c);
-    if (count != ((rg_load_u16(camera + c) - 1u) >> log2) + 1)
+    const uint32_t count = rg_load_u16(section + RG_MASK_COLUMNS + c);
+    if (count != ((rg_load_u16(camera + RG_CAMERA_WIDTH + c) - 1u) >> log2) + 1)
       return -RG_ERR_MASK;
     num_cells *= count;
   }
-  return rg_check_extent(section + 8, size, RG_MASK_FIELDS_SIZE,
-                         rg_mask_size(num_cells));
+  return rg_check_extent(section + RG_MASK_DATA_OFFSET, size,
+                         RG_MASK_FIELDS_SIZE, rg_mask_size(num_cells));
 }
 
 static rg_fault check_remap(const uint8_t* section, uint32_t size,
                             const uint8_t* camera) {
-  if (section[10] == 0 && section[11] != 0) return -RG_ERR_RESERVED;
-  rg_fault fault = rg_check_remap(section, size, rg_load_u32(camera));
+  if (section[RG_REMAP_PART_LOG2] == 0 && section[RG_REMAP_BEND_SHIFT] != 0)
+    return -RG_ERR_RESERVED;
+  rg_fault fault =
+      rg_check_remap(section, size, rg_load_u32(camera + RG_CAMERA_WIDTH));
   if (fault == 0) fault = rg_check_vertices(section);
   if (fault != 0) return fault;
-  return rg_load_u32(section + 52) == 0 || rg_load_u32(section + 56) == 0
+  return rg_load_u32(section + RG_REMAP_FX) == 0 ||
+                 rg_load_u32(section + RG_REMAP_FY) == 0
              ? -RG_ERR_REMAP_CAMERA
              : 0;
 }
@@ -155,11 +180,11 @@ static rg_fault check_remap(const uint8_t* section, uint32_t size,
  * not have been checked yet. */
 static rg_fault check_section(const uint8_t* bytes, const uint8_t* entry,
                               const rg_sections* sections) {
-  const uint8_t* const section = bytes + rg_load_u32(entry + 4);
-  const uint32_t size = rg_load_u32(entry + 8);
+  const uint8_t* const section = bytes + rg_load_u32(entry + RG_ENTRY_OFFSET);
+  const uint32_t size = rg_load_u32(entry + RG_ENTRY_SIZE);
   const uint8_t* const camera = sections->of[RG_SECTION_CAMERA].bytes;
   const uint8_t* const grid = sections->of[RG_SECTION_CENTRAL_GRID].bytes;
-  switch (rg_load_u16(entry)) {
+  switch (rg_load_u16(entry + RG_ENTRY_TYPE)) {
     case RG_SECTION_CAMERA:
       return check_camera(section);
     case RG_SECTION_CENTRAL_GRID:
@@ -183,11 +208,13 @@ static rg_fault check_blob(const uint8_t* bytes, uint32_t num_bytes) {
   rg_sections sections;
   rg_fault fault = rg_check_table(bytes, num_bytes, &sections);
   if (fault) return fault;
-  if ((rg_load_u32(bytes + 20) | rg_load_u32(bytes + 24)) != 0)
+  if ((rg_load_u32(bytes + RG_HEADER_RESERVED) |
+       rg_load_u32(bytes + RG_HEADER_RESERVED + 4)) != 0)
     return -RG_ERR_RESERVED;
   const uint8_t* const table = bytes + RG_HEADER_SIZE;
   const uint8_t* const end =
-      table + rg_load_u16(bytes + 16) * RG_SECTION_ENTRY_SIZE;
+      table +
+      rg_load_u16(bytes + RG_HEADER_SECTION_COUNT) * RG_SECTION_ENTRY_SIZE;
   const uint8_t* entry;
   for (entry = table; entry != end && !fault; entry += RG_SECTION_ENTRY_SIZE)
     fault = check_entry(bytes, entry, &sections);
@@ -202,13 +229,13 @@ static rg_fault check_blob(const uint8_t* bytes, uint32_t num_bytes) {
 const uint8_t* rg_find_section(const uint8_t* bytes, uint32_t type,
                                uint32_t index) {
   const uint8_t* const entry = rg_find_entry(bytes, type, index);
-  return entry ? bytes + rg_load_u32(entry + 4) : 0;
+  return entry ? bytes + rg_load_u32(entry + RG_ENTRY_OFFSET) : 0;
 }
 
 /* 0 if there is no section of the type. */
 static uint32_t offset_of(const uint8_t* bytes, uint32_t type) {
   const uint8_t* const entry = rg_find_entry(bytes, type, 0);
-  return entry ? rg_load_u32(entry + 4) : 0;
+  return entry ? rg_load_u32(entry + RG_ENTRY_OFFSET) : 0;
 }
 
 rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {
@@ -217,7 +244,7 @@ rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {
   const rg_fault fault = check_blob(first, num_bytes);
   if (fault) return (rg_status)-fault;
   blob->bytes = first;
-  blob->size = rg_load_u32(first + 12);
+  blob->size = rg_load_u32(first + RG_HEADER_TOTAL_SIZE);
   blob->camera = offset_of(first, RG_SECTION_CAMERA);
   blob->grid = offset_of(first, RG_SECTION_CENTRAL_GRID);
   blob->remap = offset_of(first, RG_SECTION_REMAP);

@@ -21,21 +21,22 @@ static const uint8_t kFieldsSizes[RG_NUM_SECTION_TYPES] = {
 
 /* The sections tile the blob, in the order of the table. */
 static rg_fault check_sections(const uint8_t* bytes, rg_sections* sections) {
-  const uint8_t* const end = bytes + rg_load_u32(bytes + 12);
+  const uint8_t* const end = bytes + rg_load_u32(bytes + RG_HEADER_TOTAL_SIZE);
   const uint8_t* entry = bytes + RG_HEADER_SIZE;
   const uint8_t* const table_end =
-      entry + rg_load_u16(bytes + 16) * RG_SECTION_ENTRY_SIZE;
+      entry +
+      rg_load_u16(bytes + RG_HEADER_SECTION_COUNT) * RG_SECTION_ENTRY_SIZE;
   const uint8_t* section = table_end;
   do {
-    const uint32_t size = rg_load_u32(entry + 8);
-    if (rg_load_u32(entry + 4) != (uint32_t)(section - bytes) ||
+    const uint32_t size = rg_load_u32(entry + RG_ENTRY_SIZE);
+    if (rg_load_u32(entry + RG_ENTRY_OFFSET) != (uint32_t)(section - bytes) ||
         size % 4 != 0 || size - 1 >= (uint32_t)(end - section))
       return -RG_ERR_SECTION_TABLE;
-    if (rg_crc32(0, section, size) != rg_load_u32(entry + 12))
+    if (rg_crc32(0, section, size) != rg_load_u32(entry + RG_ENTRY_CRC))
       return -RG_ERR_SECTION_CRC;
-    const uint32_t type = rg_load_u16(entry);
+    const uint32_t type = rg_load_u16(entry + RG_ENTRY_TYPE);
     if (type >= RG_NUM_SECTION_TYPES || kFieldsSizes[type] == 0) {
-      if ((rg_load_u16(entry + 2) & RG_SECTION_CRITICAL) != 0)
+      if ((rg_load_u16(entry + RG_ENTRY_FLAGS) & RG_SECTION_CRITICAL) != 0)
         return -RG_ERR_SECTION_UNKNOWN;
     } else {
       rg_section* found = &sections->of[type];
@@ -64,24 +65,27 @@ rg_fault rg_check_table(const uint8_t* bytes, uint32_t num_bytes,
   fault = rg_fault_of(RG_ERR_TRUNCATED);
   if (num_bytes < RG_HEADER_SIZE) return fault;
   fault = rg_fault_of(RG_ERR_MAGIC); /* "RAYG", "RID\0" */
-  if (rg_load_u32(bytes) != 0x47594152u || rg_load_u32(bytes + 4) != 0x444952u)
+  if (rg_load_u32(bytes + RG_HEADER_MAGIC) != 0x47594152u ||
+      rg_load_u32(bytes + RG_HEADER_MAGIC + 4) != 0x444952u)
     return fault;
   fault = rg_fault_of(RG_ERR_VERSION);
-  if (rg_load_u16(bytes + 8) != RG_FORMAT_MAJOR) return fault;
+  if (rg_load_u16(bytes + RG_HEADER_MAJOR) != RG_FORMAT_MAJOR) return fault;
 
-  const uint32_t total_size = rg_load_u32(bytes + 12);
-  const uint32_t num_sections = rg_load_u16(bytes + 16);
+  const uint32_t total_size = rg_load_u32(bytes + RG_HEADER_TOTAL_SIZE);
+  const uint32_t num_sections = rg_load_u16(bytes + RG_HEADER_SECTION_COUNT);
   const uint32_t table_size = num_sections * RG_SECTION_ENTRY_SIZE;
   fault = rg_fault_of(RG_ERR_TRUNCATED);
   if (total_size > num_bytes) return fault;
   fault = rg_fault_of(RG_ERR_HEADER);
-  if (total_size % 4 != 0 || rg_load_u16(bytes + 18) != RG_HEADER_SIZE ||
+  if (total_size % 4 != 0 ||
+      rg_load_u16(bytes + RG_HEADER_HEADER_SIZE) != RG_HEADER_SIZE ||
       num_sections - 1 >= RG_MAX_SECTIONS ||
       RG_HEADER_SIZE + table_size > total_size)
     return fault;
 
-  const uint32_t crc = rg_crc32(rg_crc32(0, bytes, RG_HEADER_SIZE - 4),
+  const uint32_t crc = rg_crc32(rg_crc32(0, bytes, RG_HEADER_HEADER_CRC),
                                 bytes + RG_HEADER_SIZE, table_size);
-  if (crc != rg_load_u32(bytes + 28)) return -RG_ERR_HEADER_CRC;
+  if (crc != rg_load_u32(bytes + RG_HEADER_HEADER_CRC))
+    return -RG_ERR_HEADER_CRC;
   return check_sections(bytes, sections);
 }

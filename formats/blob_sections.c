@@ -21,55 +21,61 @@ rg_fault rg_check_extent(const uint8_t* data_offset, uint32_t size,
 #define BOTH(number) ((number)*0x10001u)
 
 static uint32_t num_control_points(const uint8_t* grid) {
-  return (uint32_t)rg_load_u16(grid + 16) * rg_load_u16(grid + 18);
+  return (uint32_t)rg_load_u16(grid + RG_GRID_COLUMNS) *
+         rg_load_u16(grid + RG_GRID_ROWS);
 }
 
 rg_fault rg_check_grid(const uint8_t* section, uint32_t size,
                        uint32_t max_fraction_bits) {
   if (!section) return 0;
-  const uint32_t fraction_bits = rg_load_u16(section + 30);
+  const uint32_t fraction_bits = rg_load_u16(section + RG_GRID_FRACTION_BITS);
   rg_fault fault = rg_fault_of(RG_ERR_GRID_CHART);
-  if (rg_load_u16(section + 28) != RG_CHART_STEREOGRAPHIC ||
+  if (rg_load_u16(section + RG_GRID_CHART) != RG_CHART_STEREOGRAPHIC ||
       fraction_bits < RG_NARROW_MIN_BITS || fraction_bits > max_fraction_bits)
     return fault;
-  uint32_t counts = rg_load_u32(section + 16);
+  uint32_t counts = rg_load_u32(section + RG_GRID_COLUMNS);
   fault = rg_fault_of(RG_ERR_GRID_SIZE);
   /* Less 4 they are below 1024. */
   if (((counts - BOTH(RG_MIN_GRID_SIZE)) &
        ~BOTH(RG_MAX_GRID_SIZE - RG_MIN_GRID_SIZE)) != 0)
     return fault;
-  const uint8_t* ends = section;
-  for (; counts != 0; counts >>= 16, ends += 4)
-    if (!rg_is_scale(rg_load_u32(ends + 20), (counts & 0xffff) - 3,
-                     rg_load_u32(ends + 8) - rg_load_u32(ends)))
+  const uint8_t* axis = section;
+  for (; counts != 0; counts >>= 16, axis += 4)
+    if (!rg_is_scale(
+            rg_load_u32(axis + RG_GRID_SCALE_X), (counts & 0xffff) - 3,
+            rg_load_u32(axis + RG_GRID_X1) - rg_load_u32(axis + RG_GRID_X0)))
       return -RG_ERR_GRID_SCALE;
-  section = ends - 8; /* takes no register in the loop */
+  section = axis - 8; /* takes no register in the loop */
   const uint32_t num_points = num_control_points(section);
-  return rg_check_extent(section + 32, size, RG_GRID_FIELDS_SIZE,
-                         rg_load_u16(section + 30) == RG_CONTROL_POINT_BITS
-                             ? 8 * num_points
-                             : RG_NARROW_PLANE_SIZE + 4 * num_points);
+  return rg_check_extent(
+      section + RG_GRID_DATA_OFFSET, size, RG_GRID_FIELDS_SIZE,
+      rg_load_u16(section + RG_GRID_FRACTION_BITS) == RG_CONTROL_POINT_BITS
+          ? RG_CONTROL_POINT_SIZE * num_points
+          : RG_NARROW_PLANE_SIZE + RG_NARROW_POINT_SIZE * num_points);
 }
 
 rg_fault rg_check_line_points(const uint8_t* section, uint32_t size,
                               const uint8_t* grid) {
   if (!section) return 0;
-  if (rg_load_u16(section) != RG_LINE_POINT_BITS) return -RG_ERR_LINE_POINT;
-  return rg_check_extent(section + 4, size, RG_LINE_POINTS_FIELDS_SIZE,
-                         12 * num_control_points(grid));
+  if (rg_load_u16(section + RG_LINE_POINTS_FRACTION_BITS) != RG_LINE_POINT_BITS)
+    return -RG_ERR_LINE_POINT;
+  return rg_check_extent(section + RG_LINE_POINTS_DATA_OFFSET, size,
+                         RG_LINE_POINTS_FIELDS_SIZE,
+                         RG_LINE_POINT_SIZE * num_control_points(grid));
 }
 
 rg_fault rg_check_remap(const uint8_t* section, uint32_t size,
                         uint32_t source_size) {
   /* Less 1, all sizes are below 2^13. */
-  const uint32_t last = rg_load_u32(section) - BOTH(1);
+  const uint32_t last = rg_load_u32(section + RG_REMAP_WIDTH) - BOTH(1);
   const uint32_t last_source = source_size - BOTH(1);
   if (((last | last_source | (source_size - BOTH(RG_MIN_REMAP_SOURCE))) &
        ~BOTH(RG_MAX_REMAP_SIZE - 1)) != 0)
     return -RG_ERR_REMAP_SIZE;
 
   /* Blocks of 8 px without bends, or of 16 px, and of two sizes above. */
-  const uint32_t block_log2 = section[8], part_log2 = section[10];
+  const uint32_t block_log2 = section[RG_REMAP_BLOCK_LOG2];
+  const uint32_t part_log2 = section[RG_REMAP_PART_LOG2];
   uint32_t above = block_log2 - 3, vertex_size = RG_VERTEX_SIZE;
   if (part_log2 != 0) {
     if (part_log2 - 3 >= above) return -RG_ERR_REMAP_BLOCK;
@@ -79,46 +85,52 @@ rg_fault rg_check_remap(const uint8_t* section, uint32_t size,
   if (above > 2) return -RG_ERR_REMAP_BLOCK;
   /* Without the bits that came from the other half. */
   const uint32_t last_blocks = (last >> block_log2) & ~0xfc00u;
-  if (last_blocks + BOTH(2) != rg_load_u32(section + 4))
+  if (last_blocks + BOTH(2) != rg_load_u32(section + RG_REMAP_COLUMNS))
     return -RG_ERR_REMAP_BLOCK;
-  if (section[9] > RG_MAX_RESIDUAL_SHIFT || section[11] > RG_MAX_BEND_SHIFT)
+  if (section[RG_REMAP_RESIDUAL_SHIFT] > RG_MAX_RESIDUAL_SHIFT ||
+      section[RG_REMAP_BEND_SHIFT] > RG_MAX_BEND_SHIFT)
     return -RG_ERR_REMAP_SHIFT;
-  const uint32_t max_x = rg_load_u32(section + 20);
-  const uint32_t max_y = rg_load_u32(section + 24);
+  const uint32_t max_x = rg_load_u32(section + RG_REMAP_MAX_X);
+  const uint32_t max_y = rg_load_u32(section + RG_REMAP_MAX_Y);
   uint32_t last_x = last_source & 0xffff;
   RG_FORGET(last_x); /* no mask for what is shifted */
-  if (rg_load_u32(section + 12) > max_x || max_x > last_x << 12 ||
-      rg_load_u32(section + 16) > max_y || max_y > last_source >> 16 << 12)
+  if (rg_load_u32(section + RG_REMAP_MIN_X) > max_x || max_x > last_x << 12 ||
+      rg_load_u32(section + RG_REMAP_MIN_Y) > max_y ||
+      max_y > last_source >> 16 << 12)
     return -RG_ERR_REMAP_SOURCE;
-  const uint32_t columns = rg_load_u16(section + 4);
-  const uint32_t rows = rg_load_u16(section + 6);
+  const uint32_t columns = rg_load_u16(section + RG_REMAP_COLUMNS);
+  const uint32_t rows = rg_load_u16(section + RG_REMAP_ROWS);
   return rg_check_extent(
-      section + 76, size, RG_REMAP_FIELDS_SIZE,
+      section + RG_REMAP_DATA_OFFSET, size, RG_REMAP_FIELDS_SIZE,
       vertex_size * columns * rows + rg_mask_size((columns - 1) * (rows - 1)));
 }
 
-/* One coordinate of all vertices: -limit < vertex < limit. Its fields and
- * residuals lie behind the other's. Sums are modulo 2^32, as the spec says. */
-static int are_vertices_in_range(const uint8_t* section, const uint8_t* fields,
+/* One coordinate of all vertices: -limit < vertex < limit. axis: the section
+ * for x, 4 bytes behind it for y. Sums are modulo 2^32, as the spec says. */
+static int are_vertices_in_range(const uint8_t* section, const uint8_t* axis,
                                  const uint8_t* residual) {
   uint32_t vertex_size = RG_VERTEX_SIZE;
-  if (section[10] != 0) vertex_size = RG_BENT_VERTEX_SIZE;
-  uint32_t row_start = rg_load_u32(fields + 28) + RG_VERTEX_LIMIT_Q12 - 1;
-  for (uint32_t rows = rg_load_u16(section + 6); rows > 0; --rows) {
+  if (section[RG_REMAP_PART_LOG2] != 0) vertex_size = RG_BENT_VERTEX_SIZE;
+  uint32_t row_start =
+      rg_load_u32(axis + RG_REMAP_ORIGIN) + RG_VERTEX_LIMIT_Q12 - 1;
+  for (uint32_t rows = rg_load_u16(section + RG_REMAP_ROWS); rows > 0; --rows) {
     uint32_t affine = row_start;
-    for (uint32_t columns = rg_load_u16(section + 4); columns > 0; --columns) {
-      const uint32_t offset = (uint32_t)rg_load_i16(residual) << section[9];
+    for (uint32_t columns = rg_load_u16(section + RG_REMAP_COLUMNS);
+         columns > 0; --columns) {
+      const uint32_t offset = (uint32_t)rg_load_i16(residual)
+                              << section[RG_REMAP_RESIDUAL_SHIFT];
       if (affine + offset >= 2u * RG_VERTEX_LIMIT_Q12 - 1) return 0;
-      affine += rg_load_u32(fields + 36);
+      affine += rg_load_u32(axis + RG_REMAP_COLUMN_STEP);
       residual += vertex_size;
     }
-    row_start += rg_load_u32(fields + 44);
+    row_start += rg_load_u32(axis + RG_REMAP_ROW_STEP);
   }
   return 1;
 }
 
 rg_fault rg_check_vertices(const uint8_t* section) {
-  const uint8_t* const residuals = section + rg_load_u32(section + 76);
+  const uint8_t* const residuals =
+      section + rg_load_u32(section + RG_REMAP_DATA_OFFSET);
   for (uint32_t axis = 0; axis < 2; ++axis)
     if (!are_vertices_in_range(section, section + 4 * axis,
                                residuals + 2 * axis))

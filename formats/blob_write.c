@@ -8,7 +8,8 @@ static uint32_t grid_size(const rg_blob_contents* contents) {
   const uint32_t count =
       (uint32_t)contents->grid->columns * contents->grid->rows;
   return RG_GRID_FIELDS_SIZE +
-         (contents->narrow ? RG_NARROW_PLANE_SIZE + 4 * count : 8 * count);
+         (contents->narrow ? RG_NARROW_PLANE_SIZE + RG_NARROW_POINT_SIZE * count
+                           : RG_CONTROL_POINT_SIZE * count);
 }
 
 static uint32_t bits_size(uint32_t num_bits) {
@@ -31,11 +32,12 @@ uint32_t rg_remap_section_size(const rg_remap_section* remap) {
 
 static uint32_t inverse_size(const rg_inverse_section* inverse) {
   return RG_GRID_FIELDS_SIZE + RG_NARROW_PLANE_SIZE +
-         4 * (uint32_t)inverse->columns * inverse->rows;
+         RG_NARROW_POINT_SIZE * (uint32_t)inverse->columns * inverse->rows;
 }
 
 static uint32_t line_points_size(const rg_grid_section* grid) {
-  return RG_LINE_POINTS_FIELDS_SIZE + 12 * (uint32_t)grid->columns * grid->rows;
+  return RG_LINE_POINTS_FIELDS_SIZE +
+         RG_LINE_POINT_SIZE * (uint32_t)grid->columns * grid->rows;
 }
 
 static uint32_t valid_mask_size(const rg_mask_section* mask) {
@@ -74,20 +76,21 @@ uint32_t rg_grid_scale_q32(uint32_t cells, uint32_t span) {
 }
 
 static void write_camera(const rg_camera_section* camera, uint8_t* section) {
-  rg_store_u16(section, camera->width);
-  rg_store_u16(section + 2, camera->height);
-  rg_store_u32(section + 4, 0);
-  memcpy(section + 8, camera->name, RG_TEXT_SIZE);
-  memcpy(section + 40, camera->serial, RG_TEXT_SIZE);
+  rg_store_u16(section + RG_CAMERA_WIDTH, camera->width);
+  rg_store_u16(section + RG_CAMERA_HEIGHT, camera->height);
+  rg_store_u32(section + RG_CAMERA_RESERVED, 0);
+  memcpy(section + RG_CAMERA_NAME, camera->name, RG_TEXT_SIZE);
+  memcpy(section + RG_CAMERA_SERIAL, camera->serial, RG_TEXT_SIZE);
 }
 
 /* A plane and what is left of so many coordinates. */
 static void write_narrow(const rg_narrow_grid* narrow, uint32_t count,
                          uint8_t* data) {
   for (uint32_t c = 0; c < 2; ++c) {
-    rg_store_i32(data + 4 * c, narrow->origin_q29[c]);
-    rg_store_i32(data + 8 + 4 * c, narrow->column_step_q29[c]);
-    rg_store_i32(data + 16 + 4 * c, narrow->row_step_q29[c]);
+    rg_store_i32(data + RG_PLANE_ORIGIN + 4 * c, narrow->origin_q29[c]);
+    rg_store_i32(data + RG_PLANE_COLUMN_STEP + 4 * c,
+                 narrow->column_step_q29[c]);
+    rg_store_i32(data + RG_PLANE_ROW_STEP + 4 * c, narrow->row_step_q29[c]);
   }
   for (uint32_t i = 0; i < count; ++i)
     rg_store_u16(data + RG_NARROW_PLANE_SIZE + 2 * i,
@@ -96,25 +99,25 @@ static void write_narrow(const rg_narrow_grid* narrow, uint32_t count,
 
 /* The fields behind the scales that both kinds of grid have in common. */
 static void write_number_format(uint32_t fraction_bits, uint8_t* section) {
-  rg_store_u16(section + 28, RG_CHART_STEREOGRAPHIC);
-  rg_store_u16(section + 30, (uint16_t)fraction_bits);
-  rg_store_u32(section + 32, RG_GRID_FIELDS_SIZE);
+  rg_store_u16(section + RG_GRID_CHART, RG_CHART_STEREOGRAPHIC);
+  rg_store_u16(section + RG_GRID_FRACTION_BITS, (uint16_t)fraction_bits);
+  rg_store_u32(section + RG_GRID_DATA_OFFSET, RG_GRID_FIELDS_SIZE);
 }
 
 static void write_grid(const rg_blob_contents* contents, uint8_t* section) {
   const rg_grid_section* const grid = contents->grid;
   const rg_narrow_grid* const narrow = contents->narrow;
-  rg_store_i32(section, grid->x0_q16);
-  rg_store_i32(section + 4, grid->y0_q16);
-  rg_store_i32(section + 8, grid->x1_q16);
-  rg_store_i32(section + 12, grid->y1_q16);
-  rg_store_u16(section + 16, grid->columns);
-  rg_store_u16(section + 18, grid->rows);
-  rg_store_u32(section + 20, grid->scale_x_q32);
-  rg_store_u32(section + 24, grid->scale_y_q32);
+  rg_store_i32(section + RG_GRID_X0, grid->x0_q16);
+  rg_store_i32(section + RG_GRID_Y0, grid->y0_q16);
+  rg_store_i32(section + RG_GRID_X1, grid->x1_q16);
+  rg_store_i32(section + RG_GRID_Y1, grid->y1_q16);
+  rg_store_u16(section + RG_GRID_COLUMNS, grid->columns);
+  rg_store_u16(section + RG_GRID_ROWS, grid->rows);
+  rg_store_u32(section + RG_GRID_SCALE_X, grid->scale_x_q32);
+  rg_store_u32(section + RG_GRID_SCALE_Y, grid->scale_y_q32);
   write_number_format(narrow ? narrow->fraction_bits : RG_CONTROL_POINT_BITS,
                       section);
-  rg_store_u32(section + 36, 0);
+  rg_store_u32(section + RG_GRID_RESERVED, 0);
   uint8_t* const data = section + RG_GRID_FIELDS_SIZE;
   const uint32_t count = 2 * (uint32_t)grid->columns * grid->rows;
   if (narrow) {
@@ -134,37 +137,38 @@ static void write_bits(const uint8_t* bits, uint32_t num_bits, uint8_t* bytes) {
 
 void rg_write_remap(const rg_remap_section* remap, const int16_t* residuals,
                     uint8_t* section) {
-  rg_store_u16(section, remap->width);
-  rg_store_u16(section + 2, remap->height);
-  rg_store_u16(section + 4, remap->columns);
-  rg_store_u16(section + 6, remap->rows);
-  section[8] = remap->block_log2;
-  section[9] = remap->residual_shift;
-  section[10] = remap->part_log2;
-  section[11] = remap->bend_shift;
-  rg_store_i32(section + 12, remap->min_x_q12);
-  rg_store_i32(section + 16, remap->min_y_q12);
-  rg_store_i32(section + 20, remap->max_x_q12);
-  rg_store_i32(section + 24, remap->max_y_q12);
-  rg_store_i32(section + 28, remap->origin_x_q12);
-  rg_store_i32(section + 32, remap->origin_y_q12);
-  rg_store_i32(section + 36, remap->column_step_x_q12);
-  rg_store_i32(section + 40, remap->column_step_y_q12);
-  rg_store_i32(section + 44, remap->row_step_x_q12);
-  rg_store_i32(section + 48, remap->row_step_y_q12);
-  rg_store_u32(section + 52, remap->fx_q16);
-  rg_store_u32(section + 56, remap->fy_q16);
-  rg_store_i32(section + 60, remap->cx_q16);
-  rg_store_i32(section + 64, remap->cy_q16);
-  rg_store_u32(section + 68, remap->bound_upx);
-  rg_store_u32(section + 72, remap->max_error_upx);
-  rg_store_u32(section + 76, RG_REMAP_FIELDS_SIZE);
+  rg_store_u16(section + RG_REMAP_WIDTH, remap->width);
+  rg_store_u16(section + RG_REMAP_HEIGHT, remap->height);
+  rg_store_u16(section + RG_REMAP_COLUMNS, remap->columns);
+  rg_store_u16(section + RG_REMAP_ROWS, remap->rows);
+  section[RG_REMAP_BLOCK_LOG2] = remap->block_log2;
+  section[RG_REMAP_RESIDUAL_SHIFT] = remap->residual_shift;
+  section[RG_REMAP_PART_LOG2] = remap->part_log2;
+  section[RG_REMAP_BEND_SHIFT] = remap->bend_shift;
+  rg_store_i32(section + RG_REMAP_MIN_X, remap->min_x_q12);
+  rg_store_i32(section + RG_REMAP_MIN_Y, remap->min_y_q12);
+  rg_store_i32(section + RG_REMAP_MAX_X, remap->max_x_q12);
+  rg_store_i32(section + RG_REMAP_MAX_Y, remap->max_y_q12);
+  rg_store_i32(section + RG_REMAP_ORIGIN, remap->origin_x_q12);
+  rg_store_i32(section + RG_REMAP_ORIGIN + 4, remap->origin_y_q12);
+  rg_store_i32(section + RG_REMAP_COLUMN_STEP, remap->column_step_x_q12);
+  rg_store_i32(section + RG_REMAP_COLUMN_STEP + 4, remap->column_step_y_q12);
+  rg_store_i32(section + RG_REMAP_ROW_STEP, remap->row_step_x_q12);
+  rg_store_i32(section + RG_REMAP_ROW_STEP + 4, remap->row_step_y_q12);
+  rg_store_u32(section + RG_REMAP_FX, remap->fx_q16);
+  rg_store_u32(section + RG_REMAP_FY, remap->fy_q16);
+  rg_store_i32(section + RG_REMAP_CX, remap->cx_q16);
+  rg_store_i32(section + RG_REMAP_CY, remap->cy_q16);
+  rg_store_u32(section + RG_REMAP_BOUND_UPX, remap->bound_upx);
+  rg_store_u32(section + RG_REMAP_MAX_ERROR_UPX, remap->max_error_upx);
+  rg_store_u32(section + RG_REMAP_DATA_OFFSET, RG_REMAP_FIELDS_SIZE);
   uint8_t* data = section + RG_REMAP_FIELDS_SIZE;
   const uint32_t count = (uint32_t)remap->columns * remap->rows;
   for (uint32_t i = 0; i < count; ++i, data += vertex_size(remap)) {
     for (uint32_t c = 0; c < 2; ++c)
-      rg_store_u16(data + 2 * c, (uint16_t)residuals[2 * i + c]);
-    if (remap->part_log2 != 0) memcpy(data + 4, remap->bends + 4 * i, 4);
+      rg_store_u16(data + RG_VERTEX_X + 2 * c, (uint16_t)residuals[2 * i + c]);
+    if (remap->part_log2 != 0)
+      memcpy(data + RG_VERTEX_HX, remap->bends + 4 * i, 4);
   }
   write_bits(remap->empty_blocks, num_blocks(remap), data);
 }
@@ -177,53 +181,55 @@ static void write_quality(const rg_quality_section* quality, uint8_t* section) {
       quality->held_out_max_upx,    quality->held_out_count,
       quality->packing_error_npx,   quality->packing_error_prad};
   for (uint32_t i = 0; i < RG_QUALITY_SIZE / 4; ++i)
-    rg_store_u32(section + 4 * i, figures[i]);
+    rg_store_u32(section + RG_QUALITY_TRAINING_MEDIAN_UPX + 4 * i, figures[i]);
 }
 
 static void write_inverse(const rg_inverse_section* inverse,
                           const rg_narrow_grid* points, uint8_t* section) {
-  rg_store_i32(section, inverse->a0_q27);
-  rg_store_i32(section + 4, inverse->b0_q27);
-  rg_store_i32(section + 8, inverse->a1_q27);
-  rg_store_i32(section + 12, inverse->b1_q27);
-  rg_store_u16(section + 16, inverse->columns);
-  rg_store_u16(section + 18, inverse->rows);
-  rg_store_u32(section + 20, inverse->scale_a_q21);
-  rg_store_u32(section + 24, inverse->scale_b_q21);
+  rg_store_i32(section + RG_INVERSE_A0, inverse->a0_q27);
+  rg_store_i32(section + RG_INVERSE_B0, inverse->b0_q27);
+  rg_store_i32(section + RG_INVERSE_A1, inverse->a1_q27);
+  rg_store_i32(section + RG_INVERSE_B1, inverse->b1_q27);
+  rg_store_u16(section + RG_INVERSE_COLUMNS, inverse->columns);
+  rg_store_u16(section + RG_INVERSE_ROWS, inverse->rows);
+  rg_store_u32(section + RG_INVERSE_SCALE_A, inverse->scale_a_q21);
+  rg_store_u32(section + RG_INVERSE_SCALE_B, inverse->scale_b_q21);
   write_number_format(points->fraction_bits, section);
-  rg_store_i32(section + 36, inverse->cos_limit_q30);
+  rg_store_i32(section + RG_INVERSE_COS_LIMIT, inverse->cos_limit_q30);
   write_narrow(points, 2 * (uint32_t)inverse->columns * inverse->rows,
                section + RG_GRID_FIELDS_SIZE);
 }
 
 static void write_line_points(const rg_grid_section* grid,
                               const int32_t* points, uint8_t* section) {
-  rg_store_u16(section, RG_LINE_POINT_BITS);
-  rg_store_u16(section + 2, 0);
-  rg_store_u32(section + 4, RG_LINE_POINTS_FIELDS_SIZE);
+  rg_store_u16(section + RG_LINE_POINTS_FRACTION_BITS, RG_LINE_POINT_BITS);
+  rg_store_u16(section + RG_LINE_POINTS_RESERVED, 0);
+  rg_store_u32(section + RG_LINE_POINTS_DATA_OFFSET,
+               RG_LINE_POINTS_FIELDS_SIZE);
   const uint32_t count = 3 * (uint32_t)grid->columns * grid->rows;
   for (uint32_t i = 0; i < count; ++i)
     rg_store_i32(section + RG_LINE_POINTS_FIELDS_SIZE + 4 * i, points[i]);
 }
 
 static void write_mask(const rg_mask_section* mask, uint8_t* section) {
-  rg_store_u16(section, mask->columns);
-  rg_store_u16(section + 2, mask->rows);
-  section[4] = mask->cell_log2;
-  section[5] = 0;
-  rg_store_u16(section + 6, 0);
-  rg_store_u32(section + 8, RG_MASK_FIELDS_SIZE);
+  rg_store_u16(section + RG_MASK_COLUMNS, mask->columns);
+  rg_store_u16(section + RG_MASK_ROWS, mask->rows);
+  section[RG_MASK_CELL_LOG2] = mask->cell_log2;
+  section[RG_MASK_RESERVED] = 0;
+  rg_store_u16(section + RG_MASK_RESERVED + 1, 0);
+  rg_store_u32(section + RG_MASK_DATA_OFFSET, RG_MASK_FIELDS_SIZE);
   write_bits(mask->bits, (uint32_t)mask->columns * mask->rows,
              section + RG_MASK_FIELDS_SIZE);
 }
 
 static void write_uncertainty(const rg_uncertainty_section* uncertainty,
                               const uint16_t* values_q12, uint8_t* section) {
-  rg_store_u16(section, uncertainty->columns);
-  rg_store_u16(section + 2, uncertainty->rows);
-  rg_store_u32(section + 4, uncertainty->scale_x_q32);
-  rg_store_u32(section + 8, uncertainty->scale_y_q32);
-  rg_store_u32(section + 12, RG_UNCERTAINTY_FIELDS_SIZE);
+  rg_store_u16(section + RG_UNCERTAINTY_COLUMNS, uncertainty->columns);
+  rg_store_u16(section + RG_UNCERTAINTY_ROWS, uncertainty->rows);
+  rg_store_u32(section + RG_UNCERTAINTY_SCALE_X, uncertainty->scale_x_q32);
+  rg_store_u32(section + RG_UNCERTAINTY_SCALE_Y, uncertainty->scale_y_q32);
+  rg_store_u32(section + RG_UNCERTAINTY_DATA_OFFSET,
+               RG_UNCERTAINTY_FIELDS_SIZE);
   const uint32_t count = (uint32_t)uncertainty->columns * uncertainty->rows;
   uint8_t* const data = section + RG_UNCERTAINTY_FIELDS_SIZE;
   for (uint32_t i = 0; i < count; ++i)
@@ -240,10 +246,10 @@ typedef struct section_writer {
 /* Reserves the next section and writes its entry, but for the CRC. */
 static uint8_t* begin_section(section_writer* writer, uint16_t type,
                               uint16_t flags, uint32_t size) {
-  rg_store_u16(writer->entry, type);
-  rg_store_u16(writer->entry + 2, flags);
-  rg_store_u32(writer->entry + 4, writer->end);
-  rg_store_u32(writer->entry + 8, size);
+  rg_store_u16(writer->entry + RG_ENTRY_TYPE, type);
+  rg_store_u16(writer->entry + RG_ENTRY_FLAGS, flags);
+  rg_store_u32(writer->entry + RG_ENTRY_OFFSET, writer->end);
+  rg_store_u32(writer->entry + RG_ENTRY_SIZE, size);
   uint8_t* section = writer->bytes + writer->end;
   writer->entry += RG_SECTION_ENTRY_SIZE;
   writer->end += size;
@@ -315,14 +321,14 @@ static uint16_t minor_version(const rg_blob_contents* contents) {
 
 static void write_header(uint8_t* bytes, uint16_t minor, uint32_t size,
                          uint32_t sections) {
-  memcpy(bytes, "RAYGRID", 8);
-  rg_store_u16(bytes + 8, RG_FORMAT_MAJOR);
-  rg_store_u16(bytes + 10, minor);
-  rg_store_u32(bytes + 12, size);
-  rg_store_u16(bytes + 16, (uint16_t)sections);
-  rg_store_u16(bytes + 18, RG_HEADER_SIZE);
-  rg_store_u32(bytes + 20, 0);
-  rg_store_u32(bytes + 24, 0);
+  memcpy(bytes + RG_HEADER_MAGIC, "RAYGRID", 8);
+  rg_store_u16(bytes + RG_HEADER_MAJOR, RG_FORMAT_MAJOR);
+  rg_store_u16(bytes + RG_HEADER_MINOR, minor);
+  rg_store_u32(bytes + RG_HEADER_TOTAL_SIZE, size);
+  rg_store_u16(bytes + RG_HEADER_SECTION_COUNT, (uint16_t)sections);
+  rg_store_u16(bytes + RG_HEADER_HEADER_SIZE, RG_HEADER_SIZE);
+  rg_store_u32(bytes + RG_HEADER_RESERVED, 0);
+  rg_store_u32(bytes + RG_HEADER_RESERVED + 4, 0);
 }
 
 /* Sections first, for their CRCs are part of the table that the header's CRC
@@ -331,11 +337,12 @@ static void write_crcs(uint8_t* bytes, uint32_t sections) {
   uint8_t* table = bytes + RG_HEADER_SIZE;
   for (uint32_t i = 0; i < sections; ++i) {
     uint8_t* entry = table + i * RG_SECTION_ENTRY_SIZE;
-    const uint8_t* section = bytes + rg_load_u32(entry + 4);
-    rg_store_u32(entry + 12, rg_crc32(0, section, rg_load_u32(entry + 8)));
+    const uint8_t* section = bytes + rg_load_u32(entry + RG_ENTRY_OFFSET);
+    rg_store_u32(entry + RG_ENTRY_CRC,
+                 rg_crc32(0, section, rg_load_u32(entry + RG_ENTRY_SIZE)));
   }
-  const uint32_t crc = rg_crc32(0, bytes, RG_HEADER_SIZE - 4);
-  rg_store_u32(bytes + 28,
+  const uint32_t crc = rg_crc32(0, bytes, RG_HEADER_HEADER_CRC);
+  rg_store_u32(bytes + RG_HEADER_HEADER_CRC,
                rg_crc32(crc, table, sections * RG_SECTION_ENTRY_SIZE));
 }
 

@@ -1,5 +1,6 @@
 /* The calibration blob: what the host writes and the board reads in place.
- * Byte by byte in SPEC.md; the field names here are the names there.
+ * Byte by byte in SPEC.md and blob_layout.h; the field names here are the names
+ * there.
  *
  * C99, no allocation, no floating point. Bytes from outside are validated once
  * by rg_blob_open(); everything after that may rely on them. */
@@ -8,6 +9,7 @@
 
 #include <stdint.h>
 
+#include "blob_layout.h"
 #include "rg_status.h"
 
 #ifdef __cplusplus
@@ -17,8 +19,6 @@ extern "C" {
 #define RG_FORMAT_MAJOR 1
 #define RG_FORMAT_MINOR 4 /* the highest that the writer writes */
 
-#define RG_HEADER_SIZE 32u
-#define RG_SECTION_ENTRY_SIZE 16u
 #define RG_MAX_SECTIONS 16u
 #define RG_SECTION_CRITICAL                        \
   1u /* flag: a reader that does not know it stops \
@@ -36,16 +36,6 @@ enum rg_section_type {
   RG_NUM_SECTION_TYPES
 };
 
-/* Sizes of the fields in front of each section's arrays. */
-#define RG_CAMERA_SIZE 72u
-#define RG_GRID_FIELDS_SIZE 40u
-#define RG_REMAP_FIELDS_SIZE 80u
-#define RG_QUALITY_SIZE 40u
-#define RG_LINE_POINTS_FIELDS_SIZE 8u
-#define RG_MASK_FIELDS_SIZE 12u
-#define RG_UNCERTAINTY_FIELDS_SIZE 16u
-
-#define RG_TEXT_SIZE 32u /* name and serial, zero-padded */
 #define RG_MAX_IMAGE_SIZE 16384u
 #define RG_MAX_REMAP_SIZE 8192u
 #define RG_MIN_REMAP_SOURCE 2u
@@ -55,12 +45,9 @@ enum rg_section_type {
 #define RG_CONTROL_POINT_BITS 29u /* fraction bits */
 #define RG_NARROW_MIN_BITS 14u    /* of narrow grids' residuals */
 #define RG_NARROW_MAX_BITS 28u
-#define RG_NARROW_PLANE_SIZE 24u
 #define RG_CONTROL_POINT_LIMIT 0x7f000000      /* 3.96875 in q29 */
 #define RG_VERTEX_LIMIT_Q12 (INT32_C(1) << 25) /* 8192 px */
 #define RG_MAX_RESIDUAL_SHIFT 10u
-#define RG_VERTEX_SIZE 4u
-#define RG_BENT_VERTEX_SIZE 8u
 #define RG_MAX_BEND_SHIFT 10u
 #define RG_LINE_POINT_BITS 28u         /* fraction bits */
 #define RG_LINE_POINT_LIMIT 0x7f000000 /* 7.9375 m in q28 */

@@ -1,0 +1,195 @@
+/* The bytes of the blob: an offset for every field, by the name that SPEC.md
+ * gives it, and the sizes of what is counted in bytes.
+ *
+ * A comment at an offset says the field's type, the format of its number, and
+ * its meaning. Offsets are from the first byte of the header, entry, section,
+ * plane, vertex or point that the name begins with. RESERVED is the first of
+ * several reserved fields. Fields of x have those of y 4 bytes behind them, or
+ * 2 bytes if they are of 16 bits; so code that goes over both axes adds that to
+ * the offset of x. */
+#ifndef RAYGRID_BLOB_LAYOUT_H
+#define RAYGRID_BLOB_LAYOUT_H
+
+/* ---- Header and section table ------------------------------------------- */
+
+enum {
+  RG_HEADER_MAGIC = 0,          /* u8[8]: "RAYGRID" and a zero */
+  RG_HEADER_MAJOR = 8,          /* u16: version that readers must know */
+  RG_HEADER_MINOR = 10,         /* u16: lowest version that has all used */
+  RG_HEADER_TOTAL_SIZE = 12,    /* u32: bytes of the blob */
+  RG_HEADER_SECTION_COUNT = 16, /* u16: entries of the section table */
+  RG_HEADER_HEADER_SIZE = 18,   /* u16: RG_HEADER_SIZE */
+  RG_HEADER_RESERVED = 20,      /* u32: 0, and another one behind it */
+  RG_HEADER_HEADER_CRC = 28     /* u32: CRC of the bytes before it, continued
+                                   over the section table */
+};
+#define RG_HEADER_SIZE 32u /* the section table follows */
+
+enum {
+  RG_ENTRY_TYPE = 0,   /* u16: rg_section_type */
+  RG_ENTRY_FLAGS = 2,  /* u16: 0 or RG_SECTION_CRITICAL */
+  RG_ENTRY_OFFSET = 4, /* u32: section, from the blob's first byte */
+  RG_ENTRY_SIZE = 8,   /* u32: bytes of the section, not of the entry */
+  RG_ENTRY_CRC = 12    /* u32: CRC of the section */
+};
+#define RG_SECTION_ENTRY_SIZE 16u
+
+/* ---- Camera ------------------------------------------------------------- */
+
+enum {
+  RG_CAMERA_WIDTH = 0,    /* u16: image, px */
+  RG_CAMERA_HEIGHT = 2,   /* u16: image, px */
+  RG_CAMERA_RESERVED = 4, /* u32: 0 */
+  RG_CAMERA_NAME = 8,     /* u8[32]: UTF-8, then zeros, at least one */
+  RG_CAMERA_SERIAL = 40   /* u8[32]: UTF-8, then zeros, at least one */
+};
+#define RG_CAMERA_SIZE 72u
+#define RG_TEXT_SIZE 32u /* name and serial, zero-padded */
+
+/* ---- Central grid, and inverse grid ------------------------------------- */
+
+/* Code that serves both kinds of grid uses these names: an inverse grid has its
+ * fields in the same places. */
+enum {
+  RG_GRID_X0 = 0,             /* i32, q16 px: area, inclusive */
+  RG_GRID_Y0 = 4,             /* i32, q16 px: area, inclusive */
+  RG_GRID_X1 = 8,             /* i32, q16 px: area, inclusive */
+  RG_GRID_Y1 = 12,            /* i32, q16 px: area, inclusive */
+  RG_GRID_COLUMNS = 16,       /* u16: control points across, cells + 3 */
+  RG_GRID_ROWS = 18,          /* u16: control points down, cells + 3 */
+  RG_GRID_SCALE_X = 20,       /* u32, q32: cells per pixel */
+  RG_GRID_SCALE_Y = 24,       /* u32, q32: cells per pixel */
+  RG_GRID_CHART = 28,         /* u16: RG_CHART_STEREOGRAPHIC */
+  RG_GRID_FRACTION_BITS = 30, /* u16: 29, or less in a narrow grid */
+  RG_GRID_DATA_OFFSET = 32,   /* u32: control points, or plane, from the
+                                 section's first byte */
+  RG_GRID_RESERVED = 36       /* u32: 0 */
+};
+enum {
+  RG_INVERSE_A0 = 0,             /* i32, q27: rectangle of the chart */
+  RG_INVERSE_B0 = 4,             /* i32, q27: rectangle of the chart */
+  RG_INVERSE_A1 = 8,             /* i32, q27: rectangle of the chart */
+  RG_INVERSE_B1 = 12,            /* i32, q27: rectangle of the chart */
+  RG_INVERSE_COLUMNS = 16,       /* u16: control points along a, cells + 3 */
+  RG_INVERSE_ROWS = 18,          /* u16: control points along b, cells + 3 */
+  RG_INVERSE_SCALE_A = 20,       /* u32, q21: cells per chart unit */
+  RG_INVERSE_SCALE_B = 24,       /* u32, q21: cells per chart unit */
+  RG_INVERSE_CHART = 28,         /* u16: RG_CHART_STEREOGRAPHIC */
+  RG_INVERSE_FRACTION_BITS = 30, /* u16: 14 to 28 */
+  RG_INVERSE_DATA_OFFSET = 32,   /* u32: plane, from the section's first byte */
+  RG_INVERSE_COS_LIMIT = 36      /* i32, q30: c |c|, c the cosine of the widest
+                                    direction */
+};
+#define RG_GRID_FIELDS_SIZE 40u
+#define RG_CONTROL_POINT_SIZE 8u /* i32 a, b in q29, of a grid not narrow */
+
+/* The plane of a narrow grid, in front of its residuals. */
+enum {
+  RG_PLANE_ORIGIN = 0,      /* i32[2], q29 or q17 px: a, b or x, y */
+  RG_PLANE_COLUMN_STEP = 8, /* i32[2], q29 or q17 px: a, b or x, y */
+  RG_PLANE_ROW_STEP = 16    /* i32[2], q29 or q17 px: a, b or x, y */
+};
+#define RG_NARROW_PLANE_SIZE 24u
+#define RG_NARROW_POINT_SIZE 4u /* residuals i16 a, b of a control point */
+
+/* ---- Remap -------------------------------------------------------------- */
+
+enum {
+  RG_REMAP_WIDTH = 0,          /* u16: output, px */
+  RG_REMAP_HEIGHT = 2,         /* u16: output, px */
+  RG_REMAP_COLUMNS = 4,        /* u16: vertices across, blocks + 1 */
+  RG_REMAP_ROWS = 6,           /* u16: vertices down, blocks + 1 */
+  RG_REMAP_BLOCK_LOG2 = 8,     /* u8: blocks are 2^this px wide and high */
+  RG_REMAP_RESIDUAL_SHIFT = 9, /* u8: residuals are q(12 - this) px */
+  RG_REMAP_PART_LOG2 = 10,     /* u8: parts are 2^this px wide and high; 0: the
+                                  table has no bends */
+  RG_REMAP_BEND_SHIFT = 11,    /* u8: bends are q(12 - this) px */
+  RG_REMAP_MIN_X = 12,         /* i32, q12 px: source rectangle, inclusive */
+  RG_REMAP_MIN_Y = 16,         /* i32, q12 px: source rectangle, inclusive */
+  RG_REMAP_MAX_X = 20,         /* i32, q12 px: source rectangle, inclusive */
+  RG_REMAP_MAX_Y = 24,         /* i32, q12 px: source rectangle, inclusive */
+  RG_REMAP_ORIGIN = 28,        /* i32[2], q12 px: x, y of vertex (0, 0) */
+  RG_REMAP_COLUMN_STEP = 36,   /* i32[2], q12 px: x, y to the next column */
+  RG_REMAP_ROW_STEP = 44,      /* i32[2], q12 px: x, y to the next row */
+  RG_REMAP_FX = 52,            /* u32, q16 px: virtual camera */
+  RG_REMAP_FY = 56,            /* u32, q16 px: virtual camera */
+  RG_REMAP_CX = 60,            /* i32, q16 px: virtual camera */
+  RG_REMAP_CY = 64,            /* i32, q16 px: virtual camera */
+  RG_REMAP_BOUND_UPX = 68,     /* u32, 1e-6 px: error asked for */
+  RG_REMAP_MAX_ERROR_UPX = 72, /* u32, 1e-6 px: worst error measured */
+  RG_REMAP_DATA_OFFSET = 76    /* u32: vertices, from the section's first byte;
+                                  the empty-block mask follows them */
+};
+#define RG_REMAP_FIELDS_SIZE 80u
+/* From the rectangle's lower end on an axis to its upper one. */
+#define RG_REMAP_MIN_TO_MAX (RG_REMAP_MAX_X - RG_REMAP_MIN_X)
+
+enum {
+  RG_VERTEX_X = 0,  /* i16, q(12 - residual_shift) px: residual */
+  RG_VERTEX_Y = 2,  /* i16, q(12 - residual_shift) px: residual */
+  RG_VERTEX_HX = 4, /* i8, q(12 - bend_shift) px: edge from the left vertex */
+  RG_VERTEX_HY = 5, /* i8, q(12 - bend_shift) px: edge from the left vertex */
+  RG_VERTEX_VX = 6, /* i8, q(12 - bend_shift) px: edge from the upper vertex */
+  RG_VERTEX_VY = 7  /* i8, q(12 - bend_shift) px: edge from the upper vertex */
+};
+#define RG_VERTEX_SIZE 4u      /* of a table without bends */
+#define RG_BENT_VERTEX_SIZE 8u /* of a table with bends */
+
+/* ---- Quality ------------------------------------------------------------ */
+
+/* RG_UNKNOWN_FIGURE stands for what is not known. */
+enum {
+  RG_QUALITY_TRAINING_MEDIAN_UPX = 0,  /* u32, 1e-6 px: residual norms */
+  RG_QUALITY_TRAINING_RMS_UPX = 4,     /* u32, 1e-6 px: residual norms */
+  RG_QUALITY_TRAINING_MAX_UPX = 8,     /* u32, 1e-6 px: residual norms */
+  RG_QUALITY_TRAINING_COUNT = 12,      /* u32: features */
+  RG_QUALITY_HELD_OUT_MEDIAN_UPX = 16, /* u32, 1e-6 px: residual norms */
+  RG_QUALITY_HELD_OUT_RMS_UPX = 20,    /* u32, 1e-6 px: residual norms */
+  RG_QUALITY_HELD_OUT_MAX_UPX = 24,    /* u32, 1e-6 px: residual norms */
+  RG_QUALITY_HELD_OUT_COUNT = 28,      /* u32: features */
+  RG_QUALITY_PACKING_ERROR_NPX = 32,   /* u32, 1e-9 px: worst added error */
+  RG_QUALITY_PACKING_ERROR_PRAD = 36   /* u32, 1e-12 rad: worst added error */
+};
+#define RG_QUALITY_SIZE 40u
+
+/* ---- Line points -------------------------------------------------------- */
+
+enum {
+  RG_LINE_POINTS_FRACTION_BITS = 0, /* u16: RG_LINE_POINT_BITS */
+  RG_LINE_POINTS_RESERVED = 2,      /* u16: 0 */
+  RG_LINE_POINTS_DATA_OFFSET = 4    /* u32: points, from the section's first
+                                       byte */
+};
+#define RG_LINE_POINTS_FIELDS_SIZE 8u
+
+enum {
+  RG_LINE_POINT_X = 0, /* i32, q28 m */
+  RG_LINE_POINT_Y = 4, /* i32, q28 m */
+  RG_LINE_POINT_Z = 8  /* i32, q28 m */
+};
+#define RG_LINE_POINT_SIZE 12u
+
+/* ---- Validity mask ------------------------------------------------------ */
+
+enum {
+  RG_MASK_COLUMNS = 0,    /* u16: cells across */
+  RG_MASK_ROWS = 2,       /* u16: cells down */
+  RG_MASK_CELL_LOG2 = 4,  /* u8: cells are 2^this px wide and high */
+  RG_MASK_RESERVED = 5,   /* u8: 0, and a u16 behind it */
+  RG_MASK_DATA_OFFSET = 8 /* u32: bits, from the section's first byte */
+};
+#define RG_MASK_FIELDS_SIZE 12u
+
+/* ---- Uncertainty -------------------------------------------------------- */
+
+enum {
+  RG_UNCERTAINTY_COLUMNS = 0,     /* u16: values across the area */
+  RG_UNCERTAINTY_ROWS = 2,        /* u16: values down the area */
+  RG_UNCERTAINTY_SCALE_X = 4,     /* u32, q32: intervals per pixel */
+  RG_UNCERTAINTY_SCALE_Y = 8,     /* u32, q32: intervals per pixel */
+  RG_UNCERTAINTY_DATA_OFFSET = 12 /* u32: values, from the section's first
+                                     byte */
+};
+#define RG_UNCERTAINTY_FIELDS_SIZE 16u
+
+#endif /* RAYGRID_BLOB_LAYOUT_H */
