@@ -37,11 +37,13 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
   camera->grid = sections.of[RG_SECTION_CENTRAL_GRID].bytes;
   camera->inverse = sections.of[RG_SECTION_INVERSE].bytes;
   const uint8_t* line_points = sections.of[RG_SECTION_LINE_POINTS].bytes;
-  if (line_points) line_points += rg_load_u32(line_points + 4);
+  if (line_points)
+    line_points += rg_load_u32(line_points + RG_LINE_POINTS_DATA_OFFSET);
   camera->line_points = line_points;
   camera->remap = 0;
   camera->surface = rg_best_surface();
-  const uint32_t size = rg_load_u32(sections.of[RG_SECTION_CAMERA].bytes);
+  const uint32_t size =
+      rg_load_u32(sections.of[RG_SECTION_CAMERA].bytes + RG_CAMERA_WIDTH);
   camera->width = (uint16_t)size;
   camera->height = (uint16_t)(size >> 16);
   return RG_OK;
@@ -52,8 +54,9 @@ rg_status rg_select_remap(rg_camera* camera, uint32_t index) {
   const uint8_t* const entry =
       rg_find_entry(camera->blob, RG_SECTION_REMAP, index);
   if (entry) {
-    const uint8_t* const section = camera->blob + rg_load_u32(entry + 4);
-    fault = rg_check_remap(section, rg_load_u32(entry + 8),
+    const uint8_t* const section =
+        camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
+    fault = rg_check_remap(section, rg_load_u32(entry + RG_ENTRY_SIZE),
                            camera->width | (uint32_t)camera->height << 16);
     /* Elsewhere, what is done with any harms nothing. */
     if (RG_KEEP_LINES && fault == 0) fault = rg_check_vertices(section);

@@ -1,5 +1,6 @@
 /* Pixel -> pixel of the virtual pinhole camera that a remap table undistorts
  * to: (fx x / z + cx, fy y / z + cy) of the pixel's direction. */
+#include "blob_layout.h"
 #include "bytes.h"
 #include "fixed_point.h"
 #include "raygrid.h"
@@ -11,13 +12,13 @@
 #define MIN_Z_Q30 (INT32_C(1) << 20)
 
 /* focal x / z + center, with 1 / z = reciprocal 2^(doublings - 2); 0 if that
- * lies beyond the limit, or as far from the center. intrinsics: focal, and
- * behind the other axis' one, center. */
-static RG_INLINE int project_coordinate(const uint8_t* intrinsics,
+ * lies beyond the limit, or as far from the center. axis: the table's section
+ * for x, 4 bytes behind it for y. */
+static RG_INLINE int project_coordinate(const uint8_t* axis,
                                         int32_t reciprocal_q29, int doublings,
                                         int32_t x_q30, int32_t* pixel_q16) {
-  const uint32_t focal_q16 = rg_load_u32(intrinsics);
-  const int32_t center_q16 = rg_load_i32(intrinsics + 8);
+  const uint32_t focal_q16 = rg_load_u32(axis + RG_REMAP_FX);
+  const int32_t center_q16 = rg_load_i32(axis + RG_REMAP_CX);
   const int32_t ratio_q28 = 2 * rg_multiply_high(x_q30, reciprocal_q29);
   uint32_t low;
   const uint32_t high =
@@ -47,8 +48,8 @@ rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
   found_q16[0] = ray->x_q30; /* until they are projected */
   found_q16[1] = ray->y_q30;
   for (int c = 0; c < 2; ++c)
-    if (!project_coordinate(section + 52 + 4 * c, r_q29, doublings,
-                            found_q16[c], &found_q16[c]))
+    if (!project_coordinate(section + 4 * c, r_q29, doublings, found_q16[c],
+                            &found_q16[c]))
       return RG_ERR_NOT_SEEN;
   undistorted->x_q16 = found_q16[0];
   undistorted->y_q16 = found_q16[1];

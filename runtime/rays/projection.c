@@ -16,12 +16,13 @@
 /* Rounding may lead out of the area by this: 0.002 px. */
 #define EDGE_TOLERANCE_Q16 128u
 
-/* Moves a pixel into the area; 0 if it lies farther outside. */
-static RG_INLINE int move_inside(const uint8_t* area, uint32_t tolerance_q16,
+/* Moves a pixel into the area of a grid; 0 if it lies farther outside. */
+static RG_INLINE int move_inside(const uint8_t* axis, uint32_t tolerance_q16,
                                  int32_t* pixel_q16) {
   RG_UNROLL_SHARED
-  for (uint32_t axes = rg_times(2); axes > 0; --axes, area += 4) {
-    const int32_t low_q16 = rg_load_i32(area), high_q16 = rg_load_i32(area + 8);
+  for (uint32_t axes = rg_times(2); axes > 0; --axes, axis += 4) {
+    const int32_t low_q16 = rg_load_i32(axis + RG_GRID_X0);
+    const int32_t high_q16 = rg_load_i32(axis + RG_GRID_X1);
     int32_t inside_q16 = *pixel_q16;
     if (inside_q16 < low_q16) inside_q16 = low_q16;
     if (inside_q16 > high_q16) inside_q16 = high_q16;
@@ -81,8 +82,8 @@ static RG_INLINE int solve(const rg_camera* camera,
 /* The camera must have an inverse grid. */
 static int find_target(const rg_camera* camera, const rg_ray* direction,
                        rg_chart_point* target) {
-  return rg_chart_point_of(direction, rg_load_i32(camera->inverse + 36),
-                           target);
+  return rg_chart_point_of(
+      direction, rg_load_i32(camera->inverse + RG_INVERSE_COS_LIMIT), target);
 }
 
 /* rg_project(), of lines too: to the pixel whose line has the direction. */

@@ -119,8 +119,10 @@ rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
                          uint16_t width, uint16_t height, const char* serial) {
   const uint8_t* const identity =
       camera->blob +
-      rg_load_u32(rg_find_entry(camera->blob, RG_SECTION_CAMERA, 0) + 4);
-  if (!is_serial((const char*)identity + 40, serial)) return RG_MATCH_NONE;
+      rg_load_u32(rg_find_entry(camera->blob, RG_SECTION_CAMERA, 0) +
+                  RG_ENTRY_OFFSET);
+  if (!is_serial((const char*)identity + RG_CAMERA_SERIAL, serial))
+    return RG_MATCH_NONE;
   const rg_match_result inexact = mode ? RG_MATCH_DERIVABLE : RG_MATCH_NONE;
   rg_match_result result = RG_MATCH_EXACT;
   for (int c = 0; c < 2; ++c) {

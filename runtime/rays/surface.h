@@ -3,6 +3,7 @@
 #ifndef RAYGRID_SURFACE_H
 #define RAYGRID_SURFACE_H
 
+#include "blob_layout.h"
 #include "bytes.h"
 #include "raygrid.h"
 #include "rays/stereographic.h"
@@ -15,14 +16,14 @@ typedef struct rg_cell_position {
   int32_t t_q30;
 } rg_cell_position;
 
-/* On an axis from the i32 at ends to that two behind it; 0 if value lies
- * outside. */
-static RG_INLINE int rg_find_on_axis(const uint8_t* ends, uint32_t scale,
+/* On an axis of a grid: axis is the grid for x, 4 bytes behind it for y. 0 if
+ * value lies outside. */
+static RG_INLINE int rg_find_on_axis(const uint8_t* axis, uint32_t scale,
                                      uint32_t last_cell, int32_t value,
                                      rg_cell_position* position) {
-  const uint32_t first = rg_load_u32(ends);
+  const uint32_t first = rg_load_u32(axis + RG_GRID_X0);
   const uint32_t offset = (uint32_t)value - first;
-  if (offset > rg_load_u32(ends + 8) - first) return 0;
+  if (offset > rg_load_u32(axis + RG_GRID_X1) - first) return 0;
   uint32_t low;
   const uint32_t high = rg_multiply_unsigned(offset, scale, &low);
   uint32_t cell = high >> 16;
@@ -51,10 +52,11 @@ rg_status rg_find_place(const uint8_t* grid, int32_t x, int32_t y,
 static RG_INLINE int rg_find_cells(const uint8_t* grid, int32_t x, int32_t y,
                                    rg_place* place) {
   rg_cell_position across, down;
-  const uint32_t columns = rg_load_u16(grid + 16);
-  if (!rg_find_on_axis(grid, rg_load_u32(grid + 20), columns - 4, x, &across) ||
-      !rg_find_on_axis(grid + 4, rg_load_u32(grid + 24),
-                       rg_load_u16(grid + 18) - 4u, y, &down))
+  const uint32_t columns = rg_load_u16(grid + RG_GRID_COLUMNS);
+  if (!rg_find_on_axis(grid, rg_load_u32(grid + RG_GRID_SCALE_X), columns - 4,
+                       x, &across) ||
+      !rg_find_on_axis(grid + 4, rg_load_u32(grid + RG_GRID_SCALE_Y),
+                       rg_load_u16(grid + RG_GRID_ROWS) - 4u, y, &down))
     return 0;
   /* In the order in which registers are stored in pairs. */
   place->cells = down.cell << 16 | across.cell;
@@ -67,11 +69,11 @@ static RG_INLINE int rg_find_cells(const uint8_t* grid, int32_t x, int32_t y,
 /* One coordinate of the plane that residuals of 16 bits lie about. */
 static RG_INLINE int32_t rg_evaluate_plane(const uint8_t* plane,
                                            const rg_place* place) {
-  const int32_t column_step_q29 = rg_load_i32(plane + 8);
-  const int32_t row_step_q29 = rg_load_i32(plane + 16);
+  const int32_t column_step_q29 = rg_load_i32(plane + RG_PLANE_COLUMN_STEP);
+  const int32_t row_step_q29 = rg_load_i32(plane + RG_PLANE_ROW_STEP);
   /* The B-spline of 0, 1, 2, 3 is 1 + t. */
   const uint32_t corner_q29 =
-      rg_load_u32(plane) +
+      rg_load_u32(plane + RG_PLANE_ORIGIN) +
       ((place->cells & 0xffff) + 1) * (uint32_t)column_step_q29 +
       ((place->cells >> 16) + 1) * (uint32_t)row_step_q29;
   const int32_t sum_q27 = rg_multiply_high_add(

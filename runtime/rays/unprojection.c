@@ -1,4 +1,5 @@
 /* Pixel -> direction. Error budget in runtime/DESIGN.md. */
+#include "blob_layout.h"
 #include "bytes.h"
 #include "fixed_point.h"
 #include "raygrid.h"
@@ -59,19 +60,23 @@ static RG_INLINE const uint8_t* add_line_row(const uint8_t* points,
         [w0] "=&r"(w0), [w1] "=&r"(w1)
       : [first_weights] "m"(*(const int32_t(*)[2])w_q31),
         [last_weights] "m"(*(const int32_t(*)[2])(w_q31 + 2)),
-        "m"(**row_weight_q31), "m"(*(const uint8_t(*)[48])points)
+        "m"(**row_weight_q31),
+        "m"(*(const uint8_t(*)[4 * RG_LINE_POINT_SIZE]) points)
       : "r0", "r1", "r2");
   return points;
 #else
-  int32_t x = rg_multiply_high(rg_load_i32(points), w_q31[0]);
-  int32_t y = rg_multiply_high(rg_load_i32(points + 4), w_q31[0]);
-  int32_t z = rg_multiply_high(rg_load_i32(points + 8), w_q31[0]);
+  int32_t x = rg_multiply_high(rg_load_i32(points + RG_LINE_POINT_X), w_q31[0]);
+  int32_t y = rg_multiply_high(rg_load_i32(points + RG_LINE_POINT_Y), w_q31[0]);
+  int32_t z = rg_multiply_high(rg_load_i32(points + RG_LINE_POINT_Z), w_q31[0]);
   RG_UNROLL_SHARED
   for (int k = 1; k < 4; ++k) {
-    points += 12;
-    x = rg_multiply_high_add(x, rg_load_i32(points), w_q31[k]);
-    y = rg_multiply_high_add(y, rg_load_i32(points + 4), w_q31[k]);
-    z = rg_multiply_high_add(z, rg_load_i32(points + 8), w_q31[k]);
+    points += RG_LINE_POINT_SIZE;
+    x = rg_multiply_high_add(x, rg_load_i32(points + RG_LINE_POINT_X),
+                             w_q31[k]);
+    y = rg_multiply_high_add(y, rg_load_i32(points + RG_LINE_POINT_Y),
+                             w_q31[k]);
+    z = rg_multiply_high_add(z, rg_load_i32(points + RG_LINE_POINT_Z),
+                             w_q31[k]);
   }
   const int32_t weight_q31 = *(*row_weight_q31)++;
   sums_q26[0] = rg_multiply_high_add(sums_q26[0], x, weight_q31);
@@ -87,10 +92,11 @@ static RG_INLINE void find_line_point(const rg_camera* camera,
                                       int32_t point_q28[3]) {
   int32_t sums_q26[3] = {0, 0, 0};
   if (camera->line_points) {
-    const uint8_t* points = camera->line_points + 12 * place->first;
+    const uint8_t* points =
+        camera->line_points + RG_LINE_POINT_SIZE * place->first;
     const int32_t* row_weight = place->weights_q31[1];
     uint32_t rest_of_row =
-        3 * (rg_load_u16(camera->grid + 16) - 3u); /* words */
+        3 * (rg_load_u16(camera->grid + RG_GRID_COLUMNS) - 3u); /* words */
     RG_UNROLL_SHARED
     do
       points =
