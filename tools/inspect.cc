@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <vector>
 
 #include "bytes.h"
@@ -94,14 +95,16 @@ Json BlobFacts(const BlobCamera& camera) {
   rg_grid_section grid;
   rg_blob_camera(&blob, &identity);
   rg_blob_grid(&blob, &grid);
-  // The field "fraction bits" (formats/SPEC.md, central grid).
-  const uint8_t* fraction_bits = blob.bytes + blob.grid + 30;
-  const bool is_narrow = fraction_bits[0] != RG_CONTROL_POINT_BITS;
+  const uint16_t fraction_bits =
+      rg_load_u16(blob.bytes + blob.grid + RG_GRID_FRACTION_BITS);
+  const bool is_narrow = fraction_bits != RG_CONTROL_POINT_BITS;
+  const std::string version =
+      fmt::format("{}.{}", rg_load_u16(blob.bytes + RG_HEADER_MAJOR),
+                  rg_load_u16(blob.bytes + RG_HEADER_MINOR));
   Json json = {{"kind", "blob"},
                {"valid", true},
                {"bytes", blob.size},
-               {"format", fmt::format("{}.{}", rg_load_u16(blob.bytes + 8),
-                                      rg_load_u16(blob.bytes + 10))},
+               {"format", version},
                {"projects", camera.CanProject()},
                {"camera",
                 {{"name", Printable(identity.name)},

@@ -120,8 +120,9 @@ std::unique_ptr<CameraModel> BlobCamera::ToModel() const {
   std::vector<Eigen::Vector3d> points(surface.num_points());
   for (int k = 0; k < surface.num_points(); ++k)
     for (int c = 0; c < 3; ++c)
-      points[k][c] = std::ldexp(rg_load_i32(bytes + 12 * k + 4 * c),
-                                -static_cast<int>(RG_LINE_POINT_BITS));
+      points[k][c] =
+          std::ldexp(rg_load_i32(bytes + RG_LINE_POINT_SIZE * k + 4 * c),
+                     -static_cast<int>(RG_LINE_POINT_BITS));
   return std::make_unique<NonCentralGeneric>(image_size(), std::move(surface),
                                              std::move(points));
 }

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <vector>
 
+#include "blob_layout.h"
 #include "bytes.h"
 #include "dataset/parallel_for.h"
 #include "packing/blob_limits.h"
@@ -37,14 +38,13 @@ double FewestPixelsPerRadian(const CameraModel& camera) {
 
 UnprojectionError MeasureOpened(const PackingTruth& truth,
                                 const rg_camera& packed, int num_threads) {
-  // The grid section begins with the area's two lower ends and two upper ones.
-  const auto end_px = [&](int k) {
-    return rg_load_i32(packed.grid + 4 * k) / 65536.0;
+  const auto end_px = [&](int field) {
+    return rg_load_i32(packed.grid + field) / 65536.0;
   };
-  const int first = static_cast<int>(std::ceil(end_px(0)));
-  const int first_row = static_cast<int>(std::ceil(end_px(1)));
-  const int last = static_cast<int>(std::floor(end_px(2)));
-  const int last_row = static_cast<int>(std::floor(end_px(3)));
+  const int first = static_cast<int>(std::ceil(end_px(RG_GRID_X0)));
+  const int first_row = static_cast<int>(std::ceil(end_px(RG_GRID_Y0)));
+  const int last = static_cast<int>(std::floor(end_px(RG_GRID_X1)));
+  const int last_row = static_cast<int>(std::floor(end_px(RG_GRID_Y1)));
   const double num_pixels = std::max(
       1.0, static_cast<double>(last - first + 1) * (last_row - first_row + 1));
   const int step =

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "blob_layout.h"
 #include "bytes.h"
 #include "fuzz_target.h"
 #include "raygrid.h"
@@ -100,8 +101,8 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         (int32_t)(setting(data, 24) % ((camera.width % 16384u + 1) << 16)),
         (int32_t)(setting(data, 28) % ((camera.height % 16384u + 1) << 16))};
     try_pixel(&camera, inside);
-    const rg_pixel far_corner = {rg_load_i32(camera.grid + 8),
-                                 rg_load_i32(camera.grid + 12)};
+    const rg_pixel far_corner = {rg_load_i32(camera.grid + RG_GRID_X1),
+                                 rg_load_i32(camera.grid + RG_GRID_Y1)};
     try_pixel(&camera, far_corner);
     try_direction(&camera, &direction);
     const int32_t point[3] = {direction.x_q30, direction.y_q30,
