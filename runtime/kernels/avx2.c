@@ -9,7 +9,7 @@
 #include <immintrin.h>
 #include <stddef.h>
 
-#include "kernels/x86_features.h"
+#include "x86_features.h"
 
 RG_BEGIN_FEATURES("avx2")
 

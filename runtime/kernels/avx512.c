@@ -8,7 +8,7 @@
 #include <immintrin.h>
 #include <stddef.h>
 
-#include "kernels/x86_features.h"
+#include "x86_features.h"
 
 RG_BEGIN_FEATURES("avx512f,avx512bw,avx512vl,avx512dq,avx512vbmi,avx512vbmi2")
 

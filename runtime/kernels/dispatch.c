@@ -1,21 +1,6 @@
 /* The kernels that this processor has. */
+#include "kernel_name.h"
 #include "kernels/remap_dispatch.h"
-#include "rays/surface.h"
-
-static int is_same(const char* a, const char* b) {
-  while (*a && *a == *b) ++a, ++b;
-  return *a == *b;
-}
-
-rg_status rg_choose_ray_kernels(rg_camera* camera, const char* name) {
-  uint16_t surface = rg_best_surface();
-  if (name && is_same(name, "portable"))
-    surface = RG_SURFACE_PORTABLE;
-  else if (name && (surface == RG_SURFACE_PORTABLE || !is_same(name, "avx2")))
-    return RG_ERR_ARGUMENT;
-  camera->surface = surface;
-  return RG_OK;
-}
 
 #if RG_CHOOSE_KERNELS
 
@@ -24,7 +9,7 @@ static const rg_kernels kPortable = {
 
 #if defined(__x86_64__)
 
-#include "kernels/x86_features.h"
+#include "x86_features.h"
 
 static const rg_kernels kSse4 = {
     "sse4",
@@ -78,15 +63,16 @@ static const rg_kernels kRvv = {
 
 const rg_kernels* rg_find_kernels(const char* name) {
 #if defined(__x86_64__)
-  if ((!name || is_same(name, kAvx512.name)) && has_avx512()) return &kAvx512;
-  if ((!name || is_same(name, kAvx2.name)) && rg_has_avx2()) return &kAvx2;
-  if ((!name || is_same(name, kSse4.name)) && has_sse4()) return &kSse4;
+  if ((!name || rg_is_name(name, kAvx512.name)) && has_avx512())
+    return &kAvx512;
+  if ((!name || rg_is_name(name, kAvx2.name)) && rg_has_avx2()) return &kAvx2;
+  if ((!name || rg_is_name(name, kSse4.name)) && has_sse4()) return &kSse4;
 #elif defined(__aarch64__) || defined(__ARM_NEON)
-  if (!name || is_same(name, kNeon.name)) return &kNeon;
+  if (!name || rg_is_name(name, kNeon.name)) return &kNeon;
 #elif RG_HAVE_RVV
-  if (!name || is_same(name, kRvv.name)) return &kRvv;
+  if (!name || rg_is_name(name, kRvv.name)) return &kRvv;
 #endif
-  return !name || is_same(name, kPortable.name) ? &kPortable : 0;
+  return !name || rg_is_name(name, kPortable.name) ? &kPortable : 0;
 }
 
 #else

@@ -8,7 +8,7 @@
 #include <smmintrin.h>
 #include <stddef.h>
 
-#include "kernels/x86_features.h"
+#include "x86_features.h"
 
 RG_BEGIN_FEATURES("sse4.1")
 

@@ -2,7 +2,7 @@
 #include "bytes.h"
 #include "fixed_point.h"
 #include "raygrid.h"
-#include "rays/surface.h"
+#include "rays/surface_choice.h"
 #include "rg_blob.h"
 
 /* Fails to compile if the handle outgrows what raygrid.h promises. */

@@ -2,7 +2,7 @@
  * spline surface with the inverse grid's derivative. Pairs are x, y. */
 #include "bytes.h"
 #include "fixed_point.h"
-#include "rays/surface.h"
+#include "rays/surface_choice.h"
 #include "rg_blob.h"
 
 /* The first step may be as long as this, and so far outside the area may the

@@ -86,45 +86,4 @@ static RG_INLINE int32_t rg_evaluate_plane(const uint8_t* plane,
 void rg_find_slopes(const uint8_t* inverse, const rg_place* place,
                     int32_t slopes_q5[2][2]);
 
-/* ---- Of a camera, with its kernels -------------------------------------- */
-
-#define RG_SURFACE_PORTABLE 0
-#define RG_SURFACE_AVX2 1
-
-rg_status rg_find_place_avx2(const uint8_t* grid, int32_t x, int32_t y,
-                             rg_place* place);
-void rg_find_slopes_avx2(const uint8_t* inverse, const rg_place* place,
-                         int32_t slopes_q5[2][2]);
-
-/* The fastest. */
-#if RG_CHOOSE_SURFACE
-uint16_t rg_best_surface(void);
-#else
-static inline uint16_t rg_best_surface(void) { return RG_SURFACE_PORTABLE; }
-#endif
-
-/* rg_find_place() in one of the camera's grids. */
-static RG_INLINE rg_status rg_find_in_grid(const rg_camera* camera,
-                                           const uint8_t* grid, int32_t x,
-                                           int32_t y, rg_place* place) {
-#if RG_CHOOSE_SURFACE
-  if (camera->surface == RG_SURFACE_AVX2)
-    return rg_find_place_avx2(grid, x, y, place);
-#endif
-  (void)camera;
-  return rg_find_place(grid, x, y, place);
-}
-
-static RG_INLINE void rg_find_inverse_slopes(const rg_camera* camera,
-                                             const rg_place* place,
-                                             int32_t slopes_q5[2][2]) {
-#if RG_CHOOSE_SURFACE
-  if (camera->surface == RG_SURFACE_AVX2) {
-    rg_find_slopes_avx2(camera->inverse, place, slopes_q5);
-    return;
-  }
-#endif
-  rg_find_slopes(camera->inverse, place, slopes_q5);
-}
-
 #endif /* RAYGRID_SURFACE_H */

@@ -3,7 +3,7 @@
 #include "bytes.h"
 #include "fixed_point.h"
 #include "raygrid.h"
-#include "rays/surface.h"
+#include "rays/surface_choice.h"
 
 /* rg_direction_of(), once where size matters. */
 static RG_SHARED void find_direction(int32_t a_q27, int32_t b_q27,

@@ -6,7 +6,7 @@
 #include "crc32.h"
 #include "golden_blobs.h"
 #include "raygrid.h"
-#include "rays/surface.h"
+#include "rays/surface_choice.h"
 #include "test_frame.h"
 #include "unit_test.h"
 

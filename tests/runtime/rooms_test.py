@@ -14,8 +14,6 @@ ALLOWED = {
 EXCEPTIONS = {
     "frames/remap_parts.c": {"cortex_m/grey_row_thumb2.h"},
     "kernels/avx512.c": {"frames/remap_blocks.h"},
-    "kernels/dispatch.c": {"rays/surface.h"},
-    "kernels/surface_avx2.c": {"rays/surface.h"},
 }
 
 

@@ -2,7 +2,7 @@
  * code: grids with any control points, even such that no camera has. */
 #include <string.h>
 
-#include "rays/surface.h"
+#include "rays/surface_choice.h"
 #include "rg_blob.h"
 #include "test_frame.h"
 #include "unit_test.h"

@@ -1,19 +1,17 @@
 /* rg_find_place() and rg_find_slopes(), both coordinates of several control
  * points at once. */
-#include "rays/surface.h"
+#include "rays/surface_avx2.h"
 
 #if RG_CHOOSE_SURFACE
 
 #include <immintrin.h>
 
 #include "bytes.h"
-#include "kernels/x86_features.h"
 #include "rg_blob.h"
+#include "x86_features.h"
 
 /* In front of all that is compiled for AVX2. */
-uint16_t rg_best_surface(void) {
-  return rg_has_avx2() ? RG_SURFACE_AVX2 : RG_SURFACE_PORTABLE;
-}
+int rg_has_avx2_surface(void) { return rg_has_avx2(); }
 
 RG_BEGIN_FEATURES("avx2")
 
@@ -117,11 +115,13 @@ INLINE __m128i sum_residuals(const uint8_t* residuals, uint32_t row_bytes,
 /* The value at a place of a grid with control points of 16 bits. */
 INLINE __m128i find_narrow_value(const uint8_t* grid, const rg_place* place,
                                  const weights* w) {
-  const uint8_t* const plane = grid + rg_load_u32(grid + 32);
-  const int shift = rg_load_u16(grid + 30) - 13; /* from 2^14 to q27 */
+  const uint8_t* const plane = grid + rg_load_u32(grid + RG_GRID_DATA_OFFSET);
+  const int shift =
+      rg_load_u16(grid + RG_GRID_FRACTION_BITS) - 13; /* from 2^14 to q27 */
   const __m128i sums = _mm_add_epi32(
-      sum_residuals(plane + RG_NARROW_PLANE_SIZE + 4 * place->first,
-                    4u * rg_load_u16(grid + 16), w),
+      sum_residuals(
+          plane + RG_NARROW_PLANE_SIZE + RG_NARROW_POINT_SIZE * place->first,
+          RG_NARROW_POINT_SIZE * rg_load_u16(grid + RG_GRID_COLUMNS), w),
       _mm_set1_epi32(1 << (shift - 1)));
   const __m128i value =
       _mm_insert_epi32(_mm_cvtsi32_si128(rg_evaluate_plane(plane, place)),
@@ -134,9 +134,11 @@ rg_status rg_find_place_avx2(const uint8_t* grid, int32_t x, int32_t y,
   if (!rg_find_cells(grid, x, y, place)) return RG_ERR_OUTSIDE_AREA;
   const weights w = find_weights(place);
   const __m128i value =
-      rg_load_u16(grid + 30) == RG_CONTROL_POINT_BITS
-          ? sum_points(grid + rg_load_u32(grid + 32) + 8 * place->first,
-                       8u * rg_load_u16(grid + 16), &w)
+      rg_load_u16(grid + RG_GRID_FRACTION_BITS) == RG_CONTROL_POINT_BITS
+          ? sum_points(
+                grid + rg_load_u32(grid + RG_GRID_DATA_OFFSET) +
+                    RG_CONTROL_POINT_SIZE * place->first,
+                RG_CONTROL_POINT_SIZE * rg_load_u16(grid + RG_GRID_COLUMNS), &w)
           : find_narrow_value(grid, place, &w);
   _mm_storel_epi64((__m128i*)place->value.q27, value);
   return RG_OK;
@@ -160,33 +162,42 @@ INLINE __m128i blend_knots(__m128i above, __m128i below, __m128i w_above,
 
 void rg_find_slopes_avx2(const uint8_t* inverse, const rg_place* place,
                          int32_t slopes_q5[2][2]) {
-  const uint8_t* const plane = inverse + rg_load_u32(inverse + 32);
-  const uint32_t row_bytes = 4u * rg_load_u16(inverse + 16);
-  const uint8_t* const first = plane + RG_NARROW_PLANE_SIZE + 4 * place->first;
+  const uint8_t* const plane =
+      inverse + rg_load_u32(inverse + RG_INVERSE_DATA_OFFSET);
+  const uint32_t row_bytes =
+      RG_NARROW_POINT_SIZE * rg_load_u16(inverse + RG_INVERSE_COLUMNS);
+  const uint8_t* const first =
+      plane + RG_NARROW_PLANE_SIZE + RG_NARROW_POINT_SIZE * place->first;
   const uint8_t* const second = first + row_bytes;
   const uint8_t* const third = second + row_bytes;
-  const int shift = rg_load_u16(inverse + 30) - (int)RG_NARROW_MIN_BITS;
+  const int shift =
+      rg_load_u16(inverse + RG_INVERSE_FRACTION_BITS) - (int)RG_NARROW_MIN_BITS;
   const int x_q7 = place->t_q30[0] >> 23;
   const int y_q7 = place->t_q30[1] >> 23;
   const __m128i left_right = _mm_setr_epi32(128 - x_q7, 128 - x_q7, x_q7, x_q7);
   const __m128i w_above =
       _mm_mullo_epi32(left_right, _mm_set1_epi32(128 - y_q7));
   const __m128i w_below = _mm_mullo_epi32(left_right, _mm_set1_epi32(y_q7));
-  const __m128i across = blend_knots(
-      _mm_sub_epi32(load_two(second + 8), load_two(second)),
-      _mm_sub_epi32(load_two(third + 8), load_two(third)), w_above, w_below);
+  const __m128i across =
+      blend_knots(_mm_sub_epi32(load_two(second + 2 * RG_NARROW_POINT_SIZE),
+                                load_two(second)),
+                  _mm_sub_epi32(load_two(third + 2 * RG_NARROW_POINT_SIZE),
+                                load_two(third)),
+                  w_above, w_below);
   const __m128i down = blend_knots(
-      _mm_sub_epi32(load_two(third + 4), load_two(first + 4)),
-      _mm_sub_epi32(load_two(third + row_bytes + 4), load_two(second + 4)),
+      _mm_sub_epi32(load_two(third + RG_NARROW_POINT_SIZE),
+                    load_two(first + RG_NARROW_POINT_SIZE)),
+      _mm_sub_epi32(load_two(third + row_bytes + RG_NARROW_POINT_SIZE),
+                    load_two(second + RG_NARROW_POINT_SIZE)),
       w_above, w_below);
   /* The steps of the plane follow each other, too. */
-  const __m128i slopes =
-      _mm_add_epi32(_mm_loadu_si128((const __m128i*)(plane + 8)),
-                    _mm_sra_epi32(_mm_unpacklo_epi64(across, down),
-                                  _mm_cvtsi32_si128(shift)));
+  const __m128i slopes = _mm_add_epi32(
+      _mm_loadu_si128((const __m128i*)(plane + RG_PLANE_COLUMN_STEP)),
+      _mm_sra_epi32(_mm_unpacklo_epi64(across, down),
+                    _mm_cvtsi32_si128(shift)));
   const __m128i scale_q20 =
-      _mm_set_epi64x((int64_t)(rg_load_u32(inverse + 24) >> 1),
-                     (int64_t)(rg_load_u32(inverse + 20) >> 1));
+      _mm_set_epi64x((int64_t)(rg_load_u32(inverse + RG_INVERSE_SCALE_B) >> 1),
+                     (int64_t)(rg_load_u32(inverse + RG_INVERSE_SCALE_A) >> 1));
   const __m128i half = _mm_set1_epi64x(INT64_C(0x80000000));
   const __m128i a = _mm_mul_epi32(slopes, scale_q20);
   const __m128i b = _mm_mul_epi32(_mm_srli_epi64(slopes, 32), scale_q20);
