@@ -3,7 +3,7 @@
  * | switch                  | says                                | set by    |
  * |-------------------------|-------------------------------------|-----------|
  * | RG_PORTABLE_KERNELS     | only portable kernels are compiled  | you       |
- * | RG_KEEP_LINES           | the fast walk, not the small one    | you, or   |
+ * | RG_FAST_WALK            | the fast walk, not the small one    | you, or   |
  * |                         |                                     | the target|
  * | RG_MULTIPLY_IN_PARTS    | products of 64 bits from halves     | you, or   |
  * |                         | (formats/wide_multiply.h)           | the target|
@@ -20,6 +20,7 @@
  * | RG_GREY_ROW_IN_ASSEMBLER| cortex_m/grey_row_thumb2.h          | the above |
  * | RG_CHOOSE_KERNELS       | the program chooses when it runs    | the above |
  * | RG_CHOOSE_SURFACE       | so it does for rays, with AVX2      | the above |
+ * | RG_HAS_PART_KERNELS     | kernels that take several parts     | the above |
  * | RG_HAS_TILES            | kernels/tiles.c                     | the above |
  *
  * "You" give it to the compiler of all files: -DRG_PORTABLE_KERNELS=1. A frame
@@ -38,13 +39,13 @@
 /* The fast walk wants large stacks: it keeps what a block's parts have in
  * common from one to the next, and computes both coordinates of two positions
  * together. */
-#if !defined(RG_KEEP_LINES)
+#if !defined(RG_FAST_WALK)
 #if defined(__GNUC__) &&                                            \
     (defined(__linux__) || defined(__LP64__) || defined(_WIN64)) && \
     (!defined(__x86_64__) || defined(__SSE2__))
-#define RG_KEEP_LINES 1
+#define RG_FAST_WALK 1
 #else
-#define RG_KEEP_LINES 0
+#define RG_FAST_WALK 0
 #endif
 #endif
 
@@ -115,7 +116,7 @@
 #endif
 
 /* Helium is faster without it where there are no bends. */
-#if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_KEEP_LINES && !RG_HAVE_HELIUM
+#if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_FAST_WALK && !RG_HAVE_HELIUM
 #define RG_CORNERS_IN_ASSEMBLER 1
 #else
 #define RG_CORNERS_IN_ASSEMBLER 0
@@ -130,8 +131,8 @@
 
 /* GCC 11 is the first one whose asm goto has results. All registers are used.
  */
-#if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_KEEP_LINES && \
-    !RG_ALL_BUILT_IN && defined(__ARM_FEATURE_UNALIGNED) &&  \
+#if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_FAST_WALK && \
+    !RG_ALL_BUILT_IN && defined(__ARM_FEATURE_UNALIGNED) && \
     !RG_HAVE_FRAME_POINTER && __GNUC__ >= 11
 #define RG_GREY_ROW_IN_ASSEMBLER 1
 #else
@@ -140,13 +141,21 @@
 
 /* The program chooses a kernel when it runs, if there is room for several. The
  * small walk knows no spare rows, which they read. */
-#if RG_KEEP_LINES && !RG_PORTABLE_KERNELS &&                               \
+#if RG_FAST_WALK && !RG_PORTABLE_KERNELS &&                                \
     ((defined(__x86_64__) && defined(__SSE2__)) || defined(__aarch64__) || \
      (defined(__linux__) && (defined(__arm__) || defined(__riscv))))
 #define RG_CHOOSE_KERNELS 1
 #else
 #define RG_CHOOSE_KERNELS 0
 #endif
+
+/* Only the kernels of AVX-512 take several parts at once: up to so many. */
+#if RG_CHOOSE_KERNELS && defined(__x86_64__)
+#define RG_HAS_PART_KERNELS 1
+#else
+#define RG_HAS_PART_KERNELS 0
+#endif
+#define RG_PARTS_AT_ONCE 32
 
 /* Whether there is AVX2 is found out when a camera is opened. */
 #if defined(__x86_64__) && defined(__SSE2__) && defined(__GNUC__) && \

@@ -8,11 +8,11 @@
 #include <cmath>
 #include <optional>
 
+#include "cortex_m/part_corners.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
 #include "frames/lattice_map.h"
 #include "frames/pixel_formats.h"
-#include "frames/remap_table.h"
 #include "packing/node_fitting.h"
 #include "packing/remap_blocks.h"
 #include "packing/source_map.h"
@@ -228,12 +228,12 @@ class TableErrors {
   void ForParts(int j, const Visit& visit) const {
     const auto* section = reinterpret_cast<const uint8_t*>(words_.data());
     const int log2 = blocks_.layout.SmallestLog2();
-    rg_block_walk walk;
-    rg_start_walk(section, log2, log2, j, &walk);
+    rg_part_row parts;
+    rg_start_part_row(section, log2, log2, j, &parts);
     for (int x = 0; x < map_.width; x += part_) {
       rg_block block;
-      rg_next_block(&walk, &block);
-      if (!walk.is_empty) visit(x, block);
+      rg_next_block(&parts, &block);
+      if (!parts.is_empty) visit(x, block);
     }
   }
 
@@ -365,12 +365,12 @@ double WorstOfChroma(const SourceMap& map, const std::vector<uint32_t>& words,
   const int part_height = 1 << height_log2;
   std::vector<double> worst((map.height + part_height - 1) / part_height, 0);
   ParallelFor(static_cast<int>(worst.size()), num_threads, [&](int j) {
-    rg_block_walk walk;
-    rg_start_walk(section, width_log2, height_log2, j, &walk);
+    rg_part_row parts;
+    rg_start_part_row(section, width_log2, height_log2, j, &parts);
     for (int x0 = 0; x0 < map.width; x0 += 1 << width_log2) {
       rg_block block;
-      rg_next_block(&walk, &block);
-      if (walk.is_empty) continue;
+      rg_next_block(&parts, &block);
+      if (parts.is_empty) continue;
       rg_lattice_block(&lattice, &block);
       for (int r = 0; r < 1 << block.height_log2; ++r) {
         rg_block_row row;

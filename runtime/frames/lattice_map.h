@@ -5,8 +5,9 @@
 
 #include <stdint.h>
 
-#include "frames/pixel_formats.h"
-#include "frames/remap_table.h"
+#include "bytes.h"
+#include "kernels/block.h"
+#include "kernels/samples.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -51,52 +52,6 @@ void rg_move_corners(const rg_lattice* lattice, uint32_t part_width_log2,
 
 /* The corners of a part, as the lattice has them, and the part's size. */
 void rg_lattice_block(const rg_lattice* lattice, rg_block* block);
-
-#if RG_KEEP_LINES
-
-/* The change that a lattice makes to corners of parts: rg_lattice_block(). */
-typedef struct rg_lattice_lanes {
-  rg_lanes offset, is_coarse; /* of a coordinate: half pixels; all bits where
-                                 the lattice has fewer pixels */
-  int32_t half[2], shift;
-} rg_lattice_lanes;
-
-static RG_INLINE rg_lattice_lanes
-rg_find_lattice_lanes(const rg_lattice* lattice, uint32_t part_width_log2) {
-  const rg_lattice_lanes found = {
-      rg_twice(lattice->half[0] * 2048, lattice->half[1] * 2048),
-      rg_twice(-(int32_t)lattice->log2[0], -(int32_t)lattice->log2[1]),
-      {lattice->half[0], lattice->half[1]},
-      (int32_t)part_width_log2 + 1};
-  return found;
-}
-
-/* The corners on a line that they are moved along, and by down. */
-static RG_INLINE rg_lanes rg_to_lattice_lanes(const rg_lattice_lanes* lattice,
-                                              rg_lanes corners, rg_lanes across,
-                                              rg_lanes down) {
-  const rg_lanes moved = across * lattice->half[0] + down * lattice->half[1];
-  const rg_lanes at = corners +
-                      ((moved + (1 << lattice->shift >> 1)) >> lattice->shift) -
-                      lattice->offset;
-  return at ^ ((at ^ ((at + 1) >> 1)) & lattice->is_coarse);
-}
-
-static RG_INLINE rg_lanes rg_edge_lanes(rg_lanes corners) {
-  const rg_lane_pairs pairs = (rg_lane_pairs)corners;
-  const rg_lane_pairs from = {pairs[0], pairs[0]};
-  const rg_lane_pairs to = {pairs[1], pairs[1]};
-  return (rg_lanes)to - (rg_lanes)from;
-}
-
-static RG_INLINE void rg_lattice_corners(const rg_lattice_lanes* lattice,
-                                         rg_lanes* upper, rg_lanes* lower) {
-  const rg_lanes down = *lower - *upper;
-  *upper = rg_to_lattice_lanes(lattice, *upper, rg_edge_lanes(*upper), down);
-  *lower = rg_to_lattice_lanes(lattice, *lower, rg_edge_lanes(*lower), down);
-}
-
-#endif
 
 static inline int32_t rg_clamp(int32_t value, int32_t min, int32_t max) {
   return value < min ? min : value > max ? max : value;

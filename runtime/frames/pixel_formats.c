@@ -126,8 +126,3 @@ uint32_t rg_plane_row_bytes(const rg_lattice* lattice, uint32_t width) {
   const uint32_t num_groups = num_samples >> kind;
   return num_groups << kind == num_samples ? num_samples + num_groups : 0;
 }
-
-void rg_put_sample(uint32_t kind, uint8_t* row, uint32_t index,
-                   uint32_t value) {
-  rg_store_sample(kind, row, index, value);
-}

@@ -2,11 +2,7 @@
 #ifndef RAYGRID_REMAP_SOURCE_ROWS_H
 #define RAYGRID_REMAP_SOURCE_ROWS_H
 
-#include "frames/remap_blocks.h"
-
-#ifdef __cplusplus
-extern "C" {
-#endif
+#include "raygrid.h"
 
 /* Whether the output has such rows, and the heights of source and output suit
  * the format.
@@ -20,14 +16,5 @@ rg_status rg_check_rows(const rg_camera* camera, rg_format format,
  */
 int32_t rg_find_source_rows(const rg_camera* camera, rg_format format,
                             uint32_t first_row, uint32_t num_rows);
-
-/* Before the first part of the job's lattice: rg_set_source(),
- * rg_start_rows(). */
-void rg_start_lattice(rg_remap_job* job, const rg_camera* camera,
-                      uint32_t first_row, uint32_t num_rows);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* RAYGRID_REMAP_SOURCE_ROWS_H */

@@ -2,7 +2,7 @@
  * by table lookup: the pixels of a segment read at most 16 contiguous bytes of
  * each of three rows, so that byte shuffles take the place of a gather.
  * Elsewhere each pixel's samples are loaded by themselves. */
-#include "kernels/remap_dispatch.h"
+#include "kernels/kernel.h"
 
 #if RG_CHOOSE_KERNELS && defined(__x86_64__)
 

@@ -1,7 +1,7 @@
 /* Bilinear blending by lookups in tables of 128 bytes: pixels of neighbouring
  * rows, 32 samples in lanes of 16 bits, find their source in a box of bytes in
  * two registers. Where they need a larger box, the AVX2 kernels take over. */
-#include "frames/remap_blocks.h"
+#include "kernels/kernel.h"
 
 #if RG_CHOOSE_KERNELS && defined(__x86_64__)
 
@@ -130,17 +130,22 @@ INLINE __m512i round_shift(__m512i value, uint32_t log2, layout l) {
       _mm512_set1_epi32((int32_t)log2));
 }
 
+/* The positions at p and behind it: x, y, x, y. */
+INLINE __m128i load_positions(const rg_position* p) {
+  return _mm_loadu_si128((const __m128i*)(const void*)p);
+}
+
 /* Position k of two. */
-INLINE __m512i spread(rg_lanes two, int32_t k) {
+INLINE __m512i spread(__m128i two, int32_t k) {
   const dwords_16 lanes = (dword_numbers() >> 3) + 2 * (uint32_t)k;
-  return _mm512_permutexvar_epi32((__m512i)lanes,
-                                  _mm512_castsi128_si512((__m128i)two));
+  return _mm512_permutexvar_epi32((__m512i)lanes, _mm512_castsi128_si512(two));
 }
 
 /* The points where rows r of the block meet the left (0) or right (1) edge. */
-INLINE __m512i find_edge(const rg_run* run, rg_lanes upper, rg_lanes lower,
+INLINE __m512i find_edge(const rg_run* run, __m128i upper, __m128i lower,
                          int32_t k, __m512i r, layout l) {
-  const __m512i down = _mm512_mullo_epi32(spread(lower - upper, k), r);
+  const __m512i down =
+      _mm512_mullo_epi32(spread(_mm_sub_epi32(lower, upper), k), r);
   return _mm512_add_epi32(spread(upper, k),
                           round_shift(down, run->block.height_log2, l));
 }
@@ -153,8 +158,8 @@ INLINE tile find_tile(const rg_run* run, uint32_t t, layout l) {
     r = _mm512_min_epi32(r, _mm512_set1_epi32(run->num_rows - 1));
     r = _mm512_add_epi32(r, _mm512_set1_epi32(run->first_row));
   }
-  rg_lanes upper, lower;
-  rg_load_corners(run->block.corners, &upper, &lower);
+  const __m128i upper = load_positions(run->block.corners);
+  const __m128i lower = load_positions(run->block.corners + 2);
   const __m512i left = find_edge(run, upper, lower, 0, r, l);
   const __m512i right = find_edge(run, upper, lower, 1, r, l);
   const rg_position origin = {{16, -4096 * run->first_source_row}};
@@ -587,34 +592,36 @@ INLINE void blend(const rg_run* run, uint32_t channels, rg_blend* other) {
 }
 
 /* A part is a tile. */
-INLINE int blend_parts(rg_remap_job* job, uint32_t channels, rg_blend* other) {
+INLINE void blend_parts(const rg_run* first, const rg_position (*corners)[4],
+                        uint32_t num_parts, uint32_t channels,
+                        rg_blend* other) {
   const layout l = {channels, 1};
-  rg_remap_job own = *job; /* which no byte that is stored can be part of */
+  rg_run run = *first; /* which no byte that is stored can be part of */
   const fills* f = &kFills;
   __asm__("" : "+r"(f));
-  const source_steps s = find_source_steps(&own.run, l);
-  tile_output to = {0, own.run.out_stride, TILE_ROWS, 1, 1, 0};
-  int is_next;
-  while ((is_next = rg_next_whole_part(&own)) && rg_is_part_safe(&own)) {
-    const tile rows = find_tile(&own.run, 0, l);
+  const source_steps s = find_source_steps(&run, l);
+  tile_output to = {
+      run.out + run.out_pixel * channels, run.out_stride, TILE_ROWS, 1, 1, 0};
+  for (; num_parts != 0; --num_parts, ++corners) {
+    memcpy(run.block.corners, *corners, sizeof(run.block.corners));
+    const tile rows = find_tile(&run, 0, l);
     const tile_row row = find_tile_row(rows.step, TILE_PIXELS, l);
-    to.out = own.run.out + own.run.out_pixel * channels;
-    if (own.run.stride > MAX_STRIDE ||
-        !blend_tile(own.run.data, &s, rows.start, &row, &to, l, f)) {
-      const rg_run run = own.run;
+    if (run.stride > MAX_STRIDE ||
+        !blend_tile(run.data, &s, rows.start, &row, &to, l, f))
       other(&run);
-    }
+    run.out_pixel = (uint16_t)(run.out_pixel + TILE_PIXELS);
+    to.out += TILE_PIXELS * channels;
   }
-  *job = own;
-  return is_next;
 }
 
-#define KERNELS(channels)                                          \
-  void rg_blend_##channels##_avx512(const rg_run* run) {           \
-    blend(run, channels, rg_blend_##channels##_avx2);              \
-  }                                                                \
-  int rg_blend_parts_##channels##_avx512(rg_remap_job* job) {      \
-    return blend_parts(job, channels, rg_blend_##channels##_avx2); \
+#define KERNELS(channels)                                                      \
+  void rg_blend_##channels##_avx512(const rg_run* run) {                       \
+    blend(run, channels, rg_blend_##channels##_avx2);                          \
+  }                                                                            \
+  void rg_blend_parts_##channels##_avx512(                                     \
+      const rg_run* run, const rg_position(*corners)[4], uint32_t num_parts) { \
+    blend_parts(run, corners, num_parts, channels,                             \
+                rg_blend_##channels##_avx2);                                   \
   }
 KERNELS(1)
 KERNELS(2)

@@ -1,6 +1,6 @@
 /* The kernels that this processor has. */
 #include "kernel_name.h"
-#include "kernels/remap_dispatch.h"
+#include "kernels/kernel.h"
 
 #if RG_CHOOSE_KERNELS
 

@@ -4,8 +4,8 @@
 #define RAYGRID_GREY_ROW_H
 
 #include "fixed_point.h"
-#include "kernels/remap_dispatch.h"
-#include "kernels/remap_kernels.h"
+#include "kernels/blend.h"
+#include "kernels/kernel.h"
 
 /* ---- Edges --------------------------------------------------------------- */
 
@@ -199,7 +199,7 @@ static RG_INLINE int rg_has_turns(rg_blended rounding) {
 }
 
 /* Whether an odd row enters the loop at its middle. */
-#define RG_ENTERS_LOOP (!RG_IS_FAST && !RG_KEEP_LINES)
+#define RG_ENTERS_LOOP (!RG_IS_FAST && !RG_FAST_WALK)
 
 /* The rounding that a row of so many pixels begins with. */
 static RG_INLINE rg_blended rg_rounding_of(uint32_t num_pixels) {
@@ -230,14 +230,5 @@ static RG_INLINE void rg_blend_grey_row(const rg_run* run,
     rounding += RG_TURN;
   } while (rg_has_turns(rounding));
 }
-
-/* Rows that are to be done by the kernel, which begins with a rounding; or, if
- * that is 0, pixel by pixel. */
-typedef struct rg_grey_rows {
-  rg_position* corners; /* of a job's block, as edges */
-  rg_do_pixel* on_pixel;
-  rg_blended rounding;
-  uint32_t rest; /* that are not done */
-} rg_grey_rows;
 
 #endif /* RAYGRID_GREY_ROW_H */

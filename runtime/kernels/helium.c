@@ -1,7 +1,8 @@
 /* Bilinear blending by gathers of 8 pixels, of any steps whose offsets fit into
  * 16 bits. Nothing is read but the pixels' own neighbours: lanes behind the
  * last pixel are predicated away. */
-#include "kernels/remap_kernels.h"
+#include "kernels/kernel.h"
+#include "kernels/segments.h"
 
 #if RG_HAVE_HELIUM
 

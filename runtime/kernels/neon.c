@@ -1,7 +1,8 @@
 /* Bilinear blending by table lookup: 8 lanes read at most 16 contiguous bytes
  * of each of three rows (32 for three channels), so that table lookups take the
  * place of a gather. Runs with larger steps go to the portable kernels. */
-#include "kernels/remap_kernels.h"
+#include "kernels/kernel.h"
+#include "kernels/segments.h"
 
 #if defined(__aarch64__)
 

@@ -1,7 +1,8 @@
 /* Bilinear blending by table lookup on 32-bit Arm: 8 lanes of a row, whose
  * pixels read at most 16 contiguous bytes of each of three rows. Runs with
  * larger steps go to the portable kernels. */
-#include "kernels/remap_kernels.h"
+#include "kernels/kernel.h"
+#include "kernels/segments.h"
 
 #if defined(__arm__) && defined(__ARM_NEON)
 

@@ -2,11 +2,14 @@
 #include <stddef.h>
 
 #include "fixed_point.h"
+#include "kernels/blend.h"
 #include "kernels/grey_row.h"
-#include "kernels/remap_kernels.h"
+#include "kernels/kernel.h"
+#include "kernels/segments.h"
+#include "kernels/tiles.h"
 
 void rg_blend_1(const rg_run* run) {
-  if (rg_blend_tiles(run, 1)) return;
+  if (RG_HAS_TILES && rg_blend_tiles(run, 1)) return;
   uint8_t* out = run->out + run->out_pixel;
   rg_edges edges;
   rg_start_edges(run, run->block.corners->q12, edges);
@@ -23,6 +26,11 @@ void rg_blend_1(const rg_run* run) {
 
 /* ---- Any lattice ----------------------------------------------------------
  */
+
+void rg_put_sample(uint32_t kind, uint8_t* row, uint32_t index,
+                   uint32_t value) {
+  rg_store_sample(kind, row, index, value);
+}
 
 uint32_t rg_mix_samples(uint32_t kind, const rg_neighbors* at, uint32_t index) {
   return rg_blend_wide(kind, at, index);
@@ -50,69 +58,99 @@ static RG_INLINE void do_pixel(const rg_lattice* lattice, uint32_t kind,
                             : rg_blend_samples(kind, at, index));
 }
 
+/* A copy of the run, which no byte that is stored can be part of. It is made
+ * value by value, as some were stored just now, by themselves. The corners are
+ * left out. */
+static RG_INLINE void copy_run(const rg_run* run, rg_run* own) {
+  own->data = run->data;
+  own->stride = run->stride;
+  own->out_stride = run->out_stride;
+  own->out = run->out;
+  own->block.width_log2 = run->block.width_log2;
+  own->block.height_log2 = run->block.height_log2;
+  own->out_pixel = run->out_pixel;
+  own->num_rows = run->num_rows;
+  own->first_pixel = run->first_pixel;
+  own->first_source_row = run->first_source_row;
+  own->num_pixels = run->num_pixels;
+}
+
+/* Does the rows of a run, with what the compiler knows of kind, channels and
+ * is_copy: the nearest pixel is copied. */
 static RG_INLINE void do_rows(const rg_run* run, const rg_lattice* lattice,
                               uint32_t kind, uint32_t num_channels,
                               int is_copy) {
   rg_edges edges;
-#if RG_IS_FAST
-  /* A copy of the run, which no byte that is stored can be part of. It is made
-   * value by value, as some were stored just now, by themselves. */
   rg_run own;
-  own.data = run->data;
-  own.stride = run->stride;
-  own.out_stride = run->out_stride;
-  own.out = run->out;
-  own.block.width_log2 = run->block.width_log2;
-  own.block.height_log2 = run->block.height_log2;
-  own.out_pixel = run->out_pixel;
-  own.num_rows = run->num_rows;
-  own.first_pixel = run->first_pixel;
-  own.first_source_row = run->first_source_row;
-  own.num_pixels = run->num_pixels;
+  copy_run(run, &own);
   rg_start_edges(run, run->block.corners->q12, edges);
-  run = &own;
-#else
-  (void)edges;
-#endif
-  const uint32_t below = is_copy ? 0 : run->stride;
+  const uint32_t below = is_copy ? 0 : own.stride;
   rg_neighbors at;
   at.right = is_copy ? 0 : lattice->sample_step;
-  uint8_t* out = run->out;
-  uint32_t r = 0;
-  do {
+  uint8_t* out = own.out;
+  for (uint32_t r = own.num_rows; r != 0; --r, out += own.out_stride) {
     rg_block_row row;
-    if (RG_IS_FAST) {
-      rg_next_row(&run->block, edges, &row);
-    } else {
-      rg_find_block_row(&run->block, run->first_row + r, &row);
-    }
-    rg_move_to_run(run, &row);
-    if (!RG_IS_FAST)
-      kind = lattice->kind; /* read late: that takes less stack */
+    rg_next_row(&own.block, edges, &row);
+    rg_move_to_run(&own, &row);
     at.x_q12 =
         (uint32_t)row.start.q12[0] + (is_copy ? 2048 : rg_rounding(kind, 0));
     at.y_q12 =
         (uint32_t)row.start.q12[1] + (is_copy ? 2048 : rg_rounding(kind, 1));
-    for (uint32_t k = 0; k < run->num_pixels; ++k) {
-      at.upper = run->data + (size_t)(at.y_q12 >> 12) * run->stride;
+    for (uint32_t k = 0; k < own.num_pixels; ++k) {
+      at.upper = own.data + (size_t)(at.y_q12 >> 12) * own.stride;
       at.lower = at.upper + below;
-      if (RG_IS_FAST)
-        do_pixel(lattice, kind, num_channels, &at, is_copy, out,
-                 run->out_pixel + k);
-      else
-        rg_blend_pixel(lattice, &at, out, run->out_pixel + k);
+      do_pixel(lattice, kind, num_channels, &at, is_copy, out,
+               own.out_pixel + k);
       at.x_q12 += (uint32_t)row.step.q12[0];
       at.y_q12 += (uint32_t)row.step.q12[1];
     }
+  }
+}
+
+/* Coordinate c of a row's first position, rounded to the last bit that is kept;
+ * to a whole pixel if it is copied. */
+static RG_INLINE uint32_t round_start(const rg_lattice* lattice,
+                                      const rg_block_row* row, int c,
+                                      int is_copy) {
+  return (uint32_t)row->start.q12[c] +
+         (is_copy ? 2048 : rg_rounding(lattice->kind, c));
+}
+
+/* Does the rows of a run of any lattice, with little code and stack. right: the
+ * samples from a pixel to its right neighbour, or 0 if pixels are copied. */
+static RG_NOINLINE void do_rows_shortly(const rg_run* run,
+                                        const rg_lattice* lattice,
+                                        uint32_t right) {
+  rg_neighbors at;
+  rg_block_row row;
+  uint8_t* out = run->out;
+  uint32_t r = 0;
+  at.right = right;
+  do {
+    RG_IN_REGISTER(run); /* else the address of its block is in another one */
+    rg_find_block_row(&run->block, run->first_row + r, &row);
+    rg_move_to_run(run, &row);
+    at.x_q12 = round_start(lattice, &row, 0, at.right == 0);
+    at.y_q12 = round_start(lattice, &row, 1, at.right == 0);
+    uint32_t pixel = 0;
+    do {
+      at.upper = run->data + (size_t)(at.y_q12 >> 12) * run->stride;
+      at.lower = at.upper;
+      if (at.right != 0) at.lower += run->stride;
+      rg_blend_pixel(lattice, &at, out, run->out_pixel + pixel);
+      at.x_q12 += (uint32_t)row.step.q12[0];
+      at.y_q12 += (uint32_t)row.step.q12[1];
+    } while (++pixel != run->num_pixels);
     out += run->out_stride;
   } while (++r != run->num_rows);
 }
 
-/* With lattice and sampling known to the compiler, where speed matters. */
-static RG_SHARED void do_lattice(const rg_run* run, const rg_lattice* lattice,
+/* Does a run with lattice and sampling known to the compiler, where speed
+ * matters. */
+static RG_INLINE void do_lattice(const rg_run* run, const rg_lattice* lattice,
                                  int is_copy) {
   if (!RG_IS_FAST)
-    do_rows(run, lattice, lattice->kind, lattice->num_channels, is_copy);
+    do_rows_shortly(run, lattice, is_copy ? 0 : lattice->sample_step);
   else if (lattice->kind == RG_SAMPLE_8)
     do_rows(run, lattice, RG_SAMPLE_8, lattice->num_channels, is_copy);
   else
@@ -130,20 +168,24 @@ void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice) {
 }
 
 void rg_blend_2(const rg_run* run) {
-  if (!rg_blend_tiles(run, 2)) do_lattice(run, &kInterleaved[1], 0);
+  if (!RG_HAS_TILES || !rg_blend_tiles(run, 2))
+    do_lattice(run, &kInterleaved[1], 0);
 }
 
 void rg_blend_3(const rg_run* run) {
-  if (!rg_blend_tiles(run, 3)) do_lattice(run, &kInterleaved[2], 0);
+  if (!RG_HAS_TILES || !rg_blend_tiles(run, 3))
+    do_lattice(run, &kInterleaved[2], 0);
 }
 
 void rg_blend_4(const rg_run* run) {
-  if (!rg_blend_tiles(run, 4)) do_lattice(run, &kInterleaved[3], 0);
+  if (!RG_HAS_TILES || !rg_blend_tiles(run, 4))
+    do_lattice(run, &kInterleaved[3], 0);
 }
 
 void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice) {
   if (RG_IS_FAST && lattice->kind == RG_SAMPLE_8 && lattice->sample_step == 1) {
-    if (!rg_copy_tiles(run)) do_lattice(run, &kInterleaved[0], 1);
+    if (!RG_HAS_TILES || !rg_copy_tiles(run))
+      do_lattice(run, &kInterleaved[0], 1);
   } else {
     do_lattice(run, lattice, 1);
   }

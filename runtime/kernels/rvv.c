@@ -2,7 +2,8 @@
  * fit into 16 bits; version 1.0 of the vector extension, in the assembler's
  * words, as compilers have no other ones yet. Nothing is read but the pixels'
  * own neighbours. */
-#include "kernels/remap_kernels.h"
+#include "kernels/kernel.h"
+#include "kernels/segments.h"
 
 #if RG_HAVE_RVV
 

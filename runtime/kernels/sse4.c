@@ -1,7 +1,8 @@
 /* Bilinear blending by table lookup, as in avx2.c, with half its width: 8 lanes
  * of one row, whose pixels read at most 16 contiguous bytes of each of three
  * rows. Runs with larger steps go to the portable kernels. */
-#include "kernels/remap_dispatch.h"
+#include "kernels/kernel.h"
+#include "kernels/segments.h"
 
 #if RG_CHOOSE_KERNELS && defined(__x86_64__)
 

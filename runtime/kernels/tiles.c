@@ -3,9 +3,9 @@
  * than one pixel after the other. Lanes are a tile's rows, so that one sum
  * leads to the next column. Sources are counted in 16 bits from a pixel nearby.
  */
-#include <stddef.h>
+#include "kernels/tiles.h"
 
-#include "kernels/remap_kernels.h"
+#include <stddef.h>
 
 #if RG_HAS_TILES
 

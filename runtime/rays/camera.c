@@ -59,7 +59,7 @@ rg_status rg_select_remap(rg_camera* camera, uint32_t index) {
     fault = rg_check_remap(section, rg_load_u32(entry + RG_ENTRY_SIZE),
                            camera->width | (uint32_t)camera->height << 16);
     /* Elsewhere, what is done with any harms nothing. */
-    if (RG_KEEP_LINES && fault == 0) fault = rg_check_vertices(section);
+    if (RG_FAST_WALK && fault == 0) fault = rg_check_vertices(section);
     if (fault == 0) camera->remap = section;
   }
   return (rg_status)-fault;

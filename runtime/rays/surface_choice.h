@@ -5,7 +5,7 @@
 #include "rays/surface.h"
 #include "rays/surface_avx2.h"
 
-/* What rg_camera.surface says. */
+/* The values of rg_camera.surface. */
 #define RG_SURFACE_PORTABLE 0
 #define RG_SURFACE_AVX2 1
 

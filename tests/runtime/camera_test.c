@@ -3,8 +3,8 @@
 #include "blob_edit.h"
 #include "bytes.h"
 #include "example_blob.h"
-#include "raygrid.h"
 #include "fixed_point.h"
+#include "raygrid.h"
 #include "unit_test.h"
 
 static uint8_t blob[sizeof(kWideBlob)] __attribute__((aligned(4)));
@@ -102,7 +102,7 @@ static void broken_table_is_refused_when_it_is_chosen(void** state) {
   assert_int_equal(rg_select_remap(&camera, 0), RG_ERR_REMAP_SHIFT);
   assert_int_equal(open_with(VERTICES - 42, 0x7000, &camera), RG_OK);
   assert_int_equal(rg_select_remap(&camera, 0),
-                   RG_KEEP_LINES ? RG_ERR_REMAP_VERTEX : RG_OK);
+                   RG_FAST_WALK ? RG_ERR_REMAP_VERTEX : RG_OK);
 }
 
 /* A word of the wide blob's section of a type. */

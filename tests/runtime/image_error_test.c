@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "frames/remap_table.h"
+#include "cortex_m/part_corners.h"
 #include "golden_blobs.h"
 #include "raygrid.h"
 #include "rg_blob.h"
@@ -88,14 +88,14 @@ static void add_frame(const rg_camera* camera, image_error* error) {
       table.part_log2 != 0 ? table.part_log2 : table.block_log2;
   const uint32_t mask = (1u << log2) - 1;
   for (uint32_t y = 0; y < table.height; ++y) {
-    rg_block_walk walk;
+    rg_part_row parts;
     rg_block_row row;
-    memset(&walk, 0, sizeof(walk));
-    rg_start_walk(camera->remap, log2, log2, y >> log2, &walk);
+    memset(&parts, 0, sizeof(parts));
+    rg_start_part_row(camera->remap, log2, log2, y >> log2, &parts);
     for (uint32_t x = 0; x < table.width; ++x) {
       if ((x & mask) == 0) {
         rg_block block;
-        rg_next_block(&walk, &block);
+        rg_next_block(&parts, &block);
         rg_find_block_row(&block, y & mask, &row);
       }
       const uint32_t pixel = y * table.width + x;

@@ -6,10 +6,9 @@
 #if defined(__linux__)
 #define _GNU_SOURCE
 #endif
-#include "kernels/remap_kernels.h"
-
 #include <stdio.h>
 
+#include "kernels/kernel.h"
 #include "plain_remap.h"
 #include "random_tables.h"
 

@@ -37,11 +37,10 @@ endfunction()
 # The walk of small boards, in front of the library's in programs that link it.
 if(RAYGRID_HOST)
   add_library(raygrid_small_walk OBJECT)
-  foreach(source rays/camera frames/lattice_map frames/remap frames/remap_blocks
-      frames/remap_grey frames/remap_parts frames/remap_source_rows frames/remap_table
-      kernels/dispatch kernels/portable kernels/tiles cortex_m/thumb2)
+  foreach(source rays/camera frames/remap frames/remap_grey frames/remap_source_rows
+      frames/walk_fast frames/walk_small kernels/dispatch kernels/portable)
     target_sources(raygrid_small_walk PRIVATE ${PROJECT_SOURCE_DIR}/runtime/${source}.c)
   endforeach()
-  target_compile_definitions(raygrid_small_walk PUBLIC RG_KEEP_LINES=0)
+  target_compile_definitions(raygrid_small_walk PUBLIC RG_FAST_WALK=0)
   target_link_libraries(raygrid_small_walk PRIVATE raygrid_runtime raygrid_warnings)
 endif()

@@ -23,9 +23,11 @@
 
 #include "camera/opencv.h"
 #include "camera/thin_prism_fisheye.h"
+#include "cortex_m/part_corners.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "frames/lattice_map.h"
+#include "frames/pixel_formats.h"
 #include "packing/remap_fitting.h"
 #include "packing/virtual_camera.h"
 #include "raygrid.h"
@@ -117,20 +119,20 @@ cv::Mat2f Positions(const uint8_t* section, const rg_lattice& lattice,
   const int log2_x = part_log2[0] - lattice.log2[0];
   const int log2_y = part_log2[1] - lattice.log2[1];
   for (int y = 0; y < height; ++y) {
-    rg_block_walk walk;
-    rg_start_walk(section, part_log2[0], part_log2[1], y >> log2_y, &walk);
+    rg_part_row parts;
+    rg_start_part_row(section, part_log2[0], part_log2[1], y >> log2_y, &parts);
     rg_block_row row;
     for (int x = 0; x < width; ++x) {
       const int in_block = x & ((1 << log2_x) - 1);
       if (in_block == 0) {
         rg_block block;
-        rg_next_block(&walk, &block);
+        rg_next_block(&parts, &block);
         rg_lattice_block(&lattice, &block);
         rg_find_block_row(&block, y & ((1 << log2_y) - 1), &row);
       }
       const rg_position p = rg_row_position(&row, in_block);
       const bool valid =
-          !walk.is_empty &&
+          !parts.is_empty &&
           rg_clamp(p.q12[0], range_x.min_q12, range_x.max_q12) == p.q12[0] &&
           rg_clamp(p.q12[1], range_y.min_q12, range_y.max_q12) == p.q12[1];
       positions(y, x) = valid ? cv::Vec2f(p.q12[0] / 4096.f, p.q12[1] / 4096.f)

@@ -11,7 +11,7 @@
 #include "camera/central_generic.h"
 #include "camera/opencv.h"
 #include "camera/thin_prism_fisheye.h"
-#include "frames/remap_table.h"
+#include "cortex_m/part_corners.h"
 #include "packing/virtual_camera.h"
 #include "support.h"
 
@@ -137,23 +137,23 @@ double WorstError(const CameraModel& camera, const VirtualCamera& target,
   const Area image = WholeImage(camera.image_size());
   double worst = 0;
   for (int y = 0; y < target.size.height; ++y) {
-    rg_block_walk walk;
-    rg_start_walk(bytes, log2, log2, y >> log2, &walk);
+    rg_part_row parts;
+    rg_start_part_row(bytes, log2, log2, y >> log2, &parts);
     rg_block block;
     std::optional<Eigen::Vector2d> exact;
     for (int x = 0; x < target.size.width; ++x) {
-      if (x % part == 0) rg_next_block(&walk, &block);
+      if (x % part == 0) rg_next_block(&parts, &block);
       rg_block_row row;
       rg_find_block_row(&block, y % part, &row);
       const rg_position p = rg_row_position(&row, x % part);
       const Eigen::Vector2d position(p.q12[0] / 4096.0, p.q12[1] / 4096.0);
-      const bool is_taken = !walk.is_empty && image.Contains(position);
+      const bool is_taken = !parts.is_empty && image.Contains(position);
       exact = camera.Project(target.Direction({x, y}),
                              exact ? &*exact : nullptr, 1.5);
       if (!is_taken && !(exact && image.Contains(*exact))) continue;
       worst =
-          std::max(worst, exact && !walk.is_empty ? (position - *exact).norm()
-                                                  : INFINITY);
+          std::max(worst, exact && !parts.is_empty ? (position - *exact).norm()
+                                                   : INFINITY);
     }
   }
   return worst;

@@ -1,6 +1,6 @@
 /* The corners of parts on Cortex-M with the DSP extension, where size matters.
  */
-#include "frames/remap_table.h"
+#include "cortex_m/part_corners.h"
 
 #if RG_CORNERS_IN_ASSEMBLER
 
@@ -9,13 +9,13 @@
 /* formats/SPEC.md, "Bends", with t = k / 2^n and bends times 2^n:
  *     along(A, Z, b, t) = A + round(t (Z - A + b (1 - t)))
  * r7 may be the frame pointer. */
-void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
+void rg_next_corners_in_thumb2(rg_part_row* parts, rg_position corners[4]) {
   /* For these, no register is left. */
-  rg_block_walk* kept = walk;
+  rg_part_row* kept = parts;
   rg_position* corner = corners;
   const uint8_t* above;
   uint32_t vertex_size;
-  register rg_block_walk* r0 __asm__("r0") = walk;
+  register rg_part_row* r0 __asm__("r0") = parts;
   __asm__ volatile(
       /* i, j, and sizes of a vertex and of a row of them: r10 */
       "ldr r2, [r0]\n\t"
@@ -152,11 +152,11 @@ void rg_next_corners(rg_block_walk* walk, rg_position corners[4]) {
       "7:"
       : [walk] "+m"(kept), [corner] "+m"(corner), [above] "=m"(above),
         [vertex_size] "=m"(vertex_size), "+r"(r0)
-      : [is_empty] "i"(offsetof(rg_block_walk, is_empty)),
-        [bend_shift] "i"(offsetof(rg_block_walk, bend_shift)),
-        [num_log2] "i"(offsetof(rg_block_walk, num_log2)),
-        [across] "i"(offsetof(rg_block_walk, spans)),
-        [down] "i"(offsetof(rg_block_walk, spans) + sizeof(rg_span))
+      : [is_empty] "i"(offsetof(rg_part_row, is_empty)),
+        [bend_shift] "i"(offsetof(rg_part_row, bend_shift)),
+        [num_log2] "i"(offsetof(rg_part_row, num_log2)),
+        [across] "i"(offsetof(rg_part_row, spans)),
+        [down] "i"(offsetof(rg_part_row, spans) + sizeof(rg_span))
       : "r1", "r2", "r3", "r4", "r5", "r6", "r8", "r9", "r10", "r11", "r12",
         "lr", "cc", "memory");
   r0->spans[0].before += r0->spans[0].size;

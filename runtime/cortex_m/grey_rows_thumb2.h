@@ -1,15 +1,14 @@
-/* The next row of the small walk for Thumb-2 with the DSP extension: compilers
- * would not keep in registers what a row needs. */
-#ifndef RAYGRID_GREY_ROW_THUMB2_H
-#define RAYGRID_GREY_ROW_THUMB2_H
+/* The rows of a part of a grey frame for Thumb-2 with the DSP extension:
+ * compilers would not keep in registers what a row needs. cortex_m/grey_rows.h.
+ */
+#ifndef RAYGRID_GREY_ROWS_THUMB2_H
+#define RAYGRID_GREY_ROWS_THUMB2_H
 
 #include <stddef.h>
 
-#include "frames/remap_blocks.h"
-#include "kernels/grey_row.h"
+#include "cortex_m/grey_rows_c.h"
 
 #if RG_GREY_ROW_IN_ASSEMBLER
-
 /* x is mirrored, 4079 - x = 4095 - (x + 16): its fraction is the left samples'
  * weight less one. upper is data + row stride + column; then
  *   pixels = upper[0], upper[1], lower[0], lower[1]
@@ -43,11 +42,12 @@
 /* A row of n pixels takes half of them, rounded up, as turns, which are counted
  * in the upper four bits; the one below them says that n is odd: the first turn
  * is half a one then. */
-static RG_INLINE rg_blended rg_first_rounding(const rg_run* run) {
+static RG_INLINE rg_blended rg_first_rounding_in_thumb2(const rg_run* run) {
   return RG_ROUNDING_8 - ((uint32_t)run->num_pixels << 27);
 }
 
-static RG_INLINE int rg_do_grey_rows(rg_grey_rows* rows, rg_block_row* row) {
+static RG_INLINE int rg_do_grey_rows_in_thumb2(rg_grey_rows* rows,
+                                               rg_block_row* row) {
   register int32_t x __asm__("r0");
   register int32_t y __asm__("r1");
   register int32_t step_x __asm__("r2");
@@ -116,4 +116,4 @@ is_apart:
 
 #endif /* RG_GREY_ROW_IN_ASSEMBLER */
 
-#endif /* RAYGRID_GREY_ROW_THUMB2_H */
+#endif /* RAYGRID_GREY_ROWS_THUMB2_H */

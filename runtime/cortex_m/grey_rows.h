@@ -1,0 +1,19 @@
+/* The rows of a part of a grey frame, one after the other: done by the kernel,
+ * or found for pixels that are done one by one. In C (grey_rows_c.h), and for
+ * Thumb-2 in assembler (grey_rows_thumb2.h). */
+#ifndef RAYGRID_GREY_ROWS_H
+#define RAYGRID_GREY_ROWS_H
+
+#include "config.h"
+#include "cortex_m/grey_rows_c.h"
+#include "cortex_m/grey_rows_thumb2.h"
+
+#if RG_GREY_ROW_IN_ASSEMBLER
+#define RG_FIRST_ROUNDING rg_first_rounding_in_thumb2
+#define RG_DO_GREY_ROWS rg_do_grey_rows_in_thumb2
+#else
+#define RG_FIRST_ROUNDING rg_first_rounding_in_c
+#define RG_DO_GREY_ROWS rg_do_grey_rows_in_c
+#endif
+
+#endif /* RAYGRID_GREY_ROWS_H */

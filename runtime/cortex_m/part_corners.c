@@ -1,0 +1,93 @@
+#include "cortex_m/part_corners.h"
+
+/* In place of an edge's ends, those of the part at a place. SPEC.md, "Bends",
+ * along(), with eight for 2^n: k is multiplied by what makes it so. bend is b
+ * times 4 2^n; modulo 2^32. */
+static RG_NOINLINE void cut_edge(int32_t* from, int32_t* to, int32_t bend,
+                                 const rg_span* span) {
+  const uint32_t first = (uint32_t)*from, line = (uint32_t)*to - first;
+  uint32_t k = span->before << 16 >> 29;
+  for (;;) {
+    const int32_t aside = bend * (int32_t)(8 - k) >> 5;
+    const uint32_t sum = (line + (uint32_t)aside) * k;
+    *from = rg_add((int32_t)first, (int32_t)(sum + 4) >> 3);
+    if (from == to) break;
+    from = to;
+    k += span->size >> 13;
+  }
+}
+
+static int32_t load_bend(const uint8_t* byte, uint32_t shift) {
+  return (int32_t)(int8_t)*byte * (1 << shift);
+}
+
+/* A coordinate of the part's corners: from corner on, every other one; vertex
+ * is the block's upper left one's number. */
+static RG_INLINE void find_axis(const rg_part_row* parts, uint32_t c,
+                                uint32_t vertex, int32_t* corner) {
+  const uint8_t* const section = parts->section;
+  const uint32_t size = rg_vertex_size(section);
+  const uint8_t* const affine = section + 4 * c;
+  const uint8_t* above =
+      section + rg_load_u32(section + 76) + vertex * size + c;
+  const uint8_t* below = above + rg_load_u16(section + 4) * size;
+  const uint32_t row_step = rg_load_u32(affine + 44);
+  uint32_t plane = rg_load_u32(affine + 28) +
+                   (parts->spans[0].before >> 16) * rg_load_u32(affine + 36) +
+                   (parts->spans[1].before >> 16) * row_step;
+  const uint32_t bend_shift = parts->bend_shift;
+  int32_t bends[2];
+  for (uint32_t side = 0; side < 2; ++side, corner += 2) {
+    const uint32_t shift = section[9];
+    const uint32_t upper = (uint32_t)rg_load_i16(above + c) << shift;
+    const uint32_t lower = (uint32_t)rg_load_i16(below + c) << shift;
+    corner[0] = (int32_t)(plane + upper);
+    corner[4] = (int32_t)(plane + row_step + lower);
+    plane += rg_load_u32(affine + 36);
+    if (size == RG_BENT_VERTEX_SIZE) {
+      cut_edge(&corner[0], &corner[4],
+               load_bend(below + RG_UPPER_BEND, bend_shift + parts->num_log2),
+               &parts->spans[1]);
+      bends[0] = load_bend(above + RG_LEFT_BEND, bend_shift);
+      bends[1] = load_bend(below + RG_LEFT_BEND, bend_shift);
+    }
+    above += size;
+    below += size;
+  }
+  if (size != RG_BENT_VERTEX_SIZE) return; /* the block is the part */
+  cut_edge(&bends[0], &bends[1], 0, &parts->spans[1]);
+  const int32_t num = 1 << parts->num_log2;
+  corner -= 4;
+  cut_edge(&corner[0], &corner[2], bends[0] * num, &parts->spans[0]);
+  cut_edge(&corner[4], &corner[6], bends[1] * num, &parts->spans[0]);
+}
+
+void rg_next_corners_in_c(rg_part_row* parts, rg_position corners[4]) {
+  const uint8_t* const section = parts->section;
+  const uint32_t columns = rg_load_u16(section + 4);
+  const uint32_t j = parts->spans[1].before >> 16;
+  const uint32_t vertex = j * columns + (parts->spans[0].before >> 16);
+  const uint32_t mark = vertex - j;
+  const uint8_t* const marks =
+      section + rg_load_u32(section + 76) +
+      rg_load_u16(section + 6) * columns * rg_vertex_size(section);
+  parts->is_empty = (marks[mark >> 3] >> (mark & 7)) & 1;
+  const uint32_t end = rg_times(2);
+  uint32_t c = 0;
+  do {
+    find_axis(parts, c, vertex, &corners->q12[c]);
+  } while (++c != end);
+  parts->spans[0].before += parts->spans[0].size;
+}
+
+static uint8_t part_log2(const rg_part_row* parts, const rg_span* span) {
+  uint32_t log2 = parts->section[8];
+  for (uint32_t size = span->size; size < 0x10000; size *= 2) --log2;
+  return (uint8_t)log2;
+}
+
+void rg_next_block(rg_part_row* parts, rg_block* block) {
+  block->width_log2 = part_log2(parts, &parts->spans[0]);
+  block->height_log2 = part_log2(parts, &parts->spans[1]);
+  rg_next_corners(parts, block->corners);
+}

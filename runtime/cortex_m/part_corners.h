@@ -1,0 +1,97 @@
+/* The corners of the parts of a remap table's blocks, part by part:
+ * formats/SPEC.md, "Bends". In C, and for Cortex-M in assembler. */
+#ifndef RAYGRID_PART_CORNERS_H
+#define RAYGRID_PART_CORNERS_H
+
+#include <stdint.h>
+
+#include "bytes.h"
+#include "fixed_point.h"
+#include "kernels/block.h"
+#include "rg_blob.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Offsets in a vertex that has bends: of the edges to its left and above. */
+#define RG_LEFT_BEND 4
+#define RG_UPPER_BEND 6
+
+/* The bytes of a vertex of a remap section. */
+static inline uint32_t rg_vertex_size(const uint8_t* section) {
+  return section[10] != 0 ? RG_BENT_VERTEX_SIZE : RG_VERTEX_SIZE;
+}
+
+/* The extent of a part on an axis, in q16 blocks: what is before it, and its
+ * size. */
+typedef struct rg_span {
+  uint32_t before, size;
+} rg_span;
+
+/* A row of parts of the blocks of a remap section, which must be one that
+ * rg_select_remap() accepted. */
+typedef struct rg_part_row {
+  const uint8_t* section;
+  uint8_t bend_shift; /* for parts of this width */
+  uint8_t num_log2;   /* log2 of four times a block's parts across */
+  uint8_t is_empty;   /* the table says that no pixel of the last part's block
+                         has a source */
+  rg_span spans[2];   /* of the next part across, of the row of parts down */
+} rg_part_row;
+
+/* Sets the parts' size, 2^width_log2 x 2^height_log2 output pixels: a block is
+ * 1 to 8 such parts wide and high, 1 in a table without bends. The section is
+ * set. */
+static RG_INLINE void rg_set_parts(rg_part_row* parts, uint32_t width_log2,
+                                   uint32_t height_log2) {
+  const uint8_t* const section = parts->section;
+  const uint32_t whole_log2 = section[8] + 2u; /* of four blocks */
+  const uint32_t num_log2 = whole_log2 - width_log2;
+  parts->bend_shift = (uint8_t)(section[11] + width_log2 - section[10]);
+  parts->num_log2 = (uint8_t)num_log2;
+  parts->spans[0].size = UINT32_C(0x40000) >> num_log2;
+  parts->spans[1].size = UINT32_C(0x40000) >> (whole_log2 - height_log2);
+}
+
+/* Goes to the first part of row j of parts, the size of which is set. */
+static RG_INLINE void rg_start_parts(rg_part_row* parts, uint32_t j) {
+  uint32_t first = 0;
+  RG_IN_REGISTER(first); /* else a loop around this keeps it */
+  parts->spans[0].before = first;
+  parts->spans[1].before = j * parts->spans[1].size;
+}
+
+/* Sets the section and the parts' size, and goes to the first part of row j. */
+static inline void rg_start_part_row(const uint8_t* section,
+                                     uint32_t width_log2, uint32_t height_log2,
+                                     uint32_t j, rg_part_row* parts) {
+  parts->section = section;
+  rg_set_parts(parts, width_log2, height_log2);
+  rg_start_parts(parts, j);
+}
+
+/* Finds the corners of the part, and goes on to the next one. Corners of parts
+ * are the same, by whatever code: in C, in assembler of Thumb-2, and those that
+ * the fast walk finds. */
+void rg_next_corners_in_c(rg_part_row* parts, rg_position corners[4]);
+void rg_next_corners_in_thumb2(rg_part_row* parts, rg_position corners[4]);
+
+/* Finds the corners of the part, and goes on to the next one: by the code that
+ * suits the processor. */
+static RG_INLINE void rg_next_corners(rg_part_row* parts,
+                                      rg_position corners[4]) {
+  if (RG_CORNERS_IN_ASSEMBLER)
+    rg_next_corners_in_thumb2(parts, corners);
+  else
+    rg_next_corners_in_c(parts, corners);
+}
+
+/* Finds the part as a block, and goes on to the next one. */
+void rg_next_block(rg_part_row* parts, rg_block* block);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* RAYGRID_PART_CORNERS_H */

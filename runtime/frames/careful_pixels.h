@@ -1,0 +1,112 @@
+/* Pixels that need care, beside the image or without a source, one by one: all
+ * that both walks do alike. */
+#ifndef RAYGRID_CAREFUL_PIXELS_H
+#define RAYGRID_CAREFUL_PIXELS_H
+
+#include <stddef.h>
+
+#include "frames/lattice_map.h"
+#include "frames/planes.h"
+#include "kernels/blend.h"
+#include "kernels/kernel.h"
+#include "raygrid.h"
+
+/* More than rounding moves the positions of a block beyond its corners, and
+ * than a position is rounded by, in q12. */
+#define RG_POSITION_MARGIN 64
+
+/* The source of a lattice, in the lattice's pixels. */
+typedef struct rg_source {
+  uint16_t size[2];   /* width, height */
+  uint16_t ring_rows; /* of the ring that has its rows; 0: there is none */
+} rg_source;
+
+/* Sets the size, for an image of so many pixels. */
+static RG_INLINE void rg_set_source_size(const rg_camera* camera,
+                                         const rg_lattice* lattice,
+                                         rg_source* source) {
+  source->size[0] = (uint16_t)(camera->width >> lattice->log2[0]);
+  source->size[1] = (uint16_t)(camera->height >> lattice->log2[1]);
+}
+
+/* The rows of a ring, from one multiple of its size to the next, follow each
+ * other in memory. Returns how many of these lie around the top of a block, and
+ * the first one. */
+static RG_INLINE uint32_t rg_find_ring_rows(const rg_source* source,
+                                            int32_t top_q12, uint32_t* first) {
+  const uint32_t row = top_q12 < 0 ? 0 : (uint32_t)top_q12 >> 12;
+  *first = row - (uint32_t)rg_remainder(row, source->ring_rows);
+  const uint32_t rest = source->size[1] - *first;
+  return rest < source->ring_rows ? rest : source->ring_rows;
+}
+
+/* A row of the source in memory; the run has where row 0 lies. */
+static RG_INLINE const uint8_t* rg_source_row(const rg_source* source,
+                                              const rg_run* run, uint32_t row) {
+  if (source->ring_rows != 0)
+    row = (uint32_t)rg_remainder(row, source->ring_rows);
+  return run->data + (size_t)row * run->stride;
+}
+
+/* Coordinate c of a position, rounded to the last bit that is kept. */
+static RG_INLINE uint32_t rg_round_position(rg_sampling sampling,
+                                            const rg_lattice* lattice,
+                                            int32_t q12, int c) {
+  if (sampling != RG_SAMPLING_NEAREST)
+    return (uint32_t)q12 + rg_rounding(lattice->kind, c);
+  uint32_t pixel = ((uint32_t)q12 + 2048) >> 12;
+  RG_IN_REGISTER(pixel); /* else a mask is kept in one */
+  return pixel << 12;
+}
+
+/* Coordinate c of the nearest position that has a source. */
+static RG_INLINE int32_t rg_nearest_source(const rg_source* source,
+                                           rg_range range, int32_t q12, int c) {
+  return rg_clamp(rg_clamp(q12, range.min_q12, range.max_q12), 0,
+                  (source->size[c] - 1) << 12);
+}
+
+/* The rows and the right neighbours around a position, which is rounded: at has
+ * it. Neighbours beyond the last have weight zero. */
+static RG_INLINE void rg_find_neighbors(const rg_source* source,
+                                        const rg_run* run,
+                                        const rg_lattice* lattice,
+                                        rg_neighbors* at) {
+  const uint32_t row = at->y_q12 >> 12;
+  at->upper = rg_source_row(source, run, row);
+  at->lower = rg_source_row(source, run, row + (row + 1 < source->size[1]));
+  at->right =
+      (at->x_q12 >> 12) + 1 < source->size[0] ? lattice->sample_step : 0;
+}
+
+/* Gives a pixel of the output the border's values, unless it is to stay. */
+static RG_INLINE void rg_put_border(const rg_target* target,
+                                    const rg_lattice* lattice, uint8_t* row,
+                                    uint32_t out_pixel) {
+  if (target->border == RG_BORDER_KEEP) return;
+  const uint16_t* value = target->border_values + lattice->index;
+  uint32_t index = rg_first_sample(lattice, out_pixel);
+  for (uint32_t c = lattice->num_channels; c != 0; --c)
+    rg_put_sample(lattice->kind, row, index++, *value++);
+}
+
+/* A grey pixel at a position that has a source, so lies in the frame. At the
+ * last column its weight is zero, or all if one counts from the column before;
+ * so it is at the last row. */
+static RG_INLINE uint32_t rg_blend_careful_grey(const rg_source* source,
+                                                const rg_run* run,
+                                                const rg_position* position) {
+  const uint32_t x = (uint32_t)position->q12[0] + rg_rounding(RG_SAMPLE_8, 0);
+  const uint32_t y = (uint32_t)position->q12[1];
+  const uint32_t column = rg_lesser(x >> 12, source->size[0] - 2u);
+  const uint32_t row = rg_lesser(y >> 12, source->size[1] - 2u);
+  const uint8_t* const upper = run->data + (size_t)row * run->stride + column;
+  const uint32_t pixels =
+      rg_load_pair(upper) | rg_load_pair(upper + run->stride) << 16;
+  uint32_t wy_q12 = y - (row << 12);
+  RG_IN_REGISTER(wy_q12);
+  return rg_blend_8(rg_even_bytes(pixels), rg_odd_bytes(pixels),
+                    (x >> 5) - (column << 7), wy_q12, RG_ROUNDING_8);
+}
+
+#endif /* RAYGRID_CAREFUL_PIXELS_H */

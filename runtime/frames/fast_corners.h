@@ -1,0 +1,228 @@
+/* The corners of the parts of a row, as the fast walk finds them: along two
+ * lines, the one above the row of parts and the one below it. What parts have
+ * in common is kept from one to the next, and two positions are in one vector.
+ * formats/SPEC.md, "Bends". Positions are q12 source pixels. */
+#ifndef RAYGRID_FAST_CORNERS_H
+#define RAYGRID_FAST_CORNERS_H
+
+#include "config.h"
+
+#if RG_FAST_WALK
+
+#include <stdint.h>
+
+#include "bytes.h"
+#include "cortex_m/part_corners.h"
+#include "frames/lattice_map.h"
+#include "kernels/block.h"
+#include "rg_blob.h"
+
+/* ---- Lanes --------------------------------------------------------------- */
+
+/* x, y of one position and of another. */
+typedef int32_t rg_lanes __attribute__((vector_size(16)));
+typedef uint32_t rg_modular_lanes __attribute__((vector_size(16)));
+typedef int64_t rg_lane_pairs __attribute__((vector_size(16)));
+
+/* A position twice. */
+static RG_INLINE rg_lanes rg_twice(int32_t x, int32_t y) {
+  const rg_lanes both = {x, y, x, y};
+  return both;
+}
+
+/* Position k of two, twice. */
+static RG_INLINE rg_lanes rg_twice_pair(rg_lanes lanes, uint32_t k) {
+  const rg_lane_pairs pairs = (rg_lane_pairs)lanes;
+  const rg_lane_pairs both = {pairs[k], pairs[k]};
+  return (rg_lanes)both;
+}
+
+/* ---- Lines --------------------------------------------------------------- */
+
+/* The lines above and below a row of parts of the blocks of a remap section,
+ * which must be one that rg_select_remap() accepted. */
+typedef struct rg_corner_lines {
+  const uint8_t* section;
+  uint8_t is_empty;     /* the table says that no pixel of the last part's block
+                           has a source */
+  uint8_t part_log2[2]; /* output pixels of a part: across, down */
+  uint16_t row;         /* of parts */
+  uint16_t next_part;   /* in the row */
+  uint32_t vertex_size, row_size; /* of vertices, in bytes */
+  int32_t residual_shift, bend_shift[2], num_log2[2]; /* of a block's parts */
+  uint32_t next_mark;                                 /* the next block's */
+  const uint8_t* marks;         /* of empty blocks, in bits */
+  const uint8_t* above;         /* the next column's vertex above the row */
+  rg_modular_lanes plane;       /* the next column's vertices above and below
+                                   the row but for their residuals */
+  rg_modular_lanes column_step; /* of that */
+  rg_lanes line, rest;          /* the lines above and below the row of parts,
+                                   counted in the block from above and below */
+  /* The lines at the last part's end: right has their positions; sums are these
+   * times the number of parts, and rounded; steps change sums to the next part,
+   * and turns change steps. */
+  rg_lanes right, sums, steps, turns;
+} rg_corner_lines;
+
+/* The points where the lines cross edges from one position to the other. */
+static RG_INLINE rg_lanes rg_cross_edges(const rg_corner_lines* lines,
+                                         rg_lanes edges, rg_lanes bends) {
+  const int32_t log2 = lines->num_log2[1];
+  const rg_lanes from = rg_twice_pair(edges, 0);
+  const rg_lanes to = rg_twice_pair(edges, 1);
+  const rg_lanes sums = (to - from + bends * lines->rest) * lines->line;
+  return from + ((sums + (1 << log2 >> 1)) >> log2);
+}
+
+/* The signed byte on top of each lane. */
+static RG_INLINE rg_lanes rg_load_bends(uint32_t a, uint32_t b, uint32_t c,
+                                        uint32_t d, int32_t shift) {
+  const rg_modular_lanes bytes = {a, b, c, d};
+  return (rg_lanes)((rg_modular_lanes)((rg_lanes)bytes >> 24) << shift);
+}
+
+/* To the next column of vertices: where the lines cross it, and their bends
+ * from the column before to it, twice, if blocks have several parts. */
+static RG_INLINE rg_lanes rg_next_column(rg_corner_lines* lines,
+                                         rg_lanes* turns) {
+  const uint8_t* const above = lines->above;
+  const uint8_t* const below = above + lines->row_size;
+  const uint32_t a = rg_load_u32(above), b = rg_load_u32(below);
+  const rg_modular_lanes halves = {a << 16, a, b << 16, b};
+  const rg_modular_lanes residuals = (rg_modular_lanes)((rg_lanes)halves >> 16)
+                                     << lines->residual_shift;
+  const rg_lanes ends = (rg_lanes)(lines->plane + residuals);
+  const rg_lanes none = {0, 0, 0, 0};
+  lines->plane += lines->column_step;
+  lines->above = above + lines->vertex_size;
+  *turns = none;
+  if (lines->vertex_size != RG_BENT_VERTEX_SIZE) return ends;
+  const uint32_t c = rg_load_u32(above + RG_LEFT_BEND);
+  const uint32_t d = rg_load_u32(below + RG_LEFT_BEND);
+  if (lines->num_log2[0] != 0)
+    *turns = 2 * rg_cross_edges(lines,
+                                rg_load_bends(c << 24, c << 16, d << 24,
+                                              d << 16, lines->bend_shift[0]),
+                                none);
+  return rg_cross_edges(
+      lines, ends, rg_load_bends(d << 8, d, d << 8, d, lines->bend_shift[1]));
+}
+
+/* log2 of the parts of a block, across (axis 0) or down. */
+static inline uint32_t rg_num_parts_log2(const rg_corner_lines* lines,
+                                         uint32_t axis) {
+  return (uint32_t)lines->section[8] - lines->part_log2[axis];
+}
+
+/* To the first column of vertices of the row of parts. The section, the parts'
+ * size and the row are set. */
+static inline void rg_start_columns(rg_corner_lines* lines) {
+  const uint8_t* const section = lines->section;
+  const uint32_t log2 = rg_num_parts_log2(lines, 1);
+  const uint32_t j = (uint32_t)lines->row >> log2;
+  const int32_t line = lines->row & ((1 << log2) - 1);
+  const int32_t rest = (1 << log2) - line;
+  const uint32_t columns = rg_load_u16(section + 4);
+  const uint8_t* const vertices = section + rg_load_u32(section + 76);
+  const int32_t bend_shift = section[11] - section[10];
+  rg_lanes turns;
+  lines->vertex_size = rg_vertex_size(section);
+  lines->row_size = columns * lines->vertex_size;
+  lines->above = vertices + j * lines->row_size;
+  lines->marks = vertices + rg_load_u16(section + 6) * lines->row_size;
+  lines->next_mark = j * (columns - 1);
+  lines->residual_shift = section[9];
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    lines->num_log2[axis] = (int32_t)rg_num_parts_log2(lines, axis);
+    lines->bend_shift[axis] = bend_shift + lines->part_log2[axis];
+  }
+  for (int k = 0; k < 4; ++k) {
+    /* Fields that are pairs of 32 bits: origin, column_step, row_step. */
+    const uint8_t* const affine = section + 28 + 4 * (k & 1);
+    const uint32_t row = j + (uint32_t)(k >> 1);
+    lines->plane[k] = rg_load_u32(affine) + row * rg_load_u32(affine + 16);
+    lines->column_step[k] = rg_load_u32(affine + 8);
+    lines->line[k] = line + (k >> 1);
+    lines->rest[k] = rest - (k >> 1);
+  }
+  lines->right = rg_next_column(lines, &turns);
+}
+
+/* To the block that begins with the next part. */
+static RG_SHARED void rg_enter_block(rg_corner_lines* lines) {
+  const int32_t log2 = lines->num_log2[0];
+  const uint32_t mark = lines->next_mark++;
+  lines->is_empty = (lines->marks[mark >> 3] >> (mark & 7)) & 1;
+  rg_lanes turns;
+  const rg_lanes from = lines->right, to = rg_next_column(lines, &turns);
+  const rg_lanes bends = turns >> 1;
+  lines->sums = (rg_lanes)((rg_modular_lanes)from << log2) + (1 << log2 >> 1);
+  lines->steps =
+      to - from - bends + (rg_lanes)((rg_modular_lanes)bends << log2);
+  lines->turns = turns;
+}
+
+/* The corners of the next part, on the line above and on that below. It lies
+ * behind the first column. */
+static RG_INLINE void rg_follow_lines(rg_corner_lines* lines, rg_lanes* upper,
+                                      rg_lanes* lower) {
+  const int32_t log2 = lines->num_log2[0];
+  if ((lines->next_part++ & ((1u << log2) - 1)) == 0) rg_enter_block(lines);
+  /* Differences: the sum of k steps is k (to - from + bend (num - k)). */
+  const rg_lane_pairs left = (rg_lane_pairs)lines->right;
+  lines->sums += lines->steps;
+  lines->steps -= lines->turns;
+  lines->right = lines->sums >> log2;
+  const rg_lane_pairs right = (rg_lane_pairs)lines->right;
+  const rg_lane_pairs above = {left[0], right[0]};
+  const rg_lane_pairs below = {left[1], right[1]};
+  *upper = (rg_lanes)above;
+  *lower = (rg_lanes)below;
+}
+
+/* ---- Lattices ------------------------------------------------------------ */
+
+/* The change that a lattice makes to corners of parts: rg_lattice_block(). */
+typedef struct rg_lattice_lanes {
+  rg_lanes offset, is_coarse; /* of a coordinate: half pixels; all bits where
+                                 the lattice has fewer pixels */
+  int32_t half[2], shift;
+} rg_lattice_lanes;
+
+static RG_INLINE rg_lattice_lanes
+rg_find_lattice_lanes(const rg_lattice* lattice, uint32_t part_width_log2) {
+  const rg_lattice_lanes found = {
+      rg_twice(lattice->half[0] * 2048, lattice->half[1] * 2048),
+      rg_twice(-(int32_t)lattice->log2[0], -(int32_t)lattice->log2[1]),
+      {lattice->half[0], lattice->half[1]},
+      (int32_t)part_width_log2 + 1};
+  return found;
+}
+
+/* The corners on a line that they are moved along, and by down. */
+static RG_INLINE rg_lanes rg_to_lattice_lanes(const rg_lattice_lanes* lattice,
+                                              rg_lanes corners, rg_lanes across,
+                                              rg_lanes down) {
+  const rg_lanes moved = across * lattice->half[0] + down * lattice->half[1];
+  const rg_lanes at = corners +
+                      ((moved + (1 << lattice->shift >> 1)) >> lattice->shift) -
+                      lattice->offset;
+  return at ^ ((at ^ ((at + 1) >> 1)) & lattice->is_coarse);
+}
+
+/* From the first of two corners to the second, twice. */
+static RG_INLINE rg_lanes rg_edge_lanes(rg_lanes corners) {
+  return rg_twice_pair(corners, 1) - rg_twice_pair(corners, 0);
+}
+
+/* Brings the corners of a part from the image's pixels to the lattice's. */
+static RG_INLINE void rg_lattice_corners(const rg_lattice_lanes* lattice,
+                                         rg_lanes* upper, rg_lanes* lower) {
+  const rg_lanes down = *lower - *upper;
+  *upper = rg_to_lattice_lanes(lattice, *upper, rg_edge_lanes(*upper), down);
+  *lower = rg_to_lattice_lanes(lattice, *lower, rg_edge_lanes(*lower), down);
+}
+
+#endif
+
+#endif /* RAYGRID_FAST_CORNERS_H */

@@ -1,0 +1,494 @@
+/* The walk where stacks and programs are small: part by part, and pixel by
+ * pixel where no kernel is built in or a part asks for care. */
+#include "config.h"
+#include "frames/walk.h"
+
+#if !RG_FAST_WALK
+
+#include <stddef.h>
+
+#include "bytes.h"
+#include "cortex_m/grey_rows.h"
+#include "cortex_m/part_corners.h"
+#include "frames/careful_pixels.h"
+#include "frames/lattice_map.h"
+#include "frames/pixel_formats.h"
+#include "kernels/kernel.h"
+
+/* The walk over the parts of a lattice, and the part at hand as a run. */
+typedef struct small_walk {
+  rg_part_row parts;
+  rg_source source;
+  uint16_t width;        /* of the output, in the lattice's pixels */
+  uint16_t row, end_row; /* of the output: behind the row of parts at hand, and
+                            behind the last one to do */
+  rg_run run;
+  const uint8_t* ranges; /* of the positions that have a source, as a table's
+                            section has them; NULL: no position has one */
+} small_walk;
+
+/* A function that does a pixel of the output, which comes from a position. */
+typedef void careful_pixel(small_walk* walk, const rg_position* position,
+                           uint32_t out_pixel);
+
+/* ---- Parts --------------------------------------------------------------- */
+
+/* Sets what the walk needs of the table, for any rows. The section is set. */
+static RG_INLINE void set_table(small_walk* walk, const rg_lattice* lattice) {
+  const uint8_t* const section = walk->parts.section;
+  const uint8_t across_log2 = rg_part_log2(section, lattice, 0);
+  const uint8_t down_log2 = rg_part_log2(section, lattice, 1);
+  rg_set_parts(&walk->parts, across_log2, down_log2);
+  walk->ranges = section + 12;
+  walk->run.first_pixel = walk->run.first_source_row = 0;
+  walk->run.block.width_log2 = (uint8_t)(across_log2 - lattice->log2[0]);
+  walk->run.block.height_log2 = (uint8_t)(down_log2 - lattice->log2[1]);
+  walk->width = (uint16_t)(rg_load_u16(section) >> lattice->log2[0]);
+}
+
+/* To the row of parts below those that were done; 0 below the last one. */
+static RG_INLINE int start_parts(small_walk* walk) {
+  rg_run* const run = &walk->run;
+  const uint32_t log2 = run->block.height_log2;
+  const uint32_t row = walk->row, part = row >> log2;
+  if (row >= walk->end_row) return 0;
+  walk->row = (uint16_t)rg_lesser((part + 1) << log2, walk->end_row);
+  run->first_row = (uint16_t)(row - (part << log2));
+  run->num_rows = (uint16_t)(walk->row - row);
+  rg_start_parts(&walk->parts, part);
+  return 1;
+}
+
+/* To the next part, with the corners that its block has in the image; 0 if
+ * there is none. */
+static RG_NOINLINE int next_part(small_walk* walk) {
+  rg_run* const run = &walk->run;
+  uint32_t pixel = (uint32_t)run->out_pixel + run->num_pixels;
+  if (pixel >= walk->width) {
+    if (!start_parts(walk)) return 0;
+    pixel = 0;
+  } else { /* back to the part's first row */
+    run->out -= (size_t)run->num_rows * run->out_stride;
+  }
+  run->out_pixel = (uint16_t)pixel;
+  run->num_pixels =
+      (uint16_t)rg_lesser(walk->width - pixel, 1u << run->block.width_log2);
+  rg_next_corners(&walk->parts, run->block.corners);
+  return 1;
+}
+
+/* Whether so many positions have a source, and all that is no farther than a
+ * margin from them. */
+static RG_NOINLINE int have_sources(const small_walk* walk,
+                                    const rg_position* positions, uint32_t num,
+                                    uint32_t margin) {
+  const int32_t* q12 = positions->q12;
+  if (walk->parts.is_empty || !walk->ranges) return 0;
+  num *= 2;
+  do {
+    const uint8_t* range = walk->ranges + 4 * (num & 1);
+    RG_IN_REGISTER(range);
+    const uint32_t min = rg_load_u32(range);
+    const uint32_t size = rg_load_u32(range + 8) - min;
+    const uint32_t at = (uint32_t)*q12++ - min;
+    if (at - margin > size || at + margin > size) return 0;
+  } while (--num != 0);
+  return 1;
+}
+
+static RG_INLINE int has_source(const small_walk* walk,
+                                const rg_position* position) {
+  return have_sources(walk, position, 1, 0);
+}
+
+/* More than a position is rounded by; a lattice may end half a pixel before the
+ * positions with a source. (The nearest pixel of such a position is not beyond
+ * its last, either.) */
+#define LATTICE_MARGIN (RG_POSITION_MARGIN + 2048)
+
+/* Whether all pixels of the part ask for no care, unless the source is a ring.
+ */
+static RG_INLINE int is_part_safe(const small_walk* walk) {
+  const rg_position* const corners = walk->run.block.corners;
+  if (!RG_ALL_BUILT_IN) return have_sources(walk, corners, 4, LATTICE_MARGIN);
+  /* Built-in kernels are fast, so that this check is to be fast as well. */
+  if (walk->parts.is_empty || !walk->ranges) return 0;
+  for (int c = 0; c < 2; ++c) {
+    const uint8_t* const range = walk->ranges + 4 * c;
+    const int32_t min = rg_load_i32(range) + LATTICE_MARGIN;
+    const int32_t max = rg_load_i32(range + 8) - LATTICE_MARGIN;
+    for (int k = 0; k < 4; ++k)
+      if (corners[k].q12[c] < min || corners[k].q12[c] > max) return 0;
+  }
+  return 1;
+}
+
+/* ---- Rows of grey pixels ------------------------------------------------- */
+
+/* The rows of a part that are not done, and what does their pixels one by one.
+ */
+typedef struct part_rows {
+  rg_grey_rows rows;
+  careful_pixel* on_pixel;
+} part_rows;
+
+static RG_INLINE small_walk* walk_of(const part_rows* part) {
+  return (small_walk*)(void*)((uint8_t*)part->rows.corners -
+                              offsetof(small_walk, run.block.corners));
+}
+
+/* Does the row that was found, pixel by pixel. */
+static RG_INLINE void do_row(const part_rows* part, const rg_block_row* row) {
+  small_walk* const walk = walk_of(part);
+  rg_position position;
+  uint32_t pixel = 0;
+  position = row->start;
+  do {
+    part->on_pixel(walk, &position, pixel);
+    for (int c = 0; c < 2; ++c)
+      position.q12[c] = rg_add(position.q12[c], row->step.q12[c]);
+  } while (++pixel != walk->run.num_pixels);
+  walk->run.out += walk->run.out_stride;
+}
+
+/* Does a part row by row, with less code than do_pixels() but more stack, and
+ * leaves nothing of the corners, and the run's out below the part. If on_pixel
+ * is NULL, the kernel for grey pixels does it, where none is built in. The
+ * run's out begins with the part's first pixel, and is counted from it. */
+static RG_NOINLINE void do_rows(small_walk* walk, careful_pixel* on_pixel) {
+  part_rows part;
+  rg_grey_rows* const rows = &part.rows;
+  part.on_pixel = on_pixel;
+  rows->corners = walk->run.block.corners;
+  rows->rest = walk->run.num_rows;
+  rows->rounding = 0;
+  if (!on_pixel) rows->rounding = RG_FIRST_ROUNDING(&walk->run);
+  rg_start_edges(&walk->run, rows->corners->q12, (uint32_t*)rows->corners->q12);
+  rg_block_row row;
+  while (RG_DO_GREY_ROWS(rows, &row)) {
+    do_row(&part, &row);
+    if (--rows->rest == 0) break;
+  }
+}
+
+/* ---- Grey frames --------------------------------------------------------- */
+
+static const rg_lattice kGrey = {RG_SAMPLE_8, 0,      0, 1, 1,
+                                 {0, 0},      {0, 0}, 0, 1, 0};
+
+/* The walk over a grey frame. */
+typedef struct grey_walk {
+  small_walk walk;
+  uint8_t border;
+} grey_walk;
+
+static void do_grey_pixel(small_walk* walk, const rg_position* position,
+                          uint32_t out_pixel) {
+  uint32_t value = ((const grey_walk*)walk)->border;
+  if (has_source(walk, position))
+    value = rg_blend_careful_grey(&walk->source, &walk->run, position);
+  walk->run.out[out_pixel] = (uint8_t)value;
+}
+
+static RG_INLINE void do_grey_part(small_walk* walk) {
+  const int is_safe = is_part_safe(walk);
+  if (RG_ALL_BUILT_IN && is_safe)
+    RG_BUILT_IN(1)(&walk->run);
+  else
+    do_rows(walk, is_safe ? NULL : do_grey_pixel);
+}
+
+/* The steps of next_part() are in place here. */
+rg_status rg_walk_grey(const rg_camera* camera, const rg_frame* frame,
+                       const rg_band* band) {
+  grey_walk whole;
+  small_walk* walk = &whole.walk;
+  RG_IN_REGISTER(walk);
+  rg_run* const run = &walk->run;
+  whole.border = band->border;
+  walk->parts.section = camera->remap;
+  walk->source.size[0] = frame->width;
+  walk->source.size[1] = frame->height;
+  run->data = frame->data;
+  run->stride = frame->stride;
+  run->out_stride = band->stride;
+  set_table(walk, &kGrey);
+  run->out_pixel = 0;
+  uint8_t* out = band->data;
+  uint32_t row = band->first_row, rest = band->num_rows;
+  while (rest != 0) {
+    const uint32_t log2 = run->block.height_log2, part = 1u << log2;
+    const uint32_t first_row = row & (part - 1);
+    run->first_row = (uint16_t)first_row;
+    run->num_rows = (uint16_t)rg_lesser(part - first_row, rest);
+    rg_start_parts(&walk->parts, row >> log2);
+    uint32_t pixel = 0;
+    do {
+      run->out = out + pixel;
+      run->num_pixels = (uint16_t)rg_lesser(walk->width - pixel, part);
+      rg_next_corners(&walk->parts, run->block.corners);
+      do_grey_part(walk);
+      pixel += part;
+    } while (pixel < walk->width);
+    out += (size_t)run->num_rows * run->out_stride;
+    row += run->num_rows;
+    rest -= run->num_rows;
+  }
+  return RG_OK;
+}
+
+/* ---- Lattices ------------------------------------------------------------ */
+
+/* The walk over a lattice of any format. */
+typedef struct lattice_walk {
+  small_walk walk;
+  rg_lattice lattice;
+  uint8_t ranges[16]; /* of the lattice, as a section has those of the image */
+} lattice_walk;
+
+/* Sets the ranges of the lattice, from those of the image: one of these may be
+ * without any of the lattice's positions. */
+static RG_INLINE void set_ranges(lattice_walk* whole) {
+  whole->walk.ranges = whole->ranges;
+  for (int c = 0; c < 2; ++c) {
+    const rg_range range =
+        rg_source_range(whole->walk.parts.section, &whole->lattice, c);
+    rg_store_i32(whole->ranges + 4 * c, range.min_q12);
+    rg_store_i32(whole->ranges + 8 + 4 * c, range.max_q12);
+    if (range.min_q12 > range.max_q12) whole->walk.ranges = NULL;
+  }
+}
+
+/* Before the first part of the lattice, of rows of the output that are counted
+ * in pixels of the image; run->out is for the first row. */
+static RG_NOINLINE void start_rows(lattice_walk* whole, const rg_camera* camera,
+                                   rg_row_range rows) {
+  small_walk* const walk = &whole->walk;
+  const rg_lattice* const lattice = &whole->lattice;
+  walk->parts.section = camera->remap;
+  rg_set_source_size(camera, lattice, &walk->source);
+  set_table(walk, lattice);
+  walk->row = (uint16_t)(rows.first >> lattice->log2[1]);
+  walk->end_row = (uint16_t)(rows.end >> lattice->log2[1]);
+  /* A lattice has no pixels if the table is too narrow for it. */
+  if (walk->width == 0) walk->end_row = 0;
+  walk->run.num_rows = walk->run.out_pixel = 0;
+  walk->run.num_pixels = walk->width; /* behind a row's last part */
+  set_ranges(whole);
+}
+
+/* Brings the corners of the part from the image's pixels to the lattice's. */
+static RG_INLINE void bring_to_lattice(lattice_walk* whole) {
+  rg_block* const block = &whole->walk.run.block;
+  rg_move_corners(&whole->lattice,
+                  (uint32_t)block->width_log2 + whole->lattice.log2[0],
+                  block->corners);
+}
+
+/* ---- Images -------------------------------------------------------------- */
+
+/* The walk that undistorts an image, lattice by lattice. */
+typedef struct image_walk {
+  lattice_walk whole;
+  const rg_target* target;
+} image_walk;
+
+/* Whether all rows that a safe part needs follow each other: its corners are
+ * then counted from the first one in memory. */
+static RG_NOINLINE int move_to_ring(small_walk* walk) {
+  rg_position* const corners = walk->run.block.corners;
+  int32_t top = corners[0].q12[1], bottom = top;
+  for (int k = 1; k < 4; ++k) {
+    if (corners[k].q12[1] < top) top = corners[k].q12[1];
+    if (corners[k].q12[1] > bottom) bottom = corners[k].q12[1];
+  }
+  uint32_t first;
+  const uint32_t num = rg_find_ring_rows(&walk->source, top, &first);
+  const int32_t first_q12 = (int32_t)(first << 12);
+  if (top - first_q12 < RG_POSITION_MARGIN ||
+      bottom - first_q12 > (int32_t)((num - 1) << 12) - RG_POSITION_MARGIN)
+    return 0;
+  for (int k = 0; k < 4; ++k) corners[k].q12[1] -= first_q12;
+  return 1;
+}
+
+/* Coordinate c of the nearest position that has a source. */
+static RG_SHARED int32_t nearest_source(const lattice_walk* lattice,
+                                        int32_t q12, int c) {
+  const uint8_t* const min = lattice->ranges + 4 * c;
+  const rg_range range = {rg_load_i32(min), rg_load_i32(min + 8)};
+  return rg_nearest_source(&lattice->walk.source, range, q12, c);
+}
+
+/* The neighbours around a position. */
+static RG_INLINE void find_neighbors(const image_walk* image,
+                                     const rg_position* position,
+                                     rg_neighbors* at) {
+  const lattice_walk* const whole = &image->whole;
+  const rg_sampling sampling = image->target->sampling;
+  at->x_q12 = rg_round_position(sampling, &whole->lattice,
+                                nearest_source(whole, position->q12[0], 0), 0);
+  at->y_q12 = rg_round_position(sampling, &whole->lattice,
+                                nearest_source(whole, position->q12[1], 1), 1);
+  rg_find_neighbors(&whole->walk.source, &whole->walk.run, &whole->lattice, at);
+}
+
+/* Does a pixel of a part that asks for care. */
+static RG_INLINE void do_careful_pixel(const image_walk* image,
+                                       const rg_position* position,
+                                       uint32_t pixel) {
+  const lattice_walk* const whole = &image->whole;
+  uint8_t* const out = whole->walk.run.out;
+  if (image->target->border == RG_BORDER_CLAMP ||
+      has_source(&whole->walk, position)) {
+    rg_neighbors at;
+    find_neighbors(image, position, &at);
+    rg_blend_pixel(&whole->lattice, &at, out, pixel);
+  } else {
+    rg_put_border(image->target, &whole->lattice, out, pixel);
+  }
+}
+
+/* Does a part that asks for care, pixel by pixel. */
+static RG_NOINLINE void do_careful_pixels(image_walk* image) {
+  rg_run* const run = &image->whole.walk.run;
+  uint32_t r = 0;
+  do {
+    rg_block_row row;
+    rg_find_block_row(&run->block, run->first_row + r, &row);
+    uint32_t pixel = run->out_pixel;
+    do {
+      do_careful_pixel(image, &row.start, pixel);
+      rg_go_on_in_row(&row);
+    } while (++pixel != (uint32_t)run->out_pixel + run->num_pixels);
+    run->out += run->out_stride;
+  } while (++r != run->num_rows);
+}
+
+/* Does a part that asks for no care: by the kernel for so many channels, or by
+ * the one for grey pixels row by row, or as any lattice. */
+static RG_INLINE void do_safe_part(image_walk* image) {
+  const rg_lattice* const lattice = &image->whole.lattice;
+  rg_run* const run = &image->whole.walk.run;
+  const uint32_t channels = rg_interleaved(lattice);
+  if (image->target->sampling == RG_SAMPLING_NEAREST) {
+    rg_copy_lattice(run, lattice);
+  } else if (!RG_ALL_BUILT_IN && channels == 1) {
+    run->out += run->out_pixel;
+    do_rows(&image->whole.walk, NULL);
+    run->out -= run->out_pixel;
+    return;
+  } else if (!RG_ALL_BUILT_IN || !rg_blend_built_in(run, channels)) {
+    rg_blend_lattice(run, lattice);
+  }
+  run->out += (size_t)run->num_rows * run->out_stride;
+}
+
+static RG_INLINE void remap_part(image_walk* image) {
+  small_walk* const walk = &image->whole.walk;
+  bring_to_lattice(&image->whole);
+  if (is_part_safe(walk) && (walk->source.ring_rows == 0 || move_to_ring(walk)))
+    do_safe_part(image);
+  else
+    do_careful_pixels(image);
+}
+
+/* Before the first part of the lattice that the walk has. */
+static RG_NOINLINE void start_lattice(image_walk* walk, const rg_camera* camera,
+                                      const rg_image* image) {
+  rg_run* const run = &walk->whole.walk.run;
+  const rg_target* const target = walk->target;
+  const rg_lattice* const lattice = &walk->whole.lattice;
+  const uint32_t plane = lattice->plane;
+  const uint32_t stride = image->planes[plane].stride;
+  const uint32_t out_stride = target->planes[plane].stride;
+  walk->whole.walk.source.ring_rows =
+      (uint16_t)(image->ring_rows >> lattice->log2[1]);
+  run->data = image->planes[plane].data + lattice->first_row * (size_t)stride;
+  run->stride = stride * lattice->row_step;
+  run->out =
+      target->planes[plane].data + lattice->first_row * (size_t)out_stride;
+  run->out_stride = out_stride * lattice->row_step;
+  const rg_row_range rows = {target->first_row,
+                             (uint16_t)(target->first_row + target->num_rows)};
+  start_rows(&walk->whole, camera, rows);
+}
+
+rg_status rg_walk_image(const rg_camera* camera, const rg_image* image,
+                        const rg_target* target) {
+  image_walk walk;
+  lattice_walk* const whole = &walk.whole;
+  walk.target = target;
+  for (uint32_t k = 0; rg_find_lattice(image->format, k, &whole->lattice);
+       k = whole->lattice.index + 1u) {
+    start_lattice(&walk, camera, image);
+    while (next_part(&whole->walk)) remap_part(&walk);
+  }
+  return RG_OK;
+}
+
+/* ---- Rows of the source -------------------------------------------------- */
+
+/* The walk that notes rows of the source. */
+typedef struct row_walk {
+  lattice_walk whole;
+  rg_row_search* search;
+} row_walk;
+
+static RG_NOINLINE void add_position(const row_walk* walk, int32_t y_q12) {
+  rg_add_rows(&walk->search->source, y_q12, walk->whole.walk.source.size[1],
+              walk->whole.lattice.log2[1]);
+}
+
+/* Adds the rows that the pixels of a part need which asks for no care.
+ * Positions are bilinear in a block: those of the part's corners will do. */
+static RG_NOINLINE void add_safe_part(const row_walk* walk) {
+  const rg_run* const run = &walk->whole.walk.run;
+  const uint32_t last = run->first_row + run->num_rows - 1u;
+  uint32_t r = run->first_row;
+  for (;;) {
+    rg_block_row row;
+    rg_find_block_row(&run->block, r, &row);
+    add_position(walk, row.start.q12[1]);
+    add_position(walk,
+                 row.start.q12[1] + row.step.q12[1] * (run->num_pixels - 1));
+    if (r == last) return;
+    r = last;
+  }
+}
+
+/* Adds the rows that the pixels of a part need which have a source. */
+static RG_NOINLINE void add_pixels(const row_walk* walk) {
+  const rg_run* const run = &walk->whole.walk.run;
+  for (uint32_t r = 0; r < run->num_rows; ++r) {
+    rg_block_row row;
+    rg_find_block_row(&run->block, run->first_row + r, &row);
+    for (uint32_t k = run->num_pixels; k != 0; --k) {
+      if (has_source(&walk->whole.walk, &row.start))
+        add_position(walk, row.start.q12[1]);
+      rg_go_on_in_row(&row);
+    }
+  }
+}
+
+void rg_walk_source_rows(const rg_camera* camera, rg_format format,
+                         rg_row_search* search) {
+  row_walk walk;
+  lattice_walk* const whole = &walk.whole;
+  walk.search = search;
+  whole->walk.run.out = whole->ranges; /* no byte of it is written */
+  whole->walk.run.out_stride = 0;
+  for (uint32_t k = 0; rg_find_lattice(format, k, &whole->lattice);
+       k = whole->lattice.index + 1u) {
+    start_rows(whole, camera, walk.search->output);
+    while (next_part(&whole->walk)) {
+      bring_to_lattice(whole);
+      if (is_part_safe(&whole->walk))
+        add_safe_part(&walk);
+      else
+        add_pixels(&walk);
+    }
+  }
+}
+
+#endif

@@ -1,0 +1,150 @@
+/* The blend of four neighbours: formats/SPEC.md, "Remap arithmetic". */
+#ifndef RAYGRID_BLEND_H
+#define RAYGRID_BLEND_H
+
+#include <stdint.h>
+
+#include "config.h"
+#if RG_HAVE_SIMD32
+#include <arm_acle.h>
+#endif
+
+#include "fixed_point.h"
+#include "kernels/samples.h"
+
+/* Two neighbours, the left one in the low byte. */
+static inline uint32_t rg_load_pair(const uint8_t* p) {
+  return p[0] | (uint32_t)p[1] << 8;
+}
+
+/* Bytes 0 and 2 to halves, and bytes 1 and 3. */
+static inline uint32_t rg_even_bytes(uint32_t bytes) {
+#if RG_HAVE_SIMD32
+  return (uint32_t)__uxtb16(bytes);
+#else
+  return bytes & 0x00ff00ff;
+#endif
+}
+
+static inline uint32_t rg_odd_bytes(uint32_t bytes) {
+#if RG_HAVE_SIMD32
+  uint32_t odd = bytes; /* the compiler would rotate first */
+  __asm__("uxtb16 %0, %1, ror #8" : "=r"(odd) : "r"(odd));
+  return odd;
+#else
+  return (bytes >> 8) & 0x00ff00ff;
+#endif
+}
+
+/* The sum of both roundings of a blended pixel of 8 bits. */
+#define RG_ROUNDING_8 UINT32_C(0x407ff)
+
+/* With weights across, up to 128, and down, up to 4096; both roundings in one.
+ * Samples are the upper row's in the low half, the lower row's in the high.
+ * Bits above the lowest 8 are those above 27 of the rounding. */
+static RG_INLINE uint32_t rg_blend_8(uint32_t left, uint32_t right,
+                                     uint32_t wx_q7, uint32_t wy_q12,
+                                     uint32_t rounding) {
+  /* h0 below and h1 above 16 bits */
+  const uint32_t h_q7 = (right - left) * wx_q7 + (left << 7);
+#if RG_HAVE_SIMD32
+  /* h0 (4096 - wy) + h1 wy: one instruction */
+  const uint32_t weights = (wy_q12 << 16) - wy_q12 + 4096;
+  return (uint32_t)__smlad((int16x2_t)h_q7, (int16x2_t)weights,
+                           (int32_t)rounding) >>
+         19;
+#else
+  const uint32_t upper_q7 = h_q7 & 0xffff;
+  const uint32_t down_q7 = (h_q7 >> 16) - upper_q7;
+  return (down_q7 * wy_q12 + ((upper_q7 << 12) + rounding)) >> 19;
+#endif
+}
+
+/* Half the last bit that a position keeps across, and down: added before the
+ * position is cut into pixel and weight. */
+static inline uint32_t rg_rounding(uint32_t kind, int c) {
+  return kind != RG_SAMPLE_8 ? 8 : c == 0 ? 16 : 0;
+}
+
+/* The blend of the bytes around a position to which the rounding was added. The
+ * right samples lie right bytes on. */
+static RG_INLINE uint32_t rg_blend_bytes(const uint8_t* upper,
+                                         const uint8_t* lower, uint32_t right,
+                                         uint32_t x_q12, uint32_t y_q12) {
+  return rg_blend_8(upper[0] | (uint32_t)lower[0] << 16,
+                    upper[right] | (uint32_t)lower[right] << 16,
+                    (x_q12 >> 5) & 127, y_q12 & 4095, RG_ROUNDING_8);
+}
+
+/* The neighbours around a position to which the rounding was added. */
+typedef struct rg_neighbors {
+  uint32_t x_q12, y_q12;
+  const uint8_t *upper, *lower; /* rows */
+  uint32_t right;               /* samples to the right ones */
+} rg_neighbors;
+
+/* Two samples of a row, of up to 16 bits, with 8-bit weights. */
+static inline uint32_t rg_blend_pair(const rg_neighbors* at, uint32_t left,
+                                     uint32_t right) {
+  const uint32_t wx_q8 = (at->x_q12 >> 4) & 255;
+  return left * (256 - wx_q8) + right * wx_q8;
+}
+
+/* Each field is read when it is needed: that takes less stack. */
+#if RG_IS_FAST
+#define RG_READ_LATE(at) ((void)(at))
+#else
+#define RG_READ_LATE(at) RG_IN_REGISTER(at)
+#endif
+
+/* The blend of samples of more than 8 bits: sample number index of the upper
+ * row, and its neighbours. Sums of samples of 16 bits are below 2^32 - 2^15. */
+static RG_INLINE uint32_t rg_blend_wide(uint32_t kind, const rg_neighbors* at,
+                                        uint32_t index) {
+  uint32_t left = rg_load_sample(kind, at->upper, index);
+  RG_READ_LATE(at);
+  uint32_t right = rg_load_sample(kind, at->upper, index + at->right);
+  RG_READ_LATE(at);
+  const uint32_t upper_q8 = rg_blend_pair(at, left, right);
+  left = rg_load_sample(kind, at->lower, index);
+  RG_READ_LATE(at);
+  right = rg_load_sample(kind, at->lower, index + at->right);
+  RG_READ_LATE(at);
+  const uint32_t lower_q8 = rg_blend_pair(at, left, right);
+  const uint32_t wy_q8 = (at->y_q12 >> 4) & 255;
+  return (upper_q8 * (256 - wy_q8) + lower_q8 * wy_q8 + 0x8000) >> 16;
+}
+
+/* The blend of samples of any kind. */
+static RG_INLINE uint32_t rg_blend_samples(uint32_t kind,
+                                           const rg_neighbors* at,
+                                           uint32_t index) {
+  return kind == RG_SAMPLE_8
+             ? rg_blend_bytes(at->upper + index, at->lower + index, at->right,
+                              at->x_q12, at->y_q12)
+             : rg_blend_wide(kind, at, index);
+}
+
+/* rg_store_sample(), out of line. */
+void rg_put_sample(uint32_t kind, uint8_t* row, uint32_t index, uint32_t value);
+
+/* rg_mix_samples() blends one sample of more than 8 bits, rg_mix_bytes() so
+ * many of 8 bits that follow each other. */
+uint32_t rg_mix_samples(uint32_t kind, const rg_neighbors* at, uint32_t index);
+void rg_mix_bytes(const rg_neighbors* at, uint32_t index, uint8_t* out,
+                  uint32_t num_channels);
+
+/* A pixel of any lattice, to the output's row. */
+static RG_INLINE void rg_blend_pixel(const rg_lattice* lattice,
+                                     const rg_neighbors* at, uint8_t* row,
+                                     uint32_t out_pixel) {
+  const uint32_t index = rg_first_sample(lattice, at->x_q12 >> 12);
+  const uint32_t target = rg_first_sample(lattice, out_pixel);
+  if (lattice->kind == RG_SAMPLE_8)
+    rg_mix_bytes(at, index, row + target, lattice->num_channels);
+  else
+    rg_put_sample(lattice->kind, row, target,
+                  rg_mix_samples(lattice->kind, at, index));
+}
+
+#endif /* RAYGRID_BLEND_H */

@@ -1,0 +1,81 @@
+/* A block of output pixels, and the source positions of its pixels:
+ * formats/SPEC.md, "Remap arithmetic". All positions are q12 source pixels. */
+#ifndef RAYGRID_BLOCK_H
+#define RAYGRID_BLOCK_H
+
+#include <stdint.h>
+
+#include "fixed_point.h"
+
+/* x, y */
+typedef struct rg_position {
+  int32_t q12[2];
+} rg_position;
+
+/* A block, or a part of one, of 2^width_log2 x 2^height_log2 pixels, and where
+ * its corners come from: top left, top right, bottom left, bottom right. */
+typedef struct rg_block {
+  uint8_t width_log2, height_log2;
+  rg_position corners[4];
+} rg_block;
+
+/* A row of a block: pixel k comes from start + k step. */
+typedef struct rg_block_row {
+  rg_position start, step;
+} rg_block_row;
+
+/* (value + 2^(shift - 1)) >> shift; the sum modulo 2^32. */
+static RG_INLINE int32_t rg_round_shift(uint32_t value, uint32_t shift) {
+  return (int32_t)(value + (UINT32_C(1) << shift >> 1)) >> shift;
+}
+
+/* from + round((to - from) r / 2^shift), modulo 2^32. */
+static RG_INLINE int32_t rg_point_between(int32_t from, int32_t to, uint32_t r,
+                                          uint32_t shift) {
+  return rg_add(from,
+                rg_round_shift(((uint32_t)to - (uint32_t)from) * r, shift));
+}
+
+/* Coordinate c of row r of a block, r less than its height. Modulo 2^32, as all
+ * that a forged table may bring there. */
+static RG_INLINE void rg_find_row_axis(const rg_block* block, uint32_t r, int c,
+                                       rg_block_row* row) {
+  const rg_position* const corners = block->corners;
+  const int32_t left = rg_point_between(corners[0].q12[c], corners[2].q12[c], r,
+                                        block->height_log2);
+  const int32_t right = rg_point_between(corners[1].q12[c], corners[3].q12[c],
+                                         r, block->height_log2);
+  row->start.q12[c] = left;
+  row->step.q12[c] =
+      rg_round_shift((uint32_t)right - (uint32_t)left, block->width_log2);
+}
+
+/* Row r of a block, in place. */
+static RG_INLINE void rg_find_row(const rg_block* block, uint32_t r,
+                                  rg_block_row* row) {
+  rg_find_row_axis(block, r, 0, row);
+  rg_find_row_axis(block, r, 1, row);
+}
+
+#ifdef __cplusplus
+extern "C"
+#endif
+    /* Row r of a block, out of line. */
+    void
+    rg_find_block_row(const rg_block* block, uint32_t r, rg_block_row* row);
+
+/* To the row's next pixel, which it then begins with. */
+static RG_INLINE void rg_go_on_in_row(rg_block_row* row) {
+  for (int c = 0; c < 2; ++c)
+    row->start.q12[c] = rg_add(row->start.q12[c], row->step.q12[c]);
+}
+
+/* The position of pixel k of a row. */
+static inline rg_position rg_row_position(const rg_block_row* row, uint32_t k) {
+  rg_position p;
+  for (int c = 0; c < 2; ++c)
+    p.q12[c] = row->start.q12[c] + (int32_t)k * row->step.q12[c];
+  return p;
+}
+
+#endif /* RAYGRID_BLOCK_H */

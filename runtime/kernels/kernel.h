@@ -1,0 +1,128 @@
+/* The kernels: inner loops that blend pixels which need no care, and which of
+ * them run. All give the same bits: formats/SPEC.md, "Remap arithmetic". */
+#ifndef RAYGRID_KERNEL_H
+#define RAYGRID_KERNEL_H
+
+#include <stdint.h>
+
+#include "config.h"
+#include "kernels/block.h"
+#include "kernels/samples.h"
+#include "raygrid.h"
+
+/* A run: pixels of a block. The source pixel of each, and its right, lower and
+ * diagonal neighbours, lie in the image. */
+typedef struct rg_run {
+  uint16_t out_pixel; /* first_pixel of the block, in the output's row */
+  uint16_t first_source_row;
+  uint16_t first_row, num_rows;     /* of the block */
+  uint16_t first_pixel, num_pixels; /* of the block's rows; neither num is 0 */
+  const uint8_t* data; /* row 0 of the source is first_source_row */
+  uint32_t stride;
+  uint8_t* out; /* row first_row of the output, from its left end */
+  uint32_t out_stride;
+  rg_block block;
+} rg_run;
+
+/* The spare rows, in q12: kernels may read beyond what they need, the row below
+ * a pixel's lower neighbours, and bytes of the row below that. */
+#define RG_SPARE_Q12 (2 * 4096)
+#define RG_MIN_STRIDE 32u
+
+/* ---- Kernels ------------------------------------------------------------- */
+
+/* Blends the pixels of a run, bilinear, of 8 bits. */
+typedef void rg_blend(const rg_run* run);
+
+/* Blends parts of 8 x 8 pixels that lie beside each other: all as the run,
+ * which is the first of them, but for the corners of their blocks. */
+typedef void rg_blend_parts(const rg_run* run, const rg_position (*corners)[4],
+                            uint32_t num_parts);
+
+/* The kernels of one instruction set, for 1, 2, 3 and 4 interleaved channels.
+ */
+struct rg_kernels {
+  const char* name;
+  rg_blend* blend[4];
+  rg_blend_parts* blend_parts[4]; /* NULL: none */
+};
+
+rg_blend rg_blend_1, rg_blend_2, rg_blend_3, rg_blend_4;
+rg_blend rg_blend_1_sse4, rg_blend_2_sse4, rg_blend_3_sse4, rg_blend_4_sse4;
+rg_blend rg_blend_1_avx2, rg_blend_2_avx2, rg_blend_3_avx2, rg_blend_4_avx2;
+rg_blend rg_blend_1_avx512, rg_blend_2_avx512, rg_blend_3_avx512,
+    rg_blend_4_avx512;
+rg_blend_parts rg_blend_parts_1_avx512, rg_blend_parts_2_avx512,
+    rg_blend_parts_3_avx512, rg_blend_parts_4_avx512;
+rg_blend rg_blend_1_neon, rg_blend_2_neon, rg_blend_3_neon, rg_blend_4_neon;
+rg_blend rg_blend_1_helium, rg_blend_2_helium, rg_blend_3_helium,
+    rg_blend_4_helium;
+rg_blend rg_blend_1_rvv, rg_blend_2_rvv, rg_blend_3_rvv, rg_blend_4_rvv;
+
+/* Blends a run of any lattice, bilinear. */
+void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice);
+
+/* Copies the nearest pixels of a run of any lattice. */
+void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice);
+
+/* ---- The kernels that run ------------------------------------------------ */
+
+/* A board's built-in kernels are known when it is compiled, and need no spare
+ * rows. */
+#if RG_ALL_BUILT_IN && RG_HAVE_HELIUM
+#define RG_BUILT_IN(channels) rg_blend_##channels##_helium
+#elif RG_ALL_BUILT_IN
+#define RG_BUILT_IN(channels) rg_blend_##channels##_rvv
+#else
+#define RG_BUILT_IN(channels) rg_blend_##channels
+#endif
+
+/* Whether kernels that were chosen may run: is_roomy where the spare rows are
+ * there, which those beside built-in ones do not need either. */
+#define RG_MAY_RUN(is_roomy) (RG_ALL_BUILT_IN || (is_roomy))
+
+/* The kernels that are wanted, or the fastest; NULL, which is the built-in
+ * ones, where rows are too short for others. */
+static inline const rg_kernels* rg_choose_kernels(const rg_kernels* wanted,
+                                                  uint32_t stride) {
+  if (!RG_CHOOSE_KERNELS || !RG_MAY_RUN(stride >= RG_MIN_STRIDE)) return 0;
+  return wanted ? wanted : rg_find_kernels(0);
+}
+
+/* Blends a run of grey pixels. */
+static inline void rg_dispatch_grey(const rg_kernels* kernels,
+                                    const rg_run* run, int is_roomy) {
+  if (RG_CHOOSE_KERNELS && kernels && RG_MAY_RUN(is_roomy))
+    kernels->blend[0](run);
+  else
+    RG_BUILT_IN(1)(run);
+}
+
+/* Blends a run by a kernel that every program has; 0 if there is none for so
+ * many channels. */
+static inline int rg_blend_built_in(const rg_run* run, uint32_t channels) {
+  if (channels == 1)
+    RG_BUILT_IN(1)(run);
+  else if (RG_ALL_BUILT_IN && channels == 2)
+    RG_BUILT_IN(2)(run);
+  else if (RG_ALL_BUILT_IN && channels == 3)
+    RG_BUILT_IN(3)(run);
+  else if (RG_ALL_BUILT_IN && channels == 4)
+    RG_BUILT_IN(4)(run);
+  else
+    return 0;
+  return 1;
+}
+
+/* Blends a run of a lattice. */
+static inline void rg_dispatch(const rg_kernels* kernels, const rg_run* run,
+                               const rg_lattice* lattice, int is_roomy) {
+  const uint32_t channels = rg_interleaved(lattice);
+  if (RG_CHOOSE_KERNELS && kernels && RG_MAY_RUN(is_roomy) && channels != 0) {
+    kernels->blend[channels - 1](run);
+    return;
+  }
+  if (!rg_blend_built_in(run, channels)) rg_blend_lattice(run, lattice);
+}
+
+#endif /* RAYGRID_KERNEL_H */

@@ -1,0 +1,67 @@
+/* Rows of a run, and whether segments of them, neighbouring pixels that a
+ * kernel takes at once, fit into its registers. */
+#ifndef RAYGRID_SEGMENTS_H
+#define RAYGRID_SEGMENTS_H
+
+#include <stdint.h>
+
+#include "kernels/block.h"
+#include "kernels/kernel.h"
+
+/* From a row of the run's block: position (0, 0) becomes data. */
+static RG_INLINE void rg_move_to_run(const rg_run* run, rg_block_row* row) {
+  row->start = rg_row_position(row, run->first_pixel);
+  row->start.q12[1] -= (int32_t)run->first_source_row << 12;
+}
+
+/* Row r of a run. */
+static RG_INLINE void rg_find_run_row(const rg_run* run, uint32_t r,
+                                      rg_block_row* row) {
+  rg_find_row(&run->block, run->first_row + r, row);
+  rg_move_to_run(run, row);
+}
+
+/* The step between neighbouring pixels of the block's upper (0) or lower (1)
+ * edge. Steps of rows lie between these but for rounding, which is less than 2.
+ */
+static inline int32_t rg_edge_step(const rg_run* run, uint32_t k, int c) {
+  const rg_position* const edge = run->block.corners + 2 * k;
+  return (edge[1].q12[c] - edge[0].q12[c]) >> run->block.width_log2;
+}
+
+/* Whether any so many neighbouring pixels of a run, and their own neighbours,
+ * lie in windows of a number of pixels that start at the first one, on two
+ * rows. */
+static inline int rg_fits_windows(const rg_run* run, uint32_t num_pixels,
+                                  uint32_t window_pixels) {
+  const int32_t steps = (int32_t)num_pixels - 1;
+  const int32_t room = (int32_t)(window_pixels - 1) * 4096 - 4112;
+  for (uint32_t k = 0; k < 2; ++k) {
+    const int32_t x = rg_edge_step(run, k, 0), y = rg_edge_step(run, k, 1);
+    if (x < 2 || x > 16384 || (x + 2) * steps > room || y < -8192 || y > 8192 ||
+        (y + 2) * steps > 4096 || (y - 2) * steps < -4096)
+      return 0;
+  }
+  return run->num_pixels >= num_pixels;
+}
+
+/* Whether positions of so many neighbouring pixels, in q12, and the offsets of
+ * their samples, in bytes, fit into 16 bits when counted from the least. */
+static inline int rg_fits_offsets(const rg_run* run, uint32_t num_pixels,
+                                  uint32_t channels) {
+  for (uint32_t k = 0; k < 2; ++k) {
+    uint32_t beyond[2]; /* pixels that the last one is away at most */
+    for (int c = 0; c < 2; ++c) {
+      const int32_t step = rg_edge_step(run, k, c);
+      const uint32_t size = (uint32_t)(step < 0 ? -step : step) + 2;
+      if (size > (65535 - 4111) / (num_pixels - 1)) return 0;
+      beyond[c] = ((num_pixels - 1) * size + 4111) >> 12;
+    }
+    if (run->stride > 65535 ||
+        beyond[1] * run->stride + beyond[0] * channels > 65535)
+      return 0;
+  }
+  return 1;
+}
+
+#endif /* RAYGRID_SEGMENTS_H */
