@@ -41,29 +41,43 @@ static RG_INLINE int rg_turn(uint32_t* length) {
 #define RG_UNROLL_ROWS
 #endif
 
-/* A number above 0 that compilers do not know, so that a loop remains one where
- * size matters. */
-static RG_INLINE uint32_t rg_times(uint32_t number) {
+/* RG_FORGET_COUNT() makes compilers forget what they know of a number above 0,
+ * so that a loop remains one where size matters. */
 #if defined(__GNUC__) && defined(__OPTIMIZE_SIZE__)
-  __asm__ volatile("" : "+r"(number));
-  if (number == 0) __builtin_unreachable();
+#define RG_FORGET_COUNT(number)               \
+  do {                                        \
+    __asm__ volatile("" : "+r"(number));      \
+    if (number == 0) __builtin_unreachable(); \
+  } while (0)
+#else
+#define RG_FORGET_COUNT(number) ((void)(number))
 #endif
+
+/* The number of a loop's turns, which is above 0. */
+static RG_INLINE uint32_t rg_times(uint32_t number) {
+  RG_FORGET_COUNT(number);
   return number;
 }
 
+/* RG_KEEP() leaves an address in a register of its own, and RG_LEAVE() a value
+ * in memory until it is used. x86-64 has other ways. */
+#if defined(__GNUC__) && !defined(__x86_64__)
+#define RG_KEEP(address) __asm__("" : "+r"(address))
+#define RG_LEAVE(value) __asm__("" : "+m"(value))
+#else
+#define RG_KEEP(address) ((void)(address))
+#define RG_LEAVE(value) ((void)(value))
+#endif
+
 /* An address in a register of its own: loads of pairs want that. */
 static RG_INLINE const uint8_t* rg_keep_address(const uint8_t* p) {
-#if defined(__GNUC__) && !defined(__x86_64__)
-  __asm__("" : "+r"(p));
-#endif
+  RG_KEEP(p);
   return p;
 }
 
 /* A value that is read where it is used: registers are scarce there. */
 static RG_INLINE int32_t rg_read_late(int32_t* value) {
-#if defined(__GNUC__) && !defined(__x86_64__)
-  __asm__("" : "+m"(*value));
-#endif
+  RG_LEAVE(*value);
   return *value;
 }
 
@@ -80,6 +94,14 @@ static RG_INLINE int32_t rg_read_late(int32_t* value) {
 #define RG_IN_MEMORY(value) __asm__("" : "+m"(value))
 #else
 #define RG_IN_MEMORY(value) ((void)(value))
+#endif
+
+/* A constant that others are made of, so that these are not read from memory.
+ */
+#if RG_HAVE_SMMULR && defined(__OPTIMIZE_SIZE__)
+#define RG_MAKE_OTHERS_OF(constant) __asm__("" : "+r"(constant))
+#else
+#define RG_MAKE_OTHERS_OF(constant) ((void)(constant))
 #endif
 
 #endif /* RAYGRID_CODE_SIZE_H */

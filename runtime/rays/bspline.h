@@ -14,9 +14,7 @@
 static RG_INLINE void rg_bspline_weights(int32_t t_q30,
                                          int32_t weights_q31[4]) {
   int32_t sixth_q31 = 357913941;
-#if RG_HAVE_SMMULR && defined(__OPTIMIZE_SIZE__)
-  __asm__("" : "+r"(sixth_q31)); /* the third comes from it, not from memory */
-#endif
+  RG_MAKE_OTHERS_OF(sixth_q31); /* the third */
   const int32_t third_q32 = 4 * sixth_q31;
   const int32_t t2_q30 = 4 * rg_multiply_high(t_q30, t_q30);
   const int32_t t3_q28 = rg_multiply_high(t2_q30, t_q30);

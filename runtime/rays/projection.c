@@ -107,8 +107,6 @@ rg_status rg_project(const rg_camera* camera, const rg_ray* direction,
   return find_pixel(camera, direction, pixel);
 }
 
-#if RG_IS_FAST
-
 /* One thing for several points and then the next: fast processors work on
  * several points at once. */
 #define BLOCK_SIZE 8u
@@ -133,18 +131,14 @@ static uint32_t project_block(const rg_camera* camera, const rg_ray* directions,
   return num_seen;
 }
 
-#endif
-
 uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
                           rg_pixel* pixels, uint32_t num_points) {
   uint32_t num_seen = 0;
-#if RG_IS_FAST
-  if (camera->inverse && !camera->line_points)
+  if (RG_IS_FAST && camera->inverse && !camera->line_points)
     for (; num_points >= BLOCK_SIZE; num_points -= BLOCK_SIZE,
                                      pixels += BLOCK_SIZE,
                                      directions += BLOCK_SIZE)
       num_seen += project_block(camera, directions, pixels);
-#endif
   for (; num_points > 0; --num_points, ++pixels, ++directions) {
     if (rg_project(camera, directions, pixels) == RG_OK)
       ++num_seen;

@@ -1,6 +1,7 @@
 /* Pixel -> direction. Error budget in runtime/DESIGN.md. */
 #include "blob_layout.h"
 #include "bytes.h"
+#include "cortex_m/grid_rows.h"
 #include "fixed_point.h"
 #include "raygrid.h"
 #include "rays/surface_choice.h"
@@ -22,70 +23,6 @@ rg_status rg_unproject(const rg_camera* camera, rg_pixel pixel, rg_ray* ray) {
   return status;
 }
 
-/* The B-spline of a row of four points of a line, and the column of four rows.
- * Each product is rounded, q28 to q27 and to q26. Returns the row's last point.
- */
-static RG_INLINE const uint8_t* add_line_row(const uint8_t* points,
-                                             const int32_t w_q31[4],
-                                             const int32_t** row_weight_q31,
-                                             int32_t sums_q26[3]) {
-#if RG_ROWS_IN_ASSEMBLER
-  int32_t x, y, z, w0, w1;
-  __asm__(
-      "ldmia %[points]!, {r0, r1, r2}\n\t"
-      "ldrd %[w0], %[w1], %[first_weights]\n\t"
-      "smmulr %[x], r0, %[w0]\n\t"
-      "smmulr %[y], r1, %[w0]\n\t"
-      "smmulr %[z], r2, %[w0]\n\t"
-      "ldmia %[points]!, {r0, r1, r2}\n\t"
-      "smmlar %[x], r0, %[w1], %[x]\n\t"
-      "smmlar %[y], r1, %[w1], %[y]\n\t"
-      "smmlar %[z], r2, %[w1], %[z]\n\t"
-      "ldmia %[points]!, {r0, r1, r2}\n\t"
-      "ldrd %[w0], %[w1], %[last_weights]\n\t"
-      "smmlar %[x], r0, %[w0], %[x]\n\t"
-      "smmlar %[y], r1, %[w0], %[y]\n\t"
-      "smmlar %[z], r2, %[w0], %[z]\n\t"
-      "ldmia %[points], {r0, r1, r2}\n\t"
-      "smmlar %[x], r0, %[w1], %[x]\n\t"
-      "smmlar %[y], r1, %[w1], %[y]\n\t"
-      "smmlar %[z], r2, %[w1], %[z]\n\t"
-      "ldr %[w0], [%[row_weight]], #4\n\t"
-      "smmlar %[sum_x], %[x], %[w0], %[sum_x]\n\t"
-      "smmlar %[sum_y], %[y], %[w0], %[sum_y]\n\t"
-      "smmlar %[sum_z], %[z], %[w0], %[sum_z]"
-      : [points] "+r"(points), [row_weight] "+r"(*row_weight_q31),
-        [sum_x] "+r"(sums_q26[0]), [sum_y] "+r"(sums_q26[1]),
-        [sum_z] "+r"(sums_q26[2]), [x] "=&r"(x), [y] "=&r"(y), [z] "=&r"(z),
-        [w0] "=&r"(w0), [w1] "=&r"(w1)
-      : [first_weights] "m"(*(const int32_t(*)[2])w_q31),
-        [last_weights] "m"(*(const int32_t(*)[2])(w_q31 + 2)),
-        "m"(**row_weight_q31),
-        "m"(*(const uint8_t(*)[4 * RG_LINE_POINT_SIZE]) points)
-      : "r0", "r1", "r2");
-  return points;
-#else
-  int32_t x = rg_multiply_high(rg_load_i32(points + RG_LINE_POINT_X), w_q31[0]);
-  int32_t y = rg_multiply_high(rg_load_i32(points + RG_LINE_POINT_Y), w_q31[0]);
-  int32_t z = rg_multiply_high(rg_load_i32(points + RG_LINE_POINT_Z), w_q31[0]);
-  RG_UNROLL_SHARED
-  for (int k = 1; k < 4; ++k) {
-    points += RG_LINE_POINT_SIZE;
-    x = rg_multiply_high_add(x, rg_load_i32(points + RG_LINE_POINT_X),
-                             w_q31[k]);
-    y = rg_multiply_high_add(y, rg_load_i32(points + RG_LINE_POINT_Y),
-                             w_q31[k]);
-    z = rg_multiply_high_add(z, rg_load_i32(points + RG_LINE_POINT_Z),
-                             w_q31[k]);
-  }
-  const int32_t weight_q31 = *(*row_weight_q31)++;
-  sums_q26[0] = rg_multiply_high_add(sums_q26[0], x, weight_q31);
-  sums_q26[1] = rg_multiply_high_add(sums_q26[1], y, weight_q31);
-  sums_q26[2] = rg_multiply_high_add(sums_q26[2], z, weight_q31);
-  return points;
-#endif
-}
-
 /* (0, 0, 0) of a central camera. */
 static RG_INLINE void find_line_point(const rg_camera* camera,
                                       const rg_place* place,
@@ -99,9 +36,9 @@ static RG_INLINE void find_line_point(const rg_camera* camera,
         3 * (rg_load_u16(camera->grid + RG_GRID_COLUMNS) - 3u); /* words */
     RG_UNROLL_SHARED
     do
-      points =
-          add_line_row(points, place->weights_q31[0], &row_weight, sums_q26) +
-          4 * rest_of_row;
+      points = RG_ADD_LINE_ROW(points, place->weights_q31[0], &row_weight,
+                               sums_q26) +
+               4 * rest_of_row;
     while (rg_turn(&rest_of_row));
   }
   RG_IN_MEMORY(point_q28);

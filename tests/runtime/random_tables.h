@@ -22,11 +22,11 @@
 
 static uint32_t state;
 
-static uint32_t below(uint32_t limit) {
+static inline uint32_t below(uint32_t limit) {
   return (next_random(&state) >> 8) % limit;
 }
 
-static int32_t between(int32_t low, int32_t high) {
+static inline int32_t between(int32_t low, int32_t high) {
   return low + (int32_t)below((uint32_t)(high - low) + 1);
 }
 
@@ -57,12 +57,12 @@ static const table_style kStyles[] = {
 };
 #define NUM_STYLES (sizeof(kStyles) / sizeof(kStyles[0]))
 
-static uint16_t random_size(uint32_t multiple) {
+static inline uint16_t random_size(uint32_t multiple) {
   return (uint16_t)(multiple * (1 + below(MAX_SIZE / multiple)));
 }
 
 /* Sizes are multiples of what the format wants. */
-static int make_table(uint32_t style_index, uint32_t size_multiple) {
+static inline int make_table(uint32_t style_index, uint32_t size_multiple) {
   static int16_t residuals[2 * 32 * 32];
   static int8_t bends[4 * 32 * 32];
   static uint8_t empty[128];
@@ -132,7 +132,7 @@ typedef struct exact_memory {
   size_t num_pages_bytes;
 } exact_memory;
 
-static exact_memory new_memory(size_t size) {
+static inline exact_memory new_memory(size_t size) {
   exact_memory memory = {NULL, NULL, 0};
 #if defined(__linux__) && !defined(RAYGRID_SANITIZED)
   const size_t page = (size_t)sysconf(_SC_PAGESIZE);
@@ -151,7 +151,7 @@ static exact_memory new_memory(size_t size) {
   return memory;
 }
 
-static void free_memory(const exact_memory* memory) {
+static inline void free_memory(const exact_memory* memory) {
 #if defined(__linux__)
   if (memory->pages) {
     munmap(memory->pages, memory->num_pages_bytes);
