@@ -10,6 +10,8 @@
 #ifndef RAYGRID_BLOB_LAYOUT_H
 #define RAYGRID_BLOB_LAYOUT_H
 
+#include <stdint.h>
+
 /* ---- Header and section table ------------------------------------------- */
 
 enum {
@@ -134,6 +136,12 @@ enum {
 };
 #define RG_VERTEX_SIZE 4u      /* of a table without bends */
 #define RG_BENT_VERTEX_SIZE 8u /* of a table with bends */
+
+/* The bytes of a vertex of a remap section. */
+static inline uint32_t rg_vertex_size(const uint8_t* section) {
+  return section[RG_REMAP_PART_LOG2] != 0 ? RG_BENT_VERTEX_SIZE
+                                          : RG_VERTEX_SIZE;
+}
 
 /* ---- Quality ------------------------------------------------------------ */
 

@@ -29,27 +29,30 @@ static RG_INLINE void find_axis(const rg_part_row* parts, uint32_t c,
   const uint32_t size = rg_vertex_size(section);
   const uint8_t* const affine = section + 4 * c;
   const uint8_t* above =
-      section + rg_load_u32(section + 76) + vertex * size + c;
-  const uint8_t* below = above + rg_load_u16(section + 4) * size;
-  const uint32_t row_step = rg_load_u32(affine + 44);
-  uint32_t plane = rg_load_u32(affine + 28) +
-                   (parts->spans[0].before >> 16) * rg_load_u32(affine + 36) +
+      section + rg_load_u32(section + RG_REMAP_DATA_OFFSET) + vertex * size + c;
+  const uint8_t* below = above + rg_load_u16(section + RG_REMAP_COLUMNS) * size;
+  const uint32_t row_step = rg_load_u32(affine + RG_REMAP_ROW_STEP);
+  uint32_t plane = rg_load_u32(affine + RG_REMAP_ORIGIN) +
+                   (parts->spans[0].before >> 16) *
+                       rg_load_u32(affine + RG_REMAP_COLUMN_STEP) +
                    (parts->spans[1].before >> 16) * row_step;
   const uint32_t bend_shift = parts->bend_shift;
   int32_t bends[2];
   for (uint32_t side = 0; side < 2; ++side, corner += 2) {
-    const uint32_t shift = section[9];
-    const uint32_t upper = (uint32_t)rg_load_i16(above + c) << shift;
-    const uint32_t lower = (uint32_t)rg_load_i16(below + c) << shift;
+    const uint32_t shift = section[RG_REMAP_RESIDUAL_SHIFT];
+    const uint32_t upper = (uint32_t)rg_load_i16(above + RG_VERTEX_X + c)
+                           << shift;
+    const uint32_t lower = (uint32_t)rg_load_i16(below + RG_VERTEX_X + c)
+                           << shift;
     corner[0] = (int32_t)(plane + upper);
     corner[4] = (int32_t)(plane + row_step + lower);
-    plane += rg_load_u32(affine + 36);
+    plane += rg_load_u32(affine + RG_REMAP_COLUMN_STEP);
     if (size == RG_BENT_VERTEX_SIZE) {
       cut_edge(&corner[0], &corner[4],
-               load_bend(below + RG_UPPER_BEND, bend_shift + parts->num_log2),
+               load_bend(below + RG_VERTEX_VX, bend_shift + parts->num_log2),
                &parts->spans[1]);
-      bends[0] = load_bend(above + RG_LEFT_BEND, bend_shift);
-      bends[1] = load_bend(below + RG_LEFT_BEND, bend_shift);
+      bends[0] = load_bend(above + RG_VERTEX_HX, bend_shift);
+      bends[1] = load_bend(below + RG_VERTEX_HX, bend_shift);
     }
     above += size;
     below += size;
@@ -64,13 +67,13 @@ static RG_INLINE void find_axis(const rg_part_row* parts, uint32_t c,
 
 void rg_next_corners_in_c(rg_part_row* parts, rg_position corners[4]) {
   const uint8_t* const section = parts->section;
-  const uint32_t columns = rg_load_u16(section + 4);
+  const uint32_t columns = rg_load_u16(section + RG_REMAP_COLUMNS);
   const uint32_t j = parts->spans[1].before >> 16;
   const uint32_t vertex = j * columns + (parts->spans[0].before >> 16);
   const uint32_t mark = vertex - j;
   const uint8_t* const marks =
-      section + rg_load_u32(section + 76) +
-      rg_load_u16(section + 6) * columns * rg_vertex_size(section);
+      section + rg_load_u32(section + RG_REMAP_DATA_OFFSET) +
+      rg_load_u16(section + RG_REMAP_ROWS) * columns * rg_vertex_size(section);
   parts->is_empty = (marks[mark >> 3] >> (mark & 7)) & 1;
   const uint32_t end = rg_times(2);
   uint32_t c = 0;
@@ -81,7 +84,7 @@ void rg_next_corners_in_c(rg_part_row* parts, rg_position corners[4]) {
 }
 
 static uint8_t part_log2(const rg_part_row* parts, const rg_span* span) {
-  uint32_t log2 = parts->section[8];
+  uint32_t log2 = parts->section[RG_REMAP_BLOCK_LOG2];
   for (uint32_t size = span->size; size < 0x10000; size *= 2) --log2;
   return (uint8_t)log2;
 }

@@ -5,23 +5,14 @@
 
 #include <stdint.h>
 
+#include "blob_layout.h"
 #include "bytes.h"
 #include "fixed_point.h"
 #include "kernels/block.h"
-#include "rg_blob.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* Offsets in a vertex that has bends: of the edges to its left and above. */
-#define RG_LEFT_BEND 4
-#define RG_UPPER_BEND 6
-
-/* The bytes of a vertex of a remap section. */
-static inline uint32_t rg_vertex_size(const uint8_t* section) {
-  return section[10] != 0 ? RG_BENT_VERTEX_SIZE : RG_VERTEX_SIZE;
-}
 
 /* The extent of a part on an axis, in q16 blocks: what is before it, and its
  * size. */
@@ -46,9 +37,11 @@ typedef struct rg_part_row {
 static RG_INLINE void rg_set_parts(rg_part_row* parts, uint32_t width_log2,
                                    uint32_t height_log2) {
   const uint8_t* const section = parts->section;
-  const uint32_t whole_log2 = section[8] + 2u; /* of four blocks */
+  const uint32_t whole_log2 =
+      section[RG_REMAP_BLOCK_LOG2] + 2u; /* of four blocks */
   const uint32_t num_log2 = whole_log2 - width_log2;
-  parts->bend_shift = (uint8_t)(section[11] + width_log2 - section[10]);
+  parts->bend_shift = (uint8_t)(section[RG_REMAP_BEND_SHIFT] + width_log2 -
+                                section[RG_REMAP_PART_LOG2]);
   parts->num_log2 = (uint8_t)num_log2;
   parts->spans[0].size = UINT32_C(0x40000) >> num_log2;
   parts->spans[1].size = UINT32_C(0x40000) >> (whole_log2 - height_log2);

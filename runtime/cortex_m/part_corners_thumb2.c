@@ -10,7 +10,7 @@
  *     along(A, Z, b, t) = A + round(t (Z - A + b (1 - t)))
  * r7 may be the frame pointer. */
 void rg_next_corners_in_thumb2(rg_part_row* parts, rg_position corners[4]) {
-  /* For these, no register is left. */
+  /* No register is left for these. */
   rg_part_row* kept = parts;
   rg_position* corner = corners;
   const uint8_t* above;
@@ -21,11 +21,11 @@ void rg_next_corners_in_thumb2(rg_part_row* parts, rg_position corners[4]) {
       "ldr r2, [r0]\n\t"
       "ldrh r3, [r0, %[across] + 2]\n\t"
       "ldrh r4, [r0, %[down] + 2]\n\t"
-      "ldrh r6, [r2, #4]\n\t"
-      "ldrb r1, [r2, #10]\n\t"
-      "movs r5, #4\n\t"
+      "ldrh r6, [r2, %[columns]]\n\t"
+      "ldrb r1, [r2, %[part_log2]]\n\t"
+      "movs r5, %[straight_size]\n\t"
       "cbz r1, 1f\n\t"
-      "movs r5, #8\n"
+      "movs r5, %[bent_size]\n"
       "1:\n\t"
       "str r5, %[vertex_size]\n\t"
       "mul r10, r6, r5\n\t"
@@ -34,8 +34,8 @@ void rg_next_corners_in_thumb2(rg_part_row* parts, rg_position corners[4]) {
       "adds r6, r3\n\t"
       "subs r3, r6, r4\n\t"
       /* vertices + rows row_size, and the vertex's address */
-      "ldrh r1, [r2, #6]\n\t"
-      "ldr r4, [r2, #76]\n\t"
+      "ldrh r1, [r2, %[rows]]\n\t"
+      "ldr r4, [r2, %[data_offset]]\n\t"
       "adds r4, r2\n\t"
       "mla r1, r1, r10, r4\n\t"
       "muls r6, r5\n\t"
@@ -58,13 +58,13 @@ void rg_next_corners_in_thumb2(rg_part_row* parts, rg_position corners[4]) {
       "ldr r4, %[walk]\n\t"
       "ldr r2, [r4]\n\t"
       "add r2, r2, r6, lsl #2\n\t"
-      "ldr r0, [r2, #28]\n\t"
-      "ldr r1, [r2, #36]\n\t"
+      "ldr r0, [r2, %[origin]]\n\t"
+      "ldr r1, [r2, %[column_step]]\n\t"
       "mov r11, r1\n\t"
       "ldrh r3, [r4, %[across] + 2]\n\t"
       "mla r0, r1, r3, r0\n\t"
       "ldrh r3, [r4, %[down] + 2]\n\t"
-      "ldr r9, [r2, #44]\n\t"
+      "ldr r9, [r2, %[row_step]]\n\t"
       "mla r8, r9, r3, r0\n\t"
       "add r11, r8\n\t"
       /* left: r8, right: r11 */
@@ -84,7 +84,7 @@ void rg_next_corners_in_thumb2(rg_part_row* parts, rg_position corners[4]) {
       "beq 6f\n\t"
       /* bend = along(h10, h11, 0, t); 1 does for 0, as t or floor(1 - t) is 0
        */
-      "movs r2, #4\n\t"
+      "movs r2, %[hx]\n\t"
       "ldrsb r0, [r5, r2]\n\t"
       "add r5, r10\n\t"
       "ldrsb r1, [r5, r2]\n\t"
@@ -129,7 +129,7 @@ void rg_next_corners_in_thumb2(rg_part_row* parts, rg_position corners[4]) {
       "ldrsh r0, [r5, r6]\n\t"
       "add r4, r5, r10\n\t"
       "ldrsh r1, [r4, r6]\n\t"
-      "ldrsb r2, [r4, #6]\n\t"
+      "ldrsb r2, [r4, %[vx]]\n\t"
       "ldr r4, %[walk]\n\t"
       "ldrh r4, [r4, %[bend_shift]]\n\t"
       "lsls r2, r4\n\t"
@@ -137,7 +137,7 @@ void rg_next_corners_in_thumb2(rg_part_row* parts, rg_position corners[4]) {
       "lsls r2, r4\n\t"
       "ldr r4, %[walk]\n\t"
       "ldr r4, [r4]\n\t"
-      "ldrb r4, [r4, #9]\n\t"
+      "ldrb r4, [r4, %[residual_shift]]\n\t"
       "lsls r0, r4\n\t"
       "lsls r1, r4\n\t"
       "add r1, r9\n"
@@ -156,7 +156,15 @@ void rg_next_corners_in_thumb2(rg_part_row* parts, rg_position corners[4]) {
         [bend_shift] "i"(offsetof(rg_part_row, bend_shift)),
         [num_log2] "i"(offsetof(rg_part_row, num_log2)),
         [across] "i"(offsetof(rg_part_row, spans)),
-        [down] "i"(offsetof(rg_part_row, spans) + sizeof(rg_span))
+        [down] "i"(offsetof(rg_part_row, spans) + sizeof(rg_span)),
+        [columns] "i"(RG_REMAP_COLUMNS), [rows] "i"(RG_REMAP_ROWS),
+        [part_log2] "i"(RG_REMAP_PART_LOG2),
+        [residual_shift] "i"(RG_REMAP_RESIDUAL_SHIFT),
+        [origin] "i"(RG_REMAP_ORIGIN), [column_step] "i"(RG_REMAP_COLUMN_STEP),
+        [row_step] "i"(RG_REMAP_ROW_STEP),
+        [data_offset] "i"(RG_REMAP_DATA_OFFSET), [hx] "i"(RG_VERTEX_HX),
+        [vx] "i"(RG_VERTEX_VX), [straight_size] "i"(RG_VERTEX_SIZE),
+        [bent_size] "i"(RG_BENT_VERTEX_SIZE)
       : "r1", "r2", "r3", "r4", "r5", "r6", "r8", "r9", "r10", "r11", "r12",
         "lr", "cc", "memory");
   r0->spans[0].before += r0->spans[0].size;

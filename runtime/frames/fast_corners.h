@@ -11,11 +11,10 @@
 
 #include <stdint.h>
 
+#include "blob_layout.h"
 #include "bytes.h"
-#include "cortex_m/part_corners.h"
 #include "frames/lattice_map.h"
 #include "kernels/block.h"
-#include "rg_blob.h"
 
 /* ---- Lanes --------------------------------------------------------------- */
 
@@ -97,8 +96,8 @@ static RG_INLINE rg_lanes rg_next_column(rg_corner_lines* lines,
   lines->above = above + lines->vertex_size;
   *turns = none;
   if (lines->vertex_size != RG_BENT_VERTEX_SIZE) return ends;
-  const uint32_t c = rg_load_u32(above + RG_LEFT_BEND);
-  const uint32_t d = rg_load_u32(below + RG_LEFT_BEND);
+  const uint32_t c = rg_load_u32(above + RG_VERTEX_HX);
+  const uint32_t d = rg_load_u32(below + RG_VERTEX_HX);
   if (lines->num_log2[0] != 0)
     *turns = 2 * rg_cross_edges(lines,
                                 rg_load_bends(c << 24, c << 16, d << 24,
@@ -111,7 +110,7 @@ static RG_INLINE rg_lanes rg_next_column(rg_corner_lines* lines,
 /* log2 of the parts of a block, across (axis 0) or down. */
 static inline uint32_t rg_num_parts_log2(const rg_corner_lines* lines,
                                          uint32_t axis) {
-  return (uint32_t)lines->section[8] - lines->part_log2[axis];
+  return (uint32_t)lines->section[RG_REMAP_BLOCK_LOG2] - lines->part_log2[axis];
 }
 
 /* To the first column of vertices of the row of parts. The section, the parts'
@@ -122,26 +121,31 @@ static inline void rg_start_columns(rg_corner_lines* lines) {
   const uint32_t j = (uint32_t)lines->row >> log2;
   const int32_t line = lines->row & ((1 << log2) - 1);
   const int32_t rest = (1 << log2) - line;
-  const uint32_t columns = rg_load_u16(section + 4);
-  const uint8_t* const vertices = section + rg_load_u32(section + 76);
-  const int32_t bend_shift = section[11] - section[10];
+  const uint32_t columns = rg_load_u16(section + RG_REMAP_COLUMNS);
+  const uint8_t* const vertices =
+      section + rg_load_u32(section + RG_REMAP_DATA_OFFSET);
+  const int32_t bend_shift =
+      section[RG_REMAP_BEND_SHIFT] - section[RG_REMAP_PART_LOG2];
   rg_lanes turns;
   lines->vertex_size = rg_vertex_size(section);
   lines->row_size = columns * lines->vertex_size;
   lines->above = vertices + j * lines->row_size;
-  lines->marks = vertices + rg_load_u16(section + 6) * lines->row_size;
+  lines->marks =
+      vertices + rg_load_u16(section + RG_REMAP_ROWS) * lines->row_size;
   lines->next_mark = j * (columns - 1);
-  lines->residual_shift = section[9];
+  lines->residual_shift = section[RG_REMAP_RESIDUAL_SHIFT];
   for (uint32_t axis = 0; axis < 2; ++axis) {
     lines->num_log2[axis] = (int32_t)rg_num_parts_log2(lines, axis);
     lines->bend_shift[axis] = bend_shift + lines->part_log2[axis];
   }
   for (int k = 0; k < 4; ++k) {
-    /* Fields that are pairs of 32 bits: origin, column_step, row_step. */
-    const uint8_t* const affine = section + 28 + 4 * (k & 1);
+    const uint8_t* const origin = section + RG_REMAP_ORIGIN + 4 * (k & 1);
     const uint32_t row = j + (uint32_t)(k >> 1);
-    lines->plane[k] = rg_load_u32(affine) + row * rg_load_u32(affine + 16);
-    lines->column_step[k] = rg_load_u32(affine + 8);
+    lines->plane[k] =
+        rg_load_u32(origin) +
+        row * rg_load_u32(origin + RG_REMAP_ROW_STEP - RG_REMAP_ORIGIN);
+    lines->column_step[k] =
+        rg_load_u32(origin + RG_REMAP_COLUMN_STEP - RG_REMAP_ORIGIN);
     lines->line[k] = line + (k >> 1);
     lines->rest[k] = rest - (k >> 1);
   }

@@ -5,6 +5,7 @@
 
 #include <stdint.h>
 
+#include "blob_layout.h"
 #include "bytes.h"
 #include "kernels/block.h"
 #include "kernels/samples.h"
@@ -30,9 +31,10 @@ typedef struct rg_range {
 /* Coordinate c of the positions that have a source. */
 static RG_INLINE rg_range rg_source_range(const uint8_t* section,
                                           const rg_lattice* lattice, int c) {
-  const uint8_t* const field = section + 12 + 4 * c;
-  const rg_range range = {rg_to_lattice(lattice, c, rg_load_i32(field), 1),
-                          rg_to_lattice(lattice, c, rg_load_i32(field + 8), 0)};
+  const uint8_t* const field = section + RG_REMAP_MIN_X + 4 * c;
+  const rg_range range = {
+      rg_to_lattice(lattice, c, rg_load_i32(field), 1),
+      rg_to_lattice(lattice, c, rg_load_i32(field + RG_REMAP_MIN_TO_MAX), 0)};
   return range;
 }
 
@@ -40,8 +42,8 @@ static RG_INLINE rg_range rg_source_range(const uint8_t* section,
  * (1): what the table says, but at least 16 for chroma, 8 of its own. */
 static inline uint8_t rg_part_log2(const uint8_t* section,
                                    const rg_lattice* lattice, int axis) {
-  const uint8_t part_log2 = section[10];
-  if (part_log2 == 0) return section[8];
+  const uint8_t part_log2 = section[RG_REMAP_PART_LOG2];
+  if (part_log2 == 0) return section[RG_REMAP_BLOCK_LOG2];
   return part_log2 < 4 && lattice->half[axis] == 1 ? 4 : part_log2;
 }
 

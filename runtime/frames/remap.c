@@ -1,6 +1,7 @@
 /* rg_remap(): frames of any format. */
 #include <stddef.h>
 
+#include "blob_layout.h"
 #include "bytes.h"
 #include "code_size.h"
 #include "frames/pixel_formats.h"
@@ -45,8 +46,8 @@ static RG_NOINLINE rg_status check_planes(const uint8_t* section,
     plane[1].stride = target->planes[p].stride;
     rg_status status = find_plane(&lattice, image->width, source_rows, plane);
     if (status == RG_OK)
-      status = find_plane(&lattice, rg_load_u16(section), target->num_rows,
-                          plane + 1);
+      status = find_plane(&lattice, rg_load_u16(section + RG_REMAP_WIDTH),
+                          target->num_rows, plane + 1);
     if (status != RG_OK) return status;
     num_planes = 2 * p + 2;
   }
@@ -80,8 +81,8 @@ static RG_NOINLINE rg_status check_frames(const rg_camera* camera,
 rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
                         uint16_t* height) {
   if (!camera->remap) return RG_ERR_NO_REMAP;
-  *width = rg_load_u16(camera->remap);
-  *height = rg_load_u16(camera->remap + 2);
+  *width = rg_load_u16(camera->remap + RG_REMAP_WIDTH);
+  *height = rg_load_u16(camera->remap + RG_REMAP_HEIGHT);
   return RG_OK;
 }
 

@@ -1,4 +1,5 @@
 /* rg_remap_grey(): grey frames alone, with less code than rg_remap(). */
+#include "blob_layout.h"
 #include "bytes.h"
 #include "code_size.h"
 #include "frames/planes.h"
@@ -13,12 +14,13 @@ static RG_NOINLINE rg_fault check_grey_frames(const rg_camera* camera,
   if (!section) return fault;
   fault = rg_fault_of(RG_ERR_FRAME_SIZE);
   if (frame->width != camera->width || frame->height != camera->height ||
-      frame->stride < frame->width || band->stride < rg_load_u16(section))
+      frame->stride < frame->width ||
+      band->stride < rg_load_u16(section + RG_REMAP_WIDTH))
     return fault;
   const uint32_t end_row = (uint32_t)band->first_row + band->num_rows;
   fault = rg_fault_of(RG_ERR_ROWS);
-  if (end_row > rg_load_u16(section + 2)) return fault;
-  return rg_check_overlap(rg_load_u16(section), frame, band);
+  if (end_row > rg_load_u16(section + RG_REMAP_HEIGHT)) return fault;
+  return rg_check_overlap(rg_load_u16(section + RG_REMAP_WIDTH), frame, band);
 }
 
 rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,

@@ -1,5 +1,6 @@
 #include "frames/remap_source_rows.h"
 
+#include "blob_layout.h"
 #include "bytes.h"
 #include "frames/pixel_formats.h"
 #include "frames/walk.h"
@@ -9,7 +10,7 @@ rg_status rg_check_rows(const rg_camera* camera, rg_format format,
   if (!camera->remap) return RG_ERR_NO_REMAP;
   if ((uint32_t)format >= RG_NUM_FORMATS) return RG_ERR_FORMAT;
   const uint32_t pairs = rg_row_pairs(format);
-  const uint32_t height = rg_load_u16(camera->remap + 2);
+  const uint32_t height = rg_load_u16(camera->remap + RG_REMAP_HEIGHT);
   if (((first_row | num_rows) & pairs) != 0 || first_row + num_rows > height)
     return RG_ERR_ROWS;
   return ((camera->height | height) & pairs) != 0 ? RG_ERR_FRAME_SIZE : RG_OK;

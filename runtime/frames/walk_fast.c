@@ -7,6 +7,7 @@
 
 #include <stddef.h>
 
+#include "blob_layout.h"
 #include "bytes.h"
 #include "frames/careful_pixels.h"
 #include "frames/fast_corners.h"
@@ -119,12 +120,13 @@ static RG_NOINLINE void start_rows(fast_walk* walk, const rg_camera* camera,
   walk->row = (uint16_t)(rows.first >> lattice->log2[1]);
   walk->end_row = (uint16_t)(rows.end >> lattice->log2[1]);
   /* A lattice has no pixels if the table is too narrow for it. */
-  if (rg_load_u16(section) >> lattice->log2[0] == 0) walk->end_row = walk->row;
+  if (rg_load_u16(section + RG_REMAP_WIDTH) >> lattice->log2[0] == 0)
+    walk->end_row = walk->row;
   walk->part_rows = walk->part_pixels = 0;
   walk->safe = find_safe_box(walk);
   walk->move = rg_find_lattice_lanes(lattice, walk->lines.part_log2[0]);
-  walk->whole_parts =
-      (uint16_t)(rg_load_u16(section) >> walk->lines.part_log2[0]);
+  walk->whole_parts = (uint16_t)(rg_load_u16(section + RG_REMAP_WIDTH) >>
+                                 walk->lines.part_log2[0]);
 }
 
 /* To the row of parts below those that were done; 0 below the last one. */
@@ -166,7 +168,8 @@ static RG_INLINE int go_to_part(fast_walk* walk) {
     run->first_row = (uint16_t)(run->first_row - rows);
   }
   const uint32_t log2 = walk->lattice->log2[0];
-  const uint32_t width = (uint32_t)rg_load_u16(lines->section) >> log2;
+  const uint32_t width =
+      (uint32_t)rg_load_u16(lines->section + RG_REMAP_WIDTH) >> log2;
   const uint32_t part_width = 1u << lines->part_log2[0] >> log2;
   uint32_t first = lines->next_part * part_width;
   if (walk->part_rows == 0 || first >= width) {

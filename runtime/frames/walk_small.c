@@ -7,6 +7,7 @@
 
 #include <stddef.h>
 
+#include "blob_layout.h"
 #include "bytes.h"
 #include "cortex_m/grey_rows.h"
 #include "cortex_m/part_corners.h"
@@ -39,11 +40,12 @@ static RG_INLINE void set_table(small_walk* walk, const rg_lattice* lattice) {
   const uint8_t across_log2 = rg_part_log2(section, lattice, 0);
   const uint8_t down_log2 = rg_part_log2(section, lattice, 1);
   rg_set_parts(&walk->parts, across_log2, down_log2);
-  walk->ranges = section + 12;
+  walk->ranges = section + RG_REMAP_MIN_X;
   walk->run.first_pixel = walk->run.first_source_row = 0;
   walk->run.block.width_log2 = (uint8_t)(across_log2 - lattice->log2[0]);
   walk->run.block.height_log2 = (uint8_t)(down_log2 - lattice->log2[1]);
-  walk->width = (uint16_t)(rg_load_u16(section) >> lattice->log2[0]);
+  walk->width =
+      (uint16_t)(rg_load_u16(section + RG_REMAP_WIDTH) >> lattice->log2[0]);
 }
 
 /* To the row of parts below those that were done; 0 below the last one. */
@@ -89,7 +91,7 @@ static RG_NOINLINE int have_sources(const small_walk* walk,
     const uint8_t* range = walk->ranges + 4 * (num & 1);
     RG_IN_REGISTER(range);
     const uint32_t min = rg_load_u32(range);
-    const uint32_t size = rg_load_u32(range + 8) - min;
+    const uint32_t size = rg_load_u32(range + RG_REMAP_MIN_TO_MAX) - min;
     const uint32_t at = (uint32_t)*q12++ - min;
     if (at - margin > size || at + margin > size) return 0;
   } while (--num != 0);
@@ -116,7 +118,8 @@ static RG_INLINE int is_part_safe(const small_walk* walk) {
   for (int c = 0; c < 2; ++c) {
     const uint8_t* const range = walk->ranges + 4 * c;
     const int32_t min = rg_load_i32(range) + LATTICE_MARGIN;
-    const int32_t max = rg_load_i32(range + 8) - LATTICE_MARGIN;
+    const int32_t max =
+        rg_load_i32(range + RG_REMAP_MIN_TO_MAX) - LATTICE_MARGIN;
     for (int k = 0; k < 4; ++k)
       if (corners[k].q12[c] < min || corners[k].q12[c] > max) return 0;
   }
@@ -254,7 +257,7 @@ static RG_INLINE void set_ranges(lattice_walk* whole) {
     const rg_range range =
         rg_source_range(whole->walk.parts.section, &whole->lattice, c);
     rg_store_i32(whole->ranges + 4 * c, range.min_q12);
-    rg_store_i32(whole->ranges + 8 + 4 * c, range.max_q12);
+    rg_store_i32(whole->ranges + RG_REMAP_MIN_TO_MAX + 4 * c, range.max_q12);
     if (range.min_q12 > range.max_q12) whole->walk.ranges = NULL;
   }
 }
@@ -316,7 +319,8 @@ static RG_NOINLINE int move_to_ring(small_walk* walk) {
 static RG_SHARED int32_t nearest_source(const lattice_walk* lattice,
                                         int32_t q12, int c) {
   const uint8_t* const min = lattice->ranges + 4 * c;
-  const rg_range range = {rg_load_i32(min), rg_load_i32(min + 8)};
+  const rg_range range = {rg_load_i32(min),
+                          rg_load_i32(min + RG_REMAP_MIN_TO_MAX)};
   return rg_nearest_source(&lattice->walk.source, range, q12, c);
 }
 
