@@ -27,24 +27,6 @@ void rg_blend_1(const rg_run* run) {
 /* ---- Any lattice ----------------------------------------------------------
  */
 
-void rg_put_sample(uint32_t kind, uint8_t* row, uint32_t index,
-                   uint32_t value) {
-  rg_store_sample(kind, row, index, value);
-}
-
-uint32_t rg_mix_samples(uint32_t kind, const rg_neighbors* at, uint32_t index) {
-  return rg_blend_wide(kind, at, index);
-}
-
-void rg_mix_bytes(const rg_neighbors* at, uint32_t index, uint8_t* out,
-                  uint32_t num_channels) {
-  do {
-    *out++ = (uint8_t)rg_blend_bytes(at->upper + index, at->lower + index,
-                                     at->right, at->x_q12, at->y_q12);
-    ++index;
-  } while (--num_channels != 0);
-}
-
 /* With all that the compiler knows of the lattice. is_copy: all neighbours are
  * the same one. */
 static RG_INLINE void do_pixel(const rg_lattice* lattice, uint32_t kind,

@@ -113,8 +113,8 @@ INLINE __m128i sum_residuals(const uint8_t* residuals, uint32_t row_bytes,
 }
 
 /* The value at a place of a grid with control points of 16 bits. */
-INLINE __m128i find_narrow_value(const uint8_t* grid, const rg_place* place,
-                                 const weights* w) {
+INLINE __m128i value_of_residuals(const uint8_t* grid, const rg_place* place,
+                                  const weights* w) {
   const uint8_t* const plane = grid + rg_load_u32(grid + RG_GRID_DATA_OFFSET);
   const int shift =
       rg_load_u16(grid + RG_GRID_FRACTION_BITS) - 13; /* from 2^14 to q27 */
@@ -139,7 +139,7 @@ rg_status rg_find_place_avx2(const uint8_t* grid, int32_t x, int32_t y,
                 grid + rg_load_u32(grid + RG_GRID_DATA_OFFSET) +
                     RG_CONTROL_POINT_SIZE * place->first,
                 RG_CONTROL_POINT_SIZE * rg_load_u16(grid + RG_GRID_COLUMNS), &w)
-          : find_narrow_value(grid, place, &w);
+          : value_of_residuals(grid, place, &w);
   _mm_storel_epi64((__m128i*)place->value.q27, value);
   return RG_OK;
 }
