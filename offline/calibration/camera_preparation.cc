@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calibration/grid_choice.h"
 #include "calibration/starting_lens.h"
 #include "calibration/stopwatch.h"
 #include "camera/model_fitting.h"
@@ -74,20 +75,26 @@ void ValidateResolutions(const Pattern& pattern,
                          const std::function<void(double)>& progress,
                          const std::vector<double>& cells,
                          PreparedCamera* start) {
-  const Dataset& training = start->split.training;
+  const std::vector<Split> camera = {start->split};
+  std::vector<std::vector<double>> candidates;
+  for (const double cell_px : cells) candidates.push_back({cell_px});
   CrossValidate(
-      training, pattern,
+      camera, pattern,
       {options.model, options.flat_board, options.num_threads, progress,
        options.should_stop, [&] { Keep(options, start->checkpoint); }},
-      cells, &start->checkpoint.trials);
-  const std::vector<Trial> trials =
-      JoinFolds(start->checkpoint.trials, NumFoldsToTry(training), cells);
-  if (trials.empty()) return;
+      candidates, &start->checkpoint.trials);
+  std::vector<std::vector<FeatureResidual>> held_out;
+  for (const auto& cells_px : candidates) {
+    HeldOut joined =
+        JoinFolds(start->checkpoint.trials, NumFoldsToTry(camera), cells_px);
+    if (joined.alone.empty()) return;
+    held_out.push_back(std::move(joined.alone.front()));
+  }
   CalibrationResult& result = start->result;
-  for (const Trial& trial : trials)
-    result.cell_candidates.push_back(Summarize(trial));
+  for (size_t i = 0; i < cells.size(); ++i)
+    result.cell_candidates.push_back(Summarize(cells[i], held_out[i]));
   const size_t chosen = ChooseCandidate(result.cell_candidates);
-  result.held_out = trials[chosen].held_out;
+  result.held_out = held_out[chosen];
   result.cross_validated = true;
   if (result.cell_px > 0)
     result.cell_px = cells[chosen];
@@ -108,7 +115,7 @@ void StartAgain(const Dataset& measured, const Pattern& pattern,
   if (!again) return;
   Keep(options, start->checkpoint);
   start->result.measured_again_rms_px = RmsMovePx(measured, *again);
-  start->split = SplitImages(*again, options.hold_out);
+  start->split = SplitImages("", *again, options.hold_out);
   start->adjusted =
       AdjustStartingLens(start->split.training, pattern, adjustment);
   start->result.seconds["measuring_again"] = again_time.Seconds();
@@ -167,7 +174,7 @@ PreparedCamera PrepareCamera(const Dataset& measured, const Pattern& pattern,
 
   report("start", 0);
   const Stopwatch start_time;
-  start.split = SplitImages(measured, options.hold_out);
+  start.split = SplitImages("", measured, options.hold_out);
   start.adjusted =
       AdjustStartingLens(start.split.training, pattern, adjustment);
   if (!options.any_distance) AskAboutDistance(start.adjusted);
@@ -187,8 +194,7 @@ PreparedCamera PrepareCamera(const Dataset& measured, const Pattern& pattern,
   result.cell_px = is_grid ? cells.front() : 0;
   const Stopwatch validation_time;
   report("cross-validation", 0.1);
-  if (NumFoldsToTry(start.split.training) > 0 &&
-      (choose_cell || want_held_out_error))
+  if (NumFoldsToTry({start.split}) > 0 && (choose_cell || want_held_out_error))
     ValidateResolutions(
         pattern, options,
         [&report](double done) {

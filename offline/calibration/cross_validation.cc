@@ -1,14 +1,15 @@
 #include "calibration/cross_validation.h"
 
 #include <algorithm>
-#include <cmath>
 #include <mutex>
+#include <optional>
 #include <set>
 
 #include "calibration/camera_evaluation.h"
-#include "calibration/model_adjustment.h"
+#include "calibration/rig_evaluation.h"
+#include "calibration/rig_start.h"
 #include "calibration/starting_lens.h"
-#include "camera/noncentral_generic.h"
+#include "dataset/error.h"
 #include "dataset/parallel_for.h"
 
 namespace raygrid {
@@ -16,68 +17,127 @@ namespace {
 
 constexpr size_t kFolds = 4;
 static_assert(kCrossValidatingPart == 1 - 1.0 / kFolds);
-constexpr int kMaxGridParameters = 2600;  // tried
-// The coarsest resolution whose loss is within this part of the best is chosen.
-constexpr double kAsGoodAs = 0.005;
 
-const Checkpoint::Trial* Find(const std::vector<Checkpoint::Trial>& trials,
-                              int fold, double cell_px) {
-  for (const Checkpoint::Trial& trial : trials)
-    if (trial.fold == fold && trial.cell_px == cell_px) return &trial;
+const Trial* Find(const std::vector<Trial>& trials, int fold,
+                  const std::vector<double>& cells_px) {
+  for (const Trial& trial : trials)
+    if (trial.fold == fold && trial.cells_px == cells_px) return &trial;
   return nullptr;
+}
+
+// The training images of each camera, split anew for each fold.
+std::vector<std::vector<Split>> MakeFolds(const std::vector<Split>& cameras) {
+  const std::vector<std::string> instants = Instants(cameras);
+  std::vector<std::vector<Split>> folds(NumFoldsToTry(cameras));
+  for (size_t fold = 0; fold < folds.size(); ++fold) {
+    std::vector<std::string> test;
+    for (size_t i = fold; i < instants.size(); i += kFolds)
+      test.push_back(instants[i]);
+    for (const Split& camera : cameras)
+      folds[fold].push_back(SplitImages(camera.camera, camera.training, test));
+  }
+  return folds;
+}
+
+std::vector<Trial> MissingTrials(
+    int num_folds, const std::vector<std::vector<double>>& candidates,
+    const std::vector<Trial>& done) {
+  std::vector<Trial> missing;
+  for (int fold = 0; fold < num_folds; ++fold)
+    for (const std::vector<double>& cells_px : candidates)
+      if (!Find(done, fold, cells_px)) missing.push_back({fold, cells_px, {}});
+  return missing;
+}
+
+Adjusted StartFold(const std::vector<Split>& cameras, const Pattern& pattern,
+                   const AdjustmentOptions& options) {
+  std::vector<std::string> names;
+  std::vector<Adjusted> lenses;
+  for (const Split& camera : cameras) {
+    names.push_back(camera.camera);
+    lenses.push_back(AdjustStartingLens(camera.training, pattern, options));
+  }
+  std::vector<std::vector<RejectedImage>> rejected;
+  return PutTogether(names, lenses, options, &rejected);
+}
+
+// A rig that hangs together by few views may fall apart without some of them:
+// then the rest of the work is left out.
+template <typename Work>
+void UnlessRigFallsApart(size_t num_cameras, const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    if (num_cameras < 2 || (error.code() != ExitCode::kTooFew &&
+                            error.code() != ExitCode::kInitialization))
+      throw;
+  }
 }
 
 }  // namespace
 
-Split SplitImages(const Dataset& dataset,
-                  const std::function<bool(size_t)>& is_test) {
-  Split split;
+Split SplitImages(const std::string& camera, const Dataset& dataset,
+                  const std::vector<std::string>& test_images) {
+  const std::set<std::string> names(test_images.begin(), test_images.end());
+  Split split = {camera, {}, {}};
   split.training.image_size = split.test.image_size = dataset.image_size;
-  for (size_t i = 0; i < dataset.images.size(); ++i)
-    (is_test(i) ? split.test : split.training)
-        .images.push_back(dataset.images[i]);
+  for (const ImageFeatures& image : dataset.images)
+    (names.count(image.image) > 0 ? split.test : split.training)
+        .images.push_back(image);
   return split;
 }
 
-Split SplitImages(const Dataset& dataset,
-                  const std::vector<std::string>& test_images) {
-  const std::set<std::string> names(test_images.begin(), test_images.end());
-  return SplitImages(dataset, [&](size_t i) {
-    return names.count(dataset.images[i].image) > 0;
-  });
+std::vector<std::string> Instants(const std::vector<Split>& cameras) {
+  std::vector<std::string> instants;
+  for (const Split& camera : cameras)
+    for (const ImageFeatures& image : camera.training.images)
+      instants.push_back(image.image);
+  if (cameras.size() < 2) return instants;
+  const std::set<std::string> sorted(instants.begin(), instants.end());
+  return {sorted.begin(), sorted.end()};
 }
 
-int NumFoldsToTry(const Dataset& dataset) {
-  if (dataset.images.size() < 2 * kFolds) return 0;
-  return dataset.images.size() <= 40 ? kFolds : 1;
+int NumFoldsToTry(const std::vector<Split>& cameras) {
+  const size_t num_instants = Instants(cameras).size();
+  if (num_instants < 2 * kFolds) return 0;
+  return num_instants <= 40 ? kFolds : 1;
 }
 
-std::vector<double> CellCandidates(const Dataset& dataset,
-                                   const std::string& model) {
-  const int per_node =
-      model == "noncentral-generic" ? NonCentralGeneric::kPerNode : 2;
-  const double longer =
-      std::max(dataset.image_size.width, dataset.image_size.height);
-  const double shorter =
-      std::min(dataset.image_size.width, dataset.image_size.height);
-  std::vector<double> candidates;
-  for (const int cells : {4, 8, 16, 24}) {
-    const double cell_px = longer / cells;
-    const int parameters = per_node * NumControlPoints(longer, cell_px) *
-                           NumControlPoints(shorter, cell_px);
-    if (candidates.empty() ||
-        (parameters < kMaxGridParameters &&
-         parameters < 2 * static_cast<int>(dataset.num_features())))
-      candidates.push_back(cell_px);
+Adjusted PutTogether(const std::vector<std::string>& names,
+                     const std::vector<Adjusted>& cameras,
+                     const AdjustmentOptions& options,
+                     std::vector<std::vector<RejectedImage>>* rejected) {
+  rejected->resize(cameras.size());
+  return cameras.size() < 2 ? cameras.front()
+                            : StartRig(names, cameras, options, rejected);
+}
+
+HeldOut EvaluateHeldOut(const Adjusted& adjusted, const Pattern& pattern,
+                        const std::vector<Split>& cameras, int num_threads) {
+  const Pattern adjusted_pattern = AdjustedPattern(pattern, adjusted);
+  RigModel rig = {{}, adjusted.state.camera_from_rig};
+  std::vector<Dataset> test;
+  HeldOut held_out;
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    rig.cameras.push_back(adjusted.state.cameras[c].get());
+    test.push_back(cameras[c].test);
+    held_out.alone.push_back(
+        EvaluateCamera(*rig.cameras[c], test[c], adjusted_pattern, num_threads)
+            .residuals);
   }
-  return candidates;
+  if (cameras.size() < 2) return held_out;
+  for (Evaluation& evaluation :
+       EvaluateRig(rig, test, adjusted_pattern, num_threads))
+    held_out.together.push_back(std::move(evaluation.residuals));
+  return held_out;
 }
 
-void CrossValidate(const Dataset& dataset, const Pattern& pattern,
+void CrossValidate(const std::vector<Split>& cameras, const Pattern& pattern,
                    const ValidationOptions& options,
-                   const std::vector<double>& cells,
-                   std::vector<Checkpoint::Trial>* done) {
-  const int num_folds = NumFoldsToTry(dataset);
+                   const std::vector<std::vector<double>>& candidates,
+                   std::vector<Trial>* done) {
+  const std::vector<std::vector<Split>> folds = MakeFolds(cameras);
+  const int num_folds = static_cast<int>(folds.size());
   const int num_threads = NumThreads(options.num_threads);
   AdjustmentOptions serial;
   serial.num_threads = 1;
@@ -86,40 +146,34 @@ void CrossValidate(const Dataset& dataset, const Pattern& pattern,
     return options.should_stop && options.should_stop();
   };
 
-  std::vector<Split> splits;
-  for (int fold = 0; fold < num_folds; ++fold)
-    splits.push_back(SplitImages(dataset, [fold](size_t i) {
-      return i % kFolds == static_cast<size_t>(fold);
-    }));
-  std::vector<Checkpoint::Trial> missing;
-  std::vector<bool> is_fold_needed(num_folds, false);
-  for (int fold = 0; fold < num_folds; ++fold) {
-    for (const double cell_px : cells) {
-      if (Find(*done, fold, cell_px)) continue;
-      missing.push_back({fold, cell_px, {}});
-      is_fold_needed[fold] = true;
-    }
-  }
-  std::vector<Adjusted> starts(num_folds);
+  std::vector<Trial> missing = MissingTrials(num_folds, candidates, *done);
+  std::vector<std::optional<Adjusted>> starts(num_folds);
   ParallelFor(num_folds, num_threads, [&](int fold) {
-    if (is_fold_needed[fold] && !should_stop())
-      starts[fold] = AdjustStartingLens(splits[fold].training, pattern, serial);
+    const bool is_needed =
+        std::any_of(missing.begin(), missing.end(),
+                    [fold](const Trial& trial) { return trial.fold == fold; });
+    if (!is_needed || should_stop()) return;
+    UnlessRigFallsApart(cameras.size(), [&] {
+      starts[fold] = StartFold(folds[fold], pattern, serial);
+    });
   });
 
   serial.should_stop = options.should_stop;
   int num_done = 0;
   std::mutex mutex;
   ParallelFor(static_cast<int>(missing.size()), num_threads, [&](int i) {
-    Checkpoint::Trial& trial = missing[i];
-    Adjusted adjusted = starts[trial.fold];
+    Trial& trial = missing[i];
     if (should_stop()) return;
-    AdjustModel(pattern, options.model, {trial.cell_px}, serial, &adjusted);
+    UnlessRigFallsApart(cameras.size(), [&] {
+      if (!starts[trial.fold]) return;
+      Adjusted adjusted = *starts[trial.fold];
+      AdjustModel(pattern, options.model, trial.cells_px, serial, &adjusted);
+      AlignBoards(pattern, &adjusted);
+      if (!should_stop())
+        trial.held_out =
+            EvaluateHeldOut(adjusted, pattern, folds[trial.fold], 1);
+    });
     if (should_stop()) return;
-    AlignBoards(pattern, &adjusted);
-    trial.held_out =
-        EvaluateCamera(adjusted.state.camera(), splits[trial.fold].test,
-                       AdjustedPattern(pattern, adjusted), 1)
-            .residuals;
     const std::lock_guard<std::mutex> lock(mutex);
     done->push_back(std::move(trial));
     if (options.on_done) options.on_done();
@@ -129,43 +183,22 @@ void CrossValidate(const Dataset& dataset, const Pattern& pattern,
   });
 }
 
-std::vector<Trial> JoinFolds(const std::vector<Checkpoint::Trial>& done,
-                             int num_folds, const std::vector<double>& cells) {
-  std::vector<Trial> trials;
-  for (const double cell_px : cells) {
-    Trial joined = {cell_px, {}};
-    for (int fold = 0; fold < num_folds; ++fold) {
-      const Checkpoint::Trial* trial = Find(done, fold, cell_px);
-      if (!trial) return {};
-      joined.held_out.insert(joined.held_out.end(), trial->held_out.begin(),
-                             trial->held_out.end());
-    }
-    trials.push_back(std::move(joined));
+HeldOut JoinFolds(const std::vector<Trial>& done, int num_folds,
+                  const std::vector<double>& cells_px) {
+  const auto append = [](const std::vector<std::vector<FeatureResidual>>& from,
+                         std::vector<std::vector<FeatureResidual>>* to) {
+    to->resize(std::max(to->size(), from.size()));
+    for (size_t c = 0; c < from.size(); ++c)
+      (*to)[c].insert((*to)[c].end(), from[c].begin(), from[c].end());
+  };
+  HeldOut joined;
+  for (int fold = 0; fold < num_folds; ++fold) {
+    const Trial* trial = Find(done, fold, cells_px);
+    if (!trial) return {};
+    append(trial->held_out.alone, &joined.alone);
+    append(trial->held_out.together, &joined.together);
   }
-  return trials;
-}
-
-CellCandidate Summarize(const Trial& trial) {
-  CellCandidate candidate;
-  candidate.cell_px = trial.cell_px;
-  std::vector<double> norms;
-  for (const FeatureResidual& residual : trial.held_out) {
-    norms.push_back(residual.error_px.norm());
-    candidate.loss +=
-        HuberLoss(norms.back(), 1) / static_cast<double>(trial.held_out.size());
-  }
-  candidate.median_px = Quantile(norms, 0.5);
-  if (norms.empty()) candidate.loss = INFINITY;  // nothing could be localised
-  return candidate;
-}
-
-size_t ChooseCandidate(const std::vector<CellCandidate>& candidates) {
-  double best = INFINITY;
-  for (const CellCandidate& candidate : candidates)
-    best = std::min(best, candidate.loss);
-  size_t chosen = 0;
-  while (candidates[chosen].loss > (1 + kAsGoodAs) * best) ++chosen;
-  return chosen;
+  return joined;
 }
 
 }  // namespace raygrid

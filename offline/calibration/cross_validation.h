@@ -5,31 +5,30 @@
 #include <string>
 #include <vector>
 
+#include "calibration/model_adjustment.h"
 #include "dataset/dataset.h"
-#include "evaluation/calibration_result.h"
+#include "evaluation/checkpoint.h"
 
 namespace raygrid {
 
-/// Images to calibrate with, and those to test with.
+/// A camera's images to calibrate with, and those to test with.
 struct Split {
+  std::string camera;  ///< its name in a rig
   Dataset training, test;
 };
-Split SplitImages(const Dataset& dataset,
-                  const std::function<bool(size_t)>& is_test);
-Split SplitImages(const Dataset& dataset,
+Split SplitImages(const std::string& camera, const Dataset& dataset,
                   const std::vector<std::string>& test_images);
+
+/// The names of the cameras' training images, each once: of one camera in the
+/// order of its images, of a rig's in the order of names.
+std::vector<std::string> Instants(const std::vector<Split>& cameras);
 
 /// The part of the images that each camera is calibrated with.
 constexpr double kCrossValidatingPart = 0.75;
 
 /// The number of folds to try, of four: none for few images, one for many,
 /// which take long and need no more.
-int NumFoldsToTry(const Dataset& dataset);
-
-/// Cells as parts of the longer side: coarse enough for a handful of images,
-/// and as fine as is quick.
-std::vector<double> CellCandidates(const Dataset& dataset,
-                                   const std::string& model);
+int NumFoldsToTry(const std::vector<Split>& cameras);
 
 struct ValidationOptions {
   std::string model;
@@ -41,28 +40,30 @@ struct ValidationOptions {
   std::function<void()> on_done;
 };
 
-/// A grid resolution and the held-out residuals over all folds.
-struct Trial {
-  double cell_px = 0;
-  std::vector<FeatureResidual> held_out;
-};
+/// A single camera as it was adjusted, or the cameras of a rig put together.
+/// Views that do not agree with the other cameras' go to rejected, by camera.
+/// Throws Error(kInitialization).
+Adjusted PutTogether(const std::vector<std::string>& names,
+                     const std::vector<Adjusted>& cameras,
+                     const AdjustmentOptions& options,
+                     std::vector<std::vector<RejectedImage>>* rejected);
 
-/// Every resolution in every fold, in parallel: the images whose turn it is are
-/// localised with a camera calibrated without them. Leaves out what is in *done
-/// already, and adds to it; some is missing after a stop.
-void CrossValidate(const Dataset& dataset, const Pattern& pattern,
+/// Tests adjusted cameras with their test images.
+HeldOut EvaluateHeldOut(const Adjusted& adjusted, const Pattern& pattern,
+                        const std::vector<Split>& cameras, int num_threads);
+
+/// Candidates, the cells of each camera, in every fold of the training images,
+/// in parallel: the images whose turn it is are localised with cameras
+/// calibrated without them. Leaves out what is in *done already, and adds to
+/// it; some is missing after a stop.
+void CrossValidate(const std::vector<Split>& cameras, const Pattern& pattern,
                    const ValidationOptions& options,
-                   const std::vector<double>& cells,
-                   std::vector<Checkpoint::Trial>* done);
+                   const std::vector<std::vector<double>>& candidates,
+                   std::vector<Trial>* done);
 
-/// A trial for each resolution; nothing if some fold of one is missing.
-std::vector<Trial> JoinFolds(const std::vector<Checkpoint::Trial>& done,
-                             int num_folds, const std::vector<double>& cells);
-
-CellCandidate Summarize(const Trial& trial);
-
-/// The coarsest that is as good as the best, nearly.
-size_t ChooseCandidate(const std::vector<CellCandidate>& candidates);
+/// The residuals over all folds of one candidate; nothing if a fold is missing.
+HeldOut JoinFolds(const std::vector<Trial>& done, int num_folds,
+                  const std::vector<double>& cells_px);
 
 }  // namespace raygrid
 

@@ -5,33 +5,34 @@
 #include "calibration/camera_evaluation.h"
 #include "calibration/camera_preparation.h"
 #include "calibration/camera_result.h"
+#include "calibration/grid_choice.h"
 #include "dataset/error.h"
 
 namespace raygrid {
 namespace {
 
-std::vector<FeatureResidual> HeldOut(const Split& split, const Pattern& pattern,
-                                     const CalibrationOptions& options,
-                                     const std::string& model, double cell_px,
-                                     const CalibrationResult& result) {
+std::vector<FeatureResidual> HeldOutResiduals(const Split& split,
+                                              const Pattern& pattern,
+                                              const CalibrationOptions& options,
+                                              const std::string& model,
+                                              double cell_px,
+                                              const CalibrationResult& result) {
   if (!split.test.images.empty())
     return EvaluateCamera(*result.camera.camera, split.test, result.pattern,
                           options.num_threads)
         .residuals;
-  const int num_folds = NumFoldsToTry(split.training);
-  if (num_folds == 0) return {};
-  std::vector<Checkpoint::Trial> done;
-  CrossValidate(split.training, pattern,
+  std::vector<Trial> done;
+  CrossValidate({split}, pattern,
                 {model,
                  options.flat_board,
                  options.num_threads,
                  {},
                  options.should_stop,
                  {}},
-                {cell_px}, &done);
-  const std::vector<Trial> trials = JoinFolds(done, num_folds, {cell_px});
-  return trials.empty() ? std::vector<FeatureResidual>()
-                        : trials.front().held_out;
+                {{cell_px}}, &done);
+  HeldOut joined = JoinFolds(done, NumFoldsToTry({split}), {cell_px});
+  return joined.alone.empty() ? std::vector<FeatureResidual>()
+                              : std::move(joined.alone.front());
 }
 
 ModelFigures Measure(const Split& split, const Pattern& pattern,
@@ -50,7 +51,7 @@ ModelFigures Measure(const Split& split, const Pattern& pattern,
   figures.training = *result.camera.training;
   figures.bias_kl = result.bias_kl;
   figures.held_out_residuals =
-      HeldOut(split, pattern, options, model, cell_px, result);
+      HeldOutResiduals(split, pattern, options, model, cell_px, result);
   if (!figures.held_out_residuals.empty())
     figures.held_out = ComputeErrorFigures(figures.held_out_residuals);
   return figures;

@@ -9,6 +9,21 @@
 
 namespace raygrid {
 
+/// The held-out residuals of each camera.
+struct HeldOut {
+  std::vector<std::vector<FeatureResidual>> alone;  ///< by each camera alone
+  /// Of a rig: each board localised once for all cameras that see it.
+  std::vector<std::vector<FeatureResidual>> together;
+};
+
+/// A part of a cross-validation: cells of the grid of each camera, tested with
+/// the images of one fold.
+struct Trial {
+  int fold = 0;
+  std::vector<double> cells_px;
+  HeldOut held_out;  ///< empty where a rig falls apart without the fold
+};
+
 /// The finished stages that an interrupted calibration of one camera need not
 /// do again, each of which gives the same again. An adjustment that was under
 /// way starts anew; from where it was it would end elsewhere, by what its
@@ -17,12 +32,6 @@ struct Checkpoint {
   /// Features as measured through a first camera.
   std::optional<Dataset> measured_again;
 
-  /// Parts of the cross-validation that are done.
-  struct Trial {
-    int fold = 0;
-    double cell_px = 0;
-    std::vector<FeatureResidual> held_out;
-  };
   std::vector<Trial> trials;
 };
 

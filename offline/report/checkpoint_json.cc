@@ -57,22 +57,23 @@ Dataset ParseFeatures(const Json& json) {
 
 // ---- Cross-validation ------------------------------------------------------
 
-Json TrialJson(const Checkpoint::Trial& trial) {
+Json TrialJson(const Trial& trial) {
   Json residuals = Json::array();
-  for (const FeatureResidual& r : trial.held_out)
+  for (const FeatureResidual& r : trial.held_out.alone.front())
     residuals.push_back({r.image, r.board, r.column, r.row, r.pixel.x(),
                          r.pixel.y(), r.error_px.x(), r.error_px.y()});
   return {{"fold", trial.fold},
-          {"cell_px", trial.cell_px},
+          {"cell_px", trial.cells_px.front()},
           {"held_out", residuals}};
 }
 
-Checkpoint::Trial ParseTrial(const Json& json) {
-  Checkpoint::Trial trial = {json.at("fold"), json.at("cell_px"), {}};
+Trial ParseTrial(const Json& json) {
+  Trial trial = {json.at("fold"), {json.at("cell_px")}, {}};
+  std::vector<FeatureResidual>& residuals = trial.held_out.alone.emplace_back();
   for (const Json& r : json.at("held_out"))
-    trial.held_out.push_back({r.at(0), r.at(1), r.at(2), r.at(3),
-                              ParsePixel(r.at(4), r.at(5)),
-                              ParsePixel(r.at(6), r.at(7))});
+    residuals.push_back({r.at(0), r.at(1), r.at(2), r.at(3),
+                         ParsePixel(r.at(4), r.at(5)),
+                         ParsePixel(r.at(6), r.at(7))});
   return trial;
 }
 
@@ -89,7 +90,7 @@ Json CheckpointJson(const Checkpoint& checkpoint) {
   Json json = {{"trials", Json::array()}};
   if (checkpoint.measured_again)
     json["measured_again"] = FeaturesJson(*checkpoint.measured_again);
-  for (const Checkpoint::Trial& trial : checkpoint.trials)
+  for (const Trial& trial : checkpoint.trials)
     json["trials"].push_back(TrialJson(trial));
   return json;
 }

@@ -11,7 +11,8 @@ Checkpoint ExampleCheckpoint() {
   Dataset& again = checkpoint.measured_again.emplace();
   again.image_size = {640, 480};
   again.images = {{"a.png", {{0, 3, 4, {1.0 / 3, 2}}}}, {"b.png", {}}};
-  checkpoint.trials = {{2, 80.0 / 3, {{"a.png", 0, 3, 4, {1, 2}, {0.1, -1}}}}};
+  checkpoint.trials = {
+      {2, {80.0 / 3}, {{{{"a.png", 0, 3, 4, {1, 2}, {0.1, -1}}}}, {}}}};
   return checkpoint;
 }
 
@@ -26,8 +27,8 @@ TEST(Checkpoint, IsReadBackExactly) {
   const Checkpoint& first = read[0];
   ASSERT_TRUE(first.measured_again);
   EXPECT_EQ(first.measured_again->images[0].features[0].pixel.x(), 1.0 / 3);
-  EXPECT_EQ(first.trials[0].cell_px, 80.0 / 3);
-  EXPECT_EQ(first.trials[0].held_out[0].error_px.y(), -1);
+  EXPECT_EQ(first.trials[0].cells_px.front(), 80.0 / 3);
+  EXPECT_EQ(first.trials[0].held_out.alone[0][0].error_px.y(), -1);
 }
 
 TEST(Checkpoint, OfOtherInputsOrMalformedIsRefused) {
