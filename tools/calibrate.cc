@@ -118,21 +118,25 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
   Thumbnails thumbnails;
   {
     ProgressBar bar(common.quiet);
-    CalibrationOptions options = OptionsOf(arguments, common, &bar);
+    const CalibrationOptions options = OptionsOf(arguments, common, &bar);
     const Measurements measurements =
         GatherFeatures(arguments, common, given, pattern, &bar);
-    options.measure_again = AgainIn(measurements, arguments, common.threads);
-    options.skipped = measurements.skipped;
     inputs = InputsOf(arguments, common, {measurements}, pattern);
     CheckpointFile checkpoint(arguments.output, inputs, 1);
     if (arguments.resume) checkpoint.Read();
-    options.resume = checkpoint.Of(0);
-    options.keep = [&](const Checkpoint& done) { checkpoint.Keep(0, done); };
+    const CalibrationInput camera = {
+        arguments.name,
+        measurements.dataset,
+        AgainIn(measurements, arguments, common.threads),
+        checkpoint.Of(0),
+        [&](const Checkpoint& done) { checkpoint.Keep(0, done); },
+        measurements.skipped};
     NoteInterruptions();
-    result = Calibrate(measurements.dataset, pattern, options);
+    RigResult results = Calibrate({camera}, pattern, options);
+    result = std::move(results.cameras.front());
+    result.seconds = std::move(results.seconds);
     FinishUndisturbed();
     AddLeftOut(measurements, &result);
-    result.camera.name = arguments.name;
     result.camera.serial = arguments.serial;
     bar.Show("packing", 0.9);
     if (!result.checkpoint) {

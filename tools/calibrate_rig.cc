@@ -5,7 +5,6 @@
 #include <optional>
 #include <set>
 
-#include "calibration/rig_calibration.h"
 #include "calibration_input.h"
 #include "camera_input.h"
 #include "dataset/error.h"
@@ -149,11 +148,11 @@ RigMeasurements Gather(const CalibrateArguments& arguments,
 
 // The cameras of a rig with the checkpoints of an interrupted calibration, if
 // there are any.
-std::vector<RigCameraInput> CamerasOf(const RigMeasurements& rig,
-                                      const CalibrateArguments& arguments,
-                                      int num_threads,
-                                      CheckpointFile* checkpoints) {
-  std::vector<RigCameraInput> cameras;
+std::vector<CalibrationInput> CamerasOf(const RigMeasurements& rig,
+                                        const CalibrateArguments& arguments,
+                                        int num_threads,
+                                        CheckpointFile* checkpoints) {
+  std::vector<CalibrationInput> cameras;
   for (size_t c = 0; c < rig.names.size(); ++c) {
     cameras.push_back(
         {rig.names[c], rig.cameras[c].dataset,
@@ -257,9 +256,8 @@ void RunRig(const CalibrateArguments& arguments, const CommonOptions& common,
     CheckpointFile checkpoints(arguments.output, inputs, rig.cameras.size());
     if (arguments.resume) checkpoints.Read();
     NoteInterruptions();
-    result =
-        CalibrateRig(CamerasOf(rig, arguments, common.threads, &checkpoints),
-                     pattern, options);
+    result = Calibrate(CamerasOf(rig, arguments, common.threads, &checkpoints),
+                       pattern, options);
     bar.Show("packing", 0.9);
     FinishUndisturbed();
     for (size_t c = 0; c < rig.cameras.size(); ++c)

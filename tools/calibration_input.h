@@ -101,7 +101,7 @@ class CheckpointFile {
   bool is_written_ = false;
 };
 
-/// Throws Error(kUsage). Without measure_again.
+/// Throws Error(kUsage).
 CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
                              const CommonOptions& common, ProgressBar* bar);
 

@@ -3,12 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
-#include "calibration/camera_evaluation.h"
-#include "calibration/camera_preparation.h"
+#include "calibration/camera_in_progress.h"
 #include "calibration/camera_result.h"
 #include "calibration/frame_adjustment.h"
+#include "calibration/grid_choice.h"
+#include "calibration/input_checks.h"
+#include "calibration/measuring_again.h"
 #include "calibration/parametric_comparison.h"
+#include "calibration/rig_start.h"
+#include "calibration/rig_uncertainty.h"
+#include "calibration/starting_lens.h"
 #include "calibration/stopwatch.h"
 #include "calibration/two_cameras.h"
 #include "dataset/error.h"
@@ -16,68 +22,277 @@
 namespace raygrid {
 namespace {
 
-void RequireHeldOutImagesExist(const Dataset& dataset,
-                               const std::vector<std::string>& hold_out) {
-  for (const std::string& name : hold_out)
-    if (std::none_of(dataset.images.begin(), dataset.images.end(),
-                     [&](const auto& image) { return image.image == name; }))
-      throw Error(
-          ExitCode::kUsage,
-          fmt::format("--hold-out {}: no features of such an image", name));
+// A stage's name, and the part of the whole that it takes.
+struct Stage {
+  const char* name;
+  double begin, end;
+};
+
+// The steps of a calibration, in this order. Each goes over all cameras.
+class Calibration {
+ public:
+  Calibration(const std::vector<CalibrationInput>& inputs,
+              const Pattern& pattern, const CalibrationOptions& options);
+
+  // A parametric lens for each camera, from its own images.
+  void Start();
+
+  // Features measured through that lens, and a start from them.
+  void MeasureAgain();
+
+  // The resolution of each camera's grid.
+  void ChooseGrids();
+
+  // All cameras together, their poses and the boards.
+  void Adjust();
+
+  // Held-out errors; whether another camera explains the images better.
+  void Evaluate();
+
+  // Verdicts; the result is handed over.
+  RigResult Judge();
+
+ private:
+  bool IsRig() const { return cameras_.size() > 1; }
+  void Report(const std::string& stage, double done) const {
+    if (options_.progress) options_.progress(stage, done);
+  }
+  void StartFromImages(CameraInProgress* camera) const;
+  void EvaluateHeldOutImages();
+  void LookForTwoCameras();
+  void CompareModels();
+  std::vector<Split> Splits() const;
+  std::vector<double> CellsPx() const;
+
+  // Takes a step with one camera after the other, and lets it report its
+  // progress. A rig's progress and errors name the camera.
+  template <typename Step>
+  void ForEachCamera(const Stage& stage, const Step& step) {
+    const auto count = static_cast<double>(cameras_.size());
+    for (size_t c = 0; c < cameras_.size(); ++c) {
+      const std::string& name = cameras_[c].input->name;
+      const auto report = [&](double done) {
+        Report(IsRig() ? name + ": " + stage.name : stage.name,
+               stage.begin + (stage.end - stage.begin) *
+                                 (static_cast<double>(c) + done) / count);
+      };
+      report(0);
+      try {
+        step(&cameras_[c], report);
+      } catch (const Error& error) {
+        if (!IsRig()) throw;
+        throw Error(error.code(),
+                    fmt::format("camera {}: {}", name, error.what()));
+      }
+    }
+  }
+
+  const Pattern& pattern_;
+  const CalibrationOptions& options_;
+  std::vector<CameraInProgress> cameras_;
+  Adjusted adjusted_;  // all cameras together
+  RigResult result_;
+};
+
+Calibration::Calibration(const std::vector<CalibrationInput>& inputs,
+                         const Pattern& pattern,
+                         const CalibrationOptions& options)
+    : pattern_(pattern), options_(options) {
+  for (const CalibrationInput& input : inputs) {
+    CameraInProgress& camera = cameras_.emplace_back();
+    camera.input = &input;
+    camera.split = SplitImages(input.name, input.dataset, options.hold_out);
+    if (input.resume) camera.checkpoint = *input.resume;
+    camera.result.camera.name = input.name;
+  }
+}
+
+std::vector<Split> Calibration::Splits() const {
+  std::vector<Split> splits;
+  for (const CameraInProgress& camera : cameras_)
+    splits.push_back(camera.split);
+  return splits;
+}
+
+std::vector<double> Calibration::CellsPx() const {
+  std::vector<double> cells_px;
+  for (const CameraInProgress& camera : cameras_)
+    cells_px.push_back(camera.result.cell_px);
+  return cells_px;
+}
+
+// ---- Start -----------------------------------------------------------------
+
+void Calibration::StartFromImages(CameraInProgress* camera) const {
+  camera->lens = AdjustStartingLens(camera->split.training, pattern_,
+                                    AdjustmentOptionsOf(options_));
+}
+
+void Calibration::Start() {
+  const Stopwatch stopwatch(&result_.seconds["start"]);
+  ForEachCamera({"start", 0, 0.05}, [&](CameraInProgress* camera, auto) {
+    StartFromImages(camera);
+    if (!options_.any_distance) RequireLikelyDistances(camera->lens);
+  });
+}
+
+// ---- Measure again ---------------------------------------------------------
+
+void Calibration::MeasureAgain() {
+  if (std::none_of(cameras_.begin(), cameras_.end(), [](const auto& camera) {
+        return camera.input->measure_again != nullptr;
+      }))
+    return;
+  const Stopwatch stopwatch(&result_.seconds["measuring_again"]);
+  ForEachCamera({"measuring again", 0.05, 0.1}, [&](CameraInProgress* camera,
+                                                    auto) {
+    if (!camera->input->measure_again || options_.ShouldStop()) return;
+    std::optional<Dataset>& again = camera->checkpoint.measured_again;
+    if (!again) again = MeasureFeaturesAgain(pattern_, options_, *camera);
+    if (!again) return;
+    camera->Keep();
+    camera->result.measured_again_rms_px =
+        RmsMovePx(camera->input->dataset, *again);
+    camera->split = SplitImages(camera->input->name, *again, options_.hold_out);
+    StartFromImages(camera);
+  });
+}
+
+// ---- Choose the grid -------------------------------------------------------
+
+void Calibration::ChooseGrids() {
+  const Stopwatch stopwatch(&result_.seconds["cross_validation"]);
+  ForEachCamera({"cross-validation", 0.1, 0.6},
+                [&](CameraInProgress* camera, const auto& report) {
+                  ChooseGrid(pattern_, options_, report, camera);
+                });
+}
+
+// ---- Adjust ----------------------------------------------------------------
+
+void Calibration::Adjust() {
+  const Stopwatch stopwatch(&result_.seconds["adjustment"]);
+  std::vector<std::string> names;
+  std::vector<Adjusted> lenses;
+  for (const CameraInProgress& camera : cameras_) {
+    names.push_back(camera.input->name);
+    lenses.push_back(camera.lens);
+  }
+  if (IsRig()) Report("putting the rig together", 0.6);
+  std::vector<std::vector<RejectedImage>> rejected;
+  adjusted_ =
+      PutTogether(names, lenses, AdjustmentOptionsOf(options_), &rejected);
+  Report("bundle adjustment", 0.65);
+  const AdjustmentOptions adjustment = StoppableAdjustment(options_);
+  AdjustModel(pattern_, options_.model, CellsPx(), adjustment, &adjusted_);
+  AdjustInCameraFrames(adjustment, &adjusted_);
+  AlignBoards(pattern_, &adjusted_);
+
+  for (size_t c = 0; c < cameras_.size(); ++c) {
+    CalibrationResult& result = cameras_[c].result;
+    result.rejected_images = lenses[c].rejected_images;
+    result.rejected_images.insert(result.rejected_images.end(),
+                                  rejected[c].begin(), rejected[c].end());
+    FillResult(pattern_, adjusted_, static_cast<int>(c), options_.num_threads,
+               &result);
+  }
+  result_.pattern = AdjustedPattern(pattern_, adjusted_);
+  result_.camera_from_rig = adjusted_.state.camera_from_rig;
+  result_.baselines = MeasureBaselines(adjusted_, adjustment);
+  result_.converged = adjusted_.summary.converged;
+}
+
+// ---- Evaluate --------------------------------------------------------------
+
+void Calibration::EvaluateHeldOutImages() {
+  const Stopwatch stopwatch(&result_.seconds["cross_validation"]);
+  CameraInProgress& first = cameras_.front();
+  std::vector<Trial> of_rig;
+  ValidationOptions validation = ValidationOptionsOf(options_);
+  validation.progress = [this](double done) {
+    Report("cross-validation", 0.7 + 0.15 * done);
+  };
+  if (!IsRig()) validation.on_done = [&first] { first.Keep(); };
+  HeldOut held_out =
+      EvaluateHeldOut(adjusted_, pattern_, Splits(), validation, CellsPx(),
+                      IsRig() ? &of_rig : &first.checkpoint.trials);
+  result_.held_out = std::move(held_out.together);
+  result_.cross_validated = options_.hold_out.empty();
+  for (size_t c = 0; c < held_out.alone.size(); ++c) {
+    cameras_[c].result.held_out = std::move(held_out.alone[c]);
+    cameras_[c].result.cross_validated = result_.cross_validated;
+  }
+  // Cells that were given are listed as those to choose from are.
+  if (!IsRig() && first.result.cross_validated && options_.cell_px > 0 &&
+      first.result.cell_px > 0)
+    first.result.cell_candidates = {
+        Summarize(first.result.cell_px, first.result.held_out)};
+}
+
+// The cameras of a rig are told apart by those who give them.
+void Calibration::LookForTwoCameras() {
+  if (IsRig() || options_.ShouldStop()) return;
+  const Stopwatch stopwatch(&result_.seconds["two_cameras"]);
+  CameraInProgress& camera = cameras_.front();
+  camera.result.two_cameras =
+      FindTwoCameras(camera.split.training, pattern_, camera.lens,
+                     StoppableAdjustment(options_));
+  if (options_.ShouldStop()) camera.result.two_cameras.reset();
+}
+
+void Calibration::CompareModels() {
+  if (!options_.compare_models || options_.ShouldStop()) return;
+  const Stopwatch stopwatch(&result_.seconds["comparison"]);
+  ForEachCamera({"other models", 0.85, 1}, [&](CameraInProgress* camera, auto) {
+    CalibrationResult& result = camera->result;
+    result.parametric_models =
+        CompareParametricModels(*camera, pattern_, options_);
+    if (IsRig() || options_.ShouldStop() || !NeighborsErrAlike(result)) return;
+    if (auto figures = TryAnotherGrid(*camera, pattern_, options_))
+      result.parametric_models.push_back(std::move(*figures));
+  });
+}
+
+void Calibration::Evaluate() {
+  EvaluateHeldOutImages();
+  LookForTwoCameras();
+  CompareModels();
+}
+
+// ---- Judge -----------------------------------------------------------------
+
+RigResult Calibration::Judge() {
+  const bool is_interrupted = options_.ShouldStop();
+  for (CameraInProgress& camera : cameras_) {
+    if (is_interrupted) camera.result.checkpoint = std::move(camera.checkpoint);
+    NameUnusedImages(camera.input->dataset, camera.input->skipped,
+                     &camera.result);
+    JudgeResult(options_.num_threads, &camera.result);
+    result_.cameras.push_back(std::move(camera.result));
+  }
+  result_.verdict = JudgeRig(result_);
+  Report("done", 1);
+  return std::move(result_);
 }
 
 }  // namespace
 
-CalibrationResult Calibrate(const Dataset& measured, const Pattern& pattern,
-                            const CalibrationOptions& options) {
-  RequireKnownModel(options.model);
-  RequireHeldOutImagesExist(measured, options.hold_out);
-  PreparedCamera start =
-      PrepareCamera(measured, pattern, options, options.hold_out.empty());
-  CalibrationResult result = std::move(start.result);
-  if (!ShouldStop(options)) {
-    const Stopwatch two_cameras_time;
-    AdjustmentOptions stoppable = AdjustmentOptionsOf(options);
-    stoppable.should_stop = options.should_stop;
-    result.two_cameras = FindTwoCameras(start.split.training, pattern,
-                                        start.adjusted, stoppable);
-    if (ShouldStop(options)) result.two_cameras.reset();
-    result.seconds["two_cameras"] = two_cameras_time.Seconds();
-  }
-  if (options.progress) options.progress("bundle adjustment", 0.8);
-  const Adjusted parametric = start.adjusted;
-  const Stopwatch adjustment_time;
-  AdjustmentOptions adjustment = AdjustmentOptionsOf(options);
-  adjustment.should_stop = options.should_stop;
-  AdjustModel(pattern, options.model, {result.cell_px}, adjustment,
-              &start.adjusted);
-  AdjustInCameraFrames(adjustment, &start.adjusted);
-  AlignBoards(pattern, &start.adjusted);
-  FillResult(pattern, start.adjusted, 0, options.num_threads, &result);
-  result.seconds["adjustment"] = adjustment_time.Seconds();
+RigResult Calibrate(const std::vector<CalibrationInput>& cameras,
+                    const Pattern& pattern, const CalibrationOptions& options) {
+  RequireSoundInput(cameras, pattern, options);
+  Calibration calibration(cameras, pattern, options);
+  calibration.Start();
+  calibration.MeasureAgain();
+  calibration.ChooseGrids();
+  calibration.Adjust();
+  calibration.Evaluate();
+  return calibration.Judge();
+}
 
-  if (!options.hold_out.empty()) {
-    result.held_out = EvaluateCamera(*result.camera.camera, start.split.test,
-                                     result.pattern, options.num_threads)
-                          .residuals;
-    result.cross_validated = false;
-  }
-  if (options.compare_models && !ShouldStop(options)) {
-    if (options.progress) options.progress("other models", 0.85);
-    const Stopwatch comparison_time;
-    result.parametric_models =
-        CompareParametricModels(start.split, pattern, options, parametric);
-    if (!ShouldStop(options) && NeighborsErrAlike(result))
-      if (auto figures = TryAnotherGrid(start.split, pattern, options,
-                                        parametric, result.cell_px))
-        result.parametric_models.push_back(std::move(*figures));
-    result.seconds["comparison"] = comparison_time.Seconds();
-  }
-  if (ShouldStop(options)) result.checkpoint = std::move(start.checkpoint);
-  NameUnusedImages(measured, options.skipped, &result);
-  JudgeResult(options.num_threads, &result);
-  if (options.progress) options.progress("done", 1);
-  return result;
+CalibrationResult Calibrate(const Dataset& dataset, const Pattern& pattern,
+                            const CalibrationOptions& options) {
+  return std::move(Calibrate({CalibrationInput{"", dataset}}, pattern, options)
+                       .cameras.front());
 }
 
 }  // namespace raygrid

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "dataset/dataset.h"
-#include "evaluation/calibration_result.h"
+#include "evaluation/rig_result.h"
 
 namespace raygrid {
 
@@ -23,30 +23,44 @@ using Progress = std::function<void(const std::string& stage, double done)>;
 using MeasureAgain = std::function<Dataset(const CameraModel&, const Pattern&,
                                            const std::vector<BoardPose>&)>;
 
+/// A camera to calibrate, and what it saw.
+struct CalibrationInput {
+  std::string name;  ///< cameras of a rig have different ones
+  Dataset dataset;
+  MeasureAgain measure_again = nullptr;  ///< without: features stay as they are
+  /// The checkpoint of an interrupted calibration with the same features and
+  /// options, or none. The result is to the bit that of a calibration without
+  /// interruption.
+  std::optional<Checkpoint> resume = {};
+  KeepCheckpoint keep = nullptr;
+  /// Images that were given, but not measured; the result names them.
+  std::vector<RejectedImage> skipped = {};
+};
+
 struct CalibrationOptions {
   std::string model = "central-generic";  ///< or a parametric one
   double cell_px = 0;                     ///< 0: chosen by held-out error
   bool any_distance = false;              ///< boards may be more than 20 m away
   bool flat_board = false;  ///< keep the pattern's points as they are given
-  std::vector<std::string> hold_out;  ///< images not to calibrate with
-  MeasureAgain measure_again;         ///< without: features stay as they are
-  /// Images that were given, but not measured; the result names them.
-  std::vector<RejectedImage> skipped;
+  /// Images not to calibrate with; of a rig, instants.
+  std::vector<std::string> hold_out;
   bool compare_models = false;  ///< with parametric ones, which takes time
   int num_threads = 0;
   Progress progress;
   /// Once true, the best state so far is the result.
   std::function<bool()> should_stop;
-  /// The checkpoint of an interrupted calibration with the same features and
-  /// options, or none. The result is to the bit that of a calibration without
-  /// interruption.
-  std::optional<Checkpoint> resume;
-  KeepCheckpoint keep;
+
+  bool ShouldStop() const { return should_stop && should_stop(); }
 };
 
-/// Calibrates a camera from features: parametric start, features measured
-/// again, bundle adjustment, grid, held-out evaluation. Throws Error: kTooFew,
-/// kInitialization, kUsage for boards further away than likely.
+/// Calibrates a single camera, or the cameras of a rig and their poses, from
+/// features. Images of one name show one instant. The first camera's frame is
+/// the rig's. Throws Error: kTooFew, kInitialization, kUsage for boards further
+/// away than likely.
+RigResult Calibrate(const std::vector<CalibrationInput>& cameras,
+                    const Pattern& pattern, const CalibrationOptions& options);
+
+/// Calibrates a single camera whose features stay as they are.
 CalibrationResult Calibrate(const Dataset& dataset, const Pattern& pattern,
                             const CalibrationOptions& options);
 

@@ -25,6 +25,18 @@ const Trial* Find(const std::vector<Trial>& trials, int fold,
   return nullptr;
 }
 
+// The names of the cameras' training images, each once: of one camera in the
+// order of its images, of a rig's in the order of names.
+std::vector<std::string> Instants(const std::vector<Split>& cameras) {
+  std::vector<std::string> instants;
+  for (const Split& camera : cameras)
+    for (const ImageFeatures& image : camera.training.images)
+      instants.push_back(image.image);
+  if (cameras.size() < 2) return instants;
+  const std::set<std::string> sorted(instants.begin(), instants.end());
+  return {sorted.begin(), sorted.end()};
+}
+
 // The training images of each camera, split anew for each fold.
 std::vector<std::vector<Split>> MakeFolds(const std::vector<Split>& cameras) {
   const std::vector<std::string> instants = Instants(cameras);
@@ -74,46 +86,9 @@ void UnlessRigFallsApart(size_t num_cameras, const Work& work) {
   }
 }
 
-}  // namespace
-
-Split SplitImages(const std::string& camera, const Dataset& dataset,
-                  const std::vector<std::string>& test_images) {
-  const std::set<std::string> names(test_images.begin(), test_images.end());
-  Split split = {camera, {}, {}};
-  split.training.image_size = split.test.image_size = dataset.image_size;
-  for (const ImageFeatures& image : dataset.images)
-    (names.count(image.image) > 0 ? split.test : split.training)
-        .images.push_back(image);
-  return split;
-}
-
-std::vector<std::string> Instants(const std::vector<Split>& cameras) {
-  std::vector<std::string> instants;
-  for (const Split& camera : cameras)
-    for (const ImageFeatures& image : camera.training.images)
-      instants.push_back(image.image);
-  if (cameras.size() < 2) return instants;
-  const std::set<std::string> sorted(instants.begin(), instants.end());
-  return {sorted.begin(), sorted.end()};
-}
-
-int NumFoldsToTry(const std::vector<Split>& cameras) {
-  const size_t num_instants = Instants(cameras).size();
-  if (num_instants < 2 * kFolds) return 0;
-  return num_instants <= 40 ? kFolds : 1;
-}
-
-Adjusted PutTogether(const std::vector<std::string>& names,
-                     const std::vector<Adjusted>& cameras,
-                     const AdjustmentOptions& options,
-                     std::vector<std::vector<RejectedImage>>* rejected) {
-  rejected->resize(cameras.size());
-  return cameras.size() < 2 ? cameras.front()
-                            : StartRig(names, cameras, options, rejected);
-}
-
-HeldOut EvaluateHeldOut(const Adjusted& adjusted, const Pattern& pattern,
-                        const std::vector<Split>& cameras, int num_threads) {
+// Tests adjusted cameras with their test images.
+HeldOut TestCameras(const Adjusted& adjusted, const Pattern& pattern,
+                    const std::vector<Split>& cameras, int num_threads) {
   const Pattern adjusted_pattern = AdjustedPattern(pattern, adjusted);
   RigModel rig = {{}, adjusted.state.camera_from_rig};
   std::vector<Dataset> test;
@@ -130,6 +105,25 @@ HeldOut EvaluateHeldOut(const Adjusted& adjusted, const Pattern& pattern,
        EvaluateRig(rig, test, adjusted_pattern, num_threads))
     held_out.together.push_back(std::move(evaluation.residuals));
   return held_out;
+}
+
+}  // namespace
+
+Split SplitImages(const std::string& camera, const Dataset& dataset,
+                  const std::vector<std::string>& test_images) {
+  const std::set<std::string> names(test_images.begin(), test_images.end());
+  Split split = {camera, {}, {}};
+  split.training.image_size = split.test.image_size = dataset.image_size;
+  for (const ImageFeatures& image : dataset.images)
+    (names.count(image.image) > 0 ? split.test : split.training)
+        .images.push_back(image);
+  return split;
+}
+
+int NumFoldsToTry(const std::vector<Split>& cameras) {
+  const size_t num_instants = Instants(cameras).size();
+  if (num_instants < 2 * kFolds) return 0;
+  return num_instants <= 40 ? kFolds : 1;
 }
 
 void CrossValidate(const std::vector<Split>& cameras, const Pattern& pattern,
@@ -170,8 +164,7 @@ void CrossValidate(const std::vector<Split>& cameras, const Pattern& pattern,
       AdjustModel(pattern, options.model, trial.cells_px, serial, &adjusted);
       AlignBoards(pattern, &adjusted);
       if (!should_stop())
-        trial.held_out =
-            EvaluateHeldOut(adjusted, pattern, folds[trial.fold], 1);
+        trial.held_out = TestCameras(adjusted, pattern, folds[trial.fold], 1);
     });
     if (should_stop()) return;
     const std::lock_guard<std::mutex> lock(mutex);
@@ -181,6 +174,19 @@ void CrossValidate(const std::vector<Split>& cameras, const Pattern& pattern,
       options.progress(static_cast<double>(++num_done) /
                        static_cast<double>(missing.size()));
   });
+}
+
+HeldOut EvaluateHeldOut(const Adjusted& adjusted, const Pattern& pattern,
+                        const std::vector<Split>& cameras,
+                        const ValidationOptions& options,
+                        const std::vector<double>& cells_px,
+                        std::vector<Trial>* done) {
+  if (std::any_of(cameras.begin(), cameras.end(), [](const Split& camera) {
+        return !camera.test.images.empty();
+      }))
+    return TestCameras(adjusted, pattern, cameras, options.num_threads);
+  CrossValidate(cameras, pattern, options, {cells_px}, done);
+  return JoinFolds(*done, NumFoldsToTry(cameras), cells_px);
 }
 
 HeldOut JoinFolds(const std::vector<Trial>& done, int num_folds,

@@ -19,10 +19,6 @@ struct Split {
 Split SplitImages(const std::string& camera, const Dataset& dataset,
                   const std::vector<std::string>& test_images);
 
-/// The names of the cameras' training images, each once: of one camera in the
-/// order of its images, of a rig's in the order of names.
-std::vector<std::string> Instants(const std::vector<Split>& cameras);
-
 /// The part of the images that each camera is calibrated with.
 constexpr double kCrossValidatingPart = 0.75;
 
@@ -40,18 +36,6 @@ struct ValidationOptions {
   std::function<void()> on_done;
 };
 
-/// A single camera as it was adjusted, or the cameras of a rig put together.
-/// Views that do not agree with the other cameras' go to rejected, by camera.
-/// Throws Error(kInitialization).
-Adjusted PutTogether(const std::vector<std::string>& names,
-                     const std::vector<Adjusted>& cameras,
-                     const AdjustmentOptions& options,
-                     std::vector<std::vector<RejectedImage>>* rejected);
-
-/// Tests adjusted cameras with their test images.
-HeldOut EvaluateHeldOut(const Adjusted& adjusted, const Pattern& pattern,
-                        const std::vector<Split>& cameras, int num_threads);
-
 /// Candidates, the cells of each camera, in every fold of the training images,
 /// in parallel: the images whose turn it is are localised with cameras
 /// calibrated without them. Leaves out what is in *done already, and adds to
@@ -60,6 +44,14 @@ void CrossValidate(const std::vector<Split>& cameras, const Pattern& pattern,
                    const ValidationOptions& options,
                    const std::vector<std::vector<double>>& candidates,
                    std::vector<Trial>* done);
+
+/// Tests adjusted cameras with their test images or, where no camera has any,
+/// cells by cross-validation, with what is done of it.
+HeldOut EvaluateHeldOut(const Adjusted& adjusted, const Pattern& pattern,
+                        const std::vector<Split>& cameras,
+                        const ValidationOptions& options,
+                        const std::vector<double>& cells_px,
+                        std::vector<Trial>* done);
 
 /// The residuals over all folds of one candidate; nothing if a fold is missing.
 HeldOut JoinFolds(const std::vector<Trial>& done, int num_folds,

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "adjustment/bundle_adjustment.h"
+#include "camera/model_fitting.h"
 #include "camera/noncentral_generic.h"
 #include "evaluation/residual_statistics.h"
 
@@ -13,6 +14,15 @@ namespace {
 constexpr int kMaxGridParameters = 2600;  // tried
 // The coarsest resolution whose loss is within this part of the best is chosen.
 constexpr double kAsGoodAs = 0.005;
+
+size_t ChooseCandidate(const std::vector<CellCandidate>& candidates) {
+  double best = INFINITY;
+  for (const CellCandidate& candidate : candidates)
+    best = std::min(best, candidate.loss);
+  size_t chosen = 0;
+  while (candidates[chosen].loss > (1 + kAsGoodAs) * best) ++chosen;
+  return chosen;
+}
 
 }  // namespace
 
@@ -37,6 +47,12 @@ std::vector<double> CellCandidates(const Dataset& dataset,
   return candidates;
 }
 
+double MediumCellPx(const Dataset& dataset, const std::string& model) {
+  constexpr size_t kMediumCandidate = 2;
+  const std::vector<double> cells = CellCandidates(dataset, model);
+  return cells[std::min(kMediumCandidate, cells.size() - 1)];
+}
+
 CellCandidate Summarize(double cell_px,
                         const std::vector<FeatureResidual>& held_out) {
   CellCandidate candidate;
@@ -52,13 +68,35 @@ CellCandidate Summarize(double cell_px,
   return candidate;
 }
 
-size_t ChooseCandidate(const std::vector<CellCandidate>& candidates) {
-  double best = INFINITY;
-  for (const CellCandidate& candidate : candidates)
-    best = std::min(best, candidate.loss);
-  size_t chosen = 0;
-  while (candidates[chosen].loss > (1 + kAsGoodAs) * best) ++chosen;
-  return chosen;
+void ChooseGrid(const Pattern& pattern, const CalibrationOptions& options,
+                const std::function<void(double)>& progress,
+                CameraInProgress* camera) {
+  CalibrationResult& result = camera->result;
+  if (IsParametricModel(options.model)) return;
+  result.cell_px = options.cell_px;
+  if (options.cell_px > 0) return;
+  const std::vector<double> cells =
+      CellCandidates(camera->split.training, options.model);
+  result.cell_px = cells.front();
+  const std::vector<Split> cameras = {camera->split};
+  const int num_folds = NumFoldsToTry(cameras);
+  if (num_folds == 0) return;
+
+  std::vector<Trial>& trials = camera->checkpoint.trials;
+  ValidationOptions validation = ValidationOptionsOf(options);
+  validation.progress = progress;
+  validation.on_done = [camera] { camera->Keep(); };
+  std::vector<std::vector<double>> each;
+  for (const double cell_px : cells) each.push_back({cell_px});
+  CrossValidate(cameras, pattern, validation, each, &trials);
+  std::vector<CellCandidate> candidates;
+  for (const double cell_px : cells) {
+    const HeldOut held_out = JoinFolds(trials, num_folds, {cell_px});
+    if (held_out.alone.empty()) return;
+    candidates.push_back(Summarize(cell_px, held_out.alone.front()));
+  }
+  result.cell_px = cells[ChooseCandidate(candidates)];
+  result.cell_candidates = std::move(candidates);
 }
 
 }  // namespace raygrid

@@ -1,11 +1,11 @@
 #ifndef RAYGRID_CALIBRATION_GRID_CHOICE_H
 #define RAYGRID_CALIBRATION_GRID_CHOICE_H
 
+#include <functional>
 #include <string>
 #include <vector>
 
-#include "dataset/dataset.h"
-#include "evaluation/calibration_result.h"
+#include "calibration/camera_in_progress.h"
 
 namespace raygrid {
 
@@ -14,12 +14,19 @@ namespace raygrid {
 std::vector<double> CellCandidates(const Dataset& dataset,
                                    const std::string& model);
 
+/// Cells of a medium candidate, where none is chosen yet.
+double MediumCellPx(const Dataset& dataset, const std::string& model);
+
 /// The loss of cells by the held-out residuals over all folds.
 CellCandidate Summarize(double cell_px,
                         const std::vector<FeatureResidual>& held_out);
 
-/// The coarsest that is as good as the best, nearly.
-size_t ChooseCandidate(const std::vector<CellCandidate>& candidates);
+/// Chooses the resolution of a camera's grid: the coarsest candidate that
+/// cross-validation finds as good as the best, nearly. The coarsest of all for
+/// few images, and after a stop.
+void ChooseGrid(const Pattern& pattern, const CalibrationOptions& options,
+                const std::function<void(double)>& progress,
+                CameraInProgress* camera);
 
 }  // namespace raygrid
 

@@ -2,12 +2,9 @@
 #define RAYGRID_CALIBRATION_PARAMETRIC_COMPARISON_H
 
 #include <optional>
-#include <string>
 #include <vector>
 
-#include "calibration/calibration.h"
-#include "calibration/cross_validation.h"
-#include "calibration/model_adjustment.h"
+#include "calibration/camera_in_progress.h"
 
 namespace raygrid {
 
@@ -16,17 +13,15 @@ namespace raygrid {
 /// out; without such, by cross-validation. Models that cannot be adjusted are
 /// left out.
 std::vector<ModelFigures> CompareParametricModels(
-    const Split& split, const Pattern& pattern,
-    const CalibrationOptions& options, const Adjusted& start);
+    const CameraInProgress& camera, const Pattern& pattern,
+    const CalibrationOptions& options);
 
 /// noncentral-generic beside a central grid, and central-generic beside a
 /// parametric model, likewise: with cells of the same size, or larger where the
 /// features do not tell so many parameters. Nothing if it cannot be adjusted.
-std::optional<ModelFigures> TryAnotherGrid(const Split& split,
+std::optional<ModelFigures> TryAnotherGrid(const CameraInProgress& camera,
                                            const Pattern& pattern,
-                                           const CalibrationOptions& options,
-                                           const Adjusted& start,
-                                           double cell_px);
+                                           const CalibrationOptions& options);
 
 }  // namespace raygrid
 

@@ -283,10 +283,12 @@ void RequireConnected(const std::vector<std::string>& names,
                   kMinViewFeatures, fmt::join(groups, ", ")));
 }
 
-Adjusted StartRig(const std::vector<std::string>& names,
-                  const std::vector<Adjusted>& cameras,
-                  const AdjustmentOptions& options,
-                  std::vector<std::vector<RejectedImage>>* rejected) {
+Adjusted PutTogether(const std::vector<std::string>& names,
+                     const std::vector<Adjusted>& cameras,
+                     const AdjustmentOptions& options,
+                     std::vector<std::vector<RejectedImage>>* rejected) {
+  rejected->resize(cameras.size());
+  if (cameras.size() == 1) return cameras.front();
   Joined joined = Join(cameras);
   RequireConnected(names, joined.problem);
   Adjusted rig;
@@ -304,7 +306,6 @@ Adjusted StartRig(const std::vector<std::string>& names,
   fixed_points.fix_points = true;
   rig.summary = AdjustParametric(rig.problem, fixed_points, &rig.state);
   const std::vector<bool> remove = DisagreeingViews(rig.problem, rig.state);
-  rejected->resize(names.size());
   for (size_t v = 0; v < remove.size(); ++v)
     if (remove[v])
       (*rejected)[rig.problem.views[v].camera].push_back(

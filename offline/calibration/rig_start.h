@@ -23,11 +23,12 @@ void RequireConnected(const std::vector<std::string>& names,
 /// of two cameras is the one that explains most of the views that they share;
 /// a tree of the pairs that share most leads to all of them. Adjusts all
 /// together with the points fixed; views that do not agree with the other
-/// cameras' go to rejected, by camera. Throws Error(kInitialization).
-Adjusted StartRig(const std::vector<std::string>& names,
-                  const std::vector<Adjusted>& cameras,
-                  const AdjustmentOptions& options,
-                  std::vector<std::vector<RejectedImage>>* rejected);
+/// cameras' go to rejected, by camera. A single camera stays as it was. Throws
+/// Error(kInitialization).
+Adjusted PutTogether(const std::vector<std::string>& names,
+                     const std::vector<Adjusted>& cameras,
+                     const AdjustmentOptions& options,
+                     std::vector<std::vector<RejectedImage>>* rejected);
 
 }  // namespace raygrid
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "adjustment/normal_equations.h"
+#include "calibration/rig_start.h"
 
 namespace raygrid {
 namespace {
@@ -60,8 +61,7 @@ Eigen::MatrixXd ByPoses(const std::vector<Pose>& camera_from_rig,
   return derivative / (2 * kStep);
 }
 
-}  // namespace
-
+// Leaves the deviations empty if the equations are singular.
 void AddDeviations(const Adjusted& adjusted, const AdjustmentOptions& options,
                    std::vector<Baseline>* baselines) {
   const AdjustmentState& state = adjusted.state;
@@ -80,6 +80,20 @@ void AddDeviations(const Adjusted& adjusted, const AdjustmentOptions& options,
     baseline.rotation_sd_rad =
         std::sqrt(std::max(variances.tail<3>().sum(), 0.0));
   }
+}
+
+}  // namespace
+
+std::vector<Baseline> MeasureBaselines(const Adjusted& adjusted,
+                                       const AdjustmentOptions& options) {
+  std::vector<Baseline> baselines =
+      ComputeBaselines(adjusted.state.camera_from_rig);
+  if (baselines.empty()) return baselines;
+  const auto num_shared = CountSharedViews(adjusted.problem);
+  for (Baseline& baseline : baselines)
+    baseline.num_shared_views = num_shared[baseline.first][baseline.second];
+  AddDeviations(adjusted, options, &baselines);
+  return baselines;
 }
 
 }  // namespace raygrid

@@ -8,11 +8,11 @@
 
 namespace raygrid {
 
-/// Fills in the baselines' standard deviations from an adjustment's equations
-/// and residuals, all other parameters being free. Leaves them empty if the
-/// equations are singular.
-void AddDeviations(const Adjusted& adjusted, const AdjustmentOptions& options,
-                   std::vector<Baseline>* baselines);
+/// The baselines of every two cameras. Their standard deviations are those of
+/// the adjustment's equations and residuals, all other parameters being free;
+/// without, if the equations are singular.
+std::vector<Baseline> MeasureBaselines(const Adjusted& adjusted,
+                                       const AdjustmentOptions& options);
 
 }  // namespace raygrid
 

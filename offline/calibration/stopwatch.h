@@ -5,14 +5,19 @@
 
 namespace raygrid {
 
+/// Adds the time that it lives to some seconds.
 class Stopwatch {
  public:
-  double Seconds() const {
-    return std::chrono::duration<double>(Clock::now() - start_).count();
+  explicit Stopwatch(double* seconds) : seconds_(seconds) {}
+  ~Stopwatch() {
+    *seconds_ += std::chrono::duration<double>(Clock::now() - start_).count();
   }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
 
  private:
   using Clock = std::chrono::steady_clock;
+  double* seconds_;
   Clock::time_point start_ = Clock::now();
 };
 

@@ -59,6 +59,7 @@ std::optional<ErrorFigures> HeldOutFigures(const RigResult& result) {
 }
 
 Verdict JudgeRig(const RigResult& result) {
+  if (!result.IsRig()) return result.cameras.front().verdict;
   Verdict verdict = {"pass", {}};
   const auto worsen = [&verdict](const std::string& word) {
     if (word == "fail" || (word == "warn" && verdict.word == "pass"))

@@ -22,8 +22,8 @@ struct Baseline {
   std::optional<double> distance_sd_m, rotation_sd_rad;
 };
 
-/// The result of calibrating a rig. Each camera's held-out residuals are those
-/// of images localised alone, as for a single camera.
+/// The result of calibrating the cameras of a rig, or a single one. Each
+/// camera's held-out residuals are those of images localised alone.
 struct RigResult {
   std::vector<CalibrationResult> cameras;
   std::vector<Pose> camera_from_rig;  ///< the first camera's frame is the rig's
@@ -36,6 +36,8 @@ struct RigResult {
   bool converged = false;
   Verdict verdict;
   std::map<std::string, double> seconds;  ///< by stage, of all cameras together
+
+  bool IsRig() const { return cameras.size() > 1; }
 };
 
 /// Distances and angles; without standard deviations and views.
@@ -46,7 +48,8 @@ std::vector<Baseline> ComputeBaselines(
 ErrorFigures TrainingFigures(const RigResult& result);
 std::optional<ErrorFigures> HeldOutFigures(const RigResult& result);
 
-/// The worst of the cameras' verdicts, and what the rig adds.
+/// The worst of the cameras' verdicts, and what the rig adds; a single camera's
+/// own.
 Verdict JudgeRig(const RigResult& result);
 
 }  // namespace raygrid

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <map>
 
-#include "calibration/rig_calibration.h"
+#include "calibration/calibration.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
 #include "evaluation/residual_statistics.h"
@@ -180,9 +180,9 @@ std::vector<NamedStereo> CalibratePairs(const SimulatedRig& rig,
   for (const char* model :
        {"opencv", "thin-prism-fisheye", "central-generic"}) {
     calibration.model = model;
-    const RigResult result = CalibrateRig({{"left", seen.datasets[0], {}, {}},
-                                           {"right", seen.datasets[1], {}, {}}},
-                                          pattern, calibration);
+    const RigResult result =
+        Calibrate({{"left", seen.datasets[0]}, {"right", seen.datasets[1]}},
+                  pattern, calibration);
     pairs.push_back(
         {model, result.cameras[0].camera.camera,
          result.cameras[1].camera.camera,

@@ -185,28 +185,32 @@ TEST(Calibrate, IsTheSameToTheBitWhenItWasInterrupted) {
   CalibrationOptions options = Coarse();
   options.num_threads = 1;
   options.compare_models = true;
-  options.measure_again = [&](const CameraModel&, const Pattern&,
-                              const std::vector<BoardPose>&) {
+  CalibrationInput input = {"", dataset};
+  input.measure_again = [&](const CameraModel&, const Pattern&,
+                            const std::vector<BoardPose>&) {
     Dataset again = dataset;
     again.images[0].features[0].pixel.x() += 0.01;
     return again;
   };
   options.should_stop = [&] { return ++polls > last_poll; };
-  const std::string whole = TextOf(Calibrate(dataset, TestBoard(), options));
+  const auto calibrate = [&] {
+    return Calibrate({input}, TestBoard(), options).cameras.front();
+  };
+  const std::string whole = TextOf(calibrate());
   const int all_polls = polls;
   // In the cross-validation, and among the other models; what a signal leaves,
   // and what a kill does.
   for (const double part : {0.4, 0.97}) {
     std::optional<Checkpoint> kept;
-    options.keep = [&](const Checkpoint& checkpoint) { kept = checkpoint; };
-    options.resume.reset();
+    input.keep = [&](const Checkpoint& checkpoint) { kept = checkpoint; };
+    input.resume.reset();
     polls = 0;
     last_poll = static_cast<int>(part * all_polls);
-    const CalibrationResult first = Calibrate(dataset, TestBoard(), options);
+    const CalibrationResult first = calibrate();
     ASSERT_TRUE(first.checkpoint && kept) << part;
     last_poll = 1 << 30;
-    options.resume = part < 0.5 ? kept : first.checkpoint;
-    EXPECT_EQ(TextOf(Calibrate(dataset, TestBoard(), options)), whole) << part;
+    input.resume = part < 0.5 ? kept : first.checkpoint;
+    EXPECT_EQ(TextOf(calibrate()), whole) << part;
   }
 }
 
@@ -224,15 +228,17 @@ TEST(Calibrate, GoesOnWithTheFeaturesMeasuredAgain) {
   options.cell_px = 80;  // else the lens's bumps are most of what is left
   const CalibrationResult once = Calibrate(noisy, TestBoard(), options);
   int num_calls = 0;
-  options.measure_again = [&](const CameraModel& camera, const Pattern& pattern,
-                              const std::vector<BoardPose>& poses) {
+  CalibrationInput input = {"", noisy};
+  input.measure_again = [&](const CameraModel& camera, const Pattern& pattern,
+                            const std::vector<BoardPose>& poses) {
     ++num_calls;
     EXPECT_EQ(camera.Name(), "central-generic");
     EXPECT_EQ(pattern.boards[0].points.size(), 140u);
     EXPECT_EQ(poses.size(), 6u);  // also of the image held out
     return truth;
   };
-  const CalibrationResult again = Calibrate(noisy, TestBoard(), options);
+  const CalibrationResult again =
+      Calibrate({input}, TestBoard(), options).cameras.front();
   EXPECT_EQ(num_calls, 1);
   EXPECT_FALSE(once.measured_again_rms_px);
   EXPECT_NEAR(*again.measured_again_rms_px, 0.05 * std::sqrt(2), 0.005);

@@ -3,7 +3,6 @@
 #include "calibration/frame_adjustment.h"
 
 #include "calibration/calibration.h"
-#include "calibration/rig_calibration.h"
 #include "camera/camera_frame.h"
 #include "camera/model_fitting.h"
 #include "simulation/simulated_rig.h"
@@ -111,7 +110,7 @@ TEST(CameraFrames, OfRigsTurnRelativePosesToo) {
   const SimulatedRigObservations seen = Simulate("example", 2);
   CalibrationOptions options = Coarse("central-generic");
   options.hold_out = {seen.datasets[0].images.front().image};
-  const RigResult result = CalibrateRig(
+  const RigResult result = Calibrate(
       {{"a", seen.datasets[0], {}, {}}, {"b", seen.datasets[1], {}, {}}},
       TwoBoards(), options);
   EXPECT_LT(result.camera_from_rig[0].rotation.angularDistance(

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "calibration/rig_calibration.h"
+#include "calibration/calibration.h"
 #include "calibration/rig_evaluation.h"
 #include "dataset/camera_file.h"
 #include "dataset/rig_file.h"
@@ -60,11 +60,11 @@ SimulatedRig Fan() {
            {RotationFromVector({0, -1.7, 0}), {-0.2, 0, 0.1}}}};
 }
 
-std::vector<RigCameraInput> Inputs(const SimulatedRigObservations& seen) {
+std::vector<CalibrationInput> Inputs(const SimulatedRigObservations& seen) {
   const char* names[] = {"left", "right", "rear"};
-  std::vector<RigCameraInput> inputs;
+  std::vector<CalibrationInput> inputs;
   for (size_t c = 0; c < seen.datasets.size(); ++c)
-    inputs.push_back({names[c], seen.datasets[c], nullptr, {}});
+    inputs.push_back({names[c], seen.datasets[c]});
   return inputs;
 }
 
@@ -146,7 +146,7 @@ TEST(CalibrateRig, FindsTheRelativePoseOfTwoCameras) {
       StereoWith(std::make_shared<SimulatedCamera>(ExampleSimulatedCamera()));
   const SimulatedRigObservations seen =
       SimulateRig(rig, TestBoard(), Instants(20));
-  const RigResult result = CalibrateRig(Inputs(seen), TestBoard(), [] {
+  const RigResult result = Calibrate(Inputs(seen), TestBoard(), [] {
     CalibrationOptions options = Quick();
     options.model = "central-generic";
     options.cell_px = 100;
@@ -165,7 +165,7 @@ TEST(CalibrateRig, ConnectsCamerasThroughOthers) {
   const SimulatedRigObservations seen =
       SimulateRig(rig, TestBoard(), Instants(36));
   const RigResult result =
-      CalibrateRig(Inputs(seen), TestBoard(), QuickWithout("sim0000.png"));
+      Calibrate(Inputs(seen), TestBoard(), QuickWithout("sim0000.png"));
   EXPECT_EQ(BaselineOf(result, 0, 2).num_shared_views, 0);
   EXPECT_GT(BaselineOf(result, 0, 1).num_shared_views, 5);
   ExpectBaseline(result, rig, 0, 2);
@@ -174,10 +174,10 @@ TEST(CalibrateRig, ConnectsCamerasThroughOthers) {
 TEST(CalibrateRig, NamesGroupsThatAreNotConnected) {
   const SimulatedRigObservations seen =
       SimulateRig(Fan(), TestBoard(), Instants(36));
-  std::vector<RigCameraInput> inputs = Inputs(seen);
+  std::vector<CalibrationInput> inputs = Inputs(seen);
   for (ImageFeatures& image : inputs[2].dataset.images) image.image += ".bmp";
   ExpectError(ExitCode::kInitialization, {"{left, right}, {rear}"},
-              [&] { CalibrateRig(inputs, TestBoard(), Quick()); });
+              [&] { Calibrate(inputs, TestBoard(), Quick()); });
 }
 
 TEST(CalibrateRig, OneBoardAtOneInstantConnects) {
@@ -192,7 +192,7 @@ TEST(CalibrateRig, OneBoardAtOneInstantConnects) {
       image.features = kept;
     }
   ExpectError(ExitCode::kInitialization, {"{left}, {right}"},
-              [&] { CalibrateRig(Inputs(seen), TwoBoards(), Quick()); });
+              [&] { Calibrate(Inputs(seen), TwoBoards(), Quick()); });
 }
 
 TEST(CalibrateRig, EachBoardOfSeveralHasItsOwnPoses) {
@@ -200,7 +200,7 @@ TEST(CalibrateRig, EachBoardOfSeveralHasItsOwnPoses) {
   const SimulatedRigObservations seen =
       SimulateRig(rig, TwoBoards(), Instants(14));
   const RigResult result =
-      CalibrateRig(Inputs(seen), TwoBoards(), QuickWithout("sim0003.png"));
+      Calibrate(Inputs(seen), TwoBoards(), QuickWithout("sim0003.png"));
   ExpectBaseline(result, rig, 0, 1);
   EXPECT_GT(BaselineOf(result, 0, 1).num_shared_views, 13);
 }
@@ -211,7 +211,7 @@ TEST(CalibrateRig, ScaleIsThatOfTheBoardsThoughTheyAreBent) {
   options.board_bend_m = 0.003;
   const SimulatedRigObservations seen = SimulateRig(rig, TestBoard(), options);
   const RigResult result =
-      CalibrateRig(Inputs(seen), TestBoard(), QuickWithout("sim0003.png"));
+      Calibrate(Inputs(seen), TestBoard(), QuickWithout("sim0003.png"));
   ExpectBaseline(result, rig, 0, 1);
 }
 
@@ -219,7 +219,7 @@ TEST(CalibrateRig, RejectsViewsOfAnotherInstantByName) {
   const SimulatedRig rig = Stereo();
   const SimulatedRigObservations seen =
       SimulateRig(rig, TestBoard(), Instants(24));
-  std::vector<RigCameraInput> inputs = Inputs(seen);
+  std::vector<CalibrationInput> inputs = Inputs(seen);
   // Two images of the right camera were swapped.
   std::vector<ImageFeatures*> shared;
   const std::set<std::string> left = NamesOf(inputs[0].dataset);
@@ -228,7 +228,7 @@ TEST(CalibrateRig, RejectsViewsOfAnotherInstantByName) {
   ASSERT_GT(shared.size(), 8u);
   std::swap(shared[2]->features, shared[5]->features);
   const RigResult result =
-      CalibrateRig(inputs, TestBoard(), QuickWithout(shared[0]->image));
+      Calibrate(inputs, TestBoard(), QuickWithout(shared[0]->image));
   std::set<std::string> rejected;
   for (const CalibrationResult& camera : result.cameras)
     for (const RejectedImage& image : camera.rejected_images)
@@ -241,18 +241,18 @@ TEST(CalibrateRig, RejectsViewsOfAnotherInstantByName) {
 TEST(CalibrateRig, RefusesImagesThatAreOfOtherInstantsAltogether) {
   const SimulatedRigObservations seen =
       SimulateRig(Stereo(), TestBoard(), Instants(20));
-  std::vector<RigCameraInput> inputs = Inputs(seen);
+  std::vector<CalibrationInput> inputs = Inputs(seen);
   auto& images = inputs[1].dataset.images;
   for (size_t i = 0; i < images.size() / 2; ++i)
     std::swap(images[i].features, images[images.size() - 1 - i].features);
   ExpectError(ExitCode::kInitialization, {"left", "right", "one instant"},
-              [&] { CalibrateRig(inputs, TestBoard(), Quick()); });
+              [&] { Calibrate(inputs, TestBoard(), Quick()); });
 }
 
 TEST(CalibrateRig, NamesTheCameraWithTooFewImages) {
   const SimulatedRigObservations seen =
       SimulateRig(Stereo(), TestBoard(), Instants(20));
-  std::vector<RigCameraInput> inputs = Inputs(seen);
+  std::vector<CalibrationInput> inputs = Inputs(seen);
   auto& images = inputs[1].dataset.images;
   const std::set<std::string> left = NamesOf(inputs[0].dataset);
   images.erase(std::remove_if(images.begin(), images.end(),
@@ -262,19 +262,32 @@ TEST(CalibrateRig, NamesTheCameraWithTooFewImages) {
                images.end());
   images.resize(2);
   ExpectError(ExitCode::kTooFew, {"camera right", "2 images"},
-              [&] { CalibrateRig(inputs, TestBoard(), Quick()); });
+              [&] { Calibrate(inputs, TestBoard(), Quick()); });
 }
 
-TEST(CalibrateRig, RefusesTwoCamerasOfOneNameAndARigOfOne) {
+TEST(CalibrateRig, RefusesTwoCamerasOfOneName) {
   const SimulatedRigObservations seen =
       SimulateRig(Stereo(), TestBoard(), Instants(6));
-  std::vector<RigCameraInput> inputs = Inputs(seen);
+  std::vector<CalibrationInput> inputs = Inputs(seen);
   inputs[1].name = "left";
   ExpectError(ExitCode::kUsage, {"name"},
-              [&] { CalibrateRig(inputs, TestBoard(), Quick()); });
+              [&] { Calibrate(inputs, TestBoard(), Quick()); });
+}
+
+TEST(CalibrateRig, OfOneCameraIsASingleCamera) {
+  const SimulatedRigObservations seen =
+      SimulateRig(Stereo(), TestBoard(), Instants(9));
+  std::vector<CalibrationInput> inputs = Inputs(seen);
   inputs.pop_back();
-  ExpectError(ExitCode::kUsage, {"two cameras"},
-              [&] { CalibrateRig(inputs, TestBoard(), Quick()); });
+  const RigResult rig = Calibrate(inputs, TestBoard(), Quick());
+  ASSERT_EQ(rig.cameras.size(), 1u);
+  EXPECT_TRUE(rig.held_out.empty());
+  CameraFile named = rig.cameras[0].camera;
+  EXPECT_EQ(named.name, "left");
+  named.name = "";
+  EXPECT_EQ(FormatCameraFile(named),
+            FormatCameraFile(
+                Calibrate(seen.datasets[0], TestBoard(), Quick()).camera));
 }
 
 TEST(CalibrateRig, GivesTheSameBytesWithAnyNumberOfThreads) {
@@ -284,7 +297,7 @@ TEST(CalibrateRig, GivesTheSameBytesWithAnyNumberOfThreads) {
   for (int k = 0; k < 2; ++k) {
     CalibrationOptions options = Quick();
     options.num_threads = k + 1;
-    const RigResult result = CalibrateRig(Inputs(seen), TestBoard(), options);
+    const RigResult result = Calibrate(Inputs(seen), TestBoard(), options);
     for (const CalibrationResult& camera : result.cameras)
       text[k] += FormatCameraFile(camera.camera) + FormatPoses(camera.poses) +
                  FormatFeatures(camera.features);

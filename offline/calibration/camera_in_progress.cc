@@ -1,0 +1,26 @@
+#include "calibration/camera_in_progress.h"
+
+#include "dataset/parallel_for.h"
+
+namespace raygrid {
+
+AdjustmentOptions AdjustmentOptionsOf(const CalibrationOptions& options) {
+  AdjustmentOptions adjustment;
+  adjustment.num_threads = NumThreads(options.num_threads);
+  adjustment.fix_points = options.flat_board;
+  return adjustment;
+}
+
+AdjustmentOptions StoppableAdjustment(const CalibrationOptions& options) {
+  AdjustmentOptions adjustment = AdjustmentOptionsOf(options);
+  adjustment.should_stop = options.should_stop;
+  return adjustment;
+}
+
+ValidationOptions ValidationOptionsOf(const CalibrationOptions& options) {
+  return {options.model,       options.flat_board,
+          options.num_threads, {},
+          options.should_stop, {}};
+}
+
+}  // namespace raygrid

@@ -1,0 +1,34 @@
+#ifndef RAYGRID_CALIBRATION_CAMERA_IN_PROGRESS_H
+#define RAYGRID_CALIBRATION_CAMERA_IN_PROGRESS_H
+
+#include "calibration/calibration.h"
+#include "calibration/cross_validation.h"
+#include "calibration/model_adjustment.h"
+
+namespace raygrid {
+
+/// A camera that is being calibrated.
+struct CameraInProgress {
+  const CalibrationInput* input = nullptr;
+  Split split;               ///< features as measured last
+  Adjusted lens;             ///< parametric, by its own training images
+  Checkpoint checkpoint;     ///< what is done so far
+  CalibrationResult result;  ///< what is known so far
+
+  void Keep() const {
+    if (input->keep) input->keep(checkpoint);
+  }
+};
+
+/// The options of adjustments that run to their end.
+AdjustmentOptions AdjustmentOptionsOf(const CalibrationOptions& options);
+
+/// The options of adjustments that end when the calibration is told to stop.
+AdjustmentOptions StoppableAdjustment(const CalibrationOptions& options);
+
+/// The options of a cross-validation without progress.
+ValidationOptions ValidationOptionsOf(const CalibrationOptions& options);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CALIBRATION_CAMERA_IN_PROGRESS_H

@@ -1,0 +1,77 @@
+#include "calibration/input_checks.h"
+
+#include <fmt/format.h>
+
+#include <set>
+
+#include "calibration/rig_start.h"
+#include "camera/model_fitting.h"
+#include "dataset/error.h"
+#include "evaluation/residual_statistics.h"
+
+namespace raygrid {
+namespace {
+
+void RequireKnownModel(const std::string& model) {
+  if (model != "central-generic" && model != "noncentral-generic" &&
+      !IsParametricModel(model))
+    throw Error(ExitCode::kUsage,
+                fmt::format("unknown model '{}'; this version calibrates "
+                            "central-generic, noncentral-generic, "
+                            "central-radial, thin-prism-fisheye and opencv",
+                            model));
+}
+
+void RequireImagesExist(const std::vector<CalibrationInput>& cameras,
+                        const std::vector<std::string>& hold_out) {
+  std::set<std::string> images;
+  for (const CalibrationInput& camera : cameras)
+    for (const ImageFeatures& image : camera.dataset.images)
+      images.insert(image.image);
+  for (const std::string& name : hold_out)
+    if (images.count(name) == 0)
+      throw Error(ExitCode::kUsage,
+                  fmt::format("--hold-out {}: no features of such an {}", name,
+                              cameras.size() > 1 ? "instant" : "image"));
+}
+
+void RequireConnectedCameras(const std::vector<CalibrationInput>& cameras,
+                             const Pattern& pattern) {
+  std::vector<std::string> names;
+  std::vector<Dataset> datasets;
+  for (const CalibrationInput& camera : cameras) {
+    names.push_back(camera.name);
+    datasets.push_back(camera.dataset);
+  }
+  if (std::set<std::string>(names.begin(), names.end()).size() < names.size())
+    throw Error(ExitCode::kUsage, "two cameras of one name; give them two");
+  std::vector<RejectedImage> rejected;
+  RequireConnected(names, BuildProblem(datasets, pattern, &rejected));
+}
+
+}  // namespace
+
+void RequireSoundInput(const std::vector<CalibrationInput>& cameras,
+                       const Pattern& pattern,
+                       const CalibrationOptions& options) {
+  RequireKnownModel(options.model);
+  RequireImagesExist(cameras, options.hold_out);
+  if (cameras.size() > 1) RequireConnectedCameras(cameras, pattern);
+}
+
+void RequireLikelyDistances(const Adjusted& adjusted) {
+  constexpr double kFarM = 20;
+  std::vector<double> distances_m;
+  for (const View& view : adjusted.problem.views)
+    distances_m.push_back(
+        adjusted.state.CameraFromPattern(view).translation.norm());
+  const double median_m = Quantile(distances_m, 0.5);
+  if (median_m > kFarM)
+    throw Error(ExitCode::kUsage,
+                fmt::format("boards {:.3g} m away (median)? the pattern's "
+                            "square_m, in metres, makes them so; correct it, "
+                            "or --yes if that is meant",
+                            median_m));
+}
+
+}  // namespace raygrid

@@ -1,0 +1,62 @@
+#include "calibration/measuring_again.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "calibration/grid_choice.h"
+
+namespace raygrid {
+namespace {
+
+// The boards of all images, those held out among them.
+std::vector<BoardPose> BoardPoses(const CameraModel& camera,
+                                  const Dataset& dataset,
+                                  const Pattern& pattern, int num_threads) {
+  std::vector<RejectedImage> rejected;
+  const CalibrationProblem problem =
+      BuildProblem({dataset}, pattern, &rejected);
+  const std::vector<std::optional<Pose>> poses =
+      LocalizeViews(camera, 0, problem, num_threads);
+  std::vector<BoardPose> known;
+  for (size_t v = 0; v < poses.size(); ++v)
+    if (poses[v])
+      known.push_back(
+          {problem.images[v], pattern.boards[problem.boards[v]].id, *poses[v]});
+  return known;
+}
+
+}  // namespace
+
+std::optional<Dataset> MeasureFeaturesAgain(const Pattern& pattern,
+                                            const CalibrationOptions& options,
+                                            const CameraInProgress& camera) {
+  const Dataset& dataset = camera.input->dataset;
+  const double cell_px = options.cell_px > 0
+                             ? options.cell_px
+                             : MediumCellPx(dataset, options.model);
+  const AdjustmentOptions adjustment = StoppableAdjustment(options);
+  Adjusted first = camera.lens;
+  AdjustModel(pattern, options.model, {cell_px}, adjustment, &first);
+  if (options.ShouldStop()) return std::nullopt;
+  AlignBoards(pattern, &first);
+  const Pattern found = AdjustedPattern(pattern, first);
+  Dataset again = camera.input->measure_again(
+      first.state.camera(), found,
+      BoardPoses(first.state.camera(), dataset, found, adjustment.num_threads));
+  if (options.ShouldStop()) return std::nullopt;  // it may not be complete
+  return again;
+}
+
+double RmsMovePx(const Dataset& before, const Dataset& after) {
+  double sum = 0;
+  size_t count = 0;
+  for (size_t i = 0; i < before.images.size(); ++i) {
+    const auto& b = before.images[i].features;
+    const auto& a = after.images[i].features;
+    for (size_t k = 0; k < b.size(); ++k, ++count)
+      sum += (a[k].pixel - b[k].pixel).squaredNorm();
+  }
+  return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,23 @@
+#ifndef RAYGRID_CALIBRATION_MEASURING_AGAIN_H
+#define RAYGRID_CALIBRATION_MEASURING_AGAIN_H
+
+#include <optional>
+
+#include "calibration/camera_in_progress.h"
+
+namespace raygrid {
+
+/// Measures a camera's features again, through a first camera of medium
+/// resolution: what bends the mapping within a window is mostly the lens's
+/// distortion. Nothing if it is told to stop first.
+std::optional<Dataset> MeasureFeaturesAgain(const Pattern& pattern,
+                                            const CalibrationOptions& options,
+                                            const CameraInProgress& camera);
+
+/// The RMS distance between features before and after; both datasets have the
+/// same features.
+double RmsMovePx(const Dataset& before, const Dataset& after);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CALIBRATION_MEASURING_AGAIN_H
