@@ -113,7 +113,7 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
   const std::filesystem::path folder = arguments.output;
   std::string inputs;
   std::vector<std::string> paths;  // of the images
-  CalibrationResult result;
+  RigResult results;
   PackedCamera packed;
   Thumbnails thumbnails;
   {
@@ -132,9 +132,8 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
         [&](const Checkpoint& done) { checkpoint.Keep(0, done); },
         measurements.skipped};
     NoteInterruptions();
-    RigResult results = Calibrate({camera}, pattern, options);
-    result = std::move(results.cameras.front());
-    result.seconds = std::move(results.seconds);
+    results = Calibrate({camera}, pattern, options);
+    CalibrationResult& result = results.cameras.front();
     FinishUndisturbed();
     AddLeftOut(measurements, &result);
     result.camera.serial = arguments.serial;
@@ -147,19 +146,18 @@ void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
     paths = measurements.paths;
   }
 
+  const CalibrationResult& result = results.cameras.front();
   std::vector<Checkpoint> checkpoints;
   if (result.checkpoint) checkpoints.push_back(*result.checkpoint);
   KeepFinishedResult(arguments.output, checkpoints, inputs);
-  ResultExtras extras = {
-      common.seed, PeakMemoryBytes(), {}, {}, std::move(thumbnails)};
-  if (!result.checkpoint) extras.packing = FiguresOf(packed);
+  CameraExtras own = {packed.blob, {}, {}, std::move(thumbnails)};
+  if (!result.checkpoint) own.packing = FiguresOf(packed);
   if (!packed.remaps.empty())
-    extras.example = ExampleImage(paths, result, arguments, packed.blob);
+    own.example = ExampleImage(paths, result, arguments, packed.blob);
   OutputFolder output(arguments.output);
   OutputFiles files;
-  AddResultFiles(result, extras, output.path(), &files);
-  if (!packed.blob.empty())
-    files.Add(output.path() + "/camera.raygrid", packed.blob);
+  AddResultFiles(results, {common.seed, PeakMemoryBytes(), {own}},
+                 output.path(), &files);
   if (!checkpoints.empty())
     files.Add(output.path() + "/resume.json",
               FormatCheckpoints(checkpoints, inputs));

@@ -168,16 +168,11 @@ std::vector<CalibrationInput> CamerasOf(const RigMeasurements& rig,
 void AddFiles(const RigResult& result, const std::vector<PackedCamera>& packed,
               const std::vector<Thumbnails>& thumbnails, uint64_t seed,
               const std::string& folder, OutputFiles* files) {
-  std::vector<ResultExtras> extras;
+  ResultExtras extras = {seed, PeakMemoryBytes(), {}};
   for (size_t c = 0; c < result.cameras.size(); ++c) {
-    extras.push_back({seed, PeakMemoryBytes(), {}, {}, thumbnails[c]});
+    extras.cameras.push_back({packed[c].blob, {}, {}, thumbnails[c]});
     if (!result.cameras[c].checkpoint)
-      extras.back().packing = FiguresOf(packed[c]);
-    if (packed[c].blob.empty()) continue;
-    files->Add((std::filesystem::path(folder) / result.cameras[c].camera.name /
-                "camera.raygrid")
-                   .string(),
-               packed[c].blob);
+      extras.cameras.back().packing = FiguresOf(packed[c]);
   }
   AddResultFiles(result, extras, folder, files);
 }

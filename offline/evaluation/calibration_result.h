@@ -1,7 +1,6 @@
 #ifndef RAYGRID_EVALUATION_CALIBRATION_RESULT_H
 #define RAYGRID_EVALUATION_CALIBRATION_RESULT_H
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,7 +38,7 @@ struct ModelFigures {
   std::vector<FeatureResidual> held_out_residuals;  ///< not kept in files
 };
 
-/// The result of a calibration.
+/// The result of calibrating one camera, alone or in a rig.
 struct CalibrationResult {
   CameraFile camera;
   Pattern pattern;   ///< points where they were found to be
@@ -72,7 +71,6 @@ struct CalibrationResult {
   std::optional<LineSpread> line_spread;  ///< of a camera that is not central
   FoldOver fold_over;
   Verdict verdict;
-  std::map<std::string, double> seconds;  ///< by stage
 };
 
 }  // namespace raygrid

@@ -40,16 +40,9 @@ std::string ErrorSection(const CalibrationResult& result) {
 }
 
 std::string ComparisonSection(const CalibrationResult& result) {
-  if (result.parametric_models.empty()) return "";
-  std::vector<HtmlRow> rows = {ModelRow(
-      "<b>" + result.camera.camera->Name() + "</b>", result.num_parameters,
-      *result.camera.training, result.camera.held_out, result.bias_kl)};
-  for (const ModelFigures& other : result.parametric_models)
-    rows.push_back(ModelRow(EscapeHtml(other.model), other.num_parameters,
-                            other.training, other.held_out, other.bias_kl));
-  if (result.noise_bias_kl)
-    rows.push_back({"pure noise", "", "", "", "",
-                    fmt::format("{:.3f}", *result.noise_bias_kl)});
+  std::vector<HtmlRow> rows;
+  AddModelRows("", result, &rows);
+  if (rows.empty()) return "";
   return "<h2>Other models, from the same features</h2>\n" + ModelTable(rows);
 }
 

@@ -14,6 +14,18 @@ std::string Optional(const std::optional<double>& value, const char* format) {
   return value ? fmt::format(fmt::runtime(format), *value) : "&ndash;";
 }
 
+HtmlRow ModelRow(const std::string& name, int num_parameters,
+                 const ErrorFigures& training,
+                 const std::optional<ErrorFigures>& held_out,
+                 const std::optional<double>& bias_kl) {
+  return {name,
+          std::to_string(num_parameters),
+          Px(training.median_px),
+          held_out ? Px(held_out->median_px) : "&ndash;",
+          held_out ? Px(held_out->rms_px) : "&ndash;",
+          Optional(bias_kl, "{:.3f}")};
+}
+
 std::string BoardFigure(const Board& board, const BoardShape& shape) {
   const int cell_px = std::clamp(480 / std::max(board.columns, 1), 4, 40);
   std::vector<double> heights_um;
@@ -61,16 +73,20 @@ HtmlRow FiguresRow(const std::string& name, const ErrorFigures& figures) {
           fmt::format("{:.3f}", figures.max_px), std::to_string(figures.count)};
 }
 
-HtmlRow ModelRow(const std::string& name, int num_parameters,
-                 const ErrorFigures& training,
-                 const std::optional<ErrorFigures>& held_out,
-                 const std::optional<double>& bias_kl) {
-  return {name,
-          std::to_string(num_parameters),
-          Px(training.median_px),
-          held_out ? Px(held_out->median_px) : "&ndash;",
-          held_out ? Px(held_out->rms_px) : "&ndash;",
-          Optional(bias_kl, "{:.3f}")};
+void AddModelRows(const std::string& prefix, const CalibrationResult& result,
+                  std::vector<HtmlRow>* rows) {
+  if (result.parametric_models.empty()) return;
+  rows->push_back(
+      ModelRow(prefix + "<b>" + result.camera.camera->Name() + "</b>",
+               result.num_parameters, *result.camera.training,
+               result.camera.held_out, result.bias_kl));
+  for (const ModelFigures& other : result.parametric_models)
+    rows->push_back(ModelRow(prefix + EscapeHtml(other.model),
+                             other.num_parameters, other.training,
+                             other.held_out, other.bias_kl));
+  if (result.noise_bias_kl)
+    rows->push_back({prefix + "pure noise", "", "", "", "",
+                     fmt::format("{:.3f}", *result.noise_bias_kl)});
 }
 
 std::string ModelTable(const std::vector<HtmlRow>& rows) {

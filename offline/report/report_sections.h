@@ -21,11 +21,10 @@ std::string VerdictSection(const Verdict& verdict);
 HtmlRow FiguresRow(const std::string& name, const ErrorFigures& figures);
 std::string ErrorTable(const std::vector<HtmlRow>& rows);
 
-/// Rows of models that were fitted to the same features, and their table.
-HtmlRow ModelRow(const std::string& name, int num_parameters,
-                 const ErrorFigures& training,
-                 const std::optional<ErrorFigures>& held_out,
-                 const std::optional<double>& bias_kl);
+/// Rows of a camera's model and of those that were fitted to the same features,
+/// if there are any, and their table. Names follow a prefix.
+void AddModelRows(const std::string& prefix, const CalibrationResult& result,
+                  std::vector<HtmlRow>* rows);
 std::string ModelTable(const std::vector<HtmlRow>& rows);
 
 /// The canvas of cameras and boards in space.

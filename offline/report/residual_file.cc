@@ -41,16 +41,12 @@ std::vector<FeatureResidual>* FindSet(const std::string& name,
 
 }  // namespace
 
-std::string FormatResiduals(const CalibrationResult& result) {
-  std::string text = kHeader;
-  AddLines("", result, &text);
-  return text;
-}
-
 std::string FormatResiduals(const RigResult& result) {
-  std::string text = std::string("camera,") + kHeader;
+  std::string text = result.IsRig() ? "camera," : "";
+  text += kHeader;
   for (size_t c = 0; c < result.cameras.size(); ++c) {
-    const std::string prefix = CsvField(result.cameras[c].camera.name) + ",";
+    const std::string prefix =
+        result.IsRig() ? CsvField(result.cameras[c].camera.name) + "," : "";
     AddLines(prefix, result.cameras[c], &text);
     if (c < result.held_out.size())
       AddLines(prefix, "held-out-in-rig", result.held_out[c], &text);

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/calibration_result.h"
 #include "evaluation/rig_result.h"
 
 namespace raygrid {
@@ -19,7 +18,6 @@ struct ResidualSets {
 /// residuals.csv: set,image,board,column,row,x,y,dx,dy in pixels, where
 /// (dx, dy) = projected - observed; set is training, held-out, rejected or
 /// held-out-in-rig. A rig's is led by a column that names the camera.
-std::string FormatResiduals(const CalibrationResult& result);
 std::string FormatResiduals(const RigResult& result);
 
 /// The residuals by camera name, "" where the file has no such column. Throws

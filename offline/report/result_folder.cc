@@ -24,9 +24,8 @@ constexpr char kThumbnails[] = "thumbnails.json";
 
 // ---- Writing ---------------------------------------------------------------
 
-void AddCameraFiles(const CalibrationResult& result,
-                    const Thumbnails& thumbnails, const std::string& folder,
-                    OutputFiles* files) {
+void AddCameraFiles(const CalibrationResult& result, const CameraExtras& extras,
+                    const std::string& folder, OutputFiles* files) {
   CameraFile camera = result.camera;
   camera.verdict = result.verdict.word;
   files->Add(In(folder, "camera.yaml"), FormatCameraFile(camera));
@@ -35,8 +34,14 @@ void AddCameraFiles(const CalibrationResult& result,
                EncodePng(UncertaintyPicture(*camera.uncertainty,
                                             camera.camera->image_size(),
                                             camera.camera->area())));
-  if (!thumbnails.empty())
-    files->Add(In(folder, kThumbnails), FormatThumbnails(thumbnails));
+  if (!extras.thumbnails.empty())
+    files->Add(In(folder, kThumbnails), FormatThumbnails(extras.thumbnails));
+  if (!extras.blob.empty())
+    files->Add(In(folder, "camera.raygrid"), extras.blob);
+  if (!extras.example) return;
+  files->Add(In(folder, "example_before.png"),
+             EncodePng(extras.example->before));
+  files->Add(In(folder, "example_after.png"), EncodePng(extras.example->after));
 }
 
 // ---- Reading ---------------------------------------------------------------
@@ -115,73 +120,35 @@ ThumbnailTexts ReadThumbnails(const std::string& folder) {
   return ParseThumbnails(path, ReadFile(path));
 }
 
-void AddCameraReport(const std::string& folder, const std::string& json,
-                     OutputFiles* files) {
-  ResultFigures figures = ParseResultJson(In(folder, "result.json"), json);
-  Tables tables = ReadTables(folder);
-  Complete(ReadResultCamera(In(folder, "camera.yaml")),
-           ReadResultPattern(folder), "", &tables, &figures.result);
-  RequireMatching(folder, figures.result);
-  files->Add(In(folder, "report.html"),
-             FormatHtmlReport(figures.result, figures.packing,
-                              ReadExample(folder), ReadThumbnails(folder)),
-             Links::kReplace);
-}
-
-void AddRigReports(const std::string& folder, const std::string& json,
-                   OutputFiles* files) {
-  RigFigures figures = ParseRigResultJson(In(folder, "result.json"), json);
-  RigResult& rig = figures.result;
-  rig.pattern = ReadResultPattern(folder);
-  Tables tables = ReadTables(folder);
-  const std::vector<RigFileCamera> cameras =
-      ReadRigFile(In(folder, "rig.yaml"));
-  if (cameras.size() != rig.cameras.size())
+// The cameras whose files lie in the folder, as result.json says it.
+std::vector<RigFileCamera> CamerasIn(const std::string& folder,
+                                     const RigResult& result) {
+  const std::string path = In(folder, "rig.yaml");
+  if (!result.IsRig() && !fs::exists(path)) return {{"", "camera.yaml", {}}};
+  RequireFile(path);
+  std::vector<RigFileCamera> cameras = ReadRigFile(path);
+  if (cameras.size() != result.cameras.size())
     throw InputError(fmt::format("{}: {} cameras where result.json has {}",
-                                 In(folder, "rig.yaml"), cameras.size(),
-                                 rig.cameras.size()));
+                                 path, cameras.size(), result.cameras.size()));
   for (size_t c = 0; c < cameras.size(); ++c) {
     const std::string& name = cameras[c].name;
-    if (rig.cameras[c].camera.name != name)
+    if (result.cameras[c].camera.name != name)
       throw InputError(fmt::format("{}: camera '{}' where result.json has '{}'",
-                                   In(folder, "rig.yaml"), name,
-                                   rig.cameras[c].camera.name));
-    rig.camera_from_rig.push_back(cameras[c].camera_from_rig);
-    rig.held_out.push_back(std::move(tables.residuals[name].held_out_in_rig));
-    Complete(ReadResultCamera(In(folder, cameras[c].file)), rig.pattern, name,
-             &tables, &rig.cameras[c]);
-    RequireMatching(folder, rig.cameras[c]);
+                                   path, name, result.cameras[c].camera.name));
     if (fs::is_symlink(In(folder, name)))
       throw InputError(In(folder, name) +
                        ": a link, where a folder was expected");
-    files->Add(In(folder, name + "/report.html"),
-               FormatHtmlReport(rig.cameras[c], figures.packing[c],
-                                std::nullopt, ReadThumbnails(In(folder, name))),
-               Links::kReplace);
   }
-  files->Add(In(folder, "report.html"), FormatRigReport(rig), Links::kReplace);
+  return cameras;
 }
 
 }  // namespace
 
-void AddResultFiles(const CalibrationResult& result, const ResultExtras& extras,
-                    const std::string& folder, OutputFiles* files) {
-  AddCameraFiles(result, extras.thumbnails, folder, files);
-  files->Add(In(folder, "pattern.yaml"), FormatPattern(result.pattern));
-  files->Add(In(folder, "features.csv"), FormatFeatures(result.features));
-  files->Add(In(folder, "poses.csv"), FormatPoses(result.poses));
-  files->Add(In(folder, "residuals.csv"), FormatResiduals(result));
-  files->Add(In(folder, "result.json"),
-             FormatResultJson(result, extras.seed, extras.peak_memory_bytes,
-                              extras.packing));
-  if (!extras.example) return;
-  files->Add(In(folder, "example_before.png"),
-             EncodePng(extras.example->before));
-  files->Add(In(folder, "example_after.png"), EncodePng(extras.example->after));
+std::string CameraFolder(const RigResult& result, size_t camera) {
+  return result.IsRig() ? result.cameras[camera].camera.name + "/" : "";
 }
 
-void AddResultFiles(const RigResult& result,
-                    const std::vector<ResultExtras>& extras,
+void AddResultFiles(const RigResult& result, const ResultExtras& extras,
                     const std::string& folder, OutputFiles* files) {
   std::vector<NamedDataset> features;
   std::vector<NamedPoses> poses;
@@ -193,17 +160,22 @@ void AddResultFiles(const RigResult& result,
     features.push_back({name, camera.features});
     poses.push_back({name, camera.poses});
     rig.push_back({name, name + "/camera.yaml", result.camera_from_rig[c]});
-    packing.push_back(extras[c].packing);
-    AddCameraFiles(camera, extras[c].thumbnails, In(folder, name), files);
+    packing.push_back(extras.cameras[c].packing);
+    AddCameraFiles(camera, extras.cameras[c],
+                   In(folder, CameraFolder(result, c)), files);
   }
-  files->Add(In(folder, "rig.yaml"), FormatRigFile(rig));
+  const bool is_rig = result.IsRig();
+  if (is_rig) files->Add(In(folder, "rig.yaml"), FormatRigFile(rig));
   files->Add(In(folder, "pattern.yaml"), FormatPattern(result.pattern));
-  files->Add(In(folder, "features.csv"), FormatFeatures(features));
-  files->Add(In(folder, "poses.csv"), FormatPoses(poses));
+  files->Add(In(folder, "features.csv"),
+             is_rig ? FormatFeatures(features)
+                    : FormatFeatures(features.front().dataset));
+  files->Add(In(folder, "poses.csv"),
+             is_rig ? FormatPoses(poses) : FormatPoses(poses.front().poses));
   files->Add(In(folder, "residuals.csv"), FormatResiduals(result));
-  files->Add(In(folder, "result.json"),
-             FormatResultJson(result, extras[0].seed,
-                              extras[0].peak_memory_bytes, packing));
+  files->Add(
+      In(folder, "result.json"),
+      FormatResultJson(result, extras.seed, extras.peak_memory_bytes, packing));
 }
 
 std::set<std::string> ResultFiles(const std::string& folder) {
@@ -246,11 +218,29 @@ bool HasFinishedResult(const std::string& folder) {
 void AddReports(const std::string& folder, OutputFiles* files) {
   const std::string path = In(folder, "result.json");
   RequireFile(path);
-  const std::string json = ReadFile(path);
-  if (fs::exists(In(folder, "rig.yaml")))
-    AddRigReports(folder, json, files);
-  else
-    AddCameraReport(folder, json, files);
+  ResultFigures figures = ParseResultJson(path, ReadFile(path));
+  RigResult& result = figures.result;
+  result.pattern = ReadResultPattern(folder);
+  Tables tables = ReadTables(folder);
+  const std::vector<RigFileCamera> cameras = CamerasIn(folder, result);
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    const std::string& name = cameras[c].name;
+    CalibrationResult& camera = result.cameras[c];
+    result.camera_from_rig.push_back(cameras[c].camera_from_rig);
+    result.held_out.push_back(
+        std::move(tables.residuals[name].held_out_in_rig));
+    Complete(ReadResultCamera(In(folder, cameras[c].file)), result.pattern,
+             name, &tables, &camera);
+    RequireMatching(folder, camera);
+    const std::string own = In(folder, CameraFolder(result, c));
+    files->Add(In(own, "report.html"),
+               FormatHtmlReport(camera, figures.packing[c], ReadExample(own),
+                                ReadThumbnails(own)),
+               Links::kReplace);
+  }
+  if (result.IsRig())
+    files->Add(In(folder, "report.html"), FormatRigReport(result),
+               Links::kReplace);
 }
 
 }  // namespace raygrid

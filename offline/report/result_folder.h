@@ -16,21 +16,25 @@
 
 namespace raygrid {
 
-/// The extras of a result folder: what goes into the files beside the result.
+/// The extras of a camera: what goes into the files beside its result.
+struct CameraExtras {
+  std::string blob = {};  ///< none if it is empty
+  std::optional<PackingFigures> packing = {};
+  std::optional<BeforeAfter> example = {};
+  Thumbnails thumbnails = {};
+};
 struct ResultExtras {
   uint64_t seed = 0;
   int64_t peak_memory_bytes = 0;
-  std::optional<PackingFigures> packing;
-  std::optional<BeforeAfter> example;
-  Thumbnails thumbnails;
+  std::vector<CameraExtras> cameras;
 };
 
-/// All files but the blob and the report.
-void AddResultFiles(const CalibrationResult& result, const ResultExtras& extras,
-                    const std::string& folder, OutputFiles* files);
-/// One for each camera of a rig.
-void AddResultFiles(const RigResult& result,
-                    const std::vector<ResultExtras>& extras,
+/// The start of the paths of a camera's own files, from the result's folder:
+/// "NAME/" in a rig, nothing for a single camera.
+std::string CameraFolder(const RigResult& result, size_t camera);
+
+/// All files but the report.
+void AddResultFiles(const RigResult& result, const ResultExtras& extras,
                     const std::string& folder, OutputFiles* files);
 
 /// The files that a result may have in a folder, those of the cameras among

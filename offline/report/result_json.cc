@@ -103,9 +103,9 @@ void AddVerdict(const Verdict& verdict, Json* json) {
   (*json)["reasons"] = verdict.reasons;
 }
 
-const char* Status(bool converged, bool is_interrupted) {
-  if (is_interrupted) return "interrupted";
-  return converged ? "converged" : "not converged";
+const char* Status(const RigResult& result) {
+  if (result.cameras.front().checkpoint) return "interrupted";
+  return result.converged ? "converged" : "not converged";
 }
 
 Json CameraOfRig(const RigResult& result, size_t camera) {
@@ -158,6 +158,26 @@ Json RejectedInRig(const RigResult& result) {
   return rejected;
 }
 
+// Adds what is known of the cameras of a rig, and each of them.
+void AddRig(const RigResult& result, Json* json) {
+  const RigCounts counts = Count(result);
+  (*json)["model"] = result.cameras.front().camera.camera->Name();
+  (*json)["parameters"] = counts.parameters;
+  (*json)["images"] = {{"used", counts.images},
+                       {"rejected", RejectedInRig(result)}};
+  (*json)["features"] = {{"used", counts.features},
+                         {"rejected", counts.rejected_features}};
+  (*json)["training"] = FiguresJson(TrainingFigures(result));
+  if (const auto held_out = HeldOutFigures(result)) {
+    (*json)["held_out"] = FiguresJson(*held_out);
+    (*json)["held_out"]["by"] = HeldOutBy(result.cross_validated);
+  }
+  for (const Baseline& baseline : result.baselines)
+    (*json)["baselines"].push_back(BaselineJson(result, baseline));
+  for (size_t c = 0; c < result.cameras.size(); ++c)
+    (*json)["cameras"].push_back(CameraOfRig(result, c));
+}
+
 }  // namespace
 
 size_t NumWithoutError(const CalibrationResult& result) {
@@ -165,47 +185,20 @@ size_t NumWithoutError(const CalibrationResult& result) {
          result.training.size();
 }
 
-std::string FormatResultJson(const CalibrationResult& result, uint64_t seed,
-                             int64_t peak_memory_bytes,
-                             const std::optional<PackingFigures>& packing) {
-  Json json;
-  json["raygrid_result"] = kResultVersion;
-  json["status"] = Status(result.converged, result.checkpoint.has_value());
-  AddCamera(result, &json);
-  if (packing) json["packing"] = PackingJson(*packing);
-  json["seconds"] = result.seconds;
-  json["peak_memory_bytes"] = peak_memory_bytes;
-  json["seed"] = seed;
-  AddVerdict(result.verdict, &json);
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
 std::string FormatResultJson(
     const RigResult& result, uint64_t seed, int64_t peak_memory_bytes,
     const std::vector<std::optional<PackingFigures>>& packing) {
-  const RigCounts counts = Count(result);
   Json json;
   json["raygrid_result"] = kResultVersion;
-  json["status"] =
-      Status(result.converged, result.cameras[0].checkpoint.has_value());
-  json["model"] = result.cameras.front().camera.camera->Name();
-  json["parameters"] = counts.parameters;
-  json["images"] = {{"used", counts.images},
-                    {"rejected", RejectedInRig(result)}};
-  json["features"] = {{"used", counts.features},
-                      {"rejected", counts.rejected_features}};
-  json["training"] = FiguresJson(TrainingFigures(result));
-  if (const auto held_out = HeldOutFigures(result)) {
-    json["held_out"] = FiguresJson(*held_out);
-    json["held_out"]["by"] = HeldOutBy(result.cross_validated);
-  }
-  for (const Baseline& baseline : result.baselines)
-    json["baselines"].push_back(BaselineJson(result, baseline));
-  for (size_t c = 0; c < result.cameras.size(); ++c) {
-    json["cameras"].push_back(CameraOfRig(result, c));
-    if (c < packing.size() && packing[c])
-      json["cameras"].back()["packing"] = PackingJson(*packing[c]);
-  }
+  json["status"] = Status(result);
+  if (result.IsRig())
+    AddRig(result, &json);
+  else
+    AddCamera(result.cameras.front(), &json);
+  for (size_t c = 0; c < packing.size(); ++c)
+    if (packing[c])
+      (result.IsRig() ? json["cameras"][c] : json)["packing"] =
+          PackingJson(*packing[c]);
   json["seconds"] = result.seconds;
   json["peak_memory_bytes"] = peak_memory_bytes;
   json["seed"] = seed;
@@ -268,9 +261,8 @@ PackingFigures ParsePacking(const Json& json) {
 }
 
 // Parses the figures of one camera, alone or in a rig.
-ResultFigures ParseCamera(const Json& json) {
-  ResultFigures figures;
-  CalibrationResult& result = figures.result;
+CalibrationResult ParseCamera(const Json& json) {
+  CalibrationResult result;
   if (json.contains("name"))
     result.camera.name = json.at("name").get<std::string>();
   result.num_parameters = json.at("parameters").get<int>();
@@ -291,8 +283,7 @@ ResultFigures ParseCamera(const Json& json) {
   ParseMore(json, &result);
   result.verdict = {json.at("verdict").get<std::string>(),
                     json.at("reasons").get<std::vector<std::string>>()};
-  if (json.contains("packing")) figures.packing = ParsePacking(json["packing"]);
-  return figures;
+  return result;
 }
 
 Baseline ParseBaseline(const Json& json, const RigResult& rig) {
@@ -328,14 +319,23 @@ Json ParseVersioned(const std::string& path, const std::string& text) {
   return json;
 }
 
-template <typename Function>
-auto Parsed(const std::string& path, const Function& parse) {
-  try {
-    return parse();
-  } catch (const nlohmann::json::exception& error) {
-    throw InputError(
-        fmt::format("{}: {}; calibrate again", path, JsonProblem(error)));
+ResultFigures ParseResult(const Json& json) {
+  ResultFigures figures;
+  RigResult& result = figures.result;
+  const Json cameras =
+      json.contains("cameras") ? json.at("cameras") : Json::array({json});
+  for (const Json& camera : cameras) {
+    result.cameras.push_back(ParseCamera(camera));
+    result.cross_validated |= result.cameras.back().cross_validated;
+    std::optional<PackingFigures>& packing = figures.packing.emplace_back();
+    if (camera.contains("packing")) packing = ParsePacking(camera["packing"]);
   }
+  if (json.contains("baselines"))
+    for (const Json& baseline : json.at("baselines"))
+      result.baselines.push_back(ParseBaseline(baseline, result));
+  result.verdict = {json.at("verdict").get<std::string>(),
+                    json.at("reasons").get<std::vector<std::string>>()};
+  return figures;
 }
 
 }  // namespace
@@ -343,29 +343,14 @@ auto Parsed(const std::string& path, const Function& parse) {
 ResultFigures ParseResultJson(const std::string& path,
                               const std::string& text) {
   const Json json = ParseVersioned(path, text);
-  return Parsed(path, [&] { return ParseCamera(json); });
-}
-
-RigFigures ParseRigResultJson(const std::string& path,
-                              const std::string& text) {
-  const Json json = ParseVersioned(path, text);
-  return Parsed(path, [&] {
-    RigFigures figures;
-    RigResult& rig = figures.result;
-    for (const Json& camera : json.at("cameras")) {
-      ResultFigures own = ParseCamera(camera);
-      rig.cameras.push_back(std::move(own.result));
-      figures.packing.push_back(own.packing);
-    }
-    if (json.contains("baselines"))
-      for (const Json& baseline : json.at("baselines"))
-        rig.baselines.push_back(ParseBaseline(baseline, rig));
-    for (const CalibrationResult& camera : rig.cameras)
-      rig.cross_validated |= camera.cross_validated;
-    rig.verdict = {json.at("verdict").get<std::string>(),
-                   json.at("reasons").get<std::vector<std::string>>()};
-    return figures;
-  });
+  try {
+    ResultFigures figures = ParseResult(json);
+    if (!figures.result.cameras.empty()) return figures;
+    throw InputError(path + ": holds no camera; calibrate again");
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(
+        fmt::format("{}: {}; calibrate again", path, JsonProblem(error)));
+  }
 }
 
 }  // namespace raygrid

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/calibration_result.h"
 #include "evaluation/rig_result.h"
 
 namespace raygrid {
@@ -25,12 +24,11 @@ size_t NumWithoutError(const CalibrationResult& result);
 
 /// result.json. The memory figure and the seconds differ from run to run;
 /// everything else is the same for the same input.
-std::string FormatResultJson(
-    const CalibrationResult& result, uint64_t seed, int64_t peak_memory_bytes,
-    const std::optional<PackingFigures>& packing = std::nullopt);
-/// A rig's: sums and errors over all cameras, held out with each board
-/// localised once for all cameras; how the cameras stand to each other; then
-/// each camera's own, held out with its images localised alone.
+///
+/// A single camera's figures are the whole. A rig has sums and errors over all
+/// cameras, held out with each board localised once for all cameras; how the
+/// cameras stand to each other; then each camera's own figures, held out with
+/// its images localised alone.
 std::string FormatResultJson(
     const RigResult& result, uint64_t seed, int64_t peak_memory_bytes,
     const std::vector<std::optional<PackingFigures>>& packing = {});
@@ -38,17 +36,12 @@ std::string FormatResultJson(
 /// The figures that result.json holds; what has files of its own, as the
 /// camera, the features and their residuals, is empty.
 struct ResultFigures {
-  CalibrationResult result;
-  std::optional<PackingFigures> packing;
-};
-struct RigFigures {
   RigResult result;
   std::vector<std::optional<PackingFigures>> packing;  ///< by camera
 };
 
 /// Throws InputError, also for files of other versions.
 ResultFigures ParseResultJson(const std::string& path, const std::string& text);
-RigFigures ParseRigResultJson(const std::string& path, const std::string& text);
 
 }  // namespace raygrid
 

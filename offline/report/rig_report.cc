@@ -52,21 +52,8 @@ std::string RigErrorTable(const RigResult& result) {
 // The table of each camera's models, compared in its own images.
 std::string RigComparisonTable(const RigResult& result) {
   std::vector<HtmlRow> rows;
-  for (const CalibrationResult& camera : result.cameras) {
-    if (camera.parametric_models.empty()) continue;
-    const std::string name = EscapeHtml(camera.camera.name) + ", ";
-    rows.push_back(
-        ModelRow(name + "<b>" + camera.camera.camera->Name() + "</b>",
-                 camera.num_parameters, *camera.camera.training,
-                 camera.camera.held_out, camera.bias_kl));
-    for (const ModelFigures& other : camera.parametric_models)
-      rows.push_back(ModelRow(name + EscapeHtml(other.model),
-                              other.num_parameters, other.training,
-                              other.held_out, other.bias_kl));
-    if (camera.noise_bias_kl)
-      rows.push_back({name + "pure noise", "", "", "", "",
-                      fmt::format("{:.3f}", *camera.noise_bias_kl)});
-  }
+  for (const CalibrationResult& camera : result.cameras)
+    AddModelRows(EscapeHtml(camera.camera.name) + ", ", camera, &rows);
   if (rows.empty()) return "";
   return "<h2>Other models, from the same features</h2>\n" + ModelTable(rows) +
          "<p>The other models are those of each camera alone, and held-out "

@@ -50,6 +50,17 @@ CalibrationResult ExampleResult() {
   result.pattern = ChessboardPattern(60, 5, 0.01);
   result.poses = {{"b.png", 0, {Eigen::Quaterniond::Identity(), {0, 0, 1}}}};
   result.verdict = {"warn", {"only 2 images; take 10 or more"}};
+  return result;
+}
+
+// A single camera's.
+RigResult Alone(const CalibrationResult& camera) {
+  RigResult result;
+  result.cameras = {camera};
+  result.camera_from_rig = {{}};
+  result.pattern = camera.pattern;
+  result.converged = camera.converged;
+  result.verdict = camera.verdict;
   result.seconds["start"] = 0.5;
   return result;
 }
@@ -169,9 +180,9 @@ CalibrationResult PlainResult() {
 
 void WriteResultTo(const std::string& folder, const CalibrationResult& result) {
   OutputFiles files;
-  ResultExtras extras;
+  CameraExtras extras;
   extras.packing = PackingFigures{12345, 1e-4, 0.04};
-  AddResultFiles(result, extras, folder, &files);
+  AddResultFiles(Alone(result), {0, 0, {extras}}, folder, &files);
   files.Commit();
 }
 
@@ -227,9 +238,9 @@ TEST(Thumbnails, AreInTheReport) {
   const TemporaryFolder folder;
   const std::string out = folder / "out";
   OutputFiles files;
-  ResultExtras extras;
+  CameraExtras extras;
   extras.thumbnails = {{"b.png", "a JPEG file"}};
-  AddResultFiles(PlainResult(), extras, out, &files);
+  AddResultFiles(Alone(PlainResult()), {0, 0, {extras}}, out, &files);
   files.Commit();
   const std::string html = ReportOf(out);
   EXPECT_TRUE(Has(
@@ -241,7 +252,7 @@ TEST(Thumbnails, AreInTheReport) {
 TEST(ResultFolder, ResidualsAreReadBack) {
   const TemporaryFolder folder;
   const CalibrationResult result = PlainResult();
-  WriteFile(folder / "residuals.csv", FormatResiduals(result));
+  WriteFile(folder / "residuals.csv", FormatResiduals(Alone(result)));
   const ResidualSets sets = ReadResiduals(folder / "residuals.csv").at("");
   ASSERT_EQ(sets.training.size(), result.training.size());
   EXPECT_EQ(sets.rejected.size(), 1u);
@@ -262,8 +273,10 @@ TEST(ResultFolder, MissingFilesAndOtherVersionsAreNamed) {
     ExpectError(ExitCode::kInput, {name, "missing", "calibrate"},
                 [&] { ReportOf(out); });
   }
-  for (const char* text : {"{}", "[]", "", "{\"raygrid_result\": 99}",
-                           "{\"raygrid_result\": 1}"}) {
+  for (const char* text :
+       {"{}", "[]", "", "{\"raygrid_result\": 99}", "{\"raygrid_result\": 1}",
+        "{\"raygrid_result\": 1, \"cameras\": [], "
+        "\"verdict\": \"pass\", \"reasons\": []}"}) {
     WriteResultTo(out, PlainResult());
     WriteFile(out + "/result.json", text);
     ExpectError(ExitCode::kInput, {"result.json", "calibrate again"},
@@ -325,9 +338,9 @@ TEST(ResultFolder, NoTextInItReachesThePageAsMarkup) {
   result.features.images[0].image = kAttack;
   result.poses[0].image = kAttack;
   OutputFiles files;
-  ResultExtras extras;
+  CameraExtras extras;
   extras.thumbnails = {{kAttack, "a JPEG file"}};
-  AddResultFiles(result, extras, out, &files);
+  AddResultFiles(Alone(result), {0, 0, {extras}}, out, &files);
   files.Commit();
   ExpectHarmless(out, "names");
   EXPECT_TRUE(std::filesystem::exists(out + "/report.html"));
@@ -339,8 +352,8 @@ TEST(ResultFolder, NoTextInItReachesThePageAsMarkup) {
 }
 
 TEST(ResultJson, HoldsTheFigures) {
-  const auto json =
-      nlohmann::json::parse(FormatResultJson(ExampleResult(), 42, 1000000));
+  const auto json = nlohmann::json::parse(
+      FormatResultJson(Alone(ExampleResult()), 42, 1000000));
   EXPECT_EQ(json["status"], "converged");
   EXPECT_EQ(json["model"], "opencv");
   EXPECT_EQ(json["image_size"], (std::vector<int>{640, 480}));
@@ -365,7 +378,8 @@ void ExpectNoNull(const nlohmann::json& json) {
 
 TEST(ResultJson, HasNoNumberThatIsNotFinite) {
   // JSON has no NaN; the library would write null.
-  ExpectNoNull(nlohmann::json::parse(FormatResultJson(ExampleResult(), 1, 2)));
+  ExpectNoNull(
+      nlohmann::json::parse(FormatResultJson(Alone(ExampleResult()), 1, 2)));
   CalibrationResult bare = ExampleResult();
   bare.training.clear();
   bare.held_out.clear();
@@ -375,7 +389,7 @@ TEST(ResultJson, HasNoNumberThatIsNotFinite) {
   bare.noise_bias_kl.reset();
   bare.parametric_models.clear();
   bare.cell_candidates.clear();
-  const std::string text = FormatResultJson(bare, 1, 2);
+  const std::string text = FormatResultJson(Alone(bare), 1, 2);
   ExpectNoNull(nlohmann::json::parse(text));
   EXPECT_FALSE(Has(text, "bias"));
 }
