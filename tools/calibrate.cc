@@ -1,17 +1,18 @@
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <filesystem>
 #include <memory>
 
 #include "calibration_input.h"
-#include "camera_input.h"
+#include "calibration_summary.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_files.h"
 #include "dataset/output_folder.h"
-#include "dataset/text_encoding.h"
 #include "interruption.h"
 #include "packing/blob_camera.h"
+#include "packing/pack.h"
 #include "pattern_input.h"
 #include "report/checkpoint_json.h"
 #include "report/pictures.h"
@@ -20,36 +21,14 @@
 namespace raygrid {
 namespace {
 
-Measurements GivenFeatures(const CalibrateArguments& arguments,
-                           const FeaturesByCamera& given) {
-  if (arguments.image_sizes.empty())
-    throw Error(ExitCode::kUsage, "--features needs --image-size WxH");
-  if (arguments.image_sizes.size() > 1)
+void RequireNames(const CalibrateArguments& arguments, bool is_rig) {
+  if (is_rig && !(arguments.name.empty() && arguments.serial.empty()))
     throw Error(ExitCode::kUsage,
-                "--image-size is given several times, and the features are of "
-                "one camera");
-  Dataset dataset = given.begin()->second;
-  dataset.image_size =
-      ParseImageSize("--image-size", arguments.image_sizes.front());
-  Measurements measurements = {dataset, {}, {}, {}};
-  LeaveOutCopies(&measurements);
-  return measurements;
-}
-
-// Either detected in images or read.
-Measurements GatherFeatures(const CalibrateArguments& arguments,
-                            const CommonOptions& common,
-                            const FeaturesByCamera& given,
-                            const Pattern& pattern, ProgressBar* bar) {
-  const Measurements measurements =
-      arguments.images.empty()
-          ? GivenFeatures(arguments, given)
-          : Measure(arguments.images, pattern, arguments.pattern, common,
-                    [bar](double done) { bar->Show("detection", 0.2 * done); });
-  RequireUsable(
-      arguments.features.empty() ? "detected features" : arguments.features,
-      arguments, measurements, pattern);
-  return measurements;
+                "--name and --serial are for a single camera; a rig's names "
+                "are those of --camera, and pack --serial gives a blob its "
+                "serial number");
+  RequireBlobText("--name", arguments.name);
+  RequireBlobText("--serial", arguments.serial);
 }
 
 // The first held-out image, or else the first one used; smaller than it was.
@@ -70,121 +49,143 @@ std::optional<BeforeAfter> ExampleImage(const std::vector<std::string>& paths,
   return std::nullopt;
 }
 
-void PrintSummary(const CalibrateArguments& arguments,
-                  const CalibrationResult& result) {
-  fmt::print("{}: {} parameters, {} images", result.camera.camera->Name(),
-             result.num_parameters, result.features.images.size());
-  if (result.cell_px > 0) fmt::print(", cells of {:.0f} px", result.cell_px);
-  fmt::print("\n");
-  if (result.measured_again_rms_px)
-    fmt::print(
-        "  features measured again through a first camera: moved by "
-        "{:.4f} px (RMS)\n",
-        *result.measured_again_rms_px);
-  PrintTraining(result);
-  if (result.camera.held_out) {
-    PrintFigures("held out", *result.camera.held_out);
-    if (result.cross_validated) fmt::print("            by cross-validation\n");
-  }
-  if (result.bias_kl && result.noise_bias_kl)
-    fmt::print("  bias (KL divergence) {:.3f}, of pure noise {:.3f}\n",
-               *result.bias_kl, *result.noise_bias_kl);
-  if (result.camera.uncertainty)
-    PrintUncertainty(*result.camera.uncertainty, *result.camera.camera);
-  if (result.line_spread)
-    fmt::print(
-        "  lines pass the point nearest to all by {:.3f} mm (RMS), {:.3f} mm "
-        "(largest)\n",
-        1000 * result.line_spread->rms_m, 1000 * result.line_spread->max_m);
-  fmt::print("  verdict: {}\n", result.verdict.word);
-  for (const std::string& reason : result.verdict.reasons)
-    fmt::print("    {}\n", Printable(reason));
-  fmt::print("  results in {}\n", Printable(arguments.output));
+PackingFigures FiguresOf(const PackedCamera& packed) {
+  return {packed.blob.size(), packed.unproject_error_px,
+          packed.remaps.empty() ? std::nullopt
+                                : std::optional(packed.remaps[0].error_px),
+          packed.remarks};
 }
 
-void RunSingle(const CalibrateArguments& arguments, const CommonOptions& common,
-               const FeaturesByCamera& given) {
-  RequireBlobText("--name", arguments.name);
-  RequireBlobText("--serial", arguments.serial);
+int64_t PeakMemoryBytes() {
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<int64_t>(usage.ru_maxrss) * 1024;
+}
+
+// The blobs of the cameras and the pictures of their images. An interrupted
+// calibration is not packed.
+ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
+                        const RigResult& result,
+                        const CalibrateArguments& arguments,
+                        const CommonOptions& common) {
+  ResultExtras extras = {common.seed, PeakMemoryBytes(), {}};
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    const CalibrationResult& camera = result.cameras[c];
+    CameraExtras& own = extras.cameras.emplace_back();
+    if (result.IsRig() || !camera.checkpoint)
+      own.thumbnails =
+          MakeThumbnails(cameras[c].dataset, cameras[c].paths, common.threads);
+    if (camera.checkpoint) continue;
+    const PackedCamera packed =
+        PackWhatCanBe(camera.camera, common.threads, IsInterrupted);
+    own.packing = FiguresOf(packed);
+    if (!result.IsRig() && !packed.remaps.empty())
+      own.example =
+          ExampleImage(cameras[c].paths, camera, arguments, packed.blob);
+    own.blob = packed.blob;
+  }
+  return extras;
+}
+
+// Adds what the calibration was not given: serial numbers, and images that are
+// no photographs, which a verdict does not count.
+void CompleteResult(const std::vector<Measurements>& cameras,
+                    const std::string& serial, RigResult* result) {
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    const std::vector<RejectedImage>& left_out = cameras[c].left_out;
+    CalibrationResult& camera = result->cameras[c];
+    camera.camera.serial = serial;
+    camera.rejected_images.insert(camera.rejected_images.end(),
+                                  left_out.begin(), left_out.end());
+  }
+}
+
+// The checkpoints of all cameras, or none.
+std::vector<Checkpoint> CheckpointsOf(const RigResult& result) {
+  std::vector<Checkpoint> checkpoints;
+  for (const CalibrationResult& camera : result.cameras)
+    if (camera.checkpoint) checkpoints.push_back(*camera.checkpoint);
+  return checkpoints;
+}
+
+// Replaces what the folder holds of another result. resume is the text of
+// resume.json, or empty.
+void WriteResult(const RigResult& result, const ResultExtras& extras,
+                 const std::string& resume, const std::string& folder) {
+  OutputFolder output(folder);
+  OutputFiles files;
+  AddResultFiles(result, extras, output.path(), &files);
+  if (!resume.empty()) files.Add(output.path() + "/resume.json", resume);
+  files.Commit();
+  AddReports(output.path(), &files);
+  files.Commit();
+  output.Commit(ResultFiles(folder));
+}
+
+// Prints what the blobs lack, on standard error.
+void PrintRemarks(const RigResult& result, const ResultExtras& extras) {
+  for (size_t c = 0; c < extras.cameras.size(); ++c)
+    if (const auto& packing = extras.cameras[c].packing)
+      for (const std::string& remark : packing->remarks)
+        fmt::print(stderr, "raygrid: {}camera.raygrid: {}\n",
+                   CameraFolder(result, c), remark);
+}
+
+// Throws what the exit code says of a calibration whose files are written.
+void RequireSuccess(const Verdict& verdict, bool is_interrupted,
+                    const std::string& folder) {
+  if (is_interrupted)
+    throw Error(ExitCode::kNotConverged,
+                fmt::format("interrupted; {} holds the best state so far, "
+                            "--resume goes on from there",
+                            folder));
+  if (verdict.word == "fail")
+    throw Error(ExitCode::kQuality,
+                fmt::format("verdict: fail: {}; do not use the camera in {} "
+                            "before that is mended",
+                            verdict.failure, folder));
+}
+
+void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
+  const FeaturesByCamera given = ReadGivenFeatures(arguments);
+  RequireNames(arguments, given.size() > 1 || !arguments.cameras.empty());
   const Pattern pattern = MeantPattern(arguments.pattern, common);
   RequireNoInputReplaced(arguments, FindImages(arguments.images).paths);
   RequireWritableFolder(arguments.output);
 
-  const std::filesystem::path folder = arguments.output;
   std::string inputs;
-  std::vector<std::string> paths;  // of the images
-  RigResult results;
-  PackedCamera packed;
-  Thumbnails thumbnails;
+  RigResult result;
+  ResultExtras extras;
   {
     ProgressBar bar(common.quiet);
     const CalibrationOptions options = OptionsOf(arguments, common, &bar);
-    const Measurements measurements =
-        GatherFeatures(arguments, common, given, pattern, &bar);
-    inputs = InputsOf(arguments, common, {measurements}, pattern);
-    CheckpointFile checkpoint(arguments.output, inputs, 1);
-    if (arguments.resume) checkpoint.Read();
-    const CalibrationInput camera = {
-        arguments.name,
-        measurements.dataset,
-        AgainIn(measurements, arguments, common.threads),
-        checkpoint.Of(0),
-        [&](const Checkpoint& done) { checkpoint.Keep(0, done); },
-        measurements.skipped};
+    const std::vector<Measurements> cameras =
+        GatherCameras(arguments, common, given, pattern, &bar);
+    inputs = InputsOf(arguments, common, cameras, pattern);
+    CheckpointFile checkpoints(arguments.output, inputs, cameras.size());
+    if (arguments.resume) checkpoints.Read();
     NoteInterruptions();
-    results = Calibrate({camera}, pattern, options);
-    CalibrationResult& result = results.cameras.front();
+    result = Calibrate(
+        CalibrationInputs(cameras, arguments, common.threads, &checkpoints),
+        pattern, options);
     FinishUndisturbed();
-    AddLeftOut(measurements, &result);
-    result.camera.serial = arguments.serial;
+    CompleteResult(cameras, arguments.serial, &result);
     bar.Show("packing", 0.9);
-    if (!result.checkpoint) {
-      packed = PackWhatCanBe(result.camera, common.threads, IsInterrupted);
-      thumbnails = MakeThumbnails(measurements.dataset, measurements.paths,
-                                  common.threads);
-    }
-    paths = measurements.paths;
+    extras = MakeExtras(cameras, result, arguments, common);
   }
-
-  const CalibrationResult& result = results.cameras.front();
-  std::vector<Checkpoint> checkpoints;
-  if (result.checkpoint) checkpoints.push_back(*result.checkpoint);
+  const std::vector<Checkpoint> checkpoints = CheckpointsOf(result);
   KeepFinishedResult(arguments.output, checkpoints, inputs);
-  CameraExtras own = {packed.blob, {}, {}, std::move(thumbnails)};
-  if (!result.checkpoint) own.packing = FiguresOf(packed);
-  if (!packed.remaps.empty())
-    own.example = ExampleImage(paths, result, arguments, packed.blob);
-  OutputFolder output(arguments.output);
-  OutputFiles files;
-  AddResultFiles(results, {common.seed, PeakMemoryBytes(), {own}},
-                 output.path(), &files);
-  if (!checkpoints.empty())
-    files.Add(output.path() + "/resume.json",
-              FormatCheckpoints(checkpoints, inputs));
-  files.Commit();
-  AddReports(output.path(), &files);
-  files.Commit();
-  output.Commit(ResultFiles(arguments.output));
+  WriteResult(result, extras,
+              checkpoints.empty() ? "" : FormatCheckpoints(checkpoints, inputs),
+              arguments.output);
+
+  const std::filesystem::path folder = arguments.output;
   if (common.json)
     fmt::print("{}", ReadFile((folder / "result.json").string()));
   else if (!common.quiet)
-    PrintSummary(arguments, result);
-  if (!common.quiet) PrintRemarks("camera.raygrid", packed);
-  RequireSuccess(result.verdict, result.checkpoint.has_value(),
-                 arguments.output);
-}
-
-void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
-  if (!arguments.images.empty() + !arguments.features.empty() +
-          !arguments.cameras.empty() !=
-      1)
-    throw Error(ExitCode::kUsage, "give either images, --camera or --features");
-  FeaturesByCamera given;
-  if (!arguments.features.empty()) given = ReadFeatures(arguments.features);
-  if (given.size() > 1 || !arguments.cameras.empty())
-    RunRig(arguments, common, given);
-  else
-    RunSingle(arguments, common, given);
+    PrintSummary(result, arguments.output);
+  if (!common.quiet) PrintRemarks(result, extras);
+  RequireSuccess(result.verdict, !checkpoints.empty(), arguments.output);
 }
 
 }  // namespace

@@ -1,23 +1,23 @@
 #include "calibration_input.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
-#include <exception>
 #include <filesystem>
+#include <set>
 #include <utility>
 
+#include "camera_input.h"
 #include "dataset/content_hash.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/image_files.h"
 #include "dataset/repeated_images.h"
+#include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
 #include "features/board_guess.h"
 #include "features/pattern_detector.h"
 #include "features/refinement/camera_refinement.h"
 #include "interruption.h"
-#include "report/checkpoint_json.h"
-#include "report/result_folder.h"
 
 namespace raygrid {
 namespace {
@@ -47,8 +47,8 @@ std::vector<RejectedImage> SayAndList(const std::vector<SkippedImage>& images) {
   return list;
 }
 
-}  // namespace
-
+// Images that show the same as others to 0.001 px leave, and are named: a copy
+// would be predicted by a camera that was calibrated with it.
 void LeaveOutCopies(Measurements* measurements) {
   Dataset& dataset = measurements->dataset;
   std::vector<std::string>& paths = measurements->paths;
@@ -69,6 +69,181 @@ void LeaveOutCopies(Measurements* measurements) {
   const std::vector<RejectedImage> named = SayAndList(copies);
   measurements->left_out.insert(measurements->left_out.end(), named.begin(),
                                 named.end());
+}
+
+// The way to measure images again; empty for features alone, or if they are to
+// be kept.
+MeasureAgain AgainIn(const Measurements& measurements,
+                     const CalibrateArguments& arguments, int num_threads) {
+  if (measurements.paths.empty() || arguments.measure_once) return nullptr;
+  return [&measurements, num_threads](const CameraModel& camera,
+                                      const Pattern& found_pattern,
+                                      const std::vector<BoardPose>& poses) {
+    const auto go_on = [](double) {
+      if (IsInterrupted()) throw Interruption();
+    };
+    try {
+      return RefineThroughCamera(measurements.paths, measurements.dataset,
+                                 {&camera, &found_pattern, poses}, {},
+                                 num_threads, go_on);
+    } catch (const Interruption&) {
+      return measurements.dataset;
+    }
+  };
+}
+
+// Throws Error(kTooFew) without features, and as RequireConsistent.
+void RequireUsable(const std::string& source,
+                   const CalibrateArguments& arguments,
+                   const Measurements& measurements, const Pattern& pattern) {
+  const Dataset& dataset = measurements.dataset;
+  RequireConsistent(source, dataset, pattern);
+  if (dataset.num_features() == 0)
+    throw Error(ExitCode::kTooFew,
+                fmt::format("{}no board found in any of {} images; check "
+                            "columns and rows (inner corners) in {}",
+                            arguments.cameras.empty() ? "" : source + ": ",
+                            dataset.images.size(), arguments.pattern));
+}
+
+// ---- Cameras ---------------------------------------------------------------
+
+// The texts before and after the '=' of NAME=VALUE; all is value without one.
+struct NamedValue {
+  std::string name, value;
+};
+NamedValue Parse(const std::string& text) {
+  const size_t equals = text.find('=');
+  if (equals == std::string::npos) return {"", text};
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+// Names become folders and fields of CSV files.
+void RequireCameraName(const std::string& name) {
+  if (!IsRigCameraName(name))
+    throw Error(ExitCode::kUsage,
+                fmt::format("camera name '{}': give it one of letters, digits, "
+                            "'-' and '_'",
+                            name));
+}
+
+// The images of each camera, a single one without a name.
+struct NamedImages {
+  std::string camera;
+  std::vector<std::string> images;
+};
+std::vector<NamedImages> ParseCameras(const CalibrateArguments& arguments) {
+  if (arguments.cameras.empty()) return {{"", arguments.images}};
+  std::vector<NamedImages> cameras;
+  std::set<std::string> names;
+  for (const std::string& text : arguments.cameras) {
+    const auto& [name, folder] = Parse(text);
+    if (name.empty())
+      throw Error(ExitCode::kUsage,
+                  fmt::format("--camera {}: expected NAME=FOLDER", text));
+    RequireCameraName(name);
+    if (!names.insert(name).second)
+      throw Error(ExitCode::kUsage,
+                  fmt::format("--camera {}: two cameras of one name", name));
+    cameras.push_back({name, {folder}});
+  }
+  if (cameras.size() == 1)
+    throw Error(ExitCode::kUsage,
+                "a rig needs two cameras or more; give the images of a single "
+                "one without --camera");
+  return cameras;
+}
+
+ImageSize SizeOfSingleCamera(const CalibrateArguments& arguments) {
+  if (arguments.image_sizes.empty())
+    throw Error(ExitCode::kUsage, "--features needs --image-size WxH");
+  if (arguments.image_sizes.size() > 1)
+    throw Error(ExitCode::kUsage,
+                "--image-size is given several times, and the features are of "
+                "one camera");
+  return ParseImageSize("--image-size", arguments.image_sizes.front());
+}
+
+// WxH is for all cameras that have no NAME=WxH.
+ImageSize SizeOfCamera(const std::string& camera,
+                       const CalibrateArguments& arguments) {
+  std::string size;
+  for (const std::string& text : arguments.image_sizes) {
+    const NamedValue given = Parse(text);
+    if (given.name == camera || (given.name.empty() && size.empty()))
+      size = given.value;
+  }
+  if (size.empty())
+    throw Error(ExitCode::kUsage,
+                fmt::format("--features needs --image-size WxH, or "
+                            "--image-size {}=WxH for its camera '{}'",
+                            camera, camera));
+  return ParseImageSize("--image-size", size);
+}
+
+void RequireSizesOfCameras(const CalibrateArguments& arguments,
+                           const FeaturesByCamera& given) {
+  for (const std::string& text : arguments.image_sizes) {
+    const std::string name = Parse(text).name;
+    if (!name.empty() && !given.count(name))
+      throw Error(ExitCode::kUsage,
+                  fmt::format("--image-size {}: {} has no camera '{}'", text,
+                              arguments.features, name));
+  }
+}
+
+std::vector<Measurements> GivenCameras(const CalibrateArguments& arguments,
+                                       const FeaturesByCamera& given,
+                                       const Pattern& pattern) {
+  const bool is_rig = given.size() > 1;
+  if (is_rig) RequireSizesOfCameras(arguments, given);
+  std::vector<Measurements> cameras;
+  for (const auto& [name, dataset] : given) {
+    if (is_rig) RequireCameraName(name);
+    Measurements& camera = cameras.emplace_back();
+    if (is_rig) camera.camera = name;
+    camera.dataset = dataset;
+    camera.dataset.image_size =
+        is_rig ? SizeOfCamera(name, arguments) : SizeOfSingleCamera(arguments);
+    LeaveOutCopies(&camera);
+    RequireUsable(arguments.features + (is_rig ? ", camera " + name : ""),
+                  arguments, camera, pattern);
+  }
+  return cameras;
+}
+
+std::vector<Measurements> MeasureCameras(const CalibrateArguments& arguments,
+                                         const CommonOptions& common,
+                                         const Pattern& pattern,
+                                         ProgressBar* bar) {
+  const std::vector<NamedImages> named = ParseCameras(arguments);
+  for (const NamedImages& camera : named)
+    FindImages(camera.images);  // throws before anything takes long
+  std::vector<Measurements> cameras;
+  for (const auto& [name, images] : named) {
+    const std::string start = name.empty() ? "" : name + ": ";
+    const auto num_before = static_cast<double>(cameras.size());
+    cameras.push_back(
+        Measure(images, pattern, arguments.pattern, common, [&](double done) {
+          bar->Show(start + "detection", 0.2 * (num_before + done) /
+                                             static_cast<double>(named.size()));
+        }));
+    cameras.back().camera = name;
+    RequireUsable(name.empty() ? "detected features" : "camera " + name,
+                  arguments, cameras.back(), pattern);
+  }
+  return cameras;
+}
+
+}  // namespace
+
+FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
+  if (!arguments.images.empty() + !arguments.features.empty() +
+          !arguments.cameras.empty() !=
+      1)
+    throw Error(ExitCode::kUsage, "give either images, --camera or --features");
+  return arguments.features.empty() ? FeaturesByCamera()
+                                    : ReadFeatures(arguments.features);
 }
 
 Measurements Measure(const std::vector<std::string>& images,
@@ -98,57 +273,33 @@ Measurements Measure(const std::vector<std::string>& images,
   return measurements;
 }
 
-void RequireNoInputReplaced(const CalibrateArguments& arguments,
-                            const std::vector<std::string>& images) {
-  std::vector<std::string> inputs = images, outputs;
-  inputs.push_back(arguments.pattern);
-  inputs.push_back(arguments.features);
-  for (const char* name :
-       {"camera.raygrid", "camera.yaml", "example_after.png",
-        "example_before.png", "features.csv", "pattern.yaml", "poses.csv",
-        "report.html", "residuals.csv", "result.json", "resume.json",
-        "rig.yaml", "thumbnails.json", "uncertainty.png"})
-    outputs.push_back(
-        (std::filesystem::path(arguments.output) / name).string());
-  RequireNoInputReplaced(inputs, outputs);
+std::vector<Measurements> GatherCameras(const CalibrateArguments& arguments,
+                                        const CommonOptions& common,
+                                        const FeaturesByCamera& given,
+                                        const Pattern& pattern,
+                                        ProgressBar* bar) {
+  std::vector<Measurements> cameras =
+      given.empty() ? MeasureCameras(arguments, common, pattern, bar)
+                    : GivenCameras(arguments, given, pattern);
+  if (cameras.size() > 1 && arguments.instant_by == "number")
+    for (Measurements& camera : cameras)
+      NameImagesByNumber("camera " + camera.camera, &camera.dataset);
+  return cameras;
 }
 
-void RequireUsable(const std::string& source,
-                   const CalibrateArguments& arguments,
-                   const Measurements& measurements, const Pattern& pattern) {
-  const Dataset& dataset = measurements.dataset;
-  RequireConsistent(source, dataset, pattern);
-  if (dataset.num_features() == 0)
-    throw Error(ExitCode::kTooFew,
-                fmt::format("{}no board found in any of {} images; check "
-                            "columns and rows (inner corners) in {}",
-                            arguments.cameras.empty() ? "" : source + ": ",
-                            dataset.images.size(), arguments.pattern));
-}
-
-MeasureAgain AgainIn(const Measurements& measurements,
-                     const CalibrateArguments& arguments, int num_threads) {
-  if (measurements.paths.empty() || arguments.measure_once) return nullptr;
-  return [&measurements, num_threads](const CameraModel& camera,
-                                      const Pattern& found_pattern,
-                                      const std::vector<BoardPose>& poses) {
-    const auto go_on = [](double) {
-      if (IsInterrupted()) throw Interruption();
-    };
-    try {
-      return RefineThroughCamera(measurements.paths, measurements.dataset,
-                                 {&camera, &found_pattern, poses}, {},
-                                 num_threads, go_on);
-    } catch (const Interruption&) {
-      return measurements.dataset;
-    }
-  };
-}
-
-void AddLeftOut(const Measurements& measurements, CalibrationResult* result) {
-  result->rejected_images.insert(result->rejected_images.end(),
-                                 measurements.left_out.begin(),
-                                 measurements.left_out.end());
+std::vector<CalibrationInput> CalibrationInputs(
+    const std::vector<Measurements>& cameras,
+    const CalibrateArguments& arguments, int num_threads,
+    CheckpointFile* checkpoints) {
+  std::vector<CalibrationInput> inputs;
+  for (size_t c = 0; c < cameras.size(); ++c)
+    inputs.push_back(
+        {arguments.name.empty() ? cameras[c].camera : arguments.name,
+         cameras[c].dataset, AgainIn(cameras[c], arguments, num_threads),
+         checkpoints->Of(c),
+         [=](const Checkpoint& done) { checkpoints->Keep(c, done); },
+         cameras[c].skipped});
+  return inputs;
 }
 
 CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
@@ -168,74 +319,19 @@ CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
   return options;
 }
 
-PackingFigures FiguresOf(const PackedCamera& packed) {
-  return {packed.blob.size(), packed.unproject_error_px,
-          packed.remaps.empty() ? std::nullopt
-                                : std::optional(packed.remaps[0].error_px),
-          packed.remarks};
-}
-
-void PrintRemarks(const std::string& name, const PackedCamera& packed) {
-  for (const std::string& remark : packed.remarks)
-    fmt::print(stderr, "raygrid: {}: {}\n", name, remark);
-}
-
-int64_t PeakMemoryBytes() {
-  rusage usage = {};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<int64_t>(usage.ru_maxrss) * 1024;
-}
-
-void PrintFigures(const char* name, const ErrorFigures& figures) {
-  fmt::print(
-      "  {:<9} median {:.4f} px, RMS {:.4f} px, largest {:.3f} px, {} "
-      "features\n",
-      name, figures.median_px, figures.rms_px, figures.max_px, figures.count);
-}
-
-void PrintTraining(const CalibrationResult& result) {
-  PrintFigures("training", *result.camera.training);
-  if (const size_t count = NumWithoutError(result))
-    fmt::print(
-        "            {} more features are where this camera projects nothing\n",
-        count);
-}
-
-void PrintUncertainty(const CameraUncertainty& uncertainty,
-                      const CameraModel& camera) {
-  fmt::print(
-      "  uncertainty: median {:.4f} px, trusted to {:.4f} px: {:.0f} % of the "
-      "image\n",
-      uncertainty.lattice.MedianPx(), uncertainty.max_deviation_px,
-      100 * uncertainty.TrustedPart(camera.image_size(), camera.area()));
-}
-
-void RequireSuccess(const Verdict& verdict, bool is_interrupted,
-                    const std::string& folder) {
-  if (is_interrupted)
-    throw Error(ExitCode::kNotConverged,
-                fmt::format("interrupted; {} holds the best state so far, "
-                            "--resume goes on from there",
-                            folder));
-  if (verdict.word == "fail")
-    throw Error(ExitCode::kQuality,
-                fmt::format("verdict: fail: {}; do not use the camera in {} "
-                            "before that is mended",
-                            verdict.failure, folder));
-}
-
-void KeepFinishedResult(const std::string& folder,
-                        const std::vector<Checkpoint>& checkpoints,
-                        const std::string& inputs) {
-  if (checkpoints.empty() || !HasFinishedResult(folder)) return;
-  OutputFiles files;
-  files.Add((std::filesystem::path(folder) / "resume.json").string(),
-            FormatCheckpoints(checkpoints, inputs), Links::kReplace);
-  files.Commit();
-  throw Error(ExitCode::kNotConverged,
-              fmt::format("interrupted; {} keeps the finished result that it "
-                          "held before, --resume goes on with this one",
-                          folder));
+void RequireNoInputReplaced(const CalibrateArguments& arguments,
+                            const std::vector<std::string>& images) {
+  std::vector<std::string> inputs = images, outputs;
+  inputs.push_back(arguments.pattern);
+  inputs.push_back(arguments.features);
+  for (const char* name :
+       {"camera.raygrid", "camera.yaml", "example_after.png",
+        "example_before.png", "features.csv", "pattern.yaml", "poses.csv",
+        "report.html", "residuals.csv", "result.json", "resume.json",
+        "rig.yaml", "thumbnails.json", "uncertainty.png"})
+    outputs.push_back(
+        (std::filesystem::path(arguments.output) / name).string());
+  RequireNoInputReplaced(inputs, outputs);
 }
 
 std::string InputsOf(const CalibrateArguments& arguments,
@@ -261,51 +357,6 @@ std::string InputsOf(const CalibrateArguments& arguments,
                        common.seed));
   for (const std::string& image : arguments.hold_out) hash.Add(image);
   return hash.Text();
-}
-
-// ---- Checkpoints -----------------------------------------------------------
-
-namespace {
-using Clock = std::chrono::steady_clock;
-}
-
-CheckpointFile::CheckpointFile(const std::string& folder,
-                               const std::string& inputs, size_t num_cameras)
-    : path_((std::filesystem::path(folder) / "resume.json").string()),
-      inputs_(inputs),
-      checkpoints_(num_cameras) {}
-
-void CheckpointFile::Read() {
-  std::vector<Checkpoint> read = ReadCheckpoints(path_, inputs_);
-  if (read.size() != checkpoints_.size())
-    throw InputError(path_ +
-                     ": is of a rig of other cameras; run without "
-                     "--resume");
-  checkpoints_ = std::move(read);
-}
-
-void CheckpointFile::Keep(size_t camera, const Checkpoint& checkpoint) {
-  checkpoints_[camera] = checkpoint;
-  const auto start = Clock::now();
-  if (start < next_write_) return;
-  try {
-    OutputFiles files;
-    files.Add(path_, FormatCheckpoints(checkpoints_, inputs_), Links::kReplace);
-    files.Commit();
-    is_written_ = true;
-  } catch (const Error&) {
-    // The result is worth having without.
-  }
-  // Writing takes a tenth of the time at most.
-  const auto end = Clock::now();
-  next_write_ = end + 9 * (end - start);
-}
-
-CheckpointFile::~CheckpointFile() {
-  if (is_written_ && std::uncaught_exceptions() > 0) {
-    std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
-  }
 }
 
 }  // namespace raygrid

@@ -1,0 +1,111 @@
+#include "calibration_summary.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "dataset/text_encoding.h"
+#include "report/result_json.h"
+
+namespace raygrid {
+namespace {
+
+void PrintFigures(const char* name, const ErrorFigures& figures) {
+  fmt::print(
+      "  {:<9} median {:.4f} px, RMS {:.4f} px, largest {:.3f} px, {} "
+      "features\n",
+      name, figures.median_px, figures.rms_px, figures.max_px, figures.count);
+}
+
+// The line that a camera begins with, after its model.
+void PrintSize(const CalibrationResult& result) {
+  fmt::print("{} parameters, {} images", result.num_parameters,
+             result.features.images.size());
+  if (result.cell_px > 0) fmt::print(", cells of {:.0f} px", result.cell_px);
+  fmt::print("\n");
+}
+
+// The training errors, and how many features have none; the held-out errors.
+void PrintErrors(const CalibrationResult& result) {
+  PrintFigures("training", *result.camera.training);
+  if (const size_t count = NumWithoutError(result))
+    fmt::print(
+        "            {} more features are where this camera projects nothing\n",
+        count);
+  if (result.camera.held_out) PrintFigures("held out", *result.camera.held_out);
+}
+
+void PrintUncertainty(const CameraUncertainty& uncertainty,
+                      const CameraModel& camera) {
+  fmt::print(
+      "  uncertainty: median {:.4f} px, trusted to {:.4f} px: {:.0f} % of the "
+      "image\n",
+      uncertainty.lattice.MedianPx(), uncertainty.max_deviation_px,
+      100 * uncertainty.TrustedPart(camera.image_size(), camera.area()));
+}
+
+void PrintSingleCamera(const CalibrationResult& result) {
+  fmt::print("{}: ", result.camera.camera->Name());
+  PrintSize(result);
+  if (result.measured_again_rms_px)
+    fmt::print(
+        "  features measured again through a first camera: moved by "
+        "{:.4f} px (RMS)\n",
+        *result.measured_again_rms_px);
+  PrintErrors(result);
+  if (result.camera.held_out && result.cross_validated)
+    fmt::print("            by cross-validation\n");
+  if (result.bias_kl && result.noise_bias_kl)
+    fmt::print("  bias (KL divergence) {:.3f}, of pure noise {:.3f}\n",
+               *result.bias_kl, *result.noise_bias_kl);
+  if (result.camera.uncertainty)
+    PrintUncertainty(*result.camera.uncertainty, *result.camera.camera);
+  if (result.line_spread)
+    fmt::print(
+        "  lines pass the point nearest to all by {:.3f} mm (RMS), {:.3f} mm "
+        "(largest)\n",
+        1000 * result.line_spread->rms_m, 1000 * result.line_spread->max_m);
+}
+
+std::string WithDeviation(double value, const std::optional<double>& deviation,
+                          double scale, const char* unit) {
+  return deviation ? fmt::format("{:.4f} +- {:.4f} {}", value * scale,
+                                 *deviation * scale, unit)
+                   : fmt::format("{:.4f} {}", value * scale, unit);
+}
+
+void PrintRig(const RigResult& result) {
+  for (const CalibrationResult& camera : result.cameras) {
+    fmt::print("{}: {}, ", camera.camera.name, camera.camera.camera->Name());
+    PrintSize(camera);
+    PrintErrors(camera);
+  }
+  fmt::print("rig\n");
+  PrintFigures("training", TrainingFigures(result));
+  if (const auto held_out = HeldOutFigures(result))
+    PrintFigures("held out", *held_out);
+  for (const Baseline& baseline : result.baselines)
+    fmt::print(
+        "  {} to {}: {}, {}, {} common views\n",
+        result.cameras[baseline.first].camera.name,
+        result.cameras[baseline.second].camera.name,
+        WithDeviation(baseline.distance_m, baseline.distance_sd_m, 1000, "mm"),
+        WithDeviation(baseline.angle_rad, baseline.rotation_sd_rad, 180 / M_PI,
+                      "degrees"),
+        baseline.num_shared_views);
+}
+
+}  // namespace
+
+void PrintSummary(const RigResult& result, const std::string& folder) {
+  if (result.IsRig())
+    PrintRig(result);
+  else
+    PrintSingleCamera(result.cameras.front());
+  fmt::print("  verdict: {}\n", result.verdict.word);
+  for (const std::string& reason : result.verdict.reasons)
+    fmt::print("    {}\n", Printable(reason));
+  fmt::print("  results in {}\n", Printable(folder));
+}
+
+}  // namespace raygrid
