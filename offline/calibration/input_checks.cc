@@ -54,6 +54,7 @@ void RequireConnectedCameras(const std::vector<CalibrationInput>& cameras,
 void RequireSoundInput(const std::vector<CalibrationInput>& cameras,
                        const Pattern& pattern,
                        const CalibrationOptions& options) {
+  if (cameras.empty()) throw Error(ExitCode::kUsage, "no camera is given");
   RequireKnownModel(options.model);
   RequireImagesExist(cameras, options.hold_out);
   if (cameras.size() > 1) RequireConnectedCameras(cameras, pattern);

@@ -9,8 +9,9 @@
 namespace raygrid {
 
 /// Checks what can be told before anything that takes long. Throws Error:
-/// kUsage for an unknown model, for names that are those of no images held out
-/// or of two cameras; kInitialization for a rig that does not hang together.
+/// kUsage for no camera, an unknown model, images to hold out that there are
+/// not, and two cameras of one name; kInitialization for a rig that does not
+/// hang together.
 void RequireSoundInput(const std::vector<CalibrationInput>& cameras,
                        const Pattern& pattern,
                        const CalibrationOptions& options);

@@ -274,6 +274,12 @@ TEST(CalibrateRig, RefusesTwoCamerasOfOneName) {
               [&] { Calibrate(inputs, TestBoard(), Quick()); });
 }
 
+TEST(CalibrateRig, RefusesToBeOfNoCamera) {
+  ExpectError(ExitCode::kUsage, {"no camera"}, [] {
+    Calibrate(std::vector<CalibrationInput>(), TestBoard(), Quick());
+  });
+}
+
 TEST(CalibrateRig, OfOneCameraIsASingleCamera) {
   const SimulatedRigObservations seen =
       SimulateRig(Stereo(), TestBoard(), Instants(9));
