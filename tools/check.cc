@@ -16,12 +16,12 @@
 namespace raygrid {
 namespace {
 
-struct Arguments {
+struct CheckArguments {
   std::string camera, features, pattern;
   std::vector<std::string> images;
 };
 
-std::string PatternPath(const Arguments& arguments) {
+std::string PatternPath(const CheckArguments& arguments) {
   if (!arguments.pattern.empty()) return arguments.pattern;
   const std::filesystem::path beside =
       std::filesystem::path(arguments.camera).parent_path() / "pattern.yaml";
@@ -33,7 +33,7 @@ std::string PatternPath(const Arguments& arguments) {
 }
 
 // Images that could not be measured are added to those rejected.
-Dataset Gather(const Arguments& arguments, const CommonOptions& common,
+Dataset Gather(const CheckArguments& arguments, const CommonOptions& common,
                const CameraFile& file, const Pattern& pattern,
                std::vector<RejectedImage>* rejected) {
   const ImageSize size = file.camera->image_size();
@@ -140,7 +140,7 @@ void Print(const CameraCheck& check) {
                Printable(image.reason));
 }
 
-void Run(const Arguments& arguments, const CommonOptions& common) {
+void Run(const CheckArguments& arguments, const CommonOptions& common) {
   if (arguments.images.empty() == arguments.features.empty())
     throw Error(ExitCode::kUsage, "check: give either images or --features");
   const CameraInput input = ReadCamera(arguments.camera);
@@ -175,7 +175,7 @@ void AddCheck(CLI::App* app, CommonOptions* common) {
       "not follow the lens; what the calibration's held-out images show beyond "
       "its covariance is allowed for.",
       "raygrid check result/camera.yaml field/*.jpg", common);
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<CheckArguments>();
   command
       ->add_option("camera", arguments->camera,
                    "camera.yaml, as calibrate wrote it")

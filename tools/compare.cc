@@ -20,7 +20,7 @@
 namespace raygrid {
 namespace {
 
-struct Arguments {
+struct CompareArguments {
   std::string first, second, output, features, pattern;
   double distance_m = 1;
 };
@@ -37,7 +37,7 @@ struct Comparison {
 };
 
 // Images localised with each camera as it is.
-PredictionComparison Predict(const Arguments& arguments,
+PredictionComparison Predict(const CompareArguments& arguments,
                              const CameraModel& first,
                              const CameraModel& second, int num_threads) {
   const Pattern pattern = GivenPattern(arguments.pattern);
@@ -61,7 +61,7 @@ PredictionComparison Predict(const Arguments& arguments,
   return prediction;
 }
 
-Comparison Compare(const Arguments& arguments, int num_threads) {
+Comparison Compare(const CompareArguments& arguments, int num_threads) {
   const CameraInput first = ReadCamera(arguments.first);
   const CameraInput second = ReadCamera(arguments.second);
   Comparison comparison;
@@ -172,7 +172,8 @@ void Write(const Comparison& comparison, const std::filesystem::path& folder) {
   files.Commit();
 }
 
-void Print(const Arguments& arguments, const PredictionComparison& prediction) {
+void Print(const CompareArguments& arguments,
+           const PredictionComparison& prediction) {
   const auto print = [](const std::string& camera, const ErrorFigures& figures,
                         int num_better) {
     fmt::print("{}: median {:.4f} px, RMS {:.4f} px, better in {} images\n",
@@ -199,7 +200,7 @@ void Print(const Arguments& arguments, const PredictionComparison& prediction) {
         prediction.num_left_out);
 }
 
-void Run(const Arguments& arguments, const CommonOptions& common) {
+void Run(const CompareArguments& arguments, const CommonOptions& common) {
   if (arguments.features.empty() != arguments.pattern.empty())
     throw Error(ExitCode::kUsage,
                 "compare: --features and --pattern need each other");
@@ -254,7 +255,7 @@ void AddCompare(CLI::App* app, CommonOptions* common) {
       "raygrid compare today/camera.yaml last_year/camera.raygrid -o "
       "difference/",
       common);
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<CompareArguments>();
   command->add_option("first", arguments->first, "camera.yaml or a blob")
       ->required();
   command->add_option("second", arguments->second, "camera.yaml or a blob")

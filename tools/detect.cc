@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr char kCoverage[] = "coverage.png";
 
-struct Arguments {
+struct DetectArguments {
   std::vector<std::string> images;
   std::string pattern, output, overlay;
   std::string cache = DetectionCache::DefaultFolder();
@@ -48,11 +48,12 @@ std::string OverlayName(const std::string& path) {
   return name.extension() == ".png" ? name.string() : name.string() + ".png";
 }
 
-std::string OverlayPath(const Arguments& arguments, const std::string& name) {
+std::string OverlayPath(const DetectArguments& arguments,
+                        const std::string& name) {
   return (fs::path(arguments.overlay) / name).string();
 }
 
-void RequireInputsStay(const Arguments& arguments,
+void RequireInputsStay(const DetectArguments& arguments,
                        const std::vector<std::string>& images) {
   std::vector<std::string> inputs = images, outputs = {arguments.output};
   inputs.push_back(arguments.pattern);
@@ -65,7 +66,7 @@ void RequireInputsStay(const Arguments& arguments,
   if (!arguments.overlay.empty()) RequireApart(images, arguments.overlay);
 }
 
-FolderDetection Detect(const Arguments& arguments, const Pattern& pattern,
+FolderDetection Detect(const DetectArguments& arguments, const Pattern& pattern,
                        const CommonOptions& common) {
   const FoundImages images = FindImages(arguments.images);
   RequireInputsStay(arguments, images.paths);
@@ -125,7 +126,8 @@ size_t NumRejected(const FolderDetection& found) {
   return count;
 }
 
-void RequireFeatures(const FolderDetection& found, const Arguments& arguments) {
+void RequireFeatures(const FolderDetection& found,
+                     const DetectArguments& arguments) {
   if (NumWithFeatures(found) > 0) return;
   std::string seen;
   for (const std::string& remark : SummarizeRemarks(found))
@@ -136,7 +138,7 @@ void RequireFeatures(const FolderDetection& found, const Arguments& arguments) {
                           found.images.size(), seen, arguments.pattern));
 }
 
-void AddOverlays(const Arguments& arguments, const FolderDetection& found,
+void AddOverlays(const DetectArguments& arguments, const FolderDetection& found,
                  int num_threads, OutputFiles* files) {
   const int count = static_cast<int>(found.paths.size());
   std::vector<std::string> pictures(count);
@@ -175,7 +177,7 @@ std::string FormatJson(const FolderDetection& found, double seconds) {
                    nlohmann::ordered_json::error_handler_t::replace);
 }
 
-void Run(const Arguments& arguments, const CommonOptions& common) {
+void Run(const DetectArguments& arguments, const CommonOptions& common) {
   const auto start = std::chrono::steady_clock::now();
   const Pattern pattern = MeantPattern(arguments.pattern, common);
   const FolderDetection found = Detect(arguments, pattern, common);
@@ -207,7 +209,7 @@ void Run(const Arguments& arguments, const CommonOptions& common) {
         NumRejected(found), Printable(arguments.output));
 }
 
-void AddDetectionOptions(CLI::App* command, Arguments* arguments) {
+void AddDetectionOptions(CLI::App* command, DetectArguments* arguments) {
   command
       ->add_option("--refinement", arguments->detection.refinement,
                    "how features get sub-pixel accurate: symmetry of "
@@ -243,7 +245,7 @@ void AddDetect(CLI::App* app, CommonOptions* common) {
       "raygrid detect photos/ --pattern pattern.yaml -o features.csv "
       "--overlay seen/",
       common);
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<DetectArguments>();
   command->add_option("images", arguments->images, "images or folders")
       ->required();
   AddPatternOption(command, &arguments->pattern)->required();

@@ -17,7 +17,7 @@
 namespace raygrid {
 namespace {
 
-struct Arguments {
+struct EvaluateArguments {
   std::string camera, features, pattern;
 };
 
@@ -63,7 +63,7 @@ void RequireResiduals(size_t count) {
                 "of this camera?");
 }
 
-void RunCamera(const Arguments& arguments, const std::string& bytes,
+void RunCamera(const EvaluateArguments& arguments, const std::string& bytes,
                const CommonOptions& common) {
   const CameraInput input = ParseCamera(arguments.camera, bytes);
   const Pattern pattern = GivenPattern(arguments.pattern);
@@ -96,7 +96,7 @@ std::vector<Dataset> ReadRigFeatures(
   return datasets;
 }
 
-void RunRig(const Arguments& arguments, const std::string& text,
+void RunRig(const EvaluateArguments& arguments, const std::string& text,
             const CommonOptions& common) {
   const std::vector<RigFileCamera> files = ParseRigFile(arguments.camera, text);
   const Pattern pattern = GivenPattern(arguments.pattern);
@@ -140,7 +140,7 @@ void RunRig(const Arguments& arguments, const std::string& text,
   Print(all);
 }
 
-void Run(const Arguments& arguments, const CommonOptions& common) {
+void Run(const EvaluateArguments& arguments, const CommonOptions& common) {
   const std::string bytes = ReadFile(arguments.camera);
   if (bytes.find("raygrid_rig:") == std::string::npos)
     RunCamera(arguments, bytes, common);
@@ -159,7 +159,7 @@ void AddEvaluate(CLI::App* app, CommonOptions* common) {
       "raygrid evaluate camera.yaml --features held_out.csv --pattern "
       "result/pattern.yaml",
       common);
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<EvaluateArguments>();
   command
       ->add_option("camera", arguments->camera,
                    "camera.yaml, a blob, or rig.yaml")

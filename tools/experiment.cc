@@ -18,7 +18,7 @@
 namespace raygrid {
 namespace {
 
-struct Arguments {
+struct ExperimentArguments {
   std::string name, size = "640x480", output;
   std::string features, image_size, pattern, walk;
   std::vector<std::string> cameras, rigs, images, hold_out;
@@ -44,7 +44,8 @@ const Experiment& FindExperiment(const std::string& name) {
                   name));
 }
 
-void RequireUse(const Experiment& experiment, const Arguments& arguments) {
+void RequireUse(const Experiment& experiment,
+                const ExperimentArguments& arguments) {
   const auto require = [&experiment](const char* option, bool is_given) {
     const auto& known = experiment.user_options;
     if (is_given &&
@@ -78,7 +79,7 @@ NamedStereo ReadStereo(const std::string& path) {
           cameras[1].camera_from_rig * cameras[0].camera_from_rig.Inverse()};
 }
 
-ExperimentData ReadData(const Arguments& arguments) {
+ExperimentData ReadData(const ExperimentArguments& arguments) {
   ExperimentData data;
   data.hold_out = arguments.hold_out;
   for (const std::string& path : arguments.cameras)
@@ -107,7 +108,7 @@ std::string BaseName(const Experiment& experiment, const std::string& folder) {
 }
 
 void RequireInputsStay(const Experiment& experiment,
-                       const Arguments& arguments) {
+                       const ExperimentArguments& arguments) {
   const std::vector<std::string> images = FindImages(arguments.images).paths;
   std::vector<std::string> inputs = {arguments.features, arguments.pattern};
   for (const auto& more : {arguments.cameras, arguments.rigs, images})
@@ -130,7 +131,7 @@ void WriteResult(const Experiment& experiment, const ExperimentResult& result,
   files.Commit();
 }
 
-void Run(const Arguments& arguments, const CommonOptions& common) {
+void Run(const ExperimentArguments& arguments, const CommonOptions& common) {
   if (arguments.list) {
     fmt::print("{}", ListOfExperiments());
     return;
@@ -176,7 +177,7 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
       "NAME.json, NAME.svg, and pictures.\n" +
           ListOfExperiments(),
       "raygrid experiment pattern-segments -o results/", common);
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ExperimentArguments>();
   ExperimentOptions& options = arguments->options;
   command->add_option("name", arguments->name, "which experiment");
   command->add_flag("--list", arguments->list, "print what there is");

@@ -14,12 +14,12 @@
 namespace raygrid {
 namespace {
 
-struct Arguments {
+struct FitArguments {
   std::string camera, model, output;
 };
 
 // About so many places along the longer side are compared.
-constexpr double kPlaces = 160;
+constexpr double kSamples = 160;
 
 // A model fitted to a camera, and its difference from that.
 struct Fit {
@@ -28,7 +28,7 @@ struct Fit {
   size_t num_places = 0;  // that the camera is calibrated for
 };
 
-Fit FitCamera(const Arguments& arguments) {
+Fit FitCamera(const FitArguments& arguments) {
   const CameraInput input = ReadCamera(arguments.camera);
   const CameraModel& camera = *input.file.camera;
   if (!camera.IsCentral())
@@ -43,7 +43,7 @@ Fit FitCamera(const Arguments& arguments) {
   FittedModel nearest = FitNearestModel(arguments.model, camera, area);
   fit.file.camera = std::move(nearest.model);
   const double step_px =
-      std::max(1.0, std::max(area.width(), area.height()) / kPlaces);
+      std::max(1.0, std::max(area.width(), area.height()) / kSamples);
   fit.difference = CompareTurnedModels(camera, *fit.file.camera, step_px,
                                        nearest.model_from_camera.conjugate());
   fit.num_places = CompareModels(camera, camera, step_px).pixels.size();
@@ -69,7 +69,7 @@ std::string FormatJson(const Fit& fit) {
   return json.dump(2) + "\n";
 }
 
-void Run(const Arguments& arguments, const CommonOptions& common) {
+void Run(const FitArguments& arguments, const CommonOptions& common) {
   if (!IsParametricModel(arguments.model))
     throw Error(ExitCode::kUsage,
                 fmt::format("--model {}: not a model that can be fitted; use "
@@ -106,7 +106,7 @@ void AddFit(CLI::App* app, CommonOptions* common) {
       "2 % less, the model looks elsewhere, and poses turn with it: --json has "
       "the rotation.",
       "raygrid fit camera.yaml --model opencv -o opencv.yaml", common);
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<FitArguments>();
   command->add_option("camera", arguments->camera, "camera.yaml or a blob")
       ->required();
   command

@@ -260,7 +260,7 @@ void PrintText(const Json& facts) {
   }
 }
 
-void Run(const std::string& path, const CommonOptions& common) {
+void Inspect(const std::string& path, const CommonOptions& common) {
   const Json facts = FactsOf(path);
   if (common.json)
     fmt::print("{}\n", facts.dump(2));
@@ -281,7 +281,7 @@ void AddInspect(CLI::App* app, CommonOptions* common) {
       ->add_option("file", *path,
                    "file, or a board in a word, as chessboard:9x6:25mm")
       ->required();
-  command->callback([path, common] { Run(*path, *common); });
+  command->callback([path, common] { Inspect(*path, *common); });
 }
 
 }  // namespace raygrid

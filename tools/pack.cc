@@ -15,7 +15,7 @@
 namespace raygrid {
 namespace {
 
-struct Arguments {
+struct PackArguments {
   std::string camera, output, name, serial;
   std::vector<std::string> remaps;
   double max_error_px = 0.05;
@@ -56,7 +56,8 @@ std::string ProjectionText(const ProjectionError& error) {
   return text;
 }
 
-void Print(const Arguments& arguments, const PackedCamera& packed, bool json) {
+void Print(const PackArguments& arguments, const PackedCamera& packed,
+           bool json) {
   if (json) {
     nlohmann::ordered_json result = {
         {"bytes", packed.blob.size()},
@@ -105,7 +106,7 @@ std::string TurnRemark(const Eigen::Quaterniond& q) {
       q.x(), q.y(), q.z());
 }
 
-void Run(const Arguments& arguments, const CommonOptions& common) {
+void Run(const PackArguments& arguments, const CommonOptions& common) {
   RequireBlobText("--name", arguments.name);
   RequireBlobText("--serial", arguments.serial);
   RequireNoInputReplaced({arguments.camera}, {arguments.output});
@@ -139,7 +140,7 @@ void AddPack(CLI::App* app, CommonOptions* common) {
       "raygrid pack camera.yaml -o front.raygrid --remap 640x480,hfov=60 "
       "--serial 0042",
       common);
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<PackArguments>();
   command->add_option("camera", arguments->camera, "camera.yaml")->required();
   command->add_option("-o,--output", arguments->output, "blob to write")
       ->required();

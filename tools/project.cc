@@ -13,7 +13,7 @@
 namespace raygrid {
 namespace {
 
-struct Arguments {
+struct ProjectArguments {
   std::string camera, points, output;
 };
 
@@ -43,7 +43,7 @@ void RequireProjection(const std::string& path, const CameraInput& input) {
                           path));
 }
 
-void Run(const Arguments& arguments, bool json) {
+void Run(const ProjectArguments& arguments, bool json) {
   RequireNoInputReplaced({arguments.camera, arguments.points},
                          {arguments.output});
   const CameraInput input = ReadCamera(arguments.camera);
@@ -73,7 +73,7 @@ void AddProject(CLI::App* app, CommonOptions* common) {
       "the calibrated area. A blob is evaluated by the fixed-point runtime, a "
       "camera.yaml in double precision.",
       "raygrid project camera.yaml --points xyz.csv -o px.csv", common);
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ProjectArguments>();
   command->add_option("camera", arguments->camera, "camera.yaml or a blob")
       ->required();
   command->add_option("--points", arguments->points, "CSV with x,y,z")

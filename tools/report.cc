@@ -8,7 +8,7 @@
 namespace raygrid {
 namespace {
 
-void Run(const std::string& folder, const CommonOptions& common) {
+void WriteReport(const std::string& folder, const CommonOptions& common) {
   OutputFiles files;
   AddReports(folder, &files);
   files.Commit();
@@ -28,7 +28,7 @@ void AddReport(CLI::App* app, CommonOptions* common) {
   auto folder = std::make_shared<std::string>();
   command->add_option("folder", *folder, "where calibrate wrote its results")
       ->required();
-  command->callback([folder, common] { Run(*folder, *common); });
+  command->callback([folder, common] { WriteReport(*folder, *common); });
 }
 
 }  // namespace raygrid

@@ -27,7 +27,7 @@
 namespace raygrid {
 namespace {
 
-struct Arguments {
+struct SimulateArguments {
   SimulationOptions simulation;
   ImagingOptions imaging;
   PoseOptions poses;
@@ -45,7 +45,8 @@ constexpr double kTruthCells = 80;
 // Between boards that hang side by side.
 constexpr double kGapSquares = 2;
 
-std::shared_ptr<const CameraModel> MakeCamera(const Arguments& arguments) {
+std::shared_ptr<const CameraModel> MakeCamera(
+    const SimulateArguments& arguments) {
   if (!arguments.camera.empty()) {
     auto camera = ReadCamera(arguments.camera).file.camera;
     const ImageSize size = camera->image_size();
@@ -57,7 +58,7 @@ std::shared_ptr<const CameraModel> MakeCamera(const Arguments& arguments) {
                        ParseImageSize("--size", arguments.size));
 }
 
-Pattern MakePattern(const Arguments& arguments) {
+Pattern MakePattern(const SimulateArguments& arguments) {
   return arguments.pattern.empty() ? ChessboardPattern(30, 24, 0.02)
                                    : GivenPattern(arguments.pattern);
 }
@@ -120,7 +121,7 @@ Arrangement SideBySide(const Pattern& pattern) {
 // The boards' images; fills in what they show.
 class Photographer {
  public:
-  Photographer(const Arguments& arguments, const CommonOptions& common)
+  Photographer(const SimulateArguments& arguments, const CommonOptions& common)
       : arguments_(arguments),
         common_(common),
         camera_(MakeCamera(arguments)),
@@ -181,7 +182,7 @@ class Photographer {
                : EncodePng(AddNoiseAndQuantize(exact, imaging));
   }
 
-  const Arguments& arguments_;
+  const SimulateArguments& arguments_;
   const CommonOptions& common_;
   std::shared_ptr<const CameraModel> camera_;
   PixelRays rays_;
@@ -191,7 +192,7 @@ class Photographer {
 };
 
 // The observations of several cameras.
-SimulatedObservations ObserveRig(const Arguments& arguments,
+SimulatedObservations ObserveRig(const SimulateArguments& arguments,
                                  const CommonOptions& common) {
   const std::shared_ptr<const CameraModel> camera = MakeCamera(arguments);
   SimulationOptions options = arguments.simulation;
@@ -241,7 +242,7 @@ int NumFeatures(const Board& board) {
   return count;
 }
 
-SimulatedObservations Observe(const Arguments& arguments,
+SimulatedObservations Observe(const SimulateArguments& arguments,
                               const CommonOptions& common) {
   const std::shared_ptr<const CameraModel> camera = MakeCamera(arguments);
   const Pattern pattern = MakePattern(arguments);
@@ -263,7 +264,7 @@ SimulatedObservations Observe(const Arguments& arguments,
   return observations;
 }
 
-SimulatedObservations Render(const Arguments& arguments,
+SimulatedObservations Render(const SimulateArguments& arguments,
                              const CommonOptions& common) {
   Photographer photographer(arguments, common);
   photographer.TakeAll();
@@ -279,7 +280,7 @@ std::string FormatJson(const SimulatedObservations& observations) {
   return json.dump(2);
 }
 
-void RequireInputsStay(const Arguments& arguments) {
+void RequireInputsStay(const SimulateArguments& arguments) {
   std::vector<std::string> outputs;
   for (const char* name :
        {"features.csv", "pattern.yaml", "true_camera.yaml", "true_pattern.yaml",
@@ -289,7 +290,7 @@ void RequireInputsStay(const Arguments& arguments) {
   RequireNoInputReplaced({arguments.pattern, arguments.camera}, outputs);
 }
 
-void Run(Arguments arguments, const CommonOptions& common) {
+void Run(SimulateArguments arguments, const CommonOptions& common) {
   arguments.poses.max_tilt_rad = arguments.max_tilt_deg * M_PI / 180;
   arguments.simulation.board_bend_m = arguments.board_bend_mm / 1000;
   if (arguments.poses.min_square_px > arguments.poses.max_square_px)
@@ -311,7 +312,7 @@ void Run(Arguments arguments, const CommonOptions& common) {
                arguments.output);
 }
 
-void AddImagingOptions(CLI::App* command, Arguments* arguments) {
+void AddImagingOptions(CLI::App* command, SimulateArguments* arguments) {
   ImagingOptions& imaging = arguments->imaging;
   const auto add = [command](const char* name, double& value,
                              const char* description, double low, double high) {
@@ -344,7 +345,7 @@ void AddImagingOptions(CLI::App* command, Arguments* arguments) {
       ->capture_default_str();
 }
 
-void AddCameraOptions(CLI::App* command, Arguments* arguments) {
+void AddCameraOptions(CLI::App* command, SimulateArguments* arguments) {
   AddPatternOption(command, &arguments->pattern,
                    "; default: a chessboard. Several boards are rendered side "
                    "by side; without --render the first is observed");
@@ -393,7 +394,7 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
       "  true_rig.yaml      with --cameras\n"
       "  true_poses.csv     camera_from_board",
       "raygrid simulate --noise-px 0.05 -o simulated/", common);
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<SimulateArguments>();
   SimulationOptions& simulation = arguments->simulation;
   command->add_option("--images", simulation.num_images, "number of images")
       ->check(CLI::Range(1, 100000))

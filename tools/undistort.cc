@@ -17,7 +17,7 @@
 namespace raygrid {
 namespace {
 
-struct Arguments {
+struct UndistortArguments {
   std::string camera, output, size, frames;
   std::string rectify = "pinhole";
   std::vector<std::string> images;
@@ -27,7 +27,7 @@ struct Arguments {
 };
 
 // The blob itself, if it has a table and no other one is asked for.
-BlobCamera PrepareBlob(const Arguments& arguments,
+BlobCamera PrepareBlob(const UndistortArguments& arguments,
                        const CommonOptions& common) {
   CameraInput input = ReadCamera(arguments.camera);
   if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
@@ -67,7 +67,7 @@ std::string Target(const std::string& folder, const std::string& path,
 }
 
 // Throws where two images would get one name, or one would replace an input.
-std::vector<Targets> TargetsOf(const Arguments& arguments,
+std::vector<Targets> TargetsOf(const UndistortArguments& arguments,
                                const std::vector<std::string>& paths) {
   std::vector<Targets> targets;
   std::map<std::string, std::string> path_of_target;
@@ -107,7 +107,7 @@ std::string RawFrame(const std::string& path) {
   return frame;
 }
 
-void Run(const Arguments& arguments, const CommonOptions& common) {
+void Run(const UndistortArguments& arguments, const CommonOptions& common) {
   if (arguments.rectify != "pinhole")
     throw Error(ExitCode::kUsage, "--rectify: this version knows pinhole");
   const FoundImages found = FindImages(arguments.images);
@@ -152,7 +152,7 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
       "stay grey, 16 bits stay 16 bits. x.jpg becomes x.png; images that would "
       "get one name are refused.",
       "raygrid undistort camera.yaml photos/ -o flat/ --hfov 80", common);
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<UndistortArguments>();
   command->add_option("camera", arguments->camera, "camera.yaml or a blob")
       ->required();
   command->add_option("images", arguments->images, "images or folders")

@@ -11,7 +11,7 @@
 namespace raygrid {
 namespace {
 
-struct Arguments {
+struct UnprojectArguments {
   std::string camera, pixels, output;
 };
 
@@ -20,7 +20,7 @@ std::string FormatVector(const Eigen::Vector3d& vector) {
                      vector.z());
 }
 
-void Run(const Arguments& arguments, bool json) {
+void Run(const UnprojectArguments& arguments, bool json) {
   RequireNoInputReplaced({arguments.camera, arguments.pixels},
                          {arguments.output});
   const CameraInput input = ReadCamera(arguments.camera);
@@ -59,7 +59,7 @@ void AddUnproject(CLI::App* app, CommonOptions* common) {
       "fixed-point "
       "runtime, a camera.yaml in double precision.",
       "raygrid unproject camera.raygrid --pixels px.csv -o rays.csv", common);
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<UnprojectArguments>();
   command->add_option("camera", arguments->camera, "camera.yaml or a blob")
       ->required();
   command->add_option("--pixels", arguments->pixels, "CSV with x,y")

@@ -7,7 +7,7 @@
 namespace raygrid {
 namespace {
 
-using Model = CentralRadial;
+using Radial = CentralRadial;
 
 // The parameters that g depends on around an angle, and their weights.
 template <typename T>
@@ -50,9 +50,9 @@ T RadialFactor(const T& theta, double cell_rad,
 }
 
 template <typename T>
-PlanarDistortion<T> PlanarOf(const std::array<T, Model::kNumOthers>& p) {
-  return {p[Model::kFx], p[Model::kFy], p[Model::kCx],  p[Model::kCy],
-          p[Model::kP1], p[Model::kP2], p[Model::kSx1], p[Model::kSy1]};
+PlanarDistortion<T> PlanarOf(const std::array<T, Radial::kNumOthers>& p) {
+  return {p[Radial::kFx], p[Radial::kFy], p[Radial::kCx],  p[Radial::kCy],
+          p[Radial::kP1], p[Radial::kP2], p[Radial::kSx1], p[Radial::kSy1]};
 }
 
 // |uv|, with a derivative of zero in the centre, where g's is zero too.

@@ -10,33 +10,35 @@
 namespace raygrid {
 namespace {
 
-using Model = OpenCvModel;
+using OpenCv = OpenCvModel;
 
 // The pixels of normalised coordinates; the equations of the header.
 template <typename T>
-Eigen::Matrix<T, 2, 1> Distort(const T& x, const T& y, const T* p) {
+Eigen::Matrix<T, 2, 1> DistortOpenCv(const T& x, const T& y, const T* p) {
   const T r2 = x * x + y * y;
   const T g =
-      (1.0 + r2 * (p[Model::kK1] + r2 * (p[Model::kK2] + r2 * p[Model::kK3]))) /
-      (1.0 + r2 * (p[Model::kK4] + r2 * (p[Model::kK5] + r2 * p[Model::kK6])));
-  const T& p1 = p[Model::kP1];
-  const T& p2 = p[Model::kP2];
+      (1.0 +
+       r2 * (p[OpenCv::kK1] + r2 * (p[OpenCv::kK2] + r2 * p[OpenCv::kK3]))) /
+      (1.0 +
+       r2 * (p[OpenCv::kK4] + r2 * (p[OpenCv::kK5] + r2 * p[OpenCv::kK6])));
+  const T& p1 = p[OpenCv::kP1];
+  const T& p2 = p[OpenCv::kP2];
   const T xd = x * g + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x);
   const T yd = y * g + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y;
-  return {p[Model::kFx] * xd + p[Model::kCx],
-          p[Model::kFy] * yd + p[Model::kCy]};
+  return {p[OpenCv::kFx] * xd + p[OpenCv::kCx],
+          p[OpenCv::kFy] * yd + p[OpenCv::kCy]};
 }
 
 // The radius up to which r g(r) grows and its denominator is positive.
-double FindMaxRadius(const Model::ParameterArray& p) {
+double FindMaxRadius(const OpenCv::ParameterArray& p) {
   constexpr double kStep = 0.01, kLargest = 20;  // tan 87 degrees
   double previous = 0;
   for (double r = kStep; r < kLargest; r += kStep) {
     const double r2 = r * r;
     const double denominator =
-        1 + r2 * (p[Model::kK4] + r2 * (p[Model::kK5] + r2 * p[Model::kK6]));
+        1 + r2 * (p[OpenCv::kK4] + r2 * (p[OpenCv::kK5] + r2 * p[OpenCv::kK6]));
     const double numerator =
-        1 + r2 * (p[Model::kK1] + r2 * (p[Model::kK2] + r2 * p[Model::kK3]));
+        1 + r2 * (p[OpenCv::kK1] + r2 * (p[OpenCv::kK2] + r2 * p[OpenCv::kK3]));
     const double distorted = r * numerator / denominator;
     if (denominator <= 0 || distorted <= previous) return r - kStep;
     previous = distorted;
@@ -46,17 +48,17 @@ double FindMaxRadius(const Model::ParameterArray& p) {
 
 // Newton's method on the distortion, from the undistorted position.
 std::optional<Eigen::Vector2d> Undistort(const Eigen::Vector2d& pixel,
-                                         const Model::ParameterArray& p,
+                                         const OpenCv::ParameterArray& p,
                                          double max_radius) {
   using Jet = ceres::Jet<double, 2>;
-  std::array<Jet, Model::kCount> constants;
-  for (int k = 0; k < Model::kCount; ++k) constants[k] = Jet(p[k]);
-  Eigen::Vector2d at((pixel.x() - p[Model::kCx]) / p[Model::kFx],
-                     (pixel.y() - p[Model::kCy]) / p[Model::kFy]);
+  std::array<Jet, OpenCv::kCount> constants;
+  for (int k = 0; k < OpenCv::kCount; ++k) constants[k] = Jet(p[k]);
+  Eigen::Vector2d at((pixel.x() - p[OpenCv::kCx]) / p[OpenCv::kFx],
+                     (pixel.y() - p[OpenCv::kCy]) / p[OpenCv::kFy]);
   if (at.norm() > 0.9 * max_radius) at *= 0.9 * max_radius / at.norm();
   for (int iteration = 0; iteration < 50; ++iteration) {
     const auto value =
-        Distort(Jet(at.x(), 0), Jet(at.y(), 1), constants.data());
+        DistortOpenCv(Jet(at.x(), 0), Jet(at.y(), 1), constants.data());
     Eigen::Matrix2d derivative;
     derivative << value[0].v.transpose(), value[1].v.transpose();
     const Eigen::Vector2d error =
@@ -100,8 +102,8 @@ std::optional<Eigen::Vector2d> OpenCvModel::Project(
     double margin_px) const {
   if (!(point.z() > 0) || point.head<2>().norm() > max_radius_ * point.z())
     return std::nullopt;
-  const Eigen::Vector2d pixel =
-      Distort(point.x() / point.z(), point.y() / point.z(), parameters_.data());
+  const Eigen::Vector2d pixel = DistortOpenCv(
+      point.x() / point.z(), point.y() / point.z(), parameters_.data());
   if (!area().Contains(pixel, margin_px)) return std::nullopt;
   return pixel;
 }
@@ -117,7 +119,7 @@ bool OpenCvModel::Linearize(const Eigen::Vector3d& point,
   const Jet x(point.x(), kCount), y(point.y(), kCount + 1),
       z(point.z(), kCount + 2);
   const Eigen::Matrix<Jet, 2, 1> value =
-      Distort<Jet>(x / z, y / z, parameters.data());
+      DistortOpenCv<Jet>(x / z, y / z, parameters.data());
   projection->pixel = *pixel;
   projection->num_global = kCount;
   for (int row = 0; row < 2; ++row) {

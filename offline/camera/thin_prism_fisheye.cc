@@ -5,27 +5,27 @@
 namespace raygrid {
 namespace {
 
-using Model = ThinPrismFisheye;
+using Prism = ThinPrismFisheye;
 
 template <typename T>
 T RadialFactor(const T& theta2, const T* p) {
   return 1.0 +
          theta2 *
-             (p[Model::kK1] +
-              theta2 * (p[Model::kK2] +
-                        theta2 * (p[Model::kK3] + theta2 * p[Model::kK4])));
+             (p[Prism::kK1] +
+              theta2 * (p[Prism::kK2] +
+                        theta2 * (p[Prism::kK3] + theta2 * p[Prism::kK4])));
 }
 
 // The pixels of equidistant coordinates; the equations of the header.
 template <typename T>
 Eigen::Matrix<T, 2, 1> Distort(const Eigen::Matrix<T, 2, 1>& uv, const T* p) {
   const PlanarDistortion<T> planar = {
-      p[Model::kFx], p[Model::kFy], p[Model::kCx],  p[Model::kCy],
-      p[Model::kP1], p[Model::kP2], p[Model::kSx1], p[Model::kSy1]};
+      p[Prism::kFx], p[Prism::kFy], p[Prism::kCx],  p[Prism::kCy],
+      p[Prism::kP1], p[Prism::kP2], p[Prism::kSx1], p[Prism::kSy1]};
   return planar.ToPixel(uv, RadialFactor(T(uv.squaredNorm()), p));
 }
 
-double MaxThetaOf(const Model::ParameterArray& p) {
+double MaxThetaOf(const Prism::ParameterArray& p) {
   return FindMaxTheta(
       [&p](double theta) { return RadialFactor(theta * theta, p.data()); },
       kMaxTheta);

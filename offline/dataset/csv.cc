@@ -119,7 +119,7 @@ class RecordReader {
 };
 
 template <typename T>
-bool Parse(const std::string& text, T* value) {
+bool ParseNumber(const std::string& text, T* value) {
   const char* end = text.data() + text.size();
   const auto result = std::from_chars(text.data(), end, *value);
   return result.ec == std::errc() && result.ptr == end;
@@ -173,7 +173,7 @@ const std::string& CsvTable::Text(size_t row, const std::string& column) const {
 
 double CsvTable::Number(size_t row, const std::string& column) const {
   double value;
-  if (!Parse(Text(row, column), &value) || !std::isfinite(value))
+  if (!ParseNumber(Text(row, column), &value) || !std::isfinite(value))
     throw InputError(
         fmt::format("{}, column {}: '{}' is not a finite number; mend or "
                     "remove the line",
@@ -183,7 +183,7 @@ double CsvTable::Number(size_t row, const std::string& column) const {
 
 int CsvTable::Integer(size_t row, const std::string& column) const {
   int value;
-  if (!Parse(Text(row, column), &value))
+  if (!ParseNumber(Text(row, column), &value))
     throw InputError(fmt::format(
         "{}, column {}: '{}' is not an integer; mend or remove the line",
         Place(row), column, Text(row, column)));

@@ -22,11 +22,11 @@
 namespace raygrid {
 namespace {
 
-constexpr char kLens[] = "fisheye";
+constexpr char kBiasLens[] = "fisheye";
 constexpr int kWindows[] = {11, 15, 21, 31};
 constexpr int kNumWindows = 4;
-constexpr int kColumns = 14, kRows = 10;
-constexpr double kSquareM = 0.02;
+constexpr int kBiasColumns = 14, kBiasRows = 10;
+constexpr double kBiasSquareM = 0.02;
 
 // The ways of measuring: without and with the curvature of the mapping within
 // the window.
@@ -34,9 +34,9 @@ enum Way { kHomography, kCurved, kNumWays };
 
 Board MakeBoard() {
   StarBoardOptions options;
-  options.columns = kColumns;
-  options.rows = kRows;
-  options.square_mm = kSquareM * 1000;
+  options.columns = kBiasColumns;
+  options.rows = kBiasRows;
+  options.square_mm = kBiasSquareM * 1000;
   Board board = StarBoards(options)[0];
   board.points = board.NominalPoints();
   return board;
@@ -119,10 +119,10 @@ std::vector<Pose> ChoosePoses(const CameraModel& camera, const Board& board,
   poses.min_square_px = 22;
   poses.max_square_px = 34;
   const Eigen::Vector3d center =
-      Eigen::Vector3d(kColumns - 1, kRows - 1, 0) * (kSquareM / 2);
+      Eigen::Vector3d(kBiasColumns - 1, kBiasRows - 1, 0) * (kBiasSquareM / 2);
   std::vector<Pose> chosen;
   for (const Pose& pose :
-       RandomPoses(camera, center, kSquareM, 20 * options.num_images, poses,
+       RandomPoses(camera, center, kBiasSquareM, 20 * options.num_images, poses,
                    options.seed))
     if (static_cast<int>(chosen.size()) < options.num_images &&
         VisibleFeatures(camera, board, pose).size() >= kMinFeatures)
@@ -345,7 +345,7 @@ ExperimentResult MeasureCurvatureBias(const ExperimentOptions& options) {
   if (options.data.features || !options.data.images.empty() ||
       !options.data.cameras.empty())
     return MeasureUsersShift(options);
-  const auto camera = SimulatedLens(kLens, options.size);
+  const auto camera = SimulatedLens(kBiasLens, options.size);
   const Photographer photographer(*camera, options);
   const std::vector<Pose> poses =
       ChoosePoses(*camera, photographer.board(), options);
@@ -363,9 +363,9 @@ ExperimentResult MeasureCurvatureBias(const ExperimentOptions& options) {
   table.conditions = {
       {"images", fmt::format("{} of {} x {} px, rendered", count,
                              options.size.width, options.size.height)},
-      {"lens", fmt::format("{}, 145 degrees", kLens)},
-      {"board",
-       fmt::format("{} x {} stars, squares of 22 to 34 px", kColumns, kRows)},
+      {"lens", fmt::format("{}, 145 degrees", kBiasLens)},
+      {"board", fmt::format("{} x {} stars, squares of 22 to 34 px",
+                            kBiasColumns, kBiasRows)},
       {"blur", fmt::format("{:g} px, standard deviation", options.blur_px)},
       {"noise",
        fmt::format("{:g} grey levels, standard deviation", options.read_noise)},

@@ -16,13 +16,13 @@ namespace {
 // Paper, "Camera Localization": 15 random pixels, 1.5 to 2.5 m away.
 constexpr int kPoints = 15, kScenes = 100;
 constexpr double kNearM = 1.5, kFarM = 2.5, kNoisePx = 0.05;
-constexpr int kFrames[] = {1, 4, 16, 64};
+constexpr int kNumFrames[] = {1, 4, 16, 64};
 constexpr int kMaxFrames = 64;
 
-const ModelChoice kChoices[] = {{"opencv", 0},
-                                {"thin-prism-fisheye", 0},
-                                {"central-radial", 0},
-                                {"central-generic", 16}};
+const ModelChoice kLocalizedModels[] = {{"opencv", 0},
+                                        {"thin-prism-fisheye", 0},
+                                        {"central-radial", 0},
+                                        {"central-generic", 16}};
 
 // Points in the true camera's frame, which stands at the origin.
 std::vector<PointOnPixel> MakeScene(const CameraModel& truth, const Area& area,
@@ -58,8 +58,8 @@ ErrorsM LocalizeScene(const CameraModel& camera,
       sum += pose->Inverse().translation;
       ++count;
     }
-    if (std::find(std::begin(kFrames), std::end(kFrames), frame) !=
-        std::end(kFrames))
+    if (std::find(std::begin(kNumFrames), std::end(kNumFrames), frame) !=
+        std::end(kNumFrames))
       errors.push_back(count > 0 ? (sum / count).norm() : NAN);
   }
   return errors;
@@ -76,7 +76,7 @@ std::vector<double> MedianErrors(const CameraModel& camera,
     scenes[i] = LocalizeScene(camera, scene, options.seed * 7919 + i + 1);
   });
   std::vector<double> medians;
-  for (size_t k = 0; k < std::size(kFrames); ++k) {
+  for (size_t k = 0; k < std::size(kNumFrames); ++k) {
     std::vector<double> errors;
     for (const ErrorsM& scene : scenes)
       if (std::isfinite(scene[k])) errors.push_back(scene[k]);
@@ -92,7 +92,7 @@ ExperimentResult LocalizeByModels(const ExperimentOptions& options) {
   ExperimentResult table;
   table.conditions = features.conditions;
   std::vector<NamedCamera> cameras;
-  for (const ModelChoice& choice : kChoices) {
+  for (const ModelChoice& choice : kLocalizedModels) {
     try {
       cameras.push_back(
           {choice.model,
@@ -122,7 +122,7 @@ ExperimentResult LocalizeByModels(const ExperimentOptions& options) {
   table.chart.x_label = "images averaged";
   table.chart.y_label = "error, mm";
   table.chart.is_logarithmic = true;
-  for (const int frames : kFrames) {
+  for (const int frames : kNumFrames) {
     table.columns.push_back(fmt::format("mean_of_{}_mm", frames));
     table.chart.ticks.push_back(
         {double(table.chart.ticks.size()), std::to_string(frames)});

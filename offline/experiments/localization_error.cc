@@ -17,9 +17,9 @@
 namespace raygrid {
 namespace {
 
-constexpr int kColumns = 12, kRows = 9;
-constexpr double kSquareM = 0.012;
-constexpr char kLens[] = "pinhole";
+constexpr int kBoardColumns = 12, kBoardRows = 9;
+constexpr double kBoardSquareM = 0.012;
+constexpr char kBoardLens[] = "pinhole";
 constexpr double kMinSquarePx = 20, kMaxSquarePx = 32, kMaxTiltDeg = 45;
 constexpr double kMarginPx = 2;  // between board and edge of the image
 
@@ -34,10 +34,10 @@ ImagingOptions Imaging(const ExperimentOptions& options, int image) {
 // The ink reaches a square beyond the features.
 bool IsWhollySeen(const CameraModel& camera, const Pose& pose) {
   const Area image = WholeImage(camera.image_size());
-  for (const double column : {-1, kColumns}) {
-    for (const double row : {-1, kRows}) {
-      const auto pixel =
-          camera.Project(pose * (kSquareM * Eigen::Vector3d(column, row, 0)));
+  for (const double column : {-1, kBoardColumns}) {
+    for (const double row : {-1, kBoardRows}) {
+      const auto pixel = camera.Project(
+          pose * (kBoardSquareM * Eigen::Vector3d(column, row, 0)));
       if (!pixel || !image.Contains(*pixel, -kMarginPx)) return false;
     }
   }
@@ -52,21 +52,23 @@ std::vector<Pose> ChoosePoses(const CameraModel& camera,
   pose_options.max_square_px = kMaxSquarePx;
   pose_options.max_tilt_rad = kMaxTiltDeg * M_PI / 180;
   const Eigen::Vector3d center =
-      Eigen::Vector3d(kColumns - 1, kRows - 1, 0) * (kSquareM / 2);
+      Eigen::Vector3d(kBoardColumns - 1, kBoardRows - 1, 0) *
+      (kBoardSquareM / 2);
   std::vector<Pose> chosen;
   for (const Pose& pose :
-       RandomPoses(camera, center, kSquareM, kMaxTries * options.num_images,
-                   pose_options, options.seed))
+       RandomPoses(camera, center, kBoardSquareM,
+                   kMaxTries * options.num_images, pose_options, options.seed))
     if (static_cast<int>(chosen.size()) < options.num_images &&
         IsWhollySeen(camera, pose))
       chosen.push_back(pose);
   if (static_cast<int>(chosen.size()) < options.num_images)
-    throw Error(ExitCode::kUsage,
-                fmt::format("--size {}x{}: a board of {} x {} features with "
-                            "squares of {:g} to {:g} px hardly fits; use "
-                            "larger images, as 640x480",
-                            options.size.width, options.size.height, kColumns,
-                            kRows, kMinSquarePx, kMaxSquarePx));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("--size {}x{}: a board of {} x {} features with "
+                    "squares of {:g} to {:g} px hardly fits; use "
+                    "larger images, as 640x480",
+                    options.size.width, options.size.height, kBoardColumns,
+                    kBoardRows, kMinSquarePx, kMaxSquarePx));
   return chosen;
 }
 
@@ -126,7 +128,7 @@ using Outcomes = std::vector<std::vector<BoardTrial::Outcome>>;
 
 Outcomes RunAll(const std::vector<BoardTrial>& trials,
                 const ExperimentOptions& options) {
-  const auto camera = SimulatedLens(kLens, options.size);
+  const auto camera = SimulatedLens(kBoardLens, options.size);
   const std::vector<Pose> poses = ChoosePoses(*camera, options);
   const int num_threads = NumThreads(options.num_threads);
   const PixelRays rays(*camera, num_threads);
@@ -159,7 +161,7 @@ std::vector<std::vector<int>> FoundInAll(const Outcomes& outcomes,
                                          int num_images) {
   std::vector<std::vector<int>> found(num_images);
   for (int image = 0; image < num_images; ++image)
-    for (int index = 0; index < kColumns * kRows; ++index)
+    for (int index = 0; index < kBoardColumns * kBoardRows; ++index)
       if (IsFoundInAll(outcomes, image, index)) found[image].push_back(index);
   return found;
 }
@@ -196,9 +198,9 @@ LocalizationError Summarize(
 
 Board ExperimentStarBoard(int segments) {
   StarBoardOptions options;
-  options.columns = kColumns;
-  options.rows = kRows;
-  options.square_mm = kSquareM * 1000;
+  options.columns = kBoardColumns;
+  options.rows = kBoardRows;
+  options.square_mm = kBoardSquareM * 1000;
   options.segments = segments;
   Board board = StarBoards(options)[0];
   board.points = board.NominalPoints();
@@ -206,7 +208,7 @@ Board ExperimentStarBoard(int segments) {
 }
 
 Board ExperimentChessboard() {
-  return ChessboardPattern(kColumns, kRows, kSquareM).boards[0];
+  return ChessboardPattern(kBoardColumns, kBoardRows, kBoardSquareM).boards[0];
 }
 
 std::vector<LocalizationError> MeasureLocalization(
@@ -231,8 +233,9 @@ std::vector<Condition> LocalizationConditions(
                              "all",
                              options.num_images, options.size.width,
                              options.size.height)},
-      {"lens", fmt::format("{}, 65 degrees", kLens)},
-      {"board", fmt::format("{} x {} features, wholly seen", kColumns, kRows)},
+      {"lens", fmt::format("{}, 65 degrees", kBoardLens)},
+      {"board",
+       fmt::format("{} x {} features, wholly seen", kBoardColumns, kBoardRows)},
       {"squares", fmt::format("{:g} to {:g} px before a tilt of 0 to {:g} "
                               "degrees",
                               kMinSquarePx, kMaxSquarePx, kMaxTiltDeg)},

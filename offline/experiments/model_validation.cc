@@ -9,13 +9,13 @@
 namespace raygrid {
 namespace {
 
-const ModelChoice kChoices[] = {{"opencv", 0},
-                                {"thin-prism-fisheye", 0},
-                                {"central-radial", 0},
-                                {"central-generic", 8},
-                                {"central-generic", 16},
-                                {"central-generic", 24},
-                                {"noncentral-generic", 16}};
+const ModelChoice kValidatedModels[] = {{"opencv", 0},
+                                        {"thin-prism-fisheye", 0},
+                                        {"central-radial", 0},
+                                        {"central-generic", 8},
+                                        {"central-generic", 16},
+                                        {"central-generic", 24},
+                                        {"noncentral-generic", 16}};
 
 // Median error of the rays, after the best rotation; nothing without a truth.
 Cell RayError(const ExperimentFeatures& features,
@@ -40,14 +40,15 @@ std::string ShortLabel(const ModelChoice& choice) {
                            choice.cells);
 }
 
-struct Series {
+struct ErrorSeries {
   ChartSeries training = {"training", {}, false};
   ChartSeries test = {"test", {}, false};
 };
 
-void AddRow(const ExperimentFeatures& features, const ModelChoice& choice,
-            const CalibrationResult& result, ExperimentResult* table,
-            Series* series) {
+void AddValidationRow(const ExperimentFeatures& features,
+                      const ModelChoice& choice,
+                      const CalibrationResult& result, ExperimentResult* table,
+                      ErrorSeries* series) {
   const double place = static_cast<double>(table->chart.ticks.size());
   table->rows.push_back(
       {choice.model, choice.cells, result.num_parameters,
@@ -86,15 +87,15 @@ ExperimentResult ValidateModels(const ExperimentOptions& options) {
   table.chart.x_label = "model";
   table.chart.y_label = "median error, px";
   table.chart.is_logarithmic = true;
-  Series series;
+  ErrorSeries series;
   std::vector<SheetPicture> pictures;
-  const size_t count = std::size(kChoices);
+  const size_t count = std::size(kValidatedModels);
   for (size_t i = 0; i < count; ++i) {
-    const ModelChoice& choice = kChoices[i];
+    const ModelChoice& choice = kValidatedModels[i];
     try {
       const CalibrationResult result =
           CalibrateModel(features, choice, options);
-      AddRow(features, choice, result, &table, &series);
+      AddValidationRow(features, choice, result, &table, &series);
       pictures.push_back(Directions(choice, result));
     } catch (const Error& error) {
       table.conditions.push_back({choice.Label(), error.what()});

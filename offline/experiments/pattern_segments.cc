@@ -6,12 +6,12 @@ namespace {
 
 // The paper's numbers. Its deltilles, on a triangular lattice, are no kind of
 // board here; stars of 6 segments stand for them.
-constexpr int kSegments[] = {4, 6, 8, 12, 16, 20, 24, 28, 32};
+constexpr int kSegmentCounts[] = {4, 6, 8, 12, 16, 20, 24, 28, 32};
 constexpr int kChessboardSegments = 4;  // that meet in a corner
 
-std::vector<DetectedBoard> AllBoards() {
+std::vector<DetectedBoard> BoardsOfSegments() {
   std::vector<DetectedBoard> boards;
-  for (const int segments : kSegments)
+  for (const int segments : kSegmentCounts)
     boards.push_back({ExperimentStarBoard(segments), {{}}});
   boards.push_back({ExperimentChessboard(), {{}}});
   return boards;
@@ -32,13 +32,13 @@ std::string Name(const Board& board) {
              : board.kind;
 }
 
-Chart EmptyChart(const ExperimentOptions& options) {
+Chart EmptySegmentChart(const ExperimentOptions& options) {
   Chart chart;
   chart.title = "Error of localisation by the number of star segments";
   chart.note = LocalizationNote(options);
   chart.x_label = "star segments, black and white";
   chart.y_label = "error in an axis, mean of both, px";
-  for (const int segments : kSegments)
+  for (const int segments : kSegmentCounts)
     chart.ticks.push_back({double(segments), std::to_string(segments)});
   chart.series = {{"RMS, stars", {}, true},
                   {"median, stars", {}, true},
@@ -63,7 +63,7 @@ void AddToChart(const Board& board, const LocalizationError& error,
 }  // namespace
 
 ExperimentResult ComparePatternSegments(const ExperimentOptions& options) {
-  const std::vector<DetectedBoard> boards = AllBoards();
+  const std::vector<DetectedBoard> boards = BoardsOfSegments();
   const std::vector<LocalizationError> errors =
       MeasureLocalization(boards, options);
   ExperimentResult result;
@@ -73,7 +73,7 @@ ExperimentResult ComparePatternSegments(const ExperimentOptions& options) {
   result.conditions.push_back(
       {kDeltille, "the corners of a triangular lattice, but not its places"});
   result.columns = LocalizationColumns({"pattern", "segments"});
-  result.chart = EmptyChart(options);
+  result.chart = EmptySegmentChart(options);
   for (size_t i = 0; i < boards.size(); ++i) {
     const Board& board = boards[i].board;
     result.rows.push_back(

@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-constexpr int kColumns = 3, kWidth = 400, kMargin = 12, kCaption = 26;
+constexpr int kSheetColumns = 3, kWidth = 400, kMargin = 12, kCaption = 26;
 constexpr int kLineHeight = 22;
 
 cv::Mat Matrix(const Image& image) {
@@ -36,7 +36,7 @@ Image ToImage(const cv::Mat& picture) {
 Image PictureSheet(const std::vector<SheetPicture>& pictures,
                    const std::vector<std::string>& note, const Image* legend) {
   const int count = static_cast<int>(pictures.size());
-  const int columns = std::min(kColumns, count);
+  const int columns = std::min(kSheetColumns, count);
   const int rows = (count + columns - 1) / columns;
   const ImageSize& first = pictures[0].image.size;
   const int height = kWidth * first.height / first.width;

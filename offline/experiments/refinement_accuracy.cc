@@ -18,7 +18,7 @@ constexpr NamedRefinement kRefinements[] = {
 
 constexpr int kSegments = 16;
 
-std::vector<DetectedBoard> AllBoards() {
+std::vector<DetectedBoard> BoardsToRefine() {
   std::vector<DetectionOptions> ways;
   for (const NamedRefinement& refinement : kRefinements) {
     ways.emplace_back();
@@ -61,7 +61,7 @@ void AddBoard(const std::string& kind, const LocalizationError* errors,
 }  // namespace
 
 ExperimentResult CompareFeatureRefinements(const ExperimentOptions& options) {
-  const std::vector<DetectedBoard> boards = AllBoards();
+  const std::vector<DetectedBoard> boards = BoardsToRefine();
   const std::vector<LocalizationError> errors =
       MeasureLocalization(boards, options);
   ExperimentResult result;

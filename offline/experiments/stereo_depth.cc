@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kBaselineM = 0.1, kDistanceM = 2, kSlope = 0.15;
 constexpr Matching kMatching = {420, 10, 40};
-constexpr int kFrames = 4;
+constexpr int kDepthFrames = 4;
 
 // ---- Scene -----------------------------------------------------------------
 
@@ -62,7 +62,7 @@ Eigen::Vector3d OnWall(const ObservationLine& line) {
 }
 
 // A photograph without noise.
-cv::Mat Photograph(const CameraModel& camera, const Pose& left_from_camera,
+cv::Mat RenderView(const CameraModel& camera, const Pose& left_from_camera,
                    int num_threads) {
   const ImageSize& size = camera.image_size();
   cv::Mat levels(size.height, size.width, CV_32F, cv::Scalar(0));
@@ -140,7 +140,7 @@ DepthErrors MeasureFrames(const NamedStereo& cameras, const CameraModel& truth,
     if (!line) return std::nullopt;
     return OnWall(*line);
   };
-  for (int frame = 0; frame < kFrames; ++frame) {
+  for (int frame = 0; frame < kDepthFrames; ++frame) {
     const uint64_t seed = options.seed * 1009 + 2 * frame;
     const StereoCloud cloud = MatchStereo(
         cameras, kMatching, WithNoise(left, options.read_noise, seed),
@@ -154,7 +154,7 @@ DepthErrors MeasureFrames(const NamedStereo& cameras, const CameraModel& truth,
       errors.mean_mm.assign(map.error_mm.size(), 0);
     }
     for (size_t k = 0; k < map.error_mm.size(); ++k)
-      errors.mean_mm[k] += map.error_mm[k] / kFrames;
+      errors.mean_mm[k] += map.error_mm[k] / kDepthFrames;
   }
   errors.mean_median_mm = MedianSize(errors.mean_mm);
   errors.blocks_rms_mm = BlocksRms(errors.mean_mm, errors.columns);
@@ -314,9 +314,9 @@ ExperimentResult MeasureStereoDepth(const ExperimentOptions& options) {
   const SimulatedRig rig = CamerasInARow(lens, 2, kBaselineM);
   const std::vector<NamedStereo> pairs = CalibratePairs(rig, options);
   const int num_threads = NumThreads(options.num_threads);
-  const cv::Mat left = Photograph(*lens, {}, num_threads);
+  const cv::Mat left = RenderView(*lens, {}, num_threads);
   const cv::Mat right =
-      Photograph(*lens, rig.camera_from_rig[1].Inverse(), num_threads);
+      RenderView(*lens, rig.camera_from_rig[1].Inverse(), num_threads);
 
   ExperimentResult table;
   const double mm_per_px =
@@ -339,7 +339,7 @@ ExperimentResult MeasureStereoDepth(const ExperimentOptions& options) {
       {"seed", std::to_string(options.seed)}};
   table.columns = {"cameras",
                    "one_image_median_mm",
-                   fmt::format("mean_of_{}_median_mm", kFrames),
+                   fmt::format("mean_of_{}_median_mm", kDepthFrames),
                    "blocks_rms_mm",
                    "blocks_rms_disparity_px",
                    "similarity_scale"};
@@ -350,7 +350,9 @@ ExperimentResult MeasureStereoDepth(const ExperimentOptions& options) {
   table.chart.y_label = "error of depth, mm";
   table.chart.is_logarithmic = true;
   ChartSeries one = {"median, one image", {}, false},
-              mean = {fmt::format("median, mean of {}", kFrames), {}, false},
+              mean = {fmt::format("median, mean of {}", kDepthFrames),
+                      {},
+                      false},
               blocks = {"RMS of medians over blocks", {}, false};
   std::vector<SheetPicture> maps;
   double limit_mm = 0;
@@ -378,7 +380,7 @@ ExperimentResult MeasureStereoDepth(const ExperimentOptions& options) {
        PictureSheet(maps,
                     {fmt::format("Depth less true depth, mean of {} image "
                                  "pairs, over the left rectified image:",
-                                 kFrames),
+                                 kDepthFrames),
                      "below 0 too near, above too far, white no match."},
                     &bar)});
   return table;

@@ -14,12 +14,12 @@ namespace raygrid {
 namespace {
 
 // A walk along a corridor that bends to and fro.
-constexpr int kFrames = 120, kPoints = 1500;
+constexpr int kWalkFrames = 120, kPoints = 1500;
 constexpr double kStepM = 0.1, kReachM = 6, kMinDepthM = 0.7;
 constexpr double kNoisePx = 0.3;  // of features of natural scenes
 constexpr int kFirstFrames = 12;  // which the paths are aligned by
 
-const ModelChoice kChoices[] = {
+const ModelChoice kDriftModels[] = {
     {"opencv", 0}, {"thin-prism-fisheye", 0}, {"central-generic", 16}};
 
 struct Walk {
@@ -47,7 +47,7 @@ double Walk::Length() const {
 std::vector<Pose> MakePath() {
   std::vector<Pose> path;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  for (int i = 0; i < kFrames; ++i) {
+  for (int i = 0; i < kWalkFrames; ++i) {
     const double yaw = 0.4 * std::sin(2 * M_PI * i / 60);
     const Eigen::Quaterniond world_from_camera(
         Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitY()) *
@@ -79,7 +79,7 @@ Walk MakeWalk(const CameraModel& truth, const Area& area, uint64_t seed) {
   Walk walk;
   walk.camera_from_world = MakePath();
   walk.points = MakePoints(walk.camera_from_world, &random);
-  for (int i = 0; i < kFrames; ++i) {
+  for (int i = 0; i < kWalkFrames; ++i) {
     View view;
     view.pose = i;
     for (int k = 0; k < kPoints; ++k) {
@@ -208,7 +208,7 @@ double EndDifferencePercent(const Adjusted& found, const Adjusted& reference,
 std::vector<NamedCamera> CalibrateCameras(const ExperimentFeatures& features,
                                           const ExperimentOptions& options) {
   std::vector<NamedCamera> cameras;
-  for (const ModelChoice& choice : kChoices)
+  for (const ModelChoice& choice : kDriftModels)
     cameras.push_back(
         {choice.model,
          CalibrateModel(features, choice, options).camera.camera});
@@ -226,8 +226,9 @@ ExperimentResult EmptyTable(const std::vector<NamedCamera>& cameras) {
   return table;
 }
 
-void AddRow(const NamedCamera& camera, size_t index, int walk,
-            const Adjusted& adjusted, double percent, ExperimentResult* table) {
+void AddDriftRow(const NamedCamera& camera, size_t index, int walk,
+                 const Adjusted& adjusted, double percent,
+                 ExperimentResult* table) {
   table->rows.push_back({camera.name, walk, adjusted.median_px, percent});
   table->chart.series[index].points.push_back({walk - 1.0, percent});
 }
@@ -252,7 +253,7 @@ ExperimentResult AdjustSimulatedWalks(const ExperimentOptions& options) {
        fmt::format("{} images, {:g} m apart, {} points, {:g} px of "
                    "noise in an axis; bundle adjustment from the truth, "
                    "intrinsics fixed",
-                   kFrames, kStepM, kPoints, kNoisePx)});
+                   kWalkFrames, kStepM, kPoints, kNoisePx)});
   table.conditions.push_back(
       {"error", fmt::format("of the last place, of the path's length, with the "
                             "first {} brought together by a similarity",
@@ -265,8 +266,8 @@ ExperimentResult AdjustSimulatedWalks(const ExperimentOptions& options) {
         MakeWalk(*truth, CommonArea(cameras), options.seed * 31 + k + 1);
     for (size_t c = 0; c < cameras.size(); ++c) {
       const Adjusted adjusted = AdjustWalk(*cameras[c].model, walk, options);
-      AddRow(cameras[c], c, k + 1, adjusted, EndErrorPercent(adjusted, walk),
-             &table);
+      AddDriftRow(cameras[c], c, k + 1, adjusted,
+                  EndErrorPercent(adjusted, walk), &table);
     }
     if (options.progress) options.progress(0.3 + 0.7 * (k + 1) / kWalks);
   }
@@ -327,8 +328,9 @@ ExperimentResult AdjustUsersWalk(const ExperimentOptions& options) {
   table.chart.is_logarithmic = false;
   table.chart.ticks = {{0, "the user's"}};
   for (size_t c = 0; c < cameras.size(); ++c)
-    AddRow(cameras[c], c, 1, adjusted[c],
-           EndDifferencePercent(adjusted[c], adjusted.back(), walk), &table);
+    AddDriftRow(cameras[c], c, 1, adjusted[c],
+                EndDifferencePercent(adjusted[c], adjusted.back(), walk),
+                &table);
   return table;
 }
 

@@ -13,8 +13,8 @@ namespace {
 
 const cv::Scalar kGreen(0, 200, 0), kDarkGreen(0, 130, 0), kRed(0, 0, 255),
     kYellow(0, 220, 255), kWhite(255, 255, 255), kBlack(0, 0, 0);
-constexpr int kMinWidthPx = 1280;  // of the drawing
-constexpr int kShift = 4;          // fraction bits of OpenCV's positions
+constexpr int kMinDrawingPx = 1280;  // of the drawing
+constexpr int kShift = 4;            // fraction bits of OpenCV's positions
 constexpr double kFontScale = 0.5;
 constexpr int kLineHeightPx = 20;
 
@@ -38,7 +38,8 @@ void Write(cv::Mat* canvas, const std::string& text, cv::Point left_baseline,
 class Overlay {
  public:
   explicit Overlay(const GreyImage& image)
-      : scale_(std::clamp(kMinWidthPx / std::max(1, image.size.width), 1, 4)) {
+      : scale_(
+            std::clamp(kMinDrawingPx / std::max(1, image.size.width), 1, 4)) {
     const cv::Mat grey(image.size.height, image.size.width, CV_8U,
                        const_cast<uint8_t*>(image.bytes.data()));
     cv::cvtColor(grey, canvas_, cv::COLOR_GRAY2BGR);

@@ -8,7 +8,7 @@
 namespace raygrid {
 namespace {
 
-constexpr size_t kMaxViews = 16;
+constexpr size_t kMaxParametricViews = 16;
 // Worse than this, the fit has found nothing of the lens.
 constexpr double kMaxRmsPart = 0.02;  // of the image's width
 
@@ -26,7 +26,7 @@ std::optional<OpenCvModel> StartFromPlanarBoards(const Dataset& dataset,
   std::vector<std::vector<cv::Point3f>> points;
   std::vector<std::vector<cv::Point2f>> pixels;
   for (const PlanarView& view :
-       SamplePlanarViews(dataset, pattern, kMaxViews)) {
+       SamplePlanarViews(dataset, pattern, kMaxParametricViews)) {
     points.emplace_back();
     pixels.emplace_back();
     for (const Eigen::Vector2d& point : view.points)

@@ -7,14 +7,15 @@
 #include <cmath>
 
 #include "dataset/parallel_for.h"
+#include "initialization/median.h"
 
 namespace raygrid {
 namespace {
 
-constexpr size_t kMinMatches = 30;
-constexpr size_t kMaxMatches = 300;  // for one pose
-constexpr double kMinPartAhead = 0.9;
-constexpr double kOutlierMedians = 6;
+constexpr size_t kMinRays = 30;
+constexpr size_t kMaxRays = 300;  // for one pose
+constexpr double kMinRaysAhead = 0.9;
+constexpr double kOutlierAngles = 6;
 constexpr int kHomographyRounds = 3;
 constexpr int kPoseIterations = 15;
 // How much of a view must have directions; the more, the sooner it is added.
@@ -22,13 +23,6 @@ constexpr double kOverlapParts[] = {0.7, 0.5, 0.3};
 constexpr int kAveragingRounds = 3;
 // Beyond this a view is not explained by the directions that others gave.
 constexpr double kMaxErrorPx = 8;
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 Eigen::Vector3d RayOf(const Pose& pose, const Eigen::Vector2d& point) {
   return (pose * Eigen::Vector3d(point.x(), point.y(), 0)).normalized();
@@ -56,8 +50,8 @@ struct BoardHomography {
 };
 
 // Least algebraic error of ray x (H point) = 0.
-void FitHomography(const std::vector<PointOnRay>& matches,
-                   const std::vector<bool>& use, BoardHomography* homography) {
+void FitRays(const std::vector<PointOnRay>& matches,
+             const std::vector<bool>& use, BoardHomography* homography) {
   using Matrix9 = Eigen::Matrix<double, 9, 9>;
   Matrix9 normal = Matrix9::Zero();
   for (size_t i = 0; i < matches.size(); ++i) {
@@ -79,7 +73,7 @@ void FitHomography(const std::vector<PointOnRay>& matches,
     homography->rays_from_board *= -1;
 }
 
-std::optional<BoardHomography> FitHomographyRobustly(
+std::optional<BoardHomography> FitRaysRobustly(
     const std::vector<PointOnRay>& matches) {
   BoardHomography homography;
   const double count = static_cast<double>(matches.size());
@@ -94,20 +88,20 @@ std::optional<BoardHomography> FitHomographyRobustly(
 
   std::vector<bool> use(matches.size(), true);
   for (int round = 0; round < kHomographyRounds; ++round) {
-    FitHomography(matches, use, &homography);
+    FitRays(matches, use, &homography);
     if (!homography.rays_from_board.allFinite()) return std::nullopt;
     std::vector<double> errors;
     for (const PointOnRay& match : matches)
       errors.push_back(
           (homography.Apply(match.point).normalized() - match.ray).norm());
-    const double limit = kOutlierMedians * Median(errors) + 1e-12;
+    const double limit = kOutlierAngles * Median(errors) + 1e-12;
     for (size_t i = 0; i < matches.size(); ++i) use[i] = errors[i] <= limit;
   }
   const auto ahead = std::count_if(
       matches.begin(), matches.end(), [&](const PointOnRay& match) {
         return homography.Apply(match.point).dot(match.ray) > 0;
       });
-  if (static_cast<double>(ahead) < kMinPartAhead * count) return std::nullopt;
+  if (static_cast<double>(ahead) < kMinRaysAhead * count) return std::nullopt;
   return homography;
 }
 
@@ -197,7 +191,7 @@ std::vector<PointOnRay> MatchesWithDirections(const DenseView& view,
 }
 
 std::vector<PointOnRay> Thinned(const std::vector<PointOnRay>& all) {
-  const size_t count = std::min(all.size(), kMaxMatches);
+  const size_t count = std::min(all.size(), kMaxRays);
   std::vector<PointOnRay> some;
   for (size_t i = 0; i < count; ++i)
     some.push_back(all[i * all.size() / count]);
@@ -256,7 +250,7 @@ bool AddViews(const std::vector<DenseView>& views, const PixelLattice& lattice,
   for (size_t v = 0; v < views.size(); ++v) {
     if (model->camera_from_board[v]) continue;
     const size_t count = MatchesWithDirections(views[v], *model).size();
-    if (count >= kMinMatches &&
+    if (count >= kMinRays &&
         static_cast<double>(count) >=
             overlap_part * static_cast<double>(views[v].matches.size()))
       candidates.push_back(static_cast<int>(v));
@@ -281,7 +275,7 @@ void LocalizeAnew(const std::vector<DenseView>& views,
   AverageDirections(views, lattice, model);
 }
 
-double MedianErrorPx(const std::vector<DenseView>& views,
+double MedianAnglePx(const std::vector<DenseView>& views,
                      const PixelwiseModel& model) {
   std::vector<double> errors;
   for (size_t v = 0; v < views.size(); ++v)
@@ -297,8 +291,8 @@ double MedianErrorPx(const std::vector<DenseView>& views,
 
 std::optional<LocalizedBoard> LocalizeOnRays(
     const std::vector<PointOnRay>& matches) {
-  if (matches.size() < kMinMatches) return std::nullopt;
-  const auto homography = FitHomographyRobustly(matches);
+  if (matches.size() < kMinRays) return std::nullopt;
+  const auto homography = FitRaysRobustly(matches);
   if (!homography) return std::nullopt;
   LocalizedBoard localized;
   localized.camera_from_board = RefinePose(matches, PoseOf(*homography));
@@ -330,7 +324,7 @@ PixelwiseModel GrowPixelwiseModel(const std::vector<DenseView>& views,
   }
   for (int round = 0; round < kAveragingRounds; ++round)
     LocalizeAnew(views, lattice, num_threads, &model);
-  model.median_error_px = MedianErrorPx(views, model);
+  model.median_error_px = MedianAnglePx(views, model);
   return model;
 }
 

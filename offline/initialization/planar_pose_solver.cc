@@ -37,6 +37,8 @@
 #include <cmath>
 #include <optional>
 
+#include "initialization/median.h"
+
 namespace raygrid {
 namespace {
 
@@ -62,7 +64,7 @@ struct Normalization {
   }
 };
 
-Normalization Normalize(const std::vector<BoardPointTriple>& matches) {
+Normalization NormalizeMatches(const std::vector<BoardPointTriple>& matches) {
   Normalization normalization;
   const double count = static_cast<double>(matches.size());
   double sum = 0;
@@ -80,12 +82,6 @@ Normalization Normalize(const std::vector<BoardPointTriple>& matches) {
 Eigen::Vector2d Transfer(const Eigen::Matrix3d& homography,
                          const Eigen::Vector2d& point) {
   return (homography * point.homogeneous()).hnormalized();
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Direct linear transformation.
@@ -326,7 +322,7 @@ ThreeViewsSolution SolveThreeViews(
   ThreeViewsSolution solution;
   if (matches.size() < kMinMatches) return solution;
   solution.status = ThreeViewsStatus::kImpossible;
-  const Normalization normalization = Normalize(matches);
+  const Normalization normalization = NormalizeMatches(matches);
   if (!(normalization.unit_m > 0)) return solution;
   const auto h2 = FacingHomography(MatchesToFirst(matches, normalization, 1));
   const auto h3 = FacingHomography(MatchesToFirst(matches, normalization, 2));

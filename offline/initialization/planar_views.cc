@@ -5,21 +5,17 @@
 #include <optional>
 #include <utility>
 
+#include "initialization/median.h"
+
 namespace raygrid {
 namespace {
 
 constexpr size_t kMinFeatures = 8, kMaxFeatures = 80;  // of a view
 
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // The features without gross outliers, which are far from the middles between
 // their neighbours on either side. Features beside an outlier on an edge may go
 // too.
-std::vector<Feature> Consistent(const std::vector<Feature>& features) {
+std::vector<Feature> WithoutOutliers(const std::vector<Feature>& features) {
   constexpr double kTimesMedian = 8, kAlwaysPx = 2;
   std::map<std::pair<int, int>, const Feature*> at;
   for (const Feature& feature : features)
@@ -58,7 +54,7 @@ PlanarView ViewOf(const ImageFeatures& image, const Board& board) {
   std::vector<Feature> features;
   for (const Feature& feature : image.features)
     if (feature.board == board.id) features.push_back(feature);
-  features = Consistent(features);
+  features = WithoutOutliers(features);
   const std::vector<Eigen::Vector3d> nominal = board.NominalPoints();
   PlanarView view;
   const size_t step = features.size() / kMaxFeatures + 1;

@@ -9,7 +9,7 @@
 namespace raygrid {
 namespace {
 
-constexpr size_t kMaxViews = 20;
+constexpr size_t kMaxRadialViews = 20;
 constexpr int kNumCoefficients = 4;  // of G
 
 double QuantileOf(std::vector<double> values, double part) {
@@ -21,7 +21,7 @@ double QuantileOf(std::vector<double> values, double part) {
   return *at;
 }
 
-double Median(const std::vector<double>& values) {
+double MedianOf(const std::vector<double>& values) {
   return QuantileOf(values, 0.5);
 }
 
@@ -30,7 +30,7 @@ double Median(const std::vector<double>& values) {
 std::vector<double> RobustWeights(const std::vector<double>& errors) {
   std::vector<double> sizes;
   for (const double error : errors) sizes.push_back(std::abs(error));
-  const double scale = 3 * Median(sizes) + 1e-12;
+  const double scale = 3 * MedianOf(sizes) + 1e-12;
   std::vector<double> weights;
   for (const double size : sizes) {
     const double part = size / scale;
@@ -178,8 +178,8 @@ double AngleError(const CylindricalView& view, size_t i, double sign,
          std::atan2(view.r[i], Polynomial(g, view.r[i]));
 }
 
-std::vector<double> AngleErrors(const CylindricalView& view, double sign,
-                                double forward, const Coefficients& g) {
+std::vector<double> AzimuthErrors(const CylindricalView& view, double sign,
+                                  double forward, const Coefficients& g) {
   std::vector<double> errors;
   for (size_t i = 0; i < view.r.size(); ++i)
     errors.push_back(AngleError(view, i, sign, forward, g));
@@ -201,7 +201,7 @@ double MedianForward(const CylindricalView& view, double sign,
     forward.push_back(view.rho[i] * Polynomial(g, view.r[i]) /
                           std::max(view.r[i], 1e-6) -
                       sign * view.tilt[i]);
-  return Median(forward);
+  return MedianOf(forward);
 }
 
 double SumOfAbsolute(const std::vector<double>& errors) {
@@ -231,7 +231,7 @@ bool SolveForwards(const std::vector<CylindricalView>& views,
       std::vector<double> robust(views[v].r.size(), 1);
       if (round > 0)
         robust = RobustWeights(
-            AngleErrors(views[v], sign, solution->forward[v], solution->g));
+            AzimuthErrors(views[v], sign, solution->forward[v], solution->g));
       for (size_t i = 0; i < views[v].r.size(); ++i) {
         const double r = views[v].r[i], rho = views[v].rho[i];
         const double per_angle = ErrorPerAngle(views[v], i, solution->g);
@@ -275,9 +275,9 @@ bool ChooseSigns(const std::vector<CylindricalView>& views,
   for (size_t v = 0; v < views.size(); ++v) {
     double best = INFINITY, best_sign = 1;
     for (const double sign : {1.0, -1.0}) {
-      const double cost = SumOfAbsolute(
-          AngleErrors(views[v], sign,
-                      MedianForward(views[v], sign, solution->g), solution->g));
+      const double cost = SumOfAbsolute(AzimuthErrors(
+          views[v], sign, MedianForward(views[v], sign, solution->g),
+          solution->g));
       if (cost >= best) continue;
       best = cost;
       best_sign = sign;
@@ -379,7 +379,7 @@ std::optional<ThinPrismFisheye> ToLens(const Coefficients& g, double farthest,
 }
 
 // Around their means and in units of the largest, for the sake of numbers.
-void Normalize(std::vector<PlanarView>* views) {
+void NormalizeViews(std::vector<PlanarView>* views) {
   double largest = 0;
   for (PlanarView& view : *views) {
     Eigen::Vector2d mean(0, 0);
@@ -399,9 +399,9 @@ void Normalize(std::vector<PlanarView>* views) {
 std::optional<ThinPrismFisheye> StartFromRadialLines(const Dataset& dataset,
                                                      const Pattern& pattern) {
   std::vector<PlanarView> planar =
-      SamplePlanarViews(dataset, pattern, kMaxViews);
+      SamplePlanarViews(dataset, pattern, kMaxRadialViews);
   if (planar.size() < 2) return std::nullopt;
-  Normalize(&planar);
+  NormalizeViews(&planar);
   const ImageSize& size = dataset.image_size;
   const double unit_px = std::hypot(size.width, size.height) / 2;
   const Eigen::Vector2d center = FindCenter(planar, size);

@@ -9,24 +9,24 @@
 namespace raygrid {
 namespace {
 
-constexpr int kCell = SourceMap::kCellSize;
+constexpr int kFitCell = SourceMap::kCellSize;
 
 // The sums of a cell with a source at every pixel. They are integers, and
 // exact.
 CellSums::Sources SumWholeCell(const SourceMap& map, int column, int row) {
   CellSums::Sources sums;
   for (int axis = 0; axis < 2; ++axis) {
-    double plain[kCell] = {}, by_y[kCell] = {};  // of the cell's columns
-    for (int y = 0; y < kCell; ++y) {
+    double plain[kFitCell] = {}, by_y[kFitCell] = {};  // of the cell's columns
+    for (int y = 0; y < kFitCell; ++y) {
       const int32_t* const units =
-          &map.sources[axis][map.Index(column * kCell, row * kCell + y)];
-      for (int x = 0; x < kCell; ++x) {
+          &map.sources[axis][map.Index(column * kFitCell, row * kFitCell + y)];
+      for (int x = 0; x < kFitCell; ++x) {
         plain[x] += units[x];
         by_y[x] += static_cast<double>(y) * units[x];
       }
     }
     Eigen::Vector4d sum = Eigen::Vector4d::Zero();
-    for (int x = 0; x < kCell; ++x)
+    for (int x = 0; x < kFitCell; ++x)
       sum += Eigen::Vector4d(plain[x], x * plain[x], by_y[x], x * by_y[x]);
     sums.col(axis) = sum / SourceMap::kUnitsPerPx;
   }
@@ -40,13 +40,14 @@ struct PartialSums {
 
 PartialSums SumCell(const SourceMap& map, int column, int row) {
   PartialSums sums;
-  for (int y = 0; y < kCell; ++y) {
-    for (int x = 0; x < kCell; ++x) {
-      if (!map.IsKnown(column * kCell + x, row * kCell + y)) continue;
+  for (int y = 0; y < kFitCell; ++y) {
+    for (int x = 0; x < kFitCell; ++x) {
+      if (!map.IsKnown(column * kFitCell + x, row * kFitCell + y)) continue;
       const Eigen::Vector4d powers(1, x, y, x * y);
       sums.products += powers * powers.transpose();
       sums.sources +=
-          powers * map.At(column * kCell + x, row * kCell + y).transpose();
+          powers *
+          map.At(column * kFitCell + x, row * kFitCell + y).transpose();
     }
   }
   return sums;
@@ -54,8 +55,8 @@ PartialSums SumCell(const SourceMap& map, int column, int row) {
 
 CellSums::Products WholeProducts() {
   CellSums::Products products = CellSums::Products::Zero();
-  for (int y = 0; y < kCell; ++y) {
-    for (int x = 0; x < kCell; ++x) {
+  for (int y = 0; y < kFitCell; ++y) {
+    for (int x = 0; x < kFitCell; ++x) {
       const Eigen::Vector4d powers(1, x, y, x * y);
       products += powers * powers.transpose();
     }
@@ -76,10 +77,10 @@ class BlockBasis {
   using Factors = Eigen::Matrix<double, kNodes, 4>;
 
   explicit BlockBasis(const Blocks& blocks)
-      : blocks_(blocks), cells_(blocks.size() / kCell) {
+      : blocks_(blocks), cells_(blocks.size() / kFitCell) {
     for (int row = 0; row < cells_; ++row)
       for (int column = 0; column < cells_; ++column)
-        factors_.push_back(MakeFactors(column * kCell, row * kCell));
+        factors_.push_back(MakeFactors(column * kFitCell, row * kFitCell));
   }
 
   // The factors of the cell in a column and row of its block, and of all cells.

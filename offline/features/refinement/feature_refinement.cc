@@ -16,15 +16,15 @@ namespace raygrid {
 namespace {
 
 constexpr int kRoughSamplesPerPixel = 1, kSamplesPerPixel = 8;
-constexpr int kReach = 3;  // neighbours that tell the mapping
-constexpr int kMaxDegree = 3;
+constexpr int kRefinementReach = 3;  // neighbours that tell the mapping
+constexpr int kRefinementDegree = 3;
 
 // Bounds of what is plausible.
 constexpr double kMinWidthPx = 5.5;
 constexpr double kMaxMovePx = 2;
-constexpr double kMaxMoveSquares = 0.03;  // of large ones
-constexpr double kMaxAsymmetry = 0.6;     // of the contrast
-constexpr double kMinContrast = 0.5;      // grey levels
+constexpr double kMaxMoveSquares = 0.03;     // of large ones
+constexpr double kMaxAsymmetry = 0.6;        // of the contrast
+constexpr double kMinRefinedContrast = 0.5;  // grey levels
 // Standard deviation along the less certain direction: 0.5 px are eight of
 // them.
 constexpr double kMaxDeviationPx = 0.06;
@@ -35,9 +35,9 @@ constexpr Tolerance kApproximate = {2, 0.1}, kRefined = {0.25, 0.03};
 // Predicts the place of a feature from its neighbours.
 bool Predicted(const FeatureLattice& lattice, const Feature& feature,
                LocalMapping* mapping) {
-  return FitLocalMapping(
-             lattice.Around(feature.column, feature.row, kReach, false),
-             kMaxDegree, mapping) > 0;
+  return FitLocalMapping(lattice.Around(feature.column, feature.row,
+                                        kRefinementReach, false),
+                         kRefinementDegree, mapping) > 0;
 }
 
 void RejectLonely(const Board& board, FeatureLattice* lattice,
@@ -222,7 +222,7 @@ std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
   if (!result.is_converged && Predicted(lattice, feature, &predicted))
     result = Symmetry(image, feature, predicted, center_only, round);
   if (!result.is_converged) return "no centre of symmetry near";
-  if (result.contrast < kMinContrast) return "no contrast";
+  if (result.contrast < kMinRefinedContrast) return "no contrast";
   // Noise is in each value, and in both values of a difference.
   const double noise2 = round.noise * round.noise;
   if (std::pow(result.rms, 2) - 2 * noise2 >

@@ -122,7 +122,7 @@ struct System {
 };
 
 // The places of some pairs in the patch, and what they depend on.
-struct Places {
+struct MirroredPlaces {
   FloatLanes ax, ay, bx, by;
   FloatLanes nx, ny;  // A s
   FloatLanes q, r;    // 1 / (1 + h s), 1 / (1 - h s)
@@ -167,8 +167,8 @@ class Problem {
     return x;
   }
 
-  Places PlacesOf(const Parameters& p, size_t i) const {
-    Places at;
+  MirroredPlaces PlacesOf(const Parameters& p, size_t i) const {
+    MirroredPlaces at;
     if constexpr (N == 2) {
       at.ax = p.cx + LoadLanes(&pairs_.ax[i]);
       at.ay = p.cy + LoadLanes(&pairs_.ay[i]);
@@ -197,7 +197,7 @@ class Problem {
   float MeanSum(const float* channel, const Parameters& p) const {
     FloatLanes sum = {};
     for (size_t i = 0; i < pairs_.size(); i += kLanes) {
-      const Places at = PlacesOf(p, i);
+      const MirroredPlaces at = PlacesOf(p, i);
       sum += Bilinear(channel, patch_.side(), 0, at.ax, at.ay).value +
              Bilinear(channel, patch_.side(), 0, at.bx, at.by).value;
     }
@@ -210,7 +210,7 @@ class Problem {
     FloatLanes cost = {}, sum = {}, sum_squares = {};
     const float sign = reflection_.sign;
     for (size_t i = 0; i < pairs_.size(); i += kLanes) {
-      const Places at = PlacesOf(p, i);
+      const MirroredPlaces at = PlacesOf(p, i);
       const SampledLanes a = Bilinear(channel, patch_.side(), 0, at.ax, at.ay);
       SampledLanes b = Bilinear(channel, patch_.side(), 0, at.bx, at.by);
       const FloatLanes residual = a.value - sign * b.value - twice_middle;
@@ -243,7 +243,7 @@ class Problem {
   }
 
   // d x(+-s) / d h = -A s u / (1 +- h s)^2, d x(+-s) / d A = +-u / (1 +- h s).
-  static void AddHomography(const Places& at, const SampledLanes& a,
+  static void AddHomography(const MirroredPlaces& at, const SampledLanes& a,
                             const SampledLanes& b, FloatLanes* j) {
     const FloatLanes by_h = (b.dx * at.nx + b.dy * at.ny) * at.r * at.r -
                             (a.dx * at.nx + a.dy * at.ny) * at.q * at.q;

@@ -7,8 +7,8 @@
 namespace raygrid {
 namespace {
 
-constexpr int kReach = 3;  // squares, of the neighbours that are asked
-constexpr int kMaxDegree = 3;
+constexpr int kWindowReach = 3;  // squares, of the neighbours that are asked
+constexpr int kWindowDegree = 3;
 constexpr double kSmallBendPx = 0.25;  // of no consequence
 // How far a polynomial over three squares may be wrong about a window: parts of
 // what it bends there, and of how much another over two squares bends it
@@ -73,15 +73,16 @@ std::optional<WindowMapping> WindowMappings::ByLens(int column, int row) {
   const auto around = lattice_.Around(column, row, 1, true);
   constexpr size_t kMinAround = 3;
   if (!seen || around.size() < kMinAround) return std::nullopt;
-  return WindowMapping{*seen, kMaxDegree,
+  return WindowMapping{*seen, kWindowDegree,
                        std::max(kPartOfLensBend * BendPx(*seen, window_px_ / 3),
                                 kPartOfError * ScatterPx(*seen, around))};
 }
 
 WindowMapping WindowMappings::At(int column, int row) {
   WindowMapping window;
-  window.degree = FitLocalMapping(lattice_.Around(column, row, kReach, true),
-                                  kMaxDegree, &window.mapping);
+  window.degree =
+      FitLocalMapping(lattice_.Around(column, row, kWindowReach, true),
+                      kWindowDegree, &window.mapping);
   // A plane mapping is adjusted with the centre.
   if (window.degree <= 1) return window;
   const double radius_px = window_px_ / 3;
@@ -89,8 +90,8 @@ WindowMapping WindowMappings::At(int column, int row) {
   if (bend_px < kSmallBendPx) return window;
   LocalMapping nearer;
   const bool is_known =
-      FitLocalMapping(lattice_.Around(column, row, kReach - 1, true),
-                      kMaxDegree, &nearer) > 0;
+      FitLocalMapping(lattice_.Around(column, row, kWindowReach - 1, true),
+                      kWindowDegree, &nearer) > 0;
   const double difference_px =
       is_known ? BendPx(window.mapping, nearer, window.mapping, radius_px)
                : bend_px;

@@ -64,7 +64,7 @@ bool IsWellFilled(const GreyImage& image, const FeatureLattice& lattice,
 
 // The part of the lattice that is believed: a few squares beyond a board's edge
 // may happen to look like its own.
-Rectangle SeenPart(const GreyImage& image, const FeatureLattice& lattice) {
+Rectangle SeenRectangle(const GreyImage& image, const FeatureLattice& lattice) {
   Rectangle part = Bounds(lattice);
   for (;;) {
     if (part.columns() < 1 || part.rows() < 1) return part;
@@ -327,7 +327,7 @@ ImageDetection ChessboardLocator::Locate(const GreyImage& image) const {
   std::string in_vain;
   int most_in_vain = 0;
   const auto is_wanted = [&](const FeatureLattice& seen) {
-    const Rectangle part = SeenPart(image, seen);
+    const Rectangle part = SeenRectangle(image, seen);
     std::string remark;
     const auto numbering = data_->Number(image, seen, part, &remark);
     if (!numbering) {
@@ -361,7 +361,7 @@ std::optional<ChessboardSize> SeenChessboardSize(const GreyImage& image) {
   constexpr double kMinFilled = 0.95;
   std::optional<ChessboardSize> size;
   ChessLatticeFinder(kMaxSide).Find(image, [&](const FeatureLattice& seen) {
-    const Rectangle part = SeenPart(image, seen);
+    const Rectangle part = SeenRectangle(image, seen);
     if (std::min(part.columns(), part.rows()) < kMinSide) return false;
     int num_found = 0;
     for (int row = part.top; row <= part.bottom; ++row)

@@ -8,7 +8,7 @@
 namespace raygrid {
 namespace {
 
-constexpr double kMinSpacingPx = 5;
+constexpr double kMinCornerSpacingPx = 5;
 constexpr double kNear = 0.4;          // of the patches' reach
 constexpr double kMinNearReachPx = 5;  // more than blur
 
@@ -63,7 +63,7 @@ bool CornerGrowth::Find(const GreyImage& image, int column, int row,
                         const PatchCriterion& criterion,
                         FeatureLattice* lattice) const {
   const double spacing_px = prediction.SpacingPx();
-  if (!(spacing_px >= kMinSpacingPx)) return false;
+  if (!(spacing_px >= kMinCornerSpacingPx)) return false;
   const int index = board_.PointIndex(column, row);
   PatchMatch match = FindPatch(image, patches_[index], prediction,
                                std::max(1.0, search_squares * spacing_px),

@@ -6,7 +6,7 @@
 namespace raygrid {
 namespace {
 
-constexpr double kMinContrast = 1;  // standard deviation, grey levels
+constexpr double kMinPatchContrast = 1;  // standard deviation, grey levels
 constexpr double kFinestStepPx = 0.25;
 constexpr double kStepSquares = 0.06;
 
@@ -24,10 +24,10 @@ float Interpolated(const GreyImage& image, float x, float y) {
 }
 
 // A patch laid over an image by a mapping, to be shifted.
-class Overlay {
+class PatchOverlay {
  public:
-  Overlay(const GreyImage& image, const DrawnPatch& patch,
-          const LocalMapping& mapping, double min_visible)
+  PatchOverlay(const GreyImage& image, const DrawnPatch& patch,
+               const LocalMapping& mapping, double min_visible)
       : image_(image), patch_(patch), min_visible_(min_visible) {
     for (const Eigen::Vector2d& offset : patch.Offsets())
       places_.push_back(mapping(offset).cast<float>());
@@ -53,7 +53,8 @@ class Overlay {
     if (count < min_visible_ * kNumSamples) return -1;
     const double var_p = sum_pp / count - sum_p * sum_p / count / count;
     const double var_q = sum_qq / count - sum_q * sum_q / count / count;
-    if (var_p < kMinContrast * kMinContrast || var_q < 1e-3) return -1;
+    if (var_p < kMinPatchContrast * kMinPatchContrast || var_q < 1e-3)
+      return -1;
     return (sum_pq / count - sum_p * sum_q / count / count) /
            std::sqrt(var_p * var_q);
   }
@@ -112,7 +113,7 @@ std::optional<double> MeanLevel(const GreyImage& image,
 PatchMatch FindPatch(const GreyImage& image, const DrawnPatch& patch,
                      const LocalMapping& prediction, double search_px,
                      double min_visible) {
-  const Overlay overlay(image, patch, prediction, min_visible);
+  const PatchOverlay overlay(image, patch, prediction, min_visible);
   Eigen::Vector2d best_shift = Eigen::Vector2d::Zero();
   double best = overlay.Correlation(best_shift);
   const auto try_shift = [&](const Eigen::Vector2d& shift) {

@@ -13,9 +13,9 @@ namespace {
 // The area around each place of a lattice, a square wide, in parts.
 constexpr int kPartsPerSquare = 8;
 constexpr int kNumParts = kPartsPerSquare * kPartsPerSquare;
-constexpr int kReach = 4;           // stars that tell where a place is seen
-constexpr int kMaxBeyond = 2;       // squares from a star
-constexpr double kMinContrast = 8;  // grey levels
+constexpr int kLayoutReach = 4;  // stars that tell where a place is seen
+constexpr int kMaxBeyond = 2;    // squares from a star
+constexpr double kMinLayoutContrast = 8;  // grey levels
 // The share of the parts told by a placement that may be wrong; and of those
 // not on stars.
 constexpr double kMaxWrong = 0.1, kMaxWrongBesideStars = 0.15;
@@ -143,8 +143,9 @@ class PartReader {
                  (Eigen::Vector2i(b.column, b.row) - place).squaredNorm();
         });
     LocalMapping mapping;
-    if (!FitLocalMapping(lattice_.Around(star.column, star.row, kReach, true),
-                         2, &mapping))
+    if (!FitLocalMapping(
+            lattice_.Around(star.column, star.row, kLayoutReach, true), 2,
+            &mapping))
       return std::nullopt;
     double sums[2] = {0, 0};
     int counts[2] = {0, 0};
@@ -162,15 +163,16 @@ class PartReader {
     }
     if (std::min(counts[0], counts[1]) < 4) return std::nullopt;
     const Levels levels = {sums[0] / counts[0], sums[1] / counts[1]};
-    if (levels.white - levels.black < kMinContrast) return std::nullopt;
+    if (levels.white - levels.black < kMinLayoutContrast) return std::nullopt;
     return levels;
   }
 
   void ReadPlace(const Eigen::Vector2i& place,
                  std::vector<SeenPart>* seen) const {
     LocalMapping mapping;
-    if (!FitLocalMapping(lattice_.Around(place.x(), place.y(), kReach, true), 2,
-                         &mapping))
+    if (!FitLocalMapping(
+            lattice_.Around(place.x(), place.y(), kLayoutReach, true), 2,
+            &mapping))
       return;
     if (!WholeImage(image_.size).Contains(mapping.center, 20)) return;
     const auto levels = LevelsNear(place);

@@ -10,7 +10,7 @@ namespace {
 // The largest parts of the stars that may lie where the board has none: on its
 // tags, and beyond its edges, where paper may look like half a star of few
 // segments.
-constexpr double kMaxOnTags = 0.2, kMaxBeyond = 0.4;
+constexpr double kMaxPartOnTags = 0.2, kMaxPartBeyond = 0.4;
 
 // (column, row) turned by quarters, clockwise on the board.
 Eigen::Vector2d Turned(int quarter_turns, const Eigen::Vector2d& p) {
@@ -39,7 +39,8 @@ bool Fits(const LatticePlacement& placement, const std::vector<Feature>& stars,
     else
       num_on_tags += !board.HasFeature(p.x(), p.y());
   }
-  return num_on_tags <= limit(kMaxOnTags) && num_beyond <= limit(kMaxBeyond);
+  return num_on_tags <= limit(kMaxPartOnTags) &&
+         num_beyond <= limit(kMaxPartBeyond);
 }
 
 void AddThoseOfTurn(int quarter_turns, const std::vector<Feature>& stars,

@@ -10,7 +10,7 @@ namespace {
 
 // The least spacing of stars: in smaller ones the segments run together, and
 // rows of them are mistaken for each other.
-constexpr double kMinSpacingPx = 8;
+constexpr double kMinStarSpacingPx = 8;
 constexpr double kMaxSearchPx = 9;
 // The scale of the smallest images in which stars that may be farther away are
 // sought.
@@ -343,7 +343,7 @@ bool StarGrowth::Try(int column, int row, const LocalMapping& mapping,
       attempts_[{row, column}] = {mapping.center, reason};
     return false;
   };
-  if (!(spacing_px >= kMinSpacingPx)) return refuse("too small");
+  if (!(spacing_px >= kMinStarSpacingPx)) return refuse("too small");
   const SymmetryMask& mask =
       masks_.size() == 1 ? masks_[0] : masks_[board_.PointIndex(column, row)];
   const MatchingResult match = Match(mask, mapping, search_px);
