@@ -110,7 +110,7 @@ FeatureLattice CharucoLocator::Data::FindCorners(
     const GreyImage& image, const MarkerConstellation& constellation,
     const CornerGrowth& drawn) const {
   FeatureLattice lattice(board);
-  constexpr double kMinCorrelations[] = {0.7, 0.6};
+  constexpr double kMarkerCorrelations[] = {0.7, 0.6};
   for (int row = 0; row < board.rows; ++row) {
     for (int column = 0; column < board.columns; ++column) {
       const Eigen::Vector2d corner_m(column * board.square_m,
@@ -123,10 +123,10 @@ FeatureLattice CharucoLocator::Data::FindCorners(
       constexpr double kSearchSquares = 0.15;
       drawn.Find(image, column, row,
                  constellation.MappingAt(corner_m, board.square_m, near),
-                 kSearchSquares, {kMinCorrelations[0]}, &lattice);
+                 kSearchSquares, {kMarkerCorrelations[0]}, &lattice);
     }
   }
-  for (const double min_correlation : kMinCorrelations)
+  for (const double min_correlation : kMarkerCorrelations)
     drawn.Grow(image, {min_correlation}, &lattice);
   return lattice;
 }

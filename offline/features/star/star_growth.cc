@@ -128,10 +128,10 @@ void StarGrowth::Grow() {
 }
 
 void StarGrowth::GrowAcrossGaps() {
-  constexpr double kMinCorrelation = 0.5;
+  constexpr double kMinGapCorrelation = 0.5;
   const auto lens = LatticeLens::Fit(lattice_.Features(), image_.size);
-  if (!lens || !TryByLens(*lens, kMinCorrelation)) return;
-  while (Sweep(kMinCorrelation)) {
+  if (!lens || !TryByLens(*lens, kMinGapCorrelation)) return;
+  while (Sweep(kMinGapCorrelation)) {
   }
 }
 

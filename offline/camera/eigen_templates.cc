@@ -1,0 +1,2 @@
+#define RAYGRID_TEMPLATE template
+#include "camera/eigen_templates.h"

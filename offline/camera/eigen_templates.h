@@ -1,0 +1,75 @@
+/// Templates of Eigen that several stages use, each seconds of a compiler's
+/// time. They are compiled once, in eigen_templates.cc, which includes this
+/// file with RAYGRID_TEMPLATE defined: that is why it has no guard. All others
+/// get it with the precompiled headers. A template that is not listed works,
+/// too.
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+
+// Other versions may have other internals; there each source compiles its own.
+#if EIGEN_VERSION_AT_LEAST(3, 4, 0) && !EIGEN_VERSION_AT_LEAST(3, 4, 1)
+
+#ifndef RAYGRID_TEMPLATE
+#define RAYGRID_TEMPLATE extern template
+#endif
+
+namespace Eigen {
+
+RAYGRID_TEMPLATE void ColPivHouseholderQR<MatrixXd>::computeInPlace();
+RAYGRID_TEMPLATE JacobiSVD<Matrix3d>& JacobiSVD<Matrix3d>::compute(
+    const Matrix3d&, unsigned int);
+RAYGRID_TEMPLATE JacobiSVD<MatrixXd>& JacobiSVD<MatrixXd>::compute(
+    const MatrixXd&, unsigned int);
+RAYGRID_TEMPLATE Matrix4d umeyama(const MatrixBase<Matrix3Xd>&,
+                                  const MatrixBase<Matrix3Xd>&, bool);
+
+namespace internal {
+
+// SelfAdjointEigenSolver, of 2 x 2, 9 x 9 and any size.
+RAYGRID_TEMPLATE void tridiagonalization_inplace(Matrix2d&, Vector2d&,
+                                                 Matrix<double, 1, 1>&,
+                                                 Matrix<double, 1, 1>&, bool);
+RAYGRID_TEMPLATE void tridiagonalization_inplace(Matrix<double, 9, 9>&,
+                                                 Matrix<double, 9, 1>&,
+                                                 Matrix<double, 8, 1>&,
+                                                 Matrix<double, 8, 1>&, bool);
+RAYGRID_TEMPLATE void tridiagonalization_inplace(MatrixXd&, VectorXd&,
+                                                 VectorXd&, VectorXd&, bool);
+RAYGRID_TEMPLATE ComputationInfo computeFromTridiagonal_impl(
+    Vector2d&, Matrix<double, 1, 1>&, const Index, bool, Matrix2d&);
+RAYGRID_TEMPLATE ComputationInfo
+computeFromTridiagonal_impl(Matrix<double, 9, 1>&, Matrix<double, 8, 1>&,
+                            const Index, bool, Matrix<double, 9, 9>&);
+RAYGRID_TEMPLATE ComputationInfo computeFromTridiagonal_impl(VectorXd&,
+                                                             VectorXd&,
+                                                             const Index, bool,
+                                                             MatrixXd&);
+
+// Products, and solutions of triangular systems.
+RAYGRID_TEMPLATE struct gebp_kernel<
+    double, double, Index, blas_data_mapper<double, Index, ColMajor, 0, 1>,
+    gebp_traits<double, double>::mr, gebp_traits<double, double>::nr, false,
+    false>;
+RAYGRID_TEMPLATE struct general_matrix_vector_product<
+    Index, double, const_blas_data_mapper<double, Index, ColMajor>, ColMajor,
+    false, double, const_blas_data_mapper<double, Index, RowMajor>, false, 0>;
+RAYGRID_TEMPLATE struct general_matrix_vector_product<
+    Index, double, const_blas_data_mapper<double, Index, RowMajor>, RowMajor,
+    false, double, const_blas_data_mapper<double, Index, ColMajor>, false, 0>;
+RAYGRID_TEMPLATE struct general_matrix_vector_product<
+    Index, double, const_blas_data_mapper<double, Index, RowMajor>, RowMajor,
+    false, double, const_blas_data_mapper<double, Index, RowMajor>, false, 1>;
+RAYGRID_TEMPLATE struct triangular_solve_matrix<
+    double, Index, OnTheLeft, Lower | UnitDiag, false, ColMajor, ColMajor, 1>;
+RAYGRID_TEMPLATE struct triangular_solve_matrix<
+    double, Index, OnTheLeft, Upper | UnitDiag, false, RowMajor, ColMajor, 1>;
+
+}  // namespace internal
+}  // namespace Eigen
+
+#endif
