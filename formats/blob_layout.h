@@ -14,7 +14,7 @@
 
 /* ---- Header and section table ------------------------------------------- */
 
-enum {
+enum rg_header_field {
   RG_HEADER_MAGIC = 0,          /* u8[8]: "RAYGRID" and a zero */
   RG_HEADER_MAJOR = 8,          /* u16: version that readers must know */
   RG_HEADER_MINOR = 10,         /* u16: lowest version that has all used */
@@ -27,7 +27,7 @@ enum {
 };
 #define RG_HEADER_SIZE 32u /* the section table follows */
 
-enum {
+enum rg_entry_field {
   RG_ENTRY_TYPE = 0,   /* u16: rg_section_type */
   RG_ENTRY_FLAGS = 2,  /* u16: 0 or RG_SECTION_CRITICAL */
   RG_ENTRY_OFFSET = 4, /* u32: section, from the blob's first byte */
@@ -38,7 +38,7 @@ enum {
 
 /* ---- Camera ------------------------------------------------------------- */
 
-enum {
+enum rg_camera_field {
   RG_CAMERA_WIDTH = 0,    /* u16: image, px */
   RG_CAMERA_HEIGHT = 2,   /* u16: image, px */
   RG_CAMERA_RESERVED = 4, /* u32: 0 */
@@ -52,7 +52,7 @@ enum {
 
 /* Code that serves both kinds of grid uses these names: an inverse grid has its
  * fields in the same places. */
-enum {
+enum rg_grid_field {
   RG_GRID_X0 = 0,             /* i32, q16 px: area, inclusive */
   RG_GRID_Y0 = 4,             /* i32, q16 px: area, inclusive */
   RG_GRID_X1 = 8,             /* i32, q16 px: area, inclusive */
@@ -67,7 +67,7 @@ enum {
                                  section's first byte */
   RG_GRID_RESERVED = 36       /* u32: 0 */
 };
-enum {
+enum rg_inverse_field {
   RG_INVERSE_A0 = 0,             /* i32, q27: rectangle of the chart */
   RG_INVERSE_B0 = 4,             /* i32, q27: rectangle of the chart */
   RG_INVERSE_A1 = 8,             /* i32, q27: rectangle of the chart */
@@ -86,7 +86,7 @@ enum {
 #define RG_CONTROL_POINT_SIZE 8u /* i32 a, b in q29, of a grid not narrow */
 
 /* The plane of a narrow grid, in front of its residuals. */
-enum {
+enum rg_plane_field {
   RG_PLANE_ORIGIN = 0,      /* i32[2], q29 or q17 px: a, b or x, y */
   RG_PLANE_COLUMN_STEP = 8, /* i32[2], q29 or q17 px: a, b or x, y */
   RG_PLANE_ROW_STEP = 16    /* i32[2], q29 or q17 px: a, b or x, y */
@@ -96,7 +96,7 @@ enum {
 
 /* ---- Remap -------------------------------------------------------------- */
 
-enum {
+enum rg_remap_field {
   RG_REMAP_WIDTH = 0,          /* u16: output, px */
   RG_REMAP_HEIGHT = 2,         /* u16: output, px */
   RG_REMAP_COLUMNS = 4,        /* u16: vertices across, blocks + 1 */
@@ -126,7 +126,7 @@ enum {
 /* From the rectangle's lower end on an axis to its upper one. */
 #define RG_REMAP_MIN_TO_MAX (RG_REMAP_MAX_X - RG_REMAP_MIN_X)
 
-enum {
+enum rg_vertex_field {
   RG_VERTEX_X = 0,  /* i16, q(12 - residual_shift) px: residual */
   RG_VERTEX_Y = 2,  /* i16, q(12 - residual_shift) px: residual */
   RG_VERTEX_HX = 4, /* i8, q(12 - bend_shift) px: edge from the left vertex */
@@ -146,7 +146,7 @@ static inline uint32_t rg_vertex_size(const uint8_t* section) {
 /* ---- Quality ------------------------------------------------------------ */
 
 /* RG_UNKNOWN_FIGURE stands for what is not known. */
-enum {
+enum rg_quality_field {
   RG_QUALITY_TRAINING_MEDIAN_UPX = 0,  /* u32, 1e-6 px: residual norms */
   RG_QUALITY_TRAINING_RMS_UPX = 4,     /* u32, 1e-6 px: residual norms */
   RG_QUALITY_TRAINING_MAX_UPX = 8,     /* u32, 1e-6 px: residual norms */
@@ -162,7 +162,7 @@ enum {
 
 /* ---- Line points -------------------------------------------------------- */
 
-enum {
+enum rg_line_points_field {
   RG_LINE_POINTS_FRACTION_BITS = 0, /* u16: RG_LINE_POINT_BITS */
   RG_LINE_POINTS_RESERVED = 2,      /* u16: 0 */
   RG_LINE_POINTS_DATA_OFFSET = 4    /* u32: points, from the section's first
@@ -170,7 +170,7 @@ enum {
 };
 #define RG_LINE_POINTS_FIELDS_SIZE 8u
 
-enum {
+enum rg_line_point_field {
   RG_LINE_POINT_X = 0, /* i32, q28 m */
   RG_LINE_POINT_Y = 4, /* i32, q28 m */
   RG_LINE_POINT_Z = 8  /* i32, q28 m */
@@ -179,7 +179,7 @@ enum {
 
 /* ---- Validity mask ------------------------------------------------------ */
 
-enum {
+enum rg_mask_field {
   RG_MASK_COLUMNS = 0,    /* u16: cells across */
   RG_MASK_ROWS = 2,       /* u16: cells down */
   RG_MASK_CELL_LOG2 = 4,  /* u8: cells are 2^this px wide and high */
@@ -190,7 +190,7 @@ enum {
 
 /* ---- Uncertainty -------------------------------------------------------- */
 
-enum {
+enum rg_uncertainty_field {
   RG_UNCERTAINTY_COLUMNS = 0,     /* u16: values across the area */
   RG_UNCERTAINTY_ROWS = 2,        /* u16: values down the area */
   RG_UNCERTAINTY_SCALE_X = 4,     /* u32, q32: intervals per pixel */

@@ -44,10 +44,10 @@ static RG_INLINE int rg_turn(uint32_t* length) {
 /* RG_FORGET_COUNT() makes compilers forget what they know of a number above 0,
  * so that a loop remains one where size matters. */
 #if defined(__GNUC__) && defined(__OPTIMIZE_SIZE__)
-#define RG_FORGET_COUNT(number)               \
-  do {                                        \
-    __asm__ volatile("" : "+r"(number));      \
-    if (number == 0) __builtin_unreachable(); \
+#define RG_FORGET_COUNT(number)                 \
+  do {                                          \
+    __asm__ volatile("" : "+r"(number));        \
+    if ((number) == 0) __builtin_unreachable(); \
   } while (0)
 #else
 #define RG_FORGET_COUNT(number) ((void)(number))

@@ -24,7 +24,7 @@
    ROWS(y, 2))
 
 /* The first lattice of each kind of format. */
-enum {
+enum first_lattice {
   ONE_SAMPLE,
   THREE_SAMPLES,
   FOUR_SAMPLES,

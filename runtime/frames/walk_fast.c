@@ -328,15 +328,15 @@ static RG_INLINE rg_blend_parts* find_blend_parts(const fast_walk* walk) {
  * done, with care. */
 static RG_NOINLINE int blend_safe_parts(fast_walk* walk,
                                         rg_blend_parts* blend_parts) {
-  rg_position corners[RG_PARTS_AT_ONCE][4];
+  rg_position corners[4 * RG_PARTS_AT_ONCE];
   for (;;) {
     rg_run* const run = &walk->run;
     const uint32_t first = (uint32_t)run->out_pixel + run->num_pixels;
     uint32_t num = 0;
     int is_next = 0, is_safe = 1;
     while (num < RG_PARTS_AT_ONCE &&
-           (is_next = next_whole_part(walk, corners[num])) &&
-           (is_safe = are_corners_safe(walk, corners[num])))
+           (is_next = next_whole_part(walk, &corners[4 * num])) &&
+           (is_safe = are_corners_safe(walk, &corners[4 * num])))
       ++num;
     if (num != 0) {
       const uint16_t last = run->out_pixel;
@@ -344,7 +344,8 @@ static RG_NOINLINE int blend_safe_parts(fast_walk* walk,
       blend_parts(run, corners, num);
       run->out_pixel = last;
     }
-    if (!is_safe) memcpy(run->block.corners, corners[num], sizeof(*corners));
+    if (!is_safe)
+      memcpy(run->block.corners, &corners[4 * num], sizeof(run->block.corners));
     if (!is_next || !is_safe) return is_next;
   }
 }

@@ -158,7 +158,8 @@ static RG_INLINE void do_row(const part_rows* part, const rg_block_row* row) {
  * leaves nothing of the corners, and the run's out below the part. If on_pixel
  * is NULL, the kernel for grey pixels does it, where none is built in. The
  * run's out begins with the part's first pixel, and is counted from it. */
-static RG_NOINLINE void do_rows(small_walk* walk, careful_pixel* on_pixel) {
+static RG_NOINLINE void do_part_by_rows(small_walk* walk,
+                                        careful_pixel* on_pixel) {
   part_rows part;
   rg_grey_rows* const rows = &part.rows;
   part.on_pixel = on_pixel;
@@ -198,7 +199,7 @@ static RG_INLINE void do_grey_part(small_walk* walk) {
   if (RG_ALL_BUILT_IN && is_safe)
     RG_BUILT_IN(1)(&walk->run);
   else
-    do_rows(walk, is_safe ? NULL : do_grey_pixel);
+    do_part_by_rows(walk, is_safe ? NULL : do_grey_pixel);
 }
 
 /* The steps of next_part() are in place here. */
@@ -369,22 +370,32 @@ static RG_NOINLINE void do_careful_pixels(image_walk* image) {
   } while (++r != run->num_rows);
 }
 
-/* Does a part that asks for no care: by the kernel for so many channels, or by
- * the one for grey pixels row by row, or as any lattice. */
+/* Does a part of grey pixels that asks for no care row by row. */
+static RG_INLINE void do_safe_grey_part(small_walk* walk) {
+  walk->run.out += walk->run.out_pixel;
+  do_part_by_rows(walk, NULL);
+  walk->run.out -= walk->run.out_pixel;
+}
+
+/* Does a part that asks for no care by a kernel. */
+static RG_INLINE void blend_safe_part(const rg_run* run,
+                                      const rg_lattice* lattice) {
+  if (!RG_ALL_BUILT_IN || !rg_blend_built_in(run, rg_interleaved(lattice)))
+    rg_blend_lattice(run, lattice);
+}
+
 static RG_INLINE void do_safe_part(image_walk* image) {
   const rg_lattice* const lattice = &image->whole.lattice;
   rg_run* const run = &image->whole.walk.run;
-  const uint32_t channels = rg_interleaved(lattice);
-  if (image->target->sampling == RG_SAMPLING_NEAREST) {
-    rg_copy_lattice(run, lattice);
-  } else if (!RG_ALL_BUILT_IN && channels == 1) {
-    run->out += run->out_pixel;
-    do_rows(&image->whole.walk, NULL);
-    run->out -= run->out_pixel;
+  const int is_copy = image->target->sampling == RG_SAMPLING_NEAREST;
+  if (!is_copy && !RG_ALL_BUILT_IN && rg_interleaved(lattice) == 1) {
+    do_safe_grey_part(&image->whole.walk);
     return;
-  } else if (!RG_ALL_BUILT_IN || !rg_blend_built_in(run, channels)) {
-    rg_blend_lattice(run, lattice);
   }
+  if (is_copy)
+    rg_copy_lattice(run, lattice);
+  else
+    blend_safe_part(run, lattice);
   run->out += (size_t)run->num_rows * run->out_stride;
 }
 

@@ -592,7 +592,7 @@ INLINE void blend(const rg_run* run, uint32_t channels, rg_blend* other) {
 }
 
 /* A part is a tile. */
-INLINE void blend_parts(const rg_run* first, const rg_position (*corners)[4],
+INLINE void blend_parts(const rg_run* first, const rg_position* corners,
                         uint32_t num_parts, uint32_t channels,
                         rg_blend* other) {
   const layout l = {channels, 1};
@@ -602,8 +602,8 @@ INLINE void blend_parts(const rg_run* first, const rg_position (*corners)[4],
   const source_steps s = find_source_steps(&run, l);
   tile_output to = {
       run.out + run.out_pixel * channels, run.out_stride, TILE_ROWS, 1, 1, 0};
-  for (; num_parts != 0; --num_parts, ++corners) {
-    memcpy(run.block.corners, *corners, sizeof(run.block.corners));
+  for (; num_parts != 0; --num_parts, corners += 4) {
+    memcpy(run.block.corners, corners, sizeof(run.block.corners));
     const tile rows = find_tile(&run, 0, l);
     const tile_row row = find_tile_row(rows.step, TILE_PIXELS, l);
     if (run.stride > MAX_STRIDE ||
@@ -614,14 +614,14 @@ INLINE void blend_parts(const rg_run* first, const rg_position (*corners)[4],
   }
 }
 
-#define KERNELS(channels)                                                      \
-  void rg_blend_##channels##_avx512(const rg_run* run) {                       \
-    blend(run, channels, rg_blend_##channels##_avx2);                          \
-  }                                                                            \
-  void rg_blend_parts_##channels##_avx512(                                     \
-      const rg_run* run, const rg_position(*corners)[4], uint32_t num_parts) { \
-    blend_parts(run, corners, num_parts, channels,                             \
-                rg_blend_##channels##_avx2);                                   \
+#define KERNELS(channels)                                                  \
+  void rg_blend_##channels##_avx512(const rg_run* run) {                   \
+    blend(run, channels, rg_blend_##channels##_avx2);                      \
+  }                                                                        \
+  void rg_blend_parts_##channels##_avx512(                                 \
+      const rg_run* run, const rg_position* corners, uint32_t num_parts) { \
+    blend_parts(run, corners, num_parts, channels,                         \
+                rg_blend_##channels##_avx2);                               \
   }
 KERNELS(1)
 KERNELS(2)

@@ -35,8 +35,9 @@ typedef struct rg_run {
 typedef void rg_blend(const rg_run* run);
 
 /* Blends parts of 8 x 8 pixels that lie beside each other: all as the run,
- * which is the first of them, but for the corners of their blocks. */
-typedef void rg_blend_parts(const rg_run* run, const rg_position (*corners)[4],
+ * which is the first of them, but for the corners of their blocks, four a part.
+ */
+typedef void rg_blend_parts(const rg_run* run, const rg_position* corners,
                             uint32_t num_parts);
 
 /* The kernels of one instruction set, for 1, 2, 3 and 4 interleaved channels.

@@ -31,7 +31,7 @@ SETS = {"rays": RAYS, "grey": RAYS + ("rg_select_remap", "rg_remap_size", "rg_re
 STACKS = ("rg_camera_open", "rg_select_remap", "rg_unproject", "rg_unproject_line", "rg_project",
           "rg_undistort_point", "rg_remap_grey", "rg_remap", "rg_remap_source_rows", "rg_match")
 # Functions that call by a pointer that may be NULL, and then do not.
-MAY_CALL_NOTHING = ("do_rows",)
+MAY_CALL_NOTHING = ("do_part_by_rows",)
 
 
 def parse_arguments():

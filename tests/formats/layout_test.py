@@ -78,7 +78,7 @@ def end_of(rows):
 class Layout(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        body = "".join(re.findall(r"^enum \{$(.*?)^\};$", LAYOUT, re.MULTILINE | re.DOTALL))
+        body = "".join(re.findall(r"^enum \w+ \{$(.*?)^\};$", LAYOUT, re.MULTILINE | re.DOTALL))
         cls.fields = {name: (int(offset), kind) for name, offset, kind in
                       re.findall(r"(RG_\w+) = (\d+),?\s+/\* ([iu]\d+(?:\[\d+\])?)[,:\s]", body)}
         cls.num_fields = len(re.findall(r"\bRG_\w+ =", body))
