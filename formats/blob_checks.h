@@ -10,27 +10,6 @@
 #include "rg_blob.h"
 #include "wide_multiply.h"
 
-/* 0, or the status of a fault times -1: small constants make short code. */
-typedef int rg_fault;
-
-/* RG_FORGET() makes compilers forget what they know of a value. Else they would
- * write a short loop out, or call memset for it, or keep what can be read
- * again. */
-#if defined(__GNUC__) && defined(__OPTIMIZE__)
-#define RG_FORGET(value) __asm__("" : "+r"(value))
-#else
-#define RG_FORGET(value) ((void)(value))
-#endif
-
-/* A fault before the tests that find it: these then need no code but a jump. */
-static inline rg_fault rg_fault_of(rg_status status) {
-  rg_fault fault = -(rg_fault)status;
-#if defined(__GNUC__) && defined(__OPTIMIZE_SIZE__)
-  __asm__("" : "+r"(fault) : : "cc");
-#endif
-  return fault;
-}
-
 typedef struct rg_section {
   const uint8_t* bytes; /* NULL: there is none */
   uint32_t size;
@@ -44,8 +23,8 @@ typedef struct rg_sections {
 /* Address (not NULL), header, section table, and the CRCs of all sections.
  * After that every section lies inside the blob and is as long as its fields.
  */
-rg_fault rg_check_table(const uint8_t* bytes, uint32_t num_bytes,
-                        rg_sections* sections);
+rg_status rg_check_table(const uint8_t* bytes, uint32_t num_bytes,
+                         rg_sections* sections);
 
 /* The index-th entry of a type in a section table that was checked, or NULL. */
 static inline const uint8_t* rg_find_entry(const uint8_t* bytes, uint32_t type,
@@ -74,8 +53,8 @@ static inline int rg_is_scale(uint32_t scale, uint32_t cells, uint32_t span) {
 /* A section's arrays start behind its fields and fill it to the end.
  *
  * data_offset  the field */
-rg_fault rg_check_extent(const uint8_t* data_offset, uint32_t size,
-                         uint32_t fields_size, uint32_t data_size);
+rg_status rg_check_extent(const uint8_t* data_offset, uint32_t size,
+                          uint32_t fields_size, uint32_t data_size);
 
 /* Bytes of one bit for each of so many, padded to words. */
 static inline uint32_t rg_mask_size(uint32_t num_bits) {
@@ -83,20 +62,20 @@ static inline uint32_t rg_mask_size(uint32_t num_bits) {
 }
 
 /* A central or inverse grid; NULL has no fault. */
-rg_fault rg_check_grid(const uint8_t* section, uint32_t size,
-                       uint32_t max_fraction_bits);
+rg_status rg_check_grid(const uint8_t* section, uint32_t size,
+                        uint32_t max_fraction_bits);
 
 /* NULL has no fault. grid: that of the blob, checked. */
-rg_fault rg_check_line_points(const uint8_t* section, uint32_t size,
-                              const uint8_t* grid);
+rg_status rg_check_line_points(const uint8_t* section, uint32_t size,
+                               const uint8_t* grid);
 
 /* A table for source images of a size, but for its vertices.
  *
  * source_size  width, and height times 2^16 */
-rg_fault rg_check_remap(const uint8_t* section, uint32_t size,
-                        uint32_t source_size);
+rg_status rg_check_remap(const uint8_t* section, uint32_t size,
+                         uint32_t source_size);
 
 /* Those of a table that was checked. */
-rg_fault rg_check_vertices(const uint8_t* section);
+rg_status rg_check_vertices(const uint8_t* section);
 
 #endif /* RAYGRID_BLOB_CHECKS_H */

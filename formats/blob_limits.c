@@ -9,30 +9,30 @@
   (1u << RG_SECTION_CAMERA | 1u << RG_SECTION_CENTRAL_GRID | \
    1u << RG_SECTION_LINE_POINTS)
 /* Flags, and how often a type stands. */
-static rg_fault check_entry(const uint8_t* bytes, const uint8_t* entry,
-                            const rg_sections* sections) {
+static rg_status check_entry(const uint8_t* bytes, const uint8_t* entry,
+                             const rg_sections* sections) {
   const uint32_t type = rg_load_u16(entry + RG_ENTRY_TYPE);
   const uint32_t flags = rg_load_u16(entry + RG_ENTRY_FLAGS);
-  if (flags > RG_SECTION_CRITICAL) return -RG_ERR_SECTION_FLAGS;
-  if (type >= RG_NUM_SECTION_TYPES || !sections->of[type].bytes) return 0;
-  if (flags != (CRITICAL_TYPES >> type & 1u)) return -RG_ERR_SECTION_FLAGS;
+  if (flags > RG_SECTION_CRITICAL) return RG_ERR_SECTION_FLAGS;
+  if (type >= RG_NUM_SECTION_TYPES || !sections->of[type].bytes) return RG_OK;
+  if (flags != (CRITICAL_TYPES >> type & 1u)) return RG_ERR_SECTION_FLAGS;
   return sections->of[type].bytes !=
                      bytes + rg_load_u32(entry + RG_ENTRY_OFFSET) &&
                  type != RG_SECTION_REMAP
-             ? -RG_ERR_SECTION_DUPLICATE
-             : 0;
+             ? RG_ERR_SECTION_DUPLICATE
+             : RG_OK;
 }
 
-static rg_fault check_camera(const uint8_t* section) {
+static rg_status check_camera(const uint8_t* section) {
   if (rg_load_u16(section + RG_CAMERA_WIDTH) - 1u >= RG_MAX_IMAGE_SIZE ||
       rg_load_u16(section + RG_CAMERA_HEIGHT) - 1u >= RG_MAX_IMAGE_SIZE)
-    return -RG_ERR_IMAGE_SIZE;
-  if (rg_load_u32(section + RG_CAMERA_RESERVED) != 0) return -RG_ERR_RESERVED;
+    return RG_ERR_IMAGE_SIZE;
+  if (rg_load_u32(section + RG_CAMERA_RESERVED) != 0) return RG_ERR_RESERVED;
   /* The last bytes of name and serial. */
   return (section[RG_CAMERA_NAME + RG_TEXT_SIZE - 1] |
           section[RG_CAMERA_SERIAL + RG_TEXT_SIZE - 1]) != 0
-             ? -RG_ERR_TEXT
-             : 0;
+             ? RG_ERR_TEXT
+             : RG_OK;
 }
 
 /* A grid's ends lie on the camera's image or, without one, in the chart. axis:
@@ -89,42 +89,42 @@ static int is_plane_in_range(const uint8_t* plane, const uint8_t* section,
 }
 
 /* The central grid or, without a camera, the inverse one. */
-static rg_fault check_grid(const uint8_t* section, uint32_t size,
-                           const uint8_t* camera) {
+static rg_status check_grid(const uint8_t* section, uint32_t size,
+                            const uint8_t* camera) {
   const uint32_t fraction_bits = rg_load_u16(section + RG_GRID_FRACTION_BITS);
   const int is_wide = fraction_bits == RG_CONTROL_POINT_BITS;
   if (camera && rg_load_u32(section + RG_GRID_RESERVED) != 0)
-    return -RG_ERR_RESERVED;
-  if (!are_ends_in_range(section, camera)) return -RG_ERR_AREA;
-  const rg_fault fault = rg_check_grid(
+    return RG_ERR_RESERVED;
+  if (!are_ends_in_range(section, camera)) return RG_ERR_AREA;
+  const rg_status status = rg_check_grid(
       section, size, camera ? RG_CONTROL_POINT_BITS : RG_NARROW_MAX_BITS);
-  if (fault != 0) return fault;
+  if (status != RG_OK) return status;
   const uint8_t* const data =
       section + rg_load_u32(section + RG_GRID_DATA_OFFSET);
   return (is_wide ? are_points_in_range(data, section + size)
                   : is_plane_in_range(data, section, fraction_bits))
-             ? 0
-             : -RG_ERR_CONTROL_POINT;
+             ? RG_OK
+             : RG_ERR_CONTROL_POINT;
 }
 
 /* Whose grid may stand behind it, not checked yet: then the product of its
  * counts may wrap, but the loop ends at the section's end. */
-static rg_fault check_line_points(const uint8_t* section, uint32_t size,
-                                  const uint8_t* grid) {
-  const rg_fault fault = rg_check_line_points(section, size, grid);
-  if (fault != 0) return fault;
+static rg_status check_line_points(const uint8_t* section, uint32_t size,
+                                   const uint8_t* grid) {
+  const rg_status status = rg_check_line_points(section, size, grid);
+  if (status != RG_OK) return status;
   if (rg_load_u16(section + RG_LINE_POINTS_RESERVED) != 0)
-    return -RG_ERR_RESERVED;
+    return RG_ERR_RESERVED;
   return are_points_in_range(
              section + rg_load_u32(section + RG_LINE_POINTS_DATA_OFFSET),
              section + size)
-             ? 0
-             : -RG_ERR_LINE_POINT;
+             ? RG_OK
+             : RG_ERR_LINE_POINT;
 }
 
 /* Checks the uncertainty section, which covers the central grid's area. */
-static rg_fault check_uncertainty(const uint8_t* section, uint32_t size,
-                                  const uint8_t* grid) {
+static rg_status check_uncertainty(const uint8_t* section, uint32_t size,
+                                   const uint8_t* grid) {
   for (uint32_t c = 0; c < 2; ++c) {
     const uint8_t* const axis = grid + 4 * c;
     const uint32_t intervals =
@@ -133,7 +133,7 @@ static rg_fault check_uncertainty(const uint8_t* section, uint32_t size,
         !rg_is_scale(
             rg_load_u32(section + RG_UNCERTAINTY_SCALE_X + 4 * c), intervals,
             rg_load_u32(axis + RG_GRID_X1) - rg_load_u32(axis + RG_GRID_X0)))
-      return -RG_ERR_UNCERTAINTY;
+      return RG_ERR_UNCERTAINTY;
   }
   const uint32_t num_values =
       (uint32_t)rg_load_u16(section + RG_UNCERTAINTY_COLUMNS) *
@@ -142,44 +142,44 @@ static rg_fault check_uncertainty(const uint8_t* section, uint32_t size,
                          RG_UNCERTAINTY_FIELDS_SIZE, (num_values + 1) / 2 * 4);
 }
 
-static rg_fault check_mask(const uint8_t* section, uint32_t size,
-                           const uint8_t* camera) {
+static rg_status check_mask(const uint8_t* section, uint32_t size,
+                            const uint8_t* camera) {
   const uint32_t log2 = section[RG_MASK_CELL_LOG2];
   /* The reserved fields fill the word that it begins. */
   if ((rg_load_u32(section + RG_MASK_CELL_LOG2) >> 8) != 0)
-    return -RG_ERR_RESERVED;
+    return RG_ERR_RESERVED;
   if (log2 - RG_MIN_MASK_CELL_LOG2 >
       RG_MAX_MASK_CELL_LOG2 - RG_MIN_MASK_CELL_LOG2)
-    return -RG_ERR_MASK;
+    return RG_ERR_MASK;
   uint32_t num_cells = 1;
   for (uint32_t c = 0; c < 4; c += 2) {
     const uint32_t count = rg_load_u16(section + RG_MASK_COLUMNS + c);
     if (count != ((rg_load_u16(camera + RG_CAMERA_WIDTH + c) - 1u) >> log2) + 1)
-      return -RG_ERR_MASK;
+      return RG_ERR_MASK;
     num_cells *= count;
   }
   return rg_check_extent(section + RG_MASK_DATA_OFFSET, size,
                          RG_MASK_FIELDS_SIZE, rg_mask_size(num_cells));
 }
 
-static rg_fault check_remap(const uint8_t* section, uint32_t size,
-                            const uint8_t* camera) {
+static rg_status check_remap(const uint8_t* section, uint32_t size,
+                             const uint8_t* camera) {
   if (section[RG_REMAP_PART_LOG2] == 0 && section[RG_REMAP_BEND_SHIFT] != 0)
-    return -RG_ERR_RESERVED;
-  rg_fault fault =
+    return RG_ERR_RESERVED;
+  rg_status status =
       rg_check_remap(section, size, rg_load_u32(camera + RG_CAMERA_WIDTH));
-  if (fault == 0) fault = rg_check_vertices(section);
-  if (fault != 0) return fault;
+  if (status == RG_OK) status = rg_check_vertices(section);
+  if (status != RG_OK) return status;
   return rg_load_u32(section + RG_REMAP_FX) == 0 ||
                  rg_load_u32(section + RG_REMAP_FY) == 0
-             ? -RG_ERR_REMAP_CAMERA
-             : 0;
+             ? RG_ERR_REMAP_CAMERA
+             : RG_OK;
 }
 
 /* A section's fields and arrays, by those of the camera and the grid, which may
  * not have been checked yet. */
-static rg_fault check_section(const uint8_t* bytes, const uint8_t* entry,
-                              const rg_sections* sections) {
+static rg_status check_section(const uint8_t* bytes, const uint8_t* entry,
+                               const rg_sections* sections) {
   const uint8_t* const section = bytes + rg_load_u32(entry + RG_ENTRY_OFFSET);
   const uint32_t size = rg_load_u32(entry + RG_ENTRY_SIZE);
   const uint8_t* const camera = sections->of[RG_SECTION_CAMERA].bytes;
@@ -200,30 +200,32 @@ static rg_fault check_section(const uint8_t* bytes, const uint8_t* entry,
     case RG_SECTION_INVERSE:
       return check_grid(section, size, 0);
     default:
-      return 0;
+      return RG_OK;
   }
 }
 
-static rg_fault check_blob(const uint8_t* bytes, uint32_t num_bytes) {
+static rg_status check_blob(const uint8_t* bytes, uint32_t num_bytes) {
   rg_sections sections;
-  rg_fault fault = rg_check_table(bytes, num_bytes, &sections);
-  if (fault) return fault;
+  rg_status status = rg_check_table(bytes, num_bytes, &sections);
+  if (status != RG_OK) return status;
   if ((rg_load_u32(bytes + RG_HEADER_RESERVED) |
        rg_load_u32(bytes + RG_HEADER_RESERVED + 4)) != 0)
-    return -RG_ERR_RESERVED;
+    return RG_ERR_RESERVED;
   const uint8_t* const table = bytes + RG_HEADER_SIZE;
   const uint8_t* const end =
       table +
       rg_load_u16(bytes + RG_HEADER_SECTION_COUNT) * RG_SECTION_ENTRY_SIZE;
   const uint8_t* entry;
-  for (entry = table; entry != end && !fault; entry += RG_SECTION_ENTRY_SIZE)
-    fault = check_entry(bytes, entry, &sections);
-  if (!fault && (!sections.of[RG_SECTION_CAMERA].bytes ||
-                 !sections.of[RG_SECTION_CENTRAL_GRID].bytes))
-    fault = -RG_ERR_SECTION_MISSING;
-  for (entry = table; entry != end && !fault; entry += RG_SECTION_ENTRY_SIZE)
-    fault = check_section(bytes, entry, &sections);
-  return fault;
+  for (entry = table; entry != end && status == RG_OK;
+       entry += RG_SECTION_ENTRY_SIZE)
+    status = check_entry(bytes, entry, &sections);
+  if (status == RG_OK && (!sections.of[RG_SECTION_CAMERA].bytes ||
+                          !sections.of[RG_SECTION_CENTRAL_GRID].bytes))
+    status = RG_ERR_SECTION_MISSING;
+  for (entry = table; entry != end && status == RG_OK;
+       entry += RG_SECTION_ENTRY_SIZE)
+    status = check_section(bytes, entry, &sections);
+  return status;
 }
 
 const uint8_t* rg_find_section(const uint8_t* bytes, uint32_t type,
@@ -241,8 +243,8 @@ static uint32_t offset_of(const uint8_t* bytes, uint32_t type) {
 rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {
   if (!blob || !bytes) return RG_ERR_ARGUMENT;
   const uint8_t* const first = (const uint8_t*)bytes;
-  const rg_fault fault = check_blob(first, num_bytes);
-  if (fault) return (rg_status)-fault;
+  const rg_status status = check_blob(first, num_bytes);
+  if (status != RG_OK) return status;
   blob->bytes = first;
   blob->size = rg_load_u32(first + RG_HEADER_TOTAL_SIZE);
   blob->camera = offset_of(first, RG_SECTION_CAMERA);

@@ -5,15 +5,12 @@
 #include "rg_blob.h"
 #include "wide_multiply.h"
 
-rg_fault rg_check_extent(const uint8_t* data_offset, uint32_t size,
-                         uint32_t fields_size, uint32_t data_size) {
+rg_status rg_check_extent(const uint8_t* data_offset, uint32_t size,
+                          uint32_t fields_size, uint32_t data_size) {
   const uint32_t offset = rg_load_u32(data_offset);
-  rg_fault fault = rg_fault_of(RG_ERR_DATA_OFFSET);
-  if (offset >= fields_size && offset % 4 == 0) {
-    fault = rg_fault_of(RG_ERR_SECTION_SIZE);
-    if (offset <= size && size - offset == data_size) fault = 0;
-  }
-  return fault;
+  if (offset < fields_size || offset % 4 != 0) return RG_ERR_DATA_OFFSET;
+  if (offset > size || size - offset != data_size) return RG_ERR_SECTION_SIZE;
+  return RG_OK;
 }
 
 /* A number in both halves of a word, for both axes: their sizes and counts are
@@ -25,27 +22,24 @@ static uint32_t num_control_points(const uint8_t* grid) {
          rg_load_u16(grid + RG_GRID_ROWS);
 }
 
-rg_fault rg_check_grid(const uint8_t* section, uint32_t size,
-                       uint32_t max_fraction_bits) {
-  if (!section) return 0;
+rg_status rg_check_grid(const uint8_t* section, uint32_t size,
+                        uint32_t max_fraction_bits) {
+  if (!section) return RG_OK;
   const uint32_t fraction_bits = rg_load_u16(section + RG_GRID_FRACTION_BITS);
-  rg_fault fault = rg_fault_of(RG_ERR_GRID_CHART);
   if (rg_load_u16(section + RG_GRID_CHART) != RG_CHART_STEREOGRAPHIC ||
       fraction_bits < RG_NARROW_MIN_BITS || fraction_bits > max_fraction_bits)
-    return fault;
+    return RG_ERR_GRID_CHART;
   uint32_t counts = rg_load_u32(section + RG_GRID_COLUMNS);
-  fault = rg_fault_of(RG_ERR_GRID_SIZE);
   /* Less 4 they are below 1024. */
   if (((counts - BOTH(RG_MIN_GRID_SIZE)) &
        ~BOTH(RG_MAX_GRID_SIZE - RG_MIN_GRID_SIZE)) != 0)
-    return fault;
+    return RG_ERR_GRID_SIZE;
   const uint8_t* axis = section;
   for (; counts != 0; counts >>= 16, axis += 4)
     if (!rg_is_scale(
             rg_load_u32(axis + RG_GRID_SCALE_X), (counts & 0xffff) - 3,
             rg_load_u32(axis + RG_GRID_X1) - rg_load_u32(axis + RG_GRID_X0)))
-      return -RG_ERR_GRID_SCALE;
-  section = axis - 8; /* takes no register in the loop */
+      return RG_ERR_GRID_SCALE;
   const uint32_t num_points = num_control_points(section);
   return rg_check_extent(
       section + RG_GRID_DATA_OFFSET, size, RG_GRID_FIELDS_SIZE,
@@ -54,50 +48,49 @@ rg_fault rg_check_grid(const uint8_t* section, uint32_t size,
           : RG_NARROW_PLANE_SIZE + RG_NARROW_POINT_SIZE * num_points);
 }
 
-rg_fault rg_check_line_points(const uint8_t* section, uint32_t size,
-                              const uint8_t* grid) {
-  if (!section) return 0;
+rg_status rg_check_line_points(const uint8_t* section, uint32_t size,
+                               const uint8_t* grid) {
+  if (!section) return RG_OK;
   if (rg_load_u16(section + RG_LINE_POINTS_FRACTION_BITS) != RG_LINE_POINT_BITS)
-    return -RG_ERR_LINE_POINT;
+    return RG_ERR_LINE_POINT;
   return rg_check_extent(section + RG_LINE_POINTS_DATA_OFFSET, size,
                          RG_LINE_POINTS_FIELDS_SIZE,
                          RG_LINE_POINT_SIZE * num_control_points(grid));
 }
 
-rg_fault rg_check_remap(const uint8_t* section, uint32_t size,
-                        uint32_t source_size) {
+rg_status rg_check_remap(const uint8_t* section, uint32_t size,
+                         uint32_t source_size) {
   /* Less 1, all sizes are below 2^13. */
   const uint32_t last = rg_load_u32(section + RG_REMAP_WIDTH) - BOTH(1);
   const uint32_t last_source = source_size - BOTH(1);
   if (((last | last_source | (source_size - BOTH(RG_MIN_REMAP_SOURCE))) &
        ~BOTH(RG_MAX_REMAP_SIZE - 1)) != 0)
-    return -RG_ERR_REMAP_SIZE;
+    return RG_ERR_REMAP_SIZE;
 
   /* Blocks of 8 px without bends, or of 16 px, and of two sizes above. */
   const uint32_t block_log2 = section[RG_REMAP_BLOCK_LOG2];
   const uint32_t part_log2 = section[RG_REMAP_PART_LOG2];
   uint32_t above = block_log2 - 3, vertex_size = RG_VERTEX_SIZE;
   if (part_log2 != 0) {
-    if (part_log2 - 3 >= above) return -RG_ERR_REMAP_BLOCK;
+    if (part_log2 - 3 >= above) return RG_ERR_REMAP_BLOCK;
     --above;
     vertex_size = RG_BENT_VERTEX_SIZE;
   }
-  if (above > 2) return -RG_ERR_REMAP_BLOCK;
+  if (above > 2) return RG_ERR_REMAP_BLOCK;
   /* Without the bits that came from the other half. */
   const uint32_t last_blocks = (last >> block_log2) & ~0xfc00u;
   if (last_blocks + BOTH(2) != rg_load_u32(section + RG_REMAP_COLUMNS))
-    return -RG_ERR_REMAP_BLOCK;
+    return RG_ERR_REMAP_BLOCK;
   if (section[RG_REMAP_RESIDUAL_SHIFT] > RG_MAX_RESIDUAL_SHIFT ||
       section[RG_REMAP_BEND_SHIFT] > RG_MAX_BEND_SHIFT)
-    return -RG_ERR_REMAP_SHIFT;
+    return RG_ERR_REMAP_SHIFT;
   const uint32_t max_x = rg_load_u32(section + RG_REMAP_MAX_X);
   const uint32_t max_y = rg_load_u32(section + RG_REMAP_MAX_Y);
-  uint32_t last_x = last_source & 0xffff;
-  RG_FORGET(last_x); /* no mask for what is shifted */
-  if (rg_load_u32(section + RG_REMAP_MIN_X) > max_x || max_x > last_x << 12 ||
+  if (rg_load_u32(section + RG_REMAP_MIN_X) > max_x ||
+      max_x > (last_source & 0xffff) << 12 ||
       rg_load_u32(section + RG_REMAP_MIN_Y) > max_y ||
       max_y > last_source >> 16 << 12)
-    return -RG_ERR_REMAP_SOURCE;
+    return RG_ERR_REMAP_SOURCE;
   const uint32_t columns = rg_load_u16(section + RG_REMAP_COLUMNS);
   const uint32_t rows = rg_load_u16(section + RG_REMAP_ROWS);
   return rg_check_extent(
@@ -128,12 +121,12 @@ static int are_vertices_in_range(const uint8_t* section, const uint8_t* axis,
   return 1;
 }
 
-rg_fault rg_check_vertices(const uint8_t* section) {
+rg_status rg_check_vertices(const uint8_t* section) {
   const uint8_t* const residuals =
       section + rg_load_u32(section + RG_REMAP_DATA_OFFSET);
   for (uint32_t axis = 0; axis < 2; ++axis)
     if (!are_vertices_in_range(section, section + 4 * axis,
                                residuals + 2 * axis))
-      return -RG_ERR_REMAP_VERTEX;
-  return 0;
+      return RG_ERR_REMAP_VERTEX;
+  return RG_OK;
 }

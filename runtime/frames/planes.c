@@ -13,9 +13,9 @@ static uintptr_t address_of(const uint8_t* data) { return (uintptr_t)data; }
 /* Two intervals meet if the last of one is not so far behind the first of the
  * other as both are long, less 1; that may wrap. First all bytes from the first
  * row to the last are such an interval, then, modulo the stride, a row. */
-rg_fault rg_check_overlap(uint32_t row_bytes, const rg_frame* frame,
-                          const rg_band* band) {
-  if (band->num_rows == 0) return 0;
+rg_status rg_check_overlap(uint32_t row_bytes, const rg_frame* frame,
+                           const rg_band* band) {
+  if (band->num_rows == 0) return RG_OK;
   const uintptr_t stride = band->stride;
   const uintptr_t length = (uintptr_t)frame->width + row_bytes - 1;
   const uintptr_t last_row = (uintptr_t)(band->num_rows - 1u) * stride;
@@ -26,6 +26,6 @@ rg_fault rg_check_overlap(uint32_t row_bytes, const rg_frame* frame,
   /* Rows may lie beside each other. */
   if (distance >= lengths ||
       (frame->stride == stride && rg_remainder(distance, stride) >= length))
-    return 0;
-  return rg_fault_of(RG_ERR_OVERLAP);
+    return RG_OK;
+  return RG_ERR_OVERLAP;
 }

@@ -15,8 +15,8 @@ extern "C" {
 /* A fault if a byte of a row of the frame, of one byte a pixel, is one
  * of a row of the band, whose rows have so many bytes. Where the strides
  * differ: if such a byte lies between the first and the last of the other. */
-rg_fault rg_check_overlap(uint32_t row_bytes, const rg_frame* frame,
-                          const rg_band* band);
+rg_status rg_check_overlap(uint32_t row_bytes, const rg_frame* frame,
+                           const rg_band* band);
 
 /* a mod b for a / b below 2^17: not every core has division. */
 #if RG_HAVE_DIVISION

@@ -56,7 +56,7 @@ static RG_NOINLINE rg_status check_planes(const uint8_t* section,
                              planes[k].height, 0};
     for (uint32_t other = 0; other < num_planes; ++other)
       if (other != k &&
-          rg_check_overlap(planes[k].width, &planes[other], &written) != 0)
+          rg_check_overlap(planes[k].width, &planes[other], &written) != RG_OK)
         return RG_ERR_OVERLAP;
   }
   return RG_OK;

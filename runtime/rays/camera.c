@@ -9,30 +9,30 @@
 typedef char rg_camera_fits_64_bytes[sizeof(rg_camera) <= 64 ? 1 : -1];
 
 /* The sections that rays need. */
-static rg_fault check_rays(const rg_sections* sections) {
+static rg_status check_rays(const rg_sections* sections) {
   const rg_section* const grid = &sections->of[RG_SECTION_CENTRAL_GRID];
   const rg_section* const inverse = &sections->of[RG_SECTION_INVERSE];
   const rg_section* const line_points = &sections->of[RG_SECTION_LINE_POINTS];
   if (!sections->of[RG_SECTION_CAMERA].bytes || !grid->bytes)
-    return -RG_ERR_SECTION_MISSING;
-  rg_fault fault =
+    return RG_ERR_SECTION_MISSING;
+  rg_status status =
       rg_check_grid(grid->bytes, grid->size, RG_CONTROL_POINT_BITS);
-  if (!fault)
-    fault = rg_check_grid(inverse->bytes, inverse->size, RG_NARROW_MAX_BITS);
-  if (!fault)
-    fault = rg_check_line_points(line_points->bytes, line_points->size,
-                                 grid->bytes);
-  return fault;
+  if (status == RG_OK)
+    status = rg_check_grid(inverse->bytes, inverse->size, RG_NARROW_MAX_BITS);
+  if (status == RG_OK)
+    status = rg_check_line_points(line_points->bytes, line_points->size,
+                                  grid->bytes);
+  return status;
 }
 
 rg_status rg_camera_open(rg_camera* camera, const void* bytes,
                          uint32_t num_bytes) {
   const uint8_t* const blob = (const uint8_t*)bytes;
   rg_sections sections;
-  rg_fault fault = -RG_ERR_ARGUMENT;
-  if (camera && blob) fault = rg_check_table(blob, num_bytes, &sections);
-  if (!fault) fault = check_rays(&sections);
-  if (fault) return (rg_status)-fault;
+  rg_status status = RG_ERR_ARGUMENT;
+  if (camera && blob) status = rg_check_table(blob, num_bytes, &sections);
+  if (status == RG_OK) status = check_rays(&sections);
+  if (status != RG_OK) return status;
   camera->blob = blob;
   camera->grid = sections.of[RG_SECTION_CENTRAL_GRID].bytes;
   camera->inverse = sections.of[RG_SECTION_INVERSE].bytes;
@@ -50,17 +50,17 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
 }
 
 rg_status rg_select_remap(rg_camera* camera, uint32_t index) {
-  rg_fault fault = -RG_ERR_NO_REMAP;
+  rg_status status = RG_ERR_NO_REMAP;
   const uint8_t* const entry =
       rg_find_entry(camera->blob, RG_SECTION_REMAP, index);
   if (entry) {
     const uint8_t* const section =
         camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
-    fault = rg_check_remap(section, rg_load_u32(entry + RG_ENTRY_SIZE),
-                           camera->width | (uint32_t)camera->height << 16);
+    status = rg_check_remap(section, rg_load_u32(entry + RG_ENTRY_SIZE),
+                            camera->width | (uint32_t)camera->height << 16);
     /* Elsewhere, what is done with any harms nothing. */
-    if (RG_FAST_WALK && fault == 0) fault = rg_check_vertices(section);
-    if (fault == 0) camera->remap = section;
+    if (RG_FAST_WALK && status == RG_OK) status = rg_check_vertices(section);
+    if (status == RG_OK) camera->remap = section;
   }
-  return (rg_status)-fault;
+  return status;
 }
