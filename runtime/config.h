@@ -131,9 +131,9 @@
 
 /* GCC 11 is the first one whose asm goto has results. All registers are used.
  */
-#if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_FAST_WALK && \
-    !RG_ALL_BUILT_IN && defined(__ARM_FEATURE_UNALIGNED) && \
-    !RG_HAVE_FRAME_POINTER && __GNUC__ >= 11
+#if RG_ROWS_IN_ASSEMBLER && !RG_FAST_WALK && !RG_ALL_BUILT_IN &&  \
+    defined(__ARM_FEATURE_UNALIGNED) && !RG_HAVE_FRAME_POINTER && \
+    __GNUC__ >= 11
 #define RG_GREY_ROW_IN_ASSEMBLER 1
 #else
 #define RG_GREY_ROW_IN_ASSEMBLER 0

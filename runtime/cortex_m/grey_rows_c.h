@@ -10,14 +10,15 @@
 typedef struct rg_grey_rows {
   rg_position* corners; /* those of a run's block, which are edges by now:
                            rg_start_edges() */
-  rg_blended rounding; /* that the kernel begins with; 0: the pixels of the rows
-                          are done one by one */
-  uint32_t rest;       /* rows that are not done */
+  uint32_t rounding; /* that the kernel begins with; 0: the pixels of the rows
+                        are done one by one */
+  uint32_t rest;     /* rows that are not done */
 } rg_grey_rows;
 
 /* The rounding that the kernel begins with, in C. */
-static RG_INLINE rg_blended rg_first_rounding_in_c(const rg_run* run) {
-  return rg_rounding_of(run->num_pixels);
+static RG_INLINE uint32_t rg_first_rounding_in_c(const rg_run* run) {
+  (void)run;
+  return RG_ROUNDING_8;
 }
 
 /* Does all rows that are left, and moves the run's out below them: returns 0.
@@ -29,7 +30,7 @@ static RG_INLINE int rg_do_grey_rows_in_c(rg_grey_rows* rows,
   do {
     rg_next_row(&run->block, (uint32_t*)rows->corners->q12, row);
     if (RG_ALL_BUILT_IN || rows->rounding == 0) return 1;
-    rg_blend_grey_row(run, row, rows->rounding, run->out);
+    rg_blend_grey_row(run, row, run->out);
     run->out += run->out_stride;
   } while (--rows->rest != 0);
   return 0;

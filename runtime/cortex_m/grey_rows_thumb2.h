@@ -42,7 +42,7 @@
 /* A row of n pixels takes half of them, rounded up, as turns, which are counted
  * in the upper four bits; the one below them says that n is odd: the first turn
  * is half a one then. */
-static RG_INLINE rg_blended rg_first_rounding_in_thumb2(const rg_run* run) {
+static RG_INLINE uint32_t rg_first_rounding_in_thumb2(const rg_run* run) {
   return RG_ROUNDING_8 - ((uint32_t)run->num_pixels << 27);
 }
 

@@ -37,10 +37,13 @@ static RG_INLINE void rg_sum_points_in_c(const uint8_t* points,
                                          uint32_t columns, int32_t w_q31[2][4],
                                          int32_t sums_q27[2]) {
   int32_t sums[2] = {0, 0};
-  RG_UNROLL_ROWS
-  for (int j = 0; j < 4;
-       ++j, points = rg_keep_address(points + RG_CONTROL_POINT_SIZE * columns))
-    rg_add_point_row(points, w_q31[0], rg_read_late(w_q31[1] + j), sums);
+  RG_UNROLL
+  for (int j = 0; j < 4; ++j) {
+    RG_IN_MEMORY(w_q31[1][j]);
+    rg_add_point_row(points, w_q31[0], w_q31[1][j], sums);
+    points += RG_CONTROL_POINT_SIZE * columns;
+    RG_IN_REGISTER(points);
+  }
   sums_q27[0] = sums[0];
   sums_q27[1] = sums[1];
 }
@@ -63,11 +66,10 @@ static RG_INLINE void rg_sum_residuals_in_c(const uint8_t* residuals,
                                             uint32_t columns, int32_t half,
                                             int32_t w_q31[2][4],
                                             int32_t sums[2]) {
-  RG_UNROLL_SHARED
+  RG_UNROLL
   for (int c = 0; c < 2; ++c) {
     const uint8_t* row = residuals + 2 * c;
     int32_t sum = half;
-    RG_UNROLL_SHARED
     for (int j = 0; j < 4; ++j, row += RG_NARROW_POINT_SIZE * columns)
       sum = rg_multiply_high_add(sum, rg_sum_residual_row(row, w_q31[0]),
                                  w_q31[1][j]);
@@ -84,7 +86,7 @@ static RG_INLINE const uint8_t* rg_add_line_row_in_c(
   int32_t x = rg_multiply_high(rg_load_i32(points + RG_LINE_POINT_X), w_q31[0]);
   int32_t y = rg_multiply_high(rg_load_i32(points + RG_LINE_POINT_Y), w_q31[0]);
   int32_t z = rg_multiply_high(rg_load_i32(points + RG_LINE_POINT_Z), w_q31[0]);
-  RG_UNROLL_SHARED
+  RG_UNROLL
   for (int k = 1; k < 4; ++k) {
     points += RG_LINE_POINT_SIZE;
     x = rg_multiply_high_add(x, rg_load_i32(points + RG_LINE_POINT_X),

@@ -3,8 +3,8 @@
 /* In place of an edge's ends, those of the part at a place. SPEC.md, "Bends",
  * along(), with eight for 2^n: k is multiplied by what makes it so. bend is b
  * times 4 2^n; modulo 2^32. */
-static RG_NOINLINE void cut_edge(int32_t* from, int32_t* to, int32_t bend,
-                                 const rg_span* span) {
+static void cut_edge(int32_t* from, int32_t* to, int32_t bend,
+                     const rg_span* span) {
   const uint32_t first = (uint32_t)*from, line = (uint32_t)*to - first;
   uint32_t k = span->before << 16 >> 29;
   for (;;) {
@@ -75,11 +75,8 @@ void rg_next_corners_in_c(rg_part_row* parts, rg_position corners[4]) {
       section + rg_load_u32(section + RG_REMAP_DATA_OFFSET) +
       rg_load_u16(section + RG_REMAP_ROWS) * columns * rg_vertex_size(section);
   parts->is_empty = (marks[mark >> 3] >> (mark & 7)) & 1;
-  const uint32_t end = rg_times(2);
-  uint32_t c = 0;
-  do {
+  for (uint32_t c = 0; c < 2; ++c)
     find_axis(parts, c, vertex, &corners->q12[c]);
-  } while (++c != end);
   parts->spans[0].before += parts->spans[0].size;
 }
 

@@ -49,9 +49,7 @@ static RG_INLINE void rg_set_parts(rg_part_row* parts, uint32_t width_log2,
 
 /* Goes to the first part of row j of parts, the size of which is set. */
 static RG_INLINE void rg_start_parts(rg_part_row* parts, uint32_t j) {
-  uint32_t first = 0;
-  RG_IN_REGISTER(first); /* else a loop around this keeps it */
-  parts->spans[0].before = first;
+  parts->spans[0].before = 0;
   parts->spans[1].before = j * parts->spans[1].size;
 }
 

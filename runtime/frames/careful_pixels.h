@@ -55,7 +55,7 @@ static RG_INLINE uint32_t rg_round_position(rg_sampling sampling,
   if (sampling != RG_SAMPLING_NEAREST)
     return (uint32_t)q12 + rg_rounding(lattice->kind, c);
   uint32_t pixel = ((uint32_t)q12 + 2048) >> 12;
-  RG_IN_REGISTER(pixel); /* else a mask is kept in one */
+  RG_FORGET(pixel); /* else a mask is kept in one */
   return pixel << 12;
 }
 
@@ -103,10 +103,8 @@ static RG_INLINE uint32_t rg_blend_careful_grey(const rg_source* source,
   const uint8_t* const upper = run->data + (size_t)row * run->stride + column;
   const uint32_t pixels =
       rg_load_pair(upper) | rg_load_pair(upper + run->stride) << 16;
-  uint32_t wy_q12 = y - (row << 12);
-  RG_IN_REGISTER(wy_q12);
   return rg_blend_8(rg_even_bytes(pixels), rg_odd_bytes(pixels),
-                    (x >> 5) - (column << 7), wy_q12, RG_ROUNDING_8);
+                    (x >> 5) - (column << 7), y - (row << 12));
 }
 
 #endif /* RAYGRID_CAREFUL_PIXELS_H */

@@ -10,9 +10,8 @@
 #include "frames/walk.h"
 
 /* The plane of a lattice of an image, or of so many rows of one, as bytes. */
-static RG_NOINLINE rg_status find_plane(const rg_lattice* lattice,
-                                        uint32_t width, uint32_t num_rows,
-                                        rg_frame* plane) {
+static rg_status find_plane(const rg_lattice* lattice, uint32_t width,
+                            uint32_t num_rows, rg_frame* plane) {
   /* Below 2^16: the width is that of a remap, at most 8192 pixels. */
   const uint32_t row_bytes = rg_plane_row_bytes(lattice, width);
   plane->width = (uint16_t)row_bytes;
@@ -29,9 +28,8 @@ static RG_NOINLINE rg_status find_plane(const rg_lattice* lattice,
 
 /* Checks the planes of image and target, whose formats, sizes and rows are
  * right. */
-static RG_NOINLINE rg_status check_planes(const uint8_t* section,
-                                          const rg_image* image,
-                                          const rg_target* target) {
+static rg_status check_planes(const uint8_t* section, const rg_image* image,
+                              const rg_target* target) {
   const uint32_t source_rows =
       image->ring_rows != 0 ? image->ring_rows : image->height;
   rg_frame planes[6]; /* each of the image, and behind it the target's */
@@ -95,9 +93,8 @@ static RG_NOINLINE int are_rows_there(const rg_image* image, uint32_t rows) {
            first + num_rows <= (uint32_t)image->first_row + image->num_rows));
 }
 
-static RG_NOINLINE rg_status remap_ring(const rg_camera* camera,
-                                        const rg_image* image,
-                                        const rg_target* target) {
+static rg_status remap_ring(const rg_camera* camera, const rg_image* image,
+                            const rg_target* target) {
   const int32_t rows = rg_find_source_rows(camera, image->format,
                                            target->first_row, target->num_rows);
   if (!are_rows_there(image, (uint32_t)rows)) return RG_ERR_ROWS_MISSING;

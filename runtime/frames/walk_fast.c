@@ -105,8 +105,8 @@ static safe_box find_safe_box(const fast_walk* walk) {
 /* Before the first part of the lattice, of rows of the output that are counted
  * in pixels of the image; run->out is for the first row. The walk has its
  * lattice, ring_rows, is_clamped and kernels. */
-static RG_NOINLINE void start_rows(fast_walk* walk, const rg_camera* camera,
-                                   rg_row_range rows) {
+static void start_rows(fast_walk* walk, const rg_camera* camera,
+                       rg_row_range rows) {
   const uint8_t* const section = camera->remap;
   const rg_lattice* const lattice = walk->lattice;
   walk->lines.section = section;
@@ -185,7 +185,7 @@ static RG_INLINE int go_to_part(fast_walk* walk) {
 }
 
 /* To the next part; 0 if there is none. */
-static RG_NOINLINE int next_part(fast_walk* walk) {
+static int next_part(fast_walk* walk) {
   if (!go_to_part(walk)) return 0;
   find_block(walk);
   return 1;
@@ -283,8 +283,7 @@ static RG_INLINE run_care find_segment(fast_walk* walk) {
   walk->position = ends[0] = rg_row_position(&row, run->first_pixel);
   for (;; num >>= 1) {
     for (int c = 0; c < 2; ++c)
-      ends[1].q12[c] =
-          ends[0].q12[c] + (int32_t)(num - 1) * rg_read_late(&row.step.q12[c]);
+      ends[1].q12[c] = ends[0].q12[c] + (int32_t)(num - 1) * row.step.q12[c];
     care = find_care(walk, ends, 2);
     if (care != CARE_PIXEL || num == 1) break;
   }
@@ -295,7 +294,7 @@ static RG_INLINE run_care find_segment(fast_walk* walk) {
 
 /* The part's next run, and what its pixels ask for; while rows_left is not 0,
  * there is another one. */
-static RG_NOINLINE run_care next_run(fast_walk* walk) {
+static run_care next_run(fast_walk* walk) {
   rg_run* const run = &walk->run;
   if (walk->part_pixels == 0) {
     const run_care care = find_part_care(walk);
@@ -326,8 +325,7 @@ static RG_INLINE rg_blend_parts* find_blend_parts(const fast_walk* walk) {
 /* Blends the parts to the right of the one at hand, as far as they are whole
  * and safe, several at once. Returns whether the one then at hand is to be
  * done, with care. */
-static RG_NOINLINE int blend_safe_parts(fast_walk* walk,
-                                        rg_blend_parts* blend_parts) {
+static int blend_safe_parts(fast_walk* walk, rg_blend_parts* blend_parts) {
   rg_position corners[4 * RG_PARTS_AT_ONCE];
   for (;;) {
     rg_run* const run = &walk->run;

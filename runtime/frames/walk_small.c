@@ -63,7 +63,7 @@ static RG_INLINE int start_parts(small_walk* walk) {
 
 /* To the next part, with the corners that its block has in the image; 0 if
  * there is none. */
-static RG_NOINLINE int next_part(small_walk* walk) {
+static int next_part(small_walk* walk) {
   rg_run* const run = &walk->run;
   uint32_t pixel = (uint32_t)run->out_pixel + run->num_pixels;
   if (pixel >= walk->width) {
@@ -81,15 +81,13 @@ static RG_NOINLINE int next_part(small_walk* walk) {
 
 /* Whether so many positions have a source, and all that is no farther than a
  * margin from them. */
-static RG_NOINLINE int have_sources(const small_walk* walk,
-                                    const rg_position* positions, uint32_t num,
-                                    uint32_t margin) {
+static int have_sources(const small_walk* walk, const rg_position* positions,
+                        uint32_t num, uint32_t margin) {
   const int32_t* q12 = positions->q12;
   if (walk->parts.is_empty || !walk->ranges) return 0;
   num *= 2;
   do {
     const uint8_t* range = walk->ranges + 4 * (num & 1);
-    RG_IN_REGISTER(range);
     const uint32_t min = rg_load_u32(range);
     const uint32_t size = rg_load_u32(range + RG_REMAP_MIN_TO_MAX) - min;
     const uint32_t at = (uint32_t)*q12++ - min;
@@ -128,26 +126,14 @@ static RG_INLINE int is_part_safe(const small_walk* walk) {
 
 /* ---- Rows of grey pixels ------------------------------------------------- */
 
-/* The rows of a part that are not done, and what does their pixels one by one.
- */
-typedef struct part_rows {
-  rg_grey_rows rows;
-  careful_pixel* on_pixel;
-} part_rows;
-
-static RG_INLINE small_walk* walk_of(const part_rows* part) {
-  return (small_walk*)(void*)((uint8_t*)part->rows.corners -
-                              offsetof(small_walk, run.block.corners));
-}
-
 /* Does the row that was found, pixel by pixel. */
-static RG_INLINE void do_row(const part_rows* part, const rg_block_row* row) {
-  small_walk* const walk = walk_of(part);
+static RG_INLINE void do_row(small_walk* walk, careful_pixel* on_pixel,
+                             const rg_block_row* row) {
   rg_position position;
   uint32_t pixel = 0;
   position = row->start;
   do {
-    part->on_pixel(walk, &position, pixel);
+    on_pixel(walk, &position, pixel);
     for (int c = 0; c < 2; ++c)
       position.q12[c] = rg_add(position.q12[c], row->step.q12[c]);
   } while (++pixel != walk->run.num_pixels);
@@ -156,23 +142,21 @@ static RG_INLINE void do_row(const part_rows* part, const rg_block_row* row) {
 
 /* Does a part row by row, with less code than do_pixels() but more stack, and
  * leaves nothing of the corners, and the run's out below the part. If on_pixel
- * is NULL, the kernel for grey pixels does it, where none is built in. The
- * run's out begins with the part's first pixel, and is counted from it. */
-static RG_NOINLINE void do_part_by_rows(small_walk* walk,
-                                        careful_pixel* on_pixel) {
-  part_rows part;
-  rg_grey_rows* const rows = &part.rows;
-  part.on_pixel = on_pixel;
-  rows->corners = walk->run.block.corners;
-  rows->rest = walk->run.num_rows;
-  rows->rounding = 0;
-  if (!on_pixel) rows->rounding = RG_FIRST_ROUNDING(&walk->run);
-  rg_start_edges(&walk->run, rows->corners->q12, (uint32_t*)rows->corners->q12);
+ * is NULL, the kernel for grey pixels does it, where none is built in. Pixels
+ * of the output are counted from the part's first. */
+static void do_part_by_rows(small_walk* walk, careful_pixel* on_pixel) {
+  rg_grey_rows rows;
+  rows.corners = walk->run.block.corners;
+  rows.rest = walk->run.num_rows;
+  rows.rounding = on_pixel ? 0 : RG_FIRST_ROUNDING(&walk->run);
+  rg_start_edges(&walk->run, rows.corners->q12, (uint32_t*)rows.corners->q12);
   rg_block_row row;
-  while (RG_DO_GREY_ROWS(rows, &row)) {
-    do_row(&part, &row);
-    if (--rows->rest == 0) break;
+  walk->run.out += walk->run.out_pixel;
+  while (RG_DO_GREY_ROWS(&rows, &row)) {
+    do_row(walk, on_pixel, &row);
+    if (--rows.rest == 0) break;
   }
+  walk->run.out -= walk->run.out_pixel;
 }
 
 /* ---- Grey frames --------------------------------------------------------- */
@@ -195,19 +179,20 @@ static void do_grey_pixel(small_walk* walk, const rg_position* position,
 }
 
 static RG_INLINE void do_grey_part(small_walk* walk) {
+  rg_run* const run = &walk->run;
   const int is_safe = is_part_safe(walk);
-  if (RG_ALL_BUILT_IN && is_safe)
-    RG_BUILT_IN(1)(&walk->run);
-  else
+  if (RG_ALL_BUILT_IN && is_safe) {
+    RG_BUILT_IN(1)(run);
+    run->out += (size_t)run->num_rows * run->out_stride;
+  } else {
     do_part_by_rows(walk, is_safe ? NULL : do_grey_pixel);
+  }
 }
 
-/* The steps of next_part() are in place here. */
 rg_status rg_walk_grey(const rg_camera* camera, const rg_frame* frame,
                        const rg_band* band) {
   grey_walk whole;
-  small_walk* walk = &whole.walk;
-  RG_IN_REGISTER(walk);
+  small_walk* const walk = &whole.walk;
   rg_run* const run = &walk->run;
   whole.border = band->border;
   walk->parts.section = camera->remap;
@@ -217,27 +202,12 @@ rg_status rg_walk_grey(const rg_camera* camera, const rg_frame* frame,
   run->stride = frame->stride;
   run->out_stride = band->stride;
   set_table(walk, &kGrey);
-  run->out_pixel = 0;
-  uint8_t* out = band->data;
-  uint32_t row = band->first_row, rest = band->num_rows;
-  while (rest != 0) {
-    const uint32_t log2 = run->block.height_log2, part = 1u << log2;
-    const uint32_t first_row = row & (part - 1);
-    run->first_row = (uint16_t)first_row;
-    run->num_rows = (uint16_t)rg_lesser(part - first_row, rest);
-    rg_start_parts(&walk->parts, row >> log2);
-    uint32_t pixel = 0;
-    do {
-      run->out = out + pixel;
-      run->num_pixels = (uint16_t)rg_lesser(walk->width - pixel, part);
-      rg_next_corners(&walk->parts, run->block.corners);
-      do_grey_part(walk);
-      pixel += part;
-    } while (pixel < walk->width);
-    out += (size_t)run->num_rows * run->out_stride;
-    row += run->num_rows;
-    rest -= run->num_rows;
-  }
+  walk->row = band->first_row;
+  walk->end_row = (uint16_t)(band->first_row + band->num_rows);
+  run->out = band->data;
+  run->num_rows = run->out_pixel = 0;
+  run->num_pixels = walk->width; /* behind a row's last part */
+  while (next_part(walk)) do_grey_part(walk);
   return RG_OK;
 }
 
@@ -265,8 +235,8 @@ static RG_INLINE void set_ranges(lattice_walk* whole) {
 
 /* Before the first part of the lattice, of rows of the output that are counted
  * in pixels of the image; run->out is for the first row. */
-static RG_NOINLINE void start_rows(lattice_walk* whole, const rg_camera* camera,
-                                   rg_row_range rows) {
+static void start_rows(lattice_walk* whole, const rg_camera* camera,
+                       rg_row_range rows) {
   small_walk* const walk = &whole->walk;
   const rg_lattice* const lattice = &whole->lattice;
   walk->parts.section = camera->remap;
@@ -317,8 +287,7 @@ static RG_NOINLINE int move_to_ring(small_walk* walk) {
 }
 
 /* Coordinate c of the nearest position that has a source. */
-static RG_SHARED int32_t nearest_source(const lattice_walk* lattice,
-                                        int32_t q12, int c) {
+static int32_t nearest_source(const lattice_walk* lattice, int32_t q12, int c) {
   const uint8_t* const min = lattice->ranges + 4 * c;
   const rg_range range = {rg_load_i32(min),
                           rg_load_i32(min + RG_REMAP_MIN_TO_MAX)};
@@ -370,13 +339,6 @@ static RG_NOINLINE void do_careful_pixels(image_walk* image) {
   } while (++r != run->num_rows);
 }
 
-/* Does a part of grey pixels that asks for no care row by row. */
-static RG_INLINE void do_safe_grey_part(small_walk* walk) {
-  walk->run.out += walk->run.out_pixel;
-  do_part_by_rows(walk, NULL);
-  walk->run.out -= walk->run.out_pixel;
-}
-
 /* Does a part that asks for no care by a kernel. */
 static RG_INLINE void blend_safe_part(const rg_run* run,
                                       const rg_lattice* lattice) {
@@ -389,7 +351,7 @@ static RG_INLINE void do_safe_part(image_walk* image) {
   rg_run* const run = &image->whole.walk.run;
   const int is_copy = image->target->sampling == RG_SAMPLING_NEAREST;
   if (!is_copy && !RG_ALL_BUILT_IN && rg_interleaved(lattice) == 1) {
-    do_safe_grey_part(&image->whole.walk);
+    do_part_by_rows(&image->whole.walk, NULL);
     return;
   }
   if (is_copy)
@@ -450,7 +412,7 @@ typedef struct row_walk {
   rg_row_search* search;
 } row_walk;
 
-static RG_NOINLINE void add_position(const row_walk* walk, int32_t y_q12) {
+static void add_position(const row_walk* walk, int32_t y_q12) {
   rg_add_rows(&walk->search->source, y_q12, walk->whole.walk.source.size[1],
               walk->whole.lattice.log2[1]);
 }

@@ -28,9 +28,7 @@ static inline uint32_t rg_even_bytes(uint32_t bytes) {
 
 static inline uint32_t rg_odd_bytes(uint32_t bytes) {
 #if RG_HAVE_SIMD32
-  uint32_t odd = bytes; /* the compiler would rotate first */
-  __asm__("uxtb16 %0, %1, ror #8" : "=r"(odd) : "r"(odd));
-  return odd;
+  return (uint32_t)__uxtb16(bytes >> 8);
 #else
   return (bytes >> 8) & 0x00ff00ff;
 #endif
@@ -40,23 +38,21 @@ static inline uint32_t rg_odd_bytes(uint32_t bytes) {
 #define RG_ROUNDING_8 UINT32_C(0x407ff)
 
 /* With weights across, up to 128, and down, up to 4096; both roundings in one.
- * Samples are the upper row's in the low half, the lower row's in the high.
- * Bits above the lowest 8 are those above 27 of the rounding. */
+ * Samples are the upper row's in the low half, the lower row's in the high. */
 static RG_INLINE uint32_t rg_blend_8(uint32_t left, uint32_t right,
-                                     uint32_t wx_q7, uint32_t wy_q12,
-                                     uint32_t rounding) {
+                                     uint32_t wx_q7, uint32_t wy_q12) {
   /* h0 below and h1 above 16 bits */
   const uint32_t h_q7 = (right - left) * wx_q7 + (left << 7);
 #if RG_HAVE_SIMD32
   /* h0 (4096 - wy) + h1 wy: one instruction */
   const uint32_t weights = (wy_q12 << 16) - wy_q12 + 4096;
   return (uint32_t)__smlad((int16x2_t)h_q7, (int16x2_t)weights,
-                           (int32_t)rounding) >>
+                           (int32_t)RG_ROUNDING_8) >>
          19;
 #else
   const uint32_t upper_q7 = h_q7 & 0xffff;
   const uint32_t down_q7 = (h_q7 >> 16) - upper_q7;
-  return (down_q7 * wy_q12 + ((upper_q7 << 12) + rounding)) >> 19;
+  return (down_q7 * wy_q12 + ((upper_q7 << 12) + RG_ROUNDING_8)) >> 19;
 #endif
 }
 
@@ -73,7 +69,7 @@ static RG_INLINE uint32_t rg_blend_bytes(const uint8_t* upper,
                                          uint32_t x_q12, uint32_t y_q12) {
   return rg_blend_8(upper[0] | (uint32_t)lower[0] << 16,
                     upper[right] | (uint32_t)lower[right] << 16,
-                    (x_q12 >> 5) & 127, y_q12 & 4095, RG_ROUNDING_8);
+                    (x_q12 >> 5) & 127, y_q12 & 4095);
 }
 
 /* The neighbours around a position to which the rounding was added. */
@@ -90,26 +86,17 @@ static inline uint32_t rg_blend_pair(const rg_neighbors* at, uint32_t left,
   return left * (256 - wx_q8) + right * wx_q8;
 }
 
-/* Each field is read when it is needed: that takes less stack. */
-#if RG_IS_FAST
-#define RG_READ_LATE(at) ((void)(at))
-#else
-#define RG_READ_LATE(at) RG_IN_REGISTER(at)
-#endif
-
 /* The blend of samples of more than 8 bits: sample number index of the upper
  * row, and its neighbours. Sums of samples of 16 bits are below 2^32 - 2^15. */
 static RG_INLINE uint32_t rg_blend_wide(uint32_t kind, const rg_neighbors* at,
                                         uint32_t index) {
   uint32_t left = rg_load_sample(kind, at->upper, index);
-  RG_READ_LATE(at);
+  RG_FORGET(at); /* its fields are read when they are needed */
   uint32_t right = rg_load_sample(kind, at->upper, index + at->right);
-  RG_READ_LATE(at);
   const uint32_t upper_q8 = rg_blend_pair(at, left, right);
   left = rg_load_sample(kind, at->lower, index);
-  RG_READ_LATE(at);
+  RG_FORGET(at);
   right = rg_load_sample(kind, at->lower, index + at->right);
-  RG_READ_LATE(at);
   const uint32_t lower_q8 = rg_blend_pair(at, left, right);
   const uint32_t wy_q8 = (at->y_q12 >> 4) & 255;
   return (upper_q8 * (256 - wy_q8) + lower_q8 * wy_q8 + 0x8000) >> 16;

@@ -49,71 +49,13 @@ static RG_INLINE void rg_next_row(const rg_block* block, uint32_t* edges,
 
 /* ---- Grey pixels --------------------------------------------------------- */
 
-/* From one pixel of a row to the next: three ways, by what registers hold. */
-#if RG_HAVE_SIMD32
+/* From one pixel of a row to the next: two ways, by what registers hold. */
+#if defined(__LP64__) || defined(_WIN64)
 
-/* x is mirrored, 4095 - (x + 16): its fraction is the left samples' weight
- * less one. */
-#define RG_MIRROR UINT32_C(4079)
-
-typedef uint32_t rg_blended;
-typedef struct rg_grey_walk {
-  const uint8_t* data;
-  uint32_t stride;
-  uint32_t x_q12, y_q12, step_x, step_y;
-  uint32_t factor, one, apart; /* constants */
-} rg_grey_walk;
-
-static RG_INLINE void rg_start_grey_walk(const rg_run* run,
-                                         const rg_block_row* row,
-                                         rg_grey_walk* walk) {
-  walk->data = run->data;
-  walk->stride = run->stride;
-  walk->x_q12 = RG_MIRROR - (uint32_t)row->start.q12[0];
-  walk->y_q12 = (uint32_t)row->start.q12[1];
-  walk->step_x = 0u - (uint32_t)row->step.q12[0];
-  walk->step_y = (uint32_t)row->step.q12[1];
-  walk->factor = 65535;
-  walk->one = 4096;
-  walk->apart = 257;
-  RG_IN_REGISTER(walk->factor);
-  RG_IN_REGISTER(walk->one);
-  RG_IN_REGISTER(walk->apart);
-}
-
-static RG_INLINE void rg_step_grey_walk(rg_grey_walk* walk) {
-  walk->x_q12 += walk->step_x;
-  walk->y_q12 += walk->step_y;
-  RG_IN_REGISTER(walk->x_q12); /* else more sums than two */
-  RG_IN_REGISTER(walk->y_q12);
-}
-
-static RG_INLINE uint32_t rg_blend_grey_pixel(const rg_grey_walk* walk,
-                                              rg_blended rounding) {
-  const uint8_t* upper = walk->data + (walk->y_q12 >> 12) * walk->stride;
-  RG_IN_REGISTER(upper); /* likewise */
-  upper -= (int32_t)walk->x_q12 >> 12;
-  RG_IN_REGISTER(upper);
-  const uint32_t pixels =
-      rg_load_pair(upper) | rg_load_pair(upper + walk->stride) << 16;
-  const uint32_t right = rg_odd_bytes(pixels);
-  const uint32_t difference = pixels - right * walk->apart; /* left - right */
-  const uint32_t h_q7 =
-      difference * ((walk->x_q12 >> 5) & 127) + (difference + (right << 7));
-  const uint32_t weights = (walk->y_q12 & 4095) * walk->factor + walk->one;
-  return (uint32_t)__smlad((int16x2_t)h_q7, (int16x2_t)weights,
-                           (int32_t)rounding) >>
-         19;
-}
-
-#elif defined(__LP64__) || defined(_WIN64)
-
-typedef uint64_t rg_blended; /* in the upper half */
 typedef struct rg_grey_walk {
   const uint8_t* data;
   uint64_t stride;
   uint64_t position, step; /* x in the upper half */
-  uint64_t factor;         /* 1 - 2^32 */
 } rg_grey_walk;
 
 static RG_INLINE void rg_start_grey_walk(const rg_run* run,
@@ -125,8 +67,6 @@ static RG_INLINE void rg_start_grey_walk(const rg_run* run,
                    (uint64_t)(int64_t)row->start.q12[1];
   walk->step = ((uint64_t)(uint32_t)row->step.q12[0] << 32) +
                (uint64_t)(int64_t)row->step.q12[1];
-  walk->factor = 1 - (UINT64_C(1) << 32);
-  RG_IN_REGISTER(walk->factor);
 }
 
 static RG_INLINE void rg_step_grey_walk(rg_grey_walk* walk) {
@@ -134,8 +74,7 @@ static RG_INLINE void rg_step_grey_walk(rg_grey_walk* walk) {
 }
 
 /* h0 (4096 - wy) + h1 wy is the upper half of one product. */
-static RG_INLINE uint64_t rg_blend_grey_pixel(const rg_grey_walk* walk,
-                                              rg_blended rounding) {
+static RG_INLINE uint8_t rg_blend_grey_pixel(const rg_grey_walk* walk) {
   const uint64_t position = walk->position, stride = walk->stride;
   const uint8_t* const upper =
       walk->data + ((position & UINT32_MAX) >> 12) * stride + (position >> 44);
@@ -145,13 +84,12 @@ static RG_INLINE uint64_t rg_blend_grey_pixel(const rg_grey_walk* walk,
   const uint64_t left = pixels & bytes, right = (pixels >> 8) & bytes;
   const uint64_t h_q7 = (right - left) * ((position >> 37) & 127) + (left << 7);
   const uint64_t weights =
-      (position & 4095) * walk->factor + (UINT64_C(4096) << 32);
-  return (h_q7 * weights + rounding) >> 51;
+      (position & 4095) * (1 - (UINT64_C(1) << 32)) + (UINT64_C(4096) << 32);
+  return (uint8_t)((h_q7 * weights + ((uint64_t)RG_ROUNDING_8 << 32)) >> 51);
 }
 
 #else
 
-typedef uint32_t rg_blended;
 typedef struct rg_grey_walk {
   const uint8_t* data;
   uint32_t stride;
@@ -172,63 +110,28 @@ static RG_INLINE void rg_start_grey_walk(const rg_run* run,
 static RG_INLINE void rg_step_grey_walk(rg_grey_walk* walk) {
   walk->x_q12 += walk->step_x;
   walk->y_q12 += walk->step_y;
-  RG_IN_REGISTER(walk->x_q12); /* else more sums than two */
-  RG_IN_REGISTER(walk->y_q12);
 }
 
-static RG_INLINE uint32_t rg_blend_grey_pixel(const rg_grey_walk* walk,
-                                              rg_blended rounding) {
+static RG_INLINE uint8_t rg_blend_grey_pixel(const rg_grey_walk* walk) {
   const uint8_t* const upper =
       walk->data + (walk->y_q12 >> 12) * walk->stride + (walk->x_q12 >> 12);
   const uint32_t pixels =
       rg_load_pair(upper) | rg_load_pair(upper + walk->stride) << 16;
-  return rg_blend_8(rg_even_bytes(pixels), rg_odd_bytes(pixels),
-                    (walk->x_q12 >> 5) & 127, walk->y_q12 & 4095, rounding);
+  return (uint8_t)rg_blend_8(rg_even_bytes(pixels), rg_odd_bytes(pixels),
+                             (walk->x_q12 >> 5) & 127, walk->y_q12 & 4095);
 }
 
 #endif
 
-/* Two pixels a turn; the turns that are left, 16 at most, are counted in the
- * bits above a blended pixel. */
-#define RG_GREY_ROUNDING \
-  ((rg_blended)RG_ROUNDING_8 << (8 * sizeof(rg_blended) - 32))
-#define RG_TURN ((rg_blended)1 << (8 * sizeof(rg_blended) - 5))
-
-static RG_INLINE int rg_has_turns(rg_blended rounding) {
-  return rounding >> (8 * sizeof(rg_blended) - 1) != 0;
-}
-
-/* Whether an odd row enters the loop at its middle. */
-#define RG_ENTERS_LOOP (!RG_IS_FAST && !RG_FAST_WALK)
-
-/* The rounding that a row of so many pixels begins with. */
-static RG_INLINE rg_blended rg_rounding_of(uint32_t num_pixels) {
-  return RG_GREY_ROUNDING - ((num_pixels + 1) >> 1) * RG_TURN;
-}
-
 static RG_INLINE void rg_blend_grey_row(const rg_run* run,
-                                        const rg_block_row* row,
-                                        rg_blended rounding, uint8_t* out) {
-  const uint32_t num_pixels = run->num_pixels;
+                                        const rg_block_row* row, uint8_t* out) {
   rg_grey_walk walk;
   rg_start_grey_walk(run, row, &walk);
-  if ((num_pixels & 1) != 0) { /* half a turn */
-    if (RG_ENTERS_LOOP) goto second;
-    *out++ = (uint8_t)rg_blend_grey_pixel(&walk, rounding);
-    rg_step_grey_walk(&walk);
-    rounding += RG_TURN;
-    if (!rg_has_turns(rounding)) return;
-  }
+  uint32_t rest = run->num_pixels;
   do {
-    *out++ = (uint8_t)rg_blend_grey_pixel(&walk, rounding);
+    *out++ = rg_blend_grey_pixel(&walk);
     rg_step_grey_walk(&walk);
-    RG_IN_REGISTER(out);
-  second:
-    *out++ = (uint8_t)rg_blend_grey_pixel(&walk, rounding);
-    rg_step_grey_walk(&walk);
-    if (RG_ENTERS_LOOP) RG_IN_REGISTER(out);
-    rounding += RG_TURN;
-  } while (rg_has_turns(rounding));
+  } while (--rest != 0);
 }
 
 #endif /* RAYGRID_GREY_ROW_H */

@@ -49,8 +49,7 @@ INLINE void find_rows(const rg_run* run, int c, int32x4_t row, int32_t origin,
   vstrwq_s32(values + BACK, back);
 }
 
-static RG_NOINLINE void find_row_group(const rg_run* run, uint32_t r,
-                                       int32_t* values) {
+static void find_row_group(const rg_run* run, uint32_t r, int32_t* values) {
   const int32x4_t row = vreinterpretq_s32_u32(vidupq_n_u32(r, 1));
   const int32_t width_shift = -(int32_t)run->block.width_log2;
   const int32_t height_shift = -(int32_t)run->block.height_log2;
@@ -110,9 +109,8 @@ INLINE void blend_row(const rg_run* run, const int32_t* row, uint32_t pixels,
       vsubq_n_u16(vmulq_n_u16(lane, (uint16_t)step_y), (uint16_t)row[UP]);
   uint8_t* const last = out + (run->num_pixels - LANES) * channels;
   for (;;) {
-    const uint8_t* base = data + (x >> 12) * channels;
-    RG_IN_REGISTER(base); /* else more sums than two */
-    base += (y >> 12) * stride;
+    const uint8_t* const base =
+        data + (x >> 12) * channels + (y >> 12) * stride;
     blend_segment(base, stride, channels,
                   vaddq_n_u16(lanes_x, (uint16_t)(x & 4095)),
                   vaddq_n_u16(lanes_y, (uint16_t)(y & 4095)), out);

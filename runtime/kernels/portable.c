@@ -14,12 +14,11 @@ void rg_blend_1(const rg_run* run) {
   rg_edges edges;
   rg_start_edges(run, run->block.corners->q12, edges);
   uint32_t rows = run->num_rows;
-  const rg_blended rounding = rg_rounding_of(run->num_pixels);
   do {
     rg_block_row row;
     rg_next_row(&run->block, edges, &row);
     rg_move_to_run(run, &row);
-    rg_blend_grey_row(run, &row, rounding, out);
+    rg_blend_grey_row(run, &row, out);
     out += run->out_stride;
   } while (--rows != 0);
 }
@@ -100,16 +99,15 @@ static RG_INLINE uint32_t round_start(const rg_lattice* lattice,
 
 /* Does the rows of a run of any lattice, with little code and stack. right: the
  * samples from a pixel to its right neighbour, or 0 if pixels are copied. */
-static RG_NOINLINE void do_rows_shortly(const rg_run* run,
-                                        const rg_lattice* lattice,
-                                        uint32_t right) {
+static void do_rows_shortly(const rg_run* run, const rg_lattice* lattice,
+                            uint32_t right) {
   rg_neighbors at;
   rg_block_row row;
   uint8_t* out = run->out;
   uint32_t r = 0;
   at.right = right;
   do {
-    RG_IN_REGISTER(run); /* else the address of its block is in another one */
+    RG_FORGET(run); /* else the address of its block is in another one */
     rg_find_block_row(&run->block, run->first_row + r, &row);
     rg_move_to_run(run, &row);
     at.x_q12 = round_start(lattice, &row, 0, at.right == 0);

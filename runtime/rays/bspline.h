@@ -13,8 +13,7 @@
  * of the control points only. */
 static RG_INLINE void rg_bspline_weights(int32_t t_q30,
                                          int32_t weights_q31[4]) {
-  int32_t sixth_q31 = 357913941;
-  RG_MAKE_OTHERS_OF(sixth_q31); /* the third */
+  const int32_t sixth_q31 = 357913941;
   const int32_t third_q32 = 4 * sixth_q31;
   const int32_t t2_q30 = 4 * rg_multiply_high(t_q30, t_q30);
   const int32_t t3_q28 = rg_multiply_high(t2_q30, t_q30);

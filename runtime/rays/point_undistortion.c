@@ -37,16 +37,14 @@ rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
                              rg_pixel* undistorted) {
   const uint8_t* const section = camera->remap;
   if (!section) return RG_ERR_NO_REMAP;
-  rg_line line; /* of the point, two are the result's: stacks are short */
-  int32_t* const found_q16 = line.point_q28;
+  rg_line line;
   const rg_ray* const ray = &line.direction;
   const rg_status status = rg_unproject_line(camera, pixel, &line);
   if (status != RG_OK) return status;
   if (ray->z_q30 < MIN_Z_Q30) return RG_ERR_NOT_SEEN;
   const int doublings = rg_leading_zeros((uint32_t)ray->z_q30); /* 1 to 11 */
   const int32_t r_q29 = rg_reciprocal((uint32_t)ray->z_q30 << doublings);
-  found_q16[0] = ray->x_q30; /* until they are projected */
-  found_q16[1] = ray->y_q30;
+  int32_t found_q16[2] = {ray->x_q30, ray->y_q30}; /* until projected */
   for (int c = 0; c < 2; ++c)
     if (!project_coordinate(section + 4 * c, r_q29, doublings, found_q16[c],
                             &found_q16[c]))

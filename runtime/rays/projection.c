@@ -19,8 +19,8 @@
 /* Moves a pixel into the area of a grid; 0 if it lies farther outside. */
 static RG_INLINE int move_inside(const uint8_t* axis, uint32_t tolerance_q16,
                                  int32_t* pixel_q16) {
-  RG_UNROLL_SHARED
-  for (uint32_t axes = rg_times(2); axes > 0; --axes, axis += 4) {
+  RG_UNROLL
+  for (int axes = 2; axes > 0; --axes, axis += 4) {
     const int32_t low_q16 = rg_load_i32(axis + RG_GRID_X0);
     const int32_t high_q16 = rg_load_i32(axis + RG_GRID_X1);
     int32_t inside_q16 = *pixel_q16;
@@ -38,17 +38,15 @@ static RG_INLINE int move_inside(const uint8_t* axis, uint32_t tolerance_q16,
 static RG_INLINE uint32_t take_step(int32_t slopes_q5[2][2],
                                     const int32_t rest_q27[2],
                                     int32_t* pixel_q16) {
-  const int32_t *a_slope_q5 = slopes_q5[0], *b_slope_q5 = slopes_q5[1];
   uint32_t size_q16 = 0;
-  RG_UNROLL_SHARED
-  for (uint32_t axes = rg_times(2); axes > 0; --axes) {
-    const int64_t step_q32 = 0x8000 + rg_product(*a_slope_q5++, rest_q27[0]) +
-                             rg_product(*b_slope_q5++, rest_q27[1]);
+  RG_UNROLL
+  for (int c = 0; c < 2; ++c) {
+    const int64_t step_q32 = 0x8000 + rg_product(slopes_q5[0][c], rest_q27[0]) +
+                             rg_product(slopes_q5[1][c], rest_q27[1]);
     const int32_t step_q16 = (int32_t)(step_q32 >> 16);
     if ((uint32_t)(step_q32 >> 32) + 8 >= 16) return UINT32_MAX;
     size_q16 |= rg_magnitude(step_q16);
-    *pixel_q16 = rg_add(*pixel_q16, step_q16);
-    ++pixel_q16;
+    pixel_q16[c] = rg_add(pixel_q16[c], step_q16);
   }
   return size_q16;
 }
@@ -183,13 +181,13 @@ static RG_SHARED void look_from(rg_line_words* line, const int32_t point[3],
                                 uint32_t shift) {
   int32_t* word = line->words;
   int32_t along_q26 = 0;
-  RG_UNROLL_SHARED
-  for (uint32_t axes = rg_times(3); axes > 0; --axes, ++word)
+  RG_UNROLL
+  for (int axes = 3; axes > 0; --axes, ++word)
     along_q26 = rg_multiply_high_add(along_q26, word[0], word[3]);
   const int32_t along_q28 = rg_shift_left(along_q26, 2);
   word = line->words;
-  RG_UNROLL_SHARED
-  for (uint32_t axes = rg_times(3); axes > 0; --axes, ++word) {
+  RG_UNROLL
+  for (int axes = 3; axes > 0; --axes, ++word) {
     const int32_t part_q26 = rg_multiply_high(along_q28, word[3]);
     const int32_t nearest_q28 = rg_subtract(*word, rg_shift_left(part_q26, 2));
     word[3] = rg_subtract(*point++, nearest_q28 >> shift);

@@ -18,8 +18,7 @@ typedef struct mode_axis {
 } mode_axis;
 
 /* Axis c of a mode; 0 if it is impossible. */
-static RG_NOINLINE int find_mode_axis(const rg_mode* mode, int c,
-                                      mode_axis* axis) {
+static int find_mode_axis(const rg_mode* mode, int c, mode_axis* axis) {
   axis->size = c == 0 ? mode->width : mode->height;
   axis->offset_q16 = c == 0 ? mode->offset_x_q16 : mode->offset_y_q16;
   axis->scale_q16 = c == 0 ? mode->scale_x_q16 : mode->scale_y_q16;
@@ -71,9 +70,8 @@ static RG_INLINE int convert_axis(const mode_axis* axis, int is_to_calibrated,
   return rg_magnitude(at_q16) < LIMIT_Q16;
 }
 
-static RG_NOINLINE rg_status convert(const rg_mode* mode, const rg_pixel* pixel,
-                                     rg_pixel* converted,
-                                     int is_to_calibrated) {
+static rg_status convert(const rg_mode* mode, const rg_pixel* pixel,
+                         rg_pixel* converted, int is_to_calibrated) {
   int32_t q16[2] = {pixel->x_q16, pixel->y_q16};
   for (int c = 0; c < 2; ++c) {
     mode_axis axis;

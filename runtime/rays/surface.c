@@ -6,14 +6,6 @@
 #include "rays/bspline.h"
 #include "rg_blob.h"
 
-/* RG_RARE keeps rare cases out of line where speed matters, so that a place in
- * a wide grid has all registers. */
-#if RG_IS_FAST
-#define RG_RARE RG_NOINLINE
-#else
-#define RG_RARE RG_INLINE
-#endif
-
 /* The rest of rg_find_place() where control points have 32 bits. */
 static RG_INLINE void find_wide_value(const uint8_t* grid, rg_place* place) {
   int32_t sums_q27[2];
@@ -26,8 +18,8 @@ static RG_INLINE void find_wide_value(const uint8_t* grid, rg_place* place) {
 }
 
 /* The rest of rg_find_place() where control points have 16 bits. */
-static RG_RARE void find_narrow_value(const uint8_t* grid, rg_place* place) {
-  grid = rg_keep_address(grid);
+static void find_narrow_value(const uint8_t* grid, rg_place* place) {
+  RG_FORGET(grid); /* the wide value's path keeps its registers */
   int32_t sums[2];
   RG_SUM_RESIDUALS(grid + rg_load_u32(grid + RG_GRID_DATA_OFFSET) +
                        RG_NARROW_PLANE_SIZE +
@@ -41,9 +33,10 @@ static RG_RARE void find_narrow_value(const uint8_t* grid, rg_place* place) {
   const int shift =
       rg_load_u16(grid + RG_GRID_FRACTION_BITS) - 13; /* from 2^14 to q27 */
   int32_t* value = place->value.q27;
-  RG_UNROLL_SHARED
-  for (uint32_t axes = rg_times(2); axes > 0; --axes, ++value, plane += 4)
-    *value = rg_add(rg_evaluate_plane(plane, place), *value >> shift);
+  RG_UNROLL
+  for (int c = 0; c < 2; ++c)
+    value[c] =
+        rg_add(rg_evaluate_plane(plane + 4 * c, place), value[c] >> shift);
 }
 
 rg_status rg_find_place(const uint8_t* grid, int32_t x, int32_t y,
@@ -71,13 +64,16 @@ static RG_SHARED int32_t find_slope(const uint8_t* residual, uint32_t apart,
   const int32_t x_q7 = place->t_q30[0] >> 23;
   const int32_t y_q7 = place->t_q30[1] >> 23;
   int32_t above = 0, below = 0;
-  RG_UNROLL_SHARED
-  for (uint32_t rows = rg_times(2); rows > 0; --rows, residual += row_bytes) {
+  uint32_t rows = 2;
+  RG_FORGET(rows); /* one loop */
+  RG_UNROLL
+  do {
     const uint8_t* const right = residual + RG_NARROW_POINT_SIZE;
     above = below;
     below = blend(rg_load_i16(residual + apart) - rg_load_i16(residual),
                   rg_load_i16(right + apart) - rg_load_i16(right), x_q7);
-  }
+    residual += row_bytes;
+  } while (--rows != 0);
   return blend(above, below, y_q7);
 }
 
@@ -95,7 +91,7 @@ void rg_find_slopes(const uint8_t* inverse, const rg_place* place,
       (int32_t)(rg_load_u32(inverse + RG_INVERSE_SCALE_A) >> 1);
   const int32_t y_scale_q20 =
       (int32_t)(rg_load_u32(inverse + RG_INVERSE_SCALE_B) >> 1);
-  RG_UNROLL_SHARED
+  RG_UNROLL
   for (uint32_t c = 0; c < 2; ++c, plane += 4, residual += 2) {
     const int32_t across = find_slope(
         residual + row_bytes, 2 * RG_NARROW_POINT_SIZE, row_bytes, place);

@@ -34,7 +34,7 @@ static RG_INLINE void find_line_point(const rg_camera* camera,
     const int32_t* row_weight = place->weights_q31[1];
     uint32_t rest_of_row =
         3 * (rg_load_u16(camera->grid + RG_GRID_COLUMNS) - 3u); /* words */
-    RG_UNROLL_SHARED
+    RG_UNROLL
     do
       points = RG_ADD_LINE_ROW(points, place->weights_q31[0], &row_weight,
                                sums_q26) +

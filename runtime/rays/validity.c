@@ -67,7 +67,7 @@ rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
   /* Bilinear; a value below 2^16 and weights of 8 bits fill 32 bits. */
   const uint8_t* values = section + at;
   uint32_t above_q20 = 0, below_q20 = 0;
-  for (uint32_t rows = rg_times(2); rows > 0; --rows, values += 2 * columns) {
+  for (int rows = 2; rows > 0; --rows, values += 2 * columns) {
     const uint32_t left_q12 = rg_load_u16(values);
     const uint32_t right_q12 = rg_load_u16(values + 2);
     if (left_q12 == RG_UNKNOWN_UNCERTAINTY ||

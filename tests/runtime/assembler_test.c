@@ -147,7 +147,7 @@ static rg_run random_run(void) {
   return run;
 }
 
-static rg_grey_rows start_rows(rg_run* run, rg_blended rounding) {
+static rg_grey_rows start_rows(rg_run* run, uint32_t rounding) {
   rg_grey_rows rows;
   rows.corners = run->block.corners;
   rows.rounding = rounding;

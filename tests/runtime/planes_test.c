@@ -30,7 +30,7 @@ static void check_places(const rg_frame* frame, rg_band band,
   for (band.data = memory; band.data < memory + MEMORY_SIZE / 2; ++band.data)
     assert_int_equal(
         rg_check_overlap(row_bytes, frame, &band),
-        do_rows_meet(frame, &band, row_bytes) ? -RG_ERR_OVERLAP : 0);
+        do_rows_meet(frame, &band, row_bytes) ? RG_ERR_OVERLAP : RG_OK);
 }
 
 static void planes_of_one_stride_meet_where_rows_do(void** state) {
@@ -55,11 +55,11 @@ static void planes_of_two_strides_meet_where_their_ends_do(void** state) {
   for (; band.data < memory + 30; ++band.data)
     assert_int_equal(rg_check_overlap(2, &frame, &band),
                      band.data + 5 <= memory + 10 || band.data >= memory + 20
-                         ? 0
-                         : -RG_ERR_OVERLAP);
+                         ? RG_OK
+                         : RG_ERR_OVERLAP);
   band.num_rows = 0;
   band.data = memory + 12;
-  assert_int_equal(rg_check_overlap(2, &frame, &band), 0);
+  assert_int_equal(rg_check_overlap(2, &frame, &band), RG_OK);
 }
 
 static void remainders_are_those_of_division(void** state) {
