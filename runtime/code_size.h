@@ -1,4 +1,5 @@
-/* Nudges to compilers. */
+/* Nudges to compilers, each with what it saves on a Cortex-M4: DESIGN.md,
+ * "Nudges to compilers". */
 #ifndef RAYGRID_CODE_SIZE_H
 #define RAYGRID_CODE_SIZE_H
 
@@ -6,8 +7,11 @@
 
 #include "config.h"
 
-/* Inlining every function into its caller would add up their stacks; the inner
- * loops want it at any level of optimization. */
+/* RG_NOINLINE keeps the stack of a function from adding up with its caller's:
+ * 160 bytes of rg_remap(), 24 of rg_remap_source_rows() in seven places.
+ *
+ * RG_INLINE is for inner loops, at any level of optimization: 19 instructions
+ * of an un-projection, and 12 to 20 bytes of stack. */
 #if defined(__GNUC__)
 #define RG_NOINLINE __attribute__((noinline))
 #define RG_INLINE inline __attribute__((always_inline))
@@ -16,8 +20,10 @@
 #define RG_INLINE inline
 #endif
 
-/* A function, and a loop in it, that are short rather than fast where size
- * matters. */
+/* RG_SHARED and RG_UNROLL are for a function, and a loop in it, that are short
+ * rather than fast where size matters. With -O2 they save 14 to 87 instructions
+ * of a call in most places; with -Os, 16 bytes of stack of rg_project_point().
+ */
 #if RG_IS_FAST
 #define RG_SHARED RG_INLINE
 #define RG_UNROLL _Pragma("GCC unroll 4")
@@ -27,14 +33,17 @@
 #endif
 
 /* Whether a loop goes on that has four turns, counted in bits of a length below
- * 2^30 which are lost when that is shifted: no register is needed for it. */
+ * 2^30 which are lost when that is shifted: no register is needed for it. Saves
+ * 12 bytes, 8 instructions of an un-projection with control points of 16 bits,
+ * 12 of a line, and 20 bytes of stack in two places. */
 static RG_INLINE int rg_turn(uint32_t* length) {
   *length += UINT32_C(1) << 30;
   return *length >= UINT32_C(1) << 30;
 }
 
 /* A value in a register of its own: else the compiler composes it anew where it
- * is used. */
+ * is used. With -O2 it saves 20 bytes and 7 instructions of an un-projection in
+ * one place. In two, clang would call memset(). */
 #if defined(__GNUC__)
 #define RG_IN_REGISTER(value) __asm__("" : "+r"(value))
 #else
@@ -42,7 +51,8 @@ static RG_INLINE int rg_turn(uint32_t* length) {
 #endif
 
 /* RG_FORGET() makes compilers forget what they know of a value, where size
- * matters. */
+ * matters. Saves 54 bytes, 8 instructions of a projection, 5 a pixel of YUYV
+ * and 40 bytes of stack of rg_remap() in seven places. */
 #if RG_IS_FAST
 #define RG_FORGET(value) ((void)(value))
 #else
@@ -50,7 +60,8 @@ static RG_INLINE int rg_turn(uint32_t* length) {
 #endif
 
 /* A value that stays in memory until it is used: registers are scarce there.
- * x86-64 has other ways. */
+ * x86-64 has other ways. Saves 8 instructions of a line in two places; with
+ * -O2, 40 bytes and 14 instructions of an un-projection in a third. */
 #if defined(__GNUC__) && !defined(__x86_64__)
 #define RG_IN_MEMORY(value) __asm__("" : "+m"(value))
 #else
