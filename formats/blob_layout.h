@@ -4,9 +4,9 @@
  * A comment at an offset says the field's type, the format of its number, and
  * its meaning. Offsets are from the first byte of the header, entry, section,
  * plane, vertex or point that the name begins with. RESERVED is the first of
- * several reserved fields. Fields of x have those of y 4 bytes behind them, or
- * 2 bytes if they are of 16 bits; so code that goes over both axes adds that to
- * the offset of x. */
+ * several reserved fields. A field of y stands directly behind that of x: by 4,
+ * 2 or 1 bytes, as many as the field has. Code that goes over both axes adds
+ * them to the offset of x. */
 #ifndef RAYGRID_BLOB_LAYOUT_H
 #define RAYGRID_BLOB_LAYOUT_H
 

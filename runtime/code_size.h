@@ -20,10 +20,10 @@
 #define RG_INLINE inline
 #endif
 
-/* RG_SHARED and RG_UNROLL are for a function, and a loop in it, that are short
- * rather than fast where size matters. With -O2 they save 14 to 87 instructions
- * of a call in most places; with -Os, 16 bytes of stack of rg_project_point().
- */
+/* RG_SHARED is for a function, and RG_UNROLL for a loop in it. They are short
+ * where size matters, else fast. With -O2, RG_UNROLL saves 14 to 87
+ * instructions of a call in most places. With -Os, RG_SHARED saves 16 bytes of
+ * stack of rg_project_point(). */
 #if RG_IS_FAST
 #define RG_SHARED RG_INLINE
 #define RG_UNROLL _Pragma("GCC unroll 4")
@@ -32,10 +32,11 @@
 #define RG_UNROLL
 #endif
 
-/* Whether a loop goes on that has four turns, counted in bits of a length below
- * 2^30 which are lost when that is shifted: no register is needed for it. Saves
- * 12 bytes, 8 instructions of an un-projection with control points of 16 bits,
- * 12 of a line, and 20 bytes of stack in two places. */
+/* Whether a loop of four turns goes on. The upper two bits of a length below
+ * 2^30 count its turns, so the count needs no register. A shift of the length
+ * loses these bits. Saves 12 bytes, 8 instructions of an un-projection with
+ * control points of 16 bits, 12 of a line, and 20 bytes of stack in two places.
+ */
 static RG_INLINE int rg_turn(uint32_t* length) {
   *length += UINT32_C(1) << 30;
   return *length >= UINT32_C(1) << 30;
@@ -43,7 +44,7 @@ static RG_INLINE int rg_turn(uint32_t* length) {
 
 /* A value in a register of its own: else the compiler composes it anew where it
  * is used. With -O2 it saves 20 bytes and 7 instructions of an un-projection in
- * one place. In two, clang would call memset(). */
+ * one place. In two others it keeps clang from calling memset(). */
 #if defined(__GNUC__)
 #define RG_IN_REGISTER(value) __asm__("" : "+r"(value))
 #else
@@ -59,7 +60,7 @@ static RG_INLINE int rg_turn(uint32_t* length) {
 #define RG_FORGET(value) RG_IN_REGISTER(value)
 #endif
 
-/* A value that stays in memory until it is used: registers are scarce there.
+/* A value that stays in memory until it is used, where registers are scarce.
  * x86-64 has other ways. Saves 8 instructions of a line in two places; with
  * -O2, 40 bytes and 14 instructions of an un-projection in a third. */
 #if defined(__GNUC__) && !defined(__x86_64__)

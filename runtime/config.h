@@ -7,7 +7,7 @@
  * |                         |                                     | the target|
  * | RG_MULTIPLY_IN_PARTS    | products of 64 bits from halves     | you, or   |
  * |                         | (formats/wide_multiply.h)           | the target|
- * | RG_HAVE_FRAME_POINTER   | a register of Arm's is taken by it  | you       |
+ * | RG_HAVE_FRAME_POINTER   | a frame pointer takes a register    | you       |
  * | RG_HAVE_SMMULR          | Arm's rounded upper words           | the target|
  * | RG_HAVE_SIMD32          | Arm's pairs of 16 bits in a word    | the target|
  * | RG_HAVE_HELIUM          | Arm's vectors of Cortex-M           | the target|
@@ -15,16 +15,19 @@
  * | RG_HAVE_CLZ             | leading zeros in one instruction    | the target|
  * | RG_HAVE_DIVISION        | division in one instruction         | the target|
  * | RG_IS_FAST              | speed before size: -O1 to -O3       | options   |
- * | RG_ROWS_IN_ASSEMBLER    | rows of four points                 | the above |
- * | RG_CORNERS_IN_ASSEMBLER | cortex_m/thumb2.c                   | the above |
- * | RG_GREY_ROW_IN_ASSEMBLER| cortex_m/grey_row_thumb2.h          | the above |
- * | RG_CHOOSE_KERNELS       | the program chooses when it runs    | the above |
- * | RG_CHOOSE_SURFACE       | so it does for rays, with AVX2      | the above |
+ * | RG_ROWS_IN_ASSEMBLER    | cortex_m/grid_rows_thumb2.h         | the above |
+ * | RG_CORNERS_IN_ASSEMBLER | cortex_m/part_corners_thumb2.c      | the above |
+ * | RG_ALL_BUILT_IN         | kernels of Helium or RVV built in   | the above |
+ * | RG_GREY_ROW_IN_ASSEMBLER| cortex_m/grey_rows_thumb2.h         | the above |
+ * | RG_CHOOSE_KERNELS       | a running program chooses kernels   | the above |
  * | RG_HAS_PART_KERNELS     | kernels that take several parts     | the above |
+ * | RG_CHOOSE_SURFACE       | a running program chooses AVX2 for  | the above |
+ * |                         | rays                                |           |
  * | RG_HAS_TILES            | kernels/tiles.c                     | the above |
  *
- * "You" give it to the compiler of all files: -DRG_PORTABLE_KERNELS=1. A frame
- * pointer is told by -DRG_KEEP_FRAME_POINTER. */
+ * "You" give a switch to the compiler of all files: -DRG_PORTABLE_KERNELS=1.
+ * Only RG_HAVE_FRAME_POINTER is set by another name: -DRG_KEEP_FRAME_POINTER.
+ */
 #ifndef RAYGRID_CONFIG_H
 #define RAYGRID_CONFIG_H
 
@@ -107,7 +110,7 @@
 
 /* ---- By the switches above ---------------------------------------------- */
 
-/* Compilers would load words one by one, and run out of registers. */
+/* In C, compilers load words one by one, and run out of registers. */
 #if RG_HAVE_SMMULR && defined(__thumb2__) && defined(__OPTIMIZE__) && \
     !defined(__clang__) && !defined(__ARMEB__)
 #define RG_ROWS_IN_ASSEMBLER 1
@@ -115,7 +118,7 @@
 #define RG_ROWS_IN_ASSEMBLER 0
 #endif
 
-/* Helium is faster without it where there are no bends. */
+/* Helium is faster without this assembler, for tables without bends. */
 #if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_FAST_WALK && !RG_HAVE_HELIUM
 #define RG_CORNERS_IN_ASSEMBLER 1
 #else
@@ -129,8 +132,8 @@
 #define RG_ALL_BUILT_IN 0
 #endif
 
-/* GCC 11 is the first one whose asm goto has results. All registers are used.
- */
+/* GCC 11 is the first one whose asm goto has results. The assembler uses all
+ * registers. */
 #if RG_ROWS_IN_ASSEMBLER && !RG_FAST_WALK && !RG_ALL_BUILT_IN &&  \
     defined(__ARM_FEATURE_UNALIGNED) && !RG_HAVE_FRAME_POINTER && \
     __GNUC__ >= 11
@@ -139,8 +142,8 @@
 #define RG_GREY_ROW_IN_ASSEMBLER 0
 #endif
 
-/* The program chooses a kernel when it runs, if there is room for several. The
- * small walk knows no spare rows, which they read. */
+/* The program chooses a kernel when it runs, if there is room for several. Such
+ * kernels read spare rows, which the small walk does not know. */
 #if RG_FAST_WALK && !RG_PORTABLE_KERNELS &&                                \
     ((defined(__x86_64__) && defined(__SSE2__)) || defined(__aarch64__) || \
      (defined(__linux__) && (defined(__arm__) || defined(__riscv))))
@@ -149,7 +152,8 @@
 #define RG_CHOOSE_KERNELS 0
 #endif
 
-/* Only the kernels of AVX-512 take several parts at once: up to so many. */
+/* Only the kernels of AVX-512 take several parts at once: at most
+ * RG_PARTS_AT_ONCE. */
 #if RG_CHOOSE_KERNELS && defined(__x86_64__)
 #define RG_HAS_PART_KERNELS 1
 #else

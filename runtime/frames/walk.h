@@ -1,11 +1,11 @@
-/* The seam between the calls that undistort, and the walk that does so: over
- * the lattices of a frame, part by part. walk_fast.c and walk_small.c each have
- * all of it, and give the same bytes; the build takes one of them: RG_FAST_WALK
- * in config.h. runtime/DESIGN.md, "Two walks".
+/* The seam between the calls that undistort frames and the walk, which goes
+ * over the lattices of a frame part by part. walk_fast.c and walk_small.c each
+ * have all functions of the seam, and give the same bytes. RG_FAST_WALK in
+ * config.h says which file the build takes. runtime/DESIGN.md, "Two walks".
  *
  * The calls have checked everything, so that no function here fails. Those that
- * return a status return RG_OK: a call ends with them, and its stack is free.
- */
+ * return a status always return RG_OK: so a call can end with one of them, and
+ * its stack is free by then. */
 #ifndef RAYGRID_WALK_H
 #define RAYGRID_WALK_H
 

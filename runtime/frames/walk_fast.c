@@ -19,10 +19,10 @@
 typedef enum run_care {
   CARE_NONE,     /* their neighbours lie in the source, in rows that follow each
                     other in memory, and so do the spare rows */
-  CARE_SPARE,    /* the spare rows may not */
-  CARE_PIXEL,    /* it is one pixel, which may have no source, or that may lack
-                    neighbours */
-  CARE_NO_SOURCE /* none has */
+  CARE_SPARE,    /* their neighbours do, but perhaps not the spare rows */
+  CARE_PIXEL,    /* it is one pixel, which may have no source, or a source that
+                    lacks neighbours */
+  CARE_NO_SOURCE /* no pixel has a source */
 } run_care;
 
 /* The box of positions in which a part's corners ask for no care. No position

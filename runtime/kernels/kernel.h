@@ -1,5 +1,6 @@
-/* The kernels: inner loops that blend pixels which need no care, and which of
- * them run. All give the same bits: formats/SPEC.md, "Remap arithmetic". */
+/* A kernel is an inner loop that blends the pixels of a run. This header says
+ * what a run is, declares all kernels, and chooses which of them runs. All give
+ * the same bits: formats/SPEC.md, "Remap arithmetic". */
 #ifndef RAYGRID_KERNEL_H
 #define RAYGRID_KERNEL_H
 
@@ -24,8 +25,8 @@ typedef struct rg_run {
   rg_block block;
 } rg_run;
 
-/* The spare rows, in q12: kernels may read beyond what they need, the row below
- * a pixel's lower neighbours, and bytes of the row below that. */
+/* The spare rows, in q12. Kernels may read more than they need: the row below a
+ * pixel's lower neighbours, and bytes of the row below that. */
 #define RG_SPARE_Q12 (2 * 4096)
 #define RG_MIN_STRIDE 32u
 
@@ -34,9 +35,9 @@ typedef struct rg_run {
 /* Blends the pixels of a run, bilinear, of 8 bits. */
 typedef void rg_blend(const rg_run* run);
 
-/* Blends parts of 8 x 8 pixels that lie beside each other: all as the run,
- * which is the first of them, but for the corners of their blocks, four a part.
- */
+/* Blends parts of 8 x 8 pixels that lie beside each other. The run is the first
+ * of them. The others differ from it only in the corners of their blocks, which
+ * are four a part. */
 typedef void rg_blend_parts(const rg_run* run, const rg_position* corners,
                             uint32_t num_parts);
 
@@ -78,12 +79,12 @@ void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice);
 #define RG_BUILT_IN(channels) rg_blend_##channels
 #endif
 
-/* Whether kernels that were chosen may run: is_roomy where the spare rows are
- * there, which those beside built-in ones do not need either. */
+/* Whether kernels that were chosen may run. is_roomy says that the spare rows
+ * are there. Where kernels are built in, the chosen ones need none either. */
 #define RG_MAY_RUN(is_roomy) (RG_ALL_BUILT_IN || (is_roomy))
 
-/* The kernels that are wanted, or the fastest; NULL, which is the built-in
- * ones, where rows are too short for others. */
+/* The kernels that are wanted, or else the fastest. NULL, which stands for the
+ * built-in ones, where rows are too short for others. */
 static inline const rg_kernels* rg_choose_kernels(const rg_kernels* wanted,
                                                   uint32_t stride) {
   if (!RG_CHOOSE_KERNELS || !RG_MAY_RUN(stride >= RG_MIN_STRIDE)) return 0;
