@@ -11,15 +11,17 @@
 
 namespace raygrid {
 
-/// Told what need not be done again, whenever there is more of it.
+/// A callback that is told what need not be done again, whenever there is more
+/// of it.
 using KeepCheckpoint = std::function<void(const Checkpoint&)>;
 
-/// Told the stage and how much of the whole is done, 0 to 1.
+/// A callback that is told the stage, and how much of the whole is done: 0 to
+/// 1.
 using Progress = std::function<void(const std::string& stage, double done)>;
 
-/// Measures the features of a dataset once more, through a first camera: its
-/// model, the pattern as it was found to be, where the boards stood. May return
-/// anything once should_stop says so.
+/// A function that measures the features of a dataset once more. It is given a
+/// first camera's model, the pattern as it was found to be, and where boards
+/// stood. Once should_stop says so, it may return anything.
 using MeasureAgain = std::function<Dataset(const CameraModel&, const Pattern&,
                                            const std::vector<BoardPose>&)>;
 
@@ -29,8 +31,8 @@ struct CalibrationInput {
   Dataset dataset;
   MeasureAgain measure_again = nullptr;  ///< without: features stay as they are
   /// The checkpoint of an interrupted calibration with the same features and
-  /// options, or none. The result is to the bit that of a calibration without
-  /// interruption.
+  /// options, or none. The result has the same bits as that of a calibration
+  /// without interruption.
   std::optional<Checkpoint> resume = {};
   KeepCheckpoint keep = nullptr;
   /// Images that were given, but not measured; the result names them.
@@ -44,7 +46,7 @@ struct CalibrationOptions {
   bool flat_board = false;  ///< keep the pattern's points as they are given
   /// Images not to calibrate with; of a rig, instants.
   std::vector<std::string> hold_out;
-  bool compare_models = false;  ///< with parametric ones, which takes time
+  bool compare_models = false;  ///< also fit parametric ones, which takes time
   int num_threads = 0;
   Progress progress;
   /// Once true, the best state so far is the result.
@@ -55,8 +57,8 @@ struct CalibrationOptions {
 
 /// Calibrates a single camera, or the cameras of a rig and their poses, from
 /// features. Images of one name show one instant. The first camera's frame is
-/// the rig's. Throws Error: kTooFew, kInitialization, kUsage for boards further
-/// away than likely.
+/// the rig's. Throws Error: kTooFew or kInitialization; for boards further away
+/// than likely, kUsage.
 RigResult Calibrate(const std::vector<CalibrationInput>& cameras,
                     const Pattern& pattern, const CalibrationOptions& options);
 
