@@ -29,6 +29,23 @@ static RG_INLINE void rg_set_source_size(const rg_camera* camera,
   source->size[1] = (uint16_t)(camera->height >> lattice->log2[1]);
 }
 
+/* Sets where the lattice lies in the planes of image and target: data, out and
+ * strides of the run, and the ring's rows. */
+static RG_INLINE void rg_set_planes(const rg_lattice* lattice,
+                                    const rg_image* image,
+                                    const rg_target* target, rg_source* source,
+                                    rg_run* run) {
+  const uint32_t plane = lattice->plane;
+  const uint32_t stride = image->planes[plane].stride;
+  const uint32_t out_stride = target->planes[plane].stride;
+  source->ring_rows = (uint16_t)(image->ring_rows >> lattice->log2[1]);
+  run->data = image->planes[plane].data + lattice->first_row * (size_t)stride;
+  run->stride = stride * lattice->row_step;
+  run->out =
+      target->planes[plane].data + lattice->first_row * (size_t)out_stride;
+  run->out_stride = out_stride * lattice->row_step;
+}
+
 /* The rows of a ring, from one multiple of its size to the next, follow each
  * other in memory. Returns how many of these lie around the top of a block, and
  * the first one. */

@@ -526,19 +526,11 @@ static RG_INLINE void remap_part(fast_walk* walk, const rg_target* target) {
 static RG_NOINLINE void start_lattice(fast_walk* walk, const rg_camera* camera,
                                       const rg_image* image,
                                       const rg_target* target) {
-  rg_run* const run = &walk->run;
-  const rg_lattice* const lattice = walk->lattice;
-  const uint32_t plane = lattice->plane;
-  const uint32_t stride = image->planes[plane].stride;
-  const uint32_t out_stride = target->planes[plane].stride;
-  walk->kernels = rg_choose_kernels(target->kernels, stride);
+  const uint32_t plane = walk->lattice->plane;
+  walk->kernels =
+      rg_choose_kernels(target->kernels, image->planes[plane].stride);
   walk->is_clamped = target->border == RG_BORDER_CLAMP;
-  walk->source.ring_rows = (uint16_t)(image->ring_rows >> lattice->log2[1]);
-  run->data = image->planes[plane].data + lattice->first_row * (size_t)stride;
-  run->stride = stride * lattice->row_step;
-  run->out =
-      target->planes[plane].data + lattice->first_row * (size_t)out_stride;
-  run->out_stride = out_stride * lattice->row_step;
+  rg_set_planes(walk->lattice, image, target, &walk->source, &walk->run);
   const rg_row_range rows = {target->first_row,
                              (uint16_t)(target->first_row + target->num_rows)};
   start_rows(walk, camera, rows);

@@ -373,19 +373,10 @@ static RG_INLINE void remap_part(image_walk* image) {
 /* Before the first part of the lattice that the walk has. */
 static RG_NOINLINE void start_lattice(image_walk* walk, const rg_camera* camera,
                                       const rg_image* image) {
-  rg_run* const run = &walk->whole.walk.run;
   const rg_target* const target = walk->target;
-  const rg_lattice* const lattice = &walk->whole.lattice;
-  const uint32_t plane = lattice->plane;
-  const uint32_t stride = image->planes[plane].stride;
-  const uint32_t out_stride = target->planes[plane].stride;
-  walk->whole.walk.source.ring_rows =
-      (uint16_t)(image->ring_rows >> lattice->log2[1]);
-  run->data = image->planes[plane].data + lattice->first_row * (size_t)stride;
-  run->stride = stride * lattice->row_step;
-  run->out =
-      target->planes[plane].data + lattice->first_row * (size_t)out_stride;
-  run->out_stride = out_stride * lattice->row_step;
+  small_walk* const parts = &walk->whole.walk;
+  rg_set_planes(&walk->whole.lattice, image, target, &parts->source,
+                &parts->run);
   const rg_row_range rows = {target->first_row,
                              (uint16_t)(target->first_row + target->num_rows)};
   start_rows(&walk->whole, camera, rows);
