@@ -22,20 +22,27 @@ struct PackArguments {
   bool wide_grid = false;
 };
 
-// "640x480" or "640x480,hfov=90".
-VirtualCamera ParseRemap(const CameraModel& camera, const std::string& text) {
-  const size_t comma = text.find(',');
+// What a table is asked to show; 0 degrees: as sharp as the camera.
+struct View {
+  ImageSize size;
   double hfov_deg = 0;
+};
+
+// "640x480" or "640x480,hfov=90".
+View ParseRemap(const std::string& text) {
+  const size_t comma = text.find(',');
+  View view;
   char end;
   if (comma != std::string::npos &&
-      (std::sscanf(text.c_str() + comma, ",hfov=%lf%c", &hfov_deg, &end) != 1 ||
-       !(hfov_deg > 0) || !std::isfinite(hfov_deg)))
+      (std::sscanf(text.c_str() + comma, ",hfov=%lf%c", &view.hfov_deg, &end) !=
+           1 ||
+       !(view.hfov_deg > 0) || !std::isfinite(view.hfov_deg)))
     throw Error(ExitCode::kUsage,
                 fmt::format("--remap {}: expected WIDTHxHEIGHT or "
                             "WIDTHxHEIGHT,hfov=DEGREES, more than 0",
                             text));
-  return MakeVirtualCamera(
-      camera, ParseImageSize("--remap", text.substr(0, comma)), hfov_deg);
+  view.size = ParseImageSize("--remap", text.substr(0, comma));
+  return view;
 }
 
 nlohmann::ordered_json FoundJson(const FoundPixels& pixels) {
@@ -110,6 +117,9 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
   RequireBlobText("--name", arguments.name);
   RequireBlobText("--serial", arguments.serial);
   RequireNoInputReplaced({arguments.camera}, {arguments.output});
+  std::vector<View> views;
+  for (const std::string& remap : arguments.remaps)
+    views.push_back(ParseRemap(remap));
   CameraInput input = ReadCamera(arguments.camera);
   if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
   if (input.blob)
@@ -119,8 +129,9 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
   if (!arguments.serial.empty()) input.file.serial = arguments.serial;
   const auto blob_from_camera = TurnIntoCameraFrame(&input.file);
   PackOptions options;
-  for (const std::string& remap : arguments.remaps)
-    options.remaps.push_back(ParseRemap(*input.file.camera, remap));
+  for (const View& view : views)
+    options.remaps.push_back(
+        MakeVirtualCamera(*input.file.camera, view.size, view.hfov_deg));
   options.max_error_px = arguments.max_error_px;
   options.is_narrow_allowed = !arguments.wide_grid;
   options.num_threads = common.threads;

@@ -29,14 +29,14 @@ struct UndistortArguments {
 // The blob itself, if it has a table and no other one is asked for.
 BlobCamera PrepareBlob(const UndistortArguments& arguments,
                        const CommonOptions& common) {
+  ImageSize size;
+  if (!arguments.size.empty()) size = ParseImageSize("--size", arguments.size);
   CameraInput input = ReadCamera(arguments.camera);
   if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
   if (input.blob && input.blob->has_remap() && arguments.size.empty() &&
       arguments.hfov_deg == 0)
     return *std::move(input.blob);
   if (!input.blob) TurnIntoCameraFrame(&input.file);
-  ImageSize size;
-  if (!arguments.size.empty()) size = ParseImageSize("--size", arguments.size);
   PackOptions options;
   options.remaps = {
       MakeVirtualCamera(*input.file.camera, size, arguments.hfov_deg)};
