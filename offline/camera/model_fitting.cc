@@ -196,13 +196,14 @@ Equations Linearize(const ParametricModel& model,
   Equations equations;
   equations.normal.setZero(size, size);
   equations.gradient.setZero(size);
+  Eigen::Matrix2Xd row(2, size);
   for (const Sample& sample : target.samples) {
     const Eigen::Vector3d ray = rotation * sample.ray;
     LinearizedProjection linear;
     if (!model.Linearize(ray, nullptr, kAnywherePx, &linear)) continue;
     const Eigen::Vector2d error = linear.pixel - sample.pixel;
     if (error.norm() > target.lost_px) continue;
-    Eigen::MatrixXd row = Eigen::MatrixXd::Zero(2, size);
+    row.setZero();
     for (int k = 0; k < linear.num_nodes; ++k)
       row.col(linear.node_parameter[k]) +=
           linear.node_weight[k] * linear.by_node.col(0);
@@ -211,8 +212,9 @@ Equations Linearize(const ParametricModel& model,
     for (int k = 0; k < 3; ++k)
       row.col(num_parameters + k) =
           linear.by_point * Eigen::Vector3d::Unit(k).cross(ray);
-    equations.normal += row.transpose() * row;
-    equations.gradient += row.transpose() * error;
+    // Small enough to be multiplied without the blocks of large products.
+    equations.normal += row.transpose().lazyProduct(row);
+    equations.gradient += row.transpose().lazyProduct(error);
   }
   AddRidge(model, &equations);
   AddDecentring(model, target, &equations);
