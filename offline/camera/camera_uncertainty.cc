@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 namespace raygrid {
 
@@ -84,11 +86,20 @@ Eigen::Vector2d TrustMask::CellCenter(int cell) const {
 
 double CameraUncertainty::TrustedPart(const ImageSize& size,
                                       const Area& area) const {
-  int count = 0;
+  // Cells are rectangles, as is the area: rows and columns are counted, not
+  // pixels, of which an image may have hundreds of millions.
+  std::vector<int64_t> in_column(mask.columns), in_row(mask.rows);
+  for (int x = 0; x < size.width; ++x)
+    in_column[mask.CellOf({x, 0}) % mask.columns] +=
+        area.Contains({static_cast<double>(x), area.y0});
   for (int y = 0; y < size.height; ++y)
-    for (int x = 0; x < size.width; ++x)
-      count += area.Contains(Eigen::Vector2d(x, y)) &&
-               mask.Trusts(Eigen::Vector2d(x, y));
+    in_row[mask.CellOf({0, y}) / mask.columns] +=
+        area.Contains({area.x0, static_cast<double>(y)});
+  int64_t count = 0;
+  for (int j = 0; j < mask.rows; ++j)
+    for (int i = 0; i < mask.columns; ++i)
+      if (mask.is_trusted[j * mask.columns + i])
+        count += in_column[i] * in_row[j];
   return static_cast<double>(count) /
          (static_cast<double>(size.width) * size.height);
 }
