@@ -21,8 +21,8 @@ class Names(CommandTest):
     def setUpClass(cls):
         super().setUpClass()
         board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
-        result = run("simulate", "--images", len(NAMES), "--features-per-image", 40, "--pattern",
-                     board, "-o", cls.path("sim"))
+        result = run("simulate", "--images", len(NAMES), "--features-per-image", 40, "--lens",
+                     "wide", "--size", "160x120", "--pattern", board, "-o", cls.path("sim"))
         assert result.returncode == 0, result.stderr
         cls.plain = read(cls.path("sim/features.csv")).decode()
         cls.camera = cls.path("sim/true_camera.yaml")
@@ -37,9 +37,9 @@ class Names(CommandTest):
                      "\n".join([header] + lines).encode("utf-8", "surrogateescape") + b"\n")
 
     def calibrate(self, features, *more, output="out"):
-        return run("calibrate", "--features", features, "--image-size", "640x480", "--pattern",
-                   self.path("sim/pattern.yaml"), "--model", "opencv", "--skip-comparison", "-o",
-                   self.path(output), *more)
+        return run("calibrate", "--features", features, "--image-size", "160x120", "--pattern",
+                   self.path("sim/pattern.yaml"), "--model", "opencv", "--skip-comparison",
+                   "--flat-board", "-o", self.path(output), *more)
 
     def test_names_come_through_a_calibration_as_they_are(self):
         self.assert_done(self.calibrate(self.features(NAMES)))
@@ -112,7 +112,7 @@ class Names(CommandTest):
     def test_keys_that_stand_twice_are_refused_by_name(self):
         camera = read(self.camera).decode()
         twice = write(self.path("twice.yaml"), camera.replace(
-            "image_size:", "image_size: [640, 480]\nimage_size:", 1))
+            "image_size:", "image_size: [160, 120]\nimage_size:", 1))
         self.assert_refused(run("inspect", twice), 2, "twice.yaml, line 5", "'image_size'")
         pattern = write(self.path("squares.yaml"), SIMULATED_PATTERN.replace(
             "square_m: 0.03", "square_m: 0.03, square_m: 0.3"))
@@ -133,9 +133,9 @@ class Names(CommandTest):
                           ["pattern", "chessboard", "--columns", 9, "--rows", 6, "--square-mm",
                            20, "--dpi"],
                           ["compare", self.camera, self.camera, "--distance-m"],
-                          ["pack", self.camera, "--remap=640x480,hfov=nan"],
+                          ["pack", self.camera, "--remap=160x120,hfov=nan"],
                           ["calibrate", "--features", self.path("sim/features.csv"), "--image-size",
-                           "640x480", "--pattern", self.path("sim/pattern.yaml"), "--cell-px"]):
+                           "160x120", "--pattern", self.path("sim/pattern.yaml"), "--cell-px"]):
             for number in ("nan", "inf", "-nan"):
                 last = [] if "=" in str(arguments[-1]) else [number]
                 self.assert_refused(run(*arguments, *last, *output), 1)
@@ -146,8 +146,8 @@ class Names(CommandTest):
         blob = self.path("camera.raygrid")
         self.assert_done(run("pack", self.camera, "-o", blob))
         points = write(self.path("xyz.csv"), "x,y,z\n0,0,1\n")
-        pixels = write(self.path("px.csv"), "x,y\n100,100\n")
-        image = write(self.path("white/a.pgm"), b"P5\n640 480\n255\n" + b"\xff" * 307200)
+        pixels = write(self.path("px.csv"), "x,y\n80,60\n")
+        image = write(self.path("white/a.pgm"), b"P5\n160 120\n255\n" + b"\xff" * 19200)
         out = ["-o", self.path("printed")]
         commands = [
             ["inspect", blob], ["inspect", self.camera], ["project", self.camera, "--points", points],

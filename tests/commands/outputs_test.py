@@ -68,7 +68,8 @@ class Outputs(CommandTest):
     def calibration(self, output):
         return ("calibrate", "--features", self.path("sim/features.csv"), "--image-size",
                 "160x120", "--pattern", self.path("board.yaml"), "--model", "opencv",
-                "--skip-comparison", "--quiet", "-o", self.path(output))
+                "--skip-comparison", "--flat-board", "--hold-out", "sim0001.png", "--quiet", "-o",
+                self.path(output))
 
     def test_a_limit_on_the_size_of_files_is_a_failure_to_write(self):
         frame = write(self.path("small/in.raw"), FRAME)
