@@ -90,7 +90,8 @@ TEST(StarDetector, FindsNearlyAllAndNothingElse) {
 }
 
 TEST(StarDetector, FindsNearlyAllAtTheEdgeOf190Degrees) {
-  const Scene scene = MakeScene("fisheye190", StarPattern(), 16, 3, 8);
+  const Scene scene =
+      MakeScene("fisheye190", StarPattern(), 16, 3, 8, FewSamples());
   const Errors errors = Measure(scene, StarDetector(StarPattern(), {}), true);
   Print("fisheye190", errors);
   EXPECT_GT(errors.num_visible, 200);
@@ -102,7 +103,7 @@ TEST(StarDetector, FindsNearlyAllAtTheEdgeOf190Degrees) {
 TEST(StarDetector, FindsStarsOfAnyNumberOfSegments) {
   for (const int segments : {4, 6, 8, 12, 16, 20, 24, 28, 32}) {
     const Pattern pattern = StarPattern(segments);
-    const Scene scene = MakeScene("pinhole", pattern, 24, 1, 9);
+    const Scene scene = MakeScene("pinhole", pattern, 24, 1, 9, FewSamples());
     const Errors errors = Measure(scene, StarDetector(pattern, {}), true);
     Print(std::to_string(segments) + " segments", errors);
     EXPECT_GT(errors.count, 50) << segments;

@@ -23,7 +23,7 @@ TEST(StarDetector, FindsTwoBoardsInAnImage) {
       RenderImage(PixelRays(*camera, kThreads),
                   {{&left, UprightAt(*camera, {50, 80})},
                    {&right, UprightAt(*camera, {360, 100})}},
-                  ImagingOptions(), kThreads);
+                  FewSamples(), kThreads);
   const ImageDetection detection =
       StarDetector(pattern, {}).Detect(WithNoise(exact, 1));
   std::map<int, int> counts;
@@ -47,8 +47,9 @@ RenderedImage ExactUprightImage(const ImagingOptions& imaging) {
   return RenderImage(rays, {{&surface, Upright()}}, imaging, kThreads);
 }
 
-GreyImage UprightImage() {
-  return WithNoise(ExactUprightImage(ImagingOptions()), 1);
+const GreyImage& UprightImage() {
+  static const GreyImage image = WithNoise(ExactUprightImage(FewSamples()), 1);
+  return image;
 }
 
 // Differences from the truth in the upright image.
@@ -71,7 +72,7 @@ Errors MeasureUpright(const std::string& name, ImagingOptions imaging) {
 }
 
 TEST(StarDetector, FindsStarsInHeavyBlur) {
-  ImagingOptions imaging;
+  ImagingOptions imaging = FewSamples();
   imaging.blur_px = 2.5;
   const Errors errors = MeasureUpright("blur 2.5 px", imaging);
   EXPECT_GE(errors.FoundFraction(), 0.99);
@@ -79,7 +80,7 @@ TEST(StarDetector, FindsStarsInHeavyBlur) {
 }
 
 TEST(StarDetector, FindsStarsInOverexposure) {
-  ImagingOptions imaging;
+  ImagingOptions imaging = FewSamples();
   imaging.exposure = 1.8;  // paper would be at 396 of 255
   const Errors errors = MeasureUpright("exposure 1.8", imaging);
   EXPECT_GE(errors.FoundFraction(), 0.99);
@@ -87,7 +88,7 @@ TEST(StarDetector, FindsStarsInOverexposure) {
 }
 
 TEST(StarDetector, FindsStarsInUnderexposure) {
-  ImagingOptions imaging;
+  ImagingOptions imaging = FewSamples();
   imaging.exposure = 0.1;  // paper at 22, ink at 3, noise of 2
   const Errors errors = MeasureUpright("exposure 0.1", imaging);
   EXPECT_GE(errors.FoundFraction(), 0.99);
@@ -108,8 +109,7 @@ TEST(StarDetector, IsMoreExactIn16BitsThanIn8) {
 }
 
 TEST(StarDetector, FindsStarsInColourImages) {
-  const Image grey =
-      AddNoiseAndQuantize(ExactUprightImage(ImagingOptions()), {});
+  const Image grey = AddNoiseAndQuantize(ExactUprightImage(FewSamples()), {});
   Image yellow = grey;  // no light in the first channel
   yellow.channels = 3;
   yellow.pixels.clear();
@@ -131,7 +131,7 @@ GreyImage NearAndFarBoard(const Pattern& pattern) {
   far_pose.translation *= 4.4;
   return WithNoise(RenderImage(PixelRays(*camera, kThreads),
                                {{&near, near_pose}, {&far, far_pose}},
-                               ImagingOptions(), kThreads),
+                               FewSamples(), kThreads),
                    1);
 }
 
@@ -152,7 +152,7 @@ TEST(StarDetector, FindsABoardWhoseTagIsMissedAtHalfResolution) {
 }
 
 TEST(StarDetector, RemarksThatAnImageIsMirrored) {
-  const GreyImage image = UprightImage();
+  const GreyImage& image = UprightImage();
   const StarDetector detector(StarPattern(), {});
   EXPECT_FALSE(detector.Detect(image).features.empty());
   const ImageDetection detection = detector.Detect(Mirrored(image));
@@ -174,7 +174,7 @@ TEST(StarDetector, RemarksOnTagsOfNoBoard) {
 TEST(StarDetector, FindsNothingInAnEmptyImage) {
   const auto camera = SimulatedLens("pinhole", kSize);
   const RenderedImage exact =
-      RenderImage(PixelRays(*camera, kThreads), {}, ImagingOptions(), kThreads);
+      RenderImage(PixelRays(*camera, kThreads), {}, FewSamples(), kThreads);
   const ImageDetection detection =
       StarDetector(StarPattern(), {}).Detect(WithNoise(exact, 1));
   EXPECT_TRUE(detection.features.empty());
@@ -183,7 +183,7 @@ TEST(StarDetector, FindsNothingInAnEmptyImage) {
 }
 
 TEST(StarDetector, FindsTheSameTwice) {
-  const GreyImage image = UprightImage();
+  const GreyImage& image = UprightImage();
   const std::vector<Feature> first =
       StarDetector(StarPattern(), {}).Detect(image).features;
   const std::vector<Feature> second =
@@ -206,7 +206,7 @@ GreyImage BoardBesideAnEnd() {
   return WithNoise(RenderImage(PixelRays(*camera, kThreads),
                                {{&left, UprightAt(*camera, {50, 80})},
                                 {&right, UprightAt(*camera, {545, 100})}},
-                               ImagingOptions(), kThreads),
+                               FewSamples(), kThreads),
                    1);
 }
 
@@ -245,7 +245,7 @@ TEST(StarDetector, FindsStarsOfABoardWhoseTagIsCutOff) {
     const Pattern pattern = StarPattern(segments);
     const BoardSurface surface(pattern.boards[0]);
     const GreyImage image = WithNoise(
-        RenderImage(rays, {{&surface, pose}}, ImagingOptions(), kThreads), 1);
+        RenderImage(rays, {{&surface, pose}}, FewSamples(), kThreads), 1);
     ASSERT_TRUE(DetectTags(image, TagSearch::kThorough).empty());
     EXPECT_GT(StarDetector(pattern, {}).Detect(image).features.size(), 80u)
         << segments << " segments";
@@ -295,7 +295,7 @@ Errors MeasureNear(const NearBoard& near) {
   const Pose pose = PoseOf(near, *camera);
   const GreyImage image =
       WithNoise(RenderImage(PixelRays(*camera, kThreads), {{&surface, pose}},
-                            ImagingOptions(), kThreads),
+                            FewSamples(), kThreads),
                 1);
   std::map<FeatureKey, Eigen::Vector2d> found;
   for (const Feature& f : StarDetector(pattern, {}).Detect(image).features)
@@ -339,7 +339,7 @@ TEST(StarDetector, FindsLargeStarsOfABoardWhoseTagIsCutOff) {
   Pose pose = PoseOf({"pinhole", 60, 20, {100, 200}}, *camera);
   pose.translation.x() -= 4.5 * kSquare;
   const GreyImage image = WithNoise(
-      RenderImage(rays, {{&surface, pose}}, ImagingOptions(), kThreads), 1);
+      RenderImage(rays, {{&surface, pose}}, FewSamples(), kThreads), 1);
   ASSERT_TRUE(DetectTags(image, TagSearch::kThorough).empty());
   EXPECT_GT(StarDetector(pattern, {}).Detect(image).features.size(), 60u);
 }

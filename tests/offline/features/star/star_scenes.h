@@ -56,6 +56,14 @@ inline ImagingOptions NoisyImaging(uint64_t seed) {
   return options;
 }
 
+/// A quarter of the samples that images usually have, which takes most of the
+/// time: for tests whose bounds are far above what that adds.
+inline ImagingOptions FewSamples() {
+  ImagingOptions options;
+  options.samples_per_pixel = 4;
+  return options;
+}
+
 inline GreyImage WithoutNoise(const RenderedImage& exact) {
   GreyImage image;
   image.size = exact.size;
@@ -116,7 +124,8 @@ inline std::vector<Pose> ChoosePoses(const CameraModel& camera,
 }
 
 inline Scene MakeScene(const std::string& lens, const Pattern& pattern,
-                       double min_square_px, int num_images, uint64_t seed) {
+                       double min_square_px, int num_images, uint64_t seed,
+                       const ImagingOptions& imaging = ImagingOptions()) {
   Scene scene;
   scene.camera = SimulatedLens(lens, kSize);
   scene.board = pattern.boards[0];
@@ -124,8 +133,8 @@ inline Scene MakeScene(const std::string& lens, const Pattern& pattern,
   const BoardSurface surface(scene.board);
   for (const Pose& pose :
        ChoosePoses(*scene.camera, scene.board, min_square_px, num_images, seed))
-    scene.shots.push_back({pose, RenderImage(rays, {{&surface, pose}},
-                                             ImagingOptions(), kThreads)});
+    scene.shots.push_back(
+        {pose, RenderImage(rays, {{&surface, pose}}, imaging, kThreads)});
   return scene;
 }
 
