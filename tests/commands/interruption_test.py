@@ -15,7 +15,7 @@ class Interruption(CommandTest):
     def setUpClass(cls):
         super().setUpClass()
         cls.board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
-        result = run("simulate", "--images", 9, "--features-per-image", 100, "--pattern",
+        result = run("simulate", "--images", 9, "--features-per-image", 60, "--pattern",
                      cls.board, "-o", cls.path("sim"))
         assert result.returncode == 0, result.stderr
 
@@ -112,10 +112,11 @@ class Interruption(CommandTest):
                 self.assert_same_bytes(output, "whole")
 
     def test_a_finished_result_is_kept(self):
+        quick = ("--cell-px", 160, "--skip-comparison")
         started = time.monotonic()
-        self.assert_done(run(*self.arguments("finished")))
+        self.assert_done(run(*self.arguments("finished", *quick)))
         seconds = time.monotonic() - started
-        arguments = self.arguments("finished", "--seed", 1)
+        arguments = self.arguments("finished", "--seed", 1, *quick)
         for part in (0.5, 0.35, 0.7, 0.25, 0.9):
             before = self.files_in("finished")
             code, error = self.interrupted(arguments, signal.SIGTERM, part * seconds, attempts=1)
@@ -128,7 +129,7 @@ class Interruption(CommandTest):
         self.assertTrue(after.pop("resume.json"))
         self.assertTrue(after == before)
         self.assert_done(run(*arguments, "--resume"))
-        self.assert_done(run(*self.arguments("at-once", "--seed", 1)))
+        self.assert_done(run(*self.arguments("at-once", "--seed", 1, *quick)))
         self.assert_same_bytes("finished", "at-once")
 
     def test_a_calibration_that_is_killed_again_and_again_is_gone_on_from(self):
@@ -153,12 +154,12 @@ class Interruption(CommandTest):
         self.assert_same_bytes("killed", "unkilled")
 
     def test_a_rig_is_gone_on_from(self):
-        self.assert_done(run("simulate", "--images", 12, "--features-per-image", 60, "--cameras",
+        self.assert_done(run("simulate", "--images", 8, "--features-per-image", 60, "--cameras",
                              2, "--pattern", self.board, "-o", self.path("rig")))
 
         def arguments(output, *more):
             return ["calibrate", "--features", self.path("rig/features.csv"), "--image-size",
-                    "640x480", "--pattern", self.path("rig/pattern.yaml"), "--cell-px", 120,
+                    "640x480", "--pattern", self.path("rig/pattern.yaml"), "--cell-px", 160,
                     "--skip-comparison", "--threads", 1, "-o", self.path(output), *more]
 
         started = time.monotonic()
