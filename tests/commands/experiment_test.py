@@ -6,7 +6,7 @@ import math
 import os
 import random
 
-from command_test import CommandTest, main, read, run, write
+from command_test import CommandTest, SIMULATED_PATTERN, main, read, run, write
 
 ERRORS = ["median_x_px", "median_y_px", "rms_x_px", "rms_y_px"]
 COUNTS = ["visible", "found", "compared"]
@@ -149,7 +149,8 @@ class Experiment(CommandTest):
         rng = random.Random(5)
         points = [(rng.choice((-1, 1)) * rng.uniform(0.5, 1.5), rng.uniform(-0.8, 0.8),
                    rng.uniform(0, 9)) for _ in range(500)]
-        images, tracks = [], 0
+        # All images' points in one list, since each run of the program takes its time.
+        walk, seen_by = [], []
         for i in range(40):
             yaw, place = 0.3 * math.sin(i / 5), (0.1 * math.sin(i / 4), 0, 0.1 * i)
             c, s = math.cos(yaw), math.sin(yaw)
@@ -159,9 +160,14 @@ class Experiment(CommandTest):
                 x, z = c * x - s * z, s * x + c * z
                 if 0.7 < z < 6:
                     seen[k] = (x, y, z)
-            csv_path = write(self.path("walk.csv"), "x,y,z\n" + "\n".join(
-                ",".join(map(str, p)) for p in seen.values()) + "\n")
-            pixels = json.loads(run("project", camera, "--points", csv_path, "--json").stdout)
+            walk.append((yaw, place))
+            seen_by.append(seen)
+        csv_path = write(self.path("walk.csv"), "x,y,z\n" + "\n".join(
+            ",".join(map(str, p)) for seen in seen_by for p in seen.values()) + "\n")
+        pixels = iter(json.loads(run("project", camera, "--points", csv_path, "--json").stdout))
+        images, tracks = [], 0
+        for i, ((yaw, place), seen) in enumerate(zip(walk, seen_by)):
+            c, s = math.cos(yaw), math.sin(yaw)
             # The middle of COLMAP's first pixel is (0.5, 0.5).
             line = [f"{p['u'] + 0.5} {p['v'] + 0.5} {k + 7}"
                     for k, p in zip(seen, pixels) if p["valid"]] + ["3.5 4.5 -1"]
@@ -180,7 +186,7 @@ class Experiment(CommandTest):
         return folder
 
     def test_own_walk(self):
-        self.assert_done(run("simulate", "--images", 10, "-o", self.path("lens")))
+        self.assert_done(run("simulate", "--images", 1, "-o", self.path("lens")))
         truth = self.path("lens/true_camera.yaml")
         self.assert_done(run("fit", truth, "--model", "opencv", "-o", self.path("opencv.yaml")))
         folder = self.colmap_model(self.path("colmap"), truth)
@@ -227,7 +233,7 @@ class Experiment(CommandTest):
         return write(path, b"P5\n320 240\n255\n" + bytes(grey))
 
     def test_own_stereo_pair(self):
-        self.assert_done(run("simulate", "--images", 10, "--size", "320x240", "--lens", "fisheye",
+        self.assert_done(run("simulate", "--images", 1, "--size", "320x240", "--lens", "fisheye",
                              "-o",
                              self.path("narrow")))
         truth = self.path("narrow/true_camera.yaml")
@@ -288,7 +294,9 @@ cameras:
                             1, "--camera")
 
     def test_own_features(self):
-        self.assert_done(run("simulate", "--images", 10, "-o", self.path("own")))
+        self.assert_done(run("simulate", "--images", 10, "--features-per-image", 100, "--pattern",
+                             write(self.path("board.yaml"), SIMULATED_PATTERN), "-o",
+                             self.path("own")))
         data = ("--features", self.path("own/features.csv"), "--pattern",
                 self.path("own/pattern.yaml"), "--image-size", "640x480")
         rows, _ = self.small("localization", *data)
