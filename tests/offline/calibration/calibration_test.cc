@@ -404,13 +404,15 @@ bool HasReason(const CalibrationResult& result, const std::string& words) {
                      });
 }
 
+// Verdicts of views: one is held out, since cross-validation would adjust what
+// hardly converges four times more.
 TEST(Calibrate, FailsWhereNoBoardIsTilted) {
   std::vector<Pose> poses;
   for (int k = 0; k < 12; ++k)
     poses.push_back(
         PoseOver(0.1 * (k % 3 - 1), 0.1 * (k / 3 % 2), 0.5 + 0.05 * k, 0));
   const CalibrationResult result =
-      Calibrate(Observe(poses), TestBoard(), Coarse());
+      Calibrate(Observe(poses), TestBoard(), HoldingOut({"view11.png"}));
   EXPECT_EQ(result.verdict.word, "fail");
   EXPECT_TRUE(HasReason(result, "all boards are parallel"));
 }
@@ -421,7 +423,8 @@ TEST(Calibrate, FailsWherePixelsAreLikeNoCameras) {
   for (ImageFeatures& image : dataset.images)
     for (Feature& feature : image.features)
       feature.pixel.y() = (feature.pixel.y() + 0.5) / 10 - 0.5;
-  const CalibrationResult result = Calibrate(dataset, TestBoard(), Coarse());
+  const CalibrationResult result =
+      Calibrate(dataset, TestBoard(), HoldingOut({dataset.images[7].image}));
   EXPECT_EQ(result.verdict.word, "fail");
   EXPECT_TRUE(HasReason(result, "times as wide as high"));
 }
@@ -429,7 +432,7 @@ TEST(Calibrate, FailsWherePixelsAreLikeNoCameras) {
 TEST(Calibrate, FailsWhereAllViewsAreTheSame) {
   const CalibrationResult result =
       Calibrate(Observe(std::vector<Pose>(12, PoseOver(0, 0, 0.5, 0.6))),
-                TestBoard(), Coarse());
+                TestBoard(), HoldingOut({"view11.png"}));
   EXPECT_EQ(result.verdict.word, "fail");
   EXPECT_TRUE(HasReason(result, "only 1 different ways"));
 }
@@ -507,8 +510,8 @@ TEST(Calibrate, FailsWhereNoFlatBoardOfPointsIsTilted) {
   for (int k = 0; k < 12; ++k)
     poses.push_back(
         PoseOver(0.1 * (k % 3 - 1), 0.1 * (k / 3 % 2), 0.5 + 0.05 * k, 0));
-  const CalibrationResult result =
-      Calibrate(Observe(poses), PointsOfTestBoard(0), Coarse());
+  const CalibrationResult result = Calibrate(
+      Observe(poses), PointsOfTestBoard(0), HoldingOut({"view11.png"}));
   EXPECT_EQ(result.verdict.word, "fail");
   EXPECT_TRUE(HasReason(result, "all boards are parallel"));
 }
