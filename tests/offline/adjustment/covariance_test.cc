@@ -6,7 +6,7 @@
 namespace raygrid {
 namespace {
 
-constexpr double kNoisePx = 0.2;
+constexpr double kObservedNoisePx = 0.2;
 const UncertaintyOptions kLattice = {9, 7};
 
 // Views of a camera with a coarse grid, exactly; the area is that of its image.
@@ -76,7 +76,7 @@ TEST(ProjectionUncertainty, IsHowAdjustedCamerasScatterWithTheNoise) {
   const GaussianPrior prior = WeakPrior(exact);
   Eigen::MatrixXd joint_px2;
   const std::vector<PixelUncertainty> predicted =
-      ProjectionUncertainty(exact.views, prior, Options(), kNoisePx,
+      ProjectionUncertainty(exact.views, prior, Options(), kObservedNoisePx,
                             exact.state, 0, kLattice, &joint_px2);
   ASSERT_EQ(predicted.size(), 63u);
   ASSERT_EQ(joint_px2.rows(), 126);
@@ -90,7 +90,7 @@ TEST(ProjectionUncertainty, IsHowAdjustedCamerasScatterWithTheNoise) {
     std::vector<View> views = exact.views;
     for (View& view : views)
       for (Observation& o : view.observations)
-        o.pixel += kNoisePx * random.NormalVector<2>();
+        o.pixel += kObservedNoisePx * random.NormalVector<2>();
     AdjustmentState state = exact.state;
     AdjustBundle(views, prior, Options(), &state);
     sum += Errors(state.camera(), exact.state.camera(), predicted).cwiseAbs2();
@@ -119,10 +119,11 @@ TEST(ProjectionUncertainty, SamplesAgreeWithTheFactor) {
   for (const bool fix_points : {true, false}) {
     AdjustmentOptions options = Options();
     options.fix_points = fix_points;
-    const auto expected = ProjectionUncertainty(
-        exact.views, prior, options, kNoisePx, exact.state, 0, kLattice);
-    const auto found = ProjectionUncertainty(exact.views, prior, options,
-                                             kNoisePx, exact.state, 0, sampled);
+    const auto expected =
+        ProjectionUncertainty(exact.views, prior, options, kObservedNoisePx,
+                              exact.state, 0, kLattice);
+    const auto found = ProjectionUncertainty(
+        exact.views, prior, options, kObservedNoisePx, exact.state, 0, sampled);
     ASSERT_EQ(found.size(), expected.size());
     double noise_sum = 0, total_sum = 0;
     for (size_t i = 0; i < found.size(); ++i) {

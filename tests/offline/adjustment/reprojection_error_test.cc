@@ -7,7 +7,7 @@
 namespace raygrid {
 namespace {
 
-SmallProblem GridProblem() {
+SmallProblem SmallGridProblem() {
   SmallProblem problem = MakeSmallProblem({4, 30, 0.3});
   problem.state.SetCamera(FittedGrid(problem.state.camera(), 60));
   return problem;
@@ -77,7 +77,7 @@ void ExpectDerivatives(const Single& single) {
 TEST(ReprojectionError, DerivativesAreThoseOfTheResiduals) {
   for (const SmallProblem& problem :
        {MakeSmallProblem({4, 30, 0.3}), MakeSmallProblem({3, 30, 0.3, 2}),
-        GridProblem()})
+        SmallGridProblem()})
     for (size_t view = 0; view < problem.views.size(); ++view)
       for (size_t i = 0; i < 10; ++i)
         ExpectDerivatives(Extract(problem, view, i));

@@ -13,8 +13,8 @@ Board ParsedBoard(const std::string& keys) {
       .boards[0];
 }
 
-void ExpectRefused(const std::string& keys,
-                   const std::vector<std::string>& words) {
+void ExpectBoardRefused(const std::string& keys,
+                        const std::vector<std::string>& words) {
   ExpectError(ExitCode::kInput, words, [&] { ParsedBoard(keys); });
 }
 
@@ -203,15 +203,15 @@ TEST(Pattern, ImpossibleStarsAreRefused) {
   const std::string start = "kind: star, columns: 7, rows: 6, square_m: 0.01";
   const std::string tag = ", tags: [{id: 0, column: 2, row: 1, squares: 3}]";
   for (const char* bad : {"2", "5", "66", "-4"})
-    ExpectRefused(start + ", segments: " + bad + tag, {"segments"});
-  ExpectRefused(start, {"tags"});
-  ExpectRefused(start + ", tags: []", {"tags"});
-  ExpectRefused(start + ", tags: [{id: 0, column: 5, row: 1, squares: 3}]",
-                {"outside"});
-  ExpectRefused(start +
-                    ", tags: [{family: tag16h5, id: 0, column: 1, row: 1, "
-                    "squares: 3}]",
-                {"tag16h5"});
+    ExpectBoardRefused(start + ", segments: " + bad + tag, {"segments"});
+  ExpectBoardRefused(start, {"tags"});
+  ExpectBoardRefused(start + ", tags: []", {"tags"});
+  ExpectBoardRefused(start + ", tags: [{id: 0, column: 5, row: 1, squares: 3}]",
+                     {"outside"});
+  ExpectBoardRefused(start +
+                         ", tags: [{family: tag16h5, id: 0, column: 1, row: 1, "
+                         "squares: 3}]",
+                     {"tag16h5"});
 }
 
 TEST(Pattern, BoardsNeedDifferentTags) {
@@ -225,18 +225,18 @@ TEST(Pattern, BoardsNeedDifferentTags) {
 }
 
 TEST(Pattern, ImpossibleMarkersAreRefused) {
-  ExpectRefused("kind: charuco, columns: 6, rows: 3, square_m: 0.08",
-                {"marker_m"});
-  ExpectRefused(
+  ExpectBoardRefused("kind: charuco, columns: 6, rows: 3, square_m: 0.08",
+                     {"marker_m"});
+  ExpectBoardRefused(
       "kind: charuco, columns: 6, rows: 3, square_m: 0.08, marker_m: 0.08, "
       "dictionary: DICT_4X4_50",
       {"marker_m"});
-  ExpectRefused(
+  ExpectBoardRefused(
       "kind: aprilgrid, columns: 5, rows: 4, square_m: 0.05, "
       "spacing_ratio: 0.3",
       {"even"});
-  ExpectRefused("kind: aprilgrid, columns: 6, rows: 4, square_m: 0.05",
-                {"spacing_ratio"});
+  ExpectBoardRefused("kind: aprilgrid, columns: 6, rows: 4, square_m: 0.05",
+                     {"spacing_ratio"});
 }
 
 }  // namespace

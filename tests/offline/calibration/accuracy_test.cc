@@ -9,17 +9,17 @@
 #include "simulation/simulated_camera.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
+#include "test_boards.h"
 
 namespace raygrid {
 namespace {
-
-Pattern TestBoard() { return ChessboardPattern(30, 24, 0.02); }
 
 SimulatedObservations Simulate(int num_images, double bend_m = 0) {
   SimulationOptions options;
   options.num_images = num_images;
   options.board_bend_m = bend_m;
-  return SimulateObservations(ExampleSimulatedCamera(), TestBoard(), options);
+  return SimulateObservations(ExampleSimulatedCamera(), FineTestBoard(),
+                              options);
 }
 
 // One image held out saves the time of cross-validation.
@@ -31,7 +31,7 @@ CalibrationOptions WithCells(const Dataset& dataset, double cell_px) {
 }
 
 CalibrationResult CalibrateWithCells(const Dataset& dataset, double cell_px) {
-  return Calibrate(dataset, TestBoard(), WithCells(dataset, cell_px));
+  return Calibrate(dataset, FineTestBoard(), WithCells(dataset, cell_px));
 }
 
 ModelDifference Truth(const char* what, const CalibrationResult& result) {
@@ -115,7 +115,7 @@ TEST(Accuracy, BentBoardIsRecovered) {
   const std::vector<Eigen::Vector3d>& truth =
       simulated.true_pattern.boards[0].points;
   const double flat = RmsDistance(
-      SimilarityAligned(TestBoard().boards[0].points, truth), truth);
+      SimilarityAligned(FineTestBoard().boards[0].points, truth), truth);
   const double error = RmsDistance(SimilarityAligned(found, truth), truth);
   std::printf("bent board: %.1f um RMS from flat, found to %.1f um\n",
               1e6 * flat, 1e6 * error);
@@ -131,7 +131,7 @@ double HeldOutOnTruth(const CalibrationResult& result) {
   options.noise_px = 0;
   options.seed = 77;
   const SimulatedObservations test =
-      SimulateObservations(ExampleSimulatedCamera(), TestBoard(), options);
+      SimulateObservations(ExampleSimulatedCamera(), FineTestBoard(), options);
   const Evaluation evaluation =
       EvaluateCamera(*result.camera.camera, test.dataset, result.pattern, 0);
   EXPECT_GT(evaluation.residuals.size(), 5000u);
@@ -144,7 +144,7 @@ double HeldOutOnTruthWith(const Dataset& dataset, const std::string& model,
   CalibrationOptions options = WithCells(dataset, cell_px);
   options.model = model;
   options.flat_board = true;
-  return HeldOutOnTruth(Calibrate(dataset, TestBoard(), options));
+  return HeldOutOnTruth(Calibrate(dataset, FineTestBoard(), options));
 }
 
 // 1,782 parameters from 1,440 features: the prior must hold what they do not.

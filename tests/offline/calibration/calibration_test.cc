@@ -18,11 +18,10 @@
 #include "simulation/simulated_camera.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
+#include "test_boards.h"
 
 namespace raygrid {
 namespace {
-
-Pattern TestBoard() { return ChessboardPattern(14, 10, 0.03); }
 
 Dataset Simulate(int num_images, int features_per_image = 80) {
   SimulationOptions options;

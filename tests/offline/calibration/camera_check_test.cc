@@ -9,6 +9,7 @@
 #include "simulation/simulated_lenses.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
+#include "test_boards.h"
 
 namespace raygrid {
 namespace {
@@ -16,14 +17,13 @@ namespace {
 constexpr int kDraws = 100;  // for each of two calibrations
 constexpr double kFocalPx = 510;
 
-Pattern TestBoard() { return ChessboardPattern(30, 24, 0.02); }
-
 Dataset Observe(int num_images, int features_per_image, uint64_t seed) {
   SimulationOptions options;
   options.features_per_image = features_per_image;
   options.num_images = num_images;
   options.seed = seed;
-  return SimulateObservations(ExampleSimulatedCamera(), TestBoard(), options)
+  return SimulateObservations(ExampleSimulatedCamera(), FineTestBoard(),
+                              options)
       .dataset;
 }
 
@@ -33,7 +33,7 @@ CameraFile CalibrateCamera(uint64_t seed) {
   options.cell_px = 40;
   options.flat_board = true;
   options.hold_out = {dataset.images.back().image};
-  return Calibrate(dataset, TestBoard(), options).camera;
+  return Calibrate(dataset, FineTestBoard(), options).camera;
 }
 
 // Each test's own calibrations would take minutes.
@@ -78,7 +78,7 @@ Alarms CountAlarms(const std::function<Move(TestRandom*)>& choose_move,
           Moved(Observe(5, features_per_image, 1000 + alarms.draws),
                 choose_move(&random));
       const CameraChange change =
-          CheckCamera(camera, dataset, TestBoard(), 1).change;
+          CheckCamera(camera, dataset, FineTestBoard(), 1).change;
       alarms.count += change.is_degraded;
       ++alarms.draws;
       for (const std::string& name : change.moved) ++alarms.moved[name];
@@ -117,7 +117,7 @@ int CountFalseAlarms(const Unchanged& unchanged, int num_cameras,
     SimulationOptions options;
     options.num_images = num_images;
     options.seed = seed;
-    return SimulateObservations(*lens, TestBoard(), options).dataset;
+    return SimulateObservations(*lens, FineTestBoard(), options).dataset;
   };
   int count = 0;
   for (int c = 0; c < num_cameras; ++c) {
@@ -126,8 +126,8 @@ int CountFalseAlarms(const Unchanged& unchanged, int num_cameras,
     options.cell_px = unchanged.cell_px;
     options.flat_board = true;
     const uint64_t seed = 5000 + 1000 * c;
-    const CalibrationResult result =
-        Calibrate(observe(unchanged.num_images, seed), TestBoard(), options);
+    const CalibrationResult result = Calibrate(
+        observe(unchanged.num_images, seed), FineTestBoard(), options);
     for (int draw = 1; draw <= num_draws; ++draw)
       count +=
           CheckCamera(result.camera, observe(5, seed + draw), result.pattern, 1)
@@ -185,7 +185,7 @@ TEST(CheckCamera, TellsHowLittleItWouldFind) {
     for (int draw = 0; draw < kDraws; ++draw, ++draws) {
       const Dataset same = Observe(5, 240, 3000 + draws);
       const CameraChange before =
-          CheckCamera(camera, same, TestBoard(), 1).change;
+          CheckCamera(camera, same, FineTestBoard(), 1).change;
       ASSERT_EQ(before.movements[0].name, "scale");
       const double part = before.movements[0].found_from *
                           (random.Uniform(0, 1) < 0.5 ? 1 : -1);
@@ -194,7 +194,7 @@ TEST(CheckCamera, TellsHowLittleItWouldFind) {
             return pixel + part * (pixel - kCenter);
           });
       num_found +=
-          CheckCamera(camera, scaled, TestBoard(), 1).change.is_degraded;
+          CheckCamera(camera, scaled, FineTestBoard(), 1).change.is_degraded;
     }
   }
   std::printf("%d of %d scales found\n", num_found, draws);
@@ -239,7 +239,7 @@ TEST(CheckCamera, SaysWhereALocalChangeIsAndHowLarge) {
                                    Eigen::Vector2d(1, 1);
               });
     const CameraChange change =
-        CheckCamera(Cameras()[0], dataset, TestBoard(), 1).change;
+        CheckCamera(Cameras()[0], dataset, FineTestBoard(), 1).change;
     EXPECT_NEAR(change.largest_local_px, 0.35, 0.25);
     EXPECT_LT((change.largest_local_pixel - place).norm(), 110);
   }
@@ -248,8 +248,9 @@ TEST(CheckCamera, SaysWhereALocalChangeIsAndHowLarge) {
 TEST(CheckCamera, NeedsToKnowHowWellTheCameraIsKnown) {
   CameraFile camera = Cameras()[0];
   camera.uncertainty->modes = {};
-  ExpectError(ExitCode::kInput, {"calibrate"},
-              [&] { CheckCamera(camera, Observe(2, 240, 5), TestBoard(), 1); });
+  ExpectError(ExitCode::kInput, {"calibrate"}, [&] {
+    CheckCamera(camera, Observe(2, 240, 5), FineTestBoard(), 1);
+  });
 }
 
 TEST(ChiSquaredSigmas, AreThoseOfTables) {

@@ -12,6 +12,7 @@
 #include "simulation/simulated_camera.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
+#include "test_boards.h"
 
 namespace raygrid {
 namespace {
@@ -19,8 +20,6 @@ namespace {
 constexpr double kDegree = M_PI / 180;
 constexpr double kNoisePx = 0.2;
 const ImageSize kSize = {640, 480};
-
-Pattern TestBoard() { return ChessboardPattern(14, 10, 0.03); }
 
 struct Case {
   double view_deg = 0;  // across the diagonal

@@ -7,29 +7,24 @@
 #include "camera/model_fitting.h"
 #include "simulation/simulated_rig.h"
 #include "support.h"
+#include "test_boards.h"
 
 namespace raygrid {
 namespace {
 
-Pattern TwoBoards() {
-  Pattern pattern = ChessboardPattern(14, 10, 0.03);
-  pattern.boards.push_back(pattern.boards.front());
-  pattern.boards.back().id = 1;
-  return pattern;
-}
-
 // Bent boards, few images: what a lens does not follow pulls at its axis.
-SimulatedRigObservations Simulate(const std::string& lens, int num_cameras) {
+SimulatedRigObservations SimulateInARow(const std::string& lens,
+                                        int num_cameras) {
   SimulationOptions options;
   options.num_images = 6;
   options.features_per_image = 100;
   options.board_bend_m = 0.001;
   return SimulateRig(
       CamerasInARow(SimulatedLens(lens, {640, 480}), num_cameras, 0.05),
-      TwoBoards(), options);
+      TwoTestBoards(), options);
 }
 
-CalibrationOptions Coarse(const std::string& model) {
+CalibrationOptions CoarseOptionsOf(const std::string& model) {
   CalibrationOptions options;
   options.model = model;
   options.cell_px = 80;
@@ -66,10 +61,10 @@ double ResidualChangePx(const CalibrationResult& result) {
 
 void ExpectFrameOfTheNearestLens(const std::string& lens,
                                  const std::string& model) {
-  const Dataset dataset = Simulate(lens, 1).datasets.front();
-  CalibrationOptions options = Coarse(model);
+  const Dataset dataset = SimulateInARow(lens, 1).datasets.front();
+  CalibrationOptions options = CoarseOptionsOf(model);
   options.hold_out = {dataset.images.front().image};
-  const CalibrationResult result = Calibrate(dataset, TwoBoards(), options);
+  const CalibrationResult result = Calibrate(dataset, TwoTestBoards(), options);
   const CameraModel& camera = *result.camera.camera;
   EXPECT_LT(FitTurnRad(camera), kMaxFrameTurnRad) << lens << " " << model;
   EXPECT_LT(AxisRad(camera), 2.5 * M_PI / 180) << lens << " " << model;
@@ -99,7 +94,7 @@ TEST(CameraFrames, OfCoarseGridsAreFoundToo) {
       SimulateRig(CamerasInARow(SimulatedLens("noncentral", {480, 640}), 1, 0),
                   pattern, simulation)
           .datasets.front();
-  CalibrationOptions options = Coarse("noncentral-generic");
+  CalibrationOptions options = CoarseOptionsOf("noncentral-generic");
   options.cell_px = 120;
   options.hold_out = {dataset.images.front().image};
   const CalibrationResult result = Calibrate(dataset, pattern, options);
@@ -107,12 +102,12 @@ TEST(CameraFrames, OfCoarseGridsAreFoundToo) {
 }
 
 TEST(CameraFrames, OfRigsTurnRelativePosesToo) {
-  const SimulatedRigObservations seen = Simulate("example", 2);
-  CalibrationOptions options = Coarse("central-generic");
+  const SimulatedRigObservations seen = SimulateInARow("example", 2);
+  CalibrationOptions options = CoarseOptionsOf("central-generic");
   options.hold_out = {seen.datasets[0].images.front().image};
   const RigResult result = Calibrate(
       {{"a", seen.datasets[0], {}, {}}, {"b", seen.datasets[1], {}, {}}},
-      TwoBoards(), options);
+      TwoTestBoards(), options);
   EXPECT_LT(result.camera_from_rig[0].rotation.angularDistance(
                 Eigen::Quaterniond::Identity()),
             1e-12);

@@ -11,26 +11,18 @@
 #include "simulation/simulated_camera.h"
 #include "simulation/simulated_rig.h"
 #include "support.h"
+#include "test_boards.h"
 
 namespace raygrid {
 namespace {
 
-constexpr double kNoisePx = 0.05;
-
-Pattern TestBoard() { return ChessboardPattern(14, 10, 0.03); }
-
-Pattern TwoBoards() {
-  Pattern pattern = TestBoard();
-  pattern.boards.push_back(pattern.boards[0]);
-  pattern.boards[1].id = 7;
-  return pattern;
-}
+constexpr double kRigNoisePx = 0.05;
 
 SimulationOptions Instants(int count) {
   SimulationOptions options;
   options.num_images = count;
   options.features_per_image = 140;
-  options.noise_px = kNoisePx;
+  options.noise_px = kRigNoisePx;
   return options;
 }
 
@@ -155,9 +147,10 @@ TEST(CalibrateRig, FindsTheRelativePoseOfTwoCameras) {
   ExpectBaseline(result, rig, 0, 1);
   EXPECT_TRUE(result.converged);
   EXPECT_EQ(result.cameras[1].camera.camera->image_size().width, 400);
-  EXPECT_NEAR(TrainingFigures(result).rms_px, kNoisePx * std::sqrt(2), 0.01);
+  EXPECT_NEAR(TrainingFigures(result).rms_px, kRigNoisePx * std::sqrt(2), 0.01);
   EXPECT_TRUE(result.cross_validated);
-  EXPECT_NEAR(HeldOutFigures(result)->rms_px, kNoisePx * std::sqrt(2), 0.015);
+  EXPECT_NEAR(HeldOutFigures(result)->rms_px, kRigNoisePx * std::sqrt(2),
+              0.015);
 }
 
 TEST(CalibrateRig, ConnectsCamerasThroughOthers) {
@@ -183,7 +176,7 @@ TEST(CalibrateRig, NamesGroupsThatAreNotConnected) {
 TEST(CalibrateRig, OneBoardAtOneInstantConnects) {
   // The cameras' images share names, but not boards.
   SimulatedRigObservations seen =
-      SimulateRig(Stereo(), TwoBoards(), Instants(12));
+      SimulateRig(Stereo(), TwoTestBoards(), Instants(12));
   for (int c = 0; c < 2; ++c)
     for (ImageFeatures& image : seen.datasets[c].images) {
       std::vector<Feature> kept;
@@ -192,15 +185,15 @@ TEST(CalibrateRig, OneBoardAtOneInstantConnects) {
       image.features = kept;
     }
   ExpectError(ExitCode::kInitialization, {"{left}, {right}"},
-              [&] { Calibrate(Inputs(seen), TwoBoards(), Quick()); });
+              [&] { Calibrate(Inputs(seen), TwoTestBoards(), Quick()); });
 }
 
 TEST(CalibrateRig, EachBoardOfSeveralHasItsOwnPoses) {
   const SimulatedRig rig = Stereo();
   const SimulatedRigObservations seen =
-      SimulateRig(rig, TwoBoards(), Instants(14));
+      SimulateRig(rig, TwoTestBoards(), Instants(14));
   const RigResult result =
-      Calibrate(Inputs(seen), TwoBoards(), QuickWithout("sim0003.png"));
+      Calibrate(Inputs(seen), TwoTestBoards(), QuickWithout("sim0003.png"));
   ExpectBaseline(result, rig, 0, 1);
   EXPECT_GT(BaselineOf(result, 0, 1).num_shared_views, 13);
 }
@@ -327,7 +320,7 @@ TEST(EvaluateRig, FindsTheNoiseOfATrueRigAndTheErrorOfAWrongOne) {
   for (int c = 0; c < 2; ++c) {
     EXPECT_TRUE(right[c].rejected_images.empty());
     EXPECT_NEAR(ComputeErrorFigures(right[c].residuals).rms_px,
-                kNoisePx * std::sqrt(2), 0.007);
+                kRigNoisePx * std::sqrt(2), 0.007);
     EXPECT_GT(ComputeErrorFigures(wrong[c].residuals).rms_px, 0.2);
   }
 }

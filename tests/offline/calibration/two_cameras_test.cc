@@ -5,11 +5,10 @@
 #include "calibration/calibration.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
+#include "test_boards.h"
 
 namespace raygrid {
 namespace {
-
-Pattern TestBoard() { return ChessboardPattern(14, 10, 0.03); }
 
 constexpr int kImages = 7;  // of each camera
 

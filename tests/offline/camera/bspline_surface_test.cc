@@ -7,10 +7,10 @@
 namespace raygrid {
 namespace {
 
-const Area kArea = {10, -5, 210, 115};
+const Area kSurfaceArea = {10, -5, 210, 115};
 
 BSplineSurface RandomSurface() {
-  BSplineSurface surface(kArea, 11, 8);
+  BSplineSurface surface(kSurfaceArea, 11, 8);
   TestRandom random(1);
   for (Eigen::Vector2d& point : surface.points())
     point = random.NormalVector<2>();
@@ -28,7 +28,7 @@ std::vector<SurfaceSample> CubicSamples(int count) {
   TestRandom random(2);
   std::vector<SurfaceSample> samples;
   for (int i = 0; i < count; ++i) {
-    const Eigen::Vector2d pixel = random.PixelIn(kArea);
+    const Eigen::Vector2d pixel = random.PixelIn(kSurfaceArea);
     samples.push_back({pixel, Cubic(pixel)});
   }
   return samples;
@@ -55,7 +55,7 @@ TEST(BSplineSurface, WeightsAreNotNegativeWithinTheArea) {
   const BSplineSurface surface = RandomSurface();
   TestRandom random(4);
   for (int i = 0; i < 200; ++i) {
-    const SplineSupport support = surface.Support(random.PixelIn(kArea));
+    const SplineSupport support = surface.Support(random.PixelIn(kSurfaceArea));
     for (int k = 0; k < 4; ++k) {
       EXPECT_GE(support.wx[k], 0);
       EXPECT_GE(support.wy[k], 0);
@@ -65,8 +65,8 @@ TEST(BSplineSurface, WeightsAreNotNegativeWithinTheArea) {
 
 TEST(BSplineSurface, SupportStaysOnTheGridAtCornersAndBeyond) {
   const BSplineSurface surface = RandomSurface();
-  for (const double x : {-100.0, kArea.x0, kArea.x1, 400.0}) {
-    for (const double y : {-100.0, kArea.y0, kArea.y1, 400.0}) {
+  for (const double x : {-100.0, kSurfaceArea.x0, kSurfaceArea.x1, 400.0}) {
+    for (const double y : {-100.0, kSurfaceArea.y0, kSurfaceArea.y1, 400.0}) {
       const SplineSupport support = surface.Support({x, y});
       EXPECT_GE(support.column, 0);
       EXPECT_GE(support.row, 0);
@@ -109,7 +109,8 @@ Eigen::Vector2d SecondDerivative(const BSplineSurface& surface,
 TEST(BSplineSurface, IsTwiceContinuouslyDifferentiableAcrossCellBorders) {
   const BSplineSurface surface = RandomSurface();
   for (int border = 1; border < surface.columns() - 3; ++border) {
-    const Eigen::Vector2d pixel(kArea.x0 + border * surface.cell_width(), 37);
+    const Eigen::Vector2d pixel(kSurfaceArea.x0 + border * surface.cell_width(),
+                                37);
     const Eigen::Vector2d step(1e-9, 0);
     Eigen::Matrix2d left, right;
     const Eigen::Vector2d jump = surface.Evaluate(pixel + step, &right) -
@@ -124,8 +125,9 @@ TEST(BSplineSurface, IsTwiceContinuouslyDifferentiableAcrossCellBorders) {
 }
 
 TEST(BSplineSurface, BorderPolynomialGoesOnBeyondTheArea) {
-  const BSplineSurface surface = FitSurface(kArea, 9, 7, CubicSamples(2000));
-  const Eigen::Vector2d outside(kArea.x1 + 5, kArea.y0 - 4);
+  const BSplineSurface surface =
+      FitSurface(kSurfaceArea, 9, 7, CubicSamples(2000));
+  const Eigen::Vector2d outside(kSurfaceArea.x1 + 5, kSurfaceArea.y0 - 4);
   EXPECT_LT((surface.Evaluate(outside) - Cubic(outside)).norm(), 1e-5);
 }
 
@@ -142,10 +144,11 @@ TEST(NumControlPoints, MakesCellsNoLongerThanAsked) {
 }
 
 TEST(FitSurface, ReproducesACubicPolynomial) {
-  const BSplineSurface surface = FitSurface(kArea, 11, 8, CubicSamples(3000));
+  const BSplineSurface surface =
+      FitSurface(kSurfaceArea, 11, 8, CubicSamples(3000));
   TestRandom random(6);
   for (int i = 0; i < 500; ++i) {
-    const Eigen::Vector2d pixel = random.PixelIn(kArea);
+    const Eigen::Vector2d pixel = random.PixelIn(kSurfaceArea);
     EXPECT_LT((surface.Evaluate(pixel) - Cubic(pixel)).norm(), 1e-6);
   }
 }
@@ -158,13 +161,13 @@ TEST(FitSurface, GoesOnSmoothlyWhereThereAreNoSamples) {
   TestRandom random(7);
   std::vector<SurfaceSample> samples;
   for (int i = 0; i < 500; ++i) {
-    const Eigen::Vector2d pixel =
-        random.PixelIn({kArea.x0, kArea.y0, 100, kArea.y1});
+    const Eigen::Vector2d pixel = random.PixelIn(
+        {kSurfaceArea.x0, kSurfaceArea.y0, 100, kSurfaceArea.y1});
     samples.push_back({pixel, plane(pixel)});
   }
-  const BSplineSurface surface = FitSurface(kArea, 11, 8, samples);
+  const BSplineSurface surface = FitSurface(kSurfaceArea, 11, 8, samples);
   for (int i = 0; i < 100; ++i) {
-    const Eigen::Vector2d pixel = random.PixelIn(kArea);
+    const Eigen::Vector2d pixel = random.PixelIn(kSurfaceArea);
     EXPECT_LT((surface.Evaluate(pixel) - plane(pixel)).norm(), 1e-4);
   }
 }
@@ -173,14 +176,14 @@ TEST(FitSurface, AveragesContradictingSamples) {
   std::vector<SurfaceSample> samples;
   TestRandom random(8);
   for (int i = 0; i < 400; ++i) {
-    const Eigen::Vector2d pixel = random.PixelIn(kArea);
+    const Eigen::Vector2d pixel = random.PixelIn(kSurfaceArea);
     samples.push_back({pixel, {1, 0}});
     samples.push_back({pixel, {3, -1}});
   }
-  const BSplineSurface surface = FitSurface(kArea, 5, 5, samples);
-  EXPECT_LT(
-      (surface.Evaluate(kArea.center()) - Eigen::Vector2d(2, -0.5)).norm(),
-      1e-6);
+  const BSplineSurface surface = FitSurface(kSurfaceArea, 5, 5, samples);
+  EXPECT_LT((surface.Evaluate(kSurfaceArea.center()) - Eigen::Vector2d(2, -0.5))
+                .norm(),
+            1e-6);
 }
 
 }  // namespace

@@ -6,32 +6,30 @@
 namespace raygrid {
 namespace {
 
-using Model = CentralRadial;
-
-const ImageSize kSize = {800, 800};
+const ImageSize kRadialSize = {800, 800};
 
 // A waving radial factor; its corners look 110 degrees off axis.
-Model Example(int num_parameters = 12) {
+CentralRadial ExampleRadial(int num_parameters = 12) {
   std::vector<double> spline;
   for (int k = 1; k <= num_parameters; ++k) {
     const double theta = 2.2 * k / (num_parameters - 1);
     spline.push_back(0.02 * theta * theta + 0.02 * std::sin(4 * theta));
   }
-  return Model(kSize, WholeImage(kSize), 2.2, spline,
-               {280, 282, 402, 396, 1e-3, -8e-4, 6e-4, -5e-4});
+  return CentralRadial(kRadialSize, WholeImage(kRadialSize), 2.2, spline,
+                       {280, 282, 402, 396, 1e-3, -8e-4, 6e-4, -5e-4});
 }
 
 TEST(CentralRadial, ProjectionInvertsUnprojection) {
-  ExpectRoundTrip(Example(), 1e-6);
-  ExpectRoundTrip(Example(30), 1e-6);
+  ExpectRoundTrip(ExampleRadial(), 1e-6);
+  ExpectRoundTrip(ExampleRadial(30), 1e-6);
 }
 
 TEST(CentralRadial, DerivativeByPointIsThatOfProjection) {
-  ExpectDerivativeByPoint(Example(), 1e-6);
+  ExpectDerivativeByPoint(ExampleRadial(), 1e-6);
 }
 
 TEST(CentralRadial, DerivativeByParametersIsThatOfProjection) {
-  ExpectDerivativeByParameter(Example(), 1e-5, 1e-6);
+  ExpectDerivativeByParameter(ExampleRadial(), 1e-5, 1e-6);
 }
 
 // A parabola is a cubic spline: theta^2 at the points (k^2 - 1/3) h^2.
@@ -42,14 +40,14 @@ TEST(CentralRadial, IsAThinPrismFisheyeWhereItsFactorIsAParabola) {
     spline.push_back(k1 * (k * k - 1.0 / 3) * h * h);
   // g(0) = 0 needs s_0 = -s_1 / 2, which the parabola has.
   ASSERT_NEAR(-k1 / 3 * h * h, -spline[0] / 2, 1e-15);
-  const Model radial(kSize, WholeImage(kSize), 2.2, spline,
-                     {280, 282, 402, 396, 1e-3, -8e-4, 6e-4, -5e-4});
+  const CentralRadial radial(kRadialSize, WholeImage(kRadialSize), 2.2, spline,
+                             {280, 282, 402, 396, 1e-3, -8e-4, 6e-4, -5e-4});
   const ThinPrismFisheye fisheye(
-      kSize, WholeImage(kSize),
+      kRadialSize, WholeImage(kRadialSize),
       {280, 282, 402, 396, k1, 0, 0, 0, 1e-3, -8e-4, 6e-4, -5e-4});
   TestRandom random(3);
   for (int i = 0; i < 200; ++i) {
-    const Eigen::Vector2d pixel = random.PixelIn(WholeImage(kSize));
+    const Eigen::Vector2d pixel = random.PixelIn(WholeImage(kRadialSize));
     EXPECT_LT((*radial.Unproject(pixel) - *fisheye.Unproject(pixel)).norm(),
               1e-9);
   }
@@ -57,14 +55,14 @@ TEST(CentralRadial, IsAThinPrismFisheyeWhereItsFactorIsAParabola) {
 
 TEST(CentralRadial, FocalLengthsAreThoseOfTheCentre) {
   LinearizedProjection linear;
-  ASSERT_TRUE(Example().Linearize({0, 0, 2}, nullptr, 0, &linear));
+  ASSERT_TRUE(ExampleRadial().Linearize({0, 0, 2}, nullptr, 0, &linear));
   EXPECT_NEAR(linear.by_point(0, 0), 280 / 2.0, 1e-9);
   EXPECT_NEAR(linear.by_point(1, 1), 282 / 2.0, 1e-9);
 }
 
 TEST(CentralRadial, EndsWithItsSpline) {
-  const Model lens(kSize, WholeImage(kSize), 1, {0, 0, 0, 0},
-                   {200, 200, 400, 400, 0, 0, 0, 0});
+  const CentralRadial lens(kRadialSize, WholeImage(kRadialSize), 1,
+                           {0, 0, 0, 0}, {200, 200, 400, 400, 0, 0, 0, 0});
   const auto at = [](double theta) {
     return Eigen::Vector3d(std::sin(theta), 0, std::cos(theta));
   };
@@ -76,8 +74,9 @@ TEST(CentralRadial, EndsWithItsSpline) {
 
 TEST(CentralRadial, EndsWhereItFolds) {
   // g falls to 0 by the spline's end.
-  Model lens(kSize, WholeImage(kSize), 2, {-0.25, -0.5, -0.75, -1, -1.25},
-             {200, 200, 400, 400, 0, 0, 0, 0});
+  CentralRadial lens(kRadialSize, WholeImage(kRadialSize), 2,
+                     {-0.25, -0.5, -0.75, -1, -1.25},
+                     {200, 200, 400, 400, 0, 0, 0, 0});
   EXPECT_TRUE(lens.Project({0.3, 0, 1}));
   EXPECT_FALSE(lens.Project({1, 0, -0.2}));
 }

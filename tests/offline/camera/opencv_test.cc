@@ -7,17 +7,16 @@
 namespace raygrid {
 namespace {
 
-using Model = OpenCvModel;
-
 // OpenCV's projection of a point with the same parameters.
 Eigen::Vector2d ProjectByOpenCv(const Eigen::VectorXd& p,
                                 const Eigen::Vector3d& point) {
-  const cv::Matx33d matrix(p[Model::kFx], 0, p[Model::kCx],  //
-                           0, p[Model::kFy], p[Model::kCy],  //
+  const cv::Matx33d matrix(p[OpenCvModel::kFx], 0, p[OpenCvModel::kCx],  //
+                           0, p[OpenCvModel::kFy], p[OpenCvModel::kCy],  //
                            0, 0, 1);
   const std::vector<double> distortion = {
-      p[Model::kK1], p[Model::kK2], p[Model::kP1], p[Model::kP2],
-      p[Model::kK3], p[Model::kK4], p[Model::kK5], p[Model::kK6]};
+      p[OpenCvModel::kK1], p[OpenCvModel::kK2], p[OpenCvModel::kP1],
+      p[OpenCvModel::kP2], p[OpenCvModel::kK3], p[OpenCvModel::kK4],
+      p[OpenCvModel::kK5], p[OpenCvModel::kK6]};
   const std::vector<cv::Point3d> points = {{point.x(), point.y(), point.z()}};
   std::vector<cv::Point2d> pixels;
   cv::projectPoints(points, cv::Vec3d(0, 0, 0), cv::Vec3d(0, 0, 0), matrix,
@@ -26,10 +25,10 @@ Eigen::Vector2d ProjectByOpenCv(const Eigen::VectorXd& p,
 }
 
 // Barrel distortion that folds at r = 1 / sqrt(-3 k1).
-Model FoldingLens(double k1) {
+OpenCvModel FoldingLens(double k1) {
   const ImageSize size = {640, 480};
-  return Model(size, WholeImage(size),
-               {300, 300, 320, 240, k1, 0, 0, 0, 0, 0, 0, 0});
+  return OpenCvModel(size, WholeImage(size),
+                     {300, 300, 320, 240, k1, 0, 0, 0, 0, 0, 0, 0});
 }
 
 TEST(OpenCvModel, ProjectionInvertsUnprojection) {
@@ -37,7 +36,7 @@ TEST(OpenCvModel, ProjectionInvertsUnprojection) {
 }
 
 TEST(OpenCvModel, AgreesWithOpenCv) {
-  const Model lens = ExampleLens();
+  const OpenCvModel lens = ExampleLens();
   TestRandom random(1);
   int num_seen = 0;
   for (int i = 0; i < 1000; ++i) {
@@ -61,7 +60,7 @@ TEST(OpenCvModel, DerivativeByParametersIsThatOfProjection) {
 }
 
 TEST(OpenCvModel, ProjectsNothingFromBehind) {
-  const Model lens = ExampleLens();
+  const OpenCvModel lens = ExampleLens();
   EXPECT_TRUE(lens.Project({0, 0, 1}));
   EXPECT_FALSE(lens.Project({0, 0, -1}));
   EXPECT_FALSE(lens.Project({0.1, 0.1, -1}));
@@ -71,7 +70,7 @@ TEST(OpenCvModel, ProjectsNothingFromBehind) {
 }
 
 TEST(OpenCvModel, ProjectsNothingBeyondItsFold) {
-  const Model lens = FoldingLens(-0.5);
+  const OpenCvModel lens = FoldingLens(-0.5);
   const double fold = 1 / std::sqrt(1.5);
   EXPECT_TRUE(lens.Project({fold - 0.02, 0, 1}));
   // These would land within the image, where others are seen.
@@ -81,7 +80,7 @@ TEST(OpenCvModel, ProjectsNothingBeyondItsFold) {
 }
 
 TEST(OpenCvModel, UnprojectsNothingThatNoDirectionReaches) {
-  const Model lens = FoldingLens(-0.5);
+  const OpenCvModel lens = FoldingLens(-0.5);
   // The fold is 300 * 2/3 * 0.816 = 163 px from the centre.
   EXPECT_TRUE(lens.Unproject({320 + 155, 240}));
   EXPECT_FALSE(lens.Unproject({320 + 170, 240}));
@@ -89,13 +88,13 @@ TEST(OpenCvModel, UnprojectsNothingThatNoDirectionReaches) {
 }
 
 TEST(OpenCvModel, FoldMovesWithTheParameters) {
-  Model lens = FoldingLens(-0.5);
+  OpenCvModel lens = FoldingLens(-0.5);
   lens.SetParameters(FoldingLens(0).Parameters());
   EXPECT_TRUE(lens.Project({0.9, 0, 1}));
 }
 
 TEST(OpenCvModel, SeesNothingOutsideItsArea) {
-  const Model lens = ExampleLens().WithArea({100, 100, 300, 200});
+  const OpenCvModel lens = ExampleLens().WithArea({100, 100, 300, 200});
   EXPECT_FALSE(lens.Unproject({99.9, 150}));
   EXPECT_FALSE(lens.Unproject({150, 200.1}));
   const Eigen::Vector3d ray = *ExampleLens().Unproject({302, 150});

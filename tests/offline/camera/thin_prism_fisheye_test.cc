@@ -7,29 +7,27 @@
 namespace raygrid {
 namespace {
 
-using Model = ThinPrismFisheye;
-
-const ImageSize kSize = {800, 800};
+const ImageSize kPrismSize = {800, 800};
 
 // Its corners look 115 degrees off axis; every coefficient at work.
-Model Example() {
-  return Model(kSize, WholeImage(kSize),
-               {280, 282, 402, 396, 0.02, -0.01, 0.002, -1e-4, 1e-3, -8e-4,
-                6e-4, -5e-4});
+ThinPrismFisheye ExamplePrism() {
+  return ThinPrismFisheye(kPrismSize, WholeImage(kPrismSize),
+                          {280, 282, 402, 396, 0.02, -0.01, 0.002, -1e-4, 1e-3,
+                           -8e-4, 6e-4, -5e-4});
 }
 
 // theta (1 + k1 theta^2) folds at theta = 1 / sqrt(-3 k1).
-Model Folding(double k1) {
-  return Model(kSize, WholeImage(kSize),
-               {200, 200, 400, 400, k1, 0, 0, 0, 0, 0, 0, 0});
+ThinPrismFisheye FoldingPrism(double k1) {
+  return ThinPrismFisheye(kPrismSize, WholeImage(kPrismSize),
+                          {200, 200, 400, 400, k1, 0, 0, 0, 0, 0, 0, 0});
 }
 
 TEST(ThinPrismFisheye, ProjectionInvertsUnprojection) {
-  ExpectRoundTrip(Example(), 1e-6);
+  ExpectRoundTrip(ExamplePrism(), 1e-6);
 }
 
 TEST(ThinPrismFisheye, SeesBehindItself) {
-  const auto ray = Example().Unproject({1, 1});
+  const auto ray = ExamplePrism().Unproject({1, 1});
   ASSERT_TRUE(ray);
   EXPECT_LT(ray->z(), -0.3);
 }
@@ -37,8 +35,9 @@ TEST(ThinPrismFisheye, SeesBehindItself) {
 // The lens agrees with OpenCV's model where that has its coefficients and is
 // valid.
 TEST(ThinPrismFisheye, AgreesWithOpenCvsFisheye) {
-  const Model lens(kSize, WholeImage(kSize),
-                   {280, 282, 402, 396, 0.02, -0.01, 0.002, -1e-4, 0, 0, 0, 0});
+  const ThinPrismFisheye lens(
+      kPrismSize, WholeImage(kPrismSize),
+      {280, 282, 402, 396, 0.02, -0.01, 0.002, -1e-4, 0, 0, 0, 0});
   TestRandom random(1);
   for (int i = 0; i < 300; ++i) {
     const Eigen::Vector3d point(random.Uniform(-1, 1), random.Uniform(-1, 1),
@@ -67,19 +66,19 @@ TEST(ThinPrismFisheye, HasTangentialAndThinPrismTerms) {
   const Eigen::Vector2d expected(
       402 + 280 * (u * g + 2 * p1 * u * v + p2 * (t2 + 2 * u * u) + 6e-4 * t2),
       396 + 282 * (v * g + p1 * (t2 + 2 * v * v) + 2 * p2 * u * v - 5e-4 * t2));
-  EXPECT_LT((Example().Project(point).value() - expected).norm(), 1e-9);
+  EXPECT_LT((ExamplePrism().Project(point).value() - expected).norm(), 1e-9);
 }
 
 TEST(ThinPrismFisheye, DerivativeByPointIsThatOfProjection) {
-  ExpectDerivativeByPoint(Example(), 1e-6);
+  ExpectDerivativeByPoint(ExamplePrism(), 1e-6);
 }
 
 TEST(ThinPrismFisheye, DerivativeByParametersIsThatOfProjection) {
-  ExpectDerivativeByParameter(Example(), 1e-5, 1e-6);
+  ExpectDerivativeByParameter(ExamplePrism(), 1e-5, 1e-6);
 }
 
 TEST(ThinPrismFisheye, IsSmoothOnItsAxis) {
-  const Model lens = Example();
+  const ThinPrismFisheye lens = ExamplePrism();
   for (const double offset : {0.0, 1e-9, 0.9e-4, 1.1e-4}) {
     const Eigen::Vector3d point(offset, 0, 1);
     LinearizedProjection linear;
@@ -91,7 +90,7 @@ TEST(ThinPrismFisheye, IsSmoothOnItsAxis) {
 }
 
 TEST(ThinPrismFisheye, EndsWhereItFolds) {
-  const Model lens = Folding(-0.1);
+  const ThinPrismFisheye lens = FoldingPrism(-0.1);
   const double fold = 1 / std::sqrt(0.3);
   EXPECT_NEAR(lens.max_theta(), fold, 0.01);
   const auto at = [](double theta) {
@@ -108,9 +107,9 @@ TEST(ThinPrismFisheye, EndsWhereItFolds) {
 }
 
 TEST(ThinPrismFisheye, SeesNothingOutsideItsArea) {
-  const auto lens = Example().OverArea({100, 100, 300, 200});
+  const auto lens = ExamplePrism().OverArea({100, 100, 300, 200});
   EXPECT_FALSE(lens->Unproject({99.9, 150}));
-  const Eigen::Vector3d ray = *Example().Unproject({302, 150});
+  const Eigen::Vector3d ray = *ExamplePrism().Unproject({302, 150});
   EXPECT_FALSE(lens->Project(ray, nullptr, 1.9));
   EXPECT_TRUE(lens->Project(ray, nullptr, 2.1));
 }

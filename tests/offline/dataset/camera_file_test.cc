@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-CameraFile GenericFile() {
+CameraFile GridFile() {
   CameraFile file;
   file.camera = std::make_shared<CentralGeneric>(FitCentralGeneric(
       ExampleSimulatedCamera(), {1.0 / 3, 2, 630.1, 470}, 7, 6));
@@ -68,14 +68,14 @@ CameraFile RadialFile() {
   return file;
 }
 
-CameraFile Read(const std::string& text) {
+CameraFile ReadCameraText(const std::string& text) {
   const TemporaryFolder folder;
   WriteFile(folder / "camera.yaml", text);
   return ReadCameraFile(folder / "camera.yaml");
 }
 
-void ExpectRefused(const std::string& text) {
-  ExpectError(ExitCode::kInput, {"camera.yaml"}, [&] { Read(text); });
+void ExpectCameraRefused(const std::string& text) {
+  ExpectError(ExitCode::kInput, {"camera.yaml"}, [&] { ReadCameraText(text); });
 }
 
 // The text with one part of it replaced.
@@ -87,9 +87,9 @@ std::string Replaced(std::string text, const std::string& from,
 }
 
 TEST(CameraFile, RoundTripKeepsTheCamera) {
-  for (const CameraFile& file : {GenericFile(), NonCentralFile(), OpenCvFile(),
+  for (const CameraFile& file : {GridFile(), NonCentralFile(), OpenCvFile(),
                                  FisheyeFile(), RadialFile()}) {
-    const CameraFile read = Read(FormatCameraFile(file));
+    const CameraFile read = ReadCameraText(FormatCameraFile(file));
     EXPECT_EQ(read.camera->Name(), file.camera->Name());
     EXPECT_EQ(read.camera->image_size(), file.camera->image_size());
     EXPECT_EQ(read.camera->area().x0, file.camera->area().x0);
@@ -107,104 +107,107 @@ TEST(CameraFile, RoundTripKeepsTheCamera) {
 }
 
 TEST(CameraFile, RoundTripKeepsWhatIsKnownOfTheCamera) {
-  const CameraFile file = GenericFile();
-  const CameraFile read = Read(FormatCameraFile(file));
+  const CameraFile file = GridFile();
+  const CameraFile read = ReadCameraText(FormatCameraFile(file));
   EXPECT_EQ(read.name, file.name);
   EXPECT_EQ(read.serial, file.serial);
   ASSERT_TRUE(read.training && read.held_out);
   EXPECT_DOUBLE_EQ(read.training->rms_px, 0.12);
   EXPECT_DOUBLE_EQ(read.held_out->max_px, 1.9);
   EXPECT_EQ(read.held_out->count, 2900);
-  EXPECT_FALSE(Read(FormatCameraFile(OpenCvFile())).training);
+  EXPECT_FALSE(ReadCameraText(FormatCameraFile(OpenCvFile())).training);
 }
 
 TEST(CameraFile, FormatOfWhatWasReadIsTheSame) {
-  for (const CameraFile& file : {GenericFile(), NonCentralFile(), OpenCvFile(),
+  for (const CameraFile& file : {GridFile(), NonCentralFile(), OpenCvFile(),
                                  FisheyeFile(), RadialFile()}) {
     const std::string text = FormatCameraFile(file);
-    EXPECT_EQ(FormatCameraFile(Read(text)), text);
+    EXPECT_EQ(FormatCameraFile(ReadCameraText(text)), text);
   }
 }
 
 TEST(CameraFile, NumbersThatAreNotFiniteAreRefused) {
-  const std::string generic = FormatCameraFile(GenericFile());
+  const std::string generic = FormatCameraFile(GridFile());
   const size_t point = generic.find("- [") + 3;
   const size_t length = generic.find(',', point) - point;
   for (const char* bad : {".nan", ".inf", "-.inf", "word", "''"}) {
-    ExpectRefused(std::string(generic).replace(point, length, bad));
-    ExpectRefused(Replaced(FormatCameraFile(OpenCvFile()), "fx: 510",
-                           "fx: " + std::string(bad)));
-    ExpectRefused(Replaced(generic, "630.1", bad));
+    ExpectCameraRefused(std::string(generic).replace(point, length, bad));
+    ExpectCameraRefused(Replaced(FormatCameraFile(OpenCvFile()), "fx: 510",
+                                 "fx: " + std::string(bad)));
+    ExpectCameraRefused(Replaced(generic, "630.1", bad));
   }
 }
 
 TEST(CameraFile, SplinesThatAreNoneAreRefused) {
   const std::string radial = FormatCameraFile(RadialFile());
   for (const char* bad : {"-1", "0", "3.2", ".nan", "word"})
-    ExpectRefused(Replaced(radial, "max_angle_rad: 1.7",
-                           std::string("max_angle_rad: ") + bad));
-  ExpectRefused(Replaced(radial, "0.02", ".nan"));
-  ExpectRefused(Replaced(radial, "[0.01, 0.02, ", "["));
-  ExpectRefused(Replaced(radial, "sx1", "sx2"));
+    ExpectCameraRefused(Replaced(radial, "max_angle_rad: 1.7",
+                                 std::string("max_angle_rad: ") + bad));
+  ExpectCameraRefused(Replaced(radial, "0.02", ".nan"));
+  ExpectCameraRefused(Replaced(radial, "[0.01, 0.02, ", "["));
+  ExpectCameraRefused(Replaced(radial, "sx1", "sx2"));
 }
 
 TEST(CameraFile, SizesThatNoCameraHasAreRefused) {
-  const std::string generic = FormatCameraFile(GenericFile());
+  const std::string generic = FormatCameraFile(GridFile());
   const size_t size = generic.find("image_size: [") + 13;
   const size_t length = generic.find(']', size) - size;
   for (const char* bad : {"1000000, 1000", "1000, 65536", "0, 480", "640, -1",
                           "4294967936, 480", "640"})
-    ExpectRefused(std::string(generic).replace(size, length, bad));
+    ExpectCameraRefused(std::string(generic).replace(size, length, bad));
 }
 
 TEST(CameraFile, WrongCountsAreRefused) {
-  const std::string generic = FormatCameraFile(GenericFile());
-  ExpectRefused(Replaced(generic, "columns: 7", "columns: 8"));
-  ExpectRefused(Replaced(generic, "rows: 6", "rows: 5"));
-  ExpectRefused(Replaced(generic, "columns: 7", "columns: 3"));
-  ExpectRefused(Replaced(generic, "columns: 7", "columns: 1000000"));
+  const std::string generic = FormatCameraFile(GridFile());
+  ExpectCameraRefused(Replaced(generic, "columns: 7", "columns: 8"));
+  ExpectCameraRefused(Replaced(generic, "rows: 6", "rows: 5"));
+  ExpectCameraRefused(Replaced(generic, "columns: 7", "columns: 3"));
+  ExpectCameraRefused(Replaced(generic, "columns: 7", "columns: 1000000"));
   const size_t point = generic.find("- [");
   const size_t end = generic.find('\n', point);
-  ExpectRefused(std::string(generic).erase(point, end - point));
-  ExpectRefused(std::string(generic).replace(point, end - point, "- [0.5]"));
-  ExpectRefused(
+  ExpectCameraRefused(std::string(generic).erase(point, end - point));
+  ExpectCameraRefused(
+      std::string(generic).replace(point, end - point, "- [0.5]"));
+  ExpectCameraRefused(
       std::string(generic).replace(point, end - point, "- [0.5, 1, 2]"));
-  ExpectRefused(Replaced(generic, "central-generic", "noncentral-generic"));
-  ExpectRefused(Replaced(FormatCameraFile(NonCentralFile()),
-                         "noncentral-generic", "central-generic"));
-  ExpectRefused(Replaced(generic, "[640, 480]", "[640]"));
-  ExpectRefused(Replaced(generic, "[640, 480]", "[640, -480]"));
+  ExpectCameraRefused(
+      Replaced(generic, "central-generic", "noncentral-generic"));
+  ExpectCameraRefused(Replaced(FormatCameraFile(NonCentralFile()),
+                               "noncentral-generic", "central-generic"));
+  ExpectCameraRefused(Replaced(generic, "[640, 480]", "[640]"));
+  ExpectCameraRefused(Replaced(generic, "[640, 480]", "[640, -480]"));
 }
 
 TEST(CameraFile, AreasOutsideTheImageAreRefused) {
-  const std::string generic = FormatCameraFile(GenericFile());
-  ExpectRefused(Replaced(generic, "[640, 480]", "[600, 480]"));
+  const std::string generic = FormatCameraFile(GridFile());
+  ExpectCameraRefused(Replaced(generic, "[640, 480]", "[600, 480]"));
   const std::string lens = FormatCameraFile(OpenCvFile());
-  ExpectRefused(Replaced(lens, "[0, 0, 639, 479]", "[-1, 0, 639, 479]"));
-  ExpectRefused(Replaced(lens, "[0, 0, 639, 479]", "[100, 0, 50, 479]"));
-  ExpectRefused(Replaced(lens, "[0, 0, 639, 479]", "[0, 0, 639]"));
+  ExpectCameraRefused(Replaced(lens, "[0, 0, 639, 479]", "[-1, 0, 639, 479]"));
+  ExpectCameraRefused(Replaced(lens, "[0, 0, 639, 479]", "[100, 0, 50, 479]"));
+  ExpectCameraRefused(Replaced(lens, "[0, 0, 639, 479]", "[0, 0, 639]"));
 }
 
 TEST(CameraFile, OtherDocumentsAreRefused) {
-  const std::string generic = FormatCameraFile(GenericFile());
-  ExpectRefused("");
-  ExpectRefused("text");
-  ExpectRefused("[");
-  ExpectRefused("raygrid_camera: 1\n");
-  ExpectRefused("raygrid_camera: 1\nmodel: opencv\n");
-  ExpectRefused(Replaced(generic, "raygrid_camera: 1", "raygrid_camera: 2"));
-  ExpectRefused(Replaced(generic, "central-generic", "pinhole"));
-  ExpectRefused(Replaced(generic, "stereographic", "mercator"));
-  ExpectRefused(Replaced(FormatCameraFile(OpenCvFile()), "k6:", "k7:"));
+  const std::string generic = FormatCameraFile(GridFile());
+  ExpectCameraRefused("");
+  ExpectCameraRefused("text");
+  ExpectCameraRefused("[");
+  ExpectCameraRefused("raygrid_camera: 1\n");
+  ExpectCameraRefused("raygrid_camera: 1\nmodel: opencv\n");
+  ExpectCameraRefused(
+      Replaced(generic, "raygrid_camera: 1", "raygrid_camera: 2"));
+  ExpectCameraRefused(Replaced(generic, "central-generic", "pinhole"));
+  ExpectCameraRefused(Replaced(generic, "stereographic", "mercator"));
+  ExpectCameraRefused(Replaced(FormatCameraFile(OpenCvFile()), "k6:", "k7:"));
   ExpectError(ExitCode::kInput, {"nowhere.yaml"},
               [] { ReadCameraFile("nowhere.yaml"); });
 }
 
 TEST(CameraFile, EveryTruncationIsReadOrRefusedButNoCrash) {
-  const std::string text = FormatCameraFile(GenericFile());
+  const std::string text = FormatCameraFile(GridFile());
   for (size_t size = 0; size < text.size(); size += 37) {
     try {
-      Read(text.substr(0, size));
+      ReadCameraText(text.substr(0, size));
       ADD_FAILURE() << "read with " << size << " bytes";
     } catch (const InputError&) {
       if (size > text.find("quality")) break;
@@ -214,10 +217,10 @@ TEST(CameraFile, EveryTruncationIsReadOrRefusedButNoCrash) {
 }
 
 TEST(CameraFile, KeepsUncertaintyAndMask) {
-  CameraFile file = GenericFile();
+  CameraFile file = GridFile();
   file.uncertainty = ExampleUncertainty();
   const std::string text = FormatCameraFile(file);
-  const CameraFile read = Read(text);
+  const CameraFile read = ReadCameraText(text);
   ASSERT_TRUE(read.uncertainty);
   const DeviationLattice& lattice = read.uncertainty->lattice;
   EXPECT_EQ(lattice.columns, 3);
@@ -240,7 +243,7 @@ TEST(CameraFile, KeepsUncertaintyAndMask) {
 }
 
 TEST(CameraFile, RefusesAMalformedMaskOrLattice) {
-  CameraFile file = GenericFile();
+  CameraFile file = GridFile();
   file.uncertainty = ExampleUncertainty();
   const std::string text = FormatCameraFile(file);
   for (const auto& [from, to] :
@@ -260,7 +263,7 @@ TEST(CameraFile, RefusesAMalformedMaskOrLattice) {
     const size_t place = broken.rfind(from);
     ASSERT_NE(place, std::string::npos) << from;
     broken.replace(place, from.size(), to);
-    EXPECT_THROW(Read(broken), InputError) << to;
+    EXPECT_THROW(ReadCameraText(broken), InputError) << to;
   }
 }
 

@@ -11,23 +11,24 @@ namespace {
 
 const char kHeader[] = "image,board,column,row,x,y\n";
 
-std::map<std::string, Dataset> Read(const std::string& text) {
+std::map<std::string, Dataset> ReadFeaturesText(const std::string& text) {
   const TemporaryFolder folder;
   WriteFile(folder / "features.csv", text);
   return ReadFeatures(folder / "features.csv");
 }
 
 // The file is named, and what else is expected in the message.
-void ExpectRefused(const std::string& text, std::vector<std::string> words) {
+void ExpectFeaturesRefused(const std::string& text,
+                           std::vector<std::string> words) {
   words.push_back("features.csv");
-  ExpectError(ExitCode::kInput, words, [&] { Read(text); });
+  ExpectError(ExitCode::kInput, words, [&] { ReadFeaturesText(text); });
 }
 
 TEST(ReadFeatures, ReadsImagesInTheFilesOrder) {
-  const Dataset dataset = Read(std::string(kHeader) +
-                               "b.png,0,1,2,3.5,4.25\n"
-                               "a.png,0,0,0,1e1,-0.5\n"
-                               "b.png,7,1,3,5,6\n")
+  const Dataset dataset = ReadFeaturesText(std::string(kHeader) +
+                                           "b.png,0,1,2,3.5,4.25\n"
+                                           "a.png,0,0,0,1e1,-0.5\n"
+                                           "b.png,7,1,3,5,6\n")
                               .at("");
   ASSERT_EQ(dataset.images.size(), 2u);
   EXPECT_EQ(dataset.num_features(), 3u);
@@ -42,7 +43,7 @@ TEST(ReadFeatures, ReadsImagesInTheFilesOrder) {
 }
 
 TEST(ReadFeatures, AcceptsCommentsExtraColumnsSpacesAndCarriageReturns) {
-  const Dataset dataset = Read(
+  const Dataset dataset = ReadFeaturesText(
                               "# found by hand\r\n"
                               "\r\n"
                               "row, column,note,image,x,y,board\r\n"
@@ -57,7 +58,7 @@ TEST(ReadFeatures, AcceptsCommentsExtraColumnsSpacesAndCarriageReturns) {
 }
 
 TEST(ReadFeatures, SeparatesCameras) {
-  const auto datasets = Read(
+  const auto datasets = ReadFeaturesText(
       "camera,image,board,column,row,x,y\n"
       "left,1.png,0,0,0,1,2\n"
       "right,1.png,0,0,0,3,4\n");
@@ -70,35 +71,36 @@ TEST(ReadFeatures, RefusesWhatIsNoFiniteNumberNamingTheLine) {
        {"nan", "NaN", "inf", "-inf", "", "1,5", "1.5px", "0x10", "1e999"}) {
     const std::string text = std::string(kHeader) + "a.png,0,0,0,1,2\n" +
                              "a.png,0,0,1," + bad + ",2\n";
-    ExpectRefused(text, {"line 3"});
+    ExpectFeaturesRefused(text, {"line 3"});
   }
 }
 
 TEST(ReadFeatures, RefusesWhatIsNoIntegerNamingTheLineAndColumn) {
   for (const char* bad : {"1.5", "x", "", "99999999999"})
-    ExpectRefused(std::string(kHeader) + "a.png,0," + bad + ",0,1,2\n",
-                  {"line 2", "column"});
+    ExpectFeaturesRefused(std::string(kHeader) + "a.png,0," + bad + ",0,1,2\n",
+                          {"line 2", "column"});
 }
 
 TEST(ReadFeatures, RefusesMissingColumns) {
-  ExpectRefused("image,board,column,row,x\na.png,0,0,0,1\n", {"'y'"});
-  ExpectRefused("", {"'image'"});
+  ExpectFeaturesRefused("image,board,column,row,x\na.png,0,0,0,1\n", {"'y'"});
+  ExpectFeaturesRefused("", {"'image'"});
 }
 
 TEST(ReadFeatures, RefusesLinesWithAnotherNumberOfFields) {
-  ExpectRefused(std::string(kHeader) + "a.png,0,0,0,1\n", {"line 2"});
-  ExpectRefused(std::string(kHeader) + "\na.png,0,0,0,1,2,3\n", {"line 3"});
+  ExpectFeaturesRefused(std::string(kHeader) + "a.png,0,0,0,1\n", {"line 2"});
+  ExpectFeaturesRefused(std::string(kHeader) + "\na.png,0,0,0,1,2,3\n",
+                        {"line 3"});
 }
 
 TEST(ReadFeatures, TakesNamesAsTheyAre) {
-  const Dataset dataset = Read(std::string(kHeader) +
-                               "#1.png,0,9,9,1,2\n"  // a comment
-                               "\"#1.png\",0,0,0,1,2\r\n"
-                               "a#1.png,0,0,0,1,2\n"
-                               " \"a,b.png\" ,0,0,0,1,2\n"
-                               "\"a \"\"b\"\".png\",0,0,0,1,2\n"
-                               "\"a\nb.png\",0,0,0,1,2\n"
-                               "\" a.png\",0,0,0,1,2\n")
+  const Dataset dataset = ReadFeaturesText(std::string(kHeader) +
+                                           "#1.png,0,9,9,1,2\n"  // a comment
+                                           "\"#1.png\",0,0,0,1,2\r\n"
+                                           "a#1.png,0,0,0,1,2\n"
+                                           " \"a,b.png\" ,0,0,0,1,2\n"
+                                           "\"a \"\"b\"\".png\",0,0,0,1,2\n"
+                                           "\"a\nb.png\",0,0,0,1,2\n"
+                                           "\" a.png\",0,0,0,1,2\n")
                               .at("");
   std::vector<std::string> names;
   for (const ImageFeatures& image : dataset.images)
@@ -110,29 +112,30 @@ TEST(ReadFeatures, TakesNamesAsTheyAre) {
 
 TEST(ReadFeatures, RefusesQuotesOutOfPlaceNamingTheLine) {
   const std::string start = std::string(kHeader) + "\"a\nb\",0,0,0,1,2\n";
-  ExpectRefused(start + "\"a,0,0,0,1,2\n", {"line 4", "not closed"});
-  ExpectRefused(start + "a\"b,0,0,0,1,2\n", {"line 4", "quote"});
-  ExpectRefused(start + "\"a\"b,0,0,0,1,2\n", {"line 4", "quote"});
-  ExpectRefused(start + "a,b,0,0,0,1,2\n", {"line 4", "quotes"});
-  ExpectRefused(start + "a\xe9,0,0,0,1,2\n", {"line 4", "UTF-8"});
+  ExpectFeaturesRefused(start + "\"a,0,0,0,1,2\n", {"line 4", "not closed"});
+  ExpectFeaturesRefused(start + "a\"b,0,0,0,1,2\n", {"line 4", "quote"});
+  ExpectFeaturesRefused(start + "\"a\"b,0,0,0,1,2\n", {"line 4", "quote"});
+  ExpectFeaturesRefused(start + "a,b,0,0,0,1,2\n", {"line 4", "quotes"});
+  ExpectFeaturesRefused(start + "a\xe9,0,0,0,1,2\n", {"line 4", "UTF-8"});
 }
 
 TEST(ReadFeatures, RefusesByteOrderMarksAndColumnsTwice) {
-  ExpectRefused(std::string("\xef\xbb\xbf") + kHeader + "a,0,0,0,1,2\n",
-                {"byte order mark"});
-  ExpectRefused("image,board,column,row,x,y,x\na,0,0,0,1,2,3\n", {"'x' twice"});
+  ExpectFeaturesRefused(std::string("\xef\xbb\xbf") + kHeader + "a,0,0,0,1,2\n",
+                        {"byte order mark"});
+  ExpectFeaturesRefused("image,board,column,row,x,y,x\na,0,0,0,1,2,3\n",
+                        {"'x' twice"});
 }
 
 TEST(ReadFeatures, RefusesFeaturesStatedTwice) {
-  ExpectRefused(std::string(kHeader) +
-                    "a.png,0,3,4,1,2\n"
-                    "b.png,0,3,4,1,2\n"
-                    "a.png,0,3,4,1.5,2\n",
-                {"line 4"});
+  ExpectFeaturesRefused(std::string(kHeader) +
+                            "a.png,0,3,4,1,2\n"
+                            "b.png,0,3,4,1,2\n"
+                            "a.png,0,3,4,1.5,2\n",
+                        {"line 4"});
 }
 
 TEST(ReadFeatures, RefusesFilesWithoutFeatures) {
-  ExpectRefused(kHeader, {"no features"});
+  ExpectFeaturesRefused(kHeader, {"no features"});
   ExpectError(ExitCode::kInput, {"nowhere.csv"},
               [] { ReadFeatures("nowhere.csv"); });
 }
@@ -149,7 +152,7 @@ TEST(ReadFeatures, InvertsFormatFeatures) {
       dataset.images.back().features.push_back(
           {i % 3, i, 2 * i, random.PixelIn({0, 0, 640, 480})});
   }
-  const Dataset read = Read(FormatFeatures(dataset)).at("");
+  const Dataset read = ReadFeaturesText(FormatFeatures(dataset)).at("");
   ASSERT_EQ(read.images.size(), names.size());
   for (size_t k = 0; k < names.size(); ++k) {
     EXPECT_EQ(read.images[k].image, dataset.images[k].image);
@@ -169,7 +172,7 @@ TEST(ReadFeatures, InvertsFormatFeaturesOfARig) {
     cameras.push_back(
         {camera,
          {{640, 480}, {{"1", {{0, 2, 3, {cameras.size() + 4.5, 6}}}}}}});
-  const auto read = Read(FormatFeatures(cameras));
+  const auto read = ReadFeaturesText(FormatFeatures(cameras));
   ASSERT_EQ(read.size(), 2u);
   EXPECT_EQ(read.at("left").images[0].features[0].pixel.x(), 4.5);
   EXPECT_EQ(read.at("right").images[0].features[0].pixel.x(), 5.5);
@@ -221,7 +224,7 @@ TEST(ReadFeatures, DoesNotDependOnTheLocale) {
   const CommaLocale locale;
   if (!locale.is_set()) GTEST_SKIP() << "no locale with decimal commas here";
   const Dataset dataset =
-      Read(std::string(kHeader) + "a.png,0,0,0,1.5,2.25\n").at("");
+      ReadFeaturesText(std::string(kHeader) + "a.png,0,0,0,1.5,2.25\n").at("");
   EXPECT_EQ(dataset.images[0].features[0].pixel, Eigen::Vector2d(1.5, 2.25));
   EXPECT_NE(FormatFeatures(dataset).find("1.50000,2.25000"), std::string::npos);
 }

@@ -111,30 +111,31 @@ std::string Tiff(const std::vector<std::array<uint32_t, 3>>& entries) {
   return file;
 }
 
-void ExpectRefused(const std::string& file, const std::string& word) {
+void ExpectHeaderRefused(const std::string& file, const std::string& word) {
   ExpectError(ExitCode::kInput, {"a.tif", word},
               [&] { ParseImageHeader("a.tif", file); });
 }
 
 TEST(ImageHeader, LargerImagesThanAllowedAreRefused) {
   EXPECT_EQ(ParseImageHeader("a", "P5 16384 1024 255\n").size.width, 16384);
-  ExpectRefused("P5 16385 1 255\n", "--huge");
-  ExpectRefused("P5 1 4294967936 255\n", "--huge");
-  ExpectRefused("P5 99999999999999999999999 1 255\n", "--huge");
-  ExpectRefused("P5 0 640 255\n", "damaged");
+  ExpectHeaderRefused("P5 16385 1 255\n", "--huge");
+  ExpectHeaderRefused("P5 1 4294967936 255\n", "--huge");
+  ExpectHeaderRefused("P5 99999999999999999999999 1 255\n", "--huge");
+  ExpectHeaderRefused("P5 0 640 255\n", "damaged");
   constexpr uint32_t kWidth = 256, kHeight = 257, kTileWidth = 322, kLong = 4,
                      kSignedLong = 9, kLong8 = 16;
-  ExpectRefused(Tiff({{kWidth, kLong, 20000}, {kHeight, kLong, 1}}), "--huge");
+  ExpectHeaderRefused(Tiff({{kWidth, kLong, 20000}, {kHeight, kLong, 1}}),
+                      "--huge");
   // The first of two is what a decoder may take, or the last.
-  ExpectRefused(
+  ExpectHeaderRefused(
       Tiff({{kWidth, kLong, 20000}, {kWidth, kLong, 8}, {kHeight, kLong, 1}}),
       "--huge");
-  ExpectRefused(Tiff({{kWidth, kLong, 8},
-                      {kHeight, kLong, 8},
-                      {kTileWidth, kLong, 1 << 20}}),
-                "--huge");
+  ExpectHeaderRefused(Tiff({{kWidth, kLong, 8},
+                            {kHeight, kLong, 8},
+                            {kTileWidth, kLong, 1 << 20}}),
+                      "--huge");
   for (const uint32_t type : {kSignedLong, kLong8})
-    ExpectRefused(
+    ExpectHeaderRefused(
         Tiff({{kWidth, type, 20000}, {kWidth, kLong, 8}, {kHeight, kLong, 8}}),
         "damaged");
 }
@@ -142,18 +143,18 @@ TEST(ImageHeader, LargerImagesThanAllowedAreRefused) {
 TEST(ImageHeader, ManyPixelsOfFewBytesAreRefused) {
   const std::string small = "P5 4096 4096 255\n", many = "P5 4096 4097 255\n";
   EXPECT_EQ(ParseImageHeader("a", small).size.height, 4096);
-  ExpectRefused(many, "4096 x 4097 pixels in 17 bytes");
+  ExpectHeaderRefused(many, "4096 x 4097 pixels in 17 bytes");
   EXPECT_EQ(ParseImageHeader("a", many + std::string(33600, ' ')).size.height,
             4097);
   const std::string huge = "P5 16384 16384 255\n";
-  ExpectRefused(huge + std::string(2600000, ' '), "--huge");
+  ExpectHeaderRefused(huge + std::string(2600000, ' '), "--huge");
   EXPECT_EQ(ParseImageHeader("a", huge + std::string(2700000, ' ')).size.height,
             16384);
 }
 
 TEST(ImageHeader, OtherKindsAreRefused) {
   for (const char* file : {"", "P", "P7\nWIDTH 3\n", "GIF89a", "#?RADIANCE\n"})
-    ExpectRefused(file, "not an image");
+    ExpectHeaderRefused(file, "not an image");
 }
 
 }  // namespace

@@ -11,13 +11,14 @@ std::string WithBoards(const std::string& boards) {
   return "raygrid_pattern: 1\nboards:\n" + boards;
 }
 
-std::string Chessboard(const std::string& columns, const std::string& rows,
-                       const std::string& square_m) {
+std::string ChessboardYaml(const std::string& columns, const std::string& rows,
+                           const std::string& square_m) {
   return WithBoards("  - {id: 0, kind: chessboard, columns: " + columns +
                     ", rows: " + rows + ", square_m: " + square_m + "}\n");
 }
 
-void ExpectRefused(const std::string& yaml, std::vector<std::string> words) {
+void ExpectPatternRefused(const std::string& yaml,
+                          std::vector<std::string> words) {
   words.push_back("p.yaml");
   ExpectError(ExitCode::kInput, words, [&] { ParsePattern("p.yaml", yaml); });
 }
@@ -61,34 +62,40 @@ TEST(Pattern, ListsOfPointsMayHaveRows) {
   EXPECT_EQ(board.points[board.PointIndex(1, 1)], Eigen::Vector3d(1, 1, 0));
   for (const char* size :
        {"2", "-3, rows: -2", "6, rows: 2", "65536, rows: 65536", "0, rows: 6"})
-    ExpectRefused(WithBoards(start + size + ", " + points), {"6 points"});
+    ExpectPatternRefused(WithBoards(start + size + ", " + points),
+                         {"6 points"});
 }
 
 TEST(Pattern, BoardsHaveAHundredThousandPointsInAllAtMost) {
-  EXPECT_EQ(ParsePattern("p", Chessboard("1000", "100", "0.01"))
+  EXPECT_EQ(ParsePattern("p", ChessboardYaml("1000", "100", "0.01"))
                 .boards[0]
                 .points.size(),
             100000u);
-  ExpectRefused(Chessboard("1000", "1000", "0.01"), {"1000000 feature points"});
+  ExpectPatternRefused(ChessboardYaml("1000", "1000", "0.01"),
+                       {"1000000 feature points"});
   std::string boards;
   for (int id = 0; id < 12; ++id)
     boards += "  - {id: " + std::to_string(id) +
               ", kind: chessboard, columns: 100, rows: 100, square_m: 0.01}\n";
-  ExpectRefused(WithBoards(boards), {"board 11", "110000 feature points"});
+  ExpectPatternRefused(WithBoards(boards),
+                       {"board 11", "110000 feature points"});
 }
 
 TEST(Pattern, SquaresAreFromAMicrometreToAHundredMetres) {
   for (const char* square_m : {"1e-6", "0.025", "100"})
-    EXPECT_EQ(ParsePattern("p", Chessboard("4", "3", square_m)).boards.size(),
-              1u);
+    EXPECT_EQ(
+        ParsePattern("p", ChessboardYaml("4", "3", square_m)).boards.size(),
+        1u);
   for (const char* square_m :
        {"1e-300", "9.9e-7", "0", "-0.025", "100.1", "1e300", ".nan", ".inf"})
-    ExpectRefused(Chessboard("4", "3", square_m), {"square_m", "metres"});
+    ExpectPatternRefused(ChessboardYaml("4", "3", square_m),
+                         {"square_m", "metres"});
   for (const char* x : {"1e300", "-1e6", ".inf", ".nan"})
-    ExpectRefused(WithBoards("  - {id: 0, kind: points, xyz: [[0, 0, 0], "
-                             "[0.1, 0, 0], [0, 0.1, " +
-                             std::string(x) + "]]}\n"),
-                  {"metres"});
+    ExpectPatternRefused(
+        WithBoards("  - {id: 0, kind: points, xyz: [[0, 0, 0], "
+                   "[0.1, 0, 0], [0, 0.1, " +
+                   std::string(x) + "]]}\n"),
+        {"metres"});
 }
 
 TEST(Pattern, FindsBoardsById) {
@@ -98,19 +105,19 @@ TEST(Pattern, FindsBoardsById) {
 }
 
 TEST(Pattern, MalformedYamlIsRefusedWithItsLine) {
-  ExpectRefused("raygrid_pattern: 1\nboards: [{id: 0\nx", {"line"});
-  ExpectRefused("a: b: c", {"line 1"});
+  ExpectPatternRefused("raygrid_pattern: 1\nboards: [{id: 0\nx", {"line"});
+  ExpectPatternRefused("a: b: c", {"line 1"});
 }
 
 TEST(Pattern, OtherDocumentsAreRefused) {
-  ExpectRefused("", {"raygrid_pattern"});
-  ExpectRefused("just text", {"raygrid_pattern"});
-  ExpectRefused("[1, 2]", {"raygrid_pattern"});
-  ExpectRefused("boards: []", {"raygrid_pattern"});
-  ExpectRefused("raygrid_pattern: 2\nboards: []", {"version"});
-  ExpectRefused("raygrid_pattern: 1\n", {"boards"});
-  ExpectRefused("raygrid_pattern: 1\nboards: []", {"boards"});
-  ExpectRefused("raygrid_pattern: 1\nboards: [5]", {"board 1"});
+  ExpectPatternRefused("", {"raygrid_pattern"});
+  ExpectPatternRefused("just text", {"raygrid_pattern"});
+  ExpectPatternRefused("[1, 2]", {"raygrid_pattern"});
+  ExpectPatternRefused("boards: []", {"raygrid_pattern"});
+  ExpectPatternRefused("raygrid_pattern: 2\nboards: []", {"version"});
+  ExpectPatternRefused("raygrid_pattern: 1\n", {"boards"});
+  ExpectPatternRefused("raygrid_pattern: 1\nboards: []", {"boards"});
+  ExpectPatternRefused("raygrid_pattern: 1\nboards: [5]", {"board 1"});
 }
 
 TEST(Pattern, MissingKeysAreNamed) {
@@ -124,7 +131,7 @@ TEST(Pattern, MissingKeysAreNamed) {
         board += lead + key + "\n";
         lead = "    ";
       }
-    ExpectRefused(
+    ExpectPatternRefused(
         WithBoards(board),
         {"board 1", "'" + missing.substr(0, missing.find(':')) + "'"});
   }
@@ -132,11 +139,11 @@ TEST(Pattern, MissingKeysAreNamed) {
 
 TEST(Pattern, BadSizesAreRefused) {
   for (const char* bad : {"1", "0", "-4", "1001", "4.5", "many", "1e9"}) {
-    ExpectRefused(Chessboard(bad, "6", "0.02"), {"columns"});
-    ExpectRefused(Chessboard("9", bad, "0.02"), {"rows"});
+    ExpectPatternRefused(ChessboardYaml(bad, "6", "0.02"), {"columns"});
+    ExpectPatternRefused(ChessboardYaml("9", bad, "0.02"), {"rows"});
   }
   for (const char* bad : {"0", "-0.02", ".nan", ".inf", "wide"})
-    ExpectRefused(Chessboard("9", "6", bad), {"square_m"});
+    ExpectPatternRefused(ChessboardYaml("9", "6", bad), {"square_m"});
 }
 
 TEST(Pattern, WrongPointsAreRefused) {
@@ -146,15 +153,15 @@ TEST(Pattern, WrongPointsAreRefused) {
   for (const char* points : {"[[0, 0, 0]]", "[[0, 0], [0, 0], [0, 0], [0, 0]]",
                              "[[0, 0, .nan], [0, 0, 0], [0, 0, 0], [0, 0, 0]]",
                              "[[a, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]]"})
-    ExpectRefused(WithBoards(start + points + "}\n"), {});
-  ExpectRefused(WithBoards("  - {id: 0, kind: points}\n"), {});
+    ExpectPatternRefused(WithBoards(start + points + "}\n"), {});
+  ExpectPatternRefused(WithBoards("  - {id: 0, kind: points}\n"), {});
 }
 
 TEST(Pattern, BoardsNeedDifferentIds) {
-  ExpectRefused(Chessboard("9", "6", "0.02") +
-                    "  - {id: 0, kind: chessboard, columns: 4, rows: 3, "
-                    "square_m: 0.02}\n",
-                {"board 2", "twice"});
+  ExpectPatternRefused(ChessboardYaml("9", "6", "0.02") +
+                           "  - {id: 0, kind: chessboard, columns: 4, rows: 3, "
+                           "square_m: 0.02}\n",
+                       {"board 2", "twice"});
 }
 
 TEST(Pattern, FormatKeepsUnknownKeysAndPoints) {

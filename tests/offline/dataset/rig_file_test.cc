@@ -6,13 +6,13 @@
 namespace raygrid {
 namespace {
 
-std::vector<RigFileCamera> Read(const std::string& text) {
+std::vector<RigFileCamera> ReadRigText(const std::string& text) {
   const TemporaryFolder folder;
   WriteFile(folder / "rig.yaml", text);
   return ReadRigFile(folder / "rig.yaml");
 }
 
-std::vector<RigFileCamera> Example() {
+std::vector<RigFileCamera> ExampleRigCameras() {
   return {{"left", "left/camera.yaml", {}},
           {"aft-2",
            "aft-2/camera.yaml",
@@ -20,8 +20,8 @@ std::vector<RigFileCamera> Example() {
 }
 
 TEST(RigFile, IsReadAsItWasWritten) {
-  const auto read = Read(FormatRigFile(Example()));
-  const auto written = Example();
+  const auto read = ReadRigText(FormatRigFile(ExampleRigCameras()));
+  const auto written = ExampleRigCameras();
   ASSERT_EQ(read.size(), 2u);
   for (int c = 0; c < 2; ++c) {
     EXPECT_EQ(read[c].name, written[c].name);
@@ -35,7 +35,7 @@ TEST(RigFile, IsReadAsItWasWritten) {
 }
 
 TEST(RigFile, RefusesWhatIsMalformed) {
-  const std::string good = FormatRigFile(Example());
+  const std::string good = FormatRigFile(ExampleRigCameras());
   const auto replaced = [&good](const std::string& old, const std::string& by) {
     std::string text = good;
     return text.replace(text.find(old), old.size(), by);
@@ -50,7 +50,7 @@ TEST(RigFile, RefusesWhatIsMalformed) {
         replaced("file", "path"), replaced("x: -0.125", "x: .inf"),
         std::string("raygrid_rig: 1\ncameras:\n"), std::string("- a\n"),
         std::string("raygrid_rig: [\n")})
-    ExpectError(ExitCode::kInput, {"rig.yaml"}, [&] { Read(text); });
+    ExpectError(ExitCode::kInput, {"rig.yaml"}, [&] { ReadRigText(text); });
 }
 
 }  // namespace

@@ -28,8 +28,8 @@ TEST(SignedRankProbability, OfManyIsTheNormalOne) {
 }
 
 // Errors of 0.05 px, and of a camera that is wrong by some more.
-std::vector<FeatureResidual> Residuals(int num_images, double wrong_px,
-                                       unsigned seed) {
+std::vector<FeatureResidual> ResidualsOfImages(int num_images, double wrong_px,
+                                               unsigned seed) {
   TestRandom noise(5), random(seed);
   std::vector<FeatureResidual> residuals;
   for (int image = 0; image < num_images; ++image) {
@@ -44,7 +44,8 @@ std::vector<FeatureResidual> Residuals(int num_images, double wrong_px,
 }
 
 TEST(ComparePredictions, FindsTheBetterOne) {
-  const auto better = Residuals(20, 0.01, 1), worse = Residuals(20, 0.03, 2);
+  const auto better = ResidualsOfImages(20, 0.01, 1),
+             worse = ResidualsOfImages(20, 0.03, 2);
   const PredictionComparison forth = ComparePredictions(better, worse);
   EXPECT_STREQ(forth.Better(), "first");
   EXPECT_LT(forth.first.rms_px, forth.second.rms_px);
@@ -58,16 +59,16 @@ TEST(ComparePredictions, DoesNotGuess) {
   int num_decided = 0;
   for (unsigned seed = 10; seed < 210; ++seed)
     num_decided += std::string("neither") !=
-                   ComparePredictions(Residuals(12, 0.02, seed),
-                                      Residuals(12, 0.02, seed + 1000))
+                   ComparePredictions(ResidualsOfImages(12, 0.02, seed),
+                                      ResidualsOfImages(12, 0.02, seed + 1000))
                        .Better();
   EXPECT_LE(num_decided, 6);  // of 200, where 2 are expected
-  const auto same = Residuals(12, 0.02, 3);
+  const auto same = ResidualsOfImages(12, 0.02, 3);
   EXPECT_STREQ(ComparePredictions(same, same).Better(), "neither");
 }
 
 TEST(ComparePredictions, CountsOnlyWhatBothSee) {
-  const auto all = Residuals(4, 0.01, 1);
+  const auto all = ResidualsOfImages(4, 0.01, 1);
   std::vector<FeatureResidual> part(all.begin(), all.begin() + 150);
   const PredictionComparison comparison = ComparePredictions(all, part);
   EXPECT_EQ(comparison.first.count, 150);

@@ -5,7 +5,7 @@
 namespace raygrid {
 namespace {
 
-const Area kArea = {0, 0, 640, 480};
+const Area kImageArea = {0, 0, 640, 480};
 
 FeatureResidual At(const Eigen::Vector2d& pixel, const Eigen::Vector2d& error) {
   return {"a.png", 0, 0, 0, pixel, error};
@@ -13,7 +13,8 @@ FeatureResidual At(const Eigen::Vector2d& pixel, const Eigen::Vector2d& error) {
 
 // Many residuals in each of some places, around a mean that depends on place.
 template <typename Function>
-std::vector<FeatureResidual> Residuals(int per_place, const Function& mean_of) {
+std::vector<FeatureResidual> ResidualsInPlaces(int per_place,
+                                               const Function& mean_of) {
   TestRandom random(1);
   std::vector<FeatureResidual> residuals;
   for (int place = 0; place < 20; ++place) {
@@ -53,27 +54,30 @@ TEST(ErrorFigures, OfNothingAreZero) {
 }
 
 TEST(Bias, IsNearZeroForPureNoise) {
-  EXPECT_LT(ComputeBias(Residuals(2000, Nowhere), kArea).value(), 0.05);
+  EXPECT_LT(ComputeBias(ResidualsInPlaces(2000, Nowhere), kImageArea).value(),
+            0.05);
 }
 
 TEST(Bias, DoesNotDependOnTheNoisesStrength) {
-  std::vector<FeatureResidual> residuals = Residuals(500, Nowhere);
-  const double bias = ComputeBias(residuals, kArea).value();
+  std::vector<FeatureResidual> residuals = ResidualsInPlaces(500, Nowhere);
+  const double bias = ComputeBias(residuals, kImageArea).value();
   for (FeatureResidual& residual : residuals) residual.error_px *= 7;
-  EXPECT_NEAR(ComputeBias(residuals, kArea).value(), bias, 1e-9);
+  EXPECT_NEAR(ComputeBias(residuals, kImageArea).value(), bias, 1e-9);
 }
 
 TEST(Bias, IsLargeWhereNeighboursErrAlike) {
   const auto systematic = [](int place) {
     return Eigen::Vector2d(2 * std::cos(place), 2 * std::sin(place));
   };
-  EXPECT_GT(ComputeBias(Residuals(2000, systematic), kArea).value(), 0.5);
+  EXPECT_GT(
+      ComputeBias(ResidualsInPlaces(2000, systematic), kImageArea).value(),
+      0.5);
 }
 
 TEST(Bias, NeedsFiveResidualsInAPlace) {
-  EXPECT_FALSE(ComputeBias(Residuals(4, Nowhere), kArea));
-  EXPECT_TRUE(ComputeBias(Residuals(5, Nowhere), kArea));
-  EXPECT_FALSE(ComputeBias({}, kArea));
+  EXPECT_FALSE(ComputeBias(ResidualsInPlaces(4, Nowhere), kImageArea));
+  EXPECT_TRUE(ComputeBias(ResidualsInPlaces(5, Nowhere), kImageArea));
+  EXPECT_FALSE(ComputeBias({}, kImageArea));
 }
 
 // A board of 20 x 15 features in each of two images; error_at(column, row).

@@ -9,7 +9,7 @@
 namespace raygrid {
 namespace {
 
-SeenImage Example() {
+SeenImage ExampleSeenImage() {
   SeenImage seen;
   seen.size = {640, 480};
   seen.detection.features = {{0, 1, 2, {1.0 / 3, 2e-9}},
@@ -44,10 +44,10 @@ TEST(DetectionCache, GivesBackWhatWasStoredToTheLastBit) {
   const TemporaryFolder folder;
   const DetectionCache cache(folder / "new/cache");
   EXPECT_FALSE(cache.Find("key"));
-  cache.Store("key", Example());
+  cache.Store("key", ExampleSeenImage());
   const auto found = cache.Find("key");
   ASSERT_TRUE(found);
-  ExpectSame(*found, Example());
+  ExpectSame(*found, ExampleSeenImage());
   EXPECT_FALSE(cache.Find("other"));
 }
 
@@ -68,7 +68,7 @@ TEST(DetectionCache, KeyDependsOnEverythingThatDetectionDoes) {
 TEST(DetectionCache, DamagedFilesAreNotBelieved) {
   const TemporaryFolder folder;
   const DetectionCache cache(folder / ".");
-  cache.Store("key", Example());
+  cache.Store("key", ExampleSeenImage());
   const std::string path = folder / "key.detection";
   const std::string good = ReadFile(path);
   for (size_t i = 0; i < good.size(); ++i) {
@@ -81,7 +81,7 @@ TEST(DetectionCache, DamagedFilesAreNotBelieved) {
   }
   WriteFile(folder / "other.detection", good);
   EXPECT_FALSE(cache.Find("other"));
-  cache.Store("key", Example());
+  cache.Store("key", ExampleSeenImage());
   EXPECT_TRUE(cache.Find("key"));
 }
 
@@ -90,7 +90,7 @@ TEST(DetectionCache, FolderThatCannotBeMadeIsNoError) {
   WriteFile(folder / "file", "in the way");
   for (const std::string& place : {folder / "file/cache", std::string()}) {
     const DetectionCache cache(place);
-    cache.Store("key", Example());
+    cache.Store("key", ExampleSeenImage());
     EXPECT_FALSE(cache.Find("key"));
     cache.Trim();
   }
@@ -102,7 +102,7 @@ TEST(DetectionCache, OldestFilesGoFirstAndOthersStay) {
   WriteFile(folder / "letter.txt", "not ours");
   const auto now = std::filesystem::file_time_type::clock::now();
   for (int i = 0; i < 5; ++i) {
-    cache.Store(std::to_string(i), Example());
+    cache.Store(std::to_string(i), ExampleSeenImage());
     std::filesystem::last_write_time(
         folder / (std::to_string(i) + ".detection"),
         now - std::chrono::seconds(i));
@@ -140,7 +140,7 @@ TEST(DetectionCache, DetectionTakesWhatItHoldsAndRepairsIt) {
   image.pixels.assign(1600, 100);
   const std::string bytes = EncodePng(image);
   WriteFile(folder / "a.png", bytes);
-  SeenImage planted = Example();
+  SeenImage planted = ExampleSeenImage();
   planted.size = image.size;
   cache.Store(DetectionCache::Key(bytes, pattern, {}), planted);
   const auto detect = [&] {

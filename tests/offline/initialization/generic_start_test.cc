@@ -1,12 +1,12 @@
 #include "initialization/generic_start.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <map>
 
 #include "dataset/csv.h"
 #include "dataset/files.h"
 #include "evaluation/model_difference.h"
+#include "evaluation/residual_statistics.h"
 #include "initialization/dense_matches.h"
 #include "initialization/localization.h"
 #include "initialization/pixelwise_model.h"
@@ -40,12 +40,6 @@ SimulatedObservations Observe(const CameraModel& camera, int num_images,
     observations.poses.push_back({name, board.id, pose});
   }
   return observations;
-}
-
-double Quantile(std::vector<double> values, double part) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<size_t>(part *
-                                    static_cast<double>(values.size() - 1))];
 }
 
 bool IsNearFeature(const Eigen::Vector2d& pixel, const Dataset& dataset,

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "evaluation/residual_statistics.h"
 #include "support.h"
 
 namespace raygrid {
@@ -118,11 +119,6 @@ void AddNoise(double sigma_m, TestRandom* random,
   for (BoardPointTriple& match : *matches)
     for (Eigen::Vector2d& point : match)
       point += sigma_m * random->NormalVector<2>();
-}
-
-double Quantile(std::vector<double> values, double part) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<size_t>(part * (values.size() - 1))];
 }
 
 TEST(SolveThreeViews, SolvesAllExactCases) {

@@ -4,11 +4,10 @@
 #include "simulation/simulated_lenses.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
+#include "test_boards.h"
 
 namespace raygrid {
 namespace {
-
-Pattern TestBoard() { return ChessboardPattern(14, 10, 0.03); }
 
 Dataset Observations(const CameraModel& camera, double noise_px) {
   SimulationOptions options;

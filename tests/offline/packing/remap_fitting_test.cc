@@ -18,14 +18,14 @@
 namespace raygrid {
 namespace {
 
-constexpr ImageSize kSize = {1920, 1080};
+constexpr ImageSize kFullHd = {1920, 1080};
 
 struct View {
   const char* name;
   std::shared_ptr<CameraModel> camera;
   double hfov_deg;
 
-  VirtualCamera Virtual(const ImageSize& size = kSize) const {
+  VirtualCamera Virtual(const ImageSize& size = kFullHd) const {
     return MakeVirtualCamera(*camera, size, hfov_deg);
   }
 };
@@ -45,14 +45,14 @@ std::shared_ptr<CameraModel> AsRoughGrid(const CameraModel& camera,
 }
 
 std::vector<View> Views() {
-  const double w = kSize.width;
+  const double w = kFullHd.width;
   const OpenCvModel::ParameterArray mild = {
       0.7 * w, 0.7 * w, 967, 536, -0.3, 0.1, 0, 0, 0, 0, 7e-4, -4e-4};
   const ThinPrismFisheye::ParameterArray wide = {
       0.36 * w, 0.36 * w, 967, 536, -0.012, 0.008, -0.006, 0.001, 0, 0, 0, 0};
-  const Area area = WholeImage(kSize);
-  const auto fisheye = std::make_shared<ThinPrismFisheye>(kSize, area, wide);
-  return {{"mild", std::make_shared<OpenCvModel>(kSize, area, mild), 71},
+  const Area area = WholeImage(kFullHd);
+  const auto fisheye = std::make_shared<ThinPrismFisheye>(kFullHd, area, wide);
+  return {{"mild", std::make_shared<OpenCvModel>(kFullHd, area, mild), 71},
           {"fisheye to 108", fisheye, 108},
           {"fisheye to 132", fisheye, 132}};
 }
@@ -168,12 +168,13 @@ TEST(FitRemapTable, KeepsThreeHundredthsOfAPixelInTwoHundredthsOfAByte) {
     const VirtualCamera target = view.Virtual();
     const RemapTable table = FitRemapTable(*view.camera, target, 0.03, 0);
     EXPECT_LE(table.max_error_px, 0.03) << view.name;
-    EXPECT_LE(BytesOf(table), 0.02 * kSize.width * kSize.height) << view.name;
+    EXPECT_LE(BytesOf(table), 0.02 * kFullHd.width * kFullHd.height)
+        << view.name;
     std::printf(
         "%s: blocks of %d, parts of %d, %.4f px, %.4f bytes/px\n", view.name,
         1 << table.section.block_log2, 1 << table.section.part_log2,
         table.max_error_px,
-        static_cast<double>(BytesOf(table)) / kSize.width / kSize.height);
+        static_cast<double>(BytesOf(table)) / kFullHd.width / kFullHd.height);
     // The error that was measured is true of pixels anywhere.
     const PlainTable plain(table);
     TestRandom random(3);

@@ -6,17 +6,17 @@
 namespace raygrid {
 namespace {
 
-constexpr ImageSize kSize = {320, 240};
+constexpr ImageSize kLinesSize = {320, 240};
 
 TEST(GlassLens, DisplacesLinesAsSnellSaysAndDoesNotTurnThem) {
-  const auto pinhole = SimulatedLens("pinhole", kSize);
+  const auto pinhole = SimulatedLens("pinhole", kLinesSize);
   GlassPlate plate;
   plate.tilt_rad = 0.4;
   const GlassLens lens(*pinhole, plate);
   const Eigen::Vector3d normal(std::sin(0.4), 0, std::cos(0.4));
   TestRandom random(1);
   for (int i = 0; i < 100; ++i) {
-    const Eigen::Vector2d pixel = random.PixelIn(WholeImage(kSize));
+    const Eigen::Vector2d pixel = random.PixelIn(WholeImage(kLinesSize));
     const ObservationLine line = lens.Line(pixel).value();
     const Eigen::Vector3d direction = pinhole->Unproject(pixel).value();
     EXPECT_EQ(line.direction, direction);
@@ -35,18 +35,18 @@ TEST(GlassLens, DisplacesLinesAsSnellSaysAndDoesNotTurnThem) {
 TEST(GlassLens, ThinAirDoesNothing) {
   GlassPlate air;
   air.refractive_index = 1;
-  const auto pinhole = SimulatedLens("pinhole", kSize);
+  const auto pinhole = SimulatedLens("pinhole", kLinesSize);
   const GlassLens lens(*pinhole, air);
   EXPECT_LT(MeasureLineSpread(lens).max_m, 1e-12);
 }
 
 TEST(LineLens, ProjectionInvertsLines) {
   for (const char* name : {"glass", "noncentral"}) {
-    const auto lens = SimulatedLens(name, kSize);
+    const auto lens = SimulatedLens(name, kLinesSize);
     EXPECT_FALSE(lens->IsCentral());
     TestRandom random(2);
     for (int i = 0; i < 200; ++i) {
-      const Eigen::Vector2d pixel = random.PixelIn(WholeImage(kSize));
+      const Eigen::Vector2d pixel = random.PixelIn(WholeImage(kLinesSize));
       const auto found = lens->Project(
           PointAlong(lens->Line(pixel).value(), random.Uniform(0.1, 1)));
       ASSERT_TRUE(found) << name << " " << pixel.transpose();
@@ -56,10 +56,10 @@ TEST(LineLens, ProjectionInvertsLines) {
 }
 
 TEST(LineLens, DerivativeByPointIsThatOfProjection) {
-  const auto lens = SimulatedLens("glass", kSize);
+  const auto lens = SimulatedLens("glass", kLinesSize);
   TestRandom random(3);
   for (int i = 0; i < 50; ++i) {
-    const Eigen::Vector2d pixel = random.PixelIn(WholeImage(kSize));
+    const Eigen::Vector2d pixel = random.PixelIn(WholeImage(kLinesSize));
     const Eigen::Vector3d point = PointAlong(lens->Line(pixel).value(), 0.4);
     LinearizedProjection linear;
     ASSERT_TRUE(lens->Linearize(point, nullptr, 0, &linear));

@@ -344,12 +344,12 @@ TEST(BoardSheets, SvgIsInMillimetres) {
   }
 }
 
-struct SeenTag {
+struct DrawnTag {
   int id;
   Eigen::Vector2d corners_px[4];
 };
 
-std::vector<SeenTag> SeenTags(const std::string& png) {
+std::vector<DrawnTag> DrawnTags(const std::string& png) {
   const std::vector<uint8_t> bytes(png.begin(), png.end());
   cv::Mat image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
   apriltag_family_t* family = tag36h11_create();
@@ -358,11 +358,11 @@ std::vector<SeenTag> SeenTags(const std::string& png) {
   image_u8_t view = {image.cols, image.rows, static_cast<int>(image.step),
                      image.data};
   zarray_t* found = apriltag_detector_detect(detector, &view);
-  std::vector<SeenTag> tags;
+  std::vector<DrawnTag> tags;
   for (int i = 0; i < zarray_size(found); ++i) {
     apriltag_detection_t* detection;
     zarray_get(found, i, &detection);
-    SeenTag tag;
+    DrawnTag tag;
     tag.id = detection->id;
     for (int k = 0; k < 4; ++k)
       tag.corners_px[k] = {detection->p[k][0], detection->p[k][1]};
@@ -380,7 +380,7 @@ TEST(BoardSheets, TagsAreSeenWhereTheyStand) {
   const BoardSheets sheets =
       PlanBoardSheets(StarBoards(options), ParsePage("A4"));
   constexpr double kDpi = 150;
-  const auto seen = SeenTags(SheetPng(sheets, sheets.boards[0], kDpi));
+  const auto seen = DrawnTags(SheetPng(sheets, sheets.boards[0], kDpi));
   ASSERT_EQ(seen.size(), 1u);
   EXPECT_EQ(seen[0].id, 42);
   const BoardTag& tag = sheets.boards[0].tags[0];
@@ -407,7 +407,7 @@ TEST(ScreenBoards, SquaresAreWholePixels) {
   const cv::Mat image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
   EXPECT_EQ(image.size(), cv::Size(1920, 1080));
   EXPECT_NEAR(image.at<uint8_t>(2, 2), 128, 1);
-  EXPECT_EQ(SeenTags(png).size(), 1u);
+  EXPECT_EQ(DrawnTags(png).size(), 1u);
 }
 
 TEST(ScreenBoards, LengthsFollowThePixelPitch) {

@@ -10,8 +10,6 @@
 namespace raygrid {
 namespace {
 
-constexpr ImageSize kSize = kCloseViewSize;
-
 bool IsInTheHole(int column, int row) {
   return column >= 9 && column <= 13 && row >= 4 && row <= 8;
 }
@@ -28,9 +26,10 @@ std::vector<Feature> FeaturesAround(const CameraModel& camera,
 
 void ExpectKnowsTheHole(const std::string& lens, double distance,
                         double tolerance_px) {
-  const auto camera = SimulatedLens(lens, kSize);
+  const auto camera = SimulatedLens(lens, kCloseViewSize);
   const Pose pose = CloseBoard(distance);
-  const auto fit = LatticeLens::Fit(FeaturesAround(*camera, pose), kSize);
+  const auto fit =
+      LatticeLens::Fit(FeaturesAround(*camera, pose), kCloseViewSize);
   ASSERT_TRUE(fit) << lens;
   int count = 0;
   for (int row = 4; row <= 8; ++row) {
@@ -54,9 +53,10 @@ TEST(LatticeLens, KnowsWhereAHoleIsSeenBehindAnyLens) {
 }
 
 TEST(LatticeLens, SaysHowTheBoardAppears) {
-  const auto camera = SimulatedLens("pinhole", kSize);
+  const auto camera = SimulatedLens("pinhole", kCloseViewSize);
   const Pose pose = CloseBoard(14);
-  const auto fit = LatticeLens::Fit(FeaturesAround(*camera, pose), kSize);
+  const auto fit =
+      LatticeLens::Fit(FeaturesAround(*camera, pose), kCloseViewSize);
   ASSERT_TRUE(fit);
   const Eigen::Vector2d place(11, 6);
   const auto mapping = fit->Around(place);
@@ -70,11 +70,11 @@ TEST(LatticeLens, SaysHowTheBoardAppears) {
 
 // A polynomial leads anywhere beyond what it was fitted to.
 TEST(LatticeLens, SaysNothingFarBeyondTheFeatures) {
-  const auto camera = SimulatedLens("wide", kSize);
+  const auto camera = SimulatedLens("wide", kCloseViewSize);
   std::vector<Feature> middle;
   for (const Feature& feature : FeaturesAround(*camera, CloseBoard(14)))
     if (feature.column >= 4 && feature.column <= 9) middle.push_back(feature);
-  const auto fit = LatticeLens::Fit(middle, kSize);
+  const auto fit = LatticeLens::Fit(middle, kCloseViewSize);
   ASSERT_TRUE(fit);
   EXPECT_TRUE(fit->Project(Eigen::Vector2d(10, 6)));
   EXPECT_FALSE(fit->Project(Eigen::Vector2d(60, 6)));
@@ -82,16 +82,16 @@ TEST(LatticeLens, SaysNothingFarBeyondTheFeatures) {
 }
 
 TEST(LatticeLens, IsNotFittedToFewOrToNoLattice) {
-  const auto camera = SimulatedLens("pinhole", kSize);
+  const auto camera = SimulatedLens("pinhole", kCloseViewSize);
   std::vector<Feature> features = FeaturesAround(*camera, CloseBoard(14));
   std::mt19937 random(1);
   std::vector<Feature> scattered = features;
   for (Feature& feature : scattered)
     feature.pixel = {random() % 1280, random() % 800};
-  EXPECT_FALSE(LatticeLens::Fit(scattered, kSize));
+  EXPECT_FALSE(LatticeLens::Fit(scattered, kCloseViewSize));
   features.resize(19);
-  EXPECT_FALSE(LatticeLens::Fit(features, kSize));
-  EXPECT_FALSE(LatticeLens::Fit({}, kSize));
+  EXPECT_FALSE(LatticeLens::Fit(features, kCloseViewSize));
+  EXPECT_FALSE(LatticeLens::Fit({}, kCloseViewSize));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "features/refinement/feature_refinement.h"
 #include "features/star/star_detection.h"
+#include "features/star/star_scenes.h"
 #include "simulation/image_rendering.h"
 #include "simulation/simulated_lenses.h"
 #include "simulation/simulated_observations.h"
@@ -13,18 +14,6 @@
 
 namespace raygrid {
 namespace {
-
-constexpr ImageSize kSize = {640, 480};
-
-Pattern StarPattern() {
-  return ParsePattern(
-      "pattern",
-      "raygrid_pattern: 1\n"
-      "boards:\n"
-      "  - {id: 0, kind: star, columns: 16, rows: 15, square_m: 0.012, "
-      "segments: 16, tags: [{family: tag36h11, id: 0, column: 6, row: 5, "
-      "squares: 4}]}\n");
-}
 
 // Turned, and in the corner of the image, where a lens curves most.
 Pose PoseInACorner(const CameraModel& camera, const Board& board,

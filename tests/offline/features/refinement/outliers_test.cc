@@ -9,12 +9,12 @@ namespace raygrid {
 namespace {
 
 constexpr Tolerance kTolerance = {0.25, 0.03};
-constexpr int kWindowPx = 21;
+constexpr int kOutlierWindowPx = 21;
 
 std::vector<RejectedFeature> OutliersOf(FeatureLattice lattice,
                                         const Board& board) {
   ImageDetection detection;
-  RejectOutliers(board, kCloseViewSize, kTolerance, kWindowPx, &lattice,
+  RejectOutliers(board, kCloseViewSize, kTolerance, kOutlierWindowPx, &lattice,
                  &detection);
   return detection.rejected;
 }

@@ -8,13 +8,13 @@
 namespace raygrid {
 namespace {
 
-constexpr ImageSize kSize = {60, 50};
+constexpr ImageSize kPatchSize = {60, 50};
 
 GreyImage ImageOf(const std::function<double(double x, double y)>& level) {
   GreyImage image;
-  image.size = kSize;
-  for (int y = 0; y < kSize.height; ++y)
-    for (int x = 0; x < kSize.width; ++x)
+  image.size = kPatchSize;
+  for (int y = 0; y < kPatchSize.height; ++y)
+    for (int x = 0; x < kPatchSize.width; ++x)
       image.levels.push_back(static_cast<float>(level(x, y)));
   for (const float l : image.levels)
     image.bytes.push_back(static_cast<uint8_t>(std::lround(l)));
@@ -122,8 +122,8 @@ double Odd(const Eigen::Vector2d& s) {
 }
 
 // Seen through the mapping, by Newton's method backwards.
-GreyImage Seen(const LocalMapping& mapping,
-               double (*pattern)(const Eigen::Vector2d&)) {
+GreyImage SeenThrough(const LocalMapping& mapping,
+                      double (*pattern)(const Eigen::Vector2d&)) {
   return ImageOf([&](double x, double y) {
     const Eigen::Vector2d pixel(x, y);
     Eigen::Vector2d s = Eigen::Vector2d::Zero();
@@ -137,7 +137,7 @@ double ErrorPx(const LocalMapping& truth,
                double (*pattern)(const Eigen::Vector2d&),
                const LocalMapping& start, const SymmetryOptions& options) {
   const SymmetryResult result =
-      RefineSymmetry(Seen(truth, pattern), MakeSymmetrySamples(21, 8),
+      RefineSymmetry(SeenThrough(truth, pattern), MakeSymmetrySamples(21, 8),
                      WholeMask(), start, options);
   EXPECT_TRUE(result.is_converged);
   return (result.mapping.center - truth.center).norm();
@@ -200,7 +200,7 @@ TEST(RefineSymmetry, NeedsTheCurvature) {
 
 TEST(RefineSymmetry, RefusesWhatIsFarOrBesideTheImage) {
   LocalMapping start = TiltedMapping();
-  const GreyImage image = Seen(start, Even);
+  const GreyImage image = SeenThrough(start, Even);
   const SymmetrySamples samples = MakeSymmetrySamples(21, 8);
   SymmetryOptions options;
   options.center_only = true;

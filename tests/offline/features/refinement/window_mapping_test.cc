@@ -8,17 +8,17 @@
 namespace raygrid {
 namespace {
 
-constexpr double kWindowPx = 21;
-constexpr double kDistance = 4;  // of the board, squares
+constexpr double kMappedWindowPx = 21;
+constexpr double kBoardDistance = 4;  // of the board, squares
 
 // How far the middle of two places half a square to each side of a feature is
 // seen from it, along columns.
 std::optional<Eigen::Vector2d> BendAt(const CameraModel& camera,
                                       const Eigen::Vector2d& place) {
   const Eigen::Vector2d step(0.5, 0);
-  const auto center = SeenAt(camera, CloseBoard(kDistance), place);
-  const auto before = SeenAt(camera, CloseBoard(kDistance), place - step);
-  const auto after = SeenAt(camera, CloseBoard(kDistance), place + step);
+  const auto center = SeenAt(camera, CloseBoard(kBoardDistance), place);
+  const auto before = SeenAt(camera, CloseBoard(kBoardDistance), place - step);
+  const auto after = SeenAt(camera, CloseBoard(kBoardDistance), place + step);
   if (!center || !before || !after) return std::nullopt;
   return (*before + *after) / 2 - *center;
 }
@@ -32,8 +32,8 @@ TEST(WindowMappings, FollowALensThatBendsMuch) {
   const auto camera = SimulatedLens("fisheye190", kCloseViewSize);
   const Board board = StarsOfOneMetre();
   const FeatureLattice lattice =
-      SeenLattice(*camera, CloseBoard(kDistance), board);
-  WindowMappings windows(board, lattice, kCloseViewSize, kWindowPx);
+      SeenLattice(*camera, CloseBoard(kBoardDistance), board);
+  WindowMappings windows(board, lattice, kCloseViewSize, kMappedWindowPx);
   int num_by_lens = 0;
   double by_polynomial = 0, by_windows = 0;
   for (const Feature& f : lattice.Features()) {
@@ -62,7 +62,7 @@ TEST(WindowMappings, AreTheNeighboursPolynomialsWhereALensBendsLittle) {
     for (int column = 0; column < board.columns; ++column)
       lattice.Set(column, row,
                   Eigen::Vector2d(100 + 40 * column, 80 + 40 * row));
-  WindowMappings windows(board, lattice, kCloseViewSize, kWindowPx);
+  WindowMappings windows(board, lattice, kCloseViewSize, kMappedWindowPx);
   const WindowMapping window = windows.At(5, 5);
   EXPECT_EQ(window.degree, 3);
   EXPECT_EQ(window.bend_deviation_px, 0);
@@ -74,7 +74,7 @@ TEST(WindowMappings, AreUnknownWithoutNeighbours) {
   const Board board = StarsOfOneMetre();
   FeatureLattice lattice(board);
   lattice.Set(3, 3, Eigen::Vector2d(100, 100));
-  WindowMappings windows(board, lattice, kCloseViewSize, kWindowPx);
+  WindowMappings windows(board, lattice, kCloseViewSize, kMappedWindowPx);
   EXPECT_EQ(windows.At(3, 3).degree, 0);
 }
 

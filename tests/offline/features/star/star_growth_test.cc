@@ -19,7 +19,7 @@ Board BoardOfOneTag() {
 
 // The pixel where a place on the board is seen: a square is 20 px at the tag's
 // middle, and the horizon passes between the tag and the board's first star.
-Eigen::Vector2d Seen(const Eigen::Vector2d& place) {
+Eigen::Vector2d PixelOfPlace(const Eigen::Vector2d& place) {
   const Eigen::Vector2d offset = place - Eigen::Vector2d(12, 11);
   return Eigen::Vector2d(300, 200) +
          20 * offset / (1 + Eigen::Vector2d(0.06, 0.07).dot(offset));
@@ -29,7 +29,7 @@ DetectedTag TagOf(const Board& board) {
   DetectedTag tag;
   tag.id = board.tags[0].id;
   const auto corners = CornersOnBoard(board.tags[0]);
-  for (int k = 0; k < 4; ++k) tag.corners[k] = Seen(corners[k]);
+  for (int k = 0; k < 4; ++k) tag.corners[k] = PixelOfPlace(corners[k]);
   return tag;
 }
 
@@ -41,7 +41,7 @@ TEST(SeenTagsOf, HoldsAroundATagWhoseBoardGoesOnBehindTheHorizon) {
        {Eigen::Vector2d(9, 8), {12, 8}, {15, 14}, {9, 13}}) {
     const Eigen::Vector3d image = seen[0].homography * place.homogeneous();
     EXPECT_GT(image.z(), 0.5);
-    EXPECT_LT((image.hnormalized() - Seen(place)).norm(), 1e-6);
+    EXPECT_LT((image.hnormalized() - PixelOfPlace(place)).norm(), 1e-6);
   }
 }
 
@@ -51,12 +51,12 @@ TEST(FitPerspectiveMapping, PredictsWhatAHomographyShows) {
   for (int column = 9; column < 12; ++column)
     for (int row = 8; row < 13; ++row)
       columns.push_back({Eigen::Vector2d(column, row) - place,
-                         Seen(Eigen::Vector2d(column, row))});
+                         PixelOfPlace(Eigen::Vector2d(column, row))});
   LocalMapping mapping, polynomial;
   EXPECT_EQ(FitPerspectiveMapping(columns, 2, &mapping), 2);
-  EXPECT_LT((mapping.center - Seen(place)).norm(), 1e-3);
+  EXPECT_LT((mapping.center - PixelOfPlace(place)).norm(), 1e-3);
   EXPECT_EQ(FitLocalMapping(columns, 2, &polynomial), 2);
-  EXPECT_GT((polynomial.center - Seen(place)).norm(), 1);
+  EXPECT_GT((polynomial.center - PixelOfPlace(place)).norm(), 1);
 }
 
 TEST(FitPerspectiveMapping, NeedsMoreThanALine) {
@@ -79,7 +79,8 @@ bool AgreesAfterASlip(int rows) {
                     SeenTagsOf(board, {TagOf(board)}));
   for (int column = 8; column < 16; ++column)
     for (const int row : {7, 8})
-      growth.Set(column, row, Seen(Eigen::Vector2d(column, row + rows)));
+      growth.Set(column, row,
+                 PixelOfPlace(Eigen::Vector2d(column, row + rows)));
   return growth.AgreesWithTags();
 }
 
