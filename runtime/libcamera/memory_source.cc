@@ -8,7 +8,7 @@ namespace raygrid {
 namespace {
 
 constexpr uint32_t kNumBuffers = 4;  // as cameras have
-constexpr std::chrono::milliseconds kPatience(50);
+constexpr std::chrono::milliseconds kBufferPatience(50);
 
 }  // namespace
 
@@ -76,8 +76,9 @@ void MemorySource::Play() {
     std::optional<uint32_t> buffer;
     do {
       if (is_stopped_) break;
-      buffer = free_buffers_.Pop(
-          options_.every_frame ? kPatience : std::chrono::milliseconds(0));
+      buffer = free_buffers_.Pop(options_.every_frame
+                                     ? kBufferPatience
+                                     : std::chrono::milliseconds(0));
     } while (!buffer && options_.every_frame);
     if (is_stopped_) break;
     if (!buffer) {

@@ -6,7 +6,7 @@ namespace raygrid {
 namespace {
 
 // How soon a request to stop is noticed.
-constexpr std::chrono::milliseconds kPatience(50);
+constexpr std::chrono::milliseconds kFramePatience(50);
 
 // The format of undistorted frames: the camera's, in the size of the remap
 // table.
@@ -78,7 +78,8 @@ void Undistorter::Stop() {
 void Undistorter::Run() {
   try {
     while (!is_stopped_ && !source_->is_finished()) {
-      const std::optional<CapturedFrame> captured = source_->Next(kPatience);
+      const std::optional<CapturedFrame> captured =
+          source_->Next(kFramePatience);
       if (!captured) continue;
       Undistort(*captured);
       source_->Release(*captured);
@@ -105,7 +106,7 @@ UndistortedFrame* Undistorter::TakeBuffer() {
         return *oldest;
       }
     }
-    if (const auto frame = free_.Pop(kPatience)) return *frame;
+    if (const auto frame = free_.Pop(kFramePatience)) return *frame;
   }
   return nullptr;
 }

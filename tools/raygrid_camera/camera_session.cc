@@ -19,7 +19,7 @@
 namespace raygrid {
 namespace {
 
-constexpr std::chrono::milliseconds kPatience(50);
+constexpr std::chrono::milliseconds kFramePatience(50);
 
 volatile sig_atomic_t is_signalled = 0;
 
@@ -100,7 +100,7 @@ class FrameLoop {
   }
 
   void TakeFrame() {
-    UndistortedFrame* const frame = undistorter_->Take(kPatience);
+    UndistortedFrame* const frame = undistorter_->Take(kFramePatience);
     if (!frame) return patience_.Check();
     statistics_.Count(*frame);
     if (output_) output_->Write(*frame, written_);
@@ -147,7 +147,7 @@ std::optional<rg_mode> FindMode(const CameraArguments& arguments,
   Patience patience(arguments.timeout_s);
   source->Start();
   while (!IsSignalled()) {
-    if (const auto frame = source->Next(kPatience)) {
+    if (const auto frame = source->Next(kFramePatience)) {
       guard.Check(frame->info);
       break;
     }

@@ -9,7 +9,7 @@
 namespace raygrid {
 namespace {
 
-constexpr std::chrono::seconds kPatience(5);
+constexpr std::chrono::seconds kRoomPatience(5);
 
 // libmicrohttpd does not see that of a client that waits for a picture.
 bool HasLeft(MHD_socket socket) {
@@ -71,7 +71,7 @@ ClientPlaces::Client* ClientPlaces::Of(MHD_Connection* connection) {
 }
 
 bool ClientPlaces::LetWatch(Client* client) {
-  if (!MakeRoom(true, kPatience)) return false;
+  if (!MakeRoom(true, kRoomPatience)) return false;
   client->is_watching = true;
   client->since = kIdle;
   return true;

@@ -8,7 +8,7 @@
 namespace raygrid {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using PictureClock = std::chrono::steady_clock;
 
 constexpr size_t kPartHeader = 128;  // at most
 constexpr size_t kPiece = 64 * 1024;
@@ -19,7 +19,7 @@ constexpr char kType[] = "multipart/x-mixed-replace; boundary=frame";
 struct PictureStream::Client {
   PictureStream* stream;
   MHD_Connection* connection;
-  Clock::time_point* since;
+  PictureClock::time_point* since;
   std::vector<uint8_t> part;  // the one being sent
   size_t sent = 0;
   uint64_t number = 0;
@@ -57,7 +57,7 @@ void PictureStream::WakeAll() {
 }
 
 MHD_Result PictureStream::Answer(MHD_Connection* connection,
-                                 Clock::time_point* since) {
+                                 PictureClock::time_point* since) {
   auto client = std::make_unique<Client>();
   client->stream = this;
   client->connection = connection;
@@ -98,14 +98,14 @@ ssize_t PictureStream::Read(Client* client, char* bytes, size_t size) {
     if (is_ended_) return MHD_CONTENT_READER_END_OF_STREAM;
     if (client->number == number_) {
       waiting_.push_back(client);
-      *client->since = Clock::time_point::max();
+      *client->since = PictureClock::time_point::max();
       MHD_suspend_connection(client->connection);
       return 0;
     }
     client->part = part_;
     client->number = number_;
     client->sent = 0;
-    *client->since = Clock::now();
+    *client->since = PictureClock::now();
   }
   const size_t piece = std::min(size, client->part.size() - client->sent);
   std::memcpy(bytes, client->part.data() + client->sent, piece);
