@@ -21,6 +21,21 @@
 namespace Eigen {
 
 RAYGRID_TEMPLATE void ColPivHouseholderQR<MatrixXd>::computeInPlace();
+RAYGRID_TEMPLATE void PartialPivLU<MatrixXd>::compute();
+RAYGRID_TEMPLATE LLT<MatrixXd>& LLT<MatrixXd>::compute(
+    const EigenBase<MatrixXd>&);
+RAYGRID_TEMPLATE LDLT<MatrixXd>& LDLT<MatrixXd>::compute(
+    const EigenBase<MatrixXd>&);
+RAYGRID_TEMPLATE LDLT<Matrix3d>& LDLT<Matrix3d>::compute(
+    const EigenBase<Matrix3d>&);
+RAYGRID_TEMPLATE LDLT<Matrix<double, 6, 6>>&
+LDLT<Matrix<double, 6, 6>>::compute(const EigenBase<Matrix<double, 6, 6>>&);
+RAYGRID_TEMPLATE void LDLT<MatrixXd>::_solve_impl_transposed<true>(
+    const VectorXd&, VectorXd&) const;
+RAYGRID_TEMPLATE void LDLT<Matrix3d>::_solve_impl_transposed<true>(
+    const Vector3d&, Vector3d&) const;
+RAYGRID_TEMPLATE void LDLT<Matrix<double, 6, 6>>::_solve_impl_transposed<true>(
+    const Matrix<double, 6, 1>&, Matrix<double, 6, 1>&) const;
 RAYGRID_TEMPLATE JacobiSVD<Matrix3d>& JacobiSVD<Matrix3d>::compute(
     const Matrix3d&, unsigned int);
 RAYGRID_TEMPLATE JacobiSVD<MatrixXd>& JacobiSVD<MatrixXd>::compute(
