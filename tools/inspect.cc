@@ -15,6 +15,7 @@
 #include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
 #include "target/board_spec.h"
+#include "view_options.h"
 
 namespace raygrid {
 namespace {
@@ -47,6 +48,7 @@ Json RemapFacts(const uint8_t* section) {
                {"center_px", {remap.cx_q16 / 65536.0, remap.cy_q16 / 65536.0}},
                {"block_px", 1 << remap.block_log2},
                {"vertices", {remap.columns, remap.rows}}};
+  json.update(ViewJson(ViewOfTable(remap)));
   if (remap.part_log2 != 0) json["part_px"] = 1 << remap.part_log2;
   AddPixels("error_px", remap.max_error_upx, &json);
   AddPixels("error_asked_for_px", remap.bound_upx, &json);

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "view_options.h"
 
 namespace raygrid {
 namespace {
@@ -22,27 +23,15 @@ struct PackArguments {
   bool wide_grid = false;
 };
 
-// What a table is asked to show; 0 degrees: as sharp as the camera.
-struct View {
-  ImageSize size;
-  double hfov_deg = 0;
-};
-
-// "640x480" or "640x480,hfov=90".
-View ParseRemap(const std::string& text) {
-  const size_t comma = text.find(',');
-  View view;
-  char end;
-  if (comma != std::string::npos &&
-      (std::sscanf(text.c_str() + comma, ",hfov=%lf%c", &view.hfov_deg, &end) !=
-           1 ||
-       !(view.hfov_deg > 0) || !std::isfinite(view.hfov_deg)))
-    throw Error(ExitCode::kUsage,
-                fmt::format("--remap {}: expected WIDTHxHEIGHT or "
-                            "WIDTHxHEIGHT,hfov=DEGREES, more than 0",
-                            text));
-  view.size = ParseImageSize("--remap", text.substr(0, comma));
-  return view;
+// The file of a table's view: front.camera.yaml beside front.raygrid, of
+// several tables front.0.camera.yaml and so on. None beside what is no file.
+std::string ViewPath(const std::string& blob, size_t table, size_t num_tables) {
+  const std::filesystem::path path(blob);
+  if (std::filesystem::exists(path) && !std::filesystem::is_regular_file(path))
+    return "";
+  const std::string number = num_tables == 1 ? "" : fmt::format(".{}", table);
+  return (path.parent_path() / (path.stem().string() + number + ".camera.yaml"))
+      .string();
 }
 
 nlohmann::ordered_json FoundJson(const FoundPixels& pixels) {
@@ -78,13 +67,14 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
     }
     result["remarks"] = packed.remarks;
     result["remaps"] = nlohmann::ordered_json::array();
-    for (const PackedRemap& remap : packed.remaps)
-      result["remaps"].push_back(
-          {{"size", {remap.size.width, remap.size.height}},
-           {"error_px", remap.error_px},
-           {"chroma_error_px", remap.chroma_error_px},
-           {"block_size", remap.block_size},
-           {"part_size", remap.part_size}});
+    for (const PackedRemap& remap : packed.remaps) {
+      nlohmann::ordered_json told = ViewJson(remap.view);
+      told.update({{"error_px", remap.error_px},
+                   {"chroma_error_px", remap.chroma_error_px},
+                   {"block_size", remap.block_size},
+                   {"part_size", remap.part_size}});
+      result["remaps"].push_back(told);
+    }
     fmt::print("{}\n", result.dump(2));
     return;
   }
@@ -97,10 +87,12 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
     fmt::print(
         "; remap {} to {}x{} within {:.3f} px, chroma {:.3f} of its own, in "
         "blocks of {} px, parts of {} px",
-        k, remap.size.width, remap.size.height, remap.error_px,
+        k, remap.view.size.width, remap.view.size.height, remap.error_px,
         remap.chroma_error_px, remap.block_size, remap.part_size);
   }
   fmt::print("\n");
+  for (size_t k = 0; k < packed.remaps.size(); ++k)
+    fmt::print("view {}: {}\n", k, ViewText(packed.remaps[k].view));
 }
 
 std::string TurnRemark(const Eigen::Quaterniond& q) {
@@ -116,10 +108,13 @@ std::string TurnRemark(const Eigen::Quaterniond& q) {
 void Run(const PackArguments& arguments, const CommonOptions& common) {
   RequireBlobText("--name", arguments.name);
   RequireBlobText("--serial", arguments.serial);
-  RequireNoInputReplaced({arguments.camera}, {arguments.output});
-  std::vector<View> views;
+  std::vector<ViewRequest> views;
   for (const std::string& remap : arguments.remaps)
-    views.push_back(ParseRemap(remap));
+    views.push_back(ParseView("--remap", remap));
+  std::vector<std::string> outputs = {arguments.output};
+  for (size_t k = 0; k < views.size(); ++k)
+    outputs.push_back(ViewPath(arguments.output, k, views.size()));
+  RequireNoInputReplaced({arguments.camera}, outputs);
   CameraInput input = ReadCamera(arguments.camera);
   if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
   if (input.blob)
@@ -129,15 +124,20 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
   if (!arguments.serial.empty()) input.file.serial = arguments.serial;
   const auto blob_from_camera = TurnIntoCameraFrame(&input.file);
   PackOptions options;
-  for (const View& view : views)
-    options.remaps.push_back(
-        MakeVirtualCamera(*input.file.camera, view.size, view.hfov_deg));
+  for (const ViewRequest& view : views)
+    options.remaps.push_back(MakeView(*input.file.camera, view));
   options.max_error_px = arguments.max_error_px;
   options.is_narrow_allowed = !arguments.wide_grid;
   options.num_threads = common.threads;
   PackedCamera packed = PackCamera(input.file, options);
   if (blob_from_camera) packed.remarks.push_back(TurnRemark(*blob_from_camera));
-  WriteFile(arguments.output, packed.blob);
+  OutputFiles files;
+  files.Add(arguments.output, packed.blob);
+  for (size_t k = 0; k < views.size(); ++k)
+    if (!outputs[k + 1].empty())
+      files.Add(outputs[k + 1],
+                ViewCameraFile(packed.remaps[k].view, input.file.name));
+  files.Commit();
   for (const std::string& remark : packed.remarks)
     fmt::print(stderr, "raygrid: {}: {}\n", arguments.camera, remark);
   if (!common.quiet || common.json) Print(arguments, packed, common.json);
@@ -158,8 +158,11 @@ void AddPack(CLI::App* app, CommonOptions* common) {
   command
       ->add_option(
           "--remap", arguments->remaps,
-          "add an undistortion table: WxH or WxH,hfov=DEGREES; several "
-          "make several, which programs choose by their number")
+          std::string("add an undistortion table of a view: WxH, and after "
+                      "commas ") +
+              kViewWordsHelp +
+              "; several make several, which programs choose by their number. "
+              "Beside the blob, NAME.camera.yaml is the view as a camera")
       ->allow_extra_args(false);
   command
       ->add_option(

@@ -13,36 +13,51 @@
 #include "dataset/image_files.h"
 #include "packing/pack.h"
 #include "progress_bar.h"
+#include "view_options.h"
 
 namespace raygrid {
 namespace {
 
+constexpr char kViewFile[] = "view.camera.yaml";
+
 struct UndistortArguments {
-  std::string camera, output, size, frames;
+  std::string camera, output, frames;
   std::string rectify = "pinhole";
   std::vector<std::string> images;
-  double hfov_deg = 0;
+  ViewWords view;
   double max_error_px = 0.05;
   uint32_t remap_index = 0;
 };
 
-// The blob itself, if it has a table and no other one is asked for.
-BlobCamera PrepareBlob(const UndistortArguments& arguments,
-                       const CommonOptions& common) {
-  ImageSize size;
-  if (!arguments.size.empty()) size = ParseImageSize("--size", arguments.size);
+// A blob, and the view of its table that is used.
+struct Undistorter {
+  BlobCamera blob;
+  VirtualView view;
+};
+
+bool AsksForAView(const UndistortArguments& arguments) {
+  for (const auto& [name, value] : arguments.view)
+    if (!value.empty()) return true;
+  return false;
+}
+
+// The blob itself, if it has a table and no other view is asked for.
+Undistorter Prepare(const UndistortArguments& arguments,
+                    const CommonOptions& common) {
+  const ViewRequest request = ParseViewOptions(arguments.view);
   CameraInput input = ReadCamera(arguments.camera);
   if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
-  if (input.blob && input.blob->has_remap() && arguments.size.empty() &&
-      arguments.hfov_deg == 0)
-    return *std::move(input.blob);
+  if (input.blob && input.blob->has_remap() && !AsksForAView(arguments)) {
+    const VirtualView view = input.blob->ViewOfRemap(arguments.remap_index);
+    return {*std::move(input.blob), view};
+  }
   if (!input.blob) TurnIntoCameraFrame(&input.file);
   PackOptions options;
-  options.remaps = {
-      MakeVirtualCamera(*input.file.camera, size, arguments.hfov_deg)};
+  options.remaps = {MakeView(*input.file.camera, request)};
   options.max_error_px = arguments.max_error_px;
   options.num_threads = common.threads;
-  return BlobCamera("packed camera", PackCamera(input.file, options).blob);
+  return {BlobCamera("packed camera", PackCamera(input.file, options).blob),
+          options.remaps[0]};
 }
 
 void RequireSize(const std::string& path, const ImageSize& size,
@@ -87,6 +102,8 @@ std::vector<Targets> TargetsOf(const UndistortArguments& arguments,
   inputs.push_back(arguments.camera);
   for (const Targets& target : targets)
     outputs.insert(outputs.end(), {target.image, target.frame});
+  outputs.push_back(
+      (std::filesystem::path(arguments.output) / kViewFile).string());
   RequireNoInputReplaced(inputs, outputs);
   RequireApart(paths, arguments.output);
   return targets;
@@ -114,17 +131,23 @@ void Run(const UndistortArguments& arguments, const CommonOptions& common) {
   const std::vector<std::string>& paths = found.paths;
   const std::vector<Targets> targets = TargetsOf(arguments, paths);
   RequireWritableFolder(arguments.output);
-  const BlobCamera camera = PrepareBlob(arguments, common);
+  const Undistorter undistorter = Prepare(arguments, common);
+  const BlobCamera& camera = undistorter.blob;
   for (const SkippedImage& image : found.left_out)
     fmt::print(stderr, "raygrid: skipped {}: {}\n", image.path, image.reason);
   std::vector<std::string> turned;
   ProgressBar bar(common.quiet);
-  nlohmann::ordered_json written = {{"images", nlohmann::json::array()}};
+  const std::string view_path =
+      (std::filesystem::path(arguments.output) / kViewFile).string();
+  nlohmann::ordered_json written = {{"images", nlohmann::json::array()},
+                                    {"view", ViewJson(undistorter.view)},
+                                    {"view_file", view_path}};
   for (size_t i = 0; i < paths.size(); ++i) {
     const Image image = ReadImageAsStored(paths[i]);
     RequireSize(paths[i], image.size, camera.image_size());
     if (image.is_turned) turned.push_back(paths[i]);
     OutputFiles files;
+    if (i == 0) files.Add(view_path, ViewCameraFile(undistorter.view, ""));
     files.Add(targets[i].image,
               EncodePng(camera.Undistort(image, 0, arguments.remap_index)));
     if (!targets[i].frame.empty())
@@ -140,7 +163,9 @@ void Run(const UndistortArguments& arguments, const CommonOptions& common) {
     fmt::print("{}\n", written.dump(2, ' ', false,
                                     nlohmann::json::error_handler_t::replace));
   else if (!common.quiet)
-    fmt::print("{} images undistorted to {}\n", paths.size(), arguments.output);
+    fmt::print("{} images undistorted to {}; the view, as {}: {}\n",
+               paths.size(), arguments.output, kViewFile,
+               ViewText(undistorter.view));
 }
 
 }  // namespace
@@ -150,7 +175,8 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
       app, "undistort",
       "Undistorts images with the code that runs on the board. Grey images "
       "stay grey, 16 bits stay 16 bits. x.jpg becomes x.png; images that would "
-      "get one name are refused.",
+      "get one name are refused. view.camera.yaml beside them is the view as a "
+      "camera, with its matrix K.",
       "raygrid undistort camera.yaml photos/ -o flat/ --hfov 80", common);
   auto arguments = std::make_shared<UndistortArguments>();
   command->add_option("camera", arguments->camera, "camera.yaml or a blob")
@@ -159,13 +185,7 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
       ->required();
   command->add_option("-o,--output", arguments->output, "folder for PNG files")
       ->required();
-  command->add_option("--size", arguments->size,
-                      "WxH of the output (default: as the images)");
-  command
-      ->add_option("--hfov", arguments->hfov_deg,
-                   "horizontal field of view in degrees (default: as sharp "
-                   "in the middle as the image)")
-      ->check(CLI::PositiveNumber);
+  AddViewOptions(command, &arguments->view);
   command->add_option("--frames", arguments->frames,
                       "folder for the images as raw grey frames of 8 or 16 "
                       "bits, which raygrid-undistort takes");

@@ -50,6 +50,14 @@ void SetChannel(const std::vector<uint8_t>& plane, int channel, Image* image) {
 
 }  // namespace
 
+VirtualView ViewOfTable(const rg_remap_section& table) {
+  VirtualView view;
+  view.size = {table.width, table.height};
+  view.focal_px = Eigen::Vector2d(table.fx_q16, table.fy_q16) / 65536;
+  view.center_px = Eigen::Vector2d(table.cx_q16, table.cy_q16) / 65536;
+  return view;
+}
+
 BlobCamera::BlobCamera(const std::string& name, const std::string& bytes)
     : words_((bytes.size() + 3) / 4 + 1) {
   std::memcpy(words_.data(), bytes.data(), bytes.size());
@@ -125,6 +133,15 @@ std::unique_ptr<CameraModel> BlobCamera::ToModel() const {
                      -static_cast<int>(RG_LINE_POINT_BITS));
   return std::make_unique<NonCentralGeneric>(image_size(), std::move(surface),
                                              std::move(points));
+}
+
+VirtualView BlobCamera::ViewOfRemap(uint32_t remap_index) const {
+  rg_camera camera = camera_;
+  const rg_status status = rg_select_remap(&camera, remap_index);
+  if (status != RG_OK) Refuse("blob", status);
+  rg_remap_section remap;
+  rg_read_remap(camera.remap, &remap);
+  return ViewOfTable(remap);
 }
 
 Image BlobCamera::Undistort(const Image& image, uint8_t border,

@@ -10,6 +10,7 @@
 
 #include "camera/camera_model.h"
 #include "dataset/image_files.h"
+#include "packing/view.h"
 #include "raygrid.h"
 #include "rg_blob.h"
 
@@ -46,6 +47,10 @@ class BlobCamera {
   /// The control points in double precision, for what the runtime does not do.
   std::unique_ptr<CameraModel> ToModel() const;
 
+  /// The view of a remap table. Throws Error(kBlob) if there is none of that
+  /// number.
+  VirtualView ViewOfRemap(uint32_t remap_index) const;
+
   /// Undistorts an image by the runtime and one of the blob's remap tables,
   /// each channel on its own, of 8 or 16 bits; the image must have
   /// image_size().
@@ -57,6 +62,8 @@ class BlobCamera {
   rg_camera camera_ = {};
   rg_blob blob_ = {};
 };
+
+VirtualView ViewOfTable(const rg_remap_section& table);
 
 /// True if the file's name or first bytes are those of a blob.
 bool IsBlob(const std::string& path, const std::string& bytes);

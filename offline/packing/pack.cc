@@ -181,13 +181,13 @@ std::optional<RemapTable> FitDefaultTable(const CameraModel& camera,
                                           std::vector<std::string>* remarks) {
   std::string fault;
   try {
-    return FitRemapTable(camera, MakeVirtualCamera(camera, {}, 0), max_error_px,
+    return FitRemapTable(camera, MakeView(camera, {}), max_error_px,
                          num_threads, go_on);
   } catch (const Error& error) {
     fault = error.what();
   }
   try {
-    RemapTable table = FitRemapTable(camera, MakeVirtualCameraOfArea(camera),
+    RemapTable table = FitRemapTable(camera, MakeViewOfArea(camera),
                                      max_error_px, num_threads, go_on);
     remarks->push_back(
         "its undistortion table shows the calibrated area alone, which lies "
@@ -209,7 +209,7 @@ class RemapSections {
   void Fit(const CameraModel& camera, const PackOptions& options,
            int num_threads, const std::function<void()>& go_on,
            PackedCamera* packed) {
-    for (const VirtualCamera& view : options.remaps)
+    for (const VirtualView& view : options.remaps)
       packed->remaps.push_back(Add(FitRemapTable(
           camera, view, options.max_error_px, num_threads, go_on)));
     if (!options.has_default_remap) return;
@@ -238,10 +238,7 @@ class RemapSections {
     const rg_remap_section& s = table.section;
     const int block_size = 1 << s.block_log2;
     const PackedRemap packed = {
-        {s.width, s.height},
-        table.max_error_px,
-        table.max_chroma_error_px,
-        block_size,
+        table.view, table.max_error_px, table.max_chroma_error_px, block_size,
         s.part_log2 != 0 ? 1 << s.part_log2 : block_size};
     tables_.push_back(std::move(table));
     return packed;

@@ -9,12 +9,12 @@
 #include "dataset/camera_file.h"
 #include "packing/blob_limits.h"
 #include "packing/projection_error.h"
-#include "packing/virtual_camera.h"
+#include "packing/view.h"
 
 namespace raygrid {
 
 struct PackOptions {
-  std::vector<VirtualCamera> remaps;  ///< one table each
+  std::vector<VirtualView> remaps;  ///< one table each
   /// One more of the view that the camera can give; a remark if it has none.
   bool has_default_remap = false;
   double max_error_px = 0.05;     ///< their geometric error
@@ -26,7 +26,7 @@ struct PackOptions {
 
 /// A remap table of a blob.
 struct PackedRemap {
-  ImageSize size;
+  VirtualView view;
   double error_px = 0;
   double chroma_error_px = 0;  ///< in chroma's own pixels
   int block_size = 0;

@@ -131,11 +131,12 @@ bool QuantizeVertices(const Blocks& blocks, const NodePositions& vertices,
   return true;
 }
 
-void FillFields(const Area& rectangle, const VirtualCamera& virtual_camera,
+void FillFields(const Area& rectangle, const VirtualView& view,
                 const Blocks& blocks, RemapTable* table) {
+  table->view = view;
   rg_remap_section& s = table->section;
-  s.width = static_cast<uint16_t>(virtual_camera.size.width);
-  s.height = static_cast<uint16_t>(virtual_camera.size.height);
+  s.width = static_cast<uint16_t>(view.size.width);
+  s.height = static_cast<uint16_t>(view.size.height);
   s.columns = static_cast<uint16_t>(blocks.columns + 1);
   s.rows = static_cast<uint16_t>(blocks.rows + 1);
   s.block_log2 = static_cast<uint8_t>(blocks.size_log2());
@@ -144,12 +145,10 @@ void FillFields(const Area& rectangle, const VirtualCamera& virtual_camera,
   s.min_y_q12 = static_cast<int32_t>(std::ceil(rectangle.y0 * kQ12));
   s.max_x_q12 = static_cast<int32_t>(std::floor(rectangle.x1 * kQ12));
   s.max_y_q12 = static_cast<int32_t>(std::floor(rectangle.y1 * kQ12));
-  s.fx_q16 = s.fy_q16 =
-      static_cast<uint32_t>(std::lround(virtual_camera.focal_px * 65536));
-  s.cx_q16 =
-      static_cast<int32_t>(std::lround(virtual_camera.center.x() * 65536));
-  s.cy_q16 =
-      static_cast<int32_t>(std::lround(virtual_camera.center.y() * 65536));
+  s.fx_q16 = static_cast<uint32_t>(std::lround(view.focal_px.x() * 65536));
+  s.fy_q16 = static_cast<uint32_t>(std::lround(view.focal_px.y() * 65536));
+  s.cx_q16 = static_cast<int32_t>(std::lround(view.center_px.x() * 65536));
+  s.cy_q16 = static_cast<int32_t>(std::lround(view.center_px.y() * 65536));
   table->empty_blocks.assign((blocks.used.size() + 31) / 32 * 4, 0);
   for (size_t k = 0; k < blocks.used.size(); ++k)
     if (!blocks.used[k]) table->empty_blocks[k / 8] |= 1u << (k % 8);
@@ -187,11 +186,11 @@ double PixelError(const Area& rectangle,
 // The errors of a table, with the integers of the board.
 class TableErrors {
  public:
-  TableErrors(const CameraModel& camera, const VirtualCamera& virtual_camera,
+  TableErrors(const CameraModel& camera, const VirtualView& view,
               const SourceMap& map, const Blocks& blocks,
               const RemapTable& table, int num_threads)
       : camera_(camera),
-        virtual_camera_(virtual_camera),
+        view_(view),
         map_(map),
         blocks_(blocks),
         words_(SectionWords(table)),
@@ -284,7 +283,7 @@ class TableErrors {
   }
   double ExactError(int x, int y, const Eigen::Vector2d& position) const {
     const auto source = map_.IsKnown(x, y)
-                            ? ExactSource(camera_, virtual_camera_, map_, x, y)
+                            ? ExactSource(camera_, view_, map_, x, y)
                             : std::nullopt;
     return PixelError(map_.rectangle, source, 0, position);
   }
@@ -332,7 +331,7 @@ class TableErrors {
   }
 
   const CameraModel& camera_;
-  const VirtualCamera& virtual_camera_;
+  const VirtualView& view_;
   const SourceMap& map_;
   const Blocks& blocks_;
   const std::vector<uint32_t> words_;
@@ -432,10 +431,9 @@ double LeastError(const SourceMap& map, int part_log2) {
   return worst - rounding_px;
 }
 
-void RequireFormatLimits(const CameraModel& camera,
-                         const VirtualCamera& virtual_camera) {
+void RequireFormatLimits(const CameraModel& camera, const VirtualView& view) {
   const int limit = RG_MAX_REMAP_SIZE;
-  for (const ImageSize& size : {camera.image_size(), virtual_camera.size})
+  for (const ImageSize& size : {camera.image_size(), view.size})
     if (size.width < 1 || size.height < 1 || size.width > limit ||
         size.height > limit)
       throw Error(ExitCode::kUsage,
@@ -445,13 +443,12 @@ void RequireFormatLimits(const CameraModel& camera,
 
 }  // namespace
 
-RemapTable FitRemapTable(const CameraModel& camera,
-                         const VirtualCamera& virtual_camera,
+RemapTable FitRemapTable(const CameraModel& camera, const VirtualView& view,
                          double max_error_px, int num_threads,
                          const std::function<void()>& go_on) {
-  RequireFormatLimits(camera, virtual_camera);
+  RequireFormatLimits(camera, view);
   num_threads = NumThreads(num_threads);
-  const SourceMap map = MakeSourceMap(camera, virtual_camera, num_threads);
+  const SourceMap map = MakeSourceMap(camera, view, num_threads);
   go_on();
   const CellSums sums(map, num_threads);
   RemapTable table;
@@ -465,14 +462,13 @@ RemapTable FitRemapTable(const CameraModel& camera,
       throw Error(ExitCode::kUsage,
                   "the virtual camera sees nothing of the calibrated area; "
                   "ask for a larger field of view");
-    FillFields(map.rectangle, virtual_camera, blocks, &table);
+    FillFields(map.rectangle, view, blocks, &table);
     const NodePositions nodes = FitNodes(map, sums, blocks);
     go_on();
     if (!QuantizeVertices(blocks, nodes, &table) ||
         !QuantizeBends(blocks, nodes, &table))
       continue;
-    const TableErrors errors(camera, virtual_camera, map, blocks, table,
-                             num_threads);
+    const TableErrors errors(camera, view, map, blocks, table, num_threads);
     const std::optional<double> worst =
         errors.Worst(is_last ? INFINITY : max_error_px);
     if (!worst) continue;

@@ -6,13 +6,14 @@
 #include <vector>
 
 #include "camera/camera_model.h"
-#include "packing/virtual_camera.h"
+#include "packing/view.h"
 #include "rg_blob.h"
 
 namespace raygrid {
 
 /// A remap section and the arrays it points to.
 struct RemapTable {
+  VirtualView view;
   rg_remap_section section = {};
   std::vector<int16_t> residuals;
   std::vector<int8_t> bends;  ///< four a vertex, or none
@@ -32,9 +33,8 @@ struct RemapTable {
 /// bound, Error(kUsage) if the images are too large for the format or the
 /// virtual camera sees nothing. go_on is called now and then, and may throw.
 RemapTable FitRemapTable(
-    const CameraModel& camera, const VirtualCamera& virtual_camera,
-    double max_error_px, int num_threads,
-    const std::function<void()>& go_on = [] {});
+    const CameraModel& camera, const VirtualView& view, double max_error_px,
+    int num_threads, const std::function<void()>& go_on = [] {});
 
 }  // namespace raygrid
 

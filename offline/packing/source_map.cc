@@ -30,10 +30,10 @@ Area SourceRectangle(const CameraModel& camera) {
 // some directions twice.
 class Lattice {
  public:
-  Lattice(const CameraModel& camera, const VirtualCamera& virtual_camera,
+  Lattice(const CameraModel& camera, const VirtualView& view,
           const SourceMap& map)
       : camera_(camera),
-        virtual_camera_(virtual_camera),
+        view_(view),
         rectangle_(map.rectangle),
         margin_px_(std::max(rectangle_.width(), rectangle_.height()) / 8),
         columns_(map.columns + 1 + 2 * kRing),
@@ -82,7 +82,7 @@ class Lattice {
     const Eigen::Vector2d pixel((index % columns_ - kRing) * kCell,
                                 (index / columns_ - kRing) * kCell);
     const auto source =
-        camera_.Project(virtual_camera_.Direction(pixel), start, margin_px_);
+        camera_.Project(view_.Direction(pixel), start, margin_px_);
     if (source) point.source = *source;
   }
 
@@ -95,11 +95,9 @@ class Lattice {
   // The corners of the cell that a source is seen in.
   void StartFromSource(const Eigen::Vector2d& source) {
     const auto ray = camera_.Unproject(source);
-    if (!ray || !(ray->z() > 0)) return;
-    const Eigen::Vector2d pixel =
-        virtual_camera_.focal_px * ray->head<2>() / ray->z() +
-        virtual_camera_.center;
-    const Eigen::Array2d cell = (pixel.array() / kCell).floor() + kRing;
+    const auto pixel = ray ? view_.Pixel(*ray) : std::nullopt;
+    if (!pixel) return;
+    const Eigen::Array2d cell = (pixel->array() / kCell).floor() + kRing;
     if (!(cell >= 0).all() || !(cell.x() < columns_ - 1) ||
         !(cell.y() < rows_ - 1))
       return;
@@ -183,7 +181,7 @@ class Lattice {
   }
 
   const CameraModel& camera_;
-  const VirtualCamera& virtual_camera_;
+  const VirtualView& view_;
   const Area rectangle_;
   const double margin_px_;
   const int columns_, rows_;
@@ -264,16 +262,15 @@ CellSources InterpolateCell(const Lattice& lattice, int column, int row) {
 }
 
 // A start is what was found before, or else the cell's corner.
-CellSources ProjectCell(const CameraModel& camera,
-                        const VirtualCamera& virtual_camera, int column,
-                        int row, const Eigen::Vector2d& corner) {
+CellSources ProjectCell(const CameraModel& camera, const VirtualView& view,
+                        int column, int row, const Eigen::Vector2d& corner) {
   CellSources sources;
   Eigen::Vector2d start = corner;
   for (int y = 0; y < kCell; ++y) {
     for (int x = 0; x < kCell; ++x) {
       const Eigen::Vector2d pixel(column * kCell + x, row * kCell + y);
       const auto source =
-          camera.Project(virtual_camera.Direction(pixel),
+          camera.Project(view.Direction(pixel),
                          start.allFinite() ? &start : nullptr, kMarginPx);
       if (source) start = *source;
       sources.Set(x, y, source.value_or(Eigen::Vector2d(NAN, NAN)));
@@ -333,11 +330,11 @@ void StoreCell(int column, int row, const CellSources& sources,
 
 }  // namespace
 
-SourceMap MakeSourceMap(const CameraModel& camera,
-                        const VirtualCamera& virtual_camera, int num_threads) {
+SourceMap MakeSourceMap(const CameraModel& camera, const VirtualView& view,
+                        int num_threads) {
   SourceMap map;
-  map.width = virtual_camera.size.width;
-  map.height = virtual_camera.size.height;
+  map.width = view.size.width;
+  map.height = view.size.height;
   map.columns = (map.width + kCell - 1) / kCell;
   map.rows = (map.height + kCell - 1) / kCell;
   map.rectangle = SourceRectangle(camera);
@@ -345,7 +342,7 @@ SourceMap MakeSourceMap(const CameraModel& camera,
   for (auto& plane : map.sources)
     plane.reset(new int32_t[map.cells.size() * kCell * kCell]);
 
-  const Lattice lattice(camera, virtual_camera, map);
+  const Lattice lattice(camera, view, map);
   std::vector<double> deviations;
   for (int row = 0; row < map.rows; ++row) {
     for (int column = 0; column < map.columns; ++column) {
@@ -362,10 +359,10 @@ SourceMap MakeSourceMap(const CameraModel& camera,
       if (std::isnan(deviation))
         ClearCell(column, row, &map);
       else if (std::isinf(deviation))
-        StoreCell(column, row,
-                  ProjectCell(camera, virtual_camera, column, row,
-                              lattice.At(column, row)),
-                  &map);
+        StoreCell(
+            column, row,
+            ProjectCell(camera, view, column, row, lattice.At(column, row)),
+            &map);
       else
         StoreCell(column, row, InterpolateCell(lattice, column, row), &map);
     }
@@ -374,10 +371,10 @@ SourceMap MakeSourceMap(const CameraModel& camera,
 }
 
 std::optional<Eigen::Vector2d> ExactSource(const CameraModel& camera,
-                                           const VirtualCamera& virtual_camera,
+                                           const VirtualView& view,
                                            const SourceMap& map, int x, int y) {
   const Eigen::Vector2d start = map.At(x, y);
-  return camera.Project(virtual_camera.Direction(Eigen::Vector2d(x, y)), &start,
+  return camera.Project(view.Direction(Eigen::Vector2d(x, y)), &start,
                         kMarginPx);
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "camera/camera_model.h"
-#include "packing/virtual_camera.h"
+#include "packing/view.h"
 
 namespace raygrid {
 
@@ -60,12 +60,12 @@ struct SourceMap {
 /// The camera is asked at every eighth pixel of every eighth row, and between
 /// these only where interpolation would not follow it to 0.002 px. The same
 /// with any number of threads.
-SourceMap MakeSourceMap(const CameraModel& camera,
-                        const VirtualCamera& virtual_camera, int num_threads);
+SourceMap MakeSourceMap(const CameraModel& camera, const VirtualView& view,
+                        int num_threads);
 
 /// The camera's own answer where the map knows a source.
 std::optional<Eigen::Vector2d> ExactSource(const CameraModel& camera,
-                                           const VirtualCamera& virtual_camera,
+                                           const VirtualView& view,
                                            const SourceMap& map, int x, int y);
 
 }  // namespace raygrid

@@ -1,4 +1,4 @@
-// Blobs and their virtual cameras, as the host sees them through the runtime.
+// Blobs and their views, as the host sees them through the runtime.
 #include "packing/blob_camera.h"
 
 #include <functional>
@@ -60,10 +60,9 @@ TEST(IsBlob, KnowsNamesAndContents) {
 }
 
 // The place that an undistorted pixel comes from; nothing near the area's edge.
-std::optional<Eigen::Vector2d> Source(const VirtualCamera& virtual_camera,
-                                      int x, int y) {
-  const auto source = GenericFile().camera->Project(
-      virtual_camera.Direction(Eigen::Vector2d(x, y)));
+std::optional<Eigen::Vector2d> Source(const VirtualView& view, int x, int y) {
+  const auto source =
+      GenericFile().camera->Project(view.Direction(Eigen::Vector2d(x, y)));
   if (!source || !GenericFile().camera->area().Contains(*source, -0.5))
     return std::nullopt;
   return source;
@@ -146,36 +145,12 @@ TEST(BlobCamera, UndistortNeedsARemap) {
   });
 }
 
-TEST(VirtualCamera, HasTheFieldOfViewAskedFor) {
-  for (const double hfov : {1.0, 60.0, 90.0, 120.0, 170.0}) {
-    const VirtualCamera camera =
-        MakeVirtualCamera(*GenericFile().camera, {800, 600}, hfov);
-    EXPECT_NEAR(camera.HorizontalFieldOfViewDeg(), hfov, 1e-9);
-    EXPECT_EQ(camera.size, (ImageSize{800, 600}));
-  }
-}
-
-TEST(VirtualCamera, IsByDefaultAsSharpAsTheImagesMiddle) {
-  const auto focal_px = [](ImageSize size) {
-    return MakeVirtualCamera(*GenericFile().camera, size, 0).focal_px;
-  };
-  EXPECT_NEAR(focal_px({0, 0}), 531, 10);
-  EXPECT_NEAR(focal_px({320, 240}), focal_px({640, 480}) / 2, 1e-9);
-}
-
-TEST(VirtualCamera, RefusesFieldsOfViewThatNoPinholeHas) {
-  for (const double hfov : {-10.0, 171.0, 180.0, 360.0, double{NAN}})
-    ExpectError(ExitCode::kUsage, {"field of view"}, [&] {
-      MakeVirtualCamera(*GenericFile().camera, {640, 480}, hfov);
-    });
-}
-
-TEST(VirtualCamera, RefusesFocalLengthsThatBlobsDoNotHold) {
-  const CameraModel& camera = *GenericFile().camera;
-  EXPECT_LT(MakeVirtualCamera(camera, {640, 480}, 0.56).focal_px, 65536);
-  ExpectError(ExitCode::kUsage, {"focal length", "0.561"}, [&] {
-    MakeVirtualCamera(camera, {640, 480}, 0.55);
-  });
+TEST(BlobCamera, TellsTheViewOfItsTable) {
+  const VirtualView view = Opened().ViewOfRemap(0);
+  EXPECT_EQ(view.size, Virtual().size);
+  EXPECT_LT((view.focal_px - Virtual().focal_px).norm(), 1e-4);
+  EXPECT_LT((view.center_px - Virtual().center_px).norm(), 1e-4);
+  ExpectError(ExitCode::kBlob, {}, [] { Opened().ViewOfRemap(1); });
 }
 
 }  // namespace

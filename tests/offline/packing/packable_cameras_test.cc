@@ -23,7 +23,7 @@ PackedCamera PackLens(const OpenCvModel& lens) {
 // Packs with the table that a user gets who asks for no special view.
 void PackUsualView(const CameraModel& camera) {
   PackOptions options;
-  options.remaps = {MakeVirtualCamera(camera, {}, 0)};
+  options.remaps = {MakeView(camera, {})};
   CameraFile file;
   file.camera = camera.Clone();
   PackCamera(file, options);
@@ -49,7 +49,7 @@ TEST(PackWhatCanBe, ShowsTheAreaWhereTheUsualViewShowsNothingOfIt) {
   ExpectRemark("calibrated area alone", packed);
   ASSERT_EQ(packed.remaps.size(), 1u);
   EXPECT_LE(packed.remaps[0].error_px, 0.05);
-  EXPECT_EQ(packed.remaps[0].size.width, 640);
+  EXPECT_EQ(packed.remaps[0].view.size.width, 640);
   // Some of it is to be seen.
   Image white;
   white.size = {640, 480};

@@ -5,7 +5,7 @@
 
 #include "packing/blob_camera.h"
 #include "packing/pack.h"
-#include "packing/virtual_camera.h"
+#include "packing/view.h"
 #include "simulation/simulated_camera.h"
 #include "support.h"
 
@@ -25,8 +25,17 @@ inline const CameraFile& GenericFile() {
   return *file;
 }
 
-inline VirtualCamera Virtual() {
-  return MakeVirtualCamera(*GenericFile().camera, {640, 480}, 0);
+// 0 degrees: as sharp as the camera in the middle.
+inline VirtualView ViewOf(const CameraModel& camera, const ImageSize& size,
+                          double hfov_deg) {
+  ViewRequest request;
+  request.size = size;
+  if (hfov_deg != 0) request.hfov_deg = hfov_deg;
+  return MakeView(camera, request);
+}
+
+inline VirtualView Virtual() {
+  return ViewOf(*GenericFile().camera, {640, 480}, 0);
 }
 
 inline PackOptions WithRemap(double max_error_px = 0.05) {

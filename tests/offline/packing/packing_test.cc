@@ -88,7 +88,7 @@ TEST(PackCamera, PacksAFisheye) {
   CameraFile file;
   file.camera = std::make_shared<CentralGeneric>(ExampleFisheye());
   PackOptions options;
-  options.remaps = {MakeVirtualCamera(*file.camera, {640, 480}, 120)};
+  options.remaps = {ViewOf(*file.camera, {640, 480}, 120)};
   const PackedCamera packed = PackCamera(file, options);
   EXPECT_LE(packed.unproject_error_px, kMaxPackingErrorPx);
   EXPECT_LE(packed.remaps[0].error_px, options.max_error_px);
@@ -118,8 +118,7 @@ TEST(Narrow, RefusesPointsFarFromTheirPlane) {
 
 TEST(PackCamera, HoldsSeveralRemapTables) {
   PackOptions options = WithRemap();
-  options.remaps.push_back(
-      MakeVirtualCamera(*GenericFile().camera, {320, 200}, 40));
+  options.remaps.push_back(ViewOf(*GenericFile().camera, {320, 200}, 40));
   const PackedCamera packed = PackCamera(GenericFile(), options);
   ASSERT_EQ(packed.remaps.size(), 2u);
   const BlobCamera blob("two", packed.blob);
@@ -129,7 +128,7 @@ TEST(PackCamera, HoldsSeveralRemapTables) {
     ASSERT_EQ(rg_select_remap(&camera, k), RG_OK);
     ASSERT_EQ(rg_remap_size(&camera, &width, &height), RG_OK);
     EXPECT_EQ((ImageSize{width, height}), options.remaps[k].size);
-    EXPECT_EQ(packed.remaps[k].size, options.remaps[k].size);
+    EXPECT_EQ(packed.remaps[k].view.size, options.remaps[k].size);
   }
 }
 

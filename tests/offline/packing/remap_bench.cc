@@ -29,7 +29,7 @@
 #include "frames/lattice_map.h"
 #include "frames/pixel_formats.h"
 #include "packing/remap_fitting.h"
-#include "packing/virtual_camera.h"
+#include "packing/view.h"
 #include "raygrid.h"
 
 namespace raygrid {
@@ -39,13 +39,13 @@ constexpr ImageSize kSizes[] = {
     {640, 480}, {1280, 800}, {1920, 1080}, {3840, 2160}};
 
 // A camera and the view that its frames are rectified to.
-struct View {
+struct BenchedCamera {
   std::string name;
   std::unique_ptr<CameraModel> camera;
   double hfov_deg;
 };
 
-std::vector<View> MakeViews(const ImageSize& size) {
+std::vector<BenchedCamera> MakeViews(const ImageSize& size) {
   const double w = size.width;
   const double cx = (w - 1) / 2 + 0.004 * w;
   const double cy = (size.height - 1) / 2.0 - 0.003 * size.height;
@@ -54,7 +54,7 @@ std::vector<View> MakeViews(const ImageSize& size) {
   const ThinPrismFisheye::ParameterArray fisheye = {
       0.36 * w, 0.36 * w, cx, cy, -0.012, 0.008, -0.006, 0.001, 0, 0, 0, 0};
   const Area area = WholeImage(size);
-  std::vector<View> views;
+  std::vector<BenchedCamera> views;
   views.push_back(
       {"mild", std::make_unique<OpenCvModel>(size, area, mild), 71});
   for (const double hfov_deg : {108.0, 132.0})
@@ -95,7 +95,7 @@ std::vector<double> MedianSeconds(
 }
 
 // The largest blocks that keep a bound, which coarse images make wider.
-RemapTable FitTable(const View& view, const VirtualCamera& target) {
+RemapTable FitTable(const BenchedCamera& view, const VirtualView& target) {
   for (double bound_px = 0.05;; bound_px *= 2) {
     try {
       return FitRemapTable(*view.camera, target, bound_px, 1);
@@ -208,7 +208,7 @@ void PrintImageError(const cv::Mat2f& positions, const cv::Mat& source,
 using Ratios = std::map<std::string, std::vector<double>>;
 
 struct Bench {
-  const View& view;
+  const BenchedCamera& view;
   ImageSize size;
   rg_camera camera;
   Ratios* ratios;
@@ -251,10 +251,12 @@ void SetPlane(int plane, const cv::Mat& source, cv::Mat* output,
   target->planes[plane].stride = static_cast<uint32_t>(output->step);
 }
 
-void RunView(const View& view, const ImageSize& size, const std::string& folder,
-             Ratios* ratios) {
-  const VirtualCamera target_camera =
-      MakeVirtualCamera(*view.camera, size, view.hfov_deg);
+void RunView(const BenchedCamera& view, const ImageSize& size,
+             const std::string& folder, Ratios* ratios) {
+  ViewRequest request;
+  request.size = size;
+  request.hfov_deg = view.hfov_deg;
+  const VirtualView target_camera = MakeView(*view.camera, request);
   double begin = Now();
   const RemapTable table = FitTable(view, target_camera);
   const double fit_seconds = Now() - begin;
@@ -331,10 +333,10 @@ void RunView(const View& view, const ImageSize& size, const std::string& folder,
 
 // The list of the folder's contents, for the other program.
 void WriteSummary(const std::string& folder, const ImageSize& size,
-                  const std::vector<View>& views) {
+                  const std::vector<BenchedCamera>& views) {
   nlohmann::json json = {
       {"opencv", CV_VERSION}, {"columns", size.width}, {"rows", size.height}};
-  for (const View& view : views) json["views"].push_back(view.name);
+  for (const BenchedCamera& view : views) json["views"].push_back(view.name);
   if (!folder.empty()) WriteFile(folder + "/views.json", json.dump(1) + "\n");
 }
 
@@ -351,8 +353,9 @@ int Main(std::vector<std::string> arguments) {
     if (!arguments.empty() &&
         std::count(arguments.begin(), arguments.end(), width) == 0)
       continue;
-    const std::vector<View> views = MakeViews(size);
-    for (const View& view : views) RunView(view, size, folder, &ratios);
+    const std::vector<BenchedCamera> views = MakeViews(size);
+    for (const BenchedCamera& view : views)
+      RunView(view, size, folder, &ratios);
     WriteSummary(folder, size, views);
   }
   std::printf("\nTimes faster than cv::remap, geometric means:\n");

@@ -12,7 +12,7 @@
 #include "camera/opencv.h"
 #include "camera/thin_prism_fisheye.h"
 #include "cortex_m/part_corners.h"
-#include "packing/virtual_camera.h"
+#include "packing/view.h"
 #include "support.h"
 
 namespace raygrid {
@@ -20,13 +20,13 @@ namespace {
 
 constexpr ImageSize kFullHd = {1920, 1080};
 
-struct View {
+struct TestCase {
   const char* name;
   std::shared_ptr<CameraModel> camera;
   double hfov_deg;
 
-  VirtualCamera Virtual(const ImageSize& size = kFullHd) const {
-    return MakeVirtualCamera(*camera, size, hfov_deg);
+  VirtualView PinholeView(const ImageSize& size = kFullHd) const {
+    return ViewOf(*camera, size, hfov_deg);
   }
 };
 
@@ -44,7 +44,7 @@ std::shared_ptr<CameraModel> AsRoughGrid(const CameraModel& camera,
   return std::make_shared<CentralGeneric>(camera.image_size(), surface);
 }
 
-std::vector<View> Views() {
+std::vector<TestCase> TestCases() {
   const double w = kFullHd.width;
   const OpenCvModel::ParameterArray mild = {
       0.7 * w, 0.7 * w, 967, 536, -0.3, 0.1, 0, 0, 0, 0, 7e-4, -4e-4};
@@ -123,7 +123,7 @@ class PlainTable {
 
 // The worst error of a table of a camera whose whole image is calibrated, with
 // the camera asked for every pixel.
-double WorstError(const CameraModel& camera, const VirtualCamera& target,
+double WorstError(const CameraModel& camera, const VirtualView& target,
                   const RemapTable& table) {
   rg_remap_section section = table.section;
   section.empty_blocks = table.empty_blocks.data();
@@ -164,16 +164,16 @@ size_t BytesOf(const RemapTable& table) {
 }
 
 TEST(FitRemapTable, KeepsThreeHundredthsOfAPixelInTwoHundredthsOfAByte) {
-  for (const View& view : Views()) {
-    const VirtualCamera target = view.Virtual();
-    const RemapTable table = FitRemapTable(*view.camera, target, 0.03, 0);
-    EXPECT_LE(table.max_error_px, 0.03) << view.name;
+  for (const TestCase& test_case : TestCases()) {
+    const VirtualView target = test_case.PinholeView();
+    const RemapTable table = FitRemapTable(*test_case.camera, target, 0.03, 0);
+    EXPECT_LE(table.max_error_px, 0.03) << test_case.name;
     EXPECT_LE(BytesOf(table), 0.02 * kFullHd.width * kFullHd.height)
-        << view.name;
+        << test_case.name;
     std::printf(
-        "%s: blocks of %d, parts of %d, %.4f px, %.4f bytes/px\n", view.name,
-        1 << table.section.block_log2, 1 << table.section.part_log2,
-        table.max_error_px,
+        "%s: blocks of %d, parts of %d, %.4f px, %.4f bytes/px\n",
+        test_case.name, 1 << table.section.block_log2,
+        1 << table.section.part_log2, table.max_error_px,
         static_cast<double>(BytesOf(table)) / kFullHd.width / kFullHd.height);
     // The error that was measured is true of pixels anywhere.
     const PlainTable plain(table);
@@ -183,36 +183,36 @@ TEST(FitRemapTable, KeepsThreeHundredthsOfAPixelInTwoHundredthsOfAByte) {
       const Eigen::Vector2d at = random.PixelIn({0, 0, 1919, 1079});
       const int x = static_cast<int>(at.x()), y = static_cast<int>(at.y());
       const auto exact =
-          view.camera->Project(target.Direction({x, y}), nullptr, 0);
+          test_case.camera->Project(target.Direction({x, y}), nullptr, 0);
       if (exact) worst = std::max(worst, (plain.At(x, y) - *exact).norm());
     }
     constexpr double kRounding = 0.002;
-    EXPECT_LT(worst, table.max_error_px + kRounding) << view.name;
-    EXPECT_GT(worst, table.max_error_px / 2) << view.name;
+    EXPECT_LT(worst, table.max_error_px + kRounding) << test_case.name;
+    EXPECT_GT(worst, table.max_error_px / 2) << test_case.name;
   }
 }
 
 TEST(FitRemapTable, WorstErrorIsThatOfAllPixels) {
-  std::vector<View> views = Views();
-  views.push_back({"grid", AsRoughGrid(*views[1].camera, 60, 1e-5), 108});
-  views.push_back({"rough grid", AsRoughGrid(*views[2].camera, 60, 1e-4), 132});
-  for (const View& view : views) {
+  std::vector<TestCase> cases = TestCases();
+  cases.push_back({"grid", AsRoughGrid(*cases[1].camera, 60, 1e-5), 108});
+  cases.push_back({"rough grid", AsRoughGrid(*cases[2].camera, 60, 1e-4), 132});
+  for (const TestCase& test_case : cases) {
     for (const ImageSize size : {ImageSize{645, 363}, ImageSize{301, 203}}) {
-      const VirtualCamera target = view.Virtual(size);
-      const RemapTable table = FitRemapTable(*view.camera, target, 1, 0);
-      EXPECT_NEAR(table.max_error_px, WorstError(*view.camera, target, table),
-                  1e-6)
-          << view.name << ", " << size.width;
+      const VirtualView target = test_case.PinholeView(size);
+      const RemapTable table = FitRemapTable(*test_case.camera, target, 1, 0);
+      EXPECT_NEAR(table.max_error_px,
+                  WorstError(*test_case.camera, target, table), 1e-6)
+          << test_case.name << ", " << size.width;
     }
   }
 }
 
 TEST(FitRemapTable, TighterBoundsTakeSmallerPartsAndAreKept) {
-  const View view = Views()[1];
+  const TestCase test_case = TestCases()[1];
   int last = 64;
   for (const double bound : {0.2, 0.05, 0.02, 0.01}) {
     const RemapTable table =
-        FitRemapTable(*view.camera, view.Virtual(), bound, 0);
+        FitRemapTable(*test_case.camera, test_case.PinholeView(), bound, 0);
     const rg_remap_section& section = table.section;
     const int log2 =
         section.part_log2 != 0 ? section.part_log2 : section.block_log2;
@@ -224,9 +224,11 @@ TEST(FitRemapTable, TighterBoundsTakeSmallerPartsAndAreKept) {
 }
 
 TEST(FitRemapTable, GivesTheSameWithAnyNumberOfThreads) {
-  const View view = Views()[2];
-  const RemapTable one = FitRemapTable(*view.camera, view.Virtual(), 0.03, 1);
-  const RemapTable three = FitRemapTable(*view.camera, view.Virtual(), 0.03, 3);
+  const TestCase test_case = TestCases()[2];
+  const RemapTable one =
+      FitRemapTable(*test_case.camera, test_case.PinholeView(), 0.03, 1);
+  const RemapTable three =
+      FitRemapTable(*test_case.camera, test_case.PinholeView(), 0.03, 3);
   EXPECT_EQ(one.residuals, three.residuals);
   EXPECT_EQ(one.bends, three.bends);
   EXPECT_EQ(one.max_error_px, three.max_error_px);

@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+"""Views of undistorted images: what is asked for, and the camera file that tells K."""
+import json
+import os
+
+from command_test import CommandTest, SIMULATED_PATTERN, main, read, run, write
+from images_test import png
+
+
+class Views(CommandTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
+        result = run("simulate", "--images", 3, "--lens", "wide", "--size", "160x120",
+                     "--pattern", board, "-o", cls.path("sim"))
+        assert result.returncode == 0, result.stderr
+        cls.camera = cls.path("sim/true_camera.yaml")
+        cls.image = write(cls.path("in/white.png"), png([255] * (160 * 120), size=(160, 120)))
+
+    def pack(self, *remaps, output="c.raygrid"):
+        remaps = [word for remap in remaps for word in ("--remap", remap)]
+        return run("pack", self.camera, *remaps, "--json", "--max-error-px", 0.25,
+                   "-o", self.path(output))
+
+    def projected(self, camera, points):
+        text = write(self.path("points.csv"), "x,y,z\n" + points)
+        result = run("project", camera, "--points", text, "--json")
+        self.assert_done(result)
+        return json.loads(result.stdout)
+
+    def test_pack_tells_the_view_and_writes_it_as_a_camera(self):
+        result = self.pack("200x100,hfov=80,vfov=50,center=90,55")
+        self.assert_done(result)
+        told = json.loads(result.stdout)["remaps"][0]
+        self.assertEqual((told["size"], told["projection"]), ([200, 100], "pinhole"))
+        self.assertAlmostEqual(told["hfov_deg"], 80, 6)
+        self.assertAlmostEqual(told["vfov_deg"], 50, 6)
+        (fx, _, cx), (_, fy, cy), _ = told["K"]
+        self.assertEqual((cx, cy), (90, 55))
+        seen = self.projected(self.path("c.camera.yaml"), "0.1,-0.2,2\n")[0]
+        self.assertAlmostEqual(seen["u"], 90 + fx * 0.05, 6)
+        self.assertAlmostEqual(seen["v"], 55 - fy * 0.1, 6)
+        # The blob tells the same, as far as it holds it.
+        inspected = json.loads(run("inspect", self.path("c.raygrid"), "--json").stdout)
+        self.assertAlmostEqual(inspected["remap_tables"][0]["K"][1][1], fy, 4)
+
+    def test_each_of_several_tables_has_a_file(self):
+        self.assert_done(self.pack("100x80,alpha=0", "100x80,alpha=0.2", output="two/c.raygrid"))
+        self.assertEqual(sorted(os.listdir(self.path("two"))),
+                         ["c.0.camera.yaml", "c.1.camera.yaml", "c.raygrid"])
+        self.assertNotEqual(read(self.path("two/c.0.camera.yaml")),
+                            read(self.path("two/c.1.camera.yaml")))
+
+    def test_a_view_like_another_is_that_view(self):
+        self.assert_done(self.pack("100x80,alpha=0.3", output="like/a.raygrid"))
+        self.assert_done(self.pack(f"like={self.path('like/a.camera.yaml')}",
+                                   output="like/b.raygrid"))
+        self.assertEqual(read(self.path("like/a.raygrid")), read(self.path("like/b.raygrid")))
+
+    def test_undistort_takes_the_same_words_and_tells_the_view(self):
+        result = run("undistort", self.camera, self.image, "--alpha", 0, "--json",
+                     "--max-error-px", 0.25, "-o",
+                     self.path("flat"))
+        self.assert_done(result)
+        told = json.loads(result.stdout)
+        self.assertEqual(told["view"]["size"], [160, 120])
+        self.assertEqual(sorted(os.listdir(self.path("flat"))), ["view.camera.yaml", "white.png"])
+        self.assertEqual(told["view_file"], self.path("flat/view.camera.yaml"))
+        # A blob's own table is told as it was when it was packed.
+        self.assert_done(self.pack("100x80,focal=70"))
+        result = run("undistort", self.path("c.raygrid"), self.image, "--json", "-o",
+                     self.path("of_blob"))
+        self.assert_done(result)
+        self.assertEqual(json.loads(result.stdout)["view"]["K"][0], [70, 0, 49.5])
+
+    def test_impossible_views_are_refused_in_a_line(self):
+        for view, words in (("hfov=180", ("hfov", "170")), ("alpha=1.5", ("alpha", "between")),
+                            ("alpha=0,hfov=90", ("give one",)), ("hfov=90,hfov=80", ("twice",)),
+                            ("center=3", ("two numbers",)), ("center=3,nan", ("two numbers",)),
+                            ("focal=", ("a number",)), ("focal=-1", ("focal length",)),
+                            ("zoom=2", ("zoom=2", "hfov=DEGREES")),
+                            ("hfov=90,640x480", ("640x480",)),
+                            (f"like={self.camera}", ("no view",)),
+                            ("hfov=60,center=1e6,0", ("center",))):
+            with self.subTest(view):
+                self.assert_refused(self.pack(view, output="never/c.raygrid"), 1, *words)
+        self.assert_nothing_in(self.path("never"))
+        self.assert_refused(run("undistort", self.camera, self.image, "--alpha", "x", "-o",
+                                self.path("never")), 1, "--alpha", "a number")
+
+    def test_the_files_of_views_replace_no_input(self):
+        camera = write(self.path("own/c.camera.yaml"), read(self.camera))
+        result = run("pack", camera, "--remap", "80x60", "-o", self.path("own/c.raygrid"))
+        self.assert_refused(result, 7, "replace the input")
+        self.assertEqual(read(camera), read(self.camera))
+
+
+if __name__ == "__main__":
+    main(__name__)

@@ -1,0 +1,211 @@
+// The pinhole views that images are undistorted to.
+#include "packing/view.h"
+
+#include "packed_cameras.h"
+#include "packing/remap_fitting.h"
+
+namespace raygrid {
+namespace {
+
+constexpr ImageSize kViewedSize = {320, 240};
+
+const CameraModel& Example() { return *GenericFile().camera; }
+
+ViewRequest RequestOf(const ImageSize& size) {
+  ViewRequest request;
+  request.size = size;
+  return request;
+}
+
+VirtualView ViewOfAlpha(const CameraModel& camera, const ImageSize& size,
+                        double alpha) {
+  ViewRequest request = RequestOf(size);
+  request.alpha = alpha;
+  return MakeView(camera, request);
+}
+
+void ExpectRefused(const CameraModel& camera, const ViewRequest& request,
+                   const std::vector<std::string>& words) {
+  ExpectError(ExitCode::kUsage, words, [&] { MakeView(camera, request); });
+}
+
+// The output pixels of a view's table that come from nowhere.
+int NumBorderPixels(const CameraModel& camera, const VirtualView& view) {
+  CameraFile file;
+  file.camera = std::shared_ptr<const CameraModel>(camera.Clone());
+  PackOptions options;
+  options.remaps = {view};
+  options.max_error_px = 0.2;
+  Image white;
+  white.size = camera.image_size();
+  white.pixels.assign(static_cast<size_t>(white.size.width) * white.size.height,
+                      255);
+  const Image seen =
+      BlobCamera("blob", PackCamera(file, options).blob).Undistort(white, 0);
+  return static_cast<int>(
+      std::count(seen.pixels.begin(), seen.pixels.end(), 0));
+}
+
+TEST(VirtualView, HasTheFieldOfViewAskedFor) {
+  for (const double field_deg : {1.0, 60.0, 90.0, 120.0, 170.0}) {
+    const VirtualView view = ViewOf(Example(), {800, 600}, field_deg);
+    EXPECT_NEAR(view.HorizontalFieldOfViewDeg(), field_deg, 1e-9);
+    EXPECT_EQ(view.focal_px.x(), view.focal_px.y());
+    EXPECT_EQ(view.size, (ImageSize{800, 600}));
+    ViewRequest request = RequestOf({800, 600});
+    request.vfov_deg = field_deg;
+    EXPECT_NEAR(MakeView(Example(), request).VerticalFieldOfViewDeg(),
+                field_deg, 1e-9);
+    request.hfov_deg = 50;
+    const VirtualView both = MakeView(Example(), request);
+    EXPECT_NEAR(both.VerticalFieldOfViewDeg(), field_deg, 1e-9);
+    EXPECT_NEAR(both.HorizontalFieldOfViewDeg(), 50, 1e-9);
+  }
+}
+
+TEST(VirtualView, HasTheFieldOfViewAskedForAroundAnyCenter) {
+  ViewRequest request = RequestOf({640, 480});
+  request.hfov_deg = 80;
+  request.center_px = Eigen::Vector2d(100, 20);
+  const VirtualView view = MakeView(Example(), request);
+  EXPECT_NEAR(view.HorizontalFieldOfViewDeg(), 80, 1e-9);
+  EXPECT_EQ(view.center_px, Eigen::Vector2d(100, 20));
+  const Eigen::Vector3d left = view.Direction({-0.5, 20}),
+                        right = view.Direction({639.5, 20});
+  EXPECT_NEAR(std::acos(left.normalized().dot(right.normalized())),
+              80 * M_PI / 180, 1e-9);
+}
+
+TEST(VirtualView, IsByDefaultAsSharpAsTheImagesMiddle) {
+  const auto focal_px = [](ImageSize size) {
+    return ViewOf(Example(), size, 0).focal_px.x();
+  };
+  EXPECT_NEAR(focal_px({0, 0}), 531, 10);
+  EXPECT_NEAR(focal_px({320, 240}), focal_px({640, 480}) / 2, 1e-9);
+}
+
+TEST(VirtualView, OfAlphaZeroHasNoBorderAndIsTheLargest) {
+  for (const char* lens : {"pinhole", "wide", "fisheye"}) {
+    for (const ImageSize size : {kViewedSize, ImageSize{200, 200}}) {
+      const CentralGeneric camera = FitCentralGeneric(
+          *SimulatedLens(lens, kViewedSize), WholeImage(kViewedSize), 19, 15);
+      VirtualView view = ViewOfAlpha(camera, size, 0);
+      EXPECT_EQ(NumBorderPixels(camera, view), 0) << lens;
+      if (view.HorizontalFieldOfViewDeg() > 130) continue;  // no larger one
+      view.focal_px *= 0.98;
+      view.center_px += 0.02 * (Eigen::Vector2d(size.width, size.height) / 2 -
+                                view.center_px);
+      EXPECT_GT(NumBorderPixels(camera, view), 0) << lens;
+    }
+  }
+}
+
+TEST(VirtualView, OfAlphaZeroIsNotWiderThanUsefulWhereALensSeesMore) {
+  const auto camera = SimulatedLens("fisheye190", kViewedSize);
+  const VirtualView view = ViewOfAlpha(*camera, kViewedSize, 0);
+  EXPECT_NEAR(view.HorizontalFieldOfViewDeg(), 140, 1);
+  for (int y = 0; y < kViewedSize.height; ++y)
+    for (int x = 0; x < kViewedSize.width; ++x)
+      ASSERT_TRUE(camera->Project(view.Direction(Eigen::Vector2d(x, y))))
+          << x << ", " << y;
+}
+
+TEST(VirtualView, OfAlphaOneShowsEveryPixelAndIsTheSmallest) {
+  for (const char* lens : {"pinhole", "wide"}) {
+    for (const ImageSize size : {kViewedSize, ImageSize{200, 300}}) {
+      const auto camera = SimulatedLens(lens, kViewedSize);
+      const VirtualView view = ViewOfAlpha(*camera, size, 1);
+      Eigen::AlignedBox2d box;
+      for (int y = 0; y < kViewedSize.height; ++y)
+        for (int x = 0; x < kViewedSize.width; ++x)
+          box.extend(*view.Pixel(*camera->Unproject(Eigen::Vector2d(x, y))));
+      const Eigen::Vector2d last(size.width - 1, size.height - 1);
+      EXPECT_GE(box.min().minCoeff(), 0) << lens;
+      EXPECT_TRUE((box.max().array() <= last.array()).all()) << lens;
+      EXPECT_GT((box.sizes().array() / last.array()).maxCoeff(), 0.97) << lens;
+    }
+  }
+}
+
+TEST(VirtualView, OfAlphaBetweenIsBetween) {
+  const auto camera = SimulatedLens("wide", kViewedSize);
+  const VirtualView none = ViewOfAlpha(*camera, kViewedSize, 0),
+                    half = ViewOfAlpha(*camera, kViewedSize, 0.5),
+                    all = ViewOfAlpha(*camera, kViewedSize, 1);
+  EXPECT_NEAR(half.focal_px.x(), (none.focal_px + all.focal_px).x() / 2, 1e-9);
+  EXPECT_LT((half.center_px - (none.center_px + all.center_px) / 2).norm(),
+            1e-9);
+}
+
+TEST(VirtualView, OfAlphaOneIsRefusedForLensesThatNoPinholeShows) {
+  const auto camera = SimulatedLens("fisheye190", kViewedSize);
+  ViewRequest request = RequestOf(kViewedSize);
+  request.alpha = 1;
+  ExpectRefused(*camera, request, {"alpha", "degrees off its axis", "alpha=0"});
+}
+
+TEST(VirtualView, IsACameraAndComesBackFromIt) {
+  ViewRequest request = RequestOf({640, 480});
+  request.hfov_deg = 80;
+  request.vfov_deg = 30;
+  request.center_px = Eigen::Vector2d(100, 20);
+  const VirtualView view = MakeView(Example(), request);
+  const auto camera = CameraOfView(view);
+  for (const Eigen::Vector2d& pixel :
+       {Eigen::Vector2d(0, 0), Eigen::Vector2d(639, 479)}) {
+    EXPECT_LT(camera->Unproject(pixel)
+                  ->cross(view.Direction(pixel).normalized())
+                  .norm(),
+              1e-12);
+    EXPECT_LT((*view.Pixel(view.Direction(pixel)) - pixel).norm(), 1e-9);
+  }
+  const auto back = ViewOfCamera(*camera);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->focal_px, view.focal_px);
+  EXPECT_EQ(back->center_px, view.center_px);
+  EXPECT_FALSE(ViewOfCamera(Example()));
+}
+
+TEST(VirtualView, LikeAnotherIsScaledToTheSize) {
+  ViewRequest request;
+  request.like = ViewOf(Example(), {640, 480}, 70);
+  EXPECT_EQ(MakeView(Example(), request).focal_px, request.like->focal_px);
+  request.size = {320, 240};
+  const VirtualView half = MakeView(Example(), request);
+  EXPECT_NEAR(half.HorizontalFieldOfViewDeg(), 70, 1e-9);
+  EXPECT_EQ(half.size, (ImageSize{320, 240}));
+}
+
+TEST(VirtualView, RefusesWhatNoPinholeHas) {
+  for (const double field_deg : {-10.0, 171.0, 180.0, 360.0, double{NAN}}) {
+    ViewRequest request = RequestOf({640, 480});
+    request.hfov_deg = field_deg;
+    ExpectRefused(Example(), request, {"field of view"});
+  }
+  for (const double alpha : {-0.1, 1.1, double{NAN}}) {
+    ViewRequest request = RequestOf({640, 480});
+    request.alpha = alpha;
+    ExpectRefused(Example(), request, {"alpha", "between"});
+  }
+  ViewRequest request = RequestOf({640, 480});
+  request.focal_px = -3;
+  ExpectRefused(Example(), request, {"focal length"});
+  request.hfov_deg = 90;
+  ExpectRefused(Example(), request, {"give one"});
+  request.focal_px.reset();
+  request.center_px = Eigen::Vector2d(-5, 100);
+  ExpectRefused(Example(), request, {"center outside", "focal length"});
+}
+
+TEST(VirtualView, RefusesWhatBlobsDoNotHold) {
+  EXPECT_LT(ViewOf(Example(), {640, 480}, 0.56).focal_px.x(), 65536);
+  ViewRequest request = RequestOf({640, 480});
+  request.hfov_deg = 0.55;
+  ExpectRefused(Example(), request, {"focal length", "0.561"});
+  request = RequestOf({640, 480});
+  request.center_px = Eigen::Vector2d(40000, 0);
+  ExpectRefused(Example(), request, {"center", "32767"});
+}
+
+}  // namespace
+}  // namespace raygrid

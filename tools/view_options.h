@@ -1,0 +1,39 @@
+#ifndef RAYGRID_TOOLS_VIEW_OPTIONS_H
+#define RAYGRID_TOOLS_VIEW_OPTIONS_H
+
+#include <CLI/CLI.hpp>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "packing/view.h"
+
+namespace raygrid {
+
+/// A view that is asked for, in words as they were typed: "hfov" and "90".
+using ViewWords = std::map<std::string, std::string>;
+
+/// The help for the words of a view.
+extern const char kViewWordsHelp[];
+
+/// "640x480", "640x480,hfov=90", "alpha=0,center=320,240": a size, words, or
+/// both, with commas between. Throws Error(kUsage), naming the option.
+ViewRequest ParseView(const std::string& option, const std::string& text);
+
+/// Adds --size and an option for each word of a view.
+void AddViewOptions(CLI::App* command, ViewWords* words);
+/// The view that those options ask for; throws Error(kUsage).
+ViewRequest ParseViewOptions(const ViewWords& words);
+
+/// "640 x 480 px, fx 300.5, fy 300.5, cx 319.5, cy 239.5, sees 93.6 x 77.2
+/// degrees".
+std::string ViewText(const VirtualView& view);
+/// Size, projection, K row by row, and fields of view in degrees.
+nlohmann::ordered_json ViewJson(const VirtualView& view);
+
+/// The text of a camera file for a view of the camera of this name.
+std::string ViewCameraFile(const VirtualView& view, const std::string& name);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_TOOLS_VIEW_OPTIONS_H
