@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
 
 #include "camera/opencv.h"
 #include "dataset/error.h"
@@ -98,7 +97,8 @@ class LargestWithoutBorder {
  public:
   LargestWithoutBorder(const CameraModel& camera, const ImageSize& size)
       : camera_(camera), size_(size) {
-    // Tables are off by less, and so do not lead to the border.
+    // Tables are off by less, unless their bound is larger: they do not lead to
+    // the border.
     constexpr double kInsetPx = 0.25;
     const Area& area = camera.area();
     const Area image = WholeImage(camera.image_size());
