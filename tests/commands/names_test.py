@@ -160,16 +160,15 @@ class Names(CommandTest):
             ["pattern", "chessboard", "--columns", 4, "--rows", 3, "--square-mm", 20, "--dpi", 30,
              *out]]
         for command in commands:
-            for more in ([], ["--json"]):
-                line = [programs.raygrid, *map(str, command), *more]
-                printed = run(*command, *more)
-                self.assert_done(printed)
-                if not printed.stdout:
-                    continue
-                for how in ("> /dev/full",) if more else ("> /dev/full", ">&-"):
-                    lost = subprocess.run(["sh", "-c", f'"$@" {how}', "sh", *line],
-                                          capture_output=True, text=True, check=False)
-                    self.assert_refused(lost, 7, "standard output")
+            self.assert_cannot_print("> /dev/full", *command)
+        for more in ([], ["--json"]):
+            self.assert_cannot_print(">&-", "inspect", self.camera, *more)
+            self.assert_cannot_print("> /dev/full", "pack", self.camera, "-o", blob, *more)
+
+    def assert_cannot_print(self, how, *command):
+        lost = subprocess.run(["sh", "-c", f'"$@" {how}', "sh", programs.raygrid,
+                               *map(str, command)], capture_output=True, text=True, check=False)
+        self.assert_refused(lost, 7, "standard output")
 
 
 if __name__ == "__main__":
