@@ -40,16 +40,17 @@ class MainJob(CommandTest):
         self.assertLess(abs(result["training"]["rms_px"] - 0.05 * math.sqrt(2)), 0.02)
 
     def test_same_output_with_any_number_of_threads(self):
-        for threads in (1, 3):
-            result = run("calibrate", "--features", self.path("sim/features.csv"), "--image-size",
-                         "640x480", "--pattern", self.path("sim/pattern.yaml"), "--cell-px", 80,
-                         "--name", "front", "--serial", "42", "--threads", threads, "-o",
-                         self.path("again"))
-            self.assert_done(result)
-            for name in ("camera.yaml", "camera.raygrid", "pattern.yaml", "features.csv",
-                         "poses.csv", "report.html", "uncertainty.png"):
-                self.assertEqual(read(self.path("again/" + name)), read(self.path("out/" + name)),
-                                 name)
+        # The others ran with as many as there are processors.
+        threads = 1 if os.cpu_count() > 1 else 3
+        result = run("calibrate", "--features", self.path("sim/features.csv"), "--image-size",
+                     "640x480", "--pattern", self.path("sim/pattern.yaml"), "--cell-px", 80,
+                     "--name", "front", "--serial", "42", "--threads", threads, "-o",
+                     self.path("again"))
+        self.assert_done(result)
+        for name in ("camera.yaml", "camera.raygrid", "pattern.yaml", "features.csv",
+                     "poses.csv", "report.html", "uncertainty.png"):
+            self.assertEqual(read(self.path("again/" + name)), read(self.path("out/" + name)),
+                             name)
 
     def test_compare_finds_little_between_camera_and_truth(self):
         result = run("compare", self.path("sim/true_camera.yaml"), self.path("out/camera.raygrid"),

@@ -14,7 +14,7 @@
 namespace raygrid {
 namespace {
 
-constexpr int kDraws = 100;  // for each of two calibrations
+constexpr int kDraws = 60;  // for each of two calibrations
 constexpr double kFocalPx = 510;
 
 Dataset Observe(int num_images, int features_per_image, uint64_t seed) {
