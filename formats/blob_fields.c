@@ -55,7 +55,7 @@ void rg_read_remap(const uint8_t* section, rg_remap_section* remap) {
   remap->block_log2 = section[RG_REMAP_BLOCK_LOG2];
   remap->residual_shift = section[RG_REMAP_RESIDUAL_SHIFT];
   remap->part_log2 = section[RG_REMAP_PART_LOG2];
-  remap->bend_shift = section[RG_REMAP_BEND_SHIFT];
+  remap->bend_shift = (uint8_t)rg_bend_shift(section);
   remap->min_x_q12 = rg_load_i32(section + RG_REMAP_MIN_X);
   remap->min_y_q12 = rg_load_i32(section + RG_REMAP_MIN_Y);
   remap->max_x_q12 = rg_load_i32(section + RG_REMAP_MAX_X);
@@ -72,6 +72,13 @@ void rg_read_remap(const uint8_t* section, rg_remap_section* remap) {
   remap->cy_q16 = rg_load_i32(section + RG_REMAP_CY);
   remap->bound_upx = rg_load_u32(section + RG_REMAP_BOUND_UPX);
   remap->max_error_upx = rg_load_u32(section + RG_REMAP_MAX_ERROR_UPX);
+  remap->has_view = (uint8_t)rg_has_view(section);
+  remap->projection = RG_PROJECTION_PINHOLE;
+  if (remap->has_view) remap->projection = section[RG_VIEW_PROJECTION];
+  for (uint32_t k = 0; k < 9; ++k)
+    remap->rotation_q30[k] =
+        remap->has_view ? rg_load_i32(section + RG_VIEW_ROTATION + 4 * k)
+                        : (int32_t)(k % 4 == 0) * (INT32_C(1) << 30);
   remap->vertices = section + rg_load_u32(section + RG_REMAP_DATA_OFFSET);
   remap->bends = 0;
   remap->empty_blocks =

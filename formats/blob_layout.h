@@ -12,6 +12,8 @@
 
 #include <stdint.h>
 
+#include "bytes.h"
+
 /* ---- Header and section table ------------------------------------------- */
 
 enum rg_header_field {
@@ -105,7 +107,8 @@ enum rg_remap_field {
   RG_REMAP_RESIDUAL_SHIFT = 9, /* u8: residuals are q(12 - this) px */
   RG_REMAP_PART_LOG2 = 10,     /* u8: parts are 2^this px wide and high; 0: the
                                   table has no bends */
-  RG_REMAP_BEND_SHIFT = 11,    /* u8: bends are q(12 - this) px */
+  RG_REMAP_BEND_SHIFT = 11,    /* u8: bends are q(12 - this) px, the low four
+                                  bits; and RG_HAS_VIEW */
   RG_REMAP_MIN_X = 12,         /* i32, q12 px: source rectangle, inclusive */
   RG_REMAP_MIN_Y = 16,         /* i32, q12 px: source rectangle, inclusive */
   RG_REMAP_MAX_X = 20,         /* i32, q12 px: source rectangle, inclusive */
@@ -123,6 +126,19 @@ enum rg_remap_field {
                                   the empty-block mask follows them */
 };
 #define RG_REMAP_FIELDS_SIZE 80u
+
+/* The fields of a table's view, behind those, where its bend shift's byte has
+ * the bit RG_HAS_VIEW. */
+enum rg_view_field {
+  RG_VIEW_PROJECTION = 80, /* u8: rg_projection */
+  RG_VIEW_RESERVED = 81,   /* u8: 0, and a u16 behind it */
+  RG_VIEW_ROTATION = 84    /* i32[9], q30: axes of the view to camera axes, row
+                              by row */
+};
+#define RG_VIEW_FIELDS_SIZE 120u /* with those of the table */
+#define RG_HAS_VIEW 0x80u
+#define RG_BEND_SHIFT_BITS 0xfu /* of that byte, the shift itself */
+
 /* From the rectangle's lower end on an axis to its upper one. */
 #define RG_REMAP_MIN_TO_MAX (RG_REMAP_MAX_X - RG_REMAP_MIN_X)
 
@@ -136,6 +152,19 @@ enum rg_vertex_field {
 };
 #define RG_VERTEX_SIZE 4u      /* of a table without bends */
 #define RG_BENT_VERTEX_SIZE 8u /* of a table with bends */
+
+/* The shift of a remap section's bends. */
+static inline uint32_t rg_bend_shift(const uint8_t* section) {
+  return section[RG_REMAP_BEND_SHIFT] & RG_BEND_SHIFT_BITS;
+}
+
+/* Whether a remap section has the fields of a view that is turned or no
+ * pinhole. Not, where it says so but has no room for them, as boards do not
+ * check. */
+static inline int rg_has_view(const uint8_t* section) {
+  return (section[RG_REMAP_BEND_SHIFT] & RG_HAS_VIEW) != 0 &&
+         rg_load_u32(section + RG_REMAP_DATA_OFFSET) >= RG_VIEW_FIELDS_SIZE;
+}
 
 /* The bytes of a vertex of a remap section. */
 static inline uint32_t rg_vertex_size(const uint8_t* section) {

@@ -162,18 +162,56 @@ static rg_status check_mask(const uint8_t* section, uint32_t size,
                          RG_MASK_FIELDS_SIZE, rg_mask_size(num_cells));
 }
 
+/* Rows of a rotation have length 1 and right angles, about, and no mirror. */
+static int is_rotation(const uint8_t* rotation) {
+  int64_t r[3][3];
+  for (uint32_t k = 0; k < 9; ++k)
+    r[k / 3][k % 3] = rg_load_i32(rotation + 4 * k);
+  const int64_t one = INT64_C(1) << 30;
+  for (uint32_t k = 0; k < 9; ++k)
+    if (r[k / 3][k % 3] > one || r[k / 3][k % 3] < -one) return 0;
+  for (uint32_t i = 0; i < 3; ++i) {
+    for (uint32_t j = i; j < 3; ++j) {
+      const int64_t product =
+          (r[i][0] * r[j][0] + r[i][1] * r[j][1] + r[i][2] * r[j][2]) / one -
+          (i == j ? one : 0);
+      if (product > RG_ROTATION_TOLERANCE_Q30 ||
+          product < -RG_ROTATION_TOLERANCE_Q30)
+        return 0;
+    }
+  }
+  /* The third row is the product of the others, or else its negative. */
+  const int64_t z = (r[0][0] * r[1][1] - r[0][1] * r[1][0]) / one;
+  const int64_t x = (r[0][1] * r[1][2] - r[0][2] * r[1][1]) / one;
+  const int64_t y = (r[0][2] * r[1][0] - r[0][0] * r[1][2]) / one;
+  return (x * r[2][0] + y * r[2][1] + z * r[2][2]) / one > 0;
+}
+
+static rg_status check_view(const uint8_t* section) {
+  if ((rg_load_u32(section + RG_VIEW_PROJECTION) >> 8) != 0)
+    return RG_ERR_RESERVED;
+  return section[RG_VIEW_PROJECTION] < RG_NUM_PROJECTIONS &&
+                 is_rotation(section + RG_VIEW_ROTATION)
+             ? RG_OK
+             : RG_ERR_REMAP_CAMERA;
+}
+
 static rg_status check_remap(const uint8_t* section, uint32_t size,
                              const uint8_t* camera) {
-  if (section[RG_REMAP_PART_LOG2] == 0 && section[RG_REMAP_BEND_SHIFT] != 0)
+  const int has_view = (section[RG_REMAP_BEND_SHIFT] & RG_HAS_VIEW) != 0;
+  if (section[RG_REMAP_PART_LOG2] == 0 && rg_bend_shift(section) != 0)
     return RG_ERR_RESERVED;
+  if (has_view &&
+      rg_load_u32(section + RG_REMAP_DATA_OFFSET) < RG_VIEW_FIELDS_SIZE)
+    return RG_ERR_DATA_OFFSET;
   rg_status status =
       rg_check_remap(section, size, rg_load_u32(camera + RG_CAMERA_WIDTH));
   if (status == RG_OK) status = rg_check_vertices(section);
   if (status != RG_OK) return status;
-  return rg_load_u32(section + RG_REMAP_FX) == 0 ||
-                 rg_load_u32(section + RG_REMAP_FY) == 0
-             ? RG_ERR_REMAP_CAMERA
-             : RG_OK;
+  if (rg_load_u32(section + RG_REMAP_FX) == 0 ||
+      rg_load_u32(section + RG_REMAP_FY) == 0)
+    return RG_ERR_REMAP_CAMERA;
+  return has_view ? check_view(section) : RG_OK;
 }
 
 /* A section's fields and arrays, by those of the camera and the grid, which may

@@ -24,7 +24,7 @@ Pair = tuple[int, int]
 
 MAGIC = b"RAYGRID\0"
 MAJOR = 1
-MINOR = 4
+MINOR = 5
 MAX_SECTIONS = 16
 
 HEADER = struct.Struct("<8sHHIHHIII")
@@ -33,6 +33,7 @@ CAMERA = struct.Struct("<HHI32s32s")
 GRID = struct.Struct("<4i2H2I2H2I")
 PLANE = struct.Struct("<6i")
 REMAP = struct.Struct("<4H4B4i6i2I2i3I")
+REMAP_WITH_VIEW = struct.Struct(REMAP.format + "BBH9i")
 QUALITY = struct.Struct("<10I")
 INVERSE = struct.Struct("<4i2H2I2HIi")
 LINE_POINTS = struct.Struct("<2HI")
@@ -72,6 +73,10 @@ MAX_RESIDUAL_SHIFT = 10
 BENT_BLOCK_LOG2S = (4, 5, 6)
 MIN_PART_LOG2 = 3
 MAX_BEND_SHIFT = 10
+HAS_VIEW = 0x80  # of bend_shift's byte
+PROJECTIONS = ("pinhole", "cylindrical", "equirectangular", "stereographic", "equidistant")
+ONE_Q30 = 1 << 30
+ROTATION_TOLERANCE_Q30 = 1 << 10
 CHROMA_PART_LOG2 = 4
 VERTEX_LIMIT_Q12 = 1 << 25
 CHART_LIMIT_Q27 = 1 << 29
@@ -171,6 +176,14 @@ class CentralGrid:
 
 
 @dataclass(frozen=True)
+class View:
+    """Views: an index of PROJECTIONS, and the rotation's nine numbers in q30, row by row."""
+
+    projection: int
+    rotation: tuple[int, ...]
+
+
+@dataclass(frozen=True)
 class Remap:
     """Remap (type 3); `vertices` are the residuals, `empty_blocks` the bits of the mask, `bends`
     hx, hy, vx, vy of each vertex, if part_log2 is not 0."""
@@ -197,6 +210,7 @@ class Remap:
     part_log2: int = 0
     bend_shift: int = 0
     bends: tuple[tuple[int, int, int, int], ...] = ()
+    view: View | None = None  # a pinhole in camera axes
 
     @property
     def columns(self) -> int:
@@ -557,10 +571,13 @@ def read_control_points(array: bytes) -> tuple[Pair, ...]:
 def read_remap(section: bytes, camera: Camera) -> Remap:
     """Remap (type 3)."""
     fields = unpack_fields(REMAP, section, "remap")
-    width, height, columns, rows, block_log2, residual_shift, part_log2, bend_shift = fields[:8]
+    layout = REMAP_WITH_VIEW if fields[7] & HAS_VIEW else REMAP
+    fields = unpack_fields(layout, section, "remap")
+    width, height, columns, rows, block_log2, residual_shift, part_log2 = fields[:7]
+    bend_shift = fields[7] & ~HAS_VIEW
     remap = Remap(width, height, block_log2, residual_shift, *fields[8:12], fields[12:14],
                   fields[14:16], fields[16:18], *fields[18:24], vertices=(), empty_blocks=(),
-                  part_log2=part_log2, bend_shift=bend_shift)
+                  part_log2=part_log2, bend_shift=bend_shift, view=read_view(fields[25:]))
     data_offset = fields[24]
     check_remap_size(remap, camera)
     check_remap_blocks(remap, columns, rows)
@@ -570,8 +587,34 @@ def read_remap(section: bytes, camera: Camera) -> Remap:
     check_source_range(remap.min_x, remap.max_x, camera.width, "x")
     check_source_range(remap.min_y, remap.max_y, camera.height, "y")
     require(remap.fx != 0 and remap.fy != 0, "RG_ERR_REMAP_CAMERA", "fx or fy is 0")
-    check_data_offset(data_offset, REMAP, "remap")
+    check_data_offset(data_offset, layout, "remap")
     return read_remap_arrays(section, data_offset, remap)
+
+
+def read_view(fields: tuple[int, ...]) -> View | None:
+    """Views: projection, reserved fields and rotation."""
+    if not fields:
+        return None
+    projection, *reserved = fields[:3]
+    rotation = fields[3:]
+    require(not any(reserved), "RG_ERR_RESERVED", f"reserved fields of the view are {reserved}")
+    require(projection < len(PROJECTIONS), "RG_ERR_REMAP_CAMERA", f"projection is {projection}")
+    require(is_rotation([rotation[:3], rotation[3:6], rotation[6:]]), "RG_ERR_REMAP_CAMERA",
+            f"{rotation} is no rotation")
+    return View(projection, rotation)
+
+
+def is_rotation(rows: list[tuple[int, ...]]) -> bool:
+    """Views: rows of length 1 at right angles, within the tolerance, that are no mirror image."""
+    def product(a: Iterable[int], b: Iterable[int]) -> int:
+        total = sum(x * y for x, y in zip(a, b))
+        return abs(total) // ONE_Q30 * (1 if total > 0 else -1)
+    if any(abs(value) > ONE_Q30 for row in rows for value in row):
+        return False
+    (a, b, c), (d, e, f), third = rows
+    return product((b * f - c * e, c * d - a * f, a * e - b * d), third) > 0 and all(
+        abs(product(rows[i], rows[j]) - (i == j) * ONE_Q30) <= ROTATION_TOLERANCE_Q30
+        for i in range(3) for j in range(i, 3))
 
 
 def check_remap_size(remap: Remap, camera: Camera) -> None:
@@ -1364,7 +1407,10 @@ def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
 
 def minor_version(packed: list[tuple[int, bytes]]) -> int:
     """Duties, "A writer": the minor version whose fields it uses."""
-    if any(kind == TYPE_REMAP and REMAP.unpack_from(section)[6] for kind, section in packed):
+    remaps = [REMAP.unpack_from(section) for kind, section in packed if kind == TYPE_REMAP]
+    if any(fields[7] & HAS_VIEW for fields in remaps):
+        return 5
+    if any(fields[6] for fields in remaps):
         return 4
     if any(kind == TYPE_INVERSE for kind, _ in packed):
         return 3
@@ -1420,13 +1466,15 @@ def pack_narrow_points(grid: CentralGrid) -> bytes:
 
 def pack_remap(remap: Remap) -> bytes:
     """Remap (type 3)."""
-    fields = REMAP.pack(remap.width, remap.height, remap.columns, remap.rows,
-                        remap.block_log2, remap.residual_shift, remap.part_log2,
-                        remap.bend_shift,
-                        remap.min_x, remap.min_y, remap.max_x, remap.max_y,
-                        *remap.origin, *remap.column_step, *remap.row_step,
-                        remap.fx, remap.fy, remap.cx, remap.cy,
-                        remap.bound_upx, remap.max_error_upx, REMAP.size)
+    view = () if remap.view is None else (remap.view.projection, 0, 0, *remap.view.rotation)
+    layout = REMAP_WITH_VIEW if view else REMAP
+    fields = layout.pack(remap.width, remap.height, remap.columns, remap.rows,
+                         remap.block_log2, remap.residual_shift, remap.part_log2,
+                         remap.bend_shift | (HAS_VIEW if view else 0),
+                         remap.min_x, remap.min_y, remap.max_x, remap.max_y,
+                         *remap.origin, *remap.column_step, *remap.row_step,
+                         remap.fx, remap.fy, remap.cx, remap.cy,
+                         remap.bound_upx, remap.max_error_upx, layout.size, *view)
     layout = vertex_layout(remap)
     bends = remap.bends or ((),) * len(remap.vertices)
     return (fields + b"".join(layout.pack(*vertex, *bend)

@@ -82,7 +82,7 @@ rg_status rg_check_remap(const uint8_t* section, uint32_t size,
   if (last_blocks + BOTH(2) != rg_load_u32(section + RG_REMAP_COLUMNS))
     return RG_ERR_REMAP_BLOCK;
   if (section[RG_REMAP_RESIDUAL_SHIFT] > RG_MAX_RESIDUAL_SHIFT ||
-      section[RG_REMAP_BEND_SHIFT] > RG_MAX_BEND_SHIFT)
+      (section[RG_REMAP_BEND_SHIFT] & ~RG_HAS_VIEW) > RG_MAX_BEND_SHIFT)
     return RG_ERR_REMAP_SHIFT;
   const uint32_t max_x = rg_load_u32(section + RG_REMAP_MAX_X);
   const uint32_t max_y = rg_load_u32(section + RG_REMAP_MAX_Y);

@@ -24,8 +24,12 @@ static uint32_t vertex_size(const rg_remap_section* remap) {
   return remap->part_log2 != 0 ? RG_BENT_VERTEX_SIZE : RG_VERTEX_SIZE;
 }
 
+static uint32_t remap_fields_size(const rg_remap_section* remap) {
+  return remap->has_view ? RG_VIEW_FIELDS_SIZE : RG_REMAP_FIELDS_SIZE;
+}
+
 uint32_t rg_remap_section_size(const rg_remap_section* remap) {
-  return RG_REMAP_FIELDS_SIZE +
+  return remap_fields_size(remap) +
          vertex_size(remap) * remap->columns * remap->rows +
          bits_size(num_blocks(remap));
 }
@@ -135,6 +139,15 @@ static void write_bits(const uint8_t* bits, uint32_t num_bits, uint8_t* bytes) {
     bytes[k / 8] = (uint8_t)(bytes[k / 8] | (bits[k / 8] & 1u << k % 8));
 }
 
+static void write_view(const rg_remap_section* remap, uint8_t* section) {
+  section[RG_REMAP_BEND_SHIFT] = (uint8_t)(remap->bend_shift | RG_HAS_VIEW);
+  section[RG_VIEW_PROJECTION] = remap->projection;
+  section[RG_VIEW_RESERVED] = 0;
+  rg_store_u16(section + RG_VIEW_RESERVED + 1, 0);
+  for (uint32_t k = 0; k < 9; ++k)
+    rg_store_i32(section + RG_VIEW_ROTATION + 4 * k, remap->rotation_q30[k]);
+}
+
 void rg_write_remap(const rg_remap_section* remap, const int16_t* residuals,
                     uint8_t* section) {
   rg_store_u16(section + RG_REMAP_WIDTH, remap->width);
@@ -161,8 +174,9 @@ void rg_write_remap(const rg_remap_section* remap, const int16_t* residuals,
   rg_store_i32(section + RG_REMAP_CY, remap->cy_q16);
   rg_store_u32(section + RG_REMAP_BOUND_UPX, remap->bound_upx);
   rg_store_u32(section + RG_REMAP_MAX_ERROR_UPX, remap->max_error_upx);
-  rg_store_u32(section + RG_REMAP_DATA_OFFSET, RG_REMAP_FIELDS_SIZE);
-  uint8_t* data = section + RG_REMAP_FIELDS_SIZE;
+  rg_store_u32(section + RG_REMAP_DATA_OFFSET, remap_fields_size(remap));
+  if (remap->has_view) write_view(remap, section);
+  uint8_t* data = section + remap_fields_size(remap);
   const uint32_t count = (uint32_t)remap->columns * remap->rows;
   for (uint32_t i = 0; i < count; ++i, data += vertex_size(remap)) {
     for (uint32_t c = 0; c < 2; ++c)
@@ -302,16 +316,25 @@ static void write_sections(const rg_blob_contents* contents,
   write_new_sections(contents, writer);
 }
 
-static int has_bends(const rg_blob_contents* contents) {
-  int found = contents->remap && contents->remap->part_log2 != 0;
-  for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
-    found |= contents->more_remaps[k].section->part_log2 != 0;
-  return found;
+/* The version of the format that has what a table uses. */
+static uint16_t version_of_remap(const rg_remap_section* remap) {
+  if (remap->has_view) return 5;
+  return remap->part_log2 != 0 ? 4 : 0;
+}
+
+static uint16_t version_of_remaps(const rg_blob_contents* contents) {
+  uint16_t highest = contents->remap ? version_of_remap(contents->remap) : 0;
+  for (uint32_t k = 0; k < contents->num_more_remaps; ++k) {
+    const uint16_t version = version_of_remap(contents->more_remaps[k].section);
+    if (version > highest) highest = version;
+  }
+  return highest;
 }
 
 /* The lowest minor version that has what the blob uses. */
 static uint16_t minor_version(const rg_blob_contents* contents) {
-  if (has_bends(contents)) return 4;
+  const uint16_t version = version_of_remaps(contents);
+  if (version != 0) return version;
   if (contents->inverse) return 3;
   if (contents->narrow) return 2;
   return contents->line_points_q28 || contents->mask || contents->uncertainty

@@ -10,6 +10,7 @@
 #include <stdint.h>
 
 #include "blob_layout.h"
+#include "rg_projection.h"
 #include "rg_status.h"
 
 #ifdef __cplusplus
@@ -17,7 +18,7 @@ extern "C" {
 #endif
 
 #define RG_FORMAT_MAJOR 1
-#define RG_FORMAT_MINOR 4 /* the highest that the writer writes */
+#define RG_FORMAT_MINOR 5 /* the highest that the writer writes */
 
 #define RG_MAX_SECTIONS 16u
 #define RG_SECTION_CRITICAL                        \
@@ -49,8 +50,9 @@ enum rg_section_type {
 #define RG_VERTEX_LIMIT_Q12 (INT32_C(1) << 25) /* 8192 px */
 #define RG_MAX_RESIDUAL_SHIFT 10u
 #define RG_MAX_BEND_SHIFT 10u
-#define RG_LINE_POINT_BITS 28u         /* fraction bits */
-#define RG_LINE_POINT_LIMIT 0x7f000000 /* 7.9375 m in q28 */
+#define RG_ROTATION_TOLERANCE_Q30 (INT32_C(1) << 10) /* of products of rows */
+#define RG_LINE_POINT_BITS 28u                       /* fraction bits */
+#define RG_LINE_POINT_LIMIT 0x7f000000               /* 7.9375 m in q28 */
 #define RG_MIN_MASK_CELL_LOG2 2u
 #define RG_MAX_MASK_CELL_LOG2 8u
 #define RG_MAX_UNCERTAINTY_SIZE 65u
@@ -99,8 +101,11 @@ typedef struct rg_remap_section {
                                          + j row_step + residual << shift */
   int32_t column_step_x_q12, column_step_y_q12;
   int32_t row_step_x_q12, row_step_y_q12;
-  uint32_t fx_q16, fy_q16; /* the virtual pinhole camera of the output */
+  uint32_t fx_q16, fy_q16; /* the virtual camera of the output */
   int32_t cx_q16, cy_q16;
+  uint8_t has_view;            /* 0: a pinhole in camera axes */
+  uint8_t projection;          /* with a view: rg_projection */
+  int32_t rotation_q30[9];     /* and its axes to camera axes, row by row */
   uint32_t bound_upx;          /* geometric error asked for, micropixels */
   uint32_t max_error_upx;      /* and measured over all output pixels */
   const uint8_t* vertices;     /* row-major pairs of i16 residuals, each with

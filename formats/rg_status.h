@@ -47,7 +47,8 @@ typedef enum rg_status {
   RG_ERR_REMAP_BLOCK = -38,   /* block or part size, or vertex counts */
   RG_ERR_REMAP_SHIFT = -39,   /* residual or bend shift */
   RG_ERR_REMAP_SOURCE = -40,  /* source rectangle empty or outside the image */
-  RG_ERR_REMAP_CAMERA = -41,  /* focal length of the virtual camera */
+  RG_ERR_REMAP_CAMERA = -41,  /* focal length, projection or rotation of the
+                                 virtual camera */
   RG_ERR_REMAP_VERTEX =
       -42, /* a vertex farther than 8192 px from pixel (0, 0) */
   RG_ERR_DATA_OFFSET = -43, /* the array does not start after the fields */

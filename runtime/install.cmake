@@ -6,7 +6,8 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/raygrid)
 
 install(TARGETS raygrid_runtime raygrid_formats EXPORT raygrid COMPONENT runtime)
 install(TARGETS raygrid_shared COMPONENT runtime)
-install(FILES raygrid.h ${PROJECT_SOURCE_DIR}/formats/rg_status.h
+install(FILES raygrid.h ${PROJECT_SOURCE_DIR}/formats/rg_projection.h
+  ${PROJECT_SOURCE_DIR}/formats/rg_status.h
   DESTINATION include/raygrid COMPONENT runtime)
 install(FILES python/raygrid.py DESTINATION share/raygrid/python COMPONENT runtime)
 install(EXPORT raygrid NAMESPACE raygrid:: FILE raygrid-config.cmake

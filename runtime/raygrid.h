@@ -15,6 +15,7 @@
 
 #include <stdint.h>
 
+#include "rg_projection.h"
 #include "rg_status.h"
 
 #ifdef __cplusplus
@@ -225,19 +226,36 @@ rg_status rg_select_remap(rg_camera* camera, uint32_t index);
 rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
                         uint16_t* height);
 
+/* The virtual camera that the undistorted image seems to come from: it stands
+ * where the real one does. */
+typedef struct rg_view {
+  uint16_t width, height;
+  rg_projection projection;
+  uint32_t fx_q16, fy_q16; /* K, in pixels; pixels per radian in the middle */
+  int32_t cx_q16, cy_q16;
+  int32_t rotation_q30[9]; /* a direction in axes of the view to one in camera
+                              axes, row by row */
+} rg_view;
+
+/* That of the table in use; RG_ERR_NO_REMAP if there is none. */
+rg_status rg_remap_view(const rg_camera* camera, rg_view* view);
+
 /* Moves an image position to where it lies in the undistorted image, whether
  * that is inside it or not. Of a camera of lines: where it does if what it sees
  * is far away, as for frames.
  *
- * undistorted  up to 85 degrees from the z axis within 6e-6 of the virtual
- *              camera's focal length (0.003 px if that is 500 px); written only
- *              when RG_OK is returned.
+ * undistorted  within 6e-6 of the virtual camera's focal length (0.003 px if
+ *              that is 500 px): of a pinhole up to 85 degrees from its z axis,
+ *              of a cylinder up to 85 degrees above and below, of others up to
+ *              170 degrees from the z axis; written only when RG_OK is
+ *              returned.
  *
  * RG_OK                done
  * RG_ERR_NO_REMAP      no remap table is in use, and so no virtual camera
  * RG_ERR_OUTSIDE_AREA  pixel lies outside the calibrated area
- * RG_ERR_NOT_SEEN      it looks backwards, or comes to lie 16384 px or more
- *                      away from pixel (0, 0) or the virtual camera's centre */
+ * RG_ERR_NOT_SEEN      it looks where the view shows nothing, as backwards in a
+ *                      pinhole's, or comes to lie 16384 px or more away from
+ *                      pixel (0, 0) or the virtual camera's centre */
 rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
                              rg_pixel* undistorted);
 

@@ -40,7 +40,7 @@ static RG_INLINE void rg_set_parts(rg_part_row* parts, uint32_t width_log2,
   const uint32_t whole_log2 =
       section[RG_REMAP_BLOCK_LOG2] + 2u; /* of four blocks */
   const uint32_t num_log2 = whole_log2 - width_log2;
-  parts->bend_shift = (uint8_t)(section[RG_REMAP_BEND_SHIFT] + width_log2 -
+  parts->bend_shift = (uint8_t)(rg_bend_shift(section) + width_log2 -
                                 section[RG_REMAP_PART_LOG2]);
   parts->num_log2 = (uint8_t)num_log2;
   parts->spans[0].size = UINT32_C(0x40000) >> num_log2;

@@ -125,7 +125,7 @@ static inline void rg_start_columns(rg_corner_lines* lines) {
   const uint8_t* const vertices =
       section + rg_load_u32(section + RG_REMAP_DATA_OFFSET);
   const int32_t bend_shift =
-      section[RG_REMAP_BEND_SHIFT] - section[RG_REMAP_PART_LOG2];
+      (int32_t)rg_bend_shift(section) - section[RG_REMAP_PART_LOG2];
   rg_lanes turns;
   lines->vertex_size = rg_vertex_size(section);
   lines->row_size = columns * lines->vertex_size;

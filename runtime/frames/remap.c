@@ -84,6 +84,25 @@ rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
   return RG_OK;
 }
 
+rg_status rg_remap_view(const rg_camera* camera, rg_view* view) {
+  const uint8_t* const section = camera->remap;
+  const rg_status status = rg_remap_size(camera, &view->width, &view->height);
+  if (status != RG_OK) return status;
+  const int has_view = rg_has_view(section);
+  view->projection = RG_PROJECTION_PINHOLE;
+  if (has_view) view->projection = (rg_projection)section[RG_VIEW_PROJECTION];
+  view->fx_q16 = rg_load_u32(section + RG_REMAP_FX);
+  view->fy_q16 = rg_load_u32(section + RG_REMAP_FY);
+  view->cx_q16 = rg_load_i32(section + RG_REMAP_CX);
+  view->cy_q16 = rg_load_i32(section + RG_REMAP_CY);
+  for (uint32_t k = 0; k < 9; ++k)
+    view->rotation_q30[k] =
+        has_view       ? rg_load_i32(section + RG_VIEW_ROTATION + 4 * k)
+        : k % 4u == 0u ? INT32_C(1) << 30
+                       : 0;
+  return RG_OK;
+}
+
 /* Whether a ring holds rows as rg_find_source_rows() has them. */
 static RG_NOINLINE int are_rows_there(const rg_image* image, uint32_t rows) {
   const uint32_t first = rows & 0xffff, num_rows = rows >> 16;

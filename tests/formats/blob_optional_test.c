@@ -10,9 +10,12 @@
 
 static uint8_t edited[sizeof(kWideBlob)] __attribute__((aligned(16)));
 
+/* Stands for the type of a remap, of one with a view. */
+#define VIEW 100u
+
 /* A value of a field of the section of that type: in kNarrowBlob for the grid,
- * in kBentBlob for a remap, in kLinesBlob for line points, otherwise in
- * kWideBlob. */
+ * in kBentBlob for a remap, in kViewsBlob for one with a view, in kLinesBlob
+ * for line points, otherwise in kWideBlob. */
 typedef struct field_value {
   const char* what;
   uint32_t type, offset, num_bytes, value;
@@ -66,6 +69,23 @@ static const field_value kValues[] = {
     {"bend shift 11", 3, 11, 1, 11, RG_ERR_REMAP_SHIFT},
     {"any bends", 3, 84, 4, 0x807f807f, RG_OK},
 
+    {"view that is skipped", VIEW, 11, 1, 0, RG_OK},
+    {"bend shift without bends", VIEW, 11, 1, 0x81, RG_ERR_RESERVED},
+    {"bit 4 of the bend shift", VIEW, 11, 1, 0x90, RG_ERR_REMAP_SHIFT},
+    {"bit 6 of the bend shift", VIEW, 11, 1, 0xc0, RG_ERR_REMAP_SHIFT},
+    {"vertices in the fields of the view", VIEW, 76, 4, 116,
+     RG_ERR_DATA_OFFSET},
+    {"last projection", VIEW, 80, 1, 4, RG_OK},
+    {"projection beyond the last", VIEW, 80, 1, 5, RG_ERR_REMAP_CAMERA},
+    {"first reserved field of the view", VIEW, 81, 1, 1, RG_ERR_RESERVED},
+    {"second reserved field of the view", VIEW, 82, 2, 256, RG_ERR_RESERVED},
+    {"rotation with a number above 1", VIEW, 84, 4, 0x40000001,
+     RG_ERR_REMAP_CAMERA},
+    {"rotation with a number below -1", VIEW, 116, 4, 0xbfffffff,
+     RG_ERR_REMAP_CAMERA},
+    {"rotation whose first row is short", VIEW, 84, 4, 0, RG_ERR_REMAP_CAMERA},
+    {"rotation whose last row leans", VIEW, 112, 4, 0, RG_ERR_REMAP_CAMERA},
+
     {"points in q29", 5, 0, 2, 29, RG_ERR_LINE_POINT},
     {"reserved field of the points", 5, 2, 2, 1, RG_ERR_RESERVED},
     {"points in the fields", 5, 4, 4, 4, RG_ERR_DATA_OFFSET},
@@ -97,6 +117,7 @@ static const field_value kValues[] = {
 static const uint8_t* blob_with(uint32_t type) {
   return type == RG_SECTION_LINE_POINTS    ? kLinesBlob
          : type == RG_SECTION_REMAP        ? kBentBlob
+         : type == VIEW                    ? kViewsBlob
          : type == RG_SECTION_CENTRAL_GRID ? kNarrowBlob
                                            : kWideBlob;
 }
@@ -104,13 +125,15 @@ static const uint8_t* blob_with(uint32_t type) {
 static uint32_t size_of_blob_with(uint32_t type) {
   return type == RG_SECTION_LINE_POINTS    ? sizeof(kLinesBlob)
          : type == RG_SECTION_REMAP        ? sizeof(kBentBlob)
+         : type == VIEW                    ? sizeof(kViewsBlob)
          : type == RG_SECTION_CENTRAL_GRID ? sizeof(kNarrowBlob)
                                            : sizeof(kWideBlob);
 }
 
 static uint32_t entry_of_type(uint32_t type) {
+  const uint32_t stored = type == VIEW ? RG_SECTION_REMAP : type;
   uint32_t entry = RG_HEADER_SIZE;
-  while (rg_load_u16(blob_with(type) + entry) != type) entry += 16;
+  while (rg_load_u16(blob_with(type) + entry) != stored) entry += 16;
   return entry;
 }
 
@@ -132,6 +155,26 @@ static void each_fault_has_its_own_status(void** state) {
     if (status != value->status) print_error("%s\n", value->what);
     assert_int_equal(status, value->status);
   }
+}
+
+/* Numbers of a rotation's row with the other sign; of two rows it is a rotation
+ * again. */
+static rg_status open_with_negated_rows(uint32_t num_rows) {
+  memcpy(edited, kViewsBlob, sizeof(kViewsBlob));
+  uint8_t* const rotation =
+      edited + rg_load_u32(edited + entry_of_type(VIEW) + 4) + RG_VIEW_ROTATION;
+  for (uint32_t k = 0; k < 3 * num_rows; ++k)
+    rg_store_i32(rotation + 4 * k, -rg_load_i32(rotation + 4 * k));
+  repair_crcs(edited, sizeof(kViewsBlob));
+  return open_copy(edited, sizeof(kViewsBlob));
+}
+
+static void mirrors_are_no_rotations(void** state) {
+  (void)state;
+  assert_int_equal(open_with_negated_rows(0), RG_OK);
+  assert_int_equal(open_with_negated_rows(1), RG_ERR_REMAP_CAMERA);
+  assert_int_equal(open_with_negated_rows(2), RG_OK);
+  assert_int_equal(open_with_negated_rows(3), RG_ERR_REMAP_CAMERA);
 }
 
 static const uint16_t kTypes[] = {5, 6, 7, 10};
@@ -286,6 +329,7 @@ static void every_flipped_bit_is_refused(void** state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(each_fault_has_its_own_status),
+      cmocka_unit_test(mirrors_are_no_rotations),
       cmocka_unit_test(only_line_points_are_critical),
       cmocka_unit_test(sections_stand_once),
       cmocka_unit_test(short_sections_are_refused),

@@ -187,6 +187,43 @@ static void bent_tables_are_written_byte_for_byte(void** state) {
                    RG_ERR_ARGUMENT);
 }
 
+static void tables_with_views_are_written_byte_for_byte(void** state) {
+  (void)state;
+  static rg_remap_section tables[5];
+  static rg_remap_contents more[5];
+  static int16_t narrow_residuals[sizeof(kViewsBlob) / 2];
+  static int16_t residuals[5][sizeof(kViewsBlob) / 8];
+  rg_blob blob;
+  assert_int_equal(rg_blob_open(kViewsBlob, sizeof(kViewsBlob), &blob), RG_OK);
+  rg_camera_section camera;
+  rg_grid_section grid;
+  rg_blob_camera(&blob, &camera);
+  rg_blob_grid(&blob, &grid);
+  rg_narrow_grid narrow;
+  take_narrow(grid.control_points, rg_load_u16(kViewsBlob + blob.grid + 30),
+              2u * grid.columns * grid.rows, narrow_residuals, &narrow);
+  for (uint32_t k = 0; k < 5; ++k) {
+    take_remap(rg_find_section(kViewsBlob, RG_SECTION_REMAP, k), &tables[k],
+               residuals[k], NULL);
+    assert_true(tables[k].has_view && tables[k].projection == k);
+    more[k].section = &tables[k];
+    more[k].residuals = residuals[k];
+  }
+  const rg_blob_contents contents = {.camera = &camera,
+                                     .grid = &grid,
+                                     .narrow = &narrow,
+                                     .remap = &tables[0],
+                                     .residuals = residuals[0],
+                                     .more_remaps = more + 1,
+                                     .num_more_remaps = 4};
+  assert_int_equal(rg_blob_size(&contents), sizeof(kViewsBlob));
+  assert_int_equal(rg_blob_write(&contents, written, sizeof(written)), RG_OK);
+  assert_memory_equal(written, kViewsBlob, sizeof(kViewsBlob));
+  tables[3].rotation_q30[8] = 0;
+  assert_int_equal(rg_blob_write(&contents, written, sizeof(written)),
+                   RG_ERR_REMAP_CAMERA);
+}
+
 static int take_example_apart(void** state) {
   (void)state;
   take_apart(kExampleBlob, SIZE);
@@ -419,6 +456,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       TEST(example_is_written_byte_for_byte),
       TEST(bent_tables_are_written_byte_for_byte),
+      TEST(tables_with_views_are_written_byte_for_byte),
       TEST(lens_is_written_byte_for_byte),
       TEST(narrow_grid_is_written_byte_for_byte),
       TEST(wide_camera_is_written_byte_for_byte),

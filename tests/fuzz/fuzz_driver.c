@@ -20,7 +20,8 @@ typedef struct golden_blob {
 static const golden_blob kBlobs[] = {
     {kExampleBlob, sizeof(kExampleBlob)}, {kLensBlob, sizeof(kLensBlob)},
     {kNarrowBlob, sizeof(kNarrowBlob)},   {kWideBlob, sizeof(kWideBlob)},
-    {kLinesBlob, sizeof(kLinesBlob)},     {kBentBlob, sizeof(kBentBlob)}};
+    {kLinesBlob, sizeof(kLinesBlob)},     {kBentBlob, sizeof(kBentBlob)},
+    {kViewsBlob, sizeof(kViewsBlob)}};
 #define NUM_BLOBS (sizeof(kBlobs) / sizeof(kBlobs[0]))
 
 static uint32_t state;

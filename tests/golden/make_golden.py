@@ -151,11 +151,71 @@ class View:
     bound_upx: int
     source: tuple[float, float, float, float] | None = None  # or the area
     part_log2: int = 0
+    projection: str = "pinhole"
+    angles: tuple[float, float, float] = (0, 0, 0)  # yaw, pitch, roll, in degrees
 
     def ray(self, u: float, v: float) -> Ray:
         """The direction in which the output pixel (u, v) looks."""
-        return ((u - (self.width - 1) / 2) / self.focal,
-                (v - (self.height - 1) / 2) / self.focal, 1.0)
+        a = (u - (self.width - 1) / 2) / self.focal
+        b = (v - (self.height - 1) / 2) / self.focal
+        if self.angles == (0, 0, 0) and self.projection == "pinhole":
+            return a, b, 1.0
+        ray = plane_ray(self.projection, a, b)
+        x, y, z = (sum(m * r for m, r in zip(row, ray)) for row in rotation_of(*self.angles))
+        return x, y, z
+
+    def stored(self) -> reference.View | None:
+        """The view's fields in a table."""
+        if self.angles == (0, 0, 0) and self.projection == "pinhole":
+            return None
+        return reference.View(reference.PROJECTIONS.index(self.projection), tuple(
+            round(value * Q30) for row in rotation_of(*self.angles) for value in row))
+
+
+def plane_ray(projection: str, a: float, b: float) -> Ray:
+    """The direction of a point of the view's plane, in axes of the view."""
+    r = math.hypot(a, b)
+    if projection == "pinhole":
+        return a, b, 1.0
+    if projection == "cylindrical":
+        return math.sin(a), b, math.cos(a)
+    if projection == "equirectangular":
+        return math.sin(a) * math.cos(b), math.sin(b), math.cos(a) * math.cos(b)
+    if projection == "stereographic":
+        return a, b, 1 - r * r / 4
+    return a * math.sin(r) / r, b * math.sin(r) / r, math.cos(r)
+
+
+def plane_point(projection: str, ray: Ray) -> Point:
+    """The point of the plane at which a view shows a direction of length 1; infinite if none."""
+    x, y, z = ray
+    across, around = math.hypot(x, y), math.hypot(x, z)
+    if projection == "pinhole":
+        return (x / z, y / z) if z > 1e-3 else (math.inf, math.inf)
+    if projection == "cylindrical":
+        return math.atan2(x, z), y / around
+    if projection == "equirectangular":
+        return math.atan2(x, z), math.atan2(y, around)
+    if projection == "stereographic":
+        return 2 * x / (1 + z), 2 * y / (1 + z)
+    scale = math.atan2(across, z) / across
+    return x * scale, y * scale
+
+
+def rotation_of(yaw: float, pitch: float, roll: float) -> tuple[Ray, Ray, Ray]:
+    """Axes of a view that is turned to the right, then up, then clockwise to camera axes."""
+    sines, cosines = zip(*((math.sin(t), math.cos(t)) for t in map(math.radians,
+                                                                   (yaw, pitch, roll))))
+    about_y = ((cosines[0], 0, sines[0]), (0, 1, 0), (-sines[0], 0, cosines[0]))
+    about_x = ((1, 0, 0), (0, cosines[1], -sines[1]), (0, sines[1], cosines[1]))
+    about_z = ((cosines[2], -sines[2], 0), (sines[2], cosines[2], 0), (0, 0, 1))
+    return times(about_y, times(about_x, about_z))
+
+
+def times(a: tuple[Ray, Ray, Ray], b: tuple[Ray, Ray, Ray]) -> tuple[Ray, Ray, Ray]:
+    """The product of two matrices."""
+    return tuple(tuple(sum(x * y for x, y in zip(row, column)) for column in zip(*b))
+                 for row in a)
 
 
 def make_remap(blob: reference.Blob, lens: Lens, view: View) -> reference.Remap:
@@ -185,7 +245,7 @@ def empty_remap(blob: reference.Blob, view: View) -> reference.Remap:
         fx=round(view.focal * Q16), fy=round(view.focal * Q16),
         cx=(view.width - 1) * Q16 // 2, cy=(view.height - 1) * Q16 // 2,
         bound_upx=view.bound_upx, max_error_upx=UNKNOWN, vertices=(),
-        empty_blocks=())
+        empty_blocks=(), view=view.stored())
 
 
 def with_vertices(remap: reference.Remap,
@@ -331,6 +391,23 @@ def make_bent(wide: reference.Blob) -> reference.Blob:
                   part_log2=4))
     first, second = (make_remap(blob, WIDE_LENS, view) for view in views)
     return dataclasses.replace(blob, remap=first, more_remaps=(second,))
+
+
+# A view of each projection; the pinhole looks to the right and up, and is rolled.
+VIEWS = tuple(
+    View(40, 30, block_log2=3, residual_shift=5, focal=focal, bound_upx=4000000,
+         part_log2=0, projection=projection, angles=angles)
+    for projection, focal, angles in (
+        ("pinhole", 20.0, (40, 25, 10)), ("cylindrical", 12.0, (-30, 10, 0)),
+        ("equirectangular", 11.0, (0, 0, 0)), ("stereographic", 9.0, (0, 0, -90)),
+        ("equidistant", 10.0, (5, -20, 180))))
+
+
+def make_views(wide: reference.Blob) -> reference.Blob:
+    """The wide camera with control points of 16 bits and a table of each of VIEWS."""
+    blob = reference.Blob(wide.camera, narrow_grid(wide.grid))
+    first, *others = (make_remap(blob, WIDE_LENS, view) for view in VIEWS)
+    return dataclasses.replace(blob, remap=first, more_remaps=tuple(others))
 
 
 def make_mask() -> reference.Mask:
@@ -776,6 +853,19 @@ def undistorted_lines(blob: reference.Blob) -> Iterator[str]:
         yield f"    {{{point[0]}, {point[1]}}},"
 
 
+def undistorted_view_lines(blob: reference.Blob, view: View) -> Iterator[str]:
+    """Entries of a table of the pixels of the blob's grid in a view."""
+    columns = list(zip(*rotation_of(*view.angles)))
+    centre = ((view.width - 1) / 2, (view.height - 1) / 2)
+    for x, y in golden_pixels(blob.grid):
+        ray = reference.unproject(blob, x / Q16, y / Q16)
+        turned = tuple(sum(m * r for m, r in zip(column, ray)) for column in columns)
+        point = [(view.focal * p + c) * Q16
+                 for p, c in zip(plane_point(view.projection, turned), centre)]
+        seen = max(map(abs, point)) < 1 << 30
+        yield f"    {{{', '.join(str(round(p) if seen else UNSEEN) for p in point)}}},"
+
+
 def chart_lines() -> Iterator[str]:
     """Entries of a table of chart positions and their rays."""
     for a, b in CHART_POINTS:
@@ -898,6 +988,27 @@ def header_lines(example: reference.Blob, lens: reference.Blob,
         yield from format_lines(dataclasses.replace(bent, remap=table, more_remaps=()))
         yield "};"
         yield ""
+    views = make_views(wide)
+    yield "/* The camera of kWideBlob with a view of each projection: version 1.5. */"
+    yield from blob_lines("kViewsBlob", reference.serialize(views))
+    yield "/* q16 pixels of kViewsBlob. */"
+    yield "static const golden_ray kViewsRays[] = {"
+    yield from pixel_lines(views)
+    yield "};"
+    yield ""
+    yield "/* The pixels of kViewsRays in the image of each table, q16, or INT32_MIN. */"
+    yield "static const int32_t kViewsUndistorted[][sizeof kViewsRays / sizeof kViewsRays[0]][2] = {"
+    for view in VIEWS:
+        yield "  {"
+        yield from undistorted_view_lines(views, view)
+        yield "  },"
+    yield "};"
+    yield "static const uint32_t kViewsCrcs[] = {"
+    for table in (views.remap, *views.more_remaps):
+        crc = remap_crc(dataclasses.replace(views, remap=table, more_remaps=()))
+        yield f"    0x{crc:08x}u,"
+    yield "};"
+    yield ""
     yield "/* q29 chart positions, up to the limit. */"
     yield "static const golden_ray kChartRays[] = {"
     yield from chart_lines()

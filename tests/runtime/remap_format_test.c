@@ -426,6 +426,24 @@ static void further_tables_may_be_selected(void** state) {
   assert_memory_equal(&camera, &wide, sizeof(camera));
 }
 
+static void frames_of_every_view_are_the_golden_ones(void** state) {
+  (void)state;
+  rg_camera camera;
+  assert_int_equal(rg_camera_open(&camera, kViewsBlob, sizeof(kViewsBlob)),
+                   RG_OK);
+  make_test_frame(source[0], SOURCE_WIDTH, SOURCE_WIDTH, SOURCE_HEIGHT);
+  const rg_frame frame = {source[0], SOURCE_WIDTH, SOURCE_WIDTH, SOURCE_HEIGHT};
+  for (uint32_t k = 0; k < sizeof(kViewsCrcs) / sizeof(kViewsCrcs[0]); ++k) {
+    rg_view view;
+    assert_int_equal(rg_select_remap(&camera, k), RG_OK);
+    assert_int_equal(rg_remap_view(&camera, &view), RG_OK);
+    const rg_band band = {output[0], view.width, 0, view.height, GOLDEN_BORDER};
+    assert_int_equal(rg_remap_grey(&camera, &frame, &band), RG_OK);
+    const uint32_t size = (uint32_t)view.width * view.height;
+    assert_int_equal(rg_crc32(0, output[0], size), kViewsCrcs[k]);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(frames_of_every_format_are_the_golden_ones),
@@ -437,6 +455,7 @@ int main(void) {
       cmocka_unit_test(overlapping_planes_are_refused),
       cmocka_unit_test(odd_addresses_of_words_are_refused),
       cmocka_unit_test(further_tables_may_be_selected),
+      cmocka_unit_test(frames_of_every_view_are_the_golden_ones),
   };
   return cmocka_run_group_tests(tests, open_wide, NULL);
 }
