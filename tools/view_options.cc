@@ -31,6 +31,11 @@ constexpr ViewWord kViewWords[] = {
     {"center", "X,Y",
      "where the view looks straight ahead, its principal point (default: the "
      "middle)"},
+    {"projection", "NAME",
+     "pinhole, cylindrical, equirectangular, stereographic or equidistant"},
+    {"rotate", "YAW,PITCH,ROLL",
+     "degrees by which the view is turned to the right, then up, then "
+     "clockwise"},
     {"like", "FILE", "as the view in a camera file, NAME.camera.yaml"},
 };
 
@@ -49,20 +54,36 @@ std::vector<double> ViewNumbers(const std::string& place,
     ++at;
   }
   if (numbers.size() != count || at != end || text.back() == ',')
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format("{}: expected {}, not '{}'", place,
-                    count == 1 ? "a number" : "two numbers, as 320,240", text));
+    throw Error(ExitCode::kUsage,
+                fmt::format("{}: expected {}, not '{}'", place,
+                            count == 1   ? "a number"
+                            : count == 2 ? "two numbers, as 320,240"
+                                         : "three numbers, as 30,-10,0",
+                            text));
   return numbers;
 }
 
 VirtualView ReadView(const std::string& place, const std::string& path) {
   const CameraInput input = ReadCamera(path);
-  if (const auto view = ViewOfCamera(*input.file.camera)) return *view;
+  auto view = ViewOfCamera(*input.file.camera);
+  if (!view)
+    throw Error(ExitCode::kUsage,
+                fmt::format("{}: {} is no view: a camera of the model opencv "
+                            "without distortion, or of a projection",
+                            place, path));
+  if (input.file.camera_from_view)
+    view->camera_from_view =
+        input.file.camera_from_view->rotation.toRotationMatrix();
+  return *view;
+}
+
+ViewProjection ParseProjection(const std::string& place,
+                               const std::string& text) {
+  if (const auto projection = FindProjection(text)) return *projection;
   throw Error(ExitCode::kUsage,
-              fmt::format("{}: {} is no view: a camera of the model opencv "
-                          "without distortion",
-                          place, path));
+              fmt::format("{}: expected pinhole, cylindrical, equirectangular, "
+                          "stereographic or equidistant, not '{}'",
+                          place, text));
 }
 
 void AddWord(const std::string& place, const std::string& name,
@@ -74,6 +95,15 @@ void AddWord(const std::string& place, const std::string& name,
   if (name == "center") {
     const std::vector<double> at = ViewNumbers(place, value, 2);
     request->center_px = Eigen::Vector2d(at[0], at[1]);
+    return;
+  }
+  if (name == "rotate") {
+    const std::vector<double> angles = ViewNumbers(place, value, 3);
+    request->rotate_deg = Eigen::Vector3d(angles[0], angles[1], angles[2]);
+    return;
+  }
+  if (name == "projection") {
+    request->projection = ParseProjection(place, value);
     return;
   }
   const double number = ViewNumbers(place, value, 1)[0];
@@ -109,7 +139,9 @@ std::vector<std::string> ViewParts(const std::string& text) {
 const char kViewWordsHelp[] =
     "hfov=DEGREES, vfov=DEGREES, focal=PX, alpha=0..1 (0: the largest view "
     "without border; 1: the smallest that shows every pixel), center=X,Y (its "
-    "principal point), like=FILE (a view's camera file)";
+    "principal point), rotate=YAW,PITCH,ROLL (degrees to the right, up, "
+    "clockwise), projection=pinhole|cylindrical|equirectangular|stereographic|"
+    "equidistant, like=FILE (a view's camera file)";
 
 ViewRequest ParseView(const std::string& option, const std::string& text) {
   ViewRequest request;
@@ -132,6 +164,7 @@ ViewRequest ParseView(const std::string& option, const std::string& text) {
     AddWord(fmt::format("{} {}: {}", option, text, name), name,
             part.substr(equals + 1), &request);
   }
+  RequireSensible(request);
   return request;
 }
 
@@ -154,25 +187,45 @@ ViewRequest ParseViewOptions(const ViewWords& words) {
     else
       AddWord("--" + name, name, value, &request);
   }
+  RequireSensible(request);
   return request;
 }
 
 std::string ViewText(const VirtualView& view) {
-  return fmt::format(
+  std::string text = fmt::format(
       "{} x {} px, fx {:.6g}, fy {:.6g}, cx {:.6g}, cy {:.6g}, sees {:.1f} x "
       "{:.1f} degrees",
       view.size.width, view.size.height, view.focal_px.x(), view.focal_px.y(),
       view.center_px.x(), view.center_px.y(), view.HorizontalFieldOfViewDeg(),
       view.VerticalFieldOfViewDeg());
+  if (view.projection != ViewProjection::kPinhole)
+    text += fmt::format(", {}", ProjectionName(view.projection));
+  if (view.IsTurned()) {
+    // Rounded, so that nothing is left of an angle of 0.
+    const Eigen::Vector3d angles =
+        (1e6 * AnglesOfRotation(view.camera_from_view)).array().round() / 1e6 +
+        0.0;
+    text += fmt::format(
+        ", turned {:.6g} degrees to the right, {:.6g} up, "
+        "{:.6g} clockwise",
+        angles[0], angles[1], angles[2]);
+  }
+  return text;
 }
 
 nlohmann::ordered_json ViewJson(const VirtualView& view) {
-  return {{"projection", "pinhole"},
+  nlohmann::ordered_json rotation = nlohmann::json::array();
+  for (int row = 0; row < 3; ++row)
+    rotation.push_back({view.camera_from_view(row, 0),
+                        view.camera_from_view(row, 1),
+                        view.camera_from_view(row, 2)});
+  return {{"projection", ProjectionName(view.projection)},
           {"size", {view.size.width, view.size.height}},
           {"K",
            {{view.focal_px.x(), 0.0, view.center_px.x()},
             {0.0, view.focal_px.y(), view.center_px.y()},
             {0.0, 0.0, 1.0}}},
+          {"camera_from_view", rotation},
           {"hfov_deg", view.HorizontalFieldOfViewDeg()},
           {"vfov_deg", view.VerticalFieldOfViewDeg()}};
 }
@@ -181,6 +234,9 @@ std::string ViewCameraFile(const VirtualView& view, const std::string& name) {
   CameraFile file;
   file.camera = CameraOfView(view);
   file.name = name;
+  if (view.IsTurned())
+    file.camera_from_view =
+        Pose{Eigen::Quaterniond(view.camera_from_view), {0, 0, 0}};
   return FormatCameraFile(file);
 }
 

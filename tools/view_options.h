@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "packing/view.h"
+#include "packing/view_request.h"
 
 namespace raygrid {
 
@@ -26,9 +26,9 @@ void AddViewOptions(CLI::App* command, ViewWords* words);
 ViewRequest ParseViewOptions(const ViewWords& words);
 
 /// "640 x 480 px, fx 300.5, fy 300.5, cx 319.5, cy 239.5, sees 93.6 x 77.2
-/// degrees".
+/// degrees", and the projection and the angles of what is no pinhole or turned.
 std::string ViewText(const VirtualView& view);
-/// Size, projection, K row by row, and fields of view in degrees.
+/// Size, projection, K and rotation row by row, and fields of view in degrees.
 nlohmann::ordered_json ViewJson(const VirtualView& view);
 
 /// The text of a camera file for a view of the camera of this name.

@@ -11,9 +11,11 @@
 #include "camera/noncentral_generic.h"
 #include "camera/opencv.h"
 #include "camera/thin_prism_fisheye.h"
+#include "camera/view_camera.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_header.h"
+#include "dataset/pose_node.h"
 #include "dataset/yaml_file.h"
 
 namespace raygrid {
@@ -101,6 +103,19 @@ std::shared_ptr<CameraModel> ParseLens(const YAML::Node& root,
   ParseParameters(root, Model(size, area, parameters).ParameterNames(),
                   parameters.data());
   return std::make_shared<Model>(size, area, parameters);
+}
+
+std::shared_ptr<CameraModel> ParseView(const YAML::Node& root,
+                                       ViewProjection projection,
+                                       const ImageSize& size,
+                                       const Area& area) {
+  Eigen::Vector4d parameters = Eigen::Vector4d::Ones();
+  ParseParameters(
+      root, ViewCamera(projection, size, area, parameters).ParameterNames(),
+      parameters.data());
+  if (!(parameters.head<2>().minCoeff() > 0))
+    throw InputError("parameters: fx and fy must be above 0");
+  return std::make_shared<ViewCamera>(projection, size, area, parameters);
 }
 
 std::shared_ptr<CameraModel> ParseCentralRadial(const YAML::Node& root,
@@ -267,8 +282,13 @@ CameraFile Parse(const YAML::Node& root) {
     file.camera = ParseLens<ThinPrismFisheye>(root, image_size, area);
   else if (model == "central-radial")
     file.camera = ParseCentralRadial(root, image_size, area);
+  else if (const auto projection = FindProjection(model))
+    file.camera = ParseView(root, *projection, image_size, area);
   else
     throw InputError("unknown model '" + model + "'");
+  if (root["camera_from_view"])
+    file.camera_from_view =
+        ParsePose("camera_from_view", root["camera_from_view"]);
   if (root["name"]) file.name = root["name"].as<std::string>();
   if (root["serial"]) file.serial = root["serial"].as<std::string>();
   if (root["quality"]) {
@@ -351,6 +371,11 @@ void EmitUncertainty(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
     *out << YAML::DoubleQuoted << text;
   }
   *out << YAML::EndSeq << YAML::EndMap;
+}
+
+void EmitPose(const Pose& pose, YAML::Emitter* out) {
+  *out << YAML::Key << "camera_from_view" << YAML::Value
+       << YAML::Load(FormatPose(pose, ""));
 }
 
 void EmitParameters(const ParametricModel& lens, YAML::Emitter* out) {
@@ -452,6 +477,7 @@ std::string FormatCameraFile(const CameraFile& file) {
     out << YAML::EndMap;
   }
   if (file.uncertainty) EmitUncertainty(*file.uncertainty, &out);
+  if (file.camera_from_view) EmitPose(*file.camera_from_view, &out);
   // The model, which no camera lacks, comes last: a file that was cut is no
   // camera.
   EmitModel(camera, &out);

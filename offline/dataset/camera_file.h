@@ -7,6 +7,7 @@
 
 #include "camera/camera_model.h"
 #include "camera/camera_uncertainty.h"
+#include "camera/pose.h"
 
 namespace raygrid {
 
@@ -23,6 +24,8 @@ struct CameraFile {
   std::string verdict;  ///< the calibration's: "pass", "warn", "fail"; or ""
   std::optional<ErrorFigures> training, held_out;
   std::optional<CameraUncertainty> uncertainty;
+  /// The pose of a view that is turned against the camera it is made from.
+  std::optional<Pose> camera_from_view;
 };
 
 /// Throws InputError.

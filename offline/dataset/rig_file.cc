@@ -5,33 +5,16 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <set>
 
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/pose_node.h"
 #include "dataset/text_encoding.h"
 #include "dataset/yaml_file.h"
 
 namespace raygrid {
 namespace {
-
-double ParseNumber(const YAML::Node& map, const char* key) {
-  const double value = map[key].as<double>();
-  if (!std::isfinite(value))
-    throw InputError(fmt::format("camera_from_rig: {} is not finite", key));
-  return value;
-}
-
-Pose ParsePose(const YAML::Node& node) {
-  const YAML::Node q = node["rotation"], t = node["translation"];
-  const Eigen::Quaterniond rotation(ParseNumber(q, "w"), ParseNumber(q, "x"),
-                                    ParseNumber(q, "y"), ParseNumber(q, "z"));
-  if (std::abs(rotation.norm() - 1) > 1e-3)
-    throw InputError("camera_from_rig: rotation is no unit quaternion");
-  return {rotation.normalized(),
-          {ParseNumber(t, "x"), ParseNumber(t, "y"), ParseNumber(t, "z")}};
-}
 
 // Throws what yaml-cpp throws, and InputError without the file's name.
 std::vector<RigFileCamera> ParseCameras(const YAML::Node& root) {
@@ -49,8 +32,9 @@ std::vector<RigFileCamera> ParseCameras(const YAML::Node& root) {
           Printable(name)));
     if (!names.insert(name).second)
       throw InputError(fmt::format("two cameras of the name '{}'", name));
-    cameras.push_back({name, entry.second["file"].as<std::string>(),
-                       ParsePose(entry.second["camera_from_rig"])});
+    cameras.push_back(
+        {name, entry.second["file"].as<std::string>(),
+         ParsePose("camera_from_rig", entry.second["camera_from_rig"])});
   }
   if (cameras.empty()) throw InputError("no cameras");
   return cameras;
@@ -87,17 +71,12 @@ std::vector<RigFileCamera> ParseRigFile(const std::string& path,
 std::string FormatRigFile(const std::vector<RigFileCamera>& cameras) {
   std::string text = "cameras:\n";
   for (const RigFileCamera& camera : cameras) {
-    Eigen::Quaterniond q = camera.camera_from_rig.rotation;
-    if (q.w() < 0) q.coeffs() = -q.coeffs();
-    const Eigen::Vector3d& t = camera.camera_from_rig.translation;
     text += fmt::format(
         "  \"{}\":\n"
         "    file: \"{}\"\n"
-        "    camera_from_rig:\n"
-        "      rotation: {{w: {:.12f}, x: {:.12f}, y: {:.12f}, z: {:.12f}}}\n"
-        "      translation: {{x: {:.9f}, y: {:.9f}, z: {:.9f}}}\n",
-        camera.name, camera.file, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(),
-        t.z());
+        "    camera_from_rig:\n",
+        camera.name, camera.file);
+    text += FormatPose(camera.camera_from_rig, "      ");
   }
   // The key that no rig lacks comes last: a file that was cut is no rig.
   return text + "raygrid_rig: 1\n";

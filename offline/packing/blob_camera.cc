@@ -55,6 +55,12 @@ VirtualView ViewOfTable(const rg_remap_section& table) {
   view.size = {table.width, table.height};
   view.focal_px = Eigen::Vector2d(table.fx_q16, table.fy_q16) / 65536;
   view.center_px = Eigen::Vector2d(table.cx_q16, table.cy_q16) / 65536;
+  static_assert(static_cast<int>(ViewProjection::kEquidistant) ==
+                RG_PROJECTION_EQUIDISTANT);
+  view.projection = static_cast<ViewProjection>(table.projection);
+  for (int k = 0; k < 9; ++k)
+    view.camera_from_view(k / 3, k % 3) =
+        std::ldexp(static_cast<double>(table.rotation_q30[k]), -30);
   return view;
 }
 

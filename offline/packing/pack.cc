@@ -17,6 +17,7 @@
 #include "packing/narrow_grid.h"
 #include "packing/remap_fitting.h"
 #include "packing/unprojection_error.h"
+#include "packing/view_request.h"
 #include "raygrid.h"
 #include "rg_blob.h"
 

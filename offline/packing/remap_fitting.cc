@@ -149,6 +149,11 @@ void FillFields(const Area& rectangle, const VirtualView& view,
   s.fy_q16 = static_cast<uint32_t>(std::lround(view.focal_px.y() * 65536));
   s.cx_q16 = static_cast<int32_t>(std::lround(view.center_px.x() * 65536));
   s.cy_q16 = static_cast<int32_t>(std::lround(view.center_px.y() * 65536));
+  s.projection = static_cast<uint8_t>(view.projection);
+  s.has_view = view.projection != ViewProjection::kPinhole || view.IsTurned();
+  for (int k = 0; k < 9; ++k)
+    s.rotation_q30[k] = static_cast<int32_t>(
+        std::lround(view.camera_from_view(k / 3, k % 3) * (1 << 30)));
   table->empty_blocks.assign((blocks.used.size() + 31) / 32 * 4, 0);
   for (size_t k = 0; k < blocks.used.size(); ++k)
     if (!blocks.used[k]) table->empty_blocks[k / 8] |= 1u << (k % 8);

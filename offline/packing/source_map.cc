@@ -23,6 +23,17 @@ Area SourceRectangle(const CameraModel& camera) {
           std::min(area.x1, image.x1), std::min(area.y1, image.y1)};
 }
 
+// The source of an output pixel.
+std::optional<Eigen::Vector2d> SourceOf(const CameraModel& camera,
+                                        const VirtualView& view,
+                                        const Eigen::Vector2d& pixel,
+                                        const Eigen::Vector2d* start,
+                                        double margin_px) {
+  const auto direction = view.Direction(pixel);
+  if (!direction) return std::nullopt;
+  return camera.Project(*direction, start, margin_px);
+}
+
 // The sources of the cells' corners and of two more rows and columns on each
 // side of the image, as far as they are in the rectangle, and of two points
 // around those. It is spread from point to point, beginning in the middle, so
@@ -81,8 +92,7 @@ class Lattice {
     point.is_tried = true;
     const Eigen::Vector2d pixel((index % columns_ - kRing) * kCell,
                                 (index / columns_ - kRing) * kCell);
-    const auto source =
-        camera_.Project(view_.Direction(pixel), start, margin_px_);
+    const auto source = SourceOf(camera_, view_, pixel, start, margin_px_);
     if (source) point.source = *source;
   }
 
@@ -269,9 +279,8 @@ CellSources ProjectCell(const CameraModel& camera, const VirtualView& view,
   for (int y = 0; y < kCell; ++y) {
     for (int x = 0; x < kCell; ++x) {
       const Eigen::Vector2d pixel(column * kCell + x, row * kCell + y);
-      const auto source =
-          camera.Project(view.Direction(pixel),
-                         start.allFinite() ? &start : nullptr, kMarginPx);
+      const auto source = SourceOf(
+          camera, view, pixel, start.allFinite() ? &start : nullptr, kMarginPx);
       if (source) start = *source;
       sources.Set(x, y, source.value_or(Eigen::Vector2d(NAN, NAN)));
     }
@@ -374,8 +383,7 @@ std::optional<Eigen::Vector2d> ExactSource(const CameraModel& camera,
                                            const VirtualView& view,
                                            const SourceMap& map, int x, int y) {
   const Eigen::Vector2d start = map.At(x, y);
-  return camera.Project(view.Direction(Eigen::Vector2d(x, y)), &start,
-                        kMarginPx);
+  return SourceOf(camera, view, Eigen::Vector2d(x, y), &start, kMarginPx);
 }
 
 }  // namespace raygrid

@@ -6,64 +6,50 @@
 #include <optional>
 
 #include "camera/camera_model.h"
+#include "camera/view_projection.h"
 
 namespace raygrid {
 
-/// The pinhole camera that an undistorted image seems to come from: same place
-/// and orientation as the real one.
+/// The virtual camera that an undistorted image seems to come from. It stands
+/// where the real one does.
 struct VirtualView {
   ImageSize size;
+  ViewProjection projection = ViewProjection::kPinhole;
   Eigen::Vector2d focal_px = Eigen::Vector2d::Zero();   ///< fx, fy
   Eigen::Vector2d center_px = Eigen::Vector2d::Zero();  ///< cx, cy
+  Eigen::Matrix3d camera_from_view = Eigen::Matrix3d::Identity();
 
-  /// The direction that a pixel looks along, of any length.
-  Eigen::Vector3d Direction(const Eigen::Vector2d& pixel) const {
-    return {(pixel.x() - center_px.x()) / focal_px.x(),
-            (pixel.y() - center_px.y()) / focal_px.y(), 1};
-  }
-  /// The pixel, also of those beyond the image, that looks along a direction;
-  /// nothing behind.
+  bool IsTurned() const { return !camera_from_view.isIdentity(0); }
+
+  /// The direction in camera axes, of any length, that a pixel looks along;
+  /// nothing for pixels beyond what the projection shows.
+  std::optional<Eigen::Vector3d> Direction(const Eigen::Vector2d& pixel) const;
+  /// The pixel, also of those beyond the image, that looks along a direction in
+  /// camera axes.
   std::optional<Eigen::Vector2d> Pixel(const Eigen::Vector3d& direction) const;
 
-  /// Between the outer edges of the first and the last pixels.
+  /// Between the outer edges of the first and the last pixels, along the row
+  /// and the column of the centre.
   double HorizontalFieldOfViewDeg() const;
   double VerticalFieldOfViewDeg() const;
 };
 
-/// A view that is asked for. Of hfov_deg, vfov_deg, focal_px, alpha and like at
-/// most one is given, but for the two fields of view together, which then may
-/// make pixels that are not square. With none of them it is as sharp in the
-/// middle as the camera's image is there, scaled to the size.
-struct ViewRequest {
-  ImageSize size = {0, 0};  ///< 0 x 0: as the camera's image, or as like
-  std::optional<double> hfov_deg, vfov_deg;
-  std::optional<double> focal_px;
-  /// The alpha of OpenCV's users, with square pixels: 0 is the largest view
-  /// without border, 1 the smallest that shows every pixel of the area; focal
-  /// length and centre are between these in proportion.
-  std::optional<double> alpha;
-  /// The pixel that looks straight ahead: cx, cy. The middle, if it is not
-  /// given; alpha has one of its own.
-  std::optional<Eigen::Vector2d> center_px;
-  std::optional<VirtualView> like;  ///< scaled to the size
-};
+/// The angle between the outer edges of an image's first and last pixels along
+/// an axis, 0 for x and 1 for y, in degrees.
+double FieldOfViewDeg(ViewProjection projection, int axis, double focal_px,
+                      double center_px, int pixels);
 
-/// Throws Error(kUsage) for a view that no pinhole has, that sees nothing of
-/// the camera's area, or that a blob cannot hold.
-VirtualView MakeView(const CameraModel& camera, const ViewRequest& request);
+/// Turns a view to the right, then up, then clockwise, in degrees: axes of the
+/// view to camera axes.
+Eigen::Matrix3d RotationOfAngles(const Eigen::Vector3d& yaw_pitch_roll_deg);
+Eigen::Vector3d AnglesOfRotation(const Eigen::Matrix3d& camera_from_view);
 
-/// A view as large as the camera's image, and just wide enough for what the
-/// calibrated area shows less than 70 degrees off the axis. Throws
-/// Error(kQuality) if that is nothing, or so far off that a blob cannot hold
-/// the view.
-VirtualView MakeViewOfArea(const CameraModel& camera);
-
-/// The view as a camera: the model "opencv" without distortion, calibrated over
-/// its whole image.
+/// The view as a camera in its own axes, calibrated over its whole image: of a
+/// pinhole the model "opencv" without distortion, otherwise a ViewCamera.
 std::unique_ptr<CameraModel> CameraOfView(const VirtualView& view);
 
-/// The view that such a camera is; nothing if it has distortion or is of
-/// another model.
+/// The view, not turned, that such a camera is; nothing if it has distortion or
+/// is of another model.
 std::optional<VirtualView> ViewOfCamera(const CameraModel& camera);
 
 }  // namespace raygrid

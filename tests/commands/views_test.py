@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Views of undistorted images: what is asked for, and the camera file that tells K."""
 import json
+import math
 import os
 
 from command_test import CommandTest, SIMULATED_PATTERN, main, read, run, write
@@ -58,6 +59,36 @@ class Views(CommandTest):
                                    output="like/b.raygrid"))
         self.assertEqual(read(self.path("like/a.raygrid")), read(self.path("like/b.raygrid")))
 
+    def test_a_view_of_another_projection_that_is_turned(self):
+        result = self.pack("200x100,projection=cylindrical,hfov=120,rotate=30,-10,5",
+                           output="round/c.raygrid")
+        self.assert_done(result)
+        told = json.loads(result.stdout)["remaps"][0]
+        self.assertEqual(told["projection"], "cylindrical")
+        self.assertAlmostEqual(told["hfov_deg"], 120, 6)
+        self.assertAlmostEqual(told["K"][0][0], 200 / math.radians(120), 6)
+        # The view looks 30 degrees to the right and 10 down.
+        forward = [row[2] for row in told["camera_from_view"]]
+        self.assertAlmostEqual(math.degrees(math.atan2(forward[0], forward[2])), 30, 6)
+        self.assertAlmostEqual(math.degrees(math.asin(forward[1])), 10, 6)
+        # As a camera it has axes of its own; in them a cylinder's height grows with y.
+        camera = self.path("round/c.camera.yaml")
+        for a, b in ((0.3, 0.1), (-0.9, -0.4)):
+            seen = self.projected(camera, f"{math.sin(a)},{b},{math.cos(a)}\n")[0]
+            self.assertAlmostEqual(seen["u"], 99.5 + told["K"][0][0] * a, 6)
+            self.assertAlmostEqual(seen["v"], 49.5 + told["K"][1][1] * b, 6)
+        self.assertIn(b"camera_from_view", read(camera))
+        self.assert_done(self.pack(f"like={camera}", output="round/d.raygrid"))
+        self.assertEqual(read(self.path("round/c.raygrid")), read(self.path("round/d.raygrid")))
+        inspected = json.loads(run("inspect", self.path("round/c.raygrid"), "--json").stdout)
+        self.assertEqual((inspected["format"], inspected["remap_tables"][0]["projection"]),
+                         ("1.5", "cylindrical"))
+        result = run("undistort", self.path("round/c.raygrid"), self.image, "-o",
+                     self.path("round/flat"))
+        self.assert_done(result)
+        for words in ("cylindrical", "30 degrees to the right", "-10 up", "5 clockwise"):
+            self.assertIn(words, result.stdout)
+
     def test_undistort_takes_the_same_words_and_tells_the_view(self):
         result = run("undistort", self.camera, self.image, "--alpha", 0, "--json",
                      "--max-error-px", 0.25, "-o",
@@ -81,6 +112,10 @@ class Views(CommandTest):
                             ("focal=", ("a number",)), ("focal=-1", ("focal length",)),
                             ("zoom=2", ("zoom=2", "hfov=DEGREES")),
                             ("hfov=90,640x480", ("640x480",)),
+                            ("projection=mercator", ("mercator", "equirectangular")),
+                            ("rotate=3,4", ("three numbers",)),
+                            ("hfov=361,projection=cylindrical", ("361", "360")),
+                            ("rotate=180,0,0,alpha=0", ("middle", "rotate")),
                             (f"like={self.camera}", ("no view",)),
                             ("hfov=60,center=1e6,0", ("center",))):
             with self.subTest(view):

@@ -2,6 +2,7 @@
 
 #include "camera/central_radial.h"
 #include "camera/thin_prism_fisheye.h"
+#include "camera/view_camera.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "simulation/simulated_camera.h"
@@ -46,6 +47,16 @@ CameraFile NonCentralFile() {
 CameraFile OpenCvFile() {
   CameraFile file;
   file.camera = std::make_shared<OpenCvModel>(ExampleLens());
+  return file;
+}
+
+CameraFile ViewFile() {
+  CameraFile file;
+  file.camera = std::make_shared<ViewCamera>(
+      ViewProjection::kCylindrical, ImageSize{800, 400}, WholeImage({800, 400}),
+      Eigen::Vector4d(254.5, 255, 399.5, 199.5));
+  file.camera_from_view =
+      Pose{Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5), {0, 0, 0}};
   return file;
 }
 
@@ -287,6 +298,23 @@ TEST(DeviationLattice, IsBilinearBetweenItsPixels) {
   lattice.deviation_px[3] = NAN;
   EXPECT_TRUE(std::isnan(lattice.At(area, {35, 45})));
   EXPECT_NEAR(lattice.MedianPx(), 0.03, 1e-12);
+}
+
+TEST(CameraFile, HoldsViewsAndHowTheyAreTurned) {
+  const std::string text = FormatCameraFile(ViewFile());
+  const CameraFile read = ParseCameraFile("view.camera.yaml", text);
+  EXPECT_EQ(read.camera->Name(), "cylindrical");
+  EXPECT_EQ(read.camera->Parameters(), ViewFile().camera->Parameters());
+  ASSERT_TRUE(read.camera_from_view);
+  EXPECT_LT(read.camera_from_view->rotation.angularDistance(
+                ViewFile().camera_from_view->rotation),
+            1e-9);
+  EXPECT_EQ(FormatCameraFile(read), text);
+  const size_t at = text.find("254.5");
+  ExpectError(ExitCode::kInput, {"view.camera.yaml", "above 0"}, [&] {
+    ParseCameraFile("view.camera.yaml",
+                    text.substr(0, at) + "0" + text.substr(at + 5));
+  });
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ TEST(IsBlob, KnowsNamesAndContents) {
 // The place that an undistorted pixel comes from; nothing near the area's edge.
 std::optional<Eigen::Vector2d> Source(const VirtualView& view, int x, int y) {
   const auto source =
-      GenericFile().camera->Project(view.Direction(Eigen::Vector2d(x, y)));
+      GenericFile().camera->Project(*view.Direction(Eigen::Vector2d(x, y)));
   if (!source || !GenericFile().camera->area().Contains(*source, -0.5))
     return std::nullopt;
   return source;

@@ -5,7 +5,7 @@
 
 #include "packing/blob_camera.h"
 #include "packing/pack.h"
-#include "packing/view.h"
+#include "packing/view_request.h"
 #include "simulation/simulated_camera.h"
 #include "support.h"
 

@@ -29,7 +29,7 @@
 #include "frames/lattice_map.h"
 #include "frames/pixel_formats.h"
 #include "packing/remap_fitting.h"
-#include "packing/view.h"
+#include "packing/view_request.h"
 #include "raygrid.h"
 
 namespace raygrid {

@@ -121,8 +121,7 @@ class PlainTable {
   const rg_remap_section& section_;
 };
 
-// The worst error of a table of a camera whose whole image is calibrated, with
-// the camera asked for every pixel.
+// The worst error of a table, with the camera asked for every pixel.
 double WorstError(const CameraModel& camera, const VirtualView& target,
                   const RemapTable& table) {
   rg_remap_section section = table.section;
@@ -134,7 +133,9 @@ double WorstError(const CameraModel& camera, const VirtualView& target,
   const int log2 =
       section.part_log2 != 0 ? section.part_log2 : section.block_log2;
   const int part = 1 << log2;
-  const Area image = WholeImage(camera.image_size());
+  const Area &area = camera.area(), whole = WholeImage(camera.image_size());
+  const Area image = {std::max(area.x0, whole.x0), std::max(area.y0, whole.y0),
+                      std::min(area.x1, whole.x1), std::min(area.y1, whole.y1)};
   double worst = 0;
   for (int y = 0; y < target.size.height; ++y) {
     rg_part_row parts;
@@ -148,8 +149,10 @@ double WorstError(const CameraModel& camera, const VirtualView& target,
       const rg_position p = rg_row_position(&row, x % part);
       const Eigen::Vector2d position(p.q12[0] / 4096.0, p.q12[1] / 4096.0);
       const bool is_taken = !parts.is_empty && image.Contains(position);
-      exact = camera.Project(target.Direction({x, y}),
-                             exact ? &*exact : nullptr, 1.5);
+      const auto direction = target.Direction({x, y});
+      exact = direction
+                  ? camera.Project(*direction, exact ? &*exact : nullptr, 1.5)
+                  : std::nullopt;
       if (!is_taken && !(exact && image.Contains(*exact))) continue;
       worst =
           std::max(worst, exact && !parts.is_empty ? (position - *exact).norm()
@@ -183,12 +186,40 @@ TEST(FitRemapTable, KeepsThreeHundredthsOfAPixelInTwoHundredthsOfAByte) {
       const Eigen::Vector2d at = random.PixelIn({0, 0, 1919, 1079});
       const int x = static_cast<int>(at.x()), y = static_cast<int>(at.y());
       const auto exact =
-          test_case.camera->Project(target.Direction({x, y}), nullptr, 0);
+          test_case.camera->Project(*target.Direction({x, y}), nullptr, 0);
       if (exact) worst = std::max(worst, (plain.At(x, y) - *exact).norm());
     }
     constexpr double kRounding = 0.002;
     EXPECT_LT(worst, table.max_error_px + kRounding) << test_case.name;
     EXPECT_GT(worst, table.max_error_px / 2) << test_case.name;
+  }
+}
+
+// Views that look around and are turned. A grid has no bumps within 100 degrees
+// of a lens's axis.
+TEST(FitRemapTable, KeepsTheBoundForEveryProjection) {
+  const CentralGeneric camera = FitCentralGeneric(
+      *SimulatedLens("fisheye190", {640, 480}), {50, 40, 590, 440}, 27, 21);
+  for (const auto& [projection, hfov_deg] :
+       {std::pair(ViewProjection::kPinhole, 90.0),
+        std::pair(ViewProjection::kCylindrical, 180.0),
+        std::pair(ViewProjection::kEquirectangular, 360.0),
+        std::pair(ViewProjection::kStereographic, 200.0),
+        std::pair(ViewProjection::kEquidistant, 210.0)}) {
+    ViewRequest request;
+    request.size = hfov_deg == 360 ? ImageSize{1600, 800} : ImageSize{800, 600};
+    request.projection = projection;
+    request.hfov_deg = hfov_deg;
+    request.rotate_deg = Eigen::Vector3d(35, 20, -15);
+    const VirtualView view = MakeView(camera, request);
+    const RemapTable table = FitRemapTable(camera, view, 0.05, 0);
+    const double worst = WorstError(camera, view, table);
+    std::printf("%s: %.4f px, parts of %d\n", ProjectionName(projection), worst,
+                1 << table.section.part_log2);
+    EXPECT_LE(table.max_error_px, 0.05);
+    EXPECT_LE(worst, 0.05 + 1e-3) << ProjectionName(projection);
+    EXPECT_GT(worst, 0.01);
+    EXPECT_EQ(table.section.projection, static_cast<int>(projection));
   }
 }
 

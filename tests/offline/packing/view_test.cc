@@ -1,8 +1,7 @@
 // The pinhole views that images are undistorted to.
-#include "packing/view.h"
-
 #include "packed_cameras.h"
 #include "packing/remap_fitting.h"
+#include "packing/view_request.h"
 
 namespace raygrid {
 namespace {
@@ -70,8 +69,8 @@ TEST(VirtualView, HasTheFieldOfViewAskedForAroundAnyCenter) {
   const VirtualView view = MakeView(Example(), request);
   EXPECT_NEAR(view.HorizontalFieldOfViewDeg(), 80, 1e-9);
   EXPECT_EQ(view.center_px, Eigen::Vector2d(100, 20));
-  const Eigen::Vector3d left = view.Direction({-0.5, 20}),
-                        right = view.Direction({639.5, 20});
+  const Eigen::Vector3d left = *view.Direction({-0.5, 20}),
+                        right = *view.Direction({639.5, 20});
   EXPECT_NEAR(std::acos(left.normalized().dot(right.normalized())),
               80 * M_PI / 180, 1e-9);
 }
@@ -106,7 +105,7 @@ TEST(VirtualView, OfAlphaZeroIsNotWiderThanUsefulWhereALensSeesMore) {
   EXPECT_NEAR(view.HorizontalFieldOfViewDeg(), 140, 1);
   for (int y = 0; y < kViewedSize.height; ++y)
     for (int x = 0; x < kViewedSize.width; ++x)
-      ASSERT_TRUE(camera->Project(view.Direction(Eigen::Vector2d(x, y))))
+      ASSERT_TRUE(camera->Project(*view.Direction(Eigen::Vector2d(x, y))))
           << x << ", " << y;
 }
 
@@ -144,6 +143,132 @@ TEST(VirtualView, OfAlphaOneIsRefusedForLensesThatNoPinholeShows) {
   ExpectRefused(*camera, request, {"alpha", "degrees off its axis", "alpha=0"});
 }
 
+constexpr ViewProjection kProjections[] = {
+    ViewProjection::kPinhole, ViewProjection::kCylindrical,
+    ViewProjection::kEquirectangular, ViewProjection::kStereographic,
+    ViewProjection::kEquidistant};
+
+ViewRequest RequestOf(ViewProjection projection, double hfov_deg) {
+  ViewRequest request = RequestOf(kViewedSize);
+  request.projection = projection;
+  request.hfov_deg = hfov_deg;
+  return request;
+}
+
+TEST(VirtualView, OfAnyProjectionHasTheFieldOfViewAskedFor) {
+  for (const ViewProjection projection : kProjections) {
+    for (const double field_deg : {20.0, 100.0, 160.0}) {
+      ViewRequest request = RequestOf(projection, field_deg);
+      request.center_px = Eigen::Vector2d(200, 100);
+      const VirtualView view = MakeView(Example(), request);
+      const Eigen::Vector3d left = *view.Direction({-0.5, 100}),
+                            right = *view.Direction({319.5, 100});
+      EXPECT_NEAR(std::acos(left.normalized().dot(right.normalized())),
+                  field_deg * M_PI / 180, 1e-9)
+          << ProjectionName(projection);
+      EXPECT_NEAR(view.HorizontalFieldOfViewDeg(), field_deg, 1e-9);
+    }
+  }
+}
+
+TEST(VirtualView, IsTurnedToTheRightThenUpThenClockwise) {
+  ViewRequest request = RequestOf(ViewProjection::kPinhole, 60);
+  const auto turned = [&](double yaw, double pitch, double roll) {
+    request.rotate_deg = Eigen::Vector3d(yaw, pitch, roll);
+    return MakeView(Example(), request);
+  };
+  const Eigen::Vector2d middle(159.5, 119.5), right(259.5, 119.5);
+  const double s = std::sqrt(0.5);
+  EXPECT_LT(
+      (*turned(45, 0, 0).Direction(middle) - Eigen::Vector3d(s, 0, s)).norm(),
+      1e-12);
+  EXPECT_LT(
+      (*turned(0, 45, 0).Direction(middle) - Eigen::Vector3d(0, -s, s)).norm(),
+      1e-12);
+  // Its right is below, so what it shows is turned the other way.
+  const Eigen::Vector3d rolled = *turned(0, 0, 90).Direction(right);
+  EXPECT_NEAR(rolled.x(), 0, 1e-12);
+  EXPECT_GT(rolled.y(), 0.3);
+  // Yaw is around the camera's own vertical axis.
+  EXPECT_LT((*turned(90, 30, 0).Direction(middle) -
+             Eigen::Vector3d(std::sqrt(0.75), -0.5, 0))
+                .norm(),
+            1e-12);
+  for (const Eigen::Vector3d& angles :
+       {Eigen::Vector3d(30, -20, 100), Eigen::Vector3d(-170, 80, -3),
+        Eigen::Vector3d(0, 90, 35), Eigen::Vector3d(0, -90, -120)})
+    EXPECT_LT((AnglesOfRotation(RotationOfAngles(angles)) - angles).norm(),
+              1e-9);
+}
+
+TEST(VirtualView, OfAnyProjectionAndAlphaZeroHasNoBorder) {
+  for (const char* lens : {"wide", "fisheye", "fisheye190"}) {
+    const CentralGeneric camera = FitCentralGeneric(
+        *SimulatedLens(lens, kViewedSize), WholeImage(kViewedSize), 19, 15);
+    for (const ViewProjection projection : kProjections) {
+      ViewRequest request = RequestOf({480, 360});
+      request.projection = projection;
+      request.alpha = 0;
+      EXPECT_EQ(NumBorderPixels(camera, MakeView(camera, request)), 0)
+          << lens << ' ' << ProjectionName(projection);
+      request.rotate_deg = Eigen::Vector3d(10, -5, 90);
+      EXPECT_EQ(NumBorderPixels(camera, MakeView(camera, request)), 0)
+          << lens << ' ' << ProjectionName(projection) << ", turned";
+    }
+  }
+}
+
+TEST(VirtualView, OfAnyProjectionAndAlphaOneShowsEveryPixel) {
+  for (const char* lens : {"pinhole", "wide", "fisheye190"}) {
+    const auto camera = SimulatedLens(lens, kViewedSize);
+    for (const ViewProjection projection : kProjections) {
+      if (projection == ViewProjection::kPinhole) continue;
+      ViewRequest request = RequestOf({200, 150});
+      request.projection = projection;
+      request.alpha = 1;
+      request.rotate_deg = Eigen::Vector3d(10, -5, 30);
+      if (projection == ViewProjection::kCylindrical &&
+          std::string(lens) == "fisheye190") {
+        ExpectRefused(*camera, request, {"alpha", "horizon"});
+        continue;
+      }
+      const VirtualView view = MakeView(*camera, request);
+      Eigen::AlignedBox2d box;
+      for (int y = 0; y < kViewedSize.height; ++y) {
+        for (int x = 0; x < kViewedSize.width; ++x) {
+          const auto ray = camera->Unproject(Eigen::Vector2d(x, y));
+          if (ray) box.extend(*view.Pixel(*ray));
+        }
+      }
+      EXPECT_GE(box.min().minCoeff(), 0)
+          << lens << ' ' << ProjectionName(projection);
+      EXPECT_LE(box.max().x(), 199);
+      EXPECT_LE(box.max().y(), 149);
+      EXPECT_GT((box.sizes().array() / Eigen::Array2d(199, 149)).maxCoeff(),
+                0.97);
+    }
+  }
+}
+
+TEST(VirtualView, OfAnyProjectionIsACameraAndComesBackFromIt) {
+  for (const ViewProjection projection : kProjections) {
+    ViewRequest request = RequestOf(projection, 120);
+    request.rotate_deg = Eigen::Vector3d(10, 20, 30);
+    const VirtualView view = MakeView(Example(), request);
+    const auto camera = CameraOfView(view);
+    const Eigen::Vector2d pixel(30, 200);
+    EXPECT_LT((view.camera_from_view * *camera->Unproject(pixel) -
+               view.Direction(pixel)->normalized())
+                  .norm(),
+              1e-12);
+    const auto back = ViewOfCamera(*camera);
+    ASSERT_TRUE(back);
+    EXPECT_EQ(back->projection, projection);
+    EXPECT_EQ(back->focal_px, view.focal_px);
+    EXPECT_FALSE(back->IsTurned());
+  }
+}
+
 TEST(VirtualView, IsACameraAndComesBackFromIt) {
   ViewRequest request = RequestOf({640, 480});
   request.hfov_deg = 80;
@@ -154,10 +279,10 @@ TEST(VirtualView, IsACameraAndComesBackFromIt) {
   for (const Eigen::Vector2d& pixel :
        {Eigen::Vector2d(0, 0), Eigen::Vector2d(639, 479)}) {
     EXPECT_LT(camera->Unproject(pixel)
-                  ->cross(view.Direction(pixel).normalized())
+                  ->cross(view.Direction(pixel)->normalized())
                   .norm(),
               1e-12);
-    EXPECT_LT((*view.Pixel(view.Direction(pixel)) - pixel).norm(), 1e-9);
+    EXPECT_LT((*view.Pixel(*view.Direction(pixel)) - pixel).norm(), 1e-9);
   }
   const auto back = ViewOfCamera(*camera);
   ASSERT_TRUE(back);
@@ -195,6 +320,30 @@ TEST(VirtualView, RefusesWhatNoPinholeHas) {
   request.focal_px.reset();
   request.center_px = Eigen::Vector2d(-5, 100);
   ExpectRefused(Example(), request, {"center outside", "focal length"});
+}
+
+TEST(VirtualView, RefusesAnglesThatItsProjectionDoesNotHave) {
+  const auto refused = [](ViewProjection projection, double hfov_deg,
+                          double vfov_deg) {
+    ViewRequest request = RequestOf(projection, hfov_deg);
+    request.vfov_deg = vfov_deg;
+    ExpectRefused(Example(), request,
+                  {"field of view", ProjectionName(projection)});
+  };
+  refused(ViewProjection::kCylindrical, 361, 90);
+  refused(ViewProjection::kCylindrical, 180, 171);
+  refused(ViewProjection::kEquirectangular, 180, 181);
+  refused(ViewProjection::kStereographic, 341, 90);
+  refused(ViewProjection::kEquidistant, 361, 90);
+  ViewRequest request;
+  request.like = ViewOf(Example(), {640, 480}, 70);
+  request.rotate_deg = Eigen::Vector3d(0, 0, 0);
+  ExpectRefused(Example(), request, {"like", "rotate", "give one"});
+  // Nothing of the area's middle is seen there.
+  request = RequestOf(kViewedSize);
+  request.alpha = 0;
+  request.rotate_deg = Eigen::Vector3d(180, 0, 0);
+  ExpectRefused(Example(), request, {"middle", "rotate"});
 }
 
 TEST(VirtualView, RefusesWhatBlobsDoNotHold) {
