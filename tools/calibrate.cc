@@ -17,6 +17,7 @@
 #include "report/checkpoint_json.h"
 #include "report/pictures.h"
 #include "report/result_folder.h"
+#include "view_options.h"
 
 namespace raygrid {
 namespace {
@@ -50,10 +51,15 @@ std::optional<BeforeAfter> ExampleImage(const std::vector<std::string>& paths,
 }
 
 PackingFigures FiguresOf(const PackedCamera& packed) {
-  return {packed.blob.size(), packed.unproject_error_px,
-          packed.remaps.empty() ? std::nullopt
-                                : std::optional(packed.remaps[0].error_px),
-          packed.remarks};
+  PackingFigures figures;
+  figures.blob_bytes = packed.blob.size();
+  figures.unproject_error_px = packed.unproject_error_px;
+  figures.remarks = packed.remarks;
+  if (packed.remaps.empty()) return figures;
+  const VirtualView& view = packed.remaps[0].view;
+  figures.remap_error_px = packed.remaps[0].error_px;
+  figures.view = {view.size, view.focal_px, view.center_px};
+  return figures;
 }
 
 int64_t PeakMemoryBytes() {
@@ -83,6 +89,8 @@ ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
       own.example =
           ExampleImage(cameras[c].paths, camera, arguments, packed.blob);
     own.blob = packed.blob;
+    if (!packed.remaps.empty())
+      own.view = ViewCameraFile(packed.remaps[0].view, camera.camera.name);
   }
   return extras;
 }

@@ -328,7 +328,7 @@ void RequireNoInputReplaced(const CalibrateArguments& arguments,
        {"camera.raygrid", "camera.yaml", "example_after.png",
         "example_before.png", "features.csv", "pattern.yaml", "poses.csv",
         "report.html", "residuals.csv", "result.json", "resume.json",
-        "rig.yaml", "thumbnails.json", "uncertainty.png"})
+        "rig.yaml", "thumbnails.json", "uncertainty.png", "view.camera.yaml"})
     outputs.push_back(
         (std::filesystem::path(arguments.output) / name).string());
   RequireNoInputReplaced(inputs, outputs);

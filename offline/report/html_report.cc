@@ -88,6 +88,13 @@ void AddPackingRows(const PackingFigures& packing, std::vector<HtmlRow>* rows) {
   if (packing.remap_error_px)
     rows->push_back({"remap geometry error",
                      fmt::format("{:.3f} px", *packing.remap_error_px)});
+  if (const auto& view = packing.view)
+    rows->push_back(
+        {"undistorted images (view.camera.yaml)",
+         fmt::format("{} x {} px, fx {:.6g}, fy {:.6g}, cx {:.6g}, cy {:.6g}",
+                     view->size.width, view->size.height, view->focal_px.x(),
+                     view->focal_px.y(), view->center_px.x(),
+                     view->center_px.y())});
   for (const std::string& remark : packing.remarks)
     rows->push_back({"camera.raygrid", EscapeHtml(remark)});
 }

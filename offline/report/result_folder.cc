@@ -38,6 +38,8 @@ void AddCameraFiles(const CalibrationResult& result, const CameraExtras& extras,
     files->Add(In(folder, kThumbnails), FormatThumbnails(extras.thumbnails));
   if (!extras.blob.empty())
     files->Add(In(folder, "camera.raygrid"), extras.blob);
+  if (!extras.view.empty())
+    files->Add(In(folder, "view.camera.yaml"), extras.view);
   if (!extras.example) return;
   files->Add(In(folder, "example_before.png"),
              EncodePng(extras.example->before));
@@ -179,9 +181,9 @@ void AddResultFiles(const RigResult& result, const ResultExtras& extras,
 }
 
 std::set<std::string> ResultFiles(const std::string& folder) {
-  const std::vector<std::string> of_camera = {"camera.raygrid", "camera.yaml",
-                                              "report.html", kThumbnails,
-                                              "uncertainty.png"};
+  const std::vector<std::string> of_camera = {
+      "camera.raygrid", "camera.yaml",     "report.html",
+      kThumbnails,      "uncertainty.png", "view.camera.yaml"};
   std::set<std::string> files(of_camera.begin(), of_camera.end());
   files.insert({"example_after.png", "example_before.png", "features.csv",
                 "pattern.yaml", "poses.csv", "residuals.csv", "result.json",

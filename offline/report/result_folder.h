@@ -19,6 +19,7 @@ namespace raygrid {
 /// The extras of a camera: what goes into the files beside its result.
 struct CameraExtras {
   std::string blob = {};  ///< none if it is empty
+  std::string view = {};  ///< its table's view, a camera file; or none
   std::optional<PackingFigures> packing = {};
   std::optional<BeforeAfter> example = {};
   Thumbnails thumbnails = {};

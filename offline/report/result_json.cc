@@ -22,12 +22,22 @@ Json FiguresJson(const ErrorFigures& figures) {
           {"count", figures.count}};
 }
 
+Json ViewFiguresJson(const ViewFigures& view) {
+  return {{"projection", "pinhole"},
+          {"size", {view.size.width, view.size.height}},
+          {"K",
+           {{view.focal_px.x(), 0.0, view.center_px.x()},
+            {0.0, view.focal_px.y(), view.center_px.y()},
+            {0.0, 0.0, 1.0}}}};
+}
+
 Json PackingJson(const PackingFigures& packing) {
   Json json = Json::object();
   if (packing.blob_bytes > 0)
     json = {{"blob_bytes", packing.blob_bytes},
             {"unproject_error_px", packing.unproject_error_px}};
   if (packing.remap_error_px) json["remap_error_px"] = *packing.remap_error_px;
+  if (packing.view) json["view"] = ViewFiguresJson(*packing.view);
   if (!packing.remarks.empty()) json["remarks"] = packing.remarks;
   return json;
 }
@@ -248,6 +258,16 @@ void ParseMore(const Json& json, CalibrationResult* result) {
   }
 }
 
+ViewFigures ParseViewFigures(const Json& json) {
+  const auto size = json.at("size").get<std::vector<int>>();
+  const auto rows = json.at("K").get<std::vector<std::vector<double>>>();
+  ViewFigures view;
+  view.size = {size.at(0), size.at(1)};
+  view.focal_px = {rows.at(0).at(0), rows.at(1).at(1)};
+  view.center_px = {rows.at(0).at(2), rows.at(1).at(2)};
+  return view;
+}
+
 PackingFigures ParsePacking(const Json& json) {
   PackingFigures packing;
   if (json.contains("blob_bytes")) {
@@ -255,6 +275,7 @@ PackingFigures ParsePacking(const Json& json) {
     packing.unproject_error_px = json.at("unproject_error_px").get<double>();
   }
   packing.remap_error_px = NumberIfAny(json, "remap_error_px");
+  if (json.contains("view")) packing.view = ParseViewFigures(json.at("view"));
   if (json.contains("remarks"))
     packing.remarks = json.at("remarks").get<std::vector<std::string>>();
   return packing;

@@ -10,11 +10,19 @@
 
 namespace raygrid {
 
+/// The pinhole that a blob's own table undistorts to.
+struct ViewFigures {
+  ImageSize size = {0, 0};
+  Eigen::Vector2d focal_px = {0, 0};   ///< fx, fy
+  Eigen::Vector2d center_px = {0, 0};  ///< cx, cy
+};
+
 /// The findings of packing.
 struct PackingFigures {
   size_t blob_bytes = 0;  ///< 0: there is no blob
   double unproject_error_px = 0;
   std::optional<double> remap_error_px;
+  std::optional<ViewFigures> view = {};
   std::vector<std::string> remarks = {};  ///< on what the blob lacks
 };
 

@@ -32,9 +32,17 @@ class MainJob(CommandTest):
 
     def test_calibrate_writes_all_files(self):
         expected = {"camera.yaml", "camera.raygrid", "pattern.yaml", "features.csv", "poses.csv",
-                    "residuals.csv", "result.json", "report.html", "uncertainty.png"}
+                    "residuals.csv", "result.json", "report.html", "uncertainty.png",
+                    "view.camera.yaml"}
         self.assertEqual(set(os.listdir(self.path("out"))), expected)
         result = json.loads(read(self.path("out/result.json")))
+        view = result["packing"]["view"]
+        table = json.loads(run("inspect", self.path("out/camera.raygrid"), "--json").stdout)[
+            "remap_tables"][0]
+        self.assertEqual(view["size"], table["size"])
+        for told, held in zip(sum(view["K"], []), sum(table["K"], [])):
+            self.assertAlmostEqual(told, held, 4)
+        self.assertIn("fx: ", read(self.path("out/view.camera.yaml")).decode())
         self.assertEqual(result["status"], "converged")
         self.assertEqual(result["features"]["used"], 2400)
         self.assertLess(abs(result["training"]["rms_px"] - 0.05 * math.sqrt(2)), 0.02)

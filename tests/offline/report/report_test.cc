@@ -73,6 +73,7 @@ std::string ExampleReport() {
   packing.blob_bytes = 12345;
   packing.unproject_error_px = 1e-4;
   packing.remap_error_px = 0.04;
+  packing.view = {{640, 480}, {500.5, 501}, {319.5, 239.5}};
   return FormatHtmlReport(ExampleResult(), packing, example);
 }
 
