@@ -16,6 +16,7 @@ import operator
 import os
 import sysconfig
 from pathlib import Path
+from typing import NamedTuple
 
 OK, OUTSIDE_AREA, NO_REMAP, NOT_SEEN, NONCENTRAL, UNKNOWN, NO_INVERSE = (
     0, -50, -51, -54, -57, -58, -60)
@@ -36,6 +37,7 @@ FORMATS = {
     "BAYER10P": (12, 10, ((1.25, 1),)), "BAYER12P": (13, 12, ((1.5, 1),)),
     "RGB565": (14, 16, ((2, 1),)),
 }
+PROJECTIONS = ("pinhole", "cylindrical", "equirectangular", "stereographic", "equidistant")
 BORDERS = {"value": 0, "clamp": 1, "keep": 2}
 SAMPLINGS = {"bilinear": 0, "nearest": 1}
 
@@ -79,6 +81,31 @@ class _Target(ctypes.Structure):
                 ("num_rows", ctypes.c_uint16), ("border", ctypes.c_int),
                 ("sampling", ctypes.c_int), ("border_values", ctypes.c_uint16 * 4),
                 ("kernels", ctypes.c_void_p)]
+
+
+class _View(ctypes.Structure):
+    _fields_ = [("width", ctypes.c_uint16), ("height", ctypes.c_uint16),
+                ("projection", ctypes.c_int), ("fx", ctypes.c_uint32), ("fy", ctypes.c_uint32),
+                ("cx", ctypes.c_int32), ("cy", ctypes.c_int32),
+                ("rotation", ctypes.c_int32 * 9)]
+
+
+class View(NamedTuple):
+    """The virtual camera of an undistorted image, in pixels: one of PROJECTIONS; the rotation turns
+    directions in axes of the view to camera axes, row by row."""
+    projection: str
+    width: int
+    height: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    rotation: tuple
+
+    @property
+    def K(self):
+        """The camera matrix, row by row."""
+        return (self.fx, 0.0, self.cx), (0.0, self.fy, self.cy), (0.0, 0.0, 1.0)
 
 
 def _library_places():
@@ -270,6 +297,15 @@ class Camera:
         _check(_library.rg_remap_size(ctypes.byref(self._camera), ctypes.byref(width),
                                       ctypes.byref(height)))
         return width.value, height.value
+
+    def view(self):
+        """The View of the undistorted image."""
+        view = _View()
+        _check(_library.rg_remap_view(ctypes.byref(self._camera), ctypes.byref(view)))
+        numbers = [value / Q30 for value in view.rotation]
+        return View(PROJECTIONS[view.projection], view.width, view.height, view.fx / Q16,
+                    view.fy / Q16, view.cx / Q16, view.cy / Q16,
+                    tuple(tuple(numbers[k:k + 3]) for k in (0, 3, 6)))
 
     def undistort_points(self, points):
         """Positions of pixels in the undistorted image; None for those that have no place there."""

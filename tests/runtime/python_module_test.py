@@ -87,6 +87,24 @@ class ModuleTest(unittest.TestCase):
         self.check_undistorted_points(dataclasses.replace(LINES, remap=table),
                                       [(10, 10), (30.5, 20)])
 
+    def test_views_are_told(self):
+        camera = open_blob(LENS)
+        remap, view = LENS.remap, camera.view()
+        self.assertEqual((view.projection, view.width, view.height), ("pinhole", 120, 90))
+        self.assertEqual(view.K, ((remap.fx / 65536, 0, remap.cx / 65536),
+                                  (0, remap.fy / 65536, remap.cy / 65536), (0, 0, 1)))
+        self.assertEqual(view.rotation, ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
+        camera = open_blob(make_golden.make_views(WIDE))
+        for index, made in enumerate(make_golden.VIEWS):
+            camera.select_remap(index)
+            view = camera.view()
+            self.assertEqual((view.projection, view.fx), (made.projection, made.focal))
+            for told, row in zip(view.rotation, make_golden.rotation_of(*made.angles)):
+                self.assert_close(told, row, 1e-9)
+        with self.assertRaises(raygrid.Error) as context:
+            open_blob(LINES).view()
+        self.assertEqual(context.exception.status, raygrid.NO_REMAP)
+
     def check_undistorted_points(self, blob, pixels):
         for found, pixel in zip(open_blob(blob).undistort_points(pixels), pixels):
             x, y, z = reference.unproject(blob, *pixel)
