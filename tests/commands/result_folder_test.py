@@ -6,7 +6,8 @@ import re
 from command_test import CommandTest, SIMULATED_PATTERN, main, read, run, write
 
 FILES = {"camera.raygrid", "camera.yaml", "features.csv", "pattern.yaml", "poses.csv",
-         "report.html", "residuals.csv", "result.json", "uncertainty.png"}
+         "report.html", "residuals.csv", "result.json", "uncertainty.png",
+         "view.camera.yaml"}
 
 
 class ResultFolder(CommandTest):
@@ -54,7 +55,7 @@ class ResultFolder(CommandTest):
         left = set(os.listdir(self.path("unpacked")))
         if b"25600" not in read(self.path("unpacked/camera.yaml")):
             self.fail("not calibrated: " + result.stderr)
-        self.assertEqual(left, FILES - {"camera.raygrid"})
+        self.assertEqual(left, FILES - {"camera.raygrid", "view.camera.yaml"})
 
     def test_no_link_is_followed(self):
         output = self.path("links")

@@ -9,7 +9,8 @@ from command_test import (CommandTest, PATTERN, SIMULATED_PATTERN, main, program
 
 SHARED = ("rig.yaml", "pattern.yaml", "features.csv", "poses.csv", "residuals.csv", "result.json",
           "report.html")
-OWN = ("camera.yaml", "camera.raygrid", "report.html", "uncertainty.png")
+OWN = ("camera.yaml", "camera.raygrid", "report.html", "uncertainty.png",
+       "view.camera.yaml")
 
 
 class Rig(CommandTest):
