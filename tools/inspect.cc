@@ -158,6 +158,12 @@ Json CameraFacts(const CameraFile& file) {
         {"median_px", file.uncertainty->lattice.MedianPx()},
         {"trusted_to_px", file.uncertainty->max_deviation_px},
         {"trusted_part_of_image", file.uncertainty->TrustedPart(size, area)}};
+  if (file.camera_from_view) {
+    const Eigen::Vector3d turned =
+        ViewAnglesDeg(file.camera_from_view->rotation.toRotationMatrix());
+    json["turned_deg"] = {
+        {"right", turned[0]}, {"up", turned[1]}, {"clockwise", turned[2]}};
+  }
   return json;
 }
 

@@ -191,6 +191,11 @@ ViewRequest ParseViewOptions(const ViewWords& words) {
   return request;
 }
 
+Eigen::Vector3d ViewAnglesDeg(const Eigen::Matrix3d& camera_from_view) {
+  const Eigen::Vector3d angles = AnglesOfRotation(camera_from_view);
+  return (1e6 * angles).array().round() / 1e6 + 0.0;
+}
+
 std::string ViewText(const VirtualView& view) {
   std::string text = fmt::format(
       "{} x {} px, fx {:.6g}, fy {:.6g}, cx {:.6g}, cy {:.6g}, sees {:.1f} x "
@@ -201,10 +206,7 @@ std::string ViewText(const VirtualView& view) {
   if (view.projection != ViewProjection::kPinhole)
     text += fmt::format(", {}", ProjectionName(view.projection));
   if (view.IsTurned()) {
-    // Rounded, so that nothing is left of an angle of 0.
-    const Eigen::Vector3d angles =
-        (1e6 * AnglesOfRotation(view.camera_from_view)).array().round() / 1e6 +
-        0.0;
+    const Eigen::Vector3d angles = ViewAnglesDeg(view.camera_from_view);
     text += fmt::format(
         ", turned {:.6g} degrees to the right, {:.6g} up, "
         "{:.6g} clockwise",

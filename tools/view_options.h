@@ -28,6 +28,9 @@ ViewRequest ParseViewOptions(const ViewWords& words);
 /// "640 x 480 px, fx 300.5, fy 300.5, cx 319.5, cy 239.5, sees 93.6 x 77.2
 /// degrees", and the projection and the angles of what is no pinhole or turned.
 std::string ViewText(const VirtualView& view);
+/// Yaw, pitch and roll of a view; nothing is left of an angle of 0 by rounding.
+Eigen::Vector3d ViewAnglesDeg(const Eigen::Matrix3d& camera_from_view);
+
 /// Size, projection, K and rotation row by row, and fields of view in degrees.
 nlohmann::ordered_json ViewJson(const VirtualView& view);
 

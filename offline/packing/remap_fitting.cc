@@ -464,9 +464,10 @@ RemapTable FitRemapTable(const CameraModel& camera, const VirtualView& view,
       continue;
     const Blocks blocks = CutBlocks(map, layout);
     if (std::count(blocks.used.begin(), blocks.used.end(), true) == 0)
-      throw Error(ExitCode::kUsage,
-                  "the virtual camera sees nothing of the calibrated area; "
-                  "ask for a larger field of view");
+      throw Error(
+          ExitCode::kUsage,
+          "the view sees nothing of the calibrated area; turn it there, or "
+          "ask for a larger field of view");
     FillFields(map.rectangle, view, blocks, &table);
     const NodePositions nodes = FitNodes(map, sums, blocks);
     go_on();

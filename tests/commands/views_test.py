@@ -78,6 +78,8 @@ class Views(CommandTest):
             self.assertAlmostEqual(seen["u"], 99.5 + told["K"][0][0] * a, 6)
             self.assertAlmostEqual(seen["v"], 49.5 + told["K"][1][1] * b, 6)
         self.assertIn(b"camera_from_view", read(camera))
+        self.assertEqual(json.loads(run("inspect", camera, "--json").stdout)["turned_deg"],
+                         {"right": 30, "up": -10, "clockwise": 5})
         self.assert_done(self.pack(f"like={camera}", output="round/d.raygrid"))
         self.assertEqual(read(self.path("round/c.raygrid")), read(self.path("round/d.raygrid")))
         inspected = json.loads(run("inspect", self.path("round/c.raygrid"), "--json").stdout)
