@@ -87,7 +87,7 @@ rg_status rg_check_remap(const uint8_t* section, uint32_t size,
   const uint32_t max_x = rg_load_u32(section + RG_REMAP_MAX_X);
   const uint32_t max_y = rg_load_u32(section + RG_REMAP_MAX_Y);
   if (rg_load_u32(section + RG_REMAP_MIN_X) > max_x ||
-      max_x > (last_source & 0xffff) << 12 ||
+      max_x > last_source << 16 >> 4 ||
       rg_load_u32(section + RG_REMAP_MIN_Y) > max_y ||
       max_y > last_source >> 16 << 12)
     return RG_ERR_REMAP_SOURCE;

@@ -226,6 +226,9 @@ rg_status rg_select_remap(rg_camera* camera, uint32_t index);
 rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
                         uint16_t* height);
 
+/* Size of the frames that rg_remap() takes: as calibrated. */
+void rg_frame_size(const rg_camera* camera, uint16_t* width, uint16_t* height);
+
 /* The virtual camera that the undistorted image seems to come from: it stands
  * where the real one does. */
 typedef struct rg_view {

@@ -217,10 +217,9 @@ static int undistort(const rg_camera* camera, const uint8_t* pixels,
   if (!picture.pixels) return fail(INPUT, "output", "not enough memory");
   rg_image frame = {0};
   frame.format = pixel_bytes == 2 ? RG_FORMAT_GREY16 : RG_FORMAT_GREY8;
-  frame.width = camera->width;
-  frame.height = camera->height;
+  rg_frame_size(camera, &frame.width, &frame.height);
   frame.planes[0].data = pixels;
-  frame.planes[0].stride = camera->width * pixel_bytes;
+  frame.planes[0].stride = frame.width * pixel_bytes;
   rg_target target = {0};
   target.planes[0].data = picture.pixels;
   target.planes[0].stride = width * pixel_bytes;
@@ -274,8 +273,10 @@ int main(int argc, char** argv) {
     fail(INPUT, argv[2], "cannot be read");
   } else {
     uint32_t pixel_bytes;
-    const uint8_t* pixels = find_pixels(frame, frame_size, camera.width,
-                                        camera.height, &pixel_bytes);
+    uint16_t width, height;
+    rg_frame_size(&camera, &width, &height);
+    const uint8_t* pixels =
+        find_pixels(frame, frame_size, width, height, &pixel_bytes);
     code = pixels ? undistort(&camera, pixels, pixel_bytes, argv[3])
                   : fail(INPUT, argv[2],
                          "is not a grey frame of the size that the blob is "

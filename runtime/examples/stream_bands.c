@@ -31,12 +31,13 @@ static rg_status stream_band(const rg_camera* camera, rg_image* image,
 }
 
 rg_status stream_frame(const rg_camera* camera) {
-  uint16_t width, height;
+  uint16_t width, height, frame_width, frame_height;
+  rg_frame_size(camera, &frame_width, &frame_height);
   rg_status status = rg_remap_size(camera, &width, &height);
   if (status != RG_OK) return status;
   rg_image image = {.format = RG_FORMAT_GREY8,
-                    .width = camera->width,
-                    .height = camera->height,
+                    .width = frame_width,
+                    .height = frame_height,
                     .ring_rows = RING_ROWS,
                     .planes = {{ring, SENSOR_WIDTH}}};
   rg_target target = {.planes = {{band, SENSOR_WIDTH}},
@@ -48,6 +49,6 @@ rg_status stream_frame(const rg_camera* camera) {
     status = stream_band(camera, &image, &target, width);
     if (status != RG_OK) return status;
   }
-  receive_up_to(camera->height, &image); /* rows that nobody needed */
+  receive_up_to(frame_height, &image); /* rows that nobody needed */
   return RG_OK;
 }

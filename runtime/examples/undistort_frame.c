@@ -30,10 +30,11 @@ static int fail(const char* where, const char* what) {
 }
 
 static int undistort(const rg_camera* camera, const char* in, const char* out) {
-  uint16_t width, height;
+  uint16_t width, height, frame_width, frame_height;
+  rg_frame_size(camera, &frame_width, &frame_height);
   rg_status status = rg_remap_size(camera, &width, &height);
   if (status != RG_OK) return fail("blob", rg_status_text(status));
-  const size_t num_source = (size_t)camera->width * camera->height;
+  const size_t num_source = (size_t)frame_width * frame_height;
   const size_t num_target = (size_t)width * height;
   const size_t frame_size = num_source / 2 * 3,
                target_size = num_target / 2 * 3;
@@ -43,11 +44,11 @@ static int undistort(const rg_camera* camera, const char* in, const char* out) {
   if (read_file(in, source, frame_size) != frame_size)
     return fail(in, "is not an NV12 frame of the size the blob is for");
 
-  const rg_image image = {.format = RG_FORMAT_NV12,
-                          .width = camera->width,
-                          .height = camera->height,
-                          .planes = {{source, camera->width},
-                                     {source + num_source, camera->width}}};
+  const rg_image image = {
+      .format = RG_FORMAT_NV12,
+      .width = frame_width,
+      .height = frame_height,
+      .planes = {{source, frame_width}, {source + num_source, frame_width}}};
   const rg_target target = {
       .planes = {{result, width}, {result + num_target, width}},
       .num_rows = height,

@@ -84,6 +84,11 @@ rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
   return RG_OK;
 }
 
+void rg_frame_size(const rg_camera* camera, uint16_t* width, uint16_t* height) {
+  *width = camera->width;
+  *height = camera->height;
+}
+
 rg_status rg_remap_view(const rg_camera* camera, rg_view* view) {
   const uint8_t* const section = camera->remap;
   const rg_status status = rg_remap_size(camera, &view->width, &view->height);

@@ -42,9 +42,11 @@ std::optional<rg_mode> FindSensorMode(const rg_camera& camera,
   rg_mode mode = {};
   mode.width = width;
   mode.height = height;
-  if (!FindAxis(calibrated.x, calibrated.width, camera.width, crop.x,
-                crop.width, width, &mode.offset_x_q16, &mode.scale_x_q16) ||
-      !FindAxis(calibrated.y, calibrated.height, camera.height, crop.y,
+  uint16_t frame_width, frame_height;
+  rg_frame_size(&camera, &frame_width, &frame_height);
+  if (!FindAxis(calibrated.x, calibrated.width, frame_width, crop.x, crop.width,
+                width, &mode.offset_x_q16, &mode.scale_x_q16) ||
+      !FindAxis(calibrated.y, calibrated.height, frame_height, crop.y,
                 crop.height, height, &mode.offset_y_q16, &mode.scale_y_q16))
     return std::nullopt;
   return mode;
@@ -64,11 +66,12 @@ const char* StreamGuard::serial() const {
 }
 
 std::string StreamGuard::Explain() const {
-  if (rg_match(&camera_, nullptr, camera_.width, camera_.height, serial()) !=
-      RG_MATCH_EXACT)
+  uint16_t width, height;
+  rg_frame_size(&camera_, &width, &height);
+  if (rg_match(&camera_, nullptr, width, height, serial()) != RG_MATCH_EXACT)
     return "is for a camera of another serial number than " + serial_ +
            "; take the blob of this camera";
-  std::string text = "serves frames of " + Size(camera_.width, camera_.height);
+  std::string text = "serves frames of " + Size(width, height);
   if (calibrated_ && last_)
     text += " that show the part " + Text(*calibrated_) +
             " of the sensor, but these are " +
@@ -85,8 +88,9 @@ void StreamGuard::Check(const FrameInfo& info) {
   is_good_ = false;
   last_ = info.crop;
   // Without a word on the calibration, frames of its size are taken for it.
-  if (!calibrated_ && format_.width == camera_.width &&
-      format_.height == camera_.height)
+  uint16_t width, height;
+  rg_frame_size(&camera_, &width, &height);
+  if (!calibrated_ && format_.width == width && format_.height == height)
     calibrated_ = info.crop;
   mode_.reset();
   const bool is_known = calibrated_ && last_;

@@ -160,6 +160,9 @@ static void view_is_told(void** state) {
   (void)state;
   rg_view view;
   rg_camera views;
+  uint16_t width, height;
+  rg_frame_size(&lens, &width, &height);
+  assert_true(width == 160 && height == 120);
   assert_int_equal(rg_remap_view(&lens, &view), RG_OK);
   assert_int_equal(view.projection, RG_PROJECTION_PINHOLE);
   assert_true(view.width == 120 && view.height == 90);

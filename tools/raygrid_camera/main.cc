@@ -75,8 +75,10 @@ void Run(CameraArguments arguments) {
   }
   const Blob blob = OpenBlob(arguments);
   if (arguments.width == 0) {
-    arguments.width = blob.camera.width;
-    arguments.height = blob.camera.height;
+    uint16_t width, height;
+    rg_frame_size(&blob.camera, &width, &height);
+    arguments.width = width;
+    arguments.height = height;
   }
   if (arguments.recording.empty())
     PlayCamera(arguments, blob.camera);
