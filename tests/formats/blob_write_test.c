@@ -157,20 +157,29 @@ static void narrow_grid_is_written_byte_for_byte(void** state) {
                    RG_ERR_ARGUMENT);
 }
 
+/* The camera and the narrow grid of a blob. */
+static void take_narrow_camera(const uint8_t* bytes, uint32_t size,
+                               rg_camera_section* camera, rg_grid_section* grid,
+                               int16_t* residuals, rg_narrow_grid* narrow) {
+  rg_blob blob;
+  assert_int_equal(rg_blob_open(bytes, size, &blob), RG_OK);
+  rg_blob_camera(&blob, camera);
+  rg_blob_grid(&blob, grid);
+  take_narrow(grid->control_points,
+              rg_load_u16(bytes + blob.grid + RG_GRID_FRACTION_BITS),
+              2u * grid->columns * grid->rows, residuals, narrow);
+}
+
 static void bent_tables_are_written_byte_for_byte(void** state) {
   (void)state;
   static int16_t residuals[sizeof(kBentBlob) / 2];
-  rg_blob blob;
-  assert_int_equal(rg_blob_open(kBentBlob, sizeof(kBentBlob), &blob), RG_OK);
   rg_camera_section camera;
   rg_grid_section grid;
-  rg_blob_camera(&blob, &camera);
-  rg_blob_grid(&blob, &grid);
   rg_narrow_grid narrow;
-  take_narrow(grid.control_points, rg_load_u16(kBentBlob + blob.grid + 30),
-              2u * grid.columns * grid.rows, residuals, &narrow);
-  take_remap(kBentBlob + blob.remap, &parts.remap, parts.residuals,
-             parts.bends);
+  take_narrow_camera(kBentBlob, sizeof(kBentBlob), &camera, &grid, residuals,
+                     &narrow);
+  take_remap(rg_find_section(kBentBlob, RG_SECTION_REMAP, 0), &parts.remap,
+             parts.residuals, parts.bends);
   take_second_remap(rg_find_section(kBentBlob, RG_SECTION_REMAP, 1));
   const rg_blob_contents contents = {.camera = &camera,
                                      .grid = &grid,
@@ -193,15 +202,11 @@ static void tables_with_views_are_written_byte_for_byte(void** state) {
   static rg_remap_contents more[5];
   static int16_t narrow_residuals[sizeof(kViewsBlob) / 2];
   static int16_t residuals[5][sizeof(kViewsBlob) / 8];
-  rg_blob blob;
-  assert_int_equal(rg_blob_open(kViewsBlob, sizeof(kViewsBlob), &blob), RG_OK);
   rg_camera_section camera;
   rg_grid_section grid;
-  rg_blob_camera(&blob, &camera);
-  rg_blob_grid(&blob, &grid);
   rg_narrow_grid narrow;
-  take_narrow(grid.control_points, rg_load_u16(kViewsBlob + blob.grid + 30),
-              2u * grid.columns * grid.rows, narrow_residuals, &narrow);
+  take_narrow_camera(kViewsBlob, sizeof(kViewsBlob), &camera, &grid,
+                     narrow_residuals, &narrow);
   for (uint32_t k = 0; k < 5; ++k) {
     take_remap(rg_find_section(kViewsBlob, RG_SECTION_REMAP, k), &tables[k],
                residuals[k], NULL);
