@@ -249,8 +249,9 @@ rg_status rg_remap_view(const rg_camera* camera, rg_view* view);
  *
  * undistorted  within 6e-6 of the virtual camera's focal length (0.003 px if
  *              that is 500 px): of a pinhole up to 85 degrees from its z axis,
- *              of a cylinder up to 85 degrees above and below, of others up to
- *              170 degrees from the z axis; written only when RG_OK is
+ *              of a cylinder up to 85 degrees above and below, of a
+ *              stereographic view up to 140 degrees from its z axis (within
+ *              1e-4 up to 170), of others up to 170; written only when RG_OK is
  *              returned.
  *
  * RG_OK                done

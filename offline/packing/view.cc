@@ -1,6 +1,7 @@
 #include "packing/view.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "camera/opencv.h"
@@ -9,20 +10,24 @@
 namespace raygrid {
 namespace {
 
-// The angle from the middle at which an axis of the plane shows something.
+// The angle from the middle at which an axis of the plane shows something, or
+// at which the projection ends before that.
 double AngleOfAxis(ViewProjection projection, int axis, double coordinate) {
   switch (projection) {
     case ViewProjection::kPinhole:
       return std::atan(coordinate);
     case ViewProjection::kCylindrical:
-      return axis == 0 ? coordinate : std::atan(coordinate);
+      return axis == 0 ? std::clamp(coordinate, -M_PI, M_PI)
+                       : std::atan(coordinate);
     case ViewProjection::kStereographic:
       return 2 * std::atan(coordinate / 2);
     case ViewProjection::kEquirectangular:
+      if (axis == 1) return std::clamp(coordinate, -M_PI / 2, M_PI / 2);
+      break;
     case ViewProjection::kEquidistant:
       break;
   }
-  return coordinate;
+  return std::clamp(coordinate, -M_PI, M_PI);
 }
 
 }  // namespace

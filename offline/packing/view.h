@@ -35,7 +35,8 @@ struct VirtualView {
 };
 
 /// The angle between the outer edges of an image's first and last pixels along
-/// an axis, 0 for x and 1 for y, in degrees.
+/// an axis, 0 for x and 1 for y, in degrees; of an image beyond the ends of its
+/// projection, between these.
 double FieldOfViewDeg(ViewProjection projection, int axis, double focal_px,
                       double center_px, int pixels);
 

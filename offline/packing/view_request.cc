@@ -13,9 +13,9 @@
 namespace raygrid {
 namespace {
 
-// The field of view that projections may have along x and along y, degrees.
-// Where one stretches without bound, an image that shows more of what is far
-// off has little room for the rest.
+// The field of view that projections may have along x and along y, degrees. An
+// image whose projection stretches without bound has little room for the rest
+// if it shows more of what is far off.
 Eigen::Vector2d LargestFieldDeg(ViewProjection projection) {
   switch (projection) {
     case ViewProjection::kPinhole:
@@ -126,7 +126,7 @@ double FocalOf(ViewProjection projection, int axis, double field_deg,
     const double middle = std::sqrt(low * high);
     const double field =
         FieldOfViewDeg(projection, axis, middle, center_px, pixels);
-    (field > field_deg ? low : high) = middle;
+    (field >= field_deg ? low : high) = middle;
   }
   return high;
 }

@@ -71,7 +71,7 @@ class Views(CommandTest):
         forward = [row[2] for row in told["camera_from_view"]]
         self.assertAlmostEqual(math.degrees(math.atan2(forward[0], forward[2])), 30, 6)
         self.assertAlmostEqual(math.degrees(math.asin(forward[1])), 10, 6)
-        # As a camera it has axes of its own; in them a cylinder's height grows with y.
+        # The camera of a view has axes of its own; in them a cylinder's height grows with y.
         camera = self.path("round/c.camera.yaml")
         for a, b in ((0.3, 0.1), (-0.9, -0.4)):
             seen = self.projected(camera, f"{math.sin(a)},{b},{math.cos(a)}\n")[0]

@@ -171,6 +171,25 @@ TEST(VirtualView, OfAnyProjectionHasTheFieldOfViewAskedFor) {
   }
 }
 
+TEST(VirtualView, SeesNoMoreThanItsProjectionShows) {
+  for (const auto& [projection, hfov_deg, vfov_deg] :
+       {std::tuple(ViewProjection::kCylindrical, 360.0, 161.0),
+        std::tuple(ViewProjection::kEquirectangular, 360.0, 180.0),
+        std::tuple(ViewProjection::kEquidistant, 360.0, 360.0)}) {
+    ViewRequest request = RequestOf(kViewedSize);
+    request.projection = projection;
+    request.focal_px = 20;
+    const VirtualView view = MakeView(Example(), request);
+    EXPECT_NEAR(view.HorizontalFieldOfViewDeg(), hfov_deg, 0.1);
+    EXPECT_NEAR(view.VerticalFieldOfViewDeg(), vfov_deg, 0.1);
+    // The whole way around is asked for by the angle, too.
+    request.focal_px.reset();
+    request.hfov_deg = 360;
+    EXPECT_NEAR(MakeView(Example(), request).focal_px.x(),
+                kViewedSize.width / (2 * M_PI), 1e-6);
+  }
+}
+
 TEST(VirtualView, IsTurnedToTheRightThenUpThenClockwise) {
   ViewRequest request = RequestOf(ViewProjection::kPinhole, 60);
   const auto turned = [&](double yaw, double pitch, double roll) {
