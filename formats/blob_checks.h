@@ -41,6 +41,9 @@ static inline const uint8_t* rg_find_entry(const uint8_t* bytes, uint32_t type,
   return 0;
 }
 
+/* A mode by its number, counted from 1, or NULL if the blob lacks it. */
+const uint8_t* rg_find_mode(const uint8_t* bytes, uint32_t number);
+
 /* scale = floor(cells 2^48 / span): cells 2^48 - scale span is at least 0 and
  * less than span. */
 static inline int rg_is_scale(uint32_t scale, uint32_t cells, uint32_t span) {
@@ -69,11 +72,12 @@ rg_status rg_check_grid(const uint8_t* section, uint32_t size,
 rg_status rg_check_line_points(const uint8_t* section, uint32_t size,
                                const uint8_t* grid);
 
-/* A table for source images of a size, but for its vertices.
+/* A table, but for its vertices.
  *
- * source_size  width, and height times 2^16 */
+ * source_size  width, and height times 2^16: that of the camera's images
+ * before, that of the table's source afterwards */
 rg_status rg_check_remap(const uint8_t* section, uint32_t size,
-                         uint32_t source_size);
+                         uint32_t* source_size);
 
 /* Those of a table that was checked. */
 rg_status rg_check_vertices(const uint8_t* section);

@@ -1,4 +1,5 @@
 /* The sections' fields as structures. SPEC.md, "Sections". */
+#include "blob_checks.h"
 #include "bytes.h"
 #include "rg_blob.h"
 
@@ -74,7 +75,16 @@ void rg_read_remap(const uint8_t* section, rg_remap_section* remap) {
   remap->max_error_upx = rg_load_u32(section + RG_REMAP_MAX_ERROR_UPX);
   remap->has_view = (uint8_t)rg_has_view(section);
   remap->projection = RG_PROJECTION_PINHOLE;
-  if (remap->has_view) remap->projection = section[RG_VIEW_PROJECTION];
+  remap->mode = 0;
+  remap->direction = RG_UNDISTORT;
+  remap->source_width = remap->source_height = 0;
+  if (remap->has_view) {
+    remap->projection = section[RG_VIEW_PROJECTION];
+    remap->mode = section[RG_VIEW_MODE];
+    remap->direction = section[RG_VIEW_DIRECTION];
+    remap->source_width = rg_load_u16(section + RG_VIEW_SOURCE_WIDTH);
+    remap->source_height = rg_load_u16(section + RG_VIEW_SOURCE_HEIGHT);
+  }
   for (uint32_t k = 0; k < 9; ++k)
     remap->rotation_q30[k] =
         remap->has_view ? rg_load_i32(section + RG_VIEW_ROTATION + 4 * k)
@@ -133,6 +143,25 @@ void rg_blob_mask(const rg_blob* blob, rg_mask_section* mask) {
   mask->rows = rg_load_u16(section + RG_MASK_ROWS);
   mask->cell_log2 = section[RG_MASK_CELL_LOG2];
   mask->bits = section + rg_load_u32(section + RG_MASK_DATA_OFFSET);
+}
+
+uint32_t rg_blob_num_modes(const rg_blob* blob) {
+  const uint8_t* const entry = rg_find_entry(blob->bytes, RG_SECTION_MODES, 0);
+  return entry ? rg_load_u32(entry + RG_ENTRY_SIZE) / RG_MODE_SIZE : 0;
+}
+
+void rg_blob_mode(const rg_blob* blob, uint32_t index, rg_mode_section* mode) {
+  const uint8_t* const section =
+      blob->bytes + blob->modes + index * RG_MODE_SIZE;
+  mode->width = rg_load_u16(section + RG_MODE_WIDTH);
+  mode->height = rg_load_u16(section + RG_MODE_HEIGHT);
+  mode->offset_x_q16 = rg_load_i32(section + RG_MODE_OFFSET_X);
+  mode->offset_y_q16 = rg_load_i32(section + RG_MODE_OFFSET_Y);
+  mode->scale_x_q16 = rg_load_u32(section + RG_MODE_SCALE_X);
+  mode->scale_y_q16 = rg_load_u32(section + RG_MODE_SCALE_Y);
+  mode->flip_x = section[RG_MODE_FLIP_X];
+  mode->flip_y = section[RG_MODE_FLIP_Y];
+  mode->name = (const char*)(section + RG_MODE_NAME);
 }
 
 void rg_blob_uncertainty(const rg_blob* blob,

@@ -131,11 +131,21 @@ enum rg_remap_field {
  * the bit RG_HAS_VIEW. */
 enum rg_view_field {
   RG_VIEW_PROJECTION = 80, /* u8: rg_projection */
-  RG_VIEW_RESERVED = 81,   /* u8: 0, and a u16 behind it */
-  RG_VIEW_ROTATION = 84    /* i32[9], q30: axes of the view to camera axes, row
+  RG_VIEW_MODE = 81,       /* u8: the mode that real frames are of, counted from
+                              1; 0: frames as calibrated */
+  RG_VIEW_DIRECTION = 82,  /* u8: rg_direction */
+  RG_VIEW_RESERVED = 83,   /* u8: 0 */
+  RG_VIEW_ROTATION = 84,   /* i32[9], q30: axes of the view to camera axes, row
                               by row */
+  RG_VIEW_SOURCE_WIDTH = 120, /* u16: source, px */
+  RG_VIEW_SOURCE_HEIGHT = 122 /* u16: source, px */
 };
-#define RG_VIEW_FIELDS_SIZE 120u /* with those of the table */
+#define RG_VIEW_FIELDS_SIZE 124u /* with those of the table */
+
+enum rg_direction {
+  RG_UNDISTORT, /* frames of the camera become the view */
+  RG_DISTORT    /* frames of the view become those that the camera would see */
+};
 #define RG_HAS_VIEW 0x80u
 #define RG_BEND_SHIFT_BITS 0xfu /* of that byte, the shift itself */
 
@@ -166,11 +176,34 @@ static inline int rg_has_view(const uint8_t* section) {
          rg_load_u32(section + RG_REMAP_DATA_OFFSET) >= RG_VIEW_FIELDS_SIZE;
 }
 
+/* Whether a remap section of so many bytes is of a table that distorts. */
+static inline int rg_distorts(const uint8_t* section, uint32_t size) {
+  return size >= RG_VIEW_FIELDS_SIZE && rg_has_view(section) &&
+         section[RG_VIEW_DIRECTION] == RG_DISTORT;
+}
+
 /* The bytes of a vertex of a remap section. */
 static inline uint32_t rg_vertex_size(const uint8_t* section) {
   return section[RG_REMAP_PART_LOG2] != 0 ? RG_BENT_VERTEX_SIZE
                                           : RG_VERTEX_SIZE;
 }
+
+/* ---- Sensor modes ------------------------------------------------------- */
+
+/* A mode; the section is a row of them. */
+enum rg_mode_field {
+  RG_MODE_WIDTH = 0,     /* u16: its frames, px */
+  RG_MODE_HEIGHT = 2,    /* u16: its frames, px */
+  RG_MODE_OFFSET_X = 4,  /* i32, q16 calibrated px: edge of its first pixel */
+  RG_MODE_OFFSET_Y = 8,  /* i32, q16 calibrated px: edge of its first pixel */
+  RG_MODE_SCALE_X = 12,  /* u32, q16: calibrated px a side of its pixel */
+  RG_MODE_SCALE_Y = 16,  /* u32, q16: calibrated px a side of its pixel */
+  RG_MODE_FLIP_X = 20,   /* u8: 1 if x is counted from the right */
+  RG_MODE_FLIP_Y = 21,   /* u8: 1 if y is counted from the bottom */
+  RG_MODE_RESERVED = 22, /* u16: 0, and two u32 behind it */
+  RG_MODE_NAME = 32      /* u8[32]: UTF-8, then zeros, at least one */
+};
+#define RG_MODE_SIZE 64u
 
 /* ---- Quality ------------------------------------------------------------ */
 

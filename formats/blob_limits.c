@@ -187,31 +187,73 @@ static int is_rotation(const uint8_t* rotation) {
   return (x * r[2][0] + y * r[2][1] + z * r[2][2]) / one > 0;
 }
 
-static rg_status check_view(const uint8_t* section) {
-  if ((rg_load_u32(section + RG_VIEW_PROJECTION) >> 8) != 0)
-    return RG_ERR_RESERVED;
-  return section[RG_VIEW_PROJECTION] < RG_NUM_PROJECTIONS &&
-                 is_rotation(section + RG_VIEW_ROTATION)
-             ? RG_OK
-             : RG_ERR_REMAP_CAMERA;
+/* The real frames, which are one side of the table, are of the mode that it
+ * names, or of the camera. Either begins with width and height. */
+static rg_status check_real_size(const uint8_t* bytes, const uint8_t* section,
+                                 const uint8_t* camera) {
+  const uint32_t mode = section[RG_VIEW_MODE];
+  const uint8_t* const real = mode != 0 ? rg_find_mode(bytes, mode) : camera;
+  if (!real) return RG_ERR_MODE;
+  const uint8_t* const size = section[RG_VIEW_DIRECTION] == RG_DISTORT
+                                  ? section + RG_REMAP_WIDTH
+                                  : section + RG_VIEW_SOURCE_WIDTH;
+  return rg_load_u32(size) == rg_load_u32(real) ? RG_OK : RG_ERR_REMAP_SIZE;
 }
 
-static rg_status check_remap(const uint8_t* section, uint32_t size,
-                             const uint8_t* camera) {
+static rg_status check_view(const uint8_t* bytes, const uint8_t* section,
+                            const uint8_t* camera) {
+  if (section[RG_VIEW_RESERVED] != 0 || section[RG_VIEW_DIRECTION] > RG_DISTORT)
+    return RG_ERR_RESERVED;
+  if (section[RG_VIEW_PROJECTION] >= RG_NUM_PROJECTIONS ||
+      !is_rotation(section + RG_VIEW_ROTATION))
+    return RG_ERR_REMAP_CAMERA;
+  return check_real_size(bytes, section, camera);
+}
+
+static rg_status check_mode(const uint8_t* mode) {
+  if ((rg_load_u16(mode + RG_MODE_RESERVED) |
+       rg_load_u32(mode + RG_MODE_RESERVED + 2) |
+       rg_load_u32(mode + RG_MODE_RESERVED + 6)) != 0)
+    return RG_ERR_RESERVED;
+  if (mode[RG_MODE_NAME + RG_TEXT_SIZE - 1] != 0) return RG_ERR_TEXT;
+  for (uint32_t c = 0; c < 2; ++c) {
+    const int32_t offset_q16 = rg_load_i32(mode + RG_MODE_OFFSET_X + 4 * c);
+    const uint32_t scale_q16 = rg_load_u32(mode + RG_MODE_SCALE_X + 4 * c);
+    if (rg_load_u16(mode + RG_MODE_WIDTH + 2 * c) - 1u >= RG_MAX_IMAGE_SIZE ||
+        scale_q16 < RG_MIN_MODE_SCALE_Q16 ||
+        scale_q16 > RG_MAX_MODE_SCALE_Q16 ||
+        offset_q16 >= RG_MODE_OFFSET_LIMIT_Q16 ||
+        offset_q16 <= -RG_MODE_OFFSET_LIMIT_Q16 || mode[RG_MODE_FLIP_X + c] > 1)
+      return RG_ERR_MODE;
+  }
+  return RG_OK;
+}
+
+static rg_status check_modes(const uint8_t* section, uint32_t size) {
+  if (size % RG_MODE_SIZE != 0 || size / RG_MODE_SIZE > RG_MAX_MODES)
+    return RG_ERR_SECTION_SIZE;
+  rg_status status = RG_OK;
+  for (uint32_t at = 0; at < size && status == RG_OK; at += RG_MODE_SIZE)
+    status = check_mode(section + at);
+  return status;
+}
+
+static rg_status check_remap(const uint8_t* bytes, const uint8_t* section,
+                             uint32_t size, const uint8_t* camera) {
   const int has_view = (section[RG_REMAP_BEND_SHIFT] & RG_HAS_VIEW) != 0;
   if (section[RG_REMAP_PART_LOG2] == 0 && rg_bend_shift(section) != 0)
     return RG_ERR_RESERVED;
   if (has_view &&
       rg_load_u32(section + RG_REMAP_DATA_OFFSET) < RG_VIEW_FIELDS_SIZE)
     return RG_ERR_DATA_OFFSET;
-  rg_status status =
-      rg_check_remap(section, size, rg_load_u32(camera + RG_CAMERA_WIDTH));
+  uint32_t source_size = rg_load_u32(camera + RG_CAMERA_WIDTH);
+  rg_status status = rg_check_remap(section, size, &source_size);
   if (status == RG_OK) status = rg_check_vertices(section);
   if (status != RG_OK) return status;
   if (rg_load_u32(section + RG_REMAP_FX) == 0 ||
       rg_load_u32(section + RG_REMAP_FY) == 0)
     return RG_ERR_REMAP_CAMERA;
-  return has_view ? check_view(section) : RG_OK;
+  return has_view ? check_view(bytes, section, camera) : RG_OK;
 }
 
 /* A section's fields and arrays, by those of the camera and the grid, which may
@@ -228,13 +270,15 @@ static rg_status check_section(const uint8_t* bytes, const uint8_t* entry,
     case RG_SECTION_CENTRAL_GRID:
       return check_grid(section, size, camera);
     case RG_SECTION_REMAP:
-      return check_remap(section, size, camera);
+      return check_remap(bytes, section, size, camera);
     case RG_SECTION_LINE_POINTS:
       return check_line_points(section, size, grid);
     case RG_SECTION_MASK:
       return check_mask(section, size, camera);
     case RG_SECTION_UNCERTAINTY:
       return check_uncertainty(section, size, grid);
+    case RG_SECTION_MODES:
+      return check_modes(section, size);
     case RG_SECTION_INVERSE:
       return check_grid(section, size, 0);
     default:
@@ -293,5 +337,6 @@ rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {
   blob->line_points = offset_of(first, RG_SECTION_LINE_POINTS);
   blob->mask = offset_of(first, RG_SECTION_MASK);
   blob->uncertainty = offset_of(first, RG_SECTION_UNCERTAINTY);
+  blob->modes = offset_of(first, RG_SECTION_MODES);
   return RG_OK;
 }

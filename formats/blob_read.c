@@ -15,7 +15,7 @@ static const uint8_t kFieldsSizes[RG_NUM_SECTION_TYPES] = {
     RG_LINE_POINTS_FIELDS_SIZE,
     RG_MASK_FIELDS_SIZE,
     RG_UNCERTAINTY_FIELDS_SIZE,
-    0,
+    RG_MODE_SIZE,
     0, /* a start for projection, until version 1.2 */
     RG_GRID_FIELDS_SIZE};
 

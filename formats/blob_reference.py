@@ -33,7 +33,8 @@ CAMERA = struct.Struct("<HHI32s32s")
 GRID = struct.Struct("<4i2H2I2H2I")
 PLANE = struct.Struct("<6i")
 REMAP = struct.Struct("<4H4B4i6i2I2i3I")
-REMAP_WITH_VIEW = struct.Struct(REMAP.format + "BBH9i")
+REMAP_WITH_VIEW = struct.Struct(REMAP.format + "4B9i2H")
+MODE = struct.Struct("<2H2i2I2BH2I32s")
 QUALITY = struct.Struct("<10I")
 INVERSE = struct.Struct("<4i2H2I2HIi")
 LINE_POINTS = struct.Struct("<2HI")
@@ -48,14 +49,15 @@ TYPE_QUALITY = 4
 TYPE_LINE_POINTS = 5
 TYPE_MASK = 6
 TYPE_UNCERTAINTY = 7
+TYPE_MODES = 8
 TYPE_INVERSE = 10
 CRITICAL = 1
 FLAGS_OF_TYPE = {TYPE_CAMERA: CRITICAL, TYPE_GRID: CRITICAL, TYPE_REMAP: 0, TYPE_QUALITY: 0,
                  TYPE_LINE_POINTS: CRITICAL, TYPE_MASK: 0, TYPE_UNCERTAINTY: 0,
-                 TYPE_INVERSE: 0}
+                 TYPE_MODES: 0, TYPE_INVERSE: 0}
 REQUIRED_TYPES = (TYPE_CAMERA, TYPE_GRID)
 SINGLE_TYPES = (TYPE_CAMERA, TYPE_GRID, TYPE_QUALITY, TYPE_LINE_POINTS,
-                TYPE_MASK, TYPE_UNCERTAINTY, TYPE_INVERSE)
+                TYPE_MASK, TYPE_UNCERTAINTY, TYPE_MODES, TYPE_INVERSE)
 
 MAX_IMAGE_SIDE = 16384
 MAX_REMAP_SIDE = 8192
@@ -77,6 +79,10 @@ HAS_VIEW = 0x80  # of bend_shift's byte
 PROJECTIONS = ("pinhole", "cylindrical", "equirectangular", "stereographic", "equidistant")
 ONE_Q30 = 1 << 30
 ROTATION_TOLERANCE_Q30 = 1 << 10
+UNDISTORT, DISTORT = 0, 1
+MODE_SCALES_Q16 = range(1 << 10, (64 << 16) + 1)
+MODE_OFFSET_LIMIT_Q16 = 1 << 30
+MAX_MODES = 255
 CHROMA_PART_LOG2 = 4
 VERTEX_LIMIT_Q12 = 1 << 25
 CHART_LIMIT_Q27 = 1 << 29
@@ -175,12 +181,23 @@ class CentralGrid:
                      in zip(self.control_points, plane_points(self, self.plane)))
 
 
+class Size(NamedTuple):
+    """A frame's size in pixels."""
+
+    width: int
+    height: int
+
+
 @dataclass(frozen=True)
 class View:
-    """Views: an index of PROJECTIONS, and the rotation's nine numbers in q30, row by row."""
+    """Views: an index of PROJECTIONS, the rotation's nine numbers in q30, row by row, the size of
+    the source, the mode's number or 0, and UNDISTORT or DISTORT."""
 
     projection: int
     rotation: tuple[int, ...]
+    source: Size
+    mode: int = 0
+    direction: int = UNDISTORT
 
 
 @dataclass(frozen=True)
@@ -221,6 +238,18 @@ class Remap:
     def rows(self) -> int:
         """Remap: vertices down."""
         return ceil_divide(self.height, 1 << self.block_log2) + 1
+
+
+@dataclass(frozen=True)
+class Mode:
+    """Sensor modes (type 8): one of them. Offsets and scales are q16."""
+
+    width: int
+    height: int
+    offset: Pair
+    scale: Pair
+    flips: Pair
+    name: str
 
 
 @dataclass(frozen=True)
@@ -286,6 +315,7 @@ class Blob:
     line_points: tuple[tuple[int, int, int], ...] | None = None
     mask: Mask | None = None
     uncertainty: Uncertainty | None = None
+    modes: tuple[Mode, ...] = ()
 
 
 def ceil_divide(a: int, b: int) -> int:
@@ -427,7 +457,9 @@ def parse(data: bytes) -> Blob:
     table = read_table(data, read_header(data))
     camera = read_camera(first_section(data, table, TYPE_CAMERA))
     grid = read_grid(first_section(data, table, TYPE_GRID), camera)
-    readers = {TYPE_REMAP: lambda section: read_remap(section, camera),
+    sizes = mode_sizes(next(sections(data, table, TYPE_MODES), b""))
+    readers = {TYPE_REMAP: lambda section: read_remap(section, camera, sizes),
+               TYPE_MODES: read_modes,
                TYPE_QUALITY: read_quality,
                TYPE_LINE_POINTS: lambda section: read_line_points(section, grid),
                TYPE_MASK: lambda section: read_valid_mask(section, camera),
@@ -440,7 +472,7 @@ def parse(data: bytes) -> Blob:
     first = {kind: next(iter(values), None) for kind, values in found.items()}
     return Blob(camera, grid, first[TYPE_REMAP], first[TYPE_QUALITY], first[TYPE_INVERSE],
                 tuple(found[TYPE_REMAP][1:]), first[TYPE_LINE_POINTS], first[TYPE_MASK],
-                first[TYPE_UNCERTAINTY])
+                first[TYPE_UNCERTAINTY], first[TYPE_MODES] or ())
 
 
 def sections(data: bytes, table: list[Entry], wanted: int) -> Iterator[bytes]:
@@ -568,7 +600,33 @@ def read_control_points(array: bytes) -> tuple[Pair, ...]:
     return points
 
 
-def read_remap(section: bytes, camera: Camera) -> Remap:
+def mode_sizes(section: bytes) -> list[Size]:
+    """Sensor modes: the sizes that tables are compared with, wherever that section stands."""
+    whole = section[:len(section) // MODE.size * MODE.size]
+    return [Size(*fields[:2]) for fields in MODE.iter_unpack(whole)]
+
+
+def read_modes(section: bytes) -> tuple[Mode, ...]:
+    """Sensor modes (type 8)."""
+    require(len(section) % MODE.size == 0 and 1 <= len(section) // MODE.size <= MAX_MODES,
+            "RG_ERR_SECTION_SIZE", f"the modes have {len(section)} bytes")
+    return tuple(map(read_mode, MODE.iter_unpack(section)))
+
+
+def read_mode(fields: tuple) -> Mode:
+    """Sensor modes: one of them."""
+    width, height, *numbers, name = fields
+    offset, scale, flips, reserved = numbers[:2], numbers[2:4], numbers[4:6], numbers[6:]
+    require(not any(reserved), "RG_ERR_RESERVED", f"reserved fields of the mode are {reserved}")
+    text = read_text(name, "mode")
+    require(all(1 <= side <= MAX_IMAGE_SIDE for side in (width, height))
+            and all(abs(edge) < MODE_OFFSET_LIMIT_Q16 for edge in offset)
+            and all(size in MODE_SCALES_Q16 for size in scale)
+            and all(flip in (0, 1) for flip in flips), "RG_ERR_MODE", f"the mode is {fields}")
+    return Mode(width, height, tuple(offset), tuple(scale), tuple(flips), text)
+
+
+def read_remap(section: bytes, camera: Camera, modes: list[Size]) -> Remap:
     """Remap (type 3)."""
     fields = unpack_fields(REMAP, section, "remap")
     layout = REMAP_WITH_VIEW if fields[7] & HAS_VIEW else REMAP
@@ -579,29 +637,46 @@ def read_remap(section: bytes, camera: Camera) -> Remap:
                   fields[14:16], fields[16:18], *fields[18:24], vertices=(), empty_blocks=(),
                   part_log2=part_log2, bend_shift=bend_shift, view=read_view(fields[25:]))
     data_offset = fields[24]
-    check_remap_size(remap, camera)
+    source = camera if remap.view is None else remap.view.source
+    check_remap_size(remap)
     check_remap_blocks(remap, columns, rows)
     require(residual_shift <= MAX_RESIDUAL_SHIFT, "RG_ERR_REMAP_SHIFT",
             f"residual_shift is {residual_shift}")
     require(bend_shift <= MAX_BEND_SHIFT, "RG_ERR_REMAP_SHIFT", f"bend_shift is {bend_shift}")
-    check_source_range(remap.min_x, remap.max_x, camera.width, "x")
-    check_source_range(remap.min_y, remap.max_y, camera.height, "y")
-    require(remap.fx != 0 and remap.fy != 0, "RG_ERR_REMAP_CAMERA", "fx or fy is 0")
     check_data_offset(data_offset, layout, "remap")
-    return read_remap_arrays(section, data_offset, remap)
+    remap = read_remap_arrays(section, data_offset, remap)
+    check_source(remap, source)
+    require(remap.fx != 0 and remap.fy != 0, "RG_ERR_REMAP_CAMERA", "fx or fy is 0")
+    if remap.view is not None:
+        check_view(remap, camera, modes)
+    return remap
 
 
 def read_view(fields: tuple[int, ...]) -> View | None:
     """Views: projection, reserved fields and rotation."""
     if not fields:
         return None
-    projection, *reserved = fields[:3]
-    rotation = fields[3:]
-    require(not any(reserved), "RG_ERR_RESERVED", f"reserved fields of the view are {reserved}")
-    require(projection < len(PROJECTIONS), "RG_ERR_REMAP_CAMERA", f"projection is {projection}")
+    projection, mode, direction, reserved = fields[:4]
+    require(reserved == 0, "RG_ERR_RESERVED", f"the reserved field of the view is {reserved}")
+    return View(projection, fields[4:13], Size(*fields[13:]), mode, direction)
+
+
+def check_view(remap: Remap, camera: Camera, modes: list[Size]) -> None:
+    """Views: projection, rotation and direction; real frames have the size of the mode that is
+    named, or of the camera's images."""
+    view = remap.view
+    rotation = view.rotation
+    require(view.direction in (UNDISTORT, DISTORT), "RG_ERR_RESERVED",
+            f"direction is {view.direction}")
+    require(view.projection < len(PROJECTIONS), "RG_ERR_REMAP_CAMERA",
+            f"projection is {view.projection}")
     require(is_rotation([rotation[:3], rotation[3:6], rotation[6:]]), "RG_ERR_REMAP_CAMERA",
             f"{rotation} is no rotation")
-    return View(projection, rotation)
+    require(view.mode <= len(modes), "RG_ERR_MODE", f"there is no mode {view.mode}")
+    real = modes[view.mode - 1] if view.mode else camera
+    frames = remap if view.direction == DISTORT else view.source
+    require((frames.width, frames.height) == (real.width, real.height), "RG_ERR_REMAP_SIZE",
+            f"real frames have {frames.width} x {frames.height} pixels")
 
 
 def is_rotation(rows: list[tuple[int, ...]]) -> bool:
@@ -617,14 +692,20 @@ def is_rotation(rows: list[tuple[int, ...]]) -> bool:
         for i in range(3) for j in range(i, 3))
 
 
-def check_remap_size(remap: Remap, camera: Camera) -> None:
-    """Remap: limits of the sizes of source and output."""
+def check_remap_size(remap: Remap) -> None:
+    """Remap: limits of the size of the output."""
     for side in (remap.width, remap.height):
         require(1 <= side <= MAX_REMAP_SIDE, "RG_ERR_REMAP_SIZE",
                 f"the output has {remap.width} x {remap.height} pixels")
-    for side in (camera.width, camera.height):
+
+
+def check_source(remap: Remap, source: Camera | Size) -> None:
+    """Remap: limits of the source's size, and its rectangle."""
+    for side in (source.width, source.height):
         require(MIN_REMAP_SOURCE <= side <= MAX_REMAP_SIDE, "RG_ERR_REMAP_SIZE",
-                f"the source has {camera.width} x {camera.height} pixels")
+                f"the source has {source.width} x {source.height} pixels")
+    check_source_range(remap.min_x, remap.max_x, source.width, "x")
+    check_source_range(remap.min_y, remap.max_y, source.height, "y")
 
 
 def check_remap_blocks(remap: Remap, columns: int, rows: int) -> None:
@@ -1155,10 +1236,11 @@ def vertex_coordinate(remap: Remap, index: int, axis: int) -> int:
 def remap_grey(blob: Blob, source: bytes, border: int) -> bytes:
     """Remap arithmetic: the whole output of a source image of 8 bits a pixel."""
     require(0 <= border <= 255, "RG_ERR_ARGUMENT", f"the border value is {border}")
-    camera = blob.camera
-    require(len(source) == camera.width * camera.height, "RG_ERR_FRAME_SIZE",
-            f"{len(source)} bytes are not a frame of {camera.width} x {camera.height}")
-    rows = remap_lattice(blob, Lattice(0, 0, 0, 0), sample_rows(source, camera.width),
+    view = blob.remap.view
+    size = blob.camera if view is None else view.source
+    require(len(source) == size.width * size.height, "RG_ERR_FRAME_SIZE",
+            f"{len(source)} bytes are not a frame of {size.width} x {size.height}")
+    rows = remap_lattice(blob, Lattice(0, 0, 0, 0), sample_rows(source, size.width),
                          bits=8, border=border)
     return bytes(value for row in rows for value in row)
 
@@ -1391,6 +1473,8 @@ def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
     """Type and bytes of each section, camera and grid first."""
     yield TYPE_CAMERA, pack_camera(blob.camera)
     yield TYPE_GRID, pack_grid(blob.grid)
+    if blob.modes:
+        yield TYPE_MODES, b"".join(map(pack_mode, blob.modes))
     for remap in () if blob.remap is None else (blob.remap, *blob.more_remaps):
         yield TYPE_REMAP, pack_remap(remap)
     if blob.quality is not None:
@@ -1408,7 +1492,8 @@ def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
 def minor_version(packed: list[tuple[int, bytes]]) -> int:
     """Duties, "A writer": the minor version whose fields it uses."""
     remaps = [REMAP.unpack_from(section) for kind, section in packed if kind == TYPE_REMAP]
-    if any(fields[7] & HAS_VIEW for fields in remaps):
+    if any(fields[7] & HAS_VIEW for fields in remaps) or any(
+            kind == TYPE_MODES for kind, _ in packed):
         return 5
     if any(fields[6] for fields in remaps):
         return 4
@@ -1466,7 +1551,10 @@ def pack_narrow_points(grid: CentralGrid) -> bytes:
 
 def pack_remap(remap: Remap) -> bytes:
     """Remap (type 3)."""
-    view = () if remap.view is None else (remap.view.projection, 0, 0, *remap.view.rotation)
+    view = ()
+    if remap.view is not None:
+        view = (remap.view.projection, remap.view.mode, remap.view.direction, 0,
+                *remap.view.rotation, remap.view.source.width, remap.view.source.height)
     layout = REMAP_WITH_VIEW if view else REMAP
     fields = layout.pack(remap.width, remap.height, remap.columns, remap.rows,
                          remap.block_log2, remap.residual_shift, remap.part_log2,
@@ -1508,6 +1596,12 @@ def pack_inverse(inverse: InverseGrid) -> bytes:
                           grid.scale_x, grid.scale_y, CHART_STEREOGRAPHIC, grid.fraction_bits,
                           INVERSE.size, inverse.cos_limit)
     return fields + pack_narrow_points(grid)
+
+
+def pack_mode(mode: Mode) -> bytes:
+    """Sensor modes: one of them."""
+    return MODE.pack(mode.width, mode.height, *mode.offset, *mode.scale, *mode.flips, 0, 0, 0,
+                     pack_text(mode.name))
 
 
 def pack_pairs(layout: str, pairs: Iterable[Pair]) -> bytes:
@@ -1569,6 +1663,8 @@ def inspect_lines(data: bytes) -> Iterator[str]:
             yield from field_lines(title, section)
     if blob.inverse is not None:
         yield f"  cos_limit: {blob.inverse.cos_limit}"
+    for mode in blob.modes:
+        yield from field_lines("mode", mode)
 
 
 def hexdump_lines(data: bytes) -> Iterator[str]:

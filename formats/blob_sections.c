@@ -58,12 +58,23 @@ rg_status rg_check_line_points(const uint8_t* section, uint32_t size,
                          RG_LINE_POINT_SIZE * num_control_points(grid));
 }
 
+const uint8_t* rg_find_mode(const uint8_t* bytes, uint32_t number) {
+  const uint8_t* const entry = rg_find_entry(bytes, RG_SECTION_MODES, 0);
+  if (!entry || number - 1 >= rg_load_u32(entry + RG_ENTRY_SIZE) / RG_MODE_SIZE)
+    return 0;
+  return bytes + rg_load_u32(entry + RG_ENTRY_OFFSET) +
+         (number - 1) * RG_MODE_SIZE;
+}
+
 rg_status rg_check_remap(const uint8_t* section, uint32_t size,
-                         uint32_t source_size) {
+                         uint32_t* source_size) {
+  if (size >= RG_VIEW_FIELDS_SIZE &&
+      (section[RG_REMAP_BEND_SHIFT] & RG_HAS_VIEW) != 0)
+    *source_size = rg_load_u32(section + RG_VIEW_SOURCE_WIDTH);
   /* Less 1, all sizes are below 2^13. */
   const uint32_t last = rg_load_u32(section + RG_REMAP_WIDTH) - BOTH(1);
-  const uint32_t last_source = source_size - BOTH(1);
-  if (((last | last_source | (source_size - BOTH(RG_MIN_REMAP_SOURCE))) &
+  const uint32_t last_source = *source_size - BOTH(1);
+  if (((last | last_source | (*source_size - BOTH(RG_MIN_REMAP_SOURCE))) &
        ~BOTH(RG_MAX_REMAP_SIZE - 1)) != 0)
     return RG_ERR_REMAP_SIZE;
 

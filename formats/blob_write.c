@@ -57,7 +57,7 @@ static uint32_t num_sections(const rg_blob_contents* contents) {
   return 2u + (contents->remap != 0) + contents->num_more_remaps +
          (contents->quality != 0) + (contents->line_points_q28 != 0) +
          (contents->mask != 0) + (contents->uncertainty != 0) +
-         (contents->inverse != 0);
+         (contents->inverse != 0) + (contents->num_modes != 0);
 }
 
 uint32_t rg_blob_size(const rg_blob_contents* contents) {
@@ -72,7 +72,7 @@ uint32_t rg_blob_size(const rg_blob_contents* contents) {
   if (contents->mask) size += valid_mask_size(contents->mask);
   if (contents->uncertainty) size += uncertainty_size(contents->uncertainty);
   if (contents->inverse) size += inverse_size(contents->inverse);
-  return size;
+  return size + RG_MODE_SIZE * contents->num_modes;
 }
 
 uint32_t rg_grid_scale_q32(uint32_t cells, uint32_t span) {
@@ -142,8 +142,11 @@ static void write_bits(const uint8_t* bits, uint32_t num_bits, uint8_t* bytes) {
 static void write_view(const rg_remap_section* remap, uint8_t* section) {
   section[RG_REMAP_BEND_SHIFT] = (uint8_t)(remap->bend_shift | RG_HAS_VIEW);
   section[RG_VIEW_PROJECTION] = remap->projection;
+  section[RG_VIEW_MODE] = remap->mode;
+  section[RG_VIEW_DIRECTION] = remap->direction;
   section[RG_VIEW_RESERVED] = 0;
-  rg_store_u16(section + RG_VIEW_RESERVED + 1, 0);
+  rg_store_u16(section + RG_VIEW_SOURCE_WIDTH, remap->source_width);
+  rg_store_u16(section + RG_VIEW_SOURCE_HEIGHT, remap->source_height);
   for (uint32_t k = 0; k < 9; ++k)
     rg_store_i32(section + RG_VIEW_ROTATION + 4 * k, remap->rotation_q30[k]);
 }
@@ -251,6 +254,19 @@ static void write_uncertainty(const rg_uncertainty_section* uncertainty,
   if (count % 2 != 0) rg_store_u16(data + 2 * count, 0);
 }
 
+static void write_mode(const rg_mode_section* mode, uint8_t* section) {
+  rg_store_u16(section + RG_MODE_WIDTH, mode->width);
+  rg_store_u16(section + RG_MODE_HEIGHT, mode->height);
+  rg_store_i32(section + RG_MODE_OFFSET_X, mode->offset_x_q16);
+  rg_store_i32(section + RG_MODE_OFFSET_Y, mode->offset_y_q16);
+  rg_store_u32(section + RG_MODE_SCALE_X, mode->scale_x_q16);
+  rg_store_u32(section + RG_MODE_SCALE_Y, mode->scale_y_q16);
+  section[RG_MODE_FLIP_X] = mode->flip_x;
+  section[RG_MODE_FLIP_Y] = mode->flip_y;
+  memset(section + RG_MODE_RESERVED, 0, RG_MODE_NAME - RG_MODE_RESERVED);
+  memcpy(section + RG_MODE_NAME, mode->name, RG_TEXT_SIZE);
+}
+
 typedef struct section_writer {
   uint8_t* bytes;
   uint8_t* entry;
@@ -298,6 +314,14 @@ static void write_new_sections(const rg_blob_contents* contents,
                                 inverse_size(contents->inverse)));
 }
 
+static void write_modes(const rg_blob_contents* contents,
+                        section_writer* writer) {
+  uint8_t* const section = begin_section(writer, RG_SECTION_MODES, 0,
+                                         RG_MODE_SIZE * contents->num_modes);
+  for (uint32_t k = 0; k < contents->num_modes; ++k)
+    write_mode(&contents->modes[k], section + RG_MODE_SIZE * k);
+}
+
 static void write_sections(const rg_blob_contents* contents,
                            section_writer* writer) {
   write_camera(contents->camera,
@@ -305,6 +329,7 @@ static void write_sections(const rg_blob_contents* contents,
                              RG_CAMERA_SIZE));
   write_grid(contents, begin_section(writer, RG_SECTION_CENTRAL_GRID,
                                      RG_SECTION_CRITICAL, grid_size(contents)));
+  if (contents->num_modes != 0) write_modes(contents, writer);
   if (contents->remap)
     begin_remap(contents->remap, contents->residuals, writer);
   for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
@@ -333,6 +358,7 @@ static uint16_t version_of_remaps(const rg_blob_contents* contents) {
 
 /* The lowest minor version that has what the blob uses. */
 static uint16_t minor_version(const rg_blob_contents* contents) {
+  if (contents->num_modes != 0) return 5;
   const uint16_t version = version_of_remaps(contents);
   if (version != 0) return version;
   if (contents->inverse) return 3;
@@ -381,6 +407,7 @@ static rg_status check_counts(const rg_blob_contents* contents) {
       contents->grid->rows > RG_MAX_GRID_SIZE)
     return RG_ERR_GRID_SIZE;
   if (num_sections(contents) > RG_MAX_SECTIONS) return RG_ERR_HEADER;
+  if (contents->num_modes > RG_MAX_MODES) return RG_ERR_MODE;
   if (contents->remap && !has_blocks(contents->remap))
     return RG_ERR_REMAP_BLOCK;
   for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
@@ -422,6 +449,9 @@ static int is_complete(const rg_blob_contents* contents) {
   if (contents->inverse &&
       (!contents->inverse_points || !contents->inverse_points->residuals))
     return 0;
+  if (contents->num_modes != 0 && !contents->modes) return 0;
+  for (uint32_t k = 0; k < contents->num_modes; ++k)
+    if (!contents->modes[k].name) return 0;
   return (!contents->mask || contents->mask->bits) &&
          (!contents->uncertainty || contents->uncertainties_q12);
 }

@@ -33,6 +33,7 @@ enum rg_section_type {
   RG_SECTION_LINE_POINTS = 5,
   RG_SECTION_MASK = 6,
   RG_SECTION_UNCERTAINTY = 7,
+  RG_SECTION_MODES = 8,
   RG_SECTION_INVERSE = 10,
   RG_NUM_SECTION_TYPES
 };
@@ -50,6 +51,10 @@ enum rg_section_type {
 #define RG_VERTEX_LIMIT_Q12 (INT32_C(1) << 25) /* 8192 px */
 #define RG_MAX_RESIDUAL_SHIFT 10u
 #define RG_MAX_BEND_SHIFT 10u
+#define RG_MAX_MODES 255u
+#define RG_MIN_MODE_SCALE_Q16 (UINT32_C(1) << 10) /* 1/64 */
+#define RG_MAX_MODE_SCALE_Q16 (UINT32_C(64) << 16)
+#define RG_MODE_OFFSET_LIMIT_Q16 (INT32_C(1) << 30)  /* 16384 px */
 #define RG_ROTATION_TOLERANCE_Q30 (INT32_C(1) << 10) /* of products of rows */
 #define RG_LINE_POINT_BITS 28u                       /* fraction bits */
 #define RG_LINE_POINT_LIMIT 0x7f000000               /* 7.9375 m in q28 */
@@ -103,8 +108,11 @@ typedef struct rg_remap_section {
   int32_t row_step_x_q12, row_step_y_q12;
   uint32_t fx_q16, fy_q16; /* the virtual camera of the output */
   int32_t cx_q16, cy_q16;
-  uint8_t has_view;            /* 0: a pinhole in camera axes */
-  uint8_t projection;          /* with a view: rg_projection */
+  uint8_t has_view;   /* 0: a pinhole in camera axes, of frames as calibrated */
+  uint8_t projection; /* with a view: rg_projection */
+  uint8_t mode;       /* and the mode of real frames, from 1; or 0 */
+  uint8_t direction;  /* and rg_direction */
+  uint16_t source_width, source_height; /* and the source's size, pixels */
   int32_t rotation_q30[9];     /* and its axes to camera axes, row by row */
   uint32_t bound_upx;          /* geometric error asked for, micropixels */
   uint32_t max_error_upx;      /* and measured over all output pixels */
@@ -114,6 +122,17 @@ typedef struct rg_remap_section {
   const uint8_t* empty_blocks; /* a bit a block, row-major, LSB first; 1: no
                                   pixel of it has a source */
 } rg_remap_section;
+
+/* A sensor mode: how its frames lie in those that were calibrated. Its pixel
+ * (i, j), counted from the other side where flipped, covers the calibrated
+ * pixels from (offset + scale i) on, scale of them a side. */
+typedef struct rg_mode_section {
+  uint16_t width, height; /* its frames, pixels */
+  int32_t offset_x_q16, offset_y_q16;
+  uint32_t scale_x_q16, scale_y_q16;
+  uint8_t flip_x, flip_y;
+  const char* name; /* RG_TEXT_SIZE bytes: UTF-8, then at least one zero */
+} rg_mode_section;
 
 /* The figures known of the calibration. RG_UNKNOWN_FIGURE where not measured.
  */
@@ -155,7 +174,7 @@ typedef struct rg_blob {
   const uint8_t* bytes;
   uint32_t size;
   uint32_t camera, grid, remap, quality, inverse;
-  uint32_t line_points, mask, uncertainty;
+  uint32_t line_points, mask, uncertainty, modes;
 } rg_blob;
 
 /* Validates num_bytes bytes, by every limit of SPEC.md, and finds the sections.
@@ -180,6 +199,10 @@ void rg_blob_inverse(const rg_blob* blob, rg_inverse_section* inverse);
 void rg_blob_mask(const rg_blob* blob, rg_mask_section* mask);
 void rg_blob_uncertainty(const rg_blob* blob,
                          rg_uncertainty_section* uncertainty);
+
+/* How many modes a blob has, and the index-th of them, counted from 0. */
+uint32_t rg_blob_num_modes(const rg_blob* blob);
+void rg_blob_mode(const rg_blob* blob, uint32_t index, rg_mode_section* mode);
 
 /* Triples of i32 q28 metres of a non-central camera, as many as control points;
  * blob->line_points must not be 0. */
@@ -213,6 +236,8 @@ typedef struct rg_blob_contents {
   const rg_narrow_grid* inverse_points; /* of it */
   const rg_remap_contents* more_remaps; /* behind the first */
   uint32_t num_more_remaps;
+  const rg_mode_section* modes; /* those that tables name */
+  uint32_t num_modes;
   const int32_t* line_points_q28;            /* NULL: a central camera */
   const rg_mask_section* mask;               /* NULL: none */
   const rg_uncertainty_section* uncertainty; /* NULL: none */

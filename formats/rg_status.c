@@ -71,6 +71,8 @@ const char* rg_status_text(rg_status status) {
       return "cells of the validity mask out of range";
     case RG_ERR_UNCERTAINTY:
       return "values or scale of the uncertainty out of range";
+    case RG_ERR_MODE:
+      return "sensor mode out of range, or a table's mode is missing";
     case RG_ERR_OUTSIDE_AREA:
       return "pixel lies outside the calibrated area";
     case RG_ERR_NO_REMAP:

@@ -39,10 +39,11 @@ typedef struct rg_camera {
   const uint8_t* blob;
   const uint8_t* grid; /* sections; NULL where there is none: */
   const uint8_t* inverse;
-  const uint8_t* line_points; /* not the section, but its first point */
-  const uint8_t* remap;       /* the one in use */
-  uint16_t width, height;
-  uint16_t surface; /* the kernels of rays */
+  const uint8_t* line_points;         /* not the section, but its first point */
+  const uint8_t* remap;               /* the one in use */
+  uint16_t width, height;             /* frames as calibrated */
+  uint16_t frame_width, frame_height; /* frames that the table takes */
+  uint16_t surface;                   /* the kernels of rays */
 } rg_camera;
 
 typedef struct rg_pixel {
@@ -199,19 +200,27 @@ rg_status rg_mode_from_calibrated(const rg_mode* mode, rg_pixel calibrated,
 
 typedef enum rg_match_result {
   RG_MATCH_EXACT,     /* frames are as calibrated */
+  RG_MATCH_MODE,      /* positions are, through the mode, and the blob has a
+                         table for frames of it */
   RG_MATCH_DERIVABLE, /* positions are, through the mode; frames can not be
                          remapped */
   RG_MATCH_NONE       /* another camera, or not known how the frames lie */
 } rg_match_result;
 
-/* Whether a blob is for the frames at hand.
+/* Whether a blob is for the frames at hand, and which of its tables is.
  *
  * mode    NULL: not known. Sizes alone do not tell crops from binning.
  * width, height  of a frame
  * serial  zero-terminated, or NULL: not known. A blob without a serial is for
- *         any camera. */
+ *         any camera.
+ * remap   where the index goes of the first table that undistorts such frames,
+ *         or RG_NO_TABLE; or NULL. A mode is that of a table if offsets and
+ *         scales differ by no more than they are rounded by: 1. */
 rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
-                         uint16_t width, uint16_t height, const char* serial);
+                         uint16_t width, uint16_t height, const char* serial,
+                         uint32_t* remap);
+
+#define RG_NO_TABLE UINT32_MAX
 
 /* Validates the index-th remap table of the blob, counted from 0, and makes it
  * the one in use: before the first frame, or point of an undistorted one. Not
@@ -226,11 +235,21 @@ rg_status rg_select_remap(rg_camera* camera, uint32_t index);
 rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
                         uint16_t* height);
 
-/* Size of the frames that rg_remap() takes: as calibrated. */
+/* Size of the frames that rg_remap() takes with the table in use: as
+ * calibrated, or of another mode. As calibrated if no table is in use. */
 void rg_frame_size(const rg_camera* camera, uint16_t* width, uint16_t* height);
 
+/* Size of the frames that were calibrated, which positions lie in. */
+void rg_calibrated_size(const rg_camera* camera, uint16_t* width,
+                        uint16_t* height);
+
+/* How the frames of the table in use lie in those that were calibrated;
+ * RG_ERR_NO_REMAP if no table is in use. */
+rg_status rg_remap_mode(const rg_camera* camera, rg_mode* mode);
+
 /* The virtual camera that the undistorted image seems to come from: it stands
- * where the real one does. */
+ * where the real one does. Of a table that distorts, the one that its source is
+ * from. */
 typedef struct rg_view {
   uint16_t width, height;
   rg_projection projection;
@@ -240,12 +259,12 @@ typedef struct rg_view {
                               axes, row by row */
 } rg_view;
 
-/* That of the table in use; RG_ERR_NO_REMAP if there is none. */
+/* The view of the table in use; RG_ERR_NO_REMAP if there is none. */
 rg_status rg_remap_view(const rg_camera* camera, rg_view* view);
 
-/* Moves an image position to where it lies in the undistorted image, whether
- * that is inside it or not. Of a camera of lines: where it does if what it sees
- * is far away, as for frames.
+/* Moves an image position, in calibrated frames, to where it lies in the
+ * undistorted image, whether that is inside it or not. Of a camera of lines:
+ * where it does if what it sees is far away, as for frames.
  *
  * undistorted  within 6e-6 of the virtual camera's focal length (0.003 px if
  *              that is 500 px): of a pinhole up to 85 degrees from its z axis,
@@ -360,7 +379,7 @@ typedef struct rg_target {
  *
  * RG_ERR_NO_REMAP      no remap table is in use
  * RG_ERR_FORMAT        unknown format, border or sampling; clamping from a ring
- * RG_ERR_FRAME_SIZE    frame is not the camera's image, a stride is too small
+ * RG_ERR_FRAME_SIZE    frame is not of the table's size, a stride is too small
  *                      or 2^31 bytes or more, a size not a multiple of what the
  *                      format wants
  * RG_ERR_MISALIGNED    samples or words of 16 bits at an odd address, or with

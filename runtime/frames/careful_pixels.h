@@ -25,8 +25,8 @@ typedef struct rg_source {
 static RG_INLINE void rg_set_source_size(const rg_camera* camera,
                                          const rg_lattice* lattice,
                                          rg_source* source) {
-  source->size[0] = (uint16_t)(camera->width >> lattice->log2[0]);
-  source->size[1] = (uint16_t)(camera->height >> lattice->log2[1]);
+  source->size[0] = (uint16_t)(camera->frame_width >> lattice->log2[0]);
+  source->size[1] = (uint16_t)(camera->frame_height >> lattice->log2[1]);
 }
 
 /* Sets where the lattice lies in the planes of image and target: data, out and

@@ -70,7 +70,8 @@ static RG_NOINLINE rg_status check_frames(const rg_camera* camera,
       (uint32_t)target->sampling > RG_SAMPLING_NEAREST ||
       (target->border == RG_BORDER_CLAMP && image->ring_rows != 0))
     return RG_ERR_FORMAT;
-  if (image->width != camera->width || image->height != camera->height ||
+  if (image->width != camera->frame_width ||
+      image->height != camera->frame_height ||
       (image->ring_rows & rg_row_pairs(image->format)) != 0)
     return RG_ERR_FRAME_SIZE;
   return check_planes(camera->remap, image, target);
@@ -85,6 +86,12 @@ rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
 }
 
 void rg_frame_size(const rg_camera* camera, uint16_t* width, uint16_t* height) {
+  *width = camera->frame_width;
+  *height = camera->frame_height;
+}
+
+void rg_calibrated_size(const rg_camera* camera, uint16_t* width,
+                        uint16_t* height) {
   *width = camera->width;
   *height = camera->height;
 }
@@ -96,6 +103,8 @@ rg_status rg_remap_view(const rg_camera* camera, rg_view* view) {
   const int has_view = rg_has_view(section);
   view->projection = RG_PROJECTION_PINHOLE;
   if (has_view) view->projection = (rg_projection)section[RG_VIEW_PROJECTION];
+  if (rg_distorts(section, UINT32_MAX))
+    rg_frame_size(camera, &view->width, &view->height);
   view->fx_q16 = rg_load_u32(section + RG_REMAP_FX);
   view->fy_q16 = rg_load_u32(section + RG_REMAP_FY);
   view->cx_q16 = rg_load_i32(section + RG_REMAP_CX);

@@ -9,8 +9,8 @@ static rg_status check_grey_frames(const rg_camera* camera,
                                    const rg_frame* frame, const rg_band* band) {
   const uint8_t* const section = camera->remap;
   if (!section) return RG_ERR_NO_REMAP;
-  if (frame->width != camera->width || frame->height != camera->height ||
-      frame->stride < frame->width ||
+  if (frame->width != camera->frame_width ||
+      frame->height != camera->frame_height || frame->stride < frame->width ||
       band->stride < rg_load_u16(section + RG_REMAP_WIDTH))
     return RG_ERR_FRAME_SIZE;
   const uint32_t end_row = (uint32_t)band->first_row + band->num_rows;

@@ -13,7 +13,8 @@ rg_status rg_check_rows(const rg_camera* camera, rg_format format,
   const uint32_t height = rg_load_u16(camera->remap + RG_REMAP_HEIGHT);
   if (((first_row | num_rows) & pairs) != 0 || first_row + num_rows > height)
     return RG_ERR_ROWS;
-  return ((camera->height | height) & pairs) != 0 ? RG_ERR_FRAME_SIZE : RG_OK;
+  return ((camera->frame_height | height) & pairs) != 0 ? RG_ERR_FRAME_SIZE
+                                                        : RG_OK;
 }
 
 int32_t rg_find_source_rows(const rg_camera* camera, rg_format format,

@@ -42,14 +42,40 @@ std::optional<rg_mode> FindSensorMode(const rg_camera& camera,
   rg_mode mode = {};
   mode.width = width;
   mode.height = height;
-  uint16_t frame_width, frame_height;
-  rg_frame_size(&camera, &frame_width, &frame_height);
-  if (!FindAxis(calibrated.x, calibrated.width, frame_width, crop.x, crop.width,
-                width, &mode.offset_x_q16, &mode.scale_x_q16) ||
-      !FindAxis(calibrated.y, calibrated.height, frame_height, crop.y,
+  uint16_t calibrated_width, calibrated_height;
+  rg_calibrated_size(&camera, &calibrated_width, &calibrated_height);
+  if (!FindAxis(calibrated.x, calibrated.width, calibrated_width, crop.x,
+                crop.width, width, &mode.offset_x_q16, &mode.scale_x_q16) ||
+      !FindAxis(calibrated.y, calibrated.height, calibrated_height, crop.y,
                 crop.height, height, &mode.offset_y_q16, &mode.scale_y_q16))
     return std::nullopt;
   return mode;
+}
+
+uint32_t FindTable(const rg_camera& camera, const StreamFormat& format,
+                   const std::optional<SensorCrop>& calibrated,
+                   const std::optional<SensorCrop>& shown) {
+  std::optional<rg_mode> mode;
+  if (calibrated && shown) {
+    mode = FindSensorMode(camera, *calibrated, *shown, format.width,
+                          format.height);
+    if (!mode) return RG_NO_TABLE;
+  }
+  uint32_t table;
+  rg_match(&camera, mode ? &*mode : nullptr, format.width, format.height,
+           nullptr, &table);
+  return table;
+}
+
+bool HasTablesOfModes(const rg_camera& camera) {
+  rg_camera other = camera;
+  rg_mode mode;
+  for (uint32_t k = 0; rg_select_remap(&other, k) == RG_OK; ++k)
+    if (rg_remap_mode(&other, &mode) == RG_OK &&
+        rg_match(&other, &mode, mode.width, mode.height, nullptr, nullptr) ==
+            RG_MATCH_MODE)
+      return true;
+  return false;
 }
 
 StreamGuard::StreamGuard(const rg_camera& camera, const StreamFormat& format,
@@ -65,44 +91,76 @@ const char* StreamGuard::serial() const {
   return serial_.empty() ? nullptr : serial_.c_str();
 }
 
-std::string StreamGuard::Explain() const {
+bool StreamGuard::HasSerial() const {
+  uint16_t width, height;
+  rg_calibrated_size(&camera_, &width, &height);
+  return rg_match(&camera_, nullptr, width, height, serial(), nullptr) ==
+         RG_MATCH_EXACT;
+}
+
+bool StreamGuard::HasSizeOfTable() const {
   uint16_t width, height;
   rg_frame_size(&camera_, &width, &height);
-  if (rg_match(&camera_, nullptr, width, height, serial()) != RG_MATCH_EXACT)
+  return format_.width == width && format_.height == height;
+}
+
+std::string StreamGuard::Explain() const {
+  if (!HasSerial())
     return "is for a camera of another serial number than " + serial_ +
            "; take the blob of this camera";
+  uint16_t width, height;
+  rg_frame_size(&camera_, &width, &height);
   std::string text = "serves frames of " + Size(width, height);
   if (calibrated_ && last_)
-    text += " that show the part " + Text(*calibrated_) +
+    text += ", where calibrated ones show the part " + Text(*calibrated_) +
             " of the sensor, but these are " +
             Size(format_.width, format_.height) + " and show " + Text(*last_);
+  else if (last_ && !(last_ == first_))
+    text += " that show the part " + Text(*first_) +
+            " of the sensor, but these show " + Text(*last_);
   else
     text += ", but the camera's are " + Size(format_.width, format_.height);
   return text +
-         "; choose that mode (--list shows the camera's), or calibrate in this "
-         "one";
+         "; choose that mode (--list shows the camera's), or add a table of "
+         "this one: raygrid pack --mode NAME:crop=X,Y,W,H,size=" +
+         Size(format_.width, format_.height);
+}
+
+// Whether the table in use takes such frames or, if positions are enough, these
+// are known.
+bool StreamGuard::IsServed() const {
+  const bool is_known = calibrated_ && last_;
+  if ((is_known && !mode_) || !HasSerial()) return false;
+  uint32_t table;
+  const rg_match_result match =
+      rg_match(&camera_, mode_ ? &*mode_ : nullptr, format_.width,
+               format_.height, serial(), &table);
+  if (use_ == Use::kPositions) return match != RG_MATCH_NONE;
+  if (!HasSizeOfTable()) return false;
+  if (!is_known) return !last_ || last_ == first_;
+  rg_mode in_use;
+  uint32_t first_of_mode;
+  if (rg_remap_mode(&camera_, &in_use) != RG_OK) return false;
+  rg_match(&camera_, &in_use, in_use.width, in_use.height, nullptr,
+           &first_of_mode);
+  return table != RG_NO_TABLE && table == first_of_mode;
 }
 
 void StreamGuard::Check(const FrameInfo& info) {
   if (is_good_ && info.crop == last_) return;
   is_good_ = false;
   last_ = info.crop;
+  if (!first_) first_ = info.crop;
   // Without a word on the calibration, frames of its size are taken for it.
   uint16_t width, height;
-  rg_frame_size(&camera_, &width, &height);
+  rg_calibrated_size(&camera_, &width, &height);
   if (!calibrated_ && format_.width == width && format_.height == height)
     calibrated_ = info.crop;
   mode_.reset();
-  const bool is_known = calibrated_ && last_;
-  if (is_known)
+  if (calibrated_ && last_)
     mode_ = FindSensorMode(camera_, *calibrated_, *last_, format_.width,
                            format_.height);
-  const rg_match_result match =
-      is_known && !mode_ ? RG_MATCH_NONE
-                         : rg_match(&camera_, mode_ ? &*mode_ : nullptr,
-                                    format_.width, format_.height, serial());
-  is_good_ = match == RG_MATCH_EXACT ||
-             (match == RG_MATCH_DERIVABLE && use_ == Use::kPositions);
+  is_good_ = IsServed();
   if (!is_good_) throw CameraError(CameraExit::kBlob, "blob: " + Explain());
 }
 

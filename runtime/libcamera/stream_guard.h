@@ -17,9 +17,20 @@ std::optional<rg_mode> FindSensorMode(const rg_camera& camera,
                                       const SensorCrop& crop, uint16_t width,
                                       uint16_t height);
 
-/// Frames are as calibrated when they have the blob's size and show the part of
-/// the sensor that the calibration's did; where that is not known, what the
-/// first one showed. Derivable ones are good for positions only.
+/// The blob's table for frames of a format that show a part of the sensor, or
+/// RG_NO_TABLE. calibrated: the part that the camera's own frames showed; where
+/// that is not known, frames of their size are taken for them.
+uint32_t FindTable(const rg_camera& camera, const StreamFormat& format,
+                   const std::optional<SensorCrop>& calibrated,
+                   const std::optional<SensorCrop>& shown);
+
+/// Whether a table of the blob is for another sensor mode.
+bool HasTablesOfModes(const rg_camera& camera);
+
+/// Frames are good when they have the size that the table in use takes, and
+/// show the part of the sensor that its mode does. Where what the calibration's
+/// frames showed is not known, all must show what the first one did. Of others,
+/// positions may be good.
 class StreamGuard {
  public:
   enum class Use { kFrames, kPositions };
@@ -37,13 +48,16 @@ class StreamGuard {
 
  private:
   const char* serial() const;  // NULL: not known
+  bool HasSerial() const;
+  bool HasSizeOfTable() const;
+  bool IsServed() const;
   std::string Explain() const;
 
   const rg_camera& camera_;
   const StreamFormat format_;
   const Use use_;
   const std::string serial_;
-  std::optional<SensorCrop> calibrated_, last_;
+  std::optional<SensorCrop> calibrated_, first_, last_;
   bool is_good_ = false;
   std::optional<rg_mode> mode_;
 };

@@ -54,7 +54,8 @@ class _Camera(ctypes.Structure):
     _fields_ = [("blob", ctypes.c_void_p), ("grid", ctypes.c_void_p),
                 ("inverse", ctypes.c_void_p), ("line_points", ctypes.c_void_p),
                 ("remap", ctypes.c_void_p), ("width", ctypes.c_uint16),
-                ("height", ctypes.c_uint16), ("surface", ctypes.c_uint16)]
+                ("height", ctypes.c_uint16), ("frame_width", ctypes.c_uint16),
+                ("frame_height", ctypes.c_uint16), ("surface", ctypes.c_uint16)]
 
 
 class _Pixel(ctypes.Structure):
@@ -88,6 +89,22 @@ class _View(ctypes.Structure):
                 ("projection", ctypes.c_int), ("fx", ctypes.c_uint32), ("fy", ctypes.c_uint32),
                 ("cx", ctypes.c_int32), ("cy", ctypes.c_int32),
                 ("rotation", ctypes.c_int32 * 9)]
+
+
+class _Mode(ctypes.Structure):
+    _fields_ = [("width", ctypes.c_uint16), ("height", ctypes.c_uint16),
+                ("offset", ctypes.c_int32 * 2), ("scale", ctypes.c_uint32 * 2),
+                ("flips", ctypes.c_uint8 * 2)]
+
+
+class Mode(NamedTuple):
+    """How frames lie in those that were calibrated: pixel i, counted from the other side where
+    flipped, covers calibrated pixels from offset + scale i on, scale of them; for x and for y."""
+    width: int
+    height: int
+    offset: tuple
+    scale: tuple
+    flips: tuple
 
 
 class View(NamedTuple):
@@ -291,6 +308,17 @@ class Camera:
             raise Error(NO_REMAP)
         _check(_library.rg_select_remap(ctypes.byref(self._camera), ctypes.c_uint32(index)))
 
+    def frame_size(self):
+        """Width and height of the frames that undistort() takes."""
+        return self._camera.frame_width, self._camera.frame_height
+
+    def mode(self):
+        """The Mode of the frames that undistort() takes."""
+        mode = _Mode()
+        _check(_library.rg_remap_mode(ctypes.byref(self._camera), ctypes.byref(mode)))
+        return Mode(mode.width, mode.height, tuple(value / Q16 for value in mode.offset),
+                    tuple(value / Q16 for value in mode.scale), tuple(map(bool, mode.flips)))
+
     def remap_size(self):
         """Width and height of the undistorted image."""
         width, height = ctypes.c_uint16(), ctypes.c_uint16()
@@ -325,13 +353,13 @@ class Camera:
         data = bytes(frame)
         width, height = self.remap_size()
         output = ctypes.create_string_buffer(_frame_size(planes, width, height))
-        needed = _frame_size(planes, self.width, self.height)
+        size = self.frame_size()
+        needed = _frame_size(planes, *size)
         if len(data) != needed:
-            raise ValueError(f"a frame of {self.width} x {self.height} has {needed} bytes in "
+            raise ValueError(f"a frame of {size[0]} x {size[1]} has {needed} bytes in "
                              f"{pixel_format}, not {len(data)}")
         source = ctypes.create_string_buffer(data, len(data))
-        image = _Image(number, self.width, self.height, 0, 0, 0,
-                       _planes(source, planes, self.width, self.height))
+        image = _Image(number, *size, 0, 0, 0, _planes(source, planes, *size))
         target = _Target(_planes(output, planes, width, height), 0, height,
                          _named(border, BORDERS), _named(sampling, SAMPLINGS), values, None)
         _check(_library.rg_remap(ctypes.byref(self._camera), ctypes.byref(image),

@@ -25,6 +25,12 @@ static rg_status check_rays(const rg_sections* sections) {
   return status;
 }
 
+/* size: width, and height times 2^16. */
+static void set_frame_size(rg_camera* camera, uint32_t size) {
+  camera->frame_width = (uint16_t)size;
+  camera->frame_height = (uint16_t)(size >> 16);
+}
+
 rg_status rg_camera_open(rg_camera* camera, const void* bytes,
                          uint32_t num_bytes) {
   const uint8_t* const blob = (const uint8_t*)bytes;
@@ -46,6 +52,7 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
       rg_load_u32(sections.of[RG_SECTION_CAMERA].bytes + RG_CAMERA_WIDTH);
   camera->width = (uint16_t)size;
   camera->height = (uint16_t)(size >> 16);
+  set_frame_size(camera, size);
   return RG_OK;
 }
 
@@ -56,11 +63,15 @@ rg_status rg_select_remap(rg_camera* camera, uint32_t index) {
   if (entry) {
     const uint8_t* const section =
         camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
+    uint32_t frame_size = camera->width | (uint32_t)camera->height << 16;
     status = rg_check_remap(section, rg_load_u32(entry + RG_ENTRY_SIZE),
-                            camera->width | (uint32_t)camera->height << 16);
+                            &frame_size);
     /* Elsewhere, what is done with any harms nothing. */
     if (RG_FAST_WALK && status == RG_OK) status = rg_check_vertices(section);
-    if (status == RG_OK) camera->remap = section;
+    if (status == RG_OK) {
+      camera->remap = section;
+      set_frame_size(camera, frame_size);
+    }
   }
   return status;
 }

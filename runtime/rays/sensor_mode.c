@@ -113,26 +113,102 @@ static int is_serial(const char* expected, const char* serial) {
   return 0;
 }
 
-rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
-                         uint16_t width, uint16_t height, const char* serial) {
+/* That of frames as calibrated. */
+static void set_calibrated_mode(const rg_camera* camera, rg_mode* mode) {
+  mode->width = camera->width;
+  mode->height = camera->height;
+  mode->offset_x_q16 = mode->offset_y_q16 = 0;
+  mode->scale_x_q16 = mode->scale_y_q16 = 65536;
+  mode->flip_x = mode->flip_y = 0;
+}
+
+/* The mode of a table's real frames; 0 if the blob lacks it.
+ *
+ * size  bytes of the table's section, at least those of its fields */
+static int find_remap_mode(const rg_camera* camera, const uint8_t* section,
+                           uint32_t size, rg_mode* mode) {
+  set_calibrated_mode(camera, mode);
+  if (size < RG_VIEW_FIELDS_SIZE || !rg_has_view(section) ||
+      section[RG_VIEW_MODE] == 0)
+    return 1;
+  const uint8_t* const fields =
+      rg_find_mode(camera->blob, section[RG_VIEW_MODE]);
+  if (!fields) return 0;
+  mode->width = rg_load_u16(fields + RG_MODE_WIDTH);
+  mode->height = rg_load_u16(fields + RG_MODE_HEIGHT);
+  mode->offset_x_q16 = rg_load_i32(fields + RG_MODE_OFFSET_X);
+  mode->offset_y_q16 = rg_load_i32(fields + RG_MODE_OFFSET_Y);
+  mode->scale_x_q16 = rg_load_u32(fields + RG_MODE_SCALE_X);
+  mode->scale_y_q16 = rg_load_u32(fields + RG_MODE_SCALE_Y);
+  mode->flip_x = fields[RG_MODE_FLIP_X];
+  mode->flip_y = fields[RG_MODE_FLIP_Y];
+  return 1;
+}
+
+rg_status rg_remap_mode(const rg_camera* camera, rg_mode* mode) {
+  if (!camera->remap) return RG_ERR_NO_REMAP;
+  return find_remap_mode(camera, camera->remap, UINT32_MAX, mode) ? RG_OK
+                                                                  : RG_ERR_MODE;
+}
+
+/* Whether numbers are the same but for what they were rounded by. */
+static int are_near(uint32_t a, uint32_t b) { return a - b + 1 <= 2; }
+
+static int is_same_mode(const rg_mode* a, const rg_mode* b) {
+  return a->width == b->width && a->height == b->height &&
+         !a->flip_x == !b->flip_x && !a->flip_y == !b->flip_y &&
+         are_near((uint32_t)a->offset_x_q16, (uint32_t)b->offset_x_q16) &&
+         are_near((uint32_t)a->offset_y_q16, (uint32_t)b->offset_y_q16) &&
+         are_near(a->scale_x_q16, b->scale_x_q16) &&
+         are_near(a->scale_y_q16, b->scale_y_q16);
+}
+
+/* Whether a mode shows a part of the calibrated frames. */
+static int is_part_of_frames(const rg_mode* mode, const rg_camera* camera) {
+  mode_axis x, y;
+  return find_mode_axis(mode, 0, &x) && is_part(&x, camera->width) &&
+         find_mode_axis(mode, 1, &y) && is_part(&y, camera->height);
+}
+
+/* The first table that undistorts frames of a mode, or RG_NO_TABLE. */
+static uint32_t find_table(const rg_camera* camera, const rg_mode* mode) {
+  const uint8_t* entry;
+  for (uint32_t k = 0;
+       (entry = rg_find_entry(camera->blob, RG_SECTION_REMAP, k)) != 0; ++k) {
+    const uint8_t* const section =
+        camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
+    const uint32_t size = rg_load_u32(entry + RG_ENTRY_SIZE);
+    rg_mode of_table;
+    if (find_remap_mode(camera, section, size, &of_table) &&
+        is_same_mode(mode, &of_table) && !rg_distorts(section, size))
+      return k;
+  }
+  return RG_NO_TABLE;
+}
+
+static int has_serial(const rg_camera* camera, const char* serial) {
   const uint8_t* const identity =
       camera->blob +
       rg_load_u32(rg_find_entry(camera->blob, RG_SECTION_CAMERA, 0) +
                   RG_ENTRY_OFFSET);
-  if (!is_serial((const char*)identity + RG_CAMERA_SERIAL, serial))
-    return RG_MATCH_NONE;
-  const rg_match_result inexact = mode ? RG_MATCH_DERIVABLE : RG_MATCH_NONE;
-  rg_match_result result = RG_MATCH_EXACT;
-  for (int c = 0; c < 2; ++c) {
-    const uint16_t size = c == 0 ? width : height;
-    const uint32_t calibrated_size = c == 0 ? camera->width : camera->height;
-    if (size != calibrated_size) result = inexact;
-    if (!mode) continue;
-    mode_axis axis;
-    if (!find_mode_axis(mode, c, &axis) || axis.size != size ||
-        !is_part(&axis, calibrated_size))
-      return RG_MATCH_NONE;
-    if (axis.scale_q16 != 65536 || axis.is_flipped) result = inexact;
+  return is_serial((const char*)identity + RG_CAMERA_SERIAL, serial);
+}
+
+rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
+                         uint16_t width, uint16_t height, const char* serial,
+                         uint32_t* remap) {
+  rg_mode calibrated;
+  uint32_t table = RG_NO_TABLE;
+  rg_match_result result = RG_MATCH_NONE;
+  set_calibrated_mode(camera, &calibrated);
+  if (!mode) mode = &calibrated;
+  if (mode->width == width && mode->height == height &&
+      is_part_of_frames(mode, camera) && has_serial(camera, serial)) {
+    table = find_table(camera, mode);
+    result = is_same_mode(mode, &calibrated) ? RG_MATCH_EXACT
+             : table != RG_NO_TABLE          ? RG_MATCH_MODE
+                                             : RG_MATCH_DERIVABLE;
   }
+  if (remap) *remap = table;
   return result;
 }

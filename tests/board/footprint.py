@@ -23,7 +23,8 @@ EVERYTHING = RAYS + (
     "rg_unproject_line", "rg_unproject_lines", "rg_is_valid", "rg_uncertainty",
     "rg_undistort_point", "rg_undistort_points", "rg_mode_to_calibrated",
     "rg_mode_from_calibrated", "rg_match", "rg_select_remap", "rg_remap_size", "rg_remap_view",
-    "rg_frame_size", "rg_remap", "rg_remap_source_rows", "rg_remap_grey", "rg_choose_ray_kernels")
+    "rg_frame_size", "rg_calibrated_size", "rg_remap_mode", "rg_remap", "rg_remap_source_rows",
+    "rg_remap_grey", "rg_choose_ray_kernels")
 # .text of what these need.
 SETS = {"rays": RAYS, "grey": RAYS + ("rg_select_remap", "rg_remap_size", "rg_remap_grey"),
         "everything": EVERYTHING}

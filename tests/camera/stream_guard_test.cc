@@ -87,6 +87,62 @@ TEST(StreamGuard, PositionsOfACropAreBroughtToCalibratedOnes) {
   EXPECT_NEAR(calibrated.y_q16 / 65536.0, 60 - 0.25, 1e-3);
 }
 
+// The golden camera of 320 x 240 pixels with tables for a crop of 120 x 100,
+// for binning to 160 x 120 that is mirrored, and for a scaled crop.
+rg_camera OpenModes() {
+  rg_camera camera;
+  if (rg_camera_open(&camera, kModesBlob, sizeof(kModesBlob)) != RG_OK ||
+      rg_select_remap(&camera, 0) != RG_OK)
+    abort();
+  return camera;
+}
+
+// The sensor's pixels are half as wide as calibrated ones.
+constexpr SensorCrop kSensor = {8, 4, 640, 480};
+constexpr SensorCrop kCropOfTable = {8 + 180, 4 + 120, 240, 200};
+
+TEST(StreamGuard, FramesOfATablesModeAreTaken) {
+  const rg_camera camera = OpenModes();
+  StreamGuard guard(camera, Format(120, 100), Use::kFrames, "", kSensor);
+  guard.Check({});
+  guard.Check(Showing(kCropOfTable));
+  // Frames of that size that show another part.
+  ExpectRefused(&guard, Showing(SensorCrop{8, 4, 240, 200}), "pack --mode");
+}
+
+TEST(StreamGuard, OfAModeWhoseCropIsNotKnownAllFramesShowWhatTheFirstDoes) {
+  const rg_camera camera = OpenModes();
+  StreamGuard guard(camera, Format(120, 100), Use::kFrames, "", std::nullopt);
+  guard.Check({});
+  guard.Check(Showing(kCropOfTable));
+  guard.Check({});
+  guard.Check(Showing(kCropOfTable));
+  ExpectRefused(&guard, Showing(SensorCrop{0, 0, 240, 200}), "188,124,240x200");
+}
+
+TEST(StreamGuard, CalibratedFramesAreRefusedByATableOfAMode) {
+  const rg_camera camera = OpenModes();
+  StreamGuard guard(camera, Format(320, 240), Use::kFrames, "", kSensor);
+  ExpectRefused(&guard, Showing(kSensor), "120x100");
+}
+
+TEST(FindTable, IsTheOneOfTheFramesMode) {
+  const rg_camera camera = OpenModes();
+  EXPECT_EQ(FindTable(camera, Format(120, 100), kSensor, kCropOfTable), 0u);
+  // Not known to be mirrored.
+  EXPECT_EQ(FindTable(camera, Format(160, 120), kSensor, kSensor), RG_NO_TABLE);
+  EXPECT_EQ(FindTable(camera, Format(120, 100), kSensor, std::nullopt),
+            RG_NO_TABLE);
+  // The table that distorts takes no frames.
+  EXPECT_EQ(FindTable(camera, Format(320, 240), kSensor, kSensor), RG_NO_TABLE);
+  EXPECT_EQ(FindTable(OpenLens(), Format(160, 120), std::nullopt, kSensor), 0u);
+}
+
+TEST(FindTable, KnowsBlobsWithTablesOfModes) {
+  EXPECT_TRUE(HasTablesOfModes(OpenModes()));
+  EXPECT_FALSE(HasTablesOfModes(OpenLens()));
+}
+
 TEST(StreamGuard, ImpossibleCropsAreRefused) {
   const rg_camera camera = OpenLens();
   for (const SensorCrop& crop :

@@ -10,12 +10,14 @@
 
 static uint8_t edited[sizeof(kWideBlob)] __attribute__((aligned(16)));
 
-/* Stands for the type of a remap, of one with a view. */
+/* Stand for the type of a remap: of one with a view, and of one of a mode. */
 #define VIEW 100u
+#define MODE_TABLE 101u
 
 /* A value of a field of the section of that type: in kNarrowBlob for the grid,
- * in kBentBlob for a remap, in kViewsBlob for one with a view, in kLinesBlob
- * for line points, otherwise in kWideBlob. */
+ * in kBentBlob for a remap, in kViewsBlob for one with a view, in kModesBlob
+ * for one of a mode and for modes, in kLinesBlob for line points, otherwise in
+ * kWideBlob. */
 typedef struct field_value {
   const char* what;
   uint32_t type, offset, num_bytes, value;
@@ -73,18 +75,48 @@ static const field_value kValues[] = {
     {"bend shift without bends", VIEW, 11, 1, 0x81, RG_ERR_RESERVED},
     {"bit 4 of the bend shift", VIEW, 11, 1, 0x90, RG_ERR_REMAP_SHIFT},
     {"bit 6 of the bend shift", VIEW, 11, 1, 0xc0, RG_ERR_REMAP_SHIFT},
-    {"vertices in the fields of the view", VIEW, 76, 4, 116,
+    {"vertices in the fields of the view", VIEW, 76, 4, 120,
      RG_ERR_DATA_OFFSET},
     {"last projection", VIEW, 80, 1, 4, RG_OK},
     {"projection beyond the last", VIEW, 80, 1, 5, RG_ERR_REMAP_CAMERA},
-    {"first reserved field of the view", VIEW, 81, 1, 1, RG_ERR_RESERVED},
-    {"second reserved field of the view", VIEW, 82, 2, 256, RG_ERR_RESERVED},
+    {"mode of a blob without modes", VIEW, 81, 1, 1, RG_ERR_MODE},
+    {"unknown direction", VIEW, 82, 1, 2, RG_ERR_RESERVED},
+    {"real frames of the view's size", VIEW, 82, 1, 1, RG_ERR_REMAP_SIZE},
+    {"reserved field of the view", VIEW, 83, 1, 1, RG_ERR_RESERVED},
+    {"source wider than the camera's image", VIEW, 120, 2, 321,
+     RG_ERR_REMAP_SIZE},
+    {"source narrower than its rectangle", VIEW, 120, 2, 319,
+     RG_ERR_REMAP_SOURCE},
+    {"source of one row", VIEW, 122, 2, 1, RG_ERR_REMAP_SIZE},
+    {"source of 8193 rows", VIEW, 122, 2, 8193, RG_ERR_REMAP_SIZE},
     {"rotation with a number above 1", VIEW, 84, 4, 0x40000001,
      RG_ERR_REMAP_CAMERA},
     {"rotation with a number below -1", VIEW, 116, 4, 0xbfffffff,
      RG_ERR_REMAP_CAMERA},
     {"rotation whose first row is short", VIEW, 84, 4, 0, RG_ERR_REMAP_CAMERA},
     {"rotation whose last row leans", VIEW, 112, 4, 0, RG_ERR_REMAP_CAMERA},
+
+    {"mode behind the last", MODE_TABLE, 81, 1, 4, RG_ERR_MODE},
+    {"last number of a mode", MODE_TABLE, 81, 1, 255, RG_ERR_MODE},
+    {"mode of another size", MODE_TABLE, 81, 1, 2, RG_ERR_REMAP_SIZE},
+    {"no mode, but its size", MODE_TABLE, 81, 1, 0, RG_ERR_REMAP_SIZE},
+
+    {"mode of no width", 8, 0, 2, 0, RG_ERR_MODE},
+    {"mode of 16385 rows", 8, 2, 2, 16385, RG_ERR_MODE},
+    {"mode wider than its table's source", 8, 0, 2, 121, RG_ERR_REMAP_SIZE},
+    {"mode 16384 px to the right", 8, 4, 4, 0x40000000, RG_ERR_MODE},
+    {"mode 16384 px above", 8, 8, 4, 0xc0000000, RG_ERR_MODE},
+    {"mode just below the limit", 8, 4, 4, 0x3fffffff, RG_OK},
+    {"smallest scale", 8, 12, 4, 1024, RG_OK},
+    {"scale below 1/64", 8, 12, 4, 1023, RG_ERR_MODE},
+    {"scale above 64", 8, 16, 4, (64u << 16) + 1, RG_ERR_MODE},
+    {"flip of 2", 8, 20, 1, 2, RG_ERR_MODE},
+    {"flipped mode", 8, 21, 1, 1, RG_OK},
+    {"first reserved field of a mode", 8, 22, 2, 1, RG_ERR_RESERVED},
+    {"second reserved field of a mode", 8, 24, 4, 1, RG_ERR_RESERVED},
+    {"last reserved field of a mode", 8, 28, 4, 0x80000000, RG_ERR_RESERVED},
+    {"name of a mode without an end", 8, 63, 1, 1, RG_ERR_TEXT},
+    {"last mode of no height", 8, 130, 2, 0, RG_ERR_MODE},
 
     {"points in q29", 5, 0, 2, 29, RG_ERR_LINE_POINT},
     {"reserved field of the points", 5, 2, 2, 1, RG_ERR_RESERVED},
@@ -118,6 +150,8 @@ static const uint8_t* blob_with(uint32_t type) {
   return type == RG_SECTION_LINE_POINTS    ? kLinesBlob
          : type == RG_SECTION_REMAP        ? kBentBlob
          : type == VIEW                    ? kViewsBlob
+         : type == MODE_TABLE              ? kModesBlob
+         : type == RG_SECTION_MODES        ? kModesBlob
          : type == RG_SECTION_CENTRAL_GRID ? kNarrowBlob
                                            : kWideBlob;
 }
@@ -126,12 +160,14 @@ static uint32_t size_of_blob_with(uint32_t type) {
   return type == RG_SECTION_LINE_POINTS    ? sizeof(kLinesBlob)
          : type == RG_SECTION_REMAP        ? sizeof(kBentBlob)
          : type == VIEW                    ? sizeof(kViewsBlob)
+         : type == MODE_TABLE              ? sizeof(kModesBlob)
+         : type == RG_SECTION_MODES        ? sizeof(kModesBlob)
          : type == RG_SECTION_CENTRAL_GRID ? sizeof(kNarrowBlob)
                                            : sizeof(kWideBlob);
 }
 
 static uint32_t entry_of_type(uint32_t type) {
-  const uint32_t stored = type == VIEW ? RG_SECTION_REMAP : type;
+  const uint32_t stored = type >= VIEW ? RG_SECTION_REMAP : type;
   uint32_t entry = RG_HEADER_SIZE;
   while (rg_load_u16(blob_with(type) + entry) != stored) entry += 16;
   return entry;

@@ -229,6 +229,52 @@ static void tables_with_views_are_written_byte_for_byte(void** state) {
                    RG_ERR_REMAP_CAMERA);
 }
 
+static void modes_are_written_byte_for_byte(void** state) {
+  (void)state;
+  static rg_remap_section tables[4];
+  static rg_remap_contents more[4];
+  static int8_t bends[sizeof(kModesBlob)];
+  static int16_t narrow_residuals[sizeof(kModesBlob) / 2];
+  static int16_t residuals[4][sizeof(kModesBlob) / 8];
+  static const uint8_t kTableModes[4] = {1, 2, 3, 0};
+  rg_camera_section camera;
+  rg_grid_section grid;
+  rg_narrow_grid narrow;
+  rg_mode_section modes[3];
+  rg_blob blob;
+  take_narrow_camera(kModesBlob, sizeof(kModesBlob), &camera, &grid,
+                     narrow_residuals, &narrow);
+  assert_int_equal(rg_blob_open(kModesBlob, sizeof(kModesBlob), &blob), RG_OK);
+  assert_int_equal(rg_blob_num_modes(&blob), 3);
+  for (uint32_t k = 0; k < 3; ++k) rg_blob_mode(&blob, k, &modes[k]);
+  assert_string_equal(modes[1].name, "binned");
+  assert_true(modes[1].flip_x == 1 && modes[1].flip_y == 0);
+  assert_int_equal(modes[2].scale_y_q16, 5 << 15);
+  for (uint32_t k = 0; k < 4; ++k) {
+    take_remap(rg_find_section(kModesBlob, RG_SECTION_REMAP, k), &tables[k],
+               residuals[k], k == 2 ? bends : NULL);
+    assert_int_equal(tables[k].mode, kTableModes[k]);
+    assert_int_equal(tables[k].direction, k == 3 ? RG_DISTORT : RG_UNDISTORT);
+    more[k].section = &tables[k];
+    more[k].residuals = residuals[k];
+  }
+  const rg_blob_contents contents = {.camera = &camera,
+                                     .grid = &grid,
+                                     .narrow = &narrow,
+                                     .remap = &tables[0],
+                                     .residuals = residuals[0],
+                                     .more_remaps = more + 1,
+                                     .num_more_remaps = 3,
+                                     .modes = modes,
+                                     .num_modes = 3};
+  assert_int_equal(rg_blob_size(&contents), sizeof(kModesBlob));
+  assert_int_equal(rg_blob_write(&contents, written, sizeof(written)), RG_OK);
+  assert_memory_equal(written, kModesBlob, sizeof(kModesBlob));
+  modes[2].width = 97;
+  assert_int_equal(rg_blob_write(&contents, written, sizeof(written)),
+                   RG_ERR_REMAP_SIZE);
+}
+
 static int take_example_apart(void** state) {
   (void)state;
   take_apart(kExampleBlob, SIZE);
@@ -462,6 +508,7 @@ int main(void) {
       TEST(example_is_written_byte_for_byte),
       TEST(bent_tables_are_written_byte_for_byte),
       TEST(tables_with_views_are_written_byte_for_byte),
+      TEST(modes_are_written_byte_for_byte),
       TEST(lens_is_written_byte_for_byte),
       TEST(narrow_grid_is_written_byte_for_byte),
       TEST(wide_camera_is_written_byte_for_byte),

@@ -15,6 +15,7 @@ TABLES = {
     "### Central grid (": ("RG_GRID_", "RG_GRID_FIELDS_SIZE"),
     "### Remap (": ("RG_REMAP_", "RG_REMAP_FIELDS_SIZE"),
     "with a view followed by\n": ("RG_VIEW_", "RG_VIEW_FIELDS_SIZE"),
+    "### Sensor modes (": ("RG_MODE_", "RG_MODE_SIZE"),
     "### Quality (": ("RG_QUALITY_", "RG_QUALITY_SIZE"),
     "### Line points (": ("RG_LINE_POINTS_", "RG_LINE_POINTS_FIELDS_SIZE"),
     "### Validity mask (": ("RG_MASK_", "RG_MASK_FIELDS_SIZE"),

@@ -47,8 +47,7 @@ static int make_image(const rg_camera* camera, const uint8_t* data,
                       rg_image* image) {
   memset(image, 0, sizeof(*image));
   image->format = (rg_format)(data[1] % (RG_NUM_FORMATS + 1));
-  image->width = camera->width;
-  image->height = camera->height;
+  rg_frame_size(camera, &image->width, &image->height);
   if (data[2] % 16 == 0) { /* a size that is wrong */
     image->width = (uint16_t)setting(data, 4);
     image->height = (uint16_t)setting(data, 6);

@@ -74,13 +74,17 @@ static void try_mode(const rg_camera* camera, const uint8_t* data,
                         setting(data, 48),
                         data[52] & 1,
                         data[52] >> 1 & 1};
+  rg_mode of_table;
   rg_pixel other;
   if (rg_mode_to_calibrated(&mode, pixel, &other) == RG_OK)
     rg_mode_from_calibrated(&mode, other, &pixel);
   rg_mode_from_calibrated(&mode, pixel, &other);
   const char serial[4] = {(char)data[53], (char)data[54], (char)data[55], 0};
-  rg_match(camera, &mode, mode.width, mode.height, serial);
-  rg_match(camera, NULL, mode.width, mode.height, NULL);
+  uint32_t table;
+  rg_match(camera, &mode, mode.width, mode.height, serial, &table);
+  if (rg_remap_mode(camera, &of_table) == RG_OK)
+    rg_mode_to_calibrated(&of_table, pixel, &other);
+  rg_match(camera, NULL, mode.width, mode.height, NULL, NULL);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

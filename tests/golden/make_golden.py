@@ -153,6 +153,8 @@ class View:
     part_log2: int = 0
     projection: str = "pinhole"
     angles: tuple[float, float, float] = (0, 0, 0)  # yaw, pitch, roll, in degrees
+    mode: int = 0  # of SENSOR_MODES, counted from 1; 0: frames as calibrated
+    distorts: bool = False
 
     def ray(self, u: float, v: float) -> Ray:
         """The direction in which the output pixel (u, v) looks."""
@@ -166,10 +168,27 @@ class View:
 
     def stored(self) -> reference.View | None:
         """The view's fields in a table."""
-        if self.angles == (0, 0, 0) and self.projection == "pinhole":
+        if (self.angles == (0, 0, 0) and self.projection == "pinhole" and self.mode == 0
+                and not self.distorts):
             return None
-        return reference.View(reference.PROJECTIONS.index(self.projection), tuple(
-            round(value * Q30) for row in rotation_of(*self.angles) for value in row))
+        return reference.View(
+            reference.PROJECTIONS.index(self.projection),
+            tuple(round(value * Q30) for row in rotation_of(*self.angles) for value in row),
+            reference.Size(self.width, self.height) if self.distorts else self.real_size(),
+            self.mode, reference.DISTORT if self.distorts else reference.UNDISTORT)
+
+    def real_size(self) -> reference.Size:
+        """Size of the real frames."""
+        if self.mode == 0:
+            return reference.Size(320, 240)
+        return reference.Size(SENSOR_MODES[self.mode - 1].width, SENSOR_MODES[self.mode - 1].height)
+
+    def pixel(self, ray: Ray) -> Point:
+        """Where the view shows a direction in camera axes."""
+        columns = list(zip(*rotation_of(*self.angles)))
+        turned = tuple(sum(m * r for m, r in zip(column, ray)) for column in columns)
+        a, b = plane_point(self.projection, turned)
+        return self.focal * a + (self.width - 1) / 2, self.focal * b + (self.height - 1) / 2
 
 
 def plane_ray(projection: str, a: float, b: float) -> Ray:
@@ -222,7 +241,7 @@ def make_remap(blob: reference.Blob, lens: Lens, view: View) -> reference.Remap:
     """The table that undistorts the blob's camera to the view."""
     remap = empty_remap(blob, view)
     block = 1 << view.block_log2
-    exact = [project(blob, lens, view.ray(block * i, block * j))
+    exact = [source_of(blob, lens, view, block * i, block * j)
              for j in range(remap.rows) for i in range(remap.columns)]
     remap = with_vertices(remap, exact)
     if view.part_log2 != 0:
@@ -232,13 +251,46 @@ def make_remap(blob: reference.Blob, lens: Lens, view: View) -> reference.Remap:
         remap, max_error_upx=measure_error(blob, lens, view, remap))
 
 
-def empty_remap(blob: reference.Blob, view: View) -> reference.Remap:
-    """The fields that the view gives; the source is the calibrated area."""
+def source_of(blob: reference.Blob, lens: Lens, view: View, u: float, v: float) -> Point:
+    """The source of an output pixel: of the view, or of a real frame if the table distorts."""
+    if not view.distorts:
+        return mode_pixel(view.mode, project(blob, lens, view.ray(u, v)))
+    return view.pixel(reference.unproject(blob, *clamp_to_area(blob.grid, u, v)))
+
+
+def mode_pixel(number: int, pixel: Point) -> Point:
+    """A calibrated pixel in frames of a mode."""
+    if number == 0:
+        return pixel
+    mode = SENSOR_MODES[number - 1]
+    x, y = ((value + 0.5 - mode.offset[axis] / Q16) / (mode.scale[axis] / Q16) - 0.5
+            for axis, value in enumerate(pixel))
+    return (mode.width - 1 - x if mode.flips[0] else x,
+            mode.height - 1 - y if mode.flips[1] else y)
+
+
+def source_rectangle(blob: reference.Blob, view: View) -> tuple[int, int, int, int]:
+    """The calibrated area, or what the view says, as far as frames of the source reach; q16."""
     grid = blob.grid
-    x0, y0, x1, y1 = (grid.x0, grid.y0, grid.x1, grid.y1) if view.source is None else (
-        round(value * Q16) for value in view.source)
+    if view.source is not None:
+        x0, y0, x1, y1 = (round(value * Q16) for value in view.source)
+        return x0, y0, x1, y1
+    if view.distorts:
+        return 0, 0, (view.width - 1) * Q16, (view.height - 1) * Q16
+    corners = [mode_pixel(view.mode, (x / Q16, y / Q16))
+               for x, y in ((grid.x0, grid.y0), (grid.x1, grid.y1))]
+    size = view.real_size() if view.mode else reference.Size(blob.camera.width, blob.camera.height)
+    (x0, x1), (y0, y1) = (
+        (max(0.0, min(ends)), min(side - 1.0, max(ends))) for ends, side in zip(zip(*corners), size))
+    return round(x0 * Q16), round(y0 * Q16), round(x1 * Q16), round(y1 * Q16)
+
+
+def empty_remap(blob: reference.Blob, view: View) -> reference.Remap:
+    """The fields that the view gives."""
+    x0, y0, x1, y1 = source_rectangle(blob, view)
+    width, height = view.real_size() if view.distorts else (view.width, view.height)
     return reference.Remap(
-        view.width, view.height, view.block_log2, view.residual_shift,
+        width, height, view.block_log2, view.residual_shift,
         min_x=-(-x0 // 16), min_y=-(-y0 // 16),
         max_x=x1 // 16, max_y=y1 // 16,
         origin=(0, 0), column_step=(0, 0), row_step=(0, 0),
@@ -267,7 +319,7 @@ def with_bends(blob: reference.Blob, lens: Lens, view: View,
     block, parts = 1 << view.block_log2, 1 << view.block_log2 - view.part_log2
 
     def exact(i: float, j: float) -> Point:
-        return project(blob, lens, view.ray(block * i, block * j))
+        return source_of(blob, lens, view, block * i, block * j)
 
     def bend(i: int, j: int, di: int, dj: int) -> Point:
         if i < di or j < dj:
@@ -325,7 +377,7 @@ def measure_error(blob: reference.Blob, lens: Lens, view: View,
     for block in range(reference.block_count(remap)):
         for index, (x, y) in block_sources(remap, block):
             v, u = divmod(index, remap.width)
-            exact = project(blob, lens, view.ray(u, v))
+            exact = source_of(blob, lens, view, u, v)
             worst = max(worst, math.dist((x / Q12, y / Q12), exact))
     return math.ceil(worst * 1e6)
 
@@ -407,6 +459,28 @@ def make_views(wide: reference.Blob) -> reference.Blob:
     """The wide camera with control points of 16 bits and a table of each of VIEWS."""
     blob = reference.Blob(wide.camera, narrow_grid(wide.grid))
     first, *others = (make_remap(blob, WIDE_LENS, view) for view in VIEWS)
+    return dataclasses.replace(blob, remap=first, more_remaps=tuple(others))
+
+
+# Modes of the wide camera: a crop, binning by two that is mirrored, and a scaled crop upside down.
+SENSOR_MODES = (
+    reference.Mode(120, 100, (90 * Q16, 60 * Q16), (Q16, Q16), (0, 0), "crop"),
+    reference.Mode(160, 120, (0, 0), (2 * Q16, 2 * Q16), (1, 0), "binned"),
+    reference.Mode(96, 72, (40 * Q16, 30 * Q16), (5 * Q16 // 2, 5 * Q16 // 2), (0, 1), "scaled"))
+MODE_VIEWS = (
+    View(40, 30, block_log2=3, residual_shift=5, focal=20.0, bound_upx=4000000, mode=1),
+    View(48, 32, block_log2=3, residual_shift=5, focal=9.0, bound_upx=4000000,
+         projection="stereographic", angles=(20, 0, 0), mode=2),
+    View(40, 30, block_log2=4, residual_shift=5, focal=16.0, bound_upx=4000000,
+         projection="equidistant", mode=3, part_log2=3),
+    View(64, 48, block_log2=5, residual_shift=6, focal=18.0, bound_upx=9000000,
+         projection="equidistant", angles=(10, 0, 0), distorts=True))
+
+
+def make_modes(wide: reference.Blob) -> reference.Blob:
+    """The wide camera with control points of 16 bits, SENSOR_MODES, and a table of each of MODE_VIEWS."""
+    blob = reference.Blob(wide.camera, narrow_grid(wide.grid), modes=SENSOR_MODES)
+    first, *others = (make_remap(blob, WIDE_LENS, view) for view in MODE_VIEWS)
     return dataclasses.replace(blob, remap=first, more_remaps=tuple(others))
 
 
@@ -855,13 +929,8 @@ def undistorted_lines(blob: reference.Blob) -> Iterator[str]:
 
 def undistorted_view_lines(blob: reference.Blob, view: View) -> Iterator[str]:
     """Entries of a table of the pixels of the blob's grid in a view."""
-    columns = list(zip(*rotation_of(*view.angles)))
-    centre = ((view.width - 1) / 2, (view.height - 1) / 2)
     for x, y in golden_pixels(blob.grid):
-        ray = reference.unproject(blob, x / Q16, y / Q16)
-        turned = tuple(sum(m * r for m, r in zip(column, ray)) for column in columns)
-        point = [(view.focal * p + c) * Q16
-                 for p, c in zip(plane_point(view.projection, turned), centre)]
+        point = [p * Q16 for p in view.pixel(reference.unproject(blob, x / Q16, y / Q16))]
         seen = max(map(abs, point)) < 1 << 30
         yield f"    {{{', '.join(str(round(p) if seen else UNSEEN) for p in point)}}},"
 
@@ -895,7 +964,8 @@ def border_pixels(blob: reference.Blob) -> int:
 
 def remap_crc(blob: reference.Blob) -> int:
     """CRC of the test image, undistorted."""
-    frame = make_frame(blob.camera.width, blob.camera.height)
+    size = blob.camera if blob.remap.view is None else blob.remap.view.source
+    frame = make_frame(size.width, size.height)
     return zlib.crc32(reference.remap_grey(blob, frame, BORDER))
 
 
@@ -1006,6 +1076,15 @@ def header_lines(example: reference.Blob, lens: reference.Blob,
     yield "static const uint32_t kViewsCrcs[] = {"
     for table in (views.remap, *views.more_remaps):
         crc = remap_crc(dataclasses.replace(views, remap=table, more_remaps=()))
+        yield f"    0x{crc:08x}u,"
+    yield "};"
+    yield ""
+    modes = make_modes(wide)
+    yield "/* The camera of kWideBlob with three modes, a table of each, and one that distorts. */"
+    yield from blob_lines("kModesBlob", reference.serialize(modes))
+    yield "static const uint32_t kModesCrcs[] = {"
+    for table in (modes.remap, *modes.more_remaps):
+        crc = remap_crc(dataclasses.replace(modes, remap=table, more_remaps=()))
         yield f"    0x{crc:08x}u,"
     yield "};"
     yield ""

@@ -63,9 +63,10 @@ typedef struct image_error {
 
 static double interpolate(const rg_camera* camera, double x, double y) {
   const uint32_t column = (uint32_t)x, row = (uint32_t)y;
-  const uint32_t right = column + 1u < camera->width ? 1 : 0;
-  const uint32_t lower = row + 1u < camera->height ? camera->width : 0;
-  const uint8_t* const p = picture + row * camera->width + column;
+  const uint32_t right = column + 1u < camera->frame_width ? 1 : 0;
+  const uint32_t lower =
+      row + 1u < camera->frame_height ? camera->frame_width : 0;
+  const uint8_t* const p = picture + row * camera->frame_width + column;
   const double u = x - column, v = y - row;
   return (p[0] * (1 - u) + p[right] * u) * (1 - v) +
          (p[lower] * (1 - u) + p[lower + right] * u) * v;
@@ -110,8 +111,8 @@ static void add_frame(const rg_camera* camera, image_error* error) {
 
 static void remap_picture(const rg_camera* camera, uint8_t border,
                           uint8_t* result) {
-  const rg_frame frame = {picture, camera->width, camera->width,
-                          camera->height};
+  const rg_frame frame = {picture, camera->frame_width, camera->frame_width,
+                          camera->frame_height};
   rg_band band = {result, 0, 0, 0, border};
   uint16_t width;
   assert_int_equal(rg_remap_size(camera, &width, &band.num_rows), RG_OK);
@@ -125,11 +126,12 @@ static void add_table(const void* blob, uint32_t size, uint32_t index,
   rg_camera camera;
   assert_int_equal(rg_camera_open(&camera, blob, size), RG_OK);
   assert_int_equal(rg_select_remap(&camera, index), RG_OK);
-  assert_true(camera.width <= MAX_WIDTH && camera.height <= MAX_HEIGHT);
+  assert_true(camera.frame_width <= MAX_WIDTH &&
+              camera.frame_height <= MAX_HEIGHT);
   for (uint32_t k = 0; k < NUM_PICTURES; ++k) {
-    for (uint32_t y = 0; y < camera.height; ++y)
-      for (uint32_t x = 0; x < camera.width; ++x)
-        picture[y * camera.width + x] = make(x, y);
+    for (uint32_t y = 0; y < camera.frame_height; ++y)
+      for (uint32_t x = 0; x < camera.frame_width; ++x)
+        picture[y * camera.frame_width + x] = make(x, y);
     remap_picture(&camera, 0, output);
     remap_picture(&camera, 255, other_border);
     add_frame(&camera, error);

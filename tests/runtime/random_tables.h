@@ -70,8 +70,8 @@ static inline int make_table(uint32_t style_index, uint32_t size_multiple) {
   rg_remap_section table;
   memset(&table, 0, sizeof(table));
   memset(&camera, 0, sizeof(camera));
-  camera.width = random_size(size_multiple);
-  camera.height = random_size(size_multiple);
+  camera.frame_width = random_size(size_multiple);
+  camera.frame_height = random_size(size_multiple);
   table.width = random_size(size_multiple);
   table.height = random_size(size_multiple);
   table.block_log2 = (uint8_t)(3 + below(3));
@@ -82,8 +82,8 @@ static inline int make_table(uint32_t style_index, uint32_t size_multiple) {
   }
   table.columns = (uint16_t)(((table.width - 1) >> table.block_log2) + 2);
   table.rows = (uint16_t)(((table.height - 1) >> table.block_log2) + 2);
-  const int32_t last_x = (camera.width - 1) << 12;
-  const int32_t last_y = (camera.height - 1) << 12;
+  const int32_t last_x = (camera.frame_width - 1) << 12;
+  const int32_t last_y = (camera.frame_height - 1) << 12;
   table.max_x_q12 = last_x;
   table.max_y_q12 = last_y;
   if (below(2) != 0) { /* a calibrated area within the image */
@@ -119,8 +119,9 @@ static inline int make_table(uint32_t style_index, uint32_t size_multiple) {
   assert_true(size <= sizeof(section_words));
   rg_write_remap(&table, residuals, SECTION);
   camera.remap = SECTION;
-  return rg_check_remap(SECTION, size,
-                        camera.width | (uint32_t)camera.height << 16) == 0 &&
+  uint32_t source_size = camera.frame_width | (uint32_t)camera.frame_height
+                                                  << 16;
+  return rg_check_remap(SECTION, size, &source_size) == 0 &&
          rg_check_vertices(SECTION) == 0;
 }
 

@@ -444,6 +444,30 @@ static void frames_of_every_view_are_the_golden_ones(void** state) {
   }
 }
 
+static void frames_of_every_mode_are_the_golden_ones(void** state) {
+  (void)state;
+  static uint8_t frame_of_mode[SOURCE_WIDTH * SOURCE_HEIGHT];
+  static uint8_t undistorted[SOURCE_WIDTH * SOURCE_HEIGHT];
+  rg_camera camera;
+  assert_int_equal(rg_camera_open(&camera, kModesBlob, sizeof(kModesBlob)),
+                   RG_OK);
+  for (uint32_t k = 0; k < sizeof(kModesCrcs) / sizeof(kModesCrcs[0]); ++k) {
+    rg_frame frame = {frame_of_mode, 0, 0, 0};
+    uint16_t width, height;
+    assert_int_equal(rg_select_remap(&camera, k), RG_OK);
+    rg_frame_size(&camera, &frame.width, &frame.height);
+    frame.stride = frame.width;
+    make_test_frame(frame_of_mode, frame.width, frame.width, frame.height);
+    assert_int_equal(rg_remap_size(&camera, &width, &height), RG_OK);
+    const rg_band band = {undistorted, width, 0, height, GOLDEN_BORDER};
+    assert_int_equal(rg_remap_grey(&camera, &frame, &band), RG_OK);
+    assert_int_equal(rg_crc32(0, undistorted, (uint32_t)width * height),
+                     kModesCrcs[k]);
+    frame.height -= 1;
+    assert_int_equal(rg_remap_grey(&camera, &frame, &band), RG_ERR_FRAME_SIZE);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(frames_of_every_format_are_the_golden_ones),
@@ -456,6 +480,7 @@ int main(void) {
       cmocka_unit_test(odd_addresses_of_words_are_refused),
       cmocka_unit_test(further_tables_may_be_selected),
       cmocka_unit_test(frames_of_every_view_are_the_golden_ones),
+      cmocka_unit_test(frames_of_every_mode_are_the_golden_ones),
   };
   return cmocka_run_group_tests(tests, open_wide, NULL);
 }

@@ -59,8 +59,8 @@ static void check_frame(const frame_style* style) {
   memset(&image, 0, sizeof(image));
   memset(&target, 0, sizeof(target));
   image.format = style->format;
-  image.width = camera.width;
-  image.height = camera.height;
+  image.width = camera.frame_width;
+  image.height = camera.frame_height;
   target.num_rows = height;
   target.border = (rg_border)below(3);
   target.sampling = below(4) == 0 ? RG_SAMPLING_NEAREST : RG_SAMPLING_BILINEAR;
@@ -68,9 +68,9 @@ static void check_frame(const frame_style* style) {
   for (uint32_t k = 0; k < style->num_planes; ++k) {
     const plane_lattice lattice = style->planes[k];
     const uint32_t bytes =
-        ((uint32_t)camera.width >> lattice.l) * lattice.channels;
+        ((uint32_t)camera.frame_width >> lattice.l) * lattice.channels;
     const uint32_t padding = below(3) == 0 ? below(40) : 0;
-    const uint32_t source_rows = (uint32_t)camera.height >> lattice.l;
+    const uint32_t source_rows = (uint32_t)camera.frame_height >> lattice.l;
     const uint32_t size = (bytes + padding) * (source_rows - 1) + bytes;
     sources[k] = new_memory(size);
     uint8_t* const bytes_of_plane = sources[k].bytes;
@@ -84,7 +84,7 @@ static void check_frame(const frame_style* style) {
     target.planes[k].data = output[k] + MARGIN;
     memset(expected[k], GUARD, sizeof(expected[k]));
     const plain_source plain = {bytes_of_plane, image.planes[k].stride,
-                                camera.width, camera.height};
+                                camera.frame_width, camera.frame_height};
     const plain_target wanted = {expected[k] + MARGIN, target.planes[k].stride,
                                  target.border, target.sampling,
                                  kBorder + (style->num_planes == 1 ? 0 : k)};
@@ -99,8 +99,8 @@ static void check_frame(const frame_style* style) {
       if (memcmp(output[k], expected[k], sizeof(output[k])) != 0)
         fail_msg("kernels %s, format %d, plane %u, %u x %u to %u x %u",
                  kNames[name] ? kNames[name] : "of this processor",
-                 (int)style->format, (unsigned)k, camera.width, camera.height,
-                 width, height);
+                 (int)style->format, (unsigned)k, camera.frame_width,
+                 camera.frame_height, width, height);
   }
   for (uint32_t k = 0; k < style->num_planes; ++k) free_memory(&sources[k]);
 }
@@ -114,7 +114,7 @@ static void every_kernel_gives_the_specified_bits(void** unused) {
     if (!make_table(k % NUM_STYLES, frame->num_planes == 1 ? 1 : 2)) continue;
     check_frame(frame);
     ++num_checked;
-    num_odd += camera.width & camera.height & 1u;
+    num_odd += camera.frame_width & camera.frame_height & 1u;
   }
   printf("%u of %u tables, %u of frames of odd width and height\n",
          (unsigned)num_checked, (unsigned)NUM_CASES, (unsigned)num_odd);

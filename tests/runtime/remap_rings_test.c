@@ -94,8 +94,8 @@ static void check_frame(rg_format format) {
   uint16_t width, height;
   rg_remap_size(&camera, &width, &height);
   image.format = format;
-  image.width = camera.width;
-  image.height = camera.height;
+  image.width = camera.frame_width;
+  image.height = camera.frame_height;
   target.sampling = below(2) == 0 ? RG_SAMPLING_NEAREST : RG_SAMPLING_BILINEAR;
   target.border = below(2) == 0 ? RG_BORDER_VALUE : RG_BORDER_KEEP;
   target.first_row = (uint16_t)(below(height) & ~1u);
@@ -143,7 +143,7 @@ static void use_table(const rg_remap_section* table) {
   static const int16_t residuals[8] = {0};
   rg_write_remap(table, residuals, SECTION);
   memset(&camera, 0, sizeof(camera));
-  camera.width = camera.height = 32;
+  camera.frame_width = camera.frame_height = 32;
   camera.remap = SECTION;
 }
 

@@ -110,8 +110,9 @@ static void impossible_modes_are_refused(void** state) {
 static void frames_as_calibrated_match(void** state) {
   (void)state;
   const rg_mode same = make_mode(160, 120, 0, 0, 65536);
-  assert_int_equal(rg_match(&lens, NULL, 160, 120, NULL), RG_MATCH_EXACT);
-  assert_int_equal(rg_match(&lens, &same, 160, 120, "L-150/7"), RG_MATCH_EXACT);
+  assert_int_equal(rg_match(&lens, NULL, 160, 120, NULL, NULL), RG_MATCH_EXACT);
+  assert_int_equal(rg_match(&lens, &same, 160, 120, "L-150/7", NULL),
+                   RG_MATCH_EXACT);
 }
 
 static void parts_of_the_calibrated_frames_are_derivable(void** state) {
@@ -120,9 +121,11 @@ static void parts_of_the_calibrated_frames_are_derivable(void** state) {
   const rg_mode crop = make_mode(60, 40, 100, 80, 65536);
   rg_mode mirrored = make_mode(160, 120, 0, 0, 65536);
   mirrored.flip_x = 1;
-  assert_int_equal(rg_match(&lens, &binned, 80, 60, NULL), RG_MATCH_DERIVABLE);
-  assert_int_equal(rg_match(&lens, &crop, 60, 40, NULL), RG_MATCH_DERIVABLE);
-  assert_int_equal(rg_match(&lens, &mirrored, 160, 120, NULL),
+  assert_int_equal(rg_match(&lens, &binned, 80, 60, NULL, NULL),
+                   RG_MATCH_DERIVABLE);
+  assert_int_equal(rg_match(&lens, &crop, 60, 40, NULL, NULL),
+                   RG_MATCH_DERIVABLE);
+  assert_int_equal(rg_match(&lens, &mirrored, 160, 120, NULL, NULL),
                    RG_MATCH_DERIVABLE);
 }
 
@@ -133,10 +136,10 @@ static void scales_may_be_rounded_up(void** state) {
     const uint32_t scale = ((160u << 17) / width + 1) / 2;
     rg_mode mode = make_mode((uint16_t)width, 60, 0, 0, scale);
     mode.scale_y_q16 = 2 << 16;
-    assert_true(rg_match(&lens, &mode, (uint16_t)width, 60, NULL) !=
+    assert_true(rg_match(&lens, &mode, (uint16_t)width, 60, NULL, NULL) !=
                 RG_MATCH_NONE);
     mode.scale_x_q16 = scale + 2;
-    assert_int_equal(rg_match(&lens, &mode, (uint16_t)width, 60, NULL),
+    assert_int_equal(rg_match(&lens, &mode, (uint16_t)width, 60, NULL, NULL),
                      RG_MATCH_NONE);
   }
 }
@@ -146,23 +149,99 @@ static void anything_else_is_a_mismatch(void** state) {
   const rg_mode binned = make_mode(80, 60, 0, 0, 2 << 16);
   const rg_mode beyond = make_mode(61, 40, 100, 80, 65536);
   const rg_mode before = make_mode(60, 40, -1, 0, 65536);
-  assert_int_equal(rg_match(&lens, NULL, 80, 60, NULL), RG_MATCH_NONE);
-  assert_int_equal(rg_match(&lens, NULL, 120, 160, NULL), RG_MATCH_NONE);
-  assert_int_equal(rg_match(&lens, &binned, 160, 120, NULL), RG_MATCH_NONE);
-  assert_int_equal(rg_match(&lens, &beyond, 61, 40, NULL), RG_MATCH_NONE);
-  assert_int_equal(rg_match(&lens, &before, 60, 40, NULL), RG_MATCH_NONE);
+  assert_int_equal(rg_match(&lens, NULL, 80, 60, NULL, NULL), RG_MATCH_NONE);
+  assert_int_equal(rg_match(&lens, NULL, 120, 160, NULL, NULL), RG_MATCH_NONE);
+  assert_int_equal(rg_match(&lens, &binned, 160, 120, NULL, NULL),
+                   RG_MATCH_NONE);
+  assert_int_equal(rg_match(&lens, &beyond, 61, 40, NULL, NULL), RG_MATCH_NONE);
+  assert_int_equal(rg_match(&lens, &before, 60, 40, NULL, NULL), RG_MATCH_NONE);
 }
 
 static void another_serial_is_a_mismatch(void** state) {
   (void)state;
   rg_camera anonymous;
-  assert_int_equal(rg_match(&lens, NULL, 160, 120, "L-150/8"), RG_MATCH_NONE);
-  assert_int_equal(rg_match(&lens, NULL, 160, 120, "L-150/"), RG_MATCH_NONE);
-  assert_int_equal(rg_match(&lens, NULL, 160, 120, "L-150/77"), RG_MATCH_NONE);
-  assert_int_equal(rg_match(&lens, NULL, 160, 120, ""), RG_MATCH_NONE);
+  assert_int_equal(rg_match(&lens, NULL, 160, 120, "L-150/8", NULL),
+                   RG_MATCH_NONE);
+  assert_int_equal(rg_match(&lens, NULL, 160, 120, "L-150/", NULL),
+                   RG_MATCH_NONE);
+  assert_int_equal(rg_match(&lens, NULL, 160, 120, "L-150/77", NULL),
+                   RG_MATCH_NONE);
+  assert_int_equal(rg_match(&lens, NULL, 160, 120, "", NULL), RG_MATCH_NONE);
   assert_int_equal(rg_camera_open(&anonymous, kWideBlob, sizeof(kWideBlob)),
                    RG_OK);
-  assert_int_equal(rg_match(&anonymous, NULL, 320, 240, "any"), RG_MATCH_EXACT);
+  assert_int_equal(rg_match(&anonymous, NULL, 320, 240, "any", NULL),
+                   RG_MATCH_EXACT);
+}
+
+/* kModesBlob: a crop, binning that is mirrored, a scaled crop upside down, and
+ * a table that distorts. */
+static rg_mode mode_of_table(uint32_t index) {
+  rg_camera modes;
+  rg_mode mode;
+  assert_int_equal(rg_camera_open(&modes, kModesBlob, sizeof(kModesBlob)),
+                   RG_OK);
+  assert_int_equal(rg_remap_mode(&modes, &mode), RG_ERR_NO_REMAP);
+  assert_int_equal(rg_select_remap(&modes, index), RG_OK);
+  assert_int_equal(rg_remap_mode(&modes, &mode), RG_OK);
+  return mode;
+}
+
+static void tables_tell_their_modes(void** state) {
+  (void)state;
+  const rg_mode crop = mode_of_table(0), binned = mode_of_table(1);
+  const rg_mode calibrated = mode_of_table(3);
+  assert_true(crop.width == 120 && crop.height == 100);
+  assert_true(crop.offset_x_q16 == RG_PIXEL(90) &&
+              crop.offset_y_q16 == RG_PIXEL(60));
+  assert_true(binned.scale_x_q16 == 2 << 16 && binned.flip_x == 1 &&
+              binned.flip_y == 0);
+  assert_true(calibrated.width == 320 && calibrated.scale_y_q16 == 65536);
+}
+
+/* Whether and by which table kModesBlob serves frames of a mode. */
+static rg_match_result match_mode(const rg_mode* mode, uint32_t* table) {
+  rg_camera modes;
+  assert_int_equal(rg_camera_open(&modes, kModesBlob, sizeof(kModesBlob)),
+                   RG_OK);
+  return rg_match(&modes, mode, mode->width, mode->height, NULL, table);
+}
+
+static void modes_find_their_tables(void** state) {
+  (void)state;
+  for (uint32_t k = 0; k < 3; ++k) {
+    uint32_t table = 77;
+    rg_mode mode = mode_of_table(k);
+    assert_int_equal(match_mode(&mode, &table), RG_MATCH_MODE);
+    assert_int_equal(table, k);
+    --mode.scale_x_q16; /* rounded otherwise */
+    assert_int_equal(match_mode(&mode, &table), RG_MATCH_MODE);
+    --mode.scale_x_q16;
+    assert_int_equal(match_mode(&mode, &table), RG_MATCH_DERIVABLE);
+    assert_int_equal(table, RG_NO_TABLE);
+  }
+  uint32_t table = 77;
+  rg_mode mode = mode_of_table(2);
+  mode.offset_y_q16 += 2;
+  assert_int_equal(match_mode(&mode, &table), RG_MATCH_DERIVABLE);
+  --mode.offset_y_q16;
+  assert_int_equal(match_mode(&mode, &table), RG_MATCH_MODE);
+  mode.flip_y = 0;
+  assert_int_equal(match_mode(&mode, &table), RG_MATCH_DERIVABLE);
+}
+
+/* That table takes the view, not frames. */
+static void tables_that_distort_serve_no_frames(void** state) {
+  (void)state;
+  uint32_t table = 77;
+  const rg_mode calibrated = mode_of_table(3);
+  assert_int_equal(match_mode(&calibrated, &table), RG_MATCH_EXACT);
+  assert_int_equal(table, RG_NO_TABLE);
+  assert_int_equal(rg_match(&lens, NULL, 160, 120, NULL, &table),
+                   RG_MATCH_EXACT);
+  assert_int_equal(table, 0);
+  assert_int_equal(rg_match(&lens, NULL, 160, 120, "other", &table),
+                   RG_MATCH_NONE);
+  assert_int_equal(table, RG_NO_TABLE);
 }
 
 int main(void) {
@@ -177,6 +256,9 @@ int main(void) {
       cmocka_unit_test(scales_may_be_rounded_up),
       cmocka_unit_test(anything_else_is_a_mismatch),
       cmocka_unit_test(another_serial_is_a_mismatch),
+      cmocka_unit_test(tables_tell_their_modes),
+      cmocka_unit_test(modes_find_their_tables),
+      cmocka_unit_test(tables_that_distort_serve_no_frames),
   };
   return cmocka_run_group_tests(tests, open_lens, NULL);
 }
