@@ -40,7 +40,7 @@ Json Figures(uint32_t median_upx, uint32_t rms_upx, uint32_t max_upx,
   return json;
 }
 
-Json RemapFacts(const uint8_t* section) {
+Json RemapFacts(const uint8_t* section, const std::vector<SensorMode>& modes) {
   rg_remap_section remap;
   rg_read_remap(section, &remap);
   Json json = {{"size", {remap.width, remap.height}},
@@ -49,10 +49,21 @@ Json RemapFacts(const uint8_t* section) {
                {"block_px", 1 << remap.block_log2},
                {"vertices", {remap.columns, remap.rows}}};
   json.update(ViewJson(ViewOfTable(remap)));
+  if (remap.mode != 0) json["mode"] = Printable(modes[remap.mode - 1].name);
+  if (remap.direction == RG_DISTORT) json["direction"] = "distort";
   if (remap.part_log2 != 0) json["part_px"] = 1 << remap.part_log2;
   AddPixels("error_px", remap.max_error_upx, &json);
   AddPixels("error_asked_for_px", remap.bound_upx, &json);
   return json;
+}
+
+Json ModeFacts(const SensorMode& mode) {
+  return {{"name", Printable(mode.name)},
+          {"size", {mode.size.width, mode.size.height}},
+          {"offset_px", {mode.offset_px.x(), mode.offset_px.y()}},
+          {"scale", {mode.scale.x(), mode.scale.y()}},
+          {"flip_x", mode.flip_x},
+          {"flip_y", mode.flip_y}};
 }
 
 void AddQuality(const rg_blob& blob, Json* json) {
@@ -120,10 +131,12 @@ Json BlobFacts(const BlobCamera& camera) {
                   {grid.x0_q16 / 65536.0, grid.y0_q16 / 65536.0,
                    grid.x1_q16 / 65536.0, grid.y1_q16 / 65536.0}}}},
                {"remap_tables", Json::array()}};
+  const std::vector<SensorMode> modes = camera.Modes();
+  for (const SensorMode& mode : modes) json["modes"].push_back(ModeFacts(mode));
   for (uint32_t k = 0;; ++k) {
     const uint8_t* remap = rg_find_section(blob.bytes, RG_SECTION_REMAP, k);
     if (!remap) break;
-    json["remap_tables"].push_back(RemapFacts(remap));
+    json["remap_tables"].push_back(RemapFacts(remap, modes));
   }
   if (blob.quality) AddQuality(blob, &json);
   if (blob.uncertainty) json["uncertainty"] = UncertaintyFacts(blob);

@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "mode_options.h"
 #include "view_options.h"
 
 namespace raygrid {
@@ -18,7 +19,7 @@ namespace {
 
 struct PackArguments {
   std::string camera, output, name, serial;
-  std::vector<std::string> remaps;
+  std::vector<std::string> remaps, modes;
   double max_error_px = 0.05;
   bool wide_grid = false;
 };
@@ -69,6 +70,7 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
     result["remaps"] = nlohmann::ordered_json::array();
     for (const PackedRemap& remap : packed.remaps) {
       nlohmann::ordered_json told = ViewJson(remap.view);
+      if (!remap.mode.empty()) told["mode"] = remap.mode;
       told.update({{"error_px", remap.error_px},
                    {"chroma_error_px", remap.chroma_error_px},
                    {"block_size", remap.block_size},
@@ -85,9 +87,10 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
   for (size_t k = 0; k < packed.remaps.size(); ++k) {
     const PackedRemap& remap = packed.remaps[k];
     fmt::print(
-        "; remap {} to {}x{} within {:.3f} px, chroma {:.3f} of its own, in "
+        "; remap {}{} to {}x{} within {:.3f} px, chroma {:.3f} of its own, in "
         "blocks of {} px, parts of {} px",
-        k, remap.view.size.width, remap.view.size.height, remap.error_px,
+        k, remap.mode.empty() ? "" : fmt::format(" of mode {}", remap.mode),
+        remap.view.size.width, remap.view.size.height, remap.error_px,
         remap.chroma_error_px, remap.block_size, remap.part_size);
   }
   fmt::print("\n");
@@ -105,15 +108,57 @@ std::string TurnRemark(const Eigen::Quaterniond& q) {
       q.x(), q.y(), q.z());
 }
 
-void Run(const PackArguments& arguments, const CommonOptions& common) {
-  RequireBlobText("--name", arguments.name);
-  RequireBlobText("--serial", arguments.serial);
+// The views asked for; with modes at least the one that a camera can give.
+std::vector<ViewRequest> ParseViews(const PackArguments& arguments) {
   std::vector<ViewRequest> views;
   for (const std::string& remap : arguments.remaps)
     views.push_back(ParseView("--remap", remap));
+  if (views.empty() && !arguments.modes.empty()) views.emplace_back();
+  return views;
+}
+
+void RequireFewTables(size_t num_tables) {
+  constexpr size_t kMaxTables = 9;  // beside the other sections
+  if (num_tables > kMaxTables)
+    throw Error(ExitCode::kUsage,
+                fmt::format("{} tables, of each --remap for calibrated frames "
+                            "and for each --mode: a blob has at most {}; pack "
+                            "several blobs",
+                            num_tables, kMaxTables));
+}
+
+RemapRequest MakeRemapOfMode(const CameraModel& camera, const ViewRequest& view,
+                             const SensorMode& mode) {
+  try {
+    return {MakeViewOfMode(camera, mode, view), mode};
+  } catch (const Error& error) {
+    throw Error(error.code(),
+                fmt::format("--mode {}: {}", mode.name, error.what()));
+  }
+}
+
+// A table of each view from frames as calibrated, and then of each mode.
+std::vector<RemapRequest> MakeRemaps(const CameraModel& camera,
+                                     const std::vector<ViewRequest>& views,
+                                     const std::vector<SensorMode>& modes) {
+  std::vector<RemapRequest> remaps;
+  for (const ViewRequest& view : views) {
+    remaps.emplace_back(MakeView(camera, view));
+    for (const SensorMode& mode : modes)
+      remaps.push_back(MakeRemapOfMode(camera, view, mode));
+  }
+  return remaps;
+}
+
+void Run(const PackArguments& arguments, const CommonOptions& common) {
+  RequireBlobText("--name", arguments.name);
+  RequireBlobText("--serial", arguments.serial);
+  const std::vector<ViewRequest> views = ParseViews(arguments);
+  const size_t num_tables = views.size() * (1 + arguments.modes.size());
+  RequireFewTables(num_tables);
   std::vector<std::string> outputs = {arguments.output};
-  for (size_t k = 0; k < views.size(); ++k)
-    outputs.push_back(ViewPath(arguments.output, k, views.size()));
+  for (size_t k = 0; k < num_tables; ++k)
+    outputs.push_back(ViewPath(arguments.output, k, num_tables));
   RequireNoInputReplaced({arguments.camera}, outputs);
   CameraInput input = ReadCamera(arguments.camera);
   if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
@@ -124,8 +169,9 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
   if (!arguments.serial.empty()) input.file.serial = arguments.serial;
   const auto blob_from_camera = TurnIntoCameraFrame(&input.file);
   PackOptions options;
-  for (const ViewRequest& view : views)
-    options.remaps.push_back(MakeView(*input.file.camera, view));
+  options.remaps =
+      MakeRemaps(*input.file.camera, views,
+                 ParseModes(arguments.modes, input.file.camera->image_size()));
   options.max_error_px = arguments.max_error_px;
   options.is_narrow_allowed = !arguments.wide_grid;
   options.num_threads = common.threads;
@@ -133,7 +179,7 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
   if (blob_from_camera) packed.remarks.push_back(TurnRemark(*blob_from_camera));
   OutputFiles files;
   files.Add(arguments.output, packed.blob);
-  for (size_t k = 0; k < views.size(); ++k)
+  for (size_t k = 0; k < num_tables; ++k)
     if (!outputs[k + 1].empty())
       files.Add(outputs[k + 1],
                 ViewCameraFile(packed.remaps[k].view, input.file.name));
@@ -163,6 +209,12 @@ void AddPack(CLI::App* app, CommonOptions* common) {
               kViewWordsHelp +
               "; several make several, which programs choose by their number. "
               "Beside the blob, NAME.camera.yaml is the view as a camera")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--mode", arguments->modes,
+                   std::string("add a table of each view for frames of another "
+                               "sensor mode: ") +
+                       kModeWordsHelp)
       ->allow_extra_args(false);
   command
       ->add_option(

@@ -1,16 +1,19 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cstring>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "camera_input.h"
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_files.h"
+#include "mode_options.h"
 #include "packing/pack.h"
 #include "progress_bar.h"
 #include "view_options.h"
@@ -25,13 +28,15 @@ struct UndistortArguments {
   std::string rectify = "pinhole";
   std::vector<std::string> images;
   ViewWords view;
+  std::string mode;
   double max_error_px = 0.05;
   uint32_t remap_index = 0;
 };
 
-// A blob, and the view of its table that is used.
+// A blob, its table that is used, and the view of that.
 struct Undistorter {
   BlobCamera blob;
+  uint32_t table;
   VirtualView view;
 };
 
@@ -41,6 +46,31 @@ bool AsksForAView(const UndistortArguments& arguments) {
   return false;
 }
 
+// The table of a blob that is asked for, by its number or its mode.
+uint32_t FindTable(const BlobCamera& blob,
+                   const UndistortArguments& arguments) {
+  if (arguments.mode.empty()) return arguments.remap_index;
+  if (const auto table = blob.FindTableOfMode(arguments.mode)) return *table;
+  std::vector<std::string> names;
+  for (const SensorMode& mode : blob.Modes()) names.push_back(mode.name);
+  throw Error(ExitCode::kBlob,
+              fmt::format("{}: has no table of mode '{}' ({}); raygrid pack "
+                          "--mode adds one, or give its camera.yaml",
+                          arguments.camera, arguments.mode,
+                          names.empty() ? "it has no modes"
+                                        : fmt::format("it has {}",
+                                                      fmt::join(names, ", "))));
+}
+
+// The table to make of a camera.
+RemapRequest MakeRequest(const CameraModel& camera,
+                         const UndistortArguments& arguments,
+                         const ViewRequest& request) {
+  if (arguments.mode.empty()) return {MakeView(camera, request)};
+  const SensorMode mode = ParseMode(arguments.mode, camera.image_size());
+  return {MakeViewOfMode(camera, mode, request), mode};
+}
+
 // The blob itself, if it has a table and no other view is asked for.
 Undistorter Prepare(const UndistortArguments& arguments,
                     const CommonOptions& common) {
@@ -48,26 +78,31 @@ Undistorter Prepare(const UndistortArguments& arguments,
   CameraInput input = ReadCamera(arguments.camera);
   if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
   if (input.blob && input.blob->has_remap() && !AsksForAView(arguments)) {
-    const VirtualView view = input.blob->ViewOfRemap(arguments.remap_index);
-    return {*std::move(input.blob), view};
+    const uint32_t table = FindTable(*input.blob, arguments);
+    const VirtualView view = input.blob->ViewOfRemap(table);
+    return {*std::move(input.blob), table, view};
   }
   if (!input.blob) TurnIntoCameraFrame(&input.file);
+  const RemapRequest remap =
+      MakeRequest(*input.file.camera, arguments, request);
   PackOptions options;
-  options.remaps = {MakeView(*input.file.camera, request)};
+  options.remaps = {remap};
   options.max_error_px = arguments.max_error_px;
   options.num_threads = common.threads;
-  return {BlobCamera("packed camera", PackCamera(input.file, options).blob),
-          options.remaps[0]};
+  return {BlobCamera("packed camera", PackCamera(input.file, options).blob), 0,
+          remap.view};
 }
 
 void RequireSize(const std::string& path, const ImageSize& size,
                  const ImageSize& expected) {
   if (size != expected)
-    throw Error(ExitCode::kBlob,
-                fmt::format("{}: {} x {} pixels, but the camera is calibrated "
-                            "for {} x {}; use images of that mode",
-                            path, size.width, size.height, expected.width,
-                            expected.height));
+    throw Error(
+        ExitCode::kBlob,
+        fmt::format("{}: {} x {} pixels, but the table takes {} x {}; use "
+                    "images of that size, or say with --mode how these lie in "
+                    "the calibrated ones",
+                    path, size.width, size.height, expected.width,
+                    expected.height));
 }
 
 // The paths of an image, and of its raw frame if one is asked for.
@@ -133,6 +168,7 @@ void Run(const UndistortArguments& arguments, const CommonOptions& common) {
   RequireWritableFolder(arguments.output);
   const Undistorter undistorter = Prepare(arguments, common);
   const BlobCamera& camera = undistorter.blob;
+  const ImageSize frame_size = camera.FrameSize(undistorter.table);
   for (const SkippedImage& image : found.left_out)
     fmt::print(stderr, "raygrid: skipped {}: {}\n", image.path, image.reason);
   std::vector<std::string> turned;
@@ -144,12 +180,12 @@ void Run(const UndistortArguments& arguments, const CommonOptions& common) {
                                     {"view_file", view_path}};
   for (size_t i = 0; i < paths.size(); ++i) {
     const Image image = ReadImageAsStored(paths[i]);
-    RequireSize(paths[i], image.size, camera.image_size());
+    RequireSize(paths[i], image.size, frame_size);
     if (image.is_turned) turned.push_back(paths[i]);
     OutputFiles files;
     if (i == 0) files.Add(view_path, ViewCameraFile(undistorter.view, ""));
     files.Add(targets[i].image,
-              EncodePng(camera.Undistort(image, 0, arguments.remap_index)));
+              EncodePng(camera.Undistort(image, 0, undistorter.table)));
     if (!targets[i].frame.empty())
       files.Add(targets[i].frame, RawFrame(paths[i]));
     files.Commit();
@@ -189,6 +225,11 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
   command->add_option("--frames", arguments->frames,
                       "folder for the images as raw grey frames of 8 or 16 "
                       "bits, which raygrid-undistort takes");
+  command->add_option(
+      "--mode", arguments->mode,
+      std::string("the images are of another sensor mode: one of the blob's, "
+                  "by its name, or ") +
+          kModeWordsHelp);
   command->add_option("--remap-index", arguments->remap_index,
                       "which of a blob's tables, from 0 on");
   command

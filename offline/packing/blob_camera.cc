@@ -141,22 +141,60 @@ std::unique_ptr<CameraModel> BlobCamera::ToModel() const {
                                              std::move(points));
 }
 
-VirtualView BlobCamera::ViewOfRemap(uint32_t remap_index) const {
+rg_camera BlobCamera::WithTable(uint32_t remap_index) const {
   rg_camera camera = camera_;
   const rg_status status = rg_select_remap(&camera, remap_index);
   if (status != RG_OK) Refuse("blob", status);
+  return camera;
+}
+
+VirtualView BlobCamera::ViewOfRemap(uint32_t remap_index) const {
   rg_remap_section remap;
-  rg_read_remap(camera.remap, &remap);
+  rg_read_remap(WithTable(remap_index).remap, &remap);
   return ViewOfTable(remap);
+}
+
+ImageSize BlobCamera::FrameSize(uint32_t remap_index) const {
+  const rg_camera camera = WithTable(remap_index);
+  return {camera.frame_width, camera.frame_height};
+}
+
+std::vector<SensorMode> BlobCamera::Modes() const {
+  std::vector<SensorMode> modes;
+  for (uint32_t k = 0; k < rg_blob_num_modes(&blob_); ++k) {
+    rg_mode_section section;
+    rg_blob_mode(&blob_, k, &section);
+    modes.push_back(
+        {section.name,
+         {section.width, section.height},
+         Eigen::Vector2d(section.offset_x_q16, section.offset_y_q16) / 65536,
+         Eigen::Vector2d(section.scale_x_q16, section.scale_y_q16) / 65536,
+         section.flip_x != 0,
+         section.flip_y != 0});
+  }
+  return modes;
+}
+
+std::optional<uint32_t> BlobCamera::FindTableOfMode(
+    const std::string& name) const {
+  const std::vector<SensorMode> modes = Modes();
+  for (uint32_t k = 0;; ++k) {
+    const uint8_t* const section =
+        rg_find_section(blob_.bytes, RG_SECTION_REMAP, k);
+    if (!section) return std::nullopt;
+    rg_remap_section remap;
+    rg_read_remap(section, &remap);
+    if (remap.mode != 0 && remap.direction == RG_UNDISTORT &&
+        modes[remap.mode - 1].name == name)
+      return k;
+  }
 }
 
 Image BlobCamera::Undistort(const Image& image, uint8_t border,
                             uint32_t remap_index) const {
   uint16_t width = 0, height = 0;
-  rg_camera camera = camera_;
-  rg_status status = rg_select_remap(&camera, remap_index);
-  if (status == RG_OK) status = rg_remap_size(&camera, &width, &height);
-  if (status != RG_OK) Refuse("blob", status);
+  const rg_camera camera = WithTable(remap_index);
+  rg_remap_size(&camera, &width, &height);
   Image result;
   result.size = {width, height};
   result.channels = image.channels;
@@ -177,7 +215,7 @@ Image BlobCamera::Undistort(const Image& image, uint8_t border,
                         static_cast<uint32_t>(width * image.sample_bytes)};
     target.num_rows = height;
     target.border_values[0] = border;
-    status = rg_remap(&camera, &frame, &target);
+    const rg_status status = rg_remap(&camera, &frame, &target);
     if (status != RG_OK) Refuse("image", status);
     SetChannel(plane, channel, &result);
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "camera/camera_model.h"
+#include "camera/sensor_mode.h"
 #include "dataset/image_files.h"
 #include "packing/view.h"
 #include "raygrid.h"
@@ -47,17 +48,27 @@ class BlobCamera {
   /// The control points in double precision, for what the runtime does not do.
   std::unique_ptr<CameraModel> ToModel() const;
 
-  /// The view of a remap table. Throws Error(kBlob) if there is none of that
-  /// number.
+  /// The view of a remap table, and the size of the frames that it takes. Throw
+  /// Error(kBlob) if there is none of that number.
   VirtualView ViewOfRemap(uint32_t remap_index) const;
+  ImageSize FrameSize(uint32_t remap_index) const;
+
+  /// The sensor modes that tables may be of.
+  std::vector<SensorMode> Modes() const;
+  /// The first table for frames of the mode of this name; nothing if there is
+  /// none.
+  std::optional<uint32_t> FindTableOfMode(const std::string& name) const;
 
   /// Undistorts an image by the runtime and one of the blob's remap tables,
-  /// each channel on its own, of 8 or 16 bits; the image must have
-  /// image_size().
+  /// each channel on its own, of 8 or 16 bits; the image must have the table's
+  /// FrameSize().
   Image Undistort(const Image& image, uint8_t border,
                   uint32_t remap_index = 0) const;
 
  private:
+  // With a remap table in use; throws Error(kBlob).
+  rg_camera WithTable(uint32_t remap_index) const;
+
   std::vector<uint32_t> words_;
   rg_camera camera_ = {};
   rg_blob blob_ = {};

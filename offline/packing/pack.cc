@@ -203,6 +203,21 @@ std::optional<RemapTable> FitDefaultTable(const CameraModel& camera,
   }
 }
 
+// A mode but for its name.
+rg_mode_section QuantizeMode(const SensorMode& mode) {
+  const auto q16 = [](double value) { return std::lround(value * 65536); };
+  rg_mode_section section = {};
+  section.width = static_cast<uint16_t>(mode.size.width);
+  section.height = static_cast<uint16_t>(mode.size.height);
+  section.offset_x_q16 = static_cast<int32_t>(q16(mode.offset_px.x()));
+  section.offset_y_q16 = static_cast<int32_t>(q16(mode.offset_px.y()));
+  section.scale_x_q16 = static_cast<uint32_t>(q16(mode.scale.x()));
+  section.scale_y_q16 = static_cast<uint32_t>(q16(mode.scale.y()));
+  section.flip_x = mode.flip_x;
+  section.flip_y = mode.flip_y;
+  return section;
+}
+
 // Remap tables as rg_blob_write() takes them.
 class RemapSections {
  public:
@@ -210,9 +225,16 @@ class RemapSections {
   void Fit(const CameraModel& camera, const PackOptions& options,
            int num_threads, const std::function<void()>& go_on,
            PackedCamera* packed) {
-    for (const VirtualView& view : options.remaps)
-      packed->remaps.push_back(Add(FitRemapTable(
-          camera, view, options.max_error_px, num_threads, go_on)));
+    const auto fit = [&](const CameraModel& source, const VirtualView& view) {
+      return FitRemapTable(source, view, options.max_error_px, num_threads,
+                           go_on);
+    };
+    for (const RemapRequest& request : options.remaps)
+      packed->remaps.push_back(
+          request.mode
+              ? AddOfMode(fit(ModeCamera(camera, *request.mode), request.view),
+                          *request.mode)
+              : Add(fit(camera, request.view)));
     if (!options.has_default_remap) return;
     if (auto table = FitDefaultTable(camera, options.max_error_px, num_threads,
                                      go_on, &packed->remarks))
@@ -232,20 +254,49 @@ class RemapSections {
     contents->residuals = contents_[0].residuals;
     contents->more_remaps = contents_.data() + 1;
     contents->num_more_remaps = static_cast<uint32_t>(contents_.size() - 1);
+    for (size_t k = 0; k < modes_.size(); ++k)
+      modes_[k].name = mode_names_[k].data();
+    contents->modes = modes_.data();
+    contents->num_modes = static_cast<uint32_t>(modes_.size());
   }
 
  private:
   PackedRemap Add(RemapTable table) {
     const rg_remap_section& s = table.section;
     const int block_size = 1 << s.block_log2;
-    const PackedRemap packed = {
-        table.view, table.max_error_px, table.max_chroma_error_px, block_size,
-        s.part_log2 != 0 ? 1 << s.part_log2 : block_size};
+    PackedRemap packed;
+    packed.view = table.view;
+    packed.error_px = table.max_error_px;
+    packed.chroma_error_px = table.max_chroma_error_px;
+    packed.block_size = block_size;
+    packed.part_size = s.part_log2 != 0 ? 1 << s.part_log2 : block_size;
     tables_.push_back(std::move(table));
     return packed;
   }
 
+  PackedRemap AddOfMode(RemapTable table, const SensorMode& mode) {
+    table.section.has_view = 1;
+    table.section.mode = NumberOfMode(mode);
+    PackedRemap packed = Add(std::move(table));
+    packed.mode = mode.name;
+    return packed;
+  }
+
+  // The mode's place in the section of modes, counted from 1.
+  uint8_t NumberOfMode(const SensorMode& mode) {
+    const std::string name = PaddedText("mode", mode.name);
+    const auto found = std::find(mode_names_.begin(), mode_names_.end(), name);
+    const auto number = found - mode_names_.begin() + 1;
+    if (found == mode_names_.end()) {
+      mode_names_.push_back(name);
+      modes_.push_back(QuantizeMode(mode));
+    }
+    return static_cast<uint8_t>(number);
+  }
+
   std::vector<RemapTable> tables_;
+  std::vector<rg_mode_section> modes_;
+  std::vector<std::string> mode_names_;
   std::vector<rg_remap_contents> contents_;
 };
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "camera/sensor_mode.h"
 #include "dataset/camera_file.h"
 #include "packing/blob_limits.h"
 #include "packing/projection_error.h"
@@ -13,8 +14,19 @@
 
 namespace raygrid {
 
+/// A table that is asked for: of a view, from frames as calibrated or of a
+/// mode.
+struct RemapRequest {
+  RemapRequest(const VirtualView& wanted_view,
+               const std::optional<SensorMode>& frames_mode = std::nullopt)
+      : view(wanted_view), mode(frames_mode) {}
+
+  VirtualView view;
+  std::optional<SensorMode> mode;
+};
+
 struct PackOptions {
-  std::vector<VirtualView> remaps;  ///< one table each
+  std::vector<RemapRequest> remaps;  ///< one table each
   /// One more of the view that the camera can give; a remark if it has none.
   bool has_default_remap = false;
   double max_error_px = 0.05;     ///< their geometric error
@@ -27,6 +39,7 @@ struct PackOptions {
 /// A remap table of a blob.
 struct PackedRemap {
   VirtualView view;
+  std::string mode;  ///< of its frames; empty: as calibrated
   double error_px = 0;
   double chroma_error_px = 0;  ///< in chroma's own pixels
   int block_size = 0;

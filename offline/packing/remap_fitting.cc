@@ -131,8 +131,9 @@ bool QuantizeVertices(const Blocks& blocks, const NodePositions& vertices,
   return true;
 }
 
-void FillFields(const Area& rectangle, const VirtualView& view,
-                const Blocks& blocks, RemapTable* table) {
+void FillFields(const ImageSize& source, const Area& rectangle,
+                const VirtualView& view, const Blocks& blocks,
+                RemapTable* table) {
   table->view = view;
   rg_remap_section& s = table->section;
   s.width = static_cast<uint16_t>(view.size.width);
@@ -151,6 +152,9 @@ void FillFields(const Area& rectangle, const VirtualView& view,
   s.cy_q16 = static_cast<int32_t>(std::lround(view.center_px.y() * 65536));
   s.projection = static_cast<uint8_t>(view.projection);
   s.has_view = view.projection != ViewProjection::kPinhole || view.IsTurned();
+  s.direction = RG_UNDISTORT;
+  s.source_width = static_cast<uint16_t>(source.width);
+  s.source_height = static_cast<uint16_t>(source.height);
   for (int k = 0; k < 9; ++k)
     s.rotation_q30[k] = static_cast<int32_t>(
         std::lround(view.camera_from_view(k / 3, k % 3) * (1 << 30)));
@@ -468,7 +472,7 @@ RemapTable FitRemapTable(const CameraModel& camera, const VirtualView& view,
           ExitCode::kUsage,
           "the view sees nothing of the calibrated area; turn it there, or "
           "ask for a larger field of view");
-    FillFields(map.rectangle, view, blocks, &table);
+    FillFields(camera.image_size(), map.rectangle, view, blocks, &table);
     const NodePositions nodes = FitNodes(map, sums, blocks);
     go_on();
     if (!QuantizeVertices(blocks, nodes, &table) ||

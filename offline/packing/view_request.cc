@@ -398,6 +398,30 @@ VirtualView MakeView(const CameraModel& camera, const ViewRequest& request) {
   return view;
 }
 
+VirtualView MakeViewOfMode(const CameraModel& camera, const SensorMode& mode,
+                           const ViewRequest& request) {
+  const ModeCamera frames(camera, mode);
+  VirtualView view = MakeView(frames, request);
+  if (request.center_px || request.alpha || request.like || request.rotate_deg)
+    return view;
+  const ImageSize& size = camera.image_size();
+  const auto calibrated_middle = camera.Unproject(WholeImage(size).center());
+  const auto middle =
+      camera.Unproject(mode.ToCalibrated(WholeImage(mode.size).center()));
+  if (!calibrated_middle || !middle) return view;
+  const Eigen::Vector2d center_px = view.center_px;
+  // A field of view around another centre has another focal length.
+  constexpr int kTurns = 5;
+  ViewRequest moved = request;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    const auto from = view.Pixel(*middle), to = view.Pixel(*calibrated_middle);
+    if (!from || !to) return MakeView(frames, request);
+    moved.center_px = center_px + *to - *from;
+    view = MakeView(frames, moved);
+  }
+  return view;
+}
+
 VirtualView MakeViewOfArea(const CameraModel& camera) {
   const VirtualView plane = Plane({});
   const AreaOnPlane seen =

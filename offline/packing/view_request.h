@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "camera/camera_model.h"
+#include "camera/sensor_mode.h"
 #include "packing/view.h"
 
 namespace raygrid {
@@ -37,6 +38,12 @@ void RequireSensible(const ViewRequest& request);
 /// Throws as RequireSensible(), and Error(kUsage) for a view that sees nothing
 /// of the camera's area or that a blob cannot hold.
 VirtualView MakeView(const CameraModel& camera, const ViewRequest& request);
+
+/// The view of frames of another mode. What says nothing of the centre or of a
+/// view's turn shows the middle of the frames where it would show that of
+/// calibrated ones: a crop stays in the middle.
+VirtualView MakeViewOfMode(const CameraModel& camera, const SensorMode& mode,
+                           const ViewRequest& request);
 
 /// A pinhole view as large as the camera's image, and just wide enough for what
 /// the calibrated area shows less than 70 degrees off the axis. Throws

@@ -127,8 +127,8 @@ TEST(PackCamera, HoldsSeveralRemapTables) {
     uint16_t width, height;
     ASSERT_EQ(rg_select_remap(&camera, k), RG_OK);
     ASSERT_EQ(rg_remap_size(&camera, &width, &height), RG_OK);
-    EXPECT_EQ((ImageSize{width, height}), options.remaps[k].size);
-    EXPECT_EQ(packed.remaps[k].view.size, options.remaps[k].size);
+    EXPECT_EQ((ImageSize{width, height}), options.remaps[k].view.size);
+    EXPECT_EQ(packed.remaps[k].view.size, options.remaps[k].view.size);
   }
 }
 

@@ -1,0 +1,62 @@
+#ifndef RAYGRID_CAMERA_SENSOR_MODE_H
+#define RAYGRID_CAMERA_SENSOR_MODE_H
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+
+#include "camera/camera_model.h"
+
+namespace raygrid {
+
+/// How the frames of a sensor's mode lie in those that were calibrated: pixel
+/// (i, j), counted from the other side where flipped, covers the calibrated
+/// pixels from offset + scale (i, j) on, scale of them a side. A crop has scale
+/// 1, binning by two has scale 2.
+struct SensorMode {
+  std::string name;
+  ImageSize size;                                       ///< of its frames
+  Eigen::Vector2d offset_px = Eigen::Vector2d::Zero();  ///< calibrated pixels
+  Eigen::Vector2d scale = Eigen::Vector2d::Ones();
+  bool flip_x = false, flip_y = false;
+
+  /// A position in the mode's frames to one in calibrated frames, and back;
+  /// pixel centres are whole numbers in both.
+  Eigen::Vector2d ToCalibrated(const Eigen::Vector2d& pixel) const;
+  Eigen::Vector2d FromCalibrated(const Eigen::Vector2d& pixel) const;
+};
+
+/// A camera as frames of another mode show it: exactly the same lines, for
+/// measuring and fitting. It has no parameters of its own.
+class ModeCamera : public CameraModel {
+ public:
+  /// The mode's frames show a part of the calibrated area.
+  ModeCamera(const CameraModel& camera, const SensorMode& mode);
+
+  std::string Name() const override { return camera_->Name(); }
+  std::unique_ptr<CameraModel> Clone() const override {
+    return std::make_unique<ModeCamera>(*camera_, mode_);
+  }
+  bool IsCentral() const override { return camera_->IsCentral(); }
+  std::optional<Eigen::Vector3d> Unproject(
+      const Eigen::Vector2d& pixel) const override;
+  std::optional<ObservationLine> Line(
+      const Eigen::Vector2d& pixel) const override;
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point,
+                                         const Eigen::Vector2d* start,
+                                         double margin_px) const override;
+  using CameraModel::Project;
+  bool Linearize(const Eigen::Vector3d& point, const Eigen::Vector2d* start,
+                 double margin_px,
+                 LinearizedProjection* projection) const override;
+  Eigen::VectorXd Parameters() const override { return {}; }
+  void SetParameters(const Eigen::VectorXd&) override {}
+
+ private:
+  std::unique_ptr<CameraModel> camera_;
+  SensorMode mode_;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CAMERA_SENSOR_MODE_H

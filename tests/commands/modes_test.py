@@ -1,0 +1,108 @@
+#!/usr/bin/env python3
+"""Sensor modes: tables for frames of other modes than the calibrated one, in one blob."""
+import json
+import os
+
+from command_test import CommandTest, SIMULATED_PATTERN, main, run, write
+from images_test import png, read_png
+
+
+def grey(width, height):
+    """A picture that rises to the right and downwards."""
+    return [100 + x * 100 // width + y * 50 // height for y in range(height) for x in range(width)]
+
+
+class Modes(CommandTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
+        result = run("simulate", "--images", 3, "--lens", "wide", "--size", "160x120",
+                     "--pattern", board, "-o", cls.path("sim"))
+        assert result.returncode == 0, result.stderr
+        cls.camera = cls.path("sim/true_camera.yaml")
+        pixels = grey(160, 120)
+        write(cls.path("in/whole.png"), png(pixels, size=(160, 120)))
+        crop = [pixels[160 * (30 + y) + 40 + x] for y in range(60) for x in range(80)]
+        write(cls.path("in/crop.png"), png(crop, size=(80, 60)))
+        write(cls.path("in/turned.png"), png(crop[::-1], size=(80, 60)))
+
+    def pack(self, *options, output="c.raygrid"):
+        return run("pack", self.camera, *options, "--json", "--max-error-px", 0.25,
+                   "-o", self.path(output))
+
+    def test_pack_adds_tables_of_modes(self):
+        result = self.pack("--remap", "100x80", "--mode", "mid:crop=40,30,80,60", "--mode",
+                           "half:bin=2,flip=h")
+        self.assert_done(result)
+        told = json.loads(result.stdout)["remaps"]
+        self.assertEqual([table.get("mode") for table in told], [None, "mid", "half"])
+        self.assertEqual(len([name for name in os.listdir(self.path("."))
+                              if name.startswith("c.") and name.endswith(".camera.yaml")]), 3)
+        inspected = json.loads(run("inspect", self.path("c.raygrid"), "--json").stdout)
+        self.assertEqual(inspected["format"], "1.5")
+        self.assertEqual(inspected["modes"], [
+            {"name": "mid", "size": [80, 60], "offset_px": [40, 30], "scale": [1, 1],
+             "flip_x": False, "flip_y": False},
+            {"name": "half", "size": [80, 60], "offset_px": [0, 0], "scale": [2, 2],
+             "flip_x": True, "flip_y": False}])
+        self.assertEqual([table.get("mode") for table in inspected["remap_tables"]],
+                         [None, "mid", "half"])
+
+    def test_frames_of_a_mode_look_as_the_calibrated_ones(self):
+        """A crop, upright or turned, becomes the same part of the view as the whole image."""
+        self.assert_done(self.pack("--remap", "100x80,focal=60", "--mode", "mid:crop=40,30,80,60",
+                                   "--mode", "turned:crop=40,30,80,60,rotate=180",
+                                   output="same/c.raygrid"))
+        blob = self.path("same/c.raygrid")
+        for mode, image in (("mid", "crop"), ("turned", "turned")):
+            self.assert_done(run("undistort", blob, self.path(f"in/{image}.png"), "--mode", mode,
+                                 "--frames", self.path("raw"), "-o", self.path(f"of_{mode}")))
+        self.assert_done(run("undistort", blob, self.path("in/whole.png"), "-o",
+                             self.path("of_whole")))
+        whole, mid, turned = (self.levels(f"of_{name}/{image}.png") for name, image in (
+            ("whole", "whole"), ("mid", "crop"), ("turned", "turned")))
+        seen = [k for k, level in enumerate(mid) if level]
+        self.assertGreater(len(seen), 2000)
+        self.assertLess(max(abs(whole[k] - mid[k]) for k in seen), 2)
+        self.assertLess(max(abs(turned[k] - mid[k]) for k in seen if turned[k]), 2)
+        # The camera itself gives the same.
+        self.assert_done(run("undistort", self.camera, self.path("in/crop.png"), "--size",
+                             "100x80", "--focal", 60, "--mode", "any:crop=40,30,80,60",
+                             "--max-error-px", 0.25, "-o", self.path("of_camera")))
+        self.assertEqual(self.levels("of_camera/crop.png"), mid)
+
+    def levels(self, name):
+        return read_png(self.path(name))[2]
+
+    def test_frames_of_another_size_are_refused_with_a_way_out(self):
+        self.assert_done(self.pack("--remap", "100x80", output="one/c.raygrid"))
+        result = run("undistort", self.path("one/c.raygrid"), self.path("in/crop.png"), "-o",
+                     self.path("none"))
+        self.assert_refused(result, 8, "80 x 60", "160 x 120", "--mode")
+        result = run("undistort", self.path("one/c.raygrid"), self.path("in/crop.png"), "--mode",
+                     "mid", "-o", self.path("none"))
+        self.assert_refused(result, 8, "mid", "raygrid pack --mode")
+
+    def test_impossible_modes_are_refused_in_a_line(self):
+        for mode, words in (("half", ("NAME:",)), (":bin=2", ("NAME:",)),
+                            ("a:bin=0", ("bin", "1 to 64")), ("a:bin=1.5", ("whole number",)),
+                            ("a:bin=2,scale=0.5", ("one of them",)),
+                            ("a:crop=100,0,80,60", ("outside", "160 x 120")),
+                            ("a:crop=1,2,3", ("X,Y,W,H",)), ("a:crop=0,0,1,1", ("outside",)),
+                            ("a:crop=nan,0,80,60", ("X,Y,W,H",)),
+                            ("a:scale=0", ("scale",)), ("a:scale=0.01", ("1/64",)),
+                            ("a:size=0x60", ("size",)), ("a:flip=x", ("h, v",)),
+                            ("a:rotate=90", ("180", "columns")), ("a:zoom=2", ("zoom=2",)),
+                            ("a:bin=2,bin=2", ("twice",)), ("a:2", ("crop=",)),
+                            ("a" * 32 + ":bin=2", ("31 bytes",))):
+            self.assert_refused(self.pack("--mode", mode, output="no/c.raygrid"), 1, *words)
+        self.assert_refused(self.pack("--mode", "a:bin=2", "--mode", "a:bin=4",
+                                      output="no/c.raygrid"), 1, "named twice")
+        many = [word for k in range(9) for word in ("--mode", f"m{k}:bin=2")]
+        self.assert_refused(self.pack(*many, output="no/c.raygrid"), 1, "10 tables", "9")
+        self.assertFalse(os.path.exists(self.path("no")))
+
+
+if __name__ == "__main__":
+    main(__name__)

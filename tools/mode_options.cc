@@ -1,0 +1,179 @@
+#include "mode_options.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "camera_input.h"
+#include "dataset/error.h"
+#include "packing/pack.h"
+
+namespace raygrid {
+
+const char kModeWordsHelp[] =
+    "NAME:WORDS, with commas between: crop=X,Y,W,H (the calibrated pixels that "
+    "its frames show), bin=N (N x N of them in one), scale=S (0.5: half as "
+    "wide and high), size=WxH (of its frames, instead of bin and scale), "
+    "flip=h|v|hv, rotate=180";
+
+namespace {
+
+using Words = std::map<std::string, std::string>;
+
+[[noreturn]] void Refuse(const std::string& mode, const std::string& fault) {
+  throw Error(ExitCode::kUsage, fmt::format("--mode {}: {}", mode, fault));
+}
+
+// The words behind the colon: a part without = belongs to the one before it.
+Words SplitWords(const std::string& mode, const std::string& text) {
+  static const std::set<std::string> kKnown = {"crop", "bin",  "scale",
+                                               "size", "flip", "rotate"};
+  Words words;
+  std::string last;
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find(',', begin), text.size());
+    const std::string part = text.substr(begin, end - begin);
+    const size_t equals = part.find('=');
+    begin = end + 1;
+    if (equals == std::string::npos) {
+      if (last.empty())
+        Refuse(mode,
+               fmt::format("expected {}, not '{}'", kModeWordsHelp, part));
+      words[last] += ',' + part;
+      continue;
+    }
+    last = part.substr(0, equals);
+    if (!kKnown.count(last))
+      Refuse(mode, fmt::format("expected {}, not '{}'", kModeWordsHelp, part));
+    if (!words.emplace(last, part.substr(equals + 1)).second)
+      Refuse(mode, last + " stands twice");
+  }
+  return words;
+}
+
+std::vector<double> Numbers(const std::string& mode, const std::string& word,
+                            const std::string& text, size_t count) {
+  std::vector<double> numbers;
+  const char *at = text.data(), *const end = text.data() + text.size();
+  while (at != end) {
+    double value = NAN;
+    const auto [next, fault] = std::from_chars(at, end, value);
+    if (fault != std::errc() || !std::isfinite(value)) break;
+    numbers.push_back(value);
+    at = next;
+    if (at != end && *at == ',' && at + 1 != end) ++at;
+  }
+  if (numbers.size() != count || at != end)
+    Refuse(mode, fmt::format("{}: expected {}, not '{}'", word,
+                             count == 1 ? "a number" : "X,Y,W,H", text));
+  return numbers;
+}
+
+// The calibrated pixels that the frames show.
+Area ShownArea(const std::string& mode, const Words& words,
+               const ImageSize& calibrated) {
+  const auto crop = words.find("crop");
+  if (crop == words.end())
+    return {0, 0, double(calibrated.width), double(calibrated.height)};
+  const std::vector<double> n = Numbers(mode, "crop", crop->second, 4);
+  if (!(n[0] >= 0 && n[1] >= 0 && n[2] >= 2 && n[3] >= 2 &&
+        n[0] + n[2] <= calibrated.width && n[1] + n[3] <= calibrated.height))
+    Refuse(mode,
+           fmt::format("crop={} lies outside the {} x {} pixels that "
+                       "were calibrated; keep X + W and Y + H within them",
+                       crop->second, calibrated.width, calibrated.height));
+  return {n[0], n[1], n[0] + n[2], n[1] + n[3]};
+}
+
+// Sets size and scale.
+void SetSize(const Words& words, const Area& shown, SensorMode* mode) {
+  const Eigen::Vector2d span(shown.width(), shown.height());
+  if (words.count("size") + words.count("bin") + words.count("scale") > 1)
+    Refuse(mode->name, "size, bin and scale say the same; give one of them");
+  Eigen::Vector2d size = span.array().floor();
+  std::optional<double> exact_scale;
+  if (words.count("bin")) {
+    const double bin = Numbers(mode->name, "bin", words.at("bin"), 1)[0];
+    if (!(bin >= 1 && bin <= 64 && bin == std::floor(bin)))
+      Refuse(mode->name, "bin is a whole number from 1 to 64");
+    size = (span / bin).array().floor();
+    exact_scale = bin;
+  } else if (words.count("scale")) {
+    const double scale = Numbers(mode->name, "scale", words.at("scale"), 1)[0];
+    if (!(scale >= 1.0 / 64 && scale <= 64))
+      Refuse(mode->name, "scale is 1/64 to 64; 0.5 makes frames half as wide");
+    size = (span * scale).array().round();
+  } else if (words.count("size")) {
+    const ImageSize wanted =
+        ParseImageSize("--mode " + mode->name + ": size", words.at("size"));
+    size = Eigen::Vector2d(wanted.width, wanted.height);
+  } else if (size != span) {
+    Refuse(mode->name, "crop is of whole pixels, unless size says of how many");
+  }
+  if (!(size.minCoeff() >= 2 && size.maxCoeff() <= 8192))
+    Refuse(mode->name, fmt::format("frames of {} x {} pixels; sizes are 2 to "
+                                   "8192",
+                                   size.x(), size.y()));
+  mode->size = {static_cast<int>(size.x()), static_cast<int>(size.y())};
+  mode->scale = exact_scale ? Eigen::Vector2d::Constant(*exact_scale)
+                            : Eigen::Vector2d(span.cwiseQuotient(size));
+  if (!(mode->scale.minCoeff() >= 1.0 / 64 && mode->scale.maxCoeff() <= 64))
+    Refuse(mode->name, "its pixels are 1/64 to 64 calibrated ones wide");
+}
+
+void SetFlips(const Words& words, SensorMode* mode) {
+  if (const auto flip = words.find("flip"); flip != words.end()) {
+    const std::string& text = flip->second;
+    if (text != "h" && text != "v" && text != "hv" && text != "vh")
+      Refuse(mode->name,
+             fmt::format("flip: expected h, v or hv, not '{}'", text));
+    mode->flip_x = text.find('h') != std::string::npos;
+    mode->flip_y = text.find('v') != std::string::npos;
+  }
+  if (const auto rotate = words.find("rotate"); rotate != words.end()) {
+    if (rotate->second != "180" && rotate->second != "0")
+      Refuse(mode->name, fmt::format("rotate: expected 180, not '{}'; other "
+                                     "turns change rows to columns",
+                                     rotate->second));
+    if (rotate->second == "180") {
+      mode->flip_x = !mode->flip_x;
+      mode->flip_y = !mode->flip_y;
+    }
+  }
+}
+
+}  // namespace
+
+SensorMode ParseMode(const std::string& text,
+                     const ImageSize& calibrated_size) {
+  const size_t colon = text.find(':');
+  if (colon == 0 || colon == std::string::npos)
+    Refuse(text, fmt::format("expected {}", kModeWordsHelp));
+  SensorMode mode;
+  mode.name = text.substr(0, colon);
+  RequireBlobText("--mode", mode.name);
+  const Words words = SplitWords(mode.name, text.substr(colon + 1));
+  const Area shown = ShownArea(mode.name, words, calibrated_size);
+  mode.offset_px = {shown.x0, shown.y0};
+  SetSize(words, shown, &mode);
+  SetFlips(words, &mode);
+  return mode;
+}
+
+std::vector<SensorMode> ParseModes(const std::vector<std::string>& texts,
+                                   const ImageSize& calibrated_size) {
+  std::vector<SensorMode> modes;
+  std::set<std::string> names;
+  for (const std::string& text : texts) {
+    modes.push_back(ParseMode(text, calibrated_size));
+    if (!names.insert(modes.back().name).second)
+      Refuse(modes.back().name, "named twice; give each mode its own name");
+  }
+  return modes;
+}
+
+}  // namespace raygrid
