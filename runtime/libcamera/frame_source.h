@@ -56,6 +56,8 @@ class FrameSource {
  public:
   virtual ~FrameSource() = default;
   virtual const StreamFormat& format() const = 0;
+  /// Frames come with the part of the sensor that they show.
+  virtual bool tells_crops() const { return false; }
   virtual void Start() = 0;
   /// The oldest frame; nothing when none comes in that time.
   virtual std::optional<CapturedFrame> Next(

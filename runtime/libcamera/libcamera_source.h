@@ -48,6 +48,7 @@ class LibcameraSource : public FrameSource {
   ~LibcameraSource() override;
 
   const StreamFormat& format() const override { return format_; }
+  bool tells_crops() const override { return true; }
   void Start() override;
   std::optional<CapturedFrame> Next(std::chrono::milliseconds timeout) override;
   void Release(const CapturedFrame& frame) override;

@@ -14,7 +14,7 @@ struct CameraArguments {
   std::string camera;  // id, or a part of it
   std::string format;
   unsigned width = 0, height = 0;  // 0: the blob's
-  unsigned table = 0;              // of the blob's remap tables
+  std::optional<unsigned> table;   // of the blob's remap tables
   std::string serial;
   std::optional<SensorCrop> calibrated_crop;
   std::string recording;          // frames of a file instead of a camera

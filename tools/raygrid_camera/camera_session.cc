@@ -118,8 +118,39 @@ class FrameLoop {
   uint64_t written_ = 0;
 };
 
-void StreamFrames(const CameraArguments& arguments, const rg_camera& camera,
+// The first frame that comes; nothing if a signal comes before.
+std::optional<FrameInfo> WaitForFrame(const CameraArguments& arguments,
+                                      FrameSource* source) {
+  Patience patience(arguments.timeout_s);
+  while (!IsSignalled()) {
+    if (const auto frame = source->Next(kFramePatience)) {
+      source->Release(*frame);
+      return frame->info;
+    }
+    if (!source->fault().empty())
+      throw CameraError(CameraExit::kInput, source->fault());
+    patience.Check();
+  }
+  return std::nullopt;
+}
+
+// Selects the blob's table for frames as the first one shows; leaves the one in
+// use where there is none. The source is running then.
+void SelectTable(const CameraArguments& arguments, FrameSource* source,
+                 rg_camera* camera) {
+  source->Start();
+  const auto info = WaitForFrame(arguments, source);
+  if (!info) return;
+  const uint32_t table = FindTable(*camera, source->format(),
+                                   arguments.calibrated_crop, info->crop);
+  if (table != RG_NO_TABLE) rg_select_remap(camera, table);
+}
+
+void StreamFrames(const CameraArguments& arguments, rg_camera camera,
                   FrameSource* source) {
+  const bool is_table_open =
+      !arguments.table && source->tells_crops() && HasTablesOfModes(camera);
+  if (is_table_open) SelectTable(arguments, source, &camera);
   StreamGuard guard(camera, source->format(), StreamGuard::Use::kFrames,
                     arguments.serial, arguments.calibrated_crop);
   guard.Check({});  // before anything is made
@@ -130,7 +161,7 @@ void StreamFrames(const CameraArguments& arguments, const rg_camera& camera,
   const auto output = MakeOutput(arguments, undistorter.format());
   preview = MakePreview(arguments, source->format(), undistorter.format());
   FrameLoop loop(arguments, *source, &undistorter, output.get());
-  source->Start();
+  if (!is_table_open) source->Start();
   undistorter.Start(preview.get());
   loop.Run();
   undistorter.Stop();
@@ -144,17 +175,8 @@ std::optional<rg_mode> FindMode(const CameraArguments& arguments,
                                 const rg_camera& camera, FrameSource* source) {
   StreamGuard guard(camera, source->format(), StreamGuard::Use::kPositions,
                     arguments.serial, arguments.calibrated_crop);
-  Patience patience(arguments.timeout_s);
   source->Start();
-  while (!IsSignalled()) {
-    if (const auto frame = source->Next(kFramePatience)) {
-      guard.Check(frame->info);
-      break;
-    }
-    if (!source->fault().empty())
-      throw CameraError(CameraExit::kInput, source->fault());
-    patience.Check();
-  }
+  if (const auto info = WaitForFrame(arguments, source)) guard.Check(*info);
   source->Stop();
   return guard.mode();
 }

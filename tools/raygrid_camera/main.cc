@@ -33,12 +33,12 @@ Blob OpenBlob(const CameraArguments& arguments) {
     throw CameraError(CameraExit::kBlob, arguments.blob + ": " +
                                              rg_status_text(status) +
                                              "; pack or copy it again");
-  status = rg_select_remap(&blob.camera, arguments.table);
+  const unsigned table = arguments.table.value_or(0);
+  status = rg_select_remap(&blob.camera, table);
   if (status != RG_OK)
-    throw CameraError(CameraExit::kBlob, arguments.blob +
-                                             ": has no remap table " +
-                                             std::to_string(arguments.table) +
-                                             "; pack it with --remap");
+    throw CameraError(CameraExit::kBlob,
+                      arguments.blob + ": has no remap table " +
+                          std::to_string(table) + "; pack it with --remap");
   return blob;
 }
 
