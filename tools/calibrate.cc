@@ -44,7 +44,9 @@ std::optional<BeforeAfter> ExampleImage(const std::vector<std::string>& paths,
   for (const std::string& path : paths) {
     if (std::filesystem::path(path).filename() != wanted) continue;
     const Image before = ReadImage(path, true);
-    const Image after = BlobCamera("packed camera", blob).Undistort(before, 0);
+    const BlobCamera camera("packed camera", blob);
+    if (before.size != camera.image_size()) continue;  // of another mode
+    const Image after = camera.Undistort(before, 0);
     return BeforeAfter{Shrunk(before, kMaxWidthPx), Shrunk(after, kMaxWidthPx)};
   }
   return std::nullopt;
@@ -216,6 +218,14 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
                    "NAME=FOLDER, once for each camera of a rig; images of one "
                    "instant have one name")
       ->type_name("NAME=FOLDER")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--mode", arguments->modes,
+                   "FOLDER:WORDS, the images in this one of the folders are of "
+                   "another sensor mode: crop=X,Y,W,H (the calibrated pixels "
+                   "that they show), bin=N, scale=S, size=WxH, flip=h|v|hv, "
+                   "rotate=180")
+      ->type_name("FOLDER:WORDS")
       ->allow_extra_args(false);
   command->add_option("--features", arguments->features,
                       "features.csv instead of images; a rig's has a column "

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -18,6 +20,7 @@
 #include "features/pattern_detector.h"
 #include "features/refinement/camera_refinement.h"
 #include "interruption.h"
+#include "mode_options.h"
 
 namespace raygrid {
 namespace {
@@ -71,6 +74,58 @@ void LeaveOutCopies(Measurements* measurements) {
                                 named.end());
 }
 
+// Images first to end of a dataset, in frames of their own mode: with pixels
+// moved there, and back.
+using MovePixel = Eigen::Vector2d (SensorMode::*)(const Eigen::Vector2d&) const;
+void MovePixels(const SensorMode& mode, MovePixel move, size_t first,
+                size_t end, Dataset* dataset) {
+  for (size_t i = first; i < end; ++i)
+    for (Feature& feature : dataset->images[i].features)
+      feature.pixel = (mode.*move)(feature.pixel);
+}
+
+// Measures the images first to end again, in frames of their own mode.
+void RefineMode(const Measurements& measurements, const ImagesOfMode& of_mode,
+                size_t end, const KnownScene& scene, int num_threads,
+                const std::function<void(double)>& go_on, Dataset* refined) {
+  const ModeCamera camera(*scene.camera, of_mode.mode);
+  const auto part = [&](const auto& all) {
+    return std::vector(all.begin() + static_cast<std::ptrdiff_t>(of_mode.first),
+                       all.begin() + static_cast<std::ptrdiff_t>(end));
+  };
+  Dataset frames = {of_mode.mode.size, part(measurements.dataset.images)};
+  const size_t count = frames.images.size();
+  MovePixels(of_mode.mode, &SensorMode::FromCalibrated, 0, count, &frames);
+  frames = RefineThroughCamera(part(measurements.paths), frames,
+                               {&camera, scene.pattern, scene.poses}, {},
+                               num_threads, go_on);
+  MovePixels(of_mode.mode, &SensorMode::ToCalibrated, 0, count, &frames);
+  std::move(
+      frames.images.begin(), frames.images.end(),
+      refined->images.begin() + static_cast<std::ptrdiff_t>(of_mode.first));
+}
+
+// Measures all images again, those of other modes in frames of their own.
+Dataset RefineModes(const Measurements& measurements, const KnownScene& scene,
+                    int num_threads, const std::function<void(double)>& go_on) {
+  const std::vector<ImagesOfMode>& modes = measurements.modes;
+  const size_t count = measurements.paths.size();
+  const auto num_calibrated =
+      static_cast<std::ptrdiff_t>(modes.empty() ? count : modes[0].first);
+  Dataset calibrated = measurements.dataset, refined = measurements.dataset;
+  calibrated.images.resize(static_cast<size_t>(num_calibrated));
+  calibrated = RefineThroughCamera(
+      {measurements.paths.begin(), measurements.paths.begin() + num_calibrated},
+      calibrated, scene, {}, num_threads, go_on);
+  std::move(calibrated.images.begin(), calibrated.images.end(),
+            refined.images.begin());
+  for (size_t k = 0; k < modes.size(); ++k)
+    RefineMode(measurements, modes[k],
+               k + 1 < modes.size() ? modes[k + 1].first : count, scene,
+               num_threads, go_on, &refined);
+  return refined;
+}
+
 // The way to measure images again; empty for features alone, or if they are to
 // be kept.
 MeasureAgain AgainIn(const Measurements& measurements,
@@ -83,9 +138,8 @@ MeasureAgain AgainIn(const Measurements& measurements,
       if (IsInterrupted()) throw Interruption();
     };
     try {
-      return RefineThroughCamera(measurements.paths, measurements.dataset,
-                                 {&camera, &found_pattern, poses}, {},
-                                 num_threads, go_on);
+      return RefineModes(measurements, {&camera, &found_pattern, poses},
+                         num_threads, go_on);
     } catch (const Interruption&) {
       return measurements.dataset;
     }
@@ -212,11 +266,95 @@ std::vector<Measurements> GivenCameras(const CalibrateArguments& arguments,
   return cameras;
 }
 
+// The image folders of a camera: those as calibrated, and those of --mode.
+struct FoldersByMode {
+  std::vector<std::string> calibrated;
+  std::vector<std::pair<std::string, std::string>> modes;  // folder, text
+};
+
+FoldersByMode SortByMode(const std::vector<std::string>& images,
+                         const std::vector<std::string>& modes) {
+  FoldersByMode folders = {images, {}};
+  for (const std::string& text : modes) {
+    const std::string folder = text.substr(0, text.find(':'));
+    const auto found =
+        std::find(folders.calibrated.begin(), folders.calibrated.end(), folder);
+    if (found == folders.calibrated.end())
+      throw Error(ExitCode::kUsage,
+                  fmt::format("--mode {}: {} is none of the images; expected "
+                              "FOLDER:WORDS, with a folder that is given once",
+                              text, folder));
+    folders.calibrated.erase(found);
+    folders.modes.emplace_back(folder, text);
+  }
+  if (folders.calibrated.empty())
+    throw Error(ExitCode::kUsage,
+                "--mode: all images are of other modes; give some of the mode "
+                "to calibrate without it");
+  return folders;
+}
+
+void RequireOtherNames(const Measurements& measurements,
+                       const Measurements& more, const std::string& folder) {
+  std::set<std::string> names;
+  for (const ImageFeatures& image : measurements.dataset.images)
+    names.insert(image.image);
+  for (const ImageFeatures& image : more.dataset.images)
+    if (names.count(image.image))
+      throw InputError(fmt::format(
+          "{}: {} is the name of an image of another mode, too; rename one",
+          folder, image.image));
+}
+
+// Appends measurements in frames of a mode, in calibrated pixels.
+void AppendOfMode(const SensorMode& mode, const std::string& folder,
+                  Measurements more, Measurements* measurements) {
+  const ImageSize& size = more.dataset.image_size;
+  if (size != mode.size)
+    throw InputError(fmt::format(
+        "{}: images of {} x {} pixels, but those of the mode are {} x {}; say "
+        "with --mode how they lie in the calibrated ones",
+        folder, size.width, size.height, mode.size.width, mode.size.height));
+  RequireOtherNames(*measurements, more, folder);
+  std::vector<ImageFeatures>& images = measurements->dataset.images;
+  measurements->modes.push_back({mode, images.size()});
+  MovePixels(mode, &SensorMode::ToCalibrated, 0, more.dataset.images.size(),
+             &more.dataset);
+  const auto append = [](auto& from, auto* to) {
+    to->insert(to->end(), std::make_move_iterator(from.begin()),
+               std::make_move_iterator(from.end()));
+  };
+  append(more.dataset.images, &images);
+  append(more.paths, &measurements->paths);
+  append(more.skipped, &measurements->skipped);
+  append(more.left_out, &measurements->left_out);
+}
+
+// Measures the images of one camera, of all its modes.
+Measurements MeasureModes(const std::vector<std::string>& images,
+                          const CalibrateArguments& arguments,
+                          const CommonOptions& common, const Pattern& pattern,
+                          const std::function<void(double)>& progress) {
+  const FoldersByMode folders = SortByMode(images, arguments.modes);
+  Measurements measurements =
+      Measure(folders.calibrated, pattern, arguments.pattern, common, progress);
+  for (const auto& [folder, text] : folders.modes)
+    AppendOfMode(
+        ParseMode(text, measurements.dataset.image_size), folder,
+        Measure({folder}, pattern, arguments.pattern, common, progress),
+        &measurements);
+  return measurements;
+}
+
 std::vector<Measurements> MeasureCameras(const CalibrateArguments& arguments,
                                          const CommonOptions& common,
                                          const Pattern& pattern,
                                          ProgressBar* bar) {
   const std::vector<NamedImages> named = ParseCameras(arguments);
+  if (!arguments.modes.empty() && named.size() > 1)
+    throw Error(ExitCode::kUsage,
+                "--mode is for the images of a single camera; calibrate a "
+                "rig's cameras one by one");
   for (const NamedImages& camera : named)
     FindImages(camera.images);  // throws before anything takes long
   std::vector<Measurements> cameras;
@@ -224,7 +362,7 @@ std::vector<Measurements> MeasureCameras(const CalibrateArguments& arguments,
     const std::string start = name.empty() ? "" : name + ": ";
     const auto num_before = static_cast<double>(cameras.size());
     cameras.push_back(
-        Measure(images, pattern, arguments.pattern, common, [&](double done) {
+        MeasureModes(images, arguments, common, pattern, [&](double done) {
           bar->Show(start + "detection", 0.2 * (num_before + done) /
                                              static_cast<double>(named.size()));
         }));
@@ -242,6 +380,9 @@ FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
           !arguments.cameras.empty() !=
       1)
     throw Error(ExitCode::kUsage, "give either images, --camera or --features");
+  if (!arguments.features.empty() && !arguments.modes.empty())
+    throw Error(ExitCode::kUsage,
+                "--mode is for images; features are of calibrated frames");
   return arguments.features.empty() ? FeaturesByCamera()
                                     : ReadFeatures(arguments.features);
 }
@@ -356,6 +497,7 @@ std::string InputsOf(const CalibrateArguments& arguments,
                        arguments.flat_board, arguments.measure_once,
                        common.seed));
   for (const std::string& image : arguments.hold_out) hash.Add(image);
+  for (const std::string& mode : arguments.modes) hash.Add(mode);
   return hash.Text();
 }
 

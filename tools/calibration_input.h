@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "calibration/calibration.h"
+#include "camera/sensor_mode.h"
 #include "checkpoint_file.h"
 #include "commands.h"
 #include "dataset/camera_file.h"
@@ -16,7 +17,7 @@
 namespace raygrid {
 
 struct CalibrateArguments {
-  std::vector<std::string> images, cameras, image_sizes, hold_out;
+  std::vector<std::string> images, cameras, image_sizes, hold_out, modes;
   std::string features, pattern, output, name, serial;
   std::string model = "central-generic", cell_px = "auto";
   std::string instant_by = "name";
@@ -27,12 +28,20 @@ struct CalibrateArguments {
 /// The features of the only camera, or those of several by its name.
 using FeaturesByCamera = std::map<std::string, Dataset>;
 
+/// Images of a dataset from the first one on, up to those of the next mode,
+/// that were taken in another sensor mode.
+struct ImagesOfMode {
+  SensorMode mode;
+  size_t first = 0;
+};
+
 /// The features to calibrate a camera with, and the images that they were
 /// measured in, if any.
 struct Measurements {
   std::string camera;  ///< its name in a rig
   Dataset dataset;
   std::vector<std::string> paths;       ///< of the dataset's images
+  std::vector<ImagesOfMode> modes;      ///< the last of the dataset's images
   std::vector<RejectedImage> skipped;   ///< could not be measured
   std::vector<RejectedImage> left_out;  ///< no photographs, copies
 };

@@ -11,6 +11,7 @@ import subprocess
 
 from command_test import (CommandTest, PATTERN, SIMULATED_PATTERN, main, programs, read, run,
                           write)
+from images_test import png, read_png
 
 
 def rows(text):
@@ -262,6 +263,42 @@ class MainJob(CommandTest):
                      "-o", self.path("opencv"))
         self.assert_done(result)
         self.assert_done(run("inspect", self.path("opencv/camera.raygrid")))
+
+    def test_calibrate_takes_images_of_several_modes(self):
+        """Half of the images binned or cropped; the camera is as if none were."""
+        board = "chessboard:9x6:45mm"
+        self.assert_done(run("simulate", "--render", "--images", 8, "--size", "320x240", "--lens",
+                             "wide", "--pattern", board, "-o", self.path("seen")))
+        for k in range(8):
+            pixels = read_png(self.path(f"seen/sim{k:04d}.png"))[2]
+            folder, shown, size = ("whole", pixels, (320, 240)) if k < 4 else (
+                ("half", self.binned(pixels), (160, 120)) if k < 6 else
+                ("part", [pixels[320 * y + x] for y in range(200) for x in range(20, 300)],
+                 (280, 200)))
+            write(self.path(f"{folder}/sim{k:04d}.png"), png(shown, size=size))
+        folders = [self.path(folder) for folder in ("whole", "half", "part")]
+        common = ("--pattern", board, "--skip-comparison", "--model", "opencv", "--flat-board",
+                  "--quiet", "-o", self.path("calibrated"))
+        self.assert_done(run("calibrate", *folders, "--mode", f"{folders[1]}:bin=2", "--mode",
+                             f"{folders[2]}:crop=20,0,280,200", *common))
+        result = json.loads(read(self.path("calibrated/result.json")))
+        self.assertEqual(result["image_size"], [320, 240])
+        used = read(self.path("calibrated/poses.csv")).decode()
+        for image in ("sim0001.png", "sim0005.png", "sim0007.png"):  # one of each mode
+            self.assertIn(image, used)
+        self.assertLess(result["training"]["median_px"], 0.1)
+        # A mode that is told wrong does not fit.
+        for mode, words in ((f"{folders[1]}:bin=3", ("160 x 120", "106 x 80")),
+                            ("other:bin=2", ("other", "FOLDER:WORDS"))):
+            result = run("calibrate", *folders[:2], "--mode", mode, *common)
+            self.assertNotEqual(result.returncode, 0)
+            for word in words:
+                self.assertIn(word, result.stderr)
+
+    @staticmethod
+    def binned(pixels):
+        return [sum(pixels[320 * (2 * y + j) + 2 * x + i] for j in (0, 1) for i in (0, 1)) // 4
+                for y in range(120) for x in range(160)]
 
     def test_pattern_chessboard(self):
         result = run("pattern", "chessboard", "--columns", 9, "--rows", 6, "--square-mm", 25, "-o",
