@@ -131,13 +131,14 @@ bool QuantizeVertices(const Blocks& blocks, const NodePositions& vertices,
   return true;
 }
 
-void FillFields(const ImageSize& source, const Area& rectangle,
+void FillFields(const ImageSize& source, const SourceMap& map,
                 const VirtualView& view, const Blocks& blocks,
                 RemapTable* table) {
   table->view = view;
+  const Area& rectangle = map.rectangle;
   rg_remap_section& s = table->section;
-  s.width = static_cast<uint16_t>(view.size.width);
-  s.height = static_cast<uint16_t>(view.size.height);
+  s.width = static_cast<uint16_t>(map.width);
+  s.height = static_cast<uint16_t>(map.height);
   s.columns = static_cast<uint16_t>(blocks.columns + 1);
   s.rows = static_cast<uint16_t>(blocks.rows + 1);
   s.block_log2 = static_cast<uint8_t>(blocks.size_log2());
@@ -195,11 +196,11 @@ double PixelError(const Area& rectangle,
 // The errors of a table, with the integers of the board.
 class TableErrors {
  public:
-  TableErrors(const CameraModel& camera, const VirtualView& view,
+  TableErrors(const CameraModel& camera, const OutputImage& output,
               const SourceMap& map, const Blocks& blocks,
               const RemapTable& table, int num_threads)
       : camera_(camera),
-        view_(view),
+        output_(output),
         map_(map),
         blocks_(blocks),
         words_(SectionWords(table)),
@@ -288,11 +289,14 @@ class TableErrors {
   double ErrorByMap(int x, int y, const Eigen::Vector2d& position) const {
     const auto source =
         map_.IsKnown(x, y) ? std::optional(map_.At(x, y)) : std::nullopt;
+    if (!source && output_.is_free_where_unseen &&
+        !output_.direction(Eigen::Vector2d(x, y)))
+      return 0;
     return PixelError(map_.rectangle, source, map_.max_deviation_px, position);
   }
   double ExactError(int x, int y, const Eigen::Vector2d& position) const {
     const auto source = map_.IsKnown(x, y)
-                            ? ExactSource(camera_, view_, map_, x, y)
+                            ? ExactSource(camera_, output_, map_, x, y)
                             : std::nullopt;
     return PixelError(map_.rectangle, source, 0, position);
   }
@@ -340,7 +344,7 @@ class TableErrors {
   }
 
   const CameraModel& camera_;
-  const VirtualView& view_;
+  const OutputImage& output_;
   const SourceMap& map_;
   const Blocks& blocks_;
   const std::vector<uint32_t> words_;
@@ -440,9 +444,9 @@ double LeastError(const SourceMap& map, int part_log2) {
   return worst - rounding_px;
 }
 
-void RequireFormatLimits(const CameraModel& camera, const VirtualView& view) {
+void RequireFormatLimits(const ImageSize& source, const ImageSize& output) {
   const int limit = RG_MAX_REMAP_SIZE;
-  for (const ImageSize& size : {camera.image_size(), view.size})
+  for (const ImageSize& size : {source, output})
     if (size.width < 1 || size.height < 1 || size.width > limit ||
         size.height > limit)
       throw Error(ExitCode::kUsage,
@@ -450,14 +454,14 @@ void RequireFormatLimits(const CameraModel& camera, const VirtualView& view) {
                               size.width, size.height, limit));
 }
 
-}  // namespace
-
-RemapTable FitRemapTable(const CameraModel& camera, const VirtualView& view,
-                         double max_error_px, int num_threads,
-                         const std::function<void()>& go_on) {
-  RequireFormatLimits(camera, view);
+// The table of an output image whose source is a camera's image; the view is
+// what the table is said to be of.
+RemapTable FitTable(const CameraModel& camera, const OutputImage& output,
+                    const VirtualView& view, double max_error_px,
+                    int num_threads, const std::function<void()>& go_on) {
+  RequireFormatLimits(camera.image_size(), output.size);
   num_threads = NumThreads(num_threads);
-  const SourceMap map = MakeSourceMap(camera, view, num_threads);
+  const SourceMap map = MakeSourceMap(camera, output, num_threads);
   go_on();
   const CellSums sums(map, num_threads);
   RemapTable table;
@@ -472,13 +476,13 @@ RemapTable FitRemapTable(const CameraModel& camera, const VirtualView& view,
           ExitCode::kUsage,
           "the view sees nothing of the calibrated area; turn it there, or "
           "ask for a larger field of view");
-    FillFields(camera.image_size(), map.rectangle, view, blocks, &table);
+    FillFields(camera.image_size(), map, view, blocks, &table);
     const NodePositions nodes = FitNodes(map, sums, blocks);
     go_on();
     if (!QuantizeVertices(blocks, nodes, &table) ||
         !QuantizeBends(blocks, nodes, &table))
       continue;
-    const TableErrors errors(camera, view, map, blocks, table, num_threads);
+    const TableErrors errors(camera, output, map, blocks, table, num_threads);
     const std::optional<double> worst =
         errors.Worst(is_last ? INFINITY : max_error_px);
     if (!worst) continue;
@@ -503,6 +507,23 @@ RemapTable FitRemapTable(const CameraModel& camera, const VirtualView& view,
                                 "smaller field of view"
                               : "ask for a smaller field of view, or calibrate "
                                 "again if the camera is no good there"));
+}
+
+}  // namespace
+
+RemapTable FitRemapTable(const CameraModel& camera, const VirtualView& view,
+                         double max_error_px, int num_threads,
+                         const std::function<void()>& go_on) {
+  return FitTable(camera, OutputOfView(view), view, max_error_px, num_threads,
+                  go_on);
+}
+
+RemapTable FitDistortionTable(const CameraModel& camera,
+                              const VirtualView& view, double max_error_px,
+                              int num_threads,
+                              const std::function<void()>& go_on) {
+  return FitTable(*CameraOfTurnedView(view), OutputOfCamera(camera), view,
+                  max_error_px, num_threads, go_on);
 }
 
 }  // namespace raygrid

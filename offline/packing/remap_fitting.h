@@ -36,6 +36,16 @@ RemapTable FitRemapTable(
     const CameraModel& camera, const VirtualView& view, double max_error_px,
     int num_threads, const std::function<void()>& go_on = [] {});
 
+/// The table of the other direction, which distorts: its output pixels are
+/// those of the camera's image, its sources lie in the view's picture. The
+/// section has the camera's size, a rectangle of sources within the view's
+/// picture, and projection, K and rotation of the view. The bound holds for
+/// calibrated pixels; others of the same blocks may show something. Throws as
+/// FitRemapTable().
+RemapTable FitDistortionTable(
+    const CameraModel& camera, const VirtualView& view, double max_error_px,
+    int num_threads, const std::function<void()>& go_on = [] {});
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_PACKING_REMAP_FITTING_H

@@ -25,11 +25,11 @@ Area SourceRectangle(const CameraModel& camera) {
 
 // The source of an output pixel.
 std::optional<Eigen::Vector2d> SourceOf(const CameraModel& camera,
-                                        const VirtualView& view,
+                                        const OutputImage& output,
                                         const Eigen::Vector2d& pixel,
                                         const Eigen::Vector2d* start,
                                         double margin_px) {
-  const auto direction = view.Direction(pixel);
+  const auto direction = output.direction(pixel);
   if (!direction) return std::nullopt;
   return camera.Project(*direction, start, margin_px);
 }
@@ -41,10 +41,10 @@ std::optional<Eigen::Vector2d> SourceOf(const CameraModel& camera,
 // some directions twice.
 class Lattice {
  public:
-  Lattice(const CameraModel& camera, const VirtualView& view,
+  Lattice(const CameraModel& camera, const OutputImage& output,
           const SourceMap& map)
       : camera_(camera),
-        view_(view),
+        output_(output),
         rectangle_(map.rectangle),
         margin_px_(std::max(rectangle_.width(), rectangle_.height()) / 8),
         columns_(map.columns + 1 + 2 * kRing),
@@ -92,7 +92,7 @@ class Lattice {
     point.is_tried = true;
     const Eigen::Vector2d pixel((index % columns_ - kRing) * kCell,
                                 (index / columns_ - kRing) * kCell);
-    const auto source = SourceOf(camera_, view_, pixel, start, margin_px_);
+    const auto source = SourceOf(camera_, output_, pixel, start, margin_px_);
     if (source) point.source = *source;
   }
 
@@ -105,7 +105,7 @@ class Lattice {
   // The corners of the cell that a source is seen in.
   void StartFromSource(const Eigen::Vector2d& source) {
     const auto ray = camera_.Unproject(source);
-    const auto pixel = ray ? view_.Pixel(*ray) : std::nullopt;
+    const auto pixel = ray ? output_.pixel(*ray) : std::nullopt;
     if (!pixel) return;
     const Eigen::Array2d cell = (pixel->array() / kCell).floor() + kRing;
     if (!(cell >= 0).all() || !(cell.x() < columns_ - 1) ||
@@ -191,7 +191,7 @@ class Lattice {
   }
 
   const CameraModel& camera_;
-  const VirtualView& view_;
+  const OutputImage& output_;
   const Area rectangle_;
   const double margin_px_;
   const int columns_, rows_;
@@ -272,15 +272,16 @@ CellSources InterpolateCell(const Lattice& lattice, int column, int row) {
 }
 
 // A start is what was found before, or else the cell's corner.
-CellSources ProjectCell(const CameraModel& camera, const VirtualView& view,
+CellSources ProjectCell(const CameraModel& camera, const OutputImage& output,
                         int column, int row, const Eigen::Vector2d& corner) {
   CellSources sources;
   Eigen::Vector2d start = corner;
   for (int y = 0; y < kCell; ++y) {
     for (int x = 0; x < kCell; ++x) {
       const Eigen::Vector2d pixel(column * kCell + x, row * kCell + y);
-      const auto source = SourceOf(
-          camera, view, pixel, start.allFinite() ? &start : nullptr, kMarginPx);
+      const auto source =
+          SourceOf(camera, output, pixel, start.allFinite() ? &start : nullptr,
+                   kMarginPx);
       if (source) start = *source;
       sources.Set(x, y, source.value_or(Eigen::Vector2d(NAN, NAN)));
     }
@@ -339,11 +340,31 @@ void StoreCell(int column, int row, const CellSources& sources,
 
 }  // namespace
 
-SourceMap MakeSourceMap(const CameraModel& camera, const VirtualView& view,
+OutputImage OutputOfView(const VirtualView& view) {
+  return {
+      view.size,
+      [&view](const Eigen::Vector2d& pixel) { return view.Direction(pixel); },
+      [&view](const Eigen::Vector3d& direction) {
+        return view.Pixel(direction);
+      }};
+}
+
+OutputImage OutputOfCamera(const CameraModel& camera) {
+  return {camera.image_size(),
+          [&camera](const Eigen::Vector2d& pixel) {
+            return camera.Unproject(pixel);
+          },
+          [&camera](const Eigen::Vector3d& direction) {
+            return camera.Project(direction);
+          },
+          true};
+}
+
+SourceMap MakeSourceMap(const CameraModel& camera, const OutputImage& output,
                         int num_threads) {
   SourceMap map;
-  map.width = view.size.width;
-  map.height = view.size.height;
+  map.width = output.size.width;
+  map.height = output.size.height;
   map.columns = (map.width + kCell - 1) / kCell;
   map.rows = (map.height + kCell - 1) / kCell;
   map.rectangle = SourceRectangle(camera);
@@ -351,7 +372,7 @@ SourceMap MakeSourceMap(const CameraModel& camera, const VirtualView& view,
   for (auto& plane : map.sources)
     plane.reset(new int32_t[map.cells.size() * kCell * kCell]);
 
-  const Lattice lattice(camera, view, map);
+  const Lattice lattice(camera, output, map);
   std::vector<double> deviations;
   for (int row = 0; row < map.rows; ++row) {
     for (int column = 0; column < map.columns; ++column) {
@@ -370,7 +391,7 @@ SourceMap MakeSourceMap(const CameraModel& camera, const VirtualView& view,
       else if (std::isinf(deviation))
         StoreCell(
             column, row,
-            ProjectCell(camera, view, column, row, lattice.At(column, row)),
+            ProjectCell(camera, output, column, row, lattice.At(column, row)),
             &map);
       else
         StoreCell(column, row, InterpolateCell(lattice, column, row), &map);
@@ -380,10 +401,10 @@ SourceMap MakeSourceMap(const CameraModel& camera, const VirtualView& view,
 }
 
 std::optional<Eigen::Vector2d> ExactSource(const CameraModel& camera,
-                                           const VirtualView& view,
+                                           const OutputImage& output,
                                            const SourceMap& map, int x, int y) {
   const Eigen::Vector2d start = map.At(x, y);
-  return SourceOf(camera, view, Eigen::Vector2d(x, y), &start, kMarginPx);
+  return SourceOf(camera, output, Eigen::Vector2d(x, y), &start, kMarginPx);
 }
 
 }  // namespace raygrid

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -12,7 +13,24 @@
 
 namespace raygrid {
 
-/// The sources of the pixels of a virtual camera's image, the output pixels.
+/// The image that a table fills: the direction in camera axes, of any length,
+/// that a pixel looks along, and back; nothing where it looks nowhere.
+struct OutputImage {
+  ImageSize size;
+  std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>
+      direction;
+  std::function<std::optional<Eigen::Vector2d>(const Eigen::Vector3d&)> pixel;
+  /// Pixels that look nowhere may show anything; otherwise they are border.
+  bool is_free_where_unseen = false;
+};
+
+/// A view's own picture. The view, or below the camera, is referred to as long
+/// as the result is used.
+OutputImage OutputOfView(const VirtualView& view);
+/// The real camera's image, for tables whose source is a view's picture.
+OutputImage OutputOfCamera(const CameraModel& camera);
+
+/// The sources of the pixels of an output image, the output pixels.
 struct SourceMap {
   /// Cells are squares of output pixels.
   static constexpr int kCellLog2 = 3, kCellSize = 1 << kCellLog2;
@@ -60,12 +78,12 @@ struct SourceMap {
 /// The camera is asked at every eighth pixel of every eighth row, and between
 /// these only where interpolation would not follow it to 0.002 px. The same
 /// with any number of threads.
-SourceMap MakeSourceMap(const CameraModel& camera, const VirtualView& view,
+SourceMap MakeSourceMap(const CameraModel& camera, const OutputImage& output,
                         int num_threads);
 
 /// The camera's own answer where the map knows a source.
 std::optional<Eigen::Vector2d> ExactSource(const CameraModel& camera,
-                                           const VirtualView& view,
+                                           const OutputImage& output,
                                            const SourceMap& map, int x, int y);
 
 }  // namespace raygrid

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "camera/opencv.h"
+#include "camera/turned_camera.h"
 #include "camera/view_camera.h"
 
 namespace raygrid {
@@ -97,6 +98,11 @@ std::unique_ptr<CameraModel> CameraOfView(const VirtualView& view) {
   parameters[OpenCvModel::kCy] = view.center_px.y();
   return std::make_unique<OpenCvModel>(view.size, WholeImage(view.size),
                                        parameters);
+}
+
+std::unique_ptr<CameraModel> CameraOfTurnedView(const VirtualView& view) {
+  return std::make_unique<TurnedCamera>(
+      *CameraOfView(view), Eigen::Quaterniond(view.camera_from_view));
 }
 
 std::optional<VirtualView> ViewOfCamera(const CameraModel& camera) {

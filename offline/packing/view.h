@@ -49,6 +49,9 @@ Eigen::Vector3d AnglesOfRotation(const Eigen::Matrix3d& camera_from_view);
 /// pinhole the model "opencv" without distortion, otherwise a ViewCamera.
 std::unique_ptr<CameraModel> CameraOfView(const VirtualView& view);
 
+/// A view as a camera in the axes of the one that it is made from.
+std::unique_ptr<CameraModel> CameraOfTurnedView(const VirtualView& view);
+
 /// The view, not turned, that such a camera is; nothing if it has distortion or
 /// is of another model.
 std::optional<VirtualView> ViewOfCamera(const CameraModel& camera);

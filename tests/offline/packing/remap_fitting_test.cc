@@ -12,6 +12,8 @@
 #include "camera/opencv.h"
 #include "camera/thin_prism_fisheye.h"
 #include "cortex_m/part_corners.h"
+#include "packed_cameras.h"
+#include "packing/source_map.h"
 #include "packing/view.h"
 #include "support.h"
 
@@ -63,12 +65,12 @@ class PlainTable {
   explicit PlainTable(const RemapTable& table)
       : table_(table), section_(table.section) {}
 
-  Eigen::Vector2d At(int x, int y) const {
+  Eigen::Vector2d At(double x, double y) const {
     const int block = 1 << section_.block_log2;
     const int part = section_.part_log2 != 0 ? 1 << section_.part_log2 : block;
-    const int i = x / part * part, j = y / part * part;
-    const double u = static_cast<double>(x - i) / part;
-    const double v = static_cast<double>(y - j) / part;
+    const int i = static_cast<int>(x) / part * part;
+    const int j = static_cast<int>(y) / part * part;
+    const double u = (x - i) / part, v = (y - j) / part;
     return (Corner(i, j) * (1 - u) + Corner(i + part, j) * u) * (1 - v) +
            (Corner(i, j + part) * (1 - u) + Corner(i + part, j + part) * u) * v;
   }
@@ -122,7 +124,7 @@ class PlainTable {
 };
 
 // The worst error of a table, with the camera asked for every pixel.
-double WorstError(const CameraModel& camera, const VirtualView& target,
+double WorstError(const CameraModel& camera, const OutputImage& target,
                   const RemapTable& table) {
   rg_remap_section section = table.section;
   section.empty_blocks = table.empty_blocks.data();
@@ -149,7 +151,7 @@ double WorstError(const CameraModel& camera, const VirtualView& target,
       const rg_position p = rg_row_position(&row, x % part);
       const Eigen::Vector2d position(p.q12[0] / 4096.0, p.q12[1] / 4096.0);
       const bool is_taken = !parts.is_empty && image.Contains(position);
-      const auto direction = target.Direction({x, y});
+      const auto direction = target.direction(Eigen::Vector2d(x, y));
       exact = direction
                   ? camera.Project(*direction, exact ? &*exact : nullptr, 1.5)
                   : std::nullopt;
@@ -213,7 +215,7 @@ TEST(FitRemapTable, KeepsTheBoundForEveryProjection) {
     request.rotate_deg = Eigen::Vector3d(35, 20, -15);
     const VirtualView view = MakeView(camera, request);
     const RemapTable table = FitRemapTable(camera, view, 0.05, 0);
-    const double worst = WorstError(camera, view, table);
+    const double worst = WorstError(camera, OutputOfView(view), table);
     std::printf("%s: %.4f px, parts of %d\n", ProjectionName(projection), worst,
                 1 << table.section.part_log2);
     EXPECT_LE(table.max_error_px, 0.05);
@@ -232,7 +234,8 @@ TEST(FitRemapTable, WorstErrorIsThatOfAllPixels) {
       const VirtualView target = test_case.PinholeView(size);
       const RemapTable table = FitRemapTable(*test_case.camera, target, 1, 0);
       EXPECT_NEAR(table.max_error_px,
-                  WorstError(*test_case.camera, target, table), 1e-6)
+                  WorstError(*test_case.camera, OutputOfView(target), table),
+                  1e-6)
           << test_case.name << ", " << size.width;
     }
   }
@@ -263,6 +266,82 @@ TEST(FitRemapTable, GivesTheSameWithAnyNumberOfThreads) {
   EXPECT_EQ(one.residuals, three.residuals);
   EXPECT_EQ(one.bends, three.bends);
   EXPECT_EQ(one.max_error_px, three.max_error_px);
+}
+
+// The ways to the view and back are each other's inverse. The bound is one of
+// pixels of the view, which far off the axis are smaller than the camera's.
+TEST(FitDistortionTable, UndoesTheOtherDirection) {
+  for (const TestCase& test_case : TestCases()) {
+    const VirtualView view = test_case.PinholeView();
+    const RemapTable there = FitRemapTable(*test_case.camera, view, 0.05, 0);
+    const double bound = test_case.hfov_deg < 90    ? 0.05
+                         : test_case.hfov_deg < 120 ? 0.1
+                                                    : 0.2;
+    const RemapTable back =
+        FitDistortionTable(*test_case.camera, view, bound, 0);
+    EXPECT_LE(back.max_error_px, bound) << test_case.name;
+    EXPECT_EQ(back.section.width, kFullHd.width);
+    const PlainTable to_camera(there), to_view(back);
+    const auto as_camera = CameraOfView(view);
+    TestRandom random(5);
+    double worst = 0, worst_back = 0;
+    int num_inside = 0;
+    for (int k = 0; k < 40000; ++k) {
+      const Eigen::Vector2d at = random.PixelIn({1, 1, 1918, 1078});
+      const Eigen::Vector2d pixel(std::floor(at.x()), std::floor(at.y()));
+      const auto exact =
+          as_camera->Project(*test_case.camera->Unproject(pixel));
+      if (!exact || !Area{2, 2, 1917, 1077}.Contains(*exact)) continue;
+      const Eigen::Vector2d seen = to_view.At(pixel.x(), pixel.y());
+      worst_back = std::max(worst_back, (seen - *exact).norm());
+      const Eigen::Vector2d home = to_camera.At(seen.x(), seen.y());
+      worst = std::max(worst, (home - pixel).norm());
+      ++num_inside;
+    }
+    std::printf("%s: back %.4f px, there and back %.4f px, %d pixels\n",
+                test_case.name, worst_back, worst, num_inside);
+    EXPECT_GT(num_inside, 10000);
+    EXPECT_LT(worst_back, back.max_error_px + 0.002);
+    EXPECT_LT(worst, 0.1);
+  }
+}
+
+TEST(FitDistortionTable, KeepsTheBoundForEveryProjection) {
+  constexpr double kBound = 0.5;
+  const CentralGeneric camera = FitCentralGeneric(
+      *SimulatedLens("fisheye190", {640, 480}), {50, 40, 590, 440}, 27, 21);
+  for (const auto& [projection, hfov_deg] :
+       {std::pair(ViewProjection::kPinhole, 90.0),
+        std::pair(ViewProjection::kCylindrical, 180.0),
+        std::pair(ViewProjection::kEquirectangular, 180.0),
+        std::pair(ViewProjection::kStereographic, 200.0),
+        std::pair(ViewProjection::kEquidistant, 210.0)}) {
+    ViewRequest request;
+    request.size = {800, 600};
+    request.projection = projection;
+    request.hfov_deg = hfov_deg;
+    request.rotate_deg = Eigen::Vector3d(35, 20, -15);
+    const VirtualView view = MakeView(camera, request);
+    const RemapTable table = FitDistortionTable(camera, view, kBound, 0);
+    EXPECT_LE(table.max_error_px, kBound) << ProjectionName(projection);
+    EXPECT_EQ(table.section.width, 640);
+    // Whatever the table shows of calibrated pixels is where the view has it.
+    const PlainTable plain(table);
+    double worst = 0;
+    int num_seen = 0;
+    for (int y = 40; y <= 440; y += 3) {
+      for (int x = 50; x <= 590; x += 3) {
+        const auto exact = view.Pixel(*camera.Unproject({x, y}));
+        if (!exact || !WholeImage(view.size).Contains(*exact)) continue;
+        worst = std::max(worst, (plain.At(x, y) - *exact).norm());
+        ++num_seen;
+      }
+    }
+    std::printf("%s: %.4f px of %d, parts of %d\n", ProjectionName(projection),
+                worst, num_seen, 1 << table.section.part_log2);
+    EXPECT_GT(num_seen, 1000);
+    EXPECT_LE(worst, kBound + 0.002) << ProjectionName(projection);
+  }
 }
 
 }  // namespace
