@@ -3,6 +3,7 @@
 
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -14,6 +15,7 @@
 #include "dataset/files.h"
 #include "dataset/image_files.h"
 #include "mode_options.h"
+#include "packing/distorted_image.h"
 #include "packing/pack.h"
 #include "progress_bar.h"
 #include "view_options.h"
@@ -31,13 +33,14 @@ struct UndistortArguments {
   std::string mode;
   double max_error_px = 0.05;
   uint32_t remap_index = 0;
+  bool is_reverse = false;
 };
 
-// A blob, its table that is used, and the view of that.
-struct Undistorter {
-  BlobCamera blob;
-  uint32_t table;
+// A view, and what makes pictures of it, or of pictures of it.
+struct ImageMapper {
   VirtualView view;
+  // The result for an image; its path is for errors.
+  std::function<Image(const std::string& path, const Image& image)> map;
 };
 
 bool AsksForAView(const UndistortArguments& arguments) {
@@ -46,13 +49,67 @@ bool AsksForAView(const UndistortArguments& arguments) {
   return false;
 }
 
-// The table of a blob that is asked for, by its number or its mode.
-uint32_t FindTable(const BlobCamera& blob,
-                   const UndistortArguments& arguments) {
-  if (arguments.mode.empty()) return arguments.remap_index;
-  if (const auto table = blob.FindTableOfMode(arguments.mode)) return *table;
+void RequireSize(const std::string& path, const ImageSize& size,
+                 const ImageSize& expected, const char* owner,
+                 const char* remedy) {
+  if (size != expected)
+    throw Error(ExitCode::kBlob,
+                fmt::format("{}: {} x {} pixels, but {} {} x {}; {}", path,
+                            size.width, size.height, owner, expected.width,
+                            expected.height, remedy));
+}
+
+// By the table of a blob.
+ImageMapper Undistortion(BlobCamera blob, const VirtualView& view,
+                         uint32_t remap_index) {
+  const auto camera = std::make_shared<BlobCamera>(std::move(blob));
+  return {view, [=](const std::string& path, const Image& image) {
+            RequireSize(path, image.size, camera->FrameSize(remap_index),
+                        "the table takes",
+                        "use images of that size, or say with --mode how "
+                        "these lie in the calibrated ones");
+            return camera->Undistort(image, 0, remap_index);
+          }};
+}
+
+// From the view to the camera.
+ImageMapper Distortion(const CameraModel& camera, const VirtualView& view,
+                       int num_threads) {
+  const auto map =
+      std::make_shared<SourceMap>(MapOfDistortion(camera, view, num_threads));
+  return {view, [=](const std::string& path, const Image& picture) {
+            RequireSize(path, picture.size, view.size, "the view has",
+                        "use pictures of that view, or say which view they "
+                        "are of, as with --size or --like");
+            return DistortedImage(*map, picture, num_threads);
+          }};
+}
+
+void RequireReversible(const UndistortArguments& arguments,
+                       const CameraModel& camera) {
+  if (!arguments.frames.empty())
+    throw Error(ExitCode::kUsage,
+                "--frames: raw frames are those of the camera, which --reverse "
+                "makes; leave one of them out");
+  if (!camera.IsCentral())
+    throw Error(ExitCode::kUsage,
+                fmt::format("{}: --reverse: its pixels look along lines that "
+                            "do not meet, so no view has a place for each; "
+                            "make a central camera of it with raygrid fit",
+                            arguments.camera));
+}
+
+// The mode that is asked for: one of the blob's, or as the words say.
+std::optional<SensorMode> FindMode(const UndistortArguments& arguments,
+                                   const CameraInput& input) {
+  if (arguments.mode.empty()) return std::nullopt;
+  if (!input.blob || AsksForAView(arguments))
+    return ParseMode(arguments.mode, input.file.camera->image_size());
   std::vector<std::string> names;
-  for (const SensorMode& mode : blob.Modes()) names.push_back(mode.name);
+  for (const SensorMode& mode : input.blob->Modes()) {
+    if (mode.name == arguments.mode) return mode;
+    names.push_back(mode.name);
+  }
   throw Error(ExitCode::kBlob,
               fmt::format("{}: has no table of mode '{}' ({}); raygrid pack "
                           "--mode adds one, or give its camera.yaml",
@@ -62,47 +119,45 @@ uint32_t FindTable(const BlobCamera& blob,
                                                       fmt::join(names, ", "))));
 }
 
-// The table to make of a camera.
-RemapRequest MakeRequest(const CameraModel& camera,
-                         const UndistortArguments& arguments,
-                         const ViewRequest& request) {
-  if (arguments.mode.empty()) return {MakeView(camera, request)};
-  const SensorMode mode = ParseMode(arguments.mode, camera.image_size());
-  return {MakeViewOfMode(camera, mode, request), mode};
+// The table of a blob that is asked for, by its number or its mode.
+uint32_t FindTable(const BlobCamera& blob,
+                   const UndistortArguments& arguments) {
+  return arguments.mode.empty()
+             ? arguments.remap_index
+             : blob.FindTableOfMode(arguments.mode).value_or(RG_NO_TABLE);
 }
 
-// The blob itself, if it has a table and no other view is asked for.
-Undistorter Prepare(const UndistortArguments& arguments,
+// By the blob itself, if it has a table and no other view is asked for.
+ImageMapper Prepare(const UndistortArguments& arguments,
                     const CommonOptions& common) {
   const ViewRequest request = ParseViewOptions(arguments.view);
   CameraInput input = ReadCamera(arguments.camera);
   if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
-  if (input.blob && input.blob->has_remap() && !AsksForAView(arguments)) {
+  if (arguments.is_reverse) RequireReversible(arguments, *input.file.camera);
+  const bool has_table =
+      input.blob && input.blob->has_remap() && !AsksForAView(arguments);
+  const std::optional<SensorMode> mode = FindMode(arguments, input);
+  if (has_table && !arguments.is_reverse) {
     const uint32_t table = FindTable(*input.blob, arguments);
     const VirtualView view = input.blob->ViewOfRemap(table);
-    return {*std::move(input.blob), table, view};
+    return Undistortion(*std::move(input.blob), view, table);
   }
   if (!input.blob) TurnIntoCameraFrame(&input.file);
-  const RemapRequest remap =
-      MakeRequest(*input.file.camera, arguments, request);
+  const CameraModel& camera = *input.file.camera;
+  const VirtualView view =
+      has_table ? input.blob->ViewOfRemap(FindTable(*input.blob, arguments))
+      : mode    ? MakeViewOfMode(camera, *mode, request)
+                : MakeView(camera, request);
+  if (arguments.is_reverse)
+    return mode ? Distortion(ModeCamera(camera, *mode), view, common.threads)
+                : Distortion(camera, view, common.threads);
   PackOptions options;
-  options.remaps = {remap};
+  options.remaps.emplace_back(view, mode);
   options.max_error_px = arguments.max_error_px;
   options.num_threads = common.threads;
-  return {BlobCamera("packed camera", PackCamera(input.file, options).blob), 0,
-          remap.view};
-}
-
-void RequireSize(const std::string& path, const ImageSize& size,
-                 const ImageSize& expected) {
-  if (size != expected)
-    throw Error(
-        ExitCode::kBlob,
-        fmt::format("{}: {} x {} pixels, but the table takes {} x {}; use "
-                    "images of that size, or say with --mode how these lie in "
-                    "the calibrated ones",
-                    path, size.width, size.height, expected.width,
-                    expected.height));
+  return Undistortion(
+      BlobCamera("packed camera", PackCamera(input.file, options).blob), view,
+      0);
 }
 
 // The paths of an image, and of its raw frame if one is asked for.
@@ -166,9 +221,7 @@ void Run(const UndistortArguments& arguments, const CommonOptions& common) {
   const std::vector<std::string>& paths = found.paths;
   const std::vector<Targets> targets = TargetsOf(arguments, paths);
   RequireWritableFolder(arguments.output);
-  const Undistorter undistorter = Prepare(arguments, common);
-  const BlobCamera& camera = undistorter.blob;
-  const ImageSize frame_size = camera.FrameSize(undistorter.table);
+  const ImageMapper mapper = Prepare(arguments, common);
   for (const SkippedImage& image : found.left_out)
     fmt::print(stderr, "raygrid: skipped {}: {}\n", image.path, image.reason);
   std::vector<std::string> turned;
@@ -176,22 +229,22 @@ void Run(const UndistortArguments& arguments, const CommonOptions& common) {
   const std::string view_path =
       (std::filesystem::path(arguments.output) / kViewFile).string();
   nlohmann::ordered_json written = {{"images", nlohmann::json::array()},
-                                    {"view", ViewJson(undistorter.view)},
+                                    {"view", ViewJson(mapper.view)},
                                     {"view_file", view_path}};
   for (size_t i = 0; i < paths.size(); ++i) {
     const Image image = ReadImageAsStored(paths[i]);
-    RequireSize(paths[i], image.size, frame_size);
+    const Image mapped = mapper.map(paths[i], image);
     if (image.is_turned) turned.push_back(paths[i]);
     OutputFiles files;
-    if (i == 0) files.Add(view_path, ViewCameraFile(undistorter.view, ""));
-    files.Add(targets[i].image,
-              EncodePng(camera.Undistort(image, 0, undistorter.table)));
+    if (i == 0) files.Add(view_path, ViewCameraFile(mapper.view, ""));
+    files.Add(targets[i].image, EncodePng(mapped));
     if (!targets[i].frame.empty())
       files.Add(targets[i].frame, RawFrame(paths[i]));
     files.Commit();
     written["images"].push_back(
         {{"image", paths[i]}, {"file", targets[i].image}});
-    bar.Show("undistortion", static_cast<double>(i + 1) / paths.size());
+    bar.Show(arguments.is_reverse ? "distortion" : "undistortion",
+             static_cast<double>(i + 1) / paths.size());
   }
   if (!turned.empty() && !common.quiet)
     fmt::print(stderr, "raygrid: {}\n", RemarkOnTurned(turned));
@@ -199,9 +252,9 @@ void Run(const UndistortArguments& arguments, const CommonOptions& common) {
     fmt::print("{}\n", written.dump(2, ' ', false,
                                     nlohmann::json::error_handler_t::replace));
   else if (!common.quiet)
-    fmt::print("{} images undistorted to {}; the view, as {}: {}\n",
-               paths.size(), arguments.output, kViewFile,
-               ViewText(undistorter.view));
+    fmt::print("{} images {} to {}; the view, as {}: {}\n", paths.size(),
+               arguments.is_reverse ? "distorted" : "undistorted",
+               arguments.output, kViewFile, ViewText(mapper.view));
 }
 
 }  // namespace
@@ -212,7 +265,9 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
       "Undistorts images with the code that runs on the board. Grey images "
       "stay grey, 16 bits stay 16 bits. x.jpg becomes x.png; images that would "
       "get one name are refused. view.camera.yaml beside them is the view as a "
-      "camera, with its matrix K.",
+      "camera, with its matrix K. --reverse makes images of the real camera "
+      "out "
+      "of pictures of the view.",
       "raygrid undistort camera.yaml photos/ -o flat/ --hfov 80", common);
   auto arguments = std::make_shared<UndistortArguments>();
   command->add_option("camera", arguments->camera, "camera.yaml or a blob")
@@ -222,6 +277,11 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
   command->add_option("-o,--output", arguments->output, "folder for PNG files")
       ->required();
   AddViewOptions(command, &arguments->view);
+  command->add_flag(
+      "--reverse", arguments->is_reverse,
+      "the other direction, as for overlays and renderers: IMAGES are pictures "
+      "of the view, in its size, and become images of the real camera, black "
+      "where the view shows nothing");
   command->add_option("--frames", arguments->frames,
                       "folder for the images as raw grey frames of 8 or 16 "
                       "bits, which raygrid-undistort takes");

@@ -253,7 +253,8 @@ class Case:
 
     def run_undistort(self):
         return [self.camera(), *self.images(), "--size", self.size(), "--hfov",
-                self.random.choice(("60", "179.99", "1e-9", "0")), "-o", self.output()]
+                self.random.choice(("60", "179.99", "1e-9", "0")),
+                *(["--reverse"] if self.chance(0.3) else []), "-o", self.output()]
 
     def run_unproject(self):
         return [self.camera(), "--pixels", self.numbers("xy"), *self.printed_or_written()]

@@ -5,7 +5,7 @@ import math
 import os
 
 from command_test import CommandTest, SIMULATED_PATTERN, main, read, run, write
-from images_test import png
+from images_test import png, read_png
 
 
 class Views(CommandTest):
@@ -106,6 +106,42 @@ class Views(CommandTest):
                      self.path("of_blob"))
         self.assert_done(result)
         self.assertEqual(json.loads(result.stdout)["view"]["K"][0], [70, 0, 49.5])
+
+    def test_reverse_leads_back_to_the_camera(self):
+        wave = [round(128 + 80 * math.sin(x / 6) * math.cos(y / 7))
+                for y in range(120) for x in range(160)]
+        image = write(self.path("wave/in/wave.png"), png(wave, size=(160, 120)))
+        self.assert_done(self.pack("200x150,alpha=1", output="wave/c.raygrid"))
+        for camera, words in ((self.path("wave/c.raygrid"), ()),
+                              (self.camera, ("--like", self.path("wave/c.camera.yaml"),
+                                             "--max-error-px", 0.25))):
+            self.assert_done(run("undistort", camera, image, *words, "-o",
+                                 self.path("wave/flat")))
+            result = run("undistort", camera, self.path("wave/flat/wave.png"), *words, "--reverse",
+                         "--json", "-o", self.path("wave/back"))
+            self.assert_done(result)
+            self.assertEqual(json.loads(result.stdout)["view"]["size"], [200, 150])
+            _, _, back = read_png(self.path("wave/back/wave.png"))
+            self.assertEqual(len(back), len(wave))
+            # A tenth of a pixel is 1.4 grey levels of the steepest slope; the rest is what
+            # interpolation loses of the waves.
+            inside = [abs(back[160 * y + x] - wave[160 * y + x])
+                      for y in range(4, 116) for x in range(4, 156)]
+            self.assertLess(max(inside), 8)
+            self.assertLess(sum(inside) / len(inside), 1.5)
+
+    def test_reverse_refuses_what_has_no_way_back(self):
+        out = ["-o", self.path("never")]
+        self.assert_refused(run("undistort", self.camera, self.image, "--reverse", "--size",
+                                "200x150", *out), 8, "white.png", "160 x 120", "the view has",
+                            "200 x 150")
+        self.assert_refused(run("undistort", self.camera, self.image, "--reverse", "--frames",
+                                self.path("raw"), *out), 1, "--frames")
+        self.assert_done(run("simulate", "--images", 3, "--lens", "glass", "--size", "160x120",
+                             "-o", self.path("glass")))
+        self.assert_refused(run("undistort", self.path("glass/true_camera.yaml"), self.image,
+                                "--reverse", *out), 1, "true_camera.yaml", "raygrid fit")
+        self.assert_nothing_in(self.path("never"))
 
     def test_impossible_views_are_refused_in_a_line(self):
         for view, words in (("hfov=180", ("hfov", "170")), ("alpha=1.5", ("alpha", "between")),

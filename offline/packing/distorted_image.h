@@ -1,0 +1,23 @@
+#ifndef RAYGRID_PACKING_DISTORTED_IMAGE_H
+#define RAYGRID_PACKING_DISTORTED_IMAGE_H
+
+#include "camera/camera_model.h"
+#include "dataset/image_files.h"
+#include "packing/source_map.h"
+#include "packing/view.h"
+
+namespace raygrid {
+
+/// The places in a view's picture of the pixels of a camera's image.
+SourceMap MapOfDistortion(const CameraModel& camera, const VirtualView& view,
+                          int num_threads);
+
+/// A view's picture as the real camera shows it, bilinear between pixels, with
+/// the channels and depth of the picture; 0 where the view shows nothing. The
+/// picture has the size of the view, the result that of the camera.
+Image DistortedImage(const SourceMap& map, const Image& picture,
+                     int num_threads);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_PACKING_DISTORTED_IMAGE_H
