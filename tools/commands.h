@@ -49,6 +49,7 @@ void AddReport(CLI::App* app, CommonOptions* common);
 void AddSimulate(CLI::App* app, CommonOptions* common);
 void AddUndistort(CLI::App* app, CommonOptions* common);
 void AddUnproject(CLI::App* app, CommonOptions* common);
+void AddView(CLI::App* app, CommonOptions* common);
 
 }  // namespace raygrid
 

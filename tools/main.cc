@@ -166,6 +166,7 @@ int Run(int argc, char** argv) {
   AddFit(&app, &common);
   AddPack(&app, &common);
   AddInspect(&app, &common);
+  AddView(&app, &common);
   AddUndistort(&app, &common);
   AddUnproject(&app, &common);
   AddProject(&app, &common);

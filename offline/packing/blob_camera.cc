@@ -141,6 +141,25 @@ std::unique_ptr<CameraModel> BlobCamera::ToModel() const {
                                              std::move(points));
 }
 
+uint32_t BlobCamera::NumRemaps() const {
+  uint32_t count = 0;
+  while (rg_find_section(blob_.bytes, RG_SECTION_REMAP, count)) ++count;
+  return count;
+}
+
+std::optional<TrustMask> BlobCamera::Trusted() const {
+  if (blob_.mask == 0) return std::nullopt;
+  rg_mask_section section;
+  rg_blob_mask(&blob_, &section);
+  TrustMask mask;
+  mask.cell_px = 1 << section.cell_log2;
+  mask.columns = section.columns;
+  mask.rows = section.rows;
+  for (int k = 0; k < mask.columns * mask.rows; ++k)
+    mask.is_trusted.push_back((section.bits[k / 8] >> k % 8 & 1) != 0);
+  return mask;
+}
+
 rg_camera BlobCamera::WithTable(uint32_t remap_index) const {
   rg_camera camera = camera_;
   const rg_status status = rg_select_remap(&camera, remap_index);

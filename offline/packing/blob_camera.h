@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "camera/camera_model.h"
+#include "camera/camera_uncertainty.h"
 #include "camera/sensor_mode.h"
 #include "dataset/image_files.h"
 #include "packing/view.h"
@@ -33,6 +34,7 @@ class BlobCamera {
   const rg_blob& blob() const { return blob_; }
   ImageSize image_size() const { return {camera_.width, camera_.height}; }
   bool has_remap() const { return blob_.remap != 0; }
+  uint32_t NumRemaps() const;
 
   bool CanProject() const { return camera_.inverse; }
 
@@ -47,6 +49,9 @@ class BlobCamera {
 
   /// The control points in double precision, for what the runtime does not do.
   std::unique_ptr<CameraModel> ToModel() const;
+
+  /// The cells that the blob calls valid; nothing if it has no mask.
+  std::optional<TrustMask> Trusted() const;
 
   /// The view of a remap table, and the size of the frames that it takes. Throw
   /// Error(kBlob) if there is none of that number.

@@ -259,6 +259,11 @@ class Case:
     def run_unproject(self):
         return [self.camera(), "--pixels", self.numbers("xy"), *self.printed_or_written()]
 
+    def run_view(self):
+        image = ["--image", self.image()] if self.chance(0.5) else []
+        remap = ["--remap", self.size() + ",hfov=60"] if self.chance(0.3) else []
+        return [self.camera(), *image, *remap, "-o", self.output(".png")]
+
     def printed_or_written(self):
         return self.random.choice(([], ["--json"], ["-o", self.output(".csv")]))
 

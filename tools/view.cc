@@ -1,0 +1,390 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "camera_input.h"
+#include "commands.h"
+#include "dataset/error.h"
+#include "dataset/files.h"
+#include "dataset/image_files.h"
+#include "dataset/text_encoding.h"
+#include "packing/pack.h"
+#include "packing/view_curves.h"
+#include "report/contact_sheet.h"
+#include "simulation/straight_scene.h"
+#include "view_options.h"
+
+namespace raygrid {
+namespace {
+
+constexpr uint8_t kNothingSeen = 58;  // grey level
+constexpr double kThin = 1.3;         // pixels of the sheet
+
+struct ViewArguments {
+  std::vector<std::string> files, images, remaps;
+  std::string output = "sheet.png";
+  double max_error_px = 0.05;
+};
+
+// A file with what is shown of it.
+struct ViewedCamera {
+  std::string name;  // the file's
+  CameraInput input;
+  std::string image;              // the photograph's path, or empty
+  std::optional<TrustMask> mask;  // of what is trusted, if that is known
+  double square = 0;              // of the scene without a photograph
+  Image before;
+
+  const CameraModel& camera() const { return *input.file.camera; }
+};
+
+// A blob with a table for each view, or why there is none.
+struct ViewTables {
+  std::optional<BlobCamera> blob;
+  std::vector<VirtualView> views;
+  std::string why_none;
+};
+
+// A path as it was typed, but of an absolute one the file alone: a sheet that
+// is sent around says nothing of folders.
+std::string ShownName(const std::string& path) {
+  const std::filesystem::path typed(path);
+  return Printable(typed.is_absolute() ? typed.filename().string() : path);
+}
+
+// ---- What is shown ---------------------------------------------------------
+
+Image ReadPhotograph(const std::string& path, const ImageSize& expected) {
+  Image image = ReadImage(path, false);
+  if (image.size != expected)
+    throw Error(ExitCode::kBlob,
+                fmt::format("{}: {} x {} pixels, but the camera is calibrated "
+                            "for {} x {}; use an image of that mode",
+                            path, image.size.width, image.size.height,
+                            expected.width, expected.height));
+  return image;
+}
+
+// The tables that are asked for, those of the blob, or the camera's default.
+ViewTables TablesOf(ViewedCamera* viewed, const ViewArguments& arguments,
+                    const CommonOptions& common) {
+  ViewTables tables;
+  std::optional<BlobCamera>& blob = viewed->input.blob;
+  if (blob && blob->has_remap() && arguments.remaps.empty()) {
+    for (uint32_t k = 0; k < blob->NumRemaps(); ++k)
+      tables.views.push_back(blob->ViewOfRemap(k));
+    tables.blob = std::move(blob);
+    return tables;
+  }
+  PackedCamera packed;
+  if (arguments.remaps.empty()) {
+    packed = PackWhatCanBe(viewed->input.file, common.threads);
+  } else {
+    PackOptions options;
+    for (const std::string& remap : arguments.remaps)
+      options.remaps.push_back(
+          MakeView(viewed->camera(), ParseView("--remap", remap)));
+    options.max_error_px = arguments.max_error_px;
+    options.num_threads = common.threads;
+    packed = PackCamera(viewed->input.file, options);
+  }
+  for (const PackedRemap& remap : packed.remaps)
+    tables.views.push_back(remap.view);
+  if (!tables.views.empty()) tables.blob.emplace("packed camera", packed.blob);
+  for (const std::string& remark : packed.remarks)
+    tables.why_none += (tables.why_none.empty() ? "" : "; ") + remark;
+  return tables;
+}
+
+// ---- Tiles -----------------------------------------------------------------
+
+std::vector<std::string> ViewCaption(const VirtualView& view) {
+  std::vector<std::string> lines = {
+      fmt::format("{} x {} px, {}, sees {:.1f}° x {:.1f}°", view.size.width,
+                  view.size.height, ProjectionName(view.projection),
+                  view.HorizontalFieldOfViewDeg(),
+                  view.VerticalFieldOfViewDeg()),
+      fmt::format("K: fx {:.6g}, fy {:.6g}, cx {:.6g}, cy {:.6g}",
+                  view.focal_px.x(), view.focal_px.y(), view.center_px.x(),
+                  view.center_px.y())};
+  if (view.IsTurned()) {
+    const Eigen::Vector3d angles = ViewAnglesDeg(view.camera_from_view);
+    lines.push_back(
+        fmt::format("turned {:.4g}° right, {:.4g}° up, {:.4g}° "
+                    "clockwise",
+                    angles[0], angles[1], angles[2]));
+  } else {
+    lines.push_back("not turned");
+  }
+  return lines;
+}
+
+double TrustedPart(const TrustMask& mask, const CameraModel& camera) {
+  CameraUncertainty uncertainty;
+  uncertainty.mask = mask;
+  return uncertainty.TrustedPart(camera.image_size(), camera.area());
+}
+
+// The calibrated area, and what of it is trusted, in the camera's image. The
+// whole image is not outlined where more is known.
+std::vector<SheetCurves> KnownCurves(const ViewedCamera& viewed) {
+  const CameraModel& camera = viewed.camera();
+  std::vector<SheetCurves> known;
+  const Area &area = camera.area(), image = WholeImage(camera.image_size());
+  const bool is_whole = area.Contains({image.x0, image.y0}) &&
+                        area.Contains({image.x1, image.y1});
+  if (!viewed.mask || !is_whole) {
+    known.emplace_back();
+    known.back().curves = OutlineOfArea(area);
+    known.back().color = kAreaColor;
+  }
+  if (viewed.mask) {
+    known.emplace_back();
+    known.back().curves = OutlineOfTrusted(*viewed.mask, camera.image_size());
+    known.back().color = kTrustedColor;
+  }
+  return known;
+}
+
+SheetTile TileBefore(const ViewedCamera& viewed,
+                     const std::vector<VirtualView>& views) {
+  const CameraModel& camera = viewed.camera();
+  SheetTile tile;
+  tile.title = viewed.name + ": before";
+  const CameraFile& file = viewed.input.file;
+  tile.caption = {
+      fmt::format("{} x {} px, {}, sees {:.1f}° x {:.1f}°{}",
+                  camera.image_size().width, camera.image_size().height,
+                  camera.Name(), SeenAngleDeg(camera, 0),
+                  SeenAngleDeg(camera, 1),
+                  file.name.empty() ? "" : ", " + Printable(file.name)),
+      viewed.mask ? fmt::format("trusted in {:.0f} % of the image",
+                                100 * TrustedPart(*viewed.mask, camera))
+                  : "the file does not say where it is trusted",
+      viewed.image.empty() ? "a checkered room, as this camera sees it"
+                           : ShownName(viewed.image)};
+  tile.picture = viewed.before;
+  for (size_t k = 0; k < views.size(); ++k) {
+    SheetCurves edge;
+    edge.curves = EdgeOfView(camera, views[k]);
+    edge.color = ColorOfView(k);
+    edge.is_dashed = true;
+    tile.curves.push_back(std::move(edge));
+  }
+  for (SheetCurves& known : KnownCurves(viewed))
+    tile.curves.push_back(std::move(known));
+  return tile;
+}
+
+// The lines of the scene, or of a room around the view.
+SheetCurves StraightCurves(const ViewedCamera& viewed,
+                           const VirtualView& view) {
+  SheetCurves drawn;
+  drawn.color = kStraightColor;
+  drawn.width = kThin;
+  drawn.curves =
+      viewed.image.empty()
+          ? LinesOfRoom(view, Eigen::Matrix3d::Identity(), viewed.square)
+          : LinesOfRoom(view, view.camera_from_view, SquareOfView(view));
+  return drawn;
+}
+
+SheetTile TileOfView(const ViewedCamera& viewed, const ViewTables& tables,
+                     size_t k) {
+  const VirtualView& view = tables.views[k];
+  SheetTile tile;
+  tile.title = fmt::format("{}: view {}", viewed.name, k);
+  tile.caption = ViewCaption(view);
+  tile.picture = tables.blob->Undistort(viewed.before, kNothingSeen,
+                                        static_cast<uint32_t>(k));
+  tile.curves = {StraightCurves(viewed, view)};
+  for (SheetCurves& known : KnownCurves(viewed)) {
+    known.curves = CurvesInView(viewed.camera(), view, known.curves);
+    tile.curves.push_back(std::move(known));
+  }
+  tile.frame = ColorOfView(k);
+  return tile;
+}
+
+// A row of a camera, and in JSON what its captions say.
+struct ViewedRow {
+  SheetRow row;
+  nlohmann::ordered_json json;
+};
+
+// A view's own file has no picture before: the view is all there is.
+ViewedRow RowOfView(const VirtualView& view, ViewedCamera viewed,
+                    const CommonOptions& common) {
+  SheetTile tile;
+  viewed.square = SquareOfView(view);
+  tile.picture =
+      viewed.image.empty()
+          ? RenderStraightScene(*CameraOfTurnedView(view), viewed.square,
+                                kNothingSeen, common.threads)
+          : ReadPhotograph(viewed.image, view.size);
+  tile.title = viewed.name + ": a view";
+  tile.caption = ViewCaption(view);
+  tile.caption.push_back(viewed.image.empty()
+                             ? "a checkered room, as this view shows it"
+                             : ShownName(viewed.image));
+  tile.curves = {StraightCurves(viewed, view)};
+  return {{{std::move(tile)}}, {{"views", {ViewJson(view)}}}};
+}
+
+ViewedRow RowOfCamera(ViewedCamera viewed, const ViewArguments& arguments,
+                      const CommonOptions& common) {
+  if (!viewed.input.blob) TurnIntoCameraFrame(&viewed.input.file);
+  if (viewed.input.blob)
+    viewed.mask = viewed.input.blob->Trusted();
+  else if (viewed.input.file.uncertainty)
+    viewed.mask = viewed.input.file.uncertainty->mask;
+  viewed.square = SquareOfStraightScene(viewed.camera());
+  viewed.before =
+      viewed.image.empty()
+          ? RenderStraightScene(viewed.camera(), viewed.square, kNothingSeen,
+                                common.threads)
+          : ReadPhotograph(viewed.image, viewed.camera().image_size());
+  const ViewTables tables = TablesOf(&viewed, arguments, common);
+  ViewedRow result;
+  result.row.tiles.push_back(TileBefore(viewed, tables.views));
+  for (size_t k = 0; k < tables.views.size(); ++k)
+    result.row.tiles.push_back(TileOfView(viewed, tables, k));
+  if (tables.views.empty()) {
+    SheetTile tile;
+    tile.title = viewed.name + ": no view";
+    tile.message = "No view: " + tables.why_none;
+    result.row.tiles.push_back(std::move(tile));
+    result.json["why_no_view"] = tables.why_none;
+  }
+  if (viewed.mask)
+    result.json["trusted_part_of_image"] =
+        TrustedPart(*viewed.mask, viewed.camera());
+  result.json["views"] = nlohmann::json::array();
+  for (const VirtualView& view : tables.views)
+    result.json["views"].push_back(ViewJson(view));
+  return result;
+}
+
+ViewedRow RowOfFile(const std::string& path, const std::string& image,
+                    const ViewArguments& arguments,
+                    const CommonOptions& common) {
+  ViewedCamera viewed;
+  viewed.name = ShownName(path);
+  viewed.image = image;
+  viewed.input = ReadCamera(path);
+  if (!common.quiet) WarnOfFailedCalibration(path, viewed.input.file);
+  auto view = ViewOfCamera(viewed.camera());
+  const auto& pose = viewed.input.file.camera_from_view;
+  if (!view || viewed.input.blob || !arguments.remaps.empty())
+    return RowOfCamera(std::move(viewed), arguments, common);
+  if (pose) view->camera_from_view = pose->rotation.toRotationMatrix();
+  return RowOfView(*view, std::move(viewed), common);
+}
+
+// ---- The command -----------------------------------------------------------
+
+// The marks that a sheet has, and what they mean.
+std::vector<SheetMark> MarksOf(const std::vector<SheetRow>& rows) {
+  const SheetMark all[] = {
+      {kTrustedColor, false, "where the camera can be trusted"},
+      {kAreaColor, false, "the calibrated area"},
+      {kStraightColor, false, "straight in the world"},
+      {ColorOfView(0), true, "edge of a view, in its frame's colour"}};
+  std::vector<SheetMark> marks;
+  for (const SheetMark& mark : all) {
+    bool is_used = false;
+    for (const SheetRow& row : rows)
+      for (const SheetTile& tile : row.tiles)
+        for (const SheetCurves& curves : tile.curves)
+          is_used |= curves.color == mark.color && !curves.curves.empty();
+    if (is_used) marks.push_back(mark);
+  }
+  marks.push_back({kEmptyColor, false, "not calibrated, or not seen"});
+  return marks;
+}
+
+void RequireImageForEach(const ViewArguments& arguments) {
+  const size_t images = arguments.images.size();
+  if (images > 1 && images != arguments.files.size())
+    throw Error(ExitCode::kUsage,
+                fmt::format("{} images for {} files; give one --image for "
+                            "all, or one for each",
+                            images, arguments.files.size()));
+}
+
+void Run(const ViewArguments& arguments, const CommonOptions& common) {
+  RequireImageForEach(arguments);
+  for (const std::string& remap : arguments.remaps) ParseView("--remap", remap);
+  std::vector<std::string> inputs = arguments.files;
+  inputs.insert(inputs.end(), arguments.images.begin(), arguments.images.end());
+  RequireNoInputReplaced(inputs, {arguments.output});
+  std::vector<SheetRow> rows;
+  auto files = nlohmann::ordered_json::array();
+  for (size_t k = 0; k < arguments.files.size(); ++k) {
+    std::string image;
+    if (!arguments.images.empty())
+      image = arguments.images[arguments.images.size() == 1 ? 0 : k];
+    ViewedRow row = RowOfFile(arguments.files[k], image, arguments, common);
+    nlohmann::ordered_json told = {{"file", arguments.files[k]}};
+    if (!image.empty()) told["image"] = image;
+    told.update(row.json);
+    files.push_back(std::move(told));
+    rows.push_back(std::move(row.row));
+  }
+  const Image sheet = ContactSheet(rows, MarksOf(rows));
+  WriteFile(arguments.output, EncodePng(sheet));
+  if (common.json) {
+    const nlohmann::ordered_json result = {
+        {"file", arguments.output},
+        {"size", {sheet.size.width, sheet.size.height}},
+        {"files", files}};
+    fmt::print("{}\n", result.dump(2, ' ', false,
+                                   nlohmann::json::error_handler_t::replace));
+  } else if (!common.quiet) {
+    fmt::print("{}: {} x {} px, {} files\n", arguments.output, sheet.size.width,
+               sheet.size.height, rows.size());
+  }
+}
+
+}  // namespace
+
+void AddView(CLI::App* app, CommonOptions* common) {
+  CLI::App* command = AddCommand(
+      app, "view",
+      "Shows cameras and their views on one sheet, a PNG file: the picture "
+      "before, and each view, undistorted with the code that runs on the "
+      "board. Where the camera can be trusted is outlined. Lines that are "
+      "straight in the world are drawn over each view. A blob's tables are its "
+      "views; a camera.yaml or a blob without tables has one of its own. "
+      "NAME.camera.yaml, as pack writes it, is shown as it is.",
+      "raygrid view front.raygrid --image photo.png -o sheet.png", common);
+  auto arguments = std::make_shared<ViewArguments>();
+  command
+      ->add_option("files", arguments->files,
+                   "blobs, camera.yaml, NAME.camera.yaml: a row each")
+      ->required();
+  command
+      ->add_option("--image", arguments->images,
+                   "photograph to show, one for all files or one for each "
+                   "(default: a checkered room, rendered through the camera)")
+      ->allow_extra_args(false);
+  command
+      ->add_option(
+          "--remap", arguments->remaps,
+          std::string("show this view instead: WxH, and after commas ") +
+              kViewWordsHelp + "; several show several")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--max-error-px", arguments->max_error_px,
+                   "geometric error that tables of --remap may have")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("-o,--output", arguments->output, "PNG file to write")
+      ->capture_default_str();
+  AddHugeOption(command);
+  command->callback([arguments, common] { Run(*arguments, *common); });
+}
+
+}  // namespace raygrid
