@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "dataset/error.h"
+#include "packing/alpha_view.h"
 
 namespace raygrid {
 namespace {
@@ -31,12 +32,8 @@ Eigen::Vector2d LargestFieldDeg(ViewProjection projection) {
   }
   return {360, 360};
 }
-constexpr double kMostStretchRad = 85 * M_PI / 180;
-// Views that are not asked for by an angle show less.
-constexpr double kUsefulStretchRad = 70 * M_PI / 180;
 
-// Blobs hold focal lengths and centres in q16.
-constexpr double kMaxFocalPx = 65535;
+// Blobs hold centres in q16.
 constexpr double kMaxCenterPx = 32767;
 
 [[noreturn]] void ThrowUsage(const std::string& what) {
@@ -72,44 +69,6 @@ double CentralFocalLength(const CameraModel& camera, const VirtualView& plane) {
   return camera.image_size().width;
 }
 
-double Stretch(const VirtualView& plane, const Eigen::Vector3d& ray) {
-  return StretchAngle(plane.projection,
-                      plane.camera_from_view.transpose() * ray);
-}
-
-// A camera's area as a plane shows it.
-struct AreaOnPlane {
-  Eigen::AlignedBox2d box;  // of what is stretched less than a limit
-  double most_stretch_rad = 0;
-};
-
-// By the edges, each in as many steps, and a few points within.
-AreaOnPlane FindAreaOnPlane(const CameraModel& camera, const VirtualView& plane,
-                            double limit_rad, int num_steps) {
-  const Area& area = camera.area();
-  AreaOnPlane found;
-  const auto add = [&](int i, int j) {
-    const auto ray =
-        camera.Unproject({area.x0 + area.width() * i / num_steps,
-                          area.y0 + area.height() * j / num_steps});
-    if (!ray) return;
-    const double stretch_rad = Stretch(plane, *ray);
-    found.most_stretch_rad = std::max(found.most_stretch_rad, stretch_rad);
-    const auto point = plane.Pixel(*ray);
-    if (point && stretch_rad < limit_rad) found.box.extend(*point);
-  };
-  for (int k = 0; k <= num_steps; ++k) {
-    add(k, 0);
-    add(k, num_steps);
-    add(0, k);
-    add(num_steps, k);
-  }
-  const int coarse = std::max(1, num_steps / 32);
-  for (int j = coarse; j < num_steps; j += coarse)
-    for (int i = coarse; i < num_steps; i += coarse) add(i, j);
-  return found;
-}
-
 // The focal length at which an axis of an image has a field of view.
 double FocalOf(ViewProjection projection, int axis, double field_deg,
                double center_px, int pixels) {
@@ -131,163 +90,31 @@ double FocalOf(ViewProjection projection, int axis, double field_deg,
   return high;
 }
 
-// The view around a plane's point that lies in the middle of the image.
-VirtualView ViewOfMiddle(const VirtualView& plane, const ImageSize& size,
-                         const Eigen::Vector2d& middle, double focal_px) {
-  VirtualView view = plane;
-  view.size = size;
-  view.focal_px = {focal_px, focal_px};
-  view.center_px =
-      Eigen::Vector2d(size.width - 1, size.height - 1) / 2 - focal_px * middle;
-  return view;
-}
-
-// The largest view without border: its focal length is the least at which all
-// of its pixels come from the camera's area.
-class LargestWithoutBorder {
- public:
-  LargestWithoutBorder(const CameraModel& camera, const VirtualView& plane,
-                       const ImageSize& size)
-      : camera_(camera), plane_(plane), size_(size) {
-    // Tables are off by less, unless their bound is larger: they do not lead to
-    // the border.
-    constexpr double kInsetPx = 0.25;
-    const Area& area = camera.area();
-    const Area image = WholeImage(camera.image_size());
-    inside_ = {std::max(area.x0, image.x0) + kInsetPx,
-               std::max(area.y0, image.y0) + kInsetPx,
-               std::min(area.x1, image.x1) - kInsetPx,
-               std::min(area.y1, image.y1) - kInsetPx};
-  }
-
-  VirtualView Find() const {
-    const auto ray = camera_.Unproject(inside_.center());
-    const auto start = ray ? plane_.Pixel(*ray) : std::nullopt;
-    if (!start || !(Stretch(plane_, *ray) < kUsefulStretchRad) ||
-        !IsWithoutBorder(At(*start, kMaxFocalPx)))
-      ThrowUsage(
-          "alpha below 1: the view does not show the middle of the camera's "
-          "area; ask for a field of view, or rotate it there");
-    Eigen::Vector2d middle = *start;
-    double focal_px = Widest(middle, kMaxFocalPx);
-    // A search by steps in eight directions, in parts of the half image.
-    for (double step = 0.25; step > 1e-3 && focal_px > ShortestPx();) {
-      bool is_better = false;
-      for (int k = 0; k < 8 && !is_better; ++k) {
-        const double part = step * size_.width / 2.0 / focal_px;
-        const Eigen::Vector2d next =
-            middle + part * Eigen::Vector2d(std::cos(k * M_PI / 4),
-                                            std::sin(k * M_PI / 4));
-        if (!IsWithoutBorder(At(next, (1 - 1e-4) * focal_px))) continue;
-        middle = next;
-        focal_px = Widest(next, focal_px);
-        is_better = true;
-      }
-      if (!is_better) step /= 2;
-    }
-    return At(middle, focal_px);
-  }
-
- private:
-  VirtualView At(const Eigen::Vector2d& middle, double focal_px) const {
-    return ViewOfMiddle(plane_, size_, middle, focal_px);
-  }
-
-  // Wider views, around the axis, show too much of what is far off, or the same
-  // twice.
-  double ShortestPx() const {
-    const double far = std::tan(kUsefulStretchRad);
-    const double width = size_.width / 2.0, height = size_.height / 2.0;
-    switch (plane_.projection) {
-      case ViewProjection::kPinhole:
-        return std::max(width, height) / far;
-      case ViewProjection::kCylindrical:
-        return std::max(width / M_PI, height / far);
-      case ViewProjection::kEquirectangular:
-        return std::max(width / M_PI, height / (M_PI / 2));
-      case ViewProjection::kStereographic:
-        return std::max(width, height) / (2 * far);
-      case ViewProjection::kEquidistant:
-        break;
-    }
-    return std::hypot(width, height) / M_PI;
-  }
-
-  // The least focal length, below one that is too long or long enough.
-  double Widest(const Eigen::Vector2d& middle, double long_px) const {
-    double least = ShortestPx();
-    if (IsWithoutBorder(At(middle, least))) return least;
-    double enough = long_px;
-    for (int k = 0; k < 40; ++k) {
-      const double between = std::sqrt(least * enough);
-      (IsWithoutBorder(At(middle, between)) ? enough : least) = between;
-    }
-    return enough;
-  }
-
-  // Asks along the edges, each point from its neighbour's source on, and
-  // within.
-  bool IsWithoutBorder(const VirtualView& view) const {
-    constexpr int kSteps = 64;
-    const double right = size_.width - 1, bottom = size_.height - 1;
-    const std::array<Eigen::Vector2d, 5> corners = {
-        Eigen::Vector2d(0, 0), Eigen::Vector2d(right, 0),
-        Eigen::Vector2d(right, bottom), Eigen::Vector2d(0, bottom),
-        Eigen::Vector2d(0, 0)};
-    std::optional<Eigen::Vector2d> source;
-    const auto is_seen = [&](const Eigen::Vector2d& pixel) {
-      const Eigen::Vector2d start = source.value_or(inside_.center());
-      const auto direction = view.Direction(pixel);
-      source =
-          direction ? camera_.Project(*direction, &start, 0) : std::nullopt;
-      return source && inside_.Contains(*source);
-    };
-    for (int side = 0; side < 4; ++side)
-      for (int k = 0; k < kSteps; ++k)
-        if (!is_seen(corners[side] +
-                     (corners[side + 1] - corners[side]) * k / kSteps))
-          return false;
-    for (int j = 1; j < 8; ++j)
-      for (int i = 1; i < 8; ++i)
-        if (!is_seen({right * i / 8, bottom * j / 8})) return false;
-    return true;
-  }
-
-  const CameraModel& camera_;
-  const VirtualView plane_;
-  const ImageSize size_;
-  Area inside_;
-};
-
-// The smallest view that shows every pixel of the area.
-VirtualView SmallestOfAll(const CameraModel& camera, const VirtualView& plane,
-                          const ImageSize& size) {
-  const AreaOnPlane seen = FindAreaOnPlane(camera, plane, kMostStretchRad, 256);
-  if (seen.box.isEmpty() || seen.most_stretch_rad > kMostStretchRad)
-    ThrowUsage(fmt::format(
-        "alpha above 0: a {} image does not show all of a camera that sees "
-        "{:.0f} degrees off its {}; {}",
-        ProjectionName(plane.projection),
-        (plane.projection == ViewProjection::kStereographic ? 2 : 1) *
-            seen.most_stretch_rad * 180 / M_PI,
-        plane.projection == ViewProjection::kCylindrical ? "horizon" : "axis",
-        "alpha=0, a field of view or projection=equidistant works"));
-  // Half a pixel on each side for what lies between the samples.
-  const Eigen::Vector2d room(std::max(1, size.width - 2),
-                             std::max(1, size.height - 2));
-  return ViewOfMiddle(plane, size, seen.box.center(),
-                      (room.array() / seen.box.sizes().array()).minCoeff());
+VirtualView SmallestOrThrow(const CameraAndPlane& seen, const ImageSize& size) {
+  const ViewOfAll all = SmallestOfAll({seen}, size);
+  if (all.view) return *all.view;
+  const ViewProjection projection = seen.plane.projection;
+  ThrowUsage(fmt::format(
+      "alpha above 0: a {} image does not show all of a camera that sees "
+      "{:.0f} degrees off its {}; {}",
+      ProjectionName(projection),
+      (projection == ViewProjection::kStereographic ? 2 : 1) *
+          all.most_stretch_rad * 180 / M_PI,
+      projection == ViewProjection::kCylindrical ? "horizon" : "axis",
+      "alpha=0, a field of view or projection=equidistant works"));
 }
 
 VirtualView ViewOfAlpha(const CameraModel& camera, const VirtualView& plane,
                         const ImageSize& size, double alpha) {
-  if (alpha == 1) return SmallestOfAll(camera, plane, size);
-  VirtualView view = LargestWithoutBorder(camera, plane, size).Find();
-  if (alpha == 0) return view;
-  const VirtualView all = SmallestOfAll(camera, plane, size);
-  view.focal_px += alpha * (all.focal_px - view.focal_px);
-  view.center_px += alpha * (all.center_px - view.center_px);
-  return view;
+  const CameraAndPlane seen = {camera, plane};
+  if (alpha == 1) return SmallestOrThrow(seen, size);
+  const auto largest = LargestWithoutBorder({seen}, size);
+  if (!largest)
+    ThrowUsage(
+        "alpha below 1: the view does not show the middle of the camera's "
+        "area; ask for a field of view, or rotate it there");
+  if (alpha == 0) return *largest;
+  return BetweenViews(*largest, SmallestOrThrow(seen, size), alpha);
 }
 
 VirtualView Scaled(const VirtualView& view, const ImageSize& size) {
@@ -328,22 +155,6 @@ VirtualView ViewAround(const CameraModel& camera, const VirtualView& plane,
   return view;
 }
 
-void RequireThatBlobsHold(const VirtualView& view) {
-  const double focal_px = view.focal_px.maxCoeff();
-  if (!(focal_px <= kMaxFocalPx))
-    ThrowUsage(fmt::format(
-        "a focal length of {:.0f} px for {} px of width: a blob holds at most "
-        "{}; ask for a field of view of at least {:.3g} degrees, or for fewer "
-        "pixels",
-        focal_px, view.size.width, kMaxFocalPx,
-        std::atan(view.size.width / 2.0 / kMaxFocalPx) * 360 / M_PI + 0.001));
-  if (!(view.center_px.cwiseAbs().maxCoeff() <= kMaxCenterPx))
-    ThrowUsage(fmt::format(
-        "a center at ({:.0f}, {:.0f}): a blob holds at most {} px; ask for one "
-        "nearer to the image",
-        view.center_px.x(), view.center_px.y(), kMaxCenterPx));
-}
-
 void RequireField(const char* name, ViewProjection projection,
                   const std::optional<double>& field_deg, double most_deg) {
   if (!field_deg || (*field_deg > 0 && *field_deg <= most_deg)) return;
@@ -382,6 +193,22 @@ void RequireSensible(const ViewRequest& request) {
         "alpha of {}: 0 is the largest view without border, 1 the smallest "
         "that shows all, and others are between",
         *request.alpha));
+}
+
+void RequireThatBlobsHold(const VirtualView& view) {
+  const double focal_px = view.focal_px.maxCoeff();
+  if (!(focal_px <= kMaxFocalPx))
+    ThrowUsage(fmt::format(
+        "a focal length of {:.0f} px for {} px of width: a blob holds at most "
+        "{}; ask for a field of view of at least {:.3g} degrees, or for fewer "
+        "pixels",
+        focal_px, view.size.width, kMaxFocalPx,
+        std::atan(view.size.width / 2.0 / kMaxFocalPx) * 360 / M_PI + 0.001));
+  if (!(view.center_px.cwiseAbs().maxCoeff() <= kMaxCenterPx))
+    ThrowUsage(fmt::format(
+        "a center at ({:.0f}, {:.0f}): a blob holds at most {} px; ask for one "
+        "nearer to the image",
+        view.center_px.x(), view.center_px.y(), kMaxCenterPx));
 }
 
 VirtualView MakeView(const CameraModel& camera, const ViewRequest& request) {
@@ -425,7 +252,7 @@ VirtualView MakeViewOfMode(const CameraModel& camera, const SensorMode& mode,
 VirtualView MakeViewOfArea(const CameraModel& camera) {
   const VirtualView plane = Plane({});
   const AreaOnPlane seen =
-      FindAreaOnPlane(camera, plane, kUsefulStretchRad, 32);
+      FindAreaOnPlane({camera, plane}, kUsefulStretchRad, 32);
   const ImageSize& size = camera.image_size();
   if (!seen.box.isEmpty()) {
     const double focal_px =

@@ -35,6 +35,9 @@ struct ViewRequest {
 /// exclude each other, or angles that no image has.
 void RequireSensible(const ViewRequest& request);
 
+/// Throws Error(kUsage) for a focal length or a centre that no blob can hold.
+void RequireThatBlobsHold(const VirtualView& view);
+
 /// Throws as RequireSensible(), and Error(kUsage) for a view that sees nothing
 /// of the camera's area or that a blob cannot hold.
 VirtualView MakeView(const CameraModel& camera, const ViewRequest& request);

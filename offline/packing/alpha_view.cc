@@ -1,0 +1,238 @@
+#include "packing/alpha_view.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace raygrid {
+namespace {
+
+// The part of an area that counts, as tables have it.
+Area InsideOf(const CameraModel& camera) {
+  // Tables are off by less, unless their bound is larger: they do not lead to
+  // the border.
+  constexpr double kInsetPx = 0.25;
+  const Area& area = camera.area();
+  const Area image = WholeImage(camera.image_size());
+  return {std::max(area.x0, image.x0) + kInsetPx,
+          std::max(area.y0, image.y0) + kInsetPx,
+          std::min(area.x1, image.x1) - kInsetPx,
+          std::min(area.y1, image.y1) - kInsetPx};
+}
+
+class BorderlessSearch {
+ public:
+  BorderlessSearch(const std::vector<CameraAndPlane>& cameras,
+                   const ImageSize& size)
+      : cameras_(cameras), size_(size) {
+    for (const CameraAndPlane& seen : cameras)
+      insides_.push_back(InsideOf(seen.camera));
+  }
+
+  std::optional<VirtualView> Find() const {
+    const auto start = Start();
+    if (!start) return std::nullopt;
+    Eigen::Vector2d middle = *start;
+    double focal_px = Widest(middle, kMaxFocalPx);
+    // A search by steps in eight directions, in parts of the half image.
+    for (double step = 0.25; step > 1e-3 && focal_px > ShortestPx();) {
+      bool is_better = false;
+      for (int k = 0; k < 8 && !is_better; ++k) {
+        const double part = step * size_.width / 2.0 / focal_px;
+        const Eigen::Vector2d next =
+            middle + part * Eigen::Vector2d(std::cos(k * M_PI / 4),
+                                            std::sin(k * M_PI / 4));
+        if (!IsWithoutBorder(next, (1 - 1e-4) * focal_px)) continue;
+        middle = next;
+        focal_px = Widest(next, focal_px);
+        is_better = true;
+      }
+      if (!is_better) step /= 2;
+    }
+    return At(0, middle, focal_px);
+  }
+
+ private:
+  VirtualView At(size_t camera, const Eigen::Vector2d& middle,
+                 double focal_px) const {
+    return ViewOfMiddle(cameras_[camera].plane, size_, middle, focal_px);
+  }
+
+  // The mean of what the middles of the areas see; of several cameras, if need
+  // be, another point that all see.
+  std::optional<Eigen::Vector2d> Start() const {
+    Eigen::Vector2d sum(0, 0);
+    Eigen::AlignedBox2d common(Eigen::Vector2d::Constant(-1e9),
+                               Eigen::Vector2d::Constant(1e9));
+    for (size_t c = 0; c < cameras_.size(); ++c) {
+      const auto& [camera, plane] = cameras_[c];
+      const auto ray = camera.Unproject(insides_[c].center());
+      const auto point = ray ? plane.Pixel(*ray) : std::nullopt;
+      if (!point || !(Stretch(plane, *ray) < kUsefulStretchRad))
+        return std::nullopt;
+      sum += *point;
+      common = common.intersection(
+          FindAreaOnPlane(cameras_[c], kUsefulStretchRad, 32).box);
+    }
+    const Eigen::Vector2d mean = sum / static_cast<double>(cameras_.size());
+    if (IsWithoutBorder(mean, kMaxFocalPx)) return mean;
+    if (cameras_.size() < 2 || common.isEmpty()) return std::nullopt;
+    constexpr int kSteps = 16;
+    for (int k = 0; k < kSteps * kSteps; ++k) {
+      const Eigen::Vector2d part((k % kSteps + 0.5) / kSteps,
+                                 (k / kSteps + 0.5) / kSteps);
+      const Eigen::Vector2d point =
+          common.min() + part.cwiseProduct(common.sizes());
+      if (IsWithoutBorder(point, kMaxFocalPx)) return point;
+    }
+    return std::nullopt;
+  }
+
+  // Wider views, around the axis, show too much of what is far off, or the same
+  // twice.
+  double ShortestPx() const {
+    const double far = std::tan(kUsefulStretchRad);
+    const double width = size_.width / 2.0, height = size_.height / 2.0;
+    switch (cameras_.front().plane.projection) {
+      case ViewProjection::kPinhole:
+        return std::max(width, height) / far;
+      case ViewProjection::kCylindrical:
+        return std::max(width / M_PI, height / far);
+      case ViewProjection::kEquirectangular:
+        return std::max(width / M_PI, height / (M_PI / 2));
+      case ViewProjection::kStereographic:
+        return std::max(width, height) / (2 * far);
+      case ViewProjection::kEquidistant:
+        break;
+    }
+    return std::hypot(width, height) / M_PI;
+  }
+
+  // The least focal length, below one that is too long or long enough.
+  double Widest(const Eigen::Vector2d& middle, double long_px) const {
+    double least = ShortestPx();
+    if (IsWithoutBorder(middle, least)) return least;
+    double enough = long_px;
+    for (int k = 0; k < 40; ++k) {
+      const double between = std::sqrt(least * enough);
+      (IsWithoutBorder(middle, between) ? enough : least) = between;
+    }
+    return enough;
+  }
+
+  bool IsWithoutBorder(const Eigen::Vector2d& middle, double focal_px) const {
+    for (size_t c = 0; c < cameras_.size(); ++c)
+      if (!IsWithoutBorder(c, At(c, middle, focal_px))) return false;
+    return true;
+  }
+
+  // Asks along the edges, each point from its neighbour's source on, and
+  // within.
+  bool IsWithoutBorder(size_t c, const VirtualView& view) const {
+    constexpr int kSteps = 64;
+    const double right = size_.width - 1, bottom = size_.height - 1;
+    const std::array<Eigen::Vector2d, 5> corners = {
+        Eigen::Vector2d(0, 0), Eigen::Vector2d(right, 0),
+        Eigen::Vector2d(right, bottom), Eigen::Vector2d(0, bottom),
+        Eigen::Vector2d(0, 0)};
+    std::optional<Eigen::Vector2d> source;
+    const auto is_seen = [&](const Eigen::Vector2d& pixel) {
+      const Eigen::Vector2d start = source.value_or(insides_[c].center());
+      const auto direction = view.Direction(pixel);
+      source = direction ? cameras_[c].camera.Project(*direction, &start, 0)
+                         : std::nullopt;
+      return source && insides_[c].Contains(*source);
+    };
+    for (int side = 0; side < 4; ++side)
+      for (int k = 0; k < kSteps; ++k)
+        if (!is_seen(corners[side] +
+                     (corners[side + 1] - corners[side]) * k / kSteps))
+          return false;
+    for (int j = 1; j < 8; ++j)
+      for (int i = 1; i < 8; ++i)
+        if (!is_seen({right * i / 8, bottom * j / 8})) return false;
+    return true;
+  }
+
+  const std::vector<CameraAndPlane>& cameras_;
+  const ImageSize size_;
+  std::vector<Area> insides_;
+};
+
+}  // namespace
+
+double Stretch(const VirtualView& plane, const Eigen::Vector3d& ray) {
+  return StretchAngle(plane.projection,
+                      plane.camera_from_view.transpose() * ray);
+}
+
+AreaOnPlane FindAreaOnPlane(const CameraAndPlane& seen, double limit_rad,
+                            int num_steps) {
+  const auto& [camera, plane] = seen;
+  const Area& area = camera.area();
+  AreaOnPlane found;
+  const auto add = [&, &camera = camera, &plane = plane](int i, int j) {
+    const auto ray =
+        camera.Unproject({area.x0 + area.width() * i / num_steps,
+                          area.y0 + area.height() * j / num_steps});
+    if (!ray) return;
+    const double stretch_rad = Stretch(plane, *ray);
+    found.most_stretch_rad = std::max(found.most_stretch_rad, stretch_rad);
+    const auto point = plane.Pixel(*ray);
+    if (point && stretch_rad < limit_rad) found.box.extend(*point);
+  };
+  for (int k = 0; k <= num_steps; ++k) {
+    add(k, 0);
+    add(k, num_steps);
+    add(0, k);
+    add(num_steps, k);
+  }
+  const int coarse = std::max(1, num_steps / 32);
+  for (int j = coarse; j < num_steps; j += coarse)
+    for (int i = coarse; i < num_steps; i += coarse) add(i, j);
+  return found;
+}
+
+VirtualView ViewOfMiddle(const VirtualView& plane, const ImageSize& size,
+                         const Eigen::Vector2d& middle, double focal_px) {
+  VirtualView view = plane;
+  view.size = size;
+  view.focal_px = {focal_px, focal_px};
+  view.center_px =
+      Eigen::Vector2d(size.width - 1, size.height - 1) / 2 - focal_px * middle;
+  return view;
+}
+
+std::optional<VirtualView> LargestWithoutBorder(
+    const std::vector<CameraAndPlane>& cameras, const ImageSize& size) {
+  return BorderlessSearch(cameras, size).Find();
+}
+
+ViewOfAll SmallestOfAll(const std::vector<CameraAndPlane>& cameras,
+                        const ImageSize& size) {
+  ViewOfAll all;
+  Eigen::AlignedBox2d box;
+  for (const CameraAndPlane& seen : cameras) {
+    const AreaOnPlane area = FindAreaOnPlane(seen, kMostStretchRad, 256);
+    all.most_stretch_rad =
+        std::max(all.most_stretch_rad, area.most_stretch_rad);
+    box.extend(area.box);
+  }
+  if (box.isEmpty() || all.most_stretch_rad > kMostStretchRad) return all;
+  // Half a pixel on each side for what lies between the samples.
+  const Eigen::Vector2d room(std::max(1, size.width - 2),
+                             std::max(1, size.height - 2));
+  all.view = ViewOfMiddle(cameras.front().plane, size, box.center(),
+                          (room.array() / box.sizes().array()).minCoeff());
+  return all;
+}
+
+VirtualView BetweenViews(const VirtualView& at_0, const VirtualView& at_1,
+                         double alpha) {
+  VirtualView view = at_0;
+  view.focal_px += alpha * (at_1.focal_px - view.focal_px);
+  view.center_px += alpha * (at_1.center_px - view.center_px);
+  return view;
+}
+
+}  // namespace raygrid
