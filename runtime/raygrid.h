@@ -264,7 +264,8 @@ rg_status rg_remap_view(const rg_camera* camera, rg_view* view);
 
 /* Moves an image position, in calibrated frames, to where it lies in the
  * undistorted image, whether that is inside it or not. Of a camera of lines:
- * where it does if what it sees is far away, as for frames.
+ * where it does if what it sees is far away, as for frames, unless their table
+ * is for scenes at a distance.
  *
  * undistorted  within 6e-6 of the virtual camera's focal length (0.003 px if
  *              that is 500 px): of a pinhole up to 85 degrees from its z axis,

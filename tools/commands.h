@@ -45,6 +45,7 @@ void AddInspect(CLI::App* app, CommonOptions* common);
 void AddPack(CLI::App* app, CommonOptions* common);
 void AddPattern(CLI::App* app, CommonOptions* common);
 void AddProject(CLI::App* app, CommonOptions* common);
+void AddRectify(CLI::App* app, CommonOptions* common);
 void AddReport(CLI::App* app, CommonOptions* common);
 void AddSimulate(CLI::App* app, CommonOptions* common);
 void AddUndistort(CLI::App* app, CommonOptions* common);

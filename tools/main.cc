@@ -165,6 +165,7 @@ int Run(int argc, char** argv) {
   AddReport(&app, &common);
   AddFit(&app, &common);
   AddPack(&app, &common);
+  AddRectify(&app, &common);
   AddInspect(&app, &common);
   AddView(&app, &common);
   AddUndistort(&app, &common);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera/camera_at_distance.h"
 #include "camera/central_generic.h"
 #include "camera/noncentral_generic.h"
 #include "dataset/parallel_for.h"
@@ -351,8 +352,11 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   if (const auto remark =
           RemarkOnProjection(packed.projection, trusted != nullptr))
     packed.remarks.push_back(*remark);
+  std::optional<CameraAtDistance> near;
+  if (lines && options.remap_distance_m)
+    near.emplace(*lines, *options.remap_distance_m);
   RemapSections remaps;
-  remaps.Fit(central, options, num_threads, go_on, &packed);
+  remaps.Fit(near ? *near : central, options, num_threads, go_on, &packed);
   remaps.AddTo(&contents);
 
   const rg_quality_section quality = QualityOf(file, narrow.error());

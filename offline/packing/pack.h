@@ -27,6 +27,9 @@ struct RemapRequest {
 
 struct PackOptions {
   std::vector<RemapRequest> remaps;  ///< one table each
+  /// The distance in metres, from the camera's origin, of scenes that tables of
+  /// cameras of lines are for; nothing: far away. Central ones do not ask.
+  std::optional<double> remap_distance_m;
   /// One more of the view that the camera can give; a remark if it has none.
   bool has_default_remap = false;
   double max_error_px = 0.05;     ///< their geometric error
@@ -63,7 +66,8 @@ struct PackedCamera {
 /// errors are measured with the runtime's own arithmetic on the finished blob,
 /// and stored in it. A central camera gets an inverse grid if one can be had;
 /// remarks say where it does not lead back to trusted pixels. The remap of a
-/// noncentral-generic camera is that of its directions: right for far scenes.
+/// noncentral-generic camera is that of its directions, right for far scenes,
+/// or that for the distance.
 /// Throws Error(kQuality) if the bounds cannot be kept or the format cannot
 /// hold the camera.
 PackedCamera PackCamera(const CameraFile& file, const PackOptions& options);

@@ -10,8 +10,8 @@ from command_test import (CommandTest, SIMULATED_PATTERN, main, programs, read, 
 
 README = os.path.join(os.path.dirname(__file__), "../../README.md")
 COMMANDS = ("calibrate", "check", "compare", "detect", "evaluate", "experiment", "fit", "inspect",
-            "pack", "pattern", "project", "report", "simulate", "undistort", "unproject",
-            "view")
+            "pack", "pattern", "project", "rectify", "report", "simulate", "undistort",
+            "unproject", "view")
 KINDS = ("star", "chessboard", "charuco", "aprilgrid")
 
 

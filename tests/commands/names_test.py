@@ -135,6 +135,8 @@ class Names(CommandTest):
                            20, "--dpi"],
                           ["compare", self.camera, self.camera, "--distance-m"],
                           ["pack", self.camera, "--remap=160x120,hfov=nan"],
+                          ["rectify", "rig.yaml", "--left", "a", "--right", "b", "--alpha"],
+                          ["rectify", "rig.yaml", "--left", "a", "--right", "b", "--distance"],
                           ["calibrate", "--features", self.path("sim/features.csv"), "--image-size",
                            "160x120", "--pattern", self.path("sim/pattern.yaml"), "--cell-px"]):
             for number in ("nan", "inf", "-nan"):

@@ -233,6 +233,14 @@ class Case:
     def run_project(self):
         return [self.camera(), "--points", self.numbers("xyz"), *self.printed_or_written()]
 
+    def run_rectify(self):
+        rig = self.good("pair/true_rig.yaml") or self.text("pair/true_rig.yaml", ".yaml")
+        name = lambda: self.random.choice(("cam0", "cam1", "cam1", "cam7", "", "../x"))
+        distance = ["--distance", self.random.choice(NUMBERS)] if self.chance(0.1) else []
+        return [rig, "--left", "cam0" if self.chance(0.8) else name(), "--right", name(), "--size",
+                self.size(), "--alpha", self.random.choice(("0", "0", "1", "0.3", "-1", "nan")),
+                *distance, "-o", self.output()]
+
     def run_report(self):
         folder = self.path("")
         shutil.copytree(os.path.join(self.base, "result"), folder)
@@ -331,7 +339,9 @@ def make_base(raygrid, folder):
              folder + "/sim/c.raygrid"),
             ("calibrate", "--features", folder + "/sim/features.csv", "--image-size", "160x120",
              "--pattern", pattern, "--model", "opencv", "--skip-comparison", "-o",
-             folder + "/sim/result")):
+             folder + "/sim/result"),
+            ("simulate", "--cameras", "2", "--baseline-m", "0.1", "--lens", "wide", "--size",
+             "160x120", "--images", "2", "--pattern", pattern, "-o", folder + "/sim/pair")):
         result = subprocess.run([raygrid, *arguments], capture_output=True, text=True, check=False)
         assert result.returncode in (0, 6), result.stderr
     for name, size in LARGE.items():

@@ -1,0 +1,328 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "camera/camera_at_distance.h"
+#include "camera_input.h"
+#include "commands.h"
+#include "dataset/error.h"
+#include "dataset/files.h"
+#include "dataset/rig_file.h"
+#include "packing/pack.h"
+#include "packing/rectification.h"
+#include "view_options.h"
+
+namespace raygrid {
+namespace {
+
+constexpr char kPairFile[] = "rectified.yaml";
+
+struct RectifyArguments {
+  std::string rig, left, right, output, size;
+  double max_error_px = 0.05;
+  std::optional<double> alpha, hfov_deg;
+  std::optional<double> distance_m;
+};
+
+// A camera of the pair, in the frame that its blob will have.
+struct PairCamera {
+  std::string name, path;
+  CameraInput input;
+  Eigen::Quaterniond blob_from_camera;
+  Pose blob_from_rig;
+  // A camera of lines at the distance; none of central ones.
+  std::unique_ptr<CameraModel> at_distance = {};
+
+  const CameraModel& central() const {
+    return at_distance ? *at_distance : *input.file.camera;
+  }
+  StereoCamera InStereo() const { return {name, central(), blob_from_rig}; }
+};
+
+const RigFileCamera& FindInRig(const std::string& path,
+                               const std::vector<RigFileCamera>& cameras,
+                               const char* option, const std::string& name) {
+  std::string names;
+  for (const RigFileCamera& camera : cameras) {
+    if (camera.name == name) return camera;
+    names += (names.empty() ? "" : ", ") + camera.name;
+  }
+  throw Error(ExitCode::kUsage, fmt::format("{} {}: no camera of {}, which has "
+                                            "{}",
+                                            option, name, path, names));
+}
+
+PairCamera ReadPairCamera(const std::string& rig_path,
+                          const RigFileCamera& camera) {
+  const std::string path =
+      (std::filesystem::path(rig_path).parent_path() / camera.file).string();
+  PairCamera read = {camera.name, path, ReadCamera(path),
+                     Eigen::Quaterniond::Identity(), camera.camera_from_rig};
+  if (!read.input.blob)
+    read.blob_from_camera =
+        TurnIntoCameraFrame(&read.input.file).value_or(read.blob_from_camera);
+  read.blob_from_rig =
+      Pose{read.blob_from_camera, {0, 0, 0}} * camera.camera_from_rig;
+  return read;
+}
+
+// Lets cameras of lines look at scenes of one distance.
+void SetDistance(const std::optional<double>& distance_m,
+                 std::array<PairCamera, 2>* pair) {
+  bool has_lines = false;
+  for (PairCamera& camera : *pair) {
+    if (camera.input.file.camera->IsCentral()) continue;
+    has_lines = true;
+    if (!distance_m)
+      throw Error(ExitCode::kUsage,
+                  fmt::format("{}: its lines do not meet in a point, so that "
+                              "images are rectified for one distance; add "
+                              "--distance METRES, as far as the scene is",
+                              camera.path));
+    camera.at_distance = std::make_unique<CameraAtDistance>(
+        *camera.input.file.camera, *distance_m);
+  }
+  if (distance_m && !has_lines)
+    throw Error(ExitCode::kUsage,
+                "--distance: both cameras are central, and rectified for every "
+                "distance; leave it out");
+}
+
+std::array<PairCamera, 2> ReadPair(const RectifyArguments& arguments) {
+  if (arguments.left == arguments.right)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--left and --right are both {}; name two cameras",
+                            arguments.left));
+  const auto cameras = ReadRigFile(arguments.rig);
+  std::array<PairCamera, 2> pair = {
+      ReadPairCamera(arguments.rig, FindInRig(arguments.rig, cameras, "--left",
+                                              arguments.left)),
+      ReadPairCamera(arguments.rig, FindInRig(arguments.rig, cameras, "--right",
+                                              arguments.right))};
+  SetDistance(arguments.distance_m, &pair);
+  return pair;
+}
+
+PackedCamera PackForPair(const PairCamera& camera, const VirtualView& view,
+                         const RectifyArguments& arguments,
+                         const CommonOptions& common) {
+  CameraFile file = camera.input.file;
+  file.name = camera.name;
+  PackOptions options;
+  options.remaps = {view};
+  options.remap_distance_m = arguments.distance_m;
+  options.max_error_px = arguments.max_error_px;
+  options.num_threads = common.threads;
+  try {
+    return PackCamera(file, options);
+  } catch (const Error& error) {
+    throw Error(error.code(), camera.path + ": " + error.what());
+  }
+}
+
+// ---- Output ----------------------------------------------------------------
+
+template <typename Matrix>
+std::string MatrixText(const char* name, const Matrix& matrix) {
+  std::string text = fmt::format("{}:\n", name);
+  for (int row = 0; row < matrix.rows(); ++row) {
+    text += "  - [";
+    for (int column = 0; column < matrix.cols(); ++column)
+      text += fmt::format("{}{}", column == 0 ? "" : ", ",
+                          matrix(row, column) + 0.0);
+    text += "]\n";
+  }
+  return text;
+}
+
+template <typename Matrix>
+nlohmann::ordered_json MatrixJson(const Matrix& matrix) {
+  nlohmann::ordered_json rows = nlohmann::json::array();
+  for (int row = 0; row < matrix.rows(); ++row) {
+    nlohmann::ordered_json values = nlohmann::json::array();
+    for (int column = 0; column < matrix.cols(); ++column)
+      values.push_back(matrix(row, column) + 0.0);
+    rows.push_back(values);
+  }
+  return rows;
+}
+
+// Rotations in the frames of the cameras' files.
+Eigen::Matrix3d RotationOfPair(const Rectification& rectified,
+                               const std::array<PairCamera, 2>& pair, int c) {
+  return rectified.R(c) * pair[c].blob_from_camera.toRotationMatrix();
+}
+
+std::string FormatPair(const Rectification& rectified,
+                       const std::array<PairCamera, 2>& pair,
+                       const RectifyArguments& arguments) {
+  const ImageSize& size = rectified.views[0].size;
+  std::string text =
+      fmt::format("left: \"{}\"\nright: \"{}\"\n", pair[0].name, pair[1].name);
+  text += rectified.is_vertical
+              ? "orientation: vertical  # left is the upper camera; points "
+                "keep their column\n"
+              : "orientation: horizontal  # points keep their row\n";
+  text += fmt::format("baseline: {}  # metres\n", rectified.baseline_m);
+  if (arguments.distance_m)
+    text += fmt::format("distance: {}  # metres, of the scene\n",
+                        *arguments.distance_m);
+  text += fmt::format("image_size: [{}, {}]\n", size.width, size.height);
+  text += "# As OpenCV's stereoRectify has them; lengths are metres.\n";
+  for (const int c : {0, 1})
+    text +=
+        MatrixText(c == 0 ? "R1" : "R2", RotationOfPair(rectified, pair, c));
+  for (const int c : {0, 1})
+    text += MatrixText(c == 0 ? "P1" : "P2", rectified.P(c));
+  text += MatrixText("Q", rectified.Q());
+  // The key that no pair lacks comes last: a file that was cut is none.
+  return text + "raygrid_rectified: 1\n";
+}
+
+// The paths of a camera's files in the folder.
+struct PairPaths {
+  std::string blob, view;
+};
+PairPaths PathsOf(const std::string& folder, const std::string& name) {
+  const std::filesystem::path path = folder;
+  return {(path / (name + ".raygrid")).string(),
+          (path / (name + ".camera.yaml")).string()};
+}
+
+nlohmann::ordered_json PairJson(const Rectification& rectified,
+                                const std::array<PairCamera, 2>& pair,
+                                const std::array<PackedCamera, 2>& packed,
+                                const RectifyArguments& arguments) {
+  nlohmann::ordered_json json = {
+      {"orientation", rectified.is_vertical ? "vertical" : "horizontal"},
+      {"baseline_m", rectified.baseline_m},
+      {"overlap", rectified.overlap}};
+  for (const int c : {0, 1}) {
+    const PairPaths paths = PathsOf(arguments.output, pair[c].name);
+    nlohmann::ordered_json own = {{"name", pair[c].name},
+                                  {"blob", paths.blob},
+                                  {"bytes", packed[c].blob.size()},
+                                  {"view_file", paths.view}};
+    own.update(ViewJson(rectified.views[c]));
+    own["error_px"] = packed[c].remaps[0].error_px;
+    own["remarks"] = packed[c].remarks;
+    own["R"] = MatrixJson(RotationOfPair(rectified, pair, c));
+    own["P"] = MatrixJson(rectified.P(c));
+    json[c == 0 ? "left" : "right"] = own;
+  }
+  json["Q"] = MatrixJson(rectified.Q());
+  return json;
+}
+
+void PrintPair(const Rectification& rectified,
+               const std::array<PairCamera, 2>& pair,
+               const std::array<PackedCamera, 2>& packed,
+               const RectifyArguments& arguments) {
+  fmt::print(
+      "{} in {}: baseline {:.6g} m, points keep their {}; {:.0f} % of {}'s "
+      "image is seen by {} too, far away\n",
+      kPairFile, arguments.output, rectified.baseline_m,
+      rectified.is_vertical ? "column" : "row", 100 * rectified.overlap,
+      pair[0].name, pair[1].name);
+  for (const int c : {0, 1})
+    fmt::print("{}.raygrid: {} bytes, within {:.3f} px; {}.camera.yaml: {}\n",
+               pair[c].name, packed[c].blob.size(),
+               packed[c].remaps[0].error_px, pair[c].name,
+               ViewText(rectified.views[c]));
+}
+
+void Run(const RectifyArguments& arguments, const CommonOptions& common) {
+  RectificationRequest request;
+  if (!arguments.size.empty())
+    request.size = ParseImageSize("--size", arguments.size);
+  request.alpha = arguments.alpha;
+  request.hfov_deg = arguments.hfov_deg;
+  const std::array<PairCamera, 2> pair = ReadPair(arguments);
+  std::vector<std::string> inputs = {arguments.rig}, outputs;
+  outputs.push_back(
+      (std::filesystem::path(arguments.output) / kPairFile).string());
+  for (const PairCamera& camera : pair) {
+    inputs.push_back(camera.path);
+    const PairPaths paths = PathsOf(arguments.output, camera.name);
+    outputs.insert(outputs.end(), {paths.blob, paths.view});
+    if (!common.quiet) WarnOfFailedCalibration(camera.path, camera.input.file);
+  }
+  RequireNoInputReplaced(inputs, outputs);
+  const Rectification rectified =
+      Rectify(pair[0].InStereo(), pair[1].InStereo(), request);
+  std::array<PackedCamera, 2> packed;
+  OutputFiles files;
+  files.Add(outputs[0], FormatPair(rectified, pair, arguments));
+  for (const int c : {0, 1}) {
+    const VirtualView& view = rectified.views[c];
+    packed[c] = PackForPair(pair[c], view, arguments, common);
+    const PairPaths paths = PathsOf(arguments.output, pair[c].name);
+    files.Add(paths.blob, packed[c].blob);
+    files.Add(paths.view, ViewCameraFile(view, pair[c].name));
+  }
+  files.Commit();
+  for (const int c : {0, 1})
+    for (const std::string& remark : packed[c].remarks)
+      fmt::print(stderr, "raygrid: {}: {}\n", pair[c].path, remark);
+  if (common.json)
+    fmt::print("{}\n", PairJson(rectified, pair, packed, arguments)
+                           .dump(2, ' ', false,
+                                 nlohmann::json::error_handler_t::replace));
+  else if (!common.quiet)
+    PrintPair(rectified, pair, packed, arguments);
+}
+
+}  // namespace
+
+void AddRectify(CLI::App* app, CommonOptions* common) {
+  CLI::App* command = AddCommand(
+      app, "rectify",
+      "Rectifies two cameras of a rig, so that a point is seen in the same row "
+      "of both images. NAME.raygrid of each undistorts and turns its images; "
+      "NAME.camera.yaml is the view, with its matrix K, which both share. "
+      "rectified.yaml has R1, R2, P1, P2 and Q as OpenCV's stereoRectify "
+      "defines them, in metres. Of cameras on top of each other --left is the "
+      "upper one, and a point is seen in the same column.",
+      "raygrid rectify rig.yaml --left cam0 --right cam1 -o stereo/\n"
+      "  raygrid undistort stereo/cam0.raygrid left/ -o rectified/left/",
+      common);
+  auto arguments = std::make_shared<RectifyArguments>();
+  command->add_option("rig", arguments->rig, "rig.yaml")->required();
+  command
+      ->add_option("--left", arguments->left,
+                   "name of the left camera, as the images show it")
+      ->required();
+  command->add_option("--right", arguments->right, "name of the right camera")
+      ->required();
+  command
+      ->add_option("--alpha", arguments->alpha,
+                   "0: the largest view without border in either image; 1: the "
+                   "smallest that shows every pixel of both (default: 0, and "
+                   "at most 120 degrees)")
+      ->option_text("0..1");
+  command
+      ->add_option("--hfov", arguments->hfov_deg,
+                   "horizontal field of view instead")
+      ->option_text("DEGREES");
+  command->add_option("--size", arguments->size,
+                      "WxH of both views (default: as the left images)");
+  command
+      ->add_option("--distance", arguments->distance_m,
+                   "of the scene in metres, for cameras whose lines do not "
+                   "meet in a point")
+      ->check(CLI::PositiveNumber)
+      ->option_text("METRES");
+  command
+      ->add_option("--max-error-px", arguments->max_error_px,
+                   "geometric error that the tables may have")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("-o,--output", arguments->output, "folder to write to")
+      ->required();
+  command->callback([arguments, common] { Run(*arguments, *common); });
+}
+
+}  // namespace raygrid
