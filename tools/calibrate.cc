@@ -17,6 +17,7 @@
 #include "report/checkpoint_json.h"
 #include "report/pictures.h"
 #include "report/result_folder.h"
+#include "stereo_example.h"
 #include "view_options.h"
 
 namespace raygrid {
@@ -94,6 +95,8 @@ ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
     if (!packed.remaps.empty())
       own.view = ViewCameraFile(packed.remaps[0].view, camera.camera.name);
   }
+  if (result.IsRig() && !IsInterrupted())
+    extras.stereo = MakeStereoExample(cameras, result, common.threads);
   return extras;
 }
 

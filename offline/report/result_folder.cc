@@ -21,6 +21,8 @@ std::string In(const std::string& folder, const std::string& name) {
 }
 
 constexpr char kThumbnails[] = "thumbnails.json";
+constexpr char kRowsPicture[] = "rectified_rows.png";
+constexpr char kDisparityPicture[] = "rectified_disparity.png";
 
 // ---- Writing ---------------------------------------------------------------
 
@@ -116,6 +118,17 @@ std::optional<BeforeAfter> ReadExample(const std::string& folder) {
   return BeforeAfter{ReadImage(before, true), ReadImage(after, true)};
 }
 
+// Nothing for rigs without pictures.
+std::optional<StereoExample> ReadStereo(
+    const std::string& folder, const std::optional<StereoFigures>& figures) {
+  const std::string rows = In(folder, kRowsPicture);
+  const std::string disparity = In(folder, kDisparityPicture);
+  if (!figures || !fs::exists(rows) || !fs::exists(disparity))
+    return std::nullopt;
+  return StereoExample{*figures, ReadImage(rows, false),
+                       ReadImage(disparity, false)};
+}
+
 ThumbnailTexts ReadThumbnails(const std::string& folder) {
   const std::string path = In(folder, kThumbnails);
   if (!fs::exists(path)) return {};
@@ -175,9 +188,16 @@ void AddResultFiles(const RigResult& result, const ResultExtras& extras,
   files->Add(In(folder, "poses.csv"),
              is_rig ? FormatPoses(poses) : FormatPoses(poses.front().poses));
   files->Add(In(folder, "residuals.csv"), FormatResiduals(result));
-  files->Add(
-      In(folder, "result.json"),
-      FormatResultJson(result, extras.seed, extras.peak_memory_bytes, packing));
+  std::optional<StereoFigures> stereo;
+  if (extras.stereo) {
+    stereo = extras.stereo->figures;
+    files->Add(In(folder, kRowsPicture), EncodePng(extras.stereo->rows));
+    files->Add(In(folder, kDisparityPicture),
+               EncodePng(extras.stereo->disparity));
+  }
+  files->Add(In(folder, "result.json"),
+             FormatResultJson(result, extras.seed, extras.peak_memory_bytes,
+                              packing, stereo));
 }
 
 std::set<std::string> ResultFiles(const std::string& folder) {
@@ -186,8 +206,8 @@ std::set<std::string> ResultFiles(const std::string& folder) {
       kThumbnails,      "uncertainty.png", "view.camera.yaml"};
   std::set<std::string> files(of_camera.begin(), of_camera.end());
   files.insert({"example_after.png", "example_before.png", "features.csv",
-                "pattern.yaml", "poses.csv", "residuals.csv", "result.json",
-                "resume.json", "rig.yaml"});
+                "pattern.yaml", "poses.csv", kDisparityPicture, kRowsPicture,
+                "residuals.csv", "result.json", "resume.json", "rig.yaml"});
   // Checkpoints that a killed program was writing are the result's, too.
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
@@ -241,7 +261,8 @@ void AddReports(const std::string& folder, OutputFiles* files) {
                Links::kReplace);
   }
   if (result.IsRig())
-    files->Add(In(folder, "report.html"), FormatRigReport(result),
+    files->Add(In(folder, "report.html"),
+               FormatRigReport(result, ReadStereo(folder, figures.stereo)),
                Links::kReplace);
 }
 

@@ -12,6 +12,7 @@
 #include "dataset/image_files.h"
 #include "report/html_report.h"
 #include "report/result_json.h"
+#include "report/stereo_pictures.h"
 #include "report/thumbnails.h"
 
 namespace raygrid {
@@ -28,6 +29,7 @@ struct ResultExtras {
   uint64_t seed = 0;
   int64_t peak_memory_bytes = 0;
   std::vector<CameraExtras> cameras;
+  std::optional<StereoExample> stereo = {};  ///< of a rig with images
 };
 
 /// The start of the paths of a camera's own files, from the result's folder:

@@ -168,6 +168,17 @@ Json RejectedInRig(const RigResult& result) {
   return rejected;
 }
 
+Json StereoJson(const StereoFigures& stereo) {
+  return {{"left", stereo.left},
+          {"right", stereo.right},
+          {"orientation", stereo.is_vertical ? "vertical" : "horizontal"},
+          {"rms_px", stereo.rms_px},
+          {"max_px", stereo.max_px},
+          {"count", stereo.num_features},
+          {"image", stereo.instant},
+          {"disparities", stereo.num_disparities}};
+}
+
 // Adds what is known of the cameras of a rig, and each of them.
 void AddRig(const RigResult& result, Json* json) {
   const RigCounts counts = Count(result);
@@ -197,7 +208,8 @@ size_t NumWithoutError(const CalibrationResult& result) {
 
 std::string FormatResultJson(
     const RigResult& result, uint64_t seed, int64_t peak_memory_bytes,
-    const std::vector<std::optional<PackingFigures>>& packing) {
+    const std::vector<std::optional<PackingFigures>>& packing,
+    const std::optional<StereoFigures>& stereo) {
   Json json;
   json["raygrid_result"] = kResultVersion;
   json["status"] = Status(result);
@@ -209,6 +221,7 @@ std::string FormatResultJson(
     if (packing[c])
       (result.IsRig() ? json["cameras"][c] : json)["packing"] =
           PackingJson(*packing[c]);
+  if (stereo) json["rectified_pair"] = StereoJson(*stereo);
   json["seconds"] = result.seconds;
   json["peak_memory_bytes"] = peak_memory_bytes;
   json["seed"] = seed;
@@ -327,6 +340,19 @@ Baseline ParseBaseline(const Json& json, const RigResult& rig) {
   return baseline;
 }
 
+StereoFigures ParseStereo(const Json& json) {
+  StereoFigures stereo;
+  stereo.left = json.at("left").get<std::string>();
+  stereo.right = json.at("right").get<std::string>();
+  stereo.is_vertical = json.at("orientation").get<std::string>() == "vertical";
+  stereo.rms_px = json.at("rms_px").get<double>();
+  stereo.max_px = json.at("max_px").get<double>();
+  stereo.num_features = json.at("count").get<int>();
+  stereo.instant = json.at("image").get<std::string>();
+  stereo.num_disparities = json.at("disparities").get<int>();
+  return stereo;
+}
+
 Json ParseVersioned(const std::string& path, const std::string& text) {
   const Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded() || !json.is_object())
@@ -354,6 +380,8 @@ ResultFigures ParseResult(const Json& json) {
   if (json.contains("baselines"))
     for (const Json& baseline : json.at("baselines"))
       result.baselines.push_back(ParseBaseline(baseline, result));
+  if (json.contains("rectified_pair"))
+    figures.stereo = ParseStereo(json.at("rectified_pair"));
   result.verdict = {json.at("verdict").get<std::string>(),
                     json.at("reasons").get<std::vector<std::string>>()};
   return figures;

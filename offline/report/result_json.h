@@ -26,6 +26,18 @@ struct PackingFigures {
   std::vector<std::string> remarks = {};  ///< on what the blob lacks
 };
 
+/// A rectified pair of a rig's cameras, as its report shows it.
+struct StereoFigures {
+  std::string left, right;  ///< names of cameras; of a vertical pair the upper
+  std::string instant;      ///< the image's name
+  bool is_vertical = false;
+  int num_disparities = 0;  ///< that were searched, in the pictures' pixels
+  /// How far features of both cameras are off a common row, or column, in
+  /// pixels of a view as large as the left image.
+  double rms_px = 0, max_px = 0;
+  int num_features = 0;
+};
+
 /// Features that were calibrated with and that the final camera projects
 /// nowhere, so that they are in no figures of errors.
 size_t NumWithoutError(const CalibrationResult& result);
@@ -39,13 +51,15 @@ size_t NumWithoutError(const CalibrationResult& result);
 /// its images localised alone.
 std::string FormatResultJson(
     const RigResult& result, uint64_t seed, int64_t peak_memory_bytes,
-    const std::vector<std::optional<PackingFigures>>& packing = {});
+    const std::vector<std::optional<PackingFigures>>& packing = {},
+    const std::optional<StereoFigures>& stereo = {});
 
 /// The figures that result.json holds; what has files of its own, as the
 /// camera, the features and their residuals, is empty.
 struct ResultFigures {
   RigResult result;
   std::vector<std::optional<PackingFigures>> packing;  ///< by camera
+  std::optional<StereoFigures> stereo;
 };
 
 /// Throws InputError, also for files of other versions.

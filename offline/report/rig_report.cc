@@ -85,10 +85,12 @@ std::string BaselineTable(const RigResult& result) {
 
 }  // namespace
 
-std::string FormatRigReport(const RigResult& result) {
+std::string FormatRigReport(const RigResult& result,
+                            const std::optional<StereoExample>& stereo) {
   return PageStart("Rig calibration") + VerdictSection(result.verdict) +
          CamerasTable(result) + RigErrorTable(result) +
-         RigComparisonTable(result) + BaselineTable(result) + SpaceSection() +
+         RigComparisonTable(result) + BaselineTable(result) +
+         (stereo ? StereoSection(*stereo) : "") + SpaceSection() +
          BoardSection(result.pattern) + WordsSection() +
          PageEnd(PageData(result));
 }

@@ -136,6 +136,16 @@ class Rig(CommandTest):
         result = json.loads(read(self.path("photo/result.json")))
         self.assertEqual(result["baselines"][0]["common_views"], 10)
         self.assertLess(result["held_out"]["median_px"], 0.25)
+        # A pair of them is rectified.
+        pair = result["rectified_pair"]
+        self.assertEqual((pair["left"], pair["right"], pair["count"]), ("left", "right", 540))
+        self.assertLess(pair["rms_px"], 0.3)
+        report = read(self.path("photo/report.html")).decode()
+        self.assertIn("Rectified pair: left and right", report)
+        for name in ("rectified_rows.png", "rectified_disparity.png"):
+            self.assertGreater(len(read(self.path("photo/" + name))), 10000)
+        self.assert_done(run("report", self.path("photo")))
+        self.assertEqual(read(self.path("photo/report.html")).decode(), report)
 
 
 if __name__ == "__main__":

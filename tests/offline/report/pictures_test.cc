@@ -2,6 +2,8 @@
 
 #include <set>
 
+#include "report/color_scale.h"
+#include "report/stereo_pictures.h"
 #include "report/uncertainty_picture.h"
 #include "support.h"
 
@@ -71,6 +73,64 @@ TEST(UncertaintyPicture, IsHatchedWhereNotTrustedAndGreyOutside) {
             (std::set<std::vector<uint8_t>>{{128, 128, 128}}));
   EXPECT_EQ(count_colors(120, 380).size(), 1u);
   EXPECT_EQ(count_colors(420, 680).size(), 2u);
+}
+
+// A random texture, of which the second image is 20 px farther along the rows.
+RectifiedImages ShiftedTexture() {
+  constexpr int kShiftPx = 20;
+  TestRandom random(3);
+  const ImageSize size = {200, 100};
+  RectifiedImages images;
+  for (Image* image : {&images.first, &images.second, &images.first_shown}) {
+    image->size = size;
+    image->pixels.assign(static_cast<size_t>(size.width) * size.height, 255);
+  }
+  for (uint8_t& level : images.first.pixels)
+    level = static_cast<uint8_t>(random.Index(256));
+  for (size_t k = 0; k + kShiftPx < images.first.pixels.size(); ++k)
+    images.second.pixels[k] = images.first.pixels[k + kShiftPx];
+  return images;
+}
+
+TEST(StereoPictures, DisparitiesAreThoseOfTheImages) {
+  RectifiedImages images = ShiftedTexture();
+  for (size_t k = 0; k < 50 * 200; ++k) images.first_shown.pixels[k] = 0;
+  const Image picture = DisparityPicture(images, 64);
+  EXPECT_EQ(picture.size, images.first.size);
+  const auto expected = ColorOf(ColorScale::kEven, 20.0 / 64);
+  int num_right = 0, num_white = 0;
+  for (int y = 0; y < 100; ++y)
+    for (int x = 64; x < 200; ++x) {
+      const std::vector<uint8_t> pixel = PixelOf(picture, x, y);
+      num_white += y < 50 && pixel == std::vector<uint8_t>{255, 255, 255};
+      num_right +=
+          y >= 50 && std::equal(pixel.begin(), pixel.end(), expected.begin());
+    }
+  EXPECT_EQ(num_white, 50 * 136);
+  EXPECT_GT(num_right, 0.9 * 50 * 136);
+}
+
+TEST(StereoPictures, VerticalPairsAreThoseThatLieDown) {
+  const RectifiedImages images = ShiftedTexture();
+  const auto transposed = [](const Image& image) {
+    Image turned = image;
+    turned.size = {image.size.height, image.size.width};
+    const size_t n = image.channels;
+    for (int y = 0; y < image.size.height; ++y)
+      for (int x = 0; x < image.size.width; ++x)
+        for (size_t c = 0; c < n; ++c)
+          turned.pixels[n * (x * image.size.height + y) + c] =
+              image.pixels[n * (y * image.size.width + x) + c];
+    return turned;
+  };
+  const RectifiedImages standing = {transposed(images.first),
+                                    transposed(images.second),
+                                    transposed(images.first_shown), true};
+  EXPECT_EQ(DisparityPicture(standing, 64).pixels,
+            transposed(DisparityPicture(images, 64)).pixels);
+  const Image rows = RowsPicture(images);
+  EXPECT_EQ(rows.size, (ImageSize{400, 100}));
+  EXPECT_EQ(RowsPicture(standing).pixels, transposed(rows).pixels);
 }
 
 }  // namespace

@@ -1,0 +1,113 @@
+#include "report/stereo_pictures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "report/color_scale.h"
+#include "report/html.h"
+
+namespace raygrid {
+namespace {
+
+// A copy, of a vertical pair with rows for columns.
+cv::Mat LyingDown(const Image& image, bool is_vertical) {
+  cv::Mat pixels = cv::Mat(image.size.height, image.size.width, CV_8U,
+                           const_cast<uint8_t*>(image.pixels.data()))
+                       .clone();
+  if (is_vertical) cv::transpose(pixels, pixels);
+  return pixels;
+}
+
+Image ColourImage(const cv::Mat& picture) {
+  Image image;
+  image.size = {picture.cols, picture.rows};
+  image.channels = 3;
+  image.pixels.assign(picture.datastart, picture.dataend);
+  return image;
+}
+
+}  // namespace
+
+Image RowsPicture(const RectifiedImages& images) {
+  constexpr int kNumRows = 16;
+  cv::Mat both, picture;
+  cv::hconcat(LyingDown(images.first, images.is_vertical),
+              LyingDown(images.second, images.is_vertical), both);
+  cv::cvtColor(both, picture, cv::COLOR_GRAY2BGR);
+  const cv::Scalar colours[] = {{60, 220, 60}, {40, 170, 255}};
+  for (int k = 0; k < kNumRows; ++k) {
+    const int row = (2 * k + 1) * picture.rows / (2 * kNumRows);
+    cv::line(picture, {0, row}, {picture.cols - 1, row}, colours[k % 2]);
+  }
+  cv::line(picture, {picture.cols / 2, 0}, {picture.cols / 2, picture.rows},
+           cv::Scalar(255, 255, 255));
+  if (images.is_vertical) cv::transpose(picture, picture);
+  return ColourImage(picture);
+}
+
+Image DisparityPicture(const RectifiedImages& images, int num_disparities) {
+  constexpr int kBlock = 5, kFraction = 16;
+  cv::Mat first = LyingDown(images.first, images.is_vertical);
+  cv::Mat second = LyingDown(images.second, images.is_vertical);
+  // Pixels left of so many disparities have none; a border gives them room.
+  cv::copyMakeBorder(first, first, 0, 0, num_disparities, 0,
+                     cv::BORDER_CONSTANT);
+  cv::copyMakeBorder(second, second, 0, 0, num_disparities, 0,
+                     cv::BORDER_CONSTANT);
+  cv::Mat found;
+  cv::StereoSGBM::create(0, num_disparities, kBlock, 8 * kBlock * kBlock,
+                         32 * kBlock * kBlock, 1, 0, 10, 100, 2)
+      ->compute(first, second, found);
+  found = found.colRange(num_disparities, found.cols).clone();
+  if (images.is_vertical) cv::transpose(found, found);
+  std::vector<double> disparities;
+  for (int y = 0; y < found.rows; ++y)
+    for (int x = 0; x < found.cols; ++x) {
+      const int16_t value = found.at<int16_t>(y, x);
+      const bool is_shown =
+          images.first_shown.pixels[static_cast<size_t>(y) * found.cols + x];
+      disparities.push_back(is_shown && value >= 0
+                                ? static_cast<double>(value) / kFraction
+                                : NAN);
+    }
+  return HeatMap(disparities, found.cols, 0, num_disparities, 1);
+}
+
+std::string StereoSection(const StereoExample& example) {
+  const StereoFigures& figures = example.figures;
+  const std::string left = EscapeHtml(figures.left),
+                    right = EscapeHtml(figures.right);
+  const char* const line = figures.is_vertical ? "column" : "row";
+  const char* const place = figures.is_vertical ? "above" : "on the left";
+  const char* const other = figures.is_vertical ? "below" : "on the right";
+  return fmt::format(
+             "<h2>Rectified pair: {0} and {1}</h2>\n<p>A point is seen in the "
+             "same {2} of both images. Features that both cameras saw are "
+             "{3:.3f} px (RMS) and at most {4:.3f} px off that, in {5} places. "
+             "<code>raygrid rectify rig.yaml --left {0} --right {1} -o "
+             "DIR</code> writes blobs and matrices.</p>\n",
+             left, right, line, figures.rms_px, figures.max_px,
+             figures.num_features) +
+         fmt::format(
+             "<div class=\"pictures\">\n<figure "
+             "class=\"wide\"><figcaption>{}: {} {}, {} {}, rectified by the "
+             "runtime, with {}s drawn</figcaption>",
+             EscapeHtml(figures.instant), left, place, right, other, line) +
+         HtmlImage(example.rows, "Rectified pair") +
+         fmt::format(
+             "</figure>\n<figure><figcaption>Disparity of {} by "
+             "OpenCV's semi-global matching; white where it finds "
+             "none. A board that repeats itself misleads it in "
+             "places.</figcaption>",
+             left) +
+         HtmlImage(example.disparity, "Disparity") +
+         HtmlColorBar({ColorScale::kEven, "disparity", "0",
+                       fmt::format("{} px", figures.num_disparities)}) +
+         "</figure>\n</div>\n";
+}
+
+}  // namespace raygrid

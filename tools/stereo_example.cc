@@ -1,0 +1,239 @@
+#include "stereo_example.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "camera/camera_at_distance.h"
+#include "dataset/error.h"
+#include "packing/blob_camera.h"
+#include "packing/pack.h"
+#include "packing/rectification.h"
+
+namespace raygrid {
+namespace {
+
+constexpr int kMaxPictureWidthPx = 640;
+
+// A feature that two cameras saw at one instant.
+struct SharedFeature {
+  Eigen::Vector2d left_px, right_px;
+};
+using SharedByInstant = std::map<std::string, std::vector<SharedFeature>>;
+
+SharedByInstant ShareFeatures(const Dataset& left, const Dataset& right) {
+  std::map<std::tuple<std::string, int, int, int>, Eigen::Vector2d> by_place;
+  for (const ImageFeatures& image : right.images)
+    for (const Feature& f : image.features)
+      by_place[{image.image, f.board, f.column, f.row}] = f.pixel;
+  SharedByInstant shared;
+  for (const ImageFeatures& image : left.images)
+    for (const Feature& f : image.features) {
+      const auto found = by_place.find({image.image, f.board, f.column, f.row});
+      if (found != by_place.end())
+        shared[image.image].push_back({f.pixel, found->second});
+    }
+  return shared;
+}
+
+// The distance from a camera of the board that is nearest to it at an instant.
+std::optional<double> BoardDistanceM(const CalibrationResult& camera,
+                                     const std::string& instant) {
+  std::optional<double> nearest;
+  for (const BoardPose& pose : camera.poses) {
+    if (pose.image != instant) continue;
+    const double distance = pose.camera_from_board.translation.norm();
+    nearest = std::min(nearest.value_or(distance), distance);
+  }
+  return nearest;
+}
+
+// The pair's cameras in the order of the rectified images.
+struct ExamplePair {
+  size_t left = 0, right = 0;
+  SharedByInstant shared;
+  std::string instant;
+  std::optional<double> distance_m;  // of cameras of lines
+};
+
+std::optional<ExamplePair> ChoosePair(const RigResult& result,
+                                      const Baseline& baseline) {
+  ExamplePair pair = {baseline.first, baseline.second, {}, "", {}};
+  if (IsOrderReversed(result.camera_from_rig[pair.right] *
+                      result.camera_from_rig[pair.left].Inverse()))
+    std::swap(pair.left, pair.right);
+  const CalibrationResult& left = result.cameras[pair.left];
+  const CalibrationResult& right = result.cameras[pair.right];
+  pair.shared = ShareFeatures(left.features, right.features);
+  size_t most = 0;
+  for (const auto& [instant, features] : pair.shared) {
+    if (features.size() <= most) continue;
+    most = features.size();
+    pair.instant = instant;
+  }
+  if (most == 0) return std::nullopt;
+  if (!left.camera.camera->IsCentral())
+    pair.distance_m = BoardDistanceM(left, pair.instant).value_or(1);
+  return pair;
+}
+
+std::unique_ptr<CameraModel> CentralCamera(const CalibrationResult& camera,
+                                           const ExamplePair& pair) {
+  const CameraModel& model = *camera.camera.camera;
+  if (pair.distance_m)
+    return std::make_unique<CameraAtDistance>(model, *pair.distance_m);
+  return model.Clone();
+}
+
+// An image by the runtime, and where it has a source.
+struct ShownImage {
+  Image image, shown;
+};
+
+// The image that a camera took at the instant, rectified; nothing if it is not
+// there any more.
+std::optional<ShownImage> RectifiedImage(const Measurements& measured,
+                                         const CameraFile& camera,
+                                         const VirtualView& view,
+                                         const ExamplePair& pair,
+                                         int num_threads) {
+  PackOptions options;
+  options.remaps = {view};
+  options.remap_distance_m = pair.distance_m;
+  options.max_error_px = 0.25;
+  options.num_threads = num_threads;
+  const auto& images = measured.dataset.images;
+  for (size_t i = 0; i < std::min(images.size(), measured.paths.size()); ++i) {
+    if (images[i].image != pair.instant) continue;
+    const BlobCamera blob("packed camera", PackCamera(camera, options).blob);
+    Image image = ReadImage(measured.paths[i], true);
+    const Image rectified = blob.Undistort(image, 0);
+    std::fill(image.pixels.begin(), image.pixels.end(), uint8_t{255});
+    return ShownImage{rectified, blob.Undistort(image, 0)};
+  }
+  return std::nullopt;
+}
+
+// Fills in the figures of all shared features; returns the largest disparity of
+// those of the instant, as a part of the focal length.
+double MeasureRows(const ExamplePair& pair, const Rectification& rectified,
+                   const CameraModel& left, const CameraModel& right,
+                   StereoFigures* figures) {
+  const int along = rectified.is_vertical ? 1 : 0, across = 1 - along;
+  double largest = 0, sum = 0;
+  for (const auto& [instant, features] : pair.shared)
+    for (const SharedFeature& feature : features) {
+      const auto a = left.Unproject(feature.left_px);
+      const auto b = right.Unproject(feature.right_px);
+      const auto in_a = a ? rectified.views[0].Pixel(*a) : std::nullopt;
+      const auto in_b = b ? rectified.views[1].Pixel(*b) : std::nullopt;
+      if (!in_a || !in_b) continue;
+      const Eigen::Vector2d difference = *in_a - *in_b;
+      sum += difference[across] * difference[across];
+      figures->max_px = std::max(figures->max_px, std::abs(difference[across]));
+      ++figures->num_features;
+      if (instant == pair.instant)
+        largest = std::max(
+            largest, difference[along] / rectified.views[0].focal_px[along]);
+    }
+  figures->rms_px = std::sqrt(sum / std::max(1, figures->num_features));
+  return largest;
+}
+
+ImageSize PictureSize(const ImageSize& size) {
+  if (size.width <= kMaxPictureWidthPx) return size;
+  return {kMaxPictureWidthPx,
+          std::max(1, size.height * kMaxPictureWidthPx / size.width)};
+}
+
+// Little more than the boards', since a nearer match of a pattern that repeats
+// itself is a wrong one, and no more than there are.
+int NumDisparities(double largest_px, int length_px) {
+  constexpr int kUnit = 16, kRoomPx = 8;
+  const int wanted = static_cast<int>(std::ceil(
+                         (std::max(0.0, largest_px) + kRoomPx) / kUnit)) *
+                     kUnit;
+  return std::min(wanted, std::max(kUnit, length_px / kUnit * kUnit));
+}
+
+// All of both images, unless that stretches them too much.
+Rectification RectifyForPicture(const StereoCamera& first,
+                                const StereoCamera& second) {
+  constexpr double kMostDeg = 120;
+  RectificationRequest request;
+  request.size = PictureSize(first.camera.image_size());
+  try {
+    request.alpha = 1;
+    const Rectification all = Rectify(first, second, request);
+    if (all.views[0].HorizontalFieldOfViewDeg() < kMostDeg) return all;
+  } catch (const Error&) {
+    // Some is not shown by any pinhole.
+  }
+  request.alpha = 0;
+  return Rectify(first, second, request);
+}
+
+std::optional<StereoExample> ExampleOfPair(
+    const std::vector<Measurements>& cameras, const RigResult& result,
+    const ExamplePair& pair, int num_threads) {
+  const CalibrationResult& left = result.cameras[pair.left];
+  const CalibrationResult& right = result.cameras[pair.right];
+  const auto central_left = CentralCamera(left, pair);
+  const auto central_right = CentralCamera(right, pair);
+  const StereoCamera first = {left.camera.name, *central_left,
+                              result.camera_from_rig[pair.left]};
+  const StereoCamera second = {right.camera.name, *central_right,
+                               result.camera_from_rig[pair.right]};
+  StereoExample example;
+  StereoFigures& figures = example.figures;
+  figures.left = first.name;
+  figures.right = second.name;
+  figures.instant = pair.instant;
+  const double largest = MeasureRows(pair, Rectify(first, second, {}),
+                                     *central_left, *central_right, &figures);
+  const Rectification small = RectifyForPicture(first, second);
+  figures.is_vertical = small.is_vertical;
+  const VirtualView& view = small.views[0];
+  figures.num_disparities =
+      NumDisparities(largest * view.focal_px.x(),
+                     small.is_vertical ? view.size.height : view.size.width);
+  const auto shown_left =
+      RectifiedImage(cameras[pair.left], left.camera, view, pair, num_threads);
+  const auto shown_right = RectifiedImage(cameras[pair.right], right.camera,
+                                          small.views[1], pair, num_threads);
+  if (!shown_left || !shown_right) return std::nullopt;
+  const RectifiedImages images = {shown_left->image, shown_right->image,
+                                  shown_left->shown, small.is_vertical};
+  example.rows = RowsPicture(images);
+  example.disparity = DisparityPicture(images, figures.num_disparities);
+  return example;
+}
+
+}  // namespace
+
+std::optional<StereoExample> MakeStereoExample(
+    const std::vector<Measurements>& cameras, const RigResult& result,
+    int num_threads) {
+  std::vector<Baseline> baselines = result.baselines;
+  std::stable_sort(baselines.begin(), baselines.end(),
+                   [](const Baseline& a, const Baseline& b) {
+                     return a.num_shared_views > b.num_shared_views;
+                   });
+  for (const Baseline& baseline : baselines) {
+    if (cameras[baseline.first].paths.empty() ||
+        cameras[baseline.second].paths.empty())
+      continue;
+    const auto pair = ChoosePair(result, baseline);
+    if (!pair) continue;
+    try {
+      if (auto example = ExampleOfPair(cameras, result, *pair, num_threads))
+        return example;
+    } catch (const Error&) {
+      // These two cameras cannot be rectified, packed or read.
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace raygrid
