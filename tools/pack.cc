@@ -71,6 +71,8 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
     for (const PackedRemap& remap : packed.remaps) {
       nlohmann::ordered_json told = ViewJson(remap.view);
       if (!remap.mode.empty()) told["mode"] = remap.mode;
+      if (remap.distorts) told["direction"] = "distort";
+      if (remap.far_error_px) told["far_error_px"] = *remap.far_error_px;
       told.update({{"error_px", remap.error_px},
                    {"chroma_error_px", remap.chroma_error_px},
                    {"block_size", remap.block_size},
@@ -87,11 +89,15 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
   for (size_t k = 0; k < packed.remaps.size(); ++k) {
     const PackedRemap& remap = packed.remaps[k];
     fmt::print(
-        "; remap {}{} to {}x{} within {:.3f} px, chroma {:.3f} of its own, in "
+        "; remap {}{} {} {}x{} within {:.3f} px, chroma {:.3f} of its own, in "
         "blocks of {} px, parts of {} px",
         k, remap.mode.empty() ? "" : fmt::format(" of mode {}", remap.mode),
-        remap.view.size.width, remap.view.size.height, remap.error_px,
-        remap.chroma_error_px, remap.block_size, remap.part_size);
+        remap.distorts ? "that distorts from" : "to", remap.view.size.width,
+        remap.view.size.height, remap.error_px, remap.chroma_error_px,
+        remap.block_size, remap.part_size);
+    if (remap.far_error_px)
+      fmt::print(", off by up to {:.2g} px for what is far away",
+                 *remap.far_error_px);
   }
   fmt::print("\n");
   for (size_t k = 0; k < packed.remaps.size(); ++k)
@@ -109,10 +115,10 @@ std::string TurnRemark(const Eigen::Quaterniond& q) {
 }
 
 // The views asked for; with modes at least the one that a camera can give.
-std::vector<ViewRequest> ParseViews(const PackArguments& arguments) {
-  std::vector<ViewRequest> views;
+std::vector<RemapWords> ParseViews(const PackArguments& arguments) {
+  std::vector<RemapWords> views;
   for (const std::string& remap : arguments.remaps)
-    views.push_back(ParseView("--remap", remap));
+    views.push_back(ParseRemap("--remap", remap));
   if (views.empty() && !arguments.modes.empty()) views.emplace_back();
   return views;
 }
@@ -127,25 +133,44 @@ void RequireFewTables(size_t num_tables) {
                             num_tables, kMaxTables));
 }
 
-RemapRequest MakeRemapOfMode(const CameraModel& camera, const ViewRequest& view,
-                             const SensorMode& mode) {
+// Words that a camera has no table for.
+void RequirePossible(const CameraModel& camera, const RemapWords& words) {
+  if (words.scene && camera.IsCentral())
+    throw Error(ExitCode::kUsage,
+                "--remap: at and plane are for cameras of lines; this one is "
+                "central, and its tables suit every distance; leave them out");
+  if (words.distorts && !camera.IsCentral() && !words.scene)
+    throw Error(ExitCode::kUsage,
+                "--remap: direction=distort of a camera of lines is for a "
+                "scene; say with at=METRES how far away it is");
+}
+
+RemapRequest MakeRemap(const CameraModel& camera, const RemapWords& words,
+                       const std::optional<SensorMode>& mode) {
   try {
-    return {MakeViewOfMode(camera, mode, view), mode};
+    RemapRequest request(mode ? MakeViewOfMode(camera, *mode, words.view)
+                              : MakeView(camera, words.view),
+                         mode);
+    request.scene = words.scene;
+    request.distorts = words.distorts;
+    return request;
   } catch (const Error& error) {
+    if (!mode) throw;
     throw Error(error.code(),
-                fmt::format("--mode {}: {}", mode.name, error.what()));
+                fmt::format("--mode {}: {}", mode->name, error.what()));
   }
 }
 
 // A table of each view from frames as calibrated, and then of each mode.
 std::vector<RemapRequest> MakeRemaps(const CameraModel& camera,
-                                     const std::vector<ViewRequest>& views,
+                                     const std::vector<RemapWords>& views,
                                      const std::vector<SensorMode>& modes) {
   std::vector<RemapRequest> remaps;
-  for (const ViewRequest& view : views) {
-    remaps.emplace_back(MakeView(camera, view));
+  for (const RemapWords& words : views) {
+    RequirePossible(camera, words);
+    remaps.push_back(MakeRemap(camera, words, std::nullopt));
     for (const SensorMode& mode : modes)
-      remaps.push_back(MakeRemapOfMode(camera, view, mode));
+      remaps.push_back(MakeRemap(camera, words, mode));
   }
   return remaps;
 }
@@ -153,7 +178,7 @@ std::vector<RemapRequest> MakeRemaps(const CameraModel& camera,
 void Run(const PackArguments& arguments, const CommonOptions& common) {
   RequireBlobText("--name", arguments.name);
   RequireBlobText("--serial", arguments.serial);
-  const std::vector<ViewRequest> views = ParseViews(arguments);
+  const std::vector<RemapWords> views = ParseViews(arguments);
   const size_t num_tables = views.size() * (1 + arguments.modes.size());
   RequireFewTables(num_tables);
   std::vector<std::string> outputs = {arguments.output};
@@ -206,7 +231,7 @@ void AddPack(CLI::App* app, CommonOptions* common) {
           "--remap", arguments->remaps,
           std::string("add an undistortion table of a view: WxH, and after "
                       "commas ") +
-              kViewWordsHelp +
+              kViewWordsHelp + ", " + kTableWordsHelp +
               "; several make several, which programs choose by their number. "
               "Beside the blob, NAME.camera.yaml is the view as a camera")
       ->allow_extra_args(false);

@@ -5,7 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "camera/camera_at_distance.h"
+#include "camera/camera_of_scene.h"
 #include "camera_input.h"
 #include "commands.h"
 #include "dataset/error.h"
@@ -82,8 +82,8 @@ void SetDistance(const std::optional<double>& distance_m,
                               "images are rectified for one distance; add "
                               "--distance METRES, as far as the scene is",
                               camera.path));
-    camera.at_distance = std::make_unique<CameraAtDistance>(
-        *camera.input.file.camera, *distance_m);
+    camera.at_distance =
+        std::make_unique<CameraOfScene>(*camera.input.file.camera, *distance_m);
   }
   if (distance_m && !has_lines)
     throw Error(ExitCode::kUsage,
@@ -113,7 +113,8 @@ PackedCamera PackForPair(const PairCamera& camera, const VirtualView& view,
   file.name = camera.name;
   PackOptions options;
   options.remaps = {view};
-  options.remap_distance_m = arguments.distance_m;
+  if (arguments.distance_m)
+    options.remaps[0].scene = SceneSurface{*arguments.distance_m, {}};
   options.max_error_px = arguments.max_error_px;
   options.num_threads = common.threads;
   try {

@@ -5,7 +5,7 @@
 #include <map>
 #include <tuple>
 
-#include "camera/camera_at_distance.h"
+#include "camera/camera_of_scene.h"
 #include "dataset/error.h"
 #include "packing/blob_camera.h"
 #include "packing/pack.h"
@@ -82,7 +82,7 @@ std::unique_ptr<CameraModel> CentralCamera(const CalibrationResult& camera,
                                            const ExamplePair& pair) {
   const CameraModel& model = *camera.camera.camera;
   if (pair.distance_m)
-    return std::make_unique<CameraAtDistance>(model, *pair.distance_m);
+    return std::make_unique<CameraOfScene>(model, *pair.distance_m);
   return model.Clone();
 }
 
@@ -100,7 +100,8 @@ std::optional<ShownImage> RectifiedImage(const Measurements& measured,
                                          int num_threads) {
   PackOptions options;
   options.remaps = {view};
-  options.remap_distance_m = pair.distance_m;
+  if (pair.distance_m)
+    options.remaps[0].scene = SceneSurface{*pair.distance_m, {}};
   options.max_error_px = 0.25;
   options.num_threads = num_threads;
   const auto& images = measured.dataset.images;

@@ -44,6 +44,7 @@ struct ViewedCamera {
 struct ViewTables {
   std::optional<BlobCamera> blob;
   std::vector<VirtualView> views;
+  std::vector<uint32_t> indices;  // of their tables
   std::string why_none;
 };
 
@@ -73,8 +74,11 @@ ViewTables TablesOf(ViewedCamera* viewed, const ViewArguments& arguments,
   ViewTables tables;
   std::optional<BlobCamera>& blob = viewed->input.blob;
   if (blob && blob->has_remap() && arguments.remaps.empty()) {
-    for (uint32_t k = 0; k < blob->NumRemaps(); ++k)
+    tables.indices = blob->TablesOfCalibratedFrames();
+    for (const uint32_t k : tables.indices)
       tables.views.push_back(blob->ViewOfRemap(k));
+    if (tables.views.empty())
+      tables.why_none = "all tables are of other sensor modes, or distort";
     tables.blob = std::move(blob);
     return tables;
   }
@@ -90,8 +94,10 @@ ViewTables TablesOf(ViewedCamera* viewed, const ViewArguments& arguments,
     options.num_threads = common.threads;
     packed = PackCamera(viewed->input.file, options);
   }
-  for (const PackedRemap& remap : packed.remaps)
+  for (const PackedRemap& remap : packed.remaps) {
+    tables.indices.push_back(static_cast<uint32_t>(tables.indices.size()));
     tables.views.push_back(remap.view);
+  }
   if (!tables.views.empty()) tables.blob.emplace("packed camera", packed.blob);
   for (const std::string& remark : packed.remarks)
     tables.why_none += (tables.why_none.empty() ? "" : "; ") + remark;
@@ -195,10 +201,10 @@ SheetTile TileOfView(const ViewedCamera& viewed, const ViewTables& tables,
                      size_t k) {
   const VirtualView& view = tables.views[k];
   SheetTile tile;
-  tile.title = fmt::format("{}: view {}", viewed.name, k);
+  tile.title = fmt::format("{}: view {}", viewed.name, tables.indices[k]);
   tile.caption = ViewCaption(view);
-  tile.picture = tables.blob->Undistort(viewed.before, kNothingSeen,
-                                        static_cast<uint32_t>(k));
+  tile.picture =
+      tables.blob->Undistort(viewed.before, kNothingSeen, tables.indices[k]);
   tile.curves = {StraightCurves(viewed, view)};
   for (SheetCurves& known : KnownCurves(viewed)) {
     known.curves = CurvesInView(viewed.camera(), view, known.curves);
@@ -343,8 +349,9 @@ void Run(const ViewArguments& arguments, const CommonOptions& common) {
     fmt::print("{}\n", result.dump(2, ' ', false,
                                    nlohmann::json::error_handler_t::replace));
   } else if (!common.quiet) {
-    fmt::print("{}: {} x {} px, {} files\n", arguments.output, sheet.size.width,
-               sheet.size.height, rows.size());
+    fmt::print("{}: {} x {} px, {} file{}\n", arguments.output,
+               sheet.size.width, sheet.size.height, rows.size(),
+               rows.size() == 1 ? "" : "s");
   }
 }
 

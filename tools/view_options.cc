@@ -58,7 +58,8 @@ std::vector<double> ViewNumbers(const std::string& place,
                 fmt::format("{}: expected {}, not '{}'", place,
                             count == 1   ? "a number"
                             : count == 2 ? "two numbers, as 320,240"
-                                         : "three numbers, as 30,-10,0",
+                            : count == 3 ? "three numbers, as 30,-10,0"
+                                         : "four numbers, as 0,0,1,0.8",
                             text));
   return numbers;
 }
@@ -166,6 +167,75 @@ ViewRequest ParseView(const std::string& option, const std::string& text) {
   }
   RequireSensible(request);
   return request;
+}
+
+const char kTableWordsHelp[] =
+    "direction=distort (the other way: pictures of the view become frames of "
+    "the camera), and of cameras of lines at=METRES (the distance of the "
+    "scene) "
+    "or plane=NX,NY,NZ,METRES (the plane that it lies on, in camera axes)";
+
+namespace {
+
+SceneSurface ParseScene(const std::string& place, const std::string& name,
+                        const std::string& value) {
+  SceneSurface scene;
+  if (name == "at") {
+    scene.distance_m = ViewNumbers(place, value, 1)[0];
+  } else {
+    const std::vector<double> numbers = ViewNumbers(place, value, 4);
+    const Eigen::Vector3d normal(numbers[0], numbers[1], numbers[2]);
+    scene.normal = normal.normalized();
+    scene.distance_m = numbers[3] / normal.norm();
+    if (!(normal.norm() > 0 && scene.normal->allFinite()))
+      throw Error(ExitCode::kUsage,
+                  fmt::format("{}: expected a direction that is not 0 and the "
+                              "plane's distance along it, not '{}'",
+                              place, value));
+  }
+  if (!(scene.distance_m > 0 && std::isfinite(scene.distance_m)))
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("{}: expected a distance above 0, not '{}'", place, value));
+  return scene;
+}
+
+// Adds a word that only tables have; false if it is a view's.
+bool AddTableWord(const std::string& option, const std::string& text,
+                  const std::string& part, RemapWords* words) {
+  const size_t equals = part.find('=');
+  if (equals == std::string::npos) return false;
+  const std::string name = part.substr(0, equals);
+  const std::string value = part.substr(equals + 1);
+  const std::string place = fmt::format("{} {}: {}", option, text, name);
+  if (name == "direction") {
+    if (value != "distort" && value != "undistort")
+      throw Error(ExitCode::kUsage,
+                  fmt::format("{}: expected undistort or distort, not '{}'",
+                              place, value));
+    words->distorts = value == "distort";
+    return true;
+  }
+  if (name != "at" && name != "plane") return false;
+  if (words->scene)
+    throw Error(ExitCode::kUsage,
+                fmt::format("{} {}: at and plane say where the scene is; give "
+                            "one of them, once",
+                            option, text));
+  words->scene = ParseScene(place, name, value);
+  return true;
+}
+
+}  // namespace
+
+RemapWords ParseRemap(const std::string& option, const std::string& text) {
+  RemapWords words;
+  std::string view;
+  for (const std::string& part : ViewParts(text))
+    if (!AddTableWord(option, text, part, &words))
+      view += (view.empty() ? "" : ",") + part;
+  if (!view.empty() || text.empty()) words.view = ParseView(option, view);
+  return words;
 }
 
 void AddViewOptions(CLI::App* command, ViewWords* words) {

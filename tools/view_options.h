@@ -4,8 +4,10 @@
 #include <CLI/CLI.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
+#include "camera/camera_of_scene.h"
 #include "packing/view_request.h"
 
 namespace raygrid {
@@ -19,6 +21,19 @@ extern const char kViewWordsHelp[];
 /// "640x480", "640x480,hfov=90", "alpha=0,center=320,240": a size, words, or
 /// both, with commas between. Throws Error(kUsage), naming the option.
 ViewRequest ParseView(const std::string& option, const std::string& text);
+
+/// A table that is asked for: a view, and what else a table may be told.
+struct RemapWords {
+  ViewRequest view;
+  std::optional<SceneSurface> scene;
+  bool distorts = false;
+};
+
+/// The help for the words that only tables have.
+extern const char kTableWordsHelp[];
+
+/// As ParseView(), with the words direction, at and plane, too.
+RemapWords ParseRemap(const std::string& option, const std::string& text);
 
 /// Adds --size and an option for each word of a view.
 void AddViewOptions(CLI::App* command, ViewWords* words);

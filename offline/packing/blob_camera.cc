@@ -53,6 +53,8 @@ void SetChannel(const std::vector<uint8_t>& plane, int channel, Image* image) {
 VirtualView ViewOfTable(const rg_remap_section& table) {
   VirtualView view;
   view.size = {table.width, table.height};
+  if (table.direction == RG_DISTORT)
+    view.size = {table.source_width, table.source_height};
   view.focal_px = Eigen::Vector2d(table.fx_q16, table.fy_q16) / 65536;
   view.center_px = Eigen::Vector2d(table.cx_q16, table.cy_q16) / 65536;
   static_assert(static_cast<int>(ViewProjection::kEquidistant) ==
@@ -145,6 +147,16 @@ uint32_t BlobCamera::NumRemaps() const {
   uint32_t count = 0;
   while (rg_find_section(blob_.bytes, RG_SECTION_REMAP, count)) ++count;
   return count;
+}
+
+std::vector<uint32_t> BlobCamera::TablesOfCalibratedFrames() const {
+  std::vector<uint32_t> tables;
+  for (uint32_t k = 0; k < NumRemaps(); ++k) {
+    rg_remap_section remap;
+    rg_read_remap(rg_find_section(blob_.bytes, RG_SECTION_REMAP, k), &remap);
+    if (remap.mode == 0 && remap.direction == RG_UNDISTORT) tables.push_back(k);
+  }
+  return tables;
 }
 
 std::optional<TrustMask> BlobCamera::Trusted() const {

@@ -35,6 +35,8 @@ class BlobCamera {
   ImageSize image_size() const { return {camera_.width, camera_.height}; }
   bool has_remap() const { return blob_.remap != 0; }
   uint32_t NumRemaps() const;
+  /// Those that undistort frames as calibrated.
+  std::vector<uint32_t> TablesOfCalibratedFrames() const;
 
   bool CanProject() const { return camera_.inverse; }
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "camera/camera_at_distance.h"
+#include "camera/camera_of_scene.h"
 #include "camera/central_generic.h"
 #include "camera/noncentral_generic.h"
 #include "dataset/parallel_for.h"
@@ -204,6 +204,36 @@ std::optional<RemapTable> FitDefaultTable(const CameraModel& camera,
   }
 }
 
+// The camera that a table's real frames are of: of lines, one that is central
+// for the scene that is asked for.
+std::unique_ptr<CameraModel> CameraOfRequest(const CameraModel& central,
+                                             const NonCentralGeneric* lines,
+                                             const RemapRequest& request) {
+  std::unique_ptr<CameraModel> camera = central.Clone();
+  if (lines && request.scene)
+    camera = std::make_unique<CameraOfScene>(*lines, *request.scene);
+  if (request.mode)
+    camera = std::make_unique<ModeCamera>(*camera, *request.mode);
+  return camera;
+}
+
+// The largest distance in pixels of what two cameras show where a view looks,
+// at every eighth of its pixels.
+double FarError(const CameraModel& near, const CameraModel& far,
+                const VirtualView& view) {
+  constexpr int kStep = 8;
+  double worst_px = 0;
+  for (int y = 0; y < view.size.height; y += kStep) {
+    for (int x = 0; x < view.size.width; x += kStep) {
+      const auto direction = view.Direction({x, y});
+      const auto a = direction ? near.Project(*direction) : std::nullopt;
+      const auto b = direction ? far.Project(*direction) : std::nullopt;
+      if (a && b) worst_px = std::max(worst_px, (*a - *b).norm());
+    }
+  }
+  return worst_px;
+}
+
 // A mode but for its name.
 rg_mode_section QuantizeMode(const SensorMode& mode) {
   const auto q16 = [](double value) { return std::lround(value * 65536); };
@@ -223,19 +253,21 @@ rg_mode_section QuantizeMode(const SensorMode& mode) {
 class RemapSections {
  public:
   // Fits the tables that are asked for, and tells packed of them.
-  void Fit(const CameraModel& camera, const PackOptions& options,
-           int num_threads, const std::function<void()>& go_on,
-           PackedCamera* packed) {
-    const auto fit = [&](const CameraModel& source, const VirtualView& view) {
-      return FitRemapTable(source, view, options.max_error_px, num_threads,
-                           go_on);
-    };
-    for (const RemapRequest& request : options.remaps)
+  // lines: NULL of a central camera, which the other one always is.
+  void Fit(const CameraModel& camera, const NonCentralGeneric* lines,
+           const PackOptions& options, int num_threads,
+           const std::function<void()>& go_on, PackedCamera* packed) {
+    for (const RemapRequest& request : options.remaps) {
+      const std::unique_ptr<CameraModel> source =
+          CameraOfRequest(camera, lines, request);
       packed->remaps.push_back(
-          request.mode
-              ? AddOfMode(fit(ModeCamera(camera, *request.mode), request.view),
-                          *request.mode)
-              : Add(fit(camera, request.view)));
+          Add(FitTable(*source, request, options, num_threads, go_on),
+              request.mode));
+      packed->remaps.back().distorts = request.distorts;
+      if (lines && request.scene)
+        packed->remaps.back().far_error_px = FarError(
+            *source, *CameraOfRequest(camera, nullptr, request), request.view);
+    }
     if (!options.has_default_remap) return;
     if (auto table = FitDefaultTable(camera, options.max_error_px, num_threads,
                                      go_on, &packed->remarks))
@@ -262,24 +294,39 @@ class RemapSections {
   }
 
  private:
-  PackedRemap Add(RemapTable table) {
+  // An error says which of several tables it is of.
+  static RemapTable FitTable(const CameraModel& source,
+                             const RemapRequest& request,
+                             const PackOptions& options, int num_threads,
+                             const std::function<void()>& go_on) {
+    const auto fit = request.distorts ? FitDistortionTable : FitRemapTable;
+    try {
+      return fit(source, request.view, options.max_error_px, num_threads,
+                 go_on);
+    } catch (const Error& error) {
+      if (options.remaps.size() == 1) throw;
+      throw Error(error.code(),
+                  fmt::format("table {}: {}", &request - options.remaps.data(),
+                              error.what()));
+    }
+  }
+
+  PackedRemap Add(RemapTable table,
+                  const std::optional<SensorMode>& mode = std::nullopt) {
+    if (mode) {
+      table.section.has_view = 1;
+      table.section.mode = NumberOfMode(*mode);
+    }
     const rg_remap_section& s = table.section;
     const int block_size = 1 << s.block_log2;
     PackedRemap packed;
     packed.view = table.view;
+    if (mode) packed.mode = mode->name;
     packed.error_px = table.max_error_px;
     packed.chroma_error_px = table.max_chroma_error_px;
     packed.block_size = block_size;
     packed.part_size = s.part_log2 != 0 ? 1 << s.part_log2 : block_size;
     tables_.push_back(std::move(table));
-    return packed;
-  }
-
-  PackedRemap AddOfMode(RemapTable table, const SensorMode& mode) {
-    table.section.has_view = 1;
-    table.section.mode = NumberOfMode(mode);
-    PackedRemap packed = Add(std::move(table));
-    packed.mode = mode.name;
     return packed;
   }
 
@@ -352,11 +399,8 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   if (const auto remark =
           RemarkOnProjection(packed.projection, trusted != nullptr))
     packed.remarks.push_back(*remark);
-  std::optional<CameraAtDistance> near;
-  if (lines && options.remap_distance_m)
-    near.emplace(*lines, *options.remap_distance_m);
   RemapSections remaps;
-  remaps.Fit(near ? *near : central, options, num_threads, go_on, &packed);
+  remaps.Fit(central, lines, options, num_threads, go_on, &packed);
   remaps.AddTo(&contents);
 
   const rg_quality_section quality = QualityOf(file, narrow.error());

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "camera/camera_of_scene.h"
 #include "camera/sensor_mode.h"
 #include "dataset/camera_file.h"
 #include "packing/blob_limits.h"
@@ -23,13 +24,15 @@ struct RemapRequest {
 
   VirtualView view;
   std::optional<SensorMode> mode;
+  /// The surface of the scenes that a table of a camera of lines is for;
+  /// nothing: far away. Central cameras do not ask.
+  std::optional<SceneSurface> scene;
+  /// The other direction: the view's pictures become frames of the camera.
+  bool distorts = false;
 };
 
 struct PackOptions {
   std::vector<RemapRequest> remaps;  ///< one table each
-  /// The distance in metres, from the camera's origin, of scenes that tables of
-  /// cameras of lines are for; nothing: far away. Central ones do not ask.
-  std::optional<double> remap_distance_m;
   /// One more of the view that the camera can give; a remark if it has none.
   bool has_default_remap = false;
   double max_error_px = 0.05;     ///< their geometric error
@@ -43,6 +46,10 @@ struct PackOptions {
 struct PackedRemap {
   VirtualView view;
   std::string mode;  ///< of its frames; empty: as calibrated
+  bool distorts = false;
+  /// How far off sources are of what is far away, at most, where the table is
+  /// for a scene.
+  std::optional<double> far_error_px;
   double error_px = 0;
   double chroma_error_px = 0;  ///< in chroma's own pixels
   int block_size = 0;

@@ -522,8 +522,11 @@ RemapTable FitDistortionTable(const CameraModel& camera,
                               const VirtualView& view, double max_error_px,
                               int num_threads,
                               const std::function<void()>& go_on) {
-  return FitTable(*CameraOfTurnedView(view), OutputOfCamera(camera), view,
-                  max_error_px, num_threads, go_on);
+  RemapTable table = FitTable(*CameraOfTurnedView(view), OutputOfCamera(camera),
+                              view, max_error_px, num_threads, go_on);
+  table.section.has_view = 1;
+  table.section.direction = RG_DISTORT;
+  return table;
 }
 
 }  // namespace raygrid

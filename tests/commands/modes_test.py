@@ -21,6 +21,10 @@ class Modes(CommandTest):
                      "--pattern", board, "-o", cls.path("sim"))
         assert result.returncode == 0, result.stderr
         cls.camera = cls.path("sim/true_camera.yaml")
+        result = run("simulate", "--images", 1, "--lens", "noncentral", "--size", "320x240",
+                     "--pattern", board, "-o", cls.path("lines"))
+        assert result.returncode == 0, result.stderr
+        cls.lines = cls.path("lines/true_camera.yaml")
         pixels = grey(160, 120)
         write(cls.path("in/whole.png"), png(pixels, size=(160, 120)))
         crop = [pixels[160 * (30 + y) + 40 + x] for y in range(60) for x in range(80)]
@@ -74,6 +78,43 @@ class Modes(CommandTest):
 
     def levels(self, name):
         return read_png(self.path(name))[2]
+
+    def test_a_table_of_the_other_direction_leads_back(self):
+        """What one table undistorts, the other makes an image of the camera again."""
+        view = "200x150,focal=60"
+        self.assert_done(run("pack", self.camera, "--remap", view, "--remap",
+                             view + ",direction=distort", "--max-error-px", 1, "-o",
+                             self.path("both/c.raygrid")))
+        blob = self.path("both/c.raygrid")
+        told = json.loads(run("inspect", blob, "--json").stdout)["remap_tables"]
+        self.assertEqual([table.get("direction") for table in told], [None, "distort"])
+        self.assertEqual([table["size"] for table in told], [[200, 150]] * 2)
+        self.assert_done(run("undistort", blob, self.path("in/whole.png"), "-o",
+                             self.path("there")))
+        self.assert_done(run("undistort", blob, self.path("there/whole.png"), "--remap-index", 1,
+                             "-o", self.path("back")))
+        before, after = self.levels("in/whole.png"), self.levels("back/whole.png")
+        inside = [k for k in range(160 * 120) if 20 < k % 160 < 140 and 15 < k // 160 < 105]
+        self.assertLess(max(abs(before[k] - after[k]) for k in inside), 3)
+        result = self.pack("--remap", "100x80,direction=up", output="no/c.raygrid")
+        self.assert_refused(result, 1, "undistort or distort", "up")
+
+    def test_tables_of_lines_may_be_for_a_scene(self):
+        for scene in ("at=0.4", "plane=0,0,1,0.4"):
+            result = run("pack", self.lines, "--remap", "160x120,hfov=60," + scene, "--json",
+                         "--max-error-px", 0.25, "-o", self.path("scene/c.raygrid"))
+            self.assert_done(result)
+            table = json.loads(result.stdout)["remaps"][0]
+            self.assertGreater(table["far_error_px"], 0.05)
+            self.assertLess(table["error_px"], 0.25)
+        for scene, words in (("at=0", ("above 0",)), ("at=-1", ("above 0",)),
+                             ("plane=0,0,0,1", ("not 0",)), ("plane=0,0,1", ("four numbers",)),
+                             ("at=1,plane=0,0,1,1", ("one of them",))):
+            result = run("pack", self.lines, "--remap", "160x120," + scene, "-o",
+                         self.path("no/c.raygrid"))
+            self.assert_refused(result, 1, *words)
+        self.assert_refused(self.pack("--remap", "100x80,at=1", output="no/c.raygrid"), 1,
+                            "lines", "leave them out")
 
     def test_frames_of_another_size_are_refused_with_a_way_out(self):
         self.assert_done(self.pack("--remap", "100x80", output="one/c.raygrid"))

@@ -6,7 +6,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "calibration/calibration.h"
-#include "camera/camera_at_distance.h"
+#include "camera/camera_of_scene.h"
 #include "features/pattern_detector.h"
 #include "packing/blob_camera.h"
 #include "packing/pack.h"
@@ -133,7 +133,7 @@ void ExpectRowsOf(const std::string& lens) {
 // Points at about the distance, by the views' exact sources.
 RowErrors RowsOfLines(const SimulatedRig& rig, const RigResult& result,
                       double distance_m) {
-  const CameraAtDistance cameras[] = {
+  const CameraOfScene cameras[] = {
       {*result.cameras[0].camera.camera, distance_m},
       {*result.cameras[1].camera.camera, distance_m}};
   const Rectification rectified =

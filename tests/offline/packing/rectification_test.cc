@@ -3,7 +3,7 @@
 
 #include <opencv2/calib3d.hpp>
 
-#include "camera/camera_at_distance.h"
+#include "camera/camera_of_scene.h"
 #include "packed_cameras.h"
 #include "simulation/line_lens.h"
 
@@ -296,7 +296,7 @@ TEST(Rectify, CamerasOfLinesKeepRowsAtTheirDistance) {
   const auto lens =
       std::make_shared<MovingPupilLens>(BentLens(kPairSize, 400), 0.02);
   const auto at_distance =
-      std::make_shared<CameraAtDistance>(*lens, kDistanceM);
+      std::make_shared<CameraOfScene>(*lens, kDistanceM);
   TestPair pair = SideBySide();
   pair.first = pair.second = at_distance;
   const Rectification rectified = pair.Rectified();
@@ -327,9 +327,9 @@ TEST(Rectify, CamerasOfLinesKeepRowsAtTheirDistance) {
   EXPECT_GT(worst_far_px, 2 * worst_px);
 }
 
-TEST(CameraAtDistance, SeesThePointsThere) {
+TEST(CameraOfScene, SeesThePointsThere) {
   const MovingPupilLens lens(BentLens(kPairSize, 400), 0.02);
-  const CameraAtDistance camera(lens, 0.7);
+  const CameraOfScene camera(lens, 0.7);
   TestRandom random(3);
   for (int k = 0; k < 50; ++k) {
     const Eigen::Vector2d pixel = random.PixelIn(lens.area());
@@ -356,7 +356,7 @@ TEST(PackCamera, TablesOfLinesAreForADistance) {
       FitNonCentralGeneric(lens, lens.area(), 12, 10));
   PackOptions options;
   options.remaps = {ViewOf(*file.camera, {320, 240}, 60)};
-  options.remap_distance_m = 0.5;
+  options.remaps[0].scene = SceneSurface{0.5, {}};
   const BlobCamera near("near", PackCamera(file, options).blob);
   // Each pixel of the image says its own column.
   Image columns;
@@ -373,7 +373,7 @@ TEST(PackCamera, TablesOfLinesAreForADistance) {
     const size_t k = 2 * (320 * 30 + x);
     const double column = (shown.pixels[k] + 256 * shown.pixels[k + 1]) / 128.0;
     const Eigen::Vector3d ray =
-        options.remaps[0].Direction({x, 30})->normalized();
+        options.remaps[0].view.Direction({x, 30})->normalized();
     worst_px = std::max(
         worst_px, std::abs(file.camera->Project(0.5 * ray)->x() - column));
     differs_px = std::max(
