@@ -32,7 +32,7 @@ struct RemapWords {
 /// The help for the words that only tables have.
 extern const char kTableWordsHelp[];
 
-/// As ParseView(), with the words direction, at and plane, too.
+/// ParseView(), with the words direction, at and plane as well.
 RemapWords ParseRemap(const std::string& option, const std::string& text);
 
 /// Adds --size and an option for each word of a view.

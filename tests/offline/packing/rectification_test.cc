@@ -295,8 +295,7 @@ TEST(Rectify, CamerasOfLinesKeepRowsAtTheirDistance) {
   constexpr double kDistanceM = 0.6;
   const auto lens =
       std::make_shared<MovingPupilLens>(BentLens(kPairSize, 400), 0.02);
-  const auto at_distance =
-      std::make_shared<CameraOfScene>(*lens, kDistanceM);
+  const auto at_distance = std::make_shared<CameraOfScene>(*lens, kDistanceM);
   TestPair pair = SideBySide();
   pair.first = pair.second = at_distance;
   const Rectification rectified = pair.Rectified();
