@@ -123,16 +123,6 @@ std::vector<RemapWords> ParseViews(const PackArguments& arguments) {
   return views;
 }
 
-void RequireFewTables(size_t num_tables) {
-  constexpr size_t kMaxTables = 9;  // beside the other sections
-  if (num_tables > kMaxTables)
-    throw Error(ExitCode::kUsage,
-                fmt::format("{} tables, of each --remap for calibrated frames "
-                            "and for each --mode: a blob has at most {}; pack "
-                            "several blobs",
-                            num_tables, kMaxTables));
-}
-
 // Words that a camera has no table for.
 void RequirePossible(const CameraModel& camera, const RemapWords& words) {
   if (words.scene && camera.IsCentral())
@@ -180,7 +170,6 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
   RequireBlobText("--serial", arguments.serial);
   const std::vector<RemapWords> views = ParseViews(arguments);
   const size_t num_tables = views.size() * (1 + arguments.modes.size());
-  RequireFewTables(num_tables);
   std::vector<std::string> outputs = {arguments.output};
   for (size_t k = 0; k < num_tables; ++k)
     outputs.push_back(ViewPath(arguments.output, k, num_tables));

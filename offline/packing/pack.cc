@@ -93,6 +93,22 @@ void RequirePackable(const CameraModel& camera) {
                                     RG_MAX_IMAGE_SIZE));
 }
 
+// Before tables are fitted, which takes time. A blob's other sections are
+// camera, grid, inverse grid and quality, and those that not every camera has.
+void RequireFewTables(const CameraFile& file, const PackOptions& options) {
+  const bool has_modes =
+      std::any_of(options.remaps.begin(), options.remaps.end(),
+                  [](const RemapRequest& remap) { return remap.mode; });
+  const size_t num_others = size_t{4} + !file.camera->IsCentral() +
+                            (file.uncertainty ? 2 : 0) + has_modes;
+  const size_t max_tables = RG_MAX_SECTIONS - num_others;
+  if (options.remaps.size() > max_tables)
+    throw Error(ExitCode::kUsage,
+                fmt::format("{} tables, where this camera's blob has room for "
+                            "{}; pack several blobs",
+                            options.remaps.size(), max_tables));
+}
+
 void ThrowIfStopped(const PackOptions& options) {
   if (options.should_stop && options.should_stop())
     throw Error(ExitCode::kNotConverged,
@@ -363,6 +379,7 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   const CameraModel& camera = *file.camera;
   const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera);
   RequirePackable(camera);
+  RequireFewTables(file, options);
   // The central part of a camera of lines, which sees far scenes.
   const std::optional<CentralGeneric> far =
       lines ? std::optional(lines->CentralPart()) : std::nullopt;

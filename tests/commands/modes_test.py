@@ -140,8 +140,8 @@ class Modes(CommandTest):
             self.assert_refused(self.pack("--mode", mode, output="no/c.raygrid"), 1, *words)
         self.assert_refused(self.pack("--mode", "a:bin=2", "--mode", "a:bin=4",
                                       output="no/c.raygrid"), 1, "named twice")
-        many = [word for k in range(9) for word in ("--mode", f"m{k}:bin=2")]
-        self.assert_refused(self.pack(*many, output="no/c.raygrid"), 1, "10 tables", "9")
+        many = [word for k in range(11) for word in ("--mode", f"m{k}:bin=2")]
+        self.assert_refused(self.pack(*many, output="no/c.raygrid"), 1, "12 tables", "11")
         self.assertFalse(os.path.exists(self.path("no")))
 
 
