@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -11,6 +10,7 @@
 #include "camera_input.h"
 #include "dataset/error.h"
 #include "packing/pack.h"
+#include "word_options.h"
 
 namespace raygrid {
 
@@ -28,49 +28,27 @@ using Words = std::map<std::string, std::string>;
   throw Error(ExitCode::kUsage, fmt::format("--mode {}: {}", mode, fault));
 }
 
-// The words behind the colon: a part without = belongs to the one before it.
-Words SplitWords(const std::string& mode, const std::string& text) {
+// The words behind the colon.
+Words ParseWords(const std::string& mode, const std::string& text) {
   static const std::set<std::string> kKnown = {"crop", "bin",  "scale",
                                                "size", "flip", "rotate"};
   Words words;
-  std::string last;
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find(',', begin), text.size());
-    const std::string part = text.substr(begin, end - begin);
+  for (const std::string& part : SplitAtWords(text)) {
     const size_t equals = part.find('=');
-    begin = end + 1;
-    if (equals == std::string::npos) {
-      if (last.empty())
-        Refuse(mode,
-               fmt::format("expected {}, not '{}'", kModeWordsHelp, part));
-      words[last] += ',' + part;
-      continue;
-    }
-    last = part.substr(0, equals);
-    if (!kKnown.count(last))
+    const std::string name = part.substr(0, equals);
+    if (equals == std::string::npos || !kKnown.count(name))
       Refuse(mode, fmt::format("expected {}, not '{}'", kModeWordsHelp, part));
-    if (!words.emplace(last, part.substr(equals + 1)).second)
-      Refuse(mode, last + " stands twice");
+    if (!words.emplace(name, part.substr(equals + 1)).second)
+      Refuse(mode, name + " stands twice");
   }
   return words;
 }
 
-std::vector<double> Numbers(const std::string& mode, const std::string& word,
-                            const std::string& text, size_t count) {
-  std::vector<double> numbers;
-  const char *at = text.data(), *const end = text.data() + text.size();
-  while (at != end) {
-    double value = NAN;
-    const auto [next, fault] = std::from_chars(at, end, value);
-    if (fault != std::errc() || !std::isfinite(value)) break;
-    numbers.push_back(value);
-    at = next;
-    if (at != end && *at == ',' && at + 1 != end) ++at;
-  }
-  if (numbers.size() != count || at != end)
-    Refuse(mode, fmt::format("{}: expected {}, not '{}'", word,
-                             count == 1 ? "a number" : "X,Y,W,H", text));
-  return numbers;
+std::vector<double> Numbers(const std::string& mode, const Words& words,
+                            const std::string& word, size_t count,
+                            const char* example) {
+  return ParseNumbers(fmt::format("--mode {}: {}", mode, word), words.at(word),
+                      count, example);
 }
 
 // The calibrated pixels that the frames show.
@@ -79,7 +57,8 @@ Area ShownArea(const std::string& mode, const Words& words,
   const auto crop = words.find("crop");
   if (crop == words.end())
     return {0, 0, double(calibrated.width), double(calibrated.height)};
-  const std::vector<double> n = Numbers(mode, "crop", crop->second, 4);
+  const std::vector<double> n =
+      Numbers(mode, words, "crop", 4, "320,180,640,360");
   if (!(n[0] >= 0 && n[1] >= 0 && n[2] >= 2 && n[3] >= 2 &&
         n[0] + n[2] <= calibrated.width && n[1] + n[3] <= calibrated.height))
     Refuse(mode,
@@ -97,13 +76,13 @@ void SetSize(const Words& words, const Area& shown, SensorMode* mode) {
   Eigen::Vector2d size = span.array().floor();
   std::optional<double> exact_scale;
   if (words.count("bin")) {
-    const double bin = Numbers(mode->name, "bin", words.at("bin"), 1)[0];
+    const double bin = Numbers(mode->name, words, "bin", 1, "2")[0];
     if (!(bin >= 1 && bin <= 64 && bin == std::floor(bin)))
       Refuse(mode->name, "bin is a whole number from 1 to 64");
     size = (span / bin).array().floor();
     exact_scale = bin;
   } else if (words.count("scale")) {
-    const double scale = Numbers(mode->name, "scale", words.at("scale"), 1)[0];
+    const double scale = Numbers(mode->name, words, "scale", 1, "0.5")[0];
     if (!(scale >= 1.0 / 64 && scale <= 64))
       Refuse(mode->name, "scale is 1/64 to 64; 0.5 makes frames half as wide");
     size = (span * scale).array().round();
@@ -150,13 +129,12 @@ void SetFlips(const Words& words, SensorMode* mode) {
 
 SensorMode ParseMode(const std::string& text,
                      const ImageSize& calibrated_size) {
-  const size_t colon = text.find(':');
+  const size_t colon = text.rfind(':');
   if (colon == 0 || colon == std::string::npos)
     Refuse(text, fmt::format("expected {}", kModeWordsHelp));
   SensorMode mode;
   mode.name = text.substr(0, colon);
-  RequireBlobText("--mode", mode.name);
-  const Words words = SplitWords(mode.name, text.substr(colon + 1));
+  const Words words = ParseWords(mode.name, text.substr(colon + 1));
   const Area shown = ShownArea(mode.name, words, calibrated_size);
   mode.offset_px = {shown.x0, shown.y0};
   SetSize(words, shown, &mode);
@@ -170,6 +148,7 @@ std::vector<SensorMode> ParseModes(const std::vector<std::string>& texts,
   std::set<std::string> names;
   for (const std::string& text : texts) {
     modes.push_back(ParseMode(text, calibrated_size));
+    RequireBlobText("--mode", modes.back().name);
     if (!names.insert(modes.back().name).second)
       Refuse(modes.back().name, "named twice; give each mode its own name");
   }

@@ -104,7 +104,7 @@ std::optional<SensorMode> FindMode(const UndistortArguments& arguments,
                                    const CameraInput& input) {
   if (arguments.mode.empty()) return std::nullopt;
   if (!input.blob || AsksForAView(arguments))
-    return ParseMode(arguments.mode, input.file.camera->image_size());
+    return ParseModes({arguments.mode}, input.file.camera->image_size())[0];
   std::vector<std::string> names;
   for (const SensorMode& mode : input.blob->Modes()) {
     if (mode.name == arguments.mode) return mode;

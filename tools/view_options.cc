@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <vector>
 
 #include "camera_input.h"
 #include "dataset/camera_file.h"
 #include "dataset/error.h"
+#include "word_options.h"
 
 namespace raygrid {
 namespace {
@@ -38,31 +38,6 @@ constexpr ViewWord kViewWords[] = {
      "clockwise"},
     {"like", "FILE", "as the view in a camera file, NAME.camera.yaml"},
 };
-
-// The word's numbers, as many as asked for.
-std::vector<double> ViewNumbers(const std::string& place,
-                                const std::string& text, size_t count) {
-  std::vector<double> numbers;
-  const char *at = text.data(), *const end = text.data() + text.size();
-  while (numbers.size() < count) {
-    double value = NAN;
-    const auto [next, fault] = std::from_chars(at, end, value);
-    if (fault != std::errc() || !std::isfinite(value)) break;
-    numbers.push_back(value);
-    at = next;
-    if (at == end || *at != ',') break;
-    ++at;
-  }
-  if (numbers.size() != count || at != end || text.back() == ',')
-    throw Error(ExitCode::kUsage,
-                fmt::format("{}: expected {}, not '{}'", place,
-                            count == 1   ? "a number"
-                            : count == 2 ? "two numbers, as 320,240"
-                            : count == 3 ? "three numbers, as 30,-10,0"
-                                         : "four numbers, as 0,0,1,0.8",
-                            text));
-  return numbers;
-}
 
 VirtualView ReadView(const std::string& place, const std::string& path) {
   const CameraInput input = ReadCamera(path);
@@ -94,12 +69,13 @@ void AddWord(const std::string& place, const std::string& name,
     return;
   }
   if (name == "center") {
-    const std::vector<double> at = ViewNumbers(place, value, 2);
+    const std::vector<double> at = ParseNumbers(place, value, 2, "320,240");
     request->center_px = Eigen::Vector2d(at[0], at[1]);
     return;
   }
   if (name == "rotate") {
-    const std::vector<double> angles = ViewNumbers(place, value, 3);
+    const std::vector<double> angles =
+        ParseNumbers(place, value, 3, "30,-10,0");
     request->rotate_deg = Eigen::Vector3d(angles[0], angles[1], angles[2]);
     return;
   }
@@ -107,7 +83,7 @@ void AddWord(const std::string& place, const std::string& name,
     request->projection = ParseProjection(place, value);
     return;
   }
-  const double number = ViewNumbers(place, value, 1)[0];
+  const double number = ParseNumbers(place, value, 1, "90")[0];
   if (name == "hfov") request->hfov_deg = number;
   if (name == "vfov") request->vfov_deg = number;
   if (name == "focal") request->focal_px = number;
@@ -118,21 +94,6 @@ bool IsViewWord(const std::string& name) {
   for (const ViewWord& word : kViewWords)
     if (name == word.name) return true;
   return false;
-}
-
-// Splits "640x480,center=3,4,hfov=90" at the commas before words.
-std::vector<std::string> ViewParts(const std::string& text) {
-  std::vector<std::string> parts;
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find(',', begin), text.size());
-    const std::string part = text.substr(begin, end - begin);
-    if (parts.size() > 0 && part.find('=') == std::string::npos)
-      parts.back() += ',' + part;
-    else
-      parts.push_back(part);
-    begin = end + 1;
-  }
-  return parts;
 }
 
 }  // namespace
@@ -147,7 +108,7 @@ const char kViewWordsHelp[] =
 ViewRequest ParseView(const std::string& option, const std::string& text) {
   ViewRequest request;
   ViewWords seen;
-  for (const std::string& part : ViewParts(text)) {
+  for (const std::string& part : SplitAtWords(text)) {
     const size_t equals = part.find('=');
     if (equals == std::string::npos && seen.empty() &&
         request.size.width == 0) {
@@ -181,9 +142,10 @@ SceneSurface ParseScene(const std::string& place, const std::string& name,
                         const std::string& value) {
   SceneSurface scene;
   if (name == "at") {
-    scene.distance_m = ViewNumbers(place, value, 1)[0];
+    scene.distance_m = ParseNumbers(place, value, 1, "0.8")[0];
   } else {
-    const std::vector<double> numbers = ViewNumbers(place, value, 4);
+    const std::vector<double> numbers =
+        ParseNumbers(place, value, 4, "0,0,1,0.8");
     const Eigen::Vector3d normal(numbers[0], numbers[1], numbers[2]);
     scene.normal = normal.normalized();
     scene.distance_m = numbers[3] / normal.norm();
@@ -231,7 +193,7 @@ bool AddTableWord(const std::string& option, const std::string& text,
 RemapWords ParseRemap(const std::string& option, const std::string& text) {
   RemapWords words;
   std::string view;
-  for (const std::string& part : ViewParts(text))
+  for (const std::string& part : SplitAtWords(text))
     if (!AddTableWord(option, text, part, &words))
       view += (view.empty() ? "" : ",") + part;
   if (!view.empty() || text.empty()) words.view = ParseView(option, view);
