@@ -45,12 +45,20 @@ std::optional<BeforeAfter> ExampleImage(const std::vector<std::string>& paths,
   for (const std::string& path : paths) {
     if (std::filesystem::path(path).filename() != wanted) continue;
     const Image before = ReadImage(path, true);
-    const BlobCamera camera("packed camera", blob);
-    if (before.size != camera.image_size()) continue;  // of another mode
-    const Image after = camera.Undistort(before, 0);
+    const Image after = BlobCamera("packed camera", blob).Undistort(before, 0);
     return BeforeAfter{Shrunk(before, kMaxWidthPx), Shrunk(after, kMaxWidthPx)};
   }
   return std::nullopt;
+}
+
+// Without the images of other modes: what pictures show over them lies in
+// calibrated pixels.
+Measurements CalibratedPart(const Measurements& all) {
+  Measurements part = all;
+  part.dataset.images.resize(NumCalibratedImages(all));
+  part.paths.resize(std::min(all.paths.size(), part.dataset.images.size()));
+  part.modes.clear();
+  return part;
 }
 
 PackingFigures FiguresOf(const PackedCamera& packed) {
@@ -81,16 +89,17 @@ ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
   for (size_t c = 0; c < cameras.size(); ++c) {
     const CalibrationResult& camera = result.cameras[c];
     CameraExtras& own = extras.cameras.emplace_back();
+    const Measurements calibrated = CalibratedPart(cameras[c]);
     if (result.IsRig() || !camera.checkpoint)
       own.thumbnails =
-          MakeThumbnails(cameras[c].dataset, cameras[c].paths, common.threads);
+          MakeThumbnails(calibrated.dataset, calibrated.paths, common.threads);
     if (camera.checkpoint) continue;
     const PackedCamera packed =
         PackWhatCanBe(camera.camera, common.threads, IsInterrupted);
     own.packing = FiguresOf(packed);
     if (!result.IsRig() && !packed.remaps.empty())
       own.example =
-          ExampleImage(cameras[c].paths, camera, arguments, packed.blob);
+          ExampleImage(calibrated.paths, camera, arguments, packed.blob);
     own.blob = packed.blob;
     if (!packed.remaps.empty())
       own.view = ViewCameraFile(packed.remaps[0].view, camera.camera.name);

@@ -111,7 +111,7 @@ Dataset RefineModes(const Measurements& measurements, const KnownScene& scene,
   const std::vector<ImagesOfMode>& modes = measurements.modes;
   const size_t count = measurements.paths.size();
   const auto num_calibrated =
-      static_cast<std::ptrdiff_t>(modes.empty() ? count : modes[0].first);
+      static_cast<std::ptrdiff_t>(NumCalibratedImages(measurements));
   Dataset calibrated = measurements.dataset, refined = measurements.dataset;
   calibrated.images.resize(static_cast<size_t>(num_calibrated));
   calibrated = RefineThroughCamera(
@@ -272,13 +272,22 @@ struct FoldersByMode {
   std::vector<std::pair<std::string, std::string>> modes;  // folder, text
 };
 
+// Whether paths are the same but for a slash at the end.
+bool IsSamePath(const std::string& a, const std::string& b) {
+  const auto normal = [](const std::string& path) {
+    return (std::filesystem::path(path) / "").lexically_normal();
+  };
+  return normal(a) == normal(b);
+}
+
 FoldersByMode SortByMode(const std::vector<std::string>& images,
                          const std::vector<std::string>& modes) {
   FoldersByMode folders = {images, {}};
   for (const std::string& text : modes) {
-    const std::string folder = text.substr(0, text.find(':'));
-    const auto found =
-        std::find(folders.calibrated.begin(), folders.calibrated.end(), folder);
+    const std::string folder = text.substr(0, text.rfind(':'));
+    const auto found = std::find_if(
+        folders.calibrated.begin(), folders.calibrated.end(),
+        [&](const std::string& path) { return IsSamePath(path, folder); });
     if (found == folders.calibrated.end())
       throw Error(ExitCode::kUsage,
                   fmt::format("--mode {}: {} is none of the images; expected "
@@ -385,6 +394,11 @@ FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
                 "--mode is for images; features are of calibrated frames");
   return arguments.features.empty() ? FeaturesByCamera()
                                     : ReadFeatures(arguments.features);
+}
+
+size_t NumCalibratedImages(const Measurements& measurements) {
+  return measurements.modes.empty() ? measurements.dataset.images.size()
+                                    : measurements.modes[0].first;
 }
 
 Measurements Measure(const std::vector<std::string>& images,

@@ -46,6 +46,9 @@ struct Measurements {
   std::vector<RejectedImage> left_out;  ///< no photographs, copies
 };
 
+/// How many of the images, the first ones, are as calibrated.
+size_t NumCalibratedImages(const Measurements& measurements);
+
 /// Detects the pattern in images and folders; those that cannot be used are
 /// named on stderr, and the
 /// others are gone on with. Throws Error(kTooFew) if they show another board

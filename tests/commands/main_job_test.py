@@ -272,20 +272,25 @@ class MainJob(CommandTest):
         for k in range(8):
             pixels = read_png(self.path(f"seen/sim{k:04d}.png"))[2]
             folder, shown, size = ("whole", pixels, (320, 240)) if k < 4 else (
-                ("half", self.binned(pixels), (160, 120)) if k < 6 else
+                ("binned two by two: all of the sensor", self.binned(pixels), (160, 120))
+                if k < 6 else
                 ("part", [pixels[320 * y + x] for y in range(200) for x in range(20, 300)],
                  (280, 200)))
             write(self.path(f"{folder}/sim{k:04d}.png"), png(shown, size=size))
-        folders = [self.path(folder) for folder in ("whole", "half", "part")]
+        folders = [self.path(folder) for folder in (
+            "whole", "binned two by two: all of the sensor", "part")]
         common = ("--pattern", board, "--skip-comparison", "--model", "opencv", "--flat-board",
                   "--quiet", "-o", self.path("calibrated"))
-        self.assert_done(run("calibrate", *folders, "--mode", f"{folders[1]}:bin=2", "--mode",
+        self.assert_done(run("calibrate", *folders, "--mode", f"{folders[1]}/:bin=2", "--mode",
                              f"{folders[2]}:crop=20,0,280,200", *common))
         result = json.loads(read(self.path("calibrated/result.json")))
         self.assertEqual(result["image_size"], [320, 240])
         used = read(self.path("calibrated/poses.csv")).decode()
         for image in ("sim0001.png", "sim0005.png", "sim0007.png"):  # one of each mode
             self.assertIn(image, used)
+        # What the report draws over images lies in calibrated pixels.
+        shown = json.loads(read(self.path("calibrated/thumbnails.json")))["images"]
+        self.assertEqual(sorted(shown), [f"sim{k:04d}.png" for k in range(4)])
         self.assertLess(result["training"]["median_px"], 0.1)
         # A mode that is told wrong does not fit.
         for mode, words in ((f"{folders[1]}:bin=3", ("160 x 120", "106 x 80")),
