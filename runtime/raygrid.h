@@ -257,6 +257,8 @@ typedef struct rg_view {
   int32_t cx_q16, cy_q16;
   int32_t rotation_q30[9]; /* a direction in axes of the view to one in camera
                               axes, row by row */
+  uint8_t
+      distorts; /* 1: the table makes frames of the camera out of the view */
 } rg_view;
 
 /* The view of the table in use; RG_ERR_NO_REMAP if there is none. */

@@ -60,14 +60,16 @@ void RequireSize(const std::string& path, const ImageSize& size,
 }
 
 // By the table of a blob.
-ImageMapper Undistortion(BlobCamera blob, const VirtualView& view,
-                         uint32_t remap_index) {
+ImageMapper ByTable(BlobCamera blob, const VirtualView& view,
+                    uint32_t remap_index) {
   const auto camera = std::make_shared<BlobCamera>(std::move(blob));
   return {view, [=](const std::string& path, const Image& image) {
             RequireSize(path, image.size, camera->FrameSize(remap_index),
                         "the table takes",
-                        "use images of that size, or say with --mode how "
-                        "these lie in the calibrated ones");
+                        camera->Distorts(remap_index)
+                            ? "use pictures of its view"
+                            : "use images of that size, or say with --mode how "
+                              "these lie in the calibrated ones");
             return camera->Undistort(image, 0, remap_index);
           }};
 }
@@ -85,12 +87,15 @@ ImageMapper Distortion(const CameraModel& camera, const VirtualView& view,
           }};
 }
 
-void RequireReversible(const UndistortArguments& arguments,
-                       const CameraModel& camera) {
+void RequireNoFrames(const UndistortArguments& arguments) {
   if (!arguments.frames.empty())
     throw Error(ExitCode::kUsage,
                 "--frames: raw frames are those of the camera, which --reverse "
                 "makes; leave one of them out");
+}
+
+void RequireCentral(const UndistortArguments& arguments,
+                    const CameraModel& camera) {
   if (!camera.IsCentral())
     throw Error(ExitCode::kUsage,
                 fmt::format("{}: --reverse: its pixels look along lines that "
@@ -127,21 +132,37 @@ uint32_t FindTable(const BlobCamera& blob,
              : blob.FindTableOfMode(arguments.mode).value_or(RG_NO_TABLE);
 }
 
+// A table that distorts would spoil an image of the camera, and be told of as
+// if it were undistorted.
+void RequireDirection(const UndistortArguments& arguments, uint32_t table,
+                      bool distorts) {
+  if (distorts && !arguments.is_reverse)
+    throw Error(ExitCode::kUsage,
+                fmt::format("{}: table {} distorts pictures of its view; add "
+                            "--reverse for those, or choose another with "
+                            "--remap-index",
+                            arguments.camera, table));
+}
+
 // By the blob itself, if it has a table and no other view is asked for.
 ImageMapper Prepare(const UndistortArguments& arguments,
                     const CommonOptions& common) {
   const ViewRequest request = ParseViewOptions(arguments.view);
   CameraInput input = ReadCamera(arguments.camera);
   if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
-  if (arguments.is_reverse) RequireReversible(arguments, *input.file.camera);
+  if (arguments.is_reverse) RequireNoFrames(arguments);
   const bool has_table =
       input.blob && input.blob->has_remap() && !AsksForAView(arguments);
   const std::optional<SensorMode> mode = FindMode(arguments, input);
-  if (has_table && !arguments.is_reverse) {
+  if (has_table) {
     const uint32_t table = FindTable(*input.blob, arguments);
     const VirtualView view = input.blob->ViewOfRemap(table);
-    return Undistortion(*std::move(input.blob), view, table);
+    const bool distorts = input.blob->Distorts(table);
+    RequireDirection(arguments, table, distorts);
+    if (distorts == arguments.is_reverse)
+      return ByTable(*std::move(input.blob), view, table);
   }
+  if (arguments.is_reverse) RequireCentral(arguments, *input.file.camera);
   if (!input.blob) TurnIntoCameraFrame(&input.file);
   const CameraModel& camera = *input.file.camera;
   const VirtualView view =
@@ -155,7 +176,7 @@ ImageMapper Prepare(const UndistortArguments& arguments,
   options.remaps.emplace_back(view, mode);
   options.max_error_px = arguments.max_error_px;
   options.num_threads = common.threads;
-  return Undistortion(
+  return ByTable(
       BlobCamera("packed camera", PackCamera(input.file, options).blob), view,
       0);
 }

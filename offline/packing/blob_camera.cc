@@ -190,6 +190,12 @@ ImageSize BlobCamera::FrameSize(uint32_t remap_index) const {
   return {camera.frame_width, camera.frame_height};
 }
 
+bool BlobCamera::Distorts(uint32_t remap_index) const {
+  rg_remap_section remap;
+  rg_read_remap(WithTable(remap_index).remap, &remap);
+  return remap.direction == RG_DISTORT;
+}
+
 std::vector<SensorMode> BlobCamera::Modes() const {
   std::vector<SensorMode> modes;
   for (uint32_t k = 0; k < rg_blob_num_modes(&blob_); ++k) {

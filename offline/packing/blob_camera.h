@@ -55,10 +55,12 @@ class BlobCamera {
   /// The cells that the blob calls valid; nothing if it has no mask.
   std::optional<TrustMask> Trusted() const;
 
-  /// The view of a remap table, and the size of the frames that it takes. Throw
-  /// Error(kBlob) if there is none of that number.
+  /// The view of a remap table, the size of what it takes, and its direction.
+  /// Throw Error(kBlob) if there is none of that number.
   VirtualView ViewOfRemap(uint32_t remap_index) const;
   ImageSize FrameSize(uint32_t remap_index) const;
+  /// Whether a table makes images of the camera out of pictures of the view.
+  bool Distorts(uint32_t remap_index) const;
 
   /// The sensor modes that tables may be of.
   std::vector<SensorMode> Modes() const;

@@ -103,8 +103,8 @@ rg_status rg_remap_view(const rg_camera* camera, rg_view* view) {
   const int has_view = rg_has_view(section);
   view->projection = RG_PROJECTION_PINHOLE;
   if (has_view) view->projection = (rg_projection)section[RG_VIEW_PROJECTION];
-  if (rg_distorts(section, UINT32_MAX))
-    rg_frame_size(camera, &view->width, &view->height);
+  view->distorts = (uint8_t)rg_distorts(section, UINT32_MAX);
+  if (view->distorts) rg_frame_size(camera, &view->width, &view->height);
   view->fx_q16 = rg_load_u32(section + RG_REMAP_FX);
   view->fy_q16 = rg_load_u32(section + RG_REMAP_FY);
   view->cx_q16 = rg_load_i32(section + RG_REMAP_CX);

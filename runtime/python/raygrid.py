@@ -88,7 +88,7 @@ class _View(ctypes.Structure):
     _fields_ = [("width", ctypes.c_uint16), ("height", ctypes.c_uint16),
                 ("projection", ctypes.c_int), ("fx", ctypes.c_uint32), ("fy", ctypes.c_uint32),
                 ("cx", ctypes.c_int32), ("cy", ctypes.c_int32),
-                ("rotation", ctypes.c_int32 * 9)]
+                ("rotation", ctypes.c_int32 * 9), ("distorts", ctypes.c_uint8)]
 
 
 class _Mode(ctypes.Structure):
@@ -109,7 +109,8 @@ class Mode(NamedTuple):
 
 class View(NamedTuple):
     """The virtual camera of an undistorted image, in pixels: one of PROJECTIONS; the rotation turns
-    directions in axes of the view to camera axes, row by row."""
+    directions in axes of the view to camera axes, row by row. A table that distorts makes frames of
+    the camera out of the view."""
     projection: str
     width: int
     height: int
@@ -118,6 +119,7 @@ class View(NamedTuple):
     cx: float
     cy: float
     rotation: tuple
+    distorts: bool = False
 
     @property
     def K(self):
@@ -333,7 +335,7 @@ class Camera:
         numbers = [value / Q30 for value in view.rotation]
         return View(PROJECTIONS[view.projection], view.width, view.height, view.fx / Q16,
                     view.fy / Q16, view.cx / Q16, view.cy / Q16,
-                    tuple(tuple(numbers[k:k + 3]) for k in (0, 3, 6)))
+                    tuple(tuple(numbers[k:k + 3]) for k in (0, 3, 6)), bool(view.distorts))
 
     def undistort_points(self, points):
         """Positions of pixels in the undistorted image; None for those that have no place there."""

@@ -91,8 +91,17 @@ class Modes(CommandTest):
         self.assertEqual([table["size"] for table in told], [[200, 150]] * 2)
         self.assert_done(run("undistort", blob, self.path("in/whole.png"), "-o",
                              self.path("there")))
-        self.assert_done(run("undistort", blob, self.path("there/whole.png"), "--remap-index", 1,
-                             "-o", self.path("back")))
+        back = ("undistort", blob, self.path("there/whole.png"), "-o", self.path("back"))
+        self.assert_refused(run(*back, "--remap-index", 1), 1, "distorts", "--reverse")
+        self.assert_refused(run("undistort", blob, self.path("in/whole.png"), "--remap-index", 1,
+                                "--reverse", "-o", self.path("back")), 8, "200 x 150",
+                            "pictures of its view")
+        self.assert_done(run(*back, "--remap-index", 1, "--reverse"))
+        # The table of the other direction says the view, and each pixel is found exactly.
+        self.assert_done(run(*back[:-1], self.path("exact"), "--reverse"))
+        table, exact = (self.levels(f"{name}/whole.png") for name in ("back", "exact"))
+        middle = [k for k in range(160 * 120) if 40 < k % 160 < 120 and 30 < k // 160 < 90]
+        self.assertLess(max(abs(table[k] - exact[k]) for k in middle), 3)
         before, after = self.levels("in/whole.png"), self.levels("back/whole.png")
         inside = [k for k in range(160 * 120) if 20 < k % 160 < 140 and 15 < k // 160 < 105]
         self.assertLess(max(abs(before[k] - after[k]) for k in inside), 3)

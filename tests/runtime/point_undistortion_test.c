@@ -168,6 +168,7 @@ static void view_is_told(void** state) {
   assert_true(view.width == 120 && view.height == 90);
   assert_true(view.fx_q16 == 24u << 16 && view.fy_q16 == 24u << 16);
   assert_true(view.cx_q16 == 119 << 15 && view.cy_q16 == 89 << 15);
+  assert_int_equal(view.distorts, 0);
   for (int k = 0; k < 9; ++k)
     assert_int_equal(view.rotation_q30[k], k % 4 == 0 ? 1 << 30 : 0);
 
@@ -181,6 +182,26 @@ static void view_is_told(void** state) {
   /* Rolled by -90 degrees: what is to the right in the view is above. */
   const int32_t rolled[9] = {0, 1 << 30, 0, -(1 << 30), 0, 0, 0, 0, 1 << 30};
   assert_memory_equal(view.rotation_q30, rolled, sizeof(rolled));
+}
+
+/* The view of a table that distorts is its source; its output is the camera's
+ * image. */
+static void view_of_a_table_that_distorts_is_told(void** state) {
+  (void)state;
+  rg_view view;
+  rg_camera modes;
+  uint16_t width, height;
+  assert_int_equal(rg_camera_open(&modes, kModesBlob, sizeof(kModesBlob)),
+                   RG_OK);
+  assert_int_equal(rg_select_remap(&modes, 3), RG_OK);
+  assert_int_equal(rg_remap_view(&modes, &view), RG_OK);
+  assert_true(view.distorts == 1 && view.width == 64 && view.height == 48);
+  rg_frame_size(&modes, &width, &height);
+  assert_true(width == 64 && height == 48);
+  assert_int_equal(rg_remap_size(&modes, &width, &height), RG_OK);
+  assert_true(width == 320 && height == 240);
+  rg_calibrated_size(&modes, &width, &height);
+  assert_true(width == 320 && height == 240);
 }
 
 /* Boards do not look at rotation and projection before they use them. */
@@ -226,6 +247,7 @@ int main(void) {
       cmocka_unit_test(any_virtual_camera_is_safe),
       cmocka_unit_test(points_of_every_view_are_the_golden_ones),
       cmocka_unit_test(view_is_told),
+      cmocka_unit_test(view_of_a_table_that_distorts_is_told),
       cmocka_unit_test(any_view_is_safe),
       cmocka_unit_test(camera_without_a_table_says_so),
   };

@@ -87,6 +87,29 @@ class ModuleTest(unittest.TestCase):
         self.check_undistorted_points(dataclasses.replace(LINES, remap=table),
                                       [(10, 10), (30.5, 20)])
 
+    def test_frames_of_modes_are_told_and_taken(self):
+        modes = make_golden.make_modes(WIDE)
+        camera = open_blob(modes)
+        tables = (modes.remap, *modes.more_remaps)
+        for index, (table, made) in enumerate(zip(tables, make_golden.MODE_VIEWS)):
+            camera.select_remap(index)
+            self.assertEqual((camera.width, camera.height), (320, 240))
+            self.assertEqual(camera.frame_size(), table.view.source)
+            self.assertEqual(camera.view().distorts, made.distorts)
+            mode = camera.mode()
+            if made.mode:
+                stored = modes.modes[made.mode - 1]
+                self.assertEqual((mode.width, mode.height), (stored.width, stored.height))
+                self.assertEqual(mode.offset, tuple(value / 65536 for value in stored.offset))
+                self.assertEqual(mode.scale, tuple(value / 65536 for value in stored.scale))
+                self.assertEqual(mode.flips, tuple(map(bool, stored.flips)))
+            else:
+                self.assertEqual(mode, (320, 240, (0, 0), (1, 1), (False, False)))
+            frame = make_golden.make_frame(*table.view.source)
+            one = dataclasses.replace(modes, remap=table, more_remaps=())
+            self.assertEqual(camera.undistort(frame, border_values=(make_golden.BORDER,) * 4),
+                             bytes(reference.remap_grey(one, frame, make_golden.BORDER)))
+
     def test_views_are_told(self):
         camera = open_blob(LENS)
         remap, view = LENS.remap, camera.view()

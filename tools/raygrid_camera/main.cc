@@ -39,6 +39,12 @@ Blob OpenBlob(const CameraArguments& arguments) {
     throw CameraError(CameraExit::kBlob,
                       arguments.blob + ": has no remap table " +
                           std::to_string(table) + "; pack it with --remap");
+  rg_view view;
+  if (rg_remap_view(&blob.camera, &view) == RG_OK && view.distorts)
+    throw CameraError(CameraExit::kBlob,
+                      arguments.blob + ": table " + std::to_string(table) +
+                          " distorts pictures of the view; choose one that "
+                          "undistorts frames with --table");
   return blob;
 }
 
