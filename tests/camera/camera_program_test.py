@@ -34,6 +34,10 @@ class CameraProgram(unittest.TestCase):
                 ("simulate", "--images", 1, "--lens", "wide", "--size", "160x120", "-o", "scene"),
                 ("pack", "scene/true_camera.yaml", "-o", "flat.raygrid", "--remap",
                  "160x120,hfov=80"),
+                ("pack", "scene/true_camera.yaml", "-o", "modes.raygrid", "--remap",
+                 "160x120,hfov=80,center=79.5,59.5", "--mode", "part:crop=20,10,80,60"),
+                ("pack", "scene/true_camera.yaml", "-o", "distorting.raygrid", "--remap",
+                 "160x120,hfov=80,direction=distort", "--max-error-px", 2),
                 ("pack", "scene/true_camera.yaml", "-o", "rays.raygrid")):
             subprocess.run([programs.raygrid, *map(str, command)], cwd=cls.folder, check=True,
                            stdout=subprocess.DEVNULL)
@@ -117,6 +121,27 @@ class CameraProgram(unittest.TestCase):
         self.assertEqual(process.returncode, 0)
         self.assertEqual(self.frames_in("raw"), [self.expected[i % COUNT] for i in range(20)])
         self.assertIn(b"20 taken, 0 dropped", process.stderr.read())
+
+    def undistorted(self, blob, table, frame, size):
+        """Brightness of a grey YUYV frame that rises to the right and downwards."""
+        self.write("rising.yuyv", bytes(value for y, x in frame for value in (40 + x + y // 3, 128)))
+        result = self.run_program(blob, "--table", table, "--from", "rising.yuyv", "--format",
+                                  "YUYV", "--size", size, "--frames", 1, "--every-frame", "-o",
+                                  "-", "--quiet")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(len(result.stdout), FRAME_SIZE)
+        return result.stdout[::2]
+
+    def test_a_table_of_a_mode_takes_the_modes_frames(self):
+        whole = self.undistorted("modes.raygrid", 0, [(y, x) for y in range(HEIGHT)
+                                                      for x in range(WIDTH)], "160x120")
+        part = self.undistorted("modes.raygrid", 1, [(y, x) for y in range(10, 70)
+                                                     for x in range(20, 100)], "80x60")
+        seen = [(a, b) for a, b in zip(whole, part) if b >= 40]  # else border
+        self.assertGreater(len(seen), 2000)
+        self.assertLess(max(abs(a - b) for a, b in seen), 3)
+        self.assert_fails(8, "modes.raygrid", "--table", 1, "--from", "frames.yuyv", "--format",
+                          "YUYV", "--size", "160x120", words=["80x60", "pack --mode"])
 
     def test_a_pipe_holds_the_same_planes(self):
         process = self.start("--frames", 20, "--every-frame", "--fps", 1000, "-o", "-")
@@ -216,6 +241,8 @@ class CameraProgram(unittest.TestCase):
         self.assert_fails(8, "empty.raygrid", *recording)
         self.assert_fails(8, "rays.raygrid", *recording, words=["--remap"])
         self.assert_fails(8, "flat.raygrid", "--table", 1, *recording, words=["--remap"])
+        self.assert_fails(8, "distorting.raygrid", *recording,
+                          words=["table 0 distorts", "--table"])
         self.assert_fails(2, "missing.raygrid", *recording)
         self.assert_fails(8, "flat.raygrid", *recording, "--size", "80x60",
                           words=["160x120", "80x60", "--list"])

@@ -134,23 +134,29 @@ std::optional<FrameInfo> WaitForFrame(const CameraArguments& arguments,
   return std::nullopt;
 }
 
-// Selects the blob's table for frames as the first one shows; leaves the one in
-// use where there is none. The source is running then.
-void SelectTable(const CameraArguments& arguments, FrameSource* source,
-                 rg_camera* camera) {
-  source->Start();
-  const auto info = WaitForFrame(arguments, source);
-  if (!info) return;
-  const uint32_t table = FindTable(*camera, source->format(),
-                                   arguments.calibrated_crop, info->crop);
+// Whether the first frame is to say which of the blob's tables is used.
+bool IsTableOpen(const CameraArguments& arguments, const FrameSource& source,
+                 const rg_camera& camera) {
+  return !arguments.table && source.tells_crops() && HasTablesOfModes(camera);
+}
+
+// Selects the blob's table for frames as this one; leaves the one in use where
+// there is none.
+void SelectTable(const CameraArguments& arguments, const FrameSource& source,
+                 const FrameInfo& info, rg_camera* camera) {
+  const uint32_t table =
+      FindTable(*camera, source.format(), arguments.calibrated_crop, info.crop);
   if (table != RG_NO_TABLE) rg_select_remap(camera, table);
 }
 
 void StreamFrames(const CameraArguments& arguments, rg_camera camera,
                   FrameSource* source) {
-  const bool is_table_open =
-      !arguments.table && source->tells_crops() && HasTablesOfModes(camera);
-  if (is_table_open) SelectTable(arguments, source, &camera);
+  const bool is_table_open = IsTableOpen(arguments, *source, camera);
+  if (is_table_open) {
+    source->Start();
+    if (const auto info = WaitForFrame(arguments, source))
+      SelectTable(arguments, *source, *info, &camera);
+  }
   StreamGuard guard(camera, source->format(), StreamGuard::Use::kFrames,
                     arguments.serial, arguments.calibrated_crop);
   guard.Check({});  // before anything is made
@@ -170,15 +176,20 @@ void StreamFrames(const CameraArguments& arguments, rg_camera camera,
   if (const auto fault = undistorter.fault()) throw *fault;
 }
 
-// The mode of a frame as the camera gives it.
-std::optional<rg_mode> FindMode(const CameraArguments& arguments,
-                                const rg_camera& camera, FrameSource* source) {
+// Positions in frames as the camera gives them, in the view that those frames
+// are undistorted to.
+void StreamPoints(const CameraArguments& arguments, rg_camera camera,
+                  FrameSource* source) {
   StreamGuard guard(camera, source->format(), StreamGuard::Use::kPositions,
                     arguments.serial, arguments.calibrated_crop);
   source->Start();
-  if (const auto info = WaitForFrame(arguments, source)) guard.Check(*info);
+  if (const auto info = WaitForFrame(arguments, source)) {
+    guard.Check(*info);
+    if (IsTableOpen(arguments, *source, camera))
+      SelectTable(arguments, *source, *info, &camera);
+  }
   source->Stop();
-  return guard.mode();
+  UndistortPoints(camera, guard.mode(), arguments.points, stdout, IsSignalled);
 }
 
 }  // namespace
@@ -200,8 +211,7 @@ bool IsSignalled() { return is_signalled != 0; }
 void RunCameraSession(const CameraArguments& arguments, const rg_camera& camera,
                       FrameSource* source) {
   if (arguments.points.empty()) return StreamFrames(arguments, camera, source);
-  const auto mode = FindMode(arguments, camera, source);
-  UndistortPoints(camera, mode, arguments.points, stdout, IsSignalled);
+  StreamPoints(arguments, camera, source);
 }
 
 }  // namespace raygrid
