@@ -24,7 +24,7 @@ std::optional<double> Along(const ObservationLine& line,
 
 std::optional<Eigen::Vector3d> CameraOfScene::Unproject(
     const Eigen::Vector2d& pixel) const {
-  const auto line = lines_->Line(pixel);
+  const auto line = camera().Line(pixel);
   const auto t = line ? Along(*line, scene_) : std::nullopt;
   if (!t) return std::nullopt;
   return (line->origin + *t * line->direction).normalized();
@@ -44,7 +44,7 @@ std::optional<Eigen::Vector2d> CameraOfScene::Project(
     double margin_px) const {
   const auto reach = Reach(direction);
   if (!reach) return std::nullopt;
-  return lines_->Project(*reach * direction, start, margin_px);
+  return camera().Project(*reach * direction, start, margin_px);
 }
 
 bool CameraOfScene::Linearize(const Eigen::Vector3d& direction,
@@ -52,7 +52,7 @@ bool CameraOfScene::Linearize(const Eigen::Vector3d& direction,
                               LinearizedProjection* projection) const {
   const auto reach = Reach(direction);
   if (!reach ||
-      !lines_->Linearize(*reach * direction, start, margin_px, projection))
+      !camera().Linearize(*reach * direction, start, margin_px, projection))
     return false;
   // The surface's point moves as the direction does, less what leads off it.
   const Eigen::Vector3d unit = direction.normalized();
@@ -63,8 +63,7 @@ bool CameraOfScene::Linearize(const Eigen::Vector3d& direction,
   const Eigen::Matrix3d by_direction =
       *reach * (Eigen::Matrix3d::Identity() - direction * off);
   projection->by_point = (projection->by_point * by_direction).eval();
-  projection->num_nodes = 0;
-  projection->num_global = 0;
+  ForgetParameters(projection);
   return true;
 }
 

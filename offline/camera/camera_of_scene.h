@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "camera/camera_model.h"
+#include "camera/camera_wrapper.h"
 
 namespace raygrid {
 
@@ -18,20 +18,18 @@ struct SceneSurface {
 
 /// The central camera at the origin that shows what a camera of lines shows of
 /// a scene on a surface: a pixel looks at the point there that its line passes
-/// through. It has no parameters of its own.
-class CameraOfScene : public CameraModel {
+/// through.
+class CameraOfScene : public CameraWrapper {
  public:
   CameraOfScene(const CameraModel& lines, const SceneSurface& scene)
-      : CameraModel(lines.image_size(), lines.area()),
-        lines_(lines.Clone()),
-        scene_(scene) {}
+      : CameraWrapper(lines, lines.image_size(), lines.area()), scene_(scene) {}
   CameraOfScene(const CameraModel& lines, double distance_m)
       : CameraOfScene(lines, SceneSurface{distance_m, std::nullopt}) {}
 
-  std::string Name() const override { return lines_->Name(); }
   std::unique_ptr<CameraModel> Clone() const override {
-    return std::make_unique<CameraOfScene>(*lines_, scene_);
+    return std::make_unique<CameraOfScene>(camera(), scene_);
   }
+  bool IsCentral() const override { return true; }
   /// Nothing, too, for a line that does not meet the surface.
   std::optional<Eigen::Vector3d> Unproject(
       const Eigen::Vector2d& pixel) const override;
@@ -42,14 +40,11 @@ class CameraOfScene : public CameraModel {
   bool Linearize(const Eigen::Vector3d& direction, const Eigen::Vector2d* start,
                  double margin_px,
                  LinearizedProjection* projection) const override;
-  Eigen::VectorXd Parameters() const override { return {}; }
-  void SetParameters(const Eigen::VectorXd&) override {}
 
  private:
   // The direction times this is a point of the surface.
   std::optional<double> Reach(const Eigen::Vector3d& direction) const;
 
-  std::unique_ptr<CameraModel> lines_;
   SceneSurface scene_;
 };
 

@@ -33,20 +33,19 @@ Eigen::Vector2d SensorMode::FromCalibrated(const Eigen::Vector2d& pixel) const {
 }
 
 ModeCamera::ModeCamera(const CameraModel& camera, const SensorMode& mode)
-    : CameraModel(mode.size, AreaInMode(camera.area(), mode)),
-      camera_(camera.Clone()),
+    : CameraWrapper(camera, mode.size, AreaInMode(camera.area(), mode)),
       mode_(mode) {}
 
 std::optional<Eigen::Vector3d> ModeCamera::Unproject(
     const Eigen::Vector2d& pixel) const {
   if (!area().Contains(pixel)) return std::nullopt;
-  return camera_->Unproject(mode_.ToCalibrated(pixel));
+  return camera().Unproject(mode_.ToCalibrated(pixel));
 }
 
 std::optional<ObservationLine> ModeCamera::Line(
     const Eigen::Vector2d& pixel) const {
   if (!area().Contains(pixel)) return std::nullopt;
-  return camera_->Line(mode_.ToCalibrated(pixel));
+  return camera().Line(mode_.ToCalibrated(pixel));
 }
 
 std::optional<Eigen::Vector2d> ModeCamera::Project(const Eigen::Vector3d& point,
@@ -55,7 +54,7 @@ std::optional<Eigen::Vector2d> ModeCamera::Project(const Eigen::Vector3d& point,
   const Eigen::Vector2d calibrated_start =
       start ? mode_.ToCalibrated(*start) : Eigen::Vector2d::Zero();
   const auto calibrated =
-      camera_->Project(point, start ? &calibrated_start : nullptr,
+      camera().Project(point, start ? &calibrated_start : nullptr,
                        margin_px * mode_.scale.maxCoeff());
   if (!calibrated) return std::nullopt;
   const Eigen::Vector2d pixel = mode_.FromCalibrated(*calibrated);
@@ -68,7 +67,7 @@ bool ModeCamera::Linearize(const Eigen::Vector3d& point,
                            LinearizedProjection* projection) const {
   const Eigen::Vector2d calibrated_start =
       start ? mode_.ToCalibrated(*start) : Eigen::Vector2d::Zero();
-  if (!camera_->Linearize(point, start ? &calibrated_start : nullptr,
+  if (!camera().Linearize(point, start ? &calibrated_start : nullptr,
                           margin_px * mode_.scale.maxCoeff(), projection))
     return false;
   const Eigen::Vector2d signed_scale = mode_.scale.cwiseProduct(
@@ -76,8 +75,7 @@ bool ModeCamera::Linearize(const Eigen::Vector3d& point,
   projection->pixel = mode_.FromCalibrated(projection->pixel);
   projection->by_point =
       (signed_scale.cwiseInverse().asDiagonal() * projection->by_point).eval();
-  projection->num_nodes = 0;
-  projection->num_global = 0;
+  ForgetParameters(projection);
   return area().Contains(projection->pixel, margin_px);
 }
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "camera/camera_model.h"
+#include "camera/camera_wrapper.h"
 
 namespace raygrid {
 
@@ -26,18 +26,15 @@ struct SensorMode {
   Eigen::Vector2d FromCalibrated(const Eigen::Vector2d& pixel) const;
 };
 
-/// A camera as frames of another mode show it: exactly the same lines, for
-/// measuring and fitting. It has no parameters of its own.
-class ModeCamera : public CameraModel {
+/// A camera as frames of another mode show it: exactly the same lines.
+class ModeCamera : public CameraWrapper {
  public:
   /// The mode's frames show a part of the calibrated area.
   ModeCamera(const CameraModel& camera, const SensorMode& mode);
 
-  std::string Name() const override { return camera_->Name(); }
   std::unique_ptr<CameraModel> Clone() const override {
-    return std::make_unique<ModeCamera>(*camera_, mode_);
+    return std::make_unique<ModeCamera>(camera(), mode_);
   }
-  bool IsCentral() const override { return camera_->IsCentral(); }
   std::optional<Eigen::Vector3d> Unproject(
       const Eigen::Vector2d& pixel) const override;
   std::optional<ObservationLine> Line(
@@ -49,11 +46,8 @@ class ModeCamera : public CameraModel {
   bool Linearize(const Eigen::Vector3d& point, const Eigen::Vector2d* start,
                  double margin_px,
                  LinearizedProjection* projection) const override;
-  Eigen::VectorXd Parameters() const override { return {}; }
-  void SetParameters(const Eigen::VectorXd&) override {}
 
  private:
-  std::unique_ptr<CameraModel> camera_;
   SensorMode mode_;
 };
 

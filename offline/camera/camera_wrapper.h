@@ -1,0 +1,39 @@
+#ifndef RAYGRID_CAMERA_CAMERA_WRAPPER_H
+#define RAYGRID_CAMERA_CAMERA_WRAPPER_H
+
+#include <memory>
+#include <string>
+
+#include "camera/camera_model.h"
+
+namespace raygrid {
+
+/// Another camera's lines, seen in some other way, for measuring and fitting.
+/// It has no parameters of its own.
+class CameraWrapper : public CameraModel {
+ public:
+  std::string Name() const override { return camera_->Name(); }
+  bool IsCentral() const override { return camera_->IsCentral(); }
+  Eigen::VectorXd Parameters() const override { return {}; }
+  void SetParameters(const Eigen::VectorXd&) override {}
+
+ protected:
+  CameraWrapper(const CameraModel& camera, const ImageSize& image_size,
+                const Area& area)
+      : CameraModel(image_size, area), camera_(camera.Clone()) {}
+
+  const CameraModel& camera() const { return *camera_; }
+
+  /// Takes the other camera's parameters out of its linearized projection.
+  static void ForgetParameters(LinearizedProjection* projection) {
+    projection->num_nodes = 0;
+    projection->num_global = 0;
+  }
+
+ private:
+  std::unique_ptr<CameraModel> camera_;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CAMERA_CAMERA_WRAPPER_H
