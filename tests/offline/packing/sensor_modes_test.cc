@@ -1,32 +1,9 @@
 // Tables for frames of other sensor modes than the calibrated one.
 #include "packed_cameras.h"
+#include "ramp_images.h"
 
 namespace raygrid {
 namespace {
-
-constexpr double kLevelsPerPx = 100;
-
-// A frame whose levels tell where in the calibrated image a pixel lies, along
-// an axis: of 16 bits.
-Image Ramp(const ImageSize& size, int axis) {
-  Image image;
-  image.size = size;
-  image.sample_bytes = 2;
-  for (int y = 0; y < size.height; ++y) {
-    for (int x = 0; x < size.width; ++x) {
-      const auto level =
-          static_cast<uint16_t>(kLevelsPerPx * (1 + (axis == 0 ? x : y)));
-      image.pixels.push_back(static_cast<uint8_t>(level & 255));
-      image.pixels.push_back(static_cast<uint8_t>(level >> 8));
-    }
-  }
-  return image;
-}
-
-double Level(const Image& image, int x, int y) {
-  const size_t at = 2 * (static_cast<size_t>(y) * image.size.width + x);
-  return image.pixels[at] + 256 * image.pixels[at + 1];
-}
 
 // The pixels from (x0, y0) on, as a sensor reads them: in squares of bin
 // pixels, which it averages.
@@ -39,10 +16,8 @@ Image ReadOut(const Image& image, int x0, int y0, const ImageSize& size,
     for (int x = 0; x < size.width; ++x) {
       double sum = 0;
       for (int k = 0; k < bin * bin; ++k)
-        sum += Level(image, x0 + bin * x + k % bin, y0 + bin * y + k / bin);
-      const auto level = static_cast<uint16_t>(std::lround(sum / (bin * bin)));
-      frame.pixels.push_back(static_cast<uint8_t>(level & 255));
-      frame.pixels.push_back(static_cast<uint8_t>(level >> 8));
+        sum += LevelAt(image, x0 + bin * x + k % bin, y0 + bin * y + k / bin);
+      AddLevel(sum / (bin * bin), &frame);
     }
   }
   return frame;
@@ -68,7 +43,7 @@ TEST(SensorModes, FramesOfThreeAreUndistortedThroughOneBlob) {
         MakeViewOfMode(*GenericFile().camera, read.mode, {}), read.mode);
   const PackedCamera packed = PackCamera(GenericFile(), options);
   const BlobCamera blob("packed", packed.blob);
-  const Image ramps[2] = {Ramp({640, 480}, 0), Ramp({640, 480}, 1)};
+  const Image ramps[2] = {RampImage({640, 480}, 0), RampImage({640, 480}, 1)};
   for (size_t k = 0; k < ModesOfExample().size(); ++k) {
     const ReadOutMode read = ModesOfExample()[k];
     const SensorMode& mode = read.mode;
@@ -86,14 +61,11 @@ TEST(SensorModes, FramesOfThreeAreUndistortedThroughOneBlob) {
     int num_pixels = 0;
     for (int y = 0; y < view.size.height; ++y) {
       for (int x = 0; x < view.size.width; ++x) {
-        if (Level(seen[0], x, y) == 0) continue;  // border
-        const Eigen::Vector2d at(Level(seen[0], x, y), Level(seen[1], x, y));
+        const auto at = SourceInRamps(seen, x, y);
+        if (!at) continue;
         const auto source = truth.Project(*view.Direction({x, y}));
         ASSERT_TRUE(source);
-        worst_px = std::max(worst_px,
-                            ((at / kLevelsPerPx).array() - 1 - source->array())
-                                .matrix()
-                                .norm());
+        worst_px = std::max(worst_px, (*at - *source).norm());
         ++num_pixels;
       }
     }
