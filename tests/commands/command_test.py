@@ -65,6 +65,15 @@ class CommandTest(unittest.TestCase):
     def path(cls, name):
         return os.path.join(cls.folder, name)
 
+    @classmethod
+    def simulated_camera(cls, lens, size="160x120"):
+        """The file of a lens that is known exactly."""
+        board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
+        result = run("simulate", "--images", 1, "--lens", lens, "--size", size, "--pattern", board,
+                     "-o", cls.path(f"sim_{lens}"))
+        assert result.returncode == 0, result.stderr
+        return cls.path(f"sim_{lens}/true_camera.yaml")
+
     def assert_done(self, result):
         self.assertEqual(result.returncode, 0, result.stderr)
 

@@ -3,7 +3,7 @@
 import json
 import os
 
-from command_test import CommandTest, SIMULATED_PATTERN, main, run, write
+from command_test import CommandTest, main, run, write
 from images_test import png, read_png
 
 
@@ -16,15 +16,8 @@ class Modes(CommandTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
-        result = run("simulate", "--images", 3, "--lens", "wide", "--size", "160x120",
-                     "--pattern", board, "-o", cls.path("sim"))
-        assert result.returncode == 0, result.stderr
-        cls.camera = cls.path("sim/true_camera.yaml")
-        result = run("simulate", "--images", 1, "--lens", "noncentral", "--size", "320x240",
-                     "--pattern", board, "-o", cls.path("lines"))
-        assert result.returncode == 0, result.stderr
-        cls.lines = cls.path("lines/true_camera.yaml")
+        cls.camera = cls.simulated_camera("wide")
+        cls.lines = cls.simulated_camera("noncentral", "320x240")
         pixels = grey(160, 120)
         write(cls.path("in/whole.png"), png(pixels, size=(160, 120)))
         crop = [pixels[160 * (30 + y) + 40 + x] for y in range(60) for x in range(80)]

@@ -6,7 +6,7 @@ import re
 import struct
 import subprocess
 
-from command_test import CommandTest, SIMULATED_PATTERN, main, programs, read, run, write
+from command_test import CommandTest, main, programs, read, run, write
 from images_test import png, read_png
 
 
@@ -14,11 +14,7 @@ class Sheets(CommandTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
-        result = run("simulate", "--images", 3, "--lens", "wide", "--size", "160x120",
-                     "--pattern", board, "-o", cls.path("sim"))
-        assert result.returncode == 0, result.stderr
-        cls.camera = cls.path("sim/true_camera.yaml")
+        cls.camera = cls.simulated_camera("wide")
         cls.blob = cls.path("front.raygrid")
         result = run("pack", cls.camera, "--remap", "160x120,hfov=60", "--remap",
                      "200x100,projection=cylindrical,hfov=90,rotate=10,0,0", "--max-error-px",

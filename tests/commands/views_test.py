@@ -4,7 +4,7 @@ import json
 import math
 import os
 
-from command_test import CommandTest, SIMULATED_PATTERN, main, read, run, write
+from command_test import CommandTest, main, read, run, write
 from images_test import png, read_png
 
 
@@ -12,11 +12,7 @@ class Views(CommandTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
-        result = run("simulate", "--images", 3, "--lens", "wide", "--size", "160x120",
-                     "--pattern", board, "-o", cls.path("sim"))
-        assert result.returncode == 0, result.stderr
-        cls.camera = cls.path("sim/true_camera.yaml")
+        cls.camera = cls.simulated_camera("wide")
         cls.image = write(cls.path("in/white.png"), png([255] * (160 * 120), size=(160, 120)))
 
     def pack(self, *remaps, output="c.raygrid"):
