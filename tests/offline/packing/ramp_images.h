@@ -32,7 +32,8 @@ inline Image RampImage(const ImageSize& size, int axis) {
   return image;
 }
 
-// Where in the ramps an undistorted pixel is from; nothing if it is border.
+// The source that an undistorted pixel of both ramps tells; nothing if it is
+// border.
 // Levels round x and y to a hundredth of a pixel.
 inline std::optional<Eigen::Vector2d> SourceInRamps(const Image shown[2], int x,
                                                     int y) {
