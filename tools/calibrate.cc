@@ -264,6 +264,13 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
       ->add_option("--cell-px", arguments->cell_px,
                    "largest cell of the grid; auto chooses by held-out error")
       ->capture_default_str();
+  command
+      ->add_option("--area", arguments->area,
+                   "image: the whole image is calibrated, what no feature was "
+                   "seen in by how the lens goes on; features: the rectangle "
+                   "of the features alone")
+      ->check(CLI::IsMember({"image", "features"}))
+      ->capture_default_str();
   AddHoldOut(command,
              "images (of a rig: instants) to evaluate with instead of "
              "calibrating with them (default: cross-validation)",

@@ -462,6 +462,8 @@ CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
   CalibrationOptions options;
   options.model = arguments.model;
   options.cell_px = ParseCellPx(arguments.cell_px);
+  options.area = arguments.area == "features" ? AreaChoice::kFeatures
+                                              : AreaChoice::kWholeImage;
   options.flat_board = arguments.flat_board;
   options.compare_models = !arguments.skip_comparison;
   options.hold_out = arguments.hold_out;
@@ -507,9 +509,9 @@ std::string InputsOf(const CalibrateArguments& arguments,
                              f.row, f.pixel.x(), f.pixel.y()));
     }
   }
-  hash.Add(fmt::format("{} {} {} {} {}", arguments.model, arguments.cell_px,
-                       arguments.flat_board, arguments.measure_once,
-                       common.seed));
+  hash.Add(fmt::format("{} {} {} {} {} {}", arguments.model, arguments.cell_px,
+                       arguments.area, arguments.flat_board,
+                       arguments.measure_once, common.seed));
   for (const std::string& image : arguments.hold_out) hash.Add(image);
   for (const std::string& mode : arguments.modes) hash.Add(mode);
   return hash.Text();

@@ -1,6 +1,7 @@
 #include "adjustment/gaussian_prior.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -148,24 +149,49 @@ std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
   return scales;
 }
 
-// How control points move with focal lengths and centre: displacements x, y, 1
-// across and 1 down in the image.
-Eigen::MatrixXd ByFocalLengthsAndCenter(const BSplineSurface& surface,
-                                        int per_point) {
-  const Area& area = surface.area();
-  const Eigen::Vector2d middle((area.x0 + area.x1) / 2,
-                               (area.y0 + area.y1) / 2);
-  Eigen::MatrixXd directions =
-      Eigen::MatrixXd::Zero(per_point * surface.num_points(), 4);
+// How far the parameters of a lens move the image: focal lengths, centre, and
+// radial distortion.
+struct LensDisplacements {
+  static constexpr int kCentral = 4, kRadial = 3, kCount = kCentral + kRadial;
+
+  // Displacements x, y, 1 across and 1 down, then along the radius by its third
+  // power, and its fifth and seventh, a pixel in the area's corners.
+  static Eigen::Matrix<double, 2, kCount> At(const Area& area,
+                                             const Eigen::Vector2d& pixel) {
+    const Eigen::Vector2d offset = (pixel - area.center()) / area.width();
+    const Eigen::Vector2d to_corner =
+        (pixel - area.center()) * 2 / std::hypot(area.width(), area.height());
+    Eigen::Matrix<double, 2, kCount> displacements;
+    displacements.leftCols<kCentral>() << offset.x(), 0, 1, 0,  //
+        0, offset.y(), 0, 1;
+    for (int k = 0; k < kRadial; ++k)
+      displacements.col(kCentral + k) =
+          to_corner * std::pow(to_corner.squaredNorm(), k + 1);
+    return displacements;
+  }
+
+  // Radial distortion is held a hundredth as much as a pixel of the field: so
+  // little holds nothing that features tell, but where they are in a small part
+  // of the image, high orders would move the rest by any number of pixels.
+  static Eigen::VectorXd Holds() {
+    constexpr double kRadialHold = 1e-4;
+    Eigen::VectorXd holds = Eigen::VectorXd::Zero(kCount);
+    holds.tail<kRadial>().setConstant(kRadialHold);
+    return holds;
+  }
+};
+
+// How control points move with each of these.
+Eigen::MatrixXd ByLensDisplacements(const BSplineSurface& surface,
+                                    int per_point) {
+  Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(
+      per_point * surface.num_points(), LensDisplacements::kCount);
   for (int j = 0; j < surface.rows(); ++j) {
     for (int i = 0; i < surface.columns(); ++i) {
       const Eigen::Vector2d pixel = ControlPointPixel(surface, i, j);
-      const Eigen::Vector2d offset = (pixel - middle) / area.width();
-      Eigen::Matrix<double, 2, 4> displacements;
-      displacements << offset.x(), 0, 1, 0,  //
-          0, offset.y(), 0, 1;
       directions.middleRows<2>(per_point * (j * surface.columns() + i)) =
-          ChartDerivative(surface, pixel) * displacements;
+          ChartDerivative(surface, pixel) *
+          LensDisplacements::At(surface.area(), pixel);
     }
   }
   return directions;
@@ -205,7 +231,8 @@ CameraPrior DirectionsPrior(const BSplineSurface& base, int per_point) {
   CameraPrior prior;
   prior.groups = {
       SmoothField(base, {per_point, 0, 2}, PixelsPerChartUnit(base))};
-  prior.groups[0].Free(ByFocalLengthsAndCenter(base, per_point));
+  prior.groups[0].Free(ByLensDisplacements(base, per_point),
+                       LensDisplacements::Holds());
   // The orientation is that of displacements in pixels: in the chart,
   // displacements behind the camera, which nothing is seen of, would outweigh
   // all others. The orientation is as firm as the observations, which have no
@@ -219,12 +246,25 @@ CameraPrior DirectionsPrior(const BSplineSurface& base, int per_point) {
 
 }  // namespace
 
-void PriorGroup::Free(const Eigen::MatrixXd& directions) {
-  const Eigen::MatrixXd product = precision * directions;
-  const Eigen::LLT<Eigen::MatrixXd> square(directions.transpose() * product);
-  // L^-1 D0^T, with D0^T K D0 = L L^T
-  free = square.matrixL().solve(directions.transpose()).transpose();
-  freed = std::sqrt(1 - kHeld * kHeld) * (precision * free);
+void PriorGroup::Free(const Eigen::MatrixXd& directions,
+                      const Eigen::VectorXd& holds) {
+  // K integrated over the directions' factors is
+  // K - K D0 (D0^T K D0 + holds)^-1 D0^T K, and D = D0 L^-T with L L^T between.
+  Eigen::MatrixXd square = directions.transpose() * precision * directions;
+  square.diagonal() += holds;
+  const Eigen::LLT<Eigen::MatrixXd> root(square);
+  free = root.matrixL().solve(directions.transpose()).transpose();
+  // Turned among themselves until D^T K D is diagonal.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> turn(free.transpose() *
+                                                            precision * free);
+  free = free * turn.eigenvectors();
+  const double part = 1 - kHeld * kHeld;
+  freed = std::sqrt(part) * (precision * free);
+  // (I - m K d d^T) b scatters by K - (2 m - m^2 d^T K d) K d d^T K.
+  for (Eigen::Index k = 0; k < free.cols(); ++k) {
+    const double g = std::min(turn.eigenvalues()[k], 1.0);
+    free.col(k) *= (1 - std::sqrt(1 - part * g)) / g / std::sqrt(part);
+  }
   rank -= static_cast<int>(directions.cols());
 }
 
@@ -232,10 +272,7 @@ Eigen::VectorXd WithoutFree(const Eigen::MatrixXd& free,
                             const Eigen::MatrixXd& freed,
                             const Eigen::VectorXd& random) {
   if (free.cols() == 0) return random;
-  // (1 - kHeld) / sqrt(1 - kHeld^2), for R in the place of K D
-  const double factor =
-      std::sqrt((1 - PriorGroup::kHeld) / (1 + PriorGroup::kHeld));
-  return random - factor * (freed * (free.transpose() * random));
+  return random - freed * (free.transpose() * random);
 }
 
 double CameraPrior::Cost(const Eigen::VectorXd& parameters) const {

@@ -11,8 +11,9 @@
 namespace raygrid {
 
 /// Parameters of a camera that scatter alike: K is zero for all others. In a
-/// few directions D, with D^T K D = I, they are as good as free: what counts is
-/// K - R R^T, with R = sqrt(1 - kHeld^2) K D.
+/// few directions D they are as good as free, or hardly held: what counts is
+/// K - R R^T, with R = sqrt(1 - kHeld^2) K D. D^T K D is diagonal: 1 for what
+/// is free, less for what is held a little.
 struct PriorGroup {
   static constexpr double kHeld =
       1e-3;  ///< of a departure, in these directions
@@ -23,11 +24,15 @@ struct PriorGroup {
   /// The weight is at least so many of the residuals' variance, however far the
   /// parameters depart.
   double firmness = 0;
-  Eigen::MatrixXd free;   ///< D; may have no columns
+  /// D, scaled so that (I - R D^T) b has the covariance K - R R^T if the random
+  /// vector b has K; may have no columns.
+  Eigen::MatrixXd free;
   Eigen::MatrixXd freed;  ///< R
 
-  /// Frees the directions that are the columns of a matrix.
-  void Free(const Eigen::MatrixXd& directions);
+  /// Frees the directions that are the columns of a matrix. holds has one
+  /// number a direction: the factor x of a direction costs hold / 2 x^2,
+  /// without the weight; 0 is free.
+  void Free(const Eigen::MatrixXd& directions, const Eigen::VectorXd& holds);
 
   /// (c - c0)^T (K - R R^T) (c - c0), without the weight.
   double SquaredDistance(const Eigen::VectorXd& difference) const {
@@ -37,8 +42,7 @@ struct PriorGroup {
   }
 };
 
-/// Turns a random vector b of covariance K into one of covariance K - R R^T:
-/// (I - (1 - kHeld) K D D^T) b.
+/// Turns a random vector of covariance K into one of covariance K - R R^T.
 Eigen::VectorXd WithoutFree(const Eigen::MatrixXd& free,
                             const Eigen::MatrixXd& freed,
                             const Eigen::VectorXd& random);
@@ -73,8 +77,10 @@ struct GaussianPrior {
 /// differences, across, down and mixed, of the displacement in pixels that
 /// separates the two. Keeps nodes that few observations determine near where
 /// their neighbours and the parametric lens would have them. Focal lengths and
-/// centre are free: those of the parametric lens make up for what it does not
-/// follow. Also holds the camera's orientation, which no observation can see,
+/// centre are free, and radial distortion of orders 3, 5 and 7 nearly so: those
+/// of the parametric lens make up for what it does not follow, and beyond the
+/// outermost features they are no better known than the features tell. Also
+/// holds the camera's orientation, which no observation can see,
 /// to base's.
 CameraPrior SmoothnessPrior(const CentralGeneric& base);
 

@@ -124,8 +124,9 @@ std::vector<double> Calibration::CellsPx() const {
 // ---- Start -----------------------------------------------------------------
 
 void Calibration::StartFromImages(CameraInProgress* camera) const {
-  camera->lens = AdjustStartingLens(camera->split.training, pattern_,
-                                    AdjustmentOptionsOf(options_));
+  camera->lens =
+      AdjustStartingLens(camera->split.training, pattern_,
+                         AdjustmentOptionsOf(options_), options_.area);
 }
 
 void Calibration::Start() {

@@ -43,6 +43,7 @@ struct CalibrationOptions {
   std::string model = "central-generic";  ///< or a parametric one
   double cell_px = 0;                     ///< 0: chosen by held-out error
   bool any_distance = false;              ///< boards may be more than 20 m away
+  AreaChoice area = AreaChoice::kWholeImage;
   bool flat_board = false;  ///< keep the pattern's points as they are given
   /// Images not to calibrate with; of a rig, instants.
   std::vector<std::string> hold_out;

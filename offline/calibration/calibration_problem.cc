@@ -99,16 +99,19 @@ Area FeatureArea(const CalibrationProblem& problem, int camera) {
   Area area = {1e9, 1e9, -1e9, -1e9};
   for (const View& view : problem.views) {
     if (view.camera != camera) continue;
-    for (const Observation& observation : view.observations) {
-      const Eigen::Vector2d& p = observation.pixel;
-      area = {std::min(area.x0, p.x()), std::min(area.y0, p.y()),
-              std::max(area.x1, p.x()), std::max(area.y1, p.y())};
-    }
+    for (const Observation& observation : view.observations)
+      area.Extend(observation.pixel);
   }
   constexpr double kUnit = 65536;
   return {
       std::floor(area.x0 * kUnit) / kUnit, std::floor(area.y0 * kUnit) / kUnit,
       std::ceil(area.x1 * kUnit) / kUnit, std::ceil(area.y1 * kUnit) / kUnit};
+}
+
+Area CalibratedArea(const CalibrationProblem& problem, int camera) {
+  return problem.area == AreaChoice::kFeatures
+             ? FeatureArea(problem, camera)
+             : WholeImage(problem.image_sizes[camera]);
 }
 
 std::vector<PointOnPixel> MatchesOf(

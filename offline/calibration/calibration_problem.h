@@ -15,6 +15,7 @@ namespace raygrid {
 /// The observations as adjustment wants them, and what they came from.
 struct CalibrationProblem {
   std::vector<ImageSize> image_sizes;  ///< of each camera
+  AreaChoice area = AreaChoice::kWholeImage;
   std::vector<View> views;
   std::vector<std::string> images;  ///< of each view
   std::vector<int> boards;          ///< index in the pattern, of each view
@@ -42,6 +43,9 @@ void RemoveViews(const std::vector<bool>& remove, CalibrationProblem* problem);
 /// The rectangle of a camera's features, rounded outwards to what a blob can
 /// say.
 Area FeatureArea(const CalibrationProblem& problem, int camera);
+
+/// The area that a camera is calibrated over.
+Area CalibratedArea(const CalibrationProblem& problem, int camera);
 
 std::vector<PointOnPixel> MatchesOf(const View& view,
                                     const std::vector<Eigen::Vector3d>& points);

@@ -18,9 +18,13 @@ AdjustmentOptions StoppableAdjustment(const CalibrationOptions& options) {
 }
 
 ValidationOptions ValidationOptionsOf(const CalibrationOptions& options) {
-  return {options.model,       options.flat_board,
-          options.num_threads, {},
-          options.should_stop, {}};
+  ValidationOptions validation;
+  validation.model = options.model;
+  validation.area = options.area;
+  validation.flat_board = options.flat_board;
+  validation.num_threads = options.num_threads;
+  validation.should_stop = options.should_stop;
+  return validation;
 }
 
 }  // namespace raygrid

@@ -107,22 +107,63 @@ void AddSides(const CalibrationResult& result, CalibrationFigures* figures) {
   }
 }
 
-// How many poses differ from those before them.
-int CountDifferent(const std::vector<BoardPose>& poses) {
+// A view of a board, and its features in the image, rejected ones too.
+struct SeenBoard {
+  const BoardPose* pose;
+  std::map<std::pair<int, int>, Eigen::Vector2d> pixels;  // by column, row
+};
+
+std::vector<SeenBoard> SeenBoards(const CalibrationResult& result) {
+  std::map<std::pair<std::string, int>, SeenBoard> boards;
+  const auto add = [&](const std::string& image, const Feature& feature) {
+    boards[{image, feature.board}].pixels[{feature.column, feature.row}] =
+        feature.pixel;
+  };
+  for (const ImageFeatures& image : result.features.images)
+    for (const Feature& feature : image.features) add(image.image, feature);
+  for (const FeatureResidual& f : result.rejected_features)
+    add(f.image, {f.board, f.column, f.row, f.pixel});
+  std::vector<SeenBoard> seen;
+  for (const BoardPose& pose : result.poses)
+    seen.push_back({&pose, boards[{pose.image, pose.board}].pixels});
+  return seen;
+}
+
+bool IsPoseAlike(const Pose& a, const Pose& b) {
   constexpr double kAlikeRad = 2 * M_PI / 180, kAlikePart = 0.02;
-  std::vector<const BoardPose*> different;
-  for (const BoardPose& seen : poses) {
-    const Pose& pose = seen.camera_from_board;
-    if (std::none_of(different.begin(), different.end(),
-                     [&](const BoardPose* other) {
-                       const Pose& before = other->camera_from_board;
-                       return other->board == seen.board &&
-                              before.rotation.angularDistance(pose.rotation) <
-                                  kAlikeRad &&
-                              (before.translation - pose.translation).norm() <
-                                  kAlikePart * pose.translation.norm();
-                     }))
-      different.push_back(&seen);
+  return a.rotation.angularDistance(b.rotation) < kAlikeRad &&
+         (a.translation - b.translation).norm() <
+             kAlikePart * b.translation.norm();
+}
+
+// Whether a board stands in the same place of two images. Where all images are
+// alike nothing tells the poses, which may be any.
+bool IsImageAlike(const SeenBoard& a, const SeenBoard& b,
+                  const ImageSize& size) {
+  constexpr double kAlikePart = 0.005;
+  const double alike_px = kAlikePart * std::max(size.width, size.height);
+  bool have_common = false;
+  for (const auto& [place, pixel] : a.pixels) {
+    const auto other = b.pixels.find(place);
+    if (other == b.pixels.end()) continue;
+    if ((other->second - pixel).norm() > alike_px) return false;
+    have_common = true;
+  }
+  return have_common;
+}
+
+// How many views of boards differ from those before them.
+int CountDifferent(const CalibrationResult& result) {
+  std::vector<SeenBoard> different;
+  for (const SeenBoard& seen : SeenBoards(result)) {
+    const auto is_alike = [&](const SeenBoard& before) {
+      return before.pose->board == seen.pose->board &&
+             (IsPoseAlike(before.pose->camera_from_board,
+                          seen.pose->camera_from_board) ||
+              IsImageAlike(before, seen, result.features.image_size));
+    };
+    if (std::none_of(different.begin(), different.end(), is_alike))
+      different.push_back(seen);
   }
   return static_cast<int>(different.size());
 }
@@ -193,6 +234,13 @@ std::optional<double> PixelAspect(const CameraModel& camera) {
   return projection.by_point.row(1).norm() / projection.by_point.row(0).norm();
 }
 
+Area AreaOfFeatures(const Dataset& dataset) {
+  Area area = {1e9, 1e9, -1e9, -1e9};
+  for (const ImageFeatures& image : dataset.images)
+    for (const Feature& feature : image.features) area.Extend(feature.pixel);
+  return area;
+}
+
 CalibrationFigures FiguresOf(const CalibrationResult& result,
                              const std::set<std::string>& images_apart) {
   CalibrationFigures figures;
@@ -200,7 +248,7 @@ CalibrationFigures FiguresOf(const CalibrationResult& result,
   figures.converged = result.converged;
   figures.interrupted = result.checkpoint.has_value();
   figures.image_size = result.camera.camera->image_size();
-  figures.area = result.camera.camera->area();
+  figures.features_area = AreaOfFeatures(result.features);
   figures.images_used = static_cast<int>(result.features.images.size());
   figures.images_rejected = static_cast<int>(result.rejected_images.size());
   figures.images_with_too_few_features = static_cast<int>(std::count_if(
@@ -211,16 +259,18 @@ CalibrationFigures FiguresOf(const CalibrationResult& result,
   figures.neighbor_correlation = SharedCorrelation(result, images_apart);
   figures.images_apart.assign(images_apart.begin(), images_apart.end());
   figures.two_cameras = result.two_cameras;
-  figures.different_views = CountDifferent(result.poses);
+  figures.different_views = CountDifferent(result);
   const std::vector<Eigen::Vector3d> normals = SeenNormals(result);
   if (normals.size() == result.poses.size()) figures.tilt_rad = TiltOf(normals);
   AddSides(result, &figures);
   figures.fold_over = result.fold_over;
   figures.pixel_aspect = PixelAspect(*result.camera.camera);
   if (const auto& uncertainty = result.camera.uncertainty) {
-    figures.median_deviation_px = uncertainty->lattice.MedianPx();
-    figures.trusted_part =
-        uncertainty->TrustedPart(figures.image_size, figures.area);
+    const Area& area = result.camera.camera->area();
+    const double median_px =
+        uncertainty->lattice.MedianPx(area, figures.features_area);
+    if (std::isfinite(median_px)) figures.median_deviation_px = median_px;
+    figures.trusted_part = uncertainty->TrustedPart(figures.image_size, area);
     figures.trusted_px = uncertainty->max_deviation_px;
   }
   AddWhatWasTried(result, &figures);

@@ -12,8 +12,8 @@ namespace raygrid {
 /// can be trusted: where it is known twice as well as one feature is measured,
 /// or to 0.025 px, what the prior leaves open included, and features were seen
 /// near. Standard deviations are those of noise where it can be trusted, of all
-/// elsewhere. Nothing if the equations are singular or the adjustment ended
-/// before it knew the noise.
+/// elsewhere, and twice that where no features were seen near. Nothing if the
+/// equations are singular or the adjustment ended before it knew the noise.
 std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
                                                int camera, int num_threads);
 

@@ -9,6 +9,8 @@
 namespace raygrid {
 namespace {
 
+constexpr double kMaxAngleRad = 2.28;
+
 double AngleFromAxis(const Eigen::Vector3d& ray) {
   return std::atan2(ray.head<2>().norm(), ray.z());
 }
@@ -16,30 +18,30 @@ double AngleFromAxis(const Eigen::Vector3d& ray) {
 // How a lens goes on beyond an angle.
 class Continuation {
  public:
-  Continuation(const CameraModel& lens, double max_angle_rad)
-      : lens_(lens), max_angle_rad_(std::min(max_angle_rad, kLargest - kStep)) {
-    center_ = lens.Project({0, 0, 1});
-  }
+  explicit Continuation(const CameraModel& lens)
+      : lens_(lens), center_(lens.Project({0, 0, 1})) {}
 
   std::optional<Eigen::Vector3d> Direction(const Eigen::Vector2d& pixel) const {
     if (!center_) return std::nullopt;
     const Eigen::Vector2d side = pixel - *center_;
-    // From where the lens ends on this side; if it ends long before, it is not
-    // known how it goes on.
-    double end = max_angle_rad_;
-    while (end > kMinPart * max_angle_rad_ && !RadiusPx(end, side))
-      end -= kStep;
+    // From where the lens ends on this side.
+    double end = kMaxAngleRad;
+    while (end > kStep && !RadiusPx(end, side)) end -= kStep;
     const auto radius = RadiusPx(end, side);
     const auto before = RadiusPx(end - kStep, side);
     if (!radius || !before || !(*radius > *before) || side.norm() < *radius)
       return std::nullopt;
-    const double slope = kStep / (*radius - *before), room = kLargest - end;
+    // The slope tends to infinity where a lens is about to fold.
+    const double slope =
+        std::min(kStep / (*radius - *before), kMaxSlope * end / *radius);
+    const double room = kLargest - end;
     const double beyond = slope * (side.norm() - *radius);
     return At(end - room * std::expm1(-beyond / room), side);
   }
 
  private:
-  static constexpr double kStep = 0.02, kMinPart = 0.9, kLargest = 2.3;
+  static constexpr double kStep = 0.02, kLargest = kMaxAngleRad + kStep;
+  static constexpr double kMaxSlope = 2;  // of the mean one as far as the end
 
   // The direction at an angle from the axis, to the side of an offset from the
   // centre in the image.
@@ -58,22 +60,21 @@ class Continuation {
   }
 
   const CameraModel& lens_;
-  double max_angle_rad_;
   std::optional<Eigen::Vector2d> center_;
 };
 
 }  // namespace
 
-CentralGeneric FitContinuedLens(const CameraModel& lens, double max_angle_rad,
-                                const Area& area, int columns, int rows) {
+CentralGeneric FitContinuedLens(const CameraModel& lens, const Area& area,
+                                int columns, int rows) {
   constexpr int kSamplesPerCell = 4;
   constexpr double kContinuedWeight = 1e-4;
-  const Continuation continuation(lens, max_angle_rad);
+  const Continuation continuation(lens);
   std::vector<SurfaceSample> samples;
   for (const Eigen::Vector2d& pixel :
        BSplineSurface(area, columns, rows).SamplePixels(kSamplesPerCell)) {
     const auto ray = lens.Unproject(pixel);
-    if (ray && AngleFromAxis(*ray) <= max_angle_rad)
+    if (ray && AngleFromAxis(*ray) <= kMaxAngleRad)
       samples.push_back({pixel, ToChart(*ray)});
     else if (const auto continued = continuation.Direction(pixel))
       samples.push_back({pixel, ToChart(*continued), kContinuedWeight});

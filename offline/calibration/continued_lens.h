@@ -5,13 +5,13 @@
 
 namespace raygrid {
 
-/// A grid over an area, closest to a lens as far as max_angle_rad from its
-/// axis. Farther out, as in the corners around a fisheye's image circle, there
-/// is nothing to see and a polynomial goes astray: the grid goes on smoothly
-/// there, drawn towards where the lens would with the slope that it ends with,
-/// which fades away towards 132 degrees.
-CentralGeneric FitContinuedLens(const CameraModel& lens, double max_angle_rad,
-                                const Area& area, int columns, int rows);
+/// A grid over an area, closest to a lens as far as it has directions, up to
+/// 130 degrees from its axis. Farther out, as in the corners around a fisheye's
+/// image circle, there is nothing to see and a polynomial goes astray: the grid
+/// goes on smoothly there, drawn towards where the lens would with the slope
+/// that it ends with, which fades away towards 132 degrees.
+CentralGeneric FitContinuedLens(const CameraModel& lens, const Area& area,
+                                int columns, int rows);
 
 }  // namespace raygrid
 

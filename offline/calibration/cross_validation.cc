@@ -62,12 +62,13 @@ std::vector<Trial> MissingTrials(
 }
 
 Adjusted StartFold(const std::vector<Split>& cameras, const Pattern& pattern,
-                   const AdjustmentOptions& options) {
+                   AreaChoice area, const AdjustmentOptions& options) {
   std::vector<std::string> names;
   std::vector<Adjusted> lenses;
   for (const Split& camera : cameras) {
     names.push_back(camera.camera);
-    lenses.push_back(AdjustStartingLens(camera.training, pattern, options));
+    lenses.push_back(
+        AdjustStartingLens(camera.training, pattern, options, area));
   }
   std::vector<std::vector<RejectedImage>> rejected;
   return PutTogether(names, lenses, options, &rejected);
@@ -148,7 +149,7 @@ void CrossValidate(const std::vector<Split>& cameras, const Pattern& pattern,
                     [fold](const Trial& trial) { return trial.fold == fold; });
     if (!is_needed || should_stop()) return;
     UnlessRigFallsApart(cameras.size(), [&] {
-      starts[fold] = StartFold(folds[fold], pattern, serial);
+      starts[fold] = StartFold(folds[fold], pattern, options.area, serial);
     });
   });
 

@@ -28,6 +28,7 @@ int NumFoldsToTry(const std::vector<Split>& cameras);
 
 struct ValidationOptions {
   std::string model;
+  AreaChoice area = AreaChoice::kWholeImage;
   bool flat_board = false;
   int num_threads = 0;
   std::function<void(double)> progress;

@@ -38,7 +38,14 @@ AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
 
 using Lenses = std::vector<std::unique_ptr<CameraModel>>;
 
-// The parametric cameras that an adjustment starts from, and their cells.
+Lenses CopyCameras(const AdjustmentState& state) {
+  Lenses cameras;
+  for (const auto& camera : state.cameras) cameras.push_back(camera->Clone());
+  return cameras;
+}
+
+// The parametric cameras that an adjustment starts from, or that grids lie
+// around, and the grids' cells.
 struct Starts {
   const Lenses& lenses;
   const std::vector<double>& cells_px;
@@ -59,7 +66,7 @@ AdjustmentSummary AdjustLenses(const CalibrationProblem& problem,
   for (size_t c = 0; c < state->cameras.size(); ++c)
     prior->cameras.push_back(DistortionPrior(
         dynamic_cast<const ParametricModel&>(*state->cameras[c]),
-        FeatureArea(problem, static_cast<int>(c)),
+        CalibratedArea(problem, static_cast<int>(c)),
         NumFeatures(problem, static_cast<int>(c))));
   return AdjustInTwoSteps(problem, options, prior, state);
 }
@@ -81,29 +88,38 @@ AdjustmentSummary AdjustLenses(const std::string& model,
   return AdjustLenses(problem, options, prior, state);
 }
 
-// How far off axis a lens may be believed: a little beyond the points seen.
-double CredibleAngle(const CalibrationProblem& problem, size_t camera,
-                     const AdjustmentState& state) {
-  constexpr double kBeyond = 1.0, kAlways = 60 * M_PI / 180;
-  double farthest = 0;
-  for (const View& view : problem.views) {
-    if (view.camera != static_cast<int>(camera)) continue;
-    const Pose pose = state.CameraFromPattern(view);
-    for (const Observation& observation : view.observations) {
-      const Eigen::Vector3d point = pose * state.points[observation.point];
-      farthest =
-          std::max(farthest, std::atan2(point.head<2>().norm(), point.z()));
-    }
-  }
-  return std::max(kBeyond * farthest, kAlways);
+double MedianErrorPx(const std::vector<Residual>& residuals) {
+  std::vector<double> norms;
+  for (const Residual& residual : residuals)
+    norms.push_back(residual.valid ? residual.error_px.norm() : INFINITY);
+  return Quantile(norms, 0.5);
+}
+
+// The lenses that grids lie around, and go on as where nothing is seen. Their
+// model is the one whose errors beyond the features were smallest
+// (offline/calibration/DESIGN.md), unless it leaves far more than the starting
+// lenses do: then these.
+Lenses LensesAroundGrids(const CalibrationProblem& problem,
+                         const Lenses& lenses, const AdjustmentOptions& options,
+                         GaussianPrior* prior, AdjustmentState* state) {
+  constexpr double kFarMore = 2;
+  AdjustmentState before = *state;
+  for (size_t c = 0; c < lenses.size(); ++c)
+    before.cameras[c] = lenses[c]->Clone();
+  const double before_px = MedianErrorPx(
+      ComputeResiduals(before, problem.views, options.num_threads));
+  const AdjustmentSummary summary =
+      AdjustLenses("thin-prism-fisheye", problem, lenses,
+                   WithFixedPoints(options), prior, state);
+  if (MedianErrorPx(summary.residuals) > kFarMore * before_px) *state = before;
+  return CopyCameras(*state);
 }
 
 CentralGeneric AsGrid(const CalibrationProblem& problem, size_t camera,
-                      const Starts& starts, const AdjustmentState& state) {
-  const Area area = FeatureArea(problem, static_cast<int>(camera));
+                      const Starts& starts) {
+  const Area area = CalibratedArea(problem, static_cast<int>(camera));
   const double cell_px = starts.cells_px[camera];
-  return FitContinuedLens(*starts.lenses[camera],
-                          CredibleAngle(problem, camera, state), area,
+  return FitContinuedLens(*starts.lenses[camera], area,
                           NumControlPoints(area.width(), cell_px),
                           NumControlPoints(area.height(), cell_px));
 }
@@ -115,7 +131,7 @@ AdjustmentSummary AdjustGrids(const CalibrationProblem& problem,
                               GaussianPrior* prior, AdjustmentState* state) {
   *prior = {};
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
-    const CentralGeneric base = AsGrid(problem, c, starts, *state);
+    const CentralGeneric base = AsGrid(problem, c, starts);
     prior->cameras.push_back(SmoothnessPrior(base));
     state->cameras[c] = base.Clone();
   }
@@ -147,7 +163,7 @@ AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
   AdjustGrids(problem, starts, WithFixedPoints(options), prior, state);
   *prior = {};
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
-    prior->cameras.push_back(NonCentralPrior(AsGrid(problem, c, starts, *state),
+    prior->cameras.push_back(NonCentralPrior(AsGrid(problem, c, starts),
                                              MeanDistance(problem, c, *state)));
     state->cameras[c] = NonCentralGeneric(dynamic_cast<const CentralGeneric&>(
                                               *state->cameras[c]))
@@ -162,9 +178,12 @@ AdjustmentSummary Adjust(const std::string& model,
                          GaussianPrior* prior, AdjustmentState* state) {
   if (IsParametricModel(model))
     return AdjustLenses(model, problem, starts.lenses, options, prior, state);
+  const Lenses lenses =
+      LensesAroundGrids(problem, starts.lenses, options, prior, state);
+  const Starts around = {lenses, starts.cells_px};
   if (model == "noncentral-generic")
-    return AdjustLines(problem, starts, options, prior, state);
-  return AdjustGrids(problem, starts, options, prior, state);
+    return AdjustLines(problem, around, options, prior, state);
+  return AdjustGrids(problem, around, options, prior, state);
 }
 
 // The frame of a camera whose lines do not meet has its origin at the point
@@ -229,16 +248,10 @@ std::vector<std::vector<FeatureResidual>> RemoveOutliers(
   return removed;
 }
 
-Lenses CopyCameras(const AdjustmentState& state) {
-  Lenses cameras;
-  for (const auto& camera : state.cameras) cameras.push_back(camera->Clone());
-  return cameras;
-}
-
-std::vector<Area> FeatureAreas(const CalibrationProblem& problem) {
+std::vector<Area> CalibratedAreas(const CalibrationProblem& problem) {
   std::vector<Area> areas;
   for (size_t c = 0; c < problem.image_sizes.size(); ++c)
-    areas.push_back(FeatureArea(problem, static_cast<int>(c)));
+    areas.push_back(CalibratedArea(problem, static_cast<int>(c)));
   return areas;
 }
 
@@ -255,7 +268,7 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
                  const std::vector<double>& cells_px,
                  const AdjustmentOptions& options, Adjusted* adjusted) {
   const Lenses lenses = CopyCameras(adjusted->state);
-  const std::vector<Area> areas = FeatureAreas(adjusted->problem);
+  const std::vector<Area> areas = CalibratedAreas(adjusted->problem);
   const auto adjust = [&] {
     adjusted->summary = Adjust(model, adjusted->problem, {lenses, cells_px},
                                options, &adjusted->prior, &adjusted->state);
@@ -269,7 +282,7 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
     rejected.insert(rejected.end(), removed[c].begin(), removed[c].end());
     have_removed = have_removed || !removed[c].empty();
   }
-  if (have_removed && FeatureAreas(adjusted->problem) == areas)
+  if (have_removed && CalibratedAreas(adjusted->problem) == areas)
     adjusted->summary = AdjustWithLearnedPrior(
         adjusted->problem.views, options, &adjusted->prior, &adjusted->state);
   else if (have_removed)
@@ -281,8 +294,8 @@ void FinishCameras(Adjusted* adjusted) {
   for (size_t c = 0; c < adjusted->state.cameras.size(); ++c) {
     std::unique_ptr<CameraModel>& camera = adjusted->state.cameras[c];
     if (const auto* lens = dynamic_cast<const ParametricModel*>(camera.get()))
-      camera =
-          lens->OverArea(FeatureArea(adjusted->problem, static_cast<int>(c)));
+      camera = lens->OverArea(
+          CalibratedArea(adjusted->problem, static_cast<int>(c)));
     LimitUnseenNodes(adjusted->problem, static_cast<int>(c), camera.get());
   }
   CenterLines(&adjusted->state);

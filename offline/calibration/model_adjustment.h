@@ -31,7 +31,7 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
                  const AdjustmentOptions& options, Adjusted* adjusted);
 
 /// Settles after an adjustment what no feature tells: parametric cameras over
-/// the features' area, unseen control points within what a blob can hold, the
+/// the calibrated area, unseen control points within what a blob can hold, the
 /// origin of lines that do not meet at the point nearest to them.
 void FinishCameras(Adjusted* adjusted);
 

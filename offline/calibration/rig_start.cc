@@ -36,6 +36,7 @@ Joined Join(const std::vector<Adjusted>& cameras) {
   CalibrationProblem& problem = joined.problem;
   problem.first_points = cameras.front().problem.first_points;
   problem.nominal = cameras.front().problem.nominal;
+  problem.area = cameras.front().problem.area;
   std::map<std::pair<std::string, int>, int> pose_of;
   for (size_t c = 0; c < cameras.size(); ++c) {
     const CalibrationProblem& own = cameras[c].problem;

@@ -272,9 +272,10 @@ void RequireImages(const CalibrationProblem& problem) {
 }  // namespace
 
 Adjusted AdjustStartingLens(const Dataset& dataset, const Pattern& pattern,
-                            const AdjustmentOptions& options) {
+                            const AdjustmentOptions& options, AreaChoice area) {
   Adjusted all;
   all.problem = BuildProblem({dataset}, pattern, &all.rejected_images);
+  all.problem.area = area;
   all.rejected_features.resize(1);  // of one camera
   RequireImages(all.problem);
   StartTrials trials(pattern, all, options);

@@ -6,10 +6,11 @@
 
 namespace raygrid {
 
-/// A starting lens from nothing but the observations, adjusted. Throws Error:
-/// kTooFew, kInitialization.
+/// A starting lens from nothing but the observations, adjusted; area is what
+/// the camera is to be calibrated over. Throws Error: kTooFew, kInitialization.
 Adjusted AdjustStartingLens(const Dataset& dataset, const Pattern& pattern,
-                            const AdjustmentOptions& options);
+                            const AdjustmentOptions& options,
+                            AreaChoice area = AreaChoice::kWholeImage);
 
 }  // namespace raygrid
 

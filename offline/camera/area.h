@@ -2,6 +2,7 @@
 #define RAYGRID_CAMERA_AREA_H
 
 #include <Eigen/Core>
+#include <algorithm>
 
 namespace raygrid {
 
@@ -27,10 +28,20 @@ struct Area {
     return pixel.x() >= x0 - margin_px && pixel.x() <= x1 + margin_px &&
            pixel.y() >= y0 - margin_px && pixel.y() <= y1 + margin_px;
   }
+  void Extend(const Eigen::Vector2d& pixel) {
+    x0 = std::min(x0, pixel.x());
+    y0 = std::min(y0, pixel.y());
+    x1 = std::max(x1, pixel.x());
+    y1 = std::max(y1, pixel.y());
+  }
   bool operator==(const Area& other) const {
     return x0 == other.x0 && y0 == other.y0 && x1 == other.x1 && y1 == other.y1;
   }
 };
+
+/// The area that a camera is calibrated over: the image, or the rectangle of
+/// the features that were seen.
+enum class AreaChoice { kWholeImage, kFeatures };
 
 /// The whole image, from the first pixel's centre to the last one's.
 inline Area WholeImage(const ImageSize& size) {

@@ -49,9 +49,19 @@ Eigen::Vector2d ErrorModes::At(size_t mode, const Area& area,
 }
 
 double DeviationLattice::MedianPx() const {
+  const Area all = {0, 0, 1, 1};
+  return MedianPx(all, all);
+}
+
+double DeviationLattice::MedianPx(const Area& area, const Area& part) const {
   std::vector<double> known;
-  for (const double value : deviation_px)
-    if (std::isfinite(value)) known.push_back(value);
+  for (int k = 0; k < columns * rows; ++k) {
+    const Eigen::Vector2d place(
+        area.x0 + area.width() * (k % columns) / (columns - 1),
+        area.y0 + area.height() * (k / columns) / (rows - 1));
+    if (std::isfinite(deviation_px[k]) && part.Contains(place))
+      known.push_back(deviation_px[k]);
+  }
   if (known.empty()) return NAN;
   const auto middle =
       known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);

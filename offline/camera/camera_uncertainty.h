@@ -18,6 +18,8 @@ struct DeviationLattice {
 
   double At(const Area& area, const Eigen::Vector2d& pixel) const;
   double MedianPx() const;
+  /// The median over the lattice's places within a part of the area.
+  double MedianPx(const Area& area, const Area& part) const;
 };
 
 /// Which square cells of the image a camera can be trusted in. Pixel (x, y) is

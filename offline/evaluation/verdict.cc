@@ -68,7 +68,7 @@ void JudgeNumberOfImages(const CalibrationFigures& figures, Verdict* verdict) {
 }
 
 void JudgeArea(const CalibrationFigures& figures, Verdict* verdict) {
-  const double part = PartOfImage(figures.area, figures.image_size);
+  const double part = PartOfImage(figures.features_area, figures.image_size);
   if (part < kEnoughArea)
     Warn(fmt::format("features reach only {:.0f} % of the image; hold the "
                      "board into the corners",
@@ -143,7 +143,7 @@ void JudgeUncertainty(const CalibrationFigures& figures, Verdict* verdict) {
       Warn(reason, verdict);
   } else if (*figures.trusted_part <
                  kEnoughTrusted *
-                     PartOfImage(figures.area, figures.image_size) &&
+                     PartOfImage(figures.features_area, figures.image_size) &&
              !IsNegligible(median_px, figures.training)) {
     Warn(fmt::format(
              "only {:.0f} % of the image is trusted, known to {:.4f} px; "

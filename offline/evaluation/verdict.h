@@ -27,7 +27,7 @@ struct CalibrationFigures {
   std::string model;
   bool converged = false, interrupted = false;
   ImageSize image_size;
-  Area area;
+  Area features_area;  ///< the rectangle of the features
   int images_used = 0, images_rejected = 0;
   int images_with_too_few_features = 0;  ///< of those rejected
   ErrorFigures training;

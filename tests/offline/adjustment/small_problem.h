@@ -74,7 +74,7 @@ inline PriorGroup PriorOfCenter() {
   Eigen::MatrixXd direction = Eigen::MatrixXd::Zero(OpenCvModel::kCount, 1);
   direction(OpenCvModel::kCx) = 1;
   direction(OpenCvModel::kCy) = 0.5;
-  group.Free(direction);
+  group.Free(direction, Eigen::VectorXd::Zero(1));
   return group;
 }
 

@@ -12,7 +12,7 @@ CalibrationFigures GoodFigures() {
   figures.model = "central-generic";
   figures.converged = true;
   figures.image_size = {640, 480};
-  figures.area = {10, 10, 630, 470};
+  figures.features_area = {10, 10, 630, 470};
   figures.images_used = 30;
   figures.training = {0.10, 0.12, 0.8, 3000};
   figures.held_out = {0.11, 0.13, 0.9, 3000};
@@ -211,7 +211,7 @@ TEST(Verdict, SaysNothingOfHundredthsOfAPixel) {
 // calibrate and the report print the same figure.
 TEST(Verdict, CountsWhatIsTrustedByTheImage) {
   CalibrationFigures figures = GoodFigures();
-  figures.area = {0, 0, 400, 480};
+  figures.features_area = {0, 0, 400, 480};
   figures.median_deviation_px = 0.08;
   figures.trusted_part = 0.25;
   EXPECT_TRUE(HasReason(JudgeCalibration(figures),
@@ -264,7 +264,7 @@ TEST(Verdict, WarnsOfEachWeakness) {
   figures.images_used = 5;
   expect_warning(figures);
   figures = GoodFigures();
-  figures.area = {200, 200, 400, 300};
+  figures.features_area = {200, 200, 400, 300};
   expect_warning(figures);
   figures = GoodFigures();
   figures.images_rejected = 10;
