@@ -37,6 +37,19 @@ CameraInput ParseCamera(const std::string& path, const std::string& bytes) {
   return input;
 }
 
+std::optional<TrustMask> ShownWith(const std::string& outside,
+                                   const std::string& path,
+                                   const CameraInput& input) {
+  if (outside != "trusted") return std::nullopt;
+  if (input.blob && input.blob->Trusted()) return input.blob->Trusted();
+  if (input.file.uncertainty) return input.file.uncertainty->mask;
+  throw Error(ExitCode::kUsage,
+              path +
+                  ": --outside trusted: does not say where it can be "
+                  "trusted; leave the option out, or give a camera.yaml "
+                  "that raygrid calibrate wrote");
+}
+
 void WarnOfFailedCalibration(const std::string& path, const CameraFile& file) {
   if (file.verdict == "fail")
     fmt::print(stderr,

@@ -21,6 +21,13 @@ CameraInput ReadCamera(const std::string& path);
 /// The camera in a file's bytes; path is used in errors.
 CameraInput ParseCamera(const std::string& path, const std::string& bytes);
 
+/// The pixels that are to be shown of a camera's images with --outside OUTSIDE:
+/// all, or those that are trusted. Throws Error(kUsage) if nothing says which
+/// are.
+std::optional<TrustMask> ShownWith(const std::string& outside,
+                                   const std::string& path,
+                                   const CameraInput& input);
+
 /// Says so on standard error if the camera's calibration failed, which results
 /// do not show.
 void WarnOfFailedCalibration(const std::string& path, const CameraFile& file);

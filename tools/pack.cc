@@ -20,6 +20,7 @@ namespace {
 struct PackArguments {
   std::string camera, output, name, serial;
   std::vector<std::string> remaps, modes;
+  std::string outside = "fill";
   double max_error_px = 0.05;
   bool wide_grid = false;
 };
@@ -187,6 +188,7 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
       MakeRemaps(*input.file.camera, views,
                  ParseModes(arguments.modes, input.file.camera->image_size()));
   options.max_error_px = arguments.max_error_px;
+  options.shown = ShownWith(arguments.outside, arguments.camera, input);
   options.is_narrow_allowed = !arguments.wide_grid;
   options.num_threads = common.threads;
   PackedCamera packed = PackCamera(input.file, options);
@@ -236,6 +238,7 @@ void AddPack(CLI::App* app, CommonOptions* common) {
           "geometric error that the tables may have; chroma's own is printed")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  AddOutsideOption(command, &arguments->outside);
   command->add_flag(
       "--wide-grid", arguments->wide_grid,
       "control points of 32 bits even where 16 are exact enough: a grid of "

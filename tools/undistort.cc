@@ -27,7 +27,7 @@ constexpr char kViewFile[] = "view.camera.yaml";
 
 struct UndistortArguments {
   std::string camera, output, frames;
-  std::string rectify = "pinhole";
+  std::string rectify = "pinhole", outside = "fill";
   std::vector<std::string> images;
   ViewWords view;
   std::string mode;
@@ -87,7 +87,11 @@ ImageMapper Distortion(const CameraModel& camera, const VirtualView& view,
           }};
 }
 
-void RequireNoFrames(const UndistortArguments& arguments) {
+void RequireNothingForFrames(const UndistortArguments& arguments) {
+  if (arguments.outside == "trusted")
+    throw Error(ExitCode::kUsage,
+                "--outside trusted: border is left in views, and --reverse "
+                "makes images of the camera; leave one of them out");
   if (!arguments.frames.empty())
     throw Error(ExitCode::kUsage,
                 "--frames: raw frames are those of the camera, which --reverse "
@@ -150,7 +154,7 @@ ImageMapper Prepare(const UndistortArguments& arguments,
   const ViewRequest request = ParseViewOptions(arguments.view);
   CameraInput input = ReadCamera(arguments.camera);
   if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
-  if (arguments.is_reverse) RequireNoFrames(arguments);
+  if (arguments.is_reverse) RequireNothingForFrames(arguments);
   const bool has_table =
       input.blob && input.blob->has_remap() && !AsksForAView(arguments);
   const std::optional<SensorMode> mode = FindMode(arguments, input);
@@ -159,7 +163,7 @@ ImageMapper Prepare(const UndistortArguments& arguments,
     const VirtualView view = input.blob->ViewOfRemap(table);
     const bool distorts = input.blob->Distorts(table);
     RequireDirection(arguments, table, distorts);
-    if (distorts == arguments.is_reverse)
+    if (distorts == arguments.is_reverse && arguments.outside == "fill")
       return ByTable(*std::move(input.blob), view, table);
   }
   if (arguments.is_reverse) RequireCentral(arguments, *input.file.camera);
@@ -175,6 +179,7 @@ ImageMapper Prepare(const UndistortArguments& arguments,
   PackOptions options;
   options.remaps.emplace_back(view, mode);
   options.max_error_px = arguments.max_error_px;
+  options.shown = ShownWith(arguments.outside, arguments.camera, input);
   options.num_threads = common.threads;
   return ByTable(
       BlobCamera("packed camera", PackCamera(input.file, options).blob), view,
@@ -298,6 +303,7 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
   command->add_option("-o,--output", arguments->output, "folder for PNG files")
       ->required();
   AddViewOptions(command, &arguments->view);
+  AddOutsideOption(command, &arguments->outside);
   command->add_flag(
       "--reverse", arguments->is_reverse,
       "the other direction, as for overlays and renderers: IMAGES are pictures "

@@ -210,6 +210,16 @@ void AddViewOptions(CLI::App* command, ViewWords* words) {
         ->option_text(word.value);
 }
 
+void AddOutsideOption(CLI::App* command, std::string* outside) {
+  command
+      ->add_option("--outside", *outside,
+                   "what is shown where nothing was seen while calibrating: "
+                   "fill, as the lens goes on there; trusted, border in blocks "
+                   "of 16 pixels of the view in which nothing is trusted")
+      ->check(CLI::IsMember({"fill", "trusted"}))
+      ->capture_default_str();
+}
+
 ViewRequest ParseViewOptions(const ViewWords& words) {
   ViewRequest request;
   for (const auto& [name, value] : words) {

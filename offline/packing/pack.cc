@@ -265,19 +265,29 @@ rg_mode_section QuantizeMode(const SensorMode& mode) {
   return section;
 }
 
+// The pixels of frames of a mode, or as calibrated, in trusted cells.
+ShownPixels TrustedPixels(const TrustMask& trusted,
+                          const std::optional<SensorMode>& mode) {
+  return [&trusted, mode](const Eigen::Vector2d& pixel) {
+    return trusted.Trusts(mode ? mode->ToCalibrated(pixel) : pixel);
+  };
+}
+
 // Remap tables as rg_blob_write() takes them.
 class RemapSections {
  public:
   // Fits the tables that are asked for, and tells packed of them.
-  // lines: NULL of a central camera, which the other one always is.
+  // lines: NULL of a central camera, which the other one always is. trusted:
+  // what alone they show, or NULL.
   void Fit(const CameraModel& camera, const NonCentralGeneric* lines,
-           const PackOptions& options, int num_threads,
-           const std::function<void()>& go_on, PackedCamera* packed) {
+           const PackOptions& options, const TrustMask* trusted,
+           int num_threads, const std::function<void()>& go_on,
+           PackedCamera* packed) {
     for (const RemapRequest& request : options.remaps) {
       const std::unique_ptr<CameraModel> source =
           CameraOfRequest(camera, lines, request);
       packed->remaps.push_back(
-          Add(FitTable(*source, request, options, num_threads, go_on),
+          Add(FitTable(*source, request, options, trusted, num_threads, go_on),
               request.mode));
       packed->remaps.back().distorts = request.distorts;
       if (lines && request.scene)
@@ -313,12 +323,14 @@ class RemapSections {
   // An error says which of several tables it is of.
   static RemapTable FitTable(const CameraModel& source,
                              const RemapRequest& request,
-                             const PackOptions& options, int num_threads,
+                             const PackOptions& options,
+                             const TrustMask* trusted, int num_threads,
                              const std::function<void()>& go_on) {
     const auto fit = request.distorts ? FitDistortionTable : FitRemapTable;
     try {
-      return fit(source, request.view, options.max_error_px, num_threads,
-                 go_on);
+      return fit(
+          source, request.view, options.max_error_px, num_threads, go_on,
+          trusted ? TrustedPixels(*trusted, request.mode) : ShownPixels());
     } catch (const Error& error) {
       if (options.remaps.size() == 1) throw;
       throw Error(error.code(),
@@ -417,7 +429,8 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
           RemarkOnProjection(packed.projection, trusted != nullptr))
     packed.remarks.push_back(*remark);
   RemapSections remaps;
-  remaps.Fit(central, lines, options, num_threads, go_on, &packed);
+  remaps.Fit(central, lines, options, options.shown ? &*options.shown : nullptr,
+             num_threads, go_on, &packed);
   remaps.AddTo(&contents);
 
   const rg_quality_section quality = QualityOf(file, narrow.error());

@@ -35,7 +35,10 @@ struct PackOptions {
   std::vector<RemapRequest> remaps;  ///< one table each
   /// One more of the view that the camera can give; a remark if it has none.
   bool has_default_remap = false;
-  double max_error_px = 0.05;     ///< their geometric error
+  double max_error_px = 0.05;  ///< their geometric error
+  /// The pixels that tables show: blocks in which none is are border. Without,
+  /// all are shown.
+  std::optional<TrustMask> shown;
   bool is_narrow_allowed = true;  ///< control points of 16 bits
   int num_threads = 0;
   /// Once true, packing ends by Error(kNotConverged).

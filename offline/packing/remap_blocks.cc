@@ -11,7 +11,8 @@ Blocks CutBlocks(const SourceMap& map, const BlockLayout& layout) {
   const int cells_log2 = layout.block_log2 - SourceMap::kCellLog2;
   for (int row = 0; row < map.rows; ++row)
     for (int column = 0; column < map.columns; ++column)
-      if (map.cell(column, row) >= SourceMap::Cell::kPartial)
+      if (map.cell(column, row) >= SourceMap::Cell::kPartial &&
+          !map.is_hidden[row * map.columns + column])
         blocks.used[(row >> cells_log2) * blocks.columns +
                     (column >> cells_log2)] = true;
   return blocks;

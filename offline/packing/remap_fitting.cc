@@ -26,6 +26,9 @@ constexpr double kQ12 = 4096;
 constexpr BlockLayout kLayouts[] = {{6, 5}, {5, 0}, {6, 4}, {5, 4}, {4, 0},
                                     {6, 3}, {5, 3}, {4, 3}, {3, 0}};
 
+// Blocks are the border's grain where pixels are not shown.
+constexpr int kMaxHidingLog2 = 4;
+
 // The affine map closest to the vertices of used blocks: origin, column step,
 // row step.
 Eigen::Matrix<double, 3, 2> FitAffine(const Blocks& blocks,
@@ -454,19 +457,41 @@ void RequireFormatLimits(const ImageSize& source, const ImageSize& output) {
                               size.width, size.height, limit));
 }
 
+// Hides cells no pixel of which is shown.
+template <typename Shows>
+void HideCells(const Shows& shows, SourceMap* map) {
+  constexpr int kCell = SourceMap::kCellSize;
+  for (int row = 0; row < map->rows; ++row) {
+    for (int column = 0; column < map->columns; ++column) {
+      bool is_shown = false;
+      for (int k = 0; k < kCell * kCell && !is_shown; ++k) {
+        const int x = column * kCell + k % kCell, y = row * kCell + k / kCell;
+        is_shown = x < map->width && y < map->height && map->IsKnown(x, y) &&
+                   shows(x, y);
+      }
+      map->is_hidden[row * map->columns + column] = !is_shown;
+    }
+  }
+}
+
 // The table of an output image whose source is a camera's image; the view is
-// what the table is said to be of.
+// what the table is said to be of. hide says which cells are border.
 RemapTable FitTable(const CameraModel& camera, const OutputImage& output,
                     const VirtualView& view, double max_error_px,
-                    int num_threads, const std::function<void()>& go_on) {
+                    int num_threads, const std::function<void()>& go_on,
+                    const std::function<void(SourceMap*)>& hide) {
   RequireFormatLimits(camera.image_size(), output.size);
   num_threads = NumThreads(num_threads);
-  const SourceMap map = MakeSourceMap(camera, output, num_threads);
+  SourceMap map = MakeSourceMap(camera, output, num_threads);
+  hide(&map);
   go_on();
   const CellSums sums(map, num_threads);
+  const bool has_hidden = std::find(map.is_hidden.begin(), map.is_hidden.end(),
+                                    true) != map.is_hidden.end();
   RemapTable table;
   for (const BlockLayout& layout : kLayouts) {
     go_on();
+    if (has_hidden && layout.block_log2 > kMaxHidingLog2) continue;
     const bool is_last = &layout == std::end(kLayouts) - 1;
     if (!is_last && LeastError(map, layout.SmallestLog2()) > max_error_px)
       continue;
@@ -513,17 +538,27 @@ RemapTable FitTable(const CameraModel& camera, const OutputImage& output,
 
 RemapTable FitRemapTable(const CameraModel& camera, const VirtualView& view,
                          double max_error_px, int num_threads,
-                         const std::function<void()>& go_on) {
-  return FitTable(camera, OutputOfView(view), view, max_error_px, num_threads,
-                  go_on);
+                         const std::function<void()>& go_on,
+                         const ShownPixels& shows) {
+  return FitTable(
+      camera, OutputOfView(view), view, max_error_px, num_threads, go_on,
+      [&shows](SourceMap* map) {
+        if (shows)
+          HideCells([&](int x, int y) { return shows(map->At(x, y)); }, map);
+      });
 }
 
 RemapTable FitDistortionTable(const CameraModel& camera,
                               const VirtualView& view, double max_error_px,
                               int num_threads,
-                              const std::function<void()>& go_on) {
-  RemapTable table = FitTable(*CameraOfTurnedView(view), OutputOfCamera(camera),
-                              view, max_error_px, num_threads, go_on);
+                              const std::function<void()>& go_on,
+                              const ShownPixels& shows) {
+  RemapTable table =
+      FitTable(*CameraOfTurnedView(view), OutputOfCamera(camera), view,
+               max_error_px, num_threads, go_on, [&shows](SourceMap* map) {
+                 if (shows)
+                   HideCells([&](int x, int y) { return shows({x, y}); }, map);
+               });
   table.section.has_view = 1;
   table.section.direction = RG_DISTORT;
   return table;

@@ -24,6 +24,9 @@ struct RemapTable {
   double max_chroma_error_px = 0;
 };
 
+/// Tells which pixels of a camera's image are shown; all, if it is empty.
+using ShownPixels = std::function<bool(const Eigen::Vector2d& pixel)>;
+
 /// The table with the largest parts of blocks, and of these the one with the
 /// fewest bytes, whose geometric error is at most max_error_px: vertices and
 /// bends are fitted to the sources of all pixels for about the least largest
@@ -31,10 +34,12 @@ struct RemapTable {
 /// same with any number of threads. Source positions outside the calibrated
 /// area become border. Throws Error(kQuality) if not even blocks of 8 keep the
 /// bound, Error(kUsage) if the images are too large for the format or the
-/// virtual camera sees nothing. go_on is called now and then, and may throw.
+/// virtual camera sees nothing. Blocks none of whose sources are shown become
+/// border, too. go_on is called now and then, and may throw.
 RemapTable FitRemapTable(
     const CameraModel& camera, const VirtualView& view, double max_error_px,
-    int num_threads, const std::function<void()>& go_on = [] {});
+    int num_threads, const std::function<void()>& go_on = [] {},
+    const ShownPixels& shows = {});
 
 /// The table of the other direction, which distorts: its output pixels are
 /// those of the camera's image, its sources lie in the view's picture. The
@@ -44,7 +49,8 @@ RemapTable FitRemapTable(
 /// FitRemapTable().
 RemapTable FitDistortionTable(
     const CameraModel& camera, const VirtualView& view, double max_error_px,
-    int num_threads, const std::function<void()>& go_on = [] {});
+    int num_threads, const std::function<void()>& go_on = [] {},
+    const ShownPixels& shows = {});
 
 }  // namespace raygrid
 

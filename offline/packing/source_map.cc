@@ -369,6 +369,7 @@ SourceMap MakeSourceMap(const CameraModel& camera, const OutputImage& output,
   map.rows = (map.height + kCell - 1) / kCell;
   map.rectangle = SourceRectangle(camera);
   map.cells.resize(static_cast<size_t>(map.columns) * map.rows);
+  map.is_hidden.assign(map.cells.size(), false);
   for (auto& plane : map.sources)
     plane.reset(new int32_t[map.cells.size() * kCell * kCell]);
 

@@ -55,6 +55,8 @@ struct SourceMap {
   /// The two coordinates of the sources, in units, row by row of whole cells.
   std::unique_ptr<int32_t[]> sources[2];
   std::vector<Cell> cells;
+  /// Cells that are to be border although their sources are known.
+  std::vector<bool> is_hidden;
 
   Cell& cell(int column, int row) { return cells[row * columns + column]; }
   Cell cell(int column, int row) const { return cells[row * columns + column]; }

@@ -139,6 +139,41 @@ class Views(CommandTest):
                                 "--reverse", *out), 1, "true_camera.yaml", "raygrid fit")
         self.assert_nothing_in(self.path("never"))
 
+    def test_border_where_nothing_is_trusted(self):
+        """Features in the middle of the image alone: the whole view is filled, or its border
+        left."""
+        simulated = self.path("middle")
+        self.assert_done(run("simulate", "--lens", "pinhole", "--size", "160x120", "--images", 40,
+                             "--noise-px", 0.01, "-o", simulated, "--quiet"))
+        lines = read(os.path.join(simulated, "features.csv")).decode().splitlines(True)
+        middle = [line for line in lines
+                  if line.startswith(("#", "image")) or 40 < float(line.split(",")[4]) < 120]
+        features = write(self.path("middle.csv"), "".join(middle))
+        self.assert_done(run("calibrate", "--features", features, "--image-size", "160x120",
+                             "--pattern", os.path.join(simulated, "pattern.yaml"),
+                             "--cell-px", 40, "--skip-comparison", "--quiet",
+                             "--hold-out", "sim0000.png",
+                             "-o", self.path("known")))
+        camera = self.path("known/camera.yaml")
+        shown = {}
+        for outside in ("fill", "trusted"):
+            self.assert_done(run("undistort", camera, self.image, "--alpha", 0,
+                                 "--outside", outside, "-o", self.path(outside)))
+            shown[outside] = read_png(os.path.join(self.path(outside), "white.png"))[2]
+        self.assertEqual(set(shown["fill"]), {255})
+        self.assertEqual(shown["trusted"][60 * 160 + 80], 255)
+        for corner in (0, 159, 119 * 160, 119 * 160 + 159):
+            self.assertEqual(shown["trusted"][corner], 0)
+        # A blob does the same by what it says of trust.
+        self.assert_done(run("pack", camera, "-o", self.path("known.raygrid"), "--remap",
+                             "160x120", "--quiet"))
+        self.assert_done(run("undistort", self.path("known.raygrid"), self.image, "--outside",
+                             "trusted", "-o", self.path("by_blob")))
+        self.assertEqual(read_png(os.path.join(self.path("by_blob"), "white.png"))[2][0], 0)
+        result = run("undistort", self.camera, self.image, "--outside", "trusted",
+                     "-o", self.path("unknown"))
+        self.assert_refused(result, 1, "does not say where it can be trusted")
+
     def test_impossible_views_are_refused_in_a_line(self):
         for view, words in (("hfov=180", ("hfov", "170")), ("alpha=1.5", ("alpha", "between")),
                             ("alpha=0,hfov=90", ("give one",)), ("hfov=90,hfov=80", ("twice",)),
