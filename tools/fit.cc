@@ -71,10 +71,10 @@ std::string FormatJson(const Fit& fit) {
 
 void Run(const FitArguments& arguments, const CommonOptions& common) {
   if (!IsParametricModel(arguments.model))
-    throw Error(ExitCode::kUsage,
-                fmt::format("--model {}: not a model that can be fitted; use "
-                            "opencv, thin-prism-fisheye or central-radial",
-                            arguments.model));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("--model {}: not a model that can be fitted; use {}",
+                    arguments.model, ParametricModelNames()));
   RequireNoInputReplaced({arguments.camera}, {arguments.output});
   const Fit fit = FitCamera(arguments);
   WriteFile(arguments.output, FormatCameraFile(fit.file));
@@ -107,11 +107,11 @@ void AddFit(CLI::App* app, CommonOptions* common) {
       "the rotation.",
       "raygrid fit camera.yaml --model opencv -o opencv.yaml", common);
   auto arguments = std::make_shared<FitArguments>();
-  command->add_option("camera", arguments->camera, "camera.yaml or a blob")
-      ->required();
   command
-      ->add_option("--model", arguments->model,
-                   "opencv, thin-prism-fisheye or central-radial")
+      ->add_option("camera", arguments->camera,
+                   "camera.yaml, a blob, or another program's camera")
+      ->required();
+  command->add_option("--model", arguments->model, ParametricModelNames())
       ->required();
   command->add_option("-o,--output", arguments->output, "camera.yaml to write")
       ->required();

@@ -314,43 +314,9 @@ CameraPrior NonCentralPrior(const CentralGeneric& base, double distance_m) {
 
 namespace {
 
-struct Coefficient {
-  int parameter;
-  int order;  // of the displacement in the radius
-};
-
-PriorGroup CoefficientGroup(const std::vector<Coefficient>& coefficients,
-                            double focal_px, double radius,
-                            int num_parameters) {
-  PriorGroup group;
-  group.precision.resize(num_parameters, num_parameters);
-  group.rank = static_cast<int>(coefficients.size());
-  for (const Coefficient& coefficient : coefficients) {
-    const double moved_px = focal_px * std::pow(radius, coefficient.order);
-    group.precision.insert(coefficient.parameter, coefficient.parameter) =
-        moved_px * moved_px;
-  }
-  return group;
-}
-
-// The polynomials' coefficients, and the order of each.
-std::vector<Coefficient> RadialCoefficients(const ParametricModel& lens) {
-  std::vector<Coefficient> coefficients;
-  if (dynamic_cast<const ThinPrismFisheye*>(&lens)) {
-    for (int k = 0; k < 4; ++k)
-      coefficients.push_back({ThinPrismFisheye::kK1 + k, 2 * k + 3});
-  } else {
-    for (int k = 0; k < 3; ++k) {
-      coefficients.push_back({OpenCvModel::kK1 + k, 2 * k + 3});
-      coefficients.push_back({OpenCvModel::kK4 + k, 2 * k + 3});
-    }
-  }
-  return coefficients;
-}
-
-PriorGroup DecentringGroup(const ParametricModel& lens, const Area& area,
-                           int num_features) {
-  const Eigen::VectorXd pixels = DecentringPixels(lens, area);
+// Parameters that are independent, each in the pixels that a unit of it moves
+// an image by; 0 of those that do not belong to the group.
+PriorGroup CoefficientGroup(const Eigen::VectorXd& pixels) {
   PriorGroup group;
   group.precision.resize(pixels.size(), pixels.size());
   for (Eigen::Index k = 0; k < pixels.size(); ++k) {
@@ -358,6 +324,12 @@ PriorGroup DecentringGroup(const ParametricModel& lens, const Area& area,
     group.precision.insert(k, k) = pixels[k] * pixels[k];
     ++group.rank;
   }
+  return group;
+}
+
+PriorGroup DecentringGroup(const ParametricModel& lens, const Area& area,
+                           int num_features) {
+  PriorGroup group = CoefficientGroup(DecentringPixels(lens, area));
   // An error has two coordinates.
   group.firmness = 2.0 * num_features * kDecentringPart * kDecentringPart;
   return group;
@@ -399,15 +371,12 @@ CameraPrior DistortionPrior(const ParametricModel& lens, const Area& area,
   prior.mean = Eigen::VectorXd::Zero(num_parameters);
   prior.orientation = Eigen::MatrixXd::Zero(num_parameters, 0);
 
-  const int first = FirstCommonParameter(lens);
-  const double focal_px = parameters[first];
-  const double radius = CornerRadius(lens, area);
   if (const auto* radial = dynamic_cast<const CentralRadial*>(&lens)) {
+    const int first = FirstCommonParameter(lens);
     prior.mean.head(first) = parameters.head(first);
     prior.groups.push_back(RadialGroup(*radial));
   } else {
-    prior.groups.push_back(CoefficientGroup(RadialCoefficients(lens), focal_px,
-                                            radius, num_parameters));
+    prior.groups.push_back(CoefficientGroup(RadialPixels(lens, area)));
   }
   prior.groups.push_back(DecentringGroup(lens, area, num_features));
   return prior;

@@ -12,14 +12,23 @@
 namespace raygrid {
 namespace {
 
+// Other parametric models have no prior yet that holds what observations do not
+// tell.
 void RequireKnownModel(const std::string& model) {
-  if (model != "central-generic" && model != "noncentral-generic" &&
-      !IsParametricModel(model))
+  const std::set<std::string> known = {"central-generic", "noncentral-generic",
+                                       "central-radial", "thin-prism-fisheye",
+                                       "opencv"};
+  if (known.count(model) > 0) return;
+  if (IsParametricModel(model))
     throw Error(ExitCode::kUsage,
-                fmt::format("unknown model '{}'; this version calibrates "
-                            "central-generic, noncentral-generic, "
-                            "central-radial, thin-prism-fisheye and opencv",
+                fmt::format("'{}' is not calibrated but fitted: calibrate "
+                            "central-generic, then use raygrid fit or export",
                             model));
+  throw Error(ExitCode::kUsage,
+              fmt::format("unknown model '{}'; this version calibrates "
+                          "central-generic, noncentral-generic, "
+                          "central-radial, thin-prism-fisheye and opencv",
+                          model));
 }
 
 void RequireImagesExist(const std::vector<CalibrationInput>& cameras,

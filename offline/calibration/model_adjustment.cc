@@ -82,7 +82,7 @@ AdjustmentSummary AdjustLenses(const std::string& model,
     if (lenses[c]->Name() != model)
       state->cameras[c] =
           FitParametricModel(model, *lenses[c],
-                             FeatureArea(problem, static_cast<int>(c)), false)
+                             FeatureArea(problem, static_cast<int>(c)), {})
               .model;
   }
   return AdjustLenses(problem, options, prior, state);

@@ -200,7 +200,7 @@ std::unique_ptr<CameraModel> GenericStartingLens(const Dataset& dataset,
   const auto generic = StartFromThreeViews(dataset, pattern, options);
   if (!generic) return nullptr;
   return FitParametricModel("central-radial", generic->camera,
-                            generic->camera.area(), true)
+                            generic->camera.area(), {true})
       .model->Clone();
 }
 

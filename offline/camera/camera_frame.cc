@@ -21,7 +21,7 @@ CameraFrame FindCameraFrame(const CameraModel& camera,
   double least_px = INFINITY;
   for (const std::string& name : lenses) {
     const FittedModel fit =
-        FitParametricModel(name, camera, camera.area(), true);
+        FitParametricModel(name, camera, camera.area(), {true});
     if (!(fit.rms_px < kNearer * least_px)) continue;
     least_px = fit.rms_px;
     frame = {name, fit.model_from_camera};

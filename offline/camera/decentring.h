@@ -19,6 +19,11 @@ constexpr double kDecentringPart = 0.03;
 /// corner of an area, in pixels; zero for all other parameters.
 Eigen::VectorXd DecentringPixels(const ParametricModel& lens, const Area& area);
 
+/// How far a unit of each parameter that bends the lens moves the farthest
+/// corner of an area, in pixels; zero for all other parameters, and for those
+/// of a spline.
+Eigen::VectorXd RadialPixels(const ParametricModel& lens, const Area& area);
+
 /// The farthest corner's distance from the lens's centre, in focal lengths.
 double CornerRadius(const ParametricModel& lens, const Area& area);
 

@@ -43,6 +43,23 @@ inline Eigen::Vector3d FromEquidistant(const Eigen::Vector2d& uv) {
       .normalized();
 }
 
+/// A direction of equidistant coordinates, also in jets: (u, v) and z so that
+/// atan2 of their lengths is theta.
+template <typename T>
+Eigen::Matrix<T, 3, 1> DirectionAt(const Eigen::Matrix<T, 2, 1>& uv) {
+  using std::cos;
+  using std::sin;
+  using std::sqrt;
+  const T theta2 = uv.squaredNorm();
+  if (theta2 < 1e-8) {
+    const T scale = 1.0 - theta2 / 6.0;
+    return {scale * uv.x(), scale * uv.y(), 1.0 - theta2 / 2.0};
+  }
+  const T theta = sqrt(theta2);
+  const T scale = sin(theta) / theta;
+  return {scale * uv.x(), scale * uv.y(), cos(theta)};
+}
+
 /// fx fy cx cy p1 p2 sx1 sy1.
 template <typename T>
 struct PlanarDistortion {

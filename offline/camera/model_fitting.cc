@@ -7,10 +7,9 @@
 
 #include "camera/central_radial.h"
 #include "camera/decentring.h"
+#include "camera/lens_models.h"
 #include "camera/noncentral_generic.h"
-#include "camera/opencv.h"
 #include "camera/pose.h"
-#include "camera/thin_prism_fisheye.h"
 
 namespace raygrid {
 namespace {
@@ -22,19 +21,44 @@ constexpr double kLostPx = 100;      // the error of what is not projected
 struct Sample {
   Eigen::Vector2d pixel;
   Eigen::Vector3d ray;
+  bool is_trusted = true;
+
+  // A camera that is not trusted is followed where nothing else says what the
+  // lens does.
+  double Weight() const { return is_trusted ? 1 : 1e-3; }
 };
 
-std::vector<Sample> SampleRays(const CameraModel& camera, const Area& area) {
-  constexpr int kAcross = 40;
-  std::vector<Sample> samples;
-  for (int j = 0; j < kAcross; ++j) {
-    for (int i = 0; i < kAcross; ++i) {
-      const Eigen::Vector2d pixel(area.x0 + area.width() * i / (kAcross - 1),
-                                  area.y0 + area.height() * j / (kAcross - 1));
+// Rays of a lattice of pixels, so many across and down, of trusted ones alone
+// or of all.
+void AddRays(const CameraModel& camera, const Area& area, int across,
+             const TrustMask* trusted, bool only_trusted,
+             std::vector<Sample>* samples) {
+  for (int j = 0; j < across; ++j) {
+    for (int i = 0; i < across; ++i) {
+      const Eigen::Vector2d pixel(area.x0 + area.width() * i / (across - 1),
+                                  area.y0 + area.height() * j / (across - 1));
+      const bool is_trusted = !trusted || trusted->Trusts(pixel);
+      if (only_trusted && !is_trusted) continue;
       const auto ray = camera.Unproject(pixel);
-      if (ray) samples.push_back({pixel, *ray});
+      if (ray) samples->push_back({pixel, *ray, is_trusted});
     }
   }
+}
+
+size_t NumTrusted(const std::vector<Sample>& samples) {
+  return std::count_if(samples.begin(), samples.end(),
+                       [](const Sample& sample) { return sample.is_trusted; });
+}
+
+std::vector<Sample> SampleRays(const CameraModel& camera, const Area& area,
+                               const TrustMask* trusted) {
+  constexpr int kAcross = 40, kMostAcross = 320;
+  constexpr size_t kEnough = 400;
+  std::vector<Sample> samples;
+  AddRays(camera, area, kAcross, trusted, false, &samples);
+  for (int across = 2 * kAcross;
+       across <= kMostAcross && NumTrusted(samples) < kEnough; across *= 2)
+    AddRays(camera, area, across, trusted, true, &samples);
   return samples;
 }
 
@@ -90,21 +114,9 @@ std::vector<std::unique_ptr<ParametricModel>> Starts(
   const ImageSize& size = camera.image_size();
   const Area& area = camera.area();
   std::vector<std::unique_ptr<ParametricModel>> starts;
-  if (name == "opencv") {
-    starts.push_back(std::make_unique<OpenCvModel>(
-        size, area,
-        OpenCvModel::ParameterArray{f, f, cx, cy, 0, 0, 0, 0, 0, 0, 0, 0}));
-    // Pade's approximation of atan(r) / r: an equidistant lens.
-    starts.push_back(std::make_unique<OpenCvModel>(
-        size, area,
-        OpenCvModel::ParameterArray{f, f, cx, cy, 1190 / 1155.0, 231 / 1155.0,
-                                    0, 1575 / 1155.0, 525 / 1155.0, 25 / 1155.0,
-                                    0, 0}));
-  } else if (name == "thin-prism-fisheye") {
-    starts.push_back(std::make_unique<ThinPrismFisheye>(
-        size, area,
-        ThinPrismFisheye::ParameterArray{f, f, cx, cy, 0, 0, 0, 0, 0, 0, 0,
-                                         0}));
+  if (const LensModel* model = FindLensModel(name)) {
+    for (const Eigen::VectorXd& parameters : model->starts(f, cx, cy))
+      starts.push_back(model->make(size, area, parameters));
   } else {
     double widest = 0.1;
     for (const Sample& sample : samples)
@@ -118,16 +130,19 @@ std::vector<std::unique_ptr<ParametricModel>> Starts(
   return starts;
 }
 
-// The target that a lens is fitted to, and the cost of its tilt: the sum of the
-// squared parameters with these weights.
+// The target that a lens is fitted to, and the cost of its distortion: the sum
+// of the squared departures of parameters from the start, with these weights.
 struct Target {
   std::vector<Sample> samples;
-  Eigen::VectorXd decentring_weights;
+  Eigen::VectorXd start;
+  Eigen::VectorXd distortion_weights;
   double lost_px = kLostPx;  // larger errors have no say
 };
 
-double DecentringCost(const ParametricModel& model, const Target& target) {
-  return model.Parameters().cwiseAbs2().dot(target.decentring_weights);
+double DistortionCost(const ParametricModel& model, const Target& target) {
+  return (model.Parameters() - target.start)
+      .cwiseAbs2()
+      .dot(target.distortion_weights);
 }
 
 // The least-squares problem; the rotation's update comes last.
@@ -154,9 +169,10 @@ std::vector<double> ErrorsPx(const ParametricModel& model,
 
 double CostOf(const ParametricModel& model, const Eigen::Quaterniond& rotation,
               const Target& target) {
-  double cost = DecentringCost(model, target);
-  for (const double error : ErrorsPx(model, rotation, target))
-    cost += error * error;
+  double cost = DistortionCost(model, target);
+  const std::vector<double> errors = ErrorsPx(model, rotation, target);
+  for (size_t k = 0; k < errors.size(); ++k)
+    cost += target.samples[k].Weight() * errors[k] * errors[k];
   return cost;
 }
 
@@ -182,12 +198,13 @@ void AddRidge(const ParametricModel& model, Equations* equations) {
   }
 }
 
-void AddDecentring(const ParametricModel& model, const Target& target,
+void AddDistortion(const ParametricModel& model, const Target& target,
                    Equations* equations) {
-  const Eigen::VectorXd& weights = target.decentring_weights;
+  const Eigen::VectorXd& weights = target.distortion_weights;
   const Eigen::Index count = weights.size();
   equations->normal.diagonal().head(count) += weights;
-  equations->gradient.head(count) += weights.cwiseProduct(model.Parameters());
+  equations->gradient.head(count) +=
+      weights.cwiseProduct(model.Parameters() - target.start);
 }
 
 Equations Linearize(const ParametricModel& model,
@@ -213,16 +230,65 @@ Equations Linearize(const ParametricModel& model,
       row.col(num_parameters + k) =
           linear.by_point * Eigen::Vector3d::Unit(k).cross(ray);
     // Small enough to be multiplied without the blocks of large products.
+    row *= std::sqrt(sample.Weight());
     equations.normal += row.transpose().lazyProduct(row);
-    equations.gradient += row.transpose().lazyProduct(error);
+    equations.gradient +=
+        std::sqrt(sample.Weight()) * row.transpose().lazyProduct(error);
   }
   AddRidge(model, &equations);
-  AddDecentring(model, target, &equations);
+  AddDistortion(model, target, &equations);
   return equations;
 }
 
+// The parameters of a lens that are fitted.
+struct Freedom {
+  std::vector<Eigen::Index> parameters;  // and the rotation behind them
+  bool ties_focal_lengths = false;       // fy is fx, and not among them
+  bool rotation = false;
+};
+
+Freedom FreedomOf(const ParametricModel& model, const FitOptions& options) {
+  Freedom freedom;
+  freedom.ties_focal_lengths = options.ties_focal_lengths;
+  freedom.rotation = options.free_rotation;
+  const int first = FirstCommonParameter(model);
+  const std::vector<std::string>& names = model.ParameterNames();
+  for (int k = 0; k < model.NumParameters(); ++k) {
+    const std::string name = k < first ? "" : names[k - first];
+    const bool is_held = std::find(options.held.begin(), options.held.end(),
+                                   name) != options.held.end();
+    if (is_held || (name == "fy" && freedom.ties_focal_lengths)) continue;
+    freedom.parameters.push_back(k);
+  }
+  if (freedom.rotation)
+    for (int k = 0; k < 3; ++k)
+      freedom.parameters.push_back(model.NumParameters() + k);
+  return freedom;
+}
+
+// The step of parameters and rotation, of those that are free.
+Eigen::VectorXd Step(const ParametricModel& model, const Freedom& freedom,
+                     const Equations& equations, double lambda) {
+  const std::vector<Eigen::Index>& free = freedom.parameters;
+  const Eigen::Index fx = FirstCommonParameter(model), fy = fx + 1;
+  Eigen::MatrixXd normal = equations.normal;
+  Eigen::VectorXd gradient = equations.gradient;
+  if (freedom.ties_focal_lengths) {
+    normal.row(fx) += normal.row(fy).eval();
+    normal.col(fx) += normal.col(fy).eval();
+    gradient[fx] += gradient[fy];
+  }
+  Eigen::MatrixXd damped = normal(free, free);
+  damped.diagonal() *= 1 + lambda;
+  damped.diagonal().array() += 1e-12;
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(gradient.size());
+  step(free) = -damped.ldlt().solve(gradient(free));
+  if (freedom.ties_focal_lengths) step[fy] = step[fx];
+  return step;
+}
+
 // Levenberg-Marquardt. Returns the cost.
-double Refine(const Target& target, bool free_rotation, FittedModel* fit) {
+double Refine(const Target& target, const Freedom& freedom, FittedModel* fit) {
   constexpr int kMaxIterations = 100;
   constexpr double kConverged = 1e-10;
   ParametricModel& model = *fit->model;
@@ -230,21 +296,15 @@ double Refine(const Target& target, bool free_rotation, FittedModel* fit) {
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const Equations equations =
         Linearize(model, fit->model_from_camera, target);
-    const Eigen::Index size =
-        equations.gradient.size() - (free_rotation ? 0 : 3);
     const double before = cost;
     for (; lambda < 1e10; lambda *= 10) {
-      Eigen::MatrixXd damped = equations.normal.topLeftCorner(size, size);
-      damped.diagonal() *= 1 + lambda;
-      damped.diagonal().array() += 1e-12;
-      const Eigen::VectorXd step =
-          -damped.ldlt().solve(equations.gradient.head(size));
+      const Eigen::VectorXd step = Step(model, freedom, equations, lambda);
       if (!step.allFinite()) continue;
       const std::unique_ptr<CameraModel> next = model.Clone();
-      const Eigen::Index count = model.NumParameters();
-      next->SetParameters(model.Parameters() + step.head(count));
+      next->SetParameters(model.Parameters() +
+                          step.head(model.NumParameters()));
       Eigen::Quaterniond rotation = fit->model_from_camera;
-      if (free_rotation)
+      if (freedom.rotation)
         rotation = (RotationFromVector(step.tail<3>()) * rotation).normalized();
       const double next_cost =
           CostOf(dynamic_cast<const ParametricModel&>(*next), rotation, target);
@@ -260,12 +320,15 @@ double Refine(const Target& target, bool free_rotation, FittedModel* fit) {
   return cost;
 }
 
-// The errors of the samples that are fitted best, which are this part of all,
-// from the smallest on.
+// The errors of the trusted samples that are fitted best, which are this part
+// of all, from the smallest on.
 std::vector<double> SmallestErrors(const FittedModel& fit, const Target& target,
                                    double part) {
-  std::vector<double> errors =
+  const std::vector<double> all =
       ErrorsPx(*fit.model, fit.model_from_camera, target);
+  std::vector<double> errors;
+  for (size_t k = 0; k < all.size(); ++k)
+    if (target.samples[k].is_trusted) errors.push_back(all[k]);
   std::sort(errors.begin(), errors.end());
   errors.resize(static_cast<size_t>(
       std::ceil(part * static_cast<double>(errors.size()))));
@@ -281,48 +344,88 @@ double RmsPx(const FittedModel& fit, const Target& target) {
                         : std::sqrt(sum / static_cast<double>(errors.size()));
 }
 
+// How firmly parameters are held to the start against errors of so many pixels,
+// those that bend the lens and those that tilt it.
+Eigen::VectorXd DistortionWeights(const ParametricModel& start,
+                                  const Area& area, double num_samples,
+                                  double bend_px, double tilt_px) {
+  const Eigen::VectorXd parts = bend_px * RadialPixels(start, area) +
+                                tilt_px * DecentringPixels(start, area);
+  return num_samples * parts.cwiseAbs2();
+}
+
 // Against a rotation that is free, the lens's tilt is held, at first as a lens
 // with bumps needs it, then as firmly as what it leaves asks for. What is far
-// off the rest then has no say: a grid's corners that nothing was seen in.
-// Returns what is left.
-double RefineWithRotation(const Area& area, Target* target, FittedModel* fit) {
+// off the rest then has no say: a grid's corners that nothing was seen in. What
+// bends the lens is free at first, as far as from its start to its place it
+// may be, and then held a little: the coefficients of a numerator and of a
+// denominator can undo each other. Returns the cost, without the distortion's.
+double RefineInRounds(const Area& area, const Freedom& freedom, Target* target,
+                      FittedModel* fit) {
   constexpr int kRounds = 4;
   constexpr double kFirstRmsPx = 1.0 / 3, kFarOff = 10, kNeverFarOffPx = 1;
-  const Eigen::VectorXd pixels = DecentringPixels(*fit->model, area);
-  double rms_px = kFirstRmsPx;
+  constexpr double kRadialPart = 3e-4, kLeastRadialPart = 1e-7;
+  double num_samples = 0;
+  for (const Sample& sample : target->samples) num_samples += sample.Weight();
+  const std::unique_ptr<ParametricModel> start =
+      fit->model->OverArea(fit->model->area());
+  target->start = start->Parameters();
   target->lost_px = kLostPx;
+  double rms_px = kFirstRmsPx, bend_px = kLeastRadialPart;
   for (int round = 0; round < kRounds; ++round) {
-    target->decentring_weights =
-        static_cast<double>(target->samples.size()) *
-        (kDecentringPart * rms_px * pixels).cwiseAbs2();
-    Refine(*target, true, fit);
+    target->distortion_weights =
+        DistortionWeights(*start, area, num_samples, bend_px,
+                          freedom.rotation ? kDecentringPart * rms_px : 0);
+    Refine(*target, freedom, fit);
     rms_px = RmsPx(*fit, *target);
+    bend_px =
+        std::max(kRadialPart * std::min(rms_px, kFirstRmsPx), kLeastRadialPart);
     const std::vector<double> half = SmallestErrors(*fit, *target, 0.5);
-    if (!half.empty())
+    if (!half.empty() && freedom.rotation)
       target->lost_px =
           std::clamp(kFarOff * half.back(), kNeverFarOffPx, kLostPx);
   }
   target->lost_px = kLostPx;
-  return RmsPx(*fit, *target);
+  target->distortion_weights.setZero();
+  return freedom.rotation
+             ? RmsPx(*fit, *target)
+             : CostOf(*fit->model, fit->model_from_camera, *target);
+}
+
+// Whether the parameters that are held are those that the lens lacks.
+bool IsWithout(const ParametricModel& lens,
+               const std::vector<std::string>& held) {
+  const std::vector<std::string>& names = lens.ParameterNames();
+  const Eigen::VectorXd named = lens.Parameters().tail(names.size());
+  for (size_t k = 0; k < names.size(); ++k)
+    if (named[k] != 0 &&
+        std::find(held.begin(), held.end(), names[k]) != held.end())
+      return false;
+  return true;
 }
 
 }  // namespace
 
 bool IsParametricModel(const std::string& name) {
-  return name == "opencv" || name == "thin-prism-fisheye" ||
-         name == "central-radial";
+  return FindLensModel(name) || name == "central-radial";
+}
+
+std::string ParametricModelNames() {
+  std::string names;
+  for (const LensModel& model : LensModels()) names += model.name + ", ";
+  return names.substr(0, names.size() - 2) + " or central-radial";
 }
 
 FittedModel FitParametricModel(const std::string& name,
                                const CameraModel& camera, const Area& area,
-                               bool free_rotation) {
+                               const FitOptions& options) {
   if (const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera))
-    return FitParametricModel(name, lines->CentralPart(), area, free_rotation);
+    return FitParametricModel(name, lines->CentralPart(), area, options);
   const Eigen::Quaterniond start_from_camera =
-      free_rotation ? LevelFromCamera(camera, area)
-                    : Eigen::Quaterniond::Identity();
+      options.free_rotation ? LevelFromCamera(camera, area)
+                            : Eigen::Quaterniond::Identity();
   Target target;
-  target.samples = SampleRays(camera, area);
+  target.samples = SampleRays(camera, area, options.trusted);
   for (Sample& sample : target.samples)
     sample.ray = start_from_camera * sample.ray;
   const Center center =
@@ -330,11 +433,11 @@ FittedModel FitParametricModel(const std::string& name,
   FittedModel best;
   double best_cost = INFINITY;
   for (auto& start : Starts(name, camera, center, target.samples)) {
+    if (!IsWithout(*start, options.held)) continue;
     FittedModel fit;
     fit.model = std::move(start);
-    target.decentring_weights.setZero(fit.model->NumParameters());
-    const double cost = free_rotation ? RefineWithRotation(area, &target, &fit)
-                                      : Refine(target, false, &fit);
+    const double cost =
+        RefineInRounds(area, FreedomOf(*fit.model, options), &target, &fit);
     if (best.model && !(cost < best_cost)) continue;
     best = std::move(fit);
     best_cost = cost;
@@ -346,11 +449,13 @@ FittedModel FitParametricModel(const std::string& name,
 }
 
 FittedModel FitNearestModel(const std::string& name, const CameraModel& camera,
-                            const Area& area) {
+                            const Area& area, FitOptions options) {
   constexpr double kWorthPart = 0.02, kAlwaysCloseEnoughPx = 0.005;
-  FittedModel level = FitParametricModel(name, camera, area, false);
+  options.free_rotation = false;
+  FittedModel level = FitParametricModel(name, camera, area, options);
   if (level.rms_px <= kAlwaysCloseEnoughPx) return level;
-  FittedModel turned = FitParametricModel(name, camera, area, true);
+  options.free_rotation = true;
+  FittedModel turned = FitParametricModel(name, camera, area, options);
   return turned.rms_px < (1 - kWorthPart) * level.rms_px ? std::move(turned)
                                                          : std::move(level);
 }

@@ -41,6 +41,9 @@ class OpenCvModel : public ParametricModel {
   void SetParameters(const Eigen::VectorXd& parameters) override;
 
   const std::vector<std::string>& ParameterNames() const override;
+  std::vector<int> RadialOrders() const override {
+    return {0, 0, 0, 0, 3, 5, 7, 3, 5, 7, 0, 0};
+  }
 
   OpenCvModel WithArea(const Area& area) const;
   std::unique_ptr<ParametricModel> OverArea(const Area& area) const override {

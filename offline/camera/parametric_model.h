@@ -15,6 +15,12 @@ class ParametricModel : public CameraModel {
  public:
   virtual const std::vector<std::string>& ParameterNames() const = 0;
 
+  /// Powers of the radius that named parameters which bend the lens move an
+  /// image by: 3 of OpenCV's k1. 0 of all others, as of those that tilt it.
+  virtual std::vector<int> RadialOrders() const {
+    return std::vector<int>(ParameterNames().size(), 0);
+  }
+
   /// The model with these parameters over another area.
   virtual std::unique_ptr<ParametricModel> OverArea(const Area& area) const = 0;
 

@@ -8,9 +8,8 @@
 #include <vector>
 
 #include "camera/central_radial.h"
+#include "camera/lens_models.h"
 #include "camera/noncentral_generic.h"
-#include "camera/opencv.h"
-#include "camera/thin_prism_fisheye.h"
 #include "camera/view_camera.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
@@ -95,14 +94,13 @@ void ParseParameters(const YAML::Node& root,
         Number(root["parameters"][names[k]], "parameters: " + names[k]);
 }
 
-template <typename Model>
 std::shared_ptr<CameraModel> ParseLens(const YAML::Node& root,
+                                       const LensModel& model,
                                        const ImageSize& size,
                                        const Area& area) {
-  typename Model::ParameterArray parameters = {};
-  ParseParameters(root, Model(size, area, parameters).ParameterNames(),
-                  parameters.data());
-  return std::make_shared<Model>(size, area, parameters);
+  Eigen::VectorXd parameters(model.parameters.size());
+  ParseParameters(root, model.parameters, parameters.data());
+  return model.make(size, area, parameters);
 }
 
 std::shared_ptr<CameraModel> ParseView(const YAML::Node& root,
@@ -276,10 +274,8 @@ CameraFile Parse(const YAML::Node& root) {
     file.camera = ParseCentralGeneric(root, image_size, area);
   else if (model == "noncentral-generic")
     file.camera = ParseNonCentralGeneric(root, image_size, area);
-  else if (model == "opencv")
-    file.camera = ParseLens<OpenCvModel>(root, image_size, area);
-  else if (model == "thin-prism-fisheye")
-    file.camera = ParseLens<ThinPrismFisheye>(root, image_size, area);
+  else if (const LensModel* lens = FindLensModel(model))
+    file.camera = ParseLens(root, *lens, image_size, area);
   else if (model == "central-radial")
     file.camera = ParseCentralRadial(root, image_size, area);
   else if (const auto projection = FindProjection(model))
@@ -378,9 +374,11 @@ void EmitPose(const Pose& pose, YAML::Emitter* out) {
        << YAML::Load(FormatPose(pose, ""));
 }
 
-void EmitParameters(const ParametricModel& lens, YAML::Emitter* out) {
-  const auto number = [](double value) {
-    return fmt::format("{:.12g}", value);
+void EmitParameters(const ParametricModel& lens, Digits digits,
+                    YAML::Emitter* out) {
+  const auto number = [digits](double value) {
+    return digits == Digits::kAll ? fmt::format("{}", value)
+                                  : fmt::format("{:.12g}", value);
   };
   if (const auto* radial = dynamic_cast<const CentralRadial*>(&lens)) {
     *out << YAML::Key << "radial" << YAML::Value << YAML::BeginMap << YAML::Key
@@ -416,14 +414,14 @@ void EmitGrid(const BSplineSurface& surface, const Eigen::VectorXd& parameters,
   *out << YAML::EndSeq;
 }
 
-void EmitModel(const CameraModel& camera, YAML::Emitter* out) {
+void EmitModel(const CameraModel& camera, Digits digits, YAML::Emitter* out) {
   if (const auto* generic = dynamic_cast<const CentralGeneric*>(&camera)) {
     EmitGrid(generic->surface(), camera.Parameters(), out);
   } else if (const auto* lines =
                  dynamic_cast<const NonCentralGeneric*>(&camera)) {
     EmitGrid(lines->directions(), camera.Parameters(), out);
   } else {
-    EmitParameters(dynamic_cast<const ParametricModel&>(camera), out);
+    EmitParameters(dynamic_cast<const ParametricModel&>(camera), digits, out);
   }
 }
 
@@ -449,7 +447,7 @@ CameraFile ParseCameraFile(const std::string& path, const std::string& text) {
   }
 }
 
-std::string FormatCameraFile(const CameraFile& file) {
+std::string FormatCameraFile(const CameraFile& file, Digits digits) {
   const CameraModel& camera = *file.camera;
   const Area& area = camera.area();
   YAML::Emitter out;
@@ -480,7 +478,7 @@ std::string FormatCameraFile(const CameraFile& file) {
   if (file.camera_from_view) EmitPose(*file.camera_from_view, &out);
   // The model, which no camera lacks, comes last: a file that was cut is no
   // camera.
-  EmitModel(camera, &out);
+  EmitModel(camera, digits, &out);
   out << YAML::EndMap;
   return std::string(out.c_str()) + "\n";
 }

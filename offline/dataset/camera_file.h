@@ -32,7 +32,11 @@ struct CameraFile {
 CameraFile ReadCameraFile(const std::string& path);
 /// The camera in a file's text; path is used in errors.
 CameraFile ParseCameraFile(const std::string& path, const std::string& text);
-std::string FormatCameraFile(const CameraFile& file);
+/// A lens's parameters have 12 digits, or, for those that must come out of the
+/// file as they are, as many as they need.
+enum class Digits { kTwelve, kAll };
+std::string FormatCameraFile(const CameraFile& file,
+                             Digits digits = Digits::kTwelve);
 
 }  // namespace raygrid
 

@@ -58,7 +58,7 @@ ExperimentResult CompareModelsByFit(const ExperimentOptions& options) {
   std::vector<std::string> names;
   for (const char* name : {"opencv", "thin-prism-fisheye", "central-radial"}) {
     const FittedModel fitted =
-        FitParametricModel(name, *camera, camera->area(), true);
+        FitParametricModel(name, *camera, camera->area(), {true});
     differences.push_back(CompareModels(*camera, *fitted.model, step_px));
     const ModelDifference& d = differences.back();
     if (d.pixels.empty()) {

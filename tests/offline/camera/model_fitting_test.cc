@@ -12,7 +12,7 @@ namespace {
 
 double RmsPx(const std::string& model, const CameraModel& camera) {
   const FittedModel fit =
-      FitParametricModel(model, camera, camera.area(), true);
+      FitParametricModel(model, camera, camera.area(), {true});
   EXPECT_EQ(fit.model->Name(), model);
   const ModelDifference difference = CompareModels(camera, *fit.model, 8);
   const ModelDifference all = CompareModels(camera, camera, 8);
@@ -65,19 +65,91 @@ TEST(FitParametricModel, TurnsIfItMay) {
       size,
       FitSurface(surface.area(), surface.columns(), surface.rows(), samples));
   const FittedModel free =
-      FitParametricModel("opencv", turned, turned.area(), true);
+      FitParametricModel("opencv", turned, turned.area(), {true});
   EXPECT_LT(CompareModels(turned, *free.model, 8).rms_px, 0.01);
   const FittedModel straight =
-      FitParametricModel("opencv", turned, turned.area(), false);
+      FitParametricModel("opencv", turned, turned.area(), {});
   EXPECT_EQ(straight.model_from_camera.angularDistance(
                 Eigen::Quaterniond::Identity()),
             0);
 }
 
+double LargestCoefficient(const FittedModel& fit) {
+  const Eigen::VectorXd parameters = fit.model->Parameters();
+  return parameters.tail(parameters.size() - 4).cwiseAbs().maxCoeff();
+}
+
+// Those of a numerator and of a denominator can undo each other.
+TEST(FitParametricModel, KeepsCoefficientsSmall) {
+  const auto wavy = SimulatedLens("pinhole", {640, 480});
+  const CentralGeneric grid = FittedGrid(*wavy, 40);
+  for (const char* model : {"opencv", "opencv-14"})
+    for (const bool is_free : {false, true})
+      EXPECT_LT(LargestCoefficient(
+                    FitParametricModel(model, grid, grid.area(), {is_free})),
+                10)
+          << model;
+}
+
+TEST(FitParametricModel, LeavesWhatIsHeld) {
+  const OpenCvModel lens = ExampleLens();
+  FitOptions options;
+  options.held = {"k3", "k4", "k5", "k6"};
+  const FittedModel fit =
+      FitParametricModel("opencv", lens, lens.area(), options);
+  for (const int held :
+       {OpenCvModel::kK3, OpenCvModel::kK4, OpenCvModel::kK5, OpenCvModel::kK6})
+    EXPECT_EQ(fit.model->Parameters()[held], 0);
+  EXPECT_GT(fit.rms_px, 1e-4);
+  EXPECT_LT(fit.rms_px, 0.1);
+}
+
+TEST(FitParametricModel, TiesFocalLengths) {
+  const OpenCvModel lens = ExampleLens();  // 510 and 515 px
+  FitOptions options;
+  options.ties_focal_lengths = true;
+  const FittedModel fit =
+      FitParametricModel("opencv", lens, lens.area(), options);
+  const Eigen::VectorXd parameters = fit.model->Parameters();
+  EXPECT_EQ(parameters[0], parameters[1]);
+  EXPECT_GT(parameters[0], 509);
+  EXPECT_LT(parameters[0], 516);
+}
+
+// A pixel that is not trusted is followed where nothing else tells, and gives
+// way.
+TEST(FitParametricModel, FollowsTrustedPixels) {
+  const auto bumpy = SimulatedLens("wide", {640, 480});
+  TrustMask mask = TrustMask::Over(bumpy->image_size());
+  for (size_t k = 0; k < mask.is_trusted.size(); ++k) {
+    const Eigen::Vector2d at = mask.CellCenter(static_cast<int>(k));
+    mask.is_trusted[k] = std::abs(at.x() - 320) < 120 && at.y() < 160;
+  }
+  FitOptions options;
+  options.trusted = &mask;
+  const FittedModel trusted =
+      FitParametricModel("opencv", *bumpy, bumpy->area(), options);
+  const FittedModel all =
+      FitParametricModel("opencv", *bumpy, bumpy->area(), {});
+  double sum_trusted = 0, sum_all = 0;
+  for (int y = 0; y < 155; y += 10) {
+    for (int x = 210; x < 430; x += 10) {
+      const Eigen::Vector3d ray = bumpy->Unproject({x, y}).value();
+      const Eigen::Vector2d pixel(x, y);
+      sum_trusted +=
+          (trusted.model->Project(ray, nullptr, 99).value() - pixel).norm();
+      sum_all += (all.model->Project(ray, nullptr, 99).value() - pixel).norm();
+    }
+  }
+  EXPECT_LT(sum_trusted, 0.7 * sum_all);
+  // The rest of the image has the same lens, not any one.
+  EXPECT_LT(CompareModels(*bumpy, *trusted.model, 8).p99_px, 10);
+}
+
 TEST(FitParametricModel, OpenCvHasNothingBehind) {
   const auto lens = SimulatedLens("fisheye190", {640, 480});
   const FittedModel fit =
-      FitParametricModel("opencv", *lens, lens->area(), true);
+      FitParametricModel("opencv", *lens, lens->area(), {true});
   EXPECT_FALSE(fit.model->Unproject({1, 240}));
 }
 
