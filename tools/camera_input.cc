@@ -14,8 +14,25 @@
 #include "dataset/files.h"
 #include "dataset/image_header.h"
 #include "dataset/text_encoding.h"
+#include "exchange/format.h"
 
 namespace raygrid {
+namespace {
+
+CameraFile ParseForeignCamera(const Format& format, const std::string& path,
+                              const std::string& text) {
+  const ExchangeContents contents =
+      ReadExchangeFile(&format, {path, text, "", std::nullopt});
+  if (contents.cameras.size() != 1)
+    throw InputError(
+        fmt::format("{}: has {} cameras; 'raygrid import' makes a file of each",
+                    path, contents.cameras.size()));
+  for (const std::string& remark : contents.remarks)
+    fmt::print(stderr, "raygrid: {}: {}\n", Printable(path), remark);
+  return CameraFileOf(contents.cameras.front());
+}
+
+}  // namespace
 
 CameraInput ReadCamera(const std::string& path) {
   return ParseCamera(path, ReadFile(path));
@@ -24,7 +41,9 @@ CameraInput ReadCamera(const std::string& path) {
 CameraInput ParseCamera(const std::string& path, const std::string& bytes) {
   CameraInput input;
   if (!IsBlob(path, bytes)) {
-    input.file = ParseCameraFile(path, bytes);
+    const Format* format = RecognizeFormat(bytes);
+    input.file = format ? ParseForeignCamera(*format, path, bytes)
+                        : ParseCameraFile(path, bytes);
     return input;
   }
   input.blob.emplace(path, bytes);

@@ -11,14 +11,16 @@
 
 namespace raygrid {
 
-/// A camera.yaml, or a blob.
+/// A camera.yaml, a blob, or a file of another program that has one camera
+/// (exchange/format.h), which every command takes.
 struct CameraInput {
   CameraFile file;                 ///< a blob's grid in double precision
   std::optional<BlobCamera> blob;  ///< if it was one
 };
 
 CameraInput ReadCamera(const std::string& path);
-/// The camera in a file's bytes; path is used in errors.
+/// The camera in a file's bytes; path is used in errors. Says on standard error
+/// what of another program's file was not taken as it stands.
 CameraInput ParseCamera(const std::string& path, const std::string& bytes);
 
 /// The pixels that are to be shown of a camera's images with --outside OUTSIDE:

@@ -14,6 +14,8 @@
 #include "dataset/files.h"
 #include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
+#include "exchange/format.h"
+#include "exchange/opencv_forms.h"
 #include "target/board_spec.h"
 #include "view_options.h"
 
@@ -153,6 +155,18 @@ Json Figures(const ErrorFigures& figures) {
           {"features", figures.count}};
 }
 
+// The parameters with names of a lens; those of OpenCV's model in its order.
+Json LensFacts(const ParametricModel& lens) {
+  const std::vector<std::string>& names = lens.ParameterNames();
+  const Eigen::VectorXd named = lens.Parameters().tail(names.size());
+  Json json = Json::object();
+  for (const std::string& name :
+       lens.Name() == "opencv" ? OpenCvForm("", 8).parameters : names)
+    json[name] =
+        named[std::find(names.begin(), names.end(), name) - names.begin()];
+  return json;
+}
+
 Json CameraFacts(const CameraFile& file) {
   const ImageSize& size = file.camera->image_size();
   const Area& area = file.camera->area();
@@ -164,6 +178,9 @@ Json CameraFacts(const CameraFile& file) {
                  {"serial", file.serial},
                  {"image_size", {size.width, size.height}}}},
                {"area_px", {area.x0, area.y0, area.x1, area.y1}}};
+  if (const auto* lens =
+          dynamic_cast<const ParametricModel*>(file.camera.get()))
+    json["lens"] = LensFacts(*lens);
   if (file.training) json["training_error"] = Figures(*file.training);
   if (file.held_out) json["held-out_error"] = Figures(*file.held_out);
   if (file.uncertainty)
@@ -211,6 +228,33 @@ Json FeaturesFacts(const std::map<std::string, Dataset>& cameras) {
   return json;
 }
 
+// Another program's file.
+Json ForeignFacts(const Format& format, const std::string& path,
+                  const std::string& text) {
+  const ExchangeContents contents =
+      ReadExchangeFile(&format, {path, text, "", std::nullopt});
+  Json json = {{"kind", contents.is_rig ? "rig" : "camera"},
+               {"format", format.name}};
+  if (contents.cameras.size() == 1) {
+    json.update(CameraFacts(CameraFileOf(contents.cameras.front())));
+  } else {
+    json["cameras"] = Json::array();
+    for (const ReadLens& read : contents.cameras) {
+      const CameraFile file = CameraFileOf(read);
+      const ImageSize& size = file.camera->image_size();
+      json["cameras"].push_back({{"name", read.name},
+                                 {"model", file.camera->Name()},
+                                 {"image_size", {size.width, size.height}}});
+      const Eigen::Vector3d center = read.camera_from_rig.Inverse().translation;
+      if (contents.is_rig)
+        json["cameras"].back()["center_in_rig_m"] = {center.x(), center.y(),
+                                                     center.z()};
+    }
+  }
+  if (!contents.remarks.empty()) json["remarks"] = contents.remarks;
+  return json;
+}
+
 Json FactsOf(const std::string& path) {
   if (IsBoardSpec(path)) return PatternFacts(ParseBoardSpec(path));
   const std::string bytes = ReadFile(path);
@@ -221,19 +265,23 @@ Json FactsOf(const std::string& path) {
     return RigFacts(ParseRigFile(path, bytes));
   if (bytes.find("raygrid_pattern:") != std::string::npos)
     return PatternFacts(ParsePattern(path, bytes));
+  if (const Format* format = RecognizeFormat(bytes))
+    return ForeignFacts(*format, path, bytes);
   if (bytes.find("board") != std::string::npos)
     return FeaturesFacts(ParseFeatures(path, bytes));
   throw InputError(path +
-                   ": neither a blob, a camera, a rig, a pattern, nor "
-                   "features");
+                   ": neither a blob, a camera, a rig, a pattern, features, "
+                   "nor a file of " +
+                   FormatNames());
 }
 
 // ---- Text ------------------------------------------------------------------
 
-std::string ValueText(const Json& value) {
+std::string ValueText(const Json& value, int digits = 6) {
   if (value.is_string()) return "'" + Printable(value.get<std::string>()) + "'";
   if (value.is_boolean()) return value ? "yes" : "no";
-  if (value.is_number_float()) return fmt::format("{:.6g}", double(value));
+  if (value.is_number_float())
+    return fmt::format("{:.{}g}", double(value), digits);
   if (!value.is_array()) return value.dump();
   const bool is_size = value[0].is_number_integer();
   std::string text;
@@ -258,11 +306,12 @@ std::pair<std::string, std::string> NameAndUnit(std::string key) {
   return {key, unit};
 }
 
-std::string ObjectText(const Json& object) {
+std::string ObjectText(const Json& object, int digits = 6) {
   std::string text;
   for (const auto& [key, value] : object.items()) {
     const auto [name, unit] = NameAndUnit(key);
-    text += (text.empty() ? "" : ", ") + name + " " + ValueText(value) + unit;
+    text += (text.empty() ? "" : ", ") + name + " " + ValueText(value, digits) +
+            unit;
   }
   return text;
 }
@@ -271,7 +320,8 @@ void PrintText(const Json& facts) {
   for (const auto& [key, value] : facts.items()) {
     const auto [name, unit] = NameAndUnit(key);
     if (value.is_object()) {
-      fmt::print("{}: {}\n", name, ObjectText(value));
+      // A lens in all the digits that other programs may ask for.
+      fmt::print("{}: {}\n", name, ObjectText(value, key == "lens" ? 12 : 6));
     } else if (value.is_array() && (value.empty() || value[0].is_object())) {
       for (const Json& element : value)
         fmt::print("{}: {}\n", name, ObjectText(element));

@@ -30,8 +30,8 @@ constexpr char kExitCodes[] =
     "  5  did not converge: calibrate was interrupted, its files are written,\n"
     "     or an earlier result kept; or fit found no model that fits\n"
     "  6  a quality gate failed: calibrate's verdict is fail, or check says\n"
-    "     DEGRADED, either with all its output; or no blob or table holds the\n"
-    "     camera within its bounds\n"
+    "     DEGRADED, either with all its output; or no blob, table or export\n"
+    "     holds the camera within its bounds\n"
     "  7  an output cannot be written\n"
     "  8  a blob is corrupt, unsupported or does not match";
 
@@ -164,6 +164,8 @@ int Run(int argc, char** argv) {
   AddEvaluate(&app, &common);
   AddReport(&app, &common);
   AddFit(&app, &common);
+  AddExport(&app, &common);
+  AddImport(&app, &common);
   AddPack(&app, &common);
   AddRectify(&app, &common);
   AddInspect(&app, &common);

@@ -26,6 +26,7 @@ IMAGE_SIZES = ((64, 48), (160, 120), (640, 480), (33, 1), (1, 1), (2, 2), (3, 40
                (32, 32), (40, 16384), (16384, 33))
 # Far more pixels than bytes.
 LARGE = {"black.png": (16000, 16000), "wide.png": (16384, 3000), "large.png": (8000, 8000)}
+FORMATS = ("opencv",)
 WORDS = ("chessboard:14x10:30mm", "charuco:8x5:28mm:marker=21mm", "aprilgrid:6x6:24mm",
          "star:16x23:11mm", "chessboard:9x6", "chessboard:1x1:1km", "star:1000x1000:1mm")
 
@@ -161,7 +162,7 @@ class Case:
             return path
         if self.chance(0.3):
             return self.file(".raygrid", self.damaged(read(os.path.join(self.base, "c.raygrid"))))
-        return self.text("true_camera.yaml", ".yaml")
+        return self.foreign() if self.chance(0.3) else self.text("true_camera.yaml", ".yaml")
 
     def features(self):
         return self.good("features.csv") or self.text("features.csv", ".csv", 0.3)
@@ -212,8 +213,19 @@ class Case:
                 "--pattern", self.pattern(), "--camera", self.camera(), "--image", self.image(),
                 "-o", self.output()]
 
+    def run_export(self):
+        more = self.random.choice(((), ("--max-fit-error", self.random.choice(NUMBERS)),
+                                   ("--rectified", "--size", self.size()), ("--rectified",)))
+        return [self.camera(), "--to", self.random.choice(FORMATS), *more, "-o",
+                self.output(self.random.choice((".yaml", ".xml", ".json")))]
+
+    def run_import(self):
+        more = self.random.choice(((), (), ("--image-size", self.size())))
+        return [self.foreign(), *more, "-o", self.output(".yaml")]
+
     def run_fit(self):
-        model = self.random.choice(("opencv", "central-radial", "thin-prism-fisheye"))
+        model = self.random.choice(("opencv", "central-radial", "thin-prism-fisheye", "opencv-14",
+                                    "omni-radtan", "double-sphere", "eucm"))
         return [self.camera(), "--model", model, "-o", self.output(".yaml")]
 
     def run_inspect(self):
@@ -271,6 +283,10 @@ class Case:
         image = ["--image", self.image()] if self.chance(0.5) else []
         remap = ["--remap", self.size() + ",hfov=60"] if self.chance(0.3) else []
         return [self.camera(), *image, *remap, "-o", self.output(".png")]
+
+    def foreign(self):
+        """Another program's file."""
+        return self.text("foreign." + self.random.choice(FORMATS), ".yaml")
 
     def printed_or_written(self):
         return self.random.choice(([], ["--json"], ["-o", self.output(".csv")]))
@@ -335,6 +351,8 @@ def make_base(raygrid, folder):
     for arguments in (
             ("simulate", "--render", "--lens", "wide", "--size", "160x120", "--images", "9",
              "--samples-per-pixel", "2", "--pattern", pattern, "-o", folder + "/sim"),
+            *(("export", folder + "/sim/true_camera.yaml", "--to", name, "-o",
+               f"{folder}/sim/foreign.{name}") for name in FORMATS),
             ("pack", folder + "/sim/true_camera.yaml", "--remap", "160x120", "-o",
              folder + "/sim/c.raygrid"),
             ("calibrate", "--features", folder + "/sim/features.csv", "--image-size", "160x120",

@@ -28,6 +28,7 @@ LIMITS = {
     "offline/camera/DESIGN.md": GOOD,
     "offline/dataset/DESIGN.md": GOOD,
     "offline/evaluation/DESIGN.md": GOOD,
+    "offline/exchange/DESIGN.md": GOOD,
     "offline/experiments/README.md": GOOD,
     "offline/features/README.md": GOOD,
     "offline/features/DESIGN.md": GOOD,

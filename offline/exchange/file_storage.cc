@@ -1,0 +1,224 @@
+#include "exchange/file_storage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "dataset/yaml_file.h"
+#include "exchange/xml.h"
+#include "exchange/yaml_numbers.h"
+
+namespace raygrid {
+namespace {
+
+constexpr char kMatrixType[] = "opencv-matrix";
+constexpr char kXmlRoot[] = "opencv_storage";
+
+bool IsXml(const std::string& text) {
+  const size_t first = text.find_first_not_of(" \t\r\n");
+  return first != std::string::npos && text[first] == '<';
+}
+
+// A leaf's text: in quotes, or numbers with space between.
+YAML::Node LeafNode(const std::string& text) {
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"')
+    return YAML::Node(text.substr(1, text.size() - 2));
+  std::istringstream words(text);
+  YAML::Node list(YAML::NodeType::Sequence);
+  std::string word;
+  while (words >> word) list.push_back(word);
+  if (list.size() == 1) return list[0];
+  return list;
+}
+
+YAML::Node NodeOf(const XmlElement& element) {
+  if (element.children.empty()) {
+    const YAML::Node leaf = LeafNode(element.text);
+    // A list of one number is a list.
+    if (element.name != "data" || leaf.IsSequence()) return leaf;
+    YAML::Node list(YAML::NodeType::Sequence);
+    list.push_back(leaf);
+    return list;
+  }
+  YAML::Node node;
+  for (const XmlElement& child : element.children) {
+    if (child.name == "_") {
+      node.push_back(NodeOf(child));
+      continue;
+    }
+    if (element.Child(child.name) != &child)
+      throw InputError(fmt::format("line {}: '{}' stands twice; keep one",
+                                   child.line, Printable(child.name)));
+    node[child.name] = NodeOf(child);
+  }
+  return node;
+}
+
+// OpenCV's version line is no YAML; a comment takes its place.
+std::string WithoutVersion(std::string text) {
+  const size_t at = text.find("%YAML:");
+  if (at == 0) text[0] = '#';
+  return text;
+}
+
+std::string Quoted(FileStorageText::Kind kind, const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : Printable(text)) {
+    if (kind == FileStorageText::Kind::kXml) {
+      quoted += c == '<'   ? "&lt;"
+                : c == '>' ? "&gt;"
+                : c == '&' ? "&amp;"
+                : c == '"' ? "&quot;"
+                           : std::string(1, c);
+    } else {
+      if (c == '"' || c == '\\') quoted += '\\';
+      quoted += c;
+    }
+  }
+  return quoted + "\"";
+}
+
+}  // namespace
+
+bool IsFileStorage(const std::string& text) {
+  return text.find(kMatrixType) != std::string::npos ||
+         text.find(kXmlRoot) != std::string::npos;
+}
+
+YAML::Node ParseFileStorage(const std::string& path, const std::string& text) {
+  if (IsXml(text)) {
+    const XmlElement root = ParseXml(text);
+    if (root.name != kXmlRoot)
+      throw InputError(fmt::format("the root element is '{}', not '{}'",
+                                   Printable(root.name), kXmlRoot));
+    return NodeOf(root);
+  }
+  const std::string yaml = WithoutVersion(text);
+  RequireYamlFile(path, yaml);
+  return YAML::Load(yaml);
+}
+
+StoredMatrix ParseStoredMatrix(const YAML::Node& node,
+                               const std::string& name) {
+  if (!node.IsMap() || !node["rows"] || !node["cols"] || !node["data"])
+    throw InputError(fmt::format("{}: no matrix", name));
+  if (node["dt"] && node["dt"].as<std::string>().size() != 1)
+    throw InputError(fmt::format("{}: of several channels", name));
+  StoredMatrix matrix;
+  matrix.rows = SidePx(node["rows"], name + ": rows");
+  matrix.columns = SidePx(node["cols"], name + ": cols");
+  matrix.data = FiniteNumbers(node["data"], name);
+  if (matrix.data.size() !=
+      static_cast<size_t>(matrix.rows) * static_cast<size_t>(matrix.columns))
+    throw InputError(fmt::format("{}: {} numbers where {} x {} are said", name,
+                                 matrix.data.size(), matrix.rows,
+                                 matrix.columns));
+  return matrix;
+}
+
+FileStorageText::Kind FileStorageText::KindOf(const std::string& path) {
+  const std::string ending = std::filesystem::path(path).extension();
+  if (ending == ".xml") return Kind::kXml;
+  return ending == ".json" ? Kind::kJson : Kind::kYaml;
+}
+
+FileStorageText::FileStorageText(Kind kind) : kind_(kind) {
+  text_ = kind == Kind::kYaml ? "%YAML:1.0\n---\n"
+          : kind == Kind::kXml
+              ? fmt::format("<?xml version=\"1.0\"?>\n<{}>\n", kXmlRoot)
+              : "{\n";
+}
+
+std::string FileStorageText::Indentation() const {
+  const size_t depth = open_.size() + (kind_ == Kind::kJson ? 1 : 0);
+  return std::string(3 * depth, ' ');
+}
+
+void FileStorageText::AddPlain(const std::string& key,
+                               const std::string& value) {
+  switch (kind_) {
+    case Kind::kYaml:
+      text_ += fmt::format("{}{}: {}\n", Indentation(), key, value);
+      break;
+    case Kind::kXml:
+      text_ += fmt::format("{0}<{1}>{2}</{1}>\n", Indentation(), key, value);
+      break;
+    case Kind::kJson:
+      text_ += fmt::format("{}\"{}\": {},\n", Indentation(), key, value);
+      break;
+  }
+}
+
+void FileStorageText::Add(const std::string& key, int number) {
+  AddPlain(key, std::to_string(number));
+}
+
+void FileStorageText::Add(const std::string& key, double number) {
+  AddPlain(key, RealText(number));
+}
+
+void FileStorageText::Add(const std::string& key, const std::string& text) {
+  AddPlain(key, Quoted(kind_, text));
+}
+
+void FileStorageText::Add(const std::string& key, const StoredMatrix& matrix) {
+  std::string numbers = RealTexts(matrix.data);
+  switch (kind_) {
+    case Kind::kYaml:
+      text_ += fmt::format(
+          "{0}{1}: !!{2}\n{0}   rows: {3}\n{0}   cols: {4}\n{0}   dt: d\n"
+          "{0}   data: [ {5} ]\n",
+          Indentation(), key, kMatrixType, matrix.rows, matrix.columns,
+          numbers);
+      break;
+    case Kind::kXml:
+      numbers.erase(std::remove(numbers.begin(), numbers.end(), ','),
+                    numbers.end());
+      text_ += fmt::format(
+          "{0}<{1} type_id=\"{2}\">\n{0}   <rows>{3}</rows>\n"
+          "{0}   <cols>{4}</cols>\n{0}   <dt>d</dt>\n"
+          "{0}   <data>{5}</data></{1}>\n",
+          Indentation(), key, kMatrixType, matrix.rows, matrix.columns,
+          numbers);
+      break;
+    case Kind::kJson:
+      text_ += fmt::format(
+          "{0}\"{1}\": {{\n{0}   \"type_id\": \"{2}\",\n{0}   \"rows\": {3},\n"
+          "{0}   \"cols\": {4},\n{0}   \"dt\": \"d\",\n"
+          "{0}   \"data\": [ {5} ]\n{0}}},\n",
+          Indentation(), key, kMatrixType, matrix.rows, matrix.columns,
+          numbers);
+      break;
+  }
+}
+
+void FileStorageText::BeginMap(const std::string& key) {
+  text_ += kind_ == Kind::kYaml ? fmt::format("{}{}:\n", Indentation(), key)
+           : kind_ == Kind::kXml
+               ? fmt::format("{}<{}>\n", Indentation(), key)
+               : fmt::format("{}\"{}\": {{\n", Indentation(), key);
+  open_.push_back(key);
+}
+
+void FileStorageText::EndMap() {
+  const std::string key = open_.back();
+  open_.pop_back();
+  if (kind_ == Kind::kXml)
+    text_ += fmt::format("{}</{}>\n", Indentation(), key);
+  if (kind_ != Kind::kJson) return;
+  text_.resize(text_.size() - 2);  // the comma behind the last value
+  text_ += fmt::format("\n{}}},\n", Indentation());
+}
+
+std::string FileStorageText::Finish() {
+  if (kind_ == Kind::kXml) return text_ + fmt::format("</{}>\n", kXmlRoot);
+  if (kind_ == Kind::kYaml) return text_;
+  text_.resize(text_.size() - 2);
+  return text_ + "\n}\n";
+}
+
+}  // namespace raygrid

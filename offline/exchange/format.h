@@ -1,0 +1,99 @@
+/// Formats of other programs, one file each: a row of the table in formats.cc.
+#ifndef RAYGRID_EXCHANGE_FORMAT_H
+#define RAYGRID_EXCHANGE_FORMAT_H
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera/pose.h"
+#include "dataset/camera_file.h"
+#include "exchange/lens_choice.h"
+#include "exchange/lens_form.h"
+
+namespace raygrid {
+
+// ---- What passes between a format and the commands -------------------------
+
+/// A camera that was read.
+struct ReadLens {
+  std::string name, serial;  ///< "" where the file does not tell
+  LensInForm lens;
+  Pose camera_from_rig;  ///< of a rig
+};
+
+/// The contents of a file that was read.
+struct ExchangeContents {
+  std::vector<ReadLens> cameras;
+  bool is_rig = false;               ///< the cameras' poses are known
+  std::vector<std::string> remarks;  ///< what was not taken as it stands
+};
+
+/// The file, and what the user says of it.
+struct ReadRequest {
+  std::string path, text;
+  std::string form;               ///< --model: the file does not tell; or ""
+  std::optional<ImageSize> size;  ///< --image-size, likewise
+};
+
+/// A camera to be written.
+struct WrittenLens {
+  std::string name, serial;
+  LensInForm lens;
+  std::optional<LensFit> fit;  ///< none if the lens is the camera itself
+  Pose camera_from_rig;        ///< of the lens's frame
+  /// Of a rectified pair: axes of the lens to those of the view, and the view's
+  /// projection.
+  std::optional<Eigen::Matrix3d> rectification;
+  std::optional<Eigen::Matrix<double, 3, 4>> projection;
+};
+
+struct WriteRequest {
+  std::string path;  ///< of the file; its ending may tell the kind
+  std::vector<WrittenLens> cameras;
+};
+
+// ---- The table -------------------------------------------------------------
+
+struct Format {
+  std::string name;   ///< "opencv", for --to and --from
+  std::string holds;  ///< one line for --list
+  std::vector<LensForm> forms;
+  bool holds_rigs = false;  ///< else a file has one camera
+
+  /// Whether a text is of this format, by words that others have not. It need
+  /// not be well-formed.
+  bool (*recognizes)(const std::string& text);
+  /// Throws InputError without the file's name, and what yaml-cpp throws.
+  ExchangeContents (*read)(const ReadRequest& request);
+  /// The text of a file; null if the format is only read.
+  std::string (*write)(const WriteRequest& request);
+
+  /// Null if there is none of this name.
+  const LensForm* FindForm(const std::string& form) const;
+};
+
+/// All formats, in the order in which files are recognized.
+const std::vector<Format>& Formats();
+
+/// Throws Error(kUsage), naming the option, if there is none of this name.
+const Format& FindFormat(const std::string& option, const std::string& name);
+
+/// The format that a file's text is of; null if it is of none of these, or
+/// raygrid's own.
+const Format* RecognizeFormat(const std::string& text);
+
+/// "opencv, ros and kalibr", for errors.
+std::string FormatNames();
+
+/// The contents of a file of a format, or of the one that its text is of if
+/// null is given. Throws InputError, naming the file.
+ExchangeContents ReadExchangeFile(const Format* format,
+                                  const ReadRequest& request);
+
+/// A camera that was read as a camera file.
+CameraFile CameraFileOf(const ReadLens& read);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_FORMAT_H

@@ -1,0 +1,76 @@
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include "dataset/error.h"
+#include "exchange/format.h"
+#include "exchange/opencv_format.h"
+
+namespace raygrid {
+
+const std::vector<Format>& Formats() {
+  static const std::vector<Format> formats = {OpenCvFormat()};
+  return formats;
+}
+
+const LensForm* Format::FindForm(const std::string& form) const {
+  for (const LensForm& known : forms)
+    if (known.name == form) return &known;
+  return nullptr;
+}
+
+const Format& FindFormat(const std::string& option, const std::string& name) {
+  for (const Format& format : Formats())
+    if (format.name == name) return format;
+  throw Error(ExitCode::kUsage, fmt::format("{} {}: not a format; use {}",
+                                            option, name, FormatNames()));
+}
+
+const Format* RecognizeFormat(const std::string& text) {
+  for (const char* own : {"raygrid_camera:", "raygrid_rig:"})
+    if (text.find(own) != std::string::npos) return nullptr;
+  for (const Format& format : Formats())
+    if (format.recognizes(text)) return &format;
+  return nullptr;
+}
+
+std::string FormatNames() {
+  const std::vector<Format>& formats = Formats();
+  std::string names = formats.front().name;
+  for (size_t k = 1; k < formats.size(); ++k)
+    names += (k + 1 < formats.size() ? ", " : " or ") + formats[k].name;
+  return names;
+}
+
+ExchangeContents ReadExchangeFile(const Format* format,
+                                  const ReadRequest& request) {
+  const Format* found = RecognizeFormat(request.text);
+  if (!format && !found)
+    throw InputError(fmt::format("{}: of no format that is known: {}",
+                                 request.path, FormatNames()));
+  if (format && found && format != found && !format->recognizes(request.text))
+    throw InputError(fmt::format("{}: is of the format {}, not {}",
+                                 request.path, found->name, format->name));
+  try {
+    return (format ? format : found)->read(request);
+  } catch (const YAML::Exception& error) {
+    const std::string place =
+        error.mark.is_null()
+            ? request.path
+            : fmt::format("{}, line {}", request.path, error.mark.line + 1);
+    throw InputError(place + ": " + error.msg);
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    if (message.rfind(request.path, 0) == 0) throw;
+    throw InputError(fmt::format("{}: {}", request.path, message));
+  }
+}
+
+CameraFile CameraFileOf(const ReadLens& read) {
+  CameraFile file;
+  file.camera = MakeLens(read.lens);
+  file.name = read.name;
+  file.serial = read.serial;
+  return file;
+}
+
+}  // namespace raygrid

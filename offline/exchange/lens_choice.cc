@@ -1,0 +1,147 @@
+#include "exchange/lens_choice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "camera/model_fitting.h"
+#include "dataset/error.h"
+
+namespace raygrid {
+namespace {
+
+// A pixel that the form has no place for counts as this in a choice.
+constexpr double kBeyondPx = 100;
+
+// About so many pixels along the longer side are compared.
+constexpr double kPixelsAcross = 160;
+
+// Nothing needs to be nearer than this.
+constexpr double kCloseEnoughPx = 0.005;
+
+double ChoiceRmsPx(const LensFit& fit) {
+  const double sum =
+      static_cast<double>(fit.num_pixels) * fit.rms_px * fit.rms_px +
+      static_cast<double>(fit.num_beyond) * kBeyondPx * kBeyondPx;
+  return std::sqrt(sum / static_cast<double>(fit.num_pixels + fit.num_beyond));
+}
+
+ChosenLens FitLens(const LensForm& form, const CameraModel& camera,
+                   const TrustMask* trusted) {
+  FitOptions options;
+  options.held = form.Missing();
+  options.ties_focal_lengths = form.Has("f");
+  options.trusted = trusted;
+  FittedModel fitted =
+      FitNearestModel(form.model, camera, camera.area(), options);
+  ChosenLens chosen;
+  chosen.fit = MeasureLens(camera, trusted, *fitted.model, form,
+                           fitted.model_from_camera);
+  chosen.lens = InForm(form, *fitted.model).value();
+  chosen.model = std::move(fitted.model);
+  return chosen;
+}
+
+// An error at a part of a sorted list.
+double AtPart(const std::vector<double>& sorted, double part) {
+  return sorted[static_cast<size_t>(
+      part * static_cast<double>(sorted.size() - 1) + 0.5)];
+}
+
+}  // namespace
+
+LensFit MeasureLens(const CameraModel& camera, const TrustMask* trusted,
+                    const ParametricModel& lens, const LensForm& form,
+                    const Eigen::Quaterniond& lens_from_camera) {
+  constexpr double kAnywherePx = 1e9;
+  const Area& area = camera.area();
+  const double step_px =
+      std::max(1.0, std::max(area.width(), area.height()) / kPixelsAcross);
+  LensFit fit;
+  fit.lens_from_camera = lens_from_camera;
+  fit.is_of_trusted = trusted;
+  std::vector<double> errors;
+  double sum = 0;
+  for (double y = area.y0; y <= area.y1; y += step_px) {
+    for (double x = area.x0; x <= area.x1; x += step_px) {
+      const Eigen::Vector2d pixel(x, y);
+      if (trusted && !trusted->Trusts(pixel)) continue;
+      const auto ray = camera.Unproject(pixel);
+      if (!ray) continue;
+      const Eigen::Vector3d turned = lens_from_camera * *ray;
+      const double angle = std::atan2(turned.head<2>().norm(), turned.z());
+      fit.widest_rad = std::max(fit.widest_rad, angle);
+      const auto seen = lens.Project(turned, nullptr, kAnywherePx);
+      if (!seen || !(angle < form.reach_rad)) {
+        ++fit.num_beyond;
+        continue;
+      }
+      errors.push_back((*seen - pixel).norm());
+      sum += errors.back() * errors.back();
+    }
+  }
+  fit.num_pixels = errors.size();
+  if (errors.empty()) return fit;
+  std::sort(errors.begin(), errors.end());
+  fit.rms_px = std::sqrt(sum / static_cast<double>(errors.size()));
+  fit.p99_px = AtPart(errors, 0.99);
+  fit.max_px = errors.back();
+  return fit;
+}
+
+ChosenLens ChooseLens(const std::vector<const LensForm*>& forms,
+                      const CameraModel& camera, const TrustMask* trusted) {
+  constexpr double kWorthPart = 0.02;
+  const auto has_fewer = [](const LensForm* a, const LensForm* b) {
+    return a->parameters.size() < b->parameters.size();
+  };
+  std::vector<const LensForm*> sorted = forms;
+  std::stable_sort(sorted.begin(), sorted.end(), has_fewer);
+  for (const LensForm* form : sorted)
+    if (auto held = InForm(*form, camera))
+      return {*held, MakeLens(*held), std::nullopt};
+  if (!camera.IsCentral())
+    throw Error(ExitCode::kUsage,
+                fmt::format("the lines of a {} camera do not meet in a point, "
+                            "and other programs' models have one; export a "
+                            "view of it, or calibrate another model",
+                            camera.Name()));
+  std::vector<ChosenLens> fits;
+  double best_px = INFINITY;
+  for (const LensForm* form : sorted) {
+    fits.push_back(FitLens(*form, camera, trusted));
+    best_px = std::min(best_px, ChoiceRmsPx(*fits.back().fit));
+  }
+  const double enough_px = std::max(best_px / (1 - kWorthPart), kCloseEnoughPx);
+  const auto chosen =
+      std::find_if(fits.begin(), fits.end(), [&](const ChosenLens& lens) {
+        return ChoiceRmsPx(*lens.fit) <= enough_px;
+      });
+  if (chosen == fits.end() || chosen->fit->num_pixels == 0)
+    throw Error(ExitCode::kQuality,
+                fmt::format("{} has a place for no trusted pixel of this "
+                            "camera; export a view of it",
+                            sorted.front()->name));
+  return std::move(*chosen);
+}
+
+std::string LensFitText(const LensFit& fit) {
+  std::string text = fmt::format(
+      "RMS {:.4f} px, 99 % below {:.4f} px, largest {:.4f} px at {} {}pixels",
+      fit.rms_px, fit.p99_px, fit.max_px, fit.num_pixels,
+      fit.is_of_trusted ? "trusted " : "");
+  if (fit.num_beyond > 0)
+    text +=
+        fmt::format("; none at {} pixels, up to {:.0f} degrees off the axis",
+                    fit.num_beyond, fit.widest_rad * 180 / M_PI);
+  if (!fit.IsTurned()) return text + "; not turned";
+  const Eigen::Quaterniond& q = fit.lens_from_camera;
+  return text + fmt::format(
+                    "; turned by {:.5f} rad, lens_from_camera (w, x, y, z) "
+                    "{:.9f}, {:.9f}, {:.9f}, {:.9f}",
+                    q.angularDistance(Eigen::Quaterniond::Identity()), q.w(),
+                    q.x(), q.y(), q.z());
+}
+
+}  // namespace raygrid

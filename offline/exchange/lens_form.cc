@@ -1,0 +1,140 @@
+#include "exchange/lens_form.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "camera/lens_models.h"
+#include "camera/thin_prism_fisheye.h"
+#include "camera/view_camera.h"
+#include "dataset/error.h"
+#include "dataset/image_header.h"
+
+namespace raygrid {
+namespace {
+
+bool Contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+// The index of a parameter among those of a model.
+Eigen::Index IndexOf(const LensModel& model, const std::string& parameter) {
+  const std::string& name = parameter == "f" ? "fx" : parameter;
+  return std::find(model.parameters.begin(), model.parameters.end(), name) -
+         model.parameters.begin();
+}
+
+void RequireNumbers(const LensForm& form, const std::vector<double>& values) {
+  constexpr double kLargest = 1e12;
+  for (size_t k = 0; k < values.size(); ++k)
+    if (!(std::abs(values[k]) <= kLargest))
+      throw InputError(fmt::format("{}: not a number, or beyond {:g}",
+                                   form.parameters[k], kLargest));
+}
+
+void RequireSomeRay(const LensForm& form, const ParametricModel& lens) {
+  constexpr int kAcross = 9;
+  const Area area = lens.area();
+  for (int j = 0; j < kAcross; ++j)
+    for (int i = 0; i < kAcross; ++i)
+      if (lens.Unproject({area.x0 + area.width() * i / (kAcross - 1),
+                          area.y0 + area.height() * j / (kAcross - 1)}))
+        return;
+  throw InputError(fmt::format(
+      "{}: no pixel of {} x {} looks anywhere with these numbers; are they "
+      "those of this model and this size?",
+      form.name, lens.image_size().width, lens.image_size().height));
+}
+
+// The lens that a camera is, which has names for all its parameters. An
+// equidistant view is a fisheye without distortion.
+std::unique_ptr<CameraModel> AsNamedLens(const CameraModel& camera) {
+  const auto* view = dynamic_cast<const ViewCamera*>(&camera);
+  if (!view || view->projection() != ViewProjection::kEquidistant)
+    return camera.Clone();
+  ThinPrismFisheye::ParameterArray parameters = {};
+  Eigen::Map<Eigen::Vector4d>(parameters.data()) = view->Parameters();
+  return std::make_unique<ThinPrismFisheye>(camera.image_size(), camera.area(),
+                                            parameters);
+}
+
+}  // namespace
+
+bool LensForm::Has(const std::string& parameter) const {
+  return Contains(parameters, parameter);
+}
+
+std::vector<std::string> LensForm::Missing() const {
+  std::vector<std::string> missing;
+  for (const std::string& parameter : FindLensModel(model)->parameters)
+    if (!Has(parameter) &&
+        !(Has("f") && (parameter == "fx" || parameter == "fy")))
+      missing.push_back(parameter);
+  return missing;
+}
+
+LensForm FormOf(const std::string& name, const std::string& model,
+                const std::vector<std::string>& coefficients) {
+  LensForm form = {name, model, {"fx", "fy", "cx", "cy"}};
+  form.parameters.insert(form.parameters.end(), coefficients.begin(),
+                         coefficients.end());
+  return form;
+}
+
+double LensInForm::Value(const std::string& parameter) const {
+  for (size_t k = 0; k < form->parameters.size(); ++k)
+    if (form->parameters[k] == parameter) return values[k];
+  throw std::out_of_range(parameter);
+}
+
+std::vector<double> LensInForm::ValuesFrom(size_t first) const {
+  return {values.begin() + static_cast<std::ptrdiff_t>(first), values.end()};
+}
+
+std::unique_ptr<ParametricModel> MakeLens(const LensInForm& lens) {
+  const LensForm& form = *lens.form;
+  const LensModel& model = *FindLensModel(form.model);
+  if (lens.values.size() != form.parameters.size())
+    throw InputError(fmt::format("{}: {} numbers where {} are needed",
+                                 form.name, lens.values.size(),
+                                 form.parameters.size()));
+  RequireNumbers(form, lens.values);
+  if (lens.size.width < 1 || lens.size.height < 1)
+    throw InputError("the image size is not two positive numbers");
+  if (std::max(lens.size.width, lens.size.height) > kMaxHugeSidePx)
+    throw InputError(
+        fmt::format("image size: no camera has more than {} pixels a side",
+                    kMaxHugeSidePx));
+  Eigen::VectorXd parameters = Eigen::VectorXd::Zero(model.parameters.size());
+  for (size_t k = 0; k < lens.values.size(); ++k) {
+    parameters[IndexOf(model, form.parameters[k])] = lens.values[k];
+    if (form.parameters[k] == "f")
+      parameters[IndexOf(model, "fy")] = lens.values[k];
+  }
+  if (!(parameters.head<2>().minCoeff() > 0))
+    throw InputError("a focal length is not above 0");
+  parameters.segment<2>(2) = FromProgram(form.origin, parameters.segment<2>(2));
+  auto made = model.make(lens.size, WholeImage(lens.size), parameters);
+  RequireSomeRay(form, *made);
+  return made;
+}
+
+std::optional<LensInForm> InForm(const LensForm& form,
+                                 const CameraModel& camera) {
+  const std::unique_ptr<CameraModel> lens = AsNamedLens(camera);
+  if (lens->Name() != form.model) return std::nullopt;
+  const LensModel& model = *FindLensModel(form.model);
+  Eigen::VectorXd parameters = lens->Parameters();
+  for (const std::string& missing : form.Missing())
+    if (parameters[IndexOf(model, missing)] != 0) return std::nullopt;
+  if (form.Has("f") && parameters[0] != parameters[1]) return std::nullopt;
+  parameters.segment<2>(2) = ToProgram(form.origin, parameters.segment<2>(2));
+  LensInForm held = {&form, lens->image_size(), {}};
+  for (const std::string& parameter : form.parameters)
+    held.values.push_back(parameters[IndexOf(model, parameter)]);
+  return held;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,57 @@
+#ifndef RAYGRID_EXCHANGE_LENS_FORM_H
+#define RAYGRID_EXCHANGE_LENS_FORM_H
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera/parametric_model.h"
+#include "exchange/pixel_origin.h"
+
+namespace raygrid {
+
+/// A camera model as another program has it: one of raygrid's
+/// (camera/lens_models.h), of whose parameters it has some, in an order of its
+/// own. Those that it lacks are 0.
+struct LensForm {
+  std::string name;                     ///< the program's own: "plumb_bob"
+  std::string model;                    ///< raygrid's: "opencv"
+  std::vector<std::string> parameters;  ///< "fx", "cx", "k1"; "f" is fx and fy
+  PixelOrigin origin = PixelOrigin::kFirstPixelCenter;
+  /// The program goes no farther from the axis.
+  double reach_rad = M_PI;
+
+  bool Has(const std::string& parameter) const;
+  /// Parameters of the model that the program lacks.
+  std::vector<std::string> Missing() const;
+};
+
+/// fx, fy, cx, cy and these coefficients of a model: most forms are like this.
+LensForm FormOf(const std::string& name, const std::string& model,
+                const std::vector<std::string>& coefficients);
+
+/// A lens in the terms of a form: its values in the order of the form's
+/// parameters, pixels in the program's convention.
+struct LensInForm {
+  const LensForm* form = nullptr;
+  ImageSize size;
+  std::vector<double> values;
+
+  /// Throws std::out_of_range if the form has no such parameter.
+  double Value(const std::string& parameter) const;
+  /// The values behind the first so many, which are the coefficients of forms
+  /// that FormOf() makes.
+  std::vector<double> ValuesFrom(size_t first) const;
+};
+
+/// The lens of a form; over the whole image. Throws InputError for numbers that
+/// no lens has: such as not finite ones, and focal lengths of 0.
+std::unique_ptr<ParametricModel> MakeLens(const LensInForm& lens);
+
+/// A lens in a form; nothing if the form cannot hold it exactly.
+std::optional<LensInForm> InForm(const LensForm& form, const CameraModel& lens);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_LENS_FORM_H

@@ -1,0 +1,229 @@
+#include "exchange/opencv_format.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "exchange/file_storage.h"
+#include "exchange/opencv_forms.h"
+#include "exchange/yaml_numbers.h"
+
+namespace raygrid {
+namespace {
+
+constexpr char kFisheye[] = "fisheye";
+
+const std::vector<LensForm>& OpenCvForms() {
+  static const std::vector<LensForm> forms = {
+      OpenCvForm("opencv4", 4),   OpenCvForm("opencv5", 5),
+      OpenCvForm("opencv8", 8),   OpenCvForm("opencv12", 12),
+      OpenCvForm("opencv14", 14), OpenCvFisheyeForm(kFisheye)};
+  return forms;
+}
+
+// The names that OpenCV's programs, and their users, give to one thing.
+const std::vector<std::string> kMatrixKeys = {"camera_matrix",
+                                              "cameraMatrix",
+                                              "Camera_Matrix",
+                                              "intrinsic_matrix",
+                                              "CameraMatrix",
+                                              "K",
+                                              "mtx"};
+const std::vector<std::string> kDistortionKeys = {"distortion_coefficients",
+                                                  "distCoeffs",
+                                                  "Distortion_Coefficients",
+                                                  "dist_coeffs",
+                                                  "D",
+                                                  "dist",
+                                                  "distortion_coeffs",
+                                                  "DistCoeffs"};
+const std::vector<std::string> kSizeKeys = {"cameraResolution", "image_size",
+                                            "imageSize", "img_shape"};
+const std::vector<std::string> kWidthKeys = {"image_width", "image_Width",
+                                             "imageWidth", "width"};
+const std::vector<std::string> kHeightKeys = {"image_height", "image_Height",
+                                              "imageHeight", "height"};
+const std::vector<std::string> kNameKeys = {"camera_name", "cameraName"};
+
+// The first of these keys that stands in a map, or "".
+std::string FindKey(const YAML::Node& root,
+                    const std::vector<std::string>& keys) {
+  for (const std::string& key : keys)
+    if (root[key]) return key;
+  return "";
+}
+
+std::string TextOf(const YAML::Node& root,
+                   const std::vector<std::string>& keys) {
+  const std::string key = FindKey(root, keys);
+  return key.empty() || !root[key].IsScalar() ? ""
+                                              : root[key].as<std::string>();
+}
+
+ImageSize SizeOfImages(const YAML::Node& root, const ReadRequest& request) {
+  if (request.size) return *request.size;
+  const std::string width = FindKey(root, kWidthKeys),
+                    height = FindKey(root, kHeightKeys),
+                    size = FindKey(root, kSizeKeys);
+  if (!width.empty() && !height.empty())
+    return {SidePx(root[width], width), SidePx(root[height], height)};
+  if (!size.empty()) return SizeOfList(root[size], size);
+  throw InputError(
+      "the size of the images is missing; import it with --image-size WxH");
+}
+
+// Throws for a matrix that is not fx 0 cx, 0 fy cy, 0 0 1.
+std::vector<double> Intrinsics(const YAML::Node& root) {
+  const std::string key = FindKey(root, kMatrixKeys);
+  if (key.empty()) throw InputError("no camera: 'camera_matrix' is missing");
+  const StoredMatrix matrix = ParseStoredMatrix(root[key], key);
+  if (matrix.rows != 3 || matrix.columns != 3)
+    throw InputError(fmt::format("{}: not 3 x 3", key));
+  const std::vector<double>& k = matrix.data;
+  if (k[1] != 0)
+    throw InputError(
+        fmt::format("{}: a skew of {:g}, which no model here has", key, k[1]));
+  if (k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1)
+    throw InputError(fmt::format("{}: not fx 0 cx, 0 fy cy, 0 0 1", key));
+  return {k[0], k[4], k[2], k[5]};
+}
+
+std::vector<double> Coefficients(const YAML::Node& root) {
+  const std::string key = FindKey(root, kDistortionKeys);
+  if (key.empty())
+    throw InputError(
+        "'distortion_coefficients' is missing; write 5 zeros if "
+        "there is no distortion");
+  const StoredMatrix matrix = ParseStoredMatrix(root[key], key);
+  if (std::min(matrix.rows, matrix.columns) != 1)
+    throw InputError(fmt::format("{}: neither a row nor a column", key));
+  return matrix.data;
+}
+
+const LensForm& FormNamed(const std::string& name) {
+  for (const LensForm& form : OpenCvForms())
+    if (form.name == name) return form;
+  throw InputError(
+      fmt::format("unknown distortion model '{}'; OpenCV's are "
+                  "opencv4, opencv5, opencv8, opencv12, opencv14 "
+                  "and fisheye",
+                  Printable(name)));
+}
+
+// The form of so many coefficients.
+const LensForm& FormOfCount(size_t count) {
+  const std::map<size_t, const char*> names = {
+      {0, "opencv4"}, {4, "opencv4"},   {5, "opencv5"},
+      {8, "opencv8"}, {12, "opencv12"}, {14, "opencv14"}};
+  const auto name = names.find(count);
+  if (name == names.end())
+    throw InputError(fmt::format(
+        "{} distortion coefficients; OpenCV has 4, 5, 8, 12 or 14", count));
+  return FormNamed(name->second);
+}
+
+// The form that the user or the file tells, or else the number of
+// coefficients.
+const LensForm& FormSaid(const YAML::Node& root, const ReadRequest& request,
+                         size_t count, std::vector<std::string>* remarks) {
+  if (!request.form.empty()) return FormNamed(request.form);
+  const std::string model = TextOf(root, {"distortion_model"});
+  if (model == kFisheye || model == "equidistant" ||
+      TextOf(root, {"fisheye_model"}) == "1")
+    return FormNamed(kFisheye);
+  if (!model.empty() && model != "plumb_bob" && model != "rational_polynomial")
+    return FormNamed(model);
+  if (count == 4 && !root["fisheye_model"])
+    remarks->push_back(
+        "its 4 coefficients are taken for k1, k2, p1, p2 of a pinhole; those "
+        "of cv::fisheye are imported with --model fisheye");
+  return FormOfCount(count);
+}
+
+// OpenCV's 12 or 14 coefficients that are those of 8.
+LensInForm Shortened(const LensInForm& lens) {
+  if (lens.form->model != "opencv-14") return lens;
+  LensInForm shorter = lens;
+  shorter.form = &FormNamed("opencv8");
+  const size_t count = shorter.form->parameters.size();
+  for (size_t k = count; k < lens.values.size(); ++k)
+    if (lens.values[k] != 0) return lens;
+  shorter.values.resize(count);
+  return shorter;
+}
+
+ExchangeContents ReadOpenCv(const ReadRequest& request) {
+  const YAML::Node root = ParseFileStorage(request.path, request.text);
+  if (!root.IsMap()) throw InputError("no camera: no map of keys");
+  ExchangeContents contents;
+  ReadLens camera;
+  camera.name = TextOf(root, kNameKeys);
+  camera.serial = TextOf(root, {"serial"});
+  camera.lens.size = SizeOfImages(root, request);
+  camera.lens.values = Intrinsics(root);
+  std::vector<double> coefficients = Coefficients(root);
+  camera.lens.form =
+      &FormSaid(root, request, coefficients.size(), &contents.remarks);
+  if (coefficients.empty()) coefficients.assign(4, 0);
+  camera.lens.values.insert(camera.lens.values.end(), coefficients.begin(),
+                            coefficients.end());
+  if (camera.lens.values.size() == camera.lens.form->parameters.size())
+    camera.lens = Shortened(camera.lens);
+  contents.cameras.push_back(camera);
+  return contents;
+}
+
+void AddFit(const LensFit& fit, FileStorageText* text) {
+  const Eigen::Quaterniond& q = fit.lens_from_camera;
+  text->BeginMap("raygrid_fit");
+  text->Add("rms_px", fit.rms_px);
+  text->Add("p99_px", fit.p99_px);
+  text->Add("max_px", fit.max_px);
+  text->Add("pixels", static_cast<int>(fit.num_pixels));
+  text->Add("pixels_beyond", static_cast<int>(fit.num_beyond));
+  text->Add("lens_from_camera_wxyz",
+            StoredMatrix{1, 4, {q.w(), q.x(), q.y(), q.z()}});
+  text->EndMap();
+}
+
+std::string WriteOpenCv(const WriteRequest& request) {
+  const WrittenLens& camera = request.cameras.front();
+  const LensInForm& lens = camera.lens;
+  FileStorageText text(FileStorageText::KindOf(request.path));
+  if (!camera.name.empty()) text.Add("camera_name", camera.name);
+  if (!camera.serial.empty()) text.Add("serial", camera.serial);
+  text.Add("image_width", lens.size.width);
+  text.Add("image_height", lens.size.height);
+  text.Add("fisheye_model", lens.form->name == kFisheye ? 1 : 0);
+  if (camera.fit) AddFit(*camera.fit, &text);
+  text.Add("camera_matrix",
+           StoredMatrix{3,
+                        3,
+                        {lens.Value("fx"), 0, lens.Value("cx"), 0,
+                         lens.Value("fy"), lens.Value("cy"), 0, 0, 1}});
+  const std::vector<double> coefficients = lens.ValuesFrom(4);
+  text.Add(
+      "distortion_coefficients",
+      StoredMatrix{1, static_cast<int>(coefficients.size()), coefficients});
+  return text.Finish();
+}
+
+}  // namespace
+
+Format OpenCvFormat() {
+  Format format;
+  format.name = "opencv";
+  format.holds =
+      "FileStorage .yaml, .xml or .json: a pinhole with 4, 5, 8, 12 or 14 "
+      "coefficients, or cv::fisheye";
+  format.forms = OpenCvForms();
+  format.recognizes = IsFileStorage;
+  format.read = ReadOpenCv;
+  format.write = WriteOpenCv;
+  return format;
+}
+
+}  // namespace raygrid

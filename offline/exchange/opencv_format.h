@@ -1,0 +1,14 @@
+#ifndef RAYGRID_EXCHANGE_OPENCV_FORMAT_H
+#define RAYGRID_EXCHANGE_OPENCV_FORMAT_H
+
+#include "exchange/format.h"
+
+namespace raygrid {
+
+/// Cameras in OpenCV's FileStorage: YAML, XML or JSON by the file's ending, as
+/// OpenCV's own calibration samples write them.
+Format OpenCvFormat();
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_OPENCV_FORMAT_H

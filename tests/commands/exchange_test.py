@@ -1,0 +1,236 @@
+#!/usr/bin/env python3
+"""Export and import: other programs see what raygrid says they see, and files come through."""
+import json
+import math
+import os
+import random
+import re
+import shutil
+import subprocess
+import sys
+import unittest
+
+from command_test import CommandTest, SIMULATED_PATTERN, main, read, run, write
+
+OPENCV_PEER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "opencv_peer.py")
+PYTHONS = (sys.executable, "/usr/bin/python3")
+OPENCV = next((python for python in PYTHONS if subprocess.run(
+    [python, "-c", "import cv2"], capture_output=True, check=False).returncode == 0), None)
+NO_OPENCV = "no Python has cv2; 'tools/install_packages tests' installs it"
+
+OPENCV_FILE = """%YAML:1.0
+---
+image_width: 160
+image_height: 120
+camera_matrix: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 150., 0., 80.25, 0., 151., 59.5, 0., 0., 1. ]
+distortion_coefficients: !!opencv-matrix
+   rows: 1
+   cols: 5
+   dt: d
+   data: [ -0.25, 0.08, 1e-3, -2e-3, -0.01 ]
+"""
+
+
+def turned(quaternion, vector):
+    """A vector after a rotation w, x, y, z."""
+    w, *axis = quaternion
+    cross = lambda a, b: [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+                          a[0] * b[1] - a[1] * b[0]]
+    once = cross(axis, vector)
+    twice = cross(axis, once)
+    return [v + 2 * (w * a + b) for v, a, b in zip(vector, once, twice)]
+
+
+def rms(errors):
+    return math.sqrt(sum(error * error for error in errors) / len(errors))
+
+
+class ExchangeTest(CommandTest):
+    def rays(self, camera, pixels):
+        """The directions of pixels; those without any are left out, as are their pixels."""
+        text = "x,y\n" + "".join(f"{x!r},{y!r}\n" for x, y in pixels)
+        result = run("unproject", camera, "--pixels", write(self.path("px.csv"), text), "--json")
+        self.assert_done(result)
+        rows = [row for row in json.loads(result.stdout) if row["dx"] is not None]
+        return ([(row["x"], row["y"]) for row in rows],
+                [(row["dx"], row["dy"], row["dz"]) for row in rows])
+
+    def points(self, rays):
+        return write(self.path("xyz.csv"),
+                     "x,y,z\n" + "".join(f"{x!r},{y!r},{z!r}\n" for x, y, z in rays))
+
+    def seen(self, camera, rays):
+        """Where raygrid sees directions; None where it does not."""
+        result = run("project", camera, "--points", self.points(rays), "--json")
+        self.assert_done(result)
+        return [(row["u"], row["v"]) if row["valid"] else None
+                for row in json.loads(result.stdout)]
+
+    def export(self, camera, *arguments, out="out.yaml"):
+        result = run("export", camera, *arguments, "--json", "-o", self.path(out))
+        self.assert_done(result)
+        return json.loads(result.stdout)
+
+
+class OpenCv(ExchangeTest):
+    MODELS = ("opencv4", "opencv5", "opencv8", "opencv12", "opencv14", "fisheye")
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.camera = cls.simulated_camera("wide", "640x256")
+
+    def seen_by_opencv(self, rays, *files):
+        """Where OpenCV sees directions in the camera's frame, for each file."""
+        result = subprocess.run([OPENCV, OPENCV_PEER, self.points(rays), *map(self.path, files)],
+                                capture_output=True, text=True, check=False)
+        self.assert_done(result)
+        seen = [tuple(map(float, line.split(","))) for line in result.stdout.split()]
+        return [seen[k:k + len(rays)] for k in range(0, len(seen), len(rays))]
+
+    @unittest.skipUnless(OPENCV, NO_OPENCV)
+    def test_opencv_projects_as_raygrid_says(self):
+        """10,000 rays; the error that is told is the one that OpenCV has."""
+        step = 639 / 160
+        pixels, rays = self.rays(self.camera, [(x * step, y * step) for y in range(64)
+                                               for x in range(161) if x * step <= 639])
+        self.assertGreater(len(rays), 10000)
+        files = [f"{model}.{ending}" for model, ending in
+                 zip(self.MODELS, ("yaml", "xml", "json") * 2)]
+        fits = [self.export(self.camera, "--to", "opencv", "--model", model,
+                            out=file)["cameras"][0]["fit"]
+                for model, file in zip(self.MODELS, files)]
+        for file, fit, theirs in zip(files, fits, self.seen_by_opencv(rays, *files)):
+            with self.subTest(file):
+                ours = self.seen(self.path(file), [turned(fit["lens_from_camera_wxyz"], ray)
+                                                   for ray in rays])
+                distances = [math.dist(a, b) for a, b in zip(ours, theirs) if a]
+                self.assertGreater(len(distances), 0.98 * len(rays))
+                self.assertLess(max(distances), 1e-6)
+                errors = sorted(math.dist(*pair) for pair in zip(pixels, theirs))
+                self.assertAlmostEqual(rms(errors), fit["rms_px"], 4)
+                self.assertAlmostEqual(errors[len(errors) * 99 // 100], fit["p99_px"], 2)
+                self.assertAlmostEqual(errors[-1], fit["max_px"], 3)
+
+    @unittest.skipUnless(OPENCV, NO_OPENCV)
+    def test_half_a_pixel_is_seen(self):
+        self.export(self.camera, "--to", "opencv", "--model", "opencv8", out="good.yaml")
+        good = read(self.path("good.yaml"))
+        shifted = re.sub(rb"(data: \[ [\d.]+, 0.0, )([\d.]+)",
+                         lambda found: found[1] + b"%.9f" % (float(found[2]) + 0.5), good)
+        self.assertNotEqual(good, shifted)
+        write(self.path("shifted.yaml"), shifted)
+        rays = [(x / 10, y / 10, 1) for x in range(-5, 6) for y in range(-2, 3)]
+        seen = self.seen_by_opencv(rays, "good.yaml", "shifted.yaml")
+        for a, b in zip(*seen):
+            self.assertAlmostEqual(math.dist(a, b), 0.5, 6)
+
+    def test_a_file_of_opencv_is_a_camera_everywhere(self):
+        theirs = write(self.path("theirs.yml"), OPENCV_FILE)
+        result = run("pack", theirs, "--remap", "160x120,alpha=0", "-o", self.path("front.raygrid"))
+        self.assert_done(result)
+        self.assert_done(run("inspect", self.path("front.camera.yaml")))
+        pixels, rays = self.rays(theirs, [(5, 5), (80, 60), (150, 110)])
+        for pixel, seen in zip(pixels, self.seen(self.path("front.raygrid"), rays)):
+            self.assertLess(math.dist(pixel, seen), 0.05)
+        self.assert_done(run("import", theirs, "-o", self.path("mine.yaml")))
+        result = run("compare", theirs, self.path("mine.yaml"), "--json")
+        self.assert_done(result)
+        self.assertLess(json.loads(result.stdout)["max_px"], 1e-6)
+
+    def test_import_after_export_is_the_camera(self):
+        self.assert_done(run("import", write(self.path("t.yml"), OPENCV_FILE), "-o",
+                             self.path("first.yaml")))
+        for ending in ("yaml", "xml", "json"):
+            told = self.export(self.path("first.yaml"), "--to", "opencv", out="x." + ending)
+            self.assertEqual((told["cameras"][0]["model"], told["cameras"][0]["exact"]),
+                             ("opencv5", True))
+            self.assert_done(run("import", self.path("x." + ending), "-o",
+                                 self.path("second.yaml")))
+            self.assertEqual(read(self.path("first.yaml")), read(self.path("second.yaml")))
+
+
+class Exports(ExchangeTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.camera = cls.simulated_camera("wide")
+
+    def test_the_error_is_told_and_bounded(self):
+        result = run("export", self.camera, "--to", "opencv", "-o", self.path("e.yaml"))
+        self.assert_done(result)
+        for word in ("RMS", "99 % below", "largest", "px at"):
+            self.assertIn(word, result.stdout)
+        self.assertIn(b"raygrid_fit", read(self.path("e.yaml")))
+        result = run("export", self.camera, "--to", "opencv", "--max-fit-error", 1e-3, "-o",
+                     self.path("never/e.yaml"))
+        self.assert_refused(result, 6, "--max-fit-error 0.001", "--rectified", "degrees")
+        self.assert_nothing_in(self.path("never"))
+
+    def test_views_are_exact(self):
+        self.assert_done(run("pack", self.camera, "--remap", "200x150,hfov=60", "-o",
+                             self.path("v.raygrid")))
+        for source, more in ((self.path("v.camera.yaml"), ()), (self.path("v.raygrid"),
+                                                               ("--rectified",)),
+                             (self.camera, ("--rectified", "--size", "200x150", "--hfov", 60))):
+            told = self.export(source, "--to", "opencv", "--max-fit-error", 0, *more)
+            self.assertTrue(told["cameras"][0]["exact"])
+            data = re.findall(rb"data: \[ (.*) \]", read(self.path("out.yaml")))
+            fx, _, cx, _, fy, cy, *_ = map(float, data[0].split(b","))
+            self.assertAlmostEqual(fx, 100 / math.tan(math.pi / 6), 3)
+            self.assertEqual((fx, cx, cy), (fy, 99.5, 74.5))
+            self.assertEqual(set(data[1].split(b", ")), {b"0.0"})
+
+    def test_lists_what_there_is(self):
+        result = run("export", "--list")
+        self.assert_done(result)
+        formats = json.loads(run("export", "--list", "--json").stdout)
+        for entry in formats:
+            self.assertIn(entry["name"] + ": " + entry["holds"], result.stdout)
+            for model in entry["models"]:
+                self.assertIn(model, result.stdout)
+
+    def test_what_cannot_be(self):
+        export = ("export", self.camera, "--to", "opencv", "-o", self.path("never/o.yaml"))
+        for arguments, code, words in (
+                (("export",), 1, ("camera is required",)),
+                (("export", self.camera), 1, ("--to is required",)),
+                (("export", self.camera, "--to", "opencv"), 1, ("-o is required",)),
+                ((*export, "--model", "none"), 1, ("--model none", "opencv5")),
+                ((*export, "--hfov", 60), 1, ("--hfov", "--rectified")),
+                ((*export, "--max-fit-error", -1), 1, ("--max-fit-error",)),
+                (("export", self.camera, "--to", "none", "-o", "x"), 1, ("--to none", "opencv")),
+                (("import", self.camera, "-o", "x.yaml"), 2, ("raygrid's own",)),
+                (("import", write(self.path("a.txt"), "hello\n"), "-o", "x.yaml"), 2,
+                 ("a.txt", "of no format")),
+                (("import", write(self.path("b.yaml"), OPENCV_FILE), "--from", "none", "-o", "x"),
+                 1, ("--from none",)),
+                (("import", write(self.path("b.yaml"), OPENCV_FILE), "--model", "none", "-o",
+                  "x.yaml"), 2, ("'none'",))):
+            with self.subTest(arguments):
+                self.assert_refused(run(*arguments), code, *words)
+        self.assert_nothing_in(self.path("never"))
+
+    def test_outputs_replace_no_input(self):
+        own = write(self.path("own.yaml"), OPENCV_FILE)
+        for arguments in (("import", own, "-o", own), ("export", own, "--to", "opencv", "-o", own)):
+            self.assert_refused(run(*arguments), 7, "replace the input")
+        self.assertEqual(read(own).decode(), OPENCV_FILE)
+
+    def test_names_come_through(self):
+        name = 'le"ft & <b> \\ \u00e9'
+        text = read(self.camera).decode()
+        text = re.sub("^name: .*\n", "", text, flags=re.MULTILINE)
+        camera = write(self.path("source.yaml"), f"name: {json.dumps(name)}\n" + text)
+        for ending in ("yaml", "xml", "json"):
+            self.export(camera, "--to", "opencv", "--model", "opencv4", out="named." + ending)
+            told = json.loads(run("inspect", self.path("named." + ending), "--json").stdout)
+            self.assertEqual(told["camera"]["name"], name)
+
+
+if __name__ == "__main__":
+    main(__name__)

@@ -1,0 +1,152 @@
+/// Facts of every format: a new row of the table is tested by itself.
+#include <algorithm>
+#include <map>
+
+#include "camera/lens_models.h"
+#include "exchange/format.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+constexpr ImageSize kExampleImage = {640, 480};
+
+// A lens of a form, every parameter at work, with digits to lose.
+LensInForm ExampleOf(const LensForm& form) {
+  static const std::map<std::string, double> values = {
+      {"f", 700.0 / 3},   {"fx", 700.0 / 3}, {"fy", 701.0 / 3},
+      {"cx", 958.0 / 3},  {"cy", 721.0 / 3}, {"xi", -0.7 / 3},
+      {"alpha", 1.8 / 3}, {"beta", 3.1 / 3}};
+  LensInForm lens = {&form, kExampleImage, {}};
+  double next = 0.01 / 3;
+  for (const std::string& parameter : form.parameters) {
+    const auto known = values.find(parameter);
+    lens.values.push_back(known != values.end() ? known->second : next);
+    if (known == values.end()) next /= -1.7;
+  }
+  return lens;
+}
+
+// Cameras of every form that a format holds, and a file of it for each.
+std::vector<std::pair<WrittenLens, std::string>> Examples(
+    const Format& format) {
+  std::vector<std::pair<WrittenLens, std::string>> examples;
+  for (const LensForm& form : format.forms) {
+    WrittenLens camera;
+    camera.name = "front";
+    camera.lens = ExampleOf(form);
+    examples.emplace_back(camera, format.write({"front.yaml", {camera}}));
+  }
+  return examples;
+}
+
+TEST(Formats, HaveNamesOfTheirOwnAndModelsThatAreKnown) {
+  std::map<std::string, int> names;
+  for (const Format& format : Formats()) {
+    EXPECT_EQ(names[format.name]++, 0) << format.name;
+    EXPECT_FALSE(format.holds.empty());
+    EXPECT_TRUE(format.read || format.write) << format.name;
+    for (const LensForm& form : format.forms) {
+      const LensModel* model = FindLensModel(form.model);
+      ASSERT_NE(model, nullptr) << form.model;
+      for (const std::string& parameter : form.parameters)
+        EXPECT_TRUE(parameter == "f" ||
+                    std::count(model->parameters.begin(),
+                               model->parameters.end(), parameter) == 1)
+            << form.name << ": " << parameter;
+    }
+  }
+  ExpectError(ExitCode::kUsage, {"--to", "none", "opencv"},
+              [] { FindFormat("--to", "none"); });
+}
+
+TEST(Formats, ReadWhatTheyWriteToTheBit) {
+  for (const Format& format : Formats()) {
+    if (!format.read || !format.write) continue;
+    for (const auto& [camera, text] : Examples(format)) {
+      SCOPED_TRACE(format.name + " " + camera.lens.form->name);
+      const ExchangeContents read =
+          ReadExchangeFile(nullptr, {"front.yaml", text, "", std::nullopt});
+      ASSERT_EQ(read.cameras.size(), 1u);
+      EXPECT_EQ(MakeLens(read.cameras[0].lens)->Parameters(),
+                MakeLens(camera.lens)->Parameters());
+      EXPECT_EQ(read.cameras[0].lens.size, kExampleImage);
+      EXPECT_TRUE(read.remarks.empty());
+    }
+  }
+}
+
+TEST(Formats, AreToldApart) {
+  for (const Format& format : Formats()) {
+    if (!format.write) continue;
+    for (const auto& [camera, text] : Examples(format)) {
+      for (const Format& other : Formats()) {
+        EXPECT_EQ(other.recognizes && other.recognizes(text), &other == &format)
+            << text << " for " << other.name;
+        if (&other == &format) continue;
+        ExpectError(ExitCode::kInput, {"front.yaml", format.name, other.name},
+                    [&, &text = text] {
+                      ReadExchangeFile(&other, {"front.yaml", text, "", {}});
+                    });
+      }
+    }
+  }
+  EXPECT_EQ(RecognizeFormat("raygrid_camera: 1\n"), nullptr);
+  EXPECT_EQ(RecognizeFormat(""), nullptr);
+  ExpectError(ExitCode::kInput, {"x.yaml", "of no format"}, [] {
+    ReadExchangeFile(nullptr, {"x.yaml", "hello", "", {}});
+  });
+}
+
+// A file with bytes changed, cut, doubled, or with numbers that are none.
+std::string Mutated(std::string text, TestRandom* random) {
+  static const char* const numbers[] = {".nan", "-.inf", "1e999", "nan", "-1",
+                                        "0",    "1e300", "[]",    "''",  "~"};
+  const int kind = random->Index(5);
+  if (kind == 0) return text.substr(0, random->Index(1 + (int)text.size()));
+  if (kind == 1) {
+    const size_t from = random->Index(static_cast<int>(text.size()));
+    return text.insert(from, text.substr(from, random->Index(200)));
+  }
+  if (kind == 2) {
+    size_t at = random->Index(static_cast<int>(text.size()));
+    at = text.find_first_of("0123456789", at);
+    if (at == std::string::npos) return text;
+    const size_t end = text.find_first_not_of("0123456789.e+-", at);
+    return text.replace(at, end == std::string::npos ? end : end - at,
+                        numbers[random->Index(10)]);
+  }
+  const int count = kind == 3 ? 1 : 10;
+  for (int k = 0; k < count; ++k)
+    text[random->Index(static_cast<int>(text.size()))] =
+        static_cast<char>(random->Index(256));
+  return text;
+}
+
+// Each is refused with one line, or is a camera of numbers.
+TEST(Formats, TakeDamagedFilesForNothingElse) {
+  constexpr int kMutants = 400;
+  TestRandom random(5);
+  int num_refused = 0;
+  for (const Format& format : Formats()) {
+    if (!format.read || !format.write) continue;
+    const auto examples = Examples(format);
+    for (int k = 0; k < kMutants; ++k) {
+      const std::string text =
+          Mutated(examples[k % examples.size()].second, &random);
+      try {
+        for (const ReadLens& camera :
+             ReadExchangeFile(&format, {"front.yaml", text, "", {}}).cameras)
+          EXPECT_TRUE(CameraFileOf(camera).camera->Parameters().allFinite());
+      } catch (const Error& error) {
+        ++num_refused;
+        EXPECT_EQ(error.code(), ExitCode::kInput) << error.what();
+        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+      }
+    }
+  }
+  EXPECT_GT(num_refused, kMutants / 2);
+}
+
+}  // namespace
+}  // namespace raygrid

@@ -1,0 +1,86 @@
+#include "exchange/lens_form.h"
+
+#include "camera/thin_prism_fisheye.h"
+#include "camera/view_camera.h"
+#include "exchange/opencv_forms.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+constexpr ImageSize kFormImage = {640, 480};
+
+OpenCvModel LensWith(double k3, double k4) {
+  return OpenCvModel(kFormImage, WholeImage(kFormImage),
+                     {510, 515, 322, 236, -0.15, 0.06, k3, k4, 0, 0, 1e-3, 0});
+}
+
+TEST(LensForm, HoldsALensOfItsParametersAlone) {
+  const LensForm form = OpenCvForm("five", 5);
+  const auto held = InForm(form, LensWith(0.01, 0));
+  ASSERT_TRUE(held);
+  EXPECT_EQ(held->values, (std::vector<double>{510, 515, 322, 236, -0.15, 0.06,
+                                               1e-3, 0, 0.01}));
+  EXPECT_EQ(held->Value("k3"), 0.01);
+  EXPECT_FALSE(InForm(form, LensWith(0.01, 0.1)));
+  EXPECT_FALSE(InForm(OpenCvForm("four", 4), LensWith(0.01, 0)));
+  EXPECT_FALSE(InForm(OpenCvFisheyeForm("fisheye"), LensWith(0, 0)));
+}
+
+TEST(LensForm, MakesTheLensThatItHolds) {
+  const LensForm form = OpenCvForm("five", 5);
+  const OpenCvModel lens = LensWith(0.01, 0);
+  const auto made = MakeLens(InForm(form, lens).value());
+  EXPECT_EQ(made->Parameters(), lens.Parameters());
+  EXPECT_EQ(made->image_size(), kFormImage);
+}
+
+TEST(LensForm, ShiftsPixelsOfProgramsThatBeginAtTheCorner) {
+  LensForm form = OpenCvForm("corner", 8);
+  form.origin = PixelOrigin::kImageCorner;
+  const auto held = InForm(form, ExampleLens()).value();
+  EXPECT_EQ(held.Value("cx"), ExampleLens().Parameters()[2] + 0.5);
+  EXPECT_EQ(held.Value("cy"), ExampleLens().Parameters()[3] + 0.5);
+  EXPECT_EQ(MakeLens(held)->Parameters(), ExampleLens().Parameters());
+}
+
+TEST(LensForm, HasOneFocalLengthIfThereIsOne) {
+  const LensForm form = {"simple", "opencv", {"f", "cx", "cy", "k1"}};
+  const OpenCvModel lens(kFormImage, WholeImage(kFormImage),
+                         {500, 500, 320, 240, -0.1, 0, 0, 0, 0, 0, 0, 0});
+  const auto held = InForm(form, lens).value();
+  EXPECT_EQ(held.values, (std::vector<double>{500, 320, 240, -0.1}));
+  EXPECT_EQ(MakeLens(held)->Parameters(), lens.Parameters());
+  EXPECT_FALSE(InForm(form, LensWith(0, 0)));  // 510 and 515 px
+}
+
+TEST(LensForm, HoldsAnEquidistantViewAsAFisheye) {
+  const ViewCamera view(ViewProjection::kEquidistant, kFormImage,
+                        WholeImage(kFormImage), {200, 200, 320, 240});
+  const auto held = InForm(OpenCvFisheyeForm("fisheye"), view).value();
+  EXPECT_EQ(held.values, (std::vector<double>{200, 200, 320, 240, 0, 0, 0, 0}));
+  const ViewCamera cylinder(ViewProjection::kCylindrical, kFormImage,
+                            WholeImage(kFormImage), {200, 200, 320, 240});
+  EXPECT_FALSE(InForm(OpenCvFisheyeForm("fisheye"), cylinder));
+}
+
+TEST(LensForm, RefusesNumbersThatNoLensHas) {
+  const LensForm form = OpenCvForm("four", 4);
+  const auto expect = [&](std::vector<double> values, ImageSize size,
+                          const char* word) {
+    ExpectError(ExitCode::kInput, {word}, [&] {
+      MakeLens({&form, size, std::move(values)});
+    });
+  };
+  expect({500, 500, 320, 240, 0, 0, 0, NAN}, kFormImage, "p2");
+  expect({500, 500, 320, INFINITY, 0, 0, 0, 0}, kFormImage, "cy");
+  expect({0, 500, 320, 240, 0, 0, 0, 0}, kFormImage, "focal length");
+  expect({500, -500, 320, 240, 0, 0, 0, 0}, kFormImage, "focal length");
+  expect({500, 500, 320, 240, 0, 0, 0}, kFormImage, "7 numbers");
+  expect({500, 500, 320, 240, 0, 0, 0, 0}, {0, 480}, "image size");
+  expect({500, 500, 320, 240, 0, 0, 0, 0}, {1 << 30, 480}, "pixels a side");
+  expect({500, 500, 1e9, 240, -1, 0, 0, 0}, kFormImage, "looks anywhere");
+}
+
+}  // namespace
+}  // namespace raygrid

@@ -1,0 +1,124 @@
+#include "exchange/opencv_format.h"
+
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+// Files that OpenCV 4.6 wrote.
+constexpr char kYaml[] =
+    "%YAML:1.0\n---\ncalibration_time: \"Tue 1 Jan\"\nimage_width: 640\n"
+    "image_height: 480\ncamera_matrix: !!opencv-matrix\n   rows: 3\n"
+    "   cols: 3\n   dt: d\n   data: [ 5.0012345678899999e+02, 0., 320., 0.,\n"
+    "       501., 240., 0., 0., 1. ]\n"
+    "distortion_coefficients: !!opencv-matrix\n   rows: 1\n   cols: 5\n"
+    "   dt: d\n   data: [ -2.9999999999999999e-01, 1.0000000000000001e-01,\n"
+    "       1.0000000000000000e-03, -2.0000000000000000e-03, 0.25 ]\n";
+constexpr char kXml[] =
+    "<?xml version=\"1.0\"?>\n<opencv_storage>\n"
+    "<calibration_time>\"Tue 1 Jan\"</calibration_time>\n"
+    "<cameraResolution>\n  640 480</cameraResolution>\n"
+    "<cameraMatrix type_id=\"opencv-matrix\">\n  <rows>3</rows>\n"
+    "  <cols>3</cols>\n  <dt>d</dt>\n  <data>\n"
+    "    5.0012345678899999e+02 0. 320. 0. 501. 240. 0. 0.\n    1.</data>"
+    "</cameraMatrix>\n<distCoeffs type_id=\"opencv-matrix\">\n"
+    "  <rows>5</rows>\n  <cols>1</cols>\n  <dt>d</dt>\n  <data>\n"
+    "    -2.9999999999999999e-01 1.0000000000000001e-01\n"
+    "    1.0000000000000000e-03 -2.0000000000000000e-03 0.25</data>"
+    "</distCoeffs>\n</opencv_storage>\n";
+
+ExchangeContents Parse(const std::string& text, const std::string& form = "",
+                       std::optional<ImageSize> size = {}) {
+  return ReadExchangeFile(RecognizeFormat(text), {"f", text, form, size});
+}
+
+std::string Replaced(std::string text, const std::string& old,
+                     const std::string& by) {
+  const size_t at = text.find(old);
+  EXPECT_NE(at, std::string::npos) << old;
+  return text.replace(at, old.size(), by);
+}
+
+TEST(OpenCvFormat, ReadsWhatOpenCvWrites) {
+  for (const char* text : {kYaml, kXml}) {
+    const ExchangeContents contents = Parse(text);
+    ASSERT_EQ(contents.cameras.size(), 1u);
+    const LensInForm& lens = contents.cameras[0].lens;
+    EXPECT_EQ(lens.form->name, "opencv5");
+    EXPECT_EQ(lens.size, (ImageSize{640, 480}));
+    EXPECT_EQ(lens.values,
+              (std::vector<double>{500.12345678899999, 501, 320, 240, -0.3, 0.1,
+                                   0.001, -0.002, 0.25}));
+  }
+}
+
+TEST(OpenCvFormat, TellsModelsApart) {
+  const std::string four =
+      Replaced(Replaced(kYaml, ", 0.25", ""), "cols: 5", "cols: 4");
+  EXPECT_EQ(Parse(four).cameras[0].lens.form->name, "opencv4");
+  EXPECT_EQ(Parse(four).remarks.size(), 1u);
+  EXPECT_EQ(Parse(four, "fisheye").cameras[0].lens.form->name, "fisheye");
+  EXPECT_TRUE(Parse(four, "fisheye").remarks.empty());
+  for (const char* key :
+       {"fisheye_model: 1\n", "distortion_model: fisheye\n"}) {
+    const ExchangeContents said = Parse(four + key);
+    EXPECT_EQ(said.cameras[0].lens.form->model, "thin-prism-fisheye");
+    EXPECT_TRUE(said.remarks.empty());
+  }
+}
+
+// OpenCV writes 14 numbers when a prism or a tilt was asked for.
+TEST(OpenCvFormat, TakesZerosForWhatIsNotThere) {
+  const auto with = [](const std::string& more) {
+    return Replaced(Replaced(kYaml, "0.25 ]", "0.25, 0.1, 0, 0, " + more + "]"),
+                    "cols: 5", "cols: 14");
+  };
+  EXPECT_EQ(Parse(with("0,0,0,0,0,0")).cameras[0].lens.form->model, "opencv");
+  EXPECT_EQ(Parse(with("0,0,0,0,0,1e-3")).cameras[0].lens.form->name,
+            "opencv14");
+}
+
+TEST(OpenCvFormat, SaysWhatIsMissingOrWrong) {
+  const auto expect = [](const std::string& text,
+                         const std::vector<std::string>& words) {
+    ExpectError(ExitCode::kInput, words, [&] { Parse(text); });
+  };
+  expect(Replaced(kYaml, "image_width", "other"), {"f: ", "--image-size"});
+  expect(Replaced(kYaml, "camera_matrix", "other"), {"camera_matrix"});
+  expect(Replaced(kYaml, "distortion_coe", "x"), {"distortion_coefficients"});
+  expect(Replaced(kYaml, "501.", ".nan"), {"camera_matrix", "finite"});
+  expect(Replaced(kYaml, "501.", "1e999"), {"camera_matrix", "finite"});
+  expect(Replaced(kYaml, "5.00", "x5.00"), {"camera_matrix"});
+  expect(Replaced(kYaml, "02, 0., 3", "02, 0.5, 3"), {"skew"});
+  expect(Replaced(kYaml, "0., 1. ]", "0., 2. ]"), {"camera_matrix"});
+  expect(Replaced(kYaml, "cols: 5", "cols: 6"), {"5 numbers where 1 x 6"});
+  expect(Replaced(Replaced(kYaml, ", 0.25", ", 0, 0"), "cols: 5", "cols: 6"),
+         {"6 distortion coefficients"});
+  expect(kYaml + std::string("distortion_model: brown\n"), {"'brown'"});
+  expect(Replaced(kYaml, "dt: d", "dt: 2d"), {"several channels"});
+  expect(Replaced(kXml, "opencv_storage", "other"), {"line"});
+  expect(Replaced(kYaml, "image_width: 640", "image_width: 640.5"), {"size"});
+}
+
+TEST(OpenCvFormat, TakesTheSizeThatIsGiven) {
+  const std::string without = Replaced(kYaml, "image_width", "other");
+  EXPECT_EQ(Parse(without, "", ImageSize{640, 480}).cameras[0].lens.size,
+            (ImageSize{640, 480}));
+}
+
+TEST(OpenCvFormat, StoresWhatAFitLeaves) {
+  const Format format = OpenCvFormat();
+  WrittenLens camera;
+  camera.lens = Parse(kYaml).cameras[0].lens;
+  camera.fit = LensFit{0.125, 0.25, 0.5, 1000, 7};
+  for (const char* path : {"a.yaml", "a.xml", "a.json"}) {
+    const std::string text = format.write({path, {camera}});
+    for (const char* word : {"raygrid_fit", "rms_px", "0.125", "max_px", "0.5",
+                             "pixels_beyond", "lens_from_camera_wxyz"})
+      EXPECT_NE(text.find(word), std::string::npos) << path << word;
+    EXPECT_EQ(Parse(text).cameras[0].lens.values, camera.lens.values) << path;
+  }
+}
+
+}  // namespace
+}  // namespace raygrid

@@ -1,0 +1,325 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "camera_input.h"
+#include "commands.h"
+#include "dataset/error.h"
+#include "dataset/files.h"
+#include "dataset/rig_file.h"
+#include "exchange/format.h"
+#include "packing/view_request.h"
+#include "view_options.h"
+
+namespace raygrid {
+namespace {
+
+struct ExportArguments {
+  std::string input, format, model, output;
+  std::optional<double> max_fit_error_px;
+  bool lists = false, rectified = false;
+  ViewWords view;
+};
+
+// A camera to be exported.
+struct Exported {
+  std::string name, path;
+  CameraInput input;
+  Pose camera_from_rig;
+  std::optional<TrustMask> trusted;
+};
+
+Exported MakeExported(const std::string& path, CameraInput input) {
+  Exported camera = {input.file.name, path, std::move(input), {}, {}};
+  if (camera.input.blob)
+    camera.trusted = camera.input.blob->Trusted();
+  else if (camera.input.file.uncertainty)
+    camera.trusted = camera.input.file.uncertainty->mask;
+  if (camera.trusted && std::count(camera.trusted->is_trusted.begin(),
+                                   camera.trusted->is_trusted.end(), true) == 0)
+    camera.trusted.reset();
+  return camera;
+}
+
+// The cameras of a rig, or the one camera.
+std::vector<Exported> ReadExported(const std::string& path, bool* is_rig) {
+  const std::string bytes = ReadFile(path);
+  std::vector<Exported> cameras;
+  *is_rig = bytes.find("raygrid_rig:") != std::string::npos;
+  if (!*is_rig) {
+    cameras.push_back(MakeExported(path, ParseCamera(path, bytes)));
+    return cameras;
+  }
+  const std::filesystem::path folder =
+      std::filesystem::path(path).parent_path();
+  for (const RigFileCamera& camera : ParseRigFile(path, bytes)) {
+    const std::string file = (folder / camera.file).string();
+    cameras.push_back(MakeExported(file, ReadCamera(file)));
+    cameras.back().name = camera.name;
+    cameras.back().camera_from_rig = camera.camera_from_rig;
+  }
+  return cameras;
+}
+
+// The name of a word that was given, or "".
+std::string FirstWord(const ViewWords& words) {
+  for (const auto& [name, value] : words)
+    if (!value.empty()) return name;
+  return "";
+}
+
+// The view that undistorted images of a camera have: that of a blob's table,
+// the one that is asked for, or that which calibrate makes a table of.
+VirtualView RectifiedView(const Exported& camera, const ViewWords& words) {
+  const std::optional<BlobCamera>& blob = camera.input.blob;
+  const bool is_told = !FirstWord(words).empty();
+  if (!is_told && blob && blob->has_remap() && !blob->Distorts(0))
+    return blob->ViewOfRemap(0);
+  return !is_told
+             ? MakeViewOfArea(*camera.input.file.camera)
+             : MakeView(*camera.input.file.camera, ParseViewOptions(words));
+}
+
+void Rectify(const ViewWords& words, Exported* camera) {
+  const VirtualView view = RectifiedView(*camera, words);
+  camera->input.file.camera = CameraOfView(view);
+  camera->camera_from_rig =
+      Pose{Eigen::Quaterniond(view.camera_from_view.transpose()),
+           Eigen::Vector3d::Zero()} *
+      camera->camera_from_rig;
+  camera->trusted.reset();
+}
+
+std::vector<const LensForm*> FormsOf(const Format& format,
+                                     const std::string& model) {
+  std::vector<const LensForm*> forms;
+  std::string names;
+  for (const LensForm& form : format.forms) {
+    if (model.empty() || model == form.name) forms.push_back(&form);
+    names += (names.empty() ? "" : ", ") + form.name;
+  }
+  if (forms.empty())
+    throw Error(ExitCode::kUsage, fmt::format("--model {}: {} has {}", model,
+                                              format.name, names));
+  return forms;
+}
+
+// How far a view, which is exact, would do it.
+std::string ViewAdvice(const CameraModel& camera) {
+  try {
+    const VirtualView view = MakeViewOfArea(camera);
+    return fmt::format(
+        "undistorted images have none: --rectified exports their view, a "
+        "pinhole that sees {:.0f} x {:.0f} degrees",
+        view.HorizontalFieldOfViewDeg(), view.VerticalFieldOfViewDeg());
+  } catch (const Error&) {
+    return "choose another format or model";
+  }
+}
+
+void RequireSmallError(const Exported& camera, const ChosenLens& chosen,
+                       const std::optional<double>& max_fit_error_px) {
+  if (!max_fit_error_px || !chosen.fit) return;
+  const LensFit& fit = *chosen.fit;
+  if (fit.num_beyond == 0 && fit.max_px <= *max_fit_error_px) return;
+  throw Error(
+      ExitCode::kQuality,
+      fmt::format("{}: {} leaves more than --max-fit-error {:g}: {}; {}",
+                  camera.path, chosen.lens.form->name, *max_fit_error_px,
+                  LensFitText(fit), ViewAdvice(*camera.input.file.camera)));
+}
+
+std::vector<WrittenLens> ChooseLenses(const ExportArguments& arguments,
+                                      const Format& format,
+                                      const std::vector<Exported>& cameras) {
+  const std::vector<const LensForm*> forms = FormsOf(format, arguments.model);
+  std::vector<WrittenLens> lenses;
+  for (const Exported& camera : cameras) {
+    ChosenLens chosen = [&] {
+      try {
+        return ChooseLens(forms, *camera.input.file.camera,
+                          camera.trusted ? &*camera.trusted : nullptr);
+      } catch (const Error& error) {
+        throw Error(error.code(),
+                    fmt::format("{}: {}", camera.path, error.what()));
+      }
+    }();
+    RequireSmallError(camera, chosen, arguments.max_fit_error_px);
+    WrittenLens lens;
+    lens.name = camera.name;
+    lens.serial = camera.input.file.serial;
+    lens.lens = chosen.lens;
+    lens.fit = chosen.fit;
+    lens.camera_from_rig = camera.camera_from_rig;
+    if (lens.fit)
+      lens.camera_from_rig =
+          Pose{lens.fit->lens_from_camera, Eigen::Vector3d::Zero()} *
+          lens.camera_from_rig;
+    lenses.push_back(std::move(lens));
+  }
+  return lenses;
+}
+
+// Names of files, and what is in them: of a format that has one camera a file,
+// a rig makes a folder of them.
+std::vector<std::pair<std::string, std::string>> WriteAll(
+    const ExportArguments& arguments, const Format& format,
+    const std::vector<WrittenLens>& lenses, bool is_rig) {
+  if (!is_rig || format.holds_rigs)
+    return {{arguments.output, format.write({arguments.output, lenses})}};
+  std::vector<std::pair<std::string, std::string>> files;
+  for (const WrittenLens& lens : lenses) {
+    const std::string path =
+        (std::filesystem::path(arguments.output) / (lens.name + ".yaml"))
+            .string();
+    files.emplace_back(path, format.write({path, {lens}}));
+  }
+  return files;
+}
+
+nlohmann::ordered_json FitJson(const LensFit& fit) {
+  const Eigen::Quaterniond& q = fit.lens_from_camera;
+  return {{"rms_px", fit.rms_px},
+          {"p99_px", fit.p99_px},
+          {"max_px", fit.max_px},
+          {"pixels", fit.num_pixels},
+          {"pixels_beyond", fit.num_beyond},
+          {"of_trusted", fit.is_of_trusted},
+          {"lens_from_camera_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
+}
+
+void PrintExport(const Format& format, const std::vector<WrittenLens>& lenses,
+                 const std::vector<std::pair<std::string, std::string>>& files,
+                 const CommonOptions& common) {
+  if (common.json) {
+    nlohmann::ordered_json json = {
+        {"format", format.name},
+        {"files", nlohmann::ordered_json::array()},
+        {"cameras", nlohmann::ordered_json::array()}};
+    for (const auto& file : files) json["files"].push_back(file.first);
+    for (const WrittenLens& lens : lenses) {
+      json["cameras"].push_back({{"name", lens.name},
+                                 {"model", lens.lens.form->name},
+                                 {"exact", !lens.fit.has_value()}});
+      if (lens.fit) json["cameras"].back()["fit"] = FitJson(*lens.fit);
+    }
+    fmt::print("{}\n", json.dump(2));
+    return;
+  }
+  for (size_t c = 0; c < lenses.size(); ++c) {
+    const WrittenLens& lens = lenses[c];
+    if (!common.quiet)
+      fmt::print("{}{}: {}, {}\n", files[std::min(c, files.size() - 1)].first,
+                 lens.name.empty() ? "" : " " + lens.name, lens.lens.form->name,
+                 lens.fit ? LensFitText(*lens.fit) : "exactly the camera");
+  }
+}
+
+void List(bool json) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const Format& format : Formats()) {
+    const char* const ways = !format.write  ? "import"
+                             : !format.read ? "export"
+                                            : "export, import";
+    nlohmann::ordered_json models = nlohmann::ordered_json::array();
+    std::string names;
+    for (const LensForm& form : format.forms) {
+      models.push_back(form.name);
+      names += (names.empty() ? "" : ", ") + form.name;
+    }
+    all.push_back({{"name", format.name},
+                   {"holds", format.holds},
+                   {"export", format.write != nullptr},
+                   {"import", format.read != nullptr},
+                   {"rigs", format.holds_rigs},
+                   {"models", models}});
+    if (!json)
+      fmt::print("{}: {} ({})\n  models: {}\n", format.name, format.holds, ways,
+                 names);
+  }
+  if (json) fmt::print("{}\n", all.dump(2));
+}
+
+void RunExport(const ExportArguments& arguments, const CommonOptions& common) {
+  if (arguments.lists) {
+    List(common.json);
+    return;
+  }
+  for (const auto& [option, value] : {std::pair("camera", arguments.input),
+                                      {"--to", arguments.format},
+                                      {"-o", arguments.output}})
+    if (value.empty())
+      throw Error(ExitCode::kUsage,
+                  fmt::format("export: {} is required; see raygrid export "
+                              "--help",
+                              option));
+  const std::string word = FirstWord(arguments.view);
+  if (!word.empty() && !arguments.rectified)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--{}: is for a view; add --rectified", word));
+  const Format& format = FindFormat("--to", arguments.format);
+  if (!format.write)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--to {}: is only imported", format.name));
+  bool is_rig = false;
+  std::vector<Exported> cameras = ReadExported(arguments.input, &is_rig);
+  std::vector<std::string> inputs = {arguments.input};
+  for (Exported& camera : cameras) {
+    inputs.push_back(camera.path);
+    if (!common.quiet) WarnOfFailedCalibration(camera.path, camera.input.file);
+    if (arguments.rectified) Rectify(arguments.view, &camera);
+  }
+  const std::vector<WrittenLens> lenses =
+      ChooseLenses(arguments, format, cameras);
+  const auto files = WriteAll(arguments, format, lenses, is_rig);
+  std::vector<std::string> paths;
+  OutputFiles outputs;
+  for (const auto& [path, text] : files) {
+    paths.push_back(path);
+    outputs.Add(path, text);
+  }
+  RequireNoInputReplaced(inputs, paths);
+  outputs.Commit();
+  PrintExport(format, lenses, files, common);
+}
+
+}  // namespace
+
+void AddExport(CLI::App* app, CommonOptions* common) {
+  CLI::App* command = AddCommand(
+      app, "export",
+      "A camera or a rig as another program's file. A camera that the format "
+      "has a model for, as a view, is written exactly. Of another one the "
+      "nearest lens is, and the error that it leaves at trusted pixels is "
+      "told and stored. Where the lens looks elsewhere, rigs turn with it.",
+      "raygrid export camera.yaml --to opencv -o calibration.yaml "
+      "--max-fit-error 0.5",
+      common);
+  auto arguments = std::make_shared<ExportArguments>();
+  command->add_option("camera", arguments->input,
+                      "camera.yaml, rig.yaml, a blob or another program's "
+                      "camera");
+  command->add_option("--to", arguments->format,
+                      "the format: " + FormatNames());
+  command->add_option("-o,--output", arguments->output,
+                      "file to write; of a rig in a format that has one camera "
+                      "a file, a folder");
+  command->add_option("--model", arguments->model,
+                      "one of the format's models (default: that of the fewest "
+                      "coefficients, unless others leave 2 % less)");
+  command
+      ->add_option("--max-fit-error", arguments->max_fit_error_px,
+                   "pixels; write nothing if a trusted pixel is farther off")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--rectified", arguments->rectified,
+                    "the view of undistorted images: of a blob that of its "
+                    "table, else as calibrate packs it, or as the options "
+                    "below say");
+  AddViewOptions(command, &arguments->view);
+  command->add_flag("--list", arguments->lists, "list the formats");
+  command->callback([arguments, common] { RunExport(*arguments, *common); });
+}
+
+}  // namespace raygrid

@@ -1,0 +1,140 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "camera_input.h"
+#include "commands.h"
+#include "dataset/error.h"
+#include "dataset/files.h"
+#include "dataset/rig_file.h"
+#include "dataset/text_encoding.h"
+#include "exchange/format.h"
+
+namespace raygrid {
+namespace {
+
+struct ImportArguments {
+  std::string file, output, from, model, image_size;
+};
+
+ExchangeContents ReadForeign(const ImportArguments& arguments) {
+  ReadRequest request = {arguments.file, ReadFile(arguments.file),
+                         arguments.model, std::nullopt};
+  if (!arguments.image_size.empty())
+    request.size = ParseImageSize("--image-size", arguments.image_size);
+  const Format* format =
+      arguments.from.empty() ? nullptr : &FindFormat("--from", arguments.from);
+  for (const char* own : {"raygrid_camera:", "raygrid_rig:"})
+    if (request.text.find(own) != std::string::npos)
+      throw InputError(arguments.file +
+                       ": is raygrid's own already; every command takes it");
+  return ReadExchangeFile(format, request);
+}
+
+// Names that files can have, all different.
+std::vector<std::string> FolderNames(const ImportArguments& arguments,
+                                     const ExchangeContents& contents) {
+  std::vector<std::string> names;
+  std::set<std::string> taken;
+  for (const ReadLens& camera : contents.cameras) {
+    if (!IsRigCameraName(camera.name) || !taken.insert(camera.name).second)
+      throw InputError(fmt::format(
+          "{}: camera '{}': names of several cameras are different, and have "
+          "letters, digits, '-' and '_' alone",
+          arguments.file, Printable(camera.name)));
+    names.push_back(camera.name);
+  }
+  return names;
+}
+
+// The files of several cameras: those of a rig beside rig.yaml, as calibrate
+// has them; others in the folder that is named.
+std::vector<std::pair<std::string, std::string>> FilesOf(
+    const ImportArguments& arguments, const ExchangeContents& contents) {
+  const auto text_of = [](const ReadLens& camera) {
+    return FormatCameraFile(CameraFileOf(camera), Digits::kAll);
+  };
+  if (contents.cameras.size() == 1 && !contents.is_rig)
+    return {{arguments.output, text_of(contents.cameras.front())}};
+  const std::vector<std::string> names = FolderNames(arguments, contents);
+  const std::filesystem::path output = arguments.output;
+  const std::filesystem::path folder =
+      contents.is_rig ? output.parent_path() : output;
+  std::vector<std::pair<std::string, std::string>> files;
+  std::vector<RigFileCamera> rig;
+  for (size_t c = 0; c < names.size(); ++c) {
+    const std::string file = names[c] + "/camera.yaml";
+    files.emplace_back((folder / file).string(), text_of(contents.cameras[c]));
+    rig.push_back({names[c], file, contents.cameras[c].camera_from_rig});
+  }
+  if (contents.is_rig) files.emplace_back(arguments.output, FormatRigFile(rig));
+  return files;
+}
+
+void RunImport(const ImportArguments& arguments, const CommonOptions& common) {
+  const ExchangeContents contents = ReadForeign(arguments);
+  const auto files = FilesOf(arguments, contents);
+  std::vector<std::string> paths;
+  OutputFiles outputs;
+  for (const auto& [path, text] : files) {
+    paths.push_back(path);
+    outputs.Add(path, text);
+  }
+  RequireNoInputReplaced({arguments.file}, paths);
+  outputs.Commit();
+  for (const std::string& remark : contents.remarks)
+    fmt::print(stderr, "raygrid: {}: {}\n", Printable(arguments.file), remark);
+  if (common.json) {
+    nlohmann::ordered_json json = {{"rig", contents.is_rig},
+                                   {"cameras", nlohmann::ordered_json::array()},
+                                   {"remarks", contents.remarks}};
+    for (const ReadLens& camera : contents.cameras)
+      json["cameras"].push_back(
+          {{"name", camera.name},
+           {"model", camera.lens.form->model},
+           {"as", camera.lens.form->name},
+           {"image_size", {camera.lens.size.width, camera.lens.size.height}}});
+    fmt::print("{}\n", json.dump(2));
+    return;
+  }
+  if (common.quiet) return;
+  for (size_t c = 0; c < contents.cameras.size(); ++c) {
+    const LensInForm& lens = contents.cameras[c].lens;
+    fmt::print("{}: {} of {} x {} px, in raygrid {}\n", paths[c],
+               lens.form->name, lens.size.width, lens.size.height,
+               lens.form->model);
+  }
+  if (contents.is_rig) fmt::print("{}: the rig\n", arguments.output);
+}
+
+}  // namespace
+
+void AddImport(CLI::App* app, CommonOptions* common) {
+  CLI::App* command = AddCommand(
+      app, "import",
+      "Another program's camera or rig as a camera.yaml or rig.yaml, exactly. "
+      "Other commands take such files as they are, too, if they have one "
+      "camera. 'raygrid export --list' names the formats.",
+      "raygrid import calibration.xml -o camera.yaml", common);
+  auto arguments = std::make_shared<ImportArguments>();
+  command->add_option("file", arguments->file, "another program's file")
+      ->required();
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "camera.yaml; of a rig rig.yaml, beside which NAME/"
+                   "camera.yaml are; of other files with several cameras a "
+                   "folder")
+      ->required();
+  command->add_option("--from", arguments->from,
+                      "the format, where the file does not show it");
+  command->add_option("--model", arguments->model,
+                      "the distortion model, where the file does not tell");
+  command->add_option("--image-size", arguments->image_size,
+                      "WxH, where the file does not tell");
+  command->callback([arguments, common] { RunImport(*arguments, *common); });
+}
+
+}  // namespace raygrid
