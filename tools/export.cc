@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -9,7 +11,9 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/rig_file.h"
+#include "dataset/text_encoding.h"
 #include "exchange/format.h"
+#include "packing/rectification.h"
 #include "packing/view_request.h"
 #include "view_options.h"
 
@@ -27,7 +31,7 @@ struct ExportArguments {
 struct Exported {
   std::string name, path;
   CameraInput input;
-  Pose camera_from_rig;
+  std::optional<Pose> camera_from_rig;
   std::optional<TrustMask> trusted;
 };
 
@@ -82,13 +86,15 @@ VirtualView RectifiedView(const Exported& camera, const ViewWords& words) {
              : MakeView(*camera.input.file.camera, ParseViewOptions(words));
 }
 
-void Rectify(const ViewWords& words, Exported* camera) {
+void TakeView(const ViewWords& words, Exported* camera) {
   const VirtualView view = RectifiedView(*camera, words);
   camera->input.file.camera = CameraOfView(view);
-  camera->camera_from_rig =
-      Pose{Eigen::Quaterniond(view.camera_from_view.transpose()),
-           Eigen::Vector3d::Zero()} *
-      camera->camera_from_rig;
+  camera->input.file.camera_from_view.reset();
+  if (camera->camera_from_rig)
+    camera->camera_from_rig =
+        Pose{Eigen::Quaterniond(view.camera_from_view.transpose()),
+             Eigen::Vector3d::Zero()} *
+        *camera->camera_from_rig;
   camera->trusted.reset();
 }
 
@@ -131,6 +137,19 @@ void RequireSmallError(const Exported& camera, const ChosenLens& chosen,
                   LensFitText(fit), ViewAdvice(*camera.input.file.camera)));
 }
 
+// Lenses of a rig whose frame is that of its first camera; it is that of the
+// first lens then.
+void KeepFirstFrame(const std::vector<Exported>& cameras,
+                    std::vector<WrittenLens>* lenses) {
+  const std::optional<Pose>& first = cameras.front().camera_from_rig;
+  if (!first || !first->translation.isZero(0) ||
+      first->rotation.angularDistance(Eigen::Quaterniond::Identity()) > 0)
+    return;
+  const Pose old_from_new = lenses->front().camera_from_rig->Inverse();
+  for (WrittenLens& lens : *lenses)
+    lens.camera_from_rig = *lens.camera_from_rig * old_from_new;
+}
+
 std::vector<WrittenLens> ChooseLenses(const ExportArguments& arguments,
                                       const Format& format,
                                       const std::vector<Exported>& cameras) {
@@ -153,13 +172,39 @@ std::vector<WrittenLens> ChooseLenses(const ExportArguments& arguments,
     lens.lens = chosen.lens;
     lens.fit = chosen.fit;
     lens.camera_from_rig = camera.camera_from_rig;
-    if (lens.fit)
+    if (lens.fit && lens.camera_from_rig)
       lens.camera_from_rig =
           Pose{lens.fit->lens_from_camera, Eigen::Vector3d::Zero()} *
-          lens.camera_from_rig;
+          *lens.camera_from_rig;
     lenses.push_back(std::move(lens));
   }
+  KeepFirstFrame(cameras, &lenses);
   return lenses;
+}
+
+// R and P of two cameras, for formats that have them, of the lenses that are
+// written. Says on standard error if images of them have no common rows.
+void RectifyPair(const Format& format, std::vector<WrittenLens>* lenses) {
+  if (!format.holds_pairs || lenses->size() != 2 ||
+      !lenses->front().camera_from_rig)
+    return;
+  std::array<WrittenLens*, 2> pair = {&(*lenses)[0], &(*lenses)[1]};
+  if (IsOrderReversed(*pair[1]->camera_from_rig *
+                      pair[0]->camera_from_rig->Inverse()))
+    std::swap(pair[0], pair[1]);
+  const auto first = MakeLens(pair[0]->lens), second = MakeLens(pair[1]->lens);
+  try {
+    const Rectification rectification =
+        Rectify({pair[0]->name, *first, *pair[0]->camera_from_rig},
+                {pair[1]->name, *second, *pair[1]->camera_from_rig}, {});
+    for (int k = 0; k < 2; ++k)
+      pair[k]->rectified =
+          RectifiedProjection{rectification.R(k), rectification.P(k)};
+  } catch (const Error& error) {
+    fmt::print(stderr,
+               "raygrid: the files have no R and P of a rectified pair: {}\n",
+               error.what());
+  }
 }
 
 // Names of files, and what is in them: of a format that has one camera a file,
@@ -208,12 +253,12 @@ void PrintExport(const Format& format, const std::vector<WrittenLens>& lenses,
     fmt::print("{}\n", json.dump(2));
     return;
   }
+  if (common.quiet) return;
   for (size_t c = 0; c < lenses.size(); ++c) {
     const WrittenLens& lens = lenses[c];
-    if (!common.quiet)
-      fmt::print("{}{}: {}, {}\n", files[std::min(c, files.size() - 1)].first,
-                 lens.name.empty() ? "" : " " + lens.name, lens.lens.form->name,
-                 lens.fit ? LensFitText(*lens.fit) : "exactly the camera");
+    fmt::print("{}{}: {}, {}\n", files[std::min(c, files.size() - 1)].first,
+               lens.name.empty() ? "" : " " + lens.name, lens.lens.form->name,
+               lens.fit ? LensFitText(*lens.fit) : "exactly the camera");
   }
 }
 
@@ -269,10 +314,10 @@ void RunExport(const ExportArguments& arguments, const CommonOptions& common) {
   for (Exported& camera : cameras) {
     inputs.push_back(camera.path);
     if (!common.quiet) WarnOfFailedCalibration(camera.path, camera.input.file);
-    if (arguments.rectified) Rectify(arguments.view, &camera);
+    if (arguments.rectified) TakeView(arguments.view, &camera);
   }
-  const std::vector<WrittenLens> lenses =
-      ChooseLenses(arguments, format, cameras);
+  std::vector<WrittenLens> lenses = ChooseLenses(arguments, format, cameras);
+  RectifyPair(format, &lenses);
   const auto files = WriteAll(arguments, format, lenses, is_rig);
   std::vector<std::string> paths;
   OutputFiles outputs;
@@ -282,6 +327,15 @@ void RunExport(const ExportArguments& arguments, const CommonOptions& common) {
   }
   RequireNoInputReplaced(inputs, paths);
   outputs.Commit();
+  for (const WrittenLens& lens : lenses)
+    if (lens.fit && lens.fit->num_beyond > 0)
+      fmt::print(stderr,
+                 "raygrid: {} has no place for {} of {} pixels{}, which look "
+                 "up to {:.0f} degrees off the axis\n",
+                 lens.lens.form->name, lens.fit->num_beyond,
+                 lens.fit->num_beyond + lens.fit->num_pixels,
+                 lens.name.empty() ? "" : " of " + Printable(lens.name),
+                 lens.fit->widest_rad * 180 / M_PI);
   PrintExport(format, lenses, files, common);
 }
 

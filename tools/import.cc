@@ -17,21 +17,56 @@ namespace raygrid {
 namespace {
 
 struct ImportArguments {
-  std::string file, output, from, model, image_size;
+  std::vector<std::string> files;
+  std::string output, from, model, image_size;
 };
 
-ExchangeContents ReadForeign(const ImportArguments& arguments) {
-  ReadRequest request = {arguments.file, ReadFile(arguments.file),
-                         arguments.model, std::nullopt};
+ExchangeContents ReadForeignFile(const ImportArguments& arguments,
+                                 const std::string& path) {
+  ReadRequest request = {path, ReadFile(path), arguments.model, std::nullopt};
   if (!arguments.image_size.empty())
     request.size = ParseImageSize("--image-size", arguments.image_size);
   const Format* format =
       arguments.from.empty() ? nullptr : &FindFormat("--from", arguments.from);
+  if (format && !format->read)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--from {}: is only exported", format->name));
   for (const char* own : {"raygrid_camera:", "raygrid_rig:"})
     if (request.text.find(own) != std::string::npos)
-      throw InputError(arguments.file +
+      throw InputError(path +
                        ": is raygrid's own already; every command takes it");
   return ReadExchangeFile(format, request);
+}
+
+// All files together: those of a rig that have a camera each tell their poses,
+// or R and P. Their cameras are named after the files where nothing else
+// names all of them.
+ExchangeContents ReadForeign(const ImportArguments& arguments) {
+  ExchangeContents all;
+  std::vector<std::string> stems;
+  std::set<std::string> names;
+  for (const std::string& path : arguments.files) {
+    ExchangeContents contents = ReadForeignFile(arguments, path);
+    for (const std::string& remark : contents.remarks)
+      all.remarks.push_back(path + ": " + remark);
+    for (ReadLens& camera : contents.cameras) {
+      stems.push_back(std::filesystem::path(path).stem().string());
+      names.insert(camera.name);
+      all.cameras.push_back(std::move(camera));
+    }
+  }
+  if (arguments.files.size() == 1) {
+    if (all.cameras.size() == 1 && all.cameras.front().rectified)
+      all.remarks.push_back(
+          arguments.files.front() +
+          ": its R and P are of rectified images and not taken; import both "
+          "files of a pair to have a rig");
+    return all;
+  }
+  if (names.size() < all.cameras.size() || names.count("") > 0)
+    for (size_t c = 0; c < stems.size(); ++c) all.cameras[c].name = stems[c];
+  if (!all.IsRig()) FindPosesOfPair(&all.cameras);
+  return all;
 }
 
 // Names that files can have, all different.
@@ -44,7 +79,7 @@ std::vector<std::string> FolderNames(const ImportArguments& arguments,
       throw InputError(fmt::format(
           "{}: camera '{}': names of several cameras are different, and have "
           "letters, digits, '-' and '_' alone",
-          arguments.file, Printable(camera.name)));
+          arguments.files.back(), Printable(camera.name)));
     names.push_back(camera.name);
   }
   return names;
@@ -57,20 +92,22 @@ std::vector<std::pair<std::string, std::string>> FilesOf(
   const auto text_of = [](const ReadLens& camera) {
     return FormatCameraFile(CameraFileOf(camera), Digits::kAll);
   };
-  if (contents.cameras.size() == 1 && !contents.is_rig)
+  if (contents.cameras.size() == 1)
     return {{arguments.output, text_of(contents.cameras.front())}};
   const std::vector<std::string> names = FolderNames(arguments, contents);
   const std::filesystem::path output = arguments.output;
   const std::filesystem::path folder =
-      contents.is_rig ? output.parent_path() : output;
+      contents.IsRig() ? output.parent_path() : output;
   std::vector<std::pair<std::string, std::string>> files;
   std::vector<RigFileCamera> rig;
   for (size_t c = 0; c < names.size(); ++c) {
     const std::string file = names[c] + "/camera.yaml";
     files.emplace_back((folder / file).string(), text_of(contents.cameras[c]));
-    rig.push_back({names[c], file, contents.cameras[c].camera_from_rig});
+    rig.push_back(
+        {names[c], file, contents.cameras[c].camera_from_rig.value_or(Pose{})});
   }
-  if (contents.is_rig) files.emplace_back(arguments.output, FormatRigFile(rig));
+  if (contents.IsRig())
+    files.emplace_back(arguments.output, FormatRigFile(rig));
   return files;
 }
 
@@ -83,12 +120,12 @@ void RunImport(const ImportArguments& arguments, const CommonOptions& common) {
     paths.push_back(path);
     outputs.Add(path, text);
   }
-  RequireNoInputReplaced({arguments.file}, paths);
+  RequireNoInputReplaced(arguments.files, paths);
   outputs.Commit();
   for (const std::string& remark : contents.remarks)
-    fmt::print(stderr, "raygrid: {}: {}\n", Printable(arguments.file), remark);
+    fmt::print(stderr, "raygrid: {}\n", Printable(remark));
   if (common.json) {
-    nlohmann::ordered_json json = {{"rig", contents.is_rig},
+    nlohmann::ordered_json json = {{"rig", contents.IsRig()},
                                    {"cameras", nlohmann::ordered_json::array()},
                                    {"remarks", contents.remarks}};
     for (const ReadLens& camera : contents.cameras)
@@ -107,7 +144,7 @@ void RunImport(const ImportArguments& arguments, const CommonOptions& common) {
                lens.form->name, lens.size.width, lens.size.height,
                lens.form->model);
   }
-  if (contents.is_rig) fmt::print("{}: the rig\n", arguments.output);
+  if (contents.IsRig()) fmt::print("{}: the rig\n", arguments.output);
 }
 
 }  // namespace
@@ -117,10 +154,14 @@ void AddImport(CLI::App* app, CommonOptions* common) {
       app, "import",
       "Another program's camera or rig as a camera.yaml or rig.yaml, exactly. "
       "Other commands take such files as they are, too, if they have one "
-      "camera. 'raygrid export --list' names the formats.",
+      "camera. Files of a camera each are a rig if they tell the poses, or R "
+      "and P as those of a stereo pair do. 'raygrid export --list' names the "
+      "formats.",
       "raygrid import calibration.xml -o camera.yaml", common);
   auto arguments = std::make_shared<ImportArguments>();
-  command->add_option("file", arguments->file, "another program's file")
+  command
+      ->add_option("files", arguments->files,
+                   "another program's file, or the files of a rig's cameras")
       ->required();
   command
       ->add_option("-o,--output", arguments->output,

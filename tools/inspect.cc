@@ -233,7 +233,7 @@ Json ForeignFacts(const Format& format, const std::string& path,
                   const std::string& text) {
   const ExchangeContents contents =
       ReadExchangeFile(&format, {path, text, "", std::nullopt});
-  Json json = {{"kind", contents.is_rig ? "rig" : "camera"},
+  Json json = {{"kind", contents.IsRig() ? "rig" : "camera"},
                {"format", format.name}};
   if (contents.cameras.size() == 1) {
     json.update(CameraFacts(CameraFileOf(contents.cameras.front())));
@@ -245,10 +245,11 @@ Json ForeignFacts(const Format& format, const std::string& path,
       json["cameras"].push_back({{"name", read.name},
                                  {"model", file.camera->Name()},
                                  {"image_size", {size.width, size.height}}});
-      const Eigen::Vector3d center = read.camera_from_rig.Inverse().translation;
-      if (contents.is_rig)
-        json["cameras"].back()["center_in_rig_m"] = {center.x(), center.y(),
-                                                     center.z()};
+      if (!read.camera_from_rig) continue;
+      const Eigen::Vector3d center =
+          read.camera_from_rig->Inverse().translation;
+      json["cameras"].back()["center_in_rig_m"] = {center.x(), center.y(),
+                                                   center.z()};
     }
   }
   if (!contents.remarks.empty()) json["remarks"] = contents.remarks;

@@ -66,19 +66,14 @@ std::string WithoutVersion(std::string text) {
 }
 
 std::string Quoted(FileStorageText::Kind kind, const std::string& text) {
+  if (kind != FileStorageText::Kind::kXml) return QuotedYaml(text);
   std::string quoted = "\"";
-  for (const char c : Printable(text)) {
-    if (kind == FileStorageText::Kind::kXml) {
-      quoted += c == '<'   ? "&lt;"
-                : c == '>' ? "&gt;"
-                : c == '&' ? "&amp;"
-                : c == '"' ? "&quot;"
-                           : std::string(1, c);
-    } else {
-      if (c == '"' || c == '\\') quoted += '\\';
-      quoted += c;
-    }
-  }
+  for (const char c : Printable(text))
+    quoted += c == '<'   ? "&lt;"
+              : c == '>' ? "&gt;"
+              : c == '&' ? "&amp;"
+              : c == '"' ? "&quot;"
+                         : std::string(1, c);
   return quoted + "\"";
 }
 

@@ -15,18 +15,28 @@ namespace raygrid {
 
 // ---- What passes between a format and the commands -------------------------
 
+/// A camera of a rectified pair as OpenCV and ROS have it: R turns axes of the
+/// lens into those of the view, P projects points in axes of the first view.
+struct RectifiedProjection {
+  Eigen::Matrix3d r = Eigen::Matrix3d::Identity();
+  Eigen::Matrix<double, 3, 4> p = Eigen::Matrix<double, 3, 4>::Zero();
+};
+
 /// A camera that was read.
 struct ReadLens {
   std::string name, serial;  ///< "" where the file does not tell
   LensInForm lens;
-  Pose camera_from_rig;  ///< of a rig
+  std::optional<Pose> camera_from_rig;
+  std::optional<RectifiedProjection> rectified;
 };
 
 /// The contents of a file that was read.
 struct ExchangeContents {
   std::vector<ReadLens> cameras;
-  bool is_rig = false;               ///< the cameras' poses are known
   std::vector<std::string> remarks;  ///< what was not taken as it stands
+
+  /// Whether there are several cameras, and all have poses.
+  bool IsRig() const;
 };
 
 /// The file, and what the user says of it.
@@ -41,11 +51,8 @@ struct WrittenLens {
   std::string name, serial;
   LensInForm lens;
   std::optional<LensFit> fit;  ///< none if the lens is the camera itself
-  Pose camera_from_rig;        ///< of the lens's frame
-  /// Of a rectified pair: axes of the lens to those of the view, and the view's
-  /// projection.
-  std::optional<Eigen::Matrix3d> rectification;
-  std::optional<Eigen::Matrix<double, 3, 4>> projection;
+  std::optional<Pose> camera_from_rig;  ///< of the lens's frame, in a rig
+  std::optional<RectifiedProjection> rectified;
 };
 
 struct WriteRequest {
@@ -59,7 +66,8 @@ struct Format {
   std::string name;   ///< "opencv", for --to and --from
   std::string holds;  ///< one line for --list
   std::vector<LensForm> forms;
-  bool holds_rigs = false;  ///< else a file has one camera
+  bool holds_rigs = false;   ///< else a file has one camera
+  bool holds_pairs = false;  ///< files of two cameras have R and P
 
   /// Whether a text is of this format, by words that others have not. It need
   /// not be well-formed.
@@ -87,9 +95,14 @@ const Format* RecognizeFormat(const std::string& text);
 std::string FormatNames();
 
 /// The contents of a file of a format, or of the one that its text is of if
-/// null is given. Throws InputError, naming the file.
+/// null is given: all its lenses can be made. Throws InputError, naming the
+/// file.
 ExchangeContents ReadExchangeFile(const Format* format,
                                   const ReadRequest& request);
+
+/// The poses of cameras that have none but R and P, in the frame of the first
+/// one; none if one of them has not even these.
+void FindPosesOfPair(std::vector<ReadLens>* cameras);
 
 /// A camera that was read as a camera file.
 CameraFile CameraFileOf(const ReadLens& read);

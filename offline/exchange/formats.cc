@@ -1,14 +1,19 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
+
 #include "dataset/error.h"
 #include "exchange/format.h"
+#include "exchange/kalibr_format.h"
 #include "exchange/opencv_format.h"
+#include "exchange/ros_format.h"
 
 namespace raygrid {
 
 const std::vector<Format>& Formats() {
-  static const std::vector<Format> formats = {OpenCvFormat()};
+  static const std::vector<Format> formats = {OpenCvFormat(), RosFormat(),
+                                              KalibrFormat()};
   return formats;
 }
 
@@ -51,7 +56,10 @@ ExchangeContents ReadExchangeFile(const Format* format,
     throw InputError(fmt::format("{}: is of the format {}, not {}",
                                  request.path, found->name, format->name));
   try {
-    return (format ? format : found)->read(request);
+    ExchangeContents contents = (format ? format : found)->read(request);
+    if (contents.cameras.empty()) throw InputError("no camera");
+    for (const ReadLens& camera : contents.cameras) MakeLens(camera.lens);
+    return contents;
   } catch (const YAML::Exception& error) {
     const std::string place =
         error.mark.is_null()
@@ -62,6 +70,31 @@ ExchangeContents ReadExchangeFile(const Format* format,
     const std::string message = error.what();
     if (message.rfind(request.path, 0) == 0) throw;
     throw InputError(fmt::format("{}: {}", request.path, message));
+  }
+}
+
+bool ExchangeContents::IsRig() const {
+  return cameras.size() > 1 &&
+         std::all_of(cameras.begin(), cameras.end(), [](const ReadLens& lens) {
+           return lens.camera_from_rig.has_value();
+         });
+}
+
+void FindPosesOfPair(std::vector<ReadLens>* cameras) {
+  for (const ReadLens& camera : *cameras)
+    if (!camera.rectified) return;
+  // The views stand apart by the last column of P, in focal lengths.
+  const auto view_from_rig = [](const RectifiedProjection& view) {
+    return Pose{Eigen::Quaterniond(view.r),
+                {view.p(0, 3) / view.p(0, 0), view.p(1, 3) / view.p(1, 1), 0}};
+  };
+  const Pose first = view_from_rig(*cameras->front().rectified);
+  for (ReadLens& camera : *cameras) {
+    // x_i = R_i^T (R_0 x_0 + t_i - t_0)
+    const Pose own = view_from_rig(*camera.rectified);
+    const Eigen::Quaterniond back = own.rotation.conjugate();
+    camera.camera_from_rig = Pose{(back * first.rotation).normalized(),
+                                  back * (own.translation - first.translation)};
   }
 }
 

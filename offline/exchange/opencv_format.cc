@@ -155,6 +155,22 @@ LensInForm Shortened(const LensInForm& lens) {
   return shorter;
 }
 
+// R and T of stereoCalibrate: the pose of the first camera's frame, or a rig's.
+std::optional<Pose> PoseOfCamera(const YAML::Node& root) {
+  if (!root["R"] || !root["T"]) return std::nullopt;
+  const StoredMatrix r = ParseStoredMatrix(root["R"], "R"),
+                     t = ParseStoredMatrix(root["T"], "T");
+  if (r.rows != 3 || r.columns != 3 || t.data.size() != 3)
+    throw InputError("R, T: not 3 x 3 and 3 x 1");
+  std::vector<double> rows;
+  for (int row = 0; row < 3; ++row) {
+    rows.insert(rows.end(), r.data.begin() + 3 * row,
+                r.data.begin() + 3 * row + 3);
+    rows.push_back(t.data[row]);
+  }
+  return PoseOfMatrix(rows, "R");
+}
+
 ExchangeContents ReadOpenCv(const ReadRequest& request) {
   const YAML::Node root = ParseFileStorage(request.path, request.text);
   if (!root.IsMap()) throw InputError("no camera: no map of keys");
@@ -163,6 +179,7 @@ ExchangeContents ReadOpenCv(const ReadRequest& request) {
   camera.name = TextOf(root, kNameKeys);
   camera.serial = TextOf(root, {"serial"});
   camera.lens.size = SizeOfImages(root, request);
+  camera.camera_from_rig = PoseOfCamera(root);
   camera.lens.values = Intrinsics(root);
   std::vector<double> coefficients = Coefficients(root);
   camera.lens.form =
@@ -208,6 +225,16 @@ std::string WriteOpenCv(const WriteRequest& request) {
   text.Add(
       "distortion_coefficients",
       StoredMatrix{1, static_cast<int>(coefficients.size()), coefficients});
+  if (camera.camera_from_rig) {
+    const Eigen::Matrix3d r =
+        camera.camera_from_rig->rotation.toRotationMatrix();
+    const Eigen::Vector3d& t = camera.camera_from_rig->translation;
+    text.Add("R", StoredMatrix{3,
+                               3,
+                               {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1),
+                                r(1, 2), r(2, 0), r(2, 1), r(2, 2)}});
+    text.Add("T", StoredMatrix{3, 1, {t.x(), t.y(), t.z()}});
+  }
   return text.Finish();
 }
 
@@ -218,7 +245,8 @@ Format OpenCvFormat() {
   format.name = "opencv";
   format.holds =
       "FileStorage .yaml, .xml or .json: a pinhole with 4, 5, 8, 12 or 14 "
-      "coefficients, or cv::fisheye";
+      "coefficients, or cv::fisheye; of a rig a file for each camera, with R "
+      "and T of its pose";
   format.forms = OpenCvForms();
   format.recognizes = IsFileStorage;
   format.read = ReadOpenCv;

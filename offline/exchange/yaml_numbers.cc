@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "dataset/error.h"
+#include "dataset/text_encoding.h"
 
 namespace raygrid {
 
@@ -43,8 +46,26 @@ ImageSize SizeOfList(const YAML::Node& node, const std::string& name) {
 }
 
 std::string RealText(double number) {
-  const std::string text = fmt::format("{}", number);
-  return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
+  std::string text = fmt::format("{}", number);
+  if (text.find('.') == std::string::npos)
+    text.insert(std::min(text.find('e'), text.size()), ".0");
+  return text;
+}
+
+Pose PoseOfMatrix(const std::vector<double>& rows, const std::string& name) {
+  Eigen::Matrix3d rotation;
+  Eigen::Vector3d translation;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column)
+      rotation(row, column) = rows[4 * row + column];
+    translation[row] = rows[4 * row + 3];
+  }
+  if (!((rotation * rotation.transpose() - Eigen::Matrix3d::Identity())
+            .cwiseAbs()
+            .maxCoeff() < 1e-3) ||
+      !(rotation.determinant() > 0))
+    throw InputError(fmt::format("{}: no rotation", name));
+  return {Eigen::Quaterniond(rotation).normalized(), translation};
 }
 
 std::string RealTexts(const std::vector<double>& numbers) {
@@ -52,6 +73,21 @@ std::string RealTexts(const std::vector<double>& numbers) {
   for (const double number : numbers)
     texts += (texts.empty() ? "" : ", ") + RealText(number);
   return texts;
+}
+
+std::string QuotedYaml(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : Printable(text)) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
+std::string Lowercase(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
 }
 
 }  // namespace raygrid

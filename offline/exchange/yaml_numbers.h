@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "camera/area.h"
+#include "camera/pose.h"
 
 namespace raygrid {
 
@@ -23,12 +24,22 @@ int SidePx(const YAML::Node& node, const std::string& name);
 /// A list of width and height.
 ImageSize SizeOfList(const YAML::Node& node, const std::string& name);
 
-/// A number in as many digits as it needs, never without a point or exponent:
-/// some programs take 500 for another type than 500.0.
+/// A number in as many digits as it needs, never without a point: Python takes
+/// 500 for another type than 500.0, and 1e-05 for a text.
 std::string RealText(double number);
+
+/// A pose of a matrix [R t], or [R t; 0 0 0 1], row by row. Throws InputError,
+/// naming it, if R is no rotation.
+Pose PoseOfMatrix(const std::vector<double>& rows, const std::string& name);
 
 /// RealText() of numbers, with commas and spaces between.
 std::string RealTexts(const std::vector<double>& numbers);
+
+/// A name as a text in quotes, without control characters.
+std::string QuotedYaml(const std::string& text);
+
+/// Small letters of the alphabet.
+std::string Lowercase(std::string text);
 
 }  // namespace raygrid
 

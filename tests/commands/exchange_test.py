@@ -16,6 +16,7 @@ OPENCV_PEER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "opencv_p
 PYTHONS = (sys.executable, "/usr/bin/python3")
 OPENCV = next((python for python in PYTHONS if subprocess.run(
     [python, "-c", "import cv2"], capture_output=True, check=False).returncode == 0), None)
+CONVERT = "/usr/lib/camera_calibration_parsers/convert"
 NO_OPENCV = "no Python has cv2; 'tools/install_packages tests' installs it"
 
 OPENCV_FILE = """%YAML:1.0
@@ -152,6 +153,179 @@ class OpenCv(ExchangeTest):
             self.assert_done(run("import", self.path("x." + ending), "-o",
                                  self.path("second.yaml")))
             self.assertEqual(read(self.path("first.yaml")), read(self.path("second.yaml")))
+
+
+# Kalibr and ROS cannot be asked here: their formulas again, from their papers.
+
+def radtan(x, y, k1, k2, p1, p2):
+    r2 = x * x + y * y
+    g = 1 + k1 * r2 + k2 * r2 * r2
+    return (x * g + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
+            y * g + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y)
+
+
+def equidistant(x, y, *k):
+    r = math.hypot(x, y)
+    theta = math.atan(r)
+    scale = theta * (1 + sum(c * theta ** (2 * i + 2) for i, c in enumerate(k))) / r
+    return x * scale, y * scale
+
+
+def kalibr_pixel(camera, ray):
+    """Where a camera of a camchain, as a dictionary of its keys, sees a unit direction."""
+    x, y, z = ray
+    *first, fu, fv, pu, pv = camera["intrinsics"]
+    model = camera["camera_model"]
+    if model == "pinhole":
+        depth = z
+    elif model == "omni":
+        depth = z + first[0]
+    elif model == "ds":
+        xi, alpha = first
+        depth = alpha * math.sqrt(x * x + y * y + (xi + z) ** 2) + (1 - alpha) * (xi + z)
+    else:
+        alpha, beta = first
+        depth = alpha * math.sqrt(beta * (x * x + y * y) + z * z) + (1 - alpha) * z
+    x, y = x / depth, y / depth
+    distort = {"radtan": radtan, "equidistant": equidistant,
+               "none": lambda x, y: (x, y)}[camera["distortion_model"]]
+    x, y = distort(x, y, *camera["distortion_coeffs"])
+    return fu * x + pu, fv * y + pv
+
+
+def camchain(text):
+    """The cameras of a camchain that raygrid wrote: a key a line."""
+    cameras = []
+    for line in text.splitlines():
+        if re.match(r"cam\d+:", line):
+            cameras.append({})
+        found = re.match(r"  (\w+): (.*)", line)
+        if found:
+            value = found[2]
+            cameras[-1][found[1]] = json.loads(value) if value[0] in "[\"" else value
+    return cameras
+
+
+class Kalibr(ExchangeTest):
+    MODELS = ("pinhole-none", "pinhole-radtan", "pinhole-equi", "omni-none", "omni-radtan",
+              "ds-none", "eucm-none")
+
+    def test_kalibrs_formulas_see_what_raygrid_says(self):
+        """10,000 rays of all models together, those of a fisheye of 190 degrees where it can."""
+        wide, fisheye = self.simulated_camera("wide"), self.simulated_camera("fisheye190")
+        draw = random.Random(3).uniform
+        pixels = [(draw(1, 158), draw(1, 118)) for _ in range(1500)]
+        rays = {camera: self.rays(camera, pixels)[1] for camera in (wide, fisheye)}
+        for model in self.MODELS:
+            with self.subTest(model):
+                source = wide if model.startswith("pinhole") else fisheye
+                fit = self.export(source, "--to", "kalibr", "--model",
+                                  model)["cameras"][0]["fit"]
+                camera, = camchain(read(self.path("out.yaml")).decode())
+                bodies = [turned(fit["lens_from_camera_wxyz"], ray) for ray in rays[source]]
+                pairs = [(a, kalibr_pixel(camera, ray)) for a, ray in
+                         zip(self.seen(self.path("out.yaml"), bodies), bodies) if a]
+                self.assertGreater(len(pairs), 1400)
+                self.assertLess(max(math.dist(*pair) for pair in pairs), 1e-6)
+                camera["intrinsics"][-2] += 0.5
+                body = bodies[0]
+                self.assertAlmostEqual(math.dist(self.seen(self.path("out.yaml"), [body])[0] or
+                                                 pairs[0][0], kalibr_pixel(camera, body)), 0.5, 5)
+
+
+class Rigs(ExchangeTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        result = run("simulate", "--cameras", 3, "--baseline-m", 0.1, "--lens", "wide", "--size",
+                     "160x120", "--images", 1, "--pattern",
+                     write(cls.path("board.yaml"), SIMULATED_PATTERN), "-o", cls.path("sim"))
+        assert result.returncode == 0, result.stderr
+        cls.rig = cls.path("sim/true_rig.yaml")
+        cls.camera = cls.path("sim/true_camera.yaml")
+
+    def two_of_the_rig(self):
+        return write(self.path("sim/two.yaml"),
+                     re.sub(r'  "cam2":\n(    .*\n)*', "", read(self.rig).decode()))
+
+    def relative_pose(self, rig):
+        """Of the second camera in the first one's frame: w, x, y, z and translation."""
+        told = read(rig).decode()
+        number = r"([-\d.e+]+)"
+        rows = re.findall(rf"rotation: {{w: {number}, x: {number}, y: {number}, z: {number}}}\s+"
+                          rf"translation: {{x: {number}, y: {number}, z: {number}}}", told)
+        first, second = ([float(word) for word in row] for row in rows[:2])
+        self.assertAlmostEqual(abs(first[0]), 1, 9)
+        self.assertLess(max(map(abs, first[4:])), 1e-9)
+        return second
+
+    def check_imported(self, rig, told):
+        """What both cameras of the imported rig see of far and near points is what those of the
+        source do, but for the error that was told."""
+        second = self.relative_pose(rig)
+        turn = told["cameras"][0]["fit"]["lens_from_camera_wxyz"]
+        points = [(x / 5, y / 5, 0.5 + (x + y) % 3) for x in range(-2, 3) for y in range(-2, 3)]
+        shifted = [(x - 0.1, y, z) for x, y, z in points]
+        truth = [self.seen(self.camera, points), self.seen(self.camera, shifted)]
+        lens = [turned(turn, point) for point in points]
+        moved = [[a + b for a, b in zip(turned(second[:4], point), second[4:])] for point in lens]
+        folder = os.path.dirname(rig)
+        names = re.findall(r'file: "(.*)"', read(rig).decode())
+        for k, seen_from in enumerate((lens, moved)):
+            seen = self.seen(os.path.join(folder, names[k]), seen_from)
+            pairs = [pair for pair in zip(seen, truth[k]) if None not in pair]
+            self.assertGreater(len(pairs), 15)
+            self.assertLess(max(math.dist(*pair) for pair in pairs),
+                            1.5 * told["cameras"][k]["fit"]["max_px"])
+
+    def test_a_rig_turns_with_its_lenses(self):
+        for name, model, files in (("kalibr", "pinhole-radtan", ["out.yaml"]),
+                                   ("opencv", "opencv5", ["cvs/cam0.yaml", "cvs/cam1.yaml"]),
+                                   ("ros", "plumb_bob", ["ros/cam0.yaml", "ros/cam1.yaml"])):
+            with self.subTest(name):
+                out = files[0].split("/")[0]
+                told = self.export(self.two_of_the_rig(), "--to", name, "--model", model, out=out)
+                self.assertGreater(abs(told["cameras"][0]["fit"]["lens_from_camera_wxyz"][1]), 1e-4)
+                rig = self.path(f"rig_{name}/rig.yaml")
+                self.assert_done(run("import", *map(self.path, files), "-o", rig))
+                self.check_imported(rig, told)
+
+    def test_a_chain_of_three_comes_back(self):
+        """Exactly: the cameras are lenses that the format holds."""
+        lens = run("import", write(self.path("lens.yml"), OPENCV_FILE.replace(", -0.01 ]", ", 0. ]")),
+                   "-o", self.path("lens.yaml"))
+        self.assert_done(lens)
+        text = read(self.rig).decode().replace("sim/true", "true")
+        rig = write(self.path("exact/rig.yaml"),
+                    re.sub('file: ".*"', 'file: "../lens.yaml"', text))
+        told = self.export(rig, "--to", "kalibr", out="chain.yaml")
+        self.assertEqual([camera["exact"] for camera in told["cameras"]], [True] * 3)
+        self.assert_done(run("import", self.path("chain.yaml"), "-o", self.path("back/rig.yaml")))
+        first = re.sub('file: ".*"', "", text).replace("-0.000000000", "0.000000000")
+        back = re.sub('file: ".*"', "", read(self.path("back/rig.yaml")).decode())
+        self.assertEqual(back.replace("-0.000000000", "0.000000000"), first)
+        for k in range(3):
+            again = read(self.path(f"back/cam{k}/camera.yaml"))
+            self.assertEqual(again.replace(b'name: "cam%d"\n' % k, b""),
+                             read(self.path("lens.yaml")))
+        self.assert_refused(run("pack", self.path("chain.yaml"), "-o", self.path("x.raygrid")), 2,
+                            "3 cameras", "raygrid import")
+
+    @unittest.skipUnless(os.path.exists(CONVERT), "no ROS parser; 'tools/install_packages tests' installs it")
+    def test_the_parser_of_ros_reads_what_is_written(self):
+        self.export(self.two_of_the_rig(), "--to", "ros", out="parsed")
+        for name in ("cam0.yaml", "cam1.yaml"):
+            theirs = self.path("theirs_" + name)
+            result = subprocess.run([CONVERT, self.path("parsed/" + name), theirs],
+                                    capture_output=True, check=False)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            for file, out in ((theirs, "a.yaml"), (self.path("parsed/" + name), "b.yaml")):
+                self.assert_done(run("import", file, "-o", self.path(out)))
+            self.assertEqual(read(self.path("a.yaml")), read(self.path("b.yaml")))
+            numbers = [re.findall(r"-?\d[\d.e+-]*", read(file).decode().split("rectification")[1])
+                       for file in (theirs, self.path("parsed/" + name))]
+            self.assertEqual([float(word) for word in numbers[0]],
+                             [float(word) for word in numbers[1]])
 
 
 class Exports(ExchangeTest):

@@ -1,0 +1,250 @@
+#include "exchange/kalibr_format.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <set>
+
+#include "dataset/error.h"
+#include "dataset/rig_file.h"
+#include "dataset/text_encoding.h"
+#include "dataset/yaml_file.h"
+#include "exchange/opencv_forms.h"
+#include "exchange/yaml_numbers.h"
+
+namespace raygrid {
+namespace {
+
+// A form in the order of Kalibr's intrinsics and coefficients. Its name is that
+// of kalibr_calibrate_cameras --models, CAMERA-DISTORTION.
+LensForm KalibrForm(const std::string& name, const std::string& model,
+                    std::vector<std::string> first,
+                    const std::vector<std::string>& coefficients,
+                    double reach_rad) {
+  LensForm form;
+  form.name = name;
+  form.model = model;
+  form.parameters = std::move(first);
+  for (const char* parameter : {"fx", "fy", "cx", "cy"})
+    form.parameters.push_back(parameter);
+  form.parameters.insert(form.parameters.end(), coefficients.begin(),
+                         coefficients.end());
+  form.reach_rad = reach_rad;
+  return form;
+}
+
+const std::vector<LensForm>& KalibrForms() {
+  static const std::vector<LensForm> forms = {
+      KalibrForm("pinhole-none", "opencv", {}, {}, M_PI / 2),
+      KalibrForm("pinhole-radtan", "opencv", {}, {"k1", "k2", "p1", "p2"},
+                 M_PI / 2),
+      KalibrForm("pinhole-equi", "thin-prism-fisheye", {},
+                 {"k1", "k2", "k3", "k4"}, M_PI / 2),
+      KalibrForm("omni-none", "omni-radtan", {"xi"}, {}, M_PI),
+      KalibrForm("omni-radtan", "omni-radtan", {"xi"}, {"k1", "k2", "p1", "p2"},
+                 M_PI),
+      KalibrForm("ds-none", "double-sphere", {"xi", "alpha"}, {}, M_PI),
+      KalibrForm("eucm-none", "eucm", {"alpha", "beta"}, {}, M_PI)};
+  return forms;
+}
+
+// equi is short for equidistant.
+std::string DistortionOfForm(const LensForm& form) {
+  const std::string distortion = form.name.substr(form.name.find('-') + 1);
+  return distortion == "equi" ? "equidistant" : distortion;
+}
+
+std::string CameraOfForm(const LensForm& form) {
+  return form.name.substr(0, form.name.find('-'));
+}
+
+const LensForm& FindKalibrForm(const std::string& camera,
+                               const std::string& distortion) {
+  std::string names;
+  for (const LensForm& form : KalibrForms()) {
+    if (CameraOfForm(form) == camera && DistortionOfForm(form) == distortion)
+      return form;
+    names += (names.empty() ? "" : ", ") + form.name;
+  }
+  throw InputError(fmt::format(
+      "camera_model '{}' with distortion_model '{}' is not known; known are {}",
+      Printable(camera), Printable(distortion), names));
+}
+
+// ---- Reading ---------------------------------------------------------------
+
+// The part of a topic before its last one: cam0 of /cam0/image_raw.
+std::string NameOfTopic(const YAML::Node& topic) {
+  if (!topic.IsDefined() || !topic.IsScalar()) return "";
+  const std::string text = topic.as<std::string>();
+  const size_t last = text.rfind('/');
+  if (last == std::string::npos || last == 0) return "";
+  const size_t before = text.rfind('/', last - 1);
+  const std::string name = text.substr(before + 1, last - before - 1);
+  return IsRigCameraName(name) ? name : "";
+}
+
+// Topics name cameras if they name all, and differently; else Kalibr's keys do.
+// A camera alone that Kalibr numbered has no name.
+void NameCameras(const YAML::Node& root, std::vector<ReadLens>* cameras) {
+  std::set<std::string> names;
+  for (size_t c = 0; c < cameras->size(); ++c) {
+    const std::string key = fmt::format("cam{}", c);
+    (*cameras)[c].name = NameOfTopic(root[key]["rostopic"]);
+    names.insert((*cameras)[c].name);
+  }
+  if (cameras->size() == 1) {
+    if (cameras->front().name == "cam0") cameras->front().name.clear();
+  } else if (names.size() != cameras->size() || names.count("") > 0) {
+    for (size_t c = 0; c < cameras->size(); ++c)
+      (*cameras)[c].name = fmt::format("cam{}", c);
+  }
+}
+
+LensInForm ReadKalibrLens(const YAML::Node& camera,
+                          const ReadRequest& request) {
+  const auto text_of = [&](const char* key) {
+    if (!camera[key]) throw InputError(fmt::format("'{}' is missing", key));
+    return camera[key].as<std::string>();
+  };
+  LensInForm lens;
+  lens.form =
+      &FindKalibrForm(text_of("camera_model"), text_of("distortion_model"));
+  lens.size = request.size ? *request.size
+                           : SizeOfList(camera["resolution"], "resolution");
+  lens.values = FiniteNumbers(camera["intrinsics"], "intrinsics");
+  std::vector<double> coefficients;
+  if (DistortionOfForm(*lens.form) != "none")
+    coefficients =
+        FiniteNumbers(camera["distortion_coeffs"], "distortion_coeffs", 4);
+  const size_t num_intrinsics =
+      lens.form->parameters.size() - coefficients.size();
+  if (lens.values.size() != num_intrinsics)
+    throw InputError(fmt::format("intrinsics: {} numbers where {} has {}",
+                                 lens.values.size(), lens.form->name,
+                                 num_intrinsics));
+  lens.values.insert(lens.values.end(), coefficients.begin(),
+                     coefficients.end());
+  return lens;
+}
+
+Pose ReadKalibrPose(const YAML::Node& rows) {
+  const char* const name = "T_cn_cnm1";
+  if (!rows.IsSequence() || rows.size() != 4)
+    throw InputError(fmt::format("{}: not 4 x 4", name));
+  std::vector<double> numbers;
+  for (const YAML::Node& row : rows)
+    for (const double number : FiniteNumbers(row, name, 4))
+      numbers.push_back(number);
+  return PoseOfMatrix(numbers, name);
+}
+
+ExchangeContents ReadKalibr(const ReadRequest& request) {
+  RequireYamlFile(request.path, request.text);
+  const YAML::Node root = YAML::Load(request.text);
+  if (!root.IsMap() || !root["cam0"])
+    throw InputError("no camchain: 'cam0' is missing");
+  if (!request.form.empty())
+    throw InputError("a camchain says its models itself; leave --model out");
+  ExchangeContents contents;
+  for (size_t c = 0; root[fmt::format("cam{}", c)]; ++c) {
+    const std::string key = fmt::format("cam{}", c);
+    const YAML::Node node = root[key];
+    try {
+      if (!node.IsMap()) throw InputError("no map of keys");
+      ReadLens camera;
+      camera.lens = ReadKalibrLens(node, request);
+      if (c == 0)
+        camera.camera_from_rig = Pose{};
+      else if (node["T_cn_cnm1"] && contents.cameras.back().camera_from_rig)
+        camera.camera_from_rig = ReadKalibrPose(node["T_cn_cnm1"]) *
+                                 *contents.cameras.back().camera_from_rig;
+      contents.cameras.push_back(std::move(camera));
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", key, error.what()));
+    }
+  }
+  if (contents.cameras.size() != root.size())
+    throw InputError(fmt::format(
+        "{} keys where cam0 to cam{} are expected; a camchain has cameras "
+        "alone, numbered without gaps",
+        root.size(), root.size() - 1));
+  NameCameras(root, &contents.cameras);
+  if (root["cam0"]["T_cam_imu"])
+    contents.remarks.push_back(
+        "its IMU is not taken: T_cam_imu and timeshift_cam_imu");
+  if (contents.cameras.size() > 1 && !contents.IsRig())
+    contents.remarks.push_back(
+        "T_cn_cnm1 is missing: the cameras are not a rig");
+  return contents;
+}
+
+bool IsKalibr(const std::string& text) {
+  return text.find("cam0:") != std::string::npos &&
+         text.find("camera_model:") != std::string::npos;
+}
+
+// ---- Writing ---------------------------------------------------------------
+
+std::string PoseText(const Pose& pose) {
+  const Eigen::Matrix3d r = pose.rotation.toRotationMatrix();
+  const Eigen::Vector3d& t = pose.translation;
+  std::string text = "  T_cn_cnm1:\n";
+  for (int row = 0; row < 3; ++row)
+    text += fmt::format("  - [{}]\n",
+                        RealTexts({r(row, 0), r(row, 1), r(row, 2), t[row]}));
+  return text + "  - [0.0, 0.0, 0.0, 1.0]\n";
+}
+
+std::string WriteKalibr(const WriteRequest& request) {
+  std::string text;
+  for (size_t c = 0; c < request.cameras.size(); ++c) {
+    const WrittenLens& camera = request.cameras[c];
+    const LensInForm& lens = camera.lens;
+    const std::string key = fmt::format("cam{}", c);
+    const size_t num_coefficients =
+        lens.form->Has("k1") ? 4 : 0;  // radtan's and equidistant's
+    const size_t num_intrinsics = lens.values.size() - num_coefficients;
+    std::vector<double> intrinsics = lens.values;
+    intrinsics.resize(num_intrinsics);
+    std::string overlaps;
+    for (size_t other = 0; other < request.cameras.size(); ++other)
+      if (other != c)
+        overlaps += fmt::format("{}{}", overlaps.empty() ? "" : ", ", other);
+    if (camera.fit)
+      text += fmt::format("# The nearest {}: {}\n", lens.form->name,
+                          LensFitText(*camera.fit));
+    text += fmt::format(
+        "{}:\n  camera_model: {}\n  intrinsics: [{}]\n  distortion_model: {}\n"
+        "  distortion_coeffs: [{}]\n  resolution: [{}, {}]\n"
+        "  rostopic: \"/{}/image_raw\"\n  cam_overlaps: [{}]\n",
+        key, CameraOfForm(*lens.form), RealTexts(intrinsics),
+        DistortionOfForm(*lens.form),
+        RealTexts(lens.ValuesFrom(num_intrinsics)), lens.size.width,
+        lens.size.height, IsRigCameraName(camera.name) ? camera.name : key,
+        overlaps);
+    if (c > 0 && camera.camera_from_rig)
+      text += PoseText(*camera.camera_from_rig *
+                       request.cameras[c - 1].camera_from_rig->Inverse());
+  }
+  return text;
+}
+
+}  // namespace
+
+Format KalibrFormat() {
+  Format format;
+  format.name = "kalibr";
+  format.holds =
+      "camchain .yaml: a camera or a rig of pinhole, omni, ds and eucm cameras "
+      "with radtan, equidistant or no distortion";
+  format.forms = KalibrForms();
+  format.holds_rigs = true;
+  format.recognizes = IsKalibr;
+  format.read = ReadKalibr;
+  format.write = WriteKalibr;
+  return format;
+}
+
+}  // namespace raygrid

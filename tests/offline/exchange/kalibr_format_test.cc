@@ -1,0 +1,111 @@
+#include "exchange/kalibr_format.h"
+
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+// A file that kalibr_calibrate_cameras wrote, shortened.
+constexpr char kCamchain[] =
+    "cam0:\n  cam_overlaps: [1]\n  camera_model: pinhole\n"
+    "  distortion_coeffs: [-0.28, 0.07, 0.0002, 1.7e-05]\n"
+    "  distortion_model: radtan\n"
+    "  intrinsics: [458.5, 457.5, 367.25, 248.5]\n  resolution: [752, 480]\n"
+    "  rostopic: /cam0/image_raw\n"
+    "cam1:\n  T_cn_cnm1:\n"
+    "  - [1.0, 0.0, 0.0, -0.11]\n  - [0.0, 0.0, -1.0, 0.02]\n"
+    "  - [0.0, 1.0, 0.0, 0.03]\n  - [0.0, 0.0, 0.0, 1.0]\n"
+    "  cam_overlaps: [0]\n  camera_model: ds\n  distortion_coeffs: []\n"
+    "  distortion_model: none\n"
+    "  intrinsics: [-0.2, 0.6, 300.5, 301.5, 379.0, 255.0]\n"
+    "  resolution: [752, 480]\n  rostopic: /cam1/image_raw\n";
+
+ExchangeContents ParseKalibr(const std::string& text) {
+  return ReadExchangeFile(RecognizeFormat(text), {"f", text, "", {}});
+}
+
+std::string WithKey(std::string text, const std::string& old,
+                    const std::string& by) {
+  const size_t at = text.find(old);
+  EXPECT_NE(at, std::string::npos) << old;
+  return text.replace(at, old.size(), by);
+}
+
+TEST(KalibrFormat, ReadsAChain) {
+  const ExchangeContents contents = ParseKalibr(kCamchain);
+  ASSERT_TRUE(contents.IsRig());
+  const ReadLens &first = contents.cameras[0], &second = contents.cameras[1];
+  EXPECT_EQ(first.name, "cam0");
+  EXPECT_EQ(first.lens.form->name, "pinhole-radtan");
+  EXPECT_EQ(first.lens.Value("p2"), 1.7e-05);
+  EXPECT_EQ(second.lens.form->name, "ds-none");
+  EXPECT_EQ(second.lens.Value("xi"), -0.2);
+  EXPECT_EQ(second.lens.Value("fy"), 301.5);
+  EXPECT_EQ(second.lens.size, (ImageSize{752, 480}));
+  EXPECT_LT((*second.camera_from_rig * Eigen::Vector3d(1, 2, 3) -
+             Eigen::Vector3d(1 - 0.11, -3 + 0.02, 2 + 0.03))
+                .norm(),
+            1e-12);
+}
+
+TEST(KalibrFormat, ChainsPoses) {
+  const std::string third = WithKey(
+      std::string(kCamchain).substr(std::string(kCamchain).find("cam1:")),
+      "cam1:", "cam2:");
+  const ExchangeContents contents = ParseKalibr(kCamchain + third);
+  ASSERT_EQ(contents.cameras.size(), 3u);
+  const Pose step = *contents.cameras[1].camera_from_rig;
+  const Eigen::Vector3d point(0.1, 0.2, 0.3);
+  EXPECT_LT(
+      (*contents.cameras[2].camera_from_rig * point - step * (step * point))
+          .norm(),
+      1e-12);
+  // Both cameras have the topic of cam1: the keys name them.
+  EXPECT_EQ(contents.cameras[2].name, "cam2");
+}
+
+TEST(KalibrFormat, WritesWhatItReads) {
+  const ExchangeContents contents = ParseKalibr(kCamchain);
+  WriteRequest request = {"f.yaml", {}};
+  for (const ReadLens& camera : contents.cameras)
+    request.cameras.push_back({camera.name, "", camera.lens, std::nullopt,
+                               camera.camera_from_rig, std::nullopt});
+  request.cameras[0].name = "left";
+  request.cameras[1].name = "right";
+  const ExchangeContents again = ParseKalibr(KalibrFormat().write(request));
+  ASSERT_TRUE(again.IsRig());
+  EXPECT_EQ(again.cameras[0].name, "left");
+  EXPECT_EQ(again.cameras[1].name, "right");
+  for (int c = 0; c < 2; ++c) {
+    EXPECT_EQ(again.cameras[c].lens.values, contents.cameras[c].lens.values);
+    EXPECT_LT((again.cameras[c].camera_from_rig->translation -
+               contents.cameras[c].camera_from_rig->translation)
+                  .norm(),
+              1e-15);
+  }
+}
+
+TEST(KalibrFormat, SaysWhatIsMissingOrWrong) {
+  const auto expect = [](const std::string& old, const std::string& by,
+                         const std::vector<std::string>& words) {
+    ExpectError(ExitCode::kInput, words,
+                [&] { ParseKalibr(WithKey(kCamchain, old, by)); });
+  };
+  expect("radtan", "fov", {"f: cam0", "'fov'", "pinhole-radtan"});
+  expect("model: ds", "model: bsplines", {"cam1", "'bsplines'"});
+  expect("cam1:", "cam2:", {"without gaps"});
+  expect("457.5", ".inf", {"cam0: intrinsics", "finite"});
+  expect("-0.28,", "", {"distortion_coeffs", "4 numbers"});
+  expect("-0.2, 0.6", "0.6", {"cam1: intrinsics", "5 numbers", "6"});
+  expect("resolution: [752, 480]", "resolution: [752]", {"resolution"});
+  expect("- [1.0, 0.0, 0.0, -0.11]", "- [1.5, 0.0, 0.0, -0.11]",
+         {"T_cn_cnm1", "no rotation"});
+  expect("  - [0.0, 0.0, 0.0, 1.0]\n", "", {"T_cn_cnm1", "4 x 4"});
+  const ExchangeContents apart =
+      ParseKalibr(WithKey(kCamchain, "T_cn_cnm1", "other"));
+  EXPECT_FALSE(apart.IsRig());
+  EXPECT_EQ(apart.remarks.size(), 1u);
+}
+
+}  // namespace
+}  // namespace raygrid

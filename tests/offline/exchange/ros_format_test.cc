@@ -1,0 +1,135 @@
+#include "exchange/ros_format.h"
+
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+// A file that camera_calibration_parsers wrote.
+constexpr char kCameraInfo[] =
+    "image_width: 640\nimage_height: 480\ncamera_name: narrow_stereo/left\n"
+    "camera_matrix:\n  rows: 3\n  cols: 3\n"
+    "  data: [500.5, 0, 320.25, 0, 501, 240, 0, 0, 1]\n"
+    "distortion_model: plumb_bob\ndistortion_coefficients:\n  rows: 1\n"
+    "  cols: 5\n  data: [-0.3, 0.1, 0.001, -0.002, 0]\n"
+    "rectification_matrix:\n  rows: 3\n  cols: 3\n"
+    "  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nprojection_matrix:\n  rows: 3\n"
+    "  cols: 4\n  data: [500.5, 0, 320.25, 0, 0, 501, 240, 0, 0, 0, 1, 0]\n";
+
+// A message as 'ros2 topic echo' prints it.
+constexpr char kMessage[] =
+    "header:\n  stamp:\n    sec: 1\n  frame_id: camera\nheight: 480\n"
+    "width: 640\ndistortion_model: rational_polynomial\nd:\n- 0.1\n- 0.2\n"
+    "- 0.001\n- 0.002\n- 0.3\n- 0.4\n- 0.5\n- 0.6\nk:\n- 500.5\n- 0.0\n"
+    "- 320.25\n- 0.0\n- 501.0\n- 240.0\n- 0.0\n- 0.0\n- 1.0\n"
+    "r: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n"
+    "p: [400.0, 0, 300.0, 0, 0, 400.0, 240, 0, 0, 0, 1, 0]\n"
+    "binning_x: 0\nbinning_y: 0\nroi:\n  x_offset: 0\n  y_offset: 0\n"
+    "  height: 0\n  width: 0\n  do_rectify: false\n---\n";
+
+ExchangeContents ParseRos(const std::string& text) {
+  return ReadExchangeFile(RecognizeFormat(text), {"f", text, "", {}});
+}
+
+std::string WithWord(std::string text, const std::string& old,
+                     const std::string& by) {
+  const size_t at = text.find(old);
+  EXPECT_NE(at, std::string::npos) << old;
+  return text.replace(at, old.size(), by);
+}
+
+TEST(RosFormat, ReadsFiles) {
+  const ReadLens camera = ParseRos(kCameraInfo).cameras.at(0);
+  EXPECT_EQ(camera.name, "narrow_stereo/left");
+  EXPECT_EQ(camera.lens.form->name, "plumb_bob");
+  EXPECT_EQ(camera.lens.size, (ImageSize{640, 480}));
+  EXPECT_EQ(camera.lens.values,
+            (std::vector<double>{500.5, 501, 320.25, 240, -0.3, 0.1, 0.001,
+                                 -0.002, 0}));
+  EXPECT_FALSE(camera.rectified);
+}
+
+TEST(RosFormat, ReadsMessages) {
+  const ExchangeContents contents = ParseRos(kMessage);
+  const LensInForm& lens = contents.cameras.at(0).lens;
+  EXPECT_EQ(lens.form->name, "rational_polynomial");
+  EXPECT_EQ(lens.values,
+            (std::vector<double>{500.5, 501, 320.25, 240, 0.1, 0.2, 0.001,
+                                 0.002, 0.3, 0.4, 0.5, 0.6}));
+  EXPECT_TRUE(contents.cameras[0].rectified);
+  EXPECT_TRUE(contents.remarks.empty());
+  const std::string binned = WithWord(kMessage, "binning_x: 0", "binning_x: 2");
+  EXPECT_EQ(ParseRos(binned).remarks.size(), 1u);
+}
+
+TEST(RosFormat, KnowsWhatDriversWrite) {
+  const auto form_with = [](const std::string& model, const std::string& d) {
+    const std::string text = WithWord(WithWord(kCameraInfo, "plumb_bob", model),
+                                      "-0.3, 0.1, 0.001, -0.002, 0]", d + "]");
+    return *ParseRos(text).cameras.at(0).lens.form;
+  };
+  EXPECT_EQ(form_with("plumb_bob", "").parameters.size(), 4u);
+  EXPECT_EQ(form_with("plumb_bob", "0,0,0,0").parameters.size(), 8u);
+  EXPECT_EQ(form_with("equidistant", "0,0,0,0").model, "thin-prism-fisheye");
+  EXPECT_EQ(form_with("rational_polynomial", "0,0,0,0,0,0,0,0,0,0,0,0").model,
+            "opencv-14");
+}
+
+TEST(RosFormat, SaysWhatIsMissingOrWrong) {
+  const auto expect = [](const std::string& old, const std::string& by,
+                         const std::vector<std::string>& words) {
+    ExpectError(ExitCode::kInput, words,
+                [&] { ParseRos(WithWord(kCameraInfo, old, by)); });
+  };
+  expect("plumb_bob", "Brown Conrady", {"f: ", "'Brown Conrady'", "plumb_bob"});
+  expect("501,", ".nan,", {"camera_matrix", "finite"});
+  expect("500.5, 0,", "500.5, 1,", {"skew"});
+  expect("image_width", "other", {"width"});
+  expect("projection_matrix", "other", {"projection_matrix"});
+  expect("rectification_matrix", "other", {"rectification_matrix"});
+  expect(", -0.002, 0]", ", -0.002, 0, 1]", {"10 numbers where 9"});
+  expect("0, 0, 1]\nproj", "0, 0, 5]\nproj", {"rectification_matrix"});
+  expect("data: [1,", "data: [", {"rectification_matrix", "9 numbers"});
+}
+
+// Two views with one K, 0.1 m apart, of cameras that are turned.
+TEST(RosFormat, FindsThePosesOfAPair) {
+  std::vector<ReadLens> pair(2);
+  const Eigen::AngleAxisd first(0.1, Eigen::Vector3d::UnitY()),
+      second(-0.2, Eigen::Vector3d::UnitX());
+  pair[0].rectified.emplace();
+  pair[0].rectified->r = first.toRotationMatrix();
+  pair[0].rectified->p.leftCols<3>() =
+      Eigen::Vector3d(400, 410, 1).asDiagonal();
+  pair[1].rectified = pair[0].rectified;
+  pair[1].rectified->r = second.toRotationMatrix();
+  pair[1].rectified->p(0, 3) = -40;
+  FindPosesOfPair(&pair);
+  const Eigen::Vector3d point(0.3, -0.2, 2);
+  const auto in_view = [&](const ReadLens& camera) {
+    return Eigen::Vector3d(camera.rectified->r *
+                           (*camera.camera_from_rig * point));
+  };
+  EXPECT_LT((in_view(pair[1]) - in_view(pair[0]) - Eigen::Vector3d(-0.1, 0, 0))
+                .norm(),
+            1e-12);
+  EXPECT_LT((*pair[0].camera_from_rig * point - point).norm(), 1e-12);
+  // A camera alone says nothing.
+  pair[1].rectified.reset();
+  pair[0].camera_from_rig.reset();
+  FindPosesOfPair(&pair);
+  EXPECT_FALSE(pair[0].camera_from_rig);
+}
+
+TEST(RosFormat, WritesNumbersThatPythonTakesForSuch) {
+  WrittenLens camera;
+  camera.lens = ParseRos(kCameraInfo).cameras[0].lens;
+  camera.lens.values[4] = 1e-7;
+  camera.lens.values[0] = 500;
+  const std::string text = RosFormat().write({"f.yaml", {camera}});
+  EXPECT_NE(text.find("[500.0, 0.0,"), std::string::npos) << text;
+  EXPECT_NE(text.find("[1.0e-07,"), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace raygrid
