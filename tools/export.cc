@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/rectified_file.h"
 #include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
 #include "exchange/format.h"
@@ -33,10 +34,11 @@ struct Exported {
   CameraInput input;
   std::optional<Pose> camera_from_rig;
   std::optional<TrustMask> trusted;
+  std::optional<RectifiedProjection> rectified;  // known already
 };
 
 Exported MakeExported(const std::string& path, CameraInput input) {
-  Exported camera = {input.file.name, path, std::move(input), {}, {}};
+  Exported camera = {input.file.name, path, std::move(input), {}, {}, {}};
   if (camera.input.blob)
     camera.trusted = camera.input.blob->Trusted();
   else if (camera.input.file.uncertainty)
@@ -47,10 +49,36 @@ Exported MakeExported(const std::string& path, CameraInput input) {
   return camera;
 }
 
+// The views of a rectified pair, as a rig in the left view's frame.
+std::vector<Exported> ReadPairOfViews(const std::string& path,
+                                      const std::string& text) {
+  const RectifiedFile pair = ParseRectifiedFile(path, text);
+  std::vector<Exported> cameras;
+  for (int c = 0; c < 2; ++c) {
+    const Eigen::Matrix<double, 3, 4>& p = pair.p[c];
+    VirtualView view;
+    view.size = pair.size;
+    view.focal_px = {p(0, 0), p(1, 1)};
+    view.center_px = {p(0, 2), p(1, 2)};
+    CameraInput input;
+    input.file.camera = CameraOfView(view);
+    input.file.name = pair.names[c];
+    cameras.push_back(MakeExported(path, std::move(input)));
+    cameras.back().camera_from_rig =
+        Pose{Eigen::Quaterniond::Identity(),
+             {p(0, 3) / p(0, 0), p(1, 3) / p(1, 1), 0}};
+    cameras.back().rectified =
+        RectifiedProjection{Eigen::Matrix3d::Identity(), p};
+  }
+  return cameras;
+}
+
 // The cameras of a rig, or the one camera.
 std::vector<Exported> ReadExported(const std::string& path, bool* is_rig) {
   const std::string bytes = ReadFile(path);
   std::vector<Exported> cameras;
+  *is_rig = bytes.find("raygrid_rectified:") != std::string::npos;
+  if (*is_rig) return ReadPairOfViews(path, bytes);
   *is_rig = bytes.find("raygrid_rig:") != std::string::npos;
   if (!*is_rig) {
     cameras.push_back(MakeExported(path, ParseCamera(path, bytes)));
@@ -152,14 +180,16 @@ void KeepFirstFrame(const std::vector<Exported>& cameras,
 
 std::vector<WrittenLens> ChooseLenses(const ExportArguments& arguments,
                                       const Format& format,
-                                      const std::vector<Exported>& cameras) {
+                                      const std::vector<Exported>& cameras,
+                                      int num_threads) {
   const std::vector<const LensForm*> forms = FormsOf(format, arguments.model);
   std::vector<WrittenLens> lenses;
   for (const Exported& camera : cameras) {
     ChosenLens chosen = [&] {
       try {
         return ChooseLens(forms, *camera.input.file.camera,
-                          camera.trusted ? &*camera.trusted : nullptr);
+                          camera.trusted ? &*camera.trusted : nullptr,
+                          num_threads);
       } catch (const Error& error) {
         throw Error(error.code(),
                     fmt::format("{}: {}", camera.path, error.what()));
@@ -172,6 +202,7 @@ std::vector<WrittenLens> ChooseLenses(const ExportArguments& arguments,
     lens.lens = chosen.lens;
     lens.fit = chosen.fit;
     lens.camera_from_rig = camera.camera_from_rig;
+    lens.rectified = camera.rectified;
     if (lens.fit && lens.camera_from_rig)
       lens.camera_from_rig =
           Pose{lens.fit->lens_from_camera, Eigen::Vector3d::Zero()} *
@@ -186,7 +217,7 @@ std::vector<WrittenLens> ChooseLenses(const ExportArguments& arguments,
 // written. Says on standard error if images of them have no common rows.
 void RectifyPair(const Format& format, std::vector<WrittenLens>* lenses) {
   if (!format.holds_pairs || lenses->size() != 2 ||
-      !lenses->front().camera_from_rig)
+      !lenses->front().camera_from_rig || lenses->front().rectified)
     return;
   std::array<WrittenLens*, 2> pair = {&(*lenses)[0], &(*lenses)[1]};
   if (IsOrderReversed(*pair[1]->camera_from_rig *
@@ -316,7 +347,8 @@ void RunExport(const ExportArguments& arguments, const CommonOptions& common) {
     if (!common.quiet) WarnOfFailedCalibration(camera.path, camera.input.file);
     if (arguments.rectified) TakeView(arguments.view, &camera);
   }
-  std::vector<WrittenLens> lenses = ChooseLenses(arguments, format, cameras);
+  std::vector<WrittenLens> lenses =
+      ChooseLenses(arguments, format, cameras, common.threads);
   RectifyPair(format, &lenses);
   const auto files = WriteAll(arguments, format, lenses, is_rig);
   std::vector<std::string> paths;
@@ -352,9 +384,10 @@ void AddExport(CLI::App* app, CommonOptions* common) {
       "--max-fit-error 0.5",
       common);
   auto arguments = std::make_shared<ExportArguments>();
-  command->add_option("camera", arguments->input,
-                      "camera.yaml, rig.yaml, a blob or another program's "
-                      "camera");
+  command->add_option(
+      "camera", arguments->input,
+      "camera.yaml, rig.yaml, rectified.yaml, a blob or another "
+      "program's camera");
   command->add_option("--to", arguments->format,
                       "the format: " + FormatNames());
   command->add_option("-o,--output", arguments->output,

@@ -56,7 +56,8 @@ ExchangeContents ReadForeign(const ImportArguments& arguments) {
     }
   }
   if (arguments.files.size() == 1) {
-    if (all.cameras.size() == 1 && all.cameras.front().rectified)
+    const auto& rectified = all.cameras.front().rectified;
+    if (all.cameras.size() == 1 && rectified && rectified->IsBeside())
       all.remarks.push_back(
           arguments.files.front() +
           ": its R and P are of rectified images and not taken; import both "

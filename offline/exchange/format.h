@@ -20,6 +20,9 @@ namespace raygrid {
 struct RectifiedProjection {
   Eigen::Matrix3d r = Eigen::Matrix3d::Identity();
   Eigen::Matrix<double, 3, 4> p = Eigen::Matrix<double, 3, 4>::Zero();
+
+  /// Whether the view stands beside another one.
+  bool IsBeside() const { return p(0, 3) != 0 || p(1, 3) != 0; }
 };
 
 /// A camera that was read.
@@ -100,8 +103,8 @@ std::string FormatNames();
 ExchangeContents ReadExchangeFile(const Format* format,
                                   const ReadRequest& request);
 
-/// The poses of cameras that have none but R and P, in the frame of the first
-/// one; none if one of them has not even these.
+/// The poses of cameras that have R and P, in the frame of the first one; none
+/// if a camera has not even these, or no view stands beside another one.
 void FindPosesOfPair(std::vector<ReadLens>* cameras);
 
 /// A camera that was read as a camera file.

@@ -10,6 +10,31 @@
 #include "exchange/ros_format.h"
 
 namespace raygrid {
+namespace {
+
+// Says what a user may not expect of the lenses, all of which are made.
+void AddRemarksOnLenses(ExchangeContents* contents) {
+  constexpr double kFarM = 10;
+  double farthest_m = 0;
+  for (const ReadLens& camera : contents->cameras) {
+    const double part = PartWithoutRays(*MakeLens(camera.lens));
+    if (part > 0)
+      contents->remarks.push_back(fmt::format(
+          "{}{:.1f} % of the image looks nowhere: there the distortion folds, "
+          "or ends",
+          contents->cameras.size() > 1 ? camera.name + ": " : "", 100 * part));
+    if (camera.camera_from_rig)
+      farthest_m =
+          std::max(farthest_m, camera.camera_from_rig->translation.norm());
+  }
+  if (farthest_m > kFarM)
+    contents->remarks.push_back(fmt::format(
+        "its cameras stand {:g} m apart, if lengths are metres, as they are "
+        "taken here",
+        farthest_m));
+}
+
+}  // namespace
 
 const std::vector<Format>& Formats() {
   static const std::vector<Format> formats = {OpenCvFormat(), RosFormat(),
@@ -58,7 +83,7 @@ ExchangeContents ReadExchangeFile(const Format* format,
   try {
     ExchangeContents contents = (format ? format : found)->read(request);
     if (contents.cameras.empty()) throw InputError("no camera");
-    for (const ReadLens& camera : contents.cameras) MakeLens(camera.lens);
+    AddRemarksOnLenses(&contents);
     return contents;
   } catch (const YAML::Exception& error) {
     const std::string place =
@@ -81,8 +106,12 @@ bool ExchangeContents::IsRig() const {
 }
 
 void FindPosesOfPair(std::vector<ReadLens>* cameras) {
-  for (const ReadLens& camera : *cameras)
+  bool is_pair = false;
+  for (const ReadLens& camera : *cameras) {
     if (!camera.rectified) return;
+    is_pair = is_pair || camera.rectified->IsBeside();
+  }
+  if (!is_pair) return;
   // The views stand apart by the last column of P, in focal lengths.
   const auto view_from_rig = [](const RectifiedProjection& view) {
     return Pose{Eigen::Quaterniond(view.r),

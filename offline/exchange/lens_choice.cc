@@ -7,6 +7,7 @@
 
 #include "camera/model_fitting.h"
 #include "dataset/error.h"
+#include "dataset/parallel_for.h"
 
 namespace raygrid {
 namespace {
@@ -91,7 +92,8 @@ LensFit MeasureLens(const CameraModel& camera, const TrustMask* trusted,
 }
 
 ChosenLens ChooseLens(const std::vector<const LensForm*>& forms,
-                      const CameraModel& camera, const TrustMask* trusted) {
+                      const CameraModel& camera, const TrustMask* trusted,
+                      int num_threads) {
   constexpr double kWorthPart = 0.02;
   const auto has_fewer = [](const LensForm* a, const LensForm* b) {
     return a->parameters.size() < b->parameters.size();
@@ -107,12 +109,15 @@ ChosenLens ChooseLens(const std::vector<const LensForm*>& forms,
                             "and other programs' models have one; export a "
                             "view of it, or calibrate another model",
                             camera.Name()));
-  std::vector<ChosenLens> fits;
+  std::vector<ChosenLens> fits(sorted.size());
+  // Forms of many parameters take longest, and so begin.
+  const int last = static_cast<int>(sorted.size()) - 1;
+  ParallelFor(last + 1, NumThreads(num_threads), [&](int k) {
+    fits[last - k] = FitLens(*sorted[last - k], camera, trusted);
+  });
   double best_px = INFINITY;
-  for (const LensForm* form : sorted) {
-    fits.push_back(FitLens(*form, camera, trusted));
-    best_px = std::min(best_px, ChoiceRmsPx(*fits.back().fit));
-  }
+  for (const ChosenLens& lens : fits)
+    best_px = std::min(best_px, ChoiceRmsPx(*lens.fit));
   const double enough_px = std::max(best_px / (1 - kWorthPart), kCloseEnoughPx);
   const auto chosen =
       std::find_if(fits.begin(), fits.end(), [&](const ChosenLens& lens) {

@@ -39,7 +39,8 @@ struct ChosenLens {
 /// are. Throws Error(kUsage) for cameras of lines, and Error(kQuality) if no
 /// form has a place for any trusted pixel.
 ChosenLens ChooseLens(const std::vector<const LensForm*>& forms,
-                      const CameraModel& camera, const TrustMask* trusted);
+                      const CameraModel& camera, const TrustMask* trusted,
+                      int num_threads = 1);
 
 /// How well a lens of a form stands for a camera.
 LensFit MeasureLens(const CameraModel& camera, const TrustMask* trusted,

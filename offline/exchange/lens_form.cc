@@ -34,20 +34,6 @@ void RequireNumbers(const LensForm& form, const std::vector<double>& values) {
                                    form.parameters[k], kLargest));
 }
 
-void RequireSomeRay(const LensForm& form, const ParametricModel& lens) {
-  constexpr int kAcross = 9;
-  const Area area = lens.area();
-  for (int j = 0; j < kAcross; ++j)
-    for (int i = 0; i < kAcross; ++i)
-      if (lens.Unproject({area.x0 + area.width() * i / (kAcross - 1),
-                          area.y0 + area.height() * j / (kAcross - 1)}))
-        return;
-  throw InputError(fmt::format(
-      "{}: no pixel of {} x {} looks anywhere with these numbers; are they "
-      "those of this model and this size?",
-      form.name, lens.image_size().width, lens.image_size().height));
-}
-
 // The lens that a camera is, which has names for all its parameters. An
 // equidistant view is a fisheye without distortion.
 std::unique_ptr<CameraModel> AsNamedLens(const CameraModel& camera) {
@@ -93,6 +79,18 @@ std::vector<double> LensInForm::ValuesFrom(size_t first) const {
   return {values.begin() + static_cast<std::ptrdiff_t>(first), values.end()};
 }
 
+double PartWithoutRays(const CameraModel& lens) {
+  constexpr int kAcross = 17;
+  const Area area = lens.area();
+  int num_without = 0;
+  for (int j = 0; j < kAcross; ++j)
+    for (int i = 0; i < kAcross; ++i)
+      if (!lens.Unproject({area.x0 + area.width() * i / (kAcross - 1),
+                           area.y0 + area.height() * j / (kAcross - 1)}))
+        ++num_without;
+  return static_cast<double>(num_without) / (kAcross * kAcross);
+}
+
 std::unique_ptr<ParametricModel> MakeLens(const LensInForm& lens) {
   const LensForm& form = *lens.form;
   const LensModel& model = *FindLensModel(form.model);
@@ -117,7 +115,11 @@ std::unique_ptr<ParametricModel> MakeLens(const LensInForm& lens) {
     throw InputError("a focal length is not above 0");
   parameters.segment<2>(2) = FromProgram(form.origin, parameters.segment<2>(2));
   auto made = model.make(lens.size, WholeImage(lens.size), parameters);
-  RequireSomeRay(form, *made);
+  if (PartWithoutRays(*made) == 1)
+    throw InputError(fmt::format(
+        "{}: no pixel of {} x {} looks anywhere with these numbers; are they "
+        "those of this model and this size?",
+        form.name, lens.size.width, lens.size.height));
   return made;
 }
 

@@ -49,6 +49,9 @@ struct LensInForm {
 /// no lens has: such as not finite ones, and focal lengths of 0.
 std::unique_ptr<ParametricModel> MakeLens(const LensInForm& lens);
 
+/// The part of the image's pixels, on a lattice, that look nowhere.
+double PartWithoutRays(const CameraModel& lens);
+
 /// A lens in a form; nothing if the form cannot hold it exactly.
 std::optional<LensInForm> InForm(const LensForm& form, const CameraModel& lens);
 

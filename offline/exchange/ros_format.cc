@@ -60,13 +60,7 @@ int SideOf(const YAML::Node& root, const char* in_files,
                         : SidePx(root[in_messages], in_messages);
 }
 
-bool IsIdentity(const std::vector<double>& matrix) {
-  return matrix == std::vector<double>{1, 0, 0, 0, 1, 0, 0, 0, 1};
-}
-
-// R and P of a pair; nothing if the file is of a camera alone.
-std::optional<RectifiedProjection> RectifiedOf(const YAML::Node& root,
-                                               const std::vector<double>& k) {
+RectifiedProjection RectifiedOf(const YAML::Node& root) {
   const std::vector<double> r = MatrixOf(root, "rectification_matrix", "R", 9),
                             p = MatrixOf(root, "projection_matrix", "P", 12);
   RectifiedProjection rectified;
@@ -76,8 +70,6 @@ std::optional<RectifiedProjection> RectifiedOf(const YAML::Node& root,
     for (int column = 0; column < 4; ++column)
       rectified.p(row, column) = p[4 * row + column];
   }
-  const bool is_own = IsIdentity(r) && p[3] == 0 && p[7] == 0;
-  if (is_own && p[0] == k[0] && p[5] == k[4]) return std::nullopt;
   PoseOfMatrix({r[0], r[1], r[2], 0, r[3], r[4], r[5], 0, r[6], r[7], r[8], 0},
                "rectification_matrix");
   if (!(p[0] > 0 && p[5] > 0))
@@ -136,7 +128,7 @@ ExchangeContents ReadRos(const ReadRequest& request) {
   camera.lens.form = &FormOfDistortion(model, d.size());
   camera.lens.values = {k[0], k[4], k[2], k[5]};
   camera.lens.values.insert(camera.lens.values.end(), d.begin(), d.end());
-  camera.rectified = RectifiedOf(root, k);
+  camera.rectified = RectifiedOf(root);
   AddRemarks(root, &contents);
   contents.cameras.push_back(std::move(camera));
   return contents;

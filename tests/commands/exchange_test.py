@@ -311,6 +311,27 @@ class Rigs(ExchangeTest):
         self.assert_refused(run("pack", self.path("chain.yaml"), "-o", self.path("x.raygrid")), 2,
                             "3 cameras", "raygrid import")
 
+    def test_rectified_views_are_an_exact_pair(self):
+        self.assert_done(run("rectify", self.rig, "--left", "cam0", "--right", "cam1",
+                             "--max-error-px", 0.25, "-o", self.path("pair")))
+        told = self.export(self.path("pair/rectified.yaml"), "--to", "ros", out="views")
+        self.assertEqual([camera["exact"] for camera in told["cameras"]], [True] * 2)
+        left, right = ([float(word) for word in re.findall(
+            r"projection_matrix:\n.*\n.*\n  data: \[(.*)\]",
+            read(self.path(f"views/{name}.yaml")).decode())[0].split(",")]
+            for name in ("cam0", "cam1"))
+        self.assertAlmostEqual(right[3], -0.1 * right[0], 9)
+        self.assertEqual(left[:3] + left[4:], right[:3] + right[4:])
+        self.assert_done(run("import", self.path("views/cam0.yaml"), self.path("views/cam1.yaml"),
+                             "-o", self.path("views/rig.yaml")))
+        self.assertAlmostEqual(self.relative_pose(self.path("views/rig.yaml"))[4], -0.1, 9)
+
+    def test_same_bytes_with_any_number_of_threads(self):
+        for threads in (1, 2):
+            self.assert_done(run("export", self.camera, "--to", "kalibr", "--threads", threads,
+                                 "-o", self.path(f"threads{threads}.yaml")))
+        self.assertEqual(read(self.path("threads1.yaml")), read(self.path("threads2.yaml")))
+
     @unittest.skipUnless(os.path.exists(CONVERT), "no ROS parser; 'tools/install_packages tests' installs it")
     def test_the_parser_of_ros_reads_what_is_written(self):
         self.export(self.two_of_the_rig(), "--to", "ros", out="parsed")

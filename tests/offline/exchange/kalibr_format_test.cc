@@ -60,7 +60,7 @@ TEST(KalibrFormat, ChainsPoses) {
       (*contents.cameras[2].camera_from_rig * point - step * (step * point))
           .norm(),
       1e-12);
-  // Both cameras have the topic of cam1: the keys name them.
+  // Two cameras have the topic of cam1: the keys name them.
   EXPECT_EQ(contents.cameras[2].name, "cam2");
 }
 

@@ -106,6 +106,26 @@ TEST(OpenCvFormat, TakesTheSizeThatIsGiven) {
             (ImageSize{640, 480}));
 }
 
+// A distortion that folds within the image, and lengths that may be
+// millimetres.
+TEST(OpenCvFormat, SaysWhatMayNotBeExpected) {
+  const auto remarks = [](const std::string& text) {
+    return ReadExchangeFile(RecognizeFormat(text), {"f", text, "", {}}).remarks;
+  };
+  EXPECT_TRUE(remarks(kYaml).empty());
+  const auto folds =
+      remarks(Replaced(Replaced(kYaml, "-2.99", "-6.99"), "0.25", "0.0"));
+  ASSERT_EQ(folds.size(), 1u);
+  EXPECT_NE(folds[0].find("% of the image looks nowhere"), std::string::npos);
+  const std::string pose =
+      "R: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
+      "   data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nT: !!opencv-matrix\n   rows: 3\n"
+      "   cols: 1\n   dt: d\n   data: [-120.0, 0, 0]\n";
+  const auto far = remarks(kYaml + pose);
+  ASSERT_EQ(far.size(), 1u);
+  EXPECT_NE(far[0].find("120 m"), std::string::npos);
+}
+
 TEST(OpenCvFormat, StoresWhatAFitLeaves) {
   const Format format = OpenCvFormat();
   WrittenLens camera;

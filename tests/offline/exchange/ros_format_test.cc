@@ -46,7 +46,7 @@ TEST(RosFormat, ReadsFiles) {
   EXPECT_EQ(camera.lens.values,
             (std::vector<double>{500.5, 501, 320.25, 240, -0.3, 0.1, 0.001,
                                  -0.002, 0}));
-  EXPECT_FALSE(camera.rectified);
+  EXPECT_FALSE(camera.rectified->IsBeside());
 }
 
 TEST(RosFormat, ReadsMessages) {
@@ -56,7 +56,7 @@ TEST(RosFormat, ReadsMessages) {
   EXPECT_EQ(lens.values,
             (std::vector<double>{500.5, 501, 320.25, 240, 0.1, 0.2, 0.001,
                                  0.002, 0.3, 0.4, 0.5, 0.6}));
-  EXPECT_TRUE(contents.cameras[0].rectified);
+  EXPECT_EQ(contents.cameras[0].rectified->p(0, 2), 300);
   EXPECT_TRUE(contents.remarks.empty());
   const std::string binned = WithWord(kMessage, "binning_x: 0", "binning_x: 2");
   EXPECT_EQ(ParseRos(binned).remarks.size(), 1u);

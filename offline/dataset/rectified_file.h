@@ -1,0 +1,26 @@
+#ifndef RAYGRID_DATASET_RECTIFIED_FILE_H
+#define RAYGRID_DATASET_RECTIFIED_FILE_H
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+
+#include "camera/area.h"
+
+namespace raygrid {
+
+/// rectified.yaml: two views with common rows.
+struct RectifiedFile {
+  std::array<std::string, 2> names;  ///< left and right
+  ImageSize size;                    ///< of both
+  /// Projections of points in the left view's axes, with one K.
+  std::array<Eigen::Matrix<double, 3, 4>, 2> p;
+};
+
+/// The pair in a file's text; path is used in errors. Throws InputError.
+RectifiedFile ParseRectifiedFile(const std::string& path,
+                                 const std::string& text);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_DATASET_RECTIFIED_FILE_H
