@@ -8,6 +8,7 @@
 
 #include "camera_input.h"
 #include "commands.h"
+#include "dataset/dataset.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/rectified_file.h"
@@ -22,7 +23,7 @@ namespace raygrid {
 namespace {
 
 struct ExportArguments {
-  std::string input, format, model, output;
+  std::string input, format, model, output, poses;
   std::optional<double> max_fit_error_px;
   bool lists = false, rectified = false;
   ViewWords view;
@@ -32,13 +33,17 @@ struct ExportArguments {
 struct Exported {
   std::string name, path;
   CameraInput input;
-  std::optional<Pose> camera_from_rig;
-  std::optional<TrustMask> trusted;
-  std::optional<RectifiedProjection> rectified;  // known already
+  std::optional<Pose> camera_from_rig = {};
+  std::optional<TrustMask> trusted = {};
+  std::optional<RectifiedProjection> rectified = {};  // known already
+  Eigen::Quaterniond view_from_camera = Eigen::Quaterniond::Identity();
 };
 
 Exported MakeExported(const std::string& path, CameraInput input) {
-  Exported camera = {input.file.name, path, std::move(input), {}, {}, {}};
+  Exported camera = {input.file.name, path, std::move(input)};
+  if (camera.input.file.camera_from_view)
+    camera.view_from_camera =
+        camera.input.file.camera_from_view->rotation.conjugate();
   if (camera.input.blob)
     camera.trusted = camera.input.blob->Trusted();
   else if (camera.input.file.uncertainty)
@@ -118,10 +123,11 @@ void TakeView(const ViewWords& words, Exported* camera) {
   const VirtualView view = RectifiedView(*camera, words);
   camera->input.file.camera = CameraOfView(view);
   camera->input.file.camera_from_view.reset();
+  camera->view_from_camera =
+      Eigen::Quaterniond(view.camera_from_view.transpose());
   if (camera->camera_from_rig)
     camera->camera_from_rig =
-        Pose{Eigen::Quaterniond(view.camera_from_view.transpose()),
-             Eigen::Vector3d::Zero()} *
+        Pose{camera->view_from_camera, Eigen::Vector3d::Zero()} *
         *camera->camera_from_rig;
   camera->trusted.reset();
 }
@@ -238,6 +244,36 @@ void RectifyPair(const Format& format, std::vector<WrittenLens>* lenses) {
   }
 }
 
+// The poses of boards, in the frames of the lenses.
+void AddPoses(const ExportArguments& arguments, const Format& format,
+              const std::vector<Exported>& cameras, bool is_rig,
+              std::vector<WrittenLens>* lenses) {
+  if (arguments.poses.empty()) return;
+  if (!format.holds_poses)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--poses: {} has none", format.name));
+  auto poses = ReadPoses(arguments.poses);
+  for (size_t c = 0; c < lenses->size(); ++c) {
+    WrittenLens& lens = (*lenses)[c];
+    const auto own = poses.find(is_rig ? lens.name : "");
+    if (own == poses.end()) continue;
+    lens.poses = own->second;
+    Pose lens_from_camera = {cameras[c].view_from_camera,
+                             Eigen::Vector3d::Zero()};
+    if (lens.fit)
+      lens_from_camera =
+          Pose{lens.fit->lens_from_camera, Eigen::Vector3d::Zero()} *
+          lens_from_camera;
+    for (BoardPose& pose : lens.poses)
+      pose.camera_from_board = lens_from_camera * pose.camera_from_board;
+    poses.erase(own);
+  }
+  if (!poses.empty())
+    throw InputError(fmt::format(
+        "{}: has poses of camera '{}', which {} has not", arguments.poses,
+        Printable(poses.begin()->first), arguments.input));
+}
+
 // Names of files, and what is in them: of a format that has one camera a file,
 // a rig makes a folder of them.
 std::vector<std::pair<std::string, std::string>> WriteAll(
@@ -310,6 +346,7 @@ void List(bool json) {
                    {"export", format.write != nullptr},
                    {"import", format.read != nullptr},
                    {"rigs", format.holds_rigs},
+                   {"poses", format.holds_poses},
                    {"models", models}});
     if (!json)
       fmt::print("{}: {} ({})\n  models: {}\n", format.name, format.holds, ways,
@@ -341,7 +378,7 @@ void RunExport(const ExportArguments& arguments, const CommonOptions& common) {
                 fmt::format("--to {}: is only imported", format.name));
   bool is_rig = false;
   std::vector<Exported> cameras = ReadExported(arguments.input, &is_rig);
-  std::vector<std::string> inputs = {arguments.input};
+  std::vector<std::string> inputs = {arguments.input, arguments.poses};
   for (Exported& camera : cameras) {
     inputs.push_back(camera.path);
     if (!common.quiet) WarnOfFailedCalibration(camera.path, camera.input.file);
@@ -349,6 +386,7 @@ void RunExport(const ExportArguments& arguments, const CommonOptions& common) {
   }
   std::vector<WrittenLens> lenses =
       ChooseLenses(arguments, format, cameras, common.threads);
+  AddPoses(arguments, format, cameras, is_rig, &lenses);
   RectifyPair(format, &lenses);
   const auto files = WriteAll(arguments, format, lenses, is_rig);
   std::vector<std::string> paths;
@@ -404,6 +442,9 @@ void AddExport(CLI::App* app, CommonOptions* common) {
                     "the view of undistorted images: of a blob that of its "
                     "table, else as calibrate packs it, or as the options "
                     "below say");
+  command->add_option("--poses", arguments->poses,
+                      "poses.csv of the camera or rig, for formats that have "
+                      "poses of boards");
   AddViewOptions(command, &arguments->view);
   command->add_flag("--list", arguments->lists, "list the formats");
   command->callback([arguments, common] { RunExport(*arguments, *common); });

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -7,6 +8,7 @@
 
 #include "camera_input.h"
 #include "commands.h"
+#include "dataset/dataset.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/rig_file.h"
@@ -86,6 +88,39 @@ std::vector<std::string> FolderNames(const ImportArguments& arguments,
   return names;
 }
 
+// The features or the poses of all cameras, as the output's name says.
+std::string CsvOf(const ImportArguments& arguments,
+                  const ExchangeContents& contents) {
+  const std::string stem =
+      std::filesystem::path(arguments.output).stem().string();
+  const auto ends_with = [&](const std::string& word) {
+    return stem.size() >= word.size() &&
+           stem.compare(stem.size() - word.size(), word.size(), word) == 0;
+  };
+  const bool wants_features = ends_with("features");
+  if (!wants_features && !ends_with("poses"))
+    throw Error(ExitCode::kUsage,
+                fmt::format("-o {}: call it features.csv or poses.csv, or let "
+                            "its name end so",
+                            arguments.output));
+  std::vector<NamedDataset> features;
+  std::vector<NamedPoses> poses;
+  bool has_any = false;
+  for (const ReadLens& camera : contents.cameras) {
+    features.push_back({camera.name, {camera.lens.size, camera.features}});
+    poses.push_back({camera.name, camera.poses});
+    has_any = has_any || !(wants_features ? camera.features.empty()
+                                          : camera.poses.empty());
+  }
+  if (!has_any)
+    throw InputError(fmt::format("{}: has no {}", arguments.files.front(),
+                                 wants_features ? "features" : "poses"));
+  if (features.size() == 1)
+    return wants_features ? FormatFeatures(features.front().dataset)
+                          : FormatPoses(poses.front().poses);
+  return wants_features ? FormatFeatures(features) : FormatPoses(poses);
+}
+
 // The files of several cameras: those of a rig beside rig.yaml, as calibrate
 // has them; others in the folder that is named.
 std::vector<std::pair<std::string, std::string>> FilesOf(
@@ -93,6 +128,8 @@ std::vector<std::pair<std::string, std::string>> FilesOf(
   const auto text_of = [](const ReadLens& camera) {
     return FormatCameraFile(CameraFileOf(camera), Digits::kAll);
   };
+  if (std::filesystem::path(arguments.output).extension() == ".csv")
+    return {{arguments.output, CsvOf(arguments, contents)}};
   if (contents.cameras.size() == 1)
     return {{arguments.output, text_of(contents.cameras.front())}};
   const std::vector<std::string> names = FolderNames(arguments, contents);
@@ -141,11 +178,12 @@ void RunImport(const ImportArguments& arguments, const CommonOptions& common) {
   if (common.quiet) return;
   for (size_t c = 0; c < contents.cameras.size(); ++c) {
     const LensInForm& lens = contents.cameras[c].lens;
-    fmt::print("{}: {} of {} x {} px, in raygrid {}\n", paths[c],
-               lens.form->name, lens.size.width, lens.size.height,
-               lens.form->model);
+    fmt::print("{}: {} of {} x {} px, in raygrid {}\n",
+               paths[std::min(c, paths.size() - 1)], lens.form->name,
+               lens.size.width, lens.size.height, lens.form->model);
   }
-  if (contents.IsRig()) fmt::print("{}: the rig\n", arguments.output);
+  if (contents.IsRig() && paths.size() > 1)
+    fmt::print("{}: the rig\n", arguments.output);
 }
 
 }  // namespace
@@ -168,7 +206,8 @@ void AddImport(CLI::App* app, CommonOptions* common) {
       ->add_option("-o,--output", arguments->output,
                    "camera.yaml; of a rig rig.yaml, beside which NAME/"
                    "camera.yaml are; of other files with several cameras a "
-                   "folder")
+                   "folder; features.csv or poses.csv, for what a camera was "
+                   "calibrated with")
       ->required();
   command->add_option("--from", arguments->from,
                       "the format, where the file does not show it");

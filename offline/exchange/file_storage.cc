@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <sstream>
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
@@ -23,15 +22,30 @@ bool IsXml(const std::string& text) {
   return first != std::string::npos && text[first] == '<';
 }
 
-// A leaf's text: in quotes, or numbers with space between.
+// The words of a leaf's text, with space between, and perhaps in quotes, which
+// end before space.
+std::vector<std::string> WordsOf(const std::string& text) {
+  constexpr char kSpaces[] = " \t\r\n";
+  std::vector<std::string> words;
+  size_t at = 0;
+  while ((at = text.find_first_not_of(kSpaces, at)) != std::string::npos) {
+    const bool is_quoted = text[at] == '"';
+    const size_t first = is_quoted ? at + 1 : at;
+    size_t end = std::min(text.find_first_of(kSpaces, first), text.size());
+    while (is_quoted && end < text.size() && text[end - 1] != '"')
+      end = std::min(text.find_first_of(kSpaces, end + 1), text.size());
+    const bool is_closed = is_quoted && end > first && text[end - 1] == '"';
+    words.push_back(text.substr(first, end - first - (is_closed ? 1 : 0)));
+    at = end;
+  }
+  return words;
+}
+
 YAML::Node LeafNode(const std::string& text) {
-  if (text.size() >= 2 && text.front() == '"' && text.back() == '"')
-    return YAML::Node(text.substr(1, text.size() - 2));
-  std::istringstream words(text);
+  const std::vector<std::string> words = WordsOf(text);
+  if (words.size() == 1) return YAML::Node(words[0]);
   YAML::Node list(YAML::NodeType::Sequence);
-  std::string word;
-  while (words >> word) list.push_back(word);
-  if (list.size() == 1) return list[0];
+  for (const std::string& word : words) list.push_back(word);
   return list;
 }
 
@@ -97,21 +111,26 @@ YAML::Node ParseFileStorage(const std::string& path, const std::string& text) {
   return YAML::Load(yaml);
 }
 
-StoredMatrix ParseStoredMatrix(const YAML::Node& node,
-                               const std::string& name) {
+StoredMatrix ParseStoredMatrix(const YAML::Node& node, const std::string& name,
+                               int num_channels) {
   if (!node.IsMap() || !node["rows"] || !node["cols"] || !node["data"])
     throw InputError(fmt::format("{}: no matrix", name));
-  if (node["dt"] && node["dt"].as<std::string>().size() != 1)
-    throw InputError(fmt::format("{}: of several channels", name));
+  // "d", or "2f" of two channels.
+  const std::string type = node["dt"] ? node["dt"].as<std::string>() : "d";
+  if (type.substr(0, type.size() - 1) !=
+      (num_channels == 1 ? "" : std::to_string(num_channels)))
+    throw InputError(fmt::format("{}: not of {} channel{}", name, num_channels,
+                                 num_channels == 1 ? "" : "s"));
   StoredMatrix matrix;
   matrix.rows = SidePx(node["rows"], name + ": rows");
   matrix.columns = SidePx(node["cols"], name + ": cols");
   matrix.data = FiniteNumbers(node["data"], name);
-  if (matrix.data.size() !=
-      static_cast<size_t>(matrix.rows) * static_cast<size_t>(matrix.columns))
+  if (matrix.data.size() != static_cast<size_t>(matrix.rows) *
+                                static_cast<size_t>(matrix.columns) *
+                                static_cast<size_t>(num_channels))
     throw InputError(fmt::format("{}: {} numbers where {} x {} are said", name,
                                  matrix.data.size(), matrix.rows,
-                                 matrix.columns));
+                                 matrix.columns * num_channels));
   return matrix;
 }
 
@@ -189,6 +208,17 @@ void FileStorageText::Add(const std::string& key, const StoredMatrix& matrix) {
           numbers);
       break;
   }
+}
+
+void FileStorageText::Add(const std::string& key,
+                          const std::vector<std::string>& texts) {
+  std::string list;
+  for (const std::string& text : texts)
+    list += (list.empty()          ? ""
+             : kind_ == Kind::kXml ? " "
+                                   : ", ") +
+            Quoted(kind_, text);
+  AddPlain(key, kind_ == Kind::kXml ? list : "[ " + list + " ]");
 }
 
 void FileStorageText::BeginMap(const std::string& key) {

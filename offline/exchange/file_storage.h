@@ -16,14 +16,15 @@ YAML::Node ParseFileStorage(const std::string& path, const std::string& text);
 /// Whether a text has a matrix as FileStorage writes them.
 bool IsFileStorage(const std::string& text);
 
-/// A matrix of one channel, row by row.
+/// A matrix, row by row, of one channel or several.
 struct StoredMatrix {
   int rows = 0, columns = 0;
   std::vector<double> data;
 };
 
-/// Throws InputError, naming the matrix.
-StoredMatrix ParseStoredMatrix(const YAML::Node& node, const std::string& name);
+/// Throws InputError, naming the matrix, also if it has not so many channels.
+StoredMatrix ParseStoredMatrix(const YAML::Node& node, const std::string& name,
+                               int num_channels = 1);
 
 /// Writes what FileStorage reads.
 class FileStorageText {
@@ -38,6 +39,7 @@ class FileStorageText {
   void Add(const std::string& key, double number);
   void Add(const std::string& key, const std::string& text);
   void Add(const std::string& key, const StoredMatrix& matrix);
+  void Add(const std::string& key, const std::vector<std::string>& texts);
   void BeginMap(const std::string& key);
   void EndMap();
   std::string Finish();

@@ -8,6 +8,7 @@
 
 #include "camera/pose.h"
 #include "dataset/camera_file.h"
+#include "dataset/dataset.h"
 #include "exchange/lens_choice.h"
 #include "exchange/lens_form.h"
 
@@ -31,6 +32,8 @@ struct ReadLens {
   LensInForm lens;
   std::optional<Pose> camera_from_rig;
   std::optional<RectifiedProjection> rectified;
+  std::vector<ImageFeatures> features;  ///< that it was calibrated with
+  std::vector<BoardPose> poses;         ///< of boards, camera_from_board
 };
 
 /// The contents of a file that was read.
@@ -56,6 +59,7 @@ struct WrittenLens {
   std::optional<LensFit> fit;  ///< none if the lens is the camera itself
   std::optional<Pose> camera_from_rig;  ///< of the lens's frame, in a rig
   std::optional<RectifiedProjection> rectified;
+  std::vector<BoardPose> poses;  ///< of boards, in the lens's frame
 };
 
 struct WriteRequest {
@@ -71,6 +75,7 @@ struct Format {
   std::vector<LensForm> forms;
   bool holds_rigs = false;   ///< else a file has one camera
   bool holds_pairs = false;  ///< files of two cameras have R and P
+  bool holds_poses = false;  ///< of boards
 
   /// Whether a text is of this format, by words that others have not. It need
   /// not be well-formed.

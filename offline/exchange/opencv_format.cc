@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "dataset/error.h"
@@ -171,6 +172,80 @@ std::optional<Pose> PoseOfCamera(const YAML::Node& root) {
   return PoseOfMatrix(rows, "R");
 }
 
+// The name of an image, which OpenCV's samples do not store.
+std::string ImageName(const YAML::Node& names, int index) {
+  if (names.IsDefined() && names.IsSequence() &&
+      index < static_cast<int>(names.size()) && names[index].IsScalar())
+    return names[index].as<std::string>();
+  return fmt::format("view{:04}", index);
+}
+
+// image_points of OpenCV's calibration sample: a row of corners an image, in
+// the order of a board of board_width columns.
+std::vector<ImageFeatures> FeaturesOf(const YAML::Node& root) {
+  std::vector<ImageFeatures> images;
+  if (!root["image_points"]) return images;
+  const StoredMatrix points =
+      ParseStoredMatrix(root["image_points"], "image_points", 2);
+  const int columns = SidePx(root["board_width"], "board_width");
+  for (int row = 0; row < points.rows; ++row) {
+    ImageFeatures& image = images.emplace_back();
+    image.image = ImageName(root["image_names"], row);
+    for (int k = 0; k < points.columns; ++k) {
+      const size_t at = 2 * (static_cast<size_t>(row) * points.columns + k);
+      image.features.push_back({0,
+                                k % columns,
+                                k / columns,
+                                {points.data[at], points.data[at + 1]}});
+    }
+  }
+  return images;
+}
+
+// extrinsic_parameters of the same: a rotation vector and a translation a row.
+std::vector<BoardPose> PosesOf(const YAML::Node& root) {
+  std::vector<BoardPose> poses;
+  if (!root["extrinsic_parameters"]) return poses;
+  const StoredMatrix rows =
+      ParseStoredMatrix(root["extrinsic_parameters"], "extrinsic_parameters");
+  if (rows.columns != 6)
+    throw InputError("extrinsic_parameters: not 6 numbers a row");
+  std::vector<double> boards(rows.rows, 0);
+  if (root["board_ids"]) {
+    boards = ParseStoredMatrix(root["board_ids"], "board_ids").data;
+    boards.resize(rows.rows, 0);
+  }
+  for (int row = 0; row < rows.rows; ++row) {
+    const Eigen::Map<const Eigen::Matrix<double, 6, 1>> pose(rows.data.data() +
+                                                             6 * row);
+    if (!(std::abs(boards[row]) < 1e6 && pose.head<3>().norm() < 1e3))
+      throw InputError("extrinsic_parameters, board_ids: no pose");
+    poses.push_back({ImageName(root["image_names"], row),
+                     static_cast<int>(boards[row]),
+                     {RotationFromVector(pose.head<3>()), pose.tail<3>()}});
+  }
+  return poses;
+}
+
+void AddPoses(const std::vector<BoardPose>& poses, FileStorageText* text) {
+  if (poses.empty()) return;
+  const int count = static_cast<int>(poses.size());
+  StoredMatrix rows = {count, 6, {}}, boards = {1, count, {}};
+  std::vector<std::string> names;
+  for (const BoardPose& pose : poses) {
+    const Eigen::AngleAxisd turn(pose.camera_from_board.rotation);
+    const Eigen::Vector3d vector = turn.angle() * turn.axis();
+    const Eigen::Vector3d& t = pose.camera_from_board.translation;
+    rows.data.insert(rows.data.end(),
+                     {vector.x(), vector.y(), vector.z(), t.x(), t.y(), t.z()});
+    boards.data.push_back(pose.board);
+    names.push_back(pose.image);
+  }
+  text->Add("image_names", names);
+  text->Add("board_ids", boards);
+  text->Add("extrinsic_parameters", rows);
+}
+
 ExchangeContents ReadOpenCv(const ReadRequest& request) {
   const YAML::Node root = ParseFileStorage(request.path, request.text);
   if (!root.IsMap()) throw InputError("no camera: no map of keys");
@@ -180,6 +255,8 @@ ExchangeContents ReadOpenCv(const ReadRequest& request) {
   camera.serial = TextOf(root, {"serial"});
   camera.lens.size = SizeOfImages(root, request);
   camera.camera_from_rig = PoseOfCamera(root);
+  camera.features = FeaturesOf(root);
+  camera.poses = PosesOf(root);
   camera.lens.values = Intrinsics(root);
   std::vector<double> coefficients = Coefficients(root);
   camera.lens.form =
@@ -235,6 +312,7 @@ std::string WriteOpenCv(const WriteRequest& request) {
                                 r(1, 2), r(2, 0), r(2, 1), r(2, 2)}});
     text.Add("T", StoredMatrix{3, 1, {t.x(), t.y(), t.z()}});
   }
+  AddPoses(camera.poses, &text);
   return text.Finish();
 }
 
@@ -246,8 +324,9 @@ Format OpenCvFormat() {
   format.holds =
       "FileStorage .yaml, .xml or .json: a pinhole with 4, 5, 8, 12 or 14 "
       "coefficients, or cv::fisheye; of a rig a file for each camera, with R "
-      "and T of its pose";
+      "and T of its pose; poses and corners of boards";
   format.forms = OpenCvForms();
+  format.holds_poses = true;
   format.recognizes = IsFileStorage;
   format.read = ReadOpenCv;
   format.write = WriteOpenCv;

@@ -311,6 +311,43 @@ class Rigs(ExchangeTest):
         self.assert_refused(run("pack", self.path("chain.yaml"), "-o", self.path("x.raygrid")), 2,
                             "3 cameras", "raygrid import")
 
+    def test_poses_turn_with_the_lens(self):
+        """Boards stand where the camera sees them, but for the error that was told."""
+        poses = self.path("sim/true_poses.csv")
+        one = write(self.path("one.csv"), "\n".join(
+            ["image,board,qw,qx,qy,qz,tx,ty,tz"] + [line.split(",", 1)[1] for line in
+             read(poses).decode().splitlines() if line.startswith("cam0,")]) + "\n")
+        told = self.export(self.camera, "--to", "opencv", "--model", "opencv5", "--poses", one)
+        fit = told["cameras"][0]["fit"]
+        self.assert_done(run("import", self.path("out.yaml"), "-o", self.path("poses.csv")))
+        row = lambda path: [float(word) for word in
+                            read(path).decode().splitlines()[1].split(",")[2:]]
+        first, second = row(one), row(self.path("poses.csv"))
+        points = [(x / 30, y / 30, 0) for x in range(12) for y in range(9)]
+        seen = []
+        for pose, camera in ((first, self.camera), (second, self.path("out.yaml"))):
+            placed = [[a + b for a, b in zip(turned(pose[:4], point), pose[4:])]
+                      for point in points]
+            seen.append(self.seen(camera, placed))
+        pairs = [pair for pair in zip(*seen) if None not in pair]
+        self.assertGreater(len(pairs), 5)
+        self.assertLess(max(math.dist(*pair) for pair in pairs), 1.5 * fit["max_px"])
+        self.assertGreater(math.dist(first[:4], second[:4]), 1e-4)
+        rig = self.export(self.two_of_the_rig(), "--to", "opencv", "--poses",
+                          write(self.path("two.csv"), "\n".join(
+                              line for line in read(poses).decode().splitlines()
+                              if not line.startswith("cam2,")) + "\n"), out="posed")
+        self.assertEqual(len(rig["files"]), 2)
+        for arguments, code, words in (
+                ((self.camera, "--to", "kalibr", "--poses", one), 1, ("--poses", "kalibr")),
+                ((self.camera, "--to", "opencv", "--poses", poses), 2, ("cam0",))):
+            self.assert_refused(run("export", *arguments, "-o", self.path("never/x")), code, *words)
+        self.assert_refused(run("import", self.path("out.yaml"), "-o", self.path("features.csv")),
+                            2, "no features")
+        self.assert_refused(run("import", self.path("out.yaml"), "-o", self.path("what.csv")), 1,
+                            "features.csv or poses.csv")
+        self.assert_nothing_in(self.path("never"))
+
     def test_rectified_views_are_an_exact_pair(self):
         self.assert_done(run("rectify", self.rig, "--left", "cam0", "--right", "cam1",
                              "--max-error-px", 0.25, "-o", self.path("pair")))

@@ -68,8 +68,13 @@ TEST(KalibrFormat, WritesWhatItReads) {
   const ExchangeContents contents = ParseKalibr(kCamchain);
   WriteRequest request = {"f.yaml", {}};
   for (const ReadLens& camera : contents.cameras)
-    request.cameras.push_back({camera.name, "", camera.lens, std::nullopt,
-                               camera.camera_from_rig, std::nullopt});
+    request.cameras.push_back({camera.name,
+                               "",
+                               camera.lens,
+                               std::nullopt,
+                               camera.camera_from_rig,
+                               std::nullopt,
+                               {}});
   request.cameras[0].name = "left";
   request.cameras[1].name = "right";
   const ExchangeContents again = ParseKalibr(KalibrFormat().write(request));

@@ -95,7 +95,7 @@ TEST(OpenCvFormat, SaysWhatIsMissingOrWrong) {
   expect(Replaced(Replaced(kYaml, ", 0.25", ", 0, 0"), "cols: 5", "cols: 6"),
          {"6 distortion coefficients"});
   expect(kYaml + std::string("distortion_model: brown\n"), {"'brown'"});
-  expect(Replaced(kYaml, "dt: d", "dt: 2d"), {"several channels"});
+  expect(Replaced(kYaml, "dt: d", "dt: 2d"), {"not of 1 channel"});
   expect(Replaced(kXml, "opencv_storage", "other"), {"line"});
   expect(Replaced(kYaml, "image_width: 640", "image_width: 640.5"), {"size"});
 }
@@ -104,6 +104,59 @@ TEST(OpenCvFormat, TakesTheSizeThatIsGiven) {
   const std::string without = Replaced(kYaml, "image_width", "other");
   EXPECT_EQ(Parse(without, "", ImageSize{640, 480}).cameras[0].lens.size,
             (ImageSize{640, 480}));
+}
+
+constexpr char kCorners[] =
+    "board_width: 2\nboard_height: 2\nimage_points: !!opencv-matrix\n"
+    "   rows: 2\n   cols: 4\n   dt: \"2f\"\n   data: [ 10.5, 20., 30., 20.,\n"
+    "       10., 40., 30., 40., 1., 2., 3., 4., 5., 6., 7., 8.25 ]\n"
+    "extrinsic_parameters: !!opencv-matrix\n   rows: 2\n   cols: 6\n"
+    "   dt: d\n   data: [ 0., 0., 1.5707963267948966, 0.1, 0.2, 1., 0., 0., "
+    "0.,\n"
+    "       0., 0., 2. ]\n";
+
+TEST(OpenCvFormat, ReadsWhatASampleCalibratedWith) {
+  const ReadLens camera = Parse(kYaml + std::string(kCorners)).cameras.at(0);
+  ASSERT_EQ(camera.features.size(), 2u);
+  EXPECT_EQ(camera.features[1].image, "view0001");
+  const Feature& last = camera.features[1].features.back();
+  EXPECT_EQ(last.column, 1);
+  EXPECT_EQ(last.row, 1);
+  EXPECT_EQ(last.pixel, Eigen::Vector2d(7, 8.25));
+  ASSERT_EQ(camera.poses.size(), 2u);
+  EXPECT_LT((camera.poses[0].camera_from_board * Eigen::Vector3d(1, 0, 0) -
+             Eigen::Vector3d(0.1, 1.2, 1))
+                .norm(),
+            1e-12);
+  for (const auto& [old, by] :
+       std::vector<std::array<const char*, 2>>{{"board_width", "other"},
+                                               {"2f", "3f"},
+                                               {"8.25", ".nan"},
+                                               {"cols: 6", "cols: 4"},
+                                               {"1.57", "x1.57"}})
+    ExpectError(ExitCode::kInput, {"f: "}, [&, &o = old, &b = by] {
+      Parse(Replaced(kYaml + std::string(kCorners), o, b));
+    });
+}
+
+TEST(OpenCvFormat, HoldsPoses) {
+  WrittenLens camera;
+  camera.lens = Parse(kYaml).cameras[0].lens;
+  camera.poses = {
+      {"a b.png", 0, {Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5), {1, 2, 3}}},
+      {"\"c\".png", 7, {}}};
+  for (const char* path : {"a.yaml", "a.xml", "a.json"}) {
+    const std::string text = OpenCvFormat().write({path, {camera}});
+    const std::vector<BoardPose> poses = Parse(text).cameras[0].poses;
+    ASSERT_EQ(poses.size(), 2u) << path;
+    EXPECT_EQ(poses[0].image, "a b.png");
+    EXPECT_EQ(poses[1].image, "\"c\".png");
+    EXPECT_EQ(poses[1].board, 7);
+    EXPECT_LT(poses[0].camera_from_board.rotation.angularDistance(
+                  camera.poses[0].camera_from_board.rotation),
+              1e-7);
+    EXPECT_EQ(poses[0].camera_from_board.translation, Eigen::Vector3d(1, 2, 3));
+  }
 }
 
 // A distortion that folds within the image, and lengths that may be
