@@ -135,6 +135,13 @@ class OpenCv(ExchangeTest):
         result = run("pack", theirs, "--remap", "160x120,alpha=0", "-o", self.path("front.raygrid"))
         self.assert_done(result)
         self.assert_done(run("inspect", self.path("front.camera.yaml")))
+        told = run("inspect", theirs)
+        self.assert_done(told)
+        self.assertIn("lens: fx 150, fy 151, cx 80.25, cy 59.5, k1 -0.25, k2 0.08, p1 0.001, "
+                      "p2 -0.002, k3 -0.01, k4 0, k5 0, k6 0", told.stdout)
+        told = json.loads(run("inspect", theirs, "--json").stdout)
+        self.assertEqual((told["format"], told["model"], list(told["lens"])[4:8]),
+                         ("opencv", "opencv", ["k1", "k2", "p1", "p2"]))
         pixels, rays = self.rays(theirs, [(5, 5), (80, 60), (150, 110)])
         for pixel, seen in zip(pixels, self.seen(self.path("front.raygrid"), rays)):
             self.assertLess(math.dist(pixel, seen), 0.05)
@@ -333,14 +340,15 @@ class Rigs(ExchangeTest):
         self.assertGreater(len(pairs), 5)
         self.assertLess(max(math.dist(*pair) for pair in pairs), 1.5 * fit["max_px"])
         self.assertGreater(math.dist(first[:4], second[:4]), 1e-4)
-        rig = self.export(self.two_of_the_rig(), "--to", "opencv", "--poses",
+        rig = self.export(self.two_of_the_rig(), "--to", "opencv", "--model", "opencv4", "--poses",
                           write(self.path("two.csv"), "\n".join(
                               line for line in read(poses).decode().splitlines()
                               if not line.startswith("cam2,")) + "\n"), out="posed")
         self.assertEqual(len(rig["files"]), 2)
         for arguments, code, words in (
                 ((self.camera, "--to", "kalibr", "--poses", one), 1, ("--poses", "kalibr")),
-                ((self.camera, "--to", "opencv", "--poses", poses), 2, ("cam0",))):
+                ((self.camera, "--to", "opencv", "--model", "opencv4", "--poses", poses), 2,
+                 ("cam0",))):
             self.assert_refused(run("export", *arguments, "-o", self.path("never/x")), code, *words)
         self.assert_refused(run("import", self.path("out.yaml"), "-o", self.path("features.csv")),
                             2, "no features")
@@ -393,12 +401,13 @@ class Exports(ExchangeTest):
         cls.camera = cls.simulated_camera("wide")
 
     def test_the_error_is_told_and_bounded(self):
-        result = run("export", self.camera, "--to", "opencv", "-o", self.path("e.yaml"))
+        result = run("export", self.camera, "--to", "opencv", "--model", "opencv5", "-o",
+                     self.path("e.yaml"))
         self.assert_done(result)
         for word in ("RMS", "99 % below", "largest", "px at"):
             self.assertIn(word, result.stdout)
         self.assertIn(b"raygrid_fit", read(self.path("e.yaml")))
-        result = run("export", self.camera, "--to", "opencv", "--max-fit-error", 1e-3, "-o",
+        result = run("export", self.camera, "--to", "ros", "--max-fit-error", 1e-3, "-o",
                      self.path("never/e.yaml"))
         self.assert_refused(result, 6, "--max-fit-error 0.001", "--rectified", "degrees")
         self.assert_nothing_in(self.path("never"))
