@@ -137,7 +137,8 @@ std::vector<const LensForm*> FormsOf(const Format& format,
   std::vector<const LensForm*> forms;
   std::string names;
   for (const LensForm& form : format.forms) {
-    if (model.empty() || model == form.name) forms.push_back(&form);
+    if (model.empty() ? !form.is_only_asked : model == form.name)
+      forms.push_back(&form);
     names += (names.empty() ? "" : ", ") + form.name;
   }
   if (forms.empty())
@@ -279,9 +280,15 @@ void AddPoses(const ExportArguments& arguments, const Format& format,
 std::vector<std::pair<std::string, std::string>> WriteAll(
     const ExportArguments& arguments, const Format& format,
     const std::vector<WrittenLens>& lenses, bool is_rig) {
-  if (!is_rig || format.holds_rigs)
-    return {{arguments.output, format.write({arguments.output, lenses})}};
   std::vector<std::pair<std::string, std::string>> files;
+  if (!is_rig || format.holds_rigs) {
+    const WriteRequest request = {arguments.output, lenses};
+    files.emplace_back(arguments.output, format.write(request));
+    if (is_rig && format.beside)
+      files.emplace_back(format.beside(arguments.output),
+                         format.write_beside(request));
+    return files;
+  }
   for (const WrittenLens& lens : lenses) {
     const std::string path =
         (std::filesystem::path(arguments.output) / (lens.name + ".yaml"))
@@ -323,7 +330,7 @@ void PrintExport(const Format& format, const std::vector<WrittenLens>& lenses,
   if (common.quiet) return;
   for (size_t c = 0; c < lenses.size(); ++c) {
     const WrittenLens& lens = lenses[c];
-    fmt::print("{}{}: {}, {}\n", files[std::min(c, files.size() - 1)].first,
+    fmt::print("{}{}: {}, {}\n", files[format.holds_rigs ? 0 : c].first,
                lens.name.empty() ? "" : " " + lens.name, lens.lens.form->name,
                lens.fit ? LensFitText(*lens.fit) : "exactly the camera");
   }

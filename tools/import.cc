@@ -37,6 +37,11 @@ ExchangeContents ReadForeignFile(const ImportArguments& arguments,
     if (request.text.find(own) != std::string::npos)
       throw InputError(path +
                        ": is raygrid's own already; every command takes it");
+  const Format* const found = format ? format : RecognizeFormat(request.text);
+  if (found && found->beside) {
+    const std::string beside = found->beside(path);
+    if (std::filesystem::exists(beside)) request.beside = ReadFile(beside);
+  }
   return ReadExchangeFile(format, request);
 }
 

@@ -50,6 +50,8 @@ struct ReadRequest {
   std::string path, text;
   std::string form;               ///< --model: the file does not tell; or ""
   std::optional<ImageSize> size;  ///< --image-size, likewise
+  std::string beside =
+      {};  ///< text of Format::beside()'s file; "" if not there
 };
 
 /// A camera to be written.
@@ -84,6 +86,10 @@ struct Format {
   ExchangeContents (*read)(const ReadRequest& request);
   /// The text of a file; null if the format is only read.
   std::string (*write)(const WriteRequest& request);
+  /// The path of a second file that a rig has beside the first, and its text;
+  /// null if there is none.
+  std::string (*beside)(const std::string& path) = nullptr;
+  std::string (*write_beside)(const WriteRequest& request) = nullptr;
 
   /// Null if there is none of this name.
   const LensForm* FindForm(const std::string& form) const;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "dataset/error.h"
+#include "exchange/colmap_format.h"
 #include "exchange/format.h"
 #include "exchange/kalibr_format.h"
 #include "exchange/opencv_format.h"
@@ -38,7 +39,7 @@ void AddRemarksOnLenses(ExchangeContents* contents) {
 
 const std::vector<Format>& Formats() {
   static const std::vector<Format> formats = {OpenCvFormat(), RosFormat(),
-                                              KalibrFormat()};
+                                              KalibrFormat(), ColmapFormat()};
   return formats;
 }
 

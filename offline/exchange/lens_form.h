@@ -21,6 +21,8 @@ struct LensForm {
   PixelOrigin origin = PixelOrigin::kFirstPixelCenter;
   /// The program goes no farther from the axis.
   double reach_rad = M_PI;
+  /// An export takes it only if it is asked for.
+  bool is_only_asked = false;
 
   bool Has(const std::string& parameter) const;
   /// Parameters of the model that the program lacks.

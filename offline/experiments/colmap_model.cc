@@ -3,73 +3,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <filesystem>
 #include <map>
-#include <sstream>
 
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/word_lines.h"
+#include "exchange/pixel_origin.h"
 
 namespace raygrid {
 namespace {
 
-// Words of a file, line by line, without those that are comments.
-class WordLines {
- public:
-  explicit WordLines(const std::string& path)
-      : path_(path), stream_(ReadFile(path)) {}
-
-  // The next line, which may be empty, or false at the end.
-  bool Next() {
-    std::string line;
-    do {
-      if (!std::getline(stream_, line)) return false;
-      ++number_;
-    } while (!line.empty() && line[0] == '#');
-    std::istringstream words(line);
-    words_.clear();
-    for (std::string word; words >> word;) words_.push_back(word);
-    return true;
-  }
-  bool NextWithWords() {
-    while (Next())
-      if (!words_.empty()) return true;
-    return false;
-  }
-
-  size_t size() const { return words_.size(); }
-  const std::string& Text(size_t index) const {
-    if (index >= words_.size()) Refuse("too few words");
-    return words_[index];
-  }
-  template <typename Number>
-  Number Get(size_t index) const {
-    const std::string& text = Text(index);
-    Number number = 0;
-    const char* end = text.data() + text.size();
-    const auto result = std::from_chars(text.data(), end, number);
-    if (result.ec != std::errc() || result.ptr != end ||
-        !std::isfinite(static_cast<double>(number)))
-      Refuse("'" + text + "' is not a number");
-    return number;
-  }
-  [[noreturn]] void Refuse(const std::string& why) const {
-    throw InputError(fmt::format(
-        "{}, line {}: {}; expected a text model as COLMAP writes it", path_,
-        number_, why));
-  }
-
- private:
-  std::string path_;
-  std::istringstream stream_;
-  std::vector<std::string> words_;
-  int number_ = 0;
-};
+constexpr char kExpected[] = "a text model as COLMAP writes it";
 
 ImageSize ReadSize(const std::string& path) {
-  WordLines lines(path);
+  WordLines lines(path, ReadFile(path), kExpected);
   ImageSize size;
   while (lines.NextWithWords()) {
     const ImageSize own = {lines.Get<int>(2), lines.Get<int>(3)};
@@ -87,7 +35,7 @@ ImageSize ReadSize(const std::string& path) {
 // Reads the points, and tells which index each point's number has.
 std::vector<Eigen::Vector3d> ReadPoints(const std::string& path,
                                         std::map<int64_t, int>* indices) {
-  WordLines lines(path);
+  WordLines lines(path, ReadFile(path), kExpected);
   std::vector<Eigen::Vector3d> points;
   while (lines.NextWithWords()) {
     const bool is_new =
@@ -113,7 +61,6 @@ ColmapModel::Image ReadHead(const WordLines& lines) {
 
 std::vector<ColmapModel::Observation> ReadObservations(
     const WordLines& lines, const std::map<int64_t, int>& indices) {
-  const Eigen::Vector2d half(0.5, 0.5);  // where COLMAP has the first pixel
   std::vector<ColmapModel::Observation> observations;
   if (lines.size() % 3 != 0) lines.Refuse("not x, y and a point each");
   for (size_t i = 0; i < lines.size(); i += 3) {
@@ -123,7 +70,8 @@ std::vector<ColmapModel::Observation> ReadObservations(
     if (index == indices.end())
       lines.Refuse(fmt::format("point {} is not in points3D.txt", point));
     const Eigen::Vector2d pixel(lines.Get<double>(i), lines.Get<double>(i + 1));
-    observations.push_back({pixel - half, index->second});
+    observations.push_back(
+        {FromProgram(PixelOrigin::kImageCorner, pixel), index->second});
   }
   return observations;
 }
@@ -138,7 +86,8 @@ ColmapModel ReadColmapModel(const std::string& folder) {
   model.size = ReadSize(path("cameras.txt"));
   std::map<int64_t, int> indices;
   model.points = ReadPoints(path("points3D.txt"), &indices);
-  WordLines lines(path("images.txt"));
+  const std::string images = path("images.txt");
+  WordLines lines(images, ReadFile(images), kExpected);
   while (lines.NextWithWords()) {
     model.images.push_back(ReadHead(lines));
     if (lines.Next())  // may well be empty

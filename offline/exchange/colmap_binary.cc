@@ -1,0 +1,211 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "dataset/error.h"
+#include "exchange/colmap_files.h"
+
+namespace raygrid {
+namespace {
+
+constexpr int32_t kCameraSensor = 0;
+constexpr uint64_t kMostCameras = 1000000, kLongestSidePx = 1000000;
+
+// Numbers one after another, little-endian.
+class ByteReader {
+ public:
+  explicit ByteReader(const std::string& bytes) : bytes_(bytes) {}
+
+  template <typename Number>
+  Number Get() {
+    uint64_t bits = 0;
+    if (bytes_.size() - at_ < sizeof(Number))
+      throw InputError(fmt::format(
+          "ends after {} bytes, in the middle of a camera; copy it again",
+          bytes_.size()));
+    for (size_t k = 0; k < sizeof(Number); ++k)
+      bits |= uint64_t{static_cast<unsigned char>(bytes_[at_ + k])} << 8 * k;
+    at_ += sizeof(Number);
+    Number number;
+    std::memcpy(&number, &bits, sizeof(Number));
+    return number;
+  }
+  double GetFinite() {
+    const auto number = Get<double>();
+    if (!std::isfinite(number))
+      throw InputError(
+          fmt::format("no finite number at byte {}", at_ - sizeof(number)));
+    return number;
+  }
+  void RequireEnd() const {
+    if (at_ != bytes_.size())
+      throw InputError(
+          fmt::format("has {} bytes behind its end", bytes_.size() - at_));
+  }
+
+ private:
+  const std::string& bytes_;
+  size_t at_ = 0;
+};
+
+template <typename Number>
+void Append(Number number, std::string* bytes) {
+  uint64_t bits = 0;
+  std::memcpy(&bits, &number, sizeof(number));
+  for (size_t k = 0; k < sizeof(number); ++k)
+    bytes->push_back(static_cast<char>(bits >> 8 * k & 0xff));
+}
+
+int SideOf(uint64_t side) {
+  if (side < 1 || side > kLongestSidePx)
+    throw InputError(fmt::format("{}: no size of an image", side));
+  return static_cast<int>(side);
+}
+
+ColmapRig DecodeRig(ByteReader* reader) {
+  ColmapRig rig;
+  reader->Get<uint32_t>();
+  const auto count = reader->Get<uint32_t>();
+  for (uint32_t k = 0; k < count; ++k) {
+    const bool is_camera = reader->Get<int32_t>() == kCameraSensor;
+    ColmapSensor sensor;
+    sensor.camera = reader->Get<uint32_t>();
+    if (k == 0) {
+      sensor.sensor_from_rig = Pose{};
+    } else if (reader->Get<uint8_t>() != 0) {
+      std::array<double, 7> numbers;
+      for (double& number : numbers) number = reader->GetFinite();
+      sensor.sensor_from_rig = ColmapPose(numbers);
+    }
+    if (is_camera) rig.push_back(sensor);
+  }
+  return rig;
+}
+
+}  // namespace
+
+const std::vector<std::string>& ColmapModelNames() {
+  static const std::vector<std::string> names = {"SIMPLE_PINHOLE",
+                                                 "PINHOLE",
+                                                 "SIMPLE_RADIAL",
+                                                 "RADIAL",
+                                                 "OPENCV",
+                                                 "OPENCV_FISHEYE",
+                                                 "FULL_OPENCV",
+                                                 "FOV",
+                                                 "SIMPLE_RADIAL_FISHEYE",
+                                                 "RADIAL_FISHEYE",
+                                                 "THIN_PRISM_FISHEYE",
+                                                 "RAD_TAN_THIN_PRISM_FISHEYE",
+                                                 "SIMPLE_DIVISION",
+                                                 "DIVISION",
+                                                 "SIMPLE_FISHEYE",
+                                                 "FISHEYE",
+                                                 "EUCM",
+                                                 "EQUIRECTANGULAR"};
+  return names;
+}
+
+int NumColmapParameters(const std::string& model) {
+  static const int counts[] = {3, 4,  4,  5, 8, 8, 12, 5, 4,
+                               5, 12, 16, 4, 5, 3, 4,  6, 2};
+  const std::vector<std::string>& names = ColmapModelNames();
+  return counts[std::find(names.begin(), names.end(), model) - names.begin()];
+}
+
+Pose ColmapPose(const std::array<double, 7>& numbers) {
+  const Eigen::Quaterniond rotation(numbers[0], numbers[1], numbers[2],
+                                    numbers[3]);
+  if (!(rotation.norm() > 0.5) || !(rotation.norm() < 2))
+    throw InputError("a quaternion that is no rotation");
+  Pose pose;
+  // A quaternion of length 1 is not touched, so that it comes out as it was.
+  pose.rotation =
+      std::abs(rotation.norm() - 1) < 1e-12 ? rotation : rotation.normalized();
+  pose.translation = {numbers[4], numbers[5], numbers[6]};
+  return pose;
+}
+
+bool IsColmapBinary(const std::string& bytes) {
+  constexpr int kMostModels = 256;
+  if (bytes.size() < 32) return false;
+  ByteReader reader(bytes);
+  const auto count = reader.Get<uint64_t>();
+  reader.Get<uint32_t>();
+  const auto model = reader.Get<int32_t>();
+  const auto width = reader.Get<uint64_t>(), height = reader.Get<uint64_t>();
+  return count >= 1 && count <= kMostCameras && model >= 0 &&
+         model < kMostModels && width >= 1 && width <= kLongestSidePx &&
+         height >= 1 && height <= kLongestSidePx;
+}
+
+std::vector<ColmapCamera> DecodeColmapCameras(const std::string& bytes) {
+  ByteReader reader(bytes);
+  const auto count = reader.Get<uint64_t>();
+  std::vector<ColmapCamera> cameras;
+  for (uint64_t k = 0; k < count; ++k) {
+    ColmapCamera camera;
+    camera.id = reader.Get<uint32_t>();
+    const auto model = reader.Get<int32_t>();
+    const std::vector<std::string>& names = ColmapModelNames();
+    if (model < 0 || model >= static_cast<int32_t>(names.size()))
+      throw InputError(
+          fmt::format("camera {}: unknown model {}", camera.id, model));
+    camera.model = names[model];
+    camera.size.width = SideOf(reader.Get<uint64_t>());
+    camera.size.height = SideOf(reader.Get<uint64_t>());
+    for (int n = NumColmapParameters(camera.model); n > 0; --n)
+      camera.parameters.push_back(reader.GetFinite());
+    cameras.push_back(std::move(camera));
+  }
+  reader.RequireEnd();
+  return cameras;
+}
+
+std::vector<ColmapRig> DecodeColmapRigs(const std::string& bytes) {
+  ByteReader reader(bytes);
+  std::vector<ColmapRig> rigs;
+  for (auto count = reader.Get<uint64_t>(); count > 0; --count)
+    rigs.push_back(DecodeRig(&reader));
+  reader.RequireEnd();
+  return rigs;
+}
+
+std::string EncodeColmapCameras(const std::vector<ColmapCamera>& cameras) {
+  const std::vector<std::string>& names = ColmapModelNames();
+  std::string bytes;
+  Append<uint64_t>(cameras.size(), &bytes);
+  for (const ColmapCamera& camera : cameras) {
+    Append<uint32_t>(camera.id, &bytes);
+    Append<int32_t>(
+        std::find(names.begin(), names.end(), camera.model) - names.begin(),
+        &bytes);
+    Append<uint64_t>(camera.size.width, &bytes);
+    Append<uint64_t>(camera.size.height, &bytes);
+    for (const double number : camera.parameters) Append(number, &bytes);
+  }
+  return bytes;
+}
+
+std::string EncodeColmapRig(const ColmapRig& rig) {
+  std::string bytes;
+  Append<uint64_t>(1, &bytes);
+  Append<uint32_t>(1, &bytes);
+  Append<uint32_t>(rig.size(), &bytes);
+  for (size_t k = 0; k < rig.size(); ++k) {
+    Append<int32_t>(kCameraSensor, &bytes);
+    Append<uint32_t>(rig[k].camera, &bytes);
+    if (k == 0) continue;
+    const Pose& pose = rig[k].sensor_from_rig.value();
+    const Eigen::Quaterniond& q = pose.rotation;
+    Append<uint8_t>(1, &bytes);
+    for (const double number :
+         {q.w(), q.x(), q.y(), q.z(), pose.translation.x(),
+          pose.translation.y(), pose.translation.z()})
+      Append(number, &bytes);
+  }
+  return bytes;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,65 @@
+/// COLMAP's files of cameras and rigs, as text and binary, without what the
+/// numbers mean.
+#ifndef RAYGRID_EXCHANGE_COLMAP_FILES_H
+#define RAYGRID_EXCHANGE_COLMAP_FILES_H
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera/area.h"
+#include "camera/pose.h"
+
+namespace raygrid {
+
+struct ColmapCamera {
+  uint32_t id = 0;
+  std::string model;  ///< "OPENCV"
+  ImageSize size;
+  std::vector<double> parameters;
+  std::string name, serial;  ///< comments of raygrid's; "" in binary files
+  std::string remark;        ///< written as a comment
+};
+
+/// A camera of a rig; COLMAP's rigs have other sensors, too, which are left
+/// out.
+struct ColmapSensor {
+  uint32_t camera = 0;
+  std::optional<Pose> sensor_from_rig;  ///< the identity of the first one
+};
+using ColmapRig = std::vector<ColmapSensor>;
+
+/// COLMAP's models by their numbers in binary files.
+const std::vector<std::string>& ColmapModelNames();
+
+/// How many parameters a model of these has.
+int NumColmapParameters(const std::string& model);
+
+/// Whether a text, or bytes, may be cameras.txt or cameras.bin, even of a model
+/// that is not known.
+bool IsColmapText(const std::string& text);
+bool IsColmapBinary(const std::string& bytes);
+
+/// cameras.txt and rigs.txt; the path is used in errors. They throw InputError.
+std::vector<ColmapCamera> ParseColmapCameras(const std::string& path,
+                                             const std::string& text);
+std::vector<ColmapRig> ParseColmapRigs(const std::string& path,
+                                       const std::string& text);
+std::string FormatColmapCameras(const std::vector<ColmapCamera>& cameras);
+std::string FormatColmapRig(const ColmapRig& rig);
+
+/// cameras.bin and rigs.bin, likewise.
+std::vector<ColmapCamera> DecodeColmapCameras(const std::string& bytes);
+std::vector<ColmapRig> DecodeColmapRigs(const std::string& bytes);
+std::string EncodeColmapCameras(const std::vector<ColmapCamera>& cameras);
+std::string EncodeColmapRig(const ColmapRig& rig);
+
+/// A rotation and a translation, whose quaternion may be of any length but 0.
+/// Throws InputError.
+Pose ColmapPose(const std::array<double, 7>& numbers);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_COLMAP_FILES_H

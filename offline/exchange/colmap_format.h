@@ -1,0 +1,14 @@
+#ifndef RAYGRID_EXCHANGE_COLMAP_FORMAT_H
+#define RAYGRID_EXCHANGE_COLMAP_FORMAT_H
+
+#include "exchange/format.h"
+
+namespace raygrid {
+
+/// COLMAP's cameras.txt and cameras.bin, and of a rig rigs.txt or rigs.bin
+/// beside them.
+Format ColmapFormat();
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_COLMAP_FORMAT_H

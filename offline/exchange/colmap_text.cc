@@ -1,0 +1,168 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "dataset/word_lines.h"
+#include "exchange/colmap_files.h"
+
+namespace raygrid {
+namespace {
+
+constexpr char kCamerasHeader[] =
+    "# Camera list with one line of data per camera:\n"
+    "#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n";
+constexpr char kRigsHeader[] =
+    "# Rig calib list with one line of data per calib:\n"
+    "#   RIG_ID, NUM_SENSORS, REF_SENSOR_TYPE, REF_SENSOR_ID, SENSORS[] as "
+    "(SENSOR_TYPE, SENSOR_ID, HAS_POSE, [QW, QX, QY, QZ, TX, TY, TZ])\n";
+
+// Comments that other readers pass over.
+constexpr char kNameComment[] = "# Name of camera ";
+constexpr char kSerialComment[] = "# Serial of camera ";
+
+// The texts of comments of this kind, by the numbers of cameras.
+std::map<uint32_t, std::string> Comments(const std::string& text,
+                                         const std::string& kind) {
+  std::map<uint32_t, std::string> comments;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind(kind, 0) != 0) continue;
+    uint32_t id = 0;
+    const char* const end = line.data() + line.size();
+    const auto number = std::from_chars(line.data() + kind.size(), end, id);
+    const std::string rest(number.ptr, end);
+    if (number.ec == std::errc() && rest.rfind(": ", 0) == 0)
+      comments[id] = rest.substr(2);
+  }
+  return comments;
+}
+
+std::string CommentText(const std::string& kind, uint32_t id,
+                        const std::string& text) {
+  return text.empty() ? ""
+                      : fmt::format("{}{}: {}\n", kind, id, Printable(text));
+}
+
+bool IsModelWord(const std::string& word) {
+  return std::isupper(static_cast<unsigned char>(word[0])) &&
+         word.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789") ==
+             std::string::npos;
+}
+
+bool IsCount(const std::string& word) {
+  return word.find_first_not_of("0123456789") == std::string::npos;
+}
+
+Pose PoseOfWords(const WordLines& lines, size_t first) {
+  std::array<double, 7> numbers;
+  for (size_t k = 0; k < numbers.size(); ++k)
+    numbers[k] = lines.Get<double>(first + k);
+  try {
+    return ColmapPose(numbers);
+  } catch (const InputError& error) {
+    lines.Refuse(error.what());
+  }
+}
+
+// The sensors behind the reference sensor, in pairs of type and number.
+ColmapRig RigOfWords(const WordLines& lines) {
+  constexpr char kCamera[] = "CAMERA";
+  ColmapRig rig;
+  size_t at = 4;
+  const auto count = lines.Get<uint32_t>(1);
+  if (count > 0 && lines.Text(2) == kCamera)
+    rig.push_back({lines.Get<uint32_t>(3), Pose{}});
+  for (uint32_t k = 1; k < count; ++k) {
+    ColmapSensor sensor;
+    const bool is_camera = lines.Text(at) == kCamera;
+    sensor.camera = lines.Get<uint32_t>(at + 1);
+    const bool has_pose = lines.Get<int>(at + 2) != 0;
+    if (has_pose) sensor.sensor_from_rig = PoseOfWords(lines, at + 3);
+    at += has_pose ? 10 : 3;
+    if (is_camera) rig.push_back(sensor);
+  }
+  if (count > 0 && at != lines.size()) lines.Refuse("too many words");
+  return rig;
+}
+
+}  // namespace
+
+bool IsColmapText(const std::string& text) {
+  if (text.rfind(kCamerasHeader, 0) == 0) return true;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    std::istringstream words(line);
+    std::string id, model, width, height, more;
+    return words >> id >> model >> width >> height >> more && IsCount(id) &&
+           IsModelWord(model) && IsCount(width) && IsCount(height);
+  }
+  return false;
+}
+
+std::vector<ColmapCamera> ParseColmapCameras(const std::string& path,
+                                             const std::string& text) {
+  WordLines lines(path, text, "cameras.txt as COLMAP writes it");
+  const auto names = Comments(text, kNameComment);
+  const auto serials = Comments(text, kSerialComment);
+  std::vector<ColmapCamera> cameras;
+  while (lines.NextWithWords()) {
+    ColmapCamera camera;
+    camera.id = lines.Get<uint32_t>(0);
+    camera.model = lines.Text(1);
+    camera.size = {lines.Get<int>(2), lines.Get<int>(3)};
+    for (size_t k = 4; k < lines.size(); ++k)
+      camera.parameters.push_back(lines.Get<double>(k));
+    if (const auto name = names.find(camera.id); name != names.end())
+      camera.name = name->second;
+    if (const auto serial = serials.find(camera.id); serial != serials.end())
+      camera.serial = serial->second;
+    cameras.push_back(std::move(camera));
+  }
+  return cameras;
+}
+
+std::vector<ColmapRig> ParseColmapRigs(const std::string& path,
+                                       const std::string& text) {
+  WordLines lines(path, text, "rigs.txt as COLMAP writes it");
+  std::vector<ColmapRig> rigs;
+  while (lines.NextWithWords()) rigs.push_back(RigOfWords(lines));
+  return rigs;
+}
+
+std::string FormatColmapCameras(const std::vector<ColmapCamera>& cameras) {
+  std::string text = kCamerasHeader;
+  text += fmt::format("# Number of cameras: {}\n", cameras.size());
+  for (const ColmapCamera& camera : cameras) {
+    text += CommentText(kNameComment, camera.id, camera.name);
+    text += CommentText(kSerialComment, camera.id, camera.serial);
+    text += CommentText("# Fit of camera ", camera.id, camera.remark);
+    text += fmt::format("{} {} {} {}", camera.id, camera.model,
+                        camera.size.width, camera.size.height);
+    for (const double number : camera.parameters)
+      text += fmt::format(" {}", number);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string FormatColmapRig(const ColmapRig& rig) {
+  std::string text = kRigsHeader;
+  text += fmt::format("# Number of rigs: 1\n1 {} CAMERA {}", rig.size(),
+                      rig.front().camera);
+  for (size_t k = 1; k < rig.size(); ++k) {
+    const Pose& pose = rig[k].sensor_from_rig.value();
+    const Eigen::Quaterniond& q = pose.rotation;
+    text += fmt::format(" CAMERA {} 1 {} {} {} {} {} {} {}", rig[k].camera,
+                        q.w(), q.x(), q.y(), q.z(), pose.translation.x(),
+                        pose.translation.y(), pose.translation.z());
+  }
+  return text + "\n";
+}
+
+}  // namespace raygrid

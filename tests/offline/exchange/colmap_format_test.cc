@@ -1,0 +1,187 @@
+#include "exchange/colmap_format.h"
+
+#include "exchange/colmap_files.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+// Files that COLMAP 4.2 wrote.
+constexpr char kColmapCameras[] =
+    "# Camera list with one line of data per camera:\n"
+    "#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n"
+    "# Number of cameras: 2\n"
+    "1 OPENCV 640 480 500 501 320.5 240.5 0.10000000000000001 0.01 0.001 "
+    "0.002\n"
+    "2 SIMPLE_RADIAL 640 480 500 320.5 240.5 0.01\n";
+constexpr char kColmapRigs[] =
+    "# Rig calib list with one line of data per calib:\n"
+    "#   RIG_ID, NUM_SENSORS, REF_SENSOR_TYPE, REF_SENSOR_ID, SENSORS[] as "
+    "(SENSOR_TYPE, SENSOR_ID, HAS_POSE, [QW, QX, QY, QZ, TX, TY, TZ])\n"
+    "# Number of rigs: 1\n"
+    "1 2 CAMERA 1 CAMERA 2 1 0.80000000000000004 0 0 0.59999999999999998 1 2 "
+    "3\n";
+const std::string kBinaryRig = {
+    1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 3, 0, 0, 0,  // one rig of 3 sensors
+    0, 0, 0, 0, 1, 0, 0, 0,                          // camera 1
+    1, 0, 0, 0, 9, 0, 0, 0, 0,                       // an IMU
+    0, 0, 0, 0, 2, 0, 0, 0, 0};                      // camera 2, no pose
+
+ExchangeContents ParseColmap(const std::string& cameras,
+                             const std::string& rigs = "") {
+  return ReadExchangeFile(nullptr, {"m/cameras.txt", cameras, "", {}, rigs});
+}
+
+std::string ColmapBinary(const std::string& cameras = kColmapCameras) {
+  return EncodeColmapCameras(ParseColmapCameras("", cameras));
+}
+
+std::string ColmapWith(std::string text, const std::string& old,
+                       const std::string& by) {
+  const size_t at = text.find(old);
+  EXPECT_NE(at, std::string::npos) << old;
+  return text.replace(at, old.size(), by);
+}
+
+TEST(ColmapFormat, ReadsWhatColmapWrites) {
+  for (const std::string& file :
+       {std::string(kColmapCameras), ColmapBinary()}) {
+    const ExchangeContents contents = ParseColmap(file);
+    ASSERT_EQ(contents.cameras.size(), 2u);
+    const LensInForm& lens = contents.cameras[0].lens;
+    EXPECT_EQ(lens.form->name, "OPENCV");
+    EXPECT_EQ(lens.size, (ImageSize{640, 480}));
+    EXPECT_EQ(contents.cameras[1].name, "camera2");
+    EXPECT_FALSE(contents.IsRig());
+    Eigen::VectorXd parameters(12);
+    // COLMAP's first pixel is at (0.5, 0.5).
+    parameters << 500, 500, 320, 240, 0.01, 0, 0, 0, 0, 0, 0, 0;
+    EXPECT_EQ(MakeLens(contents.cameras[1].lens)->Parameters(), parameters);
+  }
+}
+
+TEST(ColmapFormat, NumbersModelsAsColmapDoes) {
+  const std::string bytes = ColmapBinary();
+  ASSERT_EQ(bytes.size(), 8u + 24 + 8 * 8 + 24 + 4 * 8);
+  EXPECT_EQ(bytes.substr(0, 32), std::string("\2\0\0\0\0\0\0\0"
+                                             "\1\0\0\0\4\0\0\0"
+                                             "\x80\2\0\0\0\0\0\0"
+                                             "\xe0\1\0\0\0\0\0\0",
+                                             32));
+  EXPECT_EQ(ColmapModelNames()[10], "THIN_PRISM_FISHEYE");
+  for (const LensForm& form : ColmapFormat().forms)
+    EXPECT_EQ(NumColmapParameters(form.name),
+              static_cast<int>(form.parameters.size()))
+        << form.name;
+}
+
+TEST(ColmapFormat, HasRigsInTheFrameOfTheirFirstCamera) {
+  const ExchangeContents rig = ParseColmap(kColmapCameras, kColmapRigs);
+  ASSERT_TRUE(rig.IsRig());
+  EXPECT_EQ(rig.cameras[1].camera_from_rig->translation,
+            Eigen::Vector3d(1, 2, 3));
+  EXPECT_NEAR(rig.cameras[1].camera_from_rig->rotation.z(), 0.6, 1e-15);
+  std::vector<WrittenLens> lenses(2);
+  const Pose rig_from_other = {RotationFromVector({0.3, 0.2, 0.1}), {4, 5, 6}};
+  for (int c = 0; c < 2; ++c) {
+    lenses[c].lens = rig.cameras[c].lens;
+    lenses[c].camera_from_rig =
+        *rig.cameras[c].camera_from_rig * rig_from_other;
+  }
+  const Format format = ColmapFormat();
+  for (const char* path : {"m/cameras.txt", "m/cameras.bin"}) {
+    EXPECT_EQ(format.beside(path), std::string("m/rigs") + (path + 9));
+    const ExchangeContents again = ParseColmap(
+        format.write({path, lenses}), format.write_beside({path, lenses}));
+    ASSERT_TRUE(again.IsRig());
+    const Pose& pose = *again.cameras[1].camera_from_rig;
+    EXPECT_LT((pose.translation - Eigen::Vector3d(1, 2, 3)).norm(), 1e-12);
+    EXPECT_NEAR(std::abs(pose.rotation.w()), 0.8, 1e-12);
+  }
+}
+
+TEST(ColmapFormat, SaysWhichPosesItLeavesOut) {
+  EXPECT_EQ(ParseColmap(ColmapBinary(), kBinaryRig).remarks.size(), 1u);
+  EXPECT_FALSE(ParseColmap(ColmapBinary(), kBinaryRig).IsRig());
+  // A model without rigs has one for each camera.
+  EXPECT_TRUE(ParseColmap(kColmapCameras, "1 1 CAMERA 1\n2 1 CAMERA 2\n")
+                  .remarks.empty());
+  ExpectError(ExitCode::kInput, {"camera 7", "not there"}, [] {
+    ParseColmap(kColmapCameras,
+                ColmapWith(kColmapRigs, "CAMERA 2", "CAMERA 7"));
+  });
+  ExpectError(ExitCode::kInput, {"m/rigs.txt, line 4", "no rotation"}, [] {
+    ParseColmap(kColmapCameras,
+                ColmapWith(ColmapWith(kColmapRigs, "0.80000000000000004", "0"),
+                           "0.59999999999999998", "0"));
+  });
+  ExpectError(ExitCode::kInput, {"m/rigs.txt, line 4", "too few words"}, [] {
+    ParseColmap(kColmapCameras, ColmapWith(kColmapRigs, " 1 2 3", ""));
+  });
+}
+
+TEST(ColmapFormat, RefusesInOneLine) {
+  const std::string text = kColmapCameras;
+  const std::vector<std::pair<std::string, std::vector<std::string>>> cases = {
+      {ColmapWith(text, "OPENCV", "CRAZY"),
+       {"m/cameras.txt", "camera 1", "CRAZY is no model of COLMAP", "OPENCV"}},
+      {ColmapWith(text, "OPENCV", "FOV"),
+       {"FOV is a model that raygrid has not"}},
+      {ColmapWith(text, "0.01", "nan"), {"line 4", "'nan' is not a number"}},
+      {ColmapWith(text, "640", "640.5"), {"line 4", "'640.5'"}},
+      {ColmapWith(text, " 0.002", ""), {"OPENCV", "7 numbers where 8"}},
+      {ColmapWith(text, "2 SIMPLE", "1 SIMPLE"), {"camera 1 is there twice"}},
+      {ColmapWith(text, "640", "0"), {"image size"}},
+      {text.substr(0, text.find("1 OPENCV")), {"no camera in it"}},
+      {ColmapWith(ColmapBinary(), std::string("\4\0\0\0", 4),
+                  "\x63" + std::string(3, 0)),
+       {"camera 1", "unknown model 99"}},
+      {ColmapBinary() + "x", {"1 bytes behind its end"}},
+  };
+  for (const auto& [file, words] : cases)
+    ExpectError(ExitCode::kInput, words, [&, &file = file] {
+      for (const ReadLens& camera : ParseColmap(file).cameras)
+        MakeLens(camera.lens);
+    });
+}
+
+TEST(ColmapFormat, RefusesEveryTruncation) {
+  const std::string cameras = ColmapBinary(),
+                    rigs = EncodeColmapRig(ParseColmapRigs("", kColmapRigs)[0]);
+  const Format format = ColmapFormat();
+  for (size_t size = 0; size < cameras.size(); ++size)
+    ExpectError(ExitCode::kInput, {"cameras.txt", "ends after"}, [&] {
+      ReadExchangeFile(&format,
+                       {"cameras.txt", cameras.substr(0, size), "", {}});
+    });
+  for (size_t size = 1; size < rigs.size(); ++size)
+    ExpectError(ExitCode::kInput, {"ends after"},
+                [&] { ParseColmap(cameras, rigs.substr(0, size)); });
+}
+
+TEST(ColmapFormat, TakesDamagedBytesForNothingElse) {
+  TestRandom random(4);
+  const Format format = ColmapFormat();
+  const std::string rigs = EncodeColmapRig(ParseColmapRigs("", kColmapRigs)[0]);
+  for (int k = 0; k < 2000; ++k) {
+    std::string cameras = ColmapBinary(), beside = rigs;
+    for (std::string* bytes : {&cameras, &beside})
+      (*bytes)[random.Index(static_cast<int>(bytes->size()))] =
+          static_cast<char>(random.Index(256));
+    try {
+      const ExchangeContents contents =
+          ReadExchangeFile(&format, {"c.bin", cameras, "", {}, beside});
+      for (const ReadLens& camera : contents.cameras) {
+        EXPECT_TRUE(CameraFileOf(camera).camera->Parameters().allFinite());
+        EXPECT_TRUE(
+            camera.camera_from_rig.value_or(Pose{}).translation.allFinite());
+      }
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::kInput) << error.what();
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace raygrid
