@@ -291,7 +291,7 @@ std::vector<std::pair<std::string, std::string>> WriteAll(
   }
   for (const WrittenLens& lens : lenses) {
     const std::string path =
-        (std::filesystem::path(arguments.output) / (lens.name + ".yaml"))
+        (std::filesystem::path(arguments.output) / (lens.name + format.ending))
             .string();
     files.emplace_back(path, format.write({path, {lens}}));
   }

@@ -69,6 +69,13 @@ ExchangeContents ReadForeign(const ImportArguments& arguments) {
           arguments.files.front() +
           ": its R and P are of rectified images and not taken; import both "
           "files of a pair to have a rig");
+    const auto& pose = all.cameras.front().camera_from_rig;
+    if (all.cameras.size() == 1 && pose &&
+        !(pose->rotation.vec().norm() + pose->translation.norm() < 1e-12))
+      all.remarks.push_back(
+          arguments.files.front() +
+          ": its pose is not taken; import the files of all cameras of its rig "
+          "to have the rig");
     return all;
   }
   if (names.size() < all.cameras.size() || names.count("") > 0)

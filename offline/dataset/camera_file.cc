@@ -10,6 +10,7 @@
 #include "camera/central_radial.h"
 #include "camera/lens_models.h"
 #include "camera/noncentral_generic.h"
+#include "camera/splined_stereographic.h"
 #include "camera/view_camera.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
@@ -135,6 +136,36 @@ std::shared_ptr<CameraModel> ParseCentralRadial(const YAML::Node& root,
       others.data());
   return std::make_shared<CentralRadial>(size, area, max_angle_rad, spline,
                                          others);
+}
+
+std::shared_ptr<CameraModel> ParseSplinedStereographic(const YAML::Node& root,
+                                                       const ImageSize& size,
+                                                       const Area& area) {
+  constexpr int kMost = 1027;
+  const YAML::Node node = root["spline"];
+  const SplinedStereographic::Grid grid = {node["columns"].as<int>(),
+                                           node["rows"].as<int>(),
+                                           node["fov_x_deg"].as<int>()};
+  if (std::min(grid.columns, grid.rows) < 4 ||
+      std::max(grid.columns, grid.rows) > kMost)
+    throw InputError("spline: columns and rows must be 4 to 1027");
+  if (grid.fov_x_deg < 1 || grid.fov_x_deg > 359)
+    throw InputError("spline: fov_x_deg must be 1 to 359");
+  const YAML::Node points = node["control_points"];
+  const int count = 2 * grid.columns * grid.rows;
+  if (!points.IsSequence() || static_cast<int>(points.size()) != count)
+    throw InputError(
+        fmt::format("spline: control_points are not {} numbers", count));
+  Eigen::VectorXd parameters = Eigen::VectorXd::Zero(count + 4);
+  int index = 0;
+  for (const YAML::Node& number : points)
+    parameters[index++] = Number(number, "spline: control_points");
+  ParseParameters(
+      root, SplinedStereographic(size, area, grid, parameters).ParameterNames(),
+      parameters.data() + count);
+  if (!(parameters.segment<2>(count).minCoeff() > 0))
+    throw InputError("parameters: fx and fy must be above 0");
+  return std::make_shared<SplinedStereographic>(size, area, grid, parameters);
 }
 
 std::optional<ErrorFigures> ParseFigures(const YAML::Node& node) {
@@ -278,6 +309,8 @@ CameraFile Parse(const YAML::Node& root) {
     file.camera = ParseLens(root, *lens, image_size, area);
   else if (model == "central-radial")
     file.camera = ParseCentralRadial(root, image_size, area);
+  else if (model == "splined-stereographic")
+    file.camera = ParseSplinedStereographic(root, image_size, area);
   else if (const auto projection = FindProjection(model))
     file.camera = ParseView(root, *projection, image_size, area);
   else
@@ -386,6 +419,17 @@ void EmitParameters(const ParametricModel& lens, Digits digits,
          << fmt::format("{:.17g}", radial->max_angle_rad()) << YAML::Key
          << "spline" << YAML::Value << YAML::Flow << YAML::BeginSeq;
     for (const double value : radial->spline()) *out << number(value);
+    *out << YAML::EndSeq << YAML::EndMap;
+  }
+  if (const auto* spline = dynamic_cast<const SplinedStereographic*>(&lens)) {
+    const SplinedStereographic::Grid& grid = spline->grid();
+    *out << YAML::Key << "spline" << YAML::Value << YAML::BeginMap << YAML::Key
+         << "columns" << YAML::Value << grid.columns << YAML::Key << "rows"
+         << YAML::Value << grid.rows << YAML::Key << "fov_x_deg" << YAML::Value
+         << grid.fov_x_deg << YAML::Key << "control_points" << YAML::Value
+         << YAML::Flow << YAML::BeginSeq;
+    for (const Eigen::Vector2d& point : spline->surface().points())
+      *out << number(point.x()) << number(point.y());
     *out << YAML::EndSeq << YAML::EndMap;
   }
   const std::vector<std::string>& names = lens.ParameterNames();

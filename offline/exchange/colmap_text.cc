@@ -35,7 +35,8 @@ std::map<uint32_t, std::string> Comments(const std::string& text,
     uint32_t id = 0;
     const char* const end = line.data() + line.size();
     const auto number = std::from_chars(line.data() + kind.size(), end, id);
-    const std::string rest(number.ptr, end);
+    std::string rest(number.ptr, end);
+    if (rest.back() == '\r') rest.pop_back();
     if (number.ec == std::errc() && rest.rfind(": ", 0) == 0)
       comments[id] = rest.substr(2);
   }
@@ -96,10 +97,10 @@ bool IsColmapText(const std::string& text) {
   if (text.rfind(kCamerasHeader, 0) == 0) return true;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
-    if (line.empty() || line[0] == '#') continue;
     std::istringstream words(line);
     std::string id, model, width, height, more;
-    return words >> id >> model >> width >> height >> more && IsCount(id) &&
+    if (line[0] == '#' || !(words >> id)) continue;
+    return words >> model >> width >> height >> more && IsCount(id) &&
            IsModelWord(model) && IsCount(width) && IsCount(height);
   }
   return false;

@@ -50,8 +50,8 @@ struct ReadRequest {
   std::string path, text;
   std::string form;               ///< --model: the file does not tell; or ""
   std::optional<ImageSize> size;  ///< --image-size, likewise
-  std::string beside =
-      {};  ///< text of Format::beside()'s file; "" if not there
+  /// The text of the file that Format::beside() names; "" if it is not there.
+  std::string beside = {};
 };
 
 /// A camera to be written.
@@ -75,9 +75,10 @@ struct Format {
   std::string name;   ///< "opencv", for --to and --from
   std::string holds;  ///< one line for --list
   std::vector<LensForm> forms;
-  bool holds_rigs = false;   ///< else a file has one camera
-  bool holds_pairs = false;  ///< files of two cameras have R and P
-  bool holds_poses = false;  ///< of boards
+  std::string ending = ".yaml";  ///< of the files of a rig's cameras
+  bool holds_rigs = false;       ///< else a file has one camera
+  bool holds_pairs = false;      ///< files of two cameras have R and P
+  bool holds_poses = false;      ///< of boards
 
   /// Whether a text is of this format, by words that others have not. It need
   /// not be well-formed.

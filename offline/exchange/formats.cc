@@ -7,6 +7,7 @@
 #include "exchange/colmap_format.h"
 #include "exchange/format.h"
 #include "exchange/kalibr_format.h"
+#include "exchange/mrcal_format.h"
 #include "exchange/opencv_format.h"
 #include "exchange/ros_format.h"
 
@@ -39,7 +40,8 @@ void AddRemarksOnLenses(ExchangeContents* contents) {
 
 const std::vector<Format>& Formats() {
   static const std::vector<Format> formats = {OpenCvFormat(), RosFormat(),
-                                              KalibrFormat(), ColmapFormat()};
+                                              KalibrFormat(), ColmapFormat(),
+                                              MrcalFormat()};
   return formats;
 }
 

@@ -28,8 +28,23 @@ double ChoiceRmsPx(const LensFit& fit) {
   return std::sqrt(sum / static_cast<double>(fit.num_pixels + fit.num_beyond));
 }
 
+// A spline needs no turn.
+ChosenLens FitSpline(const LensForm& form, const CameraModel& camera,
+                     const TrustMask* trusted) {
+  auto model = FitSplinedStereographic(camera, trusted);
+  ChosenLens chosen;
+  chosen.fit = LensFit{};
+  if (!model) return chosen;
+  chosen.fit = MeasureLens(camera, trusted, *model, form,
+                           Eigen::Quaterniond::Identity());
+  chosen.lens = InForm(form, *model).value();
+  chosen.model = std::move(model);
+  return chosen;
+}
+
 ChosenLens FitLens(const LensForm& form, const CameraModel& camera,
                    const TrustMask* trusted) {
+  if (form.IsSpline()) return FitSpline(form, camera, trusted);
   FitOptions options;
   options.held = form.Missing();
   options.ties_focal_lengths = form.Has("f");
@@ -96,7 +111,8 @@ ChosenLens ChooseLens(const std::vector<const LensForm*>& forms,
                       int num_threads) {
   constexpr double kWorthPart = 0.02;
   const auto has_fewer = [](const LensForm* a, const LensForm* b) {
-    return a->parameters.size() < b->parameters.size();
+    return std::make_pair(a->IsSpline(), a->parameters.size()) <
+           std::make_pair(b->IsSpline(), b->parameters.size());
   };
   std::vector<const LensForm*> sorted = forms;
   std::stable_sort(sorted.begin(), sorted.end(), has_fewer);

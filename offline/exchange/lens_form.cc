@@ -26,12 +26,55 @@ Eigen::Index IndexOf(const LensModel& model, const std::string& parameter) {
          model.parameters.begin();
 }
 
+constexpr double kLargestNumber = 1e12;
+
 void RequireNumbers(const LensForm& form, const std::vector<double>& values) {
-  constexpr double kLargest = 1e12;
   for (size_t k = 0; k < values.size(); ++k)
-    if (!(std::abs(values[k]) <= kLargest))
+    if (!(std::abs(values[k]) <= kLargestNumber))
       throw InputError(fmt::format("{}: not a number, or beyond {:g}",
-                                   form.parameters[k], kLargest));
+                                   form.parameters[k], kLargestNumber));
+}
+
+void RequireSize(const ImageSize& size) {
+  if (size.width < 1 || size.height < 1)
+    throw InputError("the image size is not two positive numbers");
+  if (std::max(size.width, size.height) > kMaxHugeSidePx)
+    throw InputError(
+        fmt::format("image size: no camera has more than {} pixels a side",
+                    kMaxHugeSidePx));
+}
+
+void RequireFocalLengths(const Eigen::Vector2d& focal_px) {
+  if (!(focal_px.minCoeff() > 0))
+    throw InputError("a focal length is not above 0");
+}
+
+std::unique_ptr<ParametricModel> MakeNamedLens(const LensInForm& lens) {
+  const LensForm& form = *lens.form;
+  const LensModel& model = *FindLensModel(form.model);
+  if (lens.values.size() != form.parameters.size())
+    throw InputError(fmt::format("{}: {} numbers where {} are needed",
+                                 form.name, lens.values.size(),
+                                 form.parameters.size()));
+  RequireNumbers(form, lens.values);
+  Eigen::VectorXd parameters = Eigen::VectorXd::Zero(model.parameters.size());
+  for (size_t k = 0; k < lens.values.size(); ++k) {
+    parameters[IndexOf(model, form.parameters[k])] = lens.values[k];
+    if (form.parameters[k] == "f")
+      parameters[IndexOf(model, "fy")] = lens.values[k];
+  }
+  RequireFocalLengths(parameters.head<2>());
+  parameters.segment<2>(2) = FromProgram(form.origin, parameters.segment<2>(2));
+  return model.make(lens.size, WholeImage(lens.size), parameters);
+}
+
+std::unique_ptr<ParametricModel> MakeSpline(const LensInForm& lens) {
+  const Eigen::VectorXd parameters = lens.spline->Parameters();
+  if (!(parameters.cwiseAbs().maxCoeff() <= kLargestNumber))
+    throw InputError(fmt::format("{}: a number is none, or beyond {:g}",
+                                 lens.form->name, kLargestNumber));
+  RequireFocalLengths(parameters.tail<4>().head<2>());
+  return lens.spline->OverArea(WholeImage(lens.size));
 }
 
 // The lens that a camera is, which has names for all its parameters. An
@@ -54,6 +97,7 @@ bool LensForm::Has(const std::string& parameter) const {
 
 std::vector<std::string> LensForm::Missing() const {
   std::vector<std::string> missing;
+  if (IsSpline()) return missing;
   for (const std::string& parameter : FindLensModel(model)->parameters)
     if (!Has(parameter) &&
         !(Has("f") && (parameter == "fx" || parameter == "fy")))
@@ -93,28 +137,8 @@ double PartWithoutRays(const CameraModel& lens) {
 
 std::unique_ptr<ParametricModel> MakeLens(const LensInForm& lens) {
   const LensForm& form = *lens.form;
-  const LensModel& model = *FindLensModel(form.model);
-  if (lens.values.size() != form.parameters.size())
-    throw InputError(fmt::format("{}: {} numbers where {} are needed",
-                                 form.name, lens.values.size(),
-                                 form.parameters.size()));
-  RequireNumbers(form, lens.values);
-  if (lens.size.width < 1 || lens.size.height < 1)
-    throw InputError("the image size is not two positive numbers");
-  if (std::max(lens.size.width, lens.size.height) > kMaxHugeSidePx)
-    throw InputError(
-        fmt::format("image size: no camera has more than {} pixels a side",
-                    kMaxHugeSidePx));
-  Eigen::VectorXd parameters = Eigen::VectorXd::Zero(model.parameters.size());
-  for (size_t k = 0; k < lens.values.size(); ++k) {
-    parameters[IndexOf(model, form.parameters[k])] = lens.values[k];
-    if (form.parameters[k] == "f")
-      parameters[IndexOf(model, "fy")] = lens.values[k];
-  }
-  if (!(parameters.head<2>().minCoeff() > 0))
-    throw InputError("a focal length is not above 0");
-  parameters.segment<2>(2) = FromProgram(form.origin, parameters.segment<2>(2));
-  auto made = model.make(lens.size, WholeImage(lens.size), parameters);
+  RequireSize(lens.size);
+  auto made = form.IsSpline() ? MakeSpline(lens) : MakeNamedLens(lens);
   if (PartWithoutRays(*made) == 1)
     throw InputError(fmt::format(
         "{}: no pixel of {} x {} looks anywhere with these numbers; are they "
@@ -127,13 +151,19 @@ std::optional<LensInForm> InForm(const LensForm& form,
                                  const CameraModel& camera) {
   const std::unique_ptr<CameraModel> lens = AsNamedLens(camera);
   if (lens->Name() != form.model) return std::nullopt;
+  if (form.IsSpline())
+    return LensInForm{&form,
+                      lens->image_size(),
+                      {},
+                      std::make_shared<SplinedStereographic>(
+                          dynamic_cast<const SplinedStereographic&>(*lens))};
   const LensModel& model = *FindLensModel(form.model);
   Eigen::VectorXd parameters = lens->Parameters();
   for (const std::string& missing : form.Missing())
     if (parameters[IndexOf(model, missing)] != 0) return std::nullopt;
   if (form.Has("f") && parameters[0] != parameters[1]) return std::nullopt;
   parameters.segment<2>(2) = ToProgram(form.origin, parameters.segment<2>(2));
-  LensInForm held = {&form, lens->image_size(), {}};
+  LensInForm held = {&form, lens->image_size(), {}, nullptr};
   for (const std::string& parameter : form.parameters)
     held.values.push_back(parameters[IndexOf(model, parameter)]);
   return held;

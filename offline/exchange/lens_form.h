@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "camera/parametric_model.h"
+#include "camera/splined_stereographic.h"
 #include "exchange/pixel_origin.h"
 
 namespace raygrid {
@@ -24,6 +25,8 @@ struct LensForm {
   /// An export takes it only if it is asked for.
   bool is_only_asked = false;
 
+  /// A spline has as many parameters as it likes.
+  bool IsSpline() const { return model == "splined-stereographic"; }
   bool Has(const std::string& parameter) const;
   /// Parameters of the model that the program lacks.
   std::vector<std::string> Missing() const;
@@ -39,6 +42,8 @@ struct LensInForm {
   const LensForm* form = nullptr;
   ImageSize size;
   std::vector<double> values;
+  /// The lens of a form that is a spline, without values; else null.
+  std::shared_ptr<const SplinedStereographic> spline = nullptr;
 
   /// Throws std::out_of_range if the form has no such parameter.
   double Value(const std::string& parameter) const;

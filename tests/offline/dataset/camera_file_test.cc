@@ -1,6 +1,7 @@
 #include "dataset/camera_file.h"
 
 #include "camera/central_radial.h"
+#include "camera/splined_stereographic.h"
 #include "camera/thin_prism_fisheye.h"
 #include "camera/view_camera.h"
 #include "dataset/error.h"
@@ -69,6 +70,17 @@ CameraFile FisheyeFile() {
   return file;
 }
 
+CameraFile SplinedFile() {
+  CameraFile file;
+  Eigen::VectorXd parameters(2 * 5 * 4 + 4);
+  for (int k = 0; k < 40; ++k) parameters[k] = 0.01 / (k + 3);
+  parameters.tail<4>() << 200, 201, 322, 236;
+  file.camera = std::make_shared<SplinedStereographic>(
+      ImageSize{640, 480}, Area{1, 2, 630, 470},
+      SplinedStereographic::Grid{5, 4, 170}, parameters);
+  return file;
+}
+
 CameraFile RadialFile() {
   CameraFile file;
   file.camera = std::make_shared<CentralRadial>(
@@ -99,7 +111,7 @@ std::string Replaced(std::string text, const std::string& from,
 
 TEST(CameraFile, RoundTripKeepsTheCamera) {
   for (const CameraFile& file : {GridFile(), NonCentralFile(), OpenCvFile(),
-                                 FisheyeFile(), RadialFile()}) {
+                                 FisheyeFile(), RadialFile(), SplinedFile()}) {
     const CameraFile read = ReadCameraText(FormatCameraFile(file));
     EXPECT_EQ(read.camera->Name(), file.camera->Name());
     EXPECT_EQ(read.camera->image_size(), file.camera->image_size());
@@ -131,7 +143,7 @@ TEST(CameraFile, RoundTripKeepsWhatIsKnownOfTheCamera) {
 
 TEST(CameraFile, FormatOfWhatWasReadIsTheSame) {
   for (const CameraFile& file : {GridFile(), NonCentralFile(), OpenCvFile(),
-                                 FisheyeFile(), RadialFile()}) {
+                                 FisheyeFile(), RadialFile(), SplinedFile()}) {
     const std::string text = FormatCameraFile(file);
     EXPECT_EQ(FormatCameraFile(ReadCameraText(text)), text);
   }
@@ -157,6 +169,17 @@ TEST(CameraFile, SplinesThatAreNoneAreRefused) {
   ExpectCameraRefused(Replaced(radial, "0.02", ".nan"));
   ExpectCameraRefused(Replaced(radial, "[0.01, 0.02, ", "["));
   ExpectCameraRefused(Replaced(radial, "sx1", "sx2"));
+  const std::string splined = FormatCameraFile(SplinedFile());
+  for (const auto& [from, to] :
+       std::vector<std::pair<std::string, std::string>>{
+           {"columns: 5", "columns: 3"},
+           {"columns: 5", "columns: 6"},
+           {"rows: 4", "rows: 2000"},
+           {"fov_x_deg: 170", "fov_x_deg: 360"},
+           {"fov_x_deg: 170", "fov_x_deg: 1.5"},
+           {"fx: 200", "fx: 0"},
+           {"[0.00", "[.nan, 0.00"}})
+    ExpectCameraRefused(Replaced(splined, from, to));
 }
 
 TEST(CameraFile, SizesThatNoCameraHasAreRefused) {

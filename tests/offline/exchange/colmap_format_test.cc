@@ -60,6 +60,12 @@ TEST(ColmapFormat, ReadsWhatColmapWrites) {
   }
 }
 
+TEST(ColmapFormat, TakesLinesThatEndAsOnWindows) {
+  const std::string text =
+      "\r\n# Name of camera 3: front\r\n3 PINHOLE 640 480 500 500 320 240\r\n";
+  EXPECT_EQ(ParseColmap(text).cameras[0].name, "front");
+}
+
 TEST(ColmapFormat, NumbersModelsAsColmapDoes) {
   const std::string bytes = ColmapBinary();
   ASSERT_EQ(bytes.size(), 8u + 24 + 8 * 8 + 24 + 4 * 8);

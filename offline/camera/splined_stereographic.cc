@@ -1,0 +1,274 @@
+#include "camera/splined_stereographic.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "camera/pixel_search.h"
+#include "camera/stereographic.h"
+
+namespace raygrid {
+namespace {
+
+using SplineGrid = SplinedStereographic::Grid;
+
+Eigen::Vector2d ToPlane(const Eigen::Vector3d& direction) {
+  return 2 * ToChart(direction);
+}
+
+// u + d(u), and its derivative by u.
+Eigen::Vector2d Corrected(const BSplineSurface& surface,
+                          const Eigen::Vector2d& u,
+                          Eigen::Matrix2d* derivative) {
+  const Eigen::Vector2d d = surface.Evaluate(u, derivative);
+  *derivative += Eigen::Matrix2d::Identity();
+  return u + d;
+}
+
+// The control point at whose place the corrected plane is nearest to a target,
+// as a start where Newton's method went astray.
+Eigen::Vector2d NearestPlace(const BSplineSurface& surface,
+                             const Eigen::Vector2d& target) {
+  Eigen::Vector2d nearest = surface.area().center();
+  double least = INFINITY;
+  for (int k = 0; k < surface.num_points(); ++k) {
+    const Eigen::Vector2d place = surface.PixelOf(k);
+    const double distance =
+        (place + surface.points()[k] - target).squaredNorm();
+    if (!(distance < least)) continue;
+    least = distance;
+    nearest = place;
+  }
+  return nearest;
+}
+
+// ---- The fit ---------------------------------------------------------------
+
+struct PlaneSample {
+  Eigen::Vector2d u, pixel;
+  double weight;
+};
+
+std::vector<PlaneSample> SamplePlane(const CameraModel& camera,
+                                     const TrustMask* trusted) {
+  constexpr double kAcross = 160, kUntrustedWeight = 1e-6;
+  const Area& area = camera.area();
+  const double step_px = std::max(area.width(), area.height()) / kAcross;
+  const int columns = static_cast<int>(area.width() / step_px + 1e-9);
+  const int rows = static_cast<int>(area.height() / step_px + 1e-9);
+  std::vector<PlaneSample> samples;
+  for (int j = 0; j <= rows; ++j) {
+    for (int i = 0; i <= columns; ++i) {
+      const Eigen::Vector2d pixel(
+          area.x0 + area.width() * i / std::max(columns, 1),
+          area.y0 + area.height() * j / std::max(rows, 1));
+      const auto ray = camera.Unproject(pixel);
+      const bool is_trusted = !trusted || trusted->Trusts(pixel);
+      if (ray)
+        samples.push_back(
+            {ToPlane(*ray), pixel, is_trusted ? 1 : kUntrustedWeight});
+    }
+  }
+  return samples;
+}
+
+// The focal length and the center along an axis, of the line through samples.
+std::pair<double, double> FitLine(const std::vector<PlaneSample>& samples,
+                                  int axis) {
+  double sum = 0, sum_u = 0, sum_x = 0, sum_uu = 0, sum_ux = 0;
+  for (const PlaneSample& sample : samples) {
+    const double w = sample.weight, u = sample.u[axis], x = sample.pixel[axis];
+    sum += w;
+    sum_u += w * u;
+    sum_x += w * x;
+    sum_uu += w * u * u;
+    sum_ux += w * u * x;
+  }
+  const double focal_px =
+      (sum * sum_ux - sum_u * sum_x) / (sum * sum_uu - sum_u * sum_u);
+  return {focal_px, (sum_x - focal_px * sum_u) / sum};
+}
+
+// A grid of so many control points along the longer side, or a few more, that
+// covers all samples.
+SplineGrid CoveringGrid(const std::vector<PlaneSample>& samples, int along) {
+  constexpr int kMostDeg = 359;
+  Eigen::Array2d widest = Eigen::Array2d::Constant(1e-3);
+  for (const PlaneSample& sample : samples)
+    widest = widest.max(sample.u.array().abs());
+  const double least_cell = 2 * widest.maxCoeff() / (along - 3);
+  const auto points_over = [](double half, double cell) {
+    return 3 + std::max(1, static_cast<int>(std::ceil(2 * half / cell - 1e-9)));
+  };
+  SplineGrid grid;
+  grid.columns = points_over(widest.x(), least_cell);
+  const double edge = std::max(widest.x(), least_cell * (grid.columns - 3) / 2);
+  const double fov_deg = 4 * std::atan(edge / 2) * 180 / M_PI;
+  grid.fov_x_deg =
+      std::min(kMostDeg, static_cast<int>(std::ceil(fov_deg + 0.1)));
+  const double cell = DomainOf(grid).width() / (grid.columns - 3);
+  grid.rows = points_over(widest.y(), cell);
+  return grid;
+}
+
+Eigen::VectorXd ParametersOf(const BSplineSurface& surface,
+                             const Eigen::Vector4d& others) {
+  Eigen::VectorXd parameters(2 * surface.num_points() + 4);
+  parameters << Eigen::Map<const Eigen::VectorXd>(
+      surface.points().front().data(), 2 * surface.num_points()),
+      others;
+  return parameters;
+}
+
+double RmsPx(const SplinedStereographic& model,
+             const std::vector<PlaneSample>& samples,
+             const Eigen::Vector4d& others) {
+  double sum = 0, weights = 0;
+  for (const PlaneSample& sample : samples) {
+    const Eigen::Array2d seen =
+        others.head<2>().array() *
+            (sample.u + model.surface().Evaluate(sample.u)).array() +
+        others.tail<2>().array();
+    sum += sample.weight * (seen - sample.pixel.array()).matrix().squaredNorm();
+    weights += sample.weight;
+  }
+  return std::sqrt(sum / weights);
+}
+
+}  // namespace
+
+Area DomainOf(const SplinedStereographic::Grid& grid) {
+  const double x = 2 * std::tan(grid.fov_x_deg * M_PI / 180 / 4);
+  const double y = x * (grid.rows - 3) / (grid.columns - 3);
+  return {-x, -y, x, y};
+}
+
+SplinedStereographic::SplinedStereographic(const ImageSize& image_size,
+                                           const Area& area, const Grid& grid,
+                                           const Eigen::VectorXd& parameters)
+    : ParametricModel(image_size, area),
+      grid_(grid),
+      surface_(DomainOf(grid), grid.columns, grid.rows) {
+  SetParameters(parameters);
+}
+
+const std::vector<std::string>& SplinedStereographic::ParameterNames() const {
+  static const std::vector<std::string> names = {"fx", "fy", "cx", "cy"};
+  return names;
+}
+
+Eigen::VectorXd SplinedStereographic::Parameters() const {
+  Eigen::Vector4d others;
+  others << focal_px_, center_px_;
+  return ParametersOf(surface_, others);
+}
+
+void SplinedStereographic::SetParameters(const Eigen::VectorXd& parameters) {
+  const Eigen::Index count = 2 * surface_.num_points();
+  Eigen::Map<Eigen::VectorXd>(surface_.points().front().data(), count) =
+      parameters.head(count);
+  focal_px_ = parameters.segment<2>(count);
+  center_px_ = parameters.segment<2>(count + 2);
+}
+
+std::optional<Eigen::Vector3d> SplinedStereographic::Unproject(
+    const Eigen::Vector2d& pixel) const {
+  if (!area().Contains(pixel)) return std::nullopt;
+  const Eigen::Vector2d target = (pixel.array() - center_px_) / focal_px_;
+  const auto error = [&](const Eigen::Vector2d& u,
+                         Eigen::Matrix2d* derivative) -> Eigen::Vector2d {
+    return target - Corrected(surface_, u, derivative);
+  };
+  const Area& domain = surface_.area();
+  auto solution = FindPixel(domain, target, 0, error);
+  if (!solution)
+    solution = FindPixel(domain, NearestPlace(surface_, target), 0, error);
+  if (!solution || !(solution->derivative.determinant() > 0))
+    return std::nullopt;
+  // The search ends at a step of 1e-9, which is that many focal lengths.
+  Eigen::Matrix2d ignored;
+  const Eigen::Vector2d u =
+      solution->pixel +
+      solution->derivative.inverse() * error(solution->pixel, &ignored);
+  return FromChart(u / 2);
+}
+
+std::optional<Eigen::Vector2d> SplinedStereographic::Project(
+    const Eigen::Vector3d& point, const Eigen::Vector2d* /*start*/,
+    double margin_px) const {
+  constexpr double kRounding = 1e-9;
+  const Eigen::Vector2d u = ToPlane(point);
+  if (!u.allFinite() || !surface_.area().Contains(u, kRounding))
+    return std::nullopt;
+  Eigen::Matrix2d derivative;
+  const Eigen::Vector2d corrected = Corrected(surface_, u, &derivative);
+  const Eigen::Vector2d pixel = focal_px_ * corrected.array() + center_px_;
+  if (!(derivative.determinant() > 0) || !area().Contains(pixel, margin_px))
+    return std::nullopt;
+  return pixel;
+}
+
+bool SplinedStereographic::Linearize(const Eigen::Vector3d& point,
+                                     const Eigen::Vector2d* start,
+                                     double margin_px,
+                                     LinearizedProjection* projection) const {
+  const auto pixel = Project(point, start, margin_px);
+  if (!pixel) return false;
+  const Eigen::Vector2d u = ToPlane(point);
+  Eigen::Matrix2d derivative;
+  const Eigen::Vector2d corrected = Corrected(surface_, u, &derivative);
+  const auto focal = focal_px_.matrix().asDiagonal();
+  projection->pixel = *pixel;
+  projection->by_point = focal * derivative * 2 * ToChartDerivative(point);
+
+  const SplineSupport support = surface_.Support(u);
+  projection->num_nodes = 16;
+  projection->num_per_node = 2;
+  projection->by_node.leftCols<2>() = focal;
+  for (int k = 0; k < 16; ++k) {
+    const int index =
+        (support.row + k / 4) * surface_.columns() + support.column + k % 4;
+    projection->node_parameter[k] = 2 * index;
+    projection->node_weight[k] = support.wy[k / 4] * support.wx[k % 4];
+  }
+  projection->num_global = 4;
+  projection->first_global = 2 * surface_.num_points();
+  projection->by_global.leftCols<4>() << corrected.x(), 0, 1, 0, 0,
+      corrected.y(), 0, 1;
+  return true;
+}
+
+std::unique_ptr<SplinedStereographic> FitSplinedStereographic(
+    const CameraModel& camera, const TrustMask* trusted) {
+  constexpr double kWorthPart = 0.02, kCloseEnoughPx = 0.005;
+  const std::vector<PlaneSample> samples = SamplePlane(camera, trusted);
+  if (samples.empty()) return nullptr;
+  const auto [fx, cx] = FitLine(samples, 0);
+  const auto [fy, cy] = FitLine(samples, 1);
+  if (!(fx > 0 && fy > 0)) return nullptr;
+  const Eigen::Vector4d others(fx, fy, cx, cy);
+  std::vector<SurfaceSample> corrections;
+  for (const PlaneSample& sample : samples) {
+    const Eigen::Vector2d target =
+        (sample.pixel - others.tail<2>()).cwiseQuotient(others.head<2>());
+    corrections.push_back({sample.u, target - sample.u, sample.weight});
+  }
+  std::unique_ptr<SplinedStereographic> best;
+  double best_px = INFINITY;
+  for (const int along : {10, 15, 22, 33, 50}) {
+    const SplineGrid grid = CoveringGrid(samples, along);
+    auto model = std::make_unique<SplinedStereographic>(
+        camera.image_size(), camera.area(), grid,
+        ParametersOf(
+            FitSurface(DomainOf(grid), grid.columns, grid.rows, corrections),
+            others));
+    const double rms_px = RmsPx(*model, samples, others);
+    if (!(rms_px < (1 - kWorthPart) * best_px)) break;
+    best = std::move(model);
+    best_px = rms_px;
+    if (best_px < kCloseEnoughPx) break;
+  }
+  return best;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,77 @@
+#ifndef RAYGRID_CAMERA_SPLINED_STEREOGRAPHIC_H
+#define RAYGRID_CAMERA_SPLINED_STEREOGRAPHIC_H
+
+#include "camera/bspline_surface.h"
+#include "camera/camera_uncertainty.h"
+#include "camera/parametric_model.h"
+
+namespace raygrid {
+
+/// mrcal's LENSMODEL_SPLINED_STEREOGRAPHIC of order 3: a stereographic lens
+/// that a spline over directions corrects.
+///   u = 2 tan(theta / 2) point.xy / |point.xy|,  theta from the z axis
+///   pixel = (fx, fy) * (u + d(u)) + (cx, cy)
+/// where d is a uniform cubic B-spline surface of columns x rows control
+/// points. Its cells are squares in u, about the axis, and as many as are not
+/// at the border cover fov_x_deg across.
+///
+/// Valid where d has cells on all sides and u + d(u) does not fold.
+class SplinedStereographic : public ParametricModel {
+ public:
+  /// Numbers of control points, 4 at least, and the angle between the outermost
+  /// cells' edges, 1 to 359.
+  struct Grid {
+    int columns = 4, rows = 4, fov_x_deg = 90;
+  };
+
+  /// parameters: d's control points, x and y of each, row by row, from the
+  /// smallest u; fx, fy, cx, cy.
+  SplinedStereographic(const ImageSize& image_size, const Area& area,
+                       const Grid& grid, const Eigen::VectorXd& parameters);
+
+  std::string Name() const override { return "splined-stereographic"; }
+  std::unique_ptr<CameraModel> Clone() const override {
+    return std::make_unique<SplinedStereographic>(*this);
+  }
+  std::optional<Eigen::Vector3d> Unproject(
+      const Eigen::Vector2d& pixel) const override;
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point,
+                                         const Eigen::Vector2d* start,
+                                         double margin_px) const override;
+  using CameraModel::Project;
+  bool Linearize(const Eigen::Vector3d& point, const Eigen::Vector2d* start,
+                 double margin_px,
+                 LinearizedProjection* projection) const override;
+
+  Eigen::VectorXd Parameters() const override;
+  void SetParameters(const Eigen::VectorXd& parameters) override;
+  /// The names of the parameters that are no control points.
+  const std::vector<std::string>& ParameterNames() const override;
+  std::unique_ptr<ParametricModel> OverArea(const Area& area) const override {
+    return std::make_unique<SplinedStereographic>(image_size(), area, grid_,
+                                                  Parameters());
+  }
+
+  const Grid& grid() const { return grid_; }
+  const BSplineSurface& surface() const { return surface_; }
+
+ private:
+  Grid grid_;
+  BSplineSurface surface_;  ///< d, over u
+  Eigen::Array2d focal_px_, center_px_;
+};
+
+/// The u at which d has cells on all sides.
+Area DomainOf(const SplinedStereographic::Grid& grid);
+
+/// The model nearest to a central camera, in its own frame: least squares on
+/// the pixels of its directions. The number of control points is the least
+/// that leaves 0.005 px, or of which half as many again leave 2 % less. Pixels
+/// that are not trusted count a thousandth; without a mask all are. Null for a
+/// camera that sees nothing, or one line alone, or is mirrored.
+std::unique_ptr<SplinedStereographic> FitSplinedStereographic(
+    const CameraModel& camera, const TrustMask* trusted);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CAMERA_SPLINED_STEREOGRAPHIC_H

@@ -1,0 +1,227 @@
+#include "exchange/mrcal_format.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <regex>
+
+#include "camera/splined_stereographic.h"
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "dataset/yaml_file.h"
+#include "exchange/opencv_forms.h"
+#include "exchange/yaml_numbers.h"
+
+namespace raygrid {
+namespace {
+
+constexpr char kPrefix[] = "LENSMODEL_";
+constexpr char kSplined[] = "LENSMODEL_SPLINED_STEREOGRAPHIC";
+
+const std::vector<LensForm>& MrcalForms() {
+  static const std::vector<LensForm> forms = {
+      OpenCvForm("LENSMODEL_PINHOLE", 0),
+      OpenCvForm("LENSMODEL_OPENCV4", 4),
+      OpenCvForm("LENSMODEL_OPENCV5", 5),
+      OpenCvForm("LENSMODEL_OPENCV8", 8),
+      OpenCvForm("LENSMODEL_OPENCV12", 12),
+      {kSplined, "splined-stereographic", {"fx", "fy", "cx", "cy"}}};
+  return forms;
+}
+
+// ---- The dictionary as YAML ------------------------------------------------
+
+// The index behind a string that begins with a quote at an index.
+size_t BehindString(const std::string& text, size_t quote) {
+  size_t end = quote + 1;
+  while (end < text.size() && text[end] != text[quote])
+    end += text[end] == '\\' ? 2 : 1;
+  return std::min(end + 1, text.size());
+}
+
+// Python's dictionary as YAML reads it: without comments, with tuples as
+// lists, and without what stands in strings of bytes, which are the solver's
+// and long.
+std::string AsYaml(const std::string& text) {
+  std::string yaml;
+  for (size_t at = 0; at < text.size();) {
+    const char c = text[at];
+    if (c == '#') {
+      at = std::min(text.find('\n', at), text.size());
+    } else if (c == '\'' || c == '"') {
+      const size_t end = BehindString(text, at);
+      const bool is_bytes = !yaml.empty() && yaml.back() == 'b';
+      if (is_bytes) yaml.back() = ' ';
+      yaml += is_bytes ? "''" : text.substr(at, end - at);
+      at = end;
+      if (at < text.size() && text[at] == ':') yaml += " ";
+    } else {
+      yaml += c == '(' ? '[' : c == ')' ? ']' : c;
+      ++at;
+      if (c == ':') yaml += ' ';
+    }
+  }
+  return yaml;
+}
+
+// ---- Reading ---------------------------------------------------------------
+
+const LensForm& MrcalFormNamed(const std::string& name) {
+  std::string names;
+  for (const LensForm& form : MrcalForms()) {
+    if (form.name == name) return form;
+    names += (names.empty() ? "" : ", ") + form.name;
+  }
+  throw InputError(
+      fmt::format("lensmodel '{}' is none that raygrid has; those are {}",
+                  Printable(name), names));
+}
+
+// LENSMODEL_SPLINED_STEREOGRAPHIC_order=3_Nx=30_Ny=20_fov_x_deg=170.
+SplinedStereographic::Grid GridOfName(const std::string& name) {
+  static const std::regex words(
+      std::string(kSplined) +
+      "_order=([0-9]{1,4})_Nx=([0-9]{1,4})_Ny=([0-9]{1,4})_"
+      "fov_x_deg=([0-9]{1,4})");
+  std::smatch found;
+  if (!std::regex_match(name, found, words))
+    throw InputError(
+        fmt::format("lensmodel '{}': not {}_order=3_Nx=30_Ny=20_"
+                    "fov_x_deg=170 or other numbers there",
+                    Printable(name), kSplined));
+  if (std::stoi(found[1]) != 3)
+    throw InputError("lensmodel: splines of order 3 alone are taken");
+  const SplinedStereographic::Grid grid = {
+      std::stoi(found[2]), std::stoi(found[3]), std::stoi(found[4])};
+  constexpr int kMost = 1027;
+  if (std::min(grid.columns, grid.rows) < 4 ||
+      std::max(grid.columns, grid.rows) > kMost)
+    throw InputError("lensmodel: Nx and Ny must be 4 to 1027");
+  if (grid.fov_x_deg < 1 || grid.fov_x_deg > 359)
+    throw InputError("lensmodel: fov_x_deg must be 1 to 359");
+  return grid;
+}
+
+// mrcal has fx, fy, cx, cy before the control points.
+std::shared_ptr<const SplinedStereographic> SplineOf(
+    const std::string& name, const ImageSize& size,
+    const std::vector<double>& intrinsics) {
+  const SplinedStereographic::Grid grid = GridOfName(name);
+  const int count = 2 * grid.columns * grid.rows;
+  if (static_cast<int>(intrinsics.size()) != 4 + count)
+    throw InputError(fmt::format("intrinsics: {} numbers where {} are needed",
+                                 intrinsics.size(), 4 + count));
+  const Eigen::Map<const Eigen::VectorXd> all(intrinsics.data(), 4 + count);
+  Eigen::VectorXd parameters(4 + count);
+  parameters << all.tail(count), all.head<4>();
+  return std::make_shared<SplinedStereographic>(size, WholeImage(size), grid,
+                                                parameters);
+}
+
+LensInForm LensOf(const YAML::Node& root) {
+  if (!root["lensmodel"] || !root["lensmodel"].IsScalar())
+    throw InputError("'lensmodel' is missing");
+  const std::string name = root["lensmodel"].as<std::string>();
+  const bool is_spline = name.rfind(kSplined, 0) == 0;
+  LensInForm lens;
+  lens.form = &MrcalFormNamed(is_spline ? kSplined : name);
+  if (!root["imagersize"]) throw InputError("'imagersize' is missing");
+  lens.size = SizeOfList(root["imagersize"], "imagersize");
+  lens.values = FiniteNumbers(root["intrinsics"], "intrinsics");
+  if (is_spline) {
+    lens.spline = SplineOf(name, lens.size, lens.values);
+    lens.values.clear();
+  }
+  return lens;
+}
+
+// Versions from 2.5 on have the pose under a name that says it.
+std::optional<Pose> PoseOf(const YAML::Node& root) {
+  const char* const key = root["rt_cam_ref"] ? "rt_cam_ref" : "extrinsics";
+  if (!root[key]) return std::nullopt;
+  const std::vector<double> rt = FiniteNumbers(root[key], key, 6);
+  return Pose{RotationFromVector({rt[0], rt[1], rt[2]}), {rt[3], rt[4], rt[5]}};
+}
+
+ExchangeContents ReadMrcal(const ReadRequest& request) {
+  const std::string yaml = AsYaml(request.text);
+  RequireYamlFile(request.path, yaml);
+  const YAML::Node root = YAML::Load(yaml);
+  if (!root.IsMap()) throw InputError("no camera: no dictionary");
+  ExchangeContents contents;
+  ReadLens camera;
+  camera.lens = LensOf(root);
+  camera.camera_from_rig = PoseOf(root);
+  const YAML::Node region = root["valid_intrinsics_region"];
+  if (region && region.IsSequence() && region.size() > 0)
+    contents.remarks.push_back(
+        "its valid_intrinsics_region is not taken: the whole image is");
+  contents.cameras.push_back(std::move(camera));
+  return contents;
+}
+
+// ---- Writing ---------------------------------------------------------------
+
+// The name of a lens's model, and its numbers in mrcal's order.
+std::pair<std::string, std::vector<double>> ModelOf(const LensInForm& lens) {
+  if (!lens.spline) return {lens.form->name, lens.values};
+  const SplinedStereographic::Grid& grid = lens.spline->grid();
+  const Eigen::VectorXd parameters = lens.spline->Parameters();
+  std::vector<double> values(parameters.end() - 4, parameters.end());
+  values.insert(values.end(), parameters.begin(), parameters.end() - 4);
+  return {fmt::format("{}_order=3_Nx={}_Ny={}_fov_x_deg={}", kSplined,
+                      grid.columns, grid.rows, grid.fov_x_deg),
+          values};
+}
+
+// A comment of one line.
+std::string Comment(const std::string& what, const std::string& text) {
+  return text.empty() ? "" : fmt::format("# {}{}\n", what, Printable(text));
+}
+
+// The camera's own frame is the reference of one that is in no rig.
+std::string WriteMrcal(const WriteRequest& request) {
+  const WrittenLens& camera = request.cameras.front();
+  const auto [model, values] = ModelOf(camera.lens);
+  Pose pose = camera.camera_from_rig.value_or(Pose{});
+  if (!camera.camera_from_rig && camera.fit)
+    pose.rotation = camera.fit->lens_from_camera;
+  const Eigen::AngleAxisd turn(pose.rotation);
+  const Eigen::Vector3d r = turn.angle() * turn.axis(), t = pose.translation;
+  const std::string rt = RealTexts({r.x(), r.y(), r.z(), t.x(), t.y(), t.z()});
+  std::string text = Comment("raygrid's camera ", camera.name);
+  text += Comment("serial ", camera.serial);
+  if (camera.fit) text += Comment("fit: ", LensFitText(*camera.fit));
+  text += fmt::format("{{\n    'lensmodel': '{}',\n\n", model);
+  text += fmt::format("    'intrinsics': [ {},],\n\n", RealTexts(values));
+  text += fmt::format("    # rt_cam_ref\n    'extrinsics': [ {},],\n\n", rt);
+  text += fmt::format("    'imagersize': [ {}, {},],\n}}\n",
+                      camera.lens.size.width, camera.lens.size.height);
+  return text;
+}
+
+bool IsMrcal(const std::string& text) {
+  for (const char* key : {"'lensmodel'", "\"lensmodel\""})
+    if (text.find(key) != std::string::npos) return true;
+  return text.find(kPrefix) != std::string::npos &&
+         text.find("'intrinsics'") != std::string::npos;
+}
+
+}  // namespace
+
+Format MrcalFormat() {
+  Format format;
+  format.name = "mrcal";
+  format.holds =
+      "a .cameramodel: a pinhole with 4, 5, 8 or 12 coefficients of OpenCV, or "
+      "the splined stereographic model; of a rig a file for each camera";
+  format.forms = MrcalForms();
+  format.ending = ".cameramodel";
+  format.recognizes = IsMrcal;
+  format.read = ReadMrcal;
+  format.write = WriteMrcal;
+  return format;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,13 @@
+#ifndef RAYGRID_EXCHANGE_MRCAL_FORMAT_H
+#define RAYGRID_EXCHANGE_MRCAL_FORMAT_H
+
+#include "exchange/format.h"
+
+namespace raygrid {
+
+/// mrcal's .cameramodel: a Python dictionary of a camera and its pose.
+Format MrcalFormat();
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_MRCAL_FORMAT_H

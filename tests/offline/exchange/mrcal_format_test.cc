@@ -1,0 +1,110 @@
+#include "exchange/mrcal_format.h"
+
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+// A file that mrcal 2.2 wrote, with what its solver adds.
+constexpr char kMrcal[] =
+    "# generated on 2026-11-25 by bob's machine: {'a': (1,\n"
+    "{\n    'lensmodel':  'LENSMODEL_OPENCV5',\n\n"
+    "    # intrinsics are fx,fy,cx,cy,distortion0,distortion1,....\n"
+    "    'intrinsics': [ 500, 501, 320, 240, 0.1, 0.01, 0.001, 0.002, "
+    "0.003,],\n\n"
+    "    'valid_intrinsics_region': [\n    [ 0, 0 ],\n    [ 600, 0 ],\n"
+    "    [ 600, 400 ],\n    [ 0, 0 ],\n],\n\n"
+    "    # extrinsics are rt_fromref\n"
+    "    'extrinsics': [ 0.1, 0.2, 0.3, 1, 2, 3,],\n\n"
+    "    'imagersize': [ 640, 480,],\n\n"
+    "    'icam_intrinsics': 0,\n\n"
+    "    # The optimization_inputs contain all the data\n"
+    "    'optimization_inputs': b'P)h>@6aWYS{}`2mn[],:#\"*&|8<M?',\n\n}\n";
+
+ExchangeContents ParseMrcal(const std::string& text) {
+  return ReadExchangeFile(nullptr, {"a.cameramodel", text, "", {}});
+}
+
+std::string MrcalWith(const std::string& old, const std::string& by) {
+  std::string text = kMrcal;
+  const size_t at = text.find(old);
+  EXPECT_NE(at, std::string::npos) << old;
+  return text.replace(at, old.size(), by);
+}
+
+TEST(MrcalFormat, ReadsWhatMrcalWrites) {
+  const ExchangeContents contents = ParseMrcal(kMrcal);
+  ASSERT_EQ(contents.cameras.size(), 1u);
+  const ReadLens& camera = contents.cameras[0];
+  EXPECT_EQ(camera.lens.form->name, "LENSMODEL_OPENCV5");
+  EXPECT_EQ(camera.lens.values,
+            (std::vector<double>{500, 501, 320, 240, 0.1, 0.01, 0.001, 0.002,
+                                 0.003}));
+  ASSERT_TRUE(camera.camera_from_rig);
+  EXPECT_EQ(camera.camera_from_rig->translation, Eigen::Vector3d(1, 2, 3));
+  EXPECT_LT(camera.camera_from_rig->rotation.angularDistance(
+                RotationFromVector({0.1, 0.2, 0.3})),
+            1e-12);
+  ASSERT_EQ(contents.remarks.size(), 1u);
+  EXPECT_NE(contents.remarks[0].find("valid_intrinsics_region"),
+            std::string::npos);
+}
+
+TEST(MrcalFormat, PrefersThePoseThatLaterVersionsAdd) {
+  const ExchangeContents contents = ParseMrcal(
+      MrcalWith("    'imagersize'",
+                "    'rt_cam_ref': (0, 0, 0, 4, 5, 6),\n    'imagersize'"));
+  EXPECT_EQ(contents.cameras[0].camera_from_rig->translation,
+            Eigen::Vector3d(4, 5, 6));
+}
+
+// mrcal has the lens before the control points, raygrid behind them.
+TEST(MrcalFormat, ReadsSplines) {
+  std::string numbers = "300, 301, 320, 240";
+  for (int k = 0; k < 32; ++k) numbers += ", 0.0" + std::to_string(10 + k);
+  const std::string text =
+      "{'lensmodel': "
+      "'LENSMODEL_SPLINED_STEREOGRAPHIC_order=3_Nx=4_Ny=4_fov_x_deg=150',\n"
+      "'intrinsics': [" +
+      numbers + "], 'imagersize': [640, 480]}\n";
+  const LensInForm lens = ParseMrcal(text).cameras[0].lens;
+  ASSERT_TRUE(lens.spline);
+  EXPECT_EQ(lens.spline->grid().fov_x_deg, 150);
+  EXPECT_EQ(lens.spline->surface().points()[1], Eigen::Vector2d(0.012, 0.013));
+  EXPECT_EQ(lens.spline->Parameters().tail<4>(),
+            Eigen::Vector4d(300, 301, 320, 240));
+  const auto refused = [&](const std::string& old, const std::string& by,
+                           const std::vector<std::string>& words) {
+    std::string other = text;
+    other.replace(other.find(old), old.size(), by);
+    ExpectError(ExitCode::kInput, words, [&] { ParseMrcal(other); });
+  };
+  refused("order=3", "order=2", {"order 3 alone"});
+  refused("Nx=4", "Nx=5", {"36 numbers where 44"});
+  refused("Nx=4", "Nx=99999", {"Nx=99999", "not LENSMODEL"});
+  refused("Nx=4", "Nx=3", {"4 to 1027"});
+  refused("=150", "=360", {"fov_x_deg"});
+  refused("0.010", ".nan", {"intrinsics", "no finite number"});
+  refused("300", "-300", {"focal length"});
+}
+
+TEST(MrcalFormat, RefusesInOneLine) {
+  const std::vector<std::pair<std::string, std::vector<std::string>>> cases = {
+      {MrcalWith("OPENCV5", "CAHVOR"),
+       {"a.cameramodel", "LENSMODEL_CAHVOR", "LENSMODEL_OPENCV8"}},
+      {MrcalWith("OPENCV5", "OPENCV8"), {"OPENCV8", "9 numbers where 12"}},
+      {MrcalWith("0.003", "nan"), {"intrinsics", "no finite number"}},
+      {MrcalWith(", 480", ""), {"imagersize", "width and height"}},
+      {MrcalWith("'imagersize'", "'size'"), {"imagersize"}},
+      {MrcalWith("1, 2, 3", "1, 2"), {"extrinsics", "6 numbers"}},
+      {MrcalWith("1, 2, 3", "1, 2, inf"), {"extrinsics"}}};
+  for (const auto& [text, words] : cases)
+    ExpectError(ExitCode::kInput, words,
+                [&, &text = text] { ParseMrcal(text); });
+  const std::string whole = kMrcal;
+  for (size_t size = 160; size + 2 < whole.size(); size += 7)
+    EXPECT_THROW(ParseMrcal(whole.substr(0, size)), InputError) << size;
+}
+
+}  // namespace
+}  // namespace raygrid
