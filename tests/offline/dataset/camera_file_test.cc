@@ -2,6 +2,7 @@
 
 #include "camera/central_radial.h"
 #include "camera/splined_stereographic.h"
+#include "camera/lens_models.h"
 #include "camera/thin_prism_fisheye.h"
 #include "camera/view_camera.h"
 #include "dataset/error.h"
@@ -126,6 +127,27 @@ TEST(CameraFile, RoundTripKeepsTheCamera) {
                   .abs()
                   .maxCoeff(),
               1e-11);
+  }
+}
+
+// Every model of named parameters comes back to the bit, if all digits are
+// asked for.
+TEST(CameraFile, HoldsEveryLensModelExactly) {
+  for (const LensModel& model : LensModels()) {
+    Eigen::VectorXd parameters = model.starts(700.0 / 3, 319, 241).front();
+    for (Eigen::Index k = 0; k < parameters.size(); ++k)
+      parameters[k] += 1e-3 / (3.0 + static_cast<double>(k));
+    CameraFile file;
+    file.camera = model.make({640, 480}, WholeImage({640, 480}), parameters);
+    const CameraFile read =
+        ReadCameraText(FormatCameraFile(file, Digits::kAll));
+    EXPECT_EQ(read.camera->Name(), model.name);
+    EXPECT_EQ(read.camera->Parameters(), parameters) << model.name;
+    EXPECT_LT((ReadCameraText(FormatCameraFile(file)).camera->Parameters() -
+               parameters)
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-8);
   }
 }
 

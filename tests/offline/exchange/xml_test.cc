@@ -37,7 +37,7 @@ TEST(Xml, SaysWhereItIsBroken) {
            {"<a", "ends within"},
            {"<!-- ", "-->"},
            {"<1a/>x", "more"}})
-    ExpectError(ExitCode::kInput, {word}, [&] { ParseXml(text); });
+    ExpectError(ExitCode::kInput, {word}, [&, &t = text] { ParseXml(t); });
 }
 
 TEST(Xml, RefusesElementsThatAreTooDeep) {
