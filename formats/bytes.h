@@ -1,5 +1,5 @@
 /* Little-endian loads and stores. Every blob field is aligned to its size, so
- * on little-endian machines a load is one instruction. */
+ * on little-endian machines a load or store is one instruction. */
 #ifndef RAYGRID_BYTES_H
 #define RAYGRID_BYTES_H
 
@@ -30,6 +30,15 @@ static inline uint32_t rg_load_u32(const uint8_t* p) {
   return *(const rg_word*)(const void*)p;
 }
 
+/* Stores want the same multiples. */
+static inline void rg_store_u16(uint8_t* p, uint16_t value) {
+  *(rg_half_word*)(void*)p = value;
+}
+
+static inline void rg_store_u32(uint8_t* p, uint32_t value) {
+  *(rg_word*)(void*)p = value;
+}
+
 #else
 
 static inline uint16_t rg_load_u16(const uint8_t* p) {
@@ -39,6 +48,16 @@ static inline uint16_t rg_load_u16(const uint8_t* p) {
 static inline uint32_t rg_load_u32(const uint8_t* p) {
   return p[0] | ((uint32_t)p[1] << 8) | ((uint32_t)p[2] << 16) |
          ((uint32_t)p[3] << 24);
+}
+
+static inline void rg_store_u16(uint8_t* p, uint16_t value) {
+  p[0] = (uint8_t)value;
+  p[1] = (uint8_t)(value >> 8);
+}
+
+static inline void rg_store_u32(uint8_t* p, uint32_t value) {
+  rg_store_u16(p, (uint16_t)value);
+  rg_store_u16(p + 2, (uint16_t)(value >> 16));
 }
 
 #endif
@@ -60,16 +79,6 @@ static inline int32_t rg_load_i32_pair(const uint8_t* p, int32_t* second) {
 #endif
   *second = b;
   return a;
-}
-
-static inline void rg_store_u16(uint8_t* p, uint16_t value) {
-  p[0] = (uint8_t)value;
-  p[1] = (uint8_t)(value >> 8);
-}
-
-static inline void rg_store_u32(uint8_t* p, uint32_t value) {
-  rg_store_u16(p, (uint16_t)value);
-  rg_store_u16(p + 2, (uint16_t)(value >> 16));
 }
 
 static inline void rg_store_i32(uint8_t* p, int32_t value) {

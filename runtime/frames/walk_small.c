@@ -217,18 +217,19 @@ rg_status rg_walk_grey(const rg_camera* camera, const rg_frame* frame,
 typedef struct lattice_walk {
   small_walk walk;
   rg_lattice lattice;
-  uint8_t ranges[16]; /* of the lattice, as a section has those of the image */
+  uint32_t ranges[4]; /* of the lattice, as a section has those of the image */
 } lattice_walk;
 
 /* Sets the ranges of the lattice, from those of the image: one of these may be
  * without any of the lattice's positions. */
 static RG_INLINE void set_ranges(lattice_walk* whole) {
-  whole->walk.ranges = whole->ranges;
+  uint8_t* const ranges = (uint8_t*)whole->ranges;
+  whole->walk.ranges = ranges;
   for (int c = 0; c < 2; ++c) {
     const rg_range range =
         rg_source_range(whole->walk.parts.section, &whole->lattice, c);
-    rg_store_i32(whole->ranges + 4 * c, range.min_q12);
-    rg_store_i32(whole->ranges + RG_REMAP_MIN_TO_MAX + 4 * c, range.max_q12);
+    rg_store_i32(ranges + 4 * c, range.min_q12);
+    rg_store_i32(ranges + RG_REMAP_MIN_TO_MAX + 4 * c, range.max_q12);
     if (range.min_q12 > range.max_q12) whole->walk.ranges = NULL;
   }
 }
@@ -288,7 +289,7 @@ static RG_NOINLINE int move_to_ring(small_walk* walk) {
 
 /* Coordinate c of the nearest position that has a source. */
 static int32_t nearest_source(const lattice_walk* lattice, int32_t q12, int c) {
-  const uint8_t* const min = lattice->ranges + 4 * c;
+  const uint8_t* const min = (const uint8_t*)lattice->ranges + 4 * c;
   const rg_range range = {rg_load_i32(min),
                           rg_load_i32(min + RG_REMAP_MIN_TO_MAX)};
   return rg_nearest_source(&lattice->walk.source, range, q12, c);
@@ -444,7 +445,7 @@ void rg_walk_source_rows(const rg_camera* camera, rg_format format,
   row_walk walk;
   lattice_walk* const whole = &walk.whole;
   walk.search = search;
-  whole->walk.run.out = whole->ranges; /* no byte of it is written */
+  whole->walk.run.out = (uint8_t*)whole->ranges; /* no byte of it is written */
   whole->walk.run.out_stride = 0;
   for (uint32_t k = 0; rg_find_lattice(format, k, &whole->lattice);
        k = whole->lattice.index + 1u) {

@@ -20,7 +20,7 @@ static void signed_loads_keep_the_sign(void** state) {
 
 static void stores_are_little_endian(void** state) {
   (void)state;
-  uint8_t bytes[4];
+  uint8_t bytes[4] __attribute__((aligned(4)));
   rg_store_u32(bytes, 0x9403f281u);
   assert_memory_equal(bytes, kBytes, 4);
   rg_store_i32(bytes, -2);

@@ -41,7 +41,7 @@ static void points_are_the_golden_ones(void** state) {
     for (int c = 0; c < 3; ++c) {
       const int32_t error = line.point_q28[c] - kLinePoints[i].ray_q30[c];
       assert_true(error <= MAX_ERROR_Q28 && error >= -MAX_ERROR_Q28);
-      uint8_t bytes[4];
+      uint8_t bytes[4] __attribute__((aligned(4)));
       rg_store_i32(bytes, line.point_q28[c]);
       crc = rg_crc32(crc, bytes, sizeof(bytes));
     }
@@ -136,7 +136,7 @@ static void points_are_seen_by_the_golden_pixels(void** state) {
     } else {
       assert_true(pixel.x_q16 == 1 && pixel.y_q16 == 2);
     }
-    uint8_t bytes[8];
+    uint8_t bytes[8] __attribute__((aligned(4)));
     rg_store_i32(bytes, pixel.x_q16);
     rg_store_i32(bytes + 4, pixel.y_q16);
     crc = rg_crc32(crc, bytes, sizeof(bytes));

@@ -66,7 +66,7 @@ static void batch_equals_single_calls(void** state) {
     rg_pixel point = {RG_NO_PIXEL, RG_NO_PIXEL};
     num_singles += rg_undistort_point(&lens, pixels[i], &point) == RG_OK;
     assert_memory_equal(&point, &undistorted[i], sizeof(point));
-    uint8_t bytes[8];
+    uint8_t bytes[8] __attribute__((aligned(4)));
     rg_store_i32(bytes, point.x_q16);
     rg_store_i32(bytes + 4, point.y_q16);
     crc = rg_crc32(crc, bytes, sizeof(bytes));
@@ -140,7 +140,7 @@ static void points_of_every_view_are_the_golden_ones(void** state) {
           rg_undistort_point(&views, view_pixel(i), &point);
       assert_int_equal(status,
                        expected[0] == INT32_MIN ? RG_ERR_NOT_SEEN : RG_OK);
-      uint8_t bytes[8];
+      uint8_t bytes[8] __attribute__((aligned(4)));
       rg_store_i32(bytes, point.x_q16);
       rg_store_i32(bytes + 4, point.y_q16);
       crc = rg_crc32(crc, bytes, sizeof(bytes));

@@ -258,7 +258,7 @@ static uint32_t pixels_crc(const rg_camera* camera, uint32_t crc) {
   make_directions(camera);
   rg_project_batch(camera, directions, pixels, NUM_RANDOM);
   for (uint32_t i = 0; i < NUM_RANDOM; ++i) {
-    uint8_t bytes[8];
+    uint8_t bytes[8] __attribute__((aligned(4)));
     rg_store_i32(bytes, pixels[i].x_q16);
     rg_store_i32(bytes + 4, pixels[i].y_q16);
     crc = rg_crc32(crc, bytes, sizeof(bytes));

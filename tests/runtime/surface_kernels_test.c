@@ -18,7 +18,7 @@
 
 /* The control points end where it does. */
 typedef struct random_grid {
-  uint8_t bytes[POINTS + 8 * COLUMNS * ROWS];
+  uint8_t bytes[POINTS + 8 * COLUMNS * ROWS] __attribute__((aligned(4)));
 } random_grid;
 
 static random_grid make_grid(uint32_t fraction_bits, uint32_t* random) {

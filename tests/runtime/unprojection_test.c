@@ -318,7 +318,7 @@ static uint32_t crc_of_rays(void) {
     const uint32_t i = k % NUM_RANDOM;
     if (i == 0)
       rg_unproject_batch(k == 0 ? &lens : &narrow, pixels, rays, NUM_RANDOM);
-    uint8_t bytes[12];
+    uint8_t bytes[12] __attribute__((aligned(4)));
     rg_store_i32(bytes, rays[i].x_q30);
     rg_store_i32(bytes + 4, rays[i].y_q30);
     rg_store_i32(bytes + 8, rays[i].z_q30);
