@@ -66,14 +66,14 @@ static RG_INLINE const uint8_t* rg_source_row(const rg_source* source,
 }
 
 /* Coordinate c of a position, rounded to the last bit that is kept. */
-static RG_INLINE uint32_t rg_round_position(rg_sampling sampling,
-                                            const rg_lattice* lattice,
-                                            int32_t q12, int c) {
+static RG_INLINE int32_t rg_round_position(rg_sampling sampling,
+                                           const rg_lattice* lattice,
+                                           int32_t q12, int c) {
   if (sampling != RG_SAMPLING_NEAREST)
-    return (uint32_t)q12 + rg_rounding(lattice->kind, c);
+    return q12 + (int32_t)rg_rounding(lattice->kind, c);
   uint32_t pixel = ((uint32_t)q12 + 2048) >> 12;
   RG_FORGET(pixel); /* else a mask is kept in one */
-  return pixel << 12;
+  return (int32_t)(pixel << 12);
 }
 
 /* Coordinate c of the nearest position that has a source. */
@@ -83,28 +83,28 @@ static RG_INLINE int32_t rg_nearest_source(const rg_source* source,
                   (source->size[c] - 1) << 12);
 }
 
-/* The rows and the right neighbours around a position, which is rounded: at has
- * it. Neighbours beyond the last have weight zero. */
+/* The rows and the right neighbours around the position of at, which is
+ * rounded. Neighbours beyond the last have weight zero. */
 static RG_INLINE void rg_find_neighbors(const rg_source* source,
                                         const rg_run* run,
                                         const rg_lattice* lattice,
                                         rg_neighbors* at) {
-  const uint32_t row = at->y_q12 >> 12;
+  const uint32_t row = rg_q12_of(at, 1) >> 12;
   at->upper = rg_source_row(source, run, row);
   at->lower = rg_source_row(source, run, row + (row + 1 < source->size[1]));
   at->right =
-      (at->x_q12 >> 12) + 1 < source->size[0] ? lattice->sample_step : 0;
+      (rg_q12_of(at, 0) >> 12) + 1 < source->size[0] ? lattice->sample_step : 0;
 }
 
 /* Gives a pixel of the output the border's values, unless it is to stay. */
 static RG_INLINE void rg_put_border(const rg_target* target,
-                                    const rg_lattice* lattice, uint8_t* row,
-                                    uint32_t out_pixel) {
+                                    const rg_lattice* lattice,
+                                    const rg_run* run, uint32_t out_pixel) {
   if (target->border == RG_BORDER_KEEP) return;
-  const uint16_t* value = target->border_values + lattice->index;
-  uint32_t index = rg_first_sample(lattice, out_pixel);
-  for (uint32_t c = lattice->num_channels; c != 0; --c)
-    rg_put_sample(lattice->kind, row, index++, *value++);
+  const uint16_t* const values = target->border_values + lattice->index;
+  const uint32_t index = rg_first_sample(lattice, out_pixel);
+  for (uint32_t c = 0; c < lattice->num_channels; ++c)
+    rg_put_sample(lattice->kind, run->out, index + c, values[c]);
 }
 
 /* A grey pixel at a position that has a source, so lies in the frame. At the

@@ -478,8 +478,8 @@ static RG_NOINLINE void choose_ring_rows(fast_walk* walk) {
   walk->run.first_source_row = (uint16_t)first;
 }
 
-static RG_INLINE uint32_t nearest_position(const fast_walk* walk,
-                                           rg_sampling sampling, int c) {
+static RG_INLINE int32_t nearest_position(const fast_walk* walk,
+                                          rg_sampling sampling, int c) {
   const int32_t q12 = rg_nearest_source(&walk->source, walk->ranges[c],
                                         walk->position.q12[c], c);
   return rg_round_position(sampling, walk->lattice, q12, c);
@@ -490,14 +490,15 @@ static RG_NOINLINE void remap_pixel(const fast_walk* walk,
                                     const rg_target* target) {
   const rg_run* const run = &walk->run;
   if (!walk->is_clamped && !has_source(walk, &walk->position)) {
-    rg_put_border(target, walk->lattice, run->out, run->out_pixel);
+    rg_put_border(target, walk->lattice, run, run->out_pixel);
     return;
   }
   rg_neighbors at;
-  at.x_q12 = nearest_position(walk, target->sampling, 0);
-  at.y_q12 = nearest_position(walk, target->sampling, 1);
+  for (int c = 0; c < 2; ++c)
+    at.position.q12[c] = nearest_position(walk, target->sampling, c);
   rg_find_neighbors(&walk->source, run, walk->lattice, &at);
-  rg_blend_pixel(walk->lattice, &at, run->out, run->out_pixel);
+  at.out = run->out;
+  rg_blend_pixel(walk->lattice, &at, run->out_pixel);
 }
 
 static RG_NOINLINE void fill_border(const fast_walk* walk,

@@ -25,7 +25,7 @@ typedef struct small_walk {
                             behind the last one to do */
   rg_run run;
   const uint8_t* ranges; /* of the positions that have a source, as a table's
-                            section has them; NULL: no position has one */
+                            section has them: |q12| below 2^27 */
 } small_walk;
 
 /* A function that does a pixel of the output, which comes from a position. */
@@ -82,16 +82,16 @@ static int next_part(small_walk* walk) {
 /* Whether so many positions have a source, and all that is no farther than a
  * margin from them. */
 static int have_sources(const small_walk* walk, const rg_position* positions,
-                        uint32_t num, uint32_t margin) {
+                        uint32_t num, int32_t margin) {
   const int32_t* q12 = positions->q12;
-  if (walk->parts.is_empty || !walk->ranges) return 0;
+  if (walk->parts.is_empty) return 0;
   num *= 2;
   do {
-    const uint8_t* range = walk->ranges + 4 * (num & 1);
-    const uint32_t min = rg_load_u32(range);
-    const uint32_t size = rg_load_u32(range + RG_REMAP_MIN_TO_MAX) - min;
-    const uint32_t at = (uint32_t)*q12++ - min;
-    if (at - margin > size || at + margin > size) return 0;
+    const uint8_t* const range = walk->ranges + 4 * (num & 1);
+    if (*q12 < rg_load_i32(range) + margin ||
+        *q12 > rg_load_i32(range + RG_REMAP_MIN_TO_MAX) - margin)
+      return 0;
+    ++q12;
   } while (--num != 0);
   return 1;
 }
@@ -112,7 +112,7 @@ static RG_INLINE int is_part_safe(const small_walk* walk) {
   const rg_position* const corners = walk->run.block.corners;
   if (!RG_ALL_BUILT_IN) return have_sources(walk, corners, 4, LATTICE_MARGIN);
   /* Built-in kernels are fast, so that this check is to be fast as well. */
-  if (walk->parts.is_empty || !walk->ranges) return 0;
+  if (walk->parts.is_empty) return 0;
   for (int c = 0; c < 2; ++c) {
     const uint8_t* const range = walk->ranges + 4 * c;
     const int32_t min = rg_load_i32(range) + LATTICE_MARGIN;
@@ -134,8 +134,7 @@ static RG_INLINE void do_row(small_walk* walk, careful_pixel* on_pixel,
   position = row->start;
   do {
     on_pixel(walk, &position, pixel);
-    for (int c = 0; c < 2; ++c)
-      position.q12[c] = rg_add(position.q12[c], row->step.q12[c]);
+    rg_go_on(&row->step, &position);
   } while (++pixel != walk->run.num_pixels);
   walk->run.out += walk->run.out_stride;
 }
@@ -220,8 +219,8 @@ typedef struct lattice_walk {
   uint32_t ranges[4]; /* of the lattice, as a section has those of the image */
 } lattice_walk;
 
-/* Sets the ranges of the lattice, from those of the image: one of these may be
- * without any of the lattice's positions. */
+/* Sets the ranges of the lattice, from those of the image. One of these may be
+ * without any of the lattice's positions: its end is before its begin. */
 static RG_INLINE void set_ranges(lattice_walk* whole) {
   uint8_t* const ranges = (uint8_t*)whole->ranges;
   whole->walk.ranges = ranges;
@@ -230,7 +229,6 @@ static RG_INLINE void set_ranges(lattice_walk* whole) {
         rg_source_range(whole->walk.parts.section, &whole->lattice, c);
     rg_store_i32(ranges + 4 * c, range.min_q12);
     rg_store_i32(ranges + RG_REMAP_MIN_TO_MAX + 4 * c, range.max_q12);
-    if (range.min_q12 > range.max_q12) whole->walk.ranges = NULL;
   }
 }
 
@@ -287,79 +285,84 @@ static RG_NOINLINE int move_to_ring(small_walk* walk) {
   return 1;
 }
 
-/* Coordinate c of the nearest position that has a source. */
-static int32_t nearest_source(const lattice_walk* lattice, int32_t q12, int c) {
-  const uint8_t* const min = (const uint8_t*)lattice->ranges + 4 * c;
-  const rg_range range = {rg_load_i32(min),
-                          rg_load_i32(min + RG_REMAP_MIN_TO_MAX)};
-  return rg_nearest_source(&lattice->walk.source, range, q12, c);
+/* The neighbours of a pixel that asks for no care. at has its position, and no
+ * right ones if pixels are copied. */
+static RG_INLINE void find_safe_neighbors(const rg_run* run, rg_neighbors* at) {
+  at->upper = run->data + (size_t)(rg_q12_of(at, 1) >> 12) * run->stride;
+  at->lower = at->upper;
+  if (at->right != 0) at->lower += run->stride;
 }
 
-/* The neighbours around a position. */
-static RG_INLINE void find_neighbors(const image_walk* image,
-                                     const rg_position* position,
-                                     rg_neighbors* at) {
+/* The neighbours of a pixel that asks for care: moves the position that at has
+ * to the nearest one with a source, and rounds it. */
+static RG_NOINLINE void find_careful_neighbors(const image_walk* image,
+                                               rg_neighbors* at) {
   const lattice_walk* const whole = &image->whole;
-  const rg_sampling sampling = image->target->sampling;
-  at->x_q12 = rg_round_position(sampling, &whole->lattice,
-                                nearest_source(whole, position->q12[0], 0), 0);
-  at->y_q12 = rg_round_position(sampling, &whole->lattice,
-                                nearest_source(whole, position->q12[1], 1), 1);
+  for (int c = 0; c < 2; ++c) {
+    const uint8_t* const min = whole->walk.ranges + 4 * c;
+    const rg_range range = {rg_load_i32(min),
+                            rg_load_i32(min + RG_REMAP_MIN_TO_MAX)};
+    const int32_t nearest =
+        rg_nearest_source(&whole->walk.source, range, at->position.q12[c], c);
+    at->position.q12[c] =
+        rg_round_position(image->target->sampling, &whole->lattice, nearest, c);
+  }
   rg_find_neighbors(&whole->walk.source, &whole->walk.run, &whole->lattice, at);
 }
 
-/* Does a pixel of a part that asks for care. */
-static RG_INLINE void do_careful_pixel(const image_walk* image,
-                                       const rg_position* position,
-                                       uint32_t pixel) {
-  const lattice_walk* const whole = &image->whole;
-  uint8_t* const out = whole->walk.run.out;
-  if (image->target->border == RG_BORDER_CLAMP ||
-      has_source(&whole->walk, position)) {
-    rg_neighbors at;
-    find_neighbors(image, position, &at);
-    rg_blend_pixel(&whole->lattice, &at, out, pixel);
+/* Does a pixel of a part. at has its position. */
+static RG_INLINE void do_pixel(const image_walk* image, int is_safe,
+                               rg_neighbors* at, uint32_t pixel) {
+  const rg_lattice* const lattice = &image->whole.lattice;
+  const small_walk* const walk = &image->whole.walk;
+  if (is_safe) {
+    find_safe_neighbors(&walk->run, at);
+  } else if (image->target->border == RG_BORDER_CLAMP ||
+             has_source(walk, &at->position)) {
+    find_careful_neighbors(image, at);
   } else {
-    rg_put_border(image->target, &whole->lattice, out, pixel);
+    rg_put_border(image->target, lattice, &walk->run, pixel);
+    return;
   }
+  rg_blend_pixel(lattice, at, pixel);
 }
 
-/* Does a part that asks for care, pixel by pixel. */
-static RG_NOINLINE void do_careful_pixels(image_walk* image) {
-  rg_run* const run = &image->whole.walk.run;
+/* Does a part pixel by pixel. is_safe: it asks for no care. */
+static RG_NOINLINE void do_pixels(image_walk* image, int is_safe) {
+  const int is_copy = image->target->sampling == RG_SAMPLING_NEAREST;
+  rg_neighbors at;
+  at.right = is_copy ? 0 : image->whole.lattice.sample_step;
   uint32_t r = 0;
+  rg_run* run;
   do {
     rg_block_row row;
+    RG_FORGET(image); /* else the address of its block is in another one */
+    run = &image->whole.walk.run;
     rg_find_block_row(&run->block, run->first_row + r, &row);
-    uint32_t pixel = run->out_pixel;
+    if (is_safe) rg_round_row(image->whole.lattice.kind, at.right == 0, &row);
+    at.out = run->out;
+    uint32_t k = 0;
     do {
-      do_careful_pixel(image, &row.start, pixel);
-      rg_go_on_in_row(&row);
-    } while (++pixel != (uint32_t)run->out_pixel + run->num_pixels);
+      at.position = rg_row_position(&row, k);
+      do_pixel(image, is_safe, &at, run->out_pixel + k);
+    } while (++k != run->num_pixels);
     run->out += run->out_stride;
   } while (++r != run->num_rows);
 }
 
-/* Does a part that asks for no care by a kernel. */
-static RG_INLINE void blend_safe_part(const rg_run* run,
-                                      const rg_lattice* lattice) {
-  if (!RG_ALL_BUILT_IN || !rg_blend_built_in(run, rg_interleaved(lattice)))
-    rg_blend_lattice(run, lattice);
-}
-
+/* Does a part that asks for no care, by a kernel if there is one for it. */
 static RG_INLINE void do_safe_part(image_walk* image) {
   const rg_lattice* const lattice = &image->whole.lattice;
   rg_run* const run = &image->whole.walk.run;
   const int is_copy = image->target->sampling == RG_SAMPLING_NEAREST;
-  if (!is_copy && !RG_ALL_BUILT_IN && rg_interleaved(lattice) == 1) {
-    do_part_by_rows(&image->whole.walk, NULL);
-    return;
-  }
   if (is_copy)
-    rg_copy_lattice(run, lattice);
+    do_pixels(image, 1);
+  else if (RG_ALL_BUILT_IN && rg_blend_built_in(run, rg_interleaved(lattice)))
+    run->out += (size_t)run->num_rows * run->out_stride;
+  else if (!RG_ALL_BUILT_IN && rg_interleaved(lattice) == 1)
+    do_part_by_rows(&image->whole.walk, NULL);
   else
-    blend_safe_part(run, lattice);
-  run->out += (size_t)run->num_rows * run->out_stride;
+    do_pixels(image, 1);
 }
 
 static RG_INLINE void remap_part(image_walk* image) {
@@ -368,7 +371,7 @@ static RG_INLINE void remap_part(image_walk* image) {
   if (is_part_safe(walk) && (walk->source.ring_rows == 0 || move_to_ring(walk)))
     do_safe_part(image);
   else
-    do_careful_pixels(image);
+    do_pixels(image, 0);
 }
 
 /* Before the first part of the lattice that the walk has. */
@@ -435,7 +438,7 @@ static RG_NOINLINE void add_pixels(const row_walk* walk) {
     for (uint32_t k = run->num_pixels; k != 0; --k) {
       if (has_source(&walk->whole.walk, &row.start))
         add_position(walk, row.start.q12[1]);
-      rg_go_on_in_row(&row);
+      rg_go_on(&row.step, &row.start);
     }
   }
 }

@@ -12,8 +12,9 @@ uint32_t rg_mix_samples(uint32_t kind, const rg_neighbors* at, uint32_t index) {
 void rg_mix_bytes(const rg_neighbors* at, uint32_t index, uint8_t* out,
                   uint32_t num_channels) {
   do {
-    *out++ = (uint8_t)rg_blend_bytes(at->upper + index, at->lower + index,
-                                     at->right, at->x_q12, at->y_q12);
+    *out++ =
+        (uint8_t)rg_blend_bytes(at->upper + index, at->lower + index, at->right,
+                                rg_q12_of(at, 0), rg_q12_of(at, 1));
     ++index;
   } while (--num_channels != 0);
 }

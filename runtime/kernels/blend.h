@@ -10,6 +10,7 @@
 #endif
 
 #include "fixed_point.h"
+#include "kernels/block.h"
 #include "kernels/samples.h"
 
 /* Two neighbours, the left one in the low byte. */
@@ -62,6 +63,15 @@ static inline uint32_t rg_rounding(uint32_t kind, int c) {
   return kind != RG_SAMPLE_8 ? 8 : c == 0 ? 16 : 0;
 }
 
+/* Rounds the positions of a row: to the last bit that is kept, or to whole
+ * pixels that are copied. */
+static RG_INLINE void rg_round_row(uint32_t kind, int is_copy,
+                                   rg_block_row* row) {
+  for (int c = 0; c < 2; ++c)
+    row->start.q12[c] = rg_add(row->start.q12[c],
+                               is_copy ? 2048 : (int32_t)rg_rounding(kind, c));
+}
+
 /* The blend of the bytes around a position to which the rounding was added. The
  * right samples lie right bytes on. */
 static RG_INLINE uint32_t rg_blend_bytes(const uint8_t* upper,
@@ -72,17 +82,24 @@ static RG_INLINE uint32_t rg_blend_bytes(const uint8_t* upper,
                     (x_q12 >> 5) & 127, y_q12 & 4095);
 }
 
-/* The neighbours around a position to which the rounding was added. */
+/* The neighbours around a position to which the rounding was added, and the row
+ * of the output that the pixel is in. */
 typedef struct rg_neighbors {
-  uint32_t x_q12, y_q12;
+  rg_position position;
   const uint8_t *upper, *lower; /* rows */
   uint32_t right;               /* samples to the right ones */
+  uint8_t* out;
 } rg_neighbors;
+
+/* Coordinate c of the position, which is not negative. */
+static inline uint32_t rg_q12_of(const rg_neighbors* at, int c) {
+  return (uint32_t)at->position.q12[c];
+}
 
 /* Two samples of a row, of up to 16 bits, with 8-bit weights. */
 static inline uint32_t rg_blend_pair(const rg_neighbors* at, uint32_t left,
                                      uint32_t right) {
-  const uint32_t wx_q8 = (at->x_q12 >> 4) & 255;
+  const uint32_t wx_q8 = (rg_q12_of(at, 0) >> 4) & 255;
   return left * (256 - wx_q8) + right * wx_q8;
 }
 
@@ -98,7 +115,7 @@ static RG_INLINE uint32_t rg_blend_wide(uint32_t kind, const rg_neighbors* at,
   RG_FORGET(at);
   right = rg_load_sample(kind, at->lower, index + at->right);
   const uint32_t lower_q8 = rg_blend_pair(at, left, right);
-  const uint32_t wy_q8 = (at->y_q12 >> 4) & 255;
+  const uint32_t wy_q8 = (rg_q12_of(at, 1) >> 4) & 255;
   return (upper_q8 * (256 - wy_q8) + lower_q8 * wy_q8 + 0x8000) >> 16;
 }
 
@@ -108,7 +125,7 @@ static RG_INLINE uint32_t rg_blend_samples(uint32_t kind,
                                            uint32_t index) {
   return kind == RG_SAMPLE_8
              ? rg_blend_bytes(at->upper + index, at->lower + index, at->right,
-                              at->x_q12, at->y_q12)
+                              rg_q12_of(at, 0), rg_q12_of(at, 1))
              : rg_blend_wide(kind, at, index);
 }
 
@@ -121,17 +138,19 @@ uint32_t rg_mix_samples(uint32_t kind, const rg_neighbors* at, uint32_t index);
 void rg_mix_bytes(const rg_neighbors* at, uint32_t index, uint8_t* out,
                   uint32_t num_channels);
 
-/* A pixel of any lattice, to the output's row. */
+/* A pixel of any lattice, to the row of the output that at has. */
 static RG_INLINE void rg_blend_pixel(const rg_lattice* lattice,
-                                     const rg_neighbors* at, uint8_t* row,
+                                     const rg_neighbors* at,
                                      uint32_t out_pixel) {
-  const uint32_t index = rg_first_sample(lattice, at->x_q12 >> 12);
-  const uint32_t target = rg_first_sample(lattice, out_pixel);
-  if (lattice->kind == RG_SAMPLE_8)
-    rg_mix_bytes(at, index, row + target, lattice->num_channels);
-  else
-    rg_put_sample(lattice->kind, row, target,
-                  rg_mix_samples(lattice->kind, at, index));
+  const uint32_t index = rg_first_sample(lattice, rg_q12_of(at, 0) >> 12);
+  if (lattice->kind == RG_SAMPLE_8) {
+    rg_mix_bytes(at, index, at->out + rg_first_sample(lattice, out_pixel),
+                 lattice->num_channels);
+  } else {
+    const uint32_t value = rg_mix_samples(lattice->kind, at, index);
+    rg_put_sample(lattice->kind, at->out, rg_first_sample(lattice, out_pixel),
+                  value);
+  }
 }
 
 #endif /* RAYGRID_BLEND_H */

@@ -64,17 +64,18 @@ extern "C"
     void
     rg_find_block_row(const rg_block* block, uint32_t r, rg_block_row* row);
 
-/* To the row's next pixel, which it then begins with. */
-static RG_INLINE void rg_go_on_in_row(rg_block_row* row) {
+/* To the position of a row's next pixel. */
+static RG_INLINE void rg_go_on(const rg_position* step, rg_position* position) {
   for (int c = 0; c < 2; ++c)
-    row->start.q12[c] = rg_add(row->start.q12[c], row->step.q12[c]);
+    position->q12[c] = rg_add(position->q12[c], step->q12[c]);
 }
 
-/* The position of pixel k of a row. */
+/* The position of pixel k of a row, modulo 2^32. */
 static inline rg_position rg_row_position(const rg_block_row* row, uint32_t k) {
   rg_position p;
   for (int c = 0; c < 2; ++c)
-    p.q12[c] = row->start.q12[c] + (int32_t)k * row->step.q12[c];
+    p.q12[c] =
+        (int32_t)((uint32_t)row->start.q12[c] + k * (uint32_t)row->step.q12[c]);
   return p;
 }
 

@@ -31,7 +31,7 @@ void rg_blend_1(const rg_run* run) {
 static RG_INLINE void do_pixel(const rg_lattice* lattice, uint32_t kind,
                                uint32_t num_channels, const rg_neighbors* at,
                                int is_copy, uint8_t* row, uint32_t out_pixel) {
-  uint32_t index = rg_first_sample(lattice, at->x_q12 >> 12);
+  uint32_t index = rg_first_sample(lattice, rg_q12_of(at, 0) >> 12);
   uint32_t target = rg_first_sample(lattice, out_pixel);
   for (uint32_t c = 0; c < num_channels; ++c, ++index, ++target)
     rg_store_sample(kind, row, target,
@@ -73,28 +73,16 @@ static RG_INLINE void do_rows(const rg_run* run, const rg_lattice* lattice,
     rg_block_row row;
     rg_next_row(&own.block, edges, &row);
     rg_move_to_run(&own, &row);
-    at.x_q12 =
-        (uint32_t)row.start.q12[0] + (is_copy ? 2048 : rg_rounding(kind, 0));
-    at.y_q12 =
-        (uint32_t)row.start.q12[1] + (is_copy ? 2048 : rg_rounding(kind, 1));
+    rg_round_row(kind, is_copy, &row);
+    at.position = row.start;
     for (uint32_t k = 0; k < own.num_pixels; ++k) {
-      at.upper = own.data + (size_t)(at.y_q12 >> 12) * own.stride;
+      at.upper = own.data + (size_t)(rg_q12_of(&at, 1) >> 12) * own.stride;
       at.lower = at.upper + below;
       do_pixel(lattice, kind, num_channels, &at, is_copy, out,
                own.out_pixel + k);
-      at.x_q12 += (uint32_t)row.step.q12[0];
-      at.y_q12 += (uint32_t)row.step.q12[1];
+      rg_go_on(&row.step, &at.position);
     }
   }
-}
-
-/* Coordinate c of a row's first position, rounded to the last bit that is kept;
- * to a whole pixel if it is copied. */
-static RG_INLINE uint32_t round_start(const rg_lattice* lattice,
-                                      const rg_block_row* row, int c,
-                                      int is_copy) {
-  return (uint32_t)row->start.q12[c] +
-         (is_copy ? 2048 : rg_rounding(lattice->kind, c));
 }
 
 /* Does the rows of a run of any lattice, with little code and stack. right: the
@@ -103,25 +91,24 @@ static void do_rows_shortly(const rg_run* run, const rg_lattice* lattice,
                             uint32_t right) {
   rg_neighbors at;
   rg_block_row row;
-  uint8_t* out = run->out;
   uint32_t r = 0;
+  at.out = run->out;
   at.right = right;
   do {
     RG_FORGET(run); /* else the address of its block is in another one */
     rg_find_block_row(&run->block, run->first_row + r, &row);
     rg_move_to_run(run, &row);
-    at.x_q12 = round_start(lattice, &row, 0, at.right == 0);
-    at.y_q12 = round_start(lattice, &row, 1, at.right == 0);
+    rg_round_row(lattice->kind, at.right == 0, &row);
+    at.position = row.start;
     uint32_t pixel = 0;
     do {
-      at.upper = run->data + (size_t)(at.y_q12 >> 12) * run->stride;
+      at.upper = run->data + (size_t)(rg_q12_of(&at, 1) >> 12) * run->stride;
       at.lower = at.upper;
       if (at.right != 0) at.lower += run->stride;
-      rg_blend_pixel(lattice, &at, out, run->out_pixel + pixel);
-      at.x_q12 += (uint32_t)row.step.q12[0];
-      at.y_q12 += (uint32_t)row.step.q12[1];
+      rg_blend_pixel(lattice, &at, run->out_pixel + pixel);
+      rg_go_on(&row.step, &at.position);
     } while (++pixel != run->num_pixels);
-    out += run->out_stride;
+    at.out += run->out_stride;
   } while (++r != run->num_rows);
 }
 
