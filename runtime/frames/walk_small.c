@@ -129,12 +129,10 @@ static RG_INLINE int is_part_safe(const small_walk* walk) {
 /* Does the row that was found, pixel by pixel. */
 static RG_INLINE void do_row(small_walk* walk, careful_pixel* on_pixel,
                              const rg_block_row* row) {
-  rg_position position;
   uint32_t pixel = 0;
-  position = row->start;
   do {
+    const rg_position position = rg_row_position(row, pixel);
     on_pixel(walk, &position, pixel);
-    rg_go_on(&row->step, &position);
   } while (++pixel != walk->run.num_pixels);
   walk->run.out += walk->run.out_stride;
 }
@@ -145,12 +143,12 @@ static RG_INLINE void do_row(small_walk* walk, careful_pixel* on_pixel,
  * of the output are counted from the part's first. */
 static void do_part_by_rows(small_walk* walk, careful_pixel* on_pixel) {
   rg_grey_rows rows;
+  walk->run.out += walk->run.out_pixel;
   rows.corners = walk->run.block.corners;
   rows.rest = walk->run.num_rows;
   rows.rounding = on_pixel ? 0 : RG_FIRST_ROUNDING(&walk->run);
   rg_start_edges(&walk->run, rows.corners->q12, (uint32_t*)rows.corners->q12);
   rg_block_row row;
-  walk->run.out += walk->run.out_pixel;
   while (RG_DO_GREY_ROWS(&rows, &row)) {
     do_row(walk, on_pixel, &row);
     if (--rows.rest == 0) break;
