@@ -103,7 +103,7 @@ rg_status rg_remap_view(const rg_camera* camera, rg_view* view) {
   const int has_view = rg_has_view(section);
   view->projection = RG_PROJECTION_PINHOLE;
   if (has_view) view->projection = (rg_projection)section[RG_VIEW_PROJECTION];
-  view->distorts = (uint8_t)rg_distorts(section, UINT32_MAX);
+  view->distorts = has_view && section[RG_VIEW_DIRECTION] == RG_DISTORT;
   if (view->distorts) rg_frame_size(camera, &view->width, &view->height);
   view->fx_q16 = rg_load_u32(section + RG_REMAP_FX);
   view->fy_q16 = rg_load_u32(section + RG_REMAP_FY);
