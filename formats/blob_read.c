@@ -19,13 +19,11 @@ static const uint8_t kFieldsSizes[RG_NUM_SECTION_TYPES] = {
     0, /* a start for projection, until version 1.2 */
     RG_GRID_FIELDS_SIZE};
 
-/* The sections tile the blob, in the order of the table. */
-static rg_status check_sections(const uint8_t* bytes, rg_sections* sections) {
+/* The sections tile the blob behind the table, in its order. */
+static rg_status check_sections(const uint8_t* bytes, const uint8_t* table_end,
+                                rg_sections* sections) {
   const uint8_t* const end = bytes + rg_load_u32(bytes + RG_HEADER_TOTAL_SIZE);
   const uint8_t* entry = bytes + RG_HEADER_SIZE;
-  const uint8_t* const table_end =
-      entry +
-      rg_load_u16(bytes + RG_HEADER_SECTION_COUNT) * RG_SECTION_ENTRY_SIZE;
   const uint8_t* section = table_end;
   do {
     const uint32_t size = rg_load_u32(entry + RG_ENTRY_SIZE);
@@ -74,9 +72,10 @@ rg_status rg_check_table(const uint8_t* bytes, uint32_t num_bytes,
       RG_HEADER_SIZE + table_size > total_size)
     return RG_ERR_HEADER;
 
-  const uint32_t crc = rg_crc32(rg_crc32(0, bytes, RG_HEADER_HEADER_CRC),
-                                bytes + RG_HEADER_SIZE, table_size);
+  const uint8_t* const table = bytes + RG_HEADER_SIZE;
+  const uint32_t crc =
+      rg_crc32(rg_crc32(0, bytes, RG_HEADER_HEADER_CRC), table, table_size);
   if (crc != rg_load_u32(bytes + RG_HEADER_HEADER_CRC))
     return RG_ERR_HEADER_CRC;
-  return check_sections(bytes, sections);
+  return check_sections(bytes, table + table_size, sections);
 }
