@@ -176,10 +176,9 @@ static inline int rg_has_view(const uint8_t* section) {
          rg_load_u32(section + RG_REMAP_DATA_OFFSET) >= RG_VIEW_FIELDS_SIZE;
 }
 
-/* Whether a remap section of so many bytes is of a table that distorts. */
-static inline int rg_distorts(const uint8_t* section, uint32_t size) {
-  return size >= RG_VIEW_FIELDS_SIZE && rg_has_view(section) &&
-         section[RG_VIEW_DIRECTION] == RG_DISTORT;
+/* Whether a remap section is of a table that distorts. */
+static inline int rg_distorts(const uint8_t* section) {
+  return rg_has_view(section) && section[RG_VIEW_DIRECTION] == RG_DISTORT;
 }
 
 /* The bytes of a vertex of a remap section. */

@@ -37,11 +37,11 @@ extern "C" {
  * for use outside the library. */
 typedef struct rg_camera {
   const uint8_t* blob;
-  const uint8_t* grid; /* sections; NULL where there is none: */
+  const uint8_t* identity; /* sections; NULL where there is none: */
+  const uint8_t* grid;
   const uint8_t* inverse;
   const uint8_t* line_points;         /* not the section, but its first point */
   const uint8_t* remap;               /* the one in use */
-  uint16_t width, height;             /* frames as calibrated */
   uint16_t frame_width, frame_height; /* frames that the table takes */
   uint16_t surface;                   /* the kernels of rays */
 } rg_camera;
@@ -215,7 +215,10 @@ typedef enum rg_match_result {
  *         any camera.
  * remap   where the index goes of the first table that undistorts such frames,
  *         or RG_NO_TABLE; or NULL. A mode is that of a table if offsets and
- *         scales differ by no more than they are rounded by: 1. */
+ *         scales differ by no more than they are rounded by: 1. Tables that
+ *         rg_select_remap() refuses do not count.
+ *
+ * Cost: at most that of rg_select_remap() for each table. */
 rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
                          uint16_t width, uint16_t height, const char* serial,
                          uint32_t* remap);

@@ -40,6 +40,7 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
   if (status == RG_OK) status = check_rays(&sections);
   if (status != RG_OK) return status;
   camera->blob = blob;
+  camera->identity = sections.of[RG_SECTION_CAMERA].bytes;
   camera->grid = sections.of[RG_SECTION_CENTRAL_GRID].bytes;
   camera->inverse = sections.of[RG_SECTION_INVERSE].bytes;
   const uint8_t* line_points = sections.of[RG_SECTION_LINE_POINTS].bytes;
@@ -48,30 +49,24 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
   camera->line_points = line_points;
   camera->remap = 0;
   camera->surface = rg_best_surface();
-  const uint32_t size =
-      rg_load_u32(sections.of[RG_SECTION_CAMERA].bytes + RG_CAMERA_WIDTH);
-  camera->width = (uint16_t)size;
-  camera->height = (uint16_t)(size >> 16);
-  set_frame_size(camera, size);
+  set_frame_size(camera, rg_load_u32(camera->identity + RG_CAMERA_WIDTH));
   return RG_OK;
 }
 
 rg_status rg_select_remap(rg_camera* camera, uint32_t index) {
-  rg_status status = RG_ERR_NO_REMAP;
   const uint8_t* const entry =
       rg_find_entry(camera->blob, RG_SECTION_REMAP, index);
-  if (entry) {
-    const uint8_t* const section =
-        camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
-    uint32_t frame_size = camera->width | (uint32_t)camera->height << 16;
-    status = rg_check_remap(section, rg_load_u32(entry + RG_ENTRY_SIZE),
-                            &frame_size);
-    /* Elsewhere, what is done with any harms nothing. */
-    if (RG_FAST_WALK && status == RG_OK) status = rg_check_vertices(section);
-    if (status == RG_OK) {
-      camera->remap = section;
-      set_frame_size(camera, frame_size);
-    }
+  if (!entry) return RG_ERR_NO_REMAP;
+  const uint8_t* const section =
+      camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
+  uint32_t frame_size = rg_load_u32(camera->identity + RG_CAMERA_WIDTH);
+  rg_status status =
+      rg_check_remap(section, rg_load_u32(entry + RG_ENTRY_SIZE), &frame_size);
+  /* Elsewhere, what is done with any harms nothing. */
+  if (RG_FAST_WALK && status == RG_OK) status = rg_check_vertices(section);
+  if (status == RG_OK) {
+    camera->remap = section;
+    set_frame_size(camera, frame_size);
   }
   return status;
 }

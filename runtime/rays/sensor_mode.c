@@ -17,12 +17,18 @@ typedef struct mode_axis {
   int is_flipped;
 } mode_axis;
 
-/* Axis c of a mode; 0 if it is impossible. */
-static int find_mode_axis(const rg_mode* mode, int c, mode_axis* axis) {
-  axis->size = c == 0 ? mode->width : mode->height;
-  axis->offset_q16 = c == 0 ? mode->offset_x_q16 : mode->offset_y_q16;
-  axis->scale_q16 = c == 0 ? mode->scale_x_q16 : mode->scale_y_q16;
-  axis->is_flipped = c == 0 ? mode->flip_x : mode->flip_y;
+static void find_axes(const rg_mode* mode, mode_axis axes[2]) {
+  axes[0].size = mode->width;
+  axes[0].offset_q16 = mode->offset_x_q16;
+  axes[0].scale_q16 = mode->scale_x_q16;
+  axes[0].is_flipped = mode->flip_x != 0;
+  axes[1].size = mode->height;
+  axes[1].offset_q16 = mode->offset_y_q16;
+  axes[1].scale_q16 = mode->scale_y_q16;
+  axes[1].is_flipped = mode->flip_y != 0;
+}
+
+static int is_possible(const mode_axis* axis) {
   return axis->size - 1 < RG_MAX_IMAGE_SIZE &&
          axis->scale_q16 - MIN_SCALE_Q16 <= MAX_SCALE_Q16 - MIN_SCALE_Q16 &&
          rg_magnitude(axis->offset_q16) < LIMIT_Q16;
@@ -73,12 +79,12 @@ static RG_INLINE int convert_axis(const mode_axis* axis, int is_to_calibrated,
 static rg_status convert(const rg_mode* mode, const rg_pixel* pixel,
                          rg_pixel* converted, int is_to_calibrated) {
   int32_t q16[2] = {pixel->x_q16, pixel->y_q16};
-  for (int c = 0; c < 2; ++c) {
-    mode_axis axis;
-    if (!find_mode_axis(mode, c, &axis) ||
-        !convert_axis(&axis, is_to_calibrated, &q16[c]))
+  mode_axis axes[2];
+  find_axes(mode, axes);
+  for (int c = 0; c < 2; ++c)
+    if (!is_possible(&axes[c]) ||
+        !convert_axis(&axes[c], is_to_calibrated, &q16[c]))
       return RG_ERR_ARGUMENT;
-  }
   converted->x_q16 = q16[0];
   converted->y_q16 = q16[1];
   return RG_OK;
@@ -94,6 +100,37 @@ rg_status rg_mode_from_calibrated(const rg_mode* mode, rg_pixel calibrated,
   return convert(mode, &calibrated, pixel, 0);
 }
 
+/* That of frames as calibrated. */
+static void set_calibrated_mode(const rg_camera* camera, rg_mode* mode) {
+  rg_calibrated_size(camera, &mode->width, &mode->height);
+  mode->offset_x_q16 = mode->offset_y_q16 = 0;
+  mode->scale_x_q16 = mode->scale_y_q16 = 65536;
+  mode->flip_x = mode->flip_y = 0;
+}
+
+rg_status rg_remap_mode(const rg_camera* camera, rg_mode* mode) {
+  const uint8_t* const section = camera->remap;
+  if (!section) return RG_ERR_NO_REMAP;
+  if (!rg_has_view(section) || section[RG_VIEW_MODE] == 0) {
+    set_calibrated_mode(camera, mode);
+    return RG_OK;
+  }
+  const uint8_t* const fields =
+      rg_find_mode(camera->blob, section[RG_VIEW_MODE]);
+  if (!fields) return RG_ERR_MODE;
+  mode->width = rg_load_u16(fields + RG_MODE_WIDTH);
+  mode->height = rg_load_u16(fields + RG_MODE_HEIGHT);
+  mode->offset_x_q16 = rg_load_i32(fields + RG_MODE_OFFSET_X);
+  mode->offset_y_q16 = rg_load_i32(fields + RG_MODE_OFFSET_Y);
+  mode->scale_x_q16 = rg_load_u32(fields + RG_MODE_SCALE_X);
+  mode->scale_y_q16 = rg_load_u32(fields + RG_MODE_SCALE_Y);
+  mode->flip_x = fields[RG_MODE_FLIP_X];
+  mode->flip_y = fields[RG_MODE_FLIP_Y];
+  return RG_OK;
+}
+
+/* ---- Matches ------------------------------------------------------------- */
+
 /* Whether the mode's pixels cover calibrated ones only, along one axis, but for
  * what a scale is rounded by. */
 static int is_part(const mode_axis* axis, uint32_t calibrated_size) {
@@ -104,108 +141,67 @@ static int is_part(const mode_axis* axis, uint32_t calibrated_size) {
          (calibrated_size << 16) + (axis->size + 1) / 2;
 }
 
-/* An empty serial fits every camera. expected: RG_TEXT_SIZE bytes; not checked
- * on opening, so the last is taken for a zero whatever it is. */
-static int is_serial(const char* expected, const char* serial) {
-  if (!serial || expected[0] == 0) return 1;
-  for (uint32_t i = 0; expected[i] == serial[i]; ++i)
-    if (expected[i] == 0 || i == RG_TEXT_SIZE - 1) return 1;
-  return 0;
-}
-
-/* That of frames as calibrated. */
-static void set_calibrated_mode(const rg_camera* camera, rg_mode* mode) {
-  mode->width = camera->width;
-  mode->height = camera->height;
-  mode->offset_x_q16 = mode->offset_y_q16 = 0;
-  mode->scale_x_q16 = mode->scale_y_q16 = 65536;
-  mode->flip_x = mode->flip_y = 0;
-}
-
-/* The mode of a table's real frames; 0 if the blob lacks it.
- *
- * size  bytes of the table's section, at least those of its fields */
-static int find_remap_mode(const rg_camera* camera, const uint8_t* section,
-                           uint32_t size, rg_mode* mode) {
-  set_calibrated_mode(camera, mode);
-  if (size < RG_VIEW_FIELDS_SIZE || !rg_has_view(section) ||
-      section[RG_VIEW_MODE] == 0)
-    return 1;
-  const uint8_t* const fields =
-      rg_find_mode(camera->blob, section[RG_VIEW_MODE]);
-  if (!fields) return 0;
-  mode->width = rg_load_u16(fields + RG_MODE_WIDTH);
-  mode->height = rg_load_u16(fields + RG_MODE_HEIGHT);
-  mode->offset_x_q16 = rg_load_i32(fields + RG_MODE_OFFSET_X);
-  mode->offset_y_q16 = rg_load_i32(fields + RG_MODE_OFFSET_Y);
-  mode->scale_x_q16 = rg_load_u32(fields + RG_MODE_SCALE_X);
-  mode->scale_y_q16 = rg_load_u32(fields + RG_MODE_SCALE_Y);
-  mode->flip_x = fields[RG_MODE_FLIP_X];
-  mode->flip_y = fields[RG_MODE_FLIP_Y];
+/* Whether a mode shows a part of the calibrated frames. */
+static int is_part_of(const mode_axis mode[2], const mode_axis calibrated[2]) {
+  for (int c = 0; c < 2; ++c)
+    if (!is_possible(&mode[c]) || !is_part(&mode[c], calibrated[c].size))
+      return 0;
   return 1;
-}
-
-rg_status rg_remap_mode(const rg_camera* camera, rg_mode* mode) {
-  if (!camera->remap) return RG_ERR_NO_REMAP;
-  return find_remap_mode(camera, camera->remap, UINT32_MAX, mode) ? RG_OK
-                                                                  : RG_ERR_MODE;
 }
 
 /* Whether numbers are the same but for what they were rounded by. */
 static int are_near(uint32_t a, uint32_t b) { return a - b + 1 <= 2; }
 
-static int is_same_mode(const rg_mode* a, const rg_mode* b) {
-  return a->width == b->width && a->height == b->height &&
-         !a->flip_x == !b->flip_x && !a->flip_y == !b->flip_y &&
-         are_near((uint32_t)a->offset_x_q16, (uint32_t)b->offset_x_q16) &&
-         are_near((uint32_t)a->offset_y_q16, (uint32_t)b->offset_y_q16) &&
-         are_near(a->scale_x_q16, b->scale_x_q16) &&
-         are_near(a->scale_y_q16, b->scale_y_q16);
-}
-
-/* Whether a mode shows a part of the calibrated frames. */
-static int is_part_of_frames(const rg_mode* mode, const rg_camera* camera) {
-  mode_axis x, y;
-  return find_mode_axis(mode, 0, &x) && is_part(&x, camera->width) &&
-         find_mode_axis(mode, 1, &y) && is_part(&y, camera->height);
+static int are_same(const mode_axis a[2], const mode_axis b[2]) {
+  for (int c = 0; c < 2; ++c)
+    if (a[c].size != b[c].size || a[c].is_flipped != b[c].is_flipped ||
+        !are_near((uint32_t)a[c].offset_q16, (uint32_t)b[c].offset_q16) ||
+        !are_near(a[c].scale_q16, b[c].scale_q16))
+      return 0;
+  return 1;
 }
 
 /* The first table that undistorts frames of a mode, or RG_NO_TABLE. */
-static uint32_t find_table(const rg_camera* camera, const rg_mode* mode) {
-  const uint8_t* entry;
-  for (uint32_t k = 0;
-       (entry = rg_find_entry(camera->blob, RG_SECTION_REMAP, k)) != 0; ++k) {
-    const uint8_t* const section =
-        camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
-    const uint32_t size = rg_load_u32(entry + RG_ENTRY_SIZE);
+static uint32_t find_table(const rg_camera* camera, const mode_axis mode[2]) {
+  rg_camera with_table;
+  with_table.blob = camera->blob;
+  with_table.identity = camera->identity;
+  for (uint32_t k = 0;; ++k) {
     rg_mode of_table;
-    if (find_remap_mode(camera, section, size, &of_table) &&
-        is_same_mode(mode, &of_table) && !rg_distorts(section, size))
-      return k;
+    mode_axis axes[2];
+    const rg_status status = rg_select_remap(&with_table, k);
+    if (status == RG_ERR_NO_REMAP) return RG_NO_TABLE;
+    if (status != RG_OK || rg_remap_mode(&with_table, &of_table) != RG_OK)
+      continue;
+    find_axes(&of_table, axes);
+    if (are_same(mode, axes) && !rg_distorts(with_table.remap)) return k;
   }
-  return RG_NO_TABLE;
 }
 
-static int has_serial(const rg_camera* camera, const char* serial) {
-  const uint8_t* const identity =
-      camera->blob +
-      rg_load_u32(rg_find_entry(camera->blob, RG_SECTION_CAMERA, 0) +
-                  RG_ENTRY_OFFSET);
-  return is_serial((const char*)identity + RG_CAMERA_SERIAL, serial);
+/* An empty serial fits every camera. expected: RG_TEXT_SIZE bytes; not checked
+ * on opening, so the last is taken for a zero whatever it is. */
+static int is_serial(const uint8_t* expected, const char* serial) {
+  if (!serial || expected[0] == 0) return 1;
+  for (uint32_t i = 0; expected[i] == (uint8_t)serial[i]; ++i)
+    if (expected[i] == 0 || i == RG_TEXT_SIZE - 1) return 1;
+  return 0;
 }
 
 rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
                          uint16_t width, uint16_t height, const char* serial,
                          uint32_t* remap) {
   rg_mode calibrated;
+  mode_axis calibrated_axes[2], axes[2];
   uint32_t table = RG_NO_TABLE;
   rg_match_result result = RG_MATCH_NONE;
   set_calibrated_mode(camera, &calibrated);
-  if (!mode) mode = &calibrated;
-  if (mode->width == width && mode->height == height &&
-      is_part_of_frames(mode, camera) && has_serial(camera, serial)) {
-    table = find_table(camera, mode);
-    result = is_same_mode(mode, &calibrated) ? RG_MATCH_EXACT
+  find_axes(&calibrated, calibrated_axes);
+  find_axes(mode ? mode : &calibrated, axes);
+  if (axes[0].size == width && axes[1].size == height &&
+      is_part_of(axes, calibrated_axes) &&
+      is_serial(camera->identity + RG_CAMERA_SERIAL, serial)) {
+    table = find_table(camera, axes);
+    result = are_same(axes, calibrated_axes) ? RG_MATCH_EXACT
              : table != RG_NO_TABLE          ? RG_MATCH_MODE
                                              : RG_MATCH_DERIVABLE;
   }
