@@ -47,11 +47,11 @@ static RG_INLINE void rg_set_planes(const rg_lattice* lattice,
 }
 
 /* The rows of a ring, from one multiple of its size to the next, follow each
- * other in memory. Returns how many of these lie around the top of a block, and
- * the first one. */
+ * other in memory. Returns how many of these lie around a position, and the
+ * first one. */
 static RG_INLINE uint32_t rg_find_ring_rows(const rg_source* source,
-                                            int32_t top_q12, uint32_t* first) {
-  const uint32_t row = top_q12 < 0 ? 0 : (uint32_t)top_q12 >> 12;
+                                            int32_t y_q12, uint32_t* first) {
+  const uint32_t row = y_q12 < 0 ? 0 : (uint32_t)y_q12 >> 12;
   *first = row - (uint32_t)rg_remainder(row, source->ring_rows);
   const uint32_t rest = source->size[1] - *first;
   return rest < source->ring_rows ? rest : source->ring_rows;

@@ -268,17 +268,15 @@ typedef struct image_walk {
  * then counted from the first one in memory. */
 static RG_NOINLINE int move_to_ring(small_walk* walk) {
   rg_position* const corners = walk->run.block.corners;
-  int32_t top = corners[0].q12[1], bottom = top;
-  for (int k = 1; k < 4; ++k) {
-    if (corners[k].q12[1] < top) top = corners[k].q12[1];
-    if (corners[k].q12[1] > bottom) bottom = corners[k].q12[1];
-  }
   uint32_t first;
-  const uint32_t num = rg_find_ring_rows(&walk->source, top, &first);
+  const uint32_t num =
+      rg_find_ring_rows(&walk->source, corners[0].q12[1], &first);
   const int32_t first_q12 = (int32_t)(first << 12);
-  if (top - first_q12 < RG_POSITION_MARGIN ||
-      bottom - first_q12 > (int32_t)((num - 1) << 12) - RG_POSITION_MARGIN)
-    return 0;
+  const int32_t last_q12 = (int32_t)((first + num - 1) << 12);
+  for (int k = 0; k < 4; ++k)
+    if (corners[k].q12[1] < first_q12 + RG_POSITION_MARGIN ||
+        corners[k].q12[1] > last_q12 - RG_POSITION_MARGIN)
+      return 0;
   for (int k = 0; k < 4; ++k) corners[k].q12[1] -= first_q12;
   return 1;
 }
@@ -405,40 +403,34 @@ typedef struct row_walk {
   rg_row_search* search;
 } row_walk;
 
-static void add_position(const row_walk* walk, int32_t y_q12) {
-  rg_add_rows(&walk->search->source, y_q12, walk->whole.walk.source.size[1],
-              walk->whole.lattice.log2[1]);
+/* How far the next row or pixel is that counts, of so many that are left: all
+ * count, or only the first and the last. */
+static RG_INLINE uint32_t step_of(uint32_t num_left, int are_ends) {
+  return are_ends && num_left > 1 ? num_left - 1 : 1;
 }
 
-/* Adds the rows that the pixels of a part need which asks for no care.
- * Positions are bilinear in a block: those of the part's corners will do. */
-static RG_NOINLINE void add_safe_part(const row_walk* walk) {
-  const rg_run* const run = &walk->whole.walk.run;
-  const uint32_t last = run->first_row + run->num_rows - 1u;
-  uint32_t r = run->first_row;
-  for (;;) {
+/* Adds the rows that the pixels of a part need: of one that asks for no care,
+ * of those in its corners, which will do, since positions are bilinear in a
+ * block; else of each pixel that has a source. */
+static RG_NOINLINE void add_part(const row_walk* walk, int is_safe) {
+  uint32_t r = 0;
+  const small_walk* parts;
+  do {
     rg_block_row row;
-    rg_find_block_row(&run->block, r, &row);
-    add_position(walk, row.start.q12[1]);
-    add_position(walk,
-                 row.start.q12[1] + row.step.q12[1] * (run->num_pixels - 1));
-    if (r == last) return;
-    r = last;
-  }
-}
-
-/* Adds the rows that the pixels of a part need which have a source. */
-static RG_NOINLINE void add_pixels(const row_walk* walk) {
-  const rg_run* const run = &walk->whole.walk.run;
-  for (uint32_t r = 0; r < run->num_rows; ++r) {
-    rg_block_row row;
-    rg_find_block_row(&run->block, run->first_row + r, &row);
-    for (uint32_t k = run->num_pixels; k != 0; --k) {
-      if (has_source(&walk->whole.walk, &row.start))
-        add_position(walk, row.start.q12[1]);
-      rg_go_on(&row.step, &row.start);
-    }
-  }
+    RG_FORGET(walk); /* else the address of its block is in another one */
+    parts = &walk->whole.walk;
+    rg_find_block_row(&parts->run.block, parts->run.first_row + r, &row);
+    uint32_t num_left = parts->run.num_pixels;
+    do {
+      if (is_safe || has_source(parts, &row.start))
+        rg_add_rows(&walk->search->source, row.start.q12[1],
+                    parts->source.size[1], walk->whole.lattice.log2[1]);
+      const uint32_t step = step_of(num_left, is_safe);
+      row.start = rg_row_position(&row, step);
+      num_left -= step;
+    } while (num_left != 0);
+    r += step_of(parts->run.num_rows - r, is_safe);
+  } while (r != parts->run.num_rows);
 }
 
 void rg_walk_source_rows(const rg_camera* camera, rg_format format,
@@ -453,10 +445,7 @@ void rg_walk_source_rows(const rg_camera* camera, rg_format format,
     start_rows(whole, camera, walk.search->output);
     while (next_part(&whole->walk)) {
       bring_to_lattice(whole);
-      if (is_part_safe(&whole->walk))
-        add_safe_part(&walk);
-      else
-        add_pixels(&walk);
+      add_part(&walk, is_part_safe(&whole->walk));
     }
   }
 }

@@ -71,7 +71,8 @@ static RG_INLINE void rg_go_on(const rg_position* step, rg_position* position) {
 }
 
 /* The position of pixel k of a row, modulo 2^32. */
-static inline rg_position rg_row_position(const rg_block_row* row, uint32_t k) {
+static RG_INLINE rg_position rg_row_position(const rg_block_row* row,
+                                             uint32_t k) {
   rg_position p;
   for (int c = 0; c < 2; ++c)
     p.q12[c] =
