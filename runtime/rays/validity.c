@@ -66,18 +66,16 @@ rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
     return RG_ERR_UNCERTAINTY;
   /* Bilinear; a value below 2^16 and weights of 8 bits fill 32 bits. */
   const uint8_t* values = section + at;
-  uint32_t above_q20 = 0, below_q20 = 0;
+  uint32_t sum_q28 = 0x8000, weight_q8 = 256 - y_q8;
   for (int rows = 2; rows > 0; --rows, values += 2 * columns) {
     const uint32_t left_q12 = rg_load_u16(values);
     const uint32_t right_q12 = rg_load_u16(values + 2);
     if (left_q12 == RG_UNKNOWN_UNCERTAINTY ||
         right_q12 == RG_UNKNOWN_UNCERTAINTY)
       return RG_ERR_UNKNOWN;
-    above_q20 = below_q20;
-    below_q20 = 256 * left_q12 + x_q8 * (right_q12 - left_q12);
+    sum_q28 += weight_q8 * (256 * left_q12 + x_q8 * (right_q12 - left_q12));
+    weight_q8 = y_q8;
   }
-  *pixels_q12 =
-      (uint16_t)((256 * above_q20 + y_q8 * (below_q20 - above_q20) + 0x8000) >>
-                 16);
+  *pixels_q12 = (uint16_t)(sum_q28 >> 16);
   return RG_OK;
 }
