@@ -116,13 +116,16 @@ uint32_t rg_row_pairs(rg_format format) {
   return kFormats[format] & FORMAT_ROW_PAIRS;
 }
 
+/* Bits of a sample of each kind; of RGB565, a fourth of a word. */
+static const uint8_t kSampleBits[] = {8, 12, 10, 16, 4};
+ASSERT_LATTICES(every_kind_has_its_bits,
+                sizeof(kSampleBits) == RG_SAMPLE_565 + 1);
+
 uint32_t rg_plane_row_bytes(const rg_lattice* lattice, uint32_t width) {
-  const uint32_t log2 = lattice->log2[0], kind = lattice->kind;
-  const uint32_t num_samples = (width >> log2) * lattice->sample_step;
-  if ((width & ((1u << log2) - 1)) != 0) return 0;
-  if (kind == RG_SAMPLE_8) return num_samples;
-  if (kind == RG_SAMPLE_16) return 2 * num_samples;
-  if (kind == RG_SAMPLE_565) return num_samples >> 1;
-  const uint32_t num_groups = num_samples >> kind;
-  return num_groups << kind == num_samples ? num_samples + num_groups : 0;
+  const uint32_t num_pixels = width >> lattice->log2[0];
+  const uint32_t num_bits =
+      num_pixels * lattice->sample_step * kSampleBits[lattice->kind];
+  const int is_whole =
+      num_pixels << lattice->log2[0] == width && num_bits % 8 == 0;
+  return is_whole ? num_bits / 8 : 0;
 }
