@@ -40,7 +40,6 @@ static RG_INLINE void set_table(small_walk* walk, const rg_lattice* lattice) {
   const uint8_t across_log2 = rg_part_log2(section, lattice, 0);
   const uint8_t down_log2 = rg_part_log2(section, lattice, 1);
   rg_set_parts(&walk->parts, across_log2, down_log2);
-  walk->ranges = section + RG_REMAP_MIN_X;
   walk->run.first_pixel = walk->run.first_source_row = 0;
   walk->run.block.width_log2 = (uint8_t)(across_log2 - lattice->log2[0]);
   walk->run.block.height_log2 = (uint8_t)(down_log2 - lattice->log2[1]);
@@ -198,6 +197,7 @@ rg_status rg_walk_grey(const rg_camera* camera, const rg_frame* frame,
   run->data = frame->data;
   run->stride = frame->stride;
   run->out_stride = band->stride;
+  walk->ranges = camera->remap + RG_REMAP_MIN_X;
   set_table(walk, &kGrey);
   walk->row = band->first_row;
   walk->end_row = (uint16_t)(band->first_row + band->num_rows);
@@ -233,14 +233,14 @@ static RG_INLINE void set_ranges(lattice_walk* whole) {
 /* Before the first part of the lattice, of rows of the output that are counted
  * in pixels of the image; run->out is for the first row. */
 static void start_rows(lattice_walk* whole, const rg_camera* camera,
-                       rg_row_range rows) {
+                       uint32_t first_row, uint32_t end_row) {
   small_walk* const walk = &whole->walk;
   const rg_lattice* const lattice = &whole->lattice;
   walk->parts.section = camera->remap;
   rg_set_source_size(camera, lattice, &walk->source);
   set_table(walk, lattice);
-  walk->row = (uint16_t)(rows.first >> lattice->log2[1]);
-  walk->end_row = (uint16_t)(rows.end >> lattice->log2[1]);
+  walk->row = (uint16_t)(first_row >> lattice->log2[1]);
+  walk->end_row = (uint16_t)(end_row >> lattice->log2[1]);
   /* A lattice has no pixels if the table is too narrow for it. */
   if (walk->width == 0) walk->end_row = 0;
   walk->run.num_rows = walk->run.out_pixel = 0;
@@ -377,9 +377,8 @@ static RG_NOINLINE void start_lattice(image_walk* walk, const rg_camera* camera,
   small_walk* const parts = &walk->whole.walk;
   rg_set_planes(&walk->whole.lattice, image, target, &parts->source,
                 &parts->run);
-  const rg_row_range rows = {target->first_row,
-                             (uint16_t)(target->first_row + target->num_rows)};
-  start_rows(&walk->whole, camera, rows);
+  start_rows(&walk->whole, camera, target->first_row,
+             (uint32_t)target->first_row + target->num_rows);
 }
 
 rg_status rg_walk_image(const rg_camera* camera, const rg_image* image,
@@ -442,7 +441,7 @@ void rg_walk_source_rows(const rg_camera* camera, rg_format format,
   whole->walk.run.out_stride = 0;
   for (uint32_t k = 0; rg_find_lattice(format, k, &whole->lattice);
        k = whole->lattice.index + 1u) {
-    start_rows(whole, camera, walk.search->output);
+    start_rows(whole, camera, search->output.first, search->output.end);
     while (next_part(&whole->walk)) {
       bring_to_lattice(whole);
       add_part(&walk, is_part_safe(&whole->walk));
