@@ -42,7 +42,14 @@ static inline const uint8_t* rg_find_entry(const uint8_t* bytes, uint32_t type,
 }
 
 /* A mode by its number, counted from 1, or NULL if the blob lacks it. */
-const uint8_t* rg_find_mode(const uint8_t* bytes, uint32_t number);
+static inline const uint8_t* rg_find_mode(const uint8_t* bytes,
+                                          uint32_t number) {
+  const uint8_t* const entry = rg_find_entry(bytes, RG_SECTION_MODES, 0);
+  if (!entry || number - 1 >= rg_load_u32(entry + RG_ENTRY_SIZE) / RG_MODE_SIZE)
+    return 0;
+  return bytes + rg_load_u32(entry + RG_ENTRY_OFFSET) +
+         (number - 1) * RG_MODE_SIZE;
+}
 
 /* scale = floor(cells 2^48 / span): cells 2^48 - scale span is at least 0 and
  * less than span. */

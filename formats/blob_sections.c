@@ -58,14 +58,6 @@ rg_status rg_check_line_points(const uint8_t* section, uint32_t size,
                          RG_LINE_POINT_SIZE * num_control_points(grid));
 }
 
-const uint8_t* rg_find_mode(const uint8_t* bytes, uint32_t number) {
-  const uint8_t* const entry = rg_find_entry(bytes, RG_SECTION_MODES, 0);
-  if (!entry || number - 1 >= rg_load_u32(entry + RG_ENTRY_SIZE) / RG_MODE_SIZE)
-    return 0;
-  return bytes + rg_load_u32(entry + RG_ENTRY_OFFSET) +
-         (number - 1) * RG_MODE_SIZE;
-}
-
 rg_status rg_check_remap(const uint8_t* section, uint32_t size,
                          uint32_t* source_size) {
   if (size >= RG_VIEW_FIELDS_SIZE &&
