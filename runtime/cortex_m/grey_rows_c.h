@@ -13,6 +13,7 @@ typedef struct rg_grey_rows {
   uint32_t rounding; /* that the kernel begins with; 0: the pixels of the rows
                         are done one by one */
   uint32_t rest;     /* rows that are not done */
+  uint8_t* out;      /* the first pixel of the next one */
 } rg_grey_rows;
 
 /* The rounding that the kernel begins with, in C. */
@@ -21,17 +22,18 @@ static RG_INLINE uint32_t rg_first_rounding_in_c(const rg_run* run) {
   return RG_ROUNDING_8;
 }
 
-/* Does all rows that are left, and moves the run's out below them: returns 0.
+/* Does all rows that are left, and moves out below them: returns 0.
  * If the rounding is 0, finds the next row instead, and returns 1. */
 static RG_INLINE int rg_do_grey_rows_in_c(rg_grey_rows* rows,
                                           rg_block_row* row) {
-  rg_run* const run = (rg_run*)(void*)((uint8_t*)rows->corners -
-                                       offsetof(rg_run, block.corners));
+  const rg_run* const run =
+      (const rg_run*)(const void*)((const uint8_t*)rows->corners -
+                                   offsetof(rg_run, block.corners));
   do {
     rg_next_row(&run->block, (uint32_t*)rows->corners->q12, row);
     if (RG_ALL_BUILT_IN || rows->rounding == 0) return 1;
-    rg_blend_grey_row(run, row, run->out);
-    run->out += run->out_stride;
+    rg_blend_grey_row(run, row, rows->out);
+    rows->out += run->out_stride;
   } while (--rows->rest != 0);
   return 0;
 }

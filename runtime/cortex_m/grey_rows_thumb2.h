@@ -81,9 +81,10 @@ static RG_INLINE int rg_do_grey_rows_in_thumb2(rg_grey_rows* rows,
       /* the pixels */
       "movw r4, #4079\n\t"
       "sub r0, r4, r0\n\t"
-      "ldrd r6, r7, [lr, %[out]]\n\t"
+      "ldr r6, %[out]\n\t"
+      "ldr r7, [lr, %[out_stride]]\n\t"
       "add r7, r6\n\t"
-      "str r7, [lr, %[out]]\n\t"
+      "str r7, %[out]\n\t"
       "ldrd r4, r5, [lr, %[data]]\n\t"
       "movw r9, #65535\n\t"
       "mov r10, #4096\n\t"
@@ -97,11 +98,12 @@ static RG_INLINE int rg_do_grey_rows_in_thumb2(rg_grey_rows* rows,
       "str r7, %[rest]\n\t"
       "bne 0b"
       : "=&r"(x), "=&r"(y), "=&r"(step_x),
-        "=&r"(step_y), [rest] "+m"(rows->rest)
+        "=&r"(step_y), [rest] "+m"(rows->rest), [out] "+m"(rows->out)
       : [corners] "m"(rows->corners), [rounding] "m"(rows->rounding),
         [height_log2] "i"(RG_FROM_CORNERS(block.height_log2)),
         [width_log2] "i"(RG_FROM_CORNERS(block.width_log2)),
-        [data] "i"(RG_FROM_CORNERS(data)), [out] "i"(RG_FROM_CORNERS(out))
+        [data] "i"(RG_FROM_CORNERS(data)),
+        [out_stride] "i"(RG_FROM_CORNERS(out_stride))
       : "r4", "r5", "r6", "r7", "r8", "r9", "r10", "r11", "ip", "lr", "cc",
         "memory"
       : is_apart);

@@ -96,15 +96,17 @@ static RG_INLINE void rg_find_neighbors(const rg_source* source,
       (rg_q12_of(at, 0) >> 12) + 1 < source->size[0] ? lattice->sample_step : 0;
 }
 
-/* Gives a pixel of the output the border's values, unless it is to stay. */
+/* Gives a pixel of the row of the output that at has the border's values,
+ * unless it is to stay. */
 static RG_INLINE void rg_put_border(const rg_target* target,
                                     const rg_lattice* lattice,
-                                    const rg_run* run, uint32_t out_pixel) {
+                                    const rg_neighbors* at,
+                                    uint32_t out_pixel) {
   if (target->border == RG_BORDER_KEEP) return;
   const uint16_t* const values = target->border_values + lattice->index;
   const uint32_t index = rg_first_sample(lattice, out_pixel);
   for (uint32_t c = 0; c < lattice->num_channels; ++c)
-    rg_put_sample(lattice->kind, run->out, index + c, values[c]);
+    rg_put_sample(lattice->kind, at->out, index + c, values[c]);
 }
 
 /* A grey pixel at a position that has a source, so lies in the frame. At the

@@ -489,15 +489,15 @@ static RG_INLINE int32_t nearest_position(const fast_walk* walk,
 static RG_NOINLINE void remap_pixel(const fast_walk* walk,
                                     const rg_target* target) {
   const rg_run* const run = &walk->run;
+  rg_neighbors at;
+  at.out = run->out;
   if (!walk->is_clamped && !has_source(walk, &walk->position)) {
-    rg_put_border(target, walk->lattice, run, run->out_pixel);
+    rg_put_border(target, walk->lattice, &at, run->out_pixel);
     return;
   }
-  rg_neighbors at;
   for (int c = 0; c < 2; ++c)
     at.position.q12[c] = nearest_position(walk, target->sampling, c);
   rg_find_neighbors(&walk->source, run, walk->lattice, &at);
-  at.out = run->out;
   rg_blend_pixel(walk->lattice, &at, run->out_pixel);
 }
 

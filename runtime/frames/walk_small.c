@@ -28,9 +28,10 @@ typedef struct small_walk {
                             section has them: |q12| below 2^27 */
 } small_walk;
 
-/* A function that does a pixel of the output, which comes from a position. */
-typedef void careful_pixel(small_walk* walk, const rg_position* position,
-                           uint32_t out_pixel);
+/* A function that finds a grey pixel of the output, which comes from a
+ * position. */
+typedef uint8_t careful_pixel(const small_walk* walk,
+                              const rg_position* position);
 
 /* ---- Parts --------------------------------------------------------------- */
 
@@ -50,6 +51,7 @@ static RG_INLINE void set_table(small_walk* walk, const rg_lattice* lattice) {
 /* To the row of parts below those that were done; 0 below the last one. */
 static RG_INLINE int start_parts(small_walk* walk) {
   rg_run* const run = &walk->run;
+  run->out += (size_t)run->num_rows * run->out_stride;
   const uint32_t log2 = run->block.height_log2;
   const uint32_t row = walk->row, part = row >> log2;
   if (row >= walk->end_row) return 0;
@@ -68,8 +70,6 @@ static int next_part(small_walk* walk) {
   if (pixel >= walk->width) {
     if (!start_parts(walk)) return 0;
     pixel = 0;
-  } else { /* back to the part's first row */
-    run->out -= (size_t)run->num_rows * run->out_stride;
   }
   run->out_pixel = (uint16_t)pixel;
   run->num_pixels =
@@ -126,33 +126,31 @@ static RG_INLINE int is_part_safe(const small_walk* walk) {
 /* ---- Rows of grey pixels ------------------------------------------------- */
 
 /* Does the row that was found, pixel by pixel. */
-static RG_INLINE void do_row(small_walk* walk, careful_pixel* on_pixel,
-                             const rg_block_row* row) {
+static RG_INLINE void do_row(const small_walk* walk, careful_pixel* on_pixel,
+                             const rg_block_row* row, uint8_t* out) {
   uint32_t pixel = 0;
   do {
     const rg_position position = rg_row_position(row, pixel);
-    on_pixel(walk, &position, pixel);
+    out[pixel] = on_pixel(walk, &position);
   } while (++pixel != walk->run.num_pixels);
-  walk->run.out += walk->run.out_stride;
 }
 
 /* Does a part row by row, with less code than do_pixels() but more stack, and
- * leaves nothing of the corners, and the run's out below the part. If on_pixel
- * is NULL, the kernel for grey pixels does it, where none is built in. Pixels
- * of the output are counted from the part's first. */
+ * leaves nothing of the corners. If on_pixel is NULL, the kernel for grey
+ * pixels does it, where none is built in. */
 static void do_part_by_rows(small_walk* walk, careful_pixel* on_pixel) {
   rg_grey_rows rows;
-  walk->run.out += walk->run.out_pixel;
+  rows.out = walk->run.out + walk->run.out_pixel;
   rows.corners = walk->run.block.corners;
   rows.rest = walk->run.num_rows;
   rows.rounding = on_pixel ? 0 : RG_FIRST_ROUNDING(&walk->run);
   rg_start_edges(&walk->run, rows.corners->q12, (uint32_t*)rows.corners->q12);
   rg_block_row row;
   while (RG_DO_GREY_ROWS(&rows, &row)) {
-    do_row(walk, on_pixel, &row);
+    do_row(walk, on_pixel, &row, rows.out);
+    rows.out += walk->run.out_stride;
     if (--rows.rest == 0) break;
   }
-  walk->run.out -= walk->run.out_pixel;
 }
 
 /* ---- Grey frames --------------------------------------------------------- */
@@ -166,23 +164,18 @@ typedef struct grey_walk {
   uint8_t border;
 } grey_walk;
 
-static void do_grey_pixel(small_walk* walk, const rg_position* position,
-                          uint32_t out_pixel) {
-  uint32_t value = ((const grey_walk*)walk)->border;
-  if (has_source(walk, position))
-    value = rg_blend_careful_grey(&walk->source, &walk->run, position);
-  walk->run.out[out_pixel] = (uint8_t)value;
+static uint8_t find_grey_pixel(const small_walk* walk,
+                               const rg_position* position) {
+  if (!has_source(walk, position)) return ((const grey_walk*)walk)->border;
+  return (uint8_t)rg_blend_careful_grey(&walk->source, &walk->run, position);
 }
 
 static RG_INLINE void do_grey_part(small_walk* walk) {
-  rg_run* const run = &walk->run;
   const int is_safe = is_part_safe(walk);
-  if (RG_ALL_BUILT_IN && is_safe) {
-    RG_BUILT_IN(1)(run);
-    run->out += (size_t)run->num_rows * run->out_stride;
-  } else {
-    do_part_by_rows(walk, is_safe ? NULL : do_grey_pixel);
-  }
+  if (RG_ALL_BUILT_IN && is_safe)
+    RG_BUILT_IN(1)(&walk->run);
+  else
+    do_part_by_rows(walk, is_safe ? NULL : find_grey_pixel);
 }
 
 rg_status rg_walk_grey(const rg_camera* camera, const rg_frame* frame,
@@ -317,7 +310,7 @@ static RG_INLINE void do_pixel(const image_walk* image, int is_safe,
              has_source(walk, &at->position)) {
     find_careful_neighbors(image, at);
   } else {
-    rg_put_border(image->target, lattice, &walk->run, pixel);
+    rg_put_border(image->target, lattice, at, pixel);
     return;
   }
   rg_blend_pixel(lattice, at, pixel);
@@ -328,6 +321,7 @@ static RG_NOINLINE void do_pixels(image_walk* image, int is_safe) {
   const int is_copy = image->target->sampling == RG_SAMPLING_NEAREST;
   rg_neighbors at;
   at.right = is_copy ? 0 : image->whole.lattice.sample_step;
+  at.out = image->whole.walk.run.out;
   uint32_t r = 0;
   rg_run* run;
   do {
@@ -336,28 +330,24 @@ static RG_NOINLINE void do_pixels(image_walk* image, int is_safe) {
     run = &image->whole.walk.run;
     rg_find_block_row(&run->block, run->first_row + r, &row);
     if (is_safe) rg_round_row(image->whole.lattice.kind, at.right == 0, &row);
-    at.out = run->out;
     uint32_t k = 0;
     do {
       at.position = rg_row_position(&row, k);
       do_pixel(image, is_safe, &at, run->out_pixel + k);
     } while (++k != run->num_pixels);
-    run->out += run->out_stride;
+    at.out += run->out_stride;
   } while (++r != run->num_rows);
 }
 
 /* Does a part that asks for no care, by a kernel if there is one for it. */
 static RG_INLINE void do_safe_part(image_walk* image) {
   const rg_lattice* const lattice = &image->whole.lattice;
-  rg_run* const run = &image->whole.walk.run;
+  small_walk* const walk = &image->whole.walk;
   const int is_copy = image->target->sampling == RG_SAMPLING_NEAREST;
-  if (is_copy)
-    do_pixels(image, 1);
-  else if (RG_ALL_BUILT_IN && rg_blend_built_in(run, rg_interleaved(lattice)))
-    run->out += (size_t)run->num_rows * run->out_stride;
-  else if (!RG_ALL_BUILT_IN && rg_interleaved(lattice) == 1)
-    do_part_by_rows(&image->whole.walk, NULL);
-  else
+  const uint32_t channels = is_copy ? 0 : rg_interleaved(lattice);
+  if (!RG_ALL_BUILT_IN && channels == 1)
+    do_part_by_rows(walk, NULL);
+  else if (!RG_ALL_BUILT_IN || !rg_blend_built_in(&walk->run, channels))
     do_pixels(image, 1);
 }
 

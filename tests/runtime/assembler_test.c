@@ -152,6 +152,7 @@ static rg_grey_rows start_rows(rg_run* run, uint32_t rounding) {
   rows.corners = run->block.corners;
   rows.rounding = rounding;
   rows.rest = run->num_rows;
+  rows.out = run->out;
   rg_start_edges(run, rows.corners->q12, (uint32_t*)rows.corners->q12);
   return rows;
 }
@@ -164,12 +165,12 @@ static void check_blended_rows(const rg_run* run) {
   memset(in_thumb2, 0xc3, sizeof(in_thumb2));
   a.out = in_c;
   b.out = in_thumb2;
-  rg_grey_rows rows = start_rows(&a, rg_first_rounding_in_c(&a));
-  assert_int_equal(rg_do_grey_rows_in_c(&rows, &row), 0);
-  rows = start_rows(&b, rg_first_rounding_in_thumb2(&b));
-  assert_int_equal(rg_do_grey_rows_in_thumb2(&rows, &row), 0);
+  rg_grey_rows rows_of_a = start_rows(&a, rg_first_rounding_in_c(&a));
+  assert_int_equal(rg_do_grey_rows_in_c(&rows_of_a, &row), 0);
+  rg_grey_rows rows_of_b = start_rows(&b, rg_first_rounding_in_thumb2(&b));
+  assert_int_equal(rg_do_grey_rows_in_thumb2(&rows_of_b, &row), 0);
   assert_memory_equal(in_c, in_thumb2, sizeof(in_c));
-  assert_int_equal(a.out - in_c, b.out - in_thumb2);
+  assert_int_equal(rows_of_a.out - in_c, rows_of_b.out - in_thumb2);
 }
 
 static void check_found_rows(const rg_run* run) {
