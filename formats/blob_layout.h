@@ -168,12 +168,9 @@ static inline uint32_t rg_bend_shift(const uint8_t* section) {
   return section[RG_REMAP_BEND_SHIFT] & RG_BEND_SHIFT_BITS;
 }
 
-/* Whether a remap section has the fields of a view that is turned or no
- * pinhole. Not, where it says so but has no room for them, as boards do not
- * check. */
+/* Whether a remap section says that it has the fields of a view. */
 static inline int rg_has_view(const uint8_t* section) {
-  return (section[RG_REMAP_BEND_SHIFT] & RG_HAS_VIEW) != 0 &&
-         rg_load_u32(section + RG_REMAP_DATA_OFFSET) >= RG_VIEW_FIELDS_SIZE;
+  return (section[RG_REMAP_BEND_SHIFT] & RG_HAS_VIEW) != 0;
 }
 
 /* Whether a remap section is of a table that distorts. */

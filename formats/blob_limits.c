@@ -240,12 +240,8 @@ static rg_status check_modes(const uint8_t* section, uint32_t size) {
 
 static rg_status check_remap(const uint8_t* bytes, const uint8_t* section,
                              uint32_t size, const uint8_t* camera) {
-  const int has_view = (section[RG_REMAP_BEND_SHIFT] & RG_HAS_VIEW) != 0;
   if (section[RG_REMAP_PART_LOG2] == 0 && rg_bend_shift(section) != 0)
     return RG_ERR_RESERVED;
-  if (has_view &&
-      rg_load_u32(section + RG_REMAP_DATA_OFFSET) < RG_VIEW_FIELDS_SIZE)
-    return RG_ERR_DATA_OFFSET;
   uint32_t source_size = rg_load_u32(camera + RG_CAMERA_WIDTH);
   rg_status status = rg_check_remap(section, size, &source_size);
   if (status == RG_OK) status = rg_check_vertices(section);
@@ -253,7 +249,7 @@ static rg_status check_remap(const uint8_t* bytes, const uint8_t* section,
   if (rg_load_u32(section + RG_REMAP_FX) == 0 ||
       rg_load_u32(section + RG_REMAP_FY) == 0)
     return RG_ERR_REMAP_CAMERA;
-  return has_view ? check_view(bytes, section, camera) : RG_OK;
+  return rg_has_view(section) ? check_view(bytes, section, camera) : RG_OK;
 }
 
 /* A section's fields and arrays, by those of the camera and the grid, which may

@@ -60,9 +60,12 @@ rg_status rg_check_line_points(const uint8_t* section, uint32_t size,
 
 rg_status rg_check_remap(const uint8_t* section, uint32_t size,
                          uint32_t* source_size) {
-  if (size >= RG_VIEW_FIELDS_SIZE &&
-      (section[RG_REMAP_BEND_SHIFT] & RG_HAS_VIEW) != 0)
+  uint32_t fields_size = RG_REMAP_FIELDS_SIZE;
+  if (rg_has_view(section)) {
+    fields_size = RG_VIEW_FIELDS_SIZE;
+    if (size < fields_size) return RG_ERR_SECTION_SIZE;
     *source_size = rg_load_u32(section + RG_VIEW_SOURCE_WIDTH);
+  }
   /* Less 1, all sizes are below 2^13. */
   const uint32_t last = rg_load_u32(section + RG_REMAP_WIDTH) - BOTH(1);
   const uint32_t last_source = *source_size - BOTH(1);
@@ -97,7 +100,7 @@ rg_status rg_check_remap(const uint8_t* section, uint32_t size,
   const uint32_t columns = rg_load_u16(section + RG_REMAP_COLUMNS);
   const uint32_t rows = rg_load_u16(section + RG_REMAP_ROWS);
   return rg_check_extent(
-      section + RG_REMAP_DATA_OFFSET, size, RG_REMAP_FIELDS_SIZE,
+      section + RG_REMAP_DATA_OFFSET, size, fields_size,
       vertex_size * columns * rows + rg_mask_size((columns - 1) * (rows - 1)));
 }
 

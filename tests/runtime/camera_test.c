@@ -105,6 +105,20 @@ static void broken_table_is_refused_when_it_is_chosen(void** state) {
                    RG_FAST_WALK ? RG_ERR_REMAP_VERTEX : RG_OK);
 }
 
+static void table_without_room_for_its_view_is_refused(void** state) {
+  (void)state;
+  static uint8_t views[sizeof(kViewsBlob)] __attribute__((aligned(4)));
+  rg_camera camera;
+  memcpy(views, kViewsBlob, sizeof(views));
+  const uint8_t* const section = rg_find_section(views, RG_SECTION_REMAP, 0);
+  assert_true(rg_has_view(section));
+  rg_store_u32(views + (section - views) + RG_REMAP_DATA_OFFSET,
+               RG_VIEW_FIELDS_SIZE - 4);
+  repair_crcs(views, sizeof(views));
+  assert_int_equal(rg_camera_open(&camera, views, sizeof(views)), RG_OK);
+  assert_int_equal(rg_select_remap(&camera, 0), RG_ERR_DATA_OFFSET);
+}
+
 /* A word of the wide blob's section of a type. */
 static void open_wide_with(uint32_t type, uint32_t offset, uint32_t value,
                            rg_camera* camera) {
@@ -144,6 +158,7 @@ int main(void) {
       cmocka_unit_test(camera_or_grid_missing_is_refused),
       cmocka_unit_test(opening_chooses_no_table),
       cmocka_unit_test(broken_table_is_refused_when_it_is_chosen),
+      cmocka_unit_test(table_without_room_for_its_view_is_refused),
       cmocka_unit_test(mask_and_uncertainty_beyond_their_sections_are_not_read),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
