@@ -34,7 +34,7 @@ typedef struct rg_part_row {
 /* Sets the parts' size, 2^width_log2 x 2^height_log2 output pixels: a block is
  * 1 to 8 such parts wide and high, 1 in a table without bends. The section is
  * set. */
-static RG_INLINE void rg_set_parts(rg_part_row* parts, uint32_t width_log2,
+static inline void rg_set_parts(rg_part_row* parts, uint32_t width_log2,
                                    uint32_t height_log2) {
   const uint8_t* const section = parts->section;
   const uint32_t whole_log2 =

@@ -18,11 +18,12 @@ rg_status rg_check_overlap(uint32_t row_bytes, const rg_frame* frame,
   if (band->num_rows == 0) return RG_OK;
   const uintptr_t stride = band->stride;
   const uintptr_t length = (uintptr_t)frame->width + row_bytes - 1;
-  const uintptr_t last_row = (uintptr_t)(band->num_rows - 1u) * stride;
-  const uintptr_t distance = address_of(band->data) - address_of(frame->data) +
-                             last_row + row_bytes - 1;
+  const uintptr_t to_last =
+      (uintptr_t)(band->num_rows - 1u) * stride + row_bytes - 1;
+  const uintptr_t distance =
+      address_of(band->data) - address_of(frame->data) + to_last;
   const uintptr_t lengths =
-      (uintptr_t)(frame->height - 1u) * frame->stride + last_row + length;
+      (uintptr_t)(frame->height - 1u) * frame->stride + frame->width + to_last;
   /* Rows may lie beside each other. */
   if (distance >= lengths ||
       (frame->stride == stride && rg_remainder(distance, stride) >= length))
