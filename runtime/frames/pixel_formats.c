@@ -25,20 +25,19 @@
 
 /* The first lattice of each kind of format. */
 enum first_lattice {
-  ONE_SAMPLE,
   THREE_SAMPLES,
   FOUR_SAMPLES,
   YUYV,
   UYVY = YUYV + 3,
   NV12 = UYVY + 3,
   YUV420 = NV12 + 2,
+  ONE_SAMPLE = YUV420, /* Y */
   BAYER = YUV420 + 3,
   RGB565 = BAYER + 4,
   NUM_LATTICES = RGB565 + 3
 };
 
 static const uint32_t kLattices[] = {
-    SAMPLES(0, 1) | CHANNELS(1) | EVERY_PIXEL, /* ONE_SAMPLE */
     SAMPLES(0, 3) | CHANNELS(3) | EVERY_PIXEL, /* THREE_SAMPLES */
     SAMPLES(0, 4) | CHANNELS(4) | EVERY_PIXEL, /* FOUR_SAMPLES */
     SAMPLES(0, 2) | CHANNELS(1) | EVERY_PIXEL, /* YUYV */

@@ -13,20 +13,21 @@ static uintptr_t address_of(const uint8_t* data) { return (uintptr_t)data; }
 /* Two intervals meet if the last of one is not so far behind the first of the
  * other as both are long, less 1; that may wrap. First all bytes from the first
  * row to the last are such an interval, then, modulo the stride, a row. */
-rg_status rg_check_overlap(uint32_t row_bytes, const rg_frame* frame,
-                           const rg_band* band) {
-  if (band->num_rows == 0) return RG_OK;
-  const uintptr_t stride = band->stride;
+rg_status rg_check_overlap(const rg_frame* frame, const uint8_t* data,
+                           uint32_t stride, uint32_t size) {
+  const uint32_t row_bytes = size & 0xffff, num_rows = size >> 16;
+  if (num_rows == 0) return RG_OK;
   const uintptr_t length = (uintptr_t)frame->width + row_bytes - 1;
-  const uintptr_t to_last =
-      (uintptr_t)(band->num_rows - 1u) * stride + row_bytes - 1;
+  const uintptr_t to_last = (uintptr_t)(num_rows - 1u) * stride + row_bytes - 1;
   const uintptr_t distance =
-      address_of(band->data) - address_of(frame->data) + to_last;
+      address_of(data) - address_of(frame->data) + to_last;
   const uintptr_t lengths =
       (uintptr_t)(frame->height - 1u) * frame->stride + frame->width + to_last;
-  /* Rows may lie beside each other. */
-  if (distance >= lengths ||
-      (frame->stride == stride && rg_remainder(distance, stride) >= length))
-    return RG_OK;
-  return RG_ERR_OVERLAP;
+  rg_status status = RG_ERR_OVERLAP;
+  if (distance >= lengths) status = RG_OK;
+  /* Rows may lie beside each other. (Of planes that are apart, it does not
+   * matter what the remainder is.) */
+  if (frame->stride == stride && rg_remainder(distance, stride) >= length)
+    status = RG_OK;
+  return status;
 }

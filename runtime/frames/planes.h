@@ -12,11 +12,13 @@
 extern "C" {
 #endif
 
-/* A fault if a byte of a row of the frame, of one byte a pixel, is one
- * of a row of the band, whose rows have so many bytes. Where the strides
- * differ: if such a byte lies between the first and the last of the other. */
-rg_status rg_check_overlap(uint32_t row_bytes, const rg_frame* frame,
-                           const rg_band* band);
+/* A fault if a byte of a row of the frame, of one byte a pixel, is one of a row
+ * at data. Where the strides differ: if such a byte lies between the first and
+ * the last of the other.
+ *
+ * size  of what is at data: bytes of a row, and rows times 2^16 */
+rg_status rg_check_overlap(const rg_frame* frame, const uint8_t* data,
+                           uint32_t stride, uint32_t size);
 
 /* a mod b for a / b below 2^17: not every core has division. */
 #if RG_HAVE_DIVISION

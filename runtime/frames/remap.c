@@ -33,30 +33,29 @@ static rg_status check_planes(const uint8_t* section, const rg_image* image,
   const uint32_t source_rows =
       image->ring_rows != 0 ? image->ring_rows : image->height;
   rg_frame planes[6]; /* each of the image, and behind it the target's */
-  uint32_t num_planes = 0;
+  const rg_frame* end = planes;
   rg_lattice lattice;
   for (uint32_t k = 0; rg_find_lattice(image->format, k, &lattice); ++k) {
     const uint32_t p = lattice.plane;
-    rg_frame* const plane = &planes[2 * p];
-    plane[0].data = image->planes[p].data;
-    plane[0].stride = image->planes[p].stride;
-    plane[1].data = target->planes[p].data;
-    plane[1].stride = target->planes[p].stride;
-    rg_status status = find_plane(&lattice, image->width, source_rows, plane);
+    rg_frame* const own = &planes[2 * p + 1];
+    rg_frame* const source = own - 1;
+    source->data = image->planes[p].data;
+    source->stride = image->planes[p].stride;
+    own->data = target->planes[p].data;
+    own->stride = target->planes[p].stride;
+    rg_status status = find_plane(&lattice, image->width, source_rows, source);
     if (status == RG_OK)
       status = find_plane(&lattice, rg_load_u16(section + RG_REMAP_WIDTH),
-                          target->num_rows, plane + 1);
+                          target->num_rows, own);
     if (status != RG_OK) return status;
-    num_planes = 2 * p + 2;
+    end = own + 1;
   }
-  for (uint32_t k = 1; k < num_planes; k += 2) {
-    const rg_band written = {target->planes[k / 2].data, planes[k].stride, 0,
-                             planes[k].height, 0};
-    for (uint32_t other = 0; other < num_planes; ++other)
-      if (other != k &&
-          rg_check_overlap(planes[k].width, &planes[other], &written) != RG_OK)
+  for (const rg_frame* own = planes + 1; own < end; own += 2)
+    for (const rg_frame* other = planes; other != end; ++other)
+      if (other != own &&
+          rg_check_overlap(other, own->data, own->stride,
+                           own->width | (uint32_t)own->height << 16) != RG_OK)
         return RG_ERR_OVERLAP;
-  }
   return RG_OK;
 }
 

@@ -15,7 +15,9 @@ static rg_status check_grey_frames(const rg_camera* camera,
     return RG_ERR_FRAME_SIZE;
   const uint32_t end_row = (uint32_t)band->first_row + band->num_rows;
   if (end_row > rg_load_u16(section + RG_REMAP_HEIGHT)) return RG_ERR_ROWS;
-  return rg_check_overlap(rg_load_u16(section + RG_REMAP_WIDTH), frame, band);
+  return rg_check_overlap(
+      frame, band->data, band->stride,
+      rg_load_u16(section + RG_REMAP_WIDTH) | (uint32_t)band->num_rows << 16);
 }
 
 rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,

@@ -344,10 +344,10 @@ static RG_INLINE void do_safe_part(image_walk* image) {
   const rg_lattice* const lattice = &image->whole.lattice;
   small_walk* const walk = &image->whole.walk;
   const int is_copy = image->target->sampling == RG_SAMPLING_NEAREST;
-  const uint32_t channels = is_copy ? 0 : rg_interleaved(lattice);
-  if (!RG_ALL_BUILT_IN && channels == 1)
+  if (!RG_ALL_BUILT_IN && !is_copy && rg_is_grey(lattice))
     do_part_by_rows(walk, NULL);
-  else if (!RG_ALL_BUILT_IN || !rg_blend_built_in(&walk->run, channels))
+  else if (!RG_ALL_BUILT_IN || is_copy ||
+           !rg_blend_built_in(&walk->run, rg_interleaved(lattice)))
     do_pixels(image, 1);
 }
 

@@ -48,6 +48,11 @@ static inline uint32_t rg_interleaved(const rg_lattice* lattice) {
              : 0;
 }
 
+/* Whether the lattice is a byte a pixel, and fills the plane. */
+static inline int rg_is_grey(const rg_lattice* lattice) {
+  return lattice->kind == RG_SAMPLE_8 && lattice->sample_step == 1;
+}
+
 /* The lowest bit of field k in a word of RG_SAMPLE_565. */
 static inline uint32_t rg_field_shift(uint32_t k) {
   return 0x05bu >> 4 * k & 15;
