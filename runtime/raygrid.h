@@ -215,10 +215,7 @@ typedef enum rg_match_result {
  *         any camera.
  * remap   where the index goes of the first table that undistorts such frames,
  *         or RG_NO_TABLE; or NULL. A mode is that of a table if offsets and
- *         scales differ by no more than they are rounded by: 1. Tables that
- *         rg_select_remap() refuses do not count.
- *
- * Cost: at most that of rg_select_remap() for each table. */
+ *         scales differ by no more than they are rounded by: 1. */
 rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
                          uint16_t width, uint16_t height, const char* serial,
                          uint32_t* remap);

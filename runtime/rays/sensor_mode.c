@@ -17,18 +17,12 @@ typedef struct mode_axis {
   int is_flipped;
 } mode_axis;
 
-static void find_axes(const rg_mode* mode, mode_axis axes[2]) {
-  axes[0].size = mode->width;
-  axes[0].offset_q16 = mode->offset_x_q16;
-  axes[0].scale_q16 = mode->scale_x_q16;
-  axes[0].is_flipped = mode->flip_x != 0;
-  axes[1].size = mode->height;
-  axes[1].offset_q16 = mode->offset_y_q16;
-  axes[1].scale_q16 = mode->scale_y_q16;
-  axes[1].is_flipped = mode->flip_y != 0;
-}
-
-static int is_possible(const mode_axis* axis) {
+/* Axis c of a mode; 0 if it is impossible. */
+static int find_mode_axis(const rg_mode* mode, int c, mode_axis* axis) {
+  axis->size = c == 0 ? mode->width : mode->height;
+  axis->offset_q16 = c == 0 ? mode->offset_x_q16 : mode->offset_y_q16;
+  axis->scale_q16 = c == 0 ? mode->scale_x_q16 : mode->scale_y_q16;
+  axis->is_flipped = c == 0 ? mode->flip_x : mode->flip_y;
   return axis->size - 1 < RG_MAX_IMAGE_SIZE &&
          axis->scale_q16 - MIN_SCALE_Q16 <= MAX_SCALE_Q16 - MIN_SCALE_Q16 &&
          rg_magnitude(axis->offset_q16) < LIMIT_Q16;
@@ -79,12 +73,12 @@ static RG_INLINE int convert_axis(const mode_axis* axis, int is_to_calibrated,
 static rg_status convert(const rg_mode* mode, const rg_pixel* pixel,
                          rg_pixel* converted, int is_to_calibrated) {
   int32_t q16[2] = {pixel->x_q16, pixel->y_q16};
-  mode_axis axes[2];
-  find_axes(mode, axes);
-  for (int c = 0; c < 2; ++c)
-    if (!is_possible(&axes[c]) ||
-        !convert_axis(&axes[c], is_to_calibrated, &q16[c]))
+  for (int c = 0; c < 2; ++c) {
+    mode_axis axis;
+    if (!find_mode_axis(mode, c, &axis) ||
+        !convert_axis(&axis, is_to_calibrated, &q16[c]))
       return RG_ERR_ARGUMENT;
+  }
   converted->x_q16 = q16[0];
   converted->y_q16 = q16[1];
   return RG_OK;
@@ -100,19 +94,17 @@ rg_status rg_mode_from_calibrated(const rg_mode* mode, rg_pixel calibrated,
   return convert(mode, &calibrated, pixel, 0);
 }
 
-/* That of frames as calibrated. */
-static void set_calibrated_mode(const rg_camera* camera, rg_mode* mode) {
-  rg_calibrated_size(camera, &mode->width, &mode->height);
-  mode->offset_x_q16 = mode->offset_y_q16 = 0;
-  mode->scale_x_q16 = mode->scale_y_q16 = 65536;
-  mode->flip_x = mode->flip_y = 0;
-}
+/* ---- Modes of tables ----------------------------------------------------- */
 
-rg_status rg_remap_mode(const rg_camera* camera, rg_mode* mode) {
-  const uint8_t* const section = camera->remap;
-  if (!section) return RG_ERR_NO_REMAP;
-  if (!rg_has_view(section) || section[RG_VIEW_MODE] == 0) {
-    set_calibrated_mode(camera, mode);
+/* The mode of the real frames of a table; that of frames as calibrated for
+ * NULL. RG_ERR_MODE if the blob lacks it. */
+static rg_status read_mode(const rg_camera* camera, const uint8_t* section,
+                           rg_mode* mode) {
+  if (!section || !rg_has_view(section) || section[RG_VIEW_MODE] == 0) {
+    rg_calibrated_size(camera, &mode->width, &mode->height);
+    mode->offset_x_q16 = mode->offset_y_q16 = 0;
+    mode->scale_x_q16 = mode->scale_y_q16 = 65536;
+    mode->flip_x = mode->flip_y = 0;
     return RG_OK;
   }
   const uint8_t* const fields =
@@ -129,6 +121,11 @@ rg_status rg_remap_mode(const rg_camera* camera, rg_mode* mode) {
   return RG_OK;
 }
 
+rg_status rg_remap_mode(const rg_camera* camera, rg_mode* mode) {
+  if (!camera->remap) return RG_ERR_NO_REMAP;
+  return read_mode(camera, camera->remap, mode);
+}
+
 /* ---- Matches ------------------------------------------------------------- */
 
 /* Whether the mode's pixels cover calibrated ones only, along one axis, but for
@@ -142,40 +139,45 @@ static int is_part(const mode_axis* axis, uint32_t calibrated_size) {
 }
 
 /* Whether a mode shows a part of the calibrated frames. */
-static int is_part_of(const mode_axis mode[2], const mode_axis calibrated[2]) {
-  for (int c = 0; c < 2; ++c)
-    if (!is_possible(&mode[c]) || !is_part(&mode[c], calibrated[c].size))
+static int is_part_of_frames(const rg_mode* mode, const rg_camera* camera) {
+  for (int c = 0; c < 2; ++c) {
+    mode_axis axis;
+    if (!find_mode_axis(mode, c, &axis) ||
+        !is_part(&axis,
+                 rg_load_u16(camera->identity + RG_CAMERA_WIDTH + 2 * c)))
       return 0;
+  }
   return 1;
 }
 
 /* Whether numbers are the same but for what they were rounded by. */
 static int are_near(uint32_t a, uint32_t b) { return a - b + 1 <= 2; }
 
-static int are_same(const mode_axis a[2], const mode_axis b[2]) {
-  for (int c = 0; c < 2; ++c)
-    if (a[c].size != b[c].size || a[c].is_flipped != b[c].is_flipped ||
-        !are_near((uint32_t)a[c].offset_q16, (uint32_t)b[c].offset_q16) ||
-        !are_near(a[c].scale_q16, b[c].scale_q16))
-      return 0;
-  return 1;
+static int is_same_mode(const rg_mode* a, const rg_mode* b) {
+  return a->width == b->width && a->height == b->height &&
+         !a->flip_x == !b->flip_x && !a->flip_y == !b->flip_y &&
+         are_near((uint32_t)a->offset_x_q16, (uint32_t)b->offset_x_q16) &&
+         are_near((uint32_t)a->offset_y_q16, (uint32_t)b->offset_y_q16) &&
+         are_near(a->scale_x_q16, b->scale_x_q16) &&
+         are_near(a->scale_y_q16, b->scale_y_q16);
 }
 
 /* The first table that undistorts frames of a mode, or RG_NO_TABLE. */
-static uint32_t find_table(const rg_camera* camera, const mode_axis mode[2]) {
-  rg_camera with_table;
-  with_table.blob = camera->blob;
-  with_table.identity = camera->identity;
-  for (uint32_t k = 0;; ++k) {
+static uint32_t find_table(const rg_camera* camera, const rg_mode* mode) {
+  const uint8_t* entry;
+  for (uint32_t k = 0;
+       (entry = rg_find_entry(camera->blob, RG_SECTION_REMAP, k)) != 0; ++k) {
+    const uint8_t* const section =
+        camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
+    uint32_t frame_size = rg_load_u32(camera->identity + RG_CAMERA_WIDTH);
     rg_mode of_table;
-    mode_axis axes[2];
-    const rg_status status = rg_select_remap(&with_table, k);
-    if (status == RG_ERR_NO_REMAP) return RG_NO_TABLE;
-    if (status != RG_OK || rg_remap_mode(&with_table, &of_table) != RG_OK)
-      continue;
-    find_axes(&of_table, axes);
-    if (are_same(mode, axes) && !rg_distorts(with_table.remap)) return k;
+    if (rg_check_remap(section, rg_load_u32(entry + RG_ENTRY_SIZE),
+                       &frame_size) == RG_OK &&
+        read_mode(camera, section, &of_table) == RG_OK &&
+        is_same_mode(mode, &of_table) && !rg_distorts(section))
+      return k;
   }
+  return RG_NO_TABLE;
 }
 
 /* An empty serial fits every camera. expected: RG_TEXT_SIZE bytes; not checked
@@ -191,17 +193,15 @@ rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
                          uint16_t width, uint16_t height, const char* serial,
                          uint32_t* remap) {
   rg_mode calibrated;
-  mode_axis calibrated_axes[2], axes[2];
   uint32_t table = RG_NO_TABLE;
   rg_match_result result = RG_MATCH_NONE;
-  set_calibrated_mode(camera, &calibrated);
-  find_axes(&calibrated, calibrated_axes);
-  find_axes(mode ? mode : &calibrated, axes);
-  if (axes[0].size == width && axes[1].size == height &&
-      is_part_of(axes, calibrated_axes) &&
+  read_mode(camera, 0, &calibrated);
+  if (!mode) mode = &calibrated;
+  if (mode->width == width && mode->height == height &&
+      is_part_of_frames(mode, camera) &&
       is_serial(camera->identity + RG_CAMERA_SERIAL, serial)) {
-    table = find_table(camera, axes);
-    result = are_same(axes, calibrated_axes) ? RG_MATCH_EXACT
+    table = find_table(camera, mode);
+    result = is_same_mode(mode, &calibrated) ? RG_MATCH_EXACT
              : table != RG_NO_TABLE          ? RG_MATCH_MODE
                                              : RG_MATCH_DERIVABLE;
   }
