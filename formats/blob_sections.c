@@ -59,19 +59,29 @@ rg_status rg_check_line_points(const uint8_t* section, uint32_t size,
 }
 
 rg_status rg_check_remap(const uint8_t* section, uint32_t size,
-                         uint32_t* source_size) {
+                         uint32_t source_size) {
   uint32_t fields_size = RG_REMAP_FIELDS_SIZE;
   if (rg_has_view(section)) {
     fields_size = RG_VIEW_FIELDS_SIZE;
     if (size < fields_size) return RG_ERR_SECTION_SIZE;
-    *source_size = rg_load_u32(section + RG_VIEW_SOURCE_WIDTH);
+    source_size = rg_load_u32(section + RG_VIEW_SOURCE_WIDTH);
   }
   /* Less 1, all sizes are below 2^13. */
   const uint32_t last = rg_load_u32(section + RG_REMAP_WIDTH) - BOTH(1);
-  const uint32_t last_source = *source_size - BOTH(1);
-  if (((last | last_source | (*source_size - BOTH(RG_MIN_REMAP_SOURCE))) &
+  const uint32_t last_source = source_size - BOTH(1);
+  if (((last | last_source | (source_size - BOTH(RG_MIN_REMAP_SOURCE))) &
        ~BOTH(RG_MAX_REMAP_SIZE - 1)) != 0)
     return RG_ERR_REMAP_SIZE;
+  const uint32_t max_x = rg_load_u32(section + RG_REMAP_MAX_X);
+  const uint32_t max_y = rg_load_u32(section + RG_REMAP_MAX_Y);
+  if (rg_load_u32(section + RG_REMAP_MIN_X) > max_x ||
+      max_x > last_source << 16 >> 4 ||
+      rg_load_u32(section + RG_REMAP_MIN_Y) > max_y ||
+      max_y > last_source >> 16 << 12)
+    return RG_ERR_REMAP_SOURCE;
+  if (section[RG_REMAP_RESIDUAL_SHIFT] > RG_MAX_RESIDUAL_SHIFT ||
+      (section[RG_REMAP_BEND_SHIFT] & ~RG_HAS_VIEW) > RG_MAX_BEND_SHIFT)
+    return RG_ERR_REMAP_SHIFT;
 
   /* Blocks of 8 px without bends, or of 16 px, and of two sizes above. */
   const uint32_t block_log2 = section[RG_REMAP_BLOCK_LOG2];
@@ -87,16 +97,6 @@ rg_status rg_check_remap(const uint8_t* section, uint32_t size,
   const uint32_t last_blocks = (last >> block_log2) & ~0xfc00u;
   if (last_blocks + BOTH(2) != rg_load_u32(section + RG_REMAP_COLUMNS))
     return RG_ERR_REMAP_BLOCK;
-  if (section[RG_REMAP_RESIDUAL_SHIFT] > RG_MAX_RESIDUAL_SHIFT ||
-      (section[RG_REMAP_BEND_SHIFT] & ~RG_HAS_VIEW) > RG_MAX_BEND_SHIFT)
-    return RG_ERR_REMAP_SHIFT;
-  const uint32_t max_x = rg_load_u32(section + RG_REMAP_MAX_X);
-  const uint32_t max_y = rg_load_u32(section + RG_REMAP_MAX_Y);
-  if (rg_load_u32(section + RG_REMAP_MIN_X) > max_x ||
-      max_x > last_source << 16 >> 4 ||
-      rg_load_u32(section + RG_REMAP_MIN_Y) > max_y ||
-      max_y > last_source >> 16 << 12)
-    return RG_ERR_REMAP_SOURCE;
   const uint32_t columns = rg_load_u16(section + RG_REMAP_COLUMNS);
   const uint32_t rows = rg_load_u16(section + RG_REMAP_ROWS);
   return rg_check_extent(

@@ -431,7 +431,8 @@ void rg_walk_source_rows(const rg_camera* camera, rg_format format,
   whole->walk.run.out_stride = 0;
   for (uint32_t k = 0; rg_find_lattice(format, k, &whole->lattice);
        k = whole->lattice.index + 1u) {
-    start_rows(whole, camera, search->output.first, search->output.end);
+    start_rows(whole, camera, walk.search->output.first,
+               walk.search->output.end);
     while (next_part(&whole->walk)) {
       bring_to_lattice(whole);
       add_part(&walk, is_part_safe(&whole->walk));

@@ -74,7 +74,7 @@ static RG_INLINE void do_rows(const rg_run* run, const rg_lattice* lattice,
     rg_next_row(&own.block, edges, &row);
     rg_move_to_run(&own, &row);
     rg_round_row(kind, is_copy, &row);
-    at.position = row.start;
+    at.position = rg_row_position(&row, 0);
     for (uint32_t k = 0; k < own.num_pixels; ++k) {
       at.upper = own.data + (size_t)(rg_q12_of(&at, 1) >> 12) * own.stride;
       at.lower = at.upper + below;
@@ -99,14 +99,13 @@ static void do_rows_shortly(const rg_run* run, const rg_lattice* lattice,
     rg_find_block_row(&run->block, run->first_row + r, &row);
     rg_move_to_run(run, &row);
     rg_round_row(lattice->kind, at.right == 0, &row);
-    at.position = row.start;
     uint32_t pixel = 0;
     do {
+      at.position = rg_row_position(&row, pixel);
       at.upper = run->data + (size_t)(rg_q12_of(&at, 1) >> 12) * run->stride;
       at.lower = at.upper;
       if (at.right != 0) at.lower += run->stride;
       rg_blend_pixel(lattice, &at, run->out_pixel + pixel);
-      rg_go_on(&row.step, &at.position);
     } while (++pixel != run->num_pixels);
     at.out += run->out_stride;
   } while (++r != run->num_rows);
