@@ -1,8 +1,8 @@
 #include "dataset/camera_file.h"
 
 #include "camera/central_radial.h"
-#include "camera/splined_stereographic.h"
 #include "camera/lens_models.h"
+#include "camera/splined_stereographic.h"
 #include "camera/thin_prism_fisheye.h"
 #include "camera/view_camera.h"
 #include "dataset/error.h"
