@@ -42,6 +42,7 @@ typedef struct rg_camera {
   const uint8_t* inverse;
   const uint8_t* line_points;         /* not the section, but its first point */
   const uint8_t* remap;               /* the one in use */
+  uint16_t width, height;             /* frames as calibrated */
   uint16_t frame_width, frame_height; /* frames that the table takes */
   uint16_t surface;                   /* the kernels of rays */
 } rg_camera;

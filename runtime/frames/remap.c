@@ -91,8 +91,8 @@ void rg_frame_size(const rg_camera* camera, uint16_t* width, uint16_t* height) {
 
 void rg_calibrated_size(const rg_camera* camera, uint16_t* width,
                         uint16_t* height) {
-  *width = rg_load_u16(camera->identity + RG_CAMERA_WIDTH);
-  *height = rg_load_u16(camera->identity + RG_CAMERA_HEIGHT);
+  *width = camera->width;
+  *height = camera->height;
 }
 
 rg_status rg_remap_view(const rg_camera* camera, rg_view* view) {

@@ -54,6 +54,7 @@ class _Camera(ctypes.Structure):
     _fields_ = [("blob", ctypes.c_void_p), ("identity", ctypes.c_void_p),
                 ("grid", ctypes.c_void_p), ("inverse", ctypes.c_void_p),
                 ("line_points", ctypes.c_void_p), ("remap", ctypes.c_void_p),
+                ("width", ctypes.c_uint16), ("height", ctypes.c_uint16),
                 ("frame_width", ctypes.c_uint16), ("frame_height", ctypes.c_uint16),
                 ("surface", ctypes.c_uint16)]
 
@@ -226,7 +227,7 @@ class Camera:
         self._camera = _Camera()
         _check(_library.rg_camera_open(ctypes.byref(self._camera), self._blob,
                                        ctypes.c_uint32(len(data))))
-        self.width, self.height = self.frame_size()  # no table is in use yet
+        self.width, self.height = self._camera.width, self._camera.height
         self.is_central = self._camera.line_points is None
         self.num_remaps = self._count_remaps()
         if self.num_remaps != 0:

@@ -49,7 +49,10 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
   camera->line_points = line_points;
   camera->remap = 0;
   camera->surface = rg_best_surface();
-  set_frame_size(camera, rg_load_u32(camera->identity + RG_CAMERA_WIDTH));
+  const uint32_t size = rg_load_u32(camera->identity + RG_CAMERA_WIDTH);
+  camera->width = (uint16_t)size;
+  camera->height = (uint16_t)(size >> 16);
+  set_frame_size(camera, size);
   return RG_OK;
 }
 
@@ -59,7 +62,7 @@ rg_status rg_select_remap(rg_camera* camera, uint32_t index) {
   if (!entry) return RG_ERR_NO_REMAP;
   const uint8_t* const section =
       camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
-  uint32_t frame_size = rg_load_u32(camera->identity + RG_CAMERA_WIDTH);
+  uint32_t frame_size = camera->width | (uint32_t)camera->height << 16;
   rg_status status =
       rg_check_remap(section, rg_load_u32(entry + RG_ENTRY_SIZE), frame_size);
   /* Elsewhere, what is done with any harms nothing. */

@@ -143,8 +143,7 @@ static int is_part_of_frames(const rg_mode* mode, const rg_camera* camera) {
   for (int c = 0; c < 2; ++c) {
     mode_axis axis;
     if (!find_mode_axis(mode, c, &axis) ||
-        !is_part(&axis,
-                 rg_load_u16(camera->identity + RG_CAMERA_WIDTH + 2 * c)))
+        !is_part(&axis, c == 0 ? camera->width : camera->height))
       return 0;
   }
   return 1;
@@ -169,7 +168,7 @@ static uint32_t find_table(const rg_camera* camera, const rg_mode* mode) {
        (entry = rg_find_entry(camera->blob, RG_SECTION_REMAP, k)) != 0; ++k) {
     const uint8_t* const section =
         camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
-    const uint32_t size = rg_load_u32(camera->identity + RG_CAMERA_WIDTH);
+    const uint32_t size = camera->width | (uint32_t)camera->height << 16;
     rg_mode of_table;
     if (rg_check_remap(section, rg_load_u32(entry + RG_ENTRY_SIZE), size) ==
             RG_OK &&

@@ -101,11 +101,9 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
                               (int32_t)setting(data, 20)};
     try_pixel(&camera, pixel);
     /* One that is likely to lie inside. */
-    uint16_t width, height;
-    rg_calibrated_size(&camera, &width, &height);
     const rg_pixel inside = {
-        (int32_t)(setting(data, 24) % ((width % 16384u + 1) << 16)),
-        (int32_t)(setting(data, 28) % ((height % 16384u + 1) << 16))};
+        (int32_t)(setting(data, 24) % ((camera.width % 16384u + 1) << 16)),
+        (int32_t)(setting(data, 28) % ((camera.height % 16384u + 1) << 16))};
     try_pixel(&camera, inside);
     const rg_pixel far_corner = {rg_load_i32(camera.grid + RG_GRID_X1),
                                  rg_load_i32(camera.grid + RG_GRID_Y1)};
