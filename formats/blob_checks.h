@@ -81,9 +81,10 @@ rg_status rg_check_line_points(const uint8_t* section, uint32_t size,
 
 /* A table, but for its vertices.
  *
- * source_size  of the camera's images: width, and height times 2^16 */
+ * source_size  width, and height times 2^16: that of the camera's images
+ * before, that of the table's frames afterwards */
 rg_status rg_check_remap(const uint8_t* section, uint32_t size,
-                         uint32_t source_size);
+                         uint32_t* source_size);
 
 /* Those of a table that was checked. */
 rg_status rg_check_vertices(const uint8_t* section);

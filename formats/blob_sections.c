@@ -59,17 +59,17 @@ rg_status rg_check_line_points(const uint8_t* section, uint32_t size,
 }
 
 rg_status rg_check_remap(const uint8_t* section, uint32_t size,
-                         uint32_t source_size) {
+                         uint32_t* source_size) {
   uint32_t fields_size = RG_REMAP_FIELDS_SIZE;
   if (rg_has_view(section)) {
     fields_size = RG_VIEW_FIELDS_SIZE;
     if (size < fields_size) return RG_ERR_SECTION_SIZE;
-    source_size = rg_load_u32(section + RG_VIEW_SOURCE_WIDTH);
+    *source_size = rg_load_u32(section + RG_VIEW_SOURCE_WIDTH);
   }
   /* Less 1, all sizes are below 2^13. */
   const uint32_t last = rg_load_u32(section + RG_REMAP_WIDTH) - BOTH(1);
-  const uint32_t last_source = source_size - BOTH(1);
-  if (((last | last_source | (source_size - BOTH(RG_MIN_REMAP_SOURCE))) &
+  const uint32_t last_source = *source_size - BOTH(1);
+  if (((last | last_source | (*source_size - BOTH(RG_MIN_REMAP_SOURCE))) &
        ~BOTH(RG_MAX_REMAP_SIZE - 1)) != 0)
     return RG_ERR_REMAP_SIZE;
   const uint32_t max_x = rg_load_u32(section + RG_REMAP_MAX_X);

@@ -130,7 +130,8 @@ static RG_INLINE void do_row(const small_walk* walk, careful_pixel* on_pixel,
                              const rg_block_row* row, uint8_t* out) {
   uint32_t pixel = 0;
   do {
-    const rg_position position = rg_row_position(row, pixel);
+    rg_position position;
+    position = rg_row_position(row, pixel);
     out[pixel] = on_pixel(walk, &position);
   } while (++pixel != walk->run.num_pixels);
 }
@@ -349,6 +350,8 @@ static RG_INLINE void do_safe_part(image_walk* image) {
   else if (!RG_ALL_BUILT_IN || is_copy ||
            !rg_blend_built_in(&walk->run, rg_interleaved(lattice)))
     do_pixels(image, 1);
+  else
+    (void)0; /* the built-in blend has done it */
 }
 
 static RG_INLINE void remap_part(image_walk* image) {

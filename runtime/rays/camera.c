@@ -64,13 +64,11 @@ rg_status rg_select_remap(rg_camera* camera, uint32_t index) {
       camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
   uint32_t frame_size = camera->width | (uint32_t)camera->height << 16;
   rg_status status =
-      rg_check_remap(section, rg_load_u32(entry + RG_ENTRY_SIZE), frame_size);
+      rg_check_remap(section, rg_load_u32(entry + RG_ENTRY_SIZE), &frame_size);
   /* Elsewhere, what is done with any harms nothing. */
   if (RG_FAST_WALK && status == RG_OK) status = rg_check_vertices(section);
   if (status == RG_OK) {
     camera->remap = section;
-    if (rg_has_view(section))
-      frame_size = rg_load_u32(section + RG_VIEW_SOURCE_WIDTH);
     set_frame_size(camera, frame_size);
   }
   return status;

@@ -133,7 +133,7 @@ TEST(NonCentralPrior, LeavesNoParameterQuiteFree) {
     sum += Eigen::MatrixXd(group.precision);
     rank += group.rank;
   }
-  EXPECT_EQ(rank, prior.mean.size() - 4);
+  EXPECT_EQ(rank, prior.mean.size() - 7);
   // Scaled to a unit diagonal, since units differ.
   const Eigen::VectorXd scale = sum.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::LDLT<Eigen::MatrixXd> factor(scale.asDiagonal() * sum *
