@@ -275,8 +275,8 @@ void RunView(const BenchedCamera& view, const ImageSize& size,
       fit_seconds * 1e3);
 
   Bench bench = {view, size, {}, ratios};
-  bench.camera.width = static_cast<uint16_t>(size.width);
-  bench.camera.height = static_cast<uint16_t>(size.height);
+  bench.camera.frame_width = static_cast<uint16_t>(size.width);
+  bench.camera.frame_height = static_cast<uint16_t>(size.height);
   bench.camera.remap = section;
 
   rg_lattice lattices[2];
@@ -300,8 +300,8 @@ void RunView(const BenchedCamera& view, const ImageSize& size,
 
   rg_image image = {};
   rg_target target = {};
-  image.width = bench.camera.width;
-  image.height = bench.camera.height;
+  image.width = bench.camera.frame_width;
+  image.height = bench.camera.frame_height;
   target.num_rows = image.height;
 
   image.format = RG_FORMAT_GREY8;
