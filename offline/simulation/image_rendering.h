@@ -24,8 +24,8 @@ class RowsOfRays {
   /// at their corners.
   RowsOfRays(const CameraModel& camera, int first, int last, int num_threads);
 
-  /// The line of pixel corner (column - 0.5, row - 0.5); its direction is NaN if
-  /// there is none.
+  /// The line of pixel corner (column - 0.5, row - 0.5); its direction is NaN
+  /// if there is none.
   const ObservationLine& Line(int column, int row) const {
     return lines_[static_cast<size_t>(row - first_row_) * columns_ + column];
   }

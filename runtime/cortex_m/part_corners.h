@@ -35,7 +35,7 @@ typedef struct rg_part_row {
  * 1 to 8 such parts wide and high, 1 in a table without bends. The section is
  * set. */
 static inline void rg_set_parts(rg_part_row* parts, uint32_t width_log2,
-                                   uint32_t height_log2) {
+                                uint32_t height_log2) {
   const uint8_t* const section = parts->section;
   const uint32_t whole_log2 =
       section[RG_REMAP_BLOCK_LOG2] + 2u; /* of four blocks */

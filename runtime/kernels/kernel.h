@@ -16,10 +16,10 @@
 typedef struct rg_run {
   uint16_t first_pixel; /* of the block's rows */
   uint16_t first_source_row;
-  uint16_t out_pixel; /* first_pixel, in the output's row */
+  uint16_t out_pixel;            /* first_pixel, in the output's row */
   uint16_t num_rows, num_pixels; /* neither is 0 */
-  uint16_t first_row;  /* of the block */
-  const uint8_t* data; /* row 0 of the source is first_source_row */
+  uint16_t first_row;            /* of the block */
+  const uint8_t* data;           /* row 0 of the source is first_source_row */
   uint32_t stride;
   uint8_t* out; /* row first_row of the output, from its left end */
   uint32_t out_stride;
