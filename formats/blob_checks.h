@@ -79,12 +79,20 @@ rg_status rg_check_grid(const uint8_t* section, uint32_t size,
 rg_status rg_check_line_points(const uint8_t* section, uint32_t size,
                                const uint8_t* grid);
 
-/* A table, but for its vertices.
+/* The size of a table's source: width, and height times 2^16. The section need
+ * not be checked.
  *
- * source_size  width, and height times 2^16: that of the camera's images
- * before, that of the table's frames afterwards */
+ * camera_size  that of the camera's images */
+static inline uint32_t rg_source_size(const uint8_t* section, uint32_t size,
+                                      uint32_t camera_size) {
+  return size >= RG_VIEW_FIELDS_SIZE && rg_has_view(section)
+             ? rg_load_u32(section + RG_VIEW_SOURCE_WIDTH)
+             : camera_size;
+}
+
+/* A table, but for its vertices. */
 rg_status rg_check_remap(const uint8_t* section, uint32_t size,
-                         uint32_t* source_size);
+                         uint32_t source_size);
 
 /* Those of a table that was checked. */
 rg_status rg_check_vertices(const uint8_t* section);

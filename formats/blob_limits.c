@@ -242,8 +242,9 @@ static rg_status check_remap(const uint8_t* bytes, const uint8_t* section,
                              uint32_t size, const uint8_t* camera) {
   if (section[RG_REMAP_PART_LOG2] == 0 && rg_bend_shift(section) != 0)
     return RG_ERR_RESERVED;
-  uint32_t source_size = rg_load_u32(camera + RG_CAMERA_WIDTH);
-  rg_status status = rg_check_remap(section, size, &source_size);
+  rg_status status = rg_check_remap(
+      section, size,
+      rg_source_size(section, size, rg_load_u32(camera + RG_CAMERA_WIDTH)));
   if (status == RG_OK) status = rg_check_vertices(section);
   if (status != RG_OK) return status;
   if (rg_load_u32(section + RG_REMAP_FX) == 0 ||

@@ -59,17 +59,11 @@ rg_status rg_check_line_points(const uint8_t* section, uint32_t size,
 }
 
 rg_status rg_check_remap(const uint8_t* section, uint32_t size,
-                         uint32_t* source_size) {
-  uint32_t fields_size = RG_REMAP_FIELDS_SIZE;
-  if (rg_has_view(section)) {
-    fields_size = RG_VIEW_FIELDS_SIZE;
-    if (size < fields_size) return RG_ERR_SECTION_SIZE;
-    *source_size = rg_load_u32(section + RG_VIEW_SOURCE_WIDTH);
-  }
+                         uint32_t source_size) {
   /* Less 1, all sizes are below 2^13. */
   const uint32_t last = rg_load_u32(section + RG_REMAP_WIDTH) - BOTH(1);
-  const uint32_t last_source = *source_size - BOTH(1);
-  if (((last | last_source | (*source_size - BOTH(RG_MIN_REMAP_SOURCE))) &
+  const uint32_t last_source = source_size - BOTH(1);
+  if (((last | last_source | (source_size - BOTH(RG_MIN_REMAP_SOURCE))) &
        ~BOTH(RG_MAX_REMAP_SIZE - 1)) != 0)
     return RG_ERR_REMAP_SIZE;
   const uint32_t max_x = rg_load_u32(section + RG_REMAP_MAX_X);
@@ -100,7 +94,8 @@ rg_status rg_check_remap(const uint8_t* section, uint32_t size,
   const uint32_t columns = rg_load_u16(section + RG_REMAP_COLUMNS);
   const uint32_t rows = rg_load_u16(section + RG_REMAP_ROWS);
   return rg_check_extent(
-      section + RG_REMAP_DATA_OFFSET, size, fields_size,
+      section + RG_REMAP_DATA_OFFSET, size,
+      rg_has_view(section) ? RG_VIEW_FIELDS_SIZE : RG_REMAP_FIELDS_SIZE,
       vertex_size * columns * rows + rg_mask_size((columns - 1) * (rows - 1)));
 }
 

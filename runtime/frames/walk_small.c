@@ -128,9 +128,9 @@ static RG_INLINE int is_part_safe(const small_walk* walk) {
 /* Does the row that was found, pixel by pixel. */
 static RG_INLINE void do_row(const small_walk* walk, careful_pixel* on_pixel,
                              const rg_block_row* row, uint8_t* out) {
+  rg_position position;
   uint32_t pixel = 0;
   do {
-    rg_position position;
     position = rg_row_position(row, pixel);
     out[pixel] = on_pixel(walk, &position);
   } while (++pixel != walk->run.num_pixels);
@@ -301,8 +301,8 @@ static RG_NOINLINE void find_careful_neighbors(const image_walk* image,
 }
 
 /* Does a pixel of a part. at has its position. */
-static RG_INLINE void do_pixel(const image_walk* image, int is_safe,
-                               rg_neighbors* at, uint32_t pixel) {
+static RG_INLINE void do_image_pixel(const image_walk* image, int is_safe,
+                                     rg_neighbors* at, uint32_t pixel) {
   const rg_lattice* const lattice = &image->whole.lattice;
   const small_walk* const walk = &image->whole.walk;
   if (is_safe) {
@@ -327,14 +327,14 @@ static RG_NOINLINE void do_pixels(image_walk* image, int is_safe) {
   rg_run* run;
   do {
     rg_block_row row;
-    RG_FORGET(image); /* else the address of its block is in another one */
+    RG_FORGET(image); /* else the block's address takes a register */
     run = &image->whole.walk.run;
     rg_find_block_row(&run->block, run->first_row + r, &row);
     if (is_safe) rg_round_row(image->whole.lattice.kind, at.right == 0, &row);
     uint32_t k = 0;
     do {
       at.position = rg_row_position(&row, k);
-      do_pixel(image, is_safe, &at, run->out_pixel + k);
+      do_image_pixel(image, is_safe, &at, run->out_pixel + k);
     } while (++k != run->num_pixels);
     at.out += run->out_stride;
   } while (++r != run->num_rows);
@@ -345,13 +345,13 @@ static RG_INLINE void do_safe_part(image_walk* image) {
   const rg_lattice* const lattice = &image->whole.lattice;
   small_walk* const walk = &image->whole.walk;
   const int is_copy = image->target->sampling == RG_SAMPLING_NEAREST;
-  if (!RG_ALL_BUILT_IN && !is_copy && rg_is_grey(lattice))
+  if (!RG_ALL_BUILT_IN && !is_copy && rg_is_grey(lattice)) {
     do_part_by_rows(walk, NULL);
-  else if (!RG_ALL_BUILT_IN || is_copy ||
-           !rg_blend_built_in(&walk->run, rg_interleaved(lattice)))
+    return;
+  }
+  if (!RG_ALL_BUILT_IN || is_copy ||
+      !rg_blend_built_in(&walk->run, rg_interleaved(lattice)))
     do_pixels(image, 1);
-  else
-    (void)0; /* the built-in blend has done it */
 }
 
 static RG_INLINE void remap_part(image_walk* image) {
@@ -409,7 +409,7 @@ static RG_NOINLINE void add_part(const row_walk* walk, int is_safe) {
   const small_walk* parts;
   do {
     rg_block_row row;
-    RG_FORGET(walk); /* else the address of its block is in another one */
+    RG_FORGET(walk); /* else the block's address takes a register */
     parts = &walk->whole.walk;
     rg_find_block_row(&parts->run.block, parts->run.first_row + r, &row);
     uint32_t num_left = parts->run.num_pixels;

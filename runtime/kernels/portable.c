@@ -28,10 +28,9 @@ void rg_blend_1(const rg_run* run) {
 
 /* With all that the compiler knows of the lattice. is_copy: all neighbours are
  * the same one. */
-static RG_INLINE void store_pixel(const rg_lattice* lattice, uint32_t kind,
-                                  uint32_t num_channels, const rg_neighbors* at,
-                                  int is_copy, uint8_t* row,
-                                  uint32_t out_pixel) {
+static RG_INLINE void do_pixel(const rg_lattice* lattice, uint32_t kind,
+                               uint32_t num_channels, const rg_neighbors* at,
+                               int is_copy, uint8_t* row, uint32_t out_pixel) {
   uint32_t index = rg_first_sample(lattice, rg_q12_of(at, 0) >> 12);
   uint32_t target = rg_first_sample(lattice, out_pixel);
   for (uint32_t c = 0; c < num_channels; ++c, ++index, ++target)
@@ -79,8 +78,8 @@ static RG_INLINE void do_rows(const rg_run* run, const rg_lattice* lattice,
     for (uint32_t k = 0; k < own.num_pixels; ++k) {
       at.upper = own.data + (size_t)(rg_q12_of(&at, 1) >> 12) * own.stride;
       at.lower = at.upper + below;
-      store_pixel(lattice, kind, num_channels, &at, is_copy, out,
-                  own.out_pixel + k);
+      do_pixel(lattice, kind, num_channels, &at, is_copy, out,
+               own.out_pixel + k);
       rg_go_on(&row.step, &at.position);
     }
   }

@@ -62,9 +62,10 @@ rg_status rg_select_remap(rg_camera* camera, uint32_t index) {
   if (!entry) return RG_ERR_NO_REMAP;
   const uint8_t* const section =
       camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
-  uint32_t frame_size = camera->width | (uint32_t)camera->height << 16;
-  rg_status status =
-      rg_check_remap(section, rg_load_u32(entry + RG_ENTRY_SIZE), &frame_size);
+  const uint32_t size = rg_load_u32(entry + RG_ENTRY_SIZE);
+  const uint32_t frame_size = rg_source_size(
+      section, size, camera->width | (uint32_t)camera->height << 16);
+  rg_status status = rg_check_remap(section, size, frame_size);
   /* Elsewhere, what is done with any harms nothing. */
   if (RG_FAST_WALK && status == RG_OK) status = rg_check_vertices(section);
   if (status == RG_OK) {

@@ -168,10 +168,11 @@ static uint32_t find_table(const rg_camera* camera, const rg_mode* mode) {
        (entry = rg_find_entry(camera->blob, RG_SECTION_REMAP, k)) != 0; ++k) {
     const uint8_t* const section =
         camera->blob + rg_load_u32(entry + RG_ENTRY_OFFSET);
-    uint32_t size = camera->width | (uint32_t)camera->height << 16;
+    const uint32_t size = rg_load_u32(entry + RG_ENTRY_SIZE);
+    const uint32_t source_size = rg_source_size(
+        section, size, camera->width | (uint32_t)camera->height << 16);
     rg_mode of_table;
-    if (rg_check_remap(section, rg_load_u32(entry + RG_ENTRY_SIZE), &size) ==
-            RG_OK &&
+    if (rg_check_remap(section, size, source_size) == RG_OK &&
         read_mode(camera, section, &of_table) == RG_OK &&
         is_same_mode(mode, &of_table) && !rg_distorts(section))
       return k;

@@ -119,9 +119,9 @@ static inline int make_table(uint32_t style_index, uint32_t size_multiple) {
   assert_true(size <= sizeof(section_words));
   rg_write_remap(&table, residuals, SECTION);
   camera.remap = SECTION;
-  uint32_t source_size = camera.frame_width | (uint32_t)camera.frame_height
-                                                  << 16;
-  return rg_check_remap(SECTION, size, &source_size) == 0 &&
+  const uint32_t source_size =
+      camera.frame_width | (uint32_t)camera.frame_height << 16;
+  return rg_check_remap(SECTION, size, source_size) == 0 &&
          rg_check_vertices(SECTION) == 0;
 }
 
