@@ -56,12 +56,17 @@ CameraInput ParseCamera(const std::string& path, const std::string& bytes) {
   return input;
 }
 
+std::optional<TrustMask> TrustOf(const CameraInput& input) {
+  if (input.blob) return input.blob->Trusted();
+  if (input.file.uncertainty) return input.file.uncertainty->mask;
+  return std::nullopt;
+}
+
 std::optional<TrustMask> ShownWith(const std::string& outside,
                                    const std::string& path,
                                    const CameraInput& input) {
   if (outside != "trusted") return std::nullopt;
-  if (input.blob && input.blob->Trusted()) return input.blob->Trusted();
-  if (input.file.uncertainty) return input.file.uncertainty->mask;
+  if (auto trusted = TrustOf(input)) return trusted;
   throw Error(ExitCode::kUsage,
               path +
                   ": --outside trusted: does not say where it can be "

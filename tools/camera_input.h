@@ -23,6 +23,9 @@ CameraInput ReadCamera(const std::string& path);
 /// what of another program's file was not taken as it stands.
 CameraInput ParseCamera(const std::string& path, const std::string& bytes);
 
+/// The cells in which a camera can be trusted, if its file or blob says so.
+std::optional<TrustMask> TrustOf(const CameraInput& input);
+
 /// The pixels that are to be shown of a camera's images with --outside OUTSIDE:
 /// all, or those that are trusted. Throws Error(kUsage) if nothing says which
 /// are.

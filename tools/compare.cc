@@ -14,6 +14,7 @@
 #include "dataset/image_files.h"
 #include "evaluation/model_difference.h"
 #include "evaluation/prediction_comparison.h"
+#include "evaluation/residual_statistics.h"
 #include "pattern_input.h"
 #include "report/pictures.h"
 
@@ -33,6 +34,8 @@ struct Comparison {
   ImageSize size;
   Area area;  // of the second camera
   double angle_rad = 0;
+  /// Over the places where both can be trusted, of cameras that say so.
+  std::optional<ErrorFigures> trusted;
   std::optional<PredictionComparison> prediction;  // of features, if given
 };
 
@@ -61,6 +64,26 @@ PredictionComparison Predict(const CompareArguments& arguments,
   return prediction;
 }
 
+// Where the one or the other is extrapolated, they may differ by any number of
+// pixels.
+std::optional<ErrorFigures> WhereTrusted(const ModelDifference& difference,
+                                         const CameraInput& first,
+                                         const CameraInput& second) {
+  const auto first_trust = TrustOf(first), second_trust = TrustOf(second);
+  if (!first_trust && !second_trust) return std::nullopt;
+  std::vector<FeatureResidual> places;
+  for (size_t i = 0; i < difference.pixels.size(); ++i) {
+    const Eigen::Vector2d& pixel = difference.pixels[i];
+    if ((first_trust && !first_trust->Trusts(pixel)) ||
+        (second_trust && !second_trust->Trusts(pixel)))
+      continue;
+    places.emplace_back();
+    places.back().error_px = difference.error_px[i];
+  }
+  if (places.empty()) return std::nullopt;
+  return ComputeErrorFigures(places);
+}
+
 Comparison Compare(const CompareArguments& arguments, int num_threads) {
   const CameraInput first = ReadCamera(arguments.first);
   const CameraInput second = ReadCamera(arguments.second);
@@ -83,6 +106,7 @@ Comparison Compare(const CompareArguments& arguments, int num_threads) {
     throw InputError(
         fmt::format("{} and {}: no pixel that both are calibrated for",
                     arguments.first, arguments.second));
+  comparison.trusted = WhereTrusted(comparison.difference, first, second);
   comparison.angle_rad =
       comparison.difference.first_from_second.rotation.angularDistance(
           Eigen::Quaterniond::Identity());
@@ -119,6 +143,10 @@ std::string FormatJson(const Comparison& comparison) {
   const Eigen::Vector3d& t = d.first_from_second.translation;
   if (!d.inverse_distances.empty())
     json["translation_m"] = {t.x(), t.y(), t.z()};
+  if (comparison.trusted) {
+    json["trusted"] = ToJson(*comparison.trusted);
+    json["trusted"]["places"] = comparison.trusted->count;
+  }
   if (comparison.prediction)
     json["prediction"] = ToJson(*comparison.prediction);
   return json.dump(2) + "\n";
@@ -231,6 +259,12 @@ void Run(const CompareArguments& arguments, const CommonOptions& common) {
         " and a translation of {:.2f} mm, {:g} m and infinitely far away",
         1000 * d.first_from_second.translation.norm(), arguments.distance_m);
   fmt::print("\n");
+  if (comparison.trusted)
+    fmt::print(
+        "where both can be trusted: median {:.4f} px, RMS {:.4f} px, largest "
+        "{:.4f} px at {} places\n",
+        comparison.trusted->median_px, comparison.trusted->rms_px,
+        comparison.trusted->max_px, comparison.trusted->count);
   if (comparison.prediction) Print(arguments, *comparison.prediction);
   if (!arguments.output.empty())
     fmt::print(

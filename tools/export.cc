@@ -44,10 +44,7 @@ Exported MakeExported(const std::string& path, CameraInput input) {
   if (camera.input.file.camera_from_view)
     camera.view_from_camera =
         camera.input.file.camera_from_view->rotation.conjugate();
-  if (camera.input.blob)
-    camera.trusted = camera.input.blob->Trusted();
-  else if (camera.input.file.uncertainty)
-    camera.trusted = camera.input.file.uncertainty->mask;
+  camera.trusted = TrustOf(camera.input);
   if (camera.trusted && std::count(camera.trusted->is_trusted.begin(),
                                    camera.trusted->is_trusted.end(), true) == 0)
     camera.trusted.reset();

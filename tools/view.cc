@@ -242,10 +242,7 @@ ViewedRow RowOfView(const VirtualView& view, ViewedCamera viewed,
 ViewedRow RowOfCamera(ViewedCamera viewed, const ViewArguments& arguments,
                       const CommonOptions& common) {
   if (!viewed.input.blob) TurnIntoCameraFrame(&viewed.input.file);
-  if (viewed.input.blob)
-    viewed.mask = viewed.input.blob->Trusted();
-  else if (viewed.input.file.uncertainty)
-    viewed.mask = viewed.input.file.uncertainty->mask;
+  viewed.mask = TrustOf(viewed.input);
   viewed.square = SquareOfStraightScene(viewed.camera());
   viewed.before =
       viewed.image.empty()

@@ -68,6 +68,10 @@ class MainJob(CommandTest):
         figures = json.loads(result.stdout)
         self.assertLess(figures["median_px"], 0.05)
         self.assertLess(0, figures["median_px"])
+        # The extrapolated rest of the image is told apart.
+        trusted = figures["trusted"]
+        self.assertTrue(0 < trusted["places"] < figures["places"], trusted)
+        self.assertLess(trusted["max_px"], figures["max_px"])
         self.assertEqual(set(os.listdir(self.path("difference"))),
                          {"difference.json", "difference.csv", "magnitude.png", "direction.png"})
         places = rows(read(self.path("difference/difference.csv")).decode())
