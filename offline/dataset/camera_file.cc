@@ -477,18 +477,7 @@ CameraFile ReadCameraFile(const std::string& path) {
 
 CameraFile ParseCameraFile(const std::string& path, const std::string& text) {
   RequireYamlFile(path, text);
-  try {
-    return Parse(YAML::Load(text));
-  } catch (const YAML::Exception& error) {
-    // A missing key has no line in the file to name.
-    const std::string place =
-        error.mark.is_null()
-            ? path
-            : fmt::format("{}, line {}", path, error.mark.line + 1);
-    throw InputError(place + ": " + error.msg);
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", path, error.what()));
-  }
+  return ReadNamingFile(path, [&] { return Parse(YAML::Load(text)); });
 }
 
 std::string FormatCameraFile(const CameraFile& file, Digits digits) {

@@ -1,6 +1,5 @@
 #include "dataset/rectified_file.h"
 
-#include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
 #include <cmath>
@@ -51,17 +50,7 @@ RectifiedFile ParsePair(const YAML::Node& root) {
 RectifiedFile ParseRectifiedFile(const std::string& path,
                                  const std::string& text) {
   RequireYamlFile(path, text);
-  try {
-    return ParsePair(YAML::Load(text));
-  } catch (const YAML::Exception& error) {
-    const std::string place =
-        error.mark.is_null()
-            ? path
-            : fmt::format("{}, line {}", path, error.mark.line + 1);
-    throw InputError(place + ": " + error.msg);
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", path, error.what()));
-  }
+  return ReadNamingFile(path, [&] { return ParsePair(YAML::Load(text)); });
 }
 
 }  // namespace raygrid

@@ -55,17 +55,7 @@ std::vector<RigFileCamera> ReadRigFile(const std::string& path) {
 std::vector<RigFileCamera> ParseRigFile(const std::string& path,
                                         const std::string& text) {
   RequireYamlFile(path, text);
-  try {
-    return ParseCameras(YAML::Load(text));
-  } catch (const YAML::Exception& error) {
-    const std::string place =
-        error.mark.is_null()
-            ? path
-            : fmt::format("{}, line {}", path, error.mark.line + 1);
-    throw InputError(place + ": " + error.msg);
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", path, error.what()));
-  }
+  return ReadNamingFile(path, [&] { return ParseCameras(YAML::Load(text)); });
 }
 
 std::string FormatRigFile(const std::vector<RigFileCamera>& cameras) {

@@ -129,4 +129,13 @@ void RequireYamlFile(const std::string& path, const std::string& text) {
   if (finder.is_map()) RequireWholeLastLine(path, text);
 }
 
+InputError YamlError(const std::string& path, const YAML::Exception& error) {
+  // A missing key has no line in the file to name.
+  const std::string place =
+      error.mark.is_null()
+          ? path
+          : fmt::format("{}, line {}", path, error.mark.line + 1);
+  return InputError(place + ": " + error.msg);
+}
+
 }  // namespace raygrid

@@ -1,7 +1,11 @@
 #ifndef RAYGRID_DATASET_YAML_FILE_H
 #define RAYGRID_DATASET_YAML_FILE_H
 
+#include <yaml-cpp/exceptions.h>
+
 #include <string>
+
+#include "dataset/error.h"
 
 namespace raygrid {
 
@@ -10,6 +14,25 @@ namespace raygrid {
 /// take the first or the last as they like. Says nothing of text that is no
 /// YAML: parsing it does.
 void RequireYamlFile(const std::string& path, const std::string& text);
+
+/// The InputError of a parser's exception: path, line if it has one, and what
+/// is wrong.
+InputError YamlError(const std::string& path, const YAML::Exception& error);
+
+/// What read() returns. Errors of the parser, and InputErrors of what it
+/// parsed, become InputErrors that begin with the path.
+template <typename Read>
+auto ReadNamingFile(const std::string& path, const Read& read) {
+  try {
+    return read();
+  } catch (const YAML::Exception& error) {
+    throw YamlError(path, error);
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    if (message.rfind(path, 0) == 0) throw;
+    throw InputError(path + ": " + message);
+  }
+}
 
 }  // namespace raygrid
 

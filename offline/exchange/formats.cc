@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "dataset/error.h"
+#include "dataset/yaml_file.h"
 #include "exchange/colmap_format.h"
 #include "exchange/format.h"
 #include "exchange/kalibr_format.h"
@@ -83,22 +84,12 @@ ExchangeContents ReadExchangeFile(const Format* format,
   if (format && found && format != found && !format->recognizes(request.text))
     throw InputError(fmt::format("{}: is of the format {}, not {}",
                                  request.path, found->name, format->name));
-  try {
+  return ReadNamingFile(request.path, [&] {
     ExchangeContents contents = (format ? format : found)->read(request);
     if (contents.cameras.empty()) throw InputError("no camera");
     AddRemarksOnLenses(&contents);
     return contents;
-  } catch (const YAML::Exception& error) {
-    const std::string place =
-        error.mark.is_null()
-            ? request.path
-            : fmt::format("{}, line {}", request.path, error.mark.line + 1);
-    throw InputError(place + ": " + error.msg);
-  } catch (const InputError& error) {
-    const std::string message = error.what();
-    if (message.rfind(request.path, 0) == 0) throw;
-    throw InputError(fmt::format("{}: {}", request.path, message));
-  }
+  });
 }
 
 bool ExchangeContents::IsRig() const {
