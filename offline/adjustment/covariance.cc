@@ -154,12 +154,15 @@ class OtherRightSides {
   // ... and of this, with P = B B^T + R R^T, H^-1 P H^-1; in sum H^-1.
   bool SolvePrior(Eigen::VectorXd* camera_parameters) {
     const PriorEquations& prior = system_.prior;
+    // Drawn in an order that no compiler chooses.
+    const Eigen::VectorXd root_signs =
+        RandomSigns(prior_root_.size(), &random_bits_);
+    const Eigen::VectorXd other_signs =
+        RandomSigns(prior.root.cols(), &random_bits_);
     const Eigen::VectorXd gradient =
-        WithoutFree(
-            prior.free, prior.freed,
-            prior_root_.Times(RandomSigns(prior_root_.size(), &random_bits_),
-                              system_.layout.size)) +
-        prior.root * RandomSigns(prior.root.cols(), &random_bits_);
+        WithoutFree(prior.free, prior.freed,
+                    prior_root_.Times(root_signs, system_.layout.size)) +
+        prior.root * other_signs;
     return Solve(NoError, gradient, camera_parameters);
   }
   bool SolveSmoothing(Eigen::VectorXd* camera_parameters) {
