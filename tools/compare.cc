@@ -64,8 +64,8 @@ PredictionComparison Predict(const CompareArguments& arguments,
   return prediction;
 }
 
-// Where the one or the other is extrapolated, they may differ by any number of
-// pixels.
+// The difference at pixels that both cameras can be trusted at. Elsewhere one
+// of them is extrapolated, and they may differ by any number of pixels.
 std::optional<ErrorFigures> WhereTrusted(const ModelDifference& difference,
                                          const CameraInput& first,
                                          const CameraInput& second) {
