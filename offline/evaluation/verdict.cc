@@ -146,9 +146,9 @@ void JudgeUncertainty(const CalibrationFigures& figures, Verdict* verdict) {
                      PartOfImage(figures.features_area, figures.image_size) &&
              !IsNegligible(median_px, figures.training)) {
     Warn(fmt::format(
-             "only {:.0f} % of the image is trusted, known to {:.4f} px; "
-             "take more views, tilted all ways, near and "
-             "far, into the corners",
+             "only {:.0f} % of the image is trusted, known to {:.4f} px: "
+             "uncertainty.png shows where; take more views, tilted all ways, "
+             "near and far, into the corners",
              100 * *figures.trusted_part, *figures.trusted_px),
          verdict);
   }
