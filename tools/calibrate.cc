@@ -23,7 +23,13 @@
 namespace raygrid {
 namespace {
 
-void RequireNames(const CalibrateArguments& arguments, bool is_rig) {
+void RequireOfSingleCamera(const CalibrateArguments& arguments, bool is_rig) {
+  if (is_rig && arguments.image_circle != "auto" &&
+      arguments.image_circle != "none")
+    throw Error(ExitCode::kUsage,
+                fmt::format("--image-circle {}: a rig's cameras have circles "
+                            "of their own; give auto or none",
+                            arguments.image_circle));
   if (is_rig && !(arguments.name.empty() && arguments.serial.empty()))
     throw Error(ExitCode::kUsage,
                 "--name and --serial are for a single camera; a rig's names "
@@ -170,7 +176,8 @@ void RequireSuccess(const Verdict& verdict, bool is_interrupted,
 
 void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
   const FeaturesByCamera given = ReadGivenFeatures(arguments);
-  RequireNames(arguments, given.size() > 1 || !arguments.cameras.empty());
+  RequireOfSingleCamera(arguments,
+                        given.size() > 1 || !arguments.cameras.empty());
   const Pattern pattern = MeantPattern(arguments.pattern, common);
   RequireNoInputReplaced(arguments, FindImages(arguments.images).paths);
   RequireWritableFolder(arguments.output);
@@ -275,6 +282,12 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
              "images (of a rig: instants) to evaluate with instead of "
              "calibrating with them (default: cross-validation)",
              &arguments->hold_out);
+  command
+      ->add_option("--image-circle", arguments->image_circle,
+                   "what the lens lights of the images; beyond it undistorted "
+                   "images stay border. auto: found where images leave a "
+                   "fisheye's corners dark; none: all; or X,Y,RADIUS in pixels")
+      ->capture_default_str();
   command->add_flag("--flat-board", arguments->flat_board,
                     "trust the pattern's points as they are given");
   command->add_flag("--measure-once", arguments->measure_once,

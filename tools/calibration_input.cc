@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <iterator>
 #include <set>
@@ -17,6 +18,7 @@
 #include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
 #include "features/board_guess.h"
+#include "features/image_circle_detection.h"
 #include "features/pattern_detector.h"
 #include "features/refinement/camera_refinement.h"
 #include "interruption.h"
@@ -160,6 +162,36 @@ void RequireUsable(const std::string& source,
                             dataset.images.size(), arguments.pattern));
 }
 
+// ---- Image circle ----------------------------------------------------------
+
+// "X,Y,RADIUS".
+ImageCircle ParseImageCircle(const std::string& text) {
+  ImageCircle circle;
+  double radius_px = 0;
+  int length = 0;
+  if (std::sscanf(text.c_str(), "%lf,%lf,%lf%n", &circle.center.x(),
+                  &circle.center.y(), &radius_px, &length) != 3 ||
+      static_cast<size_t>(length) != text.size() ||
+      !circle.center.allFinite() || !(radius_px > 0 && radius_px < 1e6))
+    throw Error(ExitCode::kUsage,
+                fmt::format("--image-circle {}: expected auto, none, or "
+                            "X,Y,RADIUS in pixels, as 320,240,250",
+                            text));
+  circle.radii_px.setConstant(radius_px);
+  return circle;
+}
+
+// The circle that is given, or else what the calibrated images leave dark.
+std::optional<ImageCircle> ImageCircleOf(const Measurements& measurements,
+                                         const std::string& word,
+                                         int num_threads) {
+  if (word == "none") return std::nullopt;
+  if (word != "auto") return ParseImageCircle(word);
+  std::vector<std::string> paths = measurements.paths;
+  paths.resize(std::min(paths.size(), NumCalibratedImages(measurements)));
+  return DetectImageCircle(paths, measurements.dataset.image_size, num_threads);
+}
+
 // ---- Cameras ---------------------------------------------------------------
 
 // The texts before and after the '=' of NAME=VALUE; all is value without one.
@@ -260,6 +292,7 @@ std::vector<Measurements> GivenCameras(const CalibrateArguments& arguments,
     camera.dataset.image_size =
         is_rig ? SizeOfCamera(name, arguments) : SizeOfSingleCamera(arguments);
     LeaveOutCopies(&camera);
+    camera.image_circle = ImageCircleOf(camera, arguments.image_circle, 1);
     RequireUsable(arguments.features + (is_rig ? ", camera " + name : ""),
                   arguments, camera, pattern);
   }
@@ -352,6 +385,8 @@ Measurements MeasureModes(const std::vector<std::string>& images,
         ParseMode(text, measurements.dataset.image_size), folder,
         Measure({folder}, pattern, arguments.pattern, common, progress),
         &measurements);
+  measurements.image_circle =
+      ImageCircleOf(measurements, arguments.image_circle, common.threads);
   return measurements;
 }
 
@@ -453,7 +488,7 @@ std::vector<CalibrationInput> CalibrationInputs(
          cameras[c].dataset, AgainIn(cameras[c], arguments, num_threads),
          checkpoints->Of(c),
          [=](const Checkpoint& done) { checkpoints->Keep(c, done); },
-         cameras[c].skipped});
+         cameras[c].image_circle, cameras[c].skipped});
   return inputs;
 }
 
@@ -509,8 +544,9 @@ std::string InputsOf(const CalibrateArguments& arguments,
                              f.row, f.pixel.x(), f.pixel.y()));
     }
   }
-  hash.Add(fmt::format("{} {} {} {} {} {}", arguments.model, arguments.cell_px,
-                       arguments.area, arguments.flat_board,
+  hash.Add(fmt::format("{} {} {} {} {} {} {}", arguments.model,
+                       arguments.cell_px, arguments.area,
+                       arguments.image_circle, arguments.flat_board,
                        arguments.measure_once, common.seed));
   for (const std::string& image : arguments.hold_out) hash.Add(image);
   for (const std::string& mode : arguments.modes) hash.Add(mode);

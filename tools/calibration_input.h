@@ -20,7 +20,7 @@ struct CalibrateArguments {
   std::vector<std::string> images, cameras, image_sizes, hold_out, modes;
   std::string features, pattern, output, name, serial;
   std::string model = "central-generic", cell_px = "auto";
-  std::string instant_by = "name", area = "image";
+  std::string instant_by = "name", area = "image", image_circle = "auto";
   bool flat_board = false, measure_once = false, resume = false;
   bool skip_comparison = false;
 };
@@ -40,8 +40,9 @@ struct ImagesOfMode {
 struct Measurements {
   std::string camera;  ///< its name in a rig
   Dataset dataset;
-  std::vector<std::string> paths;       ///< of the dataset's images
-  std::vector<ImagesOfMode> modes;      ///< the last of the dataset's images
+  std::vector<std::string> paths;   ///< of the dataset's images
+  std::vector<ImagesOfMode> modes;  ///< the last of the dataset's images
+  std::optional<ImageCircle> image_circle;
   std::vector<RejectedImage> skipped;   ///< could not be measured
   std::vector<RejectedImage> left_out;  ///< no photographs, copies
 };

@@ -44,6 +44,15 @@ void PrintUncertainty(const CameraUncertainty& uncertainty,
       100 * uncertainty.TrustedPart(camera.image_size(), camera.area()));
 }
 
+void PrintImageCircle(const CameraModel& camera) {
+  const auto& circle = camera.image_circle();
+  if (!circle) return;
+  fmt::print(
+      "  image circle: {:.1f} px around {:.1f}, {:.1f}; nothing is seen "
+      "beyond (--image-circle none: all is)\n",
+      circle->radii_px.x(), circle->center.x(), circle->center.y());
+}
+
 void PrintSingleCamera(const CalibrationResult& result) {
   fmt::print("{}: ", result.camera.camera->Name());
   PrintSize(result);
@@ -60,6 +69,7 @@ void PrintSingleCamera(const CalibrationResult& result) {
                *result.bias_kl, *result.noise_bias_kl);
   if (result.camera.uncertainty)
     PrintUncertainty(*result.camera.uncertainty, *result.camera.camera);
+  PrintImageCircle(*result.camera.camera);
   if (result.line_spread)
     fmt::print(
         "  lines pass the point nearest to all by {:.3f} mm (RMS), {:.3f} mm "

@@ -178,6 +178,10 @@ Json CameraFacts(const CameraFile& file) {
                  {"serial", file.serial},
                  {"image_size", {size.width, size.height}}}},
                {"area_px", {area.x0, area.y0, area.x1, area.y1}}};
+  if (const auto& circle = file.camera->image_circle())
+    json["image_circle"] = {
+        {"center_px", {circle->center.x(), circle->center.y()}},
+        {"radius_px", circle->radii_px.x()}};
   if (const auto* lens =
           dynamic_cast<const ParametricModel*>(file.camera.get()))
     json["lens"] = LensFacts(*lens);

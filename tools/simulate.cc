@@ -329,6 +329,10 @@ void AddImagingOptions(CLI::App* command, SimulateArguments* arguments) {
   add("--shot-noise", imaging.shot_noise, "variance per grey level", 0, 255);
   add("--vignetting", imaging.vignetting, "part of the light lost in corners",
       0, 0.99);
+  add("--image-circle", imaging.image_circle_px,
+      "pixels, radius around the image's middle beyond which the lens throws "
+      "no light; 0: all is lit",
+      0, 1e6);
   add("--gamma", imaging.gamma, "of the stored levels", 0.1, 10);
   add("--exposure", imaging.exposure, "multiplies all levels", 0.01, 100);
   add("--max-tilt-deg", arguments->max_tilt_deg, "of rendered boards", 0, 80);

@@ -194,8 +194,8 @@ void Calibration::Adjust() {
     result.rejected_images = lenses[c].rejected_images;
     result.rejected_images.insert(result.rejected_images.end(),
                                   rejected[c].begin(), rejected[c].end());
-    FillResult(pattern_, adjusted_, static_cast<int>(c), options_.num_threads,
-               &result);
+    FillResult(pattern_, adjusted_, static_cast<int>(c),
+               cameras_[c].input->image_circle, options_.num_threads, &result);
   }
   result_.pattern = AdjustedPattern(pattern_, adjusted_);
   result_.camera_from_rig = adjusted_.state.camera_from_rig;

@@ -35,6 +35,9 @@ struct CalibrationInput {
   /// without interruption.
   std::optional<Checkpoint> resume = {};
   KeepCheckpoint keep = nullptr;
+  /// The part of its images that the lens lights, if that is known to be less
+  /// than all.
+  std::optional<ImageCircle> image_circle = {};
   /// Images that were given, but not measured; the result names them.
   std::vector<RejectedImage> skipped = {};
 };

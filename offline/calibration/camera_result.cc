@@ -280,9 +280,12 @@ CalibrationFigures FiguresOf(const CalibrationResult& result,
 }  // namespace
 
 void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
-                int num_threads, CalibrationResult* result) {
+                const std::optional<ImageCircle>& image_circle, int num_threads,
+                CalibrationResult* result) {
   const CalibrationProblem& problem = adjusted.problem;
-  result->camera.camera = adjusted.state.cameras[camera]->Clone();
+  std::unique_ptr<CameraModel> model = adjusted.state.cameras[camera]->Clone();
+  model->SetImageCircle(image_circle);
+  result->camera.camera = std::move(model);
   result->pattern = AdjustedPattern(pattern, adjusted);
   result->features = UsedFeatures(pattern, problem, camera);
   for (size_t v = 0; v < problem.views.size(); ++v)
@@ -293,6 +296,8 @@ void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
   result->training = TrainingResiduals(pattern, adjusted, camera, num_threads);
   result->camera.training = ComputeErrorFigures(result->training);
   result->camera.uncertainty = UncertaintyOf(adjusted, camera, num_threads);
+  if (image_circle && result->camera.uncertainty)
+    DistrustBeyond(*image_circle, &result->camera.uncertainty->mask);
   result->rejected_features = adjusted.rejected_features[camera];
   result->num_parameters = adjusted.state.cameras[camera]->NumParameters();
   result->converged = adjusted.summary.converged;

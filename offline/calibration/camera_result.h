@@ -7,9 +7,11 @@
 
 namespace raygrid {
 
-/// Fills in the adjusted camera and the figures of its training features.
+/// Fills in the adjusted camera, which has the image circle if that is known,
+/// and the figures of its training features.
 void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
-                int num_threads, CalibrationResult* result);
+                const std::optional<ImageCircle>& image_circle, int num_threads,
+                CalibrationResult* result);
 
 /// Adds to the rejected images those measured that are neither used nor held
 /// out nor rejected already, and those skipped: each that was given is in one

@@ -180,4 +180,15 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
   return uncertainty;
 }
 
+void DistrustBeyond(const ImageCircle& circle, TrustMask* mask) {
+  const double half = mask->cell_px / 2.0;
+  for (size_t cell = 0; cell < mask->is_trusted.size(); ++cell) {
+    const Eigen::Vector2d center = mask->CellCenter(static_cast<int>(cell));
+    for (const double dy : {-half, half})
+      for (const double dx : {-half, half})
+        if (!circle.Contains(center + Eigen::Vector2d(dx, dy)))
+          mask->is_trusted[cell] = false;
+  }
+}
+
 }  // namespace raygrid

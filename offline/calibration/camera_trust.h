@@ -17,6 +17,9 @@ namespace raygrid {
 std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
                                                int camera, int num_threads);
 
+/// Cells that are not lit as a whole are not trusted.
+void DistrustBeyond(const ImageCircle& circle, TrustMask* mask);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_CALIBRATION_CAMERA_TRUST_H

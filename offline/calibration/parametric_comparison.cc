@@ -17,7 +17,8 @@ ModelFigures Measure(const CameraInProgress& camera, const Pattern& pattern,
               &adjusted);
   AlignBoards(pattern, &adjusted);
   CalibrationResult result;
-  FillResult(pattern, adjusted, 0, options.num_threads, &result);
+  FillResult(pattern, adjusted, 0, camera.input->image_circle,
+             options.num_threads, &result);
   ModelFigures figures;
   figures.model = model;
   figures.num_parameters = result.num_parameters;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "camera/area.h"
+#include "camera/image_circle.h"
 #include "camera/observation_line.h"
 
 namespace raygrid {
@@ -49,6 +50,19 @@ class CameraModel {
 
   const ImageSize& image_size() const { return image_size_; }
   const Area& area() const { return area_; }
+
+  /// The part of the image that the lens lights, if it is known not to be all.
+  /// The model goes on beyond, but there is nothing to be seen.
+  const std::optional<ImageCircle>& image_circle() const {
+    return image_circle_;
+  }
+  void SetImageCircle(const std::optional<ImageCircle>& circle) {
+    image_circle_ = circle;
+  }
+  /// Whether the lens throws light on a pixel, as far as is known.
+  bool IsLit(const Eigen::Vector2d& pixel) const {
+    return !image_circle_ || image_circle_->Contains(pixel);
+  }
 
   /// Unit direction that a pixel of the area looks along.
   virtual std::optional<Eigen::Vector3d> Unproject(
@@ -92,6 +106,7 @@ class CameraModel {
  private:
   ImageSize image_size_;
   Area area_;
+  std::optional<ImageCircle> image_circle_;
 };
 
 }  // namespace raygrid

@@ -20,7 +20,9 @@ class CameraWrapper : public CameraModel {
  protected:
   CameraWrapper(const CameraModel& camera, const ImageSize& image_size,
                 const Area& area)
-      : CameraModel(image_size, area), camera_(camera.Clone()) {}
+      : CameraModel(image_size, area), camera_(camera.Clone()) {
+    SetImageCircle(camera.image_circle());
+  }
 
   const CameraModel& camera() const { return *camera_; }
 

@@ -54,7 +54,9 @@ class NonCentralGeneric : public CameraModel {
   NonCentralGeneric WithOrigin(const Eigen::Vector3d& origin) const;
   /// The directions alone.
   CentralGeneric CentralPart() const {
-    return CentralGeneric(image_size(), directions_);
+    CentralGeneric central(image_size(), directions_);
+    central.SetImageCircle(image_circle());
+    return central;
   }
 
  private:

@@ -16,6 +16,14 @@ Area AreaInMode(const Area& area, const SensorMode& mode) {
           std::min(std::max(a.y(), b.y()), image.y1)};
 }
 
+// The image circle in a mode's frames.
+std::optional<ImageCircle> CircleInMode(
+    const std::optional<ImageCircle>& circle, const SensorMode& mode) {
+  if (!circle) return std::nullopt;
+  return ImageCircle{mode.FromCalibrated(circle->center),
+                     circle->radii_px.cwiseQuotient(mode.scale)};
+}
+
 }  // namespace
 
 Eigen::Vector2d SensorMode::ToCalibrated(const Eigen::Vector2d& pixel) const {
@@ -34,7 +42,9 @@ Eigen::Vector2d SensorMode::FromCalibrated(const Eigen::Vector2d& pixel) const {
 
 ModeCamera::ModeCamera(const CameraModel& camera, const SensorMode& mode)
     : CameraWrapper(camera, mode.size, AreaInMode(camera.area(), mode)),
-      mode_(mode) {}
+      mode_(mode) {
+  SetImageCircle(CircleInMode(camera.image_circle(), mode));
+}
 
 std::optional<Eigen::Vector3d> ModeCamera::Unproject(
     const Eigen::Vector2d& pixel) const {

@@ -277,6 +277,17 @@ std::optional<CameraUncertainty> ParseUncertainty(const YAML::Node& root,
   return uncertainty;
 }
 
+std::optional<ImageCircle> ParseImageCircle(const YAML::Node& node) {
+  if (!node) return std::nullopt;
+  RequireList(node, "image_circle", 3);
+  const double radius_px = Number(node[2], "image_circle");
+  if (!(radius_px > 0))
+    throw InputError("image_circle: not x, y and a positive radius");
+  return ImageCircle{
+      {Number(node[0], "image_circle"), Number(node[1], "image_circle")},
+      Eigen::Vector2d::Constant(radius_px)};
+}
+
 // Throws what yaml-cpp throws, and InputError without the file's name.
 CameraFile Parse(const YAML::Node& root) {
   if (!root.IsMap() || !root["raygrid_camera"])
@@ -301,20 +312,23 @@ CameraFile Parse(const YAML::Node& root) {
 
   CameraFile file;
   const std::string model = root["model"].as<std::string>();
+  std::shared_ptr<CameraModel> camera;
   if (model == "central-generic")
-    file.camera = ParseCentralGeneric(root, image_size, area);
+    camera = ParseCentralGeneric(root, image_size, area);
   else if (model == "noncentral-generic")
-    file.camera = ParseNonCentralGeneric(root, image_size, area);
+    camera = ParseNonCentralGeneric(root, image_size, area);
   else if (const LensModel* lens = FindLensModel(model))
-    file.camera = ParseLens(root, *lens, image_size, area);
+    camera = ParseLens(root, *lens, image_size, area);
   else if (model == "central-radial")
-    file.camera = ParseCentralRadial(root, image_size, area);
+    camera = ParseCentralRadial(root, image_size, area);
   else if (model == "splined-stereographic")
-    file.camera = ParseSplinedStereographic(root, image_size, area);
+    camera = ParseSplinedStereographic(root, image_size, area);
   else if (const auto projection = FindProjection(model))
-    file.camera = ParseView(root, *projection, image_size, area);
+    camera = ParseView(root, *projection, image_size, area);
   else
     throw InputError("unknown model '" + model + "'");
+  camera->SetImageCircle(ParseImageCircle(root["image_circle"]));
+  file.camera = std::move(camera);
   if (root["camera_from_view"])
     file.camera_from_view =
         ParsePose("camera_from_view", root["camera_from_view"]);
@@ -499,6 +513,11 @@ std::string FormatCameraFile(const CameraFile& file, Digits digits) {
   for (const double edge : {area.x0, area.y0, area.x1, area.y1})
     out << fmt::format("{:.17g}", edge);
   out << YAML::EndSeq;
+  if (const auto& circle = camera.image_circle())
+    out << YAML::Key << "image_circle" << YAML::Value << YAML::Flow
+        << YAML::BeginSeq << fmt::format("{:.3f}", circle->center.x())
+        << fmt::format("{:.3f}", circle->center.y())
+        << fmt::format("{:.3f}", circle->radii_px.x()) << YAML::EndSeq;
   if (file.training || file.held_out) {
     out << YAML::Key << "quality" << YAML::Value << YAML::BeginMap;
     if (!file.verdict.empty())

@@ -19,7 +19,7 @@ void RequireYamlFile(const std::string& path, const std::string& text);
 /// is wrong.
 InputError YamlError(const std::string& path, const YAML::Exception& error);
 
-/// What read() returns. Errors of the parser, and InputErrors of what it
+/// The result of read(). Errors of the parser, and InputErrors of what it
 /// parsed, become InputErrors that begin with the path.
 template <typename Read>
 auto ReadNamingFile(const std::string& path, const Read& read) {

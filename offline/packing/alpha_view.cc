@@ -7,17 +7,29 @@
 namespace raygrid {
 namespace {
 
-// The part of an area that counts, as tables have it.
-Area InsideOf(const CameraModel& camera) {
+// The pixels of a camera's area that count, as tables have them.
+struct Inside {
+  Area area;
+  std::optional<ImageCircle> circle;
+
+  bool Contains(const Eigen::Vector2d& pixel) const {
+    return area.Contains(pixel) && (!circle || circle->Contains(pixel));
+  }
+};
+
+Inside InsideOf(const CameraModel& camera) {
   // Tables are off by less, unless their bound is larger: they do not lead to
   // the border.
   constexpr double kInsetPx = 0.25;
   const Area& area = camera.area();
   const Area image = WholeImage(camera.image_size());
-  return {std::max(area.x0, image.x0) + kInsetPx,
-          std::max(area.y0, image.y0) + kInsetPx,
-          std::min(area.x1, image.x1) - kInsetPx,
-          std::min(area.y1, image.y1) - kInsetPx};
+  Inside inside = {{std::max(area.x0, image.x0) + kInsetPx,
+                    std::max(area.y0, image.y0) + kInsetPx,
+                    std::min(area.x1, image.x1) - kInsetPx,
+                    std::min(area.y1, image.y1) - kInsetPx},
+                   camera.image_circle()};
+  if (inside.circle) inside.circle->radii_px.array() -= kInsetPx;
+  return inside;
 }
 
 class BorderlessSearch {
@@ -66,7 +78,7 @@ class BorderlessSearch {
                                Eigen::Vector2d::Constant(1e9));
     for (size_t c = 0; c < cameras_.size(); ++c) {
       const auto& [camera, plane] = cameras_[c];
-      const auto ray = camera.Unproject(insides_[c].center());
+      const auto ray = camera.Unproject(insides_[c].area.center());
       const auto point = ray ? plane.Pixel(*ray) : std::nullopt;
       if (!point || !(Stretch(plane, *ray) < kUsefulStretchRad))
         return std::nullopt;
@@ -137,7 +149,7 @@ class BorderlessSearch {
         Eigen::Vector2d(0, 0)};
     std::optional<Eigen::Vector2d> source;
     const auto is_seen = [&](const Eigen::Vector2d& pixel) {
-      const Eigen::Vector2d start = source.value_or(insides_[c].center());
+      const Eigen::Vector2d start = source.value_or(insides_[c].area.center());
       const auto direction = view.Direction(pixel);
       source = direction ? cameras_[c].camera.Project(*direction, &start, 0)
                          : std::nullopt;
@@ -156,7 +168,7 @@ class BorderlessSearch {
 
   const std::vector<CameraAndPlane>& cameras_;
   const ImageSize size_;
-  std::vector<Area> insides_;
+  std::vector<Inside> insides_;
 };
 
 }  // namespace
@@ -171,16 +183,23 @@ AreaOnPlane FindAreaOnPlane(const CameraAndPlane& seen, double limit_rad,
   const auto& [camera, plane] = seen;
   const Area& area = camera.area();
   AreaOnPlane found;
-  const auto add = [&, &camera = camera, &plane = plane](int i, int j) {
-    const auto ray =
-        camera.Unproject({area.x0 + area.width() * i / num_steps,
-                          area.y0 + area.height() * j / num_steps});
+  const auto add_pixel = [&, &camera = camera,
+                          &plane = plane](const Eigen::Vector2d& pixel) {
+    const auto ray = camera.Unproject(pixel);
     if (!ray) return;
     const double stretch_rad = Stretch(plane, *ray);
     found.most_stretch_rad = std::max(found.most_stretch_rad, stretch_rad);
     const auto point = plane.Pixel(*ray);
     if (point && stretch_rad < limit_rad) found.box.extend(*point);
   };
+  const auto add = [&, &camera = camera](int i, int j) {
+    const Eigen::Vector2d pixel(area.x0 + area.width() * i / num_steps,
+                                area.y0 + area.height() * j / num_steps);
+    if (camera.IsLit(pixel)) add_pixel(pixel);
+  };
+  if (const auto& circle = camera.image_circle())
+    for (int k = 0; k < 4 * num_steps; ++k)
+      add_pixel(circle->At(k * M_PI / 2 / num_steps));
   for (int k = 0; k <= num_steps; ++k) {
     add(k, 0);
     add(k, num_steps);

@@ -29,10 +29,11 @@ double Stretch(const VirtualView& plane, const Eigen::Vector3d& ray);
 
 /// A camera's area as a plane shows it.
 struct AreaOnPlane {
-  Eigen::AlignedBox2d box;  ///< of what is stretched less than a limit
+  Eigen::AlignedBox2d box;  ///< of what is lit and stretched less than a limit
   double most_stretch_rad = 0;
 };
-/// By the area's edges, each in as many steps, and a few points within.
+/// By the edges of the area and of the image circle, each edge of the area in
+/// as many steps, and a few points within.
 AreaOnPlane FindAreaOnPlane(const CameraAndPlane& seen, double limit_rad,
                             int num_steps);
 

@@ -457,6 +457,15 @@ void RequireFormatLimits(const ImageSize& source, const ImageSize& output) {
                               size.width, size.height, limit));
 }
 
+// The pixels of a camera's frames that are shown: those that are asked for, and
+// that the lens throws light on. Nothing: all.
+ShownPixels ShownOfCamera(const CameraModel& camera, const ShownPixels& asked) {
+  if (!camera.image_circle()) return asked;
+  return [&camera, &asked](const Eigen::Vector2d& pixel) {
+    return camera.IsLit(pixel) && (!asked || asked(pixel));
+  };
+}
+
 // Hides cells no pixel of which is shown.
 template <typename Shows>
 void HideCells(const Shows& shows, SourceMap* map) {
@@ -539,7 +548,8 @@ RemapTable FitTable(const CameraModel& camera, const OutputImage& output,
 RemapTable FitRemapTable(const CameraModel& camera, const VirtualView& view,
                          double max_error_px, int num_threads,
                          const std::function<void()>& go_on,
-                         const ShownPixels& shows) {
+                         const ShownPixels& asked) {
+  const ShownPixels shows = ShownOfCamera(camera, asked);
   return FitTable(
       camera, OutputOfView(view), view, max_error_px, num_threads, go_on,
       [&shows](SourceMap* map) {
@@ -552,7 +562,8 @@ RemapTable FitDistortionTable(const CameraModel& camera,
                               const VirtualView& view, double max_error_px,
                               int num_threads,
                               const std::function<void()>& go_on,
-                              const ShownPixels& shows) {
+                              const ShownPixels& asked) {
+  const ShownPixels shows = ShownOfCamera(camera, asked);
   RemapTable table =
       FitTable(*CameraOfTurnedView(view), OutputOfCamera(camera), view,
                max_error_px, num_threads, go_on, [&shows](SourceMap* map) {

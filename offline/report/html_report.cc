@@ -72,6 +72,11 @@ void AddTrustRows(const CalibrationResult& result, std::vector<HtmlRow>* rows) {
                                                          camera.area()),
                                 known->max_deviation_px)});
   }
+  if (const auto& circle = camera.image_circle())
+    rows->push_back(
+        {"image circle",
+         fmt::format("{:.1f} px around {:.1f}, {:.1f}", circle->radii_px.x(),
+                     circle->center.x(), circle->center.y())});
   if (result.line_spread)
     rows->push_back({"lines pass the point nearest to all by",
                      fmt::format("{:.3f} mm (RMS), {:.3f} mm (largest)",

@@ -101,6 +101,10 @@ void AddCamera(const CalibrationResult& result, Json* json) {
         {"median_px", known->lattice.MedianPx()},
         {"max_trusted_px", known->max_deviation_px},
         {"trusted_part", known->TrustedPart(camera.image_size(), area)}};
+  if (const auto& circle = camera.image_circle())
+    (*json)["image_circle"] = {
+        {"center_px", {circle->center.x(), circle->center.y()}},
+        {"radius_px", circle->radii_px.x()}};
   (*json)["fold_over"] = {{"part", result.fold_over.part},
                           {"trusted_part", result.fold_over.trusted_part}};
   if (result.line_spread)

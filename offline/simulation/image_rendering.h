@@ -58,9 +58,12 @@ struct ImagingOptions {
   double background_level = 120;
   double exposure = 1;    ///< multiplies all levels; beyond 255 they saturate
   double vignetting = 0;  ///< part of the light that is lost in the corners
-  double read_noise = 0;  ///< standard deviation, grey levels
-  double shot_noise = 0;  ///< variance per grey level
-  double gamma = 1;       ///< stored = 255 (level / 255)^(1 / gamma)
+  /// The image circle's radius around the image's middle; beyond it, and a
+  /// soft edge of two pixels, there is no light. 0: all is lit.
+  double image_circle_px = 0;
+  double read_noise = 0;      ///< standard deviation, grey levels
+  double shot_noise = 0;      ///< variance per grey level
+  double gamma = 1;           ///< stored = 255 (level / 255)^(1 / gamma)
   int samples_per_pixel = 8;  ///< along each axis
   uint64_t seed = 0;          ///< of the noise
 };

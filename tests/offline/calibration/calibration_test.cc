@@ -294,6 +294,35 @@ TEST(Calibrate, AreaIsThatOfTheFeatures) {
   EXPECT_GT(area.width(), 500);
 }
 
+TEST(Calibrate, TrustsNoCellThatTheImageCircleCuts) {
+  const Dataset dataset = Simulate(24, 120);
+  const ImageCircle circle = {{310, 250}, {200, 200}};
+  CalibrationInput input{"", dataset};
+  input.image_circle = circle;
+  CalibrationOptions options = HoldingOut({dataset.images[7].image});
+  const CalibrationResult with =
+      Calibrate({input}, TestBoard(), options).cameras.front();
+  const CalibrationResult without = Calibrate(dataset, TestBoard(), options);
+  EXPECT_EQ(with.camera.camera->Parameters(),
+            without.camera.camera->Parameters());
+  ASSERT_TRUE(with.camera.camera->image_circle());
+  EXPECT_FALSE(without.camera.camera->image_circle());
+  const TrustMask& mask = with.camera.uncertainty->mask;
+  const TrustMask& all = without.camera.uncertainty->mask;
+  int num_distrusted = 0;
+  for (int cell = 0; cell < mask.columns * mask.rows; ++cell) {
+    const double distance_px = (mask.CellCenter(cell) - circle.center).norm();
+    const double half_diagonal_px = mask.cell_px * std::sqrt(0.5);
+    if (distance_px < 200 - half_diagonal_px) {
+      EXPECT_EQ(mask.is_trusted[cell], all.is_trusted[cell]);
+    }
+    if (distance_px <= 200) continue;
+    EXPECT_FALSE(mask.is_trusted[cell]);
+    num_distrusted += all.is_trusted[cell];
+  }
+  EXPECT_GT(num_distrusted, 50);
+}
+
 // A pinhole-like lens behind an aquarium's wall.
 GlassLens LensBehindGlass() {
   GlassPlate plate;

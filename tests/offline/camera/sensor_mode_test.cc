@@ -43,6 +43,23 @@ TEST(ModeCamera, LooksAsTheCameraDoesThere) {
   EXPECT_FALSE(seen.Project(*camera.Unproject({100, 100})));
 }
 
+TEST(ModeCamera, LightsWhatTheCameraLights) {
+  SimulatedCamera camera = ExampleSimulatedCamera();
+  camera.SetImageCircle(ImageCircle{{400, 350}, {90, 90}});
+  SensorMode mode = HalvedCrop();
+  mode.scale.y() = 1;
+  const ModeCamera seen(camera, mode);
+  int num_lit = 0;
+  for (int y = 0; y < mode.size.height; ++y)
+    for (int x = 0; x < mode.size.width; ++x) {
+      const Eigen::Vector2d pixel(x, y);
+      EXPECT_EQ(seen.IsLit(pixel), camera.IsLit(mode.ToCalibrated(pixel)));
+      num_lit += seen.IsLit(pixel);
+    }
+  EXPECT_GT(num_lit, 1000);
+  EXPECT_LT(num_lit, mode.size.width * mode.size.height);
+}
+
 TEST(ModeCamera, DerivativesAreThoseOfProjection) {
   ExpectDerivativeByPoint(
       ModeCamera(*SimulatedLens("wide", {640, 480}), HalvedCrop()), 1e-5);

@@ -243,6 +243,23 @@ TEST(CameraFile, AreasOutsideTheImageAreRefused) {
   ExpectCameraRefused(Replaced(lens, "[0, 0, 639, 479]", "[0, 0, 639]"));
 }
 
+TEST(CameraFile, HoldsTheImageCircle) {
+  CameraFile file = OpenCvFile();
+  EXPECT_FALSE(ReadCameraText(FormatCameraFile(file)).camera->image_circle());
+  const std::unique_ptr<CameraModel> camera = file.camera->Clone();
+  camera->SetImageCircle(ImageCircle{{320.25, -7.5}, {280.125, 280.125}});
+  file.camera = std::shared_ptr<const CameraModel>(camera->Clone());
+  const std::string text = FormatCameraFile(file);
+  const auto circle = ReadCameraText(text).camera->image_circle();
+  ASSERT_TRUE(circle);
+  EXPECT_EQ(circle->center, Eigen::Vector2d(320.25, -7.5));
+  EXPECT_EQ(circle->radii_px, Eigen::Vector2d(280.125, 280.125));
+  const std::string list = "[320.250, -7.500, 280.125]";
+  for (const char* bad : {"[320, 240, 0]", "[320, 240, -1]", "[320, 240]",
+                          "[320, .nan, 100]", "320"})
+    ExpectCameraRefused(Replaced(text, list, bad));
+}
+
 TEST(CameraFile, OtherDocumentsAreRefused) {
   const std::string generic = FormatCameraFile(GridFile());
   ExpectCameraRefused("");

@@ -126,6 +126,91 @@ TEST(VirtualView, OfAlphaOneShowsEveryPixelAndIsTheSmallest) {
   }
 }
 
+// A fisheye's image circle within its image: corners are dark.
+std::unique_ptr<CameraModel> CameraWithCircle(const char* lens) {
+  auto camera = SimulatedLens(lens, kViewedSize)->Clone();
+  camera->SetImageCircle(ImageCircle{{165, 115}, {100, 100}});
+  return camera;
+}
+
+TEST(VirtualView, OfAlphaZeroLiesInTheImageCircle) {
+  for (const ViewProjection projection :
+       {ViewProjection::kPinhole, ViewProjection::kEquidistant}) {
+    const auto camera = CameraWithCircle("fisheye");
+    ViewRequest request = RequestOf(kViewedSize);
+    request.projection = projection;
+    request.alpha = 0;
+    const VirtualView view = MakeView(*camera, request);
+    double farthest_px = 0;
+    for (int y = 0; y < kViewedSize.height; ++y)
+      for (int x = 0; x < kViewedSize.width; ++x) {
+        const auto source =
+            camera->Project(*view.Direction(Eigen::Vector2d(x, y)));
+        ASSERT_TRUE(source && camera->IsLit(*source)) << x << ", " << y;
+        farthest_px = std::max(
+            farthest_px, (*source - camera->image_circle()->center).norm());
+      }
+    EXPECT_GT(farthest_px, 98);
+  }
+}
+
+TEST(VirtualView, OfAlphaOneShowsTheImageCircleAndNotMuchMore) {
+  const auto camera = CameraWithCircle("fisheye");
+  ViewRequest request = RequestOf(kViewedSize);
+  request.projection = ViewProjection::kEquidistant;
+  request.alpha = 1;
+  const VirtualView view = MakeView(*camera, request);
+  Eigen::AlignedBox2d box;
+  for (int y = 0; y < kViewedSize.height; ++y)
+    for (int x = 0; x < kViewedSize.width; ++x)
+      if (const Eigen::Vector2d pixel(x, y); camera->IsLit(pixel))
+        box.extend(*view.Pixel(*camera->Unproject(pixel)));
+  const Eigen::Vector2d last(kViewedSize.width - 1, kViewedSize.height - 1);
+  EXPECT_GE(box.min().minCoeff(), 0);
+  EXPECT_TRUE((box.max().array() <= last.array()).all());
+  EXPECT_GT((box.sizes().array() / last.array()).maxCoeff(), 0.97);
+}
+
+// Blocks of the table are up to 16 pixels wide.
+TEST(VirtualView, IsBorderBeyondTheImageCircle) {
+  const CentralGeneric unlimited = FitCentralGeneric(
+      *SimulatedLens("wide", kViewedSize), WholeImage(kViewedSize), 19, 15);
+  const VirtualView wide = ViewOfAlpha(unlimited, kViewedSize, 1);
+  CentralGeneric camera = unlimited;
+  const ImageCircle circle = {{165, 115}, {100, 100}};
+  camera.SetImageCircle(circle);
+  CameraFile file;
+  file.camera = std::make_shared<CentralGeneric>(camera);
+  PackOptions options;
+  options.remaps = {wide};
+  options.max_error_px = 0.2;
+  Image white;
+  white.size = kViewedSize;
+  white.pixels.assign(
+      static_cast<size_t>(kViewedSize.width) * kViewedSize.height, 255);
+  const Image seen =
+      BlobCamera("blob", PackCamera(file, options).blob).Undistort(white, 0);
+  int num_beyond = 0;
+  for (int y = 0; y < kViewedSize.height; ++y)
+    for (int x = 0; x < kViewedSize.width; ++x) {
+      const auto source =
+          unlimited.Project(*wide.Direction(Eigen::Vector2d(x, y)));
+      if (!source) continue;
+      const double beyond_px =
+          (*source - circle.center).norm() - circle.radii_px.x();
+      const int level = seen.pixels[y * kViewedSize.width + x];
+      if (beyond_px <= -1) {
+        ASSERT_EQ(level, 255) << x << ", " << y;
+      }
+      if (beyond_px <= 30) continue;
+      ASSERT_EQ(level, 0) << x << ", " << y;
+      ++num_beyond;
+    }
+  EXPECT_GT(num_beyond, 5000);
+  EXPECT_LT(ViewOfAlpha(camera, kViewedSize, 1).HorizontalFieldOfViewDeg(),
+            wide.HorizontalFieldOfViewDeg());
+}
+
 TEST(VirtualView, OfAlphaBetweenIsBetween) {
   const auto camera = SimulatedLens("wide", kViewedSize);
   const VirtualView none = ViewOfAlpha(*camera, kViewedSize, 0),

@@ -1,0 +1,28 @@
+#ifndef RAYGRID_CAMERA_IMAGE_CIRCLE_H
+#define RAYGRID_CAMERA_IMAGE_CIRCLE_H
+
+#include <Eigen/Core>
+#include <cmath>
+
+namespace raygrid {
+
+/// The part of an image that the lens throws light on. Fisheyes leave the
+/// image's corners dark, or all around the circle. In frames of a sensor mode
+/// that scales rows and columns differently it is an ellipse.
+struct ImageCircle {
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();
+  Eigen::Vector2d radii_px = Eigen::Vector2d::Zero();
+
+  bool Contains(const Eigen::Vector2d& pixel) const {
+    return (pixel - center).cwiseQuotient(radii_px).squaredNorm() <= 1;
+  }
+  /// The edge's pixel at an angle from the x axis towards the y axis.
+  Eigen::Vector2d At(double angle_rad) const {
+    return center + radii_px.cwiseProduct(Eigen::Vector2d(std::cos(angle_rad),
+                                                          std::sin(angle_rad)));
+  }
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CAMERA_IMAGE_CIRCLE_H

@@ -1,0 +1,272 @@
+#include "features/image_circle_detection.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "dataset/error.h"
+#include "dataset/parallel_for.h"
+
+namespace raygrid {
+namespace {
+
+// A lit cell has more than this part of the levels from dark to the middle of
+// the images.
+constexpr double kLitPart = 0.1;
+// An edge is sharp if images have more than this part of the levels so near
+// within, as a part of the radius. Vignetting alone makes no such edge.
+constexpr double kSharpPart = 0.2, kSharpWidth = 0.04;
+constexpr int kDirections = 720;
+// A quarter of the circle's round is seen if so many directions meet it there.
+constexpr int kMinInQuarter = 8, kMinQuarters = 3;
+constexpr double kMinInliers = 0.7;
+// Cells beyond the circle may be lit in so small a part, as by a reflection.
+constexpr double kMaxLitBeyond = 0.005;
+
+struct Circle {
+  Eigen::Vector2d center;
+  double radius_px = 0;
+
+  double DistanceTo(const Eigen::Vector2d& pixel) const {
+    return std::abs((pixel - center).norm() - radius_px);
+  }
+};
+
+struct Levels {
+  double lit = 0, sharp = 0;  // more is lit, or inside of a sharp edge
+};
+
+// The levels between dark, which one cell in 200 is darker than, and the
+// median of cells in the middle half of rows and columns.
+std::optional<Levels> FindLevels(const BrightestCells& cells) {
+  std::vector<float> middle, all = cells.levels;
+  for (int row = cells.rows / 4; row < cells.rows * 3 / 4; ++row)
+    for (int column = cells.columns / 4; column < cells.columns * 3 / 4;
+         ++column)
+      middle.push_back(cells.levels[row * cells.columns + column]);
+  if (middle.empty()) return std::nullopt;
+  const auto nth = [](std::vector<float>* values, size_t n) {
+    std::nth_element(values->begin(), values->begin() + n, values->end());
+    return static_cast<double>((*values)[n]);
+  };
+  const double bright = nth(&middle, middle.size() / 2);
+  const double dark = nth(&all, all.size() / 200);
+  if (!(dark < kLitPart * bright)) return std::nullopt;
+  return Levels{dark + kLitPart * (bright - dark),
+                dark + kSharpPart * (bright - dark)};
+}
+
+// The pixels at which images become dark for good on the way from their middle
+// outwards, in the directions in which they do.
+std::vector<Eigen::Vector2d> EdgePixels(const BrightestCells& cells,
+                                        double lit) {
+  const double step = cells.cell_px / 4.0;
+  const Eigen::Vector2d middle =
+      Eigen::Vector2d(cells.columns, cells.rows) * cells.cell_px / 2 -
+      Eigen::Vector2d::Constant(0.5);
+  std::vector<Eigen::Vector2d> edge;
+  for (int k = 0; k < kDirections; ++k) {
+    const double angle = 2 * M_PI * k / kDirections;
+    const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
+    double level = 0, lit_at = -1, lit_level = 0, level_beyond = -1;
+    for (double at = 0; cells.IsInside(middle + at * direction); at += step) {
+      level = cells.At(middle + at * direction);
+      if (level > lit) {
+        lit_at = at;
+        lit_level = level;
+        level_beyond = -1;
+      } else if (level_beyond < 0) {
+        level_beyond = level;
+      }
+    }
+    if (lit_at < 0 || level_beyond < 0) continue;
+    const double part = (lit_level - lit) / (lit_level - level_beyond);
+    edge.push_back(middle + (lit_at + part * step) * direction);
+  }
+  return edge;
+}
+
+// The circle x^2 + y^2 + a x + b y + c = 0 of the least squares.
+std::optional<Circle> FitCircle(const std::vector<Eigen::Vector2d>& pixels) {
+  if (pixels.size() < 3) return std::nullopt;
+  Eigen::Vector2d mean(0, 0);
+  for (const Eigen::Vector2d& pixel : pixels) mean += pixel;
+  mean /= static_cast<double>(pixels.size());
+  Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector2d& pixel : pixels) {
+    const Eigen::Vector2d offset = pixel - mean;
+    const Eigen::Vector3d row(offset.x(), offset.y(), 1);
+    square += row * row.transpose();
+    right -= row * offset.squaredNorm();
+  }
+  const Eigen::Vector3d abc = square.ldlt().solve(right);
+  const double square_radius = abc.head<2>().squaredNorm() / 4 - abc[2];
+  if (!(square_radius > 0) || !abc.allFinite()) return std::nullopt;
+  return Circle{mean - abc.head<2>() / 2, std::sqrt(square_radius)};
+}
+
+std::vector<Eigen::Vector2d> Near(const Circle& circle, double distance_px,
+                                  const std::vector<Eigen::Vector2d>& pixels) {
+  std::vector<Eigen::Vector2d> near;
+  for (const Eigen::Vector2d& pixel : pixels)
+    if (circle.DistanceTo(pixel) <= distance_px) near.push_back(pixel);
+  return near;
+}
+
+// The circle that most pixels lie near, of those through three far apart.
+std::optional<Circle> CircleOfMost(const std::vector<Eigen::Vector2d>& edge,
+                                   double cell_px) {
+  std::optional<Circle> best;
+  size_t most = 0;
+  for (size_t k = 0; k < edge.size(); ++k) {
+    const auto circle =
+        FitCircle({edge[k], edge[(k + edge.size() / 3) % edge.size()],
+                   edge[(k + edge.size() * 2 / 3) % edge.size()]});
+    if (!circle) continue;
+    const size_t count = Near(*circle, 1.5 * cell_px, edge).size();
+    if (count <= most) continue;
+    most = count;
+    best = circle;
+  }
+  for (int round = 0; best && round < 3; ++round)
+    best = FitCircle(Near(*best, 1.5 * cell_px, edge));
+  return best;
+}
+
+bool IsSeenAllAround(const Circle& circle,
+                     const std::vector<Eigen::Vector2d>& edge) {
+  std::array<int, 4> quarters = {};
+  for (const Eigen::Vector2d& pixel : edge)
+    ++quarters[(pixel.x() > circle.center.x()) +
+               2 * (pixel.y() > circle.center.y())];
+  return std::count_if(quarters.begin(), quarters.end(), [](int count) {
+           return count >= kMinInQuarter;
+         }) >= kMinQuarters;
+}
+
+// Whether images are bright just inside of most of an edge.
+bool IsSharp(const BrightestCells& cells, double sharp, const Circle& circle,
+             const std::vector<Eigen::Vector2d>& edge) {
+  const auto bright = std::count_if(
+      edge.begin(), edge.end(), [&](const Eigen::Vector2d& pixel) {
+        return cells.At(pixel + kSharpWidth * (circle.center - pixel)) > sharp;
+      });
+  return 2 * static_cast<size_t>(bright) > edge.size();
+}
+
+bool IsDarkBeyond(const BrightestCells& cells, double lit,
+                  const Circle& circle) {
+  int num_beyond = 0, num_lit = 0;
+  for (int row = 0; row < cells.rows; ++row)
+    for (int column = 0; column < cells.columns; ++column) {
+      const Eigen::Vector2d pixel =
+          Eigen::Vector2d(column + 0.5, row + 0.5) * cells.cell_px -
+          Eigen::Vector2d::Constant(0.5);
+      if ((pixel - circle.center).norm() < circle.radius_px + 2 * cells.cell_px)
+        continue;
+      ++num_beyond;
+      num_lit += cells.levels[row * cells.columns + column] > lit;
+    }
+  return num_lit <= kMaxLitBeyond * num_beyond;
+}
+
+}  // namespace
+
+BrightestCells BrightestCells::Over(const ImageSize& size) {
+  constexpr int kCells = 320;
+  BrightestCells cells;
+  cells.cell_px = std::max(1, std::max(size.width, size.height) / kCells);
+  cells.columns = size.width / cells.cell_px;
+  cells.rows = size.height / cells.cell_px;
+  cells.levels.assign(static_cast<size_t>(cells.columns) * cells.rows, 0);
+  return cells;
+}
+
+void BrightestCells::Add(const GreyLevels& image) {
+  std::vector<float> sums(columns);
+  for (int row = 0; row < rows; ++row) {
+    std::fill(sums.begin(), sums.end(), 0.f);
+    for (int y = row * cell_px; y < (row + 1) * cell_px; ++y) {
+      const float* const pixels =
+          image.levels.data() + static_cast<size_t>(y) * image.size.width;
+      for (int x = 0; x < columns * cell_px; ++x)
+        sums[x / cell_px] += pixels[x];
+    }
+    for (int column = 0; column < columns; ++column) {
+      float& level = levels[static_cast<size_t>(row) * columns + column];
+      level = std::max(level,
+                       sums[column] / (static_cast<float>(cell_px) * cell_px));
+    }
+  }
+}
+
+void BrightestCells::Add(const BrightestCells& other) {
+  for (size_t i = 0; i < levels.size(); ++i)
+    levels[i] = std::max(levels[i], other.levels[i]);
+}
+
+double BrightestCells::At(const Eigen::Vector2d& pixel) const {
+  const double x =
+      std::clamp((pixel.x() + 0.5) / cell_px - 0.5, 0.0, columns - 1.0);
+  const double y =
+      std::clamp((pixel.y() + 0.5) / cell_px - 0.5, 0.0, rows - 1.0);
+  const int column = std::min(static_cast<int>(x), std::max(columns - 2, 0));
+  const int row = std::min(static_cast<int>(y), std::max(rows - 2, 0));
+  const auto level = [&](int i, int j) {
+    return static_cast<double>(
+        levels[static_cast<size_t>(std::min(row + j, rows - 1)) * columns +
+               std::min(column + i, columns - 1)]);
+  };
+  const double dx = x - column, dy = y - row;
+  return (1 - dy) * ((1 - dx) * level(0, 0) + dx * level(1, 0)) +
+         dy * ((1 - dx) * level(0, 1) + dx * level(1, 1));
+}
+
+bool BrightestCells::IsInside(const Eigen::Vector2d& pixel) const {
+  return pixel.x() >= -0.5 && pixel.y() >= -0.5 &&
+         pixel.x() <= columns * cell_px - 0.5 &&
+         pixel.y() <= rows * cell_px - 0.5;
+}
+
+std::optional<ImageCircle> FindImageCircle(const BrightestCells& brightest) {
+  const auto levels = FindLevels(brightest);
+  if (!levels) return std::nullopt;
+  const std::vector<Eigen::Vector2d> edge = EdgePixels(brightest, levels->lit);
+  const auto circle = CircleOfMost(edge, brightest.cell_px);
+  if (!circle) return std::nullopt;
+  const std::vector<Eigen::Vector2d> near =
+      Near(*circle, 1.5 * brightest.cell_px, edge);
+  if (static_cast<double>(near.size()) <
+          kMinInliers * static_cast<double>(edge.size()) ||
+      !IsSeenAllAround(*circle, near) ||
+      !IsSharp(brightest, levels->sharp, *circle, near) ||
+      !IsDarkBeyond(brightest, levels->lit, *circle))
+    return std::nullopt;
+  return ImageCircle{circle->center,
+                     Eigen::Vector2d::Constant(circle->radius_px)};
+}
+
+std::optional<ImageCircle> DetectImageCircle(
+    const std::vector<std::string>& image_paths, const ImageSize& size,
+    int num_threads) {
+  constexpr size_t kMaxImages = 40;
+  if (image_paths.empty()) return std::nullopt;
+  const size_t step = (image_paths.size() + kMaxImages - 1) / kMaxImages;
+  const int count = static_cast<int>((image_paths.size() + step - 1) / step);
+  std::vector<BrightestCells> cells(count, BrightestCells::Over(size));
+  ParallelFor(count, NumThreads(num_threads), [&](int i) {
+    const std::string& path = image_paths[i * step];
+    const GreyLevels image = ReadGreyLevels(path);
+    if (image.size != size)
+      throw InputError(path +
+                       ": is of another size than it was; leave the "
+                       "images as they are while raygrid runs");
+    cells[i].Add(image);
+  });
+  for (int i = 1; i < count; ++i) cells[0].Add(cells[i]);
+  return FindImageCircle(cells[0]);
+}
+
+}  // namespace raygrid
