@@ -49,6 +49,15 @@ Undistorter::Undistorter(const rg_camera& camera, FrameSource* source,
     PrepareFrame(format_, &frame);
     free_.Push(&frame);
   }
+  if (options.only_trusted) HideUntrusted();
+}
+
+void Undistorter::HideUntrusted() {
+  untrusted_.emplace(camera_, format_, frames_.front().target);
+  if (untrusted_->are_all())
+    throw CameraError(CameraExit::kBlob,
+                      "blob: its table shows nothing that can be trusted; "
+                      "leave --outside trusted out, or pack another view");
 }
 
 void Undistorter::Start(FrameObserver* observer) {
@@ -120,6 +129,7 @@ void Undistorter::Undistort(const CapturedFrame& captured) {
   if (status != RG_OK)
     throw CameraError(CameraExit::kBlob,
                       std::string("blob: ") + rg_status_text(status));
+  if (untrusted_) untrusted_->FillWithBorder(frame->target);
   frame->remap_time = Clock::now() - start;
   frame->info = captured.info;
   frame->arrived = captured.arrived;

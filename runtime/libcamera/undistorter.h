@@ -14,6 +14,7 @@
 #include "duration_histogram.h"
 #include "frame_source.h"
 #include "stream_guard.h"
+#include "untrusted_blocks.h"
 
 namespace raygrid {
 
@@ -23,7 +24,7 @@ struct UndistortedFrame {
   rg_target target;  // into bytes
   FrameInfo info;
   Clock::time_point arrived;
-  Clock::duration remap_time;
+  Clock::duration remap_time;  // with the border of UntrustedBlocks
 };
 
 /// Sees each frame before and after, on the undistorter's thread, for as long
@@ -38,6 +39,7 @@ class FrameObserver {
 struct UndistorterOptions {
   uint32_t num_buffers = 4;
   bool every_frame = false;  // waits for the taker; else drops the oldest frame
+  bool only_trusted = false;  // UntrustedBlocks become border
 };
 
 struct UndistorterStatistics {
@@ -50,7 +52,8 @@ struct UndistorterStatistics {
 class Undistorter {
  public:
   /// All must outlive it. Throws CameraError where the blob has no remap table,
-  /// or its output is no size of the format.
+  /// or its output is no size of the format, or only what is trusted is to be
+  /// shown and nothing is.
   Undistorter(const rg_camera& camera, FrameSource* source, StreamGuard* guard,
               const UndistorterOptions& options);
   ~Undistorter() { Stop(); }
@@ -71,6 +74,7 @@ class Undistorter {
 
  private:
   void Run();
+  void HideUntrusted();
   void Undistort(const CapturedFrame& captured);
   UndistortedFrame* TakeBuffer();
 
@@ -81,6 +85,7 @@ class Undistorter {
   FrameObserver* observer_ = nullptr;
   StreamFormat format_;
   std::vector<UndistortedFrame> frames_;
+  std::optional<UntrustedBlocks> untrusted_;  // that become border
   BoundedQueue<UndistortedFrame*> free_, ready_;
   mutable std::mutex mutex_;  // of the two below
   UndistorterStatistics statistics_;

@@ -21,6 +21,11 @@ programs = argparse.Namespace()
 
 WIDTH, HEIGHT, COUNT = 160, 120, 7
 FRAME_SIZE = 2 * WIDTH * HEIGHT
+# A camera.yaml that trusts the middle of the image, in cells of 16 pixels.
+TRUST = ("uncertainty: {columns: 2, rows: 2, deviation_px: [[0.1, 0.1], [0.1, 0.1]]}\n"
+         "trusted: {max_deviation_px: 1, cell_px: 16, cells: ["
+         + ", ".join('"' + "".join(".#"[3 < i < 7 and j < 6] for i in range(10)) + '"'
+                     for j in range(8)) + "]}\n")
 MAX_SECONDS = 2  # from a signal to the end
 
 
@@ -30,17 +35,22 @@ class CameraProgram(unittest.TestCase):
         temporary = tempfile.TemporaryDirectory()
         cls.addClassCleanup(temporary.cleanup)
         cls.folder = temporary.name
+        cls.run_raygrid("simulate", "--images", 1, "--lens", "wide", "--size", "160x120", "-o",
+                        "scene")
+        cls.write("known.yaml", cls.read("scene/true_camera.yaml") + TRUST.encode())
         for command in (
-                ("simulate", "--images", 1, "--lens", "wide", "--size", "160x120", "-o", "scene"),
                 ("pack", "scene/true_camera.yaml", "-o", "flat.raygrid", "--remap",
                  "160x120,hfov=80"),
-                ("pack", "scene/true_camera.yaml", "-o", "modes.raygrid", "--remap",
-                 "160x120,hfov=80,center=79.5,59.5", "--mode", "part:crop=20,10,80,60"),
+                ("pack", "known.yaml", "-o", "modes.raygrid", "--remap",
+                 "160x120,hfov=80,center=79.5,59.5", "--mode", "part:crop=20,10,80,60", "--mode",
+                 "corner:crop=0,0,40,30"),
+                ("pack", "known.yaml", "-o", "trusted.raygrid", "--remap",
+                 "160x120,hfov=80,center=79.5,59.5", "--mode", "part:crop=20,10,80,60",
+                 "--outside", "trusted"),
                 ("pack", "scene/true_camera.yaml", "-o", "distorting.raygrid", "--remap",
                  "160x120,hfov=80,direction=distort", "--max-error-px", 2),
                 ("pack", "scene/true_camera.yaml", "-o", "rays.raygrid")):
-            subprocess.run([programs.raygrid, *map(str, command)], cwd=cls.folder, check=True,
-                           stdout=subprocess.DEVNULL)
+            cls.run_raygrid(*command)
         grey = bytes((3 * x + y * y) & 255 for y in range(HEIGHT) for x in range(WIDTH))
         frames = machine.make_frames([grey], WIDTH, HEIGHT, COUNT)
         cls.write("frames.yuyv", b"".join(frames))
@@ -48,6 +58,11 @@ class CameraProgram(unittest.TestCase):
                        cwd=cls.folder, check=True)
         expected = cls.read("undistorted")
         cls.expected = [expected[i * FRAME_SIZE:(i + 1) * FRAME_SIZE] for i in range(COUNT)]
+
+    @classmethod
+    def run_raygrid(cls, *arguments):
+        subprocess.run([programs.raygrid, *map(str, arguments)], cwd=cls.folder, check=True,
+                       stdout=subprocess.DEVNULL)
 
     @classmethod
     def path(cls, name):
@@ -122,12 +137,12 @@ class CameraProgram(unittest.TestCase):
         self.assertEqual(self.frames_in("raw"), [self.expected[i % COUNT] for i in range(20)])
         self.assertIn(b"20 taken, 0 dropped", process.stderr.read())
 
-    def undistorted(self, blob, table, frame, size):
+    def undistorted(self, blob, table, frame, size, *arguments):
         """Brightness of a grey YUYV frame that rises to the right and downwards."""
         self.write("rising.yuyv", bytes(value for y, x in frame for value in (40 + x + y // 3, 128)))
         result = self.run_program(blob, "--table", table, "--from", "rising.yuyv", "--format",
                                   "YUYV", "--size", size, "--frames", 1, "--every-frame", "-o",
-                                  "-", "--quiet")
+                                  "-", "--quiet", *arguments)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(len(result.stdout), FRAME_SIZE)
         return result.stdout[::2]
@@ -142,6 +157,36 @@ class CameraProgram(unittest.TestCase):
         self.assertLess(max(abs(a - b) for a, b in seen), 3)
         self.assert_fails(8, "modes.raygrid", "--table", 1, "--from", "frames.yuyv", "--format",
                           "YUYV", "--size", "160x120", words=["80x60", "pack --mode"])
+
+    @staticmethod
+    def border_blocks(pixels):
+        """Row and column of the blocks of 8 x 8 pixels that are all border."""
+        return ({(y, x) for y in range(HEIGHT // 8) for x in range(WIDTH // 8)}
+                - {(k // WIDTH // 8, k % WIDTH // 8) for k, value in enumerate(pixels)
+                   if value != 16})
+
+    def test_only_what_is_trusted_is_shown(self):
+        for table, size, frame in ((0, "160x120", [(y, x) for y in range(HEIGHT)
+                                                   for x in range(WIDTH)]),
+                                   (1, "80x60", [(y, x) for y in range(10, 70)
+                                                 for x in range(20, 100)])):
+            filled = self.undistorted("modes.raygrid", table, frame, size, "--outside", "fill")
+            shown = self.undistorted("modes.raygrid", table, frame, size, "--outside", "trusted")
+            packed = self.undistorted("trusted.raygrid", table, frame, size)
+            of_program, of_table, of_area = map(self.border_blocks, (shown, packed, filled))
+            # The table leaves out blocks of 16 pixels, or of 8.
+            self.assertGreater(len(of_table - of_area), 40)
+            self.assertEqual(of_table - of_program, set())
+            self.assertLess(len(of_program - of_table), 60)
+            self.assertGreater(300 - len(of_program), 30)
+            for k, value in enumerate(shown):
+                is_hidden = (k // WIDTH // 8, k % WIDTH // 8) in of_program
+                self.assertEqual(value, 16 if is_hidden else filled[k], k)
+        recording = ("--from", "frames.yuyv", "--format", "YUYV", "--outside", "trusted")
+        self.assert_fails(1, "flat.raygrid", *recording, words=["flat.raygrid", "--outside",
+                                                                "camera.yaml"])
+        self.assert_fails(8, "modes.raygrid", "--table", 2, "--size", "40x30", *recording,
+                          words=["nothing that can be trusted", "--outside"])
 
     def test_a_pipe_holds_the_same_planes(self):
         process = self.start("--frames", 20, "--every-frame", "--fps", 1000, "-o", "-")
@@ -215,6 +260,8 @@ class CameraProgram(unittest.TestCase):
                           ("flat.raygrid", "--png"), ("flat.raygrid", "other.raygrid"),
                           ("flat.raygrid", "--from", "frames.yuyv"),
                           ("flat.raygrid", "--points", "-", "-o", "x"),
+                          ("flat.raygrid", "--points", "-", "--outside", "trusted"),
+                          ("flat.raygrid", "--outside", "trust"),
                           ("flat.raygrid", "--calibrated-crop", "1,2,3"),
                           ("flat.raygrid", "--from", "frames.yuyv", "--format", "MJPEG"),
                           ("flat.raygrid", "--from", "frames.yuyv", "--format", "YUYV", "--http",

@@ -40,6 +40,12 @@ const char kCameraHelp[] =
     "  --png              frame-000000.png and so on instead\n"
     "  -o -               planes to standard output, for ffplay or\n"
     "                     gst-launch-1.0 (how is told on standard error)\n"
+    "  --outside WHAT     what is shown where nothing was seen while "
+    "calibrating:\n"
+    "                     fill, as the lens goes on there (default); trusted,\n"
+    "                     border in blocks of 8 pixels of the view in which "
+    "nothing\n"
+    "                     is trusted\n"
     "  --frames N         ends after N frames\n"
     "  --every-frame      waits for a slow output; else the oldest frame is\n"
     "                     given up for a newer one\n"
@@ -106,6 +112,13 @@ SensorCrop ParseCrop(const char* text) {
   return crop;
 }
 
+// Whether only what is trusted is to be shown.
+bool ParseOutside(const std::string& text) {
+  if (text != "fill" && text != "trusted")
+    FailUsage("--outside: " + text + " is neither fill nor trusted");
+  return text == "trusted";
+}
+
 void ParseHttp(const std::string& text, CameraArguments* arguments) {
   const size_t colon = text.rfind(':');
   if (colon != std::string::npos) {
@@ -132,6 +145,7 @@ enum Option : int {
   kFps,
   kTimeout,
   kPng,
+  kOutside,
   kFrames,
   kEveryFrame,
   kHttp,
@@ -154,6 +168,7 @@ const option kOptions[] = {
     {"fps", required_argument, nullptr, kFps},
     {"timeout", required_argument, nullptr, kTimeout},
     {"png", no_argument, nullptr, kPng},
+    {"outside", required_argument, nullptr, kOutside},
     {"frames", required_argument, nullptr, kFrames},
     {"every-frame", no_argument, nullptr, kEveryFrame},
     {"http", required_argument, nullptr, kHttp},
@@ -194,6 +209,9 @@ void TakeOption(int which, CameraArguments* arguments) {
     case kPng:
       arguments->as_png = true;
       break;
+    case kOutside:
+      arguments->only_trusted = ParseOutside(optarg);
+      break;
     case kEveryFrame:
       arguments->every_frame = true;
       break;
@@ -233,6 +251,8 @@ void CheckTogether(const CameraArguments& arguments) {
   if (!arguments.points.empty() &&
       (!arguments.output.empty() || arguments.http.port != 0))
     FailUsage("--points: instead of -o and --http");
+  if (!arguments.points.empty() && arguments.only_trusted)
+    FailUsage("--outside: is for frames; leave it out with --points");
   if (!arguments.http.more_names.empty() && arguments.http.port == 0)
     FailUsage("--http-name: needs --http");
   if (!arguments.recording.empty() && arguments.format.empty())

@@ -21,6 +21,7 @@ struct CameraArguments {
   double frames_per_second = 30;  // of the recording
   std::string output;             // folder; "-": standard output
   bool as_png = false;
+  bool only_trusted = false;  // border where nothing is trusted
   bool every_frame = false;
   uint64_t num_frames = 0;  // 0: until it is stopped
   double timeout_s = 5;

@@ -162,6 +162,7 @@ void StreamFrames(const CameraArguments& arguments, rg_camera camera,
   guard.Check({});  // before anything is made
   UndistorterOptions options;
   options.every_frame = arguments.every_frame;
+  options.only_trusted = arguments.only_trusted;
   std::unique_ptr<PreviewServer> preview;  // outlives who shows it frames
   Undistorter undistorter(camera, source, &guard, options);
   const auto output = MakeOutput(arguments, undistorter.format());

@@ -11,6 +11,7 @@
 #include "libcamera_source.h"
 #include "memory_source.h"
 #include "raygrid.h"
+#include "rg_blob.h"
 #include "whole_file.h"
 
 namespace raygrid {
@@ -21,6 +22,22 @@ struct Blob {
   std::vector<uint8_t> bytes;
   rg_camera camera;
 };
+
+// For --outside trusted. rg_is_valid() calls all valid where there is no mask.
+void RequireMask(const std::string& path, const std::vector<uint8_t>& bytes) {
+  rg_blob blob;
+  const rg_status status =
+      rg_blob_open(bytes.data(), static_cast<uint32_t>(bytes.size()), &blob);
+  if (status != RG_OK)
+    throw CameraError(CameraExit::kBlob, path + ": " + rg_status_text(status) +
+                                             "; pack or copy it again");
+  if (blob.mask == 0)
+    throw CameraError(CameraExit::kUsage,
+                      path +
+                          ": --outside trusted: does not say where it can be "
+                          "trusted; leave the option out, or pack a "
+                          "camera.yaml that raygrid calibrate wrote");
+}
 
 Blob OpenBlob(const CameraArguments& arguments) {
   Blob blob;
@@ -45,6 +62,7 @@ Blob OpenBlob(const CameraArguments& arguments) {
                       arguments.blob + ": table " + std::to_string(table) +
                           " distorts pictures of the view; choose one that "
                           "undistorts frames with --table");
+  if (arguments.only_trusted) RequireMask(arguments.blob, blob.bytes);
   return blob;
 }
 
