@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <functional>
@@ -87,11 +88,41 @@ ImageMapper Distortion(const CameraModel& camera, const VirtualView& view,
           }};
 }
 
-void RequireNothingForFrames(const UndistortArguments& arguments) {
-  if (arguments.outside == "trusted")
+// Whether each pixel of the camera's frames, as calibrated or of a mode, is
+// trusted.
+std::vector<bool> TrustedPixels(const TrustMask& trusted,
+                                const SensorMode& mode) {
+  std::vector<bool> pixels;
+  for (int y = 0; y < mode.size.height; ++y)
+    for (int x = 0; x < mode.size.width; ++x)
+      pixels.push_back(
+          trusted.Trusts(mode.ToCalibrated(Eigen::Vector2d(x, y))));
+  return pixels;
+}
+
+// Leaves border in images of the camera, as calibrated or of a mode, where it
+// is not trusted.
+ImageMapper TrustedAlone(ImageMapper mapper, const std::string& path,
+                         const TrustMask& trusted, const SensorMode& mode) {
+  const std::vector<bool> pixels = TrustedPixels(trusted, mode);
+  if (std::find(pixels.begin(), pixels.end(), true) == pixels.end())
     throw Error(ExitCode::kUsage,
-                "--outside trusted: border is left in views, and --reverse "
-                "makes images of the camera; leave one of them out");
+                path +
+                    ": --outside trusted: no pixel of its images is "
+                    "trusted; leave the option out");
+  const auto map = mapper.map;
+  mapper.map = [=](const std::string& image_path, const Image& picture) {
+    Image image = map(image_path, picture);
+    const size_t pixel_bytes = image.pixels.size() / pixels.size();
+    for (size_t k = 0; k < pixels.size(); ++k)
+      if (!pixels[k])
+        std::fill_n(&image.pixels[k * pixel_bytes], pixel_bytes, uint8_t{0});
+    return image;
+  };
+  return mapper;
+}
+
+void RequireNoFrames(const UndistortArguments& arguments) {
   if (!arguments.frames.empty())
     throw Error(ExitCode::kUsage,
                 "--frames: raw frames are those of the camera, which --reverse "
@@ -148,42 +179,93 @@ void RequireDirection(const UndistortArguments& arguments, uint32_t table,
                             arguments.camera, table));
 }
 
-// By the blob itself, if it has a table and no other view is asked for.
-ImageMapper Prepare(const UndistortArguments& arguments,
-                    const CommonOptions& common) {
-  const ViewRequest request = ParseViewOptions(arguments.view);
-  CameraInput input = ReadCamera(arguments.camera);
-  if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
-  if (arguments.is_reverse) RequireNothingForFrames(arguments);
-  const bool has_table =
-      input.blob && input.blob->has_remap() && !AsksForAView(arguments);
-  const std::optional<SensorMode> mode = FindMode(arguments, input);
-  if (has_table) {
-    const uint32_t table = FindTable(*input.blob, arguments);
-    const VirtualView view = input.blob->ViewOfRemap(table);
-    const bool distorts = input.blob->Distorts(table);
-    RequireDirection(arguments, table, distorts);
-    if (distorts == arguments.is_reverse && arguments.outside == "fill")
-      return ByTable(*std::move(input.blob), view, table);
+// The table of a blob, or a view, that is asked for; how frames lie in
+// calibrated ones; the pixels of the camera that alone count.
+struct UndistortRequest {
+  ViewRequest view;
+  std::optional<uint32_t> table;
+  std::optional<SensorMode> mode;
+  std::optional<TrustMask> trusted;
+};
+
+// The blob's table serves if no other view is asked for.
+void CompleteRequest(const UndistortArguments& arguments,
+                     const CameraInput& input, UndistortRequest* request) {
+  request->mode = FindMode(arguments, input);
+  request->trusted = ShownWith(arguments.outside, arguments.camera, input);
+  if (!input.blob || !input.blob->has_remap() || AsksForAView(arguments))
+    return;
+  const uint32_t table = FindTable(*input.blob, arguments);
+  RequireDirection(arguments, table, input.blob->Distorts(table));
+  if (!request->mode) request->mode = input.blob->ModeOfRemap(table);
+  request->table = table;
+}
+
+VirtualView FindView(const CameraInput& input,
+                     const UndistortRequest& request) {
+  if (request.table) return input.blob->ViewOfRemap(*request.table);
+  const CameraModel& camera = *input.file.camera;
+  return request.mode ? MakeViewOfMode(camera, *request.mode, request.view)
+                      : MakeView(camera, request.view);
+}
+
+// From the view to the camera, by the blob's table if that leads there.
+ImageMapper PrepareDistortion(const UndistortArguments& arguments,
+                              const UndistortRequest& request,
+                              CameraInput input, int num_threads) {
+  if (request.table && input.blob->Distorts(*request.table)) {
+    const VirtualView view = FindView(input, request);
+    return ByTable(*std::move(input.blob), view, *request.table);
   }
-  if (arguments.is_reverse) RequireCentral(arguments, *input.file.camera);
+  RequireCentral(arguments, *input.file.camera);
   if (!input.blob) TurnIntoCameraFrame(&input.file);
   const CameraModel& camera = *input.file.camera;
-  const VirtualView view =
-      has_table ? input.blob->ViewOfRemap(FindTable(*input.blob, arguments))
-      : mode    ? MakeViewOfMode(camera, *mode, request)
-                : MakeView(camera, request);
-  if (arguments.is_reverse)
-    return mode ? Distortion(ModeCamera(camera, *mode), view, common.threads)
-                : Distortion(camera, view, common.threads);
+  const VirtualView view = FindView(input, request);
+  return request.mode
+             ? Distortion(ModeCamera(camera, *request.mode), view, num_threads)
+             : Distortion(camera, view, num_threads);
+}
+
+// From the camera to the view, by the blob's table if that leaves out no more
+// than is asked for, else by one that is made for it.
+ImageMapper PrepareUndistortion(const UndistortArguments& arguments,
+                                const UndistortRequest& request,
+                                CameraInput input, int num_threads) {
+  if (request.table && !request.trusted) {
+    const VirtualView view = FindView(input, request);
+    return ByTable(*std::move(input.blob), view, *request.table);
+  }
+  if (!input.blob) TurnIntoCameraFrame(&input.file);
+  const VirtualView view = FindView(input, request);
   PackOptions options;
-  options.remaps.emplace_back(view, mode);
+  options.remaps.emplace_back(view, request.mode);
   options.max_error_px = arguments.max_error_px;
-  options.shown = ShownWith(arguments.outside, arguments.camera, input);
-  options.num_threads = common.threads;
+  options.shown = request.trusted;
+  options.num_threads = num_threads;
   return ByTable(
       BlobCamera("packed camera", PackCamera(input.file, options).blob), view,
       0);
+}
+
+ImageMapper Prepare(const UndistortArguments& arguments,
+                    const CommonOptions& common) {
+  UndistortRequest request;
+  request.view = ParseViewOptions(arguments.view);
+  CameraInput input = ReadCamera(arguments.camera);
+  if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
+  if (arguments.is_reverse) RequireNoFrames(arguments);
+  CompleteRequest(arguments, input, &request);
+  if (!arguments.is_reverse)
+    return PrepareUndistortion(arguments, request, std::move(input),
+                               common.threads);
+  SensorMode mode;
+  mode.size = input.file.camera->image_size();
+  ImageMapper mapper =
+      PrepareDistortion(arguments, request, std::move(input), common.threads);
+  return request.trusted
+             ? TrustedAlone(mapper, arguments.camera, *request.trusted,
+                            request.mode.value_or(mode))
+             : mapper;
 }
 
 // The paths of an image, and of its raw frame if one is asked for.
@@ -308,7 +390,8 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
       "--reverse", arguments->is_reverse,
       "the other direction, as for overlays and renderers: IMAGES are pictures "
       "of the view, in its size, and become images of the real camera, black "
-      "where the view shows nothing");
+      "where the view shows nothing; with --outside trusted also where pixels "
+      "of the camera are not trusted");
   command->add_option("--frames", arguments->frames,
                       "folder for the images as raw grey frames of 8 or 16 "
                       "bits, which raygrid-undistort takes");

@@ -212,6 +212,13 @@ std::vector<SensorMode> BlobCamera::Modes() const {
   return modes;
 }
 
+std::optional<SensorMode> BlobCamera::ModeOfRemap(uint32_t remap_index) const {
+  rg_remap_section remap;
+  rg_read_remap(WithTable(remap_index).remap, &remap);
+  if (!remap.has_view || remap.mode == 0) return std::nullopt;
+  return Modes()[remap.mode - 1];
+}
+
 std::optional<uint32_t> BlobCamera::FindTableOfMode(
     const std::string& name) const {
   const std::vector<SensorMode> modes = Modes();

@@ -64,6 +64,9 @@ class BlobCamera {
 
   /// The sensor modes that tables may be of.
   std::vector<SensorMode> Modes() const;
+  /// The mode of a table; nothing if it is for frames as calibrated. Throws as
+  /// ViewOfRemap().
+  std::optional<SensorMode> ModeOfRemap(uint32_t remap_index) const;
   /// The first table for frames of the mode of this name; nothing if there is
   /// none.
   std::optional<uint32_t> FindTableOfMode(const std::string& name) const;

@@ -174,6 +174,42 @@ class Views(CommandTest):
                      "-o", self.path("unknown"))
         self.assert_refused(result, 1, "does not say where it can be trusted")
 
+    def test_reverse_leaves_border_where_pixels_are_not_trusted(self):
+        """A camera that trusts some cells of 16 pixels, and a crop of its images."""
+        cells = ["".join(".#"[2 < i < 8 and i + j > 5] for i in range(10)) for j in range(8)]
+        known = write(self.path("cells/known.yaml"), read(self.camera).decode()
+                      + "uncertainty: {columns: 2, rows: 2, deviation_px: [[1, 1], [1, 1]]}\n"
+                      + f"trusted: {{max_deviation_px: 1, cell_px: 16, cells: {cells}}}\n")
+        view = "160x120,hfov=80,center=79.5,59.5"
+        blob = self.path("cells/c.raygrid")
+        self.assert_done(run("pack", known, "--remap", view, "--remap", view + ",direction=distort",
+                             "--mode", "part:crop=40,30,80,60", "--max-error-px", 2, "--quiet",
+                             "-o", blob))
+        part = ("--mode", "part:crop=40,30,80,60", "--size", "160x120", "--focal", 80)
+        for camera, words, corner, width in (
+                (known, ("--hfov", 80), (0, 0), 160), (known, part, (40, 30), 80),
+                (blob, ("--remap-index", 1), (40, 30), 80),
+                (blob, ("--remap-index", 2), (0, 0), 160),
+                (blob, ("--remap-index", 3), (40, 30), 80)):
+            with self.subTest((camera, words)):
+                shown = {}
+                for outside in ("fill", "trusted"):
+                    self.assert_done(run("undistort", camera, self.image, "--reverse", *words,
+                                         "--outside", outside, "-o", self.path(outside)))
+                    shown[outside] = read_png(self.path(f"{outside}/white.png"))[2]
+                self.assertEqual(len(shown["fill"]), width * width * 3 // 4)
+                for k, level in enumerate(shown["fill"]):
+                    cell = cells[(corner[1] + k // width) // 16][(corner[0] + k % width) // 16]
+                    self.assertEqual(shown["trusted"][k], level if cell == "#" else 0, k)
+                self.assertGreater(sum(level == 255 for level in shown["trusted"]), 1000)
+        # The other direction takes frames of the table's mode, too.
+        small = write(self.path("cells/in/small.png"), png([255] * (80 * 60), size=(80, 60)))
+        self.assert_done(run("undistort", blob, small, "--remap-index", 1, "--outside", "trusted",
+                             "--max-error-px", 2, "-o", self.path("cells/out")))
+        dark = write(self.path("cells/dark.yaml"), read(known).decode().replace("#", "."))
+        self.assert_refused(run("undistort", dark, self.image, "--reverse", "--outside", "trusted",
+                                "-o", self.path("never")), 1, "dark.yaml", "no pixel")
+
     def test_impossible_views_are_refused_in_a_line(self):
         for view, words in (("hfov=180", ("hfov", "170")), ("alpha=1.5", ("alpha", "between")),
                             ("alpha=0,hfov=90", ("give one",)), ("hfov=90,hfov=80", ("twice",)),
