@@ -41,6 +41,7 @@ Fit FitCamera(const FitArguments& arguments) {
   fit.file.name = input.file.name;
   fit.file.serial = input.file.serial;
   FittedModel nearest = FitNearestModel(arguments.model, camera, area);
+  nearest.model->SetImageCircle(camera.image_circle());
   fit.file.camera = std::move(nearest.model);
   const double step_px =
       std::max(1.0, std::max(area.width(), area.height()) / kSamples);

@@ -29,7 +29,10 @@ CameraFrame FindCameraFrame(const CameraModel& camera,
   return frame;
 }
 
-std::unique_ptr<CameraModel> Turned(
+namespace {
+
+// The camera without its image circle.
+std::unique_ptr<CameraModel> TurnedLines(
     const CameraModel& camera, const Eigen::Quaterniond& turned_from_camera) {
   const TurnedCamera exact(camera, turned_from_camera);
   if (const auto* grid = dynamic_cast<const CentralGeneric*>(&camera))
@@ -42,6 +45,15 @@ std::unique_ptr<CameraModel> Turned(
                                 lines->directions().rows())
         .Clone();
   return exact.Clone();
+}
+
+}  // namespace
+
+std::unique_ptr<CameraModel> Turned(
+    const CameraModel& camera, const Eigen::Quaterniond& turned_from_camera) {
+  std::unique_ptr<CameraModel> turned = TurnedLines(camera, turned_from_camera);
+  turned->SetImageCircle(camera.image_circle());
+  return turned;
 }
 
 }  // namespace raygrid

@@ -8,7 +8,8 @@
 
 namespace raygrid {
 
-/// The places in a view's picture of the pixels of a camera's image.
+/// The places in a view's picture of the pixels of a camera's image, those that
+/// the lens lights.
 SourceMap MapOfDistortion(const CameraModel& camera, const VirtualView& view,
                           int num_threads);
 

@@ -75,6 +75,17 @@ TEST(DistortedImage, UndoesWhatTheRuntimeUndistorted) {
   EXPECT_LT(worst, 0.1);
 }
 
+TEST(DistortedImage, IsBlackBeyondTheImageCircle) {
+  const std::unique_ptr<CameraModel> camera = GenericFile().camera->Clone();
+  const SourceMap whole = MapOfDistortion(*camera, Virtual(), 0);
+  camera->SetImageCircle(ImageCircle{{300, 250}, {200, 200}});
+  const SourceMap lit = MapOfDistortion(*camera, Virtual(), 0);
+  for (int y = 0; y < lit.height; ++y)
+    for (int x = 0; x < lit.width; ++x)
+      ASSERT_EQ(lit.IsKnown(x, y),
+                whole.IsKnown(x, y) && std::hypot(x - 300, y - 250) <= 200);
+}
+
 TEST(DistortedImage, IsBlackWhereTheViewShowsNothing) {
   const CameraModel& camera = *GenericFile().camera;
   const VirtualView view = ViewOf(camera, {300, 200}, 30);
