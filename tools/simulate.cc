@@ -33,7 +33,7 @@ struct SimulateArguments {
   PoseOptions poses;
   std::string pattern, lens = "example", camera, size = "640x480", output;
   bool render = false;
-  double max_tilt_deg = 50, board_bend_mm = 0;
+  double max_tilt_deg = 50, board_bend_mm = 0, image_circle_px = 0;
   std::optional<int> features_per_image;
   int bits = 8;
   int cameras = 1;
@@ -54,8 +54,13 @@ std::shared_ptr<const CameraModel> MakeCamera(
     if (!why.empty()) throw InputError(arguments.camera + ": " + why);
     return camera;
   }
-  return SimulatedLens(arguments.lens,
-                       ParseImageSize("--size", arguments.size));
+  const ImageSize size = ParseImageSize("--size", arguments.size);
+  std::shared_ptr<CameraModel> camera = SimulatedLens(arguments.lens, size);
+  if (arguments.image_circle_px > 0)
+    camera->SetImageCircle(
+        ImageCircle{WholeImage(size).center(),
+                    Eigen::Vector2d::Constant(arguments.image_circle_px)});
+  return camera;
 }
 
 Pattern MakePattern(const SimulateArguments& arguments) {
@@ -69,9 +74,13 @@ std::shared_ptr<const CameraModel> AsGrid(const CameraModel& lens) {
   const double cell_px = image.width() / kTruthCells;
   const int columns = NumControlPoints(image.width(), cell_px);
   const int rows = NumControlPoints(image.height(), cell_px);
+  std::shared_ptr<CameraModel> grid;
   if (lens.IsCentral())
-    return FitCentralGeneric(lens, image, columns, rows).Clone();
-  return FitNonCentralGeneric(lens, image, columns, rows).Clone();
+    grid = FitCentralGeneric(lens, image, columns, rows).Clone();
+  else
+    grid = FitNonCentralGeneric(lens, image, columns, rows).Clone();
+  grid->SetImageCircle(lens.image_circle());
+  return grid;
 }
 
 // The true camera as a camera.yaml.
@@ -329,10 +338,6 @@ void AddImagingOptions(CLI::App* command, SimulateArguments* arguments) {
   add("--shot-noise", imaging.shot_noise, "variance per grey level", 0, 255);
   add("--vignetting", imaging.vignetting, "part of the light lost in corners",
       0, 0.99);
-  add("--image-circle", imaging.image_circle_px,
-      "pixels, radius around the image's middle beyond which the lens throws "
-      "no light; 0: all is lit",
-      0, 1e6);
   add("--gamma", imaging.gamma, "of the stored levels", 0.1, 10);
   add("--exposure", imaging.exposure, "multiplies all levels", 0.01, 100);
   add("--max-tilt-deg", arguments->max_tilt_deg, "of rendered boards", 0, 80);
@@ -362,11 +367,20 @@ void AddCameraOptions(CLI::App* command, SimulateArguments* arguments) {
   CLI::Option* const size =
       command->add_option("--size", arguments->size, "of images, WxH")
           ->capture_default_str();
+  CLI::Option* const circle =
+      command
+          ->add_option("--image-circle", arguments->image_circle_px,
+                       "pixels around the image's middle, beyond which the "
+                       "lens throws no light; 0: all is lit")
+          ->check(CLI::Range(0.0, 1e6))
+          ->capture_default_str();
   command
       ->add_option("--camera", arguments->camera,
-                   "camera.yaml or blob, instead of --lens and --size")
+                   "camera.yaml or blob, instead of --lens, --size and "
+                   "--image-circle")
       ->excludes(lens)
-      ->excludes(size);
+      ->excludes(size)
+      ->excludes(circle);
   command
       ->add_option("--cameras", arguments->cameras,
                    "of one kind on a rig, in a row, cam0 first; each image "

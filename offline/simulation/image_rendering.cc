@@ -303,18 +303,22 @@ void Renderer::RenderRows(int first, int last, float* levels) const {
 
 // Like cos^4 of an angle that grows with the distance from the centre, up to
 // the image circle.
-double Transmission(const ImageSize& size, int column, int row,
-                    const ImagingOptions& options) {
+double Transmission(const CameraModel& camera, int column, int row,
+                    double vignetting) {
+  const ImageSize& size = camera.image_size();
   const double x = column - (size.width - 1) / 2.0;
   const double y = row - (size.height - 1) / 2.0;
   const double corner2 =
       (std::pow(size.width - 1, 2) + std::pow(size.height - 1, 2)) / 4;
-  const double tan2_of_corner = 1 / std::sqrt(1 - options.vignetting) - 1;
-  const double lit =
-      options.image_circle_px > 0
-          ? std::clamp((options.image_circle_px + 1 - std::hypot(x, y)) / 2,
-                       0.0, 1.0)
-          : 1;
+  const double tan2_of_corner = 1 / std::sqrt(1 - vignetting) - 1;
+  double lit = 1;
+  if (const auto& circle = camera.image_circle()) {
+    const double radius_px = circle->radii_px.mean();
+    const Eigen::Vector2d offset =
+        Eigen::Vector2d(column, row) - circle->center;
+    const double part = offset.cwiseQuotient(circle->radii_px).norm();
+    lit = std::clamp((1 - part) * radius_px / 2 + 0.5, 0.0, 1.0);
+  }
   return lit * std::pow(1 + tan2_of_corner * (x * x + y * y) / corner2, -2);
 }
 
@@ -327,8 +331,6 @@ void RequireSensible(const ImageSize& size, const ImagingOptions& options) {
     throw InputError("blur must be 0 to 50 px");
   if (!(options.vignetting >= 0 && options.vignetting < 1))
     throw InputError("vignetting must be at least 0 and below 1");
-  if (!(options.image_circle_px >= 0))
-    throw InputError("the image circle's radius must be at least 0 px");
   if (!(options.gamma > 0)) throw InputError("gamma must be positive");
 }
 
@@ -402,8 +404,9 @@ RenderedImage RenderImage(const PixelRays& rays,
     for (int row = first; row < last; ++row)
       for (int column = 0; column < size.width; ++column)
         image.levels[static_cast<size_t>(row) * size.width + column] *=
-            static_cast<float>(options.exposure *
-                               Transmission(size, column, row, options));
+            static_cast<float>(
+                options.exposure *
+                Transmission(rays.camera(), column, row, options.vignetting));
   });
   return image;
 }

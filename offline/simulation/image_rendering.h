@@ -42,6 +42,7 @@ class PixelRays {
  public:
   PixelRays(const CameraModel& camera, int num_threads);
 
+  const CameraModel& camera() const { return *camera_; }
   const ImageSize& size() const { return camera_->image_size(); }
   /// The lines of rows [first, last), at least.
   std::shared_ptr<const RowsOfRays> Rows(int first, int last) const;
@@ -58,12 +59,9 @@ struct ImagingOptions {
   double background_level = 120;
   double exposure = 1;    ///< multiplies all levels; beyond 255 they saturate
   double vignetting = 0;  ///< part of the light that is lost in the corners
-  /// The image circle's radius around the image's middle; beyond it, and a
-  /// soft edge of two pixels, there is no light. 0: all is lit.
-  double image_circle_px = 0;
-  double read_noise = 0;      ///< standard deviation, grey levels
-  double shot_noise = 0;      ///< variance per grey level
-  double gamma = 1;           ///< stored = 255 (level / 255)^(1 / gamma)
+  double read_noise = 0;  ///< standard deviation, grey levels
+  double shot_noise = 0;  ///< variance per grey level
+  double gamma = 1;       ///< stored = 255 (level / 255)^(1 / gamma)
   int samples_per_pixel = 8;  ///< along each axis
   uint64_t seed = 0;          ///< of the noise
 };
@@ -84,9 +82,10 @@ struct RenderedImage {
   }
 };
 
-/// Boards hide those behind them; pixels without observation lines show the
-/// background. What the blur brings in across the image's edge is taken to be
-/// as at the edge.
+/// Boards hide those behind them. Beyond the camera's image circle, and a soft
+/// edge of two pixels, there is no light; pixels without observation lines show
+/// the background. What the blur brings in across the image's edge is taken to
+/// be as at the edge.
 RenderedImage RenderImage(const PixelRays& rays,
                           const std::vector<PlacedBoard>& boards,
                           const ImagingOptions& options, int num_threads);

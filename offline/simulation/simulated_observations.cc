@@ -18,7 +18,7 @@ Eigen::Vector3d RandomRay(const CameraModel& camera, const Area& area,
     const double x = random->Uniform(area.x0, area.x1);
     const double y = random->Uniform(area.y0, area.y1);
     const auto direction = camera.Unproject({x, y});
-    if (direction) return *direction;
+    if (direction && camera.IsLit({x, y})) return *direction;
   }
 }
 
@@ -85,7 +85,8 @@ std::vector<Feature> VisibleFeatures(const CameraModel& camera,
       if (!board.HasFeature(column, row)) continue;
       const std::optional<Eigen::Vector2d> pixel =
           camera.Project(pose * board.points[board.PointIndex(column, row)]);
-      if (pixel && WholeImage(camera.image_size()).Contains(*pixel))
+      if (pixel && WholeImage(camera.image_size()).Contains(*pixel) &&
+          camera.IsLit(*pixel))
         features.push_back({board.id, column, row, *pixel});
     }
   }

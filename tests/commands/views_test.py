@@ -103,6 +103,44 @@ class Views(CommandTest):
         self.assert_done(result)
         self.assertEqual(json.loads(result.stdout)["view"]["K"][0], [70, 0, 49.5])
 
+    def test_nothing_is_shown_beyond_a_fisheyes_image_circle(self):
+        folder = self.path("fisheye")
+        self.assert_done(run("simulate", "--render", "--lens", "fisheye", "--size", "320x240",
+                             "--images", 9, "--image-circle", 130, "--samples-per-pixel", 3,
+                             "--pattern", "chessboard:5x4:25mm", "--max-square-px", 16,
+                             "-o", folder))
+
+        def calibrate(output, *words):
+            return run("calibrate", *words, "--pattern", folder + "/pattern.yaml", "--model",
+                       "thin-prism-fisheye", "--skip-comparison", "--json", "-o",
+                       self.path(output))
+
+        def circle_of(result):
+            self.assertIn(result.returncode, (0, 6), result.stderr)
+            return json.loads(result.stdout).get("image_circle")
+
+        found = circle_of(calibrate("auto", folder, "--measure-once"))
+        for value, truth in zip(found["center_px"] + [found["radius_px"]], (159.5, 119.5, 130)):
+            self.assertAlmostEqual(value, truth, delta=2)
+        given = ("--features", folder + "/features.csv", "--image-size", "320x240")
+        self.assertIsNone(circle_of(calibrate("none", *given)))
+        told = circle_of(calibrate("told", *given, "--image-circle", "150,110.5,90"))
+        self.assertEqual(told, {"center_px": [150.0, 110.5], "radius_px": 90.0})
+        for word in ("150,110", "1,2,-3", "1,2,nan", "1,2,3,4", "no"):
+            refused = calibrate("refused", *given, "--image-circle", word)
+            self.assert_refused(refused, 1, "auto, none, or X,Y,RADIUS")
+
+        white = write(self.path("fisheye_white.png"), png([255] * (320 * 240), size=(320, 240)))
+        levels = {}
+        for name in ("none", "told"):
+            self.assert_done(run("undistort", self.path(name + "/camera.yaml"), white, "--size",
+                                 "320x240", "--projection", "equidistant", "--hfov", 120,
+                                 "--max-error-px", 0.2, "-o", self.path(name + "_view")))
+            levels[name] = read_png(self.path(name + "_view/fisheye_white.png"))[2]
+        middle, side = 120 * 320 + 150, 120 * 320 + 300
+        self.assertEqual([levels[name][middle] for name in levels], [255, 255])
+        self.assertEqual([levels[name][side] for name in levels], [255, 0])
+
     def test_reverse_leads_back_to_the_camera(self):
         wave = [round(128 + 80 * math.sin(x / 6) * math.cos(y / 7))
                 for y in range(120) for x in range(160)]
