@@ -15,8 +15,10 @@
 #include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
 #include "exchange/format.h"
+#include "exchange/table_format.h"
 #include "packing/rectification.h"
 #include "packing/view_request.h"
+#include "table_export.h"
 #include "view_options.h"
 
 namespace raygrid {
@@ -24,6 +26,7 @@ namespace {
 
 struct ExportArguments {
   std::string input, format, model, output, poses;
+  std::string address;
   std::optional<double> max_fit_error_px;
   bool lists = false, rectified = false;
   ViewWords view;
@@ -333,8 +336,31 @@ void PrintExport(const Format& format, const std::vector<WrittenLens>& lenses,
   }
 }
 
-void List(bool json) {
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+// The options that were given, of those that a format may not take.
+std::vector<std::string> GivenOptions(const ExportArguments& arguments) {
+  std::vector<std::string> given;
+  for (const auto& [name, is_given] :
+       {std::pair("model", !arguments.model.empty()),
+        {"max-fit-error", arguments.max_fit_error_px.has_value()},
+        {"rectified", arguments.rectified},
+        {"poses", !arguments.poses.empty()},
+        {"address", !arguments.address.empty()}})
+    if (is_given) given.push_back(name);
+  const std::string word = FirstWord(arguments.view);
+  if (!word.empty()) given.push_back(word);
+  return given;
+}
+
+// Throws for options that only formats of the other kind take.
+void RequireTaken(const ExportArguments& arguments, const TableFormat* table) {
+  for (const std::string& option : GivenOptions(arguments))
+    if (table ? !table->Takes(option) : option == "address")
+      throw Error(ExitCode::kUsage,
+                  fmt::format("--{}: --to {} does not take it", option,
+                              arguments.format));
+}
+
+void ListLenses(bool json, nlohmann::ordered_json* all) {
   for (const Format& format : Formats()) {
     const char* const ways = !format.write  ? "import"
                              : !format.read ? "export"
@@ -345,41 +371,54 @@ void List(bool json) {
       models.push_back(form.name);
       names += (names.empty() ? "" : ", ") + form.name;
     }
-    all.push_back({{"name", format.name},
-                   {"holds", format.holds},
-                   {"export", format.write != nullptr},
-                   {"import", format.read != nullptr},
-                   {"rigs", format.holds_rigs},
-                   {"poses", format.holds_poses},
-                   {"models", models}});
+    all->push_back({{"name", format.name},
+                    {"holds", format.holds},
+                    {"of", "a lens"},
+                    {"export", format.write != nullptr},
+                    {"import", format.read != nullptr},
+                    {"rigs", format.holds_rigs},
+                    {"poses", format.holds_poses},
+                    {"models", models}});
     if (!json)
       fmt::print("{}: {} ({})\n  models: {}\n", format.name, format.holds, ways,
                  names);
   }
+}
+
+void ListTables(bool json, nlohmann::ordered_json* all) {
+  for (const TableFormat& format : TableFormats()) {
+    all->push_back({{"name", format.name},
+                    {"holds", format.holds},
+                    {"of", format.Source()},
+                    {"export", true},
+                    {"import", false},
+                    {"options", format.options}});
+    if (!json)
+      fmt::print("{}: {} (export)\n  of: {}\n", format.name, format.holds,
+                 format.Source());
+  }
+}
+
+void List(bool json) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  ListLenses(json, &all);
+  ListTables(json, &all);
   if (json) fmt::print("{}\n", all.dump(2));
 }
 
-void RunExport(const ExportArguments& arguments, const CommonOptions& common) {
-  if (arguments.lists) {
-    List(common.json);
-    return;
-  }
-  for (const auto& [option, value] : {std::pair("camera", arguments.input),
-                                      {"--to", arguments.format},
-                                      {"-o", arguments.output}})
-    if (value.empty())
-      throw Error(ExitCode::kUsage,
-                  fmt::format("export: {} is required; see raygrid export "
-                              "--help",
-                              option));
+const Format& FindWrittenFormat(const std::string& name) {
+  for (const Format& format : Formats())
+    if (format.name == name && format.write) return format;
+  throw Error(ExitCode::kUsage, fmt::format("--to {}: not a format; use {}",
+                                            name, WrittenFormatNames()));
+}
+
+void ExportLenses(const ExportArguments& arguments, const Format& format,
+                  const CommonOptions& common) {
   const std::string word = FirstWord(arguments.view);
   if (!word.empty() && !arguments.rectified)
     throw Error(ExitCode::kUsage,
                 fmt::format("--{}: is for a view; add --rectified", word));
-  const Format& format = FindFormat("--to", arguments.format);
-  if (!format.write)
-    throw Error(ExitCode::kUsage,
-                fmt::format("--to {}: is only imported", format.name));
   bool is_rig = false;
   std::vector<Exported> cameras = ReadExported(arguments.input, &is_rig);
   std::vector<std::string> inputs = {arguments.input, arguments.poses};
@@ -413,6 +452,28 @@ void RunExport(const ExportArguments& arguments, const CommonOptions& common) {
   PrintExport(format, lenses, files, common);
 }
 
+void RunExport(const ExportArguments& arguments, const CommonOptions& common) {
+  if (arguments.lists) {
+    List(common.json);
+    return;
+  }
+  for (const auto& [option, value] : {std::pair("camera", arguments.input),
+                                      {"--to", arguments.format},
+                                      {"-o", arguments.output}})
+    if (value.empty())
+      throw Error(ExitCode::kUsage,
+                  fmt::format("export: {} is required; see raygrid export "
+                              "--help",
+                              option));
+  const TableFormat* table = FindTableFormat(arguments.format);
+  RequireTaken(arguments, table);
+  if (table)
+    ExportTable(*table, {arguments.input, arguments.output, arguments.address},
+                common);
+  else
+    ExportLenses(arguments, FindWrittenFormat(arguments.format), common);
+}
+
 }  // namespace
 
 void AddExport(CLI::App* app, CommonOptions* common) {
@@ -421,7 +482,9 @@ void AddExport(CLI::App* app, CommonOptions* common) {
       "A camera or a rig as another program's file. A camera that the format "
       "has a model for, as a view, is written exactly. Of another one the "
       "nearest lens is, and the error that it leaves at trusted pixels is "
-      "told and stored. Where the lens looks elsewhere, rigs turn with it.",
+      "told and stored. Where the lens looks elsewhere, rigs turn with it. "
+      "Other "
+      "formats are made of a blob, which itself is the binary for flash.",
       "raygrid export camera.yaml --to opencv -o calibration.yaml "
       "--max-fit-error 0.5",
       common);
@@ -431,7 +494,7 @@ void AddExport(CLI::App* app, CommonOptions* common) {
       "camera.yaml, rig.yaml, rectified.yaml, a blob or another "
       "program's camera");
   command->add_option("--to", arguments->format,
-                      "the format: " + FormatNames());
+                      "the format: " + WrittenFormatNames());
   command->add_option("-o,--output", arguments->output,
                       "file to write; of a rig in a format that has one camera "
                       "a file, a folder");
@@ -450,6 +513,10 @@ void AddExport(CLI::App* app, CommonOptions* common) {
                       "poses.csv of the camera or rig, for formats that have "
                       "poses of boards");
   AddViewOptions(command, &arguments->view);
+  command
+      ->add_option("--address", arguments->address,
+                   "where in flash the blob is to lie, for formats that say it")
+      ->option_text("0x08080000");
   command->add_flag("--list", arguments->lists, "list the formats");
   command->callback([arguments, common] { RunExport(*arguments, *common); });
 }

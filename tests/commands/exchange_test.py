@@ -432,7 +432,7 @@ class Exports(ExchangeTest):
         formats = json.loads(run("export", "--list", "--json").stdout)
         for entry in formats:
             self.assertIn(entry["name"] + ": " + entry["holds"], result.stdout)
-            for model in entry["models"]:
+            for model in entry.get("models", ()):
                 self.assertIn(model, result.stdout)
 
     def test_what_cannot_be(self):

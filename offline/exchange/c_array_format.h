@@ -1,0 +1,13 @@
+#ifndef RAYGRID_EXCHANGE_C_ARRAY_FORMAT_H
+#define RAYGRID_EXCHANGE_C_ARRAY_FORMAT_H
+
+#include "exchange/table_format.h"
+
+namespace raygrid {
+
+/// A blob as an array of C and C++.
+TableFormat CArrayFormat();
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_C_ARRAY_FORMAT_H

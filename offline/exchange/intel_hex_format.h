@@ -1,0 +1,13 @@
+#ifndef RAYGRID_EXCHANGE_INTEL_HEX_FORMAT_H
+#define RAYGRID_EXCHANGE_INTEL_HEX_FORMAT_H
+
+#include "exchange/table_format.h"
+
+namespace raygrid {
+
+/// A blob for a place in flash, as programmers of flash take it.
+TableFormat IntelHexFormat();
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_INTEL_HEX_FORMAT_H

@@ -1,0 +1,61 @@
+/// Formats that are made of bytes or pixels instead of a lens, one file each: a
+/// row of the table in table_formats.cc.
+#ifndef RAYGRID_EXCHANGE_TABLE_FORMAT_H
+#define RAYGRID_EXCHANGE_TABLE_FORMAT_H
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "camera/camera_model.h"
+
+namespace raygrid {
+
+// ---- What passes between a format and the commands -------------------------
+
+/// A blob to be written, as it is.
+struct BlobTable {
+  std::string path;  ///< of the file; its ending may tell the kind
+  std::string camera, serial;
+  ImageSize image_size;
+  std::string bytes;
+  uint32_t crc32 = 0;    ///< that of zlib, of all bytes
+  uint32_t address = 0;  ///< of the first byte, for formats that have one
+
+  /// The runtime reads a blob that begins at a multiple of this.
+  static constexpr uint32_t kAlignment = 4;
+};
+
+/// The files that were made, paths and contents, and a line for the user.
+struct TableOutput {
+  std::vector<std::pair<std::string, std::string>> files;
+  std::string told;
+};
+
+// ---- The table -------------------------------------------------------------
+
+struct TableFormat {
+  std::string name;                  ///< "c", for --to
+  std::string holds;                 ///< one line for --list
+  std::vector<std::string> options;  ///< that it takes, without "--"
+
+  /// The source is the function that is not null. Throws Error(kUsage).
+  TableOutput (*write_blob)(const BlobTable& blob) = nullptr;
+
+  bool Takes(const std::string& option) const;
+  /// "a blob", for --list and errors.
+  std::string Source() const;
+};
+
+const std::vector<TableFormat>& TableFormats();
+
+/// Null if there is none of this name.
+const TableFormat* FindTableFormat(const std::string& name);
+
+/// The names of all formats that are written, those of lenses first.
+std::string WrittenFormatNames();
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_TABLE_FORMAT_H

@@ -1,0 +1,39 @@
+#include <algorithm>
+
+#include "exchange/c_array_format.h"
+#include "exchange/format.h"
+#include "exchange/intel_hex_format.h"
+#include "exchange/table_format.h"
+
+namespace raygrid {
+
+const std::vector<TableFormat>& TableFormats() {
+  static const std::vector<TableFormat> formats = {CArrayFormat(),
+                                                   IntelHexFormat()};
+  return formats;
+}
+
+const TableFormat* FindTableFormat(const std::string& name) {
+  for (const TableFormat& format : TableFormats())
+    if (format.name == name) return &format;
+  return nullptr;
+}
+
+bool TableFormat::Takes(const std::string& option) const {
+  return std::find(options.begin(), options.end(), option) != options.end();
+}
+
+std::string TableFormat::Source() const { return "a blob"; }
+
+std::string WrittenFormatNames() {
+  std::vector<std::string> all;
+  for (const Format& format : Formats())
+    if (format.write) all.push_back(format.name);
+  for (const TableFormat& format : TableFormats()) all.push_back(format.name);
+  std::string names = all.front();
+  for (size_t k = 1; k < all.size(); ++k)
+    names += (k + 1 < all.size() ? ", " : " or ") + all[k];
+  return names;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,22 @@
+#ifndef RAYGRID_TOOLS_TABLE_EXPORT_H
+#define RAYGRID_TOOLS_TABLE_EXPORT_H
+
+#include <string>
+
+#include "commands.h"
+#include "exchange/table_format.h"
+
+namespace raygrid {
+
+struct TableArguments {
+  std::string input, output;
+  std::string address;  ///< "0x08080000", or "" if it was not given
+};
+
+/// Writes a format that is made of a blob, and tells what was written.
+void ExportTable(const TableFormat& format, const TableArguments& arguments,
+                 const CommonOptions& common);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_TOOLS_TABLE_EXPORT_H
