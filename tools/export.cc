@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -100,27 +101,8 @@ std::vector<Exported> ReadExported(const std::string& path, bool* is_rig) {
   return cameras;
 }
 
-// The name of a word that was given, or "".
-std::string FirstWord(const ViewWords& words) {
-  for (const auto& [name, value] : words)
-    if (!value.empty()) return name;
-  return "";
-}
-
-// The view that undistorted images of a camera have: that of a blob's table,
-// the one that is asked for, or that which calibrate makes a table of.
-VirtualView RectifiedView(const Exported& camera, const ViewWords& words) {
-  const std::optional<BlobCamera>& blob = camera.input.blob;
-  const bool is_told = !FirstWord(words).empty();
-  if (!is_told && blob && blob->has_remap() && !blob->Distorts(0))
-    return blob->ViewOfRemap(0);
-  return !is_told
-             ? MakeViewOfArea(*camera.input.file.camera)
-             : MakeView(*camera.input.file.camera, ParseViewOptions(words));
-}
-
 void TakeView(const ViewWords& words, Exported* camera) {
-  const VirtualView view = RectifiedView(*camera, words);
+  const VirtualView view = RectifiedView(camera->input, words);
   camera->input.file.camera = CameraOfView(view);
   camera->input.file.camera_from_view.reset();
   camera->view_from_camera =
@@ -346,18 +328,19 @@ std::vector<std::string> GivenOptions(const ExportArguments& arguments) {
         {"poses", !arguments.poses.empty()},
         {"address", !arguments.address.empty()}})
     if (is_given) given.push_back(name);
-  const std::string word = FirstWord(arguments.view);
-  if (!word.empty()) given.push_back(word);
   return given;
 }
 
 // Throws for options that only formats of the other kind take.
 void RequireTaken(const ExportArguments& arguments, const TableFormat* table) {
+  const auto refuse = [&](const std::string& option) {
+    throw Error(ExitCode::kUsage, fmt::format("--{}: --to {} does not take it",
+                                              option, arguments.format));
+  };
   for (const std::string& option : GivenOptions(arguments))
-    if (table ? !table->Takes(option) : option == "address")
-      throw Error(ExitCode::kUsage,
-                  fmt::format("--{}: --to {} does not take it", option,
-                              arguments.format));
+    if (table ? !table->Takes(option) : option == "address") refuse(option);
+  const std::string word = FirstWord(arguments.view);
+  if (table && !table->write_view && !word.empty()) refuse(word);
 }
 
 void ListLenses(bool json, nlohmann::ordered_json* all) {
@@ -392,10 +375,12 @@ void ListTables(bool json, nlohmann::ordered_json* all) {
                     {"of", format.Source()},
                     {"export", true},
                     {"import", false},
-                    {"options", format.options}});
+                    {"options", format.options},
+                    {"models", format.models}});
     if (!json)
-      fmt::print("{}: {} (export)\n  of: {}\n", format.name, format.holds,
-                 format.Source());
+      fmt::print("{}: {} (export)\n  of: {}{}{}\n", format.name, format.holds,
+                 format.Source(), format.models.empty() ? "" : "; models: ",
+                 fmt::join(format.models, ", "));
   }
 }
 
@@ -468,7 +453,9 @@ void RunExport(const ExportArguments& arguments, const CommonOptions& common) {
   const TableFormat* table = FindTableFormat(arguments.format);
   RequireTaken(arguments, table);
   if (table)
-    ExportTable(*table, {arguments.input, arguments.output, arguments.address},
+    ExportTable(*table,
+                {arguments.input, arguments.output, arguments.model,
+                 arguments.address, arguments.view},
                 common);
   else
     ExportLenses(arguments, FindWrittenFormat(arguments.format), common);
@@ -484,7 +471,8 @@ void AddExport(CLI::App* app, CommonOptions* common) {
       "nearest lens is, and the error that it leaves at trusted pixels is "
       "told and stored. Where the lens looks elsewhere, rigs turn with it. "
       "Other "
-      "formats are made of a blob, which itself is the binary for flash.",
+      "formats are made of a blob, which itself is the binary for flash, or of "
+      "a view, as --rectified has it.",
       "raygrid export camera.yaml --to opencv -o calibration.yaml "
       "--max-fit-error 0.5",
       common);

@@ -5,11 +5,14 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "camera/noncentral_generic.h"
 #include "camera_input.h"
 #include "crc32.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/parallel_for.h"
 #include "dataset/text_encoding.h"
+#include "packing/source_map.h"
 
 namespace raygrid {
 namespace {
@@ -59,9 +62,86 @@ BlobTable TableOfBlob(const TableFormat& format,
   return table;
 }
 
+// The camera's own answer for every pixel of the view that it sees.
+std::vector<Eigen::Vector2d> SourcesOfView(const CameraModel& camera,
+                                           const VirtualView& view,
+                                           int num_threads) {
+  // A pixel at the image's edge may come out a little beyond it.
+  constexpr double kRoundingPx = 1e-6;
+  num_threads = NumThreads(num_threads);
+  const OutputImage output = OutputOfView(view);
+  const SourceMap map = MakeSourceMap(camera, output, num_threads);
+  std::vector<Eigen::Vector2d> sources(
+      static_cast<size_t>(map.width) * map.height, Eigen::Vector2d(NAN, NAN));
+  ParallelFor(map.height, num_threads, [&](int y) {
+    for (int x = 0; x < map.width; ++x) {
+      if (!map.IsKnown(x, y)) continue;
+      const auto source = ExactSource(camera, output, map, x, y);
+      if (source && map.rectangle.Contains(*source, kRoundingPx))
+        sources[static_cast<size_t>(y) * map.width + x] = *source;
+    }
+  });
+  return sources;
+}
+
+// The camera that sees what a camera of lines sees far away, as the tables of
+// blobs have it.
+std::unique_ptr<CameraModel> CentralCamera(const std::string& path,
+                                           const CameraModel& camera) {
+  if (camera.IsCentral()) return camera.Clone();
+  const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera);
+  if (!lines)
+    throw Error(ExitCode::kUsage,
+                fmt::format("{}: its pixels look along lines that do not meet; "
+                            "make a camera of the model noncentral-generic or "
+                            "a central one of it first",
+                            path));
+  return std::make_unique<CentralGeneric>(lines->CentralPart());
+}
+
+std::string ModelOf(const TableFormat& format, const std::string& model) {
+  std::string names;
+  for (const std::string& known : format.models) {
+    if (known == model) return model;
+    names += (names.empty() ? "" : ", ") + known;
+  }
+  if (model.empty()) return format.models.empty() ? "" : format.models.front();
+  throw Error(ExitCode::kUsage,
+              fmt::format("--model {}: {} has {}", model, format.name, names));
+}
+
+ViewTable TableOfView(const TableFormat& format,
+                      const TableArguments& arguments,
+                      const CommonOptions& common, VirtualView* view) {
+  ViewTable table;
+  table.model = ModelOf(format, arguments.model);
+  CameraInput input = ReadCamera(arguments.input);
+  if (!common.quiet) WarnOfFailedCalibration(arguments.input, input.file);
+  if (!input.blob) TurnIntoCameraFrame(&input.file);
+  *view = RectifiedView(input, arguments.view);
+  table.path = arguments.output;
+  table.size = view->size;
+  table.source_size = input.file.camera->image_size();
+  if (view->projection == ViewProjection::kPinhole)
+    table.matrix = MatrixOf(*view);
+  table.sources =
+      SourcesOfView(*CentralCamera(arguments.input, *input.file.camera), *view,
+                    common.threads);
+  return table;
+}
+
 TableOutput MakeTable(const TableFormat& format,
                       const TableArguments& arguments,
+                      const CommonOptions& common,
                       nlohmann::ordered_json* json) {
+  if (format.write_view) {
+    VirtualView view;
+    const ViewTable table = TableOfView(format, arguments, common, &view);
+    (*json)["view"] = ViewJson(view);
+    TableOutput output = format.write_view(table);
+    output.told += "; the view: " + ViewText(view);
+    return output;
+  }
   const BlobTable table = TableOfBlob(format, arguments);
   (*json)["bytes"] = table.bytes.size();
   (*json)["crc32"] = table.crc32;
@@ -74,7 +154,7 @@ void ExportTable(const TableFormat& format, const TableArguments& arguments,
                  const CommonOptions& common) {
   nlohmann::ordered_json json = {{"format", format.name},
                                  {"files", nlohmann::ordered_json::array()}};
-  const TableOutput made = MakeTable(format, arguments, &json);
+  const TableOutput made = MakeTable(format, arguments, common, &json);
   std::vector<std::string> paths;
   OutputFiles outputs;
   for (const auto& [path, contents] : made.files) {

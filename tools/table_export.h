@@ -5,15 +5,19 @@
 
 #include "commands.h"
 #include "exchange/table_format.h"
+#include "view_options.h"
 
 namespace raygrid {
 
 struct TableArguments {
   std::string input, output;
+  std::string model;
   std::string address;  ///< "0x08080000", or "" if it was not given
+  ViewWords view;
 };
 
-/// Writes a format that is made of a blob, and tells what was written.
+/// Writes a format that is made of a blob or a view, and tells what was
+/// written.
 void ExportTable(const TableFormat& format, const TableArguments& arguments,
                  const CommonOptions& common);
 

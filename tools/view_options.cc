@@ -233,6 +233,21 @@ ViewRequest ParseViewOptions(const ViewWords& words) {
   return request;
 }
 
+std::string FirstWord(const ViewWords& words) {
+  for (const auto& [name, value] : words)
+    if (!value.empty()) return name;
+  return "";
+}
+
+VirtualView RectifiedView(const CameraInput& input, const ViewWords& words) {
+  const bool is_told = !FirstWord(words).empty();
+  if (!is_told && input.blob && input.blob->has_remap() &&
+      !input.blob->Distorts(0))
+    return input.blob->ViewOfRemap(0);
+  return is_told ? MakeView(*input.file.camera, ParseViewOptions(words))
+                 : MakeViewOfArea(*input.file.camera);
+}
+
 Eigen::Vector3d ViewAnglesDeg(const Eigen::Matrix3d& camera_from_view) {
   const Eigen::Vector3d angles = AnglesOfRotation(camera_from_view);
   return (1e6 * angles).array().round() / 1e6 + 0.0;
@@ -255,6 +270,13 @@ std::string ViewText(const VirtualView& view) {
         angles[0], angles[1], angles[2]);
   }
   return text;
+}
+
+Eigen::Matrix3d MatrixOf(const VirtualView& view) {
+  Eigen::Matrix3d matrix;
+  matrix << view.focal_px.x(), 0, view.center_px.x(), 0, view.focal_px.y(),
+      view.center_px.y(), 0, 0, 1;
+  return matrix;
 }
 
 nlohmann::ordered_json ViewJson(const VirtualView& view) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "camera/camera_of_scene.h"
+#include "camera_input.h"
 #include "packing/view_request.h"
 
 namespace raygrid {
@@ -42,12 +43,20 @@ void AddOutsideOption(CLI::App* command, std::string* outside);
 /// The view that those options ask for; throws Error(kUsage).
 ViewRequest ParseViewOptions(const ViewWords& words);
 
+/// The name of a word that was given, or "".
+std::string FirstWord(const ViewWords& words);
+/// The view that undistorted images of a camera have: that of a blob's table,
+/// the one that is asked for, or that which calibrate makes a table of.
+VirtualView RectifiedView(const CameraInput& input, const ViewWords& words);
+
 /// "640 x 480 px, fx 300.5, fy 300.5, cx 319.5, cy 239.5, sees 93.6 x 77.2
 /// degrees", and the projection and the angles of what is no pinhole or turned.
 std::string ViewText(const VirtualView& view);
 /// Yaw, pitch and roll of a view; nothing is left of an angle of 0 by rounding.
 Eigen::Vector3d ViewAnglesDeg(const Eigen::Matrix3d& camera_from_view);
 
+/// K of a view: focal lengths and centre.
+Eigen::Matrix3d MatrixOf(const VirtualView& view);
 /// Size, projection, K and rotation row by row, and fields of view in degrees.
 nlohmann::ordered_json ViewJson(const VirtualView& view);
 

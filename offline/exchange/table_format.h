@@ -3,7 +3,9 @@
 #ifndef RAYGRID_EXCHANGE_TABLE_FORMAT_H
 #define RAYGRID_EXCHANGE_TABLE_FORMAT_H
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,6 +29,18 @@ struct BlobTable {
   static constexpr uint32_t kAlignment = 4;
 };
 
+/// The places in a camera's image that the pixels of a view show.
+struct ViewTable {
+  std::string path;
+  std::string model;  ///< one of the format's
+  ImageSize size, source_size;
+  std::optional<Eigen::Matrix3d> matrix;  ///< K, if the view is a pinhole
+  /// Row by row; NaN where the camera sees nothing.
+  std::vector<Eigen::Vector2d> sources;
+
+  std::optional<Eigen::Vector2d> At(int x, int y) const;
+};
+
 /// The files that were made, paths and contents, and a line for the user.
 struct TableOutput {
   std::vector<std::pair<std::string, std::string>> files;
@@ -36,12 +50,15 @@ struct TableOutput {
 // ---- The table -------------------------------------------------------------
 
 struct TableFormat {
-  std::string name;                  ///< "c", for --to
-  std::string holds;                 ///< one line for --list
-  std::vector<std::string> options;  ///< that it takes, without "--"
+  std::string name;   ///< "c", for --to
+  std::string holds;  ///< one line for --list
+  /// That it takes, without "--"; the words of a view go without saying.
+  std::vector<std::string> options;
+  std::vector<std::string> models;  ///< for --model, the default first
 
   /// The source is the function that is not null. Throws Error(kUsage).
   TableOutput (*write_blob)(const BlobTable& blob) = nullptr;
+  TableOutput (*write_view)(const ViewTable& view) = nullptr;
 
   bool Takes(const std::string& option) const;
   /// "a blob", for --list and errors.

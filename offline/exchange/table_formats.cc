@@ -3,13 +3,14 @@
 #include "exchange/c_array_format.h"
 #include "exchange/format.h"
 #include "exchange/intel_hex_format.h"
+#include "exchange/maps_format.h"
 #include "exchange/table_format.h"
 
 namespace raygrid {
 
 const std::vector<TableFormat>& TableFormats() {
-  static const std::vector<TableFormat> formats = {CArrayFormat(),
-                                                   IntelHexFormat()};
+  static const std::vector<TableFormat> formats = {
+      CArrayFormat(), IntelHexFormat(), MapsFormat()};
   return formats;
 }
 
@@ -23,7 +24,16 @@ bool TableFormat::Takes(const std::string& option) const {
   return std::find(options.begin(), options.end(), option) != options.end();
 }
 
-std::string TableFormat::Source() const { return "a blob"; }
+std::string TableFormat::Source() const {
+  return write_blob ? "a blob" : "a view of a camera";
+}
+
+std::optional<Eigen::Vector2d> ViewTable::At(int x, int y) const {
+  const Eigen::Vector2d& source =
+      sources[static_cast<size_t>(y) * size.width + x];
+  if (!source.allFinite()) return std::nullopt;
+  return source;
+}
 
 std::string WrittenFormatNames() {
   std::vector<std::string> all;

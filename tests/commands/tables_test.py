@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
 """Exports of bytes and pixels: compilers, objcopy and numpy read what raygrid wrote."""
+import array
 import json
+import math
 import os
 import re
 import shutil
 import subprocess
+import sys
 import unittest
 import zlib
 
@@ -14,6 +17,11 @@ HOST_COMPILERS = [words for words in (("gcc", "c", "c99"), ("gcc", "c++", "c++98
                                       ("clang-14", "c", "c17")) if shutil.which(words[0])]
 BOARD_COMPILERS = [name for name in ("arm-none-eabi-gcc",) if shutil.which(name)]
 WARNINGS = ("-Wall", "-Wextra", "-pedantic", "-Werror")
+
+MAPS_PEER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "maps_peer.py")
+OPENCV = next((python for python in (sys.executable, "/usr/bin/python3") if subprocess.run(
+    [python, "-c", "import cv2"], capture_output=True, check=False).returncode == 0), None)
+NO_OPENCV = "no Python has cv2; 'tools/install_packages tests' installs it"
 
 PROGRAM = """#include "front.h"
 #include "front.h"
@@ -142,9 +150,133 @@ class Blobs(TableTest):
         listed = {entry["name"]: entry for entry in
                   json.loads(run("export", "--list", "--json").stdout)}
         self.assertEqual((listed["c"]["of"], listed["hex"]["options"]), ("a blob", ["address"]))
+        self.assertEqual(listed["maps"]["models"], ["float", "fixed"])
         text = run("export", "--list").stdout
         for entry in listed.values():
             self.assertIn(entry["name"] + ": " + entry["holds"], text)
+
+
+class Maps(TableTest):
+    WIDTH, HEIGHT = 320, 240
+    # A grey of 16 bits changes by no more a pixel in this image.
+    GREY_PER_PX = 1800
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.camera = cls.simulated_camera("wide", f"{cls.WIDTH}x{cls.HEIGHT}")
+        pixels = array.array("H", [int(32768 + 12000 * math.sin(x / 9) + 12000 * math.sin(y / 11))
+                                   for y in range(cls.HEIGHT) for x in range(cls.WIDTH)])
+        pixels.byteswap()
+        cls.image = write(cls.path("image.pgm"), b"P5 %d %d 65535\n" % (cls.WIDTH, cls.HEIGHT) +
+                          pixels.tobytes())
+
+    def seen_by_opencv(self, *files, view=()):
+        result = run("undistort", self.camera, self.image, "-o", self.path("flat"), *view)
+        self.assert_done(result)
+        result = run(MAPS_PEER, self.image, self.path("flat/image.png"), *map(self.path, files),
+                     program=OPENCV)
+        self.assert_done(result)
+        return json.loads(result.stdout)
+
+    def check_places(self, maps, camera, distance, least):
+        """Places in maps are where `project` sees the view's pixels, but for rounding to 24 bits."""
+        (f, _, cx), (_, _, cy), _ = maps["K"]
+        places = [(x, y) for y in range(0, self.HEIGHT, 3) for x in range(0, self.WIDTH, 2)]
+        points = write(self.path("p.csv"), "x,y,z\n" + "".join(
+            f"{(x - cx) / f * distance!r},{(y - cy) / f * distance!r},{distance}\n"
+            for x, y in places))
+        result = run("project", camera, "--points", points)
+        self.assert_done(result)
+        rows = [line.split(",") for line in result.stdout.split()]
+        self.assertEqual(rows[0], ["x", "y", "z", "u", "v", "valid"])
+        count = 0
+        for (_, _, _, u, v, valid), *place in zip(rows[1:], maps["x"], maps["y"]):
+            self.assertEqual(valid == "1", place != [-1, -1])
+            count += valid == "1"
+            for ours, theirs in zip((u, v), place) if valid == "1" else ():
+                rounding = 2.0 ** (math.floor(math.log2(abs(theirs) + 1e-9)) - 24)
+                self.assertLess(abs(float(ours) - theirs), 1e-6 + rounding)
+        self.assertGreater(count, least)
+
+    @unittest.skipUnless(OPENCV, NO_OPENCV)
+    def test_opencv_sees_what_raygrid_does(self):
+        """With a table of 0.05 px and OpenCV's steps of 1/32 px; half a pixel is seen. More than 10,000
+        places are those of `project`, but for their rounding to 24 bits."""
+        view = ("--hfov", 100, "--max-error-px", 0.05)
+        for model, out in (("float", "m.npz"), ("fixed", "f.npz"), ("float", "m.yaml"),
+                           ("fixed", "f.xml")):
+            told = self.export(self.camera, "--to", "maps", "--model", model, "--hfov", 100,
+                               out=out)
+        self.assertAlmostEqual(told["view"]["hfov_deg"], 100, 6)
+        plain, fixed, *others = self.seen_by_opencv("m.npz", "f.npz", "m.yaml", "f.xml", view=view)
+        shape = [self.HEIGHT, self.WIDTH]
+        self.assertEqual((plain["types"], plain["shapes"]), (["float32"] * 2, [shape] * 2))
+        self.assertEqual((fixed["types"], fixed["shapes"]),
+                         (["int16", "uint16"], [shape + [2], shape]))
+        self.assertEqual(plain["source_size"], [self.WIDTH, self.HEIGHT])
+        self.assertEqual(plain["K"], told["view"]["K"])
+        self.assertEqual(others, [plain, fixed])
+        for maps in (plain, fixed):
+            off, moved = maps["difference"], maps["moved"]
+            self.assertLess(off["max"] / self.GREY_PER_PX, 0.05 + 2 ** 0.5 / 64)
+            self.assertLess(off["rms"] / self.GREY_PER_PX, 0.02)
+            self.assertLess(off["seen_by_one"], 0.001)
+            self.assertGreater(moved["rms"] / self.GREY_PER_PX, 0.2)
+        self.check_places(plain, self.camera, 1, least=10000)
+
+    @unittest.skipUnless(OPENCV, NO_OPENCV)
+    def test_what_is_not_seen_is_border(self):
+        view = ("--alpha", 1, "--size", "200x150")
+        self.export(self.camera, "--to", "maps", *view, out="m.npz")
+        maps, = self.seen_by_opencv("m.npz", view=(*view, "--max-error-px", 0.3))
+        self.assertGreater(maps["unseen"], 0.05)
+        self.assertLess(maps["difference"]["seen_by_one"], 0.005)
+
+    @unittest.skipUnless(OPENCV, NO_OPENCV)
+    def test_cameras_of_lines_show_far_scenes(self):
+        lines = self.simulated_camera("noncentral", f"{self.WIDTH}x{self.HEIGHT}")
+        self.export(lines, "--to", "maps", "--hfov", 80, out="m.npz")
+        maps, = self.seen_by_opencv("m.npz", view=("--hfov", 80))
+        self.check_places(maps, lines, 1e6, least=10000)
+        with self.assertRaises(AssertionError):
+            self.check_places(maps, lines, 1, least=10000)
+
+    def test_the_view_is_that_of_a_blob_or_as_rectified_has_it(self):
+        blob = self.path("v.raygrid")
+        self.assert_done(run("pack", self.camera, "--remap", "64x48,hfov=60", "--max-error-px",
+                             0.3, "-o", blob))
+        told = self.export(blob, "--to", "maps", out="m.npz")
+        self.assertEqual(told["view"]["size"], [64, 48])
+        self.assertAlmostEqual(told["view"]["hfov_deg"], 60, 3)
+        told = self.export(self.camera, "--to", "maps", out="m.npz")
+        view = self.export(self.camera, "--to", "opencv", "--rectified", "--size", "320x240",
+                           "--focal", told["view"]["K"][0][0], out="k.yaml")
+        self.assertTrue(view["cameras"][0]["exact"])
+        told = self.export(self.camera, "--to", "maps", "--projection", "cylindrical", "--hfov",
+                           120, out="m.npz")
+        self.assertEqual(told["view"]["projection"], "cylindrical")
+
+    def test_same_bytes_at_any_time_and_with_any_number_of_threads(self):
+        for threads in (1, 2):
+            self.export(self.camera, "--to", "maps", "--threads", threads, "--size", "64x48",
+                        out=f"t{threads}.npz")
+        self.assertTrue(read(self.path("t1.npz")) == read(self.path("t2.npz")))
+        # Two bytes of time and two of date: 1 January 1980.
+        self.assertEqual(read(self.path("t1.npz"))[10:14], b"\0\0\x21\0")
+
+    def test_what_cannot_be(self):
+        for more, words in ((("--model", "x", "-o", "never/m.npz"), ("--model x", "float, fixed")),
+                            (("-o", "never/m.txt"), ("m.txt", ".npz")),
+                            (("--poses", "p.csv", "-o", "never/m.npz"), ("--poses", "maps")),
+                            (("--address", "4", "-o", "never/m.npz"), ("--address", "maps")),
+                            (("--hfov", "x", "-o", "never/m.npz"), ("--hfov",))):
+            with self.subTest(more):
+                more = [*more[:-1], self.path(more[-1])]
+                self.assert_refused(run("export", self.camera, "--to", "maps", *more), 1, *words)
+        self.assert_nothing_in(self.path("never"))
+        self.assert_refused(run("export", self.path("board.yaml"), "--to", "maps", "-o",
+                                self.path("never/m.npz")), 2, "board.yaml")
 
 
 if __name__ == "__main__":
