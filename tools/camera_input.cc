@@ -15,6 +15,7 @@
 #include "dataset/image_header.h"
 #include "dataset/text_encoding.h"
 #include "exchange/format.h"
+#include "exchange/table_format.h"
 
 namespace raygrid {
 namespace {
@@ -41,6 +42,11 @@ CameraInput ReadCamera(const std::string& path) {
 CameraInput ParseCamera(const std::string& path, const std::string& bytes) {
   CameraInput input;
   if (!IsBlob(path, bytes)) {
+    if (RecognizeTable(bytes))
+      throw InputError(
+          fmt::format("{}: is an archive of arrays; 'raygrid "
+                      "import' makes a camera of rays",
+                      path));
     const Format* format = RecognizeFormat(bytes);
     input.file = format ? ParseForeignCamera(*format, path, bytes)
                         : ParseCameraFile(path, bytes);

@@ -27,7 +27,7 @@ namespace {
 
 struct ExportArguments {
   std::string input, format, model, output, poses;
-  std::string address;
+  std::string address, every;
   std::optional<double> max_fit_error_px;
   bool lists = false, rectified = false;
   ViewWords view;
@@ -326,7 +326,8 @@ std::vector<std::string> GivenOptions(const ExportArguments& arguments) {
         {"max-fit-error", arguments.max_fit_error_px.has_value()},
         {"rectified", arguments.rectified},
         {"poses", !arguments.poses.empty()},
-        {"address", !arguments.address.empty()}})
+        {"address", !arguments.address.empty()},
+        {"every", !arguments.every.empty()}})
     if (is_given) given.push_back(name);
   return given;
 }
@@ -338,7 +339,9 @@ void RequireTaken(const ExportArguments& arguments, const TableFormat* table) {
                                               option, arguments.format));
   };
   for (const std::string& option : GivenOptions(arguments))
-    if (table ? !table->Takes(option) : option == "address") refuse(option);
+    if (table ? !table->Takes(option)
+              : option == "address" || option == "every")
+      refuse(option);
   const std::string word = FirstWord(arguments.view);
   if (table && !table->write_view && !word.empty()) refuse(word);
 }
@@ -374,11 +377,12 @@ void ListTables(bool json, nlohmann::ordered_json* all) {
                     {"holds", format.holds},
                     {"of", format.Source()},
                     {"export", true},
-                    {"import", false},
+                    {"import", format.read_rays != nullptr},
                     {"options", format.options},
                     {"models", format.models}});
     if (!json)
-      fmt::print("{}: {} (export)\n  of: {}{}{}\n", format.name, format.holds,
+      fmt::print("{}: {} ({})\n  of: {}{}{}\n", format.name, format.holds,
+                 format.read_rays ? "export, import" : "export",
                  format.Source(), format.models.empty() ? "" : "; models: ",
                  fmt::join(format.models, ", "));
   }
@@ -455,7 +459,7 @@ void RunExport(const ExportArguments& arguments, const CommonOptions& common) {
   if (table)
     ExportTable(*table,
                 {arguments.input, arguments.output, arguments.model,
-                 arguments.address, arguments.view},
+                 arguments.address, arguments.every, arguments.view},
                 common);
   else
     ExportLenses(arguments, FindWrittenFormat(arguments.format), common);
@@ -471,8 +475,8 @@ void AddExport(CLI::App* app, CommonOptions* common) {
       "nearest lens is, and the error that it leaves at trusted pixels is "
       "told and stored. Where the lens looks elsewhere, rigs turn with it. "
       "Other "
-      "formats are made of a blob, which itself is the binary for flash, or of "
-      "a view, as --rectified has it.",
+      "formats are made of a blob, which itself is the binary for flash, of a "
+      "view, as --rectified has it, or of the rays of all pixels.",
       "raygrid export camera.yaml --to opencv -o calibration.yaml "
       "--max-fit-error 0.5",
       common);
@@ -505,6 +509,11 @@ void AddExport(CLI::App* app, CommonOptions* common) {
       ->add_option("--address", arguments->address,
                    "where in flash the blob is to lie, for formats that say it")
       ->option_text("0x08080000");
+  command
+      ->add_option("--every", arguments->every,
+                   "of rays: the first of so many columns and rows, and the "
+                   "last of all (default: 1)")
+      ->option_text("N");
   command->add_flag("--list", arguments->lists, "list the formats");
   command->callback([arguments, common] { RunExport(*arguments, *common); });
 }

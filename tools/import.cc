@@ -14,6 +14,8 @@
 #include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
 #include "exchange/format.h"
+#include "exchange/table_format.h"
+#include "ray_import.h"
 
 namespace raygrid {
 namespace {
@@ -24,8 +26,9 @@ struct ImportArguments {
 };
 
 ExchangeContents ReadForeignFile(const ImportArguments& arguments,
-                                 const std::string& path) {
-  ReadRequest request = {path, ReadFile(path), arguments.model, std::nullopt};
+                                 const std::string& path,
+                                 const std::string& text) {
+  ReadRequest request = {path, text, arguments.model, std::nullopt};
   if (!arguments.image_size.empty())
     request.size = ParseImageSize("--image-size", arguments.image_size);
   const Format* format =
@@ -48,12 +51,14 @@ ExchangeContents ReadForeignFile(const ImportArguments& arguments,
 // All files together: those of a rig that have a camera each tell their poses,
 // or R and P. Their cameras are named after the files where nothing else
 // names all of them.
-ExchangeContents ReadForeign(const ImportArguments& arguments) {
+ExchangeContents ReadForeign(const ImportArguments& arguments,
+                             const std::vector<std::string>& texts) {
   ExchangeContents all;
   std::vector<std::string> stems;
   std::set<std::string> names;
-  for (const std::string& path : arguments.files) {
-    ExchangeContents contents = ReadForeignFile(arguments, path);
+  for (size_t k = 0; k < arguments.files.size(); ++k) {
+    const std::string& path = arguments.files[k];
+    ExchangeContents contents = ReadForeignFile(arguments, path, texts[k]);
     for (const std::string& remark : contents.remarks)
       all.remarks.push_back(path + ": " + remark);
     for (ReadLens& camera : contents.cameras) {
@@ -82,6 +87,27 @@ ExchangeContents ReadForeign(const ImportArguments& arguments) {
     for (size_t c = 0; c < stems.size(); ++c) all.cameras[c].name = stems[c];
   if (!all.IsRig()) FindPosesOfPair(&all.cameras);
   return all;
+}
+
+// The format of a table that is imported alone; null if it is a lens's.
+const TableFormat* FindTable(const ImportArguments& arguments,
+                             const std::vector<std::string>& texts) {
+  const TableFormat* table = RecognizeTable(texts[0]);
+  if (!table) return nullptr;
+  if (!arguments.from.empty() && arguments.from != table->name)
+    throw InputError(fmt::format("{}: is of the format {}, not {}",
+                                 arguments.files[0], table->name,
+                                 arguments.from));
+  if (!arguments.image_size.empty())
+    throw Error(ExitCode::kUsage,
+                fmt::format("--image-size: the format {} tells it, as "
+                            "image_size",
+                            table->name));
+  if (arguments.files.size() > 1)
+    throw Error(ExitCode::kUsage,
+                fmt::format("{}: a file of {} is imported alone",
+                            arguments.files[1], table->name));
+  return table;
 }
 
 // Names that files can have, all different.
@@ -162,7 +188,15 @@ std::vector<std::pair<std::string, std::string>> FilesOf(
 }
 
 void RunImport(const ImportArguments& arguments, const CommonOptions& common) {
-  const ExchangeContents contents = ReadForeign(arguments);
+  std::vector<std::string> texts;
+  for (const std::string& path : arguments.files)
+    texts.push_back(ReadFile(path));
+  if (const TableFormat* table = FindTable(arguments, texts)) {
+    ImportRays(table->read_rays(arguments.files[0], texts[0]), arguments.model,
+               arguments.output, common);
+    return;
+  }
+  const ExchangeContents contents = ReadForeign(arguments, texts);
   const auto files = FilesOf(arguments, contents);
   std::vector<std::string> paths;
   OutputFiles outputs;
@@ -206,8 +240,8 @@ void AddImport(CLI::App* app, CommonOptions* common) {
       "Another program's camera or rig as a camera.yaml or rig.yaml, exactly. "
       "Other commands take such files as they are, too, if they have one "
       "camera. Files of a camera each are a rig if they tell the poses, or R "
-      "and P as those of a stereo pair do. 'raygrid export --list' names the "
-      "formats.",
+      "and P as those of a stereo pair do. Tables of rays become the grid that "
+      "leaves little of them. 'raygrid export --list' names the formats.",
       "raygrid import calibration.xml -o camera.yaml", common);
   auto arguments = std::make_shared<ImportArguments>();
   command
@@ -224,7 +258,8 @@ void AddImport(CLI::App* app, CommonOptions* common) {
   command->add_option("--from", arguments->from,
                       "the format, where the file does not show it");
   command->add_option("--model", arguments->model,
-                      "the distortion model, where the file does not tell");
+                      "the distortion model, where the file does not tell; of "
+                      "rays central-generic or noncentral-generic");
   command->add_option("--image-size", arguments->image_size,
                       "WxH, where the file does not tell");
   command->callback([arguments, common] { RunImport(*arguments, *common); });

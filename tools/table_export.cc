@@ -130,10 +130,63 @@ ViewTable TableOfView(const TableFormat& format,
   return table;
 }
 
+// The first of every so many pixels along an axis, and the last one.
+std::vector<double> PlacesAlong(int count, int every) {
+  std::vector<double> places;
+  for (int k = 0; k + 1 < count; k += every) places.push_back(k);
+  places.push_back(count - 1);
+  return places;
+}
+
+int ParseEvery(const std::string& text) {
+  int every = 0;
+  const char* const end = text.data() + text.size();
+  const auto [next, fault] = std::from_chars(text.data(), end, every);
+  if (fault != std::errc() || next != end || every < 1)
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("--every {}: expected a number of pixels from 1 on", text));
+  return every;
+}
+
+RayTable TableOfRays(const TableArguments& arguments,
+                     const CommonOptions& common) {
+  const int every = arguments.every.empty() ? 1 : ParseEvery(arguments.every);
+  const CameraInput input = ReadCamera(arguments.input);
+  if (!common.quiet) WarnOfFailedCalibration(arguments.input, input.file);
+  const CameraModel& camera = *input.file.camera;
+  RayTable table;
+  table.path = arguments.output;
+  table.image_size = camera.image_size();
+  table.x = PlacesAlong(table.image_size.width, every);
+  table.y = PlacesAlong(table.image_size.height, every);
+  const Eigen::Vector3d none(NAN, NAN, NAN);
+  table.directions.resize(table.x.size() * table.y.size(), none);
+  if (!camera.IsCentral()) table.origins = table.directions;
+  ParallelFor(static_cast<int>(table.y.size()), NumThreads(common.threads),
+              [&](int row) {
+                for (size_t k = 0; k < table.x.size(); ++k) {
+                  const auto line = camera.Line({table.x[k], table.y[row]});
+                  if (!line) continue;
+                  const size_t index = row * table.x.size() + k;
+                  table.directions[index] = line->direction.normalized();
+                  if (!table.origins.empty())
+                    table.origins[index] = line->origin;
+                }
+              });
+  return table;
+}
+
 TableOutput MakeTable(const TableFormat& format,
                       const TableArguments& arguments,
                       const CommonOptions& common,
                       nlohmann::ordered_json* json) {
+  if (format.write_rays) {
+    const RayTable table = TableOfRays(arguments, common);
+    (*json)["pixels"] = {table.x.size(), table.y.size()};
+    (*json)["central"] = table.origins.empty();
+    return format.write_rays(table);
+  }
   if (format.write_view) {
     VirtualView view;
     const ViewTable table = TableOfView(format, arguments, common, &view);

@@ -13,10 +13,11 @@ struct TableArguments {
   std::string input, output;
   std::string model;
   std::string address;  ///< "0x08080000", or "" if it was not given
+  std::string every;    ///< "8", or ""
   ViewWords view;
 };
 
-/// Writes a format that is made of a blob or a view, and tells what was
+/// Writes a format that is made of a blob, a view or rays, and tells what was
 /// written.
 void ExportTable(const TableFormat& format, const TableArguments& arguments,
                  const CommonOptions& common);

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 #include <zip.h>
 
+#include <algorithm>
+#include <charconv>
 #include <memory>
+#include <regex>
 
 #include "dataset/error.h"
 
@@ -73,6 +76,119 @@ std::string ReadWhole(zip_source_t* source) {
   return bytes;
 }
 
+// ---- Reading ---------------------------------------------------------------
+
+[[noreturn]] void FailToUnzip(const std::string& name, const std::string& why) {
+  throw InputError(
+      fmt::format("{}: cannot be read from the archive: {}", name, why));
+}
+
+// A file's bytes, read as they come: its size may be a lie.
+std::string Unzipped(zip_t* archive, zip_int64_t index,
+                     const std::string& name) {
+  constexpr size_t kChunk = 1 << 20;
+  const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> file(
+      zip_fopen_index(archive, index, 0), zip_fclose);
+  if (!file) FailToUnzip(name, zip_strerror(archive));
+  std::string bytes;
+  while (true) {
+    const size_t size = bytes.size();
+    bytes.resize(size + kChunk);
+    const zip_int64_t count =
+        zip_fread(file.get(), bytes.data() + size, kChunk);
+    if (count < 0) FailToUnzip(name, zip_file_strerror(file.get()));
+    bytes.resize(size + count);
+    if (count == 0) return bytes;
+  }
+}
+
+// The lengths in a tuple of Python's: "480, 640, 3" or "7,".
+std::vector<size_t> ParseShape(const std::string& name,
+                               const std::string& text) {
+  std::vector<size_t> shape;
+  static const std::regex number("\\d+");
+  for (std::sregex_iterator at(text.begin(), text.end(), number), end;
+       at != end; ++at) {
+    const std::string digits = at->str();
+    size_t length = 0;
+    const auto result =
+        std::from_chars(digits.data(), digits.data() + digits.size(), length);
+    if (result.ec != std::errc())
+      throw InputError(name + ": its shape is no shape of an array");
+    shape.push_back(length);
+  }
+  return shape;
+}
+
+// The size of a type's numbers; 0 of types that are not read.
+size_t SizeOfType(const std::string& type) {
+  for (const char* known : {"<f4", "<f8", "<i2", "<u2", "<i4", "<u4", "<i8"})
+    if (type == known) return static_cast<size_t>(type[2] - '0');
+  return 0;
+}
+
+void RequireWhole(const NpyArray& array) {
+  size_t left = array.bytes.size();
+  const size_t size = SizeOfType(array.type);
+  if (size == 0)
+    throw InputError(fmt::format("{}: is of the type '{}'; save it as float64",
+                                 array.name, array.type));
+  bool is_whole = left % size == 0;
+  left /= size;
+  for (const size_t length : array.shape) {
+    is_whole = is_whole && length > 0 && left % length == 0;
+    if (is_whole) left /= length;
+  }
+  if (!is_whole || left != 1)
+    throw InputError(array.name +
+                     ": its numbers are not as many as its shape "
+                     "says");
+}
+
+NpyArray ParseNpy(const std::string& name, const std::string& file) {
+  // The magic word, the version, and the length of the dictionary, in two bytes
+  // or from version 2 on in four.
+  const size_t num_length_bytes = file.size() > 6 && file[6] == 1 ? 2 : 4;
+  const size_t begin = 8 + num_length_bytes;
+  if (file.rfind("\x93NUMPY", 0) != 0 || file.size() < begin)
+    throw InputError(name + ": is no array of numpy");
+  size_t length = 0;
+  for (size_t k = 0; k < num_length_bytes; ++k)
+    length |= static_cast<size_t>(static_cast<uint8_t>(file[8 + k])) << 8 * k;
+  constexpr size_t kLongest = 4096;
+  if (length > kLongest || length > file.size() - begin)
+    throw InputError(name + ": its header is cut or too long");
+  const std::string header = file.substr(begin, length);
+  static const std::regex type("'descr': *'([^']*)'"),
+      order("'fortran_order': *(True|False)"), shape("'shape': *\\(([^)]*)\\)");
+  std::smatch found_type, found_order, found_shape;
+  if (!std::regex_search(header, found_type, type) ||
+      !std::regex_search(header, found_order, order) ||
+      !std::regex_search(header, found_shape, shape))
+    throw InputError(name +
+                     ": its header does not say type and shape of plain "
+                     "numbers");
+  NpyArray array = {name, found_type[1], ParseShape(name, found_shape[1]),
+                    file.substr(begin + length)};
+  if (found_order[1] == "True" && array.shape.size() > 1)
+    throw InputError(name +
+                     ": is in the order of Fortran; save "
+                     "numpy.ascontiguousarray() of it");
+  RequireWhole(array);
+  return array;
+}
+
+template <typename Number>
+std::vector<double> Converted(const NpyArray& array) {
+  std::vector<double> numbers(array.bytes.size() / sizeof(Number));
+  for (size_t k = 0; k < numbers.size(); ++k) {
+    Number number;
+    std::memcpy(&number, &array.bytes[k * sizeof(Number)], sizeof(Number));
+    numbers[k] = static_cast<double>(number);
+  }
+  return numbers;
+}
+
 }  // namespace
 
 std::string WriteNpz(const std::vector<NpyArray>& arrays) {
@@ -92,6 +208,49 @@ std::string WriteNpz(const std::vector<NpyArray>& arrays) {
   if (zip_close(archive.get()) < 0) FailToZip(zip_strerror(archive.get()));
   archive.release();
   return ReadWhole(source.get());
+}
+
+bool IsNpz(const std::string& bytes) {
+  return bytes.rfind("PK\x03\x04", 0) == 0;
+}
+
+std::vector<NpyArray> ReadNpz(const std::string& bytes) {
+  zip_error_t error;
+  zip_error_init(&error);
+  zip_source_t* source =
+      zip_source_buffer_create(bytes.data(), bytes.size(), 0, &error);
+  if (!source) FailToUnzip("it", zip_error_strerror(&error));
+  const std::unique_ptr<zip_t, DiscardZip> archive(
+      zip_open_from_source(source, ZIP_RDONLY | ZIP_CHECKCONS, &error));
+  if (!archive) {
+    zip_source_free(source);
+    throw InputError(fmt::format("is no whole archive of numpy.savez(): {}",
+                                 zip_error_strerror(&error)));
+  }
+  const std::string ending = ".npy";
+  std::vector<NpyArray> arrays;
+  for (zip_int64_t k = 0; k < zip_get_num_entries(archive.get(), 0); ++k) {
+    const char* file = zip_get_name(archive.get(), k, 0);
+    std::string name = file ? file : "";
+    if (name.size() <= ending.size() ||
+        name.compare(name.size() - ending.size(), ending.size(), ending) != 0)
+      continue;
+    name.resize(name.size() - ending.size());
+    arrays.push_back(ParseNpy(name, Unzipped(archive.get(), k, name)));
+  }
+  return arrays;
+}
+
+std::vector<double> NpyNumbers(const NpyArray& array) {
+  using Convert = std::vector<double> (*)(const NpyArray&);
+  static const std::pair<const char*, Convert> kinds[] = {
+      {"<f4", Converted<float>},   {"<f8", Converted<double>},
+      {"<i2", Converted<int16_t>}, {"<u2", Converted<uint16_t>},
+      {"<i4", Converted<int32_t>}, {"<u4", Converted<uint32_t>},
+      {"<i8", Converted<int64_t>}};
+  for (const auto& [type, convert] : kinds)
+    if (array.type == type) return convert(array);
+  throw InputError(array.name + ": is of a type that is not read");
 }
 
 }  // namespace raygrid

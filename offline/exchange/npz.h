@@ -22,6 +22,8 @@ inline const char* TypeName(double) { return "<f8"; }
 inline const char* TypeName(int16_t) { return "<i2"; }
 inline const char* TypeName(uint16_t) { return "<u2"; }
 inline const char* TypeName(int32_t) { return "<i4"; }
+inline const char* TypeName(uint32_t) { return "<u4"; }
+inline const char* TypeName(int64_t) { return "<i8"; }
 }  // namespace npz_internal
 
 /// An array of the numbers at values, as many as the shape has.
@@ -37,6 +39,17 @@ NpyArray MakeNpyArray(const std::string& name, std::vector<size_t> shape,
 
 /// A file of numpy.savez() with these arrays, the same bytes at any time.
 std::string WriteNpz(const std::vector<NpyArray>& arrays);
+
+/// Whether bytes begin as an archive.
+bool IsNpz(const std::string& bytes);
+
+/// The arrays of a file of numpy.savez() or numpy.savez_compressed(), in the
+/// order of C. Throws InputError without the file's name.
+std::vector<NpyArray> ReadNpz(const std::string& bytes);
+
+/// The numbers of an array of any type that TypeName() has. Throws InputError
+/// for other types.
+std::vector<double> NpyNumbers(const NpyArray& array);
 
 }  // namespace raygrid
 

@@ -41,6 +41,17 @@ struct ViewTable {
   std::optional<Eigen::Vector2d> At(int x, int y) const;
 };
 
+/// The rays of a camera's pixels, in camera axes and metres.
+struct RayTable {
+  std::string path;
+  ImageSize image_size;
+  std::vector<double> x, y;  ///< of the columns and rows, in pixels
+  /// Unit vectors, row by row; NaN where a pixel has no ray.
+  std::vector<Eigen::Vector3d> directions;
+  /// Points of the rays; none if all rays begin at the origin.
+  std::vector<Eigen::Vector3d> origins;
+};
+
 /// The files that were made, paths and contents, and a line for the user.
 struct TableOutput {
   std::vector<std::pair<std::string, std::string>> files;
@@ -59,6 +70,13 @@ struct TableFormat {
   /// The source is the function that is not null. Throws Error(kUsage).
   TableOutput (*write_blob)(const BlobTable& blob) = nullptr;
   TableOutput (*write_view)(const ViewTable& view) = nullptr;
+  TableOutput (*write_rays)(const RayTable& rays) = nullptr;
+
+  /// Null if the format is only written. Whether bytes are of this format, and
+  /// what they hold; the latter throws InputError, naming the file.
+  bool (*recognizes)(const std::string& bytes) = nullptr;
+  RayTable (*read_rays)(const std::string& path,
+                        const std::string& bytes) = nullptr;
 
   bool Takes(const std::string& option) const;
   /// "a blob", for --list and errors.
@@ -69,6 +87,8 @@ const std::vector<TableFormat>& TableFormats();
 
 /// Null if there is none of this name.
 const TableFormat* FindTableFormat(const std::string& name);
+/// The format that can be read and that a file's bytes are of; null if none is.
+const TableFormat* RecognizeTable(const std::string& bytes);
 
 /// The names of all formats that are written, those of lenses first.
 std::string WrittenFormatNames();

@@ -4,13 +4,14 @@
 #include "exchange/format.h"
 #include "exchange/intel_hex_format.h"
 #include "exchange/maps_format.h"
+#include "exchange/rays_format.h"
 #include "exchange/table_format.h"
 
 namespace raygrid {
 
 const std::vector<TableFormat>& TableFormats() {
   static const std::vector<TableFormat> formats = {
-      CArrayFormat(), IntelHexFormat(), MapsFormat()};
+      CArrayFormat(), IntelHexFormat(), MapsFormat(), RaysFormat()};
   return formats;
 }
 
@@ -20,12 +21,20 @@ const TableFormat* FindTableFormat(const std::string& name) {
   return nullptr;
 }
 
+const TableFormat* RecognizeTable(const std::string& bytes) {
+  for (const TableFormat& format : TableFormats())
+    if (format.recognizes && format.recognizes(bytes)) return &format;
+  return nullptr;
+}
+
 bool TableFormat::Takes(const std::string& option) const {
   return std::find(options.begin(), options.end(), option) != options.end();
 }
 
 std::string TableFormat::Source() const {
-  return write_blob ? "a blob" : "a view of a camera";
+  return write_blob   ? "a blob"
+         : write_view ? "a view of a camera"
+                      : "the rays of a camera's pixels";
 }
 
 std::optional<Eigen::Vector2d> ViewTable::At(int x, int y) const {

@@ -19,6 +19,7 @@ BOARD_COMPILERS = [name for name in ("arm-none-eabi-gcc",) if shutil.which(name)
 WARNINGS = ("-Wall", "-Wextra", "-pedantic", "-Werror")
 
 MAPS_PEER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "maps_peer.py")
+RAYS_PEER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "rays_peer.py")
 OPENCV = next((python for python in (sys.executable, "/usr/bin/python3") if subprocess.run(
     [python, "-c", "import cv2"], capture_output=True, check=False).returncode == 0), None)
 NO_OPENCV = "no Python has cv2; 'tools/install_packages tests' installs it"
@@ -151,6 +152,8 @@ class Blobs(TableTest):
                   json.loads(run("export", "--list", "--json").stdout)}
         self.assertEqual((listed["c"]["of"], listed["hex"]["options"]), ("a blob", ["address"]))
         self.assertEqual(listed["maps"]["models"], ["float", "fixed"])
+        self.assertEqual([name for name, entry in listed.items() if entry["of"] != "a lens" and
+                          entry["import"]], ["rays"])
         text = run("export", "--list").stdout
         for entry in listed.values():
             self.assertIn(entry["name"] + ": " + entry["holds"], text)
@@ -277,6 +280,131 @@ class Maps(TableTest):
         self.assert_nothing_in(self.path("never"))
         self.assert_refused(run("export", self.path("board.yaml"), "--to", "maps", "-o",
                                 self.path("never/m.npz")), 2, "board.yaml")
+
+
+@unittest.skipUnless(OPENCV, NO_OPENCV)
+class Rays(TableTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.camera = cls.simulated_camera("wide")
+
+    def numpy(self, rays):
+        """What numpy says of rays, which it saves again in many ways."""
+        result = run(RAYS_PEER, self.path(rays), self.folder, program=OPENCV)
+        self.assert_done(result)
+        return json.loads(result.stdout)
+
+    def imported(self, rays, *more):
+        result = run("import", self.path(rays), "-o", self.path("camera.yaml"), "--json", *more)
+        self.assert_done(result)
+        told, = json.loads(result.stdout)["cameras"]
+        return told, result.stderr
+
+    def distance(self, camera):
+        """Of the imported camera from another one, which may not turn or move: largest and RMS."""
+        pixels = [(x, y) for x in range(3, 157, 7) for y in range(2, 118, 5)]
+        text = "x,y\n" + "".join(f"{x},{y}\n" for x, y in pixels)
+        result = run("unproject", camera, "--pixels", write(self.path("p.csv"), text), "--json")
+        self.assert_done(result)
+        rows = [row for row in json.loads(result.stdout) if row["dx"] is not None]
+        points = "x,y,z\n" + "".join(
+            ",".join(repr(row.get("o" + axis, 0) + row["d" + axis]) for axis in "xyz") + "\n"
+            for row in rows)
+        result = run("project", self.path("camera.yaml"), "--points",
+                     write(self.path("q.csv"), points), "--json")
+        self.assert_done(result)
+        seen = json.loads(result.stdout)
+        self.assertTrue(all(row["valid"] for row in seen))
+        errors = [math.dist((a["x"], a["y"]), (b["u"], b["v"])) for a, b in zip(rows, seen)]
+        return max(errors), math.sqrt(sum(error ** 2 for error in errors) / len(errors))
+
+    def test_numpy_reads_the_rays(self):
+        self.export(self.camera, "--to", "rays", "--every", 7, out="r.npz")
+        told = self.numpy("r.npz")
+        self.assertEqual((told["directions"], told["x"], told["y"], told["image_size"]),
+                         (["float64", [18, 24, 3]], ["float64", [24]], ["float64", [18]],
+                          ["int32", [2]]))
+        pixels = write(self.path("p.csv"), "x,y\n" + "".join(
+            f"{min(7 * k, 159)},0\n" for k in range(24)))
+        result = run("unproject", self.camera, "--pixels", pixels, "--json")
+        for row, theirs in zip(json.loads(result.stdout), told["directions_of_first_row"]):
+            self.assertLess(math.dist([row["dx"], row["dy"], row["dz"]], theirs), 1e-8)
+        again = self.path("same.npz")
+        for out in ("r.npz", "same.npz"):
+            self.export(self.camera, "--to", "rays", "--threads", 1 + (out == "r.npz"), out=out)
+        self.assertTrue(read(self.path("r.npz")) == read(again))
+
+    def test_import_after_export_is_nearly_the_camera(self):
+        """With the error that is told; half a pixel is found."""
+        self.export(self.camera, "--to", "rays", out="r.npz")
+        told, _ = self.imported("r.npz")
+        self.assertEqual((told["model"], told["image_size"]), ("central-generic", [160, 120]))
+        self.assertLess(told["fit"]["rms_px"], 0.002)
+        largest, rms = self.distance(self.camera)
+        self.assertLess(largest, 1.2 * told["fit"]["max_px"])
+        self.assertLess(rms, 1.5 * told["fit"]["rms_px"])
+        self.numpy("r.npz")
+        self.imported("moved.npz")
+        self.assertAlmostEqual(self.distance(self.camera)[1], 0.5, 2)
+
+    def test_lines_that_do_not_meet_stay_lines(self):
+        lines = self.simulated_camera("noncentral")
+        self.export(lines, "--to", "rays", out="r.npz")
+        self.assertEqual(self.numpy("r.npz")["origins"], ["float64", [120, 160, 3]])
+        told, _ = self.imported("r.npz")
+        self.assertEqual(told["model"], "noncentral-generic")
+        self.assertLess(told["fit"]["rms_px"], 0.003)
+        self.assertLess(self.distance(lines)[0], 1.2 * told["fit"]["max_px"])
+        told, _ = self.imported("r.npz", "--model", "central-generic")
+        self.assertEqual(told["model"], "central-generic")
+        self.assertGreater(told["fit"]["rms_px"], 0.003)
+
+    def test_tables_of_other_programs(self):
+        """Directions alone, of any length, as float32 and compressed; a circle of pixels."""
+        self.export(self.camera, "--to", "rays", out="r.npz")
+        self.numpy("r.npz")
+        told, _ = self.imported("plain.npz")
+        self.assertLess(self.distance(self.camera)[0], 1.2 * told["fit"]["max_px"] + 1e-4)
+        told, remarks = self.imported("circle.npz")
+        self.assertLess(told["fit"]["rms_px"], 0.002)
+        self.assertIn("22.7 %", remarks)
+
+    def test_what_cannot_be(self):
+        self.export(self.camera, "--to", "rays", "--every", 4, out="r.npz")
+        self.numpy("r.npz")
+        for way, words in (("y_up", ("mirrored", "y down")), ("opengl", ("backwards", "z forward")),
+                           ("fortran", ("Fortran", "ascontiguousarray")),
+                           ("big_endian", (">f8", "float64")), ("none", ("0 pixels",)),
+                           ("flat", ("rows x columns x 3",)), ("two", ("x 2 instead of",)),
+                           ("other_name", ("'directions'",)), ("places", ("x: places",)),
+                           ("few_places", ("y: has",)), ("small", ("image_size",)),
+                           ("huge", ("16384",)), ("objects", ("directions",))):
+            with self.subTest(way):
+                self.assert_refused(run("import", self.path(way + ".npz"), "-o",
+                                        self.path("never/c.yaml")), 2, way + ".npz: ", *words)
+        good = read(self.path("r.npz"))
+        for name, contents in (("cut", good[:-40]), ("short", good[:9]),
+                               ("wrong", good[:900] + b"xyz" + good[903:])):
+            with self.subTest(name):
+                self.assert_refused(run("import", write(self.path("bad.npz"), contents), "-o",
+                                        self.path("never/c.yaml")), 2, "bad.npz: ")
+        rays, never = self.path("r.npz"), self.path("never/c.yaml")
+        for arguments, code, words in (
+                (("export", rays, "--to", "ros", "-o", never), 2, ("r.npz", "raygrid import")),
+                (("import", rays, "-o", never, "--model", "opencv"), 1, ("central-generic", "fit")),
+                (("import", rays, "-o", never, "--from", "ros"), 2, ("rays", "ros")),
+                (("import", rays, "-o", never, "--image-size", "8x8"), 1, ("--image-size",)),
+                (("import", rays, rays, "-o", never), 1, ("alone",)),
+                (("export", self.camera, "--to", "rays", "-o", never), 1, (".npz",)),
+                (("export", self.camera, "--to", "rays", "--every", "0", "-o", never), 1,
+                 ("--every",)),
+                (("export", self.camera, "--to", "ros", "--every", "2", "-o", never), 1,
+                 ("--every", "ros"))):
+            with self.subTest(arguments):
+                self.assert_refused(run(*arguments), code, *words)
+        self.assert_nothing_in(self.path("never"))
+        self.assert_refused(run("import", rays, "-o", rays), 7, "replace the input")
 
 
 if __name__ == "__main__":

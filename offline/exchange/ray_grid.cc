@@ -1,0 +1,218 @@
+#include "exchange/ray_grid.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "camera/noncentral_generic.h"
+#include "camera/stereographic.h"
+#include "dataset/error.h"
+#include "dataset/parallel_for.h"
+
+namespace raygrid {
+namespace {
+
+constexpr char kCentral[] = "central-generic",
+               kNonCentral[] = "noncentral-generic";
+
+// A pixel and its ray.
+struct RaySample {
+  Eigen::Vector2d pixel;
+  Eigen::Vector3d direction, origin;
+};
+
+// All rays, or of larger tables every n-th of rows and columns with the last.
+std::vector<RaySample> SamplesOf(const RayTable& rays) {
+  constexpr size_t kMostAlong = 320;
+  const size_t step =
+      std::max<size_t>(1, std::max(rays.x.size(), rays.y.size()) / kMostAlong);
+  const auto is_taken = [&](size_t k, size_t count) {
+    return k % step == 0 || k + 1 == count;
+  };
+  std::vector<RaySample> samples;
+  for (size_t row = 0; row < rays.y.size(); ++row)
+    for (size_t column = 0; column < rays.x.size(); ++column) {
+      const size_t k = row * rays.x.size() + column;
+      if (!is_taken(row, rays.y.size()) || !is_taken(column, rays.x.size()) ||
+          !rays.directions[k].allFinite())
+        continue;
+      samples.push_back(
+          {{rays.x[column], rays.y[row]},
+           rays.directions[k],
+           rays.origins.empty() ? Eigen::Vector3d(0, 0, 0) : rays.origins[k]});
+    }
+  return samples;
+}
+
+void RequireCameraAxes(const RayTable& rays,
+                       const std::vector<RaySample>& samples) {
+  constexpr size_t kFewest = 16;
+  constexpr double kBackwards = -0.998;
+  Eigen::Vector3d mean(0, 0, 0);
+  double lowest = 1;
+  for (const RaySample& sample : samples) {
+    mean += sample.direction;
+    lowest = std::min(lowest, sample.direction.z());
+  }
+  if (samples.size() < kFewest)
+    throw InputError(
+        fmt::format("{}: has directions of {} pixels, too few for "
+                    "a camera",
+                    rays.path, samples.size()));
+  if (!(mean.z() > 0) || lowest < kBackwards)
+    throw InputError(
+        fmt::format("{}: directions look backwards; axes are x to "
+                    "the right, y down, z forward",
+                    rays.path));
+}
+
+// The lines of a table meet at the origin.
+bool IsCentralTable(const std::vector<RaySample>& samples) {
+  constexpr double kNothingM = 1e-9;
+  return std::all_of(samples.begin(), samples.end(), [](const RaySample& ray) {
+    return ray.origin.cross(ray.direction).norm() <= kNothingM;
+  });
+}
+
+std::string ModelOfTable(const std::string& model,
+                         const std::vector<RaySample>& samples) {
+  if (model.empty()) return IsCentralTable(samples) ? kCentral : kNonCentral;
+  if (model == kCentral || model == kNonCentral) return model;
+  throw Error(ExitCode::kUsage,
+              fmt::format("--model {}: rays become {} or {}; 'raygrid fit' "
+                          "makes other models of these",
+                          model, kCentral, kNonCentral));
+}
+
+BSplineSurface SurfaceOf(const Area& area, int columns, int rows,
+                         const std::vector<RaySample>& samples,
+                         Eigen::Vector2d (*value)(const RaySample&)) {
+  std::vector<SurfaceSample> points;
+  points.reserve(samples.size());
+  for (const RaySample& sample : samples)
+    points.push_back({sample.pixel, value(sample)});
+  return FitSurface(area, columns, rows, points);
+}
+
+std::unique_ptr<CameraModel> FitGridTo(const RayTable& rays,
+                                       const std::vector<RaySample>& samples,
+                                       const Area& area, int columns, int rows,
+                                       bool is_central) {
+  const auto surface = [&](Eigen::Vector2d (*value)(const RaySample&)) {
+    return SurfaceOf(area, columns, rows, samples, value);
+  };
+  const BSplineSurface directions =
+      surface([](const RaySample& ray) { return ToChart(ray.direction); });
+  if (MostlyHandedness(directions) < 0)
+    throw InputError(
+        fmt::format("{}: its image is mirrored; axes are x to the "
+                    "right, y down, z forward",
+                    rays.path));
+  if (is_central)
+    return std::make_unique<CentralGeneric>(rays.image_size, directions);
+  const BSplineSurface xy = surface([](const RaySample& ray) {
+    return Eigen::Vector2d(ray.origin.head<2>());
+  });
+  const BSplineSurface z = surface(
+      [](const RaySample& ray) { return Eigen::Vector2d(ray.origin.z(), 0); });
+  std::vector<Eigen::Vector3d> points;
+  for (int k = 0; k < xy.num_points(); ++k)
+    points.emplace_back(xy.points()[k].x(), xy.points()[k].y(),
+                        z.points()[k].x());
+  return std::make_unique<NonCentralGeneric>(rays.image_size, directions,
+                                             std::move(points));
+}
+
+// The camera's errors at the samples. A ray that it does not see counts as far
+// off.
+void MeasureGrid(const std::vector<RaySample>& samples, int num_threads,
+                 RayGrid* grid) {
+  constexpr double kUnseenPx = 100, kMarginPx = 2, kDistanceM = 1;
+  constexpr int kBatch = 1024;
+  std::vector<double> errors(samples.size());
+  const int num_batches =
+      static_cast<int>((samples.size() + kBatch - 1) / kBatch);
+  ParallelFor(num_batches, NumThreads(num_threads), [&](int batch) {
+    const size_t begin = static_cast<size_t>(batch) * kBatch;
+    for (size_t k = begin; k < std::min(samples.size(), begin + kBatch); ++k) {
+      const RaySample& ray = samples[k];
+      const auto seen = grid->camera->Project(
+          ray.origin + kDistanceM * ray.direction, &ray.pixel, kMarginPx);
+      errors[k] = seen ? (*seen - ray.pixel).norm() : kUnseenPx;
+    }
+  });
+  double sum = 0;
+  grid->max_px = 0;
+  for (const double error : errors) {
+    sum += error * error;
+    grid->max_px = std::max(grid->max_px, error);
+  }
+  grid->rms_px = std::sqrt(sum / static_cast<double>(errors.size()));
+  grid->num_pixels = errors.size();
+}
+
+Area AreaOf(const std::vector<RaySample>& samples) {
+  const Eigen::Vector2d& first = samples.front().pixel;
+  Area area = {first.x(), first.y(), first.x(), first.y()};
+  for (const RaySample& sample : samples) area.Extend(sample.pixel);
+  return area;
+}
+
+// Control points along the longer axis with four samples in each cell.
+int MostPointsAlong(const Area& area, const std::vector<RaySample>& samples) {
+  const double sample_px = std::sqrt(area.width() * area.height() /
+                                     static_cast<double>(samples.size()));
+  return 3 + static_cast<int>(std::max(area.width(), area.height()) /
+                              (2 * sample_px));
+}
+
+// Control points along an axis of a grid that has so many along the longer one.
+int PointsAlong(double extent, double longest, int along) {
+  return 3 + std::max(1, static_cast<int>(
+                             std::lround((along - 3) * extent / longest)));
+}
+
+double PartWithoutRays(const RayTable& rays) {
+  const auto count = std::count_if(
+      rays.directions.begin(), rays.directions.end(),
+      [](const Eigen::Vector3d& ray) { return !ray.allFinite(); });
+  return static_cast<double>(count) /
+         static_cast<double>(rays.directions.size());
+}
+
+}  // namespace
+
+RayGrid FitRayGrid(const RayTable& rays, const std::string& model,
+                   int num_threads) {
+  constexpr double kNearEnoughPx = 0.002, kAsGood = 1.25;
+  constexpr int kFewest = 8, kMost = 96;
+  const std::vector<RaySample> samples = SamplesOf(rays);
+  RequireCameraAxes(rays, samples);
+  const bool is_central = ModelOfTable(model, samples) == kCentral;
+  const Area area = AreaOf(samples);
+  const double longest = std::max(area.width(), area.height());
+  const int most = std::clamp(MostPointsAlong(area, samples), kFewest, kMost);
+  std::vector<RayGrid> grids;
+  for (int along = kFewest; along <= most; along += along / 2) {
+    RayGrid grid;
+    grid.columns = PointsAlong(area.width(), longest, along);
+    grid.rows = PointsAlong(area.height(), longest, along);
+    grid.camera =
+        FitGridTo(rays, samples, area, grid.columns, grid.rows, is_central);
+    MeasureGrid(samples, num_threads, &grid);
+    grids.push_back(std::move(grid));
+    if (grids.back().rms_px < kNearEnoughPx) break;
+  }
+  double least_px = grids.front().rms_px;
+  for (const RayGrid& grid : grids) least_px = std::min(least_px, grid.rms_px);
+  const double enough_px = std::max(kNearEnoughPx, kAsGood * least_px);
+  RayGrid best = std::move(*std::find_if(
+      grids.begin(), grids.end(),
+      [&](const RayGrid& grid) { return grid.rms_px <= enough_px; }));
+  best.part_without_rays = PartWithoutRays(rays);
+  return best;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,180 @@
+#include "exchange/rays_format.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "dataset/error.h"
+#include "dataset/image_header.h"
+#include "exchange/npz.h"
+#include "exchange/pixel_origin.h"
+
+namespace raygrid {
+namespace {
+
+// Vectors of all pixels as three numbers each.
+NpyArray ArrayOfVectors(const std::string& name, const RayTable& rays,
+                        const std::vector<Eigen::Vector3d>& vectors) {
+  return MakeNpyArray(name, {rays.y.size(), rays.x.size(), 3},
+                      vectors.front().data());
+}
+
+std::vector<double> ToProgramAxis(std::vector<double> places) {
+  for (double& place : places)
+    place = ToProgram(PixelOrigin::kFirstPixelCenter, {place, 0}).x();
+  return places;
+}
+
+TableOutput WriteRays(const RayTable& rays) {
+  if (std::filesystem::path(rays.path).extension() != ".npz")
+    throw Error(ExitCode::kUsage,
+                fmt::format("-o {}: rays writes .npz", rays.path));
+  const int32_t size[] = {rays.image_size.width, rays.image_size.height};
+  const std::vector<double> x = ToProgramAxis(rays.x),
+                            y = ToProgramAxis(rays.y);
+  std::vector<NpyArray> arrays = {
+      MakeNpyArray("image_size", {2}, size),
+      MakeNpyArray("x", {x.size()}, x.data()),
+      MakeNpyArray("y", {y.size()}, y.data()),
+      ArrayOfVectors("directions", rays, rays.directions)};
+  if (!rays.origins.empty())
+    arrays.push_back(ArrayOfVectors("origins", rays, rays.origins));
+  return {{{rays.path, WriteNpz(arrays)}},
+          fmt::format(
+              "{} of {} x {} pixels, unit vectors{}",
+              rays.origins.empty() ? "directions" : "directions and origins",
+              rays.x.size(), rays.y.size(),
+              rays.origins.empty() ? "" : " and metres")};
+}
+
+// ---- Reading ---------------------------------------------------------------
+
+const NpyArray* FindArray(const std::vector<NpyArray>& arrays,
+                          const std::string& name) {
+  for (const NpyArray& array : arrays)
+    if (array.name == name) return &array;
+  return nullptr;
+}
+
+std::vector<double> NumbersOf(const NpyArray& array, size_t num_axes) {
+  if (array.shape.size() != num_axes)
+    throw InputError(fmt::format("{}: has {} axes instead of {}", array.name,
+                                 array.shape.size(), num_axes));
+  return NpyNumbers(array);
+}
+
+// Vectors in as many rows and columns as the table has.
+std::vector<Eigen::Vector3d> VectorsOf(const NpyArray& array, size_t rows,
+                                       size_t columns) {
+  const std::vector<double> numbers = NumbersOf(array, 3);
+  if (array.shape != std::vector<size_t>{rows, columns, 3})
+    throw InputError(fmt::format("{}: is {} x {} x {} instead of {} x {} x 3",
+                                 array.name, array.shape[0], array.shape[1],
+                                 array.shape[2], rows, columns));
+  std::vector<Eigen::Vector3d> vectors(rows * columns);
+  for (size_t k = 0; k < vectors.size(); ++k)
+    vectors[k] = {numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2]};
+  return vectors;
+}
+
+// The places of columns or rows: all pixels, if the file does not say.
+std::vector<double> PlacesOf(const std::vector<NpyArray>& arrays,
+                             const std::string& name, size_t count) {
+  std::vector<double> places(count);
+  for (size_t k = 0; k < count; ++k) places[k] = static_cast<double>(k);
+  const NpyArray* array = FindArray(arrays, name);
+  if (array) places = NumbersOf(*array, 1);
+  if (places.size() != count)
+    throw InputError(fmt::format("{}: has {} places for {} of directions", name,
+                                 places.size(), count));
+  for (double& place : places) {
+    if (!std::isfinite(place))
+      throw InputError(fmt::format("{}: a place is no number", name));
+    place = FromProgram(PixelOrigin::kFirstPixelCenter, {place, 0}).x();
+  }
+  for (size_t k = 1; k < count; ++k)
+    if (!(places[k] > places[k - 1]))
+      throw InputError(fmt::format("{}: places do not grow", name));
+  return places;
+}
+
+// The size that the file says, or that which the last places need.
+ImageSize SizeOf(const std::vector<NpyArray>& arrays, const RayTable& rays) {
+  double width = std::floor(rays.x.back()) + 1,
+         height = std::floor(rays.y.back()) + 1;
+  if (const NpyArray* array = FindArray(arrays, "image_size")) {
+    const std::vector<double> size = NumbersOf(*array, 1);
+    if (size.size() != 2 || !(size[0] >= width) || !(size[1] >= height))
+      throw InputError(
+          "image_size: is not width and height of an image that "
+          "has the pixels x, y");
+    width = size[0];
+    height = size[1];
+  }
+  constexpr double kFarAway = 1e9;
+  const std::string why =
+      rays.x.front() < 0 || rays.y.front() < 0
+          ? "x, y: places before the first pixel, (0, 0)"
+          : WhySizeIsRefused(static_cast<uint64_t>(std::min(width, kFarAway)),
+                             static_cast<uint64_t>(std::min(height, kFarAway)));
+  if (!why.empty()) throw InputError(why);
+  return {static_cast<int>(width), static_cast<int>(height)};
+}
+
+// Directions as unit vectors; none where one, or its origin, is no number.
+void TakeUnitVectors(RayTable* rays) {
+  for (size_t k = 0; k < rays->directions.size(); ++k) {
+    Eigen::Vector3d& direction = rays->directions[k];
+    direction.normalize();
+    if (!direction.allFinite() || !(direction.norm() > 0.5) ||
+        (!rays->origins.empty() && !rays->origins[k].allFinite()))
+      direction.setConstant(NAN);
+  }
+}
+
+RayTable RaysOf(const std::vector<NpyArray>& arrays) {
+  const NpyArray* directions = FindArray(arrays, "directions");
+  if (!directions)
+    throw InputError("has no array 'directions' of rows x columns x 3");
+  if (directions->shape.size() != 3 || directions->shape[0] < 2 ||
+      directions->shape[1] < 2)
+    throw InputError("directions: expected rows x columns x 3 numbers");
+  RayTable rays;
+  rays.y = PlacesOf(arrays, "y", directions->shape[0]);
+  rays.x = PlacesOf(arrays, "x", directions->shape[1]);
+  rays.image_size = SizeOf(arrays, rays);
+  rays.directions = VectorsOf(*directions, rays.y.size(), rays.x.size());
+  if (const NpyArray* origins = FindArray(arrays, "origins"))
+    rays.origins = VectorsOf(*origins, rays.y.size(), rays.x.size());
+  TakeUnitVectors(&rays);
+  return rays;
+}
+
+RayTable ReadRays(const std::string& path, const std::string& bytes) {
+  try {
+    RayTable rays = RaysOf(ReadNpz(bytes));
+    rays.path = path;
+    return rays;
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", path, error.what()));
+  }
+}
+
+}  // namespace
+
+TableFormat RaysFormat() {
+  TableFormat format;
+  format.name = "rays";
+  format.holds =
+      "numpy: directions of pixels, and points of the lines of a non-central "
+      "camera, in .npz";
+  format.options = {"every"};
+  format.write_rays = WriteRays;
+  format.recognizes = IsNpz;
+  format.read_rays = ReadRays;
+  return format;
+}
+
+}  // namespace raygrid

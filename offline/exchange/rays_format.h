@@ -1,0 +1,13 @@
+#ifndef RAYGRID_EXCHANGE_RAYS_FORMAT_H
+#define RAYGRID_EXCHANGE_RAYS_FORMAT_H
+
+#include "exchange/table_format.h"
+
+namespace raygrid {
+
+/// The ray of each pixel, as arrays of numpy.
+TableFormat RaysFormat();
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_RAYS_FORMAT_H

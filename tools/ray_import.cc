@@ -1,0 +1,64 @@
+#include "ray_import.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "dataset/camera_file.h"
+#include "dataset/files.h"
+#include "dataset/text_encoding.h"
+#include "exchange/ray_grid.h"
+
+namespace raygrid {
+namespace {
+
+std::vector<std::string> RemarksOn(const RayGrid& grid) {
+  if (grid.part_without_rays == 0) return {};
+  return {
+      fmt::format("{:.1f} % of the pixels have no ray; those between others "
+                  "get one that goes on smoothly",
+                  100 * grid.part_without_rays)};
+}
+
+nlohmann::ordered_json GridJson(const RayGrid& grid) {
+  const ImageSize& size = grid.camera->image_size();
+  return {{"name", ""},
+          {"model", grid.camera->Name()},
+          {"as", "rays"},
+          {"image_size", {size.width, size.height}},
+          {"control_points", {grid.columns, grid.rows}},
+          {"fit",
+           {{"rms_px", grid.rms_px},
+            {"max_px", grid.max_px},
+            {"pixels", grid.num_pixels}}}};
+}
+
+}  // namespace
+
+void ImportRays(const RayTable& rays, const std::string& model,
+                const std::string& output, const CommonOptions& common) {
+  RequireNoInputReplaced({rays.path}, {output});
+  RayGrid grid = FitRayGrid(rays, model, common.threads);
+  const std::vector<std::string> remarks = RemarksOn(grid);
+  const nlohmann::ordered_json told = GridJson(grid);
+  const std::string text = fmt::format(
+      "{}: {} of {} x {} px, {} x {} control points, RMS {:.4g} px, largest "
+      "{:.4g} px at {} pixels\n",
+      Printable(output), grid.camera->Name(), rays.image_size.width,
+      rays.image_size.height, grid.columns, grid.rows, grid.rms_px, grid.max_px,
+      grid.num_pixels);
+  CameraFile file;
+  file.camera = std::move(grid.camera);
+  WriteFile(output, FormatCameraFile(file, Digits::kAll));
+  for (const std::string& remark : remarks)
+    fmt::print(stderr, "raygrid: {}\n", remark);
+  if (common.json)
+    fmt::print("{}\n",
+               nlohmann::ordered_json{
+                   {"rig", false}, {"cameras", {told}}, {"remarks", remarks}}
+                   .dump(2));
+  else if (!common.quiet)
+    fmt::print("{}", text);
+}
+
+}  // namespace raygrid
