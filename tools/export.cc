@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "camera_input.h"
 #include "commands.h"
@@ -29,7 +30,7 @@ struct ExportArguments {
   std::string input, format, model, output, poses;
   std::string address, every;
   std::optional<double> max_fit_error_px;
-  bool lists = false, rectified = false;
+  bool lists = false, rectified = false, is_reverse = false;
   ViewWords view;
 };
 
@@ -327,7 +328,8 @@ std::vector<std::string> GivenOptions(const ExportArguments& arguments) {
         {"rectified", arguments.rectified},
         {"poses", !arguments.poses.empty()},
         {"address", !arguments.address.empty()},
-        {"every", !arguments.every.empty()}})
+        {"every", !arguments.every.empty()},
+        {"reverse", arguments.is_reverse}})
     if (is_given) given.push_back(name);
   return given;
 }
@@ -338,9 +340,10 @@ void RequireTaken(const ExportArguments& arguments, const TableFormat* table) {
     throw Error(ExitCode::kUsage, fmt::format("--{}: --to {} does not take it",
                                               option, arguments.format));
   };
+  static const std::set<std::string> of_lenses = {"model", "max-fit-error",
+                                                  "rectified", "poses"};
   for (const std::string& option : GivenOptions(arguments))
-    if (table ? !table->Takes(option)
-              : option == "address" || option == "every")
+    if (table ? !table->Takes(option) : of_lenses.count(option) == 0)
       refuse(option);
   const std::string word = FirstWord(arguments.view);
   if (table && !table->write_view && !word.empty()) refuse(word);
@@ -457,10 +460,11 @@ void RunExport(const ExportArguments& arguments, const CommonOptions& common) {
   const TableFormat* table = FindTableFormat(arguments.format);
   RequireTaken(arguments, table);
   if (table)
-    ExportTable(*table,
-                {arguments.input, arguments.output, arguments.model,
-                 arguments.address, arguments.every, arguments.view},
-                common);
+    ExportTable(
+        *table,
+        {arguments.input, arguments.output, arguments.model, arguments.address,
+         arguments.every, arguments.view, arguments.is_reverse},
+        common);
   else
     ExportLenses(arguments, FindWrittenFormat(arguments.format), common);
 }
@@ -509,6 +513,9 @@ void AddExport(CLI::App* app, CommonOptions* common) {
       ->add_option("--address", arguments->address,
                    "where in flash the blob is to lie, for formats that say it")
       ->option_text("0x08080000");
+  command->add_flag("--reverse", arguments->is_reverse,
+                    "of a view's maps: the other direction, from pictures of "
+                    "the view to images of the camera");
   command
       ->add_option("--every", arguments->every,
                    "of rays: the first of so many columns and rows, and the "

@@ -62,14 +62,13 @@ BlobTable TableOfBlob(const TableFormat& format,
   return table;
 }
 
-// The camera's own answer for every pixel of the view that it sees.
-std::vector<Eigen::Vector2d> SourcesOfView(const CameraModel& camera,
-                                           const VirtualView& view,
-                                           int num_threads) {
+// The camera's own answer for every pixel of an output image that it sees.
+std::vector<Eigen::Vector2d> ExactSources(const CameraModel& camera,
+                                          const OutputImage& output,
+                                          int num_threads) {
   // A pixel at the image's edge may come out a little beyond it.
   constexpr double kRoundingPx = 1e-6;
   num_threads = NumThreads(num_threads);
-  const OutputImage output = OutputOfView(view);
   const SourceMap map = MakeSourceMap(camera, output, num_threads);
   std::vector<Eigen::Vector2d> sources(
       static_cast<size_t>(map.width) * map.height, Eigen::Vector2d(NAN, NAN));
@@ -120,13 +119,17 @@ ViewTable TableOfView(const TableFormat& format,
   if (!input.blob) TurnIntoCameraFrame(&input.file);
   *view = RectifiedView(input, arguments.view);
   table.path = arguments.output;
-  table.size = view->size;
-  table.source_size = input.file.camera->image_size();
   if (view->projection == ViewProjection::kPinhole)
     table.matrix = MatrixOf(*view);
+  const auto camera = CentralCamera(arguments.input, *input.file.camera);
+  table.size = view->size;
+  table.source_size = camera->image_size();
+  if (arguments.is_reverse) std::swap(table.size, table.source_size);
   table.sources =
-      SourcesOfView(*CentralCamera(arguments.input, *input.file.camera), *view,
-                    common.threads);
+      arguments.is_reverse
+          ? ExactSources(*CameraOfTurnedView(*view), OutputOfCamera(*camera),
+                         common.threads)
+          : ExactSources(*camera, OutputOfView(*view), common.threads);
   return table;
 }
 
@@ -192,7 +195,9 @@ TableOutput MakeTable(const TableFormat& format,
     const ViewTable table = TableOfView(format, arguments, common, &view);
     (*json)["view"] = ViewJson(view);
     TableOutput output = format.write_view(table);
-    output.told += "; the view: " + ViewText(view);
+    output.told += (arguments.is_reverse ? "; from pictures of the view: "
+                                         : "; the view: ") +
+                   ViewText(view);
     return output;
   }
   const BlobTable table = TableOfBlob(format, arguments);
@@ -205,6 +210,7 @@ TableOutput MakeTable(const TableFormat& format,
 
 void ExportTable(const TableFormat& format, const TableArguments& arguments,
                  const CommonOptions& common) {
+  format.RequireEnding(arguments.output);
   nlohmann::ordered_json json = {{"format", format.name},
                                  {"files", nlohmann::ordered_json::array()}};
   const TableOutput made = MakeTable(format, arguments, common, &json);

@@ -15,6 +15,7 @@ struct TableArguments {
   std::string address;  ///< "0x08080000", or "" if it was not given
   std::string every;    ///< "8", or ""
   ViewWords view;
+  bool is_reverse = false;  ///< sources are in the view
 };
 
 /// Writes a format that is made of a blob, a view or rays, and tells what was

@@ -4,8 +4,6 @@
 
 #include <filesystem>
 
-#include "dataset/error.h"
-
 namespace raygrid {
 namespace {
 
@@ -90,11 +88,6 @@ std::string Header(const std::string& name, const BlobTable& blob,
 TableOutput WriteCArray(const BlobTable& blob) {
   std::filesystem::path path = blob.path;
   const std::string ending = path.extension().string();
-  if (ending != ".h" && ending != ".c")
-    throw Error(ExitCode::kUsage,
-                fmt::format("-o {}: c writes a header, as front.h, or front.c "
-                            "with front.h beside it",
-                            blob.path));
   const std::string name = ArrayName(path);
   TableOutput output;
   if (ending == ".h") {
@@ -128,6 +121,7 @@ TableFormat CArrayFormat() {
   format.holds =
       "C and C++: a blob as a constant array in NAME.h, or in NAME.c with "
       "NAME.h beside it";
+  format.endings = {".h", ".c"};
   format.write_blob = WriteCArray;
   return format;
 }

@@ -7,14 +7,13 @@
 #include <opencv2/core/eigen.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "dataset/error.h"
 #include "exchange/npz.h"
 #include "exchange/pixel_origin.h"
 
 namespace raygrid {
 namespace {
 
-constexpr char kFixed[] = "fixed";
+constexpr char kFixed[] = "fixed", kNpz[] = ".npz";
 
 // The two maps, and what else users of them need.
 struct OpenCvMaps {
@@ -92,17 +91,9 @@ std::string StorageText(const std::string& ending, const OpenCvMaps& maps) {
 TableOutput WriteMaps(const ViewTable& view) {
   const std::string ending =
       std::filesystem::path(view.path).extension().string();
-  std::string text;
-  if (ending == ".npz") {
-    text = NpzText(MakeMaps(view));
-  } else if (ending == ".yaml" || ending == ".yml" || ending == ".xml" ||
-             ending == ".json") {
-    text = StorageText(ending, MakeMaps(view));
-  } else {
-    throw Error(ExitCode::kUsage,
-                fmt::format("-o {}: maps writes .npz, .yaml, .xml or .json",
-                            view.path));
-  }
+  const OpenCvMaps maps = MakeMaps(view);
+  const std::string text =
+      ending == kNpz ? NpzText(maps) : StorageText(ending, maps);
   return {{{view.path, text}},
           fmt::format("map1 and map2, {}", view.model == kFixed
                                                ? "CV_16SC2 and CV_16UC1"
@@ -115,9 +106,10 @@ TableFormat MapsFormat() {
   TableFormat format;
   format.name = "maps";
   format.holds =
-      "OpenCV and numpy: map1 and map2 of a view for cv2.remap(), in .npz, "
-      ".yaml, .xml or .json";
-  format.options = {"model", "rectified"};
+      "OpenCV and numpy: map1 and map2 of a view, or with --reverse of the "
+      "camera, for cv2.remap(), in .npz, .yaml, .xml or .json";
+  format.endings = {kNpz, ".yaml", ".yml", ".xml", ".json"};
+  format.options = {"model", "rectified", "reverse"};
   format.models = {"float", kFixed};
   format.write_view = WriteMaps;
   return format;

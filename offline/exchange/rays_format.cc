@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "dataset/error.h"
 #include "dataset/image_header.h"
@@ -28,9 +27,6 @@ std::vector<double> ToProgramAxis(std::vector<double> places) {
 }
 
 TableOutput WriteRays(const RayTable& rays) {
-  if (std::filesystem::path(rays.path).extension() != ".npz")
-    throw Error(ExitCode::kUsage,
-                fmt::format("-o {}: rays writes .npz", rays.path));
   const int32_t size[] = {rays.image_size.width, rays.image_size.height};
   const std::vector<double> x = ToProgramAxis(rays.x),
                             y = ToProgramAxis(rays.y);
@@ -170,6 +166,7 @@ TableFormat RaysFormat() {
   format.holds =
       "numpy: directions of pixels, and points of the lines of a non-central "
       "camera, in .npz";
+  format.endings = {".npz"};
   format.options = {"every"};
   format.write_rays = WriteRays;
   format.recognizes = IsNpz;

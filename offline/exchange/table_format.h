@@ -29,13 +29,14 @@ struct BlobTable {
   static constexpr uint32_t kAlignment = 4;
 };
 
-/// The places in a camera's image that the pixels of a view show.
+/// The places in a camera's image that the pixels of a view show, or the other
+/// way around.
 struct ViewTable {
   std::string path;
   std::string model;  ///< one of the format's
   ImageSize size, source_size;
   std::optional<Eigen::Matrix3d> matrix;  ///< K, if the view is a pinhole
-  /// Row by row; NaN where the camera sees nothing.
+  /// Row by row; NaN where a pixel has none.
   std::vector<Eigen::Vector2d> sources;
 
   std::optional<Eigen::Vector2d> At(int x, int y) const;
@@ -66,6 +67,8 @@ struct TableFormat {
   /// That it takes, without "--"; the words of a view go without saying.
   std::vector<std::string> options;
   std::vector<std::string> models;  ///< for --model, the default first
+  /// Of the files that it writes, ".npz"; none if all will do.
+  std::vector<std::string> endings;
 
   /// The source is the function that is not null. Throws Error(kUsage).
   TableOutput (*write_blob)(const BlobTable& blob) = nullptr;
@@ -79,6 +82,8 @@ struct TableFormat {
                         const std::string& bytes) = nullptr;
 
   bool Takes(const std::string& option) const;
+  /// Throws Error(kUsage) for a file that ends otherwise.
+  void RequireEnding(const std::string& path) const;
   /// "a blob", for --list and errors.
   std::string Source() const;
 };

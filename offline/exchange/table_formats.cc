@@ -1,17 +1,34 @@
-#include <algorithm>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
+
+#include "dataset/error.h"
 #include "exchange/c_array_format.h"
 #include "exchange/format.h"
 #include "exchange/intel_hex_format.h"
 #include "exchange/maps_format.h"
 #include "exchange/rays_format.h"
+#include "exchange/stmap_format.h"
 #include "exchange/table_format.h"
 
 namespace raygrid {
+namespace {
+
+// "a, b or c".
+std::string Listed(const std::vector<std::string>& words) {
+  std::string text = words.front();
+  for (size_t k = 1; k < words.size(); ++k)
+    text += (k + 1 < words.size() ? ", " : " or ") + words[k];
+  return text;
+}
+
+}  // namespace
 
 const std::vector<TableFormat>& TableFormats() {
   static const std::vector<TableFormat> formats = {
-      CArrayFormat(), IntelHexFormat(), MapsFormat(), RaysFormat()};
+      CArrayFormat(), IntelHexFormat(), MapsFormat(), StMapFormat(),
+      RaysFormat()};
   return formats;
 }
 
@@ -29,6 +46,15 @@ const TableFormat* RecognizeTable(const std::string& bytes) {
 
 bool TableFormat::Takes(const std::string& option) const {
   return std::find(options.begin(), options.end(), option) != options.end();
+}
+
+void TableFormat::RequireEnding(const std::string& path) const {
+  const std::string ending = std::filesystem::path(path).extension().string();
+  if (endings.empty() ||
+      std::find(endings.begin(), endings.end(), ending) != endings.end())
+    return;
+  throw Error(ExitCode::kUsage,
+              fmt::format("-o {}: {} writes {}", path, name, Listed(endings)));
 }
 
 std::string TableFormat::Source() const {
@@ -49,10 +75,7 @@ std::string WrittenFormatNames() {
   for (const Format& format : Formats())
     if (format.write) all.push_back(format.name);
   for (const TableFormat& format : TableFormats()) all.push_back(format.name);
-  std::string names = all.front();
-  for (size_t k = 1; k < all.size(); ++k)
-    names += (k + 1 < all.size() ? ", " : " or ") + all[k];
-  return names;
+  return Listed(all);
 }
 
 }  // namespace raygrid

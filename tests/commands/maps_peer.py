@@ -2,15 +2,29 @@
 Prints what each file of maps holds, and how far the remapped image is from the undistorted one, also
 if the maps are moved by half a pixel. Runs under any Python that has cv2."""
 import json
+import os
 import sys
 
+os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
 import cv2
 import numpy as np
 
 COLUMNS, ROWS = slice(None, None, 2), slice(None, None, 3)
 
 
+def maps_of_stmap(path):
+    """Parts of width and height from the lower left corner, as pixels; -1 where alpha is 0."""
+    blue, t, s, alpha = cv2.split(cv2.imread(path, cv2.IMREAD_UNCHANGED))
+    assert not blue.any() and set(np.unique(alpha)) <= {0, 1}
+    height, width = image.shape
+    places = (s.astype(float) * width - 0.5, (1 - t.astype(float)) * height - 0.5)
+    return {"map1": np.where(alpha, places[0], -1).astype(np.float32),
+            "map2": np.where(alpha, places[1], -1).astype(np.float32), "source_size": []}
+
+
 def read_maps(path):
+    if path.endswith(".exr"):
+        return maps_of_stmap(path)
     if path.endswith(".npz"):
         return dict(np.load(path))
     storage = cv2.FileStorage(path, cv2.FILE_STORAGE_READ)
