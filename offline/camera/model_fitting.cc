@@ -404,6 +404,27 @@ bool IsWithout(const ParametricModel& lens,
   return true;
 }
 
+// Starts without the parameters that are held at 0: those that are so, or all
+// with zeros there if none is.
+std::vector<std::unique_ptr<ParametricModel>> StartsWithout(
+    std::vector<std::unique_ptr<ParametricModel>> starts,
+    const std::vector<std::string>& held) {
+  std::vector<std::unique_ptr<ParametricModel>> without;
+  for (auto& start : starts)
+    if (IsWithout(*start, held)) without.push_back(std::move(start));
+  if (!without.empty()) return without;
+  for (auto& start : starts) {
+    Eigen::VectorXd parameters = start->Parameters();
+    const std::vector<std::string>& names = start->ParameterNames();
+    for (const std::string& name : held)
+      parameters.tail(
+          names.size())[std::find(names.begin(), names.end(), name) -
+                        names.begin()] = 0;
+    start->SetParameters(parameters);
+  }
+  return starts;
+}
+
 }  // namespace
 
 bool IsParametricModel(const std::string& name) {
@@ -432,8 +453,8 @@ FittedModel FitParametricModel(const std::string& name,
       CenterOf(camera, start_from_camera, area, target.samples);
   FittedModel best;
   double best_cost = INFINITY;
-  for (auto& start : Starts(name, camera, center, target.samples)) {
-    if (!IsWithout(*start, options.held)) continue;
+  for (auto& start : StartsWithout(Starts(name, camera, center, target.samples),
+                                   options.held)) {
     FittedModel fit;
     fit.model = std::move(start);
     const double cost =

@@ -5,6 +5,7 @@
 
 #include "dataset/error.h"
 #include "exchange/colmap_files.h"
+#include "exchange/yaml_numbers.h"
 
 namespace raygrid {
 namespace {
@@ -76,7 +77,7 @@ ColmapRig DecodeRig(ByteReader* reader) {
     } else if (reader->Get<uint8_t>() != 0) {
       std::array<double, 7> numbers;
       for (double& number : numbers) number = reader->GetFinite();
-      sensor.sensor_from_rig = ColmapPose(numbers);
+      sensor.sensor_from_rig = PoseOfQuaternion(numbers);
     }
     if (is_camera) rig.push_back(sensor);
   }
@@ -112,19 +113,6 @@ int NumColmapParameters(const std::string& model) {
                                5, 12, 16, 4, 5, 3, 4,  6, 2};
   const std::vector<std::string>& names = ColmapModelNames();
   return counts[std::find(names.begin(), names.end(), model) - names.begin()];
-}
-
-Pose ColmapPose(const std::array<double, 7>& numbers) {
-  const Eigen::Quaterniond rotation(numbers[0], numbers[1], numbers[2],
-                                    numbers[3]);
-  if (!(rotation.norm() > 0.5) || !(rotation.norm() < 2))
-    throw InputError("a quaternion that is no rotation");
-  Pose pose;
-  // A quaternion of length 1 is not touched, so that it comes out as it was.
-  pose.rotation =
-      std::abs(rotation.norm() - 1) < 1e-12 ? rotation : rotation.normalized();
-  pose.translation = {numbers[4], numbers[5], numbers[6]};
-  return pose;
 }
 
 bool IsColmapBinary(const std::string& bytes) {

@@ -3,7 +3,6 @@
 #ifndef RAYGRID_EXCHANGE_COLMAP_FILES_H
 #define RAYGRID_EXCHANGE_COLMAP_FILES_H
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -55,10 +54,6 @@ std::vector<ColmapCamera> DecodeColmapCameras(const std::string& bytes);
 std::vector<ColmapRig> DecodeColmapRigs(const std::string& bytes);
 std::string EncodeColmapCameras(const std::vector<ColmapCamera>& cameras);
 std::string EncodeColmapRig(const ColmapRig& rig);
-
-/// A rotation and a translation, whose quaternion may be of any length but 0.
-/// Throws InputError.
-Pose ColmapPose(const std::array<double, 7>& numbers);
 
 }  // namespace raygrid
 

@@ -9,6 +9,7 @@
 #include "dataset/text_encoding.h"
 #include "dataset/word_lines.h"
 #include "exchange/colmap_files.h"
+#include "exchange/yaml_numbers.h"
 
 namespace raygrid {
 namespace {
@@ -64,7 +65,7 @@ Pose PoseOfWords(const WordLines& lines, size_t first) {
   for (size_t k = 0; k < numbers.size(); ++k)
     numbers[k] = lines.Get<double>(first + k);
   try {
-    return ColmapPose(numbers);
+    return PoseOfQuaternion(numbers);
   } catch (const InputError& error) {
     lines.Refuse(error.what());
   }

@@ -5,6 +5,7 @@
 
 #include "dataset/error.h"
 #include "dataset/yaml_file.h"
+#include "exchange/basalt_format.h"
 #include "exchange/colmap_format.h"
 #include "exchange/format.h"
 #include "exchange/kalibr_format.h"
@@ -42,7 +43,7 @@ void AddRemarksOnLenses(ExchangeContents* contents) {
 const std::vector<Format>& Formats() {
   static const std::vector<Format> formats = {OpenCvFormat(), RosFormat(),
                                               KalibrFormat(), ColmapFormat(),
-                                              MrcalFormat()};
+                                              MrcalFormat(),  BasaltFormat()};
   return formats;
 }
 

@@ -7,7 +7,7 @@ namespace raygrid {
 
 /// The place of a program's pixel (0, 0).
 enum class PixelOrigin {
-  kFirstPixelCenter,  ///< raygrid, OpenCV, ROS, Kalibr, mrcal
+  kFirstPixelCenter,  ///< raygrid, OpenCV, ROS, Kalibr, mrcal, Basalt
   kImageCorner        ///< the outer corner of the first pixel: COLMAP
 };
 

@@ -68,6 +68,19 @@ Pose PoseOfMatrix(const std::vector<double>& rows, const std::string& name) {
   return {Eigen::Quaterniond(rotation).normalized(), translation};
 }
 
+Pose PoseOfQuaternion(const std::array<double, 7>& numbers) {
+  const Eigen::Quaterniond rotation(numbers[0], numbers[1], numbers[2],
+                                    numbers[3]);
+  if (!(rotation.norm() > 0.5) || !(rotation.norm() < 2))
+    throw InputError("a quaternion that is no rotation");
+  Pose pose;
+  // A quaternion of length 1 is not touched, so that it comes out as it was.
+  pose.rotation =
+      std::abs(rotation.norm() - 1) < 1e-12 ? rotation : rotation.normalized();
+  pose.translation = {numbers[4], numbers[5], numbers[6]};
+  return pose;
+}
+
 std::string RealTexts(const std::vector<double>& numbers) {
   std::string texts;
   for (const double number : numbers)

@@ -3,6 +3,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,10 @@ std::string RealText(double number);
 /// A pose of a matrix [R t], or [R t; 0 0 0 1], row by row. Throws InputError,
 /// naming it, if R is no rotation.
 Pose PoseOfMatrix(const std::vector<double>& rows, const std::string& name);
+
+/// A pose of a quaternion w, x, y, z and a translation. The quaternion may be
+/// of about any length but 0. Throws InputError.
+Pose PoseOfQuaternion(const std::array<double, 7>& numbers);
 
 /// RealText() of numbers, with commas and spaces between.
 std::string RealTexts(const std::vector<double>& numbers);

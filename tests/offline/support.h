@@ -235,6 +235,17 @@ class TemporaryFolder {
   std::string path_;
 };
 
+/// A text with its first such words replaced, which it must have.
+inline std::string TextWith(std::string text, const std::string& old,
+                            const std::string& by) {
+  const size_t at = text.find(old);
+  if (at == std::string::npos) {
+    ADD_FAILURE() << "nowhere: " << old;
+    return text;
+  }
+  return text.replace(at, old.size(), by);
+}
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_TESTS_OFFLINE_SUPPORT_H

@@ -36,13 +36,6 @@ std::string ColmapBinary(const std::string& cameras = kColmapCameras) {
   return EncodeColmapCameras(ParseColmapCameras("", cameras));
 }
 
-std::string ColmapWith(std::string text, const std::string& old,
-                       const std::string& by) {
-  const size_t at = text.find(old);
-  EXPECT_NE(at, std::string::npos) << old;
-  return text.replace(at, old.size(), by);
-}
-
 TEST(ColmapFormat, ReadsWhatColmapWrites) {
   for (const std::string& file :
        {std::string(kColmapCameras), ColmapBinary()}) {
@@ -113,34 +106,33 @@ TEST(ColmapFormat, SaysWhichPosesItLeavesOut) {
   EXPECT_TRUE(ParseColmap(kColmapCameras, "1 1 CAMERA 1\n2 1 CAMERA 2\n")
                   .remarks.empty());
   ExpectError(ExitCode::kInput, {"camera 7", "not there"}, [] {
-    ParseColmap(kColmapCameras,
-                ColmapWith(kColmapRigs, "CAMERA 2", "CAMERA 7"));
+    ParseColmap(kColmapCameras, TextWith(kColmapRigs, "CAMERA 2", "CAMERA 7"));
   });
   ExpectError(ExitCode::kInput, {"m/rigs.txt, line 4", "no rotation"}, [] {
     ParseColmap(kColmapCameras,
-                ColmapWith(ColmapWith(kColmapRigs, "0.80000000000000004", "0"),
-                           "0.59999999999999998", "0"));
+                TextWith(TextWith(kColmapRigs, "0.80000000000000004", "0"),
+                         "0.59999999999999998", "0"));
   });
   ExpectError(ExitCode::kInput, {"m/rigs.txt, line 4", "too few words"}, [] {
-    ParseColmap(kColmapCameras, ColmapWith(kColmapRigs, " 1 2 3", ""));
+    ParseColmap(kColmapCameras, TextWith(kColmapRigs, " 1 2 3", ""));
   });
 }
 
 TEST(ColmapFormat, RefusesInOneLine) {
   const std::string text = kColmapCameras;
   const std::vector<std::pair<std::string, std::vector<std::string>>> cases = {
-      {ColmapWith(text, "OPENCV", "CRAZY"),
+      {TextWith(text, "OPENCV", "CRAZY"),
        {"m/cameras.txt", "camera 1", "CRAZY is no model of COLMAP", "OPENCV"}},
-      {ColmapWith(text, "OPENCV", "FOV"),
+      {TextWith(text, "OPENCV", "FOV"),
        {"FOV is a model that raygrid has not"}},
-      {ColmapWith(text, "0.01", "nan"), {"line 4", "'nan' is not a number"}},
-      {ColmapWith(text, "640", "640.5"), {"line 4", "'640.5'"}},
-      {ColmapWith(text, " 0.002", ""), {"OPENCV", "7 numbers where 8"}},
-      {ColmapWith(text, "2 SIMPLE", "1 SIMPLE"), {"camera 1 is there twice"}},
-      {ColmapWith(text, "640", "0"), {"image size"}},
+      {TextWith(text, "0.01", "nan"), {"line 4", "'nan' is not a number"}},
+      {TextWith(text, "640", "640.5"), {"line 4", "'640.5'"}},
+      {TextWith(text, " 0.002", ""), {"OPENCV", "7 numbers where 8"}},
+      {TextWith(text, "2 SIMPLE", "1 SIMPLE"), {"camera 1 is there twice"}},
+      {TextWith(text, "640", "0"), {"image size"}},
       {text.substr(0, text.find("1 OPENCV")), {"no camera in it"}},
-      {ColmapWith(ColmapBinary(), std::string("\4\0\0\0", 4),
-                  "\x63" + std::string(3, 0)),
+      {TextWith(ColmapBinary(), std::string("\4\0\0\0", 4),
+                "\x63" + std::string(3, 0)),
        {"camera 1", "unknown model 99"}},
       {ColmapBinary() + "x", {"1 bytes behind its end"}},
   };

@@ -24,13 +24,6 @@ ExchangeContents ParseKalibr(const std::string& text) {
   return ReadExchangeFile(RecognizeFormat(text), {"f", text, "", {}});
 }
 
-std::string WithKey(std::string text, const std::string& old,
-                    const std::string& by) {
-  const size_t at = text.find(old);
-  EXPECT_NE(at, std::string::npos) << old;
-  return text.replace(at, old.size(), by);
-}
-
 TEST(KalibrFormat, ReadsAChain) {
   const ExchangeContents contents = ParseKalibr(kCamchain);
   ASSERT_TRUE(contents.IsRig());
@@ -49,7 +42,7 @@ TEST(KalibrFormat, ReadsAChain) {
 }
 
 TEST(KalibrFormat, ChainsPoses) {
-  const std::string third = WithKey(
+  const std::string third = TextWith(
       std::string(kCamchain).substr(std::string(kCamchain).find("cam1:")),
       "cam1:", "cam2:");
   const ExchangeContents contents = ParseKalibr(kCamchain + third);
@@ -94,7 +87,7 @@ TEST(KalibrFormat, SaysWhatIsMissingOrWrong) {
   const auto expect = [](const std::string& old, const std::string& by,
                          const std::vector<std::string>& words) {
     ExpectError(ExitCode::kInput, words,
-                [&] { ParseKalibr(WithKey(kCamchain, old, by)); });
+                [&] { ParseKalibr(TextWith(kCamchain, old, by)); });
   };
   expect("radtan", "fov", {"f: cam0", "'fov'", "pinhole-radtan"});
   expect("model: ds", "model: bsplines", {"cam1", "'bsplines'"});
@@ -107,7 +100,7 @@ TEST(KalibrFormat, SaysWhatIsMissingOrWrong) {
          {"T_cn_cnm1", "no rotation"});
   expect("  - [0.0, 0.0, 0.0, 1.0]\n", "", {"T_cn_cnm1", "4 x 4"});
   const ExchangeContents apart =
-      ParseKalibr(WithKey(kCamchain, "T_cn_cnm1", "other"));
+      ParseKalibr(TextWith(kCamchain, "T_cn_cnm1", "other"));
   EXPECT_FALSE(apart.IsRig());
   EXPECT_EQ(apart.remarks.size(), 1u);
 }

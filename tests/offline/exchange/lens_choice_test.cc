@@ -43,6 +43,17 @@ TEST_F(LensChoice, TakesTheFewestCoefficientsThatDo) {
   EXPECT_GT(four.fit->rms_px, 2 * chosen.fit->rms_px);
 }
 
+// Fits of a double sphere start with xi; a unified camera has none.
+TEST_F(LensChoice, FitsAFormWithoutAParameterOfEveryStart) {
+  const LensForm unified = FormOf("unified", "double-sphere", {"alpha"});
+  const auto lens =
+      MakeLens({&unified, kChoiceImage, {250, 251, 322, 236, 0.6}});
+  const ChosenLens chosen =
+      ChooseLens({&unified}, FittedGrid(*lens, 20), nullptr);
+  ASSERT_TRUE(chosen.fit);
+  EXPECT_LT(chosen.fit->max_px, 0.02);
+}
+
 // The error told is that of the lens that is written.
 TEST_F(LensChoice, MeasuresTheLensThatIsWritten) {
   const auto wide = SimulatedLens("wide", kChoiceImage);

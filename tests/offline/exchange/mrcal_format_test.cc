@@ -26,10 +26,7 @@ ExchangeContents ParseMrcal(const std::string& text) {
 }
 
 std::string MrcalWith(const std::string& old, const std::string& by) {
-  std::string text = kMrcal;
-  const size_t at = text.find(old);
-  EXPECT_NE(at, std::string::npos) << old;
-  return text.replace(at, old.size(), by);
+  return TextWith(kMrcal, old, by);
 }
 
 TEST(MrcalFormat, ReadsWhatMrcalWrites) {
@@ -75,9 +72,8 @@ TEST(MrcalFormat, ReadsSplines) {
             Eigen::Vector4d(300, 301, 320, 240));
   const auto refused = [&](const std::string& old, const std::string& by,
                            const std::vector<std::string>& words) {
-    std::string other = text;
-    other.replace(other.find(old), old.size(), by);
-    ExpectError(ExitCode::kInput, words, [&] { ParseMrcal(other); });
+    ExpectError(ExitCode::kInput, words,
+                [&] { ParseMrcal(TextWith(text, old, by)); });
   };
   refused("order=3", "order=2", {"order 3 alone"});
   refused("Nx=4", "Nx=5", {"36 numbers where 44"});

@@ -32,13 +32,6 @@ ExchangeContents Parse(const std::string& text, const std::string& form = "",
   return ReadExchangeFile(RecognizeFormat(text), {"f", text, form, size});
 }
 
-std::string Replaced(std::string text, const std::string& old,
-                     const std::string& by) {
-  const size_t at = text.find(old);
-  EXPECT_NE(at, std::string::npos) << old;
-  return text.replace(at, old.size(), by);
-}
-
 TEST(OpenCvFormat, ReadsWhatOpenCvWrites) {
   for (const char* text : {kYaml, kXml}) {
     const ExchangeContents contents = Parse(text);
@@ -54,7 +47,7 @@ TEST(OpenCvFormat, ReadsWhatOpenCvWrites) {
 
 TEST(OpenCvFormat, TellsModelsApart) {
   const std::string four =
-      Replaced(Replaced(kYaml, ", 0.25", ""), "cols: 5", "cols: 4");
+      TextWith(TextWith(kYaml, ", 0.25", ""), "cols: 5", "cols: 4");
   EXPECT_EQ(Parse(four).cameras[0].lens.form->name, "opencv4");
   EXPECT_EQ(Parse(four).remarks.size(), 1u);
   EXPECT_EQ(Parse(four, "fisheye").cameras[0].lens.form->name, "fisheye");
@@ -70,7 +63,7 @@ TEST(OpenCvFormat, TellsModelsApart) {
 // OpenCV writes 14 numbers when a prism or a tilt was asked for.
 TEST(OpenCvFormat, TakesZerosForWhatIsNotThere) {
   const auto with = [](const std::string& more) {
-    return Replaced(Replaced(kYaml, "0.25 ]", "0.25, 0.1, 0, 0, " + more + "]"),
+    return TextWith(TextWith(kYaml, "0.25 ]", "0.25, 0.1, 0, 0, " + more + "]"),
                     "cols: 5", "cols: 14");
   };
   EXPECT_EQ(Parse(with("0,0,0,0,0,0")).cameras[0].lens.form->model, "opencv");
@@ -83,25 +76,25 @@ TEST(OpenCvFormat, SaysWhatIsMissingOrWrong) {
                          const std::vector<std::string>& words) {
     ExpectError(ExitCode::kInput, words, [&] { Parse(text); });
   };
-  expect(Replaced(kYaml, "image_width", "other"), {"f: ", "--image-size"});
-  expect(Replaced(kYaml, "camera_matrix", "other"), {"camera_matrix"});
-  expect(Replaced(kYaml, "distortion_coe", "x"), {"distortion_coefficients"});
-  expect(Replaced(kYaml, "501.", ".nan"), {"camera_matrix", "finite"});
-  expect(Replaced(kYaml, "501.", "1e999"), {"camera_matrix", "finite"});
-  expect(Replaced(kYaml, "5.00", "x5.00"), {"camera_matrix"});
-  expect(Replaced(kYaml, "02, 0., 3", "02, 0.5, 3"), {"skew"});
-  expect(Replaced(kYaml, "0., 1. ]", "0., 2. ]"), {"camera_matrix"});
-  expect(Replaced(kYaml, "cols: 5", "cols: 6"), {"5 numbers where 1 x 6"});
-  expect(Replaced(Replaced(kYaml, ", 0.25", ", 0, 0"), "cols: 5", "cols: 6"),
+  expect(TextWith(kYaml, "image_width", "other"), {"f: ", "--image-size"});
+  expect(TextWith(kYaml, "camera_matrix", "other"), {"camera_matrix"});
+  expect(TextWith(kYaml, "distortion_coe", "x"), {"distortion_coefficients"});
+  expect(TextWith(kYaml, "501.", ".nan"), {"camera_matrix", "finite"});
+  expect(TextWith(kYaml, "501.", "1e999"), {"camera_matrix", "finite"});
+  expect(TextWith(kYaml, "5.00", "x5.00"), {"camera_matrix"});
+  expect(TextWith(kYaml, "02, 0., 3", "02, 0.5, 3"), {"skew"});
+  expect(TextWith(kYaml, "0., 1. ]", "0., 2. ]"), {"camera_matrix"});
+  expect(TextWith(kYaml, "cols: 5", "cols: 6"), {"5 numbers where 1 x 6"});
+  expect(TextWith(TextWith(kYaml, ", 0.25", ", 0, 0"), "cols: 5", "cols: 6"),
          {"6 distortion coefficients"});
   expect(kYaml + std::string("distortion_model: brown\n"), {"'brown'"});
-  expect(Replaced(kYaml, "dt: d", "dt: 2d"), {"not of 1 channel"});
-  expect(Replaced(kXml, "opencv_storage", "other"), {"line"});
-  expect(Replaced(kYaml, "image_width: 640", "image_width: 640.5"), {"size"});
+  expect(TextWith(kYaml, "dt: d", "dt: 2d"), {"not of 1 channel"});
+  expect(TextWith(kXml, "opencv_storage", "other"), {"line"});
+  expect(TextWith(kYaml, "image_width: 640", "image_width: 640.5"), {"size"});
 }
 
 TEST(OpenCvFormat, TakesTheSizeThatIsGiven) {
-  const std::string without = Replaced(kYaml, "image_width", "other");
+  const std::string without = TextWith(kYaml, "image_width", "other");
   EXPECT_EQ(Parse(without, "", ImageSize{640, 480}).cameras[0].lens.size,
             (ImageSize{640, 480}));
 }
@@ -135,7 +128,7 @@ TEST(OpenCvFormat, ReadsWhatASampleCalibratedWith) {
                                                {"cols: 6", "cols: 4"},
                                                {"1.57", "x1.57"}})
     ExpectError(ExitCode::kInput, {"f: "}, [&, &o = old, &b = by] {
-      Parse(Replaced(kYaml + std::string(kCorners), o, b));
+      Parse(TextWith(kYaml + std::string(kCorners), o, b));
     });
 }
 
@@ -167,7 +160,7 @@ TEST(OpenCvFormat, SaysWhatMayNotBeExpected) {
   };
   EXPECT_TRUE(remarks(kYaml).empty());
   const auto folds =
-      remarks(Replaced(Replaced(kYaml, "-2.99", "-6.99"), "0.25", "0.0"));
+      remarks(TextWith(TextWith(kYaml, "-2.99", "-6.99"), "0.25", "0.0"));
   ASSERT_EQ(folds.size(), 1u);
   EXPECT_NE(folds[0].find("% of the image looks nowhere"), std::string::npos);
   const std::string pose =

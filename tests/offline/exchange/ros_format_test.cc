@@ -31,13 +31,6 @@ ExchangeContents ParseRos(const std::string& text) {
   return ReadExchangeFile(RecognizeFormat(text), {"f", text, "", {}});
 }
 
-std::string WithWord(std::string text, const std::string& old,
-                     const std::string& by) {
-  const size_t at = text.find(old);
-  EXPECT_NE(at, std::string::npos) << old;
-  return text.replace(at, old.size(), by);
-}
-
 TEST(RosFormat, ReadsFiles) {
   const ReadLens camera = ParseRos(kCameraInfo).cameras.at(0);
   EXPECT_EQ(camera.name, "narrow_stereo/left");
@@ -58,13 +51,13 @@ TEST(RosFormat, ReadsMessages) {
                                  0.002, 0.3, 0.4, 0.5, 0.6}));
   EXPECT_EQ(contents.cameras[0].rectified->p(0, 2), 300);
   EXPECT_TRUE(contents.remarks.empty());
-  const std::string binned = WithWord(kMessage, "binning_x: 0", "binning_x: 2");
+  const std::string binned = TextWith(kMessage, "binning_x: 0", "binning_x: 2");
   EXPECT_EQ(ParseRos(binned).remarks.size(), 1u);
 }
 
 TEST(RosFormat, KnowsWhatDriversWrite) {
   const auto form_with = [](const std::string& model, const std::string& d) {
-    const std::string text = WithWord(WithWord(kCameraInfo, "plumb_bob", model),
+    const std::string text = TextWith(TextWith(kCameraInfo, "plumb_bob", model),
                                       "-0.3, 0.1, 0.001, -0.002, 0]", d + "]");
     return *ParseRos(text).cameras.at(0).lens.form;
   };
@@ -79,7 +72,7 @@ TEST(RosFormat, SaysWhatIsMissingOrWrong) {
   const auto expect = [](const std::string& old, const std::string& by,
                          const std::vector<std::string>& words) {
     ExpectError(ExitCode::kInput, words,
-                [&] { ParseRos(WithWord(kCameraInfo, old, by)); });
+                [&] { ParseRos(TextWith(kCameraInfo, old, by)); });
   };
   expect("plumb_bob", "Brown Conrady", {"f: ", "'Brown Conrady'", "plumb_bob"});
   expect("501,", ".nan,", {"camera_matrix", "finite"});

@@ -1,0 +1,263 @@
+#include "exchange/basalt_format.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <array>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "dataset/yaml_file.h"
+#include "exchange/opencv_forms.h"
+#include "exchange/own_json.h"
+#include "exchange/yaml_numbers.h"
+
+namespace raygrid {
+namespace {
+
+constexpr char kRoot[] = "value0";  // cereal's name of the first value
+constexpr char kPoses[] = "T_imu_cam";
+constexpr char kLenses[] = "intrinsics";
+constexpr char kSizes[] = "resolution";
+constexpr char kType[] = "camera_type";
+constexpr char kRadius[] = "rpmax";  // of pinhole-radtan8; 0 is no limit
+
+// Parameters of the forms are the keys of Basalt.
+const std::vector<LensForm>& BasaltForms() {
+  static const std::vector<LensForm> forms = [] {
+    LensForm fisheye = OpenCvFisheyeForm("kb4");
+    fisheye.reach_rad = M_PI;
+    return std::vector<LensForm>{OpenCvForm("pinhole", 0),
+                                 OpenCvForm("pinhole-radtan8", 8),
+                                 fisheye,
+                                 FormOf("ds", "double-sphere", {"xi", "alpha"}),
+                                 FormOf("eucm", "eucm", {"alpha", "beta"}),
+                                 FormOf("ucm", "double-sphere", {"alpha"})};
+  }();
+  return forms;
+}
+
+// Keys without which Basalt reads no file, all but one of its IMU. These are
+// the values that its own calibration starts with.
+const Json& DefaultsOfOthers() {
+  static const Json defaults = {
+      {"calib_accel_bias", std::vector<double>(9, 0)},
+      {"calib_gyro_bias", std::vector<double>(12, 0)},
+      {"imu_update_rate", 200.0},
+      {"accel_noise_std", std::vector<double>(3, 0.016)},
+      {"gyro_noise_std", std::vector<double>(3, 0.000282)},
+      {"accel_bias_std", std::vector<double>(3, 0.001)},
+      {"gyro_bias_std", std::vector<double>(3, 0.0001)},
+      {"cam_time_offset_ns", 0},
+      {"vignette", Json::array()}};
+  return defaults;
+}
+
+// ---- Reading ---------------------------------------------------------------
+
+const LensForm& BasaltFormNamed(const std::string& type) {
+  std::string names;
+  for (const LensForm& form : BasaltForms()) {
+    if (form.name == type) return form;
+    names += (names.empty() ? "" : ", ") + form.name;
+  }
+  throw InputError(fmt::format("{} '{}' is none that raygrid has; those are {}",
+                               kType, Printable(type), names));
+}
+
+LensInForm ReadBasaltLens(const YAML::Node& camera) {
+  if (!camera.IsMap() || !camera[kType] || !camera[kType].IsScalar())
+    throw InputError(fmt::format("'{}' is missing", kType));
+  LensInForm lens;
+  lens.form = &BasaltFormNamed(camera[kType].as<std::string>());
+  const YAML::Node values = camera[kLenses];
+  if (!values || !values.IsMap())
+    throw InputError(fmt::format("'{}' is missing", kLenses));
+  for (const std::string& parameter : lens.form->parameters)
+    lens.values.push_back(FiniteNumber(values[parameter], parameter));
+  return lens;
+}
+
+Pose ReadBasaltPose(const YAML::Node& node) {
+  if (!node.IsMap()) throw InputError("no pose");
+  std::array<double, 7> numbers;
+  const std::array<const char*, 7> keys = {"qw", "qx", "qy", "qz",
+                                           "px", "py", "pz"};
+  for (size_t k = 0; k < keys.size(); ++k)
+    numbers[k] = FiniteNumber(node[keys[k]], keys[k]);
+  return PoseOfQuaternion(numbers);
+}
+
+// An entry for each camera; empty if there is no list of this name.
+std::vector<YAML::Node> ListOf(const YAML::Node& root, const std::string& name,
+                               size_t num_cameras) {
+  const YAML::Node list = root[name];
+  if (!list) return {};
+  if (!list.IsSequence() || list.size() != num_cameras)
+    throw InputError(fmt::format("{}: no list of {} entries, one a camera",
+                                 name, num_cameras));
+  return {list.begin(), list.end()};
+}
+
+template <typename Read>
+auto ReadEntry(const std::string& list, size_t index, const Read& read) {
+  try {
+    return read();
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}[{}]: {}", list, index, error.what()));
+  }
+}
+
+// Names that raygrid wrote. Cameras of a file without any are numbered, and
+// one alone has none.
+void NameBasaltCameras(const YAML::Node& file, std::vector<ReadLens>* cameras) {
+  const auto own = ListOf(file, kOwnKey, cameras->size());
+  for (size_t c = 0; c < cameras->size(); ++c) {
+    ReadLens& camera = (*cameras)[c];
+    if (!own.empty()) TakeOwnJson(own[c], &camera);
+    if (camera.name.empty() && cameras->size() > 1)
+      camera.name = fmt::format("cam{}", c);
+  }
+}
+
+// Whether a value is the one that raygrid writes.
+bool IsDefault(const std::string& key, const YAML::Node& value) {
+  const auto found = DefaultsOfOthers().find(key);
+  if (found == DefaultsOfOthers().end()) return false;
+  if (!found->is_array())
+    return value.IsScalar() && FiniteNumber(value, key) == found->get<double>();
+  return value.IsSequence() &&
+         (value.size() == 0
+              ? found->empty()
+              : value[0].IsScalar() && FiniteNumbers(value, key) ==
+                                           found->get<std::vector<double>>());
+}
+
+void AddRemarksOnOthers(const YAML::Node& root, ExchangeContents* contents) {
+  std::string others;
+  for (const auto& entry : root) {
+    const std::string key = entry.first.as<std::string>();
+    if (key != kPoses && key != kLenses && key != kSizes &&
+        !IsDefault(key, entry.second))
+      others += (others.empty() ? "" : ", ") + Printable(key);
+  }
+  if (!others.empty()) contents->remarks.push_back("not taken: " + others);
+  for (const YAML::Node& camera : root[kLenses]) {
+    const YAML::Node radius = camera[kLenses][kRadius];
+    if (!radius || FiniteNumber(radius, kRadius) == 0) continue;
+    contents->remarks.push_back(fmt::format(
+        "not taken: {}, since a lens ends where its distortion folds",
+        kRadius));
+    break;
+  }
+}
+
+ExchangeContents ReadBasalt(const ReadRequest& request) {
+  RequireYamlFile(request.path, request.text);
+  const YAML::Node file = YAML::Load(request.text);
+  const YAML::Node root = file.IsMap() ? file[kRoot] : YAML::Node();
+  if (!root || !root.IsMap() || !root[kLenses] || !root[kLenses].IsSequence())
+    throw InputError(
+        fmt::format("no calibration: {} has no list '{}'", kRoot, kLenses));
+  if (!request.form.empty())
+    throw InputError(
+        "a calibration of Basalt says its models itself; leave "
+        "--model out");
+  const size_t count = root[kLenses].size();
+  const auto sizes = ListOf(root, kSizes, count);
+  const auto poses = ListOf(root, kPoses, count);
+  if (sizes.empty() && !request.size)
+    throw InputError(fmt::format("'{}' is missing; add --image-size", kSizes));
+  ExchangeContents contents;
+  Pose imu_from_first;
+  for (size_t c = 0; c < count; ++c) {
+    ReadLens camera;
+    camera.lens =
+        ReadEntry(kLenses, c, [&] { return ReadBasaltLens(root[kLenses][c]); });
+    camera.lens.size =
+        request.size ? *request.size : SizeOfList(sizes[c], kSizes);
+    if (!poses.empty()) {
+      const Pose imu_from_camera =
+          ReadEntry(kPoses, c, [&] { return ReadBasaltPose(poses[c]); });
+      if (c == 0) imu_from_first = imu_from_camera;
+      camera.camera_from_rig =
+          c == 0 ? Pose{} : imu_from_camera.Inverse() * imu_from_first;
+    }
+    contents.cameras.push_back(std::move(camera));
+  }
+  NameBasaltCameras(file, &contents.cameras);
+  AddRemarksOnOthers(root, &contents);
+  if (imu_from_first.translation.norm() + imu_from_first.rotation.vec().norm() >
+      0)
+    contents.remarks.push_back(
+        fmt::format("the IMU's place is not taken: poses are those in the "
+                    "first camera's frame, not in that of {}",
+                    kPoses));
+  if (poses.empty() && count > 1)
+    contents.remarks.push_back(
+        fmt::format("{} is missing: the cameras are not a rig", kPoses));
+  return contents;
+}
+
+bool IsBasalt(const std::string& text) {
+  for (const char* word : {"\"value0\"", "\"camera_type\""})
+    if (text.find(word) == std::string::npos) return false;
+  return true;
+}
+
+// ---- Writing ---------------------------------------------------------------
+
+Json BasaltPose(const Pose& pose) {
+  // No number is -0.
+  const Eigen::Vector4d q = pose.rotation.coeffs().array() + 0.0;
+  const Eigen::Vector3d t = pose.translation.array() + 0.0;
+  return {{"px", t.x()}, {"py", t.y()}, {"pz", t.z()}, {"qx", q.x()},
+          {"qy", q.y()}, {"qz", q.z()}, {"qw", q.w()}};
+}
+
+Json BasaltLens(const LensInForm& lens) {
+  Json values = Json::object();
+  for (size_t k = 0; k < lens.values.size(); ++k)
+    values[lens.form->parameters[k]] = lens.values[k];
+  if (lens.form->Has("k6")) values[kRadius] = 0.0;
+  return {{kType, lens.form->name}, {kLenses, std::move(values)}};
+}
+
+// The IMU stands in the rig's frame, or in that of a camera alone. Basalt
+// passes over what stands behind its own value.
+std::string WriteBasalt(const WriteRequest& request) {
+  Json root = {{kPoses, Json::array()},
+               {kLenses, Json::array()},
+               {kSizes, Json::array()}};
+  Json own = Json::array();
+  for (const WrittenLens& camera : request.cameras) {
+    const LensInForm& lens = camera.lens;
+    root[kPoses].push_back(
+        BasaltPose(camera.camera_from_rig.value_or(Pose{}).Inverse()));
+    root[kLenses].push_back(BasaltLens(lens));
+    root[kSizes].push_back({lens.size.width, lens.size.height});
+    own.push_back(OwnJson(camera));
+  }
+  root.update(DefaultsOfOthers());
+  return Json{{kRoot, std::move(root)}, {kOwnKey, std::move(own)}}.dump(4) +
+         "\n";
+}
+
+}  // namespace
+
+Format BasaltFormat() {
+  Format format;
+  format.name = "basalt";
+  format.holds =
+      "calibration.json: a camera or a rig of pinhole, radtan8, kb4, ds, eucm "
+      "and ucm cameras";
+  format.forms = BasaltForms();
+  format.ending = ".json";
+  format.holds_rigs = true;
+  format.recognizes = IsBasalt;
+  format.read = ReadBasalt;
+  format.write = WriteBasalt;
+  return format;
+}
+
+}  // namespace raygrid
