@@ -10,6 +10,7 @@
 #include "exchange/format.h"
 #include "exchange/kalibr_format.h"
 #include "exchange/mrcal_format.h"
+#include "exchange/nerfstudio_format.h"
 #include "exchange/opencv_format.h"
 #include "exchange/ros_format.h"
 
@@ -41,9 +42,9 @@ void AddRemarksOnLenses(ExchangeContents* contents) {
 }  // namespace
 
 const std::vector<Format>& Formats() {
-  static const std::vector<Format> formats = {OpenCvFormat(), RosFormat(),
-                                              KalibrFormat(), ColmapFormat(),
-                                              MrcalFormat(),  BasaltFormat()};
+  static const std::vector<Format> formats = {
+      OpenCvFormat(), RosFormat(),    KalibrFormat(),    ColmapFormat(),
+      MrcalFormat(),  BasaltFormat(), NerfstudioFormat()};
   return formats;
 }
 

@@ -8,7 +8,7 @@ namespace raygrid {
 /// The place of a program's pixel (0, 0).
 enum class PixelOrigin {
   kFirstPixelCenter,  ///< raygrid, OpenCV, ROS, Kalibr, mrcal, Basalt
-  kImageCorner        ///< the outer corner of the first pixel: COLMAP
+  kImageCorner  ///< the outer corner of the first pixel: COLMAP, nerfstudio
 };
 
 /// A pixel of a program in raygrid's terms, and the other way around. Every

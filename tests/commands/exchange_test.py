@@ -269,6 +269,25 @@ def basalt_pixel(camera, ray):
     return p["fx"] * x + p["cx"], p["fy"] * y + p["cy"]
 
 
+# nerfstudio takes too long to load: its formula again, from radial_and_tangential_undistort() and
+# the rays of its cameras, whose first pixel is at (0.5, 0.5).
+
+def nerfstudio_pixel(camera, ray):
+    """Where the camera of a transforms.json sees a unit direction, in raygrid's pixels."""
+    k1, k2, k3, k4, p1, p2 = (camera[key] for key in ("k1", "k2", "k3", "k4", "p1", "p2"))
+    x, y, z = ray
+    along = z
+    if camera["camera_model"] == "OPENCV_FISHEYE":
+        rho = math.hypot(x, y)
+        along = rho / math.atan2(rho, z)
+    x, y = x / along, y / along
+    r = x * x + y * y
+    g = 1 + r * (k1 + r * (k2 + r * (k3 + r * k4)))
+    x, y = (x * g + 2 * p1 * x * y + p2 * (r + 2 * x * x),
+            y * g + 2 * p2 * x * y + p1 * (r + 2 * y * y))
+    return camera["fl_x"] * x + camera["cx"] - 0.5, camera["fl_y"] * y + camera["cy"] - 0.5
+
+
 class Formulas(ExchangeTest):
     """Formulas of programs that cannot be asked here see 10,000 rays where raygrid says, and half a
     pixel is seen."""
@@ -305,6 +324,10 @@ class Formulas(ExchangeTest):
             return camera, camera["intrinsics"]
         self.assert_pixels("basalt", {"pinhole": 0, "pinhole-radtan8": 0, "kb4": 1, "ds": 1,
                                       "eucm": 1, "ucm": 1}, load, basalt_pixel)
+
+    def test_nerfstudio(self):
+        self.assert_pixels("nerfstudio", {"PINHOLE": 0, "OPENCV": 0, "OPENCV_FISHEYE": 1},
+                           lambda text: [json.loads(text)] * 2, nerfstudio_pixel)
 
 
 class Rigs(ExchangeTest):
@@ -389,18 +412,12 @@ class Rigs(ExchangeTest):
         self.assert_refused(run("pack", self.path("chain.yaml"), "-o", self.path("x.raygrid")), 2,
                             "3 cameras", "raygrid import")
 
-    def test_poses_turn_with_the_lens(self):
-        """Boards stand where the camera sees them, but for the error that was told."""
-        poses = self.path("sim/true_poses.csv")
-        one = write(self.path("one.csv"), "\n".join(
-            ["image,board,qw,qx,qy,qz,tx,ty,tz"] + [line.split(",", 1)[1] for line in
-             read(poses).decode().splitlines() if line.startswith("cam0,")]) + "\n")
-        told = self.export(self.camera, "--to", "opencv", "--model", "opencv5", "--poses", one)
-        fit = told["cameras"][0]["fit"]
+    def check_poses(self, poses, fit):
+        """Points of a board are seen in out.yaml where the source sees them."""
         self.assert_done(run("import", self.path("out.yaml"), "-o", self.path("poses.csv")))
         row = lambda path: [float(word) for word in
                             read(path).decode().splitlines()[1].split(",")[2:]]
-        first, second = row(one), row(self.path("poses.csv"))
+        first, second = row(poses), row(self.path("poses.csv"))
         points = [(x / 30, y / 30, 0) for x in range(12) for y in range(9)]
         seen = []
         for pose, camera in ((first, self.camera), (second, self.path("out.yaml"))):
@@ -411,6 +428,17 @@ class Rigs(ExchangeTest):
         self.assertGreater(len(pairs), 5)
         self.assertLess(max(math.dist(*pair) for pair in pairs), 1.5 * fit["max_px"])
         self.assertGreater(math.dist(first[:4], second[:4]), 1e-4)
+
+    def test_poses_turn_with_the_lens(self):
+        """Boards stand where the camera sees them, but for the error that was told."""
+        poses = self.path("sim/true_poses.csv")
+        one = write(self.path("one.csv"), "\n".join(
+            ["image,board,qw,qx,qy,qz,tx,ty,tz"] + [line.split(",", 1)[1] for line in
+             read(poses).decode().splitlines() if line.startswith("cam0,")]) + "\n")
+        for name, model in (("nerfstudio", "OPENCV"), ("opencv", "opencv5")):
+            with self.subTest(name):
+                self.check_poses(one, self.export(self.camera, "--to", name, "--model", model,
+                                                  "--poses", one)["cameras"][0]["fit"])
         rig = self.export(self.two_of_the_rig(), "--to", "opencv", "--model", "opencv4", "--poses",
                           write(self.path("two.csv"), "\n".join(
                               line for line in read(poses).decode().splitlines()

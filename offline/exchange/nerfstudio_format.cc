@@ -1,0 +1,254 @@
+#include "exchange/nerfstudio_format.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <array>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "dataset/yaml_file.h"
+#include "exchange/own_json.h"
+#include "exchange/yaml_numbers.h"
+
+namespace raygrid {
+namespace {
+
+constexpr char kNerfModel[] = "camera_model";
+constexpr char kFrames[] = "frames";
+constexpr char kFramePlace[] = "transform_matrix";
+constexpr char kNerfFisheye[] = "OPENCV_FISHEYE";
+
+constexpr std::array<std::pair<const char*, const char*>, 4> kIntrinsics = {
+    {{"fx", "fl_x"}, {"fy", "fl_y"}, {"cx", "cx"}, {"cy", "cy"}}};
+// In the order of nerfstudio's distortion_params.
+constexpr std::array<const char*, 6> kCoefficients = {"k1", "k2", "k3",
+                                                      "k4", "p1", "p2"};
+
+// nerfstudio goes over pixels by their centres, the first of which is at (0.5,
+// 0.5): get_image_coords(pixel_offset=0.5). Its rays of a fisheye do not divide
+// by z.
+const std::vector<LensForm>& NerfstudioForms() {
+  static const std::vector<LensForm> forms = [] {
+    std::vector<LensForm> made = {
+        FormOf("PINHOLE", "opencv", {}),
+        FormOf("OPENCV", "opencv", {"k1", "k2", "k3", "p1", "p2"}),
+        FormOf(kNerfFisheye, "thin-prism-fisheye", {"k1", "k2", "k3", "k4"})};
+    for (LensForm& form : made) {
+      form.origin = PixelOrigin::kImageCorner;
+      form.reach_rad = form.name == kNerfFisheye ? M_PI : M_PI / 2;
+    }
+    return made;
+  }();
+  return forms;
+}
+
+// A camera looks along -z there, and y is up.
+Pose Turned(const Pose& world_from_camera) {
+  return world_from_camera *
+         Pose{Eigen::Quaterniond(0, 1, 0, 0), Eigen::Vector3d::Zero()};
+}
+
+// ---- Reading ---------------------------------------------------------------
+
+// The map that has the camera: the file, or the first of its frames if all say
+// the same.
+YAML::Node CameraNode(const YAML::Node& root) {
+  if (root["fl_x"]) return root;
+  const YAML::Node frames = root[kFrames];
+  if (!frames || !frames.IsSequence() || frames.size() == 0 ||
+      !frames[0].IsMap() || !frames[0]["fl_x"])
+    throw InputError("no camera: 'fl_x' is missing");
+  for (const char* key : {"fl_x", "fl_y", "cx", "cy", "w", "h", "k1", "k2",
+                          "k3", "k4", "p1", "p2", "distortion_params"})
+    for (size_t k = 1; k < frames.size(); ++k)
+      if (YAML::Dump(frames[k][key]) != YAML::Dump(frames[0][key]))
+        throw InputError(
+            fmt::format("frames[{}]: {} differs from that of frames[0]; files "
+                        "of one camera are taken",
+                        k, key));
+  return frames[0];
+}
+
+// In the order of kCoefficients; those that are missing are 0.
+std::vector<double> CoefficientsOf(const YAML::Node& camera) {
+  constexpr char kList[] = "distortion_params";
+  if (camera[kList])
+    return FiniteNumbers(camera[kList], kList, kCoefficients.size());
+  std::vector<double> numbers;
+  for (const char* key : kCoefficients)
+    numbers.push_back(camera[key] ? FiniteNumber(camera[key], key) : 0);
+  return numbers;
+}
+
+// nerfstudio's rays come from any coefficient. Its undistortion has no place
+// for some, and then passes over them.
+void RequireZero(const std::vector<double>& coefficients,
+                 std::initializer_list<size_t> indices,
+                 const std::string& model) {
+  for (const size_t k : indices)
+    if (coefficients[k] != 0)
+      throw InputError(
+          fmt::format("{} of {} must be 0: OpenCV has none, with which "
+                      "nerfstudio undistorts",
+                      kCoefficients[k], model));
+}
+
+const LensForm& FormOfModel(const std::string& model,
+                            const std::vector<double>& coefficients) {
+  const std::vector<LensForm>& forms = NerfstudioForms();
+  if (model == kNerfFisheye) {
+    RequireZero(coefficients, {4, 5}, model);
+    return forms[2];
+  }
+  for (const char* pinhole :
+       {"SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV"}) {
+    if (model != pinhole) continue;
+    RequireZero(coefficients, {3}, model);
+    const bool is_plain =
+        std::count(coefficients.begin(), coefficients.end(), 0) ==
+        static_cast<std::ptrdiff_t>(coefficients.size());
+    return forms[is_plain ? 0 : 1];
+  }
+  throw InputError(
+      fmt::format("{} '{}' is none that raygrid has; those are PINHOLE, OPENCV "
+                  "and {}",
+                  kNerfModel, Printable(model), kNerfFisheye));
+}
+
+LensInForm ReadNerfstudioLens(const YAML::Node& root,
+                              const ReadRequest& request) {
+  const YAML::Node camera = CameraNode(root);
+  const std::vector<double> coefficients = CoefficientsOf(camera);
+  LensInForm lens;
+  lens.form = &FormOfModel(
+      root[kNerfModel] ? root[kNerfModel].as<std::string>() : "OPENCV",
+      coefficients);
+  lens.size = request.size ? *request.size
+                           : ImageSize{SidePx(camera["w"], "w"),
+                                       SidePx(camera["h"], "h")};
+  for (const auto& [parameter, key] : kIntrinsics)
+    lens.values.push_back(FiniteNumber(camera[key], key));
+  for (size_t k = 0; k < kCoefficients.size(); ++k)
+    if (lens.form->Has(kCoefficients[k]))
+      lens.values.push_back(coefficients[k]);
+  return lens;
+}
+
+// The world of the frames is that of a board.
+BoardPose ReadFrame(const YAML::Node& frame) {
+  if (!frame.IsMap() || !frame["file_path"])
+    throw InputError("'file_path' is missing");
+  const YAML::Node rows = frame[kFramePlace];
+  if (!rows || !rows.IsSequence() || rows.size() < 3)
+    throw InputError(fmt::format("{}: not 4 x 4", kFramePlace));
+  std::vector<double> numbers;
+  for (size_t row = 0; row < 3; ++row)
+    for (const double number : FiniteNumbers(rows[row], kFramePlace, 4))
+      numbers.push_back(number);
+  return {frame["file_path"].as<std::string>(), 0,
+          Turned(PoseOfMatrix(numbers, kFramePlace)).Inverse()};
+}
+
+void ReadFrames(const YAML::Node& frames, ExchangeContents* contents) {
+  if (!frames || !frames.IsSequence()) return;
+  std::vector<BoardPose> poses;
+  for (size_t k = 0; k < frames.size(); ++k) {
+    try {
+      poses.push_back(ReadFrame(frames[k]));
+    } catch (const InputError& error) {
+      contents->remarks.push_back(
+          fmt::format("the places of its frames are not taken: frames[{}]: {}",
+                      k, error.what()));
+      return;
+    }
+  }
+  contents->cameras.front().poses = std::move(poses);
+}
+
+ExchangeContents ReadNerfstudio(const ReadRequest& request) {
+  RequireYamlFile(request.path, request.text);
+  const YAML::Node root = YAML::Load(request.text);
+  if (!root.IsMap()) throw InputError("no camera: no map of keys");
+  if (!request.form.empty())
+    throw InputError(
+        "a file of nerfstudio says its model itself; leave "
+        "--model out");
+  ExchangeContents contents;
+  ReadLens camera;
+  camera.lens = ReadNerfstudioLens(root, request);
+  TakeOwnJson(root[kOwnKey], &camera);
+  contents.cameras.push_back(std::move(camera));
+  if (root["fisheye_crop_radius"])
+    contents.remarks.push_back("not taken: fisheye_crop_radius");
+  ReadFrames(root[kFrames], &contents);
+  return contents;
+}
+
+bool IsNerfstudio(const std::string& text) {
+  return text.find("\"fl_x\"") != std::string::npos;
+}
+
+// ---- Writing ---------------------------------------------------------------
+
+Json FrameJson(const BoardPose& pose) {
+  const Pose place = Turned(pose.camera_from_board.Inverse());
+  const Eigen::Matrix3d r = place.rotation.toRotationMatrix();
+  Json rows = Json::array();
+  for (int row = 0; row < 3; ++row)
+    rows.push_back(
+        {r(row, 0), r(row, 1), r(row, 2), place.translation[row] + 0.0});
+  rows.push_back({0.0, 0.0, 0.0, 1.0});
+  return {{"file_path", Printable(pose.image)}, {kFramePlace, std::move(rows)}};
+}
+
+// Frames have one world.
+void RequireOneBoard(const std::vector<BoardPose>& poses) {
+  for (const BoardPose& pose : poses)
+    if (pose.board != poses.front().board)
+      throw InputError(
+          fmt::format("--poses: those of board {} and board {}, while frames "
+                      "of nerfstudio stand in one world; give those of one "
+                      "board",
+                      poses.front().board, pose.board));
+}
+
+std::string WriteNerfstudio(const WriteRequest& request) {
+  const WrittenLens& camera = request.cameras.front();
+  const LensInForm& lens = camera.lens;
+  RequireOneBoard(camera.poses);
+  Json root = {{kNerfModel, lens.form->name},
+               {"w", lens.size.width},
+               {"h", lens.size.height}};
+  for (const auto& [parameter, key] : kIntrinsics)
+    root[key] = lens.Value(parameter);
+  for (const char* key : kCoefficients)
+    root[key] = lens.form->Has(key) ? lens.Value(key) : 0.0;
+  root[kOwnKey] = OwnJson(camera);
+  root[kFrames] = Json::array();
+  for (const BoardPose& pose : camera.poses)
+    root[kFrames].push_back(FrameJson(pose));
+  return root.dump(4) + "\n";
+}
+
+}  // namespace
+
+Format NerfstudioFormat() {
+  Format format;
+  format.name = "nerfstudio";
+  format.holds =
+      "transforms.json: a pinhole with or without k1, k2, k3, p1 and p2, or "
+      "OpenCV's fisheye; of a rig a file for each camera; poses of one board "
+      "as "
+      "frames";
+  format.forms = NerfstudioForms();
+  format.ending = ".json";
+  format.holds_poses = true;
+  format.recognizes = IsNerfstudio;
+  format.read = ReadNerfstudio;
+  format.write = WriteNerfstudio;
+  return format;
+}
+
+}  // namespace raygrid
