@@ -1,9 +1,10 @@
 #include "exchange/xml.h"
 
+#include <expat.h>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cctype>
+#include <limits>
+#include <memory>
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
@@ -11,152 +12,92 @@
 namespace raygrid {
 namespace {
 
-constexpr char kSpace[] = " \t\r\n";
-
 std::string Trimmed(const std::string& text) {
+  constexpr char kSpace[] = " \t\r\n";
   const size_t first = text.find_first_not_of(kSpace);
   if (first == std::string::npos) return "";
   return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
 }
 
-class XmlParser {
+// The tree of what expat tells of a document.
+class XmlTree {
  public:
-  explicit XmlParser(const std::string& text) : text_(text) {}
+  XmlTree() : parser_(XML_ParserCreate("UTF-8"), XML_ParserFree) {
+    if (!parser_) throw std::bad_alloc();
+    XML_SetUserData(parser_.get(), this);
+    XML_SetElementHandler(parser_.get(), Begin, End);
+    XML_SetCharacterDataHandler(parser_.get(), AddText);
+    XML_SetStartDoctypeDeclHandler(parser_.get(), RefuseType);
+  }
 
-  XmlElement Document() {
-    SkipOthers();
-    if (!Follows("<")) Fail("no element");
-    XmlElement root = Element(0);
-    SkipOthers();
-    if (at_ != text_.size()) Fail("more behind the end of the root element");
-    return root;
+  XmlElement Parse(const std::string& text) {
+    if (text.size() > std::numeric_limits<int>::max())
+      throw InputError("not XML: longer than 2 GiB");
+    if (XML_Parse(parser_.get(), text.data(), static_cast<int>(text.size()),
+                  XML_TRUE) != XML_STATUS_OK)
+      throw InputError(fmt::format("line {}: not XML: {}",
+                                   XML_GetCurrentLineNumber(parser_.get()),
+                                   Reason()));
+    return std::move(root_);
   }
 
  private:
-  [[noreturn]] void Fail(const std::string& what) const {
-    const size_t end = std::min(at_, text_.size());
-    throw InputError(fmt::format(
-        "line {}: not XML: {}",
-        1 + std::count(text_.begin(),
-                       text_.begin() + static_cast<std::ptrdiff_t>(end), '\n'),
-        what));
+  // expat has the same words for a document that ends within an element as for
+  // one without any.
+  std::string Reason() const {
+    if (!refusal_.empty()) return refusal_;
+    const XML_Error error = XML_GetErrorCode(parser_.get());
+    if (error == XML_ERROR_NO_ELEMENTS && !open_.empty())
+      return fmt::format("'</{}>' is missing", Printable(open_.back()->name));
+    return XML_ErrorString(error);
   }
 
-  bool Follows(const std::string& word) const {
-    return text_.compare(at_, word.size(), word) == 0;
+  void Refuse(const char* reason) {
+    refusal_ = reason;
+    XML_StopParser(parser_.get(), XML_FALSE);
   }
-  bool Take(const std::string& word) {
-    if (!Follows(word)) return false;
-    at_ += word.size();
-    return true;
-  }
-  void SkipSpace() {
-    at_ = std::min(text_.find_first_not_of(kSpace, at_), text_.size());
-  }
-  // All up to a word, which is skipped, too.
-  std::string TakeUpTo(const std::string& word) {
-    const size_t end = text_.find(word, at_);
-    if (end == std::string::npos) Fail("'" + word + "' is missing");
-    const std::string taken = text_.substr(at_, end - at_);
-    at_ = end + word.size();
-    return taken;
-  }
-  bool SkipComment() {
-    if (Take("<!--")) {
-      TakeUpTo("-->");
-      return true;
+
+  static void Begin(void* data, const XML_Char* name,
+                    const XML_Char** attributes) {
+    constexpr size_t kDeepest = 100;
+    XmlTree& tree = *static_cast<XmlTree*>(data);
+    if (tree.open_.size() > kDeepest) {
+      tree.Refuse("elements are too deep");
+      return;
     }
-    if (!Take("<?")) return false;
-    TakeUpTo("?>");
-    return true;
-  }
-  // Comments and instructions around the root.
-  void SkipOthers() {
-    do SkipSpace();
-    while (SkipComment());
-  }
-
-  std::string Name() {
-    const size_t first = at_;
-    while (at_ < text_.size() &&
-           (std::isalnum(static_cast<unsigned char>(text_[at_])) ||
-            std::string("_:.-").find(text_[at_]) != std::string::npos))
-      ++at_;
-    if (at_ == first) Fail("a name is missing");
-    return text_.substr(first, at_ - first);
+    // Elements that are open do not move: siblings follow when they are closed.
+    XmlElement& element = tree.open_.empty()
+                              ? tree.root_
+                              : tree.open_.back()->children.emplace_back();
+    element.name = name;
+    element.line =
+        static_cast<int>(XML_GetCurrentLineNumber(tree.parser_.get()));
+    for (; *attributes; attributes += 2)
+      element.attributes[attributes[0]] = attributes[1];
+    tree.open_.push_back(&element);
   }
 
-  std::string Unescaped(const std::string& text) const {
-    std::string plain;
-    for (size_t k = 0; k < text.size(); ++k) {
-      if (text[k] != '&') {
-        plain += text[k];
-        continue;
-      }
-      const size_t end = text.find(';', k);
-      const std::string name =
-          end == std::string::npos ? "" : text.substr(k + 1, end - k - 1);
-      const std::map<std::string, char> known = {{"lt", '<'},
-                                                 {"gt", '>'},
-                                                 {"amp", '&'},
-                                                 {"quot", '"'},
-                                                 {"apos", '\''}};
-      const auto found = known.find(name);
-      if (found == known.end()) Fail("'&' that begins no known entity");
-      plain += found->second;
-      k = end;
-    }
-    return plain;
+  static void End(void* data, const XML_Char* /*name*/) {
+    XmlTree& tree = *static_cast<XmlTree*>(data);
+    tree.open_.back()->text = Trimmed(tree.open_.back()->text);
+    tree.open_.pop_back();
   }
 
-  void Attributes(XmlElement* element) {
-    while (true) {
-      SkipSpace();
-      if (at_ >= text_.size()) Fail("ends within '<" + element->name + "'");
-      if (Follows(">") || Follows("/>")) return;
-      const std::string name = Name();
-      SkipSpace();
-      if (!Take("=")) Fail("'=' is missing");
-      SkipSpace();
-      const std::string quote = Follows("'") ? "'" : "\"";
-      if (!Take(quote)) Fail("a quote is missing");
-      if (!element->attributes.emplace(name, Unescaped(TakeUpTo(quote))).second)
-        Fail("the attribute '" + name + "' stands twice");
-    }
+  static void AddText(void* data, const XML_Char* text, int length) {
+    XmlTree& tree = *static_cast<XmlTree*>(data);
+    if (!tree.open_.empty()) tree.open_.back()->text.append(text, length);
   }
 
-  XmlElement Element(int depth) {
-    constexpr int kDeepest = 100;
-    if (depth > kDeepest) Fail("elements are too deep");
-    XmlElement element;
-    element.line = static_cast<int>(
-        1 + std::count(text_.begin(),
-                       text_.begin() + static_cast<std::ptrdiff_t>(at_), '\n'));
-    Take("<");
-    element.name = Name();
-    Attributes(&element);
-    if (Take("/>")) return element;
-    Take(">");
-    while (!Take("</" + element.name)) {
-      if (at_ >= text_.size()) Fail("'</" + element.name + ">' is missing");
-      if (SkipComment()) continue;
-      if (Follows("</")) Fail("'</" + element.name + ">' is missing");
-      if (Follows("<")) {
-        element.children.push_back(Element(depth + 1));
-      } else {
-        const size_t end = std::min(text_.find('<', at_), text_.size());
-        element.text += Unescaped(text_.substr(at_, end - at_));
-        at_ = end;
-      }
-    }
-    SkipSpace();
-    if (!Take(">")) Fail("'>' is missing");
-    element.text = Trimmed(element.text);
-    return element;
+  static void RefuseType(void* data, const XML_Char* /*name*/,
+                         const XML_Char* /*system_id*/,
+                         const XML_Char* /*public_id*/, int /*has_subset*/) {
+    static_cast<XmlTree*>(data)->Refuse("a document type, which is not taken");
   }
 
-  const std::string& text_;
-  size_t at_ = 0;
+  std::unique_ptr<XML_ParserStruct, decltype(&XML_ParserFree)> parser_;
+  XmlElement root_;
+  std::vector<XmlElement*> open_;
+  std::string refusal_;
 };
 
 }  // namespace
@@ -170,7 +111,7 @@ const XmlElement* XmlElement::Child(const std::string& child) const {
 XmlElement ParseXml(const std::string& text) {
   if (FindNoUtf8(text) != std::string::npos)
     throw InputError("not a text file");
-  return XmlParser(text).Document();
+  return XmlTree().Parse(text);
 }
 
 }  // namespace raygrid

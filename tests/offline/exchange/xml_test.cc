@@ -18,25 +18,27 @@ TEST(Xml, ReadsElementsAttributesAndText) {
   EXPECT_EQ(root.children[1].line, 4);
   EXPECT_EQ(root.Child("d"), &root.children[0]);
   EXPECT_EQ(root.Child("x"), nullptr);
+  EXPECT_EQ(ParseXml("<a><![CDATA[<b>]]>&#65;</a>").text, "<b>A");
 }
 
 TEST(Xml, SaysWhereItIsBroken) {
   for (const auto& [text, word] :
        std::vector<std::pair<const char*, const char*>>{
            {"", "no element"},
-           {"x", "no element"},
-           {"<a>\n<b>\n</a>", "line 3: not XML: '</b>' is missing"},
-           {"<a>", "'</a>' is missing"},
-           {"<a b>", "'='"},
-           {"<a b=1>", "quote"},
-           {"<a b='", "missing"},
-           {"<a b='1' b='2'/>", "twice"},
-           {"<a/><b/>", "more behind"},
-           {"<a>&x;</a>", "entity"},
-           {"<a>& b</a>", "entity"},
-           {"<a", "ends within"},
-           {"<!-- ", "-->"},
-           {"<1a/>x", "more"}})
+           {"x", "syntax error"},
+           {"<a>\n<b>\n</a>", "line 3: not XML: mismatched tag"},
+           {"<a><b>", "'</b>' is missing"},
+           {"<a b>", "not well-formed"},
+           {"<a b=1>", "not well-formed"},
+           {"<a b='", "unclosed token"},
+           {"<a b='1' b='2'/>", "duplicate attribute"},
+           {"<a/>\n<b/>", "line 2: not XML: junk after document element"},
+           {"<a>&x;</a>", "undefined entity"},
+           {"<a>& b</a>", "not well-formed"},
+           {"<a", "unclosed token"},
+           {"<!-- ", "unclosed token"},
+           {"<1a/>x", "not well-formed"},
+           {"<!DOCTYPE a [<!ENTITY x 'y'>]>\n<a>&x;</a>", "document type"}})
     ExpectError(ExitCode::kInput, {word}, [&, &t = text] { ParseXml(t); });
 }
 
