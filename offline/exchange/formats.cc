@@ -9,6 +9,7 @@
 #include "exchange/colmap_format.h"
 #include "exchange/format.h"
 #include "exchange/kalibr_format.h"
+#include "exchange/metashape_format.h"
 #include "exchange/mrcal_format.h"
 #include "exchange/nerfstudio_format.h"
 #include "exchange/opencv_format.h"
@@ -43,8 +44,8 @@ void AddRemarksOnLenses(ExchangeContents* contents) {
 
 const std::vector<Format>& Formats() {
   static const std::vector<Format> formats = {
-      OpenCvFormat(), RosFormat(),    KalibrFormat(),    ColmapFormat(),
-      MrcalFormat(),  BasaltFormat(), NerfstudioFormat()};
+      OpenCvFormat(), RosFormat(),    KalibrFormat(),     ColmapFormat(),
+      MrcalFormat(),  BasaltFormat(), NerfstudioFormat(), MetashapeFormat()};
   return formats;
 }
 

@@ -64,7 +64,8 @@ std::unique_ptr<ParametricModel> MakeNamedLens(const LensInForm& lens) {
       parameters[IndexOf(model, "fy")] = lens.values[k];
   }
   RequireFocalLengths(parameters.head<2>());
-  parameters.segment<2>(2) = FromProgram(form.origin, parameters.segment<2>(2));
+  parameters.segment<2>(2) =
+      FromProgram(form.origin, lens.size, parameters.segment<2>(2));
   return model.make(lens.size, WholeImage(lens.size), parameters);
 }
 
@@ -162,7 +163,8 @@ std::optional<LensInForm> InForm(const LensForm& form,
   for (const std::string& missing : form.Missing())
     if (parameters[IndexOf(model, missing)] != 0) return std::nullopt;
   if (form.Has("f") && parameters[0] != parameters[1]) return std::nullopt;
-  parameters.segment<2>(2) = ToProgram(form.origin, parameters.segment<2>(2));
+  parameters.segment<2>(2) =
+      ToProgram(form.origin, lens->image_size(), parameters.segment<2>(2));
   LensInForm held = {&form, lens->image_size(), {}, nullptr};
   for (const std::string& parameter : form.parameters)
     held.values.push_back(parameters[IndexOf(model, parameter)]);

@@ -30,7 +30,7 @@ std::pair<cv::Mat, cv::Mat> FloatMaps(const ViewTable& view) {
     for (int x = 0; x < view.size.width; ++x) {
       const auto& source = view.At(x, y);
       const Eigen::Vector2d at =
-          source ? ToProgram(PixelOrigin::kFirstPixelCenter, *source)
+          source ? ToProgram(PixelOrigin::kFirstPixelCenter, {}, *source)
                  : Eigen::Vector2d(-1, -1);
       maps.first.at<float>(y, x) = static_cast<float>(at.x());
       maps.second.at<float>(y, x) = static_cast<float>(at.y());

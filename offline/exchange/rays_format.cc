@@ -22,7 +22,7 @@ NpyArray ArrayOfVectors(const std::string& name, const RayTable& rays,
 
 std::vector<double> ToProgramAxis(std::vector<double> places) {
   for (double& place : places)
-    place = ToProgram(PixelOrigin::kFirstPixelCenter, {place, 0}).x();
+    place = ToProgram(PixelOrigin::kFirstPixelCenter, {}, {place, 0}).x();
   return places;
 }
 
@@ -88,7 +88,7 @@ std::vector<double> PlacesOf(const std::vector<NpyArray>& arrays,
   for (double& place : places) {
     if (!std::isfinite(place))
       throw InputError(fmt::format("{}: a place is no number", name));
-    place = FromProgram(PixelOrigin::kFirstPixelCenter, {place, 0}).x();
+    place = FromProgram(PixelOrigin::kFirstPixelCenter, {}, {place, 0}).x();
   }
   for (size_t k = 1; k < count; ++k)
     if (!(places[k] > places[k - 1]))

@@ -39,7 +39,7 @@ using StPixel = std::array<float, kChannels.size()>;
 StPixel PixelOf(const ViewTable& view, int x, int y) {
   const auto source = view.At(x, y);
   if (!source) return {-1, -1, 0, 0};
-  const Eigen::Vector2d at = ToProgram(PixelOrigin::kImageCorner, *source);
+  const Eigen::Vector2d at = ToProgram(PixelOrigin::kImageCorner, {}, *source);
   return {static_cast<float>(at.x() / view.source_size.width),
           static_cast<float>(1 - at.y() / view.source_size.height), 0, 1};
 }

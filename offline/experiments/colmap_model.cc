@@ -71,7 +71,7 @@ std::vector<ColmapModel::Observation> ReadObservations(
       lines.Refuse(fmt::format("point {} is not in points3D.txt", point));
     const Eigen::Vector2d pixel(lines.Get<double>(i), lines.Get<double>(i + 1));
     observations.push_back(
-        {FromProgram(PixelOrigin::kImageCorner, pixel), index->second});
+        {FromProgram(PixelOrigin::kImageCorner, {}, pixel), index->second});
   }
   return observations;
 }

@@ -14,9 +14,11 @@ constexpr ImageSize kExampleImage = {640, 480};
 
 // A lens of a form, every parameter at work, with digits to lose.
 LensInForm ExampleOf(const LensForm& form) {
-  static const std::map<std::string, double> values = {
-      {"f", 700.0 / 3},   {"fx", 700.0 / 3}, {"fy", 701.0 / 3},
-      {"cx", 958.0 / 3},  {"cy", 721.0 / 3}, {"xi", -0.7 / 3},
+  const Eigen::Vector2d center =
+      ToProgram(form.origin, kExampleImage, {958.0 / 3, 721.0 / 3});
+  const std::map<std::string, double> values = {
+      {"f", 700.0 / 3},   {"fx", 700.0 / 3},  {"fy", 701.0 / 3},
+      {"cx", center.x()}, {"cy", center.y()}, {"xi", -0.7 / 3},
       {"alpha", 1.8 / 3}, {"beta", 3.1 / 3}};
   LensInForm lens = {&form, kExampleImage, {}};
   if (form.IsSpline()) {

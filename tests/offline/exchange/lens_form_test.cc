@@ -44,6 +44,16 @@ TEST(LensForm, ShiftsPixelsOfProgramsThatBeginAtTheCorner) {
   EXPECT_EQ(MakeLens(held)->Parameters(), ExampleLens().Parameters());
 }
 
+// The middle of an image of 640 x 480 is at (319.5, 239.5).
+TEST(LensForm, ShiftsPixelsOfProgramsThatBeginInTheMiddle) {
+  LensForm form = OpenCvForm("middle", 8);
+  form.origin = PixelOrigin::kImageMiddle;
+  const auto held = InForm(form, ExampleLens()).value();
+  EXPECT_EQ(held.Value("cx"), ExampleLens().Parameters()[2] - 319.5);
+  EXPECT_EQ(held.Value("cy"), ExampleLens().Parameters()[3] - 239.5);
+  EXPECT_EQ(MakeLens(held)->Parameters(), ExampleLens().Parameters());
+}
+
 TEST(LensForm, HasOneFocalLengthIfThereIsOne) {
   const LensForm form = {"simple", "opencv", {"f", "cx", "cy", "k1"}};
   const OpenCvModel lens(kFormImage, WholeImage(kFormImage),

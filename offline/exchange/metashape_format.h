@@ -1,0 +1,13 @@
+#ifndef RAYGRID_EXCHANGE_METASHAPE_FORMAT_H
+#define RAYGRID_EXCHANGE_METASHAPE_FORMAT_H
+
+#include "exchange/format.h"
+
+namespace raygrid {
+
+/// The calibration of Agisoft Metashape, as XML.
+Format MetashapeFormat();
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_METASHAPE_FORMAT_H

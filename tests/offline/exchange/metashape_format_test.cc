@@ -1,0 +1,96 @@
+#include "exchange/metashape_format.h"
+
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+// A calibration as Metashape writes it.
+constexpr char kMetashape[] =
+    "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<calibration>\n"
+    "  <projection>frame</projection>\n  <width>4096</width>\n"
+    "  <height>3072</height>\n  <f>3219.5</f>\n  <cx>15.125</cx>\n"
+    "  <cy>-18.5</cy>\n  <b1>2.5</b1>\n  <b2>0</b2>\n"
+    "  <k1>0.02</k1>\n  <k2>-0.07</k2>\n  <k3>0.09</k3>\n"
+    "  <p1>0.0015</p1>\n  <p2>0.0017</p2>\n"
+    "  <date>2024-05-06T07:08:09Z</date>\n</calibration>\n";
+
+ExchangeContents ParseMetashape(const std::string& text) {
+  return ReadExchangeFile(RecognizeFormat(text), {"f", text, "", {}});
+}
+
+std::string FisheyeCalibration() {
+  return TextWith(TextWith(kMetashape, "frame", "fisheye"), "</k3>",
+                  "</k3><k4>-0.01</k4>");
+}
+
+TEST(MetashapeFormat, ReadsAFrame) {
+  const ExchangeContents contents = ParseMetashape(kMetashape);
+  ASSERT_EQ(contents.cameras.size(), 1u);
+  EXPECT_TRUE(contents.remarks.empty());
+  const LensInForm& lens = contents.cameras[0].lens;
+  EXPECT_EQ(lens.size, (ImageSize{4096, 3072}));
+  const auto model = MakeLens(lens);
+  EXPECT_EQ(model->Name(), "opencv");
+  Eigen::VectorXd expected(12);
+  // fx, fy, cx, cy, k1 to k6, p1, p2
+  expected << 3222, 3219.5, 2047.5 + 15.125, 1535.5 - 18.5, 0.02, -0.07, 0.09,
+      0, 0, 0, 0.0017, 0.0015;
+  EXPECT_EQ(model->Parameters(), expected);
+}
+
+TEST(MetashapeFormat, ReadsAFisheye) {
+  for (const char* name : {"fisheye", "equidistant_fisheye"}) {
+    const ExchangeContents contents =
+        ParseMetashape(TextWith(FisheyeCalibration(), "fisheye", name));
+    const auto model = MakeLens(contents.cameras[0].lens);
+    EXPECT_EQ(model->Name(), "thin-prism-fisheye");
+    Eigen::VectorXd expected(12);
+    // fx, fy, cx, cy, k1 to k4, p1, p2, sx1, sy1
+    expected << 3222, 3219.5, 2047.5 + 15.125, 1535.5 - 18.5, 0.02, -0.07, 0.09,
+        -0.01, 0.0017, 0.0015, 0, 0;
+    EXPECT_EQ(model->Parameters(), expected);
+  }
+}
+
+TEST(MetashapeFormat, WritesWhatItReads) {
+  for (const std::string& text :
+       {std::string(kMetashape), FisheyeCalibration()}) {
+    WrittenLens camera;
+    camera.lens = ParseMetashape(text).cameras[0].lens;
+    camera.fit = LensFit{};
+    const std::string written = MetashapeFormat().write({"f.xml", {camera}});
+    EXPECT_EQ(ParseMetashape(written).cameras[0].lens.values,
+              camera.lens.values);
+    EXPECT_NE(written.find("<b1>2.5</b1>"), std::string::npos);
+    EXPECT_NE(written.find("<p1>0.0015</p1>"), std::string::npos);
+    EXPECT_NE(written.find("RMS"), std::string::npos);
+  }
+}
+
+TEST(MetashapeFormat, SaysWhatIsMissingOrWrong) {
+  const auto expect = [](const std::string& old, const std::string& by,
+                         const std::vector<std::string>& words) {
+    ExpectError(ExitCode::kInput, words,
+                [&] { ParseMetashape(TextWith(kMetashape, old, by)); });
+  };
+  expect("frame", "equisolid_fisheye", {"f: projection", "fisheye"});
+  expect("<b2>0<", "<b2>0.5<", {"b2 of a frame is not 0", "Metashape"});
+  expect("</k3>", "</k3><k4>0.1</k4>", {"k4 of a frame"});
+  expect("</k3>", "</k3><p3>0.1</p3>", {"p3 of a frame"});
+  expect("</k3>", "</k3><corrections/>", {"corrections"});
+  expect("<f>3219.5</f>", "<fx>3219</fx><fy>3219</fy>", {"fx", "1.2"});
+  expect("<f>3219.5</f>", "", {"'f' is missing"});
+  expect("3219.5", "-3219.5", {"focal length"});
+  expect("3219.5", "", {"f: no finite number"});
+  expect("<width>4096", "<width>4096.5", {"width"});
+  expect("</k3>", "</k3><k3>0</k3>", {"line 13", "'k3' stands twice"});
+  expect("</k3>", "", {"line", "not XML"});
+  EXPECT_EQ(ParseMetashape(TextWith(kMetashape, "</k3>", "</k3><k4>0</k4>"))
+                .cameras[0]
+                .lens.values,
+            ParseMetashape(kMetashape).cameras[0].lens.values);
+}
+
+}  // namespace
+}  // namespace raygrid
