@@ -13,6 +13,7 @@
 #include "exchange/mrcal_format.h"
 #include "exchange/nerfstudio_format.h"
 #include "exchange/opencv_format.h"
+#include "exchange/puzzlepaint_format.h"
 #include "exchange/ros_format.h"
 
 namespace raygrid {
@@ -44,8 +45,9 @@ void AddRemarksOnLenses(ExchangeContents* contents) {
 
 const std::vector<Format>& Formats() {
   static const std::vector<Format> formats = {
-      OpenCvFormat(), RosFormat(),    KalibrFormat(),     ColmapFormat(),
-      MrcalFormat(),  BasaltFormat(), NerfstudioFormat(), MetashapeFormat()};
+      OpenCvFormat(),     RosFormat(),       KalibrFormat(),
+      ColmapFormat(),     MrcalFormat(),     BasaltFormat(),
+      NerfstudioFormat(), MetashapeFormat(), PuzzlepaintFormat()};
   return formats;
 }
 

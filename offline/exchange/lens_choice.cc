@@ -8,6 +8,7 @@
 #include "camera/model_fitting.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
+#include "exchange/unit_grid.h"
 
 namespace raygrid {
 namespace {
@@ -42,8 +43,22 @@ ChosenLens FitSpline(const LensForm& form, const CameraModel& camera,
   return chosen;
 }
 
+// A grid needs no turn, either.
+ChosenLens FitGrid(const LensForm& form, const CameraModel& camera,
+                   const TrustMask* trusted) {
+  const auto grid =
+      std::make_shared<UnitGrid>(FitUnitGrid(camera, form.HasLines()));
+  ChosenLens chosen;
+  chosen.lens = {&form, camera.image_size(), {}, nullptr, grid};
+  chosen.fit =
+      MeasureLens(camera, trusted, *grid, form, Eigen::Quaterniond::Identity());
+  chosen.model = grid->Clone();
+  return chosen;
+}
+
 ChosenLens FitLens(const LensForm& form, const CameraModel& camera,
                    const TrustMask* trusted) {
+  if (form.IsGrid()) return FitGrid(form, camera, trusted);
   if (form.IsSpline()) return FitSpline(form, camera, trusted);
   FitOptions options;
   options.held = form.Missing();
@@ -68,7 +83,7 @@ double AtPart(const std::vector<double>& sorted, double part) {
 }  // namespace
 
 LensFit MeasureLens(const CameraModel& camera, const TrustMask* trusted,
-                    const ParametricModel& lens, const LensForm& form,
+                    const CameraModel& lens, const LensForm& form,
                     const Eigen::Quaterniond& lens_from_camera) {
   constexpr double kAnywherePx = 1e9;
   const Area& area = camera.area();
@@ -83,12 +98,14 @@ LensFit MeasureLens(const CameraModel& camera, const TrustMask* trusted,
     for (double x = area.x0; x <= area.x1; x += step_px) {
       const Eigen::Vector2d pixel(x, y);
       if (trusted && !trusted->Trusts(pixel)) continue;
-      const auto ray = camera.Unproject(pixel);
-      if (!ray) continue;
-      const Eigen::Vector3d turned = lens_from_camera * *ray;
+      const auto line = camera.Line(pixel);
+      if (!line) continue;
+      const Eigen::Vector3d turned =
+          lens_from_camera * (line->origin + line->direction);
       const double angle = std::atan2(turned.head<2>().norm(), turned.z());
       fit.widest_rad = std::max(fit.widest_rad, angle);
-      const auto seen = lens.Project(turned, nullptr, kAnywherePx);
+      const auto seen =
+          lens.Project(turned, form.IsGrid() ? &pixel : nullptr, kAnywherePx);
       if (!seen || !(angle < form.reach_rad)) {
         ++fit.num_beyond;
         continue;
@@ -114,12 +131,15 @@ ChosenLens ChooseLens(const std::vector<const LensForm*>& forms,
     return std::make_pair(a->IsSpline(), a->parameters.size()) <
            std::make_pair(b->IsSpline(), b->parameters.size());
   };
-  std::vector<const LensForm*> sorted = forms;
+  std::vector<const LensForm*> sorted;
+  for (const LensForm* form : forms)
+    if (form->HasLines() != camera.IsCentral()) sorted.push_back(form);
+  if (sorted.empty() && camera.IsCentral()) sorted = forms;
   std::stable_sort(sorted.begin(), sorted.end(), has_fewer);
   for (const LensForm* form : sorted)
     if (auto held = InForm(*form, camera))
       return {*held, MakeLens(*held), std::nullopt};
-  if (!camera.IsCentral())
+  if (sorted.empty())
     throw Error(ExitCode::kUsage,
                 fmt::format("the lines of a {} camera do not meet in a point, "
                             "and other programs' models have one; export a "

@@ -28,23 +28,25 @@ struct LensFit {
 /// A camera in one of the forms of a program.
 struct ChosenLens {
   LensInForm lens;
-  std::unique_ptr<ParametricModel> model;  ///< what the lens is to raygrid
-  std::optional<LensFit> fit;              ///< none if it is the camera itself
+  std::unique_ptr<CameraModel> model;  ///< what the lens is to raygrid
+  std::optional<LensFit> fit;          ///< none if it is the camera itself
 };
 
 /// The camera itself in the form of the fewest parameters that holds it. Else
 /// the nearest lens of the form of the fewest parameters, unless others leave
 /// at least 2 % less, and more than a little. Among equals the first form
 /// counts. Pixels that are not trusted have next to no say; without a mask all
-/// are. Throws Error(kUsage) for cameras of lines, and Error(kQuality) if no
+/// are. Forms of lines are for cameras of lines, and no others for these: else
+/// throws Error(kUsage), as it throws Error(kQuality) if no
 /// form has a place for any trusted pixel.
 ChosenLens ChooseLens(const std::vector<const LensForm*>& forms,
                       const CameraModel& camera, const TrustMask* trusted,
                       int num_threads = 1);
 
-/// How well a lens of a form stands for a camera.
+/// How well a lens of a form stands for a camera; at points 1 m away, if it is
+/// a camera of lines.
 LensFit MeasureLens(const CameraModel& camera, const TrustMask* trusted,
-                    const ParametricModel& lens, const LensForm& form,
+                    const CameraModel& lens, const LensForm& form,
                     const Eigen::Quaterniond& lens_from_camera);
 
 /// "RMS 0.0123 px, 99 % below 0.0456 px, largest 0.0789 px at 19200 trusted

@@ -78,6 +78,13 @@ std::unique_ptr<ParametricModel> MakeSpline(const LensInForm& lens) {
   return lens.spline->OverArea(WholeImage(lens.size));
 }
 
+std::unique_ptr<CameraModel> MakeGrid(const LensInForm& lens) {
+  if (!(lens.grid->Parameters().cwiseAbs().maxCoeff() <= kLargestNumber))
+    throw InputError(fmt::format("{}: a number is none, or beyond {:g}",
+                                 lens.form->name, kLargestNumber));
+  return lens.grid->Clone();
+}
+
 // The lens that a camera is, which has names for all its parameters. An
 // equidistant view is a fisheye without distortion.
 std::unique_ptr<CameraModel> AsNamedLens(const CameraModel& camera) {
@@ -98,7 +105,7 @@ bool LensForm::Has(const std::string& parameter) const {
 
 std::vector<std::string> LensForm::Missing() const {
   std::vector<std::string> missing;
-  if (IsSpline()) return missing;
+  if (IsSpline() || IsGrid()) return missing;
   for (const std::string& parameter : FindLensModel(model)->parameters)
     if (!Has(parameter) &&
         !(Has("f") && (parameter == "fx" || parameter == "fy")))
@@ -136,10 +143,16 @@ double PartWithoutRays(const CameraModel& lens) {
   return static_cast<double>(num_without) / (kAcross * kAcross);
 }
 
-std::unique_ptr<ParametricModel> MakeLens(const LensInForm& lens) {
+std::unique_ptr<CameraModel> MakeLens(const LensInForm& lens) {
   const LensForm& form = *lens.form;
   RequireSize(lens.size);
-  auto made = form.IsSpline() ? MakeSpline(lens) : MakeNamedLens(lens);
+  std::unique_ptr<CameraModel> made;
+  if (form.IsGrid())
+    made = MakeGrid(lens);
+  else if (form.IsSpline())
+    made = MakeSpline(lens);
+  else
+    made = MakeNamedLens(lens);
   if (PartWithoutRays(*made) == 1)
     throw InputError(fmt::format(
         "{}: no pixel of {} x {} looks anywhere with these numbers; are they "
@@ -150,6 +163,7 @@ std::unique_ptr<ParametricModel> MakeLens(const LensInForm& lens) {
 
 std::optional<LensInForm> InForm(const LensForm& form,
                                  const CameraModel& camera) {
+  if (form.IsGrid()) return std::nullopt;
   const std::unique_ptr<CameraModel> lens = AsNamedLens(camera);
   if (lens->Name() != form.model) return std::nullopt;
   if (form.IsSpline())

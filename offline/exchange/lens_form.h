@@ -27,6 +27,9 @@ struct LensForm {
 
   /// A spline has as many parameters as it likes.
   bool IsSpline() const { return model == "splined-stereographic"; }
+  /// A grid of another kind than raygrid's, which stands for a camera nearly.
+  bool IsGrid() const { return model == "central-generic" || HasLines(); }
+  bool HasLines() const { return model == "noncentral-generic"; }
   bool Has(const std::string& parameter) const;
   /// Parameters of the model that the program lacks.
   std::vector<std::string> Missing() const;
@@ -44,6 +47,9 @@ struct LensInForm {
   std::vector<double> values;
   /// The lens of a form that is a spline, without values; else null.
   std::shared_ptr<const SplinedStereographic> spline = nullptr;
+  /// The camera of a form that is a grid: raygrid's grid if it was read, the
+  /// program's if it is to be written. Else null.
+  std::shared_ptr<const CameraModel> grid = nullptr;
 
   /// Throws std::out_of_range if the form has no such parameter.
   double Value(const std::string& parameter) const;
@@ -52,14 +58,15 @@ struct LensInForm {
   std::vector<double> ValuesFrom(size_t first) const;
 };
 
-/// The lens of a form; over the whole image. Throws InputError for numbers that
-/// no lens has: such as not finite ones, and focal lengths of 0.
-std::unique_ptr<ParametricModel> MakeLens(const LensInForm& lens);
+/// The lens of a form, over the whole image; or its grid. Throws InputError for
+/// numbers that no lens has: such as not finite ones, and focal lengths of 0.
+std::unique_ptr<CameraModel> MakeLens(const LensInForm& lens);
 
 /// The part of the image's pixels, on a lattice, that look nowhere.
 double PartWithoutRays(const CameraModel& lens);
 
-/// A lens in a form; nothing if the form cannot hold it exactly.
+/// A lens in a form; nothing if the form cannot hold it exactly, as grids hold
+/// none.
 std::optional<LensInForm> InForm(const LensForm& form, const CameraModel& lens);
 
 }  // namespace raygrid

@@ -11,7 +11,7 @@ namespace raygrid {
 enum class PixelOrigin {
   /// raygrid, OpenCV, ROS, Kalibr, mrcal, Basalt
   kFirstPixelCenter,
-  /// The outer corner of the first pixel: COLMAP, nerfstudio.
+  /// The outer corner of the first pixel: COLMAP, nerfstudio, puzzlepaint.
   kImageCorner,
   /// The middle of the image: principal points of Metashape.
   kImageMiddle

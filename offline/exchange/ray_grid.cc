@@ -14,8 +14,8 @@
 namespace raygrid {
 namespace {
 
-constexpr char kCentral[] = "central-generic",
-               kNonCentral[] = "noncentral-generic";
+constexpr char kCentralModel[] = "central-generic",
+               kNonCentralModel[] = "noncentral-generic";
 
 // A pixel and its ray.
 struct RaySample {
@@ -78,12 +78,13 @@ bool IsCentralTable(const std::vector<RaySample>& samples) {
 
 std::string ModelOfTable(const std::string& model,
                          const std::vector<RaySample>& samples) {
-  if (model.empty()) return IsCentralTable(samples) ? kCentral : kNonCentral;
-  if (model == kCentral || model == kNonCentral) return model;
+  if (model.empty())
+    return IsCentralTable(samples) ? kCentralModel : kNonCentralModel;
+  if (model == kCentralModel || model == kNonCentralModel) return model;
   throw Error(ExitCode::kUsage,
               fmt::format("--model {}: rays become {} or {}; 'raygrid fit' "
                           "makes other models of these",
-                          model, kCentral, kNonCentral));
+                          model, kCentralModel, kNonCentralModel));
 }
 
 BSplineSurface SurfaceOf(const Area& area, int columns, int rows,
@@ -190,7 +191,7 @@ RayGrid FitRayGrid(const RayTable& rays, const std::string& model,
   constexpr int kFewest = 8, kMost = 96;
   const std::vector<RaySample> samples = SamplesOf(rays);
   RequireCameraAxes(rays, samples);
-  const bool is_central = ModelOfTable(model, samples) == kCentral;
+  const bool is_central = ModelOfTable(model, samples) == kCentralModel;
   const Area area = AreaOf(samples);
   const double longest = std::max(area.width(), area.height());
   const int most = std::clamp(MostPointsAlong(area, samples), kFewest, kMost);

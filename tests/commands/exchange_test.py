@@ -310,6 +310,31 @@ def metashape_pixel(camera, ray):
     return (width * 0.5 + cx + x * f + x * b1 - 0.5, height * 0.5 + cy + y * f - 0.5)
 
 
+# The authors' program cannot be had here: its formula again, from the paper and its files.
+
+def spline_weights(t):
+    return ((1 - t) ** 3 / 6, (3 * t ** 3 - 6 * t * t + 4) / 6,
+            (-3 * t ** 3 + 3 * t * t + 3 * t + 1) / 6, t ** 3 / 6)
+
+
+def puzzlepaint_ray(camera, pixel):
+    """The direction of a pixel of raygrid, of any length; the program's pixels begin at the
+    corner."""
+    cells, weights = [], []
+    for axis, (x, side) in enumerate(zip(pixel, ("grid_width", "grid_height"))):
+        low, high = (camera[f"calibration_{end}_{'xy'[axis]}"] for end in ("min", "max"))
+        place = 1 + (camera[side] - 3) * (x + 0.5 - low) / (high + 1 - low)
+        cells.append(int(place))
+        weights.append(spline_weights(place - cells[-1]))
+    ray = [0, 0, 0]
+    for j, wy in enumerate(weights[1]):
+        for i, wx in enumerate(weights[0]):
+            at = 3 * ((cells[1] + j - 1) * camera["grid_width"] + cells[0] + i - 1)
+            for axis in range(3):
+                ray[axis] += wx * wy * camera["grid"][at + axis]
+    return ray
+
+
 class Formulas(ExchangeTest):
     """Formulas of programs that cannot be asked here see 10,000 rays where raygrid says, and half a
     pixel is seen."""
@@ -358,6 +383,32 @@ class Formulas(ExchangeTest):
             camera["cx"] = float(camera["cx"])
             return camera, camera
         self.assert_pixels("metashape", {"frame": 0, "fisheye": 1}, load, metashape_pixel)
+
+    def test_puzzlepaint(self):
+        """The errors that are told of a grid that is written, and of one that is read, are those
+        that the formula has."""
+        source = self.cameras[1]
+        fit = self.export(source, "--to", "puzzlepaint")["cameras"][0]["fit"]
+        self.assertLess(fit["max_px"], 0.01)
+        camera = {key: json.loads(value) for key, value in re.findall(
+            r"(?m)^(\w+) : (\d+|\[.*\])$", read(self.path("out.yaml")).decode())}
+        imported = run("import", self.path("out.yaml"), "-o", self.path("grid.yaml"), "--json")
+        self.assert_done(imported)
+        told = re.search(r"RMS ([\d.]+) px, .* largest ([\d.]+) px",
+                         json.loads(imported.stdout)["remarks"][0])
+        pixels = [(x, y) for y in range(120) for x in range(160) if (x + y) % 3]
+        rays = [puzzlepaint_ray(camera, pixel) for pixel in pixels]
+        shifted = [puzzlepaint_ray(camera, (x + 0.5, y)) for x, y in pixels[500:700]]
+        for file, rms_px, max_px in ((source, fit["rms_px"], fit["max_px"]),
+                                     (self.path("grid.yaml"), float(told[1]), float(told[2]))):
+            with self.subTest(file):
+                seen = self.seen(file, rays + shifted)
+                off = [math.dist(*pair) for pair in zip(seen, pixels) if pair[0]]
+                self.assertGreater(len(off), 10000)
+                self.assertAlmostEqual(rms(off), rms_px, 4)
+                self.assertAlmostEqual(max(off), max_px, 3)
+                self.assertGreater(rms([math.dist(*pair) for pair in zip(
+                    seen[len(rays):], pixels[500:700]) if pair[0]]), 0.4)
 
 
 class Rigs(ExchangeTest):

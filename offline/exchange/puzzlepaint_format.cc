@@ -1,0 +1,197 @@
+#include "exchange/puzzlepaint_format.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+
+#include "camera/noncentral_generic.h"
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "dataset/yaml_file.h"
+#include "exchange/unit_grid.h"
+#include "exchange/yaml_numbers.h"
+
+namespace raygrid {
+namespace {
+
+constexpr char kCentral[] = "CentralGenericModel";
+constexpr char kLines[] = "NoncentralGenericModel";
+constexpr char kFirstX[] = "calibration_min_x";
+
+const std::vector<LensForm>& PuzzlepaintForms() {
+  static const std::vector<LensForm> forms = {
+      {kCentral, "central-generic", {}}, {kLines, "noncentral-generic", {}}};
+  return forms;
+}
+
+// ---- Reading ---------------------------------------------------------------
+
+const LensForm& FormOfType(const YAML::Node& root) {
+  if (!root["type"] || !root["type"].IsScalar())
+    throw InputError("'type' is missing");
+  const std::string type = root["type"].as<std::string>();
+  // Older files have another name of the same.
+  std::string name = type;
+  if (const size_t at = name.find("BSplineModel"); at != std::string::npos)
+    name.replace(at, std::string::npos, "Model");
+  for (const LensForm& form : PuzzlepaintForms())
+    if (form.name == name) return form;
+  throw InputError(fmt::format("type '{}' is not taken; {} and {} are",
+                               Printable(type), kCentral, kLines));
+}
+
+int PixelNumber(const YAML::Node& root, const std::string& name, int side) {
+  const double number = FiniteNumber(root[name], name);
+  if (!(number >= 0 && number < side) || number != std::floor(number))
+    throw InputError(fmt::format("{}: no pixel of the image", name));
+  return static_cast<int>(number);
+}
+
+UnitGrid::Bounds BoundsInFile(const YAML::Node& root, const ImageSize& size) {
+  const UnitGrid::Bounds bounds = {
+      PixelNumber(root, kFirstX, size.width),
+      PixelNumber(root, "calibration_min_y", size.height),
+      PixelNumber(root, "calibration_max_x", size.width),
+      PixelNumber(root, "calibration_max_y", size.height)};
+  if (bounds.min_x >= bounds.max_x || bounds.min_y >= bounds.max_y)
+    throw InputError("calibration_min and calibration_max: no area");
+  return bounds;
+}
+
+int GridSide(const YAML::Node& root, const std::string& name) {
+  constexpr int kLeast = 4, kMost = 1027;
+  const double side = FiniteNumber(root[name], name);
+  if (!(side >= kLeast && side <= kMost) || side != std::floor(side))
+    throw InputError(fmt::format("{}: not {} to {}", name, kLeast, kMost));
+  return static_cast<int>(side);
+}
+
+std::vector<Eigen::Vector3d> VectorsOf(const YAML::Node& root,
+                                       const std::string& name, int count) {
+  const std::vector<double> numbers =
+      FiniteNumbers(root[name], name, 3 * count);
+  std::vector<Eigen::Vector3d> vectors;
+  for (int k = 0; k < count; ++k)
+    vectors.emplace_back(numbers[3 * k], numbers[3 * k + 1],
+                         numbers[3 * k + 2]);
+  return vectors;
+}
+
+// Directions come to length 1, as the program itself does when it loads them.
+std::vector<Eigen::Vector3d> DirectionsOf(const YAML::Node& root,
+                                          const std::string& name, int count) {
+  std::vector<Eigen::Vector3d> directions = VectorsOf(root, name, count);
+  for (Eigen::Vector3d& direction : directions) {
+    if (!(direction.norm() > 1e-6))
+      throw InputError(fmt::format("{}: a direction of length 0", name));
+    direction.normalize();
+  }
+  return directions;
+}
+
+UnitGrid GridOf(const YAML::Node& root, const LensForm& form) {
+  const ImageSize size = {SidePx(root["width"], "width"),
+                          SidePx(root["height"], "height")};
+  const int columns = GridSide(root, "grid_width"),
+            rows = GridSide(root, "grid_height");
+  const bool has_points = form.name == kLines;
+  return {size,
+          BoundsInFile(root, size),
+          columns,
+          rows,
+          DirectionsOf(root, has_points ? "direction_grid" : "grid",
+                       columns * rows),
+          has_points ? VectorsOf(root, "point_grid", columns * rows)
+                     : std::vector<Eigen::Vector3d>{}};
+}
+
+std::shared_ptr<const CameraModel> NearestGrid(const UnitGrid& grid) {
+  const int columns = grid.columns(), rows = grid.rows();
+  if (grid.IsCentral())
+    return std::make_shared<CentralGeneric>(
+        FitCentralGeneric(grid, grid.area(), columns, rows));
+  return std::make_shared<NonCentralGeneric>(
+      FitNonCentralGeneric(grid, grid.area(), columns, rows));
+}
+
+ExchangeContents ReadPuzzlepaint(const ReadRequest& request) {
+  RequireYamlFile(request.path, request.text);
+  const YAML::Node root = YAML::Load(request.text);
+  if (!root.IsMap()) throw InputError("no camera: no map of keys");
+  if (!request.form.empty())
+    throw InputError("the file says its model itself; leave --model out");
+  if (request.size)
+    throw InputError("the file says its size itself; leave --image-size out");
+  ReadLens camera;
+  camera.lens.form = &FormOfType(root);
+  const UnitGrid grid = GridOf(root, *camera.lens.form);
+  camera.lens.size = grid.image_size();
+  camera.lens.grid = NearestGrid(grid);
+  const LensFit fit =
+      MeasureLens(grid, nullptr, *camera.lens.grid, *camera.lens.form,
+                  Eigen::Quaterniond::Identity());
+  ExchangeContents contents;
+  contents.remarks.push_back(
+      "its grid is of unit vectors, raygrid's of stereographic coordinates; "
+      "the nearest of these leaves " +
+      LensFitText(fit));
+  contents.cameras.push_back(std::move(camera));
+  return contents;
+}
+
+// ---- Writing ---------------------------------------------------------------
+
+std::string VectorsText(const std::string& name,
+                        const std::vector<Eigen::Vector3d>& vectors) {
+  std::string text;
+  for (const Eigen::Vector3d& vector : vectors)
+    text += fmt::format("{}{}, {}, {}", text.empty() ? "" : ", ", vector.x(),
+                        vector.y(), vector.z());
+  return fmt::format("{} : [{}]\n", name, text);
+}
+
+std::string WritePuzzlepaint(const WriteRequest& request) {
+  const WrittenLens& camera = request.cameras.front();
+  const auto& grid = dynamic_cast<const UnitGrid&>(*camera.lens.grid);
+  const UnitGrid::Bounds& bounds = grid.bounds();
+  std::string text;
+  for (const auto& [what, words] :
+       {std::pair("camera", camera.name), std::pair("serial", camera.serial)})
+    if (!words.empty())
+      text += fmt::format("# raygrid's {} {}\n", what, Printable(words));
+  if (camera.fit)
+    text += fmt::format("# The nearest {}: {}\n", camera.lens.form->name,
+                        LensFitText(*camera.fit));
+  text += fmt::format(
+      "type : {}\nwidth : {}\nheight : {}\n{} : {}\ncalibration_min_y : {}\n"
+      "calibration_max_x : {}\ncalibration_max_y : {}\ngrid_width : {}\n"
+      "grid_height : {}\n# Rows from top to bottom, each from left to right, "
+      "of x, y, z.\n",
+      camera.lens.form->name, grid.image_size().width, grid.image_size().height,
+      kFirstX, bounds.min_x, bounds.min_y, bounds.max_x, bounds.max_y,
+      grid.columns(), grid.rows());
+  if (grid.IsCentral()) return text + VectorsText("grid", grid.directions());
+  return text + VectorsText("point_grid", grid.points()) +
+         VectorsText("direction_grid", grid.directions());
+}
+
+}  // namespace
+
+Format PuzzlepaintFormat() {
+  Format format;
+  format.name = "puzzlepaint";
+  format.holds =
+      "intrinsics.yaml of the generic model's authors (puzzlepaint's "
+      "camera_calibration): central and noncentral grids; of a rig a file for "
+      "each camera";
+  format.forms = PuzzlepaintForms();
+  format.recognizes = [](const std::string& text) {
+    return text.find(kFirstX) != std::string::npos;
+  };
+  format.read = ReadPuzzlepaint;
+  format.write = WritePuzzlepaint;
+  return format;
+}
+
+}  // namespace raygrid

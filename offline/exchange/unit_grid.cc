@@ -1,0 +1,221 @@
+#include "exchange/unit_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "camera/noncentral_generic.h"
+#include "camera/pixel_search.h"
+#include "camera/stereographic.h"
+#include "exchange/pixel_origin.h"
+
+namespace raygrid {
+namespace {
+
+using Vectors = std::vector<Eigen::Vector3d>;
+
+// The lattice's cells begin and end at the outer edges of pixels.
+Area LatticeArea(const UnitGrid::Bounds& bounds) {
+  constexpr PixelOrigin kOrigin = PixelOrigin::kImageCorner;
+  const Eigen::Vector2d first =
+      FromProgram(kOrigin, {}, {bounds.min_x, bounds.min_y});
+  const Eigen::Vector2d last =
+      FromProgram(kOrigin, {}, {bounds.max_x + 1, bounds.max_y + 1});
+  return {first.x(), first.y(), last.x(), last.y()};
+}
+
+Area AreaInImage(const UnitGrid::Bounds& bounds, const ImageSize& size) {
+  const Area lattice = LatticeArea(bounds), image = WholeImage(size);
+  return {std::max(lattice.x0, image.x0), std::max(lattice.y0, image.y0),
+          std::min(lattice.x1, image.x1), std::min(lattice.y1, image.y1)};
+}
+
+// The spline of vectors at a pixel, and its derivative there.
+Eigen::Vector3d Interpolate(const BSplineSurface& lattice,
+                            const Vectors& vectors,
+                            const Eigen::Vector2d& pixel,
+                            Eigen::Matrix<double, 3, 2>* derivative) {
+  const SplineSupport at = lattice.Support(pixel);
+  Eigen::Vector3d value = Eigen::Vector3d::Zero();
+  if (derivative) derivative->setZero();
+  for (int m = 0; m < 4; ++m) {
+    const Eigen::Vector3d* row =
+        &vectors[(at.row + m) * lattice.columns() + at.column];
+    for (int n = 0; n < 4; ++n) {
+      value += at.wy[m] * at.wx[n] * row[n];
+      if (!derivative) continue;
+      derivative->col(0) += at.wy[m] * at.dwx[n] * row[n];
+      derivative->col(1) += at.dwy[m] * at.wx[n] * row[n];
+    }
+  }
+  return value;
+}
+
+// The chart of directions has no place for those that look straight back.
+bool HasChart(const Eigen::Vector3d& vector) {
+  constexpr double kShortest = 1e-6;
+  return vector.norm() > kShortest &&
+         vector.norm() + vector.z() > kShortest * vector.norm();
+}
+
+// Control points of vectors that are sampled at pixels.
+Vectors FitVectors(const BSplineSurface& lattice,
+                   const std::vector<Eigen::Vector2d>& pixels,
+                   const Vectors& values) {
+  std::vector<SurfaceSample> xy, z;
+  for (size_t k = 0; k < pixels.size(); ++k) {
+    xy.push_back({pixels[k], values[k].head<2>()});
+    z.push_back({pixels[k], {values[k].z(), 0}});
+  }
+  const int columns = lattice.columns(), rows = lattice.rows();
+  const BSplineSurface fit_xy = FitSurface(lattice.area(), columns, rows, xy);
+  const BSplineSurface fit_z = FitSurface(lattice.area(), columns, rows, z);
+  Vectors fitted;
+  for (int k = 0; k < lattice.num_points(); ++k)
+    fitted.emplace_back(fit_xy.points()[k].x(), fit_xy.points()[k].y(),
+                        fit_z.points()[k].x());
+  return fitted;
+}
+
+// Control points of unit length. What the spline makes of them is normalized,
+// so the fit goes on with what is left.
+Vectors FitDirections(const BSplineSurface& lattice,
+                      const std::vector<Eigen::Vector2d>& pixels,
+                      const Vectors& rays) {
+  constexpr int kRounds = 4;
+  Vectors directions(lattice.num_points(), Eigen::Vector3d::Zero());
+  Vectors left = rays;
+  for (int round = 0; round < kRounds; ++round) {
+    const Vectors step = FitVectors(lattice, pixels, left);
+    for (size_t k = 0; k < step.size(); ++k)
+      directions[k] = (directions[k] + step[k]).normalized();
+    for (size_t k = 0; k < rays.size(); ++k)
+      left[k] =
+          rays[k] -
+          Interpolate(lattice, directions, pixels[k], nullptr).normalized();
+  }
+  return directions;
+}
+
+// The pixels whose centres lie in the camera's area.
+UnitGrid::Bounds BoundsOf(const CameraModel& camera) {
+  constexpr double kRounding = 1e-9;
+  const auto first = [](double x) {
+    return static_cast<int>(std::ceil(x - kRounding));
+  };
+  const auto last = [](double x) {
+    return static_cast<int>(std::floor(x + kRounding));
+  };
+  const Area& area = camera.area();
+  return {first(area.x0), first(area.y0), last(area.x1), last(area.y1)};
+}
+
+// Numbers of control points: those of a grid, else for cells of this size.
+std::pair<int, int> GridSizeOf(const CameraModel& camera) {
+  constexpr double kCellPx = 20, kMostCells = 100;
+  if (const auto* grid = dynamic_cast<const CentralGeneric*>(&camera))
+    return {grid->surface().columns(), grid->surface().rows()};
+  if (const auto* grid = dynamic_cast<const NonCentralGeneric*>(&camera))
+    return {grid->directions().columns(), grid->directions().rows()};
+  const double width = camera.area().width(), height = camera.area().height();
+  const double cell_px =
+      std::max(kCellPx, std::max(width, height) / kMostCells);
+  return {NumControlPoints(width, cell_px), NumControlPoints(height, cell_px)};
+}
+
+}  // namespace
+
+UnitGrid::UnitGrid(const ImageSize& image_size, const Bounds& bounds,
+                   int columns, int rows, Vectors directions, Vectors points)
+    : CameraModel(image_size, AreaInImage(bounds, image_size)),
+      bounds_(bounds),
+      lattice_(LatticeArea(bounds), columns, rows),
+      directions_(std::move(directions)),
+      points_(std::move(points)) {}
+
+std::optional<Eigen::Vector3d> UnitGrid::Unproject(
+    const Eigen::Vector2d& pixel) const {
+  if (!area().Contains(pixel)) return std::nullopt;
+  const Eigen::Vector3d direction =
+      Interpolate(lattice_, directions_, pixel, nullptr);
+  if (!HasChart(direction)) return std::nullopt;
+  return direction.normalized();
+}
+
+std::optional<ObservationLine> UnitGrid::Line(
+    const Eigen::Vector2d& pixel) const {
+  const auto direction = Unproject(pixel);
+  if (!direction) return std::nullopt;
+  ObservationLine line;
+  line.direction = *direction;
+  if (!IsCentral())
+    line.origin = Interpolate(lattice_, points_, pixel, nullptr);
+  return line;
+}
+
+std::optional<Eigen::Vector2d> UnitGrid::Project(const Eigen::Vector3d& point,
+                                                 const Eigen::Vector2d* start,
+                                                 double margin_px) const {
+  if (!point.allFinite()) return std::nullopt;
+  const auto error = [&](const Eigen::Vector2d& pixel,
+                         Eigen::Matrix2d* derivative) -> Eigen::Vector2d {
+    Eigen::Matrix<double, 3, 2> by_pixel, origin_by_pixel;
+    const Eigen::Vector3d direction =
+        Interpolate(lattice_, directions_, pixel, &by_pixel);
+    *derivative = ToChartDerivative(direction) * by_pixel;
+    Eigen::Vector3d sight = point;
+    if (!IsCentral()) {
+      sight -= Interpolate(lattice_, points_, pixel, &origin_by_pixel);
+      *derivative += ToChartDerivative(sight) * origin_by_pixel;
+    }
+    return ToChart(sight) - ToChart(direction);
+  };
+  const auto solution =
+      FindPixel(area(), start ? *start : area().center(), margin_px, error);
+  if (!solution) return std::nullopt;
+  return solution->pixel;
+}
+
+Eigen::VectorXd UnitGrid::Parameters() const {
+  Eigen::VectorXd parameters(3 * (directions_.size() + points_.size()));
+  Eigen::Index at = 0;
+  for (const Vectors* vectors : {&directions_, &points_})
+    for (const Eigen::Vector3d& vector : *vectors) {
+      parameters.segment<3>(at) = vector;
+      at += 3;
+    }
+  return parameters;
+}
+
+void UnitGrid::SetParameters(const Eigen::VectorXd& parameters) {
+  Eigen::Index at = 0;
+  for (Vectors* vectors : {&directions_, &points_})
+    for (Eigen::Vector3d& vector : *vectors) {
+      vector = parameters.segment<3>(at);
+      at += 3;
+    }
+}
+
+UnitGrid FitUnitGrid(const CameraModel& camera, bool has_points) {
+  const UnitGrid::Bounds bounds = BoundsOf(camera);
+  const auto [columns, rows] = GridSizeOf(camera);
+  const BSplineSurface lattice(LatticeArea(bounds), columns, rows);
+  std::vector<Eigen::Vector2d> pixels;
+  Vectors rays, origins;
+  for (const Eigen::Vector2d& pixel : lattice.SamplePixels(4)) {
+    // Samples at the lattice's edge lie half a pixel outside the area.
+    const Eigen::Vector2d inside = ClampToArea(pixel, camera.area(), 0);
+    const auto line = camera.Line(inside);
+    if (!line) continue;
+    pixels.push_back(inside);
+    rays.push_back(line->direction);
+    origins.push_back(line->origin);
+  }
+  return {camera.image_size(),
+          bounds,
+          columns,
+          rows,
+          FitDirections(lattice, pixels, rays),
+          has_points ? FitVectors(lattice, pixels, origins) : Vectors{}};
+}
+
+}  // namespace raygrid

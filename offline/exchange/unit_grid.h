@@ -1,0 +1,66 @@
+#ifndef RAYGRID_EXCHANGE_UNIT_GRID_H
+#define RAYGRID_EXCHANGE_UNIT_GRID_H
+
+#include <vector>
+
+#include "camera/bspline_surface.h"
+#include "camera/camera_model.h"
+
+namespace raygrid {
+
+/// The generic models as the paper's authors program them: control points are
+/// unit vectors, and what the B-spline makes of them is normalized. Points of
+/// lines, if there are any, are interpolated likewise.
+class UnitGrid : public CameraModel {
+ public:
+  /// The first and the last pixel that is calibrated, in x and in y.
+  struct Bounds {
+    int min_x = 0, min_y = 0, max_x = 0, max_y = 0;
+  };
+
+  /// Row by row; no points make a central camera.
+  UnitGrid(const ImageSize& image_size, const Bounds& bounds, int columns,
+           int rows, std::vector<Eigen::Vector3d> directions,
+           std::vector<Eigen::Vector3d> points);
+
+  std::string Name() const override { return "unit-grid"; }
+  std::unique_ptr<CameraModel> Clone() const override {
+    return std::make_unique<UnitGrid>(*this);
+  }
+  bool IsCentral() const override { return points_.empty(); }
+  std::optional<Eigen::Vector3d> Unproject(
+      const Eigen::Vector2d& pixel) const override;
+  std::optional<ObservationLine> Line(
+      const Eigen::Vector2d& pixel) const override;
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point,
+                                         const Eigen::Vector2d* start,
+                                         double margin_px) const override;
+  using CameraModel::Project;
+  /// False: nothing adjusts this model.
+  bool Linearize(const Eigen::Vector3d&, const Eigen::Vector2d*, double,
+                 LinearizedProjection*) const override {
+    return false;
+  }
+  /// The directions and then the points, three numbers each.
+  Eigen::VectorXd Parameters() const override;
+  void SetParameters(const Eigen::VectorXd& parameters) override;
+
+  const Bounds& bounds() const { return bounds_; }
+  int columns() const { return lattice_.columns(); }
+  int rows() const { return lattice_.rows(); }
+  const std::vector<Eigen::Vector3d>& directions() const { return directions_; }
+  const std::vector<Eigen::Vector3d>& points() const { return points_; }
+
+ private:
+  Bounds bounds_;
+  BSplineSurface lattice_;  // the places of control points, without values
+  std::vector<Eigen::Vector3d> directions_, points_;
+};
+
+/// The grid nearest to a camera: of as many control points as it has, if it is
+/// a grid.
+UnitGrid FitUnitGrid(const CameraModel& camera, bool has_points);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_UNIT_GRID_H

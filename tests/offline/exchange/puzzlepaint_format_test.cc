@@ -1,0 +1,147 @@
+#include "exchange/puzzlepaint_format.h"
+
+#include "camera/noncentral_generic.h"
+#include "camera/thin_prism_fisheye.h"
+#include "exchange/lens_choice.h"
+#include "exchange/unit_grid.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+constexpr ImageSize kGridImage = {320, 240};
+
+ExchangeContents ParsePuzzlepaint(const std::string& text) {
+  return ReadExchangeFile(RecognizeFormat(text), {"f", text, "", {}});
+}
+
+ThinPrismFisheye GridLens() {
+  return {
+      kGridImage, WholeImage(kGridImage), {150, 151, 162, 118, 0.02, -0.01}};
+}
+
+// The camera in the form that it takes, as a file and a lens.
+std::pair<std::string, ChosenLens> WrittenGrid(const CameraModel& camera) {
+  std::vector<const LensForm*> forms;
+  static const Format format = PuzzlepaintFormat();
+  for (const LensForm& form : format.forms) forms.push_back(&form);
+  ChosenLens chosen = ChooseLens(forms, camera, nullptr);
+  WrittenLens written;
+  written.name = "front";
+  written.lens = chosen.lens;
+  written.fit = chosen.fit;
+  return {format.write({"f.yaml", {written}}), std::move(chosen)};
+}
+
+// Lines that miss the origin by some 10 mm.
+NonCentralGeneric LinesOf(const CameraModel& lens) {
+  const CentralGeneric grid = FittedGrid(lens, 30);
+  std::vector<Eigen::Vector3d> points;
+  for (int k = 0; k < grid.surface().num_points(); ++k) {
+    const Eigen::Vector2d pixel = grid.surface().PixelOf(k);
+    points.emplace_back(1e-5 * pixel.x(), -3e-5 * pixel.y(),
+                        1e-7 * pixel.x() * pixel.y());
+  }
+  return {kGridImage, grid.surface(), points};
+}
+
+TEST(PuzzlepaintFormat, HasTheFormulaOfTheProgram) {
+  // 5 x 4 control points: 2 cells, of 10 pixels each, beside one another.
+  std::vector<Eigen::Vector3d> directions;
+  for (int k = 0; k < 20; ++k)
+    directions.push_back(
+        Eigen::Vector3d(0.1 * (k % 5), 0.1 * (k / 5), 1).normalized());
+  const UnitGrid grid({40, 30}, {10, 5, 29, 14}, 5, 4, directions, {});
+  EXPECT_EQ(grid.area(), (Area{9.5, 4.5, 29.5, 14.5}));
+  // The corner of pixel (10, 5) is control point (1, 1), where its neighbours
+  // have 1/6 as often as it has 4/6.
+  Eigen::Vector3d expected = Eigen::Vector3d::Zero();
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i)
+      expected +=
+          (i == 1 ? 4 : 1) * (j == 1 ? 4 : 1) / 36.0 * directions[5 * j + i];
+  EXPECT_LT((grid.Unproject({9.5, 4.5}).value() - expected.normalized()).norm(),
+            1e-15);
+  EXPECT_FALSE(grid.Unproject({9.4, 5}));
+  ExpectRoundTrip(grid, 1e-6);
+}
+
+TEST(PuzzlepaintFormat, WritesTheNearestGrid) {
+  const ThinPrismFisheye lens = GridLens();
+  const auto [text, chosen] = WrittenGrid(lens);
+  EXPECT_EQ(chosen.lens.form->name, "CentralGenericModel");
+  EXPECT_GT(chosen.fit->max_px, 0);
+  EXPECT_LT(chosen.fit->max_px, 0.01);
+  EXPECT_NE(text.find("type : CentralGenericModel\nwidth : 320\nheight : 240\n"
+                      "calibration_min_x : 0\ncalibration_min_y : 0\n"
+                      "calibration_max_x : 319\ncalibration_max_y : 239\n"
+                      "grid_width : 19\ngrid_height : 15\n# "),
+            std::string::npos);
+  const ExchangeContents read = ParsePuzzlepaint(text);
+  ASSERT_EQ(read.remarks.size(), 1u);
+  EXPECT_NE(read.remarks[0].find("leaves RMS 0.00"), std::string::npos);
+  const auto camera = MakeLens(read.cameras[0].lens);
+  EXPECT_EQ(camera->Name(), "central-generic");
+  const std::string inner =
+      TextWith(TextWith(text, "min_x : 0", "min_x : 12"), "y : 239", "y : 230");
+  const auto part = MakeLens(ParsePuzzlepaint(inner).cameras[0].lens);
+  EXPECT_EQ(part->area(), (Area{11.5, 0, 319, 230.5}));
+  EXPECT_NE(
+      WrittenGrid(*part).first.find(inner.substr(
+          inner.find("width"), inner.find("grid :") - inner.find("width"))),
+      std::string::npos);
+  for (const Eigen::Vector2d& pixel :
+       {Eigen::Vector2d(3, 4), Eigen::Vector2d(160, 120),
+        Eigen::Vector2d(300.5, 230)})
+    EXPECT_LT(
+        (camera->Project(lens.Unproject(pixel).value()).value() - pixel).norm(),
+        0.01);
+}
+
+TEST(PuzzlepaintFormat, HoldsLines) {
+  const NonCentralGeneric lines = LinesOf(GridLens());
+  const auto [text, chosen] = WrittenGrid(lines);
+  EXPECT_EQ(chosen.lens.form->name, "NoncentralGenericModel");
+  EXPECT_LT(chosen.fit->max_px, 0.02);
+  EXPECT_LT(text.find("point_grid : ["), text.find("direction_grid : ["));
+  ExpectRoundTrip(*chosen.lens.grid, 1e-5);
+  const auto read = MakeLens(ParsePuzzlepaint(text).cameras[0].lens);
+  EXPECT_EQ(read->Name(), "noncentral-generic");
+  for (const Eigen::Vector2d& pixel :
+       {Eigen::Vector2d(3, 4), Eigen::Vector2d(160, 120),
+        Eigen::Vector2d(300.5, 230)})
+    for (const double distance_m : {0.2, 5.0})
+      EXPECT_LT(
+          (read->Project(PointAlong(lines.Line(pixel).value(), distance_m))
+               .value() -
+           pixel)
+              .norm(),
+          0.02);
+}
+
+TEST(PuzzlepaintFormat, SaysWhatIsMissingOrWrong) {
+  const std::string text = WrittenGrid(GridLens()).first;
+  const auto expect = [&](const std::string& old, const std::string& by,
+                          const std::vector<std::string>& words) {
+    ExpectError(ExitCode::kInput, words,
+                [&] { ParsePuzzlepaint(TextWith(text, old, by)); });
+  };
+  expect("type : Central", "type : Radial", {"f: type", "CentralGenericModel"});
+  expect("type : ", "kind : ", {"'type' is missing"});
+  expect("max_x : 319", "max_x : 320", {"calibration_max_x", "no pixel"});
+  expect("max_x : 319", "max_x : 0", {"no area"});
+  expect("grid_width : 19", "grid_width : 3", {"grid_width: not 4 to"});
+  expect("grid_width : 19", "grid_width : 20",
+         {"grid: no list of 900 numbers"});
+  expect("grid : [", "grid : [0, 0, 0, ", {"855 numbers"});
+  expect("grid : [", "grid : [.nan, ", {"855 numbers"});
+  expect("\ngrid : [", "\ngrid2 : [", {"grid: no list"});
+  EXPECT_EQ(ParsePuzzlepaint(TextWith(text, "GenericModel\nwidth",
+                                      "GenericBSplineModel\nwidth"))
+                .cameras[0]
+                .lens.form->name,
+            "CentralGenericModel");
+}
+
+}  // namespace
+}  // namespace raygrid
