@@ -83,6 +83,17 @@ std::vector<Eigen::Vector2d> ExactSources(const CameraModel& camera,
   return sources;
 }
 
+// Leaves out the pixels of the camera that its lens throws no light on.
+void LeaveOutUnlit(const CameraModel& camera, bool is_reverse,
+                   ViewTable* table) {
+  for (size_t k = 0; k < table->sources.size(); ++k) {
+    const int x = static_cast<int>(k) % table->size.width,
+              y = static_cast<int>(k) / table->size.width;
+    if (!camera.IsLit(is_reverse ? Eigen::Vector2d(x, y) : table->sources[k]))
+      table->sources[k].setConstant(NAN);
+  }
+}
+
 // The camera that sees what a camera of lines sees far away, as the tables of
 // blobs have it.
 std::unique_ptr<CameraModel> CentralCamera(const std::string& path,
@@ -130,6 +141,7 @@ ViewTable TableOfView(const TableFormat& format,
           ? ExactSources(*CameraOfTurnedView(*view), OutputOfCamera(*camera),
                          common.threads)
           : ExactSources(*camera, OutputOfView(*view), common.threads);
+  LeaveOutUnlit(*camera, arguments.is_reverse, &table);
   return table;
 }
 

@@ -137,6 +137,12 @@ class Views(CommandTest):
                                  "320x240", "--projection", "equidistant", "--hfov", 120,
                                  "--max-error-px", 0.2, "-o", self.path(name + "_view")))
             levels[name] = read_png(self.path(name + "_view/fisheye_white.png"))[2]
+        self.assert_done(run("export", self.path("told/camera.yaml"), "--to", "maps", "--size",
+                             "320x240", "--projection", "equidistant", "--hfov", 120, "-o",
+                             self.path("told.xml")))
+        cells = read(self.path("told.xml")).decode().split("<data>")[1].split("</data>")[0].split()
+        self.assertEqual(float(cells[120 * 320 + 300]), -1)
+        self.assertGreater(float(cells[120 * 320 + 150]), 100)
         middle, side = 120 * 320 + 150, 120 * 320 + 300
         self.assertEqual([levels[name][middle] for name in levels], [255, 255])
         self.assertEqual([levels[name][side] for name in levels], [255, 0])
