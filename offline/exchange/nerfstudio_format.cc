@@ -90,8 +90,8 @@ void RequireZero(const std::vector<double>& coefficients,
   for (const size_t k : indices)
     if (coefficients[k] != 0)
       throw InputError(
-          fmt::format("{} of {} must be 0: OpenCV has none, with which "
-                      "nerfstudio undistorts",
+          fmt::format("{} of {} must be 0: nerfstudio makes rays with it, but "
+                      "undistorts images without it",
                       kCoefficients[k], model));
 }
 
