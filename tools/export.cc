@@ -441,6 +441,12 @@ void ExportLenses(const ExportArguments& arguments, const Format& format,
                  lens.fit->num_beyond + lens.fit->num_pixels,
                  lens.name.empty() ? "" : " of " + Printable(lens.name),
                  lens.fit->widest_rad * 180 / M_PI);
+  if (is_rig && format.drops_rigs)
+    fmt::print(
+        stderr,
+        "raygrid: the files are cameras alone: {} has no place for their "
+        "poses in the rig\n",
+        format.name);
   PrintExport(format, lenses, files, common);
 }
 

@@ -77,6 +77,7 @@ struct Format {
   std::vector<LensForm> forms;
   std::string ending = ".yaml";  ///< of the files of a rig's cameras
   bool holds_rigs = false;       ///< else a file has one camera
+  bool drops_rigs = false;       ///< files of a rig's cameras have no poses
   bool holds_pairs = false;      ///< files of two cameras have R and P
   bool holds_poses = false;      ///< of boards
 

@@ -165,6 +165,7 @@ Format MetashapeFormat() {
       "rig a file for each camera";
   format.forms = MetashapeForms();
   format.ending = ".xml";
+  format.drops_rigs = true;
   format.recognizes = IsMetashape;
   format.read = ReadMetashape;
   format.write = WriteMetashape;

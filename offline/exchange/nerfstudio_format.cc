@@ -245,6 +245,7 @@ Format NerfstudioFormat() {
   format.forms = NerfstudioForms();
   format.ending = ".json";
   format.holds_poses = true;
+  format.drops_rigs = true;
   format.recognizes = IsNerfstudio;
   format.read = ReadNerfstudio;
   format.write = WriteNerfstudio;

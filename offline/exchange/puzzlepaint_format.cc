@@ -186,6 +186,7 @@ Format PuzzlepaintFormat() {
       "camera_calibration): central and noncentral grids; of a rig a file for "
       "each camera";
   format.forms = PuzzlepaintForms();
+  format.drops_rigs = true;
   format.recognizes = [](const std::string& text) {
     return text.find(kFirstX) != std::string::npos;
   };

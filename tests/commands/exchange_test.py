@@ -510,6 +510,14 @@ class Rigs(ExchangeTest):
         self.assertLess(max(math.dist(*pair) for pair in pairs), 1.5 * fit["max_px"])
         self.assertGreater(math.dist(first[:4], second[:4]), 1e-4)
 
+    def test_poses_in_a_rig_are_not_lost_silently(self):
+        for name, model, is_lost in (("nerfstudio", "PINHOLE", True),
+                                     ("kalibr", "pinhole-none", False)):
+            result = run("export", self.two_of_the_rig(), "--to", name, "--model", model, "-o",
+                         self.path("rig_as_" + name))
+            self.assert_done(result)
+            self.assertEqual("has no place for their poses" in result.stderr, is_lost, name)
+
     def test_poses_turn_with_the_lens(self):
         """Boards stand where the camera sees them, but for the error that was told."""
         poses = self.path("sim/true_poses.csv")
