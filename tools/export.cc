@@ -497,9 +497,10 @@ void AddExport(CLI::App* app, CommonOptions* common) {
       "program's camera");
   command->add_option("--to", arguments->format,
                       "the format: " + WrittenFormatNames());
-  command->add_option("-o,--output", arguments->output,
-                      "file to write; of a rig in a format that has one camera "
-                      "a file, a folder");
+  command->add_option(
+      "-o,--output", arguments->output,
+      "file to write, or the name that several begin with; of a "
+      "rig in a format that has one camera a file, a folder");
   command->add_option("--model", arguments->model,
                       "one of the format's models (default: that of the fewest "
                       "coefficients, unless others leave 2 % less)");

@@ -5,6 +5,7 @@
 
 #include "dataset/error.h"
 #include "exchange/c_array_format.h"
+#include "exchange/ffmpeg_format.h"
 #include "exchange/format.h"
 #include "exchange/intel_hex_format.h"
 #include "exchange/maps_format.h"
@@ -27,8 +28,8 @@ std::string Listed(const std::vector<std::string>& words) {
 
 const std::vector<TableFormat>& TableFormats() {
   static const std::vector<TableFormat> formats = {
-      CArrayFormat(), IntelHexFormat(), MapsFormat(), StMapFormat(),
-      RaysFormat()};
+      CArrayFormat(), IntelHexFormat(), MapsFormat(),
+      StMapFormat(),  FfmpegFormat(),   RaysFormat()};
   return formats;
 }
 

@@ -262,6 +262,52 @@ class Maps(TableTest):
         self.assertLess(off[1], 0.02)
         self.assertGreater(off[0], 0.2)
 
+    def nearest_indices(self, path):
+        """The samples of a PGM of the view."""
+        pixels = read(self.path(path))
+        head = b"P5\n%d %d\n65535\n" % (self.WIDTH, self.HEIGHT)
+        self.assertTrue(pixels.startswith(head))
+        samples = array.array("H", pixels[len(head):])
+        samples.byteswap()
+        return samples
+
+    def check_nearest(self, maps, indices):
+        """Samples of indices are the nearest to places in maps; 65535 where there are none."""
+        at = [y * self.WIDTH + x for y in range(0, self.HEIGHT, 3) for x in range(0, self.WIDTH, 2)]
+        for axis in ("x", "y"):
+            for place, index in zip(maps[axis], (indices[axis][k] for k in at)):
+                if place == -1:
+                    self.assertEqual(index, 65535)
+                else:
+                    self.assertLess(abs(index - place), 0.5001)
+
+    @unittest.skipUnless(OPENCV, NO_OPENCV)
+    def test_ffmpegs_maps_are_the_nearest_pixels(self):
+        self.export(self.camera, "--to", "maps", "--hfov", 100, out="m.npz")
+        told = self.export(self.camera, "--to", "ffmpeg", "--hfov", 100, out="ff/m.pgm")
+        self.assertEqual(told["files"], [self.path("ff/m_x.pgm"), self.path("ff/m_y.pgm")])
+        maps, = self.seen_by_opencv("m.npz", view=("--hfov", 100))
+        indices = {axis: self.nearest_indices(f"ff/m_{axis}.pgm") for axis in "xy"}
+        self.check_nearest(maps, indices)
+        indices["x"] = array.array("H", [65535] + list(indices["x"])[:-1])
+        with self.assertRaises(AssertionError):
+            self.check_nearest(maps, indices)
+
+    @unittest.skipUnless(shutil.which("ffmpeg"), "no ffmpeg; 'tools/install_packages tests' installs it")
+    def test_ffmpeg_takes_the_pixels_that_the_maps_say(self):
+        self.export(self.camera, "--to", "ffmpeg", "--hfov", 100, out="m.pgm")
+        grey = bytes((x * 7 + y * 13) % 251 + 2 for y in range(self.HEIGHT)
+                     for x in range(self.WIDTH))
+        write(self.path("grey.pgm"), b"P5\n%d %d\n255\n" % (self.WIDTH, self.HEIGHT) + grey)
+        self.done("ffmpeg", "-v", "error", "-i", "grey.pgm", "-i", "m_x.pgm", "-i", "m_y.pgm",
+                  "-lavfi", "remap=format=gray", "-frames:v", "1", "-f", "rawvideo", "-pix_fmt",
+                  "gray", "out.raw")
+        x, y = (self.nearest_indices(f"m_{axis}.pgm") for axis in "xy")
+        pairs = [(grey[b * self.WIDTH + a], out) for a, b, out in
+                 zip(x, y, read(self.path("out.raw"))) if a != 65535]
+        self.assertGreater(len(pairs), 70000)
+        self.assertTrue(all(a == b for a, b in pairs))
+
     @unittest.skipUnless(OPENCV, NO_OPENCV)
     def test_what_is_not_seen_is_border(self):
         view = ("--alpha", 1, "--size", "200x150")

@@ -1,0 +1,74 @@
+#include "exchange/ffmpeg_format.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "exchange/pixel_origin.h"
+
+namespace raygrid {
+namespace {
+
+// A place beyond every image, where ffmpeg fills in a colour.
+constexpr uint16_t kNoPlace = 65535;
+
+// The nearest pixel's column or row.
+uint16_t NearestIndex(double place, int count) {
+  return static_cast<uint16_t>(std::clamp<long>(
+      std::lround(place), 0, std::min<long>(count, kNoPlace) - 1));
+}
+
+void AppendSample(uint16_t sample, std::string* pgm) {
+  *pgm += static_cast<char>(sample >> 8);
+  *pgm += static_cast<char>(sample & 255);
+}
+
+// "front_x.pgm" beside "front.pgm".
+std::string PathOfAxis(const std::filesystem::path& path, char axis) {
+  return (path.parent_path() /
+          fmt::format("{}_{}.pgm", path.stem().string(), axis))
+      .string();
+}
+
+TableOutput WriteFfmpeg(const ViewTable& view) {
+  std::string x_map =
+      fmt::format("P5\n{} {}\n65535\n", view.size.width, view.size.height);
+  std::string y_map = x_map;
+  for (int y = 0; y < view.size.height; ++y)
+    for (int x = 0; x < view.size.width; ++x) {
+      const auto source = view.At(x, y);
+      const Eigen::Vector2d at =
+          source ? ToProgram(PixelOrigin::kFirstPixelCenter, {}, *source)
+                 : Eigen::Vector2d(0, 0);
+      AppendSample(
+          source ? NearestIndex(at.x(), view.source_size.width) : kNoPlace,
+          &x_map);
+      AppendSample(
+          source ? NearestIndex(at.y(), view.source_size.height) : kNoPlace,
+          &y_map);
+    }
+  const std::string x_path = PathOfAxis(view.path, 'x'),
+                    y_path = PathOfAxis(view.path, 'y');
+  return {{{x_path, x_map}, {y_path, y_map}},
+          fmt::format("{} and {}, nearest pixels: up to 0.5 px off along an "
+                      "axis",
+                      x_path, y_path)};
+}
+
+}  // namespace
+
+TableFormat FfmpegFormat() {
+  TableFormat format;
+  format.name = "ffmpeg";
+  format.holds =
+      "ffmpeg's filter remap: NAME_x.pgm and NAME_y.pgm of a view, or with "
+      "--reverse of the camera; whole pixels";
+  format.endings = {".pgm"};
+  format.options = {"rectified", "reverse"};
+  format.write_view = WriteFfmpeg;
+  return format;
+}
+
+}  // namespace raygrid
