@@ -241,9 +241,11 @@ std::string FirstWord(const ViewWords& words) {
 
 VirtualView RectifiedView(const CameraInput& input, const ViewWords& words) {
   const bool is_told = !FirstWord(words).empty();
-  if (!is_told && input.blob && input.blob->has_remap() &&
-      !input.blob->Distorts(0))
-    return input.blob->ViewOfRemap(0);
+  const std::vector<uint32_t> tables =
+      input.blob ? input.blob->TablesOfCalibratedFrames()
+                 : std::vector<uint32_t>();
+  if (!is_told && !tables.empty())
+    return input.blob->ViewOfRemap(tables.front());
   return is_told ? MakeView(*input.file.camera, ParseViewOptions(words))
                  : MakeViewOfArea(*input.file.camera);
 }

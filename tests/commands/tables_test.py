@@ -37,6 +37,11 @@ int main(void) {
 }
 """
 
+BOARD_PROGRAM = """#include "front.h"
+const void* find_blob(void);
+const void* find_blob(void) { return front_raygrid; }
+"""
+
 
 class TableTest(CommandTest):
     def export(self, camera, *arguments, out):
@@ -80,9 +85,11 @@ class Blobs(TableTest):
                 head, _, rest = self.done(f"{folder}/main").partition(b" 160 120 ")
                 self.assertEqual(int(head), zlib.crc32(self.bytes))
                 self.assertTrue(rest == self.bytes)
+        write(f"{folder}/board.c", BOARD_PROGRAM)
         for compiler in BOARD_COMPILERS:
-            self.done(compiler, "-std=c99", *WARNINGS, "-ffreestanding", "-c", "-x", "c",
-                      f"{folder}/{(sources or ['front.h'])[0]}", "-o", f"{folder}/board.o")
+            for source in ("board.c", *sources):
+                self.done(compiler, "-std=c99", *WARNINGS, "-ffreestanding", "-c",
+                          f"{folder}/{source}", "-o", f"{folder}/board.o")
 
     def test_compilers_find_the_blob_in_the_array(self):
         told = self.export(self.blob, "--to", "c", out="one/front.h")
@@ -327,8 +334,8 @@ class Maps(TableTest):
 
     def test_the_view_is_that_of_a_blob_or_as_rectified_has_it(self):
         blob = self.path("v.raygrid")
-        self.assert_done(run("pack", self.camera, "--remap", "64x48,hfov=60", "--max-error-px",
-                             0.3, "-o", blob))
+        self.assert_done(run("pack", self.camera, "--remap", "320x240,hfov=50,direction=distort",
+                             "--remap", "64x48,hfov=60", "--max-error-px", 0.3, "-o", blob))
         told = self.export(blob, "--to", "maps", out="m.npz")
         self.assertEqual(told["view"]["size"], [64, 48])
         self.assertAlmostEqual(told["view"]["hfov_deg"], 60, 3)
