@@ -30,6 +30,7 @@ nlohmann::ordered_json GridJson(const RayGrid& grid) {
           {"fit",
            {{"rms_px", grid.rms_px},
             {"max_px", grid.max_px},
+            {"left_out_rms_px", grid.left_out_rms_px},
             {"pixels", grid.num_pixels}}}};
 }
 
@@ -43,10 +44,11 @@ void ImportRays(const RayTable& rays, const std::string& model,
   const nlohmann::ordered_json told = GridJson(grid);
   const std::string text = fmt::format(
       "{}: {} of {} x {} px, {} x {} control points, RMS {:.4g} px, largest "
-      "{:.4g} px at {} pixels\n",
+      "{:.4g} px at {} pixels; fitted to half of these, RMS {:.4g} px at the "
+      "others\n",
       Printable(output), grid.camera->Name(), rays.image_size.width,
       rays.image_size.height, grid.columns, grid.rows, grid.rms_px, grid.max_px,
-      grid.num_pixels);
+      grid.num_pixels, grid.left_out_rms_px);
   CameraFile file;
   file.camera = std::move(grid.camera);
   WriteFile(output, FormatCameraFile(file, Digits::kAll));

@@ -21,6 +21,7 @@ constexpr char kCentralModel[] = "central-generic",
 struct RaySample {
   Eigen::Vector2d pixel;
   Eigen::Vector3d direction, origin;
+  bool is_white = false;  // as fields of a chessboard are
 };
 
 // All rays, or of larger tables every n-th of rows and columns with the last.
@@ -41,7 +42,8 @@ std::vector<RaySample> SamplesOf(const RayTable& rays) {
       samples.push_back(
           {{rays.x[column], rays.y[row]},
            rays.directions[k],
-           rays.origins.empty() ? Eigen::Vector3d(0, 0, 0) : rays.origins[k]});
+           rays.origins.empty() ? Eigen::Vector3d(0, 0, 0) : rays.origins[k],
+           (row / step + column / step) % 2 == 0});
     }
   return samples;
 }
@@ -169,6 +171,20 @@ int MostPointsAlong(const Area& area, const std::vector<RaySample>& samples) {
                               (2 * sample_px));
 }
 
+// A grid of the same size that knows the white samples, at the black ones.
+double LeftOutRmsPx(const RayTable& rays, const std::vector<RaySample>& samples,
+                    const Area& area, const RayGrid& grid, int num_threads) {
+  std::vector<RaySample> white, black;
+  for (const RaySample& sample : samples)
+    (sample.is_white ? white : black).push_back(sample);
+  if (white.empty() || black.empty()) return 0;
+  RayGrid half;
+  half.camera = FitGridTo(rays, white, area, grid.columns, grid.rows,
+                          grid.camera->IsCentral());
+  MeasureGrid(black, num_threads, &half);
+  return half.rms_px;
+}
+
 // Control points along an axis of a grid that has so many along the longer one.
 int PointsAlong(double extent, double longest, int along) {
   return 3 + std::max(1, static_cast<int>(
@@ -213,6 +229,7 @@ RayGrid FitRayGrid(const RayTable& rays, const std::string& model,
       grids.begin(), grids.end(),
       [&](const RayGrid& grid) { return grid.rms_px <= enough_px; }));
   best.part_without_rays = PartWithoutRays(rays);
+  best.left_out_rms_px = LeftOutRmsPx(rays, samples, area, best, num_threads);
   return best;
 }
 

@@ -17,6 +17,9 @@ struct RayGrid {
   /// points are a metre away.
   double rms_px = 0, max_px = 0;
   size_t num_pixels = 0;  ///< that were compared
+  /// RMS at every second pixel, of a grid that was fitted to the others: how
+  /// far off the camera may be between the table's pixels.
+  double left_out_rms_px = 0;
   double part_without_rays = 0;
 };
 

@@ -435,6 +435,13 @@ class Rays(TableTest):
         self.imported("moved.npz")
         self.assertAlmostEqual(self.distance(self.camera)[1], 0.5, 2)
 
+    def test_pixels_that_are_left_out_say_what_lies_between(self):
+        self.export(self.camera, "--to", "rays", "--every", 16, out="r.npz")
+        told, _ = self.imported("r.npz")
+        rms = self.distance(self.camera)[1]
+        self.assertLess(told["fit"]["rms_px"], rms)
+        self.assertLess(rms, told["fit"]["left_out_rms_px"])
+
     def test_lines_that_do_not_meet_stay_lines(self):
         lines = self.simulated_camera("noncentral")
         self.export(lines, "--to", "rays", out="r.npz")
