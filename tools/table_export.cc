@@ -182,7 +182,8 @@ RayTable TableOfRays(const TableArguments& arguments,
               [&](int row) {
                 for (size_t k = 0; k < table.x.size(); ++k) {
                   const auto line = camera.Line({table.x[k], table.y[row]});
-                  if (!line) continue;
+                  if (!line || !camera.IsLit({table.x[k], table.y[row]}))
+                    continue;
                   const size_t index = row * table.x.size() + k;
                   table.directions[index] = line->direction.normalized();
                   if (!table.origins.empty())

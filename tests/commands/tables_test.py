@@ -269,6 +269,25 @@ class Maps(TableTest):
         self.assertLess(off[1], 0.02)
         self.assertGreater(off[0], 0.2)
 
+    @unittest.skipUnless(OPENCV, NO_OPENCV)
+    def test_nothing_is_seen_beyond_the_image_circle(self):
+        x, y, radius = 150, 125, 90
+        camera = write(self.path("circle.yaml"), read(self.camera).decode() +
+                       f"image_circle: [{x}, {y}, {radius}]\n")
+        self.export(camera, "--to", "maps", "--hfov", 100, out="c.npz")
+        self.export(camera, "--to", "maps", "--hfov", 100, "--reverse", out="cr.npz")
+        self.export(self.camera, "--to", "maps", "--hfov", 100, "--reverse", out="m.npz")
+        there, back, everywhere = self.seen_by_opencv("c.npz", "cr.npz", "m.npz",
+                                                      view=("--hfov", 100))
+        distances = [math.dist((x, y), place) for place in zip(there["x"], there["y"])
+                     if place != (-1, -1)]
+        self.assertLess(max(distances), radius + 1e-4)
+        self.assertGreater(max(distances), radius - 1)
+        at = ((a, b) for b in range(0, self.HEIGHT, 3) for a in range(0, self.WIDTH, 2))
+        for place, one, other in zip(at, zip(back["x"], back["y"]),
+                                     zip(everywhere["x"], everywhere["y"])):
+            self.assertEqual(one, other if math.dist(place, (x, y)) <= radius else (-1, -1))
+
     def nearest_indices(self, path):
         """The samples of a PGM of the view."""
         pixels = read(self.path(path))
@@ -434,6 +453,14 @@ class Rays(TableTest):
         self.numpy("r.npz")
         self.imported("moved.npz")
         self.assertAlmostEqual(self.distance(self.camera)[1], 0.5, 2)
+
+    def test_pixels_beyond_the_image_circle_have_no_ray(self):
+        camera = write(self.path("circle.yaml"), read(self.camera).decode() +
+                       "image_circle: [80, 60, 50]\n")
+        self.export(camera, "--to", "rays", out="r.npz")
+        result = run("import", self.path("r.npz"), "-o", self.path("camera.yaml"))
+        self.assert_done(result)
+        self.assertIn(f"{100 - 100 * math.pi * 50 ** 2 / (160 * 120):.1f} %", result.stderr)
 
     def test_pixels_that_are_left_out_say_what_lies_between(self):
         self.export(self.camera, "--to", "rays", "--every", 16, out="r.npz")
