@@ -354,6 +354,32 @@ TEST(VirtualView, OfAnyProjectionAndAlphaOneShowsEveryPixel) {
   }
 }
 
+// What a table of a camera of lines shows is far away.
+TEST(VirtualView, OfAlphaZeroAndOneIsSoForEveryOtherLens) {
+  for (const char* lens : {"example", "noncentral", "glass"}) {
+    const ImageSize size = {640, 480};
+    const auto truth = SimulatedLens(lens, size);
+    const std::unique_ptr<CameraModel> camera =
+        truth->IsCentral()
+            ? FitCentralGeneric(*truth, WholeImage(size), 27, 21).Clone()
+            : FitNonCentralGeneric(*truth, WholeImage(size), 27, 21).Clone();
+    ViewRequest request = RequestOf(kViewedSize);
+    request.projection = ViewProjection::kEquidistant;
+    request.alpha = 0;
+    EXPECT_EQ(NumBorderPixels(*camera, MakeView(*camera, request)), 0) << lens;
+    request.alpha = 1;
+    const VirtualView all = MakeView(*camera, request);
+    Eigen::AlignedBox2d box;
+    for (int y = 0; y < size.height; ++y)
+      for (int x = 0; x < size.width; ++x)
+        box.extend(*all.Pixel(*camera->Unproject(Eigen::Vector2d(x, y))));
+    const Eigen::Vector2d last(kViewedSize.width - 1, kViewedSize.height - 1);
+    EXPECT_GE(box.min().minCoeff(), 0) << lens;
+    EXPECT_TRUE((box.max().array() <= last.array()).all()) << lens;
+    EXPECT_GT((box.sizes().array() / last.array()).maxCoeff(), 0.97) << lens;
+  }
+}
+
 TEST(VirtualView, OfAnyProjectionIsACameraAndComesBackFromIt) {
   for (const ViewProjection projection : kProjections) {
     ViewRequest request = RequestOf(projection, 120);
