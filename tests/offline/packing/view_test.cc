@@ -354,7 +354,7 @@ TEST(VirtualView, OfAnyProjectionAndAlphaOneShowsEveryPixel) {
   }
 }
 
-// What a table of a camera of lines shows is far away.
+// Tables of cameras of lines show far scenes.
 TEST(VirtualView, OfAlphaZeroAndOneIsSoForEveryOtherLens) {
   for (const char* lens : {"example", "noncentral", "glass"}) {
     const ImageSize size = {640, 480};
