@@ -22,6 +22,7 @@ namespace {
 
 CameraFile ParseForeignCamera(const Format& format, const std::string& path,
                               const std::string& text) {
+  RequireCameraFormat(format, path);
   const ExchangeContents contents =
       ReadExchangeFile(&format, {path, text, "", std::nullopt});
   if (contents.cameras.size() != 1)

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -20,9 +21,29 @@
 namespace raygrid {
 namespace {
 
+// The most corners along a side of a board.
+constexpr int kMostCorners = 1000;
+
+// COLUMNSxROWS.
+ImageSize ParseBoardSize(const std::string& text) {
+  int columns = 0, rows = 0;
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, columns);
+  if (first.ec == std::errc() && first.ptr != end && *first.ptr == 'x') {
+    const auto second = std::from_chars(first.ptr + 1, end, rows);
+    if (second.ec == std::errc() && second.ptr == end &&
+        std::min(columns, rows) >= 2 && std::max(columns, rows) <= kMostCorners)
+      return {columns, rows};
+  }
+  throw Error(ExitCode::kUsage,
+              fmt::format("--board {}: expected COLUMNSxROWS of corners, 2 to "
+                          "{} each, as 10x10",
+                          text, kMostCorners));
+}
+
 struct ImportArguments {
   std::vector<std::string> files;
-  std::string output, from, model, image_size;
+  std::string output, from, model, image_size, board;
 };
 
 ExchangeContents ReadForeignFile(const ImportArguments& arguments,
@@ -46,6 +67,57 @@ ExchangeContents ReadForeignFile(const ImportArguments& arguments,
     if (std::filesystem::exists(beside)) request.beside = ReadFile(beside);
   }
   return ReadExchangeFile(format, request);
+}
+
+// The contents of a file of corners alone; none if it is of another format.
+std::optional<ExchangeContents> ReadCorners(
+    const ImportArguments& arguments, const std::vector<std::string>& texts) {
+  const Format* format = arguments.from.empty()
+                             ? RecognizeFormat(texts[0])
+                             : &FindFormat("--from", arguments.from);
+  const auto refuse = [](const std::string& option, const std::string& why) {
+    throw Error(ExitCode::kUsage, option + ": " + why);
+  };
+  if (!format || !format->takes_board) {
+    if (!arguments.board.empty())
+      refuse("--board", "is for corners whose file does not tell the board");
+    return std::nullopt;
+  }
+  if (arguments.files.size() > 1)
+    refuse(arguments.files[1], "a file of corners is imported alone");
+  if (!arguments.model.empty()) refuse("--model", "corners have no camera");
+  if (!arguments.image_size.empty())
+    refuse("--image-size", "features.csv has none; tell it to calibrate");
+  ReadRequest request = {arguments.files[0], texts[0], "", std::nullopt};
+  if (!arguments.board.empty()) request.board = ParseBoardSize(arguments.board);
+  return ReadExchangeFile(format, request);
+}
+
+void ImportCorners(const ExchangeContents& contents,
+                   const ImportArguments& arguments,
+                   const CommonOptions& common) {
+  if (std::filesystem::path(arguments.output).extension() != ".csv")
+    throw Error(ExitCode::kUsage,
+                fmt::format("-o {}: {} has corners, and no camera; they become "
+                            "features.csv",
+                            arguments.output, arguments.files[0]));
+  const Dataset dataset = {{}, contents.corners};
+  RequireNoInputReplaced(arguments.files, {arguments.output});
+  OutputFiles outputs;
+  outputs.Add(arguments.output, FormatFeatures(dataset));
+  outputs.Commit();
+  for (const std::string& remark : contents.remarks)
+    fmt::print(stderr, "raygrid: {}: {}\n", Printable(arguments.files[0]),
+               Printable(remark));
+  if (common.json)
+    fmt::print("{}\n",
+               nlohmann::ordered_json{{"features", dataset.num_features()},
+                                      {"images", dataset.images.size()},
+                                      {"remarks", contents.remarks}}
+                   .dump(2));
+  else if (!common.quiet)
+    fmt::print("{}: {} features in {} images\n", arguments.output,
+               dataset.num_features(), dataset.images.size());
 }
 
 // All files together: those of a rig that have a camera each tell their poses,
@@ -196,6 +268,10 @@ void RunImport(const ImportArguments& arguments, const CommonOptions& common) {
                arguments.output, common);
     return;
   }
+  if (const auto corners = ReadCorners(arguments, texts)) {
+    ImportCorners(*corners, arguments, common);
+    return;
+  }
   const ExchangeContents contents = ReadForeign(arguments, texts);
   const auto files = FilesOf(arguments, contents);
   std::vector<std::string> paths;
@@ -241,7 +317,8 @@ void AddImport(CLI::App* app, CommonOptions* common) {
       "Other commands take such files as they are, too, if they have one "
       "camera. Files of a camera each are a rig if they tell the poses, or R "
       "and P as those of a stereo pair do. Tables of rays become the grid that "
-      "leaves little of them. 'raygrid export --list' names the formats.",
+      "leaves little of them. Corners of mrcal become features.csv for "
+      "calibrate --features. 'raygrid export --list' names the formats.",
       "raygrid import calibration.xml -o camera.yaml", common);
   auto arguments = std::make_shared<ImportArguments>();
   command
@@ -262,6 +339,9 @@ void AddImport(CLI::App* app, CommonOptions* common) {
                       "rays central-generic or noncentral-generic");
   command->add_option("--image-size", arguments->image_size,
                       "WxH, where the file does not tell");
+  command->add_option("--board", arguments->board,
+                      "COLUMNSxROWS of a board's corners, where the file does "
+                      "not tell, as mrcal's corners.vnl");
   command->callback([arguments, common] { RunImport(*arguments, *common); });
 }
 

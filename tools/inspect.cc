@@ -235,6 +235,7 @@ Json FeaturesFacts(const std::map<std::string, Dataset>& cameras) {
 // Another program's file.
 Json ForeignFacts(const Format& format, const std::string& path,
                   const std::string& text) {
+  RequireCameraFormat(format, path);
   const ExchangeContents contents =
       ReadExchangeFile(&format, {path, text, "", std::nullopt});
   Json json = {{"kind", contents.IsRig() ? "rig" : "camera"},

@@ -39,6 +39,8 @@ struct ReadLens {
 /// The contents of a file that was read.
 struct ExchangeContents {
   std::vector<ReadLens> cameras;
+  /// Of a file that has corners and no camera.
+  std::vector<ImageFeatures> corners;
   std::vector<std::string> remarks;  ///< what was not taken as it stands
 
   /// Whether there are several cameras, and all have poses.
@@ -52,6 +54,8 @@ struct ReadRequest {
   std::optional<ImageSize> size;  ///< --image-size, likewise
   /// The text of the file that Format::beside() names; "" if it is not there.
   std::string beside = {};
+  /// --board: the corners of a row and of a column; the file does not tell.
+  std::optional<ImageSize> board = {};
 };
 
 /// A camera to be written.
@@ -80,6 +84,7 @@ struct Format {
   bool drops_rigs = false;       ///< files of a rig's cameras have no poses
   bool holds_pairs = false;      ///< files of two cameras have R and P
   bool holds_poses = false;      ///< of boards
+  bool takes_board = false;      ///< corners alone, without a board's width
 
   /// Whether a text is of this format, by words that others have not. It need
   /// not be well-formed.
@@ -115,6 +120,9 @@ std::string FormatNames();
 /// file.
 ExchangeContents ReadExchangeFile(const Format* format,
                                   const ReadRequest& request);
+
+/// Throws InputError if files of a format have corners and no camera.
+void RequireCameraFormat(const Format& format, const std::string& path);
 
 /// The poses of cameras that have R and P, in the frame of the first one; none
 /// if a camera has not even these, or no view stands beside another one.

@@ -10,6 +10,7 @@
 #include "exchange/format.h"
 #include "exchange/kalibr_format.h"
 #include "exchange/metashape_format.h"
+#include "exchange/mrcal_corners_format.h"
 #include "exchange/mrcal_format.h"
 #include "exchange/nerfstudio_format.h"
 #include "exchange/opencv_format.h"
@@ -45,9 +46,10 @@ void AddRemarksOnLenses(ExchangeContents* contents) {
 
 const std::vector<Format>& Formats() {
   static const std::vector<Format> formats = {
-      OpenCvFormat(),     RosFormat(),       KalibrFormat(),
-      ColmapFormat(),     MrcalFormat(),     BasaltFormat(),
-      NerfstudioFormat(), MetashapeFormat(), PuzzlepaintFormat()};
+      OpenCvFormat(),     RosFormat(),          KalibrFormat(),
+      ColmapFormat(),     MrcalCornersFormat(), MrcalFormat(),
+      BasaltFormat(),     NerfstudioFormat(),   MetashapeFormat(),
+      PuzzlepaintFormat()};
   return formats;
 }
 
@@ -91,10 +93,20 @@ ExchangeContents ReadExchangeFile(const Format* format,
                                  request.path, found->name, format->name));
   return ReadNamingFile(request.path, [&] {
     ExchangeContents contents = (format ? format : found)->read(request);
-    if (contents.cameras.empty()) throw InputError("no camera");
+    if (contents.cameras.empty() && contents.corners.empty())
+      throw InputError((format ? format : found)->takes_board ? "no corners"
+                                                              : "no camera");
     AddRemarksOnLenses(&contents);
     return contents;
   });
+}
+
+void RequireCameraFormat(const Format& format, const std::string& path) {
+  if (format.takes_board)
+    throw InputError(
+        fmt::format("{}: has corners, and no camera; 'raygrid import' makes "
+                    "features.csv of them, for calibrate --features",
+                    path));
 }
 
 bool ExchangeContents::IsRig() const {

@@ -1,0 +1,223 @@
+#include "exchange/mrcal_corners_format.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "dataset/word_lines.h"
+
+namespace raygrid {
+namespace {
+
+constexpr char kNoValue[] = "-";
+
+// ---- The columns -----------------------------------------------------------
+
+// The names of a vnlog's columns: words of the first line that begins with one
+// '#'. Empty if other lines come before it.
+std::vector<std::string> LegendOf(const std::string& text) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line) && line[0] == '#';) {
+    if (line.compare(0, 2, "##") == 0 || line.compare(0, 2, "#!") == 0)
+      continue;
+    std::istringstream words(line.substr(1));
+    std::vector<std::string> legend;
+    for (std::string word; words >> word;) legend.push_back(word);
+    if (!legend.empty()) return legend;
+  }
+  return {};
+}
+
+struct CornerColumns {
+  size_t count = 3;
+  bool has_level = false, has_weight = false;
+};
+
+bool IsMrcalCorners(const std::string& text) {
+  const std::vector<std::string> legend = LegendOf(text);
+  return legend.size() >= 3 && legend[0] == "filename" && legend[1] == "x" &&
+         legend[2] == "y";
+}
+
+CornerColumns ColumnsOf(const std::string& text) {
+  const std::vector<std::string> legend = LegendOf(text);
+  if (!IsMrcalCorners(text) || legend.size() > 4)
+    throw InputError(
+        "its columns are not '# filename x y', with 'level' or 'weight' behind "
+        "them or nothing");
+  CornerColumns columns;
+  columns.count = legend.size();
+  if (columns.count == 3) return columns;
+  columns.has_level = legend[3] == "level";
+  columns.has_weight = legend[3] == "weight";
+  if (!columns.has_level && !columns.has_weight)
+    throw InputError(fmt::format("column '{}' is neither 'level' nor 'weight'",
+                                 Printable(legend[3])));
+  return columns;
+}
+
+// ---- The corners -----------------------------------------------------------
+
+// All corners of an image in the file's order; those without a value were
+// rejected.
+struct CornerRows {
+  std::string image;
+  std::vector<std::optional<Eigen::Vector2d>> corners;
+};
+
+struct CornerCounts {
+  size_t without_board = 0, rejected = 0, blurred = 0;
+};
+
+// Whether the program took a corner that has a position.
+bool IsTaken(const WordLines& line, const CornerColumns& columns,
+             CornerCounts* counts) {
+  if (columns.count < 4) return true;
+  if (line.Text(3) == kNoValue) return false;
+  const double value = line.Get<double>(3);
+  if (columns.has_level && value > 0) ++counts->blurred;
+  return columns.has_level ? value >= 0 : value > 0;
+}
+
+std::optional<Eigen::Vector2d> CornerOf(const WordLines& line,
+                                        const CornerColumns& columns,
+                                        CornerCounts* counts) {
+  if (line.Text(1) == kNoValue && line.Text(2) == kNoValue) return std::nullopt;
+  const Eigen::Vector2d pixel(line.Get<double>(1), line.Get<double>(2));
+  if (!IsTaken(line, columns, counts)) return std::nullopt;
+  return pixel;
+}
+
+// mrgingham leaves out the last column of an image without a board.
+void RequireColumns(const WordLines& line, const CornerColumns& columns) {
+  const bool is_short = line.size() == 3 && line.Text(1) == kNoValue;
+  if (line.size() != columns.count && !is_short)
+    line.Refuse(fmt::format("has {} words, and the legend has {}", line.size(),
+                            columns.count));
+}
+
+std::vector<CornerRows> RowsOf(const ReadRequest& request,
+                               const CornerColumns& columns,
+                               CornerCounts* counts) {
+  WordLines line(request.path, request.text, "corners as mrcal writes them");
+  std::vector<CornerRows> images;
+  std::set<std::string> names;
+  while (line.NextWithWords()) {
+    RequireColumns(line, columns);
+    const std::string& name = line.Text(0);
+    if (images.empty() || images.back().image != name) {
+      if (!names.insert(name).second)
+        line.Refuse(fmt::format("the rows of image '{}' are not in one piece",
+                                Printable(name)));
+      images.push_back({name, {}});
+    }
+    images.back().corners.push_back(CornerOf(line, columns, counts));
+  }
+  return images;
+}
+
+// ---- The board -------------------------------------------------------------
+
+// How much lines of so many neighbours bend, in pixels. A wrong number of
+// columns makes rows jump.
+double BendOf(const CornerRows& image, int columns) {
+  double bend = 0;
+  for (size_t k = 0; k + 2 < image.corners.size(); ++k) {
+    if (static_cast<int>(k) % columns + 2 >= columns) continue;
+    const auto &a = image.corners[k], &b = image.corners[k + 1],
+               &c = image.corners[k + 2];
+    if (a && b && c) bend += (*a - 2 * *b + *c).norm();
+  }
+  return bend;
+}
+
+// A board told the wrong way round has as many corners.
+void RequireThisWayRound(const std::vector<CornerRows>& images,
+                         const ImageSize& board) {
+  if (std::min(board.width, board.height) < 3 || board.width == board.height)
+    return;
+  double told = 0, turned = 0;
+  for (const CornerRows& image : images) {
+    told += BendOf(image, board.width) / (board.width - 2) / board.height;
+    turned += BendOf(image, board.height) / (board.height - 2) / board.width;
+  }
+  if (told > 3 * turned)
+    throw InputError(fmt::format(
+        "its corners lie as on a board of --board {}x{}, columns first, not "
+        "{}x{}",
+        board.height, board.width, board.width, board.height));
+}
+
+ImageFeatures FeaturesOfRows(const CornerRows& image, const ImageSize& board) {
+  const size_t expected = static_cast<size_t>(board.width) * board.height;
+  if (image.corners.size() != expected)
+    throw InputError(fmt::format(
+        "image '{}' has {} corners; a board of --board {}x{} has {}",
+        Printable(image.image), image.corners.size(), board.width, board.height,
+        expected));
+  ImageFeatures features = {image.image, {}};
+  for (size_t k = 0; k < expected; ++k)
+    if (image.corners[k])
+      features.features.push_back({0, static_cast<int>(k) % board.width,
+                                   static_cast<int>(k) / board.width,
+                                   *image.corners[k]});
+  return features;
+}
+
+void AddRemarksOnCorners(const CornerCounts& counts,
+                         ExchangeContents* contents) {
+  const auto add = [&](size_t count, const char* what) {
+    if (count > 0)
+      contents->remarks.push_back(fmt::format("{} {}", count, what));
+  };
+  add(counts.without_board, "images have no board");
+  add(counts.rejected, "corners that the program rejected are left out");
+  add(counts.blurred,
+      "corners were found in reduced images; here they count as much as "
+      "others");
+}
+
+ExchangeContents ReadMrcalCorners(const ReadRequest& request) {
+  const CornerColumns columns = ColumnsOf(request.text);
+  if (!request.board)
+    throw InputError(
+        "does not tell the board's width; import it with --board "
+        "COLUMNSxROWS, counting corners, as --board 10x10");
+  CornerCounts counts;
+  const std::vector<CornerRows> images = RowsOf(request, columns, &counts);
+  ExchangeContents contents;
+  for (const CornerRows& image : images) {
+    if (image.corners.size() == 1 && !image.corners[0]) {
+      ++counts.without_board;
+      continue;
+    }
+    ImageFeatures features = FeaturesOfRows(image, *request.board);
+    counts.rejected += image.corners.size() - features.features.size();
+    if (!features.features.empty())
+      contents.corners.push_back(std::move(features));
+  }
+  RequireThisWayRound(images, *request.board);
+  AddRemarksOnCorners(counts, &contents);
+  return contents;
+}
+
+}  // namespace
+
+Format MrcalCornersFormat() {
+  Format format;
+  format.name = "mrcal-corners";
+  format.holds =
+      "corners.vnl of mrcal and mrgingham: corners of a board, no camera; "
+      "import them with --board COLUMNSxROWS";
+  format.takes_board = true;
+  format.recognizes = IsMrcalCorners;
+  format.read = ReadMrcalCorners;
+  format.write = nullptr;
+  return format;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,14 @@
+#ifndef RAYGRID_EXCHANGE_MRCAL_CORNERS_FORMAT_H
+#define RAYGRID_EXCHANGE_MRCAL_CORNERS_FORMAT_H
+
+#include "exchange/format.h"
+
+namespace raygrid {
+
+/// The corners.vnl of mrcal and mrgingham: corners of a board, without a
+/// camera.
+Format MrcalCornersFormat();
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_MRCAL_CORNERS_FORMAT_H
