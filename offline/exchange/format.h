@@ -39,7 +39,7 @@ struct ReadLens {
 /// The contents of a file that was read.
 struct ExchangeContents {
   std::vector<ReadLens> cameras;
-  /// Of a file that has corners and no camera.
+  /// Corners of a file that has no camera.
   std::vector<ImageFeatures> corners;
   std::vector<std::string> remarks;  ///< what was not taken as it stands
 
