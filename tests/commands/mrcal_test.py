@@ -39,6 +39,67 @@ class Mrcal(ExchangeTest):
         seen = [tuple(map(float, line.split(","))) for line in result.stdout.split()]
         return [seen[k:k + len(rays)] for k in range(0, len(seen), len(rays))]
 
+    def corners_file(self, columns=7, rows=5):
+        """corners.vnl, and the corners of features.csv: image, column, row, x, y."""
+        folder = self.path("corners")
+        self.assert_done(run("simulate", "--images", 3, "--features-per-image", 25, "--pattern",
+                             f"chessboard:{columns}x{rows}:30mm", "-o", folder))
+        features = [line.split(",") for line in
+                    read(folder + "/features.csv").decode().splitlines()[1:]]
+        seen = {(image, int(row), int(column)): (x, y)
+                for image, _, column, row, x, y in features}
+        lines = ["# filename x y level"]
+        for image in sorted({key[0] for key in seen}) + ["none.png"]:
+            if image == "none.png":
+                lines.append(f"{image} - - -")
+                continue
+            for row in range(rows):
+                for column in range(columns):
+                    x, y = seen.get((image, row, column), ("-", "-"))
+                    lines.append(f"{image} {x} {y} {'-' if x == '-' else 0}")
+        return write(self.path("corners.vnl"), "\n".join(lines) + "\n"), seen
+
+    def test_corners_become_features(self):
+        corners, seen = self.corners_file()
+        result = run("import", corners, "--board", "7x5", "-o", self.path("imported.csv"))
+        self.assert_done(result)
+        self.assertIn("1 images have no board", result.stderr)
+        imported = [line.split(",") for line in
+                    read(self.path("imported.csv")).decode().splitlines()[1:]]
+        self.assertEqual({(image, int(row), int(column)): (x, y)
+                          for image, _, column, row, x, y in imported}, seen)
+        for words, code, *told in ((("-o", "x.csv"), 2, "--board"),
+                                   (("--board", "7x", "-o", "x.csv"), 1, "COLUMNSxROWS"),
+                                   (("--board", "6x5", "-o", "x.csv"), 2, "35 corners", "30"),
+                                   (("--board", "7x5", "-o", "x.yaml"), 1, "no camera")):
+            self.assert_refused(run("import", corners, *words), code, *told)
+            self.assertFalse(os.path.exists(words[-1]))
+        self.assert_refused(run("inspect", corners), 2, "raygrid import")
+        self.assert_refused(run("pack", corners, "-o", self.path("x.raygrid")), 2, "raygrid import")
+
+    @unittest.skipUnless(MRCAL, NO_MRCAL)
+    def test_mrcal_takes_rows_and_columns_as_import_does(self):
+        corners, seen = self.corners_file()
+        read_by_mrcal = """
+import sys, mrcal
+observations, _, paths = mrcal.compute_chessboard_corners(
+    7, 5, globs_per_camera=("*",), corners_cache_vnl=sys.argv[1])
+for path, image in zip(paths, observations):
+    for row in range(5):
+        for column in range(7):
+            x, y, weight = image[row, column]
+            if weight > 0:
+                print(path, row, column, x, y)
+"""
+        result = subprocess.run([MRCAL, "-c", read_by_mrcal, corners], capture_output=True,
+                                text=True, check=False)
+        self.assert_done(result)
+        theirs = [line.split() for line in result.stdout.splitlines()]
+        self.assertEqual(len(theirs), len(seen))
+        for path, row, column, x, y in theirs:
+            ours = seen[os.path.basename(path), int(row), int(column)]
+            self.assertEqual((float(x), float(y)), tuple(map(float, ours)))
+
     @unittest.skipUnless(MRCAL, NO_MRCAL)
     def test_mrcal_projects_as_raygrid_says(self):
         """10,000 rays in raygrid's frame; half a pixel is seen."""
