@@ -369,8 +369,8 @@ void ListLenses(bool json, nlohmann::ordered_json* all) {
                     {"poses", format.holds_poses},
                     {"models", models}});
     if (!json)
-      fmt::print("{}: {} ({})\n  models: {}\n", format.name, format.holds, ways,
-                 names);
+      fmt::print("{}: {} ({})\n{}", format.name, format.holds, ways,
+                 names.empty() ? "" : "  models: " + names + "\n");
   }
 }
 
