@@ -37,7 +37,7 @@ std::map<uint32_t, std::string> Comments(const std::string& text,
     const char* const end = line.data() + line.size();
     const auto number = std::from_chars(line.data() + kind.size(), end, id);
     std::string rest(number.ptr, end);
-    if (rest.back() == '\r') rest.pop_back();
+    if (!rest.empty() && rest.back() == '\r') rest.pop_back();
     if (number.ec == std::errc() && rest.rfind(": ", 0) == 0)
       comments[id] = rest.substr(2);
   }

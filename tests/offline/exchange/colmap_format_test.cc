@@ -59,6 +59,12 @@ TEST(ColmapFormat, TakesLinesThatEndAsOnWindows) {
   EXPECT_EQ(ParseColmap(text).cameras[0].name, "front");
 }
 
+TEST(ColmapFormat, TakesACommentThatEndsBeforeTheNumber) {
+  const std::string text =
+      "# Name of camera \n3 PINHOLE 640 480 500 500 320 240\n";
+  EXPECT_EQ(ParseColmap(text).cameras.size(), 1u);
+}
+
 TEST(ColmapFormat, NumbersModelsAsColmapDoes) {
   const std::string bytes = ColmapBinary();
   ASSERT_EQ(bytes.size(), 8u + 24 + 8 * 8 + 24 + 4 * 8);
