@@ -32,7 +32,9 @@ std::optional<Eigen::Vector2d> Project(const CameraInput& input,
                                        const Eigen::Vector3d& point) {
   const CameraModel& camera = *input.file.camera;
   const Eigen::Vector3d moderate = Moderate(point, camera.IsCentral());
-  return input.blob ? input.blob->Project(moderate) : camera.Project(moderate);
+  const auto pixel =
+      input.blob ? input.blob->Project(moderate) : camera.Project(moderate);
+  return pixel && camera.IsLit(*pixel) ? pixel : std::nullopt;
 }
 
 void RequireProjection(const std::string& path, const CameraInput& input) {

@@ -34,12 +34,15 @@ void Run(const UnprojectArguments& arguments, bool json) {
   for (size_t i = 0; i < table.num_rows(); ++i) {
     const Eigen::Vector2d pixel(table.Number(i, "x"), table.Number(i, "y"));
     text += fmt::format("{},{},", table.Text(i, "x"), table.Text(i, "y"));
-    const auto ray =
-        input.blob ? input.blob->Unproject(pixel) : camera.Unproject(pixel);
+    const bool is_lit = camera.IsLit(pixel);
+    const auto ray = !is_lit      ? std::nullopt
+                     : input.blob ? input.blob->Unproject(pixel)
+                                  : camera.Unproject(pixel);
     text += ray ? FormatVector(*ray) : ",,";
     if (has_origins) {
-      const auto line =
-          input.blob ? input.blob->Line(pixel) : camera.Line(pixel);
+      const auto line = !is_lit      ? std::nullopt
+                        : input.blob ? input.blob->Line(pixel)
+                                     : camera.Line(pixel);
       text += "," + (line ? FormatVector(line->origin) : ",,");
     }
     text += "\n";

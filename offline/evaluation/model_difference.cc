@@ -31,6 +31,7 @@ std::vector<LinePair> SampleLines(const CameraModel& first,
   for (double y = std::ceil(area.y0); y <= area.y1; y += step_px) {
     for (double x = std::ceil(area.x0); x <= area.x1; x += step_px) {
       const Eigen::Vector2d pixel(x, y);
+      if (!first.IsLit(pixel) || !second.IsLit(pixel)) continue;
       const auto a = first.Line(pixel);
       const auto b = second.Line(pixel);
       LinearizedProjection projection;

@@ -97,7 +97,8 @@ LensFit MeasureLens(const CameraModel& camera, const TrustMask* trusted,
   for (double y = area.y0; y <= area.y1; y += step_px) {
     for (double x = area.x0; x <= area.x1; x += step_px) {
       const Eigen::Vector2d pixel(x, y);
-      if (trusted && !trusted->Trusts(pixel)) continue;
+      if ((trusted && !trusted->Trusts(pixel)) || !camera.IsLit(pixel))
+        continue;
       const auto line = camera.Line(pixel);
       if (!line) continue;
       const Eigen::Vector3d turned =

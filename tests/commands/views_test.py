@@ -137,6 +137,24 @@ class Views(CommandTest):
                                  "320x240", "--projection", "equidistant", "--hfov", 120,
                                  "--max-error-px", 0.2, "-o", self.path(name + "_view")))
             levels[name] = read_png(self.path(name + "_view/fisheye_white.png"))[2]
+        pixels = write(self.path("pixels.csv"), "x,y\n150,120\n300,120\n")
+        rays = {}
+        for name in ("none", "told"):
+            result = run("unproject", self.path(name + "/camera.yaml"), "--pixels", pixels)
+            self.assert_done(result)
+            rays[name] = [line.split(",")[2:] for line in result.stdout.splitlines()[1:]]
+        self.assertEqual(rays["told"], [rays["none"][0], ["", "", ""]])
+        points = write(self.path("seen.csv"),
+                       "x,y,z\n" + "".join(",".join(ray) + "\n" for ray in rays["none"]))
+        result = run("project", self.path("told/camera.yaml"), "--points", points, "--json")
+        self.assertEqual([row["valid"] for row in json.loads(result.stdout)], [True, False])
+        compared = {}
+        for name in ("none", "told"):
+            result = run("compare", self.path(name + "/camera.yaml"),
+                         self.path("none/camera.yaml"), "--json")
+            self.assert_done(result)
+            compared[name] = json.loads(result.stdout)["places"]
+        self.assertLess(compared["told"], compared["none"] / 2)
         self.assert_done(run("export", self.path("told/camera.yaml"), "--to", "maps", "--size",
                              "320x240", "--projection", "equidistant", "--hfov", 120, "-o",
                              self.path("told.xml")))
