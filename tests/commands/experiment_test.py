@@ -80,7 +80,7 @@ class Experiment(CommandTest):
             self.assertGreater(medians[4], 3 * medians[0])
             self.assertLess(medians[4], 0.2)
 
-    def small(self, name, *options, images=15):
+    def small(self, name, *options, images=10):
         """Rows of an experiment on simulated features, its pictures named."""
         folder = self.path(name + "-small")
         self.assert_done(run("experiment", name, "-o", folder, "--images", images, *options))
@@ -131,14 +131,14 @@ class Experiment(CommandTest):
         self.assertLess(error["homography", "11"], error["homography", "31"])
 
     def test_stereo_depth(self):
-        rows, pictures = self.small("stereo-depth", images=12)
+        rows, pictures = self.small("stereo-depth", images=8)
         self.assertEqual(pictures, ["stereo-depth-bias.png"])
         bias = {row["cameras"]: float(row["blocks_rms_mm"]) for row in rows}
         self.assertLess(2 * bias["central-generic"], bias["opencv"])
         self.assertLess(bias["central-generic"], 3 * bias["truth"])
 
     def test_trajectory_drift(self):
-        rows, _ = self.small("trajectory-drift", images=20)
+        rows, _ = self.small("trajectory-drift", images=12)
         worst = {}
         for row in rows:
             worst.setdefault(row["camera"], []).append(float(row["end_error_percent"]))
@@ -308,9 +308,8 @@ cameras:
                             "--pattern")
 
     def test_number_of_threads_changes_nothing(self):
-        for name in ("pattern-segments", "feature-refinement"):
-            with self.subTest(name):
-                self.assertEqual(self.experiment(name, 1), self.experiment(name, 2))
+        name = "feature-refinement"
+        self.assertEqual(self.experiment(name, 1), self.experiment(name, 2))
 
     def test_seed_and_noise_change_the_result(self):
         rows, _ = self.experiment("feature-refinement")

@@ -23,7 +23,7 @@ class MainJob(CommandTest):
     def setUpClass(cls):
         super().setUpClass()
         for arguments in (
-                ("simulate", "--images", 20, "--features-per-image", 120, "--pattern",
+                ("simulate", "--images", 12, "--features-per-image", 120, "--pattern",
                  write(cls.path("board.yaml"), SIMULATED_PATTERN), "-o", cls.path("sim")),
                 ("calibrate", "--features", cls.path("sim/features.csv"), "--image-size",
                  "640x480", "--pattern", cls.path("sim/pattern.yaml"), "--cell-px", 80, "-o",
@@ -45,7 +45,7 @@ class MainJob(CommandTest):
             self.assertAlmostEqual(told, held, 4)
         self.assertIn("fx: ", read(self.path("out/view.camera.yaml")).decode())
         self.assertEqual(result["status"], "converged")
-        self.assertEqual(result["features"]["used"], 2400)
+        self.assertEqual(result["features"]["used"], 1440)
         self.assertLess(abs(result["training"]["rms_px"] - 0.05 * math.sqrt(2)), 0.02)
 
     def test_same_output_with_any_number_of_threads(self):
@@ -264,7 +264,7 @@ class MainJob(CommandTest):
     def test_opencv_model_goes_the_same_way(self):
         result = run("calibrate", "--features", self.path("sim/features.csv"), "--image-size",
                      "640x480", "--pattern", self.path("sim/pattern.yaml"), "--model", "opencv",
-                     "-o", self.path("opencv"))
+                     "--skip-comparison", "-o", self.path("opencv"))
         self.assert_done(result)
         self.assert_done(run("inspect", self.path("opencv/camera.raygrid")))
 

@@ -18,7 +18,7 @@ class Rig(CommandTest):
     def setUpClass(cls):
         super().setUpClass()
         result = run("simulate", "--lens", "pinhole", "--cameras", 2, "--baseline-m", 0.08,
-                     "--images", 16, "--pattern",
+                     "--images", 9, "--pattern",
                      write(cls.path("board.yaml"), SIMULATED_PATTERN), "-o", cls.path("sim"))
         assert result.returncode == 0, result.stderr
         cls.pattern = cls.path("sim/pattern.yaml")

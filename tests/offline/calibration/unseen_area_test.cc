@@ -114,7 +114,7 @@ void ExpectGoesOnWell(const LensCase& test, double max_angle_rad = M_PI) {
 }
 
 TEST(UnseenArea, GoesOnWellOfAWideLens) {
-  ExpectGoesOnWell({"wide", "central-generic", 30, 40});
+  ExpectGoesOnWell({"wide", "central-generic", 20, 40});
 }
 
 TEST(UnseenArea, GoesOnWellOfAFisheye) {
@@ -123,7 +123,7 @@ TEST(UnseenArea, GoesOnWellOfAFisheye) {
 }
 
 TEST(UnseenArea, GoesOnWellOfALensWithBumps) {
-  ExpectGoesOnWell({"example", "central-generic", 30, 40});
+  ExpectGoesOnWell({"example", "central-generic", 20, 40});
 }
 
 TEST(UnseenArea, GoesOnWellBehindGlass) {
