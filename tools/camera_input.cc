@@ -7,8 +7,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "camera/camera_frame.h"
-#include "camera/turned_camera.h"
 #include "dataset/csv.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
@@ -87,18 +85,6 @@ void WarnOfFailedCalibration(const std::string& path, const CameraFile& file) {
                "raygrid: {}: its calibration failed; see the report, and "
                "calibrate again before it is relied on\n",
                Printable(path));
-}
-
-std::optional<Eigen::Quaterniond> TurnIntoCameraFrame(CameraFile* file) {
-  constexpr double kAstrayRad = 1 * M_PI / 180;
-  const CameraFrame frame = FindCameraFrame(*file->camera);
-  if (frame.AngleRad() <= kAstrayRad) return std::nullopt;
-  if (file->camera->IsCentral())
-    file->camera =
-        std::make_unique<TurnedCamera>(*file->camera, frame.frame_from_camera);
-  else
-    file->camera = Turned(*file->camera, frame.frame_from_camera);
-  return frame.frame_from_camera;
 }
 
 ImageSize ParseImageSize(const std::string& option, const std::string& text) {

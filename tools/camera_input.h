@@ -37,13 +37,6 @@ std::optional<TrustMask> ShownWith(const std::string& outside,
 /// do not show.
 void WarnOfFailedCalibration(const std::string& path, const CameraFile& file);
 
-/// Turns a grid that looks more than a degree off its lens's axes, as earlier
-/// calibrations left some, into the frame of its nearest lens
-/// (camera/camera_frame.h). Local distortion moves that frame by less, so that
-/// known cameras stay as they are. Returns the rotation of the new frame from
-/// the old one, if there was any need.
-std::optional<Eigen::Quaterniond> TurnIntoCameraFrame(CameraFile* file);
-
 /// "640x480"; throws Error(kUsage) naming the option, for larger sizes than
 /// images may have too.
 ImageSize ParseImageSize(const std::string& option, const std::string& text);

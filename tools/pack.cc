@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "camera/camera_frame.h"
 #include "camera_input.h"
 #include "commands.h"
 #include "dataset/error.h"
@@ -182,7 +183,7 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
                 arguments.camera + ": is a blob already; pack a camera.yaml");
   if (!arguments.name.empty()) input.file.name = arguments.name;
   if (!arguments.serial.empty()) input.file.serial = arguments.serial;
-  const auto blob_from_camera = TurnIntoCameraFrame(&input.file);
+  const auto blob_from_camera = TurnIntoCameraFrame(&input.file.camera);
   PackOptions options;
   options.remaps =
       MakeRemaps(*input.file.camera, views,

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "camera/camera_frame.h"
 #include "camera/camera_of_scene.h"
 #include "camera_input.h"
 #include "commands.h"
@@ -62,8 +63,8 @@ PairCamera ReadPairCamera(const std::string& rig_path,
   PairCamera read = {camera.name, path, ReadCamera(path),
                      Eigen::Quaterniond::Identity(), camera.camera_from_rig};
   if (!read.input.blob)
-    read.blob_from_camera =
-        TurnIntoCameraFrame(&read.input.file).value_or(read.blob_from_camera);
+    read.blob_from_camera = TurnIntoCameraFrame(&read.input.file.camera)
+                                .value_or(read.blob_from_camera);
   read.blob_from_rig =
       Pose{read.blob_from_camera, {0, 0, 0}} * camera.camera_from_rig;
   return read;

@@ -5,14 +5,14 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
-#include "camera/noncentral_generic.h"
+#include "camera/camera_frame.h"
 #include "camera_input.h"
 #include "crc32.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/parallel_for.h"
 #include "dataset/text_encoding.h"
-#include "packing/source_map.h"
+#include "packing/view_sources.h"
 
 namespace raygrid {
 namespace {
@@ -62,53 +62,6 @@ BlobTable TableOfBlob(const TableFormat& format,
   return table;
 }
 
-// The camera's own answer for every pixel of an output image that it sees.
-std::vector<Eigen::Vector2d> ExactSources(const CameraModel& camera,
-                                          const OutputImage& output,
-                                          int num_threads) {
-  // A pixel at the image's edge may come out a little beyond it.
-  constexpr double kRoundingPx = 1e-6;
-  num_threads = NumThreads(num_threads);
-  const SourceMap map = MakeSourceMap(camera, output, num_threads);
-  std::vector<Eigen::Vector2d> sources(
-      static_cast<size_t>(map.width) * map.height, Eigen::Vector2d(NAN, NAN));
-  ParallelFor(map.height, num_threads, [&](int y) {
-    for (int x = 0; x < map.width; ++x) {
-      if (!map.IsKnown(x, y)) continue;
-      const auto source = ExactSource(camera, output, map, x, y);
-      if (source && map.rectangle.Contains(*source, kRoundingPx))
-        sources[static_cast<size_t>(y) * map.width + x] = *source;
-    }
-  });
-  return sources;
-}
-
-// Leaves out the pixels of the camera that its lens throws no light on.
-void LeaveOutUnlit(const CameraModel& camera, bool is_reverse,
-                   ViewTable* table) {
-  for (size_t k = 0; k < table->sources.size(); ++k) {
-    const int x = static_cast<int>(k) % table->size.width,
-              y = static_cast<int>(k) / table->size.width;
-    if (!camera.IsLit(is_reverse ? Eigen::Vector2d(x, y) : table->sources[k]))
-      table->sources[k].setConstant(NAN);
-  }
-}
-
-// The camera that sees what a camera of lines sees far away, as the tables of
-// blobs have it.
-std::unique_ptr<CameraModel> CentralCamera(const std::string& path,
-                                           const CameraModel& camera) {
-  if (camera.IsCentral()) return camera.Clone();
-  const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera);
-  if (!lines)
-    throw Error(ExitCode::kUsage,
-                fmt::format("{}: its pixels look along lines that do not meet; "
-                            "make a camera of the model noncentral-generic or "
-                            "a central one of it first",
-                            path));
-  return std::make_unique<CentralGeneric>(lines->CentralPart());
-}
-
 std::string ModelOf(const TableFormat& format, const std::string& model) {
   std::string names;
   for (const std::string& known : format.models) {
@@ -127,21 +80,21 @@ ViewTable TableOfView(const TableFormat& format,
   table.model = ModelOf(format, arguments.model);
   CameraInput input = ReadCamera(arguments.input);
   if (!common.quiet) WarnOfFailedCalibration(arguments.input, input.file);
-  if (!input.blob) TurnIntoCameraFrame(&input.file);
+  if (!input.blob) TurnIntoCameraFrame(&input.file.camera);
   *view = RectifiedView(input, arguments.view);
   table.path = arguments.output;
   if (view->projection == ViewProjection::kPinhole)
     table.matrix = MatrixOf(*view);
-  const auto camera = CentralCamera(arguments.input, *input.file.camera);
-  table.size = view->size;
-  table.source_size = camera->image_size();
-  if (arguments.is_reverse) std::swap(table.size, table.source_size);
-  table.sources =
-      arguments.is_reverse
-          ? ExactSources(*CameraOfTurnedView(*view), OutputOfCamera(*camera),
-                         common.threads)
-          : ExactSources(*camera, OutputOfView(*view), common.threads);
-  LeaveOutUnlit(*camera, arguments.is_reverse, &table);
+  try {
+    ViewSources found = SourcesOfView(*input.file.camera, *view,
+                                      arguments.is_reverse, common.threads);
+    table.size = found.size;
+    table.source_size = found.source_size;
+    table.sources = std::move(found.sources);
+  } catch (const Error& error) {
+    throw Error(error.code(),
+                fmt::format("{}: {}", arguments.input, error.what()));
+  }
   return table;
 }
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "camera/camera_frame.h"
 #include "camera_input.h"
 #include "commands.h"
 #include "dataset/error.h"
@@ -218,7 +219,7 @@ ImageMapper PrepareDistortion(const UndistortArguments& arguments,
     return ByTable(*std::move(input.blob), view, *request.table);
   }
   RequireCentral(arguments, *input.file.camera);
-  if (!input.blob) TurnIntoCameraFrame(&input.file);
+  if (!input.blob) TurnIntoCameraFrame(&input.file.camera);
   const CameraModel& camera = *input.file.camera;
   const VirtualView view = FindView(input, request);
   return request.mode
@@ -235,7 +236,7 @@ ImageMapper PrepareUndistortion(const UndistortArguments& arguments,
     const VirtualView view = FindView(input, request);
     return ByTable(*std::move(input.blob), view, *request.table);
   }
-  if (!input.blob) TurnIntoCameraFrame(&input.file);
+  if (!input.blob) TurnIntoCameraFrame(&input.file.camera);
   const VirtualView view = FindView(input, request);
   PackOptions options;
   options.remaps.emplace_back(view, request.mode);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "camera/camera_frame.h"
 #include "camera_input.h"
 #include "commands.h"
 #include "dataset/error.h"
@@ -241,7 +242,7 @@ ViewedRow RowOfView(const VirtualView& view, ViewedCamera viewed,
 
 ViewedRow RowOfCamera(ViewedCamera viewed, const ViewArguments& arguments,
                       const CommonOptions& common) {
-  if (!viewed.input.blob) TurnIntoCameraFrame(&viewed.input.file);
+  if (!viewed.input.blob) TurnIntoCameraFrame(&viewed.input.file.camera);
   viewed.mask = TrustOf(viewed.input);
   viewed.square = SquareOfStraightScene(viewed.camera());
   viewed.before =

@@ -56,4 +56,16 @@ std::unique_ptr<CameraModel> Turned(
   return turned;
 }
 
+std::optional<Eigen::Quaterniond> TurnIntoCameraFrame(
+    std::shared_ptr<const CameraModel>* camera) {
+  constexpr double kAstrayRad = 1 * M_PI / 180;
+  const CameraFrame frame = FindCameraFrame(**camera);
+  if (frame.AngleRad() <= kAstrayRad) return std::nullopt;
+  if ((*camera)->IsCentral())
+    *camera = std::make_shared<TurnedCamera>(**camera, frame.frame_from_camera);
+  else
+    *camera = Turned(**camera, frame.frame_from_camera);
+  return frame.frame_from_camera;
+}
+
 }  // namespace raygrid

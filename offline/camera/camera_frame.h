@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "camera/camera_model.h"
@@ -40,6 +41,13 @@ CameraFrame FindCameraFrame(const CameraModel& camera,
 /// wrapped (camera/turned_camera.h).
 std::unique_ptr<CameraModel> Turned(
     const CameraModel& camera, const Eigen::Quaterniond& turned_from_camera);
+
+/// Turns a grid that looks more than a degree off its lens's axes, as earlier
+/// calibrations left some, into the frame of its nearest lens. Local distortion
+/// moves that frame by less, so that known cameras stay as they are. Returns
+/// the rotation of the new frame from the old one, if there was any need.
+std::optional<Eigen::Quaterniond> TurnIntoCameraFrame(
+    std::shared_ptr<const CameraModel>* camera);
 
 }  // namespace raygrid
 

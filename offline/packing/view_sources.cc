@@ -1,0 +1,76 @@
+#include "packing/view_sources.h"
+
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "camera/noncentral_generic.h"
+#include "dataset/error.h"
+#include "dataset/parallel_for.h"
+#include "packing/source_map.h"
+
+namespace raygrid {
+namespace {
+
+// The camera's own answer for every pixel of an output image that it sees.
+std::vector<Eigen::Vector2d> ExactSources(const CameraModel& camera,
+                                          const OutputImage& output,
+                                          int num_threads) {
+  // A pixel at the image's edge may come out a little beyond it.
+  constexpr double kRoundingPx = 1e-6;
+  num_threads = NumThreads(num_threads);
+  const SourceMap map = MakeSourceMap(camera, output, num_threads);
+  std::vector<Eigen::Vector2d> sources(
+      static_cast<size_t>(map.width) * map.height, Eigen::Vector2d(NAN, NAN));
+  ParallelFor(map.height, num_threads, [&](int y) {
+    for (int x = 0; x < map.width; ++x) {
+      if (!map.IsKnown(x, y)) continue;
+      const auto source = ExactSource(camera, output, map, x, y);
+      if (source && map.rectangle.Contains(*source, kRoundingPx))
+        sources[static_cast<size_t>(y) * map.width + x] = *source;
+    }
+  });
+  return sources;
+}
+
+// Leaves out the pixels of the camera that its lens throws no light on.
+void LeaveOutUnlit(const CameraModel& camera, bool is_reverse,
+                   ViewSources* view) {
+  for (size_t k = 0; k < view->sources.size(); ++k) {
+    const int x = static_cast<int>(k) % view->size.width,
+              y = static_cast<int>(k) / view->size.width;
+    if (!camera.IsLit(is_reverse ? Eigen::Vector2d(x, y) : view->sources[k]))
+      view->sources[k].setConstant(NAN);
+  }
+}
+
+// The camera that sees what a camera of lines sees far away, as the tables of
+// blobs have it.
+std::unique_ptr<CameraModel> CentralCamera(const CameraModel& camera) {
+  if (camera.IsCentral()) return camera.Clone();
+  const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera);
+  if (!lines)
+    throw Error(ExitCode::kUsage,
+                "its pixels look along lines that do not meet; make a camera "
+                "of the model noncentral-generic or a central one of it first");
+  return std::make_unique<CentralGeneric>(lines->CentralPart());
+}
+
+}  // namespace
+
+ViewSources SourcesOfView(const CameraModel& lines, const VirtualView& view,
+                          bool is_reverse, int num_threads) {
+  const auto camera = CentralCamera(lines);
+  ViewSources result;
+  result.size = view.size;
+  result.source_size = camera->image_size();
+  if (is_reverse) std::swap(result.size, result.source_size);
+  result.sources = is_reverse
+                       ? ExactSources(*CameraOfTurnedView(view),
+                                      OutputOfCamera(*camera), num_threads)
+                       : ExactSources(*camera, OutputOfView(view), num_threads);
+  LeaveOutUnlit(*camera, is_reverse, &result);
+  return result;
+}
+
+}  // namespace raygrid
