@@ -129,8 +129,8 @@ class View(NamedTuple):
 
 
 def _library_places():
-    """Paths that the library may have: beside this file; in PREFIX/lib*, of
-    PREFIX/share/raygrid/python; in the host's build folder, of the sources."""
+    """Paths that the library may have: beside this file, also as a part of the host's package; in
+    PREFIX/lib*, of PREFIX/share/raygrid/python; in the host's build folder, of the sources."""
     here = Path(__file__).resolve().parent
     folders = [here]
     if here.parts[-3:] == ("share", "raygrid", "python"):
@@ -138,7 +138,7 @@ def _library_places():
         folders += [here.parents[2] / name for name in names]
     if here.parts[-2:] == ("runtime", "python"):
         folders.append(here.parents[1] / "build" / "host" / "runtime")
-    return [folder / "libraygrid.so" for folder in folders]
+    return [*here.glob("_raygrid.*.so"), *(folder / "libraygrid.so" for folder in folders)]
 
 
 def _find_library():
@@ -394,3 +394,7 @@ def _planes(buffer, planes, width, height):
         plane.data, plane.stride = address, int(width * across)
         address += plane.stride * int(height * down)
     return result
+
+
+# The name that it has in the host's package: programs that say Blob run with either.
+Blob = Camera

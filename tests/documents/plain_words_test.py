@@ -34,6 +34,8 @@ LIMITS = {
     "offline/features/DESIGN.md": GOOD,
     "offline/initialization/DESIGN.md": GOOD,
     "offline/packing/DESIGN.md": GOOD,
+    "offline/python/README.md": GOOD,
+    "offline/python/DESIGN.md": GOOD,
     "offline/report/DESIGN.md": GOOD,
     "runtime/README.md": GOOD,
     "runtime/DESIGN.md": GOOD,

@@ -1,0 +1,71 @@
+#include "python/arrays.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace raygrid {
+namespace {
+
+std::string ShapeText(const py::array& array) {
+  std::string text;
+  for (py::ssize_t k = 0; k < array.ndim(); ++k)
+    text += fmt::format("{}{}", k == 0 ? "" : ", ", array.shape(k));
+  return fmt::format("({}{})", text, array.ndim() == 1 ? "," : "");
+}
+
+void RequireFinite(const GivenVectors& vectors, const std::string& name) {
+  const double* const begin = vectors.array.data();
+  const double* const end = begin + vectors.count * vectors.length;
+  const double* const odd =
+      std::find_if_not(begin, end, [](double x) { return std::isfinite(x); });
+  if (odd == end) return;
+  throw py::value_error(fmt::format(
+      "{}: number {} is {}; leave out what is not finite, by numpy.isfinite()",
+      name, (odd - begin) / vectors.length, *odd));
+}
+
+}  // namespace
+
+DoubleArray GivenVectors::Like(const std::vector<py::ssize_t>& behind) const {
+  std::vector<py::ssize_t> shape = axes;
+  shape.insert(shape.end(), behind.begin(), behind.end());
+  return DoubleArray(shape);
+}
+
+GivenVectors TakeVectors(const py::object& given, int length,
+                         const std::string& name) {
+  py::array array = py::array::ensure(given);
+  if (!array) {
+    PyErr_Clear();
+    throw py::type_error(name + ": expected an array of numbers");
+  }
+  const char kind = array.dtype().kind();
+  if (kind != 'f' && kind != 'i' && kind != 'u')
+    throw py::type_error(
+        fmt::format("{}: expected an array of real numbers, not of dtype {}",
+                    name, std::string(py::str(array.dtype()))));
+  if (array.ndim() < 1 || array.shape(array.ndim() - 1) != length)
+    throw py::value_error(fmt::format(
+        "{}: expected an array of the shape (N, {}) or ({},), not {}", name,
+        length, length, ShapeText(array)));
+  GivenVectors vectors;
+  vectors.length = length;
+  vectors.array =
+      py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(
+          array);
+  vectors.axes.assign(array.shape(), array.shape() + array.ndim() - 1);
+  vectors.count = static_cast<size_t>(array.size()) / length;
+  RequireFinite(vectors, name);
+  return vectors;
+}
+
+DoubleArray ReadOnlyVector(const double* values, size_t count) {
+  DoubleArray array(static_cast<py::ssize_t>(count));
+  std::copy(values, values + count, array.mutable_data());
+  array.attr("setflags")(false);
+  return array;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,78 @@
+#include "python/background.h"
+
+#include <exception>
+#include <thread>
+
+namespace raygrid {
+
+namespace py = pybind11;
+
+void Task::Report(const std::string& stage, double done) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  has_news_ = has_news_ || stage != stage_ || done != done_;
+  stage_ = stage;
+  done_ = done;
+}
+
+void Task::Finish() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  is_done_ = true;
+  changed_.notify_all();
+}
+
+bool Task::IsDone() {
+  constexpr std::chrono::milliseconds kMoment(50);
+  std::unique_lock<std::mutex> lock(mutex_);
+  return changed_.wait_for(lock, kMoment, [this] { return is_done_; });
+}
+
+void Task::Tell(const py::object& progress) {
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  std::string stage;
+  double done = 0;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!has_news_ || progress.is_none()) return;
+    has_news_ = false;
+    stage = stage_;
+    done = done_;
+  }
+  const double elapsed =
+      std::chrono::duration<double>(Clock::now() - start_).count();
+  py::object left = py::none();
+  if (done > 0.02) left = py::float_(elapsed * (1 - done) / done);
+  progress(stage, done, left);
+}
+
+void RunInBackground(const py::object& progress,
+                     const std::function<void(Task*)>& work) {
+  Task task;
+  std::exception_ptr of_work, of_python;
+  std::thread thread([&] {
+    try {
+      work(&task);
+    } catch (...) {
+      of_work = std::current_exception();
+    }
+    task.Finish();
+  });
+  {
+    const py::gil_scoped_release released;
+    while (!task.IsDone()) {
+      const py::gil_scoped_acquire acquired;
+      try {
+        task.Tell(progress);
+      } catch (...) {
+        of_python = std::current_exception();
+        task.should_stop_ = true;
+        break;
+      }
+    }
+    thread.join();
+  }
+  if (!of_python) task.Tell(progress);
+  if (of_python) std::rethrow_exception(of_python);
+  if (of_work) std::rethrow_exception(of_work);
+}
+
+}  // namespace raygrid

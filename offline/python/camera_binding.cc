@@ -1,0 +1,577 @@
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "camera/camera_frame.h"
+#include "dataset/error.h"
+#include "dataset/files.h"
+#include "dataset/parallel_for.h"
+#include "exchange/format.h"
+#include "exchange/table_format.h"
+#include "packing/blob_camera.h"
+#include "packing/pack.h"
+#include "packing/view_request.h"
+#include "packing/view_sources.h"
+#include "python/bindings.h"
+
+namespace raygrid {
+namespace {
+
+// Calls of one thread; fewer are not worth a thread.
+constexpr size_t kCallsPerPart = 4096;
+
+// body(first, end) for parts of [0, count), without Python's lock.
+template <typename Body>
+void ForParts(size_t count, int num_threads, const Body& body) {
+  const py::gil_scoped_release released;
+  const int parts =
+      static_cast<int>((count + kCallsPerPart - 1) / kCallsPerPart);
+  ParallelFor(parts, NumThreads(num_threads), [&](int part) {
+    const size_t first = part * kCallsPerPart;
+    body(first, std::min(count, first + kCallsPerPart));
+  });
+}
+
+template <int n>
+void Put(const Eigen::Matrix<double, n, 1>& vector, double* place) {
+  Eigen::Map<Eigen::Matrix<double, n, 1>>{place} = vector;
+}
+
+// ---- Points ----------------------------------------------------------------
+
+// A point with the same image, the square of which is a number: to a central
+// camera a point's distance does not matter, to others not beyond 2^100 m.
+Eigen::Vector3d Moderate(const Eigen::Vector3d& point, bool is_central,
+                         int* shift) {
+  constexpr int kFarAway = 100, kHuge = 300;
+  const double largest = point.cwiseAbs().maxCoeff();
+  *shift = 0;
+  if (largest < std::ldexp(1, kFarAway) &&
+      !(is_central && largest < std::ldexp(1, -kHuge)))
+    return point;
+  int exponent = 0;
+  std::frexp(largest, &exponent);
+  *shift = is_central ? -exponent : kFarAway - exponent;
+  return point.unaryExpr([shift](double x) { return std::ldexp(x, *shift); });
+}
+
+// The pixel of a point, and its derivatives if by_point is not null; NaN.
+void ProjectPoint(const CameraModel& camera, bool is_central,
+                  const double* given, double* pixel, double* by_point) {
+  int shift = 0;
+  const Eigen::Vector3d point =
+      Moderate(Eigen::Map<const Eigen::Vector3d>(given), is_central, &shift);
+  if (!by_point) {
+    const auto found = camera.Project(point);
+    Put<2>(found && camera.IsLit(*found) ? *found : Eigen::Vector2d(NAN, NAN),
+           pixel);
+    return;
+  }
+  Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> derivative(by_point);
+  LinearizedProjection found;
+  if (camera.Linearize(point, nullptr, 0, &found) &&
+      camera.IsLit(found.pixel)) {
+    Put<2>(found.pixel, pixel);
+    derivative = found.by_point * std::ldexp(1, shift);
+  } else {
+    Put<2>({NAN, NAN}, pixel);
+    derivative.setConstant(NAN);
+  }
+}
+
+py::object Project(const PyCamera& self, const py::object& given,
+                   bool with_jacobians, int num_threads) {
+  const GivenVectors points = TakeVectors(given, 3, "points");
+  DoubleArray pixels = points.Like({2});
+  DoubleArray jacobians = points.Like({2, 3});
+  if (!with_jacobians) jacobians = DoubleArray(0);
+  double* const pixel = pixels.mutable_data();
+  double* const jacobian = with_jacobians ? jacobians.mutable_data() : nullptr;
+  const CameraModel& camera = *self.file.camera;
+  const bool is_central = camera.IsCentral();
+  ForParts(points.count, num_threads, [&](size_t first, size_t end) {
+    for (size_t k = first; k < end; ++k)
+      ProjectPoint(camera, is_central, points[k], pixel + 2 * k,
+                   jacobian ? jacobian + 6 * k : nullptr);
+  });
+  if (!with_jacobians) return pixels;
+  return py::make_tuple(pixels, jacobians);
+}
+
+// ---- Pixels ----------------------------------------------------------------
+
+// Two directions across a unit vector.
+Eigen::Matrix<double, 3, 2> Across(const Eigen::Vector3d& direction) {
+  Eigen::Matrix<double, 3, 2> across;
+  across.col(0) = direction.unitOrthogonal();
+  across.col(1) = direction.cross(across.col(0));
+  return across;
+}
+
+// d pixel / d movement across the line of a point on it.
+Eigen::Matrix2d ByMovement(const CameraModel& camera,
+                           const ObservationLine& line,
+                           const Eigen::Matrix<double, 3, 2>& across,
+                           double distance, const Eigen::Vector2d& pixel) {
+  constexpr double kRoundingPx = 1e-3;
+  LinearizedProjection found;
+  if (!camera.Linearize(line.origin + distance * line.direction, &pixel,
+                        kRoundingPx, &found))
+    return Eigen::Matrix2d::Constant(NAN);
+  return found.by_point * across;
+}
+
+// d direction / d pixel. A pixel sees all points of its line, however the pixel
+// moves: of central cameras the movement across the line at a distance of 1 is
+// that of the direction. Lines of others move as a whole, too, by what they do
+// at a distance of 0, which is found from those of 1 and 2.
+Eigen::Matrix<double, 3, 2> DirectionByPixel(const CameraModel& camera,
+                                             bool is_central,
+                                             const ObservationLine& line,
+                                             const Eigen::Vector2d& pixel) {
+  const Eigen::Matrix<double, 3, 2> across = Across(line.direction);
+  const Eigen::Matrix2d near =
+      ByMovement(camera, line, across, 1, pixel).inverse();
+  if (is_central) return across * near;
+  return across * (ByMovement(camera, line, across, 2, pixel).inverse() - near);
+}
+
+void UnprojectPixel(const CameraModel& camera, bool is_central,
+                    const double* given, double* direction, double* by_pixel) {
+  const Eigen::Vector2d pixel(given[0], given[1]);
+  const auto found =
+      camera.IsLit(pixel) ? camera.Unproject(pixel) : std::nullopt;
+  Put<3>(found.value_or(Eigen::Vector3d(NAN, NAN, NAN)), direction);
+  if (!by_pixel) return;
+  Eigen::Map<Eigen::Matrix<double, 3, 2, Eigen::RowMajor>> derivative(by_pixel);
+  const auto line = found ? camera.Line(pixel) : std::nullopt;
+  if (line)
+    derivative =
+        DirectionByPixel(camera, is_central, {line->origin, *found}, pixel);
+  else
+    derivative.setConstant(NAN);
+}
+
+py::object Unproject(const PyCamera& self, const py::object& given,
+                     bool with_jacobians, int num_threads) {
+  const GivenVectors pixels = TakeVectors(given, 2, "pixels");
+  DoubleArray directions = pixels.Like({3});
+  DoubleArray jacobians = with_jacobians ? pixels.Like({3, 2}) : DoubleArray(0);
+  double* const direction = directions.mutable_data();
+  double* const jacobian = with_jacobians ? jacobians.mutable_data() : nullptr;
+  const CameraModel& camera = *self.file.camera;
+  const bool is_central = camera.IsCentral();
+  ForParts(pixels.count, num_threads, [&](size_t first, size_t end) {
+    for (size_t k = first; k < end; ++k)
+      UnprojectPixel(camera, is_central, pixels[k], direction + 3 * k,
+                     jacobian ? jacobian + 6 * k : nullptr);
+  });
+  if (!with_jacobians) return directions;
+  return py::make_tuple(directions, jacobians);
+}
+
+py::tuple Rays(const PyCamera& self, const py::object& given, int num_threads) {
+  const GivenVectors pixels = TakeVectors(given, 2, "pixels");
+  DoubleArray origins = pixels.Like({3}), directions = pixels.Like({3});
+  double* const origin = origins.mutable_data();
+  double* const direction = directions.mutable_data();
+  const CameraModel& camera = *self.file.camera;
+  const Eigen::Vector3d none(NAN, NAN, NAN);
+  ForParts(pixels.count, num_threads, [&](size_t first, size_t end) {
+    for (size_t k = first; k < end; ++k) {
+      const Eigen::Vector2d pixel(pixels[k][0], pixels[k][1]);
+      const auto line = camera.IsLit(pixel) ? camera.Line(pixel) : std::nullopt;
+      Put<3>(line ? line->origin : none, origin + 3 * k);
+      Put<3>(line ? line->direction.normalized() : none, direction + 3 * k);
+    }
+  });
+  return py::make_tuple(origins, directions);
+}
+
+const CameraUncertainty& UncertaintyOf(const PyCamera& self) {
+  if (self.file.uncertainty) return *self.file.uncertainty;
+  throw Error(ExitCode::kUsage,
+              "the camera does not say how well it is known; take the "
+              "camera.yaml that raygrid calibrate wrote");
+}
+
+DoubleArray UncertaintyAt(const PyCamera& self, const py::object& given) {
+  const GivenVectors pixels = TakeVectors(given, 2, "pixels");
+  const CameraModel& camera = *self.file.camera;
+  const DeviationLattice& lattice = UncertaintyOf(self).lattice;
+  DoubleArray deviations = pixels.Like({});
+  double* const deviation = deviations.mutable_data();
+  for (size_t k = 0; k < pixels.count; ++k) {
+    const Eigen::Vector2d pixel(pixels[k][0], pixels[k][1]);
+    deviation[k] = camera.area().Contains(pixel) && camera.IsLit(pixel)
+                       ? lattice.At(camera.area(), pixel)
+                       : NAN;
+  }
+  return deviations;
+}
+
+py::array_t<bool> IsTrusted(const PyCamera& self, const py::object& given) {
+  const GivenVectors pixels = TakeVectors(given, 2, "pixels");
+  const TrustMask& mask = UncertaintyOf(self).mask;
+  const CameraModel& camera = *self.file.camera;
+  py::array_t<bool> trusted(pixels.axes);
+  bool* const is_trusted = trusted.mutable_data();
+  for (size_t k = 0; k < pixels.count; ++k) {
+    const Eigen::Vector2d pixel(pixels[k][0], pixels[k][1]);
+    is_trusted[k] = camera.area().Contains(pixel) && mask.Trusts(pixel);
+  }
+  return trusted;
+}
+
+py::dict UncertaintyFigures(const PyCamera& self) {
+  const CameraUncertainty& known = UncertaintyOf(self);
+  const CameraModel& camera = *self.file.camera;
+  py::dict figures;
+  figures["median_px"] = known.lattice.MedianPx();
+  figures["trusted_to_px"] = known.max_deviation_px;
+  figures["trusted_part_of_image"] =
+      known.TrustedPart(camera.image_size(), camera.area());
+  return figures;
+}
+
+// ---- Files -----------------------------------------------------------------
+
+// Warns of whatever another program's file says that is not taken.
+CameraFile ParseForeign(const std::string& path, const std::string& text,
+                        const Format& format) {
+  RequireCameraFormat(format, path);
+  const ExchangeContents contents =
+      ReadExchangeFile(&format, {path, text, "", std::nullopt});
+  if (contents.cameras.size() != 1)
+    throw InputError(fmt::format(
+        "{}: has {} cameras; raygrid.importers.load() takes them all", path,
+        contents.cameras.size()));
+  for (const std::string& remark : contents.remarks)
+    Warn(fmt::format("{}: {}", path, remark));
+  return CameraFileOf(contents.cameras.front());
+}
+
+PyCamera Load(const py::object& file) {
+  const std::string path = PathOf(file);
+  const std::string bytes = ReadFile(path);
+  if (IsBlob(path, bytes))
+    throw InputError(path +
+                     ": is a blob, which the runtime evaluates in fixed "
+                     "point; take raygrid.Blob");
+  if (RecognizeTable(bytes))
+    throw InputError(path +
+                     ": is an archive of arrays; 'raygrid import' makes a "
+                     "camera of rays");
+  const Format* format = RecognizeFormat(bytes);
+  return {format ? ParseForeign(path, bytes, *format)
+                 : ParseCameraFile(path, bytes)};
+}
+
+void Save(const PyCamera& self, const py::object& path) {
+  WriteFile(PathOf(path), TextOf(self));
+}
+
+// ---- Views -----------------------------------------------------------------
+
+ImageSize SizeOf(const std::pair<int, int>& size) {
+  if (size.first < 1 || size.second < 1)
+    throw py::value_error(
+        fmt::format("size: expected (width, height) from 1 on, not ({}, {})",
+                    size.first, size.second));
+  return {size.first, size.second};
+}
+
+template <int n>
+std::optional<Eigen::Matrix<double, n, 1>> VectorOf(const py::object& given,
+                                                    const char* name) {
+  if (given.is_none()) return std::nullopt;
+  const GivenVectors vector = TakeVectors(given, n, name);
+  if (vector.count != 1 || !vector.axes.empty())
+    throw py::value_error(fmt::format("{}: expected {} numbers", name, n));
+  return Eigen::Matrix<double, n, 1>(
+      Eigen::Map<const Eigen::Matrix<double, n, 1>>(vector[0]));
+}
+
+void RequireNumber(const std::optional<double>& number, const char* name) {
+  if (number && !std::isfinite(*number))
+    throw py::value_error(fmt::format("{}: expected a finite number", name));
+}
+
+// In the frame that views are made in.
+std::shared_ptr<const CameraModel> Upright(const PyCamera& self) {
+  std::shared_ptr<const CameraModel> camera = self.file.camera;
+  TurnIntoCameraFrame(&camera);
+  return camera;
+}
+
+VirtualView ViewOf(const PyCamera& self,
+                   const std::optional<std::pair<int, int>>& size,
+                   const std::optional<double>& hfov,
+                   const std::optional<double>& vfov,
+                   const std::optional<double>& focal,
+                   const std::optional<double>& alpha, const py::object& center,
+                   const py::object& rotate,
+                   const std::optional<std::string>& projection) {
+  ViewRequest request;
+  if (size) request.size = SizeOf(*size);
+  for (const auto& [number, name] : {std::pair(&hfov, "hfov"),
+                                     {&vfov, "vfov"},
+                                     {&focal, "focal"},
+                                     {&alpha, "alpha"}})
+    RequireNumber(*number, name);
+  request.hfov_deg = hfov;
+  request.vfov_deg = vfov;
+  request.focal_px = focal;
+  request.alpha = alpha;
+  request.center_px = VectorOf<2>(center, "center");
+  request.rotate_deg = VectorOf<3>(rotate, "rotate");
+  if (projection) {
+    request.projection = FindProjection(*projection);
+    if (!request.projection)
+      throw py::value_error(
+          fmt::format("projection: expected pinhole, cylindrical, "
+                      "equirectangular, stereographic or equidistant, not '{}'",
+                      *projection));
+  }
+  const bool is_told = size || hfov || vfov || focal || alpha ||
+                       request.center_px || request.rotate_deg || projection;
+  const py::gil_scoped_release released;
+  RequireSensible(request);
+  const auto camera = Upright(self);
+  return is_told ? MakeView(*camera, request) : MakeViewOfArea(*camera);
+}
+
+Eigen::Matrix3d MatrixOfView(const VirtualView& view) {
+  Eigen::Matrix3d matrix;
+  matrix << view.focal_px.x(), 0, view.center_px.x(), 0, view.focal_px.y(),
+      view.center_px.y(), 0, 0, 1;
+  return matrix;
+}
+
+py::tuple Maps(const PyCamera& self, const std::optional<VirtualView>& given,
+               bool is_reverse, int num_threads) {
+  ViewSources found;
+  {
+    const py::gil_scoped_release released;
+    const auto camera = Upright(self);
+    found = SourcesOfView(*camera, given ? *given : MakeViewOfArea(*camera),
+                          is_reverse, num_threads);
+  }
+  py::array_t<float> x({found.size.height, found.size.width});
+  py::array_t<float> y({found.size.height, found.size.width});
+  float* const to_x = x.mutable_data();
+  float* const to_y = y.mutable_data();
+  for (size_t k = 0; k < found.sources.size(); ++k) {
+    const bool is_known = !found.sources[k].hasNaN();
+    to_x[k] = is_known ? static_cast<float>(found.sources[k].x()) : -1.0f;
+    to_y[k] = is_known ? static_cast<float>(found.sources[k].y()) : -1.0f;
+  }
+  return py::make_tuple(x, y);
+}
+
+py::bytes Pack(const PyCamera& self, const std::vector<VirtualView>& views,
+               double max_error_px, int num_threads) {
+  PackedCamera packed;
+  RunInBackground(py::none(), [&](Task* task) {
+    CameraFile file = self.file;
+    TurnIntoCameraFrame(&file.camera);
+    PackOptions options;
+    for (const VirtualView& view : views) options.remaps.emplace_back(view);
+    options.has_default_remap = views.empty();
+    options.max_error_px = max_error_px;
+    options.num_threads = num_threads;
+    options.should_stop = [task] { return task->ShouldStop(); };
+    packed = PackCamera(file, options);
+  });
+  for (const std::string& remark : packed.remarks) Warn(remark);
+  return packed.blob;
+}
+
+// ---- Properties ------------------------------------------------------------
+
+py::dict NamedParameters(const PyCamera& self) {
+  py::dict named;
+  const auto* lens =
+      dynamic_cast<const ParametricModel*>(self.file.camera.get());
+  if (!lens) return named;
+  const Eigen::VectorXd values = lens->Parameters();
+  const std::vector<std::string>& names = lens->ParameterNames();
+  const Eigen::Index first =
+      values.size() - static_cast<Eigen::Index>(names.size());
+  for (size_t k = 0; k < names.size(); ++k)
+    named[py::str(names[k])] = values[first + static_cast<Eigen::Index>(k)];
+  return named;
+}
+
+py::object CircleOf(const PyCamera& self) {
+  const auto& circle = self.file.camera->image_circle();
+  if (!circle) return py::none();
+  return py::make_tuple(circle->center.x(), circle->center.y(),
+                        circle->radii_px.x(), circle->radii_px.y());
+}
+
+}  // namespace
+
+void BindView(py::module_* module) {
+  py::class_<VirtualView>(*module, "View",
+                          "The virtual camera that an undistorted image seems "
+                          "to come from; made by Camera.view().")
+      .def_property_readonly(
+          "size",
+          [](const VirtualView& v) {
+            return py::make_tuple(v.size.width, v.size.height);
+          },
+          "(width, height) in pixels.")
+      .def_property_readonly(
+          "projection",
+          [](const VirtualView& v) { return ProjectionName(v.projection); },
+          "pinhole, cylindrical, equirectangular, stereographic or "
+          "equidistant.")
+      .def_property_readonly(
+          "K", [](const VirtualView& v) { return ReadOnly(MatrixOfView(v)); },
+          "The camera matrix, (3, 3), in pixels; (0, 0) is the centre of the "
+          "first pixel.")
+      .def_property_readonly(
+          "camera_from_view",
+          [](const VirtualView& v) { return ReadOnly(v.camera_from_view); },
+          "The rotation (3, 3) from axes of the view to those of the camera.")
+      .def_property_readonly("hfov_deg", &VirtualView::HorizontalFieldOfViewDeg,
+                             "From left to right, in degrees.")
+      .def_property_readonly("vfov_deg", &VirtualView::VerticalFieldOfViewDeg,
+                             "From top to bottom, in degrees.")
+      .def(
+          "camera",
+          [](const VirtualView& view) {
+            CameraFile file;
+            file.camera = CameraOfView(view);
+            if (view.IsTurned())
+              file.camera_from_view =
+                  Pose{Eigen::Quaterniond(view.camera_from_view), {0, 0, 0}};
+            return PyCamera{file};
+          },
+          "The view as a Camera, in axes of the view.")
+      .def("__repr__", [](const VirtualView& v) {
+        return fmt::format("<raygrid.View {} {} x {}, {:.1f} x {:.1f} degrees>",
+                           ProjectionName(v.projection), v.size.width,
+                           v.size.height, v.HorizontalFieldOfViewDeg(),
+                           v.VerticalFieldOfViewDeg());
+      });
+}
+
+void BindCamera(py::module_* module) {
+  const auto size_of = [](const PyCamera& c) {
+    const ImageSize& size = c.file.camera->image_size();
+    return py::make_tuple(size.width, size.height);
+  };
+  const auto area_of = [](const PyCamera& c) {
+    const Area& area = c.file.camera->area();
+    return py::make_tuple(area.x0, area.y0, area.x1, area.y1);
+  };
+  py::class_<PyCamera>(
+      *module, "Camera",
+      "A camera in double precision; it does not change.\n\nPixels are (x, y) "
+      "with (0, 0) at the centre of the top-left pixel. Camera axes are x "
+      "right, y down, z forward, in metres. Answers are NaN where the camera "
+      "sees nothing, or is not calibrated. Arrays may have any number of axes "
+      "before the last one, any dtype of real numbers, and any strides; "
+      "doubles without gaps are not copied.")
+      .def_static("load", &Load, py::arg("path"),
+                  "The camera in camera.yaml, or in another program's file "
+                  "with one camera. Warns of what is not taken as it stands.")
+      .def("save", &Save, py::arg("path"),
+           "Writes camera.yaml, whole or not at all.")
+      .def("project", &Project, py::arg("points"), py::kw_only(),
+           py::arg("jacobians") = false, py::arg("threads") = 0,
+           "Pixels (..., 2) that see points (..., 3), in metres; of central "
+           "cameras also directions of any length.\n\nWith jacobians=True also "
+           "d pixel / d point, (..., 2, 3). threads=0 takes all cores; results "
+           "are the same.")
+      .def("unproject", &Unproject, py::arg("pixels"), py::kw_only(),
+           py::arg("jacobians") = false, py::arg("threads") = 0,
+           "Unit directions (..., 3) that pixels (..., 2) look along.\n\nWith "
+           "jacobians=True also d direction / d pixel, (..., 3, 2), in radians "
+           "a pixel. Rays of a camera that is not central start elsewhere: see "
+           "rays().")
+      .def("rays", &Rays, py::arg("pixels"), py::kw_only(),
+           py::arg("threads") = 0,
+           "(origins, directions) of pixels (..., 2), both (..., 3), in "
+           "metres; the origin of a central camera is (0, 0, 0).")
+      .def("uncertainty", &UncertaintyAt, py::arg("pixels"),
+           "Standard deviation (...), in pixels, of where the camera projects "
+           "a far point that pixels (..., 2) see, in the worse direction; NaN "
+           "where that is not known.")
+      .def("is_trusted", &IsTrusted, py::arg("pixels"),
+           "Whether the camera can be trusted at pixels (..., 2).")
+      .def_property_readonly(
+          "uncertainty_figures", &UncertaintyFigures,
+          "median_px, trusted_to_px and trusted_part_of_image, as calibrate "
+          "tells them.")
+      .def("view", &ViewOf, py::kw_only(), py::arg("size") = py::none(),
+           py::arg("hfov") = py::none(), py::arg("vfov") = py::none(),
+           py::arg("focal") = py::none(), py::arg("alpha") = py::none(),
+           py::arg("center") = py::none(), py::arg("rotate") = py::none(),
+           py::arg("projection") = py::none(),
+           "The view that undistorted images have; the words are those of "
+           "'raygrid undistort --help'.\n\nsize: (width, height) in pixels. "
+           "hfov, vfov: degrees. focal: pixels. alpha: 0 is the largest view "
+           "without border, 1 the smallest that shows every pixel. center: (x, "
+           "y) in pixels. rotate: (yaw, pitch, roll) in degrees. Without any "
+           "of them it is the view that calibrate makes a table of.")
+      .def("maps", &Maps, py::arg("view") = py::none(), py::kw_only(),
+           py::arg("reverse") = false, py::arg("threads") = 0,
+           "(map1, map2) of cv2.remap(), float32, (height, width) of the "
+           "view: the pixel of the camera that each pixel of the view "
+           "shows.\n\nPixels that show nothing have -1, which is border. "
+           "reverse=True: the pixel of the view for each of the camera.")
+      .def("pack", &Pack, py::arg("views") = std::vector<VirtualView>(),
+           py::kw_only(), py::arg("max_error_px") = 0.05,
+           py::arg("threads") = 0,
+           "The bytes of a blob for Blob() and for processor boards, with a "
+           "table for each view; without views, for that of view(). "
+           "max_error_px "
+           "bounds the tables' error, in pixels.")
+      .def_property_readonly(
+          "model", [](const PyCamera& c) { return c.file.camera->Name(); },
+          "The model's name, as central-generic.")
+      .def_property_readonly("size", size_of, "(width, height) of its images.")
+      .def_property_readonly("area", area_of,
+                             "The calibrated rectangle: (x0, y0, x1, y1), in "
+                             "pixels, inclusive.")
+      .def_property_readonly(
+          "image_circle", &CircleOf,
+          "(x, y, radius_x, radius_y) of what the lens lights, in pixels; None "
+          "if that is all, or not known.")
+      .def_property_readonly(
+          "is_central",
+          [](const PyCamera& c) { return c.file.camera->IsCentral(); },
+          "Whether all rays start at the origin.")
+      .def_property_readonly(
+          "name", [](const PyCamera& c) { return c.file.name; }, "Its name.")
+      .def_property_readonly(
+          "serial", [](const PyCamera& c) { return c.file.serial; },
+          "Its serial number.")
+      .def_property_readonly(
+          "verdict", [](const PyCamera& c) { return c.file.verdict; },
+          "The calibration's: pass, warn, fail, or nothing.")
+      .def_property_readonly(
+          "parameters",
+          [](const PyCamera& c) {
+            const Eigen::VectorXd values = c.file.camera->Parameters();
+            return ReadOnlyVector(values.data(),
+                                  static_cast<size_t>(values.size()));
+          },
+          "All parameters (N,), which cannot be written to.")
+      .def_property_readonly("named_parameters", &NamedParameters,
+                             "Those of a lens that have names: fx, fy, cx, cy "
+                             "and so on.")
+      .def("__repr__", [](const PyCamera& c) {
+        const ImageSize& size = c.file.camera->image_size();
+        return fmt::format("<raygrid.Camera {} {} x {}>", c.file.camera->Name(),
+                           size.width, size.height);
+      });
+}
+
+}  // namespace raygrid

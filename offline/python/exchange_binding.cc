@@ -1,0 +1,260 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <set>
+
+#include "dataset/error.h"
+#include "dataset/files.h"
+#include "dataset/rig_file.h"
+#include "exchange/format.h"
+#include "python/bindings.h"
+
+namespace raygrid {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A camera of a file with its pose, for Python to make a Rig of.
+using NamedCamera = std::tuple<std::string, PyCamera, std::optional<Pose>>;
+
+py::tuple ToPython(const NamedCamera& camera) {
+  const auto& [name, file, pose] = camera;
+  return py::make_tuple(
+      name, file,
+      pose ? py::object(ReadOnly(MatrixOfPose(*pose))) : py::none());
+}
+
+Pose PoseOfMatrix(const py::object& given, const std::string& name) {
+  const GivenVectors rows = TakeVectors(given, 4, name);
+  if (rows.count != 4)
+    throw py::value_error(name + ": expected a matrix of the shape (4, 4)");
+  const Eigen::Matrix4d matrix =
+      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(rows[0]);
+  const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
+  constexpr double kRounding = 1e-6;
+  if (!(rotation * rotation.transpose()).isIdentity(kRounding) ||
+      rotation.determinant() < 0 ||
+      !matrix.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1), kRounding))
+    throw py::value_error(
+        name + ": expected a rotation and a translation, as [[R, t], [0, 1]]");
+  return {Eigen::Quaterniond(rotation).normalized(),
+          matrix.topRightCorner<3, 1>()};
+}
+
+// ---- Import ----------------------------------------------------------------
+
+ExchangeContents ReadOne(const std::string& path, const Format* format,
+                         const std::string& model,
+                         const std::optional<ImageSize>& size) {
+  ReadRequest request = {path, ReadFile(path), model, size};
+  const Format* const found = format ? format : RecognizeFormat(request.text);
+  if (found) RequireCameraFormat(*found, path);
+  if (found && found->beside) {
+    const std::string beside = found->beside(path);
+    if (fs::exists(beside)) request.beside = ReadFile(beside);
+  }
+  return ReadExchangeFile(format, request);
+}
+
+// All files together; cameras are named after them where nothing else names all
+// of them.
+ExchangeContents ReadAll(const std::vector<std::string>& paths,
+                         const Format* format, const std::string& model,
+                         const std::optional<ImageSize>& size) {
+  ExchangeContents all;
+  std::vector<std::string> stems;
+  std::set<std::string> names;
+  for (const std::string& path : paths) {
+    ExchangeContents contents = ReadOne(path, format, model, size);
+    for (const std::string& remark : contents.remarks)
+      all.remarks.push_back(path + ": " + remark);
+    for (ReadLens& camera : contents.cameras) {
+      stems.push_back(fs::path(path).stem().string());
+      names.insert(camera.name);
+      all.cameras.push_back(std::move(camera));
+    }
+  }
+  if (paths.size() == 1) return all;
+  if (names.size() < all.cameras.size() || names.count("") > 0)
+    for (size_t c = 0; c < stems.size(); ++c) all.cameras[c].name = stems[c];
+  if (!all.IsRig()) FindPosesOfPair(&all.cameras);
+  return all;
+}
+
+py::list Import(const std::vector<py::object>& files, const std::string& format,
+                const std::string& model,
+                const std::optional<std::pair<int, int>>& size) {
+  std::vector<std::string> paths;
+  for (const py::object& file : files) paths.push_back(PathOf(file));
+  if (paths.empty()) throw py::value_error("paths: there are none");
+  const Format* const known =
+      format.empty() ? nullptr : &FindFormat("format", format);
+  if (known && !known->read)
+    throw Error(ExitCode::kUsage,
+                fmt::format("format {}: is only exported", known->name));
+  std::optional<ImageSize> image_size;
+  if (size) image_size = ImageSize{size->first, size->second};
+  const ExchangeContents contents = ReadAll(paths, known, model, image_size);
+  for (const std::string& remark : contents.remarks) Warn(remark);
+  const bool is_rig = contents.IsRig();
+  py::list cameras;
+  for (const ReadLens& camera : contents.cameras)
+    cameras.append(ToPython({camera.name, PyCamera{CameraFileOf(camera)},
+                             is_rig ? camera.camera_from_rig : std::nullopt}));
+  return cameras;
+}
+
+// ---- Export ----------------------------------------------------------------
+
+std::vector<const LensForm*> FormsOf(const Format& format,
+                                     const std::string& model) {
+  std::vector<const LensForm*> forms;
+  std::string names;
+  for (const LensForm& form : format.forms) {
+    if (model.empty() ? !form.is_only_asked : model == form.name)
+      forms.push_back(&form);
+    names += (names.empty() ? "" : ", ") + form.name;
+  }
+  if (forms.empty())
+    throw Error(ExitCode::kUsage,
+                fmt::format("model {}: {} has {}", model, format.name, names));
+  return forms;
+}
+
+WrittenLens ChooseFor(const PyCamera& camera, const std::string& name,
+                      const std::vector<const LensForm*>& forms,
+                      const std::optional<Pose>& pose,
+                      const std::optional<double>& max_fit_error_px) {
+  const auto& uncertainty = camera.file.uncertainty;
+  const TrustMask* mask = uncertainty ? &uncertainty->mask : nullptr;
+  ChosenLens chosen = ChooseLens(forms, *camera.file.camera, mask);
+  if (max_fit_error_px && chosen.fit &&
+      (chosen.fit->num_beyond > 0 || chosen.fit->max_px > *max_fit_error_px))
+    throw Error(ExitCode::kQuality,
+                fmt::format("{} leaves more than max_fit_error {:g}: {}",
+                            chosen.lens.form->name, *max_fit_error_px,
+                            LensFitText(*chosen.fit)));
+  WrittenLens lens;
+  lens.name = name;
+  lens.serial = camera.file.serial;
+  lens.lens = chosen.lens;
+  lens.fit = chosen.fit;
+  lens.camera_from_rig = pose;
+  if (lens.fit && pose)
+    lens.camera_from_rig =
+        Pose{lens.fit->lens_from_camera, Eigen::Vector3d::Zero()} * *pose;
+  return lens;
+}
+
+py::object FiguresOfFit(const WrittenLens& lens) {
+  py::dict figures;
+  figures["model"] = lens.lens.form->name;
+  figures["exact"] = !lens.fit.has_value();
+  if (lens.fit) {
+    figures["rms_px"] = lens.fit->rms_px;
+    figures["max_px"] = lens.fit->max_px;
+    figures["lens_from_camera"] =
+        ReadOnly(lens.fit->lens_from_camera.toRotationMatrix());
+  }
+  return std::move(figures);
+}
+
+// Cameras are (name, camera, camera_from_rig or None).
+py::list Export(const std::vector<py::tuple>& cameras, const py::object& file,
+                const std::string& to, const std::string& model,
+                const std::optional<double>& max_fit_error) {
+  const Format& format = FindFormat("format", to);
+  if (!format.write)
+    throw Error(ExitCode::kUsage,
+                fmt::format("format {}: is only imported", format.name));
+  if (cameras.size() > 1 && !format.holds_rigs)
+    throw Error(ExitCode::kUsage,
+                fmt::format("format {}: has one camera a file; save those of "
+                            "the rig one by one",
+                            format.name));
+  const std::vector<const LensForm*> forms = FormsOf(format, model);
+  WriteRequest request;
+  request.path = PathOf(file);
+  py::list figures;
+  for (const py::tuple& camera : cameras) {
+    std::optional<Pose> pose;
+    if (!camera[2].is_none()) pose = PoseOfMatrix(camera[2], "camera_from_rig");
+    request.cameras.push_back(ChooseFor(camera[1].cast<const PyCamera&>(),
+                                        camera[0].cast<std::string>(), forms,
+                                        pose, max_fit_error));
+    figures.append(FiguresOfFit(request.cameras.back()));
+  }
+  OutputFiles files;
+  files.Add(request.path, format.write(request));
+  if (cameras.size() > 1 && format.beside)
+    files.Add(format.beside(request.path), format.write_beside(request));
+  files.Commit();
+  return figures;
+}
+
+py::list ListFormats() {
+  py::list formats;
+  for (const Format& format : Formats()) {
+    py::list models;
+    for (const LensForm& form : format.forms) models.append(form.name);
+    formats.append(py::make_tuple(format.name, format.holds, models,
+                                  format.read != nullptr,
+                                  format.write != nullptr, format.holds_rigs));
+  }
+  return formats;
+}
+
+// ---- Rigs ------------------------------------------------------------------
+
+py::list ReadRig(const py::object& file) {
+  const std::string path = PathOf(file);
+  py::list cameras;
+  for (const RigFileCamera& camera : ReadRigFile(path)) {
+    const std::string own =
+        (fs::path(path).parent_path() / camera.file).string();
+    cameras.append(ToPython(
+        {camera.name, PyCamera{ReadCameraFile(own)}, camera.camera_from_rig}));
+  }
+  return cameras;
+}
+
+void WriteRig(const py::object& file, const std::vector<py::tuple>& cameras) {
+  const std::string path = PathOf(file);
+  const fs::path folder = fs::path(path).parent_path();
+  OutputFiles files;
+  std::vector<RigFileCamera> rig;
+  for (const py::tuple& camera : cameras) {
+    const std::string name = camera[0].cast<std::string>();
+    if (!IsRigCameraName(name))
+      throw py::value_error(
+          fmt::format("camera name '{}': give it one of letters, digits, '-' "
+                      "and '_'",
+                      name));
+    rig.push_back({name, name + "/camera.yaml",
+                   PoseOfMatrix(camera[2], "camera_from_rig")});
+    files.Add((folder / rig.back().file).string(),
+              TextOf(camera[1].cast<const PyCamera&>()));
+  }
+  files.Add(path, FormatRigFile(rig));
+  files.Commit();
+}
+
+}  // namespace
+
+void BindExchange(py::module_* module) {
+  module->def("import_cameras", &Import, py::arg("paths"), py::arg("format"),
+              py::arg("model"), py::arg("size"),
+              "(name, camera, camera_from_rig or None) of each camera.");
+  module->def("export_cameras", &Export, py::arg("cameras"), py::arg("path"),
+              py::arg("format"), py::arg("model"), py::arg("max_fit_error"),
+              "Writes cameras of import_cameras(); what the lenses leave.");
+  module->def("list_formats", &ListFormats,
+              "(name, what it holds, models, is read, is written, holds rigs) "
+              "of each format.");
+  module->def("read_rig", &ReadRig, py::arg("path"),
+              "(name, camera, camera_from_rig) of each camera.");
+  module->def("write_rig", &WriteRig, py::arg("path"), py::arg("cameras"),
+              "Writes cameras of read_rig(), and rig.yaml.");
+}
+
+}  // namespace raygrid

@@ -1,0 +1,67 @@
+"""Several cameras, and how they stand to each other."""
+from __future__ import annotations
+
+import os
+from typing import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _raygrid
+
+
+class Rig:
+    """Cameras by name, with the pose of each: camera_from_rig, matrices (4, 4), turns homogeneous
+    points in metres of the rig's frame into those of the camera's."""
+
+    def __init__(self, cameras: Mapping[str, _raygrid.Camera],
+                 camera_from_rig: Mapping[str, npt.ArrayLike]) -> None:
+        if set(cameras) != set(camera_from_rig):
+            raise ValueError("camera_from_rig: expected a pose for each camera and no other")
+        self.cameras = dict(cameras)
+        self.camera_from_rig = {name: _pose(name, camera_from_rig[name]) for name in cameras}
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> Rig:
+        """The rig in rig.yaml, with the cameras beside it."""
+        return _rig_of(_raygrid.read_rig(path))
+
+    @staticmethod
+    def of(calibration: _raygrid.Calibration) -> Rig:
+        """The rig that calibrate() found."""
+        return Rig(calibration.cameras, calibration.camera_from_rig)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes rig.yaml, and NAME/camera.yaml of each camera beside it: all of them or none."""
+        _raygrid.write_rig(path, _rows(self))
+
+    def project(self, points: npt.ArrayLike) -> dict[str, npt.NDArray[np.float64]]:
+        """By camera, the pixels (..., 2) that see points (..., 3) in metres of the rig's frame."""
+        given = np.asarray(points, dtype=np.float64)
+        return {name: camera.project(given @ self.camera_from_rig[name][:3, :3].T
+                                     + self.camera_from_rig[name][:3, 3])
+                for name, camera in self.cameras.items()}
+
+    def __repr__(self) -> str:
+        return f"<raygrid.Rig of {', '.join(self.cameras)}>"
+
+
+def _pose(name: str, given: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """A copy that cannot be written to."""
+    pose = np.array(given, dtype=np.float64)
+    if pose.shape != (4, 4) or not np.isfinite(pose).all():
+        raise ValueError(f"camera_from_rig of '{name}': expected a finite matrix of the shape (4, 4)")
+    pose.setflags(write=False)
+    return pose
+
+
+def _rows(cameras: Rig | _raygrid.Camera) -> list[_raygrid._NamedCamera]:
+    if isinstance(cameras, Rig):
+        return [(name, camera, cameras.camera_from_rig[name])
+                for name, camera in cameras.cameras.items()]
+    return [(cameras.name, cameras, None)]
+
+
+def _rig_of(rows: list[_raygrid._NamedCamera]) -> Rig:
+    return Rig({name: camera for name, camera, _ in rows},
+               {name: np.eye(4) if pose is None else pose for name, _, pose in rows})
