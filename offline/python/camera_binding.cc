@@ -139,18 +139,28 @@ Eigen::Matrix<double, 3, 2> DirectionByPixel(const CameraModel& camera,
   return across * (ByMovement(camera, line, across, 2, pixel).inverse() - near);
 }
 
-void UnprojectPixel(const CameraModel& camera, bool is_central,
-                    const double* given, double* direction, double* by_pixel) {
+void UnprojectPixel(const CameraModel& camera, const double* given,
+                    double* direction) {
   const Eigen::Vector2d pixel(given[0], given[1]);
-  const auto found =
-      camera.IsLit(pixel) ? camera.Unproject(pixel) : std::nullopt;
-  Put<3>(found.value_or(Eigen::Vector3d(NAN, NAN, NAN)), direction);
-  if (!by_pixel) return;
+  const std::optional<Eigen::Vector3d> found = camera.Unproject(pixel);
+  if (found && camera.IsLit(pixel))
+    Put<3>(*found, direction);
+  else
+    Put<3>({NAN, NAN, NAN}, direction);
+}
+
+// The derivatives at a pixel that looks along a direction; NaN without one.
+void DeriveDirection(const CameraModel& camera, bool is_central,
+                     const double* given, const double* direction,
+                     double* by_pixel) {
+  const Eigen::Vector2d pixel(given[0], given[1]);
   Eigen::Map<Eigen::Matrix<double, 3, 2, Eigen::RowMajor>> derivative(by_pixel);
-  const auto line = found ? camera.Line(pixel) : std::nullopt;
+  const auto line =
+      std::isnan(direction[0]) ? std::nullopt : camera.Line(pixel);
   if (line)
-    derivative =
-        DirectionByPixel(camera, is_central, {line->origin, *found}, pixel);
+    derivative = DirectionByPixel(
+        camera, is_central,
+        {line->origin, Eigen::Map<const Eigen::Vector3d>(direction)}, pixel);
   else
     derivative.setConstant(NAN);
 }
@@ -166,8 +176,10 @@ py::object Unproject(const PyCamera& self, const py::object& given,
   const bool is_central = camera.IsCentral();
   ForParts(pixels.count, num_threads, [&](size_t first, size_t end) {
     for (size_t k = first; k < end; ++k)
-      UnprojectPixel(camera, is_central, pixels[k], direction + 3 * k,
-                     jacobian ? jacobian + 6 * k : nullptr);
+      UnprojectPixel(camera, pixels[k], direction + 3 * k);
+    for (size_t k = first; jacobian && k < end; ++k)
+      DeriveDirection(camera, is_central, pixels[k], direction + 3 * k,
+                      jacobian + 6 * k);
   });
   if (!with_jacobians) return directions;
   return py::make_tuple(directions, jacobians);
