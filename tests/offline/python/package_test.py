@@ -343,14 +343,14 @@ class Calibrations(PackageTest):
         self.assertFalse(used.pixels.flags.writeable)
 
     def test_interruption_ends_it_soon(self):
-        def interrupt(stage, done, left):
-            del stage, done, left
-            os.kill(os.getpid(), signal.SIGINT)
         before = set(os.listdir(self.folder))
-        began = time.monotonic()
+        # Alone, it takes 3 s or more.
+        timer = threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT))
+        began = time.process_time()
+        timer.start()
         with self.assertRaises(KeyboardInterrupt):
-            raygrid.calibrate(self.features, self.pattern, progress=interrupt)
-        self.assertLess(time.monotonic() - began, max(5, 2 * self.seconds))
+            raygrid.calibrate(self.features, self.pattern, threads=1)
+        self.assertLess(time.process_time() - began, 1.5)
         self.assertEqual(set(os.listdir(self.folder)), before)
 
     def test_exceptions_of_progress_end_it(self):
@@ -415,13 +415,11 @@ class Detections(PackageTest):
     def test_colours_weigh_as_opencv_has_them(self):
         import cv2
         image = cv2.imread(self.photograph, cv2.IMREAD_GRAYSCALE)
-        nothing = np.zeros_like(image)
-        for channel, weight in enumerate((0.114, 0.587, 0.299)):
-            channels = [nothing] * 3
-            channels[channel] = image
-            grey = np.rint(weight * image).astype(np.uint8)
-            np.testing.assert_allclose(raygrid.detect(np.dstack(channels), self.BOARD).pixels,
-                                       raygrid.detect(grey, self.BOARD).pixels, atol=0.05)
+        blue, red = image, np.roll(image, 1, axis=1)  # a pixel apart
+        coloured = np.dstack([blue, np.zeros_like(image), red])
+        grey = np.rint(0.114 * blue + 0.299 * red).astype(np.uint8)
+        np.testing.assert_allclose(raygrid.detect(coloured, self.BOARD).pixels,
+                                   raygrid.detect(grey, self.BOARD).pixels, atol=0.1)
 
     def test_what_is_wrong_is_said_in_a_line(self):
         refuse = self.assert_refuses
