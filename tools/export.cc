@@ -346,7 +346,7 @@ void RequireTaken(const ExportArguments& arguments, const TableFormat* table) {
     if (table ? !table->Takes(option) : of_lenses.count(option) == 0)
       refuse(option);
   const std::string word = FirstWord(arguments.view);
-  if (table && !table->write_view && !word.empty()) refuse(word);
+  if (table && !table->IsOfView() && !word.empty()) refuse(word);
 }
 
 void ListLenses(bool json, nlohmann::ordered_json* all) {
@@ -466,11 +466,11 @@ void RunExport(const ExportArguments& arguments, const CommonOptions& common) {
   const TableFormat* table = FindTableFormat(arguments.format);
   RequireTaken(arguments, table);
   if (table)
-    ExportTable(
-        *table,
-        {arguments.input, arguments.output, arguments.model, arguments.address,
-         arguments.every, arguments.view, arguments.is_reverse},
-        common);
+    ExportTable(*table,
+                {arguments.input, arguments.output, arguments.model,
+                 arguments.address, arguments.every, arguments.max_fit_error_px,
+                 arguments.view, arguments.is_reverse},
+                common);
   else
     ExportLenses(arguments, FindWrittenFormat(arguments.format), common);
 }
@@ -486,7 +486,8 @@ void AddExport(CLI::App* app, CommonOptions* common) {
       "told and stored. Where the lens looks elsewhere, rigs turn with it. "
       "Other "
       "formats are made of a blob, which itself is the binary for flash, of a "
-      "view, as --rectified has it, or of the rays of all pixels.",
+      "view, as --rectified has it, or of the rays of all pixels. Meshes of "
+      "hardware that dewarps tell how far it is from the view.",
       "raygrid export camera.yaml --to opencv -o calibration.yaml "
       "--max-fit-error 0.5",
       common);
@@ -505,8 +506,10 @@ void AddExport(CLI::App* app, CommonOptions* common) {
                       "one of the format's models (default: that of the fewest "
                       "coefficients, unless others leave 2 % less)");
   command
-      ->add_option("--max-fit-error", arguments->max_fit_error_px,
-                   "pixels; write nothing if a trusted pixel is farther off")
+      ->add_option(
+          "--max-fit-error", arguments->max_fit_error_px,
+          "pixels; write nothing if a trusted pixel, or of a mesh any, "
+          "is farther off")
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--rectified", arguments->rectified,
                     "the view of undistorted images: of a blob that of its "
@@ -526,7 +529,8 @@ void AddExport(CLI::App* app, CommonOptions* common) {
   command
       ->add_option("--every", arguments->every,
                    "of rays: the first of so many columns and rows, and the "
-                   "last of all (default: 1)")
+                   "last of all (default: 1); of meshes: the pixels from one "
+                   "vertex to the next (default: 16)")
       ->option_text("N");
   command->add_flag("--list", arguments->lists, "list the formats");
   command->callback([arguments, common] { RunExport(*arguments, *common); });

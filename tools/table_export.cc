@@ -12,6 +12,7 @@
 #include "dataset/files.h"
 #include "dataset/parallel_for.h"
 #include "dataset/text_encoding.h"
+#include "exchange/mesh/mesh_vertices.h"
 #include "packing/view_sources.h"
 
 namespace raygrid {
@@ -73,28 +74,39 @@ std::string ModelOf(const TableFormat& format, const std::string& model) {
               fmt::format("--model {}: {} has {}", model, format.name, names));
 }
 
-ViewTable TableOfView(const TableFormat& format,
-                      const TableArguments& arguments,
-                      const CommonOptions& common, VirtualView* view) {
-  ViewTable table;
-  table.model = ModelOf(format, arguments.model);
+// A view, and the central camera that it is of.
+struct SeenView {
+  VirtualView view;
+  std::unique_ptr<CameraModel> camera;
+};
+
+SeenView ReadView(const TableArguments& arguments,
+                  const CommonOptions& common) {
   CameraInput input = ReadCamera(arguments.input);
   if (!common.quiet) WarnOfFailedCalibration(arguments.input, input.file);
   if (!input.blob) TurnIntoCameraFrame(&input.file.camera);
-  *view = RectifiedView(input, arguments.view);
-  table.path = arguments.output;
-  if (view->projection == ViewProjection::kPinhole)
-    table.matrix = MatrixOf(*view);
+  const VirtualView view = RectifiedView(input, arguments.view);
   try {
-    ViewSources found = SourcesOfView(*input.file.camera, *view,
-                                      arguments.is_reverse, common.threads);
-    table.size = found.size;
-    table.source_size = found.source_size;
-    table.sources = std::move(found.sources);
+    return {view, CentralCamera(*input.file.camera)};
   } catch (const Error& error) {
     throw Error(error.code(),
                 fmt::format("{}: {}", arguments.input, error.what()));
   }
+}
+
+ViewTable TableOfView(const TableFormat& format,
+                      const TableArguments& arguments, const SeenView& seen,
+                      int num_threads) {
+  ViewTable table;
+  table.model = ModelOf(format, arguments.model);
+  table.path = arguments.output;
+  if (seen.view.projection == ViewProjection::kPinhole)
+    table.matrix = MatrixOf(seen.view);
+  ViewSources found =
+      SourcesOfView(*seen.camera, seen.view, arguments.is_reverse, num_threads);
+  table.size = found.size;
+  table.source_size = found.source_size;
+  table.sources = std::move(found.sources);
   return table;
 }
 
@@ -146,6 +158,90 @@ RayTable TableOfRays(const TableArguments& arguments,
   return table;
 }
 
+// The places that needed vertices show; NaN for the others, and where the
+// camera has no answer.
+std::vector<Eigen::Vector2d> PlacesOfVertices(const SeenView& seen,
+                                              const MeshTable& mesh,
+                                              int num_threads) {
+  const MeshLattice& lattice = mesh.lattice;
+  // Vertices beside the image are no farther from it than a cell.
+  const double margin_px = 64 + 4 * std::max(lattice.x[1], lattice.y[1]);
+  std::vector<Eigen::Vector2d> places(lattice.num_vertices(),
+                                      Eigen::Vector2d(NAN, NAN));
+  ParallelFor(lattice.rows(), NumThreads(num_threads), [&](int row) {
+    for (int column = 0; column < lattice.columns(); ++column) {
+      const size_t k = static_cast<size_t>(row) * lattice.columns() + column;
+      if (!mesh.is_needed[k]) continue;
+      const int x = lattice.x[column], y = lattice.y[row];
+      const bool is_pixel = x < mesh.size.width && y < mesh.size.height;
+      if (is_pixel)
+        places[k] = mesh.sources[static_cast<size_t>(y) * mesh.size.width + x];
+      if (places[k].allFinite()) continue;
+      const auto direction = seen.view.Direction(Eigen::Vector2d(x, y));
+      const auto place =
+          direction ? seen.camera->Project(*direction, nullptr, margin_px)
+                    : std::nullopt;
+      if (place) places[k] = *place;
+    }
+  });
+  return places;
+}
+
+MeshTable MeshOfView(const TableFormat& format, const TableArguments& arguments,
+                     const SeenView& seen, int num_threads) {
+  MeshRequest request = {seen.view.size, seen.camera->image_size(), {}};
+  if (!arguments.every.empty()) request.step = ParseEvery(arguments.every);
+  MeshTable mesh;
+  mesh.path = arguments.output;
+  mesh.size = request.size;
+  mesh.source_size = request.source_size;
+  mesh.lattice = format.mesh_unit->lattice(request);
+  mesh.sources = TableOfView(format, arguments, seen, num_threads).sources;
+  mesh.is_needed = NeededVertices(mesh.lattice, mesh.size, mesh.sources);
+  mesh.vertices = PlacesOfVertices(seen, mesh, num_threads);
+  ContinueVertices(mesh.lattice, &mesh.vertices);
+  BalanceVertices(&mesh);
+  return mesh;
+}
+
+void RequireSmallMeshError(const TableFormat& format,
+                           const TableArguments& arguments,
+                           const MeshError& error) {
+  const MeshUnit& unit = *format.mesh_unit;
+  const std::optional<double> most = arguments.max_fit_error_px
+                                         ? arguments.max_fit_error_px
+                                         : unit.max_error_px;
+  if (!most || error.max_px <= *most) return;
+  std::string text =
+      fmt::format("{}: {} leaves more than {:g} px: {}", arguments.input,
+                  format.name, *most, MeshErrorText(error));
+  if (!unit.reason.empty()) text += "; " + unit.reason;
+  if (!arguments.max_fit_error_px) text += ", or say --max-fit-error";
+  throw Error(ExitCode::kQuality, text);
+}
+
+TableOutput MakeMesh(const TableFormat& format, const TableArguments& arguments,
+                     const SeenView& seen, int num_threads,
+                     nlohmann::ordered_json* json) {
+  const MeshTable mesh = MeshOfView(format, arguments, seen, num_threads);
+  const UnitMesh unit = format.mesh_unit->write(mesh);
+  const MeshError error = ErrorOfMesh(mesh, unit);
+  RequireSmallMeshError(format, arguments, error);
+  (*json)["mesh"] = {
+      {"vertices", {mesh.lattice.columns(), mesh.lattice.rows()}},
+      {"step_px", {mesh.lattice.x[1], mesh.lattice.y[1]}},
+      {"max_px", error.max_px},
+      {"rms_px", error.rms_px},
+      {"farthest_pixel", {error.x, error.y}},
+      {"pixels", error.num_pixels},
+      {"pixels_filled", error.num_filled},
+      {"vertices_moved", error.num_moved},
+      {"for_the_unit", unit.told}};
+  return {unit.files,
+          fmt::format("{} x {} vertices, {}; {}", mesh.lattice.columns(),
+                      mesh.lattice.rows(), MeshErrorText(error), unit.told)};
+}
+
 TableOutput MakeTable(const TableFormat& format,
                       const TableArguments& arguments,
                       const CommonOptions& common,
@@ -156,14 +252,17 @@ TableOutput MakeTable(const TableFormat& format,
     (*json)["central"] = table.origins.empty();
     return format.write_rays(table);
   }
-  if (format.write_view) {
-    VirtualView view;
-    const ViewTable table = TableOfView(format, arguments, common, &view);
-    (*json)["view"] = ViewJson(view);
-    TableOutput output = format.write_view(table);
+  if (format.IsOfView()) {
+    const SeenView seen = ReadView(arguments, common);
+    (*json)["view"] = ViewJson(seen.view);
+    TableOutput output =
+        format.mesh_unit
+            ? MakeMesh(format, arguments, seen, common.threads, json)
+            : format.write_view(
+                  TableOfView(format, arguments, seen, common.threads));
     output.told += (arguments.is_reverse ? "; from pictures of the view: "
                                          : "; the view: ") +
-                   ViewText(view);
+                   ViewText(seen.view);
     return output;
   }
   const BlobTable table = TableOfBlob(format, arguments);

@@ -1,6 +1,7 @@
 #ifndef RAYGRID_TOOLS_TABLE_EXPORT_H
 #define RAYGRID_TOOLS_TABLE_EXPORT_H
 
+#include <optional>
 #include <string>
 
 #include "commands.h"
@@ -14,6 +15,7 @@ struct TableArguments {
   std::string model;
   std::string address;  ///< "0x08080000", or "" if it was not given
   std::string every;    ///< "8", or ""
+  std::optional<double> max_fit_error_px;
   ViewWords view;
   bool is_reverse = false;  ///< sources are in the view
 };

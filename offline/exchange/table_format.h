@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "camera/camera_model.h"
+#include "exchange/mesh/mesh.h"
 
 namespace raygrid {
 
@@ -70,10 +71,12 @@ struct TableFormat {
   /// Of the files that it writes, ".npz"; none if all will do.
   std::vector<std::string> endings;
 
-  /// The source is the function that is not null. Throws Error(kUsage).
+  /// The source is what is not null. Throws Error(kUsage).
   TableOutput (*write_blob)(const BlobTable& blob) = nullptr;
   TableOutput (*write_view)(const ViewTable& view) = nullptr;
   TableOutput (*write_rays)(const RayTable& rays) = nullptr;
+  /// A mesh of a view: exchange/mesh/mesh.h.
+  const MeshUnit* mesh_unit = nullptr;
 
   /// Null if the format is only written. Whether bytes are of this format, and
   /// what they hold; the latter throws InputError, naming the file.
@@ -82,6 +85,8 @@ struct TableFormat {
                         const std::string& bytes) = nullptr;
 
   bool Takes(const std::string& option) const;
+  /// Whether it is made of a view, so that it takes the words of one.
+  bool IsOfView() const { return write_view || mesh_unit; }
   /// Throws Error(kUsage) for a file that ends otherwise.
   void RequireEnding(const std::string& path) const;
   /// "a blob", for --list and errors.

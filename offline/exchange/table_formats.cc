@@ -9,6 +9,7 @@
 #include "exchange/format.h"
 #include "exchange/intel_hex_format.h"
 #include "exchange/maps_format.h"
+#include "exchange/mesh/mesh_units.h"
 #include "exchange/rays_format.h"
 #include "exchange/stmap_format.h"
 #include "exchange/table_format.h"
@@ -28,8 +29,11 @@ std::string Listed(const std::vector<std::string>& words) {
 
 const std::vector<TableFormat>& TableFormats() {
   static const std::vector<TableFormat> formats = {
-      CArrayFormat(), IntelHexFormat(), MapsFormat(),
-      StMapFormat(),  FfmpegFormat(),   RaysFormat()};
+      CArrayFormat(),      IntelHexFormat(),     MapsFormat(),
+      StMapFormat(),       FfmpegFormat(),       RaysFormat(),
+      Dw100Format(),       TiLdcFormat(),        VpiFormat(),
+      RockchipFecFormat(), RockchipLdchFormat(), HailoFormat(),
+      DepthAiMeshFormat()};
   return formats;
 }
 
@@ -60,7 +64,7 @@ void TableFormat::RequireEnding(const std::string& path) const {
 
 std::string TableFormat::Source() const {
   return write_blob   ? "a blob"
-         : write_view ? "a view of a camera"
+         : IsOfView() ? "a view of a camera"
                       : "the rays of a camera's pixels";
 }
 

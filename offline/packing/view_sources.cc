@@ -1,7 +1,6 @@
 #include "packing/view_sources.h"
 
 #include <cmath>
-#include <memory>
 #include <utility>
 
 #include "camera/noncentral_generic.h"
@@ -44,8 +43,8 @@ void LeaveOutUnlit(const CameraModel& camera, bool is_reverse,
   }
 }
 
-// The camera that sees what a camera of lines sees far away, as the tables of
-// blobs have it.
+}  // namespace
+
 std::unique_ptr<CameraModel> CentralCamera(const CameraModel& camera) {
   if (camera.IsCentral()) return camera.Clone();
   const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera);
@@ -55,8 +54,6 @@ std::unique_ptr<CameraModel> CentralCamera(const CameraModel& camera) {
                 "of the model noncentral-generic or a central one of it first");
   return std::make_unique<CentralGeneric>(lines->CentralPart());
 }
-
-}  // namespace
 
 ViewSources SourcesOfView(const CameraModel& lines, const VirtualView& view,
                           bool is_reverse, int num_threads) {

@@ -2,6 +2,7 @@
 #define RAYGRID_PACKING_VIEW_SOURCES_H
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "camera/camera_model.h"
@@ -17,9 +18,14 @@ struct ViewSources {
   std::vector<Eigen::Vector2d> sources;
 };
 
+/// A camera of lines as it sees what is far away, which is what the tables of
+/// blobs are of; a copy of a central camera. Throws Error(kUsage), without the
+/// file's name, for cameras of other lines.
+std::unique_ptr<CameraModel> CentralCamera(const CameraModel& camera);
+
 /// The sources of a view's pixels; if is_reverse, those of the camera's pixels
 /// in the view. Of a camera of lines they are those of what is far away. Throws
-/// Error(kUsage), without the file's name, for cameras of other lines.
+/// as CentralCamera() does.
 ViewSources SourcesOfView(const CameraModel& camera, const VirtualView& view,
                           bool is_reverse, int num_threads);
 

@@ -28,7 +28,8 @@ IMAGE_SIZES = ((64, 48), (160, 120), (640, 480), (33, 1), (1, 1), (2, 2), (3, 40
 LARGE = {"black.png": (16000, 16000), "wide.png": (16384, 3000), "large.png": (8000, 8000)}
 FORMATS = ("opencv", "ros", "kalibr", "colmap", "mrcal", "basalt", "nerfstudio", "metashape",
            "puzzlepaint")
-TABLE_FORMATS = ("c", "hex", "maps", "stmap", "ffmpeg", "rays")
+TABLE_FORMATS = ("c", "hex", "maps", "stmap", "ffmpeg", "rays", "dw100", "ti-ldc", "vpi",
+                 "rockchip-fec", "rockchip-ldch", "hailo", "depthai-mesh")
 WORDS = ("chessboard:14x10:30mm", "charuco:8x5:28mm:marker=21mm", "aprilgrid:6x6:24mm",
          "star:16x23:11mm", "chessboard:9x6", "chessboard:1x1:1km", "star:1000x1000:1mm")
 
@@ -227,9 +228,11 @@ class Case:
         name = self.random.choice(TABLE_FORMATS)
         more = {"hex": ("--address", self.random.choice(NUMBERS)),
                 "maps": ("--size", self.size()), "stmap": ("--size", self.size(), "--reverse"),
-                "rays": ("--every", self.random.choice(NUMBERS))}.get(name, ())
+                "rays": ("--every", self.random.choice(NUMBERS)),
+                "ti-ldc": ("--every", self.random.choice(NUMBERS)),
+                "dw100": ("--max-fit-error", self.random.choice(NUMBERS))}.get(name, ())
         return [self.camera(), "--to", name, *more, "-o",
-                self.output(self.random.choice((".h", ".c", ".npz", ".exr", ".pgm", ".json")))]
+                self.output(self.random.choice((".h", ".c", ".npz", ".exr", ".pgm", ".json", ".bin")))]
 
     def run_import(self):
         more = self.random.choice(((), (), ("--image-size", self.size())))

@@ -1,0 +1,63 @@
+#include <fmt/format.h>
+
+#include <cstring>
+
+#include "dataset/error.h"
+#include "exchange/mesh/mesh_units.h"
+
+namespace raygrid {
+namespace {
+
+constexpr int kDepthAiStep = 16;
+constexpr MeshSides kDepthAiWidth = {16, 8192, 16}, kDepthAiHeight = {16, 8192};
+
+MeshLattice DepthAiLattice(const MeshRequest& request) {
+  RequireMeshSize("depthai-mesh", "view", request.size, kDepthAiWidth,
+                  kDepthAiHeight);
+  const int step = request.step.value_or(kDepthAiStep);
+  if (request.size.width % step != 0 || request.size.height % step != 0)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--every {}: the view has {} x {} px; depthai-mesh "
+                            "takes a step that divides both",
+                            step, request.size.width, request.size.height));
+  return RegularLattice(request.size, step, step);
+}
+
+float AppendFloat(double value, std::string* bytes) {
+  const float number = static_cast<float>(value);
+  uint32_t bits;
+  std::memcpy(&bits, &number, sizeof(bits));
+  AppendLittleEndian(bits, sizeof(bits), bytes);
+  return number;
+}
+
+UnitMesh WriteDepthAi(const MeshTable& mesh) {
+  UnitMesh unit;
+  std::string bytes;
+  for (const Eigen::Vector2d& vertex : mesh.vertices) {
+    const Eigen::Vector2d place = ToMeshUnit(vertex);
+    const float y = AppendFloat(place.y(), &bytes),
+                x = AppendFloat(place.x(), &bytes);
+    unit.vertices.push_back(FromMeshUnit({x, y}));
+  }
+  unit.files = {{mesh.path, bytes}};
+  unit.told =
+      fmt::format("StereoDepth: setMeshStep({0}, {0})", mesh.lattice.x[1]);
+  return unit;
+}
+
+}  // namespace
+
+TableFormat DepthAiMeshFormat() {
+  static const MeshUnit unit = {DepthAiLattice, WriteDepthAi, {}, ""};
+  TableFormat format;
+  format.name = "depthai-mesh";
+  format.holds =
+      "Luxonis: a camera's mesh for loadMeshFiles() of StereoDepth, in .bin";
+  format.endings = {".bin", ".calib"};
+  format.options = {"rectified", "every", "max-fit-error"};
+  format.mesh_unit = &unit;
+  return format;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,150 @@
+#include "exchange/mesh/mesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <tuple>
+
+#include "dataset/error.h"
+
+namespace raygrid {
+namespace {
+
+size_t CountMoved(const MeshTable& mesh, const UnitMesh& unit) {
+  size_t count = 0;
+  for (size_t k = 0; k < mesh.vertices.size(); ++k) {
+    Eigen::Vector2d moved = unit.vertices[k] - mesh.vertices[k];
+    if (unit.keeps_rows) moved.y() = 0;
+    count += mesh.is_needed[k] && moved.cwiseAbs().maxCoeff() > 1;
+  }
+  return count;
+}
+
+}  // namespace
+
+std::vector<MeshStep> StepsAlong(const std::vector<int>& vertices, int count) {
+  std::vector<MeshStep> steps(count);
+  const int last_cell = static_cast<int>(vertices.size()) - 2;
+  int k = 0;
+  for (int pixel = 0; pixel < count; ++pixel) {
+    while (k < last_cell && vertices[k + 1] <= pixel) ++k;
+    steps[pixel].vertex = k;
+    if (last_cell >= 0)
+      steps[pixel].part = static_cast<double>(pixel - vertices[k]) /
+                          (vertices[k + 1] - vertices[k]);
+  }
+  return steps;
+}
+
+Eigen::Vector2d PlaceInMesh(const MeshLattice& lattice,
+                            const std::vector<Eigen::Vector2d>& vertices,
+                            const MeshStep& x, const MeshStep& y) {
+  const size_t first =
+      static_cast<size_t>(y.vertex) * lattice.columns() + x.vertex;
+  const size_t right = lattice.columns() > 1 ? 1 : 0,
+               below = lattice.rows() > 1 ? lattice.columns() : 0;
+  const Eigen::Vector2d above =
+      vertices[first] + x.part * (vertices[first + right] - vertices[first]);
+  const Eigen::Vector2d under =
+      vertices[first + below] +
+      x.part * (vertices[first + below + right] - vertices[first + below]);
+  return above + y.part * (under - above);
+}
+
+MeshError ErrorOfMesh(const MeshTable& mesh, const UnitMesh& unit) {
+  const std::vector<MeshStep> columns =
+      StepsAlong(mesh.lattice.x, mesh.size.width);
+  const std::vector<MeshStep> rows =
+      StepsAlong(mesh.lattice.y, mesh.size.height);
+  const Area image = WholeImage(mesh.source_size);
+  MeshError error;
+  double sum = 0, worst = -1;
+  for (int y = 0; y < mesh.size.height; ++y)
+    for (int x = 0; x < mesh.size.width; ++x) {
+      const Eigen::Vector2d place =
+          PlaceInMesh(mesh.lattice, unit.vertices, columns[x], rows[y]);
+      const Eigen::Vector2d& source =
+          mesh.sources[static_cast<size_t>(y) * mesh.size.width + x];
+      if (!source.allFinite()) {
+        error.num_filled += image.Contains(place);
+        continue;
+      }
+      const double squared = (place - source).squaredNorm();
+      sum += squared;
+      ++error.num_pixels;
+      if (squared <= worst) continue;
+      worst = squared;
+      error.x = x;
+      error.y = y;
+    }
+  if (error.num_pixels > 0) {
+    error.max_px = std::sqrt(worst);
+    error.rms_px = std::sqrt(sum / error.num_pixels);
+  }
+  error.num_moved = CountMoved(mesh, unit);
+  return error;
+}
+
+std::string MeshErrorText(const MeshError& error) {
+  std::string text = fmt::format(
+      "at most {:.3f} px (at {}, {}), {:.3f} px (RMS) from the view",
+      error.max_px, error.x, error.y, error.rms_px);
+  if (error.num_filled > 0)
+    text += fmt::format("; {} pixels that the view leaves empty are not",
+                        error.num_filled);
+  if (error.num_moved > 0)
+    text += fmt::format(
+        "; {} vertices beside the image are moved to where the unit reaches: "
+        "--alpha 0 makes a view that needs none",
+        error.num_moved);
+  return text;
+}
+
+MeshLattice RegularLattice(const ImageSize& size, int step_x, int step_y) {
+  MeshLattice lattice;
+  for (int x = 0; x < size.width + step_x; x += step_x) lattice.x.push_back(x);
+  for (int y = 0; y < size.height + step_y; y += step_y) lattice.y.push_back(y);
+  return lattice;
+}
+
+void RequireMeshSize(const std::string& unit, const std::string& what,
+                     const ImageSize& size, const MeshSides& width,
+                     const MeshSides& height) {
+  for (const auto& [name, pixels, sides] :
+       {std::tuple("width", size.width, width),
+        {"height", size.height, height}})
+    if (pixels < sides.min || pixels > sides.max ||
+        pixels % sides.multiple != 0)
+      throw Error(
+          ExitCode::kUsage,
+          fmt::format("--to {}: the {} of {} x {} px has a {} of {}; the unit "
+                      "takes {} to {} px{}",
+                      unit, what, size.width, size.height, name, pixels,
+                      sides.min, sides.max,
+                      sides.multiple > 1
+                          ? fmt::format(", multiples of {}", sides.multiple)
+                          : ""));
+}
+
+int64_t FixedPoint(double value, int scale, int64_t least, int64_t most) {
+  const double scaled = std::round(value * scale);
+  if (!(scaled > static_cast<double>(least))) return least;
+  if (scaled > static_cast<double>(most)) return most;
+  return static_cast<int64_t>(scaled);
+}
+
+void AppendLittleEndian(uint64_t number, int num_bytes, std::string* bytes) {
+  for (int k = 0; k < num_bytes; ++k)
+    bytes->push_back(static_cast<char>((number >> (8 * k)) & 255));
+}
+
+std::string PathWithSuffix(const std::string& path, const std::string& suffix) {
+  const std::filesystem::path whole(path);
+  return (whole.parent_path() /
+          (whole.stem().string() + suffix + whole.extension().string()))
+      .string();
+}
+
+}  // namespace raygrid

@@ -1,0 +1,92 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "exchange/mesh/mesh_units.h"
+
+namespace raygrid {
+namespace {
+
+constexpr int kFecScale = 256, kFecAlignment = 32, kFecBandRows = 128;
+constexpr int kFecSmallWidth = 1920;  // up to which cells are the smaller ones
+constexpr MeshSides kFecSides = {32, 8192, 2};
+
+int FecAligned(int pixels) {
+  return (pixels + kFecAlignment - 1) / kFecAlignment * kFecAlignment;
+}
+
+// The unit's output ends at a multiple of 32 pixels.
+MeshLattice FecLattice(const MeshRequest& request) {
+  RequireMeshSize("rockchip-fec", "view", request.size, kFecSides, kFecSides);
+  RequireMeshSize("rockchip-fec", "camera's image", request.source_size,
+                  kFecSides, kFecSides);
+  const bool is_small = request.size.width <= kFecSmallWidth;
+  return RegularLattice(
+      {FecAligned(request.size.width), FecAligned(request.size.height)},
+      is_small ? 16 : 32, is_small ? 8 : 16);
+}
+
+// Vertices in the order of the unit: bands of 128 rows of pixels, columns of
+// vertices within, which end where the next band begins.
+std::vector<size_t> FecOrder(const MeshLattice& lattice) {
+  const int per_band = kFecBandRows / lattice.y[1];
+  std::vector<size_t> order;
+  for (int first = 0; first + 1 < lattice.rows(); first += per_band) {
+    const int last = std::min(first + per_band, lattice.rows() - 1);
+    for (int column = 0; column < lattice.columns(); ++column)
+      for (int row = first; row <= last; ++row)
+        order.push_back(static_cast<size_t>(row) * lattice.columns() + column);
+  }
+  return order;
+}
+
+UnitMesh WriteFec(const MeshTable& mesh) {
+  const std::array<int64_t, 2> most = {
+      (mesh.source_size.width - 1) * kFecScale,
+      (mesh.source_size.height - 1) * kFecScale};
+  UnitMesh unit;
+  std::vector<std::array<int64_t, 2>> fixed;
+  for (const Eigen::Vector2d& vertex : mesh.vertices) {
+    const Eigen::Vector2d place = ToMeshUnit(vertex);
+    fixed.push_back({FixedPoint(place.x(), kFecScale, 0, most[0]),
+                     FixedPoint(place.y(), kFecScale, 0, most[1])});
+    unit.vertices.push_back(FromMeshUnit(
+        Eigen::Vector2d(fixed.back()[0], fixed.back()[1]) / kFecScale));
+  }
+  const std::vector<size_t> order = FecOrder(mesh.lattice);
+  for (int axis = 0; axis < 2; ++axis) {
+    std::string whole, fraction;
+    for (const size_t k : order) {
+      AppendLittleEndian(fixed[k][axis] / kFecScale, 2, &whole);
+      AppendLittleEndian(fixed[k][axis] % kFecScale, 1, &fraction);
+    }
+    const std::string name = axis == 0 ? "x" : "y";
+    unit.files.emplace_back(PathWithSuffix(mesh.path, "_mesh" + name + "i"),
+                            whole);
+    unit.files.emplace_back(PathWithSuffix(mesh.path, "_mesh" + name + "f"),
+                            fraction);
+  }
+  unit.told = fmt::format(
+      "{} vertices in each of meshxi, meshxf, meshyi and "
+      "meshyf",
+      order.size());
+  return unit;
+}
+
+}  // namespace
+
+TableFormat RockchipFecFormat() {
+  static const MeshUnit unit = {FecLattice, WriteFec, {}, ""};
+  TableFormat format;
+  format.name = "rockchip-fec";
+  format.holds =
+      "Rockchip RV1126, RK3588: the four meshes of the fisheye corrector, "
+      "NAME_meshxi.bin and so on";
+  format.endings = {".bin"};
+  format.options = {"rectified", "max-fit-error"};
+  format.mesh_unit = &unit;
+  return format;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,70 @@
+#include <fmt/format.h>
+
+#include "dataset/error.h"
+#include "exchange/mesh/mesh_units.h"
+
+namespace raygrid {
+namespace {
+
+constexpr int kLdchStepX = 16, kLdchStepY = 8, kLdchScale = 16;
+constexpr MeshSides kLdchWidth = {32, 4096, kLdchStepX},
+                    kLdchHeight = {16, 4096, kLdchStepY};
+
+MeshLattice LdchLattice(const MeshRequest& request) {
+  RequireMeshSize("rockchip-ldch", "view", request.size, kLdchWidth,
+                  kLdchHeight);
+  if (request.size != request.source_size)
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("--to rockchip-ldch: the unit keeps the size of "
+                    "{} x {} px; leave out --size",
+                    request.source_size.width, request.source_size.height));
+  return RegularLattice(request.size, kLdchStepX, kLdchStepY);
+}
+
+UnitMesh WriteLdch(const MeshTable& mesh) {
+  const int columns = mesh.lattice.columns(), rows = mesh.lattice.rows(),
+            line = columns + columns % 2;
+  UnitMesh unit;
+  unit.keeps_rows = true;
+  std::string bytes;
+  for (const int number :
+       {mesh.size.width, mesh.size.height, line, rows, kLdchStepX, kLdchStepY})
+    AppendLittleEndian(number, 2, &bytes);
+  const int64_t most = (mesh.source_size.width - 1) * kLdchScale;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const Eigen::Vector2d place = ToMeshUnit(
+          mesh.vertices[static_cast<size_t>(row) * columns + column]);
+      const int64_t x = FixedPoint(place.x(), kLdchScale, 0, most);
+      AppendLittleEndian(x, 2, &bytes);
+      // Rows of the output are those of the image.
+      unit.vertices.push_back(FromMeshUnit(
+          {static_cast<double>(x) / kLdchScale, mesh.lattice.y[row]}));
+    }
+    if (line > columns) AppendLittleEndian(0, 2, &bytes);
+  }
+  unit.files = {{mesh.path, bytes}};
+  unit.told = "x alone";
+  return unit;
+}
+
+}  // namespace
+
+TableFormat RockchipLdchFormat() {
+  static const MeshUnit unit = {
+      LdchLattice, WriteLdch, 1.0,
+      "the unit moves pixels along rows only; rockchip-fec moves them along "
+      "both axes"};
+  TableFormat format;
+  format.name = "rockchip-ldch";
+  format.holds =
+      "Rockchip RV1126, RK356x, RK3588: the mesh of the horizontal corrector "
+      "LDCH, in .bin";
+  format.endings = {".bin"};
+  format.options = {"rectified", "max-fit-error"};
+  format.mesh_unit = &unit;
+  return format;
+}
+
+}  // namespace raygrid
