@@ -7,8 +7,10 @@
 #include "dataset/yaml_file.h"
 #include "exchange/basalt_format.h"
 #include "exchange/colmap_format.h"
+#include "exchange/depthai_format.h"
 #include "exchange/format.h"
 #include "exchange/kalibr_format.h"
+#include "exchange/libcamera_format.h"
 #include "exchange/metashape_format.h"
 #include "exchange/mrcal_corners_format.h"
 #include "exchange/mrcal_format.h"
@@ -46,10 +48,10 @@ void AddRemarksOnLenses(ExchangeContents* contents) {
 
 const std::vector<Format>& Formats() {
   static const std::vector<Format> formats = {
-      OpenCvFormat(),     RosFormat(),          KalibrFormat(),
-      ColmapFormat(),     MrcalCornersFormat(), MrcalFormat(),
-      BasaltFormat(),     NerfstudioFormat(),   MetashapeFormat(),
-      PuzzlepaintFormat()};
+      OpenCvFormat(),      RosFormat(),          KalibrFormat(),
+      ColmapFormat(),      MrcalCornersFormat(), MrcalFormat(),
+      BasaltFormat(),      NerfstudioFormat(),   MetashapeFormat(),
+      PuzzlepaintFormat(), DepthAiFormat(),      LibcameraFormat()};
   return formats;
 }
 

@@ -310,6 +310,26 @@ def metashape_pixel(camera, ray):
     return (width * 0.5 + cx + x * f + x * b1 - 0.5, height * 0.5 + cy + y * f - 0.5)
 
 
+# libcamera's vertex map is not part of its interface: its formula again, from dewarpPoint().
+
+def libcamera_camera(text):
+    numbers = {key: [float(word) for word in re.search(key + r": \[(.*?)\]", text, re.DOTALL)[1]
+                     .replace(",", " ").split()] for key in ("cm", "coefficients")}
+    camera = {"fx": numbers["cm"][0], "fy": numbers["cm"][4], "cx": numbers["cm"][2],
+              "cy": numbers["cm"][5], "k": (numbers["coefficients"] + [0] * 8)[:12]}
+    return camera, camera
+
+
+def libcamera_pixel(camera, ray):
+    x, y = ray[0] / ray[2], ray[1] / ray[2]
+    k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4 = camera["k"]
+    r2 = x * x + y * y
+    d = ((1 + k1 * r2 + k2 * r2 ** 2 + k3 * r2 ** 3) / (1 + k4 * r2 + k5 * r2 ** 2 + k6 * r2 ** 3))
+    x, y = (x * d + 2 * p1 * x * y + p2 * (r2 + 2 * x * x) + s1 * r2 + s2 * r2 * r2,
+            y * d + 2 * p2 * x * y + p1 * (r2 + 2 * y * y) + s3 * r2 + s4 * r2 * r2)
+    return x * camera["fx"] + camera["cx"], y * camera["fy"] + camera["cy"]
+
+
 # The authors' program cannot be had here: its formula again, from the paper and its files.
 
 def spline_weights(t):
@@ -372,6 +392,10 @@ class Formulas(ExchangeTest):
             return camera, camera["intrinsics"]
         self.assert_pixels("basalt", {"pinhole": 0, "pinhole-radtan8": 0, "kb4": 1, "ds": 1,
                                       "eucm": 1, "ucm": 1}, load, basalt_pixel)
+
+    def test_libcamera(self):
+        self.assert_pixels("libcamera", {"dewarp5": 0, "dewarp12": 0}, libcamera_camera,
+                           libcamera_pixel)
 
     def test_nerfstudio(self):
         self.assert_pixels("nerfstudio", {"PINHOLE": 0, "OPENCV": 0, "OPENCV_FISHEYE": 1},

@@ -1,0 +1,13 @@
+#ifndef RAYGRID_EXCHANGE_LIBCAMERA_FORMAT_H
+#define RAYGRID_EXCHANGE_LIBCAMERA_FORMAT_H
+
+#include "exchange/format.h"
+
+namespace raygrid {
+
+/// The module Dewarp of libcamera's tuning files.
+Format LibcameraFormat();
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_LIBCAMERA_FORMAT_H
