@@ -14,6 +14,7 @@
 #include "dataset/files.h"
 #include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
+#include "exchange/count_text.h"
 #include "exchange/format.h"
 #include "exchange/table_format.h"
 #include "ray_import.h"
@@ -116,8 +117,9 @@ void ImportCorners(const ExchangeContents& contents,
                                       {"remarks", contents.remarks}}
                    .dump(2));
   else if (!common.quiet)
-    fmt::print("{}: {} features in {} images\n", arguments.output,
-               dataset.num_features(), dataset.images.size());
+    fmt::print("{}: {} in {}\n", arguments.output,
+               CountText(dataset.num_features(), "feature"),
+               CountText(dataset.images.size(), "image"));
 }
 
 // All files together: those of a rig that have a camera each tell their poses,
@@ -198,17 +200,18 @@ std::vector<std::string> FolderNames(const ImportArguments& arguments,
   return names;
 }
 
+bool EndsWith(const std::string& text, const std::string& word) {
+  return text.size() >= word.size() &&
+         text.compare(text.size() - word.size(), word.size(), word) == 0;
+}
+
 // The features or the poses of all cameras, as the output's name says.
 std::string CsvOf(const ImportArguments& arguments,
                   const ExchangeContents& contents) {
   const std::string stem =
       std::filesystem::path(arguments.output).stem().string();
-  const auto ends_with = [&](const std::string& word) {
-    return stem.size() >= word.size() &&
-           stem.compare(stem.size() - word.size(), word.size(), word) == 0;
-  };
-  const bool wants_features = ends_with("features");
-  if (!wants_features && !ends_with("poses"))
+  const bool wants_features = EndsWith(stem, "features");
+  if (!wants_features && !EndsWith(stem, "poses"))
     throw Error(ExitCode::kUsage,
                 fmt::format("-o {}: call it features.csv or poses.csv, or let "
                             "its name end so",
@@ -229,6 +232,21 @@ std::string CsvOf(const ImportArguments& arguments,
     return wants_features ? FormatFeatures(features.front().dataset)
                           : FormatPoses(poses.front().poses);
   return wants_features ? FormatFeatures(features) : FormatPoses(poses);
+}
+
+// The number of features, or of poses, that were written.
+std::string CsvText(const std::string& output,
+                    const ExchangeContents& contents) {
+  size_t features = 0, images = 0, poses = 0;
+  for (const ReadLens& camera : contents.cameras) {
+    features += Dataset{camera.lens.size, camera.features}.num_features();
+    images += camera.features.size();
+    poses += camera.poses.size();
+  }
+  if (EndsWith(std::filesystem::path(output).stem().string(), "poses"))
+    return CountText(poses, "pose");
+  return fmt::format("{} in {}", CountText(features, "feature"),
+                     CountText(images, "image"));
 }
 
 // The files of several cameras: those of a rig beside rig.yaml, as calibrate
@@ -298,6 +316,11 @@ void RunImport(const ImportArguments& arguments, const CommonOptions& common) {
     return;
   }
   if (common.quiet) return;
+  if (std::filesystem::path(arguments.output).extension() == ".csv") {
+    fmt::print("{}: {}\n", arguments.output,
+               CsvText(arguments.output, contents));
+    return;
+  }
   for (size_t c = 0; c < contents.cameras.size(); ++c) {
     const LensInForm& lens = contents.cameras[c].lens;
     fmt::print("{}: {} of {} x {} px, in raygrid {}\n",

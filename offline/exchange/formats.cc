@@ -16,6 +16,7 @@
 #include "exchange/mrcal_format.h"
 #include "exchange/nerfstudio_format.h"
 #include "exchange/opencv_format.h"
+#include "exchange/photonvision_format.h"
 #include "exchange/puzzlepaint_format.h"
 #include "exchange/ros_format.h"
 
@@ -51,7 +52,8 @@ const std::vector<Format>& Formats() {
       OpenCvFormat(),      RosFormat(),          KalibrFormat(),
       ColmapFormat(),      MrcalCornersFormat(), MrcalFormat(),
       BasaltFormat(),      NerfstudioFormat(),   MetashapeFormat(),
-      PuzzlepaintFormat(), DepthAiFormat(),      LibcameraFormat()};
+      PuzzlepaintFormat(), DepthAiFormat(),      LibcameraFormat(),
+      PhotonVisionFormat()};
   return formats;
 }
 

@@ -9,6 +9,7 @@
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
 #include "dataset/word_lines.h"
+#include "exchange/count_text.h"
 
 namespace raygrid {
 namespace {
@@ -156,9 +157,9 @@ ImageFeatures FeaturesOfRows(const CornerRows& image, const ImageSize& board) {
   const size_t expected = static_cast<size_t>(board.width) * board.height;
   if (image.corners.size() != expected)
     throw InputError(fmt::format(
-        "image '{}' has {} corners; a board of --board {}x{} has {}",
-        Printable(image.image), image.corners.size(), board.width, board.height,
-        expected));
+        "image '{}' has {}; a board of --board {}x{} has {}",
+        Printable(image.image), CountText(image.corners.size(), "corner"),
+        board.width, board.height, expected));
   ImageFeatures features = {image.image, {}};
   for (size_t k = 0; k < expected; ++k)
     if (image.corners[k])
@@ -170,15 +171,15 @@ ImageFeatures FeaturesOfRows(const CornerRows& image, const ImageSize& board) {
 
 void AddRemarksOnCorners(const CornerCounts& counts,
                          ExchangeContents* contents) {
-  const auto add = [&](size_t count, const char* what) {
+  const auto add = [&](size_t count, const char* noun, const char* what) {
     if (count > 0)
-      contents->remarks.push_back(fmt::format("{} {}", count, what));
+      contents->remarks.push_back(
+          fmt::format("{}: {}", what, CountText(count, noun)));
   };
-  add(counts.without_board, "images have no board");
-  add(counts.rejected, "corners that the program rejected are left out");
-  add(counts.blurred,
-      "corners were found in reduced images; here they count as much as "
-      "others");
+  add(counts.without_board, "image", "without a board");
+  add(counts.rejected, "corner", "rejected by the program and left out");
+  add(counts.blurred, "corner",
+      "found in reduced images, and counted as much as others");
 }
 
 ExchangeContents ReadMrcalCorners(const ReadRequest& request) {

@@ -11,6 +11,7 @@
 #include "dataset/text_encoding.h"
 #include "dataset/yaml_file.h"
 #include "exchange/opencv_forms.h"
+#include "exchange/photonvision_format.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {
@@ -202,6 +203,7 @@ std::string WriteMrcal(const WriteRequest& request) {
 }
 
 bool IsMrcal(const std::string& text) {
+  if (IsPhotonVision(text)) return false;
   for (const char* key : {"'lensmodel'", "\"lensmodel\""})
     if (text.find(key) != std::string::npos) return true;
   return text.find(kPrefix) != std::string::npos &&

@@ -63,7 +63,7 @@ class Mrcal(ExchangeTest):
         corners, seen = self.corners_file()
         result = run("import", corners, "--board", "7x5", "-o", self.path("imported.csv"))
         self.assert_done(result)
-        self.assertIn("1 images have no board", result.stderr)
+        self.assertIn("without a board: 1 image\n", result.stderr)
         imported = [line.split(",") for line in
                     read(self.path("imported.csv")).decode().splitlines()[1:]]
         self.assertEqual({(image, int(row), int(column)): (x, y)

@@ -1,0 +1,389 @@
+#include "exchange/photonvision_format.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "exchange/count_text.h"
+#include "exchange/opencv_forms.h"
+#include "exchange/own_json.h"
+#include "exchange/yaml_numbers.h"
+
+namespace raygrid {
+namespace {
+
+constexpr char kPhotonMatrix[] = "cameraIntrinsics";
+constexpr char kPhotonSize[] = "resolution";
+// The older name was a mistake that files before 2024 have.
+constexpr const char* kPhotonDistortion[] = {"distCoeffs", "cameraExtrinsics"};
+constexpr char kLensModel[] = "lensmodel";
+constexpr char kOpenCvLens[] = "LENSMODEL_OPENCV";
+constexpr char kObservations[] = "observations";
+constexpr char kObjectPoints[] = "locationInObjectSpace";
+constexpr char kImagePoints[] = "locationInImageSpace";
+constexpr char kSpacing[] = "calobjectSpacing";
+constexpr int kFloat64 = 6;  // OpenCV's CV_64F
+constexpr int kFarthestCorner = 1000;
+
+const std::vector<LensForm>& PhotonVisionForms() {
+  static const std::vector<LensForm> forms = {OpenCvForm("opencv5", 5),
+                                              OpenCvForm("opencv8", 8)};
+  return forms;
+}
+
+// ---- JSON ------------------------------------------------------------------
+
+// Without the pictures, which are most of such a file.
+Json ParsePhotonJson(const std::string& text) {
+  const auto keeps = [](int, Json::parse_event_t event, Json& parsed) {
+    return event != Json::parse_event_t::key || parsed != "snapshotData";
+  };
+  try {
+    return Json::parse(text, keeps);
+  } catch (const Json::parse_error& error) {
+    throw InputError(fmt::format("no JSON at byte {}", error.byte));
+  } catch (const Json::out_of_range&) {
+    throw InputError("has a number that is too large");
+  }
+}
+
+// The value of a key, or null.
+const Json& ValueAt(const Json& map, const std::string& key) {
+  static const Json none;
+  const auto found = map.is_object() ? map.find(key) : map.end();
+  return found == map.end() ? none : *found;
+}
+
+double FiniteJson(const Json& node, const std::string& name) {
+  if (!node.is_number() || !std::isfinite(node.get<double>()))
+    throw InputError(fmt::format("{}: no finite number", name));
+  return node.get<double>();
+}
+
+const Json& ListAt(const Json& map, const std::string& key) {
+  const Json& list = ValueAt(map, key);
+  if (!list.is_array()) throw InputError(fmt::format("{}: no list", key));
+  return list;
+}
+
+// ---- The camera ------------------------------------------------------------
+
+int PhotonSidePx(const Json& root, const char* key) {
+  const std::string name = fmt::format("{}.{}", kPhotonSize, key);
+  const double side =
+      FiniteJson(ValueAt(ValueAt(root, kPhotonSize), key), name);
+  if (!(side >= 1 && side <= 1e6) || side != std::floor(side))
+    throw InputError(fmt::format("{}: no size of an image", name));
+  return static_cast<int>(side);
+}
+
+std::vector<double> PhotonNumbers(const Json& root, const std::string& key) {
+  std::vector<double> numbers;
+  for (const Json& number : ListAt(ValueAt(root, key), "data"))
+    numbers.push_back(FiniteJson(number, key + ".data"));
+  return numbers;
+}
+
+std::vector<double> PhotonIntrinsics(const Json& root) {
+  const std::vector<double> k = PhotonNumbers(root, kPhotonMatrix);
+  if (k.size() != 9 || k[1] != 0 || k[3] != 0 || k[6] != 0 || k[7] != 0 ||
+      k[8] != 1)
+    throw InputError(
+        fmt::format("{}: not fx 0 cx, 0 fy cy, 0 0 1", kPhotonMatrix));
+  return {k[0], k[4], k[2], k[5]};
+}
+
+std::vector<double> PhotonCoefficients(const Json& root) {
+  for (const char* key : kPhotonDistortion)
+    if (!ValueAt(root, key).is_null()) return PhotonNumbers(root, key);
+  throw InputError(fmt::format("'{}' is missing", kPhotonDistortion[0]));
+}
+
+void RequireOpenCvLens(const Json& root) {
+  const Json& model = ValueAt(root, kLensModel);
+  if (model.is_null() || model == kOpenCvLens) return;
+  throw InputError(
+      fmt::format("{}: '{}' is none that raygrid has; {} is", kLensModel,
+                  model.is_string() ? Printable(model.get<std::string>()) : "",
+                  kOpenCvLens));
+}
+
+LensInForm ReadPhotonLens(const Json& root) {
+  RequireOpenCvLens(root);
+  LensInForm lens;
+  lens.size = {PhotonSidePx(root, "width"), PhotonSidePx(root, "height")};
+  lens.values = PhotonIntrinsics(root);
+  std::vector<double> coefficients = PhotonCoefficients(root);
+  if (coefficients.size() == 4) coefficients.push_back(0);
+  if (coefficients.size() != 5 && coefficients.size() != 8)
+    throw InputError(
+        fmt::format("{} distortion coefficients; PhotonVision has 5 or 8",
+                    coefficients.size()));
+  lens.form = &PhotonVisionForms()[coefficients.size() == 8];
+  lens.values.insert(lens.values.end(), coefficients.begin(),
+                     coefficients.end());
+  return lens;
+}
+
+// ---- Corners ---------------------------------------------------------------
+
+struct PhotonCorner {
+  Eigen::Vector2d on_board, pixel;
+};
+
+// A snapshot of a board.
+struct PhotonView {
+  std::string image;
+  std::vector<PhotonCorner> corners;  // that the program took
+  std::optional<Pose> camera_from_board;
+  Eigen::Vector2d lowest_m;  // of the places on the board, if it tells any
+};
+
+struct PhotonCounts {
+  size_t left_out = 0, skipped = 0;
+};
+
+Eigen::Vector2d PlanePoint(const Json& point, const char* list) {
+  return {FiniteJson(ValueAt(point, "x"), fmt::format("{}: x", list)),
+          FiniteJson(ValueAt(point, "y"), fmt::format("{}: y", list))};
+}
+
+// Whether the solver took a corner; older files do not say it.
+bool IsUsed(const Json& view, size_t corner) {
+  const Json& used = ValueAt(view, "cornersUsed");
+  return !used.is_array() || corner >= used.size() || used[corner] != false;
+}
+
+// A corner that was not found lies at (-1, -1), on the board as well as in the
+// image.
+std::vector<PhotonCorner> CornersOf(const Json& view, PhotonCounts* counts) {
+  const Json &places = ListAt(view, kObjectPoints),
+             &pixels = ListAt(view, kImagePoints);
+  if (places.size() != pixels.size())
+    throw InputError(fmt::format("{} has {} points, and {} has {}",
+                                 kObjectPoints, places.size(), kImagePoints,
+                                 pixels.size()));
+  std::vector<PhotonCorner> corners;
+  for (size_t k = 0; k < pixels.size(); ++k) {
+    const Eigen::Vector2d pixel = PlanePoint(pixels[k], kImagePoints);
+    if (pixel.minCoeff() < 0) continue;
+    if (!IsUsed(view, k)) {
+      ++counts->left_out;
+      continue;
+    }
+    corners.push_back({PlanePoint(places[k], kObjectPoints), pixel});
+  }
+  return corners;
+}
+
+// Corners that were not found stand there, too, but for those of ChArUco.
+Eigen::Vector2d LowestPlace(const Json& view) {
+  Eigen::Vector2d lowest(INFINITY, INFINITY);
+  for (const Json& point : ListAt(view, kObjectPoints)) {
+    const Eigen::Vector2d place = PlanePoint(point, kObjectPoints);
+    if (place.minCoeff() >= 0) lowest = lowest.cwiseMin(place);
+  }
+  return lowest;
+}
+
+// None if the solver told none.
+std::optional<Pose> PhotonPose(const Json& pose) {
+  const Json& t = ValueAt(pose, "translation");
+  const Json& q = ValueAt(ValueAt(pose, "rotation"), "quaternion");
+  if (!t.is_object() || !q.is_object()) return std::nullopt;
+  std::array<double, 7> numbers;
+  for (int k = 0; k < 4; ++k)
+    numbers[k] =
+        FiniteJson(ValueAt(q, std::string(1, "WXYZ"[k])), "quaternion");
+  for (int k = 0; k < 3; ++k)
+    numbers[4 + k] =
+        FiniteJson(ValueAt(t, std::string(1, "xyz"[k])), "translation");
+  if (numbers[4] == 0 && numbers[5] == 0 && numbers[6] == 0)
+    return std::nullopt;
+  return PoseOfQuaternion(numbers);
+}
+
+PhotonView ReadPhotonView(const Json& view, size_t index,
+                          PhotonCounts* counts) {
+  const Json& name = ValueAt(view, "snapshotName");
+  const std::string image = name.is_string() ? name.get<std::string>() : "";
+  return {image.empty() ? fmt::format("view{:04}", index) : image,
+          CornersOf(view, counts),
+          PhotonPose(ValueAt(view, "optimisedCameraToObject")),
+          LowestPlace(view)};
+}
+
+std::vector<PhotonView> ReadPhotonViews(const Json& root,
+                                        PhotonCounts* counts) {
+  std::vector<PhotonView> views;
+  if (ValueAt(root, kObservations).is_null()) return views;
+  const Json& list = ListAt(root, kObservations);
+  for (size_t k = 0; k < list.size(); ++k) {
+    if (ValueAt(list[k], "includeObservationInCalibration") == false) {
+      ++counts->skipped;
+      continue;
+    }
+    try {
+      views.push_back(ReadPhotonView(list[k], k, counts));
+    } catch (const InputError& error) {
+      throw InputError(
+          fmt::format("{}[{}]: {}", kObservations, k, error.what()));
+    }
+  }
+  return views;
+}
+
+// Between corners in metres. Older files do not say it: the least distance from
+// the first corner of a view, along one axis.
+double SpacingOf(const Json& root, const std::vector<PhotonView>& views) {
+  const Json& told = ValueAt(root, kSpacing);
+  double spacing = told.is_null() ? 0 : FiniteJson(told, kSpacing);
+  if (spacing != 0) return std::abs(spacing);
+  spacing = INFINITY;
+  for (const PhotonView& view : views)
+    for (const PhotonCorner& corner : view.corners)
+      for (const double step : corner.on_board - view.corners[0].on_board)
+        if (std::abs(step) > 1e-6) spacing = std::min(spacing, std::abs(step));
+  return spacing;
+}
+
+// Column and row, counted from the board's origin.
+Eigen::Vector2i PlaceOf(const PhotonCorner& corner, double spacing) {
+  constexpr double kMostOff = 0.02;
+  const Eigen::Vector2d exact = corner.on_board / spacing;
+  const Eigen::Vector2d whole = exact.array().round();
+  if (!((exact - whole).cwiseAbs().maxCoeff() < kMostOff) ||
+      !(whole.cwiseAbs().maxCoeff() <= kFarthestCorner))
+    throw InputError(fmt::format(
+        "{}: ({:g}, {:g}) is no corner of a board with {} {:g}", kObjectPoints,
+        corner.on_board.x(), corner.on_board.y(), kSpacing, spacing));
+  return whole.cast<int>();
+}
+
+// The place of the first corner: that of a ChArUco board lies a square from the
+// board's origin.
+Eigen::Vector2i FirstPlace(const std::vector<PhotonView>& views,
+                           double spacing) {
+  Eigen::Vector2d lowest(INFINITY, INFINITY);
+  for (const PhotonView& view : views) lowest = lowest.cwiseMin(view.lowest_m);
+  const bool is_charuco =
+      lowest.allFinite() && lowest.minCoeff() > 0.5 * spacing;
+  return is_charuco ? Eigen::Vector2i(1, 1) : Eigen::Vector2i(0, 0);
+}
+
+void RequireDistinct(const std::vector<Feature>& features,
+                     const std::string& image) {
+  std::set<std::pair<int, int>> places;
+  for (const Feature& feature : features)
+    if (std::min(feature.column, feature.row) < 0 ||
+        !places.insert({feature.column, feature.row}).second)
+      throw InputError(fmt::format(
+          "{} of '{}': corner ({}, {}) of the board "
+          "stands there twice, or is none",
+          kObservations, Printable(image), feature.column, feature.row));
+}
+
+void AddPhotonViews(const Json& root, ExchangeContents* contents) {
+  PhotonCounts counts;
+  const std::vector<PhotonView> views = ReadPhotonViews(root, &counts);
+  const double spacing = SpacingOf(root, views);
+  const Eigen::Vector2i first = FirstPlace(views, spacing);
+  ReadLens& camera = contents->cameras.front();
+  for (const PhotonView& view : views) {
+    ImageFeatures image = {view.image, {}};
+    for (const PhotonCorner& corner : view.corners) {
+      const Eigen::Vector2i place = PlaceOf(corner, spacing) - first;
+      image.features.push_back({0, place.x(), place.y(),
+                                FromProgram(PixelOrigin::kFirstPixelCenter,
+                                            camera.lens.size, corner.pixel)});
+    }
+    RequireDistinct(image.features, image.image);
+    if (!image.features.empty()) camera.features.push_back(std::move(image));
+    if (view.camera_from_board && first.isZero())
+      camera.poses.push_back({view.image, 0, *view.camera_from_board});
+  }
+  const auto remark = [&](size_t count, const char* what) {
+    if (count > 0)
+      contents->remarks.push_back(fmt::format(
+          "{} that its solver left out: not taken", CountText(count, what)));
+  };
+  remark(counts.left_out, "corner");
+  remark(counts.skipped, "image");
+  if (!first.isZero())
+    contents->remarks.push_back(
+        "its boards' poses are not taken: corners begin a square from the "
+        "board's origin");
+}
+
+ExchangeContents ReadPhotonVision(const ReadRequest& request) {
+  if (!request.form.empty())
+    throw InputError(
+        "a file of PhotonVision says its model itself; leave --model out");
+  const Json root = ParsePhotonJson(request.text);
+  ExchangeContents contents;
+  contents.cameras.emplace_back().lens = ReadPhotonLens(root);
+  TakeOwnJson(YAML::Load(ValueAt(root, kOwnKey).dump()),
+              &contents.cameras.front());
+  AddPhotonViews(root, &contents);
+  return contents;
+}
+
+// ---- Writing ---------------------------------------------------------------
+
+Json PhotonMatrix(int rows, const std::vector<double>& data) {
+  return {{"rows", rows},
+          {"cols", data.size() / rows},
+          {"type", kFloat64},
+          {"data", data}};
+}
+
+std::string WritePhotonVision(const WriteRequest& request) {
+  const WrittenLens& camera = request.cameras.front();
+  const LensInForm& lens = camera.lens;
+  const Json root = {
+      {kPhotonSize,
+       {{"width", double(lens.size.width)},
+        {"height", double(lens.size.height)}}},
+      {kPhotonMatrix,
+       PhotonMatrix(3, {lens.Value("fx"), 0, lens.Value("cx"), 0,
+                        lens.Value("fy"), lens.Value("cy"), 0, 0, 1})},
+      {kPhotonDistortion[0], PhotonMatrix(1, lens.ValuesFrom(4))},
+      {"calobjectWarp", {0.0, 0.0}},
+      {kObservations, Json::array()},
+      {"calobjectSize", {{"width", 0.0}, {"height", 0.0}}},
+      {kSpacing, 0.0},
+      {kLensModel, kOpenCvLens},
+      {kOwnKey, OwnJson(camera)}};
+  return root.dump(2) + "\n";
+}
+
+}  // namespace
+
+bool IsPhotonVision(const std::string& text) {
+  for (const char* key : {kPhotonMatrix, kPhotonSize})
+    if (text.find(fmt::format("\"{}\"", key)) == std::string::npos)
+      return false;
+  return text.find_first_not_of(" \t\r\n") == text.find('{');
+}
+
+Format PhotonVisionFormat() {
+  Format format;
+  format.name = "photonvision";
+  format.holds =
+      "calibration .json: a pinhole with 5 or 8 of OpenCV's coefficients; of "
+      "a rig a file for each camera; corners and poses of boards come in";
+  format.forms = PhotonVisionForms();
+  format.ending = ".json";
+  format.drops_rigs = true;
+  format.recognizes = IsPhotonVision;
+  format.read = ReadPhotonVision;
+  format.write = WritePhotonVision;
+  return format;
+}
+
+}  // namespace raygrid
