@@ -64,8 +64,9 @@ ExchangeContents ReadForeignFile(const ImportArguments& arguments,
                        ": is raygrid's own already; every command takes it");
   const Format* const found = format ? format : RecognizeFormat(request.text);
   if (found && found->beside) {
-    const std::string beside = found->beside(path);
-    if (std::filesystem::exists(beside)) request.beside = ReadFile(beside);
+    for (const std::string& beside : found->beside(path))
+      request.beside.push_back(
+          std::filesystem::exists(beside) ? ReadFile(beside) : "");
   }
   return ReadExchangeFile(format, request);
 }
@@ -277,7 +278,20 @@ std::vector<std::pair<std::string, std::string>> FilesOf(
   return files;
 }
 
-void RunImport(const ImportArguments& arguments, const CommonOptions& common) {
+// The file of cameras in a folder of COLMAP; COLMAP prefers bytes, too.
+std::string FileIn(const std::string& path) {
+  if (!std::filesystem::is_directory(path)) return path;
+  for (const char* name : {"cameras.bin", "cameras.txt"}) {
+    const std::filesystem::path file = std::filesystem::path(path) / name;
+    if (std::filesystem::exists(file)) return file.string();
+  }
+  throw InputError(path +
+                   ": a folder without COLMAP's cameras.bin or cameras.txt; "
+                   "name a file");
+}
+
+void RunImport(ImportArguments arguments, const CommonOptions& common) {
+  for (std::string& path : arguments.files) path = FileIn(path);
   std::vector<std::string> texts;
   for (const std::string& path : arguments.files)
     texts.push_back(ReadFile(path));
@@ -346,7 +360,8 @@ void AddImport(CLI::App* app, CommonOptions* common) {
   auto arguments = std::make_shared<ImportArguments>();
   command
       ->add_option("files", arguments->files,
-                   "another program's file, or the files of a rig's cameras")
+                   "another program's file, the files of a rig's cameras, or "
+                   "COLMAP's folder")
       ->required();
   command
       ->add_option("-o,--output", arguments->output,

@@ -5,6 +5,7 @@
 
 #include "dataset/error.h"
 #include "exchange/colmap_files.h"
+#include "exchange/count_text.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {
@@ -23,7 +24,8 @@ class ByteReader {
     uint64_t bits = 0;
     if (bytes_.size() - at_ < sizeof(Number))
       throw InputError(fmt::format(
-          "ends after {} bytes, in the middle of a camera; copy it again",
+          "ends after {} bytes, in the middle of a camera or image; copy it "
+          "again",
           bytes_.size()));
     for (size_t k = 0; k < sizeof(Number); ++k)
       bits |= uint64_t{static_cast<unsigned char>(bytes_[at_ + k])} << 8 * k;
@@ -39,10 +41,23 @@ class ByteReader {
           fmt::format("no finite number at byte {}", at_ - sizeof(number)));
     return number;
   }
+  // Up to the byte 0, which is passed over.
+  std::string GetText() {
+    std::string text;
+    while (const auto c = Get<uint8_t>()) text.push_back(static_cast<char>(c));
+    return text;
+  }
+  void Skip(uint64_t count, size_t size) {
+    if (count > (bytes_.size() - at_) / size)
+      throw InputError(fmt::format(
+          "ends after {} bytes, in the middle of an image; copy it again",
+          bytes_.size()));
+    at_ += count * size;
+  }
   void RequireEnd() const {
     if (at_ != bytes_.size())
-      throw InputError(
-          fmt::format("has {} bytes behind its end", bytes_.size() - at_));
+      throw InputError(fmt::format("has {} behind its end",
+                                   CountText(bytes_.size() - at_, "byte")));
   }
 
  private:
@@ -64,6 +79,19 @@ int SideOf(uint64_t side) {
   return static_cast<int>(side);
 }
 
+Pose GetPose(ByteReader* reader) {
+  std::array<double, 7> numbers;
+  for (double& number : numbers) number = reader->GetFinite();
+  return PoseOfQuaternion(numbers);
+}
+
+void AppendPose(const Pose& pose, std::string* bytes) {
+  const Eigen::Quaterniond& q = pose.rotation;
+  const Eigen::Vector3d& t = pose.translation;
+  for (const double number : {q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()})
+    Append(number, bytes);
+}
+
 ColmapRig DecodeRig(ByteReader* reader) {
   ColmapRig rig;
   reader->Get<uint32_t>();
@@ -75,9 +103,7 @@ ColmapRig DecodeRig(ByteReader* reader) {
     if (k == 0) {
       sensor.sensor_from_rig = Pose{};
     } else if (reader->Get<uint8_t>() != 0) {
-      std::array<double, 7> numbers;
-      for (double& number : numbers) number = reader->GetFinite();
-      sensor.sensor_from_rig = PoseOfQuaternion(numbers);
+      sensor.sensor_from_rig = GetPose(reader);
     }
     if (is_camera) rig.push_back(sensor);
   }
@@ -185,14 +211,62 @@ std::string EncodeColmapRig(const ColmapRig& rig) {
     Append<int32_t>(kCameraSensor, &bytes);
     Append<uint32_t>(rig[k].camera, &bytes);
     if (k == 0) continue;
-    const Pose& pose = rig[k].sensor_from_rig.value();
-    const Eigen::Quaterniond& q = pose.rotation;
     Append<uint8_t>(1, &bytes);
-    for (const double number :
-         {q.w(), q.x(), q.y(), q.z(), pose.translation.x(),
-          pose.translation.y(), pose.translation.z()})
-      Append(number, &bytes);
+    AppendPose(rig[k].sensor_from_rig.value(), &bytes);
   }
+  return bytes;
+}
+
+std::vector<ColmapImage> DecodeColmapImages(const std::string& bytes) {
+  constexpr size_t kPointSize = 24;  // x, y, number of the point in space
+  ByteReader reader(bytes);
+  std::vector<ColmapImage> images;
+  for (auto count = reader.Get<uint64_t>(); count > 0; --count) {
+    ColmapImage image;
+    image.id = reader.Get<uint32_t>();
+    image.camera_from_world = GetPose(&reader);
+    image.camera = reader.Get<uint32_t>();
+    image.name = reader.GetText();
+    reader.Skip(reader.Get<uint64_t>(), kPointSize);
+    images.push_back(std::move(image));
+  }
+  reader.RequireEnd();
+  return images;
+}
+
+std::string EncodeColmapImages(const std::vector<ColmapImage>& images) {
+  std::string bytes;
+  Append<uint64_t>(images.size(), &bytes);
+  for (const ColmapImage& image : images) {
+    Append<uint32_t>(image.id, &bytes);
+    AppendPose(image.camera_from_world, &bytes);
+    Append<uint32_t>(image.camera, &bytes);
+    bytes += image.name + '\0';
+    Append<uint64_t>(0, &bytes);
+  }
+  return bytes;
+}
+
+std::string EncodeColmapFrames(const std::vector<ColmapFrame>& frames) {
+  std::string bytes;
+  Append<uint64_t>(frames.size(), &bytes);
+  for (size_t k = 0; k < frames.size(); ++k) {
+    Append<uint32_t>(k + 1, &bytes);
+    Append<uint32_t>(1, &bytes);
+    AppendPose(frames[k].rig_from_world, &bytes);
+    Append<uint32_t>(frames[k].images.size(), &bytes);
+    for (const auto& [camera, image] : frames[k].images) {
+      Append<int32_t>(kCameraSensor, &bytes);
+      Append<uint32_t>(camera, &bytes);
+      Append<uint64_t>(image, &bytes);
+    }
+  }
+  return bytes;
+}
+
+std::string EncodeNoColmapPoints() {
+  std::string bytes;
+  Append<uint64_t>(0, &bytes);
   return bytes;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "camera/area.h"
@@ -30,6 +31,19 @@ struct ColmapSensor {
 };
 using ColmapRig = std::vector<ColmapSensor>;
 
+/// An image whose place is known; what was seen in it is left out.
+struct ColmapImage {
+  uint32_t id = 0, camera = 0;
+  std::string name;
+  Pose camera_from_world;
+};
+
+/// Images that the cameras of the one rig took at one time.
+struct ColmapFrame {
+  Pose rig_from_world;
+  std::vector<std::pair<uint32_t, uint32_t>> images;  ///< camera, image
+};
+
 /// COLMAP's models by their numbers in binary files.
 const std::vector<std::string>& ColmapModelNames();
 
@@ -41,19 +55,32 @@ int NumColmapParameters(const std::string& model);
 bool IsColmapText(const std::string& text);
 bool IsColmapBinary(const std::string& bytes);
 
-/// cameras.txt and rigs.txt; the path is used in errors. They throw InputError.
+/// cameras.txt, rigs.txt and images.txt; the path is used in errors. They throw
+/// InputError.
 std::vector<ColmapCamera> ParseColmapCameras(const std::string& path,
                                              const std::string& text);
 std::vector<ColmapRig> ParseColmapRigs(const std::string& path,
                                        const std::string& text);
+std::vector<ColmapImage> ParseColmapImages(const std::string& path,
+                                           const std::string& text);
 std::string FormatColmapCameras(const std::vector<ColmapCamera>& cameras);
 std::string FormatColmapRig(const ColmapRig& rig);
+/// Throws InputError for a name with a space, which COLMAP reads no farther
+/// than that.
+std::string FormatColmapImages(const std::vector<ColmapImage>& images);
+std::string FormatColmapFrames(const std::vector<ColmapFrame>& frames);
+/// points3D.txt without any point: COLMAP reads no model that lacks it.
+std::string FormatNoColmapPoints();
 
-/// cameras.bin and rigs.bin, likewise.
+/// Bytes of these files.
 std::vector<ColmapCamera> DecodeColmapCameras(const std::string& bytes);
 std::vector<ColmapRig> DecodeColmapRigs(const std::string& bytes);
+std::vector<ColmapImage> DecodeColmapImages(const std::string& bytes);
 std::string EncodeColmapCameras(const std::vector<ColmapCamera>& cameras);
 std::string EncodeColmapRig(const ColmapRig& rig);
+std::string EncodeColmapImages(const std::vector<ColmapImage>& images);
+std::string EncodeColmapFrames(const std::vector<ColmapFrame>& frames);
+std::string EncodeNoColmapPoints();
 
 }  // namespace raygrid
 

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <set>
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
+#include "dataset/yaml_file.h"
 #include "exchange/colmap_files.h"
 #include "exchange/opencv_forms.h"
 
@@ -71,10 +73,16 @@ bool IsBinaryPath(const std::string& path) {
   return std::filesystem::path(path).extension() == ".bin";
 }
 
-std::string RigsPath(const std::string& path) {
+// "m/rigs.txt" of "m/cameras.txt".
+std::string PathBeside(const std::string& path, const std::string& stem) {
   return std::filesystem::path(path)
-      .replace_filename(IsBinaryPath(path) ? "rigs.bin" : "rigs.txt")
+      .replace_filename(stem + (IsBinaryPath(path) ? ".bin" : ".txt"))
       .string();
+}
+
+// In the order of ReadRequest::beside.
+std::vector<std::string> PathsBeside(const std::string& path) {
+  return {PathBeside(path, "rigs"), PathBeside(path, "images")};
 }
 
 // The one rig of several cameras, if all have poses in it; else nothing, with
@@ -97,18 +105,70 @@ ColmapRig RigOf(const std::vector<ColmapRig>& rigs, size_t num_cameras,
   return {};
 }
 
+size_t IndexOf(uint32_t id, const std::vector<ColmapCamera>& cameras,
+               const std::string& owner) {
+  for (size_t c = 0; c < cameras.size(); ++c)
+    if (cameras[c].id == id) return c;
+  throw InputError(
+      fmt::format("{} has camera {}, which is not there", owner, id));
+}
+
 void SetPoses(const ColmapRig& rig, const std::vector<ColmapCamera>& cameras,
               ExchangeContents* contents) {
-  for (const ColmapSensor& sensor : rig) {
-    const auto camera = std::find_if(
-        cameras.begin(), cameras.end(),
-        [&](const ColmapCamera& known) { return known.id == sensor.camera; });
-    if (camera == cameras.end())
-      throw InputError(fmt::format("a rig has camera {}, which is not there",
-                                   sensor.camera));
-    contents->cameras[camera - cameras.begin()].camera_from_rig =
-        sensor.sensor_from_rig;
+  for (const ColmapSensor& sensor : rig)
+    contents->cameras[IndexOf(sensor.camera, cameras, "a rig")]
+        .camera_from_rig = sensor.sensor_from_rig;
+}
+
+// "left/1.png" of camera "left" is its "1.png".
+std::string NameWithoutCamera(const std::string& image,
+                              const std::string& camera) {
+  const std::string folder = camera + "/";
+  return !camera.empty() && image.rfind(folder, 0) == 0
+             ? image.substr(folder.size())
+             : image;
+}
+
+// The world is that of a board. COLMAP writes images in no order.
+void AddImages(std::vector<ColmapImage> images,
+               const std::vector<ColmapCamera>& cameras,
+               ExchangeContents* contents) {
+  std::stable_sort(
+      images.begin(), images.end(),
+      [](const ColmapImage& a, const ColmapImage& b) { return a.id < b.id; });
+  for (const ColmapImage& image : images) {
+    ReadLens& camera = contents->cameras[IndexOf(
+        image.camera, cameras,
+        fmt::format("image '{}'", Printable(image.name)))];
+    RequireStorableName("image", image.name);
+    camera.poses.push_back({cameras.size() > 1
+                                ? NameWithoutCamera(image.name, camera.name)
+                                : image.name,
+                            0, image.camera_from_world});
   }
+}
+
+void ReadBeside(const ReadRequest& request, bool is_text,
+                const std::vector<ColmapCamera>& cameras,
+                ExchangeContents* contents) {
+  if (request.beside.size() != 2) return;
+  const auto take = [&](const char* stem, const std::string& text,
+                        const auto& parse, const auto& decode,
+                        const auto& add) {
+    const std::string path = PathBeside(request.path, stem);
+    if (text.empty()) return;
+    ReadNamingFile(path,
+                   [&] { add(is_text ? parse(path, text) : decode(text)); });
+  };
+  take("rigs", request.beside[0], ParseColmapRigs, DecodeColmapRigs,
+       [&](const std::vector<ColmapRig>& rigs) {
+         SetPoses(RigOf(rigs, cameras.size(), &contents->remarks), cameras,
+                  contents);
+       });
+  take("images", request.beside[1], ParseColmapImages, DecodeColmapImages,
+       [&](const std::vector<ColmapImage>& images) {
+         AddImages(images, cameras, contents);
+       });
 }
 
 ExchangeContents ReadColmap(const ReadRequest& request) {
@@ -130,13 +190,7 @@ ExchangeContents ReadColmap(const ReadRequest& request) {
     read.lens = {&ColmapFormNamed(camera), camera.size, camera.parameters};
     contents.cameras.push_back(std::move(read));
   }
-  if (!request.beside.empty()) {
-    const std::string path = RigsPath(request.path);
-    SetPoses(RigOf(is_text ? ParseColmapRigs(path, request.beside)
-                           : DecodeColmapRigs(request.beside),
-                   cameras.size(), &contents.remarks),
-             cameras, &contents);
-  }
+  ReadBeside(request, is_text, cameras, &contents);
   return contents;
 }
 
@@ -152,15 +206,72 @@ std::string WriteColmap(const WriteRequest& request) {
 }
 
 // COLMAP's rigs stand in the frame of their first sensor.
-std::string WriteColmapRig(const WriteRequest& request) {
-  const Pose rig_from_first =
-      request.cameras.front().camera_from_rig.value().Inverse();
+ColmapRig RigOfCameras(const std::vector<WrittenLens>& cameras) {
+  const Pose rig_from_first = cameras.front().camera_from_rig.value().Inverse();
   ColmapRig rig;
-  for (const WrittenLens& camera : request.cameras)
+  for (const WrittenLens& camera : cameras)
     rig.push_back({static_cast<uint32_t>(rig.size() + 1),
                    *camera.camera_from_rig * rig_from_first});
-  return IsBinaryPath(request.path) ? EncodeColmapRig(rig)
-                                    : FormatColmapRig(rig);
+  return rig;
+}
+
+// Images of several cameras stand in folders of their names.
+std::vector<ColmapImage> ImagesOf(const std::vector<WrittenLens>& cameras) {
+  std::vector<ColmapImage> images;
+  for (size_t c = 0; c < cameras.size(); ++c)
+    for (const BoardPose& pose : cameras[c].poses)
+      images.push_back(
+          {static_cast<uint32_t>(images.size() + 1),
+           static_cast<uint32_t>(c + 1),
+           (cameras.size() > 1 ? cameras[c].name + "/" : "") + pose.image,
+           pose.camera_from_board});
+  return images;
+}
+
+// Images of one name were taken at one time. images come from ImagesOf().
+std::vector<ColmapFrame> FramesOf(const std::vector<ColmapImage>& images,
+                                  const std::vector<WrittenLens>& cameras) {
+  const ColmapRig rig = RigOfCameras(cameras);
+  std::vector<ColmapFrame> frames;
+  std::map<std::string, size_t> by_name;
+  for (const ColmapImage& image : images) {
+    const size_t camera = image.camera - 1;
+    const auto [at, is_new] = by_name.emplace(
+        NameWithoutCamera(image.name, cameras[camera].name), frames.size());
+    if (is_new)
+      frames.push_back(
+          {rig[camera].sensor_from_rig->Inverse() * image.camera_from_world,
+           {}});
+    frames[at->second].images.emplace_back(image.camera, image.id);
+  }
+  return frames;
+}
+
+// COLMAP opens no model without points, so there is a file of none. It replaces
+// none of a reconstruction, and then neither do the images. Versions from 3.12
+// on open no rig without frames.
+std::vector<BesideFile> WriteColmapBeside(const WriteRequest& request) {
+  std::vector<BesideFile> files;
+  const bool is_binary = IsBinaryPath(request.path);
+  const auto add = [&](const char* stem, const auto& encode, const auto& format,
+                       const auto&... what) {
+    files.push_back({PathBeside(request.path, stem),
+                     is_binary ? encode(what...) : format(what...)});
+  };
+  RequireOneBoard("COLMAP", request.cameras);
+  const bool is_rig = request.cameras.front().camera_from_rig.has_value();
+  if (is_rig)
+    add("rigs", EncodeColmapRig, FormatColmapRig,
+        RigOfCameras(request.cameras));
+  const std::vector<ColmapImage> images = ImagesOf(request.cameras);
+  if (images.empty()) return files;
+  if (is_rig)
+    add("frames", EncodeColmapFrames, FormatColmapFrames,
+        FramesOf(images, request.cameras));
+  add("images", EncodeColmapImages, FormatColmapImages, images);
+  add("points3D", EncodeNoColmapPoints, FormatNoColmapPoints);
+  files.back().is_never_replaced = true;
+  return files;
 }
 
 }  // namespace
@@ -170,7 +281,9 @@ Format ColmapFormat() {
   format.name = "colmap";
   format.holds =
       "cameras.txt or, by its ending, cameras.bin; of a rig rigs.txt or "
-      "rigs.bin beside it";
+      "rigs.bin beside it; poses of one board as images.txt or images.bin, "
+      "with "
+      "frames of a rig and a file of no points";
   format.forms = ColmapForms();
   format.holds_rigs = true;
   format.recognizes = [](const std::string& text) {
@@ -178,8 +291,9 @@ Format ColmapFormat() {
   };
   format.read = ReadColmap;
   format.write = WriteColmap;
-  format.beside = RigsPath;
-  format.write_beside = WriteColmapRig;
+  format.holds_poses = true;
+  format.beside = PathsBeside;
+  format.write_beside = WriteColmapBeside;
   return format;
 }
 

@@ -22,6 +22,20 @@ constexpr char kRigsHeader[] =
     "#   RIG_ID, NUM_SENSORS, REF_SENSOR_TYPE, REF_SENSOR_ID, SENSORS[] as "
     "(SENSOR_TYPE, SENSOR_ID, HAS_POSE, [QW, QX, QY, QZ, TX, TY, TZ])\n";
 
+constexpr char kImagesHeader[] =
+    "# Image list with two lines of data per image:\n"
+    "#   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n"
+    "#   POINTS2D[] as (X, Y, POINT3D_ID)\n";
+constexpr char kFramesHeader[] =
+    "# Frame list with one line of data per frame:\n"
+    "#   FRAME_ID, RIG_ID, RIG_FROM_WORLD[QW, QX, QY, QZ, TX, TY, TZ], "
+    "NUM_DATA_IDS, DATA_IDS[] as (SENSOR_TYPE, SENSOR_ID, DATA_ID)\n";
+constexpr char kPointsHeader[] =
+    "# 3D point list with one line of data per point:\n"
+    "#   POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, "
+    "POINT2D_IDX)\n"
+    "# Number of points: 0, mean track length: 0\n";
+
 // Comments that other readers pass over.
 constexpr char kNameComment[] = "# Name of camera ";
 constexpr char kSerialComment[] = "# Serial of camera ";
@@ -69,6 +83,16 @@ Pose PoseOfWords(const WordLines& lines, size_t first) {
   } catch (const InputError& error) {
     lines.Refuse(error.what());
   }
+}
+
+// " QW QX QY QZ TX TY TZ"
+std::string PoseWords(const Pose& pose) {
+  const Eigen::Quaterniond& q = pose.rotation;
+  const Eigen::Vector3d& t = pose.translation;
+  std::string words;
+  for (const double number : {q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()})
+    words += fmt::format(" {}", number);
+  return words;
 }
 
 // The sensors behind the reference sensor, in pairs of type and number.
@@ -137,6 +161,26 @@ std::vector<ColmapRig> ParseColmapRigs(const std::string& path,
   return rigs;
 }
 
+std::vector<ColmapImage> ParseColmapImages(const std::string& path,
+                                           const std::string& text) {
+  WordLines lines(path, text, "images.txt as COLMAP writes it");
+  std::vector<ColmapImage> images;
+  while (lines.NextWithWords()) {
+    ColmapImage image;
+    image.id = lines.Get<uint32_t>(0);
+    image.camera_from_world = PoseOfWords(lines, 1);
+    image.camera = lines.Get<uint32_t>(8);
+    image.name = lines.Text(9);
+    for (size_t k = 10; k < lines.size(); ++k)
+      image.name += " " + lines.Text(k);
+    images.push_back(std::move(image));
+    // The points, of which there may be none.
+    if (lines.Next() && lines.size() % 3 != 0)
+      lines.Refuse("points are not three words each");
+  }
+  return images;
+}
+
 std::string FormatColmapCameras(const std::vector<ColmapCamera>& cameras) {
   std::string text = kCamerasHeader;
   text += fmt::format("# Number of cameras: {}\n", cameras.size());
@@ -157,14 +201,43 @@ std::string FormatColmapRig(const ColmapRig& rig) {
   std::string text = kRigsHeader;
   text += fmt::format("# Number of rigs: 1\n1 {} CAMERA {}", rig.size(),
                       rig.front().camera);
-  for (size_t k = 1; k < rig.size(); ++k) {
-    const Pose& pose = rig[k].sensor_from_rig.value();
-    const Eigen::Quaterniond& q = pose.rotation;
-    text += fmt::format(" CAMERA {} 1 {} {} {} {} {} {} {}", rig[k].camera,
-                        q.w(), q.x(), q.y(), q.z(), pose.translation.x(),
-                        pose.translation.y(), pose.translation.z());
-  }
+  for (size_t k = 1; k < rig.size(); ++k)
+    text += fmt::format(" CAMERA {} 1{}", rig[k].camera,
+                        PoseWords(rig[k].sensor_from_rig.value()));
   return text + "\n";
 }
+
+std::string FormatColmapImages(const std::vector<ColmapImage>& images) {
+  std::string text = kImagesHeader;
+  text +=
+      fmt::format("# Number of images: {}, mean observations per image: 0\n",
+                  images.size());
+  for (const ColmapImage& image : images) {
+    if (image.name.find_first_of(" \t\r\n") != std::string::npos)
+      throw InputError(fmt::format(
+          "image '{}': COLMAP reads no text with a space in a name; write "
+          "cameras.bin",
+          Printable(image.name)));
+    text += fmt::format("{}{} {} {}\n\n", image.id,
+                        PoseWords(image.camera_from_world), image.camera,
+                        image.name);
+  }
+  return text;
+}
+
+std::string FormatColmapFrames(const std::vector<ColmapFrame>& frames) {
+  std::string text = kFramesHeader;
+  text += fmt::format("# Number of frames: {}\n", frames.size());
+  for (size_t k = 0; k < frames.size(); ++k) {
+    text += fmt::format("{} 1{} {}", k + 1, PoseWords(frames[k].rig_from_world),
+                        frames[k].images.size());
+    for (const auto& [camera, image] : frames[k].images)
+      text += fmt::format(" CAMERA {} {}", camera, image);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string FormatNoColmapPoints() { return kPointsHeader; }
 
 }  // namespace raygrid

@@ -52,8 +52,9 @@ struct ReadRequest {
   std::string path, text;
   std::string form;               ///< --model: the file does not tell; or ""
   std::optional<ImageSize> size;  ///< --image-size, likewise
-  /// The text of the file that Format::beside() names; "" if it is not there.
-  std::string beside = {};
+  /// Texts of the files that Format::beside() names; "" of one that is not
+  /// there.
+  std::vector<std::string> beside = {};
   /// --board: the corners of a row and of a column; the file does not tell.
   std::optional<ImageSize> board = {};
 };
@@ -71,6 +72,13 @@ struct WrittenLens {
 struct WriteRequest {
   std::string path;  ///< of the file; its ending may tell the kind
   std::vector<WrittenLens> cameras;
+};
+
+/// A file that is written beside the first one.
+struct BesideFile {
+  std::string path, text;
+  /// Another file of this name is not replaced: it would be a loss.
+  bool is_never_replaced = false;
 };
 
 // ---- The table -------------------------------------------------------------
@@ -93,10 +101,11 @@ struct Format {
   ExchangeContents (*read)(const ReadRequest& request);
   /// The text of a file; null if the format is only read.
   std::string (*write)(const WriteRequest& request);
-  /// The path of a second file that a rig has beside the first, and its text;
-  /// null if there is none.
-  std::string (*beside)(const std::string& path) = nullptr;
-  std::string (*write_beside)(const WriteRequest& request) = nullptr;
+  /// Paths of files that may stand beside the first, and those that are written
+  /// with it; null if there are none.
+  std::vector<std::string> (*beside)(const std::string& path) = nullptr;
+  std::vector<BesideFile> (*write_beside)(const WriteRequest& request) =
+      nullptr;
 
   /// Null if there is none of this name.
   const LensForm* FindForm(const std::string& form) const;
@@ -127,6 +136,11 @@ void RequireCameraFormat(const Format& format, const std::string& path);
 /// The poses of cameras that have R and P, in the frame of the first one; none
 /// if a camera has not even these, or no view stands beside another one.
 void FindPosesOfPair(std::vector<ReadLens>* cameras);
+
+/// Throws InputError if poses are not all of one board, as programs ask that
+/// have one world.
+void RequireOneBoard(const std::string& program,
+                     const std::vector<WrittenLens>& cameras);
 
 /// A camera that was read as a camera file.
 CameraFile CameraFileOf(const ReadLens& read);

@@ -142,6 +142,20 @@ void FindPosesOfPair(std::vector<ReadLens>* cameras) {
   }
 }
 
+void RequireOneBoard(const std::string& program,
+                     const std::vector<WrittenLens>& cameras) {
+  const BoardPose* first = nullptr;
+  for (const WrittenLens& camera : cameras)
+    for (const BoardPose& pose : camera.poses) {
+      if (!first) first = &pose;
+      if (pose.board != first->board)
+        throw InputError(fmt::format(
+            "--poses: those of board {} and board {}, while images of {} stand "
+            "in one world; give those of one board",
+            first->board, pose.board, program));
+    }
+}
+
 CameraFile CameraFileOf(const ReadLens& read) {
   CameraFile file;
   file.camera = MakeLens(read.lens);

@@ -203,21 +203,10 @@ Json FrameJson(const BoardPose& pose) {
   return {{"file_path", Printable(pose.image)}, {kFramePlace, std::move(rows)}};
 }
 
-// Frames have one world.
-void RequireOneBoard(const std::vector<BoardPose>& poses) {
-  for (const BoardPose& pose : poses)
-    if (pose.board != poses.front().board)
-      throw InputError(
-          fmt::format("--poses: those of board {} and board {}, while frames "
-                      "of nerfstudio stand in one world; give those of one "
-                      "board",
-                      poses.front().board, pose.board));
-}
-
 std::string WriteNerfstudio(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
   const LensInForm& lens = camera.lens;
-  RequireOneBoard(camera.poses);
+  RequireOneBoard("nerfstudio", request.cameras);
   Json root = {{kNerfModel, lens.form->name},
                {"w", lens.size.width},
                {"h", lens.size.height}};

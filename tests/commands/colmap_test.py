@@ -150,6 +150,113 @@ class Colmap(ExchangeTest):
                 again = again.replace(b"camera2", b"camera5").replace(b"camera1", b"camera3")
             self.assertEqual(first, again)
 
+    def posed(self, ending, *names):
+        """A model with poses, and the poses."""
+        self.count = getattr(self, "count", 0) + 1
+        out = f"{self.id()}_{self.count}"
+        lines = ["image,board,qw,qx,qy,qz,tx,ty,tz"]
+        for k, name in enumerate(names):
+            turn = math.sqrt(0.5 - 0.01 * k)
+            lines.append(f"{name},0,{turn:.9f},{math.sqrt(1 - round(turn, 9) ** 2):.9f},0.000000000,"
+                         f"0.000000000,{k / 7:.9f},-0.250000000,{1 + k / 3:.9f}")
+        poses = write(self.path("known.csv"), "\n".join(lines) + "\n")
+        write(self.path("c/cameras.txt"), "7 OPENCV 160 120 150 151 80 60 0.1 0 0 0\n")
+        self.assert_done(run("import", self.path("c/cameras.txt"), "-o", self.path("c.yaml")))
+        told = self.export(self.path("c.yaml"), "--to", "colmap", "--poses", poses,
+                           out=f"{out}/cameras.{ending}")
+        self.assertEqual([os.path.basename(file) for file in told["files"]],
+                         [f"{stem}.{ending}" for stem in ("cameras", "images", "points3D")])
+        return self.path(out), poses
+
+    def imported(self, folder):
+        self.assert_done(run("import", folder, "-o", self.path("poses.csv")))
+        return read(self.path("poses.csv"))
+
+    @unittest.skipUnless(COLMAP, NO_COLMAP)
+    def test_poses_go_through_colmap(self):
+        """Text and bytes, before and after COLMAP's own conversion; a moved image is seen."""
+        for ending, other in (("txt", "BIN"), ("bin", "TXT")):
+            folder, poses = self.posed(ending, "a.png", "b.png", "deep/c.png")
+            self.assertEqual(self.imported(folder), read(poses))
+            converted = self.path("converted_" + ending)
+            os.makedirs(converted)
+            self.assert_done(run("model_converter", "--input_path", folder, "--output_path",
+                                 converted, "--output_type", other, program=COLMAP))
+            self.assertEqual(self.imported(converted), read(poses))
+        images = read(self.path("converted_bin/images.txt")).decode()
+        moved = re.sub(r"(?m)^(1( \S+){4}) (\S+)", r"\1 0.5", images)
+        self.assertNotEqual(moved, images)
+        write(self.path("converted_bin/images.txt"), moved)
+        self.assertNotEqual(self.imported(converted), read(poses))
+
+    def test_colmap_stands_where_the_poses_say(self):
+        """Where COLMAP sees points of the board is where raygrid does."""
+        python = pycolmap()
+        if not python:
+            self.skipTest("pycolmap cannot be had from the registry of Python packages")
+        folder, poses = self.posed("bin", "a.png", "b.png")
+        seen = self.seen_by_images(python, folder)
+        for pose in read(poses).decode().split()[1:]:
+            image, _, *numbers = pose.split(",")
+            numbers = list(map(float, numbers))
+            ours = [a + b for a, b in zip(turned(numbers[:4], self.POINT), numbers[4:])]
+            self.assertLess(math.dist(ours, seen.pop(image)), 1e-8)
+        self.assertEqual(seen, {})
+
+    POINT = (0.1, 0.2, 0.3)
+
+    def seen_by_images(self, python, folder):
+        """A point of the world in the axes of each image of COLMAP's."""
+        peer = """
+import sys, numpy as np, pycolmap
+for image in pycolmap.Reconstruction(sys.argv[1]).images.values():
+    seen = image.cam_from_world() * np.array(list(map(float, sys.argv[2:])))
+    print(image.name, *map(repr, map(float, seen)))
+"""
+        result = subprocess.run([python, "-c", peer, folder, *map(str, self.POINT)], text=True,
+                                capture_output=True, check=False)
+        self.assert_done(result)
+        rows = [line.split() for line in result.stdout.splitlines()]
+        return {name: list(map(float, seen)) for name, *seen in rows}
+
+    def test_frames_hold_the_images_of_a_rig(self):
+        python = pycolmap()
+        if not python:
+            self.skipTest("pycolmap cannot be had from the registry of Python packages")
+        write(self.path("f/cameras.txt"), "".join(
+            f"{k} OPENCV 160 120 150 151 80 60 0.1 0 0 0\n" for k in (3, 5)))
+        write(self.path("f/rigs.txt"), "1 2 CAMERA 3 CAMERA 5 1 0.8 0 0 0.6 1 2 3\n")
+        self.assert_done(run("import", self.path("f"), "-o", self.path("f1/rig.yaml")))
+        poses = write(self.path("f1/poses.csv"), "camera,image,board,qw,qx,qy,qz,tx,ty,tz\n"
+                      "camera3,a.png,0,1.000000000,0.000000000,0.000000000,0.000000000,"
+                      "0.000000000,0.000000000,1.000000000\n"
+                      "camera5,a.png,0,0.800000000,0.000000000,0.000000000,0.600000000,"
+                      "1.000000000,2.000000000,4.000000000\n")
+        for ending in ("txt", "bin"):
+            told = self.export(self.path("f1/rig.yaml"), "--to", "colmap", "--poses", poses,
+                               out=f"f_{ending}/cameras.{ending}")
+            self.assertEqual([os.path.basename(file) for file in told["files"]], [
+                f"{stem}.{ending}" for stem in ("cameras", "rigs", "frames", "images", "points3D")])
+            seen = self.seen_by_images(python, self.path(f"f_{ending}"))
+            first, second = seen["camera3/a.png"], seen["camera5/a.png"]
+            self.assertLess(math.dist(first, (0.1, 0.2, 1.3)), 1e-12)
+            turn = turned((0.8, 0, 0, 0.6), first)
+            self.assertLess(math.dist(second, [turn[0] + 1, turn[1] + 2, turn[2] + 3]), 1e-12)
+        self.assertEqual(self.imported(self.path("f_txt")), read(poses))
+
+    def test_a_reconstruction_is_not_replaced(self):
+        folder, poses = self.posed("txt", "a.png")
+        again = ("export", self.path("c.yaml"), "--to", "colmap", "--poses", poses, "-o",
+                 folder + "/cameras.txt")
+        write(poses, read(poses).replace(b"-0.250000000", b"0.500000000"))
+        self.assert_done(run(*again))
+        self.assertEqual(self.imported(folder), read(poses))
+        write(folder + "/points3D.txt", "1 0 0 0 0 0 0 0\n")
+        self.assert_refused(run(*again), 7, "points3D.txt", "another folder")
+        self.assertEqual(read(folder + "/points3D.txt"), b"1 0 0 0 0 0 0 0\n")
+        self.assert_refused(run("import", self.path("sim_wide"), "-o", self.path("x.yaml")), 2,
+                            "cameras.bin")
+
     def test_what_cannot_be(self):
         text = "1 OPENCV 160 120 150 151 80 60 0.1 0 0 0\n"
         self.assert_done(run("import", write(self.path("x/cameras.txt"), text), "-o",

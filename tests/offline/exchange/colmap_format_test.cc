@@ -1,6 +1,7 @@
 #include "exchange/colmap_format.h"
 
 #include "exchange/colmap_files.h"
+#include "exchange/damaged_files.h"
 #include "support.h"
 
 namespace raygrid {
@@ -21,6 +22,16 @@ constexpr char kColmapRigs[] =
     "# Number of rigs: 1\n"
     "1 2 CAMERA 1 CAMERA 2 1 0.80000000000000004 0 0 0.59999999999999998 1 2 "
     "3\n";
+// A line of points follows each image, as COLMAP writes it.
+constexpr char kColmapImages[] =
+    "# Image list with two lines of data per image:\n"
+    "#   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n"
+    "#   POINTS2D[] as (X, Y, POINT3D_ID)\n"
+    "# Number of images: 2, mean observations per image: 1\n"
+    "4 0.80000000000000004 0 0.59999999999999998 0 1 2 3 2 camera2/a.png\n"
+    "10.5 20.5 -1 11.5 21.5 7\n"
+    "7 1 0 0 0 0.10000000000000001 0 0.5 1 b c.png\n"
+    "\n";
 const std::string kBinaryRig = {
     1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 3, 0, 0, 0,  // one rig of 3 sensors
     0, 0, 0, 0, 1, 0, 0, 0,                          // camera 1
@@ -28,8 +39,10 @@ const std::string kBinaryRig = {
     0, 0, 0, 0, 2, 0, 0, 0, 0};                      // camera 2, no pose
 
 ExchangeContents ParseColmap(const std::string& cameras,
-                             const std::string& rigs = "") {
-  return ReadExchangeFile(nullptr, {"m/cameras.txt", cameras, "", {}, rigs});
+                             const std::string& rigs = "",
+                             const std::string& images = "") {
+  return ReadExchangeFile(nullptr,
+                          {"m/cameras.txt", cameras, "", {}, {rigs, images}});
 }
 
 std::string ColmapBinary(const std::string& cameras = kColmapCameras) {
@@ -95,14 +108,68 @@ TEST(ColmapFormat, HasRigsInTheFrameOfTheirFirstCamera) {
   }
   const Format format = ColmapFormat();
   for (const char* path : {"m/cameras.txt", "m/cameras.bin"}) {
-    EXPECT_EQ(format.beside(path), std::string("m/rigs") + (path + 9));
-    const ExchangeContents again = ParseColmap(
-        format.write({path, lenses}), format.write_beside({path, lenses}));
+    const std::vector<BesideFile> beside = format.write_beside({path, lenses});
+    ASSERT_EQ(beside.size(), 1u);
+    EXPECT_EQ(beside[0].path, std::string("m/rigs") + (path + 9));
+    EXPECT_EQ(beside[0].path, format.beside(path)[0]);
+    const ExchangeContents again =
+        ParseColmap(format.write({path, lenses}), beside[0].text);
     ASSERT_TRUE(again.IsRig());
     const Pose& pose = *again.cameras[1].camera_from_rig;
     EXPECT_LT((pose.translation - Eigen::Vector3d(1, 2, 3)).norm(), 1e-12);
     EXPECT_NEAR(std::abs(pose.rotation.w()), 0.8, 1e-12);
   }
+}
+
+TEST(ColmapFormat, HasPosesOfOneWorld) {
+  for (const std::string& images :
+       {std::string(kColmapImages),
+        EncodeColmapImages(ParseColmapImages("", kColmapImages))}) {
+    const ExchangeContents contents =
+        images == kColmapImages ? ParseColmap(kColmapCameras, "", images)
+                                : ParseColmap(ColmapBinary(), "", images);
+    ASSERT_EQ(contents.cameras[1].poses.size(), 1u);
+    const BoardPose& pose = contents.cameras[1].poses[0];
+    EXPECT_EQ(pose.image, "a.png");
+    EXPECT_EQ(contents.cameras[0].poses[0].image, "b c.png");
+    EXPECT_LT((pose.camera_from_board * Eigen::Vector3d(1, 0, 0) -
+               Eigen::Vector3d(1.28, 2, 2.04))
+                  .norm(),
+              1e-12);
+  }
+}
+
+TEST(ColmapFormat, WritesImagesAndNoPoints) {
+  WrittenLens camera;
+  camera.lens = ParseColmap(kColmapCameras).cameras[0].lens;
+  camera.poses = {{"a.png", 3, {RotationFromVector({1, 2, 0.5}), {1, 2, 3}}}};
+  const Format format = ColmapFormat();
+  for (const char* path : {"m/cameras.txt", "m/cameras.bin"}) {
+    const std::vector<BesideFile> beside =
+        format.write_beside({path, {camera}});
+    ASSERT_EQ(beside.size(), 2u);
+    EXPECT_EQ(beside[0].path, std::string("m/images") + (path + 9));
+    EXPECT_EQ(beside[1].path, std::string("m/points3D") + (path + 9));
+    EXPECT_TRUE(beside[1].is_never_replaced);
+    const std::vector<BoardPose> poses =
+        ParseColmap(format.write({path, {camera}}), "", beside[0].text)
+            .cameras[0]
+            .poses;
+    ASSERT_EQ(poses.size(), 1u);
+    const Pose &back = poses[0].camera_from_board,
+               &pose = camera.poses[0].camera_from_board;
+    EXPECT_EQ(back.rotation.coeffs(), pose.rotation.coeffs());
+    EXPECT_EQ(back.translation, pose.translation);
+  }
+  camera.poses.push_back({"a.png", 4, {}});
+  ExpectError(ExitCode::kInput, {"board 3", "board 4", "COLMAP"}, [&] {
+    format.write_beside({"m/cameras.txt", {camera}});
+  });
+  camera.poses = {{"a b.png", 3, {}}};
+  ExpectError(ExitCode::kInput, {"a b.png", "space", "cameras.bin"}, [&] {
+    format.write_beside({"m/cameras.txt", {camera}});
+  });
+  EXPECT_EQ(format.write_beside({"m/cameras.bin", {camera}}).size(), 2u);
 }
 
 TEST(ColmapFormat, SaysWhichPosesItLeavesOut) {
@@ -118,6 +185,13 @@ TEST(ColmapFormat, SaysWhichPosesItLeavesOut) {
     ParseColmap(kColmapCameras,
                 TextWith(TextWith(kColmapRigs, "0.80000000000000004", "0"),
                          "0.59999999999999998", "0"));
+  });
+  ExpectError(ExitCode::kInput, {"m/images.txt", "camera 9", "b c.png"}, [] {
+    ParseColmap(kColmapCameras, "",
+                TextWith(kColmapImages, "0.5 1 b", "0.5 9 b"));
+  });
+  ExpectError(ExitCode::kInput, {"m/images.txt, line 6", "three words"}, [] {
+    ParseColmap(kColmapCameras, "", TextWith(kColmapImages, " 7\n", "\n"));
   });
   ExpectError(ExitCode::kInput, {"m/rigs.txt, line 4", "too few words"}, [] {
     ParseColmap(kColmapCameras, TextWith(kColmapRigs, " 1 2 3", ""));
@@ -140,7 +214,7 @@ TEST(ColmapFormat, RefusesInOneLine) {
       {TextWith(ColmapBinary(), std::string("\4\0\0\0", 4),
                 "\x63" + std::string(3, 0)),
        {"camera 1", "unknown model 99"}},
-      {ColmapBinary() + "x", {"1 bytes behind its end"}},
+      {ColmapBinary() + "x", {"1 byte behind its end"}},
   };
   for (const auto& [file, words] : cases)
     ExpectError(ExitCode::kInput, words, [&, &file = file] {
@@ -168,15 +242,17 @@ TEST(ColmapFormat, TakesDamagedBytesForNothingElse) {
   const Format format = ColmapFormat();
   const std::string rigs = EncodeColmapRig(ParseColmapRigs("", kColmapRigs)[0]);
   for (int k = 0; k < 2000; ++k) {
-    std::string cameras = ColmapBinary(), beside = rigs;
-    for (std::string* bytes : {&cameras, &beside})
+    std::string cameras = ColmapBinary(), beside = rigs,
+                images =
+                    EncodeColmapImages(ParseColmapImages("", kColmapImages));
+    for (std::string* bytes : {&cameras, &beside, &images})
       (*bytes)[random.Index(static_cast<int>(bytes->size()))] =
           static_cast<char>(random.Index(256));
     try {
-      const ExchangeContents contents =
-          ReadExchangeFile(&format, {"c.bin", cameras, "", {}, beside});
+      const ExchangeContents contents = ReadExchangeFile(
+          &format, {"c.bin", cameras, "", {}, {beside, images}});
+      ExpectFinite(contents);
       for (const ReadLens& camera : contents.cameras) {
-        EXPECT_TRUE(CameraFileOf(camera).camera->Parameters().allFinite());
         EXPECT_TRUE(
             camera.camera_from_rig.value_or(Pose{}).translation.allFinite());
       }

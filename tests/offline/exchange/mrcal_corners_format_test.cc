@@ -17,7 +17,7 @@ constexpr char kMrcalCorners[] =
 ExchangeContents ParseMrcalCorners(const std::string& text,
                                    const std::optional<ImageSize>& board) {
   return ReadExchangeFile(RecognizeFormat(text),
-                          {"f", text, "", {}, "", board});
+                          {"f", text, "", {}, {}, board});
 }
 
 TEST(MrcalCornersFormat, ReadsCornersRowByRow) {
