@@ -18,6 +18,7 @@
 #include "exchange/format.h"
 #include "exchange/table_format.h"
 #include "ray_import.h"
+#include "target/board_yaml.h"
 
 namespace raygrid {
 namespace {
@@ -69,6 +70,61 @@ ExchangeContents ReadForeignFile(const ImportArguments& arguments,
           std::filesystem::exists(beside) ? ReadFile(beside) : "");
   }
   return ReadExchangeFile(format, request);
+}
+
+// pattern.yaml. Throws InputError for a board that cannot be.
+std::string PatternText(const std::string& path,
+                        const std::vector<Board>& boards) {
+  try {
+    RequirePossibleBoards(boards);
+  } catch (const Error& error) {
+    throw InputError(fmt::format("{}: {}", path, error.what()));
+  }
+  const std::string text = BoardsYaml(boards);
+  Pattern pattern = ParsePattern(path, text);
+  bool has_points = false;
+  for (size_t k = 0; k < boards.size(); ++k) {
+    pattern.boards[k].points = boards[k].points;
+    has_points = has_points || !boards[k].points.empty();
+  }
+  return has_points ? FormatPattern(pattern) : text;
+}
+
+// Whether the file has boards alone, which are written then.
+bool ImportBoards(const ImportArguments& arguments,
+                  const std::vector<std::string>& texts,
+                  const CommonOptions& common) {
+  const Format* format = RecognizeFormat(texts[0]);
+  if (!format || !format->forms.empty() || format->takes_board) return false;
+  const std::string& path = arguments.files[0];
+  const ExchangeContents contents = ReadForeignFile(arguments, path, texts[0]);
+  for (const auto& [option, value] : {std::pair("--model", arguments.model),
+                                      {"--image-size", arguments.image_size},
+                                      {"--board", arguments.board}})
+    if (!value.empty())
+      throw Error(ExitCode::kUsage,
+                  fmt::format("{}: {} has a board alone", option, path));
+  if (arguments.files.size() > 1)
+    throw Error(ExitCode::kUsage,
+                arguments.files[1] + ": a file of a board is imported alone");
+  if (std::filesystem::path(arguments.output).extension() == ".csv")
+    throw Error(ExitCode::kUsage,
+                fmt::format("-o {}: {} has a board, which becomes pattern.yaml",
+                            arguments.output, path));
+  RequireNoInputReplaced(arguments.files, {arguments.output});
+  OutputFiles outputs;
+  outputs.Add(arguments.output, PatternText(path, contents.boards));
+  outputs.Commit();
+  const Board& board = contents.boards.front();
+  if (common.json)
+    fmt::print("{}\n", nlohmann::ordered_json{{"kind", board.kind},
+                                              {"columns", board.columns},
+                                              {"rows", board.rows}}
+                           .dump(2));
+  else if (!common.quiet)
+    fmt::print("{}: {} with {} x {} features\n", arguments.output, board.kind,
+               board.columns, board.rows);
+  return true;
 }
 
 // The contents of a file of corners alone; none if it is of another format.
@@ -300,6 +356,7 @@ void RunImport(ImportArguments arguments, const CommonOptions& common) {
                arguments.output, common);
     return;
   }
+  if (ImportBoards(arguments, texts, common)) return;
   if (const auto corners = ReadCorners(arguments, texts)) {
     ImportCorners(*corners, arguments, common);
     return;
@@ -355,7 +412,8 @@ void AddImport(CLI::App* app, CommonOptions* common) {
       "camera. Files of a camera each are a rig if they tell the poses, or R "
       "and P as those of a stereo pair do. Tables of rays become the grid that "
       "leaves little of them. Corners of mrcal become features.csv for "
-      "calibrate --features. 'raygrid export --list' names the formats.",
+      "calibrate --features, a target of Kalibr becomes pattern.yaml. 'raygrid "
+      "export --list' names the formats.",
       "raygrid import calibration.xml -o camera.yaml", common);
   auto arguments = std::make_shared<ImportArguments>();
   command

@@ -41,6 +41,7 @@ struct ExchangeContents {
   std::vector<ReadLens> cameras;
   /// Corners of a file that has no camera.
   std::vector<ImageFeatures> corners;
+  std::vector<Board> boards;         ///< of a file that has boards alone
   std::vector<std::string> remarks;  ///< what was not taken as it stands
 
   /// Whether there are several cameras, and all have poses.
@@ -84,9 +85,9 @@ struct BesideFile {
 // ---- The table -------------------------------------------------------------
 
 struct Format {
-  std::string name;   ///< "opencv", for --to and --from
-  std::string holds;  ///< one line for --list
-  std::vector<LensForm> forms;
+  std::string name;              ///< "opencv", for --to and --from
+  std::string holds;             ///< one line for --list
+  std::vector<LensForm> forms;   ///< none if files have no camera
   std::string ending = ".yaml";  ///< of the files of a rig's cameras
   bool holds_rigs = false;       ///< else a file has one camera
   bool drops_rigs = false;       ///< files of a rig's cameras have no poses
@@ -130,7 +131,8 @@ std::string FormatNames();
 ExchangeContents ReadExchangeFile(const Format* format,
                                   const ReadRequest& request);
 
-/// Throws InputError if files of a format have corners and no camera.
+/// Throws InputError if files of a format have corners or boards, and no
+/// camera.
 void RequireCameraFormat(const Format& format, const std::string& path);
 
 /// The poses of cameras that have R and P, in the frame of the first one; none

@@ -10,6 +10,7 @@
 #include "exchange/depthai_format.h"
 #include "exchange/format.h"
 #include "exchange/kalibr_format.h"
+#include "exchange/kalibr_target_format.h"
 #include "exchange/libcamera_format.h"
 #include "exchange/metashape_format.h"
 #include "exchange/mrcal_corners_format.h"
@@ -49,11 +50,11 @@ void AddRemarksOnLenses(ExchangeContents* contents) {
 
 const std::vector<Format>& Formats() {
   static const std::vector<Format> formats = {
-      OpenCvFormat(),      RosFormat(),          KalibrFormat(),
-      ColmapFormat(),      MrcalCornersFormat(), MrcalFormat(),
-      BasaltFormat(),      NerfstudioFormat(),   MetashapeFormat(),
-      PuzzlepaintFormat(), DepthAiFormat(),      LibcameraFormat(),
-      PhotonVisionFormat()};
+      OpenCvFormat(),       RosFormat(),         KalibrFormat(),
+      KalibrTargetFormat(), ColmapFormat(),      MrcalCornersFormat(),
+      MrcalFormat(),        BasaltFormat(),      NerfstudioFormat(),
+      MetashapeFormat(),    PuzzlepaintFormat(), DepthAiFormat(),
+      LibcameraFormat(),    PhotonVisionFormat()};
   return formats;
 }
 
@@ -97,7 +98,8 @@ ExchangeContents ReadExchangeFile(const Format* format,
                                  request.path, found->name, format->name));
   return ReadNamingFile(request.path, [&] {
     ExchangeContents contents = (format ? format : found)->read(request);
-    if (contents.cameras.empty() && contents.corners.empty())
+    if (contents.cameras.empty() && contents.corners.empty() &&
+        contents.boards.empty())
       throw InputError((format ? format : found)->takes_board ? "no corners"
                                                               : "no camera");
     AddRemarksOnLenses(&contents);
@@ -106,7 +108,13 @@ ExchangeContents ReadExchangeFile(const Format* format,
 }
 
 void RequireCameraFormat(const Format& format, const std::string& path) {
-  if (format.takes_board)
+  if (!format.forms.empty()) return;
+  if (!format.takes_board)
+    throw InputError(
+        fmt::format("{}: has a board, and no camera; 'raygrid import' makes "
+                    "pattern.yaml of it, for --pattern",
+                    path));
+  else
     throw InputError(
         fmt::format("{}: has corners, and no camera; 'raygrid import' makes "
                     "features.csv of them, for calibrate --features",

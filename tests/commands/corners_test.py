@@ -196,5 +196,72 @@ print(json.dumps(cv2.projectPoints(points, np.zeros(3), np.zeros(3), matrix, len
         self.assert_nothing_in(self.path("never"))
 
 
+class KalibrTargets(CornersTest):
+    """Targets as Kalibr's wiki shows them."""
+
+    APRILGRID = """target_type: 'aprilgrid' #gridtype
+tagCols: 6               #number of apriltags
+tagRows: 5               #number of apriltags
+tagSize: 0.021           #size of apriltag, edge to edge [m]
+tagSpacing: 0.25         #ratio of space between tags to tagSize
+"""
+    CHECKERBOARD = """target_type: 'checkerboard' #gridtype
+targetCols: 6               #number of internal chessboard corners
+targetRows: 7               #number of internal chessboard corners
+rowSpacingMeters: 0.06      #size of one chessboard square [m]
+colSpacingMeters: 0.06      #size of one chessboard square [m]
+"""
+
+    def imported(self, text):
+        result = run("import", write(self.path("target.yaml"), text), "-o",
+                     self.path("pattern.yaml"))
+        self.assert_done(result)
+        return result.stdout, read(self.path("pattern.yaml")).decode()
+
+    def test_an_aprilgrid_is_the_board_that_is_printed(self):
+        """Which raygrid prints as Kalibr draws it. Another ratio is seen."""
+        self.assert_done(run("pattern", "aprilgrid", "--tag-columns", 6, "--tag-rows", 5, "--tag-mm",
+                             21, "--spacing-ratio", 0.25, "-o", self.path("printed")))
+        printed = re.search("  - {id.*", read(self.path("printed/pattern.yaml")).decode())[0]
+        told, pattern = self.imported(self.APRILGRID)
+        self.assertIn("aprilgrid with 12 x 10 features", told)
+        self.assertEqual(re.search("  - {id.*", pattern)[0], printed)
+        self.assertNotIn(printed, self.imported(self.APRILGRID.replace("0.25", "0.3"))[1])
+
+    def test_a_checkerboard_has_its_inner_corners(self):
+        _, pattern = self.imported(self.CHECKERBOARD)
+        self.assertIn("kind: chessboard, columns: 6, rows: 7, square_m: 0.06}", pattern)
+        _, pattern = self.imported(self.CHECKERBOARD.replace("colSpacingMeters: 0.06",
+                                                             "colSpacingMeters: 0.061"))
+        points = re.findall(r"      - \[(\S+), (\S+), 0.0+\]", pattern)
+        self.assertEqual(points, [(f"{0.061 * k:.9f}", f"{0.06 * j:.9f}") for j in range(7)
+                                  for k in range(6)])
+
+    def test_what_cannot_be(self):
+        for text, words in ((self.APRILGRID.replace("aprilgrid", "circlegrid"), ("circlegrid",)),
+                            (self.APRILGRID.replace("tagCols: 6", "tagCols: 6.5"), ("tagCols",)),
+                            (self.APRILGRID.replace("tagCols: 6", "tagCols: 600"), ("tagCols",)),
+                            (self.APRILGRID.replace("tagCols: 6", "tagCols: 200"), ("0 to 586",)),
+                            (self.APRILGRID.replace("0.021", ".nan"), ("tagSize",)),
+                            (self.APRILGRID.replace("tagRows", "rows"), ("tagRows",)),
+                            (self.CHECKERBOARD.replace("0.06", "-1"), ("Spacing",)),
+                            (self.CHECKERBOARD.replace("targetRows: 7", "targetRows: 1"),
+                             ("2 to 1000",))):
+            with self.subTest(words):
+                self.assert_refused(run("import", write(self.path("t.yaml"), text), "-o",
+                                        self.path("never/p.yaml")), 2, "t.yaml", *words)
+        target = write(self.path("t.yaml"), self.APRILGRID)
+        never = self.path("never/p.yaml")
+        for arguments, code, words in ((("-o", never, "--board", "6x6"), 1, ("--board",)),
+                                       (("-o", never, "--model", "opencv"), 1, ("--model",)),
+                                       ((target, "-o", never), 1, ("alone",)),
+                                       (("-o", self.path("never/f.csv")), 1, ("pattern.yaml",)),
+                                       (("-o", target), 7, ("replace the input",))):
+            self.assert_refused(run("import", target, *arguments), code, *words)
+        for command in (("inspect", target), ("pack", target, "-o", never)):
+            self.assert_refused(run(*command), 2, "raygrid import", "pattern.yaml")
+        self.assert_nothing_in(self.path("never"))
+
+
 if __name__ == "__main__":
     main(__name__)

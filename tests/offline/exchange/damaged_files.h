@@ -49,6 +49,11 @@ inline void ExpectFinite(const std::vector<ImageFeatures>& images) {
 }
 inline void ExpectFinite(const ExchangeContents& contents) {
   ExpectFinite(contents.corners);
+  for (const Board& board : contents.boards) {
+    EXPECT_TRUE(std::isfinite(board.square_m + board.spacing_ratio));
+    for (const Eigen::Vector3d& point : board.points)
+      EXPECT_TRUE(point.allFinite());
+  }
   for (const ReadLens& camera : contents.cameras) {
     EXPECT_TRUE(CameraFileOf(camera).camera->Parameters().allFinite());
     ExpectFinite(camera.features);

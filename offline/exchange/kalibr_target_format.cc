@@ -1,0 +1,101 @@
+#include "exchange/kalibr_target_format.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "dataset/yaml_file.h"
+#include "exchange/yaml_numbers.h"
+
+namespace raygrid {
+namespace {
+
+constexpr char kTargetType[] = "target_type";
+
+bool IsKalibrTarget(const std::string& text) {
+  return text.find(fmt::format("{}:", kTargetType)) != std::string::npos;
+}
+
+// The largest count along a side whose features a pattern may have.
+constexpr int kMostAlongSide = 1000;
+
+int CountOf(const YAML::Node& root, const char* key, int features) {
+  const double count = FiniteNumber(root[key], key);
+  if (!(count >= 1 && count * features <= kMostAlongSide) ||
+      count != std::floor(count))
+    throw InputError(
+        fmt::format("{}: no count of 1 to {}", key, kMostAlongSide / features));
+  return static_cast<int>(count);
+}
+
+double LengthOf(const YAML::Node& root, const char* key) {
+  const double length = FiniteNumber(root[key], key);
+  if (!(length > 0)) throw InputError(fmt::format("{}: not above 0", key));
+  return length;
+}
+
+Board ReadAprilGrid(const YAML::Node& root) {
+  Board board;
+  board.kind = "aprilgrid";
+  board.columns = 2 * CountOf(root, "tagCols", 2);
+  board.rows = 2 * CountOf(root, "tagRows", 2);
+  board.square_m = LengthOf(root, "tagSize");
+  board.spacing_ratio = LengthOf(root, "tagSpacing");
+  board.tag_family = "tag36h11";
+  return board;
+}
+
+// Kalibr counts inner corners. Where rows are not as far apart as columns, the
+// points say it.
+Board ReadCheckerboard(const YAML::Node& root) {
+  Board board;
+  board.kind = "chessboard";
+  board.columns = CountOf(root, "targetCols", 1);
+  board.rows = CountOf(root, "targetRows", 1);
+  const double x = LengthOf(root, "colSpacingMeters"),
+               y = LengthOf(root, "rowSpacingMeters");
+  board.square_m = (x + y) / 2;
+  if (x == y) return board;
+  for (int row = 0; row < board.rows; ++row)
+    for (int column = 0; column < board.columns; ++column)
+      board.points.emplace_back(column * x, row * y, 0);
+  return board;
+}
+
+ExchangeContents ReadKalibrTarget(const ReadRequest& request) {
+  RequireYamlFile(request.path, request.text);
+  const YAML::Node root = YAML::Load(request.text);
+  if (!root.IsMap()) throw InputError("no target: no map of keys");
+  const std::string type =
+      root[kTargetType].IsScalar() ? root[kTargetType].as<std::string>() : "";
+  ExchangeContents contents;
+  if (type == "aprilgrid")
+    contents.boards.push_back(ReadAprilGrid(root));
+  else if (type == "checkerboard")
+    contents.boards.push_back(ReadCheckerboard(root));
+  else
+    throw InputError(fmt::format(
+        "{} '{}' is none that raygrid finds in images; those are aprilgrid and "
+        "checkerboard",
+        kTargetType, Printable(type)));
+  return contents;
+}
+
+}  // namespace
+
+Format KalibrTargetFormat() {
+  Format format;
+  format.name = "kalibr-target";
+  format.holds =
+      "the target.yaml of Kalibr: an aprilgrid or a checkerboard, which "
+      "becomes pattern.yaml; no camera";
+  format.recognizes = IsKalibrTarget;
+  format.read = ReadKalibrTarget;
+  format.write = nullptr;
+  return format;
+}
+
+}  // namespace raygrid

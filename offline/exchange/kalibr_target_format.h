@@ -1,0 +1,13 @@
+#ifndef RAYGRID_EXCHANGE_KALIBR_TARGET_FORMAT_H
+#define RAYGRID_EXCHANGE_KALIBR_TARGET_FORMAT_H
+
+#include "exchange/format.h"
+
+namespace raygrid {
+
+/// Kalibr's file of a calibration target: a board, without a camera.
+Format KalibrTargetFormat();
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_KALIBR_TARGET_FORMAT_H
