@@ -258,31 +258,14 @@ void AddPoses(const ExportArguments& arguments, const Format& format,
         Printable(poses.begin()->first), arguments.input));
 }
 
-// Throws for a file whose loss would be one: that of a reconstruction.
-void RequireNoOther(const BesideFile& file) {
-  if (std::filesystem::exists(file.path) && ReadFile(file.path) != file.text)
-    throw Error(ExitCode::kOutput,
-                file.path +
-                    ": is there, and of something else; write into another "
-                    "folder");
-}
-
 // Names of files, and what is in them: of a format that has one camera a file,
 // a rig makes a folder of them.
 std::vector<std::pair<std::string, std::string>> WriteAll(
     const ExportArguments& arguments, const Format& format,
     const std::vector<WrittenLens>& lenses, bool is_rig) {
+  if (!is_rig || format.holds_rigs)
+    return WriteWithBeside(format, {arguments.output, lenses});
   std::vector<std::pair<std::string, std::string>> files;
-  if (!is_rig || format.holds_rigs) {
-    const WriteRequest request = {arguments.output, lenses};
-    files.emplace_back(arguments.output, format.write(request));
-    if (!format.write_beside) return files;
-    for (const BesideFile& file : format.write_beside(request)) {
-      if (file.is_never_replaced) RequireNoOther(file);
-      files.emplace_back(file.path, file.text);
-    }
-    return files;
-  }
   for (const WrittenLens& lens : lenses) {
     const std::string path =
         (std::filesystem::path(arguments.output) / (lens.name + format.ending))

@@ -64,11 +64,7 @@ ExchangeContents ReadForeignFile(const ImportArguments& arguments,
       throw InputError(path +
                        ": is raygrid's own already; every command takes it");
   const Format* const found = format ? format : RecognizeFormat(request.text);
-  if (found && found->beside) {
-    for (const std::string& beside : found->beside(path))
-      request.beside.push_back(
-          std::filesystem::exists(beside) ? ReadFile(beside) : "");
-  }
+  if (found) request.beside = ReadBeside(*found, path);
   return ReadExchangeFile(format, request);
 }
 

@@ -135,6 +135,16 @@ ExchangeContents ReadExchangeFile(const Format* format,
 /// camera.
 void RequireCameraFormat(const Format& format, const std::string& path);
 
+/// The texts of the files beside one that is to be read; "" of one that is not
+/// there.
+std::vector<std::string> ReadBeside(const Format& format,
+                                    const std::string& path);
+
+/// Paths and texts of all files that a format writes for a request. Throws
+/// Error(kOutput) if one is there, of something else, that is never replaced.
+std::vector<std::pair<std::string, std::string>> WriteWithBeside(
+    const Format& format, const WriteRequest& request);
+
 /// The poses of cameras that have R and P, in the frame of the first one; none
 /// if a camera has not even these, or no view stands beside another one.
 void FindPosesOfPair(std::vector<ReadLens>* cameras);

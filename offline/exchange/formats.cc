@@ -2,8 +2,10 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "dataset/error.h"
+#include "dataset/files.h"
 #include "dataset/yaml_file.h"
 #include "exchange/basalt_format.h"
 #include "exchange/colmap_format.h"
@@ -44,6 +46,15 @@ void AddRemarksOnLenses(ExchangeContents* contents) {
         "its cameras stand {:g} m apart, if lengths are metres, as they are "
         "taken here",
         farthest_m));
+}
+
+// Throws for a file whose loss would be one: that of a reconstruction.
+void RequireNoOther(const BesideFile& file) {
+  if (std::filesystem::exists(file.path) && ReadFile(file.path) != file.text)
+    throw Error(ExitCode::kOutput,
+                file.path +
+                    ": is there, and of something else; write into another "
+                    "folder");
 }
 
 }  // namespace
@@ -119,6 +130,27 @@ void RequireCameraFormat(const Format& format, const std::string& path) {
         fmt::format("{}: has corners, and no camera; 'raygrid import' makes "
                     "features.csv of them, for calibrate --features",
                     path));
+}
+
+std::vector<std::string> ReadBeside(const Format& format,
+                                    const std::string& path) {
+  std::vector<std::string> texts;
+  if (!format.beside) return texts;
+  for (const std::string& beside : format.beside(path))
+    texts.push_back(std::filesystem::exists(beside) ? ReadFile(beside) : "");
+  return texts;
+}
+
+std::vector<std::pair<std::string, std::string>> WriteWithBeside(
+    const Format& format, const WriteRequest& request) {
+  std::vector<std::pair<std::string, std::string>> files = {
+      {request.path, format.write(request)}};
+  if (!format.write_beside) return files;
+  for (const BesideFile& file : format.write_beside(request)) {
+    if (file.is_never_replaced) RequireNoOther(file);
+    files.emplace_back(file.path, file.text);
+  }
+  return files;
 }
 
 bool ExchangeContents::IsRig() const {

@@ -49,10 +49,7 @@ ExchangeContents ReadOne(const std::string& path, const Format* format,
   ReadRequest request = {path, ReadFile(path), model, size};
   const Format* const found = format ? format : RecognizeFormat(request.text);
   if (found) RequireCameraFormat(*found, path);
-  if (found && found->beside) {
-    const std::string beside = found->beside(path);
-    if (fs::exists(beside)) request.beside = ReadFile(beside);
-  }
+  if (found) request.beside = ReadBeside(*found, path);
   return ReadExchangeFile(format, request);
 }
 
@@ -185,9 +182,8 @@ py::list Export(const std::vector<py::tuple>& cameras, const py::object& file,
     figures.append(FiguresOfFit(request.cameras.back()));
   }
   OutputFiles files;
-  files.Add(request.path, format.write(request));
-  if (cameras.size() > 1 && format.beside)
-    files.Add(format.beside(request.path), format.write_beside(request));
+  for (const auto& [path, text] : WriteWithBeside(format, request))
+    files.Add(path, text);
   files.Commit();
   return figures;
 }
