@@ -41,11 +41,11 @@ CameraInput ReadCamera(const std::string& path) {
 CameraInput ParseCamera(const std::string& path, const std::string& bytes) {
   CameraInput input;
   if (!IsBlob(path, bytes)) {
-    if (RecognizeTable(bytes))
+    if (const TableFormat* table = RecognizeTable(bytes))
       throw InputError(
-          fmt::format("{}: is an archive of arrays; 'raygrid "
-                      "import' makes a camera of rays",
-                      path));
+          fmt::format("{}: is a table of the format {}; 'raygrid import' makes "
+                      "a camera of it",
+                      path, table->name));
     const Format* format = RecognizeFormat(bytes);
     input.file = format ? ParseForeignCamera(*format, path, bytes)
                         : ParseCameraFile(path, bytes);

@@ -374,12 +374,12 @@ void ListTables(bool json, nlohmann::ordered_json* all) {
                     {"holds", format.holds},
                     {"of", format.Source()},
                     {"export", true},
-                    {"import", format.read_rays != nullptr},
+                    {"import", format.IsImported()},
                     {"options", format.options},
                     {"models", format.models}});
     if (!json)
       fmt::print("{}: {} ({})\n  of: {}{}{}\n", format.name, format.holds,
-                 format.read_rays ? "export, import" : "export",
+                 format.IsImported() ? "export, import" : "export",
                  format.Source(), format.models.empty() ? "" : "; models: ",
                  fmt::join(format.models, ", "));
   }

@@ -19,6 +19,7 @@
 #include "exchange/table_format.h"
 #include "ray_import.h"
 #include "target/board_yaml.h"
+#include "view_import.h"
 
 namespace raygrid {
 namespace {
@@ -46,6 +47,8 @@ ImageSize ParseBoardSize(const std::string& text) {
 struct ImportArguments {
   std::vector<std::string> files;
   std::string output, from, model, image_size, board;
+  ViewWords view;
+  bool is_reverse = false;
 };
 
 ExchangeContents ReadForeignFile(const ImportArguments& arguments,
@@ -225,7 +228,7 @@ const TableFormat* FindTable(const ImportArguments& arguments,
     throw InputError(fmt::format("{}: is of the format {}, not {}",
                                  arguments.files[0], table->name,
                                  arguments.from));
-  if (!arguments.image_size.empty())
+  if (!arguments.image_size.empty() && table->read_rays)
     throw Error(ExitCode::kUsage,
                 fmt::format("--image-size: the format {} tells it, as "
                             "image_size",
@@ -235,6 +238,31 @@ const TableFormat* FindTable(const ImportArguments& arguments,
                 fmt::format("{}: a file of {} is imported alone",
                             arguments.files[1], table->name));
   return table;
+}
+
+// Throws for options that only tables of a view take.
+void RequireNoView(const ImportArguments& arguments) {
+  const std::string word =
+      arguments.is_reverse ? "reverse" : FirstWord(arguments.view);
+  if (!word.empty())
+    throw Error(ExitCode::kUsage,
+                fmt::format("--{}: is for an STMap, which {} is not", word,
+                            arguments.files[0]));
+}
+
+void ImportTable(const TableFormat& table, const ImportArguments& arguments,
+                 const std::string& bytes, const CommonOptions& common) {
+  const std::string& path = arguments.files[0];
+  if (!arguments.board.empty())
+    throw Error(ExitCode::kUsage,
+                fmt::format("--board: {} has a camera, and no corners", path));
+  if (table.read_rays) RequireNoView(arguments);
+  const RayTable rays =
+      table.read_rays ? table.read_rays(path, bytes)
+                      : RaysOfViewTable(table, {path, bytes, arguments.view,
+                                                arguments.is_reverse,
+                                                arguments.image_size});
+  ImportRays(rays, table.name, arguments.model, arguments.output, common);
 }
 
 // Names that files can have, all different.
@@ -348,10 +376,10 @@ void RunImport(ImportArguments arguments, const CommonOptions& common) {
   for (const std::string& path : arguments.files)
     texts.push_back(ReadFile(path));
   if (const TableFormat* table = FindTable(arguments, texts)) {
-    ImportRays(table->read_rays(arguments.files[0], texts[0]), arguments.model,
-               arguments.output, common);
+    ImportTable(*table, arguments, texts[0], common);
     return;
   }
+  RequireNoView(arguments);
   if (ImportBoards(arguments, texts, common)) return;
   if (const auto corners = ReadCorners(arguments, texts)) {
     ImportCorners(*corners, arguments, common);
@@ -407,7 +435,8 @@ void AddImport(CLI::App* app, CommonOptions* common) {
       "Other commands take such files as they are, too, if they have one "
       "camera. Files of a camera each are a rig if they tell the poses, or R "
       "and P as those of a stereo pair do. Tables of rays become the grid that "
-      "leaves little of them. Corners of mrcal become features.csv for "
+      "leaves little of them, and so does an STMap with the words of the view "
+      "that it was exported with. Corners of mrcal become features.csv for "
       "calibrate --features, a target of Kalibr becomes pattern.yaml. 'raygrid "
       "export --list' names the formats.",
       "raygrid import calibration.xml -o camera.yaml", common);
@@ -430,10 +459,15 @@ void AddImport(CLI::App* app, CommonOptions* common) {
                       "the distortion model, where the file does not tell; of "
                       "rays central-generic or noncentral-generic");
   command->add_option("--image-size", arguments->image_size,
-                      "WxH, where the file does not tell");
+                      "WxH, where the file does not tell; of an STMap that of "
+                      "the camera's images");
   command->add_option("--board", arguments->board,
                       "COLUMNSxROWS of a board's corners, where the file does "
                       "not tell, as mrcal's corners.vnl");
+  command->add_flag("--reverse", arguments->is_reverse,
+                    "of an STMap: its pixels are those of the camera, and show "
+                    "places in the view");
+  AddViewOptions(command, &arguments->view);
   command->callback([arguments, common] { RunImport(*arguments, *common); });
 }
 

@@ -20,11 +20,12 @@ std::vector<std::string> RemarksOn(const RayGrid& grid) {
                   100 * grid.part_without_rays)};
 }
 
-nlohmann::ordered_json GridJson(const RayGrid& grid) {
+nlohmann::ordered_json GridJson(const RayGrid& grid,
+                                const std::string& format) {
   const ImageSize& size = grid.camera->image_size();
   return {{"name", ""},
           {"model", grid.camera->Name()},
-          {"as", "rays"},
+          {"as", format},
           {"image_size", {size.width, size.height}},
           {"control_points", {grid.columns, grid.rows}},
           {"fit",
@@ -36,12 +37,13 @@ nlohmann::ordered_json GridJson(const RayGrid& grid) {
 
 }  // namespace
 
-void ImportRays(const RayTable& rays, const std::string& model,
-                const std::string& output, const CommonOptions& common) {
+void ImportRays(const RayTable& rays, const std::string& format,
+                const std::string& model, const std::string& output,
+                const CommonOptions& common) {
   RequireNoInputReplaced({rays.path}, {output});
   RayGrid grid = FitRayGrid(rays, model, common.threads);
   const std::vector<std::string> remarks = RemarksOn(grid);
-  const nlohmann::ordered_json told = GridJson(grid);
+  const nlohmann::ordered_json told = GridJson(grid, format);
   const std::string text = fmt::format(
       "{}: {} of {} x {} px, {} x {} control points, RMS {:.4g} px, largest "
       "{:.4g} px at {} pixels; fitted to half of these, RMS {:.4g} px at the "

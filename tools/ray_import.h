@@ -9,9 +9,10 @@
 namespace raygrid {
 
 /// Writes the grid camera of a table of rays, and tells the error it leaves.
-/// model is one of FitRayGrid().
-void ImportRays(const RayTable& rays, const std::string& model,
-                const std::string& output, const CommonOptions& common);
+/// The table is of the format; model is one of FitRayGrid().
+void ImportRays(const RayTable& rays, const std::string& format,
+                const std::string& model, const std::string& output,
+                const CommonOptions& common);
 
 }  // namespace raygrid
 

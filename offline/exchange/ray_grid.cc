@@ -40,7 +40,8 @@ std::vector<RaySample> SamplesOf(const RayTable& rays) {
           !rays.directions[k].allFinite())
         continue;
       samples.push_back(
-          {{rays.x[column], rays.y[row]},
+          {rays.pixels.empty() ? Eigen::Vector2d(rays.x[column], rays.y[row])
+                               : rays.pixels[k],
            rays.directions[k],
            rays.origins.empty() ? Eigen::Vector3d(0, 0, 0) : rays.origins[k],
            (row / step + column / step) % 2 == 0});
@@ -191,7 +192,30 @@ int PointsAlong(double extent, double longest, int along) {
                              std::lround((along - 3) * extent / longest)));
 }
 
-double PartWithoutRays(const RayTable& rays) {
+// The part of the image's cells that hold no pixel of a table whose rows and
+// columns are not the camera's.
+double PartOfEmptyCells(const ImageSize& size,
+                        const std::vector<RaySample>& samples) {
+  constexpr int kMostAlong = 64, kSamplesAlong = 4;
+  const int along =
+      std::clamp(static_cast<int>(std::sqrt(samples.size())) / kSamplesAlong, 1,
+                 kMostAlong);
+  std::vector<bool> is_seen(static_cast<size_t>(along) * along);
+  const auto cell_of = [&](double place, int pixels) {
+    return std::clamp(static_cast<int>((place + 0.5) / pixels * along), 0,
+                      along - 1);
+  };
+  for (const RaySample& sample : samples)
+    is_seen[cell_of(sample.pixel.y(), size.height) * along +
+            cell_of(sample.pixel.x(), size.width)] = true;
+  return static_cast<double>(
+             std::count(is_seen.begin(), is_seen.end(), false)) /
+         static_cast<double>(is_seen.size());
+}
+
+double PartWithoutRays(const RayTable& rays,
+                       const std::vector<RaySample>& samples) {
+  if (!rays.pixels.empty()) return PartOfEmptyCells(rays.image_size, samples);
   const auto count = std::count_if(
       rays.directions.begin(), rays.directions.end(),
       [](const Eigen::Vector3d& ray) { return !ray.allFinite(); });
@@ -228,7 +252,7 @@ RayGrid FitRayGrid(const RayTable& rays, const std::string& model,
   RayGrid best = std::move(*std::find_if(
       grids.begin(), grids.end(),
       [&](const RayGrid& grid) { return grid.rms_px <= enough_px; }));
-  best.part_without_rays = PartWithoutRays(rays);
+  best.part_without_rays = PartWithoutRays(rays, samples);
   best.left_out_rms_px = LeftOutRmsPx(rays, samples, area, best, num_threads);
   return best;
 }

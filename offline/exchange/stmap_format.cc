@@ -4,10 +4,18 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfIO.h>
+#include <ImfInputFile.h>
 #include <ImfOutputFile.h>
+#include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstring>
 
+#include "dataset/error.h"
+#include "dataset/image_header.h"
+#include "dataset/text_encoding.h"
 #include "exchange/pixel_origin.h"
 
 namespace raygrid {
@@ -75,6 +83,137 @@ TableOutput WriteStMap(const ViewTable& view) {
           "s from the left, t from below, alpha where there is a source"};
 }
 
+// ---- Reading ---------------------------------------------------------------
+
+constexpr char kExrMagic[] = "\x76\x2f\x31\x01";
+
+bool IsExr(const std::string& bytes) {
+  return bytes.compare(0, std::strlen(kExrMagic), kExrMagic) == 0;
+}
+
+// A file that is in memory.
+class ExrInput : public Imf::IStream {
+ public:
+  ExrInput(const std::string& path, const std::string& bytes)
+      : Imf::IStream(path.c_str()), bytes_(bytes) {}
+  bool read(char into[], int count) override {
+    if (count < 0 || at_ > bytes_.size() ||
+        static_cast<size_t>(count) > bytes_.size() - at_)
+      throw InputError("the file ends too early");
+    std::memcpy(into, bytes_.data() + at_, count);
+    at_ += count;
+    return at_ < bytes_.size();
+  }
+  uint64_t tellg() override { return at_; }
+  void seekg(uint64_t at) override { at_ = at; }
+
+ private:
+  const std::string& bytes_;
+  uint64_t at_ = 0;
+};
+
+// The size of a window of pixels. Throws for one that no file of so many bytes
+// has.
+ImageSize SizeOfWindow(const Imath::Box2i& window, size_t num_bytes) {
+  constexpr int64_t kMostPixelsPerByte = 1024;
+  const int64_t width = int64_t{window.max.x} - window.min.x + 1,
+                height = int64_t{window.max.y} - window.min.y + 1;
+  if (width < 1 || height < 1) throw InputError("has no pixels");
+  const std::string why = WhySizeIsRefused(static_cast<uint64_t>(width),
+                                           static_cast<uint64_t>(height));
+  if (!why.empty()) throw InputError(why);
+  if (width * height > kMostPixelsPerByte * static_cast<int64_t>(num_bytes))
+    throw InputError(fmt::format("has {} bytes, too few for its {} x {} pixels",
+                                 num_bytes, width, height));
+  return {static_cast<int>(width), static_cast<int>(height)};
+}
+
+void RequireStChannels(const Imf::ChannelList& channels) {
+  for (const char* name : {"R", "G"}) {
+    const Imf::Channel* channel = channels.findChannel(name);
+    if (!channel)
+      throw InputError(fmt::format(
+          "has no channel {}; an STMap has s in R and t in G", name));
+    if (channel->xSampling != 1 || channel->ySampling != 1)
+      throw InputError(fmt::format("channel {}: not of all pixels", name));
+  }
+}
+
+// The pixels of a file's data window, in which a file may leave out channels.
+std::vector<StPixel> PixelsOf(Imf::InputFile* file, const ImageSize& size) {
+  RequireStChannels(file->header().channels());
+  const Imath::Box2i& window = file->header().dataWindow();
+  std::vector<StPixel> pixels(static_cast<size_t>(size.width) * size.height,
+                              {-1, -1, 0, 1});
+  Imf::FrameBuffer buffer;
+  for (const size_t c : {0, 1, 3})
+    buffer.insert(
+        kChannels[c],
+        Imf::Slice::Make(Imf::FLOAT, &pixels[0][c], window, sizeof(StPixel),
+                         sizeof(StPixel) * size.width, 1, 1, c == 3 ? 1 : -1));
+  file->setFrameBuffer(buffer);
+  file->readPixels(window.min.y, window.max.y);
+  return pixels;
+}
+
+// Whether a pixel tells a place: edges of alpha are mixed with others, and
+// programs fill what they do not know with -1 or black.
+bool TellsPlace(const StPixel& pixel, bool has_alpha) {
+  constexpr float kWhole = 0.999F;
+  const auto [s, t, unused, alpha] = pixel;
+  return std::isfinite(s) && std::isfinite(t) &&
+         (!has_alpha || alpha >= kWhole) && !(s == -1 && t == -1) &&
+         !(s == 0 && t == 0);
+}
+
+// Alpha that is nowhere 1 tells nothing.
+bool HasAlpha(const std::vector<StPixel>& pixels) {
+  return std::any_of(pixels.begin(), pixels.end(),
+                     [](const StPixel& pixel) { return pixel[3] == 1; });
+}
+
+Eigen::Vector2d PlaceOf(const StPixel& pixel, const ImageSize& size) {
+  return FromProgram(
+      PixelOrigin::kImageCorner, {},
+      {double{pixel[0]} * size.width, (1 - double{pixel[1]}) * size.height});
+}
+
+ViewTable ViewOfExr(const std::string& path, const std::string& bytes,
+                    const std::optional<ImageSize>& source_size) {
+  ExrInput input(path, bytes);
+  Imf::InputFile file(input);
+  const Imath::Box2i &shown = file.header().displayWindow(),
+                     &stored = file.header().dataWindow();
+  ViewTable view;
+  view.path = path;
+  view.size = SizeOfWindow(shown, bytes.size());
+  view.source_size = source_size.value_or(view.size);
+  const ImageSize stored_size = SizeOfWindow(stored, bytes.size());
+  const std::vector<StPixel> pixels = PixelsOf(&file, stored_size);
+  const bool has_alpha = HasAlpha(pixels);
+  view.sources.resize(view.num_pixels(), Eigen::Vector2d(NAN, NAN));
+  size_t k = 0;
+  for (int y = stored.min.y; y <= stored.max.y; ++y)
+    for (int x = stored.min.x; x <= stored.max.x; ++x, ++k)
+      if (shown.intersects(Imath::V2i(x, y)) &&
+          TellsPlace(pixels[k], has_alpha))
+        view.sources[static_cast<size_t>(y - shown.min.y) * view.size.width +
+                     (x - shown.min.x)] = PlaceOf(pixels[k], view.source_size);
+  return view;
+}
+
+ViewTable ReadStMap(const std::string& path, const std::string& bytes,
+                    const std::optional<ImageSize>& source_size) {
+  try {
+    return ViewOfExr(path, bytes, source_size);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", path, error.what()));
+  } catch (const std::exception& error) {  // of OpenEXR
+    throw InputError(fmt::format("{}: OpenEXR does not read it: {}", path,
+                                 Printable(error.what())));
+  }
+}
+
 }  // namespace
 
 TableFormat StMapFormat() {
@@ -86,6 +225,8 @@ TableFormat StMapFormat() {
   format.endings = {".exr"};
   format.options = {"rectified", "reverse"};
   format.write_view = WriteStMap;
+  format.recognizes = IsExr;
+  format.read_view = ReadStMap;
   return format;
 }
 

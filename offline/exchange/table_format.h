@@ -40,6 +40,9 @@ struct ViewTable {
   /// Row by row; NaN where a pixel has none.
   std::vector<Eigen::Vector2d> sources;
 
+  size_t num_pixels() const {
+    return static_cast<size_t>(size.width) * size.height;
+  }
   std::optional<Eigen::Vector2d> At(int x, int y) const;
 };
 
@@ -48,6 +51,9 @@ struct RayTable {
   std::string path;
   ImageSize image_size;
   std::vector<double> x, y;  ///< of the columns and rows, in pixels
+  /// The rays' own pixels, row by row, of a table whose columns and rows are
+  /// not those of the camera; none if x and y say them.
+  std::vector<Eigen::Vector2d> pixels;
   /// Unit vectors, row by row; NaN where a pixel has no ray.
   std::vector<Eigen::Vector3d> directions;
   /// Points of the rays; none if all rays begin at the origin.
@@ -83,10 +89,15 @@ struct TableFormat {
   bool (*recognizes)(const std::string& bytes) = nullptr;
   RayTable (*read_rays)(const std::string& path,
                         const std::string& bytes) = nullptr;
+  /// A file does not say how large the image is that its places lie in: as
+  /// large as the table unless source_size tells.
+  ViewTable (*read_view)(const std::string& path, const std::string& bytes,
+                         const std::optional<ImageSize>& source_size) = nullptr;
 
   bool Takes(const std::string& option) const;
   /// Whether it is made of a view, so that it takes the words of one.
   bool IsOfView() const { return write_view || mesh_unit; }
+  bool IsImported() const { return read_rays || read_view; }
   /// Throws Error(kUsage) for a file that ends otherwise.
   void RequireEnding(const std::string& path) const;
   /// "a blob", for --list and errors.

@@ -128,9 +128,10 @@ VirtualView Scaled(const VirtualView& view, const ImageSize& size) {
   return result;
 }
 
-// A view around a centre with the focal lengths that are asked for.
-VirtualView ViewAround(const CameraModel& camera, const VirtualView& plane,
-                       const ViewRequest& request, const ImageSize& size) {
+// A view around a centre with the focal lengths that are asked for; 0 if none
+// is.
+VirtualView ViewAround(const VirtualView& plane, const ViewRequest& request,
+                       const ImageSize& size) {
   VirtualView view = plane;
   view.size = size;
   view.center_px = request.center_px.value_or(
@@ -147,11 +148,18 @@ VirtualView ViewAround(const CameraModel& camera, const VirtualView& plane,
                    size.height);
     if (fx == 0) fx = fy;
     if (fy == 0) fy = fx;
-  } else {
-    fx = fy = CentralFocalLength(camera, plane) * size.width /
-              camera.image_size().width;
   }
   view.focal_px = {fx, fy};
+  return view;
+}
+
+// Such a view, as sharp as the camera where no focal length is asked for.
+VirtualView ViewAsSharp(const CameraModel& camera, const VirtualView& plane,
+                        const ViewRequest& request, const ImageSize& size) {
+  VirtualView view = ViewAround(plane, request, size);
+  if (view.focal_px.x() == 0)
+    view.focal_px.setConstant(CentralFocalLength(camera, plane) * size.width /
+                              camera.image_size().width);
   return view;
 }
 
@@ -220,7 +228,21 @@ VirtualView MakeView(const CameraModel& camera, const ViewRequest& request) {
   const VirtualView view =
       request.alpha  ? ViewOfAlpha(camera, plane, size, *request.alpha)
       : request.like ? Scaled(*request.like, size)
-                     : ViewAround(camera, plane, request, size);
+                     : ViewAsSharp(camera, plane, request, size);
+  RequireThatBlobsHold(view);
+  return view;
+}
+
+VirtualView MakeViewWithoutCamera(const ImageSize& size,
+                                  const ViewRequest& request) {
+  RequireSensible(request);
+  if (request.alpha)
+    ThrowUsage("a view by alpha, which needs the camera; say it by like");
+  const VirtualView view = request.like
+                               ? Scaled(*request.like, size)
+                               : ViewAround(Plane(request), request, size);
+  if (view.focal_px.x() == 0)
+    ThrowUsage("a view of no field of view; say hfov, vfov, focal or like");
   RequireThatBlobsHold(view);
   return view;
 }

@@ -42,6 +42,12 @@ void RequireThatBlobsHold(const VirtualView& view);
 /// of the camera's area or that a blob cannot hold.
 VirtualView MakeView(const CameraModel& camera, const ViewRequest& request);
 
+/// A view of this size that a request tells without a camera: by like, by
+/// fields of view or by a focal length. Throws Error(kUsage) for other requests
+/// and for what MakeView() throws.
+VirtualView MakeViewWithoutCamera(const ImageSize& size,
+                                  const ViewRequest& request);
+
 /// The view of frames of another mode. What says nothing of the centre or of a
 /// view's turn shows the middle of the frames where it would show that of
 /// calibrated ones: a crop stays in the middle.

@@ -273,10 +273,11 @@ PyCamera Load(const py::object& file) {
     throw InputError(path +
                      ": is a blob, which the runtime evaluates in fixed "
                      "point; take raygrid.Blob");
-  if (RecognizeTable(bytes))
-    throw InputError(path +
-                     ": is an archive of arrays; 'raygrid import' makes a "
-                     "camera of rays");
+  if (const TableFormat* table = RecognizeTable(bytes))
+    throw InputError(
+        fmt::format("{}: is a table of the format {}; 'raygrid import' makes a "
+                    "camera of it",
+                    path, table->name));
   const Format* format = RecognizeFormat(bytes);
   return {format ? ParseForeign(path, bytes, *format)
                  : ParseCameraFile(path, bytes)};

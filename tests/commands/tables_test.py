@@ -19,6 +19,7 @@ BOARD_COMPILERS = [name for name in ("arm-none-eabi-gcc",) if shutil.which(name)
 WARNINGS = ("-Wall", "-Wextra", "-pedantic", "-Werror")
 
 MAPS_PEER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "maps_peer.py")
+STMAP_PEER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "stmap_peer.py")
 RAYS_PEER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "rays_peer.py")
 OPENCV = next((python for python in (sys.executable, "/usr/bin/python3") if subprocess.run(
     [python, "-c", "import cv2"], capture_output=True, check=False).returncode == 0), None)
@@ -159,7 +160,7 @@ class Blobs(TableTest):
         self.assertEqual((listed["c"]["of"], listed["hex"]["options"]), ("a blob", ["address"]))
         self.assertEqual(listed["maps"]["models"], ["float", "fixed"])
         self.assertEqual([name for name, entry in listed.items() if entry["of"] != "a lens" and
-                          entry["import"]], ["rays"])
+                          entry["import"]], ["stmap", "rays"])
         text = run("export", "--list").stdout
         for entry in listed.values():
             self.assertIn(entry["name"] + ": " + entry["holds"], text)
@@ -388,19 +389,7 @@ class Maps(TableTest):
                                 self.path("never/m.npz")), 2, "board.yaml")
 
 
-@unittest.skipUnless(OPENCV, NO_OPENCV)
-class Rays(TableTest):
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.camera = cls.simulated_camera("wide")
-
-    def numpy(self, rays):
-        """What numpy says of rays, which it saves again in many ways."""
-        result = run(RAYS_PEER, self.path(rays), self.folder, program=OPENCV)
-        self.assert_done(result)
-        return json.loads(result.stdout)
-
+class ImportTest(TableTest):
     def imported(self, rays, *more):
         result = run("import", self.path(rays), "-o", self.path("camera.yaml"), "--json", *more)
         self.assert_done(result)
@@ -424,6 +413,20 @@ class Rays(TableTest):
         self.assertTrue(all(row["valid"] for row in seen))
         errors = [math.dist((a["x"], a["y"]), (b["u"], b["v"])) for a, b in zip(rows, seen)]
         return max(errors), math.sqrt(sum(error ** 2 for error in errors) / len(errors))
+
+
+@unittest.skipUnless(OPENCV, NO_OPENCV)
+class Rays(ImportTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.camera = cls.simulated_camera("wide")
+
+    def numpy(self, rays):
+        """What numpy says of rays, which it saves again in many ways."""
+        result = run(RAYS_PEER, self.path(rays), self.folder, program=OPENCV)
+        self.assert_done(result)
+        return json.loads(result.stdout)
 
     def test_numpy_reads_the_rays(self):
         self.export(self.camera, "--to", "rays", "--every", 7, out="r.npz")
@@ -526,6 +529,75 @@ class Rays(TableTest):
                 self.assert_refused(run(*arguments), code, *words)
         self.assert_nothing_in(self.path("never"))
         self.assert_refused(run("import", rays, "-o", rays), 7, "replace the input")
+
+
+@unittest.skipUnless(OPENCV, NO_OPENCV)
+class StMaps(ImportTest):
+    SIZE = ("--image-size", "160x120")
+    # Both views show all pixels of the camera.
+    VIEW = ("--projection", "equidistant", "--hfov", 105, "--rotate", "2,0,1")
+    WIDE = ("--alpha", 1, "--size", "150x130")
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.camera = cls.simulated_camera("wide")
+        for command in (("export", cls.camera, "--to", "stmap", *cls.VIEW, "-o", cls.path("s.exr")),
+                        ("export", cls.camera, "--to", "stmap", "--reverse", *cls.WIDE, "-o",
+                         cls.path("r.exr")),
+                        ("export", cls.camera, "--to", "opencv", "--rectified", *cls.WIDE, "-o",
+                         cls.path("view.yml"))):
+            result = run(*command)
+            assert result.returncode == 0, result.stderr
+        result = run(STMAP_PEER, cls.path("s.exr"), program=OPENCV)
+        assert result.returncode == 0, result.stderr
+
+    def test_import_after_export_is_nearly_the_camera(self):
+        """In both directions, and with the view's words or its file. Half a pixel is found."""
+        like = ("--reverse", "--like", self.path("view.yml"))
+        for stmap, words, bound_px in (("s", (*self.SIZE, *self.VIEW), 0.001), ("r", like, 0.002)):
+            with self.subTest(stmap):
+                told, remarks = self.imported(stmap + ".exr", *words)
+                self.assertEqual((told["model"], told["as"], told["image_size"], remarks),
+                                 ("central-generic", "stmap", [160, 120], ""))
+                self.assertLess(told["fit"]["rms_px"], bound_px)
+                largest, rms = self.distance(self.camera)
+                self.assertLess(rms, bound_px)
+                self.assertLess(largest, 1.2 * told["fit"]["max_px"])
+        self.imported("s_moved.exr", *self.SIZE, *self.VIEW)
+        self.assertGreater(self.distance(self.camera)[1], 0.2)
+
+    def test_pixels_that_tell_nothing_are_left_out(self):
+        """Those that are no numbers, and black ones if alpha is 0 everywhere."""
+        told, remarks = self.imported("s_nan.exr", *self.SIZE, *self.VIEW)
+        self.assertLess(told["fit"]["rms_px"], 0.002)
+        self.assertRegex(remarks, r"4\d\.\d % of the pixels have no ray")
+        told, remarks = self.imported("s_black.exr", *self.SIZE, *self.VIEW)
+        self.assertLess(told["fit"]["rms_px"], 0.001)
+        self.assertEqual(remarks, "")
+
+    def test_what_cannot_be(self):
+        stmap, never = self.path("s.exr"), self.path("never/c.yaml")
+        for more, code, words in (
+                (self.VIEW, 1, ("--image-size", "s.exr", "--reverse")),
+                (self.SIZE, 1, ("s.exr", "--like view.camera.yaml", "--hfov")),
+                ((*self.SIZE, *self.VIEW, "--size", "64x48"), 1, ("160 x 120", "64 x 48")),
+                ((*self.VIEW, "--reverse", "--image-size", "64x48"), 1, ("--image-size", "s.exr"))):
+            with self.subTest(more):
+                self.assert_refused(run("import", stmap, "-o", never, *more), code, *words)
+        self.assert_refused(run("import", self.path("view.yml"), "-o", never, "--reverse"), 1,
+                            "--reverse", "STMap", "view.yml")
+        self.assert_refused(run("export", stmap, "--to", "ros", "-o", never), 2, "s.exr", "import")
+        good = read(stmap)
+        corner = good.index(b"displayWindow") + len(b"displayWindow\0box2i\0....") + 8
+        for contents, word in (
+                (good[:-40], "ends"), (read(self.path("s_grey.exr")), "no channel R"),
+                (good[:corner] + b"\xfe\x3f\0\0" * 2 + good[corner + 8:], "too few for its 16383"),
+                (read(self.path("s_nowhere.exr")), "0 pixels")):
+            with self.subTest(word):
+                self.assert_refused(run("import", write(self.path("bad.exr"), contents), "-o", never,
+                                        *self.SIZE, *self.VIEW), 2, "bad.exr: ", word)
+        self.assert_nothing_in(self.path("never"))
 
 
 if __name__ == "__main__":

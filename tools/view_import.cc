@@ -1,0 +1,117 @@
+#include "view_import.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "camera_input.h"
+#include "dataset/error.h"
+
+namespace raygrid {
+namespace {
+
+[[noreturn]] void ThrowMissing(const std::string& option,
+                               const std::string& what) {
+  throw Error(ExitCode::kUsage, fmt::format("{}: {}", option, what));
+}
+
+// The view that the words tell of a table.
+VirtualView ViewOfWords(const TableFormat& format, const ViewImport& import,
+                        const ViewRequest& request, const ImageSize& size) {
+  try {
+    return MakeViewWithoutCamera(size, request);
+  } catch (const Error& error) {
+    throw Error(error.code(),
+                fmt::format("{}: a table of {} is imported with the words that "
+                            "it was exported with, as --like view.camera.yaml "
+                            "or --hfov 90: {}",
+                            import.path, format.name, error.what()));
+  }
+}
+
+// The size of the view that the words tell.
+std::optional<ImageSize> SizeTold(const ViewRequest& request) {
+  if (request.size.width != 0) return request.size;
+  if (request.like) return request.like->size;
+  return std::nullopt;
+}
+
+void RequireSize(const std::string& option, const ViewImport& import,
+                 const ImageSize& table, const ImageSize& told) {
+  if (table == told) return;
+  throw Error(ExitCode::kUsage,
+              fmt::format("{}: {} has {} x {} pixels instead of {} x {}",
+                          option, import.path, table.width, table.height,
+                          told.width, told.height));
+}
+
+RayTable EmptyRays(const ViewTable& table) {
+  RayTable rays;
+  rays.path = table.path;
+  for (int x = 0; x < table.size.width; ++x) rays.x.push_back(x);
+  for (int y = 0; y < table.size.height; ++y) rays.y.push_back(y);
+  rays.directions.resize(table.num_pixels(), Eigen::Vector3d(NAN, NAN, NAN));
+  return rays;
+}
+
+// The camera's pixels are those of the table, and look where these places of
+// the view do.
+RayTable RaysOfCameraPixels(const ViewTable& table, const VirtualView& view) {
+  RayTable rays = EmptyRays(table);
+  rays.image_size = table.size;
+  for (size_t k = 0; k < table.sources.size(); ++k) {
+    if (!table.sources[k].allFinite()) continue;
+    const auto direction = view.Direction(table.sources[k]);
+    if (direction) rays.directions[k] = direction->normalized();
+  }
+  return rays;
+}
+
+// The camera's pixels are the places in the table, and look where these pixels
+// of the view do.
+RayTable RaysOfViewPixels(const ViewTable& table, const VirtualView& view) {
+  constexpr double kRoundingPx = 1e-3;
+  const Area image = WholeImage(table.source_size);
+  RayTable rays = EmptyRays(table);
+  rays.image_size = table.source_size;
+  rays.pixels = table.sources;
+  for (size_t k = 0; k < table.sources.size(); ++k) {
+    Eigen::Vector2d& pixel = rays.pixels[k];
+    if (!pixel.allFinite() || !image.Contains(pixel, kRoundingPx)) continue;
+    pixel = pixel.cwiseMax(0.0).cwiseMin(Eigen::Vector2d(image.x1, image.y1));
+    const size_t column = k % table.size.width, row = k / table.size.width;
+    const auto direction =
+        view.Direction(Eigen::Vector2d(rays.x[column], rays.y[row]));
+    if (direction) rays.directions[k] = direction->normalized();
+  }
+  return rays;
+}
+
+}  // namespace
+
+RayTable RaysOfViewTable(const TableFormat& format, const ViewImport& import) {
+  const ViewRequest request = ParseViewOptions(import.view);
+  const auto view_size = SizeTold(request);
+  std::optional<ImageSize> image_size;
+  if (!import.image_size.empty())
+    image_size = ParseImageSize("--image-size", import.image_size);
+  if (!import.is_reverse && !image_size)
+    ThrowMissing("--image-size",
+                 fmt::format("say WxH of the camera's images, which {} does "
+                             "not hold; or --reverse, if its pixels are those "
+                             "of the camera",
+                             import.path));
+  const ViewTable table = format.read_view(
+      import.path, import.bytes, import.is_reverse ? view_size : image_size);
+  const ImageSize size =
+      import.is_reverse ? table.source_size : view_size.value_or(table.size);
+  if (import.is_reverse && image_size)
+    RequireSize("--image-size", import, table.size, *image_size);
+  if (!import.is_reverse) RequireSize("the view", import, table.size, size);
+  const VirtualView view = ViewOfWords(format, import, request, size);
+  return import.is_reverse ? RaysOfCameraPixels(table, view)
+                           : RaysOfViewPixels(table, view);
+}
+
+}  // namespace raygrid
