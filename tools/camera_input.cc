@@ -23,6 +23,7 @@ CameraFile ParseForeignCamera(const Format& format, const std::string& path,
   RequireCameraFormat(format, path);
   const ExchangeContents contents =
       ReadExchangeFile(&format, {path, text, "", std::nullopt});
+  RequireCameras(contents, path);
   if (contents.cameras.size() != 1)
     throw InputError(
         fmt::format("{}: has {} cameras; 'raygrid import' makes a file of each",

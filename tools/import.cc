@@ -55,6 +55,7 @@ ExchangeContents ReadForeignFile(const ImportArguments& arguments,
                                  const std::string& path,
                                  const std::string& text) {
   ReadRequest request = {path, text, arguments.model, std::nullopt};
+  if (!arguments.board.empty()) request.board = ParseBoardSize(arguments.board);
   if (!arguments.image_size.empty())
     request.size = ParseImageSize("--image-size", arguments.image_size);
   const Format* format =
@@ -126,25 +127,38 @@ bool ImportBoards(const ImportArguments& arguments,
   return true;
 }
 
-// The contents of a file of corners alone; none if it is of another format.
-std::optional<ExchangeContents> ReadCorners(
-    const ImportArguments& arguments, const std::vector<std::string>& texts) {
-  const Format* format = arguments.from.empty()
-                             ? RecognizeFormat(texts[0])
-                             : &FindFormat("--from", arguments.from);
+// Throws for options that do nothing to contents with cameras or without.
+void RequireUsed(const ImportArguments& arguments,
+                 const ExchangeContents& contents) {
   const auto refuse = [](const std::string& option, const std::string& why) {
     throw Error(ExitCode::kUsage, option + ": " + why);
   };
-  if (!format || !format->takes_board) {
-    if (!arguments.board.empty())
-      refuse("--board", "is for corners whose file does not tell the board");
-    return std::nullopt;
+  if (!contents.cameras.empty()) {
+    if (!arguments.board.empty() &&
+        std::filesystem::path(arguments.output).extension() != ".csv")
+      refuse("--board", "is for corners, which become features.csv");
+    return;
   }
   if (arguments.files.size() > 1)
     refuse(arguments.files[1], "a file of corners is imported alone");
   if (!arguments.model.empty()) refuse("--model", "corners have no camera");
   if (!arguments.image_size.empty())
     refuse("--image-size", "features.csv has none; tell it to calibrate");
+}
+
+// The contents of a file of corners alone; none if it is of another format.
+std::optional<ExchangeContents> ReadCorners(
+    const ImportArguments& arguments, const std::vector<std::string>& texts) {
+  const Format* format = arguments.from.empty()
+                             ? RecognizeFormat(texts[0])
+                             : &FindFormat("--from", arguments.from);
+  if (!format || !format->takes_board) {
+    if (!arguments.board.empty() && !(format && format->may_take_board))
+      throw Error(ExitCode::kUsage,
+                  "--board: is for corners whose file does not tell the board");
+    return std::nullopt;
+  }
+  RequireUsed(arguments, {});
   ReadRequest request = {arguments.files[0], texts[0], "", std::nullopt};
   if (!arguments.board.empty()) request.board = ParseBoardSize(arguments.board);
   return ReadExchangeFile(format, request);
@@ -189,6 +203,8 @@ ExchangeContents ReadForeign(const ImportArguments& arguments,
   for (size_t k = 0; k < arguments.files.size(); ++k) {
     const std::string& path = arguments.files[k];
     ExchangeContents contents = ReadForeignFile(arguments, path, texts[k]);
+    RequireUsed(arguments, contents);
+    if (contents.cameras.empty()) return contents;
     for (const std::string& remark : contents.remarks)
       all.remarks.push_back(path + ": " + remark);
     for (ReadLens& camera : contents.cameras) {
@@ -306,6 +322,10 @@ std::string CsvOf(const ImportArguments& arguments,
     has_any = has_any || !(wants_features ? camera.features.empty()
                                           : camera.poses.empty());
   }
+  for (const ReadLens& camera : contents.cameras)
+    if (wants_features && !camera.why_no_features.empty())
+      throw InputError(fmt::format("{}: {}", arguments.files.front(),
+                                   camera.why_no_features));
   if (!has_any)
     throw InputError(fmt::format("{}: has no {}", arguments.files.front(),
                                  wants_features ? "features" : "poses"));
@@ -386,6 +406,10 @@ void RunImport(ImportArguments arguments, const CommonOptions& common) {
     return;
   }
   const ExchangeContents contents = ReadForeign(arguments, texts);
+  if (contents.cameras.empty()) {
+    ImportCorners(contents, arguments, common);
+    return;
+  }
   const auto files = FilesOf(arguments, contents);
   std::vector<std::string> paths;
   OutputFiles outputs;
@@ -436,7 +460,8 @@ void AddImport(CLI::App* app, CommonOptions* common) {
       "camera. Files of a camera each are a rig if they tell the poses, or R "
       "and P as those of a stereo pair do. Tables of rays become the grid that "
       "leaves little of them, and so does an STMap with the words of the view "
-      "that it was exported with. Corners of mrcal become features.csv for "
+      "that it was exported with. Corners of mrcal and OpenCV become "
+      "features.csv for "
       "calibrate --features, a target of Kalibr becomes pattern.yaml. 'raygrid "
       "export --list' names the formats.",
       "raygrid import calibration.xml -o camera.yaml", common);
@@ -463,7 +488,8 @@ void AddImport(CLI::App* app, CommonOptions* common) {
                       "the camera's images");
   command->add_option("--board", arguments->board,
                       "COLUMNSxROWS of a board's corners, where the file does "
-                      "not tell, as mrcal's corners.vnl");
+                      "not tell, as mrcal's corners.vnl, or image_points of "
+                      "OpenCV without board_width");
   command->add_flag("--reverse", arguments->is_reverse,
                     "of an STMap: its pixels are those of the camera, and show "
                     "places in the view");

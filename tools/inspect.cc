@@ -238,6 +238,7 @@ Json ForeignFacts(const Format& format, const std::string& path,
   RequireCameraFormat(format, path);
   const ExchangeContents contents =
       ReadExchangeFile(&format, {path, text, "", std::nullopt});
+  RequireCameras(contents, path);
   Json json = {{"kind", contents.IsRig() ? "rig" : "camera"},
                {"format", format.name}};
   if (contents.cameras.size() == 1) {

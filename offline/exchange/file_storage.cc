@@ -14,7 +14,8 @@
 namespace raygrid {
 namespace {
 
-constexpr char kMatrixType[] = "opencv-matrix";
+constexpr char kMatrixType[] = "opencv-matrix",
+               kArrayType[] = "opencv-nd-matrix";
 constexpr char kXmlRoot[] = "opencv_storage";
 
 bool IsXml(const std::string& text) {
@@ -95,6 +96,7 @@ std::string Quoted(FileStorageText::Kind kind, const std::string& text) {
 
 bool IsFileStorage(const std::string& text) {
   return text.find(kMatrixType) != std::string::npos ||
+         text.find(kArrayType) != std::string::npos ||
          text.find(kXmlRoot) != std::string::npos;
 }
 
@@ -132,6 +134,33 @@ StoredMatrix ParseStoredMatrix(const YAML::Node& node, const std::string& name,
                                  matrix.data.size(), matrix.rows,
                                  matrix.columns * num_channels));
   return matrix;
+}
+
+StoredMatrix ParseStoredPoints(const YAML::Node& node,
+                               const std::string& name) {
+  if (!node.IsMap() || !node["sizes"]) return ParseStoredMatrix(node, name, 2);
+  // Images, then axes of which one counts the points.
+  std::vector<int> sizes;
+  for (const YAML::Node& size : node["sizes"])
+    sizes.push_back(SidePx(size, name + ": sizes"));
+  if (node["dt"] && node["dt"].as<std::string>()[0] == '2') sizes.push_back(2);
+  StoredMatrix points;
+  points.data = FiniteNumbers(node["data"], name);
+  if (!sizes.empty()) {
+    points.rows = sizes.front();
+    sizes.erase(sizes.begin());
+    sizes.erase(std::remove(sizes.begin(), sizes.end(), 1), sizes.end());
+  }
+  if (sizes.size() != 2 || sizes[1] != 2)
+    throw InputError(
+        fmt::format("{}: not of images, points and 2 numbers", name));
+  points.columns = sizes[0];
+  if (points.data.size() != 2 * static_cast<size_t>(points.rows) *
+                                static_cast<size_t>(points.columns))
+    throw InputError(fmt::format("{}: {} numbers where {} x {} x 2 are said",
+                                 name, points.data.size(), points.rows,
+                                 points.columns));
+  return points;
 }
 
 FileStorageText::Kind FileStorageText::KindOf(const std::string& path) {

@@ -13,7 +13,7 @@ namespace raygrid {
 /// what yaml-cpp throws; path is used in errors.
 YAML::Node ParseFileStorage(const std::string& path, const std::string& text);
 
-/// Whether a text has a matrix as FileStorage writes them.
+/// Whether a text has a matrix as FileStorage writes them, of two axes or more.
 bool IsFileStorage(const std::string& text);
 
 /// A matrix, row by row, of one channel or several.
@@ -25,6 +25,11 @@ struct StoredMatrix {
 /// Throws InputError, naming the matrix, also if it has not so many channels.
 StoredMatrix ParseStoredMatrix(const YAML::Node& node, const std::string& name,
                                int num_channels = 1);
+
+/// Points of two numbers, of images row by row: a matrix of two channels, or an
+/// array of more axes, as numpy has lists of them. Throws InputError, naming
+/// it.
+StoredMatrix ParseStoredPoints(const YAML::Node& node, const std::string& name);
 
 /// Writes what FileStorage reads.
 class FileStorageText {

@@ -33,7 +33,8 @@ struct ReadLens {
   std::optional<Pose> camera_from_rig;
   std::optional<RectifiedProjection> rectified;
   std::vector<ImageFeatures> features;  ///< that it was calibrated with
-  std::vector<BoardPose> poses;         ///< of boards, camera_from_board
+  std::string why_no_features;   ///< if the file has some that are not taken
+  std::vector<BoardPose> poses;  ///< of boards, camera_from_board
 };
 
 /// The contents of a file that was read.
@@ -94,6 +95,7 @@ struct Format {
   bool holds_pairs = false;      ///< files of two cameras have R and P
   bool holds_poses = false;      ///< of boards
   bool takes_board = false;      ///< corners alone, without a board's width
+  bool may_take_board = false;   ///< corners that may lack a board's width
 
   /// Whether a text is of this format, by words that others have not. It need
   /// not be well-formed.
@@ -134,6 +136,9 @@ ExchangeContents ReadExchangeFile(const Format* format,
 /// Throws InputError if files of a format have corners or boards, and no
 /// camera.
 void RequireCameraFormat(const Format& format, const std::string& path);
+
+/// Throws InputError if a file that was read has corners, and no camera.
+void RequireCameras(const ExchangeContents& contents, const std::string& path);
 
 /// The texts of the files beside one that is to be read; "" of one that is not
 /// there.

@@ -57,6 +57,13 @@ void RequireNoOther(const BesideFile& file) {
                     "folder");
 }
 
+[[noreturn]] void ThrowOnCorners(const std::string& path) {
+  throw InputError(
+      fmt::format("{}: has corners, and no camera; 'raygrid import' makes "
+                  "features.csv of them, for calibrate --features",
+                  path));
+}
+
 }  // namespace
 
 const std::vector<Format>& Formats() {
@@ -120,16 +127,15 @@ ExchangeContents ReadExchangeFile(const Format* format,
 
 void RequireCameraFormat(const Format& format, const std::string& path) {
   if (!format.forms.empty()) return;
-  if (!format.takes_board)
-    throw InputError(
-        fmt::format("{}: has a board, and no camera; 'raygrid import' makes "
-                    "pattern.yaml of it, for --pattern",
-                    path));
-  else
-    throw InputError(
-        fmt::format("{}: has corners, and no camera; 'raygrid import' makes "
-                    "features.csv of them, for calibrate --features",
-                    path));
+  if (format.takes_board) ThrowOnCorners(path);
+  throw InputError(
+      fmt::format("{}: has a board, and no camera; 'raygrid import' makes "
+                  "pattern.yaml of it, for --pattern",
+                  path));
+}
+
+void RequireCameras(const ExchangeContents& contents, const std::string& path) {
+  if (contents.cameras.empty()) ThrowOnCorners(path);
 }
 
 std::vector<std::string> ReadBeside(const Format& format,

@@ -47,6 +47,7 @@ const std::vector<std::string> kWidthKeys = {"image_width", "image_Width",
                                              "imageWidth", "width"};
 const std::vector<std::string> kHeightKeys = {"image_height", "image_Height",
                                               "imageHeight", "height"};
+constexpr char kPointsKey[] = "image_points";
 const std::vector<std::string> kNameKeys = {"camera_name", "cameraName"};
 
 // The first of these keys that stands in a map, or "".
@@ -180,26 +181,74 @@ std::string ImageName(const YAML::Node& names, int index) {
   return fmt::format("view{:04}", index);
 }
 
+// The board that the file tells, or else the user. The message of an error
+// begins with image_points.
+ImageSize BoardOf(const YAML::Node& root, const ReadRequest& request,
+                  int num_points) {
+  ImageSize board = request.board.value_or(ImageSize{0, 0});
+  if (root["board_width"]) {
+    const int width = SidePx(root["board_width"], "board_width");
+    const int height = root["board_height"]
+                           ? SidePx(root["board_height"], "board_height")
+                           : num_points / width;
+    if (request.board && *request.board != ImageSize{width, height})
+      throw InputError(
+          fmt::format("image_points: its board is {} x {}, not that of --board",
+                      width, height));
+    board = {width, height};
+  }
+  if (board.width == 0)
+    throw InputError(
+        "image_points: 'board_width' is missing; import them with --board "
+        "COLUMNSxROWS, counting corners, as --board 9x6");
+  if (int64_t{board.width} * board.height != num_points)
+    throw InputError(fmt::format(
+        "image_points: {} corners of an image, while its board has {} x {}",
+        num_points, board.width, board.height));
+  return board;
+}
+
 // image_points of OpenCV's calibration sample: a row of corners an image, in
 // the order of a board of board_width columns.
-std::vector<ImageFeatures> FeaturesOf(const YAML::Node& root) {
+std::vector<ImageFeatures> FeaturesOf(const YAML::Node& root,
+                                      const StoredMatrix& points,
+                                      const ImageSize& board) {
   std::vector<ImageFeatures> images;
-  if (!root["image_points"]) return images;
-  const StoredMatrix points =
-      ParseStoredMatrix(root["image_points"], "image_points", 2);
-  const int columns = SidePx(root["board_width"], "board_width");
   for (int row = 0; row < points.rows; ++row) {
     ImageFeatures& image = images.emplace_back();
     image.image = ImageName(root["image_names"], row);
     for (int k = 0; k < points.columns; ++k) {
       const size_t at = 2 * (static_cast<size_t>(row) * points.columns + k);
       image.features.push_back({0,
-                                k % columns,
-                                k / columns,
+                                k % board.width,
+                                k / board.width,
                                 {points.data[at], points.data[at + 1]}});
     }
   }
   return images;
+}
+
+// The features of a camera, or why there are none: a board that is not told is
+// no fault of the camera.
+void TakeFeatures(const YAML::Node& root, const ReadRequest& request,
+                  ReadLens* camera) {
+  if (!root[kPointsKey]) return;
+  const StoredMatrix points = ParseStoredPoints(root[kPointsKey], kPointsKey);
+  try {
+    camera->features =
+        FeaturesOf(root, points, BoardOf(root, request, points.columns));
+  } catch (const InputError& error) {
+    camera->why_no_features = error.what();
+  }
+}
+
+ExchangeContents ReadCornersAlone(const YAML::Node& root,
+                                  const ReadRequest& request) {
+  const StoredMatrix points = ParseStoredPoints(root[kPointsKey], kPointsKey);
+  ExchangeContents contents;
+  contents.corners =
+      FeaturesOf(root, points, BoardOf(root, request, points.columns));
+  return contents;
 }
 
 // extrinsic_parameters of the same: a rotation vector and a translation a row.
@@ -249,13 +298,15 @@ void AddPoses(const std::vector<BoardPose>& poses, FileStorageText* text) {
 ExchangeContents ReadOpenCv(const ReadRequest& request) {
   const YAML::Node root = ParseFileStorage(request.path, request.text);
   if (!root.IsMap()) throw InputError("no camera: no map of keys");
+  if (FindKey(root, kMatrixKeys).empty() && root[kPointsKey])
+    return ReadCornersAlone(root, request);
   ExchangeContents contents;
   ReadLens camera;
   camera.name = TextOf(root, kNameKeys);
   camera.serial = TextOf(root, {"serial"});
   camera.lens.size = SizeOfImages(root, request);
   camera.camera_from_rig = PoseOfCamera(root);
-  camera.features = FeaturesOf(root);
+  TakeFeatures(root, request, &camera);
   camera.poses = PosesOf(root);
   camera.lens.values = Intrinsics(root);
   std::vector<double> coefficients = Coefficients(root);
@@ -324,9 +375,10 @@ Format OpenCvFormat() {
   format.holds =
       "FileStorage .yaml, .xml or .json: a pinhole with 4, 5, 8, 12 or 14 "
       "coefficients, or cv::fisheye; of a rig a file for each camera, with R "
-      "and T of its pose; poses and corners of boards";
+      "and T of its pose; poses and corners of boards, also corners alone";
   format.forms = OpenCvForms();
   format.holds_poses = true;
+  format.may_take_board = true;
   format.recognizes = IsFileStorage;
   format.read = ReadOpenCv;
   format.write = WriteOpenCv;

@@ -257,6 +257,7 @@ CameraFile ParseForeign(const std::string& path, const std::string& text,
   RequireCameraFormat(format, path);
   const ExchangeContents contents =
       ReadExchangeFile(&format, {path, text, "", std::nullopt});
+  RequireCameras(contents, path);
   if (contents.cameras.size() != 1)
     throw InputError(fmt::format(
         "{}: has {} cameras; raygrid.importers.load() takes them all", path,

@@ -50,7 +50,9 @@ ExchangeContents ReadOne(const std::string& path, const Format* format,
   const Format* const found = format ? format : RecognizeFormat(request.text);
   if (found) RequireCameraFormat(*found, path);
   if (found) request.beside = ReadBeside(*found, path);
-  return ReadExchangeFile(format, request);
+  ExchangeContents contents = ReadExchangeFile(format, request);
+  RequireCameras(contents, path);
+  return contents;
 }
 
 // All files together; cameras are named after them where nothing else names all

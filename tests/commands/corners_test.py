@@ -196,6 +196,59 @@ print(json.dumps(cv2.projectPoints(points, np.zeros(3), np.zeros(3), matrix, len
         self.assert_nothing_in(self.path("never"))
 
 
+@unittest.skipUnless(OPENCV, NO_OPENCV)
+class OpenCvCorners(CornersTest):
+    """Lists of corners that cv2.FileStorage wrote, without a camera."""
+
+    # Arrays of (images, corners, 2), and of lists as findChessboardCorners returns them.
+    PEER = """
+import json, sys
+import cv2, numpy as np
+points = np.array(json.load(sys.stdin), np.float32)
+for path, array in ((sys.argv[1], points), (sys.argv[2], points[:, :, None])):
+    storage = cv2.FileStorage(path, cv2.FILE_STORAGE_WRITE)
+    for key, number in (("board_width", 3), ("board_height", 4), ("square_size", 25.0)):
+        storage.write(key, number)
+    storage.write("image_points", array)
+    storage.release()
+"""
+
+    @classmethod
+    def setUpClass(cls):
+        CommandTest.setUpClass.__func__(cls)
+
+    def refused(self, file, *words, code=2, more=(), out="never/features.csv"):
+        with self.subTest(words):
+            self.assert_refused(run("import", file, *more, "-o", self.path(out)), code, *words)
+
+    def test_corners_are_those_that_were_seen(self):
+        """Another board, or none, is refused."""
+        pixels = [[(40.25 * (k % 3) + 7 * image, 30.5 * (k // 3) + k / 8) for k in range(12)]
+                  for image in range(2)]
+        files = [self.path(name) for name in ("lists.yml", "lists.json")]
+        done = subprocess.run([OPENCV, "-c", self.PEER, *files], text=True, capture_output=True,
+                              input=json.dumps(pixels), check=False)
+        self.assert_done(done)
+        expected = {(f"view000{image}", 0, k % 3, k // 3): pixel for image in range(2)
+                    for k, pixel in enumerate(pixels[image])}
+        for file in files:
+            result = run("import", file, "-o", self.path("features.csv"))
+            self.assert_done(result)
+            self.assertIn("24 features in 2 images", result.stdout)
+            self.assertEqual(self.rows("features.csv"), expected)
+        text = read(files[0]).decode()
+        bad = write(self.path("bad.yml"), text.replace("board_height: 4", "board_height: 5"))
+        self.refused(bad, "bad.yml: image_points", "12 corners", "3 x 5")
+        without = write(self.path("w.yml"), re.sub("board_.*\n", "", text))
+        self.refused(without, "w.yml: image_points", "--board")
+        self.assert_done(run("import", without, "--board", "3x4", "-o", self.path("f.csv")))
+        self.assertEqual(self.rows("f.csv"), expected)
+        self.refused(files[0], "--board", "3 x 4", more=("--board", "4x3"))
+        self.refused(files[0], "c.yaml", "features.csv", code=1, out="never/c.yaml")
+        self.assert_refused(run("inspect", files[0]), 2, "raygrid import", "features.csv")
+        self.assert_nothing_in(self.path("never"))
+
+
 class KalibrTargets(CornersTest):
     """Targets as Kalibr's wiki shows them."""
 

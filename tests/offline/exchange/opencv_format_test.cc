@@ -122,14 +122,31 @@ TEST(OpenCvFormat, ReadsWhatASampleCalibratedWith) {
                 .norm(),
             1e-12);
   for (const auto& [old, by] :
-       std::vector<std::array<const char*, 2>>{{"board_width", "other"},
-                                               {"2f", "3f"},
+       std::vector<std::array<const char*, 2>>{{"2f", "3f"},
                                                {"8.25", ".nan"},
                                                {"cols: 6", "cols: 4"},
                                                {"1.57", "x1.57"}})
     ExpectError(ExitCode::kInput, {"f: "}, [&, &o = old, &b = by] {
       Parse(TextWith(kYaml + std::string(kCorners), o, b));
     });
+}
+
+// A board that is not told is no fault of the camera.
+TEST(OpenCvFormat, TakesCornersOnlyWithTheirBoard) {
+  for (const auto& [old, by, word] :
+       {std::array{"board_width", "other", "--board"},
+        std::array{"board_height: 2", "board_height: 3", "2 x 3"}}) {
+    const std::string text = TextWith(kCorners, old, by);
+    const ReadLens camera = Parse(kYaml + text).cameras.at(0);
+    EXPECT_TRUE(camera.features.empty());
+    EXPECT_NE(camera.why_no_features.find(word), std::string::npos);
+    ExpectError(ExitCode::kInput, {"f: ", "image_points", word},
+                [&] { Parse(text); });
+  }
+  const ExchangeContents alone = Parse(kCorners);
+  EXPECT_TRUE(alone.cameras.empty());
+  ASSERT_EQ(alone.corners.size(), 2u);
+  EXPECT_EQ(alone.corners[0].features[2].pixel, Eigen::Vector2d(10, 40));
 }
 
 TEST(OpenCvFormat, HoldsPoses) {
