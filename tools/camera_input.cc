@@ -43,10 +43,7 @@ CameraInput ParseCamera(const std::string& path, const std::string& bytes) {
   CameraInput input;
   if (!IsBlob(path, bytes)) {
     if (const TableFormat* table = RecognizeTable(bytes))
-      throw InputError(
-          fmt::format("{}: is a table of the format {}; 'raygrid import' makes "
-                      "a camera of it",
-                      path, table->name));
+      throw InputError(fmt::format("{}: {}", path, table->WhyNoCamera()));
     const Format* format = RecognizeFormat(bytes);
     input.file = format ? ParseForeignCamera(*format, path, bytes)
                         : ParseCameraFile(path, bytes);

@@ -81,8 +81,20 @@ std::vector<Exported> ReadPairOfViews(const std::string& path,
 }
 
 // The cameras of a rig, or the one camera.
+// Throws for poses.csv, which goes out beside a camera.
+void RequireNoPoses(const std::string& path, const std::string& bytes) {
+  if (bytes.substr(0, bytes.find('\n')).find(",qw,qx,qy,qz,") ==
+      std::string::npos)
+    return;
+  throw InputError(
+      fmt::format("{}: has poses, and no camera; export the camera with "
+                  "--poses, or the poses alone --to tum",
+                  path));
+}
+
 std::vector<Exported> ReadExported(const std::string& path, bool* is_rig) {
   const std::string bytes = ReadFile(path);
+  RequireNoPoses(path, bytes);
   std::vector<Exported> cameras;
   *is_rig = bytes.find("raygrid_rectified:") != std::string::npos;
   if (*is_rig) return ReadPairOfViews(path, bytes);
@@ -336,6 +348,11 @@ void RequireTaken(const ExportArguments& arguments, const TableFormat* table) {
   };
   static const std::set<std::string> of_lenses = {"model", "max-fit-error",
                                                   "rectified", "poses"};
+  if (table && table->write_poses && !arguments.poses.empty())
+    throw Error(ExitCode::kUsage,
+                fmt::format("--poses: {} is made of poses.csv alone: raygrid "
+                            "export poses.csv --to {}",
+                            table->name, table->name));
   for (const std::string& option : GivenOptions(arguments))
     if (table ? !table->Takes(option) : of_lenses.count(option) == 0)
       refuse(option);
@@ -480,7 +497,8 @@ void AddExport(CLI::App* app, CommonOptions* common) {
       "told and stored. Where the lens looks elsewhere, rigs turn with it. "
       "Other "
       "formats are made of a blob, which itself is the binary for flash, of a "
-      "view, as --rectified has it, or of the rays of all pixels. Meshes of "
+      "view, as --rectified has it, of the rays of all pixels, or of "
+      "poses.csv. Meshes of "
       "hardware that dewarps tell how far it is from the view.",
       "raygrid export camera.yaml --to opencv -o calibration.yaml "
       "--max-fit-error 0.5",
@@ -489,7 +507,7 @@ void AddExport(CLI::App* app, CommonOptions* common) {
   command->add_option(
       "camera", arguments->input,
       "camera.yaml, rig.yaml, rectified.yaml, a blob or another "
-      "program's camera");
+      "program's camera; of trajectories poses.csv");
   command->add_option("--to", arguments->format,
                       "the format: " + WrittenFormatNames());
   command->add_option(

@@ -266,13 +266,39 @@ void RequireNoView(const ImportArguments& arguments) {
                             arguments.files[0]));
 }
 
+void ImportPoses(const TableFormat& table, const ImportArguments& arguments,
+                 const std::string& bytes, const CommonOptions& common) {
+  const std::string& path = arguments.files[0];
+  for (const auto& [option, value] : {std::pair("--model", arguments.model),
+                                      {"--image-size", arguments.image_size}})
+    if (!value.empty())
+      throw Error(ExitCode::kUsage,
+                  fmt::format("{}: {} has poses alone", option, path));
+  if (std::filesystem::path(arguments.output).extension() != ".csv")
+    throw Error(ExitCode::kUsage,
+                fmt::format("-o {}: {} has poses, which become poses.csv",
+                            arguments.output, path));
+  const std::vector<BoardPose> poses = table.read_poses(path, bytes);
+  RequireNoInputReplaced(arguments.files, {arguments.output});
+  WriteFile(arguments.output, FormatPoses(poses));
+  if (common.json)
+    fmt::print("{}\n", nlohmann::ordered_json{{"poses", poses.size()}}.dump(2));
+  else if (!common.quiet)
+    fmt::print("{}: {}\n", Printable(arguments.output),
+               CountText(poses.size(), "pose"));
+}
+
 void ImportTable(const TableFormat& table, const ImportArguments& arguments,
                  const std::string& bytes, const CommonOptions& common) {
   const std::string& path = arguments.files[0];
   if (!arguments.board.empty())
     throw Error(ExitCode::kUsage,
-                fmt::format("--board: {} has a camera, and no corners", path));
-  if (table.read_rays) RequireNoView(arguments);
+                fmt::format("--board: {} has no corners", path));
+  if (!table.read_view) RequireNoView(arguments);
+  if (table.read_poses) {
+    ImportPoses(table, arguments, bytes, common);
+    return;
+  }
   const RayTable rays =
       table.read_rays ? table.read_rays(path, bytes)
                       : RaysOfViewTable(table, {path, bytes, arguments.view,
@@ -455,15 +481,15 @@ void RunImport(ImportArguments arguments, const CommonOptions& common) {
 void AddImport(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
       app, "import",
-      "Another program's camera or rig as a camera.yaml or rig.yaml, exactly. "
-      "Other commands take such files as they are, too, if they have one "
+      "Another program's camera or rig as a camera.yaml or rig.yaml, exactly."
+      " Other commands take such files as they are, too, if they have one "
       "camera. Files of a camera each are a rig if they tell the poses, or R "
-      "and P as those of a stereo pair do. Tables of rays become the grid that "
-      "leaves little of them, and so does an STMap with the words of the view "
-      "that it was exported with. Corners of mrcal and OpenCV become "
-      "features.csv for "
-      "calibrate --features, a target of Kalibr becomes pattern.yaml. 'raygrid "
-      "export --list' names the formats.",
+      "and P as those of a stereo pair do. Tables of rays become the grid "
+      "that leaves little of them, and so does an STMap with the words of the"
+      " view that it was exported with. Corners of mrcal and OpenCV become "
+      "features.csv for calibrate --features, a target of Kalibr becomes "
+      "pattern.yaml, a trajectory of TUM poses.csv. 'raygrid export --list' "
+      "names the formats.",
       "raygrid import calibration.xml -o camera.yaml", common);
   auto arguments = std::make_shared<ImportArguments>();
   command

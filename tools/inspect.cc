@@ -16,6 +16,7 @@
 #include "dataset/text_encoding.h"
 #include "exchange/format.h"
 #include "exchange/opencv_forms.h"
+#include "exchange/table_format.h"
 #include "target/board_spec.h"
 #include "view_options.h"
 
@@ -274,6 +275,8 @@ Json FactsOf(const std::string& path) {
     return PatternFacts(ParsePattern(path, bytes));
   if (const Format* format = RecognizeFormat(bytes))
     return ForeignFacts(*format, path, bytes);
+  if (const TableFormat* table = RecognizeTable(bytes))
+    throw InputError(fmt::format("{}: {}", path, table->WhyNoCamera()));
   if (bytes.find("board") != std::string::npos)
     return FeaturesFacts(ParseFeatures(path, bytes));
   throw InputError(path +

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "camera/camera_frame.h"
 #include "camera_input.h"
 #include "crc32.h"
+#include "dataset/dataset.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/parallel_for.h"
@@ -242,6 +244,25 @@ TableOutput MakeMesh(const TableFormat& format, const TableArguments& arguments,
                       mesh.lattice.rows(), MeshErrorText(error), unit.told)};
 }
 
+// The poses of poses.csv, which are one camera's.
+PoseTable TableOfPoses(const TableFormat& format,
+                       const TableArguments& arguments) {
+  const std::string& path = arguments.input;
+  if (std::filesystem::path(path).extension() != ".csv")
+    throw InputError(
+        fmt::format("{}: {} is made of poses.csv, which calibrate writes", path,
+                    format.name));
+  const auto cameras = ReadPoses(path);
+  if (cameras.empty()) throw InputError(path + ": has no poses");
+  if (cameras.size() > 1)
+    throw InputError(
+        fmt::format("{}: has poses of {} cameras, while {} has one trajectory; "
+                    "give the rows of one camera",
+                    path, cameras.size(), format.name));
+  const std::vector<BoardPose>& poses = cameras.begin()->second;
+  return {path, arguments.output, poses};
+}
+
 TableOutput MakeTable(const TableFormat& format,
                       const TableArguments& arguments,
                       const CommonOptions& common,
@@ -251,6 +272,11 @@ TableOutput MakeTable(const TableFormat& format,
     (*json)["pixels"] = {table.x.size(), table.y.size()};
     (*json)["central"] = table.origins.empty();
     return format.write_rays(table);
+  }
+  if (format.write_poses) {
+    const PoseTable table = TableOfPoses(format, arguments);
+    (*json)["poses"] = table.poses.size();
+    return format.write_poses(table);
   }
   if (format.IsOfView()) {
     const SeenView seen = ReadView(arguments, common);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "camera/camera_model.h"
+#include "dataset/dataset.h"
 #include "exchange/mesh/mesh.h"
 
 namespace raygrid {
@@ -60,6 +61,13 @@ struct RayTable {
   std::vector<Eigen::Vector3d> origins;
 };
 
+/// The poses of boards that a camera saw.
+struct PoseTable {
+  std::string path;    ///< of poses.csv
+  std::string output;  ///< of the file
+  std::vector<BoardPose> poses;
+};
+
 /// The files that were made, paths and contents, and a line for the user.
 struct TableOutput {
   std::vector<std::pair<std::string, std::string>> files;
@@ -81,6 +89,7 @@ struct TableFormat {
   TableOutput (*write_blob)(const BlobTable& blob) = nullptr;
   TableOutput (*write_view)(const ViewTable& view) = nullptr;
   TableOutput (*write_rays)(const RayTable& rays) = nullptr;
+  TableOutput (*write_poses)(const PoseTable& poses) = nullptr;
   /// A mesh of a view: exchange/mesh/mesh.h.
   const MeshUnit* mesh_unit = nullptr;
 
@@ -93,11 +102,15 @@ struct TableFormat {
   /// large as the table unless source_size tells.
   ViewTable (*read_view)(const std::string& path, const std::string& bytes,
                          const std::optional<ImageSize>& source_size) = nullptr;
+  std::vector<BoardPose> (*read_poses)(const std::string& path,
+                                       const std::string& bytes) = nullptr;
 
   bool Takes(const std::string& option) const;
   /// Whether it is made of a view, so that it takes the words of one.
   bool IsOfView() const { return write_view || mesh_unit; }
-  bool IsImported() const { return read_rays || read_view; }
+  bool IsImported() const { return read_rays || read_view || read_poses; }
+  /// Text for errors where a camera is wanted: what import makes of a file.
+  std::string WhyNoCamera() const;
   /// Throws Error(kUsage) for a file that ends otherwise.
   void RequireEnding(const std::string& path) const;
   /// "a blob", for --list and errors.

@@ -13,6 +13,7 @@
 #include "exchange/rays_format.h"
 #include "exchange/stmap_format.h"
 #include "exchange/table_format.h"
+#include "exchange/tum_format.h"
 
 namespace raygrid {
 namespace {
@@ -33,7 +34,7 @@ const std::vector<TableFormat>& TableFormats() {
       StMapFormat(),       FfmpegFormat(),       RaysFormat(),
       Dw100Format(),       TiLdcFormat(),        VpiFormat(),
       RockchipFecFormat(), RockchipLdchFormat(), HailoFormat(),
-      DepthAiMeshFormat()};
+      DepthAiMeshFormat(), TumFormat()};
   return formats;
 }
 
@@ -65,7 +66,15 @@ void TableFormat::RequireEnding(const std::string& path) const {
 std::string TableFormat::Source() const {
   return write_blob   ? "a blob"
          : IsOfView() ? "a view of a camera"
-                      : "the rays of a camera's pixels";
+         : write_rays ? "the rays of a camera's pixels"
+                      : "the poses of a board, poses.csv";
+}
+
+std::string TableFormat::WhyNoCamera() const {
+  return fmt::format(
+      "is a table of the format {}; 'raygrid import' makes {} "
+      "of it",
+      name, read_poses ? "poses.csv" : "a camera");
 }
 
 std::optional<Eigen::Vector2d> ViewTable::At(int x, int y) const {

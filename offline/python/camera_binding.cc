@@ -275,10 +275,7 @@ PyCamera Load(const py::object& file) {
                      ": is a blob, which the runtime evaluates in fixed "
                      "point; take raygrid.Blob");
   if (const TableFormat* table = RecognizeTable(bytes))
-    throw InputError(
-        fmt::format("{}: is a table of the format {}; 'raygrid import' makes a "
-                    "camera of it",
-                    path, table->name));
+    throw InputError(fmt::format("{}: {}", path, table->WhyNoCamera()));
   const Format* format = RecognizeFormat(bytes);
   return {format ? ParseForeign(path, bytes, *format)
                  : ParseCameraFile(path, bytes)};

@@ -28,8 +28,8 @@ IMAGE_SIZES = ((64, 48), (160, 120), (640, 480), (33, 1), (1, 1), (2, 2), (3, 40
 LARGE = {"black.png": (16000, 16000), "wide.png": (16384, 3000), "large.png": (8000, 8000)}
 FORMATS = ("opencv", "ros", "kalibr", "colmap", "mrcal", "basalt", "nerfstudio", "metashape",
            "puzzlepaint", "depthai", "libcamera", "photonvision")
-TABLE_FORMATS = ("c", "hex", "maps", "stmap", "ffmpeg", "rays", "dw100", "ti-ldc", "vpi",
-                 "rockchip-fec", "rockchip-ldch", "hailo", "depthai-mesh")
+TABLE_FORMATS = ("c", "hex", "maps", "stmap", "ffmpeg", "rays", "tum", "dw100", "ti-ldc",
+                 "vpi", "rockchip-fec", "rockchip-ldch", "hailo", "depthai-mesh")
 WORDS = ("chessboard:14x10:30mm", "charuco:8x5:28mm:marker=21mm", "aprilgrid:6x6:24mm",
          "star:16x23:11mm", "chessboard:9x6", "chessboard:1x1:1km", "star:1000x1000:1mm")
 

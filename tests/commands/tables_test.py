@@ -160,7 +160,7 @@ class Blobs(TableTest):
         self.assertEqual((listed["c"]["of"], listed["hex"]["options"]), ("a blob", ["address"]))
         self.assertEqual(listed["maps"]["models"], ["float", "fixed"])
         self.assertEqual([name for name, entry in listed.items() if entry["of"] != "a lens" and
-                          entry["import"]], ["stmap", "rays"])
+                          entry["import"]], ["stmap", "rays", "tum"])
         text = run("export", "--list").stdout
         for entry in listed.values():
             self.assertIn(entry["name"] + ": " + entry["holds"], text)
@@ -597,6 +597,87 @@ class StMaps(ImportTest):
             with self.subTest(word):
                 self.assert_refused(run("import", write(self.path("bad.exr"), contents), "-o", never,
                                         *self.SIZE, *self.VIEW), 2, "bad.exr: ", word)
+        self.assert_nothing_in(self.path("never"))
+
+
+class Trajectories(TableTest):
+    HEADER = "image,board,qw,qx,qy,qz,tx,ty,tz\n"
+    POSES = ((0.6, 0.48, -0.64, 0.0, 0.1, -0.2, 0.75), (0.5, 0.5, 0.5, -0.5, 0.0, 0.3, 1.5),
+             (1.0, 0.0, 0.0, 0.0, -0.125, 0.0, 2.0))
+
+    def poses(self, names, more=""):
+        return write(self.path("poses.csv"), self.HEADER + "".join(
+            f"{name},0," + ",".join(map(str, pose)) + "\n" for name, pose in
+            zip(names, self.POSES)) + more)
+
+    @staticmethod
+    def turned(point, w, x, y, z):
+        """By the matrix of a quaternion."""
+        rows = ((1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+                (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+                (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)))
+        return [sum(a * b for a, b in zip(row, point)) for row in rows]
+
+    def check_rows(self, rows):
+        """A point in the camera's frame lies on the board where poses.csv has it."""
+        point = (0.3, -0.2, 1.1)
+        for (_, *camera, x, y, z, w), (qw, qx, qy, qz, *board) in zip(rows, self.POSES):
+            on_board = [a + b for a, b in zip(self.turned(point, w, x, y, z), camera)]
+            back = [a + b for a, b in zip(self.turned(on_board, qw, qx, qy, qz), board)]
+            self.assertLess(math.dist(back, point), 1e-8)
+
+    def trajectory(self, names):
+        self.export(self.poses(names), "--to", "tum", out="t.txt")
+        lines = read(self.path("t.txt")).decode().splitlines()
+        self.assertIn("the camera in the board's frame", lines[0])
+        return [[line.split()[0], *map(float, line.split()[1:])] for line in lines[1:]]
+
+    def test_the_camera_stands_in_the_boards_frame(self):
+        """The other frame is found."""
+        rows = self.trajectory(("b.png", "a.png", "c1.png"))
+        self.assertEqual([row[0] for row in rows], ["0", "1", "2"])
+        self.check_rows(rows)
+        with self.assertRaises(AssertionError):
+            self.check_rows([(0, *pose[4:], *pose[1:4], pose[0]) for pose in self.POSES])
+
+    def test_import_after_export_is_the_poses(self):
+        stamps = ("0007", "1305031102.175304", "1403636579763555584")
+        self.assertEqual([row[0] for row in self.trajectory([s + ".png" for s in stamps])],
+                         list(stamps))
+        self.assert_done(run("import", self.path("t.txt"), "-o", self.path("back.csv")))
+        for line, stamp, pose in zip(read(self.path("back.csv")).decode().splitlines()[1:], stamps,
+                                     self.POSES):
+            image, board, *numbers = line.split(",")
+            self.assertEqual((image, board), (stamp, "0"))
+            self.assertLess(math.dist(map(float, numbers), pose), 1e-8)
+
+    def test_what_cannot_be(self):
+        never = self.path("never/t.txt")
+        names = ("1.png", "2.png", "3.png")
+        self.trajectory(names)
+        row = "4.png,{},1,0,0,0,0,0,1\n"
+        for more, words in ((row.format(7), ("board 0 and board 7",)),
+                            (row.replace("4", "1.0").format(0), ("two images", "stamp 1"))):
+            self.assert_refused(run("export", self.poses(names, more), "--to", "tum", "-o", never), 2,
+                                "poses.csv: ", *words)
+        poses = self.poses(names)
+        for arguments, code, words in (
+                (("export", poses, "--to", "colmap"), 2, ("--poses", "--to tum")),
+                (("export", poses, "--to", "tum", "--poses", poses), 1, ("--poses", "alone")),
+                (("export", "camera.yaml", "--to", "tum"), 2, ("camera.yaml", "poses.csv")),
+                (("import", self.path("t.txt")), 1, ("t.txt", "poses.csv")),
+                (("inspect", self.path("t.txt")), 2, ("t.txt", "raygrid import"))):
+            with self.subTest(arguments):
+                out = ("-o", never) if arguments[0] != "inspect" else ()
+                self.assert_refused(run(*arguments, *out), code, *words)
+        good = read(self.path("t.txt")).decode()
+        for text, word in ((good + "4 0 0 0 0 0 0\n", "line 5: has 7 words"),
+                           (good + "4 0 0 0 0 0 0 2\n", "line 5: qx qy qz qw"),
+                           (good + "4 0 0 nan 0 0 0 1\n", "line 5: 'nan'"),
+                           (good + "1.0 0 0 0 0 0 0 1\n", "line 5: the time stamp 1.0")):
+            with self.subTest(word):
+                self.assert_refused(run("import", write(self.path("bad.txt"), text), "-o",
+                                        self.path("never/poses.csv")), 2, "bad.txt", word)
         self.assert_nothing_in(self.path("never"))
 
 

@@ -1,0 +1,159 @@
+#include "exchange/tum_format.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "dataset/word_lines.h"
+
+namespace raygrid {
+namespace {
+
+constexpr size_t kTumWords = 8;
+
+std::optional<double> NumberOfWord(const std::string& word) {
+  double number = 0;
+  const char* const end = word.data() + word.size();
+  const auto [next, fault] = std::from_chars(word.data(), end, number);
+  if (fault != std::errc() || next != end || !std::isfinite(number))
+    return std::nullopt;
+  return number;
+}
+
+// ---- Writing ---------------------------------------------------------------
+
+// A row of the file.
+struct TumRow {
+  std::string stamp;
+  double seconds = 0;
+  Pose board_from_camera;
+};
+
+// The stamps that images have: their names, if all of these are numbers as
+// cameras give them, or else 0, 1, ...
+bool AreStamps(const std::vector<BoardPose>& poses) {
+  return std::all_of(poses.begin(), poses.end(), [](const BoardPose& pose) {
+    const std::string stem = std::filesystem::path(pose.image).stem();
+    return stem.find_first_not_of("0123456789.") == std::string::npos &&
+           NumberOfWord(stem);
+  });
+}
+
+// A camera is in one place at a time.
+void RequireOneBoardOf(const PoseTable& table) {
+  for (const BoardPose& pose : table.poses)
+    if (pose.board != table.poses.front().board)
+      throw InputError(fmt::format(
+          "{}: has poses of board {} and board {}, while a trajectory stands "
+          "in the frame of one; give those of one board",
+          table.path, table.poses.front().board, pose.board));
+}
+
+std::vector<TumRow> RowsOfPoses(const PoseTable& table) {
+  const bool are_stamps = AreStamps(table.poses);
+  std::vector<TumRow> rows;
+  for (const BoardPose& pose : table.poses) {
+    TumRow& row = rows.emplace_back();
+    row.stamp = are_stamps ? std::filesystem::path(pose.image).stem().string()
+                           : std::to_string(rows.size() - 1);
+    row.seconds = NumberOfWord(row.stamp).value_or(0);
+    row.board_from_camera = pose.camera_from_board.Inverse();
+  }
+  std::stable_sort(
+      rows.begin(), rows.end(),
+      [](const TumRow& a, const TumRow& b) { return a.seconds < b.seconds; });
+  for (size_t k = 1; k < rows.size(); ++k)
+    if (rows[k].seconds == rows[k - 1].seconds)
+      throw InputError(fmt::format("{}: two images have the time stamp {}",
+                                   table.path, rows[k].stamp));
+  return rows;
+}
+
+TableOutput WriteTum(const PoseTable& table) {
+  RequireOneBoardOf(table);
+  std::string text =
+      "# timestamp tx ty tz qx qy qz qw: the camera in the board's frame, "
+      "metres\n";
+  for (const TumRow& row : RowsOfPoses(table)) {
+    const Eigen::Vector3d& t = row.board_from_camera.translation;
+    const Eigen::Quaterniond& q = row.board_from_camera.rotation;
+    text += fmt::format("{} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
+                        row.stamp, t.x() + 0.0, t.y() + 0.0, t.z() + 0.0,
+                        q.x() + 0.0, q.y() + 0.0, q.z() + 0.0, q.w() + 0.0);
+  }
+  return {{{table.output, text}},
+          fmt::format("{} poses of the camera in the board's frame; time "
+                      "stamps {}",
+                      table.poses.size(),
+                      AreStamps(table.poses)
+                          ? "are the images' names"
+                          : "count the images from 0, in the file's order")};
+}
+
+// ---- Reading ---------------------------------------------------------------
+
+// Whether the first line that is no comment is of eight numbers.
+bool IsTum(const std::string& bytes) {
+  constexpr size_t kMostBytes = 1000;
+  size_t at = 0;
+  while (at < bytes.size() && (bytes[at] == '#' || bytes[at] == '\n')) {
+    at = bytes.find('\n', at);
+    if (at != std::string::npos) ++at;
+  }
+  if (at >= bytes.size()) return false;
+  const std::string line =
+      bytes.substr(at, std::min(bytes.find('\n', at) - at, kMostBytes));
+  std::istringstream words(line);
+  size_t count = 0;
+  for (std::string word; words >> word; ++count)
+    if (!NumberOfWord(word)) return false;
+  return count == kTumWords;
+}
+
+std::vector<BoardPose> ReadTum(const std::string& path,
+                               const std::string& bytes) {
+  constexpr double kRounding = 1e-2;
+  WordLines line(path, bytes, "a trajectory as TUM's tools read it");
+  std::vector<BoardPose> poses;
+  std::set<double> stamps;
+  while (line.NextWithWords()) {
+    if (line.size() != kTumWords)
+      line.Refuse(
+          fmt::format("has {} words instead of timestamp tx ty tz qx "
+                      "qy qz qw",
+                      line.size()));
+    const auto number = [&](size_t k) { return line.Get<double>(k); };
+    if (!stamps.insert(number(0)).second)
+      line.Refuse(fmt::format("the time stamp {} stands twice", line.Text(0)));
+    const Eigen::Quaterniond rotation(number(7), number(4), number(5),
+                                      number(6));
+    if (!(std::abs(rotation.norm() - 1) < kRounding))
+      line.Refuse("qx qy qz qw are no rotation, whose length is 1");
+    const Pose board_from_camera = {rotation.normalized(),
+                                    {number(1), number(2), number(3)}};
+    poses.push_back({line.Text(0), 0, board_from_camera.Inverse()});
+  }
+  return poses;
+}
+
+}  // namespace
+
+TableFormat TumFormat() {
+  TableFormat format;
+  format.name = "tum";
+  format.holds =
+      "trajectories: a time stamp, the camera in the board's frame, and its "
+      "quaternion, line by line, as text";
+  format.write_poses = WriteTum;
+  format.recognizes = IsTum;
+  format.read_poses = ReadTum;
+  return format;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,13 @@
+#ifndef RAYGRID_EXCHANGE_TUM_FORMAT_H
+#define RAYGRID_EXCHANGE_TUM_FORMAT_H
+
+#include "exchange/table_format.h"
+
+namespace raygrid {
+
+/// The trajectory of a camera, as programs that compare trajectories read it.
+TableFormat TumFormat();
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_TUM_FORMAT_H
