@@ -116,6 +116,16 @@ bool IsTum(const std::string& bytes) {
   return count == kTumWords;
 }
 
+// The name of an image at a time stamp, of digits: programs also write stamps
+// as 1.5e+09.
+std::string NameOfStamp(const std::string& word, double stamp) {
+  constexpr double kMostDigits = 1e15;
+  const bool has_exponent = word.find_first_of("eE") != std::string::npos;
+  return has_exponent && std::abs(stamp) < kMostDigits
+             ? fmt::format("{}", stamp)
+             : word;
+}
+
 std::vector<BoardPose> ReadTum(const std::string& path,
                                const std::string& bytes) {
   constexpr double kRounding = 1e-2;
@@ -137,7 +147,8 @@ std::vector<BoardPose> ReadTum(const std::string& path,
       line.Refuse("qx qy qz qw are no rotation, whose length is 1");
     const Pose board_from_camera = {rotation.normalized(),
                                     {number(1), number(2), number(3)}};
-    poses.push_back({line.Text(0), 0, board_from_camera.Inverse()});
+    poses.push_back(
+        {NameOfStamp(line.Text(0), number(0)), 0, board_from_camera.Inverse()});
   }
   return poses;
 }

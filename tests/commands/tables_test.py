@@ -651,6 +651,14 @@ class Trajectories(TableTest):
             self.assertEqual((image, board), (stamp, "0"))
             self.assertLess(math.dist(map(float, numbers), pose), 1e-8)
 
+    def test_time_stamps_of_other_programs_become_names_of_digits(self):
+        text = "1.305031102175304e+09 0 0 0 0 0 0 1\n2.0e+00 0 0 0 0 0 0 1\n"
+        self.assert_done(run("import", write(self.path("evo.txt"), text), "-o",
+                             self.path("evo.csv")))
+        self.assertEqual([line.split(",")[0] for line in
+                          read(self.path("evo.csv")).decode().splitlines()],
+                         ["image", "1305031102.175304", "2"])
+
     def test_what_cannot_be(self):
         never = self.path("never/t.txt")
         names = ("1.png", "2.png", "3.png")
