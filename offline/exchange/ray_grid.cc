@@ -111,8 +111,8 @@ std::unique_ptr<CameraModel> FitGridTo(const RayTable& rays,
       surface([](const RaySample& ray) { return ToChart(ray.direction); });
   if (MostlyHandedness(directions) < 0)
     throw InputError(
-        fmt::format("{}: its image is mirrored; axes are x to the "
-                    "right, y down, z forward",
+        fmt::format("{}: its image is mirrored; axes are x to the right, y "
+                    "down, z forward, and t of an STMap counts from below",
                     rays.path));
   if (is_central)
     return std::make_unique<CentralGeneric>(rays.image_size, directions);

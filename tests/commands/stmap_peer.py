@@ -20,5 +20,6 @@ save("moved", stmap + np.float32([0, 0, 0.5 / width, 0]) * seen)
 # OpenCV saves no alpha of an image of three channels.
 save("nan", np.where(seen & left, stmap[:, :, :3], np.nan))
 save("black", np.where(seen, stmap * np.float32([1, 1, 1, 0]), 0))
+save("flipped", np.where(seen, stmap * np.float32([1, -1, 1, 1]) + np.float32([0, 1, 0, 0]), -1))
 save("grey", stmap[:, :, 2])
 save("nowhere", np.full_like(stmap[:, :, :3], np.nan))

@@ -592,6 +592,7 @@ class StMaps(ImportTest):
         corner = good.index(b"displayWindow") + len(b"displayWindow\0box2i\0....") + 8
         for contents, word in (
                 (good[:-40], "ends"), (read(self.path("s_grey.exr")), "no channel R"),
+                (read(self.path("s_flipped.exr")), "t of an STMap counts from below"),
                 (good[:corner] + b"\xfe\x3f\0\0" * 2 + good[corner + 8:], "too few for its 16383"),
                 (read(self.path("s_nowhere.exr")), "0 pixels")):
             with self.subTest(word):
