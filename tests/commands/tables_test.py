@@ -580,9 +580,7 @@ class StMaps(ImportTest):
         stmap, never = self.path("s.exr"), self.path("never/c.yaml")
         for more, code, words in (
                 (self.VIEW, 1, ("--image-size", "s.exr", "--reverse")),
-                (self.SIZE, 1, ("s.exr", "--like view.camera.yaml", "--hfov")),
-                ((*self.SIZE, *self.VIEW, "--size", "64x48"), 1, ("160 x 120", "64 x 48")),
-                ((*self.VIEW, "--reverse", "--image-size", "64x48"), 1, ("--image-size", "s.exr"))):
+                (self.SIZE, 1, ("s.exr", "--like view.camera.yaml", "--hfov"))):
             with self.subTest(more):
                 self.assert_refused(run("import", stmap, "-o", never, *more), code, *words)
         self.assert_refused(run("import", self.path("view.yml"), "-o", never, "--reverse"), 1,
@@ -591,10 +589,9 @@ class StMaps(ImportTest):
         good = read(stmap)
         corner = good.index(b"displayWindow") + len(b"displayWindow\0box2i\0....") + 8
         for contents, word in (
-                (good[:-40], "ends"), (read(self.path("s_grey.exr")), "no channel R"),
+                (good[:-40], "ends"),
                 (read(self.path("s_flipped.exr")), "t of an STMap counts from below"),
-                (good[:corner] + b"\xfe\x3f\0\0" * 2 + good[corner + 8:], "too few for its 16383"),
-                (read(self.path("s_nowhere.exr")), "0 pixels")):
+                (good[:corner] + b"\xfe\x3f\0\0" * 2 + good[corner + 8:], "too few for its 16383")):
             with self.subTest(word):
                 self.assert_refused(run("import", write(self.path("bad.exr"), contents), "-o", never,
                                         *self.SIZE, *self.VIEW), 2, "bad.exr: ", word)
@@ -673,8 +670,6 @@ class Trajectories(TableTest):
         for arguments, code, words in (
                 (("export", poses, "--to", "colmap"), 2, ("--poses", "--to tum")),
                 (("export", poses, "--to", "tum", "--poses", poses), 1, ("--poses", "alone")),
-                (("export", "camera.yaml", "--to", "tum"), 2, ("camera.yaml", "poses.csv")),
-                (("import", self.path("t.txt")), 1, ("t.txt", "poses.csv")),
                 (("inspect", self.path("t.txt")), 2, ("t.txt", "raygrid import"))):
             with self.subTest(arguments):
                 out = ("-o", never) if arguments[0] != "inspect" else ()
@@ -682,7 +677,6 @@ class Trajectories(TableTest):
         good = read(self.path("t.txt")).decode()
         for text, word in ((good + "4 0 0 0 0 0 0\n", "line 5: has 7 words"),
                            (good + "4 0 0 0 0 0 0 2\n", "line 5: qx qy qz qw"),
-                           (good + "4 0 0 nan 0 0 0 1\n", "line 5: 'nan'"),
                            (good + "1.0 0 0 0 0 0 0 1\n", "line 5: the time stamp 1.0")):
             with self.subTest(word):
                 self.assert_refused(run("import", write(self.path("bad.txt"), text), "-o",
