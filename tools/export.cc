@@ -127,21 +127,6 @@ void TakeView(const ViewWords& words, Exported* camera) {
   camera->trusted.reset();
 }
 
-std::vector<const LensForm*> FormsOf(const Format& format,
-                                     const std::string& model) {
-  std::vector<const LensForm*> forms;
-  std::string names;
-  for (const LensForm& form : format.forms) {
-    if (model.empty() ? !form.is_only_asked : model == form.name)
-      forms.push_back(&form);
-    names += (names.empty() ? "" : ", ") + form.name;
-  }
-  if (forms.empty())
-    throw Error(ExitCode::kUsage, fmt::format("--model {}: {} has {}", model,
-                                              format.name, names));
-  return forms;
-}
-
 // How far a view, which is exact, would do it.
 std::string ViewAdvice(const CameraModel& camera) {
   try {
@@ -184,7 +169,7 @@ std::vector<WrittenLens> ChooseLenses(const ExportArguments& arguments,
                                       const Format& format,
                                       const std::vector<Exported>& cameras,
                                       int num_threads) {
-  const std::vector<const LensForm*> forms = FormsOf(format, arguments.model);
+  const std::vector<const LensForm*> forms = format.FindForms(arguments.model);
   std::vector<WrittenLens> lenses;
   for (const Exported& camera : cameras) {
     ChosenLens chosen = [&] {

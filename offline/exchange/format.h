@@ -112,6 +112,10 @@ struct Format {
 
   /// Null if there is none of this name.
   const LensForm* FindForm(const std::string& form) const;
+  /// The forms that --model leaves to choose from; "" leaves all that are not
+  /// only made when asked for. Throws Error(kUsage), with the names that there
+  /// are.
+  std::vector<const LensForm*> FindForms(const std::string& model) const;
 };
 
 /// All formats, in the order in which files are recognized.

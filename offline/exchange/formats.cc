@@ -82,6 +82,20 @@ const LensForm* Format::FindForm(const std::string& form) const {
   return nullptr;
 }
 
+std::vector<const LensForm*> Format::FindForms(const std::string& model) const {
+  std::vector<const LensForm*> chosen;
+  std::string names;
+  for (const LensForm& form : forms) {
+    if (model.empty() ? !form.is_only_asked : model == form.name)
+      chosen.push_back(&form);
+    names += (names.empty() ? "" : ", ") + form.name;
+  }
+  if (chosen.empty())
+    throw Error(ExitCode::kUsage,
+                fmt::format("--model {}: {} has {}", model, name, names));
+  return chosen;
+}
+
 const Format& FindFormat(const std::string& option, const std::string& name) {
   for (const Format& format : Formats())
     if (format.name == name) return format;

@@ -105,21 +105,6 @@ py::list Import(const std::vector<py::object>& files, const std::string& format,
 
 // ---- Export ----------------------------------------------------------------
 
-std::vector<const LensForm*> FormsOf(const Format& format,
-                                     const std::string& model) {
-  std::vector<const LensForm*> forms;
-  std::string names;
-  for (const LensForm& form : format.forms) {
-    if (model.empty() ? !form.is_only_asked : model == form.name)
-      forms.push_back(&form);
-    names += (names.empty() ? "" : ", ") + form.name;
-  }
-  if (forms.empty())
-    throw Error(ExitCode::kUsage,
-                fmt::format("model {}: {} has {}", model, format.name, names));
-  return forms;
-}
-
 WrittenLens ChooseFor(const PyCamera& camera, const std::string& name,
                       const std::vector<const LensForm*>& forms,
                       const std::optional<Pose>& pose,
@@ -171,7 +156,7 @@ py::list Export(const std::vector<py::tuple>& cameras, const py::object& file,
                 fmt::format("format {}: has one camera a file; save those of "
                             "the rig one by one",
                             format.name));
-  const std::vector<const LensForm*> forms = FormsOf(format, model);
+  const std::vector<const LensForm*> forms = format.FindForms(model);
   WriteRequest request;
   request.path = PathOf(file);
   py::list figures;
