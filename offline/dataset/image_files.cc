@@ -17,6 +17,7 @@
 
 #include "dataset/error.h"
 #include "dataset/files.h"
+#include "dataset/image_codecs.h"
 #include "dataset/image_header.h"
 
 namespace raygrid {
@@ -35,6 +36,7 @@ class DecoderMessages {
     if (saved_ >= 0 && file_ >= 0) dup2(file_, STDERR_FILENO);
   }
   ~DecoderMessages() {
+    Stop();
     if (saved_ >= 0) close(saved_);
     if (file_ >= 0) close(file_);
   }
@@ -127,7 +129,7 @@ std::string WithoutOrientation(std::string bytes, const ImageHeader& header) {
 }
 
 // Decodes an image with OpenCV, as it is stored; a damaged one is an error.
-// flags are cv::imdecode()'s.
+// flags are DecodeImage()'s.
 cv::Mat Decode(const std::string& name, const std::string& file, int flags) {
   const ImageHeader header = ParseImageHeader(name, file);
   std::string upright;
@@ -137,11 +139,9 @@ cv::Mat Decode(const std::string& name, const std::string& file, int flags) {
   cv::Mat decoded;
   bool is_damaged = IsCutJpeg(bytes);
   if (!bytes.empty() && !is_damaged) {
-    const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U,
-                          const_cast<char*>(bytes.data()));
     DecoderMessages messages;
     try {
-      decoded = cv::imdecode(encoded, flags | cv::IMREAD_IGNORE_ORIENTATION);
+      decoded = DecodeImage(bytes, flags | cv::IMREAD_IGNORE_ORIENTATION);
     } catch (const cv::Exception&) {
       decoded.release();
     }
@@ -235,9 +235,7 @@ std::string EncodePng(const Image& image) {
       image.size.height, image.size.width,
       CV_MAKETYPE(image.sample_bytes == 1 ? CV_8U : CV_16U, image.channels),
       const_cast<uint8_t*>(image.pixels.data()));
-  std::vector<uint8_t> encoded;
-  cv::imencode(".png", pixels, encoded);
-  return std::string(encoded.begin(), encoded.end());
+  return EncodeImage(".png", pixels);
 }
 
 FoundImages FindImages(const std::vector<std::string>& paths) {

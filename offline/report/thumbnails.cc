@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "dataset/error.h"
+#include "dataset/image_codecs.h"
 #include "dataset/image_files.h"
 #include "dataset/image_room.h"
 #include "dataset/parallel_for.h"
@@ -23,9 +24,7 @@ std::string EncodeJpeg(const Image& image) {
   constexpr int kQuality = 55;
   const cv::Mat pixels(image.size.height, image.size.width, CV_8U,
                        const_cast<uint8_t*>(image.pixels.data()));
-  std::vector<uint8_t> bytes;
-  cv::imencode(".jpg", pixels, bytes, {cv::IMWRITE_JPEG_QUALITY, kQuality});
-  return {bytes.begin(), bytes.end()};
+  return EncodeImage(".jpg", pixels, {cv::IMWRITE_JPEG_QUALITY, kQuality});
 }
 
 // The width of so many images of this shape that fit into the limit.

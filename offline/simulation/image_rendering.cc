@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <opencv2/imgcodecs.hpp>
 
 #include "dataset/error.h"
+#include "dataset/image_codecs.h"
 #include "dataset/parallel_for.h"
 #include "simulation/random.h"
 
@@ -436,9 +436,7 @@ Image16 AddNoiseAndQuantize16(const RenderedImage& image,
 std::string EncodePng(const Image16& image) {
   const cv::Mat pixels(image.size.height, image.size.width, CV_16U,
                        const_cast<uint16_t*>(image.pixels.data()));
-  std::vector<uint8_t> encoded;
-  cv::imencode(".png", pixels, encoded);
-  return std::string(encoded.begin(), encoded.end());
+  return EncodeImage(".png", pixels);
 }
 
 }  // namespace raygrid

@@ -2,6 +2,7 @@
 """Bad input gets its exit code and one line, and leaves nothing half-written."""
 import os
 import random
+import shutil
 import subprocess
 
 from command_test import CommandTest, PATTERN, main, programs, read, run, write
@@ -51,6 +52,21 @@ class BadInput(CommandTest):
     def test_image_that_is_text(self):
         write(self.path("text/a.png"), "this is no image\n")
         self.assert_refused(self.calibrate(self.path("text")), 2, "a.png", "not an image")
+
+    def test_program_that_was_copied_without_its_module(self):
+        program = self.path("copy/bin/raygrid")
+        os.makedirs(os.path.dirname(program))
+        shutil.copy(programs.raygrid, program)
+        write(self.path("grey/a.pgm"), pgm(320, 240))
+        detect = ("detect", self.path("grey"), "--pattern", self.pattern, "-o",
+                  self.path("none.csv"))
+        result = run(*detect, program=program)
+        self.assert_refused(result, 2, "copy/lib/raygrid/raygrid_image_codecs.so", "install")
+        write(self.path("copy/lib/raygrid/raygrid_image_codecs.so"), "no module\n")
+        result = run(*detect, program=program)
+        self.assert_refused(result, 2, "raygrid_image_codecs.so", "install")
+        self.assertFalse(os.path.exists(self.path("none.csv")))
+        self.assert_done(run("inspect", self.path("good.raygrid"), program=program))
 
     def test_truncated_image(self):
         board = self.path("board")

@@ -1,0 +1,68 @@
+#include "dataset/image_codecs.h"
+
+#include <dlfcn.h>
+
+#include <filesystem>
+
+#include "dataset/error.h"
+#include "dataset/image_codecs_module.h"
+
+namespace raygrid {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The folder of the program, or of the Python extension, that this is in.
+fs::path OwnFolder() {
+  static const char in_this_object = 0;
+  Dl_info object;
+  std::error_code error;
+  if (dladdr(&in_this_object, &object) == 0) return {};
+  return fs::canonical(object.dli_fname, error).parent_path();
+}
+
+void* OpenModule() {
+  const fs::path folder = OwnFolder();
+  std::error_code error;
+  for (const char* modules :
+       {"../lib/raygrid",       // from bin/
+        "../../lib/raygrid",    // from python/raygrid/ of a build
+        "../../../raygrid"}) {  // from lib/python3/dist-packages/raygrid/
+    const fs::path path = folder / modules / "raygrid_image_codecs.so";
+    if (!fs::exists(path, error)) continue;
+    if (void* module = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL))
+      return module;
+    throw InputError(std::string(dlerror()) +
+                     ": images need this file; install raygrid again");
+  }
+  throw InputError((folder / "../lib/raygrid/raygrid_image_codecs.so")
+                       .lexically_normal()
+                       .string() +
+                   ": missing, and images need it; install raygrid again");
+}
+
+const ImageCodecs& Loaded() {
+  static const ImageCodecs* codecs = [] {
+    void* entry = dlsym(OpenModule(), kImageCodecsEntry);
+    if (!entry)
+      throw InputError(
+          "raygrid_image_codecs.so: of another version; install raygrid again");
+    return reinterpret_cast<const ImageCodecs* (*)()>(entry)();
+  }();
+  return *codecs;
+}
+
+}  // namespace
+
+cv::Mat DecodeImage(const std::string& bytes, int flags) {
+  const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U,
+                        const_cast<char*>(bytes.data()));
+  return Loaded().decode(encoded, flags);
+}
+
+std::string EncodeImage(const char* extension, const cv::Mat& pixels,
+                        const std::vector<int>& parameters) {
+  return Loaded().encode(extension, pixels, parameters);
+}
+
+}  // namespace raygrid
