@@ -38,6 +38,10 @@ RAYGRID_TEMPLATE void LDLT<Matrix<double, 6, 6>>::_solve_impl_transposed<true>(
     const Matrix<double, 6, 1>&, Matrix<double, 6, 1>&) const;
 RAYGRID_TEMPLATE JacobiSVD<Matrix3d>& JacobiSVD<Matrix3d>::compute(
     const Matrix3d&, unsigned int);
+// Quaterniond::FromTwoVectors() wants it for opposite ones.
+RAYGRID_TEMPLATE JacobiSVD<Matrix<double, 2, 3>>&
+JacobiSVD<Matrix<double, 2, 3>>::compute(const Matrix<double, 2, 3>&,
+                                         unsigned int);
 RAYGRID_TEMPLATE JacobiSVD<MatrixXd>& JacobiSVD<MatrixXd>::compute(
     const MatrixXd&, unsigned int);
 RAYGRID_TEMPLATE Matrix4d umeyama(const MatrixBase<Matrix3Xd>&,
