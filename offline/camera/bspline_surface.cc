@@ -129,9 +129,20 @@ SplineSupport BSplineSurface::Support(const Eigen::Vector2d& pixel) const {
           WeightDerivatives(y.t, cell_height())};
 }
 
+// The other one's value to the bit, in half of its time.
 Eigen::Vector2d BSplineSurface::Evaluate(const Eigen::Vector2d& pixel) const {
-  Eigen::Matrix2d derivative;
-  return Evaluate(pixel, &derivative);
+  const CellPosition x =
+      Locate(pixel.x(), area_.x0, cell_width(), columns_ - 3);
+  const CellPosition y = Locate(pixel.y(), area_.y0, cell_height(), rows_ - 3);
+  const std::array<double, 4> wx = Weights(x.t), wy = Weights(y.t);
+  Eigen::Vector2d value(0, 0);
+  for (int m = 0; m < 4; ++m) {
+    const Eigen::Vector2d* row = &points_[(y.cell + m) * columns_ + x.cell];
+    Eigen::Vector2d sum(0, 0);
+    for (int n = 0; n < 4; ++n) sum += wx[n] * row[n];
+    value += wy[m] * sum;
+  }
+  return value;
 }
 
 Eigen::Vector2d BSplineSurface::Evaluate(const Eigen::Vector2d& pixel,
