@@ -1,12 +1,13 @@
 // The time that a million calls of a camera take in C++, for array_bench.py.
 //   array_bench camera.yaml
 // Reads numbers of pixels, x and y by turns, from standard input, as doubles.
-// Prints the seconds of project and unproject, each with a result of its own:
-// the least of three; then a number that depends on the results.
+// Prints the processor's seconds of project and unproject, each with a result
+// of its own: the least of three; then a number that depends on the results.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
+#include <limits>
 #include <vector>
 
 #include "dataset/camera_file.h"
@@ -16,15 +17,13 @@ namespace {
 
 template <typename Body>
 double LeastSeconds(const Body& body) {
-  using Clock = std::chrono::steady_clock;
-  double least = INFINITY;
+  std::clock_t least = std::numeric_limits<std::clock_t>::max();
   for (int k = 0; k < 3; ++k) {
-    const auto start = Clock::now();
+    const std::clock_t start = std::clock();
     body();
-    least = std::min(
-        least, std::chrono::duration<double>(Clock::now() - start).count());
+    least = std::min(least, std::clock() - start);
   }
-  return least;
+  return double(least) / CLOCKS_PER_SEC;
 }
 
 using Pixels = std::vector<Eigen::Vector2d>;
