@@ -78,6 +78,8 @@ PYBIND11_MODULE(_raygrid, module) {
   raygrid::BindErrors(&module);
   raygrid::BindView(&module);
   raygrid::BindCamera(&module);
+  raygrid::BindDetection(&module);
+  raygrid::BindResult(&module);
   raygrid::BindCalibration(&module);
   raygrid::BindExchange(&module);
 }

@@ -6,8 +6,11 @@
 #include <pybind11/stl.h>
 
 #include <string>
+#include <vector>
 
+#include "calibration/calibration.h"
 #include "dataset/camera_file.h"
+#include "dataset/dataset.h"
 #include "python/arrays.h"
 #include "python/background.h"
 
@@ -17,6 +20,37 @@ namespace raygrid {
 struct PyCamera {
   CameraFile file;
 };
+
+/// The Detection of Python: the features of an image.
+struct PyDetection {
+  ImageSize size;
+  ImageFeatures features;
+  std::vector<std::string> remarks;
+};
+
+/// The Calibration of Python.
+struct PyCalibration {
+  RigResult result;
+  int num_threads = 0;
+
+  /// The camera of a name, "" of one without a rig. Throws KeyError of Python.
+  size_t IndexOf(const std::string& name) const;
+};
+
+/// A camera as Python gave it: images, or features.
+struct GivenCamera {
+  std::string name;
+  std::vector<std::string> images;
+  std::vector<PyDetection> detections;
+};
+
+/// Images or detections, or by the names of a rig's cameras theirs. Throws
+/// TypeError and ValueError of Python.
+std::vector<GivenCamera> TakeCameras(const py::object& given);
+
+/// The features of a camera that was given as detections. Throws InputError if
+/// they are not of one size, or share names.
+Dataset DatasetOf(const GivenCamera& given);
 
 /// The text of camera.yaml. What was not calibrated keeps all digits, so that a
 /// lens comes out of the file as it is.
@@ -33,6 +67,8 @@ Eigen::Matrix4d MatrixOfPose(const Pose& pose);
 
 void BindView(py::module_* module);
 void BindCamera(py::module_* module);
+void BindDetection(py::module_* module);
+void BindResult(py::module_* module);
 void BindCalibration(py::module_* module);
 void BindExchange(py::module_* module);
 

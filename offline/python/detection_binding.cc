@@ -1,0 +1,347 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+
+#include "dataset/error.h"
+#include "dataset/files.h"
+#include "dataset/image_files.h"
+#include "dataset/rig_file.h"
+#include "features/pattern_detector.h"
+#include "python/bindings.h"
+#include "target/board_spec.h"
+
+namespace raygrid {
+namespace {
+
+namespace fs = std::filesystem;
+
+// ---- Detections ------------------------------------------------------------
+
+using IntArray = py::array_t<int, py::array::c_style | py::array::forcecast>;
+
+IntArray TakeIntegers(const py::object& given, size_t count,
+                      const std::string& name) {
+  const py::array array = py::array::ensure(given);
+  if (!array) PyErr_Clear();
+  const char kind = array ? array.dtype().kind() : ' ';
+  if ((kind != 'i' && kind != 'u') || array.ndim() != 1 ||
+      static_cast<size_t>(array.size()) != count)
+    throw py::value_error(fmt::format(
+        "{}: expected an array of {} integers, one for each of pixels", name,
+        count));
+  return IntArray::ensure(array);
+}
+
+PyDetection MakeDetection(const std::string& name,
+                          const std::pair<int, int>& size,
+                          const py::object& given_pixels,
+                          const py::object& given_columns,
+                          const py::object& given_rows,
+                          const py::object& given_boards) {
+  const GivenVectors pixels = TakeVectors(given_pixels, 2, "pixels");
+  if (pixels.axes.size() != 1)
+    throw py::value_error("pixels: expected an array of the shape (N, 2)");
+  const IntArray columns = TakeIntegers(given_columns, pixels.count, "columns");
+  const IntArray rows = TakeIntegers(given_rows, pixels.count, "rows");
+  const IntArray boards =
+      given_boards.is_none()
+          ? IntArray(0)
+          : TakeIntegers(given_boards, pixels.count, "boards");
+  PyDetection detection = {{size.first, size.second}, {name, {}}, {}};
+  for (size_t k = 0; k < pixels.count; ++k) {
+    const auto i = static_cast<py::ssize_t>(k);
+    detection.features.features.push_back(
+        {given_boards.is_none() ? 0 : boards.at(i),
+         columns.at(i),
+         rows.at(i),
+         {pixels[k][0], pixels[k][1]}});
+  }
+  return detection;
+}
+
+py::array PixelsOf(const PyDetection& detection) {
+  const std::vector<Feature>& features = detection.features.features;
+  DoubleArray pixels(
+      {static_cast<py::ssize_t>(features.size()), py::ssize_t{2}});
+  for (size_t k = 0; k < features.size(); ++k)
+    for (int axis = 0; axis < 2; ++axis)
+      pixels.mutable_at(static_cast<py::ssize_t>(k), axis) =
+          features[k].pixel[axis];
+  pixels.attr("setflags")(false);
+  return pixels;
+}
+
+py::array IntegersOf(const PyDetection& detection, int Feature::*member) {
+  const std::vector<Feature>& features = detection.features.features;
+  py::array_t<int> integers(static_cast<py::ssize_t>(features.size()));
+  for (size_t k = 0; k < features.size(); ++k)
+    integers.mutable_at(static_cast<py::ssize_t>(k)) = features[k].*member;
+  integers.attr("setflags")(false);
+  return integers;
+}
+
+// An array as the bytes of an image file, which has the same grey levels then
+// as any other file.
+std::string PortableMap(const py::array& image) {
+  const bool has_colour = image.ndim() == 3;
+  const auto bits = 8 * image.itemsize();
+  std::string bytes =
+      fmt::format("P{}\n{} {}\n{}\n", has_colour ? 6 : 5, image.shape(1),
+                  image.shape(0), (1 << bits) - 1);
+  const py::array plain =
+      bits == 8
+          ? py::array(
+                py::array_t<uint8_t, py::array::c_style | py::array::forcecast>(
+                    image))
+          : py::array(py::array_t<uint16_t, py::array::c_style |
+                                                py::array::forcecast>(image));
+  const auto* const data = static_cast<const char*>(plain.data());
+  const size_t start = bytes.size();
+  bytes.append(data, static_cast<size_t>(plain.nbytes()));
+  char* const samples = &bytes[start];
+  const size_t count = static_cast<size_t>(plain.size());
+  if (bits == 16)  // the most significant byte comes first there
+    for (size_t k = 0; k < count; ++k)
+      std::swap(samples[2 * k], samples[2 * k + 1]);
+  const size_t width = static_cast<size_t>(image.itemsize());
+  if (has_colour)  // red comes first there
+    for (size_t k = 0; k < count; k += 3)
+      std::swap_ranges(samples + k * width, samples + (k + 1) * width,
+                       samples + (k + 2) * width);
+  return bytes;
+}
+
+std::string BytesOfImage(const py::array& image) {
+  const bool is_image =
+      (image.ndim() == 2 || (image.ndim() == 3 && image.shape(2) == 3)) &&
+      image.size() > 0;
+  if (image.dtype().kind() != 'u' || image.itemsize() > 2)
+    throw py::type_error(
+        fmt::format("image: expected an array of uint8 or uint16, not {}",
+                    std::string(py::str(image.dtype()))));
+  if (!is_image)
+    throw py::value_error(
+        "image: expected the shape (height, width) or (height, width, 3)");
+  return PortableMap(image);
+}
+
+Refinement RefinementOf(const std::string& name) {
+  static const std::map<std::string, Refinement> kNames = {
+      {"intensities", Refinement::kIntensities},
+      {"gradients-xy", Refinement::kGradientsXY},
+      {"gradient-magnitude", Refinement::kGradientMagnitude},
+      {"corner-subpix", Refinement::kCornerSubpix},
+      {"none", Refinement::kNone}};
+  const auto found = kNames.find(name);
+  if (found == kNames.end())
+    throw py::value_error(
+        "refinement: expected intensities, gradients-xy, gradient-magnitude, "
+        "corner-subpix or none, not '" +
+        name + "'");
+  return found->second;
+}
+
+PyDetection Detect(const py::object& image, const py::object& pattern,
+                   const std::string& name, const std::string& refinement,
+                   int window) {
+  const std::string board = PathOf(pattern);
+  DetectionOptions options;
+  options.refinement = RefinementOf(refinement);
+  options.window_px = window;
+  if (window < 5 || window > 101 || window % 2 == 0)
+    throw py::value_error("window: expected an odd number from 5 to 101");
+  PyDetection detection;
+  std::string bytes, path = "image";
+  if (py::isinstance<py::array>(image)) {
+    bytes = BytesOfImage(image.cast<py::array>());
+  } else {
+    path = PathOf(image);
+    detection.features.image = fs::path(path).filename().string();
+  }
+  if (!name.empty()) detection.features.image = name;
+  const py::gil_scoped_release released;
+  const PatternDetector detector(ReadPatternOrSpec(board), options);
+  const GreyImage grey = MakeGreyImage(
+      bytes.empty() ? ReadGreyLevels(path) : DecodeGreyLevels(path, bytes));
+  detection.size = grey.size;
+  if (!CanShowBoard(grey.size)) return detection;
+  ImageDetection found = detector.Detect(grey);
+  detection.features.features = std::move(found.features);
+  detection.remarks = std::move(found.remarks);
+  return detection;
+}
+
+// ---- Cameras that Python gave ----------------------------------------------
+
+bool IsPath(const py::handle& given) {
+  return py::isinstance<py::str>(given) || py::isinstance<py::bytes>(given) ||
+         py::hasattr(given, "__fspath__");
+}
+
+GivenCamera TakeCamera(const std::string& name, const py::object& given) {
+  GivenCamera camera = {name, {}, {}};
+  if (IsPath(given)) {
+    camera.images.push_back(PathOf(given));
+    return camera;
+  }
+  for (const py::handle item : given) {
+    if (IsPath(item))
+      camera.images.push_back(PathOf(py::reinterpret_borrow<py::object>(item)));
+    else if (py::isinstance<PyDetection>(item))
+      camera.detections.push_back(item.cast<PyDetection>());
+    else
+      throw py::type_error(
+          "images: expected paths of images and folders, or what detect() "
+          "returned");
+  }
+  if (camera.images.empty() == camera.detections.empty())
+    throw py::value_error(
+        camera.images.empty()
+            ? "images: there are none"
+            : "images: expected paths or detections, not some of each");
+  return camera;
+}
+
+}  // namespace
+
+std::vector<GivenCamera> TakeCameras(const py::object& given) {
+  if (!py::isinstance<py::dict>(given)) return {TakeCamera("", given)};
+  std::vector<GivenCamera> cameras;
+  for (const auto& [name, images] : given.cast<py::dict>())
+    cameras.push_back(
+        TakeCamera(py::str(name), py::reinterpret_borrow<py::object>(images)));
+  if (cameras.size() < 2)
+    throw py::value_error(
+        "images: a rig has two cameras or more; give the images of a single "
+        "one without its name");
+  for (const GivenCamera& camera : cameras)
+    if (!IsRigCameraName(camera.name))
+      throw py::value_error(
+          fmt::format("camera name '{}': give it one of letters, digits, '-' "
+                      "and '_'",
+                      camera.name));
+  return cameras;
+}
+
+Dataset DatasetOf(const GivenCamera& given) {
+  Dataset dataset;
+  dataset.image_size = given.detections.front().size;
+  for (const PyDetection& detection : given.detections) {
+    if (detection.size != dataset.image_size)
+      throw InputError(fmt::format(
+          "image '{}' has {} x {} pixels, and image '{}' has {} x {}; "
+          "calibrate "
+          "with images of one size",
+          detection.features.image, detection.size.width, detection.size.height,
+          given.detections.front().features.image, dataset.image_size.width,
+          dataset.image_size.height));
+    for (const ImageFeatures& other : dataset.images)
+      if (other.image == detection.features.image)
+        throw InputError(
+            fmt::format("two images of the name '{}'; give detect() a name for "
+                        "each",
+                        other.image));
+    dataset.images.push_back(detection.features);
+  }
+  return dataset;
+}
+
+// ---- Features in files -----------------------------------------------------
+
+namespace {
+
+py::object LoadFeatures(const py::object& path,
+                        const std::pair<int, int>& size) {
+  const auto by_camera = ReadFeatures(PathOf(path));
+  py::dict all;
+  for (const auto& [name, dataset] : by_camera) {
+    py::list detections;
+    for (const ImageFeatures& image : dataset.images)
+      detections.append(PyDetection{{size.first, size.second}, image, {}});
+    if (by_camera.size() == 1) return detections;
+    all[py::str(name)] = detections;
+  }
+  return all;
+}
+
+void SaveFeatures(const py::object& path, const py::object& given) {
+  std::vector<NamedDataset> cameras;
+  for (const GivenCamera& camera : TakeCameras(given)) {
+    if (camera.detections.empty())
+      throw py::type_error("features: expected what detect() returned");
+    cameras.push_back({camera.name, DatasetOf(camera)});
+  }
+  WriteFile(PathOf(path), cameras.size() == 1
+                              ? FormatFeatures(cameras.front().dataset)
+                              : FormatFeatures(cameras));
+}
+
+void BindDetectionClass(py::module_* module) {
+  py::class_<PyDetection>(
+      *module, "Detection",
+      "The features of a board that an image shows.\n\nDetection(name, size, "
+      "pixels, columns, rows, boards=None): size is (width, height), pixels "
+      "(N, 2) with (0, 0) at the centre of the first pixel, columns, rows and "
+      "boards (N,) are places on the board and the board's id.")
+      .def(py::init(&MakeDetection), py::arg("name"), py::arg("size"),
+           py::arg("pixels"), py::arg("columns"), py::arg("rows"),
+           py::arg("boards") = py::none())
+      .def_property_readonly(
+          "name", [](const PyDetection& d) { return d.features.image; },
+          "The image's name.")
+      .def_property_readonly(
+          "size",
+          [](const PyDetection& d) {
+            return py::make_tuple(d.size.width, d.size.height);
+          },
+          "(width, height) of the image.")
+      .def_property_readonly("pixels", &PixelsOf,
+                             "Places in the image, (N, 2), in pixels.")
+      .def_property_readonly(
+          "columns",
+          [](const PyDetection& d) { return IntegersOf(d, &Feature::column); },
+          "Columns on the board, (N,).")
+      .def_property_readonly(
+          "rows",
+          [](const PyDetection& d) { return IntegersOf(d, &Feature::row); },
+          "Rows on the board, (N,).")
+      .def_property_readonly(
+          "boards",
+          [](const PyDetection& d) { return IntegersOf(d, &Feature::board); },
+          "Ids of the boards, (N,).")
+      .def_property_readonly(
+          "remarks", [](const PyDetection& d) { return d.remarks; },
+          "Lines about the image: mirrored, other tags.")
+      .def("__len__",
+           [](const PyDetection& d) { return d.features.features.size(); })
+      .def("__repr__", [](const PyDetection& d) {
+        return fmt::format("<raygrid.Detection '{}' {} x {}, {} features>",
+                           d.features.image, d.size.width, d.size.height,
+                           d.features.features.size());
+      });
+}
+
+}  // namespace
+
+void BindDetection(py::module_* module) {
+  BindDetectionClass(module);
+  module->def(
+      "detect", &Detect, py::arg("image"), py::arg("pattern"), py::kw_only(),
+      py::arg("name") = "", py::arg("refinement") = "intensities",
+      py::arg("window") = 21,
+      "The features of a board in an image.\n\nimage: a path, or an array of "
+      "uint8 or uint16, (height, width) or (height, width, 3) with blue first "
+      "as OpenCV has it. pattern: the path of pattern.yaml, or a board in a "
+      "word, as chessboard:9x6:25mm. name: the image's; a file has one. "
+      "window: the side of the refinement's, in pixels.");
+  module->def("load_features", &LoadFeatures, py::arg("path"), py::arg("size"),
+              "The Detections in features.csv, by the cameras' names if it has "
+              "several; size is (width, height) of the images.");
+  module->def("save_features", &SaveFeatures, py::arg("path"),
+              py::arg("features"),
+              "Writes features.csv of Detections, or of those of a rig by the "
+              "cameras' names.");
+}
+
+}  // namespace raygrid

@@ -1,0 +1,182 @@
+#include <fmt/format.h>
+
+#include "dataset/files.h"
+#include "dataset/output_folder.h"
+#include "packing/blob_camera.h"
+#include "packing/pack.h"
+#include "python/bindings.h"
+#include "report/result_folder.h"
+
+namespace raygrid {
+
+size_t PyCalibration::IndexOf(const std::string& name) const {
+  if (name.empty() && !result.IsRig()) return 0;
+  for (size_t c = 0; c < result.cameras.size(); ++c)
+    if (result.cameras[c].camera.name == name) return c;
+  throw py::key_error("camera: there is none of the name '" + name + "'");
+}
+
+namespace {
+
+// ---- Figures ---------------------------------------------------------------
+
+py::tuple Residuals(const std::vector<FeatureResidual>& residuals) {
+  const auto count = static_cast<py::ssize_t>(residuals.size());
+  DoubleArray pixels({count, py::ssize_t{2}}), errors({count, py::ssize_t{2}});
+  for (py::ssize_t k = 0; k < count; ++k)
+    for (int axis = 0; axis < 2; ++axis) {
+      const FeatureResidual& residual = residuals[static_cast<size_t>(k)];
+      pixels.mutable_at(k, axis) = residual.pixel[axis];
+      errors.mutable_at(k, axis) = residual.error_px[axis];
+    }
+  return py::make_tuple(pixels, errors);
+}
+
+py::list PosesOf(const PyCalibration& self, const std::string& camera) {
+  py::list poses;
+  for (const BoardPose& pose : self.result.cameras[self.IndexOf(camera)].poses)
+    poses.append(
+        py::make_tuple(pose.image, pose.board,
+                       ReadOnly(MatrixOfPose(pose.camera_from_board))));
+  return poses;
+}
+
+py::list FeaturesOf(const PyCalibration& self, const std::string& camera) {
+  py::list detections;
+  const Dataset& dataset = self.result.cameras[self.IndexOf(camera)].features;
+  for (const ImageFeatures& image : dataset.images)
+    detections.append(PyDetection{dataset.image_size, image, {}});
+  return detections;
+}
+
+py::dict CamerasOf(const PyCalibration& self) {
+  py::dict cameras;
+  for (const CalibrationResult& camera : self.result.cameras)
+    cameras[py::str(camera.camera.name)] = PyCamera{camera.camera};
+  return cameras;
+}
+
+py::dict CameraFromRig(const PyCalibration& self) {
+  py::dict poses;
+  for (size_t c = 0; c < self.result.cameras.size(); ++c)
+    poses[py::str(self.result.cameras[c].camera.name)] = ReadOnly(MatrixOfPose(
+        self.result.IsRig() ? self.result.camera_from_rig[c] : Pose{}));
+  return poses;
+}
+
+// ---- The result's folder ---------------------------------------------------
+
+PackingFigures FiguresOf(const PackedCamera& packed) {
+  PackingFigures figures;
+  figures.blob_bytes = packed.blob.size();
+  figures.unproject_error_px = packed.unproject_error_px;
+  figures.remarks = packed.remarks;
+  if (packed.remaps.empty()) return figures;
+  const VirtualView& view = packed.remaps[0].view;
+  figures.remap_error_px = packed.remaps[0].error_px;
+  figures.view = {view.size, view.focal_px, view.center_px};
+  return figures;
+}
+
+ResultExtras PackResult(const PyCalibration& self, const Task* task) {
+  ResultExtras extras;
+  for (const CalibrationResult& camera : self.result.cameras) {
+    CameraExtras& own = extras.cameras.emplace_back();
+    const PackedCamera packed = PackWhatCanBe(
+        camera.camera, self.num_threads, [task] { return task->ShouldStop(); });
+    task->GoOn();
+    own.packing = FiguresOf(packed);
+    own.blob = packed.blob;
+    if (packed.remaps.empty()) continue;
+    CameraFile view;
+    view.camera = CameraOfView(packed.remaps[0].view);
+    view.name = camera.camera.name;
+    own.view = FormatCameraFile(view);
+  }
+  return extras;
+}
+
+// The folder has all files of the result in the end, or those it had before.
+void SaveResult(const PyCalibration& self, const py::object& path) {
+  const std::string folder = PathOf(path);
+  RunInBackground(py::none(), [&](Task* task) {
+    const ResultExtras extras = PackResult(self, task);
+    OutputFolder output(folder);
+    OutputFiles files;
+    AddResultFiles(self.result, extras, output.path(), &files);
+    files.Commit();
+    AddReports(output.path(), &files);
+    files.Commit();
+    task->GoOn();
+    output.Commit(ResultFiles(folder));
+  });
+}
+
+}  // namespace
+
+void BindResult(py::module_* module) {
+  const auto first_camera = [](const PyCalibration& c) {
+    return PyCamera{c.result.cameras.front().camera};
+  };
+  const auto residuals =
+      [](std::vector<FeatureResidual> CalibrationResult::*member) {
+        return [member](const PyCalibration& c, const std::string& camera) {
+          return Residuals(c.result.cameras[c.IndexOf(camera)].*member);
+        };
+      };
+  py::class_<PyCalibration>(
+      *module, "Calibration",
+      "What calibrate() found. camera='' is the single one; a rig's have "
+      "names.")
+      .def_property_readonly("camera", first_camera,
+                             "The camera; a rig's first.")
+      .def_property_readonly("cameras", &CamerasOf,
+                             "Cameras by name; '' if it has none.")
+      .def_property_readonly(
+          "camera_from_rig", &CameraFromRig,
+          "Matrices (4, 4) by name, in metres; the first camera's frame is the "
+          "rig's.")
+      .def_property_readonly(
+          "verdict",
+          [](const PyCalibration& c) { return c.result.verdict.word; },
+          "pass, warn or fail.")
+      .def_property_readonly(
+          "reasons",
+          [](const PyCalibration& c) { return c.result.verdict.reasons; },
+          "Why, line by line.")
+      .def_property_readonly(
+          "result_json",
+          [](const PyCalibration& c) {
+            return FormatResultJson(c.result, 0, 0);
+          },
+          "The text of result.json, without what packing found.")
+      .def_property_readonly(
+          "pattern",
+          [](const PyCalibration& c) {
+            return FormatPattern(c.result.pattern);
+          },
+          "The text of pattern.yaml: the board as it really is.")
+      .def("training", residuals(&CalibrationResult::training),
+           py::arg("camera") = "",
+           "(pixels, errors) of the features calibrated with, both (N, 2): "
+           "observed, and projected less observed, in pixels.")
+      .def("held_out", residuals(&CalibrationResult::held_out),
+           py::arg("camera") = "",
+           "(pixels, errors) of images in hold_out, or else of "
+           "cross-validation, both (N, 2).")
+      .def("poses", &PosesOf, py::arg("camera") = "",
+           "(image, board, camera_from_board) of each board seen; the matrix "
+           "is (4, 4), in metres.")
+      .def("features", &FeaturesOf, py::arg("camera") = "",
+           "The Detections that were calibrated with.")
+      .def("save", &SaveResult, py::arg("folder"),
+           "Writes the folder that 'raygrid calibrate' writes, without "
+           "pictures of the images, whole or not at all.")
+      .def("__repr__", [](const PyCalibration& c) {
+        return fmt::format("<raygrid.Calibration {}, {} camera{}>",
+                           c.result.verdict.word, c.result.cameras.size(),
+                           c.result.cameras.size() == 1 ? "" : "s");
+      });
+}
+
+}  // namespace raygrid
