@@ -212,15 +212,20 @@ Json PatternFacts(const Pattern& pattern) {
   return json;
 }
 
+// x, y, z; a zero is not negative.
+Json CenterInRig(const Pose& camera_from_rig) {
+  const Eigen::Vector3d center =
+      camera_from_rig.Inverse().translation + Eigen::Vector3d::Zero();
+  return {center.x(), center.y(), center.z()};
+}
+
 Json RigFacts(const std::vector<RigFileCamera>& cameras) {
   Json json = {{"kind", "rig"}, {"cameras", Json::array()}};
-  for (const RigFileCamera& camera : cameras) {
-    const Eigen::Vector3d center = camera.camera_from_rig.Inverse().translation;
+  for (const RigFileCamera& camera : cameras)
     json["cameras"].push_back(
         {{"name", camera.name},
          {"file", camera.file},
-         {"center_in_rig_m", {center.x(), center.y(), center.z()}}});
-  }
+         {"center_in_rig_m", CenterInRig(camera.camera_from_rig)}});
   return json;
 }
 
@@ -252,11 +257,9 @@ Json ForeignFacts(const Format& format, const std::string& path,
       json["cameras"].push_back({{"name", read.name},
                                  {"model", file.camera->Name()},
                                  {"image_size", {size.width, size.height}}});
-      if (!read.camera_from_rig) continue;
-      const Eigen::Vector3d center =
-          read.camera_from_rig->Inverse().translation;
-      json["cameras"].back()["center_in_rig_m"] = {center.x(), center.y(),
-                                                   center.z()};
+      if (read.camera_from_rig)
+        json["cameras"].back()["center_in_rig_m"] =
+            CenterInRig(*read.camera_from_rig);
     }
   }
   if (!contents.remarks.empty()) json["remarks"] = contents.remarks;

@@ -290,8 +290,7 @@ std::optional<ImageCircle> ParseImageCircle(const YAML::Node& node) {
 
 // Throws what yaml-cpp throws, and InputError without the file's name.
 CameraFile Parse(const YAML::Node& root) {
-  if (!root.IsMap() || !root["raygrid_camera"])
-    throw InputError("not a camera (no 'raygrid_camera: 1')");
+  RequireKind(root, "camera");
   if (root["raygrid_camera"].as<int>() != 1)
     throw InputError("unknown version of camera.yaml");
   const auto size = root["image_size"].as<std::vector<int>>();

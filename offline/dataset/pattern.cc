@@ -224,9 +224,7 @@ Pattern ParsePattern(const std::string& name, const std::string& yaml) {
     throw InputError(fmt::format("{}, line {}: not YAML ({})", name,
                                  error.mark.line + 1, error.msg));
   }
-  if (!root.IsMap() || !root["raygrid_pattern"])
-    throw InputError(
-        fmt::format("{}: not a pattern (no 'raygrid_pattern: 1')", name));
+  ReadNamingFile(name, [&root] { RequireKind(root, "pattern"); });
   if (Value<int>(name, root, "raygrid_pattern") != 1)
     throw InputError(fmt::format("{}: unknown version of pattern.yaml", name));
   if (!root["boards"].IsSequence() || root["boards"].size() == 0)

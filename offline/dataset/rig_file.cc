@@ -18,8 +18,7 @@ namespace {
 
 // Throws what yaml-cpp throws, and InputError without the file's name.
 std::vector<RigFileCamera> ParseCameras(const YAML::Node& root) {
-  if (!root.IsMap() || !root["raygrid_rig"])
-    throw InputError("not a rig (no 'raygrid_rig: 1')");
+  RequireKind(root, "rig");
   if (root["raygrid_rig"].as<int>() != 1)
     throw InputError("unknown version of rig.yaml");
   std::vector<RigFileCamera> cameras;

@@ -129,6 +129,21 @@ void RequireYamlFile(const std::string& path, const std::string& text) {
   if (finder.is_map()) RequireWholeLastLine(path, text);
 }
 
+void RequireKind(const YAML::Node& root, const std::string& kind) {
+  if (root.IsMap() && root["raygrid_" + kind]) return;
+  const std::string is_none =
+      fmt::format("not a {0} (no 'raygrid_{0}: 1')", kind);
+  static const std::vector<std::pair<std::string, std::string>> kOthers = {
+      {"camera", "a camera"},
+      {"pattern", "a pattern"},
+      {"rectified", "a rectified pair"},
+      {"rig", "a rig; name the camera.yaml of one of its cameras"}};
+  for (const auto& [other, what] : kOthers)
+    if (root.IsMap() && root["raygrid_" + other])
+      throw InputError(is_none + ", but " + what);
+  throw InputError(is_none);
+}
+
 InputError YamlError(const std::string& path, const YAML::Exception& error) {
   // A missing key has no line in the file to name.
   const std::string place =

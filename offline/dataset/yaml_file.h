@@ -2,6 +2,7 @@
 #define RAYGRID_DATASET_YAML_FILE_H
 
 #include <yaml-cpp/exceptions.h>
+#include <yaml-cpp/node/node.h>
 
 #include <string>
 
@@ -14,6 +15,10 @@ namespace raygrid {
 /// take the first or the last as they like. Says nothing of text that is no
 /// YAML: parsing it does.
 void RequireYamlFile(const std::string& path, const std::string& text);
+
+/// Throws InputError, without the file's name, if a file is not of a kind, such
+/// as "camera" or "rig"; it says which other kind of ours it is.
+void RequireKind(const YAML::Node& root, const std::string& kind);
 
 /// The InputError of a parser's exception: path, line if it has one, and what
 /// is wrong.

@@ -182,6 +182,18 @@ class BadInput(CommandTest):
                      program=programs.undistort)
         self.assert_refused(result, 2, "small.raw")
 
+    def test_file_of_ours_given_for_another(self):
+        camera = self.path("sim/true_camera.yaml")
+        rig = write(self.path("rig.yaml"), "raygrid_rig: 1\ncameras: {}\n")
+        fit = ("--model", "opencv", "-o", self.path("none.yaml"))
+        for arguments, words in (
+                (("fit", rig, *fit), ("not a camera", "but a rig", "one of its cameras")),
+                (("fit", self.pattern, *fit), ("not a camera", "but a pattern"))):
+            with self.subTest(arguments):
+                self.assert_refused(run(*arguments), 2, *words)
+        result = self.calibrate(self.path("sim"), pattern=camera)
+        self.assert_refused(result, 2, "true_camera.yaml", "not a pattern", "but a camera")
+
     def test_image_of_another_mode(self):
         image = write(self.path("mode/a.pgm"), pgm(320, 240))
         result = run("undistort", self.path("good.raygrid"), image, "-o", self.path("mode-out"))
