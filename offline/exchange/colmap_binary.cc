@@ -1,11 +1,8 @@
 #include <fmt/format.h>
 
-#include <cmath>
-#include <cstring>
-
 #include "dataset/error.h"
+#include "exchange/byte_reader.h"
 #include "exchange/colmap_files.h"
-#include "exchange/count_text.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {
@@ -13,65 +10,6 @@ namespace {
 
 constexpr int32_t kCameraSensor = 0;
 constexpr uint64_t kMostCameras = 1000000, kLongestSidePx = 1000000;
-
-// Numbers one after another, little-endian.
-class ByteReader {
- public:
-  explicit ByteReader(const std::string& bytes) : bytes_(bytes) {}
-
-  template <typename Number>
-  Number Get() {
-    uint64_t bits = 0;
-    if (bytes_.size() - at_ < sizeof(Number))
-      throw InputError(fmt::format(
-          "ends after {} bytes, in the middle of a camera or image; copy it "
-          "again",
-          bytes_.size()));
-    for (size_t k = 0; k < sizeof(Number); ++k)
-      bits |= uint64_t{static_cast<unsigned char>(bytes_[at_ + k])} << 8 * k;
-    at_ += sizeof(Number);
-    Number number;
-    std::memcpy(&number, &bits, sizeof(Number));
-    return number;
-  }
-  double GetFinite() {
-    const auto number = Get<double>();
-    if (!std::isfinite(number))
-      throw InputError(
-          fmt::format("no finite number at byte {}", at_ - sizeof(number)));
-    return number;
-  }
-  // Up to the byte 0, which is passed over.
-  std::string GetText() {
-    std::string text;
-    while (const auto c = Get<uint8_t>()) text.push_back(static_cast<char>(c));
-    return text;
-  }
-  void Skip(uint64_t count, size_t size) {
-    if (count > (bytes_.size() - at_) / size)
-      throw InputError(fmt::format(
-          "ends after {} bytes, in the middle of an image; copy it again",
-          bytes_.size()));
-    at_ += count * size;
-  }
-  void RequireEnd() const {
-    if (at_ != bytes_.size())
-      throw InputError(fmt::format("has {} behind its end",
-                                   CountText(bytes_.size() - at_, "byte")));
-  }
-
- private:
-  const std::string& bytes_;
-  size_t at_ = 0;
-};
-
-template <typename Number>
-void Append(Number number, std::string* bytes) {
-  uint64_t bits = 0;
-  std::memcpy(&bits, &number, sizeof(number));
-  for (size_t k = 0; k < sizeof(number); ++k)
-    bytes->push_back(static_cast<char>(bits >> 8 * k & 0xff));
-}
 
 int SideOf(uint64_t side) {
   if (side < 1 || side > kLongestSidePx)

@@ -1,0 +1,98 @@
+/// Numbers in files of bytes. Such files come from anywhere, so every read is
+/// checked.
+#ifndef RAYGRID_EXCHANGE_BYTE_READER_H
+#define RAYGRID_EXCHANGE_BYTE_READER_H
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <string>
+
+#include "dataset/error.h"
+#include "exchange/count_text.h"
+
+namespace raygrid {
+
+enum class ByteOrder { kLittle, kBig };
+
+/// Numbers of a file, one after another. All functions throw InputError where
+/// the file ends too early.
+class ByteReader {
+ public:
+  explicit ByteReader(const std::string& bytes) : bytes_(bytes) {}
+
+  template <typename Number>
+  Number Get(ByteOrder order = ByteOrder::kLittle) {
+    constexpr size_t kSize = sizeof(Number);
+    Require(1, kSize);
+    uint64_t bits = 0;
+    for (size_t k = 0; k < kSize; ++k) {
+      const size_t place = order == ByteOrder::kLittle ? k : kSize - 1 - k;
+      bits |= uint64_t{static_cast<unsigned char>(bytes_[at_ + k])}
+              << 8 * place;
+    }
+    at_ += kSize;
+    Number number;
+    std::memcpy(&number, &bits, kSize);
+    return number;
+  }
+  /// A finite number; double or float.
+  template <typename Number = double>
+  Number GetFinite() {
+    const auto number = Get<Number>();
+    if (!std::isfinite(number))
+      throw InputError(
+          fmt::format("no finite number at byte {}", at_ - sizeof(number)));
+    return number;
+  }
+  /// Up to the byte 0, which is passed over.
+  std::string GetText() {
+    std::string text;
+    while (const auto c = Get<uint8_t>()) text.push_back(static_cast<char>(c));
+    return text;
+  }
+  /// So many bytes.
+  std::string GetText(uint64_t size) {
+    Require(size, 1);
+    at_ += size;
+    return bytes_.substr(at_ - size, size);
+  }
+  void Skip(uint64_t count, size_t size) {
+    Require(count, size);
+    at_ += count * size;
+  }
+  /// So many things of a size are still to come.
+  void Require(uint64_t count, size_t size) const {
+    if (count > (bytes_.size() - at_) / size)
+      throw InputError(fmt::format(
+          "ends after {} bytes, where more were to come; copy it again",
+          bytes_.size()));
+  }
+  void RequireEnd() const {
+    if (at_ != bytes_.size())
+      throw InputError(fmt::format("has {} behind its end",
+                                   CountText(bytes_.size() - at_, "byte")));
+  }
+
+ private:
+  const std::string& bytes_;
+  size_t at_ = 0;
+};
+
+template <typename Number>
+void Append(Number number, std::string* bytes,
+            ByteOrder order = ByteOrder::kLittle) {
+  constexpr size_t kSize = sizeof(Number);
+  uint64_t bits = 0;
+  std::memcpy(&bits, &number, kSize);
+  for (size_t k = 0; k < kSize; ++k) {
+    const size_t place = order == ByteOrder::kLittle ? k : kSize - 1 - k;
+    bytes->push_back(static_cast<char>(bits >> 8 * place & 0xff));
+  }
+}
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_BYTE_READER_H
