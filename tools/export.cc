@@ -20,6 +20,7 @@
 #include "exchange/table_format.h"
 #include "packing/rectification.h"
 #include "packing/view_request.h"
+#include "pattern_input.h"
 #include "table_export.h"
 #include "view_options.h"
 
@@ -28,7 +29,8 @@ namespace {
 
 struct ExportArguments {
   std::string input, format, model, output, poses;
-  std::string address, every;
+  std::string address, every, pattern;
+  std::vector<std::string> image_sizes;
   std::optional<double> max_fit_error_px;
   bool lists = false, rectified = false, is_reverse = false;
   ViewWords view;
@@ -80,21 +82,25 @@ std::vector<Exported> ReadPairOfViews(const std::string& path,
   return cameras;
 }
 
-// The cameras of a rig, or the one camera.
-// Throws for poses.csv, which goes out beside a camera.
-void RequireNoPoses(const std::string& path, const std::string& bytes) {
-  if (bytes.substr(0, bytes.find('\n')).find(",qw,qx,qy,qz,") ==
-      std::string::npos)
-    return;
-  throw InputError(
-      fmt::format("{}: has poses, and no camera; export the camera with "
-                  "--poses, or the poses alone --to tum",
-                  path));
+// Throws for poses.csv, which goes out beside a camera, and for features.csv,
+// which goes out alone.
+void RequireNoCsv(const std::string& path, const std::string& bytes) {
+  const std::string header = bytes.substr(0, bytes.find('\n'));
+  if (header.find(",qw,qx,qy,qz,") != std::string::npos)
+    throw InputError(
+        fmt::format("{}: has poses, and no camera; export the camera with "
+                    "--poses, or the poses alone --to tum",
+                    path));
+  if (header.find(",board,column,row,") != std::string::npos)
+    throw InputError(fmt::format(
+        "{}: has features, and no camera; export them --to puzzlepaint-dataset",
+        path));
 }
 
+// The cameras of a rig, or the one camera.
 std::vector<Exported> ReadExported(const std::string& path, bool* is_rig) {
   const std::string bytes = ReadFile(path);
-  RequireNoPoses(path, bytes);
+  RequireNoCsv(path, bytes);
   std::vector<Exported> cameras;
   *is_rig = bytes.find("raygrid_rectified:") != std::string::npos;
   if (*is_rig) return ReadPairOfViews(path, bytes);
@@ -320,6 +326,8 @@ std::vector<std::string> GivenOptions(const ExportArguments& arguments) {
         {"poses", !arguments.poses.empty()},
         {"address", !arguments.address.empty()},
         {"every", !arguments.every.empty()},
+        {"pattern", !arguments.pattern.empty()},
+        {"image-size", !arguments.image_sizes.empty()},
         {"reverse", arguments.is_reverse}})
     if (is_given) given.push_back(name);
   return given;
@@ -462,11 +470,12 @@ void RunExport(const ExportArguments& arguments, const CommonOptions& common) {
   const TableFormat* table = FindTableFormat(arguments.format);
   RequireTaken(arguments, table);
   if (table)
-    ExportTable(*table,
-                {arguments.input, arguments.output, arguments.model,
-                 arguments.address, arguments.every, arguments.max_fit_error_px,
-                 arguments.view, arguments.is_reverse},
-                common);
+    ExportTable(
+        *table,
+        {arguments.input, arguments.output, arguments.model, arguments.address,
+         arguments.every, arguments.max_fit_error_px, arguments.view,
+         arguments.is_reverse, arguments.pattern, arguments.image_sizes},
+        common);
   else
     ExportLenses(arguments, FindWrittenFormat(arguments.format), common);
 }
@@ -482,9 +491,9 @@ void AddExport(CLI::App* app, CommonOptions* common) {
       "told and stored. Where the lens looks elsewhere, rigs turn with it. "
       "Other "
       "formats are made of a blob, which itself is the binary for flash, of a "
-      "view, as --rectified has it, of the rays of all pixels, or of "
-      "poses.csv. Meshes of "
-      "hardware that dewarps tell how far it is from the view.",
+      "view, as --rectified has it, of the rays of all pixels, of "
+      "poses.csv, or of features.csv. Meshes of hardware that dewarps tell how "
+      "far it is from the view.",
       "raygrid export camera.yaml --to opencv -o calibration.yaml "
       "--max-fit-error 0.5",
       common);
@@ -492,7 +501,8 @@ void AddExport(CLI::App* app, CommonOptions* common) {
   command->add_option(
       "camera", arguments->input,
       "camera.yaml, rig.yaml, rectified.yaml, a blob or another "
-      "program's camera; of trajectories poses.csv");
+      "program's camera; of trajectories poses.csv, of datasets "
+      "features.csv");
   command->add_option("--to", arguments->format,
                       "the format: " + WrittenFormatNames());
   command->add_option(
@@ -529,6 +539,12 @@ void AddExport(CLI::App* app, CommonOptions* common) {
                    "last of all (default: 1); of meshes: the pixels from one "
                    "vertex to the next (default: 16)")
       ->option_text("N");
+  AddPatternOption(command, &arguments->pattern, "; that of features.csv");
+  command
+      ->add_option("--image-size", arguments->image_sizes,
+                   "of features.csv: that of the images; of a rig's camera "
+                   "NAME=WxH, if they differ")
+      ->option_text("WxH");
   command->add_flag("--list", arguments->lists, "list the formats");
   command->callback([arguments, common] { RunExport(*arguments, *common); });
 }

@@ -27,6 +27,11 @@ namespace {
 // The most corners along a side of a board.
 constexpr int kMostCorners = 1000;
 
+bool EndsWith(const std::string& text, const std::string& word) {
+  return text.size() >= word.size() &&
+         text.compare(text.size() - word.size(), word.size(), word) == 0;
+}
+
 // COLUMNSxROWS.
 ImageSize ParseBoardSize(const std::string& text) {
   int columns = 0, rows = 0;
@@ -75,6 +80,7 @@ ExchangeContents ReadForeignFile(const ImportArguments& arguments,
 // pattern.yaml. Throws InputError for a board that cannot be.
 std::string PatternText(const std::string& path,
                         const std::vector<Board>& boards) {
+  if (boards.front().kind == "points") return BoardsYaml(boards);
   try {
     RequirePossibleBoards(boards);
   } catch (const Error& error) {
@@ -266,14 +272,76 @@ void RequireNoView(const ImportArguments& arguments) {
                             arguments.files[0]));
 }
 
-void ImportPoses(const TableFormat& table, const ImportArguments& arguments,
-                 const std::string& bytes, const CommonOptions& common) {
-  const std::string& path = arguments.files[0];
+// Throws for options that tables without a lens do not take.
+void RequireNoLens(const ImportArguments& arguments, const std::string& what) {
   for (const auto& [option, value] : {std::pair("--model", arguments.model),
                                       {"--image-size", arguments.image_size}})
     if (!value.empty())
-      throw Error(ExitCode::kUsage,
-                  fmt::format("{}: {} has poses alone", option, path));
+      throw Error(ExitCode::kUsage, fmt::format("{}: {} has {} alone", option,
+                                                arguments.files[0], what));
+}
+
+// The features of all cameras, or the boards, as the output's name says.
+std::string TextOfFeatures(const FeatureTable& features,
+                           const ImportArguments& arguments) {
+  const std::filesystem::path output = arguments.output;
+  if (output.extension() == ".yaml") {
+    if (features.boards.empty())
+      throw InputError(arguments.files[0] + ": has no boards");
+    return PatternText(arguments.files[0], features.boards);
+  }
+  if (output.extension() != ".csv" || EndsWith(output.stem(), "poses"))
+    throw Error(ExitCode::kUsage,
+                fmt::format("-o {}: {} has features and boards, which become "
+                            "features.csv and pattern.yaml",
+                            arguments.output, arguments.files[0]));
+  size_t count = 0;
+  for (const NamedDataset& camera : features.cameras)
+    count += camera.dataset.num_features();
+  if (count == 0) throw InputError(arguments.files[0] + ": has no features");
+  return features.cameras.size() == 1
+             ? FormatFeatures(features.cameras.front().dataset)
+             : FormatFeatures(features.cameras);
+}
+
+void TellFeatures(const FeatureTable& features,
+                  const ImportArguments& arguments,
+                  const CommonOptions& common) {
+  auto json =
+      nlohmann::ordered_json{{"boards", features.boards.size()},
+                             {"cameras", nlohmann::ordered_json::array()}};
+  std::string text = CountText(features.boards.size(), "board");
+  for (const auto& [name, dataset] : features.cameras) {
+    const ImageSize& size = dataset.image_size;
+    json["cameras"].push_back({{"name", name},
+                               {"image_size", {size.width, size.height}},
+                               {"features", dataset.num_features()},
+                               {"images", dataset.images.size()}});
+    text += fmt::format(
+        "; {}{} in {} of {}x{} px", name.empty() ? "" : name + ": ",
+        CountText(dataset.num_features(), "feature"),
+        CountText(dataset.images.size(), "image"), size.width, size.height);
+  }
+  if (common.json)
+    fmt::print("{}\n", json.dump(2));
+  else if (!common.quiet)
+    fmt::print("{}: {}\n", Printable(arguments.output), text);
+}
+
+void ImportFeatures(const TableFormat& table, const ImportArguments& arguments,
+                    const std::string& bytes, const CommonOptions& common) {
+  RequireNoLens(arguments, "features and boards");
+  const FeatureTable features = table.read_features(arguments.files[0], bytes);
+  const std::string text = TextOfFeatures(features, arguments);
+  RequireNoInputReplaced(arguments.files, {arguments.output});
+  WriteFile(arguments.output, text);
+  TellFeatures(features, arguments, common);
+}
+
+void ImportPoses(const TableFormat& table, const ImportArguments& arguments,
+                 const std::string& bytes, const CommonOptions& common) {
+  const std::string& path = arguments.files[0];
+  RequireNoLens(arguments, "poses");
   if (std::filesystem::path(arguments.output).extension() != ".csv")
     throw Error(ExitCode::kUsage,
                 fmt::format("-o {}: {} has poses, which become poses.csv",
@@ -299,6 +367,10 @@ void ImportTable(const TableFormat& table, const ImportArguments& arguments,
     ImportPoses(table, arguments, bytes, common);
     return;
   }
+  if (table.read_features) {
+    ImportFeatures(table, arguments, bytes, common);
+    return;
+  }
   const RayTable rays =
       table.read_rays ? table.read_rays(path, bytes)
                       : RaysOfViewTable(table, {path, bytes, arguments.view,
@@ -321,11 +393,6 @@ std::vector<std::string> FolderNames(const ImportArguments& arguments,
     names.push_back(camera.name);
   }
   return names;
-}
-
-bool EndsWith(const std::string& text, const std::string& word) {
-  return text.size() >= word.size() &&
-         text.compare(text.size() - word.size(), word.size(), word) == 0;
 }
 
 // The features or the poses of all cameras, as the output's name says.
@@ -488,8 +555,9 @@ void AddImport(CLI::App* app, CommonOptions* common) {
       "that leaves little of them, and so does an STMap with the words of the"
       " view that it was exported with. Corners of mrcal and OpenCV become "
       "features.csv for calibrate --features, a target of Kalibr becomes "
-      "pattern.yaml, a trajectory of TUM poses.csv. 'raygrid export --list' "
-      "names the formats.",
+      "pattern.yaml, a trajectory of TUM poses.csv, a dataset of puzzlepaint "
+      "features.csv and pattern.yaml. 'raygrid export --list' names the "
+      "formats.",
       "raygrid import calibration.xml -o camera.yaml", common);
   auto arguments = std::make_shared<ImportArguments>();
   command

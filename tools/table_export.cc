@@ -16,6 +16,7 @@
 #include "dataset/text_encoding.h"
 #include "exchange/mesh/mesh_vertices.h"
 #include "packing/view_sources.h"
+#include "pattern_input.h"
 
 namespace raygrid {
 namespace {
@@ -263,6 +264,57 @@ PoseTable TableOfPoses(const TableFormat& format,
   return {path, arguments.output, poses};
 }
 
+// The size that is told for a camera; WxH is for all that have no NAME=WxH.
+ImageSize SizeOfFeatures(const TableArguments& arguments,
+                         const std::string& camera) {
+  std::string size;
+  for (const std::string& text : arguments.image_sizes) {
+    const size_t at = text.find('=');
+    const std::string name = at == std::string::npos ? "" : text.substr(0, at);
+    if (name == camera || (name.empty() && size.empty()))
+      size = at == std::string::npos ? text : text.substr(at + 1);
+  }
+  if (size.empty())
+    throw Error(ExitCode::kUsage,
+                fmt::format("--image-size WxH is required: features.csv does "
+                            "not tell how large the images{} are",
+                            camera.empty() ? "" : " of '" + camera + "'"));
+  return ParseImageSize("--image-size", size);
+}
+
+void RequireKnownCameras(const TableArguments& arguments,
+                         const std::map<std::string, Dataset>& cameras) {
+  for (const std::string& text : arguments.image_sizes) {
+    const size_t at = text.find('=');
+    if (at != std::string::npos && cameras.count(text.substr(0, at)) == 0)
+      throw Error(ExitCode::kUsage,
+                  fmt::format("--image-size {}: {} has no camera '{}'", text,
+                              arguments.input, text.substr(0, at)));
+  }
+}
+
+FeatureTable TableOfFeatures(const TableFormat& format,
+                             const TableArguments& arguments) {
+  if (std::filesystem::path(arguments.input).extension() != ".csv")
+    throw InputError(fmt::format("{}: {} is made of features.csv",
+                                 arguments.input, format.name));
+  if (arguments.pattern.empty())
+    throw Error(ExitCode::kUsage,
+                fmt::format("--pattern is required: {} has the boards of the "
+                            "features",
+                            format.name));
+  const Pattern pattern = GivenPattern(arguments.pattern);
+  auto cameras = ReadFeatures(arguments.input);
+  RequireKnownCameras(arguments, cameras);
+  FeatureTable table = {arguments.input, arguments.output, {}, pattern.boards};
+  for (auto& [name, dataset] : cameras) {
+    dataset.image_size = SizeOfFeatures(arguments, name);
+    RequireConsistent(arguments.input, dataset, pattern);
+    table.cameras.push_back({name, std::move(dataset)});
+  }
+  return table;
+}
+
 TableOutput MakeTable(const TableFormat& format,
                       const TableArguments& arguments,
                       const CommonOptions& common,
@@ -272,6 +324,12 @@ TableOutput MakeTable(const TableFormat& format,
     (*json)["pixels"] = {table.x.size(), table.y.size()};
     (*json)["central"] = table.origins.empty();
     return format.write_rays(table);
+  }
+  if (format.write_features) {
+    const FeatureTable table = TableOfFeatures(format, arguments);
+    for (const NamedDataset& camera : table.cameras)
+      (*json)["cameras"].push_back(camera.camera);
+    return format.write_features(table);
   }
   if (format.write_poses) {
     const PoseTable table = TableOfPoses(format, arguments);
@@ -312,7 +370,7 @@ void ExportTable(const TableFormat& format, const TableArguments& arguments,
     json["files"].push_back(path);
     outputs.Add(path, contents);
   }
-  RequireNoInputReplaced({arguments.input}, paths);
+  RequireNoInputReplaced({arguments.input, arguments.pattern}, paths);
   outputs.Commit();
   if (common.json)
     fmt::print("{}\n", json.dump(2, ' ', false,

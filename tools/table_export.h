@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "commands.h"
 #include "exchange/table_format.h"
@@ -17,10 +18,13 @@ struct TableArguments {
   std::string every;    ///< "8", or ""
   std::optional<double> max_fit_error_px;
   ViewWords view;
-  bool is_reverse = false;  ///< sources are in the view
+  bool is_reverse = false;               ///< sources are in the view
+  std::string pattern;                   ///< of features.csv
+  std::vector<std::string> image_sizes;  ///< "640x480" or "left=640x480"
 };
 
-/// Writes a format that is made of a blob, a view or rays, and tells what was
+/// Writes a format that is made of a blob, a view, rays, poses or
+/// features, and tells what was
 /// written.
 void ExportTable(const TableFormat& format, const TableArguments& arguments,
                  const CommonOptions& common);

@@ -68,6 +68,14 @@ struct PoseTable {
   std::vector<BoardPose> poses;
 };
 
+/// The features of boards that cameras saw, and these boards.
+struct FeatureTable {
+  std::string path;    ///< of features.csv
+  std::string output;  ///< of the file
+  std::vector<NamedDataset> cameras;
+  std::vector<Board> boards;
+};
+
 /// The files that were made, paths and contents, and a line for the user.
 struct TableOutput {
   std::vector<std::pair<std::string, std::string>> files;
@@ -90,6 +98,7 @@ struct TableFormat {
   TableOutput (*write_view)(const ViewTable& view) = nullptr;
   TableOutput (*write_rays)(const RayTable& rays) = nullptr;
   TableOutput (*write_poses)(const PoseTable& poses) = nullptr;
+  TableOutput (*write_features)(const FeatureTable& features) = nullptr;
   /// A mesh of a view: exchange/mesh/mesh.h.
   const MeshUnit* mesh_unit = nullptr;
 
@@ -104,11 +113,16 @@ struct TableFormat {
                          const std::optional<ImageSize>& source_size) = nullptr;
   std::vector<BoardPose> (*read_poses)(const std::string& path,
                                        const std::string& bytes) = nullptr;
+  /// One camera has no name.
+  FeatureTable (*read_features)(const std::string& path,
+                                const std::string& bytes) = nullptr;
 
   bool Takes(const std::string& option) const;
   /// Whether it is made of a view, so that it takes the words of one.
   bool IsOfView() const { return write_view || mesh_unit; }
-  bool IsImported() const { return read_rays || read_view || read_poses; }
+  bool IsImported() const {
+    return read_rays || read_view || read_poses || read_features;
+  }
   /// Text for errors where a camera is wanted: what import makes of a file.
   std::string WhyNoCamera() const;
   /// Throws Error(kUsage) for a file that ends otherwise.

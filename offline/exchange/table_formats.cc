@@ -10,6 +10,7 @@
 #include "exchange/intel_hex_format.h"
 #include "exchange/maps_format.h"
 #include "exchange/mesh/mesh_units.h"
+#include "exchange/puzzlepaint_dataset_format.h"
 #include "exchange/rays_format.h"
 #include "exchange/stmap_format.h"
 #include "exchange/table_format.h"
@@ -34,7 +35,7 @@ const std::vector<TableFormat>& TableFormats() {
       StMapFormat(),       FfmpegFormat(),       RaysFormat(),
       Dw100Format(),       TiLdcFormat(),        VpiFormat(),
       RockchipFecFormat(), RockchipLdchFormat(), HailoFormat(),
-      DepthAiMeshFormat(), TumFormat()};
+      DepthAiMeshFormat(), TumFormat(),          PuzzlepaintDatasetFormat()};
   return formats;
 }
 
@@ -64,17 +65,21 @@ void TableFormat::RequireEnding(const std::string& path) const {
 }
 
 std::string TableFormat::Source() const {
-  return write_blob   ? "a blob"
-         : IsOfView() ? "a view of a camera"
-         : write_rays ? "the rays of a camera's pixels"
-                      : "the poses of a board, poses.csv";
+  return write_blob       ? "a blob"
+         : IsOfView()     ? "a view of a camera"
+         : write_rays     ? "the rays of a camera's pixels"
+         : write_features ? "the features of boards, features.csv"
+                          : "the poses of a board, poses.csv";
 }
 
 std::string TableFormat::WhyNoCamera() const {
   return fmt::format(
       "is a table of the format {}; 'raygrid import' makes {} "
       "of it",
-      name, read_poses ? "poses.csv" : "a camera");
+      name,
+      read_poses      ? "poses.csv"
+      : read_features ? "features.csv and pattern.yaml"
+                      : "a camera");
 }
 
 std::optional<Eigen::Vector2d> ViewTable::At(int x, int y) const {

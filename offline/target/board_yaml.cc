@@ -33,6 +33,26 @@ std::string KeysOfKind(const Board& board) {
   return keys;
 }
 
+// A board that is points alone.
+std::string PointsYaml(const Board& board) {
+  std::string yaml = fmt::format(
+      "  - id: {}\n    kind: points\n    columns: {}\n    rows: {}\n    "
+      "xyz:\n",
+      board.id, board.columns, board.rows);
+  for (const Eigen::Vector3d& point : board.points)
+    yaml += fmt::format("      - [{:.9f}, {:.9f}, {:.9f}]\n", point.x(),
+                        point.y(), point.z());
+  return yaml;
+}
+
+std::string BoardYaml(const Board& board) {
+  if (board.kind == "points") return PointsYaml(board);
+  return fmt::format(
+      "  - {{id: {}, kind: {}, columns: {}, rows: {}, square_m: {:.9g}{}}}\n",
+      board.id, board.kind, board.columns, board.rows, board.square_m,
+      KeysOfKind(board));
+}
+
 std::vector<Board> MeanScaled(std::vector<Board> boards,
                               const PrintScale& scale) {
   for (Board& board : boards) {
@@ -58,11 +78,7 @@ std::string WithScaledPoints(const std::string& yaml,
 
 std::string BoardsYaml(const std::vector<Board>& boards) {
   std::string yaml = "raygrid_pattern: 1\nboards:\n";
-  for (const Board& board : boards)
-    yaml += fmt::format(
-        "  - {{id: {}, kind: {}, columns: {}, rows: {}, square_m: {:.9g}{}}}\n",
-        board.id, board.kind, board.columns, board.rows, board.square_m,
-        KeysOfKind(board));
+  for (const Board& board : boards) yaml += BoardYaml(board);
   return yaml;
 }
 

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """Import of other programs' corners and targets: what calibrates here is what they found."""
+import csv
 import json
 import math
 import os
 import re
+import struct
 import subprocess
 import sys
 import unittest
@@ -311,6 +313,214 @@ colSpacingMeters: 0.06      #size of one chessboard square [m]
             self.assert_refused(run("import", target, *arguments), code, *words)
         for command in (("inspect", target), ("pack", target, "-o", never)):
             self.assert_refused(run(*command), 2, "raygrid import", "pattern.yaml")
+        self.assert_nothing_in(self.path("never"))
+
+
+class PuzzlepaintDatasets(CornersTest):
+    """The authors' dataset.bin, packed and unpacked here as their program has it: integers are
+    big-endian, floats little-endian, and pixels begin at the image's corner."""
+
+    # A tag stands on features 1 and 2 of rows 1 and 2.
+    STAR = """raygrid_pattern: 1
+boards:
+  - {id: 0, kind: star, columns: 5, rows: 4, square_m: 0.0125, segments: 16, tags: [{id: 0, column: 1, row: 1, squares: 1}]}
+  - {id: 1, kind: chessboard, columns: 3, rows: 2, square_m: 0.03125}
+"""
+    PLACES = [(0, column, row) for row in range(4) for column in range(5)
+              if not (1 <= column <= 2 and 1 <= row <= 2)] + [
+                  (1, column, row) for row in range(2) for column in range(3)]
+
+    @staticmethod
+    def packed(sizes, imagesets, geometries):
+        """imagesets: names, and lists of (x, y, id) for each camera; geometries: cells, and lists
+        of (id, column, row)."""
+        data = b"calib_data" + struct.pack(">II", 0, len(sizes))
+        data += b"".join(struct.pack(">II", *size) for size in sizes)
+        data += struct.pack(">I", len(imagesets))
+        for name, cameras in imagesets:
+            data += struct.pack(">I", len(name)) + name.encode()
+            for features in cameras:
+                data += struct.pack(">I", len(features))
+                for x, y, number in features:
+                    data += struct.pack("<ff", x, y) + struct.pack(">i", number)
+        data += struct.pack(">I", len(geometries))
+        for cell, places in geometries:
+            data += struct.pack("<f", cell) + struct.pack(">I", len(places))
+            data += b"".join(struct.pack(">iii", *place) for place in places)
+        return data
+
+    @staticmethod
+    def unpacked(data):
+        """The arguments of packed()."""
+        at = 0
+
+        def take(layout):
+            nonlocal at
+            values = struct.unpack_from(layout, data, at)
+            at += struct.calcsize(layout)
+            return values if len(values) > 1 else values[0]
+        assert (take("10s"), take(">I")) == (b"calib_data", 0)
+        sizes = [take(">II") for _ in range(take(">I"))]
+        imagesets = []
+        for _ in range(take(">I")):
+            name = take(f"{take('>I')}s").decode()
+            imagesets.append((name, [[(*take("<ff"), take(">i")) for _ in range(take(">I"))]
+                                     for _ in sizes]))
+        geometries = [(take("<f"), [take(">iii") for _ in range(take(">I"))])
+                      for _ in range(take(">I"))]
+        assert at == len(data)
+        return sizes, imagesets, geometries
+
+    def dataset(self, shift=0.0):
+        """Two cameras, three images, of which the second camera misses one, and two boards."""
+        geometries = [(cell, [(number, column, row) for number, (own, column, row) in
+                              enumerate(self.PLACES) if own == board])
+                      for board, cell in enumerate((0.0125, 0.03125))]
+        seen = lambda k: [(5.25 * (number + k) + 0.125 + shift, 3.5 * number + k, number)
+                          for number in range(k, len(self.PLACES), 2)]
+        return ([(320, 240), (640, 480)],
+                [("a.png", [seen(0), seen(1)]), ('b "2".png', [seen(1), []]),
+                 ("c.png", [seen(2), seen(3)])], geometries)
+
+    def written(self, dataset, name="dataset.bin"):
+        return write(self.path(name), self.packed(*dataset))
+
+    def imported(self, file, out):
+        result = run("import", file, "-o", self.path(out))
+        self.assert_done(result)
+        return result.stdout
+
+    def rows_of_rig(self, name):
+        """Camera, image, board, column and row, and the pixel."""
+        with open(self.path(name), encoding="utf-8", newline="") as file:
+            return {(row[0], row[1], *map(int, row[2:5])): tuple(map(float, row[5:]))
+                    for row in list(csv.reader(file))[1:]}
+
+    def expected(self):
+        return {(f"intrinsics{camera}", name, *self.PLACES[number]): (x - 0.5, y - 0.5)
+                for name, cameras in self.dataset()[1] for camera, features in enumerate(cameras)
+                for x, y, number in features}
+
+    def test_features_are_those_that_were_packed(self):
+        """Half a pixel is seen."""
+        told = self.imported(self.written(self.dataset()), "features.csv")
+        self.assertIn("2 boards; intrinsics0: 32 features in 3 images of 320x240 px; "
+                      "intrinsics1: 21 features in 2 images of 640x480 px", told)
+        self.assertEqual(self.rows_of_rig("features.csv"), self.expected())
+        self.imported(self.written(self.dataset(shift=0.5)), "shifted.csv")
+        self.assertNotEqual(self.rows_of_rig("shifted.csv"), self.expected())
+
+    def test_export_after_import_is_the_file(self):
+        """To the bit, with the boards that were detected with; and nearly, with those of the
+        file."""
+        dataset = self.written(self.dataset())
+        self.imported(dataset, "rig_features.csv")
+        self.imported(dataset, "pattern.yaml")
+        sizes = ("--image-size", "320x240", "--image-size", "intrinsics1=640x480")
+        for pattern in (write(self.path("star.yaml"), self.STAR), self.path("pattern.yaml")):
+            result = run("export", self.path("rig_features.csv"), "--to", "puzzlepaint-dataset",
+                         "--pattern", pattern, *sizes, "-o", self.path("again.bin"))
+            self.assert_done(result)
+            self.assertIn("53 features in 3 imagesets; cameras in this order: intrinsics0, "
+                          "intrinsics1", result.stdout)
+            if pattern.endswith("star.yaml"):
+                self.assertEqual(read(self.path("again.bin")), read(dataset))
+            self.imported(self.path("again.bin"), "again_features.csv")
+            self.assertEqual(self.rows_of_rig("again_features.csv"), self.expected())
+
+    def test_what_was_simulated_goes_out_and_in(self):
+        """The boards of the file calibrate as well as that which was simulated."""
+        board = f"chessboard:{COLUMNS}x{ROWS}:{SQUARE_M * 1000:g}mm"
+        self.assert_done(run("export", self.features, "--to", "puzzlepaint-dataset", "--pattern",
+                             board, "--image-size", "640x480", "-o", self.path("one.bin")))
+        sizes, imagesets, ((cell, places),) = self.unpacked(read(self.path("one.bin")))
+        self.assertEqual((sizes, [name for name, _ in imagesets]),
+                         ([(640, 480)], list(self.images)))
+        self.assertAlmostEqual(cell, SQUARE_M, 8)
+        self.assertEqual(places, [(k, k % COLUMNS, k // COLUMNS) for k in range(COLUMNS * ROWS)])
+        for name, (features,) in imagesets:
+            seen = {(number % COLUMNS, number // COLUMNS): (x, y) for x, y, number in features}
+            self.assertEqual(seen.keys(), self.images[name].keys())
+            for place, (x, y) in self.images[name].items():
+                self.assertLess(math.dist(seen[place], (x + 0.5, y + 0.5)), 4e-5)
+        self.imported(self.path("one.bin"), "one_features.csv")
+        rows = self.rows("one_features.csv")
+        self.assertEqual(rows.keys(), self.seen().keys())
+        self.assertLess(max(math.dist(rows[key], pixel) for key, pixel in self.seen().items()),
+                        5e-5)
+        self.imported(self.path("one.bin"), "one.yaml")
+        figures = []
+        for pattern in (board, self.path("one.yaml")):
+            result = run("calibrate", "--features", self.features, "--pattern", pattern,
+                         "--image-size", "640x480", "--model", "opencv", "--skip-comparison",
+                         "--json", "-o", self.path("result"))
+            self.assertIn(result.returncode, (0, 6), result.stderr)
+            figures.append(json.loads(read(self.path("result/result.json")))["training"])
+        self.assertEqual(*figures)
+
+    def test_what_cannot_be(self):
+        never = self.path("never/features.csv")
+        good = self.packed(*self.dataset())
+
+        def refused(data, *words, out=never, code=2, more=()):
+            with self.subTest(words):
+                self.assert_refused(run("import", write(self.path("bad.bin"), data), *more, "-o",
+                                        out), code, "bad.bin", *words)
+
+        def changed(change):
+            sizes, imagesets, geometries = self.dataset()
+            change(sizes, imagesets, geometries)
+            return self.packed(sizes, imagesets, geometries)
+        first = lambda x, y, number: changed(
+            lambda _, imagesets, __: imagesets[0][1][0].__setitem__(0, (x, y, number)))
+        place = lambda *values: changed(
+            lambda _, __, geometries: geometries[1][1].__setitem__(0, values))
+        refused(good[:-1], "ends after")
+        refused(good[:200], "ends after 200 bytes")
+        refused(good[:12], "ends after 12 bytes")
+        refused(good + b"x", "1 byte behind its end")
+        refused(good[:10] + b"\0\0\0\3" + good[14:], "version 3")
+        refused(good[:14] + b"\xff" * 4 + good[18:], "ends after")
+        refused(good[:34] + b"\xff" * 4 + good[38:], "ends after")
+        refused(good[:38] + b"\x7f" + good[39:], "ends after")
+        refused(changed(lambda sizes, _, __: sizes.__setitem__(0, (0, 240))), "0 x 240")
+        refused(changed(lambda _, imagesets, geometries: geometries.clear()), "feature 0",
+                "known geometries")
+        refused(first(math.nan, 3, 0), "no finite number")
+        refused(first(320.5, 3, 0), "feature 0 at (320.5, 3)", "320 x 240")
+        refused(first(-1, 3, 0), "outside")
+        refused(first(5, 3, 99), "imageset 0, camera 0: feature 99", "known geometries")
+        refused(first(5, 3, -1), "feature -1")
+        refused(first(5, 3, 2), "feature 2 stands twice")
+        refused(place(16, -1, 0), "feature 16: column -1")
+        refused(place(16, 0, 1000), "0 to 999")
+        refused(place(-16, 0, 0), "feature -16")
+        refused(place(0, 0, 0), "feature 0 is on two boards")
+        refused(place(16, 1, 0), "board 1: column 1 and row 0")
+        refused(changed(lambda _, __, geometries: geometries[0][1].append((99, 999, 999))),
+                "100000")
+        refused(changed(lambda _, __, geometries: geometries.__setitem__(
+            0, (math.inf, geometries[0][1]))), "no finite number")
+        refused(changed(lambda _, __, geometries: geometries.__setitem__(
+            0, (0, geometries[0][1]))), "cells of 0 m")
+        refused(good, "features.csv and pattern.yaml", out=self.path("never/poses.csv"), code=1)
+        refused(good, "--image-size", code=1, more=("--image-size", "3x2"))
+        self.assert_refused(run("inspect", self.path("bad.bin")), 2, "raygrid import")
+        board = ("--pattern", "chessboard:9x6:30mm")
+        size = ("--image-size", "640x480")
+        to = ("--to", "puzzlepaint-dataset", "-o", self.path("never/d.bin"))
+        for arguments, code, words in (
+                ((*to, *size), 1, ("--pattern is required",)),
+                ((*to, *board), 1, ("--image-size",)),
+                ((*to, *board, "--image-size", "x=3x2"), 1, ("no camera 'x'",)),
+                ((*to, *board, *size, "--model", "opencv"), 1, ("--model",)),
+                ((*to, *board, "--image-size", "64x48"), 2, ("outside the 64 x 48",)),
+                ((*to, "--pattern", "chessboard:5x5:30mm", *size), 2, ("5 x 5",)),
+                ((*to, "--pattern", "aprilgrid:6x6:24mm", *size), 2, ("board 0", "aprilgrid")),
+                (("--to", "puzzlepaint", "-o", self.path("never/c.yaml")), 2,
+                 ("has features", "puzzlepaint-dataset"))):
+            with self.subTest(words):
+                self.assert_refused(run("export", self.features, *arguments), code, *words)
         self.assert_nothing_in(self.path("never"))
 
 

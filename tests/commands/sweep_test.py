@@ -29,7 +29,8 @@ LARGE = {"black.png": (16000, 16000), "wide.png": (16384, 3000), "large.png": (8
 FORMATS = ("opencv", "ros", "kalibr", "colmap", "mrcal", "basalt", "nerfstudio", "metashape",
            "puzzlepaint", "depthai", "libcamera", "photonvision")
 TABLE_FORMATS = ("c", "hex", "maps", "stmap", "ffmpeg", "rays", "tum", "dw100", "ti-ldc",
-                 "vpi", "rockchip-fec", "rockchip-ldch", "hailo", "depthai-mesh")
+                 "vpi", "rockchip-fec", "rockchip-ldch", "hailo", "depthai-mesh",
+                 "puzzlepaint-dataset")
 WORDS = ("chessboard:14x10:30mm", "charuco:8x5:28mm:marker=21mm", "aprilgrid:6x6:24mm",
          "star:16x23:11mm", "chessboard:9x6", "chessboard:1x1:1km", "star:1000x1000:1mm")
 

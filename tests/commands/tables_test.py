@@ -160,7 +160,7 @@ class Blobs(TableTest):
         self.assertEqual((listed["c"]["of"], listed["hex"]["options"]), ("a blob", ["address"]))
         self.assertEqual(listed["maps"]["models"], ["float", "fixed"])
         self.assertEqual([name for name, entry in listed.items() if entry["of"] != "a lens" and
-                          entry["import"]], ["stmap", "rays", "tum"])
+                          entry["import"]], ["stmap", "rays", "tum", "puzzlepaint-dataset"])
         text = run("export", "--list").stdout
         for entry in listed.values():
             self.assertIn(entry["name"] + ": " + entry["holds"], text)

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "exchange/npz.h"
+#include "exchange/puzzlepaint_files.h"
 #include "exchange/table_format.h"
 
 namespace raygrid {
@@ -113,6 +114,47 @@ TEST(DamagedFiles, OfRaysAreNothingElse) {
     const std::string damaged = DamagedRays(&random);
     num_refused +=
         IsRefused([&] { ExpectTable(format.read_rays("f", damaged)); });
+  }
+  EXPECT_GT(num_refused, count / 3);
+  EXPECT_LT(num_refused, count);
+}
+
+// Two cameras saw a board of 3 x 2 features and one of 2 x 2, in two images.
+PuzzlepaintDataset TwoBoards() {
+  PuzzlepaintDataset dataset;
+  dataset.image_sizes = {{64, 48}, {32, 32}};
+  for (const char* name : {"a.png", "b.png"})
+    dataset.imagesets.push_back(
+        {name,
+         {{{{10.5F, 20.25F}, 0}, {{30, 20}, 1}, {{10, 30}, 3}, {{40, 40}, 7}},
+          {{{1, 2}, 9}}}});
+  dataset.geometries = {
+      {0.02F,
+       {{0, {0, 0}}, {1, {1, 0}}, {2, {2, 0}}, {3, {0, 1}}, {4, {1, 1}}}},
+      {0.03F, {{6, {0, 0}}, {7, {1, 0}}, {8, {0, 1}}, {9, {1, 1}}}}};
+  return dataset;
+}
+
+TEST(DamagedFiles, OfDatasetsAreNothingElse) {
+  TestRandom random(9);
+  const TableFormat& format = *FindTableFormat("puzzlepaint-dataset");
+  const std::string whole = EncodePuzzlepaintDataset(TwoBoards());
+  EXPECT_EQ(format.read_features("f", whole).boards.size(), 2u);
+  int num_refused = 0;
+  const int count = NumMutants(600);
+  for (int k = 0; k < count; ++k) {
+    const std::string damaged = Mutated(whole, &random);
+    num_refused += IsRefused([&] {
+      const FeatureTable table = format.read_features("f", damaged);
+      for (const NamedDataset& camera : table.cameras) {
+        ExpectFinite(camera.dataset.images);
+        for (const ImageFeatures& image : camera.dataset.images)
+          for (const Feature& feature : image.features)
+            EXPECT_LT(feature.column, table.boards.at(feature.board).columns);
+      }
+      for (const Board& board : table.boards)
+        EXPECT_EQ(static_cast<int>(board.points.size()), board.num_points());
+    });
   }
   EXPECT_GT(num_refused, count / 3);
   EXPECT_LT(num_refused, count);

@@ -1,0 +1,208 @@
+#include "exchange/puzzlepaint_dataset_format.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "dataset/yaml_file.h"
+#include "exchange/count_text.h"
+#include "exchange/puzzlepaint_files.h"
+
+namespace raygrid {
+namespace {
+
+// ---- Reading ---------------------------------------------------------------
+
+// A feature's board, column and row.
+struct LatticePlace {
+  int board = 0;
+  Eigen::Vector2i place;
+};
+
+std::map<int32_t, LatticePlace> PlacesOfFeatures(
+    const PuzzlepaintDataset& dataset) {
+  std::map<int32_t, LatticePlace> places;
+  for (size_t k = 0; k < dataset.geometries.size(); ++k)
+    for (const auto& [id, place] : dataset.geometries[k].places)
+      places[id] = {static_cast<int>(k), place};
+  return places;
+}
+
+// The file does not tell what a board looks like, so it is points.
+Board BoardOfGeometry(const PuzzlepaintGeometry& geometry, int id) {
+  Board board;
+  board.id = id;
+  board.kind = "points";
+  Eigen::Vector2i size = {0, 0};
+  for (const auto& [feature, place] : geometry.places)
+    size = size.cwiseMax(place + Eigen::Vector2i(1, 1));
+  board.columns = size.x();
+  board.rows = size.y();
+  for (int row = 0; row < board.rows; ++row)
+    for (int column = 0; column < board.columns; ++column)
+      board.points.push_back(geometry.PointAt({column, row}));
+  return board;
+}
+
+FeatureTable ReadPuzzlepaintDataset(const std::string& path,
+                                    const std::string& bytes) {
+  return ReadNamingFile(path, [&] {
+    const PuzzlepaintDataset dataset = DecodePuzzlepaintDataset(bytes);
+    FeatureTable table;
+    const size_t num_cameras = dataset.image_sizes.size();
+    for (size_t c = 0; c < num_cameras; ++c)
+      table.cameras.push_back(
+          {num_cameras > 1 ? PuzzlepaintCameraName(static_cast<int>(c)) : "",
+           {dataset.image_sizes[c], FeaturesOfCamera(dataset, c)}});
+    for (const PuzzlepaintGeometry& geometry : dataset.geometries)
+      table.boards.push_back(
+          BoardOfGeometry(geometry, static_cast<int>(table.boards.size())));
+    return table;
+  });
+}
+
+// ---- Writing ---------------------------------------------------------------
+
+// The length of a cell, of a board whose features lie in a lattice of squares.
+double CellOf(const Board& board) {
+  constexpr double kRounding = 1e-6;  // of the points of pattern.yaml
+  if (board.kind == "aprilgrid")
+    throw InputError(fmt::format(
+        "board {}: the features of an aprilgrid lie in no lattice of equal "
+        "cells, which puzzlepaint has",
+        board.id));
+  if (board.kind != "points") return board.square_m;
+  const double cell =
+      board.columns > 1 && !board.points.empty() ? board.points[1].x() : 0;
+  for (int row = 0; row < board.rows; ++row)
+    for (int column = 0; column < board.columns; ++column)
+      if (!((board.points[board.PointIndex(column, row)] -
+             cell * Eigen::Vector3d(column, row, 0))
+                .norm() <= kRounding) ||
+          !(cell > 0))
+        throw InputError(fmt::format(
+            "board {}: its points lie in no lattice of equal cells, which "
+            "puzzlepaint has; give the board as it was drawn",
+            board.id));
+  return cell;
+}
+
+// Numbers of features, by board, column and row.
+using FeatureIds = std::map<std::array<int, 3>, int32_t>;
+
+// Row by row, board by board, without the places of tags.
+FeatureIds AddGeometries(const std::vector<Board>& boards,
+                         PuzzlepaintDataset* dataset) {
+  FeatureIds ids;
+  for (const Board& board : boards) {
+    PuzzlepaintGeometry& geometry = dataset->geometries.emplace_back();
+    geometry.cell_m = static_cast<float>(CellOf(board));
+    for (int row = 0; row < board.rows; ++row)
+      for (int column = 0; column < board.columns; ++column) {
+        if (!board.HasFeature(column, row)) continue;
+        const auto id = static_cast<int32_t>(ids.size());
+        ids[{board.id, column, row}] = id;
+        geometry.places[id] = {column, row};
+      }
+  }
+  return ids;
+}
+
+std::vector<PuzzlepaintFeature> FeaturesOfImage(const FeatureIds& ids,
+                                                const ImageSize& size,
+                                                const ImageFeatures& image) {
+  std::vector<PuzzlepaintFeature> features;
+  for (const Feature& feature : image.features) {
+    const auto id = ids.find({feature.board, feature.column, feature.row});
+    if (id == ids.end())
+      throw InputError(fmt::format(
+          "image '{}': feature ({}, {}) of board {} is on a tag; give the "
+          "pattern that was detected with",
+          Printable(image.image), feature.column, feature.row, feature.board));
+    features.push_back(
+        {ToProgram(kPuzzlepaintOrigin, size, feature.pixel).cast<float>(),
+         id->second});
+  }
+  return features;
+}
+
+// Images of one name were taken at one time; they come in the order in which
+// the cameras first have them.
+void AddImagesets(const FeatureTable& table, const FeatureIds& ids,
+                  PuzzlepaintDataset* dataset) {
+  std::map<std::string, size_t> places;
+  for (size_t c = 0; c < table.cameras.size(); ++c) {
+    const Dataset& own = table.cameras[c].dataset;
+    dataset->image_sizes.push_back(own.image_size);
+    for (const ImageFeatures& image : own.images) {
+      const auto [at, is_new] =
+          places.emplace(image.image, dataset->imagesets.size());
+      if (is_new) {
+        dataset->imagesets.push_back({image.image, {}});
+        dataset->imagesets.back().cameras.resize(table.cameras.size());
+      }
+      dataset->imagesets[at->second].cameras[c] =
+          FeaturesOfImage(ids, own.image_size, image);
+    }
+  }
+}
+
+TableOutput WritePuzzlepaintDataset(const FeatureTable& table) {
+  return ReadNamingFile(table.path, [&] {
+    PuzzlepaintDataset dataset;
+    AddImagesets(table, AddGeometries(table.boards, &dataset), &dataset);
+    size_t num_features = 0;
+    std::string names;
+    for (const NamedDataset& camera : table.cameras) {
+      num_features += camera.dataset.num_features();
+      names += (names.empty() ? "; cameras in this order: " : ", ") +
+               Printable(camera.camera);
+    }
+    return TableOutput{
+        {{table.output, EncodePuzzlepaintDataset(dataset)}},
+        fmt::format("{} in {}{}", CountText(num_features, "feature"),
+                    CountText(dataset.imagesets.size(), "imageset"),
+                    table.cameras.size() > 1 ? names : "")};
+  });
+}
+
+}  // namespace
+
+std::vector<ImageFeatures> FeaturesOfCamera(const PuzzlepaintDataset& dataset,
+                                            size_t camera) {
+  const std::vector<std::string> names = ImageNamesOf(dataset);
+  const std::map<int32_t, LatticePlace> places = PlacesOfFeatures(dataset);
+  std::vector<ImageFeatures> images;
+  for (size_t i = 0; i < names.size(); ++i) {
+    ImageFeatures image = {names[i], {}};
+    for (const PuzzlepaintFeature& feature :
+         dataset.imagesets[i].cameras[camera]) {
+      const LatticePlace& at = places.at(feature.id);
+      image.features.push_back(
+          {at.board, at.place.x(), at.place.y(),
+           FromProgram(kPuzzlepaintOrigin, dataset.image_sizes[camera],
+                       feature.pixel.cast<double>())});
+    }
+    if (!image.features.empty()) images.push_back(std::move(image));
+  }
+  return images;
+}
+
+TableFormat PuzzlepaintDatasetFormat() {
+  TableFormat format;
+  format.name = "puzzlepaint-dataset";
+  format.holds =
+      "dataset.bin of the generic model's authors (puzzlepaint's "
+      "camera_calibration): features of boards, and the boards' lattices; a "
+      "rig's cameras together";
+  format.options = {"pattern", "image-size"};
+  format.write_features = WritePuzzlepaintDataset;
+  format.recognizes = IsPuzzlepaintDataset;
+  format.read_features = ReadPuzzlepaintDataset;
+  return format;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,364 @@
+#include "exchange/puzzlepaint_files.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "dataset/yaml_file.h"
+#include "exchange/byte_reader.h"
+#include "exchange/yaml_numbers.h"
+
+namespace raygrid {
+namespace {
+
+constexpr char kDatasetMagic[] = "calib_data";
+constexpr int kMostAlongBoard = 1000, kMostBoardPoints = 100000;
+constexpr int kMostPoses = 1000000;
+
+// ---- dataset.bin -----------------------------------------------------------
+
+// Integers are big-endian, and floats little-endian.
+template <typename Number>
+Number GetWhole(ByteReader* reader) {
+  return reader->Get<Number>(ByteOrder::kBig);
+}
+
+// A count of things that take so many bytes at least.
+uint32_t GetCount(ByteReader* reader, size_t least_bytes) {
+  const auto count = GetWhole<uint32_t>(reader);
+  reader->Require(count, least_bytes);
+  return count;
+}
+
+ImageSize GetImageSize(ByteReader* reader) {
+  constexpr uint32_t kLongestPx = 1000000;
+  const auto width = GetWhole<uint32_t>(reader),
+             height = GetWhole<uint32_t>(reader);
+  if (width < 1 || height < 1 || width > kLongestPx || height > kLongestPx)
+    throw InputError(
+        fmt::format("images of {} x {} pixels are none", width, height));
+  return {static_cast<int>(width), static_cast<int>(height)};
+}
+
+PuzzlepaintFeature GetFeature(ByteReader* reader, const ImageSize& size) {
+  PuzzlepaintFeature feature;
+  feature.pixel.x() = reader->GetFinite<float>();
+  feature.pixel.y() = reader->GetFinite<float>();
+  feature.id = GetWhole<int32_t>(reader);
+  if (feature.pixel.minCoeff() < 0 || feature.pixel.x() > size.width ||
+      feature.pixel.y() > size.height)
+    throw InputError(fmt::format(
+        "feature {} at ({:g}, {:g}) lies outside the {} x {} image", feature.id,
+        feature.pixel.x(), feature.pixel.y(), size.width, size.height));
+  return feature;
+}
+
+PuzzlepaintImageset GetImageset(ByteReader* reader,
+                                const std::vector<ImageSize>& sizes) {
+  constexpr size_t kFeatureBytes = 12;
+  PuzzlepaintImageset imageset;
+  imageset.name = reader->GetText(GetWhole<uint32_t>(reader));
+  for (const ImageSize& size : sizes) {
+    std::vector<PuzzlepaintFeature>& features = imageset.cameras.emplace_back();
+    for (auto count = GetCount(reader, kFeatureBytes); count > 0; --count)
+      features.push_back(GetFeature(reader, size));
+  }
+  return imageset;
+}
+
+void AddPlace(int32_t id, int32_t column, int32_t row,
+              PuzzlepaintGeometry* geometry) {
+  if (id < 0)
+    throw InputError(fmt::format("feature {} of a board: below 0", id));
+  if (std::min(column, row) < 0 || std::max(column, row) >= kMostAlongBoard)
+    throw InputError(
+        fmt::format("feature {}: column {} and row {} are not 0 to {}", id,
+                    column, row, kMostAlongBoard - 1));
+  if (!geometry->places.emplace(id, Eigen::Vector2i(column, row)).second)
+    throw InputError(fmt::format("feature {} stands twice on its board", id));
+}
+
+PuzzlepaintGeometry GetGeometry(ByteReader* reader) {
+  constexpr size_t kPlaceBytes = 12;
+  constexpr float kLeastM = 1e-6F, kMostM = 100;
+  PuzzlepaintGeometry geometry;
+  geometry.cell_m = reader->GetFinite<float>();
+  if (!(geometry.cell_m >= kLeastM && geometry.cell_m <= kMostM))
+    throw InputError(fmt::format("cells of {:g} m are none: {:g} to {:g} m are",
+                                 geometry.cell_m, kLeastM, kMostM));
+  for (auto count = GetCount(reader, kPlaceBytes); count > 0; --count) {
+    const auto id = GetWhole<int32_t>(reader),
+               column = GetWhole<int32_t>(reader),
+               row = GetWhole<int32_t>(reader);
+    AddPlace(id, column, row, &geometry);
+  }
+  return geometry;
+}
+
+// Columns and rows of boards hold few points, places stand once, and features
+// have one board.
+void RequireBoards(const std::vector<PuzzlepaintGeometry>& geometries) {
+  std::set<int32_t> ids;
+  int num_points = 0;
+  for (size_t k = 0; k < geometries.size(); ++k) {
+    std::set<std::pair<int, int>> places;
+    Eigen::Vector2i size = {0, 0};
+    for (const auto& [id, place] : geometries[k].places) {
+      if (!ids.insert(id).second)
+        throw InputError(fmt::format("feature {} is on two boards", id));
+      if (!places.insert({place.x(), place.y()}).second)
+        throw InputError(
+            fmt::format("board {}: column {} and row {} have two features", k,
+                        place.x(), place.y()));
+      size = size.cwiseMax(place + Eigen::Vector2i(1, 1));
+    }
+    if (places.empty())
+      throw InputError(fmt::format("board {}: has no feature", k));
+    num_points += size.prod();
+    if (num_points > kMostBoardPoints)
+      throw InputError(fmt::format(
+          "its boards have more than {} columns times rows", kMostBoardPoints));
+  }
+}
+
+std::string PlaceOfFeature(size_t imageset, size_t camera, int32_t id) {
+  return fmt::format("imageset {}, camera {}: feature {}", imageset, camera,
+                     id);
+}
+
+// Every feature that was seen is on a board, and stands once.
+void RequireKnownFeatures(const PuzzlepaintDataset& dataset) {
+  std::set<int32_t> known;
+  for (const PuzzlepaintGeometry& geometry : dataset.geometries)
+    for (const auto& place : geometry.places) known.insert(place.first);
+  for (size_t i = 0; i < dataset.imagesets.size(); ++i) {
+    const auto& cameras = dataset.imagesets[i].cameras;
+    for (size_t c = 0; c < cameras.size(); ++c) {
+      std::set<int32_t> seen;
+      for (const PuzzlepaintFeature& feature : cameras[c]) {
+        if (known.count(feature.id) == 0)
+          throw InputError(PlaceOfFeature(i, c, feature.id) +
+                           " is on none of its known geometries");
+        if (!seen.insert(feature.id).second)
+          throw InputError(PlaceOfFeature(i, c, feature.id) + " stands twice");
+      }
+    }
+  }
+}
+
+template <typename Number>
+void AppendWhole(Number number, std::string* bytes) {
+  Append(number, bytes, ByteOrder::kBig);
+}
+
+void AppendCount(size_t count, std::string* bytes) {
+  AppendWhole(static_cast<uint32_t>(count), bytes);
+}
+
+// ---- YAML ------------------------------------------------------------------
+
+int WholeNumber(const YAML::Node& node, const std::string& name, int most) {
+  const double number = FiniteNumber(node, name);
+  if (!(number >= 0 && number <= most) || number != std::floor(number))
+    throw InputError(fmt::format("{}: no whole number of 0 to {}", name, most));
+  return static_cast<int>(number);
+}
+
+YAML::Node LoadMap(const std::string& path, const std::string& text) {
+  RequireYamlFile(path, text);
+  YAML::Node root = YAML::Load(text);
+  if (!root.IsMap()) throw InputError("no map of keys");
+  return root;
+}
+
+void RequireList(const YAML::Node& node, const std::string& name) {
+  if (!node.IsDefined() || !(node.IsSequence() || node.IsNull()))
+    throw InputError(fmt::format("{}: no list", name));
+}
+
+Pose PoseOfNode(const YAML::Node& node, const std::string& name) {
+  std::array<double, 7> numbers;
+  const char* const keys[] = {"qw", "qx", "qy", "qz", "tx", "ty", "tz"};
+  for (size_t k = 0; k < numbers.size(); ++k)
+    numbers[k] =
+        FiniteNumber(node[keys[k]], fmt::format("{}: {}", name, keys[k]));
+  try {
+    return PoseOfQuaternion(numbers);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", name, error.what()));
+  }
+}
+
+}  // namespace
+
+std::string PuzzlepaintCameraName(int index) {
+  return fmt::format("intrinsics{}", index);
+}
+
+Eigen::Vector3d PuzzlepaintGeometry::PointAt(
+    const Eigen::Vector2i& place) const {
+  const std::string digits = fmt::format("{}", cell_m);
+  double cell = 0;
+  std::from_chars(digits.data(), digits.data() + digits.size(), cell);
+  return {cell * place.x(), cell * place.y(), 0};
+}
+
+bool IsPuzzlepaintDataset(const std::string& bytes) {
+  return bytes.rfind(kDatasetMagic, 0) == 0;
+}
+
+PuzzlepaintDataset DecodePuzzlepaintDataset(const std::string& bytes) {
+  constexpr size_t kSizeBytes = 8, kCountBytes = 4;
+  ByteReader reader(bytes);
+  if (reader.GetText(sizeof(kDatasetMagic) - 1) != kDatasetMagic)
+    throw InputError(fmt::format("does not begin with {}", kDatasetMagic));
+  if (const auto version = GetWhole<uint32_t>(&reader); version != 0)
+    throw InputError(
+        fmt::format("is of version {}; version 0 is taken", version));
+  PuzzlepaintDataset dataset;
+  for (auto count = GetCount(&reader, kSizeBytes); count > 0; --count)
+    dataset.image_sizes.push_back(GetImageSize(&reader));
+  if (dataset.image_sizes.empty()) throw InputError("has no camera");
+  for (auto count = GetCount(&reader, kCountBytes); count > 0; --count)
+    dataset.imagesets.push_back(GetImageset(&reader, dataset.image_sizes));
+  for (auto count = GetCount(&reader, kCountBytes); count > 0; --count)
+    dataset.geometries.push_back(GetGeometry(&reader));
+  reader.RequireEnd();
+  RequireBoards(dataset.geometries);
+  RequireKnownFeatures(dataset);
+  return dataset;
+}
+
+std::string EncodePuzzlepaintDataset(const PuzzlepaintDataset& dataset) {
+  std::string bytes = kDatasetMagic;
+  AppendCount(0, &bytes);  // the version
+  AppendCount(dataset.image_sizes.size(), &bytes);
+  for (const ImageSize& size : dataset.image_sizes) {
+    AppendCount(size.width, &bytes);
+    AppendCount(size.height, &bytes);
+  }
+  AppendCount(dataset.imagesets.size(), &bytes);
+  for (const PuzzlepaintImageset& imageset : dataset.imagesets) {
+    AppendCount(imageset.name.size(), &bytes);
+    bytes += imageset.name;
+    for (const auto& features : imageset.cameras) {
+      AppendCount(features.size(), &bytes);
+      for (const PuzzlepaintFeature& feature : features) {
+        Append(feature.pixel.x(), &bytes);
+        Append(feature.pixel.y(), &bytes);
+        AppendWhole(feature.id, &bytes);
+      }
+    }
+  }
+  AppendCount(dataset.geometries.size(), &bytes);
+  for (const PuzzlepaintGeometry& geometry : dataset.geometries) {
+    Append(geometry.cell_m, &bytes);
+    AppendCount(geometry.places.size(), &bytes);
+    for (const auto& [id, place] : geometry.places)
+      for (const int32_t number : {id, place.x(), place.y()})
+        AppendWhole(number, &bytes);
+  }
+  return bytes;
+}
+
+std::vector<std::string> ImageNamesOf(const PuzzlepaintDataset& dataset) {
+  std::vector<std::string> names;
+  std::set<std::string> distinct = {""};
+  for (const PuzzlepaintImageset& imageset : dataset.imagesets) {
+    RequireStorableName("image", imageset.name);
+    names.push_back(imageset.name);
+    distinct.insert(imageset.name);
+  }
+  if (distinct.size() == names.size() + 1) return names;
+  for (size_t k = 0; k < names.size(); ++k) names[k] = std::to_string(k);
+  return names;
+}
+
+PuzzlepaintPoses ParsePuzzlepaintPoses(const std::string& path,
+                                       const std::string& text) {
+  const YAML::Node root = LoadMap(path, text);
+  PuzzlepaintPoses poses;
+  poses.count = WholeNumber(root["pose_count"], "pose_count", kMostPoses);
+  RequireList(root["poses"], "poses");
+  int k = 0;
+  for (const YAML::Node& node : root["poses"]) {
+    const std::string name = fmt::format("poses[{}]", k++);
+    if (!node.IsMap()) throw InputError(name + ": no map of keys");
+    const int index = WholeNumber(node["index"], name + ": index", kMostPoses);
+    if (index >= poses.count)
+      throw InputError(fmt::format("{}: index {}, and pose_count is {}", name,
+                                   index, poses.count));
+    if (!poses.poses.emplace(index, PoseOfNode(node, name)).second)
+      throw InputError(fmt::format("{}: index {} stands twice", name, index));
+  }
+  return poses;
+}
+
+std::string FormatPuzzlepaintPoses(const PuzzlepaintPoses& poses,
+                                   const std::map<int, std::string>& names) {
+  std::string text = fmt::format("pose_count: {}\nposes:{}\n", poses.count,
+                                 poses.poses.empty() ? " []" : "");
+  for (const auto& [index, pose] : poses.poses) {
+    const auto name = names.find(index);
+    text += fmt::format(
+        "  - index: {}{}\n", index,
+        name == names.end() ? "" : "  # " + Printable(name->second));
+    const Eigen::Vector3d& t = pose.translation;
+    const Eigen::Quaterniond& q = pose.rotation;
+    for (const auto& [key, number] : {std::pair("tx", t.x()),
+                                      {"ty", t.y()},
+                                      {"tz", t.z()},
+                                      {"qx", q.x()},
+                                      {"qy", q.y()},
+                                      {"qz", q.z()},
+                                      {"qw", q.w()}})
+      text += fmt::format("    {}: {}\n", key, RealText(number + 0.0));
+  }
+  return text;
+}
+
+std::map<int, Eigen::Vector3d> ParsePuzzlepaintPoints(const std::string& path,
+                                                      const std::string& text) {
+  const YAML::Node root = LoadMap(path, text);
+  const std::vector<double> numbers = FiniteNumbers(root["points"], "points");
+  if (numbers.size() % 3 != 0)
+    throw InputError("points: numbers that are not x, y, z of each");
+  const YAML::Node list = root["feature_id_to_point_index"];
+  RequireList(list, "feature_id_to_point_index");
+  constexpr int kMostIds = 1 << 30;
+  std::map<int, Eigen::Vector3d> points;
+  for (const YAML::Node& item : list) {
+    if (!item.IsMap())
+      throw InputError("feature_id_to_point_index: no map of keys");
+    const int id = WholeNumber(item["feature_id"], "feature_id", kMostIds),
+              index = WholeNumber(item["point_index"], "point_index", kMostIds);
+    if (static_cast<size_t>(index) >= numbers.size() / 3)
+      throw InputError(fmt::format("point_index {}: there are {} points", index,
+                                   numbers.size() / 3));
+    points[id] = {numbers[3 * index], numbers[3 * index + 1],
+                  numbers[3 * index + 2]};
+  }
+  return points;
+}
+
+std::string FormatPuzzlepaintPoints(
+    const std::map<int, Eigen::Vector3d>& points) {
+  std::string list, numbers;
+  int index = 0;
+  for (const auto& [id, point] : points) {
+    numbers += fmt::format("{}{}", numbers.empty() ? "" : ", ",
+                           RealTexts({point.x(), point.y(), point.z()}));
+    list +=
+        fmt::format("  - feature_id: {}\n    point_index: {}\n", id, index++);
+  }
+  return fmt::format("points : [{}]\nfeature_id_to_point_index:{}\n{}", numbers,
+                     points.empty() ? " []" : "", list);
+}
+
+}  // namespace raygrid
