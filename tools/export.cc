@@ -261,21 +261,22 @@ void AddPoses(const ExportArguments& arguments, const Format& format,
         Printable(poses.begin()->first), arguments.input));
 }
 
+// The order in which a format numbers cameras.
+void SortByName(std::vector<WrittenLens>* lenses) {
+  std::stable_sort(lenses->begin(), lenses->end(),
+                   [](const WrittenLens& a, const WrittenLens& b) {
+                     return a.name < b.name;
+                   });
+}
+
 // Names of files, and what is in them: of a format that has one camera a file,
 // a rig makes a folder of them.
 std::vector<std::pair<std::string, std::string>> WriteAll(
     const ExportArguments& arguments, const Format& format,
     const std::vector<WrittenLens>& lenses, bool is_rig) {
-  if (!is_rig || format.holds_rigs)
-    return WriteWithBeside(format, {arguments.output, lenses});
-  std::vector<std::pair<std::string, std::string>> files;
-  for (const WrittenLens& lens : lenses) {
-    const std::string path =
-        (std::filesystem::path(arguments.output) / (lens.name + format.ending))
-            .string();
-    files.emplace_back(path, format.write({path, {lens}}));
-  }
-  return files;
+  const bool is_folder = is_rig && !format.holds_rigs;
+  return is_folder ? WriteFolder(format, {arguments.output, lenses})
+                   : WriteWithBeside(format, {arguments.output, lenses});
 }
 
 nlohmann::ordered_json FitJson(const LensFit& fit) {
@@ -427,6 +428,7 @@ void ExportLenses(const ExportArguments& arguments, const Format& format,
       ChooseLenses(arguments, format, cameras, common.threads);
   AddPoses(arguments, format, cameras, is_rig, &lenses);
   RectifyPair(format, &lenses);
+  if (format.write_folder) SortByName(&lenses);
   const auto files = WriteAll(arguments, format, lenses, is_rig);
   std::vector<std::string> paths;
   OutputFiles outputs;

@@ -471,20 +471,50 @@ std::vector<std::pair<std::string, std::string>> FilesOf(
   return files;
 }
 
-// The file of cameras in a folder of COLMAP; COLMAP prefers bytes, too.
-std::string FileIn(const std::string& path) {
-  if (!std::filesystem::is_directory(path)) return path;
-  for (const char* name : {"cameras.bin", "cameras.txt"}) {
-    const std::filesystem::path file = std::filesystem::path(path) / name;
-    if (std::filesystem::exists(file)) return file.string();
+// The files of cameras in a folder: of COLMAP, which prefers bytes, too, or of
+// puzzlepaint, whose cameras have numbers.
+std::vector<std::string> FilesIn(const std::filesystem::path& folder) {
+  for (const char* name : {"cameras.bin", "cameras.txt"})
+    if (std::filesystem::exists(folder / name))
+      return {(folder / name).string()};
+  std::vector<std::string> files;
+  const auto next = [&] {
+    return folder / fmt::format("intrinsics{}.yaml", files.size());
+  };
+  while (std::filesystem::exists(next())) files.push_back(next().string());
+  if (files.empty())
+    throw InputError(folder.string() +
+                     ": a folder without COLMAP's cameras.bin or cameras.txt, "
+                     "and without puzzlepaint's intrinsics0.yaml; name a file");
+  return files;
+}
+
+// A rig is wanted of the first camera of puzzlepaint: all cameras of its
+// folder.
+bool IsFirstOfRig(const ImportArguments& arguments) {
+  const std::filesystem::path first = arguments.files.front();
+  return arguments.files.size() == 1 &&
+         first.filename() == "intrinsics0.yaml" &&
+         EndsWith(std::filesystem::path(arguments.output).stem(), "rig");
+}
+
+void FindFiles(ImportArguments* arguments) {
+  std::vector<std::string> files;
+  for (const std::string& path : arguments->files) {
+    if (!std::filesystem::is_directory(path)) {
+      files.push_back(path);
+      continue;
+    }
+    for (std::string& file : FilesIn(path)) files.push_back(std::move(file));
   }
-  throw InputError(path +
-                   ": a folder without COLMAP's cameras.bin or cameras.txt; "
-                   "name a file");
+  arguments->files = files;
+  if (IsFirstOfRig(*arguments))
+    arguments->files =
+        FilesIn(std::filesystem::absolute(files.front()).parent_path());
 }
 
 void RunImport(ImportArguments arguments, const CommonOptions& common) {
-  for (std::string& path : arguments.files) path = FileIn(path);
+  FindFiles(&arguments);
   std::vector<std::string> texts;
   for (const std::string& path : arguments.files)
     texts.push_back(ReadFile(path));
@@ -563,7 +593,7 @@ void AddImport(CLI::App* app, CommonOptions* common) {
   command
       ->add_option("files", arguments->files,
                    "another program's file, the files of a rig's cameras, or "
-                   "COLMAP's folder")
+                   "the folder of COLMAP's model or puzzlepaint's state")
       ->required();
   command
       ->add_option("-o,--output", arguments->output,

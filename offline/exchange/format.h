@@ -74,6 +74,9 @@ struct WrittenLens {
 struct WriteRequest {
   std::string path;  ///< of the file; its ending may tell the kind
   std::vector<WrittenLens> cameras;
+  /// For formats with file_in_folder(): texts of the files that beside() names,
+  /// as they are before; "" of one that is not there.
+  std::vector<std::string> beside = {};
 };
 
 /// A file that is written beside the first one.
@@ -108,6 +111,14 @@ struct Format {
   /// with it; null if there are none.
   std::vector<std::string> (*beside)(const std::string& path) = nullptr;
   std::vector<BesideFile> (*write_beside)(const WriteRequest& request) =
+      nullptr;
+  /// For formats whose cameras of a rig are files of one folder, by their
+  /// numbers: the path of a camera, and all files, first those of the cameras
+  /// in the order of their names. The request's path is the folder's. Null if
+  /// files have the cameras' names.
+  std::string (*file_in_folder)(const std::string& folder,
+                                int camera) = nullptr;
+  std::vector<BesideFile> (*write_folder)(const WriteRequest& request) =
       nullptr;
 
   /// Null if there is none of this name.
@@ -152,7 +163,12 @@ std::vector<std::string> ReadBeside(const Format& format,
 /// Paths and texts of all files that a format writes for a request. Throws
 /// Error(kOutput) if one is there, of something else, that is never replaced.
 std::vector<std::pair<std::string, std::string>> WriteWithBeside(
-    const Format& format, const WriteRequest& request);
+    const Format& format, WriteRequest request);
+
+/// Paths and texts of a rig's files in a folder, of a format that has one
+/// camera a file.
+std::vector<std::pair<std::string, std::string>> WriteFolder(
+    const Format& format, WriteRequest request);
 
 /// The poses of cameras that have R and P, in the frame of the first one; none
 /// if a camera has not even these, or no view stands beside another one.

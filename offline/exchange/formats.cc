@@ -57,6 +57,14 @@ void RequireNoOther(const BesideFile& file) {
                     "folder");
 }
 
+void AddFiles(const std::vector<BesideFile>& written,
+              std::vector<std::pair<std::string, std::string>>* files) {
+  for (const BesideFile& file : written) {
+    if (file.is_never_replaced) RequireNoOther(file);
+    files->emplace_back(file.path, file.text);
+  }
+}
+
 [[noreturn]] void ThrowOnCorners(const std::string& path) {
   throw InputError(
       fmt::format("{}: has corners, and no camera; 'raygrid import' makes "
@@ -162,13 +170,28 @@ std::vector<std::string> ReadBeside(const Format& format,
 }
 
 std::vector<std::pair<std::string, std::string>> WriteWithBeside(
-    const Format& format, const WriteRequest& request) {
+    const Format& format, WriteRequest request) {
   std::vector<std::pair<std::string, std::string>> files = {
       {request.path, format.write(request)}};
   if (!format.write_beside) return files;
-  for (const BesideFile& file : format.write_beside(request)) {
-    if (file.is_never_replaced) RequireNoOther(file);
-    files.emplace_back(file.path, file.text);
+  if (format.file_in_folder) request.beside = ReadBeside(format, request.path);
+  AddFiles(format.write_beside(request), &files);
+  return files;
+}
+
+std::vector<std::pair<std::string, std::string>> WriteFolder(
+    const Format& format, WriteRequest request) {
+  std::vector<std::pair<std::string, std::string>> files;
+  if (format.write_folder) {
+    request.beside = ReadBeside(format, format.file_in_folder(request.path, 0));
+    AddFiles(format.write_folder(request), &files);
+    return files;
+  }
+  for (const WrittenLens& lens : request.cameras) {
+    const std::string path =
+        (std::filesystem::path(request.path) / (lens.name + format.ending))
+            .string();
+    files.emplace_back(path, format.write({path, {lens}}));
   }
   return files;
 }

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "camera/noncentral_generic.h"
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
 #include "dataset/yaml_file.h"
+#include "exchange/puzzlepaint_files.h"
+#include "exchange/puzzlepaint_state.h"
 #include "exchange/unit_grid.h"
 #include "exchange/yaml_numbers.h"
 
@@ -115,6 +118,22 @@ std::shared_ptr<const CameraModel> NearestGrid(const UnitGrid& grid) {
       FitNonCentralGeneric(grid, grid.area(), columns, rows));
 }
 
+LensInForm ReadPuzzlepaintLens(const YAML::Node& root,
+                               std::vector<std::string>* remarks) {
+  LensInForm lens;
+  lens.form = &FormOfType(root);
+  const UnitGrid grid = GridOf(root, *lens.form);
+  lens.size = grid.image_size();
+  lens.grid = NearestGrid(grid);
+  const LensFit fit = MeasureLens(grid, nullptr, *lens.grid, *lens.form,
+                                  Eigen::Quaterniond::Identity());
+  remarks->push_back(
+      "its grid is of unit vectors, raygrid's of stereographic coordinates; "
+      "the nearest of these leaves " +
+      LensFitText(fit));
+  return lens;
+}
+
 ExchangeContents ReadPuzzlepaint(const ReadRequest& request) {
   RequireYamlFile(request.path, request.text);
   const YAML::Node root = YAML::Load(request.text);
@@ -123,20 +142,10 @@ ExchangeContents ReadPuzzlepaint(const ReadRequest& request) {
     throw InputError("the file says its model itself; leave --model out");
   if (request.size)
     throw InputError("the file says its size itself; leave --image-size out");
-  ReadLens camera;
-  camera.lens.form = &FormOfType(root);
-  const UnitGrid grid = GridOf(root, *camera.lens.form);
-  camera.lens.size = grid.image_size();
-  camera.lens.grid = NearestGrid(grid);
-  const LensFit fit =
-      MeasureLens(grid, nullptr, *camera.lens.grid, *camera.lens.form,
-                  Eigen::Quaterniond::Identity());
   ExchangeContents contents;
-  contents.remarks.push_back(
-      "its grid is of unit vectors, raygrid's of stereographic coordinates; "
-      "the nearest of these leaves " +
-      LensFitText(fit));
-  contents.cameras.push_back(std::move(camera));
+  ReadLens& camera = contents.cameras.emplace_back();
+  TakeState(request, &camera, &contents.remarks);
+  camera.lens = ReadPuzzlepaintLens(root, &contents.remarks);
   return contents;
 }
 
@@ -176,22 +185,63 @@ std::string WritePuzzlepaint(const WriteRequest& request) {
          VectorsText("direction_grid", grid.directions());
 }
 
+// ---- Writing a state -------------------------------------------------------
+
+std::vector<BesideFile> WriteStateOfOne(const WriteRequest& request) {
+  if (request.cameras.front().poses.empty()) return {};
+  if (IndexOfCameraFile(request.path) != 0)
+    throw Error(ExitCode::kUsage,
+                fmt::format("-o {}: with --poses the camera's file is "
+                            "intrinsics0.yaml, which the program looks for",
+                            request.path));
+  return WriteState(request.path, request.cameras, request.beside);
+}
+
+// Cameras in the order of their numbers, which is that of their names, as in
+// dataset.bin.
+std::vector<WrittenLens> InOrder(std::vector<WrittenLens> cameras) {
+  std::stable_sort(cameras.begin(), cameras.end(),
+                   [](const WrittenLens& a, const WrittenLens& b) {
+                     return a.name < b.name;
+                   });
+  return cameras;
+}
+
+std::vector<BesideFile> WriteStateOfRig(const WriteRequest& request) {
+  const std::vector<WrittenLens> cameras = InOrder(request.cameras);
+  std::vector<BesideFile> files;
+  for (const WrittenLens& camera : cameras) {
+    const std::string path =
+        FileInState(request.path, static_cast<int>(files.size()));
+    files.push_back({path, WritePuzzlepaint({path, {camera}, {}})});
+  }
+  for (BesideFile& file :
+       WriteState(FileInState(request.path, 0), cameras, request.beside))
+    files.push_back(std::move(file));
+  return files;
+}
+
 }  // namespace
 
 Format PuzzlepaintFormat() {
   Format format;
   format.name = "puzzlepaint";
   format.holds =
-      "intrinsics.yaml of the generic model's authors (puzzlepaint's "
-      "camera_calibration): central and noncentral grids; of a rig a file for "
-      "each camera";
+      "intrinsics0.yaml of the generic model's authors (puzzlepaint's "
+      "camera_calibration): central and noncentral grids; of a rig the folder "
+      "of a state, with a file for each camera and camera_tr_rig.yaml; poses "
+      "of one board as rig_tr_global.yaml";
   format.forms = PuzzlepaintForms();
-  format.drops_rigs = true;
+  format.holds_poses = true;
   format.recognizes = [](const std::string& text) {
     return text.find(kFirstX) != std::string::npos;
   };
   format.read = ReadPuzzlepaint;
   format.write = WritePuzzlepaint;
+  format.beside = StateFilesBeside;
+  format.write_beside = WriteStateOfOne;
+  format.file_in_folder = FileInState;
+  format.write_folder = WriteStateOfRig;
   return format;
 }
 

@@ -568,6 +568,117 @@ class Rigs(ExchangeTest):
                             "features.csv or poses.csv")
         self.assert_nothing_in(self.path("never"))
 
+    @staticmethod
+    def puzzlepaint_poses(path):
+        """By index: w, x, y, z and translation."""
+        poses = {}
+        for entry in read(path).decode().split("- index: ")[1:]:
+            numbers = dict(re.findall(r"([qt][wxyz]): (\S+)", entry))
+            poses[int(entry.split()[0])] = [float(numbers[key]) for key in (
+                "qw", "qx", "qy", "qz", "tx", "ty", "tz")]
+        return poses
+
+    @staticmethod
+    def placed(pose, point):
+        return [a + b for a, b in zip(turned(pose[:4], point), pose[4:])]
+
+    def poses_of(self, path):
+        """Of a rig's file: camera, image and board, and the pose."""
+        return {tuple(line.split(",")[:3]): [float(word) for word in line.split(",")[3:]]
+                for line in read(path).decode().splitlines()[1:]}
+
+    def of_two(self, name):
+        """A file of the simulation without the third camera."""
+        return write(self.path("two_" + name), "\n".join(
+            line for line in read(self.path("sim/" + name)).decode().splitlines()
+            if not line.startswith("cam2,")) + "\n")
+
+    def assert_poses(self, file, truth):
+        poses = self.poses_of(file)
+        self.assertEqual(poses.keys(), truth.keys())
+        self.assertLess(max(math.dist(poses[key], truth[key]) for key in truth), 1e-8)
+
+    def moved_world(self, state, motion):
+        """A state whose world is another one: X' = motion X."""
+        w, x, y, z, *t = motion
+        back = [w, -x, -y, -z]
+        poses = self.puzzlepaint_poses(self.path(state + "/rig_tr_global.yaml"))
+        text = f"pose_count: {len(poses)}\nposes:\n"
+        for index, (a, b, c, d, *own) in poses.items():
+            e, f, g, h = back
+            q = (a * e - b * f - c * g - d * h, a * f + b * e + c * h - d * g,
+                 a * g - b * h + c * e + d * f, a * h + b * g - c * f + d * e)
+            place = [p - r for p, r in zip(own, turned(q, t))]
+            text += f"  - index: {index}\n" + "".join(
+                f"    {key}: {value!r}\n" for key, value in zip(
+                    ("qw", "qx", "qy", "qz", "tx", "ty", "tz"), (*q, *place)))
+        write(self.path(state + "/rig_tr_global.yaml"), text)
+        head, numbers, rest = re.match(r"(points : \[)(.*?)(\].*)", read(
+            self.path(state + "/points.yaml")).decode(), re.DOTALL).groups()
+        numbers = json.loads(f"[{numbers}]")
+        points = [self.placed(motion, numbers[k:k + 3]) for k in range(0, len(numbers), 3)]
+        write(self.path(state + "/points.yaml"),
+              head + ", ".join(repr(value) for point in points for value in point) + rest)
+
+    def test_a_state_of_puzzlepaint_is_the_rig_and_its_poses(self):
+        """image = camera_tr_rig rig_tr_global X. Another order is seen, and so is a world that is
+        not the board's."""
+        poses = self.of_two("true_poses.csv")
+        self.assert_done(run("export", self.of_two("features.csv"), "--to", "puzzlepaint-dataset",
+                             "--pattern", self.path("board.yaml"), "--image-size", "160x120", "-o",
+                             self.path("state/dataset.bin")))
+        result = run("export", self.two_of_the_rig(), "--to", "puzzlepaint", "--poses", poses, "-o",
+                     self.path("state"))
+        self.assert_done(result)
+        self.assertEqual(result.stderr, "")
+        self.assertEqual(sorted(os.listdir(self.path("state"))), [
+            "camera_tr_rig.yaml", "dataset.bin", "intrinsics0.yaml", "intrinsics1.yaml",
+            "points.yaml", "rig_tr_global.yaml"])
+        cameras, (rig,) = (list(self.puzzlepaint_poses(self.path(f"state/{name}.yaml")).values())
+                           for name in ("camera_tr_rig", "rig_tr_global"))
+        points = [(0, 0, 0), (0.39, 0, 0), (0, 0.27, 0)]
+        truth = self.poses_of(poses)
+        for k, (camera, pose) in enumerate(zip(cameras, truth.values())):
+            for point in points:
+                board = self.placed(pose, point)
+                self.assertLess(math.dist(self.placed(camera, self.placed(rig, point)), board), 1e-8)
+                other = math.dist(self.placed(rig, self.placed(camera, point)), board)
+                self.assertGreater(other, 1e-3 if k else -1)
+        truth = {(name.replace("cam", "intrinsics"), *rest): pose
+                 for (name, *rest), pose in truth.items()}
+        self.assert_done(run("import", self.path("state/intrinsics0.yaml"), "-o",
+                             self.path("back/rig.yaml")))
+        self.assertLess(math.dist(self.relative_pose(self.path("back/rig.yaml")),
+                                  self.relative_pose(self.path("sim/two.yaml"))), 1e-8)
+        self.assert_done(run("import", self.path("state"), "-o", self.path("state_poses.csv")))
+        self.assert_poses(self.path("state_poses.csv"), truth)
+        self.moved_world("state", (0.6, 0.48, -0.64, 0.0, 0.1, -0.2, 0.3))
+        self.assert_done(run("import", self.path("state"), "-o", self.path("state_poses.csv")))
+        self.assert_poses(self.path("state_poses.csv"), truth)
+        os.remove(self.path("state/points.yaml"))
+        self.assert_done(run("import", self.path("state"), "-o", self.path("state_poses.csv")))
+        with self.assertRaises(AssertionError):
+            self.assert_poses(self.path("state_poses.csv"), truth)
+        result = run("import", self.path("state/intrinsics1.yaml"), "-o", self.path("one.yaml"))
+        self.assert_done(result)
+        self.assertIn("its pose is not taken", result.stderr)
+
+    def test_a_damaged_state_of_puzzlepaint_is_named(self):
+        """Before its cameras are read."""
+        write(self.path("bad/intrinsics0.yaml"), "calibration_min_x : 0\n")
+        never = self.path("never/rig.yaml")
+        for name, text, words in (
+                ("points.yaml", "points : [1, 2]\n", "points: numbers that are not"),
+                ("dataset.bin", b"calib_data\0\0", "ends after 12 bytes"),
+                ("rig_tr_global.yaml", "pose_count: 1\nposes:\n  - index: 0\n    tx: .nan\n",
+                 "poses[0]: qw: no finite number"),
+                ("camera_tr_rig.yaml", "pose_count: 1\nposes: 5\n", "poses: no list")):
+            with self.subTest(name):
+                file = write(self.path("bad/" + name), text)
+                self.assert_refused(run("import", self.path("bad"), "-o", never), 2, file, words)
+        self.assert_refused(run("import", self.path("sim"), "-o", never), 2, "sim: a folder without")
+        self.assert_nothing_in(self.path("never"))
+
     def test_rectified_views_are_an_exact_pair(self):
         self.assert_done(run("rectify", self.rig, "--left", "cam0", "--right", "cam1",
                              "--max-error-px", 0.25, "-o", self.path("pair")))

@@ -5,6 +5,7 @@
 
 #include "exchange/npz.h"
 #include "exchange/puzzlepaint_files.h"
+#include "exchange/puzzlepaint_state.h"
 #include "exchange/table_format.h"
 
 namespace raygrid {
@@ -155,6 +156,45 @@ TEST(DamagedFiles, OfDatasetsAreNothingElse) {
       for (const Board& board : table.boards)
         EXPECT_EQ(static_cast<int>(board.points.size()), board.num_points());
     });
+  }
+  EXPECT_GT(num_refused, count / 3);
+  EXPECT_LT(num_refused, count);
+}
+
+// Poses of cameras and of the rig, features, points.
+std::vector<std::string> TextsOfState() {
+  const PuzzlepaintDataset dataset = TwoBoards();
+  std::map<int, Eigen::Vector3d> points;
+  for (const PuzzlepaintGeometry& geometry : dataset.geometries)
+    for (const auto& [id, place] : geometry.places)
+      points[id] = geometry.PointAt(place) + Eigen::Vector3d(1, 2, 3);
+  const PuzzlepaintPoses poses = {
+      2,
+      {{0, {}},
+       {1, {Eigen::Quaterniond(0.6, 0, 0.8, 0), {0.125, -0.5, 1e-3}}}}};
+  return {FormatPuzzlepaintPoses(poses, {}),
+          FormatPuzzlepaintPoses(poses, {{0, "a.png"}}),
+          EncodePuzzlepaintDataset(dataset), FormatPuzzlepaintPoints(points)};
+}
+
+TEST(DamagedFiles, OfStatesAreNothingElse) {
+  TestRandom random(10);
+  int num_refused = 0;
+  const int count = NumMutants(300);
+  for (int k = -1; k < count; ++k) {
+    ReadRequest request = {"s/intrinsics0.yaml", "", "", {}};
+    request.beside = TextsOfState();
+    if (k >= 0) request.beside[k % 4] = Mutated(request.beside[k % 4], &random);
+    ReadLens camera;
+    std::vector<std::string> remarks;
+    num_refused += IsRefused([&] { TakeState(request, &camera, &remarks); });
+    for (const BoardPose& pose : camera.poses)
+      EXPECT_TRUE(pose.camera_from_board.rotation.coeffs().allFinite() &&
+                  pose.camera_from_board.translation.allFinite());
+    ExpectFinite(camera.features);
+    if (k < 0) {
+      EXPECT_EQ(camera.poses.size(), 4u);
+    }
   }
   EXPECT_GT(num_refused, count / 3);
   EXPECT_LT(num_refused, count);

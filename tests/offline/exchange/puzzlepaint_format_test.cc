@@ -3,6 +3,8 @@
 #include "camera/noncentral_generic.h"
 #include "camera/thin_prism_fisheye.h"
 #include "exchange/lens_choice.h"
+#include "exchange/puzzlepaint_files.h"
+#include "exchange/puzzlepaint_state.h"
 #include "exchange/unit_grid.h"
 #include "support.h"
 
@@ -141,6 +143,118 @@ TEST(PuzzlepaintFormat, SaysWhatIsMissingOrWrong) {
                 .cameras[0]
                 .lens.form->name,
             "CentralGenericModel");
+}
+
+// ---- States ----------------------------------------------------------------
+
+constexpr char kOnePose[] =
+    "# Each pose gives the B_tr_A transformation.\npose_count: 3\nposes:\n"
+    "  - index: 1\n    tx: 0.5\n    ty: -0.25\n    tz: 2\n"
+    "    qx: 0\n    qy: 0.8\n    qz: 0\n    qw: 0.6\n";
+
+TEST(PuzzlepaintFormat, ReadsPosesOfImagesThatWereUsed) {
+  const PuzzlepaintPoses poses = ParsePuzzlepaintPoses("f", kOnePose);
+  EXPECT_EQ(poses.count, 3);
+  ASSERT_EQ(poses.poses.size(), 1u);
+  // The x axis turns towards -z by the angle whose half has the cosine 0.6.
+  EXPECT_LT((poses.poses.at(1) * Eigen::Vector3d(1, 0, 0) -
+             Eigen::Vector3d(0.5 - 0.28, -0.25, 2 - 0.96))
+                .norm(),
+            1e-15);
+  const std::string text = FormatPuzzlepaintPoses(poses, {{1, "a\nb.png"}});
+  EXPECT_NE(text.find("- index: 1  # a\\nb.png\n"), std::string::npos);
+  EXPECT_EQ(ParsePuzzlepaintPoses("f", text).poses.at(1).rotation.coeffs(),
+            poses.poses.at(1).rotation.coeffs());
+}
+
+TEST(PuzzlepaintFormat, SaysWhatIsWrongWithPosesAndPoints) {
+  const auto expect = [](const std::string& old, const std::string& by,
+                         const std::vector<std::string>& words) {
+    ExpectError(ExitCode::kInput, words, [&] {
+      ParsePuzzlepaintPoses("f", TextWith(kOnePose, old, by));
+    });
+  };
+  expect("index: 1", "index: 3", {"poses[0]: index 3", "pose_count is 3"});
+  expect("index: 1", "index: -1", {"poses[0]: index", "0 to 1000000"});
+  expect("pose_count: 3", "pose_count: 1e9", {"pose_count"});
+  expect("pose_count: 3", "count: 3", {"pose_count"});
+  expect("tx: 0.5", "tx: .nan", {"poses[0]: tx: no finite number"});
+  expect("qw: 0.6", "qw: 60", {"poses[0]", "no rotation"});
+  expect("poses:", "list:", {"poses: no list"});
+  const std::string points = FormatPuzzlepaintPoints({{5, {1, 2, 3}}});
+  EXPECT_EQ(ParsePuzzlepaintPoints("f", points).at(5),
+            Eigen::Vector3d(1, 2, 3));
+  for (const auto& [old, by, word] :
+       {std::tuple("[1.0, ", "[", "x, y, z"),
+        {"index: 0", "index: 1", "point_index 1: there are 1"},
+        {"id: 5", "id: -5", "feature_id"}})
+    ExpectError(ExitCode::kInput, {word},
+                [&, text = TextWith(points, old, by)] {
+                  ParsePuzzlepaintPoints("f", text);
+                });
+}
+
+// Cameras without lenses, whose files are written beside them.
+std::vector<WrittenLens> PosedCameras(const std::vector<std::string>& images) {
+  std::vector<WrittenLens> cameras(1);
+  for (const std::string& image : images)
+    cameras[0].poses.push_back(
+        {image, 0, {Eigen::Quaterniond::Identity(), {0, 0, 1}}});
+  return cameras;
+}
+
+std::map<int, Pose> WrittenPoses(const std::vector<std::string>& images,
+                                 const std::string& dataset) {
+  const auto files = WriteState("s/intrinsics0.yaml", PosedCameras(images),
+                                {"", "", dataset, ""});
+  EXPECT_EQ(files[1].path, "s/rig_tr_global.yaml");
+  return ParsePuzzlepaintPoses("f", files[1].text).poses;
+}
+
+TEST(PuzzlepaintFormat, NumbersImagesAsTheDatasetOrTheirNamesDo) {
+  PuzzlepaintDataset dataset;
+  dataset.image_sizes = {{64, 48}};
+  for (const char* name : {"c.png", "a.png", "b.png"})
+    dataset.imagesets.push_back({name, {{}}});
+  const std::string bytes = EncodePuzzlepaintDataset(dataset);
+  const auto numbers = [](const std::map<int, Pose>& poses) {
+    std::vector<int> all;
+    for (const auto& pose : poses) all.push_back(pose.first);
+    return all;
+  };
+  EXPECT_EQ(numbers(WrittenPoses({"a.png", "c.png"}, bytes)),
+            (std::vector<int>{0, 1}));
+  EXPECT_EQ(numbers(WrittenPoses({"b.png"}, bytes)), std::vector<int>{2});
+  EXPECT_EQ(numbers(WrittenPoses({"7", "2"}, "")), (std::vector<int>{2, 7}));
+  EXPECT_EQ(numbers(WrittenPoses({"7", "x"}, "")), (std::vector<int>{0, 1}));
+  ExpectError(ExitCode::kInput, {"'d.png' is not in s/dataset.bin"},
+              [&] { WrittenPoses({"d.png"}, bytes); });
+}
+
+TEST(PuzzlepaintFormat, WritesPointsThatReplaceNone) {
+  PuzzlepaintDataset dataset;
+  dataset.image_sizes = {{64, 48}};
+  dataset.imagesets = {{"a.png", {{}}}};
+  dataset.geometries = {{0.03F, {{0, {0, 0}}, {4, {2, 1}}}}};
+  const auto files =
+      WriteState("s/intrinsics0.yaml", PosedCameras({"a.png"}),
+                 {"", "", EncodePuzzlepaintDataset(dataset), ""});
+  ASSERT_EQ(files.size(), 3u);
+  EXPECT_EQ(files[2].path, "s/points.yaml");
+  EXPECT_TRUE(files[2].is_never_replaced);
+  EXPECT_EQ(ParsePuzzlepaintPoints("f", files[2].text).at(4),
+            Eigen::Vector3d(0.06, 0.03, 0));
+}
+
+TEST(PuzzlepaintFormat, RefusesStatesThatTheProgramWouldNotFind) {
+  std::vector<WrittenLens> cameras = PosedCameras({"a.png", "b.png"});
+  ExpectError(ExitCode::kUsage, {"front.yaml", "intrinsics0.yaml"}, [&] {
+    PuzzlepaintFormat().write_beside({"s/front.yaml", cameras});
+  });
+  cameras[0].poses[1].board = 3;
+  ExpectError(ExitCode::kInput, {"board 0 and board 3", "puzzlepaint"}, [&] {
+    PuzzlepaintFormat().write_beside({"s/intrinsics0.yaml", cameras});
+  });
 }
 
 }  // namespace

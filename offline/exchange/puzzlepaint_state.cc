@@ -1,0 +1,326 @@
+#include "exchange/puzzlepaint_state.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "dataset/yaml_file.h"
+#include "exchange/puzzlepaint_dataset_format.h"
+#include "exchange/puzzlepaint_files.h"
+
+namespace raygrid {
+namespace {
+
+// ---- Reading ---------------------------------------------------------------
+
+// In the order of ReadRequest::beside.
+constexpr const char* kStateFiles[] = {
+    "camera_tr_rig.yaml", "rig_tr_global.yaml", "dataset.bin", "points.yaml"};
+
+// The contents of the files beside a camera; nothing of one that is not there.
+struct PuzzlepaintState {
+  std::optional<PuzzlepaintPoses> camera_from_rig, rig_from_world;
+  std::optional<PuzzlepaintDataset> dataset;
+  std::map<int, Eigen::Vector3d> points;
+};
+
+// texts: of StateFilesBeside(path).
+PuzzlepaintState ReadState(const std::string& path,
+                           const std::vector<std::string>& texts) {
+  PuzzlepaintState state;
+  const std::vector<std::string> paths = StateFilesBeside(path);
+  const auto take = [&](size_t k, const auto& read) {
+    if (k < texts.size() && !texts[k].empty())
+      ReadNamingFile(paths[k], [&] { read(paths[k], texts[k]); });
+  };
+  take(0, [&](const std::string& file, const std::string& text) {
+    state.camera_from_rig = ParsePuzzlepaintPoses(file, text);
+  });
+  take(1, [&](const std::string& file, const std::string& text) {
+    state.rig_from_world = ParsePuzzlepaintPoses(file, text);
+  });
+  take(2, [&](const std::string&, const std::string& text) {
+    state.dataset = DecodePuzzlepaintDataset(text);
+  });
+  take(3, [&](const std::string& file, const std::string& text) {
+    state.points = ParsePuzzlepaintPoints(file, text);
+  });
+  return state;
+}
+
+// The pose of a board's lattice among the points that were found: the world of
+// the program is none of its boards, and drifts. None if few points are known.
+std::optional<Pose> WorldFromBoard(
+    const PuzzlepaintGeometry& geometry,
+    const std::map<int, Eigen::Vector3d>& known) {
+  constexpr Eigen::Index kLeast = 4;
+  Eigen::Matrix3Xd lattice(3, geometry.places.size()), points = lattice;
+  Eigen::Index count = 0;
+  std::set<int> columns, rows;
+  for (const auto& [id, place] : geometry.places) {
+    const auto found = known.find(id);
+    if (found == known.end()) continue;
+    columns.insert(place.x());
+    rows.insert(place.y());
+    lattice.col(count) = geometry.PointAt(place);
+    points.col(count++) = found->second;
+  }
+  if (count < kLeast || columns.size() < 2 || rows.size() < 2)
+    return std::nullopt;
+  lattice.conservativeResize(3, count);
+  points.conservativeResize(3, count);
+  const Eigen::Matrix4d pose = Eigen::umeyama(lattice, points, false);
+  const double off_m =
+      ((pose * lattice.colwise().homogeneous()).topRows<3>() - points).norm() /
+      std::sqrt(static_cast<double>(count));
+  if (!(off_m < geometry.cell_m))
+    throw InputError(fmt::format(
+        "points.yaml: its points are {:g} m off the board of dataset.bin, "
+        "whose cells are {:g} m; give both of one calibration",
+        off_m, geometry.cell_m));
+  return Pose{Eigen::Quaterniond(Eigen::Matrix3d(pose.topLeftCorner<3, 3>()))
+                  .normalized(),
+              pose.topRightCorner<3, 1>()};
+}
+
+// Boards by their numbers, of those whose places in the world are known.
+std::map<int, Pose> BoardsInWorld(const PuzzlepaintState& state) {
+  std::map<int, Pose> boards;
+  if (!state.dataset || state.points.empty()) return boards;
+  const auto& geometries = state.dataset->geometries;
+  for (size_t k = 0; k < geometries.size(); ++k)
+    if (const auto pose = WorldFromBoard(geometries[k], state.points))
+      boards.emplace(static_cast<int>(k), *pose);
+  return boards;
+}
+
+// The numbers of the boards that a camera saw in an image.
+std::set<int> BoardsSeen(const PuzzlepaintDataset& dataset, int imageset,
+                         int camera) {
+  std::set<int> boards;
+  for (const PuzzlepaintFeature& feature :
+       dataset.imagesets[imageset].cameras[camera])
+    for (size_t k = 0; k < dataset.geometries.size(); ++k)
+      if (dataset.geometries[k].places.count(feature.id) > 0)
+        boards.insert(static_cast<int>(k));
+  return boards;
+}
+
+bool HasCamera(const PuzzlepaintDataset& dataset, int camera) {
+  return static_cast<size_t>(camera) < dataset.image_sizes.size();
+}
+
+// Whether the dataset is that of the poses and has the camera.
+bool IsDatasetOf(const PuzzlepaintState& state, int camera) {
+  return state.dataset && HasCamera(*state.dataset, camera) &&
+         static_cast<int>(state.dataset->imagesets.size()) ==
+             state.rig_from_world->count;
+}
+
+// Without places of boards the world is that of one board.
+std::vector<BoardPose> PosesOfCamera(const PuzzlepaintState& state, int index,
+                                     const Pose& camera_from_rig) {
+  const bool has_dataset = IsDatasetOf(state, index);
+  const std::map<int, Pose> boards =
+      has_dataset ? BoardsInWorld(state) : std::map<int, Pose>{};
+  const std::vector<std::string> names =
+      has_dataset ? ImageNamesOf(*state.dataset) : std::vector<std::string>{};
+  std::vector<BoardPose> poses;
+  for (const auto& [image, rig_from_world] : state.rig_from_world->poses) {
+    const std::string name = has_dataset ? names[image] : std::to_string(image);
+    const Pose camera_from_world = camera_from_rig * rig_from_world;
+    if (boards.empty()) {
+      poses.push_back({name, 0, camera_from_world});
+      continue;
+    }
+    for (const int board : BoardsSeen(*state.dataset, image, index))
+      if (const auto at = boards.find(board); at != boards.end())
+        poses.push_back({name, board, camera_from_world * at->second});
+  }
+  return poses;
+}
+
+// ---- Writing ---------------------------------------------------------------
+
+// A number that an image has as its name.
+std::optional<int> NumberOfImage(const std::string& name) {
+  constexpr size_t kMostDigits = 6;
+  if (name.empty() || name.size() > kMostDigits ||
+      name.find_first_not_of("0123456789") != std::string::npos ||
+      (name[0] == '0' && name.size() > 1))
+    return std::nullopt;
+  return std::stoi(name);
+}
+
+// Images in the order of their numbers; "" of one that is not there.
+struct NumberedImages {
+  std::vector<std::string> names;
+  std::map<std::string, int> numbers;
+
+  void Put(const std::string& name, int number) {
+    if (static_cast<size_t>(number) >= names.size()) names.resize(number + 1);
+    names[number] = name;
+    numbers[name] = number;
+  }
+};
+
+// The numbers are those in the dataset if there is one, or the images' names if
+// all are numbers, or count the images.
+NumberedImages NumberImages(const std::vector<WrittenLens>& cameras,
+                            const PuzzlepaintDataset* dataset) {
+  NumberedImages images;
+  if (dataset) {
+    for (const std::string& name : ImageNamesOf(*dataset))
+      images.Put(name, static_cast<int>(images.names.size()));
+    return images;
+  }
+  bool are_numbers = true;
+  for (const WrittenLens& camera : cameras)
+    for (const BoardPose& pose : camera.poses)
+      are_numbers = are_numbers && NumberOfImage(pose.image);
+  for (const WrittenLens& camera : cameras)
+    for (const BoardPose& pose : camera.poses)
+      if (images.numbers.count(pose.image) == 0)
+        images.Put(pose.image, are_numbers
+                                   ? *NumberOfImage(pose.image)
+                                   : static_cast<int>(images.names.size()));
+  return images;
+}
+
+std::string RigPosesText(const std::vector<WrittenLens>& cameras,
+                         const std::string& dataset_path,
+                         const PuzzlepaintDataset* dataset) {
+  const NumberedImages images = NumberImages(cameras, dataset);
+  PuzzlepaintPoses poses;
+  std::map<int, std::string> names;
+  poses.count = static_cast<int>(images.names.size());
+  for (const WrittenLens& camera : cameras)
+    for (const BoardPose& pose : camera.poses) {
+      const auto number = images.numbers.find(pose.image);
+      if (number == images.numbers.end())
+        throw InputError(
+            fmt::format("--poses: image '{}' is not in {}; write into another "
+                        "folder, or export the features there first",
+                        Printable(pose.image), dataset_path));
+      poses.poses.emplace(number->second,
+                          camera.camera_from_rig.value_or(Pose{}).Inverse() *
+                              pose.camera_from_board);
+      names[number->second] = pose.image;
+    }
+  return FormatPuzzlepaintPoses(poses, names);
+}
+
+std::string CameraPosesText(const std::vector<WrittenLens>& cameras) {
+  PuzzlepaintPoses poses;
+  std::map<int, std::string> names;
+  for (const WrittenLens& camera : cameras) {
+    const int index = poses.count++;
+    poses.poses[index] = camera.camera_from_rig.value_or(Pose{});
+    names[index] = camera.name;
+  }
+  if (cameras.size() == 1) names.clear();
+  return FormatPuzzlepaintPoses(poses, names);
+}
+
+// The lattice of the dataset's one board, whose frame is the world. The program
+// opens no state without it; one of a calibration is not replaced.
+void AddPoints(const std::string& path, const PuzzlepaintDataset& dataset,
+               std::vector<BesideFile>* files) {
+  if (dataset.geometries.size() != 1) return;
+  const PuzzlepaintGeometry& geometry = dataset.geometries.front();
+  std::map<int, Eigen::Vector3d> points;
+  for (const auto& [id, place] : geometry.places)
+    points[id] = geometry.PointAt(place);
+  files->push_back({path, FormatPuzzlepaintPoints(points), true});
+}
+
+}  // namespace
+
+std::optional<int> IndexOfCameraFile(const std::string& path) {
+  const std::string stem = std::filesystem::path(path).stem().string();
+  const size_t at = stem.find_first_of("0123456789");
+  int index = 0;
+  if (at == std::string::npos ||
+      std::from_chars(stem.data() + at, stem.data() + stem.size(), index).ec !=
+          std::errc() ||
+      stem != PuzzlepaintCameraName(index))
+    return std::nullopt;
+  return index;
+}
+
+std::vector<std::string> StateFilesBeside(const std::string& path) {
+  std::vector<std::string> paths;
+  if (!IndexOfCameraFile(path)) return paths;
+  for (const char* name : kStateFiles)
+    paths.push_back(
+        std::filesystem::path(path).replace_filename(name).string());
+  return paths;
+}
+
+std::string FileInState(const std::string& folder, int camera) {
+  return (std::filesystem::path(folder) /
+          (PuzzlepaintCameraName(camera) + ".yaml"))
+      .string();
+}
+
+void TakeState(const ReadRequest& request, ReadLens* camera,
+               std::vector<std::string>* remarks) {
+  const std::optional<int> number = IndexOfCameraFile(request.path);
+  if (!number) return;
+  const int index = *number;
+  const PuzzlepaintState state = ReadState(request.path, request.beside);
+  if (state.dataset && HasCamera(*state.dataset, index))
+    camera->features = FeaturesOfCamera(*state.dataset, index);
+  if (!state.camera_from_rig) {
+    if (state.rig_from_world)
+      remarks->push_back(
+          "rig_tr_global.yaml is not taken without camera_tr_rig.yaml");
+    return;
+  }
+  const auto own = state.camera_from_rig->poses.find(index);
+  if (own == state.camera_from_rig->poses.end()) {
+    remarks->push_back(
+        fmt::format("camera_tr_rig.yaml has no pose of camera {}", index));
+    return;
+  }
+  camera->camera_from_rig = own->second;
+  if (!state.rig_from_world) return;
+  if (state.dataset && !IsDatasetOf(state, index))
+    remarks->push_back(
+        "dataset.bin has other images or cameras than the poses; images are "
+        "named by their numbers");
+  if (state.dataset && state.dataset->geometries.size() > 1 &&
+      state.points.empty())
+    remarks->push_back(
+        "its world has several boards; without points.yaml its poses are "
+        "taken for those of board 0");
+  camera->poses = PosesOfCamera(state, index, own->second);
+}
+
+std::vector<BesideFile> WriteState(const std::string& path,
+                                   const std::vector<WrittenLens>& cameras,
+                                   const std::vector<std::string>& beside) {
+  RequireOneBoard("puzzlepaint", cameras);
+  const std::vector<std::string> paths = StateFilesBeside(path);
+  std::vector<BesideFile> files = {{paths[0], CameraPosesText(cameras)}};
+  const bool has_poses =
+      std::any_of(cameras.begin(), cameras.end(),
+                  [](const WrittenLens& lens) { return !lens.poses.empty(); });
+  if (!has_poses) return files;
+  std::optional<PuzzlepaintDataset> dataset;
+  if (beside.size() > 2 && !beside[2].empty())
+    dataset = ReadNamingFile(
+        paths[2], [&] { return DecodePuzzlepaintDataset(beside[2]); });
+  files.push_back({paths[1], RigPosesText(cameras, paths[2],
+                                          dataset ? &*dataset : nullptr)});
+  if (dataset) AddPoints(paths[3], *dataset, &files);
+  return files;
+}
+
+}  // namespace raygrid
