@@ -584,8 +584,9 @@ void AddImport(CLI::App* app, CommonOptions* common) {
       "and P as those of a stereo pair do. Tables of rays become the grid "
       "that leaves little of them, and so does an STMap with the words of the"
       " view that it was exported with. Corners of mrcal and OpenCV become "
-      "features.csv for calibrate --features, a target of Kalibr becomes "
-      "pattern.yaml, a trajectory of TUM poses.csv, a dataset of puzzlepaint "
+      "features.csv for calibrate --features, a target of Kalibr or a "
+      "pattern of puzzlepaint becomes pattern.yaml, a trajectory of TUM "
+      "poses.csv, a dataset of puzzlepaint "
       "features.csv and pattern.yaml. 'raygrid export --list' names the "
       "formats.",
       "raygrid import calibration.xml -o camera.yaml", common);
@@ -600,7 +601,7 @@ void AddImport(CLI::App* app, CommonOptions* common) {
                    "camera.yaml; of a rig rig.yaml, beside which NAME/"
                    "camera.yaml are; of other files with several cameras a "
                    "folder; features.csv or poses.csv, for what a camera was "
-                   "calibrated with")
+                   "calibrated with; pattern.yaml of boards")
       ->required();
   command->add_option("--from", arguments->from,
                       "the format, where the file does not show it");

@@ -21,6 +21,7 @@
 #include "exchange/opencv_format.h"
 #include "exchange/photonvision_format.h"
 #include "exchange/puzzlepaint_format.h"
+#include "exchange/puzzlepaint_pattern_format.h"
 #include "exchange/ros_format.h"
 
 namespace raygrid {
@@ -76,11 +77,11 @@ void AddFiles(const std::vector<BesideFile>& written,
 
 const std::vector<Format>& Formats() {
   static const std::vector<Format> formats = {
-      OpenCvFormat(),       RosFormat(),         KalibrFormat(),
-      KalibrTargetFormat(), ColmapFormat(),      MrcalCornersFormat(),
-      MrcalFormat(),        BasaltFormat(),      NerfstudioFormat(),
-      MetashapeFormat(),    PuzzlepaintFormat(), DepthAiFormat(),
-      LibcameraFormat(),    PhotonVisionFormat()};
+      OpenCvFormat(),       RosFormat(),          KalibrFormat(),
+      KalibrTargetFormat(), ColmapFormat(),       MrcalCornersFormat(),
+      MrcalFormat(),        BasaltFormat(),       NerfstudioFormat(),
+      MetashapeFormat(),    PuzzlepaintFormat(),  DepthAiFormat(),
+      LibcameraFormat(),    PhotonVisionFormat(), PuzzlepaintPatternFormat()};
   return formats;
 }
 

@@ -316,6 +316,57 @@ colSpacingMeters: 0.06      #size of one chessboard square [m]
         self.assert_nothing_in(self.path("never"))
 
 
+class PuzzlepaintPatterns(CornersTest):
+    """The file of the authors' printed pattern, whose stars are those that raygrid draws."""
+
+    FILE = """num_star_segments: 16
+squares_x: 17
+squares_y: 24
+square_length_in_meters: 0.011
+page:
+    width_mm: 210.0
+    height_mm: 297.0
+apriltags:
+  - tag_x: 6
+    tag_y: 10
+    width: 4
+    height: 4
+    index: 3
+"""
+
+    @classmethod
+    def setUpClass(cls):
+        CommandTest.setUpClass.__func__(cls)
+
+    def test_a_pattern_is_the_board_that_is_printed(self):
+        """Another tag is seen."""
+        self.assert_done(run("pattern", "star", "--columns", 16, "--rows", 23, "--square-mm", 11,
+                             "--tag-id", 3, "--tag-squares", 4, "-o", self.path("printed")))
+        printed = re.search("  - {id.*", read(self.path("printed/pattern.yaml")).decode())[0]
+        for text, is_same in ((self.FILE, True), (self.FILE.replace("tag_x: 6", "tag_x: 7"), False)):
+            self.assert_done(run("import", write(self.path("p.yaml"), text), "-o",
+                                 self.path("pattern.yaml")))
+            own = re.search("  - {id.*", read(self.path("pattern.yaml")).decode())[0]
+            self.assertEqual(own == printed, is_same, own)
+
+    def test_what_cannot_be(self):
+        for old, new, *words in (
+                ("squares_x: 17", "squares_x: 2", "squares_x: not 3 to 1001"),
+                ("squares_x: 17", "squares: 17", "squares_x"),
+                ("segments: 16", "segments: 15", "segments"),
+                ("0.011", ".nan", "square_length_in_meters"),
+                ("0.011", "-1", "square_m is -1"),
+                ("width: 4", "width: 5", "apriltags[0]", "differ"),
+                ("tag_y: 10", "tag_y: 22", "outside the board"),
+                ("index: 3", "index: 587", "apriltags[0]: index: not 0 to 586"),
+                ("apriltags:", "tags:", "apriltags: no list")):
+            with self.subTest(new):
+                file = write(self.path("t.yaml"), self.FILE.replace(old, new))
+                self.assert_refused(run("import", file, "-o", self.path("never/p.yaml")), 2,
+                                    "t.yaml", *words)
+        self.assert_nothing_in(self.path("never"))
+
+
 class PuzzlepaintDatasets(CornersTest):
     """The authors' dataset.bin, packed and unpacked here as their program has it: integers are
     big-endian, floats little-endian, and pixels begin at the image's corner."""

@@ -21,6 +21,10 @@ constexpr char kAprilGrid[] =
 constexpr char kCheckerboard[] =
     "target_type: 'checkerboard'\ntargetCols: 3\ntargetRows: 4\n"
     "rowSpacingMeters: 0.06\ncolSpacingMeters: 0.061\n";
+constexpr char kStarPattern[] =
+    "num_star_segments: 16\nsquares_x: 17\nsquares_y: 24\n"
+    "square_length_in_meters: 0.011882352941176469\napriltags:\n"
+    "  - tag_x: 6\n    tag_y: 10\n    width: 4\n    height: 4\n    index: 0\n";
 constexpr char kCornersOfOpenCv[] =
     "%YAML:1.0\n---\nimage_width: 64\nimage_height: 48\nboard_width: 3\n"
     "board_height: 2\n"
@@ -37,6 +41,7 @@ TEST(DamagedFiles, OfCornersAndTargetsAreNothingElse) {
       {"mrcal-corners", kVnlog},
       {"kalibr-target", kAprilGrid},
       {"kalibr-target", kCheckerboard},
+      {"puzzlepaint-pattern", kStarPattern},
       {"opencv", kCornersOfOpenCv}};
   for (const auto& [name, text] : files) {
     const Format& format = FindFormat("", name);

@@ -1,0 +1,86 @@
+#include "exchange/puzzlepaint_pattern_format.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+
+#include "dataset/error.h"
+#include "dataset/yaml_file.h"
+#include "exchange/yaml_numbers.h"
+
+namespace raygrid {
+namespace {
+
+constexpr char kStarSegments[] = "num_star_segments";
+
+int CountIn(const YAML::Node& node, const std::string& name, int least,
+            int most) {
+  const double count = FiniteNumber(node, name);
+  if (!(count >= least && count <= most) || count != std::floor(count))
+    throw InputError(fmt::format("{}: not {} to {}", name, least, most));
+  return static_cast<int>(count);
+}
+
+// Stars stand at inner corners of squares, so the first one is a square from
+// the pattern's edge, which tags count from.
+BoardTag ReadPatternTag(const YAML::Node& node, const std::string& name) {
+  constexpr int kMostSquares = 1001, kMostId = 586;
+  if (!node.IsMap()) throw InputError(name + ": no map of keys");
+  const auto number = [&](const char* key, int most) {
+    return CountIn(node[key], fmt::format("{}: {}", name, key), 0, most);
+  };
+  BoardTag tag;
+  tag.id = number("index", kMostId);
+  tag.column = number("tag_x", kMostSquares) - 1;
+  tag.row = number("tag_y", kMostSquares) - 1;
+  tag.squares = number("width", kMostSquares);
+  if (number("height", kMostSquares) != tag.squares)
+    throw InputError(name + ": width and height differ; tags are squares");
+  return tag;
+}
+
+ExchangeContents ReadPuzzlepaintPattern(const ReadRequest& request) {
+  constexpr int kLeastSquares = 3, kMostSquares = 1001;
+  RequireYamlFile(request.path, request.text);
+  const YAML::Node root = YAML::Load(request.text);
+  if (!root.IsMap()) throw InputError("no pattern: no map of keys");
+  Board board;
+  board.kind = "star";
+  const auto features = [&](const char* key) {
+    return CountIn(root[key], key, kLeastSquares, kMostSquares) - 1;
+  };
+  board.columns = features("squares_x");
+  board.rows = features("squares_y");
+  board.segments = CountIn(root[kStarSegments], kStarSegments, 4, 64);
+  board.square_m =
+      FiniteNumber(root["square_length_in_meters"], "square_length_in_meters");
+  const YAML::Node tags = root["apriltags"];
+  if (!tags || !tags.IsSequence() || tags.size() == 0)
+    throw InputError(
+        "apriltags: no list with a tag, by which boards are found");
+  for (const YAML::Node& tag : tags)
+    board.tags.push_back(
+        ReadPatternTag(tag, fmt::format("apriltags[{}]", board.tags.size())));
+  ExchangeContents contents;
+  contents.boards.push_back(std::move(board));
+  return contents;
+}
+
+}  // namespace
+
+Format PuzzlepaintPatternFormat() {
+  Format format;
+  format.name = "puzzlepaint-pattern";
+  format.holds =
+      "the file beside a printed pattern of puzzlepaint's "
+      "camera_calibration: a star board, which becomes pattern.yaml; no camera";
+  format.recognizes = [](const std::string& text) {
+    return text.find(fmt::format("{}:", kStarSegments)) != std::string::npos;
+  };
+  format.read = ReadPuzzlepaintPattern;
+  format.write = nullptr;
+  return format;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,14 @@
+#ifndef RAYGRID_EXCHANGE_PUZZLEPAINT_PATTERN_FORMAT_H
+#define RAYGRID_EXCHANGE_PUZZLEPAINT_PATTERN_FORMAT_H
+
+#include "exchange/format.h"
+
+namespace raygrid {
+
+/// The file of a printed pattern of the generic model's authors: a star board,
+/// without a camera.
+Format PuzzlepaintPatternFormat();
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_PUZZLEPAINT_PATTERN_FORMAT_H
