@@ -211,6 +211,23 @@ std::map<int, Pose> WrittenPoses(const std::vector<std::string>& images,
   return ParsePuzzlepaintPoses("f", files[1].text).poses;
 }
 
+TEST(PuzzlepaintFormat, PlacesTheRigByACameraThatIsNotItsOrigin) {
+  std::vector<WrittenLens> cameras = PosedCameras({"a.png"});
+  cameras[0].camera_from_rig =
+      Pose{Eigen::Quaterniond(0.6, 0, 0.8, 0), {0.5, -0.25, 0.125}};
+  const auto files = WriteState("s/intrinsics0.yaml", cameras, {});
+  ASSERT_EQ(files.size(), 2u);
+  const auto only = [&](const BesideFile& file) {
+    return ParsePuzzlepaintPoses("f", file.text).poses.at(0);
+  };
+  EXPECT_EQ(files[0].path, "s/camera_tr_rig.yaml");
+  const Eigen::Vector3d point(1, 2, 3);
+  EXPECT_LT((only(files[0]) * (only(files[1]) * point) -
+             cameras[0].poses[0].camera_from_board * point)
+                .norm(),
+            1e-14);
+}
+
 TEST(PuzzlepaintFormat, NumbersImagesAsTheDatasetOrTheirNamesDo) {
   PuzzlepaintDataset dataset;
   dataset.image_sizes = {{64, 48}};
