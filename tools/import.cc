@@ -471,17 +471,23 @@ std::vector<std::pair<std::string, std::string>> FilesOf(
   return files;
 }
 
-// The files of cameras in a folder: of COLMAP, which prefers bytes, too, or of
-// puzzlepaint, whose cameras have numbers.
-std::vector<std::string> FilesIn(const std::filesystem::path& folder) {
-  for (const char* name : {"cameras.bin", "cameras.txt"})
-    if (std::filesystem::exists(folder / name))
-      return {(folder / name).string()};
+// Cameras of puzzlepaint in a folder, by their numbers.
+std::vector<std::string> CamerasOfState(const std::filesystem::path& folder) {
   std::vector<std::string> files;
   const auto next = [&] {
     return folder / fmt::format("intrinsics{}.yaml", files.size());
   };
   while (std::filesystem::exists(next())) files.push_back(next().string());
+  return files;
+}
+
+// The files of cameras in a folder: of COLMAP, which prefers bytes, too, or of
+// puzzlepaint.
+std::vector<std::string> FilesIn(const std::filesystem::path& folder) {
+  for (const char* name : {"cameras.bin", "cameras.txt"})
+    if (std::filesystem::exists(folder / name))
+      return {(folder / name).string()};
+  std::vector<std::string> files = CamerasOfState(folder);
   if (files.empty())
     throw InputError(folder.string() +
                      ": a folder without COLMAP's cameras.bin or cameras.txt, "
@@ -489,8 +495,7 @@ std::vector<std::string> FilesIn(const std::filesystem::path& folder) {
   return files;
 }
 
-// A rig is wanted of the first camera of puzzlepaint: all cameras of its
-// folder.
+// A rig is wanted of puzzlepaint's first camera: all cameras beside it.
 bool IsFirstOfRig(const ImportArguments& arguments) {
   const std::filesystem::path first = arguments.files.front();
   return arguments.files.size() == 1 &&
@@ -498,19 +503,18 @@ bool IsFirstOfRig(const ImportArguments& arguments) {
          EndsWith(std::filesystem::path(arguments.output).stem(), "rig");
 }
 
+// Folders become the files in them.
 void FindFiles(ImportArguments* arguments) {
   std::vector<std::string> files;
-  for (const std::string& path : arguments->files) {
-    if (!std::filesystem::is_directory(path)) {
-      files.push_back(path);
-      continue;
-    }
-    for (std::string& file : FilesIn(path)) files.push_back(std::move(file));
-  }
+  for (const std::string& path : arguments->files)
+    for (const std::string& file : std::filesystem::is_directory(path)
+                                       ? FilesIn(path)
+                                       : std::vector<std::string>{path})
+      files.push_back(file);
   arguments->files = files;
   if (IsFirstOfRig(*arguments))
     arguments->files =
-        FilesIn(std::filesystem::absolute(files.front()).parent_path());
+        CamerasOfState(std::filesystem::path(files.front()).parent_path());
 }
 
 void RunImport(ImportArguments arguments, const CommonOptions& common) {
