@@ -188,11 +188,13 @@ Json CameraFacts(const CameraFile& file) {
     json["lens"] = LensFacts(*lens);
   if (file.training) json["training_error"] = Figures(*file.training);
   if (file.held_out) json["held-out_error"] = Figures(*file.held_out);
-  if (file.uncertainty)
+  if (file.uncertainty && file.uncertainty->TellsDeviations())
     json["uncertainty"] = {
         {"median_px", file.uncertainty->lattice.MedianPx()},
-        {"trusted_to_px", file.uncertainty->max_deviation_px},
-        {"trusted_part_of_image", file.uncertainty->TrustedPart(size, area)}};
+        {"trusted_to_px", file.uncertainty->max_deviation_px}};
+  if (file.uncertainty)
+    json["uncertainty"]["trusted_part_of_image"] =
+        file.uncertainty->TrustedPart(size, area);
   if (file.camera_from_view) {
     const Eigen::Vector3d turned =
         ViewAnglesDeg(file.camera_from_view->rotation.toRotationMatrix());

@@ -94,6 +94,23 @@ Eigen::Vector2d TrustMask::CellCenter(int cell) const {
           (cell / columns + 0.5) * cell_px - 0.5};
 }
 
+bool TrustMask::TrustsAny() const {
+  return std::find(is_trusted.begin(), is_trusted.end(), true) !=
+         is_trusted.end();
+}
+
+CameraUncertainty CameraUncertainty::OfMask(const TrustMask& mask) {
+  CameraUncertainty known;
+  known.lattice = {2, 2, std::vector<double>(4, NAN)};
+  known.mask = mask;
+  known.max_deviation_px = NAN;
+  return known;
+}
+
+bool CameraUncertainty::TellsDeviations() const {
+  return std::isfinite(max_deviation_px);
+}
+
 double CameraUncertainty::TrustedPart(const ImageSize& size,
                                       const Area& area) const {
   // Cells are rectangles, as is the area: rows and columns are counted, not

@@ -42,6 +42,7 @@ struct TrustMask {
   bool Trusts(const Eigen::Vector2d& pixel) const {
     return is_trusted[CellOf(pixel)];
   }
+  bool TrustsAny() const;
 };
 
 /// Standard deviations of what moves the images of an unchanged camera beyond
@@ -74,6 +75,10 @@ struct CameraUncertainty {
   TrustMask mask;
   double max_deviation_px = 0;  ///< of the cells trusted
   ErrorModes modes;             ///< may be empty
+
+  /// How well a camera is known of which no deviation is.
+  static CameraUncertainty OfMask(const TrustMask& mask);
+  bool TellsDeviations() const;
 
   /// The part of the image's pixels that is trusted.
   double TrustedPart(const ImageSize& size, const Area& area) const;

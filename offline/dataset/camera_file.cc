@@ -264,6 +264,8 @@ TrustMask ParseMask(const YAML::Node& node, const ImageSize& size) {
 std::optional<CameraUncertainty> ParseUncertainty(const YAML::Node& root,
                                                   const ImageSize& size) {
   if (!root["uncertainty"] && !root["trusted"]) return std::nullopt;
+  if (!root["uncertainty"] && !root["trusted"]["max_deviation_px"])
+    return CameraUncertainty::OfMask(ParseMask(root["trusted"], size));
   if (!root["uncertainty"] || !root["trusted"])
     throw InputError(
         "'uncertainty' and 'trusted' belong together, and one is missing; "
@@ -379,7 +381,7 @@ void EmitModes(const ErrorModes& modes, YAML::Emitter* out) {
   *out << YAML::EndSeq << YAML::EndMap;
 }
 
-void EmitUncertainty(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
+void EmitDeviations(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
   const DeviationLattice& lattice = uncertainty.lattice;
   *out << YAML::Key << "uncertainty" << YAML::Value << YAML::BeginMap
        << YAML::Key << "columns" << YAML::Value << lattice.columns << YAML::Key
@@ -399,13 +401,17 @@ void EmitUncertainty(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
   *out << YAML::EndSeq;
   EmitModes(uncertainty.modes, out);
   *out << YAML::EndMap;
+}
 
+void EmitUncertainty(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
+  if (uncertainty.TellsDeviations()) EmitDeviations(uncertainty, out);
   const TrustMask& mask = uncertainty.mask;
-  *out << YAML::Key << "trusted" << YAML::Value << YAML::BeginMap << YAML::Key
-       << "max_deviation_px" << YAML::Value
-       << fmt::format("{:.6f}", uncertainty.max_deviation_px) << YAML::Key
-       << "cell_px" << YAML::Value << mask.cell_px << YAML::Key << "cells"
-       << YAML::Value << YAML::BeginSeq;
+  *out << YAML::Key << "trusted" << YAML::Value << YAML::BeginMap;
+  if (uncertainty.TellsDeviations())
+    *out << YAML::Key << "max_deviation_px" << YAML::Value
+         << fmt::format("{:.6f}", uncertainty.max_deviation_px);
+  *out << YAML::Key << "cell_px" << YAML::Value << mask.cell_px << YAML::Key
+       << "cells" << YAML::Value << YAML::BeginSeq;
   for (int row = 0; row < mask.rows; ++row) {
     std::string text;
     for (int column = 0; column < mask.columns; ++column)

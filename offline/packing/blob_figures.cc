@@ -14,30 +14,37 @@ uint32_t Figure(std::optional<double> value, double unit) {
       std::min(std::ceil(*value / unit), RG_UNKNOWN_FIGURE - 1.0));
 }
 
+void QuantizeDeviations(const DeviationLattice& lattice,
+                        const rg_grid_section& grid,
+                        UncertaintySections* sections) {
+  rg_uncertainty_section& u = sections->uncertainty;
+  u.columns = static_cast<uint16_t>(lattice.columns);
+  u.rows = static_cast<uint16_t>(lattice.rows);
+  u.scale_x_q32 = rg_grid_scale_q32(u.columns - 1u, grid.x1_q16 - grid.x0_q16);
+  u.scale_y_q32 = rg_grid_scale_q32(u.rows - 1u, grid.y1_q16 - grid.y0_q16);
+  for (const double value : lattice.deviation_px)
+    sections->values_q12.push_back(
+        std::isfinite(value)
+            ? static_cast<uint16_t>(std::min(std::ceil(std::ldexp(value, 12)),
+                                             RG_UNKNOWN_UNCERTAINTY - 1.0))
+            : RG_UNKNOWN_UNCERTAINTY);
+}
+
 }  // namespace
 
 void UncertaintySections::AddTo(rg_blob_contents* contents) {
   mask.bits = bits.data();
+  contents->mask = &mask;
+  if (values_q12.empty()) return;
   contents->uncertainty = &uncertainty;
   contents->uncertainties_q12 = values_q12.data();
-  contents->mask = &mask;
 }
 
 UncertaintySections QuantizeUncertainty(const CameraUncertainty& known,
                                         const rg_grid_section& grid) {
   UncertaintySections sections;
-  rg_uncertainty_section& u = sections.uncertainty;
-  u.columns = static_cast<uint16_t>(known.lattice.columns);
-  u.rows = static_cast<uint16_t>(known.lattice.rows);
-  u.scale_x_q32 = rg_grid_scale_q32(u.columns - 1u, grid.x1_q16 - grid.x0_q16);
-  u.scale_y_q32 = rg_grid_scale_q32(u.rows - 1u, grid.y1_q16 - grid.y0_q16);
-  for (const double value : known.lattice.deviation_px)
-    sections.values_q12.push_back(
-        std::isfinite(value)
-            ? static_cast<uint16_t>(std::min(std::ceil(std::ldexp(value, 12)),
-                                             RG_UNKNOWN_UNCERTAINTY - 1.0))
-            : RG_UNKNOWN_UNCERTAINTY);
-
+  if (known.TellsDeviations())
+    QuantizeDeviations(known.lattice, grid, &sections);
   const TrustMask& mask = known.mask;
   sections.mask.columns = static_cast<uint16_t>(mask.columns);
   sections.mask.rows = static_cast<uint16_t>(mask.rows);

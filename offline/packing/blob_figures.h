@@ -18,8 +18,8 @@ struct UncertaintySections {
   std::vector<uint16_t> values_q12;
   std::vector<uint8_t> bits;
 
-  /// Adds the sections to contents, which point to memory that lives as long as
-  /// this.
+  /// Adds the mask to contents, and the deviations if there are any. They point
+  /// to memory that lives as long as this.
   void AddTo(rg_blob_contents* contents);
 };
 

@@ -25,11 +25,6 @@
 namespace raygrid {
 namespace {
 
-bool TrustsAny(const TrustMask& mask) {
-  return std::find(mask.is_trusted.begin(), mask.is_trusted.end(), true) !=
-         mask.is_trusted.end();
-}
-
 // A zero-padded text of RG_TEXT_SIZE bytes.
 std::string PaddedText(const char* what, const std::string& text) {
   RequireBlobText(what, text);
@@ -397,7 +392,7 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
       lines ? std::optional(lines->CentralPart()) : std::nullopt;
   const CameraModel& central = far ? *far : camera;
   const TrustMask* trusted =
-      file.uncertainty && TrustsAny(file.uncertainty->mask)
+      file.uncertainty && file.uncertainty->mask.TrustsAny()
           ? &file.uncertainty->mask
           : nullptr;
   const int num_threads = NumThreads(options.num_threads);

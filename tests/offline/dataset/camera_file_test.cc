@@ -315,6 +315,23 @@ TEST(CameraFile, KeepsUncertaintyAndMask) {
   EXPECT_EQ(FormatCameraFile(read), text);
 }
 
+TEST(CameraFile, KeepsAMaskWithoutUncertainty) {
+  CameraFile file = GridFile();
+  file.uncertainty = CameraUncertainty::OfMask(ExampleUncertainty().mask);
+  const std::string text = FormatCameraFile(file);
+  EXPECT_EQ(text.find("uncertainty"), std::string::npos);
+  const CameraFile read = ReadCameraText(text);
+  ASSERT_TRUE(read.uncertainty);
+  EXPECT_FALSE(read.uncertainty->TellsDeviations());
+  EXPECT_EQ(read.uncertainty->mask.is_trusted,
+            file.uncertainty->mask.is_trusted);
+  EXPECT_EQ(FormatCameraFile(read), text);
+  // A file that was cut has lost its uncertainty.
+  std::string cut = text;
+  cut.replace(cut.find("  cell_px"), 0, "  max_deviation_px: 0.025\n");
+  EXPECT_THROW(ReadCameraText(cut), InputError);
+}
+
 TEST(CameraFile, RefusesAMalformedMaskOrLattice) {
   CameraFile file = GridFile();
   file.uncertainty = ExampleUncertainty();

@@ -204,5 +204,16 @@ TEST(PackCamera, RuntimeTellsUncertaintyAndTrustAsTheFileDoes) {
   }
 }
 
+TEST(PackCamera, MaskMayStandAlone) {
+  CameraFile file = GenericFile();
+  TrustMask mask = TrustMask::Over({640, 480});
+  mask.is_trusted[mask.CellOf({320, 240})] = true;
+  file.uncertainty = CameraUncertainty::OfMask(mask);
+  const BlobCamera opened("blob", PackCamera(file, PackOptions()).blob);
+  EXPECT_EQ(opened.blob().uncertainty, 0u);
+  ASSERT_TRUE(opened.Trusted());
+  EXPECT_EQ(opened.Trusted()->is_trusted, mask.is_trusted);
+}
+
 }  // namespace
 }  // namespace raygrid
