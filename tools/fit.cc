@@ -1,34 +1,99 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "camera/model_fitting.h"
+#include "camera/splined_stereographic.h"
 #include "camera_input.h"
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "evaluation/model_difference.h"
+#include "evaluation/residual_statistics.h"
 
 namespace raygrid {
 namespace {
 
+constexpr char kSplined[] = "splined-stereographic";
+
 struct FitArguments {
-  std::string camera, model, output;
+  std::string camera, model, spline, output;
 };
 
 // About so many places along the longer side are compared.
 constexpr double kSamples = 160;
 
+// Errors at places where the camera can be trusted.
+struct TrustedErrors {
+  double rms_px = 0, p99_px = 0, max_px = 0;
+  size_t num_places = 0;
+};
+
 // A model fitted to a camera, and its difference from that.
 struct Fit {
   CameraFile file;
   ModelDifference difference;
-  size_t num_places = 0;  // that the camera is calibrated for
+  size_t num_places = 0;                 // that the camera is calibrated for
+  std::optional<TrustedErrors> trusted;  // if the camera tells where
 };
 
-Fit FitCamera(const FitArguments& arguments) {
+std::string NamesOfModels() {
+  return std::string(kSplined) + ", " + ParametricModelNames();
+}
+
+// COLUMNSxROWS, or COLUMNSxROWS,fov=DEGREES; an angle of 0 is not told.
+SplinedStereographic::Grid ParseSplineGrid(const std::string& text) {
+  constexpr int kFewest = 4, kMost = 200, kMostDeg = 359;
+  static const std::regex words(
+      "([0-9]{1,3})x([0-9]{1,3})(,fov=([0-9]{1,3}))?");
+  std::smatch found;
+  if (std::regex_match(text, found, words)) {
+    SplinedStereographic::Grid grid = {std::stoi(found[1]), std::stoi(found[2]),
+                                       0};
+    if (found[4].matched) grid.fov_x_deg = std::stoi(found[4]);
+    const bool has_fov = !found[4].matched ||
+                         (grid.fov_x_deg >= 1 && grid.fov_x_deg <= kMostDeg);
+    if (std::min(grid.columns, grid.rows) >= kFewest &&
+        std::max(grid.columns, grid.rows) <= kMost && has_fov)
+      return grid;
+  }
+  throw Error(ExitCode::kUsage,
+              fmt::format("--spline {}: expected COLUMNSxROWS of control "
+                          "points, {} to {} each, or COLUMNSxROWS,fov=1 to {}",
+                          text, kFewest, kMost, kMostDeg));
+}
+
+// grid is that of a spline, if it is told.
+FittedModel FitModel(const std::string& model, const CameraModel& camera,
+                     const std::optional<TrustMask>& trusted,
+                     const std::optional<SplinedStereographic::Grid>& grid) {
+  if (model != kSplined) return FitNearestModel(model, camera, camera.area());
+  FittedModel fitted;
+  fitted.model =
+      FitSplinedStereographic(camera, trusted ? &*trusted : nullptr, grid);
+  return fitted;
+}
+
+std::optional<TrustedErrors> ErrorsWhereTrusted(
+    const ModelDifference& difference, const TrustMask& trusted) {
+  std::vector<double> norms;
+  double sum = 0;
+  for (size_t i = 0; i < difference.pixels.size(); ++i) {
+    if (!trusted.Trusts(difference.pixels[i])) continue;
+    norms.push_back(difference.error_px[i].norm());
+    sum += norms.back() * norms.back();
+  }
+  if (norms.empty()) return std::nullopt;
+  return TrustedErrors{std::sqrt(sum / static_cast<double>(norms.size())),
+                       Quantile(norms, 0.99), Quantile(norms, 1), norms.size()};
+}
+
+Fit FitCamera(const FitArguments& arguments,
+              const std::optional<SplinedStereographic::Grid>& grid) {
   const CameraInput input = ReadCamera(arguments.camera);
   const CameraModel& camera = *input.file.camera;
   if (!camera.IsCentral())
@@ -40,25 +105,30 @@ Fit FitCamera(const FitArguments& arguments) {
   Fit fit;
   fit.file.name = input.file.name;
   fit.file.serial = input.file.serial;
-  FittedModel nearest = FitNearestModel(arguments.model, camera, area);
-  nearest.model->SetImageCircle(camera.image_circle());
-  fit.file.camera = std::move(nearest.model);
-  const double step_px =
-      std::max(1.0, std::max(area.width(), area.height()) / kSamples);
-  fit.difference = CompareTurnedModels(camera, *fit.file.camera, step_px,
-                                       nearest.model_from_camera.conjugate());
-  fit.num_places = CompareModels(camera, camera, step_px).pixels.size();
+  auto trusted = TrustOf(input);
+  if (trusted && !trusted->TrustsAny()) trusted.reset();
+  FittedModel nearest = FitModel(arguments.model, camera, trusted, grid);
+  if (nearest.model) {
+    nearest.model->SetImageCircle(camera.image_circle());
+    fit.file.camera = std::move(nearest.model);
+    const double step_px =
+        std::max(1.0, std::max(area.width(), area.height()) / kSamples);
+    fit.difference = CompareTurnedModels(camera, *fit.file.camera, step_px,
+                                         nearest.model_from_camera.conjugate());
+    fit.num_places = CompareModels(camera, camera, step_px).pixels.size();
+  }
   if (fit.difference.pixels.empty())
     throw Error(ExitCode::kNotConverged,
                 fmt::format("{}: {} fits it nowhere; use another model",
                             arguments.camera, arguments.model));
+  if (trusted) fit.trusted = ErrorsWhereTrusted(fit.difference, *trusted);
   return fit;
 }
 
 std::string FormatJson(const Fit& fit) {
   const ModelDifference& d = fit.difference;
   const Eigen::Quaterniond& q = d.first_from_second.rotation;
-  const nlohmann::ordered_json json = {
+  nlohmann::ordered_json json = {
       {"model", fit.file.camera->Name()},
       {"median_px", d.median_px},
       {"rms_px", d.rms_px},
@@ -67,17 +137,36 @@ std::string FormatJson(const Fit& fit) {
       {"places", d.pixels.size()},
       {"places_without", fit.num_places - d.pixels.size()},
       {"camera_from_model_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
+  if (fit.trusted)
+    json["trusted"] = {{"rms_px", fit.trusted->rms_px},
+                       {"p99_px", fit.trusted->p99_px},
+                       {"max_px", fit.trusted->max_px},
+                       {"places", fit.trusted->num_places}};
   return json.dump(2) + "\n";
 }
 
+// The model's name, and how large its spline is.
+std::string FullName(const CameraModel& camera) {
+  const auto* spline = dynamic_cast<const SplinedStereographic*>(&camera);
+  if (!spline) return camera.Name();
+  const SplinedStereographic::Grid& grid = spline->grid();
+  return fmt::format("{} of {} x {} control points over {} degrees",
+                     camera.Name(), grid.columns, grid.rows, grid.fov_x_deg);
+}
+
 void Run(const FitArguments& arguments, const CommonOptions& common) {
-  if (!IsParametricModel(arguments.model))
+  if (!IsParametricModel(arguments.model) && arguments.model != kSplined)
     throw Error(
         ExitCode::kUsage,
         fmt::format("--model {}: not a model that can be fitted; use {}",
-                    arguments.model, ParametricModelNames()));
+                    arguments.model, NamesOfModels()));
+  if (!arguments.spline.empty() && arguments.model != kSplined)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--spline: is for --model {}", kSplined));
+  std::optional<SplinedStereographic::Grid> grid;
+  if (!arguments.spline.empty()) grid = ParseSplineGrid(arguments.spline);
   RequireNoInputReplaced({arguments.camera}, {arguments.output});
-  const Fit fit = FitCamera(arguments);
+  const Fit fit = FitCamera(arguments, grid);
   WriteFile(arguments.output, FormatCameraFile(fit.file));
   if (common.json) {
     fmt::print("{}", FormatJson(fit));
@@ -88,10 +177,16 @@ void Run(const FitArguments& arguments, const CommonOptions& common) {
   fmt::print(
       "{}: median {:.4f} px, RMS {:.4f} px, 99 % below {:.4f} px, largest "
       "{:.4f} px at {} places, after a rotation of {:.5f} rad\n",
-      fit.file.camera->Name(), d.median_px, d.rms_px, d.p99_px, d.max_px,
+      FullName(*fit.file.camera), d.median_px, d.rms_px, d.p99_px, d.max_px,
       d.pixels.size(),
       d.first_from_second.rotation.angularDistance(
           Eigen::Quaterniond::Identity()));
+  if (fit.trusted)
+    fmt::print(
+        "where the camera can be trusted: RMS {:.4f} px, 99 % below {:.4f} px, "
+        "largest {:.4f} px at {} places\n",
+        fit.trusted->rms_px, fit.trusted->p99_px, fit.trusted->max_px,
+        fit.trusted->num_places);
   if (fit.num_places > d.pixels.size())
     fmt::print("no direction at {} of {} places\n",
                fit.num_places - d.pixels.size(), fit.num_places);
@@ -105,15 +200,21 @@ void AddFit(CLI::App* app, CommonOptions* common) {
       "The parametric model nearest to a camera, for programs that know no "
       "other, and the error that it leaves. Where a rotation leaves at least "
       "2 % less, the model looks elsewhere, and poses turn with it: --json has "
-      "the rotation.",
+      "the rotation. splined-stereographic, which mrcal knows, follows any "
+      "central camera, and is not turned.",
       "raygrid fit camera.yaml --model opencv -o opencv.yaml", common);
   auto arguments = std::make_shared<FitArguments>();
   command
       ->add_option("camera", arguments->camera,
                    "camera.yaml, a blob, or another program's camera")
       ->required();
-  command->add_option("--model", arguments->model, ParametricModelNames())
-      ->required();
+  command->add_option("--model", arguments->model, NamesOfModels())->required();
+  command
+      ->add_option("--spline", arguments->spline,
+                   "of splined-stereographic: its control points, and the "
+                   "angle across that they cover (default: the fewest that "
+                   "leave 0.005 px, and all that the camera sees)")
+      ->option_text("COLUMNSxROWS[,fov=DEGREES]");
   command->add_option("-o,--output", arguments->output, "camera.yaml to write")
       ->required();
   command->callback([arguments, common] { Run(*arguments, *common); });

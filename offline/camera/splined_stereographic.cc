@@ -49,11 +49,13 @@ struct PlaneSample {
   double weight;
 };
 
+// A lattice of pixels, so many along the longer side. What looks farther back
+// than a blob can hold is left out: a stereographic plane is mostly that.
 std::vector<PlaneSample> SamplePlane(const CameraModel& camera,
-                                     const TrustMask* trusted) {
-  constexpr double kAcross = 160, kUntrustedWeight = 1e-6;
+                                     const TrustMask* trusted, double across) {
+  constexpr double kUntrustedWeight = 1e-6, kFarthest = 8;
   const Area& area = camera.area();
-  const double step_px = std::max(area.width(), area.height()) / kAcross;
+  const double step_px = std::max(area.width(), area.height()) / across;
   const int columns = static_cast<int>(area.width() / step_px + 1e-9);
   const int rows = static_cast<int>(area.height() / step_px + 1e-9);
   std::vector<PlaneSample> samples;
@@ -62,11 +64,13 @@ std::vector<PlaneSample> SamplePlane(const CameraModel& camera,
       const Eigen::Vector2d pixel(
           area.x0 + area.width() * i / std::max(columns, 1),
           area.y0 + area.height() * j / std::max(rows, 1));
+      if (!camera.IsLit(pixel)) continue;
       const auto ray = camera.Unproject(pixel);
+      if (!ray) continue;
+      const Eigen::Vector2d u = ToPlane(*ray);
+      if (!(u.norm() < kFarthest)) continue;
       const bool is_trusted = !trusted || trusted->Trusts(pixel);
-      if (ray)
-        samples.push_back(
-            {ToPlane(*ray), pixel, is_trusted ? 1 : kUntrustedWeight});
+      samples.push_back({u, pixel, is_trusted ? 1 : kUntrustedWeight});
     }
   }
   return samples;
@@ -89,25 +93,39 @@ std::pair<double, double> FitLine(const std::vector<PlaneSample>& samples,
   return {focal_px, (sum_x - focal_px * sum_u) / sum};
 }
 
-// A grid of so many control points along the longer side, or a few more, that
-// covers all samples.
-SplineGrid CoveringGrid(const std::vector<PlaneSample>& samples, int along) {
-  constexpr int kMostDeg = 359;
+// How far from the axis samples are, at most.
+Eigen::Array2d WidestOf(const std::vector<PlaneSample>& samples) {
   Eigen::Array2d widest = Eigen::Array2d::Constant(1e-3);
   for (const PlaneSample& sample : samples)
     widest = widest.max(sample.u.array().abs());
-  const double least_cell = 2 * widest.maxCoeff() / (along - 3);
-  const auto points_over = [](double half, double cell) {
-    return 3 + std::max(1, static_cast<int>(std::ceil(2 * half / cell - 1e-9)));
-  };
-  SplineGrid grid;
-  grid.columns = points_over(widest.x(), least_cell);
-  const double edge = std::max(widest.x(), least_cell * (grid.columns - 3) / 2);
+  return widest;
+}
+
+// The angle whose cells end at an edge, or a little beyond.
+int FovDegOfEdge(double edge) {
+  constexpr int kMostDeg = 359;
   const double fov_deg = 4 * std::atan(edge / 2) * 180 / M_PI;
+  return std::min(kMostDeg, static_cast<int>(std::ceil(fov_deg + 0.1)));
+}
+
+// A grid of so many control points along the longer side, or a few more, that
+// covers all samples.
+SplineGrid CoveringGrid(const Eigen::Array2d& widest, int along) {
+  const double least_cell = 2 * widest.maxCoeff() / (along - 3);
+  SplineGrid grid;
+  grid.columns = NumControlPoints(2 * widest.x(), least_cell);
   grid.fov_x_deg =
-      std::min(kMostDeg, static_cast<int>(std::ceil(fov_deg + 0.1)));
+      FovDegOfEdge(std::max(widest.x(), least_cell * (grid.columns - 3) / 2));
   const double cell = DomainOf(grid).width() / (grid.columns - 3);
-  grid.rows = points_over(widest.y(), cell);
+  grid.rows = NumControlPoints(2 * widest.y(), cell);
+  return grid;
+}
+
+// The grid as it is told, which covers all samples if its angle is not.
+SplineGrid ToldGrid(const Eigen::Array2d& widest, SplineGrid grid) {
+  if (grid.fov_x_deg != 0) return grid;
+  const double edge_of_rows = widest.y() * (grid.columns - 3) / (grid.rows - 3);
+  grid.fov_x_deg = FovDegOfEdge(std::max(widest.x(), edge_of_rows));
   return grid;
 }
 
@@ -120,19 +138,44 @@ Eigen::VectorXd ParametersOf(const BSplineSurface& surface,
   return parameters;
 }
 
-double RmsPx(const SplinedStereographic& model,
-             const std::vector<PlaneSample>& samples,
-             const Eigen::Vector4d& others) {
-  double sum = 0, weights = 0;
+// The error that a grid is chosen by: RMS of trusted samples, or the median of
+// all if that is more. What is not trusted may be wild in places.
+double ChoiceErrorPx(const SplinedStereographic& model,
+                     const std::vector<PlaneSample>& samples) {
+  const Eigen::Vector4d others = model.Parameters().tail<4>();
+  std::vector<double> errors_px;
+  double sum = 0, count = 0;
   for (const PlaneSample& sample : samples) {
-    const Eigen::Array2d seen =
-        others.head<2>().array() *
-            (sample.u + model.surface().Evaluate(sample.u)).array() +
-        others.tail<2>().array();
-    sum += sample.weight * (seen - sample.pixel.array()).matrix().squaredNorm();
-    weights += sample.weight;
+    const Eigen::Vector2d u = sample.u + model.surface().Evaluate(sample.u);
+    errors_px.push_back(
+        (others.head<2>().cwiseProduct(u) + others.tail<2>() - sample.pixel)
+            .norm());
+    if (sample.weight < 1) continue;
+    sum += errors_px.back() * errors_px.back();
+    ++count;
   }
-  return std::sqrt(sum / weights);
+  const auto middle =
+      errors_px.begin() + static_cast<std::ptrdiff_t>(errors_px.size() / 2);
+  std::nth_element(errors_px.begin(), middle, errors_px.end());
+  return std::max(*middle, std::sqrt(sum / std::max(count, 1.0)));
+}
+
+// A spline of a grid. What a grid that was told does not cover has no say.
+std::unique_ptr<SplinedStereographic> FitGrid(
+    const CameraModel& camera, const std::vector<PlaneSample>& samples,
+    const Eigen::Vector4d& others, const SplineGrid& grid) {
+  const Area domain = DomainOf(grid);
+  std::vector<SurfaceSample> corrections;
+  for (const PlaneSample& sample : samples) {
+    if (!domain.Contains(sample.u, 1e-9)) continue;
+    const Eigen::Vector2d target =
+        (sample.pixel - others.tail<2>()).cwiseQuotient(others.head<2>());
+    corrections.push_back({sample.u, target - sample.u, sample.weight});
+  }
+  return std::make_unique<SplinedStereographic>(
+      camera.image_size(), camera.area(), grid,
+      ParametersOf(FitSurface(domain, grid.columns, grid.rows, corrections),
+                   others));
 }
 
 }  // namespace
@@ -239,36 +282,38 @@ bool SplinedStereographic::Linearize(const Eigen::Vector3d& point,
 }
 
 std::unique_ptr<SplinedStereographic> FitSplinedStereographic(
-    const CameraModel& camera, const TrustMask* trusted) {
+    const CameraModel& camera, const TrustMask* trusted,
+    const std::optional<SplinedStereographic::Grid>& told) {
   constexpr double kWorthPart = 0.02, kCloseEnoughPx = 0.005;
-  const std::vector<PlaneSample> samples = SamplePlane(camera, trusted);
+  constexpr double kLeastAcross = 160, kPerCell = 4;
+  std::vector<PlaneSample> samples = SamplePlane(camera, trusted, kLeastAcross);
   if (samples.empty()) return nullptr;
   const auto [fx, cx] = FitLine(samples, 0);
   const auto [fy, cy] = FitLine(samples, 1);
   if (!(fx > 0 && fy > 0)) return nullptr;
   const Eigen::Vector4d others(fx, fy, cx, cy);
-  std::vector<SurfaceSample> corrections;
-  for (const PlaneSample& sample : samples) {
-    const Eigen::Vector2d target =
-        (sample.pixel - others.tail<2>()).cwiseQuotient(others.head<2>());
-    corrections.push_back({sample.u, target - sample.u, sample.weight});
+  const Eigen::Array2d widest = WidestOf(samples);
+  std::vector<SplineGrid> grids;
+  if (told) {
+    grids = {ToldGrid(widest, *told)};
+  } else {
+    for (const int along : {10, 15, 22, 33, 50, 75, 112})
+      grids.push_back(CoveringGrid(widest, along));
   }
-  std::unique_ptr<SplinedStereographic> best;
-  double best_px = INFINITY;
-  for (const int along : {10, 15, 22, 33, 50}) {
-    const SplineGrid grid = CoveringGrid(samples, along);
-    auto model = std::make_unique<SplinedStereographic>(
-        camera.image_size(), camera.area(), grid,
-        ParametersOf(
-            FitSurface(DomainOf(grid), grid.columns, grid.rows, corrections),
-            others));
-    const double rms_px = RmsPx(*model, samples, others);
-    if (!(rms_px < (1 - kWorthPart) * best_px)) break;
-    best = std::move(model);
-    best_px = rms_px;
-    if (best_px < kCloseEnoughPx) break;
+  std::vector<std::unique_ptr<SplinedStereographic>> fits;
+  std::vector<double> errors_px;
+  for (const SplineGrid& grid : grids) {
+    const double across = kPerCell * std::max(grid.columns, grid.rows);
+    if (across > kLeastAcross) samples = SamplePlane(camera, trusted, across);
+    fits.push_back(FitGrid(camera, samples, others, grid));
+    errors_px.push_back(ChoiceErrorPx(*fits.back(), samples));
+    if (errors_px.back() < kCloseEnoughPx) break;
   }
-  return best;
+  const double least_px = *std::min_element(errors_px.begin(), errors_px.end());
+  const auto chosen = std::find_if(
+      errors_px.begin(), errors_px.end(),
+      [&](double error_px) { return error_px <= least_px / (1 - kWorthPart); });
+  return std::move(fits[chosen - errors_px.begin()]);
 }
 
 }  // namespace raygrid

@@ -1,6 +1,9 @@
 #ifndef RAYGRID_CAMERA_SPLINED_STEREOGRAPHIC_H
 #define RAYGRID_CAMERA_SPLINED_STEREOGRAPHIC_H
 
+#include <memory>
+#include <optional>
+
 #include "camera/bspline_surface.h"
 #include "camera/camera_uncertainty.h"
 #include "camera/parametric_model.h"
@@ -65,12 +68,14 @@ class SplinedStereographic : public ParametricModel {
 Area DomainOf(const SplinedStereographic::Grid& grid);
 
 /// The model nearest to a central camera, in its own frame: least squares on
-/// the pixels of its directions. The number of control points is the least
-/// that leaves 0.005 px, or of which half as many again leave 2 % less. Pixels
-/// that are not trusted count a thousandth; without a mask all are. Null for a
+/// the pixels of its directions. Of grids that cover these the one with the
+/// fewest control points is taken that leaves 0.005 px, or as little as any.
+/// Pixels that are not trusted count a thousandth; without a mask all are. A
+/// grid may be told, with an angle of 0 if it is to cover all. Null for a
 /// camera that sees nothing, or one line alone, or is mirrored.
 std::unique_ptr<SplinedStereographic> FitSplinedStereographic(
-    const CameraModel& camera, const TrustMask* trusted);
+    const CameraModel& camera, const TrustMask* trusted,
+    const std::optional<SplinedStereographic::Grid>& told = std::nullopt);
 
 }  // namespace raygrid
 

@@ -134,6 +134,24 @@ class MainJob(CommandTest):
         self.assertLessEqual(compared_px, figures["rms_px"])
         self.assertGreater(compared_px, 0.98 * figures["rms_px"])
 
+    def test_fit_follows_every_bump_with_a_spline(self):
+        def fit(*words, code=0):
+            result = run("fit", self.path("out/camera.yaml"), "--model", *words, "-o",
+                         self.path("spline.yaml"))
+            self.assertEqual(result.returncode, code, result.stderr)
+            return result
+        result = fit("splined-stereographic")
+        self.assertIn("control points over", result.stdout)
+        self.assertIn("where the camera can be trusted: RMS 0.00", result.stdout)
+        figures = json.loads(fit("splined-stereographic", "--json").stdout)
+        self.assertLess(figures["trusted"]["rms_px"], 0.005)
+        self.assertEqual(figures["places_without"], 0)
+        fit("splined-stereographic", "--spline", "20x16,fov=100")
+        self.assertIn(b"fov_x_deg: 100", read(self.path("spline.yaml")))
+        for words in ("20", "3x20", "20x999", "20x16,fov=0", "20x16,fov=360", "20x16,90"):
+            self.assertIn(words, fit("splined-stereographic", "--spline", words, code=1).stderr)
+        self.assertIn("--spline", fit("opencv", "--spline", "20x16", code=1).stderr)
+
     def test_fit_names_the_models_that_there_are(self):
         result = run("fit", self.path("out/camera.yaml"), "--model", "pinhole", "-o",
                      self.path("none.yaml"))

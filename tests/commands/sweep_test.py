@@ -242,7 +242,9 @@ class Case:
     def run_fit(self):
         model = self.random.choice(("opencv", "central-radial", "thin-prism-fisheye", "opencv-14",
                                     "omni-radtan", "double-sphere", "eucm"))
-        return [self.camera(), "--model", model, "-o", self.output(".yaml")]
+        spline = self.random.choice(([], ["--model", "splined-stereographic"] + self.random.choice(
+            ([], ["--spline", "9x4"], ["--spline", "4x30,fov=1"], ["--spline", "1x1,fov=999"]))))
+        return [self.camera(), *(spline or ["--model", model]), "-o", self.output(".yaml")]
 
     def run_inspect(self):
         return [self.random.choice((self.camera, self.pattern, self.features, self.image))()]

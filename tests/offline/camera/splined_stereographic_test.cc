@@ -65,26 +65,61 @@ TEST(SplinedStereographic, EndsWithItsCellsAndWhereItFolds) {
   EXPECT_GT(num_nowhere, 0);
 }
 
+// The error at pixels that are not those of the fit; all are to be seen.
+double RmsAtRandomPx(const CameraModel& lens, const SplinedStereographic& fit) {
+  TestRandom random(5);
+  double sum = 0;
+  int count = 0;
+  for (int k = 0; k < 1000; ++k) {
+    const Eigen::Vector2d pixel = random.PixelIn(fit.area());
+    const auto ray = lens.Unproject(pixel);
+    if (!ray || !lens.IsLit(pixel)) continue;
+    const auto seen = fit.Project(*ray, nullptr, 10);
+    sum += seen ? (*seen - pixel).squaredNorm() : 1e6;
+    ++count;
+  }
+  EXPECT_GT(count, 400);
+  return std::sqrt(sum / count);
+}
+
 TEST(SplinedStereographic, FitsFollowLenses) {
   for (const char* name : {"wide", "fisheye190"}) {
     const auto lens = SimulatedLens(name, kSplinedSize);
     const auto fit = FitSplinedStereographic(*lens, nullptr);
     ASSERT_TRUE(fit);
-    TestRandom random(5);
-    double sum = 0;
-    int count = 0;
-    for (int k = 0; k < 1000; ++k) {
-      const Eigen::Vector2d pixel = random.PixelIn(lens->area());
-      const auto ray = lens->Unproject(pixel);
-      if (!ray) continue;
-      const auto seen = fit->Project(*ray, nullptr, 10);
-      ASSERT_TRUE(seen) << name << " " << pixel.transpose();
-      sum += (*seen - pixel).squaredNorm();
-      ++count;
-    }
-    EXPECT_GT(count, 700);
-    EXPECT_LT(std::sqrt(sum / count), 0.01) << name;
+    EXPECT_LT(RmsAtRandomPx(*lens, *fit), 0.005) << name;
+    // An error of half a pixel is seen.
+    Eigen::VectorXd parameters = fit->Parameters();
+    parameters.tail<1>()[0] += 0.5;
+    fit->SetParameters(parameters);
+    EXPECT_GT(RmsAtRandomPx(*lens, *fit), 0.4) << name;
   }
+}
+
+TEST(SplinedStereographic, FitsTakeTheGridThatIsTold) {
+  const auto lens = SimulatedLens("wide", kSplinedSize);
+  const auto covering = FitSplinedStereographic(*lens, nullptr, {{30, 20, 0}});
+  EXPECT_EQ(covering->grid().columns, 30);
+  EXPECT_EQ(covering->grid().rows, 20);
+  EXPECT_LT(RmsAtRandomPx(*lens, *covering), 0.005);
+  // Pixels beyond a narrow grid have no say.
+  const auto narrow = FitSplinedStereographic(*lens, nullptr, {{30, 20, 40}});
+  EXPECT_EQ(narrow->grid().fov_x_deg, 40);
+  const Eigen::Vector3d ray = *lens->Unproject({320, 240});
+  EXPECT_LT(
+      (*narrow->Project(ray, nullptr, 0) - Eigen::Vector2d(320, 240)).norm(),
+      0.001);
+  EXPECT_FALSE(narrow->Project(*lens->Unproject({3, 3}), nullptr, 0));
+}
+
+// Pixels beyond the image circle look anywhere, and would widen the grid.
+TEST(SplinedStereographic, FitsEndWithTheImageCircle) {
+  const auto lens = SimulatedLens("fisheye190", kSplinedSize);
+  const auto whole = FitSplinedStereographic(*lens, nullptr);
+  lens->SetImageCircle(ImageCircle{{320, 240}, {215, 215}});
+  const auto lit = FitSplinedStereographic(*lens, nullptr);
+  EXPECT_LT(lit->grid().fov_x_deg, whole->grid().fov_x_deg - 20);
+  EXPECT_LT(RmsAtRandomPx(*lens, *lit), 0.005);
 }
 
 TEST(SplinedStereographic, FitsHaveFewPointsAcrossNarrowImages) {
