@@ -512,8 +512,9 @@ void AddExport(CLI::App* app, CommonOptions* common) {
       "file to write, or the name that several begin with; of a "
       "rig in a format that has one camera a file, a folder");
   command->add_option("--model", arguments->model,
-                      "one of the format's models (default: that of the fewest "
-                      "coefficients, unless others leave 2 % less)");
+                      "one of the format's models, or of raygrid's that it has "
+                      "(default: that of the fewest coefficients, unless "
+                      "others leave 2 % less)");
   command
       ->add_option(
           "--max-fit-error", arguments->max_fit_error_px,

@@ -123,9 +123,10 @@ struct Format {
 
   /// Null if there is none of this name.
   const LensForm* FindForm(const std::string& form) const;
-  /// The forms that --model leaves to choose from; "" leaves all that are not
-  /// only made when asked for. Throws Error(kUsage), with the names that there
-  /// are.
+  /// The forms that --model leaves to choose from: the one of this name, or
+  /// those of raygrid's model of this name. "" leaves all. Those that are only
+  /// made when asked for are left by their own name alone. Throws
+  /// Error(kUsage), with the names that there are.
   std::vector<const LensForm*> FindForms(const std::string& model) const;
 };
 

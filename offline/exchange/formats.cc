@@ -92,6 +92,7 @@ const LensForm* Format::FindForm(const std::string& form) const {
 }
 
 std::vector<const LensForm*> Format::FindForms(const std::string& model) const {
+  const bool is_named = FindForm(model) != nullptr;
   std::vector<const LensForm*> chosen;
   std::string names;
   for (const LensForm& form : forms) {
@@ -99,6 +100,9 @@ std::vector<const LensForm*> Format::FindForms(const std::string& model) const {
       chosen.push_back(&form);
     names += (names.empty() ? "" : ", ") + form.name;
   }
+  for (const LensForm& form : forms)
+    if (!is_named && form.model == model && !form.is_only_asked)
+      chosen.push_back(&form);
   if (chosen.empty())
     throw Error(ExitCode::kUsage,
                 fmt::format("--model {}: {} has {}", model, name, names));

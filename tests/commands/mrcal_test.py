@@ -133,6 +133,15 @@ for path, image in zip(paths, observations):
         self.assertEqual(told["model"], "LENSMODEL_SPLINED_STEREOGRAPHIC")
         self.assertLess(told["fit"]["max_px"], 0.01)
 
+    def test_raygrids_names_of_models_are_taken(self):
+        for model, theirs in (("splined-stereographic", "LENSMODEL_SPLINED_STEREOGRAPHIC"),
+                              ("opencv", "LENSMODEL_OPENCV")):
+            told = self.export(self.camera, "--to", "mrcal", "--model", model)["cameras"][0]
+            self.assertTrue(told["model"].startswith(theirs), told["model"])
+        result = run("export", self.camera, "--to", "mrcal", "--model", "eucm", "-o",
+                     self.path("never"))
+        self.assert_refused(result, 1, "eucm", "LENSMODEL_OPENCV12")
+
     def test_import_after_export_is_the_camera(self):
         for model in ("SPLINED_STEREOGRAPHIC", "OPENCV12"):
             self.export(self.camera, "--to", "mrcal", "--model", "LENSMODEL_" + model)
