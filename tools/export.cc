@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -18,6 +19,7 @@
 #include "dataset/text_encoding.h"
 #include "exchange/format.h"
 #include "exchange/table_format.h"
+#include "exchange/valid_region.h"
 #include "packing/rectification.h"
 #include "packing/view_request.h"
 #include "pattern_input.h"
@@ -52,9 +54,6 @@ Exported MakeExported(const std::string& path, CameraInput input) {
     camera.view_from_camera =
         camera.input.file.camera_from_view->rotation.conjugate();
   camera.trusted = TrustOf(camera.input);
-  if (camera.trusted && std::count(camera.trusted->is_trusted.begin(),
-                                   camera.trusted->is_trusted.end(), true) == 0)
-    camera.trusted.reset();
   return camera;
 }
 
@@ -178,10 +177,11 @@ std::vector<WrittenLens> ChooseLenses(const ExportArguments& arguments,
   const std::vector<const LensForm*> forms = format.FindForms(arguments.model);
   std::vector<WrittenLens> lenses;
   for (const Exported& camera : cameras) {
+    const bool is_any_trusted = camera.trusted && camera.trusted->TrustsAny();
     ChosenLens chosen = [&] {
       try {
         return ChooseLens(forms, *camera.input.file.camera,
-                          camera.trusted ? &*camera.trusted : nullptr,
+                          is_any_trusted ? &*camera.trusted : nullptr,
                           num_threads);
       } catch (const Error& error) {
         throw Error(error.code(),
@@ -196,6 +196,7 @@ std::vector<WrittenLens> ChooseLenses(const ExportArguments& arguments,
     lens.fit = chosen.fit;
     lens.camera_from_rig = camera.camera_from_rig;
     lens.rectified = camera.rectified;
+    lens.trusted = camera.trusted;
     if (lens.fit && lens.camera_from_rig)
       lens.camera_from_rig =
           Pose{lens.fit->lens_from_camera, Eigen::Vector3d::Zero()} *
@@ -410,6 +411,24 @@ const Format& FindWrittenFormat(const std::string& name) {
                                             name, WrittenFormatNames()));
 }
 
+// Says on standard error where a region is not quite what is trusted.
+void TellRegions(const std::vector<WrittenLens>& lenses) {
+  for (const WrittenLens& lens : lenses) {
+    if (!lens.trusted) continue;
+    const RegionLoss loss = LossOfRegion(*lens.trusted, lens.lens.size);
+    if (loss.num_left_out == 0 && loss.num_held == 0) continue;
+    const double cell_part = std::pow(lens.trusted->cell_px, 2) /
+                             lens.lens.size.width / lens.lens.size.height;
+    fmt::print(stderr,
+               "raygrid: the region of trusted pixels{} has one part and no "
+               "holes: {:.1f} % of the image, which is trusted, is left out, "
+               "and {:.1f} %, which is not, is in\n",
+               lens.name.empty() ? "" : " of " + Printable(lens.name),
+               100 * cell_part * loss.num_left_out,
+               100 * cell_part * loss.num_held);
+  }
+}
+
 void ExportLenses(const ExportArguments& arguments, const Format& format,
                   const CommonOptions& common) {
   const std::string word = FirstWord(arguments.view);
@@ -447,6 +466,7 @@ void ExportLenses(const ExportArguments& arguments, const Format& format,
                  lens.fit->num_beyond + lens.fit->num_pixels,
                  lens.name.empty() ? "" : " of " + Printable(lens.name),
                  lens.fit->widest_rad * 180 / M_PI);
+  if (format.holds_region) TellRegions(lenses);
   if (is_rig && format.drops_rigs)
     fmt::print(
         stderr,

@@ -35,6 +35,8 @@ struct ReadLens {
   std::vector<ImageFeatures> features;  ///< that it was calibrated with
   std::string why_no_features;   ///< if the file has some that are not taken
   std::vector<BoardPose> poses;  ///< of boards, camera_from_board
+  /// The cells that it can be trusted in.
+  std::optional<TrustMask> trusted = {};
 };
 
 /// The contents of a file that was read.
@@ -69,6 +71,8 @@ struct WrittenLens {
   std::optional<Pose> camera_from_rig;  ///< of the lens's frame, in a rig
   std::optional<RectifiedProjection> rectified;
   std::vector<BoardPose> poses;  ///< of boards, in the lens's frame
+  /// The cells that it can be trusted in.
+  std::optional<TrustMask> trusted = {};
 };
 
 struct WriteRequest {
@@ -97,6 +101,7 @@ struct Format {
   bool drops_rigs = false;       ///< files of a rig's cameras have no poses
   bool holds_pairs = false;      ///< files of two cameras have R and P
   bool holds_poses = false;      ///< of boards
+  bool holds_region = false;     ///< one, around what can be trusted
   bool takes_board = false;      ///< corners alone, without a board's width
   bool may_take_board = false;   ///< corners that may lack a board's width
 

@@ -249,6 +249,7 @@ CameraFile CameraFileOf(const ReadLens& read) {
   file.camera = MakeLens(read.lens);
   file.name = read.name;
   file.serial = read.serial;
+  if (read.trusted) file.uncertainty = CameraUncertainty::OfMask(*read.trusted);
   return file;
 }
 

@@ -12,6 +12,7 @@
 #include "dataset/yaml_file.h"
 #include "exchange/opencv_forms.h"
 #include "exchange/photonvision_format.h"
+#include "exchange/valid_region.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {
@@ -145,6 +146,24 @@ std::optional<Pose> PoseOf(const YAML::Node& root) {
   return Pose{RotationFromVector({rt[0], rt[1], rt[2]}), {rt[3], rt[4], rt[5]}};
 }
 
+// None if the file has no region, which means that it does not tell.
+std::optional<TrustMask> TrustIn(const YAML::Node& root,
+                                 const ImageSize& size) {
+  constexpr char kKey[] = "valid_intrinsics_region";
+  const YAML::Node node = root[kKey];
+  if (!node || node.IsNull()) return std::nullopt;
+  if (!node.IsSequence())
+    throw InputError(fmt::format("{}: not a list of points", kKey));
+  ValidRegion region;
+  for (const YAML::Node& point : node) {
+    const std::vector<double> xy = FiniteNumbers(point, kKey, 2);
+    region.emplace_back(xy[0], xy[1]);
+  }
+  if (!region.empty() && region.size() < 3)
+    throw InputError(fmt::format("{}: fewer than 3 points", kKey));
+  return TrustOfRegion(region, size);
+}
+
 ExchangeContents ReadMrcal(const ReadRequest& request) {
   const std::string yaml = AsYaml(request.text);
   RequireYamlFile(request.path, yaml);
@@ -154,10 +173,7 @@ ExchangeContents ReadMrcal(const ReadRequest& request) {
   ReadLens camera;
   camera.lens = LensOf(root);
   camera.camera_from_rig = PoseOf(root);
-  const YAML::Node region = root["valid_intrinsics_region"];
-  if (region && region.IsSequence() && region.size() > 0)
-    contents.remarks.push_back(
-        "its valid_intrinsics_region is not taken: the whole image is");
+  camera.trusted = TrustIn(root, camera.lens.size);
   contents.cameras.push_back(std::move(camera));
   return contents;
 }
@@ -181,6 +197,13 @@ std::string Comment(const std::string& what, const std::string& text) {
   return text.empty() ? "" : fmt::format("# {}{}\n", what, Printable(text));
 }
 
+std::string RegionText(const TrustMask& trusted, const ImageSize& size) {
+  std::string text = "    'valid_intrinsics_region': [\n";
+  for (const Eigen::Vector2d& point : RegionOfTrust(trusted, size))
+    text += fmt::format("    [ {}, {} ],\n", point.x(), point.y());
+  return text + "],\n\n";
+}
+
 // The camera's own frame is the reference of one that is in no rig.
 std::string WriteMrcal(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
@@ -196,6 +219,7 @@ std::string WriteMrcal(const WriteRequest& request) {
   if (camera.fit) text += Comment("fit: ", LensFitText(*camera.fit));
   text += fmt::format("{{\n    'lensmodel': '{}',\n\n", model);
   text += fmt::format("    'intrinsics': [ {},],\n\n", RealTexts(values));
+  if (camera.trusted) text += RegionText(*camera.trusted, camera.lens.size);
   text += fmt::format("    # rt_cam_ref\n    'extrinsics': [ {},],\n\n", rt);
   text += fmt::format("    'imagersize': [ {}, {},],\n}}\n",
                       camera.lens.size.width, camera.lens.size.height);
@@ -220,6 +244,7 @@ Format MrcalFormat() {
       "the splined stereographic model; of a rig a file for each camera";
   format.forms = MrcalForms();
   format.ending = ".cameramodel";
+  format.holds_region = true;
   format.recognizes = IsMrcal;
   format.read = ReadMrcal;
   format.write = WriteMrcal;

@@ -111,7 +111,8 @@ WrittenLens ChooseFor(const PyCamera& camera, const std::string& name,
                       const std::optional<double>& max_fit_error_px) {
   const auto& uncertainty = camera.file.uncertainty;
   const TrustMask* mask = uncertainty ? &uncertainty->mask : nullptr;
-  ChosenLens chosen = ChooseLens(forms, *camera.file.camera, mask);
+  ChosenLens chosen = ChooseLens(forms, *camera.file.camera,
+                                 mask && mask->TrustsAny() ? mask : nullptr);
   if (max_fit_error_px && chosen.fit &&
       (chosen.fit->num_beyond > 0 || chosen.fit->max_px > *max_fit_error_px))
     throw Error(ExitCode::kQuality,
@@ -124,6 +125,7 @@ WrittenLens ChooseFor(const PyCamera& camera, const std::string& name,
   lens.lens = chosen.lens;
   lens.fit = chosen.fit;
   lens.camera_from_rig = pose;
+  if (mask) lens.trusted = *mask;
   if (lens.fit && pose)
     lens.camera_from_rig =
         Pose{lens.fit->lens_from_camera, Eigen::Vector3d::Zero()} * *pose;

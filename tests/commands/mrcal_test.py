@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import re
 import subprocess
 import unittest
 
@@ -128,6 +129,75 @@ for path, image in zip(paths, observations):
         for a, b in zip(theirs[0], off):
             self.assertAlmostEqual(math.dist(a, b), 0.5, 6)
 
+    def known_fisheye(self, is_trusted):
+        """A fisheye, as its truth and as a camera that trusts cells of 8 pixels."""
+        truth = self.simulated_camera("fisheye190", "320x240")
+        cells = ["".join("#" if is_trusted(i, j) else "." for i in range(40)) for j in range(30)]
+        return truth, write(self.path("known.yaml"), read(truth).decode()
+                            + f"trusted: {{cell_px: 8, cells: {cells}}}\n"), cells
+
+    @unittest.skipUnless(MRCAL, NO_MRCAL)
+    def test_mrcal_sees_as_a_fitted_spline_does(self):
+        """10,000 rays of a fisheye, and its trusted pixels; half a pixel is seen."""
+        truth, known, cells = self.known_fisheye(
+            lambda i, j: math.hypot(i - 19.5, j - 14.5) < 14 and not (i > 20 and j == 9))
+        told = run("fit", known, "--model", "splined-stereographic", "--json", "-o",
+                   self.path("fitted.yaml"))
+        self.assert_done(told)
+        told = json.loads(told.stdout)
+        self.assertLess(told["trusted"]["rms_px"], 0.005)
+        self.assertLess(told["trusted"]["max_px"], 0.05)
+        self.assertLess(told["trusted"]["places"], told["places"])
+        self.assertTrue(self.export(self.path("fitted.yaml"), "--to", "mrcal",
+                                    out="fitted.cameramodel")["cameras"][0]["exact"])
+        fitted = self.path("fitted.cameramodel")
+        center = read(fitted).split(b"'intrinsics': [ ")[1].split(b", ")[2]
+        shifted = write(self.path("shifted_fisheye.cameramodel"), read(fitted).replace(
+            center, repr(float(center) + 0.5).encode(), 1))
+        pixels, rays = self.rays(truth, [(x * 2.5, y * 2.5) for y in range(96) for x in range(128)])
+        self.assertGreater(len(rays), 10000)
+        theirs, off = self.seen_by_mrcal(rays, fitted, shifted)
+        ours = self.seen(self.path("fitted.yaml"), rays)
+        distances = [math.dist(a, b) for a, b in zip(ours, theirs) if a]
+        self.assertGreater(len(distances), 0.98 * len(rays))
+        self.assertLess(max(distances), 1e-6)
+        errors = [math.dist(*pair) for pair in zip(pixels, theirs)
+                  if cells[int(pair[0][1] + 0.5) // 8][int(pair[0][0] + 0.5) // 8] == "#"]
+        self.assertLess(rms(errors), 0.005)
+        for a, b in zip(theirs, off):
+            self.assertAlmostEqual(math.dist(a, b), 0.5, 6)
+        self.export(known, "--to", "mrcal", "--model", "splined-stereographic",
+                    out="known.cameramodel")
+        places = [(8 * i + x, 8 * j + y) for j in range(30) for i in range(40) for x, y in
+                  ((0, 0), (7, 7))]
+        write(self.path("places.csv"), "x,y\n" + "".join(f"{x},{y}\n" for x, y in places))
+        result = subprocess.run([MRCAL, PEER, "region", self.path("places.csv"),
+                                 self.path("known.cameramodel")], capture_output=True, text=True,
+                                check=False)
+        self.assert_done(result)
+        self.assertEqual(["#" if word == "1" else "." for word in result.stdout.split()],
+                         [cells[y // 8][x // 8] for x, y in places])
+
+    def test_what_is_trusted_comes_through(self):
+        _, known, cells = self.known_fisheye(lambda i, j: 4 < i < 30 and (i, j) != (9, 9))
+        result = run("export", known, "--to", "mrcal", "-o", self.path("k.cameramodel"))
+        self.assert_done(result)
+        self.assertIn("no holes: 0.0 % of the image, which is trusted", result.stderr)
+        self.assertIn("and 0.1 %, which is not, is in", result.stderr)
+        self.assert_done(run("import", self.path("k.cameramodel"), "-o", self.path("k.yaml")))
+        cells[9] = cells[9].replace("#.#", "###")
+        self.assertEqual(re.findall('"([#.]+)"', read(self.path("k.yaml")).decode()), cells)
+        self.export(self.path("k.yaml"), "--to", "mrcal", out="again.cameramodel")
+        region = lambda path: read(path).split(b"valid_intrinsics_region")[1].split(b"\n\n")[0]
+        self.assertEqual(region(self.path("k.cameramodel")),
+                         region(self.path("again.cameramodel")))
+        self.assert_done(run("pack", self.path("k.yaml"), "-o", self.path("k.raygrid")))
+        for file in ("k.yaml", "k.raygrid"):
+            facts = run("inspect", self.path(file), "--json")
+            self.assert_done(facts)
+            self.assertIn("trusted", facts.stdout)
+            self.assertNotIn("median_px", facts.stdout)
+
     def test_the_best_model_is_the_default(self):
         told = self.export(self.camera, "--to", "mrcal", "--max-fit-error", 0.02)["cameras"][0]
         self.assertEqual(told["model"], "LENSMODEL_SPLINED_STEREOGRAPHIC")
@@ -186,7 +256,9 @@ for path, image in zip(paths, observations):
                 ("a", whole.replace("OPENCV8", "CAHVOR"), ("LENSMODEL_CAHVOR", "OPENCV12")),
                 ("b", whole.replace("151", "nan"), ("intrinsics", "no finite number")),
                 ("c", whole[:len(whole) // 2], ("",)),
-                ("d", whole.replace("'extrinsics': [ 0,", "'extrinsics': ["), ("6 numbers",))):
+                ("d", whole.replace("'extrinsics': [ 0,", "'extrinsics': ["), ("6 numbers",)),
+                ("f", whole.replace("'extr", "'valid_intrinsics_region': [[0, 0], [1, 1]],\n'extr"),
+                 ("valid_intrinsics_region", "3 points"))):
             with self.subTest(name):
                 self.assert_refused(run("import", write(self.path(name), text), "-o",
                                         self.path("never.yaml")), 2, name, *words)

@@ -51,6 +51,8 @@ std::vector<std::pair<WrittenLens, std::string>> Examples(
     WrittenLens camera;
     camera.name = "front";
     camera.lens = ExampleOf(form);
+    camera.trusted = TrustMask::Over(kExampleImage);
+    camera.trusted->is_trusted[70] = true;
     examples.emplace_back(camera, format.write({"front.yaml", {camera}}));
   }
   return examples;
@@ -90,6 +92,10 @@ TEST(Formats, ReadWhatTheyWriteToTheBit) {
                 MakeLens(camera.lens)->Parameters());
       EXPECT_EQ(read.cameras[0].lens.size, kExampleImage);
       EXPECT_TRUE(read.remarks.empty());
+      ASSERT_EQ(read.cameras[0].trusted.has_value(), format.holds_region);
+      if (!format.holds_region) continue;
+      EXPECT_EQ(read.cameras[0].trusted->is_trusted,
+                camera.trusted->is_trusted);
     }
   }
 }

@@ -42,9 +42,33 @@ TEST(MrcalFormat, ReadsWhatMrcalWrites) {
   EXPECT_LT(camera.camera_from_rig->rotation.angularDistance(
                 RotationFromVector({0.1, 0.2, 0.3})),
             1e-12);
-  ASSERT_EQ(contents.remarks.size(), 1u);
-  EXPECT_NE(contents.remarks[0].find("valid_intrinsics_region"),
-            std::string::npos);
+  EXPECT_TRUE(contents.remarks.empty());
+  ASSERT_TRUE(camera.trusted);
+  EXPECT_TRUE(camera.trusted->Trusts({500, 200}));
+  EXPECT_FALSE(camera.trusted->Trusts({200, 300}));
+  EXPECT_FALSE(camera.trusted->Trusts({630, 200}));
+  const CameraFile file = CameraFileOf(camera);
+  EXPECT_EQ(file.uncertainty->mask.is_trusted, camera.trusted->is_trusted);
+  EXPECT_FALSE(file.uncertainty->TellsDeviations());
+}
+
+TEST(MrcalFormat, TellsWhatCanBeTrusted) {
+  const std::string key = "'valid_intrinsics_region'";
+  EXPECT_FALSE(ParseMrcal(MrcalWith(key, "'other'")).cameras[0].trusted);
+  WrittenLens camera;
+  camera.lens = ParseMrcal(kMrcal).cameras[0].lens;
+  const auto written = [&] {
+    return FindFormat("--to", "mrcal").write({"a.cameramodel", {camera}});
+  };
+  EXPECT_EQ(written().find(key), std::string::npos);
+  TrustMask mask = TrustMask::Over({640, 480});
+  for (const size_t num_trusted : {size_t{0}, mask.is_trusted.size() / 2}) {
+    std::fill_n(mask.is_trusted.begin(), num_trusted, true);
+    camera.trusted = mask;
+    const ReadLens read = ParseMrcal(written()).cameras[0];
+    ASSERT_TRUE(read.trusted);
+    EXPECT_EQ(read.trusted->is_trusted, mask.is_trusted);
+  }
 }
 
 TEST(MrcalFormat, PrefersThePoseThatLaterVersionsAdd) {
@@ -93,7 +117,11 @@ TEST(MrcalFormat, RefusesInOneLine) {
       {MrcalWith(", 480", ""), {"imagersize", "width and height"}},
       {MrcalWith("'imagersize'", "'size'"), {"imagersize"}},
       {MrcalWith("1, 2, 3", "1, 2"), {"extrinsics", "6 numbers"}},
-      {MrcalWith("1, 2, 3", "1, 2, inf"), {"extrinsics"}}};
+      {MrcalWith("1, 2, 3", "1, 2, inf"), {"extrinsics"}},
+      {MrcalWith("[ 600, 0 ]", "[ 600 ]"), {"valid_intrinsics_region"}},
+      {MrcalWith("[ 600, 0 ]", "[ 600, nan ]"), {"valid_intrinsics_region"}},
+      {MrcalWith("    [ 600, 0 ],\n    [ 600, 400 ],\n", ""),
+       {"valid_intrinsics_region", "3 points"}}};
   for (const auto& [text, words] : cases)
     ExpectError(ExitCode::kInput, words,
                 [&, &text = text] { ParseMrcal(text); });

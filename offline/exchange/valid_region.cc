@@ -1,0 +1,154 @@
+#include "exchange/valid_region.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raygrid {
+namespace {
+
+// A cell, or the corner above and to the left of it.
+struct Place {
+  int column, row;
+
+  bool operator==(const Place& other) const {
+    return column == other.column && row == other.row;
+  }
+  Place operator+(const Place& step) const {
+    return {column + step.column, row + step.row};
+  }
+};
+
+// Right, down, left and up: each is the one before it, turned to the right.
+constexpr Place kSteps[4] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+
+bool Holds(const TrustMask& mask, const Place& cell) {
+  return cell.column >= 0 && cell.column < mask.columns && cell.row >= 0 &&
+         cell.row < mask.rows &&
+         mask.is_trusted[cell.row * mask.columns + cell.column];
+}
+
+// Takes a part of the cells out of a mask: those that are joined to a cell.
+TrustMask TakePart(int first, TrustMask* rest) {
+  TrustMask part = *rest;
+  part.is_trusted.assign(part.is_trusted.size(), false);
+  std::vector<int> next = {first};
+  rest->is_trusted[first] = false;
+  while (!next.empty()) {
+    const int cell = next.back();
+    next.pop_back();
+    part.is_trusted[cell] = true;
+    for (const Place& step : kSteps) {
+      const Place beside =
+          Place{cell % part.columns, cell / part.columns} + step;
+      if (!Holds(*rest, beside)) continue;
+      next.push_back(beside.row * part.columns + beside.column);
+      rest->is_trusted[next.back()] = false;
+    }
+  }
+  return part;
+}
+
+int64_t NumTrustedCells(const TrustMask& mask) {
+  return std::count(mask.is_trusted.begin(), mask.is_trusted.end(), true);
+}
+
+// The largest part; the first of equals. Empty if nothing is trusted.
+TrustMask LargestPart(TrustMask rest) {
+  TrustMask largest = rest;
+  largest.is_trusted.assign(rest.is_trusted.size(), false);
+  for (size_t cell = 0; cell < rest.is_trusted.size(); ++cell) {
+    if (!rest.is_trusted[cell]) continue;
+    TrustMask part = TakePart(static_cast<int>(cell), &rest);
+    if (NumTrustedCells(part) > NumTrustedCells(largest))
+      largest = std::move(part);
+  }
+  return largest;
+}
+
+// Whether a mask holds the cell to the right of the way from a corner along a
+// step. The cell to its left is to the right of the step before.
+bool HoldsBeside(const TrustMask& mask, const Place& corner, int step) {
+  constexpr Place kRight[4] = {{0, 0}, {-1, 0}, {-1, -1}, {0, -1}};
+  return Holds(mask, corner + kRight[step % 4]);
+}
+
+Eigen::Vector2d PixelOfCorner(const Place& corner, const TrustMask& mask,
+                              const ImageSize& size) {
+  return {std::min(corner.column * mask.cell_px, size.width) - 0.5,
+          std::min(corner.row * mask.cell_px, size.height) - 0.5};
+}
+
+// The middle of what lies in the image of a cell.
+Eigen::Vector2d MiddleOf(const Place& cell, const TrustMask& mask,
+                         const ImageSize& size) {
+  return (PixelOfCorner(cell, mask, size) +
+          PixelOfCorner(cell + Place{1, 1}, mask, size)) /
+         2;
+}
+
+// Whether a way to the right of a place crosses a contour an odd number of
+// times.
+bool IsInside(const ValidRegion& region, const Eigen::Vector2d& place) {
+  bool is_inside = false;
+  for (size_t k = 0; k < region.size(); ++k) {
+    const Eigen::Vector2d &a = region[k], &b = region[(k + 1) % region.size()];
+    if ((a.y() > place.y()) == (b.y() > place.y())) continue;
+    const double part = (place.y() - a.y()) / (b.y() - a.y());
+    if (place.x() < a.x() + part * (b.x() - a.x())) is_inside = !is_inside;
+  }
+  return is_inside;
+}
+
+// A mask's cells whose middle is in a region.
+TrustMask CellsInside(const ValidRegion& region, TrustMask mask,
+                      const ImageSize& size) {
+  for (size_t k = 0; k < mask.is_trusted.size(); ++k) {
+    const int cell = static_cast<int>(k);
+    mask.is_trusted[k] = IsInside(
+        region,
+        MiddleOf({cell % mask.columns, cell / mask.columns}, mask, size));
+  }
+  return mask;
+}
+
+}  // namespace
+
+// The way around begins with the part's first cell, which it has to its right
+// ever after.
+ValidRegion RegionOfTrust(const TrustMask& mask, const ImageSize& size) {
+  const TrustMask part = LargestPart(mask);
+  const auto first =
+      std::find(part.is_trusted.begin(), part.is_trusted.end(), true);
+  if (first == part.is_trusted.end()) return {};
+  const int cell = static_cast<int>(first - part.is_trusted.begin());
+  const Place start = {cell % part.columns, cell / part.columns};
+  ValidRegion region = {PixelOfCorner(start, part, size)};
+  int step = 0;
+  for (Place corner = start + kSteps[step]; !(corner == start);
+       corner = corner + kSteps[step]) {
+    const int before = step;
+    if (!HoldsBeside(part, corner, step))
+      step = (step + 1) % 4;
+    else if (HoldsBeside(part, corner, step + 3))
+      step = (step + 3) % 4;
+    if (step != before) region.push_back(PixelOfCorner(corner, part, size));
+  }
+  region.push_back(region.front());
+  return region;
+}
+
+TrustMask TrustOfRegion(const ValidRegion& region, const ImageSize& size) {
+  return CellsInside(region, TrustMask::Over(size), size);
+}
+
+RegionLoss LossOfRegion(const TrustMask& mask, const ImageSize& size) {
+  const TrustMask held = CellsInside(RegionOfTrust(mask, size), mask, size);
+  RegionLoss loss;
+  for (size_t k = 0; k < mask.is_trusted.size(); ++k) {
+    loss.num_left_out += mask.is_trusted[k] && !held.is_trusted[k];
+    loss.num_held += !mask.is_trusted[k] && held.is_trusted[k];
+  }
+  return loss;
+}
+
+}  // namespace raygrid
