@@ -175,8 +175,11 @@ for path, image in zip(paths, observations):
                                  self.path("known.cameramodel")], capture_output=True, text=True,
                                 check=False)
         self.assert_done(result)
-        self.assertEqual(["#" if word == "1" else "." for word in result.stdout.split()],
-                         [cells[y // 8][x // 8] for x, y in places])
+        inside = result.stdout.split()
+        self.assertEqual(len(inside), len(places))
+        wrong = [place for place, word in zip(places, inside)
+                 if (word == "1") != (cells[place[1] // 8][place[0] // 8] == "#")]
+        self.assertEqual(wrong[:3], [])
 
     def test_what_is_trusted_comes_through(self):
         _, known, cells = self.known_fisheye(lambda i, j: 4 < i < 30 and (i, j) != (9, 9))
