@@ -99,7 +99,8 @@ Fit FitCamera(const FitArguments& arguments,
   if (!camera.IsCentral())
     throw Error(ExitCode::kUsage,
                 fmt::format("{}: the lines of a {} camera do not meet in a "
-                            "point; calibrate {} from the features instead",
+                            "point; calibrate central-generic from the "
+                            "features, and fit {} to that",
                             arguments.camera, camera.Name(), arguments.model));
   const Area& area = camera.area();
   Fit fit;
