@@ -1,7 +1,7 @@
 #include "exchange/valid_region.h"
 
 #include <algorithm>
-#include <cmath>
+#include <cstdint>
 
 namespace raygrid {
 namespace {
