@@ -5,7 +5,6 @@
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfInputFile.h>
-#include <ImfOutputFile.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,28 +15,11 @@
 #include "dataset/error.h"
 #include "dataset/image_header.h"
 #include "dataset/text_encoding.h"
+#include "exchange/exr.h"
 #include "exchange/pixel_origin.h"
 
 namespace raygrid {
 namespace {
-
-// A file in memory, which OpenEXR writes in several places.
-class ExrBytes : public Imf::OStream {
- public:
-  ExrBytes() : Imf::OStream("STMap") {}
-  void write(const char bytes[], int count) override {
-    if (at_ + count > bytes_.size()) bytes_.resize(at_ + count);
-    bytes_.replace(at_, count, bytes, count);
-    at_ += count;
-  }
-  uint64_t tellp() override { return at_; }
-  void seekp(uint64_t at) override { at_ = at; }
-  const std::string& bytes() const { return bytes_; }
-
- private:
-  std::string bytes_;
-  size_t at_ = 0;
-};
 
 constexpr std::array<const char*, 4> kChannels = {"R", "G", "B", "A"};
 using StPixel = std::array<float, kChannels.size()>;
@@ -52,34 +34,14 @@ StPixel PixelOf(const ViewTable& view, int x, int y) {
           static_cast<float>(1 - at.y() / view.source_size.height), 0, 1};
 }
 
-std::string ExrOf(const ImageSize& size, const std::vector<StPixel>& pixels) {
-  Imf::Header header(size.width, size.height);
-  header.compression() = Imf::ZIP_COMPRESSION;
-  Imf::FrameBuffer buffer;
-  char* const first =
-      reinterpret_cast<char*>(const_cast<StPixel*>(pixels.data()));
-  for (size_t c = 0; c < kChannels.size(); ++c) {
-    header.channels().insert(kChannels[c], Imf::Channel(Imf::FLOAT));
-    buffer.insert(kChannels[c],
-                  Imf::Slice(Imf::FLOAT, first + c * sizeof(float),
-                             sizeof(StPixel), sizeof(StPixel) * size.width));
-  }
-  ExrBytes bytes;
-  {
-    Imf::OutputFile file(bytes, header);
-    file.setFrameBuffer(buffer);
-    file.writePixels(size.height);
-  }  // which completes the file
-  return bytes.bytes();
-}
-
 TableOutput WriteStMap(const ViewTable& view) {
-  std::vector<StPixel> pixels;
-  pixels.reserve(view.sources.size());
+  std::vector<float> numbers;
+  numbers.reserve(view.sources.size() * kChannels.size());
   for (int y = 0; y < view.size.height; ++y)
     for (int x = 0; x < view.size.width; ++x)
-      pixels.push_back(PixelOf(view, x, y));
-  return {{{view.path, ExrOf(view.size, pixels)}},
+      for (const float number : PixelOf(view, x, y)) numbers.push_back(number);
+  return {{{view.path, WriteExr(view.size, {kChannels.begin(), kChannels.end()},
+                                numbers)}},
           "s from the left, t from below, alpha where there is a source"};
 }
 
