@@ -560,7 +560,7 @@ void AddExport(CLI::App* app, CommonOptions* common) {
       ->add_option("--every", arguments->every,
                    "of rays: the first of so many columns and rows, and the "
                    "last of all (default: 1); of meshes: the pixels from one "
-                   "vertex to the next (default: 16)")
+                   "vertex to the next (default: 16, of vpi 1)")
       ->option_text("N");
   AddPatternOption(command, &arguments->pattern, "; that of features.csv");
   command

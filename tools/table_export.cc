@@ -190,6 +190,11 @@ std::vector<Eigen::Vector2d> PlacesOfVertices(const SeenView& seen,
   return places;
 }
 
+// Whether a unit may go on by parabolas between vertices of a mesh.
+bool IsBent(const TableFormat& format, const MeshLattice& lattice) {
+  return format.mesh_unit->spans.size() > 1 && lattice.x[1] > 1;
+}
+
 MeshTable MeshOfView(const TableFormat& format, const TableArguments& arguments,
                      const SeenView& seen, int num_threads) {
   MeshRequest request = {seen.view.size, seen.camera->image_size(), {}};
@@ -201,9 +206,12 @@ MeshTable MeshOfView(const TableFormat& format, const TableArguments& arguments,
   mesh.lattice = format.mesh_unit->lattice(request);
   mesh.sources = TableOfView(format, arguments, seen, num_threads).sources;
   mesh.is_needed = NeededVertices(mesh.lattice, mesh.size, mesh.sources);
+  // Parabolas reach farther, and leave errors on both sides by themselves.
+  const bool is_bent = IsBent(format, mesh.lattice);
+  if (is_bent) mesh.is_needed.assign(mesh.is_needed.size(), true);
   mesh.vertices = PlacesOfVertices(seen, mesh, num_threads);
   ContinueVertices(mesh.lattice, &mesh.vertices);
-  BalanceVertices(&mesh);
+  if (!is_bent) BalanceVertices(&mesh);
   return mesh;
 }
 
@@ -223,12 +231,38 @@ void RequireSmallMeshError(const TableFormat& format,
   throw Error(ExitCode::kQuality, text);
 }
 
+// The errors of all ways in which a unit may go on between vertices.
+struct MeshErrors {
+  MeshError largest;
+  std::string text;  ///< of each; none of a single one
+  nlohmann::ordered_json json;
+};
+
+MeshErrors ErrorsOfMesh(const TableFormat& format, const MeshTable& mesh,
+                        const UnitMesh& unit) {
+  MeshErrors errors;
+  for (const MeshSpan span : format.mesh_unit->spans) {
+    const MeshError own = ErrorOfMesh(mesh, unit, span);
+    if (errors.json.empty() || own.max_px > errors.largest.max_px)
+      errors.largest = own;
+    if (!IsBent(format, mesh.lattice)) break;
+    errors.json[SpanName(span)] = {{"max_px", own.max_px},
+                                   {"rms_px", own.rms_px},
+                                   {"farthest_pixel", {own.x, own.y}}};
+    errors.text += fmt::format("{} {:.4f} px by {}",
+                               errors.text.empty() ? "; at most" : ",",
+                               own.max_px, SpanName(span));
+  }
+  return errors;
+}
+
 TableOutput MakeMesh(const TableFormat& format, const TableArguments& arguments,
                      const SeenView& seen, int num_threads,
                      nlohmann::ordered_json* json) {
   const MeshTable mesh = MeshOfView(format, arguments, seen, num_threads);
   const UnitMesh unit = format.mesh_unit->write(mesh);
-  const MeshError error = ErrorOfMesh(mesh, unit);
+  const MeshErrors errors = ErrorsOfMesh(format, mesh, unit);
+  const MeshError& error = errors.largest;
   RequireSmallMeshError(format, arguments, error);
   (*json)["mesh"] = {
       {"vertices", {mesh.lattice.columns(), mesh.lattice.rows()}},
@@ -240,9 +274,11 @@ TableOutput MakeMesh(const TableFormat& format, const TableArguments& arguments,
       {"pixels_filled", error.num_filled},
       {"vertices_moved", error.num_moved},
       {"for_the_unit", unit.told}};
+  if (!errors.text.empty()) (*json)["mesh"]["between_vertices"] = errors.json;
   return {unit.files,
-          fmt::format("{} x {} vertices, {}; {}", mesh.lattice.columns(),
-                      mesh.lattice.rows(), MeshErrorText(error), unit.told)};
+          fmt::format("{} x {} vertices, {}{}; {}", mesh.lattice.columns(),
+                      mesh.lattice.rows(), MeshErrorText(error), errors.text,
+                      unit.told)};
 }
 
 // The poses of poses.csv, which are one camera's.

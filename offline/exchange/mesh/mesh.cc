@@ -22,7 +22,49 @@ size_t CountMoved(const MeshTable& mesh, const UnitMesh& unit) {
   return count;
 }
 
+// The place that vertices say of a pixel.
+Eigen::Vector2d PlaceByWeights(const MeshLattice& lattice,
+                               const std::vector<Eigen::Vector2d>& vertices,
+                               const MeshWeights& x, const MeshWeights& y) {
+  Eigen::Vector2d place(0, 0);
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i) {
+      const double weight = x.weights[i] * y.weights[j];
+      if (weight != 0)
+        place +=
+            weight *
+            vertices[static_cast<size_t>(y.vertex + j) * lattice.columns() +
+                     x.vertex + i];
+    }
+  return place;
+}
+
 }  // namespace
+
+std::string SpanName(MeshSpan span) {
+  return span == MeshSpan::kLine    ? "lines"
+         : span == MeshSpan::kPatch ? "patches"
+                                    : "nearest";
+}
+
+std::vector<MeshWeights> WeightsAlong(const std::vector<int>& vertices,
+                                      int count, MeshSpan span) {
+  const int last = static_cast<int>(vertices.size()) - 1;
+  std::vector<MeshWeights> all;
+  for (const MeshStep& step : StepsAlong(vertices, count)) {
+    if (span == MeshSpan::kLine || last < 2) {
+      all.push_back({step.vertex, {1 - step.part, step.part, 0}});
+      continue;
+    }
+    const int middle =
+        std::clamp(span == MeshSpan::kPatch ? step.vertex / 2 * 2 + 1
+                                            : step.vertex + (step.part > 0.5),
+                   1, last - 1);
+    const double t = step.vertex + step.part - middle;
+    all.push_back({middle - 1, {t * (t - 1) / 2, 1 - t * t, t * (t + 1) / 2}});
+  }
+  return all;
+}
 
 std::vector<MeshStep> StepsAlong(const std::vector<int>& vertices, int count) {
   std::vector<MeshStep> steps(count);
@@ -53,18 +95,19 @@ Eigen::Vector2d PlaceInMesh(const MeshLattice& lattice,
   return above + y.part * (under - above);
 }
 
-MeshError ErrorOfMesh(const MeshTable& mesh, const UnitMesh& unit) {
-  const std::vector<MeshStep> columns =
-      StepsAlong(mesh.lattice.x, mesh.size.width);
-  const std::vector<MeshStep> rows =
-      StepsAlong(mesh.lattice.y, mesh.size.height);
+MeshError ErrorOfMesh(const MeshTable& mesh, const UnitMesh& unit,
+                      MeshSpan span) {
+  const std::vector<MeshWeights> columns =
+      WeightsAlong(mesh.lattice.x, mesh.size.width, span);
+  const std::vector<MeshWeights> rows =
+      WeightsAlong(mesh.lattice.y, mesh.size.height, span);
   const Area image = WholeImage(mesh.source_size);
   MeshError error;
   double sum = 0, worst = -1;
   for (int y = 0; y < mesh.size.height; ++y)
     for (int x = 0; x < mesh.size.width; ++x) {
       const Eigen::Vector2d place =
-          PlaceInMesh(mesh.lattice, unit.vertices, columns[x], rows[y]);
+          PlaceByWeights(mesh.lattice, unit.vertices, columns[x], rows[y]);
       const Eigen::Vector2d& source =
           mesh.sources[static_cast<size_t>(y) * mesh.size.width + x];
       if (!source.allFinite()) {

@@ -4,6 +4,7 @@
 #define RAYGRID_EXCHANGE_MESH_MESH_H
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -31,6 +32,25 @@ struct MeshStep {
 };
 /// Those of the first so many pixels of an axis.
 std::vector<MeshStep> StepsAlong(const std::vector<int>& vertices, int count);
+
+/// How a unit goes on between the vertices of an axis.
+enum class MeshSpan {
+  kLine,    ///< straight, from each to the next
+  kPatch,   ///< parabolas through three, each ending where the next one begins
+  kNearest  ///< the parabola through the nearest one and those beside it
+};
+/// "lines", "patches" or "nearest".
+std::string SpanName(MeshSpan span);
+
+/// Three vertices of an axis, from one on, and what they weigh at a pixel.
+struct MeshWeights {
+  int vertex = 0;
+  std::array<double, 3> weights = {0, 0, 0};
+};
+/// Those at the first so many pixels of an axis. Vertices of parabolas are
+/// evenly spaced.
+std::vector<MeshWeights> WeightsAlong(const std::vector<int>& vertices,
+                                      int count, MeshSpan span);
 
 /// The view of a mesh that is asked for.
 struct MeshRequest {
@@ -61,7 +81,7 @@ struct UnitMesh {
   bool keeps_rows = false;  ///< y is not in the files
 };
 
-/// A dewarping unit. Between its vertices it goes on bilinearly.
+/// A dewarping unit.
 struct MeshUnit {
   /// Throws Error(kUsage) for sizes and steps that the unit cannot take.
   MeshLattice (*lattice)(const MeshRequest& request) = nullptr;
@@ -71,6 +91,9 @@ struct MeshUnit {
   /// and why there is one.
   std::optional<double> max_error_px;
   std::string reason;
+  /// How it goes on between vertices, the same way along both axes. Several, if
+  /// its documents leave that open: its error is the largest of theirs.
+  std::vector<MeshSpan> spans = {MeshSpan::kLine};
 };
 
 /// The places that a unit shows, compared with those of the view.
@@ -89,7 +112,8 @@ Eigen::Vector2d PlaceInMesh(const MeshLattice& lattice,
                             const std::vector<Eigen::Vector2d>& vertices,
                             const MeshStep& x, const MeshStep& y);
 
-MeshError ErrorOfMesh(const MeshTable& mesh, const UnitMesh& unit);
+MeshError ErrorOfMesh(const MeshTable& mesh, const UnitMesh& unit,
+                      MeshSpan span);
 /// "at most 0.051 px, 0.022 px (RMS) from the view", and what else is off.
 std::string MeshErrorText(const MeshError& error);
 

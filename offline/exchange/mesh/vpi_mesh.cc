@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "dataset/error.h"
 #include "exchange/mesh/mesh_units.h"
 #include "exchange/npz.h"
 
@@ -8,10 +9,33 @@ namespace {
 
 constexpr MeshSides kVpiWidth = {64, 16384}, kVpiHeight = {16, 16384};
 
-// Every pixel: how VPI goes on between fewer points is not written down.
+constexpr int kVpiMaxStep = 64, kVpiTileWidth = 64, kVpiTileHeight = 16;
+
+// Points of an axis whose pixels come in tiles: an odd number, the last one not
+// before the last tile's end.
+std::vector<int> VpiPoints(int num_pixels, int tile, int step) {
+  const int end = (num_pixels + tile - 1) / tile * tile;
+  int count = (end + step - 1) / step + 1;
+  if (count % 2 == 0) ++count;
+  std::vector<int> points(count);
+  for (int k = 0; k < count; ++k) points[k] = k * step;
+  return points;
+}
+
+// Every pixel, unless a step is given.
 MeshLattice VpiLattice(const MeshRequest& request) {
   RequireMeshSize("vpi", "view", request.size, kVpiWidth, kVpiHeight);
+  const int step = request.step.value_or(1);
+  if (step > kVpiMaxStep || (step & (step - 1)) != 0)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--every {}: vpi takes powers of 2 up to {}", step,
+                            kVpiMaxStep));
   MeshLattice lattice;
+  if (step > 1) {
+    lattice.x = VpiPoints(request.size.width, kVpiTileWidth, step);
+    lattice.y = VpiPoints(request.size.height, kVpiTileHeight, step);
+    return lattice;
+  }
   for (int x = 0; x < request.size.width; ++x) lattice.x.push_back(x);
   for (int y = 0; y < request.size.height; ++y) lattice.y.push_back(y);
   return lattice;
@@ -38,20 +62,30 @@ UnitMesh WriteVpi(const MeshTable& mesh) {
                               keypoints.data()),
                  MakeNpyArray("size", {2}, size),
                  MakeNpyArray("source_size", {2}, source_size)})}};
-  unit.told = fmt::format("keypoints of vpi.WarpMap(vpi.WarpGrid(({}, {})))",
-                          mesh.size.width, mesh.size.height);
+  unit.told = fmt::format(
+      "keypoints of vpi.WarpMap(vpi.WarpGrid(({}, {}), {})), of which it may "
+      "have more or fewer columns and rows",
+      mesh.size.width, mesh.size.height, mesh.lattice.x[1]);
   return unit;
 }
 
 }  // namespace
 
 TableFormat VpiFormat() {
-  static const MeshUnit unit = {VpiLattice, WriteVpi, {}, ""};
+  static const MeshUnit unit = {
+      VpiLattice,
+      WriteVpi,
+      {},
+      "",
+      {MeshSpan::kPatch, MeshSpan::kNearest, MeshSpan::kLine}};
   TableFormat format;
   format.name = "vpi";
-  format.holds = "NVIDIA VPI: the keypoints of a dense WarpMap, in .npz";
+  format.holds =
+      "NVIDIA VPI: the keypoints of a WarpMap, dense or with --every sparse, "
+      "in "
+      ".npz";
   format.endings = {".npz"};
-  format.options = {"rectified", "max-fit-error"};
+  format.options = {"rectified", "max-fit-error", "every"};
   format.mesh_unit = &unit;
   return format;
 }
