@@ -241,7 +241,7 @@ TEST(ColmapFormat, TakesDamagedBytesForNothingElse) {
   TestRandom random(4);
   const Format format = ColmapFormat();
   const std::string rigs = EncodeColmapRig(ParseColmapRigs("", kColmapRigs)[0]);
-  for (int k = 0; k < 2000; ++k) {
+  for (int k = NumMutants(2000); k-- > 0;) {
     std::string cameras = ColmapBinary(), beside = rigs,
                 images =
                     EncodeColmapImages(ParseColmapImages("", kColmapImages));

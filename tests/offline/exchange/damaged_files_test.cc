@@ -205,5 +205,40 @@ TEST(DamagedFiles, OfStatesAreNothingElse) {
   EXPECT_LT(num_refused, count);
 }
 
+// A view of 12 x 9 pixels, of which some see nothing.
+std::string StMapBytes() {
+  ViewTable view;
+  view.path = "f.exr";
+  view.size = view.source_size = {12, 9};
+  for (int k = 0; k < 12 * 9; ++k)
+    view.sources.emplace_back(k % 7 == 0 ? NAN : k % 12 * 0.9, k / 12 * 0.8);
+  return FindTableFormat("stmap")->write_view(view).files.front().second;
+}
+
+void ExpectTable(const ViewTable& view) {
+  ASSERT_EQ(view.sources.size(), view.num_pixels());
+  for (const Eigen::Vector2d& source : view.sources) {
+    EXPECT_EQ(source.hasNaN(), !source.allFinite());
+    EXPECT_EQ(std::isnan(source.x()), std::isnan(source.y()));
+  }
+}
+
+TEST(DamagedFiles, OfStMapsAreNothingElse) {
+  TestRandom random(9);
+  const TableFormat& format = *FindTableFormat("stmap");
+  const std::string bytes = StMapBytes();
+  ExpectTable(format.read_view("f", bytes, {}));
+  int num_refused = 0;
+  const int count = NumMutants(300);
+  for (int k = 0; k < count; ++k) {
+    const std::string damaged = Mutated(bytes, &random);
+    num_refused += IsRefused([&] {
+      ExpectTable(format.read_view("f", damaged, {{12, 9}}));
+    });
+  }
+  EXPECT_GT(num_refused, count / 3);
+  EXPECT_LT(num_refused, count);
+}
+
 }  // namespace
 }  // namespace raygrid
