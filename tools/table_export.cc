@@ -77,6 +77,16 @@ std::string ModelOf(const TableFormat& format, const std::string& model) {
               fmt::format("--model {}: {} has {}", model, format.name, names));
 }
 
+// A camera as it sees far scenes. Errors name its file.
+std::unique_ptr<CameraModel> Central(const std::string& path,
+                                     const CameraModel& camera) {
+  try {
+    return CentralCamera(camera);
+  } catch (const Error& error) {
+    throw Error(error.code(), fmt::format("{}: {}", path, error.what()));
+  }
+}
+
 // A view, and the central camera that it is of.
 struct SeenView {
   VirtualView view;
@@ -89,12 +99,7 @@ SeenView ReadView(const TableArguments& arguments,
   if (!common.quiet) WarnOfFailedCalibration(arguments.input, input.file);
   if (!input.blob) TurnIntoCameraFrame(&input.file.camera);
   const VirtualView view = RectifiedView(input, arguments.view);
-  try {
-    return {view, CentralCamera(*input.file.camera)};
-  } catch (const Error& error) {
-    throw Error(error.code(),
-                fmt::format("{}: {}", arguments.input, error.what()));
-  }
+  return {view, Central(arguments.input, *input.file.camera)};
 }
 
 ViewTable TableOfView(const TableFormat& format,
@@ -159,6 +164,57 @@ RayTable TableOfRays(const TableArguments& arguments,
                 }
               });
   return table;
+}
+
+// How far beside the origin a camera's lines pass, at most.
+double LargestOffsetM(const CameraModel& camera) {
+  constexpr int kPixelsAcross = 80;
+  const Area& area = camera.area();
+  double largest = 0;
+  for (int k = 0; k <= kPixelsAcross * kPixelsAcross; ++k) {
+    const double x = k % kPixelsAcross, y = k / kPixelsAcross;
+    const auto line =
+        camera.Line({area.x0 + area.width() * x / kPixelsAcross,
+                     area.y0 + area.height() * y / kPixelsAcross});
+    if (line)
+      largest = std::max(
+          largest, line->origin.cross(line->direction.normalized()).norm());
+  }
+  return largest;
+}
+
+TableOutput MakeCameraTable(const TableFormat& format,
+                            const TableArguments& arguments,
+                            const CommonOptions& common,
+                            nlohmann::ordered_json* json) {
+  CameraTable table;
+  table.path = arguments.output;
+  table.model = ModelOf(format, arguments.model);
+  const CameraInput input = ReadCamera(arguments.input);
+  if (!common.quiet) WarnOfFailedCalibration(arguments.input, input.file);
+  const std::optional<TrustMask> trusted = TrustOf(input);
+  const auto camera = Central(arguments.input, *input.file.camera);
+  table.camera = camera.get();
+  table.trusted = trusted ? &*trusted : nullptr;
+  table.max_error_px = arguments.max_fit_error_px;
+  table.num_threads = common.threads;
+  TableOutput output;
+  try {
+    output = format.write_camera(table);
+  } catch (const Error& error) {
+    throw Error(error.code(),
+                fmt::format("{}: {}", arguments.input, error.what()));
+  }
+  (*json)["model"] = table.model;
+  (*json)["of_trusted"] = trusted.has_value();
+  if (input.file.camera->IsCentral()) return output;
+  const double offset_m = LargestOffsetM(*input.file.camera);
+  (*json)["offset_m"] = offset_m;
+  output.told += fmt::format(
+      "; rays begin in one point, up to {:.3g} mm beside the camera's lines, "
+      "and show far scenes",
+      offset_m * 1000);
+  return output;
 }
 
 // The places that needed vertices show; NaN for the others, and where the
@@ -367,6 +423,8 @@ TableOutput MakeTable(const TableFormat& format,
       (*json)["cameras"].push_back(camera.camera);
     return format.write_features(table);
   }
+  if (format.write_camera)
+    return MakeCameraTable(format, arguments, common, json);
   if (format.write_poses) {
     const PoseTable table = TableOfPoses(format, arguments);
     (*json)["poses"] = table.poses.size();
@@ -399,6 +457,7 @@ void ExportTable(const TableFormat& format, const TableArguments& arguments,
   nlohmann::ordered_json json = {{"format", format.name},
                                  {"files", nlohmann::ordered_json::array()}};
   const TableOutput made = MakeTable(format, arguments, common, &json);
+  for (const auto& [name, number] : made.figures) json[name] = number;
   std::vector<std::string> paths;
   OutputFiles outputs;
   for (const auto& [path, contents] : made.files) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "camera/camera_model.h"
+#include "camera/camera_uncertainty.h"
 #include "dataset/dataset.h"
 #include "exchange/mesh/mesh.h"
 
@@ -61,6 +62,16 @@ struct RayTable {
   std::vector<Eigen::Vector3d> origins;
 };
 
+/// A camera to be looked up in tables, for formats that ask it themselves.
+struct CameraTable {
+  std::string path;
+  std::string model;                    ///< one of the format's
+  const CameraModel* camera = nullptr;  ///< a central one
+  const TrustMask* trusted = nullptr;   ///< none trusts all
+  std::optional<double> max_error_px;   ///< that is let through
+  int num_threads = 0;
+};
+
 /// The poses of boards that a camera saw.
 struct PoseTable {
   std::string path;    ///< of poses.csv
@@ -80,6 +91,7 @@ struct FeatureTable {
 struct TableOutput {
   std::vector<std::pair<std::string, std::string>> files;
   std::string told;
+  std::vector<std::pair<std::string, double>> figures = {};  ///< for --json
 };
 
 // ---- The table -------------------------------------------------------------
@@ -93,10 +105,12 @@ struct TableFormat {
   /// Of the files that it writes, ".npz"; none if all will do.
   std::vector<std::string> endings;
 
-  /// The source is what is not null. Throws Error(kUsage).
+  /// The source is what is not null. Throws Error(kUsage), and Error(kQuality)
+  /// if more than the largest error is left.
   TableOutput (*write_blob)(const BlobTable& blob) = nullptr;
   TableOutput (*write_view)(const ViewTable& view) = nullptr;
   TableOutput (*write_rays)(const RayTable& rays) = nullptr;
+  TableOutput (*write_camera)(const CameraTable& camera) = nullptr;
   TableOutput (*write_poses)(const PoseTable& poses) = nullptr;
   TableOutput (*write_features)(const FeatureTable& features) = nullptr;
   /// A mesh of a view: exchange/mesh/mesh.h.

@@ -8,6 +8,7 @@
 #include "exchange/ffmpeg_format.h"
 #include "exchange/format.h"
 #include "exchange/intel_hex_format.h"
+#include "exchange/isaac_format.h"
 #include "exchange/maps_format.h"
 #include "exchange/mesh/mesh_units.h"
 #include "exchange/puzzlepaint_dataset_format.h"
@@ -31,11 +32,14 @@ std::string Listed(const std::vector<std::string>& words) {
 
 const std::vector<TableFormat>& TableFormats() {
   static const std::vector<TableFormat> formats = {
-      CArrayFormat(),      IntelHexFormat(),     MapsFormat(),
-      StMapFormat(),       FfmpegFormat(),       RaysFormat(),
-      Dw100Format(),       TiLdcFormat(),        VpiFormat(),
-      RockchipFecFormat(), RockchipLdchFormat(), HailoFormat(),
-      DepthAiMeshFormat(), TumFormat(),          PuzzlepaintDatasetFormat()};
+      CArrayFormat(),      IntelHexFormat(),
+      MapsFormat(),        StMapFormat(),
+      FfmpegFormat(),      RaysFormat(),
+      IsaacFormat(),       Dw100Format(),
+      TiLdcFormat(),       VpiFormat(),
+      RockchipFecFormat(), RockchipLdchFormat(),
+      HailoFormat(),       DepthAiMeshFormat(),
+      TumFormat(),         PuzzlepaintDatasetFormat()};
   return formats;
 }
 
@@ -68,6 +72,7 @@ std::string TableFormat::Source() const {
   return write_blob       ? "a blob"
          : IsOfView()     ? "a view of a camera"
          : write_rays     ? "the rays of a camera's pixels"
+         : write_camera   ? "a camera"
          : write_features ? "the features of boards, features.csv"
                           : "the poses of a board, poses.csv";
 }

@@ -28,7 +28,7 @@ IMAGE_SIZES = ((64, 48), (160, 120), (640, 480), (33, 1), (1, 1), (2, 2), (3, 40
 LARGE = {"black.png": (16000, 16000), "wide.png": (16384, 3000), "large.png": (8000, 8000)}
 FORMATS = ("opencv", "ros", "kalibr", "colmap", "mrcal", "basalt", "nerfstudio", "metashape",
            "puzzlepaint", "depthai", "libcamera", "photonvision")
-TABLE_FORMATS = ("c", "hex", "maps", "stmap", "ffmpeg", "rays", "tum", "dw100", "ti-ldc",
+TABLE_FORMATS = ("c", "hex", "maps", "stmap", "ffmpeg", "rays", "isaac", "tum", "dw100", "ti-ldc",
                  "vpi", "rockchip-fec", "rockchip-ldch", "hailo", "depthai-mesh",
                  "puzzlepaint-dataset")
 WORDS = ("chessboard:14x10:30mm", "charuco:8x5:28mm:marker=21mm", "aprilgrid:6x6:24mm",
@@ -231,7 +231,8 @@ class Case:
                 "maps": ("--size", self.size()), "stmap": ("--size", self.size(), "--reverse"),
                 "rays": ("--every", self.random.choice(NUMBERS)),
                 "ti-ldc": ("--every", self.random.choice(NUMBERS)),
-                "dw100": ("--max-fit-error", self.random.choice(NUMBERS))}.get(name, ())
+                "dw100": ("--max-fit-error", self.random.choice(NUMBERS)),
+                "isaac": ("--max-fit-error", self.random.choice(NUMBERS))}.get(name, ())
         return [self.camera(), "--to", name, *more, "-o",
                 self.output(self.random.choice((".h", ".c", ".npz", ".exr", ".pgm", ".json", ".bin")))]
 

@@ -20,6 +20,7 @@ WARNINGS = ("-Wall", "-Wextra", "-pedantic", "-Werror")
 
 MAPS_PEER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "maps_peer.py")
 STMAP_PEER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "stmap_peer.py")
+ISAAC_PEER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "isaac_peer.py")
 RAYS_PEER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "rays_peer.py")
 OPENCV = next((python for python in (sys.executable, "/usr/bin/python3") if subprocess.run(
     [python, "-c", "import cv2"], capture_output=True, check=False).returncode == 0), None)
@@ -529,6 +530,105 @@ class Rays(ImportTest):
                 self.assert_refused(run(*arguments), code, *words)
         self.assert_nothing_in(self.path("never"))
         self.assert_refused(run("import", rays, "-o", rays), 7, "replace the input")
+
+
+@unittest.skipUnless(OPENCV, NO_OPENCV)
+class Isaac(TableTest):
+    SIZE = 160, 120
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.camera = cls.simulated_camera("wide")
+
+    def looked_up(self, camera, table, ahead="ahead"):
+        """What a renderer's lookups say at 10,000 places, half of them whole pixels."""
+        width, height = self.SIZE
+        places = [(k % width, k // width) for k in range(0, 15000, 3)]
+        places += [(1 + k * 0.6180339887 % 1 * (width - 3), 1 + k * 0.7548776662 % 1 * (height - 3))
+                   for k in range(5000)]
+        pixels = write(self.path("p.csv"), "x,y\n" + "".join(f"{x!r},{y!r}\n" for x, y in places))
+        result = run("unproject", camera, "--pixels", pixels)
+        self.assert_done(result)
+        rows = [line for line in result.stdout.splitlines() if not line.endswith(",,,")]
+        write(pixels, "\n".join(rows))
+        result = run(ISAAC_PEER, self.path(table), pixels, ahead, program=OPENCV)
+        self.assert_done(result)
+        return json.loads(result.stdout)
+
+    def test_lookups_lead_where_the_camera_does(self):
+        """Within the error that is told. Half a pixel is found, and each wrong axis."""
+        for model, bound_px in (("ahead", 0.05), ("behind", 0.5)):
+            with self.subTest(model):
+                told = self.export(self.camera, "--to", "isaac", "--model", model, "--max-fit-error",
+                                   bound_px, out="i.exr")
+                self.assertEqual(told["files"], [self.path("i_enter.exr"), self.path("i_exit.exr")])
+                seen = self.looked_up(self.camera, "i", model)
+                side = told["exit_side"]
+                self.assertEqual((seen["enter_size"], seen["exit_size"], seen["enter_types"]),
+                                 ([*self.SIZE], [side, side], ["float32"] * 2))
+                self.assertEqual((told["pixels"], told["pixels_lost"]), (160 * 120, 0))
+                self.assertLess(told["exit_max_px"], bound_px)
+                self.assertLess(seen["worst_rad"], 2e-7)
+                self.assertGreater(seen["between_rad"], seen["worst_rad"])
+                self.assertLess(seen["exit_px"], 1.1 * told["exit_max_px"])
+                self.assertLess(seen["both_px"], 1.1 * (told["exit_max_px"] + told["enter_max_px"]))
+                for mistake, px in seen["mistakes"].items():
+                    self.assertGreater(px, 0.5, mistake)
+
+    def test_the_errors_are_told(self):
+        result = run("export", self.camera, "--to", "isaac", "-o", self.path("t.exr"))
+        self.assert_done(result)
+        for words in ("t_enter.exr, 160 x 120 rays", "t_exit.exr", "directions, at most 0.00",
+                      "(RMS)", "nominalWidth 160, nominalHeight 120, opticalCenter (80, 60)"):
+            self.assertIn(words, result.stdout)
+
+    def test_what_the_camera_does_not_see(self):
+        """Rays look backward, places lie beyond every image; the error is that of lit pixels."""
+        camera = write(self.path("circle.yaml"), read(self.camera).decode() +
+                       "image_circle: [80, 60, 50]\n")
+        told = self.export(camera, "--to", "isaac", "--max-fit-error", 0.05, out="c.exr")
+        lit = sum(math.dist((x, y), (80, 60)) <= 50 for x in range(160) for y in range(120))
+        self.assertEqual(told["pixels"], lit)
+        self.export(self.camera, "--to", "isaac", "--max-fit-error", 0.05, out="i.exr")
+        self.assertEqual(self.looked_up(self.camera, "c")["none"]["enter"], 160 * 120 - lit)
+        none = self.looked_up(self.camera, "i")["none"]
+        self.assertEqual(none["enter"], 0)
+        self.assertGreater(none["exit"], none["exit_inside"])
+
+    def test_a_lens_beyond_the_hemisphere(self):
+        """Where an octahedron's faces meet 90 degrees off the axis, places bend: more is left."""
+        camera = self.simulated_camera("fisheye190")
+        told = self.export(camera, "--to", "isaac", "--max-fit-error", 0.5, out="f.exr")
+        self.assertGreater(told["exit_max_px"], 0.05)
+        seen = self.looked_up(camera, "f")
+        self.assertLess(seen["exit_px"], 1.5 * told["exit_max_px"])
+
+    def test_lines_begin_in_one_point(self):
+        lines = self.simulated_camera("noncentral")
+        told = self.export(lines, "--to", "isaac", "--max-fit-error", 0.1, out="n.exr")
+        self.assertGreater(told["offset_m"], 1e-5)
+        result = run("export", lines, "--to", "isaac", "--max-fit-error", 0.1, "-o",
+                     self.path("n.exr"))
+        self.assertIn("mm beside the camera's lines", result.stdout)
+
+    def test_same_bytes_with_any_number_of_threads(self):
+        for threads in (1, 2):
+            self.export(self.camera, "--to", "isaac", "--max-fit-error", 0.05, "--threads", threads,
+                        out=f"t{threads}.exr")
+        for suffix in ("enter", "exit"):
+            self.assertTrue(read(self.path(f"t1_{suffix}.exr")) == read(self.path(f"t2_{suffix}.exr")))
+
+    def test_what_cannot_be(self):
+        for more, code, words in ((("--max-fit-error", 1e-9), 6, ("isaac leaves more than 1e-09 px",)),
+                                  (("--model", "x"), 1, ("--model x", "ahead, behind")),
+                                  (("--hfov", 60), 1, ("--hfov", "isaac"))):
+            with self.subTest(more):
+                self.assert_refused(run("export", self.camera, "--to", "isaac", *more, "-o",
+                                        self.path("never/i.exr")), code, *words)
+        self.assert_refused(run("export", self.camera, "--to", "isaac", "-o",
+                                self.path("never/i.png")), 1, ".exr")
+        self.assert_nothing_in(self.path("never"))
 
 
 @unittest.skipUnless(OPENCV, NO_OPENCV)

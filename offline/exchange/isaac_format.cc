@@ -1,0 +1,501 @@
+#include "exchange/isaac_format.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "dataset/error.h"
+#include "dataset/parallel_for.h"
+#include "exchange/exr.h"
+#include "exchange/mesh/mesh.h"
+#include "exchange/pixel_origin.h"
+
+namespace raygrid {
+namespace {
+
+constexpr char kAhead[] = "ahead", kBehind[] = "behind";
+
+// The renderer's axes are x right, y up, z backward. The camera's axes of such
+// a direction, and the other way around.
+Eigen::Vector3d InOtherAxes(const Eigen::Vector3d& direction) {
+  return {direction.x(), -direction.y(), -direction.z()};
+}
+
+// The image's corners are (0, 0) and (1, 1), y down.
+Eigen::Vector2d ToUnitImage(const ImageSize& size,
+                            const Eigen::Vector2d& pixel) {
+  return ToProgram(PixelOrigin::kImageCorner, size, pixel)
+      .cwiseQuotient(Eigen::Vector2d(size.width, size.height));
+}
+Eigen::Vector2d FromUnitImage(const ImageSize& size,
+                              const Eigen::Vector2d& place) {
+  return FromProgram(
+      PixelOrigin::kImageCorner, size,
+      place.cwiseProduct(Eigen::Vector2d(size.width, size.height)));
+}
+
+// All directions on a square from (-1, -1) to (1, 1): an octahedron seen along
+// z, whose far half is folded outward. The middle is ahead of the camera, or
+// behind it.
+class Octahedron {
+ public:
+  explicit Octahedron(bool is_ahead) : sign_(is_ahead ? -1 : 1) {}
+
+  Eigen::Vector2d PlaceOf(const Eigen::Vector3d& direction) const {
+    const Eigen::Vector3d on_it = direction / direction.lpNorm<1>();
+    return sign_ * on_it.z() < 0 ? Folded(on_it.head<2>()) : on_it.head<2>();
+  }
+  Eigen::Vector3d DirectionAt(const Eigen::Vector2d& place) const {
+    const double height = 1 - place.lpNorm<1>();
+    const Eigen::Vector2d across = height < 0 ? Folded(place) : place;
+    return Eigen::Vector3d(across.x(), across.y(), sign_ * height).normalized();
+  }
+
+ private:
+  static Eigen::Vector2d Folded(const Eigen::Vector2d& place) {
+    return {std::copysign(1 - std::abs(place.y()), place.x()),
+            std::copysign(1 - std::abs(place.x()), place.y())};
+  }
+
+  double sign_;
+};
+
+// ---- Errors ----------------------------------------------------------------
+
+struct LookupError {
+  double max_px = 0, sum = 0;
+  Eigen::Vector2d at = {0, 0};
+  size_t count = 0;
+  size_t num_lost = 0;  ///< pixels beside which a table has no place
+
+  void Add(double px, const Eigen::Vector2d& pixel) {
+    if (px > max_px) at = pixel;
+    max_px = std::max(max_px, px);
+    sum += px * px;
+    ++count;
+  }
+  void Add(const LookupError& other) {
+    if (other.max_px > max_px) at = other.at;
+    max_px = std::max(max_px, other.max_px);
+    sum += other.sum;
+    count += other.count;
+    num_lost += other.num_lost;
+  }
+  double rms_px() const {
+    return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0;
+  }
+  std::string Text() const {
+    return fmt::format("at most {:.4f} px (at {:g}, {:g}), {:.4f} px (RMS)",
+                       max_px, at.x(), at.y(), rms_px());
+  }
+};
+
+bool IsTrusted(const CameraTable& table, const Eigen::Vector2d& pixel) {
+  return table.camera->IsLit(pixel) &&
+         (!table.trusted || table.trusted->Trusts(pixel));
+}
+
+// ---- From pixels to directions ---------------------------------------------
+
+constexpr size_t kEnterChannels = 3, kExitChannels = 2;
+
+// A renderer does not follow a ray that looks backward.
+const Eigen::Vector3d kNoRay(0, 0, 1);
+
+// The direction of each pixel, in the renderer's axes.
+std::vector<float> EnterTable(const CameraTable& table) {
+  const ImageSize& size = table.camera->image_size();
+  std::vector<float> numbers(kEnterChannels * size.width * size.height);
+  ParallelFor(size.height, NumThreads(table.num_threads), [&](int y) {
+    for (int x = 0; x < size.width; ++x) {
+      const Eigen::Vector2d pixel(x, y);
+      const auto seen = table.camera->IsLit(pixel)
+                            ? table.camera->Unproject(pixel)
+                            : std::nullopt;
+      const Eigen::Vector3d ray =
+          seen ? InOtherAxes(seen->normalized()) : kNoRay;
+      for (size_t c = 0; c < kEnterChannels; ++c)
+        numbers[kEnterChannels * (static_cast<size_t>(y) * size.width + x) +
+                c] = static_cast<float>(ray[c]);
+    }
+  });
+  return numbers;
+}
+
+Eigen::Vector3d EnteringRay(const ImageSize& size,
+                            const std::vector<float>& numbers, int x, int y) {
+  const float* const at =
+      &numbers[kEnterChannels * (static_cast<size_t>(y) * size.width + x)];
+  return {at[0], at[1], at[2]};
+}
+
+bool HasRay(const Eigen::Vector3d& ray) { return ray != kNoRay; }
+
+// How far the mean of four pixels' rays lies from the place between them, where
+// all are trusted.
+LookupError EnterError(const CameraTable& table,
+                       const std::vector<float>& numbers) {
+  constexpr int kPixelsAcross = 160;
+  const ImageSize& size = table.camera->image_size();
+  const int step =
+      std::max(1, std::max(size.width, size.height) / kPixelsAcross);
+  LookupError error;
+  for (int y = 0; y + 1 < size.height; y += step)
+    for (int x = 0; x + 1 < size.width; x += step) {
+      Eigen::Vector3d sum(0, 0, 0);
+      bool is_known = true;
+      for (const auto& [i, j] :
+           {std::pair(x, y), {x + 1, y}, {x, y + 1}, {x + 1, y + 1}}) {
+        const Eigen::Vector3d ray = EnteringRay(size, numbers, i, j);
+        is_known =
+            is_known && HasRay(ray) && IsTrusted(table, Eigen::Vector2d(i, j));
+        sum += ray;
+      }
+      const Eigen::Vector2d place(x + 0.5, y + 0.5);
+      const auto seen = is_known
+                            ? table.camera->Project(InOtherAxes(sum), &place, 1)
+                            : std::nullopt;
+      if (seen) error.Add((*seen - place).norm(), place);
+    }
+  return error;
+}
+
+// ---- From directions to pixels ---------------------------------------------
+
+// Two steps along a row and a column of a table, and the part of the way.
+struct TexelCell {
+  int x = 0, y = 0;
+  Eigen::Vector2d part = {0, 0};
+
+  // The square has so many texels a side; (-1, -1) is its outer corner.
+  static TexelCell At(const Eigen::Vector2d& place, int side) {
+    TexelCell cell;
+    const auto along = [&](double at, double* part) {
+      const double texel = std::clamp((at + 1) / 2 * side - 0.5, 0.0,
+                                      static_cast<double>(side - 1));
+      const int first = std::min(static_cast<int>(texel), side - 2);
+      *part = texel - first;
+      return first;
+    };
+    cell.x = along(place.x(), &cell.part.x());
+    cell.y = along(place.y(), &cell.part.y());
+    return cell;
+  }
+};
+
+Eigen::Vector2d TexelCenter(int x, int y, int side) {
+  return Eigen::Vector2d(2 * x + 1 - side, 2 * y + 1 - side) / side;
+}
+
+// Projects directions of the renderer, those far from any pixel's left out.
+class ExitProjection {
+ public:
+  ExitProjection(const CameraTable& table, const std::vector<float>& enter)
+      : camera_(*table.camera), octahedron_(table.model == kAhead) {
+    for (size_t k = 2; k < enter.size(); k += kEnterChannels)
+      if (enter[k] < 1) largest_z_ = std::max<double>(largest_z_, enter[k]);
+  }
+
+  const Octahedron& octahedron() const { return octahedron_; }
+
+  std::optional<Eigen::Vector2d> PlaceOf(const Eigen::Vector3d& direction,
+                                         const Eigen::Vector2d* start) const {
+    constexpr double kMarginZ = 0.1;
+    if (direction.z() > largest_z_ + kMarginZ) return std::nullopt;
+    return camera_.Project(InOtherAxes(direction), start, 0);
+  }
+  // Also beside the image, whose edge is to lie between two places.
+  std::optional<Eigen::Vector2d> PlaceNear(const Eigen::Vector3d& direction,
+                                           const Eigen::Vector2d& start) const {
+    constexpr double kMarginPx = 64;
+    const auto place = PlaceOf(direction, &start);
+    return place ? place
+                 : camera_.Project(InOtherAxes(direction), &start, kMarginPx);
+  }
+
+ private:
+  const CameraModel& camera_;
+  Octahedron octahedron_;
+  double largest_z_ = -1;
+};
+
+// A place in no image, beyond the corner that is nearest to a direction: all
+// places between this and one beside the image are beside it, too.
+Eigen::Vector2d NoPlace(const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d seen = InOtherAxes(direction);
+  return {seen.x() < 0 ? -1 : 2, seen.y() < 0 ? -1 : 2};
+}
+bool IsNoPlace(const Eigen::Vector2d& place) {
+  return (place.x() == -1 || place.x() == 2) &&
+         (place.y() == -1 || place.y() == 2);
+}
+
+// A square of places, each for the direction of its texel.
+class ExitTexels {
+ public:
+  ExitTexels(const ExitProjection& projection, const ImageSize& size, int side)
+      : projection_(projection),
+        size_(size),
+        side_(side),
+        numbers_(kExitChannels * side * side) {}
+
+  void Fill(int num_threads) {
+    ParallelFor(side_, num_threads, [&](int y) {
+      std::optional<Eigen::Vector2d> last;
+      for (int x = 0; x < side_; ++x) {
+        const Eigen::Vector3d direction = DirectionOf(x, y);
+        last = projection_.PlaceOf(direction, last ? &*last : nullptr);
+        Set(x, y, last ? ToUnitImage(size_, *last) : NoPlace(direction));
+      }
+    });
+  }
+
+  // Gives texels beside those that have a place one beside the image.
+  void Widen(int num_threads) {
+    std::vector<std::vector<std::pair<int, Eigen::Vector2d>>> found(side_);
+    ParallelFor(side_, num_threads, [&](int y) {
+      for (int x = 0; x < side_; ++x) {
+        const auto start =
+            IsNoPlace(At(x, y)) ? PlaceBeside(x, y) : std::nullopt;
+        const auto place =
+            start ? projection_.PlaceNear(DirectionOf(x, y), *start)
+                  : std::nullopt;
+        if (place) found[y].emplace_back(x, ToUnitImage(size_, *place));
+      }
+    });
+    for (int y = 0; y < side_; ++y)
+      for (const auto& [x, place] : found[y]) Set(x, y, place);
+  }
+
+  Eigen::Vector2d At(int x, int y) const {
+    const float* const at = &numbers_[IndexOf(x, y)];
+    return {at[0], at[1]};
+  }
+  const std::vector<float>& numbers() const { return numbers_; }
+
+ private:
+  size_t IndexOf(int x, int y) const {
+    return kExitChannels * (static_cast<size_t>(y) * side_ + x);
+  }
+  void Set(int x, int y, const Eigen::Vector2d& place) {
+    for (size_t c = 0; c < kExitChannels; ++c)
+      numbers_[IndexOf(x, y) + c] = static_cast<float>(place[c]);
+  }
+  Eigen::Vector3d DirectionOf(int x, int y) const {
+    return projection_.octahedron().DirectionAt(TexelCenter(x, y, side_));
+  }
+  // The pixel of a texel beside this one.
+  std::optional<Eigen::Vector2d> PlaceBeside(int x, int y) const {
+    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, side_ - 1); ++j)
+      for (int i = std::max(x - 1, 0); i <= std::min(x + 1, side_ - 1); ++i)
+        if (!IsNoPlace(At(i, j))) return FromUnitImage(size_, At(i, j));
+    return std::nullopt;
+  }
+
+  const ExitProjection& projection_;
+  ImageSize size_;
+  int side_;
+  std::vector<float> numbers_;
+};
+
+// An image's corner may lie in a cell none of whose texels is in the image.
+ExitTexels MakeExitTexels(const ExitProjection& projection,
+                          const CameraTable& table, int side) {
+  constexpr int kRings = 2;
+  const int num_threads = NumThreads(table.num_threads);
+  ExitTexels texels(projection, table.camera->image_size(), side);
+  texels.Fill(num_threads);
+  for (int k = 0; k < kRings; ++k) texels.Widen(num_threads);
+  return texels;
+}
+
+Eigen::Vector2d Blend(const std::array<Eigen::Vector2d, 4>& corners,
+                      const Eigen::Vector2d& part) {
+  const Eigen::Vector2d above =
+      corners[0] + part.x() * (corners[1] - corners[0]);
+  const Eigen::Vector2d below =
+      corners[2] + part.x() * (corners[3] - corners[2]);
+  return above + part.y() * (below - above);
+}
+
+// A direction's place in a table of so many texels a side; texel(x, y) are
+// its places. Nothing if one of the four beside it has none.
+template <typename Texel>
+std::optional<Eigen::Vector2d> LookUp(const Octahedron& octahedron, int side,
+                                      const Eigen::Vector3d& direction,
+                                      const Texel& texel) {
+  const TexelCell cell = TexelCell::At(octahedron.PlaceOf(direction), side);
+  std::array<Eigen::Vector2d, 4> corners;
+  for (int k = 0; k < 4; ++k) {
+    corners[k] = texel(cell.x + k % 2, cell.y + k / 2);
+    if (IsNoPlace(corners[k])) return std::nullopt;
+  }
+  return Blend(corners, cell.part);
+}
+
+// Adds how far a table leads from one pixel, by the ray that stands in the
+// other table.
+template <typename Texel>
+void AddLookup(const CameraTable& table, const ExitProjection& projection,
+               const std::vector<float>& enter, int side, int x, int y,
+               const Texel& texel, LookupError* error) {
+  const ImageSize& size = table.camera->image_size();
+  const Eigen::Vector3d ray = EnteringRay(size, enter, x, y);
+  const Eigen::Vector2d pixel(x, y);
+  if (!HasRay(ray) || !IsTrusted(table, pixel)) return;
+  const auto place = LookUp(projection.octahedron(), side, ray, texel);
+  if (place)
+    error->Add((FromUnitImage(size, *place) - pixel).norm(), pixel);
+  else
+    ++error->num_lost;
+}
+
+// The error that a table would leave at some pixels, without making it.
+LookupError ExpectedExitError(const CameraTable& table,
+                              const ExitProjection& projection,
+                              const std::vector<float>& enter, int side) {
+  constexpr int kPixelsAcross = 40;
+  const ImageSize& size = table.camera->image_size();
+  const int step =
+      std::max(1, std::max(size.width, size.height) / kPixelsAcross);
+  LookupError error;
+  for (int y = 0; y < size.height; y += step)
+    for (int x = 0; x < size.width; x += step) {
+      const Eigen::Vector2d start(x, y);
+      AddLookup(
+          table, projection, enter, side, x, y,
+          [&](int i, int j) -> Eigen::Vector2d {
+            const Eigen::Vector3d direction =
+                projection.octahedron().DirectionAt(TexelCenter(i, j, side));
+            const auto place = projection.PlaceNear(direction, start);
+            return place ? ToUnitImage(size, *place) : NoPlace(direction);
+          },
+          &error);
+    }
+  return error;
+}
+
+// The error that a table leaves, at all trusted pixels.
+LookupError ExitError(const CameraTable& table,
+                      const ExitProjection& projection,
+                      const std::vector<float>& enter, const ExitTexels& texels,
+                      int side) {
+  const ImageSize& size = table.camera->image_size();
+  std::vector<LookupError> rows(size.height);
+  ParallelFor(size.height, NumThreads(table.num_threads), [&](int y) {
+    for (int x = 0; x < size.width; ++x)
+      AddLookup(
+          table, projection, enter, side, x, y,
+          [&](int i, int j) { return texels.At(i, j); }, &rows[y]);
+  });
+  LookupError error;
+  for (const LookupError& row : rows) error.Add(row);
+  return error;
+}
+
+// ---- The pair --------------------------------------------------------------
+
+// Places bend at the octahedron's edges, some of which lie on the axes. An odd
+// number of texels has a row of them there.
+constexpr std::array<int, 5> kExitSides = {257, 513, 1025, 2049, 4097};
+// The last one takes a minute and some 50 MB, and is made only if asked for.
+constexpr size_t kUsualExitSides = 4;
+constexpr double kCloseEnoughExitPx = 0.01;
+
+struct ExitChoice {
+  int side = 0;
+  std::vector<float> numbers;
+  LookupError error;
+};
+
+// The fewest texels that are near enough, or the most. If a bound is asked for
+// that these do not keep, no table is made, and the error is the expected one.
+ExitChoice ChooseExit(const CameraTable& table,
+                      const std::vector<float>& enter) {
+  const double aim_px = table.max_error_px.value_or(kCloseEnoughExitPx);
+  const size_t count = table.max_error_px ? kExitSides.size() : kUsualExitSides;
+  const ExitProjection projection(table, enter);
+  const auto is_near = [&](const LookupError& error) {
+    return error.max_px <= aim_px && error.num_lost == 0;
+  };
+  ExitChoice choice;
+  for (size_t k = 0; k < count; ++k) {
+    const int side = choice.side = kExitSides[k];
+    choice.error = ExpectedExitError(table, projection, enter, side);
+    const bool is_made_anyhow = k + 1 == count && !table.max_error_px;
+    if (!is_near(choice.error) && !is_made_anyhow) continue;
+    const ExitTexels texels = MakeExitTexels(projection, table, side);
+    choice.error = ExitError(table, projection, enter, texels, side);
+    choice.numbers = texels.numbers();
+    if (is_near(choice.error)) break;
+  }
+  return choice;
+}
+
+std::string ExitText(const ExitChoice& choice) {
+  std::string text = choice.error.Text();
+  if (choice.error.num_lost > 0)
+    text +=
+        fmt::format("; {} pixels have no place there", choice.error.num_lost);
+  return text;
+}
+
+void RequireSmallExitError(const CameraTable& table, const ExitChoice& choice) {
+  if (!table.max_error_px || (choice.error.max_px <= *table.max_error_px &&
+                              choice.error.num_lost == 0))
+    return;
+  throw Error(ExitCode::kQuality,
+              fmt::format("isaac leaves more than {:g} px with {} x {} "
+                          "directions, the most it writes: {}",
+                          *table.max_error_px, choice.side, choice.side,
+                          ExitText(choice)));
+}
+
+TableOutput WriteIsaac(const CameraTable& table) {
+  const ImageSize& size = table.camera->image_size();
+  const std::vector<float> enter = EnterTable(table);
+  const LookupError enter_error = EnterError(table, enter);
+  const ExitChoice exit = ChooseExit(table, enter);
+  RequireSmallExitError(table, exit);
+  const std::string enter_path = PathWithSuffix(table.path, "_enter"),
+                    exit_path = PathWithSuffix(table.path, "_exit");
+  TableOutput output;
+  output.files = {
+      {enter_path, WriteExr(size, {"R", "G", "B"}, enter)},
+      {exit_path, WriteExr({exit.side, exit.side}, {"R", "G"}, exit.numbers)}};
+  output.told = fmt::format(
+      "{}, {} x {} rays, between pixels {} off; {}, {} x {} directions, {} "
+      "off; omni:lensdistortion:lut: nominalWidth {}, nominalHeight {}, "
+      "opticalCenter ({:g}, {:g})",
+      enter_path, size.width, size.height, enter_error.Text(), exit_path,
+      exit.side, exit.side, ExitText(exit), size.width, size.height,
+      size.width / 2.0, size.height / 2.0);
+  output.figures = {{"enter_max_px", enter_error.max_px},
+                    {"enter_rms_px", enter_error.rms_px()},
+                    {"exit_side", exit.side},
+                    {"exit_max_px", exit.error.max_px},
+                    {"exit_rms_px", exit.error.rms_px()},
+                    {"pixels", static_cast<double>(exit.error.count)},
+                    {"pixels_lost", static_cast<double>(exit.error.num_lost)}};
+  return output;
+}
+
+}  // namespace
+
+TableFormat IsaacFormat() {
+  TableFormat format;
+  format.name = "isaac";
+  format.holds =
+      "Isaac Sim: NAME_enter.exr, the rays of pixels, and NAME_exit.exr, the "
+      "places of directions; what lies ahead is in its middle, or what lies "
+      "behind";
+  format.endings = {".exr"};
+  format.options = {"model", "max-fit-error"};
+  format.models = {kAhead, kBehind};
+  format.write_camera = WriteIsaac;
+  return format;
+}
+
+}  // namespace raygrid
