@@ -189,21 +189,23 @@ Eigen::Vector2d TexelCenter(int x, int y, int side) {
   return Eigen::Vector2d(2 * x + 1 - side, 2 * y + 1 - side) / side;
 }
 
-// Projects directions of the renderer, those far from any pixel's left out.
+// Projects directions of the renderer. A search that fails takes long, so only
+// directions near those of pixels are tried.
 class ExitProjection {
  public:
   ExitProjection(const CameraTable& table, const std::vector<float>& enter)
       : camera_(*table.camera), octahedron_(table.model == kAhead) {
-    for (size_t k = 2; k < enter.size(); k += kEnterChannels)
-      if (enter[k] < 1) largest_z_ = std::max<double>(largest_z_, enter[k]);
+    for (size_t k = 0; k < enter.size(); k += kEnterChannels) {
+      const Eigen::Vector3d ray(enter[k], enter[k + 1], enter[k + 2]);
+      if (HasRay(ray)) MarkNear(ray);
+    }
   }
 
   const Octahedron& octahedron() const { return octahedron_; }
 
   std::optional<Eigen::Vector2d> PlaceOf(const Eigen::Vector3d& direction,
                                          const Eigen::Vector2d* start) const {
-    constexpr double kMarginZ = 0.1;
-    if (direction.z() > largest_z_ + kMarginZ) return std::nullopt;
+    if (!IsNear(direction)) return std::nullopt;
     return camera_.Project(InOtherAxes(direction), start, 0);
   }
   // Also beside the image, whose edge is to lie between two places.
@@ -216,9 +218,28 @@ class ExitProjection {
   }
 
  private:
+  // Cells of some 3 degrees, which no image's pixels are farther apart than.
+  static constexpr int kMaskSide = 65;
+
+  void MarkNear(const Eigen::Vector3d& ray) {
+    const TexelCell cell = TexelCell::At(octahedron_.PlaceOf(ray), kMaskSide);
+    for (int j = std::max(cell.y - 1, 0);
+         j <= std::min(cell.y + 2, kMaskSide - 1); ++j)
+      for (int i = std::max(cell.x - 1, 0);
+           i <= std::min(cell.x + 2, kMaskSide - 1); ++i)
+        is_near_[j * kMaskSide + i] = true;
+  }
+  bool IsNear(const Eigen::Vector3d& direction) const {
+    const TexelCell cell =
+        TexelCell::At(octahedron_.PlaceOf(direction), kMaskSide);
+    const int first = cell.y * kMaskSide + cell.x;
+    return is_near_[first] || is_near_[first + 1] ||
+           is_near_[first + kMaskSide] || is_near_[first + kMaskSide + 1];
+  }
+
   const CameraModel& camera_;
   Octahedron octahedron_;
-  double largest_z_ = -1;
+  std::vector<bool> is_near_ = std::vector<bool>(kMaskSide * kMaskSide, false);
 };
 
 // A place in no image, beyond the corner that is nearest to a direction: all
