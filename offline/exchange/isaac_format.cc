@@ -421,8 +421,8 @@ LookupError ExitError(const CameraTable& table,
 // Places bend at the octahedron's edges, some of which lie on the axes. An odd
 // number of texels has a row of them there.
 constexpr std::array<int, 5> kExitSides = {257, 513, 1025, 2049, 4097};
-// The last one takes a minute and some 50 MB, and is made only if asked for.
-constexpr size_t kUsualExitSides = 4;
+// The largest one takes long, and is not made where it does not help.
+constexpr int kUsualExitSide = 2049;
 constexpr double kCloseEnoughExitPx = 0.01;
 
 struct ExitChoice {
@@ -431,28 +431,33 @@ struct ExitChoice {
   LookupError error;
 };
 
-// The fewest texels that are near enough, or the most. If a bound is asked for
-// that these do not keep, no table is made, and the error is the expected one.
+ExitChoice MakeExit(const CameraTable& table, const ExitProjection& projection,
+                    const std::vector<float>& enter, int side) {
+  const ExitTexels texels = MakeExitTexels(projection, table, side);
+  return {side, texels.numbers(),
+          ExitError(table, projection, enter, texels, side)};
+}
+
+// The fewest texels that are near enough, else the usual ones. If a bound is
+// asked for that none keep, no table is made, and the error is the expected
+// one.
 ExitChoice ChooseExit(const CameraTable& table,
                       const std::vector<float>& enter) {
   const double aim_px = table.max_error_px.value_or(kCloseEnoughExitPx);
-  const size_t count = table.max_error_px ? kExitSides.size() : kUsualExitSides;
   const ExitProjection projection(table, enter);
   const auto is_near = [&](const LookupError& error) {
     return error.max_px <= aim_px && error.num_lost == 0;
   };
-  ExitChoice choice;
-  for (size_t k = 0; k < count; ++k) {
-    const int side = choice.side = kExitSides[k];
-    choice.error = ExpectedExitError(table, projection, enter, side);
-    const bool is_made_anyhow = k + 1 == count && !table.max_error_px;
-    if (!is_near(choice.error) && !is_made_anyhow) continue;
-    const ExitTexels texels = MakeExitTexels(projection, table, side);
-    choice.error = ExitError(table, projection, enter, texels, side);
-    choice.numbers = texels.numbers();
-    if (is_near(choice.error)) break;
+  ExitChoice made, expected;
+  for (const int side : kExitSides) {
+    expected = {side, {}, ExpectedExitError(table, projection, enter, side)};
+    if (!is_near(expected.error)) continue;
+    made = MakeExit(table, projection, enter, side);
+    if (is_near(made.error)) break;
   }
-  return choice;
+  if (!made.numbers.empty()) return made;
+  if (table.max_error_px) return expected;
+  return MakeExit(table, projection, enter, kUsualExitSide);
 }
 
 std::string ExitText(const ExitChoice& choice) {
