@@ -1,0 +1,85 @@
+#include "blob_file.h"
+
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include "camera_error.h"
+
+namespace raygrid {
+namespace {
+
+using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+std::vector<uint32_t> ReadWords(const std::string& path, uint32_t* num_bytes) {
+  constexpr size_t kMaxBytes = 1u << 30;
+  const auto fail = [&path](const std::string& why) {
+    return CameraError(CameraExit::kInput, path + ": " + why);
+  };
+  const File file(std::fopen(path.c_str(), "rbe"), &std::fclose);
+  struct stat status;
+  if (!file || fstat(fileno(file.get()), &status) != 0)
+    throw fail(std::string("cannot be read (") + std::strerror(errno) + ")");
+  if (!S_ISREG(status.st_mode)) throw fail("no regular file");
+  const auto size = static_cast<size_t>(status.st_size);
+  if (size > kMaxBytes) throw fail("larger than 1 GiB, so no blob");
+  std::vector<uint32_t> words((size + 3) / 4);
+  if (std::fread(words.data(), 1, size, file.get()) != size)
+    throw fail("cannot be read to its end");
+  *num_bytes = static_cast<uint32_t>(size);
+  return words;
+}
+
+TableSizes SizesInUse(const rg_camera& camera) {
+  TableSizes sizes = {};
+  rg_frame_size(&camera, &sizes.frame_width, &sizes.frame_height);
+  rg_remap_size(&camera, &sizes.view_width, &sizes.view_height);
+  return sizes;
+}
+
+std::string Text(unsigned width, unsigned height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+}  // namespace
+
+BlobFile::BlobFile(const std::string& path) : path_(path) {
+  uint32_t num_bytes = 0;
+  words_ = ReadWords(path, &num_bytes);
+  const rg_status status = rg_camera_open(&camera_, words_.data(), num_bytes);
+  if (status != RG_OK)
+    throw CameraError(CameraExit::kBlob, path + ": " + rg_status_text(status));
+}
+
+std::vector<TableSizes> BlobFile::Tables(int table) const {
+  std::vector<TableSizes> tables;
+  rg_camera camera = camera_;
+  for (uint32_t k = 0; rg_select_remap(&camera, k) == RG_OK; ++k)
+    if (table < 0 || k == static_cast<uint32_t>(table))
+      tables.push_back(SizesInUse(camera));
+  if (tables.empty())
+    throw CameraError(
+        CameraExit::kBlob,
+        path_ +
+            (table >= 0 ? ": has no remap table " + std::to_string(table)
+                        : std::string(": has no remap table")) +
+            "; pack it with --remap");
+  return tables;
+}
+
+void BlobFile::SelectTable(int table, const TableSizes& sizes) {
+  for (uint32_t k = 0; rg_select_remap(&camera_, k) == RG_OK; ++k)
+    if ((table < 0 || k == static_cast<uint32_t>(table)) &&
+        SizesInUse(camera_) == sizes)
+      return;
+  throw CameraError(CameraExit::kBlob,
+                    path_ + ": has no remap table from " +
+                        Text(sizes.frame_width, sizes.frame_height) + " to " +
+                        Text(sizes.view_width, sizes.view_height) +
+                        " pixels; pack one with --remap");
+}
+
+}  // namespace raygrid

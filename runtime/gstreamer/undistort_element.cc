@@ -1,0 +1,415 @@
+#include "undistort_element.h"
+
+#include <gst/video/gstvideometa.h>
+#include <gst/video/gstvideopool.h>
+
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "camera_error.h"
+#include "frame_undistorter.h"
+
+namespace {
+
+GST_DEBUG_CATEGORY_STATIC(undistort_debug);
+#define GST_CAT_DEFAULT undistort_debug
+
+// ---- Enumerations as properties --------------------------------------------
+
+enum Outside { kShown, kTrusted };
+
+GType OutsideType() {
+  static const GEnumValue kValues[] = {
+      {kShown, "All that the camera shows", "shown"},
+      {kTrusted, "Border in blocks in which nothing is trusted", "trusted"},
+      {0, nullptr, nullptr}};
+  static const GType type =
+      g_enum_register_static("RaygridUndistortOutside", kValues);
+  return type;
+}
+
+GType BorderType() {
+  static const GEnumValue kValues[] = {
+      {RG_BORDER_VALUE, "Black", "black"},
+      {RG_BORDER_CLAMP, "The nearest pixel of the calibrated area", "clamp"},
+      {0, nullptr, nullptr}};
+  static const GType type =
+      g_enum_register_static("RaygridUndistortBorder", kValues);
+  return type;
+}
+
+GType SamplingType() {
+  static const GEnumValue kValues[] = {
+      {RG_SAMPLING_BILINEAR, "Between four pixels", "bilinear"},
+      {RG_SAMPLING_NEAREST, "The nearest pixel", "nearest"},
+      {0, nullptr, nullptr}};
+  static const GType type =
+      g_enum_register_static("RaygridUndistortSampling", kValues);
+  return type;
+}
+
+enum Property {
+  kBlob = 1,
+  kTable,
+  kEnabled,
+  kBorder,
+  kOutside,
+  kSampling,
+  kThreads
+};
+
+}  // namespace
+
+// C++'s members of the element.
+struct UndistortState {
+  std::mutex mutex;  // of all below: properties are set by any thread
+  raygrid::UndistortSettings settings;
+  bool is_changed = false;  // since the next one was made
+  // Of the settings as they are; until caps are set with it, frames have the
+  // one in use.
+  std::shared_ptr<raygrid::FrameUndistorter> next, in_use;
+};
+
+struct _RaygridUndistort {
+  GstBaseTransform parent;
+  UndistortState* state;
+};
+
+G_DEFINE_TYPE(RaygridUndistort, raygrid_undistort, GST_TYPE_BASE_TRANSFORM)
+
+namespace {
+
+UndistortState* StateOf(gpointer object) {
+  return RAYGRID_UNDISTORT(object)->state;
+}
+
+void PostError(gpointer element, const raygrid::CameraError& error) {
+  GST_ELEMENT_ERROR(element, RESOURCE, SETTINGS, ("%s", error.what()),
+                    (nullptr));
+}
+
+// The undistorter of the settings as they are; null without a blob, or while
+// it is disabled. Throws CameraError.
+std::shared_ptr<raygrid::FrameUndistorter> CurrentUndistorter(
+    UndistortState* state) {
+  const std::lock_guard<std::mutex> lock(state->mutex);
+  if (state->is_changed) state->next.reset();
+  state->is_changed = false;
+  if (!state->settings.is_enabled || state->settings.blob.empty())
+    return nullptr;
+  if (!state->next)
+    state->next = std::make_shared<raygrid::FrameUndistorter>(state->settings);
+  return state->next;
+}
+
+// ---- GObject ---------------------------------------------------------------
+
+void SetProperty(GObject* object, guint id, const GValue* value,
+                 GParamSpec* spec) {
+  UndistortState* const state = StateOf(object);
+  {
+    const std::lock_guard<std::mutex> lock(state->mutex);
+    raygrid::UndistortSettings& settings = state->settings;
+    switch (id) {
+      case kBlob: {
+        const char* const path = g_value_get_string(value);
+        settings.blob = path ? path : "";
+        break;
+      }
+      case kTable:
+        settings.table = g_value_get_int(value);
+        break;
+      case kEnabled:
+        settings.is_enabled = g_value_get_boolean(value) != FALSE;
+        break;
+      case kBorder:
+        settings.border = static_cast<rg_border>(g_value_get_enum(value));
+        break;
+      case kOutside:
+        settings.only_trusted = g_value_get_enum(value) == kTrusted;
+        break;
+      case kSampling:
+        settings.sampling = static_cast<rg_sampling>(g_value_get_enum(value));
+        break;
+      case kThreads:
+        settings.num_threads = g_value_get_uint(value);
+        break;
+      default:
+        G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+        return;
+    }
+    state->is_changed = true;
+  }
+  GstBaseTransform* const transform = GST_BASE_TRANSFORM(object);
+  gst_base_transform_reconfigure_sink(transform);
+  gst_base_transform_reconfigure_src(transform);
+}
+
+void GetProperty(GObject* object, guint id, GValue* value, GParamSpec* spec) {
+  UndistortState* const state = StateOf(object);
+  const std::lock_guard<std::mutex> lock(state->mutex);
+  const raygrid::UndistortSettings& settings = state->settings;
+  switch (id) {
+    case kBlob:
+      g_value_set_string(value, settings.blob.c_str());
+      break;
+    case kTable:
+      g_value_set_int(value, settings.table);
+      break;
+    case kEnabled:
+      g_value_set_boolean(value, settings.is_enabled);
+      break;
+    case kBorder:
+      g_value_set_enum(value, settings.border);
+      break;
+    case kOutside:
+      g_value_set_enum(value, settings.only_trusted ? kTrusted : kShown);
+      break;
+    case kSampling:
+      g_value_set_enum(value, settings.sampling);
+      break;
+    case kThreads:
+      g_value_set_uint(value, settings.num_threads);
+      break;
+    default:
+      G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+  }
+}
+
+void Finalize(GObject* object) {
+  delete StateOf(object);
+  G_OBJECT_CLASS(raygrid_undistort_parent_class)->finalize(object);
+}
+
+// ---- Negotiation -----------------------------------------------------------
+
+gboolean Start(GstBaseTransform* transform) {
+  UndistortState* const state = StateOf(transform);
+  try {
+    const auto undistorter = CurrentUndistorter(state);
+    const std::lock_guard<std::mutex> lock(state->mutex);
+    if (undistorter || !state->settings.is_enabled) return TRUE;
+    throw raygrid::CameraError(
+        raygrid::CameraExit::kUsage,
+        "no blob; set blob=camera.raygrid, which raygrid pack writes");
+  } catch (const raygrid::CameraError& error) {
+    PostError(transform, error);
+    return FALSE;
+  }
+}
+
+gboolean Stop(GstBaseTransform* transform) {
+  UndistortState* const state = StateOf(transform);
+  const std::lock_guard<std::mutex> lock(state->mutex);
+  state->next.reset();
+  state->in_use.reset();
+  return TRUE;
+}
+
+GstCaps* TransformCaps(GstBaseTransform* transform, GstPadDirection direction,
+                       GstCaps* caps, GstCaps* filter) {
+  UndistortState* const state = StateOf(transform);
+  GstCaps* others = nullptr;
+  try {
+    const auto undistorter = CurrentUndistorter(state);
+    bool is_enabled;
+    {
+      const std::lock_guard<std::mutex> lock(state->mutex);
+      is_enabled = state->settings.is_enabled;
+    }
+    if (!is_enabled)
+      others = gst_caps_ref(caps);
+    else if (undistorter)
+      others = raygrid::OtherSide(direction, caps, undistorter->tables());
+  } catch (const raygrid::CameraError& error) {
+    GST_DEBUG_OBJECT(transform, "%s", error.what());
+  }
+  // Without a blob pads can be linked all the same; starting says what is
+  // wrong with it.
+  if (!others) others = raygrid::OfAnySize(caps);
+  if (!filter) return others;
+  GstCaps* const filtered =
+      gst_caps_intersect_full(filter, others, GST_CAPS_INTERSECT_FIRST);
+  gst_caps_unref(others);
+  return filtered;
+}
+
+gboolean SetCaps(GstBaseTransform* transform, GstCaps* frames, GstCaps* views) {
+  UndistortState* const state = StateOf(transform);
+  try {
+    const auto undistorter = CurrentUndistorter(state);
+    if (undistorter) undistorter->SetCaps(frames, views);
+    {
+      const std::lock_guard<std::mutex> lock(state->mutex);
+      state->in_use = undistorter;
+    }
+    gst_base_transform_set_passthrough(transform, !undistorter);
+    return TRUE;
+  } catch (const raygrid::CameraError& error) {
+    PostError(transform, error);
+    return FALSE;
+  }
+}
+
+gboolean GetUnitSize(GstBaseTransform*, GstCaps* caps, gsize* size) {
+  const auto layout = raygrid::LayoutOf(caps);
+  if (!layout) return FALSE;
+  *size = layout->num_bytes;
+  return TRUE;
+}
+
+// Buffers whose planes have gaps are longer than their caps say; what is made
+// of them is not.
+gboolean TransformSize(GstBaseTransform* transform, GstPadDirection, GstCaps*,
+                       gsize, GstCaps* others, gsize* size) {
+  return GetUnitSize(transform, others, size);
+}
+
+// ---- Memory ----------------------------------------------------------------
+
+// Frames come best in memory whose rows begin at multiples of 64 bytes, and
+// their own strides are fine.
+gboolean ProposeAllocation(GstBaseTransform* transform, GstQuery* decide,
+                           GstQuery* query) {
+  if (!GST_BASE_TRANSFORM_CLASS(raygrid_undistort_parent_class)
+           ->propose_allocation(transform, decide, query))
+    return FALSE;
+  if (!decide) return TRUE;  // passthrough: those behind have proposed
+  GstCaps* caps = nullptr;
+  GstVideoInfo info;
+  gst_query_parse_allocation(query, &caps, nullptr);
+  if (!caps || !gst_video_info_from_caps(&info, caps)) return TRUE;
+  GstVideoAlignment alignment;
+  gst_video_alignment_reset(&alignment);
+  for (unsigned& mask : alignment.stride_align) mask = 63;
+  GstBufferPool* const pool = gst_video_buffer_pool_new();
+  GstStructure* const config = gst_buffer_pool_get_config(pool);
+  const guint size = static_cast<guint>(GST_VIDEO_INFO_SIZE(&info));
+  gst_buffer_pool_config_set_params(config, caps, size, 0, 0);
+  gst_buffer_pool_config_add_option(config, GST_BUFFER_POOL_OPTION_VIDEO_META);
+  gst_buffer_pool_config_add_option(config,
+                                    GST_BUFFER_POOL_OPTION_VIDEO_ALIGNMENT);
+  gst_buffer_pool_config_set_video_alignment(config, &alignment);
+  if (gst_buffer_pool_set_config(pool, config))
+    gst_query_add_allocation_pool(query, pool, size, 0, 0);
+  gst_object_unref(pool);
+  gst_query_add_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
+  return TRUE;
+}
+
+// ---- Frames ----------------------------------------------------------------
+
+// Regions of interest move; TransformFrame() does it.
+gboolean TransformMeta(GstBaseTransform* transform, GstBuffer* view,
+                       GstMeta* meta, GstBuffer* frame) {
+  if (meta->info->api == GST_VIDEO_REGION_OF_INTEREST_META_API_TYPE)
+    return FALSE;
+  return GST_BASE_TRANSFORM_CLASS(raygrid_undistort_parent_class)
+      ->transform_meta(transform, view, meta, frame);
+}
+
+GstFlowReturn TransformFrame(GstBaseTransform* transform, GstBuffer* frame,
+                             GstBuffer* view) {
+  UndistortState* const state = StateOf(transform);
+  std::shared_ptr<raygrid::FrameUndistorter> undistorter;
+  {
+    const std::lock_guard<std::mutex> lock(state->mutex);
+    undistorter = state->in_use;
+  }
+  try {
+    if (!undistorter)
+      throw raygrid::CameraError(raygrid::CameraExit::kBlob,
+                                 "its blob is gone; set blob again");
+    undistorter->Undistort(frame, view);
+    undistorter->MoveRegions(frame, view);
+    return GST_FLOW_OK;
+  } catch (const raygrid::CameraError& error) {
+    PostError(transform, error);
+    return GST_FLOW_ERROR;
+  }
+}
+
+}  // namespace
+
+static void raygrid_undistort_init(RaygridUndistort* self) {
+  self->state = new UndistortState;
+  gst_base_transform_set_qos_enabled(GST_BASE_TRANSFORM(self), TRUE);
+}
+
+static void raygrid_undistort_class_init(RaygridUndistortClass* type) {
+  GST_DEBUG_CATEGORY_INIT(undistort_debug, "raygridundistort", 0,
+                          "Undistortion with a raygrid blob");
+  GObjectClass* const object = G_OBJECT_CLASS(type);
+  object->set_property = SetProperty;
+  object->get_property = GetProperty;
+  object->finalize = Finalize;
+  const auto flags = static_cast<GParamFlags>(
+      G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS | GST_PARAM_MUTABLE_PLAYING);
+  g_object_class_install_property(
+      object, kBlob,
+      g_param_spec_string("blob", "Blob",
+                          "File that 'raygrid pack --remap' writes", "",
+                          flags));
+  g_object_class_install_property(
+      object, kTable,
+      g_param_spec_int("table", "Table",
+                       "Index of the blob's table; -1 is the first one for "
+                       "frames of the size that come",
+                       -1, G_MAXINT, -1, flags));
+  g_object_class_install_property(
+      object, kEnabled,
+      g_param_spec_boolean("enabled", "Enabled",
+                           "False passes frames through as they are", TRUE,
+                           flags));
+  g_object_class_install_property(
+      object, kBorder,
+      g_param_spec_enum("border", "Border",
+                        "Pixels that the camera does not see", BorderType(),
+                        RG_BORDER_VALUE, flags));
+  g_object_class_install_property(
+      object, kOutside,
+      g_param_spec_enum("outside", "Outside",
+                        "Pixels at which the camera cannot be trusted",
+                        OutsideType(), kShown, flags));
+  g_object_class_install_property(
+      object, kSampling,
+      g_param_spec_enum("sampling", "Sampling", "How pixels are sampled",
+                        SamplingType(), RG_SAMPLING_BILINEAR, flags));
+  g_object_class_install_property(
+      object, kThreads,
+      g_param_spec_uint("threads", "Threads",
+                        "Threads for each frame; 0 is one for each processor",
+                        0, 256, 1, flags));
+
+  GstElementClass* const element = GST_ELEMENT_CLASS(type);
+  gst_element_class_set_static_metadata(
+      element, "Lens undistortion with a raygrid blob", "Filter/Effect/Video",
+      "Undistorts frames with a remap table of a calibrated camera. Example: "
+      "gst-launch-1.0 v4l2src ! video/x-raw,width=640,height=480 ! "
+      "raygridundistort blob=camera.raygrid ! autovideosink",
+      "raygrid");
+  GstCaps* const caps = raygrid::TemplateCaps();
+  gst_element_class_add_pad_template(
+      element,
+      gst_pad_template_new("sink", GST_PAD_SINK, GST_PAD_ALWAYS, caps));
+  gst_element_class_add_pad_template(
+      element, gst_pad_template_new("src", GST_PAD_SRC, GST_PAD_ALWAYS, caps));
+  gst_caps_unref(caps);
+
+  GstBaseTransformClass* const transform = GST_BASE_TRANSFORM_CLASS(type);
+  transform->start = Start;
+  transform->stop = Stop;
+  transform->transform_caps = TransformCaps;
+  transform->set_caps = SetCaps;
+  transform->get_unit_size = GetUnitSize;
+  transform->transform_size = TransformSize;
+  transform->propose_allocation = ProposeAllocation;
+  transform->transform_meta = TransformMeta;
+  transform->transform = TransformFrame;
+  transform->passthrough_on_same_caps = FALSE;
+  gst_type_mark_as_plugin_api(BorderType(), static_cast<GstPluginAPIFlags>(0));
+  gst_type_mark_as_plugin_api(OutsideType(), static_cast<GstPluginAPIFlags>(0));
+  gst_type_mark_as_plugin_api(SamplingType(),
+                              static_cast<GstPluginAPIFlags>(0));
+}

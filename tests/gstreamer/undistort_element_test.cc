@@ -1,0 +1,424 @@
+// The element raygridundistort by GstHarness: its frames are those of
+// rg_remap().
+#include <gst/check/gstharness.h>
+#include <gst/video/video.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <fstream>
+#include <memory>
+
+#include "golden_blobs.h"
+#include "raygrid.h"
+#include "stream_format.h"
+
+namespace raygrid {
+namespace {
+
+// A file that goes with the test.
+class TemporaryFile {
+ public:
+  TemporaryFile(const void* bytes, size_t size) {
+    const int file = mkstemp(path_);
+    EXPECT_EQ(write(file, bytes, size), static_cast<ssize_t>(size));
+    close(file);
+  }
+  ~TemporaryFile() { unlink(path_); }
+  const char* path() const { return path_; }
+
+ private:
+  char path_[32] = "/tmp/raygrid-blob-XXXXXX";
+};
+
+constexpr int kWidth = 160, kHeight = 120;  // of the golden lens
+
+rg_camera OpenLens() {
+  rg_camera camera;
+  if (rg_camera_open(&camera, kLensBlob, sizeof(kLensBlob)) != RG_OK ||
+      rg_select_remap(&camera, 0) != RG_OK)
+    abort();
+  return camera;
+}
+
+struct NamedFormat {
+  const char *media, *gstreamer, *libcamera;
+};
+constexpr NamedFormat kFormats[] = {
+    {"video/x-raw", "GRAY8", "R8"},      {"video/x-raw", "GRAY16_LE", "R16"},
+    {"video/x-raw", "NV12", "NV12"},     {"video/x-raw", "NV21", "NV21"},
+    {"video/x-raw", "I420", "YUV420"},   {"video/x-raw", "YV12", "YVU420"},
+    {"video/x-raw", "YUY2", "YUYV"},     {"video/x-raw", "UYVY", "UYVY"},
+    {"video/x-raw", "RGB", "BGR888"},    {"video/x-raw", "BGR", "RGB888"},
+    {"video/x-raw", "RGBx", "XBGR8888"}, {"video/x-raw", "xRGB", "BGRX8888"},
+    {"video/x-raw", "BGRA", "ARGB8888"}, {"video/x-raw", "RGB16", "RGB565"},
+    {"video/x-bayer", "rggb", "SRGGB8"}};
+
+// A harness around the element, playing with a blob.
+class Pipeline {
+ public:
+  explicit Pipeline(const char* blob, const char* properties = "")
+      : harness_(gst_harness_new_parse(
+            (std::string("raygridundistort name=it blob=") + blob + " " +
+             properties)
+                .c_str())) {}
+  ~Pipeline() { gst_harness_teardown(harness_); }
+
+  GstHarness* get() const { return harness_; }
+  template <typename Value>
+  void Set(const char* property, Value value) const {
+    GstElement* const element =
+        gst_bin_get_by_name(GST_BIN(harness_->element), "it");
+    g_object_set(element, property, value, nullptr);
+    gst_object_unref(element);
+  }
+  void SetCaps(const char* media, const char* format, int width,
+               int height) const {
+    gst_harness_set_src_caps(
+        harness_,
+        gst_caps_new_simple(media, "format", G_TYPE_STRING, format, "width",
+                            G_TYPE_INT, width, "height", G_TYPE_INT, height,
+                            "framerate", GST_TYPE_FRACTION, 30, 1, nullptr));
+  }
+
+ private:
+  GstHarness* const harness_;
+};
+
+std::vector<uint8_t> Noise(size_t size) {
+  std::vector<uint8_t> bytes(size);
+  uint32_t state = 1;
+  for (uint8_t& byte : bytes) {
+    state = state * 1664525u + 1013904223u;
+    byte = static_cast<uint8_t>(state >> 24);
+  }
+  return bytes;
+}
+
+// A frame in memory: where each plane begins, and its stride.
+struct Memory {
+  size_t offsets[3] = {};
+  uint32_t strides[3] = {};
+  size_t size = 0;
+};
+
+// Rows with gaps behind them and planes with gaps between, unless it is 0.
+Memory LayOut(const StreamFormat& format, uint32_t gap) {
+  Memory memory;
+  for (int i = 0; i < format.num_planes; ++i) {
+    memory.offsets[i] = memory.size + gap;
+    memory.strides[i] = format.planes[i].row_bytes + 2 * gap;
+    memory.size =
+        memory.offsets[i] + size_t{memory.strides[i]} * format.planes[i].rows;
+  }
+  return memory;
+}
+
+// Rows of a Bayer buffer begin at multiples of 4 bytes.
+Memory LayOutBayer(const StreamFormat& format) {
+  Memory memory;
+  memory.strides[0] = (format.planes[0].row_bytes + 3) / 4 * 4;
+  memory.size = size_t{memory.strides[0]} * format.planes[0].rows;
+  return memory;
+}
+
+std::vector<uint8_t> RowsOf(const StreamFormat& format, const Memory& memory,
+                            const uint8_t* bytes) {
+  std::vector<uint8_t> rows;
+  for (int i = 0; i < format.num_planes; ++i)
+    for (uint32_t row = 0; row < format.planes[i].rows; ++row) {
+      const uint8_t* const begin =
+          bytes + memory.offsets[i] + size_t{memory.strides[i]} * row;
+      rows.insert(rows.end(), begin, begin + format.planes[i].row_bytes);
+    }
+  return rows;
+}
+
+// Rows without gaps of the frame that rg_remap() makes of one in memory.
+std::vector<uint8_t> Remapped(const StreamFormat& frames,
+                              const StreamFormat& views, const Memory& memory,
+                              const uint8_t* bytes) {
+  const rg_camera camera = OpenLens();
+  const uint8_t* planes[3];
+  for (int i = 0; i < 3; ++i) planes[i] = bytes + memory.offsets[i];
+  rg_image image = MakeImage(frames, planes);
+  std::vector<uint8_t> made(views.packed_size());
+  rg_target target = {};
+  target.num_rows = views.height;
+  SetBlackBorder(*views.pixel_format, &target);
+  uint8_t* next = made.data();
+  for (int i = 0; i < frames.num_planes; ++i) {
+    image.planes[i].stride = memory.strides[i];
+    target.planes[i].data = next;
+    target.planes[i].stride = views.planes[i].row_bytes;
+    next += size_t{views.planes[i].row_bytes} * views.planes[i].rows;
+  }
+  EXPECT_EQ(rg_remap(&camera, &image, &target), RG_OK);
+  return made;
+}
+
+StreamFormat FormatOfViews(const PixelFormatInfo& pixel_format) {
+  const rg_camera camera = OpenLens();
+  uint16_t width, height;
+  rg_remap_size(&camera, &width, &height);
+  return MakeStreamFormat(pixel_format, width, height, 0);
+}
+
+// A buffer of the bytes; says how its planes lie where caps do not.
+GstBuffer* BufferOf(const NamedFormat& name, const Memory& memory,
+                    const std::vector<uint8_t>& bytes, int num_planes) {
+  GstBuffer* const buffer = gst_buffer_new_memdup(bytes.data(), bytes.size());
+  if (std::strcmp(name.media, "video/x-bayer") == 0) return buffer;
+  gsize offsets[GST_VIDEO_MAX_PLANES] = {};
+  gint strides[GST_VIDEO_MAX_PLANES] = {};
+  for (int i = 0; i < num_planes; ++i) {
+    offsets[i] = memory.offsets[i];
+    strides[i] = static_cast<gint>(memory.strides[i]);
+  }
+  gst_buffer_add_video_meta_full(
+      buffer, GST_VIDEO_FRAME_FLAG_NONE,
+      gst_video_format_from_string(name.gstreamer), kWidth, kHeight,
+      static_cast<guint>(num_planes), offsets, strides);
+  return buffer;
+}
+
+// Rows without gaps of a buffer that the element made.
+std::vector<uint8_t> RowsOfBuffer(const Pipeline& pipeline,
+                                  const StreamFormat& format, bool is_bayer,
+                                  GstBuffer* buffer) {
+  if (is_bayer) {
+    GstMapInfo map;
+    EXPECT_TRUE(gst_buffer_map(buffer, &map, GST_MAP_READ));
+    const auto rows = RowsOf(format, LayOutBayer(format), map.data);
+    gst_buffer_unmap(buffer, &map);
+    return rows;
+  }
+  GstCaps* const caps = gst_pad_get_current_caps(pipeline.get()->sinkpad);
+  GstVideoInfo info;
+  EXPECT_TRUE(gst_video_info_from_caps(&info, caps));
+  gst_caps_unref(caps);
+  EXPECT_EQ(GST_VIDEO_INFO_WIDTH(&info), format.width);
+  EXPECT_EQ(GST_VIDEO_INFO_HEIGHT(&info), format.height);
+  GstVideoFrame frame;
+  EXPECT_TRUE(gst_video_frame_map(&frame, &info, buffer, GST_MAP_READ));
+  std::vector<uint8_t> rows;
+  for (int i = 0; i < format.num_planes; ++i) {
+    Memory plane;
+    plane.strides[0] =
+        static_cast<uint32_t>(GST_VIDEO_FRAME_PLANE_STRIDE(&frame, i));
+    StreamFormat one = format;
+    one.num_planes = 1;
+    one.planes[0] = format.planes[i];
+    const auto more = RowsOf(
+        one, plane,
+        static_cast<const uint8_t*>(GST_VIDEO_FRAME_PLANE_DATA(&frame, i)));
+    rows.insert(rows.end(), more.begin(), more.end());
+  }
+  gst_video_frame_unmap(&frame);
+  return rows;
+}
+
+void CheckFormat(const NamedFormat& name, uint32_t gap,
+                 const char* properties) {
+  SCOPED_TRACE(std::string(name.gstreamer) + " " + properties);
+  const TemporaryFile blob(kLensBlob, sizeof(kLensBlob));
+  const Pipeline pipeline(blob.path(), properties);
+  const bool is_bayer = std::strcmp(name.media, "video/x-bayer") == 0;
+  pipeline.SetCaps(name.media, name.gstreamer, kWidth, kHeight);
+  const PixelFormatInfo& pixel_format = *FindPixelFormat(name.libcamera);
+  const StreamFormat frames =
+      MakeStreamFormat(pixel_format, kWidth, kHeight, 0);
+  const StreamFormat views = FormatOfViews(pixel_format);
+  const Memory memory = is_bayer ? LayOutBayer(frames) : LayOut(frames, gap);
+  const std::vector<uint8_t> bytes = Noise(memory.size);
+  GstBuffer* const view = gst_harness_push_and_pull(
+      pipeline.get(), BufferOf(name, memory, bytes, frames.num_planes));
+  ASSERT_TRUE(view);
+  EXPECT_EQ(RowsOfBuffer(pipeline, views, is_bayer, view),
+            Remapped(frames, views, memory, bytes.data()));
+  gst_buffer_unref(view);
+}
+
+TEST(UndistortElement, GivesTheBytesOfRemapInEveryFormat) {
+  for (const NamedFormat& name : kFormats) CheckFormat(name, 0, "");
+}
+
+TEST(UndistortElement, TakesRowsAndPlanesWithGaps) {
+  for (const NamedFormat& name : kFormats) CheckFormat(name, 12, "");
+}
+
+TEST(UndistortElement, ThreadsGiveTheSameBytes) {
+  for (const NamedFormat& name : kFormats) CheckFormat(name, 4, "threads=3");
+}
+
+GstBuffer* GreyFrame() {
+  const std::vector<uint8_t> bytes = Noise(kWidth * kHeight);
+  return gst_buffer_new_memdup(bytes.data(), bytes.size());
+}
+
+TEST(UndistortElement, PassesFramesThroughWhileItIsDisabled) {
+  const TemporaryFile blob(kLensBlob, sizeof(kLensBlob));
+  const Pipeline pipeline(blob.path(), "enabled=false");
+  pipeline.SetCaps("video/x-raw", "GRAY8", kWidth, kHeight);
+  GstBuffer* const frame = GreyFrame();
+  GstBuffer* view = gst_harness_push_and_pull(pipeline.get(), frame);
+  EXPECT_EQ(view, frame);  // not even a copy
+  gst_buffer_unref(view);
+  for (const bool is_enabled : {true, false, true}) {
+    pipeline.Set("enabled", is_enabled ? TRUE : FALSE);
+    GstBuffer* const next = GreyFrame();
+    view = gst_harness_push_and_pull(pipeline.get(), next);
+    ASSERT_TRUE(view);
+    EXPECT_EQ(view != next, is_enabled);
+    gst_buffer_unref(view);
+  }
+}
+
+TEST(UndistortElement, TakesAnotherBlobWhileItPlays) {
+  const TemporaryFile blob(kLensBlob, sizeof(kLensBlob));
+  const TemporaryFile other(kLensBlob, sizeof(kLensBlob));
+  const Pipeline pipeline(blob.path());
+  pipeline.SetCaps("video/x-raw", "GRAY8", kWidth, kHeight);
+  for (int k = 0; k < 20; ++k) {
+    pipeline.Set("blob", k % 2 == 0 ? other.path() : blob.path());
+    pipeline.Set("threads", 1 + k % 3);
+    pipeline.Set("border", k % 2);
+    GstBuffer* const view =
+        gst_harness_push_and_pull(pipeline.get(), GreyFrame());
+    ASSERT_TRUE(view);
+    gst_buffer_unref(view);
+  }
+}
+
+TEST(UndistortElement, PassesTheEndAndTenThousandFrames) {
+  const TemporaryFile blob(kLensBlob, sizeof(kLensBlob));
+  const Pipeline pipeline(blob.path(), "threads=2");
+  pipeline.SetCaps("video/x-raw", "GRAY8", kWidth, kHeight);
+  GstBuffer* const frame = GreyFrame();
+  for (int k = 0; k < 10000; ++k) {
+    GstBuffer* const view =
+        gst_harness_push_and_pull(pipeline.get(), gst_buffer_ref(frame));
+    ASSERT_TRUE(view);
+    gst_buffer_unref(view);
+  }
+  gst_buffer_unref(frame);
+  ASSERT_TRUE(gst_harness_push_event(pipeline.get(), gst_event_new_eos()));
+  bool has_ended = false;
+  while (GstEvent* const event = gst_harness_try_pull_event(pipeline.get())) {
+    has_ended = has_ended || GST_EVENT_TYPE(event) == GST_EVENT_EOS;
+    gst_event_unref(event);
+  }
+  EXPECT_TRUE(has_ended);
+}
+
+// The error that an element posts when it is to start.
+std::string ErrorOfStarting(const std::string& properties) {
+  GstElement* const element =
+      gst_parse_launch_full(("raygridundistort " + properties).c_str(), nullptr,
+                            GST_PARSE_FLAG_NONE, nullptr);
+  GstBus* const bus = gst_bus_new();
+  gst_element_set_bus(element, bus);
+  EXPECT_EQ(gst_element_set_state(element, GST_STATE_PAUSED),
+            GST_STATE_CHANGE_FAILURE);
+  std::string text;
+  if (GstMessage* const message =
+          gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR)) {
+    GError* error = nullptr;
+    gst_message_parse_error(message, &error, nullptr);
+    text = error->message;
+    g_error_free(error);
+    gst_message_unref(message);
+  }
+  gst_element_set_state(element, GST_STATE_NULL);
+  gst_element_set_bus(element, nullptr);
+  gst_object_unref(bus);
+  gst_object_unref(element);
+  return text;
+}
+
+TEST(UndistortElement, SaysWhatIsWrongWithABlob) {
+  EXPECT_NE(ErrorOfStarting("").find("set blob="), std::string::npos);
+  const std::string missing = ErrorOfStarting("blob=/nowhere/lens.raygrid");
+  EXPECT_NE(missing.find("/nowhere/lens.raygrid: cannot be read"),
+            std::string::npos)
+      << missing;
+  std::vector<uint8_t> damaged(
+      reinterpret_cast<const uint8_t*>(kLensBlob),
+      reinterpret_cast<const uint8_t*>(kLensBlob) + sizeof(kLensBlob));
+  damaged[damaged.size() / 2] ^= 1;
+  const TemporaryFile file(damaged.data(), damaged.size());
+  const std::string corrupt =
+      ErrorOfStarting(std::string("blob=") + file.path());
+  EXPECT_EQ(corrupt.rfind(file.path(), 0), 0u) << corrupt;
+  EXPECT_EQ(corrupt.find('\n'), std::string::npos) << corrupt;
+}
+
+TEST(UndistortElement, RefusesFramesThatNoTableIsFor) {
+  const TemporaryFile blob(kLensBlob, sizeof(kLensBlob));
+  const Pipeline pipeline(blob.path());
+  pipeline.SetCaps("video/x-raw", "GRAY8", kWidth - 2, kHeight);
+  EXPECT_EQ(gst_harness_push(pipeline.get(), GreyFrame()),
+            GST_FLOW_NOT_NEGOTIATED);
+}
+
+TEST(UndistortElement, FailsAtABufferThatIsTooShort) {
+  const TemporaryFile blob(kLensBlob, sizeof(kLensBlob));
+  for (const char* media : {"video/x-raw", "video/x-bayer"}) {
+    const Pipeline pipeline(blob.path());
+    const bool is_raw = std::strcmp(media, "video/x-raw") == 0;
+    pipeline.SetCaps(media, is_raw ? "GRAY8" : "rggb", kWidth, kHeight);
+    EXPECT_EQ(gst_harness_push(pipeline.get(),
+                               gst_buffer_new_allocate(nullptr, 100, nullptr)),
+              GST_FLOW_ERROR);
+  }
+}
+
+TEST(UndistortElement, MovesRegionsOfInterest) {
+  const TemporaryFile blob(kLensBlob, sizeof(kLensBlob));
+  const Pipeline pipeline(blob.path());
+  pipeline.SetCaps("video/x-raw", "GRAY8", kWidth, kHeight);
+  GstBuffer* const frame = GreyFrame();
+  GstVideoRegionOfInterestMeta* const given =
+      gst_buffer_add_video_region_of_interest_meta(frame, "face", 70, 50, 20,
+                                                   16);
+  given->id = 7;
+  gst_video_region_of_interest_meta_add_param(
+      given, gst_structure_new("score", "part", G_TYPE_DOUBLE, 0.5, nullptr));
+  GstBuffer* const view = gst_harness_push_and_pull(pipeline.get(), frame);
+  ASSERT_TRUE(view);
+  const auto* const moved =
+      gst_buffer_get_video_region_of_interest_meta_id(view, 7);
+  ASSERT_TRUE(moved);
+  EXPECT_STREQ(g_quark_to_string(moved->roi_type), "face");
+  EXPECT_TRUE(gst_video_region_of_interest_meta_get_param(
+      const_cast<GstVideoRegionOfInterestMeta*>(moved), "score"));
+  const rg_camera camera = OpenLens();
+  for (int y = 50; y < 66; ++y)
+    for (int x = 70; x < 90; ++x) {
+      const rg_pixel pixel = {RG_PIXEL(x), RG_PIXEL(y)};
+      rg_pixel seen;
+      ASSERT_EQ(rg_undistort_point(&camera, pixel, &seen), RG_OK);
+      const double u = seen.x_q16 / 65536.0, v = seen.y_q16 / 65536.0;
+      EXPECT_TRUE(u >= moved->x - 0.5 && u <= moved->x + moved->w - 0.5 &&
+                  v >= moved->y - 0.5 && v <= moved->y + moved->h - 0.5)
+          << x << ", " << y << " at " << u << ", " << v;
+    }
+  EXPECT_LT(moved->w * moved->h, 4 * 20 * 16);
+  gst_buffer_unref(view);
+}
+
+}  // namespace
+}  // namespace raygrid
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  gst_init(&argc, &argv);
+  GError* error = nullptr;
+  if (argc != 2 || !gst_plugin_load_file(argv[1], &error)) {
+    std::fprintf(stderr, "undistort_element_test PLUGIN: %s\n",
+                 error ? error->message : "one argument");
+    return 1;
+  }
+  return RUN_ALL_TESTS();
+}
