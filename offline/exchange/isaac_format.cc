@@ -172,16 +172,19 @@ struct TexelCell {
   // The square has so many texels a side; (-1, -1) is its outer corner.
   static TexelCell At(const Eigen::Vector2d& place, int side) {
     TexelCell cell;
-    const auto along = [&](double at, double* part) {
-      const double texel = std::clamp((at + 1) / 2 * side - 0.5, 0.0,
-                                      static_cast<double>(side - 1));
-      const int first = std::min(static_cast<int>(texel), side - 2);
-      *part = texel - first;
-      return first;
-    };
-    cell.x = along(place.x(), &cell.part.x());
-    cell.y = along(place.y(), &cell.part.y());
+    cell.x = Along(place.x(), side, &cell.part.x());
+    cell.y = Along(place.y(), side, &cell.part.y());
     return cell;
+  }
+
+ private:
+  // The texel before a place along a side, and the part of the way from it.
+  static int Along(double place, int side, double* rest) {
+    const double texel = std::clamp((place + 1) / 2 * side - 0.5, 0.0,
+                                    static_cast<double>(side - 1));
+    const int first = std::min(static_cast<int>(texel), side - 2);
+    *rest = texel - first;
+    return first;
   }
 };
 
