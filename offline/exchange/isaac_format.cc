@@ -192,12 +192,30 @@ Eigen::Vector2d TexelCenter(int x, int y, int side) {
   return Eigen::Vector2d(2 * x + 1 - side, 2 * y + 1 - side) / side;
 }
 
+// The largest angle between the rays of pixels beside each other, in radians.
+double LargestStep(const ImageSize& size, const std::vector<float>& enter) {
+  double largest = 0;
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      const Eigen::Vector3d ray = EnteringRay(size, enter, x, y);
+      for (const auto& [i, j] : {std::pair(x - 1, y), {x, y - 1}}) {
+        if (std::min(i, j) < 0 || !HasRay(ray)) continue;
+        const Eigen::Vector3d other = EnteringRay(size, enter, i, j);
+        if (HasRay(other)) largest = std::max(largest, (ray - other).norm());
+      }
+    }
+  return largest;
+}
+
 // Projects directions of the renderer. A search that fails takes long, so only
 // directions near those of pixels are tried.
 class ExitProjection {
  public:
   ExitProjection(const CameraTable& table, const std::vector<float>& enter)
-      : camera_(*table.camera), octahedron_(table.model == kAhead) {
+      : camera_(*table.camera),
+        octahedron_(table.model == kAhead),
+        mask_side_(MaskSide(LargestStep(table.camera->image_size(), enter))),
+        is_near_(static_cast<size_t>(mask_side_) * mask_side_, false) {
     for (size_t k = 0; k < enter.size(); k += kEnterChannels) {
       const Eigen::Vector3d ray(enter[k], enter[k + 1], enter[k + 2]);
       if (HasRay(ray)) MarkNear(ray);
@@ -221,28 +239,32 @@ class ExitProjection {
   }
 
  private:
-  // Cells of some 3 degrees, which no image's pixels are farther apart than.
-  static constexpr int kMaskSide = 65;
+  // Cells that are twice as wide as pixels lie apart, or the narrowest.
+  static int MaskSide(double step_rad) {
+    constexpr double kLeast = 17, kMost = 1025;
+    return static_cast<int>(std::clamp(1 / step_rad, kLeast, kMost));
+  }
 
   void MarkNear(const Eigen::Vector3d& ray) {
-    const TexelCell cell = TexelCell::At(octahedron_.PlaceOf(ray), kMaskSide);
+    const TexelCell cell = TexelCell::At(octahedron_.PlaceOf(ray), mask_side_);
     for (int j = std::max(cell.y - 1, 0);
-         j <= std::min(cell.y + 2, kMaskSide - 1); ++j)
+         j <= std::min(cell.y + 2, mask_side_ - 1); ++j)
       for (int i = std::max(cell.x - 1, 0);
-           i <= std::min(cell.x + 2, kMaskSide - 1); ++i)
-        is_near_[j * kMaskSide + i] = true;
+           i <= std::min(cell.x + 2, mask_side_ - 1); ++i)
+        is_near_[j * mask_side_ + i] = true;
   }
   bool IsNear(const Eigen::Vector3d& direction) const {
     const TexelCell cell =
-        TexelCell::At(octahedron_.PlaceOf(direction), kMaskSide);
-    const int first = cell.y * kMaskSide + cell.x;
+        TexelCell::At(octahedron_.PlaceOf(direction), mask_side_);
+    const int first = cell.y * mask_side_ + cell.x;
     return is_near_[first] || is_near_[first + 1] ||
-           is_near_[first + kMaskSide] || is_near_[first + kMaskSide + 1];
+           is_near_[first + mask_side_] || is_near_[first + mask_side_ + 1];
   }
 
   const CameraModel& camera_;
   Octahedron octahedron_;
-  std::vector<bool> is_near_ = std::vector<bool>(kMaskSide * kMaskSide, false);
+  int mask_side_;
+  std::vector<bool> is_near_;
 };
 
 // A place in no image, beyond the corner that is nearest to a direction: all
