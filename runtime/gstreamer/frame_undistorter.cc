@@ -144,7 +144,7 @@ void FrameUndistorter::SetCaps(const GstCaps* frames, const GstCaps* views) {
     throw CameraError(CameraExit::kBlob,
                       settings_.blob +
                           ": its table shows nothing that can be trusted; set "
-                          "outside=shown, or pack another view");
+                          "outside=fill, or pack another view");
 }
 
 void FrameUndistorter::Undistort(GstBuffer* frame, GstBuffer* view) {

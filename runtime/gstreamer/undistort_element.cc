@@ -17,11 +17,11 @@ GST_DEBUG_CATEGORY_STATIC(undistort_debug);
 
 // ---- Enumerations as properties --------------------------------------------
 
-enum Outside { kShown, kTrusted };
+enum Outside { kFill, kTrusted };
 
 GType OutsideType() {
   static const GEnumValue kValues[] = {
-      {kShown, "All that the camera shows", "shown"},
+      {kFill, "As the lens goes on there", "fill"},
       {kTrusted, "Border in blocks in which nothing is trusted", "trusted"},
       {0, nullptr, nullptr}};
   static const GType type =
@@ -164,7 +164,7 @@ void GetProperty(GObject* object, guint id, GValue* value, GParamSpec* spec) {
       g_value_set_enum(value, settings.border);
       break;
     case kOutside:
-      g_value_set_enum(value, settings.only_trusted ? kTrusted : kShown);
+      g_value_set_enum(value, settings.only_trusted ? kTrusted : kFill);
       break;
     case kSampling:
       g_value_set_enum(value, settings.sampling);
@@ -370,8 +370,8 @@ static void raygrid_undistort_class_init(RaygridUndistortClass* type) {
   g_object_class_install_property(
       object, kOutside,
       g_param_spec_enum("outside", "Outside",
-                        "Pixels at which the camera cannot be trusted",
-                        OutsideType(), kShown, flags));
+                        "Pixels where nothing was seen while calibrating",
+                        OutsideType(), kFill, flags));
   g_object_class_install_property(
       object, kSampling,
       g_param_spec_enum("sampling", "Sampling", "How pixels are sampled",
