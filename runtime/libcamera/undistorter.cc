@@ -43,6 +43,7 @@ Undistorter::Undistorter(const rg_camera& camera, FrameSource* source,
       options_(options),
       format_(MakeOutputFormat(camera, source->format())),
       frames_(options.num_buffers),
+      bands_(options.num_threads),
       free_(options.num_buffers),
       ready_(options.num_buffers) {
   for (UndistortedFrame& frame : frames_) {
@@ -125,7 +126,8 @@ void Undistorter::Undistort(const CapturedFrame& captured) {
   UndistortedFrame* const frame = TakeBuffer();
   if (!frame) return;
   const Clock::time_point start = Clock::now();
-  const rg_status status = rg_remap(&camera_, &captured.image, &frame->target);
+  const rg_status status =
+      bands_.Remap(camera_, captured.image, format_, frame->target);
   if (status != RG_OK)
     throw CameraError(CameraExit::kBlob,
                       std::string("blob: ") + rg_status_text(status));

@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "band_remap.h"
 #include "bounded_queue.h"
 #include "camera_error.h"
 #include "duration_histogram.h"
@@ -38,6 +39,7 @@ class FrameObserver {
 
 struct UndistorterOptions {
   uint32_t num_buffers = 4;
+  unsigned num_threads = 1;  // that undistort a frame, as BandRemap has them
   bool every_frame = false;  // waits for the taker; else drops the oldest frame
   bool only_trusted = false;  // UntrustedBlocks become border
 };
@@ -86,6 +88,7 @@ class Undistorter {
   StreamFormat format_;
   std::vector<UndistortedFrame> frames_;
   std::optional<UntrustedBlocks> untrusted_;  // that become border
+  BandRemap bands_;
   BoundedQueue<UndistortedFrame*> free_, ready_;
   mutable std::mutex mutex_;  // of the two below
   UndistorterStatistics statistics_;

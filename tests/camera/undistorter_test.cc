@@ -85,32 +85,38 @@ MemorySourceOptions Play(uint64_t num_frames, double rate, bool every_frame) {
   return options;
 }
 
-UndistorterOptions EveryFrame() {
+UndistorterOptions EveryFrame(unsigned num_threads = 1) {
   UndistorterOptions options;
   options.every_frame = true;
+  options.num_threads = num_threads;
   return options;
 }
 
+void CheckFrames(const std::string& name, unsigned num_threads) {
+  SCOPED_TRACE(name + ", threads: " + std::to_string(num_threads));
+  Pipeline pipeline(name.c_str(), 5, Play(12, 10000, true),
+                    EveryFrame(num_threads));
+  pipeline.Start();
+  uint32_t next = 0;
+  pipeline.TakeAll([&](const UndistortedFrame& frame) {
+    EXPECT_EQ(frame.info.sequence, next);
+    const size_t size = pipeline.format.packed_size();
+    EXPECT_EQ(frame.bytes,
+              Expect(pipeline.camera, pipeline.format,
+                     pipeline.recording.data() + next % 5 * size, frame.target))
+        << next;
+    ++next;
+  });
+  EXPECT_EQ(next, 12u);
+  EXPECT_FALSE(pipeline.undistorter.fault());
+  EXPECT_EQ(pipeline.source.counts().arrived, 12u);
+  EXPECT_EQ(pipeline.source.counts().dropped, 0u);
+  EXPECT_EQ(pipeline.undistorter.statistics().dropped, 0u);
+}
+
 TEST(Undistorter, EveryFrameOfEveryFormatIsThatOfTheRuntimeInOrder) {
-  for (const std::string& name : PixelFormatNames()) {
-    Pipeline pipeline(name.c_str(), 5, Play(12, 10000, true), EveryFrame());
-    pipeline.Start();
-    uint32_t next = 0;
-    pipeline.TakeAll([&](const UndistortedFrame& frame) {
-      EXPECT_EQ(frame.info.sequence, next) << name;
-      const size_t size = pipeline.format.packed_size();
-      EXPECT_EQ(frame.bytes, Expect(pipeline.camera, pipeline.format,
-                                    pipeline.recording.data() + next % 5 * size,
-                                    frame.target))
-          << name << " " << next;
-      ++next;
-    });
-    EXPECT_EQ(next, 12u) << name;
-    EXPECT_FALSE(pipeline.undistorter.fault());
-    EXPECT_EQ(pipeline.source.counts().arrived, 12u);
-    EXPECT_EQ(pipeline.source.counts().dropped, 0u);
-    EXPECT_EQ(pipeline.undistorter.statistics().dropped, 0u);
-  }
+  for (const std::string& name : PixelFormatNames())
+    for (const unsigned num_threads : {1, 3}) CheckFrames(name, num_threads);
 }
 
 TEST(Undistorter, ASlowTakerSeesNewerFramesAndTheRestIsCounted) {
@@ -148,7 +154,7 @@ TEST(Undistorter, NothingIsAllocatedForAFrameAfterTheFirst) {
   if (CountAllocations() < 0) GTEST_SKIP() << "not counted with sanitizers";
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / "raygrid_undistorter_test";
-  Pipeline pipeline("YUYV", 5, Play(100, 1000, true), EveryFrame());
+  Pipeline pipeline("YUYV", 5, Play(100, 1000, true), EveryFrame(2));
   const auto output =
       MakeRawFiles(folder.string(), pipeline.undistorter.format());
   pipeline.Start();

@@ -49,6 +49,8 @@ const char kCameraHelp[] =
     "  --frames N         ends after N frames\n"
     "  --every-frame      waits for a slow output; else the oldest frame is\n"
     "                     given up for a newer one\n"
+    "  --threads N        that undistort each frame (default: all processors "
+    "but one)\n"
     "  --http [ADDRESS:]PORT  a page with frames before and after, at\n"
     "                     127.0.0.1 unless told otherwise\n"
     "  --http-name NAME[:PORT]  a name besides the machine's own, and its\n"
@@ -148,6 +150,7 @@ enum Option : int {
   kOutside,
   kFrames,
   kEveryFrame,
+  kThreads,
   kHttp,
   kHttpName,
   kPoints,
@@ -171,6 +174,7 @@ const option kOptions[] = {
     {"outside", required_argument, nullptr, kOutside},
     {"frames", required_argument, nullptr, kFrames},
     {"every-frame", no_argument, nullptr, kEveryFrame},
+    {"threads", required_argument, nullptr, kThreads},
     {"http", required_argument, nullptr, kHttp},
     {"http-name", required_argument, nullptr, kHttpName},
     {"points", required_argument, nullptr, kPoints},
@@ -214,6 +218,10 @@ void TakeOption(int which, CameraArguments* arguments) {
       break;
     case kEveryFrame:
       arguments->every_frame = true;
+      break;
+    case kThreads:
+      arguments->num_threads =
+          static_cast<unsigned>(ParseCount("--threads", optarg, 1, 256));
       break;
     case kHttp:
       ParseHttp(optarg, arguments);

@@ -3,10 +3,12 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "camera_error.h"
 #include "camera_statistics.h"
@@ -149,6 +151,10 @@ void SelectTable(const CameraArguments& arguments, const FrameSource& source,
   if (table != RG_NO_TABLE) rg_select_remap(camera, table);
 }
 
+unsigned AllProcessorsButOne() {
+  return std::max(2u, std::thread::hardware_concurrency()) - 1;
+}
+
 void StreamFrames(const CameraArguments& arguments, rg_camera camera,
                   FrameSource* source) {
   const bool is_table_open = IsTableOpen(arguments, *source, camera);
@@ -163,6 +169,8 @@ void StreamFrames(const CameraArguments& arguments, rg_camera camera,
   UndistorterOptions options;
   options.every_frame = arguments.every_frame;
   options.only_trusted = arguments.only_trusted;
+  options.num_threads =
+      arguments.num_threads > 0 ? arguments.num_threads : AllProcessorsButOne();
   std::unique_ptr<PreviewServer> preview;  // outlives who shows it frames
   Undistorter undistorter(camera, source, &guard, options);
   const auto output = MakeOutput(arguments, undistorter.format());
