@@ -17,20 +17,14 @@
 #include "exchange/count_text.h"
 #include "exchange/format.h"
 #include "exchange/table_format.h"
-#include "ray_import.h"
-#include "target/board_yaml.h"
-#include "view_import.h"
+#include "import_arguments.h"
+#include "table_import.h"
 
 namespace raygrid {
 namespace {
 
 // The most corners along a side of a board.
 constexpr int kMostCorners = 1000;
-
-bool EndsWith(const std::string& text, const std::string& word) {
-  return text.size() >= word.size() &&
-         text.compare(text.size() - word.size(), word.size(), word) == 0;
-}
 
 // COLUMNSxROWS.
 ImageSize ParseBoardSize(const std::string& text) {
@@ -48,13 +42,6 @@ ImageSize ParseBoardSize(const std::string& text) {
                           "{} each, as 10x10",
                           text, kMostCorners));
 }
-
-struct ImportArguments {
-  std::vector<std::string> files;
-  std::string output, from, model, image_size, board;
-  ViewWords view;
-  bool is_reverse = false;
-};
 
 ExchangeContents ReadForeignFile(const ImportArguments& arguments,
                                  const std::string& path,
@@ -75,25 +62,6 @@ ExchangeContents ReadForeignFile(const ImportArguments& arguments,
   const Format* const found = format ? format : RecognizeFormat(request.text);
   if (found) request.beside = ReadBeside(*found, path);
   return ReadExchangeFile(format, request);
-}
-
-// pattern.yaml. Throws InputError for a board that cannot be.
-std::string PatternText(const std::string& path,
-                        const std::vector<Board>& boards) {
-  if (boards.front().kind == "points") return BoardsYaml(boards);
-  try {
-    RequirePossibleBoards(boards);
-  } catch (const Error& error) {
-    throw InputError(fmt::format("{}: {}", path, error.what()));
-  }
-  const std::string text = BoardsYaml(boards);
-  Pattern pattern = ParsePattern(path, text);
-  bool has_points = false;
-  for (size_t k = 0; k < boards.size(); ++k) {
-    pattern.boards[k].points = boards[k].points;
-    has_points = has_points || !boards[k].points.empty();
-  }
-  return has_points ? FormatPattern(pattern) : text;
 }
 
 // Whether the file has boards alone, which are written then.
@@ -239,144 +207,6 @@ ExchangeContents ReadForeign(const ImportArguments& arguments,
     for (size_t c = 0; c < stems.size(); ++c) all.cameras[c].name = stems[c];
   if (!all.IsRig()) FindPosesOfPair(&all.cameras);
   return all;
-}
-
-// The format of a table that is imported alone; null if it is a lens's.
-const TableFormat* FindTable(const ImportArguments& arguments,
-                             const std::vector<std::string>& texts) {
-  const TableFormat* table = RecognizeTable(texts[0]);
-  if (!table) return nullptr;
-  if (!arguments.from.empty() && arguments.from != table->name)
-    throw InputError(fmt::format("{}: is of the format {}, not {}",
-                                 arguments.files[0], table->name,
-                                 arguments.from));
-  if (!arguments.image_size.empty() && table->read_rays)
-    throw Error(ExitCode::kUsage,
-                fmt::format("--image-size: the format {} tells it, as "
-                            "image_size",
-                            table->name));
-  if (arguments.files.size() > 1)
-    throw Error(ExitCode::kUsage,
-                fmt::format("{}: a file of {} is imported alone",
-                            arguments.files[1], table->name));
-  return table;
-}
-
-// Throws for options that only tables of a view take.
-void RequireNoView(const ImportArguments& arguments) {
-  const std::string word =
-      arguments.is_reverse ? "reverse" : FirstWord(arguments.view);
-  if (!word.empty())
-    throw Error(ExitCode::kUsage,
-                fmt::format("--{}: is for an STMap, which {} is not", word,
-                            arguments.files[0]));
-}
-
-// Throws for options that tables without a lens do not take.
-void RequireNoLens(const ImportArguments& arguments, const std::string& what) {
-  for (const auto& [option, value] : {std::pair("--model", arguments.model),
-                                      {"--image-size", arguments.image_size}})
-    if (!value.empty())
-      throw Error(ExitCode::kUsage, fmt::format("{}: {} has {} alone", option,
-                                                arguments.files[0], what));
-}
-
-// The features of all cameras, or the boards, as the output's name says.
-std::string TextOfFeatures(const FeatureTable& features,
-                           const ImportArguments& arguments) {
-  const std::filesystem::path output = arguments.output;
-  if (output.extension() == ".yaml") {
-    if (features.boards.empty())
-      throw InputError(arguments.files[0] + ": has no boards");
-    return PatternText(arguments.files[0], features.boards);
-  }
-  if (output.extension() != ".csv" || EndsWith(output.stem(), "poses"))
-    throw Error(ExitCode::kUsage,
-                fmt::format("-o {}: {} has features and boards, which become "
-                            "features.csv and pattern.yaml",
-                            arguments.output, arguments.files[0]));
-  size_t count = 0;
-  for (const NamedDataset& camera : features.cameras)
-    count += camera.dataset.num_features();
-  if (count == 0) throw InputError(arguments.files[0] + ": has no features");
-  return features.cameras.size() == 1
-             ? FormatFeatures(features.cameras.front().dataset)
-             : FormatFeatures(features.cameras);
-}
-
-void TellFeatures(const FeatureTable& features,
-                  const ImportArguments& arguments,
-                  const CommonOptions& common) {
-  auto json =
-      nlohmann::ordered_json{{"boards", features.boards.size()},
-                             {"cameras", nlohmann::ordered_json::array()}};
-  std::string text = CountText(features.boards.size(), "board");
-  for (const auto& [name, dataset] : features.cameras) {
-    const ImageSize& size = dataset.image_size;
-    json["cameras"].push_back({{"name", name},
-                               {"image_size", {size.width, size.height}},
-                               {"features", dataset.num_features()},
-                               {"images", dataset.images.size()}});
-    text += fmt::format(
-        "; {}{} in {} of {}x{} px", name.empty() ? "" : name + ": ",
-        CountText(dataset.num_features(), "feature"),
-        CountText(dataset.images.size(), "image"), size.width, size.height);
-  }
-  if (common.json)
-    fmt::print("{}\n", json.dump(2));
-  else if (!common.quiet)
-    fmt::print("{}: {}\n", Printable(arguments.output), text);
-}
-
-void ImportFeatures(const TableFormat& table, const ImportArguments& arguments,
-                    const std::string& bytes, const CommonOptions& common) {
-  RequireNoLens(arguments, "features and boards");
-  const FeatureTable features = table.read_features(arguments.files[0], bytes);
-  const std::string text = TextOfFeatures(features, arguments);
-  RequireNoInputReplaced(arguments.files, {arguments.output});
-  WriteFile(arguments.output, text);
-  TellFeatures(features, arguments, common);
-}
-
-void ImportPoses(const TableFormat& table, const ImportArguments& arguments,
-                 const std::string& bytes, const CommonOptions& common) {
-  const std::string& path = arguments.files[0];
-  RequireNoLens(arguments, "poses");
-  if (std::filesystem::path(arguments.output).extension() != ".csv")
-    throw Error(ExitCode::kUsage,
-                fmt::format("-o {}: {} has poses, which become poses.csv",
-                            arguments.output, path));
-  const std::vector<BoardPose> poses = table.read_poses(path, bytes);
-  RequireNoInputReplaced(arguments.files, {arguments.output});
-  WriteFile(arguments.output, FormatPoses(poses));
-  if (common.json)
-    fmt::print("{}\n", nlohmann::ordered_json{{"poses", poses.size()}}.dump(2));
-  else if (!common.quiet)
-    fmt::print("{}: {}\n", Printable(arguments.output),
-               CountText(poses.size(), "pose"));
-}
-
-void ImportTable(const TableFormat& table, const ImportArguments& arguments,
-                 const std::string& bytes, const CommonOptions& common) {
-  const std::string& path = arguments.files[0];
-  if (!arguments.board.empty())
-    throw Error(ExitCode::kUsage,
-                fmt::format("--board: {} has no corners", path));
-  if (!table.read_view) RequireNoView(arguments);
-  if (table.read_poses) {
-    ImportPoses(table, arguments, bytes, common);
-    return;
-  }
-  if (table.read_features) {
-    ImportFeatures(table, arguments, bytes, common);
-    return;
-  }
-  const RayTable rays =
-      table.read_rays ? table.read_rays(path, bytes)
-                      : RaysOfViewTable(table, {path, bytes, arguments.view,
-                                                arguments.is_reverse,
-                                                arguments.image_size});
-  ImportRays(rays, table.name, arguments.model, arguments.output, common);
 }
 
 // Names that files can have, all different.
