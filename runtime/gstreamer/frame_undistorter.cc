@@ -94,7 +94,12 @@ std::optional<Bounds> BoundsInView(const rg_camera& camera,
                                    const GstVideoRegionOfInterestMeta& region) {
   constexpr int kSteps = 16;
   rg_mode mode;
-  if (rg_remap_mode(&camera, &mode) != RG_OK || region.w == 0 || region.h == 0)
+  rg_view view;
+  // A table that distorts takes the view's frames, and rg_undistort_point()
+  // leads the other way.
+  if (rg_remap_mode(&camera, &mode) != RG_OK ||
+      rg_remap_view(&camera, &view) != RG_OK || view.distorts ||
+      region.w == 0 || region.h == 0)
     return std::nullopt;
   Bounds bounds;
   bool is_seen = false;

@@ -408,6 +408,33 @@ TEST(UndistortElement, MovesRegionsOfInterest) {
   gst_buffer_unref(view);
 }
 
+// Its frames are the view's, which rg_undistort_point() does not lead from.
+TEST(UndistortElement, DropsRegionsWithATableThatDistorts) {
+  rg_camera camera;
+  ASSERT_EQ(rg_camera_open(&camera, kModesBlob, sizeof(kModesBlob)), RG_OK);
+  rg_view view = {};
+  int table = -1;
+  while (!view.distorts) {
+    ASSERT_EQ(rg_select_remap(&camera, static_cast<uint32_t>(++table)), RG_OK);
+    ASSERT_EQ(rg_remap_view(&camera, &view), RG_OK);
+  }
+  uint16_t width, height;
+  rg_frame_size(&camera, &width, &height);
+  const TemporaryFile blob(kModesBlob, sizeof(kModesBlob));
+  const Pipeline pipeline(blob.path(),
+                          ("table=" + std::to_string(table)).c_str());
+  pipeline.SetCaps("video/x-raw", "GRAY8", width, height);
+  const std::vector<uint8_t> bytes = Noise(size_t{width} * height);
+  GstBuffer* const frame = gst_buffer_new_memdup(bytes.data(), bytes.size());
+  gst_buffer_add_video_region_of_interest_meta(frame, "face", width / 2,
+                                               height / 2, 8, 8);
+  GstBuffer* const made = gst_harness_push_and_pull(pipeline.get(), frame);
+  ASSERT_TRUE(made);
+  EXPECT_FALSE(
+      gst_buffer_get_meta(made, GST_VIDEO_REGION_OF_INTEREST_META_API_TYPE));
+  gst_buffer_unref(made);
+}
+
 }  // namespace
 }  // namespace raygrid
 
