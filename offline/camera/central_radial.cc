@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "camera/equidistant.h"
+#include "camera/paired_jet.h"
 
 namespace raygrid {
 namespace {
@@ -121,7 +122,7 @@ bool CentralRadial::Linearize(const Eigen::Vector3d& point,
                               LinearizedProjection* projection) const {
   const auto pixel = Project(point, start, margin_px);
   if (!pixel) return false;
-  using Jet = ceres::Jet<double, kNumOthers + 3>;
+  using Jet = PairedJet<kNumOthers + 3>;
   std::array<Jet, kNumOthers> others;
   for (int k = 0; k < kNumOthers; ++k) others[k] = Jet(others_[k], k);
   const Eigen::Matrix<Jet, 3, 1> at(Jet(point.x(), kNumOthers),
@@ -136,7 +137,8 @@ bool CentralRadial::Linearize(const Eigen::Vector3d& point,
   for (int row = 0; row < 2; ++row) {
     projection->by_global.row(row).head<kNumOthers>() =
         value[row].v.head<kNumOthers>().transpose();
-    projection->by_point.row(row) = value[row].v.tail<3>().transpose();
+    projection->by_point.row(row) =
+        value[row].v.segment<3>(kNumOthers).transpose();
   }
   const Eigen::Vector2d at_uv(uv[0].a, uv[1].a);
   const RadialSupport<double> support =

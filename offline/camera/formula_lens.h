@@ -17,6 +17,7 @@
 #include <memory>
 
 #include "camera/equidistant.h"
+#include "camera/paired_jet.h"
 #include "camera/parametric_model.h"
 
 namespace raygrid {
@@ -69,7 +70,7 @@ class FormulaLens : public ParametricModel {
                  LinearizedProjection* projection) const override {
     const auto pixel = Project(point, start, margin_px);
     if (!pixel) return false;
-    using Jet = ceres::Jet<double, kCount + 3>;
+    using Jet = PairedJet<kCount + 3>;
     std::array<Jet, kCount> parameters;
     for (int k = 0; k < kCount; ++k) parameters[k] = Jet(parameters_[k], k);
     Eigen::Matrix<Jet, 3, 1> at;
@@ -82,7 +83,7 @@ class FormulaLens : public ParametricModel {
       projection->by_global.row(row).template head<kCount>() =
           value[row].v.template head<kCount>().transpose();
       projection->by_point.row(row) =
-          value[row].v.template tail<3>().transpose();
+          value[row].v.template segment<3>(kCount).transpose();
     }
     return true;
   }

@@ -213,28 +213,32 @@ Equations Linearize(const ParametricModel& model,
   Equations equations;
   equations.normal.setZero(size, size);
   equations.gradient.setZero(size);
-  Eigen::Matrix2Xd row(2, size);
+  Eigen::MatrixX2d by_parameters(size, 2);  // of the pixel's x and y
   for (const Sample& sample : target.samples) {
     const Eigen::Vector3d ray = rotation * sample.ray;
     LinearizedProjection linear;
     if (!model.Linearize(ray, nullptr, kAnywherePx, &linear)) continue;
     const Eigen::Vector2d error = linear.pixel - sample.pixel;
     if (error.norm() > target.lost_px) continue;
-    row.setZero();
+    by_parameters.setZero();
     for (int k = 0; k < linear.num_nodes; ++k)
-      row.col(linear.node_parameter[k]) +=
+      by_parameters.row(linear.node_parameter[k]) +=
           linear.node_weight[k] * linear.by_node.col(0);
-    row.middleCols(linear.first_global, linear.num_global) =
-        linear.by_global.leftCols(linear.num_global);
+    by_parameters.middleRows(linear.first_global, linear.num_global) =
+        linear.by_global.leftCols(linear.num_global).transpose();
     for (int k = 0; k < 3; ++k)
-      row.col(num_parameters + k) =
+      by_parameters.row(num_parameters + k) =
           linear.by_point * Eigen::Vector3d::Unit(k).cross(ray);
-    // Small enough to be multiplied without the blocks of large products.
-    row *= std::sqrt(sample.Weight());
-    equations.normal += row.transpose().lazyProduct(row);
+    by_parameters *= std::sqrt(sample.Weight());
+    for (int k = 0; k < size; ++k)  // the upper triangle
+      equations.normal.col(k).head(k + 1) +=
+          by_parameters.col(0).head(k + 1) * by_parameters(k, 0) +
+          by_parameters.col(1).head(k + 1) * by_parameters(k, 1);
     equations.gradient +=
-        std::sqrt(sample.Weight()) * row.transpose().lazyProduct(error);
+        std::sqrt(sample.Weight()) * by_parameters.lazyProduct(error);
   }
+  equations.normal.triangularView<Eigen::StrictlyLower>() =
+      equations.normal.transpose();
   AddRidge(model, &equations);
   AddDistortion(model, target, &equations);
   return equations;

@@ -1,11 +1,11 @@
 #include "camera/opencv.h"
 
-#include <ceres/jet.h>
-
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+
+#include "camera/paired_jet.h"
 
 namespace raygrid {
 namespace {
@@ -113,7 +113,7 @@ bool OpenCvModel::Linearize(const Eigen::Vector3d& point,
                             LinearizedProjection* projection) const {
   const auto pixel = Project(point, start, margin_px);
   if (!pixel) return false;
-  using Jet = ceres::Jet<double, kCount + 3>;
+  using Jet = PairedJet<kCount + 3>;
   std::array<Jet, kCount> parameters;
   for (int k = 0; k < kCount; ++k) parameters[k] = Jet(parameters_[k], k);
   const Jet x(point.x(), kCount), y(point.y(), kCount + 1),
@@ -125,7 +125,7 @@ bool OpenCvModel::Linearize(const Eigen::Vector3d& point,
   for (int row = 0; row < 2; ++row) {
     projection->by_global.row(row).head<kCount>() =
         value[row].v.head<kCount>().transpose();
-    projection->by_point.row(row) = value[row].v.tail<3>().transpose();
+    projection->by_point.row(row) = value[row].v.segment<3>(kCount).transpose();
   }
   return true;
 }

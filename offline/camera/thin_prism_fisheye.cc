@@ -1,6 +1,7 @@
 #include "camera/thin_prism_fisheye.h"
 
 #include "camera/equidistant.h"
+#include "camera/paired_jet.h"
 
 namespace raygrid {
 namespace {
@@ -80,7 +81,7 @@ bool ThinPrismFisheye::Linearize(const Eigen::Vector3d& point,
                                  LinearizedProjection* projection) const {
   const auto pixel = Project(point, start, margin_px);
   if (!pixel) return false;
-  using Jet = ceres::Jet<double, kCount + 3>;
+  using Jet = PairedJet<kCount + 3>;
   std::array<Jet, kCount> parameters;
   for (int k = 0; k < kCount; ++k) parameters[k] = Jet(parameters_[k], k);
   const Eigen::Matrix<Jet, 3, 1> at(Jet(point.x(), kCount),
@@ -93,7 +94,7 @@ bool ThinPrismFisheye::Linearize(const Eigen::Vector3d& point,
   for (int row = 0; row < 2; ++row) {
     projection->by_global.row(row).head<kCount>() =
         value[row].v.head<kCount>().transpose();
-    projection->by_point.row(row) = value[row].v.tail<3>().transpose();
+    projection->by_point.row(row) = value[row].v.segment<3>(kCount).transpose();
   }
   return true;
 }

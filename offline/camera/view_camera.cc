@@ -1,6 +1,6 @@
 #include "camera/view_camera.h"
 
-#include <ceres/jet.h>
+#include "camera/paired_jet.h"
 
 namespace raygrid {
 namespace {
@@ -45,7 +45,7 @@ bool ViewCamera::Linearize(const Eigen::Vector3d& point,
                            LinearizedProjection* projection) const {
   const auto pixel = Project(point, start, margin_px);
   if (!pixel) return false;
-  using Jet = ceres::Jet<double, 7>;
+  using Jet = PairedJet<7>;
   Eigen::Matrix<Jet, 4, 1> parameters;
   for (int k = 0; k < 4; ++k) parameters[k] = Jet(parameters_[k], k);
   Eigen::Matrix<Jet, 3, 1> at;
@@ -55,7 +55,7 @@ bool ViewCamera::Linearize(const Eigen::Vector3d& point,
   projection->num_global = 4;
   for (int row = 0; row < 2; ++row) {
     projection->by_global.row(row).head<4>() = value[row].v.head<4>();
-    projection->by_point.row(row) = value[row].v.tail<3>();
+    projection->by_point.row(row) = value[row].v.segment<3>(4);
   }
   return true;
 }
