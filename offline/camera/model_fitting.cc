@@ -291,10 +291,11 @@ Eigen::VectorXd Step(const ParametricModel& model, const Freedom& freedom,
   return step;
 }
 
-// Levenberg-Marquardt. Returns the cost.
-double Refine(const Target& target, const Freedom& freedom, FittedModel* fit) {
+// Levenberg-Marquardt, until a step lowers the cost by less than this part.
+// Returns the cost.
+double Refine(const Target& target, const Freedom& freedom,
+              double converged_part, FittedModel* fit) {
   constexpr int kMaxIterations = 100;
-  constexpr double kConverged = 1e-10;
   ParametricModel& model = *fit->model;
   double cost = CostOf(model, fit->model_from_camera, target), lambda = 1e-4;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
@@ -319,7 +320,7 @@ double Refine(const Target& target, const Freedom& freedom, FittedModel* fit) {
       lambda = std::max(lambda / 10, 1e-12);
       break;
     }
-    if (!(cost < (1 - kConverged) * before)) break;
+    if (!(cost < (1 - converged_part) * before)) break;
   }
   return cost;
 }
@@ -368,6 +369,7 @@ double RefineInRounds(const Area& area, const Freedom& freedom, Target* target,
                       FittedModel* fit) {
   constexpr int kRounds = 4;
   constexpr double kFirstRmsPx = 1.0 / 3, kFarOff = 10, kNeverFarOffPx = 1;
+  constexpr double kNearlyConverged = 1e-6, kConverged = 1e-10;
   constexpr double kRadialPart = 3e-4, kLeastRadialPart = 1e-7;
   double num_samples = 0;
   for (const Sample& sample : target->samples) num_samples += sample.Weight();
@@ -380,7 +382,8 @@ double RefineInRounds(const Area& area, const Freedom& freedom, Target* target,
     target->distortion_weights =
         DistortionWeights(*start, area, num_samples, bend_px,
                           freedom.rotation ? kDecentringPart * rms_px : 0);
-    Refine(*target, freedom, fit);
+    Refine(*target, freedom,
+           round + 1 < kRounds ? kNearlyConverged : kConverged, fit);
     rms_px = RmsPx(*fit, *target);
     bend_px =
         std::max(kRadialPart * std::min(rms_px, kFirstRmsPx), kLeastRadialPart);
