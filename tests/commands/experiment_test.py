@@ -80,7 +80,7 @@ class Experiment(CommandTest):
             self.assertGreater(medians[4], 3 * medians[0])
             self.assertLess(medians[4], 0.2)
 
-    def small(self, name, *options, images=10):
+    def small(self, name, *options, images=8):
         """Rows of an experiment on simulated features, its pictures named."""
         folder = self.path(name + "-small")
         self.assert_done(run("experiment", name, "-o", folder, "--images", images, *options))
@@ -124,14 +124,14 @@ class Experiment(CommandTest):
         self.assertLess(by_name["central-generic"][-1], 0.5 * by_name["opencv"][-1])
 
     def test_curvature_bias(self):
-        rows, _ = self.small("curvature-bias", images=8)
+        rows, _ = self.small("curvature-bias", images=6)
         error = {(row["mapping"], row["window_px"]): float(row["feature_error_rms_px"])
                  for row in rows}
         self.assertLess(2 * error["curved", "21"], error["homography", "21"])
         self.assertLess(error["homography", "11"], error["homography", "31"])
 
     def test_stereo_depth(self):
-        rows, pictures = self.small("stereo-depth", images=8)
+        rows, pictures = self.small("stereo-depth", images=6)
         self.assertEqual(pictures, ["stereo-depth-bias.png"])
         bias = {row["cameras"]: float(row["blocks_rms_mm"]) for row in rows}
         self.assertLess(2 * bias["central-generic"], bias["opencv"])

@@ -15,7 +15,7 @@ class Interruption(CommandTest):
     def setUpClass(cls):
         super().setUpClass()
         cls.board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
-        result = run("simulate", "--images", 9, "--features-per-image", 60, "--pattern",
+        result = run("simulate", "--images", 9, "--features-per-image", 40, "--pattern",
                      cls.board, "-o", cls.path("sim"))
         assert result.returncode == 0, result.stderr
 
@@ -90,24 +90,25 @@ class Interruption(CommandTest):
         self.assert_done(done)
 
     def test_state_so_far_is_written_and_gone_on_from(self):
+        coarse = ("--cell-px", 160)
         started = time.monotonic()
-        self.assert_done(run(*self.arguments("whole", "--seed", 0)))
+        self.assert_done(run(*self.arguments("whole", "--seed", 0, *coarse)))
         whole_seconds = time.monotonic() - started
         for number, part in ((signal.SIGINT, 0.5), (signal.SIGTERM, 0.95)):
             with self.subTest(signal=number):
                 output = f"part{part}"
-                code, error = self.interrupted(self.arguments(output), number,
+                code, error = self.interrupted(self.arguments(output, *coarse), number,
                                                part * whole_seconds)
                 self.assertEqual(code, 5, error)
                 self.assertIn("--resume", error)
                 self.assertEqual(error.count("\n"), 1, error)
                 self.check_state(output)
                 # Other options: not the same calibration.
-                other = run(*self.arguments(output, "--resume", "--model", "opencv"))
+                other = run(*self.arguments(output, "--resume", *coarse, "--model", "opencv"))
                 self.assertEqual(other.returncode, 2)
                 self.assertIn("other features, pattern", other.stderr)
 
-                self.assert_done(run(*self.arguments(output, "--resume")))
+                self.assert_done(run(*self.arguments(output, "--resume", *coarse)))
                 self.assert_same_bytes(output, "whole")
 
     def test_a_finished_result_is_kept(self):
@@ -153,7 +154,7 @@ class Interruption(CommandTest):
         self.assert_same_bytes("killed", "unkilled")
 
     def test_a_rig_is_gone_on_from(self):
-        self.assert_done(run("simulate", "--images", 8, "--features-per-image", 60, "--cameras",
+        self.assert_done(run("simulate", "--images", 8, "--features-per-image", 40, "--cameras",
                              2, "--pattern", self.board, "-o", self.path("rig")))
 
         def arguments(output, *more):

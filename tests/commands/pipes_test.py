@@ -4,6 +4,7 @@ import os
 import subprocess
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 from command_test import CommandTest, main, programs, read, run, write
 
@@ -21,15 +22,16 @@ class Pipes(CommandTest):
         os.mkfifo(cls.pipe)
 
     def test_a_pipe_that_nobody_writes_to_is_named(self):
-        for arguments in (("inspect", self.pipe), ("unproject", self.camera, "--pixels", self.pipe),
-                          ("unproject", self.pipe, "--pixels", self.pixels),
-                          ("evaluate", self.camera, "--features", self.pipe, "--pattern",
-                           self.path("sim/pattern.yaml")),
-                          ("calibrate", "--features", self.path("sim/features.csv"),
-                           "--image-size", "160x120", "--pattern", self.pipe, "-o",
-                           self.path("out"))):
+        cases = (("inspect", self.pipe), ("unproject", self.camera, "--pixels", self.pipe),
+                 ("unproject", self.pipe, "--pixels", self.pixels),
+                 ("evaluate", self.camera, "--features", self.pipe, "--pattern",
+                  self.path("sim/pattern.yaml")),
+                 ("calibrate", "--features", self.path("sim/features.csv"), "--image-size",
+                  "160x120", "--pattern", self.pipe, "-o", self.path("out")))
+        with ThreadPoolExecutor(len(cases)) as pool:  # each waits for seconds
+            results = list(pool.map(lambda arguments: run(*arguments, timeout=20), cases))
+        for arguments, result in zip(cases, results):
             with self.subTest(arguments[0]):
-                result = run(*arguments, timeout=20)
                 self.assert_refused(result, 2, "pipe", "nobody writes")
 
     def test_a_pipe_that_nobody_reads_is_named(self):

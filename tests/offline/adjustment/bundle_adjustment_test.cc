@@ -353,6 +353,7 @@ TEST(AdjustBundle, HasConvergedWhereStepsChangeNothingAnyMore) {
 TEST(AdjustBundle, IsTheSameWithAnyNumberOfThreads) {
   const GridProblem grid(30);
   AdjustmentOptions options;
+  options.max_iterations = 5;  // bits that differ do so from the first on
   AdjustmentState states[2] = {grid.problem.state, grid.problem.state};
   for (const int k : {0, 1}) {
     options.num_threads = 1 + k;
