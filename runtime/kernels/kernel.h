@@ -48,6 +48,7 @@ struct rg_kernels {
   const char* name;
   rg_blend* blend[4];
   rg_blend_parts* blend_parts[4]; /* NULL: none */
+  int have_vectors; /* several channels take little longer than one */
 };
 
 rg_blend rg_blend_1, rg_blend_2, rg_blend_3, rg_blend_4;
@@ -61,6 +62,11 @@ rg_blend rg_blend_1_neon, rg_blend_2_neon, rg_blend_3_neon, rg_blend_4_neon;
 rg_blend rg_blend_1_helium, rg_blend_2_helium, rg_blend_3_helium,
     rg_blend_4_helium;
 rg_blend rg_blend_1_rvv, rg_blend_2_rvv, rg_blend_3_rvv, rg_blend_4_rvv;
+
+/* Blends a run of a spread lattice, bilinear, by the kernels for as many
+ * channels as its groups have bytes. Rows may not be wider than 64 pixels. */
+void rg_blend_spread(const rg_kernels* kernels, const rg_run* run,
+                     const rg_lattice* lattice);
 
 /* Blends a run of any lattice, bilinear. */
 void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice);
@@ -123,6 +129,11 @@ static inline void rg_dispatch(const rg_kernels* kernels, const rg_run* run,
   const uint32_t channels = rg_interleaved(lattice);
   if (RG_CHOOSE_KERNELS && kernels && RG_MAY_RUN(is_roomy) && channels != 0) {
     kernels->blend[channels - 1](run);
+    return;
+  }
+  if (RG_CHOOSE_KERNELS && kernels && kernels->have_vectors &&
+      RG_MAY_RUN(is_roomy) && rg_is_spread(lattice)) {
+    rg_blend_spread(kernels, run, lattice);
     return;
   }
   if (!rg_blend_built_in(run, channels)) rg_blend_lattice(run, lattice);

@@ -48,6 +48,13 @@ static inline uint32_t rg_interleaved(const rg_lattice* lattice) {
              : 0;
 }
 
+/* Whether the lattice has one byte in each group of 2 or 4, which fill the
+ * plane: luma and chroma of YUYV, a colour of a Bayer frame. */
+static inline int rg_is_spread(const rg_lattice* lattice) {
+  return lattice->kind == RG_SAMPLE_8 && lattice->num_channels == 1 &&
+         (lattice->sample_step == 2 || lattice->sample_step == 4);
+}
+
 /* Whether the lattice is a byte a pixel, and fills the plane. */
 static inline int rg_is_grey(const rg_lattice* lattice) {
   return lattice->kind == RG_SAMPLE_8 && lattice->sample_step == 1;

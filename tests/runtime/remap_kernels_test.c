@@ -154,7 +154,8 @@ static const rg_kernels* find_kernels(uint32_t name) {
   static const rg_kernels kHelium = {"helium",
                                      {rg_blend_1_helium, rg_blend_2_helium,
                                       rg_blend_3_helium, rg_blend_4_helium},
-                                     {0, 0, 0, 0}};
+                                     {0, 0, 0, 0},
+                                     1};
   if (!kNames[name]) return &kHelium;
 #endif
   return rg_find_kernels(kNames[name]);
