@@ -1,6 +1,7 @@
 #include "band_remap.h"
 
 #include <algorithm>
+#include <chrono>
 
 namespace raygrid {
 namespace {
@@ -8,14 +9,24 @@ namespace {
 // Rows of the smallest band: what each call of rg_remap() costs is then less
 // than a hundredth.
 constexpr uint32_t kLeastRows = 32;
-// Bands for each thread, so that one which is interrupted delays little.
-constexpr uint32_t kBandsPerThread = 4;
+// Bands for each thread, so that one which wakes late or is interrupted delays
+// little. All have a bit in a word.
+constexpr uint32_t kBandsPerThread = 3, kMaxBands = 64;
+constexpr std::chrono::microseconds kAwake{100};
 
 uint32_t BandRows(uint32_t rows, uint32_t num_threads) {
   if (num_threads == 1) return rows;
-  const uint32_t bands = num_threads * kBandsPerThread;
+  const uint32_t bands = std::min(num_threads * kBandsPerThread, kMaxBands);
   const uint32_t even_rows = ((rows + bands - 1) / bands + 1) / 2 * 2;
   return std::max(even_rows, kLeastRows);
+}
+
+// Waits awake, but lets others run, until something is so or time is over.
+template <typename Condition>
+void LookFor(const Condition& is_so) {
+  const auto end = std::chrono::steady_clock::now() + kAwake;
+  while (!is_so() && std::chrono::steady_clock::now() < end)
+    std::this_thread::yield();
 }
 
 }  // namespace
@@ -24,7 +35,7 @@ BandRemap::BandRemap(unsigned num_threads) {
   if (num_threads == 0)
     num_threads = std::max(1u, std::thread::hardware_concurrency());
   for (unsigned k = 1; k < num_threads; ++k)
-    threads_.emplace_back(&BandRemap::Serve, this);
+    threads_.emplace_back(&BandRemap::Serve, this, k);
 }
 
 BandRemap::~BandRemap() {
@@ -40,44 +51,55 @@ rg_status BandRemap::Remap(const rg_camera& camera, const rg_image& image,
                            const StreamFormat& format,
                            const rg_target& target) {
   std::unique_lock<std::mutex> lock(mutex_);
-  job_ = {&camera, &image, &format, &target,
-          BandRows(format.height, num_threads())};
-  next_row_ = 0;
+  const uint32_t band_rows = BandRows(format.height, num_threads());
+  const uint32_t num_bands = (format.height + band_rows - 1) / band_rows;
+  job_ = {&camera, &image, &format, &target, band_rows, num_bands};
   status_ = RG_OK;
+  num_undone_ = num_bands;
+  free_bands_ = ~uint64_t{0} >> (kMaxBands - num_bands);
   if (!threads_.empty()) has_work_.notify_all();
-  WorkOn(&lock);
-  is_done_.wait(lock, [this] { return num_open_ == 0; });
+  WorkOn(0, &lock);
+  lock.unlock();
+  LookFor([this] { return num_undone_ == 0; });
+  lock.lock();
+  is_done_.wait(lock, [this] { return num_undone_ == 0; });
   return status_;
 }
 
-void BandRemap::Serve() {
+void BandRemap::Serve(unsigned thread) {
+  const auto is_called = [this] { return is_stopped_ || free_bands_ != 0; };
   std::unique_lock<std::mutex> lock(mutex_);
   while (!is_stopped_) {
-    WorkOn(&lock);
-    has_work_.wait(lock, [this] {
-      return is_stopped_ || (job_.format && next_row_ < job_.format->height);
-    });
+    WorkOn(thread, &lock);
+    lock.unlock();
+    LookFor(is_called);
+    lock.lock();
+    has_work_.wait(lock, is_called);
   }
 }
 
-void BandRemap::WorkOn(std::unique_lock<std::mutex>* lock) {
-  while (job_.format && next_row_ < job_.format->height) {
+// The thread's own bands are next to each other, and the same ones of every
+// frame: their rows are in its processor's cache.
+uint32_t BandRemap::TakeBand(unsigned thread) {
+  uint32_t band = thread * job_.num_bands / num_threads();
+  while ((free_bands_ >> band & 1) == 0)
+    band = band + 1 == job_.num_bands ? 0 : band + 1;
+  free_bands_ &= ~(uint64_t{1} << band);
+  return band;
+}
+
+void BandRemap::WorkOn(unsigned thread, std::unique_lock<std::mutex>* lock) {
+  while (free_bands_ != 0) {
     const Job job = job_;
-    const uint32_t row = next_row_;
-    next_row_ += job.band_rows;
-    ++num_open_;
+    const uint32_t band = TakeBand(thread);
     lock->unlock();
-    const rg_status status = RemapBand(job, row);
+    const rg_status status = RemapBand(job, band * job.band_rows);
     lock->lock();
-    if (status != RG_OK && (status_ == RG_OK || row < failed_row_)) {
+    if (status != RG_OK && (status_ == RG_OK || band < failed_band_)) {
       status_ = status;
-      failed_row_ = row;
+      failed_band_ = band;
     }
-    --num_open_;
-  }
-  if (num_open_ == 0) {
-    job_.format = nullptr;
-    is_done_.notify_all();
+    if (--num_undone_ == 0) is_done_.notify_all();
   }
 }
 
