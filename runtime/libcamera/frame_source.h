@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "raygrid.h"
 #include "stream_format.h"
@@ -23,6 +25,10 @@ struct SensorCrop {
 inline bool operator==(const SensorCrop& a, const SensorCrop& b) {
   return a.x == b.x && a.y == b.y && a.width == b.width && a.height == b.height;
 }
+
+/// A control of a camera by its name, and its value as it was given.
+using ControlValue = std::pair<std::string, std::string>;
+using ControlValues = std::vector<ControlValue>;
 
 /// The values that the camera tells of a frame.
 struct FrameInfo {

@@ -127,6 +127,11 @@ std::shared_ptr<Camera> CameraList::Find(const std::string& id) const {
 LibcameraSource::LibcameraSource(std::shared_ptr<Camera> camera,
                                  const LibcameraOptions& options)
     : camera_(std::move(camera)) {
+  if (!options.controls.empty())
+    throw CameraError(
+        CameraExit::kUsage,
+        "--control: " + options.controls[0].first +
+            ": is not set for cameras of libcamera; leave it out");
   const int status = camera_->acquire();
   if (status == -EBUSY)
     throw InputError("camera: is in use by another process; end that first");

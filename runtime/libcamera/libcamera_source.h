@@ -38,6 +38,7 @@ struct LibcameraOptions {
   std::string format;  // "": the camera's choice, where the runtime knows it
   unsigned width, height;    // the camera's validate() may adjust them
   bool every_frame = false;  // no frame is given up for a newer one
+  ControlValues controls;    // set in this order, before the first frame
 };
 
 class LibcameraSource : public FrameSource {

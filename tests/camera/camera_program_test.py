@@ -263,6 +263,11 @@ class CameraProgram(unittest.TestCase):
                           ("flat.raygrid", "--points", "-", "--outside", "trusted"),
                           ("flat.raygrid", "--outside", "trust"),
                           ("flat.raygrid", "--calibrated-crop", "1,2,3"),
+                          ("flat.raygrid", "--control", "gain"),
+                          ("flat.raygrid", "--control", "=1"),
+                          ("flat.raygrid", "--control", "gain="),
+                          ("flat.raygrid", "--control", "gain=1", "--from", "frames.yuyv",
+                           "--format", "YUYV"),
                           ("flat.raygrid", "--from", "frames.yuyv", "--format", "MJPEG"),
                           ("flat.raygrid", "--from", "frames.yuyv", "--format", "YUYV", "--http",
                            "localhost:8080")):

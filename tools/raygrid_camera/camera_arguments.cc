@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "camera_error.h"
+#include "control_arguments.h"
 
 namespace raygrid {
 
@@ -30,6 +31,9 @@ const char kCameraHelp[] =
     "  --calibrated-crop X,Y,WxH  the part of the sensor that was calibrated, "
     "to\n"
     "                     know other modes by\n"
+    "  --control NAME=VALUE  sets a control of the camera, before the first "
+    "frame;\n"
+    "                     may be given again\n"
     "  --from FILE        raw frames of a file, again and again, instead of a\n"
     "                     camera; with --format, and --fps N (default: 30)\n"
     "  --timeout S        seconds without a frame that end it (default: 5)\n"
@@ -143,6 +147,7 @@ enum Option : int {
   kTable,
   kSerial,
   kCrop,
+  kControl,
   kFrom,
   kFps,
   kTimeout,
@@ -167,6 +172,7 @@ const option kOptions[] = {
     {"table", required_argument, nullptr, kTable},
     {"serial", required_argument, nullptr, kSerial},
     {"calibrated-crop", required_argument, nullptr, kCrop},
+    {"control", required_argument, nullptr, kControl},
     {"from", required_argument, nullptr, kFrom},
     {"fps", required_argument, nullptr, kFps},
     {"timeout", required_argument, nullptr, kTimeout},
@@ -206,6 +212,9 @@ void TakeOption(int which, CameraArguments* arguments) {
       break;
     case kCrop:
       arguments->calibrated_crop = ParseCrop(optarg);
+      break;
+    case kControl:
+      arguments->controls.push_back(ParseControl(optarg));
       break;
     case kFrom:
       arguments->recording = optarg;
@@ -263,6 +272,8 @@ void CheckTogether(const CameraArguments& arguments) {
     FailUsage("--outside: is for frames; leave it out with --points");
   if (!arguments.http.more_names.empty() && arguments.http.port == 0)
     FailUsage("--http-name: needs --http");
+  if (!arguments.recording.empty() && !arguments.controls.empty())
+    FailUsage("--control: is for cameras; leave it out with --from");
   if (!arguments.recording.empty() && arguments.format.empty())
     FailUsage("--from: needs --format");
 }

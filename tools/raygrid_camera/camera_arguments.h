@@ -17,6 +17,7 @@ struct CameraArguments {
   std::optional<unsigned> table;   // of the blob's remap tables
   std::string serial;
   std::optional<SensorCrop> calibrated_crop;
+  ControlValues controls;         // of the camera, in the order given
   std::string recording;          // frames of a file instead of a camera
   double frames_per_second = 30;  // of the recording
   std::string output;             // folder; "-": standard output
@@ -24,7 +25,7 @@ struct CameraArguments {
   bool only_trusted = false;  // border where nothing is trusted
   bool every_frame = false;
   unsigned num_threads = 0;  // 0: all processors but one
-  uint64_t num_frames = 0;  // 0: until it is stopped
+  uint64_t num_frames = 0;   // 0: until it is stopped
   double timeout_s = 5;
   std::string points;   // file; "-": standard input
   PreviewAddress http;  // port 0: no server

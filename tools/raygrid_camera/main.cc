@@ -84,7 +84,7 @@ void PlayCamera(const CameraArguments& arguments, const rg_camera& camera) {
   const CameraList cameras;
   LibcameraSource source(cameras.Find(arguments.camera),
                          {arguments.format, arguments.width, arguments.height,
-                          arguments.every_frame});
+                          arguments.every_frame, arguments.controls});
   RunCameraSession(arguments, camera, &source);
 }
 
