@@ -64,6 +64,8 @@ class FrameSource {
   virtual const StreamFormat& format() const = 0;
   /// Frames come with the part of the sensor that they show.
   virtual bool tells_crops() const { return false; }
+  /// Whose memory frames lie in, for people; empty: this program's.
+  virtual std::string memory() const { return ""; }
   virtual void Start() = 0;
   /// The oldest frame; nothing when none comes in that time.
   virtual std::optional<CapturedFrame> Next(

@@ -54,7 +54,8 @@ std::string DescribeRole(Camera* camera, StreamRole role) {
 std::string DescribeCamera(Camera* camera) {
   const std::string viewfinder = DescribeRole(camera, StreamRole::Viewfinder);
   const std::string raw = DescribeRole(camera, StreamRole::Raw);
-  return NameOf(*camera) + "\n" + viewfinder + (raw == viewfinder ? "" : raw);
+  return "libcamera:" + NameOf(*camera) + "\n" + viewfinder +
+         (raw == viewfinder ? "" : raw);
 }
 
 // The format asked for; else what the camera would take, or the first of its
@@ -219,9 +220,8 @@ std::optional<CapturedFrame> LibcameraSource::Next(
 }
 
 void LibcameraSource::Release(const CapturedFrame& frame) {
-  Request* const request = requests_[frame.buffer].get();
-  request->reuse(Request::ReuseBuffers);
-  Queue(request);
+  buffers_->EndRead(frame.buffer);
+  QueueAgain(frame.buffer);
 }
 
 std::string LibcameraSource::fault() const {
@@ -244,6 +244,12 @@ void LibcameraSource::Queue(Request* request) {
   if (is_running_ && !is_disconnected_) camera_->queueRequest(request);
 }
 
+void LibcameraSource::QueueAgain(uint32_t buffer) {
+  Request* const request = requests_[buffer].get();
+  request->reuse(Request::ReuseBuffers);
+  Queue(request);
+}
+
 void LibcameraSource::CountMissed(uint32_t sequence) {
   if (last_sequence_ && sequence > *last_sequence_)
     missed_ += sequence - *last_sequence_ - 1;
@@ -255,9 +261,9 @@ void LibcameraSource::OnCompleted(Request* request) {
   const auto& metadata = request->buffers().begin()->second->metadata();
   CountMissed(metadata.sequence);
   const uint32_t buffer = static_cast<uint32_t>(request->cookie());
-  if (!IsWhole(format_, metadata)) {
+  if (!IsWhole(format_, metadata) || !buffers_->BeginRead(buffer)) {
     ++damaged_;
-    Release({{}, {}, buffer, {}});
+    QueueAgain(buffer);
     return;
   }
   CapturedFrame frame = {};

@@ -50,6 +50,7 @@ class LibcameraSource : public FrameSource {
 
   const StreamFormat& format() const override { return format_; }
   bool tells_crops() const override { return true; }
+  std::string memory() const override { return "libcamera's"; }
   void Start() override;
   std::optional<CapturedFrame> Next(std::chrono::milliseconds timeout) override;
   void Release(const CapturedFrame& frame) override;
@@ -66,6 +67,7 @@ class LibcameraSource : public FrameSource {
   void OnDisconnected();
   void CountMissed(uint32_t sequence);
   void Queue(libcamera::Request* request);
+  void QueueAgain(uint32_t buffer);
 
   std::shared_ptr<libcamera::Camera> camera_;
   std::unique_ptr<libcamera::CameraConfiguration> configuration_;

@@ -87,6 +87,7 @@ void MappedBuffers::MapBuffer(const StreamFormat& format,
                               const FrameBuffer& buffer) {
   const std::array<PlanePlace, 3> places = FindPlanes(format, buffer);
   std::array<const uint8_t*, 3> planes = {};
+  std::vector<int> fds;
   for (int i = 0; i < format.num_planes; ++i) {
     const PlanePlace& place = places[i];
     const uint8_t* const start = Map(place.fd);
@@ -97,8 +98,21 @@ void MappedBuffers::MapBuffer(const StreamFormat& format,
                         "camera: gives buffers smaller than its frames; choose "
                         "another format");
     planes[i] = start + place.offset;
+    if (std::find(fds.begin(), fds.end(), place.fd) == fds.end())
+      fds.push_back(place.fd);
   }
   planes_.push_back(planes);
+  fds_.push_back(fds);
+}
+
+bool MappedBuffers::BeginRead(size_t buffer) {
+  bool is_good = true;
+  for (const int fd : fds_[buffer]) is_good &= sync_.BeginRead(fd);
+  return is_good;
+}
+
+void MappedBuffers::EndRead(size_t buffer) {
+  for (const int fd : fds_[buffer]) sync_.EndRead(fd);
 }
 
 bool IsWhole(const StreamFormat& format,

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "dma_buf_sync.h"
 #include "stream_format.h"
 
 namespace raygrid {
@@ -27,6 +28,9 @@ class MappedBuffers {
   const std::array<const uint8_t*, 3>& planes(size_t buffer) const {
     return planes_[buffer];
   }
+  /// Around all reads of a buffer, as DmaBufSync.
+  bool BeginRead(size_t buffer);
+  void EndRead(size_t buffer);
 
  private:
   struct Mapping {
@@ -41,6 +45,8 @@ class MappedBuffers {
 
   std::vector<Mapping> mappings_;
   std::vector<std::array<const uint8_t*, 3>> planes_;
+  std::vector<std::vector<int>> fds_;  // each once
+  DmaBufSync sync_;
 };
 
 /// Whether a completed buffer holds all bytes of the format's planes.

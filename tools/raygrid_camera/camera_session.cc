@@ -166,6 +166,8 @@ void StreamFrames(const CameraArguments& arguments, rg_camera camera,
   StreamGuard guard(camera, source->format(), StreamGuard::Use::kFrames,
                     arguments.serial, arguments.calibrated_crop);
   guard.Check({});  // before anything is made
+  if (!arguments.is_quiet && !source->memory().empty())
+    std::fprintf(stderr, "memory of frames: %s\n", source->memory().c_str());
   UndistorterOptions options;
   options.every_frame = arguments.every_frame;
   options.only_trusted = arguments.only_trusted;
