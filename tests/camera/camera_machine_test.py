@@ -27,6 +27,14 @@ run() {
   raygrid-camera "$@" --timeout 60 >$name.out 2>$name.err
   echo $? >$name.status
 }
+device() {  # NAME: the V4L2 device of a USB camera, or vivid's of that number
+  for found in /sys/class/video4linux/video*; do
+    [ "$(cat $found/index)" = 0 ] || continue
+    case "$(readlink -f $found/device) $(cat $found/name)" in
+      *"$1 "* | *"$1-vid-cap") echo v4l2:/dev/${found##*/} ;;
+    esac
+  done
+}
 wait_for() {
   until [ -e $1 ]; do sleep 0.1; done
 }
@@ -41,10 +49,16 @@ STREAMS = """
 run vga vga.raygrid --camera -1:1.0 --frames 40 --every-frame -o vga
 run hd hd.raygrid --camera -2:1.0 --frames 40 --every-frame -o hd
 run odd odd.raygrid --camera -3:1.0 --size 640x480 --frames 10 --every-frame -o odd
+run v4l2_vga vga.raygrid --source $(device -1:1.0) --frames 40 --every-frame -o v4l2_vga
+run v4l2_odd odd.raygrid --source $(device -3:1.0) --size 640x480 --frames 10 --every-frame \
+  -o v4l2_odd
 """
 ENDS = """
 run list --list
+run source --source
 run several vga.raygrid --frames 1
+run v4l2_several vga.raygrid --source v4l2 --frames 1
+run v4l2_other_size vga.raygrid --source $(device -2:1.0) --frames 1 -o other_size
 run other_size vga.raygrid --camera -2:1.0 --frames 1 -o other_size
 run points vga.raygrid --camera -1:1.0 --points points.csv
 
@@ -56,6 +70,7 @@ ls -l /tmp/full >full.files
 run terminated vga.raygrid --camera -1:1.0 -o terminated &
 wait_for terminated/frame-000002.raw
 run second vga.raygrid --camera -1:1.0 --frames 1
+run v4l2_second vga.raygrid --source $(device -1:1.0) --frames 1
 end TERM terminated
 run interrupted vga.raygrid --camera -1:1.0 -o interrupted &
 wait_for interrupted/frame-000002.raw
@@ -71,6 +86,21 @@ mkdir unplugged
 run unplugged vga.raygrid --camera -4:1.0 -o unplugged
 last=$(stat -c %Y unplugged | sort -n | tail -n 1)
 echo $(($(date +%s) - last)) >unplugged.seconds
+run v4l2_unplugged vga.raygrid --source $(device -5:1.0) -o v4l2_unplugged
+
+modprobe vivid n_devs=2 node_types=1,1 multiplanar=1,2
+udevadm settle
+single=$(device vivid-000)
+apart=$(device vivid-001)
+still="--control osd_text_mode=None --frames 3 --every-frame"
+for format in NV12 YUV420 BGR888 SRGGB8; do
+  run vivid_$format vga.raygrid --source $single --format $format $still -o vivid_$format
+  dd if=${single#v4l2:} of=vivid_$format.frame bs=1M count=1
+  run apart_$format vga.raygrid --source $apart --format $format $still -o apart_$format
+done
+for control in gain=300 nonsense=1 inject_vidioc_reqbufs_error=1 disconnect=1; do
+  run vivid_${control%=*} vga.raygrid --source $single --control $control --frames 1
+done
 """
 
 
@@ -92,7 +122,7 @@ class CameraInMachine(unittest.TestCase):
             file.write("x,y\n319.5,239.5\n600,20.25\n")
         machine.build_image(programs.kernel, cls.path("image"), [programs.camera])
         players = [cls.play("vga", 10), cls.play("hd", 5), cls.play("odd", 10),
-                   cls.play("vga", 10, 20)]
+                   cls.play("vga", 10, 20), cls.play("vga", 10, 20)]
         status, log = machine.boot(programs.kernel, cls.path("image"), cls.shared, players,
                                    SETUP + ("" if programs.only_ends else STREAMS) + ENDS,
                                    timeout=500)
@@ -192,11 +222,12 @@ class CameraInMachine(unittest.TestCase):
         keys = ("arrived", "undistorted", "written", "dropped", "damaged", "missed")
         return dict(zip(keys, map(int, counted.groups())))
 
-    def check_stream(self, name, count):
+    def check_stream(self, name, count, prefix=""):
         if programs.only_ends:
             self.skipTest("--only-ends: sanitizers are too slow for the frames")
+        camera, name = name, prefix + name
         self.assert_ends(name, 0)
-        frames, sequences = self.check_frames(name)
+        frames, sequences = self.check_frames(camera, name)
         self.assertEqual(len(frames), count)
         counts = self.counts(name)
         print(f"{name}: {self.read(name + '.err').strip()}")
@@ -217,12 +248,45 @@ class CameraInMachine(unittest.TestCase):
     def test_a_size_that_the_driver_adjusts(self):
         self.check_stream("odd", 10)
 
+    def test_v4l2_frames_are_those_of_the_host(self):
+        self.check_stream("vga", 40, "v4l2_")
+        self.check_stream("odd", 10, "v4l2_")
+
+    def test_formats_of_v4l2(self):
+        for name in ("NV12", "YUV420", "BGR888", "SRGGB8"):
+            expected = subprocess.run(
+                [programs.camera, self.path("shared/vga.raygrid"), "--from",
+                 self.path(f"shared/vivid_{name}.frame"), "--format", name, "--frames", "1",
+                 "--every-frame", "--quiet", "-o", "-"], check=True, capture_output=True).stdout
+            for device in ("vivid_", "apart_"):
+                with self.subTest(device + name):
+                    self.assert_ends(device + name, 0)
+                    frames = self.frames(device + name)
+                    self.assertEqual(len(frames), 3)
+                    for header, planes in frames:
+                        self.assertEqual(header["format"], name)
+                        self.assertEqual(planes, expected)
+
+    def test_v4l2_devices_that_cannot_be_used(self):
+        self.assert_ends("v4l2_several", 2, "--source v4l2:/dev/video")
+        self.assert_ends("v4l2_other_size", 8, "640x480", "1280x720", "--list")
+        self.assert_ends("v4l2_second", 2, "/dev/video", "in use by another process")
+        self.assert_ends("vivid_gain", 2, "/dev/video", "gain")
+        self.assert_ends("vivid_nonsense", 2, "nonsense", "--list")
+        self.assert_ends("vivid_inject_vidioc_reqbufs_error", 2, "no memory for frames")
+        self.assert_ends("vivid_disconnect", 2, "was unplugged")
+
     def test_list(self):
         self.assert_ends("list", 0)
         text = self.read("list.out")
         for size in SIZES.values():
             self.assertIn("YUYV {}x{}".format(*size), text)
-        self.assertEqual(text.count("Emulated camera"), 4)
+        self.assertEqual(self.read("source.out"), text)
+        for kind in ("libcamera:", "v4l2:/dev/video"):
+            cameras = [line for line in text.splitlines() if line.startswith(kind)]
+            self.assertEqual(len(cameras), 5)
+            for camera in cameras:
+                self.assertIn("(Emulated camera", camera)
 
     def test_several_cameras_need_a_choice(self):
         self.assert_ends("several", 2, "--camera")
@@ -267,11 +331,12 @@ class CameraInMachine(unittest.TestCase):
         self.assertGreater(len(set(pictures)), 1)
 
     def test_a_camera_that_is_unplugged(self):
-        self.assert_ends("unplugged", 2, "was unplugged")
-        frames, _ = self.check_frames("vga", "unplugged")
-        self.assertGreater(len(frames), 0)
-        self.assertLessEqual(len(frames), 20)
-        self.assertEqual(len(frames), self.counts("unplugged")["written"])
+        for name in ("unplugged", "v4l2_unplugged"):
+            self.assert_ends(name, 2, "was unplugged")
+            frames, _ = self.check_frames("vga", name)
+            self.assertGreater(len(frames), 0)
+            self.assertLessEqual(len(frames), 20)
+            self.assertEqual(len(frames), self.counts(name)["written"])
         self.assertLessEqual(int(self.read("unplugged.seconds")), 2)
 
 

@@ -263,6 +263,10 @@ class CameraProgram(unittest.TestCase):
                           ("flat.raygrid", "--points", "-", "--outside", "trusted"),
                           ("flat.raygrid", "--outside", "trust"),
                           ("flat.raygrid", "--calibrated-crop", "1,2,3"),
+                          ("flat.raygrid", "--source", "usb:/dev/video0"),
+                          ("flat.raygrid", "--camera", "x", "--source", "v4l2"),
+                          ("flat.raygrid", "--from", "frames.yuyv", "--format", "YUYV",
+                           "--source=v4l2"),
                           ("flat.raygrid", "--control", "gain"),
                           ("flat.raygrid", "--control", "=1"),
                           ("flat.raygrid", "--control", "gain="),
@@ -304,6 +308,12 @@ class CameraProgram(unittest.TestCase):
         self.assert_fails(2, "flat.raygrid", "--from", "half.yuyv", "--format", "YUYV",
                           words=["--size"])
         self.assert_fails(2, "flat.raygrid", "--from", "missing", "--format", "YUYV")
+
+    def test_devices_that_cannot_be_used(self):
+        for path, word in (("/dev/null", "no video device"), ("/dev/missing", "--list"),
+                           (self.path("flat.raygrid"), "no video device"),
+                           (self.folder, "Is a directory")):
+            self.assert_fails(2, "flat.raygrid", "--source", "v4l2:" + path, words=[path, word])
 
     def test_outputs_that_cannot_be_written(self):
         self.assert_fails(7, "flat.raygrid", "--from", "frames.yuyv", "--format", "YUYV", "-o",

@@ -15,12 +15,18 @@ const char kCameraHelp[] =
     "Undistorts a camera's frames with the table of a raygrid blob.\n"
     "\n"
     "Usage: raygrid-camera BLOB [options]\n"
-    "       raygrid-camera --list\n"
+    "       raygrid-camera --source\n"
     "  BLOB  packed with --remap, and --mode for frames of other modes\n"
     "\n"
     "Camera\n"
-    "  --list             cameras, their formats and sizes\n"
-    "  --camera ID        by its id, or a part of it (default: the only one)\n"
+    "  --source, --list   cameras, their formats, sizes and controls\n"
+    "  --source KIND[:CAMERA]  libcamera:ID, or v4l2:/dev/video0 for the "
+    "kernel's\n"
+    "                     own devices (default: the only one of libcamera, "
+    "where\n"
+    "                     that is built in)\n"
+    "  --camera ID        as --source libcamera:ID; a part of the id is "
+    "enough\n"
     "  --format NAME      libcamera's pixel format (default: the camera's)\n"
     "  --size WxH         to ask the camera for (default: the blob's)\n"
     "  --table N          which of the blob's tables, from 0 (default: the one "
@@ -118,6 +124,25 @@ SensorCrop ParseCrop(const char* text) {
   return crop;
 }
 
+void ChooseCamera(CameraKind kind, const std::string& camera,
+                  CameraArguments* arguments) {
+  if (arguments->source != CameraKind::kAny)
+    FailUsage("--source, --camera: one camera is enough");
+  arguments->source = kind;
+  arguments->camera = camera;
+}
+
+void ParseSource(const std::string& text, CameraArguments* arguments) {
+  const size_t colon = text.find(':');
+  const std::string kind = text.substr(0, colon);
+  if (kind != "libcamera" && kind != "v4l2")
+    FailUsage("--source: " + text +
+              " is not like v4l2:/dev/video0 or libcamera:ID");
+  ChooseCamera(kind == "v4l2" ? CameraKind::kV4l2 : CameraKind::kLibcamera,
+               colon == std::string::npos ? "" : text.substr(colon + 1),
+               arguments);
+}
+
 // Whether only what is trusted is to be shown.
 bool ParseOutside(const std::string& text) {
   if (text != "fill" && text != "trusted")
@@ -141,6 +166,7 @@ enum Option : int {
   kOutput = 'o',
   kHelp = 'h',
   kList = 256,
+  kSource,
   kCamera,
   kFormat,
   kSize,
@@ -166,6 +192,7 @@ const option kOptions[] = {
     {"output", required_argument, nullptr, kOutput},
     {"help", no_argument, nullptr, kHelp},
     {"list", no_argument, nullptr, kList},
+    {"source", optional_argument, nullptr, kSource},
     {"camera", required_argument, nullptr, kCamera},
     {"format", required_argument, nullptr, kFormat},
     {"size", required_argument, nullptr, kSize},
@@ -198,8 +225,14 @@ void TakeOption(int which, CameraArguments* arguments) {
     case kList:
       arguments->is_list = true;
       break;
+    case kSource:
+      if (optarg)
+        ParseSource(optarg, arguments);
+      else
+        arguments->is_list = true;
+      break;
     case kCamera:
-      arguments->camera = optarg;
+      ChooseCamera(CameraKind::kLibcamera, optarg, arguments);
       break;
     case kFormat:
       arguments->format = optarg;
@@ -272,6 +305,8 @@ void CheckTogether(const CameraArguments& arguments) {
     FailUsage("--outside: is for frames; leave it out with --points");
   if (!arguments.http.more_names.empty() && arguments.http.port == 0)
     FailUsage("--http-name: needs --http");
+  if (!arguments.recording.empty() && arguments.source != CameraKind::kAny)
+    FailUsage("--from: instead of a camera; leave --source or --camera out");
   if (!arguments.recording.empty() && !arguments.controls.empty())
     FailUsage("--control: is for cameras; leave it out with --from");
   if (!arguments.recording.empty() && arguments.format.empty())
@@ -289,6 +324,9 @@ CameraArguments ParseCameraArguments(int argc, char** argv) {
       FailUsage(std::string(argv[optind - 1]) + ": unknown option");
     if (which == ':')
       FailUsage(std::string(argv[optind - 1]) + ": needs a value");
+    // A value that stands apart, as those of other options may.
+    if (which == kSource && !optarg && optind < argc && argv[optind][0] != '-')
+      optarg = argv[optind++];
     TakeOption(which, &arguments);
   }
   if (optind < argc) arguments.blob = argv[optind++];

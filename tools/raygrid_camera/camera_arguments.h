@@ -9,9 +9,12 @@
 
 namespace raygrid {
 
+enum class CameraKind { kAny, kLibcamera, kV4l2 };
+
 struct CameraArguments {
   std::string blob;
-  std::string camera;  // id, or a part of it
+  CameraKind source = CameraKind::kAny;
+  std::string camera;  // libcamera's id, or a part of it; V4L2's path
   std::string format;
   unsigned width = 0, height = 0;  // 0: the blob's
   std::optional<unsigned> table;   // of the blob's remap tables

@@ -1,4 +1,4 @@
-// raygrid-camera: frames of libcamera, undistorted on the board.
+// raygrid-camera: frames of a camera, undistorted on the board.
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -8,8 +8,7 @@
 #include "camera_arguments.h"
 #include "camera_error.h"
 #include "camera_session.h"
-#include "libcamera_source.h"
-#include "memory_source.h"
+#include "frame_sources.h"
 #include "raygrid.h"
 #include "rg_blob.h"
 #include "whole_file.h"
@@ -66,35 +65,13 @@ Blob OpenBlob(const CameraArguments& arguments) {
   return blob;
 }
 
-void PlayRecording(const CameraArguments& arguments, const rg_camera& camera) {
-  const PixelFormatInfo* const info = FindPixelFormat(arguments.format);
-  if (!info)
-    throw CameraError(CameraExit::kUsage,
-                      "--format: " + arguments.format + " is not undistorted");
-  MemorySourceOptions options;
-  options.frames_per_second = arguments.frames_per_second;
-  options.every_frame = arguments.every_frame;
-  MemorySource source(
-      MakeStreamFormat(*info, arguments.width, arguments.height, 0),
-      ReadWholeFile(arguments.recording), options);
-  RunCameraSession(arguments, camera, &source);
-}
-
-void PlayCamera(const CameraArguments& arguments, const rg_camera& camera) {
-  const CameraList cameras;
-  LibcameraSource source(cameras.Find(arguments.camera),
-                         {arguments.format, arguments.width, arguments.height,
-                          arguments.every_frame, arguments.controls});
-  RunCameraSession(arguments, camera, &source);
-}
-
 void Run(CameraArguments arguments) {
   if (arguments.is_help) {
     std::fputs(kCameraHelp, stdout);
     return;
   }
   if (arguments.is_list) {
-    std::fputs(CameraList().Describe().c_str(), stdout);
+    std::fputs(DescribeCameras().c_str(), stdout);
     return;
   }
   const Blob blob = OpenBlob(arguments);
@@ -104,10 +81,8 @@ void Run(CameraArguments arguments) {
     arguments.width = width;
     arguments.height = height;
   }
-  if (arguments.recording.empty())
-    PlayCamera(arguments, blob.camera);
-  else
-    PlayRecording(arguments, blob.camera);
+  const auto source = OpenFrameSource(arguments);
+  RunCameraSession(arguments, blob.camera, source.get());
 }
 
 int Main(int argc, char** argv) {

@@ -1,0 +1,226 @@
+#include "v4l2_buffers.h"
+
+#include <cerrno>
+
+namespace raygrid {
+namespace {
+
+// Fewer cannot be filled while one is read.
+constexpr uint32_t kLeastBuffers = 2;
+
+}  // namespace
+
+struct V4l2Buffers::Description {
+  Description(const V4l2Stream& stream, uint32_t kind, uint32_t index) {
+    buffer.type = stream.buffer_type;
+    buffer.memory = kind;
+    buffer.index = index;
+    if (!stream.has_planes_apart()) return;
+    buffer.m.planes = planes;
+    buffer.length = stream.num_memories;
+  }
+  Description(const Description&) = delete;
+  Description& operator=(const Description&) = delete;
+
+  v4l2_buffer buffer = {};
+  v4l2_plane planes[VIDEO_MAX_PLANES] = {};
+};
+
+V4l2Buffers::V4l2Buffers(V4l2Device* device, const V4l2Stream& stream,
+                         uint32_t number)
+    : device_(device), stream_(stream), sync_([device](int fd, bool begins) {
+        return device->Sync(fd, begins);
+      }) {
+  try {
+    for (const std::string& heap : device->Heaps())
+      if (AllocateFrom(heap, number)) return;
+    AllocateOfDriver(number);
+  } catch (...) {
+    Free();
+    throw;
+  }
+}
+
+int V4l2Buffers::Request(uint32_t kind, uint32_t number, uint32_t flags,
+                         v4l2_requestbuffers* request) {
+  *request = {};
+  request->count = number;
+  request->type = stream_.buffer_type;
+  request->memory = kind;
+#ifdef V4L2_MEMORY_FLAG_NON_COHERENT
+  request->flags = static_cast<uint8_t>(flags);
+#else
+  static_cast<void>(flags);
+#endif
+  return AskAgain(device_, VIDIOC_REQBUFS, request);
+}
+
+// Whether the driver takes memory of that heap: it says so when it is given
+// the buffers.
+bool V4l2Buffers::AllocateFrom(const std::string& heap, uint32_t number) {
+  kind_ = V4L2_MEMORY_DMABUF;
+  v4l2_requestbuffers request;
+  if (Request(kind_, number, 0, &request) != 0) return false;
+  buffers_.resize(request.count);
+  if (request.count >= kLeastBuffers && TakeFromHeap(heap) && QueueAll()) {
+    memory_ = heap + ", cached";
+    return true;
+  }
+  Free();
+  return false;
+}
+
+bool V4l2Buffers::TakeFromHeap(const std::string& heap) {
+  for (Buffer& buffer : buffers_) {
+    for (uint32_t i = 0; i < stream_.num_memories; ++i) {
+      Memory& memory = buffer.memories[i];
+      memory.fd = device_->Allocate(heap, stream_.memory_sizes[i]);
+      if (memory.fd < 0) return false;
+      memory.size = stream_.memory_sizes[i];
+      memory.start = device_->MapDmaBuf(memory.fd, memory.size);
+      if (!memory.start) return false;
+    }
+    FindPlanes(&buffer);
+  }
+  return true;
+}
+
+void V4l2Buffers::AllocateOfDriver(uint32_t number) {
+  kind_ = V4L2_MEMORY_MMAP;
+  memory_ = "the driver's";
+  v4l2_requestbuffers request;
+  int status = Request(kind_, number, 0, &request);
+#ifdef V4L2_MEMORY_FLAG_NON_COHERENT
+  // The driver then keeps caches in step by itself.
+  if (status == 0 &&
+      (request.capabilities & V4L2_BUF_CAP_SUPPORTS_MMAP_CACHE_HINTS)) {
+    Request(kind_, 0, 0, &request);
+    status = Request(kind_, number, V4L2_MEMORY_FLAG_NON_COHERENT, &request);
+    memory_ += ", cached";
+  }
+#endif
+  if (status != 0 || request.count < kLeastBuffers)
+    throw V4l2Error(*device_, "has no memory for frames",
+                    status != 0 ? status : ENOMEM,
+                    "free some, or choose a smaller --size");
+  buffers_.resize(request.count);
+  for (uint32_t i = 0; i < request.count; ++i) MapOfDriver(i);
+  if (!QueueAll())
+    throw V4l2Error(*device_, "takes no buffers; connect it again");
+}
+
+void V4l2Buffers::MapOfDriver(uint32_t index) {
+  Description description(stream_, kind_, index);
+  const int status = AskAgain(device_, VIDIOC_QUERYBUF, &description.buffer);
+  if (status != 0)
+    throw V4l2Error(*device_, "does not say where its frames are", status,
+                    "check the driver");
+  for (uint32_t i = 0; i < stream_.num_memories; ++i) {
+    const bool are_apart = stream_.has_planes_apart();
+    const v4l2_plane& plane = description.planes[i];
+    Memory& memory = buffers_[index].memories[i];
+    memory.size = are_apart ? plane.length : description.buffer.length;
+    if (memory.size < stream_.memory_sizes[i])
+      throw V4l2Error(*device_,
+                      "gives buffers smaller than its frames; choose "
+                      "another --format");
+    memory.start =
+        device_->Map(memory.size, are_apart ? plane.m.mem_offset
+                                            : description.buffer.m.offset);
+    if (!memory.start)
+      throw V4l2Error(*device_,
+                      "its buffers cannot be mapped; check the driver");
+  }
+  FindPlanes(&buffers_[index]);
+}
+
+void V4l2Buffers::FindPlanes(Buffer* buffer) const {
+  for (int i = 0; i < stream_.format.num_planes; ++i)
+    buffer->planes[i] = buffer->memories[stream_.places[i].memory].start +
+                        stream_.places[i].offset;
+}
+
+bool V4l2Buffers::QueueAll() {
+  for (uint32_t i = 0; i < number(); ++i)
+    if (Queue(i) != 0) return false;
+  return true;
+}
+
+int V4l2Buffers::Queue(uint32_t index) {
+  Description description(stream_, kind_, index);
+  if (kind_ == V4L2_MEMORY_DMABUF) {
+    const Buffer& buffer = buffers_[index];
+    for (uint32_t i = 0; i < stream_.num_memories; ++i) {
+      description.planes[i].m.fd = buffer.memories[i].fd;
+      description.planes[i].length =
+          static_cast<uint32_t>(buffer.memories[i].size);
+    }
+    if (!stream_.has_planes_apart()) {
+      description.buffer.m.fd = buffer.memories[0].fd;
+      description.buffer.length = description.planes[0].length;
+    }
+  }
+  return AskAgain(device_, VIDIOC_QBUF, &description.buffer);
+}
+
+int V4l2Buffers::Dequeue(V4l2Filled* filled) {
+  Description description(stream_, kind_, 0);
+  const v4l2_buffer& buffer = description.buffer;
+  const int status = AskAgain(device_, VIDIOC_DQBUF, &description.buffer);
+  if (status != 0) return status;
+  if (buffer.index >= number()) return EIO;
+  filled->buffer = buffer.index;
+  filled->is_whole = IsWhole(buffer);
+  filled->sequence = buffer.sequence;
+  filled->timestamp_ns =
+      static_cast<uint64_t>(buffer.timestamp.tv_sec) * 1000000000u +
+      static_cast<uint64_t>(buffer.timestamp.tv_usec) * 1000u;
+  return 0;
+}
+
+bool V4l2Buffers::IsWhole(const v4l2_buffer& buffer) const {
+  if (buffer.flags & V4L2_BUF_FLAG_ERROR) return false;
+  for (int i = 0; i < stream_.format.num_planes; ++i) {
+    const V4l2Stream::Place& place = stream_.places[i];
+    uint32_t used = buffer.bytesused;
+    if (stream_.has_planes_apart()) {
+      const v4l2_plane& plane = buffer.m.planes[place.memory];
+      // Frames that begin elsewhere than their buffers are not known.
+      if (plane.data_offset != 0) return false;
+      used = plane.bytesused;
+    }
+    if (used < place.offset + stream_.format.planes[i].extent()) return false;
+  }
+  return true;
+}
+
+bool V4l2Buffers::BeginRead(uint32_t buffer) {
+  if (kind_ != V4L2_MEMORY_DMABUF) return true;
+  bool is_good = true;
+  for (uint32_t i = 0; i < stream_.num_memories; ++i)
+    is_good &= sync_.BeginRead(buffers_[buffer].memories[i].fd);
+  return is_good;
+}
+
+void V4l2Buffers::EndRead(uint32_t buffer) {
+  if (kind_ != V4L2_MEMORY_DMABUF) return;
+  for (uint32_t i = 0; i < stream_.num_memories; ++i)
+    sync_.EndRead(buffers_[buffer].memories[i].fd);
+}
+
+void V4l2Buffers::Free() {
+  // Takes back what the driver was given.
+  int type = static_cast<int>(stream_.buffer_type);
+  AskAgain(device_, VIDIOC_STREAMOFF, &type);
+  for (Buffer& buffer : buffers_) {
+    for (Memory& memory : buffer.memories) {
+      if (memory.start) device_->Unmap(memory.start, memory.size);
+      if (memory.fd >= 0) device_->Close(memory.fd);
+    }
+  }
+  buffers_.clear();
+  v4l2_requestbuffers request;
+  Request(kind_, 0, 0, &request);
+}
+
+}  // namespace raygrid

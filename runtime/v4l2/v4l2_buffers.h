@@ -1,0 +1,84 @@
+#ifndef RAYGRID_V4L2_V4L2_BUFFERS_H
+#define RAYGRID_V4L2_V4L2_BUFFERS_H
+
+#include <linux/videodev2.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "dma_buf_sync.h"
+#include "v4l2_stream.h"
+
+namespace raygrid {
+
+/// A buffer that the driver has filled.
+struct V4l2Filled {
+  uint32_t buffer;
+  bool is_whole;  // without an error, and no byte of the frame is missing
+  uint32_t sequence;
+  uint64_t timestamp_ns;
+};
+
+/// Memory for frames, mapped for as long as this lives: of a heap, which is
+/// cached, where the driver takes that; else the driver's own.
+class V4l2Buffers {
+ public:
+  /// All buffers are the driver's, to be filled, afterwards. Throws CameraError
+  /// where there is no memory.
+  V4l2Buffers(V4l2Device* device, const V4l2Stream& stream, uint32_t number);
+  ~V4l2Buffers() { Free(); }
+  V4l2Buffers(const V4l2Buffers&) = delete;
+  V4l2Buffers& operator=(const V4l2Buffers&) = delete;
+
+  uint32_t number() const { return static_cast<uint32_t>(buffers_.size()); }
+  /// Whose memory it is, for people.
+  const std::string& memory() const { return memory_; }
+  /// The first bytes of a buffer's planes.
+  const std::array<const uint8_t*, 3>& planes(uint32_t buffer) const {
+    return buffers_[buffer].planes;
+  }
+
+  /// Takes a buffer that is filled. Returns 0, or the errno.
+  int Dequeue(V4l2Filled* filled);
+  /// Gives a buffer to the driver. Returns 0, or the errno.
+  int Queue(uint32_t buffer);
+  /// Around all reads of a buffer. Returns whether they may be trusted.
+  bool BeginRead(uint32_t buffer);
+  void EndRead(uint32_t buffer);
+
+ private:
+  struct Memory {
+    int fd = -1;  // of a heap's memory
+    uint8_t* start = nullptr;
+    size_t size = 0;
+  };
+  struct Buffer {
+    std::array<Memory, 3> memories;
+    std::array<const uint8_t*, 3> planes;
+  };
+  // A v4l2_buffer with its planes, which it points to.
+  struct Description;
+
+  int Request(uint32_t kind, uint32_t number, uint32_t flags,
+              v4l2_requestbuffers* request);
+  bool AllocateFrom(const std::string& heap, uint32_t number);
+  bool TakeFromHeap(const std::string& heap);
+  void AllocateOfDriver(uint32_t number);
+  void MapOfDriver(uint32_t index);
+  bool QueueAll();
+  void FindPlanes(Buffer* buffer) const;
+  bool IsWhole(const v4l2_buffer& buffer) const;
+  void Free();
+
+  V4l2Device* const device_;
+  const V4l2Stream stream_;
+  uint32_t kind_ = V4L2_MEMORY_MMAP;
+  std::vector<Buffer> buffers_;
+  std::string memory_;
+  DmaBufSync sync_;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_V4L2_V4L2_BUFFERS_H

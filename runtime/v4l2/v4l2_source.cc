@@ -1,0 +1,155 @@
+#include "v4l2_source.h"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "camera_error.h"
+#include "v4l2_controls.h"
+
+namespace raygrid {
+namespace {
+
+constexpr uint32_t kNumBuffers = 4;
+// How soon a request to stop is noticed.
+constexpr int kPatience_ms = 50;
+// Calls that fail one after the other, before the device is given up.
+constexpr int kMaxFailures = 20;
+constexpr std::chrono::milliseconds kPauseAfterFailure(5);
+
+std::string StartRemedy(int error) {
+  if (error == ENOSPC)
+    return "unplug other cameras from that USB, or choose a smaller --size";
+  if (error == EPIPE || error == ENOLINK)
+    return "set up its media pipeline for this size with media-ctl";
+  return "connect it again";
+}
+
+}  // namespace
+
+V4l2Source::V4l2Source(std::unique_ptr<V4l2Device> device,
+                       const V4l2Options& options)
+    : device_(std::move(device)) {
+  FindBufferType(device_.get());
+  SetV4l2Controls(device_.get(), options.controls);
+  stream_ = ChooseStream(device_.get(), options.format, options.width,
+                         options.height);
+  buffers_ = std::make_unique<V4l2Buffers>(device_.get(), stream_, kNumBuffers);
+  queue_ = std::make_unique<BoundedQueue<CapturedFrame>>(
+      options.every_frame ? buffers_->number() : buffers_->number() / 2);
+}
+
+void V4l2Source::Start() {
+  int type = static_cast<int>(stream_.buffer_type);
+  const int status = AskAgain(device_.get(), VIDIOC_STREAMON, &type);
+  if (status != 0)
+    throw V4l2Error(*device_, "does not start", status, StartRemedy(status));
+  is_streaming_ = true;
+  thread_ = std::thread(&V4l2Source::Run, this);
+}
+
+std::optional<CapturedFrame> V4l2Source::Next(
+    std::chrono::milliseconds timeout) {
+  return queue_->Pop(timeout);
+}
+
+void V4l2Source::Release(const CapturedFrame& frame) {
+  buffers_->EndRead(frame.buffer);
+  Queue(frame.buffer);
+}
+
+std::string V4l2Source::fault() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return fault_;
+}
+
+SourceCounts V4l2Source::counts() const {
+  return {arrived_, dropped_, damaged_, missed_};
+}
+
+void V4l2Source::Stop() {
+  is_stopped_ = true;
+  if (thread_.joinable()) thread_.join();
+  if (!is_streaming_) return;
+  is_streaming_ = false;
+  int type = static_cast<int>(stream_.buffer_type);
+  AskAgain(device_.get(), VIDIOC_STREAMOFF, &type);
+}
+
+void V4l2Source::Run() {
+  while (!is_stopped_) {
+    const short events = device_->Wait(kPatience_ms);
+    if (events != 0 && !TakeFrame(events)) break;
+  }
+  queue_->Close();
+}
+
+// Returns whether frames may still come.
+bool V4l2Source::TakeFrame(short events) {
+  V4l2Filled filled;
+  int status = buffers_->Dequeue(&filled);
+  if (status == 0) {
+    num_failures_ = 0;
+    Deliver(filled);
+    return true;
+  }
+  const bool has_failed = (events & (POLLERR | POLLHUP | POLLNVAL)) != 0;
+  if (status == EAGAIN && !has_failed) return true;
+  if (status == EAGAIN && (events & POLLHUP)) status = ENODEV;
+  if (status == EAGAIN) status = EIO;
+  // Drivers may go on after EIO, such as when a signal was lost.
+  if (status == EIO && ++num_failures_ <= kMaxFailures) {
+    std::this_thread::sleep_for(kPauseAfterFailure);
+    return true;
+  }
+  Fail(status);
+  return false;
+}
+
+void V4l2Source::Fail(int error) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!fault_.empty()) return;
+  fault_ = error == ENODEV ? "camera: was unplugged; connect it again"
+                           : std::string("camera: gives no more frames (") +
+                                 std::strerror(error) + "); connect it again";
+}
+
+void V4l2Source::CountMissed(uint32_t sequence) {
+  if (last_sequence_ && sequence > *last_sequence_)
+    missed_ += sequence - *last_sequence_ - 1;
+  last_sequence_ = sequence;
+}
+
+void V4l2Source::Deliver(const V4l2Filled& filled) {
+  CountMissed(filled.sequence);
+  if (!filled.is_whole || !buffers_->BeginRead(filled.buffer)) {
+    ++damaged_;
+    return Queue(filled.buffer);
+  }
+  CapturedFrame frame = {};
+  frame.arrived = Clock::now();
+  frame.image =
+      MakeImage(stream_.format, buffers_->planes(filled.buffer).data());
+  frame.buffer = filled.buffer;
+  frame.info.sequence = filled.sequence;
+  frame.info.timestamp_ns = filled.timestamp_ns;
+  ++arrived_;
+  if (const auto dropped = queue_->Push(frame)) {
+    ++dropped_;
+    Release(*dropped);
+  }
+}
+
+// By the undistorter's thread or the source's own.
+void V4l2Source::Queue(uint32_t buffer) {
+  if (is_stopped_) return;
+  const int status = buffers_->Queue(buffer);
+  if (status == 0) return;
+  Fail(status);
+  queue_->Close();
+}
+
+}  // namespace raygrid

@@ -1,0 +1,66 @@
+/// Frames of a V4L2 device, in its buffers: no pixel is copied.
+#ifndef RAYGRID_V4L2_V4L2_SOURCE_H
+#define RAYGRID_V4L2_V4L2_SOURCE_H
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "bounded_queue.h"
+#include "frame_source.h"
+#include "v4l2_buffers.h"
+#include "v4l2_device.h"
+#include "v4l2_stream.h"
+
+namespace raygrid {
+
+struct V4l2Options {
+  std::string format;        // libcamera's name; "": the device's choice
+  unsigned width, height;    // the driver may adjust them
+  bool every_frame = false;  // no frame is given up for a newer one
+  ControlValues controls;    // set in this order, before the first frame
+};
+
+class V4l2Source : public FrameSource {
+ public:
+  /// Sets controls and format, and allocates buffers. Throws CameraError.
+  V4l2Source(std::unique_ptr<V4l2Device> device, const V4l2Options& options);
+  ~V4l2Source() override { Stop(); }
+
+  const StreamFormat& format() const override { return stream_.format; }
+  std::string memory() const override { return buffers_->memory(); }
+  void Start() override;
+  std::optional<CapturedFrame> Next(std::chrono::milliseconds timeout) override;
+  void Release(const CapturedFrame& frame) override;
+  bool is_finished() const override { return queue_->is_finished(); }
+  std::string fault() const override;
+  SourceCounts counts() const override;
+  void Stop() override;
+
+ private:
+  void Run();
+  bool TakeFrame(short events);
+  void Deliver(const V4l2Filled& filled);
+  void CountMissed(uint32_t sequence);
+  void Queue(uint32_t buffer);
+  void Fail(int error);
+
+  const std::unique_ptr<V4l2Device> device_;
+  V4l2Stream stream_;
+  std::unique_ptr<V4l2Buffers> buffers_;
+  std::unique_ptr<BoundedQueue<CapturedFrame>> queue_;
+  std::atomic<bool> is_stopped_{false};
+  bool is_streaming_ = false;
+  mutable std::mutex mutex_;  // of the fault
+  std::string fault_;
+  std::optional<uint32_t> last_sequence_;  // of the thread, as failures
+  int num_failures_ = 0;                   // one after the other
+  std::atomic<uint64_t> arrived_{0}, dropped_{0}, damaged_{0}, missed_{0};
+  std::thread thread_;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_V4L2_V4L2_SOURCE_H

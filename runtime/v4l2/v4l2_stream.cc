@@ -1,0 +1,202 @@
+#include "v4l2_stream.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <optional>
+#include <vector>
+
+#include "v4l2_formats.h"
+
+namespace raygrid {
+namespace {
+
+// Fields that both kinds of buffers have, each at a place of its own.
+struct Picture {
+  uint32_t code, width, height, field;
+};
+
+v4l2_format MakeFormat(uint32_t buffer_type, uint32_t code, unsigned width,
+                       unsigned height) {
+  v4l2_format format = {};
+  format.type = buffer_type;
+  if (buffer_type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE) {
+    format.fmt.pix_mp.pixelformat = code;
+    format.fmt.pix_mp.width = width;
+    format.fmt.pix_mp.height = height;
+    format.fmt.pix_mp.field = V4L2_FIELD_NONE;
+  } else {
+    format.fmt.pix.pixelformat = code;
+    format.fmt.pix.width = width;
+    format.fmt.pix.height = height;
+    format.fmt.pix.field = V4L2_FIELD_NONE;
+  }
+  return format;
+}
+
+Picture PictureOf(const v4l2_format& format) {
+  if (format.type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE) {
+    const v4l2_pix_format_mplane& pix = format.fmt.pix_mp;
+    return {pix.pixelformat, pix.width, pix.height, pix.field};
+  }
+  const v4l2_pix_format& pix = format.fmt.pix;
+  return {pix.pixelformat, pix.width, pix.height, pix.field};
+}
+
+// Codes that the runtime knows: the device's own one, then all that it lists.
+std::vector<uint32_t> FindCandidates(V4l2Device* device, uint32_t buffer_type,
+                                     const std::string& name) {
+  std::vector<uint32_t> codes;
+  v4l2_format own = {};
+  own.type = buffer_type;
+  if (AskAgain(device, VIDIOC_G_FMT, &own) == 0)
+    codes.push_back(PictureOf(own).code);
+  v4l2_fmtdesc listed = {};
+  listed.type = buffer_type;
+  for (; AskAgain(device, VIDIOC_ENUM_FMT, &listed) == 0; ++listed.index)
+    codes.push_back(listed.pixelformat);
+  const auto is_useless = [&name](uint32_t code) {
+    const PixelFormatInfo* const info = FindV4l2Format(code);
+    return !info || (!name.empty() && name != info->name);
+  };
+  codes.erase(std::remove_if(codes.begin(), codes.end(), is_useless),
+              codes.end());
+  return codes;
+}
+
+// The first format with exactly that size; else the first that the device
+// would adjust the size of.
+std::optional<v4l2_format> FindFormat(V4l2Device* device, uint32_t buffer_type,
+                                      const std::vector<uint32_t>& codes,
+                                      unsigned width, unsigned height) {
+  std::optional<v4l2_format> adjusted;
+  for (const uint32_t code : codes) {
+    v4l2_format format = MakeFormat(buffer_type, code, width, height);
+    const int status = AskAgain(device, VIDIOC_TRY_FMT, &format);
+    // A driver may have no such call.
+    if (status != 0 && status != ENOTTY) continue;
+    const Picture picture = PictureOf(format);
+    if (picture.code != code) continue;
+    if (picture.width == width && picture.height == height) return format;
+    if (!adjusted) adjusted = format;
+  }
+  return adjusted;
+}
+
+bool HasWholeFrames(uint32_t field) {
+  return field == V4L2_FIELD_NONE || field == V4L2_FIELD_ANY ||
+         field == V4L2_FIELD_INTERLACED || field == V4L2_FIELD_INTERLACED_TB ||
+         field == V4L2_FIELD_INTERLACED_BT;
+}
+
+// Strides and sizes of memories as the driver says them.
+void TakeLayout(const v4l2_format& format, V4l2Stream* stream) {
+  const Picture picture = PictureOf(format);
+  uint32_t strides[3] = {};
+  if (stream->has_planes_apart()) {
+    const v4l2_pix_format_mplane& pix = format.fmt.pix_mp;
+    stream->num_memories = std::min<uint32_t>(pix.num_planes, 3);
+    for (uint32_t i = 0; i < stream->num_memories; ++i) {
+      strides[i] = pix.plane_fmt[i].bytesperline;
+      stream->memory_sizes[i] = pix.plane_fmt[i].sizeimage;
+    }
+  } else {
+    stream->num_memories = 1;
+    strides[0] = format.fmt.pix.bytesperline;
+    stream->memory_sizes[0] = format.fmt.pix.sizeimage;
+  }
+  stream->format = MakeStreamFormat(*FindV4l2Format(picture.code),
+                                    picture.width, picture.height, strides[0]);
+  for (uint32_t i = 1; i < stream->num_memories; ++i)
+    if (strides[i] != 0) stream->format.planes[i].stride = strides[i];
+}
+
+// Planes lie in memories of their own, or all in one, one behind the other.
+void PlacePlanes(const V4l2Device& device, V4l2Stream* stream) {
+  const CameraError too_small = V4l2Error(
+      device, "gives buffers smaller than its frames; choose another --format");
+  const bool are_apart =
+      stream->num_memories == uint32_t(stream->format.num_planes);
+  if (!are_apart && stream->num_memories != 1) throw too_small;
+  uint32_t behind = 0;
+  for (int i = 0; i < stream->format.num_planes; ++i) {
+    const PlaneLayout& plane = stream->format.planes[i];
+    const uint32_t memory = are_apart ? static_cast<uint32_t>(i) : 0;
+    stream->places[i] = {memory, are_apart ? 0 : behind};
+    behind += plane.stride * plane.rows;
+    if (plane.stride < plane.row_bytes ||
+        stream->places[i].offset + plane.extent() >
+            stream->memory_sizes[memory])
+      throw too_small;
+  }
+}
+
+}  // namespace
+
+CameraError V4l2Error(const V4l2Device& device, const std::string& what) {
+  return CameraError(CameraExit::kInput, device.path() + ": " + what);
+}
+
+CameraError V4l2Error(const V4l2Device& device, const std::string& words,
+                      int error, const std::string& remedy) {
+  if (error == EBUSY)
+    return V4l2Error(device, "is in use by another process; end that first");
+  if (error == ENODEV)
+    return V4l2Error(device, "was unplugged; connect it again");
+  return V4l2Error(device,
+                   words + " (" + std::strerror(error) + "); " + remedy);
+}
+
+uint32_t FindBufferType(V4l2Device* device) {
+  v4l2_capability capability = {};
+  const int status = AskAgain(device, VIDIOC_QUERYCAP, &capability);
+  if (status != 0)
+    throw V4l2Error(*device, "does not answer", status,
+                    "--list shows video devices");
+  const uint32_t can = capability.capabilities & V4L2_CAP_DEVICE_CAPS
+                           ? capability.device_caps
+                           : capability.capabilities;
+  if (can & V4L2_CAP_STREAMING) {
+    if (can & V4L2_CAP_VIDEO_CAPTURE) return V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    if (can & V4L2_CAP_VIDEO_CAPTURE_MPLANE)
+      return V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
+  }
+  throw V4l2Error(*device, "gives no frames; choose another of --list");
+}
+
+V4l2Stream ChooseStream(V4l2Device* device, const std::string& name,
+                        unsigned width, unsigned height) {
+  V4l2Stream stream = {};
+  stream.buffer_type = FindBufferType(device);
+  const std::vector<uint32_t> codes =
+      FindCandidates(device, stream.buffer_type, name);
+  if (codes.empty())
+    throw V4l2Error(*device,
+                    "has no format " +
+                        (name.empty() ? "that can be undistorted" : name) +
+                        "; --list shows what it has");
+  const std::optional<v4l2_format> found =
+      FindFormat(device, stream.buffer_type, codes, width, height);
+  if (!found)
+    throw V4l2Error(*device,
+                    "takes none of its formats; choose a --format of "
+                    "--list");
+  v4l2_format format = *found;
+  const int status = AskAgain(device, VIDIOC_S_FMT, &format);
+  if (status != 0)
+    throw V4l2Error(*device, "does not take the format", status,
+                    "choose a --format and a --size of --list");
+  if (PictureOf(format).code != PictureOf(*found).code)
+    throw V4l2Error(*device, "gives " + V4l2FormatName(PictureOf(format).code) +
+                                 " in that size; choose another --format of "
+                                 "--list");
+  if (!HasWholeFrames(PictureOf(format).field))
+    throw V4l2Error(*device,
+                    "gives fields, each of half of the rows; choose a "
+                    "--size of whole frames");
+  TakeLayout(format, &stream);
+  PlacePlanes(*device, &stream);
+  return stream;
+}
+
+}  // namespace raygrid

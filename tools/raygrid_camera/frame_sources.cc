@@ -1,0 +1,120 @@
+#include "frame_sources.h"
+
+#include <vector>
+
+#include "camera_error.h"
+#include "memory_source.h"
+#include "whole_file.h"
+
+#if RAYGRID_HAS_LIBCAMERA
+#include "libcamera_source.h"
+#endif
+#if RAYGRID_HAS_V4L2
+#include "v4l2_list.h"
+#include "v4l2_source.h"
+#endif
+
+namespace raygrid {
+namespace {
+
+std::unique_ptr<FrameSource> OpenRecording(const CameraArguments& arguments) {
+  const PixelFormatInfo* const info = FindPixelFormat(arguments.format);
+  if (!info)
+    throw CameraError(CameraExit::kUsage,
+                      "--format: " + arguments.format + " is not undistorted");
+  MemorySourceOptions options;
+  options.frames_per_second = arguments.frames_per_second;
+  options.every_frame = arguments.every_frame;
+  return std::make_unique<MemorySource>(
+      MakeStreamFormat(*info, arguments.width, arguments.height, 0),
+      ReadWholeFile(arguments.recording), options);
+}
+
+#if RAYGRID_HAS_LIBCAMERA
+
+const CameraList& Cameras() {
+  static const CameraList cameras;
+  return cameras;
+}
+
+std::string DescribeLibcamera() { return Cameras().Describe(); }
+
+std::unique_ptr<FrameSource> OpenLibcamera(const CameraArguments& arguments) {
+  return std::make_unique<LibcameraSource>(
+      Cameras().Find(arguments.camera),
+      LibcameraOptions{arguments.format, arguments.width, arguments.height,
+                       arguments.every_frame, arguments.controls});
+}
+
+#else
+
+std::string DescribeLibcamera() { return ""; }
+
+std::unique_ptr<FrameSource> OpenLibcamera(const CameraArguments&) {
+  throw CameraError(CameraExit::kUsage,
+                    "--source: libcamera is not built in; choose v4l2");
+}
+
+#endif
+#if RAYGRID_HAS_V4L2
+
+std::string DescribeV4l2() { return DescribeV4l2Devices(); }
+
+// The only device that gives frames.
+std::string FindOnlyDevice() {
+  const std::vector<std::string> paths = FindV4l2Devices();
+  if (paths.size() == 1) return paths[0];
+  throw CameraError(
+      CameraExit::kInput,
+      paths.empty() ? "camera: V4L2 has none that this user may open; connect "
+                      "one, or add the user to the group video"
+                    : "camera: there are several; choose one of --list with "
+                      "--source v4l2:" +
+                          paths[0]);
+}
+
+std::unique_ptr<FrameSource> OpenV4l2(const CameraArguments& arguments) {
+  const std::string path =
+      arguments.camera.empty() ? FindOnlyDevice() : arguments.camera;
+  return std::make_unique<V4l2Source>(
+      OpenV4l2Device(path),
+      V4l2Options{arguments.format, arguments.width, arguments.height,
+                  arguments.every_frame, arguments.controls});
+}
+
+#else
+
+std::string DescribeV4l2() { return ""; }
+
+std::unique_ptr<FrameSource> OpenV4l2(const CameraArguments&) {
+  throw CameraError(CameraExit::kUsage,
+                    "--source: V4L2 is not built in; choose libcamera");
+}
+
+#endif
+
+}  // namespace
+
+std::unique_ptr<FrameSource> OpenFrameSource(const CameraArguments& arguments) {
+  if (!arguments.recording.empty()) return OpenRecording(arguments);
+  switch (arguments.source) {
+    case CameraKind::kLibcamera:
+      return OpenLibcamera(arguments);
+    case CameraKind::kV4l2:
+      return OpenV4l2(arguments);
+    case CameraKind::kAny:
+      break;
+  }
+  return RAYGRID_HAS_LIBCAMERA ? OpenLibcamera(arguments) : OpenV4l2(arguments);
+}
+
+std::string DescribeCameras() {
+  const std::string text = DescribeLibcamera() + DescribeV4l2();
+  if (text.empty())
+    throw CameraError(CameraExit::kInput,
+                      "camera: there is none; connect one, and check that this "
+                      "user may open it: group video");
+  return text;
+}
+
+}  // namespace raygrid
