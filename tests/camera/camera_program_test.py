@@ -196,6 +196,71 @@ class CameraProgram(unittest.TestCase):
         self.assertIn(b"ffplay -f rawvideo -pixel_format yuyv422 -video_size 160x120", error)
         self.assertIn(b"rawvideoparse format=yuy2 width=160 height=120", error)
 
+    # ---- Standard input ----
+
+    def run_with_input(self, data, *arguments):
+        return subprocess.run(
+            [programs.camera, "flat.raygrid", "--from", "-", *map(str, arguments)],
+            cwd=self.folder, input=data, capture_output=True, timeout=30, check=False)
+
+    def test_raw_frames_of_standard_input(self):
+        result = self.run_with_input(self.read("frames.yuyv"), "--format", "YUYV", "--every-frame",
+                                     "-o", "-")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stdout, b"".join(self.expected))
+        self.assertIn(b"7 arrived, 7 undistorted, 7 taken, 0 dropped", result.stderr)
+        # A file waits by itself.
+        with open(self.path("frames.yuyv"), "rb") as file:
+            result = subprocess.run(
+                [programs.camera, "flat.raygrid", "--from", "-", "--format", "YUYV", "-o", "-"],
+                cwd=self.folder, stdin=file, capture_output=True, timeout=30, check=True)
+        self.assertEqual(result.stdout, b"".join(self.expected))
+        result = self.run_with_input(self.read("frames.yuyv")[:-1], "--format", "YUYV",
+                                     "--every-frame", "-o", "-")
+        self.assertEqual(result.returncode, 2)
+        self.assertEqual(result.stdout, b"".join(self.expected[:-1]))
+        self.assertIn(b"raygrid-camera: standard input: ended within a frame; check --size",
+                      result.stderr)
+
+    def test_y4m_of_standard_input(self):
+        frame = bytes(k * 7 & 255 for k in range(WIDTH * HEIGHT * 3 // 2))
+        self.write("frame.i420", frame)
+        raw = self.run_program("flat.raygrid", "--from", "frame.i420", "--format", "YUV420",
+                               "--frames", 1, "--every-frame", "-o", "-")
+        result = self.run_with_input(b"YUV4MPEG2 W160 H120 F25:1 C420mpeg2\nFRAME\n" + frame, "-o",
+                                     "-")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stdout, raw.stdout)
+        result = self.run_with_input(b"YUV4MPEG2 W80 H60\nFRAME\n", "-o", "-")
+        self.assertEqual(result.returncode, 8)
+        self.assertIn(b"160x120", result.stderr)
+
+    def test_jpegs_of_standard_input(self):
+        _, port = self.serve()
+        pictures = self.pictures(port, "/before", 2)
+        result = self.run_with_input(b"".join(pictures), "--every-frame", "-o", "-")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(len(result.stdout), 2 * WIDTH * HEIGHT * 3)
+        self.assertIn(b"-pixel_format rgb24", result.stderr)
+
+    def test_standard_input_that_cannot_be_used(self):
+        for data, code, word, arguments in (
+                (b"", 2, b"gives nothing", ("--format", "YUYV")),
+                (b"nonsense", 2, b"--format", ()),
+                (b"nonsense", 1, b"NV13", ("--format", "NV13")),
+                (b"nonsense", 2, b"ended within a frame", ("--format", "YUYV"))):
+            result = self.run_with_input(data, *arguments, "--quiet")
+            self.assertEqual(result.returncode, code, result.stderr)
+            self.assertEqual(result.stderr.count(b"\n"), 1, result.stderr)
+            self.assertIn(word, result.stderr)
+        process = subprocess.Popen([programs.camera, "flat.raygrid", "--from", "-"],
+                                   cwd=self.folder, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(process.stdin.close)
+        self.addCleanup(process.stderr.close)
+        self.addCleanup(process.kill)
+        time.sleep(0.2)
+        self.assertEqual(self.assert_ends(process, 0, signal.SIGTERM), "")
+
     def test_png_files(self):
         process = self.start("--frames", 2, "--every-frame", "--png", "-o", "png")
         process.wait(timeout=30)
@@ -260,6 +325,7 @@ class CameraProgram(unittest.TestCase):
                           ("flat.raygrid", "--png"), ("flat.raygrid", "other.raygrid"),
                           ("flat.raygrid", "--from", "frames.yuyv"),
                           ("flat.raygrid", "--points", "-", "-o", "x"),
+                          ("flat.raygrid", "--points", "-", "--from", "-"),
                           ("flat.raygrid", "--points", "-", "--outside", "trusted"),
                           ("flat.raygrid", "--outside", "trust"),
                           ("flat.raygrid", "--calibrated-crop", "1,2,3"),

@@ -42,6 +42,9 @@ const char kCameraHelp[] =
     "                     may be given again\n"
     "  --from FILE        raw frames of a file, again and again, instead of a\n"
     "                     camera; with --format, and --fps N (default: 30)\n"
+    "  --from -           live frames of standard input: raw ones with "
+    "--format\n"
+    "                     and --size, Y4M, or JPEGs one behind the other\n"
     "  --timeout S        seconds without a frame that end it (default: 5)\n"
     "\n"
     "Output\n"
@@ -309,7 +312,10 @@ void CheckTogether(const CameraArguments& arguments) {
     FailUsage("--from: instead of a camera; leave --source or --camera out");
   if (!arguments.recording.empty() && !arguments.controls.empty())
     FailUsage("--control: is for cameras; leave it out with --from");
-  if (!arguments.recording.empty() && arguments.format.empty())
+  if (arguments.recording == "-" && arguments.points == "-")
+    FailUsage("--points: of a file, where --from reads standard input");
+  if (!arguments.recording.empty() && arguments.recording != "-" &&
+      arguments.format.empty())
     FailUsage("--from: needs --format");
 }
 

@@ -20,8 +20,8 @@ struct CameraArguments {
   std::optional<unsigned> table;   // of the blob's remap tables
   std::string serial;
   std::optional<SensorCrop> calibrated_crop;
-  ControlValues controls;         // of the camera, in the order given
-  std::string recording;          // frames of a file instead of a camera
+  ControlValues controls;  // of the camera, in the order given
+  std::string recording;   // frames of a file instead of a camera; "-": live
   double frames_per_second = 30;  // of the recording
   std::string output;             // folder; "-": standard output
   bool as_png = false;

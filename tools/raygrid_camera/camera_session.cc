@@ -54,20 +54,24 @@ std::unique_ptr<PreviewServer> MakePreview(const CameraArguments& arguments,
 // Ends what takes too long without a frame.
 class Patience {
  public:
-  explicit Patience(double seconds)
+  explicit Patience(const CameraArguments& arguments)
       : limit_(std::chrono::duration_cast<Clock::duration>(
-            std::chrono::duration<double>(seconds))) {}
+            std::chrono::duration<double>(arguments.timeout_s))),
+        is_input_(arguments.recording == "-") {}
 
   void Refresh() { last_ = Clock::now(); }
   void Check() const {
     if (Clock::now() - last_ > limit_)
       throw CameraError(CameraExit::kInput,
-                        "camera: gives no frames; connect it again, or allow "
-                        "more with --timeout");
+                        is_input_ ? "standard input: gives no frames; write "
+                                    "some, or allow more with --timeout"
+                                  : "camera: gives no frames; connect it "
+                                    "again, or allow more with --timeout");
   }
 
  private:
   const Clock::duration limit_;
+  const bool is_input_;
   Clock::time_point last_ = Clock::now();
 };
 
@@ -81,7 +85,7 @@ class FrameLoop {
         undistorter_(undistorter),
         output_(output),
         statistics_(arguments.is_quiet),
-        patience_(arguments.timeout_s) {}
+        patience_(arguments) {}
 
   void Run() {
     while (!IsSignalled() && !IsEnough() && !undistorter_->is_finished()) {
@@ -123,7 +127,7 @@ class FrameLoop {
 // The first frame that comes; nothing if a signal comes before.
 std::optional<FrameInfo> WaitForFrame(const CameraArguments& arguments,
                                       FrameSource* source) {
-  Patience patience(arguments.timeout_s);
+  Patience patience(arguments);
   while (!IsSignalled()) {
     if (const auto frame = source->Next(kFramePatience)) {
       source->Release(*frame);

@@ -1,9 +1,14 @@
 #include "frame_sources.h"
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <vector>
 
 #include "camera_error.h"
+#include "camera_session.h"
 #include "memory_source.h"
+#include "pipe_source.h"
 #include "whole_file.h"
 
 #if RAYGRID_HAS_LIBCAMERA
@@ -28,6 +33,21 @@ std::unique_ptr<FrameSource> OpenRecording(const CameraArguments& arguments) {
   return std::make_unique<MemorySource>(
       MakeStreamFormat(*info, arguments.width, arguments.height, 0),
       ReadWholeFile(arguments.recording), options);
+}
+
+std::unique_ptr<FrameSource> OpenInput(const CameraArguments& arguments) {
+  PipeOptions options;
+  options.format = arguments.format;
+  options.width = arguments.width;
+  options.height = arguments.height;
+  options.every_frame = arguments.every_frame;
+  options.timeout_s = arguments.timeout_s;
+  try {
+    return std::make_unique<PipeSource>(STDIN_FILENO, options, IsSignalled);
+  } catch (const CameraError&) {
+    if (!IsSignalled()) throw;
+    return nullptr;
+  }
 }
 
 #if RAYGRID_HAS_LIBCAMERA
@@ -96,6 +116,7 @@ std::unique_ptr<FrameSource> OpenV4l2(const CameraArguments&) {
 }  // namespace
 
 std::unique_ptr<FrameSource> OpenFrameSource(const CameraArguments& arguments) {
+  if (arguments.recording == "-") return OpenInput(arguments);
   if (!arguments.recording.empty()) return OpenRecording(arguments);
   switch (arguments.source) {
     case CameraKind::kLibcamera:
@@ -106,6 +127,12 @@ std::unique_ptr<FrameSource> OpenFrameSource(const CameraArguments& arguments) {
       break;
   }
   return RAYGRID_HAS_LIBCAMERA ? OpenLibcamera(arguments) : OpenV4l2(arguments);
+}
+
+bool CanFramesWait(const CameraArguments& arguments) {
+  struct stat status;
+  return arguments.recording == "-" && fstat(STDIN_FILENO, &status) == 0 &&
+         S_ISREG(status.st_mode);
 }
 
 std::string DescribeCameras() {

@@ -9,9 +9,12 @@
 
 namespace raygrid {
 
-/// The camera, or the recording, that the arguments ask for. Throws
-/// CameraError.
+/// The camera, the recording or the input that the arguments ask for; NULL
+/// where a signal comes first. Throws CameraError.
 std::unique_ptr<FrameSource> OpenFrameSource(const CameraArguments& arguments);
+
+/// Whether frames come from a file on standard input, all of which can wait.
+bool CanFramesWait(const CameraArguments& arguments);
 
 /// All cameras that can be asked for, as text for people.
 std::string DescribeCameras();

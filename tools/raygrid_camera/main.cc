@@ -81,8 +81,9 @@ void Run(CameraArguments arguments) {
     arguments.width = width;
     arguments.height = height;
   }
+  if (CanFramesWait(arguments)) arguments.every_frame = true;
   const auto source = OpenFrameSource(arguments);
-  RunCameraSession(arguments, blob.camera, source.get());
+  if (source) RunCameraSession(arguments, blob.camera, source.get());
 }
 
 int Main(int argc, char** argv) {

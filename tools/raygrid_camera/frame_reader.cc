@@ -1,0 +1,148 @@
+#include "frame_reader.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+#include "camera_error.h"
+#include "jpeg_reader.h"
+#include "rg_blob.h"
+
+namespace raygrid {
+namespace {
+
+constexpr char kY4mMagic[] = "YUV4MPEG2 ", kY4mFrame[] = "FRAME";
+constexpr size_t kMaxLineBytes = 1024;
+
+CameraError InputError(const std::string& message) {
+  return CameraError(CameraExit::kInput, "standard input: " + message);
+}
+
+// Planes one behind the other.
+FrameReader::Outcome ReadPlanes(InputStream* stream, const StreamFormat& format,
+                                uint8_t* frame) {
+  const size_t size = format.packed_size();
+  const size_t came = stream->Read(frame, size);
+  if (came == size) return FrameReader::Outcome::kWhole;
+  return came == 0 ? FrameReader::Outcome::kEnd : FrameReader::Outcome::kCut;
+}
+
+bool BeginsWith(InputStream* stream, const char* text, size_t length) {
+  return stream->Await(length) >= length &&
+         std::memcmp(stream->data(), text, length) == 0;
+}
+
+class RawReader : public FrameReader {
+ public:
+  RawReader(InputStream* stream, const StreamFormat& format)
+      : stream_(stream), format_(format) {}
+  const StreamFormat& format() const override { return format_; }
+  Outcome Read(uint8_t* frame) override {
+    return ReadPlanes(stream_, format_, frame);
+  }
+  const char* remedy() const override { return "check --size and --format"; }
+
+ private:
+  InputStream* const stream_;
+  const StreamFormat format_;
+};
+
+// A line without its end; nothing where none ends soon.
+bool TakeLine(InputStream* stream, std::string* line) {
+  for (size_t length = 0; length < kMaxLineBytes; ++length) {
+    if (stream->Await(length + 1) <= length) return false;
+    if (stream->data()[length] != '\n') continue;
+    line->assign(stream->data(), stream->data() + length);
+    stream->Take(length + 1);
+    return true;
+  }
+  return false;
+}
+
+// The value of a parameter such as W640; empty where it is missing.
+std::string Parameter(const std::string& line, char letter) {
+  const size_t start = line.find(std::string(" ") + letter);
+  if (start == std::string::npos) return "";
+  return line.substr(start + 2, line.find(' ', start + 1) - start - 2);
+}
+
+unsigned ParseSide(const std::string& line, char letter) {
+  const std::string text = Parameter(line, letter);
+  char* end;
+  const unsigned long value = std::strtoul(text.c_str(), &end, 10);
+  if (text.empty() || *end != 0 || value == 0 || value > RG_MAX_IMAGE_SIZE)
+    throw InputError(
+        "its Y4M header says no size such as W640 H480; write it "
+        "again");
+  return static_cast<unsigned>(value);
+}
+
+const char* FormatOfY4m(const std::string& colours) {
+  for (const char* name : {"", "420", "420jpeg", "420mpeg2", "420paldv"})
+    if (colours == name) return "YUV420";
+  if (colours == "mono") return "R8";
+  throw InputError("Y4M of colours " + colours +
+                   " is not undistorted; write it with ffmpeg -pix_fmt "
+                   "yuv420p");
+}
+
+class Y4mReader : public FrameReader {
+ public:
+  explicit Y4mReader(InputStream* stream)
+      : stream_(stream), format_(ReadHeader(stream)) {}
+  const StreamFormat& format() const override { return format_; }
+
+  Outcome Read(uint8_t* frame) override {
+    constexpr size_t kLength = sizeof(kY4mFrame) - 1;
+    const size_t came = stream_->Await(kLength);
+    if (came < kLength) return came == 0 ? Outcome::kEnd : Outcome::kCut;
+    if (!BeginsWith(stream_, kY4mFrame, kLength))
+      throw InputError(
+          "a frame of Y4M does not begin with FRAME; write it again");
+    std::string line;
+    if (!TakeLine(stream_, &line)) return Outcome::kCut;
+    const Outcome outcome = ReadPlanes(stream_, format_, frame);
+    return outcome == Outcome::kEnd ? Outcome::kCut : outcome;
+  }
+
+ private:
+  static StreamFormat ReadHeader(InputStream* stream) {
+    std::string line;
+    if (!TakeLine(stream, &line))
+      throw InputError("its Y4M header does not end; write it again");
+    return MakeStreamFormat(*FindPixelFormat(FormatOfY4m(Parameter(line, 'C'))),
+                            ParseSide(line, 'W'), ParseSide(line, 'H'), 0);
+  }
+
+  InputStream* const stream_;
+  const StreamFormat format_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameReader> MakeFrameReader(InputStream* stream,
+                                             const std::string& format,
+                                             unsigned width, unsigned height) {
+  if (stream->Await(1) == 0)
+    throw InputError("gives nothing; pipe frames to it");
+  if (BeginsWith(stream, kY4mMagic, sizeof(kY4mMagic) - 1)) {
+    if (!format.empty())
+      throw InputError(
+          "is Y4M, whose header says the format; leave --format "
+          "out");
+    return std::make_unique<Y4mReader>(stream);
+  }
+  if (format == "MJPEG" ||
+      (format.empty() && BeginsWith(stream, "\xff\xd8\xff", 3)))
+    return MakeJpegReader(stream);
+  if (format.empty())
+    throw InputError("is neither Y4M nor JPEG; name its format with --format");
+  const PixelFormatInfo* const info = FindPixelFormat(format);
+  if (!info)
+    throw CameraError(CameraExit::kUsage,
+                      "--format: " + format + " is not undistorted");
+  return std::make_unique<RawReader>(stream,
+                                     MakeStreamFormat(*info, width, height, 0));
+}
+
+}  // namespace raygrid

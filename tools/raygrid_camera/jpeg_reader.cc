@@ -1,0 +1,235 @@
+#include "jpeg_reader.h"
+
+#include <csetjmp>
+#include <cstdio>
+#include <cstring>
+
+// Needs what is above.
+#include <jerror.h>
+#include <jpeglib.h>
+
+#include "camera_error.h"
+
+namespace raygrid {
+namespace {
+
+// Larger pictures are none.
+constexpr size_t kMaxPictureBytes = size_t{1} << 28;
+
+// Markers behind a byte 0xff.
+enum Marker : uint8_t {
+  kStuffing = 0x00,
+  kTemporary = 0x01,
+  kFirstRestart = 0xd0,
+  kLastRestart = 0xd7,
+  kStartOfImage = 0xd8,
+  kEndOfImage = 0xd9,
+  kStartOfScan = 0xda,
+  kFill = 0xff
+};
+
+bool IsRestart(uint8_t marker) {
+  return marker >= kFirstRestart && marker <= kLastRestart;
+}
+
+struct ReaderErrors {
+  jpeg_error_mgr manager;
+  std::jmp_buf leave;
+  bool is_damaged;
+};
+
+void LeaveReader(j_common_ptr jpeg) {
+  std::longjmp(reinterpret_cast<ReaderErrors*>(jpeg->err)->leave, 1);
+}
+
+// Many cameras write some bytes too many: no pixel suffers.
+void NoteDamage(j_common_ptr jpeg, int level) {
+  if (level < 0 && jpeg->err->msg_code != JWRN_EXTRANEOUS_DATA)
+    reinterpret_cast<ReaderErrors*>(jpeg->err)->is_damaged = true;
+}
+
+void StartReader(jpeg_decompress_struct* jpeg, ReaderErrors* errors) {
+  jpeg->err = jpeg_std_error(&errors->manager);
+  errors->manager.error_exit = LeaveReader;
+  errors->manager.emit_message = NoteDamage;
+  errors->is_damaged = false;
+  jpeg_create_decompress(jpeg);
+}
+
+struct PictureSize {
+  unsigned width, height;
+  bool is_grey;
+};
+
+bool operator==(const PictureSize& a, const PictureSize& b) {
+  return a.width == b.width && a.height == b.height && a.is_grey == b.is_grey;
+}
+
+PictureSize SizeOf(const jpeg_decompress_struct& jpeg) {
+  return {jpeg.image_width, jpeg.image_height,
+          jpeg.jpeg_color_space == JCS_GRAYSCALE};
+}
+
+// libjpeg leaves by longjmp: nothing in these two has a destructor.
+bool ReadPictureSize(const uint8_t* bytes, size_t number, PictureSize* size) {
+  jpeg_decompress_struct jpeg;
+  ReaderErrors errors;
+  StartReader(&jpeg, &errors);
+  if (setjmp(errors.leave)) {
+    jpeg_destroy_decompress(&jpeg);
+    return false;
+  }
+  jpeg_mem_src(&jpeg, bytes, number);
+  jpeg_read_header(&jpeg, TRUE);
+  *size = SizeOf(jpeg);
+  jpeg_destroy_decompress(&jpeg);
+  return true;
+}
+
+// Whether all pixels are as they were written.
+bool Decompress(const uint8_t* bytes, size_t number, uint8_t* frame,
+                size_t row_bytes) {
+  jpeg_decompress_struct jpeg;
+  ReaderErrors errors;
+  StartReader(&jpeg, &errors);
+  if (setjmp(errors.leave)) {
+    jpeg_destroy_decompress(&jpeg);
+    return false;
+  }
+  jpeg_mem_src(&jpeg, bytes, number);
+  jpeg_read_header(&jpeg, TRUE);
+  jpeg.out_color_space =
+      jpeg.jpeg_color_space == JCS_GRAYSCALE ? JCS_GRAYSCALE : JCS_RGB;
+  jpeg_start_decompress(&jpeg);
+  while (jpeg.output_scanline < jpeg.output_height) {
+    JSAMPROW row = frame + row_bytes * jpeg.output_scanline;
+    jpeg_read_scanlines(&jpeg, &row, 1);
+  }
+  jpeg_finish_decompress(&jpeg);
+  jpeg_destroy_decompress(&jpeg);
+  return !errors.is_damaged;
+}
+
+class JpegReader : public FrameReader {
+ public:
+  explicit JpegReader(InputStream* stream) : stream_(stream) {
+    for (;;) {
+      const Outcome outcome = FindPicture();
+      if (outcome == Outcome::kEnd || outcome == Outcome::kCut)
+        throw CameraError(
+            CameraExit::kInput,
+            "standard input: holds no whole JPEG; check --format");
+      if (outcome == Outcome::kDamaged) continue;
+      if (ReadPictureSize(stream_->data(), picture_bytes_, &size_)) break;
+      stream_->Take(picture_bytes_);
+    }
+    format_ =
+        MakeStreamFormat(*FindPixelFormat(size_.is_grey ? "R8" : "BGR888"),
+                         size_.width, size_.height, 0);
+  }
+
+  const StreamFormat& format() const override { return format_; }
+
+  Outcome Read(uint8_t* frame) override {
+    const Outcome outcome = FindPicture();
+    if (outcome != Outcome::kWhole) return outcome;
+    PictureSize size;
+    bool is_good = ReadPictureSize(stream_->data(), picture_bytes_, &size);
+    if (is_good && !(size == size_))
+      throw CameraError(
+          CameraExit::kInput,
+          "standard input: pictures of " + std::to_string(size.width) + "x" +
+              std::to_string(size.height) + " follow on " +
+              std::to_string(size_.width) + "x" + std::to_string(size_.height) +
+              "; give it pictures of one kind");
+    is_good = is_good && Decompress(stream_->data(), picture_bytes_, frame,
+                                    format_.planes[0].row_bytes);
+    stream_->Take(picture_bytes_);
+    return is_good ? Outcome::kWhole : Outcome::kDamaged;
+  }
+
+ private:
+  bool Has(size_t number) { return stream_->Await(number) >= number; }
+
+  // Takes what stands before a picture.
+  bool SkipToPicture() {
+    while (Has(3)) {
+      const uint8_t* const bytes = stream_->data();
+      if (bytes[0] == 0xff && bytes[1] == kStartOfImage && bytes[2] == 0xff)
+        return true;
+      const size_t number = stream_->Await(3);
+      const void* const next = std::memchr(bytes + 1, 0xff, number - 1);
+      stream_->Take(
+          next ? static_cast<size_t>(static_cast<const uint8_t*>(next) - bytes)
+               : number);
+    }
+    return false;
+  }
+
+  // Moves behind the coded pixels that begin at a place.
+  bool SkipScan(size_t* place) {
+    while (Has(*place + 2)) {
+      const uint8_t* const bytes = stream_->data();
+      const size_t number = stream_->Await(*place + 2);
+      const void* const next =
+          std::memchr(bytes + *place, 0xff, number - *place - 1);
+      if (!next) {
+        *place = number - 1;
+        continue;
+      }
+      *place = static_cast<size_t>(static_cast<const uint8_t*>(next) - bytes);
+      const uint8_t marker = bytes[*place + 1];
+      if (marker != kStuffing && !IsRestart(marker) && marker != kFill)
+        return true;
+      *place += marker == kFill ? 1 : 2;
+    }
+    return false;
+  }
+
+  Outcome Drop(size_t number) {
+    stream_->Take(number);
+    return Outcome::kDamaged;
+  }
+
+  // Awaits a whole picture; one without an end is dropped.
+  Outcome FindPicture() {
+    if (!SkipToPicture()) return Outcome::kEnd;
+    size_t place = 2;
+    while (Has(place + 2)) {
+      const uint8_t* const bytes = stream_->data() + place;
+      const uint8_t marker = bytes[1];
+      if (bytes[0] != 0xff || place > kMaxPictureBytes) return Drop(2);
+      if (marker == kStartOfImage) return Drop(place);
+      if (marker == kEndOfImage) {
+        picture_bytes_ = place + 2;
+        return Outcome::kWhole;
+      }
+      if (marker == kFill) {
+        ++place;
+      } else if (marker == kTemporary || IsRestart(marker)) {
+        place += 2;
+      } else {
+        if (!Has(place + 4)) break;
+        const uint8_t* const segment = stream_->data() + place;
+        const size_t length = segment[2] * size_t{256} + segment[3];
+        if (length < 2) return Drop(2);
+        place += 2 + length;
+        if (marker == kStartOfScan && !SkipScan(&place)) break;
+      }
+    }
+    return Outcome::kCut;
+  }
+
+  InputStream* const stream_;
+  StreamFormat format_;
+  PictureSize size_ = {};
+  size_t picture_bytes_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameReader> MakeJpegReader(InputStream* stream) {
+  return std::make_unique<JpegReader>(stream);
+}
+
+}  // namespace raygrid

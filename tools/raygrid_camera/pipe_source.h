@@ -1,0 +1,70 @@
+#ifndef RAYGRID_CAMERA_PIPE_SOURCE_H
+#define RAYGRID_CAMERA_PIPE_SOURCE_H
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bounded_queue.h"
+#include "frame_reader.h"
+#include "frame_source.h"
+#include "input_stream.h"
+
+namespace raygrid {
+
+struct PipeOptions {
+  std::string format;      // libcamera's name, or MJPEG; "": the stream says it
+  unsigned width, height;  // where the stream does not say them
+  bool every_frame = false;  // the writer waits for who takes frames
+  double timeout_s = 5;      // for the first byte
+};
+
+/// Frames that another program writes, as a live camera: who is slow gets the
+/// newest ones.
+class PipeSource : public FrameSource {
+ public:
+  /// Reads what says the format. Throws CameraError where none comes.
+  ///
+  /// is_signalled  that the program is to end
+  PipeSource(int fd, const PipeOptions& options,
+             std::function<bool()> is_signalled);
+  ~PipeSource() override { Stop(); }
+
+  const StreamFormat& format() const override { return reader_->format(); }
+  void Start() override;
+  std::optional<CapturedFrame> Next(std::chrono::milliseconds timeout) override;
+  void Release(const CapturedFrame& frame) override;
+  bool is_finished() const override { return queue_.is_finished(); }
+  std::string fault() const override;
+  SourceCounts counts() const override;
+  void Stop() override;
+
+ private:
+  bool MustStop() const;
+  void Run();
+  void ReadFrames();
+  void Deliver(uint32_t buffer);
+  void Fail(const std::string& why);
+
+  const std::function<bool()> is_signalled_;
+  std::atomic<bool> is_stopped_{false};
+  std::optional<Clock::time_point> deadline_;  // for the stream's first bytes
+  InputStream stream_;
+  std::unique_ptr<FrameReader> reader_;
+  std::vector<std::vector<uint8_t>> buffers_;
+  BoundedQueue<CapturedFrame> queue_;
+  BoundedQueue<uint32_t> free_;
+  mutable std::mutex mutex_;  // of the fault
+  std::string fault_;
+  uint32_t num_read_ = 0;  // of the thread
+  std::atomic<uint64_t> arrived_{0}, dropped_{0}, damaged_{0};
+  std::thread thread_;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CAMERA_PIPE_SOURCE_H
