@@ -279,6 +279,28 @@ class CameraProgram(unittest.TestCase):
         self.assertRegex(lines[1], r"^79\.5,59\.5,7[0-9]\.[0-9]{5},[56][0-9]\.[0-9]{5}$")
         self.assertEqual(lines[2], "-100,5,,")
 
+    def test_benchmark(self):
+        process = self.start("--benchmark", "--fps", 100, "--threads", 1, "-o", "timed", "--png")
+        output, error = process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 0, error)
+        self.assertIn(b"90 taken, 0 dropped", error)
+        self.assertEqual(len(os.listdir(self.path("timed"))), 90)
+        figures = dict(line.split(": ") for line in output.decode().splitlines())
+        self.assertEqual(figures.pop("memory"), "this program's")
+        self.assertEqual(figures.pop("cached"), "yes")
+        self.assertEqual(figures.pop("threads"), "1")
+        values = {name: float(value) for name, value in figures.items()}
+        self.assertEqual(set(values), {"frames_per_second", "reading_ms", "remap_ms", "output_ms",
+                                       "copying_ms", "remap_per_copy"})
+        self.assertGreater(values["frames_per_second"], 50)
+        self.assertLess(values["frames_per_second"], 105)
+        self.assertGreater(values["output_ms"], 0.1)
+        self.assertGreater(values["remap_ms"], 0)
+        result = self.run_with_input(self.read("frames.yuyv"), "--format", "YUYV", "--benchmark")
+        self.assertEqual(result.returncode, 2)
+        self.assertEqual(result.stdout, b"")
+        self.assertIn(b"only 7 frames came", result.stderr)
+
     # ---- Ends ----
 
     def test_signals_end_it_with_all_frames_whole(self):
@@ -326,6 +348,8 @@ class CameraProgram(unittest.TestCase):
                           ("flat.raygrid", "--from", "frames.yuyv"),
                           ("flat.raygrid", "--points", "-", "-o", "x"),
                           ("flat.raygrid", "--points", "-", "--from", "-"),
+                          ("flat.raygrid", "--benchmark", "--frames", "100"),
+                          ("flat.raygrid", "--benchmark", "--points", "-"),
                           ("flat.raygrid", "--points", "-", "--outside", "trusted"),
                           ("flat.raygrid", "--outside", "trust"),
                           ("flat.raygrid", "--calibrated-crop", "1,2,3"),

@@ -38,6 +38,7 @@ HEAP = """
 modprobe vivid n_devs=3 node_types=1,1,1 multiplanar=1,2,1 allocators=0,0,1 cache_hints=0,0,1
 udevadm settle
 run vga vga.raygrid --source $(device -1:1.0) --frames 10 --every-frame -o vga
+run benchmark vga.raygrid --source $(device -1:1.0) --benchmark
 still="--control osd_text_mode=None --frames 3 --every-frame"
 for i in 0 1 2; do
   run vivid$i vga.raygrid --source $(device vivid-00$i) --format NV12 $still -o vivid$i
@@ -106,6 +107,13 @@ class V4l2WithHeap(MachineCase):
     def test_frames_of_a_heaps_memory_are_those_of_the_host(self):
         self.check_stream("vga", 10)
         self.assertIn("memory of frames: /dev/dma_heap/system, cached\n", self.read("vga.err"))
+
+    def test_benchmark(self):
+        self.assert_ends("benchmark", 0)
+        text = self.read("benchmark.out")
+        self.assertIn("memory: /dev/dma_heap/system, cached\ncached: yes\n", text)
+        rate = float(text.split("frames_per_second: ")[1].split()[0])
+        self.assertLess(rate, 12)
 
     def test_memory_is_the_drivers_where_it_refuses_the_heaps(self):
         planes = []

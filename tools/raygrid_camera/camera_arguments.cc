@@ -72,6 +72,14 @@ const char kCameraHelp[] =
     "of\n"
     "                     FILE (- is standard input) to lines x,y,u,v on\n"
     "                     standard output; u,v are empty where there is none\n"
+    "  --benchmark        ends after 90 frames, and tells on standard output: "
+    "frames\n"
+    "                     a second; milliseconds for reading a frame from the\n"
+    "                     camera's memory, the remap, the output, and copying "
+    "as\n"
+    "                     many bytes of other memory; whether caches serve "
+    "the\n"
+    "                     camera's memory; threads\n"
     "  --quiet            no statistics\n"
     "\n"
     "Statistics: frames a second; milliseconds in the remap, and waiting for "
@@ -188,6 +196,7 @@ enum Option : int {
   kHttp,
   kHttpName,
   kPoints,
+  kBenchmark,
   kQuiet
 };
 
@@ -214,6 +223,7 @@ const option kOptions[] = {
     {"http", required_argument, nullptr, kHttp},
     {"http-name", required_argument, nullptr, kHttpName},
     {"points", required_argument, nullptr, kPoints},
+    {"benchmark", no_argument, nullptr, kBenchmark},
     {"quiet", no_argument, nullptr, kQuiet},
     {nullptr, 0, nullptr, 0}};
 
@@ -277,6 +287,9 @@ void TakeOption(int which, CameraArguments* arguments) {
     case kPoints:
       arguments->points = optarg;
       break;
+    case kBenchmark:
+      arguments->is_benchmark = true;
+      break;
     case kQuiet:
       arguments->is_quiet = true;
       break;
@@ -306,6 +319,9 @@ void CheckTogether(const CameraArguments& arguments) {
     FailUsage("--points: instead of -o and --http");
   if (!arguments.points.empty() && arguments.only_trusted)
     FailUsage("--outside: is for frames; leave it out with --points");
+  if (arguments.is_benchmark &&
+      (arguments.num_frames != 0 || !arguments.points.empty()))
+    FailUsage("--benchmark: leave --frames and --points out");
   if (!arguments.http.more_names.empty() && arguments.http.port == 0)
     FailUsage("--http-name: needs --http");
   if (!arguments.recording.empty() && arguments.source != CameraKind::kAny)

@@ -32,6 +32,7 @@ struct CameraArguments {
   double timeout_s = 5;
   std::string points;   // file; "-": standard input
   PreviewAddress http;  // port 0: no server
+  bool is_benchmark = false;
   bool is_list = false, is_help = false, is_quiet = false;
 };
 

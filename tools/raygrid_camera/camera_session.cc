@@ -10,6 +10,7 @@
 #include <string>
 #include <thread>
 
+#include "benchmark.h"
 #include "camera_error.h"
 #include "camera_statistics.h"
 #include "frame_output.h"
@@ -79,11 +80,12 @@ class Patience {
 class FrameLoop {
  public:
   FrameLoop(const CameraArguments& arguments, const FrameSource& source,
-            Undistorter* undistorter, FrameOutput* output)
+            Undistorter* undistorter, FrameOutput* output, Benchmark* benchmark)
       : arguments_(arguments),
         source_(source),
         undistorter_(undistorter),
         output_(output),
+        benchmark_(benchmark),
         statistics_(arguments.is_quiet),
         patience_(arguments) {}
 
@@ -102,6 +104,7 @@ class FrameLoop {
 
  private:
   bool IsEnough() const {
+    if (benchmark_) return benchmark_->is_complete();
     return arguments_.num_frames != 0 && written_ == arguments_.num_frames;
   }
 
@@ -109,7 +112,9 @@ class FrameLoop {
     UndistortedFrame* const frame = undistorter_->Take(kFramePatience);
     if (!frame) return patience_.Check();
     statistics_.Count(*frame);
+    const Clock::time_point start = Clock::now();
     if (output_) output_->Write(*frame, written_);
+    if (benchmark_) benchmark_->Count(*frame, Clock::now() - start);
     ++written_;
     undistorter_->GiveBack(frame);
     patience_.Refresh();
@@ -119,6 +124,7 @@ class FrameLoop {
   const FrameSource& source_;
   Undistorter* const undistorter_;
   FrameOutput* const output_;
+  Benchmark* const benchmark_;  // NULL: nothing is timed
   CameraStatistics statistics_;
   Patience patience_;
   uint64_t written_ = 0;
@@ -159,6 +165,18 @@ unsigned AllProcessorsButOne() {
   return std::max(2u, std::thread::hardware_concurrency()) - 1;
 }
 
+void TellBenchmark(const CameraArguments& arguments,
+                   const Benchmark& benchmark) {
+  if (benchmark.is_complete())
+    std::fputs(benchmark.Describe().c_str(),
+               arguments.output == "-" ? stderr : stdout);
+  else if (!IsSignalled())
+    throw CameraError(
+        CameraExit::kInput,
+        "--benchmark: only " + std::to_string(benchmark.num_counted()) +
+            " frames came; give it " + std::to_string(Benchmark::kNumFrames));
+}
+
 void StreamFrames(const CameraArguments& arguments, rg_camera camera,
                   FrameSource* source) {
   const bool is_table_open = IsTableOpen(arguments, *source, camera);
@@ -177,11 +195,16 @@ void StreamFrames(const CameraArguments& arguments, rg_camera camera,
   options.only_trusted = arguments.only_trusted;
   options.num_threads =
       arguments.num_threads > 0 ? arguments.num_threads : AllProcessorsButOne();
+  std::unique_ptr<Benchmark> benchmark;
+  if (arguments.is_benchmark)
+    benchmark = std::make_unique<Benchmark>(source, options.num_threads);
   std::unique_ptr<PreviewServer> preview;  // outlives who shows it frames
-  Undistorter undistorter(camera, source, &guard, options);
+  Undistorter undistorter(camera, benchmark ? benchmark->source() : source,
+                          &guard, options);
   const auto output = MakeOutput(arguments, undistorter.format());
   preview = MakePreview(arguments, source->format(), undistorter.format());
-  FrameLoop loop(arguments, *source, &undistorter, output.get());
+  FrameLoop loop(arguments, *source, &undistorter, output.get(),
+                 benchmark.get());
   if (!is_table_open) source->Start();
   undistorter.Start(preview.get());
   loop.Run();
@@ -189,6 +212,7 @@ void StreamFrames(const CameraArguments& arguments, rg_camera camera,
   source->Stop();
   loop.Finish();
   if (const auto fault = undistorter.fault()) throw *fault;
+  if (benchmark) TellBenchmark(arguments, *benchmark);
 }
 
 // Positions in frames as the camera gives them, in the view that those frames

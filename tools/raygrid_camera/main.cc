@@ -81,7 +81,8 @@ void Run(CameraArguments arguments) {
     arguments.width = width;
     arguments.height = height;
   }
-  if (CanFramesWait(arguments)) arguments.every_frame = true;
+  if (CanFramesWait(arguments) || arguments.is_benchmark)
+    arguments.every_frame = true;
   const auto source = OpenFrameSource(arguments);
   if (source) RunCameraSession(arguments, blob.camera, source.get());
 }
