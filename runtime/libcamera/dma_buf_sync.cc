@@ -23,9 +23,9 @@ bool DmaBufSync::Sync(int fd, bool begins) {
   do {
     status = sync_(fd, begins);
   } while (status == EINTR || status == EAGAIN);
-  // Memory without this call needs none.
-  if (status == ENOTTY) is_offered_ = false;
-  return status == 0 || status == ENOTTY;
+  // Memory without this call needs none; emulators may not know it.
+  if (status == ENOTTY || status == ENOSYS) is_offered_ = false;
+  return status == 0 || !is_offered_;
 }
 
 }  // namespace raygrid

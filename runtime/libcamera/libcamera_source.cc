@@ -117,7 +117,8 @@ std::shared_ptr<Camera> CameraList::Find(const std::string& id) const {
   if (found.size() == 1) return found[0];
   if (manager_->cameras().empty())
     throw InputError(
-        "camera: libcamera sees none; connect one, and check that udevd runs");
+        "camera: libcamera sees none; connect one, and check that udevd runs, "
+        "or choose --source v4l2");
   const std::string what = id.empty()      ? "there are several"
                            : found.empty() ? "there is none named " + id
                                            : "several are named " + id;
