@@ -171,6 +171,8 @@ int V4l2Buffers::Dequeue(V4l2Filled* filled) {
   if (buffer.index >= number()) return EIO;
   filled->buffer = buffer.index;
   filled->is_whole = IsWhole(buffer);
+  filled->num_bytes = stream_.has_planes_apart() ? buffer.m.planes[0].bytesused
+                                                 : buffer.bytesused;
   filled->sequence = buffer.sequence;
   filled->timestamp_ns =
       static_cast<uint64_t>(buffer.timestamp.tv_sec) * 1000000000u +
@@ -189,7 +191,11 @@ bool V4l2Buffers::IsWhole(const v4l2_buffer& buffer) const {
       if (plane.data_offset != 0) return false;
       used = plane.bytesused;
     }
-    if (used < place.offset + stream_.format.planes[i].extent()) return false;
+    const uint32_t needed =
+        stream_.is_jpeg ? 1 : place.offset + stream_.format.planes[i].extent();
+    if (used < needed ||
+        used > buffers_[buffer.index].memories[place.memory].size)
+      return false;
   }
   return true;
 }

@@ -15,7 +15,8 @@ namespace raygrid {
 /// A buffer that the driver has filled.
 struct V4l2Filled {
   uint32_t buffer;
-  bool is_whole;  // without an error, and no byte of the frame is missing
+  bool is_whole;     // without an error, and no byte of the frame is missing
+  size_t num_bytes;  // of a JPEG
   uint32_t sequence;
   uint64_t timestamp_ns;
 };

@@ -87,7 +87,12 @@ const PixelFormatInfo* FindV4l2Format(uint32_t code) {
   return nullptr;
 }
 
+bool IsJpegFormat(uint32_t code) {
+  return code == Code("MJPG") || code == Code("JPEG");
+}
+
 std::string V4l2FormatName(uint32_t code) {
+  if (IsJpegFormat(code)) return "MJPEG";
   if (const PixelFormatInfo* const info = FindV4l2Format(code))
     return info->name;
   std::string name;

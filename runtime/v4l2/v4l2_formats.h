@@ -12,7 +12,10 @@ namespace raygrid {
 /// NULL for a format that the runtime does not undistort.
 const PixelFormatInfo* FindV4l2Format(uint32_t code);
 
-/// libcamera's name where it is undistorted; else V4L2's four letters.
+/// JPEGs, each of which is a frame.
+bool IsJpegFormat(uint32_t code);
+
+/// libcamera's name where it is undistorted; MJPEG; else V4L2's four letters.
 std::string V4l2FormatName(uint32_t code);
 
 }  // namespace raygrid

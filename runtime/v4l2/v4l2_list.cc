@@ -42,7 +42,9 @@ std::string DescribeFormats(V4l2Device* device, uint32_t buffer_type) {
   for (; AskAgain(device, VIDIOC_ENUM_FMT, &listed) == 0; ++listed.index) {
     text += "  " + V4l2FormatName(listed.pixelformat) +
             DescribeSizes(device, listed.pixelformat);
-    if (!FindV4l2Format(listed.pixelformat)) text += " (not undistorted)";
+    if (!FindV4l2Format(listed.pixelformat) &&
+        !IsJpegFormat(listed.pixelformat))
+      text += " (not undistorted)";
     text += "\n";
   }
   return text;

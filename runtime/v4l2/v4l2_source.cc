@@ -14,6 +14,8 @@ namespace raygrid {
 namespace {
 
 constexpr uint32_t kNumBuffers = 4;
+// Pixels of JPEGs: one is undistorted, one is made, and so many wait.
+constexpr uint32_t kNumDecoded = 4;
 // How soon a request to stop is noticed.
 constexpr int kPatience_ms = 50;
 // Calls that fail one after the other, before the device is given up.
@@ -32,14 +34,23 @@ std::string StartRemedy(int error) {
 
 V4l2Source::V4l2Source(std::unique_ptr<V4l2Device> device,
                        const V4l2Options& options)
-    : device_(std::move(device)) {
+    : device_(std::move(device)),
+      decode_jpeg_(options.decode_jpeg),
+      free_(kNumDecoded) {
   FindBufferType(device_.get());
   SetV4l2Controls(device_.get(), options.controls);
   stream_ = ChooseStream(device_.get(), options.format, options.width,
-                         options.height);
+                         options.height, decode_jpeg_ != nullptr);
   buffers_ = std::make_unique<V4l2Buffers>(device_.get(), stream_, kNumBuffers);
+  const uint32_t number = stream_.is_jpeg ? kNumDecoded : buffers_->number();
   queue_ = std::make_unique<BoundedQueue<CapturedFrame>>(
-      options.every_frame ? buffers_->number() : buffers_->number() / 2);
+      options.every_frame ? number : number / 2);
+  if (!stream_.is_jpeg) return;
+  decoded_.resize(kNumDecoded);
+  for (uint32_t i = 0; i < kNumDecoded; ++i) {
+    decoded_[i].resize(stream_.format.packed_size());
+    free_.Push(i);
+  }
 }
 
 void V4l2Source::Start() {
@@ -57,8 +68,18 @@ std::optional<CapturedFrame> V4l2Source::Next(
 }
 
 void V4l2Source::Release(const CapturedFrame& frame) {
+  if (stream_.is_jpeg) {
+    free_.Push(frame.buffer);
+    return;
+  }
   buffers_->EndRead(frame.buffer);
   Queue(frame.buffer);
+}
+
+std::string V4l2Source::memory() const {
+  return stream_.is_jpeg
+             ? buffers_->memory() + "; pixels of JPEGs: this program's"
+             : buffers_->memory();
 }
 
 std::string V4l2Source::fault() const {
@@ -129,11 +150,42 @@ void V4l2Source::Deliver(const V4l2Filled& filled) {
     ++damaged_;
     return Queue(filled.buffer);
   }
+  const Clock::time_point arrived = Clock::now();
+  if (stream_.is_jpeg) return Decode(filled, arrived);
+  Push(filled, buffers_->planes(filled.buffer).data(), filled.buffer, arrived);
+}
+
+// A place for pixels; nothing when stopped before one is free.
+std::optional<uint32_t> V4l2Source::TakeDecoded() {
+  while (!is_stopped_)
+    if (const auto place = free_.Pop(std::chrono::milliseconds(kPatience_ms)))
+      return place;
+  return std::nullopt;
+}
+
+// The driver's buffer goes back as soon as its pixels are made.
+void V4l2Source::Decode(const V4l2Filled& filled, Clock::time_point arrived) {
+  const std::optional<uint32_t> place = TakeDecoded();
+  if (!place) return;
+  uint8_t* const pixels = decoded_[*place].data();
+  const bool is_good = decode_jpeg_(buffers_->planes(filled.buffer)[0],
+                                    filled.num_bytes, stream_.format, pixels);
+  buffers_->EndRead(filled.buffer);
+  Queue(filled.buffer);
+  if (is_good) {
+    const uint8_t* const planes[3] = {pixels};
+    return Push(filled, planes, *place, arrived);
+  }
+  ++damaged_;
+  free_.Push(*place);
+}
+
+void V4l2Source::Push(const V4l2Filled& filled, const uint8_t* const planes[3],
+                      uint32_t buffer, Clock::time_point arrived) {
   CapturedFrame frame = {};
-  frame.arrived = Clock::now();
-  frame.image =
-      MakeImage(stream_.format, buffers_->planes(filled.buffer).data());
-  frame.buffer = filled.buffer;
+  frame.arrived = arrived;
+  frame.image = MakeImage(stream_.format, planes);
+  frame.buffer = buffer;
   frame.info.sequence = filled.sequence;
   frame.info.timestamp_ns = filled.timestamp_ns;
   ++arrived_;

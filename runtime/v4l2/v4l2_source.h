@@ -3,10 +3,12 @@
 #define RAYGRID_V4L2_V4L2_SOURCE_H
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "bounded_queue.h"
 #include "frame_source.h"
@@ -16,11 +18,18 @@
 
 namespace raygrid {
 
+/// Makes pixels of a JPEG, rows without gaps; false where it is damaged, or not
+/// of that format.
+using JpegDecoder =
+    std::function<bool(const uint8_t* bytes, size_t number,
+                       const StreamFormat& format, uint8_t* frame)>;
+
 struct V4l2Options {
   std::string format;        // libcamera's name; "": the device's choice
   unsigned width, height;    // the driver may adjust them
   bool every_frame = false;  // no frame is given up for a newer one
   ControlValues controls;    // set in this order, before the first frame
+  JpegDecoder decode_jpeg = nullptr;  // none: JPEGs are not taken
 };
 
 class V4l2Source : public FrameSource {
@@ -30,7 +39,7 @@ class V4l2Source : public FrameSource {
   ~V4l2Source() override { Stop(); }
 
   const StreamFormat& format() const override { return stream_.format; }
-  std::string memory() const override { return buffers_->memory(); }
+  std::string memory() const override;
   void Start() override;
   std::optional<CapturedFrame> Next(std::chrono::milliseconds timeout) override;
   void Release(const CapturedFrame& frame) override;
@@ -43,6 +52,10 @@ class V4l2Source : public FrameSource {
   void Run();
   bool TakeFrame(short events);
   void Deliver(const V4l2Filled& filled);
+  void Decode(const V4l2Filled& filled, Clock::time_point arrived);
+  void Push(const V4l2Filled& filled, const uint8_t* const planes[3],
+            uint32_t buffer, Clock::time_point arrived);
+  std::optional<uint32_t> TakeDecoded();
   void CountMissed(uint32_t sequence);
   void Queue(uint32_t buffer);
   void Fail(int error);
@@ -51,6 +64,10 @@ class V4l2Source : public FrameSource {
   V4l2Stream stream_;
   std::unique_ptr<V4l2Buffers> buffers_;
   std::unique_ptr<BoundedQueue<CapturedFrame>> queue_;
+  // For JPEGs: pixels, and which of them wait to be made.
+  const JpegDecoder decode_jpeg_;
+  std::vector<std::vector<uint8_t>> decoded_;
+  BoundedQueue<uint32_t> free_;
   std::atomic<bool> is_stopped_{false};
   bool is_streaming_ = false;
   mutable std::mutex mutex_;  // of the fault

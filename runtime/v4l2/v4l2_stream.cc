@@ -43,9 +43,8 @@ Picture PictureOf(const v4l2_format& format) {
   return {pix.pixelformat, pix.width, pix.height, pix.field};
 }
 
-// Codes that the runtime knows: the device's own one, then all that it lists.
-std::vector<uint32_t> FindCandidates(V4l2Device* device, uint32_t buffer_type,
-                                     const std::string& name) {
+// All codes: the device's own one, then those that it lists.
+std::vector<uint32_t> ListCodes(V4l2Device* device, uint32_t buffer_type) {
   std::vector<uint32_t> codes;
   v4l2_format own = {};
   own.type = buffer_type;
@@ -55,21 +54,34 @@ std::vector<uint32_t> FindCandidates(V4l2Device* device, uint32_t buffer_type,
   listed.type = buffer_type;
   for (; AskAgain(device, VIDIOC_ENUM_FMT, &listed) == 0; ++listed.index)
     codes.push_back(listed.pixelformat);
-  const auto is_useless = [&name](uint32_t code) {
-    const PixelFormatInfo* const info = FindV4l2Format(code);
-    return !info || (!name.empty() && name != info->name);
+  return codes;
+}
+
+// The codes of JPEGs among these, or of pixels that the runtime knows,
+// which have the name, if there is one.
+std::vector<uint32_t> FindCandidates(std::vector<uint32_t> codes,
+                                     const std::string& name, bool are_jpegs) {
+  const auto is_useless = [&name, are_jpegs](uint32_t code) {
+    return !(are_jpegs ? IsJpegFormat(code)
+                       : FindV4l2Format(code) != nullptr) ||
+           (!name.empty() && name != V4l2FormatName(code));
   };
   codes.erase(std::remove_if(codes.begin(), codes.end(), is_useless),
               codes.end());
   return codes;
 }
 
+struct Choice {
+  v4l2_format format;
+  bool has_size;  // else the device adjusts it
+};
+
 // The first format with exactly that size; else the first that the device
 // would adjust the size of.
-std::optional<v4l2_format> FindFormat(V4l2Device* device, uint32_t buffer_type,
-                                      const std::vector<uint32_t>& codes,
-                                      unsigned width, unsigned height) {
-  std::optional<v4l2_format> adjusted;
+std::optional<Choice> FindFormat(V4l2Device* device, uint32_t buffer_type,
+                                 const std::vector<uint32_t>& codes,
+                                 unsigned width, unsigned height) {
+  std::optional<Choice> adjusted;
   for (const uint32_t code : codes) {
     v4l2_format format = MakeFormat(buffer_type, code, width, height);
     const int status = AskAgain(device, VIDIOC_TRY_FMT, &format);
@@ -77,10 +89,33 @@ std::optional<v4l2_format> FindFormat(V4l2Device* device, uint32_t buffer_type,
     if (status != 0 && status != ENOTTY) continue;
     const Picture picture = PictureOf(format);
     if (picture.code != code) continue;
-    if (picture.width == width && picture.height == height) return format;
-    if (!adjusted) adjusted = format;
+    if (picture.width == width && picture.height == height)
+      return Choice{format, true};
+    if (!adjusted) adjusted = Choice{format, false};
   }
   return adjusted;
+}
+
+// The best format of pixels; that of JPEGs, only where it alone has the size.
+v4l2_format ChooseFormat(V4l2Device* device, uint32_t buffer_type,
+                         const std::string& name, unsigned width,
+                         unsigned height, bool takes_jpegs) {
+  const std::vector<uint32_t> codes = ListCodes(device, buffer_type);
+  const std::vector<uint32_t> pixels = FindCandidates(codes, name, false);
+  std::vector<uint32_t> jpegs;
+  if (takes_jpegs) jpegs = FindCandidates(codes, name, true);
+  if (pixels.empty() && jpegs.empty())
+    throw V4l2Error(*device,
+                    "has no format " +
+                        (name.empty() ? "that can be undistorted" : name) +
+                        "; --list shows what it has");
+  const auto choice = FindFormat(device, buffer_type, pixels, width, height);
+  if (choice && choice->has_size) return choice->format;
+  const auto other = FindFormat(device, buffer_type, jpegs, width, height);
+  if (other && (other->has_size || !choice)) return other->format;
+  if (choice) return choice->format;
+  throw V4l2Error(*device,
+                  "takes none of its formats; choose a --format of --list");
 }
 
 bool HasWholeFrames(uint32_t field) {
@@ -104,6 +139,12 @@ void TakeLayout(const v4l2_format& format, V4l2Stream* stream) {
     stream->num_memories = 1;
     strides[0] = format.fmt.pix.bytesperline;
     stream->memory_sizes[0] = format.fmt.pix.sizeimage;
+  }
+  stream->is_jpeg = IsJpegFormat(picture.code);
+  if (stream->is_jpeg) {
+    stream->format = MakeStreamFormat(*FindPixelFormat("BGR888"), picture.width,
+                                      picture.height, 0);
+    return;
   }
   stream->format = MakeStreamFormat(*FindV4l2Format(picture.code),
                                     picture.width, picture.height, strides[0]);
@@ -165,28 +206,17 @@ uint32_t FindBufferType(V4l2Device* device) {
 }
 
 V4l2Stream ChooseStream(V4l2Device* device, const std::string& name,
-                        unsigned width, unsigned height) {
+                        unsigned width, unsigned height, bool takes_jpegs) {
   V4l2Stream stream = {};
   stream.buffer_type = FindBufferType(device);
-  const std::vector<uint32_t> codes =
-      FindCandidates(device, stream.buffer_type, name);
-  if (codes.empty())
-    throw V4l2Error(*device,
-                    "has no format " +
-                        (name.empty() ? "that can be undistorted" : name) +
-                        "; --list shows what it has");
-  const std::optional<v4l2_format> found =
-      FindFormat(device, stream.buffer_type, codes, width, height);
-  if (!found)
-    throw V4l2Error(*device,
-                    "takes none of its formats; choose a --format of "
-                    "--list");
-  v4l2_format format = *found;
+  v4l2_format format = ChooseFormat(device, stream.buffer_type, name, width,
+                                    height, takes_jpegs);
+  const uint32_t code = PictureOf(format).code;
   const int status = AskAgain(device, VIDIOC_S_FMT, &format);
   if (status != 0)
     throw V4l2Error(*device, "does not take the format", status,
                     "choose a --format and a --size of --list");
-  if (PictureOf(format).code != PictureOf(*found).code)
+  if (PictureOf(format).code != code)
     throw V4l2Error(*device, "gives " + V4l2FormatName(PictureOf(format).code) +
                                  " in that size; choose another --format of "
                                  "--list");
@@ -195,7 +225,7 @@ V4l2Stream ChooseStream(V4l2Device* device, const std::string& name,
                     "gives fields, each of half of the rows; choose a "
                     "--size of whole frames");
   TakeLayout(format, &stream);
-  PlacePlanes(*device, &stream);
+  if (!stream.is_jpeg) PlacePlanes(*device, &stream);
   return stream;
 }
 

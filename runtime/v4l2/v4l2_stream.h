@@ -15,6 +15,7 @@ namespace raygrid {
 
 struct V4l2Stream {
   uint32_t buffer_type;  // V4L2_BUF_TYPE_VIDEO_CAPTURE, or with planes apart
+  bool is_jpeg;          // frames are JPEGs, which become the format
   StreamFormat format;
   uint32_t num_memories;  // of a frame: one, or one for each plane
   std::array<uint32_t, 3> memory_sizes;
@@ -41,9 +42,10 @@ CameraError V4l2Error(const V4l2Device& device, const std::string& words,
 uint32_t FindBufferType(V4l2Device* device);
 
 /// Sets the device's format: the one of that name, or for "" the first that the
-/// runtime knows and that has the size, its own one before others.
+/// runtime knows and that has the size, its own one before others. JPEGs are
+/// the last choice, where they are taken; their name is MJPEG.
 V4l2Stream ChooseStream(V4l2Device* device, const std::string& name,
-                        unsigned width, unsigned height);
+                        unsigned width, unsigned height, bool takes_jpegs);
 
 }  // namespace raygrid
 

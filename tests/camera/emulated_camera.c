@@ -1,5 +1,5 @@
-/* A USB camera that is not there: UVC 1.0, YUYV frames of a file again and
- * again over a bulk endpoint, for QEMU's usb-redir on a unix socket.
+/* A USB camera that is not there: UVC 1.0, YUYV frames or JPEGs of a file again
+ * and again over a bulk endpoint, for QEMU's usb-redir on a unix socket.
  *
  *   emulated_camera SOCKET WIDTHxHEIGHT FRAMES_PER_SECOND FILE [UNPLUG_AFTER]
  *
@@ -27,7 +27,8 @@ enum {
   MAX_PAYLOAD = 16384, /* what uvcvideo reads at once */
   PAYLOAD_HEADER = 2,
   PROBE_SIZE = 26, /* of UVC 1.0 */
-  MAX_READS = 256
+  MAX_READS = 256,
+  MAX_FRAMES = 1024
 };
 
 /* ---- Descriptors --------------------------------------------------------- */
@@ -85,11 +86,12 @@ static const uint8_t kYuyv[16] = {'Y',  'U',  'Y',  '2',  0, 0,
                                   0x10, 0,    0x80, 0x00, 0, 0xaa,
                                   0x00, 0x38, 0x9b, 0x71};
 
-static void add_frame_sizes(bytes* to, unsigned width, unsigned height,
-                            unsigned interval) {
+/* subtype: 5 of frames of pixels, 7 of JPEGs */
+static void add_frame_sizes(bytes* to, uint8_t subtype, unsigned width,
+                            unsigned height, unsigned interval) {
   const uint32_t frame_size = width * height * 2;
   const uint32_t bits = frame_size * 8 * (10000000 / interval);
-  ADD(to, 30, 0x24, 5, 1, 0);
+  ADD(to, 30, 0x24, subtype, 1, 0);
   add16(to, width);
   add16(to, height);
   add32(to, bits);
@@ -100,27 +102,31 @@ static void add_frame_sizes(bytes* to, unsigned width, unsigned height,
   add32(to, interval);
 }
 
-static void add_stream_interface(bytes* to, unsigned width, unsigned height,
-                                 unsigned interval) {
+static void add_stream_interface(bytes* to, int is_jpeg, unsigned width,
+                                 unsigned height, unsigned interval) {
   ADD(to, 9, 4, STREAM_INTERFACE, 0, 1, VIDEO_CLASS, 2, 0, 0);
   const int start = to->size;
   ADD(to, 14, 0x24, 1, 1, 0, 0, STREAM_ENDPOINT, 0, 2, 0, 0, 0, 1, 0);
-  ADD(to, 27, 0x24, 4, 1, 1);
-  add_list(to, kYuyv, 16);
-  ADD(to, 16, 1, 0, 0, 0, 0);
-  add_frame_sizes(to, width, height, interval);
+  if (is_jpeg) {
+    ADD(to, 11, 0x24, 6, 1, 1, 0, 1, 0, 0, 0, 0);
+  } else {
+    ADD(to, 27, 0x24, 4, 1, 1);
+    add_list(to, kYuyv, 16);
+    ADD(to, 16, 1, 0, 0, 0, 0);
+  }
+  add_frame_sizes(to, is_jpeg ? 7 : 5, width, height, interval);
   ADD(to, 6, 0x24, 13, 1, 1, 4);
   set16(to, start + 4, to->size - start);
   ADD(to, 7, 5, STREAM_ENDPOINT, 2, STREAM_PACKET & 255, STREAM_PACKET >> 8, 0);
 }
 
-static bytes make_configuration(unsigned width, unsigned height,
+static bytes make_configuration(int is_jpeg, unsigned width, unsigned height,
                                 unsigned interval) {
   bytes all = {{0}, 0};
   ADD(&all, 9, 2, 0, 0, 2, 1, 0, 0x80, 50);
   ADD(&all, 8, 11, CONTROL_INTERFACE, 2, VIDEO_CLASS, 3, 0, 0);
   add_control_interface(&all);
-  add_stream_interface(&all, width, height, interval);
+  add_stream_interface(&all, is_jpeg, width, height, interval);
   set16(&all, 2, all.size);
   return all;
 }
@@ -150,7 +156,8 @@ typedef struct usb_camera {
   int socket;
   bytes configuration, probe;
   uint8_t* frames;
-  size_t frame_size, num_frames;
+  size_t starts[MAX_FRAMES + 1]; /* of frames, and the end of the last one */
+  size_t num_frames;
   double interval_s;
   long unplug_after; /* 0: never */
 
@@ -380,13 +387,14 @@ static void answer_read(usb_camera* camera) {
   uint32_t size = camera->reads[0].size;
   if (size > MAX_PAYLOAD) size = MAX_PAYLOAD;
   size_t part = size - PAYLOAD_HEADER;
-  const size_t left = camera->frame_size - camera->sent;
-  if (part > left) part = left;
   const size_t index = (size_t)camera->num_sent % camera->num_frames;
+  const size_t frame_size = camera->starts[index + 1] - camera->starts[index];
+  const size_t left = frame_size - camera->sent;
+  if (part > left) part = left;
   memcpy(payload + PAYLOAD_HEADER,
-         camera->frames + index * camera->frame_size + camera->sent, part);
+         camera->frames + camera->starts[index] + camera->sent, part);
   camera->sent += part;
-  const int is_end = camera->sent == camera->frame_size;
+  const int is_end = camera->sent == frame_size;
   payload[0] = PAYLOAD_HEADER;
   payload[1] = (uint8_t)(END_OF_HEADER | (is_end ? END_OF_FRAME : 0) |
                          (camera->frame_id ? FRAME_ID : 0));
@@ -434,17 +442,37 @@ static void fail(const char* what) {
   exit(1);
 }
 
-static void read_frames(usb_camera* camera, const char* path) {
+/* A JPEG begins with these three bytes, which nothing within it is. */
+static int begins_jpeg(const uint8_t* data) {
+  return data[0] == 0xff && data[1] == 0xd8 && data[2] == 0xff;
+}
+
+/* Returns whether the frames are JPEGs. */
+static int find_frames(usb_camera* camera, size_t size, size_t frame_size) {
+  const int is_jpeg = size > 3 && begins_jpeg(camera->frames);
+  const size_t step = is_jpeg ? 1 : frame_size;
+  const size_t least = is_jpeg ? 3 : frame_size;
+  for (size_t i = 0; i + least <= size && camera->num_frames < MAX_FRAMES;
+       i += step)
+    if (!is_jpeg || begins_jpeg(camera->frames + i))
+      camera->starts[camera->num_frames++] = i;
+  if (camera->num_frames == 0) fail("not a whole frame in the file");
+  camera->starts[camera->num_frames] =
+      is_jpeg ? size : camera->num_frames * frame_size;
+  return is_jpeg;
+}
+
+static int read_frames(usb_camera* camera, const char* path,
+                       size_t frame_size) {
   FILE* const file = fopen(path, "rb");
   if (!file || fseek(file, 0, SEEK_END) != 0) fail("no file of frames");
   const size_t size = (size_t)ftell(file);
   rewind(file);
-  camera->num_frames = size / camera->frame_size;
-  if (camera->num_frames == 0) fail("not a whole frame in the file");
   camera->frames = (uint8_t*)malloc(size);
   if (!camera->frames || fread(camera->frames, 1, size, file) != size)
     fail("the frames cannot be read");
   fclose(file);
+  return find_frames(camera, size, frame_size);
 }
 
 static int wait_for_qemu(const char* path) {
@@ -518,12 +546,11 @@ int main(int argc, char** argv) {
     fail("usage: SOCKET WIDTHxHEIGHT FRAMES_PER_SECOND FILE [UNPLUG_AFTER]");
   static usb_camera camera;
   const unsigned interval = 10000000 / rate; /* 100 ns */
-  camera.configuration = make_configuration(width, height, interval);
+  const int is_jpeg = read_frames(&camera, argv[4], (size_t)width * height * 2);
+  camera.configuration = make_configuration(is_jpeg, width, height, interval);
   camera.probe = make_probe(width, height, interval);
-  camera.frame_size = (size_t)width * height * 2;
   camera.interval_s = 1.0 / rate;
   camera.unplug_after = argc == 6 ? atol(argv[5]) : 0;
-  read_frames(&camera, argv[4]);
   camera.socket = wait_for_qemu(argv[1]);
   camera.parser = make_parser(&camera);
   say_hello(&camera);

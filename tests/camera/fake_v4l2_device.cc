@@ -174,24 +174,21 @@ int FakeV4l2Device::Dequeue(v4l2_buffer* buffer) {
   auto& memories = state_->buffers[buffer->index];
   for (size_t i = 0; i < memories.size(); ++i) {
     std::fill(memories[i].begin(), memories[i].end(), event.value);
-    const uint32_t used =
-        static_cast<uint32_t>(memories[i].size()) - event.missing;
+    std::copy(event.jpeg.begin(), event.jpeg.end(), memories[i].begin());
+    const size_t filled =
+        event.jpeg.empty() ? memories[i].size() : event.jpeg.size();
+    const uint32_t used = static_cast<uint32_t>(filled) - event.missing;
     if (state_->has_planes_apart)
       buffer->m.planes[i].bytesused = used;
     else
       buffer->bytesused = used;
   }
-  if (state_->memory == V4L2_MEMORY_DMABUF) {
-    // The buffers of the first file descriptors, in their order.
-    const int first_fd = state_->dma_bufs.begin()->first;
-    for (size_t i = 0; i < memories.size(); ++i)
-      std::fill_n(
-          state_
-              ->dma_bufs[first_fd +
-                         static_cast<int>(buffer->index * memories.size() + i)]
-              .begin(),
-          memories[i].size(), event.value);
-  }
+  if (state_->memory != V4L2_MEMORY_DMABUF) return 0;
+  // The buffers of the first file descriptors, in their order.
+  int fd = state_->dma_bufs.begin()->first +
+           static_cast<int>(buffer->index * memories.size());
+  for (const auto& memory : memories)
+    std::copy(memory.begin(), memory.end(), state_->dma_bufs[fd++].begin());
   return 0;
 }
 

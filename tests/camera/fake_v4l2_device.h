@@ -28,6 +28,7 @@ struct FakeV4l2State {
     uint32_t missing = 0;
     uint32_t flags = 0;
     uint32_t sequence = 0;
+    std::string jpeg = {};  // instead of the value
   };
   struct Control {
     uint32_t id, type;

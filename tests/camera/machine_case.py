@@ -63,6 +63,7 @@ class MachineCase(unittest.TestCase):
         os.mkdir(cls.shared)
         for name in cls.CAMERAS:
             cls.make_camera(name, SIZES[name])
+        cls.make_more()
         with open(cls.path("shared/points.csv"), "w", encoding="utf-8") as file:
             file.write("x,y\n319.5,239.5\n600,20.25\n")
         machine.build_image(kernel, cls.path("image"), [programs.camera])
@@ -74,14 +75,18 @@ class MachineCase(unittest.TestCase):
             print(f"{player.end()} frames sent")
 
     @classmethod
+    def make_more(cls):
+        """For a class that needs more than frames of its cameras."""
+
+    @classmethod
     def path(cls, name):
         return os.path.join(cls.folder, name)
 
     @classmethod
-    def play(cls, name, rate, unplug_after=0):
+    def play(cls, name, rate, unplug_after=0, ending=".yuyv"):
         cls.num_players = getattr(cls, "num_players", 0) + 1
         player = machine.Player(programs.emulated_camera, cls.folder, f"camera{cls.num_players}",
-                                SIZES[name], rate, cls.path(name + ".yuyv"), unplug_after)
+                                SIZES[name], rate, cls.path(name + ending), unplug_after)
         cls.addClassCleanup(player.kill)
         return player
 

@@ -10,6 +10,7 @@ from machine_case import MachineCase, has_kernel, programs
 STREAMS = """
 run vga vga.raygrid --source $(device -1:1.0) --frames 40 --every-frame -o vga
 run odd odd.raygrid --source $(device -2:1.0) --size 640x480 --frames 10 --every-frame -o odd
+run jpeg vga.raygrid --source $(device -4:1.0) --frames 10 --every-frame -o jpeg
 """
 ENDS = """
 run several vga.raygrid --source v4l2 --frames 1
@@ -48,7 +49,14 @@ done
 
 class V4l2InMachine(MachineCase):
     CAMERAS = ("vga", "odd")
-    PLAYERS = (("vga", 10), ("odd", 10), ("vga", 10, 20))
+    PLAYERS = (("vga", 10), ("odd", 10), ("vga", 10, 20), ("vga", 5, 0, ".mjpeg"))
+
+    @classmethod
+    def make_more(cls):
+        """Some of the frames as JPEGs."""
+        subprocess.run(["ffmpeg", "-loglevel", "error", "-f", "rawvideo", "-pixel_format", "yuyv422",
+                        "-video_size", "640x480", "-i", cls.path("vga.yuyv"), "-frames:v", "20",
+                        "-q:v", "2", "-f", "mjpeg", cls.path("vga.mjpeg")], check=True)
 
     @classmethod
     def setUpClass(cls):
@@ -58,6 +66,24 @@ class V4l2InMachine(MachineCase):
         self.check_stream("vga", 40)
         self.check_stream("odd", 10)
         self.assertIn("memory of frames: the driver's\n", self.read("vga.err"))
+
+    def test_jpegs(self):
+        if programs.only_ends:
+            self.skipTest("--only-ends: sanitizers are too slow for the frames")
+        self.assert_ends("jpeg", 0)
+        with open(self.path("vga.mjpeg"), "rb") as file:
+            expected = subprocess.run(
+                [programs.camera, self.path("shared/vga.raygrid"), "--from", "-", "--quiet", "-o",
+                 "-"], stdin=file, check=True, capture_output=True).stdout
+        size = 640 * 480 * 3
+        self.assertEqual(len(expected), 20 * size)
+        expected = {expected[k:k + size] for k in range(0, len(expected), size)}
+        frames = self.frames("jpeg")
+        self.assertEqual(len(frames), 10)
+        for header, planes in frames:
+            self.assertEqual(header["format"], "BGR888")
+            self.assertIn(planes, expected)
+        self.assertEqual(self.counts("jpeg")["damaged"], 0)
 
     def test_formats(self):
         for name in ("NV12", "YUV420", "BGR888", "SRGGB8"):

@@ -8,6 +8,8 @@
 
 #include "camera_error.h"
 #include "fake_v4l2_device.h"
+#include "jpeg_encoder.h"
+#include "jpeg_reader.h"
 #include "v4l2_controls.h"
 #include "v4l2_formats.h"
 #include "v4l2_list.h"
@@ -253,6 +255,74 @@ TEST(V4l2Source, TheFormatThatHasTheSizeIsChosen) {
   EXPECT_EQ(other->format().width, 32);
 }
 
+// A picture of one colour.
+std::string MakeJpeg(uint8_t value, unsigned width = kWidth) {
+  const StreamFormat format =
+      MakeStreamFormat(*FindPixelFormat("BGR888"), width, kHeight, 0);
+  JpegEncoder encoder(format);
+  const std::vector<uint8_t> pixels(format.packed_size(), value);
+  const uint8_t* const planes[3] = {pixels.data()};
+  const size_t size = encoder.Encode(MakeImage(format, planes));
+  return std::string(encoder.bytes(), encoder.bytes() + size);
+}
+
+Event Jpeg(const std::string& bytes) {
+  Event event;
+  event.jpeg = bytes;
+  return event;
+}
+
+void MakeJpegCamera(FakeV4l2State* state) {
+  state->formats = {{V4L2_PIX_FMT_YUYV, 32, 24, {64}, {64 * 24}},
+                    {V4L2_PIX_FMT_MJPEG, kWidth, kHeight, {0}, {20000}}};
+}
+
+TEST(V4l2Source, JpegsAreTakenWhereTheyAloneHaveTheSize) {
+  FakeV4l2State state;
+  MakeJpegCamera(&state);
+  V4l2Options options = {"", kWidth, kHeight, true, {}, DecodeJpeg};
+  const std::string picture = MakeJpeg(100);
+  Event no_bytes = Jpeg(picture);
+  no_bytes.missing = static_cast<uint32_t>(picture.size());
+  state.events = {Jpeg(MakeJpeg(50)),
+                  Jpeg(picture.substr(0, picture.size() / 2)),
+                  Jpeg(MakeJpeg(70, 2 * kWidth)), no_bytes, Jpeg(picture)};
+  {
+    const auto source = Open(&state, options);
+    EXPECT_STREQ(source->format().pixel_format->name, "BGR888");
+    EXPECT_EQ(source->format().width, kWidth);
+    source->Start();
+    EXPECT_NEAR(NextValue(source.get()), 50, 1);
+    EXPECT_NEAR(NextValue(source.get()), 100, 1);
+    EXPECT_EQ(source->counts().arrived, 2u);
+    EXPECT_EQ(source->counts().damaged, 3u);
+    EXPECT_EQ(state.num_queued, 4 + 5);
+  }
+  options.format = "YUYV";
+  EXPECT_STREQ(Open(&state, options)->format().pixel_format->name, "YUYV");
+  options.format = "MJPEG";
+  EXPECT_STREQ(Open(&state, options)->format().pixel_format->name, "BGR888");
+  options = {"", 32, 24, true, {}, DecodeJpeg};
+  EXPECT_STREQ(Open(&state, options)->format().pixel_format->name, "YUYV");
+}
+
+TEST(V4l2Source, OldPixelsOfJpegsAreDropped) {
+  FakeV4l2State state;
+  MakeJpegCamera(&state);
+  state.heaps = {"/dev/dma_heap/system"};
+  for (int i = 0; i < 20; ++i)
+    state.events.push_back(Jpeg(MakeJpeg(static_cast<uint8_t>(10 * i))));
+  const auto source =
+      Open(&state, {"MJPEG", kWidth, kHeight, false, {}, DecodeJpeg});
+  source->Start();
+  while (source->counts().arrived < 20) std::this_thread::yield();
+  EXPECT_NEAR(NextValue(source.get()), 180, 1);
+  EXPECT_NEAR(NextValue(source.get()), 190, 1);
+  EXPECT_EQ(source->counts().dropped, 18u);
+  EXPECT_EQ(state.num_begun, 20);
+  EXPECT_EQ(state.num_ended, 20);
+}
+
 TEST(V4l2Source, PlanesMayLieInMemoriesOfTheirOwn) {
   for (const bool has_heap : {false, true}) {
     FakeV4l2State state;
@@ -424,10 +494,12 @@ TEST(V4l2List, TellsFormatsAndControls) {
   FakeV4l2State state;
   MakeControls(&state);
   state.formats.push_back({V4L2_PIX_FMT_MJPEG, 64, 48, {0}, {9000}});
+  state.formats.push_back({V4L2_PIX_FMT_H264, 64, 48, {0}, {9000}});
   FakeV4l2Device device(&state);
   const std::string text = DescribeV4l2Device(&device);
   EXPECT_EQ(text.find("v4l2:/dev/fake (Fake"), 0u) << text;
-  EXPECT_NE(text.find("\n  R8\n  MJPG (not undistorted)\n"), std::string::npos)
+  EXPECT_NE(text.find("\n  R8\n  MJPEG\n  H264 (not undistorted)\n"),
+            std::string::npos)
       << text;
   EXPECT_NE(text.find("--control gain=-64 to 64 in steps of 2\n"),
             std::string::npos)

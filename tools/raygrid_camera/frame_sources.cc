@@ -7,6 +7,7 @@
 
 #include "camera_error.h"
 #include "camera_session.h"
+#include "jpeg_reader.h"
 #include "memory_source.h"
 #include "pipe_source.h"
 #include "whole_file.h"
@@ -99,7 +100,7 @@ std::unique_ptr<FrameSource> OpenV4l2(const CameraArguments& arguments) {
   return std::make_unique<V4l2Source>(
       OpenV4l2Device(path),
       V4l2Options{arguments.format, arguments.width, arguments.height,
-                  arguments.every_frame, arguments.controls});
+                  arguments.every_frame, arguments.controls, DecodeJpeg});
 }
 
 #else

@@ -87,8 +87,8 @@ bool ReadPictureSize(const uint8_t* bytes, size_t number, PictureSize* size) {
 }
 
 // Whether all pixels are as they were written.
-bool Decompress(const uint8_t* bytes, size_t number, uint8_t* frame,
-                size_t row_bytes) {
+bool Decompress(const uint8_t* bytes, size_t number, bool as_grey,
+                uint8_t* frame, size_t row_bytes) {
   jpeg_decompress_struct jpeg;
   ReaderErrors errors;
   StartReader(&jpeg, &errors);
@@ -98,8 +98,7 @@ bool Decompress(const uint8_t* bytes, size_t number, uint8_t* frame,
   }
   jpeg_mem_src(&jpeg, bytes, number);
   jpeg_read_header(&jpeg, TRUE);
-  jpeg.out_color_space =
-      jpeg.jpeg_color_space == JCS_GRAYSCALE ? JCS_GRAYSCALE : JCS_RGB;
+  jpeg.out_color_space = as_grey ? JCS_GRAYSCALE : JCS_RGB;
   jpeg_start_decompress(&jpeg);
   while (jpeg.output_scanline < jpeg.output_height) {
     JSAMPROW row = frame + row_bytes * jpeg.output_scanline;
@@ -142,8 +141,9 @@ class JpegReader : public FrameReader {
               std::to_string(size.height) + " follow on " +
               std::to_string(size_.width) + "x" + std::to_string(size_.height) +
               "; give it pictures of one kind");
-    is_good = is_good && Decompress(stream_->data(), picture_bytes_, frame,
-                                    format_.planes[0].row_bytes);
+    is_good =
+        is_good && Decompress(stream_->data(), picture_bytes_, size_.is_grey,
+                              frame, format_.planes[0].row_bytes);
     stream_->Take(picture_bytes_);
     return is_good ? Outcome::kWhole : Outcome::kDamaged;
   }
@@ -227,6 +227,15 @@ class JpegReader : public FrameReader {
 };
 
 }  // namespace
+
+bool DecodeJpeg(const uint8_t* bytes, size_t number, const StreamFormat& format,
+                uint8_t* frame) {
+  const bool as_grey = format.pixel_format->model == ColourModel::kGrey;
+  PictureSize size;
+  return ReadPictureSize(bytes, number, &size) && size.width == format.width &&
+         size.height == format.height && (size.is_grey || !as_grey) &&
+         Decompress(bytes, number, as_grey, frame, format.planes[0].row_bytes);
+}
 
 std::unique_ptr<FrameReader> MakeJpegReader(InputStream* stream) {
   return std::make_unique<JpegReader>(stream);
