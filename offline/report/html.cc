@@ -104,13 +104,17 @@ std::string PageStart(const std::string& heading) {
       kReportStyle, heading);
 }
 
-std::string PageEnd(const std::string& data_json) {
+std::string PageEnd(const std::string& data_json, bool has_trial) {
   std::string safe;  // no tag ends the script
   for (const char c : data_json)
     safe += c == '<' ? "\\u003c" : std::string(1, c);
   return "<script id=\"data\" type=\"application/json\">" + safe +
          "</script>\n<script>" + kChartLibrary + "</script>\n<script>" +
-         kReportScript + "</script>\n</body></html>\n";
+         kReportScript + "</script>\n" +
+         (has_trial ? std::string("<script type=\"module\">") +
+                          kRuntimeLibrary + kTrialScript + "</script>\n"
+                    : "") +
+         "</body></html>\n";
 }
 
 }  // namespace raygrid

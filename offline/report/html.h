@@ -37,9 +37,10 @@ std::string HtmlPicture(const Image& picture, const std::string& caption,
 /// A picture alone.
 std::string HtmlImage(const Image& picture, const std::string& alt);
 
-/// Style, heading; then, with data for the script, the end.
+/// Style, heading; then, with data for the script, the end. A trial runs the
+/// runtime in the page.
 std::string PageStart(const std::string& heading);
-std::string PageEnd(const std::string& data_json);
+std::string PageEnd(const std::string& data_json, bool has_trial = false);
 
 }  // namespace raygrid
 

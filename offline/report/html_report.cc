@@ -229,12 +229,40 @@ std::string ExampleSection(const BeforeAfter& example) {
          "</figure>\n</div>\n";
 }
 
+std::string TrialFigure(const char* caption, const char* id) {
+  return fmt::format(
+      "<figure><figcaption>{}</figcaption><div class=\"marked\"><canvas "
+      "id=\"{}\"></canvas><span hidden></span></div></figure>\n",
+      caption, id);
+}
+
+// The script page/trial.js fills it, and shows it when the runtime runs.
+std::string TrialSection(const std::string& blob) {
+  return "<div id=\"trial\" hidden data-blob=\"" + Base64(blob) +
+         "\">\n<h2>Try it</h2>\n<p>Drop a photograph of this camera here. It "
+         "stays in this page, where the code of the boards undistorts it. "
+         "Point at a pixel to see its ray.</p>\n<p><label>Or choose one "
+         "<input type=\"file\" id=\"trial-file\" "
+         "accept=\"image/*\"></label></p>\n<p><label>View <select "
+         "id=\"trial-kind\"></select></label> <label "
+         "id=\"trial-angle-row\">of <input type=\"range\" "
+         "id=\"trial-angle\" min=\"5\"> <span "
+         "id=\"trial-degrees\"></span> across</label></p>\n<p "
+         "id=\"trial-message\" role=\"status\"></p>\n<div "
+         "class=\"pictures\">\n" +
+         TrialFigure("As taken", "trial-taken") +
+         TrialFigure("Undistorted: <span id=\"trial-figures\"></span>",
+                     "trial-made") +
+         "</div>\n</div>\n";
+}
+
 }  // namespace
 
 std::string FormatHtmlReport(const CalibrationResult& result,
                              const std::optional<PackingFigures>& packing,
                              const std::optional<BeforeAfter>& example,
-                             const ThumbnailTexts& thumbnails) {
+                             const ThumbnailTexts& thumbnails,
+                             const std::string& blob) {
   const std::string name =
       result.camera.name.empty() ? "" : ": " + EscapeHtml(result.camera.name);
   std::string html = PageStart("Camera calibration" + name);
@@ -244,6 +272,7 @@ std::string FormatHtmlReport(const CalibrationResult& result,
   html += PicturesSection(result);
   html += ImagesSection(result);
   if (example) html += ExampleSection(*example);
+  if (!blob.empty()) html += TrialSection(blob);
   html += CameraSection(result, packing);
   html += GridSection(result);
   html += LinesSection(result);
@@ -252,7 +281,7 @@ std::string FormatHtmlReport(const CalibrationResult& result,
   html += CandidateSection(result);
   html += RejectedSection(result);
   html += WordsSection();
-  return html + PageEnd(PageData(result, thumbnails));
+  return html + PageEnd(PageData(result, thumbnails), !blob.empty());
 }
 
 }  // namespace raygrid

@@ -19,11 +19,12 @@ struct BeforeAfter {
 /// report.html: one file without references to others, for light and dark
 /// screens, phones and paper. Verdict first, then figures and pictures, which
 /// also show without the script. Thumbnails stand under the residuals of their
-/// images.
+/// images. With the camera's blob, readers undistort photographs in the page.
 std::string FormatHtmlReport(const CalibrationResult& result,
                              const std::optional<PackingFigures>& packing,
                              const std::optional<BeforeAfter>& example,
-                             const ThumbnailTexts& thumbnails = {});
+                             const ThumbnailTexts& thumbnails = {},
+                             const std::string& blob = {});
 
 }  // namespace raygrid
 

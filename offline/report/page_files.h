@@ -3,11 +3,13 @@
 
 namespace raygrid {
 
-/// The files of page/ and Chart.js, as offline/report/embed.cmake puts them
-/// into the program.
+/// The files of page/, Chart.js and the npm package of runtime/wasm, as
+/// offline/report/embed.cmake puts them into the program.
 extern const char kReportStyle[];
 extern const char kReportScript[];
 extern const char kChartLibrary[];
+extern const char kRuntimeLibrary[];
+extern const char kTrialScript[];
 
 }  // namespace raygrid
 

@@ -20,6 +20,7 @@ std::string In(const std::string& folder, const std::string& name) {
   return (fs::path(folder) / name).string();
 }
 
+constexpr char kBlob[] = "camera.raygrid";
 constexpr char kThumbnails[] = "thumbnails.json";
 constexpr char kRowsPicture[] = "rectified_rows.png";
 constexpr char kDisparityPicture[] = "rectified_disparity.png";
@@ -38,8 +39,7 @@ void AddCameraFiles(const CalibrationResult& result, const CameraExtras& extras,
                                             camera.camera->area())));
   if (!extras.thumbnails.empty())
     files->Add(In(folder, kThumbnails), FormatThumbnails(extras.thumbnails));
-  if (!extras.blob.empty())
-    files->Add(In(folder, "camera.raygrid"), extras.blob);
+  if (!extras.blob.empty()) files->Add(In(folder, kBlob), extras.blob);
   if (!extras.view.empty())
     files->Add(In(folder, "view.camera.yaml"), extras.view);
   if (!extras.example) return;
@@ -135,6 +135,12 @@ ThumbnailTexts ReadThumbnails(const std::string& folder) {
   return ParseThumbnails(path, ReadFile(path));
 }
 
+// Nothing where the camera was not packed.
+std::string ReadBlob(const std::string& folder) {
+  const std::string path = In(folder, kBlob);
+  return fs::exists(path) ? ReadFile(path) : "";
+}
+
 // The cameras whose files lie in the folder, as result.json says it.
 std::vector<RigFileCamera> CamerasIn(const std::string& folder,
                                      const RigResult& result) {
@@ -202,8 +208,8 @@ void AddResultFiles(const RigResult& result, const ResultExtras& extras,
 
 std::set<std::string> ResultFiles(const std::string& folder) {
   const std::vector<std::string> of_camera = {
-      "camera.raygrid", "camera.yaml",     "report.html",
-      kThumbnails,      "uncertainty.png", "view.camera.yaml"};
+      kBlob,       "camera.yaml",     "report.html",
+      kThumbnails, "uncertainty.png", "view.camera.yaml"};
   std::set<std::string> files(of_camera.begin(), of_camera.end());
   files.insert({"example_after.png", "example_before.png", "features.csv",
                 "pattern.yaml", "poses.csv", kDisparityPicture, kRowsPicture,
@@ -257,7 +263,7 @@ void AddReports(const std::string& folder, OutputFiles* files) {
     const std::string own = In(folder, CameraFolder(result, c));
     files->Add(In(own, "report.html"),
                FormatHtmlReport(camera, figures.packing[c], ReadExample(own),
-                                ReadThumbnails(own)),
+                                ReadThumbnails(own), ReadBlob(own)),
                Links::kReplace);
   }
   if (result.IsRig())

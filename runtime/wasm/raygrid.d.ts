@@ -83,6 +83,10 @@ export function load(): Promise<void>;
 export function makeView(wanted: {
   projection?: Projection; width: number; height: number; hfov: number}): View;
 
+/** The direction, in camera axes and of any length, that a pixel of a view looks along; null where
+ * the view shows nothing. */
+export function viewDirection(view: View, pixel: Pixel): Vector | null;
+
 /** A blob, of which a copy is kept. Its first table is in use, if it has any. Memory goes with the
  * camera: there is nothing to free. */
 export class Camera {

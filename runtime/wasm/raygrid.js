@@ -7,7 +7,7 @@
 //
 // All arithmetic is the runtime's own, compiled to WebAssembly. Types are in raygrid.d.ts.
 import {WASM} from './raygrid_wasm.js';
-import {addTable} from './view_table.js';
+import {addTable, directionOf} from './view_table.js';
 
 const NO_PIXEL = -(2 ** 31);
 const Q12 = 2 ** 12, Q16 = 2 ** 16, Q28 = 2 ** 28, Q30 = 2 ** 30;
@@ -115,6 +115,11 @@ export function makeView({projection = 'pinhole', width, height, hfov}) {
     throw new RangeError(`hfov of a ${projection} view is above 0 and below ${limit} radians`);
   return {projection, width, height, fx: focal, fy: focal, cx: (width - 1) / 2,
     cy: (height - 1) / 2, rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]};
+}
+
+// The direction, in camera axes, that a pixel of a view looks along; of any length.
+export function viewDirection(view, [x, y]) {
+  return directionOf(view, PROJECTIONS.indexOf(view.projection), x, y);
 }
 
 // ---- Memory -----------------------------------------------------------------

@@ -28,10 +28,10 @@ const turn = (rotation, ray) => rotation.map((row) =>
   row[0] * ray[0] + row[1] * ray[1] + row[2] * ray[2]);
 
 // The direction, in camera axes, of a view's pixel (u, v).
-const directionOf = (view, projection, u, v) => {
+export function directionOf(view, projection, u, v) {
   const ray = DIRECTIONS[projection]((u - view.cx) / view.fx, (v - view.cy) / view.fy);
   return ray && turn(view.rotation, ray);
-};
+}
 
 // ---- Vertices ---------------------------------------------------------------
 

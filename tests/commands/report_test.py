@@ -8,10 +8,62 @@ import shutil
 import subprocess
 import tempfile
 import time
+import zlib
+
+import cv2
+import numpy
 
 from command_test import CommandTest, SIMULATED_PATTERN, main, read, run, write
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
+
+# Does what a reader does with the page's trial, and leaves in the page what came of it.
+READER = """
+const wait = async (isDone) => {
+  while (!isDone()) await new Promise((done) => setTimeout(done, 10));
+};
+const byId = (id) => document.getElementById(id), told = document.documentElement.dataset;
+const section = byId('trial'), kind = byId('trial-kind'), angle = byId('trial-angle');
+const drop = async (base64, name) => {
+  const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+  const dataTransfer = new DataTransfer();
+  dataTransfer.items.add(new File([bytes], name, {type: 'image/png'}));
+  section.dispatchEvent(new DragEvent('drop', {dataTransfer, cancelable: true}));
+  await wait(() => byId('trial-message').textContent.startsWith(name));
+};
+const crcOf = (canvas) => {
+  const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d');
+  copy.drawImage(canvas, 0, 0);
+  let crc = -1;
+  for (const byte of copy.getImageData(0, 0, canvas.width, canvas.height).data) {
+    crc ^= byte;
+    for (let k = 0; k < 8; ++k) crc = crc & 1 ? 0xedb88320 ^ (crc >>> 1) : crc >>> 1;
+  }
+  return ~crc >>> 0;
+};
+await wait(() => !section.hidden);
+await drop('SMALL', 'small.png');
+told.refusal = byId('trial-message').textContent;
+await drop('PHOTOGRAPH', 'photograph.png');
+kind.value = 'packed';
+kind.onchange();
+told.packedCrc = crcOf(byId('trial-made'));
+kind.value = 'pinhole';
+angle.value = 60;
+angle.dispatchEvent(new Event('input'));
+told.figures = byId('trial-figures').textContent;
+told.seen = crcOf(byId('trial-made')) !== Number(told.packedCrc);
+const hover = (canvas, x, y) => {
+  const box = canvas.getBoundingClientRect();
+  canvas.dispatchEvent(new PointerEvent('pointermove', {
+    clientX: box.left + (x + 0.5) / canvas.width * box.width,
+    clientY: box.top + (y + 0.5) / canvas.height * box.height}));
+  return byId('tip').textContent;
+};
+told.ray = hover(byId('trial-taken'), 200, 150);
+told.back = hover(byId('trial-made'), 319.5, 239.5);
+told.reader = 'done';
+"""
 
 NUM_IMAGES, PER_IMAGE = 1000, 240  # of the largest report
 
@@ -87,10 +139,42 @@ class Report(Calibrated):
         if not BROWSER:
             self.skipTest("no chromium; tools/install_packages tests installs it")
         for width in (400, 1200):
-            dom, complaints = browse(self.page, "--dump-dom", width=width)
+            page = self.page if width == 400 else self.page_with_reader()
+            dom, complaints = browse(page, "--dump-dom", "--virtual-time-budget=20000", width=width)
             self.assertEqual(complaints, [])
             self.assertRegex(dom, r'data-ready-ms="\d+"')
             self.assertIn("<option>", dom)
+        self.check_trial(dict(re.findall(r'data-([\w-]+)="([^"]*)"', dom[:2000])))
+
+    def page_with_reader(self):
+        """The report, with a script that drops two pictures, chooses views and points at pixels."""
+        picture = numpy.random.default_rng(1).integers(0, 256, (480, 640, 3), numpy.uint8)
+        pngs = {}
+        for name, image in (("PHOTOGRAPH", picture), ("SMALL", picture[:, :320])):
+            path = self.path(name + ".png")
+            cv2.imwrite(path, image)
+            pngs[name] = base64.b64encode(read(path)).decode()
+        script = re.sub("SMALL|PHOTOGRAPH", lambda match: pngs[match.group()], READER)
+        html = read(self.page).decode().replace(
+            "</body>", f'<script type="module">{script}</script></body>')
+        return write(self.path("reader.html"), html)
+
+    def check_trial(self, told):
+        self.assertEqual(told.get("reader"), "done", told)
+        self.assertIn("small.png has 320", told["refusal"])
+        blob = self.path("out/camera.raygrid")
+        self.assert_done(run("undistort", blob, self.path("PHOTOGRAPH.png"), "-o",
+                             self.path("undistorted")))
+        made = cv2.imread(self.path("undistorted/PHOTOGRAPH.png"))
+        rgba = cv2.cvtColor(made, cv2.COLOR_BGR2RGBA)
+        self.assertEqual(int(told["packed-crc"]), zlib.crc32(rgba.tobytes()))
+        self.assertEqual(told["seen"], "true")
+        self.assertIn("640 \u00d7 480 px, fx 554.3 px", told["figures"])
+        rays = run("unproject", blob, "--pixels",
+                   write(self.path("pixel.csv"), "x,y\n200,150\n"))
+        expected = [f"{float(v):.4f}" for v in rays.stdout.split()[-1].split(",")[2:5]]
+        self.assertIn(f"(200.0, 150.0) sees along ({', '.join(expected)}), ", told["ray"])
+        self.assertRegex(told["back"], r"sees along \(-?0\.0000, -?0\.0000, 1\.0000\)")
 
     def test_report_of_a_thousand_images(self):
         folder = self.path("large")

@@ -441,6 +441,7 @@
     for (const redraw of redraws) redraw();
   };
 
+  window.raygridReport = {showTip, hideTip};  // for trial.js
   document.documentElement.classList.add('ready');
   document.querySelectorAll('.view').forEach(makeZoom);
   if (data.quantiles) drawDistribution();

@@ -74,7 +74,7 @@ std::string ExampleReport() {
   packing.unproject_error_px = 1e-4;
   packing.remap_error_px = 0.04;
   packing.view = {{640, 480}, {500.5, 501}, {319.5, 239.5}};
-  return FormatHtmlReport(ExampleResult(), packing, example);
+  return FormatHtmlReport(ExampleResult(), packing, example, {}, "a blob");
 }
 
 bool Has(const std::string& text, const std::string& part) {
@@ -93,6 +93,18 @@ TEST(HtmlReport, RefersToNothingOutside) {
        {"http", "//cdn", "@import", "<link", "<script src", "url("})
     EXPECT_FALSE(Has(html, reference)) << reference;
   EXPECT_TRUE(Has(html, "src=\"data:image/png;base64,"));
+}
+
+TEST(HtmlReport, RunsTheRuntimeOnlyWhereThereIsABlob) {
+  const std::string html = ExampleReport();
+  EXPECT_TRUE(Has(html, "data-blob=\"" + Base64("a blob") + "\""));
+  EXPECT_TRUE(Has(html, "<script type=\"module\">const {WASM} = "));
+  for (const char* line : {"\nimport ", "\nexport "})
+    EXPECT_FALSE(Has(html, line)) << line;
+  const std::string without =
+      FormatHtmlReport(ExampleResult(), PackingFigures(), std::nullopt);
+  for (const char* part : {"<script type=\"module\">", "id=\"trial\""})
+    EXPECT_FALSE(Has(without, part)) << part;
 }
 
 TEST(HtmlReport, EscapesNames) {
