@@ -14,9 +14,9 @@ ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)),
 STAGES = ("adjustment", "calibration", "camera", "dataset", "evaluation", "features",
           "initialization", "packing", "report")
 DOCUMENTS = ("README.md", "CONTRIBUTING.md", "runtime/README.md", "runtime/DESIGN.md",
-             "runtime/COST.md", "runtime/libcamera/README.md", "runtime/v4l2/README.md",
-             "runtime/wasm/README.md", "offline/README.md", "offline/MEASURED.md",
-             "offline/experiments/README.md", "offline/python/README.md",
+             "runtime/COST.md", "runtime/libcamera/README.md", "runtime/micropython/README.md",
+             "runtime/v4l2/README.md", "runtime/wasm/README.md", "offline/README.md",
+             "offline/MEASURED.md", "offline/experiments/README.md", "offline/python/README.md",
              "offline/python/DESIGN.md",
              *(f"offline/{stage}/DESIGN.md" for stage in STAGES))
 NAMED = re.compile(r"`([\w./*-]+\.(?:c|h|cc|py|js|md|txt|toml|json|\*))`")
