@@ -35,6 +35,8 @@ export function directionOf(view, projection, u, v) {
 
 // ---- Vertices ---------------------------------------------------------------
 
+const DIRECTIONS_ON_GRID = [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [1, -1], [-1, 1], [-1, -1]];
+
 // A grid of positions in the source; null where the camera sees nothing.
 class Vertices {
   constructor(columns, rows, places) {
@@ -48,17 +50,17 @@ class Vertices {
       : this.places[j * this.columns + i];
   }
 
-  // Straight on from two neighbours in a line, the mean of all such lines.
+  // On along a parabola through three neighbours in a line: the mean of such lines; or straight on
+  // from two, where there are not three.
   extrapolated(i, j) {
-    let x = 0, y = 0, count = 0;
-    for (const [di, dj] of [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [1, -1], [-1, 1], [-1, -1]]) {
-      const near = this.at(i + di, j + dj), far = this.at(i + 2 * di, j + 2 * dj);
-      if (!near || !far) continue;
-      x += 2 * near[0] - far[0];
-      y += 2 * near[1] - far[1];
-      ++count;
-    }
-    const place = [x / count, y / count];
+    const lines = [2, 1].map((degree) => DIRECTIONS_ON_GRID.flatMap(([di, dj]) => {
+      const [a, b, c] = [1, 2, 3].map((k) => this.at(i + k * di, j + k * dj));
+      if (!a || !b || (degree === 2 && !c)) return [];
+      return [a.map((v, axis) => (degree === 2 ? 3 * (v - b[axis]) + c[axis] : 2 * v - b[axis]))];
+    })).find((places) => places.length > 0);
+    if (!lines) return null;
+    const place = [0, 1].map((axis) =>
+      lines.reduce((sum, line) => sum + line[axis], 0) / lines.length);
     return place.every((v) => Math.abs(v) < FARTHEST_PX) ? place : null;
   }
 
