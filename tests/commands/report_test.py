@@ -31,11 +31,14 @@ const drop = async (base64, name) => {
   section.dispatchEvent(new DragEvent('drop', {dataTransfer, cancelable: true}));
   await wait(() => byId('trial-message').textContent.startsWith(name));
 };
-const crcOf = (canvas) => {
+const bytesOf = (canvas) => {
   const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d');
   copy.drawImage(canvas, 0, 0);
+  return copy.getImageData(0, 0, canvas.width, canvas.height).data;
+};
+const crcOf = (canvas) => {
   let crc = -1;
-  for (const byte of copy.getImageData(0, 0, canvas.width, canvas.height).data) {
+  for (const byte of bytesOf(canvas)) {
     crc ^= byte;
     for (let k = 0; k < 8; ++k) crc = crc & 1 ? 0xedb88320 ^ (crc >>> 1) : crc >>> 1;
   }
@@ -62,6 +65,9 @@ const hover = (canvas, x, y) => {
 };
 told.ray = hover(byId('trial-taken'), 200, 150);
 told.back = hover(byId('trial-made'), 319.5, 239.5);
+angle.value = 150;
+angle.dispatchEvent(new Event('input'));
+told.corner = bytesOf(byId('trial-made')).slice(0, 4);
 told.reader = 'done';
 """
 
@@ -170,6 +176,7 @@ class Report(Calibrated):
         self.assertEqual(int(told["packed-crc"]), zlib.crc32(rgba.tobytes()))
         self.assertEqual(told["seen"], "true")
         self.assertIn("640 \u00d7 480 px, fx 554.3 px", told["figures"])
+        self.assertEqual(told["corner"], "0,0,0,255")
         rays = run("unproject", blob, "--pixels",
                    write(self.path("pixel.csv"), "x,y\n200,150\n"))
         expected = [f"{float(v):.4f}" for v in rays.stdout.split()[-1].split(",")[2:5]]
