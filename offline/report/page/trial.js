@@ -32,12 +32,15 @@
     return Math.round(Math.max(5, sum));
   };
 
-  const chooseView = () => {
-    const isPacked = kind.value === 'packed';
-    byId('trial-angle-row').hidden = isPacked;
-    if (isPacked) return camera.selectTable(0);
-    angle.max = MAX_DEGREES[kind.value];
+  const showAngle = () => {
+    byId('trial-angle-row').hidden = !(kind.value in MAX_DEGREES);
+    angle.max = MAX_DEGREES[kind.value] || 350;
     byId('trial-degrees').textContent = `${angle.value}\u00b0`;
+  };
+
+  const chooseView = () => {
+    showAngle();
+    if (kind.value === 'packed') return camera.selectTable(0);
     const width = Math.min(size[0], MAX_WIDTH_PX);
     camera.useView(makeView({projection: kind.value, width, hfov: angle.value * DEGREE,
       height: Math.max(1, Math.round(width * size[1] / size[0]))}));
@@ -51,6 +54,7 @@
     kind.value = !camera.canProject ? 'packed' : lens < 110 ? 'pinhole' : 'stereographic';
     angle.max = 350;
     angle.value = lens;
+    showAngle();
   };
 
   // ---- Pictures -------------------------------------------------------------
@@ -165,12 +169,18 @@
   made.addEventListener('pointermove', hoverMade);
   for (const canvas of [taken, made]) canvas.addEventListener('pointerleave', leave);
   section.hidden = false;
+  // Large photographs take memory, so the example waits until a reader comes by.
   const example = document.querySelector('img[alt="As taken"]');
-  if (example) {
+  const showExample = async () => {
     await example.decode();
-    show(example, example.naturalWidth === size[0] ? 'The example above.'
+    if (!frame) show(example, example.naturalWidth === size[0] ? 'The example above.'
       : `The example above, ${example.naturalWidth} px wide, enlarged.`);
-  }
+  };
+  if (example) new IntersectionObserver((entries, observer) => {
+    if (!entries.some((entry) => entry.isIntersecting)) return;
+    observer.disconnect();
+    showExample();
+  }).observe(section);
 })().catch((error) => {
   document.getElementById('trial').hidden = true;
   console.error(`the runtime does not run in this browser: ${error.message}`);
