@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "camera_error.h"
+#include "libcamera_controls.h"
 #include "libcamera_version.h"
 
 namespace raygrid {
@@ -55,7 +56,7 @@ std::string DescribeCamera(Camera* camera) {
   const std::string viewfinder = DescribeRole(camera, StreamRole::Viewfinder);
   const std::string raw = DescribeRole(camera, StreamRole::Raw);
   return "libcamera:" + NameOf(*camera) + "\n" + viewfinder +
-         (raw == viewfinder ? "" : raw);
+         (raw == viewfinder ? "" : raw) + DescribeControls(camera->controls());
 }
 
 // The format asked for; else what the camera would take, or the first of its
@@ -129,11 +130,6 @@ std::shared_ptr<Camera> CameraList::Find(const std::string& id) const {
 LibcameraSource::LibcameraSource(std::shared_ptr<Camera> camera,
                                  const LibcameraOptions& options)
     : camera_(std::move(camera)) {
-  if (!options.controls.empty())
-    throw CameraError(
-        CameraExit::kUsage,
-        "--control: " + options.controls[0].first +
-            ": is not set for cameras of libcamera; leave it out");
   const int status = camera_->acquire();
   if (status == -EBUSY)
     throw InputError("camera: is in use by another process; end that first");
@@ -142,6 +138,7 @@ LibcameraSource::LibcameraSource(std::shared_ptr<Camera> camera,
                      std::strerror(-status) + "; connect it again");
   try {
     Configure(options);
+    controls_ = MakeControlList(camera_->controls(), options.controls);
     Allocate();
   } catch (...) {
     Free();
@@ -206,12 +203,16 @@ void LibcameraSource::Allocate() {
 void LibcameraSource::Start() {
   camera_->requestCompleted.connect(this, &LibcameraSource::OnCompleted);
   camera_->disconnected.connect(this, &LibcameraSource::OnDisconnected);
-  if (camera_->start() < 0) {
+  if (camera_->start(&controls_) < 0) {
     camera_->requestCompleted.disconnect(this);
     camera_->disconnected.disconnect(this);
     throw InputError("camera: does not start; is it in use, or unplugged?");
   }
   is_running_ = true;
+  // Pipelines that take no controls at the start, as that of USB cameras, take
+  // those of a request.
+  for (const auto& [id, value] : controls_)
+    requests_[0]->controls().set(id, value);
   for (const auto& request : requests_) Queue(request.get());
 }
 

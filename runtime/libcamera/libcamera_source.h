@@ -72,6 +72,7 @@ class LibcameraSource : public FrameSource {
   std::shared_ptr<libcamera::Camera> camera_;
   std::unique_ptr<libcamera::CameraConfiguration> configuration_;
   StreamFormat format_;
+  libcamera::ControlList controls_;  // before the first frame
   std::unique_ptr<libcamera::FrameBufferAllocator> allocator_;
   std::unique_ptr<MappedBuffers> buffers_;
   std::vector<std::unique_ptr<libcamera::Request>> requests_;
