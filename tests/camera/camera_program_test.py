@@ -344,6 +344,8 @@ class CameraProgram(unittest.TestCase):
                           ("flat.raygrid", "--size", "640"), ("flat.raygrid", "--size", "0x5"),
                           ("flat.raygrid", "--http", "70000"), ("flat.raygrid", "--http", ":1"),
                           ("flat.raygrid", "--http-name", "x"),
+                          ("flat.raygrid", "--listen", "0.0.0.0"),
+                          ("flat.raygrid", "--token-file", "token"),
                           ("flat.raygrid", "--png"), ("flat.raygrid", "other.raygrid"),
                           ("flat.raygrid", "--from", "frames.yuyv"),
                           ("flat.raygrid", "--points", "-", "-o", "x"),
@@ -495,6 +497,54 @@ class CameraProgram(unittest.TestCase):
         self.assertEqual(raised.exception.code, 405)
         raised.exception.close()
         self.assert_ends(process, 0, signal.SIGTERM)
+
+    def token_status(self, port, path="/", *fields):
+        lines = [f"GET {path} HTTP/1.1", f"Host: localhost:{port}", "Connection: close", *fields]
+        return self.status(port, ("\r\n".join(lines) + "\r\n\r\n").encode("latin-1"))
+
+    def test_who_asks_from_elsewhere_must_know_a_token(self):
+        process, port = self.serve("--listen", "0.0.0.0", "--frames", 1000)
+        link = process.stderr.readline().decode().strip()
+        self.assertRegex(link, rf"^http://[^/]+:{port}/\?token=[0-9a-f]{{32}}$")
+        token = link.split("=")[1]
+        wrong = token[:-1] + ("1" if token[-1] == "0" else "0")
+        cookie = f"raygrid_{port}"
+        for path in ("/", "/before", "/after", "/nothing"):
+            for fields in ((), (f"Authorization: Bearer {wrong}",), (f"Cookie: {cookie}={wrong}",),
+                           (f"Authorization: {token}",), (f"Authorization: Basic {token}",),
+                           (f"Cookie: raygrid_1={token}",)):
+                self.assertEqual(self.token_status(port, path, *fields), 401, (path, fields))
+        for guess in ("", wrong, token[:-1], token + "0", token.upper() + "%00", token + "%00"):
+            self.assertEqual(self.token_status(port, f"/?token={guess}"), 401, guess)
+        self.assertEqual(self.token_status(port, "/", f"Authorization: Bearer {token}"), 200)
+        self.assertEqual(self.token_status(port, "/", f"Cookie: {cookie}={token}"), 200)
+        self.assertEqual(self.token_status(port, f"/nothing?token={token}"), 404)
+        self.assertTrue(self.pictures(port, f"/after?token={token}", 1)[0].startswith(b"\xff\xd8"))
+        # The link leaves the token in the browser alone.
+        with self.send(port, self.request(port, f"/?token={token}")) as connection:
+            answer = connection.recv(4096).decode()
+        self.assertIn(" 303 ", answer.splitlines()[0])
+        self.assertIn("\r\nLocation: /\r\n", answer)
+        self.assertIn(f"Set-Cookie: {cookie}={token}; Path=/; HttpOnly; SameSite=Strict", answer)
+        self.assert_ends(process, 0, signal.SIGTERM)
+        other, _ = self.serve("--listen", "0.0.0.0", "--quiet")
+        self.assertNotIn(token, other.stderr.readline().decode())
+
+    def test_the_token_of_a_file_is_asked_for_at_loopback_too(self):
+        path = os.path.join(self.folder, "token")
+        with open(path, "w", encoding="ascii") as file:
+            file.write("a-word_of-0123456789\n")
+        process, port = self.serve("--token-file", path)
+        self.assertEqual(process.stderr.readline().decode().strip(), f"http://127.0.0.1:{port}/")
+        self.assertEqual(self.token_status(port), 401)
+        self.assertEqual(self.token_status(port, "/", "Authorization: Bearer a-word_of-0123456789"),
+                         200)
+        for text in ("", "short", "x" * 129, "a word of 0123456789", "0123456789abcdef\n\n",
+                     "0123456789abcdef\0"):
+            with open(path, "w", encoding="ascii") as file:
+                file.write(text)
+            self.assert_fails(1, "flat.raygrid", "--from", "frames.yuyv", "--format", "YUYV",
+                              "--http", port, "--token-file", path, words=["16 to 128"])
 
     def host_statuses(self, port, hosts):
         return {host: self.status(port, f"GET / HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n"

@@ -66,8 +66,16 @@ const char kCameraHelp[] =
     "                     given up for a newer one\n"
     "  --threads N        that undistort each frame (default: all processors "
     "but one)\n"
-    "  --http [ADDRESS:]PORT  a page with frames before and after, at\n"
-    "                     127.0.0.1 unless told otherwise\n"
+    "  --http PORT        a page with frames before and after, for this "
+    "machine\n"
+    "                     alone: 127.0.0.1\n"
+    "  --listen ADDRESS   the page is at this address instead, 0.0.0.0 for "
+    "all;\n"
+    "                     who asks must know a token: the link that is "
+    "printed\n"
+    "                     has it\n"
+    "  --token-file FILE  the token, instead of a new one each time; also for\n"
+    "                     127.0.0.1\n"
     "  --http-name NAME[:PORT]  a name besides the machine's own, and its\n"
     "                     addresses', that the page may be asked for by\n"
     "  --points FILE      undistorts positions instead of pixels: lines x,y "
@@ -197,6 +205,8 @@ enum Option : int {
   kThreads,
   kHttp,
   kHttpName,
+  kListen,
+  kTokenFile,
   kPoints,
   kBenchmark,
   kQuiet
@@ -224,6 +234,8 @@ const option kOptions[] = {
     {"threads", required_argument, nullptr, kThreads},
     {"http", required_argument, nullptr, kHttp},
     {"http-name", required_argument, nullptr, kHttpName},
+    {"listen", required_argument, nullptr, kListen},
+    {"token-file", required_argument, nullptr, kTokenFile},
     {"points", required_argument, nullptr, kPoints},
     {"benchmark", no_argument, nullptr, kBenchmark},
     {"quiet", no_argument, nullptr, kQuiet},
@@ -286,6 +298,12 @@ void TakeOption(int which, CameraArguments* arguments) {
     case kHttpName:
       arguments->http.more_names.push_back(optarg);
       break;
+    case kListen:
+      arguments->http.number = optarg;
+      break;
+    case kTokenFile:
+      arguments->http.token_file = optarg;
+      break;
     case kPoints:
       arguments->points = optarg;
       break;
@@ -326,6 +344,11 @@ void CheckTogether(const CameraArguments& arguments) {
     FailUsage("--benchmark: leave --frames and --points out");
   if (!arguments.http.more_names.empty() && arguments.http.port == 0)
     FailUsage("--http-name: needs --http");
+  if (arguments.http.number != PreviewAddress().number &&
+      arguments.http.port == 0)
+    FailUsage("--listen: needs --http PORT");
+  if (!arguments.http.token_file.empty() && arguments.http.port == 0)
+    FailUsage("--token-file: needs --http PORT");
   if (!arguments.recording.empty() && arguments.source != CameraKind::kAny)
     FailUsage("--from: instead of a camera; leave --source or --camera out");
   if (!arguments.recording.empty() && !arguments.controls.empty())

@@ -46,9 +46,8 @@ std::unique_ptr<PreviewServer> MakePreview(const CameraArguments& arguments,
                                            const StreamFormat& after) {
   if (arguments.http.port == 0) return nullptr;
   auto preview = std::make_unique<PreviewServer>(arguments.http, before, after);
-  if (!arguments.is_quiet)
-    std::fprintf(stderr, "http://%s:%u/\n", arguments.http.number.c_str(),
-                 arguments.http.port);
+  if (!arguments.is_quiet || preview->has_new_token())
+    std::fprintf(stderr, "%s\n", preview->link().c_str());
   return preview;
 }
 

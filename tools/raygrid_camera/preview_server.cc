@@ -4,15 +4,18 @@
 #include <microhttpd.h>
 #include <netdb.h>
 #include <strings.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
 #include <condition_variable>
 #include <cstring>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
+#include "access_token.h"
 #include "camera_error.h"
 #include "client_places.h"
 #include "host_names.h"
@@ -28,6 +31,7 @@ constexpr size_t kMaxClients = 16;         // that watch, and that ask
 constexpr unsigned kMaxConnections = 48;   // and some that are sent away
 constexpr size_t kMaxRequest = 16 * 1024;  // memory of a connection
 constexpr unsigned kTimeout_s = 10;
+constexpr char kTokenParameter[] = "token";
 
 struct FreeAddress {
   void operator()(addrinfo* address) const { freeaddrinfo(address); }
@@ -52,6 +56,30 @@ std::unique_ptr<addrinfo, FreeAddress> ParseAddress(const std::string& address,
   return std::unique_ptr<addrinfo, FreeAddress>(found);
 }
 
+bool IsLoopback(const sockaddr* address) {
+  if (address->sa_family == AF_INET6)
+    return IN6_IS_ADDR_LOOPBACK(
+        &reinterpret_cast<const sockaddr_in6*>(address)->sin6_addr);
+  const uint32_t number =
+      ntohl(reinterpret_cast<const sockaddr_in*>(address)->sin_addr.s_addr);
+  return number >> 24 == IN_LOOPBACKNET;
+}
+
+// Nothing where none is asked for.
+std::optional<AccessToken> ChooseToken(const PreviewAddress& address,
+                                       const sockaddr* parsed) {
+  if (!address.token_file.empty()) return AccessToken::Read(address.token_file);
+  if (IsLoopback(parsed)) return std::nullopt;
+  return AccessToken::MakeRandom();
+}
+
+// The value of a field, parameter or cookie; empty where there is none.
+std::string ValueOf(MHD_Connection* connection, MHD_ValueKind kind,
+                    const char* name) {
+  const char* const value = MHD_lookup_connection_value(connection, kind, name);
+  return value ? value : "";
+}
+
 MHD_Result AnswerText(MHD_Connection* connection, unsigned status,
                       const char* type, const char* text) {
   MHD_Response* const response = MHD_create_response_from_buffer(
@@ -60,6 +88,23 @@ MHD_Result AnswerText(MHD_Connection* connection, unsigned status,
   MHD_add_response_header(response, MHD_HTTP_HEADER_CONTENT_TYPE, type);
   MHD_add_response_header(response, "X-Content-Type-Options", "nosniff");
   const MHD_Result queued = MHD_queue_response(connection, status, response);
+  MHD_destroy_response(response);
+  return queued;
+}
+
+// To the page without the token, which the browser keeps from then on.
+MHD_Result AnswerWithCookie(MHD_Connection* connection, const char* cookie,
+                            const AccessToken& token) {
+  MHD_Response* const response =
+      MHD_create_response_from_buffer(0, nullptr, MHD_RESPMEM_PERSISTENT);
+  if (!response) return MHD_NO;
+  const std::string value = std::string(cookie) + "=" + token.text() +
+                            "; Path=/; HttpOnly; SameSite=Strict";
+  MHD_add_response_header(response, MHD_HTTP_HEADER_SET_COOKIE, value.c_str());
+  MHD_add_response_header(response, MHD_HTTP_HEADER_LOCATION, "/");
+  MHD_add_response_header(response, "Referrer-Policy", "no-referrer");
+  const MHD_Result queued =
+      MHD_queue_response(connection, MHD_HTTP_SEE_OTHER, response);
   MHD_destroy_response(response);
   return queued;
 }
@@ -110,6 +155,8 @@ class PreviewServer::Impl {
        const StreamFormat& after);
   ~Impl();
   void OnFrame(const CapturedFrame& before, const UndistortedFrame& after);
+  std::string link() const;
+  bool has_new_token() const { return token_ && address_.token_file.empty(); }
 
  private:
   static MHD_Result AnswerOf(void* server, MHD_Connection* connection,
@@ -120,9 +167,13 @@ class PreviewServer::Impl {
                     const std::string& method);
   MHD_Result AnswerPictures(MHD_Connection* connection, PictureStream* stream);
   bool IsAskedByOwnName(MHD_Connection* connection) const;
+  bool IsTokenKnown(MHD_Connection* connection) const;
   void Encode();
 
   View before_, after_;
+  const PreviewAddress address_;
+  std::string cookie_;  // its name; servers of one machine share cookies
+  std::optional<AccessToken> token_;
   ClientPlaces places_{kMaxClients};
   std::unique_ptr<HostNames> names_;
   std::mutex mutex_;
@@ -134,8 +185,12 @@ class PreviewServer::Impl {
 
 PreviewServer::Impl::Impl(const PreviewAddress& address,
                           const StreamFormat& before, const StreamFormat& after)
-    : before_(before), after_(after) {
+    : before_(before),
+      after_(after),
+      address_(address),
+      cookie_("raygrid_" + std::to_string(address.port)) {
   const auto parsed = ParseAddress(address.number, address.port);
+  token_ = ChooseToken(address, parsed->ai_addr);
   names_ = std::make_unique<HostNames>(parsed->ai_addr, address.port,
                                        address.more_names);
   unsigned flags =
@@ -232,6 +287,35 @@ bool PreviewServer::Impl::IsAskedByOwnName(MHD_Connection* connection) const {
   return fields.is_asked && fields.is_own;
 }
 
+bool PreviewServer::Impl::IsTokenKnown(MHD_Connection* connection) const {
+  const std::string bearer = "Bearer " + token_->text();
+  const std::string field =
+      ValueOf(connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_AUTHORIZATION);
+  return token_->Is(
+             ValueOf(connection, MHD_GET_ARGUMENT_KIND, kTokenParameter)) ||
+         token_->Is(ValueOf(connection, MHD_COOKIE_KIND, cookie_.c_str())) ||
+         (field.size() == bearer.size() &&
+          field.compare(0, 7, bearer, 0, 7) == 0 &&
+          token_->Is(field.substr(7)));
+}
+
+// All addresses are none to ask for: the machine's name is.
+std::string PreviewServer::Impl::link() const {
+  std::string host = address_.number;
+  if (host == "0.0.0.0" || host == "::" || host == "[::]") {
+    char name[256] = "";
+    gethostname(name, sizeof(name) - 1);
+    host = name;
+  }
+  if (host.find(':') != std::string::npos && host.front() != '[')
+    host = "[" + host + "]";
+  std::string text =
+      "http://" + host + ":" + std::to_string(address_.port) + "/";
+  if (has_new_token())
+    text += std::string("?") + kTokenParameter + "=" + token_->text();
+  return text;
+}
+
 MHD_Result PreviewServer::Impl::AnswerPictures(MHD_Connection* connection,
                                                PictureStream* stream) {
   ClientPlaces::Client* const client = ClientPlaces::Of(connection);
@@ -252,6 +336,13 @@ MHD_Result PreviewServer::Impl::Answer(MHD_Connection* connection,
   if (method != "GET")
     return AnswerText(connection, MHD_HTTP_METHOD_NOT_ALLOWED, "text/plain",
                       "only GET\n");
+  if (token_ && !IsTokenKnown(connection))
+    return AnswerText(connection, MHD_HTTP_UNAUTHORIZED, "text/plain",
+                      "a token is needed; raygrid-camera printed the link "
+                      "that has it\n");
+  if (token_ && path == "/" &&
+      !ValueOf(connection, MHD_GET_ARGUMENT_KIND, kTokenParameter).empty())
+    return AnswerWithCookie(connection, cookie_.c_str(), *token_);
   if (path == "/before") return AnswerPictures(connection, &before_.stream);
   if (path == "/after") return AnswerPictures(connection, &after_.stream);
   if (path == "/")
@@ -267,6 +358,9 @@ PreviewServer::PreviewServer(const PreviewAddress& address,
     : impl_(std::make_unique<Impl>(address, before, after)) {}
 
 PreviewServer::~PreviewServer() = default;
+
+std::string PreviewServer::link() const { return impl_->link(); }
+bool PreviewServer::has_new_token() const { return impl_->has_new_token(); }
 
 void PreviewServer::OnFrame(const CapturedFrame& before,
                             const UndistortedFrame& after) {
