@@ -53,6 +53,7 @@ class MachineCase(unittest.TestCase):
     """A class names its cameras, and its job is a shell script for the machine."""
     CAMERAS = ()  # names of SIZES
     PLAYERS = ()  # what play() takes, of each camera at the bus
+    PROGRAMS = ()  # besides raygrid-camera, and libraries that are loaded by name: all in /bin
 
     @classmethod
     def set_up(cls, kernel, job):
@@ -66,7 +67,7 @@ class MachineCase(unittest.TestCase):
         cls.make_more()
         with open(cls.path("shared/points.csv"), "w", encoding="utf-8") as file:
             file.write("x,y\n319.5,239.5\n600,20.25\n")
-        machine.build_image(kernel, cls.path("image"), [programs.camera])
+        machine.build_image(kernel, cls.path("image"), [programs.camera, *cls.PROGRAMS])
         players = [cls.play(*player) for player in cls.PLAYERS]
         status, log = machine.boot(kernel, cls.path("image"), cls.shared, players, SETUP + job,
                                    timeout=500)
@@ -206,6 +207,7 @@ def main(name):
     for option in ("raygrid", "camera", "emulated-camera", "undistort-frames", "kernel"):
         parser.add_argument("--" + option, required=True)
     parser.add_argument("--heap-kernel", default="")
+    parser.add_argument("--plugin", default="")
     parser.add_argument("--only-ends", action="store_true",
                         help="not the long streams: for programs that are slow")
     _, rest = parser.parse_known_args(namespace=programs)
