@@ -219,11 +219,9 @@ std::vector<uint8_t> RowsOfBuffer(const Pipeline& pipeline,
   return rows;
 }
 
-void CheckFormat(const NamedFormat& name, uint32_t gap,
-                 const char* properties) {
-  SCOPED_TRACE(std::string(name.gstreamer) + " " + properties);
-  const TemporaryFile blob(kLensBlob, sizeof(kLensBlob));
-  const Pipeline pipeline(blob.path(), properties);
+// The pipeline takes a frame of that format, and gives it as rg_remap() does.
+void CheckFrame(const Pipeline& pipeline, const NamedFormat& name,
+                uint32_t gap) {
   const bool is_bayer = std::strcmp(name.media, "video/x-bayer") == 0;
   pipeline.SetCaps(name.media, name.gstreamer, kWidth, kHeight);
   const PixelFormatInfo& pixel_format = *FindPixelFormat(name.libcamera);
@@ -240,6 +238,18 @@ void CheckFormat(const NamedFormat& name, uint32_t gap,
   gst_buffer_unref(view);
 }
 
+GstBuffer* GreyFrame() {
+  const std::vector<uint8_t> bytes = Noise(kWidth * kHeight);
+  return gst_buffer_new_memdup(bytes.data(), bytes.size());
+}
+
+void CheckFormat(const NamedFormat& name, uint32_t gap,
+                 const char* properties) {
+  SCOPED_TRACE(std::string(name.gstreamer) + " " + properties);
+  const TemporaryFile blob(kLensBlob, sizeof(kLensBlob));
+  CheckFrame(Pipeline(blob.path(), properties), name, gap);
+}
+
 TEST(UndistortElement, GivesTheBytesOfRemapInEveryFormat) {
   for (const NamedFormat& name : kFormats) CheckFormat(name, 0, "");
 }
@@ -248,13 +258,47 @@ TEST(UndistortElement, TakesRowsAndPlanesWithGaps) {
   for (const NamedFormat& name : kFormats) CheckFormat(name, 12, "");
 }
 
-TEST(UndistortElement, ThreadsGiveTheSameBytes) {
-  for (const NamedFormat& name : kFormats) CheckFormat(name, 4, "threads=3");
+// A crop that begins at any pixel has such rows.
+TEST(UndistortElement, TakesRowsAtOddAddresses) {
+  for (const NamedFormat& name : kFormats)
+    if (FindPixelFormat(name.libcamera)->format != RG_FORMAT_GREY16 &&
+        FindPixelFormat(name.libcamera)->format != RG_FORMAT_RGB565)
+      CheckFormat(name, 3, "");
 }
 
-GstBuffer* GreyFrame() {
-  const std::vector<uint8_t> bytes = Noise(kWidth * kHeight);
-  return gst_buffer_new_memdup(bytes.data(), bytes.size());
+TEST(UndistortElement, FormatsChangeWhileItPlays) {
+  const TemporaryFile blob(kLensBlob, sizeof(kLensBlob));
+  const Pipeline pipeline(blob.path());
+  for (const int round : {0, 1})
+    for (const NamedFormat& name : kFormats) {
+      SCOPED_TRACE(std::string(name.gstreamer) + std::to_string(round));
+      CheckFrame(pipeline, name, 0);
+    }
+}
+
+TEST(UndistortElement, DropsFramesThatWouldComeTooLate) {
+  const TemporaryFile blob(kLensBlob, sizeof(kLensBlob));
+  const Pipeline pipeline(blob.path());
+  pipeline.SetCaps("video/x-raw", "GRAY8", kWidth, kHeight);
+  GstHarness* const harness = pipeline.get();
+  const auto push = [harness](GstClockTime time) {
+    GstBuffer* const frame = GreyFrame();
+    GST_BUFFER_PTS(frame) = time;
+    GST_BUFFER_DURATION(frame) = GST_SECOND / 30;
+    EXPECT_EQ(gst_harness_push(harness, frame), GST_FLOW_OK);
+    return gst_harness_buffers_received(harness);
+  };
+  EXPECT_EQ(push(0), 1u);
+  // The frame at 0 s was shown a second late.
+  gst_harness_push_upstream_event(
+      harness, gst_event_new_qos(GST_QOS_TYPE_UNDERFLOW, 2, GST_SECOND, 0));
+  EXPECT_EQ(push(GST_SECOND / 30), 1u);
+  EXPECT_EQ(push(GST_SECOND), 1u);
+  EXPECT_EQ(push(4 * GST_SECOND), 2u);
+}
+
+TEST(UndistortElement, ThreadsGiveTheSameBytes) {
+  for (const NamedFormat& name : kFormats) CheckFormat(name, 4, "threads=3");
 }
 
 TEST(UndistortElement, PassesFramesThroughWhileItIsDisabled) {
