@@ -1,6 +1,5 @@
 # find_package(raygrid) with the target raygrid::runtime, pkg-config raygrid, the
 # shared library and the Python module. Component runtime.
-include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/raygrid)
 
@@ -20,3 +19,4 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/raygrid-config-version.cmake
   DESTINATION ${package_dir} COMPONENT runtime)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/raygrid.pc
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT runtime)
+install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples/runtime COMPONENT examples)

@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
 """Installs the runtime into a folder and builds a program against it, by find_package() and by
-pkg-config. Both know the installation by the version that its raygrid.h tells."""
+pkg-config. Both know the installation by the version that its raygrid.h tells. Then installs all
+components, as packages do, moves them, and uses them where they lie."""
 import argparse
+import ctypes
+import fnmatch
 import os
 import re
 import shutil
@@ -15,6 +18,30 @@ find_package(raygrid {version} EXACT REQUIRED)
 add_executable(consumer consumer.c)
 set_target_properties(consumer PROPERTIES C_STANDARD 99)
 target_link_libraries(consumer PRIVATE raygrid::runtime)
+"""
+
+# Some files of each component, in the folder of the prefix.
+COMPONENTS = {
+    "runtime": ("include/raygrid/raygrid.h", "lib*/libraygrid.so.0", "lib*/pkgconfig/raygrid.pc"),
+    "undistort": ("bin/raygrid-undistort", "share/man/man1/raygrid-undistort.1"),
+    "command": ("bin/raygrid", "lib/raygrid/raygrid_image_codecs.so", "share/man/man1/raygrid.1",
+                "share/man/man1/raygrid_calibrate.1", "share/zsh/site-functions/_raygrid",
+                "share/bash-completion/completions/raygrid"),
+    "camera": ("bin/raygrid-camera", "share/man/man1/raygrid-camera.1"),
+    "gstreamer": ("lib*/gstreamer-1.0/libgstraygrid.so",),
+    "python": ("lib/python*/raygrid/__init__.py", "lib/python*/raygrid/_raygrid.*.so",
+               "lib/raygrid/raygrid_image_codecs.so"),
+    "examples": ("share/doc/raygrid/examples/runtime/undistort_frame.c",
+                 "share/doc/raygrid/examples/python/photographs_figure.py"),
+}
+# A lens of another program, whose frames the command undistorts.
+CAMERA = """%YAML:1.0
+---
+image_width: 64
+image_height: 48
+camera_matrix: !!opencv-matrix
+   {rows: 3, cols: 3, dt: d, data: [50, 0, 31.5, 0, 50, 23.5, 0, 0, 1]}
+distortion_coefficients: !!opencv-matrix {rows: 1, cols: 5, dt: d, data: [0.1, 0, 0, 0, 0]}
 """
 
 
@@ -69,10 +96,55 @@ def check_module(prefix):
         sys.exit(f"installation: without the library, the module says '{done.stderr.strip()}'")
 
 
+def list_files(folder):
+    return {os.path.relpath(os.path.join(place, name), folder)
+            for place, _, names in os.walk(folder) for name in names}
+
+
+def install_all(arguments, folder):
+    """Stages each component, as for /usr, in a folder of its own; then all in another place."""
+    everything = os.path.join(folder, "moved to here", "usr")
+    for component, patterns in COMPONENTS.items():
+        if component in arguments.without:
+            continue
+        staged = os.path.join(folder, "staged", component)
+        run(arguments.cmake, "--install", arguments.build, "--prefix", "/usr", "--component",
+            component, DESTDIR=staged)
+        files = list_files(staged)
+        for pattern in patterns:
+            if not fnmatch.filter(files, "usr/" + pattern):
+                sys.exit(f"installation: component {component} lacks {pattern}: {sorted(files)}")
+        shutil.copytree(os.path.join(staged, "usr"), everything, symlinks=True, dirs_exist_ok=True)
+    shutil.rmtree(os.path.join(folder, "staged"))
+    return everything
+
+
+def use_all(arguments, prefix, folder):
+    """The moved tree works, also what finds its parts from its own place on."""
+    camera, image, flat = (os.path.join(folder, name) for name in ("lens.yml", "a.pgm", "flat"))
+    with open(camera, "w", encoding="utf-8") as file:
+        file.write(CAMERA)
+    with open(image, "wb") as file:
+        file.write(b"P5 64 48 255\n" + bytes(range(64)) * 48)
+    run(os.path.join(prefix, "bin", "raygrid"), "undistort", camera, image, "-o", flat)
+    find(flat, "a.png")
+    run(os.path.join(prefix, "bin", "raygrid-undistort"), "--help")
+    if "python" not in arguments.without:
+        package = os.path.dirname(os.path.dirname(find(prefix, "py.typed")))
+        run(arguments.python, "-B", "-c", "import raygrid, sys\nprint(raygrid.detect(sys.argv[1], "
+            "'chessboard:9x6:25mm'))", image, PYTHONPATH=package)
+    if "camera" not in arguments.without:
+        run(os.path.join(prefix, "bin", "raygrid-camera"), "--help")
+    if "gstreamer" not in arguments.without:
+        ctypes.CDLL(find(prefix, "libgstraygrid.so"))
+
+
 def main():
     parser = argparse.ArgumentParser()
     for name in ("cmake", "build", "compiler", "flags", "consumer"):
         parser.add_argument(f"--{name}", required=True)
+    parser.add_argument("--python", help="the one that the package is for")
+    parser.add_argument("--without", nargs="*", default=[], help="components that are not built")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         prefix, project = os.path.join(folder, "prefix"), os.path.join(folder, "project")
@@ -99,6 +171,7 @@ def main():
         check_program(program)
 
         check_module(prefix)
+        use_all(arguments, install_all(arguments, folder), folder)
 
 
 if __name__ == "__main__":
