@@ -1,12 +1,16 @@
 #!/usr/bin/env python3
-"""All places tell one version, and Debian's list of the library's functions is that of its headers.
-"""
+"""What debian/ says is what the project has: its version, the library's functions, and the packages
+that the build needs."""
 import os
 import re
 import sys
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 HEADERS = ("runtime/raygrid.h", "formats/rg_projection.h", "formats/rg_status.h")
+# Groups of tools/install_packages that packages are built with, but for what Debian need not name
+# or only users of the build folder need.
+GROUPS = ("host", "python", "camera")
+UNNAMED = {"g++", "python3-numpy"}
 # A function's declaration begins at the left with its type. Macros and comments do not.
 DECLARED = re.compile(r"^(?!typedef|static|#)[a-z][\w ]*[ *]+(rg_\w+)\(", re.MULTILINE)
 
@@ -28,6 +32,16 @@ def versions():
     }
 
 
+def needed_packages():
+    """What the build needs by tools/install_packages, and by debian/control."""
+    groups = dict(re.findall(r"^ +([\w-]+)\) echo ((?:[^;\\]|\\\n)*);;",
+                             read("tools/install_packages"), re.MULTILINE))
+    installed = {name for group in GROUPS for name in groups[group].replace("\\\n", " ").split()}
+    depends = re.search(r"^Build-Depends:\n((?: .*\n)+)", read("debian/control"),
+                        re.MULTILINE).group(1)
+    return installed - UNNAMED, set(re.findall(r"^ ([\w.+-]+)", depends, re.MULTILINE))
+
+
 def main():
     told = versions()
     if len(set(told.values())) != 1:
@@ -37,7 +51,11 @@ def main():
     if declared != listed:
         sys.exit(f"debian/libraygrid0.symbols lacks {sorted(declared - listed)} and has "
                  f"{sorted(listed - declared)} too many; list what raygrid.h declares")
-    print(f"version {told['CMakeLists.txt']}, {len(declared)} functions")
+    installed, named = needed_packages()
+    if installed - named:
+        sys.exit(f"Build-Depends of debian/control lacks {sorted(installed - named)}, which "
+                 "tools/install_packages installs for the build")
+    print(f"version {told['CMakeLists.txt']}, {len(declared)} functions, {len(installed)} packages")
 
 
 if __name__ == "__main__":
