@@ -15,9 +15,10 @@ function(raygrid_install_command target component)
     DEPENDS ${target} ${script}
     VERBATIM)
   add_custom_target(${target}-pages ALL DEPENDS ${pages}/complete)
-  install(DIRECTORY ${pages}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT ${component})
+  # A build of the program's target alone has no pages.
+  install(DIRECTORY ${pages}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT ${component} OPTIONAL)
   install(DIRECTORY ${pages}/bash/ DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
-    COMPONENT ${component})
+    COMPONENT ${component} OPTIONAL)
   install(DIRECTORY ${pages}/zsh/ DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions
-    COMPONENT ${component})
+    COMPONENT ${component} OPTIONAL)
 endfunction()
