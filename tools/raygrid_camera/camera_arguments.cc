@@ -90,6 +90,11 @@ const char kCameraHelp[] =
     "                     many bytes of other memory; whether caches serve "
     "the\n"
     "                     camera's memory; threads\n"
+    "  --check            takes and undistorts one frame, and tells in a line "
+    "what\n"
+    "                     was found; writes and serves nothing, so the other "
+    "options\n"
+    "                     may stay\n"
     "  --quiet            no statistics\n"
     "\n"
     "Statistics: frames a second; milliseconds in the remap, and waiting for "
@@ -99,6 +104,7 @@ const char kCameraHelp[] =
     "Exit codes: 0 done, 1 usage, 2 camera or input, 7 output, 8 blob.\n"
     "\n"
     "Example:\n"
+    "  raygrid-camera front.raygrid --check\n"
     "  raygrid-camera front.raygrid --http 8080\n"
     "  raygrid-camera front.raygrid -o frames/ --frames 100\n";
 
@@ -209,6 +215,7 @@ enum Option : int {
   kTokenFile,
   kPoints,
   kBenchmark,
+  kCheck,
   kQuiet
 };
 
@@ -238,6 +245,7 @@ const option kOptions[] = {
     {"token-file", required_argument, nullptr, kTokenFile},
     {"points", required_argument, nullptr, kPoints},
     {"benchmark", no_argument, nullptr, kBenchmark},
+    {"check", no_argument, nullptr, kCheck},
     {"quiet", no_argument, nullptr, kQuiet},
     {nullptr, 0, nullptr, 0}};
 
@@ -310,6 +318,9 @@ void TakeOption(int which, CameraArguments* arguments) {
     case kBenchmark:
       arguments->is_benchmark = true;
       break;
+    case kCheck:
+      arguments->is_check = true;
+      break;
     case kQuiet:
       arguments->is_quiet = true;
       break;
@@ -342,6 +353,9 @@ void CheckTogether(const CameraArguments& arguments) {
   if (arguments.is_benchmark &&
       (arguments.num_frames != 0 || !arguments.points.empty()))
     FailUsage("--benchmark: leave --frames and --points out");
+  if (arguments.is_check &&
+      (arguments.is_benchmark || !arguments.points.empty()))
+    FailUsage("--check: leave --benchmark and --points out");
   if (!arguments.http.more_names.empty() && arguments.http.port == 0)
     FailUsage("--http-name: needs --http");
   if (arguments.http.number != PreviewAddress().number &&

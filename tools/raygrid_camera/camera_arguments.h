@@ -33,6 +33,7 @@ struct CameraArguments {
   std::string points;   // file; "-": standard input
   PreviewAddress http;  // port 0: no server
   bool is_benchmark = false;
+  bool is_check = false;  // one frame, and nothing written
   bool is_list = false, is_help = false, is_quiet = false;
 };
 

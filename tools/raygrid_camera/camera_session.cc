@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "benchmark.h"
+#include "camera_check.h"
 #include "camera_error.h"
 #include "camera_statistics.h"
 #include "frame_output.h"
@@ -212,6 +213,8 @@ void StreamFrames(const CameraArguments& arguments, rg_camera camera,
   loop.Finish();
   if (const auto fault = undistorter.fault()) throw *fault;
   if (benchmark) TellBenchmark(arguments, *benchmark);
+  if (arguments.is_check)
+    std::fputs(DescribeCheck(arguments, *source, undistorter).c_str(), stdout);
 }
 
 // Positions in frames as the camera gives them, in the view that those frames
@@ -248,6 +251,8 @@ bool IsSignalled() { return is_signalled != 0; }
 
 void RunCameraSession(const CameraArguments& arguments, const rg_camera& camera,
                       FrameSource* source) {
+  if (arguments.is_check)
+    return StreamFrames(ArgumentsOfCheck(arguments), camera, source);
   if (arguments.points.empty()) return StreamFrames(arguments, camera, source);
   StreamPoints(arguments, camera, source);
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "camera_arguments.h"
+#include "camera_check.h"
 #include "camera_error.h"
 #include "camera_session.h"
 #include "frame_sources.h"
@@ -84,6 +85,7 @@ void Run(CameraArguments arguments) {
   if (CanFramesWait(arguments) || arguments.is_benchmark)
     arguments.every_frame = true;
   const auto source = OpenFrameSource(arguments);
+  if (!source && arguments.is_check) FailCheck();
   if (source) RunCameraSession(arguments, blob.camera, source.get());
 }
 

@@ -1,0 +1,52 @@
+#include "camera_check.h"
+
+#include <cstdio>
+
+#include "camera_error.h"
+
+namespace raygrid {
+namespace {
+
+std::string DescribeSize(const StreamFormat& format) {
+  return std::to_string(format.width) + "x" + std::to_string(format.height);
+}
+
+std::string DescribeSource(const CameraArguments& arguments) {
+  if (arguments.recording == "-") return "standard input";
+  if (!arguments.recording.empty()) return arguments.recording;
+  if (!arguments.camera.empty()) return "camera " + arguments.camera;
+  return "the only camera";
+}
+
+}  // namespace
+
+CameraArguments ArgumentsOfCheck(CameraArguments arguments) {
+  arguments.output.clear();
+  arguments.http.port = 0;
+  arguments.num_frames = 1;
+  arguments.is_quiet = true;
+  return arguments;
+}
+
+std::string DescribeCheck(const CameraArguments& arguments,
+                          const FrameSource& source,
+                          const Undistorter& undistorter) {
+  const UndistorterStatistics statistics = undistorter.statistics();
+  if (statistics.undistorted == 0) FailCheck();
+  char time[32];
+  std::snprintf(time, sizeof(time), "%.2f", statistics.remap.Quantile_ms(0.5));
+  const std::string memory = source.memory();
+  return arguments.blob + ": undistorts " + DescribeSize(source.format()) +
+         " " + source.format().pixel_format->name + " of " +
+         DescribeSource(arguments) + " to " +
+         DescribeSize(undistorter.format()) + " in " + time + " ms" +
+         (memory.empty() ? "" : "; memory of frames: " + memory) + "\n";
+}
+
+void FailCheck() {
+  throw CameraError(CameraExit::kInput,
+                    "--check: ended before a frame came; let it run until one "
+                    "comes, and check that the source gives frames");
+}
+
+}  // namespace raygrid
