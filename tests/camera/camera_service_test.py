@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
-"""raygrid-camera --check: one frame, one line, and no outputs."""
+"""raygrid-camera as a service of systemd: what it tells systemd, --check, and its unit."""
 import argparse
 import os
+import resource
+import shutil
 import socket
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 programs = argparse.Namespace()
@@ -13,9 +16,10 @@ programs = argparse.Namespace()
 SIZE = (128, 96)
 FRAME = bytes(range(256)) * (SIZE[0] * SIZE[1] // 256)
 INPUT = ("--from", "-", "--format", "R8")
+WATCHDOG_S = 0.4
 
 
-class CameraCheck(unittest.TestCase):
+class CameraService(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         temporary = tempfile.TemporaryDirectory()
@@ -39,6 +43,96 @@ class CameraCheck(unittest.TestCase):
         with open(os.path.join(cls.folder, name), "wb") as file:
             file.write(contents)
 
+    # ---- What it tells systemd ----
+
+    def listen(self):
+        """The socket of systemd, and the environment that names it."""
+        notices = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self.addCleanup(notices.close)
+        path = os.path.join(self.folder, self.id().rsplit(".", maxsplit=1)[-1][:40])
+        notices.bind(path)
+        notices.setblocking(False)
+        return notices, {**os.environ, "NOTIFY_SOCKET": path,
+                         "WATCHDOG_USEC": str(round(WATCHDOG_S * 1e6))}
+
+    def start(self, environment, *arguments, **how):
+        # pylint: disable=consider-using-with
+        process = subprocess.Popen([programs.camera, "good.raygrid", *INPUT, *arguments],
+                                   cwd=self.folder, env=environment, stdin=subprocess.PIPE,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, **how)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        self.addCleanup(process.stdin.close)
+        return process
+
+    @staticmethod
+    def take(notices):
+        """All that came."""
+        texts = []
+        while True:
+            try:
+                texts += notices.recv(4096).decode().splitlines()
+            except BlockingIOError:
+                return texts
+
+    def feed(self, process, notices, seconds):
+        """Writes a frame now and then; returns all that came meanwhile."""
+        texts = []
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            process.stdin.write(FRAME)
+            process.stdin.flush()
+            time.sleep(0.01)
+            texts += self.take(notices)  # a socket that is full would hold the program up
+        return texts
+
+    def test_systemd_hears_of_frames_for_as_long_as_they_pass(self):
+        if not programs.notifies:
+            self.skipTest("libsystemd is not built in")
+        notices, environment = self.listen()
+        process = self.start(environment, "--timeout", "30")
+        time.sleep(0.2)
+        self.assertEqual(self.take(notices), [])  # no frame came yet
+        start = time.monotonic()
+        texts = self.feed(process, notices, 4 * WATCHDOG_S)
+        seconds = time.monotonic() - start
+        self.assertEqual(texts[:2], ["READY=1", "WATCHDOG=1"])
+        self.assertEqual(set(texts[1:]), {"WATCHDOG=1"})
+        # Twice in the watchdog's time at least, and not for each of 100 frames.
+        self.assertGreaterEqual(len(texts), 8)
+        self.assertLess(len(texts), 5 * seconds / WATCHDOG_S)
+        time.sleep(0.2)  # frames that are under way
+        self.take(notices)
+        time.sleep(2 * WATCHDOG_S)
+        self.assertEqual(self.take(notices), [])
+        self.assertIsNone(process.poll())
+        texts = self.feed(process, notices, WATCHDOG_S)  # it goes on
+        self.assertEqual(set(texts), {"WATCHDOG=1"})
+        process.stdin.close()
+        self.assertEqual(process.wait(timeout=30), 0)
+        self.assertNotIn("READY=1", self.take(notices))
+
+    def test_frames_that_cannot_be_written_are_not_told(self):
+        notices, environment = self.listen()
+        process = self.start(environment, "-o", "full", preexec_fn=lambda: resource.setrlimit(
+            resource.RLIMIT_FSIZE, (100, 100)))
+        process.stdin.write(FRAME)
+        process.stdin.close()
+        self.assertEqual(process.wait(timeout=30), 7)
+        self.assertEqual(self.take(notices), [])
+
+    def test_systemd_without_a_watchdog_hears_once(self):
+        notices, environment = self.listen()
+        del environment["WATCHDOG_USEC"]
+        process = self.start(environment)
+        texts = self.feed(process, notices, 0.2)
+        process.stdin.close()
+        self.assertEqual(process.wait(timeout=30), 0)
+        texts += self.take(notices)
+        self.assertEqual(texts, ["READY=1"] if programs.notifies else [])
+
+    # ---- --check ----
+
     def check(self, blob, *arguments, **how):
         return subprocess.run([programs.camera, "--check", blob, *arguments], cwd=self.folder,
                               capture_output=True, timeout=30, check=False, text=True, **how)
@@ -51,16 +145,19 @@ class CameraCheck(unittest.TestCase):
 
     def test_a_check_takes_one_frame_and_writes_nothing(self):
         before = sorted(os.listdir(self.folder))
+        notices, environment = self.listen()
         with socket.socket() as taken:  # a server of the options could not start
             taken.bind(("127.0.0.1", 0))
             taken.listen()
             result = self.check("good.raygrid", "--from", "frame.grey", "--format", "R8", "-o",
                                 "outputs", "--http", str(taken.getsockname()[1]),
-                                stdin=subprocess.DEVNULL)
+                                stdin=subprocess.DEVNULL, env=environment)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(result.stderr, "")
         self.assertRegex(result.stdout, r"^good\.raygrid: undistorts 128x96 R8 of frame\.grey to "
                          r"80x60 in [0-9.]+ ms\n$")
+        self.assertEqual(self.take(notices), [])  # the service itself is not ready
+        os.remove(environment["NOTIFY_SOCKET"])
         self.assertEqual(sorted(os.listdir(self.folder)), before)
 
     def test_a_check_of_standard_input_waits_for_one_frame_only(self):
@@ -89,10 +186,28 @@ class CameraCheck(unittest.TestCase):
         with open(os.path.join(self.folder, "header.y4m"), "rb") as file:
             self.assert_fails(2, "before a frame came", "good.raygrid", "--from", "-", stdin=file)
 
+    # ---- The unit ----
+
+    @unittest.skipUnless(shutil.which("systemd-analyze"), "there is no systemd-analyze")
+    def test_systemd_takes_the_unit_and_finds_it_locked_in(self):
+        with open(programs.unit, encoding="ascii") as file:
+            text = file.read()
+        self.assertEqual(text.count("ExecStart=raygrid-camera "), 1)
+        path = os.path.join(self.folder, os.path.basename(programs.unit))
+        with open(path, "w", encoding="ascii") as file:  # the program is not installed
+            file.write(text.replace("ExecStart=raygrid-camera ", f"ExecStart={programs.camera} "))
+        for command in (("verify",), ("security", "--offline=true", "--threshold=20")):
+            result = subprocess.run(["systemd-analyze", *command, path], capture_output=True,
+                                    text=True, timeout=30, check=False)
+            self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+            # Other units of the machine are read, too.
+            self.assertNotIn("raygrid-camera@", result.stderr)
+
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
-    for option in ("raygrid", "camera", "undistort-frames"):
+    for option in ("raygrid", "camera", "undistort-frames", "unit"):
         parser.add_argument("--" + option, required=True)
+    parser.add_argument("--notifies", action="store_true", help="libsystemd is built in")
     _, rest = parser.parse_known_args(namespace=programs)
     unittest.main(argv=[sys.argv[0]] + rest, verbosity=2)

@@ -17,6 +17,7 @@
 #include "frame_output.h"
 #include "points.h"
 #include "preview_server.h"
+#include "service_notice.h"
 #include "stream_guard.h"
 #include "undistorter.h"
 
@@ -115,6 +116,7 @@ class FrameLoop {
     const Clock::time_point start = Clock::now();
     if (output_) output_->Write(*frame, written_);
     if (benchmark_) benchmark_->Count(*frame, Clock::now() - start);
+    if (!arguments_.is_check) notice_.OnFrame();
     ++written_;
     undistorter_->GiveBack(frame);
     patience_.Refresh();
@@ -127,6 +129,7 @@ class FrameLoop {
   Benchmark* const benchmark_;  // NULL: nothing is timed
   CameraStatistics statistics_;
   Patience patience_;
+  ServiceNotice notice_;
   uint64_t written_ = 0;
 };
 

@@ -1,0 +1,50 @@
+#include "service_notice.h"
+
+#if RAYGRID_HAS_SYSTEMD
+#include <systemd/sd-daemon.h>
+
+#include <cstdint>
+#endif
+
+namespace raygrid {
+namespace {
+
+// The watchdog hears of frames so often within the time that it waits. Many
+// more come, and each word costs a system call here and work in systemd.
+constexpr int kNoticesInTime = 4;
+
+#if RAYGRID_HAS_SYSTEMD
+
+// How long systemd's watchdog waits; 0: there is none.
+std::chrono::microseconds WatchdogTime() {
+  uint64_t time_us = 0;
+  if (sd_watchdog_enabled(0, &time_us) <= 0) time_us = 0;
+  return std::chrono::microseconds(time_us);
+}
+
+void TellSystemd(const char* word) { sd_notify(0, word); }
+
+#else
+
+std::chrono::microseconds WatchdogTime() {
+  return std::chrono::microseconds(0);
+}
+
+void TellSystemd(const char*) {}
+
+#endif
+
+}  // namespace
+
+ServiceNotice::ServiceNotice() : interval_(WatchdogTime() / kNoticesInTime) {}
+
+void ServiceNotice::OnFrame() {
+  if (!is_ready_) TellSystemd("READY=1");
+  is_ready_ = true;
+  const Clock::time_point now = Clock::now();
+  if (interval_.count() == 0 || now < next_) return;
+  TellSystemd("WATCHDOG=1");
+  next_ = now + interval_;
+}
+
+}  // namespace raygrid
