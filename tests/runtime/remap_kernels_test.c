@@ -122,6 +122,70 @@ static void every_kernel_gives_the_specified_bits(void** unused) {
   assert_true(num_odd > NUM_CASES / 20);
 }
 
+/* ---- Frames of YUYV ------------------------------------------------------ */
+
+/* Luma of YUYV is that of a grey frame, chroma the same by all kernels. */
+static void check_yuyv(void) {
+  static uint8_t luma[MAX_SIZE * MAX_SIZE], first[sizeof(output[0])];
+  rg_image image;
+  rg_target target;
+  rg_remap_section table;
+  uint16_t width, height;
+  rg_remap_size(&camera, &width, &height);
+  rg_read_remap(SECTION, &table);
+  memset(&image, 0, sizeof(image));
+  memset(&target, 0, sizeof(target));
+  image.format = RG_FORMAT_YUYV;
+  image.width = camera.frame_width;
+  image.height = camera.frame_height;
+  image.planes[0].stride = 2u * image.width;
+  const uint32_t size = image.planes[0].stride * image.height;
+  exact_memory memory = new_memory(size);
+  image.planes[0].data = memory.bytes;
+  for (uint32_t i = 0; i < size; ++i) memory.bytes[i] = (uint8_t)below(256);
+  for (uint32_t i = 0; i < size; i += 2) luma[i / 2] = memory.bytes[i];
+  target.num_rows = height;
+  target.border = (rg_border)below(3);
+  memcpy(target.border_values, kBorder, sizeof(kBorder));
+  target.planes[0].stride = 2u * width + below(9);
+  target.planes[0].data = output[0] + MARGIN;
+  memset(expected[0], GUARD, sizeof(expected[0]));
+  const plain_source plain = {luma, image.width, image.width, image.height};
+  const plain_target wanted = {expected[0], width, target.border,
+                               target.sampling, kBorder};
+  const plane_lattice grey = {1, 0, 0};
+  int has_first = 0;
+  remap_plainly(&table, grey, &plain, &wanted);
+  for (uint32_t name = 0; name < NUM_NAMES; ++name) {
+    target.kernels = rg_find_kernels(kNames[name]);
+    if (kNames[name] && !target.kernels) continue;
+    memset(output[0], GUARD, sizeof(output[0]));
+    assert_int_equal(rg_remap(&camera, &image, &target), RG_OK);
+    for (uint32_t y = 0; y < height; ++y)
+      for (uint32_t x = 0; x < width; ++x)
+        if (target.planes[0].data[y * target.planes[0].stride + 2 * x] !=
+            expected[0][y * width + x])
+          fail_msg("kernels %u, luma at %u, %u", (unsigned)name, (unsigned)x,
+                   (unsigned)y);
+    if (!has_first) memcpy(first, output[0], sizeof(first));
+    has_first = 1;
+    assert_memory_equal(output[0], first, sizeof(first));
+  }
+  free_memory(&memory);
+}
+
+static void frames_of_yuyv_are_the_same_by_every_kernel(void** unused) {
+  (void)unused;
+  uint32_t num_checked = 0;
+  for (uint32_t k = 0; k < NUM_CASES; ++k) {
+    state = 4321 + 7919 * k;
+    if (!make_table(k % NUM_STYLES, 2)) continue;
+    check_yuyv();
+    ++num_checked;
+  }
+  assert_true(num_checked > NUM_CASES / 2);
+}
+
 /* ---- Runs about at the limits of the kernels' windows -------------------- */
 
 #if defined(__unix__)
@@ -263,6 +327,46 @@ static void runs_at_the_limits_are_as_the_portable_ones(void** unused) {
   assert_true(num_checked > NUM_RUNS / 20);
 }
 
+/* Lattices of one byte in each group of step; two of each 4. */
+static void spread_runs_are_as_those_of_any_lattice(void** unused) {
+  const uint32_t out_stride = 4 * 40;
+  uint32_t num_checked = 0;
+  (void)unused;
+  state = 77;
+  fill_source();
+  for (uint32_t k = 0; RG_CHOOSE_KERNELS && k < NUM_RUNS / 4; ++k) {
+    rg_run run;
+    if (!make_run(&run)) continue;
+    const uint32_t step = 2u << below(2), first = below(2);
+    rg_lattice lattice = {RG_SAMPLE_8, 0, 0, (uint8_t)step, 1, {0, 0}, {0, 0},
+                          0,           1, 0};
+    run.data = source + (size_t)run.first_source_row * RUN_STRIDE;
+    run.stride = RUN_STRIDE;
+    run.out_stride = out_stride;
+    memset(expected[0], GUARD, 33 * out_stride);
+    run.out = expected[0];
+    for (uint32_t sample = first; sample < step; sample += 2) {
+      lattice.first_sample = (uint8_t)sample;
+      rg_blend_lattice(&run, &lattice);
+    }
+    run.out = output[0];
+    for (uint32_t n = 0; n < NUM_NAMES; ++n) {
+      const rg_kernels* const kernels = find_kernels(n);
+      if (!kernels) continue;
+      memset(output[0], GUARD, 33 * out_stride);
+      for (uint32_t sample = first; sample < step; sample += 2) {
+        lattice.first_sample = (uint8_t)sample;
+        rg_blend_spread(kernels, &run, &lattice);
+      }
+      if (memcmp(output[0], expected[0], 33 * out_stride) != 0)
+        fail_msg("kernels %s, step %u, run %u", kernels->name, (unsigned)step,
+                 (unsigned)k);
+    }
+    ++num_checked;
+  }
+  assert_true(!RG_CHOOSE_KERNELS || num_checked > NUM_RUNS / 80);
+}
+
 /* ---- Whole blocks, whose rows the portable kernels may take together ----- */
 
 /* How far 8 pixels and 8 rows lead, in q12, is about as far as 16 bits count.
@@ -344,6 +448,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_kernel_gives_the_specified_bits),
       cmocka_unit_test(runs_at_the_limits_are_as_the_portable_ones),
+      cmocka_unit_test(frames_of_yuyv_are_the_same_by_every_kernel),
+      cmocka_unit_test(spread_runs_are_as_those_of_any_lattice),
       cmocka_unit_test(blocks_are_as_their_rows),
       cmocka_unit_test(kernels_are_found_by_name),
   };
