@@ -50,9 +50,9 @@ std::unique_ptr<addrinfo, FreeAddress> ParseAddress(const std::string& address,
   const std::string host =
       is_bracketed ? address.substr(1, address.size() - 2) : address;
   if (getaddrinfo(host.c_str(), number.c_str(), &hints, &found) != 0)
-    throw CameraError(CameraExit::kUsage, "--http: " + address +
-                                              " is no numerical address; see "
-                                              "--help");
+    throw CameraError(CameraExit::kUsage, "--listen: " + address +
+                                              " is no numerical address, as "
+                                              "0.0.0.0; see --help");
   return std::unique_ptr<addrinfo, FreeAddress>(found);
 }
 
