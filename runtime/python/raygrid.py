@@ -347,27 +347,27 @@ class Camera:
         return _positions(result)
 
     def undistort(self, frame, pixel_format="GREY8", border="value", border_values=(0, 0, 0, 0),
-                  sampling="bilinear"):
+                  sampling="bilinear", out=None):
         """The undistorted frame, as bytes: planes after each other, rows without gaps, as the
         frame has them. Up to 4 border values, one of each channel; with chroma in any order: Y,
-        then the chroma that comes first in memory, and the other one."""
+        then the chroma that comes first in memory, and the other one. A live loop saves the copy
+        with out, a bytearray or an array other than the frame: it is filled and returned."""
         number, bits, planes = _named(pixel_format, FORMATS)
         values = _border_values(border_values, bits)
-        data = bytes(frame)
         width, height = self.remap_size()
-        output = ctypes.create_string_buffer(_frame_size(planes, width, height))
         size = self.frame_size()
+        source = _readable(frame)
         needed = _frame_size(planes, *size)
-        if len(data) != needed:
+        if len(source) != needed:
             raise ValueError(f"a frame of {size[0]} x {size[1]} has {needed} bytes in "
-                             f"{pixel_format}, not {len(data)}")
-        source = ctypes.create_string_buffer(data, len(data))
-        image = _Image(number, *size, 0, 0, 0, _planes(source, planes, *size))
-        target = _Target(_planes(output, planes, width, height), 0, height,
+                             f"{pixel_format}, not {len(source)}")
+        output = _writable(out, _frame_size(planes, width, height))
+        image = _Image(number, *size, 0, 0, 0, _planes(_address(source), planes, *size))
+        target = _Target(_planes(_address(output), planes, width, height), 0, height,
                          _named(border, BORDERS), _named(sampling, SAMPLINGS), values, None)
         _check(_library.rg_remap(ctypes.byref(self._camera), ctypes.byref(image),
                                  ctypes.byref(target)))
-        return output.raw
+        return output.raw if out is None else out
 
 
 def _named(name, values):
@@ -388,8 +388,36 @@ def _frame_size(planes, width, height):
     return sum(int(width * across) * int(height * down) for across, down in planes)
 
 
-def _planes(buffer, planes, width, height):
-    result, address = (_Plane * 3)(), ctypes.addressof(buffer)
+def _readable(frame):
+    """A frame's bytes; a copy of them where the library cannot read the frame's own."""
+    if isinstance(frame, bytes):
+        return frame
+    try:
+        view = memoryview(frame)
+    except TypeError:
+        return bytes(frame)
+    if view.readonly or not view.c_contiguous:
+        return bytes(frame)
+    return (ctypes.c_char * view.nbytes).from_buffer(view)
+
+
+def _writable(out, size):
+    """The memory of out, or new memory for None."""
+    if out is None:
+        return ctypes.create_string_buffer(size)
+    view = memoryview(out)
+    if view.readonly or not view.c_contiguous or view.nbytes != size:
+        raise ValueError(f"out has to be {size} bytes that can be written, without gaps")
+    return (ctypes.c_char * size).from_buffer(view)
+
+
+def _address(memory):
+    """The place of bytes, or of an array of ctypes."""
+    return ctypes.cast(memory, ctypes.c_void_p).value or 0
+
+
+def _planes(address, planes, width, height):
+    result = (_Plane * 3)()
     for plane, (across, down) in zip(result, planes):
         plane.data, plane.stride = address, int(width * across)
         address += plane.stride * int(height * down)

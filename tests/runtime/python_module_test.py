@@ -185,6 +185,28 @@ class ModuleTest(unittest.TestCase):
             with self.assertRaises(ValueError):
                 camera.undistort(bytes(size - 1), name)
 
+    def test_memory_of_any_kind_is_read_and_filled(self):
+        camera, frame = open_blob(LENS), make_golden.make_frame(160, 120)
+        expected = camera.undistort(frame)
+        wide = memoryview(bytearray(2 * len(frame)))
+        wide[::2] = frame
+        for kind in (bytes, bytearray, memoryview, list):
+            self.assertEqual(camera.undistort(kind(frame)), expected)
+        self.assertEqual(camera.undistort(memoryview(bytearray(frame))), expected)
+        self.assertEqual(camera.undistort(wide[::2]), expected)
+        self.assertEqual(frame, make_golden.make_frame(160, 120))
+        out = bytearray(len(expected))
+        self.assertIs(camera.undistort(frame, out=out), out)
+        self.assertEqual(out, expected)
+
+    def test_memory_that_cannot_be_filled_is_refused(self):
+        camera, frame = open_blob(LENS), bytes(160 * 120)
+        size = len(camera.undistort(frame))
+        for out in (bytes(size), bytearray(size - 1), bytearray(size + 1), bytearray(),
+                    memoryview(bytearray(2 * size))[::2]):
+            with self.assertRaisesRegex(ValueError, "out has to be"):
+                camera.undistort(frame, out=out)
+
     def test_damaged_blob_is_refused(self):
         data = bytearray(reference.serialize(LENS))
         data[-1] ^= 1

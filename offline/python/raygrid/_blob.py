@@ -55,20 +55,24 @@ class Blob(_runtime.Camera):
 
     def undistort(self, frame: Any, pixel_format: Optional[str] = None, border: str = "value",
                   border_values: Sequence[int] = (0, 0, 0, 0),
-                  sampling: str = "bilinear") -> Any:
+                  sampling: str = "bilinear", out: Any = None) -> Any:
         """The undistorted frame.
 
         An array of uint8 or uint16, (height, width) or of uint8 (height, width, 3), becomes an array
         of its kind. With pixel_format, one of those of the module for boards, bytes become bytes.
+        With out, memory of the result's size other than the frame, that is filled and returned.
         """
         if pixel_format is not None:
-            return super().undistort(frame, pixel_format, border, border_values, sampling)
+            return super().undistort(frame, pixel_format, border, border_values, sampling, out)
         image = np.ascontiguousarray(frame)
         name = _format_of(image)
         width, height = self.remap_size()
-        data = super().undistort(image.tobytes(), name, border, border_values, sampling)
-        return np.frombuffer(bytearray(data), image.dtype).reshape(
-            (height, width) + image.shape[2:])
+        shape = (height, width) + image.shape[2:]
+        if out is None:
+            out = np.empty(shape, image.dtype)
+        elif not (isinstance(out, np.ndarray) and out.shape == shape and out.dtype == image.dtype):
+            raise ValueError(f"out: expected an array of {image.dtype} of the shape {shape}")
+        return super().undistort(image, name, border, border_values, sampling, out)
 
 
 def _format_of(image: npt.NDArray[Any]) -> str:

@@ -181,6 +181,12 @@ class Rays(PackageTest):
         self.assertEqual(flat.shape, (96, 128))
         np.testing.assert_array_equal(
             blob.undistort(np.dstack([frame] * 3))[..., 1], flat)
+        out = np.zeros_like(flat)
+        self.assertIs(blob.undistort(frame, out=out), out)
+        np.testing.assert_array_equal(out, flat)
+        for wrong in (out[1:], out.astype(np.uint16), bytearray(out)):
+            with self.assertRaisesRegex(ValueError, "out: expected an array of uint8"):
+                blob.undistort(frame, out=wrong)
         self.assertTrue(np.isnan(blob.unproject([[-9, 0]])).all())
         self.assert_refuses(ValueError, "expected an array of the shape (N, 2)", blob.unproject,
                             [1, 2, 3])
