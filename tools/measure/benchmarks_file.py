@@ -1,17 +1,19 @@
 """BENCHMARKS.md: one section a part, of which those that were measured are written anew."""
 import re
 
+import frame_paths
 import remap
 import sets
 import tables
 
 PREFACE = """# Benchmarks
 
-Everything here is printed by `tools/measure_readme`, which builds what it measures, and is kept as it was printed. `--only accuracy`
-and `--only remap` measure a part each.
+Everything here is printed by `tools/measure_readme`, which builds what it measures, and is kept as it was printed. `--only accuracy`,
+`--only remap` and `--only paths` measure a part each.
 
 """
-ORDER = ("Figures of README.md", "Corners, model and board", "Held-out errors", "Undistortion beside cv::remap")
+ORDER = ("Figures of README.md", "Corners, model and board", "Held-out errors", "Undistortion beside cv::remap",
+         "Ways of frames")
 
 
 def read_sections(path):
@@ -47,3 +49,7 @@ def accuracy_sections(results, blob_bytes, absent):
 
 def remap_sections(measured):
     return {ORDER[3]: "\n".join(remap.text(measured)) + "\n"}
+
+
+def paths_sections(measured):
+    return {ORDER[4]: "\n".join(frame_paths.text(measured)) + "\n"}

@@ -7,6 +7,7 @@ import sys
 import accuracy
 import benchmarks_file
 import datasets
+import frame_paths
 import progress
 import remap
 import sets
@@ -32,7 +33,12 @@ def remap_sections(options):
     return benchmarks_file.remap_sections(remap.results(options))
 
 
-PARTS = {"accuracy": (accuracy.steps, accuracy_sections), "remap": (remap.steps, remap_sections)}
+def paths_sections(options):
+    return benchmarks_file.paths_sections(frame_paths.results(options))
+
+
+PARTS = {"accuracy": (accuracy.steps, accuracy_sections), "remap": (remap.steps, remap_sections),
+         "paths": (frame_paths.steps, paths_sections)}
 
 
 def measure(part, options):
