@@ -11,6 +11,8 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
+#include "camera/matrix_product.h"
+
 // Other versions may have other internals; there each source compiles its own.
 #if EIGEN_VERSION_AT_LEAST(3, 4, 0) && !EIGEN_VERSION_AT_LEAST(3, 4, 1)
 
@@ -70,10 +72,12 @@ RAYGRID_TEMPLATE ComputationInfo computeFromTridiagonal_impl(VectorXd&,
                                                              MatrixXd&);
 
 // Products, and solutions of triangular systems.
+#if !RAYGRID_OWN_PRODUCT
 RAYGRID_TEMPLATE struct gebp_kernel<
     double, double, Index, blas_data_mapper<double, Index, ColMajor, 0, 1>,
     gebp_traits<double, double>::mr, gebp_traits<double, double>::nr, false,
     false>;
+#endif
 RAYGRID_TEMPLATE struct general_matrix_vector_product<
     Index, double, const_blas_data_mapper<double, Index, ColMajor>, ColMajor,
     false, double, const_blas_data_mapper<double, Index, RowMajor>, false, 0>;
