@@ -56,7 +56,7 @@ DenseEquations::DenseEquations(const ParameterLayout& layout,
                                      : layout.size;
   a_.setZero(size, size);
   v_.assign(num_blocks, Block::Zero(block_size_, block_size_));
-  w_.assign(num_blocks, Eigen::MatrixXd::Zero(size, block_size_));
+  w_.setZero(size, block_size_ * num_blocks);
   gradient_ = {Eigen::MatrixXd::Zero(size, 1),
                Eigen::MatrixXd::Zero(block_size_ * num_blocks, 1)};
   for (const ViewJacobian& jacobian : jacobians) AddJacobian(jacobian);
@@ -91,6 +91,7 @@ void DenseEquations::AddJacobian(const ViewJacobian& jacobian) {
     else
       by_block = by_pose;
     const int block = eliminate_points_ ? point : jacobian.pose;
+    auto w = w_.middleCols(block_size_ * block, block_size_);
     const Eigen::Vector2d error = jacobian.error.col(i);
     v_[block].noalias() += by_block.transpose() * by_block;
     gradient_.eliminated.middleRows(block_size_ * block, block_size_)
@@ -98,8 +99,7 @@ void DenseEquations::AddJacobian(const ViewJacobian& jacobian) {
     for (int a = 0; a < others.count; ++a) {
       const int row = others.index[a];
       gradient_.kept(row) += others.value.col(a).dot(error);
-      w_[block].row(row).noalias() +=
-          others.value.col(a).transpose() * by_block;
+      w.row(row).noalias() += others.value.col(a).transpose() * by_block;
       for (int b = 0; b <= a; ++b)
         a_(row, others.index[b]) +=
             others.value.col(a).dot(others.value.col(b));
@@ -119,7 +119,7 @@ void DenseEquations::AddJacobian(const ViewJacobian& jacobian) {
       const double weight = jacobian.node_weight(k, i);
       const int row = first + jacobian.node_parameter(k, i);
       gradient_.kept.middleRows(row, per_node) += weight * node_error;
-      w_[block].middleRows(row, per_node) += weight * node_block;
+      w.middleRows(row, per_node) += weight * node_block;
       for (int l = 0; l <= k; ++l)
         a_.block(row, first + jacobian.node_parameter(l, i), per_node,
                  per_node) += weight * jacobian.node_weight(l, i) * node_node;
@@ -159,7 +159,7 @@ void DenseEquations::AddPrior(const PriorEquations& prior) {
 
 bool DenseEquations::Reduce(double lambda, Reduced* reduced) const {
   const int num_blocks = static_cast<int>(v_.size());
-  Eigen::MatrixXd weighted(a_.rows(), block_size_ * num_blocks);
+  Eigen::MatrixXd weighted(w_.rows(), w_.cols());
   reduced->blocks.resize(num_blocks);
   for (int i = 0; i < num_blocks; ++i) {
     Block v = v_[i];
@@ -170,7 +170,10 @@ bool DenseEquations::Reduce(double lambda, Reduced* reduced) const {
     if (a_.size() == 0) continue;  // camera and points are fixed
     // W L^-T = (L^-1 W^T)^T
     weighted.middleCols(block_size_ * i, block_size_) =
-        reduced->blocks[i].matrixL().solve(w_[i].transpose()).transpose();
+        reduced->blocks[i]
+            .matrixL()
+            .solve(w_.middleCols(block_size_ * i, block_size_).transpose())
+            .transpose();
   }
   if (a_.size() == 0) return true;
   Eigen::MatrixXd matrix = a_;
@@ -189,19 +192,21 @@ const DenseEquations::Reduced* DenseEquations::ReducedFor(double lambda) const {
 
 DenseEquations::Columns DenseEquations::Solution(const Reduced& reduced,
                                                  Columns right) const {
-  const auto block = [this](Eigen::MatrixXd* matrix, size_t i) {
-    return matrix->middleRows(block_size_ * static_cast<int>(i), block_size_);
+  const auto solve_blocks = [&](Eigen::MatrixXd* sides) {
+    for (size_t i = 0; i < v_.size(); ++i) {
+      auto own =
+          sides->middleRows(block_size_ * static_cast<int>(i), block_size_);
+      own = reduced.blocks[i].solve(own.eval());
+    }
   };
-  for (size_t i = 0; i < v_.size(); ++i) {
-    const Eigen::MatrixXd own = block(&right.eliminated, i);
-    right.kept -= w_[i] * reduced.blocks[i].solve(own);
+  Eigen::MatrixXd eliminated = right.eliminated;
+  solve_blocks(&eliminated);
+  if (a_.size() > 0) {
+    right.kept.noalias() -= w_ * eliminated;
+    reduced.dense.solveInPlace(right.kept);
+    right.eliminated.noalias() -= w_.transpose() * right.kept;
   }
-  if (a_.size() > 0) reduced.dense.solveInPlace(right.kept);
-  for (size_t i = 0; i < v_.size(); ++i) {
-    const Eigen::MatrixXd own =
-        block(&right.eliminated, i) - w_[i].transpose() * right.kept;
-    block(&right.eliminated, i) = reduced.blocks[i].solve(own);
-  }
+  solve_blocks(&right.eliminated);
   return right;
 }
 

@@ -51,7 +51,7 @@ class DenseEquations : public NormalEquations {
   int block_size_;
   Eigen::MatrixXd a_;  // lower triangle
   std::vector<Block> v_;
-  std::vector<Eigen::MatrixXd> w_;
+  Eigen::MatrixXd w_;  // the blocks' columns side by side
   Columns gradient_;
   mutable double last_lambda_ = -1;
   mutable Reduced last_;
