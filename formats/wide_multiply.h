@@ -1,6 +1,6 @@
 /* 32 x 32 -> 64 bit products as two words, without a 64-bit type where the
- * core has no such multiplication: Armv6-M would call the compiler's library
- * for it. Both versions give the same bits. */
+ * core has no such multiplication: Armv6-M and some Xtensas would call the
+ * compiler's library for it. Both versions give the same bits. */
 #ifndef RAYGRID_WIDE_MULTIPLY_H
 #define RAYGRID_WIDE_MULTIPLY_H
 
@@ -9,6 +9,10 @@
 #if !defined(RG_MULTIPLY_IN_PARTS)
 #if defined(__ARM_ARCH_6M__) || defined(__ARM_ARCH_8M_BASE__)
 #define RG_MULTIPLY_IN_PARTS 1
+#elif defined(__XTENSA__) && !defined(__XCHAL_HAVE_MUL32_HIGH)
+#define RG_MULTIPLY_IN_PARTS 1 /* compilers that do not say: GCC up to 12 */
+#elif defined(__XTENSA__)
+#define RG_MULTIPLY_IN_PARTS (!__XCHAL_HAVE_MUL32_HIGH)
 #else
 #define RG_MULTIPLY_IN_PARTS 0
 #endif

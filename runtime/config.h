@@ -87,7 +87,7 @@
 #if defined(__GNUC__) &&                                               \
     (defined(__ARM_FEATURE_CLZ) || defined(__aarch64__) ||             \
      defined(__x86_64__) || defined(__i386__) || defined(__s390x__) || \
-     defined(__riscv_zbb))
+     defined(__riscv_zbb) || defined(__XTENSA__))
 #define RG_HAVE_CLZ 1
 #else
 #define RG_HAVE_CLZ 0

@@ -73,7 +73,7 @@ def section_sizes(compiler, path):
 
     def total(pattern):
         return sum(int(size) for name, size in sections if re.match(pattern, name))
-    return (total(r"\.(text|s?rodata|data\.rel\.ro)"),
+    return (total(r"\.(text|literal|s?rodata|data\.rel\.ro)"),
             total(r"\.(s?data(?!\.rel\.ro)|s?bss|tdata|tbss)"))
 
 
@@ -109,9 +109,10 @@ def find_taken(compiler, path):
         section = re.match(r"RELOCATION RECORDS FOR \[(\.\w+)(?:\.(\w+))?", line)
         target = re.search(r"\bR_\w+\s+(?:\.text\.)?(\w+)", line)
         if section:
-            takers = {".text": section.group(2), ".data": "", ".rodata": "", ".srodata": ""}
+            takers = {".text": section.group(2), ".literal": section.group(2), ".data": "",
+                      ".rodata": "", ".srodata": ""}
             taker = takers.get(section.group(1))
-        elif taker is not None and target and not re.search(r"CALL|JUMP|JAL|BRANCH", line):
+        elif taker is not None and target and not re.search(r"CALL|JUMP|JAL|BRANCH|SLOT", line):
             taken.add((taker, target.group(1)))
     return taken
 
