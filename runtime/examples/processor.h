@@ -1,0 +1,65 @@
+/* The processor below the examples of boards: registers at their
+ * addresses, interrupts held back, lines of the cache. A test puts memory and
+ * functions of its own in their place. */
+#ifndef RAYGRID_EXAMPLES_PROCESSOR_H
+#define RAYGRID_EXAMPLES_PROCESSOR_H
+
+#include <stdint.h>
+
+#if !defined(BOARD_IS_MOCK)
+
+/* A peripheral whose registers are the fields of a type. */
+#define REGISTERS(type, address) ((type*)(address))
+
+/* In loops that wait for a register. */
+#define POLL() ((void)0)
+
+/* To a register that takes one value after the other. */
+#define WRITE_FIFO(fifo, value) ((fifo) = (value))
+
+#if defined(__arm__)
+
+static inline uint32_t hold_interrupts(void) {
+  uint32_t state;
+  __asm__ volatile("mrs %0, primask\n\tcpsid i" : "=r"(state) : : "memory");
+  return state;
+}
+
+static inline void release_interrupts(uint32_t state) {
+  __asm__ volatile("msr primask, %0\n\tisb" : : "r"(state) : "memory");
+}
+
+/* An interrupt that is held back ends this, too. */
+static inline void wait_for_interrupt(void) {
+  __asm__ volatile("dsb\n\twfi" : : : "memory");
+}
+
+static inline void wait_for_memory(void) {
+  __asm__ volatile("dsb" : : : "memory");
+}
+
+#elif defined(__XTENSA__)
+
+static inline uint32_t hold_interrupts(void) {
+  uint32_t state;
+  __asm__ volatile("rsil %0, 3" : "=r"(state) : : "memory");
+  return state;
+}
+
+static inline void release_interrupts(uint32_t state) {
+  __asm__ volatile("wsr %0, ps\n\trsync" : : "r"(state) : "memory");
+}
+
+/* Lets them through while it waits. */
+static inline void wait_for_interrupt(void) {
+  __asm__ volatile("waiti 0" : : : "memory");
+}
+
+static inline void wait_for_memory(void) {
+  __asm__ volatile("memw" : : : "memory");
+}
+
+#endif
+#endif /* BOARD_IS_MOCK */
+
+#endif /* RAYGRID_EXAMPLES_PROCESSOR_H */
