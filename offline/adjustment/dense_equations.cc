@@ -41,6 +41,53 @@ struct OtherColumns {
   }
 };
 
+using ByBlock = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, 6>;
+
+// A residual's products that its nodes are part of.
+struct NodeProducts {
+  const ViewJacobian& jacobian;
+  int column, first;  // of the residual, and the camera's first parameter
+  const OtherColumns& others;
+  const ByBlock& by_block;
+  const Eigen::Vector2d& error;
+
+  template <int kPerNode, typename Columns>
+  void AddTo(Eigen::MatrixXd* a, Columns* w, Eigen::MatrixXd* gradient) const {
+    constexpr int kMaxPerNode = kPerNode == Eigen::Dynamic
+                                    ? LinearizedProjection::kMaxPerNode
+                                    : kPerNode;
+    using PerNode = Eigen::Matrix<double, kPerNode, Eigen::Dynamic, 0,
+                                  kMaxPerNode, OtherColumns::kMax>;
+    const int per_node = jacobian.num_per_node;
+    const Eigen::Matrix<double, 2, kPerNode, 0, 2, kMaxPerNode> by_node =
+        ViewJacobian::Block(jacobian.by_node, column);
+    // All nodes act alike, but for their weights.
+    const Eigen::Matrix<double, kPerNode, kPerNode, 0, kMaxPerNode, kMaxPerNode>
+        node_node = by_node.transpose() * by_node;
+    const PerNode node_block = by_node.transpose() * by_block;
+    const Eigen::Matrix<double, kPerNode, 1, 0, kMaxPerNode, 1> node_error =
+        by_node.transpose() * error;
+    const PerNode node_others =
+        by_node.transpose() * others.value.leftCols(others.count);
+    for (int k = 0; k < jacobian.num_nodes; ++k) {
+      const double weight = jacobian.node_weight(k, column);
+      const int row = first + jacobian.node_parameter(k, column);
+      gradient->col(0).template segment<kPerNode>(row, per_node) +=
+          weight * node_error;
+      for (int b = 0; b < by_block.cols(); ++b)
+        w->col(b).template segment<kPerNode>(row, per_node) +=
+            weight * node_block.col(b);
+      for (int l = 0; l <= k; ++l)
+        a->template block<kPerNode, kPerNode>(
+            row, first + jacobian.node_parameter(l, column), per_node,
+            per_node) += weight * jacobian.node_weight(l, column) * node_node;
+      for (int other = 0; other < others.count; ++other)
+        a->row(others.index[other]).template segment<kPerNode>(row, per_node) +=
+            weight * node_others.col(other).transpose();
+    }
+  }
+};
+
 }  // namespace
 
 DenseEquations::DenseEquations(const ParameterLayout& layout,
@@ -67,7 +114,6 @@ void DenseEquations::AddJacobian(const ViewJacobian& jacobian) {
   const bool has_cameras = layout_.has_cameras();
   const int first = has_cameras ? layout_.first_camera[jacobian.camera] : 0;
   const int num_nodes = has_cameras ? jacobian.num_nodes : 0;
-  const int per_node = jacobian.num_per_node;
   for (int i = 0; i < jacobian.count(); ++i) {
     const auto by_pose = ViewJacobian::Block<6>(jacobian.by_pose, i);
     const auto by_point = ViewJacobian::Block<3>(jacobian.by_point, i);
@@ -85,7 +131,7 @@ void DenseEquations::AddJacobian(const ViewJacobian& jacobian) {
     else if (layout_.num_points > 0)
       others.Add(layout_.Point(point), by_point);
 
-    Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, 6> by_block(2, block_size_);
+    ByBlock by_block(2, block_size_);
     if (eliminate_points_)
       by_block = by_point;
     else
@@ -105,28 +151,16 @@ void DenseEquations::AddJacobian(const ViewJacobian& jacobian) {
             others.value.col(a).dot(others.value.col(b));
     }
 
-    // All nodes act alike, but for their weights.
-    using PerNode =
-        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0,
-                      LinearizedProjection::kMaxPerNode, OtherColumns::kMax>;
-    const auto by_node = ViewJacobian::Block(jacobian.by_node, i);
-    const PerNode node_node = by_node.transpose() * by_node;
-    const PerNode node_block = by_node.transpose() * by_block;
-    const PerNode node_error = by_node.transpose() * error;
-    const PerNode node_others =
-        by_node.transpose() * others.value.leftCols(others.count);
-    for (int k = 0; k < num_nodes; ++k) {
-      const double weight = jacobian.node_weight(k, i);
-      const int row = first + jacobian.node_parameter(k, i);
-      gradient_.kept.middleRows(row, per_node) += weight * node_error;
-      w.middleRows(row, per_node) += weight * node_block;
-      for (int l = 0; l <= k; ++l)
-        a_.block(row, first + jacobian.node_parameter(l, i), per_node,
-                 per_node) += weight * jacobian.node_weight(l, i) * node_node;
-      for (int other = 0; other < others.count; ++other)
-        a_.block(others.index[other], row, 1, per_node) +=
-            weight * node_others.col(other).transpose();
-    }
+    const NodeProducts products = {jacobian, i, first, others, by_block, error};
+    // The numbers of central and non-central grids, known to the compiler.
+    if (num_nodes == 0)
+      continue;
+    else if (jacobian.num_per_node == 2)
+      products.AddTo<2>(&a_, &w, &gradient_.kept);
+    else if (jacobian.num_per_node == 5)
+      products.AddTo<5>(&a_, &w, &gradient_.kept);
+    else
+      products.AddTo<Eigen::Dynamic>(&a_, &w, &gradient_.kept);
   }
 }
 
