@@ -15,7 +15,8 @@ STAGES = ("adjustment", "calibration", "camera", "dataset", "evaluation", "featu
           "initialization", "packing", "report")
 DOCUMENTS = ("README.md", "CONTRIBUTING.md", "runtime/README.md", "runtime/DESIGN.md",
              "runtime/COST.md", "runtime/libcamera/README.md", "runtime/micropython/README.md",
-             "runtime/v4l2/README.md", "runtime/wasm/README.md", "offline/README.md",
+             "runtime/python/README.md", "runtime/v4l2/README.md",
+             "runtime/wasm/README.md", "offline/README.md",
              "offline/MEASURED.md", "offline/experiments/README.md", "offline/python/README.md",
              "offline/python/DESIGN.md",
              *(f"offline/{stage}/DESIGN.md" for stage in STAGES))
