@@ -174,3 +174,17 @@ void rg_blob_uncertainty(const rg_blob* blob,
   uncertainty->values =
       section + rg_load_u32(section + RG_UNCERTAINTY_DATA_OFFSET);
 }
+
+void rg_blob_capture(const rg_blob* blob, rg_capture_section* capture) {
+  const uint8_t* const section = blob->bytes + blob->capture;
+  capture->known = section[RG_CAPTURE_KNOWN];
+  capture->lens_position_q16 = rg_load_i32(section + RG_CAPTURE_LENS_POSITION);
+  capture->lens_tolerance_q16 =
+      rg_load_u32(section + RG_CAPTURE_LENS_TOLERANCE);
+  capture->crop_x = rg_load_i32(section + RG_CAPTURE_CROP_X);
+  capture->crop_y = rg_load_i32(section + RG_CAPTURE_CROP_Y);
+  capture->crop_width = rg_load_u32(section + RG_CAPTURE_CROP_WIDTH);
+  capture->crop_height = rg_load_u32(section + RG_CAPTURE_CROP_HEIGHT);
+  capture->zoom_q16 = rg_load_u32(section + RG_CAPTURE_ZOOM);
+  capture->orientation = section[RG_CAPTURE_ORIENTATION];
+}

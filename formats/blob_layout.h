@@ -258,4 +258,21 @@ enum rg_uncertainty_field {
 };
 #define RG_UNCERTAINTY_FIELDS_SIZE 16u
 
+/* ---- Capture ------------------------------------------------------------ */
+
+/* How the camera stood while it was calibrated. What is not known is 0. */
+enum rg_capture_field {
+  RG_CAPTURE_LENS_POSITION = 0,  /* i32, q16 dioptres */
+  RG_CAPTURE_LENS_TOLERANCE = 4, /* u32, q16 dioptres: inclusive */
+  RG_CAPTURE_CROP_X = 8,         /* i32: shown part of the sensor, its px */
+  RG_CAPTURE_CROP_Y = 12,        /* i32: shown part of the sensor, its px */
+  RG_CAPTURE_CROP_WIDTH = 16,    /* u32: shown part of the sensor, its px */
+  RG_CAPTURE_CROP_HEIGHT = 20,   /* u32: shown part of the sensor, its px */
+  RG_CAPTURE_ZOOM = 24,          /* u32, q16: magnification over the widest */
+  RG_CAPTURE_KNOWN = 28,         /* u8: bits of rg_capture_known */
+  RG_CAPTURE_ORIENTATION = 29,   /* u8: 1 to 8, as EXIF has it */
+  RG_CAPTURE_RESERVED = 30       /* u16: 0 */
+};
+#define RG_CAPTURE_SIZE 32u
+
 #endif /* RAYGRID_BLOB_LAYOUT_H */

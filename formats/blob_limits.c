@@ -14,6 +14,8 @@ static rg_status check_entry(const uint8_t* bytes, const uint8_t* entry,
   const uint32_t type = rg_load_u16(entry + RG_ENTRY_TYPE);
   const uint32_t flags = rg_load_u16(entry + RG_ENTRY_FLAGS);
   if (flags > RG_SECTION_CRITICAL) return RG_ERR_SECTION_FLAGS;
+  if (type == RG_SECTION_CAPTURE && rg_find_entry(bytes, type, 0) != entry)
+    return RG_ERR_SECTION_DUPLICATE;
   if (type >= RG_NUM_SECTION_TYPES || !sections->of[type].bytes) return RG_OK;
   if (flags != (CRITICAL_TYPES >> type & 1u)) return RG_ERR_SECTION_FLAGS;
   return sections->of[type].bytes !=
@@ -238,6 +240,62 @@ static rg_status check_modes(const uint8_t* section, uint32_t size) {
   return status;
 }
 
+/* Whether values are in range if they are known, or else 0. */
+static int is_lens_position(const uint8_t* section, int is_known) {
+  const int32_t position_q16 = rg_load_i32(section + RG_CAPTURE_LENS_POSITION);
+  const uint32_t tolerance_q16 =
+      rg_load_u32(section + RG_CAPTURE_LENS_TOLERANCE);
+  const int32_t limit_q16 = is_known ? RG_LENS_POSITION_LIMIT_Q16 : 0;
+  return position_q16 <= limit_q16 && position_q16 >= -limit_q16 &&
+         tolerance_q16 <= (uint32_t)limit_q16;
+}
+
+/* Edge and length of a crop along an axis of the image. */
+static int is_crop_axis(int32_t start, uint32_t span, uint32_t image) {
+  return start <= (int32_t)RG_CROP_LIMIT && start >= -(int32_t)RG_CROP_LIMIT &&
+         span - 1 < RG_CROP_LIMIT && span <= RG_MAX_CROP_SCALE * image &&
+         image <= RG_MAX_CROP_SCALE * span;
+}
+
+static int is_crop(const uint8_t* section, int is_known,
+                   const uint8_t* camera) {
+  for (uint32_t c = 0; c < 2; ++c) {
+    const int32_t start = rg_load_i32(section + RG_CAPTURE_CROP_X + 4 * c);
+    const uint32_t span = rg_load_u32(section + RG_CAPTURE_CROP_WIDTH + 4 * c);
+    const uint32_t image = rg_load_u16(camera + RG_CAMERA_WIDTH + 2 * c);
+    const int is_good = is_known ? is_crop_axis(start, span, image)
+                                 : ((uint32_t)start | span) == 0;
+    if (!is_good) return 0;
+  }
+  return 1;
+}
+
+static int is_zoom(uint32_t zoom_q16, int is_known) {
+  return is_known ? zoom_q16 >= RG_MIN_ZOOM_Q16 && zoom_q16 <= RG_MAX_ZOOM_Q16
+                  : zoom_q16 == 0;
+}
+
+static int is_orientation(uint32_t orientation, int is_known) {
+  return is_known ? orientation - 1 < RG_MAX_ORIENTATION : orientation == 0;
+}
+
+static rg_status check_capture(const uint8_t* section, uint32_t size,
+                               const uint8_t* camera) {
+  if (size < RG_CAPTURE_SIZE) return RG_ERR_SECTION_SIZE;
+  if (rg_load_u16(section + RG_CAPTURE_RESERVED) != 0) return RG_ERR_RESERVED;
+  const uint32_t known = section[RG_CAPTURE_KNOWN];
+  return known - 1 < 2 * RG_KNOWS_ORIENTATION - 1 &&
+                 is_lens_position(section,
+                                  (known & RG_KNOWS_LENS_POSITION) != 0) &&
+                 is_crop(section, (known & RG_KNOWS_CROP) != 0, camera) &&
+                 is_zoom(rg_load_u32(section + RG_CAPTURE_ZOOM),
+                         (known & RG_KNOWS_ZOOM) != 0) &&
+                 is_orientation(section[RG_CAPTURE_ORIENTATION],
+                                (known & RG_KNOWS_ORIENTATION) != 0)
+             ? RG_OK
+             : RG_ERR_CAPTURE;
+}
+
 static rg_status check_remap(const uint8_t* bytes, const uint8_t* section,
                              uint32_t size, const uint8_t* camera) {
   if (section[RG_REMAP_PART_LOG2] == 0 && rg_bend_shift(section) != 0)
@@ -278,6 +336,8 @@ static rg_status check_section(const uint8_t* bytes, const uint8_t* entry,
       return check_modes(section, size);
     case RG_SECTION_INVERSE:
       return check_grid(section, size, 0);
+    case RG_SECTION_CAPTURE:
+      return check_capture(section, size, camera);
     default:
       return RG_OK;
   }
@@ -335,5 +395,6 @@ rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {
   blob->mask = offset_of(first, RG_SECTION_MASK);
   blob->uncertainty = offset_of(first, RG_SECTION_UNCERTAINTY);
   blob->modes = offset_of(first, RG_SECTION_MODES);
+  blob->capture = offset_of(first, RG_SECTION_CAPTURE);
   return RG_OK;
 }

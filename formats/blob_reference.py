@@ -24,7 +24,7 @@ Pair = tuple[int, int]
 
 MAGIC = b"RAYGRID\0"
 MAJOR = 1
-MINOR = 5
+MINOR = 6
 MAX_SECTIONS = 16
 
 HEADER = struct.Struct("<8sHHIHHIII")
@@ -40,6 +40,7 @@ INVERSE = struct.Struct("<4i2H2I2HIi")
 LINE_POINTS = struct.Struct("<2HI")
 MASK = struct.Struct("<2H2BHI")
 UNCERTAINTY = struct.Struct("<2H3I")
+CAPTURE = struct.Struct("<iI2i3I2BH")
 CRC_COVERED_HEADER = 28
 
 TYPE_CAMERA = 1
@@ -51,13 +52,15 @@ TYPE_MASK = 6
 TYPE_UNCERTAINTY = 7
 TYPE_MODES = 8
 TYPE_INVERSE = 10
+TYPE_CAPTURE = 11
 CRITICAL = 1
 FLAGS_OF_TYPE = {TYPE_CAMERA: CRITICAL, TYPE_GRID: CRITICAL, TYPE_REMAP: 0, TYPE_QUALITY: 0,
                  TYPE_LINE_POINTS: CRITICAL, TYPE_MASK: 0, TYPE_UNCERTAINTY: 0,
-                 TYPE_MODES: 0, TYPE_INVERSE: 0}
+                 TYPE_MODES: 0, TYPE_INVERSE: 0, TYPE_CAPTURE: 0}
 REQUIRED_TYPES = (TYPE_CAMERA, TYPE_GRID)
 SINGLE_TYPES = (TYPE_CAMERA, TYPE_GRID, TYPE_QUALITY, TYPE_LINE_POINTS,
-                TYPE_MASK, TYPE_UNCERTAINTY, TYPE_MODES, TYPE_INVERSE)
+                TYPE_MASK, TYPE_UNCERTAINTY, TYPE_MODES, TYPE_INVERSE, TYPE_CAPTURE)
+TYPES_SKIPPED_BY_BOARDS = (TYPE_CAPTURE,)
 
 MAX_IMAGE_SIDE = 16384
 MAX_REMAP_SIDE = 8192
@@ -91,6 +94,12 @@ LINE_POINT_LIMIT = 0x7F000000
 MASK_CELL_LOG2S = range(2, 9)
 UNCERTAINTY_COUNTS = range(2, 66)
 UNKNOWN_UNCERTAINTY = 0xFFFF
+LENS_POSITION_LIMIT_Q16 = 1024 << 16
+CROP_LIMIT = 65536
+MAX_CROP_SCALE = 64
+ZOOMS_Q16 = range(1 << 16, (1024 << 16) + 1)
+ORIENTATIONS = range(1, 9)
+KNOWS_LENS_POSITION, KNOWS_CROP, KNOWS_ZOOM, KNOWS_ORIENTATION = 1, 2, 4, 8
 
 EXIT_FAILURE = 1
 EXIT_INVALID = 8
@@ -302,6 +311,17 @@ class Uncertainty:
 
 
 @dataclass(frozen=True)
+class Capture:
+    """Capture (type 11), field by field; None or () of what is not known. Dioptres are q16."""
+
+    lens_position: int | None = None
+    lens_tolerance: int | None = None
+    crop: tuple[int, ...] = ()  # x, y, width, height
+    zoom: int | None = None
+    orientation: int | None = None
+
+
+@dataclass(frozen=True)
 class Blob:
     """The contents that this reader takes from a blob; `remap` is the first remap section."""
 
@@ -316,6 +336,7 @@ class Blob:
     mask: Mask | None = None
     uncertainty: Uncertainty | None = None
     modes: tuple[Mode, ...] = ()
+    capture: Capture | None = None
 
 
 def ceil_divide(a: int, b: int) -> int:
@@ -431,7 +452,7 @@ def check_flags(table: list[Entry]) -> None:
     for index, entry in enumerate(table):
         require(entry.flags & ~CRITICAL == 0, "RG_ERR_SECTION_FLAGS",
                 f"section {index} has flags {entry.flags:#x}")
-        if entry.type in FLAGS_OF_TYPE:
+        if entry.type in FLAGS_OF_TYPE and entry.type not in TYPES_SKIPPED_BY_BOARDS:
             require(entry.flags == FLAGS_OF_TYPE[entry.type], "RG_ERR_SECTION_FLAGS",
                     f"section {index} of type {entry.type} has flags {entry.flags:#x}")
         else:
@@ -464,7 +485,8 @@ def parse(data: bytes) -> Blob:
                TYPE_LINE_POINTS: lambda section: read_line_points(section, grid),
                TYPE_MASK: lambda section: read_valid_mask(section, camera),
                TYPE_UNCERTAINTY: lambda section: read_uncertainty(section, grid),
-               TYPE_INVERSE: read_inverse}
+               TYPE_INVERSE: read_inverse,
+               TYPE_CAPTURE: lambda section: read_capture(section, camera)}
     found = {kind: [] for kind in readers}
     for entry in table:
         if entry.type in readers:
@@ -472,7 +494,7 @@ def parse(data: bytes) -> Blob:
     first = {kind: next(iter(values), None) for kind, values in found.items()}
     return Blob(camera, grid, first[TYPE_REMAP], first[TYPE_QUALITY], first[TYPE_INVERSE],
                 tuple(found[TYPE_REMAP][1:]), first[TYPE_LINE_POINTS], first[TYPE_MASK],
-                first[TYPE_UNCERTAINTY], first[TYPE_MODES] or ())
+                first[TYPE_UNCERTAINTY], first[TYPE_MODES] or (), first[TYPE_CAPTURE])
 
 
 def sections(data: bytes, table: list[Entry], wanted: int) -> Iterator[bytes]:
@@ -822,6 +844,33 @@ def read_uncertainty(section: bytes, grid: CentralGrid) -> Uncertainty:
     array = array_bytes(section, data_offset, ceil_divide(count, 2) * 4, "uncertainty")
     values = struct.unpack(f"<{len(array) // 2}H", array)
     return dataclasses.replace(found, values=values[:count])
+
+
+def read_capture(section: bytes, camera: Camera) -> Capture:
+    """Capture (type 11)."""
+    fields = unpack_fields(CAPTURE, section, "capture")
+    position, tolerance, *crop, zoom, known, orientation, reserved = fields
+    require(reserved == 0, "RG_ERR_RESERVED", "the reserved field of the capture is not 0")
+    require(0 < known <= 15 and all(
+        in_range if known & bit else not any(values) for bit, values, in_range in (
+            (KNOWS_LENS_POSITION, (position, tolerance),
+             max(abs(position), tolerance) <= LENS_POSITION_LIMIT_Q16),
+            (KNOWS_CROP, crop, is_crop(crop, camera)),
+            (KNOWS_ZOOM, (zoom,), zoom in ZOOMS_Q16),
+            (KNOWS_ORIENTATION, (orientation,), orientation in ORIENTATIONS))),
+        "RG_ERR_CAPTURE", f"the capture is {fields}")
+    return Capture(*(value if known & bit else None for bit, value in (
+        (KNOWS_LENS_POSITION, position), (KNOWS_LENS_POSITION, tolerance))),
+        tuple(crop) if known & KNOWS_CROP else (),
+        zoom if known & KNOWS_ZOOM else None,
+        orientation if known & KNOWS_ORIENTATION else None)
+
+
+def is_crop(crop: list[int], camera: Camera) -> bool:
+    """Capture: a part of the sensor that images can show."""
+    return all(abs(start) <= CROP_LIMIT and 1 <= span <= CROP_LIMIT
+               and span <= MAX_CROP_SCALE * side and side <= MAX_CROP_SCALE * span
+               for start, span, side in zip(crop[:2], crop[2:], (camera.width, camera.height)))
 
 
 # Meaning
@@ -1487,10 +1536,14 @@ def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
         yield TYPE_UNCERTAINTY, pack_uncertainty(blob.uncertainty, blob.grid)
     if blob.inverse is not None:
         yield TYPE_INVERSE, pack_inverse(blob.inverse)
+    if blob.capture is not None:
+        yield TYPE_CAPTURE, pack_capture(blob.capture)
 
 
 def minor_version(packed: list[tuple[int, bytes]]) -> int:
     """Duties, "A writer": the minor version whose fields it uses."""
+    if any(kind == TYPE_CAPTURE for kind, _ in packed):
+        return 6
     remaps = [REMAP.unpack_from(section) for kind, section in packed if kind == TYPE_REMAP]
     if any(fields[7] & HAS_VIEW for fields in remaps) or any(
             kind == TYPE_MODES for kind, _ in packed):
@@ -1598,6 +1651,17 @@ def pack_inverse(inverse: InverseGrid) -> bytes:
     return fields + pack_narrow_points(grid)
 
 
+def pack_capture(capture: Capture) -> bytes:
+    """Capture (type 11)."""
+    known = sum(bit for bit, is_known in (
+        (KNOWS_LENS_POSITION, capture.lens_position is not None), (KNOWS_CROP, capture.crop != ()),
+        (KNOWS_ZOOM, capture.zoom is not None),
+        (KNOWS_ORIENTATION, capture.orientation is not None)) if is_known)
+    return CAPTURE.pack(capture.lens_position or 0, capture.lens_tolerance or 0,
+                        *(capture.crop or (0, 0, 0, 0)), capture.zoom or 0, known,
+                        capture.orientation or 0, 0)
+
+
 def pack_mode(mode: Mode) -> bytes:
     """Sensor modes: one of them."""
     return MODE.pack(mode.width, mode.height, *mode.offset, *mode.scale, *mode.flips, 0, 0, 0,
@@ -1665,6 +1729,8 @@ def inspect_lines(data: bytes) -> Iterator[str]:
         yield f"  cos_limit: {blob.inverse.cos_limit}"
     for mode in blob.modes:
         yield from field_lines("mode", mode)
+    if blob.capture is not None:
+        yield from field_lines("capture", blob.capture)
 
 
 def hexdump_lines(data: bytes) -> Iterator[str]:

@@ -57,7 +57,8 @@ static uint32_t num_sections(const rg_blob_contents* contents) {
   return 2u + (contents->remap != 0) + contents->num_more_remaps +
          (contents->quality != 0) + (contents->line_points_q28 != 0) +
          (contents->mask != 0) + (contents->uncertainty != 0) +
-         (contents->inverse != 0) + (contents->num_modes != 0);
+         (contents->inverse != 0) + (contents->num_modes != 0) +
+         (contents->capture != 0);
 }
 
 uint32_t rg_blob_size(const rg_blob_contents* contents) {
@@ -72,6 +73,7 @@ uint32_t rg_blob_size(const rg_blob_contents* contents) {
   if (contents->mask) size += valid_mask_size(contents->mask);
   if (contents->uncertainty) size += uncertainty_size(contents->uncertainty);
   if (contents->inverse) size += inverse_size(contents->inverse);
+  if (contents->capture) size += RG_CAPTURE_SIZE;
   return size + RG_MODE_SIZE * contents->num_modes;
 }
 
@@ -267,6 +269,20 @@ static void write_mode(const rg_mode_section* mode, uint8_t* section) {
   memcpy(section + RG_MODE_NAME, mode->name, RG_TEXT_SIZE);
 }
 
+static void write_capture(const rg_capture_section* capture, uint8_t* section) {
+  rg_store_i32(section + RG_CAPTURE_LENS_POSITION, capture->lens_position_q16);
+  rg_store_u32(section + RG_CAPTURE_LENS_TOLERANCE,
+               capture->lens_tolerance_q16);
+  rg_store_i32(section + RG_CAPTURE_CROP_X, capture->crop_x);
+  rg_store_i32(section + RG_CAPTURE_CROP_Y, capture->crop_y);
+  rg_store_u32(section + RG_CAPTURE_CROP_WIDTH, capture->crop_width);
+  rg_store_u32(section + RG_CAPTURE_CROP_HEIGHT, capture->crop_height);
+  rg_store_u32(section + RG_CAPTURE_ZOOM, capture->zoom_q16);
+  section[RG_CAPTURE_KNOWN] = capture->known;
+  section[RG_CAPTURE_ORIENTATION] = capture->orientation;
+  rg_store_u16(section + RG_CAPTURE_RESERVED, 0);
+}
+
 typedef struct section_writer {
   uint8_t* bytes;
   uint8_t* entry;
@@ -312,6 +328,9 @@ static void write_new_sections(const rg_blob_contents* contents,
     write_inverse(contents->inverse, contents->inverse_points,
                   begin_section(writer, RG_SECTION_INVERSE, 0,
                                 inverse_size(contents->inverse)));
+  if (contents->capture)
+    write_capture(contents->capture, begin_section(writer, RG_SECTION_CAPTURE,
+                                                   0, RG_CAPTURE_SIZE));
 }
 
 static void write_modes(const rg_blob_contents* contents,
@@ -358,6 +377,7 @@ static uint16_t version_of_remaps(const rg_blob_contents* contents) {
 
 /* The lowest minor version that has what the blob uses. */
 static uint16_t minor_version(const rg_blob_contents* contents) {
+  if (contents->capture) return 6;
   if (contents->num_modes != 0) return 5;
   const uint16_t version = version_of_remaps(contents);
   if (version != 0) return version;

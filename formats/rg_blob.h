@@ -18,7 +18,7 @@ extern "C" {
 #endif
 
 #define RG_FORMAT_MAJOR 1
-#define RG_FORMAT_MINOR 5 /* the highest that the writer writes */
+#define RG_FORMAT_MINOR 6 /* the highest that the writer writes */
 
 #define RG_MAX_SECTIONS 16u
 #define RG_SECTION_CRITICAL                        \
@@ -35,7 +35,8 @@ enum rg_section_type {
   RG_SECTION_UNCERTAINTY = 7,
   RG_SECTION_MODES = 8,
   RG_SECTION_INVERSE = 10,
-  RG_NUM_SECTION_TYPES
+  RG_NUM_SECTION_TYPES = 11, /* those that boards know */
+  RG_SECTION_CAPTURE = 11    /* whole readers know it alone */
 };
 
 #define RG_MAX_IMAGE_SIZE 16384u
@@ -65,6 +66,14 @@ enum rg_section_type {
 #define RG_CHART_LIMIT_Q27 (INT32_C(1) << 29) /* 4 */
 #define RG_INVERSE_PIXEL_BITS 17u /* of an inverse grid's control points */
 #define RG_UNKNOWN_FIGURE 0xffffffffu
+#define RG_LENS_POSITION_LIMIT_Q16 (INT32_C(1024) << 16) /* dioptres */
+#define RG_CROP_LIMIT 65536u                             /* px of the sensor */
+#define RG_MAX_CROP_SCALE                             \
+  64u /* of a crop's and an image's pixel, either way \
+       */
+#define RG_MIN_ZOOM_Q16 (UINT32_C(1) << 16)
+#define RG_MAX_ZOOM_Q16 (UINT32_C(1024) << 16)
+#define RG_MAX_ORIENTATION 8u
 
 /* Identity of the camera. */
 typedef struct rg_camera_section {
@@ -169,12 +178,30 @@ typedef struct rg_uncertainty_section {
   const uint8_t* values; /* row-major u16 q12 px; RG_UNKNOWN_UNCERTAINTY */
 } rg_uncertainty_section;
 
+enum rg_capture_known {
+  RG_KNOWS_LENS_POSITION = 1, /* and its tolerance */
+  RG_KNOWS_CROP = 2,
+  RG_KNOWS_ZOOM = 4,
+  RG_KNOWS_ORIENTATION = 8
+};
+
+/* How the camera stood while it was calibrated. What is not known is 0. */
+typedef struct rg_capture_section {
+  uint8_t known; /* bits of rg_capture_known */
+  int32_t lens_position_q16;
+  uint32_t lens_tolerance_q16;
+  int32_t crop_x, crop_y; /* the shown part of the sensor, in its pixels */
+  uint32_t crop_width, crop_height;
+  uint32_t zoom_q16;   /* magnification over the widest */
+  uint8_t orientation; /* 1 to 8, as EXIF has it */
+} rg_capture_section;
+
 /* A validated blob. Offsets are from the first byte; 0 means absent. */
 typedef struct rg_blob {
   const uint8_t* bytes;
   uint32_t size;
   uint32_t camera, grid, remap, quality, inverse;
-  uint32_t line_points, mask, uncertainty, modes;
+  uint32_t line_points, mask, uncertainty, modes, capture;
 } rg_blob;
 
 /* Validates num_bytes bytes, by every limit of SPEC.md, and finds the sections.
@@ -183,7 +210,8 @@ typedef struct rg_blob {
  * bytes  multiple of 4. Bytes after the blob's own end are not looked at.
  *
  * Nothing outside bytes[0, num_bytes) is read, whatever they hold. Every
- * status from RG_ERR_MISALIGNED to RG_ERR_UNCERTAINTY names one fault. */
+ * status from RG_ERR_MISALIGNED to RG_ERR_MODE, and RG_ERR_CAPTURE, names one
+ * fault. */
 rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob);
 
 /* Sections of a blob that rg_blob_open() accepted. The optional ones,
@@ -199,6 +227,7 @@ void rg_blob_inverse(const rg_blob* blob, rg_inverse_section* inverse);
 void rg_blob_mask(const rg_blob* blob, rg_mask_section* mask);
 void rg_blob_uncertainty(const rg_blob* blob,
                          rg_uncertainty_section* uncertainty);
+void rg_blob_capture(const rg_blob* blob, rg_capture_section* capture);
 
 /* How many modes a blob has, and the index-th of them, counted from 0. */
 uint32_t rg_blob_num_modes(const rg_blob* blob);
@@ -242,6 +271,7 @@ typedef struct rg_blob_contents {
   const rg_mask_section* mask;               /* NULL: none */
   const rg_uncertainty_section* uncertainty; /* NULL: none */
   const uint16_t* uncertainties_q12;         /* in host order */
+  const rg_capture_section* capture;         /* NULL: none */
 } rg_blob_contents;
 
 /* Bytes that rg_blob_write() will need. */

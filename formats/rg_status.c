@@ -73,6 +73,8 @@ const char* rg_status_text(rg_status status) {
       return "values or scale of the uncertainty out of range";
     case RG_ERR_MODE:
       return "sensor mode out of range, or a table's mode is missing";
+    case RG_ERR_CAPTURE:
+      return "what calibration recorded of the camera is out of range";
     case RG_ERR_OUTSIDE_AREA:
       return "pixel lies outside the calibrated area";
     case RG_ERR_NO_REMAP:

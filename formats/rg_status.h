@@ -55,7 +55,8 @@ typedef enum rg_status {
   RG_ERR_LINE_POINT = -46,  /* line points: fraction bits, or one too large */
   RG_ERR_MASK = -47,        /* validity mask: cell size or counts */
   RG_ERR_UNCERTAINTY = -48, /* uncertainty: number of values, or its scale */
-  RG_ERR_MODE = -49, /* a sensor mode, or a table of one that is not there */
+  RG_ERR_MODE = -49,    /* a sensor mode, or a table of one that is not there */
+  RG_ERR_CAPTURE = -61, /* capture: a value, or one of what is not known */
 
   /* Use of an open camera. */
   RG_ERR_OUTSIDE_AREA = -50, /* pixel outside the calibrated area */

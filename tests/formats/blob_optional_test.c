@@ -16,8 +16,8 @@ static uint8_t edited[sizeof(kWideBlob)] __attribute__((aligned(16)));
 
 /* A value of a field of the section of that type: in kNarrowBlob for the grid,
  * in kBentBlob for a remap, in kViewsBlob for one with a view, in kModesBlob
- * for one of a mode and for modes, in kLinesBlob for line points, otherwise in
- * kWideBlob. */
+ * for one of a mode and for modes, in kLinesBlob for line points, in
+ * kCaptureBlob for the capture, otherwise in kWideBlob. */
 typedef struct field_value {
   const char* what;
   uint32_t type, offset, num_bytes, value;
@@ -144,6 +144,38 @@ static const field_value kValues[] = {
     {"values in the fields", 7, 12, 4, 12, RG_ERR_DATA_OFFSET},
     {"values end too late", 7, 12, 4, 20, RG_ERR_SECTION_SIZE},
     {"largest value", 7, 16, 2, 65534, RG_OK},
+
+    {"farthest lens position", 11, 0, 4, 1024u << 16, RG_OK},
+    {"lens position beyond", 11, 0, 4, (1024u << 16) + 1, RG_ERR_CAPTURE},
+    {"lens position below", 11, 0, 4, 0xfbffffff, RG_ERR_CAPTURE},
+    {"smallest number as lens position", 11, 0, 4, 0x80000000, RG_ERR_CAPTURE},
+    {"no tolerance of the lens", 11, 4, 4, 0, RG_OK},
+    {"tolerance beyond", 11, 4, 4, (1024u << 16) + 1, RG_ERR_CAPTURE},
+    {"crop far to the left", 11, 8, 4, (uint32_t)-65536, RG_OK},
+    {"crop farther to the left", 11, 8, 4, (uint32_t)-65537, RG_ERR_CAPTURE},
+    {"crop far below", 11, 12, 4, 65537, RG_ERR_CAPTURE},
+    {"smallest number as the crop's edge", 11, 8, 4, 0x80000000,
+     RG_ERR_CAPTURE},
+    {"crop of no width", 11, 16, 4, 0, RG_ERR_CAPTURE},
+    {"crop of no height", 11, 20, 4, 0, RG_ERR_CAPTURE},
+    {"crop of a pixel", 11, 16, 4, 1, RG_OK},
+    {"widest crop of the image's 64 pixels", 11, 16, 4, 4096, RG_OK},
+    {"wider crop", 11, 16, 4, 4097, RG_ERR_CAPTURE},
+    {"crop wider than sensors", 11, 16, 4, 0xffffffff, RG_ERR_CAPTURE},
+    {"crop whose width wraps", 11, 20, 4, 0x04000001, RG_ERR_CAPTURE},
+    {"no zoom", 11, 24, 4, 65536, RG_OK},
+    {"zoom below 1", 11, 24, 4, 65535, RG_ERR_CAPTURE},
+    {"zoom above 1024", 11, 24, 4, (1024u << 16) + 1, RG_ERR_CAPTURE},
+    {"nothing known", 11, 28, 1, 0, RG_ERR_CAPTURE},
+    {"lens position that is not known", 11, 28, 1, 14, RG_ERR_CAPTURE},
+    {"crop that is not known", 11, 28, 1, 13, RG_ERR_CAPTURE},
+    {"zoom that is not known", 11, 28, 1, 11, RG_ERR_CAPTURE},
+    {"orientation that is not known", 11, 28, 1, 7, RG_ERR_CAPTURE},
+    {"what later versions may know", 11, 28, 1, 31, RG_ERR_CAPTURE},
+    {"orientation 0", 11, 29, 1, 0, RG_ERR_CAPTURE},
+    {"orientation 8", 11, 29, 1, 8, RG_OK},
+    {"orientation 9", 11, 29, 1, 9, RG_ERR_CAPTURE},
+    {"reserved field of the capture", 11, 30, 2, 1, RG_ERR_RESERVED},
 };
 
 static const uint8_t* blob_with(uint32_t type) {
@@ -153,6 +185,7 @@ static const uint8_t* blob_with(uint32_t type) {
          : type == MODE_TABLE              ? kModesBlob
          : type == RG_SECTION_MODES        ? kModesBlob
          : type == RG_SECTION_CENTRAL_GRID ? kNarrowBlob
+         : type == RG_SECTION_CAPTURE      ? kCaptureBlob
                                            : kWideBlob;
 }
 
@@ -163,6 +196,7 @@ static uint32_t size_of_blob_with(uint32_t type) {
          : type == MODE_TABLE              ? sizeof(kModesBlob)
          : type == RG_SECTION_MODES        ? sizeof(kModesBlob)
          : type == RG_SECTION_CENTRAL_GRID ? sizeof(kNarrowBlob)
+         : type == RG_SECTION_CAPTURE      ? sizeof(kCaptureBlob)
                                            : sizeof(kWideBlob);
 }
 
@@ -213,7 +247,7 @@ static void mirrors_are_no_rotations(void** state) {
   assert_int_equal(open_with_negated_rows(3), RG_ERR_REMAP_CAMERA);
 }
 
-static const uint16_t kTypes[] = {5, 6, 7, 10};
+static const uint16_t kTypes[] = {5, 6, 7, 10, 11};
 #define NUM_TYPES (sizeof(kTypes) / sizeof(kTypes[0]))
 
 static void only_line_points_are_critical(void** state) {
@@ -223,7 +257,10 @@ static void only_line_points_are_critical(void** state) {
     memcpy(edited, blob_with(kTypes[i]), size);
     edited[entry_of_type(kTypes[i]) + 2] ^= RG_SECTION_CRITICAL;
     repair_crcs(edited, size);
-    assert_int_equal(open_copy(edited, size), RG_ERR_SECTION_FLAGS);
+    /* Boards do not know captures. */
+    assert_int_equal(open_copy(edited, size), kTypes[i] == RG_SECTION_CAPTURE
+                                                  ? RG_ERR_SECTION_UNKNOWN
+                                                  : RG_ERR_SECTION_FLAGS);
   }
 }
 
@@ -336,6 +373,61 @@ static void mask_and_uncertainty_are_read(void** state) {
   assert_ptr_equal(uncertainty.values, kWideBlob + blob.uncertainty + 16);
 }
 
+static void capture_is_read(void** state) {
+  (void)state;
+  rg_blob blob;
+  rg_capture_section capture;
+  assert_int_equal(rg_blob_open(kCaptureBlob, sizeof(kCaptureBlob), &blob),
+                   RG_OK);
+  rg_blob_capture(&blob, &capture);
+  assert_int_equal(capture.known, 15);
+  assert_int_equal(capture.lens_position_q16, 2 << 16);
+  assert_int_equal(capture.lens_tolerance_q16, 6553);
+  assert_int_equal(capture.crop_x, 4);
+  assert_int_equal(capture.crop_y, 4);
+  assert_int_equal(capture.crop_width, 256);
+  assert_int_equal(capture.crop_height, 192);
+  assert_int_equal(capture.zoom_q16, 66191);
+  assert_int_equal(capture.orientation, 3);
+  assert_int_equal(rg_blob_open(kWideBlob, sizeof(kWideBlob), &blob), RG_OK);
+  assert_int_equal(blob.capture, 0);
+}
+
+/* Nothing is known but one thing, and the rest is 0. */
+static void capture_of_one_thing_is_read(void** state) {
+  (void)state;
+  const uint32_t section =
+      rg_load_u32(kCaptureBlob + entry_of_type(RG_SECTION_CAPTURE) + 4);
+  static const uint8_t kBytes[4][2] = {{0, 8}, {8, 24}, {24, 28}, {29, 30}};
+  for (uint32_t k = 0; k < 4; ++k) {
+    const uint32_t size = sizeof(kCaptureBlob);
+    memcpy(edited, kCaptureBlob, size);
+    memset(edited + section, 0, RG_CAPTURE_SIZE);
+    memcpy(edited + section + kBytes[k][0],
+           kCaptureBlob + section + kBytes[k][0],
+           (size_t)(kBytes[k][1] - kBytes[k][0]));
+    edited[section + RG_CAPTURE_KNOWN] = (uint8_t)(1u << k);
+    repair_crcs(edited, size);
+    assert_int_equal(open_copy(edited, size), RG_OK);
+  }
+}
+
+/* Fields that later versions may add. */
+static void longer_capture_is_read(void** state) {
+  (void)state;
+  static uint8_t bytes[RG_CAPTURE_SIZE + 8];
+  const uint32_t k = (entry_of_type(RG_SECTION_CAPTURE) - RG_HEADER_SIZE) / 16;
+  blob_section sections[3] = {section_of(kCaptureBlob, 0),
+                              section_of(kCaptureBlob, 1),
+                              section_of(kCaptureBlob, k)};
+  memcpy(bytes, sections[2].bytes, RG_CAPTURE_SIZE);
+  bytes[RG_CAPTURE_SIZE + 3] = 7;
+  sections[2].bytes = bytes;
+  sections[2].size = sizeof(bytes);
+  assert_int_equal(open_copy(edited, assemble_blob(sections, 3, edited)),
+                   RG_OK);
+}
+
 /* The grid's fields are not looked at before its size. */
 static void line_points_before_a_short_grid_are_refused(void** state) {
   (void)state;
@@ -373,6 +465,9 @@ int main(void) {
       cmocka_unit_test(inverse_grid_is_read),
       cmocka_unit_test(start_of_older_versions_is_skipped),
       cmocka_unit_test(mask_and_uncertainty_are_read),
+      cmocka_unit_test(capture_is_read),
+      cmocka_unit_test(capture_of_one_thing_is_read),
+      cmocka_unit_test(longer_capture_is_read),
       cmocka_unit_test(line_points_before_a_short_grid_are_refused),
       cmocka_unit_test(every_flipped_bit_is_refused),
   };

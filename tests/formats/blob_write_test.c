@@ -29,6 +29,7 @@ typedef struct camera_parts {
   rg_mask_section mask;
   rg_uncertainty_section uncertainty;
   uint16_t uncertainties[16];
+  rg_capture_section capture;
   rg_blob_contents contents;
 } camera_parts;
 
@@ -126,6 +127,10 @@ static void take_apart(const uint8_t* bytes, uint32_t size) {
   if (blob.line_points) take_line_points(&blob);
   if (blob.mask) take_mask_and_uncertainty(&blob);
   if (blob.inverse) take_inverse(&blob);
+  if (blob.capture) {
+    rg_blob_capture(&blob, &parts.capture);
+    parts.contents.capture = &parts.capture;
+  }
   const uint8_t* second = rg_find_section(bytes, RG_SECTION_REMAP, 1);
   if (second) take_second_remap(second);
 }
@@ -316,6 +321,16 @@ static void lines_are_written_byte_for_byte(void** state) {
   assert_int_equal(rg_blob_size(&parts.contents), sizeof(kLinesBlob));
   assert_int_equal(write_parts(), RG_OK);
   assert_memory_equal(written, kLinesBlob, sizeof(kLinesBlob));
+}
+
+static void capture_is_written_byte_for_byte(void** state) {
+  (void)state;
+  take_apart(kCaptureBlob, sizeof(kCaptureBlob));
+  assert_int_equal(rg_blob_size(&parts.contents), sizeof(kCaptureBlob));
+  assert_int_equal(write_parts(), RG_OK);
+  assert_memory_equal(written, kCaptureBlob, sizeof(kCaptureBlob));
+  parts.capture.crop_height = 0;
+  assert_int_equal(write_parts(), RG_ERR_CAPTURE);
 }
 
 static void missing_arrays_are_refused(void** state) {
@@ -513,6 +528,7 @@ int main(void) {
       TEST(narrow_grid_is_written_byte_for_byte),
       TEST(wide_camera_is_written_byte_for_byte),
       TEST(lines_are_written_byte_for_byte),
+      TEST(capture_is_written_byte_for_byte),
       TEST(missing_arrays_are_refused),
       TEST(optional_sections_may_be_left_out),
       TEST(too_small_buffer_is_left_alone),

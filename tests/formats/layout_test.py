@@ -21,6 +21,7 @@ TABLES = {
     "### Validity mask (": ("RG_MASK_", "RG_MASK_FIELDS_SIZE"),
     "### Uncertainty (": ("RG_UNCERTAINTY_", "RG_UNCERTAINTY_FIELDS_SIZE"),
     "### Inverse grid (": ("RG_INVERSE_", "RG_GRID_FIELDS_SIZE"),
+    "### Capture (": ("RG_CAPTURE_", "RG_CAPTURE_SIZE"),
 }
 # What SPEC.md says in words instead: the fields behind each other, and the size of all.
 WORDS = {

@@ -21,7 +21,8 @@ static const golden_blob kBlobs[] = {
     {kExampleBlob, sizeof(kExampleBlob)}, {kLensBlob, sizeof(kLensBlob)},
     {kNarrowBlob, sizeof(kNarrowBlob)},   {kWideBlob, sizeof(kWideBlob)},
     {kLinesBlob, sizeof(kLinesBlob)},     {kBentBlob, sizeof(kBentBlob)},
-    {kViewsBlob, sizeof(kViewsBlob)},     {kModesBlob, sizeof(kModesBlob)}};
+    {kViewsBlob, sizeof(kViewsBlob)},     {kModesBlob, sizeof(kModesBlob)},
+    {kCaptureBlob, sizeof(kCaptureBlob)}};
 #define NUM_BLOBS (sizeof(kBlobs) / sizeof(kBlobs[0]))
 
 static uint32_t state;

@@ -506,6 +506,13 @@ def make_lines(example: reference.Blob) -> reference.Blob:
     return dataclasses.replace(example, remap=None, quality=None, line_points=tuple(points))
 
 
+def make_capture(example: reference.Blob) -> reference.Blob:
+    """The example's camera, focused to half a metre, of the middle of a sensor of 264 x 200 pixels,
+    upside down."""
+    capture = reference.Capture(2 * Q16, Q16 // 10, (4, 4, 256, 192), 66191, 3)
+    return dataclasses.replace(example, remap=None, quality=None, capture=capture)
+
+
 def make_narrow(lens: reference.Blob) -> reference.Blob:
     """The lens's camera with control points of 16 bits, and an inverse grid."""
     blob = reference.Blob(lens.camera, narrow_grid(lens.grid))
@@ -1088,6 +1095,8 @@ def header_lines(example: reference.Blob, lens: reference.Blob,
         yield f"    0x{crc:08x}u,"
     yield "};"
     yield ""
+    yield "/* The example's camera without tables, and how it stood: version 1.6. */"
+    yield from blob_lines("kCaptureBlob", reference.serialize(make_capture(example)))
     yield "/* q29 chart positions, up to the limit. */"
     yield "static const golden_ray kChartRays[] = {"
     yield from chart_lines()

@@ -147,6 +147,23 @@ static void mask_and_uncertainty_beyond_their_sections_are_not_read(
                    RG_ERR_UNCERTAINTY);
 }
 
+/* Boards skip it, whatever its values, but not its CRC. */
+static void captures_are_skipped(void** state) {
+  (void)state;
+  rg_camera camera;
+  memcpy(blob, kCaptureBlob, sizeof(kCaptureBlob));
+  uint8_t* const section =
+      blob + (rg_find_section(blob, RG_SECTION_CAPTURE, 0) - blob);
+  memset(section, 0xff, RG_CAPTURE_SIZE);
+  assert_int_equal(rg_camera_open(&camera, blob, sizeof(kCaptureBlob)),
+                   RG_ERR_SECTION_CRC);
+  repair_crcs(blob, sizeof(kCaptureBlob));
+  assert_int_equal(rg_camera_open(&camera, blob, sizeof(kCaptureBlob)), RG_OK);
+  rg_blob whole;
+  assert_int_equal(rg_blob_open(blob, sizeof(kCaptureBlob), &whole),
+                   RG_ERR_RESERVED);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(handle_is_at_most_64_bytes),
@@ -160,6 +177,7 @@ int main(void) {
       cmocka_unit_test(broken_table_is_refused_when_it_is_chosen),
       cmocka_unit_test(table_without_room_for_its_view_is_refused),
       cmocka_unit_test(mask_and_uncertainty_beyond_their_sections_are_not_read),
+      cmocka_unit_test(captures_are_skipped),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
