@@ -56,6 +56,7 @@ CameraInput ParseCamera(const std::string& path, const std::string& bytes) {
   // The format asks for UTF-8, and readers do not check it.
   input.file.name = Printable(identity.name);
   input.file.serial = Printable(identity.serial);
+  input.file.capture = input.blob->CaptureAtCalibration();
   return input;
 }
 

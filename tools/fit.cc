@@ -106,6 +106,7 @@ Fit FitCamera(const FitArguments& arguments,
   Fit fit;
   fit.file.name = input.file.name;
   fit.file.serial = input.file.serial;
+  fit.file.capture = input.file.capture;
   auto trusted = TrustOf(input);
   if (trusted && !trusted->TrustsAny()) trusted.reset();
   FittedModel nearest = FitModel(arguments.model, camera, trusted, grid);

@@ -105,6 +105,18 @@ Json MaskFacts(const rg_blob& blob) {
           {"cell_px", 1 << mask.cell_log2}};
 }
 
+Json CaptureFacts(const Capture& capture) {
+  Json json = Json::object();
+  if (capture.lens_position) {
+    json["lens_position_dpt"] = *capture.lens_position;
+    json["lens_tolerance_dpt"] = capture.lens_tolerance;
+  }
+  if (capture.crop) json["crop"] = *capture.crop;
+  if (capture.zoom) json["zoom"] = *capture.zoom;
+  if (capture.orientation) json["orientation"] = *capture.orientation;
+  return json;
+}
+
 Json BlobFacts(const BlobCamera& camera) {
   const rg_blob& blob = camera.blob();
   rg_camera_section identity;
@@ -144,6 +156,8 @@ Json BlobFacts(const BlobCamera& camera) {
   if (blob.quality) AddQuality(blob, &json);
   if (blob.uncertainty) json["uncertainty"] = UncertaintyFacts(blob);
   if (blob.mask) json["trusted"] = MaskFacts(blob);
+  if (const auto capture = camera.CaptureAtCalibration())
+    json["capture"] = CaptureFacts(*capture);
   return json;
 }
 
@@ -195,6 +209,7 @@ Json CameraFacts(const CameraFile& file) {
   if (file.uncertainty)
     json["uncertainty"]["trusted_part_of_image"] =
         file.uncertainty->TrustedPart(size, area);
+  if (file.capture) json["capture"] = CaptureFacts(*file.capture);
   if (file.camera_from_view) {
     const Eigen::Vector3d turned =
         ViewAnglesDeg(file.camera_from_view->rotation.toRotationMatrix());
@@ -298,7 +313,7 @@ std::string ValueText(const Json& value, int digits = 6) {
   if (value.is_number_float())
     return fmt::format("{:.{}g}", double(value), digits);
   if (!value.is_array()) return value.dump();
-  const bool is_size = value[0].is_number_integer();
+  const bool is_size = value.size() == 2 && value[0].is_number_integer();
   std::string text;
   for (const Json& element : value)
     text += (text.empty() ? "" : is_size ? " x " : ", ") + ValueText(element);
@@ -308,7 +323,7 @@ std::string ValueText(const Json& value, int digits = 6) {
 // A key without its unit, and the unit: "median_px" is "median" and " px".
 std::pair<std::string, std::string> NameAndUnit(std::string key) {
   std::string unit;
-  for (const char* known : {"px", "rad", "m"}) {
+  for (const char* known : {"px", "rad", "m", "dpt"}) {
     const std::string ending = std::string("_") + known;
     if (key.size() <= ending.size() ||
         key.compare(key.size() - ending.size(), ending.size(), ending) != 0)

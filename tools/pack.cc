@@ -9,6 +9,7 @@
 
 #include "camera/camera_frame.h"
 #include "camera_input.h"
+#include "capture_options.h"
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
@@ -20,7 +21,7 @@ namespace {
 
 struct PackArguments {
   std::string camera, output, name, serial;
-  std::vector<std::string> remaps, modes;
+  std::vector<std::string> remaps, modes, capture;
   std::string outside = "fill";
   double max_error_px = 0.05;
   bool wide_grid = false;
@@ -183,6 +184,8 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
                 arguments.camera + ": is a blob already; pack a camera.yaml");
   if (!arguments.name.empty()) input.file.name = arguments.name;
   if (!arguments.serial.empty()) input.file.serial = arguments.serial;
+  input.file.capture = ParseCaptureWords(arguments.capture, input.file.capture,
+                                         input.file.camera->image_size());
   const auto blob_from_camera = TurnIntoCameraFrame(&input.file.camera);
   PackOptions options;
   options.remaps =
@@ -248,6 +251,14 @@ void AddPack(CLI::App* app, CommonOptions* common) {
   command->add_option("--name", arguments->name, "camera's name in the blob");
   command->add_option("--serial", arguments->serial,
                       "camera's serial number in the blob");
+  command
+      ->add_option("--capture", arguments->capture,
+                   std::string("how the camera stood while it was calibrated, "
+                               "which raygrid-camera compares frames with: ") +
+                       kCaptureWordsHelp +
+                       ", with commas between; or none. What is not said is "
+                       "camera.yaml's")
+      ->allow_extra_args(false);
   AddHugeOption(command);
   command->callback([arguments, common] { Run(*arguments, *common); });
 }

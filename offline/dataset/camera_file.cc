@@ -4,7 +4,9 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
 #include <vector>
 
 #include "camera/central_radial.h"
@@ -16,6 +18,7 @@
 #include "dataset/files.h"
 #include "dataset/image_header.h"
 #include "dataset/pose_node.h"
+#include "dataset/text_encoding.h"
 #include "dataset/yaml_file.h"
 
 namespace raygrid {
@@ -290,6 +293,45 @@ std::optional<ImageCircle> ParseImageCircle(const YAML::Node& node) {
       Eigen::Vector2d::Constant(radius_px)};
 }
 
+// A key that is misspelt would compare nothing.
+void RequireCaptureKeys(const YAML::Node& node) {
+  static const std::set<std::string> kKnown = {
+      "lens_position", "lens_tolerance", "crop", "zoom", "orientation"};
+  if (!node.IsMap()) throw InputError("capture: not a mapping");
+  for (const auto& entry : node)
+    if (const auto key = entry.first.as<std::string>(); !kKnown.count(key))
+      throw InputError(
+          fmt::format("capture: unknown key '{}'; lens_position, "
+                      "lens_tolerance, crop, zoom and orientation are known",
+                      Printable(key)));
+}
+
+std::optional<Capture> ParseCapture(const YAML::Node& node,
+                                    const ImageSize& size) {
+  if (!node) return std::nullopt;
+  RequireCaptureKeys(node);
+  Capture capture;
+  if (node["lens_position"])
+    capture.lens_position =
+        Number(node["lens_position"], "capture: lens_position");
+  if (node["lens_tolerance"]) {
+    if (!capture.lens_position)
+      throw InputError("capture: lens_tolerance needs lens_position");
+    capture.lens_tolerance =
+        Number(node["lens_tolerance"], "capture: lens_tolerance");
+  }
+  if (node["crop"]) {
+    RequireList(node["crop"], "capture: crop", 4);
+    capture.crop = node["crop"].as<std::array<int, 4>>();
+  }
+  if (node["zoom"]) capture.zoom = Number(node["zoom"], "capture: zoom");
+  if (node["orientation"]) capture.orientation = node["orientation"].as<int>();
+  if (!capture.KnowsAny()) throw InputError("capture: says nothing");
+  if (const char* const impossible = FindImpossible(capture, size))
+    throw InputError(std::string("capture: ") + impossible);
+  return capture;
+}
+
 // Throws what yaml-cpp throws, and InputError without the file's name.
 CameraFile Parse(const YAML::Node& root) {
   RequireKind(root, "camera");
@@ -342,6 +384,7 @@ CameraFile Parse(const YAML::Node& root) {
       file.verdict = root["quality"]["verdict"].as<std::string>();
   }
   file.uncertainty = ParseUncertainty(root, image_size);
+  file.capture = ParseCapture(root["capture"], image_size);
   return file;
 }
 
@@ -424,6 +467,26 @@ void EmitUncertainty(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
 void EmitPose(const Pose& pose, YAML::Emitter* out) {
   *out << YAML::Key << "camera_from_view" << YAML::Value
        << YAML::Load(FormatPose(pose, ""));
+}
+
+void EmitCapture(const Capture& capture, YAML::Emitter* out) {
+  *out << YAML::Key << "capture" << YAML::Value << YAML::BeginMap;
+  if (capture.lens_position)
+    *out << YAML::Key << "lens_position" << YAML::Value
+         << fmt::format("{}", *capture.lens_position) << YAML::Key
+         << "lens_tolerance" << YAML::Value
+         << fmt::format("{}", capture.lens_tolerance);
+  if (capture.crop) {
+    *out << YAML::Key << "crop" << YAML::Value << YAML::Flow << YAML::BeginSeq;
+    for (const int number : *capture.crop) *out << number;
+    *out << YAML::EndSeq;
+  }
+  if (capture.zoom)
+    *out << YAML::Key << "zoom" << YAML::Value
+         << fmt::format("{}", *capture.zoom);
+  if (capture.orientation)
+    *out << YAML::Key << "orientation" << YAML::Value << *capture.orientation;
+  *out << YAML::EndMap;
 }
 
 void EmitParameters(const ParametricModel& lens, Digits digits,
@@ -533,6 +596,7 @@ std::string FormatCameraFile(const CameraFile& file, Digits digits) {
   }
   if (file.uncertainty) EmitUncertainty(*file.uncertainty, &out);
   if (file.camera_from_view) EmitPose(*file.camera_from_view, &out);
+  if (file.capture) EmitCapture(*file.capture, &out);
   // The model, which no camera lacks, comes last: a file that was cut is no
   // camera.
   EmitModel(camera, digits, &out);

@@ -8,6 +8,7 @@
 #include "camera/camera_model.h"
 #include "camera/camera_uncertainty.h"
 #include "camera/pose.h"
+#include "dataset/capture.h"
 
 namespace raygrid {
 
@@ -26,6 +27,7 @@ struct CameraFile {
   std::optional<CameraUncertainty> uncertainty;
   /// The pose of a view that is turned against the camera it is made from.
   std::optional<Pose> camera_from_view;
+  std::optional<Capture> capture;  ///< knows something, if it is there
 };
 
 /// Throws InputError.

@@ -179,6 +179,25 @@ rg_camera BlobCamera::WithTable(uint32_t remap_index) const {
   return camera;
 }
 
+std::optional<Capture> BlobCamera::CaptureAtCalibration() const {
+  if (!blob_.capture) return std::nullopt;
+  rg_capture_section section;
+  rg_blob_capture(&blob_, &section);
+  Capture capture;
+  if (section.known & RG_KNOWS_LENS_POSITION) {
+    capture.lens_position = section.lens_position_q16 / 65536.0;
+    capture.lens_tolerance = section.lens_tolerance_q16 / 65536.0;
+  }
+  if (section.known & RG_KNOWS_CROP)
+    capture.crop = {section.crop_x, section.crop_y,
+                    static_cast<int>(section.crop_width),
+                    static_cast<int>(section.crop_height)};
+  if (section.known & RG_KNOWS_ZOOM) capture.zoom = section.zoom_q16 / 65536.0;
+  if (section.known & RG_KNOWS_ORIENTATION)
+    capture.orientation = section.orientation;
+  return capture;
+}
+
 VirtualView BlobCamera::ViewOfRemap(uint32_t remap_index) const {
   rg_remap_section remap;
   rg_read_remap(WithTable(remap_index).remap, &remap);

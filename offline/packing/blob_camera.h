@@ -11,6 +11,7 @@
 #include "camera/camera_model.h"
 #include "camera/camera_uncertainty.h"
 #include "camera/sensor_mode.h"
+#include "dataset/capture.h"
 #include "dataset/image_files.h"
 #include "packing/view.h"
 #include "raygrid.h"
@@ -54,6 +55,10 @@ class BlobCamera {
 
   /// The cells that the blob calls valid; nothing if it has no mask.
   std::optional<TrustMask> Trusted() const;
+
+  /// How the camera stood while it was calibrated; nothing if the blob does not
+  /// say.
+  std::optional<Capture> CaptureAtCalibration() const;
 
   /// The view of a remap table, the size of what it takes, and its direction.
   /// Throw Error(kBlob) if there is none of that number.

@@ -56,6 +56,34 @@ UncertaintySections QuantizeUncertainty(const CameraUncertainty& known,
   return sections;
 }
 
+rg_capture_section QuantizeCapture(const Capture& capture) {
+  const auto q16 = [](double value) { return std::lround(value * 65536); };
+  rg_capture_section section = {};
+  if (capture.lens_position) {
+    section.known |= RG_KNOWS_LENS_POSITION;
+    section.lens_position_q16 =
+        static_cast<int32_t>(q16(*capture.lens_position));
+    section.lens_tolerance_q16 =
+        static_cast<uint32_t>(q16(capture.lens_tolerance));
+  }
+  if (capture.crop) {
+    section.known |= RG_KNOWS_CROP;
+    section.crop_x = (*capture.crop)[0];
+    section.crop_y = (*capture.crop)[1];
+    section.crop_width = static_cast<uint32_t>((*capture.crop)[2]);
+    section.crop_height = static_cast<uint32_t>((*capture.crop)[3]);
+  }
+  if (capture.zoom) {
+    section.known |= RG_KNOWS_ZOOM;
+    section.zoom_q16 = static_cast<uint32_t>(q16(*capture.zoom));
+  }
+  if (capture.orientation) {
+    section.known |= RG_KNOWS_ORIENTATION;
+    section.orientation = static_cast<uint8_t>(*capture.orientation);
+  }
+  return section;
+}
+
 rg_quality_section QualityOf(const CameraFile& file,
                              const UnprojectionError& packing) {
   const auto figure = [](const std::optional<ErrorFigures>& figures,

@@ -27,6 +27,9 @@ struct UncertaintySections {
 UncertaintySections QuantizeUncertainty(const CameraUncertainty& known,
                                         const rg_grid_section& grid);
 
+/// How the camera stood while it was calibrated, in the format's integers.
+rg_capture_section QuantizeCapture(const Capture& capture);
+
 /// The errors of calibration, as the file has them, and of packing; rounded up.
 rg_quality_section QualityOf(const CameraFile& file,
                              const UnprojectionError& packing);

@@ -95,7 +95,8 @@ void RequireFewTables(const CameraFile& file, const PackOptions& options) {
       std::any_of(options.remaps.begin(), options.remaps.end(),
                   [](const RemapRequest& remap) { return remap.mode; });
   const size_t num_others = size_t{4} + !file.camera->IsCentral() +
-                            (file.uncertainty ? 2 : 0) + has_modes;
+                            (file.uncertainty ? 2 : 0) + has_modes +
+                            file.capture.has_value();
   const size_t max_tables = RG_MAX_SECTIONS - num_others;
   if (options.remaps.size() > max_tables)
     throw Error(ExitCode::kUsage,
@@ -439,6 +440,11 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   if (file.uncertainty) {
     sections = QuantizeUncertainty(*file.uncertainty, grid.section);
     sections.AddTo(&contents);
+  }
+  rg_capture_section capture;
+  if (file.capture) {
+    capture = QuantizeCapture(*file.capture);
+    contents.capture = &capture;
   }
   packed.blob = WriteBlob(contents);
   return packed;

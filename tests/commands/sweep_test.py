@@ -252,7 +252,10 @@ class Case:
 
     def run_pack(self):
         remap = self.size() + self.random.choice(("", ",hfov=60", ",hfov=179.9", ",hfov=1e-9"))
-        return [self.camera(), "--remap", remap, "-o", self.output(".raygrid")]
+        number = lambda: self.random.choice(NUMBERS)
+        capture = (["--capture", f"crop={number()},0,{number()},480,lens={number()},"
+                    f"zoom={number()},orientation={number()}"] if self.chance(0.3) else [])
+        return [self.camera(), "--remap", remap, *capture, "-o", self.output(".raygrid")]
 
     def run_pattern(self):
         kind = self.random.choice(("chessboard", "star", "charuco", "aprilgrid"))

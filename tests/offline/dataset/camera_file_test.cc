@@ -243,6 +243,50 @@ TEST(CameraFile, AreasOutsideTheImageAreRefused) {
   ExpectCameraRefused(Replaced(lens, "[0, 0, 639, 479]", "[0, 0, 639]"));
 }
 
+Capture ExampleCapture() {
+  Capture capture;
+  capture.lens_position = 2.1;
+  capture.lens_tolerance = 1.0 / 3;
+  capture.crop = {8, -4, 3280, 2464};
+  capture.zoom = 1.25;
+  capture.orientation = 6;
+  return capture;
+}
+
+TEST(CameraFile, HoldsHowTheCameraStood) {
+  CameraFile file = OpenCvFile();
+  EXPECT_FALSE(ReadCameraText(FormatCameraFile(file)).capture);
+  file.capture = ExampleCapture();
+  const std::string text = FormatCameraFile(file);
+  const auto read = ReadCameraText(text).capture;
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->lens_position, 2.1);
+  EXPECT_EQ(read->lens_tolerance, 1.0 / 3);
+  EXPECT_EQ(read->crop, file.capture->crop);
+  EXPECT_EQ(read->zoom, 1.25);
+  EXPECT_EQ(read->orientation, 6);
+  EXPECT_EQ(FormatCameraFile(ReadCameraText(text)), text);
+  for (const auto& [word, bad] :
+       {std::pair("lens_position: 2.1", "lens_position: 1025"),
+        std::pair("lens_position: 2.1", "lens_position: .nan"),
+        std::pair("lens_position: 2.1", "lens_positoin: 2.1"),
+        std::pair("zoom: 1.25", "zoom: 0.5"),
+        std::pair("[8, -4, 3280, 2464]", "[8, -4, 3280, 0]"),
+        std::pair("[8, -4, 3280, 2464]", "[8, -4, 40961, 2464]"),
+        std::pair("[8, -4, 3280, 2464]", "[8, -4, 3280]"),
+        std::pair("orientation: 6", "orientation: 0")})
+    ExpectCameraRefused(Replaced(text, word, bad));
+}
+
+TEST(CameraFile, HoldsOneThingOfHowTheCameraStood) {
+  CameraFile file = OpenCvFile();
+  file.capture.emplace().orientation = 8;
+  const auto read = ReadCameraText(FormatCameraFile(file)).capture;
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->orientation, 8);
+  EXPECT_FALSE(read->lens_position || read->crop || read->zoom);
+}
+
 TEST(CameraFile, HoldsTheImageCircle) {
   CameraFile file = OpenCvFile();
   EXPECT_FALSE(ReadCameraText(FormatCameraFile(file)).camera->image_circle());

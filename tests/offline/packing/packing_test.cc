@@ -215,5 +215,27 @@ TEST(PackCamera, MaskMayStandAlone) {
   EXPECT_EQ(opened.Trusted()->is_trusted, mask.is_trusted);
 }
 
+TEST(PackCamera, RecordsHowTheCameraStood) {
+  const std::string without = PackCamera(GenericFile(), PackOptions()).blob;
+  EXPECT_FALSE(BlobCamera("blob", without).CaptureAtCalibration());
+  CameraFile file = GenericFile();
+  Capture& capture = file.capture.emplace();
+  capture.lens_position = -1.0 / 3;
+  capture.crop = {-65536, 65536, 40960, 8};
+  capture.zoom = 1024;
+  const std::string blob = PackCamera(file, PackOptions()).blob;
+  EXPECT_EQ(blob.size(), without.size() + 16 + 32);
+  const auto read = BlobCamera("blob", blob).CaptureAtCalibration();
+  ASSERT_TRUE(read);
+  EXPECT_NEAR(*read->lens_position, -1.0 / 3, 1.0 / 131072);
+  EXPECT_NEAR(read->lens_tolerance, 0.1, 1.0 / 131072);
+  EXPECT_EQ(read->crop, capture.crop);
+  EXPECT_EQ(read->zoom, 1024);
+  EXPECT_FALSE(read->orientation);
+  // Packed again, it has the same bytes.
+  file.capture = read;
+  EXPECT_EQ(PackCamera(file, PackOptions()).blob, blob);
+}
+
 }  // namespace
 }  // namespace raygrid

@@ -1,0 +1,42 @@
+#include "dataset/capture.h"
+
+#include <cmath>
+#include <cstdlib>
+
+namespace raygrid {
+namespace {
+
+// The limits of formats/SPEC.md.
+constexpr double kLargestDioptres = 1024, kLargestZoom = 1024;
+constexpr int kLargestCrop = 65536, kLargestScale = 64;
+
+// A row or column of a crop that an image shows.
+bool IsPossible(int start, int span, int image) {
+  return start >= -kLargestCrop && start <= kLargestCrop && span >= 1 &&
+         span <= kLargestCrop && span <= int64_t{kLargestScale} * image &&
+         image <= int64_t{kLargestScale} * span;
+}
+
+}  // namespace
+
+const char* FindImpossible(const Capture& capture, const ImageSize& size) {
+  const auto& crop = capture.crop;
+  if (capture.lens_position &&
+      !(std::abs(*capture.lens_position) <= kLargestDioptres))
+    return "lens position: dioptres from -1024 to 1024";
+  if (!(capture.lens_tolerance >= 0 &&
+        capture.lens_tolerance <= kLargestDioptres))
+    return "lens tolerance: dioptres from 0 to 1024";
+  if (crop && !(IsPossible((*crop)[0], (*crop)[2], size.width) &&
+                IsPossible((*crop)[1], (*crop)[3], size.height)))
+    return "crop: X, Y, width and height in pixels of the sensor, up to 65536; "
+           "1/64 to 64 of them are as wide and high as one of the image";
+  if (capture.zoom && !(*capture.zoom >= 1 && *capture.zoom <= kLargestZoom))
+    return "zoom: from 1, which is the widest, to 1024";
+  if (capture.orientation &&
+      !(*capture.orientation >= 1 && *capture.orientation <= 8))
+    return "orientation: from 1 to 8, as EXIF and libcamera number them";
+  return nullptr;
+}
+
+}  // namespace raygrid

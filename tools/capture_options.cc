@@ -1,0 +1,88 @@
+#include "capture_options.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <set>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "word_options.h"
+
+namespace raygrid {
+
+const char kCaptureWordsHelp[] =
+    "crop=X,Y,W,H (the pixels of the sensor that frames showed), lens=DIOPTRES "
+    "(libcamera's LensPosition), tolerance=DIOPTRES (0.1 if it is not there), "
+    "zoom=FACTOR (over the widest), orientation=1 to 8 (as EXIF and libcamera "
+    "have it)";
+
+namespace {
+
+[[noreturn]] void RefuseCapture(const std::string& fault) {
+  throw Error(ExitCode::kUsage, "--capture: " + fault);
+}
+
+std::vector<double> CaptureNumbers(const std::string& word,
+                                   const std::string& text, size_t count,
+                                   const char* example) {
+  return ParseNumbers("--capture: " + word, text, count, example);
+}
+
+// A number without a fraction, of any size.
+int WholeNumber(const std::string& word, double number) {
+  if (number != std::floor(number) || std::abs(number) > 1e9)
+    RefuseCapture(fmt::format("{}: {} is no whole number", word, number));
+  return static_cast<int>(number);
+}
+
+void TakeWord(const std::string& word, const std::string& text,
+              Capture* capture) {
+  if (word == "crop") {
+    const std::vector<double> n =
+        CaptureNumbers(word, text, 4, "0,0,3280,2464");
+    capture->crop.emplace();
+    for (size_t k = 0; k < 4; ++k)
+      (*capture->crop)[k] = WholeNumber(word, n[k]);
+  } else if (word == "lens") {
+    capture->lens_position = CaptureNumbers(word, text, 1, "2.5")[0];
+  } else if (word == "tolerance") {
+    capture->lens_tolerance = CaptureNumbers(word, text, 1, "0.1")[0];
+  } else if (word == "zoom") {
+    capture->zoom = CaptureNumbers(word, text, 1, "1")[0];
+  } else {
+    capture->orientation =
+        WholeNumber(word, CaptureNumbers(word, text, 1, "1")[0]);
+  }
+}
+
+}  // namespace
+
+std::optional<Capture> ParseCaptureWords(const std::vector<std::string>& texts,
+                                         const std::optional<Capture>& known,
+                                         const ImageSize& size) {
+  static const std::set<std::string> kKnown = {"crop", "lens", "tolerance",
+                                               "zoom", "orientation"};
+  if (texts.empty()) return known;
+  if (texts.size() == 1 && texts[0] == "none") return std::nullopt;
+  Capture capture = known.value_or(Capture());
+  std::set<std::string> taken;
+  for (const std::string& text : texts) {
+    for (const std::string& part : SplitAtWords(text)) {
+      const size_t equals = part.find('=');
+      const std::string word = part.substr(0, equals);
+      if (equals == std::string::npos || !kKnown.count(word))
+        RefuseCapture(fmt::format("expected {}, or none, not '{}'",
+                                  kCaptureWordsHelp, Printable(part)));
+      if (!taken.insert(word).second) RefuseCapture(word + " stands twice");
+      TakeWord(word, part.substr(equals + 1), &capture);
+    }
+  }
+  if (!capture.lens_position && taken.count("tolerance"))
+    RefuseCapture("tolerance needs lens");
+  if (const char* const impossible = FindImpossible(capture, size))
+    RefuseCapture(impossible);
+  return capture;
+}
+
+}  // namespace raygrid

@@ -1,0 +1,24 @@
+#ifndef RAYGRID_TOOLS_CAPTURE_OPTIONS_H
+#define RAYGRID_TOOLS_CAPTURE_OPTIONS_H
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dataset/capture.h"
+
+namespace raygrid {
+
+/// The help for the words of --capture.
+extern const char kCaptureWordsHelp[];
+
+/// The known capture, with what "crop=0,0,3280,2464,lens=2,orientation=1" says
+/// instead; nothing for "none". Throws Error(kUsage) for values that no camera
+/// with images of that size has.
+std::optional<Capture> ParseCaptureWords(const std::vector<std::string>& texts,
+                                         const std::optional<Capture>& known,
+                                         const ImageSize& size);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_TOOLS_CAPTURE_OPTIONS_H
