@@ -36,6 +36,8 @@ struct FrameInfo {
   uint64_t timestamp_ns;
   std::optional<SensorCrop> crop;
   std::optional<float> lens_position;  // dioptres
+  std::optional<double> zoom;          // magnification over the widest
+  std::optional<int> orientation;      // 1 to 8, as EXIF has it
   std::optional<float> sensor_temperature_c;
 };
 

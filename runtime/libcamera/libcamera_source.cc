@@ -176,6 +176,11 @@ void LibcameraSource::Configure(const LibcameraOptions& options) {
   if (!is_valid || camera_->configure(configuration_.get()) < 0)
     throw InputError("camera: does not take " + stream.toString() +
                      "; choose a size of --list");
+  orientation_ = OrientationOf(*configuration_);
+  // ScalerCropMaximum would be that of the mode, which may be a crop itself.
+  const auto areas =
+      camera_->properties().get(libcamera::properties::PixelArrayActiveAreas);
+  if (areas && !areas->empty()) widest_ = (*areas)[0].width;
   const std::string name = stream.pixelFormat.toString();
   const PixelFormatInfo* const info = FindPixelFormat(name);
   if (!info || (!options.format.empty() && name != options.format))
@@ -275,6 +280,9 @@ void LibcameraSource::OnCompleted(Request* request) {
   frame.info.sequence = metadata.sequence;
   frame.info.timestamp_ns = metadata.timestamp;
   TakeMetadata(request, &frame.info);
+  if (orientation_ != 0) frame.info.orientation = orientation_;
+  if (frame.info.crop && frame.info.crop->width > 0 && widest_ > 0)
+    frame.info.zoom = double{1} * widest_ / frame.info.crop->width;
   ++arrived_;
   if (const auto dropped = queue_->Push(frame)) {
     ++dropped_;

@@ -72,6 +72,8 @@ class LibcameraSource : public FrameSource {
   std::shared_ptr<libcamera::Camera> camera_;
   std::unique_ptr<libcamera::CameraConfiguration> configuration_;
   StreamFormat format_;
+  int orientation_ = 0;  // of the configuration; 0: none that EXIF has
+  unsigned widest_ = 0;  // pixels of the sensor in a row; 0: not known
   libcamera::ControlList controls_;  // before the first frame
   std::unique_ptr<libcamera::FrameBufferAllocator> allocator_;
   std::unique_ptr<MappedBuffers> buffers_;

@@ -27,6 +27,19 @@ inline std::optional<std::string> ModelOf(const libcamera::Camera& camera) {
   return std::string(*model);
 }
 
+/// How frames are turned, as EXIF numbers it: before 0.2 the configuration says
+/// by which flips and a transposition behind them, since then by that number.
+#if LIBCAMERA_VERSION_MAJOR == 0 && LIBCAMERA_VERSION_MINOR < 2
+inline int OrientationOf(const libcamera::CameraConfiguration& configuration) {
+  static const int kOrientations[] = {1, 2, 4, 3, 5, 6, 8, 7};
+  return kOrientations[static_cast<int>(configuration.transform) & 7];
+}
+#else
+inline int OrientationOf(const libcamera::CameraConfiguration& configuration) {
+  return static_cast<int>(configuration.orientation);
+}
+#endif
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_LIBCAMERA_LIBCAMERA_VERSION_H

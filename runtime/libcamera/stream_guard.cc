@@ -38,10 +38,12 @@ bool FindAxis(int calibrated_start, unsigned calibrated_span,
 std::optional<rg_mode> FindSensorMode(const rg_camera& camera,
                                       const SensorCrop& calibrated,
                                       const SensorCrop& crop, uint16_t width,
-                                      uint16_t height) {
+                                      uint16_t height, const Flips& flips) {
   rg_mode mode = {};
   mode.width = width;
   mode.height = height;
+  mode.flip_x = flips.x;
+  mode.flip_y = flips.y;
   uint16_t calibrated_width, calibrated_height;
   rg_calibrated_size(&camera, &calibrated_width, &calibrated_height);
   if (!FindAxis(calibrated.x, calibrated.width, calibrated_width, crop.x,
@@ -54,11 +56,11 @@ std::optional<rg_mode> FindSensorMode(const rg_camera& camera,
 
 uint32_t FindTable(const rg_camera& camera, const StreamFormat& format,
                    const std::optional<SensorCrop>& calibrated,
-                   const std::optional<SensorCrop>& shown) {
+                   const std::optional<SensorCrop>& shown, const Flips& flips) {
   std::optional<rg_mode> mode;
   if (calibrated && shown) {
     mode = FindSensorMode(camera, *calibrated, *shown, format.width,
-                          format.height);
+                          format.height, flips);
     if (!mode) return RG_NO_TABLE;
   }
   uint32_t table;
@@ -80,12 +82,15 @@ bool HasTablesOfModes(const rg_camera& camera) {
 
 StreamGuard::StreamGuard(const rg_camera& camera, const StreamFormat& format,
                          Use use, const std::string& serial,
-                         const std::optional<SensorCrop>& calibrated)
+                         const std::optional<SensorCrop>& calibrated,
+                         CaptureGuard* capture)
     : camera_(camera),
       format_(format),
       use_(use),
       serial_(serial),
-      calibrated_(calibrated) {}
+      capture_(capture),
+      is_told_(calibrated),
+      calibrated_(calibrated || !capture ? calibrated : capture->crop()) {}
 
 const char* StreamGuard::serial() const {
   return serial_.empty() ? nullptr : serial_.c_str();
@@ -146,10 +151,19 @@ bool StreamGuard::IsServed() const {
   return table != RG_NO_TABLE && table == first_of_mode;
 }
 
-void StreamGuard::Check(const FrameInfo& info) {
-  if (is_good_ && info.crop == last_) return;
-  is_good_ = false;
+// A frame that the table takes, but which shows another part of the sensor than
+// the blob records: the capture's guard says what comes of that.
+bool StreamGuard::IsBorne() const {
+  return capture_ && capture_->crop() && !is_told_ && last_ &&
+         use_ == Use::kFrames && HasSerial() && HasSizeOfTable();
+}
+
+bool StreamGuard::IsShownAsInUse(const FrameInfo& info) {
+  if (is_known_ && info.crop == last_ && info.orientation == last_orientation_)
+    return is_served_;
+  is_known_ = false;
   last_ = info.crop;
+  last_orientation_ = info.orientation;
   if (!first_) first_ = info.crop;
   // Without a word on the calibration, frames of its size are taken for it.
   uint16_t width, height;
@@ -159,9 +173,22 @@ void StreamGuard::Check(const FrameInfo& info) {
   mode_.reset();
   if (calibrated_ && last_)
     mode_ = FindSensorMode(camera_, *calibrated_, *last_, format_.width,
-                           format_.height);
-  is_good_ = IsServed();
-  if (!is_good_) throw CameraError(CameraExit::kBlob, "blob: " + Explain());
+                           format_.height,
+                           capture_ ? capture_->FlipsOf(info) : Flips());
+  is_served_ = IsServed();
+  if (!is_served_ && !IsBorne())
+    throw CameraError(CameraExit::kBlob, "blob: " + Explain());
+  is_known_ = true;
+  return is_served_;
+}
+
+bool StreamGuard::Check(const FrameInfo& info, Clock::time_point arrived) {
+  const bool is_shown_as_in_use = IsShownAsInUse(info);
+  if (!capture_) return true;
+  rg_mode in_use;
+  const bool has_mode = rg_remap_mode(&camera_, &in_use) == RG_OK;
+  return capture_->Check(info, has_mode ? &in_use : nullptr, is_shown_as_in_use,
+                         arrived);
 }
 
 }  // namespace raygrid

@@ -122,7 +122,7 @@ UndistortedFrame* Undistorter::TakeBuffer() {
 }
 
 void Undistorter::Undistort(const CapturedFrame& captured) {
-  guard_->Check(captured.info);
+  if (!guard_->Check(captured.info, captured.arrived)) return;
   UndistortedFrame* const frame = TakeBuffer();
   if (!frame) return;
   const Clock::time_point start = Clock::now();

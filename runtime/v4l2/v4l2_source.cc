@@ -21,6 +21,9 @@ constexpr int kPatience_ms = 50;
 // Calls that fail one after the other, before the device is given up.
 constexpr int kMaxFailures = 20;
 constexpr std::chrono::milliseconds kPauseAfterFailure(5);
+// How soon a zoom or a flip is noticed. USB cameras answer by transfers of
+// their own.
+constexpr std::chrono::seconds kTellingTime(1);
 
 std::string StartRemedy(int error) {
   if (error == ENOSPC)
@@ -42,6 +45,7 @@ V4l2Source::V4l2Source(std::unique_ptr<V4l2Device> device,
   stream_ = ChooseStream(device_.get(), options.format, options.width,
                          options.height, decode_jpeg_ != nullptr);
   buffers_ = std::make_unique<V4l2Buffers>(device_.get(), stream_, kNumBuffers);
+  reader_ = std::make_unique<V4l2CaptureReader>(device_.get());
   const uint32_t number = stream_.is_jpeg ? kNumDecoded : buffers_->number();
   queue_ = std::make_unique<BoundedQueue<CapturedFrame>>(
       options.every_frame ? number : number / 2);
@@ -182,8 +186,13 @@ void V4l2Source::Decode(const V4l2Filled& filled, Clock::time_point arrived) {
 
 void V4l2Source::Push(const V4l2Filled& filled, const uint8_t* const planes[3],
                       uint32_t buffer, Clock::time_point arrived) {
+  if (told_at_ == Clock::time_point() || arrived - told_at_ >= kTellingTime) {
+    reader_->Read(&told_);
+    told_at_ = arrived;
+  }
   CapturedFrame frame = {};
   frame.arrived = arrived;
+  frame.info = told_;
   frame.image = MakeImage(stream_.format, planes);
   frame.buffer = buffer;
   frame.info.sequence = filled.sequence;

@@ -13,6 +13,7 @@
 #include "bounded_queue.h"
 #include "frame_source.h"
 #include "v4l2_buffers.h"
+#include "v4l2_capture.h"
 #include "v4l2_device.h"
 #include "v4l2_stream.h"
 
@@ -39,6 +40,7 @@ class V4l2Source : public FrameSource {
   ~V4l2Source() override { Stop(); }
 
   const StreamFormat& format() const override { return stream_.format; }
+  bool tells_crops() const override { return reader_->tells_crops(); }
   std::string memory() const override;
   void Start() override;
   std::optional<CapturedFrame> Next(std::chrono::milliseconds timeout) override;
@@ -63,6 +65,9 @@ class V4l2Source : public FrameSource {
   const std::unique_ptr<V4l2Device> device_;
   V4l2Stream stream_;
   std::unique_ptr<V4l2Buffers> buffers_;
+  std::unique_ptr<V4l2CaptureReader> reader_;
+  FrameInfo told_ = {};  // by the reader, of the thread
+  Clock::time_point told_at_;
   std::unique_ptr<BoundedQueue<CapturedFrame>> queue_;
   // For JPEGs: pixels, and which of them wait to be made.
   const JpegDecoder decode_jpeg_;

@@ -6,6 +6,7 @@ import re
 import resource
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import tempfile
@@ -14,6 +15,7 @@ import time
 import unittest
 import urllib.error
 import urllib.request
+import zlib
 
 import machine
 
@@ -49,6 +51,8 @@ class CameraProgram(unittest.TestCase):
                  "--outside", "trusted"),
                 ("pack", "scene/true_camera.yaml", "-o", "distorting.raygrid", "--remap",
                  "160x120,hfov=80,direction=distort", "--max-error-px", 2),
+                ("pack", "scene/true_camera.yaml", "-o", "stood.raygrid", "--remap",
+                 "160x120,hfov=80", "--capture", "crop=0,0,320,240,lens=2,orientation=1"),
                 ("pack", "scene/true_camera.yaml", "-o", "rays.raygrid")):
             cls.run_raygrid(*command)
         grey = bytes((3 * x + y * y) & 255 for y in range(HEIGHT) for x in range(WIDTH))
@@ -394,6 +398,33 @@ class CameraProgram(unittest.TestCase):
         self.assert_fails(2, "missing.raygrid", *recording)
         self.assert_fails(8, "flat.raygrid", *recording, "--size", "80x60",
                           words=["160x120", "80x60", "--list"])
+
+    def test_what_a_recording_does_not_tell_is_said_once(self):
+        for arguments in ((), ("--strict",), ("--strict", "--quiet")):
+            result = self.run_program("stood.raygrid", "--from", "frames.yuyv", "--format", "YUYV",
+                                      "--frames", 30, "--every-frame", "--fps", 1000, *arguments)
+            error = result.stderr.decode()
+            self.assertEqual(result.returncode, 0, error)
+            self.assertEqual(error.count("raygrid-camera: cannot be told whether frames are as "
+                                         "calibrated: frames.yuyv does not tell lens position, "
+                                         "part of the sensor, orientation; "), 1, error)
+            self.assertEqual("not as calibrated: 0 frames" in error, "--quiet" not in arguments)
+        self.assert_fails(8, "flat.raygrid", "--strict", "--from", "frames.yuyv", "--format",
+                          "YUYV", words=["--strict", "--capture"])
+
+    def test_nonsense_of_a_forged_blob_is_refused(self):
+        blob = bytearray(self.read("stood.raygrid"))
+        count = struct.unpack_from("<H", blob, 16)[0]
+        for entry in range(32, 32 + 16 * count, 16):
+            kind, _, section, size = struct.unpack_from("<HHII", blob, entry)
+            if kind == 11:
+                struct.pack_into("<I", blob, section + 16, 0)  # the crop's width
+                struct.pack_into("<I", blob, entry + 12, zlib.crc32(blob[section:section + size]))
+        crc = zlib.crc32(blob[32:32 + 16 * count], zlib.crc32(blob[:28]))
+        struct.pack_into("<I", blob, 28, crc)
+        self.write("forged.raygrid", blob)
+        self.assert_fails(8, "forged.raygrid", "--from", "frames.yuyv", "--format", "YUYV",
+                          "--frames", 1, words=["forged.raygrid: ", "recorded"])
 
     def test_recordings_that_cannot_be_used(self):
         self.write("half.yuyv", self.read("frames.yuyv")[:FRAME_SIZE + 1])

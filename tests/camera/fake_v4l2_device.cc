@@ -62,6 +62,10 @@ int FakeV4l2Device::Ask(unsigned long request, void* argument) {
       return QueryMenu(static_cast<v4l2_querymenu*>(argument));
     case VIDIOC_S_EXT_CTRLS:
       return SetControl(static_cast<v4l2_ext_controls*>(argument));
+    case VIDIOC_G_EXT_CTRLS:
+      return GetControl(static_cast<v4l2_ext_controls*>(argument));
+    case VIDIOC_G_SELECTION:
+      return GetSelection(static_cast<v4l2_selection*>(argument));
     default:
       return ENOTTY;
   }
@@ -234,6 +238,25 @@ int FakeV4l2Device::SetControl(v4l2_ext_controls* settings) {
     return 0;
   }
   return EINVAL;
+}
+
+int FakeV4l2Device::GetControl(v4l2_ext_controls* values) {
+  v4l2_ext_control& value = values->controls[0];
+  for (const FakeV4l2State::Control& control : state_->controls) {
+    if (control.id != value.id) continue;
+    value.value = static_cast<int32_t>(control.value);
+    return 0;
+  }
+  return EINVAL;
+}
+
+int FakeV4l2Device::GetSelection(v4l2_selection* selection) {
+  if (state_->crop.width == 0) return ENOTTY;
+  if (selection->type != V4L2_BUF_TYPE_VIDEO_CAPTURE ||
+      selection->target != V4L2_SEL_TGT_CROP)
+    return EINVAL;
+  selection->r = state_->crop;
+  return 0;
 }
 
 short FakeV4l2Device::Wait(int timeout_ms) {

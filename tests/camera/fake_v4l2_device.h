@@ -43,6 +43,7 @@ struct FakeV4l2State {
   std::vector<Format> formats;
   Format current = {};
   std::vector<Control> controls;
+  v4l2_rect crop = {};             // of no width: it has none
   std::vector<std::string> heaps;  // that it has, none else
   std::string refused_heap;        // whose memory it does not take
   bool takes_dmabuf = true, has_cache_hints = false;
@@ -89,6 +90,8 @@ class FakeV4l2Device : public V4l2Device {
   int QueryControl(v4l2_query_ext_ctrl* query);
   int QueryMenu(v4l2_querymenu* item);
   int SetControl(v4l2_ext_controls* settings);
+  int GetControl(v4l2_ext_controls* values);
+  int GetSelection(v4l2_selection* selection);
 
   FakeV4l2State* const state_;
   const std::string path_ = "/dev/fake";

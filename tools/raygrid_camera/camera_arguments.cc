@@ -39,6 +39,10 @@ const char kCameraHelp[] =
     "  --calibrated-crop X,Y,WxH  the part of the sensor that was calibrated, "
     "to\n"
     "                     know other modes by\n"
+    "  --strict           ends with exit code 8 at a frame that is not as the "
+    "blob\n"
+    "                     records calibration; else that is said once, and "
+    "counted\n"
     "  --control NAME=VALUE  sets a control of the camera, before the first "
     "frame;\n"
     "                     may be given again\n"
@@ -100,7 +104,9 @@ const char kCameraHelp[] =
     "Statistics: frames a second; milliseconds in the remap, and waiting for "
     "it\n"
     "and for the output (median, 99th percentile); frames that arrived, were\n"
-    "taken by the output, given up here, or missed by the camera.\n"
+    "taken by the output, given up here, or missed by the camera; frames not "
+    "as\n"
+    "calibrated, where the blob records that: raygrid pack --capture.\n"
     "Exit codes: 0 done, 1 usage, 2 camera or input, 7 output, 8 blob.\n"
     "\n"
     "As a service of systemd, raygrid-camera@NAME takes blob and options from\n"
@@ -203,6 +209,7 @@ enum Option : int {
   kTable,
   kSerial,
   kCrop,
+  kStrict,
   kControl,
   kFrom,
   kFps,
@@ -233,6 +240,7 @@ const option kOptions[] = {
     {"table", required_argument, nullptr, kTable},
     {"serial", required_argument, nullptr, kSerial},
     {"calibrated-crop", required_argument, nullptr, kCrop},
+    {"strict", no_argument, nullptr, kStrict},
     {"control", required_argument, nullptr, kControl},
     {"from", required_argument, nullptr, kFrom},
     {"fps", required_argument, nullptr, kFps},
@@ -283,6 +291,9 @@ void TakeOption(int which, CameraArguments* arguments) {
       break;
     case kCrop:
       arguments->calibrated_crop = ParseCrop(optarg);
+      break;
+    case kStrict:
+      arguments->is_strict = true;
       break;
     case kControl:
       arguments->controls.push_back(ParseControl(optarg));

@@ -27,6 +27,7 @@ struct CameraArguments {
   bool as_png = false;
   bool only_trusted = false;  // border where nothing is trusted
   bool every_frame = false;
+  bool is_strict = false;    // frames not as calibrated end it
   unsigned num_threads = 0;  // 0: all processors but one
   uint64_t num_frames = 0;   // 0: until it is stopped
   double timeout_s = 5;

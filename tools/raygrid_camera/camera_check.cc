@@ -11,6 +11,33 @@ std::string DescribeSize(const StreamFormat& format) {
   return std::to_string(format.width) + "x" + std::to_string(format.height);
 }
 
+// The words for raygrid pack --capture of all that the source tells.
+std::string DescribeCapture(const FrameInfo& info) {
+  char text[160] = "";
+  std::string words;
+  const auto add = [&] {
+    words += (words.empty() ? "" : ",") + std::string(text);
+  };
+  if (info.crop) {
+    std::snprintf(text, sizeof(text), "crop=%d,%d,%u,%u", info.crop->x,
+                  info.crop->y, info.crop->width, info.crop->height);
+    add();
+  }
+  if (info.lens_position) {
+    std::snprintf(text, sizeof(text), "lens=%.6g", double{*info.lens_position});
+    add();
+  }
+  if (info.zoom) {
+    std::snprintf(text, sizeof(text), "zoom=%.6g", *info.zoom);
+    add();
+  }
+  if (info.orientation) {
+    std::snprintf(text, sizeof(text), "orientation=%d", *info.orientation);
+    add();
+  }
+  return words.empty() ? "" : "; as pack --capture has it: " + words;
+}
+
 std::string DescribeSource(const CameraArguments& arguments) {
   if (arguments.recording == "-") return "standard input";
   if (!arguments.recording.empty()) return arguments.recording;
@@ -40,7 +67,8 @@ std::string DescribeCheck(const CameraArguments& arguments,
          " " + source.format().pixel_format->name + " of " +
          DescribeSource(arguments) + " to " +
          DescribeSize(undistorter.format()) + " in " + time + " ms" +
-         (memory.empty() ? "" : "; memory of frames: " + memory) + "\n";
+         (memory.empty() ? "" : "; memory of frames: " + memory) +
+         DescribeCapture(statistics.last_info) + "\n";
 }
 
 void FailCheck() {

@@ -14,6 +14,7 @@
 #include "camera_check.h"
 #include "camera_error.h"
 #include "camera_statistics.h"
+#include "capture_guard.h"
 #include "frame_output.h"
 #include "points.h"
 #include "preview_server.h"
@@ -81,13 +82,15 @@ class Patience {
 class FrameLoop {
  public:
   FrameLoop(const CameraArguments& arguments, const FrameSource& source,
-            Undistorter* undistorter, FrameOutput* output, Benchmark* benchmark)
+            const CaptureGuard& capture, Undistorter* undistorter,
+            FrameOutput* output, Benchmark* benchmark)
       : arguments_(arguments),
         source_(source),
+        capture_(capture),
         undistorter_(undistorter),
         output_(output),
         benchmark_(benchmark),
-        statistics_(arguments.is_quiet),
+        statistics_(capture, arguments.is_quiet),
         patience_(arguments) {}
 
   void Run() {
@@ -111,7 +114,7 @@ class FrameLoop {
 
   void TakeFrame() {
     UndistortedFrame* const frame = undistorter_->Take(kFramePatience);
-    if (!frame) return patience_.Check();
+    if (!frame) return Wait();
     statistics_.Count(*frame);
     const Clock::time_point start = Clock::now();
     if (output_) output_->Write(*frame, written_);
@@ -122,15 +125,24 @@ class FrameLoop {
     patience_.Refresh();
   }
 
+  // Frames that are held back are frames, too, and an end has its own reason.
+  void Wait() {
+    const uint64_t held_back = capture_.num_held_back();
+    if (held_back != held_back_) patience_.Refresh();
+    held_back_ = held_back;
+    if (!undistorter_->is_finished()) patience_.Check();
+  }
+
   const CameraArguments& arguments_;
   const FrameSource& source_;
+  const CaptureGuard& capture_;
   Undistorter* const undistorter_;
   FrameOutput* const output_;
   Benchmark* const benchmark_;  // NULL: nothing is timed
   CameraStatistics statistics_;
   Patience patience_;
   ServiceNotice notice_;
-  uint64_t written_ = 0;
+  uint64_t written_ = 0, held_back_ = 0;
 };
 
 // The first frame that comes; nothing if a signal comes before.
@@ -158,10 +170,24 @@ bool IsTableOpen(const CameraArguments& arguments, const FrameSource& source,
 // Selects the blob's table for frames as this one; leaves the one in use where
 // there is none.
 void SelectTable(const CameraArguments& arguments, const FrameSource& source,
-                 const FrameInfo& info, rg_camera* camera) {
-  const uint32_t table =
-      FindTable(*camera, source.format(), arguments.calibrated_crop, info.crop);
+                 const CaptureGuard& capture, const FrameInfo& info,
+                 rg_camera* camera) {
+  const uint32_t table = FindTable(
+      *camera, source.format(),
+      arguments.calibrated_crop ? arguments.calibrated_crop : capture.crop(),
+      info.crop, capture.FlipsOf(info));
   if (table != RG_NO_TABLE) rg_select_remap(camera, table);
+}
+
+std::string NameOfSource(const CameraArguments& arguments) {
+  if (arguments.recording == "-") return "standard input";
+  return arguments.recording.empty() ? "the camera" : arguments.recording;
+}
+
+// On a terminal, over the line of statistics.
+void SayLine(const std::string& text) {
+  std::fprintf(stderr, "%sraygrid-camera: %s\n",
+               isatty(STDERR_FILENO) == 1 ? "\x1b[K" : "", text.c_str());
 }
 
 unsigned AllProcessorsButOne() {
@@ -181,16 +207,16 @@ void TellBenchmark(const CameraArguments& arguments,
 }
 
 void StreamFrames(const CameraArguments& arguments, rg_camera camera,
-                  FrameSource* source) {
+                  CaptureGuard* capture, FrameSource* source) {
   const bool is_table_open = IsTableOpen(arguments, *source, camera);
   if (is_table_open) {
     source->Start();
     if (const auto info = WaitForFrame(arguments, source))
-      SelectTable(arguments, *source, *info, &camera);
+      SelectTable(arguments, *source, *capture, *info, &camera);
   }
   StreamGuard guard(camera, source->format(), StreamGuard::Use::kFrames,
-                    arguments.serial, arguments.calibrated_crop);
-  guard.Check({});  // before anything is made
+                    arguments.serial, arguments.calibrated_crop, capture);
+  guard.CheckFormat();  // before anything is made
   if (!arguments.is_quiet && !source->memory().empty())
     std::fprintf(stderr, "memory of frames: %s\n", source->memory().c_str());
   UndistorterOptions options;
@@ -206,7 +232,7 @@ void StreamFrames(const CameraArguments& arguments, rg_camera camera,
                           &guard, options);
   const auto output = MakeOutput(arguments, undistorter.format());
   preview = MakePreview(arguments, source->format(), undistorter.format());
-  FrameLoop loop(arguments, *source, &undistorter, output.get(),
+  FrameLoop loop(arguments, *source, *capture, &undistorter, output.get(),
                  benchmark.get());
   if (!is_table_open) source->Start();
   undistorter.Start(preview.get());
@@ -214,6 +240,7 @@ void StreamFrames(const CameraArguments& arguments, rg_camera camera,
   undistorter.Stop();
   source->Stop();
   loop.Finish();
+  capture->Finish();
   if (const auto fault = undistorter.fault()) throw *fault;
   if (benchmark) TellBenchmark(arguments, *benchmark);
   if (arguments.is_check)
@@ -223,16 +250,16 @@ void StreamFrames(const CameraArguments& arguments, rg_camera camera,
 // Positions in frames as the camera gives them, in the view that those frames
 // are undistorted to.
 void StreamPoints(const CameraArguments& arguments, rg_camera camera,
-                  FrameSource* source) {
+                  CaptureGuard* capture, FrameSource* source) {
   StreamGuard guard(camera, source->format(), StreamGuard::Use::kPositions,
-                    arguments.serial, arguments.calibrated_crop);
+                    arguments.serial, arguments.calibrated_crop, capture);
   source->Start();
-  if (const auto info = WaitForFrame(arguments, source)) {
-    guard.Check(*info);
-    if (IsTableOpen(arguments, *source, camera))
-      SelectTable(arguments, *source, *info, &camera);
-  }
+  auto info = WaitForFrame(arguments, source);
+  if (info && IsTableOpen(arguments, *source, camera))
+    SelectTable(arguments, *source, *capture, *info, &camera);
+  while (info && !guard.Check(*info)) info = WaitForFrame(arguments, source);
   source->Stop();
+  capture->Finish();
   UndistortPoints(camera, guard.mode(), arguments.points, stdout, IsSignalled);
 }
 
@@ -253,11 +280,15 @@ void NoteSignals() {
 bool IsSignalled() { return is_signalled != 0; }
 
 void RunCameraSession(const CameraArguments& arguments, const rg_camera& camera,
+                      const std::optional<rg_capture_section>& recorded,
                       FrameSource* source) {
+  CaptureGuard capture(recorded, NameOfSource(arguments), arguments.is_strict,
+                       SayLine);
   if (arguments.is_check)
-    return StreamFrames(ArgumentsOfCheck(arguments), camera, source);
-  if (arguments.points.empty()) return StreamFrames(arguments, camera, source);
-  StreamPoints(arguments, camera, source);
+    return StreamFrames(ArgumentsOfCheck(arguments), camera, &capture, source);
+  if (arguments.points.empty())
+    return StreamFrames(arguments, camera, &capture, source);
+  StreamPoints(arguments, camera, &capture, source);
 }
 
 }  // namespace raygrid

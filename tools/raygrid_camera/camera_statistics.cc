@@ -16,8 +16,9 @@ double Rate(uint64_t frames, Clock::duration time) {
 
 }  // namespace
 
-CameraStatistics::CameraStatistics(bool is_quiet)
-    : is_quiet_(is_quiet),
+CameraStatistics::CameraStatistics(const CaptureGuard& capture, bool is_quiet)
+    : capture_(capture),
+      is_quiet_(is_quiet),
       is_terminal_(isatty(STDERR_FILENO) == 1),
       start_(Clock::now()),
       last_(start_) {}
@@ -60,6 +61,11 @@ void CameraStatistics::Show(const SourceCounts& source,
                Number(statistics.undistorted), Number(waited_.count()),
                Number(source.dropped + statistics.dropped),
                Number(source.damaged), Number(source.missed));
+  if (!capture_.is_idle())
+    std::fprintf(stderr, ", not as calibrated: %llu frames",
+                 Number(capture_.num_not_as_calibrated()));
+  if (capture_.num_held_back() > 0)
+    std::fprintf(stderr, " (%llu held back)", Number(capture_.num_held_back()));
   const FrameInfo& info = statistics.last_info;
   if (info.lens_position)
     std::fprintf(stderr, ", lens at %.2f dpt", double{*info.lens_position});

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "capture_guard.h"
 #include "frame_source.h"
 #include "undistorter.h"
 
@@ -12,7 +13,8 @@ namespace raygrid {
 /// end.
 class CameraStatistics {
  public:
-  explicit CameraStatistics(bool is_quiet);
+  /// capture  outlives it
+  CameraStatistics(const CaptureGuard& capture, bool is_quiet);
   /// A frame that was taken to be written.
   void Count(const UndistortedFrame& frame);
   void ShowSometimes(const SourceCounts& source,
@@ -23,6 +25,7 @@ class CameraStatistics {
   void Show(const SourceCounts& source, const UndistorterStatistics& statistics,
             double frames_per_second, const char* end) const;
 
+  const CaptureGuard& capture_;
   const bool is_quiet_, is_terminal_;
   const Clock::time_point start_;
   Clock::time_point last_;

@@ -9,6 +9,7 @@
 #include "camera_check.h"
 #include "camera_error.h"
 #include "camera_session.h"
+#include "capture_guard.h"
 #include "frame_sources.h"
 #include "raygrid.h"
 #include "rg_blob.h"
@@ -21,6 +22,7 @@ namespace {
 struct Blob {
   std::vector<uint8_t> bytes;
   rg_camera camera;
+  std::optional<rg_capture_section> capture;
 };
 
 // For --outside trusted. rg_is_valid() calls all valid where there is no mask.
@@ -63,6 +65,13 @@ Blob OpenBlob(const CameraArguments& arguments) {
                           " distorts pictures of the view; choose one that "
                           "undistorts frames with --table");
   if (arguments.only_trusted) RequireMask(arguments.blob, blob.bytes);
+  blob.capture = ReadCapture(arguments.blob, blob.bytes.data(),
+                             static_cast<uint32_t>(blob.bytes.size()));
+  if (arguments.is_strict && !blob.capture)
+    throw CameraError(CameraExit::kBlob,
+                      arguments.blob +
+                          ": --strict: does not record how the camera stood; "
+                          "pack it with --capture");
   return blob;
 }
 
@@ -86,7 +95,8 @@ void Run(CameraArguments arguments) {
     arguments.every_frame = true;
   const auto source = OpenFrameSource(arguments);
   if (!source && arguments.is_check) FailCheck();
-  if (source) RunCameraSession(arguments, blob.camera, source.get());
+  if (source)
+    RunCameraSession(arguments, blob.camera, blob.capture, source.get());
 }
 
 int Main(int argc, char** argv) {

@@ -1,0 +1,241 @@
+#include "capture_guard.h"
+
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <utility>
+
+#include "camera_error.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kQ16 = 65536;
+// A zoom of 1 + this moves what is 1000 px from the middle by half a pixel.
+constexpr double kZoomTolerance = 0.0005;
+// Cameras may tell a lens position some frames late.
+constexpr uint64_t kFramesToTell = 10;
+
+[[gnu::format(printf, 1, 2)]] std::string Print(const char* format, ...) {
+  char text[512];
+  va_list values;
+  va_start(values, format);
+  std::vsnprintf(text, sizeof(text), format, values);
+  va_end(values);
+  return text;
+}
+
+std::string CropText(const SensorCrop& crop) {
+  return Print("%d,%d,%ux%u", crop.x, crop.y, crop.width, crop.height);
+}
+
+// Mirrored along x, along y, and rows made columns, in this order: bits 0 to 2.
+constexpr int kTurnOfOrientation[] = {0, 0, 1, 3, 2, 4, 5, 7, 6};
+
+int OrientationOfTurn(int turn) {
+  for (int orientation = 1; orientation <= 8; ++orientation)
+    if (kTurnOfOrientation[orientation] == turn) return orientation;
+  return 0;
+}
+
+bool IsOrientation(int orientation) {
+  return orientation >= 1 && orientation <= 8;
+}
+
+}  // namespace
+
+std::optional<rg_capture_section> ReadCapture(const std::string& path,
+                                              const void* blob,
+                                              uint32_t num_bytes) {
+  if (!rg_find_section(static_cast<const uint8_t*>(blob), RG_SECTION_CAPTURE,
+                       0))
+    return std::nullopt;
+  rg_blob whole;
+  const rg_status status = rg_blob_open(blob, num_bytes, &whole);
+  if (status != RG_OK)
+    throw CameraError(CameraExit::kBlob, path + ": " + rg_status_text(status) +
+                                             "; pack or copy it again");
+  rg_capture_section section;
+  rg_blob_capture(&whole, &section);
+  return section;
+}
+
+std::optional<SensorCrop> RecordedCrop(
+    const std::optional<rg_capture_section>& recorded) {
+  if (!recorded || !(recorded->known & RG_KNOWS_CROP)) return std::nullopt;
+  return SensorCrop{recorded->crop_x, recorded->crop_y, recorded->crop_width,
+                    recorded->crop_height};
+}
+
+std::string OrientationText(int orientation) {
+  static const char* const kTexts[] = {"upright",
+                                       "mirrored",
+                                       "rotated by 180 degrees",
+                                       "upside down and mirrored",
+                                       "rotated by 90 degrees and mirrored",
+                                       "rotated by 270 degrees",
+                                       "rotated by 270 degrees and mirrored",
+                                       "rotated by 90 degrees"};
+  if (!IsOrientation(orientation)) return "";
+  return Print("%s (%d)", kTexts[orientation - 1], orientation);
+}
+
+int Mirrored(int orientation, bool flip_x, bool flip_y) {
+  if (!IsOrientation(orientation)) return 0;
+  const int turn = kTurnOfOrientation[orientation];
+  // Behind a transposition the axes are the other ones.
+  if (turn & 4) std::swap(flip_x, flip_y);
+  return OrientationOfTurn(turn ^ (flip_x ? 1 : 0) ^ (flip_y ? 2 : 0));
+}
+
+std::optional<Flips> FlipsBetween(int orientation, int other) {
+  if (!IsOrientation(other)) return std::nullopt;
+  for (int bits = 0; bits < 4; ++bits)
+    if (Mirrored(orientation, bits & 1, bits & 2) == other)
+      return Flips{(bits & 1) != 0, (bits & 2) != 0};
+  return std::nullopt;
+}
+
+CaptureGuard::CaptureGuard(const std::optional<rg_capture_section>& recorded,
+                           const std::string& what, bool is_strict, Say say)
+    : recorded_(recorded),
+      what_(what),
+      is_strict_(is_strict),
+      say_(std::move(say)) {}
+
+std::string CaptureGuard::FaultOfLens(float lens_position) const {
+  const double told_q16 = std::round(double{lens_position} * kQ16);
+  if (std::abs(told_q16 - recorded_->lens_position_q16) <=
+      recorded_->lens_tolerance_q16)
+    return "";
+  const double recorded = recorded_->lens_position_q16 / kQ16;
+  return Print(
+      "the lens is at %.6g dpt, where calibration had %.6g, within %.6g; focus "
+      "as then with --control AfMode=Manual --control LensPosition=%.6g, or "
+      "calibrate as it is now",
+      double{lens_position}, recorded, recorded_->lens_tolerance_q16 / kQ16,
+      recorded);
+}
+
+std::string CaptureGuard::FaultOfCrop(const SensorCrop& crop) const {
+  const SensorCrop recorded = *RecordedCrop(recorded_);
+  const std::string zoom =
+      crop.width == 0
+          ? ""
+          : Print(", zoomed by %.4g", double{1} * recorded.width / crop.width);
+  return "frames show the part " + CropText(crop) +
+         " of the sensor, where calibration had " + CropText(recorded) + zoom +
+         "; choose the mode, --table or --control ScalerCrop that shows it, or "
+         "add a table of this one: raygrid pack --mode";
+}
+
+std::string CaptureGuard::FaultOfZoom(double zoom) const {
+  const double recorded = recorded_->zoom_q16 / kQ16;
+  if (std::abs(zoom / recorded - 1) <= kZoomTolerance) return "";
+  return Print(
+      "zoom is %.6g, where calibration had %.6g; set it as then, such as with "
+      "--control zoom_absolute of V4L2, or calibrate as it is now",
+      zoom, recorded);
+}
+
+std::string CaptureGuard::FaultOfOrientation(int orientation,
+                                             const rg_mode* in_use) const {
+  const int expected =
+      Mirrored(recorded_->orientation, in_use && in_use->flip_x != 0,
+               in_use && in_use->flip_y != 0);
+  if (orientation == expected) return "";
+  return "frames are " + OrientationText(orientation) + ", where " +
+         (expected == recorded_->orientation ? "calibration"
+                                             : "the table's mode") +
+         " had " + OrientationText(expected) +
+         "; turn flips of the camera as then, or add a table of this mode: "
+         "raygrid pack --mode NAME:flip=h";
+}
+
+CaptureGuard::Faults CaptureGuard::Compare(const FrameInfo& info,
+                                           const rg_mode* in_use,
+                                           bool shows_mode) const {
+  Faults faults;
+  if (IsKnown(RG_KNOWS_LENS_POSITION) && is_told_[kLens] && info.lens_position)
+    faults.of[kLens] = FaultOfLens(*info.lens_position);
+  if (IsKnown(RG_KNOWS_CROP) && info.crop) {
+    if (!shows_mode) faults.of[kCrop] = FaultOfCrop(*info.crop);
+  } else if (IsKnown(RG_KNOWS_ZOOM) && info.zoom) {
+    faults.of[kZoom] = FaultOfZoom(*info.zoom);
+  }
+  if (IsKnown(RG_KNOWS_ORIENTATION) && info.orientation)
+    faults.of[kOrientation] = FaultOfOrientation(*info.orientation, in_use);
+  return faults;
+}
+
+Flips CaptureGuard::FlipsOf(const FrameInfo& info) const {
+  if (is_idle() || !IsKnown(RG_KNOWS_ORIENTATION) || !info.orientation)
+    return {};
+  return FlipsBetween(recorded_->orientation, *info.orientation)
+      .value_or(Flips());
+}
+
+void CaptureGuard::NoteTold(const FrameInfo& info) {
+  is_told_[kLens] |= info.lens_position && !std::isnan(*info.lens_position);
+  is_told_[kCrop] |= info.crop.has_value();
+  is_told_[kZoom] |= info.zoom.has_value();
+  is_told_[kOrientation] |= info.orientation.has_value();
+}
+
+void CaptureGuard::SayWhatIsNotTold() {
+  if (was_told_all_) return;
+  was_told_all_ = true;
+  std::string not_told;
+  const auto add = [&not_told](const char* text) {
+    not_told += (not_told.empty() ? "" : ", ") + std::string(text);
+  };
+  if (IsKnown(RG_KNOWS_LENS_POSITION) && !is_told_[kLens]) add("lens position");
+  if (IsKnown(RG_KNOWS_CROP) && !is_told_[kCrop]) add("part of the sensor");
+  // A crop says more than a zoom.
+  if (IsKnown(RG_KNOWS_ZOOM) && !is_told_[kZoom] &&
+      !(IsKnown(RG_KNOWS_CROP) && is_told_[kCrop]))
+    add("zoom");
+  if (IsKnown(RG_KNOWS_ORIENTATION) && !is_told_[kOrientation])
+    add("orientation");
+  if (!not_told.empty())
+    say_("cannot be told whether frames are as calibrated: " + what_ +
+         " does not tell " + not_told +
+         "; check that by hand, or leave it out of raygrid pack --capture");
+}
+
+bool CaptureGuard::Check(const FrameInfo& info, const rg_mode* in_use,
+                         bool shows_mode, Clock::time_point arrived) {
+  if (is_idle()) return true;
+  if (num_frames_++ == 0) first_arrived_ = arrived;
+  NoteTold(info);
+  if (num_frames_ == kFramesToTell) SayWhatIsNotTold();
+  const Faults faults = Compare(info, in_use, shows_mode);
+  const std::string* first = nullptr;
+  for (const std::string& fault : faults.of)
+    if (!first && !fault.empty()) first = &fault;
+  if (!first) {
+    was_as_calibrated_ = true;
+    return true;
+  }
+  ++num_not_as_calibrated_;
+  if (is_strict_) {
+    if (was_as_calibrated_ || (num_frames_ > kSettlingFrames &&
+                               arrived - first_arrived_ >= kSettlingTime))
+      throw CameraError(CameraExit::kBlob,
+                        "--strict: not as calibrated: " + *first);
+    ++num_held_back_;
+    return false;
+  }
+  for (int kind = 0; kind < kNumKinds; ++kind) {
+    if (faults.of[kind].empty() || was_said_[kind]) continue;
+    was_said_[kind] = true;
+    say_("not as calibrated: " + faults.of[kind]);
+  }
+  return true;
+}
+
+void CaptureGuard::Finish() {
+  if (!is_idle() && num_frames_ > 0) SayWhatIsNotTold();
+}
+
+}  // namespace raygrid

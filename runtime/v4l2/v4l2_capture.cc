@@ -1,0 +1,105 @@
+#include "v4l2_capture.h"
+
+#include "capture_guard.h"
+
+namespace raygrid {
+namespace {
+
+constexpr uint32_t kAsked[] = {V4L2_CID_ZOOM_ABSOLUTE, V4L2_CID_HFLIP,
+                               V4L2_CID_VFLIP, V4L2_CID_ROTATE};
+
+bool IsAsked(const v4l2_query_ext_ctrl& control) {
+  if ((control.flags & (V4L2_CTRL_FLAG_DISABLED | V4L2_CTRL_FLAG_WRITE_ONLY)) !=
+      0)
+    return false;
+  for (const uint32_t id : kAsked)
+    if (control.id == id) return true;
+  return false;
+}
+
+// Frames that are turned clockwise by so many degrees; 0 of what is no turn.
+int TurnedBy(int32_t degrees) {
+  switch (degrees) {
+    case 0:
+      return 1;
+    case 90:
+      return 8;
+    case 180:
+      return 3;
+    case 270:
+      return 6;
+    default:
+      return 0;
+  }
+}
+
+}  // namespace
+
+V4l2CaptureReader::V4l2CaptureReader(V4l2Device* device) : device_(device) {
+  v4l2_query_ext_ctrl control = {};
+  for (;;) {
+    control.id |= V4L2_CTRL_FLAG_NEXT_CTRL;
+    if (AskAgain(device, VIDIOC_QUERY_EXT_CTRL, &control) != 0) break;
+    if (IsAsked(control)) controls_.push_back({control.id, control.minimum});
+  }
+  has_crop_ = ReadCrop().has_value();
+}
+
+std::optional<SensorCrop> V4l2CaptureReader::ReadCrop() const {
+  v4l2_selection crop = {};
+  // Also of devices whose planes lie apart.
+  crop.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  crop.target = V4L2_SEL_TGT_CROP;
+  if (AskAgain(device_, VIDIOC_G_SELECTION, &crop) != 0 || crop.r.width == 0 ||
+      crop.r.height == 0)
+    return std::nullopt;
+  return SensorCrop{crop.r.left, crop.r.top, crop.r.width, crop.r.height};
+}
+
+std::optional<int32_t> V4l2CaptureReader::ReadValue(uint32_t id) const {
+  for (const Control& known : controls_) {
+    if (known.id != id) continue;
+    v4l2_ext_control value = {};
+    value.id = id;
+    v4l2_ext_controls values = {};
+    values.which = V4L2_CTRL_WHICH_CUR_VAL;
+    values.count = 1;
+    values.controls = &value;
+    // The kernel's structure is packed: no reference to it.
+    if (AskAgain(device_, VIDIOC_G_EXT_CTRLS, &values) == 0)
+      return int32_t{value.value};
+  }
+  return std::nullopt;
+}
+
+// zoom_absolute is a focal length in a unit of the driver's own. One whose
+// smallest is 0 is none: then it is told only where nothing is zoomed.
+std::optional<double> V4l2CaptureReader::ReadZoom() const {
+  const std::optional<int32_t> value = ReadValue(V4L2_CID_ZOOM_ABSOLUTE);
+  if (!value) return std::nullopt;
+  for (const Control& known : controls_) {
+    if (known.id != V4L2_CID_ZOOM_ABSOLUTE) continue;
+    if (*value == known.minimum) return 1;
+    if (known.minimum > 0)
+      return static_cast<double>(*value) / static_cast<double>(known.minimum);
+  }
+  return std::nullopt;
+}
+
+std::optional<int> V4l2CaptureReader::ReadOrientation() const {
+  const std::optional<int32_t> flip_x = ReadValue(V4L2_CID_HFLIP),
+                               flip_y = ReadValue(V4L2_CID_VFLIP),
+                               degrees = ReadValue(V4L2_CID_ROTATE);
+  if (!flip_x && !flip_y && !degrees) return std::nullopt;
+  const int orientation = Mirrored(TurnedBy(degrees.value_or(0)),
+                                   flip_x.value_or(0), flip_y.value_or(0));
+  return orientation != 0 ? std::optional(orientation) : std::nullopt;
+}
+
+void V4l2CaptureReader::Read(FrameInfo* info) const {
+  if (has_crop_) info->crop = ReadCrop();
+  info->zoom = ReadZoom();
+  info->orientation = ReadOrientation();
+}
+
+}  // namespace raygrid
