@@ -17,6 +17,9 @@ run list --list
 run source --source
 run several vga.raygrid --frames 1
 run other_size vga.raygrid --camera -2:1.0 --frames 1 -o other_size
+run told vga.raygrid --camera -1:1.0 --check
+run turned turned.raygrid --camera -1:1.0 --frames 12 --every-frame
+run strict turned.raygrid --camera -1:1.0 --frames 12 --every-frame --strict
 run points vga.raygrid --camera -1:1.0 --points points.csv
 
 mkdir /tmp/full
@@ -48,6 +51,14 @@ echo $(($(date +%s) - last)) >unplugged.seconds
 class CameraInMachine(MachineCase):
     CAMERAS = tuple(SIZES)
     PLAYERS = (("vga", 10), ("hd", 5), ("odd", 10), ("vga", 10, 20))
+
+    @classmethod
+    def make_more(cls):
+        """A blob that records another orientation, and what this camera does not tell."""
+        machine_case.raygrid("pack", cls.path("vga_scene/true_camera.yaml"), "--remap",
+                             "640x480,hfov=80", "--capture",
+                             "orientation=3,lens=2,crop=0,0,640,480", "-o",
+                             cls.path("shared/turned.raygrid"))
 
     @classmethod
     def setUpClass(cls):
@@ -83,6 +94,20 @@ class CameraInMachine(MachineCase):
     def test_a_blob_of_another_size_is_refused_with_the_remedy(self):
         self.assert_ends("other_size", 8, "640x480", "1280x720", "--list")
         self.assertFalse(os.path.exists(os.path.join(self.shared, "other_size")))
+
+    def test_frames_are_compared_with_calibration(self):
+        self.assert_ends("told", 0)
+        self.assertIn("; as pack --capture has it: orientation=1\n", self.read("told.out"))
+        error = self.read("turned.err")
+        self.assertEqual(self.status("turned"), 0, error)
+        for said in ("frames are upright (1), where calibration had rotated by 180 degrees (3); ",
+                     "the camera does not tell lens position, part of the sensor; "):
+            self.assertEqual(error.count(said), 1, error)
+        self.assertIn("12 taken", error)
+        self.assertRegex(error, r", not as calibrated: 1[2-9] frames")
+        self.assertEqual(self.status("strict"), 8)
+        self.assertIn("raygrid-camera: --strict: not as calibrated: frames are upright",
+                      self.read("strict.err"))
 
     def test_points(self):
         self.assert_ends("points", 0)

@@ -5,7 +5,7 @@ import subprocess
 import unittest
 
 import machine_case
-from machine_case import MachineCase, has_kernel, programs
+from machine_case import MachineCase, has_kernel, programs, raygrid
 
 STREAMS = """
 run vga vga.raygrid --source $(device -1:1.0) --frames 40 --every-frame -o vga
@@ -31,6 +31,10 @@ for format in NV12 YUV420 BGR888 SRGGB8; do
   dd if=${single#v4l2:} of=vivid_$format.frame bs=1M count=1
   run apart_$format vga.raygrid --source $apart --format $format $still -o apart_$format
 done
+run check stood.raygrid --source $single --check
+run same stood.raygrid --source $single --format NV12 $still --strict
+run flipped stood.raygrid --source $single --format NV12 $still --control horizontal_flip=1
+run strict stood.raygrid --source $single --format NV12 $still --control horizontal_flip=1 --strict
 for control in gain=300 nonsense=1 inject_vidioc_reqbufs_error=1 disconnect=1; do
   run vivid_${control%=*} vga.raygrid --source $single --control $control --frames 1
 done
@@ -53,7 +57,9 @@ class V4l2InMachine(MachineCase):
 
     @classmethod
     def make_more(cls):
-        """Some of the frames as JPEGs."""
+        """A blob that records how the camera stood, and some of the frames as JPEGs."""
+        raygrid("pack", cls.path("vga_scene/true_camera.yaml"), "--remap", "640x480,hfov=80",
+                "--capture", "orientation=1,lens=2", "-o", cls.path("shared/stood.raygrid"))
         subprocess.run(["ffmpeg", "-loglevel", "error", "-f", "rawvideo", "-pixel_format", "yuyv422",
                         "-video_size", "640x480", "-i", cls.path("vga.yuyv"), "-frames:v", "20",
                         "-q:v", "2", "-f", "mjpeg", cls.path("vga.mjpeg")], check=True)
@@ -99,6 +105,22 @@ class V4l2InMachine(MachineCase):
                     for header, planes in frames:
                         self.assertEqual(header["format"], name)
                         self.assertEqual(planes, expected)
+
+    def test_frames_are_compared_with_calibration(self):
+        self.assertEqual(self.status("check"), 0, self.read("check.err"))
+        self.assertIn("; as pack --capture has it: ", self.read("check.out"))
+        self.assertIn("orientation=1\n", self.read("check.out"))
+        untold = "the camera does not tell lens position; "
+        for name, status, count in (("same", 0, 0), ("flipped", 0, 3)):
+            error = self.read(name + ".err")
+            self.assertEqual(self.status(name), status, error)
+            self.assertEqual(error.count(untold), 1, error)
+            self.assertIn(f", not as calibrated: {count} frames", error)
+        self.assertEqual(error.count("frames are mirrored (2), where calibration had upright (1)"),
+                         1, error)
+        self.assertEqual(self.status("strict"), 8)
+        self.assertIn("raygrid-camera: --strict: not as calibrated: frames are mirrored",
+                      self.read("strict.err"))
 
     def test_devices_that_cannot_be_used(self):
         self.assert_ends("several", 2, "--source v4l2:/dev/video")
