@@ -33,7 +33,8 @@ struct SimulateArguments {
   PoseOptions poses;
   std::string pattern, lens = "example", camera, size = "640x480", output;
   bool render = false;
-  double max_tilt_deg = 50, board_bend_mm = 0, image_circle_px = 0;
+  double max_tilt_deg = 50, board_bend_mm = 0, board_flex_mm = 0;
+  double image_circle_px = 0;
   std::optional<int> features_per_image;
   int bits = 8;
   int cameras = 1;
@@ -302,8 +303,13 @@ void RequireInputsStay(const SimulateArguments& arguments) {
 void Run(SimulateArguments arguments, const CommonOptions& common) {
   arguments.poses.max_tilt_rad = arguments.max_tilt_deg * M_PI / 180;
   arguments.simulation.board_bend_m = arguments.board_bend_mm / 1000;
+  arguments.simulation.board_flex_m = arguments.board_flex_mm / 1000;
   if (arguments.poses.min_square_px > arguments.poses.max_square_px)
     throw Error(ExitCode::kUsage, "--min-square-px exceeds --max-square-px");
+  if (arguments.render && arguments.board_flex_mm > 0)
+    throw Error(ExitCode::kUsage,
+                "--board-flex-mm: not with --render, whose boards are "
+                "paraboloids; --board-bend-mm bends these");
   if (arguments.render && arguments.cameras > 1)
     throw Error(ExitCode::kUsage, "--render: with one camera only");
   RequireInputsStay(arguments);
@@ -431,6 +437,13 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
       ->add_option("--board-bend-mm", arguments->board_bend_mm,
                    "how far the board's edges are bent out of its plane")
       ->check(CLI::Range(-1000.0, 1000.0))
+      ->capture_default_str();
+  command
+      ->add_option("--board-flex-mm", arguments->board_flex_mm,
+                   "each view bends the board besides, at random and "
+                   "smoothly: standard deviation of its features' heights, "
+                   "without --render")
+      ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   AddCameraOptions(command, arguments.get());
   AddImagingOptions(command, arguments.get());

@@ -6,6 +6,7 @@
 
 #include "dataset/error.h"
 #include "simulation/board_bend.h"
+#include "simulation/board_flex.h"
 #include "simulation/random.h"
 
 namespace raygrid {
@@ -131,7 +132,8 @@ SimulatedObservations SimulateObservations(const CameraModel& camera,
                               "ask for fewer",
                               kMaxTries, options.features_per_image));
     const Pose pose = RandomPose(camera, board, &random);
-    std::vector<Feature> features = VisibleFeatures(camera, board, pose);
+    std::vector<Feature> features = VisibleFeatures(
+        camera, FlexedBoard(board, options.board_flex_m, &random), pose);
     if (static_cast<int>(features.size()) < options.features_per_image)
       continue;
     num_tries = 0;

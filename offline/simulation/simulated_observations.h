@@ -16,6 +16,8 @@ struct SimulationOptions {
   double noise_px = 0.05;        ///< standard deviation of each coordinate
   /// The board is bent by this much at its edges: a paraboloid.
   double board_bend_m = 0;
+  /// Besides, each view has a bend of its own: FlexedBoard().
+  double board_flex_m = 0;
   uint64_t seed = 1;
 };
 

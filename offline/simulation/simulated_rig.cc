@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "simulation/board_bend.h"
+#include "simulation/board_flex.h"
 #include "simulation/random.h"
 
 namespace raygrid {
@@ -87,10 +88,14 @@ SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
   Random random(options.seed);
   for (int i = 0; i < options.num_images; ++i) {
     const std::string name = fmt::format("sim{:04d}.png", i);
+    // One bend of a board at one instant, which all cameras see.
+    std::vector<Board> boards;
+    for (const Board& board : result.true_pattern.boards)
+      boards.push_back(FlexedBoard(board, options.board_flex_m, &random));
     for (size_t c = 0; c < rig.cameras.size(); ++c) {
       ImageFeatures image = {name, {}};
       for (size_t b = 0; b < pattern.boards.size(); ++b) {
-        const Board& board = result.true_pattern.boards[b];
+        const Board& board = boards[b];
         const Pose pose = rig.camera_from_rig[c] * poses[b][i];
         const std::vector<Feature> features =
             Observe(*rig.cameras[c], board, pose, options, &random);

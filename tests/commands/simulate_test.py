@@ -203,11 +203,23 @@ class Simulate(CommandTest):
         self.assertEqual(outputs[0], outputs[1])
         self.assertEqual(len(outputs[0]), 7)
 
+    def test_views_bend_the_board_each_in_its_own_way(self):
+        names = ("true_pattern.yaml", "true_camera.yaml", "features.csv")
+        files = []
+        for options in ((), ("--board-flex-mm", 1)):
+            folder = self.simulate("--noise-px", 0, *options)
+            files.append([read(os.path.join(folder, name)) for name in names])
+        flat, flexed = files
+        self.assertEqual(flat[:2], flexed[:2])
+        self.assertNotEqual(flat[2], flexed[2])
+
     def test_wrong_usage(self):
         folder = self.path("refused")
         for options, code, word in ((("--board-bend-mm", "abc"), 1, "--board-bend-mm"),
                                     (("--features-per-image", 721), 1, "720"),
                                     (("--min-square-px", 40), 1, "--max-square-px"),
+                                    (("--board-flex-mm", 1, "--render"), 1, "--board-bend-mm"),
+                                    (("--board-flex-mm", -1), 1, "--board-flex-mm"),
                                     (("--lens", "zoom"), 2, "zoom")):
             with self.subTest(options):
                 self.assert_refused(run("simulate", *options, "-o", folder), code, word)

@@ -1,5 +1,7 @@
+#include "simulation/board_flex.h"
 #include "simulation/simulated_camera.h"
 #include "simulation/simulated_observations.h"
+#include "simulation/simulated_rig.h"
 #include "support.h"
 
 namespace raygrid {
@@ -54,7 +56,7 @@ TEST(SimulateObservations, MakesAsManyImagesAndFeaturesAsAsked) {
     EXPECT_EQ(image.features.size(), 120u);
 }
 
-// Calls use(exact, observed) for each feature.
+// Calls use(exact, observed) for each feature whose exact place is in the area.
 template <typename Function>
 void ForEachFeature(const SimulatedObservations& simulated,
                     const Function& use) {
@@ -62,12 +64,10 @@ void ForEachFeature(const SimulatedObservations& simulated,
   const Board& board = simulated.true_pattern.boards[0];
   for (size_t i = 0; i < simulated.dataset.images.size(); ++i)
     for (const Feature& feature : simulated.dataset.images[i].features)
-      use(camera
-              .Project(
-                  simulated.poses[i].camera_from_board *
-                  board.points[board.PointIndex(feature.column, feature.row)])
-              .value(),
-          feature.pixel);
+      if (const auto exact = camera.Project(
+              simulated.poses[i].camera_from_board *
+              board.points[board.PointIndex(feature.column, feature.row)]))
+        use(*exact, feature.pixel);
 }
 
 TEST(SimulateObservations, NoiseHasTheStandardDeviationAskedFor) {
@@ -95,11 +95,14 @@ TEST(SimulateObservations, WithoutNoiseTheyAreExactAndInsideTheImage) {
   options.noise_px = 0;
   options.board_bend_m = 0.004;
   const Area image = WholeImage({640, 480});
+  int count = 0;
   ForEachFeature(Simulate(options), [&](const Eigen::Vector2d& exact,
                                         const Eigen::Vector2d& observed) {
     EXPECT_LT((exact - observed).norm(), 1e-9);
     EXPECT_TRUE(image.Contains(observed));
+    ++count;
   });
+  EXPECT_EQ(count, 2400);
 }
 
 TEST(SimulateObservations, NoisyFeaturesStayInsideTheImage) {
@@ -118,6 +121,62 @@ TEST(SimulateObservations, BendLiftsTheBoardsEdges) {
   for (const Eigen::Vector3d& p : simulated.true_pattern.boards[0].points)
     largest = std::max(largest, p.z());
   EXPECT_NEAR(largest, 0.0045, 1e-9);  // in the corners: 1 + 1/2 of it
+}
+
+TEST(FlexedBoard, HasTheDeviationAskedForAndIsNoPose) {
+  const Board board = ChessboardPattern(18, 12, 0.03).boards[0];
+  const double count = static_cast<double>(board.points.size());
+  Random random(1);
+  double squares = 0, moved = 0;
+  constexpr int kBoards = 400;
+  for (int i = 0; i < kBoards; ++i) {
+    const Board flexed = FlexedBoard(board, 1e-4, &random);
+    Eigen::Vector3d plane = Eigen::Vector3d::Zero();  // height and tilts
+    for (size_t k = 0; k < board.points.size(); ++k) {
+      const Eigen::Vector3d away = flexed.points[k] - board.points[k];
+      EXPECT_EQ(away.head<2>().norm(), 0);
+      squares += away.z() * away.z() / count / kBoards;
+      const Eigen::Vector2d from_center =
+          board.points[k].head<2>() - board.points.back().head<2>() / 2;
+      plane +=
+          away.z() / count *
+          Eigen::Vector3d(1, from_center.x() / 0.15, from_center.y() / 0.1);
+    }
+    moved += plane.squaredNorm() / kBoards;
+  }
+  EXPECT_NEAR(std::sqrt(squares), 1.1e-4, 0.1e-4);
+  EXPECT_LT(std::sqrt(moved), 0.35e-4);
+}
+
+TEST(SimulateObservations, EachViewBendsTheBoardInItsOwnWay) {
+  SimulationOptions options = FewImages();
+  options.noise_px = 0;
+  options.board_flex_m = 0.001;
+  const SimulatedObservations simulated = Simulate(options);
+  double sum = 0;
+  ForEachFeature(simulated, [&](const Eigen::Vector2d& exact,
+                                const Eigen::Vector2d& observed) {
+    sum += (exact - observed).norm();
+  });
+  EXPECT_GT(sum / 2400, 0.2);
+  for (const Eigen::Vector3d& point : simulated.true_pattern.boards[0].points)
+    EXPECT_EQ(point.z(), 0);
+  EXPECT_EQ(FormatFeatures(simulated.dataset),
+            FormatFeatures(Simulate(options).dataset));
+}
+
+TEST(SimulateRig, CamerasSeeOneBendOfABoard) {
+  SimulationOptions options = FewImages();
+  options.noise_px = 0;
+  options.board_flex_m = 0.001;
+  options.features_per_image = 1000;
+  const auto camera =
+      std::make_shared<SimulatedCamera>(ExampleSimulatedCamera());
+  const SimulatedRigObservations simulated = SimulateRig(
+      CamerasInARow(camera, 2, 0), ChessboardPattern(18, 12, 0.03), options);
+  EXPECT_FALSE(simulated.datasets[0].images.empty());
+  EXPECT_EQ(FormatFeatures(simulated.datasets[0]),
+            FormatFeatures(simulated.datasets[1]));
 }
 
 TEST(SimulateObservations, FeaturesReachAllQuartersOfTheImage) {
