@@ -17,7 +17,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 SIZES = ((640, 480), (1920, 1080))
 FORMATS = ("GREY", "NV12", "RGB")
-ROUNDS, SECONDS = 5, 1.2
+ROUNDS, SECONDS = 3, 1.2
 CHANNELS = {"GREY": 1, "NV12": 1.5, "RGB": 3}
 GSTREAMER = {"GREY": "GRAY8", "NV12": "NV12", "RGB": "RGB"}
 FFMPEG = {"GREY": "gray", "RGB": "rgb24"}
@@ -259,7 +259,8 @@ def text(options):
              "`cameraundistort`, and pictures of those that can write them are compared first. Frames that are fed come through",
              "a pipe; other programs have them in memory. Results go nowhere. ffmpeg takes the nearest pixel, all others interpolate;",
              "neither ffmpeg nor `cameraundistort` takes NV12. Ways in by libcamera and V4L2 ran on emulated cameras only, whose",
-             "speed says nothing.", "",
+             "speed says nothing. On as many threads as there are processors, `raygrid-camera` has to share them with the program that",
+             "feeds it, and waits for it; its default is one thread fewer.", "",
              "| way | threads | " + " | ".join(heads) + " |", "|---" * (len(heads) + 2) + "|"]
     for (name, threads), cells in rows.items():
         lines.append(f"| {name} | {threads} | " + " | ".join(cells.get(column, "-") for column in columns) + " |")
