@@ -178,6 +178,13 @@ class MachineCase(unittest.TestCase):
         self.assertLessEqual(len(frames), 20)
         self.assertEqual(len(frames), self.counts(name)["written"])
 
+    def check_benchmark(self, memory):
+        self.assert_ends("benchmark", 0)
+        text = self.read("benchmark.out")
+        self.assertIn(f"memory: {memory}\ncached: yes\n", text)
+        rate = float(text.split("frames_per_second: ")[1].split()[0])
+        self.assertLess(rate, 12)
+
     def check_stream(self, name, count, prefix=""):
         if programs.only_ends:
             self.skipTest("--only-ends: sanitizers are too slow for the frames")
