@@ -4,9 +4,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <set>
 #include <vector>
 
 #include "camera/central_radial.h"
@@ -14,28 +12,15 @@
 #include "camera/noncentral_generic.h"
 #include "camera/splined_stereographic.h"
 #include "camera/view_camera.h"
+#include "dataset/capture_node.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_header.h"
 #include "dataset/pose_node.h"
-#include "dataset/text_encoding.h"
 #include "dataset/yaml_file.h"
 
 namespace raygrid {
 namespace {
-
-// The largest number in a file: squares of such numbers and of their products
-// are numbers too.
-constexpr double kLargestNumber = 1e12;
-
-// Any number that a camera consists of: neither NaN nor beyond arithmetic.
-double Number(const YAML::Node& node, const std::string& name) {
-  const double number = node.as<double>();
-  if (!(std::abs(number) <= kLargestNumber))
-    throw InputError(
-        fmt::format("{}: not a number, or beyond {:g}", name, kLargestNumber));
-  return number;
-}
 
 // A surface of directions; of what else each control point has,
 // numbers_per_point in all, others gets the rest.
@@ -61,7 +46,7 @@ BSplineSurface ParseGrid(const YAML::Node& root, const Area& area,
                                    numbers_per_point));
     std::vector<double> value;
     for (const YAML::Node& number : point)
-      value.push_back(Number(number, "control_points"));
+      value.push_back(YamlNumber(number, "control_points"));
     surface.points()[index++] = {value[0], value[1]};
     others->emplace_back(value.begin() + 2, value.end());
   }
@@ -95,7 +80,7 @@ void ParseParameters(const YAML::Node& root,
                      double* parameters) {
   for (size_t k = 0; k < names.size(); ++k)
     parameters[k] =
-        Number(root["parameters"][names[k]], "parameters: " + names[k]);
+        YamlNumber(root["parameters"][names[k]], "parameters: " + names[k]);
 }
 
 std::shared_ptr<CameraModel> ParseLens(const YAML::Node& root,
@@ -127,7 +112,7 @@ std::shared_ptr<CameraModel> ParseCentralRadial(const YAML::Node& root,
   const double max_angle_rad = radial["max_angle_rad"].as<double>();
   std::vector<double> spline;
   for (const YAML::Node& number : radial["spline"])
-    spline.push_back(Number(number, "radial: spline"));
+    spline.push_back(YamlNumber(number, "radial: spline"));
   if (!(max_angle_rad > 0) || !(max_angle_rad <= 3.1))
     throw InputError("radial: max_angle_rad must be in (0, 3.1]");
   if (spline.size() < 3 || spline.size() > 1000)
@@ -162,7 +147,7 @@ std::shared_ptr<CameraModel> ParseSplinedStereographic(const YAML::Node& root,
   Eigen::VectorXd parameters = Eigen::VectorXd::Zero(count + 4);
   int index = 0;
   for (const YAML::Node& number : points)
-    parameters[index++] = Number(number, "spline: control_points");
+    parameters[index++] = YamlNumber(number, "spline: control_points");
   ParseParameters(
       root, SplinedStereographic(size, area, grid, parameters).ParameterNames(),
       parameters.data() + count);
@@ -173,16 +158,10 @@ std::shared_ptr<CameraModel> ParseSplinedStereographic(const YAML::Node& root,
 
 std::optional<ErrorFigures> ParseFigures(const YAML::Node& node) {
   if (!node) return std::nullopt;
-  return ErrorFigures{Number(node["median_px"], "quality: median_px"),
-                      Number(node["rms_px"], "quality: rms_px"),
-                      Number(node["max_px"], "quality: max_px"),
+  return ErrorFigures{YamlNumber(node["median_px"], "quality: median_px"),
+                      YamlNumber(node["rms_px"], "quality: rms_px"),
+                      YamlNumber(node["max_px"], "quality: max_px"),
                       node["count"].as<int>()};
-}
-
-// Throws InputError unless it is a list of so many.
-void RequireList(const YAML::Node& node, const char* name, int size) {
-  if (!node.IsSequence() || static_cast<int>(node.size()) != size)
-    throw InputError(fmt::format("{}: not a list of {}", name, size));
 }
 
 DeviationLattice ParseDeviations(const YAML::Node& node) {
@@ -193,9 +172,9 @@ DeviationLattice ParseDeviations(const YAML::Node& node) {
       std::max(lattice.columns, lattice.rows) > 65)
     throw InputError("uncertainty: columns and rows must be 2 to 65");
   const YAML::Node rows = node["deviation_px"];
-  RequireList(rows, "uncertainty: deviation_px", lattice.rows);
+  RequireYamlList(rows, "uncertainty: deviation_px", lattice.rows);
   for (const YAML::Node& row : rows) {
-    RequireList(row, "uncertainty: a row of deviation_px", lattice.columns);
+    RequireYamlList(row, "uncertainty: a row of deviation_px", lattice.columns);
     for (const YAML::Node& value : row) {
       lattice.deviation_px.push_back(value.IsNull() ? NAN : value.as<double>());
       if (!value.IsNull() && !(lattice.deviation_px.back() >= 0))
@@ -231,13 +210,13 @@ ErrorModes ParseModes(const YAML::Node& node) {
   if (!(modes.rest_px >= 0)) throw InputError("modes: rest_px is negative");
   modes.beyond = ParseBeyond(node["beyond"]);
   for (const YAML::Node& mode : node["displacements_px"]) {
-    RequireList(mode, "modes: one of displacements_px",
-                2 * modes.columns * modes.rows);
+    RequireYamlList(mode, "modes: one of displacements_px",
+                    2 * modes.columns * modes.rows);
     std::vector<Eigen::Vector2d>& field = modes.displacements_px.emplace_back();
     for (int i = 0; i < modes.columns * modes.rows; ++i) {
       const char* const name = "modes: displacements_px";
-      field.emplace_back(Number(mode[2 * i], name),
-                         Number(mode[2 * i + 1], name));
+      field.emplace_back(YamlNumber(mode[2 * i], name),
+                         YamlNumber(mode[2 * i + 1], name));
     }
   }
   return modes;
@@ -252,7 +231,7 @@ TrustMask ParseMask(const YAML::Node& node, const ImageSize& size) {
   mask.columns = TrustMask::NumCells(size.width, mask.cell_px);
   mask.rows = TrustMask::NumCells(size.height, mask.cell_px);
   const YAML::Node rows = node["cells"];
-  RequireList(rows, "trusted: cells", mask.rows);
+  RequireYamlList(rows, "trusted: cells", mask.rows);
   for (const YAML::Node& row : rows) {
     const std::string text = row.as<std::string>();
     if (static_cast<int>(text.size()) != mask.columns ||
@@ -276,60 +255,21 @@ std::optional<CameraUncertainty> ParseUncertainty(const YAML::Node& root,
   CameraUncertainty uncertainty;
   uncertainty.lattice = ParseDeviations(root["uncertainty"]);
   uncertainty.mask = ParseMask(root["trusted"], size);
-  uncertainty.max_deviation_px =
-      Number(root["trusted"]["max_deviation_px"], "trusted: max_deviation_px");
+  uncertainty.max_deviation_px = YamlNumber(root["trusted"]["max_deviation_px"],
+                                            "trusted: max_deviation_px");
   uncertainty.modes = ParseModes(root["uncertainty"]["modes"]);
   return uncertainty;
 }
 
 std::optional<ImageCircle> ParseImageCircle(const YAML::Node& node) {
   if (!node) return std::nullopt;
-  RequireList(node, "image_circle", 3);
-  const double radius_px = Number(node[2], "image_circle");
+  RequireYamlList(node, "image_circle", 3);
+  const double radius_px = YamlNumber(node[2], "image_circle");
   if (!(radius_px > 0))
     throw InputError("image_circle: not x, y and a positive radius");
-  return ImageCircle{
-      {Number(node[0], "image_circle"), Number(node[1], "image_circle")},
-      Eigen::Vector2d::Constant(radius_px)};
-}
-
-// A key that is misspelt would compare nothing.
-void RequireCaptureKeys(const YAML::Node& node) {
-  static const std::set<std::string> kKnown = {
-      "lens_position", "lens_tolerance", "crop", "zoom", "orientation"};
-  if (!node.IsMap()) throw InputError("capture: not a mapping");
-  for (const auto& entry : node)
-    if (const auto key = entry.first.as<std::string>(); !kKnown.count(key))
-      throw InputError(
-          fmt::format("capture: unknown key '{}'; lens_position, "
-                      "lens_tolerance, crop, zoom and orientation are known",
-                      Printable(key)));
-}
-
-std::optional<Capture> ParseCapture(const YAML::Node& node,
-                                    const ImageSize& size) {
-  if (!node) return std::nullopt;
-  RequireCaptureKeys(node);
-  Capture capture;
-  if (node["lens_position"])
-    capture.lens_position =
-        Number(node["lens_position"], "capture: lens_position");
-  if (node["lens_tolerance"]) {
-    if (!capture.lens_position)
-      throw InputError("capture: lens_tolerance needs lens_position");
-    capture.lens_tolerance =
-        Number(node["lens_tolerance"], "capture: lens_tolerance");
-  }
-  if (node["crop"]) {
-    RequireList(node["crop"], "capture: crop", 4);
-    capture.crop = node["crop"].as<std::array<int, 4>>();
-  }
-  if (node["zoom"]) capture.zoom = Number(node["zoom"], "capture: zoom");
-  if (node["orientation"]) capture.orientation = node["orientation"].as<int>();
-  if (!capture.KnowsAny()) throw InputError("capture: says nothing");
-  if (const char* const impossible = FindImpossible(capture, size))
-    throw InputError(std::string("capture: ") + impossible);
-  return capture;
+  return ImageCircle{{YamlNumber(node[0], "image_circle"),
+                      YamlNumber(node[1], "image_circle")},
+                     Eigen::Vector2d::Constant(radius_px)};
 }
 
 // Throws what yaml-cpp throws, and InputError without the file's name.
@@ -467,26 +407,6 @@ void EmitUncertainty(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
 void EmitPose(const Pose& pose, YAML::Emitter* out) {
   *out << YAML::Key << "camera_from_view" << YAML::Value
        << YAML::Load(FormatPose(pose, ""));
-}
-
-void EmitCapture(const Capture& capture, YAML::Emitter* out) {
-  *out << YAML::Key << "capture" << YAML::Value << YAML::BeginMap;
-  if (capture.lens_position)
-    *out << YAML::Key << "lens_position" << YAML::Value
-         << fmt::format("{}", *capture.lens_position) << YAML::Key
-         << "lens_tolerance" << YAML::Value
-         << fmt::format("{}", capture.lens_tolerance);
-  if (capture.crop) {
-    *out << YAML::Key << "crop" << YAML::Value << YAML::Flow << YAML::BeginSeq;
-    for (const int number : *capture.crop) *out << number;
-    *out << YAML::EndSeq;
-  }
-  if (capture.zoom)
-    *out << YAML::Key << "zoom" << YAML::Value
-         << fmt::format("{}", *capture.zoom);
-  if (capture.orientation)
-    *out << YAML::Key << "orientation" << YAML::Value << *capture.orientation;
-  *out << YAML::EndMap;
 }
 
 void EmitParameters(const ParametricModel& lens, Digits digits,

@@ -5,6 +5,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <set>
 #include <sstream>
@@ -15,6 +16,10 @@
 
 namespace raygrid {
 namespace {
+
+// The largest number in a file: squares of such numbers and of their products
+// are numbers too.
+constexpr double kLargestNumber = 1e12;
 
 // Hears what a document consists of, and throws at the second key of a name.
 // Aliases are not followed, so the work grows with the file alone.
@@ -142,6 +147,19 @@ void RequireKind(const YAML::Node& root, const std::string& kind) {
     if (root.IsMap() && root["raygrid_" + other])
       throw InputError(is_none + ", but " + what);
   throw InputError(is_none);
+}
+
+double YamlNumber(const YAML::Node& node, const std::string& name) {
+  const double number = node.as<double>();
+  if (!(std::abs(number) <= kLargestNumber))
+    throw InputError(
+        fmt::format("{}: not a number, or beyond {:g}", name, kLargestNumber));
+  return number;
+}
+
+void RequireYamlList(const YAML::Node& node, const char* name, int size) {
+  if (!node.IsSequence() || static_cast<int>(node.size()) != size)
+    throw InputError(fmt::format("{}: not a list of {}", name, size));
 }
 
 InputError YamlError(const std::string& path, const YAML::Exception& error) {

@@ -20,6 +20,13 @@ void RequireYamlFile(const std::string& path, const std::string& text);
 /// as "camera" or "rig"; it says which other kind of ours it is.
 void RequireKind(const YAML::Node& root, const std::string& kind);
 
+/// Any number that a file consists of: neither NaN nor beyond arithmetic.
+/// Throws InputError with the name, or what yaml-cpp throws.
+double YamlNumber(const YAML::Node& node, const std::string& name);
+
+/// Throws InputError with the name if a node is no list of that size.
+void RequireYamlList(const YAML::Node& node, const char* name, int size);
+
 /// The InputError of a parser's exception: path, line if it has one, and what
 /// is wrong.
 InputError YamlError(const std::string& path, const YAML::Exception& error);

@@ -1,0 +1,76 @@
+#include "dataset/capture_node.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <set>
+#include <string>
+
+#include "dataset/text_encoding.h"
+#include "dataset/yaml_file.h"
+
+namespace raygrid {
+namespace {
+
+// A key that is misspelt would compare nothing.
+void RequireCaptureKeys(const YAML::Node& node) {
+  static const std::set<std::string> kKnown = {
+      "lens_position", "lens_tolerance", "crop", "zoom", "orientation"};
+  if (!node.IsMap()) throw InputError("capture: not a mapping");
+  for (const auto& entry : node)
+    if (const auto key = entry.first.as<std::string>(); !kKnown.count(key))
+      throw InputError(
+          fmt::format("capture: unknown key '{}'; lens_position, "
+                      "lens_tolerance, crop, zoom and orientation are known",
+                      Printable(key)));
+}
+
+}  // namespace
+
+std::optional<Capture> ParseCapture(const YAML::Node& node,
+                                    const ImageSize& size) {
+  if (!node) return std::nullopt;
+  RequireCaptureKeys(node);
+  Capture capture;
+  if (node["lens_position"])
+    capture.lens_position =
+        YamlNumber(node["lens_position"], "capture: lens_position");
+  if (node["lens_tolerance"]) {
+    if (!capture.lens_position)
+      throw InputError("capture: lens_tolerance needs lens_position");
+    capture.lens_tolerance =
+        YamlNumber(node["lens_tolerance"], "capture: lens_tolerance");
+  }
+  if (node["crop"]) {
+    RequireYamlList(node["crop"], "capture: crop", 4);
+    capture.crop = node["crop"].as<std::array<int, 4>>();
+  }
+  if (node["zoom"]) capture.zoom = YamlNumber(node["zoom"], "capture: zoom");
+  if (node["orientation"]) capture.orientation = node["orientation"].as<int>();
+  if (!capture.KnowsAny()) throw InputError("capture: says nothing");
+  if (const char* const impossible = FindImpossible(capture, size))
+    throw InputError(std::string("capture: ") + impossible);
+  return capture;
+}
+
+void EmitCapture(const Capture& capture, YAML::Emitter* out) {
+  *out << YAML::Key << "capture" << YAML::Value << YAML::BeginMap;
+  if (capture.lens_position)
+    *out << YAML::Key << "lens_position" << YAML::Value
+         << fmt::format("{}", *capture.lens_position) << YAML::Key
+         << "lens_tolerance" << YAML::Value
+         << fmt::format("{}", capture.lens_tolerance);
+  if (capture.crop) {
+    *out << YAML::Key << "crop" << YAML::Value << YAML::Flow << YAML::BeginSeq;
+    for (const int number : *capture.crop) *out << number;
+    *out << YAML::EndSeq;
+  }
+  if (capture.zoom)
+    *out << YAML::Key << "zoom" << YAML::Value
+         << fmt::format("{}", *capture.zoom);
+  if (capture.orientation)
+    *out << YAML::Key << "orientation" << YAML::Value << *capture.orientation;
+  *out << YAML::EndMap;
+}
+
+}  // namespace raygrid
