@@ -152,14 +152,15 @@ class Photographer {
     const std::filesystem::path folder = arguments_.output;
     RequireWritableFolder(folder.string());
     ProgressBar progress(common_.quiet);
-    const int count = arguments_.simulation.num_images;
+    const int num_shots = arguments_.simulation.num_shots;
+    const int count = arguments_.simulation.num_images * num_shots;
     const std::vector<Pose> poses = RandomPoses(
         *camera_, arrangement_.center_m, truth_.true_pattern.boards[0].square_m,
-        count, arguments_.poses, common_.seed);
+        arguments_.simulation.num_images, arguments_.poses, common_.seed);
     for (int i = 0; i < count; ++i) {
       progress.Show("rendering", static_cast<double>(i) / count);
       const std::string name = fmt::format("sim{:04d}.png", i);
-      WriteFile((folder / name).string(), Take(i, name, poses[i]));
+      WriteFile((folder / name).string(), Take(i, name, poses[i / num_shots]));
     }
     OutputFiles files;
     AddTruth(folder, truth_, *camera_, !arguments_.camera.empty(), &files);
@@ -420,8 +421,13 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
       "raygrid simulate --noise-px 0.05 -o simulated/", common);
   auto arguments = std::make_shared<SimulateArguments>();
   SimulationOptions& simulation = arguments->simulation;
-  command->add_option("--images", simulation.num_images, "number of images")
+  command->add_option("--images", simulation.num_images, "number of views")
       ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command
+      ->add_option("--shots", simulation.num_shots,
+                   "images of each view, which differ by noise")
+      ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command
       ->add_option("--features-per-image", arguments->features_per_image,

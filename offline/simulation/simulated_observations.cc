@@ -7,7 +7,6 @@
 #include "dataset/error.h"
 #include "simulation/board_bend.h"
 #include "simulation/board_flex.h"
-#include "simulation/random.h"
 
 namespace raygrid {
 namespace {
@@ -78,6 +77,11 @@ void Thin(size_t count, Random* random, std::vector<Feature>* features) {
 
 }  // namespace
 
+void AddNoise(double noise_px, Random* random, std::vector<Feature>* features) {
+  for (Feature& feature : *features)
+    for (int k = 0; k < 2; ++k) feature.pixel[k] += noise_px * random->Normal();
+}
+
 std::vector<Feature> VisibleFeatures(const CameraModel& camera,
                                      const Board& board, const Pose& pose) {
   std::vector<Feature> features;
@@ -125,7 +129,9 @@ SimulatedObservations SimulateObservations(const CameraModel& camera,
   board = BentBoard(board, options.board_bend_m);
 
   int num_tries = 0;
-  while (static_cast<int>(result.dataset.images.size()) < options.num_images) {
+  std::vector<ImageFeatures>& images = result.dataset.images;
+  while (static_cast<int>(images.size()) <
+         options.num_images * options.num_shots) {
     if (++num_tries > kMaxTries)
       throw Error(ExitCode::kTooFew,
                   fmt::format("{} poses at random, and none shows {} features; "
@@ -138,13 +144,12 @@ SimulatedObservations SimulateObservations(const CameraModel& camera,
       continue;
     num_tries = 0;
     Thin(options.features_per_image, &random, &features);
-    for (Feature& feature : features)
-      for (int k = 0; k < 2; ++k)
-        feature.pixel[k] += options.noise_px * random.Normal();
-    const std::string name =
-        fmt::format("sim{:04d}.png", result.dataset.images.size());
-    result.dataset.images.push_back({name, std::move(features)});
-    result.poses.push_back({name, board.id, pose});
+    for (int shot = 0; shot < options.num_shots; ++shot) {
+      const std::string name = fmt::format("sim{:04d}.png", images.size());
+      images.push_back({name, features});
+      AddNoise(options.noise_px, &random, &images.back().features);
+      result.poses.push_back({name, board.id, pose});
+    }
   }
   return result;
 }

@@ -7,11 +7,14 @@
 #include "camera/camera_model.h"
 #include "camera/pose.h"
 #include "dataset/dataset.h"
+#include "simulation/random.h"
 
 namespace raygrid {
 
 struct SimulationOptions {
-  int num_images = 100;
+  int num_images = 100;  ///< of different views
+  /// Images of each view, one after the other, with noise of their own.
+  int num_shots = 1;
   int features_per_image = 240;  ///< at most; images with fewer are not made
   double noise_px = 0.05;        ///< standard deviation of each coordinate
   /// The board is bent by this much at its edges: a paraboloid.
@@ -35,6 +38,9 @@ struct SimulatedObservations {
 SimulatedObservations SimulateObservations(const CameraModel& camera,
                                            const Pattern& pattern,
                                            const SimulationOptions& options);
+
+/// Moves each coordinate at random.
+void AddNoise(double noise_px, Random* random, std::vector<Feature>* features);
 
 /// Features of a board, bent or not, that are seen within the image, exactly.
 std::vector<Feature> VisibleFeatures(const CameraModel& camera,

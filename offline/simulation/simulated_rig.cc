@@ -50,10 +50,48 @@ std::vector<Feature> Observe(const CameraModel& camera, const Board& board,
   while (static_cast<int>(features.size()) > options.features_per_image)
     features.erase(features.begin() +
                    random->Index(static_cast<int>(features.size())));
-  for (Feature& feature : features)
-    for (int k = 0; k < 2; ++k)
-      feature.pixel[k] += options.noise_px * random->Normal();
   return features;
+}
+
+// The features of a board that a camera sees at one instant, with the noise of
+// each shot.
+std::vector<std::vector<Feature>> ShotsOf(const CameraModel& camera,
+                                          const Board& board,
+                                          const Pose& camera_from_board,
+                                          const SimulationOptions& options,
+                                          Random* random) {
+  const std::vector<Feature> features =
+      Observe(camera, board, camera_from_board, options, random);
+  std::vector<std::vector<Feature>> shots(options.num_shots, features);
+  for (std::vector<Feature>& shot : shots)
+    AddNoise(options.noise_px, random, &shot);
+  return shots;
+}
+
+// Adds all cameras' images of boards at an instant, numbered from first.
+void AddInstant(const SimulatedRig& rig, const std::vector<Board>& boards,
+                const std::vector<Pose>& rig_from_board, int first,
+                const SimulationOptions& options, Random* random,
+                SimulatedRigObservations* result) {
+  for (size_t c = 0; c < rig.cameras.size(); ++c) {
+    std::vector<ImageFeatures> images(options.num_shots);
+    for (int shot = 0; shot < options.num_shots; ++shot)
+      images[shot].image = fmt::format("sim{:04d}.png", first + shot);
+    for (size_t b = 0; b < boards.size(); ++b) {
+      const Pose pose = rig.camera_from_rig[c] * rig_from_board[b];
+      const auto shots =
+          ShotsOf(*rig.cameras[c], boards[b], pose, options, random);
+      for (size_t shot = 0; shot < shots.size(); ++shot) {
+        if (shots[shot].empty()) continue;
+        images[shot].features.insert(images[shot].features.end(),
+                                     shots[shot].begin(), shots[shot].end());
+        result->poses[c].push_back({images[shot].image, boards[b].id, pose});
+      }
+    }
+    for (ImageFeatures& image : images)
+      if (!image.features.empty())
+        result->datasets[c].images.push_back(std::move(image));
+  }
 }
 
 }  // namespace
@@ -87,26 +125,14 @@ SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
   }
   Random random(options.seed);
   for (int i = 0; i < options.num_images; ++i) {
-    const std::string name = fmt::format("sim{:04d}.png", i);
     // One bend of a board at one instant, which all cameras see.
     std::vector<Board> boards;
     for (const Board& board : result.true_pattern.boards)
       boards.push_back(FlexedBoard(board, options.board_flex_m, &random));
-    for (size_t c = 0; c < rig.cameras.size(); ++c) {
-      ImageFeatures image = {name, {}};
-      for (size_t b = 0; b < pattern.boards.size(); ++b) {
-        const Board& board = boards[b];
-        const Pose pose = rig.camera_from_rig[c] * poses[b][i];
-        const std::vector<Feature> features =
-            Observe(*rig.cameras[c], board, pose, options, &random);
-        if (features.empty()) continue;
-        image.features.insert(image.features.end(), features.begin(),
-                              features.end());
-        result.poses[c].push_back({name, board.id, pose});
-      }
-      if (!image.features.empty())
-        result.datasets[c].images.push_back(std::move(image));
-    }
+    std::vector<Pose> instant;
+    for (size_t b = 0; b < boards.size(); ++b) instant.push_back(poses[b][i]);
+    AddInstant(rig, boards, instant, i * options.num_shots, options, &random,
+               &result);
   }
   return result;
 }

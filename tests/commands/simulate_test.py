@@ -119,6 +119,34 @@ class Simulate(CommandTest):
                     "--shot-noise", 0.02, "--vignetting", 0.3, "--gamma", 2.2, images=4)
                 self.assert_detected(folder)
 
+    def test_shots_of_a_view_differ_by_noise(self):
+        for options in (("--noise-px", 0.01), ("--cameras", 2, "--noise-px", 0.01),
+                        ("--render", "--size", "320x240", "--lens", "pinhole", "--read-noise", 2,
+                         "--pattern", self.chessboard())):
+            with self.subTest(options):
+                folder = self.simulate("--shots", 3, *options)
+                poses = table(os.path.join(folder, "true_poses.csv"))
+                names = sorted({pose["image"] for pose in poses})
+                self.assertEqual(names, [f"sim000{k}.png" for k in range(6)])
+                key = lambda row: (row.get("camera"), row["board"], row["qw"])
+                seen = {name: {key(pose) for pose in poses if pose["image"] == name}
+                        for name in names}
+                self.assertEqual(seen[names[0]], seen[names[2]])
+                self.assertNotEqual(seen[names[2]], seen[names[3]])
+                places = {name: {(row.get("camera"), row["column"], row["row"]):
+                                 (float(row["x"]), float(row["y"]))
+                                 for row in table(os.path.join(folder, "features.csv"))
+                                 if row["image"] == name} for name in names}
+                self.assertEqual(set(places[names[0]]), set(places[names[1]]))
+                moves = [math.dist(place, places[names[1]][which])
+                         for which, place in places[names[0]].items()]
+                self.assertLess(max(moves), 0.1)
+                if "--render" in options:
+                    first, second = (read(os.path.join(folder, name)) for name in names[:2])
+                    self.assertNotEqual(first, second)
+                else:
+                    self.assertGreater(max(moves), 0)
+
     def test_bent_board(self):
         folder = self.render("--size", "320x240", "--lens", "pinhole", "--pattern",
                              self.chessboard(), "--board-bend-mm", 3)
