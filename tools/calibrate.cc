@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <set>
 
 #include "calibration_input.h"
 #include "calibration_summary.h"
@@ -57,6 +58,22 @@ std::optional<BeforeAfter> ExampleImage(const std::vector<std::string>& paths,
   return std::nullopt;
 }
 
+// Without the images that others stand for, of which nothing is drawn.
+void LeaveOutSameViews(const CalibrationResult& result, Measurements* part) {
+  std::set<std::string> others;
+  for (const SameViews& group : result.same_views)
+    others.insert(group.others.begin(), group.others.end());
+  Measurements kept = *part;
+  kept.dataset.images.clear();
+  kept.paths.clear();
+  for (size_t i = 0; i < part->paths.size(); ++i) {
+    if (others.count(part->dataset.images[i].image) > 0) continue;
+    kept.dataset.images.push_back(part->dataset.images[i]);
+    kept.paths.push_back(part->paths[i]);
+  }
+  *part = std::move(kept);
+}
+
 // Without the images of other modes: what pictures show over them lies in
 // calibrated pixels.
 Measurements CalibratedPart(const Measurements& all) {
@@ -95,7 +112,8 @@ ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
   for (size_t c = 0; c < cameras.size(); ++c) {
     const CalibrationResult& camera = result.cameras[c];
     CameraExtras& own = extras.cameras.emplace_back();
-    const Measurements calibrated = CalibratedPart(cameras[c]);
+    Measurements calibrated = CalibratedPart(cameras[c]);
+    LeaveOutSameViews(camera, &calibrated);
     if (result.IsRig() || !camera.checkpoint)
       own.thumbnails =
           MakeThumbnails(calibrated.dataset, calibrated.paths, common.threads);
@@ -277,6 +295,12 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
                    "seen in by how the lens goes on; features: the rectangle "
                    "of the features alone")
       ->check(CLI::IsMember({"image", "features"}))
+      ->capture_default_str();
+  command
+      ->add_option("--same-view-px", arguments->same_view_px,
+                   "images whose features moved by less are one view, and one "
+                   "of them is used; auto: 0.5 % of the image's longer side, 1 "
+                   "px at least; 0: each image counts")
       ->capture_default_str();
   AddHoldOut(command,
              "images (of a rig: instants) to evaluate with instead of "

@@ -38,6 +38,18 @@ double ParseCellPx(const std::string& text) {
   return value;
 }
 
+std::optional<double> ParseSameViewPx(const std::string& text) {
+  if (text == "auto") return std::nullopt;
+  char* end;
+  const double value = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != 0 || !(value >= 0) || value > 1e5)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--same-view-px {}: expected auto, pixels, or 0 "
+                            "for none",
+                            text));
+  return value;
+}
+
 struct Interruption {};
 
 // Named by the last part of their paths, as images are everywhere.
@@ -502,6 +514,7 @@ CalibrationOptions OptionsOf(const CalibrateArguments& arguments,
   options.flat_board = arguments.flat_board;
   options.compare_models = !arguments.skip_comparison;
   options.hold_out = arguments.hold_out;
+  options.same_view_px = ParseSameViewPx(arguments.same_view_px);
   options.num_threads = common.threads;
   options.any_distance = common.yes;
   options.should_stop = IsInterrupted;
@@ -544,10 +557,10 @@ std::string InputsOf(const CalibrateArguments& arguments,
                              f.row, f.pixel.x(), f.pixel.y()));
     }
   }
-  hash.Add(fmt::format("{} {} {} {} {} {} {}", arguments.model,
-                       arguments.cell_px, arguments.area,
-                       arguments.image_circle, arguments.flat_board,
-                       arguments.measure_once, common.seed));
+  hash.Add(fmt::format(
+      "{} {} {} {} {} {} {} {}", arguments.model, arguments.cell_px,
+      arguments.same_view_px, arguments.area, arguments.image_circle,
+      arguments.flat_board, arguments.measure_once, common.seed));
   for (const std::string& image : arguments.hold_out) hash.Add(image);
   for (const std::string& mode : arguments.modes) hash.Add(mode);
   return hash.Text();

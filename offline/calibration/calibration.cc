@@ -12,8 +12,10 @@
 #include "calibration/input_checks.h"
 #include "calibration/measuring_again.h"
 #include "calibration/parametric_comparison.h"
+#include "calibration/rig_evaluation.h"
 #include "calibration/rig_start.h"
 #include "calibration/rig_uncertainty.h"
+#include "calibration/same_views.h"
 #include "calibration/starting_lens.h"
 #include "calibration/stopwatch.h"
 #include "calibration/two_cameras.h"
@@ -27,6 +29,20 @@ struct Stage {
   const char* name;
   double begin, end;
 };
+
+// Whether the images that stand for others are enough to calibrate each camera
+// with.
+bool AreEnough(const std::vector<Dataset>& cameras,
+               const std::vector<SameViews>& groups) {
+  return std::all_of(
+      cameras.begin(), cameras.end(), [&](const Dataset& dataset) {
+        const Dataset views = WithoutOthers(dataset, groups);
+        return std::count_if(views.images.begin(), views.images.end(),
+                             [](const ImageFeatures& image) {
+                               return image.features.size() >= kMinViewFeatures;
+                             }) >= kMinImages;
+      });
+}
 
 // The steps of a calibration, in this order. Each goes over all cameras.
 class Calibration {
@@ -57,10 +73,12 @@ class Calibration {
   void Report(const std::string& stage, double done) const {
     if (options_.progress) options_.progress(stage, done);
   }
+  void LookForSameViews();
   void StartFromImages(CameraInProgress* camera) const;
   void EvaluateHeldOutImages();
   void LookForTwoCameras();
   void CompareModels();
+  void PlaceOtherImages();
   std::vector<Split> Splits() const;
   std::vector<double> CellsPx() const;
 
@@ -101,9 +119,28 @@ Calibration::Calibration(const std::vector<CalibrationInput>& inputs,
   for (const CalibrationInput& input : inputs) {
     CameraInProgress& camera = cameras_.emplace_back();
     camera.input = &input;
-    camera.split = SplitImages(input.name, input.dataset, options.hold_out);
     if (input.resume) camera.checkpoint = *input.resume;
     camera.result.camera.name = input.name;
+  }
+  LookForSameViews();
+}
+
+// A camera predicts copies of views that it was calibrated with well, whatever
+// it is worth. So images of one view are one from here on. If too few are left,
+// all stay, since the verdict then says that they are alike.
+void Calibration::LookForSameViews() {
+  std::vector<Dataset> datasets;
+  for (const CameraInProgress& camera : cameras_)
+    datasets.push_back(camera.input->dataset);
+  std::vector<SameViews> groups =
+      FindSameViews(datasets, options_.hold_out, options_.same_view_px);
+  if (!AreEnough(datasets, groups)) groups.clear();
+  for (CameraInProgress& camera : cameras_) {
+    const Dataset& given = camera.input->dataset;
+    camera.dataset = WithoutOthers(given, groups);
+    camera.split =
+        SplitImages(camera.input->name, camera.dataset, options_.hold_out);
+    camera.result.same_views = GroupsIn(given, groups);
   }
 }
 
@@ -124,9 +161,18 @@ std::vector<double> Calibration::CellsPx() const {
 // ---- Start -----------------------------------------------------------------
 
 void Calibration::StartFromImages(CameraInProgress* camera) const {
-  camera->lens =
-      AdjustStartingLens(camera->split.training, pattern_,
-                         AdjustmentOptionsOf(options_), options_.area);
+  try {
+    camera->lens =
+        AdjustStartingLens(camera->split.training, pattern_,
+                           AdjustmentOptionsOf(options_), options_.area);
+  } catch (const Error& error) {
+    const size_t num_others = NumOthers(camera->result.same_views);
+    if (error.code() != ExitCode::kTooFew || num_others == 0) throw;
+    throw Error(error.code(),
+                fmt::format("{}; {} more show the same views as others: move "
+                            "and tilt the board between images",
+                            error.what(), num_others));
+  }
 }
 
 void Calibration::Start() {
@@ -152,8 +198,7 @@ void Calibration::MeasureAgain() {
     if (!again) again = MeasureFeaturesAgain(pattern_, options_, *camera);
     if (!again) return;
     camera->Keep();
-    camera->result.measured_again_rms_px =
-        RmsMovePx(camera->input->dataset, *again);
+    camera->result.measured_again_rms_px = RmsMovePx(camera->dataset, *again);
     camera->split = SplitImages(camera->input->name, *again, options_.hold_out);
     StartFromImages(camera);
   });
@@ -262,16 +307,35 @@ void Calibration::Evaluate() {
 
 // ---- Judge -----------------------------------------------------------------
 
+// Boards in the images that others stand for, which the cameras localise.
+void Calibration::PlaceOtherImages() {
+  RigModel rig = {{}, result_.camera_from_rig};
+  std::vector<Dataset> others;
+  bool are_any = false;
+  for (size_t c = 0; c < cameras_.size(); ++c) {
+    rig.cameras.push_back(result_.cameras[c].camera.camera.get());
+    others.push_back(
+        OthersOnly(cameras_[c].input->dataset, result_.cameras[c].same_views));
+    are_any |= !others.back().images.empty();
+  }
+  if (!are_any || options_.ShouldStop()) return;
+  const auto poses =
+      LocalizeBoards(rig, others, result_.pattern, options_.num_threads);
+  for (size_t c = 0; c < cameras_.size(); ++c)
+    result_.cameras[c].poses.insert(result_.cameras[c].poses.end(),
+                                    poses[c].begin(), poses[c].end());
+}
+
 RigResult Calibration::Judge() {
   const bool is_interrupted = options_.ShouldStop();
   for (CameraInProgress& camera : cameras_) {
     if (is_interrupted) camera.result.checkpoint = std::move(camera.checkpoint);
-    NameUnusedImages(camera.input->dataset, camera.input->skipped,
-                     &camera.result);
+    NameUnusedImages(camera.dataset, camera.input->skipped, &camera.result);
     JudgeResult(options_.num_threads, &camera.result);
     result_.cameras.push_back(std::move(camera.result));
   }
   result_.verdict = JudgeRig(result_);
+  PlaceOtherImages();
   Report("done", 1);
   return std::move(result_);
 }

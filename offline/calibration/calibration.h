@@ -50,6 +50,9 @@ struct CalibrationOptions {
   bool flat_board = false;  ///< keep the pattern's points as they are given
   /// Images not to calibrate with; of a rig, instants.
   std::vector<std::string> hold_out;
+  /// How far features move between images that count as one view; nothing:
+  /// UsualSameViewPx(); 0: each image is a view.
+  std::optional<double> same_view_px = {};
   bool compare_models = false;  ///< also fit parametric ones, which takes time
   int num_threads = 0;
   Progress progress;

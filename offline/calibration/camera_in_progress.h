@@ -10,6 +10,7 @@ namespace raygrid {
 /// A camera that is being calibrated.
 struct CameraInProgress {
   const CalibrationInput* input = nullptr;
+  Dataset dataset;           ///< as given, without images of the same view
   Split split;               ///< features as measured last
   Adjusted lens;             ///< parametric, by its own training images
   Checkpoint checkpoint;     ///< what is done so far

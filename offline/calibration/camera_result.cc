@@ -10,6 +10,7 @@
 #include "calibration/camera_check.h"
 #include "calibration/camera_trust.h"
 #include "calibration/cross_validation.h"
+#include "calibration/same_views.h"
 #include "evaluation/prediction_comparison.h"
 
 namespace raygrid {
@@ -241,6 +242,17 @@ Area AreaOfFeatures(const Dataset& dataset) {
   return area;
 }
 
+void AddSameViews(const CalibrationResult& result,
+                  CalibrationFigures* figures) {
+  std::set<std::string> views;
+  for (const ImageFeatures& image : result.features.images)
+    views.insert(image.image);
+  for (const FeatureResidual& residual : result.held_out)
+    views.insert(residual.image);
+  figures->images_kept = static_cast<int>(views.size());
+  figures->images_alike = static_cast<int>(NumOthers(result.same_views));
+}
+
 CalibrationFigures FiguresOf(const CalibrationResult& result,
                              const std::set<std::string>& images_apart) {
   CalibrationFigures figures;
@@ -251,6 +263,7 @@ CalibrationFigures FiguresOf(const CalibrationResult& result,
   figures.features_area = AreaOfFeatures(result.features);
   figures.images_used = static_cast<int>(result.features.images.size());
   figures.images_rejected = static_cast<int>(result.rejected_images.size());
+  AddSameViews(result, &figures);
   figures.images_with_too_few_features = static_cast<int>(std::count_if(
       result.rejected_images.begin(), result.rejected_images.end(),
       [](const auto& image) { return image.has_too_few_features; }));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "calibration/grid_choice.h"
+#include "calibration/same_views.h"
 
 namespace raygrid {
 namespace {
@@ -30,7 +31,7 @@ std::vector<BoardPose> BoardPoses(const CameraModel& camera,
 std::optional<Dataset> MeasureFeaturesAgain(const Pattern& pattern,
                                             const CalibrationOptions& options,
                                             const CameraInProgress& camera) {
-  const Dataset& dataset = camera.input->dataset;
+  const Dataset& dataset = camera.dataset;
   const double cell_px = options.cell_px > 0
                              ? options.cell_px
                              : MediumCellPx(dataset, options.model);
@@ -44,7 +45,7 @@ std::optional<Dataset> MeasureFeaturesAgain(const Pattern& pattern,
       first.state.camera(), found,
       BoardPoses(first.state.camera(), dataset, found, adjustment.num_threads));
   if (options.ShouldStop()) return std::nullopt;  // it may not be complete
-  return again;
+  return WithoutOthers(again, camera.result.same_views);
 }
 
 double RmsMovePx(const Dataset& before, const Dataset& after) {

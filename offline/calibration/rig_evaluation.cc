@@ -116,4 +116,22 @@ std::vector<Evaluation> EvaluateRig(const RigModel& rig,
   return evaluations;
 }
 
+std::vector<std::vector<BoardPose>> LocalizeBoards(
+    const RigModel& rig, const std::vector<Dataset>& datasets,
+    const Pattern& pattern, int num_threads) {
+  std::vector<RejectedImage> ignored;
+  const CalibrationProblem problem = BuildProblem(datasets, pattern, &ignored);
+  const auto poses =
+      LocalizeRig(rig, problem, StateOf(rig, problem), num_threads);
+  std::vector<std::vector<BoardPose>> by_camera(rig.cameras.size());
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    const View& view = problem.views[v];
+    if (!poses[view.pose]) continue;
+    by_camera[view.camera].push_back(
+        {problem.images[v], pattern.boards[problem.boards[v]].id,
+         rig.camera_from_rig[view.camera] * *poses[view.pose]});
+  }
+  return by_camera;
+}
+
 }  // namespace raygrid

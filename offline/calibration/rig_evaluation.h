@@ -21,6 +21,12 @@ std::vector<Evaluation> EvaluateRig(const RigModel& rig,
                                     const std::vector<Dataset>& datasets,
                                     const Pattern& pattern, int num_threads);
 
+/// camera_from_board of the boards in each camera's images, which are localised
+/// likewise.
+std::vector<std::vector<BoardPose>> LocalizeBoards(
+    const RigModel& rig, const std::vector<Dataset>& datasets,
+    const Pattern& pattern, int num_threads);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_CALIBRATION_RIG_EVALUATION_H

@@ -18,7 +18,6 @@
 namespace raygrid {
 namespace {
 
-constexpr int kMinImages = 3;
 // A view whose median error is a larger part of the image's width has not been
 // localised.
 constexpr double kMaxMedianPart = 0.02;

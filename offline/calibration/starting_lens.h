@@ -6,6 +6,9 @@
 
 namespace raygrid {
 
+/// The fewest images that tell a lens.
+constexpr int kMinImages = 3;
+
 /// A starting lens from nothing but the observations, adjusted; area is what
 /// the camera is to be calibrated over. Throws Error: kTooFew, kInitialization.
 Adjusted AdjustStartingLens(const Dataset& dataset, const Pattern& pattern,

@@ -21,6 +21,12 @@ struct RejectedImage {
   bool has_too_few_features = false;
 };
 
+/// Images that show the view of one that stands for them.
+struct SameViews {
+  std::string image;
+  std::vector<std::string> others;
+};
+
 /// A grid resolution that was tried, and its held-out error.
 struct CellCandidate {
   double cell_px = 0;
@@ -43,7 +49,11 @@ struct CalibrationResult {
   CameraFile camera;
   Pattern pattern;   ///< points where they were found to be
   Dataset features;  ///< those used
+  /// In all images; those that others stand for are the last.
   std::vector<BoardPose> poses;
+  /// Groups of images that count as one: those that stand for the others are
+  /// used, or held out.
+  std::vector<SameViews> same_views;
   /// How far features moved when measured again through a first camera.
   std::optional<double> measured_again_rms_px;
   std::vector<FeatureResidual> training;

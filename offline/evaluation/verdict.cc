@@ -62,9 +62,16 @@ void JudgeConvergence(const CalibrationFigures& figures, Verdict* verdict) {
 
 void JudgeNumberOfImages(const CalibrationFigures& figures, Verdict* verdict) {
   if (figures.images_used < kEnoughImages)
-    Warn(fmt::format("only {} images; take {} or more", figures.images_used,
+    Warn(fmt::format("only {} {}; take {} or more", figures.images_used,
+                     figures.images_alike > 0 ? "different views" : "images",
                      kEnoughImages),
          verdict);
+  if (figures.images_alike > 0)
+    Remark(fmt::format("{} images show {} different views, each of which "
+                       "counts once",
+                       figures.images_kept + figures.images_alike,
+                       figures.images_kept),
+           verdict);
 }
 
 void JudgeArea(const CalibrationFigures& figures, Verdict* verdict) {
@@ -80,7 +87,8 @@ void JudgeViews(const CalibrationFigures& figures, Verdict* verdict) {
   if (figures.different_views < kEnoughViews)
     Fail(fmt::format("the board is seen in only {} different ways in {} "
                      "images; move it and tilt it between them",
-                     figures.different_views, figures.images_used),
+                     figures.different_views,
+                     figures.images_used + figures.images_alike),
          verdict);
   else if (figures.tilt_rad && *figures.tilt_rad < kEnoughTiltRad)
     Fail(fmt::format(
@@ -181,13 +189,14 @@ void JudgeFoldOver(const CalibrationFigures& figures, Verdict* verdict) {
 }
 
 void JudgeRejectedImages(const CalibrationFigures& figures, Verdict* verdict) {
-  const int images = figures.images_used + figures.images_rejected;
+  const int fit = figures.images_used + figures.images_alike;
+  const int images = fit + figures.images_rejected;
   if (2 * figures.images_with_too_few_features > images)
     Warn(fmt::format("{} of {} images have too few features; check the "
                      "pattern's columns and rows",
                      figures.images_with_too_few_features, images),
          verdict);
-  else if (figures.images_rejected > figures.images_used / 5)
+  else if (figures.images_rejected > fit / 5)
     Warn(fmt::format("{} images were rejected; see which and why",
                      figures.images_rejected),
          verdict);

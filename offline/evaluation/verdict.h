@@ -29,6 +29,8 @@ struct CalibrationFigures {
   ImageSize image_size;
   Area features_area;  ///< the rectangle of the features
   int images_used = 0, images_rejected = 0;
+  /// Images that are used or held out, and those that show the same views.
+  int images_kept = 0, images_alike = 0;
   int images_with_too_few_features = 0;  ///< of those rejected
   ErrorFigures training;
   std::optional<ErrorFigures> held_out;

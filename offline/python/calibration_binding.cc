@@ -193,9 +193,9 @@ PyCalibration CalibrateGiven(
     const std::string& model, const std::optional<double>& cell_px,
     const std::string& area, bool flat_board, bool measure_once,
     bool compare_models, const std::vector<std::string>& hold_out,
-    const py::object& image_circle, const std::string& name,
-    const std::string& serial, bool any_distance, int threads,
-    const py::object& progress) {
+    const std::optional<double>& same_view_px, const py::object& image_circle,
+    const std::string& name, const std::string& serial, bool any_distance,
+    int threads, const py::object& progress) {
   Wishes wishes;
   wishes.name = name;
   wishes.serial = serial;
@@ -214,6 +214,9 @@ PyCalibration CalibrateGiven(
   options.flat_board = flat_board;
   options.compare_models = compare_models;
   options.hold_out = hold_out;
+  options.same_view_px = same_view_px;
+  if (same_view_px && !(*same_view_px >= 0 && *same_view_px <= 1e5))
+    throw py::value_error("same_view_px: expected None, pixels, or 0 for none");
   options.any_distance = any_distance;
   options.num_threads = threads;
   RequireBlobText("name", name);
@@ -240,9 +243,10 @@ void BindCalibration(py::module_* module) {
       py::arg("flat_board") = false, py::arg("measure_once") = false,
       py::arg("compare_models") = false,
       py::arg("hold_out") = std::vector<std::string>(),
-      py::arg("image_circle") = "auto", py::arg("name") = "",
-      py::arg("serial") = "", py::arg("any_distance") = false,
-      py::arg("threads") = 0, py::arg("progress") = py::none(),
+      py::arg("same_view_px") = py::none(), py::arg("image_circle") = "auto",
+      py::arg("name") = "", py::arg("serial") = "",
+      py::arg("any_distance") = false, py::arg("threads") = 0,
+      py::arg("progress") = py::none(),
       "Calibrates a camera, or a rig.\n\nimages: paths of images or folders, "
       "or Detections; of a rig a dict of these by the cameras' names, where "
       "images of one instant have one name. pattern: as for detect(). The "

@@ -188,6 +188,20 @@ std::string ImagesSection(const CalibrationResult& result) {
          ImageTable(result);
 }
 
+// Which images count once.
+std::string SameViewsSection(const CalibrationResult& result) {
+  if (result.same_views.empty()) return "";
+  std::string html = "<h2>Images of the same view</h2>\n<ul>\n";
+  for (const SameViews& group : result.same_views) {
+    html += fmt::format("<li>{} stands for {} more: ", EscapeHtml(group.image),
+                        group.others.size());
+    for (size_t i = 0; i < group.others.size(); ++i)
+      html += (i > 0 ? ", " : "") + EscapeHtml(group.others[i]);
+    html += "</li>\n";
+  }
+  return html + "</ul>\n";
+}
+
 std::string RejectedSection(const CalibrationResult& result) {
   constexpr size_t kMaxLines = 300;
   std::string html;
@@ -279,6 +293,7 @@ std::string FormatHtmlReport(const CalibrationResult& result,
   html += SpaceSection();
   html += BoardSection(result.pattern);
   html += CandidateSection(result);
+  html += SameViewsSection(result);
   html += RejectedSection(result);
   html += WordsSection();
   return html + PageEnd(PageData(result, thumbnails), !blob.empty());

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "camera/central_generic.h"
 #include "camera/noncentral_generic.h"
@@ -231,9 +232,14 @@ Json CameraInSpace(const CameraModel& camera, const std::string& name,
 void AddBoards(const CalibrationResult& camera, const Pattern& pattern,
                const Pose& rig_from_camera,
                std::map<std::pair<std::string, int>, Json>* boards) {
+  std::set<std::string> used;  // boards of the same view hide each other
+  for (const ImageFeatures& image : camera.features.images)
+    used.insert(image.image);
   for (const BoardPose& pose : camera.poses) {
     const Board* board = pattern.FindBoard(pose.board);
-    if (!board || boards->count({pose.image, pose.board})) continue;
+    if (!board || used.count(pose.image) == 0 ||
+        boards->count({pose.image, pose.board}))
+      continue;
     Json corners = Json::array();
     for (const Eigen::Vector3d& corner : BoardCorners(*board))
       corners.push_back(

@@ -49,6 +49,15 @@ Json RejectedJson(const std::vector<RejectedImage>& images) {
   return rejected;
 }
 
+Json ImagesJson(const CalibrationResult& result) {
+  Json images = {{"used", result.features.images.size()}};
+  for (const SameViews& group : result.same_views)
+    images["same_views"].push_back(
+        {{"image", group.image}, {"others", group.others}});
+  images["rejected"] = RejectedJson(result.rejected_images);
+  return images;
+}
+
 const char* HeldOutBy(bool cross_validated) {
   return cross_validated ? "cross-validation" : "images held out";
 }
@@ -72,8 +81,7 @@ void AddCamera(const CalibrationResult& result, Json* json) {
   (*json)["area"] = {area.x0, area.y0, area.x1, area.y1};
   (*json)["parameters"] = result.num_parameters;
   if (result.cell_px > 0) (*json)["cell_px"] = result.cell_px;
-  (*json)["images"] = {{"used", result.features.images.size()},
-                       {"rejected", RejectedJson(result.rejected_images)}};
+  (*json)["images"] = ImagesJson(result);
   Json features = {{"used", result.features.num_features()},
                    {"rejected", result.rejected_features.size()}};
   if (const size_t count = NumWithoutError(result))
@@ -308,6 +316,11 @@ CalibrationResult ParseCamera(const Json& json) {
   for (const Json& image : json.at("images").at("rejected"))
     result.rejected_images.push_back({image.at("image").get<std::string>(),
                                       image.at("reason").get<std::string>()});
+  if (json.at("images").contains("same_views"))
+    for (const Json& group : json.at("images").at("same_views"))
+      result.same_views.push_back(
+          {group.at("image").get<std::string>(),
+           group.at("others").get<std::vector<std::string>>()});
   result.measured_again_rms_px =
       NumberIfAny(json.at("features"), "measured_again_rms_px");
   result.camera.training = ParseFigures(json.at("training"));

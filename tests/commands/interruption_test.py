@@ -107,6 +107,8 @@ class Interruption(CommandTest):
                 other = run(*self.arguments(output, "--resume", *coarse, "--model", "opencv"))
                 self.assertEqual(other.returncode, 2)
                 self.assertIn("other features, pattern", other.stderr)
+                other = run(*self.arguments(output, "--resume", *coarse, "--same-view-px", 9))
+                self.assertEqual(other.returncode, 2)
 
                 self.assert_done(run(*self.arguments(output, "--resume", *coarse)))
                 self.assert_same_bytes(output, "whole")

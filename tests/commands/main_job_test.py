@@ -61,6 +61,24 @@ class MainJob(CommandTest):
             self.assertEqual(read(self.path("again/" + name)), read(self.path("out/" + name)),
                              name)
 
+    def test_frames_of_a_video_are_as_many_images_as_they_show_views(self):
+        self.assert_done(run("simulate", "--images", 13, "--shots", 39, "--features-per-image",
+                             120, "--pattern", self.path("board.yaml"), "-o", self.path("video")))
+        result = run("calibrate", "--features", self.path("video/features.csv"), "--image-size",
+                     "640x480", "--pattern", self.path("video/pattern.yaml"), "--cell-px", 160,
+                     "--skip-comparison", "-o", self.path("video_out"))
+        self.assert_done(result)
+        self.assertIn("507 images show 13 different views", result.stdout)
+        images = json.loads(read(self.path("video_out/result.json")))["images"]
+        self.assertEqual((images["used"], images["rejected"]), (13, []))
+        groups = images["same_views"]
+        named = [name for group in groups for name in [group["image"], *group["others"]]]
+        self.assertEqual(sorted(named), [f"sim{k:04}.png" for k in range(507)])
+        poses = rows(read(self.path("video_out/poses.csv")).decode())
+        self.assertEqual(sorted(pose["image"] for pose in poses), sorted(named))
+        self.assertIn(b"sim0000.png stands for 38 more: sim0001.png, sim0002.png",
+                      read(self.path("video_out/report.html")))
+
     def test_compare_finds_little_between_camera_and_truth(self):
         result = run("compare", self.path("sim/true_camera.yaml"), self.path("out/camera.raygrid"),
                      "-o", self.path("difference"), "--json")

@@ -138,7 +138,10 @@ class Names(CommandTest):
                           ["rectify", "rig.yaml", "--left", "a", "--right", "b", "--alpha"],
                           ["rectify", "rig.yaml", "--left", "a", "--right", "b", "--distance"],
                           ["calibrate", "--features", self.path("sim/features.csv"), "--image-size",
-                           "160x120", "--pattern", self.path("sim/pattern.yaml"), "--cell-px"]):
+                           "160x120", "--pattern", self.path("sim/pattern.yaml"), "--cell-px"],
+                          ["calibrate", "--features", self.path("sim/features.csv"), "--image-size",
+                           "160x120", "--pattern", self.path("sim/pattern.yaml"),
+                           "--same-view-px"]):
             for number in ("nan", "inf", "-nan"):
                 last = [] if "=" in str(arguments[-1]) else [number]
                 self.assert_refused(run(*arguments, *last, *output), 1)

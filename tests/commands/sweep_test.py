@@ -197,6 +197,8 @@ class Case:
         held_out = ["--hold-out", self.random.choice(names)]
         return [*measured, "--pattern", self.pattern(), "--model", model, "--cell-px",
                 self.random.choice(("40", "160", "2", "0", "nan", "1e300", "auto")),
+                *(["--same-view-px", self.random.choice(("0", "auto", "-1", "40"))]
+                  if self.chance(0.1) else []),
                 "--skip-comparison", *(held_out if self.chance(0.1) else []), "-o", self.output()]
 
     def run_check(self):

@@ -1,6 +1,7 @@
 #include "features/refinement/camera_refinement.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -39,6 +40,12 @@ class Refiner {
     for (const Board& board : scene.pattern->boards)
       boards_.push_back(
           {&board, std::make_unique<FeatureRefiner>(board, options)});
+  }
+
+  bool Knows(const std::string& image) const {
+    return std::any_of(boards_.begin(), boards_.end(), [&](const auto& board) {
+      return pose_of_view_.count({image, board.first->id}) > 0;
+    });
   }
 
   ImageFeatures Refine(const GreyImage& image,
@@ -116,7 +123,10 @@ Dataset RefineThroughCamera(const std::vector<std::string>& paths,
   std::mutex mutex;
   int num_done = 0;
   ParallelFor(count, NumThreads(num_threads), [&](int i) {
-    if (!dataset.images[i].features.empty()) {
+    if (!dataset.images[i].features.empty() &&
+        !refiner.Knows(dataset.images[i].image)) {
+      refined.images[i] = refiner.Refine({}, dataset.images[i]);
+    } else if (!dataset.images[i].features.empty()) {
       const ImageRoom room(dataset.image_size);
       refined.images[i] = refiner.Refine(
           MakeGreyImage(ReadGreyLevels(paths[i])), dataset.images[i]);

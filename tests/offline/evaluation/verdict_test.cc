@@ -254,6 +254,29 @@ TEST(Verdict, FailsViewsThatAreAllTheSame) {
   EXPECT_EQ(JudgeCalibration(figures).word, "fail");
 }
 
+TEST(Verdict, SaysHowManyImagesShowDifferentViews) {
+  CalibrationFigures figures = GoodFigures();
+  figures.images_used = figures.images_kept = 13;
+  figures.images_alike = 494;
+  figures.images_rejected = 20;
+  const Verdict verdict = JudgeCalibration(figures);
+  EXPECT_EQ(verdict.word, "pass");
+  ASSERT_EQ(verdict.reasons.size(), 1u);
+  EXPECT_EQ(verdict.reasons[0],
+            "507 images show 13 different views, each of which counts once");
+}
+
+TEST(Verdict, CountsViewsWhereImagesAreAlike) {
+  CalibrationFigures figures = GoodFigures();
+  figures.images_used = figures.images_kept = 9;
+  figures.images_alike = 30;
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures),
+                        "only 9 different views; take 10 or more"));
+  figures.different_views = 2;
+  EXPECT_TRUE(HasReason(JudgeCalibration(figures),
+                        "only 2 different ways in 39 images"));
+}
+
 TEST(Verdict, WarnsOfEachWeakness) {
   const auto expect_warning = [](const CalibrationFigures& figures) {
     const Verdict verdict = JudgeCalibration(figures);

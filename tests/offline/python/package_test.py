@@ -365,6 +365,17 @@ class Calibrations(PackageTest):
         with self.assertRaises(LookupError):
             raygrid.calibrate(self.features, self.pattern, progress=fail)
 
+    def test_images_of_the_same_view_count_once(self):
+        with self.assertRaises(ValueError):
+            raygrid.calibrate(self.features, self.pattern, same_view_px=-1)
+        first = self.features[0]
+        copy = raygrid.Detection("copy.png", first.size, first.pixels + 0.01, first.columns,
+                                 first.rows)
+        for px, groups in ((None, [{"image": first.name, "others": ["copy.png"]}]), (0, None)):
+            result = json.loads(raygrid.calibrate([*self.features, copy], self.pattern,
+                                                  model="opencv", same_view_px=px).result_json)
+            self.assertEqual(result["images"].get("same_views"), groups)
+
     def test_features_come_back_from_their_file(self):
         raygrid.save_features(self.path("again.csv"), self.features)
         self.assertEqual(read(self.path("again.csv")), read(self.path("sim/features.csv")))

@@ -34,6 +34,7 @@ CalibrationResult ExampleResult() {
   result.features.images = {{"b.png", {feature, feature}},
                             {kNastyName, {feature}}};
   result.rejected_images = {{kNastyName, "only <3 features"}};
+  result.same_views = {{"b.png", {kNastyName, "c.png"}}};
   result.rejected_features = {{kNastyName, 0, 3, 4, {10, 20}, {3, 4}}};
   result.cell_candidates = {{80, 0.02, 0.1}, {40, 0.01, 0.09}};
   result.cell_px = 40;
@@ -247,6 +248,18 @@ TEST(Thumbnails, AreSmallHoweverManyThereAre) {
   }
 }
 
+TEST(ReportOfAFolder, NamesImagesOfTheSameView) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out";
+  OutputFiles files;
+  CalibrationResult result = PlainResult();
+  result.same_views = {{"b.png", {"c.png", "<d>.png"}}};
+  AddResultFiles(Alone(result), {0, 0, {CameraExtras()}}, out, &files);
+  files.Commit();
+  EXPECT_TRUE(Has(ReportOf(out),
+                  "<li>b.png stands for 2 more: c.png, &lt;d&gt;.png</li>"));
+}
+
 TEST(Thumbnails, AreInTheReport) {
   const TemporaryFolder folder;
   const std::string out = folder / "out";
@@ -374,6 +387,8 @@ TEST(ResultJson, HoldsTheFigures) {
   EXPECT_EQ(json["features"]["used"], 3);
   EXPECT_EQ(json["features"]["rejected"], 1);
   EXPECT_EQ(json["images"]["rejected"][0]["image"], kNastyName);
+  EXPECT_EQ(json["images"]["same_views"][0]["image"], "b.png");
+  EXPECT_EQ(json["images"]["same_views"][0]["others"][1], "c.png");
   EXPECT_EQ(json["training"]["count"], 60);
   EXPECT_EQ(json["held_out"]["by"], "images held out");
   EXPECT_EQ(json["cell_candidates"].size(), 2u);

@@ -1,0 +1,189 @@
+#include "calibration/same_views.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "calibration/calibration_problem.h"
+
+namespace raygrid {
+namespace {
+
+// A board in one camera's image at an instant.
+struct SeenPart {
+  size_t camera;
+  int board;
+  std::map<std::pair<int, int>, Eigen::Vector2d> pixels;  // by row, column
+};
+
+struct Instant {
+  std::string name;
+  bool is_held_out = false;
+  size_t num_features = 0;
+  std::vector<SeenPart> parts;  // by camera and board; those too small to use
+                                // are left out
+};
+
+void AddImage(const ImageFeatures& image, size_t camera, Instant* instant) {
+  std::map<int, SeenPart> parts;
+  for (const Feature& f : image.features) {
+    SeenPart& part = parts[f.board];
+    part.camera = camera;
+    part.board = f.board;
+    part.pixels[{f.row, f.column}] = f.pixel;
+  }
+  for (auto& [board, part] : parts) {
+    if (part.pixels.size() < kMinViewFeatures) continue;
+    instant->num_features += part.pixels.size();
+    instant->parts.push_back(std::move(part));
+  }
+}
+
+// In the order in which they may stand for others.
+std::vector<Instant> SortedInstants(const std::vector<Dataset>& cameras,
+                                    const std::vector<std::string>& held_out) {
+  std::vector<Instant> instants;
+  std::map<std::string, size_t> index_of;
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    for (const ImageFeatures& image : cameras[c].images) {
+      const size_t index =
+          index_of.emplace(image.image, instants.size()).first->second;
+      if (index == instants.size())
+        instants.push_back({image.image, false, 0, {}});
+      AddImage(image, c, &instants[index]);
+    }
+  }
+  for (const std::string& name : held_out) {
+    const auto found = index_of.find(name);
+    if (found != index_of.end()) instants[found->second].is_held_out = true;
+  }
+  instants.erase(
+      std::remove_if(instants.begin(), instants.end(),
+                     [](const Instant& i) { return i.parts.empty(); }),
+      instants.end());
+  std::stable_sort(instants.begin(), instants.end(),
+                   [](const Instant& a, const Instant& b) {
+                     return std::pair(a.is_held_out, a.num_features) >
+                            std::pair(b.is_held_out, b.num_features);
+                   });
+  return instants;
+}
+
+// Whether a part tells nothing that the other one does not.
+bool IsTold(const SeenPart& part, const SeenPart& other, double same_view_px) {
+  constexpr double kCommonPart = 0.5, kMovedPart = 0.1;
+  const auto size = static_cast<double>(part.pixels.size());
+  size_t num_common = 0, num_moved = 0;
+  for (const auto& [place, pixel] : part.pixels) {
+    const auto found = other.pixels.find(place);
+    if (found == other.pixels.end()) continue;
+    ++num_common;
+    if ((found->second - pixel).norm() < same_view_px) continue;
+    // Most views differ, which a few features tell.
+    if (static_cast<double>(++num_moved) > kMovedPart * size) return false;
+  }
+  const auto common = static_cast<double>(num_common);
+  return common >= kCommonPart * size &&
+         static_cast<double>(num_moved) <= kMovedPart * common;
+}
+
+bool IsTold(const Instant& instant, const Instant& other,
+            const std::vector<double>& same_view_px) {
+  return std::all_of(
+      instant.parts.begin(), instant.parts.end(), [&](const SeenPart& part) {
+        return std::any_of(
+            other.parts.begin(), other.parts.end(), [&](const SeenPart& seen) {
+              return seen.camera == part.camera && seen.board == part.board &&
+                     IsTold(part, seen, same_view_px[part.camera]);
+            });
+      });
+}
+
+std::set<std::string> NamesOfOthers(const std::vector<SameViews>& groups) {
+  std::set<std::string> names;
+  for (const SameViews& group : groups)
+    names.insert(group.others.begin(), group.others.end());
+  return names;
+}
+
+Dataset Selected(const Dataset& dataset, const std::vector<SameViews>& groups,
+                 bool others) {
+  const std::set<std::string> names = NamesOfOthers(groups);
+  Dataset selected = {dataset.image_size, {}};
+  for (const ImageFeatures& image : dataset.images)
+    if ((names.count(image.image) > 0) == others)
+      selected.images.push_back(image);
+  return selected;
+}
+
+}  // namespace
+
+double UsualSameViewPx(const ImageSize& size) {
+  constexpr double kPart = 0.005, kLeastPx = 1;
+  return std::max(kLeastPx, kPart * std::max(size.width, size.height));
+}
+
+std::vector<SameViews> FindSameViews(const std::vector<Dataset>& cameras,
+                                     const std::vector<std::string>& held_out,
+                                     std::optional<double> same_view_px) {
+  if (same_view_px && !(*same_view_px > 0)) return {};
+  std::vector<double> distances_px;
+  for (const Dataset& dataset : cameras)
+    distances_px.push_back(
+        same_view_px.value_or(UsualSameViewPx(dataset.image_size)));
+  std::vector<Instant> different;
+  std::vector<SameViews> groups;
+  for (Instant& instant : SortedInstants(cameras, held_out)) {
+    size_t k = 0;
+    while (k < different.size() && !IsTold(instant, different[k], distances_px))
+      ++k;
+    if (k < different.size()) {
+      groups[k].others.push_back(std::move(instant.name));
+      continue;
+    }
+    groups.push_back({instant.name, {}});
+    different.push_back(std::move(instant));
+  }
+  groups.erase(std::remove_if(groups.begin(), groups.end(),
+                              [](const auto& g) { return g.others.empty(); }),
+               groups.end());
+  // In the order of names, whichever has most features.
+  for (SameViews& group : groups)
+    std::sort(group.others.begin(), group.others.end());
+  std::sort(groups.begin(), groups.end(),
+            [](const auto& a, const auto& b) { return a.image < b.image; });
+  return groups;
+}
+
+std::vector<SameViews> GroupsIn(const Dataset& dataset,
+                                const std::vector<SameViews>& groups) {
+  std::set<std::string> names;
+  for (const ImageFeatures& image : dataset.images) names.insert(image.image);
+  std::vector<SameViews> own;
+  for (const SameViews& group : groups) {
+    SameViews part = {group.image, {}};
+    for (const std::string& other : group.others)
+      if (names.count(other) > 0) part.others.push_back(other);
+    if (!part.others.empty()) own.push_back(std::move(part));
+  }
+  return own;
+}
+
+size_t NumOthers(const std::vector<SameViews>& groups) {
+  size_t count = 0;
+  for (const SameViews& group : groups) count += group.others.size();
+  return count;
+}
+
+Dataset WithoutOthers(const Dataset& dataset,
+                      const std::vector<SameViews>& groups) {
+  return Selected(dataset, groups, false);
+}
+
+Dataset OthersOnly(const Dataset& dataset,
+                   const std::vector<SameViews>& groups) {
+  return Selected(dataset, groups, true);
+}
+
+}  // namespace raygrid

@@ -1,0 +1,45 @@
+#ifndef RAYGRID_CALIBRATION_SAME_VIEWS_H
+#define RAYGRID_CALIBRATION_SAME_VIEWS_H
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dataset/dataset.h"
+#include "evaluation/calibration_result.h"
+
+namespace raygrid {
+
+/// How far features may move between images of one view, if nothing else is
+/// asked for: 0.5 % of the longer side, but a pixel at least.
+double UsualSameViewPx(const ImageSize& size);
+
+/// The groups of images, or of a rig's instants, that show the same view: an
+/// image tells nothing new beside another one that shows half of its features
+/// of each board or more, nine in ten of them less than same_view_px away. Of a
+/// rig this holds in all its cameras. Groups do not chain: all images of one
+/// are like the one that stands for it. That is one of those held out, or else
+/// the one with most features, or the first of these. Groups of one image are
+/// left out; none is the same where same_view_px is 0.
+std::vector<SameViews> FindSameViews(const std::vector<Dataset>& cameras,
+                                     const std::vector<std::string>& held_out,
+                                     std::optional<double> same_view_px);
+
+/// The groups that several of a dataset's images are in, with these alone.
+std::vector<SameViews> GroupsIn(const Dataset& dataset,
+                                const std::vector<SameViews>& groups);
+
+/// The images that others stand for, in all groups.
+size_t NumOthers(const std::vector<SameViews>& groups);
+
+/// The images that stand for others, and those that are like no other.
+Dataset WithoutOthers(const Dataset& dataset,
+                      const std::vector<SameViews>& groups);
+
+/// The images that others stand for.
+Dataset OthersOnly(const Dataset& dataset,
+                   const std::vector<SameViews>& groups);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CALIBRATION_SAME_VIEWS_H

@@ -1,0 +1,307 @@
+// Images that show the same view count once.
+
+#include "calibration/same_views.h"
+
+#include <algorithm>
+#include <set>
+
+#include "calibration/calibration.h"
+#include "simulation/simulated_camera.h"
+#include "simulation/simulated_observations.h"
+#include "simulation/simulated_rig.h"
+#include "support.h"
+#include "test_boards.h"
+
+namespace raygrid {
+namespace {
+
+constexpr ImageSize kSameViewsSize = {640, 480};
+
+Dataset ViewsOf(int num_images, int num_shots = 1) {
+  SimulationOptions options;
+  options.num_images = num_images;
+  options.num_shots = num_shots;
+  options.features_per_image = 80;
+  return SimulateObservations(ExampleSimulatedCamera(), TestBoard(), options)
+      .dataset;
+}
+
+// A lattice of features, moved.
+ImageFeatures Lattice(const std::string& name, double x, int board = 0) {
+  ImageFeatures image = {name, {}};
+  for (int row = 0; row < 5; ++row)
+    for (int column = 0; column < 8; ++column)
+      image.features.push_back(
+          {board, column, row, {100.0 + 20 * column + x, 100.0 + 20 * row}});
+  return image;
+}
+
+ImageFeatures Joined(ImageFeatures image, const ImageFeatures& more) {
+  image.features.insert(image.features.end(), more.features.begin(),
+                        more.features.end());
+  return image;
+}
+
+std::vector<SameViews> Find(const std::vector<ImageFeatures>& images,
+                            double same_view_px = 3,
+                            const std::vector<std::string>& held_out = {}) {
+  return FindSameViews({{kSameViewsSize, images}}, held_out, same_view_px);
+}
+
+// Names in groups, as "a: b c; d: e".
+std::string Text(const std::vector<SameViews>& groups) {
+  std::string text;
+  for (const SameViews& group : groups) {
+    text += (text.empty() ? "" : "; ") + group.image + ":";
+    for (const std::string& other : group.others) text += " " + other;
+  }
+  return text;
+}
+
+// The dataset, each of whose images is followed by copies of its features with
+// more noise, as in frames of a board that stands still.
+Dataset WithNoisyCopies(const Dataset& dataset, int num_copies) {
+  constexpr double kNoisePx = 0.05;
+  Random random(3);
+  Dataset result = {dataset.image_size, {}};
+  for (const ImageFeatures& image : dataset.images) {
+    result.images.push_back(image);
+    for (int k = 0; k < num_copies; ++k) {
+      result.images.push_back(image);
+      result.images.back().image += "." + std::to_string(k);
+      AddNoise(kNoisePx, &random, &result.images.back().features);
+    }
+  }
+  return result;
+}
+
+TEST(SameViews, MoveLessThanTheDistance) {
+  EXPECT_EQ(Text(Find({Lattice("a", 0), Lattice("b", 2.9), Lattice("c", 50)})),
+            "a: b");
+  EXPECT_EQ(Text(Find({Lattice("a", 0), Lattice("b", 3.1)})), "");
+  EXPECT_EQ(Text(Find({Lattice("a", 0), Lattice("b", 0)}, 0)), "");
+}
+
+TEST(SameViews, UsuallyMoveLessThanHalfAPercentOfTheLongerSide) {
+  EXPECT_DOUBLE_EQ(UsualSameViewPx(kSameViewsSize), 3.2);
+  EXPECT_DOUBLE_EQ(UsualSameViewPx({120, 160}), 1);
+  const auto find = [](double x) {
+    return Text(
+        FindSameViews({{kSameViewsSize, {Lattice("a", 0), Lattice("b", x)}}},
+                      {}, std::nullopt));
+  };
+  EXPECT_EQ(find(3.1), "a: b");
+  EXPECT_EQ(find(3.3), "");
+}
+
+// Frames of a slow video: the first and the last one are different views.
+TEST(SameViews, DoNotChain) {
+  std::vector<ImageFeatures> frames;
+  for (int i = 0; i < 9; ++i)
+    frames.push_back(Lattice(std::to_string(i), 1.2 * i));
+  EXPECT_EQ(Text(Find(frames)), "0: 1 2; 3: 4 5; 6: 7 8");
+}
+
+TEST(SameViews, AFewMisreadFeaturesDoNotTellThemApart) {
+  ImageFeatures misread = Lattice("b", 0);
+  for (int k = 0; k < 4; ++k) misread.features[9 * k].pixel.x() += 100;
+  EXPECT_EQ(Text(Find({Lattice("a", 0), misread})), "a: b");
+  misread.features[5].pixel.x() += 100;
+  EXPECT_EQ(Text(Find({Lattice("a", 0), misread})), "");
+}
+
+TEST(SameViews, HaveHalfOfTheFeaturesInCommon) {
+  ImageFeatures left = Lattice("left", 0), right = Lattice("right", 0);
+  left.features.resize(25);
+  right.features.erase(right.features.begin(), right.features.begin() + 15);
+  EXPECT_EQ(Text(Find({left, right})), "");
+  right.features.erase(right.features.end() - 6, right.features.end());
+  EXPECT_EQ(Text(Find({left, right})), "left: right");
+}
+
+TEST(SameViews, AreStoodForByTheOneWithMostFeatures) {
+  ImageFeatures covered = Lattice("a", 0);
+  covered.features.resize(30);
+  EXPECT_EQ(Text(Find({covered, Lattice("b", 0), Lattice("c", 0)})), "b: a c");
+  EXPECT_EQ(Text(Find({covered, Lattice("b", 0), Lattice("c", 0)}, 3, {"a"})),
+            "a: b c");
+}
+
+TEST(SameViews, AnotherBoardThatMovesIsAnotherView) {
+  const auto with = [](const std::string& name, double x) {
+    return Joined(Lattice(name, 0), Lattice("", x, 7));
+  };
+  EXPECT_EQ(Text(Find({with("a", 200), with("b", 201)})), "a: b");
+  EXPECT_EQ(Text(Find({with("a", 200), with("b", 210)})), "");
+  // A board that is not there tells nothing.
+  EXPECT_EQ(Text(Find({Lattice("a", 0), with("b", 200)})), "b: a");
+}
+
+TEST(SameViews, OfARigAreTheSameInAllCameras) {
+  const auto find = [](double left, double right) {
+    return Text(FindSameViews(
+        {{kSameViewsSize, {Lattice("a", 0), Lattice("b", left)}},
+         {kSameViewsSize, {Lattice("b", right), Lattice("a", 0)}}},
+        {}, 3));
+  };
+  EXPECT_EQ(find(1, 1), "a: b");
+  EXPECT_EQ(find(1, 10), "");
+  EXPECT_EQ(find(10, 1), "");
+}
+
+TEST(SameViews, RandomViewsAreDifferent) {
+  EXPECT_EQ(Text(FindSameViews({ViewsOf(60)}, {}, std::nullopt)), "");
+}
+
+// ---- Calibration -----------------------------------------------------------
+
+CalibrationOptions CoarseCells() {
+  CalibrationOptions options;
+  options.cell_px = 160;
+  options.num_threads = 2;
+  return options;
+}
+
+// Each image that was given is used, or in a group.
+std::set<std::string> NamedImages(const CalibrationResult& result) {
+  std::set<std::string> names;
+  for (const ImageFeatures& image : result.features.images)
+    names.insert(image.image);
+  for (const SameViews& group : result.same_views)
+    names.insert(group.others.begin(), group.others.end());
+  return names;
+}
+
+TEST(CalibrateSameViews, CopiesChangeNoFigure) {
+  const Dataset ten = ViewsOf(10);
+  CalibrationOptions options = CoarseCells();
+  options.cell_px = 0;
+  const CalibrationResult alone = Calibrate(ten, TestBoard(), options);
+  const CalibrationResult copied =
+      Calibrate(WithNoisyCopies(ten, 3), TestBoard(), options);
+  EXPECT_EQ(copied.cell_px, alone.cell_px);
+  EXPECT_EQ(copied.camera.held_out->rms_px, alone.camera.held_out->rms_px);
+  EXPECT_EQ(copied.camera.uncertainty->lattice.MedianPx(),
+            alone.camera.uncertainty->lattice.MedianPx());
+  EXPECT_EQ(copied.features.images.size(), 10u);
+  EXPECT_EQ(copied.same_views.size(), 10u);
+  EXPECT_EQ(NamedImages(copied).size(), 40u);
+  EXPECT_TRUE(copied.rejected_images.empty());
+  EXPECT_TRUE(std::any_of(
+      copied.verdict.reasons.begin(), copied.verdict.reasons.end(),
+      [](const std::string& reason) {
+        return reason.find("40 images show 10 different views") == 0;
+      }));
+}
+
+TEST(CalibrateSameViews, AllImagesHavePoses) {
+  const Dataset shots = ViewsOf(6, 3);
+  const CalibrationResult result = Calibrate(shots, TestBoard(), CoarseCells());
+  ASSERT_EQ(result.poses.size(), 18u);
+  const auto pose_of = [&](const std::string& image) {
+    return std::find_if(
+               result.poses.begin(), result.poses.end(),
+               [&](const BoardPose& pose) { return pose.image == image; })
+        ->camera_from_board;
+  };
+  for (const SameViews& group : result.same_views)
+    for (const std::string& other : group.others)
+      EXPECT_LT((pose_of(other).translation - pose_of(group.image).translation)
+                    .norm(),
+                1e-3);
+}
+
+TEST(CalibrateSameViews, CopiesOfHeldOutImagesAreNotCalibratedWith) {
+  CalibrationOptions options = CoarseCells();
+  options.hold_out = {"sim0004.png"};
+  const CalibrationResult result =
+      Calibrate(ViewsOf(6, 3), TestBoard(), options);
+  EXPECT_EQ(result.features.images.size(), 5u);
+  for (const FeatureResidual& residual : result.held_out)
+    EXPECT_EQ(residual.image, "sim0004.png");
+  for (const FeatureResidual& residual : result.training)
+    EXPECT_TRUE(residual.image < "sim0003.png" ||
+                residual.image > "sim0005.png")
+        << residual.image;
+  EXPECT_NE(
+      Text(result.same_views).find("sim0004.png: sim0003.png sim0005.png"),
+      std::string::npos);
+}
+
+// The verdict then says that they are alike.
+TEST(CalibrateSameViews, AreAllUsedWhereTooFewDiffer) {
+  const CalibrationResult result =
+      Calibrate(ViewsOf(2, 5), TestBoard(), CoarseCells());
+  EXPECT_TRUE(result.same_views.empty());
+  EXPECT_EQ(result.features.images.size(), 10u);
+  EXPECT_EQ(result.verdict.word, "fail");
+  EXPECT_NE(result.verdict.failure.find("only 2 different ways in 10 images"),
+            std::string::npos);
+}
+
+TEST(CalibrateSameViews, TooFewThatAreNotHeldOutAreAnErrorThatSaysSo) {
+  CalibrationOptions options = CoarseCells();
+  options.hold_out = {"sim0000.png", "sim0004.png"};
+  ExpectError(ExitCode::kTooFew, {"2 images", "8 more show the same views"},
+              [&] { Calibrate(ViewsOf(4, 3), TestBoard(), options); });
+}
+
+TEST(CalibrateSameViews, AreMeasuredAgainOnce) {
+  constexpr double kMovePx = 0.01;
+  const Dataset shots = ViewsOf(6, 3);
+  size_t num_poses = 0;
+  CalibrationInput input = {"", shots};
+  input.measure_again = [&](const CameraModel&, const Pattern&,
+                            const std::vector<BoardPose>& poses) {
+    num_poses = poses.size();
+    Dataset again = shots;
+    for (ImageFeatures& image : again.images)
+      for (Feature& feature : image.features) feature.pixel.x() += kMovePx;
+    return again;
+  };
+  const CalibrationResult result =
+      Calibrate({input}, TestBoard(), CoarseCells()).cameras.front();
+  EXPECT_EQ(num_poses, 6u);
+  EXPECT_NEAR(*result.measured_again_rms_px, kMovePx, 1e-9);
+  EXPECT_EQ(result.features.images.size(), 6u);
+  EXPECT_EQ(NamedImages(result).size(), 18u);
+}
+
+TEST(CalibrateSameViews, InstantsOfARigCountOnce) {
+  SimulationOptions seen;
+  seen.num_images = 9;
+  seen.features_per_image = 100;
+  const auto lens = std::make_shared<OpenCvModel>(ExampleLens());
+  const auto calibrate = [&](int num_shots, double same_view_px) {
+    seen.num_shots = num_shots;
+    const SimulatedRigObservations views =
+        SimulateRig(CamerasInARow(lens, 2, 0.1), TestBoard(), seen);
+    CalibrationOptions options = CoarseCells();
+    options.model = "opencv";
+    options.same_view_px = same_view_px;
+    return Calibrate(
+        {{"left", views.datasets[0]}, {"right", views.datasets[1]}},
+        TestBoard(), options);
+  };
+  const RigResult shots = calibrate(3, 2);
+  EXPECT_EQ(shots.baselines[0].num_shared_views, 9);
+  for (const CalibrationResult& camera : shots.cameras) {
+    EXPECT_EQ(camera.features.images.size(), 9u);
+    EXPECT_EQ(camera.same_views.size(), 9u);
+    EXPECT_EQ(camera.poses.size(), 27u);
+  }
+  // Poses of all images are the rig's.
+  for (size_t k = 0; k < shots.cameras[0].poses.size(); ++k) {
+    const Pose right_from_left =
+        shots.cameras[1].poses[k].camera_from_board *
+        shots.cameras[0].poses[k].camera_from_board.Inverse();
+    EXPECT_LT(
+        (right_from_left.translation - shots.camera_from_rig[1].translation)
+            .norm(),
+        1e-9);
+  }
+  EXPECT_EQ(calibrate(3, 0).baselines[0].num_shared_views, 27);
+}
+
+}  // namespace
+}  // namespace raygrid
