@@ -369,7 +369,8 @@ void AddCameraOptions(CLI::App* command, SimulateArguments* arguments) {
       command
           ->add_option("--lens", arguments->lens,
                        "pinhole, example, wide, fisheye, fisheye190, "
-                       "noncentral, glass")
+                       "noncentral, glass; without an axis of symmetry: "
+                       "anamorphic, off-axis, halves, decentred, mirror")
           ->capture_default_str();
   CLI::Option* const size =
       command->add_option("--size", arguments->size, "of images, WxH")

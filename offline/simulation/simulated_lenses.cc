@@ -8,6 +8,7 @@
 #include "simulation/fisheye_lens.h"
 #include "simulation/line_lens.h"
 #include "simulation/simulated_camera.h"
+#include "simulation/uneven_lens.h"
 
 namespace raygrid {
 namespace {
@@ -90,16 +91,24 @@ std::unique_ptr<CameraModel> SimulatedLens(const std::string& name,
                                Bumps(size));
     return GlassLens(MovingPupilLens(lens, kPupilShiftM), GlassPlate()).Clone();
   }
+  if (name == "anamorphic")
+    return AnamorphicLens(size, WithMargin(size, 1)).Clone();
+  if (name == "off-axis") return OffAxisLens(size, WithMargin(size, 1)).Clone();
+  if (name == "halves") return HalvesLens(size, WithMargin(size, 1)).Clone();
+  if (name == "decentred")
+    return DecentredLens(size, WithMargin(size, 1)).Clone();
+  if (name == "mirror") return MirrorLens(size, WithMargin(size, 1)).Clone();
   if (name == "example") {
     const SimulatedCamera example = ExampleSimulatedCamera();
     if (size != example.image_size())
       throw InputError("lens example: its images are 640x480");
     return example.Clone();
   }
-  throw InputError(
-      fmt::format("lens '{}' is not known; use pinhole, example, wide, "
-                  "fisheye, fisheye190, noncentral or glass",
-                  name));
+  throw InputError(fmt::format(
+      "lens '{}' is not known; use pinhole, example, wide, "
+      "fisheye, fisheye190, noncentral, glass, anamorphic, off-axis, "
+      "halves, decentred or mirror",
+      name));
 }
 
 }  // namespace raygrid

@@ -17,6 +17,9 @@ namespace raygrid {
 ///   noncentral  the fisheye, whose pupil moves by 2 mm theta^2
 ///   glass       62 degrees, barrel distortion, local bumps, the same moving
 ///               pupil, behind GlassPlate()
+///   anamorphic, off-axis, halves, decentred, mirror
+///               lenses that no radial lens follows within 20 px, as in
+///               simulation/uneven_lens.h
 /// Throws InputError for other names and for sizes a lens does not have.
 std::unique_ptr<CameraModel> SimulatedLens(const std::string& name,
                                            const ImageSize& size);

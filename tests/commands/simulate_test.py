@@ -86,7 +86,8 @@ class Simulate(CommandTest):
             self.assertLess(math.dist(place, truth[key]), 0.1, key)
 
     def test_every_lens(self):
-        for lens in ("pinhole", "wide", "fisheye", "fisheye190"):
+        for lens in ("pinhole", "wide", "fisheye", "fisheye190", "anamorphic", "off-axis",
+                     "halves", "decentred", "mirror"):
             with self.subTest(lens):
                 folder = self.render("--size", "320x240", "--lens", lens, "--pattern",
                                      self.chessboard())

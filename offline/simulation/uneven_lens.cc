@@ -1,0 +1,225 @@
+#include "simulation/uneven_lens.h"
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "camera/stereographic.h"
+
+namespace raygrid {
+namespace {
+
+using Place = Eigen::Vector2d;
+
+// An equidistant fisheye's image, in radians, and back.
+Eigen::Vector3d FromFisheye(const Place& image) {
+  const double theta = image.norm();
+  const double scale = theta > 1e-9 ? std::sin(theta) / theta : 1;
+  return {scale * image.x(), scale * image.y(), std::cos(theta)};
+}
+
+Place ToFisheye(const Eigen::Vector3d& direction) {
+  const double across = direction.head<2>().norm();
+  if (!(across > 1e-12 * direction.norm()))
+    return direction.head<2>() / direction.z();
+  return std::atan2(across, direction.z()) / across * direction.head<2>();
+}
+
+}  // namespace
+
+Place UnevenLens::PlaceOfPixel(const Eigen::Vector2d& pixel) const {
+  const ImageSize& size = image_size();
+  const Eigen::Vector2d middle((size.width - 1) / 2.0, (size.height - 1) / 2.0);
+  return (pixel - middle) / size.width;
+}
+
+std::optional<Eigen::Vector3d> UnevenLens::Unproject(
+    const Eigen::Vector2d& pixel) const {
+  if (!area().Contains(pixel)) return std::nullopt;
+  return DirectionOf(PlaceOfPixel(pixel)).normalized();
+}
+
+std::optional<Eigen::Vector2d> UnevenLens::Project(
+    const Eigen::Vector3d& point, const Eigen::Vector2d* /*start*/,
+    double margin_px) const {
+  if (point.isZero(0)) return std::nullopt;
+  const auto place = PlaceOf(point.normalized());
+  if (!place) return std::nullopt;
+  const ImageSize& size = image_size();
+  const Eigen::Vector2d middle((size.width - 1) / 2.0, (size.height - 1) / 2.0);
+  const Eigen::Vector2d pixel = middle + size.width * *place;
+  if (!area().Contains(pixel, margin_px)) return std::nullopt;
+  return pixel;
+}
+
+// The projection's derivative is the inverse of the direction's, which is
+// formed by differences.
+bool UnevenLens::Linearize(const Eigen::Vector3d& point,
+                           const Eigen::Vector2d* start, double margin_px,
+                           LinearizedProjection* projection) const {
+  constexpr double kStepPx = 0.01;
+  const auto pixel = Project(point, start, margin_px);
+  if (!pixel) return false;
+  Eigen::Matrix2d by_pixel;
+  for (int k = 0; k < 2; ++k) {
+    const Eigen::Vector2d step = kStepPx * Eigen::Vector2d::Unit(k);
+    by_pixel.col(k) = (ToChart(DirectionOf(PlaceOfPixel(*pixel + step))) -
+                       ToChart(DirectionOf(PlaceOfPixel(*pixel - step)))) /
+                      (2 * kStepPx);
+  }
+  projection->pixel = *pixel;
+  projection->by_point = by_pixel.inverse() * ToChartDerivative(point);
+  return true;
+}
+
+// ---- Anamorphic ------------------------------------------------------------
+
+namespace {
+
+constexpr double kLongitudes = 130 * M_PI / 180;  // across the width
+
+}  // namespace
+
+Eigen::Vector3d AnamorphicLens::DirectionOf(const Place& place) const {
+  const double longitude = kLongitudes * place.x();
+  return {std::sin(longitude), kLongitudes / 2 * place.y(),
+          std::cos(longitude)};
+}
+
+std::optional<Place> AnamorphicLens::PlaceOf(
+    const Eigen::Vector3d& direction) const {
+  const double forward = std::hypot(direction.x(), direction.z());
+  return Place(std::atan2(direction.x(), direction.z()) / kLongitudes,
+               direction.y() / forward * 2 / kLongitudes);
+}
+
+// ---- Off axis --------------------------------------------------------------
+
+namespace {
+
+const Place kAxisPlace(1.0 / 3, 0.05);
+constexpr double kOffAxisFocal = 0.5;  // widths for a radian
+constexpr double kOffAxisTilt = -0.6;  // t, for a radian
+
+}  // namespace
+
+Eigen::Vector3d OffAxisLens::DirectionOf(const Place& place) const {
+  const Place tilted = (place - kAxisPlace) / kOffAxisFocal;
+  return FromFisheye(tilted / (1 + kOffAxisTilt * tilted.x()));
+}
+
+std::optional<Place> OffAxisLens::PlaceOf(
+    const Eigen::Vector3d& direction) const {
+  const Place fisheye = ToFisheye(direction);
+  const double depth = 1 - kOffAxisTilt * fisheye.x();
+  if (!(depth > 0.1)) return std::nullopt;
+  return kAxisPlace + kOffAxisFocal * fisheye / depth;
+}
+
+// ---- Two halves ------------------------------------------------------------
+
+namespace {
+
+// 1 / focal lengths, per width: their mean, and half their difference.
+constexpr double kMeanInverseFocal = 1.5, kHalfDifference = 0.5;
+constexpr double kPassage = 0.1;  // widths, to either side
+
+double InverseFocal(double x) {
+  return kMeanInverseFocal - kHalfDifference * std::tanh(x / kPassage);
+}
+
+double IntegralOfInverseFocal(double x) {
+  const double away = std::abs(x) / kPassage;
+  const double log_cosh = away + std::log1p(std::exp(-2 * away)) - M_LN2;
+  return kMeanInverseFocal * x - kHalfDifference * kPassage * log_cosh;
+}
+
+}  // namespace
+
+Eigen::Vector3d HalvesLens::DirectionOf(const Place& place) const {
+  return {IntegralOfInverseFocal(place.x()),
+          place.y() * InverseFocal(place.x()), 1};
+}
+
+std::optional<Place> HalvesLens::PlaceOf(
+    const Eigen::Vector3d& direction) const {
+  if (!(direction.z() > 1e-3)) return std::nullopt;
+  const double u = direction.x() / direction.z();
+  // The integral is concave: Newton's method comes from one side.
+  double x = u / (u > 0 ? kMeanInverseFocal - kHalfDifference
+                        : kMeanInverseFocal + kHalfDifference);
+  for (int iteration = 0; iteration < 50; ++iteration) {
+    const double step = (u - IntegralOfInverseFocal(x)) / InverseFocal(x);
+    x += step;
+    if (std::abs(step) < 1e-15) break;
+  }
+  return Place(x, direction.y() / direction.z() / InverseFocal(x));
+}
+
+// ---- Decentred -------------------------------------------------------------
+
+namespace {
+
+const Place kDecentredAxis(-0.1, 0.06);  // of the fisheye
+constexpr double kDecentredFocal = 0.55;
+const Place kSecondCentre(0.9, -0.6);  // radians of the fisheye
+constexpr double kSecondBarrel = 0.05;
+
+}  // namespace
+
+Eigen::Vector3d DecentredLens::DirectionOf(const Place& place) const {
+  const Place bent = (place - kDecentredAxis) / kDecentredFocal - kSecondCentre;
+  // b = a / (1 + k a^2), of which the smaller solution counts.
+  const double b = bent.norm();
+  const double root = std::sqrt(1 - 4 * kSecondBarrel * b * b);
+  return FromFisheye(kSecondCentre + bent * 2 / (1 + root));
+}
+
+std::optional<Place> DecentredLens::PlaceOf(
+    const Eigen::Vector3d& direction) const {
+  const Place offset = ToFisheye(direction) - kSecondCentre;
+  const double a2 = offset.squaredNorm();
+  if (!(kSecondBarrel * a2 < 0.95)) return std::nullopt;
+  return kDecentredAxis +
+         kDecentredFocal * (kSecondCentre + offset / (1 + kSecondBarrel * a2));
+}
+
+// ---- Mirror ----------------------------------------------------------------
+
+namespace {
+
+constexpr double kXi = 0.98;           // of an eccentricity of 1.22
+constexpr double kMirrorFocal = 0.75;  // widths
+// To the mirror's flank, and across. The image's corners see 143 degrees from
+// the mirror's axis; a hyperboloid reaches 145.
+constexpr double kCameraTiltRad = 37 * M_PI / 180;
+constexpr double kCameraTiltDownRad = 4 * M_PI / 180;
+
+}  // namespace
+
+MirrorLens::MirrorLens(const ImageSize& size, const Area& area)
+    : UnevenLens(size, area),
+      mirror_from_camera_(
+          (Eigen::AngleAxisd(kCameraTiltRad, Eigen::Vector3d::UnitY()) *
+           Eigen::AngleAxisd(kCameraTiltDownRad, Eigen::Vector3d::UnitX()))
+              .toRotationMatrix()) {}
+
+Eigen::Vector3d MirrorLens::DirectionOf(const Place& place) const {
+  const Eigen::Vector3d seen =
+      mirror_from_camera_ * Eigen::Vector3d(place.x(), place.y(), kMirrorFocal);
+  // The point of the sphere on the ray from (0, 0, -xi).
+  const Place m = seen.head<2>() / seen.z();
+  const double r2 = m.squaredNorm();
+  const double along = (kXi + std::sqrt(1 + (1 - kXi * kXi) * r2)) / (1 + r2);
+  return {along * m.x(), along * m.y(), along - kXi};
+}
+
+std::optional<Place> MirrorLens::PlaceOf(
+    const Eigen::Vector3d& direction) const {
+  const Eigen::Vector3d seen(direction.x(), direction.y(), direction.z() + kXi);
+  if (!(seen.z() > 0.02)) return std::nullopt;
+  const Eigen::Vector3d in_camera = mirror_from_camera_.transpose() * seen;
+  if (!(in_camera.z() > 0.02)) return std::nullopt;
+  return kMirrorFocal * in_camera.head<2>() / in_camera.z();
+}
+
+}  // namespace raygrid
