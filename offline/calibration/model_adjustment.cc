@@ -7,6 +7,7 @@
 
 #include "adjustment/metric_scale.h"
 #include "calibration/continued_lens.h"
+#include "calibration/polynomial_part.h"
 #include "calibration/unseen_nodes.h"
 #include "camera/model_fitting.h"
 #include "camera/noncentral_generic.h"
@@ -44,8 +45,14 @@ Lenses CopyCameras(const AdjustmentState& state) {
   return cameras;
 }
 
-// The parametric cameras that an adjustment starts from, or that grids lie
-// around, and the grids' cells.
+bool AreParametric(const Lenses& lenses) {
+  return std::all_of(lenses.begin(), lenses.end(), [](const auto& lens) {
+    return IsParametricModel(lens->Name());
+  });
+}
+
+// The cameras that an adjustment starts from, or that grids lie around, and the
+// grids' cells.
 struct Starts {
   const Lenses& lenses;
   const std::vector<double>& cells_px;
@@ -58,17 +65,41 @@ int NumFeatures(const CalibrationProblem& problem, int camera) {
   return static_cast<int>(count);
 }
 
-// Parametric cameras from where the state is.
+// The prior of a camera from where it is.
+CameraPrior PriorAround(const CameraModel& camera,
+                        const CalibrationProblem& problem, int index) {
+  if (const auto* grid = dynamic_cast<const CentralGeneric*>(&camera))
+    return SmoothnessPrior(PolynomialPart(*grid));
+  return DistortionPrior(dynamic_cast<const ParametricModel&>(camera),
+                         CalibratedArea(problem, index),
+                         NumFeatures(problem, index));
+}
+
+// Cameras from where the state is.
 AdjustmentSummary AdjustLenses(const CalibrationProblem& problem,
                                const AdjustmentOptions& options,
                                GaussianPrior* prior, AdjustmentState* state) {
   *prior = {};
   for (size_t c = 0; c < state->cameras.size(); ++c)
-    prior->cameras.push_back(DistortionPrior(
-        dynamic_cast<const ParametricModel&>(*state->cameras[c]),
-        CalibratedArea(problem, static_cast<int>(c)),
-        NumFeatures(problem, static_cast<int>(c))));
+    prior->cameras.push_back(
+        PriorAround(*state->cameras[c], problem, static_cast<int>(c)));
   return AdjustInTwoSteps(problem, options, prior, state);
+}
+
+// A parametric camera instead of a starting lens. A start of no kind of lens
+// has no axis: the model finds its own, and what the camera sees turns with it.
+void SetLens(const std::string& model, const CameraModel& lens,
+             const CalibrationProblem& problem, int camera,
+             AdjustmentState* state) {
+  FitOptions options;
+  options.free_rotation = !IsParametricModel(lens.Name());
+  const FittedModel fitted =
+      FitParametricModel(model, lens, FeatureArea(problem, camera), options);
+  state->cameras[camera] = fitted.model->Clone();
+  if (!options.free_rotation) return;
+  Pose& pose = state->camera_from_rig[camera];
+  pose = Pose{fitted.model_from_camera, Eigen::Vector3d::Zero()} * pose;
+  state->MoveRigToFirstCamera();
 }
 
 // Parametric cameras of a model.
@@ -80,10 +111,7 @@ AdjustmentSummary AdjustLenses(const std::string& model,
   for (size_t c = 0; c < lenses.size(); ++c) {
     state->cameras[c] = lenses[c]->Clone();
     if (lenses[c]->Name() != model)
-      state->cameras[c] =
-          FitParametricModel(model, *lenses[c],
-                             FeatureArea(problem, static_cast<int>(c)), {})
-              .model;
+      SetLens(model, *lenses[c], problem, static_cast<int>(c), state);
   }
   return AdjustLenses(problem, options, prior, state);
 }
@@ -111,7 +139,8 @@ Lenses LensesAroundGrids(const CalibrationProblem& problem,
   const AdjustmentSummary summary =
       AdjustLenses("thin-prism-fisheye", problem, lenses,
                    WithFixedPoints(options), prior, state);
-  if (MedianErrorPx(summary.residuals) > kFarMore * before_px) *state = before;
+  if (!(MedianErrorPx(summary.residuals) <= kFarMore * before_px))
+    *state = before;
   return CopyCameras(*state);
 }
 
@@ -124,7 +153,14 @@ CentralGeneric AsGrid(const CalibrationProblem& problem, size_t camera,
                           NumControlPoints(area.height(), cell_px));
 }
 
-// Grid cameras, each around a parametric lens.
+// A grid that starts as a lens is expected to lie around it. A start of no kind
+// of lens was fitted to the same features, and tells how they err.
+CentralGeneric ExpectedGrid(const CameraModel& lens,
+                            const CentralGeneric& start) {
+  return IsParametricModel(lens.Name()) ? start : PolynomialPart(start);
+}
+
+// Grid cameras, each around a lens.
 AdjustmentSummary AdjustGrids(const CalibrationProblem& problem,
                               const Starts& starts,
                               const AdjustmentOptions& options,
@@ -132,7 +168,8 @@ AdjustmentSummary AdjustGrids(const CalibrationProblem& problem,
   *prior = {};
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
     const CentralGeneric base = AsGrid(problem, c, starts);
-    prior->cameras.push_back(SmoothnessPrior(base));
+    prior->cameras.push_back(
+        SmoothnessPrior(ExpectedGrid(*starts.lenses[c], base)));
     state->cameras[c] = base.Clone();
   }
   return AdjustInTwoSteps(problem, options, prior, state);
@@ -163,8 +200,9 @@ AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
   AdjustGrids(problem, starts, WithFixedPoints(options), prior, state);
   *prior = {};
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
-    prior->cameras.push_back(NonCentralPrior(AsGrid(problem, c, starts),
-                                             MeanDistance(problem, c, *state)));
+    prior->cameras.push_back(NonCentralPrior(
+        ExpectedGrid(*starts.lenses[c], AsGrid(problem, c, starts)),
+        MeanDistance(problem, c, *state)));
     state->cameras[c] = NonCentralGeneric(dynamic_cast<const CentralGeneric&>(
                                               *state->cameras[c]))
                             .Clone();
@@ -257,9 +295,9 @@ std::vector<Area> CalibratedAreas(const CalibrationProblem& problem) {
 
 }  // namespace
 
-AdjustmentSummary AdjustParametric(const CalibrationProblem& problem,
-                                   const AdjustmentOptions& options,
-                                   AdjustmentState* state) {
+AdjustmentSummary AdjustCameras(const CalibrationProblem& problem,
+                                const AdjustmentOptions& options,
+                                AdjustmentState* state) {
   GaussianPrior prior;
   return AdjustLenses(problem, options, &prior, state);
 }
@@ -268,6 +306,7 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
                  const std::vector<double>& cells_px,
                  const AdjustmentOptions& options, Adjusted* adjusted) {
   const Lenses lenses = CopyCameras(adjusted->state);
+  const AdjustmentState start = adjusted->state;
   const std::vector<Area> areas = CalibratedAreas(adjusted->problem);
   const auto adjust = [&] {
     adjusted->summary = Adjust(model, adjusted->problem, {lenses, cells_px},
@@ -285,8 +324,11 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
   if (have_removed && CalibratedAreas(adjusted->problem) == areas)
     adjusted->summary = AdjustWithLearnedPrior(
         adjusted->problem.views, options, &adjusted->prior, &adjusted->state);
-  else if (have_removed)
+  else if (have_removed) {
+    // Starts without an axis may have been turned (SetLens()).
+    if (!AreParametric(lenses)) adjusted->state = start;
     adjust();
+  }
   FinishCameras(adjusted);
 }
 

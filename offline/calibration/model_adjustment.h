@@ -19,10 +19,11 @@ struct Adjusted {
   std::vector<std::vector<FeatureResidual>> rejected_features;  ///< by camera
 };
 
-/// Parametric cameras from where the state is.
-AdjustmentSummary AdjustParametric(const CalibrationProblem& problem,
-                                   const AdjustmentOptions& options,
-                                   AdjustmentState* state);
+/// Cameras from where the state is: parametric ones, or grids, which scatter
+/// smoothly around where they are.
+AdjustmentSummary AdjustCameras(const CalibrationProblem& problem,
+                                const AdjustmentOptions& options,
+                                AdjustmentState* state);
 
 /// Goes on to the model asked for: adjusted, outliers removed, once more. Cells
 /// for each camera.

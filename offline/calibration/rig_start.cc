@@ -305,7 +305,7 @@ Adjusted PutTogether(const std::vector<std::string>& names,
 
   AdjustmentOptions fixed_points = options;
   fixed_points.fix_points = true;
-  rig.summary = AdjustParametric(rig.problem, fixed_points, &rig.state);
+  rig.summary = AdjustCameras(rig.problem, fixed_points, &rig.state);
   const std::vector<bool> remove = DisagreeingViews(rig.problem, rig.state);
   for (size_t v = 0; v < remove.size(); ++v)
     if (remove[v])
@@ -316,7 +316,7 @@ Adjusted PutTogether(const std::vector<std::string>& names,
   if (std::count(remove.begin(), remove.end(), true) == 0) return rig;
   RemoveViewsAndPoses(remove, &rig);
   RequireConnected(names, rig.problem);
-  rig.summary = AdjustParametric(rig.problem, fixed_points, &rig.state);
+  rig.summary = AdjustCameras(rig.problem, fixed_points, &rig.state);
   return rig;
 }
 

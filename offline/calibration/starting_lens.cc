@@ -131,7 +131,7 @@ std::optional<Adjusted> AdjustFrom(const CameraModel& start,
     if (NumImages(adjusted->problem) < kMinImages) return std::nullopt;
     RemoveGrossOutliers(pattern, options.num_threads, &*adjusted);
     adjusted->summary =
-        AdjustParametric(adjusted->problem, options, &adjusted->state);
+        AdjustCameras(adjusted->problem, options, &adjusted->state);
   }
   return adjusted;
 }
@@ -162,13 +162,17 @@ Misfit MisfitOf(const Adjusted& adjusted, size_t num_features) {
   return {unexplained / count, (sum + kCapPx * unexplained) / count};
 }
 
-// A pinhole's distortion is taken where it fits nearly as well: beyond the
-// outermost features, in the image's corners, it goes on more tamely than a
-// polynomial of the angle (simulated lens of 62 degrees: 0.10 px off in the
-// worst corner, where that was 0.21 px).
-double FavourOf(const Adjusted& adjusted) {
+// The factor of a start's error before it is compared.
+double HandicapOf(const CameraModel& start) {
+  // A pinhole's distortion is taken where it fits nearly as well: beyond the
+  // outermost features, in the image's corners, it goes on more tamely than a
+  // polynomial of the angle (simulated lens of 62 degrees: 0.10 px off in the
+  // worst corner, where that was 0.21 px).
   constexpr double kPinholeFavour = 0.8;
-  return adjusted.state.camera().Name() == "opencv" ? kPinholeFavour : 1;
+  // A grid follows any lens, but knows nothing of where no feature was seen.
+  constexpr double kGridHandicap = 2;
+  if (start.Name() == "opencv") return kPinholeFavour;
+  return IsParametricModel(start.Name()) ? 1 : kGridHandicap;
 }
 
 size_t NumFeatures(const CalibrationProblem& problem) {
@@ -189,18 +193,16 @@ std::vector<std::unique_ptr<CameraModel>> ParametricStarts(
   return starts;
 }
 
-// The start for any central lens: the parametric one nearest to what three
-// views tell.
-std::unique_ptr<CameraModel> GenericStartingLens(const Dataset& dataset,
-                                                 const Pattern& pattern,
-                                                 int num_threads) {
+// The start for any central lens, over the area that is calibrated.
+std::optional<CentralGeneric> GenericStartingGrid(
+    const Dataset& dataset, const Pattern& pattern,
+    const CalibrationProblem& problem, int num_threads) {
   GenericStartOptions options;
   options.num_threads = num_threads;
+  options.area = CalibratedArea(problem, 0);
   const auto generic = StartFromThreeViews(dataset, pattern, options);
-  if (!generic) return nullptr;
-  return FitParametricModel("central-radial", generic->camera,
-                            generic->camera.area(), {true})
-      .model->Clone();
+  if (!generic) return std::nullopt;
+  return generic->camera;
 }
 
 // The starts adjusted to a part of the features, of which the best is kept.
@@ -219,7 +221,8 @@ class StartTrials {
     const auto adjusted = AdjustFrom(start, pattern_, thinned_, options_);
     if (!adjusted) return;
     const Misfit misfit = MisfitOf(*adjusted, num_features_);
-    const double weighted = misfit.mean_px * FavourOf(*adjusted);
+    const double weighted =
+        misfit.mean_px * HandicapOf(adjusted->state.camera());
     if (best_ && weighted >= least_weighted_) return;
     best_ = adjusted;
     least_ = misfit;
@@ -280,10 +283,15 @@ Adjusted AdjustStartingLens(const Dataset& dataset, const Pattern& pattern,
   StartTrials trials(pattern, all, options);
   for (const auto& start : ParametricStarts(dataset, pattern))
     trials.Try(*start);
-  if (!trials.IsNear())
-    if (const auto start =
-            GenericStartingLens(dataset, pattern, options.num_threads))
-      trials.Try(*start);
+  if (!trials.IsNear()) {
+    if (const auto grid = GenericStartingGrid(dataset, pattern, all.problem,
+                                              options.num_threads)) {
+      const Area features = FeatureArea(all.problem, 0);
+      trials.Try(
+          *FitParametricModel("central-radial", *grid, features, {true}).model);
+      trials.Try(*grid);
+    }
+  }
   Adjusted adjusted =
       Localized(trials.Best().state.camera(), all, options.num_threads);
   RemoveGrossOutliers(pattern, options.num_threads, &adjusted);

@@ -162,6 +162,13 @@ std::vector<std::string> NamesOf(const Dataset& dataset) {
   return names;
 }
 
+// The cells of a starting lens that is a grid.
+double CellPxOf(const CameraModel& lens) {
+  const auto* grid = dynamic_cast<const CentralGeneric*>(&lens);
+  if (!grid) return 0;
+  return std::max(grid->surface().cell_width(), grid->surface().cell_height());
+}
+
 // Residuals of a camera of its own whose board may bend, too; none if it cannot
 // be adjusted.
 std::vector<FeatureResidual> FullyAdjusted(const Dataset& dataset,
@@ -169,8 +176,8 @@ std::vector<FeatureResidual> FullyAdjusted(const Dataset& dataset,
                                            const AdjustmentOptions& options) {
   try {
     Adjusted adjusted = AdjustStartingLens(dataset, pattern, options);
-    AdjustModel(pattern, adjusted.state.camera().Name(), {0}, options,
-                &adjusted);
+    const CameraModel& lens = adjusted.state.camera();
+    AdjustModel(pattern, lens.Name(), {CellPxOf(lens)}, options, &adjusted);
     return ResidualsOf(pattern, adjusted, options.num_threads);
   } catch (const Error&) {
     return {};
@@ -202,7 +209,7 @@ class TwoFits {
     for (const bool is_first : {true, false}) {
       Adjusted part = PartOf(joint, names, is_first);
       if (part.problem.views.size() < kMinPartImages) return;
-      AdjustParametric(part.problem, options, &part.state);
+      AdjustCameras(part.problem, options, &part.state);
       residuals_.push_back(ResidualsOf(pattern, part, options.num_threads));
       if (residuals_.back().empty()) return;
       fits_.push_back(std::move(part));

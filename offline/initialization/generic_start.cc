@@ -215,7 +215,8 @@ BSplineSurface FitGrid(const PixelwiseModel& model, const PixelLattice& lattice,
 GenericStart AdjustedStart(const PixelwiseModel& model,
                            const std::vector<DenseView>& dense,
                            const PixelLattice& lattice, const Dataset& dataset,
-                           const Pattern& pattern, int cells_along) {
+                           const Pattern& pattern,
+                           const GenericStartOptions& options) {
   std::vector<StartingView> views;
   std::vector<Pose> poses;
   for (size_t v = 0; v < dense.size(); ++v) {
@@ -223,8 +224,8 @@ GenericStart AdjustedStart(const PixelwiseModel& model,
     poses.push_back(*model.camera_from_board[v]);
     views.push_back({dense[v].image, dense[v].board, poses.back()});
   }
-  BSplineSurface surface =
-      FitGrid(model, lattice, AreaOfFeatures(dataset), cells_along);
+  const Area area = options.area ? *options.area : AreaOfFeatures(dataset);
+  BSplineSurface surface = FitGrid(model, lattice, area, options.cells_along);
   AdjustInChart(ObservationsOf(views, dataset, pattern, kMaxAdjustedFeatures),
                 &surface, &poses);
   for (size_t v = 0; v < views.size(); ++v)
@@ -259,8 +260,8 @@ std::optional<GenericStart> StartFromThreeViews(
   if (!model) return std::nullopt;
   TurnMeanForward(&*model);
   if (!TurnUpright(lattice, &*model)) return std::nullopt;
-  GenericStart start = AdjustedStart(*model, dense, lattice, dataset, pattern,
-                                     options.cells_along);
+  GenericStart start =
+      AdjustedStart(*model, dense, lattice, dataset, pattern, options);
   start.median_error_px = MedianReprojectionError(
       start, ObservationsOf(start.views, dataset, pattern, SIZE_MAX));
   return start;

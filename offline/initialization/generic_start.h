@@ -16,6 +16,8 @@ struct GenericStartOptions {
   int max_triplets = 500;
   uint64_t seed = 0;  ///< of the sample of triplets
   int num_threads = 1;
+  /// The area that the camera is to be over; none: that of all features.
+  std::optional<Area> area;
 };
 
 /// A board in an image, localised with the starting camera.
@@ -26,7 +28,7 @@ struct StartingView {
 };
 
 struct GenericStart {
-  CentralGeneric camera;  ///< over the rectangle of all features
+  CentralGeneric camera;
   std::vector<StartingView> views;
   /// The median of the reprojection errors of the localised views' features;
   /// features that have no projection count as infinite.

@@ -209,6 +209,42 @@ TEST(ColdStart, CamerasOfAnyFieldOfView) {
     EXPECT_TRUE(outcome.IsRight()) << outcome.view_deg << " degrees";
 }
 
+// Lenses that no radial lens follows within 20 px (uneven_lens_test.cc).
+class ColdStartOf : public testing::TestWithParam<const char*> {};
+
+TEST_P(ColdStartOf, AnUnevenLensEndsAtTheNoise) {
+  constexpr double kFineNoisePx = 0.1;
+  const auto lens = SimulatedLens(GetParam(), kSize);
+  SimulationOptions simulation;
+  simulation.num_images = 40;
+  simulation.noise_px = kFineNoisePx;
+  const SimulatedObservations seen =
+      SimulateObservations(*lens, FineTestBoard(), simulation);
+  CalibrationOptions options;
+  options.cell_px = 40;
+  options.num_threads = 2;
+  for (size_t i = 32; i < 40; ++i)
+    options.hold_out.push_back(seen.dataset.images[i].image);
+  const CalibrationResult result =
+      Calibrate(seen.dataset, seen.true_pattern, options);
+  // The noise has a median of 1.18 deviations, and an RMS of 1.41.
+  EXPECT_LT(result.camera.held_out->median_px, 1.28 * kFineNoisePx);
+  EXPECT_LT(result.camera.held_out->rms_px, 1.56 * kFineNoisePx);
+  // Rays are known better than a feature.
+  const ModelDifference difference =
+      CompareModels(*lens, *result.camera.camera, 8);
+  EXPECT_LT(difference.median_px, 0.05);
+  EXPECT_LT(difference.p99_px, 0.25);
+  std::printf("%s: held out %.3f px, RMS %.3f px, rays %.3f px, 99 %% %.3f\n",
+              GetParam(), result.camera.held_out->median_px,
+              result.camera.held_out->rms_px, difference.median_px,
+              difference.p99_px);
+}
+
+INSTANTIATE_TEST_SUITE_P(Lenses, ColdStartOf,
+                         testing::Values("anamorphic", "off-axis", "halves",
+                                         "decentred", "mirror"));
+
 // Takes minutes: --gtest_also_run_disabled_tests.
 TEST(ColdStart, DISABLED_NinetyNineOfAHundredCameras) {
   const std::vector<Outcome> outcomes = CalibrateMany(100, 100);

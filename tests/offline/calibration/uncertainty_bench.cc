@@ -56,7 +56,7 @@ Draw CalibrateDraw(const Pattern& pattern, const Adjusted& start,
     for (Observation& o : view.observations)
       o.pixel += kNoisePx * Eigen::Vector2d(random.Normal(), random.Normal());
   const double begin = Now();
-  AdjustParametric(adjusted.problem, options, &adjusted.state);
+  AdjustCameras(adjusted.problem, options, &adjusted.state);
   AdjustModel(pattern, "central-generic", {cell_px}, options, &adjusted);
   Draw draw;
   draw.seconds = Now() - begin;
