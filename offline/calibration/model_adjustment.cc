@@ -86,6 +86,13 @@ AdjustmentSummary AdjustLenses(const CalibrationProblem& problem,
   return AdjustInTwoSteps(problem, options, prior, state);
 }
 
+// A radial spline has as many knots as there are features to tell them. Its
+// prior keeps those smooth that are not needed (offline/calibration/DESIGN.md).
+int NumKnots(int num_features) {
+  constexpr int kLeast = 24, kMost = 96, kFeaturesPerKnot = 20;
+  return std::clamp(num_features / kFeaturesPerKnot, kLeast, kMost);
+}
+
 // A parametric camera instead of a starting lens. A start of no kind of lens
 // has no axis: the model finds its own, and what the camera sees turns with it.
 void SetLens(const std::string& model, const CameraModel& lens,
@@ -93,6 +100,7 @@ void SetLens(const std::string& model, const CameraModel& lens,
              AdjustmentState* state) {
   FitOptions options;
   options.free_rotation = !IsParametricModel(lens.Name());
+  options.num_knots = NumKnots(NumFeatures(problem, camera));
   const FittedModel fitted =
       FitParametricModel(model, lens, FeatureArea(problem, camera), options);
   state->cameras[camera] = fitted.model->Clone();
@@ -110,7 +118,8 @@ AdjustmentSummary AdjustLenses(const std::string& model,
                                GaussianPrior* prior, AdjustmentState* state) {
   for (size_t c = 0; c < lenses.size(); ++c) {
     state->cameras[c] = lenses[c]->Clone();
-    if (lenses[c]->Name() != model)
+    // A radial lens may start with fewer knots than it is to have.
+    if (lenses[c]->Name() != model || model == "central-radial")
       SetLens(model, *lenses[c], problem, static_cast<int>(c), state);
   }
   return AdjustLenses(problem, options, prior, state);

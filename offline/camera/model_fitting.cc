@@ -14,7 +14,6 @@
 namespace raygrid {
 namespace {
 
-constexpr int kSplineParameters = 24;
 constexpr double kAnywherePx = 1e9;  // a margin
 constexpr double kLostPx = 100;      // the error of what is not projected
 
@@ -108,7 +107,7 @@ Center CenterOf(const CameraModel& camera, const Eigen::Quaterniond& rotation,
 
 std::vector<std::unique_ptr<ParametricModel>> Starts(
     const std::string& name, const CameraModel& camera, const Center& center,
-    const std::vector<Sample>& samples) {
+    const std::vector<Sample>& samples, int num_knots) {
   const double f = center.focal_px, cx = center.pixel.x(),
                cy = center.pixel.y();
   const ImageSize& size = camera.image_size();
@@ -124,7 +123,7 @@ std::vector<std::unique_ptr<ParametricModel>> Starts(
           widest, std::atan2(sample.ray.head<2>().norm(), sample.ray.z()));
     starts.push_back(std::make_unique<CentralRadial>(
         size, area, std::min(1.05 * widest, 3.1),
-        std::vector<double>(kSplineParameters, 0),
+        std::vector<double>(num_knots, 0),
         CentralRadial::OtherParameters{f, f, cx, cy, 0, 0, 0, 0}));
   }
   return starts;
@@ -230,10 +229,12 @@ Equations Linearize(const ParametricModel& model,
       by_parameters.row(num_parameters + k) =
           linear.by_point * Eigen::Vector3d::Unit(k).cross(ray);
     by_parameters *= std::sqrt(sample.Weight());
-    for (int k = 0; k < size; ++k)  // the upper triangle
+    for (int k = 0; k < size; ++k) {                 // the upper triangle
+      if (by_parameters.row(k).isZero(0)) continue;  // a spline's, elsewhere
       equations.normal.col(k).head(k + 1) +=
           by_parameters.col(0).head(k + 1) * by_parameters(k, 0) +
           by_parameters.col(1).head(k + 1) * by_parameters(k, 1);
+    }
     equations.gradient +=
         std::sqrt(sample.Weight()) * by_parameters.lazyProduct(error);
   }
@@ -460,8 +461,9 @@ FittedModel FitParametricModel(const std::string& name,
       CenterOf(camera, start_from_camera, area, target.samples);
   FittedModel best;
   double best_cost = INFINITY;
-  for (auto& start : StartsWithout(Starts(name, camera, center, target.samples),
-                                   options.held)) {
+  for (auto& start : StartsWithout(
+           Starts(name, camera, center, target.samples, options.num_knots),
+           options.held)) {
     FittedModel fit;
     fit.model = std::move(start);
     const double cost =

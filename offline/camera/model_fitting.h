@@ -33,6 +33,7 @@ struct FitOptions {
   bool free_rotation = false;
   std::vector<std::string> held = {};  ///< parameters that stay 0
   bool ties_focal_lengths = false;     ///< fx = fy
+  int num_knots = 24;                  ///< of a central-radial lens's spline
   const TrustMask* trusted = nullptr;  ///< what counts; null: all
 };
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "calibration/calibration.h"
+#include "camera/central_radial.h"
 #include "evaluation/model_difference.h"
 #include "evaluation/residual_statistics.h"
 #include "simulation/fisheye_lens.h"
@@ -244,6 +245,55 @@ TEST_P(ColdStartOf, AnUnevenLensEndsAtTheNoise) {
 INSTANTIATE_TEST_SUITE_P(Lenses, ColdStartOf,
                          testing::Values("anamorphic", "off-axis", "halves",
                                          "decentred", "mirror"));
+
+// A fisheye whose zones move the image to and fro by a pixel, every 12 degrees.
+CentralRadial LensOfZones() {
+  constexpr int kKnots = 96;
+  constexpr double kFocalPx = 205, kMaxAngle = 2, kPeriod = 12 * kDegree;
+  std::vector<double> spline;
+  for (int k = 1; k <= kKnots; ++k) {
+    const double theta = k * kMaxAngle / (kKnots - 1);
+    const double fade_in = 1 / (1 + std::exp(-(theta - 0.45) / 0.07));
+    spline.push_back(fade_in * std::sin(2 * M_PI * theta / kPeriod) /
+                     (kFocalPx * theta));
+  }
+  return CentralRadial(kSize, {-1, -1, kSize.width + 0.0, kSize.height + 0.0},
+                       kMaxAngle, spline,
+                       {kFocalPx, kFocalPx, 321, 238, 0, 0, 0, 0});
+}
+
+// 24 knots leave 0.19 px.
+TEST(ColdStart, ARadialSplineHasTheKnotsThatItsFeaturesTell) {
+  const CentralRadial lens = LensOfZones();
+  SimulationOptions simulation;
+  simulation.num_images = 33;
+  simulation.features_per_image = 120;
+  simulation.noise_px = 0.1;
+  CalibrationOptions options;
+  options.model = "central-radial";
+  options.num_threads = 2;
+  options.flat_board = true;
+  SimulatedObservations seen =
+      SimulateObservations(lens, FineTestBoard(), simulation);
+  for (size_t i = 30; i < 33; ++i)
+    options.hold_out.push_back(seen.dataset.images[i].image);
+  double rays_px = INFINITY;
+  const auto knots_of = [&] {
+    const CalibrationResult result =
+        Calibrate(seen.dataset, seen.true_pattern, options);
+    const auto& radial =
+        dynamic_cast<const CentralRadial&>(*result.camera.camera);
+    rays_px = CompareModels(lens, radial, 8).median_px;
+    std::printf("%zu knots: held out %.3f px, rays %.3f px\n",
+                radial.spline().size(), result.camera.held_out->rms_px,
+                rays_px);
+    return radial.spline().size();
+  };
+  EXPECT_EQ(knots_of(), 96u);
+  EXPECT_LT(rays_px, 0.05);
+  for (ImageFeatures& image : seen.dataset.images) image.features.resize(15);
+  EXPECT_EQ(knots_of(), 24u);
+}
 
 // Takes minutes: --gtest_also_run_disabled_tests.
 TEST(ColdStart, DISABLED_NinetyNineOfAHundredCameras) {
