@@ -1,5 +1,7 @@
 #include "adjustment/adjustment_state.h"
 
+#include <utility>
+
 namespace raygrid {
 
 AdjustmentState& AdjustmentState::operator=(const AdjustmentState& other) {
@@ -9,6 +11,8 @@ AdjustmentState& AdjustmentState::operator=(const AdjustmentState& other) {
   camera_from_rig = other.camera_from_rig;
   rig_from_pattern = other.rig_from_pattern;
   points = other.points;
+  modes = other.modes;
+  flex = other.flex;
   return *this;
 }
 
@@ -21,6 +25,12 @@ void AdjustmentState::SetCamera(const CameraModel& camera) {
 
 Pose AdjustmentState::CameraFromPattern(const View& view) const {
   return camera_from_rig[view.camera] * rig_from_pattern[view.pose];
+}
+
+void AdjustmentState::SetModes(FlexModes flex_modes) {
+  modes = std::move(flex_modes);
+  flex.assign(rig_from_pattern.size(),
+              FlexModes::Coefficients::Zero(modes.count()));
 }
 
 void AdjustmentState::MoveRigToFirstCamera() {

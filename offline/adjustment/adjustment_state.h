@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "adjustment/board_flex.h"
 #include "camera/camera_model.h"
 #include "camera/pose.h"
 
@@ -29,6 +30,8 @@ struct AdjustmentState {
   std::vector<Pose> camera_from_rig;    ///< the first stays as it is
   std::vector<Pose> rig_from_pattern;   ///< shared by the cameras of an instant
   std::vector<Eigen::Vector3d> points;  ///< in the pattern's frame
+  FlexModes modes;                      ///< none: boards do not bend
+  std::vector<FlexModes::Coefficients> flex;  ///< of each rig_from_pattern
 
   AdjustmentState() = default;
   AdjustmentState(AdjustmentState&&) = default;
@@ -41,6 +44,13 @@ struct AdjustmentState {
   const CameraModel& camera() const { return *cameras.front(); }
 
   Pose CameraFromPattern(const View& view) const;
+  /// A point of a board that stands at a pose, as it is bent there.
+  Eigen::Vector3d PointAt(int pose, int point) const {
+    if (modes.count() == 0) return points[point];
+    return points[point] + modes.by_point[point] * flex[pose];
+  }
+  /// Lets boards bend, from no bend on.
+  void SetModes(FlexModes flex_modes);
   /// The first camera's frame becomes the rig's.
   void MoveRigToFirstCamera();
   int NumCameraParameters() const;  ///< of all cameras together

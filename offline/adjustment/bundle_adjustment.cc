@@ -1,7 +1,9 @@
 #include "adjustment/bundle_adjustment.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <random>
 
 #include "adjustment/normal_equations.h"
@@ -27,6 +29,7 @@ AdjustmentState Updated(const AdjustmentState& state,
   for (size_t i = 0; i < step.poses.size(); ++i)
     updated.rig_from_pattern[i] =
         UpdatedPose(state.rig_from_pattern[i], step.poses[i]);
+  for (size_t i = 0; i < step.flex.size(); ++i) updated.flex[i] += step.flex[i];
   return updated;
 }
 
@@ -40,6 +43,10 @@ double PriorCost(const GaussianPrior& prior, const AdjustmentState& state,
     for (size_t i = 0; i < prior.points_mean.size(); ++i)
       cost += prior.points_weight / 2 *
               (state.points[i] - prior.points_mean[i]).squaredNorm();
+  for (const FlexModes::Coefficients& flex : state.flex)
+    for (int mode = 0; mode < state.modes.count(); ++mode)
+      cost += prior.FlexWeight(state.modes.orders[mode]) / 2 * flex[mode] *
+              flex[mode];
   return cost;
 }
 
@@ -183,19 +190,36 @@ std::vector<CameraGroup> CameraGroups(GaussianPrior* prior) {
   return groups;
 }
 
-// How many parameters of each group, and last of the points, the observations
-// determine: their number less the trace of the prior's part of H times H's
-// inverse, which is the mean of b^T H^-1 b (Hutchinson, 1989), with
+// How many parameters of each group of the prior the observations determine.
+struct Determined {
+  std::vector<double> groups;  // of cameras
+  double points = 0;
+  std::array<double, kNumBendOrders> flex = {};
+};
+
+// The coefficients of bends of an order: one a mode and pose.
+double NumFlex(const AdjustmentState& state, BendOrder order) {
+  return static_cast<double>(
+      std::count(state.modes.orders.begin(), state.modes.orders.end(), order) *
+      static_cast<std::ptrdiff_t>(state.flex.size()));
+}
+
+// The number of a group's parameters less the trace of the prior's part of H
+// times H's inverse, which is the mean of b^T H^-1 b (Hutchinson, 1989), with
 // b = sqrt(weight) B z of random signs z. For all groups at once: they are
 // independent. Nothing if the system is singular.
-std::vector<double> NumDetermined(const NormalEquations& equations,
-                                  const ParameterLayout& layout,
-                                  const std::vector<CameraGroup>& groups,
-                                  double points_weight, double lambda) {
+std::optional<Determined> NumDetermined(const NormalEquations& equations,
+                                        const ParameterLayout& layout,
+                                        const std::vector<CameraGroup>& groups,
+                                        const GaussianPrior& prior,
+                                        const AdjustmentState& state,
+                                        double lambda) {
   const int num_samples = equations.NumCheapSides();
   std::mt19937 random_bits(1);  // the standard fixes its sequence
   std::vector<Eigen::MatrixXd> shares;
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(layout.size, num_samples);
+  const int num_modes = layout.per_pose - 6;
+  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(
+      num_modes > 0 ? layout.num_all() : layout.size, num_samples);
   for (const CameraGroup& group : groups) {
     const int size = layout.NumCameraParameters(group.camera);
     Eigen::MatrixXd share(size, num_samples);
@@ -209,56 +233,108 @@ std::vector<double> NumDetermined(const NormalEquations& equations,
     shares.push_back(std::move(share));
   }
   for (int k = 0; k < num_samples; ++k)
-    right.col(k).tail(3 * layout.num_points) =
-        std::sqrt(points_weight) *
+    right.col(k).segment(layout.first_point, 3 * layout.num_points) =
+        std::sqrt(prior.points_weight) *
         RandomSigns(3 * layout.num_points, &random_bits);
+  for (int pose = 0; pose < layout.num_poses && num_modes > 0; ++pose)
+    for (int mode = 0; mode < num_modes; ++mode)
+      right.row(layout.Pose(pose) + 6 + mode) =
+          std::sqrt(prior.FlexWeight(state.modes.orders[mode])) *
+          RandomSigns(num_samples, &random_bits).transpose();
   Eigen::MatrixXd solution;
-  if (!equations.SolveFor(lambda, right, &solution)) return {};
+  if (!equations.SolveFor(lambda, right, &solution)) return std::nullopt;
   const auto determined = [num_samples](double count, double sum) {
     return std::clamp(count - sum / num_samples, 1e-3 * count, count);
   };
-  std::vector<double> result;
+  Determined result;
   for (size_t g = 0; g < groups.size(); ++g)
-    result.push_back(determined(
+    result.groups.push_back(determined(
         groups[g].group->rank,
         shares[g]
             .cwiseProduct(solution.middleRows(
                 layout.first_camera[groups[g].camera], shares[g].rows()))
             .sum()));
-  result.push_back(
+  result.points =
       determined(3.0 * layout.num_points,
-                 right.bottomRows(3 * layout.num_points)
-                     .cwiseProduct(solution.bottomRows(3 * layout.num_points))
-                     .sum()));
+                 right.middleRows(layout.first_point, 3 * layout.num_points)
+                     .cwiseProduct(solution.middleRows(layout.first_point,
+                                                       3 * layout.num_points))
+                     .sum());
+  std::array<double, kNumBendOrders> flex = {};
+  for (int pose = 0; pose < layout.num_poses && num_modes > 0; ++pose)
+    for (int mode = 0; mode < num_modes; ++mode) {
+      const int row = layout.Pose(pose) + 6 + mode;
+      flex[static_cast<int>(state.modes.orders[mode])] +=
+          right.row(row).dot(solution.row(row));
+    }
+  for (int k = 0; k < kNumBendOrders; ++k)
+    result.flex[k] =
+        determined(NumFlex(state, static_cast<BendOrder>(k)), flex[k]);
   return result;
 }
 
-// The evidence of each group, and last that of the points.
-std::vector<GroupEvidence> EvidenceOf(const std::vector<CameraGroup>& groups,
-                                      const GaussianPrior& prior,
-                                      const std::vector<double>& determined,
-                                      const AdjustmentState& state) {
-  std::vector<GroupEvidence> evidence;
+// The sum of squared coefficients of an order. A view that is far from the
+// others is of another board or camera rather than bent so much: it counts as
+// one that is as far as chance lets few be.
+double SquaredFlex(const AdjustmentState& state, BendOrder order) {
+  constexpr double kTimesMedian = 9;
+  std::vector<double> squares;
+  for (const FlexModes::Coefficients& flex : state.flex) {
+    double square = 0;
+    for (int mode = 0; mode < state.modes.count(); ++mode)
+      if (state.modes.orders[mode] == order) square += flex[mode] * flex[mode];
+    squares.push_back(square);
+  }
+  if (squares.empty()) return 0;
+  std::vector<double> sorted = squares;
+  const auto middle =
+      sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  double sum = 0;
+  for (const double square : squares)
+    sum += std::min(square, kTimesMedian * *middle);
+  return sum;
+}
+
+// The evidence of each group of the prior.
+struct Evidence {
+  std::vector<GroupEvidence> groups;  // of cameras
+  GroupEvidence points;
+  std::array<GroupEvidence, kNumBendOrders> flex;
+};
+
+Evidence EvidenceOf(const std::vector<CameraGroup>& groups,
+                    const GaussianPrior& prior, const Determined& determined,
+                    const AdjustmentState& state) {
+  Evidence evidence;
   for (size_t g = 0; g < groups.size(); ++g) {
     const Eigen::VectorXd difference =
         state.cameras[groups[g].camera]->Parameters() -
         prior.cameras[groups[g].camera].mean;
-    evidence.push_back({static_cast<double>(groups[g].group->rank),
-                        determined[g],
-                        groups[g].group->SquaredDistance(difference)});
+    evidence.groups.push_back({static_cast<double>(groups[g].group->rank),
+                               determined.groups[g],
+                               groups[g].group->SquaredDistance(difference)});
   }
-  GroupEvidence points = {3.0 * static_cast<double>(state.points.size()),
-                          determined.back(), 0};
+  evidence.points = {3.0 * static_cast<double>(state.points.size()),
+                     determined.points, 0};
   for (size_t i = 0; i < state.points.size(); ++i)
-    points.squared_distance +=
+    evidence.points.squared_distance +=
         (state.points[i] - prior.points_mean[i]).squaredNorm();
-  evidence.push_back(points);
+  for (int k = 0; k < kNumBendOrders; ++k) {
+    const auto order = static_cast<BendOrder>(k);
+    evidence.flex[k] = {NumFlex(state, order), determined.flex[k],
+                        SquaredFlex(state, order)};
+  }
   return evidence;
 }
 
 constexpr double kNegligiblePx = 1e-3;   // smaller departures are no matter
 constexpr double kStableChange = 0.05;   // of a weight's logarithm
 constexpr double kFewDetermined = 0.02;  // part of a group
+
+bool IsNextToNothing(const GroupEvidence& evidence) {
+  return evidence.determined < kFewDetermined * evidence.count;
+}
 
 // Moves a weight round by round to where the evidence leaves it.
 class WeightUpdate {
@@ -287,6 +363,35 @@ class WeightUpdate {
   static constexpr double kMaxFactor = 0.8;
   double last_change_ = 0;  // none, or of which none is known
 };
+
+// The mean over a board's views of how it bends is its shape: it moves from the
+// flex to the points and their mean, which changes no residual.
+void MoveMeanBends(const std::vector<View>& views, GaussianPrior* prior,
+                   AdjustmentState* state) {
+  const FlexModes& modes = state->modes;
+  if (modes.count() == 0) return;
+  std::vector<int> board_of_pose(state->flex.size(), -1);
+  for (const View& view : views)
+    if (!view.observations.empty())
+      board_of_pose[view.pose] = modes.boards[view.observations[0].point];
+  const int num_boards =
+      *std::max_element(modes.boards.begin(), modes.boards.end()) + 1;
+  for (int board = 0; board < num_boards; ++board) {
+    FlexModes::Coefficients mean = FlexModes::Coefficients::Zero(modes.count());
+    const double count = static_cast<double>(
+        std::count(board_of_pose.begin(), board_of_pose.end(), board));
+    for (size_t i = 0; i < state->flex.size(); ++i)
+      if (board_of_pose[i] == board) mean += state->flex[i] / count;
+    for (size_t i = 0; i < state->flex.size(); ++i)
+      if (board_of_pose[i] == board) state->flex[i] -= mean;
+    for (size_t i = 0; i < state->points.size(); ++i) {
+      if (modes.boards[i] != board) continue;
+      const Eigen::Vector3d moved = modes.by_point[i] * mean;
+      state->points[i] += moved;
+      prior->points_mean[i] += moved;
+    }
+  }
+}
 
 // A point's displacement that moves its image by one pixel, squared, on the
 // average over the views.
@@ -326,8 +431,12 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
     if (group.group->weight == 0) group.group->weight = 1;
   if (prior->points_weight == 0)
     prior->points_weight = 1 / square_metres_per_pixel;
+  for (double& weight : prior->flex_weights)
+    if (weight == 0) weight = 1 / square_metres_per_pixel;
 
-  std::vector<WeightUpdate> updates(groups.size() + 1);
+  std::vector<WeightUpdate> updates(groups.size());
+  WeightUpdate points_update;
+  std::array<WeightUpdate, kNumBendOrders> flex_updates;
   AdjustmentOptions fixed = options;
   double variance = 0;
   std::vector<Residual> residuals =
@@ -346,44 +455,63 @@ AdjustmentSummary AdjustWithLearnedPrior(const std::vector<View>& views,
         TakeStep(*equations, views, *prior, fixed, Losses::kAllowed, &lambda,
                  state, &residuals)
             .decrease;
+    if (!fixed.fix_points) MoveMeanBends(views, prior, state);
     Report(options, round, residuals);
-    const std::vector<double> determined = NumDetermined(
-        *equations, layout, groups, prior->points_weight, tried_lambda);
-    if (determined.empty()) break;
-    const std::vector<GroupEvidence> evidence =
-        EvidenceOf(groups, *prior, determined, *state);
+    const std::optional<Determined> determined =
+        NumDetermined(*equations, layout, groups, *prior, *state, tried_lambda);
+    if (!determined) break;
+    const Evidence evidence = EvidenceOf(groups, *prior, *determined, *state);
     double num_parameters = layout.first_point + 6.0 * layout.num_poses;
-    for (size_t g = 0; g < groups.size(); ++g)
-      num_parameters += evidence[g].determined - evidence[g].count;
-    const GroupEvidence& points = evidence.back();
+    for (const GroupEvidence& group : evidence.groups)
+      num_parameters += group.determined - group.count;
+    const GroupEvidence& points = evidence.points;
     if (!fixed.fix_points) num_parameters += points.determined;
+    for (const GroupEvidence& flex : evidence.flex)
+      num_parameters += flex.determined;
     variance = ResidualVariance(residuals, options.huber_px, num_parameters);
 
     double change = 0;
     for (size_t g = 0; g < groups.size(); ++g)
       change = std::max(change,
-                        updates[g].Update(evidence[g], variance,
+                        updates[g].Update(evidence.groups[g], variance,
                                           kNegligiblePx * kNegligiblePx,
                                           groups[g].group->firmness * variance,
                                           &groups[g].group->weight));
-    if (!fixed.fix_points &&
-        points.determined < kFewDetermined * points.count) {
+    bool is_simpler = false;
+    if (!fixed.fix_points && IsNextToNothing(points)) {
       // The board is as nominal as these observations can tell.
       state->points = prior->points_mean;
-      fixed.fix_points = true;
+      fixed.fix_points = is_simpler = true;
+    }
+    for (int k = 0; k < kNumBendOrders; ++k) {
+      const GroupEvidence& flex = evidence.flex[k];
+      if (flex.count == 0 || !IsNextToNothing(flex)) continue;
+      // No view is bent like this, for all that these observations tell.
+      state->modes.Remove(static_cast<BendOrder>(k), &state->flex);
+      is_simpler = true;
+    }
+    if (is_simpler) {
       residuals = ComputeResiduals(*state, views, options.num_threads);
       continue;
     }
+    const double negligible_m2 =
+        kNegligiblePx * kNegligiblePx * square_metres_per_pixel;
     if (!fixed.fix_points)
       change =
-          std::max(change, updates.back().Update(points, variance,
-                                                 kNegligiblePx * kNegligiblePx *
-                                                     square_metres_per_pixel,
-                                                 0, &prior->points_weight));
+          std::max(change, points_update.Update(points, variance, negligible_m2,
+                                                0, &prior->points_weight));
+    for (int k = 0; k < kNumBendOrders; ++k)
+      if (evidence.flex[k].count > 0)
+        change = std::max(
+            change, flex_updates[k].Update(
+                        evidence.flex[k], variance, negligible_m2,
+                        variance / std::pow(state->modes.MaxDeviationM(), 2),
+                        &prior->flex_weights[k]));
     if (change < kStableChange && decrease < kStableCost) break;
   }
   AdjustmentSummary summary =
       Adjust(views, *prior, fixed, lambda, &builder, state);
+  if (!fixed.fix_points) MoveMeanBends(views, prior, state);
   summary.noise_px = std::sqrt(variance);
   return summary;
 }

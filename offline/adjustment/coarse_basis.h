@@ -48,12 +48,12 @@ class SparseRow {
 
   /// *with_itself += row^T row, its lower triangle; *with_pose += row^T
   /// by_pose.
-  void AddProductsTo(const Eigen::Matrix<double, 2, 6>& by_pose,
+  void AddProductsTo(const Eigen::Matrix2Xd& by_pose,
                      Eigen::MatrixXd* with_itself, Eigen::MatrixXd* with_pose) {
     std::sort(used_.begin(), used_.end());
     for (size_t begin = 0; begin < used_.size();) {
       const int count = RunFrom(begin), first = used_[begin];
-      for (int k = 0; k < 6; ++k)
+      for (Eigen::Index k = 0; k < by_pose.cols(); ++k)
         AddRun(first, count, by_pose.col(k), &with_pose->coeffRef(first, k));
       // The sums go to the end of the run, beyond the triangle.
       for (size_t b = 0; b < begin + count; ++b)

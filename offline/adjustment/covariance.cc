@@ -144,11 +144,16 @@ class OtherRightSides {
   explicit OtherRightSides(const LinearSystem& system)
       : system_(system), prior_root_(system.prior.precision) {}
 
-  // The covariance of this over the samples is H^-1 J^T J H^-1...
+  // The covariance of this over the samples is H^-1 J^T J H^-1, with the flex
+  // of each view as another error...
   bool SolveNoise(Eigen::VectorXd* camera_parameters) {
     const Eigen::VectorXd none =
         Eigen::VectorXd::Zero(system_.prior.gradient.size());
-    return Solve([&] { return RandomSigns(2, &random_bits_); }, none,
+    Eigen::MatrixXd flex = NoFlex();
+    for (Eigen::Index pose = 0; flex.rows() > 0 && pose < flex.cols(); ++pose)
+      flex.col(pose) = system_.prior.flex_precision.cwiseSqrt().cwiseProduct(
+          RandomSigns(flex.rows(), &random_bits_));
+    return Solve([&] { return RandomSigns(2, &random_bits_); }, none, flex,
                  camera_parameters);
   }
   // ... and of this, with P = B B^T + R R^T, H^-1 P H^-1; in sum H^-1.
@@ -163,17 +168,22 @@ class OtherRightSides {
         WithoutFree(prior.free, prior.freed,
                     prior_root_.Times(root_signs, system_.layout.size)) +
         prior.root * other_signs;
-    return Solve(NoError, gradient, camera_parameters);
+    return Solve(NoError, gradient, NoFlex(), camera_parameters);
   }
   bool SolveSmoothing(Eigen::VectorXd* camera_parameters) {
-    return Solve(NoError, system_.prior.gradient, camera_parameters);
+    return Solve(NoError, system_.prior.gradient, NoFlex(), camera_parameters);
   }
 
  private:
   static Eigen::VectorXd NoError() { return Eigen::VectorXd::Zero(2); }
+  Eigen::MatrixXd NoFlex() const {
+    return Eigen::MatrixXd::Zero(system_.prior.flex_gradient.rows(),
+                                 system_.prior.flex_gradient.cols());
+  }
 
   template <typename MakeError>
   bool Solve(const MakeError& make_error, const Eigen::VectorXd& gradient,
+             const Eigen::MatrixXd& flex_gradient,
              Eigen::VectorXd* camera_parameters) const {
     constexpr double kTolerance = 1e-2;
     std::vector<ViewJacobian> jacobians = system_.jacobians;
@@ -182,6 +192,7 @@ class OtherRightSides {
         jacobian.error.col(i) = make_error();
     PriorEquations prior = system_.prior;
     prior.gradient = gradient;
+    prior.flex_gradient = flex_gradient;
     const LargeEquations equations(system_.layout, std::move(jacobians), prior,
                                    system_.state.points, kTolerance,
                                    system_.num_threads, memory_);

@@ -41,7 +41,8 @@ struct UncertaintyOptions {
 /// parameters are an estimate; c0 is the prior's mean.
 /// The camera's orientation, which no observation can see, is the one nearest
 /// to the true rays of the pixels that are among observations. Nothing if the
-/// equations are singular.
+/// equations are singular. The flex of a view counts as noise, being drawn anew
+/// with each view: H^-1 (J^T J + its prior) H^-1.
 ///
 /// Up to max_exact_unknowns by factoring H; beyond, where that takes too much
 /// time and memory, from samples: adjustments to random residuals and around a

@@ -27,7 +27,8 @@ void SubtractProduct(const Eigen::MatrixXd& factor, int num_threads,
 // A residual's derivatives by parameters that no other node shares: global ones
 // of the camera, its pose in the rig, the kept group. Columns ascend.
 struct OtherColumns {
-  static constexpr int kMax = LinearizedProjection::kMaxGlobal + 12;
+  static constexpr int kMax =
+      LinearizedProjection::kMaxGlobal + 6 + kMaxPerPose;
   int count = 0;
   std::array<int, kMax> index;
   Eigen::Matrix<double, 2, kMax> value;
@@ -41,10 +42,10 @@ struct OtherColumns {
   }
 };
 
-using ByBlock = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, 6>;
+using ByBlock = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMaxPerPose>;
 
 // A residual's products that its nodes are part of.
-struct NodeProducts {
+struct NodeContribution {
   const ViewJacobian& jacobian;
   int column, first;  // of the residual, and the camera's first parameter
   const OtherColumns& others;
@@ -95,14 +96,16 @@ DenseEquations::DenseEquations(const ParameterLayout& layout,
                                const PriorEquations& prior, int num_threads)
     : layout_(layout),
       num_threads_(num_threads),
-      eliminate_points_(3 * layout.num_points > 6 * layout.num_poses),
-      block_size_(eliminate_points_ ? 3 : 6) {
+      eliminate_points_(3 * layout.num_points >
+                        layout.per_pose * layout.num_poses),
+      block_size_(eliminate_points_ ? 3 : layout.per_pose) {
   const int num_blocks =
       eliminate_points_ ? layout.num_points : layout.num_poses;
-  const int size = eliminate_points_ ? layout.first_point + 6 * layout.num_poses
-                                     : layout.size;
+  const int size = eliminate_points_
+                       ? layout.first_point + layout.per_pose * layout.num_poses
+                       : layout.size;
   a_.setZero(size, size);
-  v_.assign(num_blocks, Block::Zero(block_size_, block_size_));
+  v_.assign(num_blocks, PoseMatrix::Zero(block_size_, block_size_));
   w_.setZero(size, block_size_ * num_blocks);
   gradient_ = {Eigen::MatrixXd::Zero(size, 1),
                Eigen::MatrixXd::Zero(block_size_ * num_blocks, 1)};
@@ -115,7 +118,7 @@ void DenseEquations::AddJacobian(const ViewJacobian& jacobian) {
   const int first = has_cameras ? layout_.first_camera[jacobian.camera] : 0;
   const int num_nodes = has_cameras ? jacobian.num_nodes : 0;
   for (int i = 0; i < jacobian.count(); ++i) {
-    const auto by_pose = ViewJacobian::Block<6>(jacobian.by_pose, i);
+    const ByBlock by_pose = jacobian.ByPose(i).transpose();
     const auto by_point = ViewJacobian::Block<3>(jacobian.by_point, i);
     const int point = jacobian.points[i];
     OtherColumns others;
@@ -127,7 +130,7 @@ void DenseEquations::AddJacobian(const ViewJacobian& jacobian) {
                    ViewJacobian::Block<6>(jacobian.by_camera_pose, i));
     }
     if (eliminate_points_)
-      others.Add(layout_.first_point + 6 * jacobian.pose, by_pose);
+      others.Add(FirstPose() + layout_.per_pose * jacobian.pose, by_pose);
     else if (layout_.num_points > 0)
       others.Add(layout_.Point(point), by_point);
 
@@ -151,7 +154,8 @@ void DenseEquations::AddJacobian(const ViewJacobian& jacobian) {
             others.value.col(a).dot(others.value.col(b));
     }
 
-    const NodeProducts products = {jacobian, i, first, others, by_block, error};
+    const NodeContribution products = {jacobian, i,        first,
+                                       others,   by_block, error};
     // The numbers of central and non-central grids, known to the compiler.
     if (num_nodes == 0)
       continue;
@@ -165,7 +169,7 @@ void DenseEquations::AddJacobian(const ViewJacobian& jacobian) {
 }
 
 void DenseEquations::AddPrior(const PriorEquations& prior) {
-  const int num_common = eliminate_points_ ? layout_.first_point : layout_.size;
+  const int num_common = NumCommon();
   gradient_.kept.topRows(num_common) += prior.gradient.head(num_common);
   for (int k = 0; k < prior.precision.outerSize(); ++k) {
     for (Eigen::SparseMatrix<double>::InnerIterator it(prior.precision, k); it;
@@ -181,6 +185,16 @@ void DenseEquations::AddPrior(const PriorEquations& prior) {
   }
   if (eliminate_points_)
     gradient_.eliminated += prior.gradient.tail(3 * layout_.num_points);
+  const Eigen::Index num_modes = prior.flex_precision.size();
+  for (int pose = 0; pose < layout_.num_poses && num_modes > 0; ++pose) {
+    const Eigen::Index flex = FirstPose() + layout_.per_pose * pose + 6;
+    if (eliminate_points_)
+      a_.diagonal().segment(flex, num_modes) += prior.flex_precision;
+    else
+      v_[pose].diagonal().tail(num_modes) += prior.flex_precision;
+    (eliminate_points_ ? gradient_.kept : gradient_.eliminated)
+        .middleRows(flex, num_modes) += prior.flex_gradient.col(pose);
+  }
   const auto add_product = [&](const Eigen::MatrixXd& root, double sign) {
     if (num_common > 0 && root.cols() > 0)
       a_.topLeftCorner(num_common, num_common)
@@ -196,7 +210,7 @@ bool DenseEquations::Reduce(double lambda, Reduced* reduced) const {
   Eigen::MatrixXd weighted(w_.rows(), w_.cols());
   reduced->blocks.resize(num_blocks);
   for (int i = 0; i < num_blocks; ++i) {
-    Block v = v_[i];
+    PoseMatrix v = v_[i];
     v.diagonal() *= 1 + lambda;
     v.diagonal().array() += kDampingFloor;
     reduced->blocks[i].compute(v);
@@ -253,8 +267,8 @@ bool DenseEquations::Solve(double lambda, AdjustmentStep* step) const {
     Eigen::VectorXd parameters(layout_.size);
     parameters << solution.kept.topRows(layout_.first_point),
         solution.eliminated;
-    *step = layout_.Step(parameters,
-                         solution.kept.bottomRows(6 * layout_.num_poses));
+    *step = layout_.Step(parameters, solution.kept.bottomRows(
+                                         layout_.per_pose * layout_.num_poses));
   } else {
     *step = layout_.Step(solution.kept, solution.eliminated);
   }
@@ -268,20 +282,29 @@ bool DenseEquations::SolveFor(double lambda, const Eigen::MatrixXd& right,
   Columns columns = {
       Eigen::MatrixXd::Zero(a_.rows(), right.cols()),
       Eigen::MatrixXd::Zero(gradient_.eliminated.rows(), right.cols())};
-  const int num_common = eliminate_points_ ? layout_.first_point : layout_.size;
+  const int num_common = NumCommon();
+  const Eigen::Index num_poses = right.rows() - layout_.size;  // 0 or all
   columns.kept.topRows(num_common) = right.topRows(num_common);
   if (eliminate_points_)
-    columns.eliminated = right.bottomRows(3 * layout_.num_points);
+    columns.eliminated =
+        right.middleRows(layout_.first_point, 3 * layout_.num_points);
+  (eliminate_points_ ? columns.kept : columns.eliminated)
+      .middleRows(FirstPose(), num_poses) = right.bottomRows(num_poses);
   columns = Solution(*reduced, std::move(columns));
   solution->resize(right.rows(), right.cols());
   solution->topRows(num_common) = columns.kept.topRows(num_common);
   if (eliminate_points_)
-    solution->bottomRows(3 * layout_.num_points) = columns.eliminated;
+    solution->middleRows(layout_.first_point, 3 * layout_.num_points) =
+        columns.eliminated;
+  solution->bottomRows(num_poses) =
+      (eliminate_points_ ? columns.kept : columns.eliminated)
+          .middleRows(FirstPose(), num_poses);
   return solution->allFinite();
 }
 
 int NumDenseUnknowns(const ParameterLayout& layout) {
-  return std::min(layout.first_point + 6 * layout.num_poses, layout.size);
+  return std::min(layout.first_point + layout.per_pose * layout.num_poses,
+                  layout.size);
 }
 
 bool DenseIsFaster(const ParameterLayout& layout) {

@@ -12,9 +12,10 @@ namespace raygrid {
 /// The equations in the blocks
 ///   [ A   W ] [ cameras, their poses in the rig, and kept group ]
 ///   [ W^T V ] [ eliminated group                                ]
-/// The groups are rig poses (6 numbers each) and points (3 each). A residual
-/// belongs to one pose and one point, so V is block-diagonal for either; the
-/// larger group is eliminated (Schur complement) and a dense system is left.
+/// The groups are rig poses (6 numbers each, and flex) and points (3 each). A
+/// residual belongs to one pose and one point, so V is block-diagonal for
+/// either; the larger group is eliminated (Schur complement) and a dense system
+/// is left.
 class DenseEquations : public NormalEquations {
  public:
   DenseEquations(const ParameterLayout& layout,
@@ -27,20 +28,24 @@ class DenseEquations : public NormalEquations {
   int NumCheapSides() const override { return 64; }
 
  private:
-  using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
-
   // Right sides or solutions, of the kept and of the eliminated parameters.
   struct Columns {
     Eigen::MatrixXd kept, eliminated;
   };
   // A - sum W V^-1 W^T, factored.
   struct Reduced {
-    std::vector<Eigen::LLT<Block>> blocks;
+    std::vector<Eigen::LLT<PoseMatrix>> blocks;
     Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> dense;
   };
   void AddJacobian(const ViewJacobian& jacobian);
   void AddPrior(const PriorEquations& prior);
   bool Reduce(double lambda, Reduced* reduced) const;
+  // The place of the first pose among the kept, or the eliminated.
+  int FirstPose() const { return eliminate_points_ ? layout_.first_point : 0; }
+  // Parameters before the kept poses, in the layout too.
+  int NumCommon() const {
+    return eliminate_points_ ? layout_.first_point : layout_.size;
+  }
   // The last one made, if it has this damping.
   const Reduced* ReducedFor(double lambda) const;
   Columns Solution(const Reduced& reduced, Columns right) const;
@@ -50,7 +55,7 @@ class DenseEquations : public NormalEquations {
   bool eliminate_points_;  // or else the poses
   int block_size_;
   Eigen::MatrixXd a_;  // lower triangle
-  std::vector<Block> v_;
+  std::vector<PoseMatrix> v_;
   Eigen::MatrixXd w_;  // the blocks' columns side by side
   Columns gradient_;
   mutable double last_lambda_ = -1;

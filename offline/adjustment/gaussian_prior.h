@@ -3,8 +3,10 @@
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <array>
 #include <vector>
 
+#include "adjustment/board_flex.h"
 #include "camera/central_generic.h"
 #include "camera/parametric_model.h"
 
@@ -66,11 +68,17 @@ struct CameraPrior {
 };
 
 /// Priors of all cameras, or of none; and of the pattern's points around their
-/// nominal places, which costs points_weight / 2 sum |p - p0|^2.
+/// nominal places, which costs points_weight / 2 sum |p - p0|^2; and of boards'
+/// flex around none, which costs flex_weights / 2 f^2 for each coefficient.
 struct GaussianPrior {
   std::vector<CameraPrior> cameras;
   std::vector<Eigen::Vector3d> points_mean;
   double points_weight = 0;
+  std::array<double, kNumBendOrders> flex_weights = {};  ///< by BendOrder
+
+  double FlexWeight(BendOrder order) const {
+    return flex_weights[static_cast<int>(order)];
+  }
 };
 
 /// Smoothness of a grid's difference from base: K sums the squared second

@@ -132,16 +132,20 @@ Eigen::VectorXd LargeEquations::SumOverPoses(const Body& body) const {
 void LargeEquations::AccumulatePoses() {
   gradient_ = prior_.gradient + SumOverPoses([&](int p, Eigen::VectorXd* sum) {
                 PoseBlock& pose = poses_[p];
+                pose.v.setZero(layout_.per_pose, layout_.per_pose);
+                pose.gradient.setZero(layout_.per_pose);
+                const Eigen::Index num_modes = prior_.flex_precision.size();
+                pose.v.diagonal().tail(num_modes) = prior_.flex_precision;
+                if (num_modes > 0)
+                  pose.gradient.tail(num_modes) = prior_.flex_gradient.col(p);
                 for (const int v : pose.views) {
                   const ViewJacobian& j = jacobians_[v];
+                  if (j.count() == 0) continue;
+                  pose.v.noalias() += j.by_pose * j.by_pose.transpose();
+                  pose.gradient.noalias() += j.by_pose * j.error.reshaped();
                   const ResidualProduct product(layout_, j);
-                  for (int i = 0; i < j.count(); ++i) {
-                    const auto by_pose = ViewJacobian::Block<6>(j.by_pose, i);
-                    pose.v.noalias() += by_pose.transpose() * by_pose;
-                    pose.gradient.noalias() +=
-                        by_pose.transpose() * j.error.col(i);
+                  for (int i = 0; i < j.count(); ++i)
                     product.AddTransposed(j.error.col(i), i, sum);
-                  }
                 }
               });
 }
@@ -217,7 +221,7 @@ bool LargeEquations::MakeSystem(double lambda, System* system) const {
                               prior_.freed.rowwise().squaredNorm());
   system->damping.array() += kDampingFloor;
   for (const PoseBlock& pose : poses_) {
-    Block6 v = pose.v;
+    PoseMatrix v = pose.v;
     v.diagonal() *= 1 + lambda;
     v.diagonal().array() += kDampingFloor;
     system->poses.emplace_back(v);
@@ -229,30 +233,24 @@ bool LargeEquations::MakeSystem(double lambda, System* system) const {
 Eigen::VectorXd LargeEquations::Apply(const System& system,
                                       const Eigen::VectorXd& x) const {
   Eigen::VectorXd y = SumOverPoses([&](int p, Eigen::VectorXd* sum) {
-    Eigen::Matrix2Xd u;
-    Pose6 by_pose = Pose6::Zero();
-    int count = 0;
-    for (const int v : poses_[p].views) count += jacobians_[v].count();
-    u.resize(2, count);
-    int column = 0;
-    for (const int v : poses_[p].views) {
+    const std::vector<int>& views = poses_[p].views;
+    std::vector<Eigen::Matrix2Xd> images;  // of x, by each view
+    PoseVector pose = PoseVector::Zero(layout_.per_pose);
+    for (const int v : views) {
       const ViewJacobian& j = jacobians_[v];
+      Eigen::Matrix2Xd& u = images.emplace_back(2, j.count());
       const ResidualProduct product(layout_, j);
-      for (int i = 0; i < j.count(); ++i, ++column) {
-        u.col(column) = product.Times(x, i);
-        by_pose.noalias() +=
-            ViewJacobian::Block<6>(j.by_pose, i).transpose() * u.col(column);
-      }
+      for (int i = 0; i < j.count(); ++i) u.col(i) = product.Times(x, i);
+      if (j.count() > 0) pose.noalias() += j.by_pose * u.reshaped();
     }
-    system.poses[p].solveInPlace(by_pose);
-    column = 0;
-    for (const int v : poses_[p].views) {
-      const ViewJacobian& j = jacobians_[v];
+    system.poses[p].solveInPlace(pose);
+    for (size_t k = 0; k < views.size(); ++k) {
+      const ViewJacobian& j = jacobians_[views[k]];
+      Eigen::Matrix2Xd& u = images[k];
+      if (j.count() > 0) u.reshaped().noalias() -= j.by_pose.transpose() * pose;
       const ResidualProduct product(layout_, j);
-      for (int i = 0; i < j.count(); ++i, ++column)
-        product.AddTransposed(
-            u.col(column) - ViewJacobian::Block<6>(j.by_pose, i) * by_pose, i,
-            sum);
+      for (int i = 0; i < j.count(); ++i)
+        product.AddTransposed(u.col(i), i, sum);
     }
   });
   y += prior_.Times(x) + system.damping.cwiseProduct(x);
@@ -268,7 +266,7 @@ Eigen::MatrixXd LargeEquations::CoarseMatrix(
     Eigen::MatrixXd& sum = sums[chunk];
     sum.setZero(size, size);
     SparseRow row(coarse_basis);
-    Eigen::MatrixXd with_pose(size, 6);
+    Eigen::MatrixXd with_pose(size, layout_.per_pose);
     for (int p = ChunkBegin(chunk); p < ChunkBegin(chunk + 1); ++p) {
       with_pose.setZero();
       for (const int v : poses_[p].views) {
@@ -289,8 +287,7 @@ Eigen::MatrixXd LargeEquations::CoarseMatrix(
           for (int c = 0; layout_.num_points > 0 && c < 3; ++c)
             row.Add(layout_.Point(j.points[i]) + c,
                     ViewJacobian::Block<3>(j.by_point, i).col(c));
-          row.AddProductsTo(ViewJacobian::Block<6>(j.by_pose, i), &sum,
-                            &with_pose);
+          row.AddProductsTo(j.ByPose(i).transpose(), &sum, &with_pose);
           row.Clear();
         }
       }
@@ -439,36 +436,57 @@ bool LargeEquations::SolveSystem(const System& system,
   return is_solved;
 }
 
+void LargeEquations::AddByPose(int pose, const PoseVector& y,
+                               Eigen::VectorXd* sum) const {
+  for (const int v : poses_[pose].views) {
+    const ViewJacobian& j = jacobians_[v];
+    const ResidualProduct product(layout_, j);
+    for (int i = 0; i < j.count(); ++i)
+      product.AddTransposed(j.ByPose(i).transpose() * y, i, sum);
+  }
+}
+
+PoseVector LargeEquations::OfPose(int pose, const Eigen::VectorXd& x) const {
+  PoseVector y = PoseVector::Zero(layout_.per_pose);
+  for (const int v : poses_[pose].views) {
+    const ViewJacobian& j = jacobians_[v];
+    const ResidualProduct product(layout_, j);
+    for (int i = 0; i < j.count(); ++i)
+      y.noalias() += j.ByPose(i) * product.Times(x, i);
+  }
+  return y;
+}
+
+Eigen::VectorXd LargeEquations::Eliminated(const System& system,
+                                           const Eigen::VectorXd& poses) const {
+  const int k = layout_.per_pose;
+  return SumOverPoses([&](int p, Eigen::VectorXd* sum) {
+    AddByPose(p, system.poses[p].solve(poses.segment(k * p, k)), sum);
+  });
+}
+
+Eigen::VectorXd LargeEquations::PosesBehind(const System& system,
+                                            const Eigen::VectorXd& x,
+                                            Eigen::VectorXd poses) const {
+  const int k = layout_.per_pose;
+  ParallelFor(layout_.num_poses, num_threads_, [&](int p) {
+    auto pose = poses.segment(k * p, k);
+    pose = system.poses[p].solve(pose - OfPose(p, x));
+  });
+  return poses;
+}
+
 bool LargeEquations::Solve(double lambda, AdjustmentStep* step) const {
   System system;
   if (!MakeSystem(lambda, &system)) return false;
-  // -g + W V^-1 g_poses
-  const Eigen::VectorXd right =
-      SumOverPoses([&](int p, Eigen::VectorXd* sum) {
-        const Pose6 pose = system.poses[p].solve(poses_[p].gradient);
-        for (const int v : poses_[p].views) {
-          const ResidualProduct product(layout_, jacobians_[v]);
-          for (int i = 0; i < jacobians_[v].count(); ++i)
-            product.AddTransposed(
-                ViewJacobian::Block<6>(jacobians_[v].by_pose, i) * pose, i,
-                sum);
-        }
-      }) -
-      gradient_;
+  Eigen::VectorXd gradient(layout_.per_pose * layout_.num_poses);
+  for (int p = 0; p < layout_.num_poses; ++p)
+    gradient.segment(layout_.per_pose * p, layout_.per_pose) =
+        poses_[p].gradient;
   Eigen::VectorXd x;
-  if (!SolveSystem(system, right, &x)) return false;
-  Eigen::VectorXd poses(6 * layout_.num_poses);
-  ParallelFor(layout_.num_poses, num_threads_, [&](int p) {
-    Pose6 pose = poses_[p].gradient;
-    for (const int v : poses_[p].views) {
-      const ResidualProduct product(layout_, jacobians_[v]);
-      for (int i = 0; i < jacobians_[v].count(); ++i)
-        pose.noalias() +=
-            ViewJacobian::Block<6>(jacobians_[v].by_pose, i).transpose() *
-            product.Times(x, i);
-    }
-    poses.segment<6>(6 * p) = -system.poses[p].solve(pose);
-  });
+  if (!SolveSystem(system, Eliminated(system, gradient) - gradient_, &x))
+    return false;
+  const Eigen::VectorXd poses = PosesBehind(system, x, -gradient);
   *step = layout_.Step(x, poses);
   return poses.allFinite();
 }
@@ -477,18 +495,27 @@ bool LargeEquations::SolveFor(double lambda, const Eigen::MatrixXd& right,
                               Eigen::MatrixXd* solution) const {
   System system;
   if (!MakeSystem(lambda, &system)) return false;
+  const Eigen::Index size = layout_.size;
+  const Eigen::Index num_poses = right.rows() - size;  // 0 or all
   // The solution changes little from one set of equations to the next.
   Eigen::MatrixXd& last = memory_->last_solution;
-  const bool has_last =
-      last.rows() == right.rows() && last.cols() == right.cols();
+  const bool has_last = last.rows() == size && last.cols() == right.cols();
+  if (!has_last) last.resize(size, right.cols());
   solution->resize(right.rows(), right.cols());
   for (Eigen::Index k = 0; k < right.cols(); ++k) {
-    Eigen::VectorXd x;
+    Eigen::VectorXd x, side = right.col(k).head(size);
+    const Eigen::VectorXd poses = right.col(k).tail(num_poses);
     if (has_last) x = last.col(k);
-    if (!SolveSystem(system, right.col(k), &x)) return false;
-    solution->col(k) = x;
+    if (num_poses > 0) side -= Eliminated(system, poses);
+    if (!SolveSystem(system, side, &x)) {
+      last.resize(0, 0);
+      return false;
+    }
+    last.col(k) = x;
+    solution->col(k).head(size) = x;
+    if (num_poses > 0)
+      solution->col(k).tail(num_poses) = PosesBehind(system, x, poses);
   }
-  last = *solution;
   return true;
 }
 

@@ -44,19 +44,16 @@ class LargeEquations : public NormalEquations {
   int NumCheapSides() const override { return 4; }
 
  private:
-  using Pose6 = Eigen::Matrix<double, 6, 1>;
-  using Block6 = Eigen::Matrix<double, 6, 6>;
-
   struct PoseBlock {
     std::vector<int> views;
-    Block6 v = Block6::Zero();
-    Pose6 gradient = Pose6::Zero();
+    PoseMatrix v;
+    PoseVector gradient;
   };
   // S with damping.
   struct System {
     double lambda = 0;
     Eigen::VectorXd damping;
-    std::vector<Eigen::LLT<Block6>> poses;
+    std::vector<Eigen::LLT<PoseMatrix>> poses;
   };
   // Blocks of the inverse, of a grid's nodes.
   struct Level {
@@ -95,6 +92,15 @@ class LargeEquations : public NormalEquations {
   // Solves by conjugate gradients from *x, or from zero if it is empty.
   bool ConjugateGradients(const System& system, const Eigen::VectorXd& right,
                           Eigen::VectorXd* x) const;
+  // W y of a pose's y, added to *sum; W^T x of a pose.
+  void AddByPose(int pose, const PoseVector& y, Eigen::VectorXd* sum) const;
+  PoseVector OfPose(int pose, const Eigen::VectorXd& x) const;
+  // W V^-1 y, over the layout.
+  Eigen::VectorXd Eliminated(const System& system,
+                             const Eigen::VectorXd& poses) const;
+  // V^-1 (poses - W^T x)
+  Eigen::VectorXd PosesBehind(const System& system, const Eigen::VectorXd& x,
+                              Eigen::VectorXd poses) const;
   // Solves with a preconditioner that serves.
   bool SolveSystem(const System& system, const Eigen::VectorXd& right,
                    Eigen::VectorXd* x) const;

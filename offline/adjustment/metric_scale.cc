@@ -43,15 +43,22 @@ void Apply(const Similarity& similarity, const AlignedBoard& board,
   const double s = similarity.scale;
   const Eigen::Quaterniond& r = similarity.rotation;
   const Eigen::Vector3d t = similarity.translation();
+  const Eigen::Matrix3d rotation = r.toRotationMatrix();
   for (size_t i = 0; i < board.nominal.size(); ++i) {
     Eigen::Vector3d& point = state->points[board.first + i];
     point = s * (r * point) + t;
+    // s R (p + M f) + t is s R p + t with the modes R M and the flex s f.
+    if (state->modes.count() > 0) {
+      auto& displacements = state->modes.by_point[board.first + i];
+      displacements = (rotation * displacements).eval();
+    }
   }
   // s (Q p + u) = Q R^-1 (s R p + t) + s u - Q R^-1 t
   for (const int index : board.poses) {
     Pose& pose = state->rig_from_pattern[index];
     pose.rotation = (pose.rotation * r.inverse()).normalized();
     pose.translation = s * pose.translation - pose.rotation * t;
+    if (state->modes.count() > 0) state->flex[index] *= s;
   }
 }
 

@@ -64,7 +64,8 @@ ParameterLayout::ParameterLayout(const AdjustmentState& state,
                                  const FixedParameters& fixed)
     : first_camera{0},
       num_points(fixed.points ? 0 : static_cast<int>(state.points.size())),
-      num_poses(static_cast<int>(state.rig_from_pattern.size())) {
+      num_poses(static_cast<int>(state.rig_from_pattern.size())),
+      per_pose(6 + state.modes.count()) {
   first_point = 0;
   if (!fixed.cameras && !state.cameras.empty()) {
     for (const auto& camera : state.cameras)
@@ -84,8 +85,11 @@ AdjustmentStep ParameterLayout::Step(const Eigen::VectorXd& parameters,
   for (int first = first_camera.back(); first < first_point; first += 6)
     step.camera_poses.push_back(parameters.segment<6>(first));
   step.points = parameters.tail(size - first_point);
-  for (int i = 0; i < num_poses; ++i)
-    step.poses.push_back(poses.segment<6>(6 * i));
+  for (int i = 0; i < num_poses; ++i) {
+    step.poses.push_back(poses.segment<6>(per_pose * i));
+    if (per_pose > 6)
+      step.flex.emplace_back(poses.segment(per_pose * i + 6, per_pose - 6));
+  }
   return step;
 }
 
@@ -121,6 +125,12 @@ PriorEquations::PriorEquations(const GaussianPrior& prior,
     }
   }
   precision.setFromTriplets(triplets.begin(), triplets.end());
+  flex_precision.resize(state.modes.count());
+  flex_gradient.resize(state.modes.count(), layout.num_poses);
+  for (int mode = 0; mode < state.modes.count(); ++mode)
+    flex_precision[mode] = prior.FlexWeight(state.modes.orders[mode]);
+  for (int i = 0; i < layout.num_poses && state.modes.count() > 0; ++i)
+    flex_gradient.col(i) = flex_precision.cwiseProduct(state.flex[i]);
 }
 
 std::unique_ptr<NormalEquations> EquationsBuilder::Build(

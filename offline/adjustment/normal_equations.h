@@ -17,6 +17,7 @@ struct AdjustmentStep {
   std::vector<Eigen::Matrix<double, 6, 1>> camera_poses;  ///< but the first's
   Eigen::VectorXd points;  ///< three numbers a point
   std::vector<Eigen::Matrix<double, 6, 1>> poses;
+  std::vector<FlexModes::Coefficients> flex;  ///< of each pose, if boards bend
 };
 
 /// The parameters without equations; cameras are fixed with their poses in the
@@ -25,8 +26,9 @@ struct FixedParameters {
   bool cameras = false, points = false;
 };
 
-/// The places of parameters in a vector of them all but the rig poses: cameras,
-/// their poses in the rig, points.
+/// The places of parameters in a vector of them all: cameras, their poses in
+/// the rig, points; then, beyond its size, the rig poses, each with the flex of
+/// the board that stands there.
 struct ParameterLayout {
   ParameterLayout(const AdjustmentState& state, const FixedParameters& fixed);
 
@@ -34,6 +36,7 @@ struct ParameterLayout {
   int first_point = 0, size = 0;
   int num_points = 0;  ///< 0 if they are fixed
   int num_poses = 0;   ///< of the rig
+  int per_pose = 6;    ///< parameters of a pose and of the board's flex
 
   bool has_cameras() const { return first_camera.size() > 1; }
   int NumCameraParameters(int camera) const {
@@ -44,6 +47,9 @@ struct ParameterLayout {
     return first_camera.back() + 6 * (camera - 1);
   }
   int Point(int point) const { return first_point + 3 * point; }
+
+  int Pose(int pose) const { return size + per_pose * pose; }
+  int num_all() const { return Pose(num_poses); }
 
   /// A step out of its parts.
   AdjustmentStep Step(const Eigen::VectorXd& parameters,
@@ -60,8 +66,10 @@ struct PriorEquations {
   Eigen::MatrixXd root, freed;
   Eigen::MatrixXd free;  ///< as in PriorGroup
   Eigen::VectorXd gradient;
+  FlexModes::Coefficients flex_precision;  ///< of each mode of each pose
+  Eigen::MatrixXd flex_gradient;           ///< a column a pose
 
-  /// P x, over the layout.
+  /// P x, over the layout without the poses.
   Eigen::MatrixXd Times(const Eigen::MatrixXd& x) const {
     return precision * x + root * (root.transpose() * x) -
            freed * (freed.transpose() * x);
@@ -72,6 +80,12 @@ struct PriorEquations {
 /// not make the system singular.
 constexpr double kDampingFloor = 1e-9;
 
+/// A pose's parameters and flex, and a block of H.
+constexpr int kMaxPerPose = 6 + FlexModes::kMaxCount;
+using PoseVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxPerPose, 1>;
+using PoseMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0,
+                                 kMaxPerPose, kMaxPerPose>;
+
 /// The Gauss-Newton equations H x = -g of bundle adjustment.
 class NormalEquations {
  public:
@@ -81,8 +95,9 @@ class NormalEquations {
   /// False if the system is not positive definite.
   virtual bool Solve(double lambda, AdjustmentStep* step) const = 0;
 
-  /// H x = right, damped likewise, for several right sides in the layout, whose
-  /// rig poses' part is zero; *solution leaves it out.
+  /// H x = right, damped likewise, for several right sides: over all
+  /// parameters, or over those before the poses, which stand for sides that are
+  /// zero behind them. *solution is over the same.
   virtual bool SolveFor(double lambda, const Eigen::MatrixXd& right,
                         Eigen::MatrixXd* solution) const = 0;
   /// How many right sides can be afforded for each Solve().

@@ -33,7 +33,7 @@ LinearizedResidual Linearize(const AdjustmentState& state, const View& view,
   const Pose& pose = state.rig_from_pattern[view.pose];
   const Pose& camera_pose = state.camera_from_rig[view.camera];
   const Eigen::Vector3d rotated =
-      pose.rotation * state.points[observation.point];
+      pose.rotation * state.PointAt(view.pose, observation.point);
   const Eigen::Vector3d rotated_to_camera =
       camera_pose.rotation * (rotated + pose.translation);
   if (!state.cameras[view.camera]->Linearize(
@@ -47,6 +47,8 @@ LinearizedResidual Linearize(const AdjustmentState& state, const View& view,
   result.by_camera_pose = by_point * UpdateDerivative(rotated_to_camera);
   result.by_pose = by_rig_point * UpdateDerivative(rotated);
   result.by_point = by_rig_point * pose.rotation.toRotationMatrix();
+  if (state.modes.count() > 0)
+    result.by_flex = result.by_point * state.modes.by_point[observation.point];
   return result;
 }
 
@@ -63,7 +65,7 @@ std::vector<Residual> ComputeResiduals(const AdjustmentState& state,
     for (size_t i = 0; i < views[v].observations.size(); ++i) {
       const Observation& observation = views[v].observations[i];
       const auto pixel =
-          camera.Project(pose * state.points[observation.point],
+          camera.Project(pose * state.PointAt(views[v].pose, observation.point),
                          &observation.pixel, kAdjustmentMarginPx);
       if (pixel) residuals[first[v] + i] = {true, *pixel - observation.pixel};
     }

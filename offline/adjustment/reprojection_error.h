@@ -28,6 +28,7 @@ struct LinearizedResidual {
   /// rig_from_pattern.
   Eigen::Matrix<double, 2, 6> by_camera_pose, by_pose;
   Eigen::Matrix<double, 2, 3> by_point;
+  Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, FlexModes::kMaxCount> by_flex;
   LinearizedProjection projection;  ///< derivatives by the camera's parameters
 };
 

@@ -27,7 +27,7 @@ void Resize(const LinearizedResidual& like, int count, ViewJacobian* jacobian) {
   jacobian->by_node.resize(2 * projection.num_per_node, count);
   jacobian->by_global.resize(2 * projection.num_global, count);
   jacobian->by_camera_pose.resize(12, like.camera > 0 ? count : 0);
-  jacobian->by_pose.resize(12, count);
+  jacobian->by_pose.resize(6 + like.by_flex.cols(), 2 * count);
   jacobian->by_point.resize(6, count);
   jacobian->error.resize(2, count);
 }
@@ -45,7 +45,9 @@ void SetColumn(const LinearizedResidual& r, double root, int column,
       root * Flat(projection.by_global, projection.num_global);
   if (r.camera > 0)
     jacobian->by_camera_pose.col(column) = root * Flat(r.by_camera_pose, 6);
-  jacobian->by_pose.col(column) = root * Flat(r.by_pose, 6);
+  auto by_pose = jacobian->by_pose.middleCols<2>(2 * column);
+  by_pose.topRows<6>() = root * r.by_pose.transpose();
+  by_pose.bottomRows(r.by_flex.cols()) = root * r.by_flex.transpose();
   jacobian->by_point.col(column) = root * Flat(r.by_point, 3);
   jacobian->error.col(column) = root * r.residual.error_px;
 }

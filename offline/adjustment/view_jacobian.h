@@ -19,9 +19,14 @@ struct ViewJacobian {
   std::vector<int> points;
   Eigen::MatrixXi node_parameter;
   Eigen::MatrixXd node_weight, by_node, by_global;
-  Eigen::Matrix<double, 12, Eigen::Dynamic> by_camera_pose, by_pose;
+  Eigen::Matrix<double, 12, Eigen::Dynamic> by_camera_pose;
+  /// By the board's pose and flex: a row a parameter, two columns an
+  /// observation.
+  Eigen::MatrixXd by_pose;
   Eigen::Matrix<double, 6, Eigen::Dynamic> by_point;
   Eigen::Matrix2Xd error;
+
+  auto ByPose(int column) const { return by_pose.middleCols<2>(2 * column); }
 
   int count() const { return static_cast<int>(points.size()); }
 

@@ -12,21 +12,23 @@ namespace {
 
 // Which parameters there are: cameras, their poses in the rig, points, poses.
 struct Layout {
-  int num_cameras = 0, num_points = 0, num_poses = 0;
+  int num_cameras = 0, num_points = 0, num_poses = 0, per_pose = 6;
 
-  Layout(const SmallProblem& problem, bool fix_cameras, bool fix_points)
+  Layout(const SmallProblem& problem, bool fix_cameras, bool fix_points,
+         int num_modes = 0)
       : num_cameras(
             fix_cameras ? 0 : static_cast<int>(problem.state.cameras.size())),
         num_points(fix_points ? 0
                               : static_cast<int>(problem.state.points.size())),
-        num_poses(static_cast<int>(problem.state.rig_from_pattern.size())) {}
+        num_poses(static_cast<int>(problem.state.rig_from_pattern.size())),
+        per_pose(6 + num_modes) {}
 
   int Camera(int c) const { return OpenCvModel::kCount * c; }
   int CameraPose(int c) const { return Camera(num_cameras) + 6 * (c - 1); }
   int Point(int i) const {
     return CameraPose(std::max(1, num_cameras)) + 3 * i;
   }
-  int Pose(int i) const { return Point(num_points) + 6 * i; }
+  int Pose(int i) const { return Point(num_points) + per_pose * i; }
   int Size() const { return Pose(num_poses); }
 };
 
@@ -47,6 +49,7 @@ Eigen::MatrixXd DenseJacobian(const LinearizedResidual& r,
   if (layout.num_points > 0)
     row.middleCols<3>(layout.Point(r.point)) = r.by_point;
   row.middleCols<6>(layout.Pose(r.pose)) = r.by_pose;
+  row.middleCols(layout.Pose(r.pose) + 6, r.by_flex.cols()) = r.by_flex;
   return row;
 }
 
@@ -68,6 +71,13 @@ void AddDensePrior(const GaussianPrior& prior, const AdjustmentState& state,
     dense->g.segment<3>(layout.Point(i)) +=
         prior.points_weight * (state.points[i] - prior.points_mean[i]);
   }
+  for (int i = 0; i < layout.num_poses; ++i)
+    for (int mode = 0; mode < state.modes.count(); ++mode) {
+      const int row = layout.Pose(i) + 6 + mode;
+      const double weight = prior.FlexWeight(state.modes.orders[mode]);
+      dense->h(row, row) += weight;
+      dense->g(row) += weight * state.flex[i][mode];
+    }
 }
 
 WholeSystem BuildDense(const std::vector<View>& views,
@@ -124,21 +134,40 @@ Eigen::VectorXd Stacked(const AdjustmentStep& step, const Layout& layout) {
   stacked.segment(layout.Point(0), 3 * layout.num_points) = step.points;
   for (int i = 0; i < layout.num_poses; ++i)
     stacked.segment<6>(layout.Pose(i)) = step.poses[i];
+  for (size_t i = 0; i < step.flex.size(); ++i)
+    stacked.segment(layout.Pose(static_cast<int>(i)) + 6, step.flex[i].size()) =
+        step.flex[i];
   return stacked;
+}
+
+// Each board bends at random, by all modes but those of one order.
+void Bend(AdjustmentState* state, GaussianPrior* prior) {
+  std::vector<Eigen::Vector3d> flat = state->points;
+  for (Eigen::Vector3d& point : flat) point.z() = 0;
+  state->SetModes(MakeFlexModes({{0, flat}}, static_cast<int>(flat.size())));
+  ASSERT_EQ(state->modes.count(), FlexModes::kMaxCount);
+  state->modes.Remove(BendOrder::kThird, &state->flex);
+  TestRandom random(9);
+  for (FlexModes::Coefficients& flex : state->flex)
+    for (int mode = 0; mode < state->modes.count(); ++mode)
+      flex[mode] = 1e-3 * random.Normal();
+  prior->flex_weights = {1e5, 2e5, 3e5};
 }
 
 // Every parameter's step compared in units of its own uncertainty.
 void ExpectDenseSolution(const SmallProblemSizes& sizes, bool fix_camera,
-                         bool fix_points, Method method = Method::kDense) {
+                         bool fix_points, Method method = Method::kDense,
+                         bool may_bend = false) {
   const SmallProblem problem = MakeSmallProblem(sizes);
-  const AdjustmentState state = Disturbed(problem.state, !fix_points);
+  AdjustmentState state = Disturbed(problem.state, !fix_points);
   GaussianPrior prior = PriorOf(problem);
+  if (may_bend) Bend(&state, &prior);
   TestRandom random(4);
   prior.cameras[0].orientation.resize(OpenCvModel::kCount, 3);
   for (int k = 0; k < prior.cameras[0].orientation.size(); ++k)
     prior.cameras[0].orientation.data()[k] = random.Normal();
   prior.cameras[0].orientation_weight = 2;
-  const Layout layout(problem, fix_camera, fix_points);
+  const Layout layout(problem, fix_camera, fix_points, state.modes.count());
   for (const double lambda : {1e-4, 1.0}) {
     WholeSystem dense = BuildDense(problem.views, state, prior, layout);
     dense.h.diagonal() *= 1 + lambda;
@@ -188,6 +217,15 @@ TEST(LargeEquations, SolveTheWholeSystem) {
   ExpectDenseSolution({12, 20, 0.4, 2}, false, false, Method::kLarge);
 }
 
+TEST(NormalEquations, BendsAreSolvedForWithTheirPoses) {
+  ExpectDenseSolution({4, 60, 0.4}, false, false, Method::kDense, true);
+  ExpectDenseSolution({12, 20, 0.4}, false, false, Method::kDense, true);
+  ExpectDenseSolution({6, 30, 0.4, 2}, false, true, Method::kDense, true);
+  ExpectDenseSolution({6, 30, 0.4}, true, true, Method::kDense, true);
+  ExpectDenseSolution({4, 60, 0.4}, false, false, Method::kLarge, true);
+  ExpectDenseSolution({12, 20, 0.4, 2}, false, false, Method::kLarge, true);
+}
+
 TEST(NormalEquations, SolutionDoesNotDependOnTheNumberOfThreads) {
   const SmallProblem problem = MakeSmallProblem({40, 60, 0.4});
   const GaussianPrior prior = PriorOf(problem);
@@ -228,14 +266,17 @@ TEST(NormalEquations, ResidualsThatAreNotValidDoNotCount) {
   }
 }
 
-void ExpectInverse(const SmallProblemSizes& sizes, Method method) {
-  const SmallProblem problem = MakeSmallProblem(sizes);
-  const GaussianPrior prior = PriorOf(problem);
-  const Layout layout(problem, false, false);
+// With bends the poses' part of the inverse, too.
+void ExpectInverse(const SmallProblemSizes& sizes, Method method,
+                   bool may_bend = false) {
+  SmallProblem problem = MakeSmallProblem(sizes);
+  GaussianPrior prior = PriorOf(problem);
+  if (may_bend) Bend(&problem.state, &prior);
+  const Layout layout(problem, false, false, problem.state.modes.count());
   WholeSystem dense = BuildDense(problem.views, problem.state, prior, layout);
   dense.h.diagonal() *= 1 + 1e-6;
   const Eigen::MatrixXd inverse = dense.h.inverse();
-  const int size = layout.Pose(0);
+  const int size = may_bend ? layout.Size() : layout.Pose(0);
   Eigen::MatrixXd solution;
   ASSERT_TRUE(
       BuildEquations(problem.views, problem.state, prior, {}, method)
@@ -252,6 +293,8 @@ TEST(NormalEquations, SolveForGivesColumnsOfTheInverse) {
   for (const Method method : {Method::kDense, Method::kLarge}) {
     ExpectInverse({4, 30, 0.3}, method);   // points eliminated
     ExpectInverse({12, 20, 0.3}, method);  // poses eliminated
+    ExpectInverse({4, 60, 0.3}, method, true);
+    ExpectInverse({12, 20, 0.3}, method, true);
   }
 }
 

@@ -13,6 +13,17 @@ SmallProblem SmallGridProblem() {
   return problem;
 }
 
+SmallProblem BentProblem() {
+  SmallProblem problem = MakeSmallProblem({3, 30, 0.3, 2});
+  for (Eigen::Vector3d& point : problem.state.points) point.z() = 0;
+  problem.state.SetModes(MakeFlexModes({{0, problem.state.points}}, 30));
+  TestRandom random(5);
+  for (FlexModes::Coefficients& flex : problem.state.flex)
+    for (Eigen::Index k = 0; k < flex.size(); ++k)
+      flex[k] = 1e-3 * random.Normal();
+  return problem;
+}
+
 // The residual of one observation as a function of a changed state.
 Eigen::VectorXd ResidualOf(const AdjustmentState& state, const View& view) {
   AdjustmentState copy = state;
@@ -32,6 +43,10 @@ Single Extract(const SmallProblem& problem, size_t view, size_t observation) {
   single.state.points = {problem.state.points[seen.point]};
   single.state.rig_from_pattern = {
       problem.state.rig_from_pattern[problem.views[view].pose]};
+  if (problem.state.modes.count() > 0) {
+    single.state.modes.by_point = {problem.state.modes.by_point[seen.point]};
+    single.state.flex = {problem.state.flex[problem.views[view].pose]};
+  }
   single.view.camera = problem.views[view].camera;
   single.view.observations = {{0, seen.pixel}};
   return single;
@@ -72,12 +87,22 @@ void ExpectDerivatives(const Single& single) {
                 linear.by_point,
                 CentralDifference(by_point, single.state.points[0], 1e-6)),
             1e-5);
+  if (single.state.modes.count() == 0) return;
+  const auto by_flex = [&](const Eigen::VectorXd& flex) {
+    AdjustmentState changed = single.state;
+    changed.flex[0] = flex;
+    return ResidualOf(changed, single.view);
+  };
+  EXPECT_LT(RelativeDifference(
+                linear.by_flex,
+                CentralDifference(by_flex, single.state.flex[0], 1e-6)),
+            1e-5);
 }
 
 TEST(ReprojectionError, DerivativesAreThoseOfTheResiduals) {
   for (const SmallProblem& problem :
        {MakeSmallProblem({4, 30, 0.3}), MakeSmallProblem({3, 30, 0.3, 2}),
-        SmallGridProblem()})
+        SmallGridProblem(), BentProblem()})
     for (size_t view = 0; view < problem.views.size(); ++view)
       for (size_t i = 0; i < 10; ++i)
         ExpectDerivatives(Extract(problem, view, i));

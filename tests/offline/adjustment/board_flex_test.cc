@@ -1,0 +1,171 @@
+#include "adjustment/board_flex.h"
+
+#include "adjustment/bundle_adjustment.h"
+#include "adjustment/metric_scale.h"
+#include "small_problem.h"
+#include "support.h"
+
+namespace raygrid {
+namespace {
+
+std::vector<Eigen::Vector3d> Lattice(int columns, int rows) {
+  std::vector<Eigen::Vector3d> points;
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column)
+      points.emplace_back(0.03 * column, 0.03 * row, 0);
+  return points;
+}
+
+Eigen::VectorXd HeightsOf(const FlexModes& modes, int mode, int first,
+                          int count) {
+  Eigen::VectorXd heights(count);
+  for (int i = 0; i < count; ++i)
+    heights[i] = modes.by_point[first + i](2, mode);
+  return heights;
+}
+
+TEST(FlexModes, AreOrthogonalAndNoMotionOfTheBoard) {
+  const std::vector<Eigen::Vector3d> points = Lattice(9, 6);
+  const FlexModes modes = MakeFlexModes({{0, points}}, 54);
+  ASSERT_EQ(modes.count(), 12);
+  Eigen::MatrixXd heights(54, 12), motions(54, 3);
+  for (int mode = 0; mode < 12; ++mode)
+    heights.col(mode) = HeightsOf(modes, mode, 0, 54);
+  for (int i = 0; i < 54; ++i)
+    motions.row(i) << 1, points[i].x(), points[i].y();
+  EXPECT_LT(
+      (heights.transpose() * heights / 54 - Eigen::MatrixXd::Identity(12, 12))
+          .norm(),
+      1e-12);
+  EXPECT_LT((motions.transpose() * heights).norm(), 1e-10);
+}
+
+TEST(FlexModes, BelongToTheirBoard) {
+  std::vector<Eigen::Vector3d> deep = Lattice(5, 5);
+  for (size_t i = 0; i < deep.size(); i += 2) deep[i].z() = 0.05;
+  const std::vector<Eigen::Vector3d> small = Lattice(4, 2);
+  const FlexModes modes = MakeFlexModes(
+      {{0, Lattice(6, 6)}, {36, deep}, {61, small}, {69, Lattice(2, 2)}}, 73);
+  // Bends of 4 x 2 points: up to third degree along the rows, and twists.
+  int small_modes = 0;
+  for (int mode = 0; mode < modes.count(); ++mode) {
+    EXPECT_EQ(HeightsOf(modes, mode, 36, 25).norm(), 0);
+    EXPECT_EQ(HeightsOf(modes, mode, 69, 4).norm(), 0);
+    small_modes += HeightsOf(modes, mode, 61, 8).norm() > 0;
+  }
+  EXPECT_EQ(small_modes, 8 - 3);
+  EXPECT_EQ(MakeFlexModes({{0, deep}}, 25).count(), 0);
+}
+
+TEST(FlexModes, LeaveOutAnOrderWithItsCoefficients) {
+  FlexModes modes = MakeFlexModes({{0, Lattice(9, 6)}}, 54);
+  const FlexModes all = modes;
+  std::vector<FlexModes::Coefficients> flex(
+      1, FlexModes::Coefficients::LinSpaced(12, 1, 12));
+  modes.Remove(BendOrder::kThird, &flex);
+  ASSERT_EQ(modes.count(), 8);
+  ASSERT_EQ(flex[0].size(), 8);
+  EXPECT_EQ(flex[0][2], 3);
+  EXPECT_EQ(flex[0][3], 8);
+  EXPECT_EQ(modes.by_point[7].col(3), all.by_point[7].col(7));
+}
+
+// A flat board seen by many, each view bent by so much.
+SmallProblem BentProblem(double bend_m) {
+  SmallProblem problem = MakeSmallProblem({20, 60, 0.05});
+  for (Eigen::Vector3d& point : problem.state.points) point.z() = 0;
+  AdjustmentState& state = problem.state;
+  state.SetModes(MakeFlexModes({{0, state.points}}, 60));
+  TestRandom random(3);
+  for (FlexModes::Coefficients& flex : state.flex)
+    for (int mode = 0; mode < 3; ++mode) flex[mode] = bend_m * random.Normal();
+  for (View& view : problem.views)
+    for (Observation& observation : view.observations)
+      observation.pixel =
+          state.camera()
+              .Project(state.CameraFromPattern(view) *
+                       state.PointAt(view.pose, observation.point))
+              .value() +
+          0.05 * random.NormalVector<2>();
+  return problem;
+}
+
+AdjustmentState WithoutBends(const AdjustmentState& state) {
+  AdjustmentState flat = state;
+  flat.SetModes(state.modes);
+  return flat;
+}
+
+TEST(AdjustWithLearnedPrior, FindsHowFarBoardsBend) {
+  const SmallProblem problem = BentProblem(0.001);
+  AdjustmentState state = WithoutBends(problem.state);
+  GaussianPrior prior = PriorOf(problem);
+  const AdjustmentSummary summary =
+      AdjustWithLearnedPrior(problem.views, {}, &prior, &state);
+  EXPECT_NEAR(summary.noise_px, 0.05, 0.004);
+  const double bend_m =
+      summary.noise_px / std::sqrt(prior.FlexWeight(BendOrder::kSecond));
+  EXPECT_NEAR(bend_m, 0.001, 0.0002);
+  double error = 0, square = 0;
+  for (size_t i = 0; i < state.flex.size(); ++i) {
+    // Orders that no view has are gone.
+    error += (state.flex[i].head<3>() - problem.state.flex[i].head<3>())
+                 .squaredNorm();
+    square += problem.state.flex[i].head<3>().squaredNorm();
+  }
+  EXPECT_LT(error, 0.1 * square);
+}
+
+TEST(AdjustWithLearnedPrior, FindsThatBoardsDoNotBend) {
+  const SmallProblem problem = BentProblem(0);
+  AdjustmentState state = WithoutBends(problem.state);
+  GaussianPrior prior = PriorOf(problem);
+  AdjustWithLearnedPrior(problem.views, {}, &prior, &state);
+  for (const FlexModes::Coefficients& flex : state.flex)
+    EXPECT_LT(flex.norm(), 1e-4);
+}
+
+// A shape that all views share is the board's.
+TEST(AdjustWithLearnedPrior, GivesTheMeanBendToTheBoard) {
+  SmallProblem problem = BentProblem(0.0005);
+  AdjustmentState bent = problem.state;
+  for (FlexModes::Coefficients& flex : bent.flex) flex[0] += 0.003;
+  for (View& view : problem.views)
+    for (Observation& observation : view.observations)
+      observation.pixel =
+          bent.camera()
+              .Project(bent.CameraFromPattern(view) *
+                       bent.PointAt(view.pose, observation.point))
+              .value();
+  AdjustmentState state = WithoutBends(problem.state);
+  GaussianPrior prior = PriorOf(problem);
+  AdjustWithLearnedPrior(problem.views, {}, &prior, &state);
+  double mean = 0;
+  for (const FlexModes::Coefficients& flex : state.flex)
+    mean += flex[0] / static_cast<double>(state.flex.size());
+  EXPECT_LT(std::abs(mean), 1e-5);
+  double shape = 0;
+  for (size_t i = 0; i < state.points.size(); ++i)
+    shape += state.points[i].z() * state.modes.by_point[i](2, 0) / 60;
+  EXPECT_NEAR(std::abs(shape), 0.003, 0.0005);
+}
+
+TEST(AlignToNominal, ChangesNoResidualOfBentBoards) {
+  const SmallProblem problem = BentProblem(0.001);
+  AdjustmentState state = problem.state;
+  const Eigen::Quaterniond turn(RotationFromVector({0.02, -0.03, 0.1}));
+  std::vector<Eigen::Vector3d> nominal;
+  for (const Eigen::Vector3d& point : state.points)
+    nominal.push_back(1.1 * (turn * point) + Eigen::Vector3d(0.1, 0.2, 0));
+  std::vector<int> poses(state.rig_from_pattern.size());
+  for (size_t i = 0; i < poses.size(); ++i) poses[i] = static_cast<int>(i);
+  AlignToNominal({{0, nominal, poses}}, &state);
+  const auto before = ComputeResiduals(problem.state, problem.views, 1);
+  const auto after = ComputeResiduals(state, problem.views, 1);
+  for (size_t i = 0; i < before.size(); ++i)
+    EXPECT_LT((before[i].error_px - after[i].error_px).norm(), 1e-7);
+  EXPECT_LT((state.points[5] - nominal[5]).norm(), 1e-9);
+}
+
+}  // namespace
+}  // namespace raygrid
