@@ -313,7 +313,11 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
                    "fisheye's corners dark; none: all; or X,Y,RADIUS in pixels")
       ->capture_default_str();
   command->add_flag("--flat-board", arguments->flat_board,
-                    "trust the pattern's points as they are given");
+                    "trust the pattern's points as they are given, in every "
+                    "image");
+  command->add_flag("--rigid-board", arguments->rigid_board,
+                    "boards do not bend from image to image; otherwise they "
+                    "may, where that predicts held-out images better");
   command->add_flag("--measure-once", arguments->measure_once,
                     "keep the features as detected; otherwise they are "
                     "measured again through a first camera");

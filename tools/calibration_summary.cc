@@ -33,6 +33,11 @@ void PrintErrors(const CalibrationResult& result) {
         "            {} more features are where this camera projects nothing\n",
         count);
   if (result.camera.held_out) PrintFigures("held out", *result.camera.held_out);
+  if (result.held_out_flexed)
+    PrintFigures("and flexed", *result.held_out_flexed);
+  if (result.bends)
+    fmt::print("  boards bend from image to image: {:.3f} mm (RMS)\n",
+               1e3 * result.bends->rms_m);
 }
 
 void PrintUncertainty(const CameraUncertainty& uncertainty,

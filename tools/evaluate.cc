@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "calibration/camera_evaluation.h"
+#include "calibration/flexed_evaluation.h"
 #include "calibration/rig_evaluation.h"
 #include "camera_input.h"
 #include "commands.h"
@@ -28,13 +29,21 @@ Dataset ReadSingleCamera(const std::string& path) {
   return datasets.begin()->second;
 }
 
-nlohmann::ordered_json ToJson(const Evaluation& evaluation) {
-  const ErrorFigures figures = ComputeErrorFigures(evaluation.residuals);
-  nlohmann::ordered_json json = {{"median_px", figures.median_px},
-                                 {"rms_px", figures.rms_px},
-                                 {"max_px", figures.max_px},
-                                 {"count", figures.count},
-                                 {"outside_area", evaluation.outside_area}};
+using Residuals = std::vector<FeatureResidual>;
+
+nlohmann::ordered_json JsonOf(const ErrorFigures& figures) {
+  return {{"median_px", figures.median_px},
+          {"rms_px", figures.rms_px},
+          {"max_px", figures.max_px},
+          {"count", figures.count}};
+}
+
+nlohmann::ordered_json ToJson(const Evaluation& evaluation,
+                              const Residuals& flexed) {
+  nlohmann::ordered_json json =
+      JsonOf(ComputeErrorFigures(evaluation.residuals));
+  json["outside_area"] = evaluation.outside_area;
+  if (!flexed.empty()) json["flexed"] = JsonOf(ComputeErrorFigures(flexed));
   json["rejected"] = nlohmann::ordered_json::array();
   for (const RejectedImage& image : evaluation.rejected_images)
     json["rejected"].push_back(
@@ -42,15 +51,23 @@ nlohmann::ordered_json ToJson(const Evaluation& evaluation) {
   return json;
 }
 
-void Print(const Evaluation& evaluation) {
-  const ErrorFigures figures = ComputeErrorFigures(evaluation.residuals);
+void Print(const ErrorFigures& figures) {
   fmt::print(
       "median {:.4f} px, RMS {:.4f} px, largest {:.3f} px over {} "
       "features",
       figures.median_px, figures.rms_px, figures.max_px, figures.count);
+}
+
+void Print(const Evaluation& evaluation, const Residuals& flexed) {
+  Print(ComputeErrorFigures(evaluation.residuals));
   if (evaluation.outside_area > 0)
     fmt::print("; {} outside the calibrated area", evaluation.outside_area);
   fmt::print("\n");
+  if (!flexed.empty()) {
+    fmt::print("if boards may bend from view to view: ");
+    Print(ComputeErrorFigures(flexed));
+    fmt::print(", predicted from the others\n");
+  }
   for (const RejectedImage& image : evaluation.rejected_images)
     fmt::print("not used: {} ({})\n", Printable(image.image),
                Printable(image.reason));
@@ -73,10 +90,13 @@ void RunCamera(const EvaluateArguments& arguments, const std::string& bytes,
   const Evaluation evaluation =
       EvaluateCamera(*input.file.camera, dataset, pattern, common.threads);
   RequireResiduals(evaluation.residuals.size());
+  const RigModel alone = {{input.file.camera.get()}, {Pose()}};
+  const Residuals flexed =
+      EvaluateFlexed(alone, {dataset}, pattern, common.threads).front();
   if (common.json)
-    fmt::print("{}\n", ToJson(evaluation).dump(2));
+    fmt::print("{}\n", ToJson(evaluation, flexed).dump(2));
   else
-    Print(evaluation);
+    Print(evaluation, flexed);
 }
 
 // ---- Rig -------------------------------------------------------------------
@@ -114,19 +134,23 @@ void RunRig(const EvaluateArguments& arguments, const std::string& text,
   }
   const std::vector<Evaluation> evaluations =
       EvaluateRig(rig, datasets, pattern, common.threads);
+  const std::vector<Residuals> flexed =
+      EvaluateFlexed(rig, datasets, pattern, common.threads);
   Evaluation all;
+  Residuals all_flexed;
   nlohmann::ordered_json json;
   for (size_t c = 0; c < files.size(); ++c) {
     const Evaluation& own = evaluations[c];
     all.residuals.insert(all.residuals.end(), own.residuals.begin(),
                          own.residuals.end());
     all.outside_area += own.outside_area;
+    all_flexed.insert(all_flexed.end(), flexed[c].begin(), flexed[c].end());
     json.push_back({{"name", files[c].name}});
-    json.back().update(ToJson(own));
+    json.back().update(ToJson(own, flexed[c]));
   }
   RequireResiduals(all.residuals.size());
   if (common.json) {
-    nlohmann::ordered_json whole = ToJson(all);
+    nlohmann::ordered_json whole = ToJson(all, all_flexed);
     whole.erase("rejected");
     whole["cameras"] = json;
     fmt::print("{}\n", whole.dump(2));
@@ -134,10 +158,10 @@ void RunRig(const EvaluateArguments& arguments, const std::string& text,
   }
   for (size_t c = 0; c < files.size(); ++c) {
     fmt::print("{}: ", files[c].name);
-    Print(evaluations[c]);
+    Print(evaluations[c], flexed[c]);
   }
   fmt::print("all: ");
-  Print(all);
+  Print(all, all_flexed);
 }
 
 void Run(const EvaluateArguments& arguments, const CommonOptions& common) {
@@ -155,7 +179,9 @@ void AddEvaluate(CLI::App* app, CommonOptions* common) {
       app, "evaluate",
       "Localises images with a camera as it is, and reports reprojection "
       "errors. With a rig, each board is localised once for all cameras that "
-      "see it at one instant.",
+      "see it at one instant. A second line has the errors if boards may bend "
+      "from view to view: half of a view's features tell how its board stands "
+      "and bends, the errors are those of the other half.",
       "raygrid evaluate camera.yaml --features held_out.csv --pattern "
       "result/pattern.yaml",
       common);

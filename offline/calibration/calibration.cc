@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "calibration/bend_choice.h"
 #include "calibration/camera_in_progress.h"
 #include "calibration/camera_result.h"
 #include "calibration/frame_adjustment.h"
@@ -81,6 +82,8 @@ class Calibration {
   void PlaceOtherImages();
   std::vector<Split> Splits() const;
   std::vector<double> CellsPx() const;
+  // A rig's boards bend where most cameras say so.
+  bool DoBoardsBend() const;
 
   // Takes a step with one camera after the other, and lets it report its
   // progress. A rig's progress and errors name the camera.
@@ -158,6 +161,13 @@ std::vector<double> Calibration::CellsPx() const {
   return cells_px;
 }
 
+bool Calibration::DoBoardsBend() const {
+  const auto count =
+      std::count_if(cameras_.begin(), cameras_.end(),
+                    [](const auto& camera) { return camera.boards_bend; });
+  return 2 * static_cast<size_t>(count) > cameras_.size();
+}
+
 // ---- Start -----------------------------------------------------------------
 
 void Calibration::StartFromImages(CameraInProgress* camera) const {
@@ -211,6 +221,7 @@ void Calibration::ChooseGrids() {
   ForEachCamera({"cross-validation", 0.1, 0.6},
                 [&](CameraInProgress* camera, const auto& report) {
                   ChooseGrid(pattern_, options_, report, camera);
+                  ChooseBends(pattern_, options_, camera);
                 });
 }
 
@@ -229,7 +240,8 @@ void Calibration::Adjust() {
   adjusted_ =
       PutTogether(names, lenses, AdjustmentOptionsOf(options_), &rejected);
   Report("bundle adjustment", 0.65);
-  const AdjustmentOptions adjustment = StoppableAdjustment(options_);
+  AdjustmentOptions adjustment = StoppableAdjustment(options_);
+  adjustment.rigid_boards = !DoBoardsBend();
   AdjustModel(pattern_, options_.model, CellsPx(), adjustment, &adjusted_);
   AdjustInCameraFrames(adjustment, &adjusted_);
   AlignBoards(pattern_, &adjusted_);
@@ -255,6 +267,7 @@ void Calibration::EvaluateHeldOutImages() {
   CameraInProgress& first = cameras_.front();
   std::vector<Trial> of_rig;
   ValidationOptions validation = ValidationOptionsOf(options_);
+  validation.rigid_boards = !DoBoardsBend();
   validation.progress = [this](double done) {
     Report("cross-validation", 0.7 + 0.15 * done);
   };
@@ -266,6 +279,9 @@ void Calibration::EvaluateHeldOutImages() {
   result_.cross_validated = options_.hold_out.empty();
   for (size_t c = 0; c < held_out.alone.size(); ++c) {
     cameras_[c].result.held_out = std::move(held_out.alone[c]);
+    if (!held_out.flexed[c].empty())
+      cameras_[c].result.held_out_flexed =
+          ComputeErrorFigures(held_out.flexed[c]);
     cameras_[c].result.cross_validated = result_.cross_validated;
   }
   // Cells that were given are listed as those to choose from are.

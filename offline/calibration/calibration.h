@@ -47,7 +47,9 @@ struct CalibrationOptions {
   double cell_px = 0;                     ///< 0: chosen by held-out error
   bool any_distance = false;              ///< boards may be more than 20 m away
   AreaChoice area = AreaChoice::kWholeImage;
-  bool flat_board = false;  ///< keep the pattern's points as they are given
+  /// The pattern's points are kept as they are given, in each image.
+  bool flat_board = false;
+  bool rigid_board = false;  ///< boards are bent alike in all images
   /// Images not to calibrate with; of a rig, instants.
   std::vector<std::string> hold_out;
   /// How far features move between images that count as one view; nothing:

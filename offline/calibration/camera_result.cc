@@ -4,6 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -50,6 +51,40 @@ Dataset UsedFeatures(const Pattern& pattern, const CalibrationProblem& problem,
           problem.FeatureOf(pattern, static_cast<int>(v), observation));
   }
   return used;
+}
+
+std::optional<BoardBends> BendsOf(const Pattern& pattern,
+                                  const Adjusted& adjusted, int camera) {
+  const AdjustmentState& state = adjusted.state;
+  const CalibrationProblem& problem = adjusted.problem;
+  if (state.modes.count() == 0) return std::nullopt;
+  BoardBends bends;
+  int most_bent = -1;  // view of the problem
+  double square = 0;
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    const View& view = problem.views[v];
+    if (view.camera != camera) continue;
+    // The modes are orthogonal, with a mean square of 1.
+    const double rms_m = state.flex[view.pose].norm();
+    square += rms_m * rms_m;
+    if (most_bent < 0 || rms_m > bends.views[bends.most_bent].rms_m) {
+      most_bent = static_cast<int>(v);
+      bends.most_bent = static_cast<int>(bends.views.size());
+    }
+    bends.views.push_back(
+        {problem.images[v], pattern.boards[problem.boards[v]].id, rms_m});
+  }
+  if (most_bent < 0) return std::nullopt;
+  bends.rms_m = std::sqrt(square / static_cast<double>(bends.views.size()));
+  const int board = problem.boards[most_bent];
+  const int first = problem.first_points[board];
+  const FlexModes::Coefficients& flex =
+      state.flex[problem.views[most_bent].pose];
+  for (int i = first; i < first + pattern.boards[board].num_points(); ++i) {
+    const Eigen::Vector3d moved = state.modes.by_point[i] * flex;
+    bends.heights_m.push_back(moved.z() < 0 ? -moved.norm() : moved.norm());
+  }
+  return bends;
 }
 
 // The direction across a flat board; nothing for points in space.
@@ -312,6 +347,7 @@ void FillResult(const Pattern& pattern, const Adjusted& adjusted, int camera,
   if (image_circle && result->camera.uncertainty)
     DistrustBeyond(*image_circle, &result->camera.uncertainty->mask);
   result->rejected_features = adjusted.rejected_features[camera];
+  result->bends = BendsOf(pattern, adjusted, camera);
   result->num_parameters = adjusted.state.cameras[camera]->NumParameters();
   result->converged = adjusted.summary.converged;
   result->bias_kl =

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "calibration/camera_evaluation.h"
+#include "calibration/flexed_evaluation.h"
 #include "calibration/rig_evaluation.h"
 #include "calibration/rig_start.h"
 #include "calibration/starting_lens.h"
@@ -19,9 +20,11 @@ constexpr size_t kFolds = 4;
 static_assert(kCrossValidatingPart == 1 - 1.0 / kFolds);
 
 const Trial* Find(const std::vector<Trial>& trials, int fold,
-                  const std::vector<double>& cells_px) {
+                  const std::vector<double>& cells_px, bool rigid_boards) {
   for (const Trial& trial : trials)
-    if (trial.fold == fold && trial.cells_px == cells_px) return &trial;
+    if (trial.fold == fold && trial.cells_px == cells_px &&
+        trial.rigid_boards == rigid_boards)
+      return &trial;
   return nullptr;
 }
 
@@ -53,11 +56,12 @@ std::vector<std::vector<Split>> MakeFolds(const std::vector<Split>& cameras) {
 
 std::vector<Trial> MissingTrials(
     int num_folds, const std::vector<std::vector<double>>& candidates,
-    const std::vector<Trial>& done) {
+    bool rigid_boards, const std::vector<Trial>& done) {
   std::vector<Trial> missing;
   for (int fold = 0; fold < num_folds; ++fold)
     for (const std::vector<double>& cells_px : candidates)
-      if (!Find(done, fold, cells_px)) missing.push_back({fold, cells_px, {}});
+      if (!Find(done, fold, cells_px, rigid_boards))
+        missing.push_back({fold, cells_px, rigid_boards, {}});
   return missing;
 }
 
@@ -101,6 +105,7 @@ HeldOut TestCameras(const Adjusted& adjusted, const Pattern& pattern,
         EvaluateCamera(*rig.cameras[c], test[c], adjusted_pattern, num_threads)
             .residuals);
   }
+  held_out.flexed = EvaluateFlexed(rig, test, adjusted_pattern, num_threads);
   if (cameras.size() < 2) return held_out;
   for (Evaluation& evaluation :
        EvaluateRig(rig, test, adjusted_pattern, num_threads))
@@ -141,7 +146,8 @@ void CrossValidate(const std::vector<Split>& cameras, const Pattern& pattern,
     return options.should_stop && options.should_stop();
   };
 
-  std::vector<Trial> missing = MissingTrials(num_folds, candidates, *done);
+  std::vector<Trial> missing =
+      MissingTrials(num_folds, candidates, options.rigid_boards, *done);
   std::vector<std::optional<Adjusted>> starts(num_folds);
   ParallelFor(num_folds, num_threads, [&](int fold) {
     const bool is_needed =
@@ -154,6 +160,7 @@ void CrossValidate(const std::vector<Split>& cameras, const Pattern& pattern,
   });
 
   serial.should_stop = options.should_stop;
+  serial.rigid_boards = options.rigid_boards;
   int num_done = 0;
   std::mutex mutex;
   ParallelFor(static_cast<int>(missing.size()), num_threads, [&](int i) {
@@ -187,11 +194,12 @@ HeldOut EvaluateHeldOut(const Adjusted& adjusted, const Pattern& pattern,
       }))
     return TestCameras(adjusted, pattern, cameras, options.num_threads);
   CrossValidate(cameras, pattern, options, {cells_px}, done);
-  return JoinFolds(*done, NumFoldsToTry(cameras), cells_px);
+  return JoinFolds(*done, NumFoldsToTry(cameras), cells_px,
+                   options.rigid_boards);
 }
 
 HeldOut JoinFolds(const std::vector<Trial>& done, int num_folds,
-                  const std::vector<double>& cells_px) {
+                  const std::vector<double>& cells_px, bool rigid_boards) {
   const auto append = [](const std::vector<std::vector<FeatureResidual>>& from,
                          std::vector<std::vector<FeatureResidual>>* to) {
     to->resize(std::max(to->size(), from.size()));
@@ -200,10 +208,11 @@ HeldOut JoinFolds(const std::vector<Trial>& done, int num_folds,
   };
   HeldOut joined;
   for (int fold = 0; fold < num_folds; ++fold) {
-    const Trial* trial = Find(done, fold, cells_px);
+    const Trial* trial = Find(done, fold, cells_px, rigid_boards);
     if (!trial) return {};
     append(trial->held_out.alone, &joined.alone);
     append(trial->held_out.together, &joined.together);
+    append(trial->held_out.flexed, &joined.flexed);
   }
   return joined;
 }

@@ -30,6 +30,7 @@ struct ValidationOptions {
   std::string model;
   AreaChoice area = AreaChoice::kWholeImage;
   bool flat_board = false;
+  bool rigid_boards = true;  ///< in calibrating
   int num_threads = 0;
   std::function<void(double)> progress;
   std::function<bool()> should_stop;
@@ -56,7 +57,7 @@ HeldOut EvaluateHeldOut(const Adjusted& adjusted, const Pattern& pattern,
 
 /// The residuals over all folds of one candidate; nothing if a fold is missing.
 HeldOut JoinFolds(const std::vector<Trial>& done, int num_folds,
-                  const std::vector<double>& cells_px);
+                  const std::vector<double>& cells_px, bool rigid_boards);
 
 }  // namespace raygrid
 

@@ -91,7 +91,7 @@ void ChooseGrid(const Pattern& pattern, const CalibrationOptions& options,
   CrossValidate(cameras, pattern, validation, each, &trials);
   std::vector<CellCandidate> candidates;
   for (const double cell_px : cells) {
-    const HeldOut held_out = JoinFolds(trials, num_folds, {cell_px});
+    const HeldOut held_out = JoinFolds(trials, num_folds, {cell_px}, true);
     if (held_out.alone.empty()) return;
     candidates.push_back(Summarize(cell_px, held_out.alone.front()));
   }

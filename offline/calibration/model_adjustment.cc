@@ -7,6 +7,7 @@
 
 #include "adjustment/metric_scale.h"
 #include "calibration/continued_lens.h"
+#include "calibration/flexed_evaluation.h"
 #include "calibration/polynomial_part.h"
 #include "calibration/unseen_nodes.h"
 #include "camera/model_fitting.h"
@@ -30,6 +31,7 @@ AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
                                    GaussianPrior* prior,
                                    AdjustmentState* state) {
   prior->points_mean = problem.nominal;
+  state->SetModes({});
   AdjustmentSummary summary = AdjustWithLearnedPrior(
       problem.views, WithFixedPoints(options), prior, state);
   if (!options.fix_points)
@@ -267,8 +269,9 @@ std::vector<double> OutlierThresholds(const std::vector<Residual>& residuals,
   return thresholds;
 }
 
-// Residuals beyond the thresholds leave the problem.
-std::vector<std::vector<FeatureResidual>> RemoveOutliers(
+// Residuals beyond the thresholds leave the problem; they are returned by
+// camera.
+std::vector<std::vector<FeatureResidual>> TakeOutliers(
     const Pattern& pattern, const std::vector<Residual>& residuals,
     CalibrationProblem* problem) {
   const std::vector<double> thresholds = OutlierThresholds(residuals, *problem);
@@ -302,6 +305,25 @@ std::vector<Area> CalibratedAreas(const CalibrationProblem& problem) {
   return areas;
 }
 
+enum class Removed { kNone, kSome, kPartOfArea };
+
+// Residuals beyond the thresholds leave the problem, for good. The area is that
+// of the grids, which its features may span.
+Removed RemoveOutliers(const Pattern& pattern, Adjusted* adjusted) {
+  const std::vector<Area> areas = CalibratedAreas(adjusted->problem);
+  const auto removed =
+      TakeOutliers(pattern, adjusted->summary.residuals, &adjusted->problem);
+  bool have_removed = false;
+  for (size_t c = 0; c < removed.size(); ++c) {
+    auto& rejected = adjusted->rejected_features[c];
+    rejected.insert(rejected.end(), removed[c].begin(), removed[c].end());
+    have_removed = have_removed || !removed[c].empty();
+  }
+  if (!have_removed) return Removed::kNone;
+  return CalibratedAreas(adjusted->problem) == areas ? Removed::kSome
+                                                     : Removed::kPartOfArea;
+}
+
 }  // namespace
 
 AdjustmentSummary AdjustCameras(const CalibrationProblem& problem,
@@ -316,27 +338,35 @@ void AdjustModel(const Pattern& pattern, const std::string& model,
                  const AdjustmentOptions& options, Adjusted* adjusted) {
   const Lenses lenses = CopyCameras(adjusted->state);
   const AdjustmentState start = adjusted->state;
-  const std::vector<Area> areas = CalibratedAreas(adjusted->problem);
   const auto adjust = [&] {
     adjusted->summary = Adjust(model, adjusted->problem, {lenses, cells_px},
                                options, &adjusted->prior, &adjusted->state);
   };
-  adjust();
-  const auto removed =
-      RemoveOutliers(pattern, adjusted->summary.residuals, &adjusted->problem);
-  bool have_removed = false;
-  for (size_t c = 0; c < removed.size(); ++c) {
-    auto& rejected = adjusted->rejected_features[c];
-    rejected.insert(rejected.end(), removed[c].begin(), removed[c].end());
-    have_removed = have_removed || !removed[c].empty();
-  }
-  if (have_removed && CalibratedAreas(adjusted->problem) == areas)
+  const auto adjust_again = [&] {
     adjusted->summary = AdjustWithLearnedPrior(
         adjusted->problem.views, options, &adjusted->prior, &adjusted->state);
-  else if (have_removed) {
-    // Starts without an axis may have been turned (SetLens()).
-    if (!AreParametric(lenses)) adjusted->state = start;
-    adjust();
+  };
+  // Boards are rigid until outliers are gone, or bends would follow them.
+  adjust();
+  switch (RemoveOutliers(pattern, adjusted)) {
+    case Removed::kNone:
+      break;
+    case Removed::kSome:
+      adjust_again();
+      break;
+    case Removed::kPartOfArea:
+      // Starts without an axis may have been turned (SetLens()).
+      if (!AreParametric(lenses)) adjusted->state = start;
+      adjust();
+      break;
+  }
+  // With few parameters, bends would take on what these cannot follow of the
+  // lens.
+  if (!options.rigid_boards && !IsParametricModel(model)) {
+    adjusted->state.SetModes(ModesOf(adjusted->problem));
+    adjusted->prior.flex_weights = {};
+    adjust_again();
+    if (RemoveOutliers(pattern, adjusted) == Removed::kSome) adjust_again();
   }
   FinishCameras(adjusted);
 }

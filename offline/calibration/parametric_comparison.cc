@@ -13,8 +13,9 @@ ModelFigures Measure(const CameraInProgress& camera, const Pattern& pattern,
                      const CalibrationOptions& options,
                      const std::string& model, double cell_px) {
   Adjusted adjusted = camera.lens;
-  AdjustModel(pattern, model, {cell_px}, StoppableAdjustment(options),
-              &adjusted);
+  AdjustmentOptions adjustment = StoppableAdjustment(options);
+  adjustment.rigid_boards = !camera.boards_bend;
+  AdjustModel(pattern, model, {cell_px}, adjustment, &adjusted);
   AlignBoards(pattern, &adjusted);
   CalibrationResult result;
   FillResult(pattern, adjusted, 0, camera.input->image_circle,
@@ -26,10 +27,13 @@ ModelFigures Measure(const CameraInProgress& camera, const Pattern& pattern,
   figures.bias_kl = result.bias_kl;
   ValidationOptions validation = ValidationOptionsOf(options);
   validation.model = model;
+  validation.rigid_boards = adjustment.rigid_boards;
   std::vector<Trial> trials;
   HeldOut held_out = EvaluateHeldOut(adjusted, pattern, {camera.split},
                                      validation, {cell_px}, &trials);
   if (held_out.alone.empty() || held_out.alone.front().empty()) return figures;
+  if (!held_out.flexed.front().empty())
+    figures.held_out_flexed = ComputeErrorFigures(held_out.flexed.front());
   figures.held_out_residuals = std::move(held_out.alone.front());
   figures.held_out = ComputeErrorFigures(figures.held_out_residuals);
   return figures;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "adjustment/bundle_adjustment.h"
 #include "calibration/calibration_problem.h"
@@ -67,8 +68,8 @@ std::optional<Pose> LocalizeTogether(
 // rig_from_pattern of each pose.
 std::vector<std::optional<Pose>> LocalizeRig(const RigModel& rig,
                                              const CalibrationProblem& problem,
-                                             const AdjustmentState& state,
                                              int num_threads) {
+  const AdjustmentState state = StateOf(rig, problem);
   const auto alone = LocalizeAlone(rig, problem, num_threads);
   std::vector<std::vector<View>> views(problem.num_poses);
   std::vector<std::vector<Pose>> candidates(problem.num_poses);
@@ -99,8 +100,7 @@ std::vector<Evaluation> EvaluateRig(const RigModel& rig,
   std::vector<RejectedImage> of_all_cameras;
   const CalibrationProblem problem =
       BuildProblem(datasets, pattern, &of_all_cameras);
-  const AdjustmentState state = StateOf(rig, problem);
-  const auto poses = LocalizeRig(rig, problem, state, num_threads);
+  const auto poses = LocalizeRig(rig, problem, num_threads);
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     const View& view = problem.views[v];
     Evaluation& evaluation = evaluations[view.camera];
@@ -121,8 +121,7 @@ std::vector<std::vector<BoardPose>> LocalizeBoards(
     const Pattern& pattern, int num_threads) {
   std::vector<RejectedImage> ignored;
   const CalibrationProblem problem = BuildProblem(datasets, pattern, &ignored);
-  const auto poses =
-      LocalizeRig(rig, problem, StateOf(rig, problem), num_threads);
+  const auto poses = LocalizeRig(rig, problem, num_threads);
   std::vector<std::vector<BoardPose>> by_camera(rig.cameras.size());
   for (size_t v = 0; v < problem.views.size(); ++v) {
     const View& view = problem.views[v];
@@ -132,6 +131,20 @@ std::vector<std::vector<BoardPose>> LocalizeBoards(
          rig.camera_from_rig[view.camera] * *poses[view.pose]});
   }
   return by_camera;
+}
+
+AdjustmentState LocalizedState(const RigModel& rig, CalibrationProblem* problem,
+                               int num_threads) {
+  AdjustmentState state = StateOf(rig, *problem);
+  const auto poses = LocalizeRig(rig, *problem, num_threads);
+  std::vector<bool> is_lost;
+  for (const View& view : problem->views) is_lost.push_back(!poses[view.pose]);
+  std::vector<Pose> found;
+  for (const auto& pose : poses)
+    if (pose) found.push_back(*pose);
+  RemoveViews(is_lost, problem);
+  state.rig_from_pattern = std::move(found);
+  return state;
 }
 
 }  // namespace raygrid

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "adjustment/adjustment_state.h"
 #include "calibration/camera_evaluation.h"
 #include "camera/pose.h"
 
@@ -26,6 +27,11 @@ std::vector<Evaluation> EvaluateRig(const RigModel& rig,
 std::vector<std::vector<BoardPose>> LocalizeBoards(
     const RigModel& rig, const std::vector<Dataset>& datasets,
     const Pattern& pattern, int num_threads);
+
+/// The rig with a pose for each board at each instant, as EvaluateRig()
+/// localises them. Views that cannot be localised leave the problem.
+AdjustmentState LocalizedState(const RigModel& rig, CalibrationProblem* problem,
+                               int num_threads);
 
 }  // namespace raygrid
 

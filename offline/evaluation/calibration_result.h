@@ -27,6 +27,20 @@ struct SameViews {
   std::vector<std::string> others;
 };
 
+/// How far boards were bent from their mean shape, view by view.
+struct BoardBends {
+  struct View {
+    std::string image;
+    int board = 0;
+    double rms_m = 0;  ///< of the points' heights over the mean shape
+  };
+  std::vector<View> views;
+  double rms_m = 0;  ///< of all views
+  /// Of the view that is bent most: its index, and the height of each point.
+  int most_bent = 0;
+  std::vector<double> heights_m;
+};
+
 /// A grid resolution that was tried, and its held-out error.
 struct CellCandidate {
   double cell_px = 0;
@@ -39,7 +53,7 @@ struct ModelFigures {
   std::string model;
   int num_parameters = 0;
   ErrorFigures training;
-  std::optional<ErrorFigures> held_out;
+  std::optional<ErrorFigures> held_out, held_out_flexed;
   std::optional<double> bias_kl;
   std::vector<FeatureResidual> held_out_residuals;  ///< not kept in files
 };
@@ -60,7 +74,12 @@ struct CalibrationResult {
   /// The residuals of the images in hold_out, or else of cross-validation: each
   /// image localised with a camera calibrated without it.
   std::vector<FeatureResidual> held_out;
+  /// The figures with boards that may bend from view to view: half of a
+  /// held-out image's features tell how its board stands and bends, the errors
+  /// are those of the other half.
+  std::optional<ErrorFigures> held_out_flexed;
   bool cross_validated = false;
+  std::optional<BoardBends> bends;  ///< none of rigid boards
   std::vector<RejectedImage> rejected_images;
   std::vector<FeatureResidual> rejected_features;
   std::optional<TwoCameras> two_cameras;

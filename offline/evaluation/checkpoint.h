@@ -14,6 +14,9 @@ struct HeldOut {
   std::vector<std::vector<FeatureResidual>> alone;  ///< by each camera alone
   /// Of a rig: each board localised once for all cameras that see it.
   std::vector<std::vector<FeatureResidual>> together;
+  /// With boards that may bend: of half of the features, predicted from the
+  /// others; of a rig by all cameras.
+  std::vector<std::vector<FeatureResidual>> flexed;
 };
 
 /// A part of a cross-validation: cells of the grid of each camera, tested with
@@ -21,6 +24,7 @@ struct HeldOut {
 struct Trial {
   int fold = 0;
   std::vector<double> cells_px;
+  bool rigid_boards = false;  ///< in calibrating; or else they may bend
   HeldOut held_out;  ///< empty where a rig falls apart without the fold
 };
 

@@ -191,8 +191,9 @@ void TakeCircle(const py::object& given, Wishes* wishes) {
 PyCalibration CalibrateGiven(
     const py::object& images, const py::object& pattern,
     const std::string& model, const std::optional<double>& cell_px,
-    const std::string& area, bool flat_board, bool measure_once,
-    bool compare_models, const std::vector<std::string>& hold_out,
+    const std::string& area, bool flat_board, bool rigid_board,
+    bool measure_once, bool compare_models,
+    const std::vector<std::string>& hold_out,
     const std::optional<double>& same_view_px, const py::object& image_circle,
     const std::string& name, const std::string& serial, bool any_distance,
     int threads, const py::object& progress) {
@@ -212,6 +213,7 @@ PyCalibration CalibrateGiven(
   options.area =
       area == "features" ? AreaChoice::kFeatures : AreaChoice::kWholeImage;
   options.flat_board = flat_board;
+  options.rigid_board = rigid_board;
   options.compare_models = compare_models;
   options.hold_out = hold_out;
   options.same_view_px = same_view_px;
@@ -240,8 +242,8 @@ void BindCalibration(py::module_* module) {
       "calibrate", &CalibrateGiven, py::arg("images"), py::arg("pattern"),
       py::kw_only(), py::arg("model") = "central-generic",
       py::arg("cell_px") = py::none(), py::arg("area") = "image",
-      py::arg("flat_board") = false, py::arg("measure_once") = false,
-      py::arg("compare_models") = false,
+      py::arg("flat_board") = false, py::arg("rigid_board") = false,
+      py::arg("measure_once") = false, py::arg("compare_models") = false,
       py::arg("hold_out") = std::vector<std::string>(),
       py::arg("same_view_px") = py::none(), py::arg("image_circle") = "auto",
       py::arg("name") = "", py::arg("serial") = "",

@@ -57,23 +57,36 @@ Dataset ParseFeatures(const Json& json) {
 
 // ---- Cross-validation ------------------------------------------------------
 
-Json TrialJson(const Trial& trial) {
-  Json residuals = Json::array();
-  for (const FeatureResidual& r : trial.held_out.alone.front())
-    residuals.push_back({r.image, r.board, r.column, r.row, r.pixel.x(),
-                         r.pixel.y(), r.error_px.x(), r.error_px.y()});
-  return {{"fold", trial.fold},
-          {"cell_px", trial.cells_px.front()},
-          {"held_out", residuals}};
+Json ResidualsJson(const std::vector<FeatureResidual>& residuals) {
+  Json json = Json::array();
+  for (const FeatureResidual& r : residuals)
+    json.push_back({r.image, r.board, r.column, r.row, r.pixel.x(), r.pixel.y(),
+                    r.error_px.x(), r.error_px.y()});
+  return json;
 }
 
-Trial ParseTrial(const Json& json) {
-  Trial trial = {json.at("fold"), {json.at("cell_px")}, {}};
-  std::vector<FeatureResidual>& residuals = trial.held_out.alone.emplace_back();
-  for (const Json& r : json.at("held_out"))
+std::vector<FeatureResidual> ParseResiduals(const Json& json) {
+  std::vector<FeatureResidual> residuals;
+  for (const Json& r : json)
     residuals.push_back({r.at(0), r.at(1), r.at(2), r.at(3),
                          ParsePixel(r.at(4), r.at(5)),
                          ParsePixel(r.at(6), r.at(7))});
+  return residuals;
+}
+
+Json TrialJson(const Trial& trial) {
+  return {{"fold", trial.fold},
+          {"cell_px", trial.cells_px.front()},
+          {"rigid_boards", trial.rigid_boards},
+          {"held_out", ResidualsJson(trial.held_out.alone.front())},
+          {"flexed", ResidualsJson(trial.held_out.flexed.front())}};
+}
+
+Trial ParseTrial(const Json& json) {
+  Trial trial = {
+      json.at("fold"), {json.at("cell_px")}, json.at("rigid_boards"), {}};
+  trial.held_out.alone = {ParseResiduals(json.at("held_out"))};
+  trial.held_out.flexed = {ParseResiduals(json.at("flexed"))};
   return trial;
 }
 

@@ -22,6 +22,8 @@ std::string ErrorSection(const CalibrationResult& result) {
                                   ? "held out (cross-validation)"
                                   : "held out (images not used)",
                               *result.camera.held_out));
+  if (result.held_out_flexed)
+    rows.push_back(FiguresRow("held out, flexed", *result.held_out_flexed));
   std::string html = "<h2>Reprojection error</h2>\n" + ErrorTable(rows);
   if (result.camera.held_out)
     html +=
@@ -291,7 +293,7 @@ std::string FormatHtmlReport(const CalibrationResult& result,
   html += GridSection(result);
   html += LinesSection(result);
   html += SpaceSection();
-  html += BoardSection(result.pattern);
+  html += BoardSection(result.pattern) + BendSection(result);
   html += CandidateSection(result);
   html += SameViewsSection(result);
   html += RejectedSection(result);

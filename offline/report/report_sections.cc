@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "evaluation/board_shape.h"
 #include "report/pictures.h"
@@ -17,12 +18,14 @@ std::string Optional(const std::optional<double>& value, const char* format) {
 HtmlRow ModelRow(const std::string& name, int num_parameters,
                  const ErrorFigures& training,
                  const std::optional<ErrorFigures>& held_out,
+                 const std::optional<ErrorFigures>& held_out_flexed,
                  const std::optional<double>& bias_kl) {
   return {name,
           std::to_string(num_parameters),
           Px(training.median_px),
           held_out ? Px(held_out->median_px) : "&ndash;",
           held_out ? Px(held_out->rms_px) : "&ndash;",
+          held_out_flexed ? Px(held_out_flexed->median_px) : "&ndash;",
           Optional(bias_kl, "{:.3f}")};
 }
 
@@ -79,20 +82,21 @@ void AddModelRows(const std::string& prefix, const CalibrationResult& result,
   rows->push_back(
       ModelRow(prefix + "<b>" + result.camera.camera->Name() + "</b>",
                result.num_parameters, *result.camera.training,
-               result.camera.held_out, result.bias_kl));
+               result.camera.held_out, result.held_out_flexed, result.bias_kl));
   for (const ModelFigures& other : result.parametric_models)
-    rows->push_back(ModelRow(prefix + EscapeHtml(other.model),
-                             other.num_parameters, other.training,
-                             other.held_out, other.bias_kl));
+    rows->push_back(ModelRow(
+        prefix + EscapeHtml(other.model), other.num_parameters, other.training,
+        other.held_out, other.held_out_flexed, other.bias_kl));
   if (result.noise_bias_kl)
-    rows->push_back({prefix + "pure noise", "", "", "", "",
+    rows->push_back({prefix + "pure noise", "", "", "", "", "",
                      fmt::format("{:.3f}", *result.noise_bias_kl)});
 }
 
 std::string ModelTable(const std::vector<HtmlRow>& rows) {
-  return HtmlTable({"", "parameters", "training median px",
-                    "held-out median px", "held-out RMS px", "bias KL"},
-                   rows);
+  return HtmlTable(
+      {"", "parameters", "training median px", "held-out median px",
+       "held-out RMS px", "flexed median px", "bias KL"},
+      rows);
 }
 
 std::string BoardSection(const Pattern& pattern) {
@@ -101,6 +105,56 @@ std::string BoardSection(const Pattern& pattern) {
   for (const Board& board : pattern.boards)
     html += BoardFigure(board, MeasureBoardShape(board));
   return html + "</div>\n";
+}
+
+// A bar an image, as high as its board is bent.
+std::string BendBars(const BoardBends& bends) {
+  const double most_m = bends.views[bends.most_bent].rms_m;
+  std::string html = "<div class=\"bars\">";
+  for (const BoardBends::View& view : bends.views)
+    html += fmt::format(
+        "<i style=\"height: {:.1f}%\" title=\"{}, board {}: {:.3f} "
+        "mm\"></i>\n",
+        100 * view.rms_m / std::max(most_m, 1e-12), EscapeHtml(view.image),
+        view.board, 1e3 * view.rms_m);
+  return html + "</div>\n";
+}
+
+std::string BendSection(const CalibrationResult& result) {
+  if (!result.bends) return "";
+  const BoardBends& bends = *result.bends;
+  const BoardBends::View& most = bends.views[bends.most_bent];
+  std::string html =
+      "<h2>How the board bends from image to image</h2>\n<figure><figcaption>"
+      "Heights over the mean shape, a bar an image" +
+      fmt::format(": {:.3f} mm (RMS of all), {:.3f} mm where it bends most",
+                  1e3 * bends.rms_m, 1e3 * most.rms_m) +
+      "</figcaption>\n" + BendBars(bends) + "</figure>\n";
+  const Board* board = result.pattern.FindBoard(most.board);
+  if (!board ||
+      bends.heights_m.size() != static_cast<size_t>(board->num_points()))
+    return html;
+  const int cell_px = std::clamp(480 / std::max(board->columns, 1), 4, 40);
+  std::vector<double> heights_um;
+  double limit_um = 1;
+  for (const double height_m : bends.heights_m) {
+    heights_um.push_back(1e6 * height_m);
+    limit_um = std::max(limit_um, std::abs(heights_um.back()));
+  }
+  return html + "<div class=\"pictures\">\n" +
+         HtmlPicture(
+             HeatMap(heights_um, board->columns, -limit_um, limit_um, cell_px),
+             fmt::format("Board {} in {}: height above its mean shape",
+                         board->id, EscapeHtml(most.image)),
+             {"column",
+              "row",
+              {"0", std::to_string(board->columns - 1)},
+              {"0", std::to_string(board->rows - 1)}},
+             HtmlColorBar({ColorScale::kEven, "height",
+                           fmt::format("{:.0f}", -limit_um),
+                           fmt::format("{:.0f} &micro;m", limit_um)}),
+             "bend") +
+         "</div>\n";
 }
 
 std::string WordsSection() {
@@ -114,7 +168,10 @@ std::string WordsSection() {
          "<li><b>correlation</b>: the part of the squared errors that "
          "neighbouring features share; 0 is pure noise.</li>\n"
          "<li><b>held out</b>: errors in images that the camera was not "
-         "calibrated with.</li>\n</ul>\n";
+         "calibrated with.</li>\n"
+         "<li><b>flexed</b>: held out, with boards that may bend from image to "
+         "image: half of an image's features tell how its board stands and "
+         "bends, the errors are those of the other half.</li>\n</ul>\n";
 }
 
 std::string SpaceSection() {

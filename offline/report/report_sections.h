@@ -35,6 +35,8 @@ std::string WordsSection();
 
 /// A picture of each board's heights.
 std::string BoardSection(const Pattern& pattern);
+/// Empty for rigid boards.
+std::string BendSection(const CalibrationResult& result);
 
 }  // namespace raygrid
 

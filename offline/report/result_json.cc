@@ -67,8 +67,40 @@ Json ModelJson(const ModelFigures& figures) {
                {"parameters", figures.num_parameters},
                {"training", FiguresJson(figures.training)}};
   if (figures.held_out) json["held_out"] = FiguresJson(*figures.held_out);
+  if (figures.held_out_flexed)
+    json["held_out_flexed"] = FiguresJson(*figures.held_out_flexed);
   if (figures.bias_kl) json["bias_kl"] = *figures.bias_kl;
   return json;
+}
+
+Json BendsJson(const BoardBends& bends) {
+  Json views = Json::array(), heights = Json::array();
+  for (const BoardBends::View& view : bends.views)
+    views.push_back({{"image", view.image},
+                     {"board", view.board},
+                     {"rms_mm", 1e3 * view.rms_m}});
+  for (const double height_m : bends.heights_m)
+    heights.push_back(1e3 * height_m);
+  return {{"rms_mm", 1e3 * bends.rms_m},
+          {"views", views},
+          {"most_bent", bends.most_bent},
+          {"most_bent_heights_mm", heights}};
+}
+
+BoardBends ParseBends(const Json& json) {
+  BoardBends bends;
+  bends.rms_m = 1e-3 * json.at("rms_mm").get<double>();
+  for (const Json& view : json.at("views"))
+    bends.views.push_back({view.at("image").get<std::string>(),
+                           view.at("board").get<int>(),
+                           1e-3 * view.at("rms_mm").get<double>()});
+  bends.most_bent = json.at("most_bent").get<int>();
+  if (bends.most_bent < 0 ||
+      bends.most_bent >= static_cast<int>(bends.views.size()))
+    throw InputError("board_bends: most_bent is no view");
+  for (const Json& height : json.at("most_bent_heights_mm"))
+    bends.heights_m.push_back(1e-3 * height.get<double>());
+  return bends;
 }
 
 // Adds what is known of one camera, alone or in a rig.
@@ -94,6 +126,9 @@ void AddCamera(const CalibrationResult& result, Json* json) {
     (*json)["held_out"] = FiguresJson(*result.camera.held_out);
     (*json)["held_out"]["by"] = HeldOutBy(result.cross_validated);
   }
+  if (result.held_out_flexed)
+    (*json)["held_out_flexed"] = FiguresJson(*result.held_out_flexed);
+  if (result.bends) (*json)["board_bends"] = BendsJson(*result.bends);
   for (const CellCandidate& candidate : result.cell_candidates)
     (*json)["cell_candidates"].push_back({{"cell_px", candidate.cell_px},
                                           {"held_out_loss", candidate.loss},
@@ -261,9 +296,13 @@ std::optional<double> NumberIfAny(const Json& json, const char* key) {
 }
 
 ModelFigures ParseModel(const Json& json) {
-  return {json.at("model").get<std::string>(), json.at("parameters").get<int>(),
-          ParseFigures(json.at("training")),   FiguresIfAny(json, "held_out"),
-          NumberIfAny(json, "bias_kl"),        {}};
+  return {json.at("model").get<std::string>(),
+          json.at("parameters").get<int>(),
+          ParseFigures(json.at("training")),
+          FiguresIfAny(json, "held_out"),
+          FiguresIfAny(json, "held_out_flexed"),
+          NumberIfAny(json, "bias_kl"),
+          {}};
 }
 
 void ParseMore(const Json& json, CalibrationResult* result) {
@@ -325,6 +364,9 @@ CalibrationResult ParseCamera(const Json& json) {
       NumberIfAny(json.at("features"), "measured_again_rms_px");
   result.camera.training = ParseFigures(json.at("training"));
   result.camera.held_out = FiguresIfAny(json, "held_out");
+  result.held_out_flexed = FiguresIfAny(json, "held_out_flexed");
+  if (json.contains("board_bends"))
+    result.bends = ParseBends(json.at("board_bends"));
   result.cross_validated =
       json.contains("held_out") &&
       json.at("held_out").at("by").get<std::string>() == HeldOutBy(true);

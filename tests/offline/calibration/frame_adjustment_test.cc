@@ -28,6 +28,7 @@ CalibrationOptions CoarseOptionsOf(const std::string& model) {
   CalibrationOptions options;
   options.model = model;
   options.cell_px = 80;
+  options.rigid_board = true;  // residuals are those of result.pattern then
   options.num_threads = 2;
   return options;
 }

@@ -11,8 +11,10 @@ Checkpoint ExampleCheckpoint() {
   Dataset& again = checkpoint.measured_again.emplace();
   again.image_size = {640, 480};
   again.images = {{"a.png", {{0, 3, 4, {1.0 / 3, 2}}}}, {"b.png", {}}};
-  checkpoint.trials = {
-      {2, {80.0 / 3}, {{{{"a.png", 0, 3, 4, {1, 2}, {0.1, -1}}}}, {}}}};
+  HeldOut held_out;
+  held_out.alone = {{{"a.png", 0, 3, 4, {1, 2}, {0.1, -1}}}};
+  held_out.flexed = {{{"a.png", 0, 5, 4, {3, 2}, {0.2, -2}}}};
+  checkpoint.trials = {{2, {80.0 / 3}, true, held_out}};
   return checkpoint;
 }
 
@@ -28,7 +30,9 @@ TEST(Checkpoint, IsReadBackExactly) {
   ASSERT_TRUE(first.measured_again);
   EXPECT_EQ(first.measured_again->images[0].features[0].pixel.x(), 1.0 / 3);
   EXPECT_EQ(first.trials[0].cells_px.front(), 80.0 / 3);
+  EXPECT_TRUE(first.trials[0].rigid_boards);
   EXPECT_EQ(first.trials[0].held_out.alone[0][0].error_px.y(), -1);
+  EXPECT_EQ(first.trials[0].held_out.flexed[0][0].error_px.y(), -2);
 }
 
 TEST(Checkpoint, OfOtherInputsOrMalformedIsRefused) {

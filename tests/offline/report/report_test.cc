@@ -46,8 +46,14 @@ CalibrationResult ExampleResult() {
                                20,
                                {0.2, 0.3, 1, 60},
                                ErrorFigures{0.3, 0.4, 1, 60},
+                               ErrorFigures{0.21, 0.31, 1, 30},
                                1.5,
                                {}}};
+  result.held_out_flexed = ErrorFigures{0.123, 0.234, 1, 30};
+  result.bends = BoardBends{{{"a.png", 0, 0.0001}, {"b.png", 0, 0.0002}},
+                            0.00016,
+                            1,
+                            std::vector<double>(300, 0.0002)};
   result.pattern = ChessboardPattern(60, 5, 0.01);
   result.poses = {{"b.png", 0, {Eigen::Quaterniond::Identity(), {0, 0, 1}}}};
   result.verdict = {"warn", {"only 2 images; take 10 or more"}};
@@ -153,7 +159,8 @@ TEST(HtmlReport, GivesOtherModelsAndTheBiasOfNoise) {
   const std::string html = ExampleReport();
   EXPECT_TRUE(Has(html,
                   "<td>central-radial</td><td>20</td><td>0.2000</td>"
-                  "<td>0.3000</td><td>0.4000</td><td>1.500</td>"));
+                  "<td>0.3000</td><td>0.4000</td><td>0.2100</td>"
+                  "<td>1.500</td>"));
   EXPECT_TRUE(Has(html,
                   "pure noise in the same places would have "
                   "<b>0.200</b>"));
@@ -163,6 +170,17 @@ TEST(HtmlReport, ExplainsItsWordsInALineEach) {
   const std::string html = ExampleReport();
   for (const char* word : {"trusted", "leave open", "bias", "correlation"})
     EXPECT_TRUE(Has(html, std::string("<li><b>") + word + "</b>: ")) << word;
+}
+
+TEST(HtmlReport, ShowsHowTheBoardBends) {
+  const std::string html = ExampleReport();
+  EXPECT_TRUE(Has(html, "b.png, board 0: 0.200 mm"));
+  EXPECT_TRUE(Has(html, "0.160 mm (RMS of all)"));
+  EXPECT_TRUE(Has(html, "held out, flexed"));
+  CalibrationResult rigid = ExampleResult();
+  rigid.bends.reset();
+  EXPECT_FALSE(Has(FormatHtmlReport(rigid, std::nullopt, std::nullopt, {}, ""),
+                   "How the board bends"));
 }
 
 TEST(HtmlReport, WorksWithoutHeldOutImagesAndExample) {
@@ -391,6 +409,10 @@ TEST(ResultJson, HoldsTheFigures) {
   EXPECT_EQ(json["images"]["same_views"][0]["others"][1], "c.png");
   EXPECT_EQ(json["training"]["count"], 60);
   EXPECT_EQ(json["held_out"]["by"], "images held out");
+  EXPECT_EQ(json["held_out_flexed"]["median_px"], 0.123);
+  EXPECT_EQ(json["parametric_models"][0]["held_out_flexed"]["count"], 30);
+  EXPECT_EQ(json["board_bends"]["rms_mm"], 0.16);
+  EXPECT_EQ(json["board_bends"]["views"][1]["image"], "b.png");
   EXPECT_EQ(json["cell_candidates"].size(), 2u);
   EXPECT_EQ(json["bias_kl"], 0.25);
   EXPECT_EQ(json["verdict"], "warn");

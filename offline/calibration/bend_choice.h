@@ -1,0 +1,17 @@
+#ifndef RAYGRID_CALIBRATION_BEND_CHOICE_H
+#define RAYGRID_CALIBRATION_BEND_CHOICE_H
+
+#include "calibration/camera_in_progress.h"
+
+namespace raygrid {
+
+/// Decides whether boards may bend from image to image while a camera is
+/// adjusted, by which of the two predicts held-out images better that may. They
+/// may not with a parametric model, nor with fewer images than cross-validation
+/// needs. Sets camera->boards_bend.
+void ChooseBends(const Pattern& pattern, const CalibrationOptions& options,
+                 CameraInProgress* camera);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CALIBRATION_BEND_CHOICE_H
