@@ -299,7 +299,7 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
   command
       ->add_option("--same-view-px", arguments->same_view_px,
                    "images whose features moved by less are one view, and one "
-                   "of them is used; auto: 0.5 % of the image's longer side, 1 "
+                   "of them is used; auto: 0.1 % of the image's longer side, 1 "
                    "px at least; 0: each image counts")
       ->capture_default_str();
   AddHoldOut(command,

@@ -1,6 +1,7 @@
 #include "calibration/cross_validation.h"
 
 #include <algorithm>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -9,6 +10,7 @@
 #include "calibration/flexed_evaluation.h"
 #include "calibration/rig_evaluation.h"
 #include "calibration/rig_start.h"
+#include "calibration/same_views.h"
 #include "calibration/starting_lens.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
@@ -40,14 +42,39 @@ std::vector<std::string> Instants(const std::vector<Split>& cameras) {
   return {sorted.begin(), sorted.end()};
 }
 
+// The instants, those that nearly show one view together: a camera predicts
+// such neighbours of its own images well, whatever it is worth. In the order of
+// each view's first instant.
+std::vector<std::vector<std::string>> Views(const std::vector<Split>& cameras) {
+  std::vector<Dataset> datasets;
+  double near_px = 0;
+  for (const Split& camera : cameras) {
+    datasets.push_back(camera.training);
+    near_px = std::max(near_px, NearViewPx(camera.training.image_size));
+  }
+  std::map<std::string, std::string> view_of;
+  for (const SameViews& group : FindSameViews(datasets, {}, near_px))
+    for (const std::string& other : group.others) view_of[other] = group.image;
+  std::vector<std::vector<std::string>> views;
+  std::map<std::string, size_t> index;
+  for (const std::string& instant : Instants(cameras)) {
+    const auto found = view_of.find(instant);
+    const std::string& view = found == view_of.end() ? instant : found->second;
+    const size_t i = index.emplace(view, views.size()).first->second;
+    if (i == views.size()) views.emplace_back();
+    views[i].push_back(instant);
+  }
+  return views;
+}
+
 // The training images of each camera, split anew for each fold.
 std::vector<std::vector<Split>> MakeFolds(const std::vector<Split>& cameras) {
-  const std::vector<std::string> instants = Instants(cameras);
+  const auto views = Views(cameras);
   std::vector<std::vector<Split>> folds(NumFoldsToTry(cameras));
   for (size_t fold = 0; fold < folds.size(); ++fold) {
     std::vector<std::string> test;
-    for (size_t i = fold; i < instants.size(); i += kFolds)
-      test.push_back(instants[i]);
+    for (size_t i = fold; i < views.size(); i += kFolds)
+      test.insert(test.end(), views[i].begin(), views[i].end());
     for (const Split& camera : cameras)
       folds[fold].push_back(SplitImages(camera.camera, camera.training, test));
   }
@@ -127,9 +154,9 @@ Split SplitImages(const std::string& camera, const Dataset& dataset,
 }
 
 int NumFoldsToTry(const std::vector<Split>& cameras) {
-  const size_t num_instants = Instants(cameras).size();
-  if (num_instants < 2 * kFolds) return 0;
-  return num_instants <= 40 ? kFolds : 1;
+  const size_t num_views = Views(cameras).size();
+  if (num_views < 2 * kFolds) return 0;
+  return num_views <= 40 ? kFolds : 1;
 }
 
 void CrossValidate(const std::vector<Split>& cameras, const Pattern& pattern,

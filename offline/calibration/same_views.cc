@@ -120,7 +120,12 @@ Dataset Selected(const Dataset& dataset, const std::vector<SameViews>& groups,
 }  // namespace
 
 double UsualSameViewPx(const ImageSize& size) {
-  constexpr double kPart = 0.005, kLeastPx = 1;
+  constexpr double kPart = 0.001, kLeastPx = 1;
+  return std::max(kLeastPx, kPart * std::max(size.width, size.height));
+}
+
+double NearViewPx(const ImageSize& size) {
+  constexpr double kPart = 0.005, kLeastPx = 2;
   return std::max(kLeastPx, kPart * std::max(size.width, size.height));
 }
 

@@ -11,8 +11,12 @@
 namespace raygrid {
 
 /// How far features may move between images of one view, if nothing else is
-/// asked for: 0.5 % of the longer side, but a pixel at least.
+/// asked for: 0.1 % of the longer side, but a pixel at least.
 double UsualSameViewPx(const ImageSize& size);
+
+/// How far features may move between images that are nearly one view: 0.5 % of
+/// the longer side, but two pixels at least.
+double NearViewPx(const ImageSize& size);
 
 /// The groups of images, or of a rig's instants, that show the same view: an
 /// image tells nothing new beside another one that shows half of its features

@@ -82,16 +82,16 @@ TEST(SameViews, MoveLessThanTheDistance) {
   EXPECT_EQ(Text(Find({Lattice("a", 0), Lattice("b", 0)}, 0)), "");
 }
 
-TEST(SameViews, UsuallyMoveLessThanHalfAPercentOfTheLongerSide) {
-  EXPECT_DOUBLE_EQ(UsualSameViewPx(kSameViewsSize), 3.2);
+TEST(SameViews, UsuallyMoveLessThanAThousandthOfTheLongerSide) {
+  EXPECT_DOUBLE_EQ(UsualSameViewPx({6000, 4000}), 6);
   EXPECT_DOUBLE_EQ(UsualSameViewPx({120, 160}), 1);
   const auto find = [](double x) {
     return Text(
         FindSameViews({{kSameViewsSize, {Lattice("a", 0), Lattice("b", x)}}},
                       {}, std::nullopt));
   };
-  EXPECT_EQ(find(3.1), "a: b");
-  EXPECT_EQ(find(3.3), "");
+  EXPECT_EQ(find(0.9), "a: b");
+  EXPECT_EQ(find(1.1), "");
 }
 
 // Frames of a slow video: the first and the last one are different views.
