@@ -7,8 +7,9 @@ namespace raygrid {
 
 void ChooseBends(const Pattern& pattern, const CalibrationOptions& options,
                  CameraInProgress* camera) {
-  // Errors of other kinds, too, are a little like bends.
-  constexpr double kBetterBy = 0.1;
+  // Squared errors must fall by so much where held-out boards may bend, and
+  // not rise where they may not: a camera nearer to the truth does both.
+  constexpr double kBetterBy = 0.02;
   camera->boards_bend = false;
   if (options.rigid_board || options.flat_board ||
       IsParametricModel(options.model))
@@ -19,15 +20,17 @@ void ChooseBends(const Pattern& pattern, const CalibrationOptions& options,
   std::vector<Trial>& trials = camera->checkpoint.trials;
   ValidationOptions validation = ValidationOptionsOf(options);
   validation.on_done = [camera] { camera->Keep(); };
-  double losses[2] = {};
+  double flexed[2] = {}, alone[2] = {};
   for (const bool rigid : {true, false}) {
     validation.rigid_boards = rigid;
     CrossValidate(cameras, pattern, validation, {{cell_px}}, &trials);
     const HeldOut held_out = JoinFolds(trials, num_folds, {cell_px}, rigid);
     if (held_out.flexed.empty()) return;
-    losses[rigid] = Summarize(cell_px, held_out.flexed.front()).loss;
+    flexed[rigid] = Summarize(cell_px, held_out.flexed.front()).loss;
+    alone[rigid] = Summarize(cell_px, held_out.alone.front()).loss;
   }
-  camera->boards_bend = losses[false] < (1 - kBetterBy) * losses[true];
+  camera->boards_bend = flexed[false] < (1 - kBetterBy) * flexed[true] &&
+                        alone[false] <= alone[true];
 }
 
 }  // namespace raygrid

@@ -6,9 +6,9 @@
 namespace raygrid {
 
 /// Decides whether boards may bend from image to image while a camera is
-/// adjusted, by which of the two predicts held-out images better that may. They
-/// may not with a parametric model, nor with fewer images than cross-validation
-/// needs. Sets camera->boards_bend.
+/// adjusted, by how that camera and one of rigid boards predict held-out
+/// images. They may not with a parametric model, nor with fewer images than
+/// cross-validation needs. Sets camera->boards_bend.
 void ChooseBends(const Pattern& pattern, const CalibrationOptions& options,
                  CameraInProgress* camera);
 

@@ -303,7 +303,9 @@ CalibrationFigures FiguresOf(const CalibrationResult& result,
       result.rejected_images.begin(), result.rejected_images.end(),
       [](const auto& image) { return image.has_too_few_features; }));
   figures.training = *result.camera.training;
-  figures.held_out = result.camera.held_out;
+  // Boards bend in these if they do in the training errors.
+  figures.held_out =
+      result.bends ? result.held_out_flexed : result.camera.held_out;
   figures.neighbor_correlation = SharedCorrelation(result, images_apart);
   figures.images_apart.assign(images_apart.begin(), images_apart.end());
   figures.two_cameras = result.two_cameras;

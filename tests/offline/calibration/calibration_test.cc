@@ -213,7 +213,7 @@ TEST(Calibrate, IsTheSameToTheBitWhenItWasInterrupted) {
     const CalibrationResult first = calibrate();
     ASSERT_TRUE(first.checkpoint && kept) << part;
     ASSERT_FALSE(first.checkpoint->trials.empty()) << part;
-    ASSERT_EQ(first.checkpoint->trials.size() < 8, part < 0.5) << part;
+    ASSERT_EQ(first.checkpoint->trials.size() < 4, part < 0.5) << part;
     last_poll = 1 << 30;
     input.resume = part < 0.5 ? kept : first.checkpoint;
     EXPECT_EQ(TextOf(calibrate()), whole) << part;
@@ -574,6 +574,8 @@ TEST(Calibrate, FollowsBoardsThatBendFromImageToImage) {
             static_cast<size_t>(TestBoard().boards[0].num_points()));
   EXPECT_LT(bent.camera.training->rms_px, 0.04);
   EXPECT_GT(rigid.camera.training->rms_px, 0.1);
+  // The verdict does not take bends for a camera that is little known.
+  EXPECT_FALSE(HasReason(bent, "take more images"));
   // Held-out images are localised with boards that are not bent, and bent.
   EXPECT_GT(bent.camera.held_out->rms_px, 0.1);
   EXPECT_LT(bent.held_out_flexed->rms_px, 0.6 * bent.camera.held_out->rms_px);
