@@ -114,6 +114,18 @@ Area CalibratedArea(const CalibrationProblem& problem, int camera) {
              : WholeImage(problem.image_sizes[camera]);
 }
 
+FlexModes ModesOf(const CalibrationProblem& problem) {
+  std::vector<BoardPoints> boards;
+  for (size_t b = 0; b < problem.first_points.size(); ++b) {
+    const auto first = problem.nominal.begin() + problem.first_points[b];
+    const auto end = b + 1 < problem.first_points.size()
+                         ? problem.nominal.begin() + problem.first_points[b + 1]
+                         : problem.nominal.end();
+    boards.push_back({problem.first_points[b], {first, end}});
+  }
+  return MakeFlexModes(boards, static_cast<int>(problem.nominal.size()));
+}
+
 std::vector<PointOnPixel> MatchesOf(
     const View& view, const std::vector<Eigen::Vector3d>& points) {
   std::vector<PointOnPixel> matches;

@@ -47,6 +47,9 @@ Area FeatureArea(const CalibrationProblem& problem, int camera);
 /// The area that a camera is calibrated over.
 Area CalibratedArea(const CalibrationProblem& problem, int camera);
 
+/// The modes in which the boards may bend from view to view.
+FlexModes ModesOf(const CalibrationProblem& problem);
+
 std::vector<PointOnPixel> MatchesOf(const View& view,
                                     const std::vector<Eigen::Vector3d>& points);
 

@@ -50,18 +50,6 @@ Places PlacesOf(const CalibrationProblem& problem) {
 
 }  // namespace
 
-FlexModes ModesOf(const CalibrationProblem& problem) {
-  std::vector<BoardPoints> boards;
-  for (size_t b = 0; b < problem.first_points.size(); ++b) {
-    const auto first = problem.nominal.begin() + problem.first_points[b];
-    const auto end = b + 1 < problem.first_points.size()
-                         ? problem.nominal.begin() + problem.first_points[b + 1]
-                         : problem.nominal.end();
-    boards.push_back({problem.first_points[b], {first, end}});
-  }
-  return MakeFlexModes(boards, static_cast<int>(problem.nominal.size()));
-}
-
 std::vector<std::vector<FeatureResidual>> EvaluateFlexed(
     const RigModel& rig, const std::vector<Dataset>& datasets,
     const Pattern& pattern, int num_threads) {
@@ -70,8 +58,8 @@ std::vector<std::vector<FeatureResidual>> EvaluateFlexed(
   CalibrationProblem told =
       BuildProblem(Halves(datasets, true), pattern, &rejected);
   AdjustmentState state = LocalizedState(rig, &told, num_threads);
-  if (told.views.empty()) return residuals;
   state.SetModes(ModesOf(told));
+  if (told.views.empty() || state.modes.count() == 0) return residuals;
   GaussianPrior prior;
   prior.points_mean = state.points;
   AdjustmentOptions options;

@@ -7,7 +7,6 @@
 
 #include "adjustment/metric_scale.h"
 #include "calibration/continued_lens.h"
-#include "calibration/flexed_evaluation.h"
 #include "calibration/polynomial_part.h"
 #include "calibration/unseen_nodes.h"
 #include "camera/model_fitting.h"

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "calibration/camera_evaluation.h"
-#include "calibration/flexed_evaluation.h"
 #include "calibration/model_adjustment.h"
 #include "calibration/starting_lens.h"
 #include "camera/thin_prism_fisheye.h"
@@ -546,60 +545,6 @@ TEST(Calibrate, FailsWhereNoFlatBoardOfPointsIsTilted) {
       Observe(poses), PointsOfTestBoard(0), HoldingOut({"view11.png"}));
   EXPECT_EQ(result.verdict.word, "fail");
   EXPECT_TRUE(HasReason(result, "all boards are parallel"));
-}
-
-SimulatedObservations SimulateFlex(double flex_m) {
-  SimulationOptions options;
-  options.num_images = 16;
-  options.features_per_image = 130;
-  options.noise_px = 0.02;
-  options.board_flex_m = flex_m;
-  return SimulateObservations(ExampleSimulatedCamera(), TestBoard(), options);
-}
-
-TEST(Calibrate, FollowsBoardsThatBendFromImageToImage) {
-  const Dataset dataset = SimulateFlex(0.0004).dataset;
-  CalibrationOptions options = Coarse();
-  options.cell_px = 80;
-  options.hold_out = {dataset.images[3].image, dataset.images[9].image};
-  const CalibrationResult bent = Calibrate(dataset, TestBoard(), options);
-  options.rigid_board = true;
-  const CalibrationResult rigid = Calibrate(dataset, TestBoard(), options);
-  ASSERT_TRUE(bent.bends.has_value());
-  EXPECT_FALSE(rigid.bends.has_value());
-  EXPECT_EQ(bent.bends->views.size(), 14u);
-  // More at the lattice than over the area, whose mean is 0.4 mm.
-  EXPECT_NEAR(bent.bends->rms_m, 0.0005, 0.00012);
-  EXPECT_EQ(bent.bends->heights_m.size(),
-            static_cast<size_t>(TestBoard().boards[0].num_points()));
-  EXPECT_LT(bent.camera.training->rms_px, 0.04);
-  EXPECT_GT(rigid.camera.training->rms_px, 0.1);
-  // The verdict does not take bends for a camera that is little known.
-  EXPECT_FALSE(HasReason(bent, "take more images"));
-  // Held-out images are localised with boards that are not bent, and bent.
-  EXPECT_GT(bent.camera.held_out->rms_px, 0.1);
-  EXPECT_LT(bent.held_out_flexed->rms_px, 0.6 * bent.camera.held_out->rms_px);
-  EXPECT_LT(bent.held_out_flexed->rms_px, rigid.held_out_flexed->rms_px);
-}
-
-TEST(Calibrate, KeepsBoardsRigidThatAreRigid) {
-  const CalibrationResult result =
-      Calibrate(SimulateFlex(0).dataset, TestBoard(), Coarse());
-  EXPECT_FALSE(result.bends.has_value());
-}
-
-// Half of the features tell how the boards are bent.
-TEST(EvaluateFlexed, FindsTheNoiseWhereBoardsBend) {
-  const SimulatedObservations seen = SimulateFlex(0.0004);
-  const SimulatedCamera camera = ExampleSimulatedCamera();
-  const RigModel rig = {{&camera}, {Pose()}};
-  const auto flexed =
-      EvaluateFlexed(rig, {seen.dataset}, TestBoard(), 2).front();
-  const Evaluation rigid = EvaluateCamera(camera, seen.dataset, TestBoard(), 2);
-  EXPECT_GT(ComputeErrorFigures(rigid.residuals).rms_px, 0.1);
-  EXPECT_LT(ComputeErrorFigures(flexed).rms_px, 0.02 * std::sqrt(2) * 1.2);
-  for (const FeatureResidual& residual : flexed)
-    EXPECT_EQ((residual.column + residual.row) % 2, 1);
 }
 
 TEST(EvaluateCamera, FindsTheNoiseOfATrueCamera) {
