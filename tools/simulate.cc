@@ -311,6 +311,10 @@ void Run(SimulateArguments arguments, const CommonOptions& common) {
     throw Error(ExitCode::kUsage,
                 "--board-flex-mm: not with --render, whose boards are "
                 "paraboloids; --board-bend-mm bends these");
+  if (arguments.render && arguments.simulation.shared_noise_px > 0)
+    throw Error(ExitCode::kUsage,
+                "--shared-noise-px: not with --render, whose noise is that of "
+                "pixels");
   if (arguments.render && arguments.cameras > 1)
     throw Error(ExitCode::kUsage, "--render: with one camera only");
   RequireInputsStay(arguments);
@@ -439,6 +443,17 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
       ->add_option("--noise-px", simulation.noise_px,
                    "standard deviation of each coordinate, without --render")
       ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  command
+      ->add_option("--shared-noise-px", simulation.shared_noise_px,
+                   "noise that neighbours on the board share, besides, without "
+                   "--render: standard deviation of each coordinate")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  command
+      ->add_option("--shared-noise-features", simulation.shared_noise_features,
+                   "how many features away it is alike, by exp(-1/2)")
+      ->check(CLI::Range(0.1, 1000.0))
       ->capture_default_str();
   command
       ->add_option("--board-bend-mm", arguments->board_bend_mm,

@@ -75,11 +75,33 @@ void Thin(size_t count, Random* random, std::vector<Feature>* features) {
                     random->Index(static_cast<int>(features->size())));
 }
 
+// Moves features by a field of waves, whose sum is Gaussian in the limit, with
+// the covariance exp(-d^2 / 2 length^2) over so many features' distance d.
+void AddSharedNoise(double noise_px, double length, Random* random,
+                    std::vector<Feature>* features) {
+  constexpr int kWaves = 64;
+  if (noise_px == 0) return;
+  for (int k = 0; k < 2; ++k)
+    for (int wave = 0; wave < kWaves; ++wave) {
+      const double x = random->Normal() / length;
+      const double y = random->Normal() / length;
+      const double phase = random->Uniform(0, 2 * M_PI);
+      for (Feature& feature : *features)
+        feature.pixel[k] +=
+            noise_px * std::sqrt(2.0 / kWaves) *
+            std::cos(x * feature.column + y * feature.row + phase);
+    }
+}
+
 }  // namespace
 
-void AddNoise(double noise_px, Random* random, std::vector<Feature>* features) {
+void AddNoise(const SimulationOptions& options, Random* random,
+              std::vector<Feature>* features) {
   for (Feature& feature : *features)
-    for (int k = 0; k < 2; ++k) feature.pixel[k] += noise_px * random->Normal();
+    for (int k = 0; k < 2; ++k)
+      feature.pixel[k] += options.noise_px * random->Normal();
+  AddSharedNoise(options.shared_noise_px, options.shared_noise_features, random,
+                 features);
 }
 
 std::vector<Feature> VisibleFeatures(const CameraModel& camera,
@@ -147,7 +169,7 @@ SimulatedObservations SimulateObservations(const CameraModel& camera,
     for (int shot = 0; shot < options.num_shots; ++shot) {
       const std::string name = fmt::format("sim{:04d}.png", images.size());
       images.push_back({name, features});
-      AddNoise(options.noise_px, &random, &images.back().features);
+      AddNoise(options, &random, &images.back().features);
       result.poses.push_back({name, board.id, pose});
     }
   }

@@ -21,6 +21,10 @@ struct SimulationOptions {
   double board_bend_m = 0;
   /// Besides, each view has a bend of its own: FlexedBoard().
   double board_flex_m = 0;
+  /// Noise that neighbours on the board share, of its own in each image: a
+  /// smooth random displacement, standard deviation of each coordinate, and how
+  /// many features away it is alike by exp(-1/2).
+  double shared_noise_px = 0, shared_noise_features = 8;
   uint64_t seed = 1;
 };
 
@@ -39,8 +43,9 @@ SimulatedObservations SimulateObservations(const CameraModel& camera,
                                            const Pattern& pattern,
                                            const SimulationOptions& options);
 
-/// Moves each coordinate at random.
-void AddNoise(double noise_px, Random* random, std::vector<Feature>* features);
+/// Moves the features of an image at random: each, and all smoothly.
+void AddNoise(const SimulationOptions& options, Random* random,
+              std::vector<Feature>* features);
 
 /// Features of a board, bent or not, that are seen within the image, exactly.
 std::vector<Feature> VisibleFeatures(const CameraModel& camera,

@@ -63,8 +63,7 @@ std::vector<std::vector<Feature>> ShotsOf(const CameraModel& camera,
   const std::vector<Feature> features =
       Observe(camera, board, camera_from_board, options, random);
   std::vector<std::vector<Feature>> shots(options.num_shots, features);
-  for (std::vector<Feature>& shot : shots)
-    AddNoise(options.noise_px, random, &shot);
+  for (std::vector<Feature>& shot : shots) AddNoise(options, random, &shot);
   return shots;
 }
 

@@ -61,7 +61,8 @@ std::string Text(const std::vector<SameViews>& groups) {
 // The dataset, each of whose images is followed by copies of its features with
 // more noise, as in frames of a board that stands still.
 Dataset WithNoisyCopies(const Dataset& dataset, int num_copies) {
-  constexpr double kNoisePx = 0.05;
+  SimulationOptions noise;
+  noise.noise_px = 0.05;
   Random random(3);
   Dataset result = {dataset.image_size, {}};
   for (const ImageFeatures& image : dataset.images) {
@@ -69,7 +70,7 @@ Dataset WithNoisyCopies(const Dataset& dataset, int num_copies) {
     for (int k = 0; k < num_copies; ++k) {
       result.images.push_back(image);
       result.images.back().image += "." + std::to_string(k);
-      AddNoise(kNoisePx, &random, &result.images.back().features);
+      AddNoise(noise, &random, &result.images.back().features);
     }
   }
   return result;

@@ -1,3 +1,5 @@
+#include <map>
+
 #include "simulation/board_flex.h"
 #include "simulation/simulated_camera.h"
 #include "simulation/simulated_observations.h"
@@ -88,6 +90,40 @@ TEST(SimulateObservations, NoiseHasTheStandardDeviationAskedFor) {
     EXPECT_NEAR(sum[k] / count, 0, 0.015);
     EXPECT_NEAR(std::sqrt(squares[k] / count), 0.2, 0.01);
   }
+}
+
+TEST(SimulateObservations, SharedNoiseIsAlikeBetweenNeighboursInAnImage) {
+  SimulationOptions options = FewImages();
+  options.noise_px = 0;
+  options.shared_noise_px = 0.2;
+  options.shared_noise_features = 8;
+  const SimulatedCamera camera = ExampleSimulatedCamera();
+  const SimulatedObservations simulated = Simulate(options);
+  const Board& board = simulated.true_pattern.boards[0];
+  double square = 0, near = 0;
+  int count = 0, num_near = 0;
+  for (size_t i = 0; i < simulated.dataset.images.size(); ++i) {
+    std::map<std::pair<int, int>, Eigen::Vector2d> errors;
+    for (const Feature& f : simulated.dataset.images[i].features)
+      errors[{f.column, f.row}] =
+          f.pixel -
+          camera
+              .Project(simulated.poses[i].camera_from_board *
+                       board.points[board.PointIndex(f.column, f.row)])
+              .value();
+    for (const auto& [place, error] : errors) {
+      square += error.squaredNorm();
+      ++count;
+      const auto next = errors.find({place.first + 1, place.second});
+      if (next == errors.end()) continue;
+      near += error.dot(next->second);
+      ++num_near;
+    }
+  }
+  // Few independent fields: an image is hardly wider than one.
+  const double variance = square / (2 * count);
+  EXPECT_NEAR(std::sqrt(variance), 0.2, 0.05);
+  EXPECT_NEAR(near / (2 * num_near) / variance, std::exp(-1.0 / 128), 0.05);
 }
 
 TEST(SimulateObservations, WithoutNoiseTheyAreExactAndInsideTheImage) {
