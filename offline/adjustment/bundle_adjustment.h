@@ -13,8 +13,8 @@ namespace raygrid {
 struct AdjustmentOptions {
   bool fix_cameras = false;
   bool fix_points = false;
-  /// Boards are bent alike in all views. Adjustments follow the state, which has
-  /// modes or none; AdjustModel() sets it up so.
+  /// Boards are bent alike in all views. Adjustments follow the state, which
+  /// has modes or none; AdjustModel() sets it up so.
   bool rigid_boards = true;
   double huber_px = 1;  ///< paper, "Bundle Adjustment"
   int max_iterations = 200;

@@ -6,11 +6,6 @@
 #include <limits>
 #include <random>
 
-#include "adjustment/dense_equations.h"
-#include "adjustment/large_equations.h"
-#include "adjustment/precision_root.h"
-#include "dataset/parallel_for.h"
-
 namespace raygrid {
 namespace {
 
@@ -81,164 +76,142 @@ void CountObservations(const std::vector<View>& views, int camera,
   }
 }
 
-// The linear system of adjustment around a state.
-struct LinearSystem {
-  ParameterLayout layout;
-  PriorEquations prior;
-  std::vector<ViewJacobian> jacobians;
-  const AdjustmentState& state;
-  int camera, num_threads;
-};
-
-// D less the rotation of least squares over pixels among observations.
+// D less the rotation of least squares over observations, each where its pixel
+// is. Pixels count alike otherwise, and the least known ones, at the edge,
+// would turn all others.
 Eigen::MatrixXd WithoutRotation(const LatticeDerivatives& derivatives,
                                 const std::vector<PixelUncertainty>& pixels) {
   const Eigen::MatrixX3d& rotation = derivatives.by_rotation;
   Eigen::MatrixX3d seen = rotation;
   for (size_t i = 0; i < pixels.size(); ++i)
-    if (pixels[i].num_observations < kMinObservations)
-      seen.middleRows<2>(2 * static_cast<Eigen::Index>(i)).setZero();
-  const Eigen::Matrix3d square = seen.transpose() * seen;
+    seen.middleRows<2>(2 * static_cast<Eigen::Index>(i)) *=
+        pixels[i].num_observations;
+  const Eigen::Matrix3d square = seen.transpose() * rotation;
   return derivatives.by_parameters -
          rotation *
              square.ldlt().solve(seen.transpose() * derivatives.by_parameters);
 }
 
+// Covariances of the lattice's pixels, x and y of each.
+struct JointCovariances {
+  Eigen::MatrixXd by_noise, by_prior;
+  Eigen::VectorXd smoothing_px;
+};
+
+// One pixel's block of a matrix over all pixels.
+Eigen::Matrix2d OfPixel(const Eigen::MatrixXd& joint, size_t pixel) {
+  return joint.block<2, 2>(2 * static_cast<Eigen::Index>(pixel),
+                           2 * static_cast<Eigen::Index>(pixel));
+}
+
+// The derivatives of the lattice's pixels by a camera's parameters.
+class Lattice {
+ public:
+  Lattice(const LinearResponse& response, int camera,
+          const Eigen::MatrixXd& derivatives)
+      : derivatives_(derivatives),
+        first_(response.layout().first_camera[camera]) {}
+
+  // How pixels move with columns of parameters.
+  Eigen::MatrixXd Moves(const Eigen::MatrixXd& parameters) const {
+    return derivatives_ * parameters.middleRows(first_, derivatives_.cols());
+  }
+  // D^T, over the parameters before the poses.
+  Eigen::MatrixXd Right(const ParameterLayout& layout) const {
+    Eigen::MatrixXd right =
+        Eigen::MatrixXd::Zero(layout.size, derivatives_.rows());
+    right.middleRows(first_, derivatives_.cols()) = derivatives_.transpose();
+    return right;
+  }
+
+ private:
+  const Eigen::MatrixXd& derivatives_;
+  int first_;
+};
+
 // With X = H^-1 D^T: D X in total, and D H^-1 J^T J H^-1 D^T = D X - X^T P X by
-// noise, for derivatives D by the camera's parameters; D H^-1 g = X^T g by the
-// prior's gradient g = P (c - c0).
-bool AddExactCovariances(const LinearSystem& system,
-                         const Eigen::MatrixXd& derivatives,
-                         std::vector<PixelUncertainty>* pixels,
-                         Eigen::MatrixXd* joint_px2) {
-  const int first = system.layout.first_camera[system.camera];
-  Eigen::MatrixXd right =
-      Eigen::MatrixXd::Zero(system.layout.size, derivatives.rows());
-  right.middleRows(first, derivatives.cols()) = derivatives.transpose();
+// noise; D H^-1 g = X^T g by the prior's gradient g = P (c - c0).
+bool AddExactCovariances(const LinearResponse& response, const Lattice& lattice,
+                         const ObservationNoise& noise,
+                         JointCovariances* covariances) {
+  const PriorEquations& prior = response.prior();
   Eigen::MatrixXd x;
-  if (!DenseEquations(system.layout, system.jacobians, system.prior,
-                      system.num_threads)
-           .SolveFor(0, right, &x))
-    return false;
-  if (joint_px2)
-    *joint_px2 = derivatives * x.middleRows(first, derivatives.cols());
-  const Eigen::MatrixXd prior_x = system.prior.Times(x);
-  for (size_t i = 0; i < pixels->size(); ++i) {
-    const Eigen::Index k = 2 * static_cast<Eigen::Index>(i);
-    const Eigen::Matrix2d total =
-        derivatives.middleRows<2>(k) * x.block(first, k, derivatives.cols(), 2);
-    const Eigen::Matrix2d prior =
-        x.middleCols<2>(k).transpose() * prior_x.middleCols<2>(k);
-    (*pixels)[i].total_px2 = (total + total.transpose()) / 2;
-    (*pixels)[i].noise_px2 = (*pixels)[i].total_px2 - prior;
-    (*pixels)[i].smoothing_px =
-        x.middleCols<2>(k).transpose() * system.prior.gradient;
+  if (!response.Solve(lattice.Right(response.layout()), &x)) return false;
+  const Eigen::MatrixXd by_prior = x.transpose() * prior.Times(x);
+  covariances->by_prior = std::pow(noise.total_px, 2) * by_prior;
+  covariances->by_noise =
+      std::pow(noise.own_px, 2) * (lattice.Moves(x) - by_prior);
+  covariances->smoothing_px = x.transpose() * prior.gradient;
+  return true;
+}
+
+// By samples, with H^-1 J^T e and the flex of each view as another error for
+// the noise e, and H^-1 g with gradients g of the covariance P for the prior.
+bool AddSampledCovariances(const LinearResponse& response,
+                           const Lattice& lattice, int num_samples,
+                           const ObservationNoise& noise,
+                           JointCovariances* covariances) {
+  std::mt19937 random_bits(1);  // the standard fixes its sequence
+  const Eigen::Index size = response.layout().num_all();
+  for (int k = 0; k < num_samples; ++k) {
+    Eigen::MatrixXd right(size, 2), x;
+    right.col(0) =
+        response.Gradient(OwnNoise(response, &random_bits)) * noise.own_px +
+        response.DrawFlex(&random_bits) * noise.own_px;
+    right.col(1) = response.DrawPrior(&random_bits) * noise.total_px;
+    if (!response.Solve(right, &x)) return false;
+    const Eigen::MatrixXd moved = lattice.Moves(x);
+    covariances->by_noise +=
+        moved.col(0) * moved.col(0).transpose() / num_samples;
+    covariances->by_prior +=
+        moved.col(1) * moved.col(1).transpose() / num_samples;
+  }
+  Eigen::MatrixXd x;
+  if (!response.Solve(response.PriorGradient(), &x)) return false;
+  covariances->smoothing_px = lattice.Moves(x);
+  return true;
+}
+
+// Adds what noise that neighbours share does, by samples.
+bool AddSharedNoise(const LinearResponse& response, const Lattice& lattice,
+                    int num_samples, const std::vector<Eigen::Vector3d>& points,
+                    const ObservationNoise& noise,
+                    JointCovariances* covariances) {
+  std::mt19937 random_bits(2);
+  for (const ObservationNoise::Shared& part : noise.shared) {
+    const std::vector<SmoothField> fields =
+        SmoothFields(response, points, part.length);
+    Eigen::MatrixXd right(response.layout().num_all(), num_samples), x;
+    for (int k = 0; k < num_samples; ++k)
+      right.col(k) = response.Gradient(SharedNoise(fields, &random_bits));
+    if (!response.Solve(right, &x)) return false;
+    const Eigen::MatrixXd moved = lattice.Moves(x);
+    covariances->by_noise += std::pow(part.deviation_px, 2) / num_samples *
+                             (moved * moved.transpose());
   }
   return true;
 }
 
-// H^-1 (J^T e + g), its part of the camera, for other residuals e and another
-// gradient g of the prior.
-class OtherRightSides {
- public:
-  explicit OtherRightSides(const LinearSystem& system)
-      : system_(system), prior_root_(system.prior.precision) {}
-
-  // The covariance of this over the samples is H^-1 J^T J H^-1, with the flex
-  // of each view as another error...
-  bool SolveNoise(Eigen::VectorXd* camera_parameters) {
-    const Eigen::VectorXd none =
-        Eigen::VectorXd::Zero(system_.prior.gradient.size());
-    Eigen::MatrixXd flex = NoFlex();
-    for (Eigen::Index pose = 0; flex.rows() > 0 && pose < flex.cols(); ++pose)
-      flex.col(pose) = system_.prior.flex_precision.cwiseSqrt().cwiseProduct(
-          RandomSigns(flex.rows(), &random_bits_));
-    return Solve([&] { return RandomSigns(2, &random_bits_); }, none, flex,
-                 camera_parameters);
-  }
-  // ... and of this, with P = B B^T + R R^T, H^-1 P H^-1; in sum H^-1.
-  bool SolvePrior(Eigen::VectorXd* camera_parameters) {
-    const PriorEquations& prior = system_.prior;
-    // Drawn in an order that no compiler chooses.
-    const Eigen::VectorXd root_signs =
-        RandomSigns(prior_root_.size(), &random_bits_);
-    const Eigen::VectorXd other_signs =
-        RandomSigns(prior.root.cols(), &random_bits_);
-    const Eigen::VectorXd gradient =
-        WithoutFree(prior.free, prior.freed,
-                    prior_root_.Times(root_signs, system_.layout.size)) +
-        prior.root * other_signs;
-    return Solve(NoError, gradient, NoFlex(), camera_parameters);
-  }
-  bool SolveSmoothing(Eigen::VectorXd* camera_parameters) {
-    return Solve(NoError, system_.prior.gradient, NoFlex(), camera_parameters);
-  }
-
- private:
-  static Eigen::VectorXd NoError() { return Eigen::VectorXd::Zero(2); }
-  Eigen::MatrixXd NoFlex() const {
-    return Eigen::MatrixXd::Zero(system_.prior.flex_gradient.rows(),
-                                 system_.prior.flex_gradient.cols());
-  }
-
-  template <typename MakeError>
-  bool Solve(const MakeError& make_error, const Eigen::VectorXd& gradient,
-             const Eigen::MatrixXd& flex_gradient,
-             Eigen::VectorXd* camera_parameters) const {
-    constexpr double kTolerance = 1e-2;
-    std::vector<ViewJacobian> jacobians = system_.jacobians;
-    for (ViewJacobian& jacobian : jacobians)
-      for (int i = 0; i < jacobian.count(); ++i)
-        jacobian.error.col(i) = make_error();
-    PriorEquations prior = system_.prior;
-    prior.gradient = gradient;
-    prior.flex_gradient = flex_gradient;
-    const LargeEquations equations(system_.layout, std::move(jacobians), prior,
-                                   system_.state.points, kTolerance,
-                                   system_.num_threads, memory_);
-    AdjustmentStep step;
-    if (!equations.Solve(0, &step)) return false;
-    *camera_parameters = step.cameras[system_.camera];
-    return true;
-  }
-
-  const LinearSystem& system_;
-  const PrecisionRoot prior_root_;
-  const std::shared_ptr<LargeEquations::Memory> memory_ =
-      std::make_shared<LargeEquations::Memory>();
-  std::mt19937 random_bits_{1};  // the standard fixes its sequence
-};
-
-bool AddSampledCovariances(const LinearSystem& system,
-                           const Eigen::MatrixXd& derivatives, int num_samples,
-                           std::vector<PixelUncertainty>* pixels,
-                           Eigen::MatrixXd* joint_px2) {
-  for (PixelUncertainty& pixel : *pixels)
-    pixel.noise_px2 = pixel.total_px2 = Eigen::Matrix2d::Zero();
-  if (joint_px2) joint_px2->setZero(derivatives.rows(), derivatives.rows());
-  OtherRightSides sides(system);
-  Eigen::VectorXd parameters;
-  for (int k = 0; k < num_samples; ++k) {
-    for (const bool is_noise : {true, false}) {
-      if (!(is_noise ? sides.SolveNoise(&parameters)
-                     : sides.SolvePrior(&parameters)))
-        return false;
-      const Eigen::VectorXd moved = derivatives * parameters;
-      if (joint_px2) *joint_px2 += moved * moved.transpose() / num_samples;
-      for (size_t i = 0; i < pixels->size(); ++i) {
-        const auto pixel = moved.segment<2>(2 * static_cast<Eigen::Index>(i));
-        const Eigen::Matrix2d square = pixel * pixel.transpose() / num_samples;
-        (*pixels)[i].total_px2 += square;
-        if (is_noise) (*pixels)[i].noise_px2 += square;
-      }
-    }
-  }
-  if (!sides.SolveSmoothing(&parameters)) return false;
-  const Eigen::VectorXd moved = derivatives * parameters;
+// The pixels of a lattice, and how they move with the camera's parameters, but
+// for a rotation; no move where the camera does not tell.
+Eigen::MatrixXd MovesOfLattice(const std::vector<View>& views,
+                               const AdjustmentState& state, int camera,
+                               const UncertaintyOptions& lattice,
+                               std::vector<PixelUncertainty>* pixels,
+                               std::vector<bool>* is_known) {
+  const CameraModel& model = *state.cameras[camera];
+  *pixels = LatticePixels(model.area(), lattice);
+  CountObservations(views, camera, model.area(), lattice, pixels);
+  LatticeDerivatives derivatives;
+  const Eigen::Index num_rows = 2 * static_cast<Eigen::Index>(pixels->size());
+  derivatives.by_parameters.setZero(num_rows, model.NumParameters());
+  derivatives.by_rotation.setZero(num_rows, 3);
+  is_known->clear();
   for (size_t i = 0; i < pixels->size(); ++i)
-    (*pixels)[i].smoothing_px =
-        moved.segment<2>(2 * static_cast<Eigen::Index>(i));
-  return true;
+    is_known->push_back(AddPixel(model, (*pixels)[i].pixel,
+                                 2 * static_cast<Eigen::Index>(i),
+                                 &derivatives));
+  return WithoutRotation(derivatives, *pixels);
 }
 
 }  // namespace
@@ -250,48 +223,57 @@ double WorseDeviation(const Eigen::Matrix2d& covariance) {
   return std::sqrt(mean + root);
 }
 
-std::vector<PixelUncertainty> ProjectionUncertainty(
-    const std::vector<View>& views, const GaussianPrior& prior,
-    const AdjustmentOptions& options, double noise_px,
-    const AdjustmentState& state, int camera, const UncertaintyOptions& lattice,
-    Eigen::MatrixXd* joint_px2) {
-  const CameraModel& model = *state.cameras[camera];
-  std::vector<PixelUncertainty> pixels = LatticePixels(model.area(), lattice);
-  CountObservations(views, camera, model.area(), lattice, &pixels);
-
-  LatticeDerivatives derivatives;
-  const Eigen::Index num_rows = 2 * static_cast<Eigen::Index>(pixels.size());
-  derivatives.by_parameters.setZero(num_rows, model.NumParameters());
-  derivatives.by_rotation.setZero(num_rows, 3);
+Eigen::MatrixXd MovesOfSeenPixels(const std::vector<View>& views,
+                                  const AdjustmentState& state, int camera,
+                                  const UncertaintyOptions& lattice) {
+  constexpr int kMaxPixels = 12;
   std::vector<bool> is_known;
+  std::vector<PixelUncertainty> pixels;
+  const Eigen::MatrixXd all =
+      MovesOfLattice(views, state, camera, lattice, &pixels, &is_known);
+  std::vector<Eigen::Index> seen;
   for (size_t i = 0; i < pixels.size(); ++i)
-    is_known.push_back(AddPixel(model, pixels[i].pixel,
-                                2 * static_cast<Eigen::Index>(i),
-                                &derivatives));
+    if (is_known[i] && pixels[i].num_observations >= kMinObservations)
+      seen.push_back(2 * static_cast<Eigen::Index>(i));
+  const size_t count = std::min<size_t>(kMaxPixels, seen.size());
+  Eigen::MatrixXd moves(2 * static_cast<Eigen::Index>(count), all.cols());
+  for (size_t k = 0; k < count; ++k)
+    moves.middleRows<2>(2 * static_cast<Eigen::Index>(k)) =
+        all.middleRows<2>(seen[k * seen.size() / count]);
+  return moves;
+}
 
-  const int num_threads = NumThreads(options.num_threads);
-  const ParameterLayout layout(state, {false, options.fix_points});
-  const LinearSystem system = {
-      layout,
-      PriorEquations(prior, state, layout),
-      WeightedJacobians(state, views, options.huber_px, num_threads),
-      state,
-      camera,
-      num_threads};
-  const Eigen::MatrixXd without_rotation = WithoutRotation(derivatives, pixels);
-  const bool is_regular =
-      NumDenseUnknowns(layout) <= lattice.max_exact_unknowns
-          ? AddExactCovariances(system, without_rotation, &pixels, joint_px2)
-          : AddSampledCovariances(system, without_rotation, lattice.num_samples,
-                                  &pixels, joint_px2);
-  if (!is_regular) return {};
-  if (joint_px2) *joint_px2 *= noise_px * noise_px;
+std::vector<PixelUncertainty> ProjectionUncertainty(
+    const LinearResponse& response, const ObservationNoise& noise,
+    const std::vector<View>& views, const AdjustmentState& state, int camera,
+    const UncertaintyOptions& lattice, Eigen::MatrixXd* joint_px2) {
+  std::vector<bool> is_known;
+  std::vector<PixelUncertainty> pixels;
+  const Eigen::MatrixXd without_rotation =
+      MovesOfLattice(views, state, camera, lattice, &pixels, &is_known);
+  const Eigen::Index num_rows = without_rotation.rows();
+  const Lattice moves(response, camera, without_rotation);
+  JointCovariances joint = {Eigen::MatrixXd::Zero(num_rows, num_rows),
+                            Eigen::MatrixXd::Zero(num_rows, num_rows),
+                            Eigen::VectorXd::Zero(num_rows)};
+  if (!(response.IsExact()
+            ? AddExactCovariances(response, moves, noise, &joint)
+            : AddSampledCovariances(response, moves, lattice.num_samples, noise,
+                                    &joint)) ||
+      !AddSharedNoise(response, moves, lattice.num_samples, state.points, noise,
+                      &joint))
+    return {};
+  if (joint_px2) *joint_px2 = joint.by_noise + joint.by_prior;
   for (size_t i = 0; i < pixels.size(); ++i) {
-    const double scale = is_known[i] ? noise_px * noise_px
-                                     : std::numeric_limits<double>::quiet_NaN();
-    pixels[i].noise_px2 *= scale;
-    if (!is_known[i]) pixels[i].smoothing_px.setConstant(scale);
-    pixels[i].total_px2 *= scale;
+    PixelUncertainty& pixel = pixels[i];
+    pixel.noise_px2 = OfPixel(joint.by_noise, i);
+    pixel.total_px2 = pixel.noise_px2 + OfPixel(joint.by_prior, i);
+    pixel.smoothing_px =
+        joint.smoothing_px.segment<2>(2 * static_cast<Eigen::Index>(i));
+    if (is_known[i]) continue;
+    pixel.noise_px2.setConstant(NAN);
+    pixel.total_px2.setConstant(NAN);
+    pixel.smoothing_px.setConstant(NAN);
   }
   return pixels;
 }

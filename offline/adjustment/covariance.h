@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "adjustment/bundle_adjustment.h"
+#include "adjustment/shared_noise.h"
 
 namespace raygrid {
 
@@ -29,34 +29,39 @@ double WorseDeviation(const Eigen::Matrix2d& covariance);
 /// area, row by row.
 struct UncertaintyOptions {
   int columns = 17, rows = 13;
-  int max_exact_unknowns = 2500;
   int num_samples = 64;
 };
 
 /// The uncertainty of an adjusted camera, with poses and points as unknown as
 /// they were. H = J^T J + P being the equations' matrix around the state, with
-/// the prior P, and s^2 the noise's variance, parameters are s^2 H^-1 from the
-/// truth if the prior holds, and scatter by s^2 H^-1 J^T J H^-1 with the noise.
-/// Their mean is H^-1 P (c - c0) from the truth c, of which the adjusted
-/// parameters are an estimate; c0 is the prior's mean.
+/// the prior P, s^2 the variance that adjustment found and N the covariance of
+/// the observations' noise, parameters scatter by H^-1 J^T N J H^-1 with the
+/// noise, and are from the truth by s^2 H^-1 P H^-1 besides if the prior holds:
+/// together by s^2 H^-1 if the noise is white. Their mean is H^-1 P (c - c0)
+/// from the truth c, of which the adjusted parameters are an estimate; c0 is
+/// the prior's mean.
 /// The camera's orientation, which no observation can see, is the one nearest
-/// to the true rays of the pixels that are among observations. Nothing if the
+/// to the true rays of the observations. Nothing if the
 /// equations are singular. The flex of a view counts as noise, being drawn anew
-/// with each view: H^-1 (J^T J + its prior) H^-1.
+/// with each view: its prior stands beside J^T N J.
 ///
-/// Up to max_exact_unknowns by factoring H; beyond, where that takes too much
-/// time and memory, from samples: adjustments to random residuals and around a
-/// random prior mean. A standard deviation is known to 1 / sqrt(2 num_samples)
-/// then, 9 %.
+/// Exact where the response is, but for noise that neighbours share: that, and
+/// all where the response is not exact, is told by samples. A standard
+/// deviation is known to 1 / sqrt(2 num_samples) then, 9 %.
 ///
 /// joint_px2, if given, is what total_px2 is a part of: the covariance of all
 /// pixels' x and y.
 std::vector<PixelUncertainty> ProjectionUncertainty(
-    const std::vector<View>& views, const GaussianPrior& prior,
-    const AdjustmentOptions& options, double noise_px,
-    const AdjustmentState& state, int camera,
+    const LinearResponse& response, const ObservationNoise& noise,
+    const std::vector<View>& views, const AdjustmentState& state, int camera,
     const UncertaintyOptions& lattice = {},
     Eigen::MatrixXd* joint_px2 = nullptr);
+
+/// How some pixels among observations move with the camera's parameters, two
+/// rows each, but for a rotation that all share.
+Eigen::MatrixXd MovesOfSeenPixels(const std::vector<View>& views,
+                                  const AdjustmentState& state, int camera,
+                                  const UncertaintyOptions& lattice = {});
 
 }  // namespace raygrid
 

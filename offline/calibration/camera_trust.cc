@@ -152,9 +152,15 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
   const UncertaintyOptions size = LatticeOver(area);
   const TrustMask near = CellsNearFeatures(adjusted, camera);
   Eigen::MatrixXd joint_px2;
+  const LinearResponse response(adjusted.problem.views, adjusted.prior, options,
+                                adjusted.state);
+  const ObservationNoise noise = MeasureNoise(
+      response, adjusted.state, camera,
+      MovesOfSeenPixels(adjusted.problem.views, adjusted.state, camera, size),
+      noise_px);
   const std::vector<PixelUncertainty> pixels =
-      ProjectionUncertainty(adjusted.problem.views, adjusted.prior, options,
-                            noise_px, adjusted.state, camera, size, &joint_px2);
+      ProjectionUncertainty(response, noise, adjusted.problem.views,
+                            adjusted.state, camera, size, &joint_px2);
   DeviationLattice seen = {size.columns, size.rows, {}}, total = seen;
   for (const PixelUncertainty& pixel : pixels) {
     const double seen_px = WorseDeviation(
@@ -171,6 +177,7 @@ std::optional<CameraUncertainty> UncertaintyOf(const Adjusted& adjusted,
   uncertainty.mask =
       KnownCells(near, area, total, uncertainty.max_deviation_px);
   uncertainty.modes = ModesOf(joint_px2, size);
+  uncertainty.noise = {noise.own_px, noise.SharedPx(), noise.MeanLength()};
   // The deviation that smoothing takes away cannot be estimated where
   // observations are few.
   uncertainty.lattice = seen;

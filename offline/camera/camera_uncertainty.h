@@ -68,6 +68,15 @@ struct ErrorModes {
                      const Eigen::Vector2d& pixel) const;
 };
 
+/// The noise of the features that a camera was calibrated with, as their errors
+/// tell it: standard deviations of a coordinate.
+struct FeatureNoise {
+  double own_px = 0;     ///< of each feature for itself
+  double shared_px = 0;  ///< of what neighbours of a view share
+  /// How many features away it is alike: by exp(-1/2).
+  double shared_features = 0;
+};
+
 /// How well a camera is known: by the calibration's noise where it can be
 /// trusted, by all that is not known elsewhere.
 struct CameraUncertainty {
@@ -75,6 +84,7 @@ struct CameraUncertainty {
   TrustMask mask;
   double max_deviation_px = 0;  ///< of the cells trusted
   ErrorModes modes;             ///< may be empty
+  FeatureNoise noise;           ///< of a calibration that is not from a file
 
   /// How well a camera is known of which no deviation is.
   static CameraUncertainty OfMask(const TrustMask& mask);

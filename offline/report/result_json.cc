@@ -143,7 +143,11 @@ void AddCamera(const CalibrationResult& result, Json* json) {
     (*json)["uncertainty"] = {
         {"median_px", known->lattice.MedianPx()},
         {"max_trusted_px", known->max_deviation_px},
-        {"trusted_part", known->TrustedPart(camera.image_size(), area)}};
+        {"trusted_part", known->TrustedPart(camera.image_size(), area)},
+        {"feature_noise",
+         {{"own_px", known->noise.own_px},
+          {"shared_px", known->noise.shared_px},
+          {"shared_features", known->noise.shared_features}}}};
   if (const auto& circle = camera.image_circle())
     (*json)["image_circle"] = {
         {"center_px", {circle->center.x(), circle->center.y()}},

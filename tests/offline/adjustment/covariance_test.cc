@@ -8,12 +8,24 @@ namespace {
 
 constexpr double kObservedNoisePx = 0.2;
 const UncertaintyOptions kLattice = {9, 7};
+constexpr int kAllExact = 100000;
 
 UncertaintyOptions Sampled(int num_samples) {
   UncertaintyOptions options = kLattice;
-  options.max_exact_unknowns = 0;
   options.num_samples = num_samples;
   return options;
+}
+
+// By white noise.
+std::vector<PixelUncertainty> UncertaintyFor(
+    const SmallProblem& problem, const GaussianPrior& prior,
+    const AdjustmentOptions& options, double noise_px,
+    const UncertaintyOptions& lattice = kLattice,
+    int max_exact_unknowns = kAllExact) {
+  const LinearResponse response(problem.views, prior, options, problem.state,
+                                max_exact_unknowns);
+  return ProjectionUncertainty(response, {noise_px, noise_px, {}},
+                               problem.views, problem.state, 0, lattice);
 }
 
 // Views of a camera with a coarse grid, exactly; the area is that of its image.
@@ -49,8 +61,7 @@ AdjustmentOptions Options() {
 }
 
 // Pixel errors of the places where the lattice's true rays are seen, less the
-// rotation that brings those among observations nearest to where they truly
-// are.
+// rotation that brings observations nearest to where they truly are.
 Eigen::VectorXd Errors(const CameraModel& camera, const CameraModel& truth,
                        const std::vector<PixelUncertainty>& pixels) {
   const Eigen::Index size = 2 * static_cast<Eigen::Index>(pixels.size());
@@ -69,10 +80,10 @@ Eigen::VectorXd Errors(const CameraModel& camera, const CameraModel& truth,
            pixel) /
           1e-5;
     }
-    supported.middleRows<2>(row) = (pixels[i].num_observations >= 3 ? 1 : 0) *
-                                   by_rotation.middleRows<2>(row);
+    supported.middleRows<2>(row) =
+        pixels[i].num_observations * by_rotation.middleRows<2>(row);
   }
-  return errors - by_rotation * (supported.transpose() * supported)
+  return errors - by_rotation * (supported.transpose() * by_rotation)
                                     .ldlt()
                                     .solve(supported.transpose() * errors);
 }
@@ -82,9 +93,10 @@ TEST(ProjectionUncertainty, IsHowAdjustedCamerasScatterWithTheNoise) {
   const SmallProblem exact = ExactProblem();
   const GaussianPrior prior = WeakPrior(exact);
   Eigen::MatrixXd joint_px2;
+  const LinearResponse response(exact.views, prior, Options(), exact.state);
   const std::vector<PixelUncertainty> predicted =
-      ProjectionUncertainty(exact.views, prior, Options(), kObservedNoisePx,
-                            exact.state, 0, kLattice, &joint_px2);
+      ProjectionUncertainty(response, {kObservedNoisePx, kObservedNoisePx, {}},
+                            exact.views, exact.state, 0, kLattice, &joint_px2);
   ASSERT_EQ(predicted.size(), 63u);
   ASSERT_EQ(joint_px2.rows(), 126);
   for (size_t i = 0; i < predicted.size(); ++i)
@@ -129,10 +141,9 @@ TEST(ProjectionUncertainty, SamplesAgreeWithTheFactor) {
     AdjustmentOptions options = Options();
     options.fix_points = fix_points;
     const auto expected =
-        ProjectionUncertainty(exact.views, prior, options, kObservedNoisePx,
-                              exact.state, 0, kLattice);
-    const auto found = ProjectionUncertainty(
-        exact.views, prior, options, kObservedNoisePx, exact.state, 0, sampled);
+        UncertaintyFor(exact, prior, options, kObservedNoisePx);
+    const auto found =
+        UncertaintyFor(exact, prior, options, kObservedNoisePx, sampled, 0);
     ASSERT_EQ(found.size(), expected.size());
     double noise_sum = 0, total_sum = 0;
     for (size_t i = 0; i < found.size(); ++i) {
@@ -159,9 +170,8 @@ TEST(ProjectionUncertainty, SamplesAreTheSameWithAnyNumberOfThreads) {
   std::vector<PixelUncertainty> first;
   for (const int num_threads : {1, 3}) {
     options.num_threads = num_threads;
-    const auto found =
-        ProjectionUncertainty(exact.views, WeakPrior(exact), options,
-                              kObservedNoisePx, exact.state, 0, Sampled(3));
+    const auto found = UncertaintyFor(exact, WeakPrior(exact), options,
+                                      kObservedNoisePx, Sampled(3), 0);
     ASSERT_FALSE(found.empty());
     if (first.empty()) first = found;
     for (size_t i = 0; i < found.size(); ++i)
@@ -172,10 +182,8 @@ TEST(ProjectionUncertainty, SamplesAreTheSameWithAnyNumberOfThreads) {
 TEST(ProjectionUncertainty, GrowsWithTheNoiseAndWhereFewFeaturesAre) {
   const SmallProblem exact = ExactProblem();
   const GaussianPrior prior = WeakPrior(exact);
-  const auto once = ProjectionUncertainty(exact.views, prior, Options(), 0.1,
-                                          exact.state, 0, kLattice);
-  const auto twice = ProjectionUncertainty(exact.views, prior, Options(), 0.2,
-                                           exact.state, 0, kLattice);
+  const auto once = UncertaintyFor(exact, prior, Options(), 0.1);
+  const auto twice = UncertaintyFor(exact, prior, Options(), 0.2);
   const PixelUncertainty& corner = once.front();
   const PixelUncertainty& middle = once[once.size() / 2];
   EXPECT_NEAR(WorseDeviation(twice.front().total_px2),

@@ -64,9 +64,11 @@ Draw CalibrateDraw(const Pattern& pattern, const Adjusted& start,
   draw.weight = adjusted.prior.cameras[0].groups[0].weight;
   options.fix_points = true;
   const double middle = Now();
+  const LinearResponse response(adjusted.problem.views, adjusted.prior, options,
+                                adjusted.state);
   draw.predicted =
-      ProjectionUncertainty(adjusted.problem.views, adjusted.prior, options,
-                            draw.noise_px, adjusted.state, 0);
+      ProjectionUncertainty(response, {draw.noise_px, draw.noise_px, {}},
+                            adjusted.problem.views, adjusted.state, 0);
   draw.covariance_seconds = Now() - middle;
   const TrustMask mask = UncertaintyOf(adjusted, 0, 1).value().mask;
   for (const PixelUncertainty& p : draw.predicted)

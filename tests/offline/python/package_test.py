@@ -326,7 +326,8 @@ class Calibrations(PackageTest):
         pixels = np.stack(np.meshgrid(np.arange(SIZE[0]), np.arange(SIZE[1])), -1)
         self.assertAlmostEqual(camera.is_trusted(pixels).mean(), figures["trusted_part_of_image"],
                                places=3)
-        self.assertLessEqual(np.nanmax(known[camera.is_trusted(lattice)]),
+        # A lens that the model cannot follow may be trusted nowhere.
+        self.assertLessEqual(np.nanmax(known[camera.is_trusted(lattice)], initial=0),
                              1.3 * figures["trusted_to_px"])
         self.assertTrue(np.isnan(camera.uncertainty([[-50, 0]])).all())
 

@@ -1,0 +1,96 @@
+#include "adjustment/linear_response.h"
+
+#include "adjustment/dense_equations.h"
+#include "adjustment/large_equations.h"
+#include "adjustment/residual_product.h"
+#include "dataset/parallel_for.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kTolerance = 1e-2;
+
+}  // namespace
+
+LinearResponse::LinearResponse(const std::vector<View>& views,
+                               const GaussianPrior& prior,
+                               const AdjustmentOptions& options,
+                               const AdjustmentState& state,
+                               int max_exact_unknowns)
+    : layout_(state, {false, options.fix_points}),
+      prior_(prior, state, layout_),
+      jacobians_(WeightedJacobians(state, views, options.huber_px,
+                                   options.num_threads)),
+      is_exact_(NumDenseUnknowns(layout_) <= max_exact_unknowns),
+      prior_root_(prior_.precision) {
+  const int num_threads = NumThreads(options.num_threads);
+  if (is_exact_)
+    equations_ = std::make_unique<DenseEquations>(layout_, jacobians_, prior_,
+                                                  num_threads);
+  else
+    equations_ = std::make_unique<LargeEquations>(
+        layout_, jacobians_, prior_, state.points, kTolerance, num_threads,
+        std::make_shared<LargeEquations::Memory>());
+}
+
+Eigen::VectorXd LinearResponse::Gradient(const ViewErrors& errors) const {
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(layout_.num_all());
+  for (size_t v = 0; v < jacobians_.size(); ++v) {
+    const ViewJacobian& j = jacobians_[v];
+    const ResidualProduct product(layout_, j);
+    for (int i = 0; i < j.count(); ++i) {
+      const Eigen::Vector2d error = errors[v].col(i);
+      product.AddTransposed(error, i, &gradient);
+      gradient.segment(layout_.Pose(j.pose), layout_.per_pose).noalias() +=
+          j.ByPose(i) * error;
+    }
+  }
+  return gradient;
+}
+
+ViewErrors LinearResponse::ErrorsBy(const Eigen::VectorXd& parameters) const {
+  ViewErrors errors;
+  for (const ViewJacobian& j : jacobians_) {
+    const ResidualProduct product(layout_, j);
+    const Eigen::VectorXd pose =
+        parameters.segment(layout_.Pose(j.pose), layout_.per_pose);
+    Eigen::Matrix2Xd& own = errors.emplace_back(2, j.count());
+    for (int i = 0; i < j.count(); ++i)
+      own.col(i) =
+          product.Times(parameters, i) + j.ByPose(i).transpose() * pose;
+  }
+  return errors;
+}
+
+// With P = B B^T + R R^T.
+Eigen::VectorXd LinearResponse::DrawPrior(std::mt19937* random_bits) const {
+  // Drawn in an order that no compiler chooses.
+  const Eigen::VectorXd root_signs =
+      RandomSigns(prior_root_.size(), random_bits);
+  const Eigen::VectorXd other_signs =
+      RandomSigns(prior_.root.cols(), random_bits);
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(layout_.num_all());
+  gradient.head(layout_.size) =
+      WithoutFree(prior_.free, prior_.freed,
+                  prior_root_.Times(root_signs, layout_.size)) +
+      prior_.root * other_signs;
+  return gradient;
+}
+
+Eigen::VectorXd LinearResponse::DrawFlex(std::mt19937* random_bits) const {
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(layout_.num_all());
+  const Eigen::Index num_modes = prior_.flex_precision.size();
+  for (int pose = 0; num_modes > 0 && pose < layout_.num_poses; ++pose)
+    gradient.segment(layout_.Pose(pose) + 6, num_modes) =
+        prior_.flex_precision.cwiseSqrt().cwiseProduct(
+            RandomSigns(num_modes, random_bits));
+  return gradient;
+}
+
+Eigen::VectorXd LinearResponse::PriorGradient() const {
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(layout_.num_all());
+  gradient.head(layout_.size) = prior_.gradient;
+  return gradient;
+}
+
+}  // namespace raygrid

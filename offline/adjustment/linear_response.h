@@ -1,0 +1,63 @@
+#ifndef RAYGRID_ADJUSTMENT_LINEAR_RESPONSE_H
+#define RAYGRID_ADJUSTMENT_LINEAR_RESPONSE_H
+
+#include <Eigen/Core>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "adjustment/bundle_adjustment.h"
+#include "adjustment/normal_equations.h"
+#include "adjustment/precision_root.h"
+
+namespace raygrid {
+
+/// Errors of the residuals of each view: a column an observation. Those of
+/// parameters are over all of them, as ParameterLayout has them.
+using ViewErrors = std::vector<Eigen::Matrix2Xd>;
+
+/// How an adjusted state answers to other errors of its observations and to
+/// another mean of its prior: H x = J^T e + g, with H = J^T J + P.
+class LinearResponse {
+ public:
+  /// Factors H up to so many unknowns of DenseEquations; beyond, where that
+  /// takes too much time and memory, solutions are iterated to an error of 1 %.
+  LinearResponse(const std::vector<View>& views, const GaussianPrior& prior,
+                 const AdjustmentOptions& options, const AdjustmentState& state,
+                 int max_exact_unknowns = 2500);
+
+  bool IsExact() const { return is_exact_; }
+  const ParameterLayout& layout() const { return layout_; }
+  const PriorEquations& prior() const { return prior_; }
+  const std::vector<ViewJacobian>& jacobians() const { return jacobians_; }
+
+  /// J^T e.
+  Eigen::VectorXd Gradient(const ViewErrors& errors) const;
+  /// J x.
+  ViewErrors ErrorsBy(const Eigen::VectorXd& parameters) const;
+
+  /// A gradient of covariance P, but for the flex's share.
+  Eigen::VectorXd DrawPrior(std::mt19937* random_bits) const;
+  /// A gradient of the covariance of the flex's share of P.
+  Eigen::VectorXd DrawFlex(std::mt19937* random_bits) const;
+  /// The prior's own gradient.
+  Eigen::VectorXd PriorGradient() const;
+
+  /// Solves for several right sides, over all parameters or those before the
+  /// poses. False if H is not positive definite.
+  bool Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* x) const {
+    return equations_->SolveFor(0, right, x);
+  }
+
+ private:
+  ParameterLayout layout_;
+  PriorEquations prior_;
+  std::vector<ViewJacobian> jacobians_;
+  bool is_exact_;
+  PrecisionRoot prior_root_;
+  std::unique_ptr<NormalEquations> equations_;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_ADJUSTMENT_LINEAR_RESPONSE_H
