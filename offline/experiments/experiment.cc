@@ -48,7 +48,12 @@ const std::vector<Experiment>& Experiments() {
        "where a walk ends, by calibration",
        MeasureTrajectoryDrift,
        60,
-       {"--features", "--camera", "--walk"}}};
+       {"--features", "--camera", "--walk"}},
+      {"repeatability",
+       "cameras of two halves of the images, beside their stated deviations",
+       MeasureRepeatability,
+       40,
+       {"--features"}}};
   return experiments;
 }
 

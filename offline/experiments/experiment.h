@@ -127,6 +127,10 @@ ExperimentResult MeasureStereoDepth(const ExperimentOptions& options);
 /// the last of the cameras.
 ExperimentResult MeasureTrajectoryDrift(const ExperimentOptions& options);
 
+/// How well a camera calibrated from half of the images repeats that of the
+/// other half, beside what their stated deviations predict.
+ExperimentResult MeasureRepeatability(const ExperimentOptions& options);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_EXPERIMENTS_EXPERIMENT_H

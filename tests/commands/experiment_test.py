@@ -307,6 +307,23 @@ cameras:
         self.assert_refused(run("experiment", "localization", "-o", folder, *data[:2]), 1,
                             "--pattern")
 
+    def test_repeatability(self):
+        def simulate(folder, images):
+            self.assert_done(run("simulate", "--images", images, "--features-per-image", 100,
+                                 "--pattern", write(self.path("board.yaml"), SIMULATED_PATTERN),
+                                 "--shared-noise-px", 0.05, "-o", self.path(folder)))
+            return ("--features", self.path(folder + "/features.csv"), "--pattern",
+                    self.path(folder + "/pattern.yaml"), "--image-size", "640x480")
+        rows, _ = self.small("repeatability", *simulate("many", 24))
+        self.assertEqual([row["pair"] for row in rows],
+                         [str(k + 1) for k in range(10)] + ["all"])
+        self.assertGreater(int(rows[-1]["known_places"]), 1000)
+        # White noise alone would make the ratio about 2.
+        self.assertGreater(float(rows[-1]["known_ratio"]), 0.2)
+        self.assertLess(float(rows[-1]["known_ratio"]), 1.4)
+        self.assert_refused(run("experiment", "repeatability", "-o", self.path("few"),
+                                *simulate("five", 5)), 3, "take more images")
+
     def test_number_of_threads_changes_nothing(self):
         name = "feature-refinement"
         self.assertEqual(self.experiment(name, 1), self.experiment(name, 2))

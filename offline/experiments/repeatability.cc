@@ -1,0 +1,310 @@
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "calibration/calibration.h"
+#include "dataset/error.h"
+#include "dataset/parallel_for.h"
+#include "evaluation/residual_statistics.h"
+#include "experiments/experiment.h"
+#include "simulation/random.h"
+#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_observations.h"
+
+namespace raygrid {
+namespace {
+
+constexpr int kPairs = 10;
+constexpr double kKnownPx = 3;  // worse, errors are not linear any more
+
+// A set of images, of which each half is to give the same camera.
+struct ImageSet {
+  std::string name;
+  Dataset dataset;
+  Pattern pattern;
+};
+
+ImageSet Simulated(const std::string& name, const ExperimentOptions& options,
+                   double flex_m, double shared_noise_px) {
+  SimulationOptions simulation;
+  simulation.num_images = options.num_images;
+  simulation.seed = options.seed + 1;
+  simulation.board_flex_m = flex_m;
+  simulation.shared_noise_px = shared_noise_px;
+  simulation.shared_noise_features = 8;
+  const Pattern pattern = ChessboardPattern(30, 24, 0.02);
+  return {name,
+          SimulateObservations(*SimulatedLens("example", options.size), pattern,
+                               simulation)
+              .dataset,
+          pattern};
+}
+
+std::vector<ImageSet> SetsFor(const ExperimentOptions& options) {
+  if (options.data.features)
+    return {{"the user's", *options.data.features, options.data.pattern}};
+  return {Simulated("white noise", options, 0, 0),
+          Simulated("board that bends", options, 3e-4, 0),
+          Simulated("shared noise", options, 0, 0.05)};
+}
+
+// The names of the images in two random halves.
+std::array<std::vector<std::string>, 2> Halves(const Dataset& dataset,
+                                               Random* random) {
+  std::vector<int> order(dataset.images.size());
+  for (size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+  for (int i = static_cast<int>(order.size()) - 1; i > 0; --i)
+    std::swap(order[i], order[random->Index(i + 1)]);
+  std::array<std::vector<std::string>, 2> halves;
+  for (size_t i = 0; i < order.size(); ++i)
+    halves[i % 2].push_back(dataset.images[order[i]].image);
+  return halves;
+}
+
+// A pixel that both cameras have features near and state to know, and how it
+// moves as the camera turns.
+struct Place {
+  Eigen::Vector2d pixel, difference_px;
+  Eigen::Matrix<double, 2, 3> by_rotation;
+  double stated_px = 0;
+  bool is_trusted = false;
+};
+
+// The cells of a lattice of so many columns that hold a few features.
+class SeenCells {
+ public:
+  SeenCells(const Dataset& features, const Area& area, int columns)
+      : area_(area), columns_(columns), cell_px_(area.width() / columns) {
+    rows_ = std::max(1, static_cast<int>(std::ceil(area.height() / cell_px_)));
+    counts_.assign(columns_ * rows_, 0);
+    for (const ImageFeatures& image : features.images)
+      for (const Feature& feature : image.features)
+        ++counts_[CellOf(feature.pixel)];
+  }
+  bool Holds(const Eigen::Vector2d& pixel) const {
+    constexpr int kMinFeatures = 3;
+    return counts_[CellOf(pixel)] >= kMinFeatures;
+  }
+
+ private:
+  int CellOf(const Eigen::Vector2d& pixel) const {
+    const int column = static_cast<int>((pixel.x() - area_.x0) / cell_px_);
+    const int row = static_cast<int>((pixel.y() - area_.y0) / cell_px_);
+    return std::clamp(row, 0, rows_ - 1) * columns_ +
+           std::clamp(column, 0, columns_ - 1);
+  }
+
+  Area area_;
+  int columns_, rows_ = 0;
+  double cell_px_;
+  std::vector<int> counts_;
+};
+
+std::vector<Place> PlacesOf(const CalibrationResult& first,
+                            const CalibrationResult& second) {
+  constexpr int kColumns = 64, kSeenColumns = 16;
+  const CameraModel &a = *first.camera.camera, &b = *second.camera.camera;
+  const Area& area = a.area();
+  const SeenCells seen[] = {{first.features, area, kSeenColumns},
+                            {second.features, area, kSeenColumns}};
+  const auto &ua = *first.camera.uncertainty, &ub = *second.camera.uncertainty;
+  std::vector<Place> places;
+  const double step_px = area.width() / kColumns;
+  for (double y = area.y0 + step_px / 2; y < area.y1; y += step_px)
+    for (double x = area.x0 + step_px / 2; x < area.x1; x += step_px) {
+      Place place;
+      place.pixel = {x, y};
+      const auto ray = b.Unproject(place.pixel);
+      const auto seen_at = ray ? a.Project(*ray) : std::nullopt;
+      LinearizedProjection linear;
+      if (!seen_at || !seen[0].Holds(place.pixel) ||
+          !seen[1].Holds(place.pixel) ||
+          !a.Linearize(*ray, &place.pixel, 1, &linear))
+        continue;
+      place.difference_px = *seen_at - place.pixel;
+      Eigen::Matrix3d minus_cross;
+      minus_cross << 0, ray->z(), -ray->y(), -ray->z(), 0, ray->x(), ray->y(),
+          -ray->x(), 0;
+      place.by_rotation = linear.by_point * minus_cross;
+      const double stated_px[] = {ua.lattice.At(area, place.pixel),
+                                  ub.lattice.At(b.area(), place.pixel)};
+      if (!(std::max(stated_px[0], stated_px[1]) <= kKnownPx)) continue;
+      place.stated_px = std::hypot(stated_px[0], stated_px[1]);
+      place.is_trusted =
+          ua.mask.Trusts(place.pixel) && ub.mask.Trusts(place.pixel);
+      places.push_back(place);
+    }
+  return places;
+}
+
+// No image tells how a camera is turned. Places count as far as they are known;
+// those that differ by more than stated, less.
+void TakeRotationOut(std::vector<Place>* places) {
+  constexpr int kSteps = 10;
+  constexpr double kFar = 2;  // stated deviations
+  for (int step = 0; step < kSteps; ++step) {
+    Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (const Place& place : *places) {
+      const double far = place.difference_px.norm() / (kFar * place.stated_px);
+      const Eigen::Matrix<double, 3, 2> weighted =
+          place.by_rotation.transpose() /
+          (std::pow(place.stated_px, 2) * std::max(1.0, far));
+      square += weighted * place.by_rotation;
+      right += weighted * place.difference_px;
+    }
+    const Eigen::Vector3d rotation = square.ldlt().solve(right);
+    for (Place& place : *places)
+      place.difference_px -= place.by_rotation * rotation;
+  }
+}
+
+// Sums over places: of squared differences in an axis and of what is stated;
+// and the squared quotients of the two.
+struct Spread {
+  double difference2 = 0, stated2 = 0;
+  std::vector<double> quotient2;
+
+  void Add(const Place& place) {
+    const double own2 = place.difference_px.squaredNorm() / 2;
+    const double own_stated2 = place.stated_px * place.stated_px;
+    difference2 += own2;
+    stated2 += own_stated2;
+    quotient2.push_back(own2 / own_stated2);
+  }
+  void Add(const Spread& other) {
+    difference2 += other.difference2;
+    stated2 += other.stated2;
+    quotient2.insert(quotient2.end(), other.quotient2.begin(),
+                     other.quotient2.end());
+  }
+  int count() const { return static_cast<int>(quotient2.size()); }
+  double RmsQuotient() const {
+    double sum = 0;
+    for (const double quotient : quotient2) sum += quotient;
+    return std::sqrt(sum / count());
+  }
+  // For two independent axes this is about the RMS. Where all places move
+  // together it is less, and a few places that are far off do not count.
+  double TypicalQuotient() const {
+    constexpr double kMedianOfNormal = M_LN2;  // of half a sum of two squares
+    return std::sqrt(Quantile(quotient2, 0.5) / kMedianOfNormal);
+  }
+};
+
+struct Repetition {
+  Spread trusted, known;
+};
+
+// The cells and whether boards bend are those of all images together.
+std::optional<Repetition> Repeat(const ImageSet& set,
+                                 const CalibrationResult& all, uint64_t seed) {
+  Random random(seed);
+  std::vector<CalibrationResult> results;
+  for (const std::vector<std::string>& half : Halves(set.dataset, &random)) {
+    CalibrationOptions calibration;
+    calibration.num_threads = 1;
+    calibration.cell_px = all.cell_px;
+    calibration.rigid_board = !all.bends;
+    calibration.hold_out = half;
+    calibration.same_view_px = 0;
+    results.push_back(Calibrate(set.dataset, set.pattern, calibration));
+    if (!results.back().camera.uncertainty) return std::nullopt;
+  }
+  std::vector<Place> places = PlacesOf(results[0], results[1]);
+  if (places.empty()) return std::nullopt;
+  TakeRotationOut(&places);
+  Repetition repetition;
+  for (const Place& place : places) {
+    repetition.known.Add(place);
+    if (place.is_trusted) repetition.trusted.Add(place);
+  }
+  return repetition;
+}
+
+std::vector<std::optional<Repetition>> RepeatAll(
+    const ImageSet& set, const ExperimentOptions& options) {
+  CalibrationOptions calibration;
+  calibration.num_threads = options.num_threads;
+  const CalibrationResult together =
+      Calibrate(set.dataset, set.pattern, calibration);
+  std::vector<std::optional<Repetition>> repetitions(kPairs);
+  ParallelFor(kPairs, NumThreads(options.num_threads), [&](int k) {
+    try {
+      repetitions[k] = Repeat(set, together, options.seed + k);
+    } catch (const Error&) {
+      // Half of the images may be too few.
+    }
+  });
+  return repetitions;
+}
+
+std::vector<Cell> RowOf(const std::string& set, const std::string& pair,
+                        const Repetition& repetition) {
+  const Spread &trusted = repetition.trusted, &known = repetition.known;
+  const auto root = [&](double sum, double count) -> Cell {
+    if (trusted.count() == 0) return std::string("none");
+    return std::sqrt(sum / count);
+  };
+  return {set,
+          pair,
+          trusted.count(),
+          root(trusted.difference2, trusted.count()),
+          root(trusted.stated2, trusted.count()),
+          root(trusted.difference2, trusted.stated2),
+          known.count(),
+          known.RmsQuotient(),
+          known.TypicalQuotient()};
+}
+
+}  // namespace
+
+ExperimentResult MeasureRepeatability(const ExperimentOptions& options) {
+  ExperimentResult table;
+  table.columns = {"set",          "pair",        "trusted_places",
+                   "trusted_px",   "stated_px",   "trusted_ratio",
+                   "known_places", "known_ratio", "known_median_ratio"};
+  table.chart.title = "Cameras of two halves of the images";
+  table.chart.note =
+      "their difference by their stated deviations, RMS over pixels that both "
+      "state to know to 3 px; 1 where statements hold";
+  table.chart.x_label = "pair of halves";
+  table.chart.y_label = "ratio";
+  for (int k = 1; k <= kPairs; ++k)
+    table.chart.ticks.push_back({double(k), std::to_string(k)});
+  const std::vector<ImageSet> sets = SetsFor(options);
+  for (size_t i = 0; i < sets.size(); ++i) {
+    const auto repetitions = RepeatAll(sets[i], options);
+    ChartSeries ratios = {sets[i].name, {}, false};
+    Repetition all;
+    for (int k = 0; k < kPairs; ++k) {
+      if (!repetitions[k]) continue;
+      const Repetition& own = *repetitions[k];
+      table.rows.push_back(RowOf(sets[i].name, std::to_string(k + 1), own));
+      ratios.points.push_back({k + 1.0, own.known.RmsQuotient()});
+      all.trusted.Add(own.trusted);
+      all.known.Add(own.known);
+    }
+    if (all.known.count() == 0)
+      throw Error(ExitCode::kTooFew,
+                  "no two halves of the images give cameras that see the same "
+                  "places; take more images");
+    table.rows.push_back(RowOf(sets[i].name, "all", all));
+    table.chart.series.push_back(ratios);
+    if (options.progress)
+      options.progress(static_cast<double>(i + 1) /
+                       static_cast<double>(sets.size()));
+  }
+  table.conditions = {
+      {"halves",
+       fmt::format("{} pairs, each camera from half of the images", kPairs)},
+      {"ratio",
+       "difference in an axis by the stated deviations, which are those of the "
+       "worse direction: of the RMS over places that both trust; RMS, and by "
+       "the median, over all that both state to know to 3 px"}};
+  return table;
+}
+
+}  // namespace raygrid
